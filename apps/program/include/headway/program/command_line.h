@@ -1,0 +1,84 @@
+#pragma once
+
+#include <headway/core/params.h>
+#include <mrpt/system/COutputLogger.h>
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace headway::program {
+
+/// The command line itself is wrong: exit status 2.
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The command line that all programs share, and what one program adds to it.
+///
+/// Every program has --help, --version, -v/--verbosity and -q/--quiet; with parameters() also
+/// -c/--config, --set and --dump-config. Targets keep their value where the option is not given.
+///
+///     std::string input;
+///     CommandLine line("headway-export", "Writes a rawlog as a KITTI odometry folder.");
+///     line.positional(input, "IN.rawlog", "rawlog to read");
+///     if (!line.parse(argc, argv)) return kDone;  // --help, --version or --dump-config
+class CommandLine {
+ public:
+  CommandLine(const std::string& program, const std::string& summary);
+  ~CommandLine();
+
+  /// Next argument without a dash; must be given.
+  void positional(std::string& target, const std::string& name, const std::string& meaning);
+  /// `short_name` 0: there is only the long one.
+  void flag(bool& target, char short_name, const std::string& name, const std::string& meaning);
+  void option(std::string& target, char short_name, const std::string& name,
+              const std::string& type, const std::string& meaning, bool required = false);
+  void option(double& target, char short_name, const std::string& name, const std::string& type,
+              const std::string& meaning);
+  void option(int& target, char short_name, const std::string& name, const std::string& type,
+              const std::string& meaning);
+  void option(std::optional<std::size_t>& target, char short_name, const std::string& name,
+              const std::string& type, const std::string& meaning);
+  /// Adds -c, --set and --dump-config; `params` must outlive parse().
+  void parameters(Params& params);
+
+  /// Reads the arguments into the targets, then the configuration into the parameters.
+  ///
+  /// @return false if the program has nothing more to do (--help, --version, --dump-config)
+  /// @throws UsageError, InputError
+  [[nodiscard]] bool parse(int argc, const char* const* argv);
+
+  [[nodiscard]] bool quiet() const { return quiet_; }
+  [[nodiscard]] mrpt::system::VerbosityLevel verbosity() const { return verbosity_; }
+
+ private:
+  struct Arguments;
+  std::unique_ptr<Arguments> arguments_;
+  Params* params_ = nullptr;
+  bool quiet_ = false;
+  mrpt::system::VerbosityLevel verbosity_ = mrpt::system::LVL_INFO;
+};
+
+inline constexpr int kDone = 0;
+inline constexpr int kInputFault = 1;
+inline constexpr int kUsage = 2;
+
+/// Runs a program's body and turns what it throws into one line on standard error and the exit
+/// status: UsageError 2, any other exception 1.
+int run(const std::string& program, const std::function<int()>& body);
+
+/// Takes the first argument off as a sub-command.
+///
+/// @return the sub-command; argv and argc then stand without it
+/// @throws UsageError naming the known ones if it is none of them
+std::string takeSubcommand(int& argc, const char**& argv, const std::vector<std::string>& known);
+
+/// Throws InputError if the path exists and may not be overwritten.
+void requireWritable(const std::string& path, bool overwrite);
+
+}  // namespace headway::program

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <string>
+
+namespace headway::program {
+
+/// Progress on standard error: done/total, rate, time left.
+///
+/// A line that rewrites itself on a terminal, a new line every 10 s elsewhere, nothing if quiet.
+class Progress {
+ public:
+  Progress(std::string what, bool quiet);
+  ~Progress() { finish(); }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// @param done   items done so far
+  /// @param ratio  share of the whole that is done, 0 to 1
+  void update(std::size_t done, double ratio);
+  /// Ends the line on a terminal. Further updates are ignored.
+  void finish();
+
+ private:
+  std::string what_;
+  bool silent_;
+  bool terminal_;
+  bool line_open_ = false;
+  std::chrono::steady_clock::time_point start_;
+  std::chrono::steady_clock::time_point last_shown_;
+};
+
+/// Turns Ctrl-C and SIGTERM into a flag from now on, so that loops can end cleanly.
+void catchInterrupts();
+
+/// Whether Ctrl-C or SIGTERM came since catchInterrupts().
+[[nodiscard]] bool interrupted();
+
+}  // namespace headway::program

@@ -1,0 +1,208 @@
+#include <headway/core/error.h>
+#include <headway/program/command_line.h>
+#include <headway/program/version.h>
+#include <mrpt/3rdparty/tclap/CmdLine.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+
+namespace headway::program {
+namespace {
+
+std::string shortFlag(char name) { return name == 0 ? "" : std::string(1, name); }
+
+/// Keeps what is wrong for the caller instead of printing a page and going on.
+class KeepFailure : public TCLAP::StdOutput {
+ public:
+  void failure(TCLAP::CmdLineInterface& /*line*/, TCLAP::ArgException& error) override {
+    const std::string id = error.argId();
+    const bool names_argument = id.find_first_not_of(' ') != std::string::npos &&
+                                id.find("undefined") == std::string::npos;
+    failure_text = (names_argument ? id + ": " : "") + error.error();
+  }
+  std::optional<std::string> failure_text;
+};
+
+}  // namespace
+
+struct CommandLine::Arguments {
+  Arguments(const std::string& name, const std::string& summary)
+      : program(name), line(summary, ' ', kVersion) {
+    line.setOutput(&output);
+  }
+
+  template <typename T>
+  void value(T& target, char short_name, const std::string& name, const std::string& type,
+             const std::string& meaning, bool required) {
+    auto arg = std::make_shared<TCLAP::ValueArg<T>>(shortFlag(short_name), name, meaning, required,
+                                                    target, type, line);
+    keep(arg, [arg, &target] { target = arg->getValue(); });
+  }
+
+  template <typename Arg>
+  void keep(std::shared_ptr<Arg> arg, std::function<void()> apply) {
+    owned.push_back(arg);
+    applied.push_back([arg, apply = std::move(apply)] {
+      if (arg->isSet()) apply();
+    });
+  }
+
+  [[nodiscard]] bool askedForConfig() const {
+    return dump_config_switch != nullptr && dump_config_switch->isSet();
+  }
+
+  std::string program;
+  std::vector<std::shared_ptr<TCLAP::Arg>> owned;  // outlives `line`, which refers to them
+  std::vector<std::function<void()>> applied;
+  KeepFailure output;
+  TCLAP::CmdLine line;
+  std::string config;
+  std::vector<std::string> assignments;
+  std::shared_ptr<TCLAP::SwitchArg> dump_config_switch;
+  bool dump_config = false;
+  std::string verbosity = "INFO";
+};
+
+CommandLine::CommandLine(const std::string& program, const std::string& summary)
+    : arguments_(std::make_unique<Arguments>(program, summary)) {
+  flag(quiet_, 'q', "quiet", "Print errors only");
+  option(arguments_->verbosity, 'v', "verbosity", "LEVEL", "DEBUG, INFO, WARN or ERROR");
+}
+
+CommandLine::~CommandLine() = default;
+
+void CommandLine::positional(std::string& target, const std::string& name,
+                             const std::string& meaning) {
+  auto arg = std::make_shared<TCLAP::UnlabeledValueArg<std::string>>(name, meaning, true, "", name,
+                                                                     arguments_->line);
+  arguments_->keep(arg, [arg, &target] { target = arg->getValue(); });
+}
+
+void CommandLine::flag(bool& target, char short_name, const std::string& name,
+                       const std::string& meaning) {
+  auto arg = std::make_shared<TCLAP::SwitchArg>(shortFlag(short_name), name, meaning,
+                                                arguments_->line, false);
+  arguments_->keep(arg, [&target] { target = true; });
+}
+
+void CommandLine::option(std::string& target, char short_name, const std::string& name,
+                         const std::string& type, const std::string& meaning, bool required) {
+  arguments_->value(target, short_name, name, type, meaning, required);
+}
+
+void CommandLine::option(double& target, char short_name, const std::string& name,
+                         const std::string& type, const std::string& meaning) {
+  arguments_->value(target, short_name, name, type, meaning, false);
+}
+
+void CommandLine::option(int& target, char short_name, const std::string& name,
+                         const std::string& type, const std::string& meaning) {
+  arguments_->value(target, short_name, name, type, meaning, false);
+}
+
+void CommandLine::option(std::optional<std::size_t>& target, char short_name,
+                         const std::string& name, const std::string& type,
+                         const std::string& meaning) {
+  auto arg = std::make_shared<TCLAP::ValueArg<long long>>(shortFlag(short_name), name, meaning,
+                                                          false, 0, type, arguments_->line);
+  arguments_->keep(arg, [arg, &target, name] {
+    if (arg->getValue() < 0) throw UsageError("--" + name + " must not be negative");
+    target = static_cast<std::size_t>(arg->getValue());
+  });
+}
+
+void CommandLine::parameters(Params& params) {
+  params_ = &params;
+  option(arguments_->config, 'c', "config", "FILE.ini", "Configuration file");
+  auto arg = std::make_shared<TCLAP::MultiArg<std::string>>(
+      "", "set", "One parameter; wins over the file; repeatable", false, "section.key=value",
+      arguments_->line);
+  arguments_->keep(arg, [this, arg] { arguments_->assignments = arg->getValue(); });
+  auto dump = std::make_shared<TCLAP::SwitchArg>(
+      "", "dump-config", "Print every parameter with value, unit and meaning, and end",
+      arguments_->line, false);
+  arguments_->keep(dump, [this] { arguments_->dump_config = true; });
+  arguments_->dump_config_switch = dump;
+}
+
+bool CommandLine::parse(int argc, const char* const* argv) {
+  std::vector<const char*> words(argv, argv + argc);
+  if (!arguments_->line.parse(argc, words.data())) {
+    const auto& failure = arguments_->output.failure_text;
+    if (!failure) return false;
+    // Missing options do not matter to who only asks for the configuration.
+    const bool is_missing = failure->find("required arguments missing") != std::string::npos;
+    if (!(is_missing && arguments_->askedForConfig())) {
+      throw UsageError(*failure + " (--help shows the options)");
+    }
+  }
+  for (const auto& apply : arguments_->applied) apply();
+  using mrpt::system::VerbosityLevel;
+  const std::vector<std::pair<std::string, VerbosityLevel>> levels = {
+      {"DEBUG", mrpt::system::LVL_DEBUG},
+      {"INFO", mrpt::system::LVL_INFO},
+      {"WARN", mrpt::system::LVL_WARN},
+      {"ERROR", mrpt::system::LVL_ERROR}};
+  const auto level = std::find_if(levels.begin(), levels.end(), [this](const auto& l) {
+    return l.first == arguments_->verbosity;
+  });
+  if (level == levels.end()) {
+    throw UsageError("--verbosity: '" + arguments_->verbosity +
+                     "' is none of DEBUG, INFO, WARN, ERROR");
+  }
+  verbosity_ = quiet_ ? mrpt::system::LVL_ERROR : level->second;
+  if (params_ != nullptr) {
+    if (!arguments_->config.empty()) params_->loadFile(arguments_->config);
+    for (const auto& assignment : arguments_->assignments) params_->set(assignment);
+  }
+  if (arguments_->dump_config) {
+    params_->print(std::cout);
+    return false;
+  }
+  return true;
+}
+
+int run(const std::string& program, const std::function<int()>& body) {
+  try {
+    return body();
+  } catch (const UsageError& error) {
+    std::cerr << program << ": " << error.what() << std::endl;
+    return kUsage;
+  } catch (const std::exception& error) {
+    // One line, whatever the library below had to say.
+    std::string text = error.what();
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    std::cerr << program << ": " << text << std::endl;
+    return kInputFault;
+  }
+}
+
+std::string takeSubcommand(int& argc, const char**& argv, const std::vector<std::string>& known) {
+  std::string list;
+  for (const auto& name : known) list += (list.empty() ? "" : ", ") + name;
+  const std::string given = argc > 1 ? argv[1] : "";
+  if (given == "--help" || given == "-h" || given == "--version") {
+    std::cout << std::filesystem::path(argv[0]).filename().string() << " " << kVersion
+              << "\nsub-commands: " << list << "\n'" << argv[0]
+              << " SUBCOMMAND --help' shows the options of one" << std::endl;
+    std::exit(kDone);
+  }
+  if (std::find(known.begin(), known.end(), given) == known.end()) {
+    throw UsageError((given.empty() ? "a sub-command is missing" : "'" + given + "' is unknown") +
+                     "; sub-commands are " + list);
+  }
+  argv[1] = argv[0];
+  ++argv;
+  --argc;
+  return given;
+}
+
+void requireWritable(const std::string& path, bool overwrite) {
+  if (!overwrite && std::filesystem::exists(path)) {
+    throw InputError(path + ": exists already; -w overwrites it");
+  }
+}
+
+}  // namespace headway::program

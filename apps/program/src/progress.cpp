@@ -1,0 +1,60 @@
+#include <headway/program/progress.h>
+#include <mrpt/system/datetime.h>
+#include <mrpt/system/progress.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+
+namespace headway::program {
+namespace {
+
+volatile std::sig_atomic_t g_interrupted = 0;
+
+extern "C" void onInterrupt(int) { g_interrupted = 1; }
+
+double secondsBetween(std::chrono::steady_clock::time_point from,
+                      std::chrono::steady_clock::time_point to) {
+  return std::chrono::duration<double>(to - from).count();
+}
+
+}  // namespace
+
+Progress::Progress(std::string what, bool quiet)
+    : what_(std::move(what)),
+      silent_(quiet),
+      terminal_(isatty(STDERR_FILENO) == 1),
+      start_(std::chrono::steady_clock::now()),
+      last_shown_(start_) {}
+
+void Progress::update(std::size_t done, double ratio) {
+  if (silent_) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (secondsBetween(last_shown_, now) < (terminal_ ? 0.25 : 10.0)) return;
+  last_shown_ = now;
+  line_open_ = terminal_;
+  const double elapsed = secondsBetween(start_, now);
+  const double left = ratio > 0.0 ? elapsed * (1.0 - ratio) / ratio : 0.0;
+  const auto total = ratio > 0.0 ? static_cast<double>(done) / ratio : 0.0;
+  std::fprintf(stderr, "%s%s %s %zu/%.0f, %.1f/s, %s left%s", terminal_ ? "\r" : "", what_.c_str(),
+               mrpt::system::progress(ratio, 30).c_str(), done, total,
+               static_cast<double>(done) / elapsed,
+               mrpt::system::formatTimeInterval(left).c_str(), terminal_ ? "\033[K" : "\n");
+  std::fflush(stderr);
+}
+
+void Progress::finish() {
+  if (line_open_) std::fprintf(stderr, "\n");
+  line_open_ = false;
+  silent_ = true;
+}
+
+void catchInterrupts() {
+  g_interrupted = 0;
+  std::signal(SIGINT, onInterrupt);
+  std::signal(SIGTERM, onInterrupt);
+}
+
+bool interrupted() { return g_interrupted != 0; }
+
+}  // namespace headway::program

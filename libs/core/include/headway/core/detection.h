@@ -1,0 +1,63 @@
+#pragma once
+
+#include <headway/core/object_class.h>
+#include <headway/core/pose.h>
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace headway {
+
+/// Axis-aligned box in an image, edges in pixels as recorded (right and bottom included).
+struct Box2d {
+  double left = 0.0;
+  double top = 0.0;
+  double right = 0.0;
+  double bottom = 0.0;
+
+  [[nodiscard]] double width() const { return right - left; }
+  [[nodiscard]] double height() const { return bottom - top; }
+  [[nodiscard]] bool contains(double u, double v) const {
+    return u >= left && u <= right && v >= top && v <= bottom;
+  }
+};
+
+/// Upright box in a sensor's optical frame (x right, y down, z forward).
+///
+/// Yaw is KITTI's rotation_y: about the frame's y axis, 0 where the front looks along +x and
+/// -pi/2 where it looks along +z, so the front's direction is (cos yaw, 0, -sin yaw).
+struct Box3d {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< centre of the volume [m]
+  double length = 0.0;                               ///< along the front's direction [m]
+  double width = 0.0;                                ///< across it [m]
+  double height = 0.0;                               ///< along y [m]
+  double yaw = 0.0;                                  ///< [rad], in (-pi, pi]
+};
+
+/// One object as a detector reports it in one frame: a 2D box, a 3D box, or both.
+struct Detection {
+  ObjectClass object_class = ObjectClass::kUnknown;
+  double score = 1.0;                        ///< the detector's own scale: greater is surer
+  std::optional<std::int64_t> detector_id;   ///< of the detector's own tracking: a hint only
+  std::optional<Box2d> box2d;                ///< [px], image as recorded
+  std::optional<Box3d> box3d;                ///< sensor's optical frame
+  std::optional<Eigen::Matrix3d> centre_covariance;  ///< of box3d->centre, optical frame [m^2]
+};
+
+/// All that one detector reports of one frame. Empty `items` says "looked, saw nothing".
+struct Detections {
+  Time time = 0.0;                          ///< of the image they were found in [s]
+  Pose T_robot_sensor = robotFromOptical(); ///< the optical frame of the 3D boxes
+  int image_width = 0;                      ///< of the image of the 2D boxes [px], 0 unknown
+  int image_height = 0;                     ///< [px], 0 unknown
+  std::vector<Detection> items;
+};
+
+/// Direction of the box's front in the optical frame, unit length.
+[[nodiscard]] Eigen::Vector3d frontOf(const Box3d& box);
+
+/// KITTI's rotation_y of a direction in the optical frame: inverse of frontOf.
+[[nodiscard]] double opticalYaw(const Eigen::Vector3d& direction);
+
+}  // namespace headway

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <functional>
+#include <iosfwd>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace headway {
+
+/// The parameters of a program: named, with unit, range and meaning, readable from .ini files.
+///
+/// A parameter struct binds its fields once; loading, checking and printing follow from that.
+/// The bound fields must outlive the registry. Laws: what print() writes, loadFile() accepts and
+/// leaves every value as it was; an unknown section or key, a value that does not parse or lies
+/// out of range changes nothing and throws.
+///
+///     struct MatchParams {
+///       int max_disparity_px = 200;  ///< [px] 16 ... 512
+///       void describe(Params::Section section) {
+///         section.add("max_disparity_px", max_disparity_px, 16, 512, "px", "Largest disparity");
+///       }
+///     };
+///     Params params;
+///     match_params.describe(params.section("slam"));
+///     params.loadFile("headway.ini");
+class Params {
+ public:
+  /// Where one struct binds its fields. Several structs may share a section.
+  class Section {
+   public:
+    void add(const std::string& key, double& field, double min, double max,
+             const std::string& unit, const std::string& meaning);
+    void add(const std::string& key, int& field, int min, int max, const std::string& unit,
+             const std::string& meaning);
+    void add(const std::string& key, bool& field, const std::string& meaning);
+    void add(const std::string& key, std::string& field, const std::string& meaning);
+
+    /// A field whose values have names, such as an enumeration.
+    template <typename Enum>
+    void add(const std::string& key, Enum& field,
+             const std::vector<std::pair<std::string, Enum>>& choices, const std::string& meaning);
+
+   private:
+    friend class Params;
+    Section(Params& owner, std::string name) : owner_(owner), name_(std::move(name)) {}
+    void addChoice(const std::string& key, const std::vector<std::string>& names,
+                   std::function<void(std::size_t)> set, std::function<std::size_t()> get,
+                   const std::string& meaning);
+    Params& owner_;
+    std::string name_;
+  };
+
+  [[nodiscard]] Section section(const std::string& name) { return Section(*this, name); }
+
+  /// Loads an .ini file (MRPT syntax: comments //, # and ;, @define, ${variables}, $eval{}).
+  ///
+  /// @throws InputError naming file, section and key for what is unknown or out of range
+  void loadFile(const std::string& path);
+
+  /// Sets one parameter from "section.key=value".
+  ///
+  /// @throws InputError naming section and key for what is unknown or out of range
+  void set(const std::string& assignment);
+
+  /// Value of one parameter as text, as print() would write it.
+  ///
+  /// @throws InputError if there is no such parameter
+  [[nodiscard]] std::string get(const std::string& section, const std::string& key) const;
+
+  /// Writes every parameter with its present value, unit, range and meaning, as an .ini file.
+  void print(std::ostream& out) const;
+
+ private:
+  struct Entry {
+    std::string key;
+    std::string meaning;  ///< with unit and range
+    std::function<void(const std::string&)> set;  ///< throws InputError("reason")
+    std::function<std::string()> get;
+  };
+
+  void insert(const std::string& section, Entry entry);
+  void assign(const std::string& section, const std::string& key, const std::string& value) const;
+  [[nodiscard]] const Entry& find(const std::string& section, const std::string& key) const;
+
+  std::vector<std::string> section_order_;
+  std::map<std::string, std::vector<Entry>> entries_;
+};
+
+template <typename Enum>
+void Params::Section::add(const std::string& key, Enum& field,
+                          const std::vector<std::pair<std::string, Enum>>& choices,
+                          const std::string& meaning) {
+  std::vector<std::string> names;
+  std::vector<Enum> values;
+  for (const auto& [name, value] : choices) {
+    names.push_back(name);
+    values.push_back(value);
+  }
+  addChoice(
+      key, names, [&field, values](std::size_t i) { field = values.at(i); },
+      [&field, values] {
+        std::size_t i = 0;
+        while (i + 1 < values.size() && values[i] != field) ++i;
+        return i;
+      },
+      meaning);
+}
+
+}  // namespace headway

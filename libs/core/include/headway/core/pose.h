@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+namespace headway {
+
+/// Seconds since the Unix epoch (or since the start of a recording that knows no better).
+///
+/// A double keeps a present-day time to 0.24 µs, finer than any camera's clock.
+using Time = double;
+
+/// Rigid motion; a variable `T_a_b` maps points of frame b into frame a.
+using Pose = Eigen::Isometry3d;
+
+/// 6x6 covariance of a pose, in the order (translation [m], rotation [rad]).
+///
+/// The perturbation acts on the right: T = T_mean * exp(xi), so both parts are seen from the
+/// frame whose pose it is.
+using PoseCovariance = Eigen::Matrix<double, 6, 6>;
+
+/// A value and the time it holds for.
+template <typename T>
+struct Stamped {
+  Time time = 0.0;
+  T value;
+};
+
+/// Rotation matrix of a rotation vector.
+///
+/// @param omega  axis times angle [rad]
+/// @see          Sola et al. 2018, "A micro Lie theory", eq. 132 (Rodrigues)
+[[nodiscard]] Eigen::Matrix3d expSo3(const Eigen::Vector3d& omega);
+
+/// Rotation vector of a rotation matrix, angle in [0, pi]. Inverse of expSo3.
+[[nodiscard]] Eigen::Vector3d logSo3(const Eigen::Matrix3d& rotation);
+
+/// The pose with its rotation made orthonormal again (long chains of products drift).
+[[nodiscard]] Pose normalized(const Pose& pose);
+
+/// Yaw of a pose's x axis about the z axis of the frame it is given in [rad], in (-pi, pi].
+[[nodiscard]] double yawOf(const Pose& pose);
+
+/// The angle brought into (-pi, pi] [rad].
+[[nodiscard]] double wrapAngle(double angle);
+
+/// Turn from optical axes (x right, y down, z forward) to a robot's (x forward, y left, z up).
+[[nodiscard]] Pose robotFromOptical();
+
+}  // namespace headway

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace headway {
+
+/// Milliseconds that each named stage took, one entry a frame.
+///
+/// Not for sharing between threads: each runner thread has its own and they are merged.
+///
+///     StageTimes times;
+///     { auto watch = times.watch("slam_track");  track(frame); }
+///     times.summary().at("slam_track").median_ms;
+class StageTimes {
+ public:
+  /// Adds the time from its making to its end to one stage.
+  class Watch {
+   public:
+    Watch(StageTimes& owner, std::string stage)
+        : owner_(owner), stage_(std::move(stage)), start_(std::chrono::steady_clock::now()) {}
+    ~Watch() { owner_.add(stage_, elapsedMs()); }
+    Watch(const Watch&) = delete;
+    Watch& operator=(const Watch&) = delete;
+    [[nodiscard]] double elapsedMs() const {
+      return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_)
+          .count();
+    }
+
+   private:
+    StageTimes& owner_;
+    std::string stage_;
+    std::chrono::steady_clock::time_point start_;
+  };
+
+  struct Summary {
+    std::size_t count = 0;
+    double median_ms = 0.0;
+    double p95_ms = 0.0;
+    double max_ms = 0.0;
+  };
+
+  [[nodiscard]] Watch watch(std::string stage) { return Watch(*this, std::move(stage)); }
+  void add(const std::string& stage, double milliseconds);
+  void merge(const StageTimes& other);
+
+  [[nodiscard]] std::map<std::string, Summary> summary() const;
+  [[nodiscard]] const std::map<std::string, std::vector<double>>& samples() const {
+    return samples_;
+  }
+
+ private:
+  std::map<std::string, std::vector<double>> samples_;
+};
+
+/// Value below which the share `fraction` of the samples lies (nearest rank); 0 if there are none.
+[[nodiscard]] double percentile(std::vector<double> samples, double fraction);
+
+}  // namespace headway

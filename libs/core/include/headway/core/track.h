@@ -1,0 +1,74 @@
+#pragma once
+
+#include <headway/core/detection.h>
+#include <headway/core/ids.h>
+#include <headway/core/object_class.h>
+#include <headway/core/pose.h>
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace headway {
+
+/// Life of a track. Only confirmed and coasting ones are shown to the outside.
+enum class TrackStatus {
+  kTentative,  ///< seen too few times to be believed
+  kConfirmed,  ///< believed, and seen in this frame
+  kCoasting,   ///< believed, not seen in this frame: carried on by its prediction
+  kEnded,      ///< unseen for too long; its id is not used again
+};
+
+/// "tentative", "confirmed", "coasting", "ended".
+[[nodiscard]] std::string_view toString(TrackStatus status);
+
+/// Where an object will be at one time to come.
+struct PredictedPoint {
+  double horizon_s = 0.0;                                    ///< from the frame's time [s]
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();        ///< box centre, map frame [m]
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< of (x, y), map frame [m^2]
+};
+
+/// One possible future. A track's paths are ordered from the most probable down.
+struct PredictedPath {
+  int mode = 0;              ///< number of the hypothesis, stable while the predictor keeps it
+  double probability = 1.0;  ///< of all the paths of one track they sum to 1
+  std::vector<PredictedPoint> points;  ///< horizons 0.1 s, 0.2 s, ... 3.0 s
+};
+
+/// One past place on a track's path, as last smoothed.
+struct TrajectoryPoint {
+  std::size_t frame = 0;
+  Time time = 0.0;                                     ///< [s]
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< box centre, map frame [m]
+  double yaw = 0.0;                                    ///< of the front about map z [rad]
+};
+
+/// One moving object as known at one frame. A value: nothing in it refers elsewhere.
+struct Track {
+  TrackId id;
+  ObjectClass object_class = ObjectClass::kUnknown;
+  TrackStatus status = TrackStatus::kTentative;
+  bool moving = false;  ///< moving/still verdict, with hysteresis
+  double score = 0.0;   ///< of the track, from its detections' scores
+
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< box centre, map frame [m]
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< map frame [m/s]
+  double yaw = 0.0;                                    ///< of the front about map z [rad]
+  double yaw_rate = 0.0;                               ///< [rad/s]
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();      ///< (length, width, height) [m]
+  Eigen::Matrix3d position_covariance = Eigen::Matrix3d::Identity();  ///< map frame [m^2]
+
+  std::optional<Box2d> box2d;  ///< of the detection matched in this frame [px]
+  Time first_seen = 0.0;       ///< [s]
+  Time last_seen = 0.0;        ///< [s]
+  std::vector<TrajectoryPoint> recent_path;   ///< the smoothed window, oldest first
+  std::vector<PredictedPath> predictions;     ///< empty for tentative tracks
+};
+
+/// Number of detections left out, by reason ("nan_box", "behind_camera", ...).
+using DropCounts = std::map<std::string, std::size_t>;
+
+}  // namespace headway

@@ -1,0 +1,173 @@
+#include <headway/core/error.h>
+#include <headway/core/params.h>
+#include <mrpt/config/CConfigFile.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <ostream>
+
+namespace headway {
+namespace {
+
+template <typename Number>
+std::string toText(Number value) {
+  std::array<char, 32> buffer{};
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  return {buffer.data(), end.ptr};
+}
+
+template <typename Number>
+std::string rangeText(Number min, Number max, const std::string& unit) {
+  return "[" + (unit.empty() ? "" : unit + ", ") + toText(min) + " .. " + toText(max) + "]";
+}
+
+std::string trimmed(const std::string& text) {
+  const auto first = text.find_first_not_of(" \t\r\n");
+  if (first == std::string::npos) return "";
+  return text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
+}
+
+template <typename Number>
+Number parseNumber(const std::string& text, Number min, Number max, const std::string& unit) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) {
+    throw InputError("'" + text + "' is not a number");
+  }
+  if (!(value >= min && value <= max)) {
+    throw InputError("'" + text + "' is out of range " + rangeText(min, max, unit));
+  }
+  return value;
+}
+
+bool parseBool(const std::string& text) {
+  if (text == "true" || text == "1" || text == "yes") return true;
+  if (text == "false" || text == "0" || text == "no") return false;
+  throw InputError("'" + text + "' is neither true nor false");
+}
+
+std::string joined(const std::vector<std::string>& names, const std::string& separator) {
+  std::string text;
+  for (const auto& name : names) text += (text.empty() ? "" : separator) + name;
+  return text;
+}
+
+}  // namespace
+
+void Params::Section::add(const std::string& key, double& field, double min, double max,
+                          const std::string& unit, const std::string& meaning) {
+  owner_.insert(name_, {key, meaning + " " + rangeText(min, max, unit),
+                        [&field, min, max, unit](const std::string& text) {
+                          field = parseNumber<double>(text, min, max, unit);
+                        },
+                        [&field] { return toText(field); }});
+}
+
+void Params::Section::add(const std::string& key, int& field, int min, int max,
+                          const std::string& unit, const std::string& meaning) {
+  owner_.insert(name_, {key, meaning + " " + rangeText(min, max, unit),
+                        [&field, min, max, unit](const std::string& text) {
+                          field = parseNumber<int>(text, min, max, unit);
+                        },
+                        [&field] { return toText(field); }});
+}
+
+void Params::Section::add(const std::string& key, bool& field, const std::string& meaning) {
+  owner_.insert(name_, {key, meaning + " [true | false]",
+                        [&field](const std::string& text) { field = parseBool(text); },
+                        [&field] { return std::string(field ? "true" : "false"); }});
+}
+
+void Params::Section::add(const std::string& key, std::string& field, const std::string& meaning) {
+  owner_.insert(name_, {key, meaning, [&field](const std::string& text) { field = text; },
+                        [&field] { return field; }});
+}
+
+void Params::Section::addChoice(const std::string& key, const std::vector<std::string>& names,
+                                std::function<void(std::size_t)> set,
+                                std::function<std::size_t()> get, const std::string& meaning) {
+  owner_.insert(name_, {key, meaning + " [" + joined(names, " | ") + "]",
+                        [names, set = std::move(set)](const std::string& text) {
+                          const auto it = std::find(names.begin(), names.end(), text);
+                          if (it == names.end()) {
+                            throw InputError("'" + text + "' is none of " + joined(names, ", "));
+                          }
+                          set(static_cast<std::size_t>(it - names.begin()));
+                        },
+                        [names, get = std::move(get)] { return names.at(get()); }});
+}
+
+void Params::insert(const std::string& section, Entry entry) {
+  if (entries_.count(section) == 0) section_order_.push_back(section);
+  entries_[section].push_back(std::move(entry));
+}
+
+const Params::Entry& Params::find(const std::string& section, const std::string& key) const {
+  const auto entries = entries_.find(section);
+  if (entries == entries_.end()) {
+    throw InputError("[" + section + "] is not a known section; known are " +
+                     joined(section_order_, ", "));
+  }
+  const auto entry = std::find_if(entries->second.begin(), entries->second.end(),
+                                  [&](const Entry& e) { return e.key == key; });
+  if (entry == entries->second.end()) {
+    throw InputError("[" + section + "] has no key '" + key + "'; --dump-config lists them");
+  }
+  return *entry;
+}
+
+void Params::assign(const std::string& section, const std::string& key,
+                    const std::string& value) const {
+  const Entry& entry = find(section, key);
+  try {
+    entry.set(trimmed(value));
+  } catch (const InputError& error) {
+    throw InputError("[" + section + "] " + key + ": " + error.what());
+  }
+}
+
+void Params::loadFile(const std::string& path) {
+  if (!std::filesystem::is_regular_file(path)) {
+    throw InputError(path + ": no such configuration file");
+  }
+  try {
+    const mrpt::config::CConfigFile file(path);
+    std::vector<std::string> sections;
+    file.getAllSections(sections);
+    for (const auto& section : sections) {
+      std::vector<std::string> keys;
+      file.getAllKeys(section, keys);
+      for (const auto& key : keys) assign(section, key, file.read_string(section, key, "", true));
+    }
+  } catch (const std::exception& error) {
+    throw InputError(path + ": " + error.what());
+  }
+}
+
+void Params::set(const std::string& assignment) {
+  const auto equals = assignment.find('=');
+  const auto dot = assignment.find('.');
+  if (equals == std::string::npos || dot == std::string::npos || dot > equals) {
+    throw InputError("'" + assignment + "' is not of the form section.key=value");
+  }
+  assign(trimmed(assignment.substr(0, dot)), trimmed(assignment.substr(dot + 1, equals - dot - 1)),
+         assignment.substr(equals + 1));
+}
+
+std::string Params::get(const std::string& section, const std::string& key) const {
+  return find(section, key).get();
+}
+
+void Params::print(std::ostream& out) const {
+  for (const auto& section : section_order_) {
+    out << "[" << section << "]\n";
+    for (const auto& entry : entries_.at(section)) {
+      out << "# " << entry.meaning << "\n" << entry.key << " = " << entry.get() << "\n\n";
+    }
+  }
+}
+
+}  // namespace headway

@@ -1,0 +1,37 @@
+#include <headway/core/stage_times.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace headway {
+
+void StageTimes::add(const std::string& stage, double milliseconds) {
+  samples_[stage].push_back(milliseconds);
+}
+
+void StageTimes::merge(const StageTimes& other) {
+  for (const auto& [stage, values] : other.samples_) {
+    auto& mine = samples_[stage];
+    mine.insert(mine.end(), values.begin(), values.end());
+  }
+}
+
+std::map<std::string, StageTimes::Summary> StageTimes::summary() const {
+  std::map<std::string, Summary> result;
+  for (const auto& [stage, values] : samples_) {
+    result[stage] = {values.size(), percentile(values, 0.5), percentile(values, 0.95),
+                     percentile(values, 1.0)};
+  }
+  return result;
+}
+
+double percentile(std::vector<double> samples, double fraction) {
+  if (samples.empty()) return 0.0;
+  const auto count = static_cast<double>(samples.size());
+  const double rank = std::clamp(std::ceil(fraction * count), 1.0, count);
+  const auto nth = samples.begin() + static_cast<std::ptrdiff_t>(rank - 1.0);
+  std::nth_element(samples.begin(), nth, samples.end());
+  return *nth;
+}
+
+}  // namespace headway

@@ -1,0 +1,51 @@
+#include <headway/core/error.h>
+#include <headway/core/stereo_camera.h>
+
+#include <cmath>
+#include <string>
+
+namespace headway {
+namespace {
+
+void requirePositive(double value, const char* name, const char* unit) {
+  if (!(std::isfinite(value) && value > 0.0)) {
+    throw InputError("stereo calibration: " + std::string(name) + " is " + std::to_string(value) +
+                     " " + unit + ", must be positive and finite");
+  }
+}
+
+}  // namespace
+
+void validate(const StereoCamera& camera) {
+  requirePositive(camera.width, "image width", "px");
+  requirePositive(camera.height, "image height", "px");
+  requirePositive(camera.fx, "focal length fx", "px");
+  requirePositive(camera.fy, "focal length fy", "px");
+  requirePositive(camera.baseline_m, "baseline", "m");
+  if (!std::isfinite(camera.cx) || !std::isfinite(camera.cy)) {
+    throw InputError("stereo calibration: the principal point is not finite");
+  }
+  if (!camera.T_robot_cam.matrix().allFinite()) {
+    throw InputError("stereo calibration: the camera's pose on the robot is not finite");
+  }
+}
+
+std::optional<Eigen::Vector3d> project(const Eigen::Vector3d& point, const StereoCamera& camera) {
+  if (!(point.z() > 0.0)) return std::nullopt;
+  const double inverse_depth = 1.0 / point.z();
+  return Eigen::Vector3d(camera.fx * point.x() * inverse_depth + camera.cx,
+                         camera.fy * point.y() * inverse_depth + camera.cy,
+                         camera.fx * camera.baseline_m * inverse_depth);
+}
+
+std::optional<Eigen::Vector3d> triangulate(const Eigen::Vector3d& uvd, const StereoCamera& camera) {
+  if (!(uvd.z() > 0.0)) return std::nullopt;
+  const double depth = camera.fx * camera.baseline_m / uvd.z();
+  return Eigen::Vector3d(depth * ray(uvd.head<2>(), camera));
+}
+
+Eigen::Vector3d ray(const Eigen::Vector2d& uv, const StereoCamera& camera) {
+  return {(uv.x() - camera.cx) / camera.fx, (uv.y() - camera.cy) / camera.fy, 1.0};
+}
+
+}  // namespace headway
