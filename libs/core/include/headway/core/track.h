@@ -68,6 +68,13 @@ struct Track {
   std::vector<PredictedPath> predictions;     ///< empty for tentative tracks
 };
 
+/// A track as it stood at one frame: one row of `tracks.csv`.
+struct TrackSample {
+  std::size_t frame = 0;
+  Time time = 0.0;  ///< [s]
+  Track track;
+};
+
 /// Number of detections left out, by reason ("nan_box", "behind_camera", ...).
 using DropCounts = std::map<std::string, std::size_t>;
 

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <headway/core/detection.h>
+#include <headway/core/stereo_camera.h>
+
+#include <array>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <string>
+
+namespace headway::io {
+
+/// How images are kept.
+enum class ImageStorage {
+  kEmbedded,      ///< in the rawlog: colour as JPEG, grey as it is
+  kEmbeddedRaw,   ///< in the rawlog, colour and grey as they are
+  kExternalPng,   ///< beside it in `X_Images/`, as PNG
+  kExternalJpeg,  ///< beside it in `X_Images/`, as JPEG
+};
+
+/// One lens as recorded: intrinsics and OpenCV's distortion (k1 k2 p1 p2 k3), zeros if rectified.
+struct RawCamera {
+  int width = 0;   ///< [px]
+  int height = 0;  ///< [px]
+  double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  ///< [px]
+  std::array<double, 5> distortion{};
+};
+
+/// A stereo pair as recorded: two lenses anywhere.
+struct RawStereoCamera {
+  RawCamera left;
+  RawCamera right;
+  Pose T_robot_left = robotFromOptical();   ///< left optical frame on the robot
+  Pose T_left_right = Pose::Identity();     ///< right optical frame in the left one
+};
+
+/// The recorded form of a pair that is rectified already.
+[[nodiscard]] RawStereoCamera rawFrom(const StereoCamera& camera);
+
+/// Writes an observation-only rawlog, gz-compressed, in time order as called.
+///
+/// The file appears under its name when close() (or the destructor) is reached; what was written
+/// before an error stays readable.
+///
+///     RawlogSink sink("out.rawlog", ImageStorage::kEmbedded);
+///     sink.writeStereo(time, left, right, rawFrom(camera));
+///     sink.writeDetections("detections", boxes);
+class RawlogSink {
+ public:
+  /// @throws InputError if the file (or its image folder) cannot be written
+  RawlogSink(const std::string& path, ImageStorage storage, int jpeg_quality = 90);
+  ~RawlogSink();
+  RawlogSink(const RawlogSink&) = delete;
+  RawlogSink& operator=(const RawlogSink&) = delete;
+
+  /// @param left, right  8-bit grey or BGR, the camera's sizes
+  /// @throws InputError  on a write error such as a full disk
+  void writeStereo(Time time, const cv::Mat& left, const cv::Mat& right,
+                   const RawStereoCamera& camera, const std::string& label = "stereo");
+  /// Labels: `detections` (to be used) or `truth_objects`.
+  void writeDetections(const std::string& label, const Detections& detections);
+  /// Labels: `pose` (to be used instead of SLAM) or `truth_pose`.
+  void writePose(const std::string& label, Time time, const Pose& T_map_robot);
+  /// Wheel odometry: planar pose of the robot in a frame that drifts (x [m], y [m], yaw [rad]).
+  void writeOdometry(Time time, double x, double y, double yaw);
+  /// Inertial sample in the robot frame.
+  void writeImu(Time time, const Eigen::Vector3d& angular_velocity,   // [rad/s]
+                const Eigen::Vector3d& acceleration);                 // [m/s^2], gravity included
+  /// Flushes and closes. @throws InputError on a write error.
+  void close();
+
+ private:
+  class Writer;
+  std::unique_ptr<Writer> writer_;
+};
+
+}  // namespace headway::io

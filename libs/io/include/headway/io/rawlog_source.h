@@ -1,0 +1,98 @@
+#pragma once
+
+#include <headway/core/detection.h>
+#include <headway/core/stereo_frame.h>
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace headway::io {
+
+/// What to read of a rawlog, and how.
+struct RawlogSourceOptions {
+  std::string sensor_label;  ///< of the stereo camera; empty: the only one there is
+  std::size_t from_index = 0;             ///< first stereo frame handed out
+  std::optional<std::size_t> to_index;    ///< last stereo frame handed out (included)
+  bool use_odometry = true;               ///< hand wheel odometry on as motion prior
+  bool use_imu = true;                    ///< hand gyroscope and gravity on as motion prior
+};
+
+/// One step of a recording: a stereo pair, and all that was recorded to be used with it.
+struct RecordedFrame {
+  std::size_t index = 0;              ///< of the stereo frame (of the pose, where no images are)
+  Time time = 0.0;                    ///< [s]
+  std::optional<StereoFrame> stereo;  ///< empty: the rawlog holds poses and boxes alone
+  std::optional<Detections> detections;  ///< label `detections`; empty: none recorded here
+  std::optional<Pose> T_map_robot;       ///< label `pose`: to be used instead of visual SLAM
+};
+
+/// What the images themselves say of the calibration; small vertical disparity is good.
+struct CalibrationReport {
+  double baseline_m = 0.0;
+  double focal_px = 0.0;
+  double vertical_disparity_px = 0.0;  ///< median |v_left - v_right| of matches
+  double median_disparity_px = 0.0;    ///< median u_left - u_right of matches
+  std::size_t matches = 0;             ///< it rests on
+  bool rectified_here = false;         ///< images were not rectified in the rawlog
+};
+
+/// Streams a rawlog as rectified stereo frames, whatever way they were recorded.
+///
+/// Observation-only and sensory-frame rawlogs, gz or plain, images embedded or beside
+/// (`X_Images/`), `CObservationStereoImages` or two `CObservationImage` labels paired by time,
+/// rectified or not. One observation is in memory at a time, and one frame is read ahead so that
+/// boxes and poses recorded after their images still find them. Labels `truth_*` never come out.
+/// What cannot be used is skipped and counted.
+///
+///     RawlogSource source("street.rawlog", {});
+///     while (auto frame = source.next()) slam.process(*frame->stereo);
+class RawlogSource {
+ public:
+  /// Opens the rawlog and reads up to its first stereo pair (or pose).
+  ///
+  /// @throws InputError if the file is not a rawlog, holds neither stereo nor `pose`, has several
+  ///         cameras and no label was chosen, or has a calibration that cannot be used
+  RawlogSource(const std::string& path, const RawlogSourceOptions& options);
+  ~RawlogSource();
+  RawlogSource(RawlogSource&&) noexcept;
+  RawlogSource& operator=(RawlogSource&&) noexcept;
+
+  /// The next frame, in time order; nullopt at the end (see truncation()).
+  ///
+  /// Frames whose image is missing or broken, or whose time does not increase, are skipped and
+  /// counted in skipped() but keep their index.
+  [[nodiscard]] std::optional<RecordedFrame> next();
+
+  /// Camera of all frames, rectified; null if the rawlog holds poses alone.
+  [[nodiscard]] std::shared_ptr<const StereoCamera> camera() const;
+
+  /// Measured on the first stereo pair; nullopt if the rawlog holds poses alone.
+  [[nodiscard]] const std::optional<CalibrationReport>& calibration() const;
+
+  /// Observations not used, by class name or reason ("CObservation2DRangeScan",
+  /// "missing_image", "time_backwards", "unknown_class", ...).
+  [[nodiscard]] const std::map<std::string, std::size_t>& skipped() const;
+
+  /// Set once the end came too early: what is broken and where. What came before is good.
+  [[nodiscard]] const std::optional<std::string>& truncation() const;
+
+  /// Share of the file read so far, 0 to 1.
+  [[nodiscard]] double progress() const;
+
+ private:
+  class Reader;
+  std::unique_ptr<Reader> reader_;
+};
+
+/// What a rawlog says of the truth: labels `truth_pose` and `truth_objects`.
+struct RecordedTruth {
+  std::vector<Stamped<Pose>> poses;     ///< robot in map
+  std::vector<Detections> objects;      ///< with ids, one entry a frame
+};
+
+/// Reads the truth of a rawlog, for evaluation alone.
+[[nodiscard]] RecordedTruth readTruth(const std::string& path);
+
+}  // namespace headway::io

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <headway/core/detection.h>
+#include <headway/core/track.h>
+
+#include <fstream>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace headway::io {
+
+/// One row of KITTI's tracking label or result format (box bottom-centre, camera 0).
+struct KittiRow {
+  std::size_t frame = 0;
+  std::int64_t id = -1;
+  std::string type;        ///< KITTI's spelling, "DontCare" included
+  double truncation = 0.0; ///< -1 where not given
+  int occlusion = 0;       ///< 0 .. 3, -1 where not given
+  double alpha = -10.0;    ///< observation angle [rad]
+  Box2d box2d;             ///< [px]
+  double height = 0.0, width = 0.0, length = 0.0;          ///< [m]
+  Eigen::Vector3d bottom_centre = Eigen::Vector3d::Zero(); ///< optical frame [m]
+  double rotation_y = 0.0;                                 ///< [rad]
+  double score = 0.0;                                      ///< results only
+  double visible = 1.0;  ///< visible share 0..1, 18th column of simulated truth
+};
+
+/// @throws InputError naming file and line of what cannot be read
+[[nodiscard]] std::vector<KittiRow> readKittiRows(const std::string& path);
+/// Writes results: 18 columns, the last is the score.
+void writeKittiResult(std::ostream& out, const KittiRow& row);
+/// Writes labels: 17 columns, and the visible share as an 18th if `with_visible`.
+void writeKittiLabel(std::ostream& out, const KittiRow& row, bool with_visible);
+
+/// The row's box as a detection (score and id kept); nullopt where its class is unknown to us.
+[[nodiscard]] std::optional<Detection> detectionFrom(const KittiRow& row);
+
+/// The header line of `tracks.csv` and `tracks_smoothed.csv`.
+[[nodiscard]] std::string trackCsvHeader();
+void writeTrackCsv(std::ostream& out, const TrackSample& row);
+[[nodiscard]] std::vector<TrackSample> readTrackCsv(const std::string& path);
+
+/// One row of `predictions.csv`.
+struct PredictionRow {
+  std::size_t frame = 0;
+  Time time = 0.0;
+  TrackId id;
+  ObjectClass object_class = ObjectClass::kUnknown;
+  int mode = 0;
+  double probability = 1.0;
+  PredictedPoint point;
+};
+[[nodiscard]] std::string predictionCsvHeader();
+void writePredictionCsv(std::ostream& out, const PredictionRow& row);
+[[nodiscard]] std::vector<PredictionRow> readPredictionCsv(const std::string& path);
+
+/// Detections by frame index from a side file: KITTI labels or results, KITTI-like detector
+/// output (det3d, det2d) or headway's CSV; told apart by their columns (doc/formats.md).
+///
+/// @param dropped  counts rows left out, by reason ("unknown_class", "dont_care", "bad_row")
+/// @throws InputError if the file cannot be read or is of none of these formats
+[[nodiscard]] std::map<std::size_t, Detections> readDetections(
+    const std::string& path, std::map<std::string, std::size_t>& dropped);
+
+}  // namespace headway::io
