@@ -1,7 +1,6 @@
 #pragma once
 
-#include <headway/core/detection.h>
-#include <headway/core/stereo_frame.h>
+#include <headway/core/recorded_frame.h>
 
 #include <map>
 #include <memory>
@@ -19,14 +18,7 @@ struct RawlogSourceOptions {
   bool use_imu = true;                    ///< hand gyroscope and gravity on as motion prior
 };
 
-/// One step of a recording: a stereo pair, and all that was recorded to be used with it.
-struct RecordedFrame {
-  std::size_t index = 0;              ///< of the stereo frame (of the pose, where no images are)
-  Time time = 0.0;                    ///< [s]
-  std::optional<StereoFrame> stereo;  ///< empty: the rawlog holds poses and boxes alone
-  std::optional<Detections> detections;  ///< label `detections`; empty: none recorded here
-  std::optional<Pose> T_map_robot;       ///< label `pose`: to be used instead of visual SLAM
-};
+using headway::RecordedFrame;
 
 /// What the images themselves say of the calibration; small vertical disparity is good.
 struct CalibrationReport {
