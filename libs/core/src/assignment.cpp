@@ -13,55 +13,82 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Column of each row at the least total cost, by shortest augmenting paths.
+/// Gives every row of a dense cost matrix (rows <= columns) a column at the least total cost.
 ///
-/// @param cost  rows <= columns; every row gets a column
-std::vector<int> solveDense(const Eigen::MatrixXd& cost) {
-  const int rows = static_cast<int>(cost.rows());
-  const int columns = static_cast<int>(cost.cols());
-  constexpr int kFree = -1;
-  std::vector<int> row_of(columns, kFree);
-  std::vector<double> row_price(rows, 0.0);
-  std::vector<double> column_price(columns, 0.0);
-  for (int start = 0; start < rows; ++start) {
-    std::vector<double> distance(columns, kInfinity);  // reduced length of the path to a column
-    std::vector<int> before(columns, kFree);           // column before it on that path
-    std::vector<bool> done(columns, false);
-    std::vector<int> visited;
-    int row = start;
-    int column = kFree;
+/// Rows enter one by one, each along the shortest alternating path to a free column. Invariant:
+/// cost(i, j) - row_price(i) - column_price(j) >= 0, and = 0 for the pairs made so far.
+class DenseAssignment {
+ public:
+  explicit DenseAssignment(const Eigen::MatrixXd& cost)
+      : cost_(cost),
+        row_of_(static_cast<std::size_t>(cost.cols()), kFree),
+        row_price_(static_cast<std::size_t>(cost.rows()), 0.0),
+        column_price_(row_of_.size(), 0.0) {
+    for (int row = 0; row < cost.rows(); ++row) enter(row);
+  }
+
+  /// Row of each column, kFree where there is none.
+  [[nodiscard]] const std::vector<int>& rowOfColumn() const { return row_of_; }
+
+  static constexpr int kFree = -1;
+
+ private:
+  struct Search {
+    std::vector<double> distance;  ///< reduced length of the shortest path to each column
+    std::vector<int> before;       ///< column before it on that path
+    std::vector<bool> done;
+    std::vector<int> visited;  ///< columns done, nearest first
+  };
+
+  void enter(int start) {
+    const std::size_t columns = row_of_.size();
+    Search search{std::vector<double>(columns, kInfinity),
+                  std::vector<int>(columns, kFree),
+                  std::vector<bool>(columns, false),
+                  {}};
     double reached = 0.0;
-    do {  // Dijkstra from `start` to the nearest free column
-      int nearest = kFree;
-      for (int j = 0; j < columns; ++j) {
-        if (done[j]) continue;
-        const double length = reached + cost(row, j) - row_price[row] - column_price[j];
-        if (length < distance[j]) {
-          distance[j] = length;
-          before[j] = column;
-        }
-        if (nearest == kFree || distance[j] < distance[nearest]) nearest = j;
-      }
-      column = nearest;
-      reached = distance[column];
-      done[column] = true;
-      visited.push_back(column);
-      row = row_of[column];
-    } while (row != kFree);
-    row_price[start] += reached;
-    for (const int j : visited) {
-      if (row_of[j] != kFree) row_price[row_of[j]] += reached - distance[j];
-      column_price[j] -= reached - distance[j];
+    int column = kFree;
+    for (int row = start; row != kFree; row = row_of_[column]) {  // Dijkstra
+      relax(search, row, column, reached);
+      column = nearest(search);
+      reached = search.distance[column];
+      search.done[column] = true;
+      search.visited.push_back(column);
     }
-    for (; before[column] != kFree; column = before[column]) row_of[column] = row_of[before[column]];
-    row_of[column] = start;
+    row_price_[start] += reached;
+    for (const int j : search.visited) {
+      if (row_of_[j] != kFree) row_price_[row_of_[j]] += reached - search.distance[j];
+      column_price_[j] -= reached - search.distance[j];
+    }
+    for (; search.before[column] != kFree; column = search.before[column]) {
+      row_of_[column] = row_of_[search.before[column]];
+    }
+    row_of_[column] = start;
   }
-  std::vector<int> column_of(rows, kFree);
-  for (int j = 0; j < columns; ++j) {
-    if (row_of[j] != kFree) column_of[row_of[j]] = j;
+
+  void relax(Search& search, int row, int from, double reached) const {
+    for (int j = 0; j < static_cast<int>(row_of_.size()); ++j) {
+      const double length = reached + cost_(row, j) - row_price_[row] - column_price_[j];
+      if (search.done[j] || !(length < search.distance[j])) continue;
+      search.distance[j] = length;
+      search.before[j] = from;
+    }
   }
-  return column_of;
-}
+
+  [[nodiscard]] int nearest(const Search& search) const {
+    int best = kFree;
+    for (int j = 0; j < static_cast<int>(row_of_.size()); ++j) {
+      if (search.done[j]) continue;
+      if (best == kFree || search.distance[j] < search.distance[best]) best = j;
+    }
+    return best;
+  }
+
+  const Eigen::MatrixXd& cost_;
+  std::vector<int> row_of_;
+  std::vector<double> row_price_;
+  std::vector<double> column_price_;
+};
 
 std::size_t rootOf(std::vector<std::size_t>& parent, std::size_t node) {
   while (parent[node] != node) node = parent[node] = parent[parent[node]];
@@ -98,42 +125,38 @@ std::vector<std::vector<CandidatePair>> grouped(const std::vector<CandidatePair>
   return result;
 }
 
-/// Solves one group; a pair that is no candidate costs as much as leaving both alone.
-void solveGroup(const std::vector<CandidatePair>& group, double unassigned_cost,
-                std::vector<CandidatePair>& chosen) {
-  if (group.size() == 1) {
-    chosen.push_back(group.front());
-    return;
-  }
-  auto rows = numbered(group, &CandidatePair::row);
-  auto columns = numbered(group, &CandidatePair::column);
-  const bool transposed = rows.size() > columns.size();
+/// What leaving a pair alone costs within a group: enough that more pairs are always cheaper,
+/// whatever the others then cost, unless the caller's price is lower.
+double priceOfNoPair(const std::vector<CandidatePair>& group, double pairs,
+                     double unassigned_cost) {
   const auto [least, most] = std::minmax_element(
       group.begin(), group.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
-  const auto pairs = static_cast<double>(std::min(rows.size(), columns.size()));
-  // One pair more must outweigh any difference between the costs of all the others.
-  const double enough_for_more_pairs =
-      most->cost + pairs * (most->cost - least->cost) + std::abs(most->cost) + 1.0;
-  const double no_pair = std::min(unassigned_cost, enough_for_more_pairs);
-  const auto place = [&](const CandidatePair& pair) {
-    const int row = rows.at(pair.row);
-    const int column = columns.at(pair.column);
-    return transposed ? std::pair(column, row) : std::pair(row, column);
-  };
-  if (transposed) std::swap(rows, columns);
-  Eigen::MatrixXd cost = Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(rows.size()),
-                                                   static_cast<Eigen::Index>(columns.size()),
-                                                   no_pair);
-  if (transposed) std::swap(rows, columns);
+  const double spread = most->cost - least->cost;
+  return std::min(unassigned_cost, most->cost + pairs * spread + std::abs(most->cost) + 1.0);
+}
+
+/// Solves one group that has no more rows than columns.
+std::vector<CandidatePair> solveGroup(const std::vector<CandidatePair>& group,
+                                      double unassigned_cost) {
+  const auto rows = numbered(group, &CandidatePair::row);
+  const auto columns = numbered(group, &CandidatePair::column);
+  Eigen::MatrixXd cost = Eigen::MatrixXd::Constant(
+      static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(columns.size()),
+      priceOfNoPair(group, static_cast<double>(rows.size()), unassigned_cost));
   for (const auto& candidate : group) {
-    const auto [i, j] = place(candidate);
-    cost(i, j) = candidate.cost;
+    cost(rows.at(candidate.row), columns.at(candidate.column)) = candidate.cost;
   }
-  const auto column_of = solveDense(cost);
+  const DenseAssignment solved(cost);
+  std::vector<CandidatePair> chosen;
   for (const auto& candidate : group) {
-    const auto [i, j] = place(candidate);
-    if (column_of[i] == j) chosen.push_back(candidate);
+    const int row = solved.rowOfColumn()[columns.at(candidate.column)];
+    if (row == rows.at(candidate.row)) chosen.push_back(candidate);
   }
+  return chosen;
+}
+
+void swapRowsAndColumns(std::vector<CandidatePair>& pairs) {
+  for (auto& pair : pairs) std::swap(pair.row, pair.column);
 }
 
 }  // namespace
@@ -157,7 +180,14 @@ std::vector<CandidatePair> assignPairs(std::vector<CandidatePair> candidates,
   std::sort(candidates.begin(), candidates.end(), order);
   candidates.erase(std::unique(candidates.begin(), candidates.end(), same_pair), candidates.end());
   std::vector<CandidatePair> chosen;
-  for (const auto& group : grouped(candidates)) solveGroup(group, unassigned_cost, chosen);
+  for (auto& group : grouped(candidates)) {
+    const bool tall = numbered(group, &CandidatePair::row).size() >
+                      numbered(group, &CandidatePair::column).size();
+    if (tall) swapRowsAndColumns(group);
+    auto pairs = solveGroup(group, unassigned_cost);
+    if (tall) swapRowsAndColumns(pairs);
+    chosen.insert(chosen.end(), pairs.begin(), pairs.end());
+  }
   std::sort(chosen.begin(), chosen.end(), order);
   return chosen;
 }
