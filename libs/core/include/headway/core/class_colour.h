@@ -1,0 +1,42 @@
+#pragma once
+
+#include <headway/core/object_class.h>
+
+#include <array>
+#include <cstdint>
+
+namespace headway {
+
+/// A colour, 0 to 255 each.
+struct Colour {
+  std::uint8_t red = 0;
+  std::uint8_t green = 0;
+  std::uint8_t blue = 0;
+};
+
+/// The colour of each class, the same in 3D scenes, pictures, plots and the report.
+///
+/// Told apart on dark and on light ground, and by the common kinds of colour blindness; green is
+/// left to the predictions (kPredictionColour).
+[[nodiscard]] constexpr Colour colourOf(ObjectClass object_class) {
+  constexpr std::array<Colour, kObjectClassCount> kColours = {{
+      {176, 182, 192},  // Unknown         light grey
+      {56, 163, 255},   // Car             blue
+      {74, 116, 224},   // Van             deep blue
+      {158, 112, 255},  // Truck           violet
+      {255, 150, 32},   // Pedestrian      orange
+      {255, 196, 92},   // Person_sitting  sand
+      {255, 84, 132},   // Cyclist         rose
+      {214, 84, 232},   // Tram            magenta
+      {150, 140, 120},  // Misc            taupe
+  }};
+  return kColours[static_cast<std::size_t>(object_class)];
+}
+
+/// Of predicted paths, whatever the class.
+inline constexpr Colour kPredictionColour{64, 222, 104};
+
+/// Of the true paths and boxes where truth is shown.
+inline constexpr Colour kTruthColour{240, 240, 240};
+
+}  // namespace headway
