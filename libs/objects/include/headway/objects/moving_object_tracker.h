@@ -11,10 +11,10 @@ namespace headway::objects {
 
 /// What one frame's detections did to the tracks.
 struct TrackUpdate {
-  std::vector<Track> tracks;           ///< tentative, confirmed and coasting ones; ascending ids
-  std::vector<TrackSample> settled;    ///< smoothed samples that no later frame will change
+  std::vector<Track> tracks;         ///< tentative, confirmed and coasting ones; ascending ids
+  std::vector<TrackSample> settled;  ///< smoothed samples that no later frame will change
   std::size_t detections_used = 0;
-  DropCounts detections_dropped;       ///< left out in this frame, by reason
+  DropCounts detections_dropped;  ///< left out in this frame, by reason
 };
 
 /// Tracks, smooths and predicts everything that moves: the paper's Algorithm 1.

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <headway/objects/predictor.h>
+
+namespace headway::objects {
+
+/// The paper's predictor: a quadratic Bezier curve from the heading and the recent path
+/// (Sec. III-B), and its ablations of Table II.
+class BezierPredictor : public Predictor {
+ public:
+  /// What an ablation leaves out.
+  struct Ablation {
+    bool distance_is_length = false;  ///< DM: d_se = |C_p| whatever the angle
+    bool detected_heading = false;    ///< HD: V_h is the detected heading alone
+    bool instant_speed = false;       ///< SV: the speed of the last step, not smoothed
+  };
+
+  BezierPredictor(const PredictorParams& params, const Ablation& ablation)
+      : params_(params), ablation_(ablation) {}
+
+  void predictInto(const MotionHistory& history, std::vector<PredictedPath>& paths) const override;
+
+ private:
+  [[nodiscard]] Eigen::Vector2d headDirection(const MotionHistory& history) const;
+  [[nodiscard]] Eigen::Vector2d predictionDirection(const MotionHistory& history,
+                                                    const Eigen::Vector2d& fallback) const;
+  [[nodiscard]] double endDistance(double curve_length, double alpha) const;
+
+  PredictorParams params_;
+  Ablation ablation_;
+};
+
+/// Speed smoothed over the last `samples` steps, eq. (1) with j = k-h ... k-1 [m/s].
+[[nodiscard]] double smoothedSpeed(const std::vector<TrajectoryPoint>& path, int samples,
+                                   const PaperPredictorParams& params);
+
+/// d_se of an arc of one length whose chord leaves its tangent by alpha, eq. (3) [m].
+///
+/// Eq. (3) is |C| sin(alpha) / alpha, which goes over into |C|, eq. (2), as alpha goes to zero.
+[[nodiscard]] double chordOfArc(double arc_length, double alpha);
+
+}  // namespace headway::objects

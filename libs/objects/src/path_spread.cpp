@@ -1,0 +1,70 @@
+#include "path_spread.h"
+
+#include <algorithm>
+
+#include "recent_motion.h"
+
+namespace headway::objects {
+namespace {
+
+double square(double x) { return x * x; }
+
+}  // namespace
+
+Eigen::Matrix2d PathSpread::covariance(double horizon_s, const Eigen::Vector2d& direction) const {
+  const double half_square = 0.5 * horizon_s * horizon_s;
+  const double start = square(position_sigma);
+  const double along =
+      start + square(along_velocity * horizon_s) + square(along_acceleration * half_square);
+  const double across =
+      start + square(across_velocity * horizon_s) + square(across_acceleration * half_square);
+  const double c = direction.x();
+  const double s = direction.y();
+  Eigen::Matrix2d covariance;
+  covariance << along * c * c + across * s * s, (along - across) * c * s, (along - across) * c * s,
+      along * s * s + across * c * c;
+  return covariance;
+}
+
+PathSpread spreadOf(const MotionHistory& history, const ManoeuvreParams& params, double window_s) {
+  constexpr double kLeastPositionSigma_m = 0.05;
+  constexpr double kUnknownSpeed = 5.0;  // of an object seen once [m/s]
+  PathSpread spread;
+  spread.position_sigma = std::max(history.position_sigma_m, kLeastPositionSigma_m);
+  const double span = std::min(window_s, spanOf(history.path));
+  const double velocity =
+      span > 0.0 ? std::min(kUnknownSpeed, history.position_sigma_m / span) : kUnknownSpeed;
+  spread.along_velocity = velocity;
+  spread.across_velocity = velocity;
+  spread.along_acceleration = params.acceleration_sigma;
+  spread.across_acceleration = params.lateral_sigma;
+  return spread;
+}
+
+PredictedPath& singlePath(const MotionHistory& history, std::vector<PredictedPath>& paths) {
+  paths.resize(1);
+  PredictedPath& path = paths.front();
+  path.mode = 0;
+  path.probability = 1.0;
+  path.points.resize(kPredictionSamples);
+  const double z = history.path.back().position.z();
+  for (int j = 0; j < kPredictionSamples; ++j) {
+    path.points[j].horizon_s = (j + 1) * kPredictionStep_s;
+    path.points[j].position.z() = z;
+  }
+  return path;
+}
+
+void writeStanding(const MotionHistory& history, const PathSpread& spread,
+                   std::vector<PredictedPath>& paths) {
+  if (history.path.empty()) {
+    paths.clear();
+    return;
+  }
+  for (PredictedPoint& point : singlePath(history, paths).points) {
+    point.position = history.path.back().position;
+    point.covariance = spread.covariance(point.horizon_s, Eigen::Vector2d::UnitX());
+  }
+}
+
+}  // namespace headway::objects

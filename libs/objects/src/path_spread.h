@@ -1,0 +1,34 @@
+#pragma once
+
+#include <headway/objects/predictor.h>
+
+#include <Eigen/Core>
+
+namespace headway::objects {
+
+/// How the uncertainty of a foretold place grows: an error of place, of velocity and of
+/// acceleration, along the path and across it.
+struct PathSpread {
+  double position_sigma = 0.0;       ///< [m]
+  double along_velocity = 0.0;       ///< [m/s]
+  double across_velocity = 0.0;      ///< [m/s]
+  double along_acceleration = 0.0;   ///< [m/s^2]
+  double across_acceleration = 0.0;  ///< [m/s^2]
+
+  /// Covariance at one horizon of a path that runs along `direction` (unit length) [m^2].
+  [[nodiscard]] Eigen::Matrix2d covariance(double horizon_s,
+                                           const Eigen::Vector2d& direction) const;
+};
+
+/// The spread of a predictor that reads velocities off `window_s` of the history.
+[[nodiscard]] PathSpread spreadOf(const MotionHistory& history, const ManoeuvreParams& params,
+                                  double window_s);
+
+/// Leaves one path in `paths`: the object stays where it is. None if the history is empty.
+void writeStanding(const MotionHistory& history, const PathSpread& spread,
+                   std::vector<PredictedPath>& paths);
+
+/// Makes `paths` hold one path of kPredictionSamples samples with their horizons and z set.
+PredictedPath& singlePath(const MotionHistory& history, std::vector<PredictedPath>& paths);
+
+}  // namespace headway::objects

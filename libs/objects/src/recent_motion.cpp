@@ -1,0 +1,34 @@
+#include "recent_motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace headway::objects {
+
+Eigen::Vector2d placeAt(const std::vector<TrajectoryPoint>& path, Time time) {
+  std::size_t later = path.size() - 1;
+  while (later > 0 && path[later - 1].time >= time) --later;
+  if (later == 0) return path.front().position.head<2>();
+  const TrajectoryPoint& a = path[later - 1];
+  const TrajectoryPoint& b = path[later];
+  const double share = std::min(1.0, (time - a.time) / (b.time - a.time));
+  return a.position.head<2>() + share * (b.position - a.position).head<2>();
+}
+
+double spanOf(const std::vector<TrajectoryPoint>& path) {
+  return path.size() < 2 ? 0.0 : path.back().time - path.front().time;
+}
+
+Eigen::Vector2d recentVelocity(const std::vector<TrajectoryPoint>& path, double window_s) {
+  const double window = std::min(window_s, spanOf(path));
+  if (window <= 0.0) return Eigen::Vector2d::Zero();
+  const Eigen::Vector2d now = path.back().position.head<2>();
+  return (now - placeAt(path, path.back().time - window)) / window;
+}
+
+Eigen::Vector2d unitOr(const Eigen::Vector2d& direction, const Eigen::Vector2d& fallback) {
+  const double length = direction.norm();
+  return length > kNoDirection_m ? Eigen::Vector2d(direction / length) : fallback;
+}
+
+}  // namespace headway::objects

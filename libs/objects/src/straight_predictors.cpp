@@ -1,0 +1,128 @@
+#include "straight_predictors.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bezier_predictor.h"
+#include "path_spread.h"
+#include "recent_motion.h"
+
+namespace headway::objects {
+namespace {
+
+// Turn rate from the mean velocities over the last window and the one before it [rad/s].
+double recentTurnRate(const std::vector<TrajectoryPoint>& path, double window_s) {
+  constexpr double kStanding_mps = 0.3;  // slower, directions are noise
+  const double window = std::min(window_s, 0.5 * spanOf(path));
+  if (window <= 0.0) return 0.0;
+  const Time now = path.back().time;
+  const Eigen::Vector2d p0 = path.back().position.head<2>();
+  const Eigen::Vector2d p1 = placeAt(path, now - window);
+  const Eigen::Vector2d p2 = placeAt(path, now - 2.0 * window);
+  const Eigen::Vector2d recent = p0 - p1;
+  const Eigen::Vector2d older = p1 - p2;
+  if (std::min(recent.norm(), older.norm()) < kStanding_mps * window) return 0.0;
+  const double cross = older.x() * recent.y() - older.y() * recent.x();
+  return std::atan2(cross, older.dot(recent)) / window;
+}
+
+// The baseline's curve through four places: P(u) with u = 0 now and -1, -2, -3 one spacing apart.
+class Cubic {
+ public:
+  Cubic(const std::vector<TrajectoryPoint>& path, double spacing_s) {
+    const Time now = path.back().time;
+    const Eigen::Vector2d p0 = path.back().position.head<2>();
+    const Eigen::Vector2d p1 = placeAt(path, now - spacing_s);
+    const Eigen::Vector2d p2 = placeAt(path, now - 2.0 * spacing_s);
+    const Eigen::Vector2d p3 = placeAt(path, now - 3.0 * spacing_s);
+    start_ = p0;  // Newton's backward differences
+    first_ = p0 - p1;
+    second_ = p0 - 2.0 * p1 + p2;
+    third_ = p0 - 3.0 * p1 + 3.0 * p2 - p3;
+  }
+  [[nodiscard]] Eigen::Vector2d at(double u) const {
+    return start_ + u * (first_ + 0.5 * (u + 1.0) * (second_ + (u + 2.0) / 3.0 * third_));
+  }
+
+ private:
+  Eigen::Vector2d start_, first_, second_, third_;
+};
+
+}  // namespace
+
+void ConstantVelocityPredictor::predictInto(const MotionHistory& history,
+                                            std::vector<PredictedPath>& paths) const {
+  const PathSpread spread =
+      spreadOf(history, params_.manoeuvres.of(history.object_class), params_.velocity_window_s);
+  if (history.path.size() < 2) return writeStanding(history, spread, paths);
+  const Eigen::Vector2d velocity = recentVelocity(history.path, params_.velocity_window_s);
+  const Eigen::Vector2d direction = unitOr(velocity, Eigen::Vector2d::UnitX());
+  const Eigen::Vector2d start = history.path.back().position.head<2>();
+  for (PredictedPoint& point : singlePath(history, paths).points) {
+    point.position.head<2>() = start + point.horizon_s * velocity;
+    point.covariance = spread.covariance(point.horizon_s, direction);
+  }
+}
+
+void ConstantTurnPredictor::predictInto(const MotionHistory& history,
+                                        std::vector<PredictedPath>& paths) const {
+  const PathSpread spread =
+      spreadOf(history, params_.manoeuvres.of(history.object_class), params_.velocity_window_s);
+  if (history.path.size() < 2) return writeStanding(history, spread, paths);
+  const double window = std::min(params_.velocity_window_s, spanOf(history.path));
+  const double turn_rate = recentTurnRate(history.path, params_.velocity_window_s);
+  // The mean velocity of a window points where the object looked in the window's middle.
+  const Eigen::Vector2d velocity = Eigen::Rotation2Dd(0.5 * window * turn_rate) *
+                                   recentVelocity(history.path, params_.velocity_window_s);
+  const Eigen::Vector2d direction = unitOr(velocity, Eigen::Vector2d::UnitX());
+  const Eigen::Vector2d sideways(-velocity.y(), velocity.x());
+  const Eigen::Vector2d start = history.path.back().position.head<2>();
+  constexpr double kStraight = 1e-6;  // below this turn rate the circle is a line [rad/s]
+  for (PredictedPoint& point : singlePath(history, paths).points) {
+    const double t = point.horizon_s;
+    const double angle = turn_rate * t;
+    const bool straight = std::abs(turn_rate) < kStraight;
+    const double ahead = straight ? t : std::sin(angle) / turn_rate;
+    const double aside = straight ? 0.0 : (1.0 - std::cos(angle)) / turn_rate;
+    point.position.head<2>() = start + ahead * velocity + aside * sideways;
+    point.covariance = spread.covariance(t, direction);
+  }
+}
+
+void PolynomialPredictor::predictInto(const MotionHistory& history,
+                                      std::vector<PredictedPath>& paths) const {
+  constexpr double kSpacing_s = 0.5;  // five frames at 10 Hz
+  constexpr double kStep = 0.02;      // of the walk along the curve, in spacings
+  constexpr int kMostSteps = 2000;
+  const PathSpread spread =
+      spreadOf(history, params_.manoeuvres.of(history.object_class), params_.velocity_window_s);
+  if (history.path.size() < 2) return writeStanding(history, spread, paths);
+  const double spacing = std::min(kSpacing_s, spanOf(history.path) / 3.0);
+  const double end_distance =
+      smoothedSpeed(history.path, params_.paper.speed_samples, params_.paper) * kPredictionSamples *
+      kPredictionStep_s;
+  const Cubic curve(history.path, spacing);
+  const Eigen::Vector2d start = curve.at(0.0);
+
+  // Walk until the curve is d_se away, keeping the arc length of every step.
+  std::vector<double> lengths = {0.0};
+  Eigen::Vector2d here = start;
+  while ((here - start).norm() < end_distance && lengths.size() < kMostSteps) {
+    const Eigen::Vector2d next = curve.at(static_cast<double>(lengths.size()) * kStep);
+    lengths.push_back(lengths.back() + (next - here).norm());
+    here = next;
+  }
+  const Eigen::Vector2d direction = unitOr(here - start, Eigen::Vector2d::UnitX());
+  std::size_t above = 0;
+  for (PredictedPoint& point : singlePath(history, paths).points) {
+    const double wanted =
+        lengths.back() * point.horizon_s / (kPredictionSamples * kPredictionStep_s);
+    while (above + 1 < lengths.size() && lengths[above] < wanted) ++above;
+    const double width = above > 0 ? lengths[above] - lengths[above - 1] : 0.0;
+    const double back = width > 0.0 ? (lengths[above] - wanted) / width : 0.0;
+    point.position.head<2>() = curve.at((static_cast<double>(above) - back) * kStep);
+    point.covariance = spread.covariance(point.horizon_s, direction);
+  }
+}
+
+}  // namespace headway::objects

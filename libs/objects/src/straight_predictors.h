@@ -1,0 +1,40 @@
+#pragma once
+
+#include <headway/objects/predictor.h>
+
+namespace headway::objects {
+
+/// Straight on with the mean velocity of the last moments.
+class ConstantVelocityPredictor : public Predictor {
+ public:
+  explicit ConstantVelocityPredictor(const PredictorParams& params) : params_(params) {}
+  void predictInto(const MotionHistory& history, std::vector<PredictedPath>& paths) const override;
+
+ private:
+  PredictorParams params_;
+};
+
+/// On a circle: constant speed and constant turn rate (CTRV).
+///
+/// The turn rate comes from the velocities over the last two windows.
+class ConstantTurnPredictor : public Predictor {
+ public:
+  explicit ConstantTurnPredictor(const PredictorParams& params) : params_(params) {}
+  void predictInto(const MotionHistory& history, std::vector<PredictedPath>& paths) const override;
+
+ private:
+  PredictorParams params_;
+};
+
+/// The paper's baseline: a cubic through four past places five frames apart, followed as far as
+/// d_se from the object (Sec. IV-A).
+class PolynomialPredictor : public Predictor {
+ public:
+  explicit PolynomialPredictor(const PredictorParams& params) : params_(params) {}
+  void predictInto(const MotionHistory& history, std::vector<PredictedPath>& paths) const override;
+
+ private:
+  PredictorParams params_;
+};
+
+}  // namespace headway::objects
