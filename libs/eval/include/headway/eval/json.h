@@ -1,0 +1,12 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+namespace headway::eval {
+
+struct TrajectoryError;
+
+/// The figures under the keys that scripts rely on; null where a figure is not defined.
+[[nodiscard]] nlohmann::ordered_json toJson(const TrajectoryError& error);
+
+}  // namespace headway::eval

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+namespace headway::eval {
+
+struct TrajectoryError;
+
+/// Rows of text, the first being the headings.
+using TextTable = std::vector<std::vector<std::string>>;
+
+/// Writes the table as Markdown with aligned columns: the first to the left, others to the right.
+void writeTable(std::ostream& out, const TextTable& table);
+
+/// The number with fixed decimals; an em dash if it is not finite.
+[[nodiscard]] std::string fixedText(double value, int decimals);
+
+/// The figures of a trajectory, named and with units.
+[[nodiscard]] TextTable tableOf(const TrajectoryError& error);
+
+}  // namespace headway::eval

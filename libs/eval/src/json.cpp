@@ -1,0 +1,36 @@
+#include <headway/eval/json.h>
+#include <headway/eval/trajectory_error.h>
+
+#include <nlohmann/json.hpp>
+
+namespace headway::eval {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json orNull(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+}  // namespace
+
+Json toJson(const TrajectoryError& error) {
+  Json json;
+  json["frames"] = error.frames;
+  json["frames_matched"] = error.frames_matched;
+  json["path_m"] = error.path_m;
+  json["path_ratio"] = orNull(error.path_ratio);
+  json["ate_rmse_m"] = error.ate_m.rmse;
+  json["ate_mean_m"] = error.ate_m.mean;
+  json["ate_sd_m"] = error.ate_m.sd;
+  json["ate_median_m"] = error.ate_m.median;
+  json["ate_max_m"] = error.ate_m.max;
+  json["rpe_trans_rmse_m"] = error.rpe_trans_rmse_m;
+  json["rpe_rot_rmse_deg"] = error.rpe_rot_rmse_deg;
+  json["kitti_trans_percent"] = error.kitti ? Json(error.kitti->trans_percent) : Json(nullptr);
+  json["kitti_rot_deg_per_m"] = error.kitti ? Json(error.kitti->rot_deg_per_m) : Json(nullptr);
+  json["kitti_segments"] = error.kitti ? error.kitti->segments : 0;
+  json["truth_poses"] = error.truth_poses;
+  json["scale"] = error.scale;
+  return json;
+}
+
+}  // namespace headway::eval

@@ -1,0 +1,118 @@
+#include <headway/core/error.h>
+#include <headway/eval/trajectory_error.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "segment_errors.h"
+
+namespace headway::eval {
+namespace {
+
+struct Similarity {
+  double scale = 1.0;
+  Pose T_truth_estimate = Pose::Identity();
+};
+
+Similarity aligning(const std::vector<PosePair>& pairs, Alignment alignment) {
+  if (alignment == Alignment::kNone) return {};
+  Eigen::Matrix3Xd truth(3, pairs.size());
+  Eigen::Matrix3Xd estimate(3, pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    truth.col(static_cast<Eigen::Index>(i)) = pairs[i].truth.translation();
+    estimate.col(static_cast<Eigen::Index>(i)) = pairs[i].estimate.translation();
+  }
+  const bool with_scale = alignment == Alignment::kScale;
+  if (with_scale && (estimate.colwise() - estimate.col(0)).isZero(0.0)) {
+    throw InputError("the estimate never moves, so it has no scale; align it with se3");
+  }
+  const Eigen::Matrix4d similarity = Eigen::umeyama(estimate, truth, with_scale);
+  Similarity result;
+  result.scale = std::cbrt(similarity.topLeftCorner<3, 3>().determinant());
+  if (!with_scale) result.scale = 1.0;
+  result.T_truth_estimate.linear() = similarity.topLeftCorner<3, 3>() / result.scale;
+  result.T_truth_estimate.translation() = similarity.topRightCorner<3, 1>();
+  return result;
+}
+
+std::vector<PosePair> alignedPairs(std::vector<PosePair> pairs, const Similarity& similarity) {
+  for (auto& pair : pairs) {
+    pair.estimate.translation() *= similarity.scale;
+    pair.estimate = similarity.T_truth_estimate * pair.estimate;
+  }
+  return pairs;
+}
+
+void requireEnough(const PosePairs& pairs, Alignment alignment) {
+  const std::size_t needed = alignment == Alignment::kNone ? 2 : 3;
+  if (pairs.pairs.size() >= needed) return;
+  throw InputError(
+      "only " + std::to_string(pairs.pairs.size()) + " of " + std::to_string(pairs.estimate_poses) +
+      " estimated poses have a true one; at least " + std::to_string(needed) + " are needed");
+}
+
+double estimatedLength(const std::vector<PosePair>& pairs) {
+  double length = 0.0;
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    length += (pairs[i].estimate.translation() - pairs[i - 1].estimate.translation()).norm();
+  }
+  return length;
+}
+
+void addRelativeErrors(TrajectoryError& result) {
+  std::vector<double> trans;
+  std::vector<double> rot;
+  for (std::size_t i = 1; i < result.aligned.size(); ++i) {
+    const Pose error = relativeError(result.aligned[i - 1], result.aligned[i]);
+    trans.push_back(error.translation().norm());
+    rot.push_back(logSo3(error.linear()).norm() * 180.0 / M_PI);
+  }
+  result.rpe_trans_rmse_m = statisticsOf(trans).rmse;
+  result.rpe_rot_rmse_deg = statisticsOf(rot).rmse;
+}
+
+}  // namespace
+
+ErrorStatistics statisticsOf(std::vector<double> errors) {
+  if (errors.empty()) return {};
+  ErrorStatistics result;
+  const auto count = static_cast<double>(errors.size());
+  for (const double error : errors) result.mean += error / count;
+  double variance = 0.0;
+  for (const double error : errors) {
+    variance += (error - result.mean) * (error - result.mean) / count;
+  }
+  result.sd = std::sqrt(variance);
+  result.rmse = std::hypot(result.mean, result.sd);
+  std::sort(errors.begin(), errors.end());
+  const std::size_t middle = errors.size() / 2;
+  result.median =
+      errors.size() % 2 == 1 ? errors[middle] : 0.5 * (errors[middle - 1] + errors[middle]);
+  result.max = errors.back();
+  return result;
+}
+
+TrajectoryError trajectoryError(const PosePairs& pairs, const TrajectoryErrorParams& params) {
+  requireEnough(pairs, params.alignment);
+  TrajectoryError result;
+  result.frames = pairs.estimate_poses;
+  result.frames_matched = pairs.pairs.size();
+  result.truth_poses = pairs.truth_poses;
+  result.path_m = trueDistances(pairs.pairs).back();
+  if (result.path_m > 0.0) result.path_ratio = estimatedLength(pairs.pairs) / result.path_m;
+  const auto similarity = aligning(pairs.pairs, params.alignment);
+  result.scale = similarity.scale;
+  result.T_truth_estimate = similarity.T_truth_estimate;
+  result.aligned = alignedPairs(pairs.pairs, similarity);
+  for (const auto& pair : result.aligned) {
+    result.errors_m.push_back((pair.truth.translation() - pair.estimate.translation()).norm());
+  }
+  result.ate_m = statisticsOf(result.errors_m);
+  addRelativeErrors(result);
+  result.kitti = segmentErrors(result.aligned, params);
+  return result;
+}
+
+}  // namespace headway::eval

@@ -1,0 +1,88 @@
+#include <gmock/gmock.h>
+#include <headway/eval/chart.h>
+#include <headway/eval/trajectory_plot.h>
+
+#include <limits>
+#include <set>
+
+namespace headway::eval {
+namespace {
+
+bool sameBytes(const cv::Mat& a, const cv::Mat& b) {
+  return a.size() == b.size() && a.type() == b.type() &&
+         std::equal(a.datastart, a.dataend, b.datastart);
+}
+
+/// Share of pixels that differ between two pictures.
+double changed(const cv::Mat& a, const cv::Mat& b) {
+  std::size_t count = 0;
+  for (int row = 0; row < a.rows; ++row) {
+    for (int col = 0; col < a.cols; ++col) {
+      if (a.at<cv::Vec3b>(row, col) != b.at<cv::Vec3b>(row, col)) ++count;
+    }
+  }
+  return static_cast<double>(count) / static_cast<double>(a.total());
+}
+
+ChartFrame someFrame() { return {"Title", "x [m]", "y [m]", {0.0, 10.0}, {-1.0, 1.0}}; }
+
+TEST(ChartTest, drawsWhereItIsTold) {
+  Chart chart(someFrame());
+  const cv::Mat before = chart.picture();
+  chart.dot({5.0, 0.0}, {255, 0, 0}, 10.0);
+  const cv::Mat after = chart.picture();
+  EXPECT_EQ(before.size(), cv::Size(1200, 760));
+  EXPECT_GT(changed(before, after), 0.0);
+  EXPECT_LT(changed(before, after), 0.001);
+  // Middle of the axes: red.
+  const cv::Vec3b middle =
+      after.at<cv::Vec3b>(46 + (760 - 46 - 62) / 2, 84 + (1200 - 84 - 120) / 2);
+  EXPECT_EQ(cv::Vec3b(0, 0, 255), middle);
+}
+
+TEST(ChartTest, sameCallsSameBytes) {
+  const auto draw = [] {
+    Chart chart(someFrame());
+    chart.line({{0, 0}, {3, 1}, {10, -1}}, categoryColour(1), 2.0, LineStyle::kDashed);
+    chart.legend("line", categoryColour(1));
+    chart.ramp("error", 0.37);
+    return chart.picture();
+  };
+  EXPECT_TRUE(sameBytes(draw(), draw()));
+}
+
+TEST(ChartTest, whatIsNotFiniteOrFarOutsideDoesNoHarm) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Chart chart(someFrame());
+  const cv::Mat before = chart.picture();
+  chart.dot({nan, 0.0}, {});
+  chart.line({{nan, 0.0}, {1.0, 0.0}}, {});
+  EXPECT_TRUE(sameBytes(before, chart.picture()));
+  chart.line({{-1e12, 0.0}, {1e12, 0.0}}, {});
+  EXPECT_FALSE(sameBytes(before, chart.picture()));
+}
+
+TEST(ChartTest, emptyRangesStillMakeAChart) {
+  ChartFrame frame = someFrame();
+  frame.x = frame.y = {3.0, 3.0};
+  EXPECT_EQ(cv::Size(1200, 760), Chart(frame).picture().size());
+  EXPECT_EQ(0.0, rangeOf({}, 0).min);
+  EXPECT_EQ(1.0, rangeOf({}, 0).max);
+}
+
+TEST(ChartTest, rampRunsFromBlueToRedAndIsCutOff) {
+  EXPECT_GT(rampColour(0.0).blue, rampColour(0.0).red);
+  EXPECT_GT(rampColour(1.0).red, rampColour(1.0).blue);
+  EXPECT_EQ(rampColour(1.0).red, rampColour(7.0).red);
+  EXPECT_EQ(rampColour(0.0).blue, rampColour(-7.0).blue);
+}
+
+TEST(TrajectoryPlotTest, showsMapAndErrorForStandstillToo) {
+  const std::vector<Pose> still(5, Pose::Identity());
+  const auto error = trajectoryError(pairByIndex(still, still), {});
+  const cv::Mat plot = trajectoryPlot(error, TopView::kXy, "still");
+  EXPECT_EQ(cv::Size(1200, 760 + 340), plot.size());
+}
+
+}  // namespace
+}  // namespace headway::eval

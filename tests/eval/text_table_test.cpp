@@ -1,0 +1,33 @@
+#include <gmock/gmock.h>
+#include <headway/eval/text_table.h>
+
+#include <limits>
+#include <sstream>
+
+namespace headway::eval {
+namespace {
+
+TEST(TextTableTest, isMarkdownWithAlignedColumns) {
+  std::ostringstream out;
+  writeTable(out, {{"name", "value"}, {"a", "1.25"}, {"longer", "—"}});
+  EXPECT_EQ(
+      "| name   | value |\n"
+      "| ------ | ----: |\n"
+      "| a      |  1.25 |\n"
+      "| longer |     — |\n",
+      out.str());
+}
+
+TEST(TextTableTest, shortRowsAreFilledUp) {
+  std::ostringstream out;
+  writeTable(out, {{"name", "value"}, {"a"}});
+  EXPECT_THAT(out.str(), testing::EndsWith("| a    |       |\n"));
+}
+
+TEST(TextTableTest, whatIsNotFiniteIsADash) {
+  EXPECT_EQ("1.50", fixedText(1.5, 2));
+  EXPECT_EQ("—", fixedText(std::numeric_limits<double>::quiet_NaN(), 2));
+}
+
+}  // namespace
+}  // namespace headway::eval
