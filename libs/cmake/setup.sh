@@ -23,10 +23,10 @@ install_packages() {
   $as_root apt-get -qq install -y --no-install-recommends "${missing[@]}" >/dev/null
 }
 
-# build_preset <preset> [cmake options ...]: configures once and builds what changed.
+# build_preset <preset> [targets ...]: configures once and builds what changed (default: all).
 build_preset() {
   local preset=$1
   shift
-  cmake --preset "$preset" "$@" >/dev/null
-  cmake --build --preset "$preset" --parallel "$(nproc)"
+  cmake --preset "$preset" >/dev/null
+  cmake --build --preset "$preset" --parallel "$(nproc)" ${1:+--target "$@"}
 }

@@ -1,0 +1,20 @@
+#!/bin/bash
+# From a clean Debian 12 to pictures: installs what is missing, builds, replays the bundled street,
+# and compares the trajectory with the truth.
+set -euo pipefail
+cd "$(dirname "$0")"
+source libs/cmake/setup.sh
+install_packages
+build_preset release headway-replay headway-render headway-eval
+bin=build/release/bin
+
+out=out/street
+$bin/headway-replay -i rawlogs/street.rawlog -o $out -w
+$bin/headway-render -i $out -o $out/top.png --view top
+$bin/headway-eval trajectory --truth rawlogs/street.truth/trajectory.tum \
+  --estimate $out/trajectory.tum --plot $out/trajectory.png
+
+echo
+echo "pictures:   $(ls $out/snapshots/*.png | tr '\n' ' ')$out/top.png $out/trajectory.png"
+echo "trajectory: $out/trajectory.tum   tracks: $out/tracks.csv   map: $out/map.headway"
+[ ! -f $out/report.html ] || echo "report:     $out/report.html"
