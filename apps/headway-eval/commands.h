@@ -1,0 +1,8 @@
+#pragma once
+
+namespace headway::app {
+
+/// Sub-commands of headway-eval; each takes its own arguments and returns the exit status.
+int runTrajectory(int argc, const char** argv);
+
+}  // namespace headway::app

@@ -1,0 +1,159 @@
+#include <headway/core/error.h>
+#include <headway/eval/json.h>
+#include <headway/eval/text_table.h>
+#include <headway/eval/trajectory_error.h>
+#include <headway/eval/trajectory_plot.h>
+#include <headway/io/rawlog_source.h>
+#include <headway/io/trajectory_file.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "commands.h"
+#include "outputs.h"
+
+namespace headway::app {
+namespace {
+
+enum class Format { kTum, kKitti };
+
+struct Options {
+  std::string truth;
+  std::string estimate;
+  std::string format;
+  std::string align = "se3";
+  std::string segments = "100,200,300,400,500,600,700,800";
+  double max_difference_s = 0.02;
+  bool quiet = false;
+  Outputs outputs;
+};
+
+bool isRawlog(const std::string& path) {
+  return std::filesystem::path(path).extension() == ".rawlog";
+}
+
+/// Format of a trajectory file, by the number of columns in its first row.
+Format formatOf(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) throw InputError(path + ": cannot be opened");
+  std::string line;
+  while (std::getline(file, line)) {
+    std::istringstream words(line.substr(0, line.find('#')));
+    std::size_t columns = 0;
+    for (std::string word; words >> word;) ++columns;
+    if (columns == 8) return Format::kTum;
+    if (columns == 12) return Format::kKitti;
+    if (columns > 0) {
+      throw InputError(path + ": rows have " + std::to_string(columns) +
+                       " columns; TUM has 8 (t x y z qx qy qz qw), KITTI 12 (3x4 matrix)");
+    }
+  }
+  throw InputError(path + ": holds no poses");
+}
+
+Format chosenFormat(const Options& options) {
+  if (options.format == "tum") return Format::kTum;
+  if (options.format == "kitti") return Format::kKitti;
+  if (!options.format.empty()) {
+    throw program::UsageError("--format: '" + options.format + "' is neither tum nor kitti");
+  }
+  return formatOf(options.estimate);
+}
+
+eval::Alignment chosenAlignment(const std::string& name) {
+  if (name == "se3") return eval::Alignment::kSe3;
+  if (name == "none") return eval::Alignment::kNone;
+  if (name == "scale") return eval::Alignment::kScale;
+  throw program::UsageError("--align: '" + name + "' is none of se3, none, scale");
+}
+
+std::vector<double> chosenSegments(const std::string& list) {
+  std::vector<double> lengths;
+  std::istringstream words(list);
+  for (std::string word; std::getline(words, word, ',');) {
+    char* end = nullptr;
+    const double length = std::strtod(word.c_str(), &end);
+    if (word.empty() || *end != '\0' || !(length > 0.0)) {
+      throw program::UsageError("--segments: '" + word + "' is not a length in metres");
+    }
+    lengths.push_back(length);
+  }
+  return lengths;
+}
+
+std::vector<Stamped<Pose>> readTimedTruth(const std::string& path) {
+  if (!isRawlog(path)) return io::readTum(path);
+  auto truth = io::readTruth(path).poses;
+  if (truth.empty()) throw InputError(path + ": holds no poses labelled truth_pose");
+  return truth;
+}
+
+eval::PosePairs readPairs(const Options& options, Format format) {
+  if (format == Format::kKitti) {
+    if (isRawlog(options.truth) || formatOf(options.truth) != Format::kKitti) {
+      throw InputError(options.estimate +
+                       ": KITTI poses have no times and need a true trajectory "
+                       "in KITTI format too, " +
+                       options.truth + " is none");
+    }
+    return eval::pairByIndex(io::readKittiPoses(options.truth),
+                             io::readKittiPoses(options.estimate));
+  }
+  if (!isRawlog(options.truth) && formatOf(options.truth) != Format::kTum) {
+    throw InputError(options.truth +
+                     ": KITTI poses have no times; compare them with an estimate "
+                     "in KITTI format (trajectory_kitti.txt), or give the truth as TUM or rawlog");
+  }
+  return eval::pairByTime(readTimedTruth(options.truth), io::readTum(options.estimate),
+                          options.max_difference_s);
+}
+
+bool parse(Options& options, int argc, const char** argv) {
+  program::CommandLine line("headway-eval trajectory",
+                            "Compares an estimated trajectory with the truth: absolute error "
+                            "(ATE), relative error a frame (RPE) and over path segments (KITTI).");
+  line.option(options.truth, 0, "truth", "FILE", "TUM or KITTI poses, or a rawlog with truth",
+              true);
+  line.option(options.estimate, 0, "estimate", "FILE", "TUM or KITTI poses", true);
+  line.option(options.format, 0, "format", "tum|kitti", "Of the estimate; default: by its columns");
+  line.option(options.align, 0, "align", "se3|none|scale",
+              "How to align the estimate; default se3");
+  line.option(options.segments, 0, "segments", "M,M,...",
+              "Lengths of KITTI's path segments [m]; default 100,200,...,800");
+  line.option(options.max_difference_s, 0, "max-difference", "S",
+              "Greatest time between poses that pair [s]; default 0.02");
+  options.outputs.describe(line);
+  if (!line.parse(argc, argv)) return false;
+  options.quiet = line.quiet();
+  options.outputs.requireWritable();
+  return true;
+}
+
+eval::TrajectoryError compare(const Options& options, Format format) {
+  eval::TrajectoryErrorParams params;
+  params.alignment = chosenAlignment(options.align);
+  params.segment_lengths_m = chosenSegments(options.segments);
+  const auto pairs = readPairs(options, format);
+  return eval::trajectoryError(pairs, params);
+}
+
+}  // namespace
+
+int runTrajectory(int argc, const char** argv) {
+  Options options;
+  if (!parse(options, argc, argv)) return program::kDone;
+  const Format format = chosenFormat(options);
+  const auto error = compare(options, format);
+  if (!options.quiet) eval::writeTable(std::cout, eval::tableOf(error));
+  options.outputs.write(eval::toJson(error), [&] {
+    const auto view = format == Format::kKitti ? eval::TopView::kXz : eval::TopView::kXy;
+    const auto name = std::filesystem::path(options.estimate).filename().string();
+    return eval::trajectoryPlot(error, view, name + " against the truth");
+  });
+  return program::kDone;
+}
+
+}  // namespace headway::app
