@@ -21,7 +21,8 @@ void ConsistencyParams::describe(Params::Section section) {
   section.add("track_unknown", track_unknown, "Track detections of unknown class too");
   section.add("gate_sigma", gate_sigma, 0.5, 20.0, "standard deviations",
               "Radius of the gate around a predicted place");
-  section.add("gate_min", gate_min_m, 0.0, 20.0, "m", "Smallest radius of the gate");
+  section.add("new_object_density", new_object_density, 1e-9, 1e3, "1/m^2",
+              "New objects and false alarms that a place holds: what a match must beat");
   section.add("gate_max", gate_max_m, 0.1, 100.0, "m", "Largest radius of the gate");
   section.add("duplicate_distance", duplicate_distance, 0.0, 2.0, "widths",
               "Boxes whose centres are nearer are one object");
@@ -47,6 +48,8 @@ void FilterParams::describe(Params::Section section) {
   section.add("across_share", across_share, 0.01, 10.0, "",
               "Noise across the ray, as a share of that along it");
   section.add("vertical_sigma", vertical_sigma_m, 0.001, 10.0, "m", "Noise of a measured z");
+  section.add("least_position_sigma", least_position_sigma_m, 0.0, 10.0, "m",
+              "Added to the noise that a detector claims for itself");
   section.add("yaw_sigma", yaw_sigma_rad, 0.001, 3.0, "rad", "Noise of a measured heading");
   section.add("size_sigma", size_sigma_m, 0.001, 10.0, "m",
               "Noise of a measured length, width and height");
@@ -95,6 +98,8 @@ void SmoothingParams::describe(Params::Section section) {
               "Turns kinetic energy into a cost beside that of the measurements");
   addPerClass(section, "force_sigma", force_sigma, 0.001, 100.0, "m/s^2",
               "Typical acceleration, as the least-force prior expects it");
+  section.add("force_time", force_time_s, 0.001, 100.0, "s",
+              "Time over which such an acceleration lasts");
   section.add("outlier_sigma", outlier_sigma, 0.1, 1000.0, "standard deviations",
               "Residual beyond which a measured place counts less");
   section.add("gaussian_smoothing", gaussian_smoothing,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <headway/core/box_lifter.h>
 #include <headway/core/detection.h>
 #include <headway/core/track.h>
 #include <headway/objects/objects_params.h>
@@ -32,8 +33,10 @@ class MovingObjectTracker {
   ///
   /// A frame whose time does not increase changes nothing; its detections are counted as dropped
   /// for "time_backwards".
+  ///
+  /// @param lifter  gives 2D boxes a depth; without it they are dropped for "no_3d_box"
   [[nodiscard]] TrackUpdate update(std::size_t frame, const Stamped<Pose>& T_map_robot,
-                                   const Detections& detections);
+                                   const Detections& detections, const BoxLifter* lifter = nullptr);
 
   /// Carries the tracks on to a frame in which nobody looked for objects.
   [[nodiscard]] TrackUpdate coast(std::size_t frame, Time time);

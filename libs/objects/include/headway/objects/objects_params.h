@@ -8,12 +8,12 @@ namespace headway::objects {
 
 /// Which detections are believed, and which of them are the same object (Sec. III-C3).
 struct ConsistencyParams {
-  double min_score = -1000.0;  ///< detections below are left out [detector's scale]
-  double max_range_m = 200.0;  ///< detections farther away are left out [m]
-  bool track_unknown = true;   ///< track detections of unknown class too
-  double gate_sigma = 4.0;     ///< radius of the gate, in standard deviations [-]
-  double gate_min_m = 0.5;     ///< smallest radius of the gate [m]
-  double gate_max_m = 8.0;     ///< largest radius of the gate [m]
+  double min_score = -1000.0;         ///< detections below are left out [detector's scale]
+  double max_range_m = 200.0;         ///< detections farther away are left out [m]
+  bool track_unknown = true;          ///< track detections of unknown class too
+  double gate_sigma = 4.0;            ///< radius of the gate, in standard deviations [-]
+  double new_object_density = 0.005;  ///< new objects and false alarms in a place [1/m^2]
+  double gate_max_m = 8.0;            ///< largest radius of the gate [m]
   double duplicate_distance =
       0.35;  ///< centres nearer than this share of the width: one object [-]
   double duplicate_overlap_3d = 0.4;  ///< 3D boxes overlapping more (IoU): one object [-]
@@ -27,14 +27,15 @@ struct ConsistencyParams {
 struct FilterParams {
   PerClass<double> acceleration_sigma = {3.0, 2.0, 1.5};    ///< manoeuvres [m/s^2]
   PerClass<double> initial_speed_sigma = {10.0, 5.0, 1.5};  ///< of a new object [m/s]
-  double acceleration_time_s = 1.0;     ///< correlation time of an acceleration [s]
-  double position_sigma_m = 0.12;       ///< of a measured centre, near [m]
-  double position_sigma_per_m = 0.006;  ///< growth with depth, along the ray [m/m]
-  double across_share = 0.5;            ///< noise across the ray, share of that along it [-]
-  double vertical_sigma_m = 0.1;        ///< of a measured height above ground [m]
-  double yaw_sigma_rad = 0.15;          ///< of a measured heading [rad]
-  double size_sigma_m = 0.2;            ///< of a measured length, width or height [m]
-  double size_settled_m = 0.05;         ///< a size known this well is kept [m]
+  double acceleration_time_s = 1.0;      ///< correlation time of an acceleration [s]
+  double position_sigma_m = 0.12;        ///< of a measured centre, near [m]
+  double position_sigma_per_m = 0.006;   ///< growth with depth, along the ray [m/m]
+  double across_share = 0.5;             ///< noise across the ray, share of that along it [-]
+  double vertical_sigma_m = 0.1;         ///< of a measured height above ground [m]
+  double least_position_sigma_m = 0.05;  ///< added to what a detector claims of itself [m]
+  double yaw_sigma_rad = 0.15;           ///< of a measured heading [rad]
+  double size_sigma_m = 0.2;             ///< of a measured length, width or height [m]
+  double size_settled_m = 0.05;          ///< a size known this well is kept [m]
 
   void describe(Params::Section section);
 };
@@ -76,6 +77,7 @@ struct SmoothingParams {
   PerClass<double> kinetic_weight = {1900.0, 500.0, 80.0};  ///< r, as the paper sets it [kg]
   double kinetic_scale = 1e-3;  ///< from r to a weight against measurements [1/J]
   PerClass<double> force_sigma = {1.5, 1.2, 0.8};  ///< typical acceleration [m/s^2]
+  double force_time_s = 0.3;        ///< time over which such an acceleration lasts [s]
   double outlier_sigma = 3.0;       ///< residual beyond which a place counts less (Huber) [-]
   bool gaussian_smoothing = false;  ///< blur each new place over its predecessors, as in the paper
   double gaussian_sigma_s = 0.1;    ///< width of that blur [s]

@@ -1,0 +1,96 @@
+#include "consistency.h"
+
+#include <headway/core/assignment.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "box_overlap.h"
+#include "spatial_grid.h"
+
+namespace headway::objects {
+
+bool compatible(ObjectClass a, ObjectClass b) {
+  const MotionGroup group_a = motionGroupOf(a);
+  const MotionGroup group_b = motionGroupOf(b);
+  return group_a == group_b || group_a == MotionGroup::kOther || group_b == MotionGroup::kOther;
+}
+
+bool ConsistencyCheck::sameObject(const MeasuredBox& a, const MeasuredBox& b) const {
+  if (!compatible(a.object_class, b.object_class)) return false;
+  const double near = params_.duplicate_distance * std::min(a.size.y(), b.size.y());
+  if ((a.position - b.position).squaredNorm() < near * near) return true;
+  if (overlap3d(a, b) > params_.duplicate_overlap_3d) return true;
+  return a.box2d && b.box2d && overlap2d(*a.box2d, *b.box2d) > params_.duplicate_overlap_2d;
+}
+
+std::vector<MeasuredBox> ConsistencyCheck::withoutDuplicates(std::vector<MeasuredBox> boxes,
+                                                             std::size_t& duplicates) const {
+  std::vector<std::size_t> by_score(boxes.size());
+  std::iota(by_score.begin(), by_score.end(), std::size_t{0});
+  std::stable_sort(by_score.begin(), by_score.end(),
+                   [&](std::size_t a, std::size_t b) { return boxes[a].score > boxes[b].score; });
+  const SpatialGrid grid(boxes, params_.gate_max_m);
+  std::vector<bool> kept(boxes.size(), false);
+  for (const std::size_t i : by_score) {
+    bool repeats = false;
+    grid.visitNear(boxes[i].position.head<2>(), [&](std::size_t j) {
+      repeats = repeats || (kept[j] && sameObject(boxes[i], boxes[j]));
+    });
+    kept[i] = !repeats;
+  }
+  std::vector<MeasuredBox> result;
+  result.reserve(boxes.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    if (kept[i]) result.push_back(std::move(boxes[i]));
+  }
+  duplicates += boxes.size() - result.size();
+  return result;
+}
+
+std::optional<double> ConsistencyCheck::cost(const ExpectedPlace& track,
+                                             const MeasuredBox& detection) const {
+  if (!compatible(track.object_class, detection.object_class)) return std::nullopt;
+  const Eigen::Vector3d offset = detection.position - track.position;
+  if (offset.head<2>().squaredNorm() > params_.gate_max_m * params_.gate_max_m) return std::nullopt;
+  const Eigen::Matrix2d S = track.covariance + detection.covariance;
+  const double determinant = S.determinant();
+  const double squared_distance =
+      (S(1, 1) * offset.x() * offset.x() - 2.0 * S(0, 1) * offset.x() * offset.y() +
+       S(0, 0) * offset.y() * offset.y()) /
+      determinant;
+  const double vertical =
+      offset.z() * offset.z() / (track.vertical_variance + detection.vertical_variance);
+  const double gate = params_.gate_sigma * params_.gate_sigma;
+  if (squared_distance > gate || vertical > gate) return std::nullopt;
+  const double spread = 2.0 * M_PI * params_.new_object_density;
+  const double hint =
+      track.detector_id && track.detector_id == detection.detector_id ? params_.hint_bonus : 0.0;
+  return squared_distance + vertical + std::log(spread * spread * determinant) - hint;
+}
+
+Matches ConsistencyCheck::match(const std::vector<ExpectedPlace>& tracks,
+                                const std::vector<MeasuredBox>& detections) const {
+  const SpatialGrid grid(detections, params_.gate_max_m);
+  std::vector<CandidatePair> candidates;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    grid.visitNear(tracks[i].position.head<2>(), [&](std::size_t j) {
+      const auto pair_cost = cost(tracks[i], detections[j]);
+      if (pair_cost) candidates.push_back({i, j, *pair_cost});
+    });
+  }
+  constexpr double kWorthNothing = 0.0;  // as likely a new object
+  Matches matches;
+  for (const CandidatePair& pair : assignPairs(std::move(candidates), kWorthNothing)) {
+    matches.pairs.emplace_back(pair.row, pair.column);
+  }
+  std::vector<bool> matched(detections.size(), false);
+  for (const auto& pair : matches.pairs) matched[pair.second] = true;
+  for (std::size_t j = 0; j < detections.size(); ++j) {
+    if (!matched[j]) matches.unmatched_detections.push_back(j);
+  }
+  return matches;
+}
+
+}  // namespace headway::objects

@@ -1,0 +1,138 @@
+#include "kalman_filter.h"
+
+#include <headway/core/pose.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace headway::objects {
+namespace {
+
+constexpr double kVerticalShare = 0.2;     // of horizontal accelerations that go up or down
+constexpr double kTurnAcceleration = 0.5;  // typical [rad/s^2]
+constexpr double kInitialTurnRate = 0.3;   // typical [rad/s]
+
+double square(double x) { return x * x; }
+
+KalmanFilter::Chain startingAt(double value, double variance, double rate_sigma,
+                               double acceleration_sigma) {
+  KalmanFilter::Chain chain;
+  chain.mean(0) = value;
+  chain.covariance.diagonal() << variance, square(rate_sigma), square(acceleration_sigma);
+  return chain;
+}
+
+}  // namespace
+
+Transition::Transition(double dt_s, double time_s) {
+  // What a unit push of the acceleration has become after u seconds.
+  const auto response = [&](double u) {
+    const double x = u / time_s;
+    const double fade = std::exp(-x);
+    // The closed form of the first entry cancels for short steps.
+    const double value = x < 1e-3 ? u * u * (0.5 - x / 6.0) : square(time_s) * (x - 1.0 + fade);
+    return Eigen::Vector3d(value, -time_s * std::expm1(-x), fade);
+  };
+  F(0, 1) = dt_s;
+  F.col(2) = response(dt_s);
+  // Q = 2 / time * integral of response * response^T; 3-point Gauss in pieces of one time constant.
+  constexpr std::array<double, 3> kNodes = {0.112701665379258, 0.5, 0.887298334620742};
+  constexpr std::array<double, 3> kWeights = {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
+  constexpr double kMostPieces = 64.0;
+  const double pieces = std::clamp(std::ceil(dt_s / time_s), 1.0, kMostPieces);
+  const double piece = dt_s / pieces;
+  for (int i = 0; i < static_cast<int>(pieces); ++i) {
+    for (std::size_t n = 0; n < kNodes.size(); ++n) {
+      const Eigen::Vector3d r = response((i + kNodes[n]) * piece);
+      Q += 2.0 / time_s * piece * kWeights[n] * r * r.transpose();
+    }
+  }
+}
+
+void KalmanFilter::Chain::predict(const Transition& transition, double sigma) {
+  mean = transition.F * mean;
+  covariance = transition.F * covariance * transition.F.transpose() + square(sigma) * transition.Q;
+}
+
+void KalmanFilter::Chain::update(double measured, double variance) {
+  const Eigen::Vector3d gain = covariance.col(0) / (covariance(0, 0) + variance);
+  mean += gain * (measured - mean(0));
+  covariance -= gain * covariance.row(0).eval();
+}
+
+KalmanFilter::KalmanFilter(const MeasuredBox& first, const FilterParams& params)
+    : params_(params), acceleration_sigma_(params.acceleration_sigma.of(first.object_class)) {
+  const double speed = params.initial_speed_sigma.of(first.object_class);
+  const Eigen::Vector3d& p = first.position;
+  x_ = startingAt(p.x(), first.covariance(0, 0), speed, acceleration_sigma_);
+  y_ = startingAt(p.y(), first.covariance(1, 1), speed, acceleration_sigma_);
+  cross_xy_(0, 0) = first.covariance(0, 1);
+  z_ = startingAt(p.z(), first.vertical_variance, kVerticalShare * speed,
+                  kVerticalShare * acceleration_sigma_);
+  yaw_ = startingAt(first.yaw, square(params.yaw_sigma_rad), kInitialTurnRate, kTurnAcceleration);
+  length_ = startingAt(first.size.x(), square(params.size_sigma_m), 0.0, 0.0);
+  width_ = startingAt(first.size.y(), square(params.size_sigma_m), 0.0, 0.0);
+  height_ = first.size.z();
+}
+
+void KalmanFilter::predict(const Transition& transition) {
+  x_.predict(transition, acceleration_sigma_);
+  y_.predict(transition, acceleration_sigma_);
+  cross_xy_ = transition.F * cross_xy_ * transition.F.transpose();
+  z_.predict(transition, kVerticalShare * acceleration_sigma_);
+  yaw_.predict(transition, kTurnAcceleration);
+  yaw_.mean(0) = wrapAngle(yaw_.mean(0));
+}
+
+// The 6-state block: both places measured at once, with the noise ellipse of the box.
+void KalmanFilter::updatePlace(const MeasuredBox& measured) {
+  const Eigen::Matrix2d weight = (planar(0) + measured.covariance).inverse();
+  const Eigen::Vector2d innovation(measured.position.x() - x_.mean(0),
+                                   measured.position.y() - y_.mean(0));
+  Eigen::Matrix<double, 3, 2> column_x;  // covariance of x's chain with the two places
+  Eigen::Matrix<double, 3, 2> column_y;
+  column_x << x_.covariance.col(0), cross_xy_.col(0);
+  column_y << cross_xy_.row(0).transpose(), y_.covariance.col(0);
+  const Eigen::Matrix<double, 3, 2> gain_x = column_x * weight;
+  const Eigen::Matrix<double, 3, 2> gain_y = column_y * weight;
+  x_.mean += gain_x * innovation;
+  y_.mean += gain_y * innovation;
+  x_.covariance -= gain_x * column_x.transpose();
+  y_.covariance -= gain_y * column_y.transpose();
+  cross_xy_ -= gain_x * column_y.transpose();
+  z_.update(measured.position.z(), measured.vertical_variance);
+}
+
+// A size does not change: its chains have no rate, and once known well they are left alone.
+void KalmanFilter::updateSize(const Eigen::Vector3d& size) {
+  const double variance = square(params_.size_sigma_m);
+  if (length_.covariance(0, 0) < square(params_.size_settled_m)) return;
+  length_.update(size.x(), variance);
+  width_.update(size.y(), variance);
+  ++sizes_seen_;
+  height_ += (size.z() - height_) / sizes_seen_;
+}
+
+void KalmanFilter::updateYaw(double measured) {
+  const double nearest = yaw_.mean(0) + wrapAngle(measured - yaw_.mean(0));
+  yaw_.update(nearest, square(params_.yaw_sigma_rad));
+  yaw_.mean(0) = wrapAngle(yaw_.mean(0));
+}
+
+void KalmanFilter::averageYaw(double measured, double count) {
+  const double value = yaw_.mean(0) + wrapAngle(measured - yaw_.mean(0)) / count;
+  yaw_ = startingAt(wrapAngle(value), square(params_.yaw_sigma_rad) / count, 0.0, 0.0);
+}
+
+void KalmanFilter::turnRound() { yaw_.mean(0) = wrapAngle(yaw_.mean(0) + M_PI); }
+
+Eigen::Matrix2d KalmanFilter::planar(int derivative) const {
+  const int d = derivative;
+  Eigen::Matrix2d covariance;
+  covariance << x_.covariance(d, d), cross_xy_(d, d), cross_xy_(d, d), y_.covariance(d, d);
+  return covariance;
+}
+
+}  // namespace headway::objects

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <headway/core/detection.h>
+
+#include <Eigen/Core>
+#include <optional>
+
+namespace headway::objects {
+
+/// A detection brought to the map frame, with its noise.
+struct MeasuredBox {
+  ObjectClass object_class = ObjectClass::kUnknown;
+  double score = 0.0;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();        ///< centre, map frame [m]
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< of (x, y), map frame [m^2]
+  double vertical_variance = 1.0;                            ///< of z, map frame [m^2]
+  double yaw = 0.0;                                          ///< of the front about map z [rad]
+  Eigen::Vector3d size = Eigen::Vector3d::Ones();            ///< (length, width, height) [m]
+  std::optional<Box2d> box2d;                                ///< [px]
+  std::optional<std::int64_t> detector_id;
+};
+
+}  // namespace headway::objects

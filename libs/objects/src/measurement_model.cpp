@@ -1,0 +1,115 @@
+#include "measurement_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace headway::objects {
+namespace {
+
+bool isFinite(const Box3d& box) {
+  return box.centre.allFinite() && std::isfinite(box.length) && std::isfinite(box.width) &&
+         std::isfinite(box.height) && std::isfinite(box.yaw);
+}
+
+// Everything that tells two boxes apart, so that sorting forgets the order of arrival.
+auto sortKey(const MeasuredBox& box) {
+  const Box2d image = box.box2d.value_or(Box2d{});
+  return std::make_tuple(box.position.x(), box.position.y(), box.position.z(), box.yaw,
+                         box.size.x(), box.size.y(), box.size.z(), box.score,
+                         static_cast<int>(box.object_class), box.detector_id.value_or(-1),
+                         image.left, image.top, image.right, image.bottom);
+}
+
+// Depth from a 2D box, where the detector gave none.
+void lift(const BoxLifter& lifter, Detection& detection) {
+  const auto lifted = lifter.lift(*detection.box2d, detection.object_class);
+  if (!lifted) return;
+  detection.box3d = lifted->box;
+  detection.centre_covariance = lifted->centre_covariance;
+}
+
+}  // namespace
+
+std::vector<MeasuredBox> MeasurementModel::toMap(const Pose& T_map_robot,
+                                                 const Detections& detections,
+                                                 const BoxLifter* lifter,
+                                                 DropCounts& dropped) const {
+  const Pose T_map_sensor = T_map_robot * detections.T_robot_sensor;
+  std::vector<MeasuredBox> boxes;
+  boxes.reserve(detections.items.size());
+  for (const Detection& item : detections.items) {
+    Detection lifted;
+    const bool needs_lift = !item.box3d && item.box2d && lifter != nullptr;
+    if (needs_lift) lift(*lifter, lifted = item);
+    const Detection& detection = needs_lift ? lifted : item;
+    if (const char* reason = reasonToDrop(detection)) {
+      ++dropped[reason];
+      continue;
+    }
+    MeasuredBox box = measured(T_map_sensor, detection);
+    if (box.position.allFinite() && box.covariance.allFinite() && std::isfinite(box.yaw)) {
+      boxes.push_back(std::move(box));
+    } else {
+      ++dropped["nan_box"];
+    }
+  }
+  std::sort(boxes.begin(), boxes.end(),
+            [](const MeasuredBox& a, const MeasuredBox& b) { return sortKey(a) < sortKey(b); });
+  return boxes;
+}
+
+const char* MeasurementModel::reasonToDrop(const Detection& detection) const {
+  if (!std::isfinite(detection.score)) return "nan_box";
+  if (detection.score < selection_.min_score) return "low_score";
+  if (detection.object_class == ObjectClass::kUnknown && !selection_.track_unknown) {
+    return "unknown_class";
+  }
+  if (!detection.box3d) return "no_3d_box";
+  const Box3d& box = *detection.box3d;
+  if (!isFinite(box)) return "nan_box";
+  if (detection.centre_covariance && !detection.centre_covariance->allFinite()) return "nan_box";
+  if (!(box.length > 0.0 && box.width > 0.0 && box.height > 0.0)) return "zero_size";
+  if (!(box.centre.z() > 0.0)) return "behind_camera";
+  if (box.centre.norm() > selection_.max_range_m) return "too_far";
+  return nullptr;
+}
+
+MeasuredBox MeasurementModel::measured(const Pose& T_map_sensor, const Detection& detection) const {
+  const Box3d& box = *detection.box3d;
+  const Eigen::Matrix3d& R = T_map_sensor.linear();
+  const Eigen::Matrix3d covariance = R * centreCovariance(detection) * R.transpose();
+  const Eigen::Vector3d front = R * frontOf(box);
+  MeasuredBox result;
+  result.object_class = detection.object_class;
+  result.score = detection.score;
+  result.position = T_map_sensor * box.centre;
+  result.covariance = covariance.topLeftCorner<2, 2>();
+  result.vertical_variance = covariance(2, 2);
+  result.yaw = wrapAngle(std::atan2(front.y(), front.x()));
+  result.size = {box.length, box.width, box.height};
+  result.box2d = detection.box2d;
+  result.detector_id = detection.detector_id;
+  return result;
+}
+
+// The detector's own covariance, else noise that grows with depth: largest along the ray.
+Eigen::Matrix3d MeasurementModel::centreCovariance(const Detection& detection) const {
+  const Eigen::Vector3d& centre = detection.box3d->centre;
+  const double along = noise_.position_sigma_m + noise_.position_sigma_per_m * centre.norm();
+  const double across = noise_.across_share * along;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  if (detection.centre_covariance) {
+    covariance = *detection.centre_covariance;
+    covariance.diagonal().array() += noise_.least_position_sigma_m * noise_.least_position_sigma_m;
+    return covariance;
+  }
+  const Eigen::Vector3d ray = Eigen::Vector3d(centre.x(), 0.0, centre.z()).normalized();
+  covariance = (along * along - across * across) * ray * ray.transpose();
+  covariance(0, 0) += across * across;
+  covariance(2, 2) += across * across;
+  covariance(1, 1) = noise_.vertical_sigma_m * noise_.vertical_sigma_m;
+  return covariance;
+}
+
+}  // namespace headway::objects

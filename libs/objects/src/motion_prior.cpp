@@ -1,0 +1,157 @@
+#include "motion_prior.h"
+
+#include <cmath>
+
+namespace headway::objects {
+namespace {
+
+// Huber's loss of a squared residual, and its derivative: the weight of the residual.
+double huber(double squared, double limit) {
+  if (squared <= limit * limit) return squared;
+  return 2.0 * limit * std::sqrt(squared) - limit * limit;
+}
+double huberWeight(double squared, double limit) {
+  return squared <= limit * limit ? 1.0 : limit / std::sqrt(squared);
+}
+
+}  // namespace
+
+MotionPriorProblem::MotionPriorProblem(const std::vector<PlaceMeasurement>& measurements,
+                                       const PriorStiffness& stiffness)
+    : measurements_(measurements), outlier_sigma_(stiffness.outlier_sigma) {
+  terms_.reserve(measurements.size());
+  if (stiffness.kind == MotionPriorKind::kLeastKinetic) {
+    addKineticTerms(stiffness.weight);
+  } else {
+    addForceTerms(stiffness.weight);
+  }
+}
+
+void MotionPriorProblem::addKineticTerms(double weight) {
+  constexpr double kEpsilon_s = 1e-9;
+  for (std::size_t j = 0; j + 1 < measurements_.size(); ++j) {
+    const double dt = measurements_[j + 1].time - measurements_[j].time;
+    const double rate = 1.0 / (dt + kEpsilon_s);
+    terms_.push_back({j, 2, {-rate, rate, 0.0}, weight * dt});
+  }
+}
+
+void MotionPriorProblem::addForceTerms(double weight) {
+  for (std::size_t j = 0; j + 2 < measurements_.size(); ++j) {
+    const double before = measurements_[j + 1].time - measurements_[j].time;
+    const double after = measurements_[j + 2].time - measurements_[j + 1].time;
+    const double middle = 0.5 * (before + after);
+    const double a = 1.0 / (before * middle);
+    const double c = 1.0 / (after * middle);
+    terms_.push_back({j, 3, {a, -a - c, c}, weight * middle});
+  }
+}
+
+double MotionPriorProblem::squaredResidual(std::size_t j, const Eigen::Vector3d& place) const {
+  const PlaceMeasurement& m = measurements_[j];
+  const Eigen::Vector3d e = place - m.measured;
+  return e.head<2>().dot(m.information * e.head<2>()) + m.vertical_information * e.z() * e.z();
+}
+
+Eigen::Vector3d MotionPriorProblem::formOf(const PriorTerm& term,
+                                           const std::vector<Eigen::Vector3d>& places) const {
+  Eigen::Vector3d form = Eigen::Vector3d::Zero();
+  for (int i = 0; i < term.count; ++i) form += term.coefficients(i) * places[term.first + i];
+  return form;
+}
+
+double MotionPriorProblem::cost(const std::vector<Eigen::Vector3d>& places) const {
+  double twice = 0.0;
+  for (std::size_t j = 0; j < places.size(); ++j) {
+    twice += huber(squaredResidual(j, places[j]), outlier_sigma_);
+  }
+  for (const PriorTerm& term : terms_) twice += term.weight * formOf(term, places).squaredNorm();
+  return 0.5 * twice;
+}
+
+std::vector<Eigen::Vector3d> MotionPriorProblem::gradient(
+    const std::vector<Eigen::Vector3d>& places) const {
+  std::vector<Eigen::Vector3d> gradient(places.size(), Eigen::Vector3d::Zero());
+  for (std::size_t j = 0; j < places.size(); ++j) {
+    const PlaceMeasurement& m = measurements_[j];
+    const Eigen::Vector3d e = places[j] - m.measured;
+    const double weight = huberWeight(squaredResidual(j, places[j]), outlier_sigma_);
+    gradient[j].head<2>() = weight * m.information * e.head<2>();
+    gradient[j].z() = weight * m.vertical_information * e.z();
+  }
+  for (const PriorTerm& term : terms_) {
+    const Eigen::Vector3d pull = term.weight * formOf(term, places);
+    for (int i = 0; i < term.count; ++i) gradient[term.first + i] += term.coefficients(i) * pull;
+  }
+  return gradient;
+}
+
+void MotionPriorProblem::solveStep(const std::vector<Eigen::Vector3d>& places, double damping,
+                                   std::vector<Eigen::Vector3d>& step) {
+  const std::size_t n = places.size();
+  horizontal_.reset(n);
+  vertical_.reset(n);
+  const auto slope = gradient(places);
+  for (std::size_t j = 0; j < n; ++j) {
+    const double weight = huberWeight(squaredResidual(j, places[j]), outlier_sigma_);
+    horizontal_.diagonal[j] = weight * measurements_[j].information;
+    vertical_.diagonal[j](0) = weight * measurements_[j].vertical_information;
+    horizontal_.right[j] = -slope[j].head<2>();
+    vertical_.right[j](0) = -slope[j].z();
+  }
+  for (const PriorTerm& term : terms_) {
+    const auto add = [&](auto& blocks, std::size_t j, double value) {
+      blocks[j].diagonal().array() += value;
+    };
+    for (int a = 0; a < term.count; ++a) {
+      for (int b = a; b < term.count; ++b) {
+        const double value = term.weight * term.coefficients(a) * term.coefficients(b);
+        const std::size_t j = term.first + a;
+        add(b == a       ? horizontal_.diagonal
+            : b == a + 1 ? horizontal_.first
+                         : horizontal_.second,
+            j, value);
+        add(b == a       ? vertical_.diagonal
+            : b == a + 1 ? vertical_.first
+                         : vertical_.second,
+            j, value);
+      }
+    }
+  }
+  for (std::size_t j = 0; j < n; ++j) {
+    horizontal_.diagonal[j].diagonal() *= 1.0 + damping;
+    vertical_.diagonal[j] *= 1.0 + damping;
+  }
+  horizontal_.solve();
+  vertical_.solve();
+  for (std::size_t j = 0; j < n; ++j) step[j] << horizontal_.right[j], vertical_.right[j];
+}
+
+MotionPriorProblem::Summary MotionPriorProblem::refine(std::vector<Eigen::Vector3d>& places,
+                                                       int max_iterations) {
+  constexpr double kSettled = 1e-6;  // relative decrease below which to stop
+  constexpr double kMostDamping = 1e6;
+  Summary summary;
+  summary.initial_cost = summary.final_cost = cost(places);
+  double damping = 1e-9;
+  std::vector<Eigen::Vector3d> step(places.size());
+  std::vector<Eigen::Vector3d> candidate(places.size());
+  while (summary.iterations < max_iterations && damping < kMostDamping) {
+    ++summary.iterations;
+    solveStep(places, damping, step);
+    for (std::size_t j = 0; j < places.size(); ++j) candidate[j] = places[j] + step[j];
+    const double candidate_cost = cost(candidate);
+    if (!(candidate_cost <= summary.final_cost)) {
+      damping = 10.0 * std::max(damping, 1e-6);
+      continue;
+    }
+    const double decrease = summary.final_cost - candidate_cost;
+    places.swap(candidate);
+    summary.final_cost = candidate_cost;
+    damping *= 0.1;
+    if (decrease <= kSettled * candidate_cost) break;
+  }
+  return summary;
+}
+
+}  // namespace headway::objects

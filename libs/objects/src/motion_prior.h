@@ -1,0 +1,86 @@
+#pragma once
+
+#include <headway/core/pose.h>
+#include <headway/objects/objects_params.h>
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "banded_system.h"
+
+namespace headway::objects {
+
+/// A place as measured, with what the measurement is worth.
+struct PlaceMeasurement {
+  Time time = 0.0;                                            ///< [s]
+  Eigen::Vector3d measured = Eigen::Vector3d::Zero();         ///< map frame [m]
+  Eigen::Matrix2d information = Eigen::Matrix2d::Identity();  ///< of (x, y) [1/m^2]
+  double vertical_information = 1.0;                          ///< of z [1/m^2]
+};
+
+/// Which prior holds a path together, and how tightly.
+struct PriorStiffness {
+  MotionPriorKind kind = MotionPriorKind::kLeastForce;
+  double weight = 1.0;         ///< least_kinetic: r [1/(m^2/s)]; least_force: [1/(m^2/s^3)]
+  double outlier_sigma = 3.0;  ///< residual from which Huber's loss is linear [-]
+};
+
+/// The smoothing problem of Sec. III-C1: places near their measurements on a path of little cost.
+///
+///     minimise  sum_j rho(|P_j - z_j|^2_Sigma) / 2  +  prior(P)
+///     least_kinetic:  sum_j  w/2 (|P_j+1 - P_j| / (dt_j + eps))^2 dt_j           eq. (5)
+///     least_force:    sum_j  w/2 |a_j|^2 (dt_j-1 + dt_j) / 2,  a_j the second difference
+///
+/// The paper's eq. (5) has no data term, and then its minimum is all places in one; its eqs. (6)
+/// and (7) are not the derivative of (5). Here the data term is added and the derivative is the
+/// true one: +- w dP / dt. rho is Huber's loss, so that one bad box bends the path little.
+///
+/// @see Vo et al. 2016, "Spatiotemporal bundle adjustment for dynamic 3D reconstruction"
+class MotionPriorProblem {
+ public:
+  /// @param measurements  two at least, times increasing; must outlive the problem
+  MotionPriorProblem(const std::vector<PlaceMeasurement>& measurements,
+                     const PriorStiffness& stiffness);
+
+  [[nodiscard]] double cost(const std::vector<Eigen::Vector3d>& places) const;
+
+  /// Derivative of the cost with respect to each place.
+  [[nodiscard]] std::vector<Eigen::Vector3d> gradient(
+      const std::vector<Eigen::Vector3d>& places) const;
+
+  /// Outcome of refine().
+  struct Summary {
+    int iterations = 0;
+    double initial_cost = 0.0;
+    double final_cost = 0.0;
+  };
+
+  /// Levenberg-Marquardt from `places`, which it overwrites with the minimum.
+  Summary refine(std::vector<Eigen::Vector3d>& places, int max_iterations);
+
+ private:
+  /// One linear form of neighbouring places whose square is a term of the prior.
+  struct PriorTerm {
+    std::size_t first = 0;  ///< index of the earliest place in it
+    int count = 0;          ///< of places in it: 2 or 3
+    Eigen::Vector3d coefficients = Eigen::Vector3d::Zero();
+    double weight = 0.0;
+  };
+
+  void addKineticTerms(double weight);
+  void addForceTerms(double weight);
+  [[nodiscard]] double squaredResidual(std::size_t j, const Eigen::Vector3d& place) const;
+  [[nodiscard]] Eigen::Vector3d formOf(const PriorTerm& term,
+                                       const std::vector<Eigen::Vector3d>& places) const;
+  /// Solves (H + damping diag H) step = -gradient.
+  void solveStep(const std::vector<Eigen::Vector3d>& places, double damping,
+                 std::vector<Eigen::Vector3d>& step);
+
+  const std::vector<PlaceMeasurement>& measurements_;
+  double outlier_sigma_;
+  std::vector<PriorTerm> terms_;
+  BandedSystem<2> horizontal_;
+  BandedSystem<1> vertical_;
+};
+
+}  // namespace headway::objects

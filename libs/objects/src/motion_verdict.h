@@ -1,0 +1,28 @@
+#pragma once
+
+#include <headway/core/pose.h>
+#include <headway/objects/objects_params.h>
+
+namespace headway::objects {
+
+/// Says whether an object moves or stands, without flickering between the two.
+///
+/// It moves as soon as its speed is high and sure; it stands again only after a while below a
+/// lower speed.
+class MotionVerdict {
+ public:
+  explicit MotionVerdict(const MotionVerdictParams& params) : params_(params) {}
+
+  /// @param speed        [m/s]
+  /// @param speed_sigma  its standard deviation [m/s]
+  void update(Time time, double speed, double speed_sigma, MotionGroup group);
+
+  [[nodiscard]] bool moving() const { return moving_; }
+
+ private:
+  MotionVerdictParams params_;
+  bool moving_ = false;
+  Time last_fast_ = 0.0;  ///< when it last was faster than still_speed
+};
+
+}  // namespace headway::objects

@@ -1,0 +1,164 @@
+#include <headway/objects/moving_object_tracker.h>
+#include <headway/objects/predictor.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "consistency.h"
+#include "measurement_model.h"
+#include "tracked_object.h"
+
+namespace headway::objects {
+
+class MovingObjectTracker::Implementation {
+ public:
+  explicit Implementation(const ObjectsParams& params)
+      : params_(params),
+        measurement_(params.consistency, params.filter),
+        consistency_(params.consistency),
+        smoother_(params.smoothing),
+        predictor_(makePredictor(params.predictor, params.prediction)) {}
+
+  // Algorithm 1 of the paper, one frame F_k.
+  TrackUpdate update(std::size_t frame, const Stamped<Pose>& T_map_robot,
+                     const Detections& detections, const BoxLifter* lifter) {
+    const Time time = T_map_robot.time;
+    TrackUpdate update;
+    if (!runsForward(time)) return refuse(detections, std::move(update));
+
+    const auto measured = measure(T_map_robot.value, detections, lifter, update);
+    predictTo(time, update);
+    const Matches matches = consistency_.match(expectedPlaces(), measured);  // Sec. III-C3
+    continueTracks(matches, frame, time, measured);                          // Sec. III-C2
+    startTracks(matches, frame, time, measured);
+    for (TrackedObject& object : objects_) {
+      if (object.seenAt(time)) object.refine(time, smoother_);  // Sec. III-C1
+    }
+    foretell(frame, time);  // Sec. III-B
+    return publish(time, std::move(update));
+  }
+
+  TrackUpdate coast(std::size_t frame, Time time) {
+    TrackUpdate update;
+    if (runsForward(time)) {
+      predictTo(time, update);
+      foretell(frame, time);
+    }
+    return publish(time_.value_or(time), std::move(update));
+  }
+
+  std::vector<TrackSample> flush() {
+    std::vector<TrackSample> samples;
+    for (TrackedObject& object : objects_) object.settle(0, time_.value_or(0.0), samples);
+    objects_.clear();
+    return samples;
+  }
+
+ private:
+  [[nodiscard]] bool runsForward(Time time) const {
+    return std::isfinite(time) && (!time_ || time > *time_);
+  }
+
+  TrackUpdate refuse(const Detections& detections, TrackUpdate update) {
+    if (!detections.items.empty()) {
+      update.detections_dropped["time_backwards"] = detections.items.size();
+    }
+    return publish(time_.value_or(0.0), std::move(update));
+  }
+
+  std::vector<MeasuredBox> measure(const Pose& T_map_robot, const Detections& detections,
+                                   const BoxLifter* lifter, TrackUpdate& update) const {
+    std::size_t duplicates = 0;
+    auto measured = consistency_.withoutDuplicates(
+        measurement_.toMap(T_map_robot, detections, lifter, update.detections_dropped), duplicates);
+    if (duplicates > 0) update.detections_dropped["duplicate"] = duplicates;
+    update.detections_used = measured.size();
+    return measured;
+  }
+
+  // Carries every track on to the time of F_k; those lost for too long end.
+  void predictTo(Time time, TrackUpdate& update) {
+    const double dt = time_ ? time - *time_ : 0.0;
+    const Transition transition(dt, params_.filter.acceleration_time_s);
+    for (TrackedObject& object : objects_) object.predict(transition);
+    time_ = time;
+    const auto ended = std::stable_partition(
+        objects_.begin(), objects_.end(),
+        [&](const TrackedObject& object) { return object.statusAt(time) != TrackStatus::kEnded; });
+    std::for_each(ended, objects_.end(),
+                  [&](TrackedObject& object) { object.settle(0, time, update.settled); });
+    objects_.erase(ended, objects_.end());
+  }
+
+  std::vector<ExpectedPlace> expectedPlaces() const {
+    std::vector<ExpectedPlace> places;
+    places.reserve(objects_.size());
+    for (const TrackedObject& object : objects_) places.push_back(object.expected());
+    return places;
+  }
+
+  void continueTracks(const Matches& matches, std::size_t frame, Time time,
+                      const std::vector<MeasuredBox>& measured) {
+    for (const auto& [track, detection] : matches.pairs) {
+      objects_[track].update(frame, time, measured[detection]);
+    }
+    for (TrackedObject& object : objects_) {
+      if (!object.seenAt(time)) object.miss();
+    }
+  }
+
+  void startTracks(const Matches& matches, std::size_t frame, Time time,
+                   const std::vector<MeasuredBox>& measured) {
+    for (const std::size_t detection : matches.unmatched_detections) {
+      objects_.emplace_back(TrackId{next_id_++}, frame, time, measured[detection], params_);
+    }
+  }
+
+  void foretell(std::size_t frame, Time time) {
+    for (TrackedObject& object : objects_) {
+      if (object.statusAt(time) == TrackStatus::kTentative) continue;
+      object.historyAt(frame, time, history_);
+      predictor_->predictInto(history_, object.predictions);
+    }
+  }
+
+  TrackUpdate publish(Time time, TrackUpdate update) {
+    const auto window = static_cast<std::size_t>(params_.smoothing.window) + 1;
+    for (TrackedObject& object : objects_) {
+      object.settle(window, time, update.settled);
+      if (!object.shown(time)) continue;
+      update.tracks.push_back(object.shownAt(time));
+      update.tracks.back().predictions = object.predictions;
+    }
+    return update;
+  }
+
+  ObjectsParams params_;
+  MeasurementModel measurement_;
+  ConsistencyCheck consistency_;
+  TrajectorySmoother smoother_;
+  std::unique_ptr<Predictor> predictor_;
+  std::vector<TrackedObject> objects_;  ///< ascending ids
+  MotionHistory history_;               ///< room for one history, used again and again
+  std::optional<Time> time_;            ///< of the last frame
+  std::int64_t next_id_ = 0;
+};
+
+MovingObjectTracker::MovingObjectTracker(const ObjectsParams& params)
+    : implementation_(std::make_unique<Implementation>(params)) {}
+
+MovingObjectTracker::~MovingObjectTracker() = default;
+
+TrackUpdate MovingObjectTracker::update(std::size_t frame, const Stamped<Pose>& T_map_robot,
+                                        const Detections& detections, const BoxLifter* lifter) {
+  return implementation_->update(frame, T_map_robot, detections, lifter);
+}
+
+TrackUpdate MovingObjectTracker::coast(std::size_t frame, Time time) {
+  return implementation_->coast(frame, time);
+}
+
+std::vector<TrackSample> MovingObjectTracker::flush() { return implementation_->flush(); }
+
+}  // namespace headway::objects

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace headway::objects {
+
+/// Places on the ground plane sorted into square cells, to find those near a place.
+///
+/// A query looks at nine cells, so its cost depends on how crowded they are and not on how many
+/// places there are in all.
+class SpatialGrid {
+ public:
+  /// @param places   anything with a `position` in the map frame
+  /// @param cell_m   edge of a cell; queries may reach as far
+  template <typename Placed>
+  SpatialGrid(const std::vector<Placed>& places, double cell_m) : cell_m_(cell_m) {
+    entries_.reserve(places.size());
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      entries_.push_back(
+          {keyOf(cellOf(places[i].position.x()), cellOf(places[i].position.y())), i});
+    }
+    std::sort(entries_.begin(), entries_.end());
+  }
+
+  /// Calls `visit(index)` for every place in the cell of `position` and its eight neighbours:
+  /// for all places within `cell_m`, and some beyond.
+  template <typename Visit>
+  void visitNear(const Eigen::Vector2d& position, Visit visit) const {
+    const std::int64_t column = cellOf(position.x());
+    const std::int64_t row = cellOf(position.y());
+    for (std::int64_t i = column - 1; i <= column + 1; ++i) {
+      // Cells of one column lie beside each other in the order of keys.
+      const std::int64_t last = keyOf(i, row + 1);
+      auto entry = std::lower_bound(entries_.begin(), entries_.end(),
+                                    std::pair<std::int64_t, std::size_t>{keyOf(i, row - 1), 0});
+      for (; entry != entries_.end() && entry->first <= last; ++entry) visit(entry->second);
+    }
+  }
+
+ private:
+  static constexpr std::int64_t kMostCells = std::int64_t{1} << 30;  ///< each way
+
+  [[nodiscard]] std::int64_t cellOf(double coordinate) const {
+    const double cell = std::floor(coordinate / cell_m_);
+    const double limit = static_cast<double>(kMostCells);
+    return static_cast<std::int64_t>(std::clamp(cell, -limit, limit));
+  }
+  static std::int64_t keyOf(std::int64_t column, std::int64_t row) {
+    return column * 4 * kMostCells + row;
+  }
+
+  double cell_m_;
+  std::vector<std::pair<std::int64_t, std::size_t>> entries_;  ///< key of the cell, index
+};
+
+}  // namespace headway::objects

@@ -1,0 +1,147 @@
+#include "tracked_object.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "recent_motion.h"
+
+namespace headway::objects {
+
+TrackedObject::TrackedObject(TrackId id, std::size_t frame, Time time, const MeasuredBox& first,
+                             const ObjectsParams& params)
+    : params_(params),
+      id_(id),
+      object_class_(first.object_class),
+      filter_(first, params.filter),
+      heading_(params.heading),
+      verdict_(params.verdict),
+      detector_id_(first.detector_id),
+      box2d_(first.box2d),
+      score_sum_(first.score),
+      confirmed_(params.lifecycle.confirm_hits <= 1),
+      first_seen_(time),
+      last_seen_(time) {
+  voteClass(first);
+  trajectory_.append(frame, time, first, first.position, first.yaw);
+}
+
+void TrackedObject::update(std::size_t frame, Time time, const MeasuredBox& detection) {
+  filter_.updatePlace(detection);
+  filter_.updateSize(detection.size);
+  updateHeading(detection);
+  voteClass(detection);
+  trajectory_.append(frame, time, detection, filter_.position(), filter_.yaw());
+  score_sum_ += detection.score;
+  if (detection.detector_id) detector_id_ = detection.detector_id;
+  box2d_ = detection.box2d;
+  last_seen_ = time;
+  misses_ = 0;
+  confirmed_ = confirmed_ || ++hits_ >= params_.lifecycle.confirm_hits;
+}
+
+// Moving: filtered. Standing: the mean of the first measurements, and then left alone.
+void TrackedObject::updateHeading(const MeasuredBox& detection) {
+  const double measured = heading_.unflipped(detection.yaw, filter_.yaw());
+  if (verdict_.moving()) {
+    filter_.updateYaw(measured);
+    const Eigen::Vector2d direction = unitOr(filter_.velocity().head<2>(), Eigen::Vector2d::Zero());
+    heading_.addMotion(
+        direction.dot(Eigen::Vector2d(std::cos(filter_.yaw()), std::sin(filter_.yaw()))));
+    standing_headings_ = 0.5 * params_.heading.settle_frames;
+  } else if (standing_headings_ < params_.heading.settle_frames) {
+    standing_headings_ += 1.0;
+    filter_.averageYaw(measured, standing_headings_);
+  }
+  if (heading_.turnsRound()) {
+    filter_.turnRound();
+    for (TrajectoryPoint& point : trajectory_.path) point.yaw = wrapAngle(point.yaw + M_PI);
+  }
+}
+
+void TrackedObject::voteClass(const MeasuredBox& detection) {
+  class_votes_[static_cast<std::size_t>(detection.object_class)] += 1.0;
+  const auto& current = class_votes_[static_cast<std::size_t>(object_class_)];
+  const auto best = std::max_element(class_votes_.begin(), class_votes_.end());
+  if (*best > current) object_class_ = static_cast<ObjectClass>(best - class_votes_.begin());
+}
+
+void TrackedObject::refine(Time time, const TrajectorySmoother& smoother) {
+  constexpr double kSpeedWindow_s = 0.5;
+  smoother.refine(trajectory_, filter_, group());
+  const double sigma = std::sqrt(0.5 * filter_.velocityCovariance().trace());
+  verdict_.update(time, recentVelocity(trajectory_.path, kSpeedWindow_s).norm(), sigma, group());
+}
+
+ExpectedPlace TrackedObject::expected() const {
+  return {filter_.position(), filter_.positionCovariance(), filter_.verticalVariance(),
+          object_class_, detector_id_};
+}
+
+TrackStatus TrackedObject::statusAt(Time time) const {
+  const LifecycleParams& life = params_.lifecycle;
+  const double unseen = time - last_seen_;
+  if (!confirmed_) {
+    return unseen > life.tentative_time_s ? TrackStatus::kEnded : TrackStatus::kTentative;
+  }
+  if (unseen <= 0.0) return TrackStatus::kConfirmed;
+  return unseen > life.retrack_time_s ? TrackStatus::kEnded : TrackStatus::kCoasting;
+}
+
+bool TrackedObject::shown(Time time) const {
+  return misses_ < 2 || time - last_seen_ <= params_.lifecycle.coast_time_s;
+}
+
+Eigen::Vector3d TrackedObject::positionAt(Time time) const {
+  return seenAt(time) ? trajectory_.path.back().position : filter_.position();
+}
+
+void TrackedObject::historyAt(std::size_t frame, Time time, MotionHistory& history) const {
+  history.object_class = object_class_;
+  history.path = trajectory_.path;
+  history.position_sigma_m = std::sqrt(0.5 * filter_.positionCovariance().trace());
+  if (!seenAt(time)) history.path.push_back({frame, time, filter_.position(), filter_.yaw()});
+}
+
+Track TrackedObject::shownAt(Time time) const {
+  Track track;
+  track.id = id_;
+  track.object_class = object_class_;
+  track.status = statusAt(time);
+  track.moving = verdict_.moving();
+  track.score = score_sum_ / hits_;
+  track.position = positionAt(time);
+  track.velocity = filter_.velocity();
+  track.yaw = filter_.yaw();
+  track.yaw_rate = verdict_.moving() ? filter_.yawRate() : 0.0;
+  track.size = filter_.size();
+  track.position_covariance.setZero();
+  track.position_covariance.topLeftCorner<2, 2>() = filter_.positionCovariance();
+  track.position_covariance(2, 2) = filter_.verticalVariance();
+  if (seenAt(time)) track.box2d = box2d_;
+  track.first_seen = first_seen_;
+  track.last_seen = last_seen_;
+  track.recent_path = trajectory_.path;
+  return track;
+}
+
+void TrackedObject::settle(std::size_t window, Time time, std::vector<TrackSample>& samples) {
+  const std::vector<TrajectoryPoint> settled = trajectory_.settle(window);
+  if (!confirmed_) return;
+  for (std::size_t j = 0; j < settled.size(); ++j) {
+    const TrajectoryPoint& point = settled[j];
+    const TrajectoryPoint& next = j + 1 < settled.size()      ? settled[j + 1]
+                                  : !trajectory_.path.empty() ? trajectory_.path.front()
+                                                              : point;
+    TrackSample sample{point.frame, point.time, shownAt(time)};
+    sample.track.status = TrackStatus::kConfirmed;
+    sample.track.position = point.position;
+    sample.track.yaw = point.yaw;
+    if (next.time > point.time) {
+      sample.track.velocity = (next.position - point.position) / (next.time - point.time);
+    }
+    sample.track.recent_path.clear();
+    samples.push_back(std::move(sample));
+  }
+}
+
+}  // namespace headway::objects

@@ -1,0 +1,71 @@
+#include "trajectory.h"
+
+#include <Eigen/LU>
+
+#include "moving_average.h"
+
+namespace headway::objects {
+
+void Trajectory::append(std::size_t frame, Time time, const MeasuredBox& measured,
+                        const Eigen::Vector3d& position, double yaw) {
+  path.push_back({frame, time, position, yaw});
+  measurements.push_back(
+      {time, measured.position, measured.covariance.inverse(), 1.0 / measured.vertical_variance});
+  ++length;
+}
+
+std::vector<TrajectoryPoint> Trajectory::settle(std::size_t window) {
+  if (path.size() <= window) return {};
+  const auto count = static_cast<std::ptrdiff_t>(path.size() - window);
+  std::vector<TrajectoryPoint> settled(path.begin(), path.begin() + count);
+  path.erase(path.begin(), path.begin() + count);
+  measurements.erase(measurements.begin(), measurements.begin() + count);
+  return settled;
+}
+
+void TrajectorySmoother::refine(Trajectory& trajectory, const KalmanFilter& filter,
+                                MotionGroup group) const {
+  if (params_.gaussian_smoothing) blurNewest(trajectory, filter.velocity());
+  if (trajectory.length < static_cast<std::size_t>(params_.grown_length)) {
+    blendYoung(trajectory, filter);
+  } else {
+    optimizeGrown(trajectory, group);
+  }
+}
+
+void TrajectorySmoother::blendYoung(Trajectory& trajectory, const KalmanFilter& filter) const {
+  const Eigen::Vector3d average =
+      movingAverage(trajectory.measurements, params_.average_points, filter.velocity());
+  const double w_k = params_.filter_weight;
+  const double w_n = params_.average_weight;
+  trajectory.path.back().position = (w_k * filter.position() + w_n * average) / (w_k + w_n);
+}
+
+void TrajectorySmoother::optimizeGrown(Trajectory& trajectory, MotionGroup group) const {
+  std::vector<Eigen::Vector3d> places;
+  places.reserve(trajectory.path.size());
+  for (const TrajectoryPoint& point : trajectory.path) places.push_back(point.position);
+  MotionPriorProblem problem(trajectory.measurements, stiffnessOf(group));
+  problem.refine(places, params_.max_iterations);
+  for (std::size_t j = 0; j < places.size(); ++j) trajectory.path[j].position = places[j];
+}
+
+void TrajectorySmoother::blurNewest(Trajectory& trajectory, const Eigen::Vector3d& velocity) const {
+  trajectory.measurements.back().measured =
+      gaussianAverage(trajectory.measurements, params_.gaussian_sigma_s, velocity);
+}
+
+PriorStiffness TrajectorySmoother::stiffnessOf(MotionGroup group) const {
+  PriorStiffness stiffness;
+  stiffness.kind = params_.motion_prior;
+  stiffness.outlier_sigma = params_.outlier_sigma;
+  if (params_.motion_prior == MotionPriorKind::kLeastKinetic) {
+    stiffness.weight = params_.kinetic_scale * params_.kinetic_weight.of(group);
+  } else {
+    const double sigma = params_.force_sigma.of(group);
+    stiffness.weight = 1.0 / (sigma * sigma * params_.force_time_s);
+  }
+  return stiffness;
+}
+
+}  // namespace headway::objects
