@@ -1,0 +1,33 @@
+#pragma once
+
+#include <headway/core/detection.h>
+#include <headway/core/moving_regions.h>
+#include <headway/core/stereo_camera.h>
+#include <headway/core/track.h>
+
+#include <optional>
+#include <vector>
+
+namespace headway::pipeline {
+
+/// Boxes of this frame that may move, for SLAM to leave out.
+///
+/// A detection is taken for still only where it overlaps (IoU >= 0.3) the box in which a
+/// confirmed track, found still, was seen in the previous frame: so a parked car stays in the
+/// map, and whatever is new, moving or unknown leaves it.
+///
+/// @param detections  of this frame
+/// @param previous    tracks of the previous frame, with the boxes they were seen in
+[[nodiscard]] MovingRegions movingRegions(const Detections& detections,
+                                          const std::vector<Track>& previous,
+                                          const StereoCamera& camera);
+
+/// The image box around a 3D box, clipped to the image.
+///
+/// @return [px]; nullopt if a corner is not in front of the camera or the box is out of view
+[[nodiscard]] std::optional<Box2d> projectedBox(const Box3d& box, const StereoCamera& camera);
+
+/// Intersection over union of two image boxes, 0 to 1.
+[[nodiscard]] double intersectionOverUnion(const Box2d& a, const Box2d& b);
+
+}  // namespace headway::pipeline

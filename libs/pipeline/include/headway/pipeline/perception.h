@@ -1,0 +1,81 @@
+#pragma once
+
+#include <headway/core/recorded_frame.h>
+#include <headway/core/stage_times.h>
+#include <headway/map/perception_map.h>
+#include <headway/objects/moving_object_tracker.h>
+#include <headway/slam/stereo_slam.h>
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace headway::pipeline {
+
+/// Parameters of everything that the pipeline runs.
+struct PerceptionParams {
+  slam::SlamParams slam;
+  objects::ObjectsParams objects;
+
+  /// Binds sections [slam] and [objects].
+  void describe(Params& params);
+};
+
+/// What one frame said: where the robot is and what moves around it.
+struct PerceptionUpdate {
+  std::size_t frame = 0;
+  Time time = 0.0;          ///< [s]
+  slam::SlamUpdate camera;  ///< status, T_map_robot and its covariance
+  objects::TrackUpdate objects;
+};
+
+/// The whole of headway on one page: frame -> slam -> objects -> the one map.
+///
+/// Synchronous and deterministic: same frames and parameters, same results. A robot program and
+/// the replay run this same class.
+///
+///     Perception perception(source.camera(), params);
+///     while (auto frame = source.next()) {
+///       PerceptionUpdate update = perception.process(*frame);
+///       avoid(update.objects.tracks);
+///     }
+class Perception {
+ public:
+  /// @param camera  of every stereo frame to come; null where only poses and boxes are given
+  Perception(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params);
+  ~Perception();
+
+  /// Takes one frame in. Frames come in order of time.
+  ///
+  /// With a recorded pose SLAM is not run. While the camera is lost, tracks are carried on by
+  /// their predictions and the frame's detections are dropped as "camera_lost".
+  /// A frame with neither images nor pose counts as lost.
+  [[nodiscard]] PerceptionUpdate process(const RecordedFrame& frame);
+
+  /// The one map: landmarks, keyframes and moving objects, as after the last frame.
+  [[nodiscard]] const map::PerceptionMap& map() const { return map_; }
+
+  /// Every frame so far, as corrected since.
+  [[nodiscard]] std::vector<slam::FrameEstimate> trajectory() const;
+
+  /// The samples that the tracker still smooths; call once, after the last frame.
+  [[nodiscard]] std::vector<TrackSample> flush() { return tracker_.flush(); }
+
+  /// Milliseconds by stage: "slam_track", "slam_map", "objects", "map_update", "frame".
+  [[nodiscard]] StageTimes times() const;
+
+ private:
+  slam::SlamUpdate localise(const RecordedFrame& frame);
+  objects::TrackUpdate track(const RecordedFrame& frame, const slam::SlamUpdate& camera);
+  void updateMap(const PerceptionUpdate& update);
+
+  std::shared_ptr<const StereoCamera> camera_;
+  std::unique_ptr<slam::StereoSlam> slam_;  ///< null where there is no camera
+  objects::MovingObjectTracker tracker_;
+  map::PerceptionMap map_;
+  std::vector<Track> tracks_;                     ///< of the previous frame
+  std::vector<slam::FrameEstimate> given_poses_;  ///< frames that came with their pose
+  StageTimes times_;
+};
+
+}  // namespace headway::pipeline

@@ -1,0 +1,75 @@
+#include <headway/pipeline/moving_regions.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace headway::pipeline {
+namespace {
+
+constexpr double kSameObjectIou = 0.3;
+
+bool wasFoundStill(const Box2d& box, const std::vector<Track>& previous) {
+  const Track* best = nullptr;
+  double best_iou = kSameObjectIou;
+  for (const auto& track : previous) {
+    if (!track.box2d) continue;
+    const double iou = intersectionOverUnion(box, *track.box2d);
+    if (iou >= best_iou) {
+      best_iou = iou;
+      best = &track;
+    }
+  }
+  return best != nullptr && best->status == TrackStatus::kConfirmed && !best->moving;
+}
+
+bool isFinite(const Box2d& box) {
+  return std::isfinite(box.left) && std::isfinite(box.top) && std::isfinite(box.right) &&
+         std::isfinite(box.bottom);
+}
+
+}  // namespace
+
+MovingRegions movingRegions(const Detections& detections, const std::vector<Track>& previous,
+                            const StereoCamera& camera) {
+  MovingRegions regions;
+  for (const auto& detection : detections.items) {
+    auto box = detection.box2d;
+    if (!box && detection.box3d) box = projectedBox(*detection.box3d, camera);
+    if (box && isFinite(*box) && !wasFoundStill(*box, previous)) regions.boxes.push_back(*box);
+  }
+  return regions;
+}
+
+std::optional<Box2d> projectedBox(const Box3d& box, const StereoCamera& camera) {
+  const Eigen::Vector3d front = 0.5 * box.length * frontOf(box);
+  const Eigen::Vector3d side =
+      0.5 * box.width * Eigen::Vector3d(front.z(), 0, -front.x()) / std::max(1e-9, front.norm());
+  Box2d around{1e9, 1e9, -1e9, -1e9};
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d point = box.centre + (corner & 1 ? front : -front) +
+                                  (corner & 2 ? side : -side) +
+                                  Eigen::Vector3d(0, (corner & 4 ? 0.5 : -0.5) * box.height, 0);
+    const auto pixel = project(point, camera);
+    if (!pixel) return std::nullopt;
+    around.left = std::min(around.left, pixel->x());
+    around.right = std::max(around.right, pixel->x());
+    around.top = std::min(around.top, pixel->y());
+    around.bottom = std::max(around.bottom, pixel->y());
+  }
+  around.left = std::max(around.left, 0.0);
+  around.top = std::max(around.top, 0.0);
+  around.right = std::min(around.right, camera.width - 1.0);
+  around.bottom = std::min(around.bottom, camera.height - 1.0);
+  if (!(around.left < around.right && around.top < around.bottom)) return std::nullopt;
+  return around;
+}
+
+double intersectionOverUnion(const Box2d& a, const Box2d& b) {
+  const double width = std::min(a.right, b.right) - std::max(a.left, b.left);
+  const double height = std::min(a.bottom, b.bottom) - std::max(a.top, b.top);
+  if (!(width > 0.0 && height > 0.0)) return 0.0;
+  const double intersection = width * height;
+  return intersection / (a.width() * a.height() + b.width() * b.height() - intersection);
+}
+
+}  // namespace headway::pipeline

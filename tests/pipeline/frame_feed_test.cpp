@@ -1,0 +1,74 @@
+#include <gtest/gtest.h>
+#include <headway/pipeline/frame_feed.h>
+
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+namespace headway::pipeline {
+namespace {
+
+/// Frames 0 .. count-1, `interval_s` apart.
+FrameReader readerOf(std::size_t count, double interval_s) {
+  return [count, interval_s, next = std::size_t{0}]() mutable -> std::optional<RecordedFrame> {
+    if (next == count) return std::nullopt;
+    RecordedFrame frame;
+    frame.index = next;
+    frame.time = 100.0 + interval_s * static_cast<double>(next++);
+    return frame;
+  };
+}
+
+std::vector<std::size_t> drain(FrameFeed& feed, double busy_s) {
+  std::vector<std::size_t> indices;
+  while (auto frame = feed.next()) {
+    indices.push_back(frame->index);
+    std::this_thread::sleep_for(std::chrono::duration<double>(busy_s));
+  }
+  return indices;
+}
+
+TEST(FrameFeedTest, offlineHandsEveryFrameOn) {
+  const auto feed = makeOfflineFeed(readerOf(5, 0.1));
+  EXPECT_EQ((std::vector<std::size_t>{0, 1, 2, 3, 4}), drain(*feed, 0.0));
+  EXPECT_EQ(0u, feed->dropped());
+}
+
+TEST(FrameFeedTest, realtimeKeepsTheOrderAndAccountsForEveryFrame) {
+  const auto feed = makeRealtimeFeed(readerOf(40, 0.1), 100.0);
+  const auto indices = drain(*feed, 0.005);
+  EXPECT_GT(feed->dropped(), 0u);
+  EXPECT_EQ(40u, indices.size() + feed->dropped());
+  EXPECT_TRUE(std::is_sorted(indices.begin(), indices.end()));
+  EXPECT_EQ(39u, indices.back()) << "the newest frame is never the one that goes";
+}
+
+TEST(FrameFeedTest, realtimeDoesNotRunAheadOfTheRecording) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto feed = makeRealtimeFeed(readerOf(5, 0.1), 10.0);
+  EXPECT_EQ(5u, drain(*feed, 0.0).size());
+  EXPECT_GE(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(40));
+}
+
+TEST(FrameFeedTest, whatTheReaderThrowsComesOutAfterTheFramesBeforeIt) {
+  auto inner = readerOf(3, 0.0);
+  const auto feed = makeRealtimeFeed(
+      [inner]() mutable {
+        auto frame = inner();
+        if (!frame) throw std::runtime_error("broken");
+        return frame;
+      },
+      1.0, 8);
+  EXPECT_TRUE(feed->next());
+  EXPECT_TRUE(feed->next());
+  EXPECT_TRUE(feed->next());
+  EXPECT_THROW((void)feed->next(), std::runtime_error);
+}
+
+TEST(FrameFeedTest, closesWhileFramesAreStillToCome) {
+  const auto feed = makeRealtimeFeed(readerOf(1000, 10.0), 1.0);
+  EXPECT_TRUE(feed->next());
+}
+
+}  // namespace
+}  // namespace headway::pipeline

@@ -1,0 +1,78 @@
+#include <gtest/gtest.h>
+#include <headway/pipeline/moving_regions.h>
+
+#include <limits>
+
+namespace headway::pipeline {
+namespace {
+
+const StereoCamera kCamera{640, 240, 400.0, 400.0, 320.0, 120.0, 0.5, robotFromOptical()};
+
+Detection detectionIn(const Box2d& box) {
+  Detection detection;
+  detection.box2d = box;
+  return detection;
+}
+
+Track trackIn(const Box2d& box, TrackStatus status, bool moving) {
+  Track track;
+  track.box2d = box;
+  track.status = status;
+  track.moving = moving;
+  return track;
+}
+
+TEST(IntersectionOverUnionTest, handWorkedCases) {
+  const Box2d unit{0, 0, 10, 10};
+  EXPECT_DOUBLE_EQ(1.0, intersectionOverUnion(unit, unit));
+  EXPECT_DOUBLE_EQ(0.0, intersectionOverUnion(unit, {10, 0, 20, 10}));
+  EXPECT_DOUBLE_EQ(50.0 / 150.0, intersectionOverUnion(unit, {5, 0, 15, 10}));
+}
+
+TEST(MovingRegionsTest, onlyWhatATrackFoundStillMayStay) {
+  const Box2d box{100, 50, 200, 150};
+  Detections detections;
+  detections.items = {detectionIn(box)};
+  const auto regionsWith = [&](const std::vector<Track>& previous) {
+    return movingRegions(detections, previous, kCamera).boxes.size();
+  };
+  EXPECT_EQ(1u, regionsWith({}));
+  EXPECT_EQ(0u, regionsWith({trackIn(box, TrackStatus::kConfirmed, false)}));
+  EXPECT_EQ(1u, regionsWith({trackIn(box, TrackStatus::kConfirmed, true)}));
+  EXPECT_EQ(1u, regionsWith({trackIn(box, TrackStatus::kTentative, false)}));
+  EXPECT_EQ(1u, regionsWith({trackIn({300, 50, 400, 150}, TrackStatus::kConfirmed, false)}));
+}
+
+TEST(MovingRegionsTest, theTrackThatOverlapsMostDecides) {
+  const Box2d box{100, 50, 200, 150};
+  Detections detections;
+  detections.items = {detectionIn(box)};
+  const auto still = trackIn({140, 50, 240, 150}, TrackStatus::kConfirmed, false);
+  const auto moving = trackIn({105, 50, 205, 150}, TrackStatus::kConfirmed, true);
+  EXPECT_EQ(1u, movingRegions(detections, {still, moving}, kCamera).boxes.size());
+  EXPECT_EQ(1u, movingRegions(detections, {moving, still}, kCamera).boxes.size());
+}
+
+TEST(MovingRegionsTest, a3dBoxAloneIsProjected) {
+  Detection detection;
+  detection.box3d = Box3d{{0, 0, 10}, 4.0, 2.0, 1.5, 0.0};
+  Detections detections;
+  detections.items = {detection};
+  const auto regions = movingRegions(detections, {}, kCamera);
+  ASSERT_EQ(1u, regions.boxes.size());
+  // Nearest face at z = 9 m: half length 2 m, half height 0.75 m.
+  EXPECT_NEAR(320.0 - 400.0 * 2.0 / 9.0, regions.boxes[0].left, 1e-9);
+  EXPECT_NEAR(120.0 + 400.0 * 0.75 / 9.0, regions.boxes[0].bottom, 1e-9);
+}
+
+TEST(MovingRegionsTest, boxesThatSayNothingAreLeftOut) {
+  Detection behind;
+  behind.box3d = Box3d{{0, 0, -10}, 4.0, 2.0, 1.5, 0.0};
+  Detections detections;
+  detections.items = {behind, Detection(),
+                      detectionIn({std::numeric_limits<double>::quiet_NaN(), 0, 1, 1})};
+  EXPECT_TRUE(movingRegions(detections, {}, kCamera).boxes.empty());
+}
+
+}  // namespace
+}  // namespace headway::pipeline

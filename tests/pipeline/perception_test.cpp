@@ -1,0 +1,78 @@
+#include <gtest/gtest.h>
+#include <headway/pipeline/perception.h>
+
+#include <cmath>
+
+namespace headway::pipeline {
+namespace {
+
+/// A robot driving along x at 5 m/s past one pedestrian who walks along y at 1.5 m/s.
+RecordedFrame walkFrame(std::size_t index) {
+  RecordedFrame frame;
+  frame.index = index;
+  frame.time = 0.1 * static_cast<double>(index);
+  Pose robot = Pose::Identity();
+  robot.translation().x() = 5.0 * frame.time;
+  frame.T_map_robot = robot;
+
+  const Eigen::Vector3d person(20.0, -3.0 + 1.5 * frame.time, 0.9);
+  Detection detection;
+  detection.object_class = ObjectClass::kPedestrian;
+  detection.score = 0.9;
+  Box3d box;
+  box.centre = (robot * robotFromOptical()).inverse() * person;
+  box.length = 0.8;
+  box.width = 0.6;
+  box.height = 1.75;
+  box.yaw = opticalYaw(robotFromOptical().linear().transpose() * Eigen::Vector3d::UnitY());
+  detection.box3d = box;
+  Detections detections;
+  detections.time = frame.time;
+  detections.items = {detection};
+  frame.detections = detections;
+  return frame;
+}
+
+TEST(PerceptionTest, withPosesAndNoImagesTheObjectLayerRunsAlone) {
+  Perception perception(nullptr, {});
+  PerceptionUpdate update;
+  for (std::size_t i = 0; i < 25; ++i) update = perception.process(walkFrame(i));
+  ASSERT_EQ(1u, update.objects.tracks.size());
+  const Track& track = update.objects.tracks.front();
+  EXPECT_EQ(TrackStatus::kConfirmed, track.status);
+  EXPECT_TRUE(track.moving);
+  EXPECT_NEAR(20.0, track.position.x(), 0.1);
+  EXPECT_NEAR(-3.0 + 1.5 * 2.4, track.position.y(), 0.15);
+  EXPECT_NEAR(1.5, track.velocity.y(), 0.2);
+  ASSERT_FALSE(track.predictions.empty());
+  const auto& last = track.predictions.front().points.back();
+  EXPECT_NEAR(3.0, last.horizon_s, 1e-9);
+  EXPECT_NEAR(track.position.y() + 4.5, last.position.y(), 0.9);
+  EXPECT_EQ(1u, perception.map().movingObjects().tracks().size());
+  EXPECT_EQ(25u, perception.trajectory().size());
+}
+
+TEST(PerceptionTest, aFrameWithoutPoseIsLostAndItsBoxesAreCounted) {
+  Perception perception(nullptr, {});
+  for (std::size_t i = 0; i < 10; ++i) (void)perception.process(walkFrame(i));
+  auto blind = walkFrame(10);
+  blind.T_map_robot.reset();
+  const auto update = perception.process(blind);
+  EXPECT_EQ(slam::TrackingStatus::kLost, update.camera.status);
+  EXPECT_EQ(1u, update.objects.detections_dropped.at("camera_lost"));
+  ASSERT_EQ(1u, update.objects.tracks.size());
+  EXPECT_EQ(TrackStatus::kCoasting, update.objects.tracks.front().status);
+  EXPECT_FALSE(perception.trajectory().back().tracked);
+}
+
+TEST(PerceptionTest, everyStageIsTimed) {
+  Perception perception(nullptr, {});
+  (void)perception.process(walkFrame(0));
+  const auto stages = perception.times().summary();
+  for (const char* stage : {"frame", "objects", "map_update"}) {
+    EXPECT_EQ(1u, stages.at(stage).count) << stage;
+  }
+}
+
+}  // namespace
+}  // namespace headway::pipeline
