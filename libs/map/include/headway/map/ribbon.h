@@ -1,0 +1,32 @@
+#pragma once
+
+#include <headway/core/class_colour.h>
+
+#include <Eigen/Core>
+#include <functional>
+#include <vector>
+
+namespace mrpt::opengl {
+class CSetOfTriangles;
+}
+
+namespace headway::map {
+
+/// Opacity at a share 0 to 1 of the way along a ribbon; 0 to 255.
+using Fade = std::function<double(double)>;
+
+/// Half the width of a ribbon at its points [m].
+using HalfWidths = std::vector<double>;
+
+/// Adds a flat level band along a polyline: a line whose width is in metres, not in pixels.
+///
+/// @param half_widths  one for each point; the band is mitred at bends
+/// @throws             nothing; fewer than two points add nothing
+void appendRibbon(const std::vector<Eigen::Vector3d>& polyline, const HalfWidths& half_widths,
+                  Colour colour, const Fade& opacity, mrpt::opengl::CSetOfTriangles& out);
+
+/// The same with one width [m] and one opacity (0 to 255).
+void appendRibbon(const std::vector<Eigen::Vector3d>& polyline, double width, Colour colour,
+                  double opacity, mrpt::opengl::CSetOfTriangles& out);
+
+}  // namespace headway::map

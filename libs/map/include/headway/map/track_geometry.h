@@ -1,0 +1,44 @@
+#pragma once
+
+#include <headway/core/track.h>
+
+#include <array>
+#include <utility>
+#include <vector>
+
+namespace headway::map {
+
+/// Corners of a track's box in the map frame [m]: four on the ground, then the four above them;
+/// each four from front left over front right and rear right to rear left.
+[[nodiscard]] std::array<Eigen::Vector3d, 8> boxCorners(const Track& track);
+
+/// The twelve edges of a box, as pairs of corner numbers.
+inline constexpr std::array<std::pair<int, int>, 12> kBoxEdges = {{{0, 1},
+                                                                   {1, 2},
+                                                                   {2, 3},
+                                                                   {3, 0},
+                                                                   {4, 5},
+                                                                   {5, 6},
+                                                                   {6, 7},
+                                                                   {7, 4},
+                                                                   {0, 4},
+                                                                   {1, 5},
+                                                                   {2, 6},
+                                                                   {3, 7}}};
+
+/// Where the track was, on the ground under the box's centre, oldest first, its present place
+/// last [m].
+[[nodiscard]] std::vector<Eigen::Vector3d> groundTrail(const Track& track);
+
+/// Where one of its predictions leads, on the ground, its present place first [m].
+[[nodiscard]] std::vector<Eigen::Vector3d> groundPath(const Track& track,
+                                                      const PredictedPath& prediction);
+
+/// Length of a polyline [m].
+[[nodiscard]] double lengthOf(const std::vector<Eigen::Vector3d>& polyline);
+
+/// The pieces of a polyline that are dashes: `dash` [m] drawn, `gap` [m] left out, and so on.
+[[nodiscard]] std::vector<std::vector<Eigen::Vector3d>> dashesOf(
+    const std::vector<Eigen::Vector3d>& polyline, double dash, double gap);
+
+}  // namespace headway::map

@@ -1,0 +1,160 @@
+#include "checked_file.h"
+
+#include <headway/core/error.h>
+#include <mrpt/io/zip.h>
+#include <mrpt/system/crc.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace headway::map {
+namespace {
+
+constexpr std::string_view kMagic("HEADWAY\x1a", 8);
+constexpr std::uint32_t kFormatVersion = 1;
+constexpr std::size_t kHeaderSize = 8 + 4 + 8 + 8 + 4 + 4;
+constexpr std::uint64_t kLargestCompression = 1100;  ///< zlib's is 1032
+
+void append(std::string& bytes, std::uint64_t value, int size) {
+  for (int i = 0; i < size; ++i) bytes.push_back(static_cast<char>((value >> (8 * i)) & 0xff));
+}
+
+/// Takes values off the front of a buffer.
+class Cursor {
+ public:
+  explicit Cursor(std::string_view bytes) : bytes_(bytes) {}
+  [[nodiscard]] bool atEnd() const { return bytes_.empty(); }
+  std::string_view take(std::uint64_t size) {
+    if (size > bytes_.size()) throw InputError("damaged: a section is longer than the file");
+    const auto taken = bytes_.substr(0, size);
+    bytes_.remove_prefix(size);
+    return taken;
+  }
+  std::uint64_t number(int size) {
+    std::uint64_t value = 0;
+    const auto raw = take(static_cast<std::uint64_t>(size));
+    for (int i = size - 1; i >= 0; --i) {
+      value = (value << 8) | static_cast<unsigned char>(raw[static_cast<std::size_t>(i)]);
+    }
+    return value;
+  }
+
+ private:
+  std::string_view bytes_;
+};
+
+std::uint32_t checksum(std::string_view bytes) {
+  return mrpt::system::compute_CRC32(reinterpret_cast<const std::uint8_t*>(bytes.data()),
+                                     bytes.size());
+}
+
+std::string compressed(const std::string& plain) {
+  std::vector<unsigned char> out;
+  mrpt::io::zip::compress({plain.begin(), plain.end()}, out);
+  return {out.begin(), out.end()};
+}
+
+std::string decompressed(std::string_view packed, std::uint64_t plain_size) {
+  std::string plain(plain_size, '\0');
+  std::size_t actual = 0;
+  try {
+    mrpt::io::zip::decompress(const_cast<char*>(packed.data()), packed.size(), plain.data(),
+                              plain.size(), actual);
+  } catch (const std::exception&) {
+    throw InputError("damaged: cannot be decompressed");
+  }
+  if (actual != plain_size) throw InputError("damaged: it holds less than it says");
+  return plain;
+}
+
+std::string headerOf(const std::string& packed, std::size_t plain_size) {
+  std::string header(kMagic);
+  append(header, kFormatVersion, 4);
+  append(header, packed.size(), 8);
+  append(header, plain_size, 8);
+  append(header, checksum(packed), 4);
+  append(header, checksum(header), 4);
+  return header;
+}
+
+std::string plainOf(const std::vector<Section>& sections) {
+  std::string plain;
+  for (const auto& section : sections) {
+    append(plain, section.name.size(), 4);
+    plain += section.name;
+    append(plain, section.version, 4);
+    append(plain, section.bytes.size(), 8);
+    plain += section.bytes;
+  }
+  return plain;
+}
+
+std::string contentsOf(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file || !std::filesystem::is_regular_file(path)) throw InputError("no such file");
+  std::ostringstream contents;
+  contents << file.rdbuf();
+  return contents.str();
+}
+
+}  // namespace
+
+void writeCheckedFile(const std::string& path, const std::vector<Section>& sections) {
+  const std::string plain = plainOf(sections);
+  const std::string packed = compressed(plain);
+  const std::string partial = path + ".part";
+  std::ofstream file(partial, std::ios::binary | std::ios::trunc);
+  file << headerOf(packed, plain.size()) << packed;
+  file.close();
+  std::error_code error;
+  if (file) std::filesystem::rename(partial, path, error);
+  if (!file || error) {
+    std::error_code ignored;
+    std::filesystem::remove(partial, ignored);
+    throw InputError(path + ": cannot be written (is the disk full, or the folder missing?)");
+  }
+}
+
+std::vector<Section> readCheckedFile(const std::string& path) {
+  const std::string contents = contentsOf(path);
+  const std::string_view whole(contents);
+  if (whole.substr(0, kMagic.size()) != kMagic.substr(0, whole.size()) || whole.empty()) {
+    throw InputError("not a headway map");
+  }
+  if (whole.size() < kHeaderSize) throw InputError("truncated: it ends within its header");
+  Cursor header(whole.substr(kMagic.size(), kHeaderSize - kMagic.size()));
+  const auto version = header.number(4);
+  const auto packed_size = header.number(8);
+  const auto plain_size = header.number(8);
+  const auto packed_checksum = header.number(4);
+  if (header.number(4) != checksum(whole.substr(0, kHeaderSize - 4))) {
+    throw InputError("damaged: the checksum of its header does not match");
+  }
+  if (version > kFormatVersion) {
+    throw InputError("of format version " + std::to_string(version) + ", newer than " +
+                     std::to_string(kFormatVersion) + " which this program knows; update headway");
+  }
+  const auto packed = whole.substr(kHeaderSize);
+  if (packed.size() < packed_size) {
+    throw InputError("truncated: " + std::to_string(packed.size()) + " of " +
+                     std::to_string(packed_size) + " bytes are there");
+  }
+  if (packed.size() > packed_size || plain_size > kLargestCompression * (packed_size + 1) ||
+      checksum(packed) != packed_checksum) {
+    throw InputError("damaged: its checksum does not match");
+  }
+  const std::string plain = decompressed(packed, plain_size);
+  std::vector<Section> sections;
+  for (Cursor cursor(plain); !cursor.atEnd();) {
+    Section section;
+    section.name = cursor.take(cursor.number(4));
+    section.version = static_cast<std::uint32_t>(cursor.number(4));
+    section.bytes = cursor.take(cursor.number(8));
+    sections.push_back(std::move(section));
+  }
+  return sections;
+}
+
+}  // namespace headway::map

@@ -1,0 +1,85 @@
+#include <headway/core/error.h>
+#include <headway/core/mrpt_pose.h>
+#include <headway/map/map_export.h>
+#include <mrpt/core/Clock.h>
+#include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/poses/CPose3DPDFGaussian.h>
+
+#include <array>
+#include <cstring>
+#include <fstream>
+#include <unordered_map>
+
+#include "pose_pdf.h"
+
+namespace headway::map {
+namespace {
+
+using PositionById = std::unordered_map<LandmarkId, Eigen::Vector3d>;
+
+/// A range scan that holds points alone. The plainer CObservationPointCloud will not do: when MRPT
+/// before 2.11 builds a map from it, it leaves the robot's pose out.
+mrpt::obs::CObservation3DRangeScan::Ptr scanOf(const slam::KeyframeView& keyframe,
+                                               const PositionById& positions) {
+  const Pose T_robot_map = keyframe.T_map_robot.inverse();
+  auto scan = mrpt::obs::CObservation3DRangeScan::Create();
+  scan->sensorLabel = "landmarks";
+  scan->timestamp = mrpt::Clock::fromDouble(keyframe.time);
+  scan->hasPoints3D = true;
+  scan->hasRangeImage = false;
+  scan->resizePoints3DVectors(keyframe.landmarks.size());
+  std::size_t count = 0;
+  for (const auto id : keyframe.landmarks) {
+    const auto position = positions.find(id);
+    if (position == positions.end()) continue;  // culled since the keyframe saw it
+    const Eigen::Vector3f p = (T_robot_map * position->second).cast<float>();
+    scan->points3D_x[count] = p.x();
+    scan->points3D_y[count] = p.y();
+    scan->points3D_z[count] = p.z();
+    ++count;
+  }
+  scan->resizePoints3DVectors(count);
+  return scan;
+}
+
+template <typename Number>
+void append(std::string& bytes, Number value) {
+  std::array<char, sizeof(Number)> raw{};
+  std::memcpy(raw.data(), &value, sizeof(Number));
+  bytes.append(raw.data(), raw.size());
+}
+
+}  // namespace
+
+void writeSimpleMap(const std::string& path, const slam::MapView& still_world) {
+  PositionById positions;
+  for (const auto& landmark : still_world.landmarks) positions[landmark.id] = landmark.position;
+  mrpt::maps::CSimpleMap simple_map;
+  for (const auto& keyframe : still_world.keyframes) {
+    auto frame = mrpt::obs::CSensoryFrame::Create();
+    frame->insert(scanOf(keyframe, positions));
+    simple_map.insert(toMrptPdf(keyframe.T_map_robot, keyframe.covariance), *frame);
+  }
+  if (!simple_map.saveToFile(path)) throw InputError(path + ": cannot be written");
+}
+
+void writePly(const std::string& path, const slam::MapView& still_world) {
+  std::ofstream file(path, std::ios::binary);
+  file << "ply\nformat binary_little_endian 1.0\ncomment landmarks of headway, map frame, metres\n"
+       << "element vertex " << still_world.landmarks.size()
+       << "\nproperty float x\nproperty float y\nproperty float z\nproperty float intensity\n"
+       << "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
+  std::string bytes;
+  bytes.reserve(19 * still_world.landmarks.size());
+  for (const auto& landmark : still_world.landmarks) {
+    for (const double value : landmark.position) append(bytes, static_cast<float>(value));
+    append(bytes, static_cast<float>(landmark.intensity) / 255.f);
+    bytes.append(3, static_cast<char>(landmark.intensity));
+  }
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (!file) throw InputError(path + ": cannot be written");
+}
+
+}  // namespace headway::map

@@ -1,0 +1,121 @@
+#include <headway/core/error.h>
+#include <headway/map/perception_map.h>
+#include <mrpt/config/CConfigFile.h>
+#include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/maps/TMetricMapInitializer.h>
+#include <mrpt/maps/TMetricMapTypesRegistry.h>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace headway::map {
+namespace {
+
+using mrpt::maps::CMultiMetricMap;
+using mrpt::maps::CPointsMap;
+
+std::shared_ptr<CMultiMetricMap> defaultLayers() {
+  auto layers = std::make_shared<CMultiMetricMap>();
+  layers->maps.push_back(mrpt::maps::CSimplePointsMap::Create());
+  layers->maps.push_back(CMovingObjectsMap::Create());
+  return layers;
+}
+
+bool endsWith(const std::string& text, const std::string& ending) {
+  return text.size() >= ending.size() &&
+         text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
+}
+
+/// MRPT before 2.11.3 says nothing of a kind of map that it does not know.
+void requireKnownKinds(const mrpt::config::CConfigFileBase& file, const std::string& path,
+                       const std::string& section) {
+  const std::string ending = "_count";
+  const auto& registered =
+      mrpt::maps::internal::TMetricMapTypesRegistry::Instance().getAllRegistered();
+  std::vector<std::string> keys;
+  file.getAllKeys(section, keys);
+  for (const auto& key : keys) {
+    if (!endsWith(key, ending)) continue;
+    const std::string kind = key.substr(0, key.size() - ending.size());
+    if (registered.count(kind) == 0) {
+      throw InputError(path + ": [" + section + "] " + key + ": no kind of map is called '" + kind +
+                       "'");
+    }
+  }
+}
+
+/// Replaces all points of a layer; kinds without colour leave the grey value out.
+void insertLandmarks(const slam::MapView& still_world, CPointsMap& points) {
+  points.clear();
+  points.reserve(still_world.landmarks.size());
+  for (const auto& landmark : still_world.landmarks) {
+    const float grey = static_cast<float>(landmark.intensity) / 255.f;
+    const Eigen::Vector3f p = landmark.position.cast<float>();
+    points.insertPointRGB(p.x(), p.y(), p.z(), grey, grey, grey);
+  }
+}
+
+template <typename Layer>
+std::shared_ptr<Layer> copyOf(const Layer& layer) {
+  return std::dynamic_pointer_cast<Layer>(layer.duplicateGetSmartPtr());
+}
+
+}  // namespace
+
+PerceptionMap::PerceptionMap() : PerceptionMap(defaultLayers()) {}
+
+PerceptionMap::PerceptionMap(std::shared_ptr<CMultiMetricMap> layers)
+    : layers_(layers),
+      landmarks_(layers->mapByClass<CPointsMap>()),
+      moving_objects_(layers->mapByClass<CMovingObjectsMap>()),
+      still_world_(std::make_shared<slam::MapView>()) {
+  if (landmarks_ == nullptr) throw InputError("the map has no layer of points (pointsMap)");
+  if (moving_objects_ == nullptr) throw InputError("the map has no layer movingObjectsMap");
+}
+
+PerceptionMap PerceptionMap::fromIni(const std::string& path, const std::string& section) {
+  if (!std::filesystem::is_regular_file(path)) throw InputError(path + ": no such map description");
+  try {
+    const mrpt::config::CConfigFile file(path);
+    if (!file.sectionExists(section)) throw InputError("no section [" + section + "]");
+    requireKnownKinds(file, path, section);
+    mrpt::maps::TSetOfMetricMapInitializers initializers;
+    initializers.loadFromConfigFile(file, section);
+    auto layers = std::make_shared<CMultiMetricMap>();
+    layers->setListOfMaps(initializers);
+    return PerceptionMap(layers);
+  } catch (const std::exception& error) {
+    const std::string reason = error.what();
+    throw InputError(reason.rfind(path, 0) == 0 ? reason : path + ": " + reason);
+  }
+}
+
+template <typename Layer>
+void PerceptionMap::replaceLayer(const std::shared_ptr<const Layer>& old_layer,
+                                 const std::shared_ptr<Layer>& new_layer) {
+  auto layers = std::make_shared<CMultiMetricMap>();
+  layers->genericMapParams = layers_->genericMapParams;
+  for (const auto& layer : layers_->maps) {
+    layers->maps.push_back(layer.get() == old_layer.get() ? new_layer : layer);
+  }
+  layers_ = layers;
+}
+
+void PerceptionMap::update(slam::MapView still_world) {
+  auto landmarks = copyOf(*landmarks_);
+  insertLandmarks(still_world, *landmarks);
+  replaceLayer<CPointsMap>(landmarks_, landmarks);
+  landmarks_ = landmarks;
+  still_world_ = std::make_shared<slam::MapView>(std::move(still_world));
+}
+
+void PerceptionMap::update(Time time, std::vector<Track> tracks) {
+  auto moving = CMovingObjectsMap::Create();
+  moving->insertionOptions = moving_objects_->insertionOptions;
+  moving->genericMapParams = moving_objects_->genericMapParams;
+  moving->setTracks(time, std::move(tracks));
+  replaceLayer<CMovingObjectsMap>(moving_objects_, moving);
+  moving_objects_ = moving;
+}
+
+}  // namespace headway::map

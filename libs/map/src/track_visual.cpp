@@ -1,0 +1,196 @@
+#include "track_visual.h"
+
+#include <headway/core/class_colour.h>
+#include <headway/map/ribbon.h>
+#include <headway/map/track_geometry.h>
+#include <mrpt/opengl/CSetOfLines.h>
+#include <mrpt/opengl/CSetOfObjects.h>
+#include <mrpt/opengl/CSetOfTriangles.h>
+#include <mrpt/opengl/CText.h>
+
+#include <cmath>
+
+namespace headway::map {
+namespace {
+
+constexpr double kDashM = 0.8;
+constexpr double kGapM = 0.5;
+constexpr double kShortestPathM = 0.5;  ///< a prediction that stays within this is no path
+constexpr double kLeastProbability = 0.05;
+
+/// Heights above the ground [m], so that flat bands do not fight for the same depth.
+constexpr double kUncertaintyHeight = 0.03;
+constexpr double kTrailHeight = 0.05;
+constexpr double kPredictionHeight = 0.07;
+
+double bandWidth(const Track& track) { return isVehicle(track.object_class) ? 0.30 : 0.16; }
+
+std::vector<Eigen::Vector3d> raised(std::vector<Eigen::Vector3d> polyline, double height) {
+  for (auto& point : polyline) point.z() += height;
+  return polyline;
+}
+
+mrpt::math::TPoint3Df toFloat(const Eigen::Vector3d& point) {
+  return {static_cast<float>(point.x()), static_cast<float>(point.y()),
+          static_cast<float>(point.z())};
+}
+
+void appendFace(const std::array<Eigen::Vector3d, 8>& corners, const std::array<int, 4>& face,
+                const mrpt::img::TColor& colour, mrpt::opengl::CSetOfTriangles& out) {
+  const auto at = [&](int i) { return toFloat(corners[static_cast<std::size_t>(face[i])]); };
+  mrpt::opengl::TTriangle first(at(0), at(1), at(2));
+  mrpt::opengl::TTriangle second(at(0), at(2), at(3));
+  for (auto* triangle : {&first, &second}) {
+    triangle->setColor(colour);
+    out.insertTriangle(*triangle);
+  }
+}
+
+/// Translucent sides and, on the roof, a wedge that points to the front.
+void appendFaces(const Track& track, mrpt::opengl::CSetOfTriangles& out) {
+  const auto corners = boxCorners(track);
+  const Colour c = colourOf(track.object_class);
+  const std::uint8_t opacity = track.status == TrackStatus::kConfirmed ? 70 : 32;
+  const mrpt::img::TColor colour(c.red, c.green, c.blue, opacity);
+  for (const std::array<int, 4>& face :
+       {std::array<int, 4>{0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}, {4, 5, 6, 7}}) {
+    appendFace(corners, face, colour, out);
+  }
+  const Eigen::Vector3d above(0.0, 0.0, 0.02);
+  const Eigen::Vector3d nose = 0.5 * (corners[4] + corners[5]) + above;
+  const Eigen::Vector3d left = 0.5 * (corners[4] + corners[7]) + above;
+  const Eigen::Vector3d right = 0.5 * (corners[5] + corners[6]) + above;
+  mrpt::opengl::TTriangle wedge(toFloat(nose), toFloat(left), toFloat(right));
+  wedge.setColor(mrpt::img::TColor(c.red, c.green, c.blue, 200));
+  out.insertTriangle(wedge);
+}
+
+void appendEdges(const Track& track, mrpt::opengl::CSetOfLines& out) {
+  const auto corners = boxCorners(track);
+  for (const auto& [a, b] : kBoxEdges) {
+    out.appendLine(toFloat(corners[static_cast<std::size_t>(a)]),
+                   toFloat(corners[static_cast<std::size_t>(b)]));
+  }
+}
+
+void appendTrail(const Track& track, mrpt::opengl::CSetOfTriangles& out) {
+  const auto trail = raised(groundTrail(track), kTrailHeight);
+  appendRibbon(
+      trail, HalfWidths(trail.size(), 0.5 * bandWidth(track)), colourOf(track.object_class),
+      [](double along) { return 40.0 + 190.0 * along; }, out);
+}
+
+void appendDashes(const Track& track, const PredictedPath& prediction,
+                  mrpt::opengl::CSetOfTriangles& out) {
+  const auto path = raised(groundPath(track, prediction), kPredictionHeight);
+  const double opacity = 90.0 + 165.0 * prediction.probability;
+  for (const auto& dash : dashesOf(path, kDashM, kGapM)) {
+    appendRibbon(dash, 1.2 * bandWidth(track), kPredictionColour, opacity, out);
+  }
+}
+
+/// A band as wide as one standard deviation to each side, across the way.
+void appendUncertainty(const Track& track, const PredictedPath& prediction,
+                       mrpt::opengl::CSetOfTriangles& out) {
+  const auto path = raised(groundPath(track, prediction), kUncertaintyHeight);
+  HalfWidths half_widths{0.5 * bandWidth(track)};
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const Eigen::Vector2d way = (path[i] - path[i - 1]).head<2>();
+    Eigen::Vector2d normal = Eigen::Vector2d::UnitY();
+    if (way.norm() > 1e-9) normal = Eigen::Vector2d(-way.y(), way.x()) / way.norm();
+    const double variance = normal.dot(prediction.points[i - 1].covariance * normal);
+    half_widths.push_back(std::sqrt(std::max(variance, 0.0)));
+  }
+  const double probability = prediction.probability;
+  appendRibbon(
+      path, half_widths, kPredictionColour,
+      [probability](double along) { return probability * (60.0 - 44.0 * along); }, out);
+}
+
+std::shared_ptr<mrpt::opengl::CText> labelOf(const Track& track) {
+  auto label = mrpt::opengl::CText::Create(std::string(toString(track.object_class)) + " " +
+                                           std::to_string(track.id.value));
+  const Colour c = colourOf(track.object_class);
+  label->setColor_u8(c.red, c.green, c.blue);
+  label->setLocation(track.position.x(), track.position.y(),
+                     track.position.z() + 0.5 * track.size.z() + 0.3);
+  return label;
+}
+
+std::shared_ptr<mrpt::opengl::CSetOfTriangles> newTriangles(const std::string& name) {
+  auto triangles = mrpt::opengl::CSetOfTriangles::Create();
+  triangles->setName(name);
+  triangles->enableLight(false);
+  return triangles;
+}
+
+std::vector<const Track*> shownTracks(const std::vector<Track>& tracks, bool show_tentative) {
+  std::vector<const Track*> shown;
+  for (const auto& track : tracks) {
+    const bool believed =
+        track.status == TrackStatus::kConfirmed || track.status == TrackStatus::kCoasting;
+    if (believed || (show_tentative && track.status == TrackStatus::kTentative)) {
+      shown.push_back(&track);
+    }
+  }
+  return shown;
+}
+
+void insertPaths(const std::vector<const Track*>& tracks,
+                 const CMovingObjectsMap::TInsertionOptions& options,
+                 mrpt::opengl::CSetOfObjects& out) {
+  auto uncertainty = newTriangles("uncertainty");
+  auto predictions = newTriangles("predictions");
+  auto trails = newTriangles("trails");
+  for (const Track* track : tracks) {
+    if (track->moving) appendTrail(*track, *trails);
+    for (const auto& prediction : track->predictions) {
+      if (prediction.probability < kLeastProbability ||
+          lengthOf(groundPath(*track, prediction)) < kShortestPathM) {
+        continue;
+      }
+      if (options.show_uncertainty) appendUncertainty(*track, prediction, *uncertainty);
+      if (options.show_predictions) appendDashes(*track, prediction, *predictions);
+    }
+  }
+  out.insert(uncertainty);
+  out.insert(trails);
+  out.insert(predictions);
+}
+
+void insertEdges(const std::vector<const Track*>& tracks, mrpt::opengl::CSetOfObjects& out) {
+  for (int i = 0; i < kObjectClassCount; ++i) {
+    const auto object_class = static_cast<ObjectClass>(i);
+    auto edges = mrpt::opengl::CSetOfLines::Create();
+    for (const Track* track : tracks) {
+      if (track->object_class == object_class) appendEdges(*track, *edges);
+    }
+    if (edges->empty()) continue;
+    const Colour c = colourOf(object_class);
+    edges->setName("edges_" + std::string(toString(object_class)));
+    edges->setColor_u8(c.red, c.green, c.blue);
+    edges->setLineWidth(2.f);
+    out.insert(edges);
+  }
+}
+
+}  // namespace
+
+void insertTrackVisual(const std::vector<Track>& tracks,
+                       const CMovingObjectsMap::TInsertionOptions& options,
+                       mrpt::opengl::CSetOfObjects& out) {
+  const auto shown = shownTracks(tracks, options.show_tentative);
+  if (shown.empty()) return;
+  insertPaths(shown, options, out);
+  auto faces = newTriangles("faces");
+  for (const Track* track : shown) appendFaces(*track, *faces);
+  out.insert(faces);
+  insertEdges(shown, out);
+  if (!options.show_labels) return;
+  auto labels = mrpt::opengl::CSetOfObjects::Create();
+  labels->setName("labels");
+  for (const Track* track : shown) labels->insert(labelOf(*track));
+  out.insert(labels);
+}
+
+}  // namespace headway::map

@@ -1,0 +1,177 @@
+#include <gmock/gmock.h>
+#include <headway/core/error.h>
+#include <headway/map/map_file.h>
+#include <headway_test/folders.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "checked_file.h"
+#include "equality.h"
+#include "example_world.h"
+
+namespace headway::map {
+namespace {
+
+StereoCamera exampleCamera() {
+  StereoCamera camera;
+  camera.width = 640;
+  camera.height = 240;
+  camera.fx = 401.5;
+  camera.fy = 402.5;
+  camera.cx = 319.25;
+  camera.cy = 119.75;
+  camera.baseline_m = 0.31;
+  camera.T_robot_cam = Eigen::Translation3d(0.5, 0.1, 1.2) * robotFromOptical();
+  return camera;
+}
+
+StoredMap exampleMap(int landmarks = 40) {
+  StoredMap stored;
+  stored.map.update(exampleStillWorld(landmarks));
+  stored.map.update(3.0, {exampleTrack(4, ObjectClass::kCyclist, {10, 2, 0.8}, 0.3)});
+  stored.configuration = "[slam]\nmapping = true\n";
+  stored.camera = exampleCamera();
+  stored.attachments["place_index"] = std::string("\0any\xff bytes", 11);
+  return stored;
+}
+
+class MapFileTest : public ::testing::Test {
+ protected:
+  [[nodiscard]] std::string bytesOf(const std::string& name) const {
+    std::ifstream file(name, std::ios::binary);
+    std::ostringstream bytes;
+    bytes << file.rdbuf();
+    return bytes.str();
+  }
+
+  std::string saved(const StoredMap& stored) const {
+    saveMap(path, stored);
+    return bytesOf(path);
+  }
+
+  std::string errorOfLoading(const std::string& bytes) const {
+    std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
+    try {
+      (void)loadMap(path);
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), ::testing::StartsWith(path));
+      EXPECT_THAT(error.what(), ::testing::Not(::testing::HasSubstr("\n")));
+      return error.what();
+    }
+    return "";
+  }
+
+  test::TemporaryFolder folder;
+  std::string path = folder / "map.headway";
+};
+
+TEST_F(MapFileTest, ComesBackAsItWas) {
+  const StoredMap stored = exampleMap();
+  (void)saved(stored);
+  const StoredMap loaded = loadMap(path);
+  expectEqual(*loaded.map.stillWorld(), *stored.map.stillWorld());
+  ASSERT_EQ(loaded.map.movingObjects().tracks().size(), 1u);
+  expectEqual(loaded.map.movingObjects().tracks()[0], stored.map.movingObjects().tracks()[0]);
+  EXPECT_EQ(loaded.map.movingObjects().time(), 3.0);
+  EXPECT_EQ(loaded.map.landmarks().size(), 40u);
+  EXPECT_EQ(loaded.configuration, stored.configuration);
+  EXPECT_EQ(loaded.attachments, stored.attachments);
+  ASSERT_TRUE(loaded.camera);
+  EXPECT_EQ(loaded.camera->width, 640);
+  EXPECT_EQ(loaded.camera->height, 240);
+  EXPECT_EQ(loaded.camera->fx, 401.5);
+  EXPECT_EQ(loaded.camera->fy, 402.5);
+  EXPECT_EQ(loaded.camera->cx, 319.25);
+  EXPECT_EQ(loaded.camera->cy, 119.75);
+  EXPECT_EQ(loaded.camera->baseline_m, 0.31);
+  EXPECT_EQ(loaded.camera->T_robot_cam.matrix(), exampleCamera().T_robot_cam.matrix());
+}
+
+TEST_F(MapFileTest, HoldsAnEmptyMapWithoutCamera) {
+  (void)saved(StoredMap());
+  const StoredMap loaded = loadMap(path);
+  EXPECT_TRUE(loaded.map.layers().isEmpty());
+  EXPECT_FALSE(loaded.camera);
+  EXPECT_TRUE(loaded.attachments.empty());
+}
+
+TEST_F(MapFileTest, SameContentsGiveTheSameBytes) {
+  EXPECT_EQ(saved(exampleMap()), saved(exampleMap()));
+  saveMap(path, exampleMap());
+  const StoredMap loaded = loadMap(path);
+  const std::string before = bytesOf(path);
+  EXPECT_EQ(saved(loaded), before);
+}
+
+TEST_F(MapFileTest, TruncatedAnywhereIsSaidToBe) {
+  const std::string whole = saved(exampleMap(4));
+  for (std::size_t size = 1; size < whole.size(); ++size) {
+    ASSERT_THAT(errorOfLoading(whole.substr(0, size)), ::testing::HasSubstr("truncated"))
+        << "at byte " << size;
+  }
+}
+
+TEST_F(MapFileTest, AnyFlippedByteIsNoticed) {
+  const std::string whole = saved(exampleMap(4));
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    std::string flipped = whole;
+    flipped[i] = static_cast<char>(flipped[i] ^ 0x40);
+    ASSERT_THAT(errorOfLoading(flipped),
+                i < 8 ? ::testing::HasSubstr("not a headway map") : ::testing::HasSubstr("damaged"))
+        << "at byte " << i;
+  }
+}
+
+TEST_F(MapFileTest, SomethingElseIsSaidToBeForeign) {
+  EXPECT_THAT(errorOfLoading(""), ::testing::HasSubstr("not a headway map"));
+  EXPECT_THAT(errorOfLoading("\x1f\x8b a gz file perhaps, such as a rawlog"),
+              ::testing::HasSubstr("not a headway map"));
+  EXPECT_THAT(errorOfLoading(saved(exampleMap(4)) + "x"), ::testing::HasSubstr("damaged"));
+}
+
+TEST_F(MapFileTest, AMissingFileAndAFolderAreErrors) {
+  EXPECT_THROW((void)loadMap(folder / "none.headway"), InputError);
+  EXPECT_THROW((void)loadMap(folder.path()), InputError);
+}
+
+TEST_F(MapFileTest, ANewerSectionIsSaidToBeNewer) {
+  writeCheckedFile(path, {{"camera", 99, "?"}});
+  EXPECT_THAT(errorOfLoading(bytesOf(path)), ::testing::HasSubstr("newer version"));
+}
+
+TEST_F(MapFileTest, AnUnknownSectionIsLeftAlone) {
+  (void)saved(exampleMap(4));
+  auto sections = readCheckedFile(path);
+  sections.push_back({"from_the_future", 1, "?"});
+  writeCheckedFile(path, sections);
+  EXPECT_EQ(loadMap(path).map.landmarks().size(), 4u);
+}
+
+TEST_F(MapFileTest, ASectionThatEndsEarlyOrIsMissingIsNamed) {
+  (void)saved(exampleMap(4));
+  const auto sections = readCheckedFile(path);
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    const std::string& name = sections[i].name;
+    if (name != "camera" && name != "still_world" && name != "layers") continue;
+    auto shortened = sections;
+    shortened[i].bytes.resize(shortened[i].bytes.size() / 2);
+    writeCheckedFile(path, shortened);
+    EXPECT_THAT(errorOfLoading(bytesOf(path)), ::testing::HasSubstr("'" + name + "'"));
+  }
+  writeCheckedFile(path, {sections.front()});
+  EXPECT_THAT(errorOfLoading(bytesOf(path)), ::testing::HasSubstr("'still_world'"));
+}
+
+TEST_F(MapFileTest, LeavesNothingBehindWhereItCannotWrite) {
+  EXPECT_THROW(saveMap((folder / "no") / "such" / "map.headway", exampleMap(4)), InputError);
+  saveMap(path, exampleMap(4));
+  const auto before = bytesOf(path);
+  std::filesystem::create_directory(folder / "taken.headway");
+  EXPECT_THROW(saveMap(folder / "taken.headway", exampleMap(4)), InputError);
+  EXPECT_FALSE(std::filesystem::exists(folder / "taken.headway.part"));
+  EXPECT_EQ(bytesOf(path), before);
+}
+
+}  // namespace
+}  // namespace headway::map

@@ -1,0 +1,117 @@
+#include <gmock/gmock.h>
+#include <headway/core/error.h>
+#include <headway/map/perception_map.h>
+#include <headway_test/folders.h>
+#include <mrpt/maps/CColouredPointsMap.h>
+#include <mrpt/maps/COccupancyGridMap2D.h>
+#include <mrpt/maps/CSimplePointsMap.h>
+
+#include <fstream>
+
+#include "equality.h"
+#include "example_world.h"
+
+namespace headway::map {
+namespace {
+
+class PerceptionMapIniTest : public ::testing::Test {
+ protected:
+  std::string pathOf(const std::string& text) {
+    const auto path = folder_ / "map.ini";
+    std::ofstream(path) << text;
+    return path;
+  }
+
+  std::string errorOf(const std::string& text) {
+    const auto path = pathOf(text);
+    try {
+      (void)PerceptionMap::fromIni(path);
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), ::testing::StartsWith(path));
+      return error.what();
+    }
+    return "";
+  }
+
+ private:
+  test::TemporaryFolder folder_;
+};
+
+TEST(PerceptionMapTest, HoldsLandmarksAndTracksInOneMultiMetricMap) {
+  PerceptionMap map;
+  EXPECT_TRUE(map.layers().isEmpty());
+  map.update(exampleStillWorld(25));
+  map.update(3.0, {exampleTrack(4, ObjectClass::kCar, {10, 2, 0.8}, 0.3)});
+  EXPECT_FALSE(map.layers().isEmpty());
+  EXPECT_EQ(map.layers().mapByClass<mrpt::maps::CPointsMap>().get(), &map.landmarks());
+  EXPECT_EQ(map.layers().mapByClass<CMovingObjectsMap>().get(), &map.movingObjects());
+  EXPECT_EQ(map.landmarks().size(), 25u);
+  float x = 0.f, y = 0.f, z = 0.f;
+  map.landmarks().getPoint(3, x, y, z);
+  EXPECT_FLOAT_EQ(x, 3.f);
+  EXPECT_FLOAT_EQ(y, -1.5f);
+  EXPECT_FLOAT_EQ(z, 0.3f);
+  EXPECT_EQ(map.movingObjects().time(), 3.0);
+  EXPECT_EQ(map.movingObjects().tracks().size(), 1u);
+}
+
+TEST(PerceptionMapTest, UpdatesReplaceWhatWasThere) {
+  PerceptionMap map;
+  map.update(exampleStillWorld(25));
+  map.update(exampleStillWorld(7));
+  EXPECT_EQ(map.landmarks().size(), 7u);
+  EXPECT_EQ(map.stillWorld()->landmarks.size(), 7u);
+  map.update(1.0, {exampleTrack(1, ObjectClass::kCar, {1, 2, 3}, 0.0)});
+  map.update(2.0, {});
+  EXPECT_TRUE(map.movingObjects().isEmpty());
+  EXPECT_EQ(map.layers().maps.size(), 2u);
+}
+
+TEST(PerceptionMapTest, CopiesAreSnapshotsThatLaterUpdatesLeaveAlone) {
+  PerceptionMap map;
+  map.update(exampleStillWorld(25));
+  map.update(1.0, {exampleTrack(1, ObjectClass::kCar, {1, 2, 3}, 0.0)});
+  const PerceptionMap snapshot = map;
+  map.update(exampleStillWorld(3));
+  map.update(2.0, {});
+  EXPECT_EQ(snapshot.landmarks().size(), 25u);
+  EXPECT_EQ(snapshot.layers().mapByClass<mrpt::maps::CPointsMap>()->size(), 25u);
+  EXPECT_EQ(snapshot.movingObjects().time(), 1.0);
+  EXPECT_EQ(snapshot.layers().mapByClass<CMovingObjectsMap>()->tracks().size(), 1u);
+  EXPECT_EQ(snapshot.stillWorld()->landmarks.size(), 25u);
+}
+
+TEST(PerceptionMapTest, RefusesLayersWithoutLandmarksOrMovingObjects) {
+  auto layers = std::make_shared<mrpt::maps::CMultiMetricMap>();
+  layers->maps.push_back(mrpt::maps::CSimplePointsMap::Create());
+  EXPECT_THROW(PerceptionMap{layers}, InputError);
+  layers->maps.clear();
+  layers->maps.push_back(CMovingObjectsMap::Create());
+  EXPECT_THROW(PerceptionMap{layers}, InputError);
+}
+
+TEST_F(PerceptionMapIniTest, BuildsTheLayersThatItNames) {
+  auto map = PerceptionMap::fromIni(
+      pathOf("[map]\ncolourPointsMap_count=1\noccupancyGrid_count=1\nmovingObjectsMap_count=1\n"));
+  EXPECT_EQ(map.layers().maps.size(), 3u);
+  EXPECT_NE(map.layers().mapByClass<mrpt::maps::COccupancyGridMap2D>(), nullptr);
+  map.update(exampleStillWorld(25));
+  const auto* coloured = dynamic_cast<const mrpt::maps::CColouredPointsMap*>(&map.landmarks());
+  ASSERT_NE(coloured, nullptr);
+  float x, y, z, red, green, blue;
+  coloured->getPointRGB(10, x, y, z, red, green, blue);
+  EXPECT_FLOAT_EQ(red, 60.f / 255.f);
+  EXPECT_FLOAT_EQ(blue, 60.f / 255.f);
+}
+
+TEST_F(PerceptionMapIniTest, SaysWhatIsWrong) {
+  EXPECT_THAT(errorOf("[map]\npointsMap_count=1\n"), ::testing::HasSubstr("movingObjectsMap"));
+  EXPECT_THAT(errorOf("[map]\nmovingObjectsMap_count=1\n"), ::testing::HasSubstr("pointsMap"));
+  EXPECT_THAT(errorOf("[map]\npointsMap_count=1\nmovingObjectMap_count=1\n"),
+              ::testing::HasSubstr("movingObjectMap_count"));
+  EXPECT_THAT(errorOf("[maps]\npointsMap_count=1\n"), ::testing::HasSubstr("[map]"));
+  EXPECT_THROW((void)PerceptionMap::fromIni("/nonexistent.ini"), InputError);
+}
+
+}  // namespace
+}  // namespace headway::map
