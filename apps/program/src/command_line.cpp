@@ -18,8 +18,8 @@ class KeepFailure : public TCLAP::StdOutput {
  public:
   void failure(TCLAP::CmdLineInterface& /*line*/, TCLAP::ArgException& error) override {
     const std::string id = error.argId();
-    const bool names_argument = id.find_first_not_of(' ') != std::string::npos &&
-                                id.find("undefined") == std::string::npos;
+    const bool names_argument =
+        id.find_first_not_of(' ') != std::string::npos && id.find("undefined") == std::string::npos;
     failure_text = (names_argument ? id + ": " : "") + error.error();
   }
   std::optional<std::string> failure_text;

@@ -38,8 +38,8 @@ void Progress::update(std::size_t done, double ratio) {
   const auto total = ratio > 0.0 ? static_cast<double>(done) / ratio : 0.0;
   std::fprintf(stderr, "%s%s %s %zu/%.0f, %.1f/s, %s left%s", terminal_ ? "\r" : "", what_.c_str(),
                mrpt::system::progress(ratio, 30).c_str(), done, total,
-               static_cast<double>(done) / elapsed,
-               mrpt::system::formatTimeInterval(left).c_str(), terminal_ ? "\033[K" : "\n");
+               static_cast<double>(done) / elapsed, mrpt::system::formatTimeInterval(left).c_str(),
+               terminal_ ? "\033[K" : "\n");
   std::fflush(stderr);
 }
 

@@ -161,6 +161,14 @@ std::string Params::get(const std::string& section, const std::string& key) cons
   return find(section, key).get();
 }
 
+std::map<std::string, std::map<std::string, std::string>> Params::values() const {
+  std::map<std::string, std::map<std::string, std::string>> result;
+  for (const auto& [section, entries] : entries_) {
+    for (const auto& entry : entries) result[section][entry.key] = entry.get();
+  }
+  return result;
+}
+
 void Params::print(std::ostream& out) const {
   for (const auto& section : section_order_) {
     out << "[" << section << "]\n";

@@ -42,7 +42,7 @@ class TemporaryFolder {
 }  // namespace headway::test
 
 /// Ends the test as skipped, saying why, where there is no real data.
-#define HEADWAY_REQUIRE_DATA(folder)                                                 \
-  const auto folder##_optional = ::headway::test::dataFolder();                      \
+#define HEADWAY_REQUIRE_DATA(folder)                                                   \
+  const auto folder##_optional = ::headway::test::dataFolder();                        \
   if (!folder##_optional) GTEST_SKIP() << "HEADWAY_DATA names no folder of real data"; \
   const std::filesystem::path folder = *folder##_optional

@@ -69,6 +69,9 @@ class Params {
   /// @throws InputError if there is no such parameter
   [[nodiscard]] std::string get(const std::string& section, const std::string& key) const;
 
+  /// Every value as text: section -> key -> value.
+  [[nodiscard]] std::map<std::string, std::map<std::string, std::string>> values() const;
+
   /// Writes every parameter with its present value, unit, range and meaning, as an .ini file.
   void print(std::ostream& out) const;
 
