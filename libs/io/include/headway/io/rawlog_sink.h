@@ -20,8 +20,8 @@ enum class ImageStorage {
 
 /// One lens as recorded: intrinsics and OpenCV's distortion (k1 k2 p1 p2 k3), zeros if rectified.
 struct RawCamera {
-  int width = 0;   ///< [px]
-  int height = 0;  ///< [px]
+  int width = 0;                                  ///< [px]
+  int height = 0;                                 ///< [px]
   double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  ///< [px]
   std::array<double, 5> distortion{};
 };
@@ -30,8 +30,8 @@ struct RawCamera {
 struct RawStereoCamera {
   RawCamera left;
   RawCamera right;
-  Pose T_robot_left = robotFromOptical();   ///< left optical frame on the robot
-  Pose T_left_right = Pose::Identity();     ///< right optical frame in the left one
+  Pose T_robot_left = robotFromOptical();  ///< left optical frame on the robot
+  Pose T_left_right = Pose::Identity();    ///< right optical frame in the left one
 };
 
 /// The recorded form of a pair that is rectified already.
@@ -64,8 +64,8 @@ class RawlogSink {
   /// Wheel odometry: planar pose of the robot in a frame that drifts (x [m], y [m], yaw [rad]).
   void writeOdometry(Time time, double x, double y, double yaw);
   /// Inertial sample in the robot frame.
-  void writeImu(Time time, const Eigen::Vector3d& angular_velocity,   // [rad/s]
-                const Eigen::Vector3d& acceleration);                 // [m/s^2], gravity included
+  void writeImu(Time time, const Eigen::Vector3d& angular_velocity,  // [rad/s]
+                const Eigen::Vector3d& acceleration);                // [m/s^2], gravity included
   /// Flushes and closes. @throws InputError on a write error.
   void close();
 

@@ -11,11 +11,13 @@ namespace headway::io {
 
 /// What to read of a rawlog, and how.
 struct RawlogSourceOptions {
-  std::string sensor_label;  ///< of the stereo camera; empty: the only one there is
-  std::size_t from_index = 0;             ///< first stereo frame handed out
-  std::optional<std::size_t> to_index;    ///< last stereo frame handed out (included)
-  bool use_odometry = true;               ///< hand wheel odometry on as motion prior
-  bool use_imu = true;                    ///< hand gyroscope and gravity on as motion prior
+  /// Label of the stereo camera, or "LEFT,RIGHT" for two cameras; empty: the only one there is.
+  std::string sensor_label;
+  std::size_t from_index = 0;           ///< first stereo frame handed out
+  std::optional<std::size_t> to_index;  ///< last stereo frame handed out (included)
+  bool use_odometry = true;             ///< hand wheel odometry on as motion prior
+  bool use_imu = true;                  ///< hand gyroscope and gravity on as motion prior
+  double pair_tolerance_s = 0.01;       ///< between a left and a right `CObservationImage` [s]
 };
 
 using headway::RecordedFrame;
@@ -80,8 +82,8 @@ class RawlogSource {
 
 /// What a rawlog says of the truth: labels `truth_pose` and `truth_objects`.
 struct RecordedTruth {
-  std::vector<Stamped<Pose>> poses;     ///< robot in map
-  std::vector<Detections> objects;      ///< with ids, one entry a frame
+  std::vector<Stamped<Pose>> poses;  ///< robot in map
+  std::vector<Detections> objects;   ///< with ids, one entry a frame
 };
 
 /// Reads the truth of a rawlog, for evaluation alone.

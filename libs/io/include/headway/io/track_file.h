@@ -14,15 +14,15 @@ namespace headway::io {
 struct KittiRow {
   std::size_t frame = 0;
   std::int64_t id = -1;
-  std::string type;        ///< KITTI's spelling, "DontCare" included
-  double truncation = 0.0; ///< -1 where not given
-  int occlusion = 0;       ///< 0 .. 3, -1 where not given
-  double alpha = -10.0;    ///< observation angle [rad]
-  Box2d box2d;             ///< [px]
-  double height = 0.0, width = 0.0, length = 0.0;          ///< [m]
-  Eigen::Vector3d bottom_centre = Eigen::Vector3d::Zero(); ///< optical frame [m]
-  double rotation_y = 0.0;                                 ///< [rad]
-  double score = 0.0;                                      ///< results only
+  std::string type;                                ///< KITTI's spelling, "DontCare" included
+  double truncation = 0.0;                         ///< -1 where not given
+  int occlusion = 0;                               ///< 0 .. 3, -1 where not given
+  double alpha = -10.0;                            ///< observation angle [rad]
+  Box2d box2d;                                     ///< [px]
+  double height = 0.0, width = 0.0, length = 0.0;  ///< [m]
+  Eigen::Vector3d bottom_centre = Eigen::Vector3d::Zero();  ///< optical frame [m]
+  double rotation_y = 0.0;                                  ///< [rad]
+  double score = 0.0;                                       ///< results only
   double visible = 1.0;  ///< visible share 0..1, 18th column of simulated truth
 };
 

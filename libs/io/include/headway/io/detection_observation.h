@@ -1,0 +1,64 @@
+#pragma once
+
+#include <headway/core/detection.h>
+#include <headway/io/mrpt_conversions.h>
+#include <mrpt/obs/CObservation.h>
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace headway {
+
+/// What a detector saw in one image, as MRPT rawlogs keep it.
+///
+/// Boxes are those of `Detection`: 2D ones in pixels of the image as recorded, 3D ones in the
+/// sensor's optical frame, their position being the centre of the volume. Classes are kept by
+/// name, so that a rawlog with classes that this version does not know stays readable.
+class CObservationObjectDetections : public mrpt::obs::CObservation {
+  DEFINE_SERIALIZABLE(CObservationObjectDetections, headway)
+
+ public:
+  struct Item {
+    std::string class_name;         ///< KITTI's spelling
+    double score = 1.0;             ///< the detector's own scale
+    std::int64_t detector_id = -1;  ///< -1: the detector does not track
+    std::optional<Box2d> box2d;
+    std::optional<Box3d> box3d;
+    std::optional<Eigen::Matrix3d> centre_covariance;  ///< symmetric [m^2]
+  };
+
+  mrpt::poses::CPose3D sensor_pose;  ///< the optical frame on the robot
+  std::uint32_t image_width = 0;     ///< [px], 0 unknown
+  std::uint32_t image_height = 0;    ///< [px], 0 unknown
+  std::vector<Item> items;
+
+  void getSensorPose(mrpt::poses::CPose3D& out_sensorPose) const override {
+    out_sensorPose = sensor_pose;
+  }
+  void setSensorPose(const mrpt::poses::CPose3D& newSensorPose) override {
+    sensor_pose = newSensorPose;
+  }
+  void getDescriptionAsText(std::ostream& o) const override;
+  /// One row an observation: the number of detections, and then each of them in turn.
+  bool exportTxtSupported() const override { return true; }
+  std::string exportTxtHeader() const override;
+  std::string exportTxtDataRow() const override;
+};
+
+namespace io {
+
+/// Makes headway's observation class known to MRPT. May be called more than once.
+void registerClasses();
+
+[[nodiscard]] CObservationObjectDetections::Ptr observationFrom(const std::string& label,
+                                                                const Detections& detections);
+
+/// @param dropped  counts items whose class this version does not know ("unknown_class")
+[[nodiscard]] Detections detectionsFrom(const CObservationObjectDetections& observation,
+                                        std::map<std::string, std::size_t>& dropped);
+
+}  // namespace io
+}  // namespace headway

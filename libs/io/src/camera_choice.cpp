@@ -1,0 +1,105 @@
+#include "camera_choice.h"
+
+#include <headway/core/error.h>
+#include <mrpt/obs/CObservationImage.h>
+#include <mrpt/obs/CObservationStereoImages.h>
+
+#include "recorded_labels.h"
+
+namespace headway::io {
+namespace {
+
+// Poses without any image before a rawlog counts as one that holds poses alone.
+constexpr std::size_t kPosesWithoutImages = 1000;
+
+template <typename Map>
+std::string keysOf(const Map& map) {
+  std::string text;
+  for (const auto& [key, value] : map) text += (text.empty() ? "'" : ", '") + key + "'";
+  return text;
+}
+
+}  // namespace
+
+void CameraProbe::add(const mrpt::obs::CObservation& observation) {
+  if (const auto* stereo = dynamic_cast<const mrpt::obs::CObservationStereoImages*>(&observation)) {
+    if (stereo->hasImageRight) ++stereo_[observation.sensorLabel];
+  } else if (dynamic_cast<const mrpt::obs::CObservationImage*>(&observation) != nullptr) {
+    auto& camera = single_[observation.sensorLabel];
+    ++camera.count;
+    observation.getSensorPose(camera.pose);
+  } else if (isRecordedPose(observation)) {
+    ++poses_;
+  }
+}
+
+bool CameraProbe::isDecided() const {
+  if (!wanted_.empty()) return wantedCamera().has_value();
+  for (const auto& [label, count] : stereo_) {
+    if (count >= 2) return true;  // a second camera would have shown itself by now
+  }
+  if (stereo_.empty() && single_.size() >= 2) {
+    bool all_twice = true;
+    for (const auto& [label, camera] : single_) all_twice = all_twice && camera.count >= 2;
+    return all_twice;
+  }
+  return stereo_.empty() && single_.empty() && poses_ >= kPosesWithoutImages;
+}
+
+std::optional<CameraChoice> CameraProbe::wantedCamera() const {
+  if (stereo_.count(wanted_) > 0) {
+    return CameraChoice{CameraChoice::Kind::kStereo, {wanted_, ""}};
+  }
+  const auto comma = wanted_.find(',');
+  if (comma == std::string::npos) return std::nullopt;
+  const std::string left = wanted_.substr(0, comma);
+  const std::string right = wanted_.substr(comma + 1);
+  if (single_.count(left) == 0 || single_.count(right) == 0) return std::nullopt;
+  return CameraChoice{CameraChoice::Kind::kPair, {left, right}};
+}
+
+CameraChoice CameraProbe::choose(const std::map<std::string, std::size_t>& skipped) const {
+  if (!wanted_.empty()) {
+    const auto choice = wantedCamera();
+    if (choice) return *choice;
+    throw InputError("holds no stereo camera with label '" + wanted_ +
+                     "' (two cameras are named 'LEFT,RIGHT'); there is " + labelsSeen(skipped));
+  }
+  if (stereo_.size() > 1) {
+    throw InputError("holds several stereo cameras; choose one by its sensor label: " +
+                     keysOf(stereo_));
+  }
+  if (stereo_.size() == 1) {
+    return {CameraChoice::Kind::kStereo, {stereo_.begin()->first, ""}};
+  }
+  if (single_.size() == 2) return pairByGeometry();
+  if (single_.size() > 2) {
+    throw InputError("holds several cameras; choose two by their sensor labels as 'LEFT,RIGHT': " +
+                     keysOf(single_));
+  }
+  if (poses_ > 0) return {};
+  throw InputError("holds neither stereo images nor poses labelled 'pose'; there is " +
+                   labelsSeen(skipped));
+}
+
+/// The camera that sees the other one on its right is the left one.
+CameraChoice CameraProbe::pairByGeometry() const {
+  const auto& [label_a, camera_a] = *single_.begin();
+  const auto& [label_b, camera_b] = *single_.rbegin();
+  const auto b_in_a = camera_b.pose - camera_a.pose;
+  CameraChoice choice{CameraChoice::Kind::kPair, {label_a, label_b}};
+  if (b_in_a.x() < 0.0) std::swap(choice.labels[0], choice.labels[1]);
+  return choice;
+}
+
+std::string CameraProbe::labelsSeen(const std::map<std::string, std::size_t>& skipped) const {
+  std::string text;
+  const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
+  if (!stereo_.empty()) add("stereo " + keysOf(stereo_));
+  if (!single_.empty()) add("single images " + keysOf(single_));
+  if (!skipped.empty()) add("other observations: " + keysOf(skipped));
+  if (poses_ > 0) add("poses");
+  return text.empty() ? "nothing that can be used" : text;
+}
+
+}  // namespace headway::io

@@ -1,0 +1,6 @@
+// Plug-in for the stock MRPT tools: `rawlog-edit -p libheadway-plugin.so --info -i X.rawlog`,
+// `RawLogViewer -l libheadway-plugin.so`.
+#include <headway/io/detection_observation.h>
+#include <mrpt/core/initializer.h>
+
+MRPT_INITIALIZER(registerHeadwayClasses) { headway::io::registerClasses(); }

@@ -1,0 +1,77 @@
+#include "frame_assembler.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace headway::io {
+namespace {
+
+constexpr double kHalfIntervalOfOneFrame = 0.05;  // where there is no second one [s]
+
+}  // namespace
+
+void FrameAssembler::addFrame(PendingFrame frame) {
+  frame.index = next_index_++;
+  if (last_added_ && !(frame.time > *last_added_)) {
+    ++skipped_["time_backwards"];
+    return;
+  }
+  last_added_ = frame.time;
+  frames_.push_back(std::move(frame));
+}
+
+std::optional<PendingFrame> FrameAssembler::take() {
+  if (frames_.empty()) return std::nullopt;
+  PendingFrame frame = std::move(frames_.front());
+  frames_.pop_front();
+  const double half_interval = halfInterval(frame.time);
+  frame.detections = takeNearest(detections_, frame.time, half_interval, "unmatched_detections");
+  if (frame.pair) {
+    const auto pose = takeNearest(poses_, frame.time, half_interval, "unmatched_pose");
+    if (pose) frame.T_map_robot = pose->value;
+  }
+  last_taken_ = frame.time;
+  return frame;
+}
+
+void FrameAssembler::finish() {
+  if (!frames_.empty()) return;
+  if (!detections_.empty()) skipped_["unmatched_detections"] += detections_.size();
+  if (!poses_.empty()) skipped_["unmatched_pose"] += poses_.size();
+  detections_.clear();
+  poses_.clear();
+}
+
+/// Half of the shorter interval to the frame before and the one after: a gap in the recording
+/// must not draw in what belongs to lost frames.
+double FrameAssembler::halfInterval(Time time) const {
+  double interval = std::numeric_limits<double>::infinity();
+  if (last_taken_) interval = std::min(interval, time - *last_taken_);
+  if (!frames_.empty()) interval = std::min(interval, frames_.front().time - time);
+  return std::isfinite(interval) ? 0.5 * interval : kHalfIntervalOfOneFrame;
+}
+
+/// Takes the nearest item out, and all that are too old for any later frame.
+template <typename Item>
+std::optional<Item> FrameAssembler::takeNearest(std::deque<Item>& items, Time time,
+                                                double half_interval, const char* unmatched) {
+  std::optional<Item> nearest;
+  std::deque<Item> later;
+  for (auto& item : items) {
+    const double offset = item.time - time;
+    if (offset > half_interval) {
+      later.push_back(std::move(item));
+    } else if (offset >= -half_interval &&
+               (!nearest || std::abs(offset) < std::abs(nearest->time - time))) {
+      if (nearest) ++skipped_[unmatched];
+      nearest = std::move(item);
+    } else {
+      ++skipped_[unmatched];
+    }
+  }
+  items = std::move(later);
+  return nearest;
+}
+
+}  // namespace headway::io

@@ -1,0 +1,131 @@
+#include "gz_stream.h"
+
+#include <headway/core/error.h>
+#include <mrpt/core/exceptions.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+namespace headway::io {
+namespace {
+
+constexpr unsigned kBufferBytes = 1 << 17;
+constexpr std::size_t kChunkBytes = 1 << 30;  // gzread and gzwrite count with int
+
+/// Refuses what zlib would hand out as if it were plain.
+void requireKnownCompression(const std::string& path) {
+  std::array<unsigned char, 4> magic{};
+  std::ifstream file(path, std::ios::binary);
+  file.read(reinterpret_cast<char*>(magic.data()), magic.size());
+  if (magic == std::array<unsigned char, 4>{0x28, 0xB5, 0x2F, 0xFD}) {
+    throw InputError(path + ": is compressed with zstd (as MRPT 2.15.7 and later write), which " +
+                     "cannot be read here; run 'zstd -d' on it, or record with gz");
+  }
+}
+
+}  // namespace
+
+GzOutput::GzOutput(const std::string& path) : path_(path), file_(gzopen(path.c_str(), "wb1")) {
+  if (file_ == nullptr) {
+    throw InputError(path + ": cannot be written; does its folder exist, and may you write there?");
+  }
+  gzbuffer(file_, kBufferBytes);
+}
+
+GzOutput::~GzOutput() {
+  if (file_ != nullptr) gzclose(file_);
+}
+
+size_t GzOutput::Write(const void* buffer, size_t count) {
+  const auto* bytes = static_cast<const char*>(buffer);
+  for (std::size_t done = 0; done < count;) {
+    const auto chunk = static_cast<unsigned>(std::min(count - done, kChunkBytes));
+    if (gzwrite(file_, bytes + done, chunk) != static_cast<int>(chunk)) {
+      throw InputError(path_ + ": cannot be written any further; is the disk full?");
+    }
+    done += chunk;
+  }
+  return count;
+}
+
+void GzOutput::close() {
+  const int status = gzclose(file_);
+  file_ = nullptr;
+  if (status != Z_OK) {
+    throw InputError(path_ + ": could not be written to its end; is the disk full?");
+  }
+}
+
+size_t GzOutput::Read(void* /*buffer*/, size_t /*count*/) {
+  THROW_EXCEPTION("GzOutput is for writing");
+}
+
+uint64_t GzOutput::Seek(int64_t /*offset*/, TSeekOrigin /*origin*/) {
+  THROW_EXCEPTION("GzOutput has no random access");
+}
+
+uint64_t GzOutput::getTotalBytesCount() const { return getPosition(); }
+
+uint64_t GzOutput::getPosition() const { return static_cast<uint64_t>(gztell(file_)); }
+
+GzInput::GzInput(const std::string& path) : path_(path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) {
+    throw InputError(path + ": is a folder, not a rawlog");
+  }
+  file_size_ = std::filesystem::file_size(path, error);
+  if (error) throw InputError(path + ": cannot be opened: " + error.message());
+  if (file_size_ == 0) throw InputError(path + ": is empty");
+  requireKnownCompression(path);
+  file_ = gzopen(path.c_str(), "rb");
+  if (file_ == nullptr) throw InputError(path + ": cannot be opened for reading");
+  gzbuffer(file_, kBufferBytes);
+}
+
+GzInput::~GzInput() {
+  if (file_ != nullptr) gzclose(file_);
+}
+
+size_t GzInput::Read(void* buffer, size_t count) {
+  auto* bytes = static_cast<char*>(buffer);
+  std::size_t done = std::min(count, unread_.size() - unread_taken_);
+  std::memcpy(bytes, unread_.data() + unread_taken_, done);
+  unread_taken_ += done;
+  while (done < count) {
+    const auto chunk = static_cast<unsigned>(std::min(count - done, kChunkBytes));
+    const int got = gzread(file_, bytes + done, chunk);
+    if (got <= 0) break;
+    done += static_cast<std::size_t>(got);
+    position_ += static_cast<uint64_t>(got);
+  }
+  return done;
+}
+
+void GzInput::unread(const std::string& bytes) {
+  unread_ = bytes + unread_.substr(unread_taken_);
+  unread_taken_ = 0;
+}
+
+std::string GzInput::compressionError() const {
+  int status = Z_OK;
+  const char* text = gzerror(file_, &status);
+  return status < 0 && text != nullptr ? text : "";
+}
+
+double GzInput::progress() const {
+  const auto offset = std::max<z_off_t>(0, gzoffset(file_));
+  return std::min(1.0, static_cast<double>(offset) / static_cast<double>(file_size_));
+}
+
+size_t GzInput::Write(const void* /*buffer*/, size_t /*count*/) {
+  THROW_EXCEPTION("GzInput is for reading");
+}
+
+uint64_t GzInput::Seek(int64_t /*offset*/, TSeekOrigin /*origin*/) {
+  THROW_EXCEPTION("GzInput has no random access");
+}
+
+}  // namespace headway::io

@@ -1,0 +1,132 @@
+#include "motion_prior.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace headway::io {
+namespace {
+
+constexpr double kGravity = 9.80665;        // [m/s^2]
+constexpr double kMostAcceleration = 0.5;   // off gravity, to count as little [m/s^2]
+constexpr double kGravityWindow = 0.25;     // before the frame [s]
+constexpr double kGravityLookAhead = 0.05;  // after the frame [s]
+constexpr std::size_t kFewestGravitySamples = 3;
+constexpr double kMostOdometryGap = 1.0;  // between samples [s]
+constexpr double kMostInertialGap = 0.1;  // between samples [s]
+constexpr double kKept = 1.0;             // before a frame that has passed [s]
+
+template <typename T>
+void addInOrder(std::deque<Stamped<T>>& samples, Time time, const T& value) {
+  if (samples.empty() || time > samples.back().time) samples.push_back({time, value});
+}
+
+/// The first sample not before `time`.
+template <typename T>
+auto firstFrom(const std::deque<Stamped<T>>& samples, Time time) {
+  return std::lower_bound(samples.begin(), samples.end(), time,
+                          [](const Stamped<T>& sample, Time t) { return sample.time < t; });
+}
+
+/// Value between the two samples around `time`; nullopt if it is not between two close ones.
+std::optional<Eigen::Vector3d> valueAt(const std::deque<Stamped<Eigen::Vector3d>>& samples,
+                                       Time time) {
+  const auto after = firstFrom(samples, time);
+  if (after == samples.end()) return std::nullopt;
+  if (after->time == time) return after->value;
+  if (after == samples.begin()) return std::nullopt;
+  const auto before = after - 1;
+  const double gap = after->time - before->time;
+  if (gap > kMostInertialGap) return std::nullopt;
+  const double share = (time - before->time) / gap;
+  return Eigen::Vector3d((1.0 - share) * before->value + share * after->value);
+}
+
+}  // namespace
+
+void MotionPriorBuilder::addOdometry(Time time, const Pose& T_odom_robot) {
+  addInOrder(odometry_, time, T_odom_robot);
+}
+
+void MotionPriorBuilder::addInertial(const InertialSample& sample) {
+  if (sample.angular_velocity) {
+    addInOrder(angular_velocity_, sample.time, *sample.angular_velocity);
+  }
+  if (sample.acceleration) addInOrder(acceleration_, sample.time, *sample.acceleration);
+}
+
+MotionPrior MotionPriorBuilder::between(std::optional<Time> previous, Time current) const {
+  MotionPrior prior;
+  if (previous) {
+    const auto T_odom_previous = odometryAt(*previous);
+    const auto T_odom_current = odometryAt(current);
+    if (T_odom_previous && T_odom_current) {
+      prior.T_previous_current = T_odom_previous->inverse() * *T_odom_current;
+    }
+    prior.R_previous_current = turnBetween(*previous, current);
+  }
+  prior.up_robot = upAt(current);
+  return prior;
+}
+
+void MotionPriorBuilder::forgetBefore(Time time) {
+  const auto forget = [time](auto& samples) {
+    while (samples.size() > 2 && samples[1].time < time - kKept) samples.pop_front();
+  };
+  forget(odometry_);
+  forget(angular_velocity_);
+  forget(acceleration_);
+}
+
+std::optional<Pose> MotionPriorBuilder::odometryAt(Time time) const {
+  const auto after = firstFrom(odometry_, time);
+  if (after == odometry_.end()) return std::nullopt;
+  if (after->time == time) return after->value;
+  if (after == odometry_.begin()) return std::nullopt;
+  const auto before = after - 1;
+  const double gap = after->time - before->time;
+  if (gap > kMostOdometryGap) return std::nullopt;
+  const double share = (time - before->time) / gap;
+  Pose pose = Pose::Identity();
+  pose.translation() =
+      (1.0 - share) * before->value.translation() + share * after->value.translation();
+  pose.linear() = Eigen::Quaterniond(before->value.linear())
+                      .slerp(share, Eigen::Quaterniond(after->value.linear()))
+                      .toRotationMatrix();
+  return pose;
+}
+
+std::optional<Eigen::Matrix3d> MotionPriorBuilder::turnBetween(Time previous, Time current) const {
+  auto omega = valueAt(angular_velocity_, previous);
+  const auto omega_end = valueAt(angular_velocity_, current);
+  if (!omega || !omega_end) return std::nullopt;
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  Time time = previous;
+  const auto integrate = [&](Time to, const Eigen::Vector3d& omega_to) {
+    turn = turn * expSo3(0.5 * (to - time) * (*omega + omega_to));  // trapezoid rule
+    time = to;
+    omega = omega_to;
+  };
+  for (auto sample = firstFrom(angular_velocity_, previous);
+       sample != angular_velocity_.end() && sample->time < current; ++sample) {
+    if (sample->time - time > kMostInertialGap) return std::nullopt;
+    integrate(sample->time, sample->value);
+  }
+  if (current - time > kMostInertialGap) return std::nullopt;
+  integrate(current, *omega_end);
+  return turn;
+}
+
+std::optional<Eigen::Vector3d> MotionPriorBuilder::upAt(Time time) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  std::size_t count = 0;
+  for (auto sample = firstFrom(acceleration_, time - kGravityWindow);
+       sample != acceleration_.end() && sample->time <= time + kGravityLookAhead; ++sample) {
+    if (std::abs(sample->value.norm() - kGravity) > kMostAcceleration) return std::nullopt;
+    sum += sample->value;
+    ++count;
+  }
+  if (count < kFewestGravitySamples || sum.norm() == 0.0) return std::nullopt;
+  return Eigen::Vector3d(sum.normalized());
+}
+
+}  // namespace headway::io

@@ -1,0 +1,234 @@
+#include "observation_stream.h"
+
+#include <headway/core/error.h>
+#include <headway/io/detection_observation.h>
+#include <mrpt/core/exceptions.h>
+#include <mrpt/obs/CActionCollection.h>
+#include <mrpt/obs/CActionRobotMovement2D.h>
+#include <mrpt/obs/CObservationOdometry.h>
+#include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/rtti/CObject.h>
+#include <mrpt/serialization/CArchive.h>
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+
+namespace headway::io {
+namespace {
+
+// How MRPT marks objects in a stream: length of the class name with the highest bit set, the name,
+// a version byte, the content, an end mark. 0x88 would also announce a name of 8 letters, which no
+// class in a rawlog has.
+constexpr unsigned char kNameFlag = 0x80;
+constexpr unsigned char kEndMark = 0x88;
+constexpr std::size_t kMinNameLength = 3;
+constexpr std::size_t kMaxNameLength = 120;
+constexpr std::uint8_t kSensoryFrameVersion = 2;  // a count, then the observations
+constexpr std::size_t kScanChunk = 1 << 16;
+
+bool isClassName(const std::string& name) {
+  return name.size() >= kMinNameLength && std::all_of(name.begin(), name.end(), [](char c) {
+           return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == ':' ||
+                  c == '<' || c == '>' || c == ',';
+         });
+}
+
+bool isSensoryFrame(const std::string& class_name) {
+  return shortClassName(class_name) == "CSensoryFrame";
+}
+
+/// Headers (length byte and name) of all classes that observations can be found in.
+const std::set<std::string>& observationHeaders() {
+  static const std::set<std::string> headers = [] {
+    std::set<std::string> result;
+    const auto add = [&result](const std::string& name) {
+      result.insert(static_cast<char>(kNameFlag | name.size()) + name);
+    };
+    add("mrpt::obs::CSensoryFrame");
+    add("mrpt::obs::CActionCollection");
+    for (const auto* id :
+         mrpt::rtti::getAllRegisteredClassesChildrenOf(CLASS_ID(mrpt::obs::CObservation))) {
+      add(id->className);
+    }
+    return result;
+  }();
+  return headers;
+}
+
+/// Where such a header begins; npos if nowhere.
+std::size_t findObservationHeader(const std::string& bytes) {
+  for (std::size_t at = 0; at < bytes.size(); ++at) {
+    const auto first = static_cast<unsigned char>(bytes[at]);
+    if ((first & kNameFlag) == 0) continue;
+    const std::size_t length = first & ~kNameFlag;
+    if (at + 1 + length > bytes.size()) continue;
+    if (observationHeaders().count(bytes.substr(at, 1 + length)) > 0) return at;
+  }
+  return std::string::npos;
+}
+
+/// The gist of an MRPT exception, whose text also holds the place in MRPT's code.
+std::string gist(const std::exception& error) {
+  std::string text = error.what();
+  const std::string mark = "Message:";
+  const auto message = text.find(mark);
+  if (message != std::string::npos) text = text.substr(message + mark.size());
+  const auto first = text.find_first_not_of(" \n");
+  text = first == std::string::npos ? "" : text.substr(first);
+  return text.substr(0, text.find('\n'));
+}
+
+}  // namespace
+
+std::string shortClassName(const std::string& name) {
+  const auto colon = name.rfind(':');
+  return colon == std::string::npos ? name : name.substr(colon + 1);
+}
+
+ObservationStream::ObservationStream(const std::string& path,
+                                     std::map<std::string, std::size_t>& skipped)
+    : path_(path), skipped_(skipped), input_(path) {
+  registerClasses();
+  const auto header = readHeader();
+  if (!header) {
+    throw InputError(path_ + ": is not a rawlog" +
+                     (truncation_ ? " (" + *truncation_ + ")" : std::string()));
+  }
+  input_.unread(header->bytes);
+}
+
+mrpt::obs::CObservation::Ptr ObservationStream::next() {
+  while (ready_.empty() && !at_end_) {
+    const auto header = readHeader();
+    if (!header) break;
+    if (isSensoryFrame(header->class_name) && enterSensoryFrame()) continue;
+    if (mrpt::rtti::findRegisteredClass(header->class_name) == nullptr) {
+      ++skipped_[shortClassName(header->class_name)];
+      leapToNextObservation();
+      continue;
+    }
+    readObject(*header);
+  }
+  if (ready_.empty()) return nullptr;
+  auto observation = ready_.front();
+  ready_.pop_front();
+  return observation;
+}
+
+/// The next object's header; nullopt at the end of the file, or where there is none.
+std::optional<ObservationStream::Header> ObservationStream::readHeader() {
+  unsigned char first = 0;
+  do {
+    if (input_.Read(&first, 1) == 0) {
+      at_end_ = true;
+      if (!input_.compressionError().empty()) breakOff(input_.compressionError());
+      return std::nullopt;
+    }
+    const bool is_frame_end = in_sensory_frame_ && first == kEndMark;
+    if (!is_frame_end) break;
+    in_sensory_frame_ = false;
+  } while (true);
+  const std::size_t length = first & ~kNameFlag;
+  std::string name(length, '\0');
+  const bool is_header = (first & kNameFlag) != 0 && length <= kMaxNameLength;
+  if (is_header && input_.Read(name.data(), length) < length) {
+    breakOff("the file ends in the middle of an object");
+    return std::nullopt;
+  }
+  if (!is_header || !isClassName(name)) {
+    breakOff("no object of MRPT begins there");
+    return std::nullopt;
+  }
+  return Header{static_cast<char>(first) + name, name};
+}
+
+/// Goes into a sensory frame, so that the objects in it come next.
+///
+/// @return false if its layout is another one: then nothing has been read
+bool ObservationStream::enterSensoryFrame() {
+  std::uint8_t version = 0;
+  if (input_.Read(&version, 1) == 1 && version == kSensoryFrameVersion) {
+    std::uint32_t count = 0;
+    (void)input_.Read(&count, sizeof(count));
+    in_sensory_frame_ = true;
+    return true;
+  }
+  input_.unread(std::string(1, static_cast<char>(version)));
+  return false;
+}
+
+void ObservationStream::readObject(const Header& header) {
+  input_.unread(header.bytes);
+  mrpt::serialization::CSerializable::Ptr object;
+  try {
+    auto archive = mrpt::serialization::archiveFrom(input_);
+    object = archive.ReadObject();
+  } catch (const std::exception& error) {
+    std::string reason = input_.compressionError();
+    if (reason.empty()) reason = shortClassName(header.class_name) + ": " + gist(error);
+    breakOff(reason);
+    return;
+  }
+  if (auto observation = std::dynamic_pointer_cast<mrpt::obs::CObservation>(object)) {
+    deliver(observation);
+  } else if (auto frame = std::dynamic_pointer_cast<mrpt::obs::CSensoryFrame>(object)) {
+    for (const auto& one : *frame) deliver(one);
+  } else if (auto actions = std::dynamic_pointer_cast<mrpt::obs::CActionCollection>(object)) {
+    addMovement(*actions);
+  } else {
+    ++skipped_[shortClassName(header.class_name)];
+  }
+}
+
+void ObservationStream::addMovement(const mrpt::obs::CActionCollection& actions) {
+  for (const auto& action : actions) {
+    const auto* movement =
+        dynamic_cast<const mrpt::obs::CActionRobotMovement2D*>(action.get_ptr().get());
+    if (movement == nullptr ||
+        movement->estimationMethod != mrpt::obs::CActionRobotMovement2D::emOdometry) {
+      ++skipped_[shortClassName(action->GetRuntimeClass()->className)];
+      continue;
+    }
+    odometry_ = odometry_ + movement->poseChange->getMeanVal();
+    odometry_is_new_ = true;
+  }
+}
+
+void ObservationStream::deliver(const mrpt::obs::CObservation::Ptr& observation) {
+  if (odometry_is_new_ && observation->timestamp != INVALID_TIMESTAMP) {
+    auto summed = mrpt::obs::CObservationOdometry::Create();
+    summed->timestamp = observation->timestamp;
+    summed->sensorLabel = "odometry";
+    summed->odometry = odometry_;
+    ready_.push_back(summed);
+    odometry_is_new_ = false;
+  }
+  ++observations_;
+  ready_.push_back(observation);
+}
+
+void ObservationStream::leapToNextObservation() {
+  std::string window;
+  while (true) {
+    const std::size_t kept = std::min(window.size(), kMaxNameLength + 1);
+    window.erase(0, window.size() - kept);
+    window.resize(kept + kScanChunk);
+    window.resize(kept + input_.Read(window.data() + kept, kScanChunk));
+    const auto at = findObservationHeader(window);
+    if (at != std::string::npos) {
+      input_.unread(window.substr(at));
+      return;
+    }
+    if (window.size() < kept + kScanChunk) return;
+  }
+}
+
+void ObservationStream::breakOff(const std::string& reason) {
+  at_end_ = true;
+  truncation_ = path_ + ": broken off after " + std::to_string(observations_) +
+                " observations, at byte " + std::to_string(input_.getPosition()) +
+                " of its uncompressed content: " + reason;
+}
+
+}  // namespace headway::io

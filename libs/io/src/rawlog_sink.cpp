@@ -1,0 +1,228 @@
+#include <headway/core/error.h>
+#include <headway/io/detection_observation.h>
+#include <headway/io/rawlog_sink.h>
+#include <mrpt/img/CImage.h>
+#include <mrpt/obs/CObservationIMU.h>
+#include <mrpt/obs/CObservationOdometry.h>
+#include <mrpt/obs/CObservationRobotPose.h>
+#include <mrpt/obs/CObservationStereoImages.h>
+#include <mrpt/serialization/CArchive.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+
+#include "gz_stream.h"
+#include "text_rows.h"
+
+namespace headway::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Colour images inside rawlogs become JPEG while this lives. MRPT keeps that choice globally.
+class JpegSerialization {
+ public:
+  JpegSerialization(bool enable, int quality)
+      : was_disabled_(mrpt::img::CImage::DISABLE_JPEG_COMPRESSION()),
+        old_quality_(mrpt::img::CImage::SERIALIZATION_JPEG_QUALITY()) {
+    mrpt::img::CImage::DISABLE_JPEG_COMPRESSION(!enable);
+    mrpt::img::CImage::SERIALIZATION_JPEG_QUALITY(quality);
+  }
+  ~JpegSerialization() {
+    mrpt::img::CImage::DISABLE_JPEG_COMPRESSION(was_disabled_);
+    mrpt::img::CImage::SERIALIZATION_JPEG_QUALITY(old_quality_);
+  }
+  JpegSerialization(const JpegSerialization&) = delete;
+  JpegSerialization& operator=(const JpegSerialization&) = delete;
+
+ private:
+  bool was_disabled_;
+  int old_quality_;
+};
+
+mrpt::img::TCamera mrptCamera(const RawCamera& camera, const std::string& name) {
+  mrpt::img::TCamera result;
+  result.ncols = static_cast<uint32_t>(camera.width);
+  result.nrows = static_cast<uint32_t>(camera.height);
+  result.cameraName = name;
+  result.setIntrinsicParamsFromValues(camera.fx, camera.fy, camera.cx, camera.cy);
+  const auto& d = camera.distortion;
+  if (std::any_of(d.begin(), d.end(), [](double k) { return k != 0.0; })) {
+    result.setDistortionPlumbBob(d[0], d[1], d[2], d[3], d[4]);
+  }
+  return result;
+}
+
+/// While it is written, a rawlog has another name; a device such as /dev/full keeps its own.
+std::string pathWhileWriting(const std::string& path) {
+  std::error_code ignored;
+  const bool is_special = fs::exists(path, ignored) && !fs::is_regular_file(path, ignored) &&
+                          !fs::is_directory(path, ignored);
+  return is_special ? path : path + ".part";
+}
+
+}  // namespace
+
+RawStereoCamera rawFrom(const StereoCamera& camera) {
+  RawStereoCamera raw;
+  raw.left.width = camera.width;
+  raw.left.height = camera.height;
+  raw.left.fx = camera.fx;
+  raw.left.fy = camera.fy;
+  raw.left.cx = camera.cx;
+  raw.left.cy = camera.cy;
+  raw.right = raw.left;
+  raw.T_robot_left = camera.T_robot_cam;
+  raw.T_left_right.translation().x() = camera.baseline_m;
+  return raw;
+}
+
+class RawlogSink::Writer {
+ public:
+  Writer(const std::string& path, ImageStorage storage, int jpeg_quality)
+      : path_(path),
+        path_while_writing_(pathWhileWriting(path)),
+        storage_(storage),
+        jpeg_quality_(jpeg_quality),
+        file_(path_while_writing_) {
+    registerClasses();
+    if (isExternal()) makeImageFolder();
+  }
+
+  ~Writer() {
+    try {
+      close();
+    } catch (const std::exception&) {  // who wants to know calls close()
+    }
+  }
+
+  void write(const mrpt::obs::CObservation& observation) {
+    const JpegSerialization jpeg(storage_ == ImageStorage::kEmbedded, jpeg_quality_);
+    auto archive = mrpt::serialization::archiveFrom(file_);
+    archive << observation;
+  }
+
+  void close() {
+    if (is_closed_) return;
+    is_closed_ = true;
+    std::string failure;
+    try {
+      file_.close();
+    } catch (const InputError& error) {
+      failure = error.what();
+    }
+    if (path_ != path_while_writing_) {
+      std::error_code error;
+      fs::rename(path_while_writing_, path_, error);
+      if (error && failure.empty()) failure = path_ + ": cannot be written: " + error.message();
+    }
+    if (!failure.empty()) throw InputError(failure);
+  }
+
+  /// The image as the rawlog is to keep it: itself, or a file beside that it names.
+  mrpt::img::CImage stored(const cv::Mat& image, const std::string& label, const char* side) {
+    if (!isExternal()) return {image, mrpt::img::SHALLOW_COPY};
+    const bool is_png = storage_ == ImageStorage::kExternalPng;
+    const std::string name =
+        label + "_" + side + formatted("_%06zu", pairs_) + (is_png ? ".png" : ".jpg");
+    std::vector<unsigned char> bytes;
+    cv::imencode(is_png ? ".png" : ".jpg", image, bytes,
+                 is_png ? std::vector<int>{cv::IMWRITE_PNG_COMPRESSION, 1}
+                        : std::vector<int>{cv::IMWRITE_JPEG_QUALITY, jpeg_quality_});
+    const std::string file_path = (image_folder_ / name).string();
+    auto file = openForWriting(file_path);
+    file.write(reinterpret_cast<const char*>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size()));
+    closeWritten(file, file_path);
+    mrpt::img::CImage result;
+    result.setExternalStorage(name);
+    return result;
+  }
+
+  void countPair() { ++pairs_; }
+
+ private:
+  [[nodiscard]] bool isExternal() const {
+    return storage_ == ImageStorage::kExternalPng || storage_ == ImageStorage::kExternalJpeg;
+  }
+
+  void makeImageFolder() {
+    const fs::path path(path_);
+    image_folder_ = path.parent_path() / (path.stem().string() + "_Images");
+    std::error_code error;
+    fs::create_directories(image_folder_, error);
+    if (error) {
+      throw InputError(image_folder_.string() + ": cannot be made: " + error.message());
+    }
+  }
+
+  std::string path_;
+  std::string path_while_writing_;
+  ImageStorage storage_;
+  int jpeg_quality_;
+  GzOutput file_;
+  fs::path image_folder_;
+  std::size_t pairs_ = 0;
+  bool is_closed_ = false;
+};
+
+RawlogSink::RawlogSink(const std::string& path, ImageStorage storage, int jpeg_quality)
+    : writer_(std::make_unique<Writer>(path, storage, jpeg_quality)) {}
+
+RawlogSink::~RawlogSink() = default;
+
+void RawlogSink::writeStereo(Time time, const cv::Mat& left, const cv::Mat& right,
+                             const RawStereoCamera& camera, const std::string& label) {
+  mrpt::obs::CObservationStereoImages observation;
+  observation.timestamp = mrptTime(time);
+  observation.sensorLabel = label;
+  observation.imageLeft = writer_->stored(left, label, "left");
+  observation.imageRight = writer_->stored(right, label, "right");
+  observation.hasImageRight = true;
+  observation.leftCamera = mrptCamera(camera.left, "left");
+  observation.rightCamera = mrptCamera(camera.right, "right");
+  observation.cameraPose = mrptPoseQuat(camera.T_robot_left);
+  observation.rightCameraPose = mrptPoseQuat(camera.T_left_right);
+  writer_->write(observation);
+  writer_->countPair();
+}
+
+void RawlogSink::writeDetections(const std::string& label, const Detections& detections) {
+  writer_->write(*observationFrom(label, detections));
+}
+
+void RawlogSink::writePose(const std::string& label, Time time, const Pose& T_map_robot) {
+  mrpt::obs::CObservationRobotPose observation;
+  observation.timestamp = mrptTime(time);
+  observation.sensorLabel = label;
+  observation.pose.mean = mrptPose(T_map_robot);
+  writer_->write(observation);
+}
+
+void RawlogSink::writeOdometry(Time time, double x, double y, double yaw) {
+  mrpt::obs::CObservationOdometry observation;
+  observation.timestamp = mrptTime(time);
+  observation.sensorLabel = "odometry";
+  observation.odometry = mrpt::poses::CPose2D(x, y, yaw);
+  writer_->write(observation);
+}
+
+void RawlogSink::writeImu(Time time, const Eigen::Vector3d& angular_velocity,
+                          const Eigen::Vector3d& acceleration) {
+  using namespace mrpt::obs;  // names of the IMU's fields
+  CObservationIMU observation;
+  observation.timestamp = mrptTime(time);
+  observation.sensorLabel = "imu";
+  observation.set(IMU_WX, angular_velocity.x());
+  observation.set(IMU_WY, angular_velocity.y());
+  observation.set(IMU_WZ, angular_velocity.z());
+  observation.set(IMU_X_ACC, acceleration.x());
+  observation.set(IMU_Y_ACC, acceleration.y());
+  observation.set(IMU_Z_ACC, acceleration.z());
+  writer_->write(observation);
+}
+
+void RawlogSink::close() { writer_->close(); }
+
+}  // namespace headway::io

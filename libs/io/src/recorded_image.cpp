@@ -1,0 +1,59 @@
+#include "recorded_image.h"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+namespace headway::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Grey or BGR, 8 bit, without transparency; empty if it is of another kind.
+cv::Mat withoutTransparency(const cv::Mat& image) {
+  if (image.type() == CV_8UC1 || image.type() == CV_8UC3) return image;
+  cv::Mat result;
+  if (image.type() == CV_8UC4) cv::cvtColor(image, result, cv::COLOR_BGRA2BGR);
+  return result;
+}
+
+cv::Mat decoded(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
+  if (bytes.empty()) return {};
+  try {
+    return cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception&) {
+    return {};
+  }
+}
+
+}  // namespace
+
+std::variant<cv::Mat, std::string> pixelsOf(const mrpt::img::CImage& image,
+                                            const std::string& image_folder) {
+  cv::Mat pixels;
+  if (image.isExternallyStored()) {
+    const fs::path path = fs::path(image_folder) / image.getExternalStorageFile();
+    std::error_code ignored;
+    if (!fs::is_regular_file(path, ignored)) return std::string("missing_image");
+    pixels = decoded(path);
+  } else if (!image.isEmpty()) {
+    pixels = image.asCvMatRef();
+  }
+  pixels = withoutTransparency(pixels);
+  if (pixels.empty()) return std::string("broken_image");
+  return pixels;
+}
+
+cv::Mat greyOf(const cv::Mat& image) {
+  if (image.channels() == 1) return image;
+  cv::Mat grey;
+  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+  return grey;
+}
+
+}  // namespace headway::io

@@ -1,0 +1,136 @@
+#include "stereo_pairing.h"
+
+#include <headway/core/error.h>
+#include <headway/io/mrpt_conversions.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace headway::io {
+namespace {
+
+constexpr std::size_t kMostWaiting = 4;  // images of one side without a partner
+
+RawCamera rawCamera(const mrpt::img::TCamera& camera, const std::string& side) {
+  using mrpt::img::DistortionModel;
+  if (camera.distortion == DistortionModel::kannala_brandt) {
+    throw InputError("stereo calibration: the " + side +
+                     " lens has the fisheye model (Kannala-Brandt), which is not supported; " +
+                     "rectify the images before");
+  }
+  if (std::any_of(camera.dist.begin() + 5, camera.dist.end(), [](double k) { return k != 0.0; })) {
+    throw InputError("stereo calibration: the " + side +
+                     " lens has the rational distortion model (k4 and more), which is not " +
+                     "supported; rectify the images before");
+  }
+  RawCamera raw;
+  raw.width = static_cast<int>(camera.ncols);
+  raw.height = static_cast<int>(camera.nrows);
+  raw.fx = camera.fx();
+  raw.fy = camera.fy();
+  raw.cx = camera.cx();
+  raw.cy = camera.cy();
+  if (camera.distortion == DistortionModel::plumb_bob) {
+    std::copy_n(camera.dist.begin(), raw.distortion.size(), raw.distortion.begin());
+  }
+  return raw;
+}
+
+RecordedPair pairOf(const mrpt::obs::CObservationStereoImages& stereo) {
+  RecordedPair pair;
+  pair.time = timeFrom(stereo.timestamp);
+  pair.left = stereo.imageLeft;
+  pair.right = stereo.imageRight;
+  pair.left_camera = stereo.leftCamera;
+  pair.right_camera = stereo.rightCamera;
+  pair.T_robot_left = poseFrom(stereo.cameraPose);
+  pair.T_left_right = poseFrom(stereo.rightCameraPose);
+  return pair;
+}
+
+RecordedPair pairOf(const mrpt::obs::CObservationImage& left,
+                    const mrpt::obs::CObservationImage& right) {
+  RecordedPair pair;
+  pair.time = timeFrom(left.timestamp);
+  pair.left = left.image;
+  pair.right = right.image;
+  pair.left_camera = left.cameraParams;
+  pair.right_camera = right.cameraParams;
+  pair.T_robot_left = poseFrom(left.cameraPose);
+  pair.T_left_right = pair.T_robot_left.inverse() * poseFrom(right.cameraPose);
+  return pair;
+}
+
+}  // namespace
+
+RawStereoCamera rawCameraOf(const RecordedPair& pair) {
+  RawStereoCamera raw;
+  raw.left = rawCamera(pair.left_camera, "left");
+  raw.right = rawCamera(pair.right_camera, "right");
+  raw.T_robot_left = pair.T_robot_left;
+  raw.T_left_right = pair.T_left_right;
+  return raw;
+}
+
+bool StereoPairing::accepts(const mrpt::obs::CObservation& observation) const {
+  const auto& label = observation.sensorLabel;
+  switch (choice_.kind) {
+    case CameraChoice::Kind::kStereo:
+      return label == choice_.labels[0] &&
+             dynamic_cast<const mrpt::obs::CObservationStereoImages*>(&observation) != nullptr;
+    case CameraChoice::Kind::kPair:
+      return (label == choice_.labels[0] || label == choice_.labels[1]) &&
+             dynamic_cast<const mrpt::obs::CObservationImage*>(&observation) != nullptr;
+    case CameraChoice::Kind::kNone:
+      break;
+  }
+  return false;
+}
+
+std::optional<RecordedPair> StereoPairing::add(const mrpt::obs::CObservation::Ptr& observation) {
+  if (choice_.kind == CameraChoice::Kind::kPair) {
+    return addSingle(std::dynamic_pointer_cast<mrpt::obs::CObservationImage>(observation));
+  }
+  const auto stereo = std::dynamic_pointer_cast<mrpt::obs::CObservationStereoImages>(observation);
+  if (stereo->hasImageRight) return pairOf(*stereo);
+  ++skipped_["no_right_image"];
+  return std::nullopt;
+}
+
+std::optional<RecordedPair> StereoPairing::addSingle(const Image& image) {
+  const std::size_t side = image->sensorLabel == choice_.labels[0] ? 0 : 1;
+  auto& partners = waiting_[1 - side];
+  const auto distance = [&image](const Image& other) {
+    return std::abs(timeFrom(other->timestamp) - timeFrom(image->timestamp));
+  };
+  const auto nearest =
+      std::min_element(partners.begin(), partners.end(),
+                       [&](const Image& a, const Image& b) { return distance(a) < distance(b); });
+  if (nearest == partners.end() || distance(*nearest) > tolerance_s_) {
+    auto& own = waiting_[side];
+    own.push_back(image);
+    if (own.size() > kMostWaiting) {
+      own.pop_front();
+      countUnpaired(1);
+    }
+    return std::nullopt;
+  }
+  const Image partner = *nearest;
+  countUnpaired(static_cast<std::size_t>(nearest - partners.begin()) + waiting_[side].size());
+  partners.erase(partners.begin(), nearest + 1);
+  waiting_[side].clear();  // older than this one, and their partners are older than its partner
+  return side == 0 ? pairOf(*image, *partner) : pairOf(*partner, *image);
+}
+
+void StereoPairing::finish() {
+  for (auto& side : waiting_) {
+    countUnpaired(side.size());
+    side.clear();
+  }
+}
+
+void StereoPairing::countUnpaired(std::size_t images) {
+  if (images > 0) skipped_["unpaired_image"] += images;
+}
+
+}  // namespace headway::io

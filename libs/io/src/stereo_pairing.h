@@ -1,0 +1,64 @@
+#pragma once
+
+#include <headway/core/pose.h>
+#include <headway/io/rawlog_sink.h>
+#include <mrpt/obs/CObservation.h>
+#include <mrpt/obs/CObservationImage.h>
+#include <mrpt/obs/CObservationStereoImages.h>
+
+#include <array>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "camera_choice.h"
+
+namespace headway::io {
+
+/// A stereo pair as recorded. External images are not loaded yet.
+struct RecordedPair {
+  Time time = 0.0;  ///< of the left image [s]
+  mrpt::img::CImage left;
+  mrpt::img::CImage right;
+  mrpt::img::TCamera left_camera;
+  mrpt::img::TCamera right_camera;
+  Pose T_robot_left = Pose::Identity();
+  Pose T_left_right = Pose::Identity();
+};
+
+/// The pair's calibration.
+///
+/// @throws InputError if a lens model is not OpenCV's with five coefficients
+[[nodiscard]] RawStereoCamera rawCameraOf(const RecordedPair& pair);
+
+/// Picks the observations of one stereo camera and pairs single images by time.
+class StereoPairing {
+ public:
+  /// @param tolerance_s  largest difference of the two images' times [s]
+  /// @param skipped      counts what finds no partner ("unpaired_image", "no_right_image")
+  StereoPairing(CameraChoice choice, double tolerance_s,
+                std::map<std::string, std::size_t>& skipped)
+      : choice_(std::move(choice)), tolerance_s_(tolerance_s), skipped_(skipped) {}
+
+  /// Whether the observation is of this camera: then it goes to add().
+  [[nodiscard]] bool accepts(const mrpt::obs::CObservation& observation) const;
+
+  /// @return the pair that this observation completes
+  [[nodiscard]] std::optional<RecordedPair> add(const mrpt::obs::CObservation::Ptr& observation);
+
+  /// Counts the images still waiting for a partner: none will come.
+  void finish();
+
+ private:
+  using Image = mrpt::obs::CObservationImage::Ptr;
+  std::optional<RecordedPair> addSingle(const Image& image);
+  void countUnpaired(std::size_t images);
+
+  CameraChoice choice_;
+  double tolerance_s_;
+  std::map<std::string, std::size_t>& skipped_;
+  std::array<std::deque<Image>, 2> waiting_;  ///< left, right
+};
+
+}  // namespace headway::io

@@ -1,0 +1,141 @@
+#include "text_rows.h"
+
+#include <headway/core/error.h>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <filesystem>
+
+namespace headway::io {
+namespace {
+
+bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+std::string trimmed(const std::string& text) {
+  std::size_t first = 0;
+  std::size_t last = text.size();
+  while (first < last && isBlank(text[first])) ++first;
+  while (last > first && isBlank(text[last - 1])) --last;
+  return text.substr(first, last - first);
+}
+
+std::vector<std::string> splitAtCommas(const std::string& line) {
+  std::vector<std::string> fields;
+  std::size_t start = 0;
+  for (std::size_t comma = line.find(','); comma != std::string::npos;
+       comma = line.find(',', start)) {
+    fields.push_back(trimmed(line.substr(start, comma - start)));
+    start = comma + 1;
+  }
+  fields.push_back(trimmed(line.substr(start)));
+  return fields;
+}
+
+std::vector<std::string> splitAtBlanks(const std::string& line) {
+  std::vector<std::string> fields;
+  std::size_t at = 0;
+  while (at < line.size()) {
+    while (at < line.size() && isBlank(line[at])) ++at;
+    const std::size_t start = at;
+    while (at < line.size() && !isBlank(line[at])) ++at;
+    if (at > start) fields.push_back(line.substr(start, at - start));
+  }
+  return fields;
+}
+
+}  // namespace
+
+TextRows::TextRows(const std::string& path) : path_(path), file_(path) {
+  if (std::filesystem::is_directory(path)) throw InputError(path + ": is a folder, not a file");
+  if (!file_) throw InputError(path + ": cannot be opened for reading; does it exist?");
+}
+
+bool TextRows::next() {
+  std::string line;
+  while (std::getline(file_, line)) {
+    ++line_;
+    const std::string content = trimmed(line.substr(0, line.find('#')));
+    if (content.empty()) continue;
+    is_comma_separated_ = content.find(',') != std::string::npos;
+    fields_ = is_comma_separated_ ? splitAtCommas(content) : splitAtBlanks(content);
+    return true;
+  }
+  if (file_.bad()) fail("cannot be read any further");
+  return false;
+}
+
+double TextRows::number(std::size_t column) const {
+  if (column >= fields_.size()) {
+    fail("has " + std::to_string(fields_.size()) + " fields, field " + std::to_string(column + 1) +
+         " is missing");
+  }
+  const auto value = parseNumber(fields_[column]);
+  if (!value) {
+    fail("'" + fields_[column] + "' in field " + std::to_string(column + 1) + " is not a number");
+  }
+  return *value;
+}
+
+std::int64_t TextRows::integer(std::size_t column) const {
+  const double value = number(column);
+  if (!(std::abs(value) < 9e15) || value != std::floor(value)) {
+    fail("'" + fields_[column] + "' in field " + std::to_string(column + 1) +
+         " is not a whole number");
+  }
+  return static_cast<std::int64_t>(value);
+}
+
+std::size_t TextRows::index(std::size_t column) const {
+  const auto value = integer(column);
+  if (value < 0) fail("'" + fields_[column] + "' is not an index: it is negative");
+  return static_cast<std::size_t>(value);
+}
+
+void TextRows::requireSize(std::size_t size, const std::string& meaning) const {
+  if (fields_.size() == size) return;
+  fail("has " + std::to_string(fields_.size()) + " fields, " + meaning + " has " +
+       std::to_string(size));
+}
+
+void TextRows::fail(const std::string& reason) const {
+  throw InputError(path_ + ":" + std::to_string(line_) + ": " + reason);
+}
+
+std::optional<double> parseNumber(const std::string& text) {
+  const char* first = text.data();
+  const char* last = first + text.size();
+  if (first != last && *first == '+') ++first;
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(first, last, value);
+  if (first == last || end != last) return std::nullopt;
+  if (error == std::errc::result_out_of_range) return 0.0;  // as small as 1e-400
+  if (error != std::errc()) return std::nullopt;
+  return value;
+}
+
+std::string formatted(const char* format, ...) {
+  std::array<char, 1024> buffer{};
+  va_list arguments;
+  va_start(arguments, format);
+  const int length = std::vsnprintf(buffer.data(), buffer.size(), format, arguments);
+  va_end(arguments);
+  return {buffer.data(), std::min(static_cast<std::size_t>(length), buffer.size() - 1)};
+}
+
+std::ofstream openForWriting(const std::string& path) {
+  std::ofstream file(path, std::ios::binary);
+  if (!file) {
+    throw InputError(path + ": cannot be written; does its folder exist, and may you write there?");
+  }
+  return file;
+}
+
+void closeWritten(std::ofstream& file, const std::string& path) {
+  file.close();
+  if (!file) throw InputError(path + ": could not be written to its end; is the disk full?");
+}
+
+}  // namespace headway::io

@@ -1,0 +1,90 @@
+#include <headway/core/error.h>
+#include <headway/io/trajectory_file.h>
+
+#include <cmath>
+
+#include "text_rows.h"
+
+namespace headway::io {
+namespace {
+
+constexpr double kUnitTolerance = 1e-2;  // files round to as few as 4 decimals
+
+Pose poseFromTum(const TextRows& rows) {
+  Eigen::Vector3d position(rows.number(1), rows.number(2), rows.number(3));
+  Eigen::Quaterniond turn(rows.number(7), rows.number(4), rows.number(5), rows.number(6));
+  if (!position.allFinite() || !turn.coeffs().allFinite()) rows.fail("the pose is not finite");
+  if (std::abs(turn.norm() - 1.0) > kUnitTolerance) {
+    rows.fail("the quaternion has length " + std::to_string(turn.norm()) + ", must be 1");
+  }
+  Pose pose = Pose::Identity();
+  pose.linear() = turn.normalized().toRotationMatrix();
+  pose.translation() = position;
+  return pose;
+}
+
+Pose poseFromKitti(const TextRows& rows) {
+  Pose pose = Pose::Identity();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      pose.matrix()(row, column) = rows.number(static_cast<std::size_t>(4 * row + column));
+    }
+  }
+  const Eigen::Matrix3d turn = pose.linear();
+  if (!pose.matrix().allFinite()) rows.fail("the pose is not finite");
+  if (!(turn.transpose() * turn).isIdentity(kUnitTolerance) || turn.determinant() < 0.0) {
+    rows.fail("the left 3x3 part is not a rotation");
+  }
+  return pose;
+}
+
+}  // namespace
+
+std::vector<Stamped<Pose>> readTum(const std::string& path) {
+  std::vector<Stamped<Pose>> trajectory;
+  TextRows rows(path);
+  while (rows.next()) {
+    rows.requireSize(8, "a TUM row (t x y z qx qy qz qw)");
+    const Time time = rows.number(0);
+    if (!std::isfinite(time)) rows.fail("the time is not finite");
+    trajectory.push_back({time, poseFromTum(rows)});
+  }
+  return trajectory;
+}
+
+void writeTum(const std::string& path, const std::vector<Stamped<Pose>>& trajectory) {
+  auto file = openForWriting(path);
+  for (const auto& [time, pose] : trajectory) {
+    Eigen::Quaterniond turn(pose.linear());
+    if (turn.w() < 0.0) turn.coeffs() *= -1.0;
+    const auto& position = pose.translation();
+    file << formatted("%.9f %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n", time, position.x(), position.y(),
+                      position.z(), turn.x(), turn.y(), turn.z(), turn.w());
+  }
+  closeWritten(file, path);
+}
+
+std::vector<Pose> readKittiPoses(const std::string& path) {
+  std::vector<Pose> poses;
+  TextRows rows(path);
+  while (rows.next()) {
+    rows.requireSize(12, "a KITTI pose row (3x4 matrix, row by row)");
+    poses.push_back(poseFromKitti(rows));
+  }
+  return poses;
+}
+
+void writeKittiPoses(const std::string& path, const std::vector<Pose>& poses) {
+  auto file = openForWriting(path);
+  for (const auto& pose : poses) {
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 4; ++column) {
+        file << formatted("%.12e", pose.matrix()(row, column))
+             << (row == 2 && column == 3 ? '\n' : ' ');
+      }
+    }
+  }
+  closeWritten(file, path);
+}
+
+}  // namespace headway::io
