@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+
+#include "class_frames.h"
+
+namespace headway::eval {
+
+/// What HOTA counts at each overlap 0.05, 0.10 .. 0.95.
+struct HotaCounts {
+  static constexpr std::size_t kLevels = 19;
+  struct Level {
+    std::size_t tp = 0, fp = 0, fn = 0;
+    double association_sum = 0.0;  ///< of the true positives: how well their tracks agree, 0..1
+  };
+  std::array<Level, kLevels> levels;
+
+  void add(const HotaCounts& other);
+};
+
+/// Means over all levels.
+struct Hota {
+  double hota = 0.0;
+  double deta = 0.0;
+  double assa = 0.0;
+};
+
+/// Counts over one sequence, with the tracks that score at least as much as the threshold.
+///
+/// Ignored truth, what CLEAR MOT matched with it, and what is not wrong though unmatched are left
+/// out beforehand.
+///
+/// @see Luiten et al. 2021, Sec. 5 and Sec. 6 (matches: most, then best associated, then greatest
+///      overlap)
+[[nodiscard]] HotaCounts hotaCounts(const ClassSequence& sequence, double min_overlap,
+                                    double score_threshold);
+
+/// @see Luiten et al. 2021, eqs. 14-16 and 27
+[[nodiscard]] Hota hotaOf(const HotaCounts& counts);
+
+}  // namespace headway::eval
