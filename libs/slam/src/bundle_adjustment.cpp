@@ -1,0 +1,249 @@
+#include "bundle_adjustment.h"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <map>
+
+namespace headway::slam {
+namespace {
+
+/// A pose as Ceres holds it: quaternion (x, y, z, w), then translation.
+using PoseBlock = Eigen::Matrix<double, 7, 1>;
+
+constexpr double kGate = 11.34;     ///< chi-square, 3 degrees of freedom, 99 %
+constexpr double kMinDepth = 0.05;  ///< [m]
+
+PoseBlock blockFrom(const Pose& pose) {
+  PoseBlock block;
+  block << Eigen::Quaterniond(pose.linear()).coeffs(), pose.translation();
+  return block;
+}
+
+Pose poseFrom(const double* block) {
+  Pose pose = Pose::Identity();
+  pose.linear() = Eigen::Map<const Eigen::Quaterniond>(block).normalized().toRotationMatrix();
+  pose.translation() = Eigen::Map<const Eigen::Vector3d>(block + 4);
+  return pose;
+}
+
+/// Poses move by T * exp(xi). The residuals give their derivatives by xi in the first six of the
+/// seven columns, so that the derivative of this manifold is a plain unit matrix.
+class PoseManifold final : public ceres::Manifold {
+ public:
+  [[nodiscard]] int AmbientSize() const override { return 7; }
+  [[nodiscard]] int TangentSize() const override { return 6; }
+  bool Plus(const double* x, const double* delta, double* x_plus_delta) const override {
+    const Eigen::Map<const Eigen::Matrix<double, 6, 1>> xi(delta);
+    Eigen::Map<PoseBlock> result(x_plus_delta);
+    result = blockFrom(retract(poseFrom(x), xi));
+    return true;
+  }
+  bool PlusJacobian(const double* /*x*/, double* jacobian) const override {
+    Eigen::Map<Eigen::Matrix<double, 7, 6, Eigen::RowMajor>> matrix(jacobian);
+    matrix.setIdentity();
+    return true;
+  }
+  bool Minus(const double* y, const double* x, double* y_minus_x) const override {
+    const Pose difference = poseFrom(x).inverse(Eigen::Isometry) * poseFrom(y);
+    Eigen::Map<Eigen::Matrix<double, 6, 1>> xi(y_minus_x);
+    xi << difference.translation(), logSo3(difference.linear());
+    return true;
+  }
+  bool MinusJacobian(const double* /*x*/, double* jacobian) const override {
+    Eigen::Map<Eigen::Matrix<double, 6, 7, Eigen::RowMajor>> matrix(jacobian);
+    matrix.setIdentity();
+    return true;
+  }
+};
+
+/// One landmark seen by one keyframe: by pose, place and offset of the disparities.
+class Reprojection final : public ceres::SizedCostFunction<3, 7, 3, 1> {
+ public:
+  Reprojection(const StereoMeasurement& measurement, const StereoCamera& camera)
+      : measurement_(measurement), camera_(camera) {}
+
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override {
+    const Pose T_map_cam = poseFrom(parameters[0]);
+    const Eigen::Map<const Eigen::Vector3d> point(parameters[1]);
+    const Eigen::Matrix3d R_cam_map = T_map_cam.linear().transpose();
+    const Eigen::Vector3d point_cam = R_cam_map * (point - T_map_cam.translation());
+    if (point_cam.z() < kMinDepth) return false;
+    StereoMeasurement measurement = measurement_;
+    measurement.disparity -= parameters[2][0];
+    Eigen::Matrix3d by_point;
+    Eigen::Map<Eigen::Vector3d> residual(residuals);
+    residual = stereoResidual(point_cam, measurement, camera_, &by_point);
+    if (jacobians == nullptr) return true;
+    if (jacobians[0] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 3, 7, Eigen::RowMajor>> by_pose(jacobians[0]);
+      by_pose.leftCols<6>() = by_point * pointByPose(point_cam);
+      by_pose.rightCols<1>().setZero();
+    }
+    if (jacobians[1] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> by_landmark(jacobians[1]);
+      by_landmark = by_point * R_cam_map;
+    }
+    if (jacobians[2] != nullptr) {
+      Eigen::Map<Eigen::Vector3d> by_offset(jacobians[2]);
+      by_offset << 0.0, 0.0, measurement_.stereo ? 1.0 / measurement_.sigma_disparity_px : 0.0;
+    }
+    return true;
+  }
+
+ private:
+  StereoMeasurement measurement_;
+  const StereoCamera& camera_;
+};
+
+/// What is known of the disparities' offset beforehand: that rectification is good to about
+/// kOffsetSigma, and that the offset does not change by more than kOffsetWalk from one adjustment
+/// to the next.
+class OffsetPrior final : public ceres::SizedCostFunction<2, 1> {
+ public:
+  explicit OffsetPrior(double previous) : previous_(previous) {}
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override {
+    residuals[0] = parameters[0][0] / kOffsetSigma;
+    residuals[1] = (parameters[0][0] - previous_) / kOffsetWalk;
+    if (jacobians != nullptr && jacobians[0] != nullptr) {
+      jacobians[0][0] = 1.0 / kOffsetSigma;
+      jacobians[0][1] = 1.0 / kOffsetWalk;
+    }
+    return true;
+  }
+
+ private:
+  static constexpr double kOffsetSigma = 0.5;  ///< [px]
+  static constexpr double kOffsetWalk = 0.05;  ///< [px]
+  double previous_;
+};
+
+/// The values that Ceres moves, and its problem over them.
+class Bundle {
+ public:
+  Bundle(const SparseMap& map, const std::vector<KeyframeId>& free, const StereoCamera& camera)
+      : offset_(map.disparityOffset()) {
+    for (const LandmarkId id : map.seenBy(free)) {
+      const Landmark& landmark = *map.find(id);
+      if (landmark.observations.size() < 2) continue;
+      points_[id] = landmark.position;
+      for (const auto& observation : landmark.observations) {
+        addResidual(map, landmark, observation, camera);
+      }
+    }
+    if (points_.empty()) return;
+    problem_.AddResidualBlock(new OffsetPrior(offset_), nullptr, &offset_);
+    holdStill(free);
+    ordering_->AddElementToGroup(&offset_, 1);
+    for (auto& [id, point] : points_) ordering_->AddElementToGroup(point.data(), 0);
+    for (auto& [id, pose] : poses_) ordering_->AddElementToGroup(pose.data(), 1);
+  }
+
+  ceres::Solver::Summary solve(int max_iterations) {
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::DENSE_SCHUR;
+    options.linear_solver_ordering = ordering_;
+    options.max_num_iterations = max_iterations;
+    options.num_threads = 1;
+    options.logging_type = ceres::SILENT;
+    options.function_tolerance = 1e-4;
+    ceres::Solver::Summary summary;
+    if (problem_.NumResidualBlocks() > 0) ceres::Solve(options, &problem_, &summary);
+    return summary;
+  }
+
+  void writeBack(SparseMap& map) const {
+    for (const auto& [id, pose] : poses_) {
+      if (!problem_.IsParameterBlockConstant(pose.data())) {
+        map.keyframe(id).T_map_cam = poseFrom(pose.data());
+      }
+    }
+    for (const auto& [id, point] : points_) map.find(id)->position = point;
+    map.setDisparityOffset(offset_);
+  }
+
+ private:
+  void addResidual(const SparseMap& map, const Landmark& landmark,
+                   const LandmarkObservation& observation, const StereoCamera& camera) {
+    const Keyframe& keyframe = map.keyframe(observation.keyframe);
+    const auto [pose, is_new] = poses_.try_emplace(keyframe.id, blockFrom(keyframe.T_map_cam));
+    if (is_new) problem_.AddParameterBlock(pose->second.data(), 7, &manifold_);
+    problem_.AddResidualBlock(new Reprojection(observation.measurement, camera), &loss_,
+                              pose->second.data(), points_.at(landmark.id).data(), &offset_);
+  }
+
+  void holdStill(const std::vector<KeyframeId>& free) {
+    bool anchored = false;
+    for (auto& [id, pose] : poses_) {
+      if (std::binary_search(free.begin(), free.end(), id)) continue;
+      problem_.SetParameterBlockConstant(pose.data());
+      anchored = true;
+    }
+    if (!anchored && !poses_.empty()) {
+      problem_.SetParameterBlockConstant(poses_.begin()->second.data());
+    }
+  }
+
+  static ceres::Problem::Options withoutOwnership() {
+    ceres::Problem::Options options;
+    options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    return options;
+  }
+
+  double offset_ = 0.0;  ///< of the disparities [px]
+  PoseManifold manifold_;
+  ceres::HuberLoss loss_{2.0};
+  std::map<KeyframeId, PoseBlock> poses_;
+  std::map<LandmarkId, Eigen::Vector3d> points_;
+  ceres::Problem problem_{withoutOwnership()};
+  std::shared_ptr<ceres::ParameterBlockOrdering> ordering_ =
+      std::make_shared<ceres::ParameterBlockOrdering>();
+};
+
+/// Forgets what does not fit; returns how many observations that were.
+int forgetOutliers(SparseMap& map, const std::vector<KeyframeId>& keyframes,
+                   const StereoCamera& camera) {
+  std::vector<std::pair<KeyframeId, LandmarkId>> outliers;
+  for (const KeyframeId id : keyframes) {
+    const Keyframe& keyframe = map.keyframe(id);
+    const Pose T_cam_map = keyframe.T_map_cam.inverse(Eigen::Isometry);
+    for (const LandmarkId landmark_id : keyframe.landmarks) {
+      const Landmark& landmark = *map.find(landmark_id);
+      const auto observation =
+          std::find_if(landmark.observations.begin(), landmark.observations.end(),
+                       [id](const LandmarkObservation& o) { return o.keyframe == id; });
+      const Eigen::Vector3d point_cam = T_cam_map * landmark.position;
+      const auto measurement = map.corrected(observation->measurement);
+      if (point_cam.z() < kMinDepth ||
+          stereoResidual(point_cam, measurement, camera, nullptr).squaredNorm() > kGate) {
+        outliers.emplace_back(id, landmark_id);
+      }
+    }
+  }
+  for (const auto& [keyframe, landmark] : outliers) {
+    if (map.find(landmark) != nullptr) map.forget(keyframe, landmark);
+  }
+  return static_cast<int>(outliers.size());
+}
+
+}  // namespace
+
+BundleSummary adjustBundle(SparseMap& map, const std::vector<KeyframeId>& free,
+                           const StereoCamera& camera, int max_iterations) {
+  BundleSummary summary;
+  {
+    Bundle bundle(map, free, camera);
+    const auto solved = bundle.solve(max_iterations);
+    summary.iterations = static_cast<int>(solved.iterations.size());
+    summary.initial_cost = solved.initial_cost;
+    summary.final_cost = solved.final_cost;
+    if (solved.IsSolutionUsable()) bundle.writeBack(map);
+  }
+  summary.outliers = forgetOutliers(map, free, camera);
+  return summary;
+}
+
+}  // namespace headway::slam

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <headway/core/moving_regions.h>
+#include <headway/slam/slam_params.h>
+
+#include <opencv2/core/mat.hpp>
+
+namespace headway::slam {
+
+/// Where nothing may be measured: the moving regions as a mask, boxes drawn full.
+///
+/// @return  8-bit, non-zero inside a region; empty where the mode ignores regions or there is none
+/// @throws  InputError if the regions' mask is not 8-bit or not of the image's size
+[[nodiscard]] cv::Mat excludedMask(const MovingRegions& moving, DynamicRejection mode,
+                                   const cv::Size& image_size);
+
+}  // namespace headway::slam

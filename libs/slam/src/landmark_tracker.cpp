@@ -1,0 +1,178 @@
+#include "landmark_tracker.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace headway::slam {
+namespace {
+
+constexpr int kFollowed = 160;      ///< landmarks followed from frame to frame
+constexpr int kFinestFollowed = 1;  ///< level at which following ends
+
+/// The turn and stretch from one pixel of the view to pixels of the reference, both at level 0,
+/// for a small plane that faces the reference camera.
+Eigen::Matrix2d referenceFromView(const Eigen::Vector3d& point_ref, const Pose& T_view_ref,
+                                  const StereoCamera& camera) {
+  const Eigen::Vector3d p = T_view_ref * point_ref;
+  const double inverse_depth = 1.0 / p.z();
+  Eigen::Matrix<double, 2, 3> projection;
+  projection << camera.fx * inverse_depth, 0.0, -camera.fx * p.x() * inverse_depth * inverse_depth,
+      0.0, camera.fy * inverse_depth, -camera.fy * p.y() * inverse_depth * inverse_depth;
+  Eigen::Matrix<double, 3, 2> plane = T_view_ref.linear().leftCols<2>() * point_ref.z();
+  plane.col(0) /= camera.fx;
+  plane.col(1) /= camera.fy;
+  const Eigen::Matrix2d view_from_reference = projection * plane;
+  return view_from_reference.inverse();
+}
+
+/// Coarse to fine: where the patch around `uv` of one pyramid is in another.
+std::optional<Eigen::Vector2d> followPatch(const ImagePyramid& from, const ImagePyramid& to,
+                                           const Eigen::Vector2d& uv, Eigen::Vector2d guess) {
+  constexpr double kMinZncc = 0.6;
+  const int coarsest = std::min(from.count(), to.count()) - 1;
+  std::optional<Alignment> found;
+  for (int level = coarsest; level >= std::min(kFinestFollowed, coarsest); --level) {
+    const double scale = 1 << level;
+    const auto patch = cutPatch(from.levels[level], uv / scale);
+    if (!patch) continue;
+    found = align(*patch, to.levels[level], guess / scale, AlignmentAxes::kBoth, 8);
+    if (found && found->zncc > kMinZncc) guess = scale * found->uv;
+  }
+  if (!found || !found->converged || found->zncc < kMinZncc) return std::nullopt;
+  return guess;
+}
+
+}  // namespace
+
+bool isExcluded(const cv::Mat& excluded, const Eigen::Vector2d& uv) {
+  if (excluded.empty()) return false;
+  const int u = std::clamp(static_cast<int>(std::lround(uv.x())), 0, excluded.cols - 1);
+  const int v = std::clamp(static_cast<int>(std::lround(uv.y())), 0, excluded.rows - 1);
+  return excluded.at<std::uint8_t>(v, u) != 0;
+}
+
+struct LandmarkTracker::Candidate {
+  Landmark* landmark = nullptr;
+  Eigen::Vector3d uvd = Eigen::Vector3d::Zero();  ///< where it should be
+};
+
+LandmarkTracker::LandmarkTracker(const StereoCamera& camera, const SlamParams& params)
+    : camera_(camera),
+      params_(params),
+      grid_(camera.width, camera.height, params.features),
+      matcher_(static_cast<int>(params.max_disparity_share * camera.width), params.min_zncc) {}
+
+std::vector<TrackedLandmark> LandmarkTracker::follow(const TrackingFrame& previous,
+                                                     const std::vector<TrackedLandmark>& tracked,
+                                                     const TrackingFrame& current,
+                                                     const Pose& T_map_cam,
+                                                     const SparseMap& map) const {
+  const Pose T_cam_map = T_map_cam.inverse(Eigen::Isometry);
+  const std::size_t stride = 1 + tracked.size() / (kFollowed + 1);
+  std::vector<TrackedLandmark> followed;
+  for (std::size_t i = 0; i < tracked.size(); i += stride) {
+    const Landmark* landmark = map.find(tracked[i].id);
+    if (landmark == nullptr) continue;
+    const auto uvd = project(T_cam_map * landmark->position, camera_);
+    if (!uvd) continue;
+    const auto uv =
+        followPatch(previous.left, current.left, tracked[i].measurement.uv, uvd->head<2>());
+    if (!uv || isExcluded(current.excluded, *uv)) continue;
+    TrackedLandmark result;
+    result.id = landmark->id;
+    result.level = kFinestFollowed;
+    result.measurement.uv = *uv;
+    result.measurement.sigma_px = params_.sigma_px * (1 << kFinestFollowed);
+    followed.push_back(result);
+  }
+  return followed;
+}
+
+std::vector<std::vector<LandmarkTracker::Candidate>> LandmarkTracker::sortIntoCells(
+    const TrackingFrame& current, const Pose& T_map_cam, const std::vector<LandmarkId>& candidates,
+    SparseMap& map) const {
+  const Pose T_cam_map = T_map_cam.inverse(Eigen::Isometry);
+  std::vector<std::vector<Candidate>> cells(grid_.count());
+  for (const LandmarkId id : candidates) {
+    Landmark* landmark = map.find(id);
+    if (landmark == nullptr) continue;
+    const auto uvd = project(T_cam_map * landmark->position, camera_);
+    if (!uvd || uvd->x() < 0.0 || uvd->y() < 0.0 || uvd->x() >= camera_.width ||
+        uvd->y() >= camera_.height || isExcluded(current.excluded, uvd->head<2>())) {
+      continue;
+    }
+    cells[grid_.cellOf(uvd->head<2>())].push_back({landmark, *uvd});
+  }
+  for (auto& cell : cells) {
+    std::sort(cell.begin(), cell.end(), [](const Candidate& a, const Candidate& b) {
+      const auto count = [](const Candidate& c) { return c.landmark->observations.size(); };
+      if (count(a) != count(b)) return count(a) > count(b);
+      return a.landmark->id < b.landmark->id;
+    });
+  }
+  return cells;
+}
+
+std::optional<TrackedLandmark> LandmarkTracker::measureOne(const TrackingFrame& current,
+                                                           const Pose& T_map_cam,
+                                                           const Candidate& candidate,
+                                                           const SparseMap& map) const {
+  constexpr double kMaxShift = 8.0;  ///< from where it should be, at the level searched [px]
+  const Landmark& landmark = *candidate.landmark;
+  const Pose& T_map_ref = map.keyframe(landmark.reference).T_map_cam;
+  const Eigen::Vector3d point_ref = T_map_ref.inverse(Eigen::Isometry) * landmark.position;
+  if (point_ref.z() <= 0.0) return std::nullopt;
+  const Eigen::Matrix2d warp =
+      referenceFromView(point_ref, T_map_cam.inverse(Eigen::Isometry) * T_map_ref, camera_);
+  const double stretch = std::sqrt(std::abs(warp.determinant()));
+  if (!std::isfinite(stretch) || stretch <= 0.0) return std::nullopt;
+  const int level =
+      std::clamp(static_cast<int>(std::lround(landmark.reference_level - std::log2(stretch))), 0,
+                 current.left.count() - 1);
+  const double scale = 1 << level;
+  const double to_reference = scale / (1 << landmark.reference_level);
+  const auto patch = warpPatch(landmark.patch, warp * to_reference);
+  if (!patch) return std::nullopt;
+  const Eigen::Vector2d expected = candidate.uvd.head<2>() / scale;
+  const auto found = align(*patch, current.left.levels[level], expected, AlignmentAxes::kBoth);
+  if (!found || !found->converged || found->zncc < params_.min_zncc ||
+      (found->uv - expected).norm() > kMaxShift) {
+    return std::nullopt;
+  }
+  TrackedLandmark result;
+  result.id = landmark.id;
+  result.level = level;
+  result.patch_scale = stretch * to_reference;
+  result.measurement.uv = scale * found->uv;
+  result.measurement.sigma_px = params_.sigma_px * scale;
+  const auto disparity =
+      matcher_.refine(current.left, current.right, result.measurement.uv, candidate.uvd.z(), level);
+  result.measurement.stereo = disparity.has_value();
+  result.measurement.disparity = disparity.value_or(0.0);
+  result.measurement.sigma_disparity_px = params_.sigma_disparity_px * scale;
+  return result;
+}
+
+std::vector<TrackedLandmark> LandmarkTracker::measure(const TrackingFrame& current,
+                                                      const Pose& T_map_cam,
+                                                      const std::vector<LandmarkId>& candidates,
+                                                      SparseMap& map) const {
+  constexpr int kTriesPerCell = 3;
+  std::vector<TrackedLandmark> measured;
+  for (const auto& cell : sortIntoCells(current, T_map_cam, candidates, map)) {
+    int tries = 0;
+    for (const Candidate& candidate : cell) {
+      if (++tries > kTriesPerCell) break;
+      ++candidate.landmark->tried;
+      const auto found = measureOne(current, T_map_cam, candidate, map);
+      if (!found || isExcluded(current.excluded, found->measurement.uv)) continue;
+      ++candidate.landmark->found;
+      measured.push_back(*found);
+      break;
+    }
+  }
+  return measured;
+}
+
+}  // namespace headway::slam

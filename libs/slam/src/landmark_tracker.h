@@ -1,0 +1,81 @@
+#pragma once
+
+#include <headway/core/stereo_camera.h>
+#include <headway/slam/slam_params.h>
+
+#include <vector>
+
+#include "image_pyramid.h"
+#include "keypoints.h"
+#include "sparse_map.h"
+#include "stereo_match.h"
+
+namespace headway::slam {
+
+/// One frame as tracking sees it.
+struct TrackingFrame {
+  std::size_t index = 0;
+  Time time = 0.0;  ///< [s]
+  ImagePyramid left;
+  ImagePyramid right;
+  cv::Mat excluded;  ///< 8-bit, non-zero where nothing may be measured; may be empty
+};
+
+/// A landmark as found in one frame.
+struct TrackedLandmark {
+  LandmarkId id;
+  int level = 0;  ///< pyramid level it was found at
+  StereoMeasurement measurement;
+  double patch_scale = 1.0;  ///< pixels of its reference patch in one pixel of `level`
+};
+
+/// Finds landmarks of the map in images.
+///
+/// Two steps, as a person would: first where the landmarks of the previous frame went (a pyramid
+/// from coarse to fine, needs only a rough guess of the pose), then exactly where the landmarks of
+/// the local map are, each compared with its own reference patch as it must look from here, so
+/// that errors do not add up from frame to frame.
+class LandmarkTracker {
+ public:
+  LandmarkTracker(const StereoCamera& camera, const SlamParams& params);
+
+  /// Where landmarks of the previous frame are now, left image alone.
+  ///
+  /// @param T_map_cam  guess of the current pose
+  [[nodiscard]] std::vector<TrackedLandmark> follow(const TrackingFrame& previous,
+                                                    const std::vector<TrackedLandmark>& tracked,
+                                                    const TrackingFrame& current,
+                                                    const Pose& T_map_cam,
+                                                    const SparseMap& map) const;
+
+  /// Measures the local map's landmarks in both images, spread over the image.
+  ///
+  /// Counts in each landmark how often it was tried and found.
+  ///
+  /// @param candidates  landmarks that may be in view, ascending
+  /// @param T_map_cam   pose, right to a few pixels
+  [[nodiscard]] std::vector<TrackedLandmark> measure(const TrackingFrame& current,
+                                                     const Pose& T_map_cam,
+                                                     const std::vector<LandmarkId>& candidates,
+                                                     SparseMap& map) const;
+
+ private:
+  struct Candidate;
+  [[nodiscard]] std::vector<std::vector<Candidate>> sortIntoCells(
+      const TrackingFrame& current, const Pose& T_map_cam,
+      const std::vector<LandmarkId>& candidates, SparseMap& map) const;
+  [[nodiscard]] std::optional<TrackedLandmark> measureOne(const TrackingFrame& current,
+                                                          const Pose& T_map_cam,
+                                                          const Candidate& candidate,
+                                                          const SparseMap& map) const;
+
+  StereoCamera camera_;
+  SlamParams params_;
+  FeatureGrid grid_;
+  StereoMatcher matcher_;
+};
+
+/// Whether nothing may be measured at this pixel.
+[[nodiscard]] bool isExcluded(const cv::Mat& excluded, const Eigen::Vector2d& uv);
+
+}  // namespace headway::slam

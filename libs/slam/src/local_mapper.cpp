@@ -1,0 +1,85 @@
+#include "local_mapper.h"
+
+#include <algorithm>
+
+#include "bundle_adjustment.h"
+
+namespace headway::slam {
+namespace {
+
+constexpr double kRenewStretch = 0.6;  ///< patches stretched further than 1 / this are cut anew
+
+}  // namespace
+
+LocalMapper::LocalMapper(const StereoCamera& camera, const SlamParams& params)
+    : camera_(camera),
+      params_(params),
+      grid_(camera.width, camera.height, params.features),
+      matcher_(static_cast<int>(params.max_disparity_share * camera.width), params.min_zncc) {}
+
+KeyframeId LocalMapper::insert(const TrackingFrame& frame, const Pose& T_map_cam,
+                               const PoseCovariance& covariance,
+                               std::vector<TrackedLandmark>& tracked, SparseMap& map) const {
+  Keyframe& keyframe = map.addKeyframe(frame.index, frame.time, T_map_cam);
+  keyframe.covariance = covariance;
+  const KeyframeId id = keyframe.id;
+  linkTracked(frame, id, tracked, map);
+  addLandmarks(frame, id, tracked, map);
+  adjustBundle(map, map.neighbourhood(id, params_.window), camera_, params_.ba_iterations);
+  cull(id, map);
+  tracked.erase(std::remove_if(tracked.begin(), tracked.end(),
+                               [&](const auto& t) { return map.find(t.id) == nullptr; }),
+                tracked.end());
+  return id;
+}
+
+void LocalMapper::linkTracked(const TrackingFrame& frame, KeyframeId keyframe,
+                              const std::vector<TrackedLandmark>& tracked, SparseMap& map) const {
+  for (const TrackedLandmark& seen : tracked) {
+    Landmark* landmark = map.find(seen.id);
+    if (landmark == nullptr) continue;
+    map.observe(keyframe, seen.id, seen.measurement);
+    if (seen.patch_scale > kRenewStretch) continue;
+    landmark->reference = keyframe;
+    landmark->reference_level = seen.level;
+    landmark->patch =
+        cutReference(frame.left.levels[seen.level], seen.measurement.uv / (1 << seen.level));
+  }
+}
+
+void LocalMapper::addLandmarks(const TrackingFrame& frame, KeyframeId keyframe,
+                               std::vector<TrackedLandmark>& tracked, SparseMap& map) const {
+  std::vector<bool> occupied(grid_.count(), false);
+  for (const auto& seen : tracked) occupied[grid_.cellOf(seen.measurement.uv)] = true;
+  const Pose T_map_cam = map.keyframe(keyframe).T_map_cam;
+  const cv::Mat& image = frame.left.levels.front();
+  for (const Keypoint& keypoint : detectKeypoints(image, grid_, occupied, frame.excluded)) {
+    const auto disparity = matcher_.search(frame.left, frame.right, keypoint.uv);
+    if (!disparity) continue;
+    const Eigen::Vector3d uvd(keypoint.uv.x(), keypoint.uv.y(), *disparity - map.disparityOffset());
+    const auto point_cam = triangulate(uvd, camera_);
+    if (!point_cam) continue;
+    TrackedLandmark seen;
+    seen.measurement = {keypoint.uv, *disparity, true, params_.sigma_px,
+                        params_.sigma_disparity_px};
+    Landmark& landmark = map.addLandmark(T_map_cam * *point_cam, keyframe, seen.measurement);
+    landmark.patch = cutReference(image, keypoint.uv);
+    seen.id = landmark.id;
+    tracked.push_back(seen);
+  }
+}
+
+void LocalMapper::cull(KeyframeId newest, SparseMap& map) const {
+  constexpr int kTrial = 3;             ///< tries before a landmark is judged
+  constexpr double kFoundShare = 0.25;  ///< of tries that must succeed
+  std::vector<LandmarkId> lost;
+  for (const LandmarkId id : map.seenBy(map.neighbourhood(newest, params_.window))) {
+    const Landmark& landmark = *map.find(id);
+    if (landmark.tried >= kTrial && landmark.found < kFoundShare * landmark.tried) {
+      lost.push_back(id);
+    }
+  }
+  for (const LandmarkId id : lost) map.removeLandmark(id);
+}
+
+}  // namespace headway::slam

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <headway/core/stereo_camera.h>
+#include <headway/slam/slam_params.h>
+
+#include <vector>
+
+#include "keypoints.h"
+#include "landmark_tracker.h"
+#include "sparse_map.h"
+
+namespace headway::slam {
+
+/// Extends the map by keyframes and keeps its newest part adjusted and clean.
+class LocalMapper {
+ public:
+  LocalMapper(const StereoCamera& camera, const SlamParams& params);
+
+  /// Makes a keyframe of a tracked frame: links what it sees, adds landmarks where the image has
+  /// none, adjusts the neighbourhood, and removes landmarks that are not found again.
+  ///
+  /// @param tracked  inliers of this frame; gets the new landmarks and loses removed ones
+  /// @return         id of the keyframe, whose pose is the corrected one of the frame
+  KeyframeId insert(const TrackingFrame& frame, const Pose& T_map_cam,
+                    const PoseCovariance& covariance, std::vector<TrackedLandmark>& tracked,
+                    SparseMap& map) const;
+
+ private:
+  void linkTracked(const TrackingFrame& frame, KeyframeId keyframe,
+                   const std::vector<TrackedLandmark>& tracked, SparseMap& map) const;
+  void addLandmarks(const TrackingFrame& frame, KeyframeId keyframe,
+                    std::vector<TrackedLandmark>& tracked, SparseMap& map) const;
+  void cull(KeyframeId newest, SparseMap& map) const;
+
+  StereoCamera camera_;
+  SlamParams params_;
+  FeatureGrid grid_;
+  StereoMatcher matcher_;
+};
+
+}  // namespace headway::slam

@@ -1,0 +1,59 @@
+#include "motion_model.h"
+
+namespace headway::slam {
+namespace {
+
+constexpr double kMaxGap = 1.0;       ///< a velocity says nothing of later times than this [s]
+constexpr double kCoastFactor = 0.8;  ///< of the velocity that is left after a guessed frame
+
+}  // namespace
+
+Pose MotionModel::predict(const StereoFrame& frame) const {
+  if (!started_) return last_.value;
+  const MotionPrior& prior = frame.motion_prior;
+  if (params_.use_odometry && prior.T_previous_current) {
+    const Pose T_previous_current =
+        T_robot_cam_.inverse(Eigen::Isometry) * *prior.T_previous_current * T_robot_cam_;
+    return normalized(last_.value * T_previous_current);
+  }
+  const double gap = frame.time - last_.time;
+  Pose step = Pose::Identity();
+  if (gap > 0.0 && gap <= kMaxGap) {
+    step.translation() = gap * velocity_;
+    step.linear() = expSo3(gap * angular_velocity_);
+  }
+  if (params_.use_imu && prior.R_previous_current) {
+    const Eigen::Matrix3d R_robot_cam = T_robot_cam_.linear();
+    step.linear() = R_robot_cam.transpose() * *prior.R_previous_current * R_robot_cam;
+  }
+  return normalized(last_.value * step);
+}
+
+void MotionModel::update(Time time, const Pose& T_map_cam) {
+  const double gap = time - last_.time;
+  velocity_.setZero();
+  angular_velocity_.setZero();
+  if (started_ && gap > 0.0 && gap <= kMaxGap) {
+    const Pose step = last_.value.inverse(Eigen::Isometry) * T_map_cam;
+    velocity_ = step.translation() / gap;
+    angular_velocity_ = logSo3(step.linear()) / gap;
+  }
+  last_ = {time, T_map_cam};
+  started_ = true;
+}
+
+void MotionModel::coast(Time time, const Pose& T_map_cam) {
+  velocity_ *= kCoastFactor;
+  angular_velocity_ *= kCoastFactor;
+  last_ = {time, T_map_cam};
+  started_ = true;
+}
+
+void MotionModel::reset(Time time, const Pose& T_map_cam) {
+  velocity_.setZero();
+  angular_velocity_.setZero();
+  last_ = {time, T_map_cam};
+  started_ = true;
+}
+
+}  // namespace headway::slam

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <headway/core/pose.h>
+#include <headway/core/stereo_frame.h>
+#include <headway/slam/slam_params.h>
+
+#include <optional>
+
+namespace headway::slam {
+
+/// Guesses the next pose: by wheel odometry, else at constant velocity, turned by the gyroscope.
+class MotionModel {
+ public:
+  MotionModel(const Pose& T_robot_cam, const SlamParams& params)
+      : T_robot_cam_(T_robot_cam), params_(params) {}
+
+  /// Guess of the camera's pose at a frame; the last pose where nothing is known of the motion.
+  [[nodiscard]] Pose predict(const StereoFrame& frame) const;
+  /// The last pose known (identity before the first one).
+  [[nodiscard]] const Pose& last() const { return last_.value; }
+
+  /// A pose that was measured: its difference to the last one is the new velocity.
+  void update(Time time, const Pose& T_map_cam);
+  /// A pose that was only guessed: the velocity fades.
+  void coast(Time time, const Pose& T_map_cam);
+  /// The last pose was corrected; the velocity, as seen from the camera, stays.
+  void correct(const Pose& T_map_cam) { last_.value = T_map_cam; }
+  /// Starts anew at a pose, standing.
+  void reset(Time time, const Pose& T_map_cam);
+
+ private:
+  Pose T_robot_cam_ = Pose::Identity();
+  SlamParams params_;
+  Stamped<Pose> last_{0.0, Pose::Identity()};
+  bool started_ = false;
+  Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();          ///< camera frame [m/s]
+  Eigen::Vector3d angular_velocity_ = Eigen::Vector3d::Zero();  ///< camera frame [rad/s]
+};
+
+}  // namespace headway::slam

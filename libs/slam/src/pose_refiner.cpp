@@ -1,0 +1,176 @@
+#include "pose_refiner.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+namespace headway::slam {
+namespace {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+constexpr double kMinDepth = 0.05;       ///< nearer landmarks are not compared [m]
+constexpr double kGateImage = 9.21;      ///< chi-square, 2 degrees of freedom, 99 %
+constexpr double kGateDisparity = 6.63;  ///< chi-square, 1 degree of freedom, 99 %
+
+/// Normal equations at one pose.
+struct NormalEquations {
+  Matrix6 matrix = Matrix6::Zero();
+  Vector6 gradient = Vector6::Zero();
+  double cost = 0.0;
+};
+
+double cauchyCost(double squared, double scale2) { return scale2 * std::log1p(squared / scale2); }
+double cauchyWeight(double squared, double scale2) { return 1.0 / (1.0 + squared / scale2); }
+
+/// Cost and, if wanted, normal equations of all inliers under a Cauchy loss of this scale.
+NormalEquations evaluate(const Pose& T_map_cam, const std::vector<PoseConstraint>& constraints,
+                         const StereoCamera& camera, double scale, bool with_derivatives) {
+  const double scale2 = scale * scale;
+  const Pose T_cam_map = T_map_cam.inverse(Eigen::Isometry);
+  NormalEquations sum;
+  for (const PoseConstraint& constraint : constraints) {
+    if (!constraint.inlier) continue;
+    const Eigen::Vector3d point_cam = T_cam_map * constraint.point_map;
+    if (point_cam.z() < kMinDepth) continue;
+    StereoMeasurement measurement = constraint.measurement;
+    measurement.stereo = measurement.stereo && constraint.stereo_inlier;
+    Eigen::Matrix3d by_point;
+    const Eigen::Vector3d residual =
+        stereoResidual(point_cam, measurement, camera, with_derivatives ? &by_point : nullptr);
+    const double image2 = residual.head<2>().squaredNorm();
+    const double disparity2 = residual.z() * residual.z();
+    sum.cost += cauchyCost(image2, scale2) + cauchyCost(disparity2, scale2);
+    if (!with_derivatives) continue;
+    const Eigen::Vector3d weights(cauchyWeight(image2, scale2), cauchyWeight(image2, scale2),
+                                  cauchyWeight(disparity2, scale2));
+    const Eigen::Matrix<double, 3, 6> jacobian = by_point * pointByPose(point_cam);
+    const Eigen::Matrix<double, 6, 3> weighted = jacobian.transpose() * weights.asDiagonal();
+    sum.matrix.noalias() += weighted * jacobian;
+    sum.gradient.noalias() += weighted * residual;
+  }
+  return sum;
+}
+
+/// Sorts the constraints into inliers and outliers; returns the inliers' number.
+int classify(const Pose& T_map_cam, std::vector<PoseConstraint>& constraints,
+             const StereoCamera& camera, double scale) {
+  const Pose T_cam_map = T_map_cam.inverse(Eigen::Isometry);
+  int inliers = 0;
+  for (PoseConstraint& constraint : constraints) {
+    const Eigen::Vector3d point_cam = T_cam_map * constraint.point_map;
+    constraint.inlier = false;
+    if (point_cam.z() < kMinDepth) continue;
+    const Eigen::Vector3d residual =
+        stereoResidual(point_cam, constraint.measurement, camera, nullptr);
+    constraint.inlier = residual.head<2>().squaredNorm() < kGateImage * scale * scale;
+    constraint.stereo_inlier = constraint.measurement.stereo &&
+                               residual.z() * residual.z() < kGateDisparity * scale * scale;
+    inliers += constraint.inlier ? 1 : 0;
+  }
+  return inliers;
+}
+
+/// Levenberg-Marquardt at a fixed scale of the loss; nullopt if the problem is degenerate.
+std::optional<Pose> minimize(Pose pose, const std::vector<PoseConstraint>& constraints,
+                             const StereoCamera& camera, double scale, int iterations) {
+  constexpr double kSmallStep = 1e-7;
+  double damping = 1e-6;
+  for (int iteration = 0; iteration < iterations; ++iteration) {
+    const NormalEquations here = evaluate(pose, constraints, camera, scale, true);
+    bool better = false;
+    double step_norm = 0.0;
+    for (int attempt = 0; attempt < 4 && !better; ++attempt) {
+      Matrix6 damped = here.matrix;
+      damped.diagonal() *= 1.0 + damping;
+      const Vector6 step = -damped.ldlt().solve(here.gradient);
+      if (!step.allFinite()) return std::nullopt;
+      step_norm = step.norm();
+      const Pose moved = retract(pose, step);
+      better = evaluate(moved, constraints, camera, scale, false).cost <= here.cost;
+      damping = better ? damping * 0.1 : std::max(damping, 1e-6) * 100.0;
+      if (better) pose = moved;
+    }
+    if (!better || step_norm < kSmallStep) break;
+  }
+  return pose;
+}
+
+/// Inverse information of the inliers, scaled by how well they fit (at least as given).
+std::optional<PoseCovariance> covarianceOf(const Pose& pose,
+                                           const std::vector<PoseConstraint>& constraints,
+                                           const StereoCamera& camera, int inliers) {
+  constexpr double kWide = 1e3;  ///< a loss so wide that it is quadratic
+  const NormalEquations sum = evaluate(pose, constraints, camera, kWide, true);
+  const auto decomposition = sum.matrix.ldlt();
+  if (decomposition.info() != Eigen::Success || !decomposition.isPositive()) return std::nullopt;
+  const double variance = std::max(1.0, sum.cost / std::max(1, 2 * inliers - 6));
+  const PoseCovariance covariance = variance * decomposition.solve(Matrix6::Identity());
+  if (!covariance.allFinite()) return std::nullopt;
+  return PoseCovariance(0.5 * (covariance + covariance.transpose()));
+}
+
+}  // namespace
+
+Eigen::Vector3d stereoResidual(const Eigen::Vector3d& point_cam,
+                               const StereoMeasurement& measurement, const StereoCamera& camera,
+                               Eigen::Matrix3d* jacobian) {
+  const double inverse_depth = 1.0 / point_cam.z();
+  const double x = point_cam.x() * inverse_depth;
+  const double y = point_cam.y() * inverse_depth;
+  const double disparity = camera.fx * camera.baseline_m * inverse_depth;
+  const double weight = 1.0 / measurement.sigma_px;
+  const double weight_disparity = measurement.stereo ? 1.0 / measurement.sigma_disparity_px : 0.0;
+  if (jacobian != nullptr) {
+    const double fx = weight * camera.fx * inverse_depth;
+    const double fy = weight * camera.fy * inverse_depth;
+    *jacobian << fx, 0.0, -fx * x,  //
+        0.0, fy, -fy * y,           //
+        0.0, 0.0, -weight_disparity * disparity * inverse_depth;
+  }
+  return {weight * (camera.fx * x + camera.cx - measurement.uv.x()),
+          weight * (camera.fy * y + camera.cy - measurement.uv.y()),
+          weight_disparity * (disparity - measurement.disparity)};
+}
+
+Eigen::Matrix<double, 3, 6> pointByPose(const Eigen::Vector3d& point_cam) {
+  Eigen::Matrix<double, 3, 6> jacobian;
+  jacobian.leftCols<3>() = -Eigen::Matrix3d::Identity();
+  jacobian.rightCols<3>() << 0.0, -point_cam.z(), point_cam.y(),  //
+      point_cam.z(), 0.0, -point_cam.x(),                         //
+      -point_cam.y(), point_cam.x(), 0.0;
+  return jacobian;
+}
+
+Pose retract(const Pose& pose, const Eigen::Matrix<double, 6, 1>& xi) {
+  Pose moved = pose;
+  moved.translation() += pose.linear() * xi.head<3>();
+  moved.linear() = pose.linear() * expSo3(xi.tail<3>());
+  return normalized(moved);
+}
+
+std::optional<RefinedPose> refinePose(const Pose& T_map_cam_guess,
+                                      std::vector<PoseConstraint>& constraints,
+                                      const StereoCamera& camera,
+                                      const PoseRefinerOptions& options) {
+  constexpr int kMinimum = 4;
+  if (static_cast<int>(constraints.size()) < kMinimum) return std::nullopt;
+  for (PoseConstraint& constraint : constraints)
+    constraint.inlier = constraint.stereo_inlier = true;
+  RefinedPose result;
+  result.T_map_cam = T_map_cam_guess;
+  double scale = options.first_scale;
+  for (int round = 0; round < options.rounds; ++round, scale = std::max(1.0, 0.5 * scale)) {
+    const auto pose = minimize(result.T_map_cam, constraints, camera, scale, options.iterations);
+    if (!pose) return std::nullopt;
+    result.T_map_cam = *pose;
+    result.inliers = classify(*pose, constraints, camera, scale);
+    if (result.inliers < kMinimum) return std::nullopt;
+  }
+  const auto covariance = covarianceOf(result.T_map_cam, constraints, camera, result.inliers);
+  if (!covariance) return std::nullopt;
+  result.covariance = *covariance;
+  return result;
+}
+
+}  // namespace headway::slam

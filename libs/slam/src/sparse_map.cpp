@@ -1,0 +1,104 @@
+#include "sparse_map.h"
+
+#include <algorithm>
+
+namespace headway::slam {
+namespace {
+
+template <typename Id>
+void insertSorted(std::vector<Id>& ids, Id id) {
+  ids.insert(std::lower_bound(ids.begin(), ids.end(), id), id);
+}
+
+template <typename Id>
+void eraseSorted(std::vector<Id>& ids, Id id) {
+  const auto at = std::lower_bound(ids.begin(), ids.end(), id);
+  if (at != ids.end() && *at == id) ids.erase(at);
+}
+
+}  // namespace
+
+Keyframe& SparseMap::addKeyframe(std::size_t frame, Time time, const Pose& T_map_cam) {
+  const KeyframeId id{next_keyframe_++};
+  Keyframe& keyframe = keyframes_[id];
+  keyframe.id = id;
+  keyframe.frame = frame;
+  keyframe.time = time;
+  keyframe.T_map_cam = T_map_cam;
+  return keyframe;
+}
+
+Landmark& SparseMap::addLandmark(const Eigen::Vector3d& position, KeyframeId reference,
+                                 const StereoMeasurement& measurement) {
+  const LandmarkId id{next_landmark_++};
+  Landmark& landmark = landmarks_[id];
+  landmark.id = id;
+  landmark.position = position;
+  landmark.reference = reference;
+  observe(reference, id, measurement);
+  return landmark;
+}
+
+void SparseMap::observe(KeyframeId keyframe, LandmarkId landmark,
+                        const StereoMeasurement& measurement) {
+  landmarks_.at(landmark).observations.push_back({keyframe, measurement});
+  insertSorted(keyframes_.at(keyframe).landmarks, landmark);
+}
+
+void SparseMap::forget(KeyframeId keyframe, LandmarkId landmark) {
+  Landmark& of = landmarks_.at(landmark);
+  auto& observations = of.observations;
+  observations.erase(std::remove_if(observations.begin(), observations.end(),
+                                    [&](const auto& o) { return o.keyframe == keyframe; }),
+                     observations.end());
+  eraseSorted(keyframes_.at(keyframe).landmarks, landmark);
+  if (observations.empty() || of.reference == keyframe) removeLandmark(landmark);
+}
+
+void SparseMap::removeLandmark(LandmarkId landmark) {
+  for (const LandmarkObservation& observation : landmarks_.at(landmark).observations) {
+    eraseSorted(keyframes_.at(observation.keyframe).landmarks, landmark);
+  }
+  landmarks_.erase(landmark);
+}
+
+Landmark* SparseMap::find(LandmarkId id) {
+  const auto found = landmarks_.find(id);
+  return found == landmarks_.end() ? nullptr : &found->second;
+}
+
+const Landmark* SparseMap::find(LandmarkId id) const {
+  const auto found = landmarks_.find(id);
+  return found == landmarks_.end() ? nullptr : &found->second;
+}
+
+std::vector<KeyframeId> SparseMap::neighbourhood(KeyframeId of, int count) const {
+  std::map<KeyframeId, int> shared;
+  for (const LandmarkId id : keyframes_.at(of).landmarks) {
+    for (const auto& observation : landmarks_.at(id).observations) ++shared[observation.keyframe];
+  }
+  shared.erase(of);
+  std::vector<std::pair<int, KeyframeId>> ranked;
+  for (const auto& [id, landmarks] : shared) ranked.emplace_back(-landmarks, id);
+  std::sort(ranked.begin(), ranked.end());
+  std::vector<KeyframeId> result{of};
+  for (const auto& [landmarks, id] : ranked) {
+    if (static_cast<int>(result.size()) >= count) break;
+    result.push_back(id);
+  }
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+std::vector<LandmarkId> SparseMap::seenBy(const std::vector<KeyframeId>& keyframes) const {
+  std::vector<LandmarkId> result;
+  for (const KeyframeId id : keyframes) {
+    const auto& seen = keyframes_.at(id).landmarks;
+    result.insert(result.end(), seen.begin(), seen.end());
+  }
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
+}
+
+}  // namespace headway::slam

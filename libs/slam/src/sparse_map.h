@@ -1,0 +1,94 @@
+#pragma once
+
+#include <headway/core/ids.h>
+#include <headway/core/pose.h>
+
+#include <map>
+#include <vector>
+
+#include "patch.h"
+#include "pose_refiner.h"
+
+namespace headway::slam {
+
+/// Where one keyframe sees a landmark.
+struct LandmarkObservation {
+  KeyframeId keyframe;
+  StereoMeasurement measurement;
+};
+
+/// A point of the still world, with the looks by which it is found again.
+struct Landmark {
+  LandmarkId id;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< map frame [m]
+  KeyframeId reference;                                ///< keyframe that `patch` was cut from
+  int reference_level = 0;                             ///< pyramid level of it
+  ReferencePatch patch;
+  std::vector<LandmarkObservation> observations;  ///< in order of keyframes
+  int tried = 0;                                  ///< frames in which it was looked for
+  int found = 0;                                  ///< frames in which it was found
+};
+
+/// A frame that the map is built on.
+struct Keyframe {
+  KeyframeId id;
+  std::size_t frame = 0;
+  Time time = 0.0;  ///< [s]
+  Pose T_map_cam = Pose::Identity();
+  PoseCovariance covariance = PoseCovariance::Zero();  ///< of T_map_cam
+  std::vector<LandmarkId> landmarks;                   ///< seen in it, ascending
+};
+
+/// Owns landmarks and keyframes and keeps their links in step.
+///
+/// Invariant: a keyframe lists a landmark exactly if the landmark has an observation of it; a
+/// landmark without observations does not exist.
+class SparseMap {
+ public:
+  /// A new keyframe without landmarks.
+  Keyframe& addKeyframe(std::size_t frame, Time time, const Pose& T_map_cam);
+  /// A new landmark, seen by its reference keyframe.
+  Landmark& addLandmark(const Eigen::Vector3d& position, KeyframeId reference,
+                        const StereoMeasurement& measurement);
+  /// A keyframe sees a landmark (that it did not see so far).
+  void observe(KeyframeId keyframe, LandmarkId landmark, const StereoMeasurement& measurement);
+  /// Takes one observation away, and the landmark with its last one (or with its reference's).
+  void forget(KeyframeId keyframe, LandmarkId landmark);
+  void removeLandmark(LandmarkId landmark);
+
+  [[nodiscard]] Landmark* find(LandmarkId id);
+  [[nodiscard]] const Landmark* find(LandmarkId id) const;
+  [[nodiscard]] Keyframe& keyframe(KeyframeId id) { return keyframes_.at(id); }
+  [[nodiscard]] const Keyframe& keyframe(KeyframeId id) const { return keyframes_.at(id); }
+
+  /// The newest keyframes and, of the older ones, those that share most landmarks with the newest.
+  ///
+  /// @return at most `count` ids, ascending
+  [[nodiscard]] std::vector<KeyframeId> neighbourhood(KeyframeId of, int count) const;
+  /// Landmarks seen by any of the keyframes, ascending.
+  [[nodiscard]] std::vector<LandmarkId> seenBy(const std::vector<KeyframeId>& keyframes) const;
+
+  /// What measured disparities have too much, as found by bundle adjustment [px].
+  ///
+  /// Rectified pairs squint by a few tenths of a pixel; at small disparities that is a scale error
+  /// of percents. It shows in that near and far landmarks disagree on how far the camera moved.
+  [[nodiscard]] double disparityOffset() const { return disparity_offset_px_; }
+  void setDisparityOffset(double offset_px) { disparity_offset_px_ = offset_px; }
+  /// The measurement without that offset.
+  [[nodiscard]] StereoMeasurement corrected(StereoMeasurement measurement) const {
+    measurement.disparity -= disparity_offset_px_;
+    return measurement;
+  }
+
+  [[nodiscard]] const std::map<LandmarkId, Landmark>& landmarks() const { return landmarks_; }
+  [[nodiscard]] const std::map<KeyframeId, Keyframe>& keyframes() const { return keyframes_; }
+
+ private:
+  std::map<LandmarkId, Landmark> landmarks_;
+  std::map<KeyframeId, Keyframe> keyframes_;
+  double disparity_offset_px_ = 0.0;
+  std::int64_t next_landmark_ = 0;
+  std::int64_t next_keyframe_ = 0;
+};
+
+}  // namespace headway::slam

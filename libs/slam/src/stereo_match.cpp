@@ -1,0 +1,95 @@
+#include "stereo_match.h"
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "patch.h"
+
+namespace headway::slam {
+namespace {
+
+constexpr int kSearchLevel = 1;  ///< pyramid level of the search over all disparities
+constexpr int kBlockRadius = 4;  ///< the blocks compared are 9 x 9
+constexpr int kBlockSide = 2 * kBlockRadius + 1;
+constexpr int kBlockArea = kBlockSide * kBlockSide;
+
+/// Squared differences of two blocks less the square of their mean difference, times the area.
+int blockCost(const cv::Mat& a, int ua, const cv::Mat& b, int ub, int v) {
+  int sum = 0;
+  int squares = 0;
+  for (int r = v - kBlockRadius; r <= v + kBlockRadius; ++r) {
+    const auto* pa = a.ptr<std::uint8_t>(r) + ua - kBlockRadius;
+    const auto* pb = b.ptr<std::uint8_t>(r) + ub - kBlockRadius;
+    for (int c = 0; c < kBlockSide; ++c) {
+      const int difference = pa[c] - pb[c];
+      sum += difference;
+      squares += difference * difference;
+    }
+  }
+  return kBlockArea * squares - sum * sum;
+}
+
+/// Column in [first, last] of `b` that looks most like column u of `a`; nullopt if not unique.
+std::optional<int> bestColumn(const cv::Mat& a, int u, const cv::Mat& b, int first, int last,
+                              int v) {
+  constexpr double kUniqueness = 0.8;  ///< best cost / best cost elsewhere, at most
+  std::vector<int> costs;
+  costs.reserve(static_cast<std::size_t>(std::max(0, last - first + 1)));
+  int best = first;
+  int lowest = std::numeric_limits<int>::max();
+  for (int candidate = first; candidate <= last; ++candidate) {
+    const int cost = blockCost(a, u, b, candidate, v);
+    costs.push_back(cost);
+    if (cost < lowest) {
+      lowest = cost;
+      best = candidate;
+    }
+  }
+  if (costs.empty()) return std::nullopt;
+  for (int candidate = first; candidate <= last; ++candidate) {
+    const bool elsewhere = std::abs(candidate - best) > 2;
+    if (elsewhere && lowest > kUniqueness * costs[candidate - first]) return std::nullopt;
+  }
+  return best;
+}
+
+}  // namespace
+
+std::optional<double> StereoMatcher::search(const ImagePyramid& left, const ImagePyramid& right,
+                                            const Eigen::Vector2d& uv) const {
+  const int level = std::min({kSearchLevel, left.count() - 1, right.count() - 1});
+  const cv::Mat& a = left.levels[level];
+  const cv::Mat& b = right.levels[level];
+  const int scale = 1 << level;
+  const int u = static_cast<int>(std::lround(uv.x() / scale));
+  const int v = static_cast<int>(std::lround(uv.y() / scale));
+  const int low = kBlockRadius;
+  const int high = a.cols - 1 - kBlockRadius;
+  if (u < low || u > high || v < low || v > a.rows - 1 - kBlockRadius) return std::nullopt;
+  const int range = max_disparity_ / scale;
+  const auto match = bestColumn(a, u, b, std::max(low, u - range), std::min(high, u + 1), v);
+  if (!match) return std::nullopt;
+  const auto back =
+      bestColumn(b, *match, a, std::max(low, *match - 1), std::min(high, *match + range), v);
+  if (!back || std::abs(*back - u) > 1) return std::nullopt;
+  const auto coarse = refine(left, right, uv, static_cast<double>(u - *match) * scale, level);
+  if (!coarse) return std::nullopt;
+  return refine(left, right, uv, *coarse, 0);
+}
+
+std::optional<double> StereoMatcher::refine(const ImagePyramid& left, const ImagePyramid& right,
+                                            const Eigen::Vector2d& uv, double expected,
+                                            int level) const {
+  const double scale = 1 << level;
+  const auto patch = cutPatch(left.levels[level], uv / scale);
+  if (!patch) return std::nullopt;
+  const Eigen::Vector2d start(uv.x() - expected, uv.y());
+  const auto found = align(*patch, right.levels[level], start / scale, AlignmentAxes::kRow);
+  if (!found || !found->converged || found->zncc < min_zncc_) return std::nullopt;
+  const double disparity = uv.x() - scale * found->uv.x();
+  if (!(disparity > 0.0) || disparity > max_disparity_) return std::nullopt;
+  return disparity;
+}
+
+}  // namespace headway::slam

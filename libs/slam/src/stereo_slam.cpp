@@ -1,0 +1,266 @@
+#include <headway/slam/stereo_slam.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "dynamic_rejection.h"
+#include "frame_tracker.h"
+#include "local_mapper.h"
+#include "motion_model.h"
+#include "sparse_map.h"
+
+namespace headway::slam {
+namespace {
+
+constexpr int kPyramidLevels = 4;
+
+/// A frame's pose, hung on a keyframe so that corrections of the map reach it.
+struct HungPose {
+  std::size_t frame = 0;
+  Time time = 0.0;
+  bool tracked = false;
+  KeyframeId reference;  ///< invalid before the first keyframe
+  Pose T_reference_cam = Pose::Identity();
+};
+
+/// Covariance of T_a_c from those of T_a_b and T_b_c, errors independent.
+///
+/// @see Barfoot & Furgale 2014, first order; perturbations act on the right
+PoseCovariance compose(const PoseCovariance& of_ab, const Pose& T_b_c,
+                       const PoseCovariance& of_bc) {
+  const Eigen::Matrix3d R = T_b_c.linear().transpose();
+  const Eigen::Vector3d& t = T_b_c.translation();
+  Eigen::Matrix3d cross;
+  cross << 0.0, -t.z(), t.y(), t.z(), 0.0, -t.x(), -t.y(), t.x(), 0.0;
+  PoseCovariance adjoint = PoseCovariance::Zero();
+  adjoint.topLeftCorner<3, 3>() = R;
+  adjoint.topRightCorner<3, 3>() = -R * cross;
+  adjoint.bottomRightCorner<3, 3>() = R;
+  return adjoint * of_ab * adjoint.transpose() + of_bc;
+}
+
+/// Pose of the robot at the first frame: level where gravity is known, else identity.
+Pose firstRobotPose(const StereoFrame& frame, bool use_imu) {
+  Pose pose = Pose::Identity();
+  if (use_imu && frame.motion_prior.up_robot) {
+    pose.linear() =
+        Eigen::Quaterniond::FromTwoVectors(*frame.motion_prior.up_robot, Eigen::Vector3d::UnitZ())
+            .toRotationMatrix();
+    pose.linear() = expSo3({0.0, 0.0, -yawOf(pose)}) * pose.linear();
+  }
+  return pose;
+}
+
+}  // namespace
+
+class StereoSlam::Implementation {
+ public:
+  Implementation(std::shared_ptr<const StereoCamera> camera, const SlamParams& params)
+      : camera_(std::move(camera)),
+        params_(params),
+        tracker_(*camera_, params),
+        mapper_(*camera_, params),
+        motion_(camera_->T_robot_cam, params) {}
+
+  SlamUpdate process(const StereoFrame& frame, const MovingRegions& moving) {
+    TrackingFrame current;
+    std::optional<TrackedPose> tracked;
+    {
+      const auto watch = times_.watch("slam_track");
+      current = prepare(frame, moving);
+      tracked = track(frame, current);
+    }
+    const auto watch = times_.watch("slam_map");
+    const SlamUpdate update = tracked ? accept(current, *tracked) : guess(frame, current);
+    trajectory_.push_back(hang(current, update));
+    previous_ = std::move(current);
+    return update;
+  }
+
+  [[nodiscard]] MapView map() const;
+  [[nodiscard]] std::vector<FrameEstimate> trajectory() const;
+  [[nodiscard]] const StageTimes& times() const { return times_; }
+
+ private:
+  [[nodiscard]] TrackingFrame prepare(const StereoFrame& frame, const MovingRegions& moving) const;
+  std::optional<TrackedPose> track(const StereoFrame& frame, const TrackingFrame& current);
+  SlamUpdate accept(const TrackingFrame& current, TrackedPose& tracked);
+  SlamUpdate guess(const StereoFrame& frame, const TrackingFrame& current);
+  [[nodiscard]] bool wantsKeyframe(const TrackedPose& tracked) const;
+  void makeKeyframe(const TrackingFrame& current, TrackedPose& tracked);
+  [[nodiscard]] HungPose hang(const TrackingFrame& current, const SlamUpdate& update) const;
+  [[nodiscard]] Pose robotAt(const Pose& T_map_cam) const {
+    return normalized(T_map_cam * camera_->T_robot_cam.inverse(Eigen::Isometry));
+  }
+  [[nodiscard]] PoseCovariance robotCovariance(const PoseCovariance& of_camera) const {
+    return compose(of_camera, camera_->T_robot_cam.inverse(Eigen::Isometry),
+                   PoseCovariance::Zero());
+  }
+
+  std::shared_ptr<const StereoCamera> camera_;
+  SlamParams params_;
+  FrameTracker tracker_;
+  LocalMapper mapper_;
+  MotionModel motion_;
+  SparseMap map_;
+  StageTimes times_;
+
+  TrackingFrame previous_;
+  std::vector<TrackedLandmark> seen_before_;  ///< landmarks of the previous frame, if tracked
+  std::vector<LandmarkId> local_landmarks_;   ///< those around the newest keyframe
+  std::optional<KeyframeId> reference_;       ///< newest keyframe
+  PoseCovariance covariance_ = PoseCovariance::Zero();  ///< of the last camera pose
+  int lost_in_a_row_ = 0;
+  std::vector<HungPose> trajectory_;
+};
+
+TrackingFrame StereoSlam::Implementation::prepare(const StereoFrame& frame,
+                                                  const MovingRegions& moving) const {
+  TrackingFrame current;
+  current.index = frame.index;
+  current.time = frame.time;
+  current.left = buildPyramid(frame.left, kPyramidLevels);
+  current.right = buildPyramid(frame.right, kPyramidLevels);
+  current.excluded = excludedMask(moving, params_.dynamic_rejection, frame.left.size());
+  return current;
+}
+
+std::optional<TrackedPose> StereoSlam::Implementation::track(const StereoFrame& frame,
+                                                             const TrackingFrame& current) {
+  if (!reference_) {
+    motion_.reset(frame.time, firstRobotPose(frame, params_.use_imu) * camera_->T_robot_cam);
+    return std::nullopt;
+  }
+  const std::vector<Pose> guesses{motion_.predict(frame), motion_.last()};
+  return tracker_.track(previous_, seen_before_, current, guesses, local_landmarks_, map_);
+}
+
+/// The pose is known: extend the map where it gets thin.
+SlamUpdate StereoSlam::Implementation::accept(const TrackingFrame& current, TrackedPose& tracked) {
+  lost_in_a_row_ = 0;
+  SlamUpdate update;
+  update.status = TrackingStatus::kTracked;
+  update.inliers = static_cast<int>(tracked.landmarks.size());
+  const Keyframe& reference = map_.keyframe(*reference_);
+  const Pose T_reference_cam = reference.T_map_cam.inverse(Eigen::Isometry) * tracked.T_map_cam;
+  covariance_ = compose(reference.covariance, T_reference_cam, tracked.covariance);
+  motion_.update(current.time, tracked.T_map_cam);
+  update.is_keyframe = params_.mapping && wantsKeyframe(tracked);
+  if (update.is_keyframe) makeKeyframe(current, tracked);
+  seen_before_ = std::move(tracked.landmarks);
+  update.features = static_cast<int>(seen_before_.size());
+  update.T_map_robot = robotAt(motion_.last());
+  update.covariance = robotCovariance(covariance_);
+  return update;
+}
+
+/// The pose is not known: go on as before, and begin a new part of the map after a while.
+SlamUpdate StereoSlam::Implementation::guess(const StereoFrame& frame,
+                                             const TrackingFrame& current) {
+  constexpr double kGrowth = 0.01;  ///< variance that each guessed frame adds [m^2], [rad^2]
+  SlamUpdate update;
+  ++lost_in_a_row_;
+  if (reference_) {
+    motion_.coast(frame.time, motion_.predict(frame));
+    covariance_ += kGrowth * PoseCovariance::Identity();
+  }
+  const bool begin = !reference_ || (params_.mapping && lost_in_a_row_ > params_.restart_after);
+  TrackedPose fresh;
+  fresh.T_map_cam = motion_.last();
+  if (begin) {
+    const auto reference_before = reference_;
+    makeKeyframe(current, fresh);
+    if (static_cast<int>(fresh.landmarks.size()) >= params_.min_inliers) {
+      lost_in_a_row_ = 0;
+      update.status = TrackingStatus::kTracked;
+      update.is_keyframe = true;
+      update.inliers = static_cast<int>(fresh.landmarks.size());
+    } else {
+      reference_ = reference_before;
+    }
+  }
+  seen_before_ = std::move(fresh.landmarks);
+  update.features = static_cast<int>(seen_before_.size());
+  update.T_map_robot = robotAt(motion_.last());
+  update.covariance = robotCovariance(covariance_);
+  return update;
+}
+
+bool StereoSlam::Implementation::wantsKeyframe(const TrackedPose& tracked) const {
+  std::vector<double> flow;
+  for (const TrackedLandmark& seen : tracked.landmarks) {
+    const auto& observations = map_.find(seen.id)->observations;
+    for (const LandmarkObservation& observation : observations) {
+      if (observation.keyframe != *reference_) continue;
+      flow.push_back((observation.measurement.uv - seen.measurement.uv).norm());
+    }
+  }
+  const auto before = static_cast<double>(map_.keyframe(*reference_).landmarks.size());
+  if (static_cast<double>(flow.size()) < params_.keyframe_overlap * before) return true;
+  return percentile(flow, 0.5) > params_.keyframe_flow * camera_->width;
+}
+
+void StereoSlam::Implementation::makeKeyframe(const TrackingFrame& current, TrackedPose& tracked) {
+  reference_ = mapper_.insert(current, tracked.T_map_cam, covariance_, tracked.landmarks, map_);
+  motion_.correct(map_.keyframe(*reference_).T_map_cam);
+  local_landmarks_ = map_.seenBy(map_.neighbourhood(*reference_, params_.window));
+}
+
+HungPose StereoSlam::Implementation::hang(const TrackingFrame& current,
+                                          const SlamUpdate& update) const {
+  HungPose hung;
+  hung.frame = current.index;
+  hung.time = current.time;
+  hung.tracked = update.status == TrackingStatus::kTracked;
+  hung.T_reference_cam = motion_.last();
+  if (reference_) {
+    hung.reference = *reference_;
+    hung.T_reference_cam =
+        map_.keyframe(*reference_).T_map_cam.inverse(Eigen::Isometry) * motion_.last();
+  }
+  return hung;
+}
+
+MapView StereoSlam::Implementation::map() const {
+  MapView view;
+  for (const auto& [id, landmark] : map_.landmarks()) {
+    const auto& patch = landmark.patch;
+    const auto centre = patch.centre.array().round().cast<int>();
+    view.landmarks.push_back({id, landmark.position, static_cast<int>(landmark.observations.size()),
+                              patch.pixels[centre.y() * ReferencePatch::kSize + centre.x()]});
+  }
+  for (const auto& [id, keyframe] : map_.keyframes()) {
+    view.keyframes.push_back({id, keyframe.frame, keyframe.time, robotAt(keyframe.T_map_cam),
+                              robotCovariance(keyframe.covariance), keyframe.landmarks});
+  }
+  return view;
+}
+
+std::vector<FrameEstimate> StereoSlam::Implementation::trajectory() const {
+  std::vector<FrameEstimate> estimates;
+  estimates.reserve(trajectory_.size());
+  for (const HungPose& hung : trajectory_) {
+    const Pose T_map_cam = hung.reference.valid()
+                               ? map_.keyframe(hung.reference).T_map_cam * hung.T_reference_cam
+                               : hung.T_reference_cam;
+    estimates.push_back({hung.frame, hung.time, hung.tracked, robotAt(T_map_cam)});
+  }
+  return estimates;
+}
+
+StereoSlam::StereoSlam(std::shared_ptr<const StereoCamera> camera, const SlamParams& params)
+    : implementation_(std::make_unique<Implementation>(std::move(camera), params)) {}
+
+StereoSlam::~StereoSlam() = default;
+
+SlamUpdate StereoSlam::process(const StereoFrame& frame, const MovingRegions& moving) {
+  return implementation_->process(frame, moving);
+}
+
+MapView StereoSlam::map() const { return implementation_->map(); }
+
+std::vector<FrameEstimate> StereoSlam::trajectory() const { return implementation_->trajectory(); }
+
+const StageTimes& StereoSlam::times() const { return implementation_->times(); }
+
+}  // namespace headway::slam
