@@ -4,5 +4,6 @@ namespace headway::app {
 
 /// Sub-commands of headway-eval; each takes its own arguments and returns the exit status.
 int runTrajectory(int argc, const char** argv);
+int runTracks(int argc, const char** argv);
 
 }  // namespace headway::app

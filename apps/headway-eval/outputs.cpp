@@ -24,11 +24,11 @@ void Outputs::requireWritable() const {
   }
 }
 
-void Outputs::write(const nlohmann::ordered_json& figures,
+void Outputs::write(const std::function<nlohmann::ordered_json()>& figures,
                     const std::function<cv::Mat()>& plot) const {
   if (!json_.empty()) {
     std::ofstream file(json_);
-    file << figures.dump(2) << std::endl;
+    file << figures().dump(2) << std::endl;
     if (!file) throw InputError(json_ + ": cannot be written; is the folder there?");
   }
   if (plot_.empty()) return;

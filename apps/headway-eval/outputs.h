@@ -18,10 +18,11 @@ class Outputs {
   /// @throws InputError if a file exists and may not be overwritten
   void requireWritable() const;
 
-  /// Writes what was asked for; `plot` is drawn only where it is.
+  /// Makes and writes what was asked for, and nothing else.
   ///
   /// @throws InputError if a file cannot be written
-  void write(const nlohmann::ordered_json& figures, const std::function<cv::Mat()>& plot) const;
+  void write(const std::function<nlohmann::ordered_json()>& figures,
+             const std::function<cv::Mat()>& plot) const;
 
  private:
   std::string json_;

@@ -148,11 +148,12 @@ int runTrajectory(int argc, const char** argv) {
   const Format format = chosenFormat(options);
   const auto error = compare(options, format);
   if (!options.quiet) eval::writeTable(std::cout, eval::tableOf(error));
-  options.outputs.write(eval::toJson(error), [&] {
+  const auto plot = [&] {
     const auto view = format == Format::kKitti ? eval::TopView::kXz : eval::TopView::kXy;
     const auto name = std::filesystem::path(options.estimate).filename().string();
     return eval::trajectoryPlot(error, view, name + " against the truth");
-  });
+  };
+  options.outputs.write([&] { return eval::toJson(error); }, plot);
   return program::kDone;
 }
 

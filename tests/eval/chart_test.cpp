@@ -35,8 +35,7 @@ TEST(ChartTest, drawsWhereItIsTold) {
   EXPECT_GT(changed(before, after), 0.0);
   EXPECT_LT(changed(before, after), 0.001);
   // Middle of the axes: red.
-  const cv::Vec3b middle =
-      after.at<cv::Vec3b>(46 + (760 - 46 - 62) / 2, 84 + (1200 - 84 - 120) / 2);
+  const cv::Vec3b middle = after.at<cv::Vec3b>(46 + (760 - 46 - 62) / 2, 84 + (1200 - 84 - 24) / 2);
   EXPECT_EQ(cv::Vec3b(0, 0, 255), middle);
 }
 

@@ -100,6 +100,27 @@ void drawDashes(cv::Mat& image, const cv::Point2d& a, const cv::Point2d& b, Colo
   phase += length;
 }
 
+/// Place for a box of that size in the corner of the plot where least is drawn.
+cv::Rect emptiestCorner(const cv::Mat& image, const cv::Rect& plot, cv::Size size, int margin) {
+  const int left = plot.x + margin;
+  const int right = plot.x + plot.width - size.width - margin;
+  const int top = plot.y + margin;
+  const int bottom = plot.y + plot.height - size.height - margin;
+  cv::Rect best;
+  int least = -1;
+  for (const auto& corner : {cv::Point(right, top), {left, top}, {right, bottom}, {left, bottom}}) {
+    const cv::Rect box(corner, size);
+    cv::Mat background;
+    const cv::Mat part = image(box & cv::Rect({0, 0}, image.size()));
+    cv::inRange(part, cv::Scalar::all(kGrid.red - 4), cv::Scalar::all(255), background);
+    const int ink = static_cast<int>(part.total()) - cv::countNonZero(background);
+    if (least >= 0 && ink >= least) continue;
+    least = ink;
+    best = box;
+  }
+  return best;
+}
+
 }  // namespace
 
 Colour categoryColour(std::size_t number) {
@@ -145,7 +166,7 @@ Range rangeOf(const std::vector<Eigen::Vector2d>& points, int coordinate) {
 
 Chart::Chart(const ChartFrame& frame)
     : frame_(frame),
-      plot_(kOver * 84, kOver * 46, kOver * (frame.width - 84 - 120),
+      plot_(kOver * 84, kOver * 46, kOver * (frame.width - 84 - frame.right_px),
             kOver * (frame.height - 46 - 62)),
       image_(kOver * frame.height, kOver * frame.width, CV_8UC3, cv::Scalar::all(255)) {
   frame_.x = widened(frame_.x, frame_.same_scale ? 0.04 : 0.0);
@@ -254,8 +275,7 @@ void Chart::drawLegend(cv::Mat& image) const {
   const int margin = 12 * kOver;
   const cv::Size size(widest + sample + 3 * margin,
                       row * static_cast<int>(entries_.size()) + margin);
-  const cv::Rect box(plot_.x + plot_.width - size.width - margin, plot_.y + margin, size.width,
-                     size.height);
+  const cv::Rect box = emptiestCorner(image, plot_, size, margin);
   cv::rectangle(image, box, cv::Scalar::all(255), cv::FILLED);
   cv::rectangle(image, box, bgr(kGrid), kOver, cv::LINE_AA);
   for (std::size_t i = 0; i < entries_.size(); ++i) {

@@ -1,4 +1,5 @@
 #include <headway/eval/json.h>
+#include <headway/eval/track_error.h>
 #include <headway/eval/trajectory_error.h>
 
 #include <nlohmann/json.hpp>
@@ -10,7 +11,39 @@ using Json = nlohmann::ordered_json;
 
 Json orNull(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
+Json toJson(const TrackError& error) {
+  Json json;
+  json["rmse_m"] = orNull(error.rmse_m);
+  json["precision"] = orNull(error.precision);
+  json["recall"] = orNull(error.recall);
+  json["f1"] = orNull(error.f1);
+  json["mota"] = orNull(error.mota);
+  json["motp"] = orNull(error.motp);
+  json["idsw"] = error.idsw;
+  json["frag"] = error.frag;
+  json["hota"] = orNull(error.hota);
+  json["deta"] = orNull(error.deta);
+  json["assa"] = orNull(error.assa);
+  json["samota"] = orNull(error.samota);
+  json["amota"] = orNull(error.amota);
+  json["truth_boxes"] = error.truth_boxes;
+  json["tp"] = error.tp;
+  json["fp"] = error.fp;
+  json["fn"] = error.fn;
+  json["score_threshold"] = orNull(error.score_threshold);
+  return json;
+}
+
 }  // namespace
+
+Json toJson(const TrackErrors& errors) {
+  Json json;
+  for (const auto& [object_class, error] : errors.classes) {
+    json[std::string(toString(object_class))] = toJson(error);
+  }
+  json["all"] = toJson(errors.all);
+  return json;
+}
 
 Json toJson(const TrajectoryError& error) {
   Json json;

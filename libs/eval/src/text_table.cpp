@@ -1,4 +1,5 @@
 #include <headway/eval/text_table.h>
+#include <headway/eval/track_error.h>
 #include <headway/eval/trajectory_error.h>
 
 #include <algorithm>
@@ -36,6 +37,28 @@ void writeRow(std::ostream& out, const std::vector<std::string>& row,
   out << "|\n";
 }
 
+std::string percent(std::optional<double> share) {
+  if (share) share = 100.0 * *share;
+  return fixedText(share, 2);
+}
+
+std::vector<std::string> rowOf(const std::string& name, const TrackError& error) {
+  return {name,
+          fixedText(error.rmse_m, 3),
+          percent(error.precision),
+          percent(error.recall),
+          percent(error.f1),
+          percent(error.mota),
+          percent(error.motp),
+          std::to_string(error.idsw),
+          std::to_string(error.frag),
+          percent(error.hota),
+          percent(error.deta),
+          percent(error.assa),
+          percent(error.samota),
+          percent(error.amota)};
+}
+
 }  // namespace
 
 void writeTable(std::ostream& out, const TextTable& table) {
@@ -50,10 +73,10 @@ void writeTable(std::ostream& out, const TextTable& table) {
   }
 }
 
-std::string fixedText(double value, int decimals) {
-  if (!std::isfinite(value)) return "—";
+std::string fixedText(std::optional<double> value, int decimals) {
+  if (!value || !std::isfinite(*value)) return "—";
   std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "%.*f", decimals, value);
+  std::snprintf(text.data(), text.size(), "%.*f", decimals, *value);
   return text.data();
 }
 
@@ -64,7 +87,7 @@ TextTable tableOf(const TrajectoryError& error) {
                    std::to_string(error.frames_matched) + " of " + std::to_string(error.frames),
                    ""});
   table.push_back({"true path", fixedText(error.path_m, 2), "m"});
-  table.push_back({"path ratio", error.path_ratio ? fixedText(*error.path_ratio, 4) : "—", ""});
+  table.push_back({"path ratio", fixedText(error.path_ratio, 4), ""});
   table.push_back({"ATE RMSE", fixedText(ate.rmse, 4), "m"});
   table.push_back({"ATE mean", fixedText(ate.mean, 4), "m"});
   table.push_back({"ATE standard deviation", fixedText(ate.sd, 4), "m"});
@@ -76,6 +99,16 @@ TextTable tableOf(const TrajectoryError& error) {
   table.push_back({"KITTI translation", kitti ? fixedText(kitti->trans_percent, 3) : "—", "%"});
   table.push_back({"KITTI rotation", kitti ? fixedText(kitti->rot_deg_per_m, 5) : "—", "deg/m"});
   if (error.scale != 1.0) table.push_back({"scale", fixedText(error.scale, 5), ""});
+  return table;
+}
+
+TextTable tableOf(const TrackErrors& errors) {
+  TextTable table = {{"class", "RMSE m", "prec %", "recall %", "F1 %", "MOTA %", "MOTP %", "IDSW",
+                      "FRAG", "HOTA %", "DetA %", "AssA %", "sAMOTA %", "AMOTA %"}};
+  for (const auto& [object_class, error] : errors.classes) {
+    table.push_back(rowOf(std::string(toString(object_class)), error));
+  }
+  table.push_back(rowOf("all", errors.all));
   return table;
 }
 

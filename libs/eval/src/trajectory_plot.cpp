@@ -28,8 +28,11 @@ cv::Mat pathFromAbove(const TrajectoryError& error, TopView view, const std::str
   const auto estimate = seenFromAbove(error.aligned, &PosePair::estimate, view);
   Points both = truth;
   both.insert(both.end(), estimate.begin(), estimate.end());
-  Chart chart({title, "x [m]", view == TopView::kXy ? "y [m]" : "z [m]", rangeOf(both, 0),
-               rangeOf(both, 1), true});
+  ChartFrame frame{
+      title, "x [m]", view == TopView::kXy ? "y [m]" : "z [m]", rangeOf(both, 0), rangeOf(both, 1),
+      true};
+  frame.right_px = kRampRoom_px;
+  Chart chart(frame);
   chart.line(truth, kTruthColour, 1.6, LineStyle::kDashed);
   const double greatest = std::max(error.ate_m.max, 1e-9);
   for (std::size_t i = 1; i < estimate.size(); ++i) {
@@ -61,6 +64,7 @@ cv::Mat errorOverPath(const TrajectoryError& error) {
                    {0.0, error.path_m},
                    {0.0, std::max(error.ate_m.max, 1e-9)}};
   frame.height = 340;
+  frame.right_px = kRampRoom_px;
   Chart chart(frame);
   chart.line({{0.0, error.ate_m.rmse}, {error.path_m, error.ate_m.rmse}}, categoryColour(1), 1.6,
              LineStyle::kDashed);

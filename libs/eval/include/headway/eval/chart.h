@@ -34,6 +34,9 @@ struct Range {
 
 enum class LineStyle { kSolid, kDashed, kDotted };
 
+/// Room to the right of the axes that Chart::ramp() needs [px].
+inline constexpr int kRampRoom_px = 120;
+
 /// What a chart is drawn on.
 struct ChartFrame {
   std::string title;
@@ -44,6 +47,7 @@ struct ChartFrame {
   bool same_scale = false;  ///< one unit is as long along x as along y: maps
   int width = 1200;         ///< [px]
   int height = 760;         ///< [px]
+  int right_px = 24;        ///< room to the right of the axes; ramp() needs kRampRoom_px
 };
 
 /// A picture with axes, lines, dots and a legend; the same calls give the same bytes.
@@ -65,7 +69,7 @@ class Chart {
   void bar(double x_from, double x_to, double y, Colour colour);  ///< from y = 0
   void text(const Eigen::Vector2d& point, const std::string& words, Colour colour = {});
 
-  /// Adds one entry to the legend in the upper right corner.
+  /// Adds one entry to the legend, which stands in the corner where least is drawn.
   void legend(const std::string& name, Colour colour, LineStyle style = LineStyle::kSolid);
   /// Explains rampColour() to the right of the axes.
   void ramp(const std::string& label, double max);

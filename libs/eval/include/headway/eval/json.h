@@ -4,9 +4,11 @@
 
 namespace headway::eval {
 
+struct TrackErrors;
 struct TrajectoryError;
 
 /// The figures under the keys that scripts rely on; null where a figure is not defined.
 [[nodiscard]] nlohmann::ordered_json toJson(const TrajectoryError& error);
+[[nodiscard]] nlohmann::ordered_json toJson(const TrackErrors& errors);
 
 }  // namespace headway::eval

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <iosfwd>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace headway::eval {
 
+struct TrackErrors;
 struct TrajectoryError;
 
 /// Rows of text, the first being the headings.
@@ -14,10 +16,13 @@ using TextTable = std::vector<std::vector<std::string>>;
 /// Writes the table as Markdown with aligned columns: the first to the left, others to the right.
 void writeTable(std::ostream& out, const TextTable& table);
 
-/// The number with fixed decimals; an em dash if it is not finite.
-[[nodiscard]] std::string fixedText(double value, int decimals);
+/// The number with fixed decimals; an em dash if there is none or it is not finite.
+[[nodiscard]] std::string fixedText(std::optional<double> value, int decimals);
 
 /// The figures of a trajectory, named and with units.
 [[nodiscard]] TextTable tableOf(const TrajectoryError& error);
+
+/// One row a class, shares in percent.
+[[nodiscard]] TextTable tableOf(const TrackErrors& errors);
 
 }  // namespace headway::eval

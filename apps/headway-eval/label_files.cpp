@@ -1,0 +1,148 @@
+#include "label_files.h"
+
+#include <headway/core/error.h>
+#include <headway/io/track_file.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <set>
+
+namespace headway::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostFrames = 10'000'000;  // beyond, an index is a mistake
+
+std::map<std::string, std::string> filesByName(const std::string& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    const auto [other, is_new] = files.emplace(entry.path().stem(), entry.path());
+    if (!is_new) {
+      throw InputError(folder + ": holds two files named '" + other->first +
+                       "'; leave one of them out");
+    }
+  }
+  return files;
+}
+
+void requireThere(const std::string& path) {
+  if (!fs::exists(path)) throw InputError(path + ": no such file or folder");
+}
+
+std::string placeOf(const std::string& path, std::size_t frame) {
+  return path + ": frame " + std::to_string(frame) + ": ";
+}
+
+bool isFinite(const Box2d& box) {
+  return std::isfinite(box.left + box.top + box.right + box.bottom);
+}
+
+bool isFinite(const Box3d& box) {
+  return box.centre.allFinite() && std::isfinite(box.length + box.width + box.height + box.yaw);
+}
+
+void requireUsable(const eval::LabelledBox& box, std::size_t frame, const std::string& path) {
+  const bool finite = std::isfinite(box.score) && std::isfinite(box.truncation) &&
+                      (!box.box2d || isFinite(*box.box2d)) && (!box.box3d || isFinite(*box.box3d));
+  if (!finite) throw InputError(placeOf(path, frame) + "a number is not finite");
+}
+
+eval::LabelledFrame& frameAt(std::vector<eval::LabelledFrame>& frames, std::size_t frame,
+                             const std::string& path) {
+  if (frame > kMostFrames) throw InputError(placeOf(path, frame) + "no recording is that long");
+  if (frames.size() <= frame) frames.resize(frame + 1);
+  return frames[frame];
+}
+
+/// KITTI's tracking labels spell Person_sitting as Person.
+io::KittiRow withOurSpelling(io::KittiRow row) {
+  if (row.type == "Person") row.type = "Person_sitting";
+  return row;
+}
+
+}  // namespace
+
+PairedFiles pairedFiles(const std::string& truth, const std::string& estimate) {
+  requireThere(truth);
+  requireThere(estimate);
+  if (fs::is_directory(truth) != fs::is_directory(estimate)) {
+    throw InputError(truth + " and " + estimate + ": give two files or two folders");
+  }
+  if (!fs::is_directory(truth)) return {{{fs::path(truth).stem(), truth, estimate}}, {}};
+  const auto true_files = filesByName(truth);
+  const auto estimates = filesByName(estimate);
+  PairedFiles result;
+  for (const auto& [name, file] : estimates) {
+    const auto partner = true_files.find(name);
+    if (partner == true_files.end()) {
+      throw InputError(file + ": has no partner named '" + name + "' in " + truth);
+    }
+    result.pairs.push_back({name, partner->second, file});
+  }
+  if (result.pairs.empty()) throw InputError(estimate + ": the folder holds no files");
+  for (const auto& [name, file] : true_files) {
+    if (estimates.count(name) == 0) result.truth_alone.push_back(name);
+  }
+  return result;
+}
+
+std::string fileNamed(const std::string& name, const std::string& path) {
+  requireThere(path);
+  if (!fs::is_directory(path)) return path;
+  const auto files = filesByName(path);
+  const auto file = files.find(name);
+  if (file == files.end()) throw InputError(path + ": holds no file named '" + name + "'");
+  return file->second;
+}
+
+std::vector<eval::LabelledFrame> readLabels(const std::string& path) {
+  std::vector<eval::LabelledFrame> frames;
+  const auto rows = io::readKittiRows(path);
+  if (rows.empty()) throw InputError(path + ": holds no labels");
+  for (const auto& given : rows) {
+    const auto row = withOurSpelling(given);
+    auto& frame = frameAt(frames, row.frame, path);
+    const auto detection = io::detectionFrom(row);
+    if (row.type == "DontCare") frame.dont_care.push_back(row.box2d);
+    if (!detection) continue;
+    eval::LabelledBox box;
+    box.id = row.id;
+    box.object_class = detection->object_class;
+    box.box2d = detection->box2d;
+    box.box3d = detection->box3d;
+    box.occlusion = row.occlusion;
+    box.truncation = row.truncation;
+    requireUsable(box, row.frame, path);
+    frame.truth.push_back(box);
+  }
+  return frames;
+}
+
+void addEstimates(const std::string& path, std::vector<eval::LabelledFrame>& frames,
+                  std::map<std::string, std::size_t>& dropped) {
+  std::int64_t own_id = -1;  // of boxes without a track
+  for (const auto& [index, detections] : io::readDetections(path, dropped)) {
+    auto& frame = frameAt(frames, index, path);
+    std::set<std::int64_t> ids;
+    for (const auto& detection : detections.items) {
+      eval::LabelledBox box;
+      box.id = detection.detector_id.value_or(own_id);
+      if (!detection.detector_id) --own_id;
+      box.object_class = detection.object_class;
+      box.score = detection.score;
+      box.box2d = detection.box2d;
+      box.box3d = detection.box3d;
+      requireUsable(box, index, path);
+      if (!ids.insert(box.id).second) {
+        throw InputError(placeOf(path, index) + "id " + std::to_string(box.id) +
+                         " stands there twice; a track has one box a frame");
+      }
+      frame.estimates.push_back(box);
+    }
+  }
+}
+
+}  // namespace headway::app

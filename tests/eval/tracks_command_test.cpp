@@ -1,0 +1,136 @@
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "run_program.h"
+
+namespace headway::eval {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+/// A car that drives away, as a label (`score` empty) or a result row in each frame.
+std::string carRows(int frames, int id, double x, const std::string& score) {
+  std::ostringstream rows;
+  for (int k = 0; k < frames; ++k) {
+    rows << k << " " << id << " Car 0 0 0 100 100 200 160 1.5 1.6 4.0 " << x << " 1.6 " << 10 + k
+         << " -1.57 " << score << "\n";
+  }
+  return rows.str();
+}
+
+class TracksCommandTest : public testing::Test {
+ protected:
+  std::string file(const std::string& name, const std::string& content) {
+    const auto path = folder_ / name;
+    std::filesystem::create_directories(path.parent_path());
+    std::ofstream(path) << content;
+    return path;
+  }
+  ProgramRun run(const std::string& truth, const std::string& estimate,
+                 const std::string& more = "") {
+    return runEval("tracks --truth " + truth + " --estimate " + estimate + " " + more);
+  }
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(TracksCommandTest, filesAndFoldersGiveTheAgreedKeys) {
+  const std::string dont_care =
+      "0 -1 DontCare -1 -1 -10 0 0 50 50 -1000 -1000 -1000 -10 -1 -1 -1\n";
+  file("truth/0001.txt", carRows(10, 1, 0.0, "") + dont_care);
+  file("truth/0002.txt", carRows(10, 1, 0.0, ""));
+  file("truth/0003.txt", carRows(10, 1, 0.0, ""));
+  file("tracks/0001.txt", carRows(10, 5, 0.3, "0.9"));
+  file("tracks/0002.txt", carRows(5, 5, 0.3, "0.8"));
+  const std::string out = folder_ / "t.json";
+  const auto result = run(folder_ / "truth", folder_ / "tracks",
+                          "--json " + out + " --plot " + std::string(folder_ / "t.png"));
+  EXPECT_EQ(0, result.status) << result.error;
+  EXPECT_THAT(result.out, HasSubstr("left out: 0003"));
+  const auto figures = json::parse(contentOf(out));
+  for (const auto& part : {figures, figures["sequences"]["0001"]}) {
+    for (const char* name : {"Car", "Pedestrian", "Cyclist", "all"}) {
+      for (const char* key : {"rmse_m", "precision", "recall", "f1", "mota", "motp", "idsw", "frag",
+                              "hota", "deta", "assa", "samota", "amota"}) {
+        EXPECT_TRUE(part[name].contains(key)) << name << " " << key;
+      }
+    }
+  }
+  EXPECT_NEAR(0.3, figures["Car"]["rmse_m"].get<double>(), 1e-9);
+  EXPECT_NEAR(0.75, figures["Car"]["mota"].get<double>(), 1e-9);
+  EXPECT_NEAR(1.0, figures["sequences"]["0001"]["Car"]["mota"].get<double>(), 1e-9);
+  EXPECT_NEAR(0.5, figures["sequences"]["0002"]["Car"]["mota"].get<double>(), 1e-9);
+  EXPECT_TRUE(figures["Cyclist"]["mota"].is_null());
+  EXPECT_THAT(contentOf(folder_ / "t.png"), testing::StartsWith("\x89PNG"));
+}
+
+TEST_F(TracksCommandTest, imageBoxesOnRequest) {
+  const auto truth = file("a.txt", carRows(4, 1, 0.0, ""));
+  const auto far_off = file("b.txt", carRows(4, 1, 30.0, "1"));
+  const std::string out = folder_ / "t.json";
+  EXPECT_EQ(0, run(truth, far_off, "--metric 2d --classes Car --json " + out).status);
+  const auto figures = json::parse(contentOf(out));
+  EXPECT_NEAR(1.0, figures["Car"]["mota"].get<double>(), 1e-9);
+  EXPECT_FALSE(figures.contains("Cyclist"));
+}
+
+TEST_F(TracksCommandTest, detectionsWithoutIdsAreTracksOfTheirOwn) {
+  const auto truth = file("a.txt", carRows(6, 1, 0.0, ""));
+  const auto boxes = file("b.txt", carRows(6, -1, 0.1, "1"));
+  const std::string out = folder_ / "t.json";
+  EXPECT_EQ(0, run(truth, boxes, "--json " + out).status);
+  const auto figures = json::parse(contentOf(out));
+  EXPECT_EQ(5, figures["Car"]["idsw"]);
+  EXPECT_NEAR(1.0, figures["Car"]["recall"].get<double>(), 1e-9);
+}
+
+TEST_F(TracksCommandTest, whatIsWrongWithTheFilesIsOneLine) {
+  const auto labels = file("truth/0001.txt", carRows(4, 1, 0.0, ""));
+  const auto twice = file("twice.txt", carRows(4, 1, 0.0, "1") + carRows(1, 1, 9.0, "1"));
+  const auto not_finite = file("nan.txt", "0 1 Car 0 0 0 1 1 9 9 1 1 nan 0 0 9 0 1\n");
+  const auto empty = file("empty.txt", "");
+  file("other/0007.txt", carRows(4, 1, 0.0, "1"));
+  const auto only_2d = file("2d.txt", "0 1 Car 0 0 0 1 1 9 9 -1 -1 -1 -1000 -1000 -1000 -10 1\n");
+  const std::vector<std::tuple<std::string, std::string, std::string>> cases = {
+      {labels, twice, "frame 0: id 1 stands there twice"},
+      {labels, not_finite, "nan.txt: frame 0: a number is not finite"},
+      {not_finite, labels, "nan.txt: frame 0: a number is not finite"},
+      {labels, empty, "holds no 3d boxes"},
+      {empty, labels, "holds no labels"},
+      {labels, only_2d, "holds no 3d boxes"},
+      {labels, folder_ / "none.txt", "no such file or folder"},
+      {labels, folder_ / "other", "give two files or two folders"},
+      {folder_ / "truth", folder_ / "other", "0007.txt: has no partner"}};
+  for (const auto& [truth, estimate, reason] : cases) {
+    const auto result = run(truth, estimate);
+    EXPECT_EQ(1, result.status) << reason;
+    EXPECT_THAT(result.error, HasSubstr(reason));
+    EXPECT_EQ(1, std::count(result.error.begin(), result.error.end(), '\n')) << result.error;
+  }
+}
+
+TEST_F(TracksCommandTest, wrongUseEndsWithStatusTwo) {
+  const auto labels = file("a.txt", carRows(4, 1, 0.0, ""));
+  EXPECT_EQ(2, run(labels, labels, "--metric 4d").status);
+  EXPECT_EQ(2, run(labels, labels, "--classes Horse").status);
+  EXPECT_EQ(2, run(labels, labels, "--iou 0").status);
+}
+
+TEST_F(TracksCommandTest, realLabelsAgainstThemselvesArePerfect) {
+  HEADWAY_REQUIRE_DATA(data);
+  const std::string labels = data / "kitti_tracking/training/label_02";
+  const std::string out = folder_ / "t.json";
+  EXPECT_EQ(0, run(labels, labels, "--json " + out).status);
+  const auto figures = json::parse(contentOf(out));
+  EXPECT_EQ(19u, figures["sequences"].size());
+  for (const char* name : {"Car", "Pedestrian", "Cyclist", "all"}) {
+    EXPECT_EQ(0.0, figures[name]["rmse_m"].get<double>());
+    EXPECT_NEAR(1.0, figures[name]["samota"].get<double>(), 1e-9);
+    EXPECT_NEAR(1.0, figures[name]["hota"].get<double>(), 1e-9);
+    EXPECT_EQ(0, figures[name]["idsw"]);
+  }
+}
+
+}  // namespace
+}  // namespace headway::eval
