@@ -1,0 +1,144 @@
+#include "frame_writers.h"
+
+#include <headway/io/track_file.h>
+#include <headway/io/trajectory_file.h>
+#include <headway/pipeline/moving_regions.h>
+
+#include <cmath>
+#include <exception>
+#include <iomanip>
+
+namespace headway::replay {
+namespace {
+
+/// The track's box in an optical frame.
+Box3d boxOf(const Track& track, const Pose& T_sensor_map) {
+  Box3d box;
+  box.centre = T_sensor_map * track.position;
+  box.length = track.size.x();
+  box.width = track.size.y();
+  box.height = track.size.z();
+  const Eigen::Vector3d front(std::cos(track.yaw), std::sin(track.yaw), 0.0);
+  box.yaw = opticalYaw(T_sensor_map.linear() * front);
+  return box;
+}
+
+/// KITTI's row of a track; without an image the 2D box is -1 -1 -1 -1 where none was detected.
+io::KittiRow kittiRow(std::size_t frame, const Track& track, const Pose& T_sensor_map,
+                      const StereoCamera* camera) {
+  const Box3d box = boxOf(track, T_sensor_map);
+  io::KittiRow row;
+  row.frame = frame;
+  row.id = track.id.value;
+  row.type = std::string(toString(track.object_class));
+  row.truncation = -1;
+  row.occlusion = -1;
+  row.alpha = wrapAngle(box.yaw - std::atan2(box.centre.x(), box.centre.z()));
+  row.height = box.height;
+  row.width = box.width;
+  row.length = box.length;
+  row.bottom_centre = box.centre + Eigen::Vector3d(0, 0.5 * box.height, 0);
+  row.rotation_y = box.yaw;
+  row.score = track.score;
+  auto box2d = track.box2d;
+  if (!box2d && camera != nullptr) box2d = pipeline::projectedBox(box, *camera);
+  row.box2d = box2d.value_or(Box2d{-1, -1, -1, -1});
+  return row;
+}
+
+bool isShown(const Track& track) {
+  return track.status == TrackStatus::kConfirmed || track.status == TrackStatus::kCoasting;
+}
+
+void writeTumRow(std::ostream& out, Time time, const Pose& pose) {
+  const Eigen::Quaterniond q(pose.linear());
+  const Eigen::Vector3d& p = pose.translation();
+  out << std::fixed << std::setprecision(9) << time;
+  for (const double value : {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()}) out << ' ' << value;
+  out << '\n';
+}
+
+}  // namespace
+
+FrameWriters::FrameWriters(const std::filesystem::path& folder,
+                           std::shared_ptr<const StereoCamera> camera)
+    : camera_(std::move(camera)),
+      trajectory_(folder / "trajectory_online.tum"),
+      tracks_(folder / "tracks.csv"),
+      smoothed_(folder / "tracks_smoothed.csv"),
+      kitti_(folder / "tracks_kitti.txt"),
+      predictions_(folder / "predictions.csv") {
+  tracks_.stream() << io::trackCsvHeader() << '\n';
+  smoothed_.stream() << io::trackCsvHeader() << '\n';
+  predictions_.stream() << io::predictionCsvHeader() << '\n';
+}
+
+void FrameWriters::write(const pipeline::PerceptionUpdate& update, const Pose& T_robot_sensor) {
+  if (update.camera.status == slam::TrackingStatus::kTracked) {
+    writeTumRow(trajectory_.stream(), update.time, update.camera.T_map_robot);
+  }
+  const Pose T_sensor_map = (update.camera.T_map_robot * T_robot_sensor).inverse();
+  for (const auto& track : update.objects.tracks) {
+    if (isShown(track)) writeTrack(update, track, T_sensor_map);
+  }
+  writeSmoothed(update.objects.settled);
+  for (const auto* file : {&trajectory_, &tracks_, &smoothed_, &kitti_, &predictions_}) {
+    file->check();
+  }
+}
+
+void FrameWriters::writeTrack(const pipeline::PerceptionUpdate& update, const Track& track,
+                              const Pose& T_sensor_map) {
+  io::writeTrackCsv(tracks_.stream(), {update.frame, update.time, track});
+  io::writeKittiResult(kitti_.stream(), kittiRow(update.frame, track, T_sensor_map, camera_.get()));
+  for (const auto& path : track.predictions) {
+    for (const auto& point : path.points) {
+      io::writePredictionCsv(predictions_.stream(),
+                             {update.frame, update.time, track.id, track.object_class, path.mode,
+                              path.probability, point});
+    }
+  }
+}
+
+void FrameWriters::writeSmoothed(const std::vector<TrackSample>& samples) {
+  for (const auto& sample : samples) {
+    if (isShown(sample.track)) io::writeTrackCsv(smoothed_.stream(), sample);
+  }
+}
+
+void FrameWriters::flush() {
+  std::exception_ptr failure;  // the first one; the other files are still brought to disk
+  for (auto* file : {&trajectory_, &tracks_, &smoothed_, &kitti_, &predictions_}) {
+    try {
+      file->flush();
+    } catch (...) {
+      if (!failure) failure = std::current_exception();
+    }
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+void writeTrajectories(const std::filesystem::path& folder,
+                       const std::vector<slam::FrameEstimate>& trajectory,
+                       const Pose& T_robot_cam) {
+  std::vector<Stamped<Pose>> tracked;
+  for (const auto& estimate : trajectory) {
+    if (estimate.tracked) tracked.push_back({estimate.time, estimate.T_map_robot});
+  }
+  io::writeTum(folder / "trajectory.tum", tracked);
+
+  std::vector<Pose> camera_poses;
+  if (!tracked.empty()) {
+    const Pose T_first_map = (tracked.front().value * T_robot_cam).inverse();
+    Pose last = Pose::Identity();
+    for (const auto& estimate : trajectory) {
+      const std::size_t row = estimate.frame - trajectory.front().frame;
+      while (camera_poses.size() < row) camera_poses.push_back(last);
+      if (estimate.tracked) last = T_first_map * estimate.T_map_robot * T_robot_cam;
+      camera_poses.push_back(last);
+    }
+  }
+  io::writeKittiPoses(folder / "trajectory_kitti.txt", camera_poses);
+}
+
+}  // namespace headway::replay

@@ -1,0 +1,37 @@
+#include "options.h"
+
+namespace headway::replay {
+
+void describe(Options& options, program::CommandLine& line) {
+  line.option(options.input, 'i', "input", "IN.rawlog", "Rawlog to replay", true);
+  line.option(options.output, 'o', "output", "OUTDIR", "Folder for all results", true);
+  line.option(options.detections, 0, "detections", "FILE",
+              "Boxes by frame (KITTI or CSV) to use instead of the recorded ones");
+  line.option(options.detector, 0, "detector", "NAME",
+              "Where boxes come from: recorded (rawlog or --detections) or none");
+  line.option(options.sensor_label, 0, "sensor-label", "LABEL",
+              "Stereo camera to use where the rawlog holds several");
+  line.option(options.realtime, 0, "realtime", "FACTOR",
+              "Play at FACTOR times the recorded rate, dropping frames when late; 0: every frame");
+  line.option(options.from_index, 0, "from-index", "N", "First stereo frame to use");
+  line.option(options.to_index, 0, "to-index", "N", "Last stereo frame to use");
+  line.option(options.snapshots, 0, "snapshots", "N", "Pictures to draw along the way");
+  line.flag(options.overwrite, 'w', "overwrite", "Write into a folder that holds results already");
+}
+
+void check(const Options& options) {
+  using program::UsageError;
+  if (options.detector != "recorded" && options.detector != "none") {
+    throw UsageError("--detector: '" + options.detector + "' is none of recorded, none");
+  }
+  if (options.detector == "none" && !options.detections.empty()) {
+    throw UsageError("--detections gives boxes and --detector none refuses them");
+  }
+  if (!(options.realtime >= 0.0)) throw UsageError("--realtime must not be negative");
+  if (options.snapshots < 0) throw UsageError("--snapshots must not be negative");
+  if (options.from_index && options.to_index && *options.to_index < *options.from_index) {
+    throw UsageError("--to-index lies before --from-index");
+  }
+}
+
+}  // namespace headway::replay

@@ -1,0 +1,214 @@
+#include "replay.h"
+
+#include <headway/core/error.h>
+#include <headway/io/calibration_file.h>
+#include <headway/io/track_file.h>
+#include <headway/map/map_export.h>
+#include <headway/map/map_file.h>
+#include <headway/program/progress.h>
+
+#include <cstdio>
+#include <iostream>
+#include <sstream>
+
+#include "measure.h"
+#include "run_record.h"
+
+namespace headway::replay {
+namespace {
+
+io::RawlogSourceOptions sourceOptions(const Options& options, const slam::SlamParams& slam) {
+  io::RawlogSourceOptions result;
+  result.sensor_label = options.sensor_label;
+  result.from_index = options.from_index.value_or(0);
+  result.to_index = options.to_index;
+  result.use_odometry = slam.use_odometry;
+  result.use_imu = slam.use_imu;
+  return result;
+}
+
+std::string textOf(const Params& params) {
+  std::ostringstream text;
+  params.print(text);
+  return text.str();
+}
+
+void printCalibration(const io::CalibrationReport& report) {
+  std::printf(
+      "calibration: baseline %.4f m, focal length %.2f px%s; vertical disparity %.2f px, "
+      "median disparity %.1f px (%zu matches)\n",
+      report.baseline_m, report.focal_px, report.rectified_here ? " (rectified here)" : "",
+      report.vertical_disparity_px, report.median_disparity_px, report.matches);
+}
+
+}  // namespace
+
+Replay::Replay(const Options& options, const pipeline::PerceptionParams& perception_params,
+               const Params& params)
+    : options_(options),
+      configuration_(textOf(params)),
+      source_(options.input, sourceOptions(options, perception_params.slam)),
+      camera_(source_.camera()),
+      folder_(prepareOutputFolder(options.output, options.overwrite)),
+      perception_(camera_, perception_params),
+      writers_(folder_, camera_),
+      snapshots_(folder_, options.snapshots, [this](const std::string& text) { warn(text); }) {
+  if (!options.detections.empty()) {
+    side_detections_ = io::readDetections(options.detections, summary_.detections_dropped);
+  }
+  summary_.calibration = source_.calibration();
+  if (summary_.calibration && !options_.quiet) printCalibration(*summary_.calibration);
+  if (camera_ != nullptr) io::writeCalibration(folder_ / "calibration.yaml", *camera_);
+  writeRunRecord(folder_ / "replay.json", options_, params);
+}
+
+void Replay::run() {
+  std::exception_ptr failure;
+  try {
+    processAll();
+  } catch (...) {
+    failure = std::current_exception();
+  }
+  if (source_.truncation()) summary_.ended_early = *source_.truncation();
+  if (program::interrupted()) summary_.ended_early = "interrupted";
+  try {
+    finish();
+  } catch (...) {
+    if (!failure) throw;
+  }
+  if (failure) std::rethrow_exception(failure);
+  if (source_.truncation()) {
+    throw InputError(*source_.truncation() + "; what came before it was processed and written to " +
+                     folder_.string());
+  }
+}
+
+std::unique_ptr<pipeline::FrameFeed> Replay::makeFeed() {
+  auto reader = [this] {
+    auto frame = source_.next();
+    progress_ = source_.progress();
+    return frame;
+  };
+  return options_.realtime > 0.0 ? pipeline::makeRealtimeFeed(reader, options_.realtime)
+                                 : pipeline::makeOfflineFeed(reader);
+}
+
+void Replay::processAll() {
+  program::Progress progress("replay", options_.quiet);
+  const auto feed = makeFeed();
+  while (!program::interrupted()) {
+    auto frame = feed->next();
+    summary_.frames_dropped_late = feed->dropped();
+    if (!frame) break;
+    if (summary_.frame_ms.empty()) summary_.start_up_s = secondsSinceProcessStart();
+    takeSideDetections(*frame);
+    process(*frame, progress_);
+    progress.update(summary_.frame_ms.size(), progress_);
+  }
+}
+
+void Replay::takeSideDetections(RecordedFrame& frame) const {
+  if (options_.detector == "none") frame.detections.reset();
+  if (options_.detections.empty()) return;
+  const auto side = side_detections_.find(frame.index);
+  frame.detections = side != side_detections_.end() ? side->second : Detections();
+  frame.detections->time = frame.time;
+  frame.detections->T_robot_sensor = camera_ != nullptr ? camera_->T_robot_cam : robotFromOptical();
+}
+
+void Replay::process(const RecordedFrame& frame, double progress) {
+  const double cpu_before = processCpuMs();
+  StageTimes span;
+  const auto watch = span.watch("frame");
+  const auto update = perception_.process(frame);
+  summary_.frame_ms.push_back(watch.elapsedMs() + frame.rectify_ms);
+  summary_.cpu_ms += processCpuMs() - cpu_before + frame.rectify_ms;
+
+  count(frame, update);
+  writers_.write(update, frame.detections     ? frame.detections->T_robot_sensor
+                         : camera_ != nullptr ? camera_->T_robot_cam
+                                              : robotFromOptical());
+  snapshots_.add(perception_, update, frame, progress);
+}
+
+void Replay::count(const RecordedFrame& frame, const pipeline::PerceptionUpdate& update) {
+  if (frame.rectify_ms > 0.0) summary_.stages.add("rectify", frame.rectify_ms);
+  summary_.detections_used += update.objects.detections_used;
+  for (const auto& [reason, dropped] : update.objects.detections_dropped) {
+    summary_.detections_dropped[reason] += dropped;
+  }
+  for (const auto& track : update.objects.tracks) {
+    if (track.status == TrackStatus::kConfirmed) {
+      bool& ever_moving = seen_tracks_[track.id];
+      ever_moving = ever_moving || track.moving;
+    }
+  }
+}
+
+void Replay::countLostFrames(const std::vector<slam::FrameEstimate>& trajectory) {
+  if (trajectory.empty()) return;
+  std::size_t next = trajectory.front().frame;
+  for (const auto& estimate : trajectory) {
+    while (next < estimate.frame) summary_.lost_frames.push_back(next++);
+    if (!estimate.tracked) summary_.lost_frames.push_back(estimate.frame);
+    if (estimate.tracked) ++summary_.frames_tracked;
+    ++next;
+  }
+  summary_.frames = next - trajectory.front().frame;
+}
+
+void Replay::finish() {
+  const auto trajectory = perception_.trajectory();
+  std::exception_ptr failure;  // the first one; one file that fails must not cost the others
+  const auto attempt = [&failure](const auto& step) {
+    try {
+      step();
+    } catch (...) {
+      if (!failure) failure = std::current_exception();
+    }
+  };
+  attempt([&] {
+    writers_.writeSmoothed(perception_.flush());
+    writers_.flush();
+  });
+  attempt([&] {
+    writeTrajectories(folder_, trajectory,
+                      camera_ != nullptr ? camera_->T_robot_cam : robotFromOptical());
+  });
+  attempt([&] { writeMap(trajectory); });
+  attempt([&] { snapshots_.finish(perception_); });
+  attempt([&] {
+    summarise(trajectory);
+    writeSummary(folder_ / "summary.json", summary_);
+  });
+  if (failure) std::rethrow_exception(failure);
+}
+
+void Replay::summarise(const std::vector<slam::FrameEstimate>& trajectory) {
+  countLostFrames(trajectory);
+  const auto still_world = perception_.map().stillWorld();
+  summary_.keyframes = still_world->keyframes.size();
+  summary_.landmarks = still_world->landmarks.size();
+  summary_.tracks_confirmed = seen_tracks_.size();
+  for (const auto& [id, moving] : seen_tracks_) summary_.tracks_moving += moving ? 1 : 0;
+  summary_.stages.merge(perception_.times());
+  summary_.observations_skipped = source_.skipped();
+  summary_.total_s = secondsSinceProcessStart();
+}
+
+void Replay::writeMap(const std::vector<slam::FrameEstimate>& trajectory) {
+  if (trajectory.empty()) return;
+  map::StoredMap stored;
+  stored.map = perception_.map();
+  stored.configuration = configuration_;
+  if (camera_ != nullptr) stored.camera = *camera_;
+  map::saveMap(folder_ / "map.headway", stored);
+  map::writeSimpleMap(folder_ / "map.simplemap", *stored.map.stillWorld());
+  map::writePly(folder_ / "map_points.ply", *stored.map.stillWorld());
+}
+
+void Replay::warn(const std::string& text) const {
+  std::cerr << "headway-replay: " << text << std::endl;
+}
+
+}  // namespace headway::replay

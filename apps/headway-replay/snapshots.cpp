@@ -1,0 +1,68 @@
+#include "snapshots.h"
+
+#include <headway/core/error.h>
+#include <headway/render/offscreen_renderer.h>
+
+#include <cstdio>
+#include <opencv2/imgcodecs.hpp>
+
+namespace headway::replay {
+
+Snapshots::Snapshots(std::filesystem::path folder, int count,
+                     std::function<void(const std::string&)> warn)
+    : folder_(std::move(folder)), count_(count), warn_(std::move(warn)) {}
+
+void Snapshots::add(const pipeline::Perception& perception,
+                    const pipeline::PerceptionUpdate& update, const RecordedFrame& frame,
+                    double progress) {
+  if (update.camera.status == slam::TrackingStatus::kTracked) {
+    path_.push_back({update.time, update.camera.T_map_robot});
+  }
+  last_ = frame;
+  T_map_robot_ = update.camera.T_map_robot;
+  if (isDue(progress)) draw(perception);
+}
+
+bool Snapshots::isDue(double progress) const {
+  const auto done = static_cast<double>(written_.size());
+  return done < count_ && progress * count_ >= done + 0.5;
+}
+
+scene::SnapshotInput Snapshots::input(const pipeline::Perception& perception) const {
+  scene::SnapshotInput input{
+      perception.map(), last_->index, last_->time, T_map_robot_, {}, {}, path_, {}, {}};
+  if (last_->stereo) {
+    const StereoFrame& stereo = *last_->stereo;
+    input.camera = stereo.camera;
+    input.image = stereo.left_colour.empty() ? stereo.left : stereo.left_colour;
+  }
+  return input;
+}
+
+void Snapshots::draw(const pipeline::Perception& perception) {
+  try {
+    if (renderer_ == nullptr) {
+      std::filesystem::create_directories(folder_ / "snapshots");
+      renderer_ = std::make_unique<scene::SnapshotRenderer>(scene::SnapshotOptions());
+    }
+  } catch (const render::RendererUnavailable& error) {
+    warn_(std::string("no pictures: ") + error.what());
+    count_ = 0;
+    return;
+  }
+  char name[16];
+  std::snprintf(name, sizeof name, "%06zu.png", last_->index);
+  const auto path = folder_ / "snapshots" / name;
+  if (!cv::imwrite(path.string(), renderer_->draw(input(perception)))) {
+    throw InputError(path.string() + ": the picture cannot be written; is the disk full?");
+  }
+  written_.push_back(path);
+}
+
+void Snapshots::finish(const pipeline::Perception& perception) {
+  if (!last_) return;
+  if (count_ > 0 && written_.empty()) draw(perception);
+  scene::saveScene((folder_ / "scene.3Dscene").string(), input(perception));
+}
+
+}  // namespace headway::replay

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <headway/core/recorded_frame.h>
+#include <headway/pipeline/perception.h>
+#include <headway/scene/snapshot.h>
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace headway::replay {
+
+/// Draws pictures of the map along the way, spread evenly over the rawlog, and the final scene.
+///
+/// Where no OpenGL can be had, says so once and draws nothing; the scene file is still written.
+class Snapshots {
+ public:
+  Snapshots(std::filesystem::path folder, int count, std::function<void(const std::string&)> warn);
+
+  /// Remembers the frame and draws it if one is due.
+  ///
+  /// @param progress  share of the rawlog that is done, 0 to 1
+  void add(const pipeline::Perception& perception, const pipeline::PerceptionUpdate& update,
+           const RecordedFrame& frame, double progress);
+
+  /// Writes scene.3Dscene of the last frame added.
+  void finish(const pipeline::Perception& perception);
+
+  /// Pictures written so far.
+  [[nodiscard]] const std::vector<std::filesystem::path>& written() const { return written_; }
+
+ private:
+  [[nodiscard]] bool isDue(double progress) const;
+  [[nodiscard]] scene::SnapshotInput input(const pipeline::Perception& perception) const;
+  void draw(const pipeline::Perception& perception);
+
+  std::filesystem::path folder_;
+  int count_;
+  std::function<void(const std::string&)> warn_;
+  std::unique_ptr<scene::SnapshotRenderer> renderer_;  ///< made when the first picture is due
+  std::vector<std::filesystem::path> written_;
+  std::vector<Stamped<Pose>> path_;
+  std::optional<RecordedFrame> last_;
+  Pose T_map_robot_ = Pose::Identity();
+};
+
+}  // namespace headway::replay

@@ -1,0 +1,99 @@
+#include "summary.h"
+
+#include <headway/program/version.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "measure.h"
+#include "output_folder.h"
+
+namespace headway::replay {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json calibrationJson(const std::optional<io::CalibrationReport>& report) {
+  if (!report) return nullptr;
+  return {{"baseline_m", report->baseline_m},
+          {"focal_px", report->focal_px},
+          {"vertical_disparity_px", report->vertical_disparity_px},
+          {"median_disparity_px", report->median_disparity_px},
+          {"matches", report->matches},
+          {"rectified_here", report->rectified_here}};
+}
+
+Json stagesJson(const StageTimes& stages) {
+  Json json = Json::object();
+  for (const auto& [stage, times] : stages.summary()) {
+    json[stage] = {{"median", times.median_ms}, {"p95", times.p95_ms}};
+  }
+  return json;
+}
+
+double perFrame(double total, std::size_t frames) {
+  return frames == 0 ? 0.0 : total / static_cast<double>(frames);
+}
+
+std::string countsText(const std::map<std::string, std::size_t>& counts) {
+  std::string text;
+  for (const auto& [reason, count] : counts) {
+    text += (text.empty() ? "" : ", ") + reason + " " + std::to_string(count);
+  }
+  return text;
+}
+
+}  // namespace
+
+void writeSummary(const std::filesystem::path& path, const Summary& summary) {
+  Json json;
+  json["frames"] = summary.frames;
+  json["frames_tracked"] = summary.frames_tracked;
+  json["frames_lost"] = summary.lost_frames.size();
+  json["lost_frames"] = summary.lost_frames;
+  json["frames_dropped_late"] = summary.frames_dropped_late;
+  json["keyframes"] = summary.keyframes;
+  json["landmarks"] = summary.landmarks;
+  json["loops"] = summary.loops;
+  json["tracks_confirmed"] = summary.tracks_confirmed;
+  json["tracks_moving"] = summary.tracks_moving;
+  json["start_up_s"] = summary.start_up_s;
+  json["total_s"] = summary.total_s;
+  json["frame_ms_median"] = percentile(summary.frame_ms, 0.5);
+  json["frame_ms_p95"] = percentile(summary.frame_ms, 0.95);
+  json["frame_ms_max"] = percentile(summary.frame_ms, 1.0);
+  json["cpu_ms_per_frame"] = perFrame(summary.cpu_ms, summary.frame_ms.size());
+  json["stages_ms"] = stagesJson(summary.stages);
+  json["peak_memory_mb"] = peakMemoryMb();
+  json["detections_used"] = summary.detections_used;
+  json["detections_dropped"] = Json(summary.detections_dropped);
+  json["calibration"] = calibrationJson(summary.calibration);
+  json["observations_skipped"] = Json(summary.observations_skipped);
+  json["ended_early"] = summary.ended_early ? Json(*summary.ended_early) : Json();
+  json["version"] = program::kVersion;
+  json["seed"] = summary.seed;
+  OutputFile file(path);
+  file.stream() << json.dump(2) << '\n';
+  file.flush();
+}
+
+void printSummary(const Summary& summary) {
+  std::printf("%zu of %zu frames tracked, %zu keyframes, %zu landmarks\n", summary.frames_tracked,
+              summary.frames, summary.keyframes, summary.landmarks);
+  std::printf("%zu tracks confirmed, %zu of them moving; %zu detections used",
+              summary.tracks_confirmed, summary.tracks_moving, summary.detections_used);
+  if (!summary.detections_dropped.empty()) {
+    std::printf(", dropped: %s", countsText(summary.detections_dropped).c_str());
+  }
+  std::printf(
+      "\n%.1f ms a frame (median), %.1f ms (95 %%); %.1f ms CPU; %.0f MB; first frame "
+      "after %.2f s\n",
+      percentile(summary.frame_ms, 0.5), percentile(summary.frame_ms, 0.95),
+      perFrame(summary.cpu_ms, summary.frame_ms.size()), peakMemoryMb(), summary.start_up_s);
+  if (!summary.observations_skipped.empty()) {
+    std::printf("observations not used: %s\n", countsText(summary.observations_skipped).c_str());
+  }
+}
+
+}  // namespace headway::replay

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <headway/core/stage_times.h>
+#include <headway/core/track.h>
+#include <headway/io/rawlog_source.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace headway::replay {
+
+/// The figures of one replay, as summary.json holds them.
+struct Summary {
+  std::size_t frames = 0;  ///< from the first frame's index to the last one's
+  std::size_t frames_tracked = 0;
+  std::vector<std::size_t> lost_frames;  ///< lost, skipped or dropped ones
+  std::size_t frames_dropped_late = 0;   ///< with --realtime
+  std::size_t keyframes = 0;
+  std::size_t landmarks = 0;
+  std::size_t loops = 0;
+  std::size_t tracks_confirmed = 0;
+  std::size_t tracks_moving = 0;  ///< confirmed ones that were found moving at some time
+  double start_up_s = 0.0;
+  double total_s = 0.0;
+  std::vector<double> frame_ms;
+  double cpu_ms = 0.0;  ///< over all frames
+  StageTimes stages;
+  std::size_t detections_used = 0;
+  DropCounts detections_dropped;
+  std::optional<io::CalibrationReport> calibration;
+  std::map<std::string, std::size_t> observations_skipped;
+  std::optional<std::string> ended_early;  ///< why, where the rawlog was not read to its end
+  int seed = 0;
+};
+
+/// Writes summary.json (doc/formats.md).
+void writeSummary(const std::filesystem::path& path, const Summary& summary);
+
+/// Prints the summary for a reader, a few lines.
+void printSummary(const Summary& summary);
+
+}  // namespace headway::replay
