@@ -12,7 +12,7 @@ constexpr std::array<double, 5> kNodes = {0.046910077030668, 0.230765344947158, 
 constexpr std::array<double, 5> kWeights = {0.118463442528095, 0.239314335249683, 0.284444444444444,
                                             0.239314335249683, 0.118463442528095};
 // Where the parametric speed varies more than this, a polynomial cannot follow its inverse.
-constexpr double kSteadySpeedRatio = 0.5;
+constexpr double kSteadySpeedRatio = 0.75;
 
 }  // namespace
 

@@ -54,14 +54,16 @@ std::optional<double> ConsistencyCheck::cost(const ExpectedPlace& track,
   if (!compatible(track.object_class, detection.object_class)) return std::nullopt;
   const Eigen::Vector3d offset = detection.position - track.position;
   if (offset.head<2>().squaredNorm() > params_.gate_max_m * params_.gate_max_m) return std::nullopt;
-  const Eigen::Matrix2d S = track.covariance + detection.covariance;
+  const double blur = params_.gate_blur_m * params_.gate_blur_m;
+  const Eigen::Matrix2d S =
+      track.covariance + detection.covariance + blur * Eigen::Matrix2d::Identity();
   const double determinant = S.determinant();
   const double squared_distance =
       (S(1, 1) * offset.x() * offset.x() - 2.0 * S(0, 1) * offset.x() * offset.y() +
        S(0, 0) * offset.y() * offset.y()) /
       determinant;
   const double vertical =
-      offset.z() * offset.z() / (track.vertical_variance + detection.vertical_variance);
+      offset.z() * offset.z() / (track.vertical_variance + detection.vertical_variance + blur);
   const double gate = params_.gate_sigma * params_.gate_sigma;
   if (squared_distance > gate || vertical > gate) return std::nullopt;
   const double spread = 2.0 * M_PI * params_.new_object_density;

@@ -77,11 +77,12 @@ KalmanFilter::KalmanFilter(const MeasuredBox& first, const FilterParams& params)
   height_ = first.size.z();
 }
 
-void KalmanFilter::predict(const Transition& transition) {
-  x_.predict(transition, acceleration_sigma_);
-  y_.predict(transition, acceleration_sigma_);
+void KalmanFilter::predict(const Transition& transition, bool standing) {
+  const double sigma = (standing ? params_.standing_share : 1.0) * acceleration_sigma_;
+  x_.predict(transition, sigma);
+  y_.predict(transition, sigma);
   cross_xy_ = transition.F * cross_xy_ * transition.F.transpose();
-  z_.predict(transition, kVerticalShare * acceleration_sigma_);
+  z_.predict(transition, kVerticalShare * sigma);
   yaw_.predict(transition, kTurnAcceleration);
   yaw_.mean(0) = wrapAngle(yaw_.mean(0));
 }

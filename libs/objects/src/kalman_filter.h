@@ -44,7 +44,9 @@ class KalmanFilter {
   KalmanFilter(const MeasuredBox& first, const FilterParams& params);
 
   /// Carries the state on by one step.
-  void predict(const Transition& transition);
+  ///
+  /// @param standing  the object is known to stand: it hardly accelerates
+  void predict(const Transition& transition, bool standing);
 
   /// Takes in a measured place and footprint.
   void updatePlace(const MeasuredBox& measured);

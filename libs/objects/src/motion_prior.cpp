@@ -1,5 +1,6 @@
 #include "motion_prior.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace headway::objects {
@@ -93,9 +94,15 @@ void MotionPriorProblem::solveStep(const std::vector<Eigen::Vector3d>& places, d
   vertical_.reset(n);
   const auto slope = gradient(places);
   for (std::size_t j = 0; j < n; ++j) {
-    const double weight = huberWeight(squaredResidual(j, places[j]), outlier_sigma_);
-    horizontal_.diagonal[j] = weight * measurements_[j].information;
-    vertical_.diagonal[j](0) = weight * measurements_[j].vertical_information;
+    const PlaceMeasurement& m = measurements_[j];
+    const double squared = squaredResidual(j, places[j]);
+    const double weight = huberWeight(squared, outlier_sigma_);
+    horizontal_.diagonal[j] = weight * m.information;
+    vertical_.diagonal[j](0) = weight * m.vertical_information;
+    if (weight < 1.0) {  // Huber's loss is straight along the residual: no curvature that way
+      const Eigen::Vector2d pull = m.information * (places[j] - m.measured).head<2>();
+      horizontal_.diagonal[j] -= weight / squared * pull * pull.transpose();
+    }
     horizontal_.right[j] = -slope[j].head<2>();
     vertical_.right[j](0) = -slope[j].z();
   }
@@ -128,8 +135,7 @@ void MotionPriorProblem::solveStep(const std::vector<Eigen::Vector3d>& places, d
 }
 
 MotionPriorProblem::Summary MotionPriorProblem::refine(std::vector<Eigen::Vector3d>& places,
-                                                       int max_iterations) {
-  constexpr double kSettled = 1e-6;  // relative decrease below which to stop
+                                                       int max_iterations, double settled_m) {
   constexpr double kMostDamping = 1e6;
   Summary summary;
   summary.initial_cost = summary.final_cost = cost(places);
@@ -139,17 +145,21 @@ MotionPriorProblem::Summary MotionPriorProblem::refine(std::vector<Eigen::Vector
   while (summary.iterations < max_iterations && damping < kMostDamping) {
     ++summary.iterations;
     solveStep(places, damping, step);
-    for (std::size_t j = 0; j < places.size(); ++j) candidate[j] = places[j] + step[j];
+    double farthest = 0.0;
+    for (std::size_t j = 0; j < places.size(); ++j) {
+      candidate[j] = places[j] + step[j];
+      farthest = std::max(farthest, step[j].squaredNorm());
+    }
     const double candidate_cost = cost(candidate);
     if (!(candidate_cost <= summary.final_cost)) {
       damping = 10.0 * std::max(damping, 1e-6);
       continue;
     }
-    const double decrease = summary.final_cost - candidate_cost;
+
     places.swap(candidate);
     summary.final_cost = candidate_cost;
     damping *= 0.1;
-    if (decrease <= kSettled * candidate_cost) break;
+    if (farthest <= settled_m * settled_m) break;
   }
   return summary;
 }

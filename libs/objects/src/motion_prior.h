@@ -56,7 +56,9 @@ class MotionPriorProblem {
   };
 
   /// Levenberg-Marquardt from `places`, which it overwrites with the minimum.
-  Summary refine(std::vector<Eigen::Vector3d>& places, int max_iterations);
+  ///
+  /// @param settled_m  ends when no place moves farther in one step [m]
+  Summary refine(std::vector<Eigen::Vector3d>& places, int max_iterations, double settled_m);
 
  private:
   /// One linear form of neighbouring places whose square is a term of the prior.

@@ -4,6 +4,7 @@ namespace headway::objects {
 
 void MotionVerdict::update(Time time, double speed, double speed_sigma, MotionGroup group) {
   if (speed > params_.still_speed.of(group)) last_fast_ = time;
+  sure_ = params_.significance * speed_sigma < params_.moving_speed.of(group);
   if (moving_) {
     moving_ = time - last_fast_ < params_.still_time_s;
   } else {

@@ -18,10 +18,13 @@ class MotionVerdict {
   void update(Time time, double speed, double speed_sigma, MotionGroup group);
 
   [[nodiscard]] bool moving() const { return moving_; }
+  /// Whether it has been watched long enough to be sure that it stands.
+  [[nodiscard]] bool standing() const { return !moving_ && sure_; }
 
  private:
   MotionVerdictParams params_;
   bool moving_ = false;
+  bool sure_ = false;
   Time last_fast_ = 0.0;  ///< when it last was faster than still_speed
 };
 

@@ -23,6 +23,8 @@ void ConsistencyParams::describe(Params::Section section) {
               "Radius of the gate around a predicted place");
   section.add("new_object_density", new_object_density, 1e-9, 1e3, "1/m^2",
               "New objects and false alarms that a place holds: what a match must beat");
+  section.add("gate_blur", gate_blur_m, 0.0, 10.0, "m",
+              "Added to the spread of every expected place");
   section.add("gate_max", gate_max_m, 0.1, 100.0, "m", "Largest radius of the gate");
   section.add("duplicate_distance", duplicate_distance, 0.0, 2.0, "widths",
               "Boxes whose centres are nearer are one object");
@@ -39,6 +41,8 @@ void FilterParams::describe(Params::Section section) {
               "Typical acceleration, as the filter expects it");
   addPerClass(section, "initial_speed", initial_speed_sigma, 0.01, 100.0, "m/s",
               "Typical speed of a new object");
+  section.add("standing_share", standing_share, 0.0, 1.0, "",
+              "Share of that acceleration that an object which stands may show");
   section.add("acceleration_time", acceleration_time_s, 0.01, 100.0, "s",
               "Time over which an acceleration lasts");
   section.add("position_sigma", position_sigma_m, 0.001, 10.0, "m",
@@ -107,6 +111,8 @@ void SmoothingParams::describe(Params::Section section) {
   section.add("gaussian_sigma", gaussian_sigma_s, 0.001, 10.0, "s", "Width of that blur");
   section.add("smoother_iterations", max_iterations, 1, 1000, "",
               "Most iterations of Levenberg-Marquardt");
+  section.add("smoother_settled", settled_m, 1e-12, 1.0, "m",
+              "Levenberg-Marquardt ends when no place moves farther");
 }
 
 void LifecycleParams::describe(Params::Section section) {

@@ -66,10 +66,13 @@ void TrackedObject::voteClass(const MeasuredBox& detection) {
 }
 
 void TrackedObject::refine(Time time, const TrajectorySmoother& smoother) {
-  constexpr double kSpeedWindow_s = 0.5;
+  constexpr double kSpeedWindow_s = 1.0;
   smoother.refine(trajectory_, filter_, group());
-  const double sigma = std::sqrt(0.5 * filter_.velocityCovariance().trace());
-  verdict_.update(time, recentVelocity(trajectory_.path, kSpeedWindow_s).norm(), sigma, group());
+  const double window = std::min(kSpeedWindow_s, spanOf(trajectory_.path));
+  if (window <= 0.0) return;
+  const double speed = recentVelocity(trajectory_.path, window).norm();
+  const double sigma = std::sqrt(filter_.positionCovariance().trace()) / window;
+  verdict_.update(time, speed, sigma, group());
 }
 
 ExpectedPlace TrackedObject::expected() const {

@@ -22,7 +22,7 @@ class TrackedObject {
                 const ObjectsParams& params);
 
   /// Carries the object on to the time of the next frame.
-  void predict(const Transition& transition) { filter_.predict(transition); }
+  void predict(const Transition& transition) { filter_.predict(transition, verdict_.standing()); }
 
   /// Takes in the detection that continues the track (Sec. III-C2).
   void update(std::size_t frame, Time time, const MeasuredBox& detection);

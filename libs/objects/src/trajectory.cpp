@@ -46,7 +46,7 @@ void TrajectorySmoother::optimizeGrown(Trajectory& trajectory, MotionGroup group
   places.reserve(trajectory.path.size());
   for (const TrajectoryPoint& point : trajectory.path) places.push_back(point.position);
   MotionPriorProblem problem(trajectory.measurements, stiffnessOf(group));
-  problem.refine(places, params_.max_iterations);
+  problem.refine(places, params_.max_iterations, params_.settled_m);
   for (std::size_t j = 0; j < places.size(); ++j) trajectory.path[j].position = places[j];
 }
 

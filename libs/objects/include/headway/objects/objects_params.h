@@ -13,6 +13,7 @@ struct ConsistencyParams {
   bool track_unknown = true;          ///< track detections of unknown class too
   double gate_sigma = 4.0;            ///< radius of the gate, in standard deviations [-]
   double new_object_density = 0.005;  ///< new objects and false alarms in a place [1/m^2]
+  double gate_blur_m = 0.2;           ///< added to the spread of every expected place [m]
   double gate_max_m = 8.0;            ///< largest radius of the gate [m]
   double duplicate_distance =
       0.35;  ///< centres nearer than this share of the width: one object [-]
@@ -27,6 +28,7 @@ struct ConsistencyParams {
 struct FilterParams {
   PerClass<double> acceleration_sigma = {3.0, 2.0, 1.5};    ///< manoeuvres [m/s^2]
   PerClass<double> initial_speed_sigma = {10.0, 5.0, 1.5};  ///< of a new object [m/s]
+  double standing_share = 0.3;           ///< of the acceleration, for an object that stands [-]
   double acceleration_time_s = 1.0;      ///< correlation time of an acceleration [s]
   double position_sigma_m = 0.12;        ///< of a measured centre, near [m]
   double position_sigma_per_m = 0.006;   ///< growth with depth, along the ray [m/m]
@@ -44,7 +46,7 @@ struct FilterParams {
 struct HeadingParams {
   double flip_probability = 0.08;  ///< that a detector confuses front and back [-]
   double evidence_to_turn = 6.0;   ///< log-odds needed to turn a track round [-]
-  double evidence_limit = 12.0;    ///< log-odds at which evidence saturates [-]
+  double evidence_limit = 20.0;    ///< log-odds at which evidence saturates [-]
   double settle_frames = 10.0;     ///< measurements that fix the heading of a standing object
 
   void describe(Params::Section section);
@@ -82,6 +84,7 @@ struct SmoothingParams {
   bool gaussian_smoothing = false;  ///< blur each new place over its predecessors, as in the paper
   double gaussian_sigma_s = 0.1;    ///< width of that blur [s]
   int max_iterations = 10;          ///< of Levenberg-Marquardt
+  double settled_m = 0.001;         ///< it ends when no place moves farther [m]
 
   void describe(Params::Section section);
 };

@@ -1,0 +1,126 @@
+#include "bezier_predictor.h"
+
+#include <gtest/gtest.h>
+
+#include "bezier_curve.h"
+#include "scene.h"
+
+namespace headway::objects {
+namespace {
+
+using test::history;
+
+// Share of the arc length before parameter t, by brute force.
+double lengthUpTo(const Eigen::Vector2d& s, const Eigen::Vector2d& c, const Eigen::Vector2d& e,
+                  double t) {
+  constexpr int kSteps = 20000;
+  double length = 0.0;
+  Eigen::Vector2d before = s;
+  for (int i = 1; i <= kSteps; ++i) {
+    const double u = t * i / kSteps;
+    const Eigen::Vector2d here = (1 - u) * (1 - u) * s + 2 * u * (1 - u) * c + u * u * e;
+    length += (here - before).norm();
+    before = here;
+  }
+  return length;
+}
+
+TEST(BezierCurve, IsWalkedAtConstantSpeed) {
+  const Eigen::Vector2d start(1.0, 2.0);
+  for (const double bend : {0.0, 0.1, 0.5, 1.0, 2.0, 3.0, 3.14159}) {
+    const Eigen::Vector2d control = start + Eigen::Vector2d(5.0, 0.0);
+    const Eigen::Vector2d end = start + 9.0 * Eigen::Vector2d(std::cos(bend), std::sin(bend));
+    const BezierCurve curve(start, control, end);
+    const double length = lengthUpTo(start, control, end, 1.0);
+    EXPECT_NEAR(curve.length(), length, 2e-3 * length) << "bend " << bend;
+    for (const double share : {0.1, 0.5, 0.9}) {
+      const double walked = lengthUpTo(start, control, end, curve.parameterAt(share));
+      EXPECT_NEAR(walked / length, share, 4e-3) << "bend " << bend;
+    }
+    EXPECT_LT((curve.at(0.0) - start).norm(), 1e-9);
+    EXPECT_LT((curve.at(1.0) - end).norm(), 1e-9);
+  }
+}
+
+TEST(BezierCurve, OfNoLengthStaysInItsPlace) {
+  const Eigen::Vector2d here(3.0, 4.0);
+  const BezierCurve curve(here, here, here);
+  EXPECT_EQ(curve.length(), 0.0);
+  EXPECT_EQ(curve.at(0.5), here);
+}
+
+TEST(ChordOfArc, FollowsEquationThree) {
+  const double length = 12.0;
+  for (const double alpha : {0.2, 1.0, 2.0, 3.0}) {
+    const double radius = length / (2.0 * alpha);
+    const double x = std::cos(M_PI - 2.0 * alpha) + 1.0;
+    const double y = std::sin(M_PI - 2.0 * alpha);
+    EXPECT_NEAR(chordOfArc(length, alpha), radius * std::hypot(x, y), 1e-9);
+  }
+  EXPECT_NEAR(chordOfArc(length, 1e-5), length, 1e-6) << "eq. (2) is its limit";
+}
+
+TEST(SmoothedSpeed, AveragesTheLastStepsOnly) {
+  auto path = history([](double t) { return Eigen::Vector2d(2.0 * t, 0.0); });
+  path.front().position.x() -= 100.0;  // a jump, 20 steps ago
+  PaperPredictorParams params;
+  EXPECT_NEAR(smoothedSpeed(path, 5, params), 2.0, 1e-3);
+  EXPECT_GT(smoothedSpeed(path, 20, params), 40.0);
+  params.speed_factor = 0.5;
+  EXPECT_NEAR(smoothedSpeed(path, 5, params), 1.0, 1e-3);
+}
+
+std::vector<PredictedPath> predictTurning(const BezierPredictor::Ablation& ablation,
+                                          double yaw_error = 0.0) {
+  auto path = history([](double t) {
+    return Eigen::Vector2d(10.0 * std::sin(0.6 * t), 10.0 - 10.0 * std::cos(0.6 * t));
+  });
+  for (TrajectoryPoint& point : path) point.yaw += yaw_error;
+  return BezierPredictor(PredictorParams(), ablation).predict({ObjectClass::kCar, path, 0.0});
+}
+
+double reach(const std::vector<PredictedPath>& paths) {
+  return paths.front().points.back().position.head<2>().norm();  // the history ends at the origin
+}
+
+TEST(BezierPredictor, PutsTheEndOfATurnNearerThanItsLength) {
+  const double full = reach(predictTurning({}));
+  BezierPredictor::Ablation dm;
+  dm.distance_is_length = true;
+  EXPECT_LT(full, reach(predictTurning(dm))) << "DM always goes |C_p| far";
+  EXPECT_NEAR(reach(predictTurning(dm)), 6.0 * 3.0, 0.1);
+}
+
+TEST(BezierPredictor, IsHardlyMovedByAWrongHeadingAndItsAblationHdIs) {
+  const auto starts = [](const std::vector<PredictedPath>& paths) {
+    const Eigen::Vector3d& early = paths.front().points[4].position;
+    return std::atan2(early.y(), early.x());
+  };
+  BezierPredictor::Ablation hd;
+  hd.detected_heading = true;
+  const double error = 0.8;
+  const double moved = std::abs(starts(predictTurning({}, error)) - starts(predictTurning({})));
+  const double moved_hd = std::abs(starts(predictTurning(hd, error)) - starts(predictTurning(hd)));
+  EXPECT_LT(moved, 0.1);
+  EXPECT_GT(moved_hd, 0.4);
+}
+
+TEST(BezierPredictor, LeavesOutAHeadingThatLooksBack) {
+  const auto paths = predictTurning({}, M_PI);
+  const auto straight = predictTurning({});
+  EXPECT_LT((paths.front().points[9].position - straight.front().points[9].position).norm(), 0.2);
+}
+
+TEST(BezierPredictor, TakesTheSpeedOfTheLastStepInItsAblationSv) {
+  const auto path = history([](double t) { return Eigen::Vector2d(4.0 * t + t * t, 0.0); });
+  BezierPredictor::Ablation sv;
+  sv.instant_speed = true;
+  const MotionHistory known{ObjectClass::kCar, path, 0.0};
+  const auto smoothed = BezierPredictor(PredictorParams(), {}).predict(known);
+  const auto instant = BezierPredictor(PredictorParams(), sv).predict(known);
+  EXPECT_NEAR(instant.front().points.back().position.x(), 3.9 * 3.0, 0.05);
+  EXPECT_NEAR(smoothed.front().points.back().position.x(), 2.0 * 3.0, 0.05) << "lags behind";
+}
+
+}  // namespace
+}  // namespace headway::objects

@@ -1,0 +1,116 @@
+#include "kalman_filter.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+namespace headway::objects {
+namespace {
+
+MeasuredBox boxAt(double x, double y, double yaw = 0.0) {
+  MeasuredBox box;
+  box.object_class = ObjectClass::kCar;
+  box.position = {x, y, 0.5};
+  box.covariance << 0.09, 0.03, 0.03, 0.04;
+  box.vertical_variance = 0.01;
+  box.yaw = yaw;
+  box.size = {4.0, 1.7, 1.5};
+  return box;
+}
+
+TEST(Transition, OfTwoStepsIsThatOfBothTogether) {
+  for (const double dt : {1e-4, 0.05, 0.1, 1.0, 7.0}) {
+    const Transition one(dt, 0.8);
+    const Transition two(2.0 * dt, 0.8);
+    EXPECT_LT((one.F * one.F - two.F).norm(), 1e-9 * two.F.norm());
+    const Eigen::Matrix3d chained = one.F * one.Q * one.F.transpose() + one.Q;
+    EXPECT_LT((chained - two.Q).norm(), 2e-4 * two.Q.norm()) << dt;
+  }
+}
+
+TEST(Transition, OfNoTimeChangesNothing) {
+  const Transition still(0.0, 1.0);
+  EXPECT_EQ(still.F, Eigen::Matrix3d::Identity());
+  EXPECT_EQ(still.Q.norm(), 0.0);
+}
+
+TEST(Transition, LetsARateSettleOverALongGap) {
+  const Transition gap(60.0, 1.0);
+  EXPECT_NEAR(gap.F(0, 2), 59.0, 1e-6) << "an acceleration of 1 brings 1 m/s, not 60";
+  EXPECT_TRUE(gap.Q.allFinite());
+  EXPECT_GE(gap.Q.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), -1e-9);
+}
+
+TEST(KalmanFilter, FollowsAConstantVelocity) {
+  KalmanFilter filter(boxAt(0.0, 0.0), FilterParams());
+  const Transition step(0.1, 1.0);
+  for (int k = 1; k <= 60; ++k) {
+    filter.predict(step, false);
+    filter.updatePlace(boxAt(1.2 * k, -0.5 * k));
+  }
+  EXPECT_NEAR(filter.position().x(), 72.0, 0.02);
+  EXPECT_NEAR(filter.velocity().x(), 12.0, 0.05);
+  EXPECT_NEAR(filter.velocity().y(), -5.0, 0.05);
+}
+
+// The textbook filter over the 6-state block, to hold the block arithmetic against.
+TEST(KalmanFilter, IsTheFullFilterInBlocks) {
+  const FilterParams params;
+  KalmanFilter filter(boxAt(1.0, 2.0), params);
+  const Transition step(0.13, 0.9);
+  Eigen::Matrix<double, 6, 6> F = Eigen::Matrix<double, 6, 6>::Zero();
+  F.topLeftCorner<3, 3>() = F.bottomRightCorner<3, 3>() = step.F;
+  Eigen::Matrix<double, 6, 6> Q = Eigen::Matrix<double, 6, 6>::Zero();
+  const double sigma = params.acceleration_sigma.of(ObjectClass::kCar);
+  Q.topLeftCorner<3, 3>() = Q.bottomRightCorner<3, 3>() = sigma * sigma * step.Q;
+  Eigen::Matrix<double, 2, 6> H = Eigen::Matrix<double, 2, 6>::Zero();
+  H(0, 0) = H(1, 3) = 1.0;
+
+  Eigen::Matrix<double, 6, 1> mean;
+  mean << 1.0, 0.0, 0.0, 2.0, 0.0, 0.0;
+  const double speed = params.initial_speed_sigma.of(ObjectClass::kCar);
+  Eigen::Matrix<double, 6, 6> P = Eigen::Matrix<double, 6, 6>::Zero();
+  P.diagonal() << 0.09, speed * speed, sigma * sigma, 0.04, speed * speed, sigma * sigma;
+  P(0, 3) = P(3, 0) = 0.03;
+  for (int k = 0; k < 10; ++k) {
+    const MeasuredBox box = boxAt(1.0 + 0.8 * k, 2.0 + std::sin(k));
+    filter.predict(step, false);
+    filter.updatePlace(box);
+    mean = F * mean;
+    P = F * P * F.transpose() + Q;
+    const Eigen::Matrix<double, 6, 2> K =
+        P * H.transpose() * (H * P * H.transpose() + box.covariance).inverse();
+    mean += K * (box.position.head<2>() - H * mean);
+    P -= K * H * P;
+    EXPECT_LT((filter.position().head<2>() - H * mean).norm(), 1e-9);
+    EXPECT_LT((filter.positionCovariance() - H * P * H.transpose()).norm(), 1e-9);
+    EXPECT_NEAR(filter.velocity().y(), mean(4), 1e-9);
+    EXPECT_NEAR(filter.velocityCovariance()(0, 1), P(1, 4), 1e-9);
+  }
+}
+
+TEST(KalmanFilter, TurnsOnThroughHalfATurn) {
+  KalmanFilter filter(boxAt(0, 0, 3.0), FilterParams());
+  const Transition step(0.1, 1.0);
+  double yaw = 3.0;
+  for (int k = 0; k < 40; ++k) {
+    yaw = wrapAngle(yaw + 0.05);
+    filter.predict(step, false);
+    filter.updateYaw(yaw);
+  }
+  EXPECT_NEAR(wrapAngle(filter.yaw() - yaw), 0.0, 0.05);
+  EXPECT_NEAR(filter.yawRate(), 0.5, 0.1);
+}
+
+TEST(KalmanFilter, KeepsASizeOnceItIsKnown) {
+  KalmanFilter filter(boxAt(0, 0), FilterParams());
+  for (int k = 0; k < 40; ++k) filter.updateSize({4.0 + (k % 2 == 0 ? 0.2 : -0.2), 1.7, 1.5});
+  const Eigen::Vector3d settled = filter.size();
+  EXPECT_NEAR(settled.x(), 4.0, 0.05);
+  for (int k = 0; k < 40; ++k) filter.updateSize({2.0, 1.0, 1.0});  // half hidden
+  EXPECT_EQ(filter.size(), settled);
+}
+
+}  // namespace
+}  // namespace headway::objects

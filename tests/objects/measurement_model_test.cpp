@@ -1,0 +1,169 @@
+#include "measurement_model.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "scene.h"
+
+namespace headway::objects {
+namespace {
+
+using test::seenCar;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::Pair;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+struct Outcome {
+  std::vector<MeasuredBox> boxes;
+  DropCounts dropped;
+};
+
+Outcome measure(const std::vector<Detection>& items, const ConsistencyParams& selection = {},
+                const BoxLifter* lifter = nullptr, const Pose& T_map_robot = Pose::Identity()) {
+  Detections detections;
+  detections.items = items;
+  Outcome outcome;
+  outcome.boxes = MeasurementModel(selection, FilterParams())
+                      .toMap(T_map_robot, detections, lifter, outcome.dropped);
+  return outcome;
+}
+
+TEST(MeasurementModel, BringsABoxToTheMap) {
+  Pose T_map_robot = Pose::Identity();
+  T_map_robot.translation() << 5.0, -2.0, 1.0;
+  T_map_robot.linear() = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const auto outcome = measure({seenCar(10.0, 3.0, 0.4)}, {}, nullptr, T_map_robot);
+  ASSERT_EQ(outcome.boxes.size(), 1u);
+  EXPECT_LT((outcome.boxes[0].position - Eigen::Vector3d(2.0, 8.0, 1.0)).norm(), 1e-9);
+  EXPECT_NEAR(outcome.boxes[0].yaw, 0.4 + M_PI / 2, 1e-9);
+  EXPECT_THAT(outcome.dropped, IsEmpty());
+}
+
+TEST(MeasurementModel, TrustsFarBoxesLessAndTheirDepthLeast) {
+  const auto near = measure({seenCar(5.0, 0.0)}).boxes.at(0);
+  const auto far = measure({seenCar(60.0, 0.0)}).boxes.at(0);
+  EXPECT_GT(far.covariance(0, 0), 4.0 * near.covariance(0, 0)) << "x runs along the ray";
+  EXPECT_GT(far.covariance(0, 0), 2.0 * far.covariance(1, 1));
+  EXPECT_NEAR(far.covariance(0, 1), 0.0, 1e-12);
+  const auto aside = measure({seenCar(20.0, 20.0)}).boxes.at(0);
+  EXPECT_GT(aside.covariance(0, 1), 0.0) << "the ellipse points along the ray";
+}
+
+TEST(MeasurementModel, BelievesTheCovarianceThatADetectorGives) {
+  Detection car = seenCar(10.0, 0.0);
+  car.centre_covariance = Eigen::Vector3d(0.01, 0.02, 4.0).asDiagonal();  // optical axes
+  const auto box = measure({car}).boxes.at(0);
+  EXPECT_NEAR(box.covariance(0, 0), 4.0, 0.01);
+  EXPECT_NEAR(box.covariance(1, 1), 0.01, 0.01);
+  EXPECT_NEAR(box.vertical_variance, 0.02, 0.01);
+}
+
+TEST(MeasurementModel, ForgetsTheOrderOfArrival) {
+  std::vector<Detection> items;
+  for (int i = 0; i < 20; ++i) items.push_back(seenCar(5.0 + (i * 7) % 20, (i * 3) % 11));
+  const auto one = measure(items);
+  std::reverse(items.begin(), items.end());
+  const auto other = measure(items);
+  ASSERT_EQ(one.boxes.size(), other.boxes.size());
+  for (std::size_t i = 0; i < one.boxes.size(); ++i) {
+    EXPECT_EQ(one.boxes[i].position, other.boxes[i].position);
+  }
+}
+
+TEST(MeasurementModel, CountsNotANumberAndInfinity) {
+  const auto with = [](auto change) {
+    Detection car = seenCar(10.0, 0.0);
+    change(car);
+    return car;
+  };
+  const std::vector<Detection> items = {
+      with([](Detection& d) { d.box3d->centre.x() = kNan; }),
+      with([](Detection& d) { d.box3d->centre.z() = kInfinity; }),
+      with([](Detection& d) { d.box3d->length = kNan; }),
+      with([](Detection& d) { d.box3d->yaw = kInfinity; }),
+      with([](Detection& d) { d.score = kNan; }),
+      with([](Detection& d) { d.centre_covariance = Eigen::Matrix3d::Constant(kNan); }),
+  };
+  const auto outcome = measure(items);
+  EXPECT_THAT(outcome.boxes, IsEmpty());
+  EXPECT_THAT(outcome.dropped, ElementsAre(Pair("nan_box", items.size())));
+}
+
+TEST(MeasurementModel, CountsBoxesFromABrokenPose) {
+  Pose broken = Pose::Identity();
+  broken.translation().x() = kNan;
+  EXPECT_THAT(measure({seenCar(10.0, 0.0)}, {}, nullptr, broken).dropped,
+              ElementsAre(Pair("nan_box", 1u)));
+}
+
+TEST(MeasurementModel, CountsBoxesWithoutSize) {
+  Detection flat = seenCar(10.0, 0.0);
+  flat.box3d->height = 0.0;
+  Detection inside_out = seenCar(10.0, 0.0);
+  inside_out.box3d->width = -1.0;
+  EXPECT_THAT(measure({flat, inside_out}).dropped, ElementsAre(Pair("zero_size", 2u)));
+}
+
+TEST(MeasurementModel, CountsBoxesBehindTheCamera) {
+  EXPECT_THAT(measure({seenCar(-3.0, 1.0), seenCar(0.0, 1.0)}).dropped,
+              ElementsAre(Pair("behind_camera", 2u)));
+}
+
+TEST(MeasurementModel, CountsBoxesTooFarAway) {
+  ConsistencyParams selection;
+  selection.max_range_m = 50.0;
+  EXPECT_THAT(measure({seenCar(51.0, 0.0)}, selection).dropped, ElementsAre(Pair("too_far", 1u)));
+}
+
+TEST(MeasurementModel, CountsLowScores) {
+  ConsistencyParams selection;
+  selection.min_score = 0.5;
+  Detection unsure = seenCar(10.0, 0.0);
+  unsure.score = 0.4;
+  EXPECT_THAT(measure({unsure}, selection).dropped, ElementsAre(Pair("low_score", 1u)));
+}
+
+TEST(MeasurementModel, CountsUnknownClassesWhereTheyAreNotWanted) {
+  Detection thing = seenCar(10.0, 0.0);
+  thing.object_class = ObjectClass::kUnknown;
+  EXPECT_EQ(measure({thing}).boxes.size(), 1u);
+  ConsistencyParams selection;
+  selection.track_unknown = false;
+  EXPECT_THAT(measure({thing}, selection).dropped, ElementsAre(Pair("unknown_class", 1u)));
+}
+
+// Puts every box ten metres ahead, but knows nothing of boxes left of the image's middle.
+class TenMetresAhead : public BoxLifter {
+ public:
+  std::optional<LiftedBox> lift(const Box2d& box, ObjectClass) const override {
+    if (box.left < 500.0) return std::nullopt;
+    LiftedBox lifted;
+    lifted.box = {{0.0, 0.0, 10.0}, 4.0, 1.7, 1.5, 0.0};
+    lifted.centre_covariance = Eigen::Vector3d(0.1, 0.1, 2.0).asDiagonal();
+    return lifted;
+  }
+};
+
+TEST(MeasurementModel, LiftsImageBoxesWhereItCan) {
+  Detection flat;
+  flat.object_class = ObjectClass::kCar;
+  flat.box2d = Box2d{600, 100, 700, 200};
+  EXPECT_THAT(measure({flat}).dropped, ElementsAre(Pair("no_3d_box", 1u)));
+
+  const TenMetresAhead lifter;
+  const auto outcome = measure({flat}, {}, &lifter);
+  ASSERT_EQ(outcome.boxes.size(), 1u);
+  EXPECT_NEAR(outcome.boxes[0].position.x(), 10.0, 1e-9);
+  EXPECT_NEAR(outcome.boxes[0].covariance(0, 0), 2.0, 0.01) << "the lifter's own doubt";
+
+  flat.box2d->left = 100.0;
+  EXPECT_THAT(measure({flat}, {}, &lifter).dropped, ElementsAre(Pair("no_3d_box", 1u)));
+}
+
+}  // namespace
+}  // namespace headway::objects

@@ -1,0 +1,188 @@
+#include "motion_prior.h"
+
+#include <ceres/ceres.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace headway::objects {
+namespace {
+
+struct Case {
+  std::vector<PlaceMeasurement> measurements;
+  std::vector<Eigen::Vector3d> start;
+};
+
+// A noisy walk with uneven steps of time, noise ellipses that turn, and two outliers.
+Case noisyWalk(std::size_t length, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise;
+  Case result;
+  Time time = 5.0;
+  for (std::size_t j = 0; j < length; ++j) {
+    PlaceMeasurement m;
+    m.time = time;
+    m.measured = {3.0 * time + 0.2 * noise(random), std::sin(time) + 0.2 * noise(random),
+                  0.1 * noise(random)};
+    if (j % 9 == 5) m.measured.y() += 4.0;
+    const Eigen::Rotation2Dd turn(0.7 * static_cast<double>(j));
+    m.information = turn.toRotationMatrix() * Eigen::Vector2d(4.0, 40.0).asDiagonal() *
+                    turn.toRotationMatrix().transpose();
+    m.vertical_information = 80.0;
+    result.measurements.push_back(m);
+    result.start.push_back(m.measured +
+                           0.3 * Eigen::Vector3d(noise(random), noise(random), noise(random)));
+    time += 0.05 + 0.1 * static_cast<double>(j % 3);
+  }
+  return result;
+}
+
+PriorStiffness stiffness(MotionPriorKind kind) {
+  return {kind, kind == MotionPriorKind::kLeastKinetic ? 1.9 : 2.0, 2.0};
+}
+
+class EveryPrior : public ::testing::TestWithParam<MotionPriorKind> {};
+
+INSTANTIATE_TEST_SUITE_P(Named, EveryPrior,
+                         ::testing::Values(MotionPriorKind::kLeastKinetic,
+                                           MotionPriorKind::kLeastForce));
+
+TEST_P(EveryPrior, HasTheGradientOfItsCost) {
+  const Case walk = noisyWalk(12, 1);
+  const MotionPriorProblem problem(walk.measurements, stiffness(GetParam()));
+  const auto gradient = problem.gradient(walk.start);
+  constexpr double kStep = 1e-6;
+  for (std::size_t j = 0; j < walk.start.size(); ++j) {
+    for (int axis = 0; axis < 3; ++axis) {
+      auto above = walk.start;
+      auto below = walk.start;
+      above[j](axis) += kStep;
+      below[j](axis) -= kStep;
+      const double numeric = (problem.cost(above) - problem.cost(below)) / (2.0 * kStep);
+      EXPECT_NEAR(gradient[j](axis), numeric, 1e-5 * (1.0 + std::abs(numeric)));
+    }
+  }
+}
+
+TEST_P(EveryPrior, EndsWhereNoPlaceCanBeBettered) {
+  for (const std::size_t length : {2u, 3u, 4u, 21u, 100u}) {
+    Case walk = noisyWalk(length, 2);
+    MotionPriorProblem problem(walk.measurements, stiffness(GetParam()));
+    const auto summary = problem.refine(walk.start, 1000, 1e-7);
+    EXPECT_LE(summary.final_cost, summary.initial_cost);
+    const double least = problem.cost(walk.start);
+    EXPECT_NEAR(summary.final_cost, least, 1e-9 * least);
+    for (std::size_t j = 0; j < length; ++j) {
+      for (const double step : {-1e-3, 1e-3}) {
+        for (int axis = 0; axis < 3; ++axis) {
+          auto neighbour = walk.start;
+          neighbour[j](axis) += step;
+          EXPECT_GT(problem.cost(neighbour), least) << "place " << j << " of " << length;
+        }
+      }
+    }
+  }
+}
+
+// The same cost, written for Ceres' automatic derivatives.
+struct DataResidual {
+  PlaceMeasurement m;
+  Eigen::Matrix2d root;
+  template <typename T>
+  bool operator()(const T* p, T* residual) const {
+    const T x = p[0] - m.measured.x();
+    const T y = p[1] - m.measured.y();
+    residual[0] = root(0, 0) * x + root(0, 1) * y;
+    residual[1] = root(1, 0) * x + root(1, 1) * y;
+    residual[2] = std::sqrt(m.vertical_information) * (p[2] - m.measured.z());
+    return true;
+  }
+};
+struct KineticResidual {
+  double weight, dt;
+  template <typename T>
+  bool operator()(const T* a, const T* b, T* residual) const {
+    for (int i = 0; i < 3; ++i) residual[i] = std::sqrt(weight * dt) * (b[i] - a[i]) / dt;
+    return true;
+  }
+};
+struct ForceResidual {
+  double weight, before, after;
+  template <typename T>
+  bool operator()(const T* a, const T* b, const T* c, T* residual) const {
+    const double middle = 0.5 * (before + after);
+    for (int i = 0; i < 3; ++i) {
+      const T change = (c[i] - b[i]) / after - (b[i] - a[i]) / before;
+      residual[i] = std::sqrt(weight * middle) * change / middle;
+    }
+    return true;
+  }
+};
+
+std::vector<Eigen::Vector3d> solvedByCeres(const Case& walk, const PriorStiffness& prior) {
+  auto places = walk.start;
+  const auto& m = walk.measurements;
+  ceres::Problem problem;
+  for (std::size_t j = 0; j < places.size(); ++j) {
+    const Eigen::Matrix2d root = m[j].information.llt().matrixU();
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<DataResidual, 3, 3>(new DataResidual{m[j], root}),
+        new ceres::HuberLoss(prior.outlier_sigma), places[j].data());
+  }
+  for (std::size_t j = 0; j + 1 < places.size(); ++j) {
+    const double dt = m[j + 1].time - m[j].time;
+    if (prior.kind == MotionPriorKind::kLeastKinetic) {
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<KineticResidual, 3, 3, 3>(
+                                   new KineticResidual{prior.weight, dt}),
+                               nullptr, places[j].data(), places[j + 1].data());
+    } else if (j + 2 < places.size()) {
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<ForceResidual, 3, 3, 3, 3>(
+              new ForceResidual{prior.weight, dt, m[j + 2].time - m[j + 1].time}),
+          nullptr, places[j].data(), places[j + 1].data(), places[j + 2].data());
+    }
+  }
+  ceres::Solver::Options options;
+  options.num_threads = 1;
+  options.max_num_iterations = 200;
+  options.function_tolerance = 1e-14;
+  options.gradient_tolerance = 1e-12;
+  options.parameter_tolerance = 1e-14;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  return places;
+}
+
+TEST_P(EveryPrior, FindsTheMinimumThatCeresFinds) {
+  for (const unsigned seed : {3u, 4u, 5u}) {
+    Case walk = noisyWalk(21, seed);
+    const auto reference = solvedByCeres(walk, stiffness(GetParam()));
+    MotionPriorProblem problem(walk.measurements, stiffness(GetParam()));
+    problem.refine(walk.start, 1000, 1e-7);
+    EXPECT_NEAR(problem.cost(walk.start), problem.cost(reference), 1e-5 * problem.cost(reference));
+    for (std::size_t j = 0; j < reference.size(); ++j) {
+      EXPECT_LT((walk.start[j] - reference[j]).norm(), 0.01);
+    }
+  }
+}
+
+TEST(LeastForce, LeavesAConstantVelocityAlone) {
+  Case walk = noisyWalk(20, 6);
+  for (auto& m : walk.measurements) m.measured = {4.0 * m.time, -2.0 * m.time, 0.1 * m.time};
+  MotionPriorProblem problem(walk.measurements, stiffness(MotionPriorKind::kLeastForce));
+  problem.refine(walk.start, 50, 1e-9);
+  for (std::size_t j = 0; j < walk.start.size(); ++j) {
+    EXPECT_LT((walk.start[j] - walk.measurements[j].measured).norm(), 1e-6) << "no lag";
+  }
+}
+
+TEST(LeastKinetic, PullsTheNewestPlaceTowardsThePast) {
+  Case walk = noisyWalk(20, 7);
+  for (auto& m : walk.measurements) m.measured = {4.0 * m.time, 0.0, 0.0};
+  MotionPriorProblem problem(walk.measurements, stiffness(MotionPriorKind::kLeastKinetic));
+  problem.refine(walk.start, 50, 1e-9);
+  EXPECT_LT(walk.start.back().x(), walk.measurements.back().measured.x() - 0.01);
+}
+
+}  // namespace
+}  // namespace headway::objects

@@ -1,0 +1,322 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <headway/core/error.h>
+#include <headway/objects/moving_object_tracker.h>
+
+#include <random>
+#include <set>
+#include <sstream>
+
+#include "scene.h"
+
+namespace headway::objects {
+namespace {
+
+using test::confirmed;
+using test::kFrame_s;
+using test::Replay;
+using test::seenCar;
+using test::seenPerson;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::Pair;
+
+TEST(MovingObjectTracker, ConfirmsATrackAfterThreeDetections) {
+  Replay replay;
+  EXPECT_EQ(replay.frame({seenCar(10, 0)}).tracks.at(0).status, TrackStatus::kTentative);
+  EXPECT_EQ(replay.frame({seenCar(10, 0)}).tracks.at(0).status, TrackStatus::kTentative);
+  EXPECT_EQ(replay.frame({seenCar(10, 0)}).tracks.at(0).status, TrackStatus::kConfirmed);
+  EXPECT_EQ(replay.used, 3u);
+}
+
+TEST(MovingObjectTracker, ForgetsASingleFalseAlarm) {
+  Replay replay;
+  replay.frame({seenCar(10, 0)});
+  for (int k = 0; k < 5; ++k) replay.frame({});
+  EXPECT_THAT(replay.last.tracks, IsEmpty());
+  EXPECT_THAT(replay.settled, IsEmpty()) << "it never was a track";
+}
+
+TEST(MovingObjectTracker, TracksAConstantVelocityWithoutLag) {
+  ObjectsParams params;
+  params.smoothing.motion_prior = MotionPriorKind::kLeastForce;
+  Replay replay(params);
+  for (int k = 0; k < 60; ++k) replay.frame({seenCar(5.0 + 0.8 * k, 2.0)});
+  const Track& track = replay.last.tracks.at(0);
+  EXPECT_NEAR(track.position.x(), 5.0 + 0.8 * 59, 0.01);
+  EXPECT_NEAR(track.velocity.x(), 8.0, 0.02);
+  EXPECT_TRUE(track.moving);
+}
+
+TEST(MovingObjectTracker, LagsWithTheLeastKineticPriorOfThePaper) {
+  ObjectsParams params;
+  params.smoothing.motion_prior = MotionPriorKind::kLeastKinetic;
+  Replay replay(params);
+  for (int k = 0; k < 60; ++k) replay.frame({seenCar(5.0 + 0.8 * k, 2.0)});
+  EXPECT_LT(replay.last.tracks.at(0).position.x(), 5.0 + 0.8 * 59 - 0.01);
+}
+
+TEST(MovingObjectTracker, NeverTurnsAStandingObject) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0.0, 0.15);
+  std::bernoulli_distribution flipped(0.05);
+  Replay replay;
+  std::optional<double> settled_yaw;
+  for (int k = 0; k < 300; ++k) {
+    const double yaw = 0.5 + noise(random) + (flipped(random) ? M_PI : 0.0);
+    replay.frame({seenCar(12 + noise(random), 3 + noise(random), yaw)});
+    const Track& track = replay.last.tracks.at(0);
+    EXPECT_FALSE(track.moving) << "frame " << k;
+    EXPECT_LT(std::abs(wrapAngle(track.yaw - 0.5)), 0.5);
+    if (k == 20) settled_yaw = track.yaw;
+    EXPECT_EQ(track.yaw, k > 20 ? *settled_yaw : track.yaw) << "frozen, frame " << k;
+    EXPECT_EQ(track.yaw_rate, 0.0);
+  }
+}
+
+TEST(MovingObjectTracker, IsNotTurnedByFlippedDetections) {
+  std::mt19937 random(4);
+  std::bernoulli_distribution flipped(0.2);
+  Replay replay;
+  for (int k = 0; k < 200; ++k) {
+    const bool flip = k > 3 && flipped(random);
+    replay.frame({seenCar(5 + 0.7 * k, 0, flip ? M_PI : 0.0)});
+    EXPECT_LT(std::abs(replay.last.tracks.at(0).yaw), 0.3) << "frame " << k;
+  }
+}
+
+TEST(MovingObjectTracker, LearnsItsFrontFromItsPath) {
+  Replay replay;
+  for (int k = 0; k < 30; ++k) replay.frame({seenCar(5 + 0.7 * k, 0, k < 2 ? M_PI : 0.0)});
+  EXPECT_LT(std::abs(replay.last.tracks.at(0).yaw), 0.1);
+}
+
+TEST(MovingObjectTracker, IsIndependentOfTheOrderOfDetections) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise(0.0, 0.2);
+  Replay one;
+  Replay other;
+  for (int k = 0; k < 40; ++k) {
+    std::vector<Detection> items;
+    for (int i = 0; i < 12; ++i) {
+      items.push_back(seenCar(8 + 2 * i + 0.3 * k + noise(random), 3.0 * (i % 3) + noise(random)));
+      items.push_back(seenPerson(8 + i + noise(random), -5 + 0.1 * k + noise(random)));
+    }
+    one.frame(items);
+    std::shuffle(items.begin(), items.end(), random);
+    other.frame(items);
+    ASSERT_EQ(one.last.tracks.size(), other.last.tracks.size());
+    for (std::size_t i = 0; i < one.last.tracks.size(); ++i) {
+      EXPECT_EQ(one.last.tracks[i].id, other.last.tracks[i].id);
+      EXPECT_EQ(one.last.tracks[i].position, other.last.tracks[i].position);
+      EXPECT_EQ(one.last.tracks[i].yaw, other.last.tracks[i].yaw);
+    }
+  }
+}
+
+TEST(MovingObjectTracker, FindsALostObjectAgainUnderItsOldId) {
+  Replay replay;
+  int k = 0;
+  for (; k < 20; ++k) replay.frame({seenPerson(8 + 0.14 * k, 0)});
+  const TrackId id = replay.last.tracks.at(0).id;
+  for (; k < 40; ++k) replay.frame({});  // two seconds behind a van
+  EXPECT_THAT(replay.last.tracks, IsEmpty()) << "lost for long: not shown";
+  replay.frame({seenPerson(8 + 0.14 * k, 0)});
+  ASSERT_EQ(replay.last.tracks.size(), 1u);
+  EXPECT_EQ(replay.last.tracks[0].id, id);
+  EXPECT_EQ(replay.last.tracks[0].status, TrackStatus::kConfirmed);
+}
+
+TEST(MovingObjectTracker, CoastsAlongWhileAnObjectIsHiddenForAMoment) {
+  Replay replay;
+  for (int k = 0; k < 20; ++k) replay.frame({seenCar(5 + 1.0 * k, 0)});
+  for (int k = 20; k < 23; ++k) {
+    replay.frame({});
+    const Track& track = replay.last.tracks.at(0);
+    EXPECT_EQ(track.status, TrackStatus::kCoasting);
+    EXPECT_NEAR(track.position.x(), 5 + 1.0 * k, 0.2);
+    EXPECT_FALSE(track.predictions.empty());
+  }
+}
+
+TEST(MovingObjectTracker, GivesANewIdAfterTheTimeForFindingAgain) {
+  ObjectsParams params;
+  params.lifecycle.retrack_time_s = 1.0;
+  Replay replay(params);
+  for (int k = 0; k < 20; ++k) replay.frame({seenPerson(8, 0)});
+  const TrackId id = replay.last.tracks.at(0).id;
+  for (int k = 0; k < 15; ++k) replay.frame({});
+  EXPECT_EQ(replay.settled.size(), 20u) << "the whole track was handed out when it ended";
+  for (int k = 0; k < 3; ++k) replay.frame({seenPerson(8, 0)});
+  EXPECT_NE(replay.last.tracks.at(0).id, id);
+}
+
+TEST(MovingObjectTracker, KeepsTheIdsOfCrossingObjects) {
+  Replay replay;
+  std::optional<TrackId> upward;
+  std::optional<TrackId> downward;
+  for (int k = 0; k < 60; ++k) {
+    const double t = kFrame_s * k - 3.0;
+    replay.frame({seenPerson(12 + 1.2 * t, 1.0 * t + 0.05), seenPerson(12 + 1.2 * t, -1.0 * t)});
+    if (k == 10) {
+      for (const Track& track : replay.last.tracks) {
+        (track.velocity.y() > 0.0 ? upward : downward) = track.id;
+      }
+    }
+  }
+  ASSERT_TRUE(upward && downward);
+  ASSERT_EQ(confirmed(replay.last).size(), 2u);
+  for (const Track& track : confirmed(replay.last)) {
+    EXPECT_EQ(track.id, track.position.y() > 0.0 ? *upward : *downward);
+  }
+}
+
+TEST(MovingObjectTracker, MergesDetectionsOfOneObject) {
+  Replay replay;
+  for (int k = 0; k < 10; ++k) {
+    Detection twin = seenCar(10.2, 0.1);
+    twin.score = 0.5;
+    replay.frame({seenCar(10, 0), twin, seenCar(10, 4)});
+  }
+  EXPECT_EQ(replay.last.tracks.size(), 2u);
+  EXPECT_THAT(replay.dropped, ElementsAre(Pair("duplicate", 10u)));
+  EXPECT_EQ(replay.used, 20u);
+}
+
+TEST(MovingObjectTracker, MergesDetectionsThatShareTheirImageBox) {
+  Replay replay;
+  Detection one = seenCar(20, 0);
+  Detection deeper = seenCar(26, 0);
+  one.box2d = Box2d{100, 100, 200, 150};
+  deeper.box2d = Box2d{101, 100, 200, 151};
+  replay.frame({one, deeper});
+  EXPECT_THAT(replay.dropped, ElementsAre(Pair("duplicate", 1u)));
+}
+
+TEST(MovingObjectTracker, KeepsAPersonAndACarApart) {
+  Replay replay;
+  for (int k = 0; k < 5; ++k) replay.frame({seenCar(10, 0), seenPerson(10, 0.2)});
+  EXPECT_EQ(confirmed(replay.last).size(), 2u);
+}
+
+TEST(MovingObjectTracker, RefusesTimeThatDoesNotRun) {
+  Replay replay;
+  for (int k = 0; k < 5; ++k) replay.frame({seenCar(10, 0)});
+  const Time now = replay.time() - kFrame_s;
+  for (const Time time : {now, now - 1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    replay.frameAt(time, {seenCar(30, 0), seenCar(40, 0)});
+    EXPECT_THAT(replay.last.detections_dropped, ElementsAre(Pair("time_backwards", 2u)));
+    EXPECT_EQ(replay.last.detections_used, 0u);
+    ASSERT_EQ(replay.last.tracks.size(), 1u);
+    EXPECT_NEAR(replay.last.tracks[0].position.x(), 10.0, 1e-6);
+  }
+}
+
+TEST(MovingObjectTracker, LivesThroughGapsOfTime) {
+  for (const double gap : {0.05, 0.3, 1.0, 5.0, 60.0}) {
+    Replay replay;
+    for (int k = 0; k < 15; ++k) replay.frame({seenPerson(8 + 0.1 * k, 0)});
+    const TrackId id = replay.last.tracks.at(0).id;
+    replay.frameAt(replay.time() - kFrame_s + gap, {seenPerson(9.4 + gap, 0)});
+    ASSERT_EQ(replay.last.tracks.size(), 1u) << gap;
+    EXPECT_TRUE(replay.last.tracks[0].position.allFinite());
+    EXPECT_EQ(replay.last.tracks[0].id == id, gap <= 3.0) << gap;
+  }
+}
+
+TEST(MovingObjectTracker, CountsWhatItCannotUseAndGoesOn) {
+  Replay replay;
+  Detection broken = seenCar(10, 0);
+  broken.box3d->centre.x() = std::numeric_limits<double>::quiet_NaN();
+  for (int k = 0; k < 4; ++k) replay.frame({broken, seenCar(-5, 0), seenCar(10, 0)});
+  EXPECT_THAT(replay.dropped, ElementsAre(Pair("behind_camera", 4u), Pair("nan_box", 4u)));
+  EXPECT_EQ(confirmed(replay.last).size(), 1u);
+}
+
+TEST(MovingObjectTracker, TakesTenThousandBoxes) {
+  std::vector<Detection> items;
+  for (int i = 0; i < 10000; ++i) items.push_back(seenPerson(2 + 1.1 * (i % 100), 1.1 * (i / 100)));
+  Replay replay;
+  for (int k = 0; k < 3; ++k) replay.frame(items);
+  EXPECT_EQ(replay.last.tracks.size() + replay.dropped["too_far"] / 3, 10000u);
+}
+
+TEST(MovingObjectTracker, HandsOutEveryPlaceOfATrackOnce) {
+  Replay replay;
+  for (int k = 0; k < 50; ++k) replay.frame({seenCar(10 + 0.5 * k, 0)});
+  auto samples = replay.settled;
+  for (TrackSample& sample : replay.tracker().flush()) samples.push_back(std::move(sample));
+  ASSERT_EQ(samples.size(), 50u);
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    EXPECT_EQ(samples[k].frame, k);
+    EXPECT_NEAR(samples[k].track.position.x(), 10 + 0.5 * static_cast<double>(k), 0.05);
+    EXPECT_NEAR(samples[k].track.velocity.x(), 5.0, 0.5);
+  }
+  EXPECT_THAT(replay.tracker().flush(), IsEmpty());
+}
+
+TEST(MovingObjectTracker, CarriesTracksThroughFramesWithoutALook) {
+  Replay replay;
+  for (int k = 0; k < 20; ++k) replay.frame({seenCar(10 + 1.0 * k, 0)});
+  const TrackUpdate coasted = replay.tracker().coast(20, replay.time());
+  ASSERT_EQ(coasted.tracks.size(), 1u);
+  EXPECT_EQ(coasted.tracks[0].status, TrackStatus::kCoasting);
+  EXPECT_NEAR(coasted.tracks[0].position.x(), 30.0, 0.1);
+}
+
+TEST(MovingObjectTracker, SmoothsANoisyPath) {
+  std::mt19937 random(8);
+  std::normal_distribution<double> noise(0.0, 0.3);
+  double raw = 0.0;
+  double ours = 0.0;
+  ObjectsParams params;
+  params.filter.position_sigma_m = 0.3;
+  params.filter.across_share = 1.0;
+  Replay replay(params);
+  for (int k = 0; k < 200; ++k) {
+    const Eigen::Vector2d truth(10 + 0.12 * k, 4 * std::sin(0.03 * k));
+    const Eigen::Vector2d seen = truth + Eigen::Vector2d(noise(random), noise(random));
+    replay.frame({seenPerson(seen.x(), seen.y())});
+    if (k < 7) continue;
+    raw += (seen - truth).squaredNorm();
+    ours += (replay.last.tracks.at(0).position.head<2>() - truth).squaredNorm();
+  }
+  EXPECT_LT(std::sqrt(ours), 0.75 * std::sqrt(raw));
+}
+
+TEST(MovingObjectTracker, KeepsTheMovingVerdictWithoutFlicker) {
+  std::mt19937 random(9);
+  std::normal_distribution<double> noise(0.0, 0.05);
+  Replay replay;
+  std::vector<bool> verdicts;
+  double x = 10.0;
+  for (int k = 0; k < 240; ++k) {
+    const bool drives = k >= 80 && k < 160;
+    x += drives ? 0.4 : 0.0;
+    replay.frame({seenCar(x + noise(random), noise(random))});
+    verdicts.push_back(replay.last.tracks.at(0).moving);
+  }
+  EXPECT_FALSE(verdicts[70]);
+  EXPECT_TRUE(verdicts[100]);
+  EXPECT_FALSE(verdicts[190]);
+  int changes = 0;
+  for (std::size_t k = 1; k < verdicts.size(); ++k) changes += verdicts[k] != verdicts[k - 1];
+  EXPECT_EQ(changes, 2);
+}
+
+TEST(ObjectsParams, DescribeEveryKeyOnceAndLoadWhatTheyPrint) {
+  ObjectsParams params;
+  Params registry;
+  params.describe(registry.section("objects"));
+  registry.set("objects.predictor=paper_sv");
+  registry.set("objects.motion_prior=least_kinetic");
+  registry.set("objects.gaussian_smoothing=true");
+  EXPECT_EQ(params.predictor, PredictorKind::kPaperSv);
+  EXPECT_EQ(params.smoothing.motion_prior, MotionPriorKind::kLeastKinetic);
+  EXPECT_TRUE(params.smoothing.gaussian_smoothing);
+  EXPECT_THROW(registry.set("objects.predictor=crystal_ball"), InputError);
+  EXPECT_THROW(registry.set("objects.gate_sigma=-1"), InputError);
+}
+
+}  // namespace
+}  // namespace headway::objects
