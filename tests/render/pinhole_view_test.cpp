@@ -50,5 +50,29 @@ TEST(ProjectTest, LeavesOutWhatIsTooNearTooFarOrBehind) {
   EXPECT_FALSE(project({0, 0, -1}, view));
 }
 
+TEST(ProjectSegmentTest, ProjectsItsEndsWhereBothAreInFront) {
+  const auto view = makeView(200, 100, 1.2, Pose::Identity());
+  const Eigen::Vector3d a(1, 2, 5), b(-1, 0.5, 9);
+  const auto segment = projectSegment(a, b, view);
+  ASSERT_TRUE(segment);
+  EXPECT_TRUE(segment->first.isApprox(*project(a, view), 1e-9));
+  EXPECT_TRUE(segment->second.isApprox(*project(b, view), 1e-9));
+}
+
+TEST(ProjectSegmentTest, CutsOffWhatIsBehind) {
+  const auto view = makeView(200, 100, 1.2, Pose::Identity());
+  const auto segment = projectSegment({1, 0, -4}, {1, 0, 6}, view);
+  ASSERT_TRUE(segment);
+  EXPECT_TRUE(segment->first.isApprox(*project({1, 0, view.near_m}, view), 1e-9));
+  EXPECT_TRUE(segment->second.isApprox(*project({1, 0, 6}, view), 1e-9));
+}
+
+TEST(ProjectSegmentTest, IsNothingWhereAllIsBehindOrTooFar) {
+  const auto view = makeView(200, 100, 1.2, Pose::Identity());
+  EXPECT_FALSE(projectSegment({1, 0, -4}, {1, 0, -1}, view));
+  EXPECT_FALSE(projectSegment({1, 0, -1}, {2, 0, -1}, view));
+  EXPECT_FALSE(projectSegment({1, 0, 400}, {2, 0, 500}, view));
+}
+
 }  // namespace
 }  // namespace headway::render

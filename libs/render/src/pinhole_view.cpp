@@ -1,5 +1,6 @@
 #include <headway/render/pinhole_view.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace headway::render {
@@ -26,11 +27,38 @@ Pose lookAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target, const Eig
   return T_map_camera;
 }
 
+namespace {
+
+Eigen::Vector2d pixelOf(const Eigen::Vector3d& point, const PinholeView& view) {
+  return {view.fx * point.x() / point.z() + view.cx, view.fy * point.y() / point.z() + view.cy};
+}
+
+}  // namespace
+
 std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_map, const PinholeView& view) {
   const Eigen::Vector3d point = view.T_map_camera.inverse() * point_map;
   if (!(point.z() >= view.near_m && point.z() <= view.far_m)) return std::nullopt;
-  return Eigen::Vector2d(view.fx * point.x() / point.z() + view.cx,
-                         view.fy * point.y() / point.z() + view.cy);
+  return pixelOf(point, view);
+}
+
+std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>> projectSegment(
+    const Eigen::Vector3d& from_map, const Eigen::Vector3d& to_map, const PinholeView& view) {
+  const Eigen::Vector3d from = view.T_map_camera.inverse() * from_map;
+  const Eigen::Vector3d to = view.T_map_camera.inverse() * to_map;
+  const double depth = to.z() - from.z();
+  double first = 0.0;
+  double last = 1.0;
+  if (std::abs(depth) > 1e-12) {
+    const double at_near = (view.near_m - from.z()) / depth;
+    const double at_far = (view.far_m - from.z()) / depth;
+    first = std::max(first, std::min(at_near, at_far));
+    last = std::min(last, std::max(at_near, at_far));
+  } else if (!(from.z() >= view.near_m && from.z() <= view.far_m)) {
+    return std::nullopt;
+  }
+  if (!(first < last)) return std::nullopt;
+  const auto at = [&](double share) { return Eigen::Vector3d(from + share * (to - from)); };
+  return std::make_pair(pixelOf(at(first), view), pixelOf(at(last), view));
 }
 
 }  // namespace headway::render

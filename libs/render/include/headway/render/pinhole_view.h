@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <utility>
 
 namespace headway::render {
 
@@ -35,5 +36,10 @@ struct PinholeView {
 ///         outside the picture
 [[nodiscard]] std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_map,
                                                      const PinholeView& view);
+
+/// Where a straight line between two points of the map appears [px], as far as it lies between
+/// near_m and far_m; nullopt if none of it does.
+[[nodiscard]] std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>> projectSegment(
+    const Eigen::Vector3d& from_map, const Eigen::Vector3d& to_map, const PinholeView& view);
 
 }  // namespace headway::render

@@ -38,11 +38,11 @@ struct SnapshotInput {
   std::size_t frame = 0;
   Time time = 0.0;  ///< [s]
   Pose T_map_robot = Pose::Identity();
-  std::shared_ptr<const StereoCamera> camera;  ///< null: no frustum, no `camera` view
-  cv::Mat image;                               ///< left image, BGR or grey; empty: no inset
-  std::vector<Stamped<Pose>> path;             ///< of the robot so far, oldest first
-  std::vector<Stamped<Pose>> true_path;        ///< empty where there is no truth
-  std::vector<Track> true_objects;             ///< at this time; empty where there is no truth
+  std::shared_ptr<const StereoCamera> camera = {};  ///< null: no frustum, no `camera` view
+  cv::Mat image = {};                               ///< left image, BGR or grey; empty: no inset
+  std::vector<Stamped<Pose>> path = {};             ///< of the robot so far, oldest first
+  std::vector<Stamped<Pose>> true_path = {};        ///< empty where there is no truth
+  std::vector<Track> true_objects = {};             ///< at this time; empty where there is no truth
 };
 
 /// Draws the map as a picture: landmarks, camera path, boxes coloured by class with ids, past

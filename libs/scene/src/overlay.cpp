@@ -1,0 +1,175 @@
+#include "overlay.h"
+
+#include <headway/map/track_geometry.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "camera_picture.h"
+#include "palette.h"
+#include "shown_tracks.h"
+#include "view.h"
+
+namespace headway::scene {
+namespace {
+
+constexpr int kMargin = 18;           ///< between things and the picture's edge [points]
+constexpr double kTextPoints = 11.0;  ///< height of capitals [points]
+constexpr double kLabelPoints = 9.5;
+constexpr double kLabelReachM = 70.0;
+constexpr int kLabelRows = 3;         ///< above a box, where its label may go
+constexpr double kInsetShare = 0.30;  ///< of the picture's width
+
+std::string formatted(const char* format, double value) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), format, value);
+  return text.data();
+}
+
+std::string labelOf(const Track& track) {
+  std::string label(toString(track.object_class));
+  label += " " + std::to_string(track.id.value);
+  if (track.moving) label += formatted("  %.1f m/s", track.velocity.norm());
+  return label;
+}
+
+/// The middle of the upper edge of what a track's box covers in the picture; nullopt where a part
+/// of it is behind.
+std::optional<cv::Point> topOf(const Track& track, const render::PinholeView& view) {
+  double left = 1e9, right = -1e9, top = 1e9;
+  for (const auto& corner : map::boxCorners(track)) {
+    const auto pixel = render::project(corner, view);
+    if (!pixel) return std::nullopt;
+    left = std::min(left, pixel->x());
+    right = std::max(right, pixel->x());
+    top = std::min(top, pixel->y());
+  }
+  return cv::Point(cvRound(0.5 * (left + right)), cvRound(top));
+}
+
+/// The wanted place or one just above it that nothing has taken; nullopt if there is none.
+std::optional<cv::Rect> freePlace(cv::Rect place, const std::vector<cv::Rect>& taken) {
+  for (int row = 0; row < kLabelRows; ++row, place.y -= place.height + 2) {
+    const bool covers = std::any_of(taken.begin(), taken.end(), [&](const cv::Rect& other) {
+      return !(other & place).empty();
+    });
+    if (!covers) return place;
+  }
+  return std::nullopt;
+}
+
+/// The tracks from the nearest to the farthest from the eye.
+std::vector<const Track*> nearestFirst(const std::vector<Track>& tracks,
+                                       const Eigen::Vector3d& eye) {
+  auto shown = shownTracks(tracks);
+  std::stable_sort(shown.begin(), shown.end(), [&](const Track* a, const Track* b) {
+    return (a->position - eye).norm() < (b->position - eye).norm();
+  });
+  return shown;
+}
+
+Colour brightened(Colour colour) {
+  const auto lift = [](std::uint8_t c) { return static_cast<std::uint8_t>(c + (255 - c) / 2); };
+  return {lift(colour.red), lift(colour.green), lift(colour.blue)};
+}
+
+/// Speed over the last second of the path [m/s]; 0 where there is no such path.
+double speedOf(const std::vector<Stamped<Pose>>& path) {
+  if (path.size() < 2) return 0.0;
+  std::size_t first = path.size() - 1;
+  while (first > 0 && path.back().time - path[first].time < 1.0) --first;
+  const double span = path.back().time - path[first].time;
+  if (!(span > 0.0)) return 0.0;
+  return (path.back().value.translation() - path[first].value.translation()).norm() / span;
+}
+
+/// 1, 2 or 5 times a power of ten, not above `most`.
+double roundLength(double most) {
+  const double power = std::pow(10.0, std::floor(std::log10(most)));
+  for (const double factor : {5.0, 2.0}) {
+    if (factor * power <= most) return factor * power;
+  }
+  return power;
+}
+
+}  // namespace
+
+void drawLabels(Canvas& canvas, const render::PinholeView& view, const std::vector<Track>& tracks) {
+  const Eigen::Vector3d eye = view.T_map_camera.translation();
+  std::vector<cv::Rect> taken;
+  for (const Track* track : nearestFirst(tracks, eye)) {
+    const auto top = topOf(*track, view);
+    const double reach = kLabelReachM + std::abs(eye.z() - track->position.z());
+    if (!top || (track->position - eye).norm() > reach) continue;
+    if (!cv::Rect({0, 0}, canvas.size()).contains(*top)) continue;
+    const std::string label = labelOf(*track);
+    const cv::Size size = canvas.textSize(label, kLabelPoints);
+    const int pad = canvas.px(4);
+    const cv::Rect wanted(top->x - size.width / 2 - pad, top->y - size.height - 3 * pad,
+                          size.width + 2 * pad, size.height + 2 * pad);
+    const auto place = freePlace(wanted, taken);
+    if (!place) continue;
+    taken.push_back(*place);
+    canvas.panel(*place, 0.55);
+    canvas.text(label, {place->x + pad, place->y + pad + size.height}, kLabelPoints,
+                brightened(colourOf(track->object_class)));
+  }
+}
+
+void drawCaption(Canvas& canvas, const SnapshotInput& input) {
+  const auto shown = shownTracks(input.map.movingObjects().tracks());
+  const auto moving =
+      std::count_if(shown.begin(), shown.end(), [](const Track* track) { return track->moving; });
+  const double start = input.path.empty() ? input.time : input.path.front().time;
+  const std::string first =
+      formatted("%.2f s", input.time - start) + "   " + formatted("%.1f m/s", speedOf(input.path));
+  const std::string second = "frame " + std::to_string(input.frame) + "   " +
+                             std::to_string(shown.size()) + " tracks, " + std::to_string(moving) +
+                             " moving";
+  const int margin = canvas.px(kMargin);
+  const int width =
+      std::max(canvas.textSize(first, 15.0).width, canvas.textSize(second, kTextPoints).width);
+  canvas.panel(
+      {margin - canvas.px(8), margin - canvas.px(8), width + canvas.px(16), canvas.px(56)});
+  canvas.text(first, {margin, margin + canvas.px(15)}, 15.0, kTextColour);
+  canvas.text(second, {margin, margin + canvas.px(38)}, kTextPoints, kDimTextColour);
+}
+
+void drawScaleBar(Canvas& canvas, double metres_per_pixel) {
+  const double length = roundLength(metres_per_pixel * canvas.size().width / 5.0);
+  const int width = cvRound(length / metres_per_pixel);
+  const int margin = canvas.px(kMargin);
+  const cv::Point right(canvas.size().width - margin, canvas.size().height - margin);
+  const std::string text = formatted("%g m", length);
+  canvas.panel({right.x - width - canvas.px(8), right.y - canvas.px(34), width + canvas.px(16),
+                canvas.px(44)});
+  canvas.filled({right.x - width, right.y - canvas.px(4), width, canvas.px(4)}, kTextColour);
+  canvas.text(text, {right.x - width, right.y - canvas.px(11)}, kTextPoints, kTextColour);
+}
+
+void drawGridNote(Canvas& canvas) {
+  const std::string text = "grid 10 m";
+  const cv::Size size = canvas.textSize(text, kTextPoints);
+  const int margin = canvas.px(kMargin);
+  canvas.text(text, {canvas.size().width - margin - size.width, canvas.size().height - margin},
+              kTextPoints, kDimTextColour);
+}
+
+void drawInset(Canvas& canvas, const SnapshotInput& input) {
+  if (input.image.empty() || input.camera == nullptr) return;
+  const int width = cvRound(kInsetShare * canvas.size().width);
+  const int height = std::max(1, width * input.image.rows / std::max(1, input.image.cols));
+  const int margin = canvas.px(kMargin);
+  const cv::Rect place(canvas.size().width - width - margin, margin, width, height);
+  if (place.x < 0 || place.br().y > canvas.size().height) return;
+  canvas.image(input.image, place);
+  cv::Mat part = canvas.picture()(place);
+  Canvas inset(part, canvas, 0.55);
+  drawTracksOver(inset, cameraView(*input.camera, input.T_map_robot, place.size()),
+                 input.map.movingObjects().tracks());
+  canvas.outline(place, kDimTextColour);
+}
+
+}  // namespace headway::scene

@@ -1,0 +1,114 @@
+#include <headway/core/error.h>
+#include <headway/scene/snapshot.h>
+
+#include <cmath>
+
+#include "camera_picture.h"
+#include "canvas.h"
+#include "ground.h"
+#include "legend.h"
+#include "outlines.h"
+#include "overlay.h"
+#include "palette.h"
+#include "view.h"
+#include "world_scene.h"
+
+namespace headway::scene {
+namespace {
+
+cv::Mat emptyPicture(const SnapshotOptions& options) {
+  return cv::Mat(options.height, options.width, CV_8UC3,
+                 cv::Scalar(kGroundColour.blue, kGroundColour.green, kGroundColour.red));
+}
+
+/// The camera's image with everything drawn over it, fitted into the picture.
+cv::Mat drawThroughCamera(const SnapshotOptions& options, const SnapshotInput& input,
+                          Legend& legend) {
+  cv::Mat picture = emptyPicture(options);
+  Canvas canvas(picture);
+  if (input.camera == nullptr) {
+    canvas.text("no camera: poses came from elsewhere", {canvas.px(18), canvas.size().height / 2},
+                14.0, kTextColour);
+    return picture;
+  }
+  const StereoCamera& camera = *input.camera;
+  const cv::Rect place = fittedInto({camera.width, camera.height}, picture.size());
+  const auto view = cameraView(camera, input.T_map_robot, place.size());
+  cv::Mat part = picture(place);
+  Canvas image(part, canvas);
+  if (input.image.empty()) {
+    drawLandmarksOver(image, view, *input.map.stillWorld());
+  } else {
+    canvas.image(input.image, place);
+  }
+  drawTracksOver(image, view, input.map.movingObjects().tracks());
+  drawTrueBoxes(image, view, input.true_objects);
+  drawLabels(image, view, input.map.movingObjects().tracks());
+  drawCaption(canvas, input);
+  legend.draw(canvas, input, Legend::Layout::kRow);
+  return picture;
+}
+
+}  // namespace
+
+std::optional<View> viewFrom(std::string_view name) {
+  if (name == "follow") return View::kFollow;
+  if (name == "top") return View::kTop;
+  if (name == "orbit") return View::kOrbit;
+  if (name == "camera") return View::kCamera;
+  return std::nullopt;
+}
+
+class SnapshotRenderer::Implementation {
+ public:
+  explicit Implementation(const SnapshotOptions& options)
+      : options_(options),
+        world_(SceneUse::kPicture, 2.0f * static_cast<float>(options.supersampling)) {
+    if (options.view == View::kCamera) return;
+    renderer_.emplace(options.width, options.height, options.supersampling);
+  }
+
+  cv::Mat draw(const SnapshotInput& input) {
+    if (options_.view == View::kCamera) return drawThroughCamera(options_, input, legend_);
+    const double ground_z = groundHeight(input);
+    const auto view = outsideView(options_, input, ground_z);
+    cv::Mat picture = renderer_->draw(world_.build(input, ground_z), view);
+    Canvas canvas(picture);
+    drawBoxes(canvas, view, input.map.movingObjects().tracks());
+    drawTrueBoxes(canvas, view, input.true_objects);
+    if (input.camera != nullptr) drawFrustum(canvas, view, *input.camera, input.T_map_robot);
+    drawLabels(canvas, view, input.map.movingObjects().tracks());
+    drawInset(canvas, input);
+    drawCaption(canvas, input);
+    legend_.draw(canvas, input, Legend::Layout::kColumn);
+    if (options_.view == View::kTop) {
+      const double height = view.T_map_camera.translation().z() - ground_z;
+      drawScaleBar(canvas, height / view.fx);
+    } else {
+      drawGridNote(canvas);
+    }
+    return picture;
+  }
+
+ private:
+  SnapshotOptions options_;
+  WorldScene world_;
+  Legend legend_;
+  std::optional<render::OffscreenRenderer> renderer_;
+};
+
+SnapshotRenderer::SnapshotRenderer(const SnapshotOptions& options)
+    : implementation_(std::make_unique<Implementation>(options)) {}
+SnapshotRenderer::~SnapshotRenderer() = default;
+SnapshotRenderer::SnapshotRenderer(SnapshotRenderer&&) noexcept = default;
+SnapshotRenderer& SnapshotRenderer::operator=(SnapshotRenderer&&) noexcept = default;
+
+cv::Mat SnapshotRenderer::draw(const SnapshotInput& input) { return implementation_->draw(input); }
+
+void saveScene(const std::string& path, const SnapshotInput& input) {
+  WorldScene world(SceneUse::kFile, 2.f);
+  auto scene = world.build(input, groundHeight(input));
+  if (!scene.saveToFile(path)) throw InputError(path + ": the scene cannot be written");
+}
+
+}  // namespace headway::scene

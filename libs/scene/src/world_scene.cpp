@@ -1,0 +1,172 @@
+#include "world_scene.h"
+
+#include <headway/core/class_colour.h>
+#include <headway/core/mrpt_pose.h>
+#include <headway/map/ribbon.h>
+#include <headway/map/track_geometry.h>
+#include <mrpt/opengl/CGridPlaneXY.h>
+#include <mrpt/opengl/CPointCloudColoured.h>
+#include <mrpt/opengl/CSetOfLines.h>
+#include <mrpt/opengl/CSetOfObjects.h>
+#include <mrpt/opengl/CSetOfTriangles.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "frustum.h"
+#include "palette.h"
+
+namespace headway::scene {
+namespace {
+
+using mrpt::opengl::CSetOfLines;
+using mrpt::opengl::CSetOfTriangles;
+
+constexpr double kGridM = 10.0;
+constexpr double kGridReachM = 150.0;
+constexpr double kPathWidthM = 0.25;
+constexpr double kPathSpacingM = 0.3;
+
+/// Objects are drawn from the farthest to the nearest by one point of each. These stand far below
+/// the world, so that flat and see-through things always come after what they lie upon.
+void drawInOrder(int order, mrpt::opengl::CRenderizable& object) {
+  object.setLocalRepresentativePoint({0.f, 0.f, -8000.f + 500.f * static_cast<float>(order)});
+}
+
+std::shared_ptr<mrpt::opengl::CGridPlaneXY> makeGrid(const Eigen::Vector3d& middle,
+                                                     double ground_z) {
+  const double x = kGridM * std::round(middle.x() / kGridM);
+  const double y = kGridM * std::round(middle.y() / kGridM);
+  auto grid = mrpt::opengl::CGridPlaneXY::Create(
+      static_cast<float>(x - kGridReachM), static_cast<float>(x + kGridReachM),
+      static_cast<float>(y - kGridReachM), static_cast<float>(y + kGridReachM),
+      static_cast<float>(ground_z), static_cast<float>(kGridM));
+  grid->setName("ground_grid");
+  grid->setColor_u8(kGridColour.red, kGridColour.green, kGridColour.blue);
+  drawInOrder(0, *grid);
+  return grid;
+}
+
+/// Grey as in the image, lifted off the dark ground, and tinted from blue (low) to sand (high).
+mrpt::img::TColor landmarkColour(const slam::LandmarkView& landmark, double ground_z) {
+  const double brightness = 0.42 + 0.58 * landmark.intensity / 255.0;
+  const double height = std::clamp((landmark.position.z() - ground_z) / 6.0, 0.0, 1.0);
+  const auto mix = [&](std::uint8_t low, std::uint8_t high) {
+    return static_cast<std::uint8_t>(brightness * (low + height * (high - low)));
+  };
+  return {mix(kLowColour.red, kHighColour.red), mix(kLowColour.green, kHighColour.green),
+          mix(kLowColour.blue, kHighColour.blue), 255};
+}
+
+std::shared_ptr<mrpt::opengl::CPointCloudColoured> makeLandmarks(const slam::MapView& still_world,
+                                                                 double ground_z,
+                                                                 float point_size) {
+  auto cloud = mrpt::opengl::CPointCloudColoured::Create();
+  cloud->reserve(still_world.landmarks.size());
+  for (const auto& landmark : still_world.landmarks) {
+    const auto colour = landmarkColour(landmark, ground_z);
+    const Eigen::Vector3f p = landmark.position.cast<float>();
+    cloud->insertPoint({p.x(), p.y(), p.z(), colour.R, colour.G, colour.B, colour.A});
+  }
+  cloud->setName("landmarks");
+  cloud->setPointSize(point_size);
+  cloud->enableVariablePointSize(false);
+  drawInOrder(1, *cloud);
+  return cloud;
+}
+
+/// The path laid down on the ground, without the steps of a standing robot.
+std::vector<Eigen::Vector3d> pathOnGround(const std::vector<Stamped<Pose>>& path, double drop) {
+  std::vector<Eigen::Vector3d> points;
+  for (const auto& pose : path) {
+    const Eigen::Vector3d point = pose.value.translation() - Eigen::Vector3d(0.0, 0.0, drop);
+    if (points.empty() || (point - points.back()).norm() >= kPathSpacingM) points.push_back(point);
+  }
+  return points;
+}
+
+std::shared_ptr<CSetOfTriangles> makePath(const std::string& name,
+                                          const std::vector<Stamped<Pose>>& path, double drop,
+                                          double width, Colour colour, int order) {
+  auto ribbon = CSetOfTriangles::Create();
+  ribbon->setName(name);
+  ribbon->enableLight(false);
+  map::appendRibbon(pathOnGround(path, drop), width, colour, 255.0, *ribbon);
+  drawInOrder(order, *ribbon);
+  return ribbon;
+}
+
+void appendLine(const Eigen::Vector3d& from, const Eigen::Vector3d& to, CSetOfLines& lines) {
+  lines.appendLine(from.x(), from.y(), from.z(), to.x(), to.y(), to.z());
+}
+
+std::shared_ptr<CSetOfLines> makeFrustum(const StereoCamera& camera, const Pose& T_map_robot) {
+  auto lines = CSetOfLines::Create();
+  for (const auto& [from, to] : frustumEdges(camera, T_map_robot)) appendLine(from, to, *lines);
+  lines->setName("camera");
+  lines->setColor_u8(kPathColour.red, kPathColour.green, kPathColour.blue);
+  lines->setLineWidth(2.f);
+  return lines;
+}
+
+std::shared_ptr<CSetOfLines> makeTrueObjects(const std::vector<Track>& objects) {
+  auto lines = CSetOfLines::Create();
+  for (const auto& object : objects) {
+    const auto corners = map::boxCorners(object);
+    for (const auto& [a, b] : map::kBoxEdges) {
+      appendLine(corners[static_cast<std::size_t>(a)], corners[static_cast<std::size_t>(b)],
+                 *lines);
+    }
+  }
+  lines->setName("true_objects");
+  lines->setColor_u8(kTruthColour.red, kTruthColour.green, kTruthColour.blue);
+  return lines;
+}
+
+std::shared_ptr<mrpt::opengl::CSetOfObjects> makeMovingObjects(const CMovingObjectsMap& layer,
+                                                               SceneUse use) {
+  CMovingObjectsMap shown = layer;
+  if (use == SceneUse::kPicture) shown.insertionOptions.show_labels = false;
+  mrpt::opengl::CSetOfObjects all;
+  shown.getVisualizationInto(all);
+  auto objects = mrpt::opengl::CSetOfObjects::Create();
+  objects->setName("moving_objects");
+  int order = 4;
+  for (const auto& object : all) {
+    const bool outline = std::dynamic_pointer_cast<CSetOfLines>(object) != nullptr;
+    if (outline && use == SceneUse::kPicture) continue;
+    drawInOrder(order++, *object);
+    objects->insert(object);
+  }
+  return objects;
+}
+
+}  // namespace
+
+mrpt::opengl::COpenGLScene WorldScene::build(const SnapshotInput& input, double ground_z) {
+  if (shown_world_ != input.map.stillWorld() || landmarks_ == nullptr) {
+    shown_world_ = input.map.stillWorld();
+    landmarks_ = makeLandmarks(*shown_world_, ground_z, point_size_);
+  }
+  const Eigen::Vector3d place = input.T_map_robot.translation();
+  const double drop = place.z() - ground_z - 0.02;
+  mrpt::opengl::COpenGLScene scene;
+  scene.getViewport()->setCustomBackgroundColor({mrpt::u8tof(kGroundColour.red),
+                                                 mrpt::u8tof(kGroundColour.green),
+                                                 mrpt::u8tof(kGroundColour.blue), 1.f});
+  scene.insert(makeGrid(place, ground_z));
+  scene.insert(landmarks_);
+  if (!input.true_path.empty()) {
+    scene.insert(makePath("true_path", input.true_path, drop, 2.2 * kPathWidthM, kTruthColour, 2));
+  }
+  if (!input.path.empty()) {
+    scene.insert(makePath("camera_path", input.path, drop - 0.01, kPathWidthM, kPathColour, 3));
+  }
+  scene.insert(makeMovingObjects(input.map.movingObjects(), use_));
+  if (use_ == SceneUse::kPicture) return scene;
+  if (!input.true_objects.empty()) scene.insert(makeTrueObjects(input.true_objects));
+  if (input.camera != nullptr) scene.insert(makeFrustum(*input.camera, input.T_map_robot));
+  return scene;
+}
+
+}  // namespace headway::scene

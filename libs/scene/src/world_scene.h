@@ -1,0 +1,37 @@
+#pragma once
+
+#include <headway/scene/snapshot.h>
+#include <mrpt/opengl/COpenGLScene.h>
+
+#include <memory>
+
+namespace mrpt::opengl {
+class CPointCloudColoured;
+}
+
+namespace headway::scene {
+
+/// What the 3D scene is built for.
+enum class SceneUse {
+  kFile,     ///< everything is in it
+  kPicture,  ///< outlines and labels are left out: they are drawn crisper over the picture
+};
+
+/// The map as a 3D scene; landmarks are built again only when the map has others.
+class WorldScene {
+ public:
+  /// @param point_size  of landmarks in the drawn picture [px]
+  WorldScene(SceneUse use, float point_size) : use_(use), point_size_(point_size) {}
+
+  /// Objects by name: `ground_grid`, `landmarks`, `true_path`, `camera_path`, `moving_objects`, and
+  /// in a file `true_objects`, `camera`.
+  [[nodiscard]] mrpt::opengl::COpenGLScene build(const SnapshotInput& input, double ground_z);
+
+ private:
+  SceneUse use_;
+  float point_size_;
+  std::shared_ptr<const slam::MapView> shown_world_;
+  std::shared_ptr<mrpt::opengl::CPointCloudColoured> landmarks_;
+};
+
+}  // namespace headway::scene
