@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pose_interpolation.h"
+
 namespace headway::io {
 namespace {
 
@@ -57,8 +59,8 @@ void MotionPriorBuilder::addInertial(const InertialSample& sample) {
 MotionPrior MotionPriorBuilder::between(std::optional<Time> previous, Time current) const {
   MotionPrior prior;
   if (previous) {
-    const auto T_odom_previous = odometryAt(*previous);
-    const auto T_odom_current = odometryAt(current);
+    const auto T_odom_previous = poseAt(odometry_, *previous, kMostOdometryGap);
+    const auto T_odom_current = poseAt(odometry_, current, kMostOdometryGap);
     if (T_odom_previous && T_odom_current) {
       prior.T_previous_current = T_odom_previous->inverse() * *T_odom_current;
     }
@@ -75,24 +77,6 @@ void MotionPriorBuilder::forgetBefore(Time time) {
   forget(odometry_);
   forget(angular_velocity_);
   forget(acceleration_);
-}
-
-std::optional<Pose> MotionPriorBuilder::odometryAt(Time time) const {
-  const auto after = firstFrom(odometry_, time);
-  if (after == odometry_.end()) return std::nullopt;
-  if (after->time == time) return after->value;
-  if (after == odometry_.begin()) return std::nullopt;
-  const auto before = after - 1;
-  const double gap = after->time - before->time;
-  if (gap > kMostOdometryGap) return std::nullopt;
-  const double share = (time - before->time) / gap;
-  Pose pose = Pose::Identity();
-  pose.translation() =
-      (1.0 - share) * before->value.translation() + share * after->value.translation();
-  pose.linear() = Eigen::Quaterniond(before->value.linear())
-                      .slerp(share, Eigen::Quaterniond(after->value.linear()))
-                      .toRotationMatrix();
-  return pose;
 }
 
 std::optional<Eigen::Matrix3d> MotionPriorBuilder::turnBetween(Time previous, Time current) const {

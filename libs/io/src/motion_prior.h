@@ -32,7 +32,6 @@ class MotionPriorBuilder {
   void forgetBefore(Time time);
 
  private:
-  [[nodiscard]] std::optional<Pose> odometryAt(Time time) const;
   [[nodiscard]] std::optional<Eigen::Matrix3d> turnBetween(Time previous, Time current) const;
   [[nodiscard]] std::optional<Eigen::Vector3d> upAt(Time time) const;
 

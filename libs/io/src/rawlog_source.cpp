@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <deque>
 #include <utility>
 
@@ -79,6 +80,11 @@ class RawlogSource::Reader {
       if (frame) return frame;
     }
     return std::nullopt;
+  }
+
+  cv::Mat rightColour() const {
+    if (last_right_.channels() != 3) return {};
+    return rectifier_->rectify(Rectifier::kRight, last_right_);
   }
 
   std::shared_ptr<const StereoCamera> camera() const { return camera_; }
@@ -266,7 +272,12 @@ class RawlogSource::Reader {
     if (pending.pair) {
       const auto images = decode(pending);
       if (!images) return std::nullopt;
+      const auto start = std::chrono::steady_clock::now();
       frame.stereo = stereoFrame(pending, *images);
+      frame.rectify_ms =
+          std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+              .count();
+      last_right_ = images->right;
     }
     frame.index = pending.index;
     frame.time = pending.time;
@@ -330,6 +341,7 @@ class RawlogSource::Reader {
   std::optional<Rectifier> rectifier_;
   std::shared_ptr<const StereoCamera> camera_;
   std::optional<CalibrationReport> calibration_;
+  cv::Mat last_right_;             ///< as recorded, of the frame handed out last
   std::optional<Time> last_time_;  ///< of the frame handed out last
 };
 
@@ -340,6 +352,8 @@ RawlogSource::RawlogSource(RawlogSource&&) noexcept = default;
 RawlogSource& RawlogSource::operator=(RawlogSource&&) noexcept = default;
 
 std::optional<RecordedFrame> RawlogSource::next() { return reader_->next(); }
+
+cv::Mat RawlogSource::rightColour() const { return reader_->rightColour(); }
 
 std::shared_ptr<const StereoCamera> RawlogSource::camera() const { return reader_->camera(); }
 

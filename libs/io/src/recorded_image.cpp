@@ -20,18 +20,18 @@ cv::Mat withoutTransparency(const cv::Mat& image) {
   return result;
 }
 
-cv::Mat decoded(const fs::path& path) {
+}  // namespace
+
+cv::Mat loadImage(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
   if (bytes.empty()) return {};
   try {
-    return cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+    return withoutTransparency(cv::imdecode(bytes, cv::IMREAD_UNCHANGED));
   } catch (const cv::Exception&) {
     return {};
   }
 }
-
-}  // namespace
 
 std::variant<cv::Mat, std::string> pixelsOf(const mrpt::img::CImage& image,
                                             const std::string& image_folder) {
@@ -40,11 +40,10 @@ std::variant<cv::Mat, std::string> pixelsOf(const mrpt::img::CImage& image,
     const fs::path path = fs::path(image_folder) / image.getExternalStorageFile();
     std::error_code ignored;
     if (!fs::is_regular_file(path, ignored)) return std::string("missing_image");
-    pixels = decoded(path);
+    pixels = loadImage(path.string());
   } else if (!image.isEmpty()) {
-    pixels = image.asCvMatRef();
+    pixels = withoutTransparency(image.asCvMatRef());
   }
-  pixels = withoutTransparency(pixels);
   if (pixels.empty()) return std::string("broken_image");
   return pixels;
 }

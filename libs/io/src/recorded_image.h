@@ -15,6 +15,10 @@ namespace headway::io {
 [[nodiscard]] std::variant<cv::Mat, std::string> pixelsOf(const mrpt::img::CImage& image,
                                                           const std::string& image_folder);
 
+/// An image file as 8-bit grey or BGR, transparency left out; empty if it is missing, broken or of
+/// another kind (such as 16 bit).
+[[nodiscard]] cv::Mat loadImage(const std::string& path);
+
 /// 8-bit grey of an 8-bit grey or BGR image. Grey stays as it is.
 [[nodiscard]] cv::Mat greyOf(const cv::Mat& image);
 

@@ -59,6 +59,9 @@ class RawlogSource {
   /// counted in skipped() but keep their index.
   [[nodiscard]] std::optional<RecordedFrame> next();
 
+  /// Right image of the frame last handed out, 8-bit BGR, rectified; empty if it was grey.
+  [[nodiscard]] cv::Mat rightColour() const;
+
   /// Camera of all frames, rectified; null if the rawlog holds poses alone.
   [[nodiscard]] std::shared_ptr<const StereoCamera> camera() const;
 

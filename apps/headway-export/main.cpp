@@ -1,0 +1,107 @@
+// headway-export: writes a rawlog in the layout of other systems.
+#include <headway/core/error.h>
+#include <headway/io/rawlog_source.h>
+#include <headway/program/command_line.h>
+#include <headway/program/progress.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+
+#include "kitti_writer.h"
+
+namespace headway::exporting {
+namespace {
+
+constexpr double kSameTime = 1e-3;  // truth and image of one frame [s]
+
+struct ExportOptions {
+  std::string input;
+  std::string output;
+  bool overwrite = false;
+  bool quiet = false;
+  io::RawlogSourceOptions source;
+};
+
+/// False if there is nothing more to do (--help and the like).
+bool parse(int argc, const char** argv, ExportOptions& options) {
+  program::takeSubcommand(argc, argv, {"kitti-odometry"});
+  std::optional<std::size_t> from_index;
+  Params none;
+  program::CommandLine line("headway-export kitti-odometry",
+                            "Writes a rawlog's rectified stereo frames as a KITTI odometry "
+                            "sequence.");
+  line.positional(options.input, "IN.rawlog", "Rawlog to read");
+  line.option(options.output, 'o', "output", "DIR", "Folder to write", true);
+  line.flag(options.overwrite, 'w', "overwrite", "Write into the folder even if it exists");
+  line.option(options.source.sensor_label, 0, "sensor-label", "LABEL",
+              "Stereo camera to take, where there are several");
+  line.option(from_index, 0, "from-index", "N", "First frame to take");
+  line.option(options.source.to_index, 0, "to-index", "N", "Last frame to take");
+  line.parameters(none);
+  if (!line.parse(argc, argv)) return false;
+  options.source.from_index = from_index.value_or(0);
+  options.quiet = line.quiet();
+  return true;
+}
+
+/// The true pose of each frame; empty if one of them has none.
+std::vector<Pose> truthAt(const std::vector<Time>& times, const std::string& rawlog) {
+  const auto truth = io::readTruth(rawlog).poses;
+  std::vector<Pose> poses;
+  for (const Time time : times) {
+    const auto found = std::find_if(truth.begin(), truth.end(), [time](const auto& pose) {
+      return std::abs(pose.time - time) < kSameTime;
+    });
+    if (found == truth.end()) return {};
+    poses.push_back(found->value);
+  }
+  return poses;
+}
+
+void report(const ExportOptions& options, const KittiWriter& writer, const io::RawlogSource& source,
+            bool has_truth) {
+  std::cout << options.output << ": " << writer.size() << " frames, "
+            << (has_truth ? "with" : "without") << " poses.txt"
+            << (program::interrupted() ? ", interrupted" : "");
+  for (const auto& [reason, count] : source.skipped()) {
+    std::cout << ", left out " << reason << " " << count;
+  }
+  std::cout << std::endl;
+}
+
+int body(int argc, const char** argv) {
+  ExportOptions options;
+  if (!parse(argc, argv, options)) return program::kDone;
+  io::RawlogSource source(options.input, options.source);
+  if (!source.camera()) throw InputError(options.input + ": holds no stereo images to write");
+  program::requireWritable(options.output, options.overwrite);
+  program::catchInterrupts();
+  KittiWriter writer(options.output);
+  std::vector<Time> times;
+  {
+    program::Progress progress("frames", options.quiet);
+    while (!program::interrupted()) {
+      const auto frame = source.next();
+      if (!frame) break;
+      writer.write(*frame->stereo, source.rightColour());
+      times.push_back(frame->time);
+      progress.update(times.size(), source.progress());
+    }
+  }
+  writer.finish(*source.camera());
+  const auto truth = truthAt(times, options.input);
+  if (!truth.empty()) writer.writeTruth(truth, *source.camera());
+  if (source.truncation()) std::cerr << "headway-export: " << *source.truncation() << std::endl;
+  if (!options.quiet) report(options, writer, source, !truth.empty());
+  return program::kDone;
+}
+
+}  // namespace
+}  // namespace headway::exporting
+
+int main(int argc, char** argv) {
+  return headway::program::run("headway-export", [&] {
+    return headway::exporting::body(argc, const_cast<const char**>(argv));
+  });
+}

@@ -1,0 +1,101 @@
+#include "importer.h"
+
+#include <headway/core/error.h>
+#include <headway/io/pose_file.h>
+#include <headway/io/track_file.h>
+#include <headway/program/command_line.h>
+#include <headway/program/progress.h>
+
+#include <algorithm>
+
+namespace headway::import {
+namespace {
+
+/// Boxes and poses of side files take the place of the dataset's own.
+class SideFiles {
+ public:
+  SideFiles(const io::Dataset& dataset, const ImportOptions& options,
+            std::map<std::string, std::size_t>& dropped)
+      : camera_(dataset.camera()) {
+    if (!options.detections.empty()) {
+      detections_ = io::readDetections(options.detections, dropped);
+    }
+    if (!options.poses.empty()) {
+      poses_ = io::PoseFile(options.poses, camera_ ? camera_->T_robot_left : robotFromOptical());
+    }
+    if (options.degrade) degrader_.emplace(*options.degrade);
+  }
+
+  void applyTo(io::DatasetFrame& frame, std::size_t index) {
+    if (detections_) frame.detections = detectionsAt(index, frame.time);
+    if (poses_) frame.T_map_robot = poses_->at(index, frame.time);
+    if (degrader_ && frame.detections) frame.detections = degrader_->degrade(*frame.detections);
+  }
+
+ private:
+  Detections detectionsAt(std::size_t index, Time time) const {
+    Detections detections;
+    const auto found = detections_->find(index);
+    if (found != detections_->end()) detections = found->second;
+    detections.time = time;
+    if (camera_) {
+      detections.T_robot_sensor = camera_->T_robot_left;
+      detections.image_width = camera_->left.width;
+      detections.image_height = camera_->left.height;
+    }
+    return detections;
+  }
+
+  std::optional<io::RawStereoCamera> camera_;
+  std::optional<std::map<std::size_t, Detections>> detections_;
+  std::optional<io::PoseFile> poses_;
+  std::optional<io::Degrader> degrader_;
+};
+
+void write(io::RawlogSink& sink, const io::DatasetFrame& frame,
+           const std::optional<io::RawStereoCamera>& camera) {
+  if (camera) sink.writeStereo(frame.time, frame.left, frame.right, *camera);
+  if (frame.T_map_robot) sink.writePose("pose", frame.time, *frame.T_map_robot);
+  if (frame.detections) sink.writeDetections("detections", *frame.detections);
+  if (frame.truth_T_map_robot) {
+    sink.writePose("truth_pose", frame.time, *frame.truth_T_map_robot);
+  }
+  if (frame.truth_objects) sink.writeDetections("truth_objects", *frame.truth_objects);
+}
+
+}  // namespace
+
+ImportSummary importDataset(const io::Dataset& dataset, const ImportOptions& options) {
+  ImportSummary summary;
+  summary.dropped = dataset.dropped();
+  SideFiles side_files(dataset, options, summary.dropped);
+  const std::size_t first = options.from_index.value_or(0);
+  const std::size_t end = std::min(dataset.size(), options.to_index.value_or(dataset.size()) + 1);
+  if (first >= end) {
+    throw InputError("--from-index " + std::to_string(first) + ": nothing is left of the " +
+                     std::to_string(dataset.size()) + " frames");
+  }
+  const auto storage =
+      options.external_images ? io::ImageStorage::kExternalPng : io::ImageStorage::kEmbeddedRaw;
+  io::RawlogSink sink(options.output, storage);
+  const auto inertial = dataset.inertial();
+  auto next_inertial = inertial.begin();
+  program::Progress progress("frames", options.quiet);
+  for (std::size_t index = first; index < end && !summary.interrupted; ++index) {
+    io::DatasetFrame frame = dataset.frame(index);
+    side_files.applyTo(frame, index);
+    for (; next_inertial != inertial.end() && next_inertial->time <= frame.time; ++next_inertial) {
+      sink.writeImu(next_inertial->time, next_inertial->angular_velocity,
+                    next_inertial->acceleration);
+    }
+    write(sink, frame, dataset.camera());
+    ++summary.frames;
+    progress.update(summary.frames,
+                    static_cast<double>(summary.frames) / static_cast<double>(end - first));
+    summary.interrupted = program::interrupted();
+  }
+  sink.close();
+  return summary;
+}
+
+}  // namespace headway::import

@@ -1,0 +1,40 @@
+// headway-import: makes a rawlog of a dataset.
+#include <headway/program/command_line.h>
+#include <headway/program/progress.h>
+
+#include <iostream>
+
+#include "import_options.h"
+#include "importer.h"
+
+namespace headway::import {
+namespace {
+
+void report(const ImportOptions& options, const ImportSummary& summary) {
+  std::cout << options.output << ": " << summary.frames << " frames"
+            << (summary.interrupted ? ", interrupted" : "");
+  for (const auto& [reason, count] : summary.dropped) {
+    std::cout << ", left out " << reason << " " << count;
+  }
+  std::cout << std::endl;
+}
+
+int body(int argc, const char** argv) {
+  const auto options = parseOptions(argc, argv);
+  if (!options) return program::kDone;
+  program::requireWritable(options->output, options->overwrite);
+  program::catchInterrupts();
+  const auto dataset = openDataset(*options);
+  const auto summary = importDataset(*dataset, *options);
+  if (!options->quiet) report(*options, summary);
+  return program::kDone;
+}
+
+}  // namespace
+}  // namespace headway::import
+
+int main(int argc, char** argv) {
+  return headway::program::run("headway-import", [&] {
+    return headway::import::body(argc, const_cast<const char**>(argv));
+  });
+}

@@ -1,0 +1,166 @@
+#include <headway/core/error.h>
+#include <headway/io/kitti_dataset.h>
+#include <headway/io/trajectory_file.h>
+
+#include <filesystem>
+#include <set>
+
+#include "dataset_files.h"
+#include "text_rows.h"
+
+namespace headway::io {
+namespace {
+
+namespace fs = std::filesystem;
+using Projection = Eigen::Matrix<double, 3, 4>;
+
+constexpr double kFramePeriod = 0.1;  // where no times are given [s]
+
+/// Frame number of an image named "000012.png"; nullopt for any other name.
+std::optional<std::size_t> frameNumber(const std::string& path) {
+  const std::string stem = fs::path(path).stem().string();
+  if (stem.empty() || stem.size() > 9 || stem.find_first_not_of("0123456789") != stem.npos) {
+    return std::nullopt;
+  }
+  return std::stoul(stem);
+}
+
+std::map<std::size_t, std::string> numberedImages(const fs::path& folder) {
+  std::map<std::size_t, std::string> images;
+  for (const auto& path : imagesIn(folder.string())) {
+    if (const auto number = frameNumber(path)) images[*number] = path;
+  }
+  return images;
+}
+
+RawCamera lensOf(const Projection& P, const cv::Mat& image) {
+  RawCamera lens;
+  lens.width = image.cols;
+  lens.height = image.rows;
+  lens.fx = P(0, 0);
+  lens.fy = P(1, 1);
+  lens.cx = P(0, 2);
+  lens.cy = P(1, 2);
+  return lens;
+}
+
+/// Where a camera with projection K [I | t] stands in rectified camera 0.
+Eigen::Vector3d centreOf(const Projection& P) {
+  return -P.leftCols<3>().partialPivLu().solve(P.col(3));
+}
+
+class KittiOdometry : public Dataset {
+ public:
+  KittiOdometry(const fs::path& folder, const std::string& sequence)
+      : folder_(folder / "sequences" / sequence) {
+    if (!fs::is_directory(folder_)) throw InputError(folder_.string() + ": is not a folder");
+    const bool is_grey = fs::is_directory(folder_ / "image_0");
+    findFrames(is_grey ? "image_0" : "image_2", is_grey ? "image_1" : "image_3");
+    readCamera(is_grey ? "P0" : "P2", is_grey ? "P1" : "P3");
+    readFrameTimes();
+    const fs::path official = folder / "poses" / (sequence + ".txt");
+    const fs::path beside = folder_ / "poses.txt";
+    if (fs::exists(official)) {
+      readTruth(official);
+    } else if (fs::exists(beside)) {
+      readTruth(beside);
+    }
+  }
+
+  std::size_t size() const override { return frames_.size(); }
+
+  DatasetFrame frame(std::size_t index) const override {
+    const Files& files = frames_.at(index);
+    DatasetFrame frame;
+    frame.time = files.time;
+    frame.left = requireImage(files.left);
+    frame.right = requireImage(files.right);
+    frame.truth_T_map_robot = files.truth;
+    return frame;
+  }
+
+  std::optional<RawStereoCamera> camera() const override { return camera_; }
+  std::map<std::string, std::size_t> dropped() const override { return dropped_; }
+
+ private:
+  struct Files {
+    std::size_t number = 0;
+    Time time = 0.0;
+    std::string left;
+    std::string right;
+    std::optional<Pose> truth;
+  };
+
+  void findFrames(const char* left_folder, const char* right_folder) {
+    const auto lefts = numberedImages(folder_ / left_folder);
+    auto rights = numberedImages(folder_ / right_folder);
+    for (const auto& [number, left] : lefts) {
+      const auto right = rights.find(number);
+      if (right == rights.end()) {
+        ++dropped_["unpaired_image"];
+        continue;
+      }
+      frames_.push_back(
+          {number, kFramePeriod * static_cast<double>(number), left, right->second, std::nullopt});
+      rights.erase(right);
+    }
+    if (!rights.empty()) dropped_["unpaired_image"] += rights.size();
+    if (frames_.empty()) {
+      throw InputError(folder_.string() + ": no image is both in " + left_folder + " and in " +
+                       right_folder);
+    }
+  }
+
+  void readCamera(const char* left_name, const char* right_name) {
+    const std::string path = (folder_ / "calib.txt").string();
+    const auto projections = readKittiProjections(path);
+    const auto left = projections.find(left_name);
+    const auto right = projections.find(right_name);
+    if (left == projections.end() || right == projections.end()) {
+      throw InputError(path + ": no line '" + left_name + ":' or '" + right_name + ":'");
+    }
+    camera_.left = lensOf(left->second, requireImage(frames_.front().left));
+    camera_.right = lensOf(right->second, requireImage(frames_.front().right));
+    // Rectified by definition; the colour cameras' centres are millimetres off the line.
+    const Eigen::Vector3d centre = centreOf(left->second);
+    camera_.T_left_right.translation().x() = centreOf(right->second).x() - centre.x();
+    camera_.T_robot_left = robotFromOptical() * Eigen::Translation3d(centre);
+  }
+
+  void readFrameTimes() {
+    const fs::path path = folder_ / "times.txt";
+    if (!fs::exists(path)) return;
+    const auto times = readTimes(path.string());
+    for (auto& frame : frames_) {
+      if (frame.number >= times.size()) {
+        throw InputError(path.string() + ": has " + std::to_string(times.size()) +
+                         " times, none for image " + std::to_string(frame.number));
+      }
+      frame.time = times[frame.number];
+    }
+  }
+
+  void readTruth(const fs::path& path) {
+    const auto poses = readKittiPoses(path.string());
+    for (auto& frame : frames_) {
+      if (frame.number >= poses.size()) {
+        ++dropped_["frame_without_truth"];
+        continue;
+      }
+      frame.truth = robotFromOptical() * poses[frame.number] * robotFromOptical().inverse();
+    }
+  }
+
+  fs::path folder_;
+  std::vector<Files> frames_;
+  RawStereoCamera camera_;
+  std::map<std::string, std::size_t> dropped_;
+};
+
+}  // namespace
+
+std::unique_ptr<Dataset> openKittiOdometry(const std::string& folder, const std::string& sequence) {
+  return std::make_unique<KittiOdometry>(folder, sequence);
+}
+
+}  // namespace headway::io

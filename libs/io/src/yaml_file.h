@@ -1,0 +1,39 @@
+#pragma once
+
+#include <headway/core/pose.h>
+#include <mrpt/containers/yaml.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace headway::io {
+
+/// Numbers and words of a YAML file, with messages that name file and key.
+class YamlFile {
+ public:
+  /// @throws InputError if the file cannot be read or is not a YAML map
+  explicit YamlFile(const std::string& path);
+
+  [[nodiscard]] bool has(const std::string& key) const { return root_.has(key); }
+  /// A list of numbers, or one number.
+  ///
+  /// @param min_size, max_size  allowed length of the list
+  /// @throws InputError if the key is missing, or is not such a list
+  [[nodiscard]] std::vector<double> numbers(const std::string& key, std::size_t min_size,
+                                            std::size_t max_size) const;
+  [[nodiscard]] double number(const std::string& key) const { return numbers(key, 1, 1).front(); }
+  [[nodiscard]] std::string word(const std::string& key) const;
+  /// A pose as 12 (3x4) or 16 (4x4) numbers, row by row; also below `key`'s own key "data".
+  [[nodiscard]] Pose pose(const std::string& key) const;
+  /// @throws InputError naming the first key that is not among `known`
+  void requireOnly(const std::vector<std::string>& known) const;
+  /// @throws InputError "file: reason"
+  [[noreturn]] void fail(const std::string& reason) const;
+
+ private:
+  std::string path_;
+  mrpt::containers::yaml root_;
+};
+
+}  // namespace headway::io
