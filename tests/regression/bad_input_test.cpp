@@ -1,0 +1,235 @@
+#include <gmock/gmock.h>
+#include <headway/io/trajectory_file.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <random>
+
+#include "plain_rawlog.h"
+#include "replay_run.h"
+
+namespace headway {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+/// A replay of bad input: an error is one line on standard error, and never a crash.
+class BadInputTest : public ::testing::Test {
+ protected:
+  BadInputTest() : rawlog((folder / "in.rawlog").string()) {}
+
+  test::ReplayRun replayIt(const std::string& options = "") {
+    return test::replay(rawlog, folder / "out", "-q --snapshots 0 " + options);
+  }
+
+  /// The one line of a replay that must end with status 1.
+  std::string errorLine(const test::ReplayRun& run) {
+    EXPECT_EQ(1, run.process.status) << run.process.output;
+    EXPECT_EQ(1, std::count(run.process.output.begin(), run.process.output.end(), '\n'))
+        << run.process.output;
+    EXPECT_THAT(run.process.output, ::testing::StartsWith("headway-replay: "));
+    return run.process.output;
+  }
+
+  void expectAllFramesOnDisk(const test::ReplayRun& run, std::size_t frames) {
+    EXPECT_EQ(frames, run.summary["frames_tracked"]) << run.process.output;
+    EXPECT_EQ(frames, io::readTum(run.file("trajectory.tum")).size());
+    EXPECT_GT(test::contentsOf(run.file("map.headway")).size(), 0u);
+  }
+
+  void writeWithCamera(const io::RawStereoCamera& camera, bool swap_images = false) {
+    io::RawlogSink sink(rawlog, io::ImageStorage::kEmbedded);
+    for (int frame = 0; frame < 3; ++frame) {
+      auto pair = test::plainPair(frame);
+      if (swap_images) std::swap(pair.left, pair.right);
+      sink.writeStereo(test::plainTime(frame), pair.left, pair.right, camera);
+    }
+    sink.close();
+  }
+
+  test::TemporaryFolder folder;
+  std::string rawlog;
+};
+
+TEST_F(BadInputTest, goodInputIsGood) {
+  test::writePlainRawlog(rawlog);
+  const auto run = replayIt();
+  EXPECT_EQ(0, run.process.status) << run.process.output;
+  expectAllFramesOnDisk(run, test::kPlainFrames);
+  EXPECT_EQ(test::kPlainFrames, run.summary["detections_used"]);
+}
+
+TEST_F(BadInputTest, missingRawlog) { EXPECT_THAT(errorLine(replayIt()), HasSubstr("in.rawlog")); }
+
+TEST_F(BadInputTest, truncatedRawlogKeepsWhatCameBefore) {
+  test::writePlainRawlog(rawlog);
+  std::filesystem::resize_file(rawlog, std::filesystem::file_size(rawlog) * 2 / 3);
+  const auto run = replayIt();
+  EXPECT_THAT(errorLine(run), HasSubstr("in.rawlog"));
+  const std::size_t tracked = run.summary["frames_tracked"];
+  EXPECT_GE(tracked, 3u);
+  EXPECT_LT(tracked, static_cast<std::size_t>(test::kPlainFrames));
+  expectAllFramesOnDisk(run, tracked);
+  EXPECT_TRUE(run.summary["ended_early"].is_string());
+}
+
+TEST_F(BadInputTest, randomBytes) {
+  std::mt19937 random(1);
+  std::ofstream file(rawlog, std::ios::binary);
+  for (int i = 0; i < 20000; ++i) file.put(static_cast<char>(random()));
+  file.close();
+  EXPECT_THAT(errorLine(replayIt()), HasSubstr("in.rawlog"));
+}
+
+TEST_F(BadInputTest, emptyFile) {
+  std::ofstream(rawlog).close();
+  EXPECT_THAT(errorLine(replayIt()), HasSubstr("in.rawlog"));
+}
+
+TEST_F(BadInputTest, rawlogWithoutStereo) {
+  io::RawlogSink sink(rawlog, io::ImageStorage::kEmbedded);
+  sink.writeOdometry(1.0, 0.0, 0.0, 0.0);
+  sink.close();
+  EXPECT_THAT(errorLine(replayIt()), HasSubstr("stereo"));
+}
+
+TEST_F(BadInputTest, missingExternalImageIsACountedSkip) {
+  test::writePlainRawlog(rawlog, io::ImageStorage::kExternalPng);
+  std::vector<std::filesystem::path> images;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "in_Images")) {
+    images.push_back(entry.path());
+  }
+  std::sort(images.begin(), images.end());
+  ASSERT_EQ(2u * test::kPlainFrames, images.size());
+  std::filesystem::remove(images[images.size() / 4]);
+  const auto run = replayIt();
+  EXPECT_EQ(0, run.process.status) << run.process.output;
+  EXPECT_EQ(1, run.summary["observations_skipped"]["missing_image"]);
+  EXPECT_EQ(1, run.summary["frames_lost"]);
+  expectAllFramesOnDisk(run, test::kPlainFrames - 1);
+}
+
+TEST_F(BadInputTest, zeroBaseline) {
+  auto camera = io::rawFrom(test::plainCamera());
+  camera.T_left_right.translation().setZero();
+  writeWithCamera(camera);
+  EXPECT_THAT(errorLine(replayIt()), HasSubstr("baseline"));
+}
+
+TEST_F(BadInputTest, negativeBaseline) {
+  auto camera = io::rawFrom(test::plainCamera());
+  camera.T_left_right.translation() *= -1.0;
+  writeWithCamera(camera);
+  EXPECT_THAT(errorLine(replayIt()), HasSubstr("baseline"));
+}
+
+TEST_F(BadInputTest, zeroFocalLength) {
+  auto camera = io::rawFrom(test::plainCamera());
+  camera.left.fx = camera.right.fx = 0.0;
+  writeWithCamera(camera);
+  EXPECT_THAT(errorLine(replayIt()), HasSubstr("focal"));
+}
+
+TEST_F(BadInputTest, leftAndRightImageSwapped) {
+  writeWithCamera(io::rawFrom(test::plainCamera()), true);
+  EXPECT_THAT(errorLine(replayIt()), HasSubstr("swapped"));
+}
+
+TEST_F(BadInputTest, boxesThatCannotBeAreCountedByReason) {
+  auto nan = test::plainDetection();
+  nan.box3d->centre.x() = std::numeric_limits<double>::quiet_NaN();
+  auto behind = test::plainDetection();
+  behind.box3d->centre.z() = -5.0;
+  auto flat = test::plainDetection();
+  flat.box3d->height = 0.0;
+  {
+    io::RawlogSink sink(rawlog, io::ImageStorage::kEmbedded);
+    for (int frame = 0; frame < test::kPlainFrames; ++frame) {
+      test::writePlainFrame(sink, frame, {test::plainDetection(), nan, behind, flat});
+    }
+    sink.close();
+  }
+  const auto run = replayIt();
+  EXPECT_EQ(0, run.process.status) << run.process.output;
+  EXPECT_EQ(test::kPlainFrames, run.summary["detections_used"]);
+  const auto& dropped = run.summary["detections_dropped"];
+  EXPECT_EQ(test::kPlainFrames, dropped["nan_box"]) << dropped;
+  EXPECT_EQ(test::kPlainFrames, dropped["behind_camera"]) << dropped;
+  EXPECT_EQ(test::kPlainFrames, dropped["zero_size"]) << dropped;
+}
+
+TEST_F(BadInputTest, timeRunningBackwardsIsACountedSkip) {
+  {
+    io::RawlogSink sink(rawlog, io::ImageStorage::kEmbedded);
+    for (const int frame : {0, 1, 2, 3, 2, 1, 4, 5}) {
+      test::writePlainFrame(sink, frame, {test::plainDetection()});
+    }
+    sink.close();
+  }
+  const auto run = replayIt();
+  EXPECT_EQ(0, run.process.status) << run.process.output;
+  EXPECT_GE(run.summary["observations_skipped"]["time_backwards"], 2);
+  expectAllFramesOnDisk(run, 6);
+}
+
+TEST_F(BadInputTest, unknownClassInTheRawlogStopsWithItsName) {
+  // The class name of the boxes, changed in the file: a class that no one has registered.
+  test::writePlainRawlog(rawlog);
+  const auto plain = folder / "plain";
+  ASSERT_EQ(0, test::runProcess("gzip -dc " + rawlog + " > " + plain.string()).status);
+  std::string bytes = test::contentsOf(plain);
+  const std::string name = "CObservationObjectDetections";
+  std::size_t changed = 0;
+  for (auto at = bytes.find(name); at != std::string::npos; at = bytes.find(name, at + 1)) {
+    bytes.replace(at, name.size(), "CObservationOfSomethingElses");
+    ++changed;
+  }
+  ASSERT_EQ(static_cast<std::size_t>(test::kPlainFrames), changed);
+  std::ofstream(rawlog, std::ios::binary) << bytes;
+  const auto run = replayIt();
+  EXPECT_THAT(errorLine(run), HasSubstr("CObservationOfSomethingElses"));
+}
+
+TEST_F(BadInputTest, unwritableOutput) {
+  test::writePlainRawlog(rawlog);
+  std::ofstream(folder / "out") << "a file where the folder should be";
+  const auto run = replayIt();
+  EXPECT_THAT(errorLine(run), HasSubstr("out"));
+}
+
+TEST_F(BadInputTest, fullDisk) {
+  test::writePlainRawlog(rawlog);
+  std::filesystem::create_directory(folder / "out");
+  std::filesystem::create_symlink("/dev/full", folder / "out" / "tracks.csv");
+  const auto run = replayIt("-w");
+  EXPECT_THAT(errorLine(run), AllOf(HasSubstr("tracks.csv"), HasSubstr("disk")));
+  EXPECT_EQ(static_cast<std::size_t>(test::kPlainFrames),
+            io::readTum(run.file("trajectory.tum")).size());
+}
+
+TEST_F(BadInputTest, existingResultsAreNotOverwrittenUnasked) {
+  test::writePlainRawlog(rawlog);
+  EXPECT_EQ(0, replayIt().process.status);
+  EXPECT_THAT(errorLine(replayIt()), HasSubstr("-w"));
+  EXPECT_EQ(0, replayIt("-w").process.status);
+}
+
+TEST_F(BadInputTest, unknownConfigurationKey) {
+  test::writePlainRawlog(rawlog);
+  const auto config = folder / "bad.ini";
+  std::ofstream(config) << "[slam]\nno_such_key = 1\n";
+  EXPECT_THAT(errorLine(replayIt("-c " + config.string())),
+              AllOf(HasSubstr("bad.ini"), HasSubstr("[slam]"), HasSubstr("no_such_key")));
+}
+
+TEST_F(BadInputTest, wrongUseEndsWithStatus2) {
+  EXPECT_EQ(2, replayIt("--no-such-option").process.status);
+  EXPECT_EQ(2, replayIt("--realtime -1").process.status);
+  EXPECT_EQ(2, replayIt("--detector nobody").process.status);
+}
+
+}  // namespace
+}  // namespace headway

@@ -1,0 +1,61 @@
+#include <gmock/gmock.h>
+#include <headway/io/rawlog_source.h>
+#include <headway/io/trajectory_file.h>
+
+#include "limits.h"
+#include "replay_run.h"
+
+namespace headway {
+namespace {
+
+/// Imports a recording, replays it, and compares with the truth that came with it.
+void expectTracked(const std::string& import_arguments, double ate_limit_m) {
+  const test::TemporaryFolder folder;
+  const auto rawlog = folder / "in.rawlog";
+  const auto imported = test::runProcess(test::program("headway-import") + " " + import_arguments +
+                                         " -q -o " + rawlog.string());
+  ASSERT_EQ(0, imported.status) << imported.output;
+  const auto run = test::replay(rawlog, folder / "out");
+  ASSERT_EQ(0, run.process.status) << run.process.output;
+  EXPECT_EQ(0, run.summary["frames_lost"]) << run.summary["lost_frames"];
+  EXPECT_EQ(run.summary["frames"], run.summary["frames_tracked"]);
+  const double ate =
+      test::ateRmse(io::readTruth(rawlog).poses, io::readTum(run.file("trajectory.tum")));
+  EXPECT_LE(ate, ate_limit_m);
+  RecordProperty("ate_rmse_m", std::to_string(ate));
+}
+
+TEST(RealDataTest, kitti06) {
+  HEADWAY_REQUIRE_DATA(data);
+  expectTracked("kitti-odometry " + (data / "kitti_odometry").string() + " --sequence 06",
+                test::kKitti06AteM);
+}
+
+TEST(RealDataTest, kitti01Motorway) {
+  HEADWAY_REQUIRE_DATA(data);
+  expectTracked("kitti-odometry " + (data / "kitti_odometry").string() + " --sequence 01",
+                test::kKitti01AteM);
+}
+
+TEST(RealDataTest, eurocMh01RectifiedOnTheWayIn) {
+  HEADWAY_REQUIRE_DATA(data);
+  expectTracked("euroc " + (data / "euroc" / "MH_01_easy").string(), test::kEurocMh01AteM);
+}
+
+TEST(RealDataTest, kittiTrackingRunsTheObjectLayerAlone) {
+  HEADWAY_REQUIRE_DATA(data);
+  const test::TemporaryFolder folder;
+  const auto rawlog = folder / "in.rawlog";
+  const auto imported = test::runProcess(
+      test::program("headway-import") + " kitti-tracking " + (data / "kitti_tracking").string() +
+      " --sequence 0012 --boxes det3d_pointrcnn -q -o " + rawlog.string());
+  ASSERT_EQ(0, imported.status) << imported.output;
+  const auto run = test::replay(rawlog, folder / "out");
+  ASSERT_EQ(0, run.process.status) << run.process.output;
+  EXPECT_EQ(0, run.summary["frames_lost"]);
+  EXPECT_GT(run.summary["tracks_confirmed"], 0);
+  EXPECT_TRUE(run.summary["calibration"].is_null());
+}
+
+}  // namespace
+}  // namespace headway

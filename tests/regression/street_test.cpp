@@ -1,0 +1,162 @@
+#include <gmock/gmock.h>
+#include <headway/io/track_file.h>
+#include <headway/io/trajectory_file.h>
+#include <headway/map/map_file.h>
+
+#include <chrono>
+#include <csignal>
+#include <set>
+#include <thread>
+
+#include "limits.h"
+#include "replay_run.h"
+
+namespace headway {
+namespace {
+
+const std::string kStreet = std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/street.rawlog";
+const std::string kTruth = std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/street.truth";
+
+/// One replay of the bundled street, shared by the tests that only read it.
+const test::ReplayRun& streetRun() {
+  static const test::TemporaryFolder folder;
+  static const test::ReplayRun run = test::replay(kStreet, folder / "out", "--snapshots 2");
+  return run;
+}
+
+TEST(StreetTest, everyFrameIsTrackedAndClose) {
+  const auto& run = streetRun();
+  ASSERT_EQ(0, run.process.status) << run.process.output;
+  EXPECT_GE(run.summary["frames"], 100);
+  EXPECT_EQ(run.summary["frames"], run.summary["frames_tracked"]);
+  EXPECT_EQ(0, run.summary["frames_lost"]);
+  EXPECT_LE(test::ateRmse(io::readTum(kTruth + "/trajectory.tum"),
+                          io::readTum(run.file("trajectory.tum"))),
+            test::kStreetAteM);
+}
+
+TEST(StreetTest, moversAreTrackedAndPredicted) {
+  const auto& run = streetRun();
+  std::set<TrackId> moving;
+  for (const auto& row : io::readTrackCsv(run.file("tracks.csv"))) {
+    if (row.track.moving) moving.insert(row.track.id);
+  }
+  std::set<TrackId> predicted;
+  for (const auto& row : io::readPredictionCsv(run.file("predictions.csv"))) {
+    if (moving.count(row.id) != 0 && row.point.horizon_s > 2.95) predicted.insert(row.id);
+  }
+  EXPECT_GE(predicted.size(), test::kStreetMovers);
+  EXPECT_EQ(run.summary["tracks_moving"], moving.size());
+}
+
+TEST(StreetTest, leavesEveryFileOfTheContract) {
+  const auto& run = streetRun();
+  for (const char* name :
+       {"trajectory.tum", "trajectory_online.tum", "trajectory_kitti.txt", "tracks_kitti.txt",
+        "tracks.csv", "tracks_smoothed.csv", "predictions.csv", "calibration.yaml", "map.headway",
+        "map.simplemap", "map_points.ply", "scene.3Dscene", "replay.json", "summary.json"}) {
+    EXPECT_GT(test::contentsOf(run.file(name)).size(), 0u) << name;
+  }
+  std::size_t pictures = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(run.folder / "snapshots")) {
+    pictures += entry.path().extension() == ".png" ? 1 : 0;
+  }
+  EXPECT_EQ(2u, pictures);
+  const auto stored = map::loadMap(run.file("map.headway"));
+  EXPECT_EQ(run.summary["landmarks"], stored.map.stillWorld()->landmarks.size());
+  EXPECT_EQ(run.summary["frames"], io::readKittiPoses(run.file("trajectory_kitti.txt")).size());
+}
+
+TEST(StreetTest, summaryHasTheKeysThatScriptsRelyOn) {
+  const auto& summary = streetRun().summary;
+  for (const char* key : {"frames",          "frames_tracked",
+                          "frames_lost",     "lost_frames",
+                          "keyframes",       "landmarks",
+                          "loops",           "start_up_s",
+                          "frame_ms_median", "frame_ms_p95",
+                          "frame_ms_max",    "cpu_ms_per_frame",
+                          "stages_ms",       "peak_memory_mb",
+                          "detections_used", "detections_dropped",
+                          "calibration",     "observations_skipped",
+                          "version",         "seed"}) {
+    EXPECT_TRUE(summary.contains(key)) << key;
+  }
+  for (const char* key :
+       {"baseline_m", "focal_px", "vertical_disparity_px", "median_disparity_px"}) {
+    EXPECT_TRUE(summary["calibration"].contains(key)) << key;
+  }
+  EXPECT_TRUE(summary["stages_ms"]["slam_track"].contains("median"));
+  EXPECT_TRUE(summary["stages_ms"]["slam_track"].contains("p95"));
+  EXPECT_GT(summary["detections_used"], 100);
+}
+
+TEST(StreetTest, twoRunsGiveTheSameBytes) {
+  const test::TemporaryFolder folder;
+  const auto again = test::replay(kStreet, folder / "out");
+  ASSERT_EQ(0, again.process.status) << again.process.output;
+  for (const char* name : {"trajectory.tum", "trajectory_online.tum", "tracks.csv",
+                           "tracks_smoothed.csv", "predictions.csv", "map_points.ply"}) {
+    EXPECT_TRUE(test::contentsOf(again.file(name)) == test::contentsOf(streetRun().file(name)))
+        << name;
+  }
+}
+
+TEST(StreetTest, aPartOfTheRawlogKeepsItsIndices) {
+  const test::TemporaryFolder folder;
+  const auto part =
+      test::replay(kStreet, folder / "out", "--snapshots 0 --from-index 20 --to-index 49");
+  ASSERT_EQ(0, part.process.status) << part.process.output;
+  EXPECT_EQ(30, part.summary["frames"]);
+  for (const auto& row : io::readTrackCsv(part.file("tracks.csv"))) {
+    EXPECT_GE(row.frame, 20u);
+    EXPECT_LE(row.frame, 49u);
+  }
+}
+
+TEST(StreetTest, withoutADetectorNothingIsTracked) {
+  const test::TemporaryFolder folder;
+  const auto run = test::replay(kStreet, folder / "out", "--snapshots 0 --detector none");
+  ASSERT_EQ(0, run.process.status) << run.process.output;
+  EXPECT_EQ(0, run.summary["detections_used"]);
+  EXPECT_TRUE(io::readTrackCsv(run.file("tracks.csv")).empty());
+}
+
+TEST(StreetTest, atTheRecordedRateEveryFrameIsAccountedFor) {
+  const test::TemporaryFolder folder;
+  const auto run = test::replay(kStreet, folder / "out",
+                                "--snapshots 0 --realtime 4 --to-index 60 --detector none");
+  ASSERT_EQ(0, run.process.status) << run.process.output;
+  EXPECT_EQ(61u, run.summary["frames_tracked"].get<std::size_t>() +
+                     run.summary["frames_lost"].get<std::size_t>());
+}
+
+TEST(StreetTest, ctrlCLeavesFinishedReadableOutputs) {
+  const test::TemporaryFolder folder;
+  const auto out = folder / "out";
+  const auto started =
+      test::runProcess(test::program("headway-replay") + " -q -i " + kStreet + " -o " +
+                       out.string() + " --realtime 1 --snapshots 0 > /dev/null & echo $!");
+  const pid_t pid = std::stoi(started.output);
+  std::this_thread::sleep_for(std::chrono::seconds(3));
+  ASSERT_EQ(0, kill(pid, SIGINT)) << "the replay ended before it was interrupted";
+  while (kill(pid, 0) == 0) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+
+  const auto summary = nlohmann::json::parse(test::contentsOf(out / "summary.json"));
+  EXPECT_EQ("interrupted", summary["ended_early"]);
+  EXPECT_GT(summary["frames_tracked"], 3);
+  EXPECT_LT(summary["frames"], 100);
+  EXPECT_EQ(summary["frames_tracked"].get<std::size_t>(),
+            io::readTum(out / "trajectory.tum").size());
+  EXPECT_NO_THROW((void)map::loadMap(out / "map.headway"));
+  EXPECT_NO_THROW((void)io::readTrackCsv(out / "tracks.csv"));
+}
+
+TEST(StreetTest, aTrajectoryOfAnotherPlaceFailsTheLimit) {
+  auto truth = io::readTum(kTruth + "/trajectory.tum");
+  for (auto& pose : truth) pose.value.translation().y() += std::sin(pose.time);
+  EXPECT_GT(test::ateRmse(truth, io::readTum(streetRun().file("trajectory.tum"))),
+            test::kStreetAteM);
+}
+
+}  // namespace
+}  // namespace headway
