@@ -3,7 +3,7 @@
 #include <ceres/ceres.h>
 
 #include <algorithm>
-#include <map>
+#include <memory>
 
 namespace headway::slam {
 namespace {
@@ -121,24 +121,29 @@ class OffsetPrior final : public ceres::SizedCostFunction<2, 1> {
 };
 
 /// The values that Ceres moves, and its problem over them.
+///
+/// Ceres orders equal blocks by their address: poses and points each stand in one array, in order
+/// of their ids, so that the same map gives the same bytes.
 class Bundle {
  public:
   Bundle(const SparseMap& map, const std::vector<KeyframeId>& free, const StereoCamera& camera)
       : offset_(map.disparityOffset()) {
-    for (const LandmarkId id : map.seenBy(free)) {
-      const Landmark& landmark = *map.find(id);
-      if (landmark.observations.size() < 2) continue;
-      points_[id] = landmark.position;
-      for (const auto& observation : landmark.observations) {
-        addResidual(map, landmark, observation, camera);
+    collect(map, free);
+    if (point_ids_.empty()) return;
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      problem_.AddParameterBlock(poses_[i].data(), 7, &manifold_);
+      ordering_->AddElementToGroup(poses_[i].data(), 1);
+    }
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      ordering_->AddElementToGroup(points_[i].data(), 0);
+      for (const auto& observation : map.find(point_ids_[i])->observations) {
+        problem_.AddResidualBlock(new Reprojection(observation.measurement, camera), &loss_,
+                                  poseOf(observation.keyframe), points_[i].data(), &offset_);
       }
     }
-    if (points_.empty()) return;
     problem_.AddResidualBlock(new OffsetPrior(offset_), nullptr, &offset_);
+    ordering_->AddElementToGroup(&offset_, 2);
     holdStill(free);
-    ordering_->AddElementToGroup(&offset_, 1);
-    for (auto& [id, point] : points_) ordering_->AddElementToGroup(point.data(), 0);
-    for (auto& [id, pose] : poses_) ordering_->AddElementToGroup(pose.data(), 1);
   }
 
   ceres::Solver::Summary solve(int max_iterations) {
@@ -150,40 +155,49 @@ class Bundle {
     options.logging_type = ceres::SILENT;
     options.function_tolerance = 1e-4;
     ceres::Solver::Summary summary;
-    if (problem_.NumResidualBlocks() > 0) ceres::Solve(options, &problem_, &summary);
+    if (!point_ids_.empty()) ceres::Solve(options, &problem_, &summary);
     return summary;
   }
 
   void writeBack(SparseMap& map) const {
-    for (const auto& [id, pose] : poses_) {
-      if (!problem_.IsParameterBlockConstant(pose.data())) {
-        map.keyframe(id).T_map_cam = poseFrom(pose.data());
-      }
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      if (problem_.IsParameterBlockConstant(poses_[i].data())) continue;
+      map.keyframe(pose_ids_[i]).T_map_cam = poseFrom(poses_[i].data());
     }
-    for (const auto& [id, point] : points_) map.find(id)->position = point;
+    for (std::size_t i = 0; i < points_.size(); ++i) map.find(point_ids_[i])->position = points_[i];
     map.setDisparityOffset(offset_);
   }
 
  private:
-  void addResidual(const SparseMap& map, const Landmark& landmark,
-                   const LandmarkObservation& observation, const StereoCamera& camera) {
-    const Keyframe& keyframe = map.keyframe(observation.keyframe);
-    const auto [pose, is_new] = poses_.try_emplace(keyframe.id, blockFrom(keyframe.T_map_cam));
-    if (is_new) problem_.AddParameterBlock(pose->second.data(), 7, &manifold_);
-    problem_.AddResidualBlock(new Reprojection(observation.measurement, camera), &loss_,
-                              pose->second.data(), points_.at(landmark.id).data(), &offset_);
+  /// Fills the arrays; they do not grow afterwards.
+  void collect(const SparseMap& map, const std::vector<KeyframeId>& free) {
+    for (const LandmarkId id : map.seenBy(free)) {
+      const Landmark& landmark = *map.find(id);
+      if (landmark.observations.size() < 2) continue;
+      point_ids_.push_back(id);
+      points_.push_back(landmark.position);
+      for (const auto& observation : landmark.observations) {
+        pose_ids_.push_back(observation.keyframe);
+      }
+    }
+    std::sort(pose_ids_.begin(), pose_ids_.end());
+    pose_ids_.erase(std::unique(pose_ids_.begin(), pose_ids_.end()), pose_ids_.end());
+    for (const KeyframeId id : pose_ids_) poses_.push_back(blockFrom(map.keyframe(id).T_map_cam));
+  }
+
+  double* poseOf(KeyframeId id) {
+    const auto at = std::lower_bound(pose_ids_.begin(), pose_ids_.end(), id);
+    return poses_[static_cast<std::size_t>(at - pose_ids_.begin())].data();
   }
 
   void holdStill(const std::vector<KeyframeId>& free) {
     bool anchored = false;
-    for (auto& [id, pose] : poses_) {
-      if (std::binary_search(free.begin(), free.end(), id)) continue;
-      problem_.SetParameterBlockConstant(pose.data());
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      if (std::binary_search(free.begin(), free.end(), pose_ids_[i])) continue;
+      problem_.SetParameterBlockConstant(poses_[i].data());
       anchored = true;
     }
-    if (!anchored && !poses_.empty()) {
-      problem_.SetParameterBlockConstant(poses_.begin()->second.data());
-    }
+    if (!anchored) problem_.SetParameterBlockConstant(poses_.front().data());
   }
 
   static ceres::Problem::Options withoutOwnership() {
@@ -196,8 +210,10 @@ class Bundle {
   double offset_ = 0.0;  ///< of the disparities [px]
   PoseManifold manifold_;
   ceres::HuberLoss loss_{2.0};
-  std::map<KeyframeId, PoseBlock> poses_;
-  std::map<LandmarkId, Eigen::Vector3d> points_;
+  std::vector<KeyframeId> pose_ids_;
+  std::vector<PoseBlock> poses_;
+  std::vector<LandmarkId> point_ids_;
+  std::vector<Eigen::Vector3d> points_;
   ceres::Problem problem_{withoutOwnership()};
   std::shared_ptr<ceres::ParameterBlockOrdering> ordering_ =
       std::make_shared<ceres::ParameterBlockOrdering>();
@@ -240,7 +256,7 @@ BundleSummary adjustBundle(SparseMap& map, const std::vector<KeyframeId>& free,
     summary.iterations = static_cast<int>(solved.iterations.size());
     summary.initial_cost = solved.initial_cost;
     summary.final_cost = solved.final_cost;
-    if (solved.IsSolutionUsable()) bundle.writeBack(map);
+    if (summary.iterations > 0 && solved.IsSolutionUsable()) bundle.writeBack(map);
   }
   summary.outliers = forgetOutliers(map, free, camera);
   return summary;

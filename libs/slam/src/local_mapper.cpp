@@ -25,6 +25,7 @@ KeyframeId LocalMapper::insert(const TrackingFrame& frame, const Pose& T_map_cam
   const KeyframeId id = keyframe.id;
   linkTracked(frame, id, tracked, map);
   addLandmarks(frame, id, tracked, map);
+  describeNew(frame, id, tracked, map);
   adjustBundle(map, map.neighbourhood(id, params_.window), camera_, params_.ba_iterations);
   cull(id, map);
   tracked.erase(std::remove_if(tracked.begin(), tracked.end(),
@@ -67,6 +68,20 @@ void LocalMapper::addLandmarks(const TrackingFrame& frame, KeyframeId keyframe,
     seen.id = landmark.id;
     tracked.push_back(seen);
   }
+}
+
+void LocalMapper::describeNew(const TrackingFrame& frame, KeyframeId keyframe,
+                              const std::vector<TrackedLandmark>& tracked, SparseMap& map) const {
+  std::vector<Landmark*> landmarks;
+  std::vector<Eigen::Vector2d> points;
+  for (const TrackedLandmark& seen : tracked) {
+    Landmark* landmark = map.find(seen.id);
+    if (landmark == nullptr || landmark->reference != keyframe) continue;
+    landmarks.push_back(landmark);
+    points.push_back(seen.measurement.uv);
+  }
+  const auto descriptors = describe(frame.left.levels.front(), points);
+  for (std::size_t i = 0; i < landmarks.size(); ++i) landmarks[i]->descriptor = descriptors[i];
 }
 
 void LocalMapper::cull(KeyframeId newest, SparseMap& map) const {

@@ -30,6 +30,8 @@ class LocalMapper {
                    const std::vector<TrackedLandmark>& tracked, SparseMap& map) const;
   void addLandmarks(const TrackingFrame& frame, KeyframeId keyframe,
                     std::vector<TrackedLandmark>& tracked, SparseMap& map) const;
+  void describeNew(const TrackingFrame& frame, KeyframeId keyframe,
+                   const std::vector<TrackedLandmark>& tracked, SparseMap& map) const;
   void cull(KeyframeId newest, SparseMap& map) const;
 
   StereoCamera camera_;

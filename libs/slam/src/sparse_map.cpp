@@ -62,6 +62,12 @@ void SparseMap::removeLandmark(LandmarkId landmark) {
   landmarks_.erase(landmark);
 }
 
+void SparseMap::removeKeyframe(KeyframeId keyframe) {
+  const std::vector<LandmarkId> seen = keyframes_.at(keyframe).landmarks;
+  for (const LandmarkId landmark : seen) forget(keyframe, landmark);
+  keyframes_.erase(keyframe);
+}
+
 Landmark* SparseMap::find(LandmarkId id) {
   const auto found = landmarks_.find(id);
   return found == landmarks_.end() ? nullptr : &found->second;

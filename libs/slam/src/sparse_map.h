@@ -6,6 +6,7 @@
 #include <map>
 #include <vector>
 
+#include "descriptor.h"
 #include "patch.h"
 #include "pose_refiner.h"
 
@@ -24,6 +25,7 @@ struct Landmark {
   KeyframeId reference;                                ///< keyframe that `patch` was cut from
   int reference_level = 0;                             ///< pyramid level of it
   ReferencePatch patch;
+  Descriptor descriptor{};  ///< cut where the patch was cut; all zero if too near to the border
   std::vector<LandmarkObservation> observations;  ///< in order of keyframes
   int tried = 0;                                  ///< frames in which it was looked for
   int found = 0;                                  ///< frames in which it was found
@@ -55,6 +57,8 @@ class SparseMap {
   /// Takes one observation away, and the landmark with its last one (or with its reference's).
   void forget(KeyframeId keyframe, LandmarkId landmark);
   void removeLandmark(LandmarkId landmark);
+  /// Takes a keyframe away, and with it the landmarks that refer to it or that nobody else sees.
+  void removeKeyframe(KeyframeId keyframe);
 
   [[nodiscard]] Landmark* find(LandmarkId id);
   [[nodiscard]] const Landmark* find(LandmarkId id) const;

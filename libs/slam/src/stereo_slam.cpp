@@ -7,6 +7,7 @@
 #include "frame_tracker.h"
 #include "local_mapper.h"
 #include "motion_model.h"
+#include "relocaliser.h"
 #include "sparse_map.h"
 
 namespace headway::slam {
@@ -87,6 +88,7 @@ class StereoSlam::Implementation {
   SlamUpdate accept(const TrackingFrame& current, TrackedPose& tracked);
   SlamUpdate guess(const StereoFrame& frame, const TrackingFrame& current);
   [[nodiscard]] bool wantsKeyframe(const TrackedPose& tracked) const;
+  bool begin(const TrackingFrame& current);
   void makeKeyframe(const TrackingFrame& current, TrackedPose& tracked);
   [[nodiscard]] HungPose hang(const TrackingFrame& current, const SlamUpdate& update) const;
   [[nodiscard]] Pose robotAt(const Pose& T_map_cam) const {
@@ -132,7 +134,10 @@ std::optional<TrackedPose> StereoSlam::Implementation::track(const StereoFrame& 
     return std::nullopt;
   }
   const std::vector<Pose> guesses{motion_.predict(frame), motion_.last()};
-  return tracker_.track(previous_, seen_before_, current, guesses, local_landmarks_, map_);
+  auto tracked = tracker_.track(previous_, seen_before_, current, guesses, local_landmarks_, map_);
+  if (tracked) return tracked;
+  const auto found = relocalise(current, local_landmarks_, map_, *camera_, params_.min_inliers);
+  return found ? tracker_.settle(current, *found, local_landmarks_, map_) : std::nullopt;
 }
 
 /// The pose is known: extend the map where it gets thin.
@@ -164,26 +169,34 @@ SlamUpdate StereoSlam::Implementation::guess(const StereoFrame& frame,
     motion_.coast(frame.time, motion_.predict(frame));
     covariance_ += kGrowth * PoseCovariance::Identity();
   }
-  const bool begin = !reference_ || (params_.mapping && lost_in_a_row_ > params_.restart_after);
-  TrackedPose fresh;
-  fresh.T_map_cam = motion_.last();
-  if (begin) {
-    const auto reference_before = reference_;
-    makeKeyframe(current, fresh);
-    if (static_cast<int>(fresh.landmarks.size()) >= params_.min_inliers) {
-      lost_in_a_row_ = 0;
-      update.status = TrackingStatus::kTracked;
-      update.is_keyframe = true;
-      update.inliers = static_cast<int>(fresh.landmarks.size());
-    } else {
-      reference_ = reference_before;
-    }
+  const bool wanted = !reference_ || lost_in_a_row_ > params_.restart_after;
+  seen_before_.clear();
+  if (params_.mapping && wanted && begin(current)) {
+    lost_in_a_row_ = 0;
+    update.status = TrackingStatus::kTracked;
+    update.is_keyframe = true;
+    update.inliers = static_cast<int>(seen_before_.size());
   }
-  seen_before_ = std::move(fresh.landmarks);
   update.features = static_cast<int>(seen_before_.size());
   update.T_map_robot = robotAt(motion_.last());
   update.covariance = robotCovariance(covariance_);
   return update;
+}
+
+/// A first keyframe at the pose guessed; false, and no change, if the frame shows too little.
+bool StereoSlam::Implementation::begin(const TrackingFrame& current) {
+  TrackedPose fresh;
+  fresh.T_map_cam = motion_.last();
+  const KeyframeId id =
+      mapper_.insert(current, fresh.T_map_cam, covariance_, fresh.landmarks, map_);
+  if (static_cast<int>(fresh.landmarks.size()) < params_.min_inliers) {
+    map_.removeKeyframe(id);
+    return false;
+  }
+  reference_ = id;
+  local_landmarks_ = map_.seenBy(map_.neighbourhood(id, params_.window));
+  seen_before_ = std::move(fresh.landmarks);
+  return true;
 }
 
 bool StereoSlam::Implementation::wantsKeyframe(const TrackedPose& tracked) const {

@@ -1,0 +1,149 @@
+#include "bundle_adjustment.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <random>
+
+namespace headway::slam {
+namespace {
+
+StereoCamera testCamera() {
+  StereoCamera camera;
+  camera.width = 640;
+  camera.height = 480;
+  camera.fx = camera.fy = 500.0;
+  camera.cx = 320.0;
+  camera.cy = 240.0;
+  camera.baseline_m = 0.5;
+  return camera;
+}
+
+struct World {
+  SparseMap map;
+  std::vector<Pose> poses;                       ///< true ones, by keyframe
+  std::map<LandmarkId, Eigen::Vector3d> points;  ///< true ones
+  std::vector<KeyframeId> keyframes;
+};
+
+Pose posed(int i) {
+  Pose pose = Pose::Identity();
+  pose.linear() = expSo3({0.0, 0.02 * i, 0.01 * i});
+  pose.translation() << 0.1 * i, 0.02 * i, 0.8 * i;
+  return pose;
+}
+
+/// Keyframes along a road that see random points; disparities are too great by an offset.
+World makeWorld(int keyframes, double offset_px) {
+  const StereoCamera camera = testCamera();
+  World world;
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise(0.0, 1.0);
+  std::uniform_real_distribution<double> x(-15.0, 15.0), y(-4.0, 2.0), z(4.0, 60.0);
+  for (int i = 0; i < keyframes; ++i) {
+    world.poses.push_back(posed(i));
+    world.keyframes.push_back(world.map.addKeyframe(i, 0.1 * i, posed(i)).id);
+  }
+  for (int n = 0; n < 400; ++n) {
+    const Eigen::Vector3d point(x(random), y(random), z(random));
+    LandmarkId id;
+    for (int i = 0; i < keyframes; ++i) {
+      const auto uvd = project(posed(i).inverse() * point, camera);
+      if (!uvd || uvd->x() < 0 || uvd->x() > 640 || uvd->y() < 0 || uvd->y() > 480) continue;
+      const StereoMeasurement measurement{
+          uvd->head<2>() + 0.1 * Eigen::Vector2d(noise(random), noise(random)),
+          uvd->z() + offset_px + 0.1 * noise(random), true, 0.1, 0.1};
+      if (!id.valid()) {
+        id = world.map.addLandmark(point, world.keyframes[static_cast<std::size_t>(i)], measurement)
+                 .id;
+      } else {
+        world.map.observe(world.keyframes[static_cast<std::size_t>(i)], id, measurement);
+      }
+    }
+    if (id.valid()) world.points[id] = point;
+  }
+  return world;
+}
+
+void disturb(World& world) {
+  std::mt19937 random(8);
+  std::normal_distribution<double> noise(0.0, 1.0);
+  for (std::size_t i = 1; i < world.keyframes.size(); ++i) {
+    Eigen::Matrix<double, 6, 1> xi;
+    for (double& value : xi) value = noise(random);
+    xi.head<3>() *= 0.05;
+    xi.tail<3>() *= 0.005;
+    Keyframe& keyframe = world.map.keyframe(world.keyframes[i]);
+    keyframe.T_map_cam = retract(keyframe.T_map_cam, xi);
+  }
+  for (const auto& [id, point] : world.points) {
+    world.map.find(id)->position =
+        point + 0.01 * point.z() * Eigen::Vector3d(noise(random), noise(random), noise(random));
+  }
+}
+
+double worstPose(const World& world) {
+  double worst = 0.0;
+  for (std::size_t i = 0; i < world.keyframes.size(); ++i) {
+    const Pose& pose = world.map.keyframe(world.keyframes[i]).T_map_cam;
+    worst = std::max(worst, (pose.translation() - world.poses[i].translation()).norm());
+  }
+  return worst;
+}
+
+TEST(AdjustBundle, FindsPosesAndPointsAgain) {
+  World world = makeWorld(6, 0.0);
+  disturb(world);
+  ASSERT_GT(worstPose(world), 0.05);
+  const auto summary = adjustBundle(world.map, world.keyframes, testCamera(), 30);
+  EXPECT_LT(summary.final_cost, 0.2 * summary.initial_cost);
+  EXPECT_LT(worstPose(world), 0.01);
+}
+
+TEST(AdjustBundle, FindsTheOffsetOfTheDisparities) {
+  World world = makeWorld(8, 0.3);
+  for (int i = 0; i < 12; ++i) {
+    static_cast<void>(adjustBundle(world.map, world.keyframes, testCamera(), 30));
+  }
+  EXPECT_NEAR(world.map.disparityOffset(), 0.3, 0.03);
+  EXPECT_LT(worstPose(world), 0.03);
+}
+
+TEST(AdjustBundle, LeavesKeyframesOutsideWhereTheyAre) {
+  World world = makeWorld(6, 0.0);
+  const std::vector<KeyframeId> free(world.keyframes.begin() + 3, world.keyframes.end());
+  disturb(world);
+  const Pose before = world.map.keyframe(world.keyframes[1]).T_map_cam;
+  static_cast<void>(adjustBundle(world.map, free, testCamera(), 10));
+  EXPECT_EQ(world.map.keyframe(world.keyframes[1]).T_map_cam.matrix(), before.matrix());
+}
+
+TEST(AdjustBundle, ForgetsWhatDoesNotFit) {
+  World world = makeWorld(6, 0.0);
+  LandmarkId wrong;
+  for (const auto& [id, landmark] : world.map.landmarks()) {
+    if (landmark.observations.size() == 6) wrong = id;
+  }
+  ASSERT_TRUE(wrong.valid());
+  const StereoMeasurement far{{5000.0, 200.0}, 4.0, true, 0.1, 0.1};
+  const KeyframeId extra = world.map.addKeyframe(6, 0.6, posed(5)).id;
+  world.map.observe(extra, wrong, far);
+  world.keyframes.push_back(extra);
+  world.poses.push_back(posed(5));
+  const auto summary = adjustBundle(world.map, world.keyframes, testCamera(), 20);
+  EXPECT_GE(summary.outliers, 1);
+  EXPECT_EQ(std::count(world.map.keyframe(extra).landmarks.begin(),
+                       world.map.keyframe(extra).landmarks.end(), wrong),
+            0);
+}
+
+TEST(AdjustBundle, DoesNothingWithoutSharedLandmarks) {
+  World world = makeWorld(1, 0.0);
+  const auto summary = adjustBundle(world.map, world.keyframes, testCamera(), 10);
+  EXPECT_EQ(summary.iterations, 0);
+  EXPECT_DOUBLE_EQ(worstPose(world), 0.0);
+}
+
+}  // namespace
+}  // namespace headway::slam

@@ -1,0 +1,63 @@
+#include "motion_model.h"
+
+#include <gtest/gtest.h>
+
+namespace headway::slam {
+namespace {
+
+StereoFrame frameAt(Time time) {
+  StereoFrame frame;
+  frame.time = time;
+  return frame;
+}
+
+Pose step() {
+  Pose pose = Pose::Identity();
+  pose.translation() << 0.1, 0.0, 0.5;
+  pose.linear() = expSo3({0.0, 0.02, 0.0});
+  return pose;
+}
+
+/// A model that saw two poses 0.1 s apart.
+MotionModel moving() {
+  MotionModel model(robotFromOptical(), SlamParams{});
+  model.reset(1.0, Pose::Identity());
+  model.update(1.1, step());
+  return model;
+}
+
+TEST(MotionModel, GoesOnAtConstantVelocity) {
+  const Pose expected = step() * step();
+  EXPECT_TRUE(moving().predict(frameAt(1.2)).isApprox(expected, 1e-9));
+}
+
+TEST(MotionModel, StandsAfterAGapItKnowsNothingOf) {
+  EXPECT_TRUE(moving().predict(frameAt(100.0)).isApprox(step(), 1e-12));
+  EXPECT_TRUE(moving().predict(frameAt(0.5)).isApprox(step(), 1e-12));
+}
+
+TEST(MotionModel, BelievesOdometryMore) {
+  StereoFrame frame = frameAt(1.2);
+  Pose forward = Pose::Identity();
+  forward.translation() << 2.0, 0.0, 0.0;  // robot axes: along the optical z axis
+  frame.motion_prior.T_previous_current = forward;
+  const Eigen::Vector3d place = moving().predict(frame).translation();
+  EXPECT_LT((place - step() * Eigen::Vector3d(0.0, 0.0, 2.0)).norm(), 1e-9);
+}
+
+TEST(MotionModel, TurnsAsTheGyroscopeSays) {
+  StereoFrame frame = frameAt(1.2);
+  frame.motion_prior.R_previous_current = expSo3({0.0, 0.0, 0.3});  // robot's z is optical -y
+  const Eigen::Matrix3d expected = step().linear() * expSo3({0.0, -0.3, 0.0});
+  EXPECT_TRUE(moving().predict(frame).linear().isApprox(expected, 1e-9));
+}
+
+TEST(MotionModel, ComesToRestWhileLost) {
+  MotionModel model = moving();
+  for (int i = 0; i < 60; ++i) model.coast(1.2 + 0.1 * i, model.predict(frameAt(1.2 + 0.1 * i)));
+  const Pose last = model.last();
+  EXPECT_LT((model.predict(frameAt(7.2)).translation() - last.translation()).norm(), 1e-4);
+}
+
+}  // namespace
+}  // namespace headway::slam

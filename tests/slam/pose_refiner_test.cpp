@@ -1,0 +1,154 @@
+#include "pose_refiner.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace headway::slam {
+namespace {
+
+StereoCamera testCamera() {
+  StereoCamera camera;
+  camera.width = 640;
+  camera.height = 480;
+  camera.fx = 500.0;
+  camera.fy = 510.0;
+  camera.cx = 320.0;
+  camera.cy = 240.0;
+  camera.baseline_m = 0.3;
+  return camera;
+}
+
+Pose truePose() {
+  Pose pose = Pose::Identity();
+  pose.linear() = expSo3({0.05, -0.2, 0.1});
+  pose.translation() << 0.4, -0.3, 0.8;
+  return pose;
+}
+
+/// Measurements of random points with Gaussian noise of one sigma.
+std::vector<PoseConstraint> world(int count, double noise_px, int seed) {
+  const StereoCamera camera = testCamera();
+  std::mt19937 random(static_cast<unsigned>(seed));
+  std::uniform_real_distribution<double> column(0.0, camera.width), row(0.0, camera.height);
+  std::uniform_real_distribution<double> depth(3.0, 40.0);
+  std::normal_distribution<double> noise(0.0, noise_px);
+  std::vector<PoseConstraint> constraints;
+  for (int i = 0; i < count; ++i) {
+    const Eigen::Vector2d uv(column(random), row(random));
+    const Eigen::Vector3d point_cam = depth(random) * ray(uv, camera);
+    PoseConstraint constraint;
+    constraint.point_map = truePose() * point_cam;
+    const auto uvd = project(point_cam, camera).value();
+    constraint.measurement.uv = uvd.head<2>() + Eigen::Vector2d(noise(random), noise(random));
+    constraint.measurement.disparity = uvd.z() + noise(random);
+    constraint.measurement.stereo = true;
+    constraint.measurement.sigma_px = constraint.measurement.sigma_disparity_px =
+        std::max(noise_px, 0.1);
+    constraints.push_back(constraint);
+  }
+  return constraints;
+}
+
+Eigen::Matrix<double, 6, 1> errorOf(const Pose& estimate) {
+  const Pose difference = truePose().inverse() * estimate;
+  Eigen::Matrix<double, 6, 1> error;
+  error << difference.translation(), logSo3(difference.linear());
+  return error;
+}
+
+TEST(StereoResidual, JacobianByPointIsThatOfNumericDifferences) {
+  const StereoMeasurement measurement{{300.0, 200.0}, 12.0, true, 0.7, 0.4};
+  const Eigen::Vector3d point(0.8, -0.6, 9.0);
+  Eigen::Matrix3d analytic;
+  static_cast<void>(stereoResidual(point, measurement, testCamera(), &analytic));
+  constexpr double kStep = 1e-6;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(axis);
+    const Eigen::Vector3d numeric =
+        (stereoResidual(point + step, measurement, testCamera(), nullptr) -
+         stereoResidual(point - step, measurement, testCamera(), nullptr)) /
+        (2.0 * kStep);
+    EXPECT_LT((analytic.col(axis) - numeric).norm(), 1e-5) << "axis " << axis;
+  }
+}
+
+TEST(PointByPose, IsThatOfNumericDifferences) {
+  const Eigen::Vector3d point_map(3.0, 1.0, 8.0);
+  const Pose pose = truePose();
+  const auto analytic = pointByPose(pose.inverse() * point_map);
+  constexpr double kStep = 1e-6;
+  for (int axis = 0; axis < 6; ++axis) {
+    Eigen::Matrix<double, 6, 1> step = Eigen::Matrix<double, 6, 1>::Zero();
+    step(axis) = kStep;
+    const Eigen::Vector3d numeric =
+        (retract(pose, step).inverse() * point_map - retract(pose, -step).inverse() * point_map) /
+        (2.0 * kStep);
+    EXPECT_LT((analytic.col(axis) - numeric).norm(), 1e-6) << "axis " << axis;
+  }
+}
+
+TEST(RefinePose, IsExactWithoutNoise) {
+  auto constraints = world(60, 0.0, 1);
+  const auto refined = refinePose(Pose::Identity(), constraints, testCamera(), {1000.0, 12, 10});
+  ASSERT_TRUE(refined);
+  EXPECT_LT(errorOf(refined->T_map_cam).norm(), 1e-6);
+  EXPECT_EQ(refined->inliers, 60);
+}
+
+TEST(RefinePose, ErrorsAreAsLargeAsItsCovarianceSays) {
+  // The normalised squared error is chi-square with 6 degrees of freedom: mean 6.
+  double sum = 0.0;
+  constexpr int kTrials = 200;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    auto constraints = world(80, 0.5, 100 + trial);
+    const auto refined = refinePose(truePose(), constraints, testCamera(), {1.0, 3, 8});
+    ASSERT_TRUE(refined);
+    const auto error = errorOf(refined->T_map_cam);
+    sum += error.dot(refined->covariance.ldlt().solve(error));
+  }
+  EXPECT_GT(sum / kTrials, 4.0);
+  EXPECT_LT(sum / kTrials, 9.0);
+}
+
+TEST(RefinePose, LeavesAThirdOfWrongLandmarksOut) {
+  auto constraints = world(90, 0.3, 7);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> column(0.0, 640.0), row(0.0, 480.0);
+  for (std::size_t i = 0; i < constraints.size(); i += 3) {
+    constraints[i].measurement.uv << column(random), row(random);
+  }
+  const auto refined = refinePose(truePose(), constraints, testCamera(), {4.0, 3, 10});
+  ASSERT_TRUE(refined);
+  EXPECT_LT(errorOf(refined->T_map_cam).norm(), 0.02);
+  int wrong = 0;
+  for (std::size_t i = 0; i < constraints.size(); i += 3) wrong += constraints[i].inlier ? 1 : 0;
+  EXPECT_LE(wrong, 1);
+  EXPECT_GE(refined->inliers, 56);  // 60 are right, 1 in 100 of them lies beyond the gate
+}
+
+TEST(RefinePose, KeepsTheTrackOfAWrongStereoMatch) {
+  auto constraints = world(60, 0.2, 9);
+  constraints[5].measurement.disparity += 30.0;
+  const auto refined = refinePose(truePose(), constraints, testCamera(), {1.0, 3, 8});
+  ASSERT_TRUE(refined);
+  EXPECT_TRUE(constraints[5].inlier);
+  EXPECT_FALSE(constraints[5].stereo_inlier);
+}
+
+TEST(RefinePose, SaysNothingWhereThereIsTooLittle) {
+  std::vector<PoseConstraint> none;
+  EXPECT_FALSE(refinePose(Pose::Identity(), none, testCamera(), {}));
+  auto three = world(3, 0.0, 1);
+  EXPECT_FALSE(refinePose(truePose(), three, testCamera(), {}));
+}
+
+TEST(RefinePose, SaysNothingOfPointsBehindTheCamera) {
+  auto constraints = world(40, 0.0, 1);
+  Pose turned = truePose();
+  turned.linear() = turned.linear() * expSo3({0.0, M_PI, 0.0});
+  EXPECT_FALSE(refinePose(turned, constraints, testCamera(), {}));
+}
+
+}  // namespace
+}  // namespace headway::slam

@@ -1,0 +1,206 @@
+#include <gtest/gtest.h>
+#include <headway/slam/stereo_slam.h>
+#include <headway_test/textured_world.h>
+
+#include <Eigen/Eigenvalues>
+#include <opencv2/core/utility.hpp>
+
+namespace headway::slam {
+namespace {
+
+test::TexturedWorld room() {
+  test::TexturedWorld world(test::smallCamera());
+  world.addRoom(12.0, 8.0, 4.0);
+  return world;
+}
+
+/// A gentle curve through the room.
+Pose onPath(int i) {
+  Pose pose = Pose::Identity();
+  pose.translation() << 0.05 * i, 0.6 * std::sin(0.05 * i), 0.1 * std::sin(0.11 * i);
+  pose.linear() = expSo3({0.0, 0.01 * std::sin(0.2 * i), 0.3 * std::sin(0.04 * i)});
+  return pose;
+}
+
+/// The path begins at the origin, so that the map frame is the world frame.
+double errorAt(const SlamUpdate& update, int i) {
+  return (update.T_map_robot.translation() - onPath(i).translation()).norm();
+}
+
+bool isFinite(const SlamUpdate& update) {
+  return update.T_map_robot.matrix().allFinite() && update.covariance.allFinite();
+}
+
+StereoFrame blank(int i) {
+  StereoFrame frame;
+  frame.index = static_cast<std::size_t>(i);
+  frame.time = 0.1 * i;
+  frame.camera = std::make_shared<StereoCamera>(test::smallCamera());
+  frame.left = cv::Mat(240, 320, CV_8U, cv::Scalar(0));
+  frame.right = frame.left.clone();
+  return frame;
+}
+
+TEST(StereoSlam, FollowsAPathThroughARoom) {
+  const auto world = room();
+  StereoSlam slam(world.camera(), SlamParams{});
+  for (int i = 0; i < 40; ++i) {
+    const auto update = slam.process(world.frame(i, 0.1 * i, onPath(i)), {});
+    ASSERT_EQ(update.status, TrackingStatus::kTracked) << i;
+    EXPECT_LT(errorAt(update, i), 0.02) << i;
+    EXPECT_GE(update.inliers, 20);
+    Eigen::SelfAdjointEigenSolver<PoseCovariance> eigen(update.covariance);
+    EXPECT_GE(eigen.eigenvalues().minCoeff(), -1e-12);
+  }
+  const auto path = slam.trajectory();
+  ASSERT_EQ(path.size(), 40U);
+  EXPECT_LT((path.back().T_map_robot.translation() - onPath(39).translation()).norm(), 0.02);
+}
+
+TEST(StereoSlam, MapsLandmarksOntoTheWalls) {
+  const auto world = room();
+  StereoSlam slam(world.camera(), SlamParams{});
+  for (int i = 0; i < 20; ++i)
+    static_cast<void>(slam.process(world.frame(i, 0.1 * i, onPath(i)), {}));
+  const MapView map = slam.map();
+  ASSERT_GT(map.landmarks.size(), 100U);
+  int on_wall = 0;
+  for (const LandmarkView& landmark : map.landmarks) {
+    const Eigen::Vector3d beyond = landmark.position.cwiseAbs() - Eigen::Vector3d(6.0, 4.0, 2.0);
+    on_wall += std::abs(beyond.maxCoeff()) < 0.15 ? 1 : 0;
+  }
+  EXPECT_GT(on_wall, 0.9 * static_cast<double>(map.landmarks.size()));
+}
+
+TEST(StereoSlam, SaysLostWithoutImagesAndFindsItsMapAgain) {
+  const auto world = room();
+  StereoSlam slam(world.camera(), SlamParams{});
+  for (int i = 0; i < 15; ++i)
+    static_cast<void>(slam.process(world.frame(i, 0.1 * i, onPath(i)), {}));
+  for (int i = 15; i < 20; ++i) {
+    const auto update = slam.process(blank(i), {});
+    EXPECT_EQ(update.status, TrackingStatus::kLost);
+    EXPECT_TRUE(isFinite(update));
+  }
+  const auto update = slam.process(world.frame(20, 2.0, onPath(20)), {});
+  EXPECT_EQ(update.status, TrackingStatus::kTracked);
+  EXPECT_LT(errorAt(update, 20), 0.03);
+  const auto path = slam.trajectory();
+  EXPECT_TRUE(path[14].tracked);
+  EXPECT_FALSE(path[17].tracked);
+}
+
+TEST(StereoSlam, FindsItselfAfterAJump) {
+  const auto world = room();
+  StereoSlam slam(world.camera(), SlamParams{});
+  for (int i = 0; i < 15; ++i)
+    static_cast<void>(slam.process(world.frame(i, 0.1 * i, onPath(i)), {}));
+  Pose turned = onPath(15);
+  turned.linear() = turned.linear() * expSo3({0.0, 0.05, 0.2});
+  const auto update = slam.process(world.frame(15, 9.0, turned), {});
+  EXPECT_EQ(update.status, TrackingStatus::kTracked);
+  EXPECT_LT(errorAt(update, 15), 0.03);
+}
+
+TEST(StereoSlam, StaysLostInAnotherWorldUntilItBeginsAnew) {
+  const auto world = room();
+  test::TexturedWorld other(test::smallCamera(), 99);
+  other.addRoom(9.0, 7.0, 3.0);
+  SlamParams params;
+  params.restart_after = 4;
+  StereoSlam slam(world.camera(), params);
+  for (int i = 0; i < 10; ++i)
+    static_cast<void>(slam.process(world.frame(i, 0.1 * i, onPath(i)), {}));
+  for (int i = 10; i < 14; ++i) {
+    EXPECT_EQ(slam.process(other.frame(i, 0.1 * i, onPath(i)), {}).status, TrackingStatus::kLost);
+  }
+  const auto update = slam.process(other.frame(14, 1.4, onPath(14)), {});
+  EXPECT_EQ(update.status, TrackingStatus::kTracked);
+  EXPECT_TRUE(update.is_keyframe);
+  EXPECT_EQ(slam.process(other.frame(15, 1.5, onPath(15)), {}).status, TrackingStatus::kTracked);
+}
+
+TEST(StereoSlam, BeginsOnceThereIsSomethingToSee) {
+  const auto world = room();
+  StereoSlam slam(world.camera(), SlamParams{});
+  for (int i = 0; i < 3; ++i) {
+    const auto update = slam.process(blank(i), {});
+    EXPECT_EQ(update.status, TrackingStatus::kLost);
+    EXPECT_TRUE(isFinite(update));
+  }
+  EXPECT_TRUE(slam.map().keyframes.empty());
+  EXPECT_EQ(slam.process(world.frame(3, 0.3, onPath(0)), {}).status, TrackingStatus::kTracked);
+}
+
+TEST(StereoSlam, SameInputSameBytesOnAnyNumberOfThreads) {
+  const auto world = room();
+  const auto run = [&](int threads) {
+    cv::setNumThreads(threads);
+    StereoSlam slam(world.camera(), SlamParams{});
+    for (int i = 0; i < 12; ++i) {
+      static_cast<void>(slam.process(world.frame(i, 0.1 * i, onPath(i)), {}));
+    }
+    return std::make_pair(slam.trajectory(), slam.map());
+  };
+  const auto [path_1, map_1] = run(1);
+  const auto [path_2, map_2] = run(2);
+  for (std::size_t i = 0; i < path_1.size(); ++i) {
+    EXPECT_EQ(path_1[i].T_map_robot.matrix(), path_2[i].T_map_robot.matrix());
+  }
+  ASSERT_EQ(map_1.landmarks.size(), map_2.landmarks.size());
+  for (std::size_t i = 0; i < map_1.landmarks.size(); ++i) {
+    EXPECT_EQ(map_1.landmarks[i].position, map_2.landmarks[i].position);
+  }
+}
+
+TEST(StereoSlam, TakesNothingFromMovingRegions) {
+  const auto world = room();
+  SlamParams params;
+  params.dynamic_rejection = DynamicRejection::kBoxes;
+  StereoSlam slam(world.camera(), params);
+  MovingRegions moving;
+  moving.boxes.push_back({100.0, 60.0, 220.0, 180.0});
+  static_cast<void>(slam.process(world.frame(0, 0.0, onPath(0)), moving));
+  const Pose T_cam_map = world.camera()->T_robot_cam.inverse();
+  for (const LandmarkView& landmark : slam.map().landmarks) {
+    const auto uvd = project(T_cam_map * landmark.position, *world.camera()).value();
+    EXPECT_FALSE(moving.boxes[0].contains(uvd.x(), uvd.y()));
+  }
+}
+
+TEST(StereoSlam, IsLostWhereEverythingMoves) {
+  const auto world = room();
+  StereoSlam slam(world.camera(), SlamParams{});
+  for (int i = 0; i < 5; ++i)
+    static_cast<void>(slam.process(world.frame(i, 0.1 * i, onPath(i)), {}));
+  MovingRegions all;
+  all.mask = cv::Mat(240, 320, CV_8U, cv::Scalar(255));
+  const auto update = slam.process(world.frame(5, 0.5, onPath(5)), all);
+  EXPECT_EQ(update.status, TrackingStatus::kLost);
+  EXPECT_TRUE(isFinite(update));
+  EXPECT_EQ(slam.process(world.frame(6, 0.6, onPath(6)), {}).status, TrackingStatus::kTracked);
+}
+
+TEST(StereoSlam, LevelsTheMapByGravity) {
+  const auto world = room();
+  StereoSlam slam(world.camera(), SlamParams{});
+  StereoFrame frame = world.frame(0, 0.0, Pose::Identity());
+  frame.motion_prior.up_robot = Eigen::Vector3d(0.1, -0.2, 1.0).normalized();
+  const auto update = slam.process(frame, {});
+  EXPECT_LT((update.T_map_robot.linear() * *frame.motion_prior.up_robot - Eigen::Vector3d::UnitZ())
+                .norm(),
+            1e-9);
+  EXPECT_NEAR(yawOf(update.T_map_robot), 0.0, 1e-9);
+}
+
+TEST(StereoSlam, WithoutMappingAnEmptyMapStaysEmpty) {
+  const auto world = room();
+  SlamParams params;
+  params.mapping = false;
+  StereoSlam slam(world.camera(), params);
+  EXPECT_EQ(slam.process(world.frame(0, 0.0, onPath(0)), {}).status, TrackingStatus::kLost);
+  EXPECT_TRUE(slam.map().landmarks.empty());
+}
+
+}  // namespace
+}  // namespace headway::slam
