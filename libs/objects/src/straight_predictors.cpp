@@ -26,26 +26,28 @@ double recentTurnRate(const std::vector<TrajectoryPoint>& path, double window_s)
   return std::atan2(cross, older.dot(recent)) / window;
 }
 
-// The baseline's curve through four places: P(u) with u = 0 now and -1, -2, -3 one spacing apart.
-class Cubic {
+// The parabola nearest to four places one spacing apart, the last of them now.
+class Parabola {
  public:
-  Cubic(const std::vector<TrajectoryPoint>& path, double spacing_s) {
+  Parabola(const std::vector<TrajectoryPoint>& path, double spacing_s) : spacing_s_(spacing_s) {
     const Time now = path.back().time;
     const Eigen::Vector2d p0 = path.back().position.head<2>();
     const Eigen::Vector2d p1 = placeAt(path, now - spacing_s);
     const Eigen::Vector2d p2 = placeAt(path, now - 2.0 * spacing_s);
     const Eigen::Vector2d p3 = placeAt(path, now - 3.0 * spacing_s);
-    start_ = p0;  // Newton's backward differences
-    first_ = p0 - p1;
-    second_ = p0 - 2.0 * p1 + p2;
-    third_ = p0 - 3.0 * p1 + 3.0 * p2 - p3;
+    // Least squares in the spacings from the middle of the four: -3/2, -1/2, 1/2, 3/2.
+    slope_ = (3.0 * (p0 - p3) + (p1 - p2)) / 10.0;
+    bend_ = (p0 - p1 - p2 + p3) / 4.0;
   }
-  [[nodiscard]] Eigen::Vector2d at(double u) const {
-    return start_ + u * (first_ + 0.5 * (u + 1.0) * (second_ + (u + 2.0) / 3.0 * third_));
+  /// From the place now to the place at one time [m].
+  [[nodiscard]] Eigen::Vector2d advance(double time_s) const {
+    const double u = time_s / spacing_s_;
+    return u * (slope_ + (u + 3.0) * bend_);
   }
 
  private:
-  Eigen::Vector2d start_, first_, second_, third_;
+  double spacing_s_;
+  Eigen::Vector2d slope_, bend_;
 };
 
 }  // namespace
@@ -92,35 +94,19 @@ void ConstantTurnPredictor::predictInto(const MotionHistory& history,
 void PolynomialPredictor::predictInto(const MotionHistory& history,
                                       std::vector<PredictedPath>& paths) const {
   constexpr double kSpacing_s = 0.5;  // five frames at 10 Hz
-  constexpr double kStep = 0.02;      // of the walk along the curve, in spacings
-  constexpr int kMostSteps = 2000;
-  const PathSpread spread =
-      spreadOf(history, params_.manoeuvres.of(history.object_class), params_.velocity_window_s);
+  constexpr double kHorizon_s = kPredictionSamples * kPredictionStep_s;
+  const PathSpread spread = spreadOf(history, params_.manoeuvres.of(history.object_class),
+                                     params_.velocity_window_s);
   if (history.path.size() < 2) return writeStanding(history, spread, paths);
-  const double spacing = std::min(kSpacing_s, spanOf(history.path) / 3.0);
   const double end_distance =
-      smoothedSpeed(history.path, params_.paper.speed_samples, params_.paper) * kPredictionSamples *
-      kPredictionStep_s;
-  const Cubic curve(history.path, spacing);
-  const Eigen::Vector2d start = curve.at(0.0);
-
-  // Walk until the curve is d_se away, keeping the arc length of every step.
-  std::vector<double> lengths = {0.0};
-  Eigen::Vector2d here = start;
-  while ((here - start).norm() < end_distance && lengths.size() < kMostSteps) {
-    const Eigen::Vector2d next = curve.at(static_cast<double>(lengths.size()) * kStep);
-    lengths.push_back(lengths.back() + (next - here).norm());
-    here = next;
-  }
-  const Eigen::Vector2d direction = unitOr(here - start, Eigen::Vector2d::UnitX());
-  std::size_t above = 0;
+      kHorizon_s * smoothedSpeed(history.path, params_.paper.speed_samples, params_.paper);
+  const Parabola parabola(history.path, std::min(kSpacing_s, spanOf(history.path) / 3.0));
+  const Eigen::Vector2d end = parabola.advance(kHorizon_s);
+  const double scale = end.norm() > kNoDirection_m ? end_distance / end.norm() : 0.0;
+  const Eigen::Vector2d direction = unitOr(end, Eigen::Vector2d::UnitX());
+  const Eigen::Vector2d start = history.path.back().position.head<2>();
   for (PredictedPoint& point : singlePath(history, paths).points) {
-    const double wanted =
-        lengths.back() * point.horizon_s / (kPredictionSamples * kPredictionStep_s);
-    while (above + 1 < lengths.size() && lengths[above] < wanted) ++above;
-    const double width = above > 0 ? lengths[above] - lengths[above - 1] : 0.0;
-    const double back = width > 0.0 ? (lengths[above] - wanted) / width : 0.0;
-    point.position.head<2>() = curve.at((static_cast<double>(above) - back) * kStep);
+    point.position.head<2>() = start + scale * parabola.advance(point.horizon_s);
     point.covariance = spread.covariance(point.horizon_s, direction);
   }
 }

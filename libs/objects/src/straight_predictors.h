@@ -26,8 +26,8 @@ class ConstantTurnPredictor : public Predictor {
   PredictorParams params_;
 };
 
-/// The paper's baseline: a cubic through four past places five frames apart, followed as far as
-/// d_se from the object (Sec. IV-A).
+/// The paper's baseline: a parabola fitted to four past places five frames apart, drawn out so that
+/// its end lies d_se from the object (Sec. IV-A).
 class PolynomialPredictor : public Predictor {
  public:
   explicit PolynomialPredictor(const PredictorParams& params) : params_(params) {}
