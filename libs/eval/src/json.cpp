@@ -1,8 +1,11 @@
 #include <headway/eval/json.h>
+#include <headway/eval/prediction_error.h>
 #include <headway/eval/track_error.h>
 #include <headway/eval/trajectory_error.h>
 
+#include <array>
 #include <nlohmann/json.hpp>
+#include <string>
 
 namespace headway::eval {
 namespace {
@@ -34,9 +37,27 @@ Json toJson(const TrackError& error) {
   return json;
 }
 
-}  // namespace
+Json toJson(const PredictionError& error) {
+  const std::array<std::string, 3> seconds = {"_1s", "_2s", "_3s"};
+  const std::array<std::string, 3> ellipses = {"coverage_50", "coverage_90", "coverage_95"};
+  Json json;
+  json["cases"] = error.cases;
+  json["ade_m"] = orNull(error.ade_m);
+  json["fde_m"] = orNull(error.fde_m);
+  for (std::size_t s = 0; s < 3; ++s) json["miss_rate" + seconds[s]] = orNull(error.miss_rate[s]);
+  json["best_of_k_ade_m"] = orNull(error.best_of_k_ade_m);
+  for (std::size_t p = 0; p < 3; ++p) {
+    for (std::size_t s = 0; s < 3; ++s) {
+      json[ellipses[p] + seconds[s]] = orNull(error.coverage[p][s]);
+    }
+  }
+  json["nees"] = orNull(error.nees);
+  return json;
+}
 
-Json toJson(const TrackErrors& errors) {
+/// One object for each class and one for all.
+template <typename Errors>
+Json byClass(const Errors& errors) {
   Json json;
   for (const auto& [object_class, error] : errors.classes) {
     json[std::string(toString(object_class))] = toJson(error);
@@ -44,6 +65,12 @@ Json toJson(const TrackErrors& errors) {
   json["all"] = toJson(errors.all);
   return json;
 }
+
+}  // namespace
+
+Json toJson(const PredictionErrors& errors) { return byClass(errors); }
+
+Json toJson(const TrackErrors& errors) { return byClass(errors); }
 
 Json toJson(const TrajectoryError& error) {
   Json json;

@@ -1,3 +1,4 @@
+#include <headway/eval/prediction_error.h>
 #include <headway/eval/text_table.h>
 #include <headway/eval/track_error.h>
 #include <headway/eval/trajectory_error.h>
@@ -59,6 +60,26 @@ std::vector<std::string> rowOf(const std::string& name, const TrackError& error)
           percent(error.amota)};
 }
 
+std::vector<std::string> rowOf(const std::string& name, const PredictionError& error) {
+  std::vector<std::string> row = {name, std::to_string(error.cases), fixedText(error.ade_m, 3),
+                                  fixedText(error.fde_m, 3), fixedText(error.best_of_k_ade_m, 3)};
+  for (const auto& rate : error.miss_rate) row.push_back(percent(rate));
+  for (const auto& share : error.coverage[1]) row.push_back(percent(share));
+  row.push_back(fixedText(error.nees, 2));
+  return row;
+}
+
+/// Headings, one row for each class, one for all.
+template <typename Errors>
+TextTable byClass(std::vector<std::string> headings, const Errors& errors) {
+  TextTable table = {std::move(headings)};
+  for (const auto& [object_class, error] : errors.classes) {
+    table.push_back(rowOf(std::string(toString(object_class)), error));
+  }
+  table.push_back(rowOf("all", errors.all));
+  return table;
+}
+
 }  // namespace
 
 void writeTable(std::ostream& out, const TextTable& table) {
@@ -103,13 +124,15 @@ TextTable tableOf(const TrajectoryError& error) {
 }
 
 TextTable tableOf(const TrackErrors& errors) {
-  TextTable table = {{"class", "RMSE m", "prec %", "recall %", "F1 %", "MOTA %", "MOTP %", "IDSW",
-                      "FRAG", "HOTA %", "DetA %", "AssA %", "sAMOTA %", "AMOTA %"}};
-  for (const auto& [object_class, error] : errors.classes) {
-    table.push_back(rowOf(std::string(toString(object_class)), error));
-  }
-  table.push_back(rowOf("all", errors.all));
-  return table;
+  return byClass({"class", "RMSE m", "prec %", "recall %", "F1 %", "MOTA %", "MOTP %", "IDSW",
+                  "FRAG", "HOTA %", "DetA %", "AssA %", "sAMOTA %", "AMOTA %"},
+                 errors);
+}
+
+TextTable tableOf(const PredictionErrors& errors) {
+  return byClass({"class", "cases", "ADE m", "FDE m", "best ADE m", "miss 1s %", "miss 2s %",
+                  "miss 3s %", "in 90% 1s", "in 90% 2s", "in 90% 3s", "NEES"},
+                 errors);
 }
 
 }  // namespace headway::eval

@@ -7,6 +7,7 @@
 
 namespace headway::eval {
 
+struct PredictionErrors;
 struct TrackErrors;
 struct TrajectoryError;
 
@@ -23,6 +24,7 @@ void writeTable(std::ostream& out, const TextTable& table);
 [[nodiscard]] TextTable tableOf(const TrajectoryError& error);
 
 /// One row a class, shares in percent.
+[[nodiscard]] TextTable tableOf(const PredictionErrors& errors);
 [[nodiscard]] TextTable tableOf(const TrackErrors& errors);
 
 }  // namespace headway::eval
