@@ -5,5 +5,6 @@ namespace headway::app {
 /// Sub-commands of headway-eval; each takes its own arguments and returns the exit status.
 int runTrajectory(int argc, const char** argv);
 int runTracks(int argc, const char** argv);
+int runPredictions(int argc, const char** argv);
 
 }  // namespace headway::app

@@ -9,7 +9,9 @@ int main(int argc, char** argv) {
   using namespace headway;
   return program::run("headway-eval", [&] {
     const std::map<std::string, std::function<int(int, const char**)>> commands = {
-        {"trajectory", app::runTrajectory}, {"tracks", app::runTracks}};
+        {"trajectory", app::runTrajectory},
+        {"tracks", app::runTracks},
+        {"predictions", app::runPredictions}};
     std::vector<std::string> names;
     for (const auto& [name, command] : commands) names.push_back(name);
     const char** arguments = const_cast<const char**>(argv);

@@ -7,18 +7,16 @@
 #include <headway/io/trajectory_file.h>
 
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "commands.h"
 #include "outputs.h"
+#include "pose_format.h"
 
 namespace headway::app {
 namespace {
-
-enum class Format { kTum, kKitti };
 
 struct Options {
   std::string truth;
@@ -35,32 +33,13 @@ bool isRawlog(const std::string& path) {
   return std::filesystem::path(path).extension() == ".rawlog";
 }
 
-/// Format of a trajectory file, by the number of columns in its first row.
-Format formatOf(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw InputError(path + ": cannot be opened");
-  std::string line;
-  while (std::getline(file, line)) {
-    std::istringstream words(line.substr(0, line.find('#')));
-    std::size_t columns = 0;
-    for (std::string word; words >> word;) ++columns;
-    if (columns == 8) return Format::kTum;
-    if (columns == 12) return Format::kKitti;
-    if (columns > 0) {
-      throw InputError(path + ": rows have " + std::to_string(columns) +
-                       " columns; TUM has 8 (t x y z qx qy qz qw), KITTI 12 (3x4 matrix)");
-    }
-  }
-  throw InputError(path + ": holds no poses");
-}
-
-Format chosenFormat(const Options& options) {
-  if (options.format == "tum") return Format::kTum;
-  if (options.format == "kitti") return Format::kKitti;
+PoseFormat chosenFormat(const Options& options) {
+  if (options.format == "tum") return PoseFormat::kTum;
+  if (options.format == "kitti") return PoseFormat::kKitti;
   if (!options.format.empty()) {
     throw program::UsageError("--format: '" + options.format + "' is neither tum nor kitti");
   }
-  return formatOf(options.estimate);
+  return poseFormatOf(options.estimate);
 }
 
 eval::Alignment chosenAlignment(const std::string& name) {
@@ -91,9 +70,9 @@ std::vector<Stamped<Pose>> readTimedTruth(const std::string& path) {
   return truth;
 }
 
-eval::PosePairs readPairs(const Options& options, Format format) {
-  if (format == Format::kKitti) {
-    if (isRawlog(options.truth) || formatOf(options.truth) != Format::kKitti) {
+eval::PosePairs readPairs(const Options& options, PoseFormat format) {
+  if (format == PoseFormat::kKitti) {
+    if (isRawlog(options.truth) || poseFormatOf(options.truth) != PoseFormat::kKitti) {
       throw InputError(options.estimate +
                        ": KITTI poses have no times and need a true trajectory "
                        "in KITTI format too, " +
@@ -102,7 +81,7 @@ eval::PosePairs readPairs(const Options& options, Format format) {
     return eval::pairByIndex(io::readKittiPoses(options.truth),
                              io::readKittiPoses(options.estimate));
   }
-  if (!isRawlog(options.truth) && formatOf(options.truth) != Format::kTum) {
+  if (!isRawlog(options.truth) && poseFormatOf(options.truth) != PoseFormat::kTum) {
     throw InputError(options.truth +
                      ": KITTI poses have no times; compare them with an estimate "
                      "in KITTI format (trajectory_kitti.txt), or give the truth as TUM or rawlog");
@@ -132,7 +111,7 @@ bool parse(Options& options, int argc, const char** argv) {
   return true;
 }
 
-eval::TrajectoryError compare(const Options& options, Format format) {
+eval::TrajectoryError compare(const Options& options, PoseFormat format) {
   eval::TrajectoryErrorParams params;
   params.alignment = chosenAlignment(options.align);
   params.segment_lengths_m = chosenSegments(options.segments);
@@ -145,11 +124,11 @@ eval::TrajectoryError compare(const Options& options, Format format) {
 int runTrajectory(int argc, const char** argv) {
   Options options;
   if (!parse(options, argc, argv)) return program::kDone;
-  const Format format = chosenFormat(options);
+  const PoseFormat format = chosenFormat(options);
   const auto error = compare(options, format);
   if (!options.quiet) eval::writeTable(std::cout, eval::tableOf(error));
   const auto plot = [&] {
-    const auto view = format == Format::kKitti ? eval::TopView::kXz : eval::TopView::kXy;
+    const auto view = format == PoseFormat::kKitti ? eval::TopView::kXz : eval::TopView::kXy;
     const auto name = std::filesystem::path(options.estimate).filename().string();
     return eval::trajectoryPlot(error, view, name + " against the truth");
   };

@@ -8,7 +8,7 @@ namespace {
 using Points = std::vector<Eigen::Vector2d>;
 
 constexpr Colour kCameraColour{150, 150, 150};
-constexpr Colour kPredictionColour{20, 160, 60};
+constexpr Colour kPredictionColour{20, 20, 20};
 constexpr double kWorthDrawing_m = 1.0;  // objects that move less are dots
 
 Points truePath(const TrueObject& object) {
@@ -23,6 +23,12 @@ Points predictedPath(const Eigen::Vector2d& now, const PredictedPath& path) {
   return points;
 }
 
+/// Half way to white.
+Colour paler(Colour colour) {
+  const auto half = [](std::uint8_t value) { return static_cast<std::uint8_t>((value + 255) / 2); };
+  return {half(colour.red), half(colour.green), half(colour.blue)};
+}
+
 void append(Points& all, const Points& more) { all.insert(all.end(), more.begin(), more.end()); }
 
 void drawTruth(Chart& chart, const TrueObject& object, Colour colour) {
@@ -31,7 +37,7 @@ void drawTruth(Chart& chart, const TrueObject& object, Colour colour) {
   if (extent < kWorthDrawing_m) {
     chart.dot(points.front(), colour, 3.0);
   } else {
-    chart.line(points, colour, 2.6);
+    chart.line(points, paler(colour), 5.0);
   }
 }
 
@@ -48,11 +54,11 @@ cv::Mat predictionMapPlot(const std::string& title, const std::vector<TrueObject
   for (const auto& prediction : predictions) {
     for (std::size_t k = prediction.paths.size(); k-- > 0;) {
       chart.line(predictedPath(prediction.now, prediction.paths[k]), kPredictionColour,
-                 k == 0 ? 1.8 : 0.9, LineStyle::kDashed);
+                 k == 0 ? 1.6 : 0.8, LineStyle::kDashed);
     }
-    chart.dot(prediction.now, categoryColour(prediction.object), 3.0);
+    chart.dot(prediction.now, categoryColour(prediction.object), 4.0);
   }
-  chart.legend("true paths, a colour each", categoryColour(0));
+  chart.legend("true paths, a colour each", paler(categoryColour(0)));
   chart.legend("predicted, 3 s", kPredictionColour, LineStyle::kDashed);
   chart.legend("camera", kCameraColour, LineStyle::kDotted);
   return chart.picture();

@@ -1,0 +1,156 @@
+#include "prediction_input.h"
+
+#include <headway/core/error.h>
+#include <headway/io/calibration_file.h>
+#include <headway/io/track_file.h>
+#include <headway/io/trajectory_file.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "label_files.h"
+#include "pose_format.h"
+
+namespace headway::app {
+namespace {
+
+constexpr double kNominalInterval_s = 0.1;  // KITTI's
+
+Pose readExtrinsic(const std::string& path) {
+  return path.empty() ? robotFromOptical() : io::readRawCalibration(path).T_robot_left;
+}
+
+/// Rows of one file, gathered into one entry a frame and track.
+std::vector<eval::TrackPrediction> readPredictions(const std::string& path) {
+  std::map<std::tuple<std::size_t, std::int64_t>, eval::TrackPrediction> tracks;
+  std::map<std::tuple<std::size_t, std::int64_t, int>, PredictedPath> paths;
+  for (const auto& row : io::readPredictionCsv(path)) {
+    if (!row.point.position.allFinite() || !row.point.covariance.allFinite() ||
+        !std::isfinite(row.time + row.probability)) {
+      throw InputError(path + ": frame " + std::to_string(row.frame) + ": a number is not finite");
+    }
+    auto& track = tracks[{row.frame, row.id.value}];
+    track.frame = row.frame;
+    track.time = row.time;
+    track.id = row.id;
+    track.object_class = row.object_class;
+    auto& predicted = paths[{row.frame, row.id.value, row.mode}];
+    predicted.mode = row.mode;
+    predicted.probability = row.probability;
+    predicted.points.push_back(row.point);
+  }
+  for (auto& [key, predicted] : paths) {
+    const auto [frame, id, mode] = key;
+    if (predicted.points.size() != eval::kHorizons) {
+      throw InputError(path + ": frame " + std::to_string(frame) + ", track " + std::to_string(id) +
+                       ", mode " + std::to_string(mode) + " has " +
+                       std::to_string(predicted.points.size()) +
+                       " horizons; 0.1 s, 0.2 s ... 3.0 s are needed");
+    }
+    std::sort(predicted.points.begin(), predicted.points.end(),
+              [](const auto& a, const auto& b) { return a.horizon_s < b.horizon_s; });
+    tracks[{frame, id}].paths.push_back(std::move(predicted));
+  }
+  std::vector<eval::TrackPrediction> result;
+  for (auto& [key, track] : tracks) result.push_back(std::move(track));
+  return result;
+}
+
+/// Times of frames: those that the predictions name, the others spaced evenly from there.
+class FrameTimes {
+ public:
+  explicit FrameTimes(const std::vector<eval::TrackPrediction>& predictions) {
+    for (const auto& prediction : predictions) known_[prediction.frame] = prediction.time;
+    std::vector<double> intervals;
+    for (auto it = known_.begin(); it != known_.end() && std::next(it) != known_.end(); ++it) {
+      const auto [later_frame, later_time] = *std::next(it);
+      intervals.push_back((later_time - it->second) / static_cast<double>(later_frame - it->first));
+    }
+    if (intervals.empty()) return;
+    const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
+    std::nth_element(intervals.begin(), middle, intervals.end());
+    interval_ = *middle;
+  }
+
+  [[nodiscard]] double interval() const { return interval_; }
+
+  [[nodiscard]] Time of(std::size_t frame) const {
+    if (known_.empty()) return interval_ * static_cast<double>(frame);
+    auto nearest = known_.lower_bound(frame);
+    if (nearest == known_.end()) --nearest;
+    return nearest->second +
+           interval_ * (static_cast<double>(frame) - static_cast<double>(nearest->first));
+  }
+
+ private:
+  std::map<std::size_t, Time> known_;
+  double interval_ = kNominalInterval_s;
+};
+
+double medianInterval(const std::vector<Stamped<Pose>>& poses) {
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    intervals.push_back(poses[i].time - poses[i - 1].time);
+  }
+  if (intervals.empty()) return kNominalInterval_s;
+  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
+  std::nth_element(intervals.begin(), middle, intervals.end());
+  return *middle;
+}
+
+/// Poses of every frame from a file with one row for each.
+void readPoses(const std::string& path, const Pose& T_robot_cam, PredictionSequence& sequence) {
+  if (poseFormatOf(path) == PoseFormat::kTum) {
+    sequence.T_map_cam = io::readTum(path);
+    for (auto& pose : sequence.T_map_cam) pose.value = pose.value * T_robot_cam;
+    sequence.frame_interval_s = medianInterval(sequence.T_map_cam);
+    for (const auto& prediction : sequence.predictions) {
+      const bool there = prediction.frame < sequence.T_map_cam.size();
+      const double difference =
+          there ? std::abs(sequence.T_map_cam[prediction.frame].time - prediction.time) : 0.0;
+      if (there && difference < 0.5 * sequence.frame_interval_s) continue;
+      throw InputError(path + ": row " + std::to_string(prediction.frame) +
+                       " is not the pose of frame " + std::to_string(prediction.frame) +
+                       "; one row is needed for every frame");
+    }
+    return;
+  }
+  const FrameTimes times(sequence.predictions);
+  sequence.frame_interval_s = times.interval();
+  for (const auto& pose : io::readKittiPoses(path)) {
+    sequence.T_map_cam.push_back({times.of(sequence.T_map_cam.size()), T_robot_cam * pose});
+  }
+}
+
+PredictionSequence readSequence(const FilePair& files, const std::string& poses, bool with_estimate,
+                                const Pose& T_robot_cam) {
+  PredictionSequence sequence;
+  sequence.name = files.name;
+  if (with_estimate) sequence.predictions = readPredictions(files.estimate);
+  readPoses(poses, T_robot_cam, sequence);
+  try {
+    sequence.objects = eval::trueObjects(readLabels(files.truth), sequence.T_map_cam);
+  } catch (const InputError& error) {
+    throw InputError(files.truth + " and " + poses + ": " + error.what());
+  }
+  return sequence;
+}
+
+}  // namespace
+
+std::vector<PredictionSequence> readPredictionInput(const PredictionFiles& files) {
+  const Pose T_robot_cam = readExtrinsic(files.extrinsic);
+  const bool with_estimate = !files.estimate.empty();
+  const auto paired = with_estimate ? pairedFiles(files.labels, files.estimate)
+                                    : pairedFiles(files.labels, files.poses);
+  std::vector<PredictionSequence> sequences;
+  for (const auto& pair : paired.pairs) {
+    const auto poses = with_estimate ? fileNamed(pair.name, files.poses) : pair.estimate;
+    sequences.push_back(readSequence(pair, poses, with_estimate, T_robot_cam));
+  }
+  return sequences;
+}
+
+}  // namespace headway::app
