@@ -1,0 +1,140 @@
+#pragma once
+
+#include <headway/core/params.h>
+
+#include <string>
+
+namespace headway::sim {
+
+/// Where the robot drives. Section [route].
+struct RouteParams {
+  enum class Kind { kLane, kLoop, kKittiPoses };
+
+  Kind kind = Kind::kLane;
+  std::string shape = "straight 60, left 60 50, straight 40, right 50 70, straight 80";
+  double loop_length_m = 160.0;  ///< long side of the loop's rectangle
+  double loop_width_m = 110.0;   ///< short side
+  double corner_radius_m = 15.0;
+  int laps = 1;
+  std::string file;                   ///< KITTI poses, one 3x4 matrix a row
+  double speed_mps = 7.0;             ///< the robot's speed on a free, straight street
+  double lateral_acceleration = 2.0;  ///< it slows down for curves [m/s^2]
+
+  void describe(Params::Section section);
+};
+
+/// What stands along the streets. Section [world].
+struct WorldParams {
+  int seed = 1;
+  double view_distance_m = 140.0;      ///< nothing farther is drawn
+  double cross_street_every_m = 75.0;  ///< 0: none
+  double house_share = 0.9;            ///< of the frontage that houses take
+  double house_height_min_m = 7.0;
+  double house_height_max_m = 15.0;
+  double tree_every_m = 14.0;  ///< along one side; 0: none
+  double parked_share = 0.45;  ///< of the parking bays
+  double hill_height_m = 0.0;  ///< rise and fall of lane and loop routes
+
+  void describe(Params::Section section);
+};
+
+/// Who moves. Section [traffic]. Numbers are of movers near the robot at the same time.
+struct TrafficParams {
+  int vehicles = 6;  ///< driving cars, vans, trucks and buses
+  int cyclists = 1;
+  int pedestrians = 8;
+  double van_share = 0.15;  ///< of the vehicles
+  double truck_share = 0.06;
+  double bus_share = 0.04;
+  double oncoming_share = 0.5;  ///< of the vehicles on the robot's street
+  double crossing_share = 0.2;  ///< of the vehicles: they come out of cross streets
+  double turning_share = 0.2;   ///< of the vehicles on the robot's street that turn off
+  double vehicle_speed_mps = 8.0;
+  double walking_speed_mps = 1.34;      ///< mean; Weidmann 1993
+  double road_crossing_rate_hz = 0.02;  ///< how often a walker decides to cross the street
+  double group_share = 0.35;            ///< of the pedestrians that walk in groups
+  double stop_rate_hz = 0.02;           ///< how often a walker stops for a moment
+  int in_front_at_start = 0;            ///< movers right before the camera at the start
+  double range_ahead_m = 100.0;         ///< movers live up to here ahead of the robot
+  double range_behind_m = 25.0;
+
+  void describe(Params::Section section);
+};
+
+/// The stereo rig and what it does to the picture. Section [camera].
+struct CameraParams {
+  int width = 1240;  ///< [px]
+  int height = 376;  ///< [px]
+  double focal_px = 718.0;
+  double baseline_m = 0.54;
+  double mount_height_m = 1.65;  ///< above the ground
+  double mount_forward_m = 0.0;
+  double rate_hz = 10.0;
+  double ride_deg = 0.25;         ///< pitching and rolling of the body, standard deviation
+  double noise_grey = 2.0;        ///< sensor noise, standard deviation [grey levels]
+  double gain_difference = 0.02;  ///< right image brighter than left by this share
+  double vignetting = 0.1;        ///< loss of light in the corners
+  double exposure_change = 0.0;   ///< slow change of brightness, share
+  int blur_samples = 1;           ///< drawings averaged over the exposure; 1: no motion blur
+  double exposure_s = 0.01;
+  double k1 = 0.0;  ///< radial distortion; any non-zero: raw images are recorded
+  double k2 = 0.0;
+  double drop_share = 0.0;  ///< of the frames, lost
+  double jitter_s = 0.0;    ///< standard deviation of the frames' times
+  bool odometry = false;    ///< record wheel odometry
+  bool imu = false;         ///< record an inertial sensor, 100 Hz
+  bool colour = true;
+
+  void describe(Params::Section section);
+};
+
+/// A network that looks at the images, as far as its mistakes go. Section [detector].
+struct DetectorParams {
+  double max_range_m = 70.0;
+  double min_height_px = 12.0;
+  double position_sigma_m = 0.15;  ///< across the ray at 20 m and nearer; grows with depth
+  double depth_sigma_m = 0.35;     ///< along the ray at 20 m and nearer; grows with depth
+  double size_sigma = 0.05;        ///< share of length, width and height
+  double yaw_sigma_rad = 0.08;
+  double box_sigma_px = 1.5;   ///< of the 2D box's edges
+  double miss_near = 0.03;     ///< share missed when near and in full view
+  double miss_far = 0.35;      ///< share missed at max_range_m, in full view
+  double miss_occluded = 0.9;  ///< share missed when hardly anything is visible
+  double duplicate_share = 0.05;
+  double false_per_frame = 0.15;
+  double flip_share = 0.03;       ///< headings turned by 180 degrees
+  double id_switch_share = 0.01;  ///< tracks that get a new id in a frame
+  bool boxes_2d = true;
+  bool boxes_3d = true;
+  bool parked = true;  ///< parked vehicles are detected, too
+
+  void describe(Params::Section section);
+};
+
+/// What is written. Section [recording].
+struct RecordingParams {
+  enum class Storage { kEmbedded, kExternalPng, kExternalJpeg };
+
+  int frames = 120;
+  double start_time_s = 1700000000.0;
+  Storage storage = Storage::kEmbedded;
+  int jpeg_quality = 90;
+
+  void describe(Params::Section section);
+};
+
+/// Everything that a world's .ini says.
+struct SimParams {
+  RouteParams route;
+  WorldParams world;
+  TrafficParams traffic;
+  CameraParams camera;
+  DetectorParams detector;
+  RecordingParams recording;
+
+  void describe(Params& params);
+  /// Throws InputError naming the keys of values that are each in range but not together.
+  void validate() const;
+};
+
+}  // namespace headway::sim

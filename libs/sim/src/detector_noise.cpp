@@ -1,0 +1,124 @@
+#include "detector_noise.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace headway::sim {
+
+DetectorNoise::DetectorNoise(const DetectorParams& params, const StereoCamera& camera,
+                             std::uint64_t seed)
+    : params_(params), camera_(camera), random_(seed) {}
+
+bool DetectorNoise::isMissed(const Mover& mover, const Sighting& sighting) {
+  const double z = sighting.box3d.centre.z();
+  if (z > params_.max_range_m || sighting.box.height() < params_.min_height_px) return true;
+  if (mover.parked && !params_.parked) return true;
+  if (sighting.visible_pixels == 0 || sighting.truncation > 0.8) return true;
+  const double far = z / params_.max_range_m;
+  const double hidden = 1.0 - sighting.visible;
+  const double in_view = params_.miss_near + (params_.miss_far - params_.miss_near) * far * far;
+  const double missed = in_view + (params_.miss_occluded - in_view) * hidden * hidden;
+  return random_.chance(std::clamp(missed, 0.0, 1.0));
+}
+
+Detection DetectorNoise::measure(const Mover& mover, const Sighting& sighting) {
+  Detection detection;
+  detection.object_class = classOf(mover.kind);
+  const double z = sighting.box3d.centre.z();
+  const double grow = std::max(1.0, z / 20.0);
+  detection.score = std::clamp(0.95 - 0.4 * z / params_.max_range_m -
+                                   0.35 * (1.0 - sighting.visible) + 0.07 * random_.normal(),
+                               0.05, 1.0);
+  auto& id = detector_ids_[mover.id];
+  if (id == 0 || random_.chance(params_.id_switch_share)) id = next_id_++;
+  detection.detector_id = id;
+  const auto edge = [&](double value) { return value + params_.box_sigma_px * random_.normal(); };
+  detection.box2d = Box2d{edge(sighting.box.left), edge(sighting.box.top), edge(sighting.box.right),
+                          edge(sighting.box.bottom)};
+  Box3d box = sighting.box3d;
+  const Eigen::Vector3d ray = box.centre.normalized();
+  const Eigen::Vector3d across = params_.position_sigma_m * grow *
+                                 Eigen::Vector3d(random_.normal(), 0.4 * random_.normal(), 0);
+  const double along = params_.depth_sigma_m * grow;
+  box.centre += across + along * random_.normal() * ray;
+  const auto scaled = [&](double value) {
+    return value * std::clamp(1.0 + params_.size_sigma * random_.normal(), 0.6, 1.5);
+  };
+  box.length = scaled(box.length);
+  box.width = scaled(box.width);
+  box.height = scaled(box.height);
+  box.yaw += params_.yaw_sigma_rad * random_.normal();
+  if (random_.chance(params_.flip_share)) box.yaw += M_PI;
+  box.yaw = wrapAngle(box.yaw);
+  detection.box3d = box;
+  const double sx = params_.position_sigma_m * grow;
+  Eigen::Matrix3d covariance = Eigen::Vector3d(sx * sx, 0.16 * sx * sx, 1e-4).asDiagonal();
+  covariance += along * along * ray * ray.transpose();
+  detection.centre_covariance = covariance;
+  finish(detection);
+  return detection;
+}
+
+Detection DetectorNoise::imagine(const cv::Mat& depth) {
+  const ObjectClass object_class =
+      random_.chance(0.5) ? ObjectClass::kPedestrian : ObjectClass::kCar;
+  const bool person = object_class == ObjectClass::kPedestrian;
+  Detection detection;
+  detection.object_class = object_class;
+  detection.score = random_.uniform(0.1, 0.6);
+  detection.detector_id = next_id_++;
+  const int u = random_.below(depth.cols), v = depth.rows / 3 + random_.below(depth.rows * 2 / 3);
+  const double seen = depth.at<float>(v, u);
+  const double z = std::clamp(seen > 0.0 ? seen : 30.0, 4.0, params_.max_range_m);
+  Box3d box;
+  box.length = person ? 0.8 : 4.2;
+  box.width = person ? 0.6 : 1.75;
+  box.height = person ? 1.7 : 1.5;
+  box.centre = z * ray(Eigen::Vector2d(u, v), camera_);
+  box.yaw = random_.uniform(-M_PI, M_PI);
+  detection.box3d = box;
+  const double half_width =
+      0.5 * camera_.fx * (person ? box.width : 0.5 * (box.length + box.width)) / z;
+  const double half_height = 0.5 * camera_.fy * box.height / z;
+  detection.box2d = Box2d{u - half_width, v - half_height, u + half_width, v + half_height};
+  finish(detection);
+  return detection;
+}
+
+void DetectorNoise::finish(Detection& detection) const {
+  Box2d& box = *detection.box2d;
+  box.left = std::clamp(box.left, 0.0, camera_.width - 2.0);
+  box.top = std::clamp(box.top, 0.0, camera_.height - 2.0);
+  box.right = std::clamp(box.right, box.left + 1.0, camera_.width - 1.0);
+  box.bottom = std::clamp(box.bottom, box.top + 1.0, camera_.height - 1.0);
+  if (!params_.boxes_2d) detection.box2d.reset();
+  if (!params_.boxes_3d) {
+    detection.box3d.reset();
+    detection.centre_covariance.reset();
+  }
+}
+
+Detections DetectorNoise::detect(Time time, const std::vector<Mover>& movers,
+                                 const std::vector<Sighting>& sightings, const cv::Mat& depth) {
+  Detections detections;
+  detections.time = time;
+  detections.T_robot_sensor = camera_.T_robot_cam;
+  detections.image_width = camera_.width;
+  detections.image_height = camera_.height;
+  for (const Sighting& sighting : sightings) {
+    const Mover& mover = movers[sighting.mover];
+    if (isMissed(mover, sighting)) continue;
+    detections.items.push_back(measure(mover, sighting));
+    if (!random_.chance(params_.duplicate_share)) continue;
+    detections.items.push_back(measure(mover, sighting));
+    detections.items.back().score *= 0.6;
+    detections.items.back().detector_id = next_id_++;
+  }
+  double expected = params_.false_per_frame;
+  for (; expected > 0.0; expected -= 1.0) {
+    if (random_.chance(std::min(1.0, expected))) detections.items.push_back(imagine(depth));
+  }
+  return detections;
+}
+
+}  // namespace headway::sim

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "mover.h"
+#include "path.h"
+
+namespace headway::sim {
+
+/// What a driver sees of anything else on the street: an upright box with a velocity.
+struct Obstacle {
+  std::int64_t id = -1;
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< world [m]
+  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< world [m/s]
+  double yaw = 0.0;                                    ///< [rad]
+  double length = 1.0;
+  double width = 1.0;
+  bool on_foot = false;
+};
+
+[[nodiscard]] Obstacle obstacleFrom(const Mover& mover);
+
+/// How a driver drives. Typical values of city traffic.
+///
+/// @see Treiber, Hennecke & Helbing 2000, "Congested traffic states in empirical observations and
+///      microscopic simulations" (intelligent driver model)
+struct DriverStyle {
+  double wish_mps = 8.0;
+  double acceleration = 1.4;       ///< [m/s^2]
+  double comfortable_brake = 2.0;  ///< [m/s^2]
+  double hardest_brake = 7.0;      ///< [m/s^2]
+  double headway_s = 1.2;
+  double standstill_m = 2.0;  ///< gap when standing
+  double lateral = 2.0;       ///< acceleration accepted in curves [m/s^2]
+};
+
+/// A vehicle on its path.
+struct OnPath {
+  double s = 0.0;      ///< of its middle along the path [m]
+  double speed = 0.0;  ///< [m/s]
+  double length = 4.5;
+  double width = 1.8;
+};
+
+/// Acceleration of a driver who keeps to a path behind and around everything else.
+///
+/// People who are about to step in front of the vehicle count as standing in its way.
+///
+/// @param stop_s  place on the path not to be passed now (a yield line); infinity: none
+[[nodiscard]] double drive(const OnPath& self, const Path& path, const DriverStyle& style,
+                           const std::vector<Obstacle>& others, std::int64_t own_id, double stop_s);
+
+}  // namespace headway::sim

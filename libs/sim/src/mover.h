@@ -1,0 +1,39 @@
+#pragma once
+
+#include <headway/core/object_class.h>
+
+#include <Eigen/Core>
+#include <cstdint>
+
+namespace headway::sim {
+
+/// Shapes that the simulator can draw.
+enum class MoverKind { kCar, kVan, kTruck, kBus, kCyclist, kPedestrian };
+
+/// KITTI's class of a shape (a bus counts as Truck: KITTI has no word for it).
+[[nodiscard]] ObjectClass classOf(MoverKind kind);
+
+/// One thing with a truth box, moving or parked, at one instant.
+struct Mover {
+  std::int64_t id = -1;
+  MoverKind kind = MoverKind::kCar;
+  int look = 0;  ///< which picture of the atlas it wears, any number >= 0
+  Eigen::Vector3d size = Eigen::Vector3d::Ones();  ///< length, width, height [m]
+  Eigen::Vector3d position =
+      Eigen::Vector3d::Zero();  ///< on the ground below its middle, world [m]
+  double yaw = 0.0;             ///< of its front about world z [rad]
+  double speed = 0.0;           ///< along its front [m/s]
+  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< world [m/s]
+  double gait = 0.0;                                   ///< phase of walking or pedalling [rad]
+  bool parked = false;                                 ///< never moves
+
+  [[nodiscard]] Eigen::Vector3d centre() const {
+    return position + Eigen::Vector3d(0.0, 0.0, 0.5 * size.z());
+  }
+};
+
+/// A size drawn from what the kind measures in traffic.
+class Random;
+[[nodiscard]] Eigen::Vector3d drawSize(MoverKind kind, Random& random);
+
+}  // namespace headway::sim

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include "grain.h"
+#include "mesh.h"
+#include "mover.h"
+
+namespace headway::sim {
+
+/// Where the faces of one vehicle are in the atlas.
+struct VehicleSkin {
+  UvRect side, top, front, rear;
+  UvRect dark;  ///< tyres, underside
+};
+
+/// Where the parts of one person are in the atlas.
+struct PersonSkin {
+  UvRect torso, trousers, skin, shoes, head, bag;
+};
+
+[[nodiscard]] VehicleSkin vehicleSkin(MoverKind kind, int look);
+[[nodiscard]] PersonSkin personSkin(int look);
+
+/// One picture with the paint of all vehicles and the clothes of all people.
+[[nodiscard]] cv::Mat drawMoverAtlas(const Grain& grain, Random& random);
+
+}  // namespace headway::sim

@@ -1,0 +1,228 @@
+#include <headway/core/error.h>
+#include <headway/io/track_file.h>
+#include <headway/io/trajectory_file.h>
+#include <headway/sim/recording.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iomanip>
+#include <opencv2/imgcodecs.hpp>
+#include <vector>
+
+#include "calibration_files.h"
+
+namespace headway::sim {
+namespace {
+
+io::ImageStorage storageOf(RecordingParams::Storage storage) {
+  switch (storage) {
+    case RecordingParams::Storage::kExternalPng:
+      return io::ImageStorage::kExternalPng;
+    case RecordingParams::Storage::kExternalJpeg:
+      return io::ImageStorage::kExternalJpeg;
+    case RecordingParams::Storage::kEmbedded:
+      break;
+  }
+  return io::ImageStorage::kEmbedded;
+}
+
+std::ofstream openText(const std::string& path) {
+  std::ofstream out(path);
+  if (!out) throw InputError(path + ": cannot be written");
+  return out;
+}
+
+void writePicture(const std::string& folder, std::size_t index, const cv::Mat& picture) {
+  char name[32];
+  std::snprintf(name, sizeof name, "/%06zu.png", index);
+  if (!cv::imwrite(folder + name, picture)) {
+    throw InputError(folder + name + ": cannot be written (is the disk full?)");
+  }
+}
+
+/// Pixels of movers that are not parked.
+cv::Mat dynamicMask(const SimFrame& frame) {
+  cv::Mat mask = cv::Mat::zeros(frame.instances.size(), CV_8U);
+  for (int v = 0; v < mask.rows; ++v) {
+    const auto* labels = frame.instances.ptr<std::uint16_t>(v);
+    for (int u = 0; u < mask.cols; ++u) {
+      if (labels[u] != 0 && !frame.objects[labels[u] - 1U].parked) mask.at<uchar>(v, u) = 255;
+    }
+  }
+  return mask;
+}
+
+cv::Mat kittiDepth(const cv::Mat& depth) {
+  cv::Mat scaled;
+  depth.convertTo(scaled, CV_16U, 256.0);  // saturates at 255.99 m
+  return scaled;
+}
+
+io::KittiRow labelOf(const SimFrame& frame, const TruthObject& object) {
+  io::KittiRow row;
+  row.frame = frame.index;
+  row.id = object.id;
+  row.type = std::string(toString(object.object_class));
+  row.truncation = object.truncation;
+  row.occlusion = object.occlusion;
+  row.alpha =
+      wrapAngle(object.box3d.yaw - std::atan2(object.box3d.centre.x(), object.box3d.centre.z()));
+  row.box2d = object.box2d;
+  row.height = object.box3d.height;
+  row.width = object.box3d.width;
+  row.length = object.box3d.length;
+  row.bottom_centre = object.box3d.centre + Eigen::Vector3d(0, 0.5 * object.box3d.height, 0);
+  row.rotation_y = object.box3d.yaw;
+  row.visible = object.visible;
+  return row;
+}
+
+/// Detections that say exactly what is there.
+Detections truthDetections(const SimFrame& frame) {
+  Detections truth = frame.detections;
+  truth.items.clear();
+  for (const TruthObject& object : frame.objects) {
+    Detection detection;
+    detection.object_class = object.object_class;
+    detection.score = object.visible;
+    detection.detector_id = object.id;
+    detection.box2d = object.box2d;
+    detection.box3d = object.box3d;
+    truth.items.push_back(detection);
+  }
+  return truth;
+}
+
+/// `tracks.csv`'s columns and `visible`.
+void writeObjectRow(std::ostream& out, const SimFrame& frame, const TruthObject& object) {
+  const double speed = object.velocity.norm();
+  out << frame.index << ',' << std::fixed << std::setprecision(6) << frame.time << ',' << object.id
+      << ',' << toString(object.object_class) << ",confirmed," << (speed > 0.1 ? 1 : 0)
+      << std::setprecision(4);
+  for (const double value :
+       {object.position.x(), object.position.y(), object.position.z(), object.yaw, object.size.x(),
+        object.size.y(), object.size.z(), object.velocity.x(), object.velocity.y(),
+        object.velocity.z(), 0.0, 0.0, 0.0, object.visible}) {
+    out << ',' << value;
+  }
+  out << '\n';
+}
+
+}  // namespace
+
+class Recording::Files {
+ public:
+  Files(const std::string& path, const RecordingParams& params, const RecordingOptions& options,
+        const StereoCamera& camera, const io::RawStereoCamera& recorded,
+        const std::string& world_ini)
+      : folder_(truthFolder(path)),
+        options_(options),
+        camera_(camera),
+        recorded_(recorded),
+        sink_(path, storageOf(params.storage), params.jpeg_quality) {
+    std::error_code error;
+    std::filesystem::create_directories(folder_, error);
+    if (options.masks) std::filesystem::create_directories(folder_ + "/masks", error);
+    if (options.depth) std::filesystem::create_directories(folder_ + "/depth", error);
+    labels_ = openText(folder_ + "/label_02.txt");
+    objects_ = openText(folder_ + "/objects.csv");
+    objects_ << io::trackCsvHeader() << ",visible\n";
+    openText(folder_ + "/world.ini") << world_ini;
+    writeKittiCalibration(folder_ + "/calib.txt", camera);
+    writeYamlCalibration(folder_ + "/calibration.yaml", camera, recorded);
+  }
+
+  void write(const SimFrame& frame) {
+    for (const ImuSample& sample : frame.imu) {
+      sink_.writeImu(sample.time, sample.angular_velocity, sample.acceleration);
+    }
+    if (frame.odometry) {
+      sink_.writeOdometry(frame.odometry->time, frame.odometry->x, frame.odometry->y,
+                          frame.odometry->yaw);
+    }
+    sink_.writeStereo(frame.time, frame.left, frame.right, recorded_);
+    sink_.writeDetections("detections", frame.detections);
+    sink_.writePose("truth_pose", frame.time, frame.T_map_robot);
+    sink_.writeDetections("truth_objects", truthDetections(frame));
+    for (const TruthObject& object : frame.objects) {
+      io::writeKittiLabel(labels_, labelOf(frame, object), true);
+      writeObjectRow(objects_, frame, object);
+    }
+    if (options_.masks) writePicture(folder_ + "/masks", frame.index, dynamicMask(frame));
+    if (options_.depth) writePicture(folder_ + "/depth", frame.index, kittiDepth(frame.depth));
+    trajectory_.push_back({frame.time, frame.T_map_robot});
+  }
+
+  void close() {
+    sink_.close();
+    io::writeTum(folder_ + "/trajectory.tum", trajectory_);
+    std::vector<Pose> cameras;
+    const Pose T_cam_robot = camera_.T_robot_cam.inverse();
+    for (const auto& [time, T_map_robot] : trajectory_) {
+      const Pose T_first_robot = trajectory_.front().value.inverse() * T_map_robot;
+      cameras.push_back(T_cam_robot * T_first_robot * camera_.T_robot_cam);
+    }
+    io::writeKittiPoses(folder_ + "/poses_kitti.txt", cameras);
+    for (std::ofstream* out : {&labels_, &objects_}) {
+      out->flush();
+      if (!*out) throw InputError(folder_ + ": cannot be written to the end (is the disk full?)");
+    }
+  }
+
+ private:
+  std::string folder_;
+  RecordingOptions options_;
+  StereoCamera camera_;
+  io::RawStereoCamera recorded_;
+  io::RawlogSink sink_;
+  std::ofstream labels_;
+  std::ofstream objects_;
+  std::vector<Stamped<Pose>> trajectory_;
+};
+
+Recording::Recording(const std::string& path, const RecordingParams& params,
+                     const RecordingOptions& options, const StereoCamera& camera,
+                     const io::RawStereoCamera& recorded, const std::string& world_ini)
+    : files_(std::make_unique<Files>(path, params, options, camera, recorded, world_ini)) {}
+
+Recording::~Recording() = default;
+
+void Recording::write(const SimFrame& frame) { files_->write(frame); }
+
+void Recording::close() { files_->close(); }
+
+std::string truthFolder(const std::string& rawlog) {
+  return std::filesystem::path(rawlog).replace_extension(".truth").string();
+}
+
+double estimateMegabytes(const std::vector<SimFrame>& frames, const RecordingParams& params,
+                         const RecordingOptions& options, std::size_t total) {
+  double bytes = 0.0;
+  for (const SimFrame& frame : frames) {
+    const bool png = params.storage == RecordingParams::Storage::kExternalPng;
+    const bool raw =
+        params.storage == RecordingParams::Storage::kEmbedded && frame.left.channels() == 1;
+    std::vector<uchar> packed;
+    for (const cv::Mat* picture : {&frame.left, &frame.right}) {
+      // Embedded grey images are kept raw inside a gz stream, which packs about as PNG does.
+      cv::imencode(png || raw ? ".png" : ".jpg", *picture, packed,
+                   png || raw ? std::vector<int>{}
+                              : std::vector<int>{cv::IMWRITE_JPEG_QUALITY, params.jpeg_quality});
+      bytes += static_cast<double>(packed.size());
+    }
+    if (options.masks) {
+      cv::imencode(".png", dynamicMask(frame), packed);
+      bytes += static_cast<double>(packed.size());
+    }
+    if (options.depth) {
+      cv::imencode(".png", kittiDepth(frame.depth), packed);
+      bytes += static_cast<double>(packed.size());
+    }
+    bytes += 400.0 * static_cast<double>(frame.objects.size());
+  }
+  return bytes / static_cast<double>(frames.size()) * static_cast<double>(total) / 1e6;
+}
+
+}  // namespace headway::sim

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <headway/core/pose.h>
+
+#include "random.h"
+#include "road_network.h"
+#include "vehicles.h"
+
+namespace headway::sim {
+
+/// Drives the robot along its route as a car among the others.
+class RobotDriver {
+ public:
+  /// All references must outlive the object.
+  RobotDriver(const RouteParams& route_params, double ride_deg, const Route& route,
+              std::uint64_t seed);
+
+  void advance(double dt, const std::vector<Obstacle>& others);
+  [[nodiscard]] RobotState state() const;
+  /// Robot frame (on the ground below the cameras) in the world.
+  [[nodiscard]] Pose T_world_robot() const;
+  /// Whether the route is at its end.
+  [[nodiscard]] bool arrived() const { return at_.s >= route_.end_s - 0.5; }
+
+ private:
+  struct Wobble {  ///< one axis of the body's spring
+    double angle = 0.0, rate = 0.0;
+  };
+  void ride(double dt, Wobble& wobble);
+
+  const Route& route_;
+  DriverStyle style_;
+  Path lane_;  ///< the robot's lane, from the start of the street
+  OnPath at_;  ///< s is along the street, not along the lane
+  double ride_rad_;
+  Random random_;
+  Wobble pitch_, roll_;
+};
+
+}  // namespace headway::sim

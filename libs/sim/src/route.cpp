@@ -1,0 +1,181 @@
+#include "route.h"
+
+#include <headway/core/error.h>
+#include <headway/io/trajectory_file.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "street_profile.h"
+
+namespace headway::sim {
+namespace {
+
+constexpr double kStep = 0.5;     // [m]
+constexpr double kBefore = 60.0;  // street before the start [m]
+constexpr double kAfter = 200.0;  // street after the end [m]
+
+/// Curvature at every kStep of a shape such as "straight 60, left 40 90".
+std::vector<double> parseShape(const std::string& shape) {
+  std::vector<double> curvatures;
+  std::istringstream parts(shape);
+  for (std::string part; std::getline(parts, part, ',');) {
+    std::istringstream words(part);
+    std::string kind;
+    double first = 0.0, degrees = 0.0;
+    words >> kind >> first;
+    const bool turn = kind == "left" || kind == "right";
+    if (turn) words >> degrees;
+    if ((!turn && kind != "straight") || words.fail() || first <= 0.0 ||
+        (turn && (first < 8.0 || degrees <= 0.0 || degrees > 360.0))) {
+      throw InputError("[route] shape: '" + part +
+                       "' is none of 'straight METRES', 'left RADIUS DEGREES', 'right RADIUS "
+                       "DEGREES' with a radius of at least 8 m and at most 360 degrees");
+    }
+    const double length = turn ? first * degrees * M_PI / 180.0 : first;
+    const double curvature = !turn ? 0.0 : (kind == "left" ? 1.0 : -1.0) / first;
+    curvatures.insert(curvatures.end(),
+                      static_cast<std::size_t>(std::max(1L, std::lround(length / kStep))),
+                      curvature);
+  }
+  if (curvatures.empty()) throw InputError("[route] shape: is empty");
+  return curvatures;
+}
+
+/// Transitions between straight and curve over some metres, as roads have.
+std::vector<double> eased(const std::vector<double>& values, int reach) {
+  std::vector<double> result(values.size());
+  const int n = static_cast<int>(values.size());
+  for (int i = 0; i < n; ++i) {
+    double sum = 0.0;
+    for (int k = -reach; k <= reach; ++k)
+      sum += values[static_cast<std::size_t>(std::clamp(i + k, 0, n - 1))];
+    result[static_cast<std::size_t>(i)] = sum / (2 * reach + 1);
+  }
+  return result;
+}
+
+double hill(double s, double height) {
+  return height * 0.5 * (std::sin(s / 53.0) - 0.5 * std::sin(s / 31.0 + 1.0) + 0.5 * std::sin(1.0));
+}
+
+Route makeLane(const RouteParams& params, double hill_height) {
+  std::vector<double> curvatures(static_cast<std::size_t>(kBefore / kStep), 0.0);
+  const auto shape = parseShape(params.shape);
+  curvatures.insert(curvatures.end(), shape.begin(), shape.end());
+  curvatures.insert(curvatures.end(), static_cast<std::size_t>(kAfter / kStep), 0.0);
+  curvatures = eased(curvatures, 8);
+  std::vector<Eigen::Vector3d> points;
+  Eigen::Vector3d at(-kBefore, 0.0, 0.0);
+  double yaw = 0.0, s = -kBefore;
+  for (const double curvature : curvatures) {
+    points.push_back(at + Eigen::Vector3d(0, 0, hill(s, hill_height)));
+    yaw += 0.5 * curvature * kStep;
+    at += kStep * Eigen::Vector3d(std::cos(yaw), std::sin(yaw), 0.0);
+    yaw += 0.5 * curvature * kStep;
+    s += kStep;
+  }
+  Route route{Path(points)};
+  route.start_s = kBefore;
+  route.end_s = route.street.length() - kAfter;
+  route.robot_left = -StreetProfile::kLaneMiddle;
+  return route;
+}
+
+Route makeLoop(const RouteParams& params, double hill_height) {
+  // A rectangle with round corners, driven to the left, from the middle of its lower side.
+  const double r = params.corner_radius_m;
+  const double w = params.loop_length_m - 2 * r, h = params.loop_width_m - 2 * r;
+  std::vector<Eigen::Vector3d> points;
+  Eigen::Vector3d at(0, 0, 0);
+  double yaw = 0.0;
+  const auto straight = [&](double length) {
+    const long steps = std::max(1L, std::lround(length / kStep));
+    for (long i = 0; i < steps && length > 0.0; ++i) {
+      points.push_back(at);
+      at += length / static_cast<double>(steps) * Eigen::Vector3d(std::cos(yaw), std::sin(yaw), 0);
+    }
+  };
+  const auto corner = [&] {
+    const long steps = std::lround(0.5 * M_PI * r / kStep);
+    for (long i = 0; i < steps; ++i) {
+      points.push_back(at);
+      const double turn = 0.5 * M_PI / static_cast<double>(steps);
+      const double chord = 2.0 * r * std::sin(0.5 * turn);
+      at += chord * Eigen::Vector3d(std::cos(yaw + 0.5 * turn), std::sin(yaw + 0.5 * turn), 0);
+      yaw += turn;
+    }
+  };
+  straight(0.5 * w);
+  for (const double side : {h, w, h}) {
+    corner();
+    straight(side);
+  }
+  corner();
+  straight(0.5 * w);
+  for (auto& point : points) {
+    point.z() = 0.5 * hill_height * (std::cos(point.x() / 40.0) * std::cos(point.y() / 30.0) - 1.0);
+  }
+  Route route{Path(points, true)};
+  route.end_s = route.street.length() * params.laps;
+  route.robot_left = -StreetProfile::kLaneMiddle;
+  return route;
+}
+
+/// Robot positions of a KITTI path, where it moved by at least a metre, smoothed.
+std::vector<Eigen::Vector3d> readKittiPath(const std::string& file) {
+  std::vector<Eigen::Vector3d> raw;
+  for (const Pose& pose : io::readKittiPoses(file)) {
+    const Eigen::Vector3d at = robotFromOptical() * pose.translation();
+    if (raw.empty() || (at - raw.back()).head<2>().norm() >= 1.0) raw.push_back(at);
+  }
+  if (raw.size() < 5) throw InputError("[route] file: " + file + " has less than 5 m of path");
+  std::vector<Eigen::Vector3d> smooth = raw;
+  for (int pass = 0; pass < 4; ++pass) {
+    for (std::size_t i = 1; i + 1 < smooth.size(); ++i) {
+      raw[i] = 0.25 * smooth[i - 1] + 0.5 * smooth[i] + 0.25 * smooth[i + 1];
+    }
+    smooth = raw;
+  }
+  return smooth;
+}
+
+Route makeKitti(const RouteParams& params) {
+  auto points = readKittiPath(params.file);
+  const auto extend = [&](double length, bool front) {
+    const auto n = points.size();
+    Eigen::Vector3d direction = front ? points[0] - points[2] : points[n - 1] - points[n - 3];
+    direction.z() = 0.0;
+    direction.normalize();
+    const Eigen::Vector3d from = front ? points.front() : points.back();
+    std::vector<Eigen::Vector3d> more;
+    for (double d = 1.0; d <= length; d += 1.0) more.push_back(from + d * direction);
+    if (front) std::reverse(more.begin(), more.end());
+    points.insert(front ? points.begin() : points.end(), more.begin(), more.end());
+  };
+  extend(kBefore, true);
+  extend(kAfter, false);
+  // The robot drives on the right: the middle of the street is to the left of its path.
+  Route route{besidePath(Path(points), StreetProfile::kLaneMiddle, false)};
+  route.start_s = kBefore;
+  route.end_s = route.street.length() - kAfter;
+  route.robot_left = -StreetProfile::kLaneMiddle;
+  return route;
+}
+
+}  // namespace
+
+Route makeRoute(const RouteParams& params, double hill_height_m) {
+  switch (params.kind) {
+    case RouteParams::Kind::kLoop:
+      return makeLoop(params, hill_height_m);
+    case RouteParams::Kind::kKittiPoses:
+      return makeKitti(params);
+    case RouteParams::Kind::kLane:
+      break;
+  }
+  return makeLane(params, hill_height_m);
+}
+
+}  // namespace headway::sim

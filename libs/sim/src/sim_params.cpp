@@ -1,0 +1,159 @@
+#include <headway/core/error.h>
+#include <headway/sim/sim_params.h>
+
+#include <algorithm>
+
+namespace headway::sim {
+
+void RouteParams::describe(Params::Section section) {
+  section.add("kind", kind,
+              {{"lane", Kind::kLane}, {"loop", Kind::kLoop}, {"kitti_poses", Kind::kKittiPoses}},
+              "Where the path comes from");
+  section.add(
+      "shape", shape,
+      "Path of kind lane: 'straight METRES', 'left RADIUS DEGREES', 'right RADIUS DEGREES', "
+      "separated by commas");
+  section.add("loop_length_m", loop_length_m, 40.0, 5000.0, "m", "Long side of the loop");
+  section.add("loop_width_m", loop_width_m, 40.0, 5000.0, "m", "Short side of the loop");
+  section.add("corner_radius_m", corner_radius_m, 8.0, 500.0, "m", "Corners of the loop");
+  section.add("laps", laps, 1, 100, "", "Times around the loop");
+  section.add("file", file, "Path of kind kitti_poses: 3x4 camera poses, one a row");
+  section.add("speed_mps", speed_mps, 0.2, 40.0, "m/s", "Robot's speed on a free, straight street");
+  section.add("lateral_acceleration", lateral_acceleration, 0.2, 8.0, "m/s^2",
+              "The robot slows down for curves to stay below this");
+}
+
+void WorldParams::describe(Params::Section section) {
+  section.add("seed", seed, 0, 1000000000, "", "Another seed, another world");
+  section.add("view_distance_m", view_distance_m, 30.0, 280.0, "m", "Nothing farther is drawn");
+  section.add("cross_street_every_m", cross_street_every_m, 0.0, 10000.0, "m",
+              "Distance between junctions; 0: none");
+  section.add("house_share", house_share, 0.0, 1.0, "", "Share of the frontage with houses");
+  section.add("house_height_min_m", house_height_min_m, 3.0, 60.0, "m", "Lowest house");
+  section.add("house_height_max_m", house_height_max_m, 3.0, 60.0, "m", "Highest house");
+  section.add("tree_every_m", tree_every_m, 0.0, 1000.0, "m", "Trees along each side; 0: none");
+  section.add("parked_share", parked_share, 0.0, 1.0, "", "Share of the parking bays taken");
+  section.add("hill_height_m", hill_height_m, 0.0, 20.0, "m", "Rise and fall of the ground");
+}
+
+void TrafficParams::describe(Params::Section section) {
+  section.add("vehicles", vehicles, 0, 200, "", "Driving cars, vans, trucks, buses near the robot");
+  section.add("cyclists", cyclists, 0, 100, "", "Cyclists near the robot");
+  section.add("pedestrians", pedestrians, 0, 400, "", "Pedestrians near the robot");
+  section.add("van_share", van_share, 0.0, 1.0, "", "Of the vehicles");
+  section.add("truck_share", truck_share, 0.0, 1.0, "", "Of the vehicles");
+  section.add("bus_share", bus_share, 0.0, 1.0, "", "Of the vehicles");
+  section.add("oncoming_share", oncoming_share, 0.0, 1.0, "", "Of the vehicles on the street");
+  section.add("crossing_share", crossing_share, 0.0, 1.0, "",
+              "Of the vehicles, those that come out of cross streets");
+  section.add("turning_share", turning_share, 0.0, 1.0, "",
+              "Of the vehicles on the street, those that turn off");
+  section.add("vehicle_speed_mps", vehicle_speed_mps, 1.0, 40.0, "m/s", "Mean wish");
+  section.add("walking_speed_mps", walking_speed_mps, 0.3, 3.0, "m/s", "Mean wish");
+  section.add("road_crossing_rate_hz", road_crossing_rate_hz, 0.0, 1.0, "1/s",
+              "How often a walker decides to cross the street");
+  section.add("group_share", group_share, 0.0, 1.0, "", "Of the pedestrians, those in groups");
+  section.add("stop_rate_hz", stop_rate_hz, 0.0, 1.0, "1/s", "How often a walker stops");
+  section.add("in_front_at_start", in_front_at_start, 0, 60, "",
+              "Movers close before the camera at the start");
+  section.add("range_ahead_m", range_ahead_m, 20.0, 250.0, "m", "Movers live up to here ahead");
+  section.add("range_behind_m", range_behind_m, 5.0, 100.0, "m", "and up to here behind");
+}
+
+void CameraParams::describe(Params::Section section) {
+  section.add("width", width, 64, 4096, "px", "Image width");
+  section.add("height", height, 64, 4096, "px", "Image height");
+  section.add("focal_px", focal_px, 50.0, 10000.0, "px", "Focal length");
+  section.add("baseline_m", baseline_m, 0.01, 2.0, "m", "Distance of the two cameras");
+  section.add("mount_height_m", mount_height_m, 0.2, 4.0, "m", "Cameras above the ground");
+  section.add("mount_forward_m", mount_forward_m, -5.0, 5.0, "m", "Cameras before the origin");
+  section.add("rate_hz", rate_hz, 0.5, 100.0, "Hz", "Pairs a second");
+  section.add("ride_deg", ride_deg, 0.0, 5.0, "deg", "Pitching and rolling of the body");
+  section.add("noise_grey", noise_grey, 0.0, 30.0, "grey levels", "Sensor noise");
+  section.add("gain_difference", gain_difference, -0.5, 0.5, "", "Right image brighter by this");
+  section.add("vignetting", vignetting, 0.0, 0.9, "", "Loss of light in the corners");
+  section.add("exposure_change", exposure_change, 0.0, 0.8, "", "Slow change of brightness");
+  section.add("blur_samples", blur_samples, 1, 16, "", "Drawings averaged for motion blur");
+  section.add("exposure_s", exposure_s, 0.0, 0.1, "s", "Exposure time (motion blur)");
+  section.add("k1", k1, -0.5, 0.5, "", "Radial distortion; non-zero: raw images");
+  section.add("k2", k2, -0.5, 0.5, "", "Radial distortion, fourth order");
+  section.add("drop_share", drop_share, 0.0, 0.9, "", "Frames lost");
+  section.add("jitter_s", jitter_s, 0.0, 0.05, "s", "Irregularity of the frames' times");
+  section.add("odometry", odometry, "Record wheel odometry");
+  section.add("imu", imu, "Record an inertial sensor at 100 Hz");
+  section.add("colour", colour, "Colour images; false: grey");
+}
+
+void DetectorParams::describe(Params::Section section) {
+  section.add("max_range_m", max_range_m, 1.0, 300.0, "m", "Nothing farther is detected");
+  section.add("min_height_px", min_height_px, 0.0, 1000.0, "px", "Nothing lower is detected");
+  section.add("position_sigma_m", position_sigma_m, 0.0, 10.0, "m",
+              "Noise across the ray at 20 m, grows with depth");
+  section.add("depth_sigma_m", depth_sigma_m, 0.0, 10.0, "m",
+              "Noise along the ray at 20 m, grows with depth");
+  section.add("size_sigma", size_sigma, 0.0, 0.5, "", "Noise of the size, share");
+  section.add("yaw_sigma_rad", yaw_sigma_rad, 0.0, 3.0, "rad", "Noise of the heading");
+  section.add("box_sigma_px", box_sigma_px, 0.0, 50.0, "px", "Noise of the 2D edges");
+  section.add("miss_near", miss_near, 0.0, 1.0, "", "Missed when near and in full view");
+  section.add("miss_far", miss_far, 0.0, 1.0, "", "Missed at max_range_m");
+  section.add("miss_occluded", miss_occluded, 0.0, 1.0, "", "Missed when hardly visible");
+  section.add("duplicate_share", duplicate_share, 0.0, 1.0, "", "Detected twice");
+  section.add("false_per_frame", false_per_frame, 0.0, 100.0, "", "Boxes without an object");
+  section.add("flip_share", flip_share, 0.0, 1.0, "", "Headings turned by 180 degrees");
+  section.add("id_switch_share", id_switch_share, 0.0, 1.0, "", "Ids changed in a frame");
+  section.add("boxes_2d", boxes_2d, "Give 2D boxes");
+  section.add("boxes_3d", boxes_3d, "Give 3D boxes");
+  section.add("parked", parked, "Detect parked vehicles, too");
+}
+
+void RecordingParams::describe(Params::Section section) {
+  section.add("frames", frames, 1, 1000000, "", "Stereo frames (fewer if the path ends)");
+  section.add("start_time_s", start_time_s, 0.0, 4e9, "s", "Time of the first frame (Unix)");
+  section.add("storage", storage,
+              {{"embedded", Storage::kEmbedded},
+               {"external_png", Storage::kExternalPng},
+               {"external_jpeg", Storage::kExternalJpeg}},
+              "Where images are kept");
+  section.add("jpeg_quality", jpeg_quality, 10, 100, "", "Of colour images");
+}
+
+void SimParams::describe(Params& params) {
+  route.describe(params.section("route"));
+  world.describe(params.section("world"));
+  traffic.describe(params.section("traffic"));
+  camera.describe(params.section("camera"));
+  detector.describe(params.section("detector"));
+  recording.describe(params.section("recording"));
+}
+
+void SimParams::validate() const {
+  if (world.house_height_max_m < world.house_height_min_m) {
+    throw InputError("[world] house_height_max_m: less than house_height_min_m");
+  }
+  if (traffic.van_share + traffic.truck_share + traffic.bus_share > 1.0) {
+    throw InputError("[traffic] van_share, truck_share, bus_share: their sum is above 1");
+  }
+  if (route.kind == RouteParams::Kind::kKittiPoses && route.file.empty()) {
+    throw InputError("[route] file: kind kitti_poses needs a file of 3x4 camera poses");
+  }
+  if (route.kind == RouteParams::Kind::kLoop &&
+      2.0 * route.corner_radius_m > std::min(route.loop_length_m, route.loop_width_m)) {
+    throw InputError("[route] corner_radius_m: more than half of the loop's shorter side");
+  }
+  // A standing vehicle takes 12 m of its lane, bus and gap included; there are two lanes.
+  const double lanes_hold = 2.0 * (traffic.range_ahead_m + traffic.range_behind_m) / 12.0;
+  if (traffic.vehicles > lanes_hold) {
+    throw InputError("[traffic] vehicles: " + std::to_string(traffic.vehicles) +
+                     " are more than the lanes hold within range_ahead_m and range_behind_m (" +
+                     std::to_string(static_cast<int>(lanes_hold)) + ")");
+  }
+  if (traffic.cyclists > lanes_hold / 2.0) {
+    throw InputError("[traffic] cyclists: more than the cycling strips hold (" +
+                     std::to_string(static_cast<int>(lanes_hold / 2.0)) + ")");
+  }
+  if (camera.jitter_s * 6.0 > 1.0 / camera.rate_hz) {
+    throw InputError("[camera] jitter_s: so large that frames would change places");
+  }
+}
+
+}  // namespace headway::sim

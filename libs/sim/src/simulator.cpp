@@ -1,0 +1,238 @@
+#include <headway/sim/simulator.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "detector_noise.h"
+#include "image_formation.h"
+#include "pedestrians.h"
+#include "robot_driver.h"
+#include "stereo_rig.h"
+#include "vehicles.h"
+#include "visibility.h"
+#include "world.h"
+
+namespace headway::sim {
+namespace {
+
+enum Purpose : std::uint64_t {
+  kVehicleSeed = 301,
+  kPedestrianSeed,
+  kRobotSeed,
+  kImageSeed,
+  kDetectorSeed,
+  kClockSeed
+};
+
+constexpr double kStep = 0.05;  // longest step of the motion [s]
+
+StereoCamera idealCamera(const CameraParams& params) {
+  StereoCamera camera;
+  camera.width = params.width;
+  camera.height = params.height;
+  camera.fx = camera.fy = params.focal_px;
+  camera.cx = 0.5 * (params.width - 1);
+  camera.cy = 0.5 * (params.height - 1);
+  camera.baseline_m = params.baseline_m;
+  camera.T_robot_cam = robotFromOptical();
+  camera.T_robot_cam.translation() =
+      Eigen::Vector3d(params.mount_forward_m, 0.5 * params.baseline_m, params.mount_height_m);
+  return camera;
+}
+
+TruthObject truthOf(const Mover& mover, const Sighting& sighting, const Pose& T_map_world) {
+  TruthObject object;
+  object.id = mover.id;
+  object.object_class = classOf(mover.kind);
+  object.parked = mover.parked;
+  object.box3d = sighting.box3d;
+  object.box2d = sighting.box;
+  object.truncation = sighting.truncation;
+  object.visible = sighting.visible;
+  object.occlusion = occlusionLevel(sighting.visible);
+  object.position = T_map_world * mover.centre();
+  object.velocity =
+      T_map_world.linear() * Eigen::Vector3d(mover.velocity.x(), mover.velocity.y(), 0.0);
+  const Eigen::Vector3d front =
+      T_map_world.linear() * Eigen::Vector3d(std::cos(mover.yaw), std::sin(mover.yaw), 0.0);
+  object.yaw = std::atan2(front.y(), front.x());
+  object.size = mover.size;
+  return object;
+}
+
+}  // namespace
+
+int occlusionLevel(double visible) {
+  if (visible >= 0.8) return 0;
+  if (visible >= 0.4) return 1;
+  return visible >= 0.1 ? 2 : 3;
+}
+
+/// Everything of one simulation, in the order in which a frame passes through it.
+class Simulator::Machine {
+ public:
+  explicit Machine(const SimParams& params);
+
+  [[nodiscard]] std::optional<SimFrame> next();
+  [[nodiscard]] const StereoCamera& camera() const { return camera_; }
+  [[nodiscard]] double pathLength() const { return route_.end_s - route_.start_s; }
+
+ private:
+  [[nodiscard]] std::uint64_t seed(Purpose purpose) const {
+    return seedOf({static_cast<std::uint64_t>(params_.world.seed), purpose});
+  }
+  void advance(double seconds);
+  void step(double dt);
+  [[nodiscard]] std::vector<Mover> moversNear();
+  void draw(SimFrame& frame);
+  void judge(SimFrame& frame);
+
+  SimParams params_;
+  Route route_;
+  World world_;
+  StereoCamera camera_;
+  StereoRig rig_;
+  Vehicles vehicles_;
+  Pedestrians pedestrians_;
+  RobotDriver robot_;
+  ImageFormation image_formation_;
+  DetectorNoise detector_;
+  Random clock_;
+  std::int64_t next_id_ = 0;
+  std::size_t tick_ = 0;    ///< camera triggers so far, dropped ones included
+  std::size_t frames_ = 0;  ///< frames handed out
+  double now_s_ = 0.0;      ///< since the first trigger [s]
+  std::optional<Pose> T_map_world_;
+};
+
+Simulator::Machine::Machine(const SimParams& params)
+    : params_(params),
+      route_(makeRoute(params.route, params.world.hill_height_m)),
+      world_(params.world, route_),
+      camera_(idealCamera(params.camera)),
+      rig_(camera_, world_),
+      vehicles_(params.traffic, route_, world_.network(), seed(kVehicleSeed)),
+      pedestrians_(params.traffic, route_, world_.network(), seed(kPedestrianSeed)),
+      robot_(params.route, params.camera.ride_deg, route_, seed(kRobotSeed)),
+      image_formation_(params.camera, camera_.width, camera_.height, seed(kImageSeed)),
+      detector_(params.detector, camera_, seed(kDetectorSeed)),
+      clock_(seed(kClockSeed)) {
+  vehicles_.populate(robot_.state(), next_id_);
+  pedestrians_.populate(robot_.state(), next_id_);
+}
+
+void Simulator::Machine::step(double dt) {
+  const RobotState robot = robot_.state();
+  std::vector<Obstacle> on_foot, on_wheels{robot.body};
+  for (const Mover& mover : pedestrians_.movers()) on_foot.push_back(obstacleFrom(mover));
+  for (const Mover& mover : vehicles_.movers()) on_wheels.push_back(obstacleFrom(mover));
+  std::vector<Obstacle> for_vehicles = on_foot, for_robot = on_foot;
+  for_vehicles.push_back(robot.body);
+  for_robot.insert(for_robot.end(), on_wheels.begin() + 1, on_wheels.end());
+  pedestrians_.advance(dt, robot, on_wheels, next_id_);
+  vehicles_.advance(dt, robot, for_vehicles, next_id_);
+  robot_.advance(dt, for_robot);
+}
+
+void Simulator::Machine::advance(double seconds) {
+  if (seconds <= 0.0) return;
+  const int steps = static_cast<int>(std::ceil(seconds / kStep - 1e-9));
+  for (int i = 0; i < steps; ++i) step(seconds / steps);
+  now_s_ += seconds;
+}
+
+std::vector<Mover> Simulator::Machine::moversNear() {
+  std::vector<Mover> movers = vehicles_.movers();
+  const auto& people = pedestrians_.movers();
+  movers.insert(movers.end(), people.begin(), people.end());
+  const auto parked =
+      world_.parkedNear(robot_.T_world_robot().translation(), params_.world.view_distance_m);
+  movers.insert(movers.end(), parked.begin(), parked.end());
+  return movers;
+}
+
+void Simulator::Machine::draw(SimFrame& frame) {
+  const int samples = params_.camera.blur_samples;
+  const double pause = samples > 1 ? params_.camera.exposure_s / (samples - 1) : 0.0;
+  cv::Mat left_sum, right_sum;
+  for (int i = 0; i < samples; ++i) {
+    if (i > 0) advance(pause);
+    const auto movers = moversNear();
+    const bool is_middle = i == samples / 2;
+    const Pose T_world_robot = robot_.T_world_robot();
+    StereoDrawing drawing = rig_.draw(T_world_robot, movers, is_middle);
+    if (is_middle) {
+      frame.depth = drawing.depth;
+      judge(frame);
+    }
+    if (samples == 1) {
+      frame.left = drawing.left;
+      frame.right = drawing.right;
+      return;
+    }
+    cv::Mat left, right;
+    drawing.left.convertTo(left, CV_16UC3);
+    drawing.right.convertTo(right, CV_16UC3);
+    left_sum = left_sum.empty() ? left : cv::Mat(left_sum + left);
+    right_sum = right_sum.empty() ? right : cv::Mat(right_sum + right);
+  }
+  left_sum.convertTo(frame.left, CV_8UC3, 1.0 / samples);
+  right_sum.convertTo(frame.right, CV_8UC3, 1.0 / samples);
+}
+
+void Simulator::Machine::judge(SimFrame& frame) {
+  const Pose T_world_robot = robot_.T_world_robot();
+  if (!T_map_world_) T_map_world_ = T_world_robot.inverse();
+  frame.time = params_.recording.start_time_s + now_s_;
+  frame.T_map_robot = *T_map_world_ * T_world_robot;
+  const auto movers = moversNear();
+  const auto sightings =
+      findSightings(T_world_robot, camera_, movers, frame.depth, frame.instances);
+  std::vector<std::uint16_t> numbers(movers.size() + 1, 0);
+  for (const Sighting& sighting : sightings) {
+    frame.objects.push_back(truthOf(movers[sighting.mover], sighting, *T_map_world_));
+    numbers[sighting.mover + 1] = static_cast<std::uint16_t>(frame.objects.size());
+  }
+  for (auto& label : cv::Mat_<std::uint16_t>(frame.instances)) label = numbers[label];
+  frame.detections = detector_.detect(frame.time, movers, sightings, frame.depth);
+}
+
+std::optional<SimFrame> Simulator::Machine::next() {
+  for (;;) {
+    if (frames_ >= static_cast<std::size_t>(params_.recording.frames) || robot_.arrived()) {
+      return std::nullopt;
+    }
+    const double exposure = params_.camera.blur_samples > 1 ? params_.camera.exposure_s : 0.0;
+    const double jitter = std::clamp(params_.camera.jitter_s * clock_.normal(),
+                                     -3.0 * params_.camera.jitter_s, 3.0 * params_.camera.jitter_s);
+    const double trigger = static_cast<double>(tick_) / params_.camera.rate_hz + jitter;
+    if (tick_ > 0) advance(trigger - 0.5 * exposure - now_s_);
+    const bool dropped = tick_ > 0 && clock_.chance(params_.camera.drop_share);
+    ++tick_;
+    if (dropped) continue;
+    SimFrame frame;
+    frame.index = frames_++;
+    draw(frame);
+    using Side = ImageFormation::Side;
+    frame.left = image_formation_.expose(frame.left, frame.index, Side::kLeft);
+    frame.right = image_formation_.expose(frame.right, frame.index, Side::kRight);
+    return frame;
+  }
+}
+
+Simulator::Simulator(const SimParams& params) {
+  params.validate();
+  machine_ = std::make_unique<Machine>(params);
+}
+
+Simulator::~Simulator() = default;
+
+std::optional<SimFrame> Simulator::next() { return machine_->next(); }
+
+const StereoCamera& Simulator::camera() const { return machine_->camera(); }
+
+io::RawStereoCamera Simulator::recordedCamera() const { return io::rawFrom(machine_->camera()); }
+
+double Simulator::pathLength() const { return machine_->pathLength(); }
+
+}  // namespace headway::sim

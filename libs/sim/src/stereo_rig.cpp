@@ -1,0 +1,231 @@
+#include "stereo_rig.h"
+
+#include <mrpt/opengl/CFBORender.h>
+#include <mrpt/opengl/COpenGLScene.h>
+
+#include <cmath>
+#include <map>
+
+#include "furniture.h"
+#include "ground_texture.h"
+#include "mover_atlas.h"
+#include "person_mesh.h"
+#include "shadow.h"
+#include "sky.h"
+#include "textured_object.h"
+
+namespace headway::sim {
+namespace {
+
+constexpr float kNear = 0.3F, kFar = 320.0F;  // [m]
+constexpr float kSkyRadius = 300.0F;
+constexpr float kMeadowCell = 16.0F;  // one picture of the meadow [m]
+
+enum Purpose : std::uint64_t { kSkySeed = 201, kMeadowSeed, kFurnitureAtlasSeed, kMoverAtlasSeed };
+
+/// Rows of a picture whose width MRPT can read back: a multiple of four.
+int drawnWidth(int width) { return (width + 3) / 4 * 4; }
+
+/// A wide plain a little below the streets, for where no street is near.
+Mesh plainMesh() {
+  constexpr int kCells = 16;
+  Mesh mesh;
+  for (int x = -kCells; x < kCells; ++x) {
+    for (int y = -kCells; y < kCells; ++y) {
+      const auto at = [&](int i, int k) {
+        return Eigen::Vector3f(static_cast<float>(i) * kMeadowCell,
+                               static_cast<float>(k) * kMeadowCell, 0.0F);
+      };
+      mesh.addQuad(at(x, y + 1), at(x + 1, y + 1), at(x + 1, y), at(x, y), UvRect{});
+    }
+  }
+  return mesh;
+}
+
+}  // namespace
+
+/// MRPT's scene: surfaces by stretch, and one object each for what shares a picture.
+class StereoRig::Scene {
+ public:
+  Scene(const StereoCamera& camera, World& world);
+
+  void arrange(const Pose& T_world_robot, const std::vector<Mover>& movers);
+  [[nodiscard]] cv::Mat render(const Pose& T_robot_cam, cv::Mat* depth);
+  [[nodiscard]] const StereoCamera& camera() const { return camera_; }
+
+ private:
+  using ObjectPtr = TexturedObject::Ptr;
+
+  ObjectPtr add(const cv::Mat& picture);
+  void showStretches(const std::vector<StretchKey>& visible);
+  void rebuildShared(const std::vector<StretchKey>& visible);
+  void placeAll(const Eigen::Vector3d& origin);
+
+  StereoCamera camera_;
+  World& world_;
+  mrpt::opengl::COpenGLScene scene_;
+  mrpt::opengl::CFBORender renderer_;
+  std::map<StretchKey, std::vector<ObjectPtr>> surfaces_;
+  std::vector<StretchKey> shown_;
+  ObjectPtr sky_, plain_, verges_, furniture_, movers_, shadows_;
+  Eigen::Vector3d shared_anchor_ = Eigen::Vector3d::Zero();
+  Pose T_origin_robot_ = Pose::Identity();
+};
+
+StereoRig::Scene::Scene(const StereoCamera& camera, World& world)
+    : camera_(camera),
+      world_(world),
+      renderer_(static_cast<unsigned>(drawnWidth(camera.width)),
+                static_cast<unsigned>(camera.height)) {
+  const auto seed = [&](Purpose purpose) {
+    return Random(seedOf({static_cast<std::uint64_t>(world.params().seed), purpose}));
+  };
+  Random sky = seed(kSkySeed), meadow = seed(kMeadowSeed), furniture = seed(kFurnitureAtlasSeed),
+         movers = seed(kMoverAtlasSeed);
+  sky_ = add(drawSky(sky));
+  sky_->setMesh(skyMesh(kSkyRadius));
+  const cv::Mat grass = drawMeadow(world.grain(), meadow);
+  plain_ = add(grass);
+  plain_->setMesh(plainMesh());
+  verges_ = add(grass);
+  furniture_ = add(drawFurnitureAtlas(world.grain(), furniture));
+  movers_ = add(drawMoverAtlas(world.grain(), movers));
+  shadows_ = add(drawShadow());
+  scene_.getViewport()->setViewportClipDistances(kNear, kFar);
+}
+
+StereoRig::Scene::ObjectPtr StereoRig::Scene::add(const cv::Mat& picture) {
+  auto object = std::make_shared<TexturedObject>(picture);
+  scene_.insert(object);
+  return object;
+}
+
+void StereoRig::Scene::showStretches(const std::vector<StretchKey>& visible) {
+  for (auto it = surfaces_.begin(); it != surfaces_.end();) {
+    if (world_.built().count(it->first) != 0) {
+      for (auto& object : it->second) object->setVisibility(false);
+      ++it;
+      continue;
+    }
+    for (auto& object : it->second) scene_.removeObject(object);
+    it = surfaces_.erase(it);
+  }
+  for (const StretchKey& key : visible) {
+    auto known = surfaces_.find(key);
+    if (known == surfaces_.end()) {
+      std::vector<ObjectPtr> objects;
+      for (const Surface& surface : world_.stretch(key).surfaces) {
+        objects.push_back(add(surface.picture));
+        objects.back()->setMesh(surface.mesh);
+      }
+      known = surfaces_.emplace(key, std::move(objects)).first;
+    }
+    for (auto& object : known->second) object->setVisibility(true);
+  }
+}
+
+void StereoRig::Scene::rebuildShared(const std::vector<StretchKey>& visible) {
+  Mesh furniture, verges;
+  shared_anchor_ = world_.stretch(visible.front()).anchor;
+  for (const StretchKey& key : visible) {
+    const StreetStretch& stretch = world_.stretch(key);
+    const Eigen::Vector3f shift = (stretch.anchor - shared_anchor_).cast<float>();
+    furniture.append(moved(stretch.furniture, Eigen::Matrix3f::Identity(), shift));
+    verges.append(moved(stretch.verges, Eigen::Matrix3f::Identity(), shift));
+  }
+  furniture_->setMesh(furniture);
+  verges_->setMesh(verges);
+}
+
+void StereoRig::Scene::placeAll(const Eigen::Vector3d& origin) {
+  const auto place = [&](const ObjectPtr& object, const Eigen::Vector3d& anchor) {
+    const Eigen::Vector3d at = anchor - origin;
+    object->setLocation(at.x(), at.y(), at.z());
+    // MRPT draws from far to near along the viewing direction: shadows come last, over the rest.
+    const Eigen::Vector3f first = (T_origin_robot_.linear().col(0) * 5000.0 - at).cast<float>();
+    object->setLocalRepresentativePoint({first.x(), first.y(), first.z()});
+  };
+  for (const auto& [key, objects] : surfaces_) {
+    for (const auto& object : objects) place(object, world_.stretch(key).anchor);
+  }
+  place(furniture_, shared_anchor_);
+  place(verges_, shared_anchor_);
+  place(sky_, origin);
+  const auto snapped = [](double x) { return std::floor(x / kMeadowCell) * kMeadowCell; };
+  const double ground = world_.network().groundHeight(origin.head<2>(), origin.z());
+  place(plain_, {snapped(origin.x()), snapped(origin.y()), ground - 0.35});
+  place(movers_, origin);
+  shadows_->setLocation(0, 0, 0);
+  shadows_->setLocalRepresentativePoint({0, 0, 0});
+}
+
+void StereoRig::Scene::arrange(const Pose& T_world_robot, const std::vector<Mover>& movers) {
+  const Eigen::Vector3d origin = T_world_robot.translation();
+  const double half_view = std::atan(0.5 * camera_.width / camera_.fx) + 0.02;
+  const Eigen::Vector3d eye = (T_world_robot * camera_.T_robot_cam).translation();
+  const auto visible = world_.inView(eye, yawOf(T_world_robot), half_view);
+  showStretches(visible);
+  const bool same =
+      visible.size() == shown_.size() &&
+      std::equal(visible.begin(), visible.end(), shown_.begin(),
+                 [](const StretchKey& a, const StretchKey& b) { return !(a < b) && !(b < a); });
+  if (!same && !visible.empty()) rebuildShared(visible);
+  shown_ = visible;
+  Mesh bodies, shadows;
+  for (const Mover& mover : movers) {
+    bodies.append(moverMesh(mover, origin));
+    shadows.append(shadowMesh(mover, origin));
+  }
+  movers_->setMesh(bodies);
+  shadows_->setMesh(shadows);
+  T_origin_robot_ = T_world_robot;
+  T_origin_robot_.translation().setZero();
+  placeAll(origin);
+}
+
+cv::Mat StereoRig::Scene::render(const Pose& T_robot_cam, cv::Mat* depth) {
+  mrpt::img::TCamera lens;
+  lens.ncols = static_cast<unsigned>(drawnWidth(camera_.width));
+  lens.nrows = static_cast<unsigned>(camera_.height);
+  // OpenGL's pixels have their centres at halves, ours at integers.
+  lens.setIntrinsicParamsFromValues(camera_.fx, camera_.fy, camera_.cx + 0.5, camera_.cy + 0.5);
+  mrpt::opengl::CCamera camera;
+  camera.set6DOFMode(true);
+  camera.setProjectiveFromPinhole(lens);
+  const Pose T_origin_cam = T_origin_robot_ * T_robot_cam;
+  camera.setPose(mrpt::poses::CPose3D(mrpt::math::CMatrixDouble44(T_origin_cam.matrix())));
+  renderer_.setCamera(scene_, camera);
+  mrpt::img::CImage picture;
+  const cv::Rect kept(0, 0, camera_.width, camera_.height);
+  if (depth == nullptr) {
+    renderer_.render_RGB(scene_, picture);
+  } else {
+    mrpt::math::CMatrixFloat distances;
+    renderer_.render_RGBD(scene_, picture, distances);
+    const cv::Mat all(static_cast<int>(distances.rows()), static_cast<int>(distances.cols()),
+                      CV_32F, distances.data());
+    *depth = all(kept).clone();
+    // The sky's drum is not a distance.
+    depth->setTo(0.0F, *depth > 0.8F * kSkyRadius);
+  }
+  return picture.asCvMatRef()(kept).clone();
+}
+
+StereoRig::StereoRig(const StereoCamera& camera, World& world)
+    : scene_(std::make_unique<Scene>(camera, world)) {}
+
+StereoRig::~StereoRig() = default;
+
+StereoDrawing StereoRig::draw(const Pose& T_world_robot, const std::vector<Mover>& movers,
+                              bool with_depth) {
+  const StereoCamera& camera = scene_->camera();
+  scene_->arrange(T_world_robot, movers);
+  StereoDrawing drawing;
+  drawing.left = scene_->render(camera.T_robot_cam, with_depth ? &drawing.depth : nullptr);
+  Pose T_robot_right = camera.T_robot_cam;
+  T_robot_right.translation() = camera.T_robot_cam * Eigen::Vector3d(camera.baseline_m, 0.0, 0.0);
+  drawing.right = scene_->render(T_robot_right, nullptr);
+  return drawing;
+}
+
+}  // namespace headway::sim

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <headway/core/stereo_camera.h>
+
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "mover.h"
+#include "world.h"
+
+namespace headway::sim {
+
+/// One drawn stereo pair, before anything that a sensor does to it.
+struct StereoDrawing {
+  cv::Mat left;   ///< 8-bit BGR
+  cv::Mat right;  ///< 8-bit BGR
+  cv::Mat depth;  ///< 32-bit, metres along the left camera's axis; 0 where there is only sky
+};
+
+/// Draws a world and its movers as an ideal stereo camera sees them, off-screen.
+///
+/// Made and used in one thread. Everything is drawn relative to the robot, so pictures are as
+/// sharp far from the world's origin as near it.
+class StereoRig {
+ public:
+  /// @param camera  geometry of the drawn pair; any width
+  StereoRig(const StereoCamera& camera, World& world);
+  ~StereoRig();
+  StereoRig(const StereoRig&) = delete;
+  StereoRig& operator=(const StereoRig&) = delete;
+
+  /// @param movers      with the parked ones
+  /// @param with_depth  fill `depth`, too
+  [[nodiscard]] StereoDrawing draw(const Pose& T_world_robot, const std::vector<Mover>& movers,
+                                   bool with_depth);
+
+ private:
+  class Scene;
+  std::unique_ptr<Scene> scene_;
+};
+
+}  // namespace headway::sim

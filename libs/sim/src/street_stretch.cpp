@@ -1,0 +1,270 @@
+#include "street_stretch.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "facade_texture.h"
+#include "furniture.h"
+#include "ground_texture.h"
+#include "house_mesh.h"
+#include "street_profile.h"
+
+namespace headway::sim {
+namespace {
+
+using Profile = StreetProfile;
+
+enum Purpose : std::uint64_t { kGroundSeed = 1, kHouseSeed, kFurnitureSeed, kParkedSeed };
+
+std::uint64_t stretchSeed(const WorldParams& params, const StretchKey& key, Purpose purpose,
+                          std::uint64_t side = 0) {
+  return seedOf({static_cast<std::uint64_t>(params.seed), key.road,
+                 static_cast<std::uint64_t>(key.number), purpose, side});
+}
+
+}  // namespace
+
+/// Coordinates along and beside one stretch.
+struct StreetBuilder::Site {
+  StretchKey key;
+  const Road& road;
+  double begin = 0.0;   ///< along the street's axis [m]
+  double length = 0.0;  ///< [m]
+  Eigen::Vector3d anchor = Eigen::Vector3d::Zero();
+
+  [[nodiscard]] Eigen::Vector3d world(double s, double left) const {
+    return road.axis.beside(s, left);
+  }
+  /// Relative to the anchor.
+  [[nodiscard]] Eigen::Vector3f local(double s, double left, double up) const {
+    return (world(s, left) + Eigen::Vector3d(0, 0, up) - anchor).cast<float>();
+  }
+  [[nodiscard]] float yaw(double s) const { return static_cast<float>(road.axis.at(s).yaw); }
+  [[nodiscard]] bool drawn(double s) const {
+    const auto i = static_cast<std::size_t>(std::max(0.0, s));
+    return i < road.drawn.size() && road.drawn[i];
+  }
+};
+
+StreetBuilder::StreetBuilder(const RoadNetwork& network, const WorldParams& params,
+                             const Grain& grain)
+    : network_(network), params_(params), grain_(grain) {}
+
+bool StreetBuilder::exists(const StretchKey& key) const {
+  const Road& road = network_.roads()[key.road];
+  const auto begin = static_cast<std::size_t>(key.number * kStretch);
+  const auto end = std::min(begin + static_cast<std::size_t>(kStretch), road.drawn.size());
+  if (begin >= end) return false;
+  return std::any_of(road.drawn.begin() + static_cast<long>(begin),
+                     road.drawn.begin() + static_cast<long>(end), [](bool drawn) { return drawn; });
+}
+
+Eigen::Vector3d StreetBuilder::middle(const StretchKey& key) const {
+  return network_.roads()[key.road].axis.at((key.number + 0.5) * kStretch).position;
+}
+
+bool StreetBuilder::isFree(const Site& site, double s, double left, double margin) const {
+  return !network_.nearOther(site.world(s, left).head<2>(), Profile::kEdge + margin, site.key.road,
+                             s, false);
+}
+
+StreetStretch StreetBuilder::build(const StretchKey& key) const {
+  const Road& road = network_.roads()[key.road];
+  Site site{key, road};
+  site.begin = key.number * kStretch;
+  site.length = std::min(kStretch, road.axis.length() - site.begin);
+  site.anchor = middle(key);
+  StreetStretch stretch;
+  stretch.anchor = site.anchor;
+  Random ground(stretchSeed(params_, key, kGroundSeed));
+  layGround(site, stretch, ground);
+  layVerges(site, stretch);
+  for (const double side : {1.0, -1.0}) {
+    Random houses(stretchSeed(params_, key, kHouseSeed, side > 0));
+    buildHouses(site, side, stretch, houses);
+  }
+  Random furniture(stretchSeed(params_, key, kFurnitureSeed));
+  placeFurniture(site, stretch, furniture);
+  return stretch;
+}
+
+void StreetBuilder::layGround(const Site& site, StreetStretch& stretch, Random& random) const {
+  GroundMarks marks;
+  marks.length_m = site.length;
+  marks.crossing = random.chance(0.25);
+  marks.crossing_at = random.uniform(0.3, 0.7);
+  Surface surface{drawGround(marks, grain_, random), {}};
+  const int steps = std::max(1, static_cast<int>(std::lround(site.length / 2.0)));
+  const auto cell = [&](int i, double l0, double up0, double l1, double up1, double reach,
+                        bool earlier_only) {
+    const double s0 = site.begin + site.length * i / steps;
+    const double s1 = site.begin + site.length * (i + 1) / steps;
+    const double s = 0.5 * (s0 + s1);
+    if (!site.drawn(s) || network_.nearOther(site.world(s, 0.5 * (l0 + l1)).head<2>(), reach,
+                                             site.key.road, s, earlier_only)) {
+      return;
+    }
+    // A kerb's face has no width seen from above: it shows a strip of the kerb stones.
+    const double painted1 = l0 == l1 ? l1 + (l1 > 0 ? 0.14 : -0.14) : l1;
+    const float v0 = groundTextureV(l0), v1 = groundTextureV(painted1);
+    surface.mesh.addQuad(site.local(s0, l0, up0), site.local(s1, l0, up0), site.local(s1, l1, up1),
+                         site.local(s0, l1, up1),
+                         UvRect{static_cast<float>(i) / static_cast<float>(steps), v0,
+                                static_cast<float>(i + 1) / static_cast<float>(steps), v1});
+  };
+  constexpr double kLaneCells[] = {6.4, 3.2, 0.0, -3.2, -6.4};
+  for (int i = 0; i < steps; ++i) {
+    for (int c = 0; c < 4; ++c) {
+      cell(i, kLaneCells[c], 0.0, kLaneCells[c + 1], 0.0, Profile::kCarriageway, true);
+    }
+    for (const double side : {1.0, -1.0}) {
+      const double kerb = side * Profile::kCarriageway, edge = side * Profile::kEdge;
+      cell(i, kerb, 0.0, kerb, Profile::kKerbHeight, Profile::kCarriageway + 0.2, false);
+      cell(i, kerb, Profile::kKerbHeight, edge, Profile::kKerbHeight, Profile::kCarriageway + 0.4,
+           false);
+    }
+  }
+  if (!surface.mesh.triangles.empty()) stretch.surfaces.push_back(std::move(surface));
+}
+
+void StreetBuilder::layVerges(const Site& site, StreetStretch& stretch) const {
+  constexpr double kStep = 4.0, kWidth = 5.0;
+  const int steps = std::max(1, static_cast<int>(std::lround(site.length / kStep)));
+  for (int i = 0; i < steps; ++i) {
+    const double s0 = site.begin + site.length * i / steps;
+    const double s1 = site.begin + site.length * (i + 1) / steps;
+    for (const double side : {1.0, -1.0}) {
+      for (int row = 0; row < 4; ++row) {
+        const double l0 = side * (Profile::kEdge + row * kWidth);
+        const double l1 = side * (Profile::kEdge + (row + 1) * kWidth);
+        const double s = 0.5 * (s0 + s1);
+        const Eigen::Vector2d xy = site.world(s, 0.5 * (l0 + l1)).head<2>();
+        if (!site.drawn(s) ||
+            network_.nearOther(xy, Profile::kEdge + 3.2, site.key.road, s, false)) {
+          continue;
+        }
+        // Pictured by place, so that neighbours fit together.
+        const auto vertex = [&](double at, double left) {
+          const Eigen::Vector3d world = site.world(at, left);
+          return MeshVertex{site.local(at, left, Profile::kKerbHeight - 0.02),
+                            {static_cast<float>(std::fmod(world.x() / 16.0, 64.0)),
+                             static_cast<float>(std::fmod(world.y() / 16.0, 64.0))}};
+        };
+        stretch.verges.addTriangle(vertex(s0, l0), vertex(s1, l0), vertex(s1, l1));
+        stretch.verges.addTriangle(vertex(s0, l0), vertex(s1, l1), vertex(s0, l1));
+      }
+    }
+  }
+}
+
+void StreetBuilder::buildHouses(const Site& site, double side, StreetStretch& stretch,
+                                Random& random) const {
+  const int count = random.chance(0.5) ? 2 : 3;
+  const double setback = random.chance(0.5) ? 0.0 : random.uniform(0.5, 3.0);
+  for (int i = 0; i < count; ++i) {
+    HousePlan plan;
+    plan.facade.width_m =
+        site.length / count - (random.chance(0.2) ? random.uniform(0.8, 2.0) : 0.02);
+    plan.facade.side_m = random.uniform(7.0, 10.0);
+    plan.facade.height_m = random.uniform(params_.house_height_min_m, params_.house_height_max_m);
+    plan.facade.shop = random.chance(0.35);
+    plan.ridge_m = random.chance(0.5) ? random.uniform(1.5, 3.0) : 0.0;
+    const bool wanted = random.chance(params_.house_share);
+    const double s = site.begin + (i + 0.5) * site.length / count;
+    const double front = side * (Profile::kEdge + setback);
+    bool free = wanted && site.drawn(s);
+    for (const double ds : {-0.5, 0.0, 0.5}) {
+      for (const double depth : {0.0, 0.5, 1.0}) {
+        const double at = s + ds * plan.facade.width_m;
+        free = free && isFree(site, at, front + side * depth * plan.facade.side_m, 0.3);
+      }
+    }
+    Random own(random.bits());
+    if (!free) {
+      const auto a = site.local(s - 0.45 * site.length / count, front, Profile::kKerbHeight);
+      const auto b = site.local(s + 0.45 * site.length / count, front, Profile::kKerbHeight);
+      if (site.drawn(s) && isFree(site, s - 0.45 * site.length / count, front, 0.3) &&
+          isFree(site, s + 0.45 * site.length / count, front, 0.3)) {
+        addHedge(stretch.furniture, a, b, own);
+      }
+      continue;
+    }
+    Surface house{drawFacade(plan.facade, grain_, own), {}};
+    const double yaw = site.yaw(s) + (side > 0 ? 0.0 : M_PI);
+    house.mesh = houseMesh(plan, site.local(s, front, -0.3), static_cast<float>(yaw));
+    stretch.surfaces.push_back(std::move(house));
+  }
+}
+
+void StreetBuilder::placeFurniture(const Site& site, StreetStretch& stretch, Random& random) const {
+  constexpr double kUp = Profile::kKerbHeight - 0.02;
+  for (const double side : {1.0, -1.0}) {
+    const auto spot = [&](double s, double beyond_kerb) {
+      return site.local(s, side * (Profile::kCarriageway + beyond_kerb), kUp);
+    };
+    const auto free = [&](double s) {
+      return site.drawn(s) && isFree(site, s, side * Profile::kCarriageway, 0.5);
+    };
+    const int trees = params_.tree_every_m > 0.0
+                          ? static_cast<int>(std::lround(site.length / params_.tree_every_m *
+                                                         random.uniform(0.6, 1.4)))
+                          : 0;
+    for (int i = 0; i < trees; ++i) {
+      const double s = site.begin + (i + random.uniform(0.15, 0.85)) * site.length / trees;
+      Random own(random.bits());
+      if (free(s)) addTree(stretch.furniture, spot(s, own.uniform(0.5, 0.8)), own);
+    }
+    const double towards_street = site.yaw(site.begin) - side * M_PI / 2;
+    const double lamp = site.begin + random.uniform(0.1, 0.9) * site.length;
+    if (random.chance(0.7) && free(lamp)) {
+      addLamp(stretch.furniture, spot(lamp, 0.4), static_cast<float>(towards_street), random);
+    }
+    const double sign = site.begin + random.uniform(0.1, 0.9) * site.length;
+    if (random.chance(0.5) && free(sign)) {
+      const double yaw = site.yaw(sign) + (side > 0 ? M_PI : 0.0);
+      addSign(stretch.furniture, spot(sign, 0.5), static_cast<float>(yaw), random);
+    }
+    for (int i = 0; i < 3; ++i) {
+      const double s = site.begin + random.uniform(0.0, 1.0) * site.length;
+      const bool at_wall = random.chance(0.4);
+      Random own(random.bits());
+      if (random.chance(0.6) && free(s)) {
+        addSmallThing(stretch.furniture, spot(s, at_wall ? 2.3 : 0.5), site.yaw(s), own);
+      }
+    }
+  }
+}
+
+std::vector<Mover> StreetBuilder::parked(const StretchKey& key) const {
+  constexpr double kBay = 5.5;
+  constexpr std::int64_t kFirstParkedId = 100000;
+  const Road& road = network_.roads()[key.road];
+  Site site{key, road};
+  site.begin = key.number * kStretch;
+  Random random(stretchSeed(params_, key, kParkedSeed));
+  std::vector<Mover> vehicles;
+  int bay_number = 0;
+  for (const double side : {1.0, -1.0}) {
+    for (int bay = 0; bay < 4; ++bay, ++bay_number) {
+      Random own(random.bits());
+      const double s = site.begin + (bay + 0.6) * kBay + own.uniform(-0.3, 0.3);
+      if (!own.chance(params_.parked_share) || !site.drawn(s) || s > road.axis.length() - 3.0 ||
+          !isFree(site, s, side * Profile::kParking, 4.0)) {
+        continue;
+      }
+      Mover vehicle;
+      vehicle.kind = own.chance(0.12) ? MoverKind::kVan : MoverKind::kCar;
+      vehicle.id = kFirstParkedId + static_cast<std::int64_t>(key.road) * 16384 + key.number * 8 +
+                   bay_number;
+      vehicle.look = own.below(1000);
+      vehicle.size = drawSize(vehicle.kind, own);
+      vehicle.position = site.world(s, side * (Profile::kParking + own.uniform(-0.15, 0.1)));
+      vehicle.yaw = site.yaw(s) + (side > 0 ? M_PI : 0.0) + 0.02 * own.normal();
+      vehicle.parked = true;
+      vehicles.push_back(vehicle);
+    }
+  }
+  return vehicles;
+}
+
+}  // namespace headway::sim

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <mrpt/opengl/CSetOfTexturedTriangles.h>
+
+#include <memory>
+#include <opencv2/core/mat.hpp>
+
+#include "mesh.h"
+
+namespace headway::sim {
+
+/// Textured triangles as MRPT draws them, unlit and with trilinear mipmaps.
+///
+/// MRPT uploads a texture without mipmaps, so far surfaces would shimmer; and its lit shader bends
+/// far geometry, so light is off and shading belongs into the texture. Made with make_shared, not
+/// with MRPT's factory, and for drawing only (never serialised).
+class TexturedObject : public mrpt::opengl::CSetOfTexturedTriangles {
+ public:
+  using Ptr = std::shared_ptr<TexturedObject>;
+
+  /// @param picture  8-bit BGR, or BGRA where it is partly transparent; sides powers of two
+  explicit TexturedObject(const cv::Mat& picture);
+
+  void setMesh(const Mesh& mesh);
+  void initializeTextures() const override;
+
+ private:
+  mutable bool has_mipmaps_ = false;
+};
+
+}  // namespace headway::sim

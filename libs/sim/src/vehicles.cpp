@@ -1,0 +1,254 @@
+#include "vehicles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "street_profile.h"
+
+namespace headway::sim {
+namespace {
+
+using Profile = StreetProfile;
+
+constexpr double kPathReach = 320.0;  // of a path made along the street [m]
+constexpr double kStopLine = 8.6;     // before the middle of the street to be crossed [m]
+
+/// The lane `left` of the street's middle from street_s on, in driving direction.
+std::vector<Eigen::Vector3d> lanePoints(const Path& street, double street_s, double left,
+                                        bool backwards, double length) {
+  std::vector<Eigen::Vector3d> points;
+  for (double d = 0.0; d <= length; d += 1.0) {
+    const double s = backwards ? street_s - d : street_s + d;
+    if (!street.closed() && (s < 0.0 || s > street.length())) break;
+    points.push_back(street.beside(s, left));
+  }
+  return points;
+}
+
+double laneOf(MoverKind kind, bool oncoming) {
+  const double right = kind == MoverKind::kCyclist ? Profile::kCycling : Profile::kLaneMiddle;
+  return oncoming ? right : -right;
+}
+
+/// A quarter turn from one lane into another: quadratic Bezier curve.
+void appendTurn(std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& from,
+                const Eigen::Vector3d& corner, const Eigen::Vector3d& to) {
+  for (int i = 1; i < 12; ++i) {
+    const double t = i / 12.0;
+    points.push_back((1 - t) * (1 - t) * from + 2 * t * (1 - t) * corner + t * t * to);
+  }
+}
+
+}  // namespace
+
+Vehicles::Vehicles(const TrafficParams& params, const Route& route, const RoadNetwork& network,
+                   std::uint64_t seed)
+    : params_(params), route_(route), network_(network), random_(seed) {}
+
+MoverKind Vehicles::drawKind() {
+  const double draw = random_.uniform();
+  if (draw < params_.van_share) return MoverKind::kVan;
+  if (draw < params_.van_share + params_.truck_share) return MoverKind::kTruck;
+  if (draw < params_.van_share + params_.truck_share + params_.bus_share) return MoverKind::kBus;
+  return MoverKind::kCar;
+}
+
+std::optional<Vehicles::Vehicle> Vehicles::along(MoverKind kind, double street_s, bool oncoming) {
+  const double left = laneOf(kind, oncoming);
+  const auto points = lanePoints(route_.street, street_s, left, oncoming, kPathReach);
+  if (points.size() < 30) return std::nullopt;
+  Vehicle vehicle;
+  vehicle.intent = oncoming ? Intent::kOncoming : Intent::kAlong;
+  vehicle.path = std::make_shared<Path>(points);
+  vehicle.street_s = street_s;
+  return vehicle;
+}
+
+void Vehicles::turnOff(Vehicle& vehicle, bool oncoming) {
+  const double direction = oncoming ? -1.0 : 1.0;
+  const Road* chosen = nullptr;
+  for (const Road& road : network_.roads()) {
+    if (road.main) continue;
+    const double ahead = direction * route_.ahead(vehicle.street_s, road.main_s);
+    if (ahead < 25.0 || ahead > 140.0) continue;
+    if (chosen == nullptr || random_.chance(0.4)) chosen = &road;
+  }
+  if (chosen == nullptr) return;
+  // Always to the right. A cross street's axis runs from the street's right to its left.
+  constexpr double kBegin = 11.0;  // of the turn, before the middle of the junction [m]
+  const double ahead = direction * route_.ahead(vehicle.street_s, chosen->main_s);
+  const double left = laneOf(MoverKind::kCar, oncoming);
+  auto points = lanePoints(route_.street, vehicle.street_s, left, oncoming, ahead - kBegin);
+  std::vector<Eigen::Vector3d> exit;
+  for (double d = kBegin; d <= chosen->junction_s - 1.0; d += 1.0) {
+    // Driving away from the junction along -axis (forward) or +axis (oncoming), keeping right.
+    exit.push_back(oncoming ? chosen->axis.beside(chosen->junction_s + d, -Profile::kLaneMiddle)
+                            : chosen->axis.beside(chosen->junction_s - d, Profile::kLaneMiddle));
+  }
+  if (points.size() < 5 || exit.size() < 5) return;
+  const Eigen::Vector3d straight = (points.back() - points[points.size() - 2]).normalized();
+  const Eigen::Vector3d corner =
+      points.back() + straight * (exit.front() - points.back()).dot(straight);
+  appendTurn(points, points.back(), corner, exit.front());
+  points.insert(points.end(), exit.begin(), exit.end());
+  vehicle.path = std::make_shared<Path>(points);
+}
+
+std::optional<Vehicles::Vehicle> Vehicles::crossing(const RobotState& robot, bool anywhere) {
+  std::vector<const Road*> near;
+  for (const Road& road : network_.roads()) {
+    const double ahead = route_.ahead(robot.s, road.main_s);
+    if (!road.main && ahead > 25.0 && ahead < params_.range_ahead_m) near.push_back(&road);
+  }
+  if (near.empty()) return std::nullopt;
+  const Road& road = *near[static_cast<std::size_t>(random_.below(static_cast<int>(near.size())))];
+  Vehicle vehicle;
+  vehicle.intent = Intent::kCross;
+  const bool reversed = random_.chance(0.5);
+  vehicle.path = std::make_shared<Path>(
+      besidePath(road.axis, reversed ? Profile::kLaneMiddle : -Profile::kLaneMiddle, reversed));
+  vehicle.yield_s = road.junction_s - kStopLine;
+  vehicle.yield_street_s = road.main_s;
+  vehicle.street_s = road.main_s;
+  vehicle.place.s = anywhere ? random_.uniform(5.0, road.junction_s - 15.0) : 6.0;
+  return vehicle;
+}
+
+bool Vehicles::isFree(const Vehicle& vehicle, const RobotState& robot) const {
+  const Eigen::Vector2d at = vehicle.path->at(vehicle.place.s).position.head<2>();
+  const auto clear = [&](const Eigen::Vector2d& other, double length) {
+    return (other - at).norm() > 0.5 * (vehicle.place.length + length) + 5.0;
+  };
+  return clear(robot.body.position, robot.body.length + 6.0) &&
+         std::all_of(movers_.begin(), movers_.end(), [&](const Mover& mover) {
+           // A vehicle in the opposite lane does not matter.
+           return std::cos(mover.yaw - vehicle.path->at(vehicle.place.s).yaw) < -0.5 ||
+                  clear(mover.position.head<2>(), mover.size.x());
+         });
+}
+
+void Vehicles::spawn(MoverKind kind, const RobotState& robot, bool anywhere,
+                     std::int64_t& next_id) {
+  const bool cyclist = kind == MoverKind::kCyclist;
+  std::optional<Vehicle> vehicle;
+  const bool oncoming = random_.chance(params_.oncoming_share);
+  if (!cyclist && random_.chance(params_.crossing_share)) vehicle = crossing(robot, anywhere);
+  if (!vehicle) {
+    // New ones come into view from far ahead, or overtake from behind on the robot's lane.
+    double ahead = random_.uniform(0.85, 1.0) * params_.range_ahead_m;
+    if (anywhere) ahead = random_.uniform(cyclist ? 6.0 : 9.0, params_.range_ahead_m);
+    vehicle = along(kind, robot.s + ahead, oncoming);
+    if (vehicle && !cyclist && random_.chance(params_.turning_share)) turnOff(*vehicle, oncoming);
+  }
+  if (!vehicle) return;
+  Mover mover;
+  mover.kind = kind;
+  mover.look = random_.below(100000);
+  mover.size = drawSize(kind, random_);
+  vehicle->place.length = mover.size.x();
+  vehicle->place.width = mover.size.y();
+  const double mean = cyclist ? 4.6 : params_.vehicle_speed_mps;
+  vehicle->style.wish_mps = std::max(1.5, mean * (1.0 + 0.15 * random_.normal()));
+  if (cyclist) vehicle->style.acceleration = 0.8;
+  if (kind == MoverKind::kTruck || kind == MoverKind::kBus) {
+    vehicle->style.wish_mps *= 0.85;
+    vehicle->style.acceleration = 0.9;
+  }
+  vehicle->place.speed = vehicle->style.wish_mps * (anywhere ? 0.8 : 0.95);
+  if (!isFree(*vehicle, robot)) return;
+  mover.id = next_id++;
+  vehicles_.push_back(*vehicle);
+  movers_.push_back(mover);
+  place(vehicles_.size() - 1, 0.0);
+}
+
+void Vehicles::populate(const RobotState& robot, std::int64_t& next_id) {
+  for (int tries = 0; tries < 40; ++tries) {
+    const auto cyclists = std::count_if(movers_.begin(), movers_.end(), [](const Mover& mover) {
+      return mover.kind == MoverKind::kCyclist;
+    });
+    if (cyclists < params_.cyclists) spawn(MoverKind::kCyclist, robot, true, next_id);
+    const auto driving = static_cast<long>(movers_.size()) - cyclists;
+    for (long missing = params_.vehicles - driving; missing > 0; --missing) {
+      spawn(drawKind(), robot, true, next_id);
+    }
+  }
+}
+
+bool Vehicles::gapAt(double street_s, const RobotState& robot) const {
+  const auto conflicts = [&](double s, double speed) {  // speed along the street
+    const double distance = route_.ahead(s, street_s) * (speed < 0.0 ? -1.0 : 1.0);
+    return distance > -6.0 && distance < 7.0 + std::abs(speed) * 4.5;
+  };
+  if (conflicts(robot.s, robot.speed)) return false;
+  for (const Vehicle& other : vehicles_) {
+    if (other.intent == Intent::kCross) continue;
+    const double sign = other.intent == Intent::kOncoming ? -1.0 : 1.0;
+    if (conflicts(other.street_s, sign * std::max(0.1, other.place.speed))) return false;
+  }
+  return true;
+}
+
+void Vehicles::place(std::size_t i, double dt) {
+  Vehicle& vehicle = vehicles_[i];
+  Mover& mover = movers_[i];
+  const PathPoint point = vehicle.path->at(vehicle.place.s);
+  mover.position = point.position;
+  mover.yaw = point.yaw;
+  mover.speed = vehicle.place.speed;
+  mover.velocity = mover.speed * Eigen::Vector2d(std::cos(mover.yaw), std::sin(mover.yaw));
+  if (mover.kind == MoverKind::kCyclist) mover.gait += 1.3 * mover.speed * dt;
+  if (vehicle.intent != Intent::kCross) {
+    vehicle.street_s =
+        route_.street
+            .project(mover.position.head<2>(), vehicle.street_s - 4.0, vehicle.street_s + 4.0)
+            .s;
+  }
+}
+
+void Vehicles::retire(const RobotState& robot) {
+  for (std::size_t i = vehicles_.size(); i-- > 0;) {
+    const Vehicle& vehicle = vehicles_[i];
+    const double ahead = route_.ahead(robot.s, vehicle.street_s);
+    const bool ended = vehicle.place.s > vehicle.path->length() - 2.0;
+    const bool far = ahead > params_.range_ahead_m + 15.0 || ahead < -params_.range_behind_m;
+    if (ended || far || vehicle.standing_s > 60.0) {
+      vehicles_.erase(vehicles_.begin() + static_cast<long>(i));
+      movers_.erase(movers_.begin() + static_cast<long>(i));
+    }
+  }
+}
+
+void Vehicles::advance(double dt, const RobotState& robot, const std::vector<Obstacle>& others,
+                       std::int64_t& next_id) {
+  std::vector<Obstacle> all = others;
+  for (const Mover& mover : movers_) all.push_back(obstacleFrom(mover));
+  std::vector<double> accelerations;
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    const Vehicle& vehicle = vehicles_[i];
+    double stop = std::numeric_limits<double>::infinity();
+    if (vehicle.place.s < vehicle.yield_s && !gapAt(vehicle.yield_street_s, robot)) {
+      stop = vehicle.yield_s;
+    }
+    accelerations.push_back(
+        drive(vehicle.place, *vehicle.path, vehicle.style, all, movers_[i].id, stop));
+  }
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    OnPath& at = vehicles_[i].place;
+    at.speed = std::max(0.0, at.speed + accelerations[i] * dt);
+    at.s += at.speed * dt;
+    vehicles_[i].standing_s = at.speed < 0.1 ? vehicles_[i].standing_s + dt : 0.0;
+    place(i, dt);
+  }
+  retire(robot);
+  const auto cyclists = std::count_if(movers_.begin(), movers_.end(), [](const Mover& mover) {
+    return mover.kind == MoverKind::kCyclist;
+  });
+  if (cyclists < params_.cyclists) spawn(MoverKind::kCyclist, robot, false, next_id);
+  if (static_cast<long>(movers_.size()) - cyclists < params_.vehicles) {
+    spawn(drawKind(), robot, false, next_id);
+  }
+}
+
+}  // namespace headway::sim

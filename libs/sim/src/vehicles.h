@@ -1,0 +1,70 @@
+#pragma once
+
+#include <headway/sim/sim_params.h>
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "driving.h"
+#include "random.h"
+#include "road_network.h"
+
+namespace headway::sim {
+
+/// Where the robot is, for those around it.
+struct RobotState {
+  double s = 0.0;      ///< along the route's street [m]
+  double speed = 0.0;  ///< [m/s]
+  Obstacle body;       ///< what others see of it
+};
+
+/// Cars, vans, trucks, buses and cyclists near the robot: they keep to lanes, follow each other,
+/// brake for people, slow down in curves, turn off, wait at junctions and cross.
+///
+/// Vehicles appear and vanish at the ends of the range, so their number stays as asked for.
+class Vehicles {
+ public:
+  /// All references must outlive the object.
+  Vehicles(const TrafficParams& params, const Route& route, const RoadNetwork& network,
+           std::uint64_t seed);
+
+  /// Fills the range around the robot.
+  void populate(const RobotState& robot, std::int64_t& next_id);
+  /// @param others  everything that is in nobody's lane by intent: people, the robot
+  void advance(double dt, const RobotState& robot, const std::vector<Obstacle>& others,
+               std::int64_t& next_id);
+  [[nodiscard]] const std::vector<Mover>& movers() const { return movers_; }
+
+ private:
+  enum class Intent { kAlong, kOncoming, kCross };
+  struct Vehicle {
+    Intent intent = Intent::kAlong;
+    std::shared_ptr<const Path> path;
+    OnPath place;
+    DriverStyle style;
+    double street_s = 0.0;        ///< along the route's street, followed up from step to step [m]
+    double yield_s = -1.0;        ///< on its path: where it waits for a gap; negative: nowhere
+    double yield_street_s = 0.0;  ///< the junction, along the street
+    double standing_s = 0.0;      ///< time without moving [s]
+  };
+
+  void spawn(MoverKind kind, const RobotState& robot, bool anywhere, std::int64_t& next_id);
+  [[nodiscard]] std::optional<Vehicle> along(MoverKind kind, double street_s, bool oncoming);
+  [[nodiscard]] std::optional<Vehicle> crossing(const RobotState& robot, bool anywhere);
+  void turnOff(Vehicle& vehicle, bool oncoming);
+  [[nodiscard]] bool isFree(const Vehicle& vehicle, const RobotState& robot) const;
+  [[nodiscard]] bool gapAt(double street_s, const RobotState& robot) const;
+  void place(std::size_t i, double dt);
+  void retire(const RobotState& robot);
+  [[nodiscard]] MoverKind drawKind();
+
+  TrafficParams params_;
+  const Route& route_;
+  const RoadNetwork& network_;
+  Random random_;
+  std::vector<Vehicle> vehicles_;  ///< same order as movers_
+  std::vector<Mover> movers_;
+};
+
+}  // namespace headway::sim

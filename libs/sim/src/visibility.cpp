@@ -1,0 +1,171 @@
+#include "visibility.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "person_mesh.h"
+
+namespace headway::sim {
+namespace {
+
+constexpr float kNearest = 0.3F;  // what is nearer to the camera is not drawn [m]
+
+/// A small depth image of one body alone.
+class BodyDepth {
+ public:
+  explicit BodyDepth(const cv::Rect& area)
+      : area_(area), depth_(area.size(), CV_32F, cv::Scalar(std::numeric_limits<float>::max())) {}
+
+  /// Corners: (u, v) [px] and inverse depth [1/m], which is linear over the image.
+  void drawTriangle(const std::array<Eigen::Vector3f, 3>& corners) {
+    const Eigen::Vector3f &a = corners[0], &b = corners[1], &c = corners[2];
+    const float twice_area = (b.x() - a.x()) * (c.y() - a.y()) - (c.x() - a.x()) * (b.y() - a.y());
+    if (std::abs(twice_area) < 1e-6F) return;
+    const auto low = [](float x, float y, float z) {
+      return static_cast<int>(std::ceil(std::max(-1e6F, std::min({x, y, z}))));
+    };
+    const auto high = [](float x, float y, float z) {
+      return static_cast<int>(std::floor(std::min(1e6F, std::max({x, y, z}))));
+    };
+    const int u0 = std::max(low(a.x(), b.x(), c.x()), area_.x);
+    const int u1 = std::min(high(a.x(), b.x(), c.x()), area_.x + area_.width - 1);
+    const int v0 = std::max(low(a.y(), b.y(), c.y()), area_.y);
+    const int v1 = std::min(high(a.y(), b.y(), c.y()), area_.y + area_.height - 1);
+    for (int v = v0; v <= v1; ++v) {
+      auto* row = depth_.ptr<float>(v - area_.y);
+      for (int u = u0; u <= u1; ++u) {
+        const auto x = static_cast<float>(u), y = static_cast<float>(v);
+        const float wb =
+            ((x - a.x()) * (c.y() - a.y()) - (c.x() - a.x()) * (y - a.y())) / twice_area;
+        const float wc =
+            ((b.x() - a.x()) * (y - a.y()) - (x - a.x()) * (b.y() - a.y())) / twice_area;
+        const float wa = 1.0F - wb - wc;
+        if (wa < 0.0F || wb < 0.0F || wc < 0.0F) continue;
+        const float z = 1.0F / (wa * a.z() + wb * b.z() + wc * c.z());
+        row[u - area_.x] = std::min(row[u - area_.x], z);
+      }
+    }
+  }
+  [[nodiscard]] const cv::Mat& depth() const { return depth_; }
+
+ private:
+  cv::Rect area_;
+  cv::Mat depth_;
+};
+
+using Corners = std::vector<std::array<Eigen::Vector3f, 3>>;
+
+/// Triangles in the image; those that reach behind the near plane are left out.
+Corners projectBody(const Mesh& body, const Eigen::Isometry3f& T_cam_origin,
+                    const StereoCamera& camera) {
+  Corners result;
+  result.reserve(body.triangles.size());
+  for (const auto& triangle : body.triangles) {
+    std::array<Eigen::Vector3f, 3> corners;
+    bool in_front = true;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Eigen::Vector3f p = T_cam_origin * triangle[i].position;
+      in_front = in_front && p.z() > kNearest;
+      corners[i] = {static_cast<float>(camera.fx) * p.x() / p.z() + static_cast<float>(camera.cx),
+                    static_cast<float>(camera.fy) * p.y() / p.z() + static_cast<float>(camera.cy),
+                    1.0F / p.z()};
+    }
+    if (in_front) result.push_back(corners);
+  }
+  return result;
+}
+
+/// Uncut box around the body.
+Box2d boundsOf(const Corners& corners) {
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  Box2d box{kInf, kInf, -kInf, -kInf};
+  for (const auto& triangle : corners) {
+    for (const auto& corner : triangle) {
+      box.left = std::min<double>(box.left, corner.x());
+      box.right = std::max<double>(box.right, corner.x());
+      box.top = std::min<double>(box.top, corner.y());
+      box.bottom = std::max<double>(box.bottom, corner.y());
+    }
+  }
+  return box;
+}
+
+/// Depth may differ by this where two drawings of one surface are compared.
+float tolerance(float z) { return 0.06F + 0.006F * z; }
+
+/// Counts and marks the pixels where the body is what the picture shows.
+void compare(const cv::Mat& body, const cv::Rect& area, const cv::Mat& depth, std::uint16_t label,
+             cv::Mat& instances, Sighting& sighting) {
+  int all = 0;
+  for (int v = 0; v < area.height; ++v) {
+    const auto* alone = body.ptr<float>(v);
+    const auto* seen = depth.ptr<float>(v + area.y) + area.x;
+    auto* marks = instances.ptr<std::uint16_t>(v + area.y) + area.x;
+    for (int u = 0; u < area.width; ++u) {
+      if (alone[u] == std::numeric_limits<float>::max()) continue;
+      ++all;
+      if (seen[u] <= 0.0F || std::abs(seen[u] - alone[u]) > tolerance(alone[u])) continue;
+      ++sighting.visible_pixels;
+      marks[u] = label;
+    }
+  }
+  sighting.visible = all > 0 ? static_cast<double>(sighting.visible_pixels) / all : 0.0;
+}
+
+}  // namespace
+
+Box3d opticalBox(const Mover& mover, const Pose& T_world_cam) {
+  const Pose T_cam_world = T_world_cam.inverse();
+  Box3d box;
+  box.centre = T_cam_world * mover.centre();
+  box.length = mover.size.x();
+  box.width = mover.size.y();
+  box.height = mover.size.z();
+  box.yaw = opticalYaw(T_cam_world.linear() *
+                       Eigen::Vector3d(std::cos(mover.yaw), std::sin(mover.yaw), 0.0));
+  return box;
+}
+
+std::vector<Sighting> findSightings(const Pose& T_world_robot, const StereoCamera& camera,
+                                    const std::vector<Mover>& movers, const cv::Mat& depth,
+                                    cv::Mat& instances) {
+  instances = cv::Mat::zeros(depth.size(), CV_16U);
+  const Pose T_world_cam = T_world_robot * camera.T_robot_cam;
+  const Eigen::Vector3d origin = T_world_robot.translation();
+  Pose T_origin_cam = T_world_cam;
+  T_origin_cam.translation() -= origin;
+  const Eigen::Isometry3f T_cam_origin = T_origin_cam.inverse().cast<float>();
+  const cv::Rect image(0, 0, depth.cols, depth.rows);
+  std::vector<Sighting> sightings;
+  for (std::size_t i = 0; i < movers.size(); ++i) {
+    Sighting sighting;
+    sighting.mover = i;
+    sighting.box3d = opticalBox(movers[i], T_world_cam);
+    if (sighting.box3d.centre.z() < 0.5) continue;
+    const Corners corners = projectBody(moverMesh(movers[i], origin), T_cam_origin, camera);
+    if (corners.empty()) continue;
+    const Box2d whole = boundsOf(corners);
+    const cv::Rect area =
+        cv::Rect(cv::Point(static_cast<int>(std::floor(std::max(whole.left, -1e4))),
+                           static_cast<int>(std::floor(std::max(whole.top, -1e4)))),
+                 cv::Point(static_cast<int>(std::ceil(std::min(whole.right, 1e4))) + 1,
+                           static_cast<int>(std::ceil(std::min(whole.bottom, 1e4))) + 1)) &
+        image;
+    if (area.empty()) continue;
+    sighting.box = {std::max(whole.left, 0.0), std::max(whole.top, 0.0),
+                    std::min(whole.right, depth.cols - 1.0),
+                    std::min(whole.bottom, depth.rows - 1.0)};
+    if (sighting.box.width() <= 0.0 || sighting.box.height() <= 0.0) continue;
+    sighting.truncation = std::clamp(
+        1.0 - sighting.box.width() * sighting.box.height() / (whole.width() * whole.height()), 0.0,
+        1.0);
+    BodyDepth alone(area);
+    for (const auto& triangle : corners) alone.drawTriangle(triangle);
+    compare(alone.depth(), area, depth, static_cast<std::uint16_t>(i + 1), instances, sighting);
+    sightings.push_back(sighting);
+  }
+  return sightings;
+}
+
+}  // namespace headway::sim

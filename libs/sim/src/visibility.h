@@ -1,0 +1,39 @@
+#pragma once
+
+#include <headway/core/detection.h>
+#include <headway/core/stereo_camera.h>
+
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "mover.h"
+
+namespace headway::sim {
+
+/// What the left image shows of one mover.
+struct Sighting {
+  std::size_t mover = 0;    ///< index in the movers given
+  Box2d box;                ///< around its whole drawn body, cut at the image's edges [px]
+  double truncation = 0.0;  ///< share of the uncut box outside the image
+  double visible = 0.0;     ///< share of its pixels inside the image that nothing hides
+  int visible_pixels = 0;
+  Box3d box3d;  ///< in the left camera's optical frame
+};
+
+/// Finds which pixels of a drawn picture belong to which mover.
+///
+/// Bodies are drawn a second time, into a depth image of each one alone, and compared with the
+/// picture's depth: a pixel is visible where the two agree.
+///
+/// @param depth          of the left picture [m]
+/// @param instances      set to 16-bit mover index + 1 per pixel, 0 elsewhere
+/// @return               movers in front of the camera that reach into the image
+[[nodiscard]] std::vector<Sighting> findSightings(const Pose& T_world_robot,
+                                                  const StereoCamera& camera,
+                                                  const std::vector<Mover>& movers,
+                                                  const cv::Mat& depth, cv::Mat& instances);
+
+/// The mover's truth box in the left camera's optical frame.
+[[nodiscard]] Box3d opticalBox(const Mover& mover, const Pose& T_world_cam);
+
+}  // namespace headway::sim

@@ -1,0 +1,74 @@
+#include "world.h"
+
+#include <cmath>
+
+namespace headway::sim {
+namespace {
+
+enum Purpose : std::uint64_t { kGrainSeed = 101, kCrossStreetSeed };
+
+constexpr double kReach = 0.75 * kStretch;  // radius of a stretch with its houses, roughly [m]
+constexpr double kKeepBeyond = 60.0;        // stretches this far out of view are forgotten [m]
+
+}  // namespace
+
+World::World(const WorldParams& params, const Route& route)
+    : params_(params),
+      grain_(seedOf({static_cast<std::uint64_t>(params.seed), kGrainSeed})),
+      network_(route, params.cross_street_every_m,
+               seedOf({static_cast<std::uint64_t>(params.seed), kCrossStreetSeed})),
+      builder_(network_, params_, grain_) {
+  for (std::size_t road = 0; road < network_.roads().size(); ++road) {
+    const double length = network_.roads()[road].axis.length();
+    for (int number = 0; number * kStretch < length - 1.0; ++number) {
+      const StretchKey key{road, number};
+      if (builder_.exists(key)) all_.emplace_back(builder_.middle(key), key);
+    }
+  }
+}
+
+std::vector<StretchKey> World::keysNear(const Eigen::Vector3d& place, double reach) const {
+  std::vector<StretchKey> keys;
+  for (const auto& [middle, key] : all_) {
+    if ((middle - place).head<2>().squaredNorm() < reach * reach) keys.push_back(key);
+  }
+  return keys;
+}
+
+std::vector<StretchKey> World::inView(const Eigen::Vector3d& eye, double heading,
+                                      double half_view) {
+  std::vector<StretchKey> visible;
+  for (const StretchKey& key : keysNear(eye, params_.view_distance_m)) {
+    const Eigen::Vector2d offset = (builder_.middle(key) - eye).head<2>();
+    const double distance = offset.norm();
+    const double off_axis =
+        std::abs(std::remainder(std::atan2(offset.y(), offset.x()) - heading, 2.0 * M_PI));
+    const double margin = distance > kReach ? std::asin(kReach / distance) : M_PI;
+    if (off_axis < half_view + margin) visible.push_back(key);
+  }
+  for (const StretchKey& key : visible) {
+    if (built_.count(key) == 0) built_.emplace(key, builder_.build(key));
+  }
+  const double forget = params_.view_distance_m + kKeepBeyond;
+  for (auto it = built_.begin(); it != built_.end();) {
+    const double distance = (it->second.anchor - eye).head<2>().norm();
+    it = distance > forget ? built_.erase(it) : std::next(it);
+  }
+  return visible;
+}
+
+const StreetStretch& World::stretch(const StretchKey& key) const { return built_.at(key); }
+
+std::vector<Mover> World::parkedNear(const Eigen::Vector3d& place, double reach) {
+  std::vector<Mover> vehicles;
+  for (const StretchKey& key : keysNear(place, reach + kStretch)) {
+    auto known = parked_.find(key);
+    if (known == parked_.end()) known = parked_.emplace(key, builder_.parked(key)).first;
+    for (const Mover& vehicle : known->second) {
+      if ((vehicle.position - place).head<2>().norm() < reach) vehicles.push_back(vehicle);
+    }
+  }
+  return vehicles;
+}
+
+}  // namespace headway::sim

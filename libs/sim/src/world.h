@@ -1,0 +1,50 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "grain.h"
+#include "road_network.h"
+#include "street_stretch.h"
+
+namespace headway::sim {
+
+/// The still part of a world: streets with everything along them, built as they come into view.
+///
+/// What a place looks like depends on the seed alone, not on when or how often it is built.
+class World {
+ public:
+  World(const WorldParams& params, const Route& route);
+
+  [[nodiscard]] const RoadNetwork& network() const { return network_; }
+  [[nodiscard]] const WorldParams& params() const { return params_; }
+
+  /// Stretches within view of a camera, in a fixed order; builds what is missing.
+  ///
+  /// @param heading    viewing direction about world z [rad]
+  /// @param half_view  half the horizontal field of view [rad]
+  [[nodiscard]] std::vector<StretchKey> inView(const Eigen::Vector3d& eye, double heading,
+                                               double half_view);
+  /// A stretch that inView() named last time or the time before.
+  [[nodiscard]] const StreetStretch& stretch(const StretchKey& key) const;
+  /// Stretches that are built at present.
+  [[nodiscard]] const std::map<StretchKey, StreetStretch>& built() const { return built_; }
+  /// Vehicles parked within `reach` metres of a place.
+  [[nodiscard]] std::vector<Mover> parkedNear(const Eigen::Vector3d& place, double reach);
+
+  [[nodiscard]] const Grain& grain() const { return grain_; }
+
+ private:
+  [[nodiscard]] std::vector<StretchKey> keysNear(const Eigen::Vector3d& place, double reach) const;
+
+  WorldParams params_;
+  Grain grain_;
+  RoadNetwork network_;
+  StreetBuilder builder_;
+  std::vector<std::pair<Eigen::Vector3d, StretchKey>> all_;  ///< middle and key of every stretch
+  std::map<StretchKey, StreetStretch> built_;
+  std::map<StretchKey, std::vector<Mover>> parked_;
+};
+
+}  // namespace headway::sim
