@@ -22,8 +22,8 @@ struct PendingFrame {
 
 /// Gives boxes and poses to the frame nearest in time, at most half a frame interval away.
 ///
-/// Frames count from 0 in the order they come, and come out in that order once the next one is
-/// known (so that what is recorded after an image still finds it). Frames whose time does not
+/// Frames count from 0 in the order they come, and come out in that order once the next two are
+/// known (so that what is recorded late, even after the next image, still finds its frame). Frames whose time does not
 /// increase are left out but keep their index. What finds no frame is counted.
 class FrameAssembler {
  public:
@@ -36,7 +36,7 @@ class FrameAssembler {
   void addPose(Time time, const Pose& T_map_robot) { poses_.push_back({time, T_map_robot}); }
 
   /// Whether a frame can come out without knowing more of the recording.
-  [[nodiscard]] bool isReady() const { return frames_.size() >= 2; }
+  [[nodiscard]] bool isReady() const { return frames_.size() > kReadAhead; }
 
   /// The next frame; nullopt if there is none. Before isReady(), only at the recording's end.
   [[nodiscard]] std::optional<PendingFrame> take();
@@ -45,6 +45,7 @@ class FrameAssembler {
   void finish();
 
  private:
+  static constexpr std::size_t kReadAhead = 2;  // frames
   [[nodiscard]] double halfInterval(Time time) const;
   template <typename Item>
   std::optional<Item> takeNearest(std::deque<Item>& items, Time time, double half_interval,

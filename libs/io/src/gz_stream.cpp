@@ -44,7 +44,8 @@ size_t GzOutput::Write(const void* buffer, size_t count) {
   for (std::size_t done = 0; done < count;) {
     const auto chunk = static_cast<unsigned>(std::min(count - done, kChunkBytes));
     if (gzwrite(file_, bytes + done, chunk) != static_cast<int>(chunk)) {
-      throw InputError(path_ + ": cannot be written any further; is the disk full?");
+      has_failed_ = true;
+      return done;
     }
     done += chunk;
   }

@@ -16,7 +16,9 @@ class GzOutput : public mrpt::io::CStream {
   GzOutput(const GzOutput&) = delete;
   GzOutput& operator=(const GzOutput&) = delete;
 
+  /// Fewer bytes than given only where the file cannot take them; hasFailed() from then on.
   size_t Write(const void* buffer, size_t count) override;
+  [[nodiscard]] bool hasFailed() const { return has_failed_; }
   /// @throws InputError if what was written did not reach the file
   void close();
 
@@ -28,6 +30,7 @@ class GzOutput : public mrpt::io::CStream {
  private:
   std::string path_;
   gzFile file_;
+  bool has_failed_ = false;
 };
 
 /// A file read as gz, or as it is where it is not compressed.

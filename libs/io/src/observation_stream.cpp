@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cctype>
 #include <set>
+#include <sstream>
 
 namespace headway::io {
 namespace {
@@ -68,15 +69,13 @@ std::size_t findObservationHeader(const std::string& bytes) {
   return std::string::npos;
 }
 
-/// The gist of an MRPT exception, whose text also holds the place in MRPT's code.
+/// The message of an exception of MRPT: the line between its heading and its call stack.
 std::string gist(const std::exception& error) {
-  std::string text = error.what();
-  const std::string mark = "Message:";
-  const auto message = text.find(mark);
-  if (message != std::string::npos) text = text.substr(message + mark.size());
-  const auto first = text.find_first_not_of(" \n");
-  text = first == std::string::npos ? "" : text.substr(first);
-  return text.substr(0, text.find('\n'));
+  std::istringstream lines(error.what());
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.empty() && line.rfind("====", 0) != 0) return line;
+  }
+  return "it cannot be read";
 }
 
 }  // namespace

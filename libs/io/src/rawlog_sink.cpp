@@ -100,7 +100,12 @@ class RawlogSink::Writer {
   void write(const mrpt::obs::CObservation& observation) {
     const JpegSerialization jpeg(storage_ == ImageStorage::kEmbedded, jpeg_quality_);
     auto archive = mrpt::serialization::archiveFrom(file_);
-    archive << observation;
+    try {
+      archive << observation;
+    } catch (const std::exception&) {
+      if (!file_.hasFailed()) throw;
+      throw InputError(path_ + ": cannot be written any further; is the disk full?");
+    }
   }
 
   void close() {

@@ -5,7 +5,6 @@
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationRobotPose.h>
-#include <mrpt/obs/CRawlog.h>
 
 #include <algorithm>
 #include <array>
@@ -63,7 +62,7 @@ class RawlogSource::Reader {
   Reader(const std::string& path, const RawlogSourceOptions& options)
       : path_(path),
         options_(options),
-        image_folder_(mrpt::obs::CRawlog::detectImagesDirectory(path)),
+        image_folder_(imageFolderOf(path)),
         stream_(path, skipped_),
         assembler_(skipped_) {
     const CameraChoice choice = probe();
@@ -75,7 +74,10 @@ class RawlogSource::Reader {
   std::optional<RecordedFrame> next() {
     while (auto pending = takePending()) {
       if (options_.to_index && pending->index > *options_.to_index) return std::nullopt;
-      if (pending->index < options_.from_index) continue;
+      if (pending->index < options_.from_index) {
+        first_pair_.reset();
+        continue;
+      }
       auto frame = complete(*pending);
       if (frame) return frame;
     }

@@ -22,6 +22,17 @@ cv::Mat withoutTransparency(const cv::Mat& image) {
 
 }  // namespace
 
+std::string imageFolderOf(const std::string& rawlog) {
+  const fs::path folder = fs::path(rawlog).parent_path();
+  const std::string stem = fs::path(rawlog).stem().string();
+  std::error_code ignored;
+  for (const std::string& name :
+       {stem + "_Images", stem + "_images", stem + "_IMAGES", std::string("Images")}) {
+    if (fs::is_directory(folder / name, ignored)) return (folder / name).string();
+  }
+  return (folder / (stem + "_Images")).string();
+}
+
 cv::Mat loadImage(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};

@@ -15,6 +15,9 @@ namespace headway::io {
 [[nodiscard]] std::variant<cv::Mat, std::string> pixelsOf(const mrpt::img::CImage& image,
                                                           const std::string& image_folder);
 
+/// Where the images beside a rawlog are: `X_Images` for `X.rawlog`, or `Images` in the same folder.
+[[nodiscard]] std::string imageFolderOf(const std::string& rawlog);
+
 /// An image file as 8-bit grey or BGR, transparency left out; empty if it is missing, broken or of
 /// another kind (such as 16 bit).
 [[nodiscard]] cv::Mat loadImage(const std::string& path);

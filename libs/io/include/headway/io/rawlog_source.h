@@ -36,9 +36,11 @@ struct CalibrationReport {
 ///
 /// Observation-only and sensory-frame rawlogs, gz or plain, images embedded or beside
 /// (`X_Images/`), `CObservationStereoImages` or two `CObservationImage` labels paired by time,
-/// rectified or not. One observation is in memory at a time, and one frame is read ahead so that
-/// boxes and poses recorded after their images still find them. Labels `truth_*` never come out.
-/// What cannot be used is skipped and counted.
+/// rectified or not. One observation is in memory at a time, and two frames are read ahead so that
+/// boxes and poses recorded after their images, even after the next one, still find them. Where
+/// images are rectified here, 2D boxes of the recorded left image are turned into the rectified
+/// one; 3D boxes stay in their sensor's frame. Labels `truth_*` never come out. What cannot be used
+/// is skipped and counted.
 ///
 ///     RawlogSource source("street.rawlog", {});
 ///     while (auto frame = source.next()) slam.process(*frame->stereo);

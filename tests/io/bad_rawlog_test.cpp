@@ -1,0 +1,238 @@
+// What cannot be read: each case a message of one line, or a counted skip, and the rest read.
+#include <gmock/gmock.h>
+#include <headway/core/error.h>
+#include <headway/io/rawlog_source.h>
+#include <headway_test/folders.h>
+#include <mrpt/obs/CObservationGPS.h>
+#include <mrpt/obs/CSensoryFrame.h>
+
+#include <cmath>
+#include <random>
+
+#include "foreign_recording.h"
+#include "synthetic_recording.h"
+
+namespace headway::io {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class BadRawlogTest : public ::testing::Test {
+ protected:
+  std::string errorOfContent(const std::string& content) {
+    test::writeContent(path_, content);
+    return errorOfFile();
+  }
+  std::string errorOfFile() {
+    return test::errorOf([&] { RawlogSource source(path_, {}); });
+  }
+  std::string errorOfCamera(const RawStereoCamera& camera, bool swap_images = false) {
+    {
+      RawlogSink sink(path_, ImageStorage::kEmbedded);
+      const auto [left, right] = test::wall(0);
+      if (swap_images) sink.writeStereo(1.0, right, left, camera);
+      if (!swap_images) sink.writeStereo(1.0, left, right, camera);
+    }
+    return errorOfFile();
+  }
+
+  headway::test::TemporaryFolder folder_;
+  std::string path_ = folder_ / "x.rawlog";
+};
+
+TEST_F(BadRawlogTest, whatIsNoFileIsNamed) {
+  path_ = folder_ / "nowhere.rawlog";
+  EXPECT_THAT(errorOfFile(), AllOf(HasSubstr("nowhere.rawlog"), HasSubstr("No such file")));
+  path_ = folder_.path();
+  EXPECT_THAT(errorOfFile(), HasSubstr("is a folder"));
+}
+
+TEST_F(BadRawlogTest, emptyAndForeignFilesAreNotRawlogs) {
+  EXPECT_THAT(errorOfContent(""), HasSubstr("x.rawlog: is empty"));
+  EXPECT_THAT(errorOfContent("hello"), HasSubstr("is not a rawlog"));
+  EXPECT_THAT(errorOfContent("\x89PNG\r\n\x1a\n and more of it"), HasSubstr("is not a rawlog"));
+  EXPECT_THAT(errorOfContent("\x1f\x8b broken gz"), HasSubstr("is not a rawlog"));
+  EXPECT_THAT(errorOfContent(std::string("\x28\xB5\x2F\xFD", 4) + "rest"),
+              AllOf(HasSubstr("zstd"), HasSubstr("zstd -d")));
+}
+
+TEST_F(BadRawlogTest, randomBytesAreRefusedWhateverTheyAre) {
+  std::mt19937 random(7);
+  for (int trial = 0; trial < 200; ++trial) {
+    std::string bytes(1 + random() % 5000, '\0');
+    for (auto& byte : bytes) byte = static_cast<char>(random());
+    EXPECT_NE("no error", errorOfContent(bytes)) << trial;
+  }
+}
+
+TEST_F(BadRawlogTest, messagesAreOneLine) {
+  EXPECT_THAT(errorOfContent("\x9fmrpt::obs::CObservationOdometry and rubbish"),
+              Not(HasSubstr("\n")));
+  EXPECT_THAT(errorOfContent("\x9fmrpt::obs::CObservationOdometry\x02 and rubbish"),
+              Not(HasSubstr("\n")));
+}
+
+TEST_F(BadRawlogTest, aRawlogWithoutStereoSaysWhatItHolds) {
+  auto gps = mrpt::obs::CObservationGPS::Create();
+  test::writeObjects(path_, {gps, test::singleImage(0, 0, 1.0, "webcam")});
+  EXPECT_THAT(errorOfFile(), AllOf(HasSubstr("neither stereo images nor poses"),
+                                   HasSubstr("'CObservationGPS'"), HasSubstr("'webcam'")));
+}
+
+/// Whatever the byte at which a file ends, what is whole before it comes out, unharmed.
+void expectWholeFramesBeforeEveryCut(const std::string& path, const std::string& whole) {
+  std::size_t most = 0;
+  for (std::size_t size = 1; size < whole.size(); size += 1 + whole.size() / 251) {
+    test::writeContent(path, whole.substr(0, size));
+    try {
+      RawlogSource source(path, {});
+      const auto frames = test::framesOf(source);
+      ASSERT_GE(frames.size(), 1u);
+      EXPECT_GE(frames.size(), most);
+      most = std::max(most, frames.size());
+      for (const auto& frame : frames) {
+        ASSERT_TRUE(
+            test::sameImage(test::wall(static_cast<int>(frame.index)).left, frame.stereo->left));
+      }
+      if (frames.size() < 4) {
+        // A plain file cut exactly between two objects cannot be told from a whole one.
+        const bool is_plain = whole[0] != '\x1f';
+        EXPECT_TRUE(source.truncation() || is_plain) << size;
+        if (source.truncation()) {
+          EXPECT_THAT(*source.truncation(), AllOf(HasSubstr("x.rawlog: broken off after"),
+                                                  HasSubstr("byte"), Not(HasSubstr("\n"))));
+        }
+      }
+    } catch (const InputError& error) {
+      EXPECT_EQ(0u, most) << size << ": " << error.what();
+    }
+  }
+  EXPECT_GE(most, 3u);
+}
+
+TEST_F(BadRawlogTest, aCompressedFileCutAnywhereGivesWhatIsWhole) {
+  test::recordWalls(path_, 4);
+  expectWholeFramesBeforeEveryCut(path_, test::contentOf(path_));
+}
+
+TEST_F(BadRawlogTest, aPlainFileCutAnywhereGivesWhatIsWhole) {
+  std::vector<mrpt::serialization::CSerializable::Ptr> objects;
+  for (int i = 0; i < 4; ++i) objects.push_back(test::wallObservation(i, test::frameTime(i)));
+  test::writeObjects(path_, objects, false);
+  expectWholeFramesBeforeEveryCut(path_, test::contentOf(path_));
+}
+
+TEST_F(BadRawlogTest, sensoryFramesCutAnywhereGiveWhatIsWhole) {
+  std::vector<mrpt::serialization::CSerializable::Ptr> objects;
+  for (int i = 0; i < 4; ++i) {
+    auto frame = mrpt::obs::CSensoryFrame::Create();
+    frame->insert(test::wallObservation(i, test::frameTime(i)));
+    objects.push_back(frame);
+  }
+  test::writeObjects(path_, objects, false);
+  expectWholeFramesBeforeEveryCut(path_, test::contentOf(path_));
+}
+
+TEST_F(BadRawlogTest, bytesTurnedOverNeverCrash) {
+  test::recordWalls(path_, 2);
+  std::vector<mrpt::serialization::CSerializable::Ptr> objects;
+  for (int i = 0; i < 2; ++i) objects.push_back(test::wallObservation(i, test::frameTime(i)));
+  test::writeObjects(path_, objects, false);
+  const std::string whole = test::contentOf(path_);
+  std::mt19937 random(3);
+  std::size_t read = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    std::string bytes = whole;
+    // In the first bytes lie the lengths and sizes that do most harm; most others are pixels.
+    const std::size_t range = trial % 2 == 0 ? 200 : bytes.size();
+    bytes[random() % range] = static_cast<char>(random());
+    test::writeContent(path_, bytes);
+    try {
+      read += test::framesOf(path_).size();
+    } catch (const InputError&) {
+    }
+  }
+  EXPECT_GT(read, 100u);
+}
+
+/// A rawlog with an object of a class that nobody knows between two stereo pairs.
+std::string withUnknownClass(const std::string& path, bool in_sensory_frame) {
+  const auto objects = [&](int i) -> mrpt::serialization::CSerializable::Ptr {
+    if (!in_sensory_frame) return test::wallObservation(i, test::frameTime(i));
+    auto frame = mrpt::obs::CSensoryFrame::Create();
+    frame->insert(test::wallObservation(i, test::frameTime(i)));
+    return frame;
+  };
+  std::string content;
+  for (int i = 0; i < 3; ++i) {
+    test::writeObjects(path, {objects(i)}, false);
+    std::string bytes = test::contentOf(path);
+    const std::string unknown = std::string("\x93") + "acme::CThermalImage" + std::string(1, '\0') +
+                                "pixels \x93 and mrpt::obs::C... \x88";
+    if (in_sensory_frame) {
+      bytes.insert(bytes.size() - 1, unknown);      // before the frame's end mark
+      bytes[bytes.find("CSensoryFrame") + 14] = 2;  // objects in it
+    } else {
+      bytes += unknown;
+    }
+    content += bytes;
+  }
+  return content;
+}
+
+TEST_F(BadRawlogTest, objectsOfUnknownClassesAreLeaptOverAndCounted) {
+  for (const bool in_sensory_frame : {false, true}) {
+    const std::string content = withUnknownClass(path_, in_sensory_frame);
+    test::writeContent(path_, content);
+    RawlogSource source(path_, {});
+    const auto frames = test::framesOf(source);
+    ASSERT_EQ(3u, frames.size()) << in_sensory_frame;
+    EXPECT_TRUE(test::sameImage(test::wall(2).right, frames[2].stereo->right));
+    EXPECT_THAT(source.skipped(), ::testing::ElementsAre(::testing::Pair("CThermalImage", 3u)));
+  }
+}
+
+TEST_F(BadRawlogTest, calibrationsThatCannotBeAreRefusedWithTheReason) {
+  const RawStereoCamera good = rawFrom(test::smallCamera());
+  EXPECT_EQ("no error", errorOfCamera(good));
+  const auto with = [&](auto change) {
+    RawStereoCamera camera = good;
+    change(camera);
+    return errorOfCamera(camera);
+  };
+  EXPECT_THAT(with([](auto& c) { c.T_left_right.translation().x() = 0; }),
+              AllOf(HasSubstr("x.rawlog: stereo calibration"), HasSubstr("baseline is zero")));
+  EXPECT_THAT(with([](auto& c) { c.T_left_right.translation().x() = -0.2; }),
+              HasSubstr("left and right are swapped"));
+  EXPECT_THAT(with([](auto& c) { c.T_left_right.translation() << 0, 0.2, 0; }),
+              HasSubstr("not side by side"));
+  EXPECT_THAT(with([](auto& c) { c.T_left_right.translation().x() = NAN; }),
+              HasSubstr("not finite"));
+  EXPECT_THAT(with([](auto& c) { c.left.fx = 0; }), HasSubstr("left focal length fx is 0"));
+  EXPECT_THAT(with([](auto& c) { c.right.fy = -100; }), HasSubstr("right focal length fy"));
+  EXPECT_THAT(with([](auto& c) { c.left.cx = NAN; }), HasSubstr("principal point"));
+  EXPECT_THAT(with([](auto& c) { c.left.width = c.right.width = 640; }),
+              HasSubstr("is for images of 640x120 px, but they have 160x120"));
+  EXPECT_THAT(with([](auto& c) { c.right.width = 640; }), HasSubstr("differ in size"));
+}
+
+TEST_F(BadRawlogTest, swappedImagesAreRecognised) {
+  EXPECT_THAT(errorOfCamera(rawFrom(test::smallCamera()), true),
+              AllOf(HasSubstr("median disparity"), HasSubstr("-8.0"), HasSubstr("swapped")));
+}
+
+TEST_F(BadRawlogTest, fisheyeLensesAreRefused) {
+  auto observation = test::wallObservation(0, 1.0);
+  observation->leftCamera.setDistortionKannalaBrandt(0.1, 0, 0, 0);
+  test::writeObjects(path_, {observation});
+  EXPECT_THAT(errorOfFile(), HasSubstr("fisheye"));
+  observation->leftCamera.setDistortionPlumbBob(0.1, 0, 0, 0, 0);
+  observation->leftCamera.dist[6] = 0.1;
+  test::writeObjects(path_, {observation});
+  EXPECT_THAT(errorOfFile(), HasSubstr("rational"));
+}
+
+}  // namespace
+}  // namespace headway::io

@@ -1,0 +1,210 @@
+// The ways in which others record: sensory frames, single images, colour, several cameras.
+#include <gmock/gmock.h>
+#include <headway/core/error.h>
+#include <headway/io/mrpt_conversions.h>
+#include <headway/io/rawlog_source.h>
+#include <headway_test/folders.h>
+#include <mrpt/obs/CActionCollection.h>
+#include <mrpt/obs/CActionRobotMovement2D.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservationOdometry.h>
+#include <mrpt/obs/CSensoryFrame.h>
+
+#include "foreign_recording.h"
+#include "synthetic_recording.h"
+
+namespace headway::io {
+namespace {
+
+using mrpt::serialization::CSerializable;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Pair;
+using Objects = std::vector<CSerializable::Ptr>;
+
+class RawlogKindsTest : public ::testing::Test {
+ protected:
+  RawlogSource opened(const Objects& objects, const RawlogSourceOptions& options = {},
+                      bool compressed = true) {
+    test::writeObjects(path_, objects, compressed);
+    return {path_, options};
+  }
+  std::string errorFor(const Objects& objects, const RawlogSourceOptions& options = {}) {
+    return test::errorOf([&] { (void)opened(objects, options); });
+  }
+
+  headway::test::TemporaryFolder folder_;
+  std::string path_ = folder_ / "x.rawlog";
+};
+
+Objects walls(int frames, const std::string& label = "stereo") {
+  Objects objects;
+  for (int i = 0; i < frames; ++i) {
+    objects.push_back(test::wallObservation(i, test::frameTime(i), label));
+  }
+  return objects;
+}
+
+mrpt::obs::CActionCollection::Ptr movement(double forward) {
+  mrpt::obs::CActionRobotMovement2D action;
+  action.computeFromOdometry(mrpt::poses::CPose2D(forward, 0, 0),
+                             mrpt::obs::CActionRobotMovement2D::TMotionModelOptions());
+  auto actions = mrpt::obs::CActionCollection::Create();
+  actions->insert(action);
+  return actions;
+}
+
+TEST_F(RawlogKindsTest, plainFilesAreReadLikeCompressedOnes) {
+  auto source = opened(walls(3), {}, false);
+  EXPECT_EQ(3u, test::framesOf(source).size());
+  EXPECT_FALSE(source.truncation());
+  EXPECT_EQ(1.0, source.progress());
+}
+
+TEST_F(RawlogKindsTest, sensoryFramesGiveTheirObservationsAndActionsTheOdometry) {
+  Objects objects;
+  for (int i = 0; i < 4; ++i) {
+    objects.push_back(movement(0.5));
+    auto frame = mrpt::obs::CSensoryFrame::Create();
+    frame->insert(test::wallObservation(i, test::frameTime(i)));
+    auto scan = mrpt::obs::CObservation2DRangeScan::Create();
+    scan->timestamp = mrptTime(test::frameTime(i));
+    frame->insert(scan);
+    objects.push_back(frame);
+  }
+  auto source = opened(objects);
+  const auto frames = test::framesOf(source);
+  ASSERT_EQ(4u, frames.size());
+  EXPECT_FALSE(source.truncation()) << *source.truncation();
+  EXPECT_THAT(source.skipped(), ElementsAre(Pair("CObservation2DRangeScan", 4u)));
+  EXPECT_FALSE(frames[0].stereo->motion_prior.T_previous_current);
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    ASSERT_TRUE(frames[i].stereo->motion_prior.T_previous_current) << i;
+    EXPECT_TRUE(frames[i].stereo->motion_prior.T_previous_current->translation().isApprox(
+        Eigen::Vector3d(0.5, 0, 0), 1e-9));
+    EXPECT_TRUE(test::sameImage(test::wall(static_cast<int>(i)).left, frames[i].stereo->left));
+  }
+}
+
+TEST_F(RawlogKindsTest, singleImagesArePairedByTimeAndSidedByGeometry) {
+  Objects objects;
+  for (int i = 0; i < 4; ++i) {
+    // The right camera comes first, has the name that sorts first, and is 2 ms late.
+    objects.push_back(test::singleImage(1, i, test::frameTime(i) + 0.002, "cam_a"));
+    objects.push_back(test::singleImage(0, i, test::frameTime(i), "cam_b"));
+  }
+  auto source = opened(objects);
+  const auto frames = test::framesOf(source);
+  ASSERT_EQ(4u, frames.size());
+  EXPECT_NEAR(0.2, source.camera()->baseline_m, 1e-12);
+  EXPECT_TRUE(source.camera()->T_robot_cam.isApprox(test::smallCamera().T_robot_cam, 1e-12));
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    EXPECT_NEAR(test::frameTime(i), frames[i].time, 1e-7);
+    EXPECT_TRUE(test::sameImage(test::wall(static_cast<int>(i)).left, frames[i].stereo->left));
+    EXPECT_TRUE(test::sameImage(test::wall(static_cast<int>(i)).right, frames[i].stereo->right));
+  }
+  EXPECT_TRUE(source.skipped().empty());
+}
+
+TEST_F(RawlogKindsTest, singleImagesWithoutPartnerAreCounted) {
+  Objects objects;
+  for (int i = 0; i < 5; ++i) {
+    objects.push_back(test::singleImage(0, i, test::frameTime(i), "left"));
+    if (i != 2) objects.push_back(test::singleImage(1, i, test::frameTime(i), "right"));
+  }
+  objects.push_back(test::singleImage(1, 9, test::frameTime(9), "right"));
+  auto source = opened(objects);
+  EXPECT_EQ(4u, test::framesOf(source).size());
+  EXPECT_THAT(source.skipped(), ElementsAre(Pair("unpaired_image", 2u)));
+}
+
+TEST_F(RawlogKindsTest, imagesFurtherApartThanTheToleranceAreNoPair) {
+  Objects objects;
+  for (int i = 0; i < 4; ++i) {
+    objects.push_back(test::singleImage(0, i, test::frameTime(i), "left"));
+    objects.push_back(test::singleImage(1, i, test::frameTime(i) + 0.02, "right"));
+  }
+  EXPECT_THAT(errorFor(objects), HasSubstr("unpaired_image: 8"));
+  RawlogSourceOptions lenient;
+  lenient.pair_tolerance_s = 0.03;
+  auto source = opened(objects, lenient);
+  EXPECT_EQ(4u, test::framesOf(source).size());
+}
+
+TEST_F(RawlogKindsTest, oneOfSeveralCamerasMustBeChosen) {
+  Objects objects;
+  for (int i = 0; i < 3; ++i) {
+    objects.push_back(test::wallObservation(i, test::frameTime(i), "front"));
+    objects.push_back(test::wallObservation(10 + i, test::frameTime(i), "rear"));
+  }
+  EXPECT_THAT(errorFor(objects), HasSubstr("several stereo cameras; choose one by its sensor "
+                                           "label: 'front', 'rear'"));
+  RawlogSourceOptions options;
+  options.sensor_label = "side";
+  EXPECT_THAT(errorFor(objects, options), HasSubstr("stereo 'front', 'rear'"));
+  options.sensor_label = "rear";
+  auto source = opened(objects, options);
+  const auto frames = test::framesOf(source);
+  ASSERT_EQ(3u, frames.size());
+  EXPECT_TRUE(test::sameImage(test::wall(10).left, frames[0].stereo->left));
+  EXPECT_THAT(source.skipped(), ElementsAre(Pair("CObservationStereoImages", 3u)));
+}
+
+TEST_F(RawlogKindsTest, twoOfSeveralSingleCamerasMustBeChosen) {
+  Objects objects;
+  for (int i = 0; i < 3; ++i) {
+    objects.push_back(test::singleImage(0, i, test::frameTime(i), "left"));
+    objects.push_back(test::singleImage(1, i, test::frameTime(i), "right"));
+    objects.push_back(test::singleImage(1, i, test::frameTime(i), "third"));
+  }
+  EXPECT_THAT(errorFor(objects), HasSubstr("'left', 'right', 'third'"));
+  RawlogSourceOptions options;
+  options.sensor_label = "left,right";
+  auto source = opened(objects, options);
+  EXPECT_EQ(3u, test::framesOf(source).size());
+  options.sensor_label = "right,left";
+  EXPECT_THAT(errorFor(objects, options), HasSubstr("swapped"));
+}
+
+TEST_F(RawlogKindsTest, stereoObservationsComeBeforeSingleImages) {
+  Objects objects = walls(3);
+  objects.push_back(test::singleImage(0, 1, 100.0, "webcam"));
+  auto source = opened(objects);
+  EXPECT_EQ(3u, test::framesOf(source).size());
+  EXPECT_THAT(source.skipped(), ElementsAre(Pair("CObservationImage", 1u)));
+}
+
+TEST_F(RawlogKindsTest, stereoWithoutRightImageIsCounted) {
+  Objects objects = walls(4);
+  std::dynamic_pointer_cast<mrpt::obs::CObservationStereoImages>(objects[1])->hasImageRight = false;
+  auto source = opened(objects);
+  const auto frames = test::framesOf(source);
+  EXPECT_EQ(3u, frames.size());
+  EXPECT_THAT(source.skipped(), ElementsAre(Pair("no_right_image", 1u)));
+}
+
+TEST_F(RawlogKindsTest, colourIsKeptBesideTheGreyImage) {
+  {
+    RawlogSink sink(path_, ImageStorage::kEmbeddedRaw);
+    const auto [left, right] = test::colourWall(3);
+    sink.writeStereo(1.0, left, right, rawFrom(test::smallCamera()));
+  }
+  RawlogSource source(path_, {});
+  const auto frame = source.next();
+  ASSERT_TRUE(frame && frame->stereo);
+  EXPECT_EQ(CV_8UC1, frame->stereo->left.type());
+  EXPECT_EQ(CV_8UC1, frame->stereo->right.type());
+  EXPECT_TRUE(test::sameImage(test::colourWall(3).left, frame->stereo->left_colour));
+  EXPECT_TRUE(test::sameImage(test::colourWall(3).right, source.rightColour()));
+}
+
+TEST_F(RawlogKindsTest, observationsWithoutTimeAreCounted) {
+  Objects objects = walls(3);
+  std::dynamic_pointer_cast<mrpt::obs::CObservation>(objects[1])->timestamp = INVALID_TIMESTAMP;
+  auto source = opened(objects);
+  EXPECT_EQ(2u, test::framesOf(source).size());
+  EXPECT_THAT(source.skipped(), ElementsAre(Pair("no_time", 1u)));
+}
+
+}  // namespace
+}  // namespace headway::io
