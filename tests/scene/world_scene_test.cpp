@@ -22,8 +22,8 @@ TEST(WorldSceneTest, HoldsEveryPartOfTheWorld) {
   input.true_path = input.path;
   input.true_objects = map.movingObjects().tracks();
   auto scene = WorldScene(SceneUse::kFile, 2.f).build(input, 0.0);
-  for (const char* name : {"ground_grid", "landmarks", "camera_path", "true_path", "moving_objects",
-                           "true_objects", "camera"}) {
+  for (const char* name : {"ground_grid", "landmarks", "camera_path", "true_path", "robot",
+                           "moving_objects", "true_objects", "camera"}) {
     EXPECT_NE(scene.getByName(name), nullptr) << name;
   }
   const auto cloud =

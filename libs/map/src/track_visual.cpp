@@ -104,7 +104,7 @@ void appendUncertainty(const Track& track, const PredictedPath& prediction,
   const double probability = prediction.probability;
   appendRibbon(
       path, half_widths, kPredictionColour,
-      [probability](double along) { return probability * (60.0 - 44.0 * along); }, out);
+      [probability](double along) { return probability * (44.0 - 34.0 * along); }, out);
 }
 
 std::shared_ptr<mrpt::opengl::CText> labelOf(const Track& track) {
@@ -143,7 +143,8 @@ void insertPaths(const std::vector<const Track*>& tracks,
   auto predictions = newTriangles("predictions");
   auto trails = newTriangles("trails");
   for (const Track* track : tracks) {
-    if (track->moving) appendTrail(*track, *trails);
+    if (!track->moving) continue;  // what stands has neither past nor future worth a line
+    appendTrail(*track, *trails);
     for (const auto& prediction : track->predictions) {
       if (prediction.probability < kLeastProbability ||
           lengthOf(groundPath(*track, prediction)) < kShortestPathM) {

@@ -75,6 +75,7 @@ void blended(Canvas& canvas, double opacity, const Draw& draw) {
 template <typename Draw>
 void forEachPath(const std::vector<const Track*>& tracks, const Draw& draw) {
   for (const Track* track : tracks) {
+    if (!track->moving) continue;
     for (const auto& prediction : track->predictions) {
       const auto path = map::groundPath(*track, prediction);
       if (map::lengthOf(path) >= kShortestPathM) draw(*track, prediction, path);

@@ -63,7 +63,7 @@ class SnapshotRenderer::Implementation {
  public:
   explicit Implementation(const SnapshotOptions& options)
       : options_(options),
-        world_(SceneUse::kPicture, 2.0f * static_cast<float>(options.supersampling)) {
+        world_(SceneUse::kPicture, 2.6f * static_cast<float>(options.supersampling)) {
     if (options.view == View::kCamera) return;
     renderer_.emplace(options.width, options.height, options.supersampling);
   }

@@ -49,7 +49,7 @@ std::shared_ptr<mrpt::opengl::CGridPlaneXY> makeGrid(const Eigen::Vector3d& midd
 
 /// Grey as in the image, lifted off the dark ground, and tinted from blue (low) to sand (high).
 mrpt::img::TColor landmarkColour(const slam::LandmarkView& landmark, double ground_z) {
-  const double brightness = 0.42 + 0.58 * landmark.intensity / 255.0;
+  const double brightness = 0.55 + 0.45 * landmark.intensity / 255.0;
   const double height = std::clamp((landmark.position.z() - ground_z) / 6.0, 0.0, 1.0);
   const auto mix = [&](std::uint8_t low, std::uint8_t high) {
     return static_cast<std::uint8_t>(brightness * (low + height * (high - low)));
@@ -96,6 +96,22 @@ std::shared_ptr<CSetOfTriangles> makePath(const std::string& name,
   return ribbon;
 }
 
+/// A wedge on the ground under the robot that points ahead.
+std::shared_ptr<CSetOfTriangles> makeRobot(const Pose& T_map_robot, double ground_z) {
+  Eigen::Vector3d place = T_map_robot.translation();
+  place.z() = ground_z + 0.04;
+  const double yaw = yawOf(T_map_robot);
+  const Eigen::Vector3d forward(std::cos(yaw), std::sin(yaw), 0.0);
+  auto wedge = CSetOfTriangles::Create();
+  wedge->setName("robot");
+  wedge->enableLight(false);
+  map::appendRibbon(
+      {place - 0.6 * forward, place + 0.9 * forward}, map::HalfWidths{0.5, 0.0}, kPathColour,
+      [](double) { return 255.0; }, *wedge);
+  drawInOrder(4, *wedge);
+  return wedge;
+}
+
 void appendLine(const Eigen::Vector3d& from, const Eigen::Vector3d& to, CSetOfLines& lines) {
   lines.appendLine(from.x(), from.y(), from.z(), to.x(), to.y(), to.z());
 }
@@ -131,7 +147,7 @@ std::shared_ptr<mrpt::opengl::CSetOfObjects> makeMovingObjects(const CMovingObje
   shown.getVisualizationInto(all);
   auto objects = mrpt::opengl::CSetOfObjects::Create();
   objects->setName("moving_objects");
-  int order = 4;
+  int order = 5;
   for (const auto& object : all) {
     const bool outline = std::dynamic_pointer_cast<CSetOfLines>(object) != nullptr;
     if (outline && use == SceneUse::kPicture) continue;
@@ -162,6 +178,7 @@ mrpt::opengl::COpenGLScene WorldScene::build(const SnapshotInput& input, double 
   if (!input.path.empty()) {
     scene.insert(makePath("camera_path", input.path, drop - 0.01, kPathWidthM, kPathColour, 3));
   }
+  scene.insert(makeRobot(input.T_map_robot, ground_z));
   scene.insert(makeMovingObjects(input.map.movingObjects(), use_));
   if (use_ == SceneUse::kPicture) return scene;
   if (!input.true_objects.empty()) scene.insert(makeTrueObjects(input.true_objects));

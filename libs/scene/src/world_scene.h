@@ -23,8 +23,8 @@ class WorldScene {
   /// @param point_size  of landmarks in the drawn picture [px]
   WorldScene(SceneUse use, float point_size) : use_(use), point_size_(point_size) {}
 
-  /// Objects by name: `ground_grid`, `landmarks`, `true_path`, `camera_path`, `moving_objects`, and
-  /// in a file `true_objects`, `camera`.
+  /// Objects by name: `ground_grid`, `landmarks`, `true_path`, `camera_path`, `robot`,
+  /// `moving_objects`, and in a file `true_objects`, `camera`.
   [[nodiscard]] mrpt::opengl::COpenGLScene build(const SnapshotInput& input, double ground_z);
 
  private:

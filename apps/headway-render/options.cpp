@@ -1,0 +1,71 @@
+#include "options.h"
+
+#include <charconv>
+#include <filesystem>
+
+namespace headway::render_program {
+namespace {
+
+using program::UsageError;
+
+constexpr int kSmallest = 16;
+constexpr int kLargest = 7680;
+
+int parseSide(const std::string& text, const std::string& whole) {
+  int side = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), side);
+  if (error != std::errc() || end != text.data() + text.size() || side < kSmallest ||
+      side > kLargest) {
+    throw UsageError("--size: '" + whole + "' is not WIDTHxHEIGHT with sides of 16 to 7680 pixels");
+  }
+  return side;
+}
+
+OutputKind kindOf(const std::string& output) {
+  const std::string extension = std::filesystem::path(output).extension();
+  if (extension == ".png" || extension == ".jpg") return OutputKind::kPicture;
+  if (extension == ".mp4") return OutputKind::kVideo;
+  if (extension == ".3Dscene") return OutputKind::kScene;
+  throw UsageError("--output: '" + output + "' ends with none of .png, .jpg, .mp4, .3Dscene");
+}
+
+}  // namespace
+
+void describe(Options& options, program::CommandLine& line) {
+  line.option(options.input, 'i', "input", "OUTDIR|MAPFILE",
+              "Folder of a finished replay, or a map.headway", true);
+  line.option(options.output, 'o', "output", "PICTURE.png|VIDEO.mp4|SCENE.3Dscene",
+              "What to draw; its ending says which", true);
+  line.option(options.frame, 0, "frame", "N",
+              "Frame of a picture or scene; the last one if not given");
+  line.option(options.from_index, 0, "from-index", "N", "First frame of a video");
+  line.option(options.to_index, 0, "to-index", "N", "Last frame of a video");
+  line.option(options.view, 0, "view", "follow|top|orbit|camera", "From where to look");
+  line.option(options.size, 0, "size", "WxH", "Of the picture or video in pixels");
+  line.option(options.truth, 0, "truth", "DIR",
+              "Folder with trajectory.tum and objects.csv to show beside the estimates");
+  line.flag(options.overwrite, 'w', "overwrite", "Write over an output that exists");
+}
+
+void resolve(Options& options) {
+  options.kind = kindOf(options.output);
+  const auto view = scene::viewFrom(options.view);
+  if (!view) {
+    throw UsageError("--view: '" + options.view + "' is none of follow, top, orbit, camera");
+  }
+  options.snapshot.view = *view;
+  const auto x = options.size.find('x');
+  options.snapshot.width = parseSide(options.size.substr(0, x), options.size);
+  options.snapshot.height =
+      parseSide(x == std::string::npos ? "" : options.size.substr(x + 1), options.size);
+  const bool video = options.kind == OutputKind::kVideo;
+  if (video && options.frame) throw UsageError("--frame is for a picture or scene, not a video");
+  if (!video && (options.from_index || options.to_index)) {
+    throw UsageError("--from-index and --to-index are for a video; a picture takes --frame");
+  }
+  if (options.from_index && options.to_index && *options.to_index < *options.from_index) {
+    throw UsageError("--to-index lies before --from-index");
+  }
+}
+
+}  // namespace headway::render_program

@@ -1,0 +1,135 @@
+#include "render.h"
+
+#include <headway/core/error.h>
+#include <headway/program/progress.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <opencv2/imgproc.hpp>
+
+#include "finished_replay.h"
+#include "outputs.h"
+#include "recorded_images.h"
+#include "truth.h"
+
+namespace headway::render_program {
+namespace {
+
+/// Hands out the world as it was at one frame after the other.
+class Playback {
+ public:
+  Playback(const FinishedReplay& replay, Truth truth, std::size_t first_frame, const Note& note)
+      : replay_(replay),
+        truth_(std::move(truth)),
+        images_(replay, first_frame, note),
+        map_(replay.map) {}
+
+  scene::SnapshotInput at(std::size_t position) {
+    const ReplayFrame& frame = replay_.frames[position];
+    map_.update(frame.time, frame.tracks);
+    scene::SnapshotInput input{map_,           frame.frame,      frame.time, frame.T_map_robot,
+                               replay_.camera, images_.at(frame)};
+    for (std::size_t i = 0; i <= position; ++i) {
+      input.path.push_back({replay_.frames[i].time, replay_.frames[i].T_map_robot});
+    }
+    for (const auto& pose : truth_.path) {
+      if (pose.time <= frame.time) input.true_path.push_back(pose);
+    }
+    const auto objects = truth_.objects.find(frame.frame);
+    if (objects != truth_.objects.end()) input.true_objects = objects->second;
+    return input;
+  }
+
+ private:
+  const FinishedReplay& replay_;
+  Truth truth_;
+  RecordedImages images_;
+  map::PerceptionMap map_;
+};
+
+/// Position of a frame among those that can be drawn.
+std::size_t positionOf(std::size_t frame, const FinishedReplay& replay) {
+  const auto& frames = replay.frames;
+  const auto found = std::find_if(frames.begin(), frames.end(),
+                                  [&](const ReplayFrame& f) { return f.frame == frame; });
+  if (found != frames.end()) return static_cast<std::size_t>(found - frames.begin());
+  throw InputError("--frame " + std::to_string(frame) + ": not among the tracked frames, " +
+                   std::to_string(frames.front().frame) + " to " +
+                   std::to_string(frames.back().frame));
+}
+
+/// Pictures a second that show the recording at its own speed, 1 to 60.
+double rateOf(const FinishedReplay& replay) {
+  std::vector<double> gaps;
+  for (std::size_t i = 1; i < replay.frames.size(); ++i) {
+    const double frames = static_cast<double>(replay.frames[i].frame - replay.frames[i - 1].frame);
+    gaps.push_back((replay.frames[i].time - replay.frames[i - 1].time) / std::max(1.0, frames));
+  }
+  if (gaps.empty()) return 10.0;
+  std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2),
+                   gaps.end());
+  const double gap = gaps[gaps.size() / 2];
+  return gap > 0.0 ? std::clamp(std::round(10.0 / gap) / 10.0, 1.0, 60.0) : 10.0;
+}
+
+void drawPicture(const Options& options, const FinishedReplay& replay, Truth truth,
+                 const Note& note) {
+  const std::size_t position =
+      options.frame ? positionOf(*options.frame, replay) : replay.frames.size() - 1;
+  if (options.kind == OutputKind::kScene) {
+    Playback playback(replay, std::move(truth), replay.frames[position].frame,
+                      [](const std::string&) {});  // a scene holds no image anyway
+    scene::saveScene(options.output, playback.at(position));
+    return;
+  }
+  Playback playback(replay, std::move(truth), replay.frames[position].frame, note);
+  scene::SnapshotRenderer snapshots(options.snapshot);
+  writePicture(options.output, snapshots.draw(playback.at(position)));
+}
+
+void drawVideo(const Options& options, const FinishedReplay& replay, Truth truth,
+               const Note& note) {
+  scene::SnapshotOptions snapshot = options.snapshot;
+  snapshot.width += snapshot.width % 2;  // encoders halve the resolution of colour
+  snapshot.height += snapshot.height % 2;
+  const std::size_t first = options.from_index.value_or(0);
+  const std::size_t last = options.to_index.value_or(replay.frames.back().frame);
+  std::vector<std::size_t> positions;
+  for (std::size_t i = 0; i < replay.frames.size(); ++i) {
+    if (replay.frames[i].frame >= first && replay.frames[i].frame <= last) positions.push_back(i);
+  }
+  if (positions.empty()) {
+    throw InputError("no tracked frame lies between " + std::to_string(first) + " and " +
+                     std::to_string(last));
+  }
+  scene::SnapshotRenderer snapshots(snapshot);
+  Playback playback(replay, std::move(truth), replay.frames[positions.front()].frame, note);
+  VideoOutput video(options.output, rateOf(replay), {snapshot.width, snapshot.height},
+                    options.overwrite, note);
+  program::catchInterrupts();
+  program::Progress progress("drawing", options.quiet);
+  for (std::size_t i = 0; i < positions.size() && !program::interrupted(); ++i) {
+    video.add(snapshots.draw(playback.at(positions[i])));
+    progress.update(i + 1, static_cast<double>(i + 1) / static_cast<double>(positions.size()));
+  }
+}
+
+}  // namespace
+
+void render(const Options& options) {
+  program::requireWritable(options.output, options.overwrite);
+  const Note note = [&](const std::string& text) {
+    if (!options.quiet) std::cerr << "headway-render: " << text << '\n';
+  };
+  const FinishedReplay replay = readReplay(options.input, note);
+  Truth truth;
+  if (!options.truth.empty()) truth = readTruth(options.truth, replay.frames, note);
+  if (options.kind == OutputKind::kVideo) {
+    drawVideo(options, replay, std::move(truth), note);
+  } else {
+    drawPicture(options, replay, std::move(truth), note);
+  }
+}
+
+}  // namespace headway::render_program

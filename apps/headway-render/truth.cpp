@@ -1,0 +1,56 @@
+#include "truth.h"
+
+#include <headway/core/error.h>
+#include <headway/io/track_file.h>
+#include <headway/io/trajectory_file.h>
+
+#include <cmath>
+#include <filesystem>
+
+namespace headway::render_program {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kSameTimeS = 0.03;
+
+/// Takes the frame of the truth onto the estimated map, by the first pair of poses of one time.
+Pose alignment(const std::string& path, const std::vector<Stamped<Pose>>& truth,
+               const std::vector<ReplayFrame>& frames) {
+  for (const auto& frame : frames) {
+    for (const auto& pose : truth) {
+      if (std::abs(pose.time - frame.time) < kSameTimeS) {
+        return frame.T_map_robot * pose.value.inverse();
+      }
+    }
+  }
+  throw InputError(path + ": none of its times is one of the replay's; is it of another rawlog?");
+}
+
+}  // namespace
+
+Truth readTruth(const std::string& folder_name, const std::vector<ReplayFrame>& frames,
+                const Note& note) {
+  const fs::path folder(folder_name);
+  const fs::path trajectory = folder / "trajectory.tum";
+  const fs::path objects = folder / "objects.csv";
+  if (!fs::exists(trajectory)) {
+    throw InputError(trajectory.string() + ": no such file; --truth takes the folder of a truth");
+  }
+  Truth truth;
+  truth.path = io::readTum(trajectory);
+  const Pose T_map_truth = alignment(trajectory, truth.path, frames);
+  for (auto& pose : truth.path) pose.value = T_map_truth * pose.value;
+  if (!fs::exists(objects)) {
+    note("no objects.csv in " + folder_name + ": drawn without true boxes");
+    return truth;
+  }
+  for (auto& sample : io::readTrackCsv(objects)) {
+    sample.track.position = T_map_truth * sample.track.position;
+    sample.track.yaw = wrapAngle(sample.track.yaw + yawOf(T_map_truth));
+    truth.objects[sample.frame].push_back(sample.track);
+  }
+  return truth;
+}
+
+}  // namespace headway::render_program
