@@ -22,7 +22,7 @@ void expectTracked(const std::string& import_arguments, double ate_limit_m) {
   const double ate =
       test::ateRmse(io::readTruth(rawlog).poses, io::readTum(run.file("trajectory.tum")));
   EXPECT_LE(ate, ate_limit_m);
-  RecordProperty("ate_rmse_m", std::to_string(ate));
+  ::testing::Test::RecordProperty("ate_rmse_m", std::to_string(ate));
 }
 
 TEST(RealDataTest, kitti06) {
