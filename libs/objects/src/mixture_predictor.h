@@ -2,16 +2,40 @@
 
 #include <headway/objects/predictor.h>
 
+#include <array>
+
+#include "manoeuvre_fit.h"
+
 namespace headway::objects {
 
-/// Damped manoeuvres: speed change and turn go on as measured, and fade with time.
+/// The default predictor: what the object does now, and what it may do instead.
+///
+/// Its manoeuvre is fitted to the recent path and goes on, fading with class-dependent times
+/// (damped turning and speeding). Beside that most probable future stand three others: the same
+/// path more slowly, the same path faster, and steadily straight on. How fast the uncertainty
+/// grows depends on the class and on whether the object moves at all.
 class MixturePredictor : public Predictor {
  public:
-  explicit MixturePredictor(const PredictorParams& params) : params_(params) {}
+  explicit MixturePredictor(const PredictorParams& params);
+
   void predictInto(const MotionHistory& history, std::vector<PredictedPath>& paths) const override;
 
  private:
-  PredictorParams params_;
+  using Samples = std::array<double, kPredictionSamples>;
+
+  /// What of a class depends on the horizon alone.
+  struct Tables {
+    Samples gained;  ///< distance gained by an acceleration of 1 that fades [s^2]
+    Samples turned;  ///< turn in the middle of each step, for a turn rate of 1 that fades [s]
+    Samples drift;   ///< variance from an error of velocity [m^2]
+    Samples along;   ///< variance from unforeseen speeding, along the path [m^2]
+    Samples across;  ///< variance from unforeseen turning, across the path [m^2]
+  };
+
+  [[nodiscard]] static Tables tabulate(const ManoeuvreParams& params);
+
+  PerClass<ManoeuvreParams> params_;
+  PerClass<Tables> tables_;
 };
 
 }  // namespace headway::objects

@@ -24,15 +24,25 @@ void PaperPredictorParams::describe(Params::Section section) {
 }
 
 void ManoeuvreParams::describe(Params::Section section, const std::string& prefix) {
-  section.add(prefix + "speed_window", speed_window_s, 0.05, 5.0, "s",
-              "Time over which the velocity is fitted");
-  section.add(prefix + "acceleration_gain", acceleration_gain, 0.0, 2.0, "",
-              "Share of the measured acceleration that is believed");
-  section.add(prefix + "acceleration_decay", acceleration_decay_s, 0.05, 100.0, "s",
+  section.add(prefix + "memory", memory_s, 0.1, 100.0, "s",
+              "Age at which a place says nothing of the present motion");
+  section.add(prefix + "path_noise", path_noise_m, 0.001, 10.0, "m",
+              "By which even exactly known paths leave a parabola");
+  section.add(prefix + "typical_acceleration", typical_acceleration, 1e-3, 100.0, "m/s^2",
+              "Typical acceleration along the path");
+  section.add(prefix + "typical_turn", typical_turn, 1e-3, 100.0, "m/s^2",
+              "Typical acceleration across the path");
+  section.add(prefix + "acceleration_fade", acceleration_fade_s, 0.05, 1000.0, "s",
               "Time in which an acceleration fades");
-  section.add(prefix + "turn_gain", turn_gain, 0.0, 2.0, "",
-              "Share of the measured turn rate that is believed");
-  section.add(prefix + "turn_decay", turn_decay_s, 0.05, 100.0, "s", "Time in which a turn fades");
+  section.add(prefix + "turn_fade", turn_fade_s, 0.05, 1000.0, "s", "Time in which a turn fades");
+  section.add(prefix + "standing_speed", standing_speed, 0.001, 10.0, "m/s",
+              "Slower motion may be noise of a standing object");
+  section.add(prefix + "cruising_speed", cruising_speed, 0.001, 50.0, "m/s",
+              "An object that is faster manoeuvres freely");
+  section.add(prefix + "other_acceleration", other_acceleration, 0.0, 20.0, "m/s^2",
+              "By which the slower and the faster alternative differ");
+  section.add(prefix + "velocity_sigma", velocity_sigma, 0.0, 20.0, "m/s",
+              "Error of the velocity read off the path");
   section.add(prefix + "acceleration_sigma", acceleration_sigma, 0.0, 20.0, "m/s^2",
               "Unforeseen acceleration along the path");
   section.add(prefix + "lateral_sigma", lateral_sigma, 0.0, 20.0, "m/s^2",

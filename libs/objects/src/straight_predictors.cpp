@@ -95,8 +95,8 @@ void PolynomialPredictor::predictInto(const MotionHistory& history,
                                       std::vector<PredictedPath>& paths) const {
   constexpr double kSpacing_s = 0.5;  // five frames at 10 Hz
   constexpr double kHorizon_s = kPredictionSamples * kPredictionStep_s;
-  const PathSpread spread = spreadOf(history, params_.manoeuvres.of(history.object_class),
-                                     params_.velocity_window_s);
+  const PathSpread spread =
+      spreadOf(history, params_.manoeuvres.of(history.object_class), params_.velocity_window_s);
   if (history.path.size() < 2) return writeStanding(history, spread, paths);
   const double end_distance =
       kHorizon_s * smoothedSpeed(history.path, params_.paper.speed_samples, params_.paper);
