@@ -1,6 +1,7 @@
 #include "label_files.h"
 
 #include <headway/core/error.h>
+#include <headway/io/rawlog_source.h>
 #include <headway/io/track_file.h>
 
 #include <algorithm>
@@ -55,6 +56,46 @@ eval::LabelledFrame& frameAt(std::vector<eval::LabelledFrame>& frames, std::size
   if (frame > kMostFrames) throw InputError(placeOf(path, frame) + "no recording is that long");
   if (frames.size() <= frame) frames.resize(frame + 1);
   return frames[frame];
+}
+
+eval::LabelledBox labelledBox(const Detection& detection) {
+  eval::LabelledBox box;
+  box.id = detection.detector_id.value_or(-1);
+  box.object_class = detection.object_class;
+  box.score = detection.score;
+  box.box2d = detection.box2d;
+  box.box3d = detection.box3d;
+  return box;
+}
+
+std::vector<std::string> rawFiles(const std::string& name, const std::string& path) {
+  requireThere(path);
+  if (!fs::is_directory(path)) return {path};
+  std::vector<std::string> files;
+  std::vector<std::string> folders = {path};
+  for (const auto& entry : fs::directory_iterator(path)) {
+    if (entry.is_directory() && objectClassFrom(entry.path().filename().string())) {
+      folders.push_back(entry.path());
+    }
+  }
+  std::sort(folders.begin(), folders.end());
+  for (const auto& folder : folders) {
+    const auto named = filesByName(folder);
+    if (const auto file = named.find(name); file != named.end()) files.push_back(file->second);
+  }
+  if (files.empty()) throw InputError(path + ": holds no file named '" + name + "'");
+  return files;
+}
+
+std::map<std::size_t, Detections> rawDetections(const std::string& file) {
+  std::map<std::string, std::size_t> dropped;
+  if (fs::path(file).extension() != ".rawlog") return io::readDetections(file, dropped);
+  std::map<std::size_t, Detections> frames;
+  io::RawlogSource source(file, {});
+  while (auto frame = source.next()) {
+    if (frame->detections) frames[frame->index] = std::move(*frame->detections);
+  }
+  return frames;
 }
 
 /// KITTI's tracking labels spell Person_sitting as Person.
@@ -128,13 +169,8 @@ void addEstimates(const std::string& path, std::vector<eval::LabelledFrame>& fra
     auto& frame = frameAt(frames, index, path);
     std::set<std::int64_t> ids;
     for (const auto& detection : detections.items) {
-      eval::LabelledBox box;
-      box.id = detection.detector_id.value_or(own_id);
-      if (!detection.detector_id) --own_id;
-      box.object_class = detection.object_class;
-      box.score = detection.score;
-      box.box2d = detection.box2d;
-      box.box3d = detection.box3d;
+      auto box = labelledBox(detection);
+      if (!detection.detector_id) box.id = own_id--;
       requireUsable(box, index, path);
       if (!ids.insert(box.id).second) {
         throw InputError(placeOf(path, index) + "id " + std::to_string(box.id) +
@@ -143,6 +179,22 @@ void addEstimates(const std::string& path, std::vector<eval::LabelledFrame>& fra
       frame.estimates.push_back(box);
     }
   }
+}
+
+std::vector<eval::LabelledFrame> readRaw(const std::string& name, const std::string& path) {
+  std::vector<eval::LabelledFrame> frames;
+  std::int64_t own_id = -1;
+  for (const auto& file : rawFiles(name, path)) {
+    for (const auto& [index, detections] : rawDetections(file)) {
+      auto& frame = frameAt(frames, index, file);
+      for (const auto& detection : detections.items) {
+        frame.estimates.push_back(labelledBox(detection));
+        frame.estimates.back().id = own_id--;
+        requireUsable(frame.estimates.back(), index, file);
+      }
+    }
+  }
+  return frames;
 }
 
 }  // namespace headway::app

@@ -45,4 +45,11 @@ struct PairedFiles {
 void addEstimates(const std::string& path, std::vector<eval::LabelledFrame>& frames,
                   std::map<std::string, std::size_t>& dropped);
 
+/// Reads what a detector said, from files as above, a rawlog's `detections`, or a folder that
+/// holds them: by name, or by name in one folder for each class. Every box is a track of its own.
+///
+/// @throws InputError naming what cannot be read
+[[nodiscard]] std::vector<eval::LabelledFrame> readRaw(const std::string& name,
+                                                       const std::string& path);
+
 }  // namespace headway::app

@@ -3,20 +3,18 @@
 #include <headway/core/error.h>
 #include <headway/io/calibration_file.h>
 #include <headway/io/track_file.h>
-#include <headway/io/trajectory_file.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <tuple>
 
+#include "camera_poses.h"
 #include "label_files.h"
 #include "pose_format.h"
 
 namespace headway::app {
 namespace {
-
-constexpr double kNominalInterval_s = 0.1;  // KITTI's
 
 Pose readExtrinsic(const std::string& path) {
   return path.empty() ? robotFromOptical() : io::readRawCalibration(path).T_robot_left;
@@ -86,7 +84,7 @@ class FrameTimes {
 
  private:
   std::map<std::size_t, Time> known_;
-  double interval_ = kNominalInterval_s;
+  double interval_ = kNominalFrameInterval_s;
 };
 
 double medianInterval(const std::vector<Stamped<Pose>>& poses) {
@@ -94,7 +92,7 @@ double medianInterval(const std::vector<Stamped<Pose>>& poses) {
   for (std::size_t i = 1; i < poses.size(); ++i) {
     intervals.push_back(poses[i].time - poses[i - 1].time);
   }
-  if (intervals.empty()) return kNominalInterval_s;
+  if (intervals.empty()) return kNominalFrameInterval_s;
   const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
   std::nth_element(intervals.begin(), middle, intervals.end());
   return *middle;
@@ -102,9 +100,8 @@ double medianInterval(const std::vector<Stamped<Pose>>& poses) {
 
 /// Poses of every frame from a file with one row for each.
 void readPoses(const std::string& path, const Pose& T_robot_cam, PredictionSequence& sequence) {
+  sequence.T_map_cam = readCameraPoses(path, T_robot_cam);
   if (poseFormatOf(path) == PoseFormat::kTum) {
-    sequence.T_map_cam = io::readTum(path);
-    for (auto& pose : sequence.T_map_cam) pose.value = pose.value * T_robot_cam;
     sequence.frame_interval_s = medianInterval(sequence.T_map_cam);
     for (const auto& prediction : sequence.predictions) {
       const bool there = prediction.frame < sequence.T_map_cam.size();
@@ -119,8 +116,8 @@ void readPoses(const std::string& path, const Pose& T_robot_cam, PredictionSeque
   }
   const FrameTimes times(sequence.predictions);
   sequence.frame_interval_s = times.interval();
-  for (const auto& pose : io::readKittiPoses(path)) {
-    sequence.T_map_cam.push_back({times.of(sequence.T_map_cam.size()), T_robot_cam * pose});
+  for (std::size_t k = 0; k < sequence.T_map_cam.size(); ++k) {
+    sequence.T_map_cam[k].time = times.of(k);
   }
 }
 

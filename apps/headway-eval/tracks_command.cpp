@@ -1,13 +1,16 @@
 #include <headway/core/error.h>
+#include <headway/eval/chart.h>
 #include <headway/eval/json.h>
 #include <headway/eval/text_table.h>
 #include <headway/eval/track_error.h>
 #include <headway/eval/track_plot.h>
 
+#include <algorithm>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "camera_poses.h"
 #include "commands.h"
 #include "label_files.h"
 #include "outputs.h"
@@ -20,6 +23,8 @@ struct Options {
   std::string estimate;
   std::string metric = "3d";
   std::string classes = "Car,Pedestrian,Cyclist";
+  std::string raw;
+  std::string poses;
   std::optional<double> min_overlap;
   bool quiet = false;
   Outputs outputs;
@@ -28,6 +33,7 @@ struct Options {
 /// What was read, and what was not.
 struct Input {
   std::vector<eval::LabelledSequence> sequences;
+  std::vector<eval::LabelledSequence> raw;  ///< the same truth beside the detector's boxes
   std::vector<std::string> truth_alone;
   std::map<std::string, std::size_t> dropped;
 };
@@ -72,6 +78,10 @@ bool parse(Options& options, int argc, const char** argv) {
   line.option(options.metric, 0, "metric", "2d|3d", "Boxes to compare; default 3d");
   line.option(overlap, 0, "iou", "X", "Overlap that makes a match; default 0.25 (3d), 0.5 (2d)");
   line.option(options.classes, 0, "classes", "Car,...", "Default Car,Pedestrian,Cyclist");
+  line.option(options.raw, 0, "raw", "DETECTIONS",
+              "Judge the positions of raw detections too: file, rawlog or folder");
+  line.option(options.poses, 0, "poses", "P",
+              "Poses of every frame (KITTI or TUM): --plot then shows a map");
   options.outputs.describe(line);
   if (!line.parse(argc, argv)) return false;
   if (overlap != -1.0) options.min_overlap = overlap;
@@ -80,12 +90,24 @@ bool parse(Options& options, int argc, const char** argv) {
   return true;
 }
 
+/// The sequence's truth beside what the detector said.
+eval::LabelledSequence withRaw(const eval::LabelledSequence& sequence, const std::string& path) {
+  eval::LabelledSequence raw{sequence.name, readRaw(sequence.name, path)};
+  raw.frames.resize(std::max(raw.frames.size(), sequence.frames.size()));
+  for (std::size_t k = 0; k < sequence.frames.size(); ++k) {
+    raw.frames[k].truth = sequence.frames[k].truth;
+    raw.frames[k].dont_care = sequence.frames[k].dont_care;
+  }
+  return raw;
+}
+
 Input readInput(const Options& options) {
   const auto files = pairedFiles(options.truth, options.estimate);
-  Input input{{}, files.truth_alone, {}};
+  Input input{{}, {}, files.truth_alone, {}};
   for (const auto& [name, truth, estimate] : files.pairs) {
     eval::LabelledSequence sequence{name, readLabels(truth)};
     addEstimates(estimate, sequence.frames, input.dropped);
+    if (!options.raw.empty()) input.raw.push_back(withRaw(sequence, options.raw));
     input.sequences.push_back(std::move(sequence));
   }
   return input;
@@ -103,19 +125,38 @@ void requireBoxes(const Input& input, const Options& options) {
                    " boxes; is it a file of tracks, and --metric right?");
 }
 
-nlohmann::ordered_json figures(const Input& input, const eval::TrackErrors& errors,
+/// Figures of the tracks and, where asked for, of the detections they were made from.
+struct Judged {
+  eval::TrackErrors tracks;
+  std::optional<eval::TrackErrors> raw;
+};
+
+Judged judge(const Input& input, const eval::TrackErrorParams& params) {
+  Judged judged{eval::trackErrors(input.sequences, params), std::nullopt};
+  auto positions = params;
+  positions.positions_only = true;
+  if (!input.raw.empty()) judged.raw = eval::trackErrors(input.raw, positions);
+  return judged;
+}
+
+nlohmann::ordered_json figures(const Input& input, const Judged& judged,
                                const eval::TrackErrorParams& params) {
-  auto json = eval::toJson(errors);
+  auto json = eval::toJson(judged.tracks);
   for (const auto& sequence : input.sequences) {
     json["sequences"][sequence.name] = eval::toJson(eval::trackErrors({sequence}, params));
   }
+  if (judged.raw) json["raw"] = eval::toJson(*judged.raw);
   json["sequences_without_estimate"] = input.truth_alone;
   json["rows_dropped"] = input.dropped;
   return json;
 }
 
-void report(const Input& input, const eval::TrackErrors& errors) {
-  eval::writeTable(std::cout, eval::tableOf(errors));
+void report(const Input& input, const Judged& judged) {
+  eval::writeTable(std::cout, eval::tableOf(judged.tracks));
+  if (judged.raw) {
+    std::cout << "\nPositions, raw detections / tracks\n\n";
+    eval::writeTable(std::cout, eval::positionTable(*judged.raw, judged.tracks));
+  }
   if (!input.truth_alone.empty()) {
     std::cout << input.truth_alone.size() << " label files have no estimate and were left out:";
     for (const auto& name : input.truth_alone) std::cout << " " << name;
@@ -126,6 +167,37 @@ void report(const Input& input, const eval::TrackErrors& errors) {
   }
 }
 
+/// Map of the sequence with most truth.
+cv::Mat mapPlot(const Options& options, const Input& input) {
+  const auto boxes = [](const eval::LabelledSequence& sequence) {
+    std::size_t count = 0;
+    for (const auto& frame : sequence.frames) count += frame.truth.size();
+    return count;
+  };
+  const auto most =
+      std::max_element(input.sequences.begin(), input.sequences.end(),
+                       [&](const auto& a, const auto& b) { return boxes(a) < boxes(b); });
+  const auto T_map_cam = readCameraPoses(fileNamed(most->name, options.poses), robotFromOptical());
+  eval::TrackMap map{"Sequence " + most->name,
+                     eval::trueObjects(most->frames, T_map_cam),
+                     eval::estimatedObjects(most->frames, T_map_cam),
+                     {},
+                     {}};
+  if (!input.raw.empty()) {
+    const auto index = static_cast<std::size_t>(most - input.sequences.begin());
+    map.raw = eval::estimatedObjects(input.raw[index].frames, T_map_cam);
+  }
+  for (const auto& pose : T_map_cam) {
+    map.camera_path.emplace_back(pose.value.translation().head<2>());
+  }
+  return eval::trackMapPlot(map);
+}
+
+cv::Mat plot(const Options& options, const Input& input, const Judged& judged) {
+  const cv::Mat curves = eval::trackPlot(judged.tracks);
+  return options.poses.empty() ? curves : eval::stacked({mapPlot(options, input), curves});
+}
+
 }  // namespace
 
 int runTracks(int argc, const char** argv) {
@@ -134,10 +206,10 @@ int runTracks(int argc, const char** argv) {
   const auto params = paramsFrom(options);
   const auto input = readInput(options);
   requireBoxes(input, options);
-  const auto errors = eval::trackErrors(input.sequences, params);
-  if (!options.quiet) report(input, errors);
-  options.outputs.write([&] { return figures(input, errors, params); },
-                        [&] { return eval::trackPlot(errors); });
+  const auto judged = judge(input, params);
+  if (!options.quiet) report(input, judged);
+  options.outputs.write([&] { return figures(input, judged, params); },
+                        [&] { return plot(options, input, judged); });
   return program::kDone;
 }
 

@@ -68,6 +68,9 @@ TEST(TrueObjectTest, labelsComeToTheMapWithTheCamera) {
   EXPECT_TRUE(objects[0].path[1].position.isApprox(Eigen::Vector3d(13.0, -2.0, -1.0), 1e-12));
   EXPECT_NEAR(0.0, objects[0].path[1].yaw, 1e-12);
   EXPECT_EQ(1u, objects[0].path[1].frame);
+  EXPECT_TRUE(estimatedObjects(frames, T_map_cam).empty());
+  std::swap(frames[0].truth, frames[0].estimates);
+  EXPECT_EQ(1u, estimatedObjects(frames, T_map_cam).size());
   T_map_cam.pop_back();
   EXPECT_THROW((void)trueObjects(frames, T_map_cam), InputError);
 }

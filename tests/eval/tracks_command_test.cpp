@@ -85,6 +85,37 @@ TEST_F(TracksCommandTest, detectionsWithoutIdsAreTracksOfTheirOwn) {
   EXPECT_NEAR(1.0, figures["Car"]["recall"].get<double>(), 1e-9);
 }
 
+TEST_F(TracksCommandTest, rawDetectionsStandBesideTheTracks) {
+  file("truth/0001.txt", carRows(10, 1, 0.0, ""));
+  file("tracks/0001.txt", carRows(10, 5, 0.2, "0.9"));
+  // A detector's folder has one folder for each class: frame,type,box,score,h,w,l,x,y,z,ry,alpha.
+  std::string rows;
+  for (int k = 0; k < 5; ++k) {
+    const auto z = std::to_string(10 + k);
+    rows += std::to_string(k) + ",2,100,100,200,160,0.7,1.5,1.6,4.0,0.6,1.6," + z + ",-1.57,0\n";
+  }
+  file("raw/Car/0001.txt", rows);
+  std::string poses;
+  for (int k = 0; k < 10; ++k) poses += "1 0 0 0 0 1 0 0 0 0 1 0\n";
+  file("poses/0001.txt", poses);
+  const std::string out = folder_ / "t.json";
+  const auto result =
+      run(folder_ / "truth", folder_ / "tracks",
+          "--raw " + std::string(folder_ / "raw") + " --poses " + std::string(folder_ / "poses") +
+              " --json " + out + " --plot " + std::string(folder_ / "t.png"));
+  EXPECT_EQ(0, result.status) << result.error;
+  EXPECT_THAT(result.out, HasSubstr("0.600 / 0.200"));
+  EXPECT_THAT(result.out, HasSubstr("50.00 / 100.00"));
+  const auto figures = json::parse(contentOf(out));
+  EXPECT_NEAR(0.6, figures["raw"]["Car"]["rmse_m"].get<double>(), 1e-6);
+  EXPECT_NEAR(0.5, figures["raw"]["Car"]["recall"].get<double>(), 1e-9);
+  EXPECT_TRUE(figures["raw"]["Car"]["mota"].is_null());
+  EXPECT_THAT(contentOf(folder_ / "t.png"), testing::StartsWith("\x89PNG"));
+  const auto missing = run(folder_ / "truth", folder_ / "tracks",
+                           "--raw " + std::string(folder_ / "poses") + "/none");
+  EXPECT_EQ(1, missing.status);
+}
+
 TEST_F(TracksCommandTest, whatIsWrongWithTheFilesIsOneLine) {
   const auto labels = file("truth/0001.txt", carRows(4, 1, 0.0, ""));
   const auto twice = file("twice.txt", carRows(4, 1, 0.0, "1") + carRows(1, 1, 9.0, "1"));

@@ -11,6 +11,30 @@ namespace {
 
 constexpr double kSameTime_s = 1e-4;
 
+std::vector<TrueObject> objectsOf(const std::vector<LabelledFrame>& frames,
+                                  std::vector<LabelledBox> LabelledFrame::*which,
+                                  const std::vector<Stamped<Pose>>& T_map_cam) {
+  std::map<std::int64_t, TrueObject> objects;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    if (k >= T_map_cam.size() && !(frames[k].*which).empty()) {
+      throw InputError("there are poses of " + std::to_string(T_map_cam.size()) +
+                       " frames, but frame " + std::to_string(k) + " holds boxes too");
+    }
+    for (const auto& box : frames[k].*which) {
+      if (!box.box3d) continue;
+      const auto& [time, pose] = T_map_cam[k];
+      const Eigen::Vector3d front = pose.linear() * frontOf(*box.box3d);
+      auto& object = objects[box.id];
+      object.id = box.id;
+      object.object_class = box.object_class;
+      object.path.push_back({k, time, pose * box.box3d->centre, std::atan2(front.y(), front.x())});
+    }
+  }
+  std::vector<TrueObject> result;
+  for (auto& [id, object] : objects) result.push_back(std::move(object));
+  return result;
+}
+
 }  // namespace
 
 std::optional<Eigen::Vector3d> TrueObject::positionAt(Time time, double max_gap_s) const {
@@ -29,25 +53,12 @@ std::optional<Eigen::Vector3d> TrueObject::positionAt(Time time, double max_gap_
 
 std::vector<TrueObject> trueObjects(const std::vector<LabelledFrame>& frames,
                                     const std::vector<Stamped<Pose>>& T_map_cam) {
-  std::map<std::int64_t, TrueObject> objects;
-  for (std::size_t k = 0; k < frames.size(); ++k) {
-    if (k >= T_map_cam.size() && !frames[k].truth.empty()) {
-      throw InputError("there are poses of " + std::to_string(T_map_cam.size()) +
-                       " frames, but frame " + std::to_string(k) + " is labelled too");
-    }
-    for (const auto& box : frames[k].truth) {
-      if (!box.box3d) continue;
-      const auto& [time, pose] = T_map_cam[k];
-      const Eigen::Vector3d front = pose.linear() * frontOf(*box.box3d);
-      auto& object = objects[box.id];
-      object.id = box.id;
-      object.object_class = box.object_class;
-      object.path.push_back({k, time, pose * box.box3d->centre, std::atan2(front.y(), front.x())});
-    }
-  }
-  std::vector<TrueObject> result;
-  for (auto& [id, object] : objects) result.push_back(std::move(object));
-  return result;
+  return objectsOf(frames, &LabelledFrame::truth, T_map_cam);
+}
+
+std::vector<TrueObject> estimatedObjects(const std::vector<LabelledFrame>& frames,
+                                         const std::vector<Stamped<Pose>>& T_map_cam) {
+  return objectsOf(frames, &LabelledFrame::estimates, T_map_cam);
 }
 
 }  // namespace headway::eval

@@ -129,6 +129,21 @@ TextTable tableOf(const TrackErrors& errors) {
                  errors);
 }
 
+TextTable positionTable(const TrackErrors& raw, const TrackErrors& tracks) {
+  TextTable table = {{"class", "RMSE m", "precision %", "recall %", "F1 %"}};
+  const auto add = [&table](const std::string& name, const TrackError& a, const TrackError& b) {
+    table.push_back({name, fixedText(a.rmse_m, 3) + " / " + fixedText(b.rmse_m, 3),
+                     percent(a.precision) + " / " + percent(b.precision),
+                     percent(a.recall) + " / " + percent(b.recall),
+                     percent(a.f1) + " / " + percent(b.f1)});
+  };
+  for (const auto& [object_class, error] : raw.classes) {
+    add(std::string(toString(object_class)), error, tracks.classes.at(object_class));
+  }
+  add("all", raw.all, tracks.all);
+  return table;
+}
+
 TextTable tableOf(const PredictionErrors& errors) {
   return byClass({"class", "cases", "ADE m", "FDE m", "best ADE m", "miss 1s %", "miss 2s %",
                   "miss 3s %", "in 90% 1s", "in 90% 2s", "in 90% 3s", "NEES"},

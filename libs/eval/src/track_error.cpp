@@ -65,11 +65,15 @@ TrackError classError(const std::vector<LabelledSequence>& sequences, ObjectClas
     prepared.push_back(classSequence(sequence, object_class, params));
   }
   Tally tally;
+  for (const auto& sequence : prepared) tally.positions.add(positionCounts(sequence));
+  if (params.positions_only) {
+    all.add(tally);
+    return figuresOf(tally);
+  }
   const auto curve = clearCurve(prepared, params.min_overlap);
   const double threshold = curve ? curve->best_threshold : -std::numeric_limits<double>::infinity();
   tally.clear = curve ? curve->best : clearCounts(prepared, params.min_overlap, threshold);
   for (const auto& sequence : prepared) {
-    tally.positions.add(positionCounts(sequence));
     tally.hota.add(hotaCounts(sequence, params.min_overlap, threshold));
   }
   all.add(tally);

@@ -13,7 +13,55 @@ Points over(const std::vector<RecallPoint>& curve, double RecallPoint::*figure) 
   return points;
 }
 
+constexpr Colour kTruthColour{170, 205, 235};
+constexpr Colour kRawColour{150, 150, 150};
+constexpr Colour kCameraColour{110, 110, 110};
+
+Points seenFromAbove(const TrueObject& object) {
+  Points points;
+  for (const auto& point : object.path) points.emplace_back(point.position.head<2>());
+  return points;
+}
+
+/// The object's places, with a break where it was away for longer than a few frames.
+std::vector<Points> pieces(const TrueObject& object) {
+  constexpr std::size_t kLongestGap = 5;  // frames
+  std::vector<Points> result(1);
+  for (std::size_t i = 0; i < object.path.size(); ++i) {
+    const bool gap = i > 0 && object.path[i].frame - object.path[i - 1].frame > kLongestGap;
+    if (gap) result.emplace_back();
+    result.back().emplace_back(object.path[i].position.head<2>());
+  }
+  return result;
+}
+
 }  // namespace
+
+cv::Mat trackMapPlot(const TrackMap& map) {
+  Points all = map.camera_path;
+  for (const auto* objects : {&map.truth, &map.tracks}) {
+    for (const auto& object : *objects) {
+      for (const auto& point : seenFromAbove(object)) all.push_back(point);
+    }
+  }
+  Chart chart({map.title, "x [m]", "y [m]", rangeOf(all, 0), rangeOf(all, 1), true});
+  for (const auto& object : map.truth) {
+    for (const auto& piece : pieces(object)) chart.line(piece, kTruthColour, 6.0);
+    chart.dot(object.path.front().position.head<2>(), kTruthColour, 4.0);
+  }
+  for (const auto& object : map.raw) {
+    for (const auto& point : seenFromAbove(object)) chart.dot(point, kRawColour, 1.2);
+  }
+  for (std::size_t i = 0; i < map.tracks.size(); ++i) {
+    for (const auto& piece : pieces(map.tracks[i])) chart.line(piece, categoryColour(i), 1.6);
+  }
+  chart.line(map.camera_path, kCameraColour, 1.6, LineStyle::kDotted);
+  chart.legend("truth", kTruthColour);
+  if (!map.raw.empty()) chart.legend("detector", kRawColour, LineStyle::kDotted);
+  chart.legend("tracks, a colour each", categoryColour(0));
+  chart.legend("camera", kCameraColour, LineStyle::kDotted);
+  return chart.picture();
+}
 
 cv::Mat trackPlot(const TrackErrors& errors) {
   ChartFrame frame{"Accuracy over recall", "recall [%]", "MOTA, sMOTA [%]", {0, 100}, {0, 100}};

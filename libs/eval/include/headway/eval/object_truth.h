@@ -8,7 +8,7 @@
 
 namespace headway::eval {
 
-/// One object's true path through a recording.
+/// One object's path through a recording.
 struct TrueObject {
   std::int64_t id = -1;
   ObjectClass object_class = ObjectClass::kUnknown;
@@ -29,5 +29,9 @@ struct TrueObject {
 /// @throws InputError if a labelled frame has no pose
 [[nodiscard]] std::vector<TrueObject> trueObjects(const std::vector<LabelledFrame>& frames,
                                                   const std::vector<Stamped<Pose>>& T_map_cam);
+
+/// The same for what a tracker reported, a path for each of its tracks.
+[[nodiscard]] std::vector<TrueObject> estimatedObjects(const std::vector<LabelledFrame>& frames,
+                                                       const std::vector<Stamped<Pose>>& T_map_cam);
 
 }  // namespace headway::eval

@@ -27,4 +27,7 @@ void writeTable(std::ostream& out, const TextTable& table);
 [[nodiscard]] TextTable tableOf(const PredictionErrors& errors);
 [[nodiscard]] TextTable tableOf(const TrackErrors& errors);
 
+/// Positions of raw detections and of the tracks made from them, one row a class.
+[[nodiscard]] TextTable positionTable(const TrackErrors& raw, const TrackErrors& tracks);
+
 }  // namespace headway::eval

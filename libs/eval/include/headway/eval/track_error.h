@@ -23,6 +23,7 @@ struct TrackErrorParams {
   double dont_care_share = 0.5;  ///< and those with more of their area in a DontCare region
   std::vector<ObjectClass> classes = {ObjectClass::kCar, ObjectClass::kPedestrian,
                                       ObjectClass::kCyclist};
+  bool positions_only = false;  ///< leave out what needs tracks: raw detections have none
 };
 
 /// Accuracy over tracks chosen so that a share of the truth is found.
