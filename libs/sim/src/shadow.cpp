@@ -13,9 +13,9 @@ cv::Mat drawShadow() {
       const double dx = std::abs((x + 0.5) / kSize - 0.5) * 2.0;
       const double dy = std::abs((y + 0.5) / kSize - 0.5) * 2.0;
       const double away = std::pow(std::pow(dx, 4) + std::pow(dy, 4), 0.25);
-      const double dark = std::clamp((1.0 - away) / 0.45, 0.0, 1.0);
+      const double dark = std::clamp((1.0 - away) / 0.3, 0.0, 1.0);
       picture.at<cv::Vec4b>(y, x) = {12, 12, 12,
-                                     static_cast<uchar>(175.0 * dark * dark * (3.0 - 2.0 * dark))};
+                                     static_cast<uchar>(190.0 * dark * dark * (3.0 - 2.0 * dark))};
     }
   }
   return picture;
@@ -23,7 +23,7 @@ cv::Mat drawShadow() {
 
 Mesh shadowMesh(const Mover& mover, const Eigen::Vector3d& origin) {
   const bool walks = mover.kind == MoverKind::kPedestrian;
-  const double grow_l = walks ? 0.9 : 1.12, grow_w = walks ? 1.15 : 1.35;
+  const double grow_l = walks ? 1.0 : 1.2, grow_w = walks ? 1.3 : 1.5;
   const Eigen::Vector3f foot =
       (mover.position - origin + Eigen::Vector3d(0, 0, 0.025)).cast<float>();
   const auto c = static_cast<float>(std::cos(mover.yaw)),

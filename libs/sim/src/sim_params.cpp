@@ -115,6 +115,7 @@ void RecordingParams::describe(Params::Section section) {
                {"external_jpeg", Storage::kExternalJpeg}},
               "Where images are kept");
   section.add("jpeg_quality", jpeg_quality, 10, 100, "", "Of colour images");
+  section.add("truth_range_m", truth_range_m, 5.0, 300.0, "m", "Objects farther are not labelled");
 }
 
 void SimParams::describe(Params& params) {

@@ -190,7 +190,10 @@ void Simulator::Machine::judge(SimFrame& frame) {
       findSightings(T_world_robot, camera_, movers, frame.depth, frame.instances);
   std::vector<std::uint16_t> numbers(movers.size() + 1, 0);
   for (const Sighting& sighting : sightings) {
-    frame.objects.push_back(truthOf(movers[sighting.mover], sighting, *T_map_world_));
+    const Mover& mover = movers[sighting.mover];
+    const bool hidden_for_good = mover.parked && sighting.visible_pixels == 0;
+    if (hidden_for_good || sighting.box3d.centre.z() > params_.recording.truth_range_m) continue;
+    frame.objects.push_back(truthOf(mover, sighting, *T_map_world_));
     numbers[sighting.mover + 1] = static_cast<std::uint16_t>(frame.objects.size());
   }
   for (auto& label : cv::Mat_<std::uint16_t>(frame.instances)) label = numbers[label];

@@ -119,6 +119,7 @@ struct RecordingParams {
   double start_time_s = 1700000000.0;
   Storage storage = Storage::kEmbedded;
   int jpeg_quality = 90;
+  double truth_range_m = 90.0;  ///< objects farther ahead are not in the truth
 
   void describe(Params::Section section);
 };
