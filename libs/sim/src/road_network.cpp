@@ -41,8 +41,8 @@ std::pair<int, int> RoadNetwork::cellOf(const Eigen::Vector2d& xy) const {
 void RoadNetwork::addSamples(std::size_t road, double from, double to) {
   const Path& axis = roads_[road].axis;
   for (double s = from; s < to; s += 1.0) {
-    const Eigen::Vector2d xy = axis.at(s).position.head<2>();
-    cells_[cellOf(xy)].push_back({road, s, xy});
+    const Eigen::Vector3d at = axis.at(s).position;
+    cells_[cellOf(at.head<2>())].push_back({road, s, at.head<2>(), at.z()});
   }
 }
 
@@ -60,7 +60,8 @@ void RoadNetwork::layMain(const Route& route) {
     }
     const PathPoint here = axis.at(s);
     const auto earlier = nearest(here.position.head<2>(), kSameStreet);
-    if (!earlier) continue;
+    // A closed street's end is not a revisit of its beginning.
+    if (!earlier || apart(axis, earlier->s, s) <= kRevisitAfter) continue;
     const double turn = axis.at(earlier->s).yaw - here.yaw;
     roads_[0].drawn[i] = std::abs(std::sin(turn)) > 0.6;  // a crossing is drawn, a revisit is not
   }
@@ -146,9 +147,21 @@ bool RoadNetwork::nearOther(const Eigen::Vector2d& xy, double reach, std::size_t
   return false;
 }
 
-double RoadNetwork::groundHeight(const Eigen::Vector2d& xy, double otherwise) const {
-  const auto place = nearest(xy, 40.0);
-  return place ? place->height : otherwise;
+std::optional<double> RoadNetwork::lowestNear(const Eigen::Vector2d& xy, double reach) const {
+  const auto [cx, cy] = cellOf(xy);
+  const int cells = static_cast<int>(std::ceil(reach / kCell));
+  std::optional<double> lowest;
+  for (int x = cx - cells; x <= cx + cells; ++x) {
+    for (int y = cy - cells; y <= cy + cells; ++y) {
+      const auto cell = cells_.find({x, y});
+      if (cell == cells_.end()) continue;
+      for (const Sample& sample : cell->second) {
+        if ((sample.xy - xy).squaredNorm() > reach * reach) continue;
+        if (!lowest || sample.height < *lowest) lowest = sample.height;
+      }
+    }
+  }
+  return lowest;
 }
 
 }  // namespace headway::sim

@@ -42,14 +42,15 @@ class RoadNetwork {
   /// @param earlier_only  look at streets that were laid before it alone
   [[nodiscard]] bool nearOther(const Eigen::Vector2d& xy, double reach, std::size_t road, double s,
                                bool earlier_only) const;
-  /// Height of the ground: that of the nearest street, else `otherwise` [m].
-  [[nodiscard]] double groundHeight(const Eigen::Vector2d& xy, double otherwise) const;
+  /// Lowest street middle within `reach` metres; nullopt if there is none.
+  [[nodiscard]] std::optional<double> lowestNear(const Eigen::Vector2d& xy, double reach) const;
 
  private:
   struct Sample {
     std::size_t road;
     double s;
     Eigen::Vector2d xy;
+    double height;
   };
 
   void layMain(const Route& route);

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "furniture.h"
 #include "ground_texture.h"
@@ -19,7 +20,7 @@ namespace {
 
 constexpr float kNear = 0.3F, kFar = 320.0F;  // [m]
 constexpr float kSkyRadius = 300.0F;
-constexpr float kMeadowCell = 16.0F;  // one picture of the meadow [m]
+constexpr double kMeadowCell = 16.0;  // one picture of the meadow [m]
 
 enum Purpose : std::uint64_t { kSkySeed = 201, kMeadowSeed, kFurnitureAtlasSeed, kMoverAtlasSeed };
 
@@ -27,14 +28,27 @@ enum Purpose : std::uint64_t { kSkySeed = 201, kMeadowSeed, kFurnitureAtlasSeed,
 int drawnWidth(int width) { return (width + 3) / 4 * 4; }
 
 /// A wide plain a little below the streets, for where no street is near.
-Mesh plainMesh() {
-  constexpr int kCells = 16;
+///
+/// @param corner  number of the cell below the camera, in x and y
+/// @param anchor  what the mesh is relative to
+Mesh plainMesh(const RoadNetwork& network, const Eigen::Vector2i& corner,
+               const Eigen::Vector3d& anchor) {
+  constexpr int kCells = 16, kPoints = 2 * kCells + 1;
+  std::vector<Eigen::Vector3f> points;
+  for (int x = -kCells; x <= kCells; ++x) {
+    for (int y = -kCells; y <= kCells; ++y) {
+      const Eigen::Vector2d xy = (corner + Eigen::Vector2i(x, y)).cast<double>() * kMeadowCell;
+      const double street = network.lowestNear(xy, 26.0).value_or(anchor.z() - 1.0);
+      points.push_back(
+          Eigen::Vector3d(xy.x() - anchor.x(), xy.y() - anchor.y(), street - 0.35 - anchor.z())
+              .cast<float>());
+    }
+  }
   Mesh mesh;
-  for (int x = -kCells; x < kCells; ++x) {
-    for (int y = -kCells; y < kCells; ++y) {
+  for (int x = 0; x + 1 < kPoints; ++x) {
+    for (int y = 0; y + 1 < kPoints; ++y) {
       const auto at = [&](int i, int k) {
-        return Eigen::Vector3f(static_cast<float>(i) * kMeadowCell,
-                               static_cast<float>(k) * kMeadowCell, 0.0F);
+        return points[static_cast<std::size_t>(i * kPoints + k)];
       };
       mesh.addQuad(at(x, y + 1), at(x + 1, y + 1), at(x + 1, y), at(x, y), UvRect{});
     }
@@ -69,6 +83,8 @@ class StereoRig::Scene {
   std::vector<StretchKey> shown_;
   ObjectPtr sky_, plain_, verges_, furniture_, movers_, shadows_;
   Eigen::Vector3d shared_anchor_ = Eigen::Vector3d::Zero();
+  std::optional<Eigen::Vector2i> plain_cell_;
+  Eigen::Vector3d plain_anchor_ = Eigen::Vector3d::Zero();
   Pose T_origin_robot_ = Pose::Identity();
 };
 
@@ -86,7 +102,6 @@ StereoRig::Scene::Scene(const StereoCamera& camera, World& world)
   sky_->setMesh(skyMesh(kSkyRadius));
   const cv::Mat grass = drawMeadow(world.grain(), meadow);
   plain_ = add(grass);
-  plain_->setMesh(plainMesh());
   verges_ = add(grass);
   furniture_ = add(drawFurnitureAtlas(world.grain(), furniture));
   movers_ = add(drawMoverAtlas(world.grain(), movers));
@@ -151,9 +166,13 @@ void StereoRig::Scene::placeAll(const Eigen::Vector3d& origin) {
   place(furniture_, shared_anchor_);
   place(verges_, shared_anchor_);
   place(sky_, origin);
-  const auto snapped = [](double x) { return std::floor(x / kMeadowCell) * kMeadowCell; };
-  const double ground = world_.network().groundHeight(origin.head<2>(), origin.z());
-  place(plain_, {snapped(origin.x()), snapped(origin.y()), ground - 0.35});
+  const Eigen::Vector2i cell((origin.head<2>() / kMeadowCell).array().floor().cast<int>());
+  if (!plain_cell_ || *plain_cell_ != cell) {
+    plain_cell_ = cell;
+    plain_anchor_ = origin;
+    plain_->setMesh(plainMesh(world_.network(), cell, origin));
+  }
+  place(plain_, plain_anchor_);
   place(movers_, origin);
   shadows_->setLocation(0, 0, 0);
   shadows_->setLocalRepresentativePoint({0, 0, 0});
