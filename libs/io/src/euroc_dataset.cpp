@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMostTruthGap = 0.1;  // [s]
+constexpr double kMostTruthGap = 0.2;  // [s]
 
 using Nanoseconds = std::int64_t;
 

@@ -1,0 +1,263 @@
+#include <gmock/gmock.h>
+#include <headway/core/error.h>
+#include <headway/io/euroc_dataset.h>
+#include <headway/io/image_folder_dataset.h>
+#include <headway/io/kitti_dataset.h>
+#include <headway/io/trajectory_file.h>
+#include <headway_test/folders.h>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "synthetic_recording.h"
+
+namespace headway::io {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Pair;
+
+class DatasetTest : public ::testing::Test {
+ protected:
+  void write(const std::string& name, const std::string& text) {
+    fs::create_directories((folder_ / name).parent_path());
+    test::writeContent(folder_ / name, text);
+  }
+  void writeImage(const std::string& name, const cv::Mat& image) {
+    fs::create_directories((folder_ / name).parent_path());
+    cv::imwrite(folder_ / name, image);
+  }
+  void writeKittiImages(const std::string& left, const std::string& right, int frames) {
+    for (int i = 0; i < frames; ++i) {
+      const std::string name = "/00000" + std::to_string(i) + ".png";
+      writeImage("sequences/07/" + left + name, test::wall(i).left);
+      writeImage("sequences/07/" + right + name, test::wall(i).right);
+    }
+  }
+
+  headway::test::TemporaryFolder folder_;
+  std::string root_ = folder_.path();
+};
+
+constexpr char kKittiCalibration[] =
+    "P0: 100 0 80 0 0 100 60 0 0 0 1 0\n"
+    "P1: 100 0 80 -50 0 100 60 0 0 0 1 0\n"
+    "P2: 110 0 81 6 0 110 61 0.2 0 0 1 0.003\n"
+    "P3: 110 0 81 -49 0 110 61 0.9 0 0 1 0.002\n"
+    "R0_rect: 1 0 0 0 1 0 0 0 1\n";
+
+TEST_F(DatasetTest, kittiOdometryIsReadWithTimesAndTruth) {
+  writeKittiImages("image_0", "image_1", 3);
+  write("sequences/07/calib.txt", kKittiCalibration);
+  write("sequences/07/times.txt", "0\n0.1\n0.25\n");
+  write("poses/07.txt",
+        "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0.1 0 1 0 0.2 0 0 1 3\n1 0 0 0 0 1 0 0 0 0 1 6\n");
+  const auto dataset = openKittiOdometry(root_, "07");
+  ASSERT_EQ(3u, dataset->size());
+  const auto frame = dataset->frame(1);
+  EXPECT_EQ(0.1, frame.time);
+  EXPECT_TRUE(test::sameImage(test::wall(1).left, frame.left));
+  EXPECT_TRUE(test::sameImage(test::wall(1).right, frame.right));
+  // Camera: 3 m ahead, 0.1 m right, 0.2 m down; the robot's axes are x forward, y left, z up.
+  EXPECT_TRUE(frame.truth_T_map_robot->translation().isApprox(Eigen::Vector3d(3, -0.1, -0.2)));
+  const auto camera = dataset->camera();
+  EXPECT_EQ(100.0, camera->left.fx);
+  EXPECT_EQ(160, camera->left.width);
+  EXPECT_EQ(Eigen::Vector3d(0.5, 0, 0), camera->T_left_right.translation());
+  EXPECT_TRUE(camera->T_robot_left.isApprox(robotFromOptical()));
+}
+
+TEST_F(DatasetTest, kittiColourServesWhereGreyIsMissing) {
+  writeKittiImages("image_2", "image_3", 2);
+  write("sequences/07/calib.txt", kKittiCalibration);
+  const auto dataset = openKittiOdometry(root_, "07");
+  EXPECT_EQ(0.1, dataset->frame(1).time);  // no times given
+  EXPECT_FALSE(dataset->frame(1).truth_T_map_robot);
+  const auto camera = dataset->camera();
+  EXPECT_EQ(110.0, camera->left.fx);
+  EXPECT_NEAR(0.5, camera->T_left_right.translation().x(), 1e-3);
+  EXPECT_EQ(0.0, camera->T_left_right.translation().y());
+  // Camera 2 stands left of camera 0: a positive offset in P2 is a centre at negative x.
+  EXPECT_GT(camera->T_robot_left.translation().y(), 0.04);
+}
+
+TEST_F(DatasetTest, kittiImagesWithoutPartnerAreCounted) {
+  writeKittiImages("image_0", "image_1", 3);
+  fs::remove(folder_ / "sequences/07/image_1/000001.png");
+  write("sequences/07/calib.txt", kKittiCalibration);
+  const auto dataset = openKittiOdometry(root_, "07");
+  EXPECT_EQ(2u, dataset->size());
+  EXPECT_EQ(0.2, dataset->frame(1).time);
+  EXPECT_THAT(dataset->dropped(), ElementsAre(Pair("unpaired_image", 1u)));
+}
+
+TEST_F(DatasetTest, kittiErrorsNameTheFile) {
+  const auto message = [&] { return test::errorOf([&] { (void)openKittiOdometry(root_, "07"); }); };
+  EXPECT_THAT(message(), HasSubstr("sequences/07: is not a folder"));
+  writeKittiImages("image_0", "image_1", 2);
+  EXPECT_THAT(message(), HasSubstr("calib.txt: cannot be opened"));
+  write("sequences/07/calib.txt", "P0: 1 2 3\n");
+  EXPECT_THAT(message(), HasSubstr("calib.txt: is not a KITTI calibration"));
+  write("sequences/07/calib.txt", kKittiCalibration);
+  write("sequences/07/times.txt", "0\n");
+  EXPECT_THAT(message(), HasSubstr("times.txt: has 1 times, none for image 1"));
+  write("sequences/07/times.txt", "0\n0.1\n");
+  test::writeContent(folder_ / "sequences/07/image_1/000001.png", "no picture");
+  EXPECT_THAT(test::errorOf([&] { (void)openKittiOdometry(root_, "07")->frame(1); }),
+              HasSubstr("image_1/000001.png: is missing, broken"));
+}
+
+TEST_F(DatasetTest, kittiTrackingJoinsPosesBoxesAndTruth) {
+  write("training/pose_orbslam3/0001.txt",
+        "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 2\n1 0 0 0 0 1 0 0 0 0 1 4\n");
+  write("training/label_02/0001.txt",
+        "0 5 Car 0 0 0 1 2 3 4 1.5 1.6 4 1 1.7 20 0\n"
+        "0 -1 DontCare -1 -1 -10 1 2 3 4 -1000 -1000 -1000 -10 -1 -1 -1\n");
+  write("training/det3d_pointrcnn/Car/0001.txt", "1,2,1,2,3,4,9,1.5,1.6,4,1,1.7,20,0,0\n");
+  write("training/det3d_pointrcnn/Pedestrian/0001.txt",
+        "1,1,1,2,3,4,8,1.8,0.6,0.8,1,1.7,10,0,0\n7,1,1,2,3,4,8,1.8,0.6,0.8,1,1.7,10,0,0\n");
+  write("training/det2d_rrc/Car/0001.txt", "2,1,2,3,4,0.9\n");
+  const auto dataset = openKittiTracking(root_, "0001", kittiBoxesFrom("det3d_pointrcnn"));
+  ASSERT_EQ(3u, dataset->size());
+  EXPECT_FALSE(dataset->camera());
+  const auto frame = dataset->frame(1);
+  EXPECT_NEAR(0.1, frame.time, 1e-12);
+  EXPECT_TRUE(frame.T_map_robot->translation().isApprox(Eigen::Vector3d(2, 0, 0)));
+  EXPECT_FALSE(frame.truth_T_map_robot);  // the poses are estimates
+  EXPECT_EQ(2u, frame.detections->items.size());
+  EXPECT_NEAR(0.1, frame.detections->time, 1e-12);
+  EXPECT_TRUE(dataset->frame(0).detections->items.empty());
+  EXPECT_EQ(1u, dataset->frame(0).truth_objects->items.size());
+  EXPECT_EQ(5, dataset->frame(0).truth_objects->items[0].detector_id);
+  EXPECT_THAT(dataset->dropped(), ElementsAre(Pair("frame_without_pose", 1u)));
+
+  const auto flat = openKittiTracking(root_, "0001", kittiBoxesFrom("det2d_rrc"));
+  EXPECT_EQ(ObjectClass::kCar, flat->frame(2).detections->items.at(0).object_class);
+  const auto labels = openKittiTracking(root_, "0001", kittiBoxesFrom("label_02"));
+  EXPECT_EQ(1u, labels->frame(0).detections->items.size());
+  EXPECT_THAT(test::errorOf([] { (void)kittiBoxesFrom("mine"); }), HasSubstr("det2d_rrc"));
+  fs::remove_all(folder_ / "training/det2d_rrc");
+  EXPECT_THROW((void)openKittiTracking(root_, "0001", KittiBoxes::kRrc2d), InputError);
+  EXPECT_THROW((void)openKittiTracking(root_, "0002", KittiBoxes::kLabels), InputError);
+}
+
+/// A drone whose body x points up and z forward; cameras look along body z.
+void writeEurocSensors(const std::function<void(const std::string&, const std::string&)>& write) {
+  for (const auto& [camera, y] : {std::pair("cam0", "0.0"), std::pair("cam1", "0.1")}) {
+    write(std::string("mav0/") + camera + "/sensor.yaml",
+          std::string("# a comment\nsensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n") +
+              "  data: [0.0, -1.0, 0.0, 0.5,\n         1.0, 0.0, 0.0, " + y +
+              ",\n         0.0, 0.0, 1.0, 0.0,\n         0.0, 0.0, 0.0, 1.0]\n"
+              "resolution: [160, 120]\ncamera_model: pinhole\n"
+              "intrinsics: [100, 101, 80, 60] #fu, fv, cu, cv\n"
+              "distortion_model: radial-tangential\n"
+              "distortion_coefficients: [-0.1, 0.01, 0.001, 1.0e-05]\n");
+  }
+}
+
+TEST_F(DatasetTest, eurocIsReadWithTheRobotLookingForward) {
+  const auto writer = [&](const std::string& name, const std::string& text) { write(name, text); };
+  writeEurocSensors(writer);
+  write("mav0/cam0/data.csv",
+        "#timestamp [ns],filename\n1403636579763555584,a.png\n1403636579813555456,b.png\n");
+  write("mav0/cam1/data.csv",
+        "#timestamp [ns],filename\n1403636579763555584,a.png\n1403636579863555456,c.png\n");
+  writeImage("mav0/cam0/data/a.png", test::wall(0).left);
+  writeImage("mav0/cam1/data/a.png", test::wall(0).right);
+  write("mav0/state_groundtruth_estimate0/data.csv",
+        "#timestamp,x,y,z,qw,qx,qy,qz,vx\n1403636579713555584,1,0,0,1,0,0,0,9\n"
+        "1403636579813555584,3,0,0,1,0,0,0,9\n");
+  write("mav0/imu0/sensor.yaml",
+        "T_BS:\n  cols: 4\n  rows: 4\n  data: [1,0,0,0, 0,1,0,0, 0,0,1,0, "
+        "0,0,0,1]\n");
+  write("mav0/imu0/data.csv", "#t,wx,wy,wz,ax,ay,az\n1403636579763555584,0.1,0.2,0.3,9.81,0,0\n");
+  const auto dataset = openEuroc(root_);
+  ASSERT_EQ(1u, dataset->size());
+  EXPECT_THAT(dataset->dropped(), ElementsAre(Pair("unpaired_image", 2u)));
+  const auto frame = dataset->frame(0);
+  EXPECT_NEAR(1403636579.763555584, frame.time, 1e-6);
+  EXPECT_TRUE(test::sameImage(test::wall(0).left, frame.left));
+  const auto camera = dataset->camera();
+  EXPECT_NEAR(0.1, camera->T_left_right.translation().x(), 1e-12);
+  EXPECT_EQ(-0.1, camera->left.distortion[0]);
+  EXPECT_EQ(101.0, camera->right.fy);
+  // The camera looks along the robot's x, its right is the robot's -y; the lever arm of 0.5 m along
+  // body x is upwards.
+  EXPECT_TRUE(camera->T_robot_left.linear().isApprox(robotFromOptical().linear(), 1e-12));
+  EXPECT_TRUE(camera->T_robot_left.translation().isApprox(Eigen::Vector3d(0, 0, 0.5), 1e-12));
+  // Truth half way between its samples, turned with the body.
+  ASSERT_TRUE(frame.truth_T_map_robot);
+  EXPECT_NEAR(2.0, frame.truth_T_map_robot->translation().x(), 1e-5);
+  EXPECT_TRUE(frame.truth_T_map_robot->linear().col(0).isApprox(Eigen::Vector3d::UnitZ(), 1e-9));
+  // Gravity on body x is up for the robot.
+  ASSERT_EQ(1u, dataset->inertial().size());
+  EXPECT_TRUE(dataset->inertial()[0].acceleration.isApprox(Eigen::Vector3d(0, 0, 9.81), 1e-9));
+}
+
+TEST_F(DatasetTest, eurocErrorsNameTheFile) {
+  const auto message = [&] { return test::errorOf([&] { (void)openEuroc(root_); }); };
+  EXPECT_THAT(message(), HasSubstr("mav0: is not a folder"));
+  const auto writer = [&](const std::string& name, const std::string& text) { write(name, text); };
+  writeEurocSensors(writer);
+  EXPECT_THAT(message(), HasSubstr("cam0/data.csv: cannot be opened"));
+  write("mav0/cam0/data.csv", "12,a.png\n");
+  write("mav0/cam1/data.csv", "13,a.png\n");
+  EXPECT_THAT(message(), HasSubstr("no time stamp in common"));
+  write("mav0/cam1/data.csv", "one,a.png\n");
+  EXPECT_THAT(message(), HasSubstr("data.csv:1: 'one' is not a time"));
+  write("mav0/cam1/sensor.yaml", "resolution: [1, 2]\n");
+  EXPECT_THAT(message(), HasSubstr("cam1/sensor.yaml: key 'intrinsics' is missing"));
+}
+
+TEST_F(DatasetTest, imageFoldersArePairedByTheOrderOfNames) {
+  for (int i = 0; i < 3; ++i) {
+    writeImage("l/left" + std::to_string(i) + ".png", test::wall(i).left);
+    writeImage("r/right" + std::to_string(i) + ".png", test::wall(i).right);
+  }
+  write("l/notes.txt", "not an image");
+  const std::string calibration =
+      "image_size: [160, 120]\nleft: [100, 100, 80, 60]\nbaseline_m: 0.2\n";
+  write("c.yaml", calibration + "frame_rate_hz: 20\n");
+  const auto open = [&] {
+    return openImageFolders(folder_ / "l", folder_ / "r", folder_ / "c.yaml");
+  };
+  EXPECT_EQ(3u, open()->size());
+  EXPECT_EQ(0.1, open()->frame(2).time);
+  EXPECT_TRUE(test::sameImage(test::wall(2).right, open()->frame(2).right));
+  EXPECT_EQ(0.2, open()->camera()->T_left_right.translation().x());
+  write("c.yaml", calibration + "times: t.txt\n");
+  write("t.txt", "5.5\n5.6\n5.75\n");
+  EXPECT_EQ(5.75, open()->frame(2).time);
+  write("t.txt", "5.5\n");
+  EXPECT_THAT(test::errorOf([&] { (void)open(); }), HasSubstr("t.txt: has 1 times for 3 images"));
+  write("c.yaml", calibration + "frame_rate_hz: 0\n");
+  EXPECT_THAT(test::errorOf([&] { (void)open(); }), HasSubstr("frame_rate_hz"));
+  fs::remove(folder_ / "l/left0.png");
+  EXPECT_THAT(test::errorOf([&] { (void)open(); }), HasSubstr("as many on both sides"));
+  EXPECT_THAT(test::errorOf([&] {
+                (void)openImageFolders(folder_ / "nowhere", folder_ / "r", folder_ / "c.yaml");
+              }),
+              HasSubstr("nowhere: is not a folder"));
+}
+
+TEST_F(DatasetTest, realEurocCamerasLookForwardAndTruthIsLevel) {
+  HEADWAY_REQUIRE_DATA(data);
+  const auto dataset = openEuroc(data / "euroc/MH_01_easy");
+  EXPECT_EQ(200u, dataset->size());
+  const auto camera = dataset->camera();
+  // Viewing direction within a few degrees of the robot's x, right of the image to the robot's -y.
+  EXPECT_GT(camera->T_robot_left.linear()(0, 2), 0.99);
+  EXPECT_LT(camera->T_robot_left.linear()(1, 0), -0.99);
+  std::size_t with_truth = 0;
+  for (std::size_t i = 0; i < dataset->size(); ++i) {
+    const auto truth = dataset->frame(i).truth_T_map_robot;
+    if (!truth) continue;
+    ++with_truth;
+    EXPECT_GT(truth->linear()(2, 2), 0.6) << i;  // the drone's up is mostly up
+  }
+  EXPECT_EQ(200u, with_truth);
+}
+
+}  // namespace
+}  // namespace headway::io

@@ -1,0 +1,237 @@
+// The programs headway-import and headway-export, run as a user runs them.
+#include <gmock/gmock.h>
+#include <headway/io/calibration_file.h>
+#include <headway/io/kitti_dataset.h>
+#include <headway/io/rawlog_source.h>
+#include <headway/io/trajectory_file.h>
+#include <headway_test/folders.h>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "processes.h"
+#include "synthetic_recording.h"
+
+namespace headway::io {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class ImportExportTest : public ::testing::Test {
+ protected:
+  test::ProcessResult import(const std::string& arguments) {
+    return test::runProcess(std::string(HEADWAY_BIN_DIR) + "/headway-import " + arguments);
+  }
+  test::ProcessResult exported(const std::string& arguments) {
+    return test::runProcess(std::string(HEADWAY_BIN_DIR) + "/headway-export " + arguments);
+  }
+  /// Folders of walls, grey or in colour, and their calibration, as headway-import images wants.
+  std::string imageFolders(int frames, bool colour = false) {
+    fs::create_directories(folder_ / "l");
+    fs::create_directories(folder_ / "r");
+    for (int i = 0; i < frames; ++i) {
+      const auto [left, right] = colour ? test::colourWall(i) : test::wall(i);
+      cv::imwrite(folder_ / ("l/" + std::to_string(i) + ".png"), left);
+      cv::imwrite(folder_ / ("r/" + std::to_string(i) + ".png"), right);
+    }
+    writeCalibration(folder_ / "c.yaml", test::smallCamera());
+    return "images --left " + at("l") + " --right " + at("r") + " --calibration " + at("c.yaml") +
+           " -o " + at("x.rawlog") + " ";
+  }
+  std::string at(const std::string& name) { return folder_ / name; }
+
+  headway::test::TemporaryFolder folder_;
+};
+
+TEST_F(ImportExportTest, usageIsChecked) {
+  EXPECT_EQ(2, import("").status);
+  EXPECT_EQ(2, import("nuscenes /x -o y").status);
+  EXPECT_EQ(2, import("kitti-odometry /x -o y.rawlog").status);  // no sequence
+  EXPECT_EQ(0, import("euroc --help").status);
+  EXPECT_EQ(0, import("--version").status);
+  EXPECT_EQ(2, exported("").status);
+  EXPECT_EQ(0, exported("kitti-odometry --help").status);
+  const auto dump = import("euroc --dump-config");
+  EXPECT_EQ(0, dump.status);
+  EXPECT_THAT(dump.output, HasSubstr("drop_probability"));
+}
+
+TEST_F(ImportExportTest, badInputIsOneLineAndStatusOne) {
+  const auto result = import("kitti-odometry /nowhere --sequence 06 -o " + at("x.rawlog"));
+  EXPECT_EQ(1, result.status);
+  EXPECT_THAT(result.output, AllOf(HasSubstr("/nowhere/sequences/06"), HasSubstr("\n")));
+  EXPECT_EQ(1, std::count(result.output.begin(), result.output.end(), '\n'));
+  EXPECT_FALSE(fs::exists(folder_ / "x.rawlog"));
+  test::writeContent(folder_ / "broken.rawlog", "rubbish");
+  const auto broken = exported("kitti-odometry " + at("broken.rawlog") + " -o " + at("out"));
+  EXPECT_EQ(1, broken.status);
+  EXPECT_THAT(broken.output, HasSubstr("broken.rawlog: is not a rawlog"));
+  EXPECT_FALSE(fs::exists(folder_ / "out"));
+}
+
+TEST_F(ImportExportTest, whatExistsIsNotOverwrittenUnasked) {
+  const std::string call = imageFolders(2);
+  test::writeContent(folder_ / "x.rawlog", "precious");
+  const auto refused = import(call);
+  EXPECT_EQ(1, refused.status);
+  EXPECT_THAT(refused.output, HasSubstr("-w overwrites it"));
+  EXPECT_EQ("precious", test::contentOf(folder_ / "x.rawlog"));
+  EXPECT_EQ(0, import(call + "-w").status);
+  EXPECT_EQ(2u, test::framesOf(at("x.rawlog")).size());
+  fs::create_directories(folder_ / "out");
+  EXPECT_EQ(1, exported("kitti-odometry " + at("x.rawlog") + " -o " + at("out")).status);
+  EXPECT_EQ(0, exported("kitti-odometry " + at("x.rawlog") + " -w -q -o " + at("out")).status);
+}
+
+TEST_F(ImportExportTest, unwritableOutputIsSaid) {
+  const std::string call = imageFolders(1);
+  test::writeContent(folder_ / "file", "");
+  const auto result = import(call.substr(0, call.find(" -o")) + " -o " + at("file/x.rawlog"));
+  EXPECT_EQ(1, result.status);
+  EXPECT_THAT(result.output, HasSubstr("file/x.rawlog"));
+  const auto full = import(call.substr(0, call.find(" -o")) + " -w -o /dev/full");
+  EXPECT_EQ(1, full.status);
+  EXPECT_THAT(full.output, HasSubstr("/dev/full"));
+}
+
+TEST_F(ImportExportTest, colourComesBackPixelForPixelInsideAndBeside) {
+  for (const std::string storage : {"", "--external-images"}) {
+    ASSERT_EQ(0, import(imageFolders(2, true) + "-w " + storage).status);
+    const auto result = exported("kitti-odometry " + at("x.rawlog") + " -w -o " + at("out"));
+    ASSERT_EQ(0, result.status) << result.output;
+    for (const auto& [folder, expected] : {std::pair("image_2", test::colourWall(1).left),
+                                           std::pair("image_3", test::colourWall(1).right)}) {
+      const auto path = folder_ / "out" / folder / "000001.png";
+      EXPECT_TRUE(test::sameImage(expected, cv::imread(path, cv::IMREAD_UNCHANGED))) << folder;
+    }
+    EXPECT_EQ(CV_8UC1, cv::imread(at("out/image_0/000001.png"), cv::IMREAD_UNCHANGED).type());
+    EXPECT_FALSE(fs::exists(folder_ / "out/poses.txt"));
+  }
+  EXPECT_TRUE(fs::exists(folder_ / "x_Images"));
+}
+
+TEST_F(ImportExportTest, sideFilesAndDegradingReachTheRawlog) {
+  test::writeContent(folder_ / "boxes.csv",
+                     "frame,class,score,x,y,z,length,width,height,yaw\n"
+                     "1,Car,0.9,1,1,20,4,2,1.5,0\n2,Car,0.9,1,1,20,4,2,1.5,0\n1,Unicorn,1,1,1,20,"
+                     "4,2,1.5,0\n");
+  test::writeContent(folder_ / "poses.tum", "0 0 0 0 0 0 0 1\n0.2 2 0 0 0 0 0 1\n");
+  const std::string call = imageFolders(3) + "-w --detections " + at("boxes.csv");
+  const auto result = import(call + " --poses " + at("poses.tum"));
+  ASSERT_EQ(0, result.status) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("unknown_class 1"));
+  auto frames = test::framesOf(at("x.rawlog"));
+  ASSERT_EQ(3u, frames.size());
+  EXPECT_TRUE(frames[0].detections->items.empty());
+  EXPECT_EQ(Eigen::Vector3d(1, 1, 20), frames[1].detections->items.at(0).box3d->centre);
+  EXPECT_TRUE(frames[1].detections->T_robot_sensor.isApprox(test::smallCamera().T_robot_cam, 1e-9));
+  EXPECT_EQ(160, frames[1].detections->image_width);
+  EXPECT_NEAR(1.0, frames[1].T_map_robot->translation().x(), 1e-9);
+
+  test::writeContent(folder_ / "degrade.ini", "[degrade]\ndrop_probability = 0\n");
+  ASSERT_EQ(0, import(call + " --degrade " + at("degrade.ini")).status);
+  frames = test::framesOf(at("x.rawlog"));
+  EXPECT_NE(20.0, frames[1].detections->items.at(0).box3d->centre.z());
+  // --set wins over the file.
+  ASSERT_EQ(
+      0, import(call + " --set degrade.drop_probability=1 --degrade " + at("degrade.ini")).status);
+  EXPECT_TRUE(test::framesOf(at("x.rawlog")).at(1).detections->items.empty());
+  test::writeContent(folder_ / "degrade.ini", "[degrade]\nwind = 3\n");
+  const auto unknown_key = import(call + " --degrade " + at("degrade.ini"));
+  EXPECT_EQ(1, unknown_key.status);
+  EXPECT_THAT(unknown_key.output, AllOf(HasSubstr("degrade.ini"), HasSubstr("wind")));
+}
+
+TEST_F(ImportExportTest, aPartCanBeTaken) {
+  const std::string call = imageFolders(5);
+  ASSERT_EQ(0, import(call + "--from-index 1 --to-index 3").status);
+  const auto frames = test::framesOf(at("x.rawlog"));
+  ASSERT_EQ(3u, frames.size());
+  EXPECT_NEAR(0.1, frames[0].time, 1e-9);
+  ASSERT_EQ(
+      0, exported("kitti-odometry " + at("x.rawlog") + " --from-index 2 -o " + at("out")).status);
+  EXPECT_TRUE(test::sameImage(test::wall(3).left,
+                              cv::imread(at("out/image_0/000000.png"), cv::IMREAD_UNCHANGED)));
+  EXPECT_FALSE(fs::exists(folder_ / "out/image_0/000001.png"));
+  EXPECT_EQ(1, import(call + "-w --from-index 9").status);
+}
+
+TEST_F(ImportExportTest, kittiComesBackUnharmedFromARawlog) {
+  HEADWAY_REQUIRE_DATA(data);
+  const std::string original = data / "kitti_odometry";
+  ASSERT_EQ(0,
+            import("kitti-odometry " + original + " --sequence 06 -q -o " + at("x.rawlog")).status);
+  const auto result =
+      exported("kitti-odometry " + at("x.rawlog") + " -o " + at("copy/sequences/06"));
+  ASSERT_EQ(0, result.status) << result.output;
+  const auto before = openKittiOdometry(original, "06");
+  const auto after = openKittiOdometry(at("copy"), "06");
+  ASSERT_EQ(51u, before->size());
+  ASSERT_EQ(before->size(), after->size());
+  for (std::size_t i = 0; i < before->size(); ++i) {
+    const auto a = before->frame(i);
+    const auto b = after->frame(i);
+    EXPECT_TRUE(test::sameImage(a.left, b.left)) << i;
+    EXPECT_TRUE(test::sameImage(a.right, b.right)) << i;
+    EXPECT_NEAR(a.time, b.time, 1e-6);
+    EXPECT_TRUE(a.truth_T_map_robot->isApprox(*b.truth_T_map_robot, 1e-6)) << i;
+  }
+  const auto a = readKittiProjections(original + "/sequences/06/calib.txt");
+  const auto b = readKittiProjections(at("copy/sequences/06/calib.txt"));
+  EXPECT_LT((a.at("P0") - b.at("P0")).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_LT((a.at("P1") - b.at("P1")).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST_F(ImportExportTest, eurocIsExportedRectified) {
+  HEADWAY_REQUIRE_DATA(data);
+  ASSERT_EQ(0, import("euroc " + (data / "euroc/MH_01_easy").string() + " --to-index 4 -q -o " +
+                      at("x.rawlog"))
+                   .status);
+  ASSERT_EQ(0,
+            exported("kitti-odometry " + at("x.rawlog") + " -q -o " + at("c/sequences/00")).status);
+  ASSERT_EQ(0,
+            import("kitti-odometry " + at("c") + " --sequence 00 -q -o " + at("y.rawlog")).status);
+  const RawlogSource raw(at("x.rawlog"), {});
+  const RawlogSource rectified(at("y.rawlog"), {});
+  EXPECT_TRUE(raw.calibration()->rectified_here);
+  EXPECT_FALSE(rectified.calibration()->rectified_here);
+  EXPECT_LT(raw.calibration()->vertical_disparity_px, 0.4);
+  EXPECT_NEAR(0.110, raw.calibration()->baseline_m, 1e-3);
+  EXPECT_NEAR(raw.camera()->baseline_m, rectified.camera()->baseline_m, 1e-9);
+  EXPECT_EQ(raw.calibration()->median_disparity_px, rectified.calibration()->median_disparity_px);
+}
+
+TEST_F(ImportExportTest, kittiTrackingGivesPosesAndBoxes) {
+  HEADWAY_REQUIRE_DATA(data);
+  ASSERT_EQ(0, import("kitti-tracking " + (data / "kitti_tracking").string() +
+                      " --sequence 0001 -q -o " + at("x.rawlog"))
+                   .status);
+  const auto frames = test::framesOf(at("x.rawlog"));
+  ASSERT_EQ(447u, frames.size());
+  EXPECT_FALSE(frames[0].stereo);
+  EXPECT_GT(frames[0].detections->items.size(), 2u);
+  EXPECT_TRUE(frames[0].T_map_robot->isApprox(Pose::Identity(), 1e-9));
+  // The car drives forward, and forward is the robot's x.
+  EXPECT_GT(frames[50].T_map_robot->translation().x(), 10.0);
+  const auto truth = readTruth(at("x.rawlog"));
+  EXPECT_EQ(447u, truth.objects.size());
+  EXPECT_TRUE(truth.poses.empty());
+}
+
+TEST_F(ImportExportTest, CtrlCLeavesAReadableRawlog) {
+  HEADWAY_REQUIRE_DATA(data);
+  const auto result = test::runProcess(
+      "timeout --signal=INT 0.7 " + std::string(HEADWAY_BIN_DIR) + "/headway-import euroc " +
+      (data / "euroc/MH_01_easy").string() + " -o " + at("x.rawlog"));
+  if (result.status != 124) GTEST_SKIP() << "the import was done before it was interrupted";
+  ASSERT_TRUE(fs::exists(folder_ / "x.rawlog")) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("interrupted"));
+  RawlogSource source(at("x.rawlog"), {});
+  EXPECT_FALSE(test::framesOf(source).empty());
+  EXPECT_FALSE(source.truncation());
+}
+
+}  // namespace
+}  // namespace headway::io

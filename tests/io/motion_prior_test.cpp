@@ -1,0 +1,110 @@
+#include "motion_prior.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+namespace headway::io {
+namespace {
+
+Pose along(double x, double yaw = 0.0) {
+  Pose pose = Pose::Identity();
+  pose.translation().x() = x;
+  pose.linear() = expSo3({0, 0, yaw});
+  return pose;
+}
+
+TEST(MotionPriorTest, nothingKnownGivesNothing) {
+  const MotionPriorBuilder builder;
+  const MotionPrior prior = builder.between(1.0, 1.1);
+  EXPECT_FALSE(prior.T_previous_current);
+  EXPECT_FALSE(prior.R_previous_current);
+  EXPECT_FALSE(prior.up_robot);
+}
+
+TEST(MotionPriorTest, odometryIsSeenFromThePreviousFrame) {
+  MotionPriorBuilder builder;
+  builder.addOdometry(1.0, along(5.0, M_PI / 2));
+  Pose moved = along(5.0, M_PI / 2);
+  moved.translation().y() = 1.0;  // one metre ahead of a robot that looks along y
+  builder.addOdometry(1.1, moved);
+  const auto prior = builder.between(1.0, 1.1).T_previous_current;
+  ASSERT_TRUE(prior);
+  EXPECT_TRUE(prior->isApprox(along(1.0), 1e-12));
+}
+
+TEST(MotionPriorTest, nothingIsExtrapolatedNorBridged) {
+  MotionPriorBuilder builder;
+  builder.addOdometry(1.0, along(0));
+  builder.addOdometry(1.1, along(1));
+  EXPECT_FALSE(builder.between(1.0, 1.2).T_previous_current);
+  EXPECT_FALSE(builder.between(0.9, 1.1).T_previous_current);
+  builder.addOdometry(9.0, along(2));
+  EXPECT_FALSE(builder.between(1.1, 5.0).T_previous_current);
+}
+
+TEST(MotionPriorTest, samplesThatRunBackwardsInTimeAreIgnored) {
+  MotionPriorBuilder builder;
+  builder.addOdometry(1.0, along(0));
+  builder.addOdometry(0.5, along(100));
+  builder.addOdometry(1.1, along(1));
+  EXPECT_NEAR(1.0, builder.between(1.0, 1.1).T_previous_current->translation().x(), 1e-12);
+}
+
+TEST(MotionPriorTest, aVaryingTurnIsIntegrated) {
+  MotionPriorBuilder builder;
+  for (int i = 0; i <= 30; ++i) {  // the rate grows steadily: the trapezoid rule is exact
+    const double time = 0.01 * i;
+    builder.addInertial({time, Eigen::Vector3d(0, 0, time), std::nullopt});
+  }
+  const auto turn = builder.between(0.105, 0.205).R_previous_current;
+  ASSERT_TRUE(turn);
+  const double expected = 0.5 * (0.205 * 0.205 - 0.105 * 0.105);
+  EXPECT_NEAR(expected, logSo3(*turn).z(), 1e-12);
+}
+
+TEST(MotionPriorTest, aGapInTheGyroscopeGivesNoTurn) {
+  MotionPriorBuilder builder;
+  for (const double time : {0.0, 0.01, 0.3, 0.31}) {
+    builder.addInertial({time, Eigen::Vector3d(0, 0, 1), std::nullopt});
+  }
+  EXPECT_FALSE(builder.between(0.005, 0.305).R_previous_current);
+}
+
+TEST(MotionPriorTest, upIsToldOnlyWhereTheRobotAcceleratesLittle) {
+  const auto upWith = [](double acceleration_norm) {
+    MotionPriorBuilder builder;
+    for (int i = 0; i < 10; ++i) {
+      builder.addInertial({0.01 * i, std::nullopt,
+                           Eigen::Vector3d(acceleration_norm * Eigen::Vector3d(0.6, 0, 0.8))});
+    }
+    return builder.between(std::nullopt, 0.1).up_robot;
+  };
+  ASSERT_TRUE(upWith(9.8));
+  EXPECT_TRUE(upWith(9.8)->isApprox(Eigen::Vector3d(0.6, 0, 0.8), 1e-12));
+  EXPECT_FALSE(upWith(12.0));
+  EXPECT_FALSE(upWith(0.0));
+}
+
+TEST(MotionPriorTest, forgettingKeepsWhatLaterFramesNeed) {
+  MotionPriorBuilder builder, forgetful;
+  for (int i = 0; i < 500; ++i) {
+    const double time = 0.01 * i;
+    const InertialSample sample{time, Eigen::Vector3d(0, std::sin(time), 1),
+                                Eigen::Vector3d(0, 0, 9.8)};
+    for (auto* one : {&builder, &forgetful}) {
+      one->addOdometry(time, along(time));
+      one->addInertial(sample);
+    }
+    forgetful.forgetBefore(time);
+  }
+  const auto a = builder.between(4.8, 4.9);
+  const auto b = forgetful.between(4.8, 4.9);
+  ASSERT_TRUE(b.T_previous_current && b.R_previous_current && b.up_robot);
+  EXPECT_EQ(a.T_previous_current->matrix(), b.T_previous_current->matrix());
+  EXPECT_EQ(*a.R_previous_current, *b.R_previous_current);
+  EXPECT_FALSE(forgetful.between(0.5, 0.6).T_previous_current);
+}
+
+}  // namespace
+}  // namespace headway::io
