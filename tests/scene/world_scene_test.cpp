@@ -16,6 +16,18 @@ mrpt::opengl::CSetOfObjects::Ptr movingObjectsIn(mrpt::opengl::COpenGLScene& sce
   return std::dynamic_pointer_cast<mrpt::opengl::CSetOfObjects>(scene.getByName("moving_objects"));
 }
 
+mrpt::opengl::CSetOfObjects::Ptr landmarksIn(mrpt::opengl::COpenGLScene& scene) {
+  return std::dynamic_pointer_cast<mrpt::opengl::CSetOfObjects>(scene.getByName("landmarks"));
+}
+
+std::size_t pointsIn(mrpt::opengl::COpenGLScene& scene) {
+  std::size_t count = 0;
+  for (const auto& object : *landmarksIn(scene)) {
+    count += std::dynamic_pointer_cast<mrpt::opengl::CPointCloudColoured>(object)->size();
+  }
+  return count;
+}
+
 TEST(WorldSceneTest, HoldsEveryPartOfTheWorld) {
   const auto map = streetMap();
   auto input = streetInput(map);
@@ -26,10 +38,7 @@ TEST(WorldSceneTest, HoldsEveryPartOfTheWorld) {
                            "moving_objects", "true_objects", "camera"}) {
     EXPECT_NE(scene.getByName(name), nullptr) << name;
   }
-  const auto cloud =
-      std::dynamic_pointer_cast<mrpt::opengl::CPointCloudColoured>(scene.getByName("landmarks"));
-  ASSERT_NE(cloud, nullptr);
-  EXPECT_EQ(cloud->size(), map.landmarks().size());
+  EXPECT_EQ(pointsIn(scene), map.landmarks().size());
   const auto moving = movingObjectsIn(scene);
   for (const char* name : {"faces", "trails", "predictions", "uncertainty", "edges_Car",
                            "edges_Pedestrian", "edges_Cyclist", "edges_Truck", "labels"}) {
@@ -58,14 +67,42 @@ TEST(WorldSceneTest, LeavesOutlinesAndLabelsToThePicture) {
 TEST(WorldSceneTest, BuildsLandmarksAgainOnlyForANewStillWorld) {
   auto map = streetMap();
   WorldScene world(SceneUse::kPicture, 2.f);
-  const auto landmarksOf = [&] {
-    return world.build(streetInput(map), 0.0).getByName("landmarks");
+  const auto firstCloud = [&] {
+    auto scene = world.build(streetInput(map), 0.0);
+    return *landmarksIn(scene)->begin();
   };
-  const auto first = landmarksOf();
+  const auto first = firstCloud();
   map.update(11.0, {});
-  EXPECT_EQ(landmarksOf(), first);
-  map.update(slam::MapView{});
-  EXPECT_NE(landmarksOf(), first);
+  EXPECT_EQ(firstCloud(), first);
+  map.update(slam::MapView(*map.stillWorld()));
+  EXPECT_NE(firstCloud(), first);
+}
+
+TEST(WorldSceneTest, GivesAPictureEveryNearLandmarkThatItShowsAndFewOfTheRest) {
+  const auto map = streetMap();
+  const auto view =
+      render::makeView(640, 360, 1.0, render::lookAt({0.0, 0.0, 2.0}, {30.0, 0.0, 1.0}));
+  auto scene = WorldScene(SceneUse::kPicture, 2.f).build(streetInput(map), 0.0, &view);
+  std::set<std::tuple<float, float, float>> drawn;
+  for (const auto& object : *landmarksIn(scene)) {
+    const auto cloud = std::dynamic_pointer_cast<mrpt::opengl::CPointCloudColoured>(object);
+    for (std::size_t i = 0; i < cloud->size(); ++i) {
+      const auto p = cloud->getPoint3Df(i);
+      drawn.insert({p.x, p.y, p.z});
+    }
+  }
+  EXPECT_LT(drawn.size(), map.landmarks().size());
+  std::size_t near = 0;
+  for (const auto& landmark : map.stillWorld()->landmarks) {
+    const auto pixel = render::project(landmark.position, view);
+    const bool in_picture = pixel && pixel->x() > 0 && pixel->x() < 640 && pixel->y() > 0 &&
+                            pixel->y() < 360 && landmark.position.x() < 59.0;
+    if (!in_picture) continue;
+    const Eigen::Vector3f p = landmark.position.cast<float>();
+    EXPECT_EQ(drawn.count({p.x(), p.y(), p.z()}), 1u);
+    ++near;
+  }
+  EXPECT_GT(near, 500u);
 }
 
 TEST(SaveSceneTest, WritesWhatMrptReads) {

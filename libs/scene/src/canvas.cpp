@@ -41,11 +41,13 @@ cv::Size Canvas::textSize(const std::string& text, double points) const {
   return cv::getTextSize(text, kFont, font_scale, thicknessOf(font_scale), &baseline);
 }
 
-void Canvas::text(const std::string& text, cv::Point at, double points, Colour colour) {
+void Canvas::text(const std::string& text, cv::Point at, double points, Colour colour, bool halo) {
   const double font_scale = points * scale_ / kCapitalHeight;
   const int thickness = thicknessOf(font_scale);
-  cv::putText(picture_, text, at, kFont, font_scale, cv::Scalar(20, 14, 10), thickness + 2,
-              cv::LINE_AA);
+  if (halo) {
+    cv::putText(picture_, text, at, kFont, font_scale, cv::Scalar(20, 14, 10), thickness + 2,
+                cv::LINE_AA);
+  }
   cv::putText(picture_, text, at, kFont, font_scale, bgr(colour), thickness, cv::LINE_AA);
 }
 

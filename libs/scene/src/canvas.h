@@ -24,7 +24,8 @@ class Canvas {
   [[nodiscard]] cv::Size textSize(const std::string& text, double points) const;
 
   /// Text whose left end stands on the baseline at `at`; `points` is the height of capitals.
-  void text(const std::string& text, cv::Point at, double points, Colour colour);
+  /// Without `halo` it needs a panel under it.
+  void text(const std::string& text, cv::Point at, double points, Colour colour, bool halo = true);
   /// Darkens a place so that what is written on it can be read.
   void panel(cv::Rect place, double opacity = 0.62);
   void line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double points, Colour colour);

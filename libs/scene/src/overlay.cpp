@@ -112,9 +112,9 @@ void drawLabels(Canvas& canvas, const render::PinholeView& view, const std::vect
     const auto place = freePlace(wanted, taken);
     if (!place) continue;
     taken.push_back(*place);
-    canvas.panel(*place, 0.55);
+    canvas.panel(*place, 0.72);
     canvas.text(label, {place->x + pad, place->y + pad + size.height}, kLabelPoints,
-                brightened(colourOf(track->object_class)));
+                brightened(colourOf(track->object_class)), false);
   }
 }
 

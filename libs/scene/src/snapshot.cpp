@@ -72,7 +72,7 @@ class SnapshotRenderer::Implementation {
     if (options_.view == View::kCamera) return drawThroughCamera(options_, input, legend_);
     const double ground_z = groundHeight(input);
     const auto view = outsideView(options_, input, ground_z);
-    cv::Mat picture = renderer_->draw(world_.build(input, ground_z), view);
+    cv::Mat picture = renderer_->draw(world_.build(input, ground_z, &view), view);
     Canvas canvas(picture);
     drawBoxes(canvas, view, input.map.movingObjects().tracks());
     drawTrueBoxes(canvas, view, input.true_objects);

@@ -5,7 +5,6 @@
 #include <headway/map/ribbon.h>
 #include <headway/map/track_geometry.h>
 #include <mrpt/opengl/CGridPlaneXY.h>
-#include <mrpt/opengl/CPointCloudColoured.h>
 #include <mrpt/opengl/CSetOfLines.h>
 #include <mrpt/opengl/CSetOfObjects.h>
 #include <mrpt/opengl/CSetOfTriangles.h>
@@ -13,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "draw_order.h"
 #include "frustum.h"
 #include "palette.h"
 
@@ -27,12 +27,6 @@ constexpr double kGridReachM = 150.0;
 constexpr double kPathWidthM = 0.25;
 constexpr double kPathSpacingM = 0.3;
 
-/// Objects are drawn from the farthest to the nearest by one point of each. These stand far below
-/// the world, so that flat and see-through things always come after what they lie upon.
-void drawInOrder(int order, mrpt::opengl::CRenderizable& object) {
-  object.setLocalRepresentativePoint({0.f, 0.f, -8000.f + 500.f * static_cast<float>(order)});
-}
-
 std::shared_ptr<mrpt::opengl::CGridPlaneXY> makeGrid(const Eigen::Vector3d& middle,
                                                      double ground_z) {
   const double x = kGridM * std::round(middle.x() / kGridM);
@@ -43,36 +37,8 @@ std::shared_ptr<mrpt::opengl::CGridPlaneXY> makeGrid(const Eigen::Vector3d& midd
       static_cast<float>(ground_z), static_cast<float>(kGridM));
   grid->setName("ground_grid");
   grid->setColor_u8(kGridColour.red, kGridColour.green, kGridColour.blue);
-  drawInOrder(0, *grid);
+  drawInOrder(DrawOrder::kGrid, *grid);
   return grid;
-}
-
-/// Grey as in the image, lifted off the dark ground, and tinted from blue (low) to sand (high).
-mrpt::img::TColor landmarkColour(const slam::LandmarkView& landmark, double ground_z) {
-  const double brightness = 0.55 + 0.45 * landmark.intensity / 255.0;
-  const double height = std::clamp((landmark.position.z() - ground_z) / 6.0, 0.0, 1.0);
-  const auto mix = [&](std::uint8_t low, std::uint8_t high) {
-    return static_cast<std::uint8_t>(brightness * (low + height * (high - low)));
-  };
-  return {mix(kLowColour.red, kHighColour.red), mix(kLowColour.green, kHighColour.green),
-          mix(kLowColour.blue, kHighColour.blue), 255};
-}
-
-std::shared_ptr<mrpt::opengl::CPointCloudColoured> makeLandmarks(const slam::MapView& still_world,
-                                                                 double ground_z,
-                                                                 float point_size) {
-  auto cloud = mrpt::opengl::CPointCloudColoured::Create();
-  cloud->reserve(still_world.landmarks.size());
-  for (const auto& landmark : still_world.landmarks) {
-    const auto colour = landmarkColour(landmark, ground_z);
-    const Eigen::Vector3f p = landmark.position.cast<float>();
-    cloud->insertPoint({p.x(), p.y(), p.z(), colour.R, colour.G, colour.B, colour.A});
-  }
-  cloud->setName("landmarks");
-  cloud->setPointSize(point_size);
-  cloud->enableVariablePointSize(false);
-  drawInOrder(1, *cloud);
-  return cloud;
 }
 
 /// The path laid down on the ground, without the steps of a standing robot.
@@ -87,7 +53,7 @@ std::vector<Eigen::Vector3d> pathOnGround(const std::vector<Stamped<Pose>>& path
 
 std::shared_ptr<CSetOfTriangles> makePath(const std::string& name,
                                           const std::vector<Stamped<Pose>>& path, double drop,
-                                          double width, Colour colour, int order) {
+                                          double width, Colour colour, DrawOrder order) {
   auto ribbon = CSetOfTriangles::Create();
   ribbon->setName(name);
   ribbon->enableLight(false);
@@ -108,7 +74,7 @@ std::shared_ptr<CSetOfTriangles> makeRobot(const Pose& T_map_robot, double groun
   map::appendRibbon(
       {place - 0.6 * forward, place + 0.9 * forward}, map::HalfWidths{0.5, 0.0}, kPathColour,
       [](double) { return 255.0; }, *wedge);
-  drawInOrder(4, *wedge);
+  drawInOrder(DrawOrder::kRobot, *wedge);
   return wedge;
 }
 
@@ -147,11 +113,11 @@ std::shared_ptr<mrpt::opengl::CSetOfObjects> makeMovingObjects(const CMovingObje
   shown.getVisualizationInto(all);
   auto objects = mrpt::opengl::CSetOfObjects::Create();
   objects->setName("moving_objects");
-  int order = 5;
+  int order = 0;
   for (const auto& object : all) {
     const bool outline = std::dynamic_pointer_cast<CSetOfLines>(object) != nullptr;
     if (outline && use == SceneUse::kPicture) continue;
-    drawInOrder(order++, *object);
+    drawInOrder(DrawOrder::kMovingObjects, *object, order++);
     objects->insert(object);
   }
   return objects;
@@ -159,10 +125,15 @@ std::shared_ptr<mrpt::opengl::CSetOfObjects> makeMovingObjects(const CMovingObje
 
 }  // namespace
 
-mrpt::opengl::COpenGLScene WorldScene::build(const SnapshotInput& input, double ground_z) {
-  if (shown_world_ != input.map.stillWorld() || landmarks_ == nullptr) {
-    shown_world_ = input.map.stillWorld();
-    landmarks_ = makeLandmarks(*shown_world_, ground_z, point_size_);
+mrpt::opengl::COpenGLScene WorldScene::build(const SnapshotInput& input, double ground_z,
+                                             const render::PinholeView* view) {
+  landmarks_.update(input.map.stillWorld(), ground_z, point_size_);
+  auto landmarks = mrpt::opengl::CSetOfObjects::Create();
+  landmarks->setName("landmarks");
+  if (view != nullptr) {
+    landmarks_.insertVisible(*view, *landmarks);
+  } else {
+    landmarks_.insertAll(*landmarks);
   }
   const Eigen::Vector3d place = input.T_map_robot.translation();
   const double drop = place.z() - ground_z - 0.02;
@@ -171,12 +142,14 @@ mrpt::opengl::COpenGLScene WorldScene::build(const SnapshotInput& input, double 
                                                  mrpt::u8tof(kGroundColour.green),
                                                  mrpt::u8tof(kGroundColour.blue), 1.f});
   scene.insert(makeGrid(place, ground_z));
-  scene.insert(landmarks_);
+  scene.insert(landmarks);
   if (!input.true_path.empty()) {
-    scene.insert(makePath("true_path", input.true_path, drop, 2.2 * kPathWidthM, kTruthColour, 2));
+    scene.insert(makePath("true_path", input.true_path, drop, 2.2 * kPathWidthM, kTruthColour,
+                          DrawOrder::kTruth));
   }
   if (!input.path.empty()) {
-    scene.insert(makePath("camera_path", input.path, drop - 0.01, kPathWidthM, kPathColour, 3));
+    scene.insert(makePath("camera_path", input.path, drop - 0.01, kPathWidthM, kPathColour,
+                          DrawOrder::kPath));
   }
   scene.insert(makeRobot(input.T_map_robot, ground_z));
   scene.insert(makeMovingObjects(input.map.movingObjects(), use_));

@@ -3,11 +3,7 @@
 #include <headway/scene/snapshot.h>
 #include <mrpt/opengl/COpenGLScene.h>
 
-#include <memory>
-
-namespace mrpt::opengl {
-class CPointCloudColoured;
-}
+#include "landmark_clouds.h"
 
 namespace headway::scene {
 
@@ -25,13 +21,15 @@ class WorldScene {
 
   /// Objects by name: `ground_grid`, `landmarks`, `true_path`, `camera_path`, `robot`,
   /// `moving_objects`, and in a file `true_objects`, `camera`.
-  [[nodiscard]] mrpt::opengl::COpenGLScene build(const SnapshotInput& input, double ground_z);
+  ///
+  /// @param view  what a picture will show: landmarks outside are left out; nullptr: all are in
+  [[nodiscard]] mrpt::opengl::COpenGLScene build(const SnapshotInput& input, double ground_z,
+                                                 const render::PinholeView* view = nullptr);
 
  private:
   SceneUse use_;
   float point_size_;
-  std::shared_ptr<const slam::MapView> shown_world_;
-  std::shared_ptr<mrpt::opengl::CPointCloudColoured> landmarks_;
+  LandmarkClouds landmarks_;
 };
 
 }  // namespace headway::scene
