@@ -1,0 +1,49 @@
+#pragma once
+
+#include <headway/core/params.h>
+#include <headway/core/stereo_frame.h>
+
+#include <opencv2/core/mat.hpp>
+
+namespace headway::detect {
+
+/// How stereo pairs are matched densely. Section [disparity].
+struct DisparityParams {
+  enum class Method { kBlocks, kSemiGlobal };
+
+  Method method = Method::kBlocks;
+  int reduce = 2;             ///< images are matched at 1/reduce of their size [-] 1 ... 4
+  double nearest_m = 3.0;     ///< anything nearer is not matched [m]
+  int block_px = 9;           ///< side of a block in the reduced image, made odd [px]
+  int uniqueness = 12;        ///< how much better the best match must be [%]
+  int least_speckle_px = 40;  ///< smaller islands are dropped, reduced image [px]
+
+  void describe(Params::Section section);
+};
+
+/// Disparities of a left image, on a grid `reduce` times coarser than its pixels.
+struct DisparityImage {
+  cv::Mat values;  ///< 32-bit float, [px] of the full image; 0 where there is none
+  int reduce = 1;  ///< pixels of the full image to one cell, each way
+
+  [[nodiscard]] bool empty() const { return values.empty(); }
+  /// Full-image coordinate of a cell's centre (its column or its row) [px].
+  [[nodiscard]] double pixelOf(int cell) const { return (cell + 0.5) * reduce - 0.5; }
+  /// Cell that holds a full-image coordinate; may lie outside of the grid.
+  [[nodiscard]] int cellOf(double pixel) const;
+  /// Disparity at a full-image pixel [px]; 0 where there is none or outside.
+  [[nodiscard]] float at(double u, double v) const;
+  /// Share of the cells that hold a disparity, 0 to 1.
+  [[nodiscard]] double coverage() const;
+};
+
+/// Matches a stereo pair densely; the same result on any number of cores.
+///
+/// Matched both ways, without speckles: cells without texture, hidden in the right image or nearer
+/// than `nearest_m` hold 0. A picture too narrow to match gives an image of zeros.
+///
+/// @see  Konolige 1998, "Small vision systems" (blocks); Hirschmueller 2008 (semi-global)
+[[nodiscard]] DisparityImage denseDisparity(const StereoFrame& frame,
+                                            const DisparityParams& params);
+
+}  // namespace headway::detect

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <headway/core/stereo_camera.h>
+#include <headway/detect/disparity.h>
+
+#include <optional>
+
+namespace headway::detect {
+
+/// The ground before the camera, as a plane in the camera frame.
+struct GroundPlane {
+  Eigen::Vector3d up = -Eigen::Vector3d::UnitY();  ///< unit normal, away from the ground
+  double camera_height = 0.0;                      ///< of the camera above it [m]
+
+  /// Height of a point above the ground [m].
+  [[nodiscard]] double heightOf(const Eigen::Vector3d& point) const {
+    return up.dot(point) + camera_height;
+  }
+};
+
+/// Direction against gravity in the camera frame, as the camera is mounted on its robot.
+[[nodiscard]] Eigen::Vector3d mountedUp(const StereoCamera& camera);
+
+/// Finds the ground in a disparity image: the plane that carries most of the points near by, has
+/// hardly any below it, and lies within 10 degrees and 0.2 ... 4 m of where a mounted camera
+/// expects it. Sampled with a fixed seed.
+///
+/// @param previous  plane of the frame before, tried first
+/// @return          nullopt where no plane carries enough points (expected, not an error)
+/// @see             Fischler & Bolles 1981 (RANSAC)
+[[nodiscard]] std::optional<GroundPlane> findGround(const DisparityImage& disparity,
+                                                    const StereoCamera& camera,
+                                                    const std::optional<GroundPlane>& previous);
+
+}  // namespace headway::detect

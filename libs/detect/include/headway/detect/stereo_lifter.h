@@ -1,0 +1,50 @@
+#pragma once
+
+#include <headway/core/box_lifter.h>
+#include <headway/core/stereo_frame.h>
+#include <headway/detect/disparity.h>
+#include <headway/detect/ground_plane.h>
+#include <headway/detect/surface_depth.h>
+
+#include <memory>
+#include <optional>
+
+namespace headway::detect {
+
+/// Gives the 2D boxes of one frame their depth, size and heading by stereo.
+///
+/// Depth is that of the visible surface (surfaceDepth), size the class's usual one with the height
+/// that the box shows, heading that of the visible side; front and back cannot be told apart, so
+/// the front is taken to look away from the camera. Boxes are those of the frame's left image.
+///
+///     StereoLifter lifter(frame, params);
+///     tracker.update(index, pose, detections, &lifter);
+class StereoLifter : public BoxLifter {
+ public:
+  /// Matches the frame densely, once.
+  StereoLifter(const StereoFrame& frame, const DisparityParams& params);
+
+  /// Takes what another step found already.
+  StereoLifter(std::shared_ptr<const StereoCamera> camera, DisparityImage disparity,
+               std::optional<GroundPlane> ground);
+
+  /// nullopt for a box that is not finite, hardly overlaps the image, or whose depth neither
+  /// stereo nor its class's size tells.
+  [[nodiscard]] std::optional<LiftedBox> lift(const Box2d& box,
+                                              ObjectClass object_class) const override;
+
+  /// Depth of the visible surface alone.
+  [[nodiscard]] std::optional<SurfaceDepth> surfaceOf(const Box2d& box,
+                                                      ObjectClass object_class) const;
+
+ private:
+  std::shared_ptr<const StereoCamera> camera_;
+  DisparityImage disparity_;
+  std::optional<GroundPlane> ground_;
+};
+
+/// Adds 3D boxes to the detections of a frame that have a 2D one alone; those whose depth cannot be
+/// told stay as they were.
+void liftAll(Detections& detections, const BoxLifter& lifter);
+
+}  // namespace headway::detect

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <headway/core/params.h>
+#include <headway/detect/detector.h>
+#include <headway/detect/disparity.h>
+#include <headway/detect/ground_plane.h>
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace headway::detect {
+
+/// Section [stereo_motion].
+struct StereoMotionParams {
+  int max_points = 1200;            ///< followed at a time
+  int spacing_px = 8;               ///< between points [px]
+  double window_s = 0.6;            ///< how far back a point's sightings count [s]
+  double range_m = 50.0;            ///< farther points are not followed [m]
+  double least_height_m = 0.2;      ///< above ground, of points on objects [m]
+  double most_height_m = 3.5;       ///< [m]
+  double sigma_px = 0.4;            ///< of a sighting, each way [px]
+  double sigma_disparity_px = 0.4;  ///< [px]
+  double significance = 30.0;  ///< of a point's motion, chi-square with 3 degrees of freedom [-]
+  double least_speed = 0.6;    ///< slower objects stand still [m/s]
+  double most_speed = 60.0;    ///< nothing is faster [m/s]
+  int least_points = 3;        ///< that make an object
+  int confirm_frames = 2;      ///< in which an object was found before it is reported
+  double reach_m = 1.0;        ///< between points of one object, over the ground [m]
+  double moving_share = 0.6;   ///< of the points inside an object's outline [-]
+  double most_moving = 0.6;    ///< if more of all points seem to move, the camera's motion is wrong
+  bool guess_class = true;     ///< from size and speed; else every object is Unknown
+
+  void describe(Params::Section section);
+};
+
+/// One thing that moves.
+struct MovingObject {
+  std::int64_t id = 0;  ///< kept while enough of its points are followed
+  Detection detection;  ///< 2D and 3D box, score, covariance, id
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< over the ground, map frame [m/s]
+  double speed_sigma = 0.0;                            ///< [m/s]
+  int points = 0;                                      ///< that moved together
+};
+
+/// Finds whatever moves, by geometry alone: no network, no weights, no classes.
+///
+/// Corners are followed through time and across the stereo pair. With the camera's motion taken
+/// out, each is fitted twice to its sightings of the last half second, standing and moving; where
+/// only motion explains them, and neighbours on the ground move alike, there is an object. Dense
+/// disparities give its outline. Needs a frame rate at which things move less than they are long,
+/// and a camera that sees still surroundings most of the time.
+///
+/// @see  Franke et al. 2005, "6D-Vision"; Lenz et al. 2011, "Sparse scene flow segmentation"
+class StereoMotion : public Detector {
+ public:
+  /// @param camera  of every frame to come
+  StereoMotion(std::shared_ptr<const StereoCamera> camera, const StereoMotionParams& params,
+               const DisparityParams& disparity);
+  ~StereoMotion() override;
+
+  [[nodiscard]] bool needsPose() const override { return true; }
+  [[nodiscard]] std::optional<Detections> detect(const StereoFrame& frame,
+                                                 const std::optional<Pose>& T_map_robot) override;
+  /// Boxes and mask of the objects found last.
+  [[nodiscard]] MovingRegions movingRegions() const override;
+
+  /// Objects found last, with their velocities.
+  [[nodiscard]] const std::vector<MovingObject>& objects() const;
+  /// Disparities of the frame looked at last, for a StereoLifter of the same frame.
+  [[nodiscard]] const DisparityImage& disparity() const;
+  /// Ground of the frame looked at last.
+  [[nodiscard]] const std::optional<GroundPlane>& ground() const;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace headway::detect

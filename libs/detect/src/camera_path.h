@@ -1,0 +1,62 @@
+#pragma once
+
+#include <headway/core/pose.h>
+#include <headway/core/stereo_camera.h>
+
+#include <Eigen/Core>
+#include <deque>
+#include <vector>
+
+namespace headway::detect {
+
+/// A still point of the world and where the newest frame sees it.
+struct StillSighting {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< world of the path [m]
+  Eigen::Vector3d uvd = Eigen::Vector3d::Zero();    ///< [px]
+};
+
+/// Where the camera was in the last few frames, in a world of the path's own.
+///
+/// Only motion from frame to frame is taken from the poses given, so that a jump of the map (a
+/// loop closed) tears nothing apart.
+class CameraPath {
+ public:
+  /// @param sigma_px  of a sighting's coordinates and disparity [px]
+  CameraPath(const StereoCamera& camera, double sigma_px) : camera_(camera), sigma_px_(sigma_px) {}
+
+  /// Adds a frame. @return its number, ascending from 0
+  int advance(Time time, const Pose& T_map_cam);
+
+  /// Corrects the newest camera by what it sees of the still world: the slight errors of the pose
+  /// given (its prior: 2 cm, 0.2 degrees) would make everything far away seem to move.
+  ///
+  /// Robust (Cauchy), so that what moves among the points has no say while it is not the most.
+  /// @return  share of the points that agree with the corrected camera; 1 where there are none
+  double refine(const std::vector<StillSighting>& points);
+
+  /// Forgets frames older than `first_kept`.
+  void forgetBefore(int first_kept);
+
+  [[nodiscard]] int newest() const { return first_ + static_cast<int>(frames_.size()) - 1; }
+  [[nodiscard]] int oldest() const { return first_; }
+  [[nodiscard]] bool empty() const { return frames_.empty(); }
+  [[nodiscard]] Time timeOf(int frame) const { return frames_[frame - first_].time; }
+  [[nodiscard]] const Pose& T_cam_world(int frame) const {
+    return frames_[frame - first_].T_cam_world;
+  }
+  /// Turn from this world to the map, as the newest pose given says.
+  [[nodiscard]] Eigen::Matrix3d R_map_world() const;
+
+ private:
+  struct Frame {
+    Time time;
+    Pose T_cam_world;
+  };
+  StereoCamera camera_;
+  double sigma_px_;
+  std::deque<Frame> frames_;
+  int first_ = 0;
+  Pose T_map_cam_ = Pose::Identity();  ///< of the newest frame, as given
+};
+
+}  // namespace headway::detect

@@ -1,0 +1,90 @@
+#include <headway/detect/disparity.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace headway::detect {
+namespace {
+
+constexpr int kSubpixels = 16;  // OpenCV's fixed-point disparities
+
+cv::Mat reduced(const cv::Mat& image, int reduce) {
+  if (reduce == 1) return image;
+  cv::Mat result;
+  cv::resize(image, result, {image.cols / reduce, image.rows / reduce}, 0, 0, cv::INTER_AREA);
+  return result;
+}
+
+// Disparities to search, a multiple of 16 that leaves half of the picture to match; 0: too narrow.
+int searchRange(const StereoCamera& camera, const DisparityParams& params, int width) {
+  const double nearest = camera.fx * camera.baseline_m / params.nearest_m / params.reduce;
+  const int wanted = (static_cast<int>(std::ceil(nearest)) + 15) / 16 * 16;
+  return std::min(wanted, (width / 2) / 16 * 16);
+}
+
+cv::Ptr<cv::StereoMatcher> makeMatcher(const DisparityParams& params, int range) {
+  const int block = params.block_px | 1;
+  if (params.method == DisparityParams::Method::kSemiGlobal) {
+    const int side = std::min(block, 5);
+    auto matcher = cv::StereoSGBM::create(0, range, side, 8 * side * side, 32 * side * side);
+    matcher->setUniquenessRatio(params.uniqueness);
+    return matcher;
+  }
+  auto matcher = cv::StereoBM::create(range, block);
+  matcher->setUniquenessRatio(params.uniqueness);
+  matcher->setTextureThreshold(12);
+  matcher->setPreFilterCap(31);
+  return matcher;
+}
+
+}  // namespace
+
+void DisparityParams::describe(Params::Section section) {
+  section.add("method", method, {{"blocks", Method::kBlocks}, {"semi_global", Method::kSemiGlobal}},
+              "How stereo pairs are matched; semi_global is denser and five times slower");
+  section.add("reduce", reduce, 1, 4, "-", "Images are matched at one over this of their size");
+  section.add("nearest_m", nearest_m, 0.3, 50.0, "m", "Anything nearer is not matched");
+  section.add("block_px", block_px, 5, 31, "px", "Side of a block in the reduced image, made odd");
+  section.add("uniqueness", uniqueness, 0, 50, "%", "How much better the best match must be");
+  section.add("least_speckle_px", least_speckle_px, 0, 1000, "px",
+              "Smaller islands are dropped, in the reduced image");
+}
+
+int DisparityImage::cellOf(double pixel) const {
+  return static_cast<int>(std::floor((pixel + 0.5) / reduce));
+}
+
+float DisparityImage::at(double u, double v) const {
+  const int column = cellOf(u);
+  const int row = cellOf(v);
+  const bool inside = column >= 0 && row >= 0 && column < values.cols && row < values.rows;
+  return inside ? values.at<float>(row, column) : 0.0F;
+}
+
+double DisparityImage::coverage() const {
+  if (values.empty()) return 0.0;
+  return cv::countNonZero(values) / static_cast<double>(values.total());
+}
+
+DisparityImage denseDisparity(const StereoFrame& frame, const DisparityParams& params) {
+  DisparityImage result;
+  result.reduce = params.reduce;
+  const cv::Mat left = reduced(frame.left, params.reduce);
+  const cv::Mat right = reduced(frame.right, params.reduce);
+  const int range = searchRange(*frame.camera, params, left.cols);
+  result.values = cv::Mat(left.size(), CV_32F, cv::Scalar(0));
+  if (range < 16 || left.rows <= 2 * params.block_px) return result;
+  auto matcher = makeMatcher(params, range);
+  matcher->setDisp12MaxDiff(1);
+  matcher->setSpeckleRange(2);
+  matcher->setSpeckleWindowSize(params.least_speckle_px);
+  cv::Mat fixed;
+  matcher->compute(left, right, fixed);
+  fixed.convertTo(result.values, CV_32F, static_cast<double>(params.reduce) / kSubpixels);
+  cv::max(result.values, 0.0F, result.values);
+  return result;
+}
+
+}  // namespace headway::detect

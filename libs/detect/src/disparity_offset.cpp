@@ -1,0 +1,33 @@
+#include "disparity_offset.h"
+
+#include <algorithm>
+
+namespace headway::detect {
+namespace {
+
+constexpr double kWalk = 0.03;         // from frame to frame [px]
+constexpr double kIndependent = 0.05;  // share of the points' information: neighbours err together
+constexpr double kMostOffset = 4.0;    // [px]
+
+}  // namespace
+
+void DisparityOffset::update(const std::vector<PointTrack>& points,
+                             const std::vector<PointVerdict>& verdicts) {
+  double information = 0.0;
+  double push = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto& point = points[i];
+    if (!point.motion || point.object >= 0 || verdicts[i] == PointVerdict::kMismatch) continue;
+    const double fit =
+        point.motion->still_error / (3.0 * (static_cast<double>(point.sightings.size()) - 1.0));
+    const double weight = kIndependent / (1.0 + fit);
+    information += weight * point.motion->offset_information;
+    push += weight * point.motion->offset_push;
+  }
+  variance_ += kWalk * kWalk;
+  const double posterior = 1.0 / (1.0 / variance_ + information);
+  value_ = std::clamp(value_ + posterior * push, -kMostOffset, kMostOffset);
+  variance_ = posterior;
+}
+
+}  // namespace headway::detect

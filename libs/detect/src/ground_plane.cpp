@@ -1,0 +1,118 @@
+#include <headway/detect/ground_plane.h>
+
+#include <Eigen/Eigenvalues>
+#include <random>
+#include <vector>
+
+namespace headway::detect {
+namespace {
+
+constexpr double kNear = 3.0;  // points of the ground are sought from here [m]
+constexpr double kFar = 25.0;  // to here [m]
+constexpr int kStep = 4;       // cells from sample to sample
+constexpr int kTrials = 80;
+constexpr double kMostTiltCosine = 0.985;  // 10 degrees
+constexpr double kLowest = 0.2;            // camera above ground [m]
+constexpr double kHighest = 4.0;           // [m]
+constexpr double kLeastShare = 0.15;       // of the points that must lie on the plane
+
+using Points = std::vector<Eigen::Vector3d>;
+
+// How far off the plane a point of the ground may be: stereo noise grows with depth.
+double toleranceAt(double depth) { return 0.03 + 0.006 * depth; }
+
+Points pointsBelowHorizon(const DisparityImage& disparity, const StereoCamera& camera) {
+  Points points;
+  const double fb = camera.fx * camera.baseline_m;
+  for (int row = std::max(0, disparity.cellOf(camera.cy)); row < disparity.values.rows;
+       row += kStep) {
+    for (int column = 0; column < disparity.values.cols; column += kStep) {
+      const double d = disparity.values.at<float>(row, column);
+      if (d < fb / kFar || d > fb / kNear) continue;
+      const double z = fb / d;
+      points.emplace_back(z * (disparity.pixelOf(column) - camera.cx) / camera.fx,
+                          z * (disparity.pixelOf(row) - camera.cy) / camera.fy, z);
+    }
+  }
+  return points;
+}
+
+bool plausible(const GroundPlane& plane, const Eigen::Vector3d& expected_up) {
+  return plane.up.dot(expected_up) > kMostTiltCosine && plane.camera_height > kLowest &&
+         plane.camera_height < kHighest;
+}
+
+// Points on the plane, less those below it: nothing is under the ground.
+double score(const GroundPlane& plane, const Points& points) {
+  double total = 0.0;
+  for (const auto& point : points) {
+    const double height = plane.heightOf(point);
+    const double tolerance = toleranceAt(point.z());
+    if (std::abs(height) < tolerance) total += 1.0;
+    if (height < -2.0 * tolerance) total -= 1.0;
+  }
+  return total;
+}
+
+GroundPlane planeThrough(const Eigen::Vector3d& point, Eigen::Vector3d normal,
+                         const Eigen::Vector3d& expected_up) {
+  normal.normalize();
+  if (normal.dot(expected_up) < 0.0) normal = -normal;
+  return {normal, -normal.dot(point)};
+}
+
+GroundPlane refined(GroundPlane plane, const Points& points, const Eigen::Vector3d& expected_up) {
+  for (int i = 0; i < 2; ++i) {
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+    double count = 0.0;
+    for (const auto& point : points) {
+      const double tolerance = toleranceAt(point.z());
+      if (std::abs(plane.heightOf(point)) > tolerance) continue;
+      const double weight = 1.0 / (tolerance * tolerance);
+      mean += weight * point;
+      squares += weight * point * point.transpose();
+      count += weight;
+    }
+    if (!(count > 0.0)) return plane;
+    mean /= count;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(squares / count -
+                                                              mean * mean.transpose());
+    const auto next = planeThrough(mean, axes.eigenvectors().col(0), expected_up);
+    if (!plausible(next, expected_up)) return plane;
+    plane = next;
+  }
+  return plane;
+}
+
+}  // namespace
+
+Eigen::Vector3d mountedUp(const StereoCamera& camera) {
+  return camera.T_robot_cam.linear().transpose() * Eigen::Vector3d::UnitZ();
+}
+
+std::optional<GroundPlane> findGround(const DisparityImage& disparity, const StereoCamera& camera,
+                                      const std::optional<GroundPlane>& previous) {
+  const Points points = pointsBelowHorizon(disparity, camera);
+  if (points.size() < 50) return std::nullopt;
+  const Eigen::Vector3d expected_up = mountedUp(camera);
+  GroundPlane best = previous.value_or(GroundPlane{expected_up, 0.0});
+  double best_score = previous ? score(best, points) : 0.0;
+  std::mt19937 random(1);
+  const auto draw = [&] { return points[random() % points.size()]; };
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const Eigen::Vector3d a = draw(), b = draw(), c = draw();
+    const Eigen::Vector3d normal = (b - a).cross(c - a);
+    if (normal.norm() < 0.2) continue;
+    const auto plane = planeThrough(a, normal, expected_up);
+    if (!plausible(plane, expected_up)) continue;
+    const double plane_score = score(plane, points);
+    if (plane_score <= best_score) continue;
+    best = plane;
+    best_score = plane_score;
+  }
+  if (best_score < kLeastShare * static_cast<double>(points.size())) return std::nullopt;
+  return refined(best, points, expected_up);
+}
+
+}  // namespace headway::detect

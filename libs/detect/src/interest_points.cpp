@@ -1,0 +1,91 @@
+#include "interest_points.h"
+
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
+#include <tuple>
+
+namespace headway::detect {
+namespace {
+
+constexpr int kReduce = 2;
+constexpr int kBorder = 8;               // from the image's edges [px]
+constexpr float kLeastStrength = 2e-4F;  // smaller eigenvalue, of an image scaled to 0 ... 1
+constexpr double kShareElsewhere = 0.1;  // of the points, outside of the zone
+
+struct Corner {
+  float strength = 0.0F;
+  cv::Point2f place;
+  bool in_zone = false;
+};
+
+bool inZone(const cv::Point2f& place, double disparity, const StereoCamera& camera,
+            const std::optional<GroundPlane>& ground, const InterestZone& zone) {
+  const auto point = triangulate({place.x, place.y, disparity}, camera);
+  if (point->z() > zone.range_m) return false;
+  if (!ground) return true;
+  const double height = ground->heightOf(*point);
+  return height > zone.least_height_m && height < zone.most_height_m;
+}
+
+// Strongest pixel of a square of the reduced image.
+Corner strongestIn(const cv::Mat& strength, const cv::Rect& square) {
+  Corner best;
+  for (int row = square.y; row < square.y + square.height; ++row) {
+    const float* values = strength.ptr<float>(row);
+    for (int column = square.x; column < square.x + square.width; ++column) {
+      if (values[column] <= best.strength) continue;
+      best.strength = values[column];
+      best.place = {(static_cast<float>(column) + 0.5F) * kReduce - 0.5F,
+                    (static_cast<float>(row) + 0.5F) * kReduce - 0.5F};
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<cv::Point2f> interestPoints(const cv::Mat& image, const DisparityImage& disparity,
+                                        const StereoCamera& camera,
+                                        const std::optional<GroundPlane>& ground,
+                                        const InterestZone& zone,
+                                        const std::vector<cv::Point2f>& taken, int spacing_px,
+                                        int wanted) {
+  if (wanted <= 0) return {};
+  cv::Mat half, strength;
+  cv::resize(image, half, {image.cols / kReduce, image.rows / kReduce}, 0, 0, cv::INTER_AREA);
+  cv::cornerMinEigenVal(half, strength, 3, 3);
+  const int side = std::max(2, spacing_px / kReduce);
+  cv::Mat occupied(strength.rows / side + 1, strength.cols / side + 1, CV_8U, cv::Scalar(0));
+  for (const auto& place : taken) {
+    const int row = static_cast<int>(place.y) / kReduce / side;
+    const int column = static_cast<int>(place.x) / kReduce / side;
+    occupied.at<unsigned char>(row, column) = 1;
+  }
+  std::vector<Corner> corners;
+  const int border = (kBorder / kReduce + side - 1) / side * side;  // whole squares
+  for (int row = border; row + side + border < strength.rows; row += side) {
+    for (int column = border; column + side + border < strength.cols; column += side) {
+      if (occupied.at<unsigned char>(row / side, column / side) != 0) continue;
+      Corner corner = strongestIn(strength, {column, row, side, side});
+      if (corner.strength < kLeastStrength) continue;
+      const double d = disparity.at(corner.place.x, corner.place.y);
+      if (d <= 0.0) continue;
+      corner.in_zone = inZone(corner.place, d, camera, ground, zone);
+      corners.push_back(corner);
+    }
+  }
+  std::stable_sort(corners.begin(), corners.end(),
+                   [](const Corner& a, const Corner& b) { return a.strength > b.strength; });
+  auto elsewhere = static_cast<int>(kShareElsewhere * wanted);
+  auto in_zone = wanted - elsewhere;
+  std::vector<cv::Point2f> chosen;
+  for (const auto& corner : corners) {
+    int& left = corner.in_zone ? in_zone : elsewhere;
+    if (left <= 0) continue;
+    --left;
+    chosen.push_back(corner.place);
+  }
+  return chosen;
+}
+
+}  // namespace headway::detect

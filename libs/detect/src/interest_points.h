@@ -1,0 +1,31 @@
+#pragma once
+
+#include <headway/core/stereo_camera.h>
+#include <headway/detect/disparity.h>
+#include <headway/detect/ground_plane.h>
+
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <vector>
+
+namespace headway::detect {
+
+/// Where objects could be.
+struct InterestZone {
+  double range_m = 50.0;        ///< depth [m]
+  double least_height_m = 0.2;  ///< above ground [m]
+  double most_height_m = 3.5;   ///< [m]
+};
+
+/// The best corners to follow, at most one to a square of `spacing_px`, strongest first.
+///
+/// Nine tenths lie in the zone; the rest anywhere that has a disparity. Squares that hold one of
+/// the points `taken` are left alone. Without a ground plane heights are not looked at.
+///
+/// @see  Shi & Tomasi 1994: the smaller eigenvalue, here in an image reduced to a half
+[[nodiscard]] std::vector<cv::Point2f> interestPoints(
+    const cv::Mat& image, const DisparityImage& disparity, const StereoCamera& camera,
+    const std::optional<GroundPlane>& ground, const InterestZone& zone,
+    const std::vector<cv::Point2f>& taken, int spacing_px, int wanted);
+
+}  // namespace headway::detect

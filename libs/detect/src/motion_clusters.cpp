@@ -1,0 +1,123 @@
+#include "motion_clusters.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace headway::detect {
+namespace {
+
+Eigen::Vector3d overGround(const Eigen::Vector3d& vector, const Eigen::Vector3d& up) {
+  return vector - up * up.dot(vector);
+}
+
+bool moveTogether(const PointMotion& a, const PointMotion& b, double depth,
+                  const Eigen::Vector3d& up, const ClusterParams& params) {
+  const double reach = params.reach_m + params.reach_per_m * depth;
+  if (overGround(a.point - b.point, up).norm() > reach) return false;
+  const Eigen::Vector3d difference = overGround(a.velocity - b.velocity, up);
+  const double size = difference.norm();
+  const Eigen::Vector3d direction = difference / std::max(1e-9, size);
+  const double sigma =
+      std::sqrt(direction.dot((a.velocity_covariance + b.velocity_covariance) * direction));
+  const double speed = 0.5 * (a.velocity.norm() + b.velocity.norm());
+  return size < std::max(params.speed_difference, params.speed_share * speed) + 2.0 * sigma;
+}
+
+// Disjoint sets; the least index stands for its set.
+class Sets {
+ public:
+  explicit Sets(std::size_t count) : parents_(count) {
+    std::iota(parents_.begin(), parents_.end(), std::size_t{0});
+  }
+  std::size_t find(std::size_t i) {
+    while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
+    return i;
+  }
+  void join(std::size_t a, std::size_t b) {
+    a = find(a);
+    b = find(b);
+    parents_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<std::size_t> parents_;
+};
+
+// Mean of the members' velocities, each weighted by how well it is known.
+void setVelocity(const std::vector<PointTrack>& points, const Eigen::Vector3d& up,
+                 MotionCluster& cluster) {
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const std::size_t i : cluster.members) {
+    const Eigen::Matrix3d weight =
+        (points[i].motion->velocity_covariance + 0.04 * Eigen::Matrix3d::Identity()).inverse();
+    information += weight;
+    sum += weight * points[i].motion->velocity;
+  }
+  const Eigen::Matrix3d covariance = information.inverse();
+  cluster.velocity = overGround(covariance * sum, up);
+  const Eigen::Vector3d direction = cluster.velocity.normalized();
+  cluster.speed_sigma = std::sqrt(direction.dot(covariance * direction));
+}
+
+}  // namespace
+
+std::vector<MotionCluster> clusterMotion(const std::vector<PointTrack>& points,
+                                         const std::vector<PointVerdict>& verdicts,
+                                         const CameraPath& path, const Eigen::Vector3d& up,
+                                         const ClusterParams& params) {
+  std::vector<std::size_t> moving;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (verdicts[i] == PointVerdict::kMoving) moving.push_back(i);
+  }
+  Sets sets(moving.size());
+  for (std::size_t a = 0; a < moving.size(); ++a) {
+    const PointMotion& motion = *points[moving[a]].motion;
+    const double depth = (path.T_cam_world(path.newest()) * motion.point).z();
+    for (std::size_t b = a + 1; b < moving.size(); ++b) {
+      if (moveTogether(motion, *points[moving[b]].motion, depth, up, params)) sets.join(a, b);
+    }
+  }
+  std::vector<MotionCluster> clusters(moving.size());
+  for (std::size_t a = 0; a < moving.size(); ++a) {
+    clusters[sets.find(a)].members.push_back(moving[a]);
+  }
+  std::vector<MotionCluster> accepted;
+  for (auto& cluster : clusters) {
+    if (static_cast<int>(cluster.members.size()) < params.least_points) continue;
+    setVelocity(points, up, cluster);
+    accepted.push_back(std::move(cluster));
+  }
+  return accepted;
+}
+
+double movingShare(const std::vector<PointTrack>& points, const std::vector<PointVerdict>& verdicts,
+                   const CameraPath& path, const MotionCluster& cluster, const Box2d& outline) {
+  const auto depthOf = [&](std::size_t i) {
+    return (path.T_cam_world(path.newest()) * points[i].motion->point).z();
+  };
+  double nearest = std::numeric_limits<double>::infinity();
+  double farthest = 0.0;
+  for (const std::size_t i : cluster.members) {
+    nearest = std::min(nearest, depthOf(i));
+    farthest = std::max(farthest, depthOf(i));
+  }
+  const double margin = 0.3 + 0.02 * farthest;
+  double moving = 0.0;
+  double still = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (verdicts[i] != PointVerdict::kMoving && verdicts[i] != PointVerdict::kStill) continue;
+    const auto& uvd = points[i].sightings.back().uvd;
+    const double depth = depthOf(i);
+    if (!outline.contains(uvd.x(), uvd.y()) || depth < nearest - margin ||
+        depth > farthest + margin) {
+      continue;
+    }
+    (verdicts[i] == PointVerdict::kMoving ? moving : still) += 1.0;
+  }
+  return moving / std::max(1.0, moving + still);
+}
+
+}  // namespace headway::detect

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <headway/core/detection.h>
+
+#include <vector>
+
+#include "motion_verdict.h"
+
+namespace headway::detect {
+
+/// Points that move together.
+struct MotionCluster {
+  std::vector<std::size_t> members;                    ///< indices of points, ascending
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< over the ground, world of the path [m/s]
+  double speed_sigma = 0.0;                            ///< [m/s]
+};
+
+/// What makes points one object, and an object of points.
+struct ClusterParams {
+  double reach_m = 1.0;           ///< points nearer than this over the ground are linked [m]
+  double reach_per_m = 0.02;      ///< growth of the reach with depth [m/m]
+  double speed_difference = 1.0;  ///< and if their velocities differ by less [m/s]
+  double speed_share = 0.2;       ///< or by this share of the speed [-]
+  int least_points = 3;
+};
+
+/// Joins moving points that are near to each other on the ground and move alike; smaller clusters
+/// than `least_points` are left out.
+///
+/// @param verdicts  one for each point
+/// @param up        unit normal of the ground, in the world of the path
+[[nodiscard]] std::vector<MotionCluster> clusterMotion(const std::vector<PointTrack>& points,
+                                                       const std::vector<PointVerdict>& verdicts,
+                                                       const CameraPath& path,
+                                                       const Eigen::Vector3d& up,
+                                                       const ClusterParams& params);
+
+/// Share of the moving ones among the points judged inside an object's outline and depth: a fence
+/// does not move because three of its posts look alike.
+///
+/// @param outline  [px]
+[[nodiscard]] double movingShare(const std::vector<PointTrack>& points,
+                                 const std::vector<PointVerdict>& verdicts, const CameraPath& path,
+                                 const MotionCluster& cluster, const Box2d& outline);
+
+}  // namespace headway::detect

@@ -1,0 +1,33 @@
+#include "motion_verdict.h"
+
+#include <cmath>
+
+namespace headway::detect {
+namespace {
+
+constexpr double kGoodFit = 3.0;  // squared error to a degree of freedom
+constexpr double kBadFit = 6.0;
+
+}  // namespace
+
+PointVerdict verdictOn(const PointTrack& point, const Eigen::Vector3d& up,
+                       const VerdictParams& params) {
+  const auto count = static_cast<int>(point.sightings.size());
+  if (!point.motion || count < params.least_sightings) return PointVerdict::kUnsure;
+  const PointMotion& motion = *point.motion;
+  const double still_fit = motion.still_error / (3.0 * (count - 1));
+  const double moving_fit = motion.moving_error / (3.0 * (count - 2) + 1.0);
+  if (moving_fit > kBadFit && still_fit > kBadFit) return PointVerdict::kMismatch;
+  const Eigen::Vector3d along_ground = motion.velocity - up * up.dot(motion.velocity);
+  const double speed = along_ground.norm();
+  const Eigen::Vector3d direction = along_ground / std::max(1e-9, speed);
+  const double sigma = std::sqrt(direction.dot(motion.velocity_covariance * direction));
+  const bool significant = motion.still_error - motion.moving_error > params.significance &&
+                           speed > params.speed_sigmas * sigma;
+  const bool possible = speed > params.least_speed && speed < params.most_speed &&
+                        motion.velocity.norm() < 2.0 * speed;
+  if (significant && possible && moving_fit < kGoodFit) return PointVerdict::kMoving;
+  return still_fit < kGoodFit ? PointVerdict::kStill : PointVerdict::kUnsure;
+}
+
+}  // namespace headway::detect

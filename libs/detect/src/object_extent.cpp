@@ -1,0 +1,191 @@
+#include "object_extent.h"
+
+#include <headway/detect/class_size.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace headway::detect {
+namespace {
+
+constexpr double kStep = 1.0;             // of disparity between neighbouring cells [px]
+constexpr double kStepShare = 0.04;       // or this share of it
+constexpr double kReach = 0.7;            // over the ground, from the nearest seed [m]
+constexpr double kReachPerMetre = 0.015;  // growth of the reach with depth [m/m]
+constexpr double kLeastHeight = 0.15;     // above ground [m]
+constexpr double kMostHeight = 3.8;       // [m]
+constexpr double kMostAfloat = 1.2;       // lowest part above ground, stereo noise aside [m]
+constexpr double kTail = 0.03;            // of the cells left out at each end of an extent
+constexpr double kVehicleExtent = 1.35;   // a person is never this wide [m]
+constexpr double kFastestWalker = 3.2;    // [m/s]
+constexpr double kFastestCyclist = 10.0;  // [m/s]
+constexpr double kEdgeSigma = 3.0;        // of an extent's edge in the image [px]
+
+struct Cell {
+  cv::Point place;
+  Eigen::Vector3d point;  // camera frame
+};
+
+class Growth {
+ public:
+  Growth(const std::vector<Eigen::Vector3d>& seeds, const DisparityImage& disparity,
+         const StereoCamera& camera, const GroundPlane& ground)
+      : seeds_(seeds), disparity_(disparity), camera_(camera), ground_(ground) {}
+
+  std::vector<Cell> run() {
+    cv::Mat seen(disparity_.values.size(), CV_8U, cv::Scalar(0));
+    for (const auto& seed : seeds_) {
+      const auto uvd = project(seed, camera_);
+      if (!uvd) continue;
+      const cv::Point place(disparity_.cellOf(uvd->x()), disparity_.cellOf(uvd->y()));
+      visit(place, static_cast<float>(uvd->z()), seen);
+    }
+    for (std::size_t next = 0; next < cells_.size(); ++next) {
+      const cv::Point place = cells_[next].place;
+      const float d = disparity_.values.at<float>(place);
+      // Two cells on: small holes of the disparity image do not cut an object in two.
+      for (const auto& step :
+           {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1), cv::Point(2, 0),
+            cv::Point(-2, 0), cv::Point(0, 2), cv::Point(0, -2)}) {
+        visit(place + step, d, seen);
+      }
+    }
+    return std::move(cells_);
+  }
+
+ private:
+  void visit(const cv::Point& place, float from, cv::Mat& seen) {
+    if (!cv::Rect({0, 0}, seen.size()).contains(place) || seen.at<unsigned char>(place) != 0) {
+      return;
+    }
+    const float d = disparity_.values.at<float>(place);
+    if (d <= 0.0F || std::abs(d - from) > std::max(kStep, kStepShare * d)) return;
+    const auto point =
+        triangulate({disparity_.pixelOf(place.x), disparity_.pixelOf(place.y), d}, camera_);
+    const double height = ground_.heightOf(*point);
+    if (height < kLeastHeight || height > kMostHeight || !nearSeeds(*point)) return;
+    seen.at<unsigned char>(place) = 1;
+    cells_.push_back({place, *point});
+  }
+
+  [[nodiscard]] bool nearSeeds(const Eigen::Vector3d& point) const {
+    const double reach = kReach + kReachPerMetre * point.z();
+    return std::any_of(seeds_.begin(), seeds_.end(), [&](const Eigen::Vector3d& seed) {
+      const Eigen::Vector3d off = point - seed;
+      return (off - ground_.up * ground_.up.dot(off)).squaredNorm() < reach * reach;
+    });
+  }
+
+  const std::vector<Eigen::Vector3d>& seeds_;
+  const DisparityImage& disparity_;
+  const StereoCamera& camera_;
+  const GroundPlane& ground_;
+  std::vector<Cell> cells_;
+};
+
+struct Range {
+  double least = 0.0;
+  double most = 0.0;
+  [[nodiscard]] double size() const { return most - least; }
+};
+
+template <typename Value>
+Range rangeOf(const std::vector<Cell>& cells, double tail, Value value) {
+  std::vector<double> values;
+  values.reserve(cells.size());
+  for (const auto& cell : cells) values.push_back(value(cell));
+  std::sort(values.begin(), values.end());
+  const auto skip = static_cast<std::size_t>(tail * static_cast<double>(values.size()));
+  return {values[skip], values[values.size() - 1 - skip]};
+}
+
+// What a thing of this size and speed most probably is.
+ObjectClass guessClass(double extent, double height, double speed) {
+  if (extent > kVehicleExtent || speed > kFastestCyclist) {
+    if (height > 2.6) return ObjectClass::kTruck;
+    return height > 1.9 ? ObjectClass::kVan : ObjectClass::kCar;
+  }
+  return speed > kFastestWalker ? ObjectClass::kCyclist : ObjectClass::kPedestrian;
+}
+
+// Stretches the seen part of an extent to a usual one, away from the camera.
+Range completed(const Range& seen, double usual, double camera_side) {
+  if (seen.size() >= usual) return seen;
+  const double mean = 0.5 * (seen.least + seen.most);
+  const double missing = usual - seen.size();
+  // The side turned to the camera is seen; what is missing lies behind it, and where the camera
+  // looks at the extent broadside it may be missing on both sides.
+  const double share = std::clamp(0.5 + (mean - camera_side) / usual, 0.0, 1.0);
+  return {seen.least - (1.0 - share) * missing, seen.most + share * missing};
+}
+
+Box3d boxAround(const std::vector<Cell>& cells, const Eigen::Vector3d& front,
+                const GroundPlane& ground, ObjectClass object_class) {
+  const Eigen::Vector3d side = ground.up.cross(front);
+  const auto usual = classSize(object_class)->size;
+  Range along = rangeOf(cells, kTail, [&](const Cell& c) { return front.dot(c.point); });
+  Range across = rangeOf(cells, kTail, [&](const Cell& c) { return side.dot(c.point); });
+  const Range height =
+      rangeOf(cells, kTail, [&](const Cell& c) { return ground.heightOf(c.point); });
+  along = completed(along, usual.x(), 0.0);
+  across = completed(across, usual.y(), 0.0);
+  const double top = std::max(height.most, 0.6 * usual.z());
+  Box3d box;
+  box.length = along.size();
+  box.width = across.size();
+  box.height = top;
+  box.yaw = opticalYaw(front);
+  box.centre = 0.5 * (along.least + along.most) * front +
+               0.5 * (across.least + across.most) * side +
+               (0.5 * top - ground.camera_height) * ground.up;
+  return box;
+}
+
+}  // namespace
+
+std::optional<ObjectExtent> objectExtent(const std::vector<Eigen::Vector3d>& seeds,
+                                         const Eigen::Vector3d& velocity,
+                                         const DisparityImage& disparity,
+                                         const StereoCamera& camera,
+                                         const std::optional<GroundPlane>& ground) {
+  double lowest = 1e9;
+  const Eigen::Vector3d mounted = mountedUp(camera);
+  for (const auto& seed : seeds) lowest = std::min(lowest, mounted.dot(seed));
+  const GroundPlane floor = ground.value_or(GroundPlane{mounted, 0.5 - lowest});
+  const auto cells = Growth(seeds, disparity, camera, floor).run();
+  if (cells.size() < 4) return std::nullopt;
+
+  ObjectExtent extent;
+  const Range u = rangeOf(cells, 0.01, [&](const Cell& c) { return disparity.pixelOf(c.place.x); });
+  const Range v = rangeOf(cells, 0.01, [&](const Cell& c) { return disparity.pixelOf(c.place.y); });
+  const double half = 0.5 * disparity.reduce;
+  extent.box2d = {std::max(0.0, u.least - half), std::max(0.0, v.least - half),
+                  std::min(camera.width - 1.0, u.most + half),
+                  std::min(camera.height - 1.0, v.most + half)};
+  const Eigen::Vector3d front = velocity.normalized();
+  const Eigen::Vector3d side = floor.up.cross(front);
+  const double length =
+      rangeOf(cells, kTail, [&](const Cell& c) { return front.dot(c.point); }).size();
+  const double width =
+      rangeOf(cells, kTail, [&](const Cell& c) { return side.dot(c.point); }).size();
+  const Range height =
+      rangeOf(cells, kTail, [&](const Cell& c) { return floor.heightOf(c.point); });
+  if (height.least > kMostAfloat) return std::nullopt;
+  const double top = height.most;
+  // Stereo smears depth: of an extent along the ray less counts.
+  const double depth = cells.front().point.z();
+  const double smear = 0.5 * depth * depth / (camera.fx * camera.baseline_m);
+  const double seen =
+      std::max(length - smear * std::abs(front.z()), width - smear * std::abs(side.z()));
+  extent.object_class = guessClass(seen, top, velocity.norm());
+  extent.box = boxAround(cells, front, floor, extent.object_class);
+  const Eigen::Vector3d sight = extent.box.centre.normalized();
+  const double across = kEdgeSigma * extent.box.centre.z() / camera.fx + 0.1;
+  const double along = std::hypot(across, 0.3 * smear * 2.0 + 0.1 * extent.box.length);
+  extent.centre_covariance = across * across * Eigen::Matrix3d::Identity() +
+                             (along * along - across * across) * sight * sight.transpose();
+  for (const auto& cell : cells) extent.cells.push_back(cell.place);
+  return extent;
+}
+
+}  // namespace headway::detect

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <headway/core/stereo_frame.h>
+#include <headway/detect/disparity.h>
+#include <headway/detect/ground_plane.h>
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <vector>
+
+#include "camera_path.h"
+#include "point_motion.h"
+
+namespace headway::detect {
+
+/// A point of the image followed from frame to frame.
+struct PointTrack {
+  std::int64_t id = 0;              ///< ascending in order of creation
+  std::vector<Sighting> sightings;  ///< oldest first
+  std::optional<PointMotion> motion;
+  std::int64_t object = -1;  ///< of the moving object it last belonged to; -1: none
+};
+
+/// Which points are followed.
+struct FollowerParams {
+  int max_points = 1200;
+  int spacing_px = 8;           ///< between points [px]
+  double window_s = 0.6;        ///< sightings older than this are forgotten [s]
+  double range_m = 50.0;        ///< points farther away are not begun [m]
+  double least_height_m = 0.2;  ///< above ground, of points that may belong to objects [m]
+  double most_height_m = 3.5;   ///< [m]
+};
+
+/// Follows points of the left image through time and, in each frame, to the right image.
+///
+/// Points are chosen where objects could be: between two heights above the ground and within
+/// range, one to a cell of a grid; a tenth of them anywhere, so that the camera's own motion stays
+/// in sight. They are sought where the world as known would put them. A point ends that is not
+/// found, found elsewhere on the way back, or whose left and right image disagree.
+/// @see  Lucas & Kanade 1981, Bouguet 2001 (pyramids), Shi & Tomasi 1994 (choice)
+class PointFollower {
+ public:
+  PointFollower(const StereoCamera& camera, const FollowerParams& params)
+      : camera_(camera), params_(params) {}
+
+  /// What disparities measured from now on are off by, to be taken off them [px].
+  void setDisparityOffset(double offset) { offset_ = offset; }
+
+  /// Finds the points of the frame before in this one; `path` has been advanced to it.
+  void follow(const StereoFrame& frame, const DisparityImage& disparity, const CameraPath& path);
+
+  /// Begins new points in this frame, where there are too few.
+  void replenish(const StereoFrame& frame, const DisparityImage& disparity,
+                 const std::optional<GroundPlane>& ground, int frame_number);
+
+  [[nodiscard]] std::vector<PointTrack>& points() { return points_; }
+  [[nodiscard]] const std::vector<PointTrack>& points() const { return points_; }
+  void clear();
+
+ private:
+  using Pyramid = std::vector<cv::Mat>;
+
+  [[nodiscard]] Eigen::Vector3d expectedAt(const PointTrack& point, const CameraPath& path) const;
+  void keepFound(const std::vector<cv::Point2f>& places, const std::vector<double>& disparities,
+                 const CameraPath& path);
+  [[nodiscard]] std::vector<double> disparitiesOf(const std::vector<cv::Point2f>& places,
+                                                  const std::vector<double>& guesses,
+                                                  const DisparityImage& disparity) const;
+
+  StereoCamera camera_;
+  FollowerParams params_;
+  std::vector<PointTrack> points_;
+  Pyramid left_before_;
+  Pyramid left_;
+  Pyramid right_;
+  std::int64_t next_id_ = 0;
+  double offset_ = 0.0;
+};
+
+}  // namespace headway::detect

@@ -1,0 +1,196 @@
+#include <gtest/gtest.h>
+#include <headway/detect/stereo_lifter.h>
+#include <headway_test/folders.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace headway::detect {
+namespace {
+
+std::shared_ptr<StereoCamera> testCamera() {
+  auto camera = std::make_shared<StereoCamera>();
+  camera->width = 620;
+  camera->height = 240;
+  camera->fx = camera->fy = 360.0;
+  camera->cx = 309.5;
+  camera->cy = 100.0;
+  camera->baseline_m = 0.54;
+  return camera;
+}
+
+double disparityAt(double depth, const StereoCamera& camera) {
+  return camera.fx * camera.baseline_m / depth;
+}
+
+/// A disparity image with one depth everywhere, to paint boxes on.
+DisparityImage wall(double depth, const StereoCamera& camera) {
+  DisparityImage image;
+  image.reduce = 2;
+  image.values =
+      cv::Mat(camera.height / 2, camera.width / 2, CV_32F, cv::Scalar(disparityAt(depth, camera)));
+  return image;
+}
+
+void paint(DisparityImage& image, const Box2d& box, double disparity) {
+  const cv::Point first(image.cellOf(box.left), image.cellOf(box.top));
+  const cv::Point last(image.cellOf(box.right), image.cellOf(box.bottom));
+  image.values(cv::Rect(first, last + cv::Point(1, 1))).setTo(disparity);
+}
+
+/// Image box of a car of usual size seen from behind.
+Box2d carAt(double depth, const StereoCamera& camera) {
+  const double half = 0.5 * 1.65 * camera.fx / depth;
+  const double high = 1.52 * camera.fy / depth;
+  return {300 - half, 90.0, 300 + half, 90.0 + high};
+}
+
+TEST(StereoLifter, BackgroundAroundAndBehindTheObjectDoesNotWin) {
+  const auto camera = testCamera();
+  const Box2d box = carAt(15.0, *camera);
+  DisparityImage image = wall(40.0, *camera);
+  // The car fills the lower half of its box; through windows and beside it the wall is seen.
+  paint(image, {box.left, box.top + 0.5 * box.height(), box.right, box.bottom},
+        disparityAt(15.0, *camera));
+  const StereoLifter lifter(camera, image, std::nullopt);
+  const auto surface = lifter.surfaceOf(box, ObjectClass::kCar);
+  ASSERT_TRUE(surface);
+  EXPECT_NEAR(surface->disparity, disparityAt(15.0, *camera), 0.05);
+}
+
+TEST(StereoLifter, AnOccluderDoesNotWin) {
+  const auto camera = testCamera();
+  const Box2d box = carAt(15.0, *camera);
+  DisparityImage image = wall(40.0, *camera);
+  paint(image, box, disparityAt(15.0, *camera));
+  paint(image, {box.left, box.top, box.left + 0.45 * box.width(), box.bottom},
+        disparityAt(6.0, *camera));
+  const StereoLifter lifter(camera, image, std::nullopt);
+  const auto surface = lifter.surfaceOf(box, ObjectClass::kCar);
+  ASSERT_TRUE(surface);
+  EXPECT_NEAR(surface->disparity, disparityAt(15.0, *camera), 0.05);
+}
+
+TEST(StereoLifter, ACarSeenFromBehindReachesAwayFromTheCamera) {
+  const auto camera = testCamera();
+  const Box2d box = carAt(12.0, *camera);
+  DisparityImage image = wall(60.0, *camera);
+  paint(image, box, disparityAt(12.0, *camera));
+  const StereoLifter lifter(camera, image, std::nullopt);
+  const auto lifted = lifter.lift(box, ObjectClass::kCar);
+  ASSERT_TRUE(lifted);
+  EXPECT_NEAR(lifted->box.centre.z(), 14.0, 0.4);
+  EXPECT_GT(std::abs(frontOf(lifted->box).z()), 0.95);
+  EXPECT_NEAR(lifted->box.height, 1.52, 0.05);
+}
+
+TEST(StereoLifter, WithoutStereoTheHeightTellsTheDepthButLessSurely) {
+  const auto camera = testCamera();
+  const Box2d box{300, 80, 315, 80 + 1.74 * 360.0 / 20.0};
+  DisparityImage nothing = wall(10.0, *camera);
+  nothing.values.setTo(0.0F);
+  DisparityImage something = nothing;
+  something.values = nothing.values.clone();
+  paint(something, box, disparityAt(20.0, *camera));
+  const auto blind =
+      StereoLifter(camera, nothing, std::nullopt).lift(box, ObjectClass::kPedestrian);
+  const auto seen =
+      StereoLifter(camera, something, std::nullopt).lift(box, ObjectClass::kPedestrian);
+  ASSERT_TRUE(blind);
+  ASSERT_TRUE(seen);
+  EXPECT_NEAR(blind->box.centre.z(), 20.0, 1.0);
+  EXPECT_GT(blind->centre_covariance(2, 2), 2.0 * seen->centre_covariance(2, 2));
+}
+
+TEST(StereoLifter, SaysNothingWhereNothingIsKnown) {
+  const auto camera = testCamera();
+  DisparityImage nothing = wall(10.0, *camera);
+  nothing.values.setTo(0.0F);
+  const StereoLifter lifter(camera, nothing, std::nullopt);
+  EXPECT_FALSE(lifter.lift({100, 100, 140, 160}, ObjectClass::kUnknown));
+  EXPECT_FALSE(lifter.lift({-80, 100, -40, 160}, ObjectClass::kCar)) << "outside of the image";
+  EXPECT_FALSE(lifter.lift({NAN, 100, 140, 160}, ObjectClass::kCar));
+}
+
+TEST(StereoLifter, CovarianceGrowsWithDepthAndIsLargestAlongTheRay) {
+  const auto camera = testCamera();
+  double before = 0.0;
+  for (const double depth : {8.0, 16.0, 30.0}) {
+    const Box2d box = carAt(depth, *camera);
+    DisparityImage image = wall(60.0, *camera);
+    paint(image, box, disparityAt(depth, *camera));
+    const auto lifted = StereoLifter(camera, image, std::nullopt).lift(box, ObjectClass::kCar);
+    ASSERT_TRUE(lifted);
+    EXPECT_GT(lifted->centre_covariance(2, 2), before);
+    EXPECT_GT(lifted->centre_covariance(2, 2), lifted->centre_covariance(0, 0));
+    before = lifted->centre_covariance(2, 2);
+  }
+}
+
+TEST(LiftAll, KeepsBoxesThatAreIn3dAlready) {
+  const auto camera = testCamera();
+  DisparityImage image = wall(20.0, *camera);
+  const StereoLifter lifter(camera, image, std::nullopt);
+  Detections detections;
+  detections.items.resize(2);
+  detections.items[0].box2d = carAt(20.0, *camera);
+  detections.items[1] = detections.items[0];
+  detections.items[0].object_class = detections.items[1].object_class = ObjectClass::kCar;
+  detections.items[1].box3d = Box3d{{1, 2, 3}, 4, 5, 6, 0};
+  liftAll(detections, lifter);
+  EXPECT_TRUE(detections.items[0].box3d);
+  EXPECT_EQ(detections.items[1].box3d->centre, Eigen::Vector3d(1, 2, 3));
+}
+
+TEST(StereoLifter, AgreesWithTheTrueDisparityOfRealCars) {
+  HEADWAY_REQUIRE_DATA(data);
+  std::vector<double> errors;
+  for (const char* name : {"000002", "000003", "000007", "000008", "000009", "000010", "000011",
+                           "000012", "000013", "000014", "000015", "000016"}) {
+    const auto file = [&](const char* folder) {
+      return (data / "kitti_stereo_2015" / "training" / folder / (std::string(name) + ".png"))
+          .string();
+    };
+    StereoFrame frame;
+    frame.left = cv::imread(file("image_02"), cv::IMREAD_GRAYSCALE);
+    frame.right = cv::imread(file("image_03"), cv::IMREAD_GRAYSCALE);
+    const cv::Mat truth = cv::imread(file("disp_occ_0"), cv::IMREAD_UNCHANGED);
+    const cv::Mat masks = cv::imread(file("obj_map"), cv::IMREAD_UNCHANGED);
+    ASSERT_FALSE(frame.left.empty() || truth.empty() || masks.empty());
+    auto camera = std::make_shared<StereoCamera>();
+    camera->width = frame.left.cols;
+    camera->height = frame.left.rows;
+    camera->fx = camera->fy = 721.5;
+    camera->cx = 609.6;
+    camera->cy = 172.9;
+    camera->baseline_m = 0.54;
+    frame.camera = camera;
+    const StereoLifter lifter(frame, DisparityParams{});
+    for (int id = 1; id < 20; ++id) {
+      const cv::Mat mask = masks == id;
+      std::vector<double> disparities;
+      for (int row = 0; row < truth.rows; ++row) {
+        for (int column = 0; column < truth.cols; ++column) {
+          const double d = truth.at<std::uint16_t>(row, column) / 256.0;
+          if (mask.at<unsigned char>(row, column) != 0 && d > 0.0) disparities.push_back(d);
+        }
+      }
+      if (disparities.size() < 30) continue;
+      std::sort(disparities.begin(), disparities.end());
+      const double median = disparities[disparities.size() / 2];
+      const cv::Rect rect = cv::boundingRect(mask);
+      const auto surface = lifter.surfaceOf(
+          {rect.x + 0.0, rect.y + 0.0, rect.br().x - 1.0, rect.br().y - 1.0}, ObjectClass::kCar);
+      errors.push_back(surface ? std::abs(median / surface->disparity - 1.0) : 1.0);
+    }
+  }
+  ASSERT_GT(errors.size(), 20u);
+  std::sort(errors.begin(), errors.end());
+  EXPECT_LT(errors[errors.size() / 2], 0.06);
+  EXPECT_LT(errors[errors.size() * 9 / 10], 0.12);
+}
+
+}  // namespace
+}  // namespace headway::detect
