@@ -5,6 +5,8 @@
 
 #include "detector_noise.h"
 #include "image_formation.h"
+#include "lens.h"
+#include "motion_sensors.h"
 #include "pedestrians.h"
 #include "robot_driver.h"
 #include "stereo_rig.h"
@@ -21,23 +23,26 @@ enum Purpose : std::uint64_t {
   kRobotSeed,
   kImageSeed,
   kDetectorSeed,
-  kClockSeed
+  kClockSeed,
+  kSensorSeed
 };
 
-constexpr double kStep = 0.05;  // longest step of the motion [s]
+constexpr double kStep = 0.05;     // longest step of the motion [s]
+constexpr double kImuStep = 0.01;  // the same where an inertial sensor is recorded [s]
 
-StereoCamera idealCamera(const CameraParams& params) {
-  StereoCamera camera;
-  camera.width = params.width;
-  camera.height = params.height;
-  camera.fx = camera.fy = params.focal_px;
-  camera.cx = 0.5 * (params.width - 1);
-  camera.cy = 0.5 * (params.height - 1);
-  camera.baseline_m = params.baseline_m;
-  camera.T_robot_cam = robotFromOptical();
-  camera.T_robot_cam.translation() =
-      Eigen::Vector3d(params.mount_forward_m, 0.5 * params.baseline_m, params.mount_height_m);
-  return camera;
+/// The sighting as the recorded image shows it: its box bent by the lens and cut anew.
+///
+/// @return false if nothing of it is inside the recorded image
+bool recordBox(const Lens& lens, Sighting& sighting) {
+  const Box2d whole = lens.record(sighting.whole);
+  Box2d& box = sighting.box;
+  box = {std::max(whole.left, 0.0), std::max(whole.top, 0.0),
+         std::min(whole.right, lens.ideal().width - 1.0),
+         std::min(whole.bottom, lens.ideal().height - 1.0)};
+  if (box.width() <= 0.0 || box.height() <= 0.0) return false;
+  sighting.truncation =
+      std::clamp(1.0 - box.width() * box.height() / (whole.width() * whole.height()), 0.0, 1.0);
+  return true;
 }
 
 TruthObject truthOf(const Mover& mover, const Sighting& sighting, const Pose& T_map_world) {
@@ -74,7 +79,7 @@ class Simulator::Machine {
   explicit Machine(const SimParams& params);
 
   [[nodiscard]] std::optional<SimFrame> next();
-  [[nodiscard]] const StereoCamera& camera() const { return camera_; }
+  [[nodiscard]] const Lens& lens() const { return lens_; }
   [[nodiscard]] double pathLength() const { return route_.end_s - route_.start_s; }
 
  private:
@@ -90,13 +95,14 @@ class Simulator::Machine {
   SimParams params_;
   Route route_;
   World world_;
-  StereoCamera camera_;
+  Lens lens_;
   StereoRig rig_;
   Vehicles vehicles_;
   Pedestrians pedestrians_;
   RobotDriver robot_;
   ImageFormation image_formation_;
   DetectorNoise detector_;
+  MotionSensors sensors_;
   Random clock_;
   std::int64_t next_id_ = 0;
   std::size_t tick_ = 0;    ///< camera triggers so far, dropped ones included
@@ -109,16 +115,18 @@ Simulator::Machine::Machine(const SimParams& params)
     : params_(params),
       route_(makeRoute(params.route, params.world.hill_height_m)),
       world_(params.world, route_),
-      camera_(idealCamera(params.camera)),
-      rig_(camera_, world_),
+      lens_(params.camera),
+      rig_(lens_.drawn(), world_),
       vehicles_(params.traffic, route_, world_.network(), seed(kVehicleSeed)),
       pedestrians_(params.traffic, route_, world_.network(), seed(kPedestrianSeed)),
       robot_(params.route, params.camera.ride_deg, route_, seed(kRobotSeed)),
-      image_formation_(params.camera, camera_.width, camera_.height, seed(kImageSeed)),
-      detector_(params.detector, camera_, seed(kDetectorSeed)),
+      image_formation_(params.camera, params.camera.width, params.camera.height, seed(kImageSeed)),
+      detector_(params.detector, lens_.ideal(), seed(kDetectorSeed)),
+      sensors_(seed(kSensorSeed)),
       clock_(seed(kClockSeed)) {
   vehicles_.populate(robot_.state(), next_id_);
   pedestrians_.populate(robot_.state(), next_id_);
+  sensors_.observe(params.recording.start_time_s, robot_.T_world_robot());
 }
 
 void Simulator::Machine::step(double dt) {
@@ -136,9 +144,14 @@ void Simulator::Machine::step(double dt) {
 
 void Simulator::Machine::advance(double seconds) {
   if (seconds <= 0.0) return;
-  const int steps = static_cast<int>(std::ceil(seconds / kStep - 1e-9));
-  for (int i = 0; i < steps; ++i) step(seconds / steps);
-  now_s_ += seconds;
+  const double longest = params_.camera.imu ? kImuStep : kStep;
+  const int steps = static_cast<int>(std::ceil(seconds / longest - 1e-9));
+  const double begin = now_s_;
+  for (int i = 0; i < steps; ++i) {
+    step(seconds / steps);
+    now_s_ = begin + seconds * (i + 1) / steps;
+    sensors_.observe(params_.recording.start_time_s + now_s_, robot_.T_world_robot());
+  }
 }
 
 std::vector<Mover> Simulator::Machine::moversNear() {
@@ -186,8 +199,11 @@ void Simulator::Machine::judge(SimFrame& frame) {
   frame.time = params_.recording.start_time_s + now_s_;
   frame.T_map_robot = *T_map_world_ * T_world_robot;
   const auto movers = moversNear();
-  const auto sightings =
-      findSightings(T_world_robot, camera_, movers, frame.depth, frame.instances);
+  auto sightings =
+      findSightings(T_world_robot, lens_.drawn(), movers, frame.depth, frame.instances);
+  sightings.erase(std::remove_if(sightings.begin(), sightings.end(),
+                                 [&](Sighting& sighting) { return !recordBox(lens_, sighting); }),
+                  sightings.end());
   std::vector<std::uint16_t> numbers(movers.size() + 1, 0);
   for (const Sighting& sighting : sightings) {
     const Mover& mover = movers[sighting.mover];
@@ -197,6 +213,8 @@ void Simulator::Machine::judge(SimFrame& frame) {
     numbers[sighting.mover + 1] = static_cast<std::uint16_t>(frame.objects.size());
   }
   for (auto& label : cv::Mat_<std::uint16_t>(frame.instances)) label = numbers[label];
+  frame.depth = lens_.record(frame.depth, false);
+  frame.instances = lens_.record(frame.instances, false);
   frame.detections = detector_.detect(frame.time, movers, sightings, frame.depth);
 }
 
@@ -216,9 +234,12 @@ std::optional<SimFrame> Simulator::Machine::next() {
     SimFrame frame;
     frame.index = frames_++;
     draw(frame);
+    if (params_.camera.imu) frame.imu = sensors_.takeImu();
+    if (params_.camera.odometry) frame.odometry = sensors_.odometry();
     using Side = ImageFormation::Side;
-    frame.left = image_formation_.expose(frame.left, frame.index, Side::kLeft);
-    frame.right = image_formation_.expose(frame.right, frame.index, Side::kRight);
+    frame.left = image_formation_.expose(lens_.record(frame.left, true), frame.index, Side::kLeft);
+    frame.right =
+        image_formation_.expose(lens_.record(frame.right, true), frame.index, Side::kRight);
     return frame;
   }
 }
@@ -232,9 +253,9 @@ Simulator::~Simulator() = default;
 
 std::optional<SimFrame> Simulator::next() { return machine_->next(); }
 
-const StereoCamera& Simulator::camera() const { return machine_->camera(); }
+const StereoCamera& Simulator::camera() const { return machine_->lens().ideal(); }
 
-io::RawStereoCamera Simulator::recordedCamera() const { return io::rawFrom(machine_->camera()); }
+io::RawStereoCamera Simulator::recordedCamera() const { return machine_->lens().recorded(); }
 
 double Simulator::pathLength() const { return machine_->pathLength(); }
 

@@ -153,6 +153,7 @@ std::vector<Sighting> findSightings(const Pose& T_world_robot, const StereoCamer
                            static_cast<int>(std::ceil(std::min(whole.bottom, 1e4))) + 1)) &
         image;
     if (area.empty()) continue;
+    sighting.whole = whole;
     sighting.box = {std::max(whole.left, 0.0), std::max(whole.top, 0.0),
                     std::min(whole.right, depth.cols - 1.0),
                     std::min(whole.bottom, depth.rows - 1.0)};

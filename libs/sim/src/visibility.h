@@ -13,7 +13,8 @@ namespace headway::sim {
 /// What the left image shows of one mover.
 struct Sighting {
   std::size_t mover = 0;    ///< index in the movers given
-  Box2d box;                ///< around its whole drawn body, cut at the image's edges [px]
+  Box2d whole;              ///< around its whole drawn body, uncut [px]
+  Box2d box;                ///< the same, cut at the image's edges [px]
   double truncation = 0.0;  ///< share of the uncut box outside the image
   double visible = 0.0;     ///< share of its pixels inside the image that nothing hides
   int visible_pixels = 0;

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <headway/sim/simulator.h>
+
+#include <optional>
+#include <vector>
+
+#include "random.h"
+
+namespace headway::sim {
+
+/// What an inertial sensor and wheel encoders on the robot measure as it moves.
+///
+/// Noise is that of a small MEMS sensor (gyroscope 0.002 rad/s, accelerometer 0.05 m/s^2, biases
+/// of a few times that) and of a car's odometry (0.5 % of scale, 0.01 rad of heading per 10 m).
+class MotionSensors {
+ public:
+  explicit MotionSensors(std::uint64_t seed);
+
+  /// The robot's pose at the end of each step of the motion; times increase.
+  void observe(Time time, const Pose& T_world_robot);
+
+  /// Samples since last taken, one for each step once two steps are known.
+  [[nodiscard]] std::vector<ImuSample> takeImu();
+  /// Where the wheels say the robot is; nullopt before the first step.
+  [[nodiscard]] std::optional<OdometrySample> odometry() const { return odometry_; }
+
+ private:
+  [[nodiscard]] Eigen::Vector3d noise(double sigma);
+  void integrateWheels(const Pose& T_previous_now);
+
+  Random random_;
+  Eigen::Vector3d gyro_bias_, accelerometer_bias_;
+  double wheel_scale_;
+  std::optional<Stamped<Pose>> last_;
+  std::optional<Eigen::Vector3d> velocity_;  ///< over the last step, world [m/s]
+  std::vector<ImuSample> imu_;
+  std::optional<OdometrySample> odometry_;
+};
+
+}  // namespace headway::sim
