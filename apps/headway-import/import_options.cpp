@@ -73,6 +73,9 @@ std::optional<ImportOptions> parseOptions(int argc, const char** argv) {
   if (!line.parse(argc, argv)) return std::nullopt;
   options.quiet = line.quiet();
   if (!degrade_file.empty()) options.degrade = degrade;
+  if (options.degrade && options.dataset != "kitti-tracking" && options.detections.empty()) {
+    throw program::UsageError("--degrade: there are no boxes without --detections");
+  }
   return options;
 }
 

@@ -50,6 +50,8 @@ TEST_F(ImportExportTest, usageIsChecked) {
   EXPECT_EQ(2, import("nuscenes /x -o y").status);
   EXPECT_EQ(2, import("kitti-odometry /x -o y.rawlog").status);  // no sequence
   EXPECT_EQ(0, import("euroc --help").status);
+  test::writeContent(folder_ / "d.ini", "[degrade]\n");
+  EXPECT_EQ(2, import("euroc /x -o y.rawlog --degrade " + at("d.ini")).status);  // no boxes
   EXPECT_EQ(0, import("--version").status);
   EXPECT_EQ(2, exported("").status);
   EXPECT_EQ(0, exported("kitti-odometry --help").status);

@@ -131,6 +131,19 @@ TEST_F(RawlogKindsTest, imagesFurtherApartThanTheToleranceAreNoPair) {
   EXPECT_EQ(4u, test::framesOf(source).size());
 }
 
+TEST_F(RawlogKindsTest, oneCameraMayRunLongBeforeTheOther) {
+  Objects objects;
+  for (int i = 0; i < 40; ++i) {
+    objects.push_back(test::singleImage(0, i, test::frameTime(i), "left"));
+    if (i >= 30) objects.push_back(test::singleImage(1, i, test::frameTime(i), "right"));
+  }
+  auto source = opened(objects);
+  EXPECT_EQ(10u, test::framesOf(source).size());
+  std::size_t left_out = 0;
+  for (const auto& [reason, count] : source.skipped()) left_out += count;
+  EXPECT_EQ(30u, left_out);
+}
+
 TEST_F(RawlogKindsTest, oneOfSeveralCamerasMustBeChosen) {
   Objects objects;
   for (int i = 0; i < 3; ++i) {

@@ -65,6 +65,17 @@ TEST(RawlogSinkTest, leavesMrptsGlobalImageSettingsAsTheyWere) {
   EXPECT_EQ(base, mrpt::img::CImage::getImagesPathBase());
 }
 
+TEST(RawlogSinkTest, labelsMayHoldWhatFileNamesDoNotBear) {
+  const headway::test::TemporaryFolder folder;
+  {
+    RawlogSink sink(folder / "x.rawlog", ImageStorage::kExternalPng);
+    const auto [left, right] = test::wall(0);
+    sink.writeStereo(1.0, left, right, rawFrom(test::smallCamera()), "/front cam");
+  }
+  EXPECT_TRUE(fs::exists(folder / "x_Images/_front_cam_left_000000.png"));
+  EXPECT_TRUE(test::sameImage(test::wall(0).left, onlyFrame(folder / "x.rawlog").left));
+}
+
 TEST(RawlogSinkTest, theFileAppearsUnderItsNameWhenItIsWhole) {
   const headway::test::TemporaryFolder folder;
   RawlogSink sink(folder / "x.rawlog", ImageStorage::kEmbedded);

@@ -225,6 +225,14 @@ TEST_F(TrackFileTest, csvDetectionsHaveNamedColumns) {
                                              Pair("bad_row", 2u)));
 }
 
+TEST_F(TrackFileTest, filesOfSpreadsheetsAreRead) {
+  EXPECT_EQ(1u, detections("d.csv",
+                           "\xEF\xBB\xBF"
+                           "frame,class,left,top,right,bottom\r\n"
+                           "0,Car,1,2,3,4\r\n")
+                    .size());
+}
+
 TEST_F(TrackFileTest, numbersThatAreNotFiniteArePassedOn) {
   const auto read = detections("d.csv",
                                "frame,class,x,y,z,length,width,height,yaw\n"

@@ -23,8 +23,8 @@ struct PendingFrame {
 /// Gives boxes and poses to the frame nearest in time, at most half a frame interval away.
 ///
 /// Frames count from 0 in the order they come, and come out in that order once the next two are
-/// known (so that what is recorded late, even after the next image, still finds its frame). Frames whose time does not
-/// increase are left out but keep their index. What finds no frame is counted.
+/// known (so that what is recorded late, even after the next image, still finds its frame). Frames
+/// whose time does not increase are left out but keep their index. What finds no frame is counted.
 class FrameAssembler {
  public:
   /// @param skipped  counts "time_backwards", "unmatched_detections", "unmatched_pose"

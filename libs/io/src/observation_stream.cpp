@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <cctype>
 #include <set>
-#include <sstream>
 
 namespace headway::io {
 namespace {
@@ -69,15 +68,6 @@ std::size_t findObservationHeader(const std::string& bytes) {
   return std::string::npos;
 }
 
-/// The message of an exception of MRPT: the line between its heading and its call stack.
-std::string gist(const std::exception& error) {
-  std::istringstream lines(error.what());
-  for (std::string line; std::getline(lines, line);) {
-    if (!line.empty() && line.rfind("====", 0) != 0) return line;
-  }
-  return "it cannot be read";
-}
-
 }  // namespace
 
 std::string shortClassName(const std::string& name) {
@@ -121,10 +111,14 @@ std::optional<ObservationStream::Header> ObservationStream::readHeader() {
   do {
     if (input_.Read(&first, 1) == 0) {
       at_end_ = true;
-      if (!input_.compressionError().empty()) breakOff(input_.compressionError());
+      if (!input_.compressionError().empty()) {
+        breakOff(input_.compressionError());
+      } else if (in_sensory_frame_ && !has_leapt_) {
+        breakOff("the file ends in the middle of a sensory frame");
+      }
       return std::nullopt;
     }
-    const bool is_frame_end = in_sensory_frame_ && first == kEndMark;
+    const bool is_frame_end = (in_sensory_frame_ || has_leapt_) && first == kEndMark;
     if (!is_frame_end) break;
     in_sensory_frame_ = false;
   } while (true);
@@ -136,6 +130,10 @@ std::optional<ObservationStream::Header> ObservationStream::readHeader() {
     return std::nullopt;
   }
   if (!is_header || !isClassName(name)) {
+    if (has_leapt_) {
+      leapToNextObservation();
+      return readHeader();
+    }
     breakOff("no object of MRPT begins there");
     return std::nullopt;
   }
@@ -163,10 +161,14 @@ void ObservationStream::readObject(const Header& header) {
   try {
     auto archive = mrpt::serialization::archiveFrom(input_);
     object = archive.ReadObject();
-  } catch (const std::exception& error) {
-    std::string reason = input_.compressionError();
-    if (reason.empty()) reason = shortClassName(header.class_name) + ": " + gist(error);
-    breakOff(reason);
+  } catch (const std::exception&) {
+    if (input_.isAtEnd()) {
+      const std::string reason = input_.compressionError();
+      breakOff(reason.empty() ? "the file ends in the middle of an object" : reason);
+    } else {
+      ++skipped_["unreadable_" + shortClassName(header.class_name)];
+      leapToNextObservation();
+    }
     return;
   }
   if (auto observation = std::dynamic_pointer_cast<mrpt::obs::CObservation>(object)) {
@@ -208,6 +210,7 @@ void ObservationStream::deliver(const mrpt::obs::CObservation::Ptr& observation)
 }
 
 void ObservationStream::leapToNextObservation() {
+  has_leapt_ = true;
   std::string window;
   while (true) {
     const std::size_t kept = std::min(window.size(), kMaxNameLength + 1);

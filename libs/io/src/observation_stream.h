@@ -20,8 +20,8 @@ namespace headway::io {
 ///
 /// Sensory frames come out as the observations in them; movements of action collections come out
 /// as `CObservationOdometry`, summed up and dated with the observation that follows. Objects of
-/// classes that this program does not know are leapt over, up to the next header of an observation,
-/// and counted. At most one object is in memory.
+/// classes that this program does not know, or of a version that it does not, are leapt over, up to
+/// the next header of an observation, and counted. At most one object is in memory.
 class ObservationStream {
  public:
   /// @param skipped  counts objects left out, by class name without namespace
@@ -54,6 +54,7 @@ class ObservationStream {
   GzInput input_;
   bool at_end_ = false;
   bool in_sensory_frame_ = false;
+  bool has_leapt_ = false;  ///< since then the rest of an unknown object may lie in the way
   std::size_t observations_ = 0;
   std::deque<mrpt::obs::CObservation::Ptr> ready_;
   mrpt::poses::CPose2D odometry_;  ///< sum of the movements of actions

@@ -9,6 +9,7 @@
 #include <mrpt/serialization/CArchive.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
@@ -52,6 +53,14 @@ mrpt::img::TCamera mrptCamera(const RawCamera& camera, const std::string& name) 
     result.setDistortionPlumbBob(d[0], d[1], d[2], d[3], d[4]);
   }
   return result;
+}
+
+/// The label with everything replaced that file names do not bear.
+std::string fileNameOf(std::string label) {
+  for (char& c : label) {
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-') c = '_';
+  }
+  return label;
 }
 
 /// While it is written, a rawlog has another name; a device such as /dev/full keeps its own.
@@ -130,7 +139,7 @@ class RawlogSink::Writer {
     if (!isExternal()) return {image, mrpt::img::SHALLOW_COPY};
     const bool is_png = storage_ == ImageStorage::kExternalPng;
     const std::string name =
-        label + "_" + side + formatted("_%06zu", pairs_) + (is_png ? ".png" : ".jpg");
+        fileNameOf(label) + "_" + side + formatted("_%06zu", pairs_) + (is_png ? ".png" : ".jpg");
     std::vector<unsigned char> bytes;
     cv::imencode(is_png ? ".png" : ".jpg", image, bytes,
                  is_png ? std::vector<int>{cv::IMWRITE_PNG_COMPRESSION, 1}

@@ -52,7 +52,14 @@ struct DecodedPair {
   cv::Mat right;
 };
 
-constexpr std::size_t kMostProbed = 4000;  // observations kept until the camera is known
+bool isMotion(const CObservation& observation) {
+  return dynamic_cast<const mrpt::obs::CObservationOdometry*>(&observation) != nullptr ||
+         dynamic_cast<const mrpt::obs::CObservationIMU*>(&observation) != nullptr;
+}
+
+// Observations kept until the camera is known.
+constexpr std::size_t kMostProbedImages = 16;
+constexpr std::size_t kMostProbedMotions = 2000;
 
 }  // namespace
 
@@ -104,7 +111,8 @@ class RawlogSource::Reader {
       if (!observation) break;
       camera_probe.add(*observation);
       probed_.push_back(std::move(observation));
-      if (probed_.size() > kMostProbed) forgetProbedImage();
+      forgetProbed(kMostProbedImages, isImage);
+      forgetProbed(kMostProbedMotions, isMotion);
     }
     try {
       return camera_probe.choose(skipped_);
@@ -114,14 +122,17 @@ class RawlogSource::Reader {
     }
   }
 
-  /// Keeps the memory bounded where nothing but one camera's images come.
-  void forgetProbedImage() {
-    const auto image = std::find_if(probed_.begin(), probed_.end(), [](const auto& observation) {
-      return dynamic_cast<const mrpt::obs::CObservationImage*>(observation.get()) != nullptr;
-    });
-    if (image == probed_.end()) return;
-    countClass(**image);
-    probed_.erase(image);
+  /// Keeps the memory bounded where it takes long until the camera is known: of the observations of
+  /// one kind only the last ones stay.
+  void forgetProbed(std::size_t most, bool (*isOfKind)(const CObservation&)) {
+    const auto matches = [&](const auto& observation) { return isOfKind(*observation); };
+    if (!matches(probed_.back())) return;
+    if (static_cast<std::size_t>(std::count_if(probed_.begin(), probed_.end(), matches)) <= most) {
+      return;
+    }
+    const auto oldest = std::find_if(probed_.begin(), probed_.end(), matches);
+    countClass(**oldest);
+    probed_.erase(oldest);
   }
 
   /// Takes frames until one has images, and learns the calibration from it.

@@ -12,6 +12,8 @@
 namespace headway::io {
 namespace {
 
+constexpr char kByteOrderMark[] = "\xEF\xBB\xBF";  // spreadsheets begin their files with it
+
 bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
 std::string trimmed(const std::string& text) {
@@ -56,6 +58,7 @@ TextRows::TextRows(const std::string& path) : path_(path), file_(path) {
 bool TextRows::next() {
   std::string line;
   while (std::getline(file_, line)) {
+    if (line_ == 0 && line.rfind(kByteOrderMark, 0) == 0) line.erase(0, sizeof(kByteOrderMark) - 1);
     ++line_;
     const std::string content = trimmed(line.substr(0, line.find('#')));
     if (content.empty()) continue;
