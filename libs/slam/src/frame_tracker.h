@@ -46,6 +46,10 @@ class FrameTracker {
  private:
   [[nodiscard]] std::vector<PoseConstraint> constraintsOf(
       const std::vector<TrackedLandmark>& landmarks, const SparseMap& map) const;
+  [[nodiscard]] std::optional<RefinedPose> refineBySeniority(
+      const Pose& guess, const std::vector<TrackedLandmark>& landmarks,
+      std::vector<PoseConstraint>& constraints, const PoseRefinerOptions& options,
+      const SparseMap& map) const;
   [[nodiscard]] std::optional<Pose> poseFromFollowed(const Pose& guess,
                                                      const std::vector<TrackedLandmark>& followed,
                                                      const SparseMap& map) const;
@@ -59,9 +63,11 @@ class FrameTracker {
 ///
 /// RANSAC with a fixed seed over three-point solutions, left image alone.
 ///
+/// @param max_error_px  farthest that an agreeing landmark may lie from where it was seen
 /// @return nullopt if fewer than `min_inliers` landmarks agree on any pose
 /// @see Fischler & Bolles 1981; Lepetit et al. 2009 (EPnP)
 [[nodiscard]] std::optional<Pose> poseByConsensus(const std::vector<PoseConstraint>& constraints,
-                                                  const StereoCamera& camera, int min_inliers);
+                                                  const StereoCamera& camera, int min_inliers,
+                                                  double max_error_px);
 
 }  // namespace headway::slam

@@ -158,18 +158,20 @@ std::vector<TrackedLandmark> LandmarkTracker::measure(const TrackingFrame& curre
                                                       const Pose& T_map_cam,
                                                       const std::vector<LandmarkId>& candidates,
                                                       SparseMap& map) const {
-  constexpr int kTriesPerCell = 3;
+  constexpr int kTriesPerCell = 5;
+  constexpr int kFoundPerCell = 2;
   std::vector<TrackedLandmark> measured;
   for (const auto& cell : sortIntoCells(current, T_map_cam, candidates, map)) {
     int tries = 0;
+    int found_here = 0;
     for (const Candidate& candidate : cell) {
-      if (++tries > kTriesPerCell) break;
+      if (++tries > kTriesPerCell || found_here == kFoundPerCell) break;
       ++candidate.landmark->tried;
       const auto found = measureOne(current, T_map_cam, candidate, map);
       if (!found || isExcluded(current.excluded, found->measurement.uv)) continue;
       ++candidate.landmark->found;
+      ++found_here;
       measured.push_back(*found);
-      break;
     }
   }
   return measured;

@@ -52,25 +52,6 @@ NormalEquations evaluate(const Pose& T_map_cam, const std::vector<PoseConstraint
   return sum;
 }
 
-/// Sorts the constraints into inliers and outliers; returns the inliers' number.
-int classify(const Pose& T_map_cam, std::vector<PoseConstraint>& constraints,
-             const StereoCamera& camera, double scale) {
-  const Pose T_cam_map = T_map_cam.inverse(Eigen::Isometry);
-  int inliers = 0;
-  for (PoseConstraint& constraint : constraints) {
-    const Eigen::Vector3d point_cam = T_cam_map * constraint.point_map;
-    constraint.inlier = false;
-    if (point_cam.z() < kMinDepth) continue;
-    const Eigen::Vector3d residual =
-        stereoResidual(point_cam, constraint.measurement, camera, nullptr);
-    constraint.inlier = residual.head<2>().squaredNorm() < kGateImage * scale * scale;
-    constraint.stereo_inlier = constraint.measurement.stereo &&
-                               residual.z() * residual.z() < kGateDisparity * scale * scale;
-    inliers += constraint.inlier ? 1 : 0;
-  }
-  return inliers;
-}
-
 /// Levenberg-Marquardt at a fixed scale of the loss; nullopt if the problem is degenerate.
 std::optional<Pose> minimize(Pose pose, const std::vector<PoseConstraint>& constraints,
                              const StereoCamera& camera, double scale, int iterations) {
@@ -149,6 +130,24 @@ Pose retract(const Pose& pose, const Eigen::Matrix<double, 6, 1>& xi) {
   return normalized(moved);
 }
 
+int markInliers(const Pose& T_map_cam, std::vector<PoseConstraint>& constraints,
+                const StereoCamera& camera, double scale) {
+  const Pose T_cam_map = T_map_cam.inverse(Eigen::Isometry);
+  int inliers = 0;
+  for (PoseConstraint& constraint : constraints) {
+    const Eigen::Vector3d point_cam = T_cam_map * constraint.point_map;
+    constraint.inlier = false;
+    if (point_cam.z() < kMinDepth) continue;
+    const Eigen::Vector3d residual =
+        stereoResidual(point_cam, constraint.measurement, camera, nullptr);
+    constraint.inlier = residual.head<2>().squaredNorm() < kGateImage * scale * scale;
+    constraint.stereo_inlier = constraint.measurement.stereo &&
+                               residual.z() * residual.z() < kGateDisparity * scale * scale;
+    inliers += constraint.inlier ? 1 : 0;
+  }
+  return inliers;
+}
+
 std::optional<RefinedPose> refinePose(const Pose& T_map_cam_guess,
                                       std::vector<PoseConstraint>& constraints,
                                       const StereoCamera& camera,
@@ -164,7 +163,7 @@ std::optional<RefinedPose> refinePose(const Pose& T_map_cam_guess,
     const auto pose = minimize(result.T_map_cam, constraints, camera, scale, options.iterations);
     if (!pose) return std::nullopt;
     result.T_map_cam = *pose;
-    result.inliers = classify(*pose, constraints, camera, scale);
+    result.inliers = markInliers(*pose, constraints, camera, scale);
     if (result.inliers < kMinimum) return std::nullopt;
   }
   const auto covariance = covarianceOf(result.T_map_cam, constraints, camera, result.inliers);

@@ -55,6 +55,13 @@ struct PoseRefinerOptions {
   int iterations = 6;        ///< Levenberg-Marquardt steps a round
 };
 
+/// Sorts the constraints into inliers and outliers at a pose.
+///
+/// @param scale  the gate, 99 % of right measurements, is widened by this factor
+/// @return       number of inliers
+int markInliers(const Pose& T_map_cam, std::vector<PoseConstraint>& constraints,
+                const StereoCamera& camera, double scale);
+
 /// The pose that the measurements agree on best, from a first guess.
 ///
 /// Levenberg-Marquardt with a Cauchy loss on image position and disparity apart, so that one wrong

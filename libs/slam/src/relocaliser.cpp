@@ -26,7 +26,7 @@ std::optional<Pose> relocalise(const TrackingFrame& frame, const std::vector<Lan
     constraint.measurement.sigma_px = 2.0;
     constraints.push_back(constraint);
   }
-  const auto guess = poseByConsensus(constraints, camera, min_inliers);
+  const auto guess = poseByConsensus(constraints, camera, min_inliers, 3.0);
   if (!guess) return std::nullopt;
   const auto refined = refinePose(*guess, constraints, camera, {2.0, 2, 6});
   if (!refined || refined->inliers < min_inliers) return std::nullopt;

@@ -28,7 +28,8 @@ struct Landmark {
   Descriptor descriptor{};  ///< cut where the patch was cut; all zero if too near to the border
   std::vector<LandmarkObservation> observations;  ///< in order of keyframes
   int tried = 0;                                  ///< frames in which it was looked for
-  int found = 0;                                  ///< frames in which it was found
+  int agreed = 0;  ///< of the frames where it was found, those whose pose it fits
+  int found = 0;   ///< frames in which it was found
 };
 
 /// A frame that the map is built on.

@@ -19,16 +19,16 @@ struct SlamParams {
   bool use_odometry = true;  ///< wheel odometry predicts the next pose where recorded
   bool use_imu = true;       ///< gyroscope predicts the next turn, gravity levels the map
 
-  int features = 800;     ///< landmarks measured a frame, 50 ... 3000
-  double min_zncc = 0.8;  ///< correlation that a patch needs to count as found, 0.3 ... 0.99
+  int features = 600;     ///< landmarks measured a frame, 50 ... 3000
+  double min_zncc = 0.7;  ///< correlation that a patch needs to count as found, 0.3 ... 0.99
   double sigma_px = 0.5;  ///< [px] image noise of one measurement, 0.05 ... 5
-  double sigma_disparity_px = 0.3;  ///< [px] noise of a measured disparity, 0.05 ... 5
+  double sigma_disparity_px = 0.4;  ///< [px] noise of a measured disparity, 0.05 ... 5
   double max_disparity_share =
       0.3;               ///< largest disparity as share of the image width, 0.05 ... 0.9
   int min_inliers = 20;  ///< landmarks a pose must rest on, 6 ... 200
 
   double keyframe_overlap = 0.7;  ///< share of the last keyframe's landmarks that spares a new one
-  double keyframe_flow = 0.04;    ///< median image motion (share of width) that asks for a new one
+  double keyframe_flow = 0.06;    ///< median image motion (share of width) that asks for a new one
   int window = 8;                 ///< keyframes adjusted together, 2 ... 50
   int ba_iterations = 6;          ///< steps of the bundle adjustment, 1 ... 100
   int restart_after = 20;         ///< lost frames after which a new map part is begun, 1 ... 100000
