@@ -285,6 +285,23 @@ TEST_F(RawlogSourceTest, odometryIsInterpolatedAtTheFrames) {
   EXPECT_EQ(40u, without.skipped().at("CObservationOdometry"));
 }
 
+TEST_F(RawlogSourceTest, odometryThatIsNotFiniteIsCountedAndLeftOut) {
+  {
+    RawlogSink sink(path_, ImageStorage::kEmbedded);
+    for (std::size_t i = 0; i < 4; ++i) {
+      sink.writeOdometry(test::frameTime(i), i == 1 ? NAN : 0.5 * static_cast<double>(i), 0, 0);
+      writeWall(sink, i);
+    }
+  }
+  RawlogSource source(path_, {});
+  for (const auto& frame : test::framesOf(source)) {
+    const auto& prior = frame.stereo->motion_prior.T_previous_current;
+    if (!prior) continue;
+    EXPECT_NEAR(0.5, prior->translation().x(), 1e-6) << frame.index;
+  }
+  EXPECT_THAT(source.skipped(), ElementsAre(Pair("bad_odometry", 1u)));
+}
+
 TEST_F(RawlogSourceTest, inertialSamplesGiveTurnAndUp) {
   const Eigen::Vector3d omega(0.0, 0.0, 0.5);
   const Eigen::Vector3d gravity(0.0, 9.81 * std::sin(0.1), 9.81 * std::cos(0.1));

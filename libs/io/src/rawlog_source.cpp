@@ -7,19 +7,17 @@
 #include <mrpt/obs/CObservationRobotPose.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <deque>
 #include <utility>
 
-#include "calibration_report.h"
 #include "camera_choice.h"
 #include "frame_assembler.h"
+#include "frame_decoder.h"
 #include "motion_prior.h"
 #include "observation_stream.h"
 #include "recorded_image.h"
 #include "recorded_labels.h"
-#include "rectifier.h"
 #include "stereo_pairing.h"
 
 namespace headway::io {
@@ -42,19 +40,19 @@ InertialSample sampleFrom(const mrpt::obs::CObservationIMU& imu) {
           vector(IMU_X_ACC, IMU_Y_ACC, IMU_Z_ACC)};
 }
 
-bool isImage(const CObservation& observation) {
-  return dynamic_cast<const mrpt::obs::CObservationStereoImages*>(&observation) != nullptr ||
-         dynamic_cast<const mrpt::obs::CObservationImage*>(&observation) != nullptr;
+template <typename Kind>
+bool isKind(const CObservation& observation) {
+  return dynamic_cast<const Kind*>(&observation) != nullptr;
 }
 
-struct DecodedPair {
-  cv::Mat left;
-  cv::Mat right;
-};
+bool isImage(const CObservation& observation) {
+  return isKind<mrpt::obs::CObservationStereoImages>(observation) ||
+         isKind<mrpt::obs::CObservationImage>(observation);
+}
 
 bool isMotion(const CObservation& observation) {
-  return dynamic_cast<const mrpt::obs::CObservationOdometry*>(&observation) != nullptr ||
-         dynamic_cast<const mrpt::obs::CObservationIMU*>(&observation) != nullptr;
+  return isKind<mrpt::obs::CObservationOdometry>(observation) ||
+         isKind<mrpt::obs::CObservationIMU>(observation);
 }
 
 // Observations kept until the camera is known.
@@ -69,9 +67,9 @@ class RawlogSource::Reader {
   Reader(const std::string& path, const RawlogSourceOptions& options)
       : path_(path),
         options_(options),
-        image_folder_(imageFolderOf(path)),
         stream_(path, skipped_),
-        assembler_(skipped_) {
+        assembler_(skipped_),
+        decoder_(imageFolderOf(path), skipped_) {
     const CameraChoice choice = probe();
     holds_images_ = choice.kind != CameraChoice::Kind::kNone;
     pairing_.emplace(choice, options_.pair_tolerance_s, skipped_);
@@ -83,6 +81,7 @@ class RawlogSource::Reader {
       if (options_.to_index && pending->index > *options_.to_index) return std::nullopt;
       if (pending->index < options_.from_index) {
         first_pair_.reset();
+        prior_.forgetBefore(pending->time);
         continue;
       }
       auto frame = complete(*pending);
@@ -91,13 +90,9 @@ class RawlogSource::Reader {
     return std::nullopt;
   }
 
-  cv::Mat rightColour() const {
-    if (last_right_.channels() != 3) return {};
-    return rectifier_->rectify(Rectifier::kRight, last_right_);
-  }
-
-  std::shared_ptr<const StereoCamera> camera() const { return camera_; }
-  const std::optional<CalibrationReport>& calibration() const { return calibration_; }
+  cv::Mat rightColour() const { return decoder_.rightColour(last_pair_); }
+  std::shared_ptr<const StereoCamera> camera() const { return decoder_.camera(); }
+  const std::optional<CalibrationReport>& calibration() const { return decoder_.report(); }
   const std::map<std::string, std::size_t>& skipped() const { return skipped_; }
   const std::optional<std::string>& truncation() const { return stream_.truncation(); }
   double progress() const { return stream_.progress(); }
@@ -138,37 +133,21 @@ class RawlogSource::Reader {
   /// Takes frames until one has images, and learns the calibration from it.
   void findFirstFrame() {
     while (auto pending = takePending()) {
-      if (!pending->pair || (first_pair_ = decode(*pending))) {
+      if (!pending->pair || (first_pair_ = decoder_.decode(*pending->pair))) {
         first_ = std::move(pending);
         break;
       }
     }
     if (!first_) {
       throw InputError(path_ + ": no frame can be used" + skippedText() +
-                       "; images beside the rawlog are looked for in " + image_folder_);
+                       "; images beside the rawlog are looked for in " + decoder_.imageFolder());
     }
     if (!first_->pair) return;
     try {
-      calibrate(*first_->pair, *first_pair_);
+      decoder_.calibrate(*first_->pair, *first_pair_);
     } catch (const InputError& error) {
       throw InputError(path_ + ": " + error.what());
     }
-  }
-
-  void calibrate(const RecordedPair& recorded, const DecodedPair& images) {
-    RawStereoCamera raw = rawCameraOf(recorded);
-    if (images.left.size() != cv::Size(raw.left.width, raw.left.height)) {
-      throw InputError("stereo calibration: is for images of " + std::to_string(raw.left.width) +
-                       "x" + std::to_string(raw.left.height) + " px, but they have " +
-                       std::to_string(images.left.cols) + "x" + std::to_string(images.left.rows));
-    }
-    rectifier_.emplace(raw);
-    camera_ = std::make_shared<const StereoCamera>(rectifier_->camera());
-    calibration_ =
-        measureCalibration(rectifier_->rectify(Rectifier::kLeft, greyOf(images.left)),
-                           rectifier_->rectify(Rectifier::kRight, greyOf(images.right)), *camera_);
-    calibration_->rectified_here = !rectifier_->passesThrough();
-    requireNotSwapped(*calibration_);
   }
 
   std::optional<PendingFrame> takePending() {
@@ -212,9 +191,8 @@ class RawlogSource::Reader {
   bool isOfUse(const CObservation& observation) const {
     return isImage(observation) || isRecordedPose(observation) ||
            isRecordedDetections(observation) ||
-           (options_.use_imu && dynamic_cast<const mrpt::obs::CObservationIMU*>(&observation)) ||
-           (options_.use_odometry &&
-            dynamic_cast<const mrpt::obs::CObservationOdometry*>(&observation));
+           (options_.use_imu && isKind<mrpt::obs::CObservationIMU>(observation)) ||
+           (options_.use_odometry && isKind<mrpt::obs::CObservationOdometry>(observation));
   }
 
   void dispatch(const CObservation::Ptr& observation) {
@@ -227,14 +205,24 @@ class RawlogSource::Reader {
     } else if (isRecordedPose(*observation)) {
       const auto& recorded = dynamic_cast<const mrpt::obs::CObservationRobotPose&>(*observation);
       addPose(time, poseFrom(recorded.pose.mean));
-    } else if (const auto* imu =
-                   dynamic_cast<const mrpt::obs::CObservationIMU*>(observation.get())) {
-      prior_.addInertial(sampleFrom(*imu));
-    } else if (const auto* odometry =
-                   dynamic_cast<const mrpt::obs::CObservationOdometry*>(observation.get())) {
-      prior_.addOdometry(time, poseFrom(mrpt::poses::CPose3D(odometry->odometry)));
+    } else if (isMotion(*observation) && holds_images_) {
+      addMotion(time, *observation);
     } else {
       countClass(*observation);
+    }
+  }
+
+  void addMotion(Time time, const CObservation& observation) {
+    if (const auto* imu = dynamic_cast<const mrpt::obs::CObservationIMU*>(&observation)) {
+      prior_.addInertial(sampleFrom(*imu));
+      return;
+    }
+    const auto& odometry = dynamic_cast<const mrpt::obs::CObservationOdometry&>(observation);
+    const Pose T_odom_robot = poseFrom(mrpt::poses::CPose3D(odometry.odometry));
+    if (T_odom_robot.matrix().allFinite()) {
+      prior_.addOdometry(time, T_odom_robot);
+    } else {
+      ++skipped_["bad_odometry"];
     }
   }
 
@@ -258,73 +246,28 @@ class RawlogSource::Reader {
     }
   }
 
-  /// The images of the pair; nullopt, and counted, if one is missing or broken.
-  std::optional<DecodedPair> decode(const PendingFrame& pending) {
-    if (first_pair_) return std::exchange(first_pair_, std::nullopt);
-    DecodedPair result;
-    const std::array<std::pair<const mrpt::img::CImage*, cv::Mat*>, 2> sides = {
-        {{&pending.pair->left, &result.left}, {&pending.pair->right, &result.right}}};
-    for (const auto& [recorded, pixels] : sides) {
-      const auto loaded = pixelsOf(*recorded, image_folder_);
-      if (const auto* reason = std::get_if<std::string>(&loaded)) {
-        ++skipped_[*reason];
-        return std::nullopt;
-      }
-      *pixels = std::get<cv::Mat>(loaded);
-    }
-    const bool is_other_size =
-        result.left.size() != result.right.size() ||
-        (camera_ && result.left.size() != cv::Size(camera_->width, camera_->height));
-    if (!is_other_size) return result;
-    ++skipped_["image_size"];
-    return std::nullopt;
-  }
-
   std::optional<RecordedFrame> complete(PendingFrame& pending) {
     RecordedFrame frame;
-    if (pending.pair) {
-      const auto images = decode(pending);
-      if (!images) return std::nullopt;
-      const auto start = std::chrono::steady_clock::now();
-      frame.stereo = stereoFrame(pending, *images);
-      frame.rectify_ms =
-          std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-              .count();
-      last_right_ = images->right;
-    }
     frame.index = pending.index;
     frame.time = pending.time;
     frame.T_map_robot = pending.T_map_robot;
     frame.detections = std::move(pending.detections);
-    if (frame.detections && rectifier_) rectifyBoxes(*frame.detections);
-    return frame;
-  }
-
-  StereoFrame stereoFrame(const PendingFrame& pending, const DecodedPair& images) {
-    StereoFrame frame;
-    frame.index = pending.index;
-    frame.time = pending.time;
-    frame.left = rectifier_->rectify(Rectifier::kLeft, greyOf(images.left));
-    frame.right = rectifier_->rectify(Rectifier::kRight, greyOf(images.right));
-    if (images.left.channels() == 3) {
-      frame.left_colour = rectifier_->rectify(Rectifier::kLeft, images.left);
-    }
-    frame.camera = camera_;
-    frame.motion_prior = prior_.between(last_time_, pending.time);
+    if (!pending.pair) return frame;
+    auto images = std::exchange(first_pair_, std::nullopt);
+    if (!images) images = decoder_.decode(*pending.pair);
+    if (!images) return std::nullopt;
+    last_pair_ = *images;
+    const auto start = std::chrono::steady_clock::now();
+    frame.stereo = decoder_.stereoFrame(*images);
+    frame.rectify_ms =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    frame.stereo->index = pending.index;
+    frame.stereo->time = pending.time;
+    frame.stereo->motion_prior = prior_.between(last_time_, pending.time);
     prior_.forgetBefore(pending.time);
     last_time_ = pending.time;
+    if (frame.detections) decoder_.rectifyBoxes(*frame.detections);
     return frame;
-  }
-
-  /// Boxes are in the image as recorded; boxes of another image (by its size) stay as they are.
-  void rectifyBoxes(Detections& detections) const {
-    const bool is_other_image =
-        detections.image_width > 0 &&
-        (detections.image_width != camera_->width || detections.image_height != camera_->height);
-    if (is_other_image) return;
-    for (auto& item : detections.items) {
-      if (item.box2d) item.box2d = rectifier_->rectify(*item.box2d);
-    }
   }
 
   void countClass(const CObservation& observation) {
@@ -341,21 +284,18 @@ class RawlogSource::Reader {
 
   std::string path_;
   RawlogSourceOptions options_;
-  std::string image_folder_;
   std::map<std::string, std::size_t> skipped_;
   ObservationStream stream_;
   std::deque<CObservation::Ptr> probed_;  ///< read by probe(), to be dispatched
   bool holds_images_ = false;
   std::optional<StereoPairing> pairing_;
   FrameAssembler assembler_;
+  FrameDecoder decoder_;
   MotionPriorBuilder prior_;
-  std::optional<PendingFrame> first_;  ///< taken by findFirstFrame(), to come out
-  std::optional<DecodedPair> first_pair_;
-  std::optional<Rectifier> rectifier_;
-  std::shared_ptr<const StereoCamera> camera_;
-  std::optional<CalibrationReport> calibration_;
-  cv::Mat last_right_;             ///< as recorded, of the frame handed out last
-  std::optional<Time> last_time_;  ///< of the frame handed out last
+  std::optional<PendingFrame> first_;      ///< taken by findFirstFrame(), to come out
+  std::optional<DecodedPair> first_pair_;  ///< its images
+  DecodedPair last_pair_;                  ///< of the frame handed out last
+  std::optional<Time> last_time_;          ///< likewise
 };
 
 RawlogSource::RawlogSource(const std::string& path, const RawlogSourceOptions& options)
