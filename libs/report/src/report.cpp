@@ -1,0 +1,85 @@
+#include <headway/core/error.h>
+#include <headway/report/report.h>
+
+#include <fstream>
+
+#include "html.h"
+#include "map_plot.h"
+#include "replay_folder.h"
+#include "sections.h"
+#include "style.h"
+#include "timeline.h"
+
+namespace headway::report {
+namespace {
+
+namespace fs = std::filesystem;
+
+TruthLayer readTruth(const ReplayFolder& folder, const fs::path& truth_folder) {
+  TruthLayer truth;
+  if (truth_folder.empty()) return truth;
+  const fs::path path = truth_folder / "trajectory.tum";
+  truth.trajectory = readPath(path);
+  if (fs::exists(truth_folder / "objects.csv")) {
+    truth.objects = readTracks(truth_folder / "objects.csv");
+  }
+  layOnto(folder.trajectory, path.string(), truth);
+  return truth;
+}
+
+std::string mapSection(const ReplayFolder& folder, const TruthLayer& truth) {
+  const std::string plot = mapPlot(folder, truth);
+  if (plot.empty()) return "";
+  return section("map", "From above",
+                 "The robot's path among the landmarks, and where things moved; a dot is a thing "
+                 "that stood.",
+                 plot + classLegend(folder, !truth.trajectory.empty()));
+}
+
+std::string tracksSection(const ReplayFolder& folder) {
+  const std::string rows = timeline(folder);
+  return section("tracks", "Over time",
+                 rows.empty() ? ""
+                              : "Tracks: solid where seen, pale where carried on unseen, thick "
+                                "while moving.",
+                 activityPlots(folder) + rows);
+}
+
+std::string timingsSection(const ReplayFolder& folder) {
+  const std::string bars = timingBars(folder);
+  if (bars.empty()) return "";
+  return section("timings", "Time by stage", "Median and 95 % of the frames.", bars);
+}
+
+std::string versionOf(const ReplayFolder& folder) {
+  const auto version = folder.summary.find("version");
+  return version != folder.summary.end() && version->is_string() ? version->get<std::string>() : "";
+}
+
+std::string pageOf(const ReplayFolder& folder, const ReportOptions& options) {
+  const TruthLayer truth = readTruth(folder, options.truth);
+  const std::string title = escaped(folder.path.filename().string());
+  return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
+         "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"><title>" +
+         title + " – headway</title><style>" + kStyle + "</style></head><body><main>\n" +
+         titleBlock(folder) + summaryTiles(folder) + errorsSection(options.errors) +
+         mapSection(folder, truth) + snapshotsSection(folder, options.most_pictures) +
+         tracksSection(folder) + timingsSection(folder) + calibrationSection(folder) +
+         droppedSection(folder) + configurationSection(folder) + "<footer>headway " +
+         escaped(versionOf(folder)) + "</footer></main></body></html>\n";
+}
+
+}  // namespace
+
+fs::path writeReport(const fs::path& folder_path, const ReportOptions& options) {
+  const fs::path absolute = fs::weakly_canonical(folder_path);
+  const std::string page = pageOf(readReplayFolder(absolute), options);
+  fs::path path = folder_path / "report.html";
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file << page;
+  file.close();
+  if (!file) throw InputError(path.string() + ": cannot be written");
+  return path;
+}
+
+}  // namespace headway::report

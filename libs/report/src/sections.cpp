@@ -1,0 +1,233 @@
+#include "sections.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "data_uri.h"
+#include "html.h"
+
+namespace headway::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kPictureWidth = 1280;
+
+double numberAt(const Json& json, const std::string& key) {
+  const auto value = json.find(key);
+  return value != json.end() && value->is_number() ? value->get<double>() : std::nan("");
+}
+
+std::size_t countAt(const Json& json, const std::string& key) {
+  const double value = numberAt(json, key);
+  return std::isfinite(value) && value > 0.0 ? static_cast<std::size_t>(value) : 0;
+}
+
+double pathLength(const std::vector<TimedPlace>& path) {
+  double length = 0.0;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    length += std::hypot(path[i].x - path[i - 1].x, path[i].y - path[i - 1].y);
+  }
+  return length;
+}
+
+std::string tile(const std::string& name, const std::string& value, const std::string& detail) {
+  return "<div class=\"tile\"><span class=\"name\">" + name + "</span><b>" + value + "</b><span>" +
+         detail + "</span></div>";
+}
+
+std::string row(const std::string& name, const std::string& value, const std::string& meaning) {
+  return "<tr><th>" + escaped(name) + "</th><td>" + value + "</td><td>" + escaped(meaning) +
+         "</td></tr>";
+}
+
+std::string table(const std::string& rows) {
+  return "<div class=\"scroll\"><table>" + rows + "</table></div>";
+}
+
+/// What is meant by the reasons and classes that the summary counts.
+std::string meaningOf(const std::string& reason) {
+  static const std::map<std::string, std::string> kMeanings = {
+      {"bad_pose", "a pose with values that are not numbers"},
+      {"behind_camera", "a box behind the camera"},
+      {"broken_image", "an image that cannot be decoded"},
+      {"camera_lost", "the camera's place was not known in that frame"},
+      {"dont_care", "marked as not to be judged"},
+      {"duplicate", "a second box of an object that has one"},
+      {"image_size", "an image of another size than its calibration"},
+      {"low_score", "the detector's score is below the threshold"},
+      {"missing_image", "an image file that is not there"},
+      {"nan_box", "a box with values that are not numbers"},
+      {"no_right_image", "a stereo observation with one image alone"},
+      {"no_time", "an observation without a time"},
+      {"time_backwards", "time did not go forward"},
+      {"too_far", "a box beyond the range of interest"},
+      {"truth", "kept away from the estimators, for evaluation"},
+      {"unknown_class", "a class that headway does not know"},
+      {"unmatched_detections", "boxes of no frame"},
+      {"unmatched_pose", "a pose of no frame"},
+      {"unpaired_image", "an image without its partner"},
+  };
+  const auto meaning = kMeanings.find(reason);
+  return meaning != kMeanings.end() ? meaning->second : "";
+}
+
+std::string countsTable(const Json& counts) {
+  std::string rows;
+  for (const auto& [reason, count] : counts.items()) {
+    if (!count.is_number()) continue;
+    rows += row(reason, grouped(count.get<std::size_t>()), meaningOf(reason));
+  }
+  return rows.empty() ? "<p>Nothing.</p>" : table(rows);
+}
+
+std::string recordedText(const ReplayFolder& folder, const char* key) {
+  if (!folder.record.is_object()) return "";
+  const auto input = folder.record.find("input");
+  if (input == folder.record.end() || !input->is_object()) return "";
+  const auto value = input->find(key);
+  return value != input->end() && value->is_string() ? value->get<std::string>() : "";
+}
+
+std::string warnings(const ReplayFolder& folder) {
+  std::string html;
+  const auto ended = folder.summary.find("ended_early");
+  if (ended != folder.summary.end() && ended->is_string()) {
+    html += "<p class=\"warning\">The replay ended early: " + escaped(ended->get<std::string>()) +
+            "</p>";
+  }
+  const std::size_t lost = countAt(folder.summary, "frames_lost");
+  if (lost > 0) {
+    std::string list;
+    for (const auto& frame : folder.summary.value("lost_frames", Json::array())) {
+      if (list.size() > 160) {
+        list += ", …";
+        break;
+      }
+      list += (list.empty() ? "" : ", ") + frame.dump();
+    }
+    html += "<p class=\"warning\">Lost in " + grouped(lost) + " frames: " + escaped(list) + "</p>";
+  }
+  return html;
+}
+
+}  // namespace
+
+std::string titleBlock(const ReplayFolder& folder) {
+  const std::string rawlog = recordedText(folder, "rawlog");
+  const std::string name = rawlog.empty() ? folder.path.filename().string()
+                                          : std::filesystem::path(rawlog).filename().string();
+  std::string details = escaped(rawlog);
+  const std::string detections = recordedText(folder, "detections");
+  if (!detections.empty()) details += "<br>detections: " + escaped(detections);
+  return "<header><h1>" + escaped(name) + "</h1><p>" + details + "</p>" + warnings(folder) +
+         "</header>\n";
+}
+
+std::string summaryTiles(const ReplayFolder& folder) {
+  const Json& s = folder.summary;
+  std::string html = "<div class=\"tiles\">";
+  html += tile(
+      "Frames tracked",
+      grouped(countAt(s, "frames_tracked")) + "<i> of " + grouped(countAt(s, "frames")) + "</i>",
+      grouped(countAt(s, "frames_lost")) + " lost");
+  html += tile("Path", fixed(pathLength(folder.trajectory), 1) + "<i> m</i>",
+               grouped(countAt(s, "loops")) + " loops closed");
+  html += tile("Map", grouped(countAt(s, "landmarks")) + "<i> landmarks</i>",
+               grouped(countAt(s, "keyframes")) + " keyframes");
+  html += tile("Moving things", grouped(countAt(s, "tracks_moving")) + "<i> moving</i>",
+               grouped(countAt(s, "tracks_confirmed")) + " tracks confirmed");
+  html += tile("Time for a frame", fixed(numberAt(s, "frame_ms_median"), 1) + "<i> ms</i>",
+               "95 % within " + fixed(numberAt(s, "frame_ms_p95"), 1) + " ms, all within " +
+                   fixed(numberAt(s, "frame_ms_max"), 1) + " ms");
+  html += tile("Processor", fixed(numberAt(s, "cpu_ms_per_frame"), 1) + "<i> ms a frame</i>",
+               fixed(numberAt(s, "peak_memory_mb"), 0) + " MB at most, first frame after " +
+                   fixed(numberAt(s, "start_up_s"), 2) + " s");
+  return html + "</div>\n";
+}
+
+std::string errorsSection(const std::vector<Figure>& errors) {
+  if (errors.empty()) return "";
+  std::string rows;
+  for (const auto& error : errors) rows += row(error.name, escaped(error.value), "");
+  return section("errors", "Against the truth", "", table(rows));
+}
+
+std::string snapshotsSection(const ReplayFolder& folder, std::size_t most) {
+  const auto& all = folder.snapshots;
+  if (all.empty() || most == 0) return "";
+  const std::size_t count = std::min(most, all.size());
+  std::string html = "<div class=\"pictures\">";
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto& path = all[count == 1 ? all.size() / 2 : i * (all.size() - 1) / (count - 1)];
+    const std::string stem = path.stem().string();
+    const std::string frame = stem.substr(std::min(stem.find_first_not_of('0'), stem.size() - 1));
+    html += "<figure><img loading=\"lazy\" alt=\"The map at frame " + escaped(frame) + "\" src=\"" +
+            pictureUri(path, kPictureWidth) + "\"><figcaption>frame " + escaped(frame) +
+            "</figcaption></figure>";
+  }
+  return section("snapshots", "Along the way", "", html + "</div>");
+}
+
+std::string calibrationSection(const ReplayFolder& folder) {
+  const auto report = folder.summary.find("calibration");
+  if (report == folder.summary.end() || !report->is_object()) return "";
+  const double vertical = numberAt(*report, "vertical_disparity_px");
+  const std::string verdict = vertical < 0.5   ? "good: rows of left and right coincide"
+                              : vertical < 1.5 ? "usable, but rows do not quite coincide"
+                                               : "bad: is this the right calibration?";
+  std::string rows =
+      row("Baseline", fixed(numberAt(*report, "baseline_m"), 4) + " m", "between the cameras") +
+      row("Focal length", fixed(numberAt(*report, "focal_px"), 2) + " px", "") +
+      row("Vertical disparity", fixed(vertical, 2) + " px", verdict) +
+      row("Median disparity", fixed(numberAt(*report, "median_disparity_px"), 1) + " px",
+          "of the matches of the first pair") +
+      row("Matches", grouped(countAt(*report, "matches")), "that these figures rest on") +
+      row("Rectified here", report->value("rectified_here", false) ? "yes" : "no",
+          "no: the rawlog's images were rectified already");
+  return section("calibration", "Calibration", "What the images say of it.", table(rows));
+}
+
+std::string droppedSection(const ReplayFolder& folder) {
+  const Json none = Json::object();
+  const std::string used =
+      "<p>" + grouped(countAt(folder.summary, "detections_used")) + " detections were used.</p>";
+  return section("dropped", "What was left out, and why", "",
+                 used + "<h3>Detections</h3>" +
+                     countsTable(folder.summary.value("detections_dropped", none)) +
+                     "<h3>Observations</h3>" +
+                     countsTable(folder.summary.value("observations_skipped", none)));
+}
+
+std::string configurationSection(const ReplayFolder& folder) {
+  if (!folder.record.is_object()) return "";
+  const auto configuration = folder.record.find("configuration");
+  if (configuration == folder.record.end() || !configuration->is_object()) return "";
+  std::string html;
+  for (const auto& [name, values] : configuration->items()) {
+    if (!values.is_object()) continue;
+    std::string rows;
+    for (const auto& [key, value] : values.items()) {
+      rows += row(key, escaped(value.is_string() ? value.get<std::string>() : value.dump()), "");
+    }
+    html += "<details><summary>[" + escaped(name) + "] " + grouped(values.size()) +
+            " parameters</summary>" + table(rows) + "</details>";
+  }
+  return section("configuration", "Configuration", "", html);
+}
+
+std::string classLegend(const ReplayFolder& folder, bool with_truth) {
+  std::set<ObjectClass> classes;
+  for (const auto& life : folder.tracks) classes.insert(life.object_class);
+  std::string html = "<p class=\"legend\"><span><i class=\"swatch robotswatch\"></i>robot</span>";
+  if (with_truth) html += "<span><i class=\"swatch truthswatch\"></i>truth</span>";
+  for (const auto object_class : classes) {
+    html += "<span><i class=\"swatch\" style=\"background:" + hex(colourOf(object_class)) +
+            "\"></i>" + escaped(std::string(toString(object_class))) + "</span>";
+  }
+  return html + "</p>";
+}
+
+}  // namespace headway::report

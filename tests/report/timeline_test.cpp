@@ -1,0 +1,76 @@
+#include "timeline.h"
+
+#include <gmock/gmock.h>
+
+namespace headway::report {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::size_t countOf(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+/// Confirmed and moving at 0, 0.1, ... 1.9 s, but coasting from 1.0 s on.
+TrackLife exampleLife(std::int64_t id, double start = 0.0) {
+  TrackLife life{id, ObjectClass::kCyclist, {}};
+  for (int i = 0; i < 20; ++i) life.points.push_back({start + 0.1 * i, 0, 0, i < 10, true});
+  return life;
+}
+
+TEST(TimelineTest, CutsABarWhereAVerdictChanges) {
+  ReplayFolder folder;
+  folder.tracks = {exampleLife(3)};
+  const std::string html = timeline(folder);
+  EXPECT_THAT(html, HasSubstr("Cyclist 3"));
+  EXPECT_EQ(countOf(html, "<rect"), 2u);
+  EXPECT_EQ(countOf(html, "opacity"), 1u);
+}
+
+TEST(TimelineTest, LeavesAGapWhereATrackWasGone) {
+  ReplayFolder folder;
+  folder.tracks = {exampleLife(3)};
+  folder.tracks[0].points.erase(folder.tracks[0].points.begin() + 3,
+                                folder.tracks[0].points.begin() + 8);
+  EXPECT_EQ(countOf(timeline(folder), "<rect"), 3u);
+}
+
+TEST(TimelineTest, SaysHowManyTracksItLeavesOut) {
+  ReplayFolder folder;
+  for (int i = 0; i < 75; ++i) folder.tracks.push_back(exampleLife(i, 0.01 * i));
+  const std::string html = timeline(folder);
+  EXPECT_EQ(countOf(html, "Cyclist "), 60u);
+  EXPECT_THAT(html, HasSubstr("15 shorter tracks"));
+}
+
+TEST(TimelineTest, IsNothingWithoutTracks) {
+  EXPECT_EQ(timeline(ReplayFolder()), "");
+  EXPECT_EQ(activityPlots(ReplayFolder()), "");
+  EXPECT_EQ(timingBars(ReplayFolder()), "");
+}
+
+TEST(ActivityPlotsTest, ShowTheHighestSpeedAndNumberOfTracks) {
+  ReplayFolder folder;
+  for (int i = 0; i < 40; ++i) folder.trajectory.push_back({0.1 * i, 0.5 * i, 0.0});
+  folder.tracks = {exampleLife(1), exampleLife(2)};
+  const std::string html = activityPlots(folder);
+  EXPECT_THAT(html, HasSubstr("up to 5.0\u202fm/s"));
+  EXPECT_THAT(html, HasSubstr("up to 2\u202ftracks"));
+}
+
+TEST(TimingBarsTest, ShowEachStageWithItsFigures) {
+  ReplayFolder folder;
+  folder.summary = nlohmann::ordered_json::parse(
+      R"({"stages_ms": {"slam_track": {"median": 10, "p95": 40}, "objects": {"median": 1, "p95": 2}}})");
+  const std::string html = timingBars(folder);
+  EXPECT_THAT(html, HasSubstr("slam_track"));
+  EXPECT_THAT(html, HasSubstr("10.0 / 40.0 ms"));
+  EXPECT_THAT(html, HasSubstr("width=\"1000.0\""));
+  EXPECT_THAT(html, HasSubstr("width=\"250.0\""));
+}
+
+}  // namespace
+}  // namespace headway::report
