@@ -115,7 +115,9 @@ TEST(MovingObjectTracker, IsIndependentOfTheOrderOfDetections) {
 }
 
 TEST(MovingObjectTracker, FindsALostObjectAgainUnderItsOldId) {
-  Replay replay;
+  ObjectsParams params;
+  params.lifecycle.retrack_time_s = 3.0;
+  Replay replay(params);
   int k = 0;
   for (; k < 20; ++k) replay.frame({seenPerson(8 + 0.14 * k, 0)});
   const TrackId id = replay.last.tracks.at(0).id;
@@ -214,7 +216,9 @@ TEST(MovingObjectTracker, RefusesTimeThatDoesNotRun) {
 
 TEST(MovingObjectTracker, LivesThroughGapsOfTime) {
   for (const double gap : {0.05, 0.3, 1.0, 5.0, 60.0}) {
-    Replay replay;
+    ObjectsParams params;
+    params.lifecycle.retrack_time_s = 3.0;
+    Replay replay(params);
     for (int k = 0; k < 15; ++k) replay.frame({seenPerson(8 + 0.1 * k, 0)});
     const TrackId id = replay.last.tracks.at(0).id;
     replay.frameAt(replay.time() - kFrame_s + gap, {seenPerson(9.4 + gap, 0)});

@@ -13,6 +13,8 @@ constexpr std::array<double, 5> kWeights = {0.118463442528095, 0.239314335249683
                                             0.239314335249683, 0.118463442528095};
 // Where the parametric speed varies more than this, a polynomial cannot follow its inverse.
 constexpr double kSteadySpeedRatio = 0.75;
+// Shorter curves are walked as if they were straight [m].
+constexpr double kNegligible_m = 0.01;
 
 }  // namespace
 
@@ -25,7 +27,9 @@ BezierCurve::BezierCurve(const Eigen::Vector2d& start, const Eigen::Vector2d& co
   const double slowest_t = a > 0.0 ? std::clamp(-b / (2.0 * a), 0.0, 1.0) : 0.0;
   const double slowest = c + slowest_t * (b + slowest_t * a);  // squared speeds
   const double fastest = std::max(c, a + b + c);
-  if (slowest > kSteadySpeedRatio * kSteadySpeedRatio * fastest) {
+  if (fastest < kNegligible_m * kNegligible_m) {
+    length_ = (end - start).norm();
+  } else if (slowest > kSteadySpeedRatio * kSteadySpeedRatio * fastest) {
     fitInverse();
   } else {
     tabulate();
@@ -53,10 +57,12 @@ void BezierCurve::tabulate() {
   tabulated_ = true;
   table_[0] = 0.0;
   constexpr double kStep = 1.0 / kTableSize;
+  double speed = speedAt(0.0);
   for (int i = 0; i < kTableSize; ++i) {  // Simpson's rule in every cell
-    const double t = i * kStep;
-    length_ += kStep / 6.0 * (speedAt(t) + 4.0 * speedAt(t + 0.5 * kStep) + speedAt(t + kStep));
+    const double next_speed = speedAt((i + 1) * kStep);
+    length_ += kStep / 6.0 * (speed + 4.0 * speedAt((i + 0.5) * kStep) + next_speed);
     table_[i + 1] = length_;
+    speed = next_speed;
   }
   if (length_ <= 0.0) return;
   for (double& share : table_) share /= length_;

@@ -38,7 +38,7 @@ class BezierCurve {
   }
 
  private:
-  static constexpr int kTableSize = 64;
+  static constexpr int kTableSize = 32;
 
   [[nodiscard]] double speedAt(double t) const { return (linear_ + 2.0 * t * quadratic_).norm(); }
   [[nodiscard]] double tabulatedParameterAt(double share) const;

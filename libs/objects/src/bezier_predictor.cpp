@@ -40,7 +40,7 @@ Eigen::Vector2d BezierPredictor::headDirection(const MotionHistory& history) con
   const Eigen::Vector2d detected(std::cos(now.yaw), std::sin(now.yaw));
   if (ablation_.detected_heading) return detected;
   const Eigen::Vector2d tangent = unitOr((now.position - before.position).head<2>(), detected);
-  if (tangent.dot(detected) < std::cos(params_.paper.heading_limit_rad)) return tangent;
+  if (tangent.dot(detected) < least_cosine_) return tangent;
   return unitOr(params_.paper.tangent_weight * tangent + params_.paper.heading_weight * detected,
                 tangent);
 }
@@ -79,11 +79,12 @@ void BezierPredictor::predictInto(const MotionHistory& history,
   const Eigen::Vector2d p_e = p_s + endDistance(curve_length, angleBetween(v_h, v_p)) * v_p;
   const BezierCurve curve(p_s, p_c, p_e);
 
+  const DirectedSpread directed(spread, v_p);
   PredictedPath& path = singlePath(history, paths);
   for (int j = 0; j < kPredictionSamples; ++j) {
     PredictedPoint& point = path.points[j];
-    point.position.head<2>() = curve.at(static_cast<double>(j + 1) / kPredictionSamples);
-    point.covariance = spread.covariance(point.horizon_s, v_p);
+    point.position.head<2>() = curve.at((j + 1) * (1.0 / kPredictionSamples));
+    point.covariance = directed.covariance(point.horizon_s);
   }
 }
 

@@ -2,6 +2,8 @@
 
 #include <headway/objects/predictor.h>
 
+#include <cmath>
+
 namespace headway::objects {
 
 /// The paper's predictor: a quadratic Bezier curve from the heading and the recent path
@@ -16,7 +18,9 @@ class BezierPredictor : public Predictor {
   };
 
   BezierPredictor(const PredictorParams& params, const Ablation& ablation)
-      : params_(params), ablation_(ablation) {}
+      : params_(params),
+        ablation_(ablation),
+        least_cosine_(std::cos(params.paper.heading_limit_rad)) {}
 
   void predictInto(const MotionHistory& history, std::vector<PredictedPath>& paths) const override;
 
@@ -28,6 +32,7 @@ class BezierPredictor : public Predictor {
 
   PredictorParams params_;
   Ablation ablation_;
+  double least_cosine_;  ///< of the angle tau_theta
 };
 
 /// Speed smoothed over the last `samples` steps, eq. (1) with j = k-h ... k-1 [m/s].

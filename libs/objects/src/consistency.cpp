@@ -1,15 +1,30 @@
 #include "consistency.h"
 
 #include <headway/core/assignment.h>
+#include <headway/core/box_overlap.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "box_overlap.h"
 #include "spatial_grid.h"
 
 namespace headway::objects {
+namespace {
+
+// Volume of intersection over volume of union of two upright boxes in the map.
+double overlap(const MeasuredBox& a, const MeasuredBox& b) {
+  const double bottom =
+      std::max(a.position.z() - 0.5 * a.size.z(), b.position.z() - 0.5 * b.size.z());
+  const double top = std::min(a.position.z() + 0.5 * a.size.z(), b.position.z() + 0.5 * b.size.z());
+  if (!(top > bottom)) return 0.0;
+  const Footprint ground_a{a.position.head<2>(), a.size.x(), a.size.y(), a.yaw};
+  const Footprint ground_b{b.position.head<2>(), b.size.x(), b.size.y(), b.yaw};
+  const double both = intersectionArea(ground_a, ground_b) * (top - bottom);
+  return both / (a.size.prod() + b.size.prod() - both);
+}
+
+}  // namespace
 
 bool compatible(ObjectClass a, ObjectClass b) {
   const MotionGroup group_a = motionGroupOf(a);
@@ -21,7 +36,7 @@ bool ConsistencyCheck::sameObject(const MeasuredBox& a, const MeasuredBox& b) co
   if (!compatible(a.object_class, b.object_class)) return false;
   const double near = params_.duplicate_distance * std::min(a.size.y(), b.size.y());
   if ((a.position - b.position).squaredNorm() < near * near) return true;
-  if (overlap3d(a, b) > params_.duplicate_overlap_3d) return true;
+  if (overlap(a, b) > params_.duplicate_overlap_3d) return true;
   return a.box2d && b.box2d && overlap2d(*a.box2d, *b.box2d) > params_.duplicate_overlap_2d;
 }
 

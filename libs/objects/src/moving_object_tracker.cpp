@@ -6,7 +6,9 @@
 #include <optional>
 
 #include "consistency.h"
+#include "field_of_view.h"
 #include "measurement_model.h"
+#include "noise_scale.h"
 #include "tracked_object.h"
 
 namespace headway::objects {
@@ -18,7 +20,8 @@ class MovingObjectTracker::Implementation {
         measurement_(params.consistency, params.filter),
         consistency_(params.consistency),
         smoother_(params.smoothing),
-        predictor_(makePredictor(params.predictor, params.prediction)) {}
+        predictor_(makePredictor(params.predictor, params.prediction)),
+        noise_(params.filter.noise_adaption) {}
 
   // Algorithm 1 of the paper, one frame F_k.
   TrackUpdate update(std::size_t frame, const Stamped<Pose>& T_map_robot,
@@ -28,10 +31,13 @@ class MovingObjectTracker::Implementation {
     if (!runsForward(time)) return refuse(detections, std::move(update));
 
     const auto measured = measure(T_map_robot.value, detections, lifter, update);
+    view_.look(T_map_robot.value * detections.T_robot_sensor, measured);
     predictTo(time, update);
-    const Matches matches = consistency_.match(expectedPlaces(), measured);  // Sec. III-C3
-    continueTracks(matches, frame, time, measured);                          // Sec. III-C2
-    startTracks(matches, frame, time, measured);
+    const auto expected = expectedPlaces();
+    const Matches matches = consistency_.match(expected, measured);  // Sec. III-C3
+    continueTracks(matches, frame, time, measured);                  // Sec. III-C2
+    startTracks(matches, frame, time, measured, update);
+    learnNoise(matches, expected, measured);
     for (TrackedObject& object : objects_) {
       if (object.seenAt(time)) object.refine(time, smoother_);  // Sec. III-C1
     }
@@ -73,6 +79,7 @@ class MovingObjectTracker::Implementation {
     auto measured = consistency_.withoutDuplicates(
         measurement_.toMap(T_map_robot, detections, lifter, update.detections_dropped), duplicates);
     if (duplicates > 0) update.detections_dropped["duplicate"] = duplicates;
+    for (MeasuredBox& box : measured) box = noise_.scaled(std::move(box));
     update.detections_used = measured.size();
     return measured;
   }
@@ -108,9 +115,21 @@ class MovingObjectTracker::Implementation {
     }
   }
 
+  void learnNoise(const Matches& matches, const std::vector<ExpectedPlace>& expected,
+                  const std::vector<MeasuredBox>& measured) {
+    for (const auto& [track, detection] : matches.pairs) {
+      if (objects_[track].grown()) noise_.learn(expected[track], measured[detection]);
+    }
+  }
+
   void startTracks(const Matches& matches, std::size_t frame, Time time,
-                   const std::vector<MeasuredBox>& measured) {
+                   const std::vector<MeasuredBox>& measured, TrackUpdate& update) {
     for (const std::size_t detection : matches.unmatched_detections) {
+      if (measured[detection].score < params_.lifecycle.start_score) {
+        ++update.detections_dropped["low_score"];
+        --update.detections_used;
+        continue;
+      }
       objects_.emplace_back(TrackId{next_id_++}, frame, time, measured[detection], params_);
     }
   }
@@ -127,7 +146,8 @@ class MovingObjectTracker::Implementation {
     const auto window = static_cast<std::size_t>(params_.smoothing.window) + 1;
     for (TrackedObject& object : objects_) {
       object.settle(window, time, update.settled);
-      if (!object.shown(time)) continue;
+      if (!object.shown(time) || (!object.seenAt(time) && !view_.covers(object.position())))
+        continue;
       update.tracks.push_back(object.shownAt(time));
       update.tracks.back().predictions = object.predictions;
     }
@@ -140,8 +160,10 @@ class MovingObjectTracker::Implementation {
   TrajectorySmoother smoother_;
   std::unique_ptr<Predictor> predictor_;
   std::vector<TrackedObject> objects_;  ///< ascending ids
-  MotionHistory history_;               ///< room for one history, used again and again
-  std::optional<Time> time_;            ///< of the last frame
+  FieldOfView view_;
+  NoiseScale noise_;
+  MotionHistory history_;     ///< room for one history, used again and again
+  std::optional<Time> time_;  ///< of the last frame
   std::int64_t next_id_ = 0;
 };
 

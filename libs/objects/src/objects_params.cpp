@@ -54,6 +54,9 @@ void FilterParams::describe(Params::Section section) {
   section.add("vertical_sigma", vertical_sigma_m, 0.001, 10.0, "m", "Noise of a measured z");
   section.add("least_position_sigma", least_position_sigma_m, 0.0, 10.0, "m",
               "Added to the noise that a detector claims for itself");
+  section.add(
+      "noise_adaption", noise_adaption, 0.0, 1.0, "",
+      "Share of a surprise by which the assumed noise is changed; 0 keeps it as configured");
   section.add("yaw_sigma", yaw_sigma_rad, 0.001, 3.0, "rad", "Noise of a measured heading");
   section.add("size_sigma", size_sigma_m, 0.001, 10.0, "m",
               "Noise of a measured length, width and height");
@@ -116,7 +119,16 @@ void SmoothingParams::describe(Params::Section section) {
 }
 
 void LifecycleParams::describe(Params::Section section) {
-  section.add("confirm_hits", confirm_hits, 1, 1000, "frames", "Detections that confirm a track");
+  section.add("confirm_hits", confirm_hits, 1, 1000, "frames",
+              "Detections that a confirmed track must have had");
+  section.add("confirm_score", confirm_score, -1e6, 1e6, "detector's scale",
+              "What their scores must add up to");
+  section.add("start_score", start_score, -1e6, 1e6, "detector's scale",
+              "Detections with a lower score continue tracks but start none");
+  section.add("score_prior", score_prior, 0.0, 1000.0, "frames",
+              "Frames of score 0 that every track's score starts with: short tracks are less sure");
+  section.add("coast_share", coast_share, 0.0, 1000.0, "",
+              "A track is shown unseen for at most this share of the frames it was seen in");
   section.add("tentative_time", tentative_time_s, 0.0, 100.0, "s",
               "A tentative track unseen for longer ends");
   section.add("coast_time", coast_time_s, 0.0, 100.0, "s",

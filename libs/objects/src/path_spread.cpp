@@ -11,19 +11,16 @@ double square(double x) { return x * x; }
 
 }  // namespace
 
-Eigen::Matrix2d PathSpread::covariance(double horizon_s, const Eigen::Vector2d& direction) const {
-  const double half_square = 0.5 * horizon_s * horizon_s;
-  const double start = square(position_sigma);
-  const double along =
-      start + square(along_velocity * horizon_s) + square(along_acceleration * half_square);
-  const double across =
-      start + square(across_velocity * horizon_s) + square(across_acceleration * half_square);
+DirectedSpread::DirectedSpread(const PathSpread& spread, const Eigen::Vector2d& direction) {
   const double c = direction.x();
   const double s = direction.y();
-  Eigen::Matrix2d covariance;
-  covariance << along * c * c + across * s * s, (along - across) * c * s, (along - across) * c * s,
-      along * s * s + across * c * c;
-  return covariance;
+  Eigen::Matrix2d along;
+  along << c * c, c * s, c * s, s * s;
+  const Eigen::Matrix2d across = Eigen::Matrix2d::Identity() - along;
+  start_ = square(spread.position_sigma) * Eigen::Matrix2d::Identity();
+  velocity_ = square(spread.along_velocity) * along + square(spread.across_velocity) * across;
+  acceleration_ = 0.25 * (square(spread.along_acceleration) * along +
+                          square(spread.across_acceleration) * across);
 }
 
 PathSpread spreadOf(const MotionHistory& history, const ManoeuvreParams& params, double window_s) {
@@ -61,9 +58,10 @@ void writeStanding(const MotionHistory& history, const PathSpread& spread,
     paths.clear();
     return;
   }
+  const DirectedSpread directed(spread, Eigen::Vector2d::UnitX());
   for (PredictedPoint& point : singlePath(history, paths).points) {
     point.position = history.path.back().position;
-    point.covariance = spread.covariance(point.horizon_s, Eigen::Vector2d::UnitX());
+    point.covariance = directed.covariance(point.horizon_s);
   }
 }
 

@@ -14,10 +14,22 @@ struct PathSpread {
   double across_velocity = 0.0;      ///< [m/s]
   double along_acceleration = 0.0;   ///< [m/s^2]
   double across_acceleration = 0.0;  ///< [m/s^2]
+};
 
-  /// Covariance at one horizon of a path that runs along `direction` (unit length) [m^2].
-  [[nodiscard]] Eigen::Matrix2d covariance(double horizon_s,
-                                           const Eigen::Vector2d& direction) const;
+/// A spread about a path that runs along one direction.
+class DirectedSpread {
+ public:
+  /// @param direction  unit length
+  DirectedSpread(const PathSpread& spread, const Eigen::Vector2d& direction);
+
+  /// Covariance at one horizon [m^2].
+  [[nodiscard]] Eigen::Matrix2d covariance(double horizon_s) const {
+    const double square = horizon_s * horizon_s;
+    return start_ + square * (velocity_ + square * acceleration_);
+  }
+
+ private:
+  Eigen::Matrix2d start_, velocity_, acceleration_;
 };
 
 /// The spread of a predictor that reads velocities off `window_s` of the history.

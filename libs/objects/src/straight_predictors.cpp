@@ -58,11 +58,11 @@ void ConstantVelocityPredictor::predictInto(const MotionHistory& history,
       spreadOf(history, params_.manoeuvres.of(history.object_class), params_.velocity_window_s);
   if (history.path.size() < 2) return writeStanding(history, spread, paths);
   const Eigen::Vector2d velocity = recentVelocity(history.path, params_.velocity_window_s);
-  const Eigen::Vector2d direction = unitOr(velocity, Eigen::Vector2d::UnitX());
+  const DirectedSpread directed(spread, unitOr(velocity, Eigen::Vector2d::UnitX()));
   const Eigen::Vector2d start = history.path.back().position.head<2>();
   for (PredictedPoint& point : singlePath(history, paths).points) {
     point.position.head<2>() = start + point.horizon_s * velocity;
-    point.covariance = spread.covariance(point.horizon_s, direction);
+    point.covariance = directed.covariance(point.horizon_s);
   }
 }
 
@@ -76,7 +76,7 @@ void ConstantTurnPredictor::predictInto(const MotionHistory& history,
   // The mean velocity of a window points where the object looked in the window's middle.
   const Eigen::Vector2d velocity = Eigen::Rotation2Dd(0.5 * window * turn_rate) *
                                    recentVelocity(history.path, params_.velocity_window_s);
-  const Eigen::Vector2d direction = unitOr(velocity, Eigen::Vector2d::UnitX());
+  const DirectedSpread directed(spread, unitOr(velocity, Eigen::Vector2d::UnitX()));
   const Eigen::Vector2d sideways(-velocity.y(), velocity.x());
   const Eigen::Vector2d start = history.path.back().position.head<2>();
   constexpr double kStraight = 1e-6;  // below this turn rate the circle is a line [rad/s]
@@ -87,7 +87,7 @@ void ConstantTurnPredictor::predictInto(const MotionHistory& history,
     const double ahead = straight ? t : std::sin(angle) / turn_rate;
     const double aside = straight ? 0.0 : (1.0 - std::cos(angle)) / turn_rate;
     point.position.head<2>() = start + ahead * velocity + aside * sideways;
-    point.covariance = spread.covariance(t, direction);
+    point.covariance = directed.covariance(t);
   }
 }
 
@@ -103,11 +103,11 @@ void PolynomialPredictor::predictInto(const MotionHistory& history,
   const Parabola parabola(history.path, std::min(kSpacing_s, spanOf(history.path) / 3.0));
   const Eigen::Vector2d end = parabola.advance(kHorizon_s);
   const double scale = end.norm() > kNoDirection_m ? end_distance / end.norm() : 0.0;
-  const Eigen::Vector2d direction = unitOr(end, Eigen::Vector2d::UnitX());
+  const DirectedSpread directed(spread, unitOr(end, Eigen::Vector2d::UnitX()));
   const Eigen::Vector2d start = history.path.back().position.head<2>();
   for (PredictedPoint& point : singlePath(history, paths).points) {
     point.position.head<2>() = start + scale * parabola.advance(point.horizon_s);
-    point.covariance = spread.covariance(point.horizon_s, direction);
+    point.covariance = directed.covariance(point.horizon_s);
   }
 }
 

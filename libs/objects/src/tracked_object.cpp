@@ -6,6 +6,11 @@
 #include "recent_motion.h"
 
 namespace headway::objects {
+namespace {
+
+constexpr double kFrameJitter_s = 1e-6;  // times of frames are not exact
+
+}  // namespace
 
 TrackedObject::TrackedObject(TrackId id, std::size_t frame, Time time, const MeasuredBox& first,
                              const ObjectsParams& params)
@@ -18,10 +23,11 @@ TrackedObject::TrackedObject(TrackId id, std::size_t frame, Time time, const Mea
       detector_id_(first.detector_id),
       box2d_(first.box2d),
       score_sum_(first.score),
-      confirmed_(params.lifecycle.confirm_hits <= 1),
+
       first_seen_(time),
       last_seen_(time) {
   voteClass(first);
+  confirm();
   trajectory_.append(frame, time, first, first.position, first.yaw);
 }
 
@@ -36,7 +42,13 @@ void TrackedObject::update(std::size_t frame, Time time, const MeasuredBox& dete
   box2d_ = detection.box2d;
   last_seen_ = time;
   misses_ = 0;
-  confirmed_ = confirmed_ || ++hits_ >= params_.lifecycle.confirm_hits;
+  ++hits_;
+  confirm();
+}
+
+void TrackedObject::confirm() {
+  const LifecycleParams& life = params_.lifecycle;
+  confirmed_ = confirmed_ || (hits_ >= life.confirm_hits && score_sum_ >= life.confirm_score);
 }
 
 // Moving: filtered. Standing: the mean of the first measurements, and then left alone.
@@ -80,6 +92,8 @@ ExpectedPlace TrackedObject::expected() const {
           object_class_, detector_id_};
 }
 
+bool TrackedObject::grown() const { return hits_ >= params_.smoothing.grown_length; }
+
 TrackStatus TrackedObject::statusAt(Time time) const {
   const LifecycleParams& life = params_.lifecycle;
   const double unseen = time - last_seen_;
@@ -91,7 +105,10 @@ TrackStatus TrackedObject::statusAt(Time time) const {
 }
 
 bool TrackedObject::shown(Time time) const {
-  return misses_ < 2 || time - last_seen_ <= params_.lifecycle.coast_time_s;
+  const LifecycleParams& life = params_.lifecycle;
+  if (seenAt(time) || !confirmed_) return true;
+  return time - last_seen_ <= life.coast_time_s + kFrameJitter_s &&
+         misses_ <= life.coast_share * hits_;
 }
 
 Eigen::Vector3d TrackedObject::positionAt(Time time) const {
@@ -111,7 +128,7 @@ Track TrackedObject::shownAt(Time time) const {
   track.object_class = object_class_;
   track.status = statusAt(time);
   track.moving = verdict_.moving();
-  track.score = score_sum_ / hits_;
+  track.score = score_sum_ / (hits_ + misses_ + params_.lifecycle.score_prior);
   track.position = positionAt(time);
   track.velocity = filter_.velocity();
   track.yaw = filter_.yaw();

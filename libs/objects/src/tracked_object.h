@@ -39,8 +39,11 @@ class TrackedObject {
   [[nodiscard]] TrackStatus statusAt(Time time) const;
   /// Whether the outside should see it: not when lost for long and only waiting to be re-found.
   [[nodiscard]] bool shown(Time time) const;
+  /// Whether it has been seen often enough for its expected place to be trusted.
+  [[nodiscard]] bool grown() const;
   [[nodiscard]] MotionGroup group() const { return motionGroupOf(object_class_); }
   [[nodiscard]] bool seenAt(Time time) const { return last_seen_ == time; }
+  [[nodiscard]] Eigen::Vector3d position() const { return filter_.position(); }
 
   /// What a predictor may know at `time`: the smoothed path, carried on where it was not seen.
   void historyAt(std::size_t frame, Time time, MotionHistory& history) const;
@@ -56,6 +59,7 @@ class TrackedObject {
  private:
   void updateHeading(const MeasuredBox& detection);
   void voteClass(const MeasuredBox& detection);
+  void confirm();
   [[nodiscard]] Eigen::Vector3d positionAt(Time time) const;
 
   ObjectsParams params_;

@@ -8,13 +8,13 @@ namespace headway::objects {
 
 /// Which detections are believed, and which of them are the same object (Sec. III-C3).
 struct ConsistencyParams {
-  double min_score = -1000.0;         ///< detections below are left out [detector's scale]
-  double max_range_m = 200.0;         ///< detections farther away are left out [m]
-  bool track_unknown = true;          ///< track detections of unknown class too
-  double gate_sigma = 4.0;            ///< radius of the gate, in standard deviations [-]
-  double new_object_density = 0.005;  ///< new objects and false alarms in a place [1/m^2]
-  double gate_blur_m = 0.2;           ///< added to the spread of every expected place [m]
-  double gate_max_m = 8.0;            ///< largest radius of the gate [m]
+  double min_score = -1000.0;        ///< detections below are left out [detector's scale]
+  double max_range_m = 200.0;        ///< detections farther away are left out [m]
+  bool track_unknown = true;         ///< track detections of unknown class too
+  double gate_sigma = 4.0;           ///< radius of the gate, in standard deviations [-]
+  double new_object_density = 0.01;  ///< new objects and false alarms in a place [1/m^2]
+  double gate_blur_m = 0.2;          ///< added to the spread of every expected place [m]
+  double gate_max_m = 8.0;           ///< largest radius of the gate [m]
   double duplicate_distance =
       0.35;  ///< centres nearer than this share of the width: one object [-]
   double duplicate_overlap_3d = 0.4;  ///< 3D boxes overlapping more (IoU): one object [-]
@@ -26,7 +26,7 @@ struct ConsistencyParams {
 
 /// How objects move and how well they are measured (Sec. III-C2).
 struct FilterParams {
-  PerClass<double> acceleration_sigma = {3.0, 2.0, 1.5};    ///< manoeuvres [m/s^2]
+  PerClass<double> acceleration_sigma = {2.0, 1.5, 0.6};    ///< manoeuvres [m/s^2]
   PerClass<double> initial_speed_sigma = {10.0, 5.0, 1.5};  ///< of a new object [m/s]
   double standing_share = 0.3;           ///< of the acceleration, for an object that stands [-]
   double acceleration_time_s = 1.0;      ///< correlation time of an acceleration [s]
@@ -36,6 +36,7 @@ struct FilterParams {
   double vertical_sigma_m = 0.1;         ///< of a measured height above ground [m]
   double least_position_sigma_m = 0.05;  ///< added to what a detector claims of itself [m]
   double yaw_sigma_rad = 0.15;           ///< of a measured heading [rad]
+  double noise_adaption = 0.02;          ///< share of a surprise that changes the noise scale [-]
   double size_sigma_m = 0.2;             ///< of a measured length, width or height [m]
   double size_settled_m = 0.05;          ///< a size known this well is kept [m]
 
@@ -91,10 +92,14 @@ struct SmoothingParams {
 
 /// Birth, life and end of tracks.
 struct LifecycleParams {
-  int confirm_hits = 3;            ///< detections that confirm a track
+  int confirm_hits = 2;            ///< detections that a confirmed track must have had
+  double confirm_score = 2.5;      ///< and what their scores must add up to [detector's scale]
+  double start_score = -0.3;       ///< less sure detections start no track [detector's scale]
+  double score_prior = 5.0;        ///< frames of score 0 that every track starts with
+  double coast_share = 1.0;        ///< frames unseen that each frame seen allows [-]
   double tentative_time_s = 0.35;  ///< a tentative track unseen for longer ends [s]
-  double coast_time_s = 0.4;       ///< a confirmed track unseen for longer is no longer shown [s]
-  double retrack_time_s = 3.0;     ///< and unseen for longer than this it ends for good [s]
+  double coast_time_s = 0.3;       ///< a confirmed track unseen for longer is no longer shown [s]
+  double retrack_time_s = 1.5;     ///< and unseen for longer than this it ends for good [s]
 
   void describe(Params::Section section);
 };
