@@ -6,5 +6,6 @@ namespace headway::app {
 int runTrajectory(int argc, const char** argv);
 int runTracks(int argc, const char** argv);
 int runPredictions(int argc, const char** argv);
+int runSuite(int argc, const char** argv);
 
 }  // namespace headway::app

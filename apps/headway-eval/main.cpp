@@ -11,7 +11,8 @@ int main(int argc, char** argv) {
     const std::map<std::string, std::function<int(int, const char**)>> commands = {
         {"trajectory", app::runTrajectory},
         {"tracks", app::runTracks},
-        {"predictions", app::runPredictions}};
+        {"predictions", app::runPredictions},
+        {"suite", app::runSuite}};
     std::vector<std::string> names;
     for (const auto& [name, command] : commands) names.push_back(name);
     const char** arguments = const_cast<const char**>(argv);

@@ -24,6 +24,8 @@ class Outputs {
   void write(const std::function<nlohmann::ordered_json()>& figures,
              const std::function<cv::Mat()>& plot) const;
 
+  [[nodiscard]] bool overwrite() const { return overwrite_; }
+
  private:
   std::string json_;
   std::string plot_;

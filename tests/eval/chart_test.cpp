@@ -1,4 +1,5 @@
 #include <gmock/gmock.h>
+#include <headway/eval/bar_plot.h>
 #include <headway/eval/chart.h>
 #include <headway/eval/trajectory_plot.h>
 
@@ -74,6 +75,27 @@ TEST(ChartTest, rampRunsFromBlueToRedAndIsCutOff) {
   EXPECT_GT(rampColour(1.0).red, rampColour(1.0).blue);
   EXPECT_EQ(rampColour(1.0).red, rampColour(7.0).red);
   EXPECT_EQ(rampColour(0.0).blue, rampColour(-7.0).blue);
+}
+
+TEST(BarPlotTest, barsStandWhereTheirGroupIsAndGapsStayEmpty) {
+  const double gap = std::numeric_limits<double>::quiet_NaN();
+  const BarPlot plot{"Bars", "value [m]", {"one", "two"}, {{"a", {1.0, 2.0}}, {"b", {3.0, gap}}}};
+  const cv::Mat whole = barPlot(plot);
+  auto without = plot;
+  without.series[0].values[1] = gap;  // the only bar of the right half
+  const cv::Mat left_only = barPlot(without);
+  ASSERT_EQ(whole.size(), left_only.size());
+  const int middle = 84 + (1200 - 84 - 24) / 2;
+  const cv::Range all_rows(0, whole.rows);
+  EXPECT_EQ(0.0, changed(whole(all_rows, {84, middle}).clone(),
+                         left_only(all_rows, {84, middle}).clone()));
+  EXPECT_GT(
+      changed(whole(all_rows, {middle, 1170}).clone(), left_only(all_rows, {middle, 1170}).clone()),
+      0.1);
+}
+
+TEST(BarPlotTest, nothingToDrawIsStillAPicture) {
+  EXPECT_FALSE(barPlot({"Empty", "value", {}, {}}).empty());
 }
 
 TEST(TrajectoryPlotTest, showsMapAndErrorForStandstillToo) {

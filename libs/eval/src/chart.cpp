@@ -184,18 +184,32 @@ cv::Point2d Chart::place(const Eigen::Vector2d& point) const {
           plot_.y + plot_.height - (point.y() - frame_.y.min) / frame_.y.size() * plot_.height};
 }
 
-void Chart::drawGrid() {
-  const double x_step = niceStep(frame_.x.size(), frame_.width / 130.0);
-  const double y_step = niceStep(frame_.y.size(), frame_.height / 90.0);
-  for (double x = std::ceil(frame_.x.min / x_step) * x_step; x <= frame_.x.max; x += x_step) {
-    const auto foot = place({x, frame_.y.min});
-    drawSegment(image_, foot, place({x, frame_.y.max}), kGrid, 1.0);
-    write(image_, tickText(x, x_step), foot + cv::Point2d(0, 16 * kOver), 0.5, 0.45, kInk);
+void Chart::drawColumns() {
+  const auto label = [this](double x, const std::string& words) {
+    write(image_, words, place({x, frame_.y.min}) + cv::Point2d(0, 16 * kOver), 0.5, 0.45, kInk);
+  };
+  const auto rule = [this](double x) {
+    drawSegment(image_, place({x, frame_.y.min}), place({x, frame_.y.max}), kGrid, 1.0);
+  };
+  for (std::size_t i = 0; i < frame_.x_names.size(); ++i) {
+    rule(static_cast<double>(i));
+    label(static_cast<double>(i) + 0.5, frame_.x_names[i]);
   }
-  for (double y = std::ceil(frame_.y.min / y_step) * y_step; y <= frame_.y.max; y += y_step) {
+  if (!frame_.x_names.empty()) return;
+  const double step = niceStep(frame_.x.size(), frame_.width / 130.0);
+  for (double x = std::ceil(frame_.x.min / step) * step; x <= frame_.x.max; x += step) {
+    rule(x);
+    label(x, tickText(x, step));
+  }
+}
+
+void Chart::drawGrid() {
+  drawColumns();
+  const double step = niceStep(frame_.y.size(), frame_.height / 90.0);
+  for (double y = std::ceil(frame_.y.min / step) * step; y <= frame_.y.max; y += step) {
     const auto foot = place({frame_.x.min, y});
     drawSegment(image_, foot, place({frame_.x.max, y}), kGrid, 1.0);
-    write(image_, tickText(y, y_step), foot - cv::Point2d(8 * kOver, 0), 1.0, 0.45, kInk);
+    write(image_, tickText(y, step), foot - cv::Point2d(8 * kOver, 0), 1.0, 0.45, kInk);
   }
   cv::rectangle(image_, plot_, bgr(kInk), kOver, cv::LINE_AA);
   const double middle = plot_.x + 0.5 * plot_.width;

@@ -48,6 +48,7 @@ struct ChartFrame {
   int width = 1200;         ///< [px]
   int height = 760;         ///< [px]
   int right_px = 24;        ///< room to the right of the axes; ramp() needs kRampRoom_px
+  std::vector<std::string> x_names = {};  ///< instead of numbers: names of [0, 1], [1, 2] ...
 };
 
 /// A picture with axes, lines, dots and a legend; the same calls give the same bytes.
@@ -84,6 +85,7 @@ class Chart {
     LineStyle style;
   };
   [[nodiscard]] cv::Point2d place(const Eigen::Vector2d& point) const;
+  void drawColumns();
   void drawGrid();
   void drawLegend(cv::Mat& image) const;
 

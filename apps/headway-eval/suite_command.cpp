@@ -1,0 +1,143 @@
+#include <headway/core/error.h>
+#include <headway/program/progress.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "outputs.h"
+#include "suite_report.h"
+
+namespace headway::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kQuickFrames = 80;  // just enough for 2 s of history and 3 s of future
+
+struct Options {
+  bool quick = false;
+  std::string worlds = "config/worlds";
+  std::string folder = "suite";
+  std::string kitti;
+  pipeline::PerceptionParams perception;
+  bool quiet = false;
+  Outputs outputs;
+};
+
+bool parse(Options& options, int argc, const char** argv) {
+  program::CommandLine line(
+      "headway-eval suite",
+      "Draws every world, replays it and prints three tables: the camera's position with and "
+      "without rejection of what moves, predictions of every predictor, and positions of "
+      "objects as detected and as tracked.");
+  Params params;
+  options.perception.describe(params);
+  line.flag(options.quick, 0, "quick", "Only the first 80 frames of every world");
+  line.option(options.worlds, 0, "worlds", "DIR",
+              "Worlds to draw: a folder of .ini files, or one; default config/worlds");
+  line.option(options.folder, 'o', "output", "OUTDIR",
+              "Where recordings and tables go; default suite");
+  line.option(options.kitti, 0, "kitti", "DIR",
+              "KITTI's tracking benchmark: its sequences become rows, too");
+  line.parameters(params);
+  options.outputs.describe(line);
+  if (!line.parse(argc, argv)) return false;
+  options.quiet = line.quiet();
+  options.outputs.requireWritable();
+  program::requireWritable(options.folder, options.outputs.overwrite());
+  return true;
+}
+
+std::vector<std::string> worldFiles(const std::string& path) {
+  if (fs::is_regular_file(path)) return {path};
+  if (!fs::is_directory(path)) throw InputError(path + ": no such folder of worlds; --worlds DIR");
+  std::vector<std::string> files;
+  for (const auto& entry : fs::directory_iterator(path)) {
+    if (entry.path().extension() == ".ini") files.push_back(entry.path());
+  }
+  if (files.empty()) throw InputError(path + ": holds no worlds (.ini)");
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// The whole suite, one recording after another.
+class Suite {
+ public:
+  explicit Suite(const Options& options)
+      : options_(options), progress_("suite", options.quiet), worlds_(worldFiles(options.worlds)) {
+    if (options.quick) most_frames_ = kQuickFrames;
+    for (const auto& ini : worlds_) {
+      const std::size_t frames = framesOf(ini);
+      total_ += (1 + rejections().size()) * std::min(frames, most_frames_.value_or(frames));
+    }
+  }
+
+  [[nodiscard]] std::vector<SuiteEntry> run() {
+    std::vector<SuiteEntry> entries;
+    for (const auto& ini : worlds_) {
+      if (!program::interrupted()) entries.push_back(judgeWorld(ini));
+    }
+    if (options_.kitti.empty()) return entries;
+    for (const auto& recording : readKittiTracking(options_.kitti)) {
+      if (program::interrupted()) break;
+      entries.push_back({recording.name, {}, judgeObjects(recording, options_.perception.objects)});
+    }
+    return entries;
+  }
+
+ private:
+  SuiteEntry judgeWorld(const std::string& ini) {
+    const FrameDone done = [this] {
+      ++done_;
+      progress_.update(done_, static_cast<double>(done_) / static_cast<double>(total_));
+      return !program::interrupted();
+    };
+    const World world = drawWorld(ini, options_.folder, most_frames_, done);
+    SuiteEntry entry;
+    entry.name = world.name;
+    for (const auto& rejection : rejections()) {
+      if (program::interrupted()) return entry;
+      auto params = options_.perception;
+      params.slam.dynamic_rejection = rejection.value;
+      const auto run = runWorld(world, params, done);
+      entry.camera.emplace_back(rejection.name, CameraFigures{world.frames, run.lost, run.error});
+      const bool is_last = entry.camera.size() == rejections().size();
+      if (is_last && !program::interrupted()) {
+        entry.objects = judgeObjects(run.objects, params.objects);
+      }
+    }
+    return entry;
+  }
+
+  const Options& options_;
+  program::Progress progress_;
+  std::vector<std::string> worlds_;
+  std::optional<std::size_t> most_frames_;
+  std::size_t total_ = 0;
+  std::size_t done_ = 0;
+};
+
+}  // namespace
+
+int runSuite(int argc, const char** argv) {
+  Options options;
+  if (!parse(options, argc, argv)) return program::kDone;
+  program::catchInterrupts();
+  Suite suite(options);
+  fs::create_directories(options.folder);
+  const auto entries = suite.run();
+  const auto report = fs::path(options.folder) / "suite.md";
+  std::ofstream file(report);
+  writeSuite(file, entries);
+  file.flush();
+  if (!file) throw InputError(report.string() + ": cannot be written");
+  if (!options.quiet) writeSuite(std::cout, entries);
+  options.outputs.write([&] { return suiteFigures(entries); }, [&] { return suitePlot(entries); });
+  return program::kDone;
+}
+
+}  // namespace headway::app

@@ -1,0 +1,143 @@
+#include "suite_objects.h"
+
+#include <headway/eval/prediction_cases.h>
+#include <headway/objects/predictor.h>
+#include <headway/pipeline/moving_regions.h>
+
+#include <cmath>
+
+#include "camera_poses.h"
+#include "prediction_judging.h"
+
+namespace headway::app {
+namespace {
+
+constexpr double kNear_m = 2.0;         // between a prediction and the object it is about
+constexpr double kLongestGap_s = 0.25;  // in a true path, bridged by a straight line
+
+/// What the layer said of one recording.
+struct LayerRun {
+  std::vector<eval::LabelledFrame> tracks;  ///< estimates alone, optical frame
+  std::vector<eval::TrackPrediction> predictions;
+};
+
+bool isShown(const Track& track) {
+  return track.status == TrackStatus::kConfirmed || track.status == TrackStatus::kCoasting;
+}
+
+eval::LabelledBox boxOf(const Track& track, const Pose& T_cam_map,
+                        const std::optional<StereoCamera>& camera) {
+  const Eigen::Vector3d front(std::cos(track.yaw), std::sin(track.yaw), 0.0);
+  eval::LabelledBox box;
+  box.id = track.id.value;
+  box.object_class = track.object_class;
+  box.score = track.score;
+  box.box3d = Box3d{T_cam_map * track.position, track.size.x(), track.size.y(), track.size.z(),
+                    opticalYaw(T_cam_map.linear() * front)};
+  box.box2d = track.box2d;
+  if (!box.box2d && camera) box.box2d = pipeline::projectedBox(*box.box3d, *camera);
+  return box;
+}
+
+LayerRun runLayer(const ObjectRecording& recording, const objects::ObjectsParams& params) {
+  pipeline::PerceptionParams perception_params;
+  perception_params.objects = params;
+  pipeline::Perception perception(nullptr, perception_params);
+  LayerRun run;
+  for (const auto& frame : recording.frames) {
+    const auto update = perception.process(frame);
+    if (run.tracks.size() <= frame.index) run.tracks.resize(frame.index + 1);
+    const Pose T_cam_map = (update.camera.T_map_robot * recording.T_robot_cam).inverse();
+    for (const auto& track : update.objects.tracks) {
+      if (!isShown(track)) continue;
+      run.tracks[frame.index].estimates.push_back(boxOf(track, T_cam_map, recording.camera));
+      if (track.predictions.empty()) continue;
+      run.predictions.push_back(
+          {frame.index, frame.time, track.id, track.object_class, track.predictions});
+    }
+  }
+  return run;
+}
+
+/// The recording's labels beside estimates.
+eval::LabelledSequence beside(const ObjectRecording& recording,
+                              std::vector<eval::LabelledFrame> frames) {
+  frames.resize(std::max(frames.size(), recording.labels.size()));
+  for (std::size_t k = 0; k < recording.labels.size(); ++k) {
+    frames[k].truth = recording.labels[k].truth;
+    frames[k].dont_care = recording.labels[k].dont_care;
+  }
+  return {recording.name, std::move(frames)};
+}
+
+std::vector<eval::LabelledFrame> rawBoxes(const ObjectRecording& recording) {
+  std::vector<eval::LabelledFrame> frames;
+  std::int64_t own_id = -1;
+  for (const auto& frame : recording.frames) {
+    if (frames.size() <= frame.index) frames.resize(frame.index + 1);
+    if (!frame.detections) continue;
+    for (const auto& detection : frame.detections->items) {
+      eval::LabelledBox box;
+      box.id = own_id--;
+      box.object_class = detection.object_class;
+      box.score = detection.score;
+      box.box2d = detection.box2d;
+      box.box3d = detection.box3d;
+      frames[frame.index].estimates.push_back(box);
+    }
+  }
+  return frames;
+}
+
+/// Where the camera stood at each frame index; what is missing stays where it was before.
+std::vector<Stamped<Pose>> cameraPoses(const ObjectRecording& recording) {
+  std::vector<Stamped<Pose>> poses;
+  for (const auto& frame : recording.frames) {
+    if (!frame.T_map_robot) continue;
+    while (poses.size() < frame.index) {
+      const auto before =
+          poses.empty() ? Stamped<Pose>{frame.time, *frame.T_map_robot} : poses.back();
+      poses.push_back({before.time + kNominalFrameInterval_s, before.value});
+    }
+    poses.push_back({frame.time, *frame.T_map_robot * recording.T_robot_cam});
+  }
+  while (!poses.empty() && poses.size() < recording.labels.size()) {
+    poses.push_back({poses.back().time + kNominalFrameInterval_s, poses.back().value});
+  }
+  return poses;
+}
+
+eval::PredictionErrors judgeOnTracks(const std::vector<eval::TrueObject>& truth,
+                                     const LayerRun& run) {
+  eval::PredictionJudge judge;
+  for (const auto& a_case :
+       eval::trackCases(truth, run.predictions, kNear_m, kLongestGap_s).cases) {
+    const auto& prediction = run.predictions[a_case.prediction];
+    judge.add(prediction.object_class, prediction.paths, a_case.future);
+  }
+  return judge.errors();
+}
+
+}  // namespace
+
+ObjectFigures judgeObjects(const ObjectRecording& recording, const objects::ObjectsParams& params) {
+  ObjectFigures figures;
+  eval::TrackErrorParams positions;
+  positions.positions_only = true;
+  figures.raw = eval::trackErrors({beside(recording, rawBoxes(recording))}, positions);
+  figures.tracks = eval::trackErrors({beside(recording, runLayer(recording, params).tracks)}, {});
+  PredictionSequence truth;
+  truth.name = recording.name;
+  truth.T_map_cam = cameraPoses(recording);
+  truth.objects = eval::trueObjects(recording.labels, truth.T_map_cam);
+  for (const auto& name : objects::predictorNames()) {
+    auto with_predictor = params;
+    with_predictor.predictor = objects::predictorKindFrom(name);
+    figures.on_tracks.emplace_back(
+        name, judgeOnTracks(truth.objects, runLayer(recording, with_predictor)));
+    figures.on_truth.emplace_back(name, judgePredictor({truth}, name, params.prediction).errors);
+  }
+  return figures;
+}
+
+}  // namespace headway::app

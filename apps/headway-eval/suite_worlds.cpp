@@ -1,0 +1,124 @@
+#include "suite_worlds.h"
+
+#include <headway/core/error.h>
+#include <headway/io/kitti_dataset.h>
+#include <headway/io/rawlog_source.h>
+#include <headway/io/trajectory_file.h>
+#include <headway/sim/recording.h>
+#include <headway/sim/simulator.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <sstream>
+
+#include "label_files.h"
+
+namespace headway::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kSameTime_s = 0.02;
+
+/// A world's parameters and the registry they are bound to.
+struct WorldSettings {
+  explicit WorldSettings(const std::string& ini) {
+    values.describe(params);
+    params.loadFile(ini);
+  }
+  WorldSettings(const WorldSettings&) = delete;
+  WorldSettings& operator=(const WorldSettings&) = delete;
+  sim::SimParams values;
+  Params params;
+};
+
+std::optional<eval::TrajectoryError> errorOf(const World& world,
+                                             const std::vector<slam::FrameEstimate>& trajectory) {
+  std::vector<Stamped<Pose>> estimate;
+  for (const auto& frame : trajectory) {
+    if (frame.tracked) estimate.push_back({frame.time, frame.T_map_robot});
+  }
+  constexpr std::size_t kFewest = 3;  // to align them
+  if (estimate.size() < kFewest) return std::nullopt;
+  const auto truth = io::readTum(world.truth_folder + "/trajectory.tum");
+  return eval::trajectoryError(eval::pairByTime(truth, estimate, kSameTime_s), {});
+}
+
+}  // namespace
+
+std::size_t framesOf(const std::string& ini) {
+  return static_cast<std::size_t>(WorldSettings(ini).values.recording.frames);
+}
+
+World drawWorld(const std::string& ini, const std::string& folder,
+                std::optional<std::size_t> most_frames, const FrameDone& done) {
+  WorldSettings settings(ini);
+  auto& frames = settings.values.recording.frames;
+  if (most_frames) frames = std::min(frames, static_cast<int>(*most_frames));
+  World world;
+  world.name = fs::path(ini).stem();
+  world.rawlog = (fs::path(folder) / (world.name + ".rawlog")).string();
+  world.truth_folder = sim::truthFolder(world.rawlog);
+  std::ostringstream text;
+  settings.params.print(text);
+  sim::Simulator simulator(settings.values);
+  sim::Recording recording(world.rawlog, settings.values.recording, {}, simulator.camera(),
+                           simulator.recordedCamera(), text.str());
+  bool go_on = true;
+  while (go_on) {
+    const auto frame = simulator.next();
+    if (!frame) break;
+    recording.write(*frame);
+    ++world.frames;
+    go_on = done();
+  }
+  recording.close();
+  return world;
+}
+
+WorldRun runWorld(const World& world, const pipeline::PerceptionParams& params,
+                  const FrameDone& done) {
+  io::RawlogSource source(world.rawlog, {});
+  pipeline::Perception perception(source.camera(), params);
+  WorldRun run;
+  run.objects.name = world.name;
+  run.objects.camera = *source.camera();
+  run.objects.T_robot_cam = source.camera()->T_robot_cam;
+  while (auto frame = source.next()) {
+    const auto update = perception.process(*frame);
+    const bool tracked = update.camera.status == slam::TrackingStatus::kTracked;
+    if (!tracked) ++run.lost;
+    frame->stereo.reset();
+    frame->T_map_robot = update.camera.T_map_robot;
+    if (!tracked) frame->detections.reset();
+    run.objects.frames.push_back(std::move(*frame));
+    if (!done()) break;
+  }
+  run.error = errorOf(world, perception.trajectory());
+  run.objects.labels = readLabels(world.truth_folder + "/label_02.txt");
+  run.objects.labels.resize(std::min(run.objects.labels.size(), run.objects.frames.size()));
+  return run;
+}
+
+std::vector<ObjectRecording> readKittiTracking(const std::string& folder) {
+  const fs::path labels = fs::path(folder) / "training" / "label_02";
+  if (!fs::is_directory(labels)) throw InputError(labels.string() + ": no such folder");
+  std::vector<std::string> names;
+  for (const auto& file : fs::directory_iterator(labels)) names.push_back(file.path().stem());
+  std::sort(names.begin(), names.end());
+  std::vector<ObjectRecording> recordings;
+  for (const auto& name : names) {
+    ObjectRecording recording;
+    recording.name = "KITTI " + name;
+    const auto dataset = io::openKittiTracking(folder, name, io::KittiBoxes::kPointRcnn3d);
+    for (std::size_t k = 0; k < dataset->size(); ++k) {
+      auto frame = dataset->frame(k);
+      recording.frames.push_back({k, frame.time, {}, frame.detections, frame.T_map_robot, 0.0});
+    }
+    recording.labels = readLabels((labels / (name + ".txt")).string());
+    recordings.push_back(std::move(recording));
+  }
+  return recordings;
+}
+
+}  // namespace headway::app

@@ -1,0 +1,61 @@
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "run_program.h"
+
+namespace headway::eval {
+namespace {
+
+using testing::HasSubstr;
+
+class SuiteCommandTest : public testing::Test {
+ protected:
+  /// A small street of a few frames.
+  std::string world(const std::string& more = "") {
+    const auto path = folder_ / "tiny.ini";
+    std::ofstream(path) << "[camera]\nwidth = 320\nheight = 120\nfocal_px = 185\n"
+                           "[traffic]\nvehicles = 3\ncyclists = 0\npedestrians = 4\n"
+                           "[recording]\nframes = 12\n"
+                        << more;
+    return path;
+  }
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(SuiteCommandTest, drawsReplaysAndPrintsThreeTables) {
+  const std::string out = folder_ / "out";
+  const std::string json = folder_ / "s.json";
+  const auto result = runEval("suite --quick --worlds " + world() + " -o " + out + " --json " +
+                              json + " --plot " + std::string(folder_ / "s.png"));
+  ASSERT_EQ(0, result.status) << result.error;
+  EXPECT_THAT(result.out, HasSubstr("Camera position by rejection of what moves"));
+  EXPECT_THAT(result.out, HasSubstr("Predictions on our own tracks"));
+  EXPECT_THAT(result.out, HasSubstr("Predictions on exact histories"));
+  EXPECT_THAT(result.out, HasSubstr("Positions of objects"));
+  EXPECT_EQ(result.out, contentOf(out + "/suite.md"));
+  const auto figures = nlohmann::json::parse(contentOf(json));
+  for (const char* rejection : {"none", "boxes", "geometric", "both"}) {
+    EXPECT_TRUE(figures["tiny"]["camera"][rejection].contains("frames_lost")) << rejection;
+  }
+  EXPECT_TRUE(figures["tiny"]["objects"]["ours"]["all"].contains("rmse_m"));
+  EXPECT_TRUE(figures["tiny"]["predictions_on_truth"].contains("constant_velocity"));
+  EXPECT_THAT(contentOf(folder_ / "s.png"), testing::StartsWith("\x89PNG"));
+  EXPECT_TRUE(std::filesystem::exists(out + "/tiny.rawlog"));
+
+  const auto again = runEval("suite --quick --worlds " + world() + " -o " + out);
+  EXPECT_EQ(1, again.status);
+  EXPECT_THAT(again.error, HasSubstr("exists already"));
+}
+
+TEST_F(SuiteCommandTest, worldsThatCannotBeAreNamed) {
+  const auto result = runEval("suite --worlds " + world("no_such_key = 1\n") + " -o " +
+                              std::string(folder_ / "out"));
+  EXPECT_EQ(1, result.status);
+  EXPECT_THAT(result.error, HasSubstr("tiny.ini"));
+  EXPECT_THAT(result.error, HasSubstr("no_such_key"));
+  EXPECT_EQ(1, runEval("suite --worlds " + std::string(folder_ / "none")).status);
+}
+
+}  // namespace
+}  // namespace headway::eval
