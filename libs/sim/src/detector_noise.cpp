@@ -29,9 +29,6 @@ Detection DetectorNoise::measure(const Mover& mover, const Sighting& sighting) {
   detection.score = std::clamp(0.95 - 0.4 * z / params_.max_range_m -
                                    0.35 * (1.0 - sighting.visible) + 0.07 * random_.normal(),
                                0.05, 1.0);
-  auto& id = detector_ids_[mover.id];
-  if (id == 0 || random_.chance(params_.id_switch_share)) id = next_id_++;
-  detection.detector_id = id;
   const auto edge = [&](double value) { return value + params_.box_sigma_px * random_.normal(); };
   detection.box2d = Box2d{edge(sighting.box.left), edge(sighting.box.top), edge(sighting.box.right),
                           edge(sighting.box.bottom)};
@@ -108,7 +105,10 @@ Detections DetectorNoise::detect(Time time, const std::vector<Mover>& movers,
   for (const Sighting& sighting : sightings) {
     const Mover& mover = movers[sighting.mover];
     if (isMissed(mover, sighting)) continue;
+    auto& id = detector_ids_[mover.id];
+    if (id == 0 || random_.chance(params_.id_switch_share)) id = next_id_++;
     detections.items.push_back(measure(mover, sighting));
+    detections.items.back().detector_id = id;
     if (!random_.chance(params_.duplicate_share)) continue;
     detections.items.push_back(measure(mover, sighting));
     detections.items.back().score *= 0.6;

@@ -13,6 +13,7 @@ using Profile = StreetProfile;
 constexpr double kRelaxation = 0.5;      // Helbing & Molnar 1995, table: tau [s]
 constexpr double kRepulsion = 2.1;       // V0 [m^2/s^2]
 constexpr double kRepulsionReach = 0.3;  // sigma [m]
+constexpr double kPatience = 20.0;       // at the kerb, then one walks on [s]
 constexpr double kPersonal = 0.45;       // two bodies side by side [m]
 
 }  // namespace
@@ -91,14 +92,16 @@ const Pedestrians::Person* Pedestrians::find(std::int64_t id) const {
 }
 
 bool Pedestrians::mayCross(const Person& person, const std::vector<Obstacle>& vehicles) const {
+  // It takes some three seconds into the nearer lane; who has waited accepts less, and drivers
+  // brake for the rest.
+  const double gap = std::max(1.8, 3.2 - 0.25 * (kPatience - person.timer_s));
   const Eigen::Vector2d here = route_.street.beside(person.at.x(), 0.0).head<2>();
   return std::none_of(vehicles.begin(), vehicles.end(), [&](const Obstacle& vehicle) {
     const Eigen::Vector2d offset = here - vehicle.position;
     const double speed = vehicle.velocity.norm();
     if (offset.norm() < 6.0) return true;
     const double closing = offset.dot(vehicle.velocity) / offset.norm();
-    // About six seconds to the far side; people accept less, and drivers brake.
-    return closing > 0.3 * speed && speed > 0.5 && offset.norm() / closing < 4.5;
+    return closing > 0.3 * speed && speed > 0.5 && offset.norm() / closing < gap;
   });
 }
 
@@ -110,7 +113,7 @@ void Pedestrians::decide(Person& person, double dt, const std::vector<Obstacle>&
         person.timer_s = random_.uniform(1.5, 6.0);
       } else if (random_.chance(params_.road_crossing_rate_hz * dt)) {
         person.state = State::kWaiting;
-        person.timer_s = 20.0;
+        person.timer_s = kPatience;
       } else if (random_.chance(0.004 * dt)) {
         person.direction = -person.direction;
       }

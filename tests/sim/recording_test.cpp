@@ -1,0 +1,168 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <headway/core/error.h>
+#include <headway/core/params.h>
+#include <headway/io/rawlog_source.h>
+#include <headway/io/track_file.h>
+#include <headway/io/trajectory_file.h>
+#include <headway/sim/recording.h>
+#include <headway_test/folders.h>
+#include <headway_test/process.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+
+namespace headway::sim {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::string kProgram = std::string(HEADWAY_BIN_DIR) + "/headway-sim";
+const std::string kTiny =
+    " --set camera.width=320 --set camera.height=120 --set camera.focal_px=186 --frames 4 -q";
+
+/// One recording with everything, made by the program itself.
+class Recorded : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder = std::make_unique<test::TemporaryFolder>();
+    rawlog = (*folder / "town.rawlog").string();
+    truth = truthFolder(rawlog);
+    result = test::runProcess(kProgram + " -o " + rawlog + kTiny + " --masks --depth --seed 5");
+  }
+  static void TearDownTestSuite() { folder.reset(); }
+  void SetUp() override { ASSERT_EQ(result.status, 0) << result.output; }
+
+  static std::unique_ptr<test::TemporaryFolder> folder;
+  static std::string rawlog, truth;
+  static test::ProcessResult result;
+};
+std::unique_ptr<test::TemporaryFolder> Recorded::folder;
+std::string Recorded::rawlog, Recorded::truth;
+test::ProcessResult Recorded::result;
+
+TEST_F(Recorded, RawlogReadsBackAsRectifiedStereoWithDetections) {
+  io::RawlogSource source(rawlog, {});
+  std::size_t frames = 0;
+  while (const auto frame = source.next()) {
+    ASSERT_TRUE(frame->stereo);
+    EXPECT_EQ(frame->stereo->left.cols, 320);
+    EXPECT_FALSE(frame->stereo->left_colour.empty());
+    EXPECT_TRUE(frame->detections);
+    EXPECT_FALSE(frame->T_map_robot);  // truth never comes out
+    ++frames;
+  }
+  EXPECT_EQ(frames, 4U);
+  ASSERT_TRUE(source.camera());
+  EXPECT_DOUBLE_EQ(source.camera()->baseline_m, 0.54);
+  EXPECT_DOUBLE_EQ(source.camera()->fx, 186.0);
+}
+
+TEST_F(Recorded, TruthInsideAndBesideAreTheSame) {
+  const auto inside = io::readTruth(rawlog);
+  const auto beside = io::readTum(truth + "/trajectory.tum");
+  const auto rows = io::readKittiRows(truth + "/label_02.txt");
+  ASSERT_EQ(inside.poses.size(), 4U);
+  ASSERT_EQ(beside.size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_LT((inside.poses[i].value.translation() - beside[i].value.translation()).norm(), 1e-6);
+    const auto count = std::count_if(rows.begin(), rows.end(),
+                                     [&](const io::KittiRow& row) { return row.frame == i; });
+    EXPECT_EQ(static_cast<std::size_t>(count), inside.objects[i].items.size());
+  }
+  for (const io::KittiRow& row : rows) {
+    EXPECT_GE(row.visible, 0.0);
+    EXPECT_LE(row.visible, 1.0);
+    EXPECT_GT(row.bottom_centre.z(), 0.0);
+  }
+  EXPECT_EQ(io::readKittiPoses(truth + "/poses_kitti.txt").size(), 4U);
+}
+
+TEST_F(Recorded, MasksAndDepthHaveTheImagesSize) {
+  for (const char* name : {"/masks/000003.png", "/depth/000000.png"}) {
+    const cv::Mat picture = cv::imread(truth + name, cv::IMREAD_UNCHANGED);
+    EXPECT_EQ(picture.size(), cv::Size(320, 120)) << name;
+  }
+  for (const char* name : {"/calib.txt", "/calibration.yaml", "/objects.csv", "/world.ini"}) {
+    EXPECT_GT(std::filesystem::file_size(truth + name), 100U) << name;
+  }
+}
+
+TEST_F(Recorded, TheWorldAsUsedMakesTheSameBytesAgain) {
+  const std::string again = (*folder / "again.rawlog").string();
+  const auto second = test::runProcess(kProgram + " -c " + truth + "/world.ini -q -o " + again);
+  ASSERT_EQ(second.status, 0) << second.output;
+  EXPECT_TRUE(test::contentsOf(again) == test::contentsOf(rawlog));
+  EXPECT_EQ(test::contentsOf(truthFolder(again) + "/label_02.txt"),
+            test::contentsOf(truth + "/label_02.txt"));
+}
+
+TEST_F(Recorded, AnOutputThatExistsIsRefused) {
+  const auto second = test::runProcess(kProgram + " -o " + rawlog + kTiny);
+  EXPECT_EQ(second.status, 1);
+  EXPECT_THAT(second.output, HasSubstr("-w"));
+}
+
+TEST(HeadwaySim, SaysBeforehandHowMuchDiskItTakes) {
+  const test::TemporaryFolder folder;
+  const auto result = test::runProcess(
+      kProgram + " -o " + (folder / "a.rawlog").string() +
+      " --set camera.width=320 --set camera.height=120 --set camera.focal_px=186 --frames 2 "
+      "--set recording.storage=external_jpeg");
+  ASSERT_EQ(result.status, 0) << result.output;
+  EXPECT_THAT(result.output, HasSubstr(" MB for 2 frames"));
+  EXPECT_TRUE(std::filesystem::is_directory(folder / "a_Images"));
+}
+
+TEST(HeadwaySim, BadInputEndsWithOneLineThatNamesTheKey) {
+  const test::TemporaryFolder folder;
+  const std::string output = " -q -o " + (folder / "a.rawlog").string();
+  for (const auto& [arguments, key] :
+       {std::pair<std::string, std::string>{"--set traffic.vehicles=-3", "vehicles"},
+        {"--set traffic.elephants=3", "elephants"},
+        {"--set traffic.vehicles=190", "vehicles"},
+        {"--set camera.width=twelve", "width"},
+        {"-c /nowhere.ini", "/nowhere.ini"}}) {
+    const auto result = test::runProcess(kProgram + output + " " + arguments);
+    EXPECT_EQ(result.status, 1) << arguments;
+    EXPECT_THAT(result.output, HasSubstr(key));
+    EXPECT_EQ(std::count(result.output.begin(), result.output.end(), '\n'), 1);
+  }
+  EXPECT_EQ(test::runProcess(kProgram).status, 2);
+  const auto unwritable = test::runProcess(kProgram + " -q --frames 1 -o /nowhere/a.rawlog");
+  EXPECT_EQ(unwritable.status, 1);
+  EXPECT_THAT(unwritable.output, HasSubstr("/nowhere"));
+}
+
+TEST(Worlds, EveryNamedWorldLoadsAndCanBe) {
+  int worlds = 0, frames = 0;
+  const auto folder = std::filesystem::path(HEADWAY_SOURCE_DIR) / "config/worlds";
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    SimParams settings;
+    Params params;
+    settings.describe(params);
+    params.loadFile(entry.path().string());
+    EXPECT_NO_THROW(settings.validate()) << entry.path();
+    frames += entry.path().stem() == "street" ? 0 : settings.recording.frames;
+    ++worlds;
+  }
+  EXPECT_GE(worlds, 8);
+  EXPECT_GE(frames, 8000);
+}
+
+TEST(Params, WhatIsPrintedLoadsAgain) {
+  SimParams settings;
+  Params params;
+  settings.describe(params);
+  std::ostringstream text;
+  params.print(text);
+  for (const char* section : {"[route]", "[world]", "[traffic]", "[camera]", "[detector]"}) {
+    EXPECT_THAT(text.str(), HasSubstr(section));
+  }
+}
+
+}  // namespace
+}  // namespace headway::sim

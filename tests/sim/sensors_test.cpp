@@ -1,0 +1,106 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <headway/core/error.h>
+
+#include <opencv2/calib3d.hpp>
+
+#include "lens.h"
+#include "motion_sensors.h"
+
+namespace headway::sim {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(MotionSensors, AStandingRobotFeelsGravityAlone) {
+  MotionSensors sensors(1);
+  for (int i = 0; i < 400; ++i) sensors.observe(0.01 * i, Pose::Identity());
+  Eigen::Vector3d force = Eigen::Vector3d::Zero(), turn = Eigen::Vector3d::Zero();
+  const auto samples = sensors.takeImu();
+  for (const auto& sample : samples) {
+    force += sample.acceleration / static_cast<double>(samples.size());
+    turn += sample.angular_velocity / static_cast<double>(samples.size());
+  }
+  EXPECT_LT((force - Eigen::Vector3d(0, 0, 9.81)).norm(), 0.5);  // biases
+  EXPECT_LT(turn.norm(), 0.02);
+  EXPECT_TRUE(sensors.takeImu().empty());
+}
+
+TEST(MotionSensors, MeasureTurningAndTheWayDriven) {
+  MotionSensors sensors(2);
+  constexpr double kRate = 0.3, kSpeed = 5.0;  // a circle of 16.7 m
+  for (int i = 0; i <= 500; ++i) {
+    const double t = 0.01 * i, yaw = kRate * t, r = kSpeed / kRate;
+    Pose pose = Pose::Identity();
+    pose.linear() = expSo3({0, 0, yaw});
+    pose.translation() = Eigen::Vector3d(r * std::sin(yaw), r * (1 - std::cos(yaw)), 0);
+    sensors.observe(t, pose);
+  }
+  Eigen::Vector3d force = Eigen::Vector3d::Zero(), turn = Eigen::Vector3d::Zero();
+  const auto samples = sensors.takeImu();
+  ASSERT_EQ(samples.size(), 499U);
+  for (const auto& sample : samples) {
+    force += sample.acceleration / 499.0;
+    turn += sample.angular_velocity / 499.0;
+  }
+  EXPECT_NEAR(turn.z(), kRate, 0.02);
+  EXPECT_NEAR(force.y(), kRate * kSpeed, 0.4);
+  const auto odometry = sensors.odometry();
+  ASSERT_TRUE(odometry);
+  const double r = kSpeed / kRate;
+  EXPECT_NEAR(odometry->yaw, kRate * 5.0, 0.1);
+  EXPECT_NEAR(odometry->x, r * std::sin(kRate * 5.0), 1.5);
+}
+
+TEST(Lens, WithoutDistortionNothingChanges) {
+  const Lens lens{CameraParams{}};
+  cv::Mat picture(376, 1240, CV_8UC3, cv::Scalar(1, 2, 3));
+  EXPECT_EQ(lens.record(picture, true).data, picture.data);
+  EXPECT_EQ(lens.drawn().width, lens.ideal().width);
+  const Box2d box{10, 20, 30, 40};
+  EXPECT_DOUBLE_EQ(lens.record(box).left, 10.0);
+}
+
+TEST(Lens, RecordsEachPixelWhereOpenCvFindsItsRay) {
+  CameraParams params;
+  params.width = 200;
+  params.height = 120;
+  params.focal_px = 150;
+  params.k1 = -0.25;
+  params.k2 = 0.06;
+  const Lens lens(params);
+  const StereoCamera &ideal = lens.ideal(), &drawn = lens.drawn();
+  cv::Mat places(drawn.height, drawn.width, CV_32FC2);  // each pixel says where it is
+  for (int v = 0; v < drawn.height; ++v) {
+    for (int u = 0; u < drawn.width; ++u) {
+      places.at<cv::Vec2f>(v, u) = {static_cast<float>(u), static_cast<float>(v)};
+    }
+  }
+  const cv::Mat seen = lens.record(places, true);
+  const cv::Matx33d k(ideal.fx, 0, ideal.cx, 0, ideal.fy, ideal.cy, 0, 0, 1);
+  for (const cv::Point& pixel : {cv::Point(0, 0), cv::Point(199, 119), cv::Point(50, 100)}) {
+    std::vector<cv::Point2d> ray;
+    cv::undistortPoints(
+        std::vector<cv::Point2d>{cv::Point2d(pixel)}, ray, k, cv::Vec4d(params.k1, params.k2, 0, 0),
+        cv::noArray(), cv::noArray(),
+        cv::TermCriteria(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 100, 1e-12));
+    const auto place = seen.at<cv::Vec2f>(pixel);
+    EXPECT_NEAR(place[0], drawn.cx + drawn.fx * ray[0].x, 0.05);
+    EXPECT_NEAR(place[1], drawn.cy + drawn.fy * ray[0].y, 0.05);
+  }
+}
+
+TEST(Lens, RefusesADistortionThatFoldsTheImage) {
+  CameraParams params;
+  params.focal_px = 300;
+  params.k1 = -0.5;
+  try {
+    const Lens lens(params);
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("[camera] k1, k2"));
+  }
+}
+
+}  // namespace
+}  // namespace headway::sim

@@ -1,0 +1,189 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <map>
+
+#include "pedestrians.h"
+#include "robot_driver.h"
+#include "vehicles.h"
+
+namespace headway::sim {
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+Path straight() { return Path({{0, 0, 0}, {300, 0, 0}}); }
+
+Obstacle standingAt(double x, double y) {
+  Obstacle obstacle;
+  obstacle.id = 99;
+  obstacle.position = {x, y};
+  obstacle.length = 4.0;
+  obstacle.width = 1.8;
+  return obstacle;
+}
+
+/// Drives for some seconds. @return place and speed at the end
+OnPath driven(const std::vector<Obstacle>& others, double seconds, double stop_s = kNever) {
+  const Path path = straight();
+  OnPath self{10.0, 8.0, 4.4, 1.8};
+  for (double t = 0.0; t < seconds; t += 0.05) {
+    self.speed = std::max(0.0, self.speed + 0.05 * drive(self, path, {}, others, 1, stop_s));
+    self.s += 0.05 * self.speed;
+  }
+  return self;
+}
+
+TEST(Driving, AFreeDriverKeepsTheSpeedItWishes) {
+  EXPECT_NEAR(driven({}, 25.0).speed, DriverStyle{}.wish_mps, 0.1);
+}
+
+TEST(Driving, StopsBehindWhatStandsInItsLane) {
+  const OnPath end = driven({standingAt(60.0, 0.0)}, 25.0);
+  EXPECT_LT(end.speed, 0.1);
+  EXPECT_LT(end.s, 60.0 - 2.0 - 2.2 - 1.0);
+  EXPECT_GT(end.s, 60.0 - 2.0 - 2.2 - 4.0);
+}
+
+TEST(Driving, PassesWhatStandsBesideItsLane) {
+  EXPECT_GT(driven({standingAt(60.0, 3.5)}, 12.0).s, 80.0);
+}
+
+TEST(Driving, BrakesForAPersonAboutToStepInFront) {
+  Obstacle person = standingAt(40.0, 3.0);
+  person.length = person.width = 0.6;
+  person.on_foot = true;
+  const OnPath self{20.0, 8.0, 4.4, 1.8};
+  const double undisturbed = drive(self, straight(), {}, {}, 1, kNever);
+  EXPECT_DOUBLE_EQ(drive(self, straight(), {}, {person}, 1, kNever), undisturbed);
+  person.velocity = {0.0, -1.4};
+  EXPECT_LT(drive(self, straight(), {}, {person}, 1, kNever), -1.0);
+}
+
+TEST(Driving, WaitsAtAYieldLine) {
+  const OnPath end = driven({}, 25.0, 70.0);
+  EXPECT_LT(end.speed, 0.1);
+  EXPECT_LT(end.s + 2.2, 70.5);
+}
+
+TEST(Driving, SlowsDownForACurve) {
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 100; ++i) {
+    points.emplace_back(12.0 * std::sin(i / 12.0), 12.0 - 12.0 * std::cos(i / 12.0), 0.0);
+  }
+  OnPath self{10.0, 8.0, 4.4, 1.8};
+  const Path bend(points);
+  EXPECT_LT(drive(self, bend, {}, {}, 1, kNever), -1.0);
+  self.speed = std::sqrt(2.0 * 12.0);
+  EXPECT_NEAR(drive(self, bend, {}, {}, 1, kNever), 0.0, 0.3);
+}
+
+/// A street with traffic, run without drawing.
+class Street : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    vehicles.populate(robot.state(), next_id);
+    pedestrians.populate(robot.state(), next_id);
+  }
+  void step(double dt) {
+    const RobotState state = robot.state();
+    std::vector<Obstacle> on_foot, on_wheels{state.body};
+    for (const Mover& mover : pedestrians.movers()) on_foot.push_back(obstacleFrom(mover));
+    for (const Mover& mover : vehicles.movers()) on_wheels.push_back(obstacleFrom(mover));
+    auto for_robot = on_foot, for_vehicles = on_foot;
+    for_vehicles.push_back(state.body);
+    for_robot.insert(for_robot.end(), on_wheels.begin() + 1, on_wheels.end());
+    pedestrians.advance(dt, state, on_wheels, next_id);
+    vehicles.advance(dt, state, for_vehicles, next_id);
+    robot.advance(dt, for_robot);
+  }
+
+  TrafficParams traffic = [] {
+    TrafficParams params;
+    params.vehicles = 12;
+    params.cyclists = 2;
+    params.pedestrians = 25;
+    params.road_crossing_rate_hz = 0.05;
+    return params;
+  }();
+  RouteParams route_params = [] {
+    RouteParams params;
+    params.shape = "straight 200, left 60 60, straight 200";
+    return params;
+  }();
+  Route route = makeRoute(route_params, 0.0);
+  RoadNetwork network{route, 75.0, 5};
+  Vehicles vehicles{traffic, route, network, 11};
+  Pedestrians pedestrians{traffic, route, network, 12};
+  RobotDriver robot{route_params, 0.25, route, 13};
+  std::int64_t next_id = 0;
+};
+
+TEST_F(Street, KeepsItsNumbersAndGivesNoIdTwice) {
+  EXPECT_EQ(pedestrians.movers().size(), 25U);
+  EXPECT_GE(vehicles.movers().size(), 10U);
+  std::map<std::int64_t, MoverKind> kinds;
+  for (int i = 0; i < 600; ++i) {
+    step(0.05);
+    for (const auto* movers : {&vehicles.movers(), &pedestrians.movers()}) {
+      for (const Mover& mover : *movers) {
+        const auto known = kinds.emplace(mover.id, mover.kind).first;
+        EXPECT_EQ(known->second, mover.kind);
+      }
+    }
+  }
+  EXPECT_GE(pedestrians.movers().size(), 20U);
+  EXPECT_GT(kinds.size(), 39U);  // the robot moved on: others came
+}
+
+TEST_F(Street, NobodyJumpsOrRunsAndNothingHitsTheRobot) {
+  std::map<std::int64_t, Eigen::Vector2d> before;
+  for (int i = 0; i < 800; ++i) {
+    step(0.05);
+    const Eigen::Vector2d at = robot.T_world_robot().translation().head<2>();
+    for (const auto* movers : {&vehicles.movers(), &pedestrians.movers()}) {
+      for (const Mover& mover : *movers) {
+        const Eigen::Vector2d here = mover.position.head<2>();
+        const bool walks = mover.kind == MoverKind::kPedestrian;
+        const auto last = before.find(mover.id);
+        if (last != before.end()) {
+          EXPECT_LT((here - last->second).norm(), 0.05 * (walks ? 4.0 : 15.0));
+        }
+        before[mover.id] = here;
+        EXPECT_GT((here - at).norm(), walks ? 0.8 : 1.3) << "at step " << i;
+      }
+    }
+  }
+}
+
+TEST_F(Street, VehiclesDoNotDriveThroughEachOther) {
+  int overlaps = 0;
+  for (int i = 0; i < 800; ++i) {
+    step(0.05);
+    const auto& movers = vehicles.movers();
+    for (std::size_t a = 0; a < movers.size(); ++a) {
+      for (std::size_t b = a + 1; b < movers.size(); ++b) {
+        overlaps += (movers[a].position - movers[b].position).head<2>().norm() < 1.0 ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_EQ(overlaps, 0);
+}
+
+TEST_F(Street, SomeoneCrossesAndSomeoneStops) {
+  bool crossed = false, stopped = false;
+  for (int i = 0; i < 800; ++i) {
+    step(0.05);
+    for (const Mover& mover : pedestrians.movers()) {
+      const auto place = route.street.project(mover.position.head<2>(), robot.state().s - 30.0,
+                                              robot.state().s + 120.0);
+      crossed = crossed || std::abs(place.left) < 1.0;
+      stopped = stopped || mover.speed < 0.05;
+    }
+  }
+  EXPECT_TRUE(crossed);
+  EXPECT_TRUE(stopped);
+}
+
+}  // namespace
+}  // namespace headway::sim
