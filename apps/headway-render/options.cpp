@@ -26,7 +26,9 @@ OutputKind kindOf(const std::string& output) {
   if (extension == ".png" || extension == ".jpg") return OutputKind::kPicture;
   if (extension == ".mp4") return OutputKind::kVideo;
   if (extension == ".3Dscene") return OutputKind::kScene;
-  throw UsageError("--output: '" + output + "' ends with none of .png, .jpg, .mp4, .3Dscene");
+  if (extension == ".html") return OutputKind::kReport;
+  throw UsageError("--output: '" + output +
+                   "' ends with none of .png, .jpg, .mp4, .3Dscene, .html");
 }
 
 }  // namespace
@@ -34,7 +36,7 @@ OutputKind kindOf(const std::string& output) {
 void describe(Options& options, program::CommandLine& line) {
   line.option(options.input, 'i', "input", "OUTDIR|MAPFILE",
               "Folder of a finished replay, or a map.headway", true);
-  line.option(options.output, 'o', "output", "PICTURE.png|VIDEO.mp4|SCENE.3Dscene",
+  line.option(options.output, 'o', "output", "PICTURE.png|VIDEO.mp4|SCENE.3Dscene|REPORT.html",
               "What to draw; its ending says which", true);
   line.option(options.frame, 0, "frame", "N",
               "Frame of a picture or scene; the last one if not given");

@@ -8,7 +8,7 @@
 
 namespace headway::render_program {
 
-enum class OutputKind { kPicture, kVideo, kScene };
+enum class OutputKind { kPicture, kVideo, kScene, kReport };
 
 /// What the command line asks for.
 struct Options {

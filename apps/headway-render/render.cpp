@@ -11,6 +11,7 @@
 #include "finished_replay.h"
 #include "outputs.h"
 #include "recorded_images.h"
+#include "report_page.h"
 #include "truth.h"
 
 namespace headway::render_program {
@@ -122,6 +123,10 @@ void render(const Options& options) {
   const Note note = [&](const std::string& text) {
     if (!options.quiet) std::cerr << "headway-render: " << text << '\n';
   };
+  if (options.kind == OutputKind::kReport) {
+    writeReportPage(options, note);
+    return;
+  }
   const FinishedReplay replay = readReplay(options.input, note);
   Truth truth;
   if (!options.truth.empty()) truth = readTruth(options.truth, replay.frames, note);

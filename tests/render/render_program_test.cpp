@@ -176,6 +176,23 @@ TEST_F(RenderProgramTest, ShowsTheTruthBesideTheEstimate) {
             pixelsLike(picture("without.png"), kTruthColour) + 50);
 }
 
+TEST_F(RenderProgramTest, WritesTheReportAnewWithErrorsAgainstATruth) {
+  const std::filesystem::path truth(path("truth"));
+  std::filesystem::create_directories(truth);
+  std::vector<Stamped<Pose>> poses;
+  for (std::size_t frame = 0; frame < test::kReplayFrames; ++frame) {
+    poses.push_back({test::replayTime(frame), test::replayPose(frame)});
+  }
+  io::writeTum(truth / "trajectory.tum", poses);
+  const auto result = render("page.html", "--truth " + truth.string());
+  ASSERT_EQ(result.status, 0) << result.output;
+  const std::string page = test::contentsOf(path("page.html"));
+  EXPECT_THAT(page, HasSubstr("Absolute trajectory error"));
+  EXPECT_THAT(page, HasSubstr("<td>0.000 m</td>"));
+  EXPECT_EQ(render("plain.html").status, 0);
+  EXPECT_THAT(test::contentsOf(path("plain.html")), Not(HasSubstr("Absolute trajectory error")));
+}
+
 TEST_F(RenderProgramTest, SaysWhichTruthIsOfAnotherRecording) {
   const std::filesystem::path truth(path("truth"));
   std::filesystem::create_directories(truth);
@@ -206,7 +223,7 @@ TEST_F(RenderProgramTest, SaysWhatIsWrongOnTheCommandLine) {
     EXPECT_THAT(usage("a.png", std::string("--size ") + size), HasSubstr("--size")) << size;
   }
   EXPECT_THAT(usage("a.png", "--view side"), HasSubstr("'side'"));
-  EXPECT_THAT(usage("a.gif", ""), HasSubstr(".png, .jpg, .mp4, .3Dscene"));
+  EXPECT_THAT(usage("a.gif", ""), HasSubstr(".png, .jpg, .mp4, .3Dscene, .html"));
   EXPECT_THAT(usage("a.mp4", "--frame 3"), HasSubstr("--frame"));
   EXPECT_THAT(usage("a.png", "--from-index 3"), HasSubstr("--from-index"));
   EXPECT_THAT(usage("a.mp4", "--from-index 3 --to-index 2"), HasSubstr("--to-index"));

@@ -148,6 +148,16 @@ TEST_F(ReportTest, ShowsTheTruthAndTheErrors) {
   EXPECT_THAT(html, HasSubstr("0.043 m"));
 }
 
+TEST_F(ReportTest, GoesWhereItIsSentAndSaysWhereItCannot) {
+  writeFolder();
+  ReportOptions options;
+  options.output = folder / "elsewhere.html";
+  EXPECT_EQ(writeReport(folder.path(), options), folder / "elsewhere.html");
+  EXPECT_FALSE(std::filesystem::exists(folder / "report.html"));
+  options.output = "/nonexistent/report.html";
+  EXPECT_THROW(writeReport(folder.path(), options), InputError);
+}
+
 TEST_F(ReportTest, SaysWhatIsWrongWithTheFolder) {
   EXPECT_THROW(writeReport(folder.path()), InputError);
   EXPECT_THROW(writeReport(folder / "none"), InputError);

@@ -74,7 +74,7 @@ std::string pageOf(const ReplayFolder& folder, const ReportOptions& options) {
 fs::path writeReport(const fs::path& folder_path, const ReportOptions& options) {
   const fs::path absolute = fs::weakly_canonical(folder_path);
   const std::string page = pageOf(readReplayFolder(absolute), options);
-  fs::path path = folder_path / "report.html";
+  const fs::path path = options.output.empty() ? folder_path / "report.html" : options.output;
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
   file << page;
   file.close();

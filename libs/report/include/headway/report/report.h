@@ -16,9 +16,10 @@ struct ReportOptions {
   std::filesystem::path truth;    ///< folder with trajectory.tum and objects.csv; empty: no truth
   std::vector<Figure> errors;     ///< against the truth, worked out elsewhere
   std::size_t most_pictures = 8;  ///< of the snapshots, spread over the replay
+  std::filesystem::path output;   ///< empty: report.html in the folder
 };
 
-/// Writes `report.html` into the folder of a finished replay: one page that needs nothing else.
+/// Shows the folder of a finished replay as `report.html`: one page that needs nothing else.
 ///
 /// Summary, the trajectory over the map, snapshots, a timeline of tracks, timings by stage, the
 /// calibration report, what was dropped and why, and the configuration, from what the folder holds
