@@ -54,6 +54,7 @@ class Gatherer {
 
   [[nodiscard]] JudgedPredictor result() {
     result_.errors = all_.errors();
+    result_.judge = all_;
     return std::move(result_);
   }
 

@@ -16,6 +16,7 @@ namespace headway::app {
 /// What came out for one predictor, or for the predictions of a replay.
 struct JudgedPredictor {
   std::string name;
+  eval::PredictionJudge judge;  ///< all cases
   eval::PredictionErrors errors;
   std::vector<std::pair<std::string, eval::PredictionErrors>> sequences;
   std::vector<std::pair<std::string, std::size_t>> not_judged;  ///< by reason

@@ -77,40 +77,58 @@ class Suite {
   }
 
   [[nodiscard]] std::vector<SuiteEntry> run() {
-    std::vector<SuiteEntry> entries;
     for (const auto& ini : worlds_) {
-      if (!program::interrupted()) entries.push_back(judgeWorld(ini));
+      if (!program::interrupted()) judgeWorld(ini);
     }
-    if (options_.kitti.empty()) return entries;
+    closeGroup("all worlds");
+    if (options_.kitti.empty()) return std::move(entries_);
     for (const auto& recording : readKittiTracking(options_.kitti)) {
       if (program::interrupted()) break;
-      entries.push_back({recording.name, {}, judgeObjects(recording, options_.perception.objects)});
+      addObjects(recording, options_.perception.objects);
+      entries_.back().in_plot = false;
     }
-    return entries;
+    closeGroup("all KITTI");
+    return std::move(entries_);
   }
 
  private:
-  SuiteEntry judgeWorld(const std::string& ini) {
+  void judgeWorld(const std::string& ini) {
     const FrameDone done = [this] {
       ++done_;
       progress_.update(done_, static_cast<double>(done_) / static_cast<double>(total_));
       return !program::interrupted();
     };
     const World world = drawWorld(ini, options_.folder, most_frames_, done);
-    SuiteEntry entry;
-    entry.name = world.name;
+    std::vector<std::pair<std::string, CameraFigures>> camera;
+    std::optional<ObjectRecording> objects;
     for (const auto& rejection : rejections()) {
-      if (program::interrupted()) return entry;
+      if (program::interrupted()) break;
       auto params = options_.perception;
       params.slam.dynamic_rejection = rejection.value;
-      const auto run = runWorld(world, params, done);
-      entry.camera.emplace_back(rejection.name, CameraFigures{world.frames, run.lost, run.error});
-      const bool is_last = entry.camera.size() == rejections().size();
-      if (is_last && !program::interrupted()) {
-        entry.objects = judgeObjects(run.objects, params.objects);
-      }
+      auto run = runWorld(world, params, done);
+      camera.emplace_back(rejection.name, CameraFigures{world.frames, run.lost, run.error});
+      objects = std::move(run.objects);
     }
-    return entry;
+    if (objects && !program::interrupted()) {
+      addObjects(*objects, options_.perception.objects);
+    } else {
+      entries_.push_back({world.name, {}, std::nullopt});
+    }
+    entries_.back().camera = std::move(camera);
+  }
+
+  void addObjects(const ObjectRecording& recording, const objects::ObjectsParams& params) {
+    const auto figures = runObjects(recording, params);
+    entries_.push_back({recording.name, {}, judgeObjects(figures)});
+    add(figures, group_);
+    ++in_group_;
+  }
+
+  /// Adds an entry for all recordings since the last group.
+  void closeGroup(const std::string& name) {
+    if (in_group_ > 1) entries_.push_back({name, {}, judgeObjects(group_)});
+    group_ = {};
+    in_group_ = 0;
   }
 
   const Options& options_;
@@ -119,6 +137,9 @@ class Suite {
   std::optional<std::size_t> most_frames_;
   std::size_t total_ = 0;
   std::size_t done_ = 0;
+  std::vector<SuiteEntry> entries_;
+  ObjectFigures group_;  ///< of the recordings that are to be judged together
+  std::size_t in_group_ = 0;
 };
 
 }  // namespace

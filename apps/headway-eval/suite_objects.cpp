@@ -107,25 +107,23 @@ std::vector<Stamped<Pose>> cameraPoses(const ObjectRecording& recording) {
   return poses;
 }
 
-eval::PredictionErrors judgeOnTracks(const std::vector<eval::TrueObject>& truth,
-                                     const LayerRun& run) {
+eval::PredictionJudge judgeOnTracks(const std::vector<eval::TrueObject>& truth,
+                                    const LayerRun& run) {
   eval::PredictionJudge judge;
   for (const auto& a_case :
        eval::trackCases(truth, run.predictions, kNear_m, kLongestGap_s).cases) {
     const auto& prediction = run.predictions[a_case.prediction];
     judge.add(prediction.object_class, prediction.paths, a_case.future);
   }
-  return judge.errors();
+  return judge;
 }
 
 }  // namespace
 
-ObjectFigures judgeObjects(const ObjectRecording& recording, const objects::ObjectsParams& params) {
+ObjectFigures runObjects(const ObjectRecording& recording, const objects::ObjectsParams& params) {
   ObjectFigures figures;
-  eval::TrackErrorParams positions;
-  positions.positions_only = true;
-  figures.raw = eval::trackErrors({beside(recording, rawBoxes(recording))}, positions);
-  figures.tracks = eval::trackErrors({beside(recording, runLayer(recording, params).tracks)}, {});
+  figures.raw = {beside(recording, rawBoxes(recording))};
+  figures.tracks = {beside(recording, runLayer(recording, params).tracks)};
   PredictionSequence truth;
   truth.name = recording.name;
   truth.T_map_cam = cameraPoses(recording);
@@ -135,9 +133,22 @@ ObjectFigures judgeObjects(const ObjectRecording& recording, const objects::Obje
     with_predictor.predictor = objects::predictorKindFrom(name);
     figures.on_tracks.emplace_back(
         name, judgeOnTracks(truth.objects, runLayer(recording, with_predictor)));
-    figures.on_truth.emplace_back(name, judgePredictor({truth}, name, params.prediction).errors);
+    figures.on_truth.emplace_back(name, judgePredictor({truth}, name, params.prediction).judge);
   }
   return figures;
+}
+
+void add(const ObjectFigures& other, ObjectFigures& together) {
+  together.raw.insert(together.raw.end(), other.raw.begin(), other.raw.end());
+  together.tracks.insert(together.tracks.end(), other.tracks.begin(), other.tracks.end());
+  const auto add_judges = [](const PredictorJudges& from, PredictorJudges& to) {
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      if (to.size() <= i) to.push_back({from[i].first, {}});
+      to[i].second.add(from[i].second);
+    }
+  };
+  add_judges(other.on_tracks, together.on_tracks);
+  add_judges(other.on_truth, together.on_truth);
 }
 
 }  // namespace headway::app

@@ -1,7 +1,7 @@
 #pragma once
 
+#include <headway/eval/labelled_frames.h>
 #include <headway/eval/prediction_error.h>
-#include <headway/eval/track_error.h>
 #include <headway/objects/objects_params.h>
 
 #include <string>
@@ -12,18 +12,22 @@
 
 namespace headway::app {
 
-/// What the moving-object layer made of one recording.
+/// Predictor -> its predictions beside what happened.
+using PredictorJudges = std::vector<std::pair<std::string, eval::PredictionJudge>>;
+
+/// What the moving-object layer made of one recording, or of several together.
 struct ObjectFigures {
-  eval::TrackErrors raw;     ///< positions of the detections
-  eval::TrackErrors tracks;  ///< ours
-  /// Predictor -> errors of its predictions, on the layer's own tracks.
-  std::vector<std::pair<std::string, eval::PredictionErrors>> on_tracks;
-  /// Predictor -> errors on exact histories.
-  std::vector<std::pair<std::string, eval::PredictionErrors>> on_truth;
+  std::vector<eval::LabelledSequence> raw;     ///< detections beside the truth
+  std::vector<eval::LabelledSequence> tracks;  ///< ours beside the truth
+  PredictorJudges on_tracks;                   ///< predictions of the layer's own tracks
+  PredictorJudges on_truth;                    ///< predictions from exact histories
 };
 
-/// Runs the moving-object layer with every predictor and judges what came out.
-[[nodiscard]] ObjectFigures judgeObjects(const ObjectRecording& recording,
-                                         const objects::ObjectsParams& params);
+/// Runs the moving-object layer with every predictor.
+[[nodiscard]] ObjectFigures runObjects(const ObjectRecording& recording,
+                                       const objects::ObjectsParams& params);
+
+/// Adds the recordings of another one, to be judged as one set.
+void add(const ObjectFigures& other, ObjectFigures& together);
 
 }  // namespace headway::app

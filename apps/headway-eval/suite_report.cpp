@@ -69,8 +69,8 @@ cv::Mat cameraBars(const std::vector<SuiteEntry>& entries) {
 cv::Mat predictionBars(const std::vector<SuiteEntry>& entries) {
   auto plot = emptyBars("Predictions on our own tracks", "ADE [m]", entries);
   for (const auto& entry : entries) {
-    if (!entry.objects) continue;
-    for (std::size_t i = 0; i < entry.objects->on_tracks.size(); ++i) {
+    const std::size_t predictors = entry.objects ? entry.objects->on_tracks.size() : 0;
+    for (std::size_t i = 0; i < predictors; ++i) {
       const auto& [name, errors] = entry.objects->on_tracks[i];
       if (plot.series.size() <= i) plot.series.push_back({name, {}});
       plot.series[i].values.push_back(valueOrGap(errors.all.ade_m));
@@ -99,6 +99,20 @@ nlohmann::ordered_json predictorFigures(
 
 }  // namespace
 
+ObjectErrors judgeObjects(const ObjectFigures& figures) {
+  eval::TrackErrorParams positions;
+  positions.positions_only = true;
+  ObjectErrors errors{
+      eval::trackErrors(figures.raw, positions), eval::trackErrors(figures.tracks, {}), {}, {}};
+  for (const auto& [name, judge] : figures.on_tracks) {
+    errors.on_tracks.emplace_back(name, judge.errors());
+  }
+  for (const auto& [name, judge] : figures.on_truth) {
+    errors.on_truth.emplace_back(name, judge.errors());
+  }
+  return errors;
+}
+
 const std::vector<Rejection>& rejections() {
   static const std::vector<Rejection> kRejections = {
       {"none", slam::DynamicRejection::kNone},
@@ -123,7 +137,7 @@ TextTable cameraTable(const std::vector<SuiteEntry>& entries) {
 
 TextTable predictionTable(
     const std::vector<SuiteEntry>& entries,
-    std::vector<std::pair<std::string, eval::PredictionErrors>> ObjectFigures::*figures) {
+    std::vector<std::pair<std::string, eval::PredictionErrors>> ObjectErrors::*figures) {
   TextTable table = {{"recording", "cases"}};
   for (const auto& name : objects::predictorNames()) table.front().push_back(name);
   for (const auto& entry : entries) {
@@ -157,9 +171,9 @@ void writeSuite(std::ostream& out, const std::vector<SuiteEntry>& entries) {
   out << "Camera position by rejection of what moves: RMSE / mean / SD in m\n\n";
   eval::writeTable(out, cameraTable(entries));
   out << "\nPredictions on our own tracks: ADE / FDE in m over 3 s\n\n";
-  eval::writeTable(out, predictionTable(entries, &ObjectFigures::on_tracks));
+  eval::writeTable(out, predictionTable(entries, &ObjectErrors::on_tracks));
   out << "\nPredictions on exact histories: ADE / FDE in m over 3 s\n\n";
-  eval::writeTable(out, predictionTable(entries, &ObjectFigures::on_truth));
+  eval::writeTable(out, predictionTable(entries, &ObjectErrors::on_truth));
   out << "\nPositions of objects: the detector's and ours\n\n";
   eval::writeTable(out, objectTable(entries));
 }
@@ -183,7 +197,11 @@ nlohmann::ordered_json suiteFigures(const std::vector<SuiteEntry>& entries) {
 }
 
 cv::Mat suitePlot(const std::vector<SuiteEntry>& entries) {
-  return eval::stacked({cameraBars(entries), predictionBars(entries), positionBars(entries)});
+  std::vector<SuiteEntry> shown;
+  for (const auto& entry : entries) {
+    if (entry.in_plot) shown.push_back(entry);
+  }
+  return eval::stacked({cameraBars(shown), predictionBars(shown), positionBars(shown)});
 }
 
 }  // namespace headway::app

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <headway/eval/text_table.h>
+#include <headway/eval/track_error.h>
 
 #include <array>
 #include <nlohmann/json_fwd.hpp>
@@ -29,11 +30,21 @@ struct CameraFigures {
   std::optional<eval::TrajectoryError> error;
 };
 
-/// All that the suite found out about one recording.
+/// What was found out about the objects of one recording, or of several together.
+struct ObjectErrors {
+  eval::TrackErrors raw;
+  eval::TrackErrors tracks;
+  std::vector<std::pair<std::string, eval::PredictionErrors>> on_tracks;  ///< by predictor
+  std::vector<std::pair<std::string, eval::PredictionErrors>> on_truth;
+};
+[[nodiscard]] ObjectErrors judgeObjects(const ObjectFigures& figures);
+
+/// All that the suite found out about one recording, or about several together.
 struct SuiteEntry {
   std::string name;
   std::vector<std::pair<std::string, CameraFigures>> camera;  ///< by rejection; empty: no images
-  std::optional<ObjectFigures> objects;                       ///< none if it was interrupted
+  std::optional<ObjectErrors> objects;                        ///< none if it was interrupted
+  bool in_plot = true;
 };
 
 /// The paper's Table I: RMSE / mean / SD of the camera's position.
@@ -43,7 +54,7 @@ struct SuiteEntry {
 /// @param figures  on_tracks or on_truth
 [[nodiscard]] eval::TextTable predictionTable(
     const std::vector<SuiteEntry>& entries,
-    std::vector<std::pair<std::string, eval::PredictionErrors>> ObjectFigures::*figures);
+    std::vector<std::pair<std::string, eval::PredictionErrors>> ObjectErrors::*figures);
 /// The paper's Table III: positions of raw detections and of ours.
 [[nodiscard]] eval::TextTable objectTable(const std::vector<SuiteEntry>& entries);
 
