@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
     if (!options.quiet) {
       headway::replay::printSummary(replay.summary());
       for (const auto& picture : replay.pictures()) std::printf("picture: %s\n", picture.c_str());
+      std::printf("report: %s/report.html\n", options.output.c_str());
     }
     return headway::program::kDone;
   });

@@ -6,6 +6,7 @@
 #include <headway/map/map_export.h>
 #include <headway/map/map_file.h>
 #include <headway/program/progress.h>
+#include <headway/report/report.h>
 
 #include <cstdio>
 #include <iostream>
@@ -181,6 +182,7 @@ void Replay::finish() {
     summarise(trajectory);
     writeSummary(folder_ / "summary.json", summary_);
   });
+  attempt([&] { report::writeReport(folder_); });
   if (failure) std::rethrow_exception(failure);
 }
 
