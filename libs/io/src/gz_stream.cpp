@@ -98,11 +98,11 @@ size_t GzInput::Read(void* buffer, size_t count) {
   while (done < count) {
     const auto chunk = static_cast<unsigned>(std::min(count - done, kChunkBytes));
     const int got = gzread(file_, bytes + done, chunk);
-    is_at_end_ = got <= 0;
-    if (is_at_end_) break;
+    if (got <= 0) break;
     done += static_cast<std::size_t>(got);
     position_ += static_cast<uint64_t>(got);
   }
+  last_was_short_ = done < count;
   return done;
 }
 

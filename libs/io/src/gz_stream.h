@@ -47,8 +47,8 @@ class GzInput : public mrpt::io::CStream {
   /// Puts bytes back, to be read again next.
   void unread(const std::string& bytes);
 
-  /// Whether a Read() has come to the end of the file, or to where it is broken.
-  [[nodiscard]] bool isAtEnd() const { return is_at_end_; }
+  /// Whether the last Read() gave fewer bytes than asked for.
+  [[nodiscard]] bool lastWasShort() const { return last_was_short_; }
   /// What zlib says of a broken compression; empty if it has nothing to say.
   [[nodiscard]] std::string compressionError() const;
   /// Bytes handed out so far, of the uncompressed content.
@@ -66,7 +66,7 @@ class GzInput : public mrpt::io::CStream {
   uint64_t position_ = 0;
   std::string unread_;            ///< bytes put back
   std::size_t unread_taken_ = 0;  ///< of them, read again
-  bool is_at_end_ = false;
+  bool last_was_short_ = false;
   gzFile file_ = nullptr;
 };
 

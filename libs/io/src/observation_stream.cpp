@@ -26,6 +26,7 @@ constexpr std::size_t kMinNameLength = 3;
 constexpr std::size_t kMaxNameLength = 120;
 constexpr std::uint8_t kSensoryFrameVersion = 2;  // a count, then the observations
 constexpr std::size_t kScanChunk = 1 << 16;
+constexpr std::size_t kFailuresBeforeHopeless = 3;
 
 bool isClassName(const std::string& name) {
   return name.size() >= kMinNameLength && std::all_of(name.begin(), name.end(), [](char c) {
@@ -97,6 +98,11 @@ mrpt::obs::CObservation::Ptr ObservationStream::next() {
       leapToNextObservation();
       continue;
     }
+    if (isHopeless(*header)) {
+      ++skipped_["unreadable_" + shortClassName(header->class_name)];
+      leapToNextObservation();
+      continue;
+    }
     readObject(*header);
   }
   if (ready_.empty()) return nullptr;
@@ -131,6 +137,7 @@ std::optional<ObservationStream::Header> ObservationStream::readHeader() {
   }
   if (!is_header || !isClassName(name)) {
     if (has_leapt_) {
+      if (is_header) input_.unread(name);
       leapToNextObservation();
       return readHeader();
     }
@@ -155,6 +162,15 @@ bool ObservationStream::enterSensoryFrame() {
   return false;
 }
 
+/// Whether all objects of this class and version failed so far. Trying once more would be slow:
+/// MRPT writes a call stack into each of its exceptions.
+bool ObservationStream::isHopeless(const Header& header) {
+  char version = 0;
+  if (input_.Read(&version, 1) == 1) input_.unread(std::string(1, version));
+  reading_ = &readability_[header.class_name + version];
+  return reading_->read == 0 && reading_->failed >= kFailuresBeforeHopeless;
+}
+
 void ObservationStream::readObject(const Header& header) {
   input_.unread(header.bytes);
   mrpt::serialization::CSerializable::Ptr object;
@@ -162,15 +178,17 @@ void ObservationStream::readObject(const Header& header) {
     auto archive = mrpt::serialization::archiveFrom(input_);
     object = archive.ReadObject();
   } catch (const std::exception&) {
-    if (input_.isAtEnd()) {
+    if (input_.lastWasShort()) {
       const std::string reason = input_.compressionError();
       breakOff(reason.empty() ? "the file ends in the middle of an object" : reason);
     } else {
+      ++reading_->failed;
       ++skipped_["unreadable_" + shortClassName(header.class_name)];
       leapToNextObservation();
     }
     return;
   }
+  ++reading_->read;
   if (auto observation = std::dynamic_pointer_cast<mrpt::obs::CObservation>(object)) {
     deliver(observation);
   } else if (auto frame = std::dynamic_pointer_cast<mrpt::obs::CSensoryFrame>(object)) {

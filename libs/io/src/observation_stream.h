@@ -41,8 +41,15 @@ class ObservationStream {
     std::string class_name;  ///< with namespace
   };
 
+  /// How objects of one class and version fared.
+  struct Readability {
+    std::size_t read = 0;
+    std::size_t failed = 0;
+  };
+
   std::optional<Header> readHeader();
   bool enterSensoryFrame();
+  bool isHopeless(const Header& header);
   void readObject(const Header& header);
   void addMovement(const mrpt::obs::CActionCollection& actions);
   void deliver(const mrpt::obs::CObservation::Ptr& observation);
@@ -56,6 +63,8 @@ class ObservationStream {
   bool in_sensory_frame_ = false;
   bool has_leapt_ = false;  ///< since then the rest of an unknown object may lie in the way
   std::size_t observations_ = 0;
+  std::map<std::string, Readability> readability_;  ///< by class name and version byte
+  Readability* reading_ = nullptr;                  ///< of the object being read
   std::deque<mrpt::obs::CObservation::Ptr> ready_;
   mrpt::poses::CPose2D odometry_;  ///< sum of the movements of actions
   bool odometry_is_new_ = false;   ///< no observation dated it yet
