@@ -109,6 +109,19 @@ TEST_F(TrajectoryCommandTest, unwritableOutputIsNamed) {
   EXPECT_THAT(result.error, HasSubstr("e.json: cannot be written"));
 }
 
+TEST_F(TrajectoryCommandTest, truthOfARawlogIsThatBesideIt) {
+  const std::string rawlogs = HEADWAY_SOURCE_DIR "/rawlogs/";
+  const std::string json = folder_ / "e.json";
+  const auto result =
+      run(rawlogs + "street.rawlog", rawlogs + "street.truth/trajectory.tum", "--json " + json);
+  ASSERT_EQ(0, result.status) << result.error;
+  const auto figures = nlohmann::json::parse(contentOf(json));
+  EXPECT_EQ(figures["frames"], figures["frames_matched"]);
+  EXPECT_LT(figures["ate_max_m"].get<double>(), 1e-4);
+  EXPECT_LT(figures["rpe_rot_rmse_deg"].get<double>(), 1e-2);
+  EXPECT_EQ(1, run(rawlogs + "street.rawlog", file("k.txt", kittiFile(30, 1.0))).status);
+}
+
 TEST_F(TrajectoryCommandTest, realTruthAgainstItselfHasNoError) {
   HEADWAY_REQUIRE_DATA(data);
   const std::string poses = data / "kitti_poses/07.txt";
