@@ -5,57 +5,13 @@
 #include <algorithm>
 #include <memory>
 
+#include "pose_block.h"
+
 namespace headway::slam {
 namespace {
 
-/// A pose as Ceres holds it: quaternion (x, y, z, w), then translation.
-using PoseBlock = Eigen::Matrix<double, 7, 1>;
-
 constexpr double kGate = 11.34;     ///< chi-square, 3 degrees of freedom, 99 %
 constexpr double kMinDepth = 0.05;  ///< [m]
-
-PoseBlock blockFrom(const Pose& pose) {
-  PoseBlock block;
-  block << Eigen::Quaterniond(pose.linear()).coeffs(), pose.translation();
-  return block;
-}
-
-Pose poseFrom(const double* block) {
-  Pose pose = Pose::Identity();
-  pose.linear() = Eigen::Map<const Eigen::Quaterniond>(block).normalized().toRotationMatrix();
-  pose.translation() = Eigen::Map<const Eigen::Vector3d>(block + 4);
-  return pose;
-}
-
-/// Poses move by T * exp(xi). The residuals give their derivatives by xi in the first six of the
-/// seven columns, so that the derivative of this manifold is a plain unit matrix.
-class PoseManifold final : public ceres::Manifold {
- public:
-  [[nodiscard]] int AmbientSize() const override { return 7; }
-  [[nodiscard]] int TangentSize() const override { return 6; }
-  bool Plus(const double* x, const double* delta, double* x_plus_delta) const override {
-    const Eigen::Map<const Eigen::Matrix<double, 6, 1>> xi(delta);
-    Eigen::Map<PoseBlock> result(x_plus_delta);
-    result = blockFrom(retract(poseFrom(x), xi));
-    return true;
-  }
-  bool PlusJacobian(const double* /*x*/, double* jacobian) const override {
-    Eigen::Map<Eigen::Matrix<double, 7, 6, Eigen::RowMajor>> matrix(jacobian);
-    matrix.setIdentity();
-    return true;
-  }
-  bool Minus(const double* y, const double* x, double* y_minus_x) const override {
-    const Pose difference = poseFrom(x).inverse(Eigen::Isometry) * poseFrom(y);
-    Eigen::Map<Eigen::Matrix<double, 6, 1>> xi(y_minus_x);
-    xi << difference.translation(), logSo3(difference.linear());
-    return true;
-  }
-  bool MinusJacobian(const double* /*x*/, double* jacobian) const override {
-    Eigen::Map<Eigen::Matrix<double, 6, 7, Eigen::RowMajor>> matrix(jacobian);
-    matrix.setIdentity();
-    return true;
-  }
-};
 
 /// One landmark seen by one keyframe: by pose, place and offset of the disparities.
 class Reprojection final : public ceres::SizedCostFunction<3, 7, 3, 1> {
@@ -148,7 +104,8 @@ class Bundle {
 
   ceres::Solver::Summary solve(int max_iterations) {
     ceres::Solver::Options options;
-    options.linear_solver_type = ceres::DENSE_SCHUR;
+    constexpr std::size_t kDense = 60;  ///< keyframes up to which a dense solution is faster
+    options.linear_solver_type = poses_.size() <= kDense ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
     options.linear_solver_ordering = ordering_;
     options.max_num_iterations = max_iterations;
     options.num_threads = 1;

@@ -1,13 +1,10 @@
 #include "relocaliser.h"
 
-#include "descriptor.h"
-
 namespace headway::slam {
 
-std::optional<Pose> relocalise(const TrackingFrame& frame, const std::vector<LandmarkId>& among,
-                               const SparseMap& map, const StereoCamera& camera, int min_inliers) {
-  constexpr int kCorners = 1000;
-  const auto points = detectAndDescribe(frame.left.levels.front(), kCorners, frame.excluded);
+std::optional<Pose> relocalise(const std::vector<DescribedPoint>& points,
+                               const std::vector<LandmarkId>& among, const SparseMap& map,
+                               const StereoCamera& camera, int min_inliers) {
   std::vector<Descriptor> seen;
   for (const DescribedPoint& point : points) seen.push_back(point.descriptor);
   std::vector<Descriptor> known;

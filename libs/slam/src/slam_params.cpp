@@ -26,6 +26,7 @@ void SlamParams::describe(Params::Section section) {
               "A greater median image motion since the last keyframe asks for a new one");
   section.add("window", window, 2, 50, "", "Keyframes adjusted together");
   section.add("ba_iterations", ba_iterations, 1, 100, "", "Steps of the bundle adjustment");
+  section.add("loop_closing", loop_closing, "Recognise places seen before, correct the map");
   section.add("restart_after", restart_after, 1, 100000, "frames",
               "Lost frames after which a new part of the map is begun");
 }

@@ -6,8 +6,8 @@
 #include "dynamic_rejection.h"
 #include "frame_tracker.h"
 #include "local_mapper.h"
+#include "loop_closer.h"
 #include "motion_model.h"
-#include "relocaliser.h"
 #include "sparse_map.h"
 
 namespace headway::slam {
@@ -61,6 +61,7 @@ class StereoSlam::Implementation {
         params_(params),
         tracker_(*camera_, params),
         mapper_(*camera_, params),
+        loops_(*camera_, params),
         motion_(camera_->T_robot_cam, params) {}
 
   SlamUpdate process(const StereoFrame& frame, const MovingRegions& moving) {
@@ -89,7 +90,8 @@ class StereoSlam::Implementation {
   SlamUpdate guess(const StereoFrame& frame, const TrackingFrame& current);
   [[nodiscard]] bool wantsKeyframe(const TrackedPose& tracked) const;
   bool begin(const TrackingFrame& current);
-  void makeKeyframe(const TrackingFrame& current, TrackedPose& tracked);
+  void makeKeyframe(const TrackingFrame& current, TrackedPose& tracked, SlamUpdate& update);
+  void attendTo(KeyframeId keyframe);
   [[nodiscard]] HungPose hang(const TrackingFrame& current, const SlamUpdate& update) const;
   [[nodiscard]] Pose robotAt(const Pose& T_map_cam) const {
     return normalized(T_map_cam * camera_->T_robot_cam.inverse(Eigen::Isometry));
@@ -103,6 +105,7 @@ class StereoSlam::Implementation {
   SlamParams params_;
   FrameTracker tracker_;
   LocalMapper mapper_;
+  LoopCloser loops_;
   MotionModel motion_;
   SparseMap map_;
   StageTimes times_;
@@ -136,8 +139,10 @@ std::optional<TrackedPose> StereoSlam::Implementation::track(const StereoFrame& 
   const std::vector<Pose> guesses{motion_.predict(frame), motion_.last()};
   auto tracked = tracker_.track(previous_, seen_before_, current, guesses, local_landmarks_, map_);
   if (tracked) return tracked;
-  const auto found = relocalise(current, local_landmarks_, map_, *camera_, params_.min_inliers);
-  return found ? tracker_.settle(current, *found, local_landmarks_, map_) : std::nullopt;
+  KeyframeId recognised;
+  tracked = loops_.locate(current, map_, &recognised);
+  if (tracked) attendTo(recognised);
+  return tracked;
 }
 
 /// The pose is known: extend the map where it gets thin.
@@ -151,7 +156,7 @@ SlamUpdate StereoSlam::Implementation::accept(const TrackingFrame& current, Trac
   covariance_ = compose(reference.covariance, T_reference_cam, tracked.covariance);
   motion_.update(current.time, tracked.T_map_cam);
   update.is_keyframe = params_.mapping && wantsKeyframe(tracked);
-  if (update.is_keyframe) makeKeyframe(current, tracked);
+  if (update.is_keyframe) makeKeyframe(current, tracked, update);
   seen_before_ = std::move(tracked.landmarks);
   update.features = static_cast<int>(seen_before_.size());
   update.T_map_robot = robotAt(motion_.last());
@@ -193,8 +198,8 @@ bool StereoSlam::Implementation::begin(const TrackingFrame& current) {
     map_.removeKeyframe(id);
     return false;
   }
-  reference_ = id;
-  local_landmarks_ = map_.seenBy(map_.neighbourhood(id, params_.window));
+  loops_.index(id, map_);
+  attendTo(id);
   seen_before_ = std::move(fresh.landmarks);
   return true;
 }
@@ -213,10 +218,20 @@ bool StereoSlam::Implementation::wantsKeyframe(const TrackedPose& tracked) const
   return percentile(flow, 0.5) > params_.keyframe_flow * camera_->width;
 }
 
-void StereoSlam::Implementation::makeKeyframe(const TrackingFrame& current, TrackedPose& tracked) {
-  reference_ = mapper_.insert(current, tracked.T_map_cam, covariance_, tracked.landmarks, map_);
-  motion_.correct(map_.keyframe(*reference_).T_map_cam);
-  local_landmarks_ = map_.seenBy(map_.neighbourhood(*reference_, params_.window));
+void StereoSlam::Implementation::makeKeyframe(const TrackingFrame& current, TrackedPose& tracked,
+                                              SlamUpdate& update) {
+  const KeyframeId id =
+      mapper_.insert(current, tracked.T_map_cam, covariance_, tracked.landmarks, map_);
+  loops_.index(id, map_);
+  if (params_.loop_closing) update.loop = loops_.close(current, id, map_);
+  motion_.correct(map_.keyframe(id).T_map_cam);
+  attendTo(id);
+}
+
+/// Tracks against the surroundings of a keyframe from now on.
+void StereoSlam::Implementation::attendTo(KeyframeId keyframe) {
+  reference_ = keyframe;
+  local_landmarks_ = map_.seenBy(map_.neighbourhood(keyframe, params_.window));
 }
 
 HungPose StereoSlam::Implementation::hang(const TrackingFrame& current,

@@ -19,11 +19,11 @@ struct LandmarkView {
 /// A keyframe as others see it.
 struct KeyframeView {
   KeyframeId id;
-  std::size_t frame = 0;                    ///< index of its stereo frame
-  Time time = 0.0;                          ///< [s]
+  std::size_t frame = 0;  ///< index of its stereo frame
+  Time time = 0.0;        ///< [s]
   Pose T_map_robot = Pose::Identity();
   PoseCovariance covariance = PoseCovariance::Zero();
-  std::vector<LandmarkId> landmarks;        ///< seen in it, ascending
+  std::vector<LandmarkId> landmarks;  ///< seen in it, ascending
 };
 
 /// The still world at one moment: a copy, safe to keep.
@@ -35,8 +35,8 @@ struct MapView {
 /// What became of one frame after all corrections of the map so far.
 struct FrameEstimate {
   std::size_t frame = 0;
-  Time time = 0.0;                       ///< [s]
-  bool tracked = false;                  ///< false: lost, the pose is the last one known
+  Time time = 0.0;       ///< [s]
+  bool tracked = false;  ///< false: lost, the pose is the last one known
   Pose T_map_robot = Pose::Identity();
 };
 

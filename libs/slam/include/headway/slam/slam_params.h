@@ -31,6 +31,7 @@ struct SlamParams {
   double keyframe_flow = 0.06;    ///< median image motion (share of width) that asks for a new one
   int window = 8;                 ///< keyframes adjusted together, 2 ... 50
   int ba_iterations = 6;          ///< steps of the bundle adjustment, 1 ... 100
+  bool loop_closing = true;       ///< recognise places seen before and correct the map
   int restart_after = 20;         ///< lost frames after which a new map part is begun, 1 ... 100000
 
   void describe(Params::Section section);

@@ -7,6 +7,7 @@
 #include <headway/slam/slam_params.h>
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace headway::slam {
@@ -16,14 +17,34 @@ enum class TrackingStatus {
   kLost,     ///< it does not: pose and covariance are those of the motion model
 };
 
+/// What became of a place that looked like one seen before.
+enum class LoopOutcome {
+  kClosed,         ///< the map was corrected
+  kNotRecognised,  ///< too few descriptors agree on a pose
+  kTooFewInliers,  ///< too few of its landmarks are measured here
+  kTooFarOff,      ///< it lies farther off than drift explains
+};
+
+/// One look at a possible loop, with what was needed and what there was.
+struct LoopAttempt {
+  LoopOutcome outcome = LoopOutcome::kNotRecognised;
+  KeyframeId keyframe;   ///< the new one
+  KeyframeId candidate;  ///< the old one that looks alike
+  int inliers = 0;
+  int inliers_needed = 0;
+  double offset_m = 0.0;          ///< between both estimates of the new keyframe's place [m]
+  double offset_allowed_m = 0.0;  ///< [m]
+};
+
 /// What one frame said of the camera's motion.
 struct SlamUpdate {
   TrackingStatus status = TrackingStatus::kLost;
   Pose T_map_robot = Pose::Identity();
   PoseCovariance covariance = PoseCovariance::Identity();  ///< of T_map_robot
   bool is_keyframe = false;
-  int features = 0;  ///< keypoints in the left image
-  int inliers = 0;   ///< landmarks that the pose rests on
+  int features = 0;                 ///< keypoints in the left image
+  int inliers = 0;                  ///< landmarks that the pose rests on
+  std::optional<LoopAttempt> loop;  ///< of a keyframe that looked like an older one
 };
 
 /// Localises a stereo camera and maps the still world around it.

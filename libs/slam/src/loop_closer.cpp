@@ -1,0 +1,190 @@
+#include "loop_closer.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "bundle_adjustment.h"
+#include "relocaliser.h"
+
+namespace headway::slam {
+namespace {
+
+constexpr int kCorners = 1000;       ///< of a frame that is to be recognised
+constexpr int kMinAge = 20;          ///< keyframes between a place and its return, at least
+constexpr int kSpacing = 3;          ///< keyframes between two looks for a loop
+constexpr double kDrift = 0.05;      ///< share of the path that may have been lost meanwhile
+constexpr double kDriftFloor = 1.0;  ///< that much may always have been lost [m]
+
+std::vector<Descriptor> descriptorsOf(KeyframeId keyframe, const SparseMap& map) {
+  std::vector<Descriptor> descriptors;
+  for (const LandmarkId id : map.keyframe(keyframe).landmarks) {
+    descriptors.push_back(map.find(id)->descriptor);
+  }
+  return descriptors;
+}
+
+std::vector<Descriptor> descriptorsOf(const std::vector<DescribedPoint>& points) {
+  std::vector<Descriptor> descriptors;
+  for (const DescribedPoint& point : points) descriptors.push_back(point.descriptor);
+  return descriptors;
+}
+
+PoseGraphEdge edgeBetween(const Keyframe& a, const Keyframe& b) {
+  constexpr double kSigmaFloorM = 0.005;
+  constexpr double kSigmaPerM = 0.01;
+  constexpr double kSigmaFloorRad = 0.0005;
+  constexpr double kSigmaRadPerM = 0.0005;
+  PoseGraphEdge edge;
+  edge.a = a.id;
+  edge.b = b.id;
+  edge.T_a_b = a.T_map_cam.inverse(Eigen::Isometry) * b.T_map_cam;
+  const double length = edge.T_a_b.translation().norm();
+  edge.sigma_m = kSigmaFloorM + kSigmaPerM * length;
+  edge.sigma_rad = kSigmaFloorRad + kSigmaRadPerM * length;
+  return edge;
+}
+
+}  // namespace
+
+std::vector<PoseGraphEdge> edgesOf(const SparseMap& map) {
+  constexpr int kNeighbours = 5;
+  std::vector<PoseGraphEdge> edges;
+  const Keyframe* before = nullptr;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    if (before != nullptr) edges.push_back(edgeBetween(*before, keyframe));
+    for (const KeyframeId other : map.neighbourhood(id, kNeighbours)) {
+      if (other < id && (before == nullptr || other != before->id)) {
+        edges.push_back(edgeBetween(map.keyframe(other), keyframe));
+      }
+    }
+    before = &keyframe;
+  }
+  return edges;
+}
+
+void applyCorrection(const std::map<KeyframeId, Pose>& corrected, SparseMap& map) {
+  for (const auto& [id, landmark] : map.landmarks()) {
+    const Pose& before = map.keyframe(landmark.reference).T_map_cam;
+    map.find(id)->position =
+        corrected.at(landmark.reference) * (before.inverse(Eigen::Isometry) * landmark.position);
+  }
+  for (const auto& [id, pose] : corrected) map.keyframe(id).T_map_cam = pose;
+}
+
+void LoopCloser::index(KeyframeId keyframe, const SparseMap& map) {
+  index_.add(keyframe, descriptorsOf(keyframe, map));
+}
+
+std::optional<TrackedPose> LoopCloser::recognise(const TrackingFrame& frame,
+                                                 const std::vector<DescribedPoint>& points,
+                                                 KeyframeId candidate, SparseMap& map) const {
+  const auto among = map.seenBy(map.neighbourhood(candidate, params_.window));
+  const auto guess = relocalise(points, among, map, camera_, params_.min_inliers);
+  return guess ? tracker_.settle(frame, *guess, among, map) : std::nullopt;
+}
+
+std::optional<TrackedPose> LoopCloser::locate(const TrackingFrame& frame, SparseMap& map,
+                                              KeyframeId* keyframe) const {
+  constexpr int kCandidates = 3;
+  const auto points = detectAndDescribe(frame.left.levels.front(), kCorners, frame.excluded);
+  for (const auto& match :
+       index_.query(descriptorsOf(points), kCandidates, [](KeyframeId) { return true; })) {
+    auto tracked = recognise(frame, points, match.keyframe, map);
+    if (!tracked) continue;
+    *keyframe = match.keyframe;
+    return tracked;
+  }
+  return std::nullopt;
+}
+
+std::vector<KeyframeId> LoopCloser::withinDrift(KeyframeId newest, const SparseMap& map) const {
+  constexpr double kMaxTurn = 0.8;  ///< between the views [rad]
+  const auto near = map.neighbourhood(newest, 1 << 20);
+  const Pose& T_map_cam = map.keyframe(newest).T_map_cam;
+  std::vector<KeyframeId> old;
+  double path = 0.0;
+  Eigen::Vector3d after = T_map_cam.translation();
+  for (auto at = map.keyframes().rbegin(); at != map.keyframes().rend(); ++at) {
+    const Pose& T_map_old = at->second.T_map_cam;
+    path += (T_map_old.translation() - after).norm();
+    after = T_map_old.translation();
+    const bool aged = at->first.value + kMinAge < newest.value &&
+                      !std::binary_search(near.begin(), near.end(), at->first);
+    const bool reachable = (after - T_map_cam.translation()).norm() < kDriftFloor + kDrift * path;
+    const double facing = T_map_old.linear().col(2).dot(T_map_cam.linear().col(2));
+    if (aged && reachable && facing > std::cos(kMaxTurn)) old.push_back(at->first);
+  }
+  std::reverse(old.begin(), old.end());
+  return old;
+}
+
+LoopAttempt LoopCloser::judge(const TrackedPose& seen_from, KeyframeId newest, KeyframeId candidate,
+                              const SparseMap& map) const {
+  const Eigen::Vector3d& before = map.keyframe(newest).T_map_cam.translation();
+  LoopAttempt attempt;
+  attempt.keyframe = newest;
+  attempt.candidate = candidate;
+  attempt.inliers = static_cast<int>(seen_from.landmarks.size());
+  attempt.inliers_needed = 3 * params_.min_inliers;
+  attempt.offset_m = (seen_from.T_map_cam.translation() - before).norm();
+  double path = 0.0;
+  Eigen::Vector3d last = map.keyframe(candidate).T_map_cam.translation();
+  for (auto at = map.keyframes().find(candidate); at != map.keyframes().end(); ++at) {
+    path += (at->second.T_map_cam.translation() - last).norm();
+    last = at->second.T_map_cam.translation();
+  }
+  attempt.offset_allowed_m = kDriftFloor + kDrift * path;
+  attempt.outcome = LoopOutcome::kClosed;
+  if (attempt.offset_m > attempt.offset_allowed_m) attempt.outcome = LoopOutcome::kTooFarOff;
+  if (attempt.inliers < attempt.inliers_needed) attempt.outcome = LoopOutcome::kTooFewInliers;
+  return attempt;
+}
+
+std::optional<LoopAttempt> LoopCloser::close(const TrackingFrame& frame, KeyframeId newest,
+                                             SparseMap& map) const {
+  constexpr int kCandidates = 2;
+  if (newest.value % kSpacing != 0) return std::nullopt;
+  const auto old = withinDrift(newest, map);
+  if (old.empty()) return std::nullopt;
+  const auto points = detectAndDescribe(frame.left.levels.front(), kCorners, frame.excluded);
+  const auto wanted = [&](KeyframeId id) { return std::binary_search(old.begin(), old.end(), id); };
+  std::optional<LoopAttempt> attempt;
+  for (const auto& match : index_.query(descriptorsOf(points), kCandidates, wanted)) {
+    const auto seen_from = recognise(frame, points, match.keyframe, map);
+    attempt = LoopAttempt{};
+    attempt->keyframe = newest;
+    attempt->candidate = match.keyframe;
+    attempt->inliers_needed = 3 * params_.min_inliers;
+    if (!seen_from) continue;
+    attempt = judge(*seen_from, newest, match.keyframe, map);
+    if (attempt->outcome != LoopOutcome::kClosed) continue;
+    correct(newest, match.keyframe, *seen_from, map);
+    break;
+  }
+  return attempt;
+}
+
+void LoopCloser::correct(KeyframeId newest, KeyframeId old, const TrackedPose& seen_from,
+                         SparseMap& map) const {
+  constexpr int kGlobalIterations = 8;
+  constexpr std::size_t kGlobalLimit = 300;  ///< keyframes up to which all are adjusted at once
+  auto edges = edgesOf(map);
+  PoseGraphEdge loop = edgeBetween(map.keyframe(old), map.keyframe(newest));
+  loop.T_a_b = map.keyframe(old).T_map_cam.inverse(Eigen::Isometry) * seen_from.T_map_cam;
+  edges.push_back(loop);
+  std::map<KeyframeId, Pose> poses;
+  for (const auto& [id, keyframe] : map.keyframes()) poses[id] = keyframe.T_map_cam;
+  applyCorrection(optimisePoseGraph(poses, edges), map);
+  const auto& seen = map.keyframe(newest).landmarks;
+  for (const TrackedLandmark& landmark : seen_from.landmarks) {
+    if (std::binary_search(seen.begin(), seen.end(), landmark.id)) continue;
+    map.observe(newest, landmark.id, landmark.measurement);
+  }
+  std::vector<KeyframeId> all;
+  for (const auto& [id, keyframe] : map.keyframes()) all.push_back(id);
+  const bool global = all.size() <= kGlobalLimit;
+  adjustBundle(map, global ? all : map.neighbourhood(newest, 2 * params_.window), camera_,
+               kGlobalIterations);
+}
+
+}  // namespace headway::slam

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <headway/core/stereo_camera.h>
+#include <headway/slam/slam_params.h>
+#include <headway/slam/stereo_slam.h>
+
+#include <optional>
+#include <vector>
+
+#include "frame_tracker.h"
+#include "place_index.h"
+#include "pose_graph.h"
+#include "sparse_map.h"
+
+namespace headway::slam {
+
+/// Recognises places seen long before and pulls the map together there.
+class LoopCloser {
+ public:
+  LoopCloser(const StereoCamera& camera, const SlamParams& params)
+      : camera_(camera), params_(params), tracker_(camera, params) {}
+
+  /// Makes a keyframe findable (again).
+  void index(KeyframeId keyframe, const SparseMap& map);
+  void remove(KeyframeId keyframe) { index_.remove(keyframe); }
+
+  /// Where a frame without any guess of its pose is, over the whole map.
+  ///
+  /// @param keyframe  set to the keyframe that it was recognised by
+  [[nodiscard]] std::optional<TrackedPose> locate(const TrackingFrame& frame, SparseMap& map,
+                                                  KeyframeId* keyframe) const;
+
+  /// Looks whether a new keyframe shows a place of old, and if so corrects the whole map.
+  ///
+  /// The place must be out of the keyframe's neighbourhood, not farther off than drift explains,
+  /// recognised by descriptors, and confirmed by patches of its landmarks measured in this frame.
+  ///
+  /// @return what was looked at and why it was or was not taken; nullopt if no old place is near
+  [[nodiscard]] std::optional<LoopAttempt> close(const TrackingFrame& frame, KeyframeId newest,
+                                                 SparseMap& map) const;
+
+ private:
+  /// Keyframes of old that may show the same place, going by where they are, ascending.
+  [[nodiscard]] std::vector<KeyframeId> withinDrift(KeyframeId newest, const SparseMap& map) const;
+  [[nodiscard]] std::optional<TrackedPose> recognise(const TrackingFrame& frame,
+                                                     const std::vector<DescribedPoint>& points,
+                                                     KeyframeId candidate, SparseMap& map) const;
+  [[nodiscard]] LoopAttempt judge(const TrackedPose& seen_from, KeyframeId newest,
+                                  KeyframeId candidate, const SparseMap& map) const;
+  void correct(KeyframeId newest, KeyframeId old, const TrackedPose& seen_from,
+               SparseMap& map) const;
+
+  StereoCamera camera_;
+  SlamParams params_;
+  FrameTracker tracker_;
+  PlaceIndex index_;
+};
+
+/// Every keyframe's pose changes, and landmarks go with their reference keyframes.
+void applyCorrection(const std::map<KeyframeId, Pose>& corrected, SparseMap& map);
+
+/// Edges of the map as it is: from each keyframe to the one before and to those that share many
+/// landmarks with it.
+[[nodiscard]] std::vector<PoseGraphEdge> edgesOf(const SparseMap& map);
+
+}  // namespace headway::slam

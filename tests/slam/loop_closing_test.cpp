@@ -1,0 +1,79 @@
+#include <gtest/gtest.h>
+#include <headway_test/textured_world.h>
+
+#include "loop_closer.h"
+
+namespace headway::slam {
+namespace {
+
+/// Once round a square block of walls in a large hall, looking ahead, and on over the beginning.
+Pose roundTheBlock(int i, int lap) {
+  const double angle = 2.0 * M_PI * i / lap;
+  Pose pose = Pose::Identity();
+  pose.linear() = expSo3({0.0, 0.0, angle});
+  pose.translation() << 4.0 * std::sin(angle), 4.0 - 4.0 * std::cos(angle), 0.0;
+  return pose;
+}
+
+test::TexturedWorld hall() {
+  test::TexturedWorld world(test::smallCamera(), 4);
+  world.addRoom(16.0, 16.0, 4.0);
+  using V = Eigen::Vector3d;  // a block in the middle of the way hides the other side
+  const V low(-2.0, 2.0, -2.0);
+  world.boards.push_back({low, V::UnitX(), V::UnitZ(), 4.0, 4.0, {1.1, 8.2}});
+  world.boards.push_back({low + 4.0 * V::UnitY(), V::UnitX(), V::UnitZ(), 4.0, 4.0, {6.1, 5.2}});
+  world.boards.push_back({low, V::UnitY(), V::UnitZ(), 4.0, 4.0, {2.1, 3.2}});
+  world.boards.push_back({low + 4.0 * V::UnitX(), V::UnitY(), V::UnitZ(), 4.0, 4.0, {9.1, 7.2}});
+  return world;
+}
+
+struct Lap {
+  int loops = 0;
+  double rmse_m = 0.0;
+};
+
+Lap driveRound(bool loop_closing) {
+  constexpr int kLap = 110;
+  constexpr int kFrames = 125;
+  const auto world = hall();
+  SlamParams params;
+  params.loop_closing = loop_closing;
+  params.features = 250;
+  StereoSlam slam(world.camera(), params);
+  Lap lap;
+  for (int i = 0; i < kFrames; ++i) {
+    const auto update = slam.process(world.frame(i, 0.1 * i, roundTheBlock(i, kLap)), {});
+    EXPECT_EQ(update.status, TrackingStatus::kTracked) << i;
+    lap.loops += update.loop && update.loop->outcome == LoopOutcome::kClosed ? 1 : 0;
+  }
+  double sum = 0.0;
+  for (const auto& estimate : slam.trajectory()) {
+    const Pose truth = roundTheBlock(static_cast<int>(estimate.frame), kLap);
+    sum += (estimate.T_map_robot.translation() - truth.translation()).squaredNorm();
+  }
+  lap.rmse_m = std::sqrt(sum / kFrames);
+  return lap;
+}
+
+TEST(LoopCloser, FindsTheBeginningAgainAndPullsThePathTogether) {
+  const Lap open = driveRound(false);
+  const Lap closed = driveRound(true);
+  EXPECT_EQ(open.loops, 0);
+  EXPECT_GE(closed.loops, 1);
+  EXPECT_LT(closed.rmse_m, 0.7 * open.rmse_m);
+}
+
+TEST(ApplyCorrection, TakesLandmarksAlong) {
+  SparseMap map;
+  const KeyframeId a = map.addKeyframe(0, 0.0, Pose::Identity()).id;
+  const LandmarkId landmark = map.addLandmark({1.0, 2.0, 3.0}, a, {}).id;
+  Pose moved = Pose::Identity();
+  moved.translation() << 5.0, 0.0, -1.0;
+  moved.linear() = expSo3({0.0, M_PI / 2.0, 0.0});
+  applyCorrection({{a, moved}}, map);
+  EXPECT_LT((map.find(landmark)->position - moved * Eigen::Vector3d(1.0, 2.0, 3.0)).norm(), 1e-12);
+  EXPECT_EQ(map.keyframe(a).T_map_cam.matrix(), moved.matrix());
+}
+
+}  // namespace
+}  // namespace headway::slam
