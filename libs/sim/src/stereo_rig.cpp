@@ -153,29 +153,32 @@ void StereoRig::Scene::rebuildShared(const std::vector<StretchKey>& visible) {
 }
 
 void StereoRig::Scene::placeAll(const Eigen::Vector3d& origin) {
-  const auto place = [&](const ObjectPtr& object, const Eigen::Vector3d& anchor) {
+  // MRPT draws from far to near, by a point that each object names. What is opaque names points
+  // far ahead, in reverse: near things are drawn first and spare the shading of what they hide.
+  // Shadows come last of all, over the finished ground.
+  const auto place = [&](const ObjectPtr& object, const Eigen::Vector3d& anchor, double turn) {
     const Eigen::Vector3d at = anchor - origin;
     object->setLocation(at.x(), at.y(), at.z());
-    // MRPT draws from far to near along the viewing direction: shadows come last, over the rest.
-    const Eigen::Vector3f first = (T_origin_robot_.linear().col(0) * 5000.0 - at).cast<float>();
-    object->setLocalRepresentativePoint({first.x(), first.y(), first.z()});
+    const Eigen::Vector3f point = (T_origin_robot_.linear().col(0) * turn - at).cast<float>();
+    object->setLocalRepresentativePoint({point.x(), point.y(), point.z()});
   };
+  place(movers_, origin, 6000.0);
+  place(furniture_, shared_anchor_, 5500.0);
   for (const auto& [key, objects] : surfaces_) {
-    for (const auto& object : objects) place(object, world_.stretch(key).anchor);
+    const Eigen::Vector3d& anchor = world_.stretch(key).anchor;
+    const double distance = (anchor - origin).norm();
+    for (const auto& object : objects) place(object, anchor, 5000.0 - distance);
   }
-  place(furniture_, shared_anchor_);
-  place(verges_, shared_anchor_);
-  place(sky_, origin);
+  place(verges_, shared_anchor_, 4000.0);
   const Eigen::Vector2i cell((origin.head<2>() / kMeadowCell).array().floor().cast<int>());
   if (!plain_cell_ || *plain_cell_ != cell) {
     plain_cell_ = cell;
     plain_anchor_ = origin;
     plain_->setMesh(plainMesh(world_.network(), cell, origin));
   }
-  place(plain_, plain_anchor_);
-  place(movers_, origin);
-  shadows_->setLocation(0, 0, 0);
-  shadows_->setLocalRepresentativePoint({0, 0, 0});
+  place(plain_, plain_anchor_, 3900.0);
+  place(sky_, origin, 3800.0);
+  place(shadows_, origin, 0.0);
 }
 
 void StereoRig::Scene::arrange(const Pose& T_world_robot, const std::vector<Mover>& movers) {
