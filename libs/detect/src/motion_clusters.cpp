@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 namespace headway::detect {
@@ -94,30 +93,21 @@ std::vector<MotionCluster> clusterMotion(const std::vector<PointTrack>& points,
 }
 
 double movingShare(const std::vector<PointTrack>& points, const std::vector<PointVerdict>& verdicts,
-                   const CameraPath& path, const MotionCluster& cluster, const Box2d& outline) {
-  const auto depthOf = [&](std::size_t i) {
-    return (path.T_cam_world(path.newest()) * points[i].motion->point).z();
-  };
-  double nearest = std::numeric_limits<double>::infinity();
-  double farthest = 0.0;
-  for (const std::size_t i : cluster.members) {
-    nearest = std::min(nearest, depthOf(i));
-    farthest = std::max(farthest, depthOf(i));
-  }
+                   const CameraPath& path, const Box2d& outline, double nearest, double farthest) {
   const double margin = 0.3 + 0.02 * farthest;
   double moving = 0.0;
   double still = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (verdicts[i] != PointVerdict::kMoving && verdicts[i] != PointVerdict::kStill) continue;
     const auto& uvd = points[i].sightings.back().uvd;
-    const double depth = depthOf(i);
+    const double depth = (path.T_cam_world(path.newest()) * points[i].motion->point).z();
     if (!outline.contains(uvd.x(), uvd.y()) || depth < nearest - margin ||
         depth > farthest + margin) {
       continue;
     }
     (verdicts[i] == PointVerdict::kMoving ? moving : still) += 1.0;
   }
-  return moving / std::max(1.0, moving + still);
+  return moving + still > 0.0 ? moving / (moving + still) : 1.0;
 }
 
 }  // namespace headway::detect

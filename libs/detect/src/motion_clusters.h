@@ -36,11 +36,13 @@ struct ClusterParams {
                                                        const ClusterParams& params);
 
 /// Share of the moving ones among the points judged inside an object's outline and depth: a fence
-/// does not move because three of its posts look alike.
+/// does not move because three of its posts look alike. 1 where no point was judged.
 ///
-/// @param outline  [px]
+/// @param outline   [px]
+/// @param nearest   depth of the object's near side [m]
+/// @param farthest  and of its far side [m]
 [[nodiscard]] double movingShare(const std::vector<PointTrack>& points,
                                  const std::vector<PointVerdict>& verdicts, const CameraPath& path,
-                                 const MotionCluster& cluster, const Box2d& outline);
+                                 const Box2d& outline, double nearest, double farthest);
 
 }  // namespace headway::detect

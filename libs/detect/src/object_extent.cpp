@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace headway::detect {
 namespace {
@@ -21,10 +22,7 @@ constexpr double kFastestWalker = 3.2;    // [m/s]
 constexpr double kFastestCyclist = 10.0;  // [m/s]
 constexpr double kEdgeSigma = 3.0;        // of an extent's edge in the image [px]
 
-struct Cell {
-  cv::Point place;
-  Eigen::Vector3d point;  // camera frame
-};
+using Cell = ObjectCell;
 
 class Growth {
  public:
@@ -143,18 +141,24 @@ Box3d boxAround(const std::vector<Cell>& cells, const Eigen::Vector3d& front,
 
 }  // namespace
 
-std::optional<ObjectExtent> objectExtent(const std::vector<Eigen::Vector3d>& seeds,
-                                         const Eigen::Vector3d& velocity,
-                                         const DisparityImage& disparity,
-                                         const StereoCamera& camera,
-                                         const std::optional<GroundPlane>& ground) {
-  double lowest = 1e9;
-  const Eigen::Vector3d mounted = mountedUp(camera);
-  for (const auto& seed : seeds) lowest = std::min(lowest, mounted.dot(seed));
-  const GroundPlane floor = ground.value_or(GroundPlane{mounted, 0.5 - lowest});
-  const auto cells = Growth(seeds, disparity, camera, floor).run();
-  if (cells.size() < 4) return std::nullopt;
+GroundPlane floorBelow(const std::vector<Eigen::Vector3d>& points, const StereoCamera& camera) {
+  const Eigen::Vector3d up = mountedUp(camera);
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const auto& point : points) lowest = std::min(lowest, up.dot(point));
+  return {up, 0.5 - lowest};
+}
 
+std::vector<ObjectCell> growObject(const std::vector<Eigen::Vector3d>& seeds,
+                                   const DisparityImage& disparity, const StereoCamera& camera,
+                                   const GroundPlane& ground) {
+  return Growth(seeds, disparity, camera, ground).run();
+}
+
+std::optional<ObjectExtent> extentOf(const std::vector<ObjectCell>& cells,
+                                     const Eigen::Vector3d& velocity,
+                                     const DisparityImage& disparity, const StereoCamera& camera,
+                                     const GroundPlane& floor) {
+  if (cells.size() < 4) return std::nullopt;
   ObjectExtent extent;
   const Range u = rangeOf(cells, 0.01, [&](const Cell& c) { return disparity.pixelOf(c.place.x); });
   const Range v = rangeOf(cells, 0.01, [&](const Cell& c) { return disparity.pixelOf(c.place.y); });

@@ -11,6 +11,12 @@
 
 namespace headway::detect {
 
+/// A cell of the disparity image that belongs to an object.
+struct ObjectCell {
+  cv::Point place;        ///< column and row in the disparity image
+  Eigen::Vector3d point;  ///< camera frame [m]
+};
+
 /// What dense stereo shows of one object.
 struct ObjectExtent {
   Box2d box2d;                                                      ///< [px]
@@ -20,20 +26,33 @@ struct ObjectExtent {
   std::vector<cv::Point> cells;                                     ///< of the disparity image
 };
 
-/// Grows an object from a few of its points over the dense disparities, and puts a box around it.
+/// A ground half a metre below the lowest of some points, where none was found.
+[[nodiscard]] GroundPlane floorBelow(const std::vector<Eigen::Vector3d>& points,
+                                     const StereoCamera& camera);
+
+/// Grows an object from a few of its points over the dense disparities.
 ///
 /// A neighbouring cell belongs to it that has nearly the same disparity, is off the ground, not
-/// too high, and near to the points over the ground. The box looks along the velocity; where only
-/// its near side is seen it extends behind it as far as objects of its kind do.
+/// too high, and near to the points over the ground.
 ///
-/// @param seeds     points of the object in the camera frame [m]
+/// @param seeds  points of the object in the camera frame [m]
+/// @return       empty if the seeds lie on nothing that has a disparity
+[[nodiscard]] std::vector<ObjectCell> growObject(const std::vector<Eigen::Vector3d>& seeds,
+                                                 const DisparityImage& disparity,
+                                                 const StereoCamera& camera,
+                                                 const GroundPlane& ground);
+
+/// Puts a box around an object's cells.
+///
+/// The box looks along the velocity; where only the object's near side is seen it extends behind
+/// it as far as objects of its kind do.
+///
 /// @param velocity  over the ground, camera frame [m/s]
-/// @return          nullopt if the seeds lie on nothing that has a disparity, or if what they lie
-///                  on floats above the ground
-[[nodiscard]] std::optional<ObjectExtent> objectExtent(const std::vector<Eigen::Vector3d>& seeds,
-                                                       const Eigen::Vector3d& velocity,
-                                                       const DisparityImage& disparity,
-                                                       const StereoCamera& camera,
-                                                       const std::optional<GroundPlane>& ground);
+/// @return          nullopt for hardly any cells, or if all of them float above the ground
+[[nodiscard]] std::optional<ObjectExtent> extentOf(const std::vector<ObjectCell>& cells,
+                                                   const Eigen::Vector3d& velocity,
+                                                   const DisparityImage& disparity,
+                                                   const StereoCamera& camera,
+                                                   const GroundPlane& ground);
 
 }  // namespace headway::detect

@@ -9,7 +9,7 @@
 namespace headway::detect {
 namespace {
 
-const cv::Size kWindow(13, 13);
+const cv::Size kWindow(9, 9);
 constexpr int kLevels = 3;                 // above the full image
 constexpr double kMostWayBackError = 0.7;  // between a point and where the way back ends [px]
 constexpr double kMostRowError = 1.0;      // between the rows in left and right image [px]

@@ -18,7 +18,7 @@ class Residuals {
   Residuals(const CameraPath& path, const StereoCamera& camera, const SightingNoise& noise)
       : path_(path),
         camera_(camera),
-        weights_(1.0 / noise.pixel, 1.0 / noise.pixel, 1.0 / noise.disparity) {}
+        weights_(1.0 / noise.u, 1.0 / noise.v, 1.0 / noise.disparity) {}
 
   [[nodiscard]] std::optional<Residual> of(const Sighting& sighting,
                                            const Eigen::Vector3d& point) const {

@@ -18,7 +18,8 @@ struct Sighting {
 
 /// Standard deviations of a sighting.
 struct SightingNoise {
-  double pixel = 0.4;      ///< of u and of v [px]
+  double u = 0.4;          ///< [px]
+  double v = 0.4;          ///< [px]
   double disparity = 0.4;  ///< [px]
 };
 

@@ -1,3 +1,4 @@
+#include <headway/core/box_overlap.h>
 #include <headway/detect/stereo_motion.h>
 
 #include <algorithm>
@@ -6,6 +7,7 @@
 #include <opencv2/core.hpp>
 #include <utility>
 
+#include "blob_follower.h"
 #include "disparity_offset.h"
 #include "motion_clusters.h"
 #include "object_extent.h"
@@ -18,6 +20,7 @@ constexpr double kLeastContrast = 4.0;  // standard deviation of a usable image 
 constexpr double kLeastAgreeing = 0.3;  // share of still points that must fit the camera's motion
 constexpr int kFewPoints = 30;          // judged; with fewer nothing is said of the camera
 constexpr double kLongestGap = 3.0;     // of the window: after it everything is begun anew
+constexpr double kShareOfBlob = 0.3;    // moving points in it: many sit on its outline, half behind
 constexpr double kPointsOfSureObject = 6.0;
 
 bool usable(const cv::Mat& image) {
@@ -60,6 +63,8 @@ void StereoMotionParams::describe(Params::Section section) {
   section.add("reach_m", reach_m, 0.1, 10.0, "m", "Between points of one object, over the ground");
   section.add("moving_share", moving_share, 0.0, 1.0, "-",
               "Of the points inside an object's outline that must move");
+  section.add("blob_range_m", blob_range_m, 2.0, 100.0, "m",
+              "Farther things of a person's size are not followed as a whole");
   section.add("most_moving", most_moving, 0.1, 1.0, "-",
               "If more of all points seem to move, the camera's motion is taken for wrong");
   section.add("guess_class", guess_class,
@@ -74,12 +79,14 @@ class StereoMotion::Implementation {
         params_(params),
         disparity_params_(disparity),
         path_(*camera_, std::hypot(params.sigma_px, 0.3)),
-        follower_(*camera_, followerOf(params)) {}
+        follower_(*camera_, followerOf(params)),
+        blobs_(*camera_, params.window_s) {}
 
   /// @return  why there is nothing to say of this frame; null if there is
   const char* look(const StereoFrame& frame, const std::optional<Pose>& T_map_robot) {
     objects_.clear();
     taken_.clear();
+    outlines_.clear();
     cells_.clear();
     if (!usable(frame.left) || !usable(frame.right)) return "unusable_image";
     disparity_ = denseDisparity(frame, disparity_params_);
@@ -98,7 +105,13 @@ class StereoMotion::Implementation {
     follower_.setDisparityOffset(offset_.value());
     follower_.follow(frame, disparity_, path_);
     const char* unsure = judge() ? nullptr : "camera_motion_unsure";
-    if (unsure == nullptr) findObjects();
+    if (ground_) {
+      blobs_.follow(uprightBlobs(disparity_, *camera_, *ground_, params_.blob_range_m), path_);
+    }
+    if (unsure == nullptr) {
+      findClusters();
+      findBlobs();
+    }
     follower_.replenish(frame, disparity_, ground_, number);
     return unsure;
   }
@@ -128,6 +141,7 @@ class StereoMotion::Implementation {
   void startAnew() {
     path_ = CameraPath(*camera_, std::hypot(params_.sigma_px, 0.3));
     follower_.clear();
+    blobs_.clear();
   }
 
   [[nodiscard]] int firstInWindow(Time now) const {
@@ -145,7 +159,7 @@ class StereoMotion::Implementation {
       still.push_back({point.motion->still_point, point.sightings.back().uvd});
     }
     const double agreeing = path_.refine(still);
-    const SightingNoise noise{params_.sigma_px, params_.sigma_disparity_px};
+    const SightingNoise noise{params_.sigma_px, params_.sigma_px, params_.sigma_disparity_px};
     auto& points = follower_.points();
     for (auto& point : points) {
       point.motion = fitMotion(point.sightings, path_, *camera_, noise, params_.most_speed / 2.0);
@@ -164,15 +178,19 @@ class StereoMotion::Implementation {
     return !flooded && !astray;
   }
 
-  void dropMismatches() {
+  [[nodiscard]] VerdictParams verdictParams() const {
     VerdictParams params;
     params.significance = params_.significance;
     params.least_speed = params_.least_speed;
     params.most_speed = params_.most_speed;
+    return params;
+  }
+
+  void dropMismatches() {
     verdicts_.clear();
     std::vector<PointTrack> kept;
     for (auto& point : follower_.points()) {
-      const PointVerdict verdict = verdictOn(point, up_, params);
+      const PointVerdict verdict = verdictOn(point, up_, verdictParams());
       if (verdict == PointVerdict::kMismatch) continue;
       if (verdict == PointVerdict::kStill) point.object = -1;
       verdicts_.push_back(verdict);
@@ -181,49 +199,92 @@ class StereoMotion::Implementation {
     follower_.points() = std::move(kept);
   }
 
-  void findObjects() {
+  /// Objects of points that move alike.
+  void findClusters() {
     ClusterParams params;
     params.reach_m = params_.reach_m;
     params.least_points = params_.least_points;
-    const auto clusters = clusterMotion(follower_.points(), verdicts_, path_, up_, params);
-    for (const auto& cluster : clusters) {
+    const Pose& T_cam_world = path_.T_cam_world(path_.newest());
+    for (const auto& cluster : clusterMotion(follower_.points(), verdicts_, path_, up_, params)) {
       if (cluster.velocity.norm() < params_.least_speed + 2.0 * cluster.speed_sigma) continue;
-      auto object = objectOf(cluster);
-      if (!object) {
-        ++implausible_;
-      } else if (++ages_[object->id] >= params_.confirm_frames) {
-        objects_.push_back(std::move(*object));
+      std::vector<Eigen::Vector3d> seeds;
+      for (const std::size_t i : cluster.members) {
+        seeds.push_back(T_cam_world * follower_.points()[i].motion->point);
       }
+      const GroundPlane floor = ground_.value_or(floorBelow(seeds, *camera_));
+      const auto extent = plausibleExtent(growObject(seeds, disparity_, *camera_, floor),
+                                          cluster.velocity, floor, params_.moving_share);
+      if (!extent) {
+        ++implausible_;
+        continue;
+      }
+      report(*extent, identify(cluster), cluster.velocity, cluster.speed_sigma,
+             static_cast<int>(cluster.members.size()));
     }
   }
 
-  std::optional<MovingObject> objectOf(const MotionCluster& cluster) {
-    const Pose& T_cam_world = path_.T_cam_world(path_.newest());
-    std::vector<Eigen::Vector3d> seeds;
-    for (const std::size_t i : cluster.members) {
-      seeds.push_back(T_cam_world * follower_.points()[i].motion->point);
+  /// Things of a person's size that move as a whole, where no points told so already.
+  void findBlobs() {
+    for (auto& blob : blobs_.tracks()) {
+      if (blob.track.sightings.back().frame != path_.newest()) continue;
+      if (!ground_ || !blobs_.moves(blob, up_, verdictParams())) continue;
+      const PointMotion& motion = *blob.track.motion;
+      const Eigen::Vector3d velocity = motion.velocity - up_ * up_.dot(motion.velocity);
+      const auto extent = plausibleExtent(blob.blob.cells, velocity, *ground_, kShareOfBlob);
+      if (!extent) {
+        ++implausible_;
+        continue;
+      }
+      const bool known = std::any_of(outlines_.begin(), outlines_.end(), [&](const Box2d& other) {
+        return shareInside(extent->box2d, other) > 0.5 || overlap2d(extent->box2d, other) > 0.3;
+      });
+      if (known) continue;
+      if (blob.track.object < 0) {
+        blob.track.object = next_object_++;
+        ages_[blob.track.object] = params_.confirm_frames - 1;  // followed for long enough already
+      }
+      const Eigen::Vector3d direction = velocity.normalized();
+      report(*extent, blob.track.object, velocity,
+             std::sqrt(direction.dot(motion.velocity_covariance * direction)),
+             static_cast<int>(blob.track.sightings.size()));
     }
-    auto extent =
-        objectExtent(seeds, T_cam_world.linear() * cluster.velocity, disparity_, *camera_, ground_);
-    if (!extent || movingShare(follower_.points(), verdicts_, path_, cluster, extent->box2d) <
-                       params_.moving_share) {
-      return std::nullopt;
-    }
+  }
+
+  /// The box around an object's cells, if enough of the points inside it move too.
+  [[nodiscard]] std::optional<ObjectExtent> plausibleExtent(const std::vector<ObjectCell>& cells,
+                                                            const Eigen::Vector3d& velocity,
+                                                            const GroundPlane& floor,
+                                                            double least_share) const {
+    auto extent = extentOf(cells, path_.T_cam_world(path_.newest()).linear() * velocity, disparity_,
+                           *camera_, floor);
+    if (!extent) return std::nullopt;
+    const auto [nearest, farthest] = std::minmax_element(
+        cells.begin(), cells.end(), [](auto& a, auto& b) { return a.point.z() < b.point.z(); });
+    const double share = movingShare(follower_.points(), verdicts_, path_, extent->box2d,
+                                     nearest->point.z(), farthest->point.z());
+    if (share < least_share) return std::nullopt;
+    return extent;
+  }
+
+  void report(const ObjectExtent& extent, std::int64_t id, const Eigen::Vector3d& velocity,
+              double speed_sigma, int points) {
+    outlines_.push_back(extent.box2d);
+    taken_.push_back(id);
+    if (++ages_[id] < params_.confirm_frames) return;
     MovingObject object;
-    object.id = identify(cluster);
-    object.velocity = path_.R_map_world() * cluster.velocity;
-    object.speed_sigma = cluster.speed_sigma;
-    object.points = static_cast<int>(cluster.members.size());
+    object.id = id;
+    object.velocity = path_.R_map_world() * velocity;
+    object.speed_sigma = speed_sigma;
+    object.points = points;
     Detection& detection = object.detection;
-    if (params_.guess_class) detection.object_class = extent->object_class;
-    detection.score = 1.0 - std::exp(-object.points / kPointsOfSureObject);
-    detection.detector_id = object.id;
-    detection.box2d = extent->box2d;
-    detection.box3d = extent->box;
-    detection.centre_covariance = extent->centre_covariance;
-    taken_.push_back(object.id);
-    cells_.insert(cells_.end(), extent->cells.begin(), extent->cells.end());
-    return object;
+    if (params_.guess_class) detection.object_class = extent.object_class;
+    detection.score = 1.0 - std::exp(-points / kPointsOfSureObject);
+    detection.detector_id = id;
+    detection.box2d = extent.box2d;
+    detection.box3d = extent.box;
+    detection.centre_covariance = extent.centre_covariance;
+    cells_.insert(cells_.end(), extent.cells.begin(), extent.cells.end());
+    objects_.push_back(std::move(object));
   }
 
   /// The id that most of the members had before, unless another object took it in this frame.
@@ -246,10 +307,12 @@ class StereoMotion::Implementation {
   DisparityParams disparity_params_;
   CameraPath path_;
   PointFollower follower_;
+  BlobFollower blobs_;
   DisparityOffset offset_;
   std::vector<PointVerdict> verdicts_;             ///< one for each followed point
   Eigen::Vector3d up_ = Eigen::Vector3d::UnitZ();  ///< of the ground, world of the path
   std::vector<std::int64_t> taken_;                ///< ids given in this frame
+  std::vector<Box2d> outlines_;                    ///< of this frame's objects, unconfirmed too
   std::map<std::int64_t, int> ages_;               ///< frames in which an object was found
   std::vector<cv::Point> cells_;                   ///< of all objects
   std::int64_t next_object_ = 0;

@@ -14,7 +14,7 @@ struct DisparityParams {
   Method method = Method::kBlocks;
   int reduce = 2;             ///< images are matched at 1/reduce of their size [-] 1 ... 4
   double nearest_m = 3.0;     ///< anything nearer is not matched [m]
-  int block_px = 9;           ///< side of a block in the reduced image, made odd [px]
+  int block_px = 7;           ///< side of a block in the reduced image, made odd [px]
   int uniqueness = 12;        ///< how much better the best match must be [%]
   int least_speckle_px = 40;  ///< smaller islands are dropped, reduced image [px]
 

@@ -28,6 +28,7 @@ struct StereoMotionParams {
   int confirm_frames = 2;      ///< in which an object was found before it is reported
   double reach_m = 1.0;        ///< between points of one object, over the ground [m]
   double moving_share = 0.6;   ///< of the points inside an object's outline [-]
+  double blob_range_m = 30.0;  ///< farther things are not followed as a whole [m]
   double most_moving = 0.6;    ///< if more of all points seem to move, the camera's motion is wrong
   bool guess_class = true;     ///< from size and speed; else every object is Unknown
 
@@ -48,7 +49,8 @@ struct MovingObject {
 /// Corners are followed through time and across the stereo pair. With the camera's motion taken
 /// out, each is fitted twice to its sightings of the last half second, standing and moving; where
 /// only motion explains them, and neighbours on the ground move alike, there is an object. Dense
-/// disparities give its outline. Needs a frame rate at which things move less than they are long,
+/// disparities give its outline. Things of a person's size are followed as wholes, too, for people
+/// often show no corners. Needs a frame rate at which things move less than they are long,
 /// and a camera that sees still surroundings most of the time.
 ///
 /// @see  Franke et al. 2005, "6D-Vision"; Lenz et al. 2011, "Sparse scene flow segmentation"

@@ -1,0 +1,94 @@
+#include "blob_follower.h"
+
+#include <headway/core/assignment.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace headway::detect {
+namespace {
+
+constexpr double kGate = 0.6;            // between a blob and its expected place [m]
+constexpr double kGatePerMetre = 0.02;   // growth with depth [m/m]
+constexpr double kEdge = 0.5;            // error of a blob's middle [px]
+constexpr double kEdgeShare = 0.03;      // and share of its width
+constexpr double kDisparitySigma = 0.3;  // [px]
+constexpr double kRowSigma = 30.0;       // rows say little: feet and head come and go [px]
+constexpr double kFastest = 8.0;         // of what is followed as a blob [m/s]
+constexpr int kLeastSightings = 4;
+constexpr double kLeastWay = 0.3;  // moved within the window [m]
+
+SightingNoise noiseOf(const UprightBlob& blob) {
+  return {kEdge + kEdgeShare * blob.width_px, kRowSigma, kDisparitySigma};
+}
+
+Eigen::Vector3d placeOf(const UprightBlob& blob, const CameraPath& path,
+                        const StereoCamera& camera) {
+  return path.T_cam_world(path.newest()).inverse() * *triangulate(blob.uvd, camera);
+}
+
+Eigen::Vector3d expectedPlace(const BlobTrack& track, const CameraPath& path,
+                              const StereoCamera& camera) {
+  const Sighting& last = track.track.sightings.back();
+  const Eigen::Vector3d seen =
+      path.T_cam_world(last.frame).inverse() * *triangulate(last.uvd, camera);
+  if (!track.track.motion || track.track.sightings.size() < 3) return seen;
+  return seen +
+         (path.timeOf(path.newest()) - path.timeOf(last.frame)) * track.track.motion->velocity;
+}
+
+}  // namespace
+
+void BlobFollower::follow(std::vector<UprightBlob> blobs, const CameraPath& path) {
+  blobs.erase(std::remove_if(blobs.begin(), blobs.end(), [](auto& blob) { return blob.hidden; }),
+              blobs.end());
+  const auto forgotten = [&](const BlobTrack& track) {
+    return track.track.sightings.back().frame < path.oldest() ||
+           path.newest() - track.track.sightings.back().frame > 2;
+  };
+  tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), forgotten), tracks_.end());
+  std::vector<CandidatePair> candidates;
+  for (std::size_t t = 0; t < tracks_.size(); ++t) {
+    const Eigen::Vector3d expected = expectedPlace(tracks_[t], path, camera_);
+    const double depth = (path.T_cam_world(path.newest()) * expected).z();
+    for (std::size_t b = 0; b < blobs.size(); ++b) {
+      const double off = (placeOf(blobs[b], path, camera_) - expected).norm();
+      const double wider = blobs[b].width_px / std::max(1.0, tracks_[t].blob.width_px);
+      const bool alike = wider > 0.5 && wider < 2.0;
+      if (alike && off < kGate + kGatePerMetre * depth) candidates.push_back({t, b, off});
+    }
+  }
+  std::vector<bool> taken(blobs.size(), false);
+  for (const auto& pair : assignPairs(std::move(candidates))) {
+    extend(tracks_[pair.row], std::move(blobs[pair.column]), path);
+    taken[pair.column] = true;
+  }
+  for (std::size_t b = 0; b < blobs.size(); ++b) {
+    if (taken[b]) continue;
+    BlobTrack track;
+    track.track.id = next_id_++;
+    extend(track, std::move(blobs[b]), path);
+    tracks_.push_back(std::move(track));
+  }
+}
+
+void BlobFollower::extend(BlobTrack& track, UprightBlob blob, const CameraPath& path) const {
+  auto& sightings = track.track.sightings;
+  sightings.push_back({path.newest(), blob.uvd});
+  const auto old = [&](const Sighting& sighting) { return sighting.frame < path.oldest(); };
+  sightings.erase(sightings.begin(), std::find_if_not(sightings.begin(), sightings.end(), old));
+  track.track.motion = fitMotion(sightings, path, camera_, noiseOf(blob), 2.0);
+  track.blob = std::move(blob);
+}
+
+bool BlobFollower::moves(const BlobTrack& track, const Eigen::Vector3d& up,
+                         const VerdictParams& params) const {
+  VerdictParams strict = params;
+  strict.least_sightings = kLeastSightings;
+  strict.most_speed = kFastest;
+  if (verdictOn(track.track, up, strict) != PointVerdict::kMoving) return false;
+  const Eigen::Vector3d& velocity = track.track.motion->velocity;
+  return (velocity - up * up.dot(velocity)).norm() * window_s_ > kLeastWay;
+}
+
+}  // namespace headway::detect

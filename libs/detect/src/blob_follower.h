@@ -1,0 +1,45 @@
+#pragma once
+
+#include <vector>
+
+#include "motion_verdict.h"
+#include "upright_blobs.h"
+
+namespace headway::detect {
+
+/// A blob followed from frame to frame, as if it were a single fat point.
+struct BlobTrack {
+  PointTrack track;  ///< its middles; `motion` fitted in every frame in which it is seen
+  UprightBlob blob;  ///< as seen last
+};
+
+/// Follows things of a person's size as wholes.
+///
+/// People wear what they like: where their clothes show no corners, their outline in the disparity
+/// image still moves. A blob continues the track next to whose expected place it lies; one partly
+/// hidden ends its track, because its middle would move with the edge of what hides it.
+class BlobFollower {
+ public:
+  BlobFollower(const StereoCamera& camera, double window_s)
+      : camera_(camera), window_s_(window_s) {}
+
+  /// Pairs the blobs of a frame with the tracks and fits the motion of each.
+  void follow(std::vector<UprightBlob> blobs, const CameraPath& path);
+
+  /// Whether a track surely moves: enough sightings, and farther than its outline is uncertain.
+  [[nodiscard]] bool moves(const BlobTrack& track, const Eigen::Vector3d& up,
+                           const VerdictParams& params) const;
+
+  [[nodiscard]] std::vector<BlobTrack>& tracks() { return tracks_; }
+  void clear() { tracks_.clear(); }
+
+ private:
+  void extend(BlobTrack& track, UprightBlob blob, const CameraPath& path) const;
+
+  StereoCamera camera_;
+  double window_s_;
+  std::vector<BlobTrack> tracks_;
+  std::int64_t next_id_ = 0;
+};
+
+}  // namespace headway::detect

@@ -1,0 +1,154 @@
+#include "upright_blobs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace headway::detect {
+namespace {
+
+constexpr double kStep = 0.5;        // of disparity between neighbouring cells [px]
+constexpr double kStepShare = 0.02;  // or this share of it
+constexpr double kFoot = 0.25;       // parts lower than this are ground [m]
+constexpr double kHead = 2.4;        // nobody is higher [m]
+constexpr double kLeastTop = 0.9;    // [m]
+constexpr double kMostFloat = 0.9;   // of the lowest part [m]
+constexpr double kLeastWidth = 0.2;  // [m]
+constexpr double kMostWidth = 2.0;   // a cyclist from the side [m]
+constexpr std::size_t kLeastCells = 20;
+constexpr double kNearer = 2.0;       // disparity by which an occluder is nearer [px]
+constexpr double kHiddenRows = 0.25;  // share of rows with something nearer beside them
+
+using Cells = std::vector<ObjectCell>;
+
+// Cells between foot and head, the rest set to 0.
+cv::Mat standing(const DisparityImage& disparity, const StereoCamera& camera,
+                 const GroundPlane& ground, double range_m) {
+  const double fb = camera.fx * camera.baseline_m;
+  const float least = static_cast<float>(fb / range_m);
+  cv::Mat result(disparity.values.size(), CV_32F, cv::Scalar(0));
+  // Height is linear in the pixel and in depth: up . (x/z, y/z, 1) * z + camera height.
+  for (int row = 0; row < result.rows; ++row) {
+    const double y = (disparity.pixelOf(row) - camera.cy) / camera.fy;
+    for (int column = 0; column < result.cols; ++column) {
+      const float d = disparity.values.at<float>(row, column);
+      if (d < least) continue;
+      const double x = (disparity.pixelOf(column) - camera.cx) / camera.fx;
+      const double height = ground.heightOf(Eigen::Vector3d(x, y, 1.0) * (fb / d));
+      if (height > kFoot && height < kHead) result.at<float>(row, column) = d;
+    }
+  }
+  return result;
+}
+
+// Takes the cells connected to one out of the image.
+std::vector<cv::Point> takeConnected(cv::Mat& image, const cv::Point& first,
+                                     std::vector<float>& disparities) {
+  std::vector<cv::Point> places{first};
+  disparities.assign(1, image.at<float>(first));
+  image.at<float>(first) = 0.0F;
+  const cv::Rect inside({0, 0}, image.size());
+  for (std::size_t next = 0; next < places.size(); ++next) {
+    const float d = disparities[next];
+    const double most = std::max(kStep, kStepShare * d);
+    for (const auto& step :
+         {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)}) {
+      const cv::Point place = places[next] + step;
+      if (!inside.contains(place)) continue;
+      const float other = image.at<float>(place);
+      if (other <= 0.0F || std::abs(other - d) > most) continue;
+      image.at<float>(place) = 0.0F;
+      places.push_back(place);
+      disparities.push_back(other);
+    }
+  }
+  return places;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Whether something nearer, or the image's edge, borders the blob on its left or right.
+bool isHidden(const Cells& cells, double blob_disparity, const cv::Rect& box,
+              const DisparityImage& disparity) {
+  if (box.x < 2 || box.br().x > disparity.values.cols - 2) return true;
+  std::vector<int> first(box.height, box.br().x);
+  std::vector<int> last(box.height, box.x);
+  for (const auto& cell : cells) {
+    const int row = cell.place.y - box.y;
+    first[row] = std::min(first[row], cell.place.x);
+    last[row] = std::max(last[row], cell.place.x);
+  }
+  const auto nearerAt = [&](int column, int row) {
+    return column >= 0 && column < disparity.values.cols &&
+           disparity.values.at<float>(row + box.y, column) > blob_disparity + kNearer;
+  };
+  int beside_left = 0;
+  int beside_right = 0;
+  for (int row = 0; row < box.height; ++row) {
+    bool left = false;
+    bool right = false;
+    for (int off = 1; off <= 4; ++off) {
+      left = left || nearerAt(first[row] - off, row);
+      right = right || nearerAt(last[row] + off, row);
+    }
+    beside_left += left ? 1 : 0;
+    beside_right += right ? 1 : 0;
+  }
+  return std::max(beside_left, beside_right) > kHiddenRows * box.height;
+}
+
+std::optional<UprightBlob> blobOf(const std::vector<cv::Point>& places,
+                                  const std::vector<float>& disparities,
+                                  const DisparityImage& disparity, const StereoCamera& camera,
+                                  const GroundPlane& ground) {
+  if (places.size() < kLeastCells) return std::nullopt;
+  const cv::Rect box = cv::boundingRect(places);
+  const double d = median({disparities.begin(), disparities.end()});
+  const double metres_per_px = camera.baseline_m / d;  // z / f
+  const double width = box.width * disparity.reduce * metres_per_px;
+  if (width < kLeastWidth || width > kMostWidth) return std::nullopt;
+  UprightBlob blob;
+  double lowest = kHead;
+  double highest = 0.0;
+  std::vector<double> columns;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const double u = disparity.pixelOf(places[i].x);
+    const double v = disparity.pixelOf(places[i].y);
+    const auto point = triangulate({u, v, disparities[i]}, camera);
+    lowest = std::min(lowest, ground.heightOf(*point));
+    highest = std::max(highest, ground.heightOf(*point));
+    if (places[i].y <= box.y + box.height / 2) columns.push_back(u);
+    blob.cells.push_back({places[i], *point});
+  }
+  // What reaches to the cut at head height goes on above it: a trunk, a pole, a wall.
+  const bool cut = highest > kHead - 0.1;
+  if (cut || highest < kLeastTop || lowest > kMostFloat) return std::nullopt;
+  blob.uvd = {median(columns), disparity.pixelOf(box.y) + 0.5 * box.height * disparity.reduce, d};
+  blob.width_px = box.width * disparity.reduce;
+  blob.hidden = isHidden(blob.cells, d, box, disparity);
+  return blob;
+}
+
+}  // namespace
+
+std::vector<UprightBlob> uprightBlobs(const DisparityImage& disparity, const StereoCamera& camera,
+                                      const GroundPlane& ground, double range_m) {
+  cv::Mat left = standing(disparity, camera, ground, range_m);
+  std::vector<UprightBlob> blobs;
+  std::vector<float> disparities;
+  for (int row = 0; row < left.rows; ++row) {
+    for (int column = 0; column < left.cols; ++column) {
+      if (left.at<float>(row, column) <= 0.0F) continue;
+      const auto places = takeConnected(left, {column, row}, disparities);
+      auto blob = blobOf(places, disparities, disparity, camera, ground);
+      if (blob) blobs.push_back(std::move(*blob));
+    }
+  }
+  return blobs;
+}
+
+}  // namespace headway::detect

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "object_extent.h"
+
+namespace headway::detect {
+
+/// A thing of a person's size that stands on the ground, clear of its surroundings.
+struct UprightBlob {
+  Eigen::Vector3d uvd = Eigen::Vector3d::Zero();  ///< middle of its upper half [px]
+  double width_px = 0.0;                          ///< [px]
+  bool hidden = false;  ///< partly, behind something nearer or by the image's edge
+  std::vector<ObjectCell> cells;
+};
+
+/// Cuts things of a person's size out of a disparity image: connected cells of nearly one
+/// disparity, off the ground, 0.2 to 2 m wide and 0.9 to 2.4 m high.
+///
+/// @param range_m  farther things are left out [m]
+[[nodiscard]] std::vector<UprightBlob> uprightBlobs(const DisparityImage& disparity,
+                                                    const StereoCamera& camera,
+                                                    const GroundPlane& ground, double range_m);
+
+}  // namespace headway::detect
