@@ -96,6 +96,17 @@ TEST_F(MapFileTest, HoldsAnEmptyMapWithoutCamera) {
   EXPECT_TRUE(loaded.attachments.empty());
 }
 
+TEST_F(MapFileTest, KeepsTheStaticGrid) {
+  StoredMap stored = exampleMap(4);
+  auto grid = mrpt::maps::COccupancyGridMap2D::Create(-5.f, 5.f, -5.f, 5.f, 0.5f);
+  grid->setCell(3, 4, 0.1f);
+  stored.map.update(grid);
+  (void)saved(stored);
+  const auto loaded = loadMap(path).map.staticGrid();
+  ASSERT_NE(loaded, nullptr);
+  EXPECT_EQ(loaded->getRawMap(), grid->getRawMap());
+}
+
 TEST_F(MapFileTest, SameContentsGiveTheSameBytes) {
   EXPECT_EQ(saved(exampleMap()), saved(exampleMap()));
   saveMap(path, exampleMap());

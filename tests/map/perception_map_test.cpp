@@ -81,6 +81,22 @@ TEST(PerceptionMapTest, CopiesAreSnapshotsThatLaterUpdatesLeaveAlone) {
   EXPECT_EQ(snapshot.stillWorld()->landmarks.size(), 25u);
 }
 
+TEST(PerceptionMapTest, TakesAStaticGridAsALayer) {
+  PerceptionMap map;
+  EXPECT_EQ(map.staticGrid(), nullptr);
+  auto grid = mrpt::maps::COccupancyGridMap2D::Create(-5.f, 5.f, -5.f, 5.f, 0.5f);
+  map.update(grid);
+  EXPECT_EQ(map.staticGrid(), grid);
+  const PerceptionMap snapshot = map;
+  map.update(exampleStillWorld(5));
+  EXPECT_EQ(map.staticGrid(), grid);
+  auto other = mrpt::maps::COccupancyGridMap2D::Create(-5.f, 5.f, -5.f, 5.f, 0.25f);
+  map.update(other);
+  EXPECT_EQ(map.staticGrid(), other);
+  EXPECT_EQ(map.layers().maps.size(), 3u);
+  EXPECT_EQ(snapshot.staticGrid(), grid);
+}
+
 TEST(PerceptionMapTest, RefusesLayersWithoutLandmarksOrMovingObjects) {
   auto layers = std::make_shared<mrpt::maps::CMultiMetricMap>();
   layers->maps.push_back(mrpt::maps::CSimplePointsMap::Create());

@@ -118,4 +118,16 @@ void PerceptionMap::update(Time time, std::vector<Track> tracks) {
   moving_objects_ = moving;
 }
 
+void PerceptionMap::update(const mrpt::maps::COccupancyGridMap2D::Ptr& static_grid) {
+  ASSERTMSG_(static_grid != nullptr, "a map without a grid keeps the one it has");
+  const auto old_grid = staticGrid();
+  auto layers = std::make_shared<CMultiMetricMap>();
+  layers->genericMapParams = layers_->genericMapParams;
+  for (const auto& layer : layers_->maps) {
+    if (layer.get() != old_grid.get()) layers->maps.push_back(layer);
+  }
+  layers->maps.push_back(static_grid);
+  layers_ = layers;
+}
+
 }  // namespace headway::map

@@ -4,6 +4,7 @@
 #include <headway/map/moving_objects_map.h>
 #include <headway/slam/map_view.h>
 #include <mrpt/maps/CMultiMetricMap.h>
+#include <mrpt/maps/COccupancyGridMap2D.h>
 #include <mrpt/maps/CPointsMap.h>
 
 #include <memory>
@@ -46,9 +47,17 @@ class PerceptionMap {
   /// Replaces what moves.
   void update(Time time, std::vector<Track> tracks);
 
+  /// Replaces the static grid, or adds it as a layer (see buildStaticGrid); never null.
+  void update(const mrpt::maps::COccupancyGridMap2D::Ptr& static_grid);
+
   [[nodiscard]] const mrpt::maps::CMultiMetricMap& layers() const { return *layers_; }
   [[nodiscard]] const mrpt::maps::CPointsMap& landmarks() const { return *landmarks_; }
   [[nodiscard]] const CMovingObjectsMap& movingObjects() const { return *moving_objects_; }
+
+  /// The grid of free and occupied cells; null where the map has no such layer.
+  [[nodiscard]] mrpt::maps::COccupancyGridMap2D::ConstPtr staticGrid() const {
+    return layers_->mapByClass<mrpt::maps::COccupancyGridMap2D>();
+  }
 
   /// Landmarks with ids and grey values, and keyframes; never null.
   [[nodiscard]] const std::shared_ptr<const slam::MapView>& stillWorld() const {
