@@ -42,6 +42,21 @@ void printCalibration(const io::CalibrationReport& report) {
       report.vertical_disparity_px, report.median_disparity_px, report.matches);
 }
 
+/// One line for the log: what was found, what was needed.
+std::string describe(std::size_t frame, const slam::LoopAttempt& loop) {
+  const char* outcome = "closed";
+  if (loop.outcome == slam::LoopOutcome::kNotRecognised) outcome = "not recognised";
+  if (loop.outcome == slam::LoopOutcome::kTooFewInliers) outcome = "refused for too few inliers";
+  if (loop.outcome == slam::LoopOutcome::kTooFarOff) outcome = "refused as too far off";
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "frame %zu: loop to keyframe %lld %s: inliers %d, needed %d; offset %.2f m, "
+                "allowed %.2f m",
+                frame, static_cast<long long>(loop.candidate.value), outcome, loop.inliers,
+                loop.inliers_needed, loop.offset_m, loop.offset_allowed_m);
+  return text;
+}
+
 }  // namespace
 
 Replay::Replay(const Options& options, const pipeline::PerceptionParams& perception_params,
@@ -137,6 +152,10 @@ void Replay::count(const RecordedFrame& frame, const pipeline::PerceptionUpdate&
   summary_.detections_used += update.objects.detections_used;
   for (const auto& [reason, dropped] : update.objects.detections_dropped) {
     summary_.detections_dropped[reason] += dropped;
+  }
+  if (update.camera.loop) {
+    summary_.loops += update.camera.loop->outcome == slam::LoopOutcome::kClosed ? 1 : 0;
+    if (!options_.quiet) std::puts(describe(update.frame, *update.camera.loop).c_str());
   }
   for (const auto& track : update.objects.tracks) {
     if (track.status == TrackStatus::kConfirmed) {

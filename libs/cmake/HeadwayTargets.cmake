@@ -9,7 +9,7 @@ add_library(headway_warnings INTERFACE)
 target_compile_options(headway_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
                                                   -Wno-sign-conversion)
 if(HEADWAY_SANITIZE)
-  add_compile_options(-fsanitize=${HEADWAY_SANITIZE} -fno-omit-frame-pointer -g1
+  add_compile_options(-fsanitize=${HEADWAY_SANITIZE} -fno-omit-frame-pointer
                       -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${HEADWAY_SANITIZE})
 endif()
