@@ -21,12 +21,54 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::Pair;
 
-TEST(MovingObjectTracker, ConfirmsATrackAfterThreeDetections) {
-  Replay replay;
+TEST(MovingObjectTracker, ConfirmsATrackAfterEnoughDetections) {
+  ObjectsParams params;
+  params.lifecycle.confirm_hits = 3;
+  params.lifecycle.confirm_anyway_hits = 3;
+  Replay replay(params);
   EXPECT_EQ(replay.frame({seenCar(10, 0)}).tracks.at(0).status, TrackStatus::kTentative);
   EXPECT_EQ(replay.frame({seenCar(10, 0)}).tracks.at(0).status, TrackStatus::kTentative);
   EXPECT_EQ(replay.frame({seenCar(10, 0)}).tracks.at(0).status, TrackStatus::kConfirmed);
   EXPECT_EQ(replay.used, 3u);
+}
+
+TEST(MovingObjectTracker, ConfirmsByWhatTheScoresAddUpTo) {
+  ObjectsParams params;
+  params.lifecycle.confirm_hits = 2;
+  params.lifecycle.confirm_score = 2.0;
+  params.lifecycle.confirm_anyway_hits = 10;
+  Replay replay(params);
+  Detection sure = seenCar(10, 0);
+  Detection doubtful = seenCar(10, 8);
+  sure.score = 5.0;
+  doubtful.score = 0.3;
+  for (int k = 1; k <= 10; ++k) {
+    replay.frame({sure, doubtful});
+    const std::size_t believed = k < 2 ? 0 : k < 7 ? 1 : 2;  // 7 * 0.3 > 2
+    EXPECT_EQ(confirmed(replay.last).size(), believed) << "frame " << k;
+  }
+}
+
+TEST(MovingObjectTracker, ContinuesTracksWithUnlikelyDetectionsButStartsNone) {
+  ObjectsParams params;
+  params.lifecycle.start_score = 0.5;
+  Replay replay(params);
+  Detection unlikely = seenCar(10, 0);
+  unlikely.score = 0.1;
+  replay.frame({unlikely});
+  EXPECT_THAT(replay.last.tracks, IsEmpty());
+  EXPECT_THAT(replay.dropped, ElementsAre(Pair("low_score", 1u)));
+  for (int k = 0; k < 5; ++k) replay.frame({seenCar(10, 0)});
+  replay.frame({unlikely});
+  EXPECT_EQ(confirmed(replay.last).size(), 1u);
+  EXPECT_EQ(replay.used, 6u);
+}
+
+TEST(MovingObjectTracker, DoesNotShowALostObjectThatLeftTheView) {
+  Replay replay;
+  for (int k = 0; k < 20; ++k) replay.frame({seenCar(14 - 0.7 * k, 3)});  // it passes by
+  replay.frame({});
+  EXPECT_THAT(replay.last.tracks, IsEmpty()) << "beside the robot nobody can see it";
 }
 
 TEST(MovingObjectTracker, ForgetsASingleFalseAlarm) {

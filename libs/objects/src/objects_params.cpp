@@ -105,6 +105,8 @@ void SmoothingParams::describe(Params::Section section) {
               "Turns kinetic energy into a cost beside that of the measurements");
   addPerClass(section, "force_sigma", force_sigma, 0.001, 100.0, "m/s^2",
               "Typical acceleration, as the least-force prior expects it");
+  section.add("force_standing_share", force_standing_share, 0.001, 1.0, "",
+              "Share of that acceleration that an object which stands may show");
   section.add("force_time", force_time_s, 0.001, 100.0, "s",
               "Time over which such an acceleration lasts");
   section.add("outlier_sigma", outlier_sigma, 0.1, 1000.0, "standard deviations",
@@ -123,12 +125,16 @@ void LifecycleParams::describe(Params::Section section) {
               "Detections that a confirmed track must have had");
   section.add("confirm_score", confirm_score, -1e6, 1e6, "detector's scale",
               "What their scores must add up to");
+  section.add("confirm_anyway_hits", confirm_anyway_hits, 1, 1000, "frames",
+              "Detections that confirm a track whatever their scores add up to");
   section.add("start_score", start_score, -1e6, 1e6, "detector's scale",
               "Detections with a lower score continue tracks but start none");
   section.add("score_prior", score_prior, 0.0, 1000.0, "frames",
               "Frames of score 0 that every track's score starts with: short tracks are less sure");
   section.add("coast_share", coast_share, 0.0, 1000.0, "",
               "A track is shown unseen for at most this share of the frames it was seen in");
+  section.add("coast_sigma", coast_sigma_m, 0.0, 100.0, "m",
+              "A track is shown unseen only while its place is known this well");
   section.add("tentative_time", tentative_time_s, 0.0, 100.0, "s",
               "A tentative track unseen for longer ends");
   section.add("coast_time", coast_time_s, 0.0, 100.0, "s",

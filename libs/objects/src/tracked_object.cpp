@@ -48,7 +48,8 @@ void TrackedObject::update(std::size_t frame, Time time, const MeasuredBox& dete
 
 void TrackedObject::confirm() {
   const LifecycleParams& life = params_.lifecycle;
-  confirmed_ = confirmed_ || (hits_ >= life.confirm_hits && score_sum_ >= life.confirm_score);
+  const bool sure = hits_ >= life.confirm_hits && score_sum_ >= life.confirm_score;
+  confirmed_ = confirmed_ || sure || hits_ >= life.confirm_anyway_hits;
 }
 
 // Moving: filtered. Standing: the mean of the first measurements, and then left alone.
@@ -79,7 +80,7 @@ void TrackedObject::voteClass(const MeasuredBox& detection) {
 
 void TrackedObject::refine(Time time, const TrajectorySmoother& smoother) {
   constexpr double kSpeedWindow_s = 1.0;
-  smoother.refine(trajectory_, filter_, group());
+  smoother.refine(trajectory_, filter_, group(), verdict_.standing());
   const double window = std::min(kSpeedWindow_s, spanOf(trajectory_.path));
   if (window <= 0.0) return;
   const double speed = recentVelocity(trajectory_.path, window).norm();
@@ -108,7 +109,7 @@ bool TrackedObject::shown(Time time) const {
   const LifecycleParams& life = params_.lifecycle;
   if (seenAt(time) || !confirmed_) return true;
   return time - last_seen_ <= life.coast_time_s + kFrameJitter_s &&
-         misses_ <= life.coast_share * hits_;
+         misses_ <= life.coast_share * hits_ && filter_.placeSigma() <= life.coast_sigma_m;
 }
 
 Eigen::Vector3d TrackedObject::positionAt(Time time) const {
@@ -118,7 +119,7 @@ Eigen::Vector3d TrackedObject::positionAt(Time time) const {
 void TrackedObject::historyAt(std::size_t frame, Time time, MotionHistory& history) const {
   history.object_class = object_class_;
   history.path = trajectory_.path;
-  history.position_sigma_m = std::sqrt(0.5 * filter_.positionCovariance().trace());
+  history.position_sigma_m = filter_.placeSigma();
   if (!seenAt(time)) history.path.push_back({frame, time, filter_.position(), filter_.yaw()});
 }
 

@@ -24,12 +24,12 @@ std::vector<TrajectoryPoint> Trajectory::settle(std::size_t window) {
 }
 
 void TrajectorySmoother::refine(Trajectory& trajectory, const KalmanFilter& filter,
-                                MotionGroup group) const {
+                                MotionGroup group, bool standing) const {
   if (params_.gaussian_smoothing) blurNewest(trajectory, filter.velocity());
   if (trajectory.length < static_cast<std::size_t>(params_.grown_length)) {
     blendYoung(trajectory, filter);
   } else {
-    optimizeGrown(trajectory, group);
+    optimizeGrown(trajectory, stiffnessOf(group, standing));
   }
 }
 
@@ -41,11 +41,12 @@ void TrajectorySmoother::blendYoung(Trajectory& trajectory, const KalmanFilter& 
   trajectory.path.back().position = (w_k * filter.position() + w_n * average) / (w_k + w_n);
 }
 
-void TrajectorySmoother::optimizeGrown(Trajectory& trajectory, MotionGroup group) const {
+void TrajectorySmoother::optimizeGrown(Trajectory& trajectory,
+                                       const PriorStiffness& stiffness) const {
   std::vector<Eigen::Vector3d> places;
   places.reserve(trajectory.path.size());
   for (const TrajectoryPoint& point : trajectory.path) places.push_back(point.position);
-  MotionPriorProblem problem(trajectory.measurements, stiffnessOf(group));
+  MotionPriorProblem problem(trajectory.measurements, stiffness);
   problem.refine(places, params_.max_iterations, params_.settled_m);
   for (std::size_t j = 0; j < places.size(); ++j) trajectory.path[j].position = places[j];
 }
@@ -55,14 +56,15 @@ void TrajectorySmoother::blurNewest(Trajectory& trajectory, const Eigen::Vector3
       gaussianAverage(trajectory.measurements, params_.gaussian_sigma_s, velocity);
 }
 
-PriorStiffness TrajectorySmoother::stiffnessOf(MotionGroup group) const {
+PriorStiffness TrajectorySmoother::stiffnessOf(MotionGroup group, bool standing) const {
   PriorStiffness stiffness;
   stiffness.kind = params_.motion_prior;
   stiffness.outlier_sigma = params_.outlier_sigma;
   if (params_.motion_prior == MotionPriorKind::kLeastKinetic) {
     stiffness.weight = params_.kinetic_scale * params_.kinetic_weight.of(group);
   } else {
-    const double sigma = params_.force_sigma.of(group);
+    const double share = standing ? params_.force_standing_share : 1.0;
+    const double sigma = share * params_.force_sigma.of(group);
     stiffness.weight = 1.0 / (sigma * sigma * params_.force_time_s);
   }
   return stiffness;

@@ -31,16 +31,19 @@ class TrajectorySmoother {
   explicit TrajectorySmoother(const SmoothingParams& params) : params_(params) {}
 
   /// Updates the path after a place was appended; line 5 to 11 of Algorithm 1.
-  void refine(Trajectory& trajectory, const KalmanFilter& filter, MotionGroup group) const;
+  ///
+  /// @param standing  the object is known to stand: its path is held together more tightly
+  void refine(Trajectory& trajectory, const KalmanFilter& filter, MotionGroup group,
+              bool standing) const;
 
  private:
   /// The newest place: filter and n-point moving average, weighted (Sec. III-C2, Initialization).
   void blendYoung(Trajectory& trajectory, const KalmanFilter& filter) const;
   /// The whole window: motion prior and measurements (Sec. III-C1).
-  void optimizeGrown(Trajectory& trajectory, MotionGroup group) const;
+  void optimizeGrown(Trajectory& trajectory, const PriorStiffness& stiffness) const;
   /// The newest measured place, blurred over its predecessors (Sec. III-C3, G(P)).
   void blurNewest(Trajectory& trajectory, const Eigen::Vector3d& velocity) const;
-  [[nodiscard]] PriorStiffness stiffnessOf(MotionGroup group) const;
+  [[nodiscard]] PriorStiffness stiffnessOf(MotionGroup group, bool standing) const;
 
   SmoothingParams params_;
 };

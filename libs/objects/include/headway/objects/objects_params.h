@@ -13,7 +13,7 @@ struct ConsistencyParams {
   bool track_unknown = true;         ///< track detections of unknown class too
   double gate_sigma = 4.0;           ///< radius of the gate, in standard deviations [-]
   double new_object_density = 0.01;  ///< new objects and false alarms in a place [1/m^2]
-  double gate_blur_m = 0.2;          ///< added to the spread of every expected place [m]
+  double gate_blur_m = 0.3;          ///< added to the spread of every expected place [m]
   double gate_max_m = 8.0;           ///< largest radius of the gate [m]
   double duplicate_distance =
       0.35;  ///< centres nearer than this share of the width: one object [-]
@@ -26,7 +26,7 @@ struct ConsistencyParams {
 
 /// How objects move and how well they are measured (Sec. III-C2).
 struct FilterParams {
-  PerClass<double> acceleration_sigma = {2.0, 1.5, 0.6};    ///< manoeuvres [m/s^2]
+  PerClass<double> acceleration_sigma = {1.2, 0.8, 0.5};    ///< manoeuvres [m/s^2]
   PerClass<double> initial_speed_sigma = {10.0, 5.0, 1.5};  ///< of a new object [m/s]
   double standing_share = 0.3;           ///< of the acceleration, for an object that stands [-]
   double acceleration_time_s = 1.0;      ///< correlation time of an acceleration [s]
@@ -80,6 +80,7 @@ struct SmoothingParams {
   PerClass<double> kinetic_weight = {1900.0, 500.0, 80.0};  ///< r, as the paper sets it [kg]
   double kinetic_scale = 1e-3;  ///< from r to a weight against measurements [1/J]
   PerClass<double> force_sigma = {1.5, 1.2, 0.8};  ///< typical acceleration [m/s^2]
+  double force_standing_share = 0.2;               ///< of that, for an object that stands [-]
   double force_time_s = 0.3;        ///< time over which such an acceleration lasts [s]
   double outlier_sigma = 3.0;       ///< residual beyond which a place counts less (Huber) [-]
   bool gaussian_smoothing = false;  ///< blur each new place over its predecessors, as in the paper
@@ -93,10 +94,12 @@ struct SmoothingParams {
 /// Birth, life and end of tracks.
 struct LifecycleParams {
   int confirm_hits = 2;            ///< detections that a confirmed track must have had
-  double confirm_score = 2.5;      ///< and what their scores must add up to [detector's scale]
+  double confirm_score = 1.0;      ///< and what their scores must add up to [detector's scale]
+  int confirm_anyway_hits = 6;     ///< detections that confirm a track whatever they scored
   double start_score = -0.3;       ///< less sure detections start no track [detector's scale]
   double score_prior = 5.0;        ///< frames of score 0 that every track starts with
   double coast_share = 1.0;        ///< frames unseen that each frame seen allows [-]
+  double coast_sigma_m = 0.45;      ///< and only while its place is known this well [m]
   double tentative_time_s = 0.35;  ///< a tentative track unseen for longer ends [s]
   double coast_time_s = 0.3;       ///< a confirmed track unseen for longer is no longer shown [s]
   double retrack_time_s = 1.5;     ///< and unseen for longer than this it ends for good [s]

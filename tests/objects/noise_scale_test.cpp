@@ -1,0 +1,50 @@
+#include "noise_scale.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace headway::objects {
+namespace {
+
+// The scale learnt from detections `factor` times as noisy as they say.
+double learntFrom(double factor, double adaption) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise;
+  NoiseScale scale(adaption);
+  ExpectedPlace expected;
+  expected.covariance = 1e-6 * Eigen::Matrix2d::Identity();
+  for (int k = 0; k < 4000; ++k) {
+    MeasuredBox box;
+    box.covariance = 0.04 * Eigen::Matrix2d::Identity();
+    box.position = 0.2 * factor * Eigen::Vector3d(noise(random), noise(random), 0.0);
+    scale.learn(expected, scale.scaled(box));
+  }
+  return scale.value();
+}
+
+TEST(NoiseScale, FindsHowNoisyADetectorIs) {
+  EXPECT_NEAR(learntFrom(1.0, 0.005), 1.0, 0.15);
+  EXPECT_NEAR(learntFrom(2.5, 0.005), 2.5, 0.4);
+}
+
+TEST(NoiseScale, StaysAsConfiguredWithoutAdaption) { EXPECT_EQ(learntFrom(3.0, 0.0), 1.0); }
+
+TEST(NoiseScale, IsBoundedBothWays) {
+  EXPECT_GE(learntFrom(0.0, 0.02), 0.5);
+  EXPECT_LE(learntFrom(100.0, 0.02), 4.0);
+}
+
+TEST(NoiseScale, ScalesStandardDeviations) {
+  NoiseScale scale(0.5);
+  MeasuredBox far;
+  far.position = {100.0, 0.0, 0.0};
+  scale.learn(ExpectedPlace(), far);
+  const MeasuredBox box = scale.scaled(MeasuredBox());
+  EXPECT_GT(scale.value(), 1.0);
+  EXPECT_DOUBLE_EQ(box.covariance(0, 0), scale.value() * scale.value());
+  EXPECT_DOUBLE_EQ(box.vertical_variance, scale.value() * scale.value());
+}
+
+}  // namespace
+}  // namespace headway::objects
