@@ -123,6 +123,30 @@ Route makeLoop(const RouteParams& params, double hill_height) {
   return route;
 }
 
+/// Takes the jitter out of the heights: mean over some metres before and behind.
+void smoothHeights(std::vector<Eigen::Vector3d>& points) {
+  std::vector<double> heights;
+  for (const auto& point : points) heights.push_back(point.z());
+  constexpr int kReach = 12;  // [m], as points stand about a metre apart
+  heights = eased(eased(heights, kReach), kReach);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].z() = heights[i];
+}
+
+/// Where a path comes by an earlier place, the ground is at the height that it had then.
+void levelRevisits(std::vector<Eigen::Vector3d>& points) {
+  constexpr std::size_t kLater = 40;
+  constexpr double kSamePlace = 7.0;  // [m]
+  for (std::size_t i = kLater; i < points.size(); ++i) {
+    double nearest = kSamePlace * kSamePlace;
+    for (std::size_t k = 0; k + kLater < i; ++k) {
+      const double distance = (points[i] - points[k]).head<2>().squaredNorm();
+      if (distance >= nearest) continue;
+      nearest = distance;
+      points[i].z() = points[k].z();
+    }
+  }
+}
+
 /// Robot positions of a KITTI path, where it moved by at least a metre, smoothed.
 std::vector<Eigen::Vector3d> readKittiPath(const std::string& file) {
   std::vector<Eigen::Vector3d> raw;
@@ -138,6 +162,9 @@ std::vector<Eigen::Vector3d> readKittiPath(const std::string& file) {
     }
     smooth = raw;
   }
+  smoothHeights(smooth);
+  levelRevisits(smooth);
+  smoothHeights(smooth);
   return smooth;
 }
 

@@ -3,9 +3,11 @@
 #include <mrpt/opengl/CFBORender.h>
 #include <mrpt/opengl/COpenGLScene.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "furniture.h"
 #include "ground_texture.h"
@@ -19,6 +21,7 @@ namespace headway::sim {
 namespace {
 
 constexpr float kNear = 0.3F, kFar = 320.0F;  // [m]
+constexpr std::size_t kMostSurfaces = 170;    // MRPT has 192 textures, a few are shared ones
 constexpr float kSkyRadius = 300.0F;
 constexpr double kMeadowCell = 16.0;  // one picture of the meadow [m]
 
@@ -71,6 +74,8 @@ class StereoRig::Scene {
   using ObjectPtr = TexturedObject::Ptr;
 
   ObjectPtr add(const cv::Mat& picture);
+  /// Hides all surfaces, and gives up those out of view where textures grow scarce.
+  void forgetHidden(const std::vector<StretchKey>& visible);
   void showStretches(const std::vector<StretchKey>& visible);
   void rebuildShared(const std::vector<StretchKey>& visible);
   void placeAll(const Eigen::Vector3d& origin);
@@ -80,7 +85,7 @@ class StereoRig::Scene {
   mrpt::opengl::COpenGLScene scene_;
   mrpt::opengl::CFBORender renderer_;
   std::map<StretchKey, std::vector<ObjectPtr>> surfaces_;
-  std::vector<StretchKey> shown_;
+  std::set<StretchKey> shown_;
   ObjectPtr sky_, plain_, verges_, furniture_, movers_, shadows_;
   Eigen::Vector3d shared_anchor_ = Eigen::Vector3d::Zero();
   std::optional<Eigen::Vector2i> plain_cell_;
@@ -115,21 +120,37 @@ StereoRig::Scene::ObjectPtr StereoRig::Scene::add(const cv::Mat& picture) {
   return object;
 }
 
-void StereoRig::Scene::showStretches(const std::vector<StretchKey>& visible) {
-  for (auto it = surfaces_.begin(); it != surfaces_.end();) {
-    if (world_.built().count(it->first) != 0) {
-      for (auto& object : it->second) object->setVisibility(false);
-      ++it;
-      continue;
+void StereoRig::Scene::forgetHidden(const std::vector<StretchKey>& visible) {
+  std::vector<StretchKey> hidden;
+  std::size_t count = 0;
+  for (auto& [key, objects] : surfaces_) {
+    for (auto& object : objects) object->setVisibility(false);
+    count += objects.size();
+    if (std::find_if(visible.begin(), visible.end(), [k = key](const StretchKey& other) {
+          return !(other < k) && !(k < other);
+        }) == visible.end()) {
+      hidden.push_back(key);
     }
-    for (auto& object : it->second) scene_.removeObject(object);
-    it = surfaces_.erase(it);
   }
+  for (const StretchKey& key : hidden) {
+    if (world_.built().count(key) != 0 && count <= kMostSurfaces / 2) continue;
+    count -= surfaces_.at(key).size();
+    for (auto& object : surfaces_.at(key)) scene_.removeObject(object);
+    surfaces_.erase(key);
+  }
+}
+
+void StereoRig::Scene::showStretches(const std::vector<StretchKey>& visible) {
+  forgetHidden(visible);
+  std::size_t shown = 0;
   for (const StretchKey& key : visible) {
+    const StreetStretch& stretch = world_.stretch(key);
+    shown += stretch.surfaces.size();
+    if (shown > kMostSurfaces) break;
     auto known = surfaces_.find(key);
     if (known == surfaces_.end()) {
       std::vector<ObjectPtr> objects;
-      for (const Surface& surface : world_.stretch(key).surfaces) {
+      for (const Surface& surface : stretch.surfaces) {
         objects.push_back(add(surface.picture));
         objects.back()->setMesh(surface.mesh);
       }
@@ -187,12 +208,14 @@ void StereoRig::Scene::arrange(const Pose& T_world_robot, const std::vector<Move
   const Eigen::Vector3d eye = (T_world_robot * camera_.T_robot_cam).translation();
   const auto visible = world_.inView(eye, yawOf(T_world_robot), half_view);
   showStretches(visible);
+  const std::set<StretchKey> now(visible.begin(), visible.end());
+  const auto same_key = [](const StretchKey& a, const StretchKey& b) {
+    return !(a < b) && !(b < a);
+  };
   const bool same =
-      visible.size() == shown_.size() &&
-      std::equal(visible.begin(), visible.end(), shown_.begin(),
-                 [](const StretchKey& a, const StretchKey& b) { return !(a < b) && !(b < a); });
+      now.size() == shown_.size() && std::equal(now.begin(), now.end(), shown_.begin(), same_key);
   if (!same && !visible.empty()) rebuildShared(visible);
-  shown_ = visible;
+  shown_ = now;
   Mesh bodies, shadows;
   for (const Mover& mover : movers) {
     bodies.append(moverMesh(mover, origin));

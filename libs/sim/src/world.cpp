@@ -1,5 +1,6 @@
 #include "world.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace headway::sim {
@@ -46,6 +47,10 @@ std::vector<StretchKey> World::inView(const Eigen::Vector3d& eye, double heading
     const double margin = distance > kReach ? std::asin(kReach / distance) : M_PI;
     if (off_axis < half_view + margin) visible.push_back(key);
   }
+  std::sort(visible.begin(), visible.end(), [&](const StretchKey& a, const StretchKey& b) {
+    const double to_a = (builder_.middle(a) - eye).norm(), to_b = (builder_.middle(b) - eye).norm();
+    return to_a != to_b ? to_a < to_b : a < b;
+  });
   for (const StretchKey& key : visible) {
     if (built_.count(key) == 0) built_.emplace(key, builder_.build(key));
   }

@@ -20,7 +20,7 @@ class World {
   [[nodiscard]] const RoadNetwork& network() const { return network_; }
   [[nodiscard]] const WorldParams& params() const { return params_; }
 
-  /// Stretches within view of a camera, in a fixed order; builds what is missing.
+  /// Stretches within view of a camera, the nearest first; builds what is missing.
   ///
   /// @param heading    viewing direction about world z [rad]
   /// @param half_view  half the horizontal field of view [rad]
