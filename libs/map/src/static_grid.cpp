@@ -63,12 +63,15 @@ double coarseEnough(double resolution, const Eigen::AlignedBox2d& bounds) {
 }
 
 /// Where the robot went from one keyframe to the next, nothing stands.
-void addDriven(const slam::KeyframeView* before, const slam::KeyframeView& keyframe,
-               SightLines& lines) {
-  if (before == nullptr) return;
-  const Eigen::Vector2d from = before->T_map_robot.translation().head<2>();
-  const Eigen::Vector2d to = keyframe.T_map_robot.translation().head<2>();
-  if ((to - from).norm() < kDrivenM) lines.free(from, to);
+void addDriven(const std::vector<slam::KeyframeView>& keyframes, SightLines& lines) {
+  for (std::size_t i = 1; i < keyframes.size(); ++i) {
+    Eigen::Vector2d from = keyframes[i - 1].T_map_robot.translation().head<2>();
+    Eigen::Vector2d to = keyframes[i].T_map_robot.translation().head<2>();
+    if ((to - from).norm() > kDrivenM) continue;
+    if (std::make_pair(to.x(), to.y()) < std::make_pair(from.x(), from.y())) from.swap(to);
+    lines.beginKeyframe();
+    lines.free(from, to);
+  }
 }
 
 }  // namespace
@@ -112,11 +115,9 @@ mrpt::maps::COccupancyGridMap2D::Ptr buildStaticGrid(const slam::MapView& still_
   const auto positions = usedLandmarks(still_world, params.min_observations);
   const auto bounds = boundsOf(still_world, positions, camera, params.reach_m);
   SightLines lines(bounds, coarseEnough(params.resolution_m, bounds));
-  const slam::KeyframeView* before = nullptr;
+  addDriven(still_world.keyframes, lines);
   for (const auto& keyframe : still_world.keyframes) {
     lines.beginKeyframe();
-    addDriven(before, keyframe, lines);
-    before = &keyframe;
     forEachSight(keyframe, positions, camera, params.reach_m,
                  [&](const Eigen::Vector3d& eye, const Eigen::Vector3d& landmark,
                      const Eigen::Vector3d& in_robot) {
