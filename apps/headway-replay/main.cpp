@@ -10,9 +10,9 @@ using headway::program::CommandLine;
 int main(int argc, char** argv) {
   return headway::program::run("headway-replay", [&] {
     headway::replay::Options options;
-    headway::pipeline::PerceptionParams perception;
+    headway::replay::ReplayParams replay_params;
     headway::Params params;
-    perception.describe(params);
+    replay_params.describe(params);
 
     CommandLine line("headway-replay",
                      "Replays a stereo rawlog: localises the camera, maps the still world, tracks "
@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
     headway::replay::check(options);
 
     headway::program::catchInterrupts();
-    headway::replay::Replay replay(options, perception, params);
+    headway::replay::Replay replay(options, replay_params, params);
     replay.run();
     if (!options.quiet) {
       headway::replay::printSummary(replay.summary());

@@ -5,6 +5,7 @@
 #include <headway/io/track_file.h>
 #include <headway/map/map_export.h>
 #include <headway/map/map_file.h>
+#include <headway/map/static_grid.h>
 #include <headway/program/progress.h>
 #include <headway/report/report.h>
 
@@ -59,14 +60,14 @@ std::string describe(std::size_t frame, const slam::LoopAttempt& loop) {
 
 }  // namespace
 
-Replay::Replay(const Options& options, const pipeline::PerceptionParams& perception_params,
-               const Params& params)
+Replay::Replay(const Options& options, const ReplayParams& replay_params, const Params& params)
     : options_(options),
+      grid_params_(replay_params.grid),
       configuration_(textOf(params)),
-      source_(options.input, sourceOptions(options, perception_params.slam)),
+      source_(options.input, sourceOptions(options, replay_params.perception.slam)),
       camera_(source_.camera()),
       folder_(prepareOutputFolder(options.output, options.overwrite)),
-      perception_(camera_, perception_params),
+      perception_(camera_, replay_params.perception),
       writers_(folder_, camera_),
       snapshots_(folder_, options.snapshots, [this](const std::string& text) { warn(text); }) {
   if (!options.detections.empty()) {
@@ -222,7 +223,13 @@ void Replay::writeMap(const std::vector<slam::FrameEstimate>& trajectory) {
   map::StoredMap stored;
   stored.map = perception_.map();
   stored.configuration = configuration_;
-  if (camera_ != nullptr) stored.camera = *camera_;
+  if (camera_ != nullptr) {
+    stored.camera = *camera_;
+    if (const auto grid = map::buildStaticGrid(*stored.map.stillWorld(), *camera_, {})) {
+      stored.map.update(grid);
+      map::writeStaticGrid(folder_ / "map_grid", *grid);
+    }
+  }
   map::saveMap(folder_ / "map.headway", stored);
   map::writeSimpleMap(folder_ / "map.simplemap", *stored.map.stillWorld());
   map::writePly(folder_ / "map_points.ply", *stored.map.stillWorld());
