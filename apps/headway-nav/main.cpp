@@ -1,0 +1,147 @@
+#include <headway/core/error.h>
+#include <headway/program/command_line.h>
+#include <headway/program/progress.h>
+
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "policy_figures.h"
+#include "recording.h"
+
+namespace headway::app {
+namespace {
+
+struct Options {
+  int trials = 200;
+  std::string policy = "all";
+  int seed = 1;
+  std::string json;
+  std::string video;
+  std::string filmed = "1";
+  bool overwrite = false;
+  bool quiet = false;
+};
+
+std::vector<nav::ObstaclePolicy> chosenPolicies(const std::string& name) {
+  std::vector<nav::ObstaclePolicy> chosen;
+  for (const auto& [spelling, policy] : nav::obstaclePolicies()) {
+    if (name == "all" || name == spelling) chosen.push_back(policy);
+  }
+  if (chosen.empty()) {
+    throw program::UsageError("--policy: '" + name + "' is none of static, sweep, time_gated, all");
+  }
+  return chosen;
+}
+
+/// Numbers of the trials to be filmed, from 1.
+std::set<int> filmedTrials(const std::string& list) {
+  std::set<int> trials;
+  std::istringstream words(list);
+  for (std::string word; std::getline(words, word, ',');) {
+    char* end = nullptr;
+    const long trial = std::strtol(word.c_str(), &end, 10);
+    if (word.empty() || *end != '\0' || trial < 1) {
+      throw program::UsageError("--film: '" + word + "' is not the number of a trial");
+    }
+    trials.insert(static_cast<int>(trial));
+  }
+  return trials;
+}
+
+/// Refuses before the work what would be refused after it.
+void requireWritable(const Options& options) {
+  if (!options.json.empty()) program::requireWritable(options.json, options.overwrite);
+  if (options.video.empty()) return;
+  for (const int trial : filmedTrials(options.filmed)) {
+    const auto name = recordingName(options.video, options.seed + trial - 1);
+    program::requireWritable(name + ".png", options.overwrite);
+    program::requireWritable(name + ".mp4", options.overwrite);
+  }
+}
+
+void writeJson(const std::string& path, const std::vector<PolicyFigures>& figures) {
+  std::ofstream file(path);
+  file << toJson(figures).dump(2) << std::endl;
+  if (!file) throw InputError(path + ": cannot be written; is the folder there?");
+}
+
+int runAll(const Options& options, TrialSetup setup) {
+  const auto chosen = chosenPolicies(options.policy);
+  std::vector<PolicyTrials> policies;
+  std::vector<std::unique_ptr<TrialRunner>> runners;
+  for (const auto policy : chosen) {
+    policies.push_back({policy, {}});
+    setup.nav.policy = policy;
+    runners.push_back(std::make_unique<TrialRunner>(setup));
+  }
+  const auto filmed = filmedTrials(options.filmed);
+  std::vector<std::string> written;
+  program::catchInterrupts();
+  program::Progress progress("trials", options.quiet);
+  for (int i = 0; i < options.trials && !program::interrupted(); ++i) {
+    const auto seed = static_cast<std::uint64_t>(options.seed + i);
+    const bool film = !options.video.empty() && filmed.count(i + 1) > 0;
+    std::vector<TrialRecord> records;
+    for (std::size_t p = 0; p < policies.size(); ++p) {
+      PolicyTrials& policy = policies[p];
+      TrialRecord record;
+      TrialObserver observer;
+      if (film) observer = [&](const TrialMoment& moment) { record.moments.push_back(moment); };
+      record.result = runners[p]->run(seed, observer);
+      record.policy = nameOf(policy.policy);
+      policy.trials.push_back(record.result);
+      if (film) records.push_back(std::move(record));
+    }
+    if (film) {
+      for (const auto& file :
+           writeRecording(records, setup.world.robot, options.seed + i, options.video)) {
+        written.push_back(file);
+      }
+    }
+    progress.update(static_cast<std::size_t>(i + 1), (i + 1.0) / options.trials);
+  }
+  progress.finish();
+  const auto figures = figuresOf(policies);
+  if (!options.quiet) print(std::cout, figures);
+  if (!options.quiet) {
+    for (const auto& file : written) std::cout << "wrote " << file << '\n';
+  }
+  if (!options.json.empty()) writeJson(options.json, figures);
+  return program::kDone;
+}
+
+}  // namespace
+}  // namespace headway::app
+
+int main(int argc, char** argv) {
+  using namespace headway;
+  return program::run("headway-nav", [&] {
+    app::Options options;
+    app::TrialSetup setup;
+    Params params;
+    setup.world.describe(params);
+    setup.nav.describe(params.section("nav"));
+    setup.objects.describe(params.section("objects"));
+    program::CommandLine line("headway-nav", "Drives a simulated robot among people.");
+    line.option(options.trials, 0, "trials", "N", "Number of trials");
+    line.option(options.policy, 0, "policy", "NAME|all", "static, sweep, time_gated or all");
+    line.option(options.seed, 0, "seed", "S", "Of the first trial; each next one has one more");
+    line.option(options.json, 0, "json", "FILE", "Write the figures as JSON");
+    line.option(options.video, 0, "video", "DIR", "Write videos and top views of filmed trials");
+    line.option(options.filmed, 0, "film", "N,N,...", "Trials to be filmed, from 1; default 1");
+    line.flag(options.overwrite, 'w', "overwrite", "Overwrite files that exist");
+    line.parameters(params);
+    if (!line.parse(argc, argv)) return program::kDone;
+    options.quiet = line.quiet();
+    if (options.trials < 1) throw program::UsageError("--trials: there must be one at least");
+    if (options.seed < 0) throw program::UsageError("--seed: must not be negative");
+    app::requireWritable(options);
+    // The gate must know the robot that drives.
+    setup.nav.robot.radius_m = setup.world.robot.radius();
+    setup.nav.robot.top_speed = setup.world.robot.top_speed;
+    return app::runAll(options, setup);
+  });
+}

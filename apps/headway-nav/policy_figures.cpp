@@ -1,0 +1,105 @@
+#include "policy_figures.h"
+
+#include <algorithm>
+#include <iomanip>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+namespace headway::app {
+namespace {
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Which trials all policies finish.
+std::vector<bool> finishedByAll(const std::vector<PolicyTrials>& policies) {
+  std::vector<bool> finished;
+  for (const auto& policy : policies) {
+    finished.resize(std::max(finished.size(), policy.trials.size()), true);
+    for (std::size_t i = 0; i < policy.trials.size(); ++i) {
+      if (!policy.trials[i].goal_reached) finished[i] = false;
+    }
+  }
+  return finished;
+}
+
+PolicyFigures figuresOf(const PolicyTrials& policy, const std::vector<bool>& finished) {
+  PolicyFigures figures;
+  figures.policy = nameOf(policy.policy);
+  figures.trials = policy.trials.size();
+  std::size_t timed = 0;
+  std::vector<double> steps, senses;
+  for (std::size_t i = 0; i < policy.trials.size(); ++i) {
+    const TrialResult& trial = policy.trials[i];
+    if (trial.collided) ++figures.collisions;
+    if (trial.walked_into && !trial.collided) ++figures.walked_into;
+    if (trial.pillar_touched) ++figures.pillars_touched;
+    if (trial.goal_reached) ++figures.goals_reached;
+    figures.unsafe_steps += trial.unsafe_steps;
+    figures.mean_min_distance_m += trial.min_distance_m / static_cast<double>(figures.trials);
+    steps.insert(steps.end(), trial.step_us.begin(), trial.step_us.end());
+    senses.insert(senses.end(), trial.sense_us.begin(), trial.sense_us.end());
+    if (!finished[i]) continue;
+    figures.mean_time_to_goal_s += trial.time_to_goal_s;
+    ++timed;
+  }
+  if (timed > 0) figures.mean_time_to_goal_s /= static_cast<double>(timed);
+  figures.step_us_median = median(std::move(steps));
+  figures.sense_us_median = median(std::move(senses));
+  return figures;
+}
+
+}  // namespace
+
+std::string nameOf(nav::ObstaclePolicy policy) {
+  for (const auto& [name, value] : nav::obstaclePolicies()) {
+    if (value == policy) return name;
+  }
+  return "unknown";
+}
+
+std::vector<PolicyFigures> figuresOf(const std::vector<PolicyTrials>& policies) {
+  const auto finished = finishedByAll(policies);
+  std::vector<PolicyFigures> figures;
+  for (const auto& policy : policies) figures.push_back(figuresOf(policy, finished));
+  return figures;
+}
+
+nlohmann::ordered_json toJson(const std::vector<PolicyFigures>& figures) {
+  nlohmann::ordered_json json;
+  for (const auto& row : figures) {
+    json[row.policy] = {{"trials", row.trials},
+                        {"collisions", row.collisions},
+                        {"walked_into", row.walked_into},
+                        {"pillars_touched", row.pillars_touched},
+                        {"goals_reached", row.goals_reached},
+                        {"unsafe_steps", row.unsafe_steps},
+                        {"mean_time_to_goal_s", row.mean_time_to_goal_s},
+                        {"mean_min_distance_m", row.mean_min_distance_m},
+                        {"step_us_median", row.step_us_median},
+                        {"sense_us_median", row.sense_us_median}};
+  }
+  return json;
+}
+
+void print(std::ostream& out, const std::vector<PolicyFigures>& figures) {
+  out << "| policy     | trials | collisions | walked into | goals | time to goal | min distance |"
+         " step   | of it sensing |\n"
+         "| ---------- | -----: | ---------: | ----------: | ----: | -----------: | -----------: |"
+         " -----: | ------------: |\n";
+  for (const auto& row : figures) {
+    out << "| " << std::left << std::setw(10) << row.policy << std::right << " | " << std::setw(6)
+        << row.trials << " | " << std::setw(10) << row.collisions << " | " << std::setw(11)
+        << row.walked_into << " | " << std::setw(5) << row.goals_reached << " | " << std::fixed
+        << std::setprecision(2) << std::setw(10) << row.mean_time_to_goal_s << " s | "
+        << std::setw(10) << row.mean_min_distance_m << " m | " << std::setprecision(0)
+        << std::setw(3) << row.step_us_median << " us | " << std::setw(10) << row.sense_us_median
+        << " us |\n";
+  }
+}
+
+}  // namespace headway::app

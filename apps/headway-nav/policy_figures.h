@@ -1,0 +1,45 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "trial.h"
+
+namespace headway::app {
+
+/// The trials of one policy, in order of their seeds.
+struct PolicyTrials {
+  nav::ObstaclePolicy policy = nav::ObstaclePolicy::kStatic;
+  std::vector<TrialResult> trials;
+};
+
+/// What they say together.
+struct PolicyFigures {
+  std::string policy;
+  std::size_t trials = 0;
+  std::size_t collisions = 0;       ///< trials in which a body and the moving robot overlapped
+  std::size_t walked_into = 0;      ///< others in which somebody walked into the standing robot
+  std::size_t pillars_touched = 0;  ///< trials
+  std::size_t goals_reached = 0;
+  std::size_t unsafe_steps = 0;
+  double mean_time_to_goal_s = 0.0;  ///< of the trials that all policies finish
+  double mean_min_distance_m = 0.0;
+  double step_us_median = 0.0;
+  double sense_us_median = 0.0;
+};
+
+/// A policy as command lines spell it.
+[[nodiscard]] std::string nameOf(nav::ObstaclePolicy policy);
+
+/// One row a policy.
+[[nodiscard]] std::vector<PolicyFigures> figuresOf(const std::vector<PolicyTrials>& policies);
+
+/// Policy -> figures, under the keys that scripts rely on.
+[[nodiscard]] nlohmann::ordered_json toJson(const std::vector<PolicyFigures>& figures);
+
+/// A table for people.
+void print(std::ostream& out, const std::vector<PolicyFigures>& figures);
+
+}  // namespace headway::app

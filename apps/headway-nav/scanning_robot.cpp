@@ -1,0 +1,54 @@
+#include "scanning_robot.h"
+
+#include <mrpt/core/Clock.h>
+#include <time.h>
+
+#include <cmath>
+
+namespace headway::app {
+namespace {
+
+constexpr double kStandingSpeed = 0.02;  ///< a slower robot stands [m/s]
+constexpr double kStandingTurn = 0.05;   ///< [rad/s]
+
+}  // namespace
+
+double processorTime_us() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
+}
+
+ScanningRobot::ScanningRobot(const RobotParams& params)
+    : ScanningRobot(std::make_unique<mrpt::kinematics::CVehicleSimul_DiffDriven>()) {
+  wheels_.setDelayModelParams(params.lag_s, 0.0);
+}
+
+ScanningRobot::ScanningRobot(std::unique_ptr<mrpt::kinematics::CVehicleSimul_DiffDriven> wheels)
+    : CRobot2NavInterfaceForSimulator_DiffDriven(*wheels),
+      owned_wheels_(std::move(wheels)),
+      wheels_(*owned_wheels_) {}
+
+void ScanningRobot::start(const Crowd& crowd, const RangeScanner& scanner) {
+  crowd_ = &crowd;
+  scanner_ = scanner;
+  wheels_.resetStatus();
+  wheels_.resetTime();
+  wheels_.setCurrentGTPose({0.0, 0.0, 0.0});
+  wheels_.movementCommand(0.0, 0.0);
+}
+
+bool ScanningRobot::senseObstacles(mrpt::maps::CSimplePointsMap& obstacles,
+                                   mrpt::system::TTimeStamp& timestamp) {
+  const double start = processorTime_us();
+  scanner_->scan(*crowd_, pose(), obstacles);
+  timestamp = mrpt::Clock::now();
+  scan_us_ = processorTime_us() - start;
+  return true;
+}
+
+bool ScanningRobot::moves() {
+  return std::abs(wheels_.getV()) > kStandingSpeed || std::abs(wheels_.getW()) > kStandingTurn;
+}
+
+}  // namespace headway::app

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <mrpt/nav/reactive/CRobot2NavInterfaceForSimulator.h>
+
+#include <optional>
+
+#include "range_scanner.h"
+
+namespace headway::app {
+
+/// MRPT's simulated robot with a scanner on it, set anew for each trial.
+class ScanningRobot : public mrpt::nav::CRobot2NavInterfaceForSimulator_DiffDriven {
+ public:
+  explicit ScanningRobot(const RobotParams& params);
+
+  /// Puts the robot, at rest, at the origin of a new world; `crowd` must outlive the trial.
+  void start(const Crowd& crowd, const RangeScanner& scanner);
+
+  bool senseObstacles(mrpt::maps::CSimplePointsMap& obstacles,
+                      mrpt::system::TTimeStamp& timestamp) override;
+
+  void moveOn(double dt_s) { wheels_.simulateOneTimeStep(dt_s); }
+
+  [[nodiscard]] const mrpt::math::TPose2D& pose() const { return wheels_.getCurrentGTPose(); }
+  /// Whether it drives or turns faster than a robot that stands.
+  [[nodiscard]] bool moves();
+
+  /// Processor time of the last scan, which a real scanner would not take [us].
+  [[nodiscard]] double scanTime_us() const { return scan_us_; }
+
+  // Events that MRPT would report on standard output.
+  bool startWatchdog(float) override { return true; }
+  bool stopWatchdog() override { return true; }
+  void sendNavigationStartEvent() override {}
+  void sendNavigationEndEvent() override {}
+  void sendNavigationEndDueToErrorEvent() override {}
+  void sendWaySeemsBlockedEvent() override {}
+  void sendApparentCollisionEvent() override {}
+  void sendCannotGetCloserToBlockedTargetEvent() override {}
+
+ private:
+  explicit ScanningRobot(std::unique_ptr<mrpt::kinematics::CVehicleSimul_DiffDriven> wheels);
+
+  std::unique_ptr<mrpt::kinematics::CVehicleSimul_DiffDriven> owned_wheels_;
+  mrpt::kinematics::CVehicleSimul_DiffDriven& wheels_;
+  const Crowd* crowd_ = nullptr;
+  std::optional<RangeScanner> scanner_;
+  double scan_us_ = 0.0;
+};
+
+/// Processor time of this process so far [us].
+[[nodiscard]] double processorTime_us();
+
+}  // namespace headway::app

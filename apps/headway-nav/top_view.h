@@ -1,0 +1,26 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <vector>
+
+#include "trial.h"
+
+namespace headway::app {
+
+/// One trial as it was, for pictures.
+struct TrialRecord {
+  std::string policy;
+  std::vector<TrialMoment> moments;
+  TrialResult result;
+};
+
+/// The moment at one time of each record, side by side; a record that has ended stays at its end.
+/// The robot drives upwards.
+[[nodiscard]] cv::Mat drawMoment(const std::vector<TrialRecord>& records, const RobotParams& robot,
+                                 double time_s);
+
+/// Each record as a whole: where the robot and everybody was, second by second.
+[[nodiscard]] cv::Mat drawWhole(const std::vector<TrialRecord>& records, const RobotParams& robot);
+
+}  // namespace headway::app

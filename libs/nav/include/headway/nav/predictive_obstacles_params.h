@@ -1,0 +1,51 @@
+#pragma once
+
+#include <headway/core/params.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace headway::nav {
+
+/// What a planner is told of the things that move.
+enum class ObstaclePolicy {
+  kStatic,     ///< where the robot's own sensors see them now: the map is not asked
+  kSweep,      ///< that, and wherever they may be within the horizon
+  kTimeGated,  ///< only where they may be when the robot could be there
+};
+
+/// "static", "sweep" and "time_gated", as command lines and files spell them.
+[[nodiscard]] const std::vector<std::pair<std::string, ObstaclePolicy>>& obstaclePolicies();
+
+/// The robot as the time gate sees it: a disc that drives at a range of speeds.
+struct RobotMotionParams {
+  double radius_m = 0.35;   ///< of the smallest circle about the robot's origin that holds it [m]
+  double top_speed = 1.0;   ///< [m/s]
+  double slow_share = 0.8;  ///< slowest way to a place assumed, as a share of top_speed [-]
+  double early_slack_s = 0.0;  ///< the robot may be earlier by this [s]
+  double late_slack_s = 0.3;   ///< the robot may be later by this, having to speed up first [s]
+
+  void describe(Params::Section section);
+};
+
+/// How tracks become obstacles, section "nav".
+struct PredictiveObstaclesParams {
+  ObstaclePolicy policy = ObstaclePolicy::kTimeGated;
+  double max_age_s = 0.5;         ///< an older map is unsafe [s]
+  std::string map_frame = "map";  ///< name of the frame in which robot and map must be
+  double horizon_s = 3.0;         ///< how far ahead predictions are believed [s]
+  double min_probability = 0.1;   ///< less probable paths are left out [-]
+  double sigmas = 1.0;            ///< bodies grow by so many standard deviations of their place [-]
+  double max_growth_m = 0.4;      ///< but not by more [m]
+  double body_margin_m = 0.25;    ///< sensed points so near to a body are that body [m]
+  double place_spacing_m = 0.25;  ///< between predicted places of one body [m]
+  double outline_spacing_m = 0.2;  ///< between points of one outline [m]
+  double layer_spacing_m = 0.6;    ///< between the heights of points: 3D robots have sections [m]
+  double max_range_m = 12.0;       ///< places farther from the robot are left out [m]
+  RobotMotionParams robot;
+
+  void describe(Params::Section section);
+};
+
+}  // namespace headway::nav

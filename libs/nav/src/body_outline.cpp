@@ -1,0 +1,77 @@
+#include <headway/nav/body_outline.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace headway::nav {
+namespace {
+
+using Eigen::Vector2d;
+
+/// The farthest point of the body along a normal given in its own axes.
+Vector2d supportPoint(const BodyShape& body, const Vector2d& normal) {
+  const Vector2d half(0.5 * body.length_m, 0.5 * body.width_m);
+  if (!body.round) {
+    return {std::copysign(half.x(), normal.x()), std::copysign(half.y(), normal.y())};
+  }
+  const Vector2d scaled = half.cwiseProduct(normal);
+  const double length = scaled.norm();
+  return length > 0.0 ? Vector2d(half.cwiseProduct(scaled) / length) : Vector2d::Zero();
+}
+
+/// The farthest point of the covariance ellipse along a normal, in the map's axes.
+Vector2d growth(const PlaceDoubt& doubt, const Vector2d& normal) {
+  const Vector2d carried = doubt.covariance * normal;
+  const double variance = normal.dot(carried);
+  if (!(variance > 0.0) || !(doubt.max_growth_m > 0.0)) return Vector2d::Zero();
+  const Vector2d offset = doubt.sigmas / std::sqrt(variance) * carried;
+  const double length = offset.norm();
+  return length > doubt.max_growth_m ? Vector2d(offset * (doubt.max_growth_m / length)) : offset;
+}
+
+/// Appends the way from one point to the next, without the first one.
+void appendSegment(const Vector2d& from, const Vector2d& to, double spacing,
+                   std::vector<Vector2d>& out) {
+  const double length = (to - from).norm();
+  const int pieces = std::max(1, static_cast<int>(std::ceil(length / spacing - 0.5)));
+  for (int i = 1; i <= pieces; ++i) out.push_back(from + (to - from) * i / pieces);
+}
+
+}  // namespace
+
+double BodyShape::radius() const {
+  return round ? 0.5 * std::max(length_m, width_m) : 0.5 * std::hypot(length_m, width_m);
+}
+
+BodyShape bodyOf(const Track& track) {
+  const bool person = track.object_class == ObjectClass::kPedestrian ||
+                      track.object_class == ObjectClass::kPersonSitting;
+  return {track.size.x(), track.size.y(), person};
+}
+
+void appendOutline(const BodyShape& body, const Vector2d& centre, double yaw,
+                   const PlaceDoubt& doubt, double spacing, std::vector<Vector2d>& out) {
+  const Eigen::Rotation2Dd turn(yaw);
+  const double perimeter = 2.0 * M_PI * body.radius();
+  const int normals = std::clamp(static_cast<int>(std::ceil(perimeter / spacing)), 8, 24);
+  Vector2d previous = Vector2d::Zero();
+  for (int i = 0; i <= normals; ++i) {
+    // Half a step off the axes, where a box's support point is not unique.
+    const double angle = 2.0 * M_PI * (i + 0.5) / normals;
+    const Vector2d normal(std::cos(angle), std::sin(angle));
+    const Vector2d point =
+        centre + turn * supportPoint(body, normal) + growth(doubt, turn * normal);
+    if (i > 0) appendSegment(previous, point, spacing, out);
+    previous = point;
+  }
+}
+
+bool covers(const BodyShape& body, const Vector2d& centre, double yaw, double margin,
+            const Vector2d& point) {
+  const Vector2d local = Eigen::Rotation2Dd(-yaw) * (point - centre);
+  return std::abs(local.x()) <= 0.5 * body.length_m + margin &&
+         std::abs(local.y()) <= 0.5 * body.width_m + margin;
+}
+
+}  // namespace headway::nav

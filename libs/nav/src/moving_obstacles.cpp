@@ -1,0 +1,80 @@
+#include <headway/nav/moving_obstacles.h>
+
+#include <algorithm>
+
+namespace headway::nav {
+namespace {
+
+using Eigen::Vector2d;
+
+bool isMover(const Track& track) {
+  return track.moving &&
+         (track.status == TrackStatus::kConfirmed || track.status == TrackStatus::kCoasting) &&
+         track.position.allFinite() && track.size.allFinite();
+}
+
+}  // namespace
+
+MovingObstacles::MovingObstacles(const PredictiveObstaclesParams& params)
+    : params_(params), gate_(params.robot) {}
+
+void MovingObstacles::update(const std::vector<Track>& tracks, const Vector2d& robot,
+                             double age_s) {
+  robot_ = robot;
+  points_.clear();
+  movers_.clear();
+  for (const auto& track : tracks) {
+    if (isMover(track)) addTrack(track, age_s);
+  }
+}
+
+void MovingObstacles::addTrack(const Track& track, double age_s) {
+  const BodyShape body = bodyOf(track);
+  for (std::size_t i = 0; i < track.predictions.size(); ++i) {
+    const auto& path = track.predictions[i];
+    if (i > 0 && path.probability < params_.min_probability) break;  // the most probable first
+    predictPlaces(track, path, age_s, params_.horizon_s, params_.place_spacing_m, places_);
+    const auto& present = places_.front();
+    if (i == 0) movers_.push_back({body, present.centre, present.yaw, present.when});
+    movers_.back().when.to_s = std::max(movers_.back().when.to_s, present.when.to_s);
+    for (const auto& place : places_) addOutline(track, body, place);
+  }
+}
+
+void MovingObstacles::addOutline(const Track& track, const BodyShape& body,
+                                 const PredictedPlace& place) {
+  const double distance = (place.centre - robot_).norm();
+  if (!(distance <= params_.max_range_m)) return;
+  // Doubt must not swallow the robot: a planner that starts inside an obstacle finds no way out.
+  const double clearance = std::max(0.0, distance - body.radius() - params_.robot.radius_m);
+  const PlaceDoubt doubt{place.covariance, params_.sigmas,
+                         std::min(params_.max_growth_m, clearance)};
+  outline_.clear();
+  appendOutline(body, place.centre, place.yaw, doubt, params_.outline_spacing_m, outline_);
+  const double bottom = track.position.z() - 0.5 * track.size.z();
+  for (const auto& point : outline_) {
+    if (!couldMeet(point, place.when)) continue;
+    points_.push_back({point, bottom, bottom + track.size.z()});
+  }
+}
+
+bool MovingObstacles::couldMeet(const Vector2d& point, const TimeSpan& when) const {
+  const double distance = (point - robot_).norm();
+  if (!(distance > params_.robot.radius_m)) return false;  // the robot is there already
+  if (params_.policy == ObstaclePolicy::kSweep) return true;
+  return gate_.touching(distance).overlaps(when);
+}
+
+bool MovingObstacles::willBeGone(const Vector2d& sensed) const {
+  if (params_.policy != ObstaclePolicy::kTimeGated) return false;
+  const TimeSpan touched = gate_.touching((sensed - robot_).norm());
+  bool gone = false;
+  for (const auto& mover : movers_) {
+    if (!covers(mover.shape, mover.centre, mover.yaw, params_.body_margin_m, sensed)) continue;
+    if (touched.overlaps(mover.when)) return false;
+    gone = true;
+  }
+  return gone;
+}
+
+}  // namespace headway::nav

@@ -1,0 +1,106 @@
+#include <gtest/gtest.h>
+#include <headway/nav/body_outline.h>
+
+#include <Eigen/Geometry>
+
+namespace headway::nav {
+namespace {
+
+using Eigen::Vector2d;
+
+const BodyShape kCar{4.0, 2.0, false};
+const BodyShape kPerson{0.6, 0.4, true};
+
+PlaceDoubt doubtOf(double sigma_m) {
+  PlaceDoubt doubt;
+  doubt.covariance = sigma_m * sigma_m * Eigen::Matrix2d::Identity();
+  doubt.max_growth_m = 10.0;
+  return doubt;
+}
+
+std::vector<Vector2d> outlineOf(const BodyShape& body, double yaw, const PlaceDoubt& doubt) {
+  std::vector<Vector2d> outline;
+  appendOutline(body, Vector2d(3.0, -1.0), yaw, doubt, 0.2, outline);
+  return outline;
+}
+
+TEST(BodyOutline, OfACertainCarRunsAlongItsEdges) {
+  for (const auto& point : outlineOf(kCar, 0.0, doubtOf(0.0))) {
+    const Vector2d local = (point - Vector2d(3.0, -1.0)).cwiseAbs();
+    const bool on_end = std::abs(local.x() - 2.0) < 1e-9 && local.y() <= 1.0 + 1e-9;
+    const bool on_side = std::abs(local.y() - 1.0) < 1e-9 && local.x() <= 2.0 + 1e-9;
+    EXPECT_TRUE(on_end || on_side) << point.transpose();
+  }
+}
+
+TEST(BodyOutline, NeighboursAreCloseEnoughForNothingToSlipThrough) {
+  const auto outline = outlineOf(kCar, 0.4, doubtOf(0.3));
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    EXPECT_LE((outline[i] - outline[(i + 1) % outline.size()]).norm(), 0.3 + 1e-9);
+  }
+}
+
+TEST(BodyOutline, GrowsWithTheDoubt) {
+  const auto certain = outlineOf(kPerson, 0.3, doubtOf(0.0));
+  const auto doubtful = outlineOf(kPerson, 0.3, doubtOf(0.25));
+  const auto farthest = [](const std::vector<Vector2d>& outline) {
+    double radius = 0.0;
+    for (const auto& point : outline) {
+      radius = std::max(radius, (point - Vector2d(3.0, -1.0)).norm());
+    }
+    return radius;
+  };
+  EXPECT_NEAR(farthest(doubtful), farthest(certain) + 0.25, 0.02);
+}
+
+TEST(BodyOutline, GrowsAlongTheCovarianceOnly) {
+  PlaceDoubt along_x = doubtOf(0.0);
+  along_x.covariance(0, 0) = 1.0;
+  double right = 0.0, top = 0.0;
+  for (const auto& point : outlineOf(kCar, 0.0, along_x)) {
+    right = std::max(right, point.x() - 3.0);
+    top = std::max(top, point.y() + 1.0);
+  }
+  EXPECT_NEAR(right, 3.0, 0.05);
+  EXPECT_NEAR(top, 1.0, 1e-9);
+}
+
+TEST(BodyOutline, GrowsNoMoreThanAllowed) {
+  PlaceDoubt doubt = doubtOf(100.0);
+  doubt.max_growth_m = 0.4;
+  for (const auto& point : outlineOf(kPerson, 0.0, doubt)) {
+    EXPECT_LE((point - Vector2d(3.0, -1.0)).norm(), kPerson.radius() + 0.4 + 1e-9);
+  }
+}
+
+TEST(BodyOutline, TurnsWithTheBody) {
+  const auto straight = outlineOf(kCar, 0.0, doubtOf(0.1));
+  const auto turned = outlineOf(kCar, 0.7, doubtOf(0.1));
+  ASSERT_EQ(straight.size(), turned.size());
+  const Vector2d centre(3.0, -1.0);
+  for (std::size_t i = 0; i < straight.size(); ++i) {
+    const Vector2d expected = centre + Eigen::Rotation2Dd(0.7) * (straight[i] - centre);
+    EXPECT_LT((turned[i] - expected).norm(), 1e-9);
+  }
+}
+
+TEST(BodyOutline, CoversWhatLiesInTheMarginOnly) {
+  const Vector2d centre(1.0, 1.0);
+  EXPECT_TRUE(covers(kCar, centre, M_PI / 2.0, 0.1, {1.0, 3.05}));
+  EXPECT_FALSE(covers(kCar, centre, M_PI / 2.0, 0.1, {1.0, 3.15}));
+  EXPECT_FALSE(covers(kCar, centre, M_PI / 2.0, 0.1, {3.0, 1.0}));
+}
+
+TEST(BodyOutline, PeopleAreRoundAndCarsAreNot) {
+  Track track;
+  track.size = {4.0, 2.0, 1.5};
+  track.object_class = ObjectClass::kCar;
+  EXPECT_FALSE(bodyOf(track).round);
+  EXPECT_NEAR(bodyOf(track).radius(), std::sqrt(5.0), 1e-12);
+  track.object_class = ObjectClass::kPedestrian;
+  EXPECT_TRUE(bodyOf(track).round);
+  EXPECT_DOUBLE_EQ(bodyOf(track).radius(), 2.0);
+}
+
+}  // namespace
+}  // namespace headway::nav

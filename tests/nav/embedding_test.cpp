@@ -1,0 +1,51 @@
+#include <gtest/gtest.h>
+#include <mrpt/config/CConfigFile.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "embedding_example.cpp"  // NOLINT: what the document shows is what is tested
+#include "scripted_robot.h"
+
+namespace {
+
+std::string textOf(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+TEST(Embedding, TheDocumentShowsTheExampleAsItCompiles) {
+  const std::filesystem::path tests = std::filesystem::path(__FILE__).parent_path();
+  const std::string document = textOf(tests.parent_path().parent_path() / "doc/navigation.md");
+  const std::string example = textOf(tests / "embedding_example.cpp");
+  ASSERT_FALSE(example.empty());
+  EXPECT_NE(document.find(example.substr(example.find("#include"))), std::string::npos);
+}
+
+TEST(Embedding, TheExampleDrivesToItsGoalWhileTheMapIsFreshAndStopsWhereItIsNot) {
+  const std::string path = "/usr/share/mrpt/config_files/navigation-ptgs/reactive2d_config.ini";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there: install mrpt-common";
+  mrpt::config::CConfigFile settings(path);
+  settings.discardSavingChanges();
+  settings.write("CAbstractPTGBasedReactive", "ptg_cache_files_directory",
+                 std::filesystem::temp_directory_path().string());
+  mrpt::kinematics::CVehicleSimul_DiffDriven wheels;
+  headway::nav::ScriptedRobot robot(wheels);
+  SharedMap map;
+  const auto with_map_at = [&](double shift_s) {
+    return [&, shift_s] {
+      wheels.simulateOneTimeStep(0.1);
+      map.update(mrpt::Clock::nowDouble() - shift_s, {});
+      return wheels.getTime() < 60.0;
+    };
+  };
+  map.update(mrpt::Clock::nowDouble(), {});
+  EXPECT_TRUE(driveTo({4.0, 0.0, 0.0}, robot, map, settings, with_map_at(0.0)));
+  map.update(mrpt::Clock::nowDouble(), {});
+  EXPECT_FALSE(driveTo({8.0, 0.0, 0.0}, robot, map, settings, with_map_at(5.0)));
+}
+
+}  // namespace

@@ -1,0 +1,137 @@
+#include <gtest/gtest.h>
+#include <headway/nav/moving_obstacles.h>
+
+#include <limits>
+
+#include "walking_track.h"
+
+namespace headway::nav {
+namespace {
+
+using Eigen::Vector2d;
+
+PredictiveObstaclesParams paramsOf(ObstaclePolicy policy) {
+  PredictiveObstaclesParams params;
+  params.policy = policy;
+  params.robot.radius_m = 0.3;
+  params.robot.top_speed = 1.0;
+  return params;
+}
+
+std::vector<ObstaclePoint> pointsOf(const std::vector<Track>& tracks, ObstaclePolicy policy,
+                                    double age_s = 0.0) {
+  MovingObstacles moving(paramsOf(policy));
+  moving.update(tracks, Vector2d::Zero(), age_s);
+  return moving.points();
+}
+
+bool anyNear(const std::vector<ObstaclePoint>& points, const Vector2d& place, double radius) {
+  for (const auto& point : points) {
+    if ((point.place - place).norm() < radius) return true;
+  }
+  return false;
+}
+
+TEST(MovingObstacles, ACrossingMoverWhoWillBeGoneIsNoObstacleWhereHeIs) {
+  const Track crossing = walkingTrack(1, {2.5, 0.0}, {0.0, 1.5});
+  EXPECT_FALSE(anyNear(pointsOf({crossing}, ObstaclePolicy::kTimeGated), {2.5, 0.0}, 0.4));
+  EXPECT_TRUE(anyNear(pointsOf({crossing}, ObstaclePolicy::kSweep), {2.5, 0.0}, 0.4));
+}
+
+TEST(MovingObstacles, AMoverWhoWillMeetTheRobotIsOneWhereTheyMeet) {
+  const Track meeting = walkingTrack(1, {2.0, -2.0}, {0.0, 1.0});
+  EXPECT_TRUE(anyNear(pointsOf({meeting}, ObstaclePolicy::kTimeGated), {2.0, 0.0}, 0.4));
+}
+
+TEST(MovingObstacles, AMoverWhoComesTooLateIsNone) {
+  const Track late = walkingTrack(1, {0.6, -3.0}, {0.0, 1.0});
+  EXPECT_FALSE(anyNear(pointsOf({late}, ObstaclePolicy::kTimeGated), {0.6, 0.0}, 0.3));
+  EXPECT_TRUE(anyNear(pointsOf({late}, ObstaclePolicy::kSweep), {0.6, 0.0}, 0.3));
+}
+
+TEST(MovingObstacles, TheGateOnlyTakesAway) {
+  const Track track = walkingTrack(1, {2.0, -2.0}, {0.2, 1.0}, 0.1);
+  const auto gated = pointsOf({track}, ObstaclePolicy::kTimeGated);
+  const auto swept = pointsOf({track}, ObstaclePolicy::kSweep);
+  EXPECT_LT(gated.size(), swept.size());
+  for (const auto& point : gated) EXPECT_TRUE(anyNear(swept, point.place, 1e-12));
+}
+
+TEST(MovingObstacles, CovarianceWidensThem) {
+  const auto width = [](double sigma_m) {
+    double widest = 0.0;
+    const Track track = walkingTrack(1, {4.0, -3.0}, {0.0, 1.0}, sigma_m);
+    for (const auto& point : pointsOf({track}, ObstaclePolicy::kSweep)) {
+      widest = std::max(widest, std::abs(point.place.x() - 4.0));
+    }
+    return widest;
+  };
+  EXPECT_NEAR(width(0.3), width(0.0) + 0.3, 0.05);
+}
+
+TEST(MovingObstacles, TheOldMapIsCarriedOnToNow) {
+  const Track track = walkingTrack(1, {4.0, -3.0}, {0.0, 1.0});
+  EXPECT_TRUE(anyNear(pointsOf({track}, ObstaclePolicy::kSweep, 0.0), {4.0, -3.2}, 0.1));
+  EXPECT_FALSE(anyNear(pointsOf({track}, ObstaclePolicy::kSweep, 0.5), {4.0, -3.2}, 0.1));
+}
+
+TEST(MovingObstacles, ImprobablePathsAreLeftOut) {
+  Track track = walkingTrack(1, {4.0, -3.0}, {0.0, 1.0});
+  track.predictions.push_back(walkingTrack(1, {4.0, -3.0}, {1.0, 0.0}).predictions.front());
+  track.predictions[0].probability = 0.95;
+  track.predictions[1].probability = 0.05;
+  EXPECT_FALSE(anyNear(pointsOf({track}, ObstaclePolicy::kSweep), {6.0, -3.0}, 0.5));
+  track.predictions[1].probability = 0.2;
+  EXPECT_TRUE(anyNear(pointsOf({track}, ObstaclePolicy::kSweep), {6.0, -3.0}, 0.5));
+}
+
+TEST(MovingObstacles, StandingTentativeAndEndedTracksAreLeftToTheSensors) {
+  Track still = walkingTrack(1, {2.0, -2.0}, {0.0, 1.0});
+  still.moving = false;
+  Track tentative = walkingTrack(2, {2.0, -2.0}, {0.0, 1.0});
+  tentative.status = TrackStatus::kTentative;
+  Track ended = walkingTrack(3, {2.0, -2.0}, {0.0, 1.0});
+  ended.status = TrackStatus::kEnded;
+  EXPECT_TRUE(pointsOf({still, tentative, ended}, ObstaclePolicy::kSweep).empty());
+}
+
+TEST(MovingObstacles, NoPointLiesUnderTheRobot) {
+  const Track over_it = walkingTrack(1, {0.0, -1.0}, {0.0, 1.0}, 0.5);
+  for (const auto& point : pointsOf({over_it}, ObstaclePolicy::kSweep)) {
+    EXPECT_GT(point.place.norm(), 0.3);
+  }
+}
+
+TEST(MovingObstacles, NumbersThatAreNoneMakeNoPoints) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Track lost = walkingTrack(1, {nan, 0.0}, {0.0, 1.0});
+  Track strange = walkingTrack(2, {2.0, -2.0}, {0.0, 1.0});
+  strange.predictions.front().points[7].position.x() = nan;
+  strange.predictions.front().points[9].covariance.setConstant(nan);
+  for (const auto& point : pointsOf({lost, strange}, ObstaclePolicy::kSweep)) {
+    EXPECT_TRUE(point.place.allFinite());
+  }
+}
+
+TEST(MovingObstacles, SensedPointsGoOnlyWithBodiesThatLeave) {
+  MovingObstacles moving(paramsOf(ObstaclePolicy::kTimeGated));
+  const Track leaving = walkingTrack(1, {2.5, 0.0}, {0.0, 1.5});
+  moving.update({leaving}, Vector2d::Zero(), 0.0);
+  EXPECT_TRUE(moving.willBeGone({2.3, 0.0}));
+  EXPECT_FALSE(moving.willBeGone({2.5, 1.5})) << "that is not he";
+  const Track staying = walkingTrack(2, {2.5, 0.1}, {0.01, 0.0});
+  moving.update({leaving, staying}, Vector2d::Zero(), 0.0);
+  EXPECT_FALSE(moving.willBeGone({2.3, 0.0})) << "somebody else stays there";
+}
+
+TEST(MovingObstacles, AreTheSameEachTime) {
+  const std::vector<Track> tracks = {walkingTrack(1, {2.0, -2.0}, {0.1, 1.0}, 0.2),
+                                     walkingTrack(2, {3.0, 2.0}, {0.0, -1.2}, 0.1)};
+  const auto first = pointsOf(tracks, ObstaclePolicy::kTimeGated);
+  const auto second = pointsOf(tracks, ObstaclePolicy::kTimeGated);
+  ASSERT_EQ(first.size(), second.size());
+  for (std::size_t i = 0; i < first.size(); ++i) EXPECT_EQ(first[i].place, second[i].place);
+}
+
+}  // namespace
+}  // namespace headway::nav

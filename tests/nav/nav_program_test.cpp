@@ -1,0 +1,52 @@
+#include <gtest/gtest.h>
+#include <headway_test/folders.h>
+#include <headway_test/process.h>
+
+#include <nlohmann/json.hpp>
+
+namespace headway::app {
+namespace {
+
+using test::contentsOf;
+using test::program;
+using test::runProcess;
+using test::TemporaryFolder;
+
+TEST(NavProgram, WritesFiguresPicturesAndAVideo) {
+  const TemporaryFolder folder;
+  const std::string json = folder / "figures.json";
+  const std::string video = folder / "video";
+  const auto run = runProcess(program("headway-nav") +
+                              " --trials 2 --policy all --seed 5 -q --set people.count=1 --json " +
+                              json + " --video " + video + " --film 2");
+  ASSERT_EQ(run.status, 0) << run.output;
+  EXPECT_EQ(run.output, "");
+  const auto figures = nlohmann::json::parse(contentsOf(json));
+  for (const char* policy : {"static", "sweep", "time_gated"}) {
+    EXPECT_EQ(figures.at(policy).at("trials"), 2) << policy;
+  }
+  EXPECT_GT(std::filesystem::file_size(video + "/trial_0006.png"), 10000u);
+  EXPECT_TRUE(std::filesystem::exists(video + "/trial_0006.mp4") ||
+              std::filesystem::exists(video + "/trial_0006_pictures/000000.png"));
+}
+
+TEST(NavProgram, SaysWhatIsWrongWithItsArguments) {
+  EXPECT_EQ(runProcess(program("headway-nav") + " --policy hope").status, 2);
+  EXPECT_EQ(runProcess(program("headway-nav") + " --trials 0").status, 2);
+  EXPECT_EQ(runProcess(program("headway-nav") + " --video v --film x").status, 2);
+  const auto unknown = runProcess(program("headway-nav") + " --set nav.magic=1");
+  EXPECT_EQ(unknown.status, 1);
+  EXPECT_NE(unknown.output.find("magic"), std::string::npos);
+}
+
+TEST(NavProgram, RefusesFilesThatExist) {
+  const TemporaryFolder folder;
+  const std::string json = folder / "figures.json";
+  const std::string call = program("headway-nav") + " --trials 1 --policy static -q --json " + json;
+  ASSERT_EQ(runProcess(call).status, 0);
+  EXPECT_EQ(runProcess(call).status, 1);
+  EXPECT_EQ(runProcess(call + " -w").status, 0);
+}
+
+}  // namespace
+}  // namespace headway::app

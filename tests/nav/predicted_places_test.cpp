@@ -1,0 +1,64 @@
+#include <gtest/gtest.h>
+#include <headway/nav/predicted_places.h>
+
+#include <limits>
+
+#include "walking_track.h"
+
+namespace headway::nav {
+namespace {
+
+std::vector<PredictedPlace> placesOf(const Track& track, double age_s, double horizon_s = 3.0) {
+  std::vector<PredictedPlace> places;
+  predictPlaces(track, track.predictions.front(), age_s, horizon_s, 0.25, places);
+  return places;
+}
+
+TEST(PredictedPlaces, LieOnThePathAndLeaveNoInstantOut) {
+  const auto places = placesOf(walkingTrack(1, {2.0, 0.0}, {0.0, 1.0}), 0.0);
+  ASSERT_GT(places.size(), 5u);
+  EXPECT_DOUBLE_EQ(places.front().when.from_s, 0.0);
+  EXPECT_NEAR(places.back().when.to_s, 3.0, 1e-9);
+  for (std::size_t i = 0; i + 1 < places.size(); ++i) {
+    EXPECT_DOUBLE_EQ(places[i].centre.x(), 2.0);
+    EXPECT_TRUE(places[i].when.overlaps(places[i + 1].when));
+    EXPECT_GE((places[i + 1].centre - places[i].centre).norm(), 0.25 - 1e-9);
+  }
+}
+
+TEST(PredictedPlaces, OfAnOldMapBeginWhereTheBodyIsNow) {
+  const auto places = placesOf(walkingTrack(1, {2.0, 0.0}, {0.0, 1.0}), 0.45);
+  EXPECT_NEAR(places.front().centre.y(), 0.45, 1e-9);
+  EXPECT_DOUBLE_EQ(places.front().when.from_s, 0.0);
+  EXPECT_NEAR(places.back().when.to_s, 2.55, 1e-9);
+}
+
+TEST(PredictedPlaces, ABodyThatStaysIsThereForEver) {
+  const auto places = placesOf(walkingTrack(1, {2.0, 0.0}, {0.01, 0.0}), 0.0);
+  ASSERT_EQ(places.size(), 1u);
+  EXPECT_EQ(places.front().when.to_s, std::numeric_limits<double>::infinity());
+}
+
+TEST(PredictedPlaces, GoStraightOnBeyondThePrediction) {
+  const auto track = walkingTrack(1, {2.0, 0.0}, {0.0, 1.0}, 0.2);
+  const auto places = placesOf(track, 0.0, 5.0);
+  EXPECT_NEAR(places.back().centre.y(), 5.0, 0.3);
+  EXPECT_GT(places.back().covariance(0, 0), 1.5 * 0.04);
+}
+
+TEST(PredictedPlaces, OfAPathWithoutPointsAreThePresentOne) {
+  Track track = walkingTrack(1, {2.0, 1.0}, {0.0, 1.0});
+  track.predictions.front().points.clear();
+  const auto places = placesOf(track, 0.2);
+  ASSERT_EQ(places.size(), 1u);
+  EXPECT_EQ(places.front().centre, Eigen::Vector2d(2.0, 1.0));
+}
+
+TEST(PredictedPlaces, OlderThanThePredictionStandAtItsEnd) {
+  const auto places = placesOf(walkingTrack(1, {2.0, 0.0}, {0.0, 1.0}), 7.0);
+  ASSERT_EQ(places.size(), 1u);
+  EXPECT_NEAR(places.front().centre.y(), 3.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace headway::nav

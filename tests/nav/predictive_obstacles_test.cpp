@@ -1,0 +1,185 @@
+#include <gtest/gtest.h>
+#include <headway/nav/predictive_obstacles.h>
+
+#include <atomic>
+#include <mutex>
+#include <thread>
+
+#include "scripted_robot.h"
+#include "walking_track.h"
+
+namespace headway::nav {
+namespace {
+
+using mrpt::maps::CSimplePointsMap;
+
+class PredictiveObstaclesTest : public testing::Test {
+ protected:
+  PredictiveObstaclesTest() {
+    wheels_.setCurrentGTPose({10.0, 5.0, M_PI / 2.0});  // looks along the map's y
+    map_.update(100.0, {});
+    now_ = 100.1;
+  }
+
+  bool sense(ObstaclePolicy policy = ObstaclePolicy::kTimeGated) {
+    PredictiveObstaclesParams params;
+    params.policy = policy;
+    PredictiveObstacles obstacles(
+        robot_, [this] { return map_; }, params, [this] { return now_; });
+    obstacles.setMinLoggingLevel(mrpt::system::LVL_FATAL);
+    mrpt::system::TTimeStamp timestamp;
+    const bool safe = obstacles.senseObstacles(points_, timestamp);
+    report_ = obstacles.lastReport();
+    return safe;
+  }
+
+  /// Somebody who crosses the robot's way from its right and meets it 2 m ahead.
+  [[nodiscard]] static Track meetingTrack() { return walkingTrack(1, {12.0, 7.0}, {-1.0, 0.0}); }
+
+  bool anyPointNear(double x, double y, double radius) const {
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      float px = 0.f, py = 0.f, pz = 0.f;
+      points_.getPoint(i, px, py, pz);
+      if (std::hypot(px - x, py - y) < radius) return true;
+    }
+    return false;
+  }
+
+  mrpt::kinematics::CVehicleSimul_DiffDriven wheels_;
+  ScriptedRobot robot_{wheels_};
+  map::PerceptionMap map_;
+  double now_ = 0.0;
+  CSimplePointsMap points_;
+  SenseReport report_;
+};
+
+TEST_F(PredictiveObstaclesTest, AddsTheMeetingPlaceInTheRobotsFrame) {
+  map_.update(100.0, {meetingTrack()});
+  ASSERT_TRUE(sense());
+  EXPECT_TRUE(anyPointNear(2.0, 0.0, 0.5));
+  EXPECT_EQ(report_.movers, 1u);
+  EXPECT_EQ(report_.points_added, points_.size());
+}
+
+TEST_F(PredictiveObstaclesTest, HasPointsAtAllHeightsOfABody) {
+  map_.update(100.0, {meetingTrack()});
+  ASSERT_TRUE(sense());
+  bool low = false, high = false;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    float x = 0.f, y = 0.f, z = 0.f;
+    points_.getPoint(i, x, y, z);
+    EXPECT_GT(z, 0.0f);
+    EXPECT_LT(z, 1.7f);
+    low = low || z < 0.5f;
+    high = high || z > 1.2f;
+  }
+  EXPECT_TRUE(low && high);
+}
+
+TEST_F(PredictiveObstaclesTest, TakesAwayAMoverWhoWillHaveLeft) {
+  robot_.sensed = {{3.0, 0.0}, {3.0, -2.0}};
+  map_.update(100.0, {walkingTrack(1, {10.0, 8.25}, {1.5, 0.0})});
+  ASSERT_TRUE(sense());
+  EXPECT_EQ(report_.points_removed, 1u);
+  EXPECT_FALSE(anyPointNear(3.0, 0.0, 0.05));
+  EXPECT_TRUE(anyPointNear(3.0, -2.0, 0.05));
+}
+
+TEST_F(PredictiveObstaclesTest, StaticForwardsThePointsOfNowAndNeedsNoMap) {
+  robot_.sensed = {{3.0, 0.0}};
+  map_.update(100.0, {meetingTrack()});
+  now_ = 1000.0;
+  ASSERT_TRUE(sense(ObstaclePolicy::kStatic));
+  EXPECT_EQ(points_.size(), 1u);
+}
+
+TEST_F(PredictiveObstaclesTest, AMapWithoutTracksAddsNothing) {
+  robot_.sensed = {{3.0, 0.0}};
+  ASSERT_TRUE(sense());
+  EXPECT_EQ(points_.size(), 1u);
+}
+
+TEST_F(PredictiveObstaclesTest, ARobotFarFromAllTracksKeepsItsOwnPoints) {
+  robot_.sensed = {{3.0, 0.0}};
+  map_.update(100.0, {meetingTrack()});
+  wheels_.setCurrentGTPose({-1e5, 1e5, 0.0});
+  ASSERT_TRUE(sense());
+  EXPECT_EQ(points_.size(), 1u);
+}
+
+TEST_F(PredictiveObstaclesTest, AStaleMapIsUnsafe) {
+  now_ = 100.6;
+  EXPECT_FALSE(sense());
+  EXPECT_EQ(report_.status, SenseStatus::kStaleMap);
+  EXPECT_NEAR(report_.map_age_s, 0.6, 1e-9);
+}
+
+TEST_F(PredictiveObstaclesTest, AMapThatWasNeverFilledOrComesFromTheFutureIsUnsafe) {
+  map_ = map::PerceptionMap();
+  EXPECT_FALSE(sense());
+  EXPECT_EQ(report_.status, SenseStatus::kStaleMap);
+  map_.update(101.0, {});
+  EXPECT_FALSE(sense());
+  EXPECT_EQ(report_.status, SenseStatus::kStaleMap);
+}
+
+TEST_F(PredictiveObstaclesTest, ARobotThatIsLostIsUnsafe) {
+  robot_.knows_pose = false;
+  EXPECT_FALSE(sense());
+  EXPECT_EQ(report_.status, SenseStatus::kNoPose);
+  robot_.knows_pose = true;
+  robot_.pose_is_nan = true;
+  EXPECT_FALSE(sense());
+  EXPECT_EQ(report_.status, SenseStatus::kNoPose);
+  robot_.pose_is_nan = false;
+  robot_.frame = "odom";
+  EXPECT_FALSE(sense());
+  EXPECT_EQ(report_.status, SenseStatus::kNoPose);
+}
+
+TEST_F(PredictiveObstaclesTest, ARobotThatCannotSenseIsUnsafe) {
+  robot_.can_sense = false;
+  EXPECT_FALSE(sense());
+  EXPECT_EQ(report_.status, SenseStatus::kInnerFailed);
+}
+
+TEST_F(PredictiveObstaclesTest, HandsOnWhatIsNotSensing) {
+  PredictiveObstacles obstacles(robot_, [this] { return map_; }, {});
+  obstacles.changeSpeeds(mrpt::kinematics::CVehicleVelCmd_DiffDriven());
+  obstacles.stop(true);
+  EXPECT_EQ(robot_.stops, 1);
+  EXPECT_TRUE(obstacles.getStopCmd()->isStopCmd());
+  wheels_.simulateOneTimeStep(0.5);
+  EXPECT_NEAR(obstacles.getNavigationTime(), robot_.getNavigationTime(), 1e-12);
+}
+
+TEST_F(PredictiveObstaclesTest, ReadsSnapshotsWhileAnotherThreadWritesTheMap) {
+  std::mutex guard;
+  std::atomic<bool> done{false};
+  std::thread writer([&] {
+    for (int i = 0; !done; ++i) {
+      std::vector<Track> tracks;
+      if (i % 3 != 0) tracks = {meetingTrack(), walkingTrack(2, {8.0, 7.0}, {1.0, 0.0})};
+      const std::lock_guard lock(guard);
+      map_.update(100.0, std::move(tracks));
+      if (i % 7 == 0) map_ = map::PerceptionMap();  // a reset
+    }
+  });
+  const auto snapshot = [&] {
+    const std::lock_guard lock(guard);
+    return map_;
+  };
+  PredictiveObstacles obstacles(robot_, snapshot, {}, [this] { return now_; });
+  obstacles.setMinLoggingLevel(mrpt::system::LVL_FATAL);
+  for (int i = 0; i < 500; ++i) {
+    mrpt::system::TTimeStamp timestamp;
+    const bool safe = obstacles.senseObstacles(points_, timestamp);
+    const auto status = obstacles.lastReport().status;
+    EXPECT_EQ(status, safe ? SenseStatus::kSafe : SenseStatus::kStaleMap);
+  }
+  done = true;
+  writer.join();
+}
+
+}  // namespace
+}  // namespace headway::nav

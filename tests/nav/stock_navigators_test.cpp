@@ -1,0 +1,102 @@
+#include <gtest/gtest.h>
+#include <headway/nav/predictive_obstacles.h>
+#include <mrpt/config/CConfigFile.h>
+#include <mrpt/nav/reactive/CReactiveNavigationSystem.h>
+#include <mrpt/nav/reactive/CReactiveNavigationSystem3D.h>
+
+#include <filesystem>
+
+#include "scripted_robot.h"
+#include "walking_track.h"
+
+namespace headway::nav {
+namespace {
+
+using mrpt::nav::CAbstractNavigator;
+
+const std::string kStockFolder = "/usr/share/mrpt/config_files/navigation-ptgs/";
+
+/// MRPT's navigators with MRPT's own configuration, on a robot that sees nothing but the map.
+template <typename Navigator>
+class Drive {
+ public:
+  explicit Drive(const std::string& configuration)
+      : obstacles_(
+            robot_, [this] { return map_; }, {}, [this] { return wheels_.getTime(); }),
+        navigator_(obstacles_, false) {
+    obstacles_.setMinLoggingLevel(mrpt::system::LVL_FATAL);
+    navigator_.setMinLoggingLevel(mrpt::system::LVL_FATAL);
+    mrpt::config::CConfigFile file(kStockFolder + configuration);
+    file.discardSavingChanges();
+    file.write("CAbstractPTGBasedReactive", "enable_obstacle_filtering", false);
+    file.write("CAbstractPTGBasedReactive", "ptg_cache_files_directory",
+               std::filesystem::temp_directory_path().string());
+    navigator_.loadConfigFile(file);
+    navigator_.initialize();
+    CAbstractNavigator::TNavigationParams request;
+    request.target.target_coords = {6.0, 0.0, 0.0};
+    request.target.targetAllowedDistance = 0.5f;
+    navigator_.navigate(&request);
+  }
+
+  /// Drives for up to 40 s; somebody waits on the way for the first 8 s if asked for.
+  void run(bool somebody_in_the_way, double map_stops_at_s = 1e9) {
+    for (int step = 0; step < 200; ++step) {
+      const double now = wheels_.getTime();
+      if (now < map_stops_at_s) map_.update(now, tracksAt(now, somebody_in_the_way));
+      navigator_.navigationStep();
+      if (navigator_.getCurrentState() != CAbstractNavigator::NAVIGATING) return;
+      wheels_.simulateOneTimeStep(0.2);
+      const auto& pose = wheels_.getCurrentGTPose();
+      farthest_aside = std::max(farthest_aside, std::abs(pose.y));
+    }
+  }
+
+  [[nodiscard]] auto state() const { return navigator_.getCurrentState(); }
+  [[nodiscard]] bool stands() { return std::abs(wheels_.getV()) < 1e-3; }
+
+  double farthest_aside = 0.0;
+
+ private:
+  static std::vector<Track> tracksAt(double now, bool somebody) {
+    if (!somebody || now > 8.0) return {};
+    return {walkingTrack(1, {3.0, 0.1}, {-0.01, 0.0})};
+  }
+
+  mrpt::kinematics::CVehicleSimul_DiffDriven wheels_;
+  ScriptedRobot robot_{wheels_};
+  map::PerceptionMap map_;
+  PredictiveObstacles obstacles_;
+  Navigator navigator_;
+};
+
+template <typename Navigator>
+void expectToDrive(const std::string& configuration) {
+  if (!std::filesystem::exists(kStockFolder + configuration)) {
+    GTEST_SKIP() << kStockFolder << configuration << " is not there: install mrpt-common";
+  }
+  Drive<Navigator> free_drive(configuration);
+  free_drive.run(false);
+  EXPECT_EQ(free_drive.state(), CAbstractNavigator::IDLE) << "at the goal";
+
+  Drive<Navigator> blocked_drive(configuration);
+  blocked_drive.run(true);
+  EXPECT_EQ(blocked_drive.state(), CAbstractNavigator::IDLE) << "at the goal";
+  EXPECT_GT(blocked_drive.farthest_aside, free_drive.farthest_aside + 0.2) << "it goes round";
+
+  Drive<Navigator> stale_drive(configuration);
+  stale_drive.run(false, 2.0);
+  EXPECT_EQ(stale_drive.state(), CAbstractNavigator::NAV_ERROR);
+  EXPECT_TRUE(stale_drive.stands());
+}
+
+TEST(StockNavigators, Reactive2dDrivesAndStopsOnAStaleMap) {
+  expectToDrive<mrpt::nav::CReactiveNavigationSystem>("reactive2d_config.ini");
+}
+
+TEST(StockNavigators, Reactive3dDrivesAndStopsOnAStaleMap) {
+  expectToDrive<mrpt::nav::CReactiveNavigationSystem3D>("reactive3d_config.ini");
+}
+
+}  // namespace
+}  // namespace headway::nav

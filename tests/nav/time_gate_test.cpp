@@ -1,0 +1,54 @@
+#include <gtest/gtest.h>
+#include <headway/nav/time_gate.h>
+
+namespace headway::nav {
+namespace {
+
+RobotMotionParams exactRobot() {
+  RobotMotionParams robot;
+  robot.radius_m = 0.5;
+  robot.top_speed = 2.0;
+  robot.slow_share = 0.5;
+  robot.early_slack_s = 0.0;
+  robot.late_slack_s = 0.0;
+  return robot;
+}
+
+TEST(TimeGate, TouchesAfterTheFreeWayAndPassesAfterTheWayBeyond) {
+  const auto span = TimeGate(exactRobot()).touching(4.5);
+  EXPECT_DOUBLE_EQ(span.from_s, 2.0);
+  EXPECT_DOUBLE_EQ(span.to_s, 5.0);
+}
+
+TEST(TimeGate, FartherPointsAreTouchedLater) {
+  const TimeGate gate(exactRobot());
+  for (double distance = 0.6; distance < 10.0; distance += 0.3) {
+    EXPECT_LT(gate.touching(distance).from_s, gate.touching(distance + 0.3).from_s);
+    EXPECT_LT(gate.touching(distance).to_s, gate.touching(distance + 0.3).to_s);
+  }
+}
+
+TEST(TimeGate, APointUnderTheRobotIsTouchedNow) {
+  const auto span = TimeGate(exactRobot()).touching(0.3);
+  EXPECT_LE(span.from_s, 0.0);
+  EXPECT_GE(span.to_s, 0.0);
+}
+
+TEST(TimeGate, SlackLengthensTheSpan) {
+  RobotMotionParams slack = exactRobot();
+  slack.early_slack_s = 0.5;
+  slack.late_slack_s = 0.25;
+  const auto exact = TimeGate(exactRobot()).touching(3.0);
+  const auto loose = TimeGate(slack).touching(3.0);
+  EXPECT_DOUBLE_EQ(loose.from_s, exact.from_s - 0.5);
+  EXPECT_DOUBLE_EQ(loose.to_s, exact.to_s + 0.25);
+}
+
+TEST(TimeGate, RefusesARobotThatCannotMove) {
+  RobotMotionParams robot = exactRobot();
+  robot.top_speed = 0.0;
+  EXPECT_ANY_THROW(TimeGate{robot});
+}
+
+}  // namespace
+}  // namespace headway::nav
