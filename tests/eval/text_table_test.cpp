@@ -18,10 +18,10 @@ TEST(TextTableTest, isMarkdownWithAlignedColumns) {
       out.str());
 }
 
-TEST(TextTableTest, shortRowsAreFilledUp) {
+TEST(TextTableTest, missingCellsAreDashes) {
   std::ostringstream out;
   writeTable(out, {{"name", "value"}, {"a"}});
-  EXPECT_THAT(out.str(), testing::EndsWith("| a    |       |\n"));
+  EXPECT_THAT(out.str(), testing::EndsWith("| a    |     — |\n"));
 }
 
 TEST(TextTableTest, whatIsNotFiniteIsADash) {

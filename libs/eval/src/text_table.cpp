@@ -31,7 +31,7 @@ std::vector<std::size_t> columnWidths(const TextTable& table) {
 void writeRow(std::ostream& out, const std::vector<std::string>& row,
               const std::vector<std::size_t>& widths) {
   for (std::size_t i = 0; i < widths.size(); ++i) {
-    const std::string cell = i < row.size() ? row[i] : "";
+    const std::string cell = i < row.size() ? row[i] : "—";
     const std::string blank(widths[i] - widthOf(cell), ' ');
     out << "| " << (i == 0 ? cell + blank : blank + cell) << " ";
   }

@@ -14,7 +14,8 @@ struct TrajectoryError;
 /// Rows of text, the first being the headings.
 using TextTable = std::vector<std::vector<std::string>>;
 
-/// Writes the table as Markdown with aligned columns: the first to the left, others to the right.
+/// Writes the table as Markdown with aligned columns: the first to the left, others to the right;
+/// a dash stands where a row is shorter than the headings.
 void writeTable(std::ostream& out, const TextTable& table);
 
 /// The number with fixed decimals; an em dash if there is none or it is not finite.
