@@ -48,6 +48,12 @@ struct Keyframe {
 /// landmark without observations does not exist.
 class SparseMap {
  public:
+  SparseMap() = default;
+  /// A map from its parts; what keyframes see follows from the landmarks' observations.
+  ///
+  /// @throws InputError if ids repeat or name a keyframe that does not exist
+  SparseMap(const std::vector<Keyframe>& keyframes, const std::vector<Landmark>& landmarks);
+
   /// A new keyframe without landmarks.
   Keyframe& addKeyframe(std::size_t frame, Time time, const Pose& T_map_cam);
   /// A new landmark, seen by its reference keyframe.
@@ -89,6 +95,8 @@ class SparseMap {
   [[nodiscard]] const std::map<KeyframeId, Keyframe>& keyframes() const { return keyframes_; }
 
  private:
+  void link(const Landmark& landmark);
+
   std::map<LandmarkId, Landmark> landmarks_;
   std::map<KeyframeId, Keyframe> keyframes_;
   double disparity_offset_px_ = 0.0;

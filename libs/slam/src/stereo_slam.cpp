@@ -7,6 +7,7 @@
 #include "frame_tracker.h"
 #include "local_mapper.h"
 #include "loop_closer.h"
+#include "map_archive.h"
 #include "motion_model.h"
 #include "sparse_map.h"
 
@@ -80,6 +81,8 @@ class StereoSlam::Implementation {
   }
 
   [[nodiscard]] MapView map() const;
+  [[nodiscard]] std::string save() const { return packMap(map_, *camera_); }
+  void load(const std::string& bytes);
   [[nodiscard]] std::vector<FrameEstimate> trajectory() const;
   [[nodiscard]] const StageTimes& times() const { return times_; }
 
@@ -134,7 +137,7 @@ std::optional<TrackedPose> StereoSlam::Implementation::track(const StereoFrame& 
                                                              const TrackingFrame& current) {
   if (!reference_) {
     motion_.reset(frame.time, firstRobotPose(frame, params_.use_imu) * camera_->T_robot_cam);
-    return std::nullopt;
+    if (map_.keyframes().empty()) return std::nullopt;
   }
   const std::vector<Pose> guesses{motion_.predict(frame), motion_.last()};
   auto tracked = tracker_.track(previous_, seen_before_, current, guesses, local_landmarks_, map_);
@@ -174,7 +177,8 @@ SlamUpdate StereoSlam::Implementation::guess(const StereoFrame& frame,
     motion_.coast(frame.time, motion_.predict(frame));
     covariance_ += kGrowth * PoseCovariance::Identity();
   }
-  const bool wanted = !reference_ || lost_in_a_row_ > params_.restart_after;
+  const bool wanted =
+      map_.keyframes().empty() || (reference_ && lost_in_a_row_ > params_.restart_after);
   seen_before_.clear();
   if (params_.mapping && wanted && begin(current)) {
     lost_in_a_row_ = 0;
@@ -249,6 +253,11 @@ HungPose StereoSlam::Implementation::hang(const TrackingFrame& current,
   return hung;
 }
 
+void StereoSlam::Implementation::load(const std::string& bytes) {
+  map_ = unpackMap(bytes, *camera_);
+  for (const auto& [id, keyframe] : map_.keyframes()) loops_.index(id, map_);
+}
+
 MapView StereoSlam::Implementation::map() const {
   MapView view;
   for (const auto& [id, landmark] : map_.landmarks()) {
@@ -284,6 +293,10 @@ StereoSlam::~StereoSlam() = default;
 SlamUpdate StereoSlam::process(const StereoFrame& frame, const MovingRegions& moving) {
   return implementation_->process(frame, moving);
 }
+
+std::string StereoSlam::save() const { return implementation_->save(); }
+
+void StereoSlam::load(const std::string& bytes) { implementation_->load(bytes); }
 
 MapView StereoSlam::map() const { return implementation_->map(); }
 

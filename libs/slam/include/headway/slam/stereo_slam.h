@@ -8,6 +8,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace headway::slam {
@@ -67,6 +68,15 @@ class StereoSlam {
 
   /// Every frame processed so far, hung on its reference keyframe as corrected since.
   [[nodiscard]] std::vector<FrameEstimate> trajectory() const;
+
+  /// The whole map as bytes, to go on with later: see load().
+  [[nodiscard]] std::string save() const;
+
+  /// Takes a saved map up again, before the first frame. The camera counts as lost until it is
+  /// recognised somewhere in it; then it is tracked, and with slam.mapping the map grows on.
+  ///
+  /// @throws InputError if the bytes are cut off, damaged, of another version or of another camera
+  void load(const std::string& bytes);
 
   /// Milliseconds of "slam_track" (features to pose) and "slam_map" (the rest), a frame each.
   [[nodiscard]] const StageTimes& times() const;

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <headway/core/stereo_camera.h>
+
+#include <string>
+
+#include "sparse_map.h"
+
+namespace headway::slam {
+
+/// The whole map as bytes: version, camera, keyframes, landmarks with patches and descriptors.
+///
+/// Law: unpackMap(packMap(map)) has the same landmarks, keyframes and links, bit by bit.
+[[nodiscard]] std::string packMap(const SparseMap& map, const StereoCamera& camera);
+
+/// Reads what packMap wrote.
+///
+/// @param camera  that is going to use the map
+/// @throws InputError if the bytes are cut off, damaged, of another version, or the map was made
+///         with another camera
+[[nodiscard]] SparseMap unpackMap(const std::string& bytes, const StereoCamera& camera);
+
+}  // namespace headway::slam

@@ -1,0 +1,139 @@
+#include "map_archive.h"
+
+#include <gtest/gtest.h>
+#include <headway/core/error.h>
+#include <headway/slam/stereo_slam.h>
+#include <headway_test/textured_world.h>
+
+namespace headway::slam {
+namespace {
+
+SparseMap smallMap() {
+  SparseMap map;
+  Pose pose = Pose::Identity();
+  pose.translation() << 1.0, -2.0, 0.5;
+  const KeyframeId a = map.addKeyframe(3, 1.5, Pose::Identity()).id;
+  const KeyframeId b = map.addKeyframe(9, 2.5, pose).id;
+  Landmark& landmark = map.addLandmark({1.0, 2.0, 9.0}, a, {{10.5, 20.25}, 7.5, true, 0.5, 0.4});
+  landmark.patch.pixels[5] = 77;
+  landmark.patch.centre << 15.5F, 15.25F;
+  landmark.descriptor[31] = 200;
+  landmark.agreed = 4;
+  map.observe(b, landmark.id, {{11.5, 21.25}, 8.5, false, 0.5, 0.4});
+  map.setDisparityOffset(-0.125);
+  return map;
+}
+
+TEST(MapArchive, GivesBackWhatItTook) {
+  const auto camera = test::smallCamera();
+  const std::string bytes = packMap(smallMap(), camera);
+  const SparseMap map = unpackMap(bytes, camera);
+  EXPECT_EQ(packMap(map, camera), bytes);
+  EXPECT_EQ(map.keyframes().size(), 2U);
+  EXPECT_EQ(map.keyframe(KeyframeId{1}).landmarks.size(), 1U);
+  EXPECT_DOUBLE_EQ(map.disparityOffset(), -0.125);
+}
+
+TEST(MapArchive, GoesOnWithNewIds) {
+  const auto camera = test::smallCamera();
+  SparseMap map = unpackMap(packMap(smallMap(), camera), camera);
+  EXPECT_EQ(map.addKeyframe(10, 3.0, Pose::Identity()).id, KeyframeId{2});
+}
+
+TEST(MapArchive, RefusesToBeCutOffAtAnyByte) {
+  const auto camera = test::smallCamera();
+  const std::string bytes = packMap(smallMap(), camera);
+  for (std::size_t length = 0; length < bytes.size(); ++length) {
+    EXPECT_THROW(static_cast<void>(unpackMap(bytes.substr(0, length), camera)), InputError);
+  }
+  EXPECT_THROW(static_cast<void>(unpackMap(bytes + "x", camera)), InputError);
+}
+
+TEST(MapArchive, NeverCrashesOnADamagedByte) {
+  const auto camera = test::smallCamera();
+  const std::string bytes = packMap(smallMap(), camera);
+  int refused = 0;
+  for (std::size_t at = 0; at < bytes.size(); ++at) {
+    std::string damaged = bytes;
+    damaged[at] = static_cast<char>(~damaged[at]);
+    try {
+      static_cast<void>(unpackMap(damaged, camera));
+    } catch (const InputError&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 50);
+}
+
+TEST(MapArchive, RefusesAnotherCameraOrVersion) {
+  auto camera = test::smallCamera();
+  std::string bytes = packMap(smallMap(), camera);
+  camera.baseline_m *= 1.1;
+  EXPECT_THROW(static_cast<void>(unpackMap(bytes, camera)), InputError);
+  bytes[4] = 99;
+  EXPECT_THROW(static_cast<void>(unpackMap(bytes, test::smallCamera())), InputError);
+}
+
+/// A hall that a robot walks through.
+class SavedHall : public testing::Test {
+ protected:
+  static constexpr int kFrames = 30;
+  SavedHall() : world_(test::smallCamera()) {
+    world_.addRoom(12.0, 8.0, 4.0);
+    StereoSlam slam(world_.camera(), SlamParams{});
+    for (int i = 0; i < kFrames; ++i) {
+      static_cast<void>(slam.process(world_.frame(i, 0.1 * i, onPath(i)), {}));
+    }
+    saved_ = slam.save();
+  }
+  static Pose onPath(double i) {
+    Pose pose = Pose::Identity();
+    pose.translation() << 0.05 * i, 0.3 * std::sin(0.05 * i), 0.0;
+    pose.linear() = expSo3({0.0, 0.0, 0.5 * std::sin(0.1 * i)});
+    return pose;
+  }
+  test::TexturedWorld world_;
+  std::string saved_;
+};
+
+TEST_F(SavedHall, TellsWhereACameraStartsAgain) {
+  int found = 0;
+  for (int start = 0; start < 10; ++start) {
+    SlamParams params;
+    params.mapping = false;
+    StereoSlam slam(world_.camera(), params);
+    slam.load(saved_);
+    Pose pose = onPath(2.9 * start);
+    pose.translation() += Eigen::Vector3d(0.03, 0.08, -0.05);
+    const auto update = slam.process(world_.frame(0, 0.0, pose), {});
+    if (update.status != TrackingStatus::kTracked) continue;
+    ++found;
+    EXPECT_LT((update.T_map_robot.translation() - pose.translation()).norm(), 0.05);
+    EXPECT_EQ(slam.save(), slam.save());
+  }
+  EXPECT_EQ(found, 10);
+}
+
+TEST_F(SavedHall, IsNotTakenForAnotherWorld) {
+  test::TexturedWorld other(test::smallCamera(), 55);
+  other.addRoom(9.0, 7.0, 3.0);
+  StereoSlam slam(world_.camera(), SlamParams{});
+  slam.load(saved_);
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_EQ(slam.process(other.frame(i, 0.1 * i, onPath(i)), {}).status, TrackingStatus::kLost);
+  }
+}
+
+TEST_F(SavedHall, GrowsOnWithMapping) {
+  StereoSlam slam(world_.camera(), SlamParams{});
+  slam.load(saved_);
+  const std::size_t before = slam.map().keyframes.size();
+  for (int i = 0; i < 12; ++i) {
+    const auto update = slam.process(world_.frame(i, 0.1 * i, onPath(kFrames - 3 + i)), {});
+    EXPECT_EQ(update.status, TrackingStatus::kTracked) << i;
+  }
+  EXPECT_GT(slam.map().keyframes.size(), before);
+}
+
+}  // namespace
+}  // namespace headway::slam
