@@ -38,7 +38,7 @@ class Detector {
   [[nodiscard]] virtual MovingRegions movingRegions() const { return {}; }
 
   /// What it left out so far, by reason: frames it could not use, finds it did not believe.
-  [[nodiscard]] const DropCounts& dropped() const { return dropped_; }
+  [[nodiscard]] virtual const DropCounts& dropped() const { return dropped_; }
 
  protected:
   void drop(const char* reason, std::size_t count = 1) {

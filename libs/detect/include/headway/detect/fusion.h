@@ -1,0 +1,29 @@
+#pragma once
+
+#include <headway/core/detection.h>
+
+#include <vector>
+
+namespace headway::detect {
+
+/// When two detectors mean the same object.
+struct FusionParams {
+  double same_iou = 0.4;         ///< of the 2D boxes [-]
+  double same_inside = 0.7;      ///< or share of one 2D box inside the other [-]
+  double same_distance_m = 1.5;  ///< between the centres over the ground, where both have any [m]
+};
+
+/// Joins what several detectors found in one frame, without doubles.
+///
+/// Two detections of different sources are one object if their image boxes overlap and, where both
+/// have a place in space, those are near to each other; without image boxes the places decide. The
+/// earlier source's detection is kept (list the one that knows classes first) and takes from the
+/// other what it lacks: the 3D box with its covariance, or the 2D box. A class that is Unknown
+/// gives way to a known one. Laws: one source alone comes out as it went in; nothing is invented.
+///
+/// @param sources  of the same frame and sensor, best informed first
+/// @return         time and sensor of the first source; none: empty Detections
+[[nodiscard]] Detections fuse(const std::vector<Detections>& sources,
+                              const FusionParams& params = {});
+
+}  // namespace headway::detect

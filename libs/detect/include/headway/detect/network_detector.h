@@ -1,0 +1,52 @@
+#pragma once
+
+#include <headway/core/params.h>
+#include <headway/detect/detector.h>
+
+#include <memory>
+#include <string>
+
+namespace headway::detect {
+
+/// A network that finds objects in single images, and how to read what it says. Section [dnn].
+struct NetworkParams {
+  enum class Family {
+    kYolox,    ///< ONNX; one row a cell: centre and size to decode by cell and stride, then scores
+    kDarknet,  ///< .cfg and .weights; rows of centre and size relative to the input, then scores
+  };
+
+  Family family = Family::kYolox;
+  std::string model = "";      ///< file of the weights: .onnx or .weights; not part of headway
+  std::string layout = "";     ///< file of the layers (.cfg); Darknet only
+  int input_width = 416;       ///< of the network [px], a multiple of 32
+  int input_height = 416;      ///< [px], a multiple of 32
+  double scale = 1.0;          ///< grey values are multiplied by this
+  bool swap_red_blue = false;  ///< the network wants RGB
+  bool letterbox = true;       ///< keep the image's proportions, fill with `letterbox_grey`
+  int letterbox_grey = 114;
+  std::string classes = "coco";  ///< what its classes mean: "coco", or KITTI names by comma
+  double min_score = 0.35;       ///< lower scores are left out [-]
+  double same_object_iou = 0.5;  ///< of two boxes that overlap more the better is kept [-]
+
+  void describe(Params::Section section);
+};
+
+/// Finds objects by a network, through OpenCV's DNN module. 2D boxes; a StereoLifter adds depth.
+///
+/// People on bicycles: a person whose box stands on a bicycle's is one Cyclist; a bicycle without
+/// a rider is left out, as nothing that moves by itself.
+class NetworkDetector : public Detector {
+ public:
+  /// @throws InputError naming what was expected if the model cannot be read or does not fit
+  explicit NetworkDetector(const NetworkParams& params);
+  ~NetworkDetector() override;
+
+  [[nodiscard]] std::optional<Detections> detect(const StereoFrame& frame,
+                                                 const std::optional<Pose>& T_map_robot) override;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace headway::detect

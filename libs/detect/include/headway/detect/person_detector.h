@@ -1,0 +1,36 @@
+#pragma once
+
+#include <headway/core/params.h>
+#include <headway/detect/detector.h>
+
+#include <memory>
+
+namespace headway::detect {
+
+/// Section [hog].
+struct PersonParams {
+  double upscale = 1.5;          ///< the image is enlarged by this: people of 96 px / upscale [-]
+  double step = 1.1;             ///< from one size searched to the next [-]
+  double min_score = 0.6;        ///< distance from the decision plane [-]
+  double same_object_iou = 0.4;  ///< of two boxes that overlap more the better is kept [-]
+
+  void describe(Params::Section section);
+};
+
+/// Finds upright people by OpenCV's built-in detector: no file needed. 2D boxes.
+///
+/// @see  Dalal & Triggs 2005, "Histograms of oriented gradients for human detection"
+class PersonDetector : public Detector {
+ public:
+  explicit PersonDetector(const PersonParams& params);
+  ~PersonDetector() override;
+
+  [[nodiscard]] std::optional<Detections> detect(const StereoFrame& frame,
+                                                 const std::optional<Pose>& T_map_robot) override;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace headway::detect

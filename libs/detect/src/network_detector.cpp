@@ -1,0 +1,148 @@
+#include <headway/core/error.h>
+#include <headway/detect/network_detector.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <opencv2/dnn.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "network_output.h"
+
+namespace headway::detect {
+namespace {
+
+constexpr int kBoxColumns = 5;  // centre, size, objectness
+
+[[noreturn]] void fail(const std::string& what) { throw InputError("[dnn] " + what); }
+
+void requireFile(const std::string& key, const std::string& path, const std::string& kind) {
+  if (path.empty()) {
+    fail(key + " is not set: expected the path of " + kind +
+         " (headway ships no weights; doc/detectors.md says where to get them)");
+  }
+  if (!std::filesystem::is_regular_file(path)) {
+    fail(key + " = " + path + ": no such file; expected " + kind);
+  }
+}
+
+cv::dnn::Net load(const NetworkParams& params) {
+  const bool darknet = params.family == NetworkParams::Family::kDarknet;
+  requireFile("model", params.model, darknet ? "a Darknet .weights file" : "an ONNX model (YOLOX)");
+  if (darknet) requireFile("layout", params.layout, "the Darknet .cfg file of the weights");
+  try {
+    return darknet ? cv::dnn::readNetFromDarknet(params.layout, params.model)
+                   : cv::dnn::readNetFromONNX(params.model);
+  } catch (const cv::Exception&) {
+    fail("model = " + params.model + ": OpenCV cannot read it as " +
+         (darknet ? "Darknet weights of layout " + params.layout : "an ONNX model") +
+         "; set family to what the file is");
+  }
+}
+
+}  // namespace
+
+void NetworkParams::describe(Params::Section section) {
+  section.add("family", family, {{"yolox", Family::kYolox}, {"darknet", Family::kDarknet}},
+              "Kind of network");
+  section.add("model", model, "File of the weights: .onnx (yolox) or .weights (darknet)");
+  section.add("layout", layout, "File of the layers (.cfg), darknet only");
+  section.add("input_width", input_width, 32, 4096, "px", "Of the network, a multiple of 32");
+  section.add("input_height", input_height, 32, 4096, "px", "Of the network, a multiple of 32");
+  section.add("scale", scale, 0.0, 10.0, "-", "Grey values 0 ... 255 are multiplied by this");
+  section.add("swap_red_blue", swap_red_blue, "The network wants RGB instead of BGR");
+  section.add("letterbox", letterbox, "Keep the image's proportions and fill the rest with grey");
+  section.add("letterbox_grey", letterbox_grey, 0, 255, "-", "Grey of the filling");
+  section.add("classes", classes,
+              "What the network's classes are: coco, or KITTI's names separated by commas");
+  section.add("min_score", min_score, 0.0, 1.0, "-", "Boxes of lower scores are left out");
+  section.add("same_object_iou", same_object_iou, 0.0, 1.0, "-",
+              "Of two boxes of a class that overlap more the better is kept");
+}
+
+class NetworkDetector::Implementation {
+ public:
+  explicit Implementation(const NetworkParams& params)
+      : params_(params), classes_(networkClasses(params.classes)), net_(load(params)) {
+    if (params_.input_width % 32 != 0 || params_.input_height % 32 != 0) {
+      fail("input_width and input_height must be multiples of 32, are " +
+           std::to_string(params_.input_width) + " and " + std::to_string(params_.input_height));
+    }
+    // A first run shows whether the network is what the configuration says.
+    (void)boxesIn(cv::Mat(64, 64, CV_8UC3, cv::Scalar::all(0)));
+  }
+
+  std::vector<Detection> look(const StereoFrame& frame) {
+    cv::Mat image = frame.left_colour;
+    if (image.empty()) cv::cvtColor(frame.left, image, cv::COLOR_GRAY2BGR);
+    auto boxes = withoutOverlaps(boxesIn(image), params_.same_object_iou);
+    for (auto& box : boxes) {
+      box.box.left = std::clamp(box.box.left, 0.0, image.cols - 1.0);
+      box.box.right = std::clamp(box.box.right, 0.0, image.cols - 1.0);
+      box.box.top = std::clamp(box.box.top, 0.0, image.rows - 1.0);
+      box.box.bottom = std::clamp(box.box.bottom, 0.0, image.rows - 1.0);
+    }
+    return toDetections(boxes, classes_);
+  }
+
+ private:
+  std::vector<NetworkBox> boxesIn(const cv::Mat& image) {
+    const cv::Size size(params_.input_width, params_.input_height);
+    InputFit fit{size.width / static_cast<double>(image.cols),
+                 size.height / static_cast<double>(image.rows)};
+    if (params_.letterbox) fit.scale_x = fit.scale_y = std::min(fit.scale_x, fit.scale_y);
+    cv::Mat input(size, CV_8UC3, cv::Scalar::all(params_.letterbox_grey));
+    const cv::Size inner(std::max(1, static_cast<int>(image.cols * fit.scale_x)),
+                         std::max(1, static_cast<int>(image.rows * fit.scale_y)));
+    cv::resize(image, input({0, 0, inner.width, inner.height}), inner);
+    std::vector<cv::Mat> outputs;
+    try {
+      net_.setInput(cv::dnn::blobFromImage(input, params_.scale, size, {}, params_.swap_red_blue));
+      net_.forward(outputs, net_.getUnconnectedOutLayersNames());
+    } catch (const cv::Exception&) {
+      fail("model = " + params_.model + ": cannot run on an input of " +
+           std::to_string(size.width) + "x" + std::to_string(size.height) +
+           " px; set input_width and input_height to those it was made for");
+    }
+    std::vector<NetworkBox> boxes;
+    for (const auto& output : outputs) {
+      const auto found = decodeRows(rowsOf(output), params_, fit);
+      boxes.insert(boxes.end(), found.begin(), found.end());
+    }
+    return boxes;
+  }
+
+  // The output as one box a row; checks that it is what the family gives.
+  [[nodiscard]] cv::Mat rowsOf(const cv::Mat& output) const {
+    const int columns = kBoxColumns + static_cast<int>(classes_.size());
+    const bool yolox = params_.family == NetworkParams::Family::kYolox;
+    const int wanted_rows = yolox ? yoloxRows(params_.input_width, params_.input_height) : -1;
+    const int last = output.size[output.dims - 1];
+    const auto rows = static_cast<int>(output.total() / std::max(1, last));
+    if (output.type() != CV_32F || last != columns || (yolox && rows != wanted_rows)) {
+      fail("model = " + params_.model + ": gives " + std::to_string(rows) + " rows of " +
+           std::to_string(last) + " values, expected " +
+           (yolox ? std::to_string(wanted_rows) + " rows of " : std::string("rows of ")) +
+           std::to_string(columns) + " (4 for the box, 1 objectness, " +
+           std::to_string(classes_.size()) + " classes); check family, classes and input size");
+    }
+    return output.reshape(1, rows);
+  }
+
+  NetworkParams params_;
+  std::vector<NetworkClass> classes_;
+  cv::dnn::Net net_;
+};
+
+NetworkDetector::NetworkDetector(const NetworkParams& params)
+    : implementation_(std::make_unique<Implementation>(params)) {}
+
+NetworkDetector::~NetworkDetector() = default;
+
+std::optional<Detections> NetworkDetector::detect(const StereoFrame& frame,
+                                                  const std::optional<Pose>& /*T_map_robot*/) {
+  Detections detections = emptyDetections(frame);
+  detections.items = implementation_->look(frame);
+  return detections;
+}
+
+}  // namespace headway::detect
