@@ -250,13 +250,13 @@ TEST_F(DatasetTest, realEurocCamerasLookForwardAndTruthIsLevel) {
   EXPECT_GT(camera->T_robot_left.linear()(0, 2), 0.99);
   EXPECT_LT(camera->T_robot_left.linear()(1, 0), -0.99);
   std::size_t with_truth = 0;
-  for (std::size_t i = 0; i < dataset->size(); ++i) {
+  for (std::size_t i = 0; i < dataset->size(); i += 20) {
     const auto truth = dataset->frame(i).truth_T_map_robot;
     if (!truth) continue;
     ++with_truth;
     EXPECT_GT(truth->linear()(2, 2), 0.6) << i;  // the drone's up is mostly up
   }
-  EXPECT_EQ(200u, with_truth);
+  EXPECT_EQ(10u, with_truth);
 }
 
 }  // namespace

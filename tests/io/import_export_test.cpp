@@ -60,6 +60,12 @@ TEST_F(ImportExportTest, usageIsChecked) {
   EXPECT_THAT(dump.output, HasSubstr("drop_probability"));
 }
 
+TEST_F(ImportExportTest, theShippedConfigurationIsTheDefault) {
+  const std::string shipped = std::string(HEADWAY_SOURCE_DIR) + "/config/degrade.ini";
+  EXPECT_EQ(test::contentOf(shipped), import("euroc --dump-config").output)
+      << "config/degrade.ini is made by: headway-import euroc --dump-config > config/degrade.ini";
+}
+
 TEST_F(ImportExportTest, badInputIsOneLineAndStatusOne) {
   const auto result = import("kitti-odometry /nowhere --sequence 06 -o " + at("x.rawlog"));
   EXPECT_EQ(1, result.status);
@@ -163,16 +169,17 @@ TEST_F(ImportExportTest, aPartCanBeTaken) {
 TEST_F(ImportExportTest, kittiComesBackUnharmedFromARawlog) {
   HEADWAY_REQUIRE_DATA(data);
   const std::string original = data / "kitti_odometry";
-  ASSERT_EQ(0,
-            import("kitti-odometry " + original + " --sequence 06 -q -o " + at("x.rawlog")).status);
+  ASSERT_EQ(0, import("kitti-odometry " + original + " --sequence 06 --to-index 15 -q -o " +
+                      at("x.rawlog"))
+                   .status);
   const auto result =
       exported("kitti-odometry " + at("x.rawlog") + " -o " + at("copy/sequences/06"));
   ASSERT_EQ(0, result.status) << result.output;
   const auto before = openKittiOdometry(original, "06");
   const auto after = openKittiOdometry(at("copy"), "06");
   ASSERT_EQ(51u, before->size());
-  ASSERT_EQ(before->size(), after->size());
-  for (std::size_t i = 0; i < before->size(); ++i) {
+  ASSERT_EQ(16u, after->size());
+  for (std::size_t i = 0; i < after->size(); ++i) {
     const auto a = before->frame(i);
     const auto b = after->frame(i);
     EXPECT_TRUE(test::sameImage(a.left, b.left)) << i;
@@ -225,14 +232,20 @@ TEST_F(ImportExportTest, kittiTrackingGivesPosesAndBoxes) {
 TEST_F(ImportExportTest, CtrlCLeavesAReadableRawlog) {
   HEADWAY_REQUIRE_DATA(data);
   const auto result = test::runProcess(
-      "timeout --signal=INT 0.7 " + std::string(HEADWAY_BIN_DIR) + "/headway-import euroc " +
-      (data / "euroc/MH_01_easy").string() + " -o " + at("x.rawlog"));
-  if (result.status != 124) GTEST_SKIP() << "the import was done before it was interrupted";
+      std::string(HEADWAY_BIN_DIR) + "/headway-import euroc " +
+      (data / "euroc/MH_01_easy").string() + " -o " + at("x.rawlog") +
+      " & program=$!; until [ -s " + at("x.rawlog.part") + " ] || [ -e " + at("x.rawlog") +
+      " ]; do sleep 0.01; done; kill -INT $program; wait $program");
+  EXPECT_EQ(0, result.status);
   ASSERT_TRUE(fs::exists(folder_ / "x.rawlog")) << result.output;
-  EXPECT_THAT(result.output, HasSubstr("interrupted"));
   RawlogSource source(at("x.rawlog"), {});
-  EXPECT_FALSE(test::framesOf(source).empty());
+  const auto frames = test::framesOf(source).size();
+  EXPECT_GT(frames, 0u);
   EXPECT_FALSE(source.truncation());
+  EXPECT_THAT(result.output, HasSubstr(std::to_string(frames) + " frames"));
+  if (frames < 200) {  // else it was done already
+    EXPECT_THAT(result.output, HasSubstr("interrupted"));
+  }
 }
 
 }  // namespace
