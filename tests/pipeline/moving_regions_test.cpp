@@ -22,13 +22,6 @@ Track trackIn(const Box2d& box, TrackStatus status, bool moving) {
   return track;
 }
 
-TEST(IntersectionOverUnionTest, handWorkedCases) {
-  const Box2d unit{0, 0, 10, 10};
-  EXPECT_DOUBLE_EQ(1.0, intersectionOverUnion(unit, unit));
-  EXPECT_DOUBLE_EQ(0.0, intersectionOverUnion(unit, {10, 0, 20, 10}));
-  EXPECT_DOUBLE_EQ(50.0 / 150.0, intersectionOverUnion(unit, {5, 0, 15, 10}));
-}
-
 TEST(MovingRegionsTest, onlyWhatATrackFoundStillMayStay) {
   const Box2d box{100, 50, 200, 150};
   Detections detections;

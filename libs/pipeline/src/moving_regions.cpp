@@ -1,3 +1,4 @@
+#include <headway/core/box_overlap.h>
 #include <headway/pipeline/moving_regions.h>
 
 #include <algorithm>
@@ -13,7 +14,7 @@ bool wasFoundStill(const Box2d& box, const std::vector<Track>& previous) {
   double best_iou = kSameObjectIou;
   for (const auto& track : previous) {
     if (!track.box2d) continue;
-    const double iou = intersectionOverUnion(box, *track.box2d);
+    const double iou = overlap2d(box, *track.box2d);
     if (iou >= best_iou) {
       best_iou = iou;
       best = &track;
@@ -62,14 +63,6 @@ std::optional<Box2d> projectedBox(const Box3d& box, const StereoCamera& camera) 
   around.bottom = std::min(around.bottom, camera.height - 1.0);
   if (!(around.left < around.right && around.top < around.bottom)) return std::nullopt;
   return around;
-}
-
-double intersectionOverUnion(const Box2d& a, const Box2d& b) {
-  const double width = std::min(a.right, b.right) - std::max(a.left, b.left);
-  const double height = std::min(a.bottom, b.bottom) - std::max(a.top, b.top);
-  if (!(width > 0.0 && height > 0.0)) return 0.0;
-  const double intersection = width * height;
-  return intersection / (a.width() * a.height() + b.width() * b.height() - intersection);
 }
 
 }  // namespace headway::pipeline

@@ -27,7 +27,4 @@ namespace headway::pipeline {
 /// @return [px]; nullopt if a corner is not in front of the camera or the box is out of view
 [[nodiscard]] std::optional<Box2d> projectedBox(const Box3d& box, const StereoCamera& camera);
 
-/// Intersection over union of two image boxes, 0 to 1.
-[[nodiscard]] double intersectionOverUnion(const Box2d& a, const Box2d& b);
-
 }  // namespace headway::pipeline
