@@ -45,7 +45,7 @@ TEST(FrameFeedTest, realtimeKeepsTheOrderAndAccountsForEveryFrame) {
 
 TEST(FrameFeedTest, realtimeDoesNotRunAheadOfTheRecording) {
   const auto start = std::chrono::steady_clock::now();
-  const auto feed = makeRealtimeFeed(readerOf(5, 0.1), 10.0);
+  const auto feed = makeRealtimeFeed(readerOf(5, 0.1), 10.0, 5);
   EXPECT_EQ(5u, drain(*feed, 0.0).size());
   EXPECT_GE(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(40));
 }

@@ -30,6 +30,7 @@ class KeepFailure : public TCLAP::StdOutput {
 struct CommandLine::Arguments {
   Arguments(const std::string& name, const std::string& summary)
       : program(name), line(summary, ' ', kVersion) {
+    delete line.getOutput();  // TCLAP forgets the one it made itself
     line.setOutput(&output);
   }
 
