@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <headway/core/error.h>
 #include <headway/slam/stereo_slam.h>
 #include <headway_test/textured_world.h>
 
@@ -82,9 +83,11 @@ TEST(StereoSlam, SaysLostWithoutImagesAndFindsItsMapAgain) {
     EXPECT_EQ(update.status, TrackingStatus::kLost);
     EXPECT_TRUE(isFinite(update));
   }
-  const auto update = slam.process(world.frame(20, 2.0, onPath(20)), {});
-  EXPECT_EQ(update.status, TrackingStatus::kTracked);
-  EXPECT_LT(errorAt(update, 20), 0.03);
+  for (int i = 20; i < 24; ++i) {
+    const auto update = slam.process(world.frame(i, 0.1 * i, onPath(i)), {});
+    EXPECT_EQ(update.status, TrackingStatus::kTracked) << i;
+    EXPECT_LT(errorAt(update, i), 0.03) << i;
+  }
   const auto path = slam.trajectory();
   EXPECT_TRUE(path[14].tracked);
   EXPECT_FALSE(path[17].tracked);
@@ -179,6 +182,16 @@ TEST(StereoSlam, IsLostWhereEverythingMoves) {
   EXPECT_EQ(update.status, TrackingStatus::kLost);
   EXPECT_TRUE(isFinite(update));
   EXPECT_EQ(slam.process(world.frame(6, 0.6, onPath(6)), {}).status, TrackingStatus::kTracked);
+}
+
+TEST(StereoSlam, RefusesImagesThatAreNotTheCameras) {
+  const auto world = room();
+  StereoSlam slam(world.camera(), SlamParams{});
+  StereoFrame frame = world.frame(0, 0.0, onPath(0));
+  frame.right = cv::Mat(100, 100, CV_8U, cv::Scalar(0));
+  EXPECT_THROW(static_cast<void>(slam.process(frame, {})), InputError);
+  frame.right = cv::Mat();
+  EXPECT_THROW(static_cast<void>(slam.process(frame, {})), InputError);
 }
 
 TEST(StereoSlam, LevelsTheMapByGravity) {

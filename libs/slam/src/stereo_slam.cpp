@@ -1,3 +1,4 @@
+#include <headway/core/error.h>
 #include <headway/slam/stereo_slam.h>
 
 #include <algorithm>
@@ -39,6 +40,19 @@ PoseCovariance compose(const PoseCovariance& of_ab, const Pose& T_b_c,
   adjoint.topRightCorner<3, 3>() = -R * cross;
   adjoint.bottomRightCorner<3, 3>() = R;
   return adjoint * of_ab * adjoint.transpose() + of_bc;
+}
+
+/// Throws InputError unless both images are 8-bit grey and of the camera's size.
+void requireImages(const StereoFrame& frame, const StereoCamera& camera) {
+  for (const cv::Mat* image : {&frame.left, &frame.right}) {
+    if (image->type() == CV_8UC1 && image->cols == camera.width && image->rows == camera.height) {
+      continue;
+    }
+    throw InputError("stereo frame " + std::to_string(frame.index) + ": an image is " +
+                     std::to_string(image->cols) + "x" + std::to_string(image->rows) +
+                     ", must be 8-bit grey and " + std::to_string(camera.width) + "x" +
+                     std::to_string(camera.height) + " as calibrated");
+  }
 }
 
 /// Pose of the robot at the first frame: level where gravity is known, else identity.
@@ -124,6 +138,7 @@ class StereoSlam::Implementation {
 
 TrackingFrame StereoSlam::Implementation::prepare(const StereoFrame& frame,
                                                   const MovingRegions& moving) const {
+  requireImages(frame, *camera_);
   TrackingFrame current;
   current.index = frame.index;
   current.time = frame.time;
@@ -150,14 +165,18 @@ std::optional<TrackedPose> StereoSlam::Implementation::track(const StereoFrame& 
 
 /// The pose is known: extend the map where it gets thin.
 SlamUpdate StereoSlam::Implementation::accept(const TrackingFrame& current, TrackedPose& tracked) {
-  lost_in_a_row_ = 0;
   SlamUpdate update;
   update.status = TrackingStatus::kTracked;
   update.inliers = static_cast<int>(tracked.landmarks.size());
   const Keyframe& reference = map_.keyframe(*reference_);
   const Pose T_reference_cam = reference.T_map_cam.inverse(Eigen::Isometry) * tracked.T_map_cam;
   covariance_ = compose(reference.covariance, T_reference_cam, tracked.covariance);
-  motion_.update(current.time, tracked.T_map_cam);
+  if (lost_in_a_row_ > 0) {
+    motion_.reset(current.time, tracked.T_map_cam);  // from a guess to here is no velocity
+  } else {
+    motion_.update(current.time, tracked.T_map_cam);
+  }
+  lost_in_a_row_ = 0;
   update.is_keyframe = params_.mapping && wantsKeyframe(tracked);
   if (update.is_keyframe) makeKeyframe(current, tracked, update);
   seen_before_ = std::move(tracked.landmarks);

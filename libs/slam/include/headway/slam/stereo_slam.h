@@ -61,6 +61,8 @@ class StereoSlam {
   ~StereoSlam();
 
   /// Localises one frame and extends the map from it. Frames come in order of time.
+  ///
+  /// @throws InputError if the images or the mask are not of the camera's size
   [[nodiscard]] SlamUpdate process(const StereoFrame& frame, const MovingRegions& moving);
 
   /// Landmarks and keyframes as they are now.
