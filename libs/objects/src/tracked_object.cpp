@@ -146,6 +146,7 @@ Track TrackedObject::shownAt(Time time) const {
 }
 
 void TrackedObject::settle(std::size_t window, Time time, std::vector<TrackSample>& samples) {
+  const Track shown_now = shownAt(time);  // before its path is taken out
   const std::vector<TrajectoryPoint> settled = trajectory_.settle(window);
   if (!confirmed_) return;
   for (std::size_t j = 0; j < settled.size(); ++j) {
@@ -153,7 +154,7 @@ void TrackedObject::settle(std::size_t window, Time time, std::vector<TrackSampl
     const TrajectoryPoint& next = j + 1 < settled.size()      ? settled[j + 1]
                                   : !trajectory_.path.empty() ? trajectory_.path.front()
                                                               : point;
-    TrackSample sample{point.frame, point.time, shownAt(time)};
+    TrackSample sample{point.frame, point.time, shown_now};
     sample.track.status = TrackStatus::kConfirmed;
     sample.track.position = point.position;
     sample.track.yaw = point.yaw;
