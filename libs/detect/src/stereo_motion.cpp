@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kLeastContrast = 4.0;  // standard deviation of a usable image [grey levels]
 constexpr double kLeastAgreeing = 0.3;  // share of still points that must fit the camera's motion
-constexpr int kFewPoints = 30;          // judged; with fewer nothing is said of the camera
+constexpr int kFewPoints = 12;          // judged; with fewer nothing is said of the camera
 constexpr double kLongestGap = 3.0;     // of the window: after it everything is begun anew
 constexpr double kShareOfBlob = 0.3;    // moving points in it: many sit on its outline, half behind
 constexpr double kPointsOfSureObject = 6.0;

@@ -29,7 +29,7 @@ struct StereoMotionParams {
   double reach_m = 1.0;        ///< between points of one object, over the ground [m]
   double moving_share = 0.6;   ///< of the points inside an object's outline [-]
   double blob_range_m = 30.0;  ///< farther things are not followed as a whole [m]
-  double most_moving = 0.6;    ///< if more of all points seem to move, the camera's motion is wrong
+  double most_moving = 0.4;    ///< if more of all points seem to move, the camera's motion is wrong
   bool guess_class = true;     ///< from size and speed; else every object is Unknown
 
   void describe(Params::Section section);

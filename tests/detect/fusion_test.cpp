@@ -1,0 +1,104 @@
+#include <gtest/gtest.h>
+#include <headway/core/error.h>
+#include <headway/detect/detector_factory.h>
+#include <headway/detect/fusion.h>
+
+namespace headway::detect {
+namespace {
+
+Detection seenAt(double left, std::optional<double> depth, ObjectClass object_class) {
+  Detection detection;
+  detection.object_class = object_class;
+  detection.box2d = Box2d{left, 100, left + 60, 160};
+  if (depth) {
+    detection.box3d = Box3d{{0, 0, *depth}, 4, 1.7, 1.5, 0};
+    detection.centre_covariance = Eigen::Matrix3d::Identity();
+  }
+  return detection;
+}
+
+Detections listOf(std::vector<Detection> items) {
+  Detections detections;
+  detections.time = 7.0;
+  detections.items = std::move(items);
+  return detections;
+}
+
+TEST(Fuse, OneSourceComesOutAsItWentIn) {
+  const auto only =
+      listOf({seenAt(10, 5.0, ObjectClass::kCar), seenAt(12, 5.1, ObjectClass::kCar)});
+  const auto fused = fuse({only});
+  EXPECT_EQ(fused.items.size(), 2u);
+  EXPECT_EQ(fused.time, 7.0);
+  EXPECT_TRUE(fuse({}).items.empty());
+}
+
+TEST(Fuse, AnObjectSeenTwiceIsReportedOnceWithAllThatIsKnown) {
+  auto moving = seenAt(14, 20.0, ObjectClass::kUnknown);
+  moving.detector_id = 3;
+  const auto fused =
+      fuse({listOf({seenAt(10, std::nullopt, ObjectClass::kCar)}), listOf({moving})});
+  ASSERT_EQ(fused.items.size(), 1u);
+  EXPECT_EQ(fused.items[0].object_class, ObjectClass::kCar);
+  EXPECT_EQ(fused.items[0].box2d->left, 10);
+  ASSERT_TRUE(fused.items[0].box3d);
+  EXPECT_EQ(fused.items[0].box3d->centre.z(), 20.0);
+  EXPECT_TRUE(fused.items[0].centre_covariance);
+  EXPECT_EQ(fused.items[0].detector_id, 3);
+}
+
+TEST(Fuse, OverlappingBoxesFarApartInSpaceAreTwoObjects) {
+  const auto fused = fuse({listOf({seenAt(10, 10.0, ObjectClass::kCar)}),
+                           listOf({seenAt(12, 30.0, ObjectClass::kCar)})});
+  EXPECT_EQ(fused.items.size(), 2u);
+}
+
+TEST(Fuse, PlacesDecideWhereThereAreNoImageBoxes) {
+  auto a = seenAt(10, 10.0, ObjectClass::kCar);
+  auto b = seenAt(300, 10.5, ObjectClass::kUnknown);
+  a.box2d.reset();
+  EXPECT_EQ(fuse({listOf({a}), listOf({b})}).items.size(), 1u);
+  b.box3d->centre.x() += 6.0;
+  EXPECT_EQ(fuse({listOf({a}), listOf({b})}).items.size(), 2u);
+}
+
+TEST(Fuse, TwoHalvesOfOneObjectDoNotBecomeASecondOne) {
+  auto whole = seenAt(10, 10.0, ObjectClass::kTruck);
+  auto half = whole, other_half = whole;
+  half.box2d->right = 40;
+  other_half.box2d->left = 40;
+  EXPECT_EQ(fuse({listOf({whole}), listOf({half, other_half})}).items.size(), 1u);
+}
+
+TEST(MakeDetector, NamesWhatThereIs) {
+  auto camera = std::make_shared<StereoCamera>();
+  try {
+    (void)makeDetector("radar", camera, DetectParams{});
+    FAIL() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("stereo_motion, dnn, hog"), std::string::npos);
+  }
+  EXPECT_EQ(makeDetectors("hog+stereo_motion", camera, DetectParams{}).size(), 2u);
+}
+
+TEST(MakeDetector, LooksAtEveryNthFrameOnly) {
+  auto camera = std::make_shared<StereoCamera>();
+  camera->width = 320;
+  camera->height = 160;
+  camera->fx = camera->fy = 200.0;
+  camera->cx = 160;
+  camera->cy = 80;
+  camera->baseline_m = 0.5;
+  StereoFrame frame;
+  frame.left = frame.right = cv::Mat(160, 320, CV_8U, cv::Scalar(90));
+  frame.camera = camera;
+  DetectParams params;
+  params.every_nth_frame = 3;
+  const auto detector = makeDetector("hog", camera, params);
+  std::vector<bool> looked;
+  for (int i = 0; i < 6; ++i) looked.push_back(detector->detect(frame, std::nullopt).has_value());
+  EXPECT_EQ(looked, (std::vector<bool>{true, false, false, true, false, false}));
+}
+
+}  // namespace
+}  // namespace headway::detect

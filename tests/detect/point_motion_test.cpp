@@ -1,0 +1,135 @@
+#include "point_motion.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "disparity_offset.h"
+
+namespace headway::detect {
+namespace {
+
+constexpr double kStep = 0.1;  // between frames [s]
+
+StereoCamera testCamera() {
+  StereoCamera camera;
+  camera.width = 1240;
+  camera.height = 376;
+  camera.fx = camera.fy = 718.0;
+  camera.cx = 620.0;
+  camera.cy = 188.0;
+  camera.baseline_m = 0.54;
+  return camera;
+}
+
+/// A camera that drives forward, and what it sees of a point.
+struct Drive {
+  StereoCamera camera = testCamera();
+  CameraPath path{camera, 0.5};
+  std::mt19937 random{3};
+
+  std::vector<Sighting> see(const Eigen::Vector3d& start, const Eigen::Vector3d& velocity,
+                            double noise_px, double offset_px = 0.0, double speed = 10.0) {
+    std::normal_distribution<double> noise(0.0, noise_px);
+    std::vector<Sighting> sightings;
+    for (int i = 0; i < 7; ++i) {
+      Pose T_map_cam = Pose::Identity();
+      T_map_cam.translation().z() = speed * kStep * i;
+      if (path.newest() < i) path.advance(kStep * i, T_map_cam);
+      const Eigen::Vector3d point = start + kStep * i * velocity;
+      Eigen::Vector3d uvd = *project(T_map_cam.inverse() * point, camera);
+      for (int k = 0; k < 3; ++k) uvd[k] += noise(random);
+      uvd.z() += offset_px;
+      sightings.push_back({i, uvd});
+    }
+    return sightings;
+  }
+};
+
+TEST(FitMotion, RecoversAVelocityWithinItsOwnUncertainty) {
+  Drive drive;
+  const Eigen::Vector3d velocity(1.0, 0.0, -3.0);
+  int within = 0;
+  for (int i = 0; i < 100; ++i) {
+    const auto sightings = drive.see({3, 0, 22}, velocity, 0.4);
+    const auto motion = fitMotion(sightings, drive.path, drive.camera, {}, 30.0);
+    ASSERT_TRUE(motion);
+    const Eigen::Vector3d off = motion->velocity - velocity;
+    if (off.dot(motion->velocity_covariance.inverse() * off) < 7.81) ++within;  // 95 %
+  }
+  EXPECT_GT(within, 85);
+}
+
+TEST(FitMotion, AStillPointsLikelihoodRatioIsChiSquare) {
+  Drive drive;
+  double sum = 0.0;
+  int beyond = 0;
+  for (int i = 0; i < 300; ++i) {
+    const auto motion =
+        fitMotion(drive.see({-4, 0, 18}, {0, 0, 0}, 0.4), drive.path, drive.camera, {}, 30.0);
+    ASSERT_TRUE(motion);
+    const double gain = motion->still_error - motion->moving_error;
+    sum += gain;
+    if (gain > 30.0) ++beyond;
+  }
+  EXPECT_NEAR(sum / 300, 3.0, 0.8) << "3 degrees of freedom";
+  EXPECT_EQ(beyond, 0);
+}
+
+TEST(FitMotion, SaysNothingOfASinglePlaceOrBehindTheCamera) {
+  Drive drive;
+  auto sightings = drive.see({0, 0, 20}, {0, 0, 0}, 0.0);
+  EXPECT_FALSE(fitMotion({sightings.back()}, drive.path, drive.camera, {}, 30.0));
+  sightings.back().uvd.z() = -1.0;
+  EXPECT_FALSE(fitMotion(sightings, drive.path, drive.camera, {}, 30.0));
+}
+
+TEST(CameraPath, RefiningUndoesASmallTurn) {
+  const StereoCamera camera = testCamera();
+  CameraPath path(camera, 0.5);
+  path.advance(0.0, Pose::Identity());
+  Pose turned = Pose::Identity();
+  turned.linear() = expSo3({0.0, 0.002, 0.0});
+  path.advance(0.1, turned);  // the camera has not turned at all
+  std::vector<StillSighting> points;
+  for (int i = 0; i < 60; ++i) {
+    const Eigen::Vector3d point(-10 + i % 10 * 2.0, -1 + i % 3, 12 + i % 7 * 4.0);
+    points.push_back({point, *project(point, camera)});
+  }
+  EXPECT_EQ(path.refine(points), 1.0);
+  EXPECT_LT(logSo3(path.T_cam_world(1).linear()).norm(), 1e-4);
+}
+
+TEST(CameraPath, AJumpOfTheMapDoesNotMoveTheWorld) {
+  CameraPath path(testCamera(), 0.5);
+  path.advance(0.0, Pose::Identity());
+  EXPECT_EQ(path.refine({}), 1.0) << "nothing to refine by";
+  Pose before = path.T_cam_world(0);
+  path.forgetBefore(0);
+  EXPECT_TRUE(path.T_cam_world(0).isApprox(before));
+}
+
+TEST(DisparityOffset, IsFoundFromStillPointsAndOnlyFromThose) {
+  Drive drive;
+  std::vector<PointTrack> points;
+  std::vector<PointVerdict> verdicts;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> place(-1.0, 1.0);
+  for (int i = 0; i < 300; ++i) {
+    PointTrack point;
+    const Eigen::Vector3d start(8 * place(random), place(random), 25 + 12 * place(random));
+    point.sightings = drive.see(start, {0, 0, 0}, 0.2, -0.8);
+    point.motion = fitMotion(point.sightings, drive.path, drive.camera, {}, 30.0);
+    points.push_back(point);
+    verdicts.push_back(PointVerdict::kStill);
+  }
+  DisparityOffset offset;
+  for (int frame = 0; frame < 3; ++frame) offset.update(points, verdicts);
+  EXPECT_LT(offset.value(), -0.5);
+  DisparityOffset untouched;
+  untouched.update(points, std::vector<PointVerdict>(points.size(), PointVerdict::kMismatch));
+  EXPECT_EQ(untouched.value(), 0.0);
+}
+
+}  // namespace
+}  // namespace headway::detect

@@ -1,0 +1,263 @@
+#include <gtest/gtest.h>
+#include <headway/detect/stereo_motion.h>
+#include <headway_test/folders.h>
+#include <headway_test/stereo_sequence.h>
+
+#include <fstream>
+#include <functional>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <set>
+
+#include "painted_street.h"
+
+namespace headway::detect {
+namespace {
+
+using test::PaintedBox;
+using test::PaintedStreet;
+
+constexpr int kFrames = 12;
+
+const PaintedBox kMover{{-3.0, 1.6, 17.0}, 1.8, 1.5, {2.5, 0.0, 4.0}, 11};
+const PaintedBox kParked{{3.5, 1.6, 16.0}, 1.8, 1.5, {0.0, 0.0, 0.0}, 12};
+const PaintedBox kPost{{-4.5, 1.6, 22.0}, 0.5, 1.7, {0.0, 0.0, 0.0}, 13};
+
+struct Outcome {
+  int frames_with_mover = 0;
+  int elsewhere = 0;  ///< objects that are not the mover
+  int refused = 0;    ///< frames of which nothing was said
+};
+
+/// What is done to a frame before the detector sees it.
+using Trouble = std::function<void(int, StereoFrame&)>;
+
+Outcome run(const PaintedStreet& street, const PaintedBox* mover, const Trouble& trouble,
+            double right_late_s = 0.0) {
+  StereoMotion detector(street.camera(), {}, {});
+  Outcome outcome;
+  for (int i = 0; i < kFrames; ++i) {
+    StereoFrame frame = street.frame(i, right_late_s);
+    if (trouble) trouble(i, frame);
+    const auto found = detector.detect(frame, street.T_map_robot(i));
+    if (!found) {
+      ++outcome.refused;
+      continue;
+    }
+    bool seen = false;
+    for (const auto& item : found->items) {
+      const Eigen::Vector3d place =
+          mover != nullptr ? street.placeInCamera(*mover, i) : Eigen::Vector3d(1e6, 0, 0);
+      const bool is_mover = std::abs(item.box3d->centre.x() - place.x()) < 1.5 &&
+                            std::abs(item.box3d->centre.z() - place.z()) < 3.5;
+      seen = seen || is_mover;
+      if (!is_mover) ++outcome.elsewhere;
+    }
+    if (seen) ++outcome.frames_with_mover;
+  }
+  return outcome;
+}
+
+TEST(StereoMotion, FindsTheMoverAndNothingElse) {
+  const PaintedStreet street({kMover, kParked, kPost});
+  const auto outcome = run(street, &kMover, {});
+  EXPECT_GE(outcome.frames_with_mover, 6);
+  EXPECT_EQ(outcome.elsewhere, 0);
+  EXPECT_EQ(outcome.refused, 0);
+}
+
+TEST(StereoMotion, MeasuresVelocityAndPlaceOfTheMover) {
+  const PaintedStreet street({kMover, kParked});
+  StereoMotion detector(street.camera(), {}, {});
+  for (int i = 0; i < kFrames; ++i) (void)detector.detect(street.frame(i), street.T_map_robot(i));
+  ASSERT_EQ(detector.objects().size(), 1u);
+  const MovingObject& object = detector.objects()[0];
+  EXPECT_NEAR(object.velocity.x(), 4.0, 0.6) << "map x is the camera's z";
+  EXPECT_NEAR(object.velocity.y(), -2.5, 0.4) << "map y is the camera's -x";
+  const Eigen::Vector3d front = street.placeInCamera(kMover, kFrames - 1);
+  const Box2d& box = *object.detection.box2d;
+  EXPECT_NEAR(0.5 * (box.left + box.right), (*project(front, *street.camera())).x(), 12.0);
+  EXPECT_TRUE(detector.ground());
+  EXPECT_NEAR(detector.ground()->camera_height, 1.6, 0.1);
+  const auto regions = detector.movingRegions();
+  ASSERT_EQ(regions.boxes.size(), 1u);
+  EXPECT_GT(cv::countNonZero(regions.mask), 200);
+}
+
+TEST(StereoMotion, KeepsTheIdOfAnObject) {
+  const PaintedStreet street({kMover, kParked});
+  StereoMotion detector(street.camera(), {}, {});
+  std::set<std::int64_t> ids;
+  for (int i = 0; i < kFrames; ++i) {
+    (void)detector.detect(street.frame(i), street.T_map_robot(i));
+    for (const auto& object : detector.objects()) ids.insert(object.id);
+  }
+  EXPECT_EQ(ids.size(), 1u);
+}
+
+TEST(StereoMotion, AStillSceneHasNoMovers) {
+  const PaintedStreet street({kParked, kPost});
+  const auto outcome = run(street, nullptr, {});
+  EXPECT_EQ(outcome.elsewhere, 0);
+  EXPECT_EQ(outcome.refused, 0);
+}
+
+TEST(StereoMotion, WithoutAPoseItSaysNothingAndCountsThat) {
+  const PaintedStreet street({kMover});
+  StereoMotion detector(street.camera(), {}, {});
+  EXPECT_TRUE(detector.needsPose());
+  EXPECT_FALSE(detector.detect(street.frame(0), std::nullopt));
+  EXPECT_EQ(detector.dropped().at("no_pose"), 1u);
+  EXPECT_TRUE(detector.movingRegions().boxes.empty());
+}
+
+TEST(StereoMotion, AWrongPoseIsNotAFloodOfMovers) {
+  std::vector<PaintedBox> parked;
+  for (int i = 0; i < 7; ++i) {
+    parked.push_back({{-9.0 + 3.0 * i, 1.6, 13.0 + i}, 2.2, 1.8, {0, 0, 0}, 20u + i});
+  }
+  const PaintedStreet street(parked);
+  StereoMotion detector(street.camera(), {}, {});
+  std::size_t found = 0;
+  for (int i = 0; i < kFrames; ++i) {
+    Pose pose = street.T_map_robot(i);
+    pose.translation().y() += 0.4 * i;  // the robot is said to slide sideways at 4 m/s
+    const auto detections = detector.detect(street.frame(i), pose);
+    if (detections) found += detections->items.size();
+  }
+  EXPECT_LE(found, parked.size());
+  EXPECT_GE(detector.dropped().count("camera_motion_unsure"), 1u);
+}
+
+TEST(StereoMotion, TheNumberOfThreadsDoesNotMatter) {
+  const PaintedStreet street({kMover, kParked, kPost});
+  const int threads = cv::getNumThreads();
+  std::vector<std::vector<Eigen::Vector3d>> places(2);
+  for (int pass = 0; pass < 2; ++pass) {
+    cv::setNumThreads(pass == 0 ? 1 : 4);
+    StereoMotion detector(street.camera(), {}, {});
+    for (int i = 0; i < 8; ++i) {
+      const auto found = detector.detect(street.frame(i), street.T_map_robot(i));
+      for (const auto& item : found->items) places[pass].push_back(item.box3d->centre);
+    }
+  }
+  cv::setNumThreads(threads);
+  ASSERT_FALSE(places[0].empty());
+  EXPECT_EQ(places[0], places[1]);
+}
+
+// --- Trouble: found less, perhaps; never a flood of what is not there. ---
+
+struct Case {
+  const char* name;
+  Trouble trouble;
+  double right_late_s;
+  int least_with_mover;
+};
+
+void rain(int index, cv::Mat& image) {
+  cv::RNG random(static_cast<std::uint64_t>(index) + 17);
+  for (int drop = 0; drop < 250; ++drop) {
+    const cv::Point from(random.uniform(0, image.cols), random.uniform(0, image.rows));
+    cv::line(image, from, from + cv::Point(2, 9), cv::Scalar(random.uniform(150, 230)));
+  }
+}
+
+std::vector<Case> troubles() {
+  return {
+      {"exposure",
+       [](int i, StereoFrame& frame) {
+         const double gain = i % 4 < 2 ? 1.0 : 0.8;
+         frame.left.convertTo(frame.left, CV_8U, gain);
+         frame.right.convertTo(frame.right, CV_8U, gain);
+       },
+       0.0, 0},
+      {"blur",
+       [](int, StereoFrame& frame) {
+         cv::blur(frame.left, frame.left, {5, 1});
+         cv::blur(frame.right, frame.right, {5, 1});
+       },
+       0.0, 3},
+      {"rain",
+       [](int i, StereoFrame& frame) {
+         rain(2 * i, frame.left);
+         rain(2 * i + 1, frame.right);
+       },
+       0.0, 3},
+      {"black",
+       [](int i, StereoFrame& frame) {
+         if (i == 6) frame.left.setTo(0);
+       },
+       0.0, 4},
+      {"late", {}, 0.01, 4},
+  };
+}
+
+class InTrouble : public testing::TestWithParam<int> {};
+
+TEST_P(InTrouble, AStillSceneStaysStill) {
+  const Case trouble = troubles()[GetParam()];
+  const PaintedStreet street({kParked, kPost});
+  EXPECT_LE(run(street, nullptr, trouble.trouble, trouble.right_late_s).elsewhere, 1);
+}
+
+TEST_P(InTrouble, TheMoverIsTheOnlyThingFound) {
+  const Case trouble = troubles()[GetParam()];
+  const PaintedStreet street({kMover, kParked, kPost});
+  const auto outcome = run(street, &kMover, trouble.trouble, trouble.right_late_s);
+  EXPECT_LE(outcome.elsewhere, 1);
+  EXPECT_GE(outcome.frames_with_mover, trouble.least_with_mover);
+}
+
+INSTANTIATE_TEST_SUITE_P(Troubles, InTrouble, testing::Range(0, 5), [](const auto& index) {
+  return std::string(troubles()[index.param].name);
+});
+
+TEST(StereoMotion, ABlackImageIsReportedAndPassedOver) {
+  const PaintedStreet street({kMover});
+  StereoMotion detector(street.camera(), {}, {});
+  StereoFrame frame = street.frame(0);
+  frame.left.setTo(0);
+  EXPECT_FALSE(detector.detect(frame, street.T_map_robot(0)));
+  EXPECT_EQ(detector.dropped().at("unusable_image"), 1u);
+}
+
+// --- Real streets, the camera's motion from the recording's own truth. ---
+
+std::vector<MovingObject> objectsOf(const std::filesystem::path& data, const std::string& name) {
+  const auto sequence = test::kittiSequence(data / "kitti_odometry", name);
+  std::ifstream poses(data / "kitti_odometry" / "poses" / (name + ".txt"));
+  StereoMotion detector(sequence.camera, {}, {});
+  std::vector<MovingObject> all;
+  for (std::size_t i = 0; i < sequence.times.size(); ++i) {
+    Pose T_map_cam = Pose::Identity();
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 4; ++column) poses >> T_map_cam(row, column);
+    }
+    const Pose T_robot_cam = robotFromOptical();
+    (void)detector.detect(sequence.frame(i), T_robot_cam * T_map_cam * T_robot_cam.inverse());
+    all.insert(all.end(), detector.objects().begin(), detector.objects().end());
+  }
+  return all;
+}
+
+TEST(StereoMotion, OnAStreetOfParkedCarsOnlyTheOncomingOnesMove) {
+  HEADWAY_REQUIRE_DATA(data);
+  // Beyond the green in the street's middle, cars come towards the camera near the clip's end.
+  for (const auto& object : objectsOf(data, "06")) {
+    EXPECT_LT(object.detection.box3d->centre.x(), -10.0);
+    EXPECT_LT(object.velocity.x(), -5.0) << "towards the camera";
+  }
+}
+
+TEST(StereoMotion, FindsTheCarsOnAMotorway) {
+  HEADWAY_REQUIRE_DATA(data);
+  const auto objects = objectsOf(data, "01");
+  EXPECT_GE(objects.size(), 10u);
+  int slow = 0;
+  for (const auto& object : objects) slow += object.velocity.norm() < 10.0 ? 1 : 0;
+  EXPECT_LE(slow, 1) << "nothing but cars moves there";
+}
+
+}  // namespace
+}  // namespace headway::detect
