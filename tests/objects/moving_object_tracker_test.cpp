@@ -282,9 +282,13 @@ TEST(MovingObjectTracker, CountsWhatItCannotUseAndGoesOn) {
 TEST(MovingObjectTracker, TakesTenThousandBoxes) {
   std::vector<Detection> items;
   for (int i = 0; i < 10000; ++i) items.push_back(seenPerson(2 + 1.1 * (i % 100), 1.1 * (i / 100)));
-  Replay replay;
+  ObjectsParams params;
+  params.predictor = PredictorKind::kConstantVelocity;
+  Replay replay(params);
   for (int k = 0; k < 3; ++k) replay.frame(items);
-  EXPECT_EQ(replay.last.tracks.size() + replay.dropped["too_far"] / 3, 10000u);
+  EXPECT_EQ(replay.last.tracks.size(), 10000u);
+  EXPECT_EQ(confirmed(replay.last).size(), 10000u);
+  EXPECT_THAT(replay.dropped, IsEmpty());
 }
 
 TEST(MovingObjectTracker, HandsOutEveryPlaceOfATrackOnce) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "obvious_pairs.h"
 #include "spatial_grid.h"
 
 namespace headway::objects {
@@ -99,9 +100,13 @@ Matches ConsistencyCheck::match(const std::vector<ExpectedPlace>& tracks,
   }
   constexpr double kWorthNothing = 0.0;  // as likely a new object
   Matches matches;
+  for (const CandidatePair& pair : takeObviousPairs(candidates)) {
+    matches.pairs.emplace_back(pair.row, pair.column);
+  }
   for (const CandidatePair& pair : assignPairs(std::move(candidates), kWorthNothing)) {
     matches.pairs.emplace_back(pair.row, pair.column);
   }
+  std::sort(matches.pairs.begin(), matches.pairs.end());
   std::vector<bool> matched(detections.size(), false);
   for (const auto& pair : matches.pairs) matched[pair.second] = true;
   for (std::size_t j = 0; j < detections.size(); ++j) {
