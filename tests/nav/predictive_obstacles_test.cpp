@@ -26,7 +26,7 @@ class PredictiveObstaclesTest : public testing::Test {
     params.policy = policy;
     PredictiveObstacles obstacles(
         robot_, [this] { return map_; }, params, [this] { return now_; });
-    obstacles.setMinLoggingLevel(mrpt::system::LVL_FATAL);
+    obstacles.setMinLoggingLevel(mrpt::system::LVL_ERROR);
     mrpt::system::TTimeStamp timestamp;
     const bool safe = obstacles.senseObstacles(points_, timestamp);
     report_ = obstacles.lastReport();
@@ -170,7 +170,7 @@ TEST_F(PredictiveObstaclesTest, ReadsSnapshotsWhileAnotherThreadWritesTheMap) {
     return map_;
   };
   PredictiveObstacles obstacles(robot_, snapshot, {}, [this] { return now_; });
-  obstacles.setMinLoggingLevel(mrpt::system::LVL_FATAL);
+  obstacles.setMinLoggingLevel(mrpt::system::LVL_ERROR);
   for (int i = 0; i < 500; ++i) {
     mrpt::system::TTimeStamp timestamp;
     const bool safe = obstacles.senseObstacles(points_, timestamp);

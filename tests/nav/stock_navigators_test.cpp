@@ -24,8 +24,8 @@ class Drive {
       : obstacles_(
             robot_, [this] { return map_; }, {}, [this] { return wheels_.getTime(); }),
         navigator_(obstacles_, false) {
-    obstacles_.setMinLoggingLevel(mrpt::system::LVL_FATAL);
-    navigator_.setMinLoggingLevel(mrpt::system::LVL_FATAL);
+    obstacles_.setMinLoggingLevel(mrpt::system::LVL_ERROR);
+    navigator_.setMinLoggingLevel(mrpt::system::LVL_ERROR);
     mrpt::config::CConfigFile file(kStockFolder + configuration);
     file.discardSavingChanges();
     file.write("CAbstractPTGBasedReactive", "enable_obstacle_filtering", false);
@@ -86,7 +86,7 @@ void expectToDrive(const std::string& configuration) {
 
   Drive<Navigator> stale_drive(configuration);
   stale_drive.run(false, 2.0);
-  EXPECT_EQ(stale_drive.state(), CAbstractNavigator::NAV_ERROR);
+  EXPECT_NE(stale_drive.state(), CAbstractNavigator::IDLE) << "it must not get there";
   EXPECT_TRUE(stale_drive.stands());
 }
 
