@@ -141,6 +141,7 @@ TEST(Worlds, EveryNamedWorldLoadsAndCanBe) {
   int worlds = 0, frames = 0;
   const auto folder = std::filesystem::path(HEADWAY_SOURCE_DIR) / "config/worlds";
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != ".ini") continue;
     SimParams settings;
     Params params;
     settings.describe(params);
