@@ -202,7 +202,7 @@ void Replay::finish() {
     summarise(trajectory);
     writeSummary(folder_ / "summary.json", summary_);
   });
-  attempt([&] { report::writeReport(folder_); });
+  if (!failure) attempt([&] { report::writeReport(folder_); });  // it reads what was written
   if (failure) std::rethrow_exception(failure);
 }
 
