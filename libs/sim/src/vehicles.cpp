@@ -87,10 +87,10 @@ void Vehicles::turnOff(Vehicle& vehicle, bool oncoming) {
                             : chosen->axis.beside(chosen->junction_s - d, Profile::kLaneMiddle));
   }
   if (points.size() < 5 || exit.size() < 5) return;
-  const Eigen::Vector3d straight = (points.back() - points[points.size() - 2]).normalized();
-  const Eigen::Vector3d corner =
-      points.back() + straight * (exit.front() - points.back()).dot(straight);
-  appendTurn(points, points.back(), corner, exit.front());
+  const Eigen::Vector3d begin = points.back();  // a copy: points grows
+  const Eigen::Vector3d straight = (begin - points[points.size() - 2]).normalized();
+  const Eigen::Vector3d corner = begin + straight * (exit.front() - begin).dot(straight);
+  appendTurn(points, begin, corner, exit.front());
   points.insert(points.end(), exit.begin(), exit.end());
   vehicle.path = std::make_shared<Path>(points);
 }
