@@ -10,9 +10,9 @@ bin=build/release/bin
 
 out=out/street
 $bin/headway-replay -i rawlogs/street.rawlog -o $out -w
-$bin/headway-render -i $out -o $out/top.png --view top
+$bin/headway-render -i $out -o $out/top.png --view top -w
 $bin/headway-eval trajectory --truth rawlogs/street.truth/trajectory.tum \
-  --estimate $out/trajectory.tum --plot $out/trajectory.png
+  --estimate $out/trajectory.tum --plot $out/trajectory.png -w
 
 echo
 echo "pictures:   $(ls $out/snapshots/*.png | tr '\n' ' ')$out/top.png $out/trajectory.png"
