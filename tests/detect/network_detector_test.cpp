@@ -4,6 +4,7 @@
 #include <headway/core/error.h>
 #include <headway/detect/detector_factory.h>
 #include <headway_test/folders.h>
+#include <headway_test/paths.h>
 #include <headway_test/stereo_sequence.h>
 
 #include <cmath>

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <headway_test/folders.h>
+#include <headway_test/paths.h>
 #include <sys/wait.h>
 
 #include <cstdlib>

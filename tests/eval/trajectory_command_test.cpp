@@ -1,4 +1,5 @@
 #include <gmock/gmock.h>
+#include <headway_test/paths.h>
 
 #include <nlohmann/json.hpp>
 

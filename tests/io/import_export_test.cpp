@@ -5,6 +5,7 @@
 #include <headway/io/rawlog_source.h>
 #include <headway/io/trajectory_file.h>
 #include <headway_test/folders.h>
+#include <headway_test/paths.h>
 
 #include <opencv2/imgcodecs.hpp>
 

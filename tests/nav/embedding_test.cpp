@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <headway_test/paths.h>
 #include <mrpt/config/CConfigFile.h>
 
 #include <filesystem>
@@ -18,9 +19,9 @@ std::string textOf(const std::filesystem::path& path) {
 }
 
 TEST(Embedding, TheDocumentShowsTheExampleAsItCompiles) {
-  const std::filesystem::path tests = std::filesystem::path(__FILE__).parent_path();
-  const std::string document = textOf(tests.parent_path().parent_path() / "doc/navigation.md");
-  const std::string example = textOf(tests / "embedding_example.cpp");
+  const std::filesystem::path project = HEADWAY_SOURCE_DIR;
+  const std::string document = textOf(project / "doc/navigation.md");
+  const std::string example = textOf(project / "tests/nav/embedding_example.cpp");
   ASSERT_FALSE(example.empty());
   EXPECT_NE(document.find(example.substr(example.find("#include"))), std::string::npos);
 }

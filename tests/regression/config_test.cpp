@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <headway_test/paths.h>
 
 #include "replay_run.h"
 

@@ -2,6 +2,7 @@
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/map/map_file.h>
+#include <headway_test/paths.h>
 
 #include <chrono>
 #include <csignal>

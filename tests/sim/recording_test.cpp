@@ -7,6 +7,7 @@
 #include <headway/io/trajectory_file.h>
 #include <headway/sim/recording.h>
 #include <headway_test/folders.h>
+#include <headway_test/paths.h>
 #include <headway_test/process.h>
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <headway_test/paths.h>
 #include <sys/wait.h>
 
 #include <array>
