@@ -98,21 +98,13 @@ void RoadNetwork::layCrossStreets(const Route& route, double every, std::uint64_
 
 std::optional<RoadNetwork::Place> RoadNetwork::nearest(const Eigen::Vector2d& xy,
                                                        double reach) const {
-  const auto [cx, cy] = cellOf(xy);
-  const int cells = static_cast<int>(std::ceil(reach / kCell));
   const Sample* best = nullptr;
   double best_distance = (reach + 1.0) * (reach + 1.0);
-  for (int x = cx - cells; x <= cx + cells; ++x) {
-    for (int y = cy - cells; y <= cy + cells; ++y) {
-      const auto cell = cells_.find({x, y});
-      if (cell == cells_.end()) continue;
-      for (const Sample& sample : cell->second) {
-        const double distance = (sample.xy - xy).squaredNorm();
-        if (distance < best_distance) {
-          best_distance = distance;
-          best = &sample;
-        }
-      }
+  for (const Sample* sample : samplesAround(xy, reach)) {
+    const double distance = (sample->xy - xy).squaredNorm();
+    if (distance < best_distance) {
+      best_distance = distance;
+      best = sample;
     }
   }
   if (best == nullptr) return std::nullopt;
@@ -128,40 +120,39 @@ std::optional<RoadNetwork::Place> RoadNetwork::nearest(const Eigen::Vector2d& xy
 
 bool RoadNetwork::nearOther(const Eigen::Vector2d& xy, double reach, std::size_t road, double s,
                             bool earlier_only) const {
-  const auto [cx, cy] = cellOf(xy);
-  const int cells = static_cast<int>(std::ceil(reach / kCell));
-  for (int x = cx - cells; x <= cx + cells; ++x) {
-    for (int y = cy - cells; y <= cy + cells; ++y) {
-      const auto cell = cells_.find({x, y});
-      if (cell == cells_.end()) continue;
-      for (const Sample& sample : cell->second) {
-        if ((sample.xy - xy).squaredNorm() > reach * reach) continue;
-        if (sample.road != road) {
-          if (!earlier_only || sample.road < road) return true;
-        } else if (apart(roads_[road].axis, sample.s, s) > kRevisitAfter - 10.0) {
-          if (!earlier_only || sample.s < s) return true;
-        }
-      }
+  for (const Sample* sample : samplesAround(xy, reach)) {
+    if ((sample->xy - xy).squaredNorm() > reach * reach) continue;
+    if (sample->road != road) {
+      if (!earlier_only || sample->road < road) return true;
+    } else if (apart(roads_[road].axis, sample->s, s) > kRevisitAfter - 10.0) {
+      if (!earlier_only || sample->s < s) return true;
     }
   }
   return false;
 }
 
 std::optional<double> RoadNetwork::lowestNear(const Eigen::Vector2d& xy, double reach) const {
+  std::optional<double> lowest;
+  for (const Sample* sample : samplesAround(xy, reach)) {
+    if ((sample->xy - xy).squaredNorm() > reach * reach) continue;
+    if (!lowest || sample->height < *lowest) lowest = sample->height;
+  }
+  return lowest;
+}
+
+std::vector<const RoadNetwork::Sample*> RoadNetwork::samplesAround(const Eigen::Vector2d& xy,
+                                                                   double reach) const {
   const auto [cx, cy] = cellOf(xy);
   const int cells = static_cast<int>(std::ceil(reach / kCell));
-  std::optional<double> lowest;
+  std::vector<const Sample*> samples;
   for (int x = cx - cells; x <= cx + cells; ++x) {
     for (int y = cy - cells; y <= cy + cells; ++y) {
       const auto cell = cells_.find({x, y});
       if (cell == cells_.end()) continue;
-      for (const Sample& sample : cell->second) {
-        if ((sample.xy - xy).squaredNorm() > reach * reach) continue;
-        if (!lowest || sample.height < *lowest) lowest = sample.height;
-      }
+      for (const Sample& sample : cell->second) samples.push_back(&sample);
     }
   }
-  return lowest;
+  return samples;
 }
 
 }  // namespace headway::sim

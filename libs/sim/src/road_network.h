@@ -57,6 +57,9 @@ class RoadNetwork {
   void layCrossStreets(const Route& route, double every, std::uint64_t seed);
   void addSamples(std::size_t road, double from, double to);
   [[nodiscard]] std::pair<int, int> cellOf(const Eigen::Vector2d& xy) const;
+  /// The samples of all cells within reach of a place; some of them lie farther off.
+  [[nodiscard]] std::vector<const Sample*> samplesAround(const Eigen::Vector2d& xy,
+                                                         double reach) const;
 
   std::vector<Road> roads_;
   std::map<std::pair<int, int>, std::vector<Sample>> cells_;
