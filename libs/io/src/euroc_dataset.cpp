@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "dataset_files.h"
-#include "pose_interpolation.h"
+#include "interpolation.h"
 #include "text_rows.h"
 #include "yaml_file.h"
 

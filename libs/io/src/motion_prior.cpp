@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pose_interpolation.h"
+#include "interpolation.h"
 
 namespace headway::io {
 namespace {
@@ -22,25 +22,12 @@ void addInOrder(std::deque<Stamped<T>>& samples, Time time, const T& value) {
   if (samples.empty() || time > samples.back().time) samples.push_back({time, value});
 }
 
-/// The first sample not before `time`.
-template <typename T>
-auto firstFrom(const std::deque<Stamped<T>>& samples, Time time) {
-  return std::lower_bound(samples.begin(), samples.end(), time,
-                          [](const Stamped<T>& sample, Time t) { return sample.time < t; });
-}
-
 /// Value between the two samples around `time`; nullopt if it is not between two close ones.
 std::optional<Eigen::Vector3d> valueAt(const std::deque<Stamped<Eigen::Vector3d>>& samples,
                                        Time time) {
-  const auto after = firstFrom(samples, time);
-  if (after == samples.end()) return std::nullopt;
-  if (after->time == time) return after->value;
-  if (after == samples.begin()) return std::nullopt;
-  const auto before = after - 1;
-  const double gap = after->time - before->time;
-  if (gap > kMostInertialGap) return std::nullopt;
-  const double share = (time - before->time) / gap;
-  return Eigen::Vector3d((1.0 - share) * before->value + share * after->value);
+  const auto around = neighboursOf(samples, time, kMostInertialGap);
+  if (!around) return std::nullopt;
+  return Eigen::Vector3d((1.0 - around->share) * around->before + around->share * around->after);
 }
 
 }  // namespace

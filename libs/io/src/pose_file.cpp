@@ -1,7 +1,7 @@
 #include <headway/io/pose_file.h>
 #include <headway/io/trajectory_file.h>
 
-#include "pose_interpolation.h"
+#include "interpolation.h"
 #include "text_rows.h"
 
 namespace headway::io {
