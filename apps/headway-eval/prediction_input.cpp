@@ -1,6 +1,7 @@
 #include "prediction_input.h"
 
 #include <headway/core/error.h>
+#include <headway/core/statistics.h>
 #include <headway/io/calibration_file.h>
 #include <headway/io/track_file.h>
 
@@ -67,9 +68,7 @@ class FrameTimes {
       intervals.push_back((later_time - it->second) / static_cast<double>(later_frame - it->first));
     }
     if (intervals.empty()) return;
-    const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
-    std::nth_element(intervals.begin(), middle, intervals.end());
-    interval_ = *middle;
+    interval_ = median(std::move(intervals));
   }
 
   [[nodiscard]] double interval() const { return interval_; }
@@ -93,9 +92,7 @@ double medianInterval(const std::vector<Stamped<Pose>>& poses) {
     intervals.push_back(poses[i].time - poses[i - 1].time);
   }
   if (intervals.empty()) return kNominalFrameInterval_s;
-  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
-  std::nth_element(intervals.begin(), middle, intervals.end());
-  return *middle;
+  return median(std::move(intervals));
 }
 
 /// Poses of every frame from a file with one row for each.

@@ -1,5 +1,7 @@
 #include "policy_figures.h"
 
+#include <headway/core/statistics.h>
+
 #include <algorithm>
 #include <iomanip>
 #include <nlohmann/json.hpp>
@@ -7,13 +9,6 @@
 
 namespace headway::app {
 namespace {
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Which trials all policies finish.
 std::vector<bool> finishedByAll(const std::vector<PolicyTrials>& policies) {

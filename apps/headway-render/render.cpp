@@ -1,6 +1,7 @@
 #include "render.h"
 
 #include <headway/core/error.h>
+#include <headway/core/statistics.h>
 #include <headway/program/progress.h>
 
 #include <algorithm>
@@ -68,9 +69,7 @@ double rateOf(const FinishedReplay& replay) {
     gaps.push_back((replay.frames[i].time - replay.frames[i - 1].time) / std::max(1.0, frames));
   }
   if (gaps.empty()) return 10.0;
-  std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2),
-                   gaps.end());
-  const double gap = gaps[gaps.size() / 2];
+  const double gap = median(std::move(gaps));
   return gap > 0.0 ? std::clamp(std::round(10.0 / gap) / 10.0, 1.0, 60.0) : 10.0;
 }
 

@@ -1,5 +1,6 @@
 #include "summary.h"
 
+#include <headway/core/statistics.h>
 #include <headway/program/version.h>
 
 #include <cstdio>

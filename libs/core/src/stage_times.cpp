@@ -1,7 +1,5 @@
 #include <headway/core/stage_times.h>
-
-#include <algorithm>
-#include <cmath>
+#include <headway/core/statistics.h>
 
 namespace headway {
 
@@ -23,15 +21,6 @@ std::map<std::string, StageTimes::Summary> StageTimes::summary() const {
                      percentile(values, 1.0)};
   }
   return result;
-}
-
-double percentile(std::vector<double> samples, double fraction) {
-  if (samples.empty()) return 0.0;
-  const auto count = static_cast<double>(samples.size());
-  const double rank = std::clamp(std::ceil(fraction * count), 1.0, count);
-  const auto nth = samples.begin() + static_cast<std::ptrdiff_t>(rank - 1.0);
-  std::nth_element(samples.begin(), nth, samples.end());
-  return *nth;
 }
 
 }  // namespace headway

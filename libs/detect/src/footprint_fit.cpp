@@ -1,5 +1,7 @@
 #include "footprint_fit.h"
 
+#include <headway/core/statistics.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -39,9 +41,7 @@ std::vector<Column> columnsOf(const std::vector<DisparitySample>& samples, doubl
   std::vector<Column> columns;
   for (auto& [u, values] : depths) {
     if (values.size() < 3) continue;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    columns.push_back({(u - camera.cx) / camera.fx, *middle});
+    columns.push_back({(u - camera.cx) / camera.fx, median(std::move(values))});
   }
   return columns;
 }
@@ -131,10 +131,7 @@ double medianOffset(const Rectangle& rectangle, const std::vector<Column>& colum
       offsets.push_back(column.depth - *depth);
     }
   }
-  if (offsets.empty()) return 0.0;
-  const auto middle = offsets.begin() + static_cast<std::ptrdiff_t>(offsets.size() / 2);
-  std::nth_element(offsets.begin(), middle, offsets.end());
-  return *middle;
+  return median(std::move(offsets));
 }
 
 double columnError(const Rectangle& rectangle, const std::vector<Column>& columns, double fb) {

@@ -1,5 +1,7 @@
 #include "upright_blobs.h"
 
+#include <headway/core/statistics.h>
+
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -63,12 +65,6 @@ std::vector<cv::Point> takeConnected(cv::Mat& image, const cv::Point& first,
     }
   }
   return places;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Whether something nearer, or the image's edge, borders the blob on its left or right.

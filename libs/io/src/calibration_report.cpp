@@ -1,6 +1,7 @@
 #include "calibration_report.h"
 
 #include <headway/core/error.h>
+#include <headway/core/statistics.h>
 
 #include <algorithm>
 #include <cmath>
@@ -133,13 +134,6 @@ cv::Point2d refined(const Corner& left, const Corner& right, const cv::Mat& righ
   const float middle = scoreAt(0, 0);
   return {right.u + parabolaTop(scoreAt(-1, 0), middle, scoreAt(1, 0)),
           right.v + parabolaTop(scoreAt(0, -1), middle, scoreAt(0, 1))};
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace

@@ -55,7 +55,4 @@ class StageTimes {
   std::map<std::string, std::vector<double>> samples_;
 };
 
-/// Value below which the share `fraction` of the samples lies (nearest rank); 0 if there are none.
-[[nodiscard]] double percentile(std::vector<double> samples, double fraction);
-
 }  // namespace headway

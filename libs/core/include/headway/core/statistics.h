@@ -1,0 +1,14 @@
+#pragma once
+
+#include <vector>
+
+namespace headway {
+
+/// Value below which the share `fraction` of the samples lies (nearest rank); 0 if there are none.
+[[nodiscard]] double percentile(std::vector<double> samples, double fraction);
+
+/// Middle of the sorted samples, the upper of the two where their number is even; 0 if there are
+/// none.
+[[nodiscard]] double median(std::vector<double> samples);
+
+}  // namespace headway
