@@ -1,6 +1,7 @@
 #include "foreign_recording.h"
 
-#include <headway/io/mrpt_conversions.h>
+#include <headway/core/mrpt_pose.h>
+#include <headway/io/mrpt_time.h>
 #include <mrpt/io/CFileGZOutputStream.h>
 #include <mrpt/io/CFileOutputStream.h>
 #include <mrpt/serialization/CArchive.h>
@@ -53,7 +54,7 @@ mrpt::obs::CObservationStereoImages::Ptr wallObservation(int number, Time time,
   observation->imageRight = copied(right);
   observation->hasImageRight = true;
   observation->leftCamera = observation->rightCamera = lens();
-  observation->cameraPose = mrptPoseQuat(smallCamera().T_robot_cam);
+  observation->cameraPose = toMrptQuat(smallCamera().T_robot_cam);
   observation->rightCameraPose.x(smallCamera().baseline_m);
   return observation;
 }
@@ -68,7 +69,7 @@ mrpt::obs::CObservationImage::Ptr singleImage(int side, int number, Time time,
   observation->cameraParams = lens();
   Pose T_robot_cam = smallCamera().T_robot_cam;
   if (side == 1) T_robot_cam.translate(Eigen::Vector3d(smallCamera().baseline_m, 0, 0));
-  observation->cameraPose = mrptPose(T_robot_cam);
+  observation->cameraPose = toMrpt(T_robot_cam);
   return observation;
 }
 

@@ -1,7 +1,7 @@
 // The ways in which others record: sensory frames, single images, colour, several cameras.
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
-#include <headway/io/mrpt_conversions.h>
+#include <headway/io/mrpt_time.h>
 #include <headway/io/rawlog_source.h>
 #include <headway_test/folders.h>
 #include <mrpt/obs/CActionCollection.h>

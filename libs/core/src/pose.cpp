@@ -4,6 +4,12 @@
 
 namespace headway {
 
+Eigen::Matrix3d crossMatrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d matrix;
+  matrix << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+  return matrix;
+}
+
 Eigen::Matrix3d expSo3(const Eigen::Vector3d& omega) {
   const double angle = omega.norm();
   if (angle < 1e-12) {
@@ -19,9 +25,13 @@ Eigen::Vector3d logSo3(const Eigen::Matrix3d& rotation) {
   return turn.angle() * turn.axis();
 }
 
+Eigen::Quaterniond quaternionOf(const Pose& pose) {
+  return Eigen::Quaterniond(pose.linear()).normalized();
+}
+
 Pose normalized(const Pose& pose) {
   Pose result = pose;
-  result.linear() = Eigen::Quaterniond(pose.linear()).normalized().toRotationMatrix();
+  result.linear() = quaternionOf(pose).toRotationMatrix();
   return result;
 }
 

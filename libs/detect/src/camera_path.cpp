@@ -42,9 +42,7 @@ void add(const StillSighting& sighting, const Pose& T_cam_world, const StereoCam
   if (squared < kAgrees * kAgrees) ++normal.agreeing;
   const double weight = 1.0 / (1.0 + squared / 4.0);
   Eigen::Matrix<double, 3, 6> J;
-  Eigen::Matrix3d cross;
-  cross << 0, p.z(), -p.y(), -p.z(), 0, p.x(), p.y(), -p.x(), 0;
-  J << Eigen::Matrix3d::Identity(), cross;
+  J << Eigen::Matrix3d::Identity(), -crossMatrix(p);
   J = projectionJacobian(p, camera) * J / sigma_px;
   normal.A += weight * J.transpose() * J;
   normal.b += weight * J.transpose() * error;

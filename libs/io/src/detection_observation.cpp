@@ -1,4 +1,6 @@
+#include <headway/core/mrpt_pose.h>
 #include <headway/io/detection_observation.h>
+#include <headway/io/mrpt_time.h>
 #include <mrpt/rtti/CObject.h>
 #include <mrpt/serialization/CArchive.h>
 #include <mrpt/serialization/optional_serialization.h>
@@ -152,7 +154,7 @@ CObservationObjectDetections::Ptr observationFrom(const std::string& label,
   auto observation = CObservationObjectDetections::Create();
   observation->sensorLabel = label;
   observation->timestamp = mrptTime(detections.time);
-  observation->sensor_pose = mrptPose(detections.T_robot_sensor);
+  observation->sensor_pose = toMrpt(detections.T_robot_sensor);
   observation->image_width = static_cast<std::uint32_t>(detections.image_width);
   observation->image_height = static_cast<std::uint32_t>(detections.image_height);
   for (const auto& detection : detections.items) {
@@ -167,7 +169,7 @@ Detections detectionsFrom(const CObservationObjectDetections& observation,
                           std::map<std::string, std::size_t>& dropped) {
   Detections detections;
   detections.time = timeFrom(observation.timestamp);
-  detections.T_robot_sensor = poseFrom(observation.sensor_pose);
+  detections.T_robot_sensor = fromMrpt(observation.sensor_pose);
   detections.image_width = static_cast<int>(observation.image_width);
   detections.image_height = static_cast<int>(observation.image_height);
   for (const auto& item : observation.items) {

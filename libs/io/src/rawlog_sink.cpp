@@ -1,5 +1,7 @@
 #include <headway/core/error.h>
+#include <headway/core/mrpt_pose.h>
 #include <headway/io/detection_observation.h>
+#include <headway/io/mrpt_time.h>
 #include <headway/io/rawlog_sink.h>
 #include <mrpt/img/CImage.h>
 #include <mrpt/obs/CObservationIMU.h>
@@ -196,8 +198,8 @@ void RawlogSink::writeStereo(Time time, const cv::Mat& left, const cv::Mat& righ
   observation.hasImageRight = true;
   observation.leftCamera = mrptCamera(camera.left, "left");
   observation.rightCamera = mrptCamera(camera.right, "right");
-  observation.cameraPose = mrptPoseQuat(camera.T_robot_left);
-  observation.rightCameraPose = mrptPoseQuat(camera.T_left_right);
+  observation.cameraPose = toMrptQuat(camera.T_robot_left);
+  observation.rightCameraPose = toMrptQuat(camera.T_left_right);
   writer_->write(observation);
   writer_->countPair();
 }
@@ -210,7 +212,7 @@ void RawlogSink::writePose(const std::string& label, Time time, const Pose& T_ma
   mrpt::obs::CObservationRobotPose observation;
   observation.timestamp = mrptTime(time);
   observation.sensorLabel = label;
-  observation.pose.mean = mrptPose(T_map_robot);
+  observation.pose.mean = toMrpt(T_map_robot);
   writer_->write(observation);
 }
 

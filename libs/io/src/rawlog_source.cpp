@@ -1,6 +1,7 @@
 #include <headway/core/error.h>
+#include <headway/core/mrpt_pose.h>
 #include <headway/io/detection_observation.h>
-#include <headway/io/mrpt_conversions.h>
+#include <headway/io/mrpt_time.h>
 #include <headway/io/rawlog_source.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationOdometry.h>
@@ -28,7 +29,7 @@ using mrpt::obs::CObservation;
 /// The inertial sample in the robot frame.
 InertialSample sampleFrom(const mrpt::obs::CObservationIMU& imu) {
   using namespace mrpt::obs;  // names of the IMU's fields
-  const Eigen::Matrix3d R_robot_sensor = poseFrom(imu.sensorPose).linear();
+  const Eigen::Matrix3d R_robot_sensor = fromMrpt(imu.sensorPose).linear();
   const auto vector = [&](TIMUDataIndex x, TIMUDataIndex y,
                           TIMUDataIndex z) -> std::optional<Eigen::Vector3d> {
     if (!imu.has(x) || !imu.has(y) || !imu.has(z)) return std::nullopt;
@@ -204,7 +205,7 @@ class RawlogSource::Reader {
       assembler_.addDetections(detectionsFrom(recorded, skipped_));
     } else if (isRecordedPose(*observation)) {
       const auto& recorded = dynamic_cast<const mrpt::obs::CObservationRobotPose&>(*observation);
-      addPose(time, poseFrom(recorded.pose.mean));
+      addPose(time, fromMrpt(recorded.pose.mean));
     } else if (isMotion(*observation) && holds_images_) {
       addMotion(time, *observation);
     } else {
@@ -218,7 +219,7 @@ class RawlogSource::Reader {
       return;
     }
     const auto& odometry = dynamic_cast<const mrpt::obs::CObservationOdometry&>(observation);
-    const Pose T_odom_robot = poseFrom(mrpt::poses::CPose3D(odometry.odometry));
+    const Pose T_odom_robot = fromMrpt(mrpt::poses::CPose3D(odometry.odometry));
     if (T_odom_robot.matrix().allFinite()) {
       prior_.addOdometry(time, T_odom_robot);
     } else {

@@ -1,5 +1,6 @@
+#include <headway/core/mrpt_pose.h>
 #include <headway/io/detection_observation.h>
-#include <headway/io/mrpt_conversions.h>
+#include <headway/io/mrpt_time.h>
 #include <headway/io/rawlog_source.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 
@@ -17,7 +18,7 @@ RecordedTruth readTruth(const std::string& path) {
     const auto* pose = dynamic_cast<const mrpt::obs::CObservationRobotPose*>(observation.get());
     const auto* objects = dynamic_cast<const CObservationObjectDetections*>(observation.get());
     if (pose != nullptr && label == kTruthPoseLabel) {
-      truth.poses.push_back({timeFrom(pose->timestamp), poseFrom(pose->pose.mean)});
+      truth.poses.push_back({timeFrom(pose->timestamp), fromMrpt(pose->pose.mean)});
     } else if (objects != nullptr && label == kTruthObjectsLabel) {
       truth.objects.push_back(detectionsFrom(*objects, skipped));
     }

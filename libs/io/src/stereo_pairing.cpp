@@ -1,7 +1,8 @@
 #include "stereo_pairing.h"
 
 #include <headway/core/error.h>
-#include <headway/io/mrpt_conversions.h>
+#include <headway/core/mrpt_pose.h>
+#include <headway/io/mrpt_time.h>
 
 #include <algorithm>
 #include <cmath>
@@ -43,8 +44,8 @@ RecordedPair pairOf(const mrpt::obs::CObservationStereoImages& stereo) {
   pair.right = stereo.imageRight;
   pair.left_camera = stereo.leftCamera;
   pair.right_camera = stereo.rightCamera;
-  pair.T_robot_left = poseFrom(stereo.cameraPose);
-  pair.T_left_right = poseFrom(stereo.rightCameraPose);
+  pair.T_robot_left = fromMrpt(stereo.cameraPose);
+  pair.T_left_right = fromMrpt(stereo.rightCameraPose);
   return pair;
 }
 
@@ -56,8 +57,8 @@ RecordedPair pairOf(const mrpt::obs::CObservationImage& left,
   pair.right = right.image;
   pair.left_camera = left.cameraParams;
   pair.right_camera = right.cameraParams;
-  pair.T_robot_left = poseFrom(left.cameraPose);
-  pair.T_left_right = pair.T_robot_left.inverse() * poseFrom(right.cameraPose);
+  pair.T_robot_left = fromMrpt(left.cameraPose);
+  pair.T_left_right = pair.T_robot_left.inverse() * fromMrpt(right.cameraPose);
   return pair;
 }
 

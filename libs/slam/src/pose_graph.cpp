@@ -12,16 +12,10 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d matrix;
-  matrix << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return matrix;
-}
-
 /// Inverse of SO(3)'s right Jacobian. @see Sola et al. 2018, eq. 144
 Eigen::Matrix3d inverseRightJacobian(const Eigen::Vector3d& phi) {
   const double angle = phi.norm();
-  const Eigen::Matrix3d skew = cross(phi);
+  const Eigen::Matrix3d skew = crossMatrix(phi);
   const double factor = angle < 1e-4 ? 1.0 / 12.0
                                      : 1.0 / (angle * angle) - (1.0 + std::cos(angle)) /
                                                                    (2.0 * angle * std::sin(angle));
@@ -62,7 +56,7 @@ Vector6 edgeResidual(const PoseGraphEdge& edge, const Pose& T_map_a, const Pose&
   if (by_a != nullptr) {
     by_a->setZero();
     by_a->topLeftCorner<3, 3>() = -Eigen::Matrix3d::Identity() / edge.sigma_m;
-    by_a->topRightCorner<3, 3>() = cross(T_a_b.translation()) / edge.sigma_m;
+    by_a->topRightCorner<3, 3>() = crossMatrix(T_a_b.translation()) / edge.sigma_m;
     by_a->bottomRightCorner<3, 3>() = -turn * T_a_b.linear().transpose();
   }
   if (by_b != nullptr) {

@@ -1,4 +1,5 @@
 #include <headway/core/error.h>
+#include <headway/core/statistics.h>
 #include <headway/slam/stereo_slam.h>
 
 #include <algorithm>
@@ -33,11 +34,9 @@ PoseCovariance compose(const PoseCovariance& of_ab, const Pose& T_b_c,
                        const PoseCovariance& of_bc) {
   const Eigen::Matrix3d R = T_b_c.linear().transpose();
   const Eigen::Vector3d& t = T_b_c.translation();
-  Eigen::Matrix3d cross;
-  cross << 0.0, -t.z(), t.y(), t.z(), 0.0, -t.x(), -t.y(), t.x(), 0.0;
   PoseCovariance adjoint = PoseCovariance::Zero();
   adjoint.topLeftCorner<3, 3>() = R;
-  adjoint.topRightCorner<3, 3>() = -R * cross;
+  adjoint.topRightCorner<3, 3>() = -R * crossMatrix(t);
   adjoint.bottomRightCorner<3, 3>() = R;
   return adjoint * of_ab * adjoint.transpose() + of_bc;
 }

@@ -2,28 +2,45 @@
 
 #include <headway/core/pose.h>
 #include <mrpt/poses/CPose3D.h>
+#include <mrpt/poses/CPose3DQuat.h>
 
 namespace headway {
 
-// The one pair of conversions between the poses inside and those at the MRPT boundary. Header
-// only: whoever includes it links mrpt::poses.
+// The conversions between the poses inside and those at the MRPT boundary. Header only: whoever
+// includes it links mrpt::poses.
 
-/// Exact up to rounding; the rotation must be orthonormal.
+/// The pose's rotation, made orthonormal.
+[[nodiscard]] inline mrpt::math::CQuaternionDouble toMrptQuaternion(const Pose& pose) {
+  const Eigen::Quaterniond turn = quaternionOf(pose);
+  return {turn.w(), turn.x(), turn.y(), turn.z()};
+}
+
+/// The pose with its rotation made orthonormal.
 [[nodiscard]] inline mrpt::poses::CPose3D toMrpt(const Pose& pose) {
-  mrpt::math::CMatrixDouble44 matrix;
-  for (int row = 0; row < 4; ++row) {
-    for (int column = 0; column < 4; ++column) matrix(row, column) = pose(row, column);
-  }
-  return mrpt::poses::CPose3D(matrix);
+  const auto& t = pose.translation();
+  return {toMrptQuaternion(pose), t.x(), t.y(), t.z()};
+}
+
+/// The same, as stereo observations hold their cameras' poses.
+[[nodiscard]] inline mrpt::poses::CPose3DQuat toMrptQuat(const Pose& pose) {
+  const auto& t = pose.translation();
+  return {t.x(), t.y(), t.z(), toMrptQuaternion(pose)};
 }
 
 /// Inverse of toMrpt.
 [[nodiscard]] inline Pose fromMrpt(const mrpt::poses::CPose3D& pose) {
-  const auto matrix = pose.getHomogeneousMatrixVal<mrpt::math::CMatrixDouble44>();
   Pose result = Pose::Identity();
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 4; ++column) result(row, column) = matrix(row, column);
-  }
+  result.linear() = pose.getRotationMatrix().asEigen();
+  result.translation() << pose.x(), pose.y(), pose.z();
+  return result;
+}
+
+/// Inverse of toMrptQuat.
+[[nodiscard]] inline Pose fromMrpt(const mrpt::poses::CPose3DQuat& pose) {
+  const auto& q = pose.quat();
+  Pose result = Pose::Identity();
+  result.linear() = Eigen::Quaterniond(q.r(), q.x(), q.y(), q.z()).normalized().toRotationMatrix();
+  result.translation() << pose.x(), pose.y(), pose.z();
   return result;
 }
 

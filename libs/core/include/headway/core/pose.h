@@ -25,6 +25,9 @@ struct Stamped {
   T value;
 };
 
+/// The matrix [v]x with [v]x w = v x w.
+[[nodiscard]] Eigen::Matrix3d crossMatrix(const Eigen::Vector3d& v);
+
 /// Rotation matrix of a rotation vector.
 ///
 /// @param omega  axis times angle [rad]
@@ -33,6 +36,9 @@ struct Stamped {
 
 /// Rotation vector of a rotation matrix, angle in [0, pi]. Inverse of expSo3.
 [[nodiscard]] Eigen::Vector3d logSo3(const Eigen::Matrix3d& rotation);
+
+/// Unit quaternion of a pose's rotation.
+[[nodiscard]] Eigen::Quaterniond quaternionOf(const Pose& pose);
 
 /// The pose with its rotation made orthonormal again (long chains of products drift).
 [[nodiscard]] Pose normalized(const Pose& pose);

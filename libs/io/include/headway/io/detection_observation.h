@@ -1,8 +1,8 @@
 #pragma once
 
 #include <headway/core/detection.h>
-#include <headway/io/mrpt_conversions.h>
 #include <mrpt/obs/CObservation.h>
+#include <mrpt/poses/CPose3D.h>
 
 #include <cstdint>
 #include <map>
