@@ -37,14 +37,6 @@ std::string placeOf(const std::string& path, std::size_t frame) {
   return path + ": frame " + std::to_string(frame) + ": ";
 }
 
-bool isFinite(const Box2d& box) {
-  return std::isfinite(box.left + box.top + box.right + box.bottom);
-}
-
-bool isFinite(const Box3d& box) {
-  return box.centre.allFinite() && std::isfinite(box.length + box.width + box.height + box.yaw);
-}
-
 void requireUsable(const eval::LabelledBox& box, std::size_t frame, const std::string& path) {
   const bool finite = std::isfinite(box.score) && std::isfinite(box.truncation) &&
                       (!box.box2d || isFinite(*box.box2d)) && (!box.box3d || isFinite(*box.box3d));

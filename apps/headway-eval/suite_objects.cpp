@@ -21,19 +21,13 @@ struct LayerRun {
   std::vector<eval::TrackPrediction> predictions;
 };
 
-bool isShown(const Track& track) {
-  return track.status == TrackStatus::kConfirmed || track.status == TrackStatus::kCoasting;
-}
-
 eval::LabelledBox boxOf(const Track& track, const Pose& T_cam_map,
                         const std::optional<StereoCamera>& camera) {
-  const Eigen::Vector3d front(std::cos(track.yaw), std::sin(track.yaw), 0.0);
   eval::LabelledBox box;
   box.id = track.id.value;
   box.object_class = track.object_class;
   box.score = track.score;
-  box.box3d = Box3d{T_cam_map * track.position, track.size.x(), track.size.y(), track.size.z(),
-                    opticalYaw(T_cam_map.linear() * front)};
+  box.box3d = opticalBox(track.position, track.size, track.yaw, T_cam_map);
   box.box2d = track.box2d;
   if (!box.box2d && camera) box.box2d = pipeline::projectedBox(*box.box3d, *camera);
   return box;

@@ -75,17 +75,14 @@ Vector2d NoisyDetector::blurred(const Vector2d& place) {
 Detection NoisyDetector::boxOf(const Vector2d& place, double heading, double radius) {
   heading += normal(params_.yaw_sigma_deg * kDegree);
   if (happens(params_.flip_share)) heading += M_PI;
-  const Pose T_optical_robot = robotFromOptical().inverse();
-  const Eigen::Vector3d front(std::cos(heading), std::sin(heading), 0.0);
-  Box3d box;
-  box.centre = T_optical_robot * Eigen::Vector3d(place.x(), place.y(), 0.5 * kPersonHeight_m);
-  box.length = std::max(0.2, 2.0 * radius + normal(params_.size_sigma_m));
-  box.width = std::max(0.2, 2.0 * radius + normal(params_.size_sigma_m));
-  box.height = kPersonHeight_m + normal(params_.size_sigma_m);
-  box.yaw = opticalYaw(T_optical_robot.linear() * front);
+  const Eigen::Vector3d centre(place.x(), place.y(), 0.5 * kPersonHeight_m);
+  Eigen::Vector3d size;
+  size.x() = std::max(0.2, 2.0 * radius + normal(params_.size_sigma_m));
+  size.y() = std::max(0.2, 2.0 * radius + normal(params_.size_sigma_m));
+  size.z() = kPersonHeight_m + normal(params_.size_sigma_m);
   Detection detection;
   detection.object_class = ObjectClass::kPedestrian;
-  detection.box3d = box;
+  detection.box3d = opticalBox(centre, size, heading, robotFromOptical().inverse());
   return detection;
 }
 

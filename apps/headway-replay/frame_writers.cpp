@@ -6,27 +6,14 @@
 
 #include <cmath>
 #include <exception>
-#include <iomanip>
 
 namespace headway::replay {
 namespace {
 
-/// The track's box in an optical frame.
-Box3d boxOf(const Track& track, const Pose& T_sensor_map) {
-  Box3d box;
-  box.centre = T_sensor_map * track.position;
-  box.length = track.size.x();
-  box.width = track.size.y();
-  box.height = track.size.z();
-  const Eigen::Vector3d front(std::cos(track.yaw), std::sin(track.yaw), 0.0);
-  box.yaw = opticalYaw(T_sensor_map.linear() * front);
-  return box;
-}
-
 /// KITTI's row of a track; without an image the 2D box is -1 -1 -1 -1 where none was detected.
 io::KittiRow kittiRow(std::size_t frame, const Track& track, const Pose& T_sensor_map,
                       const StereoCamera* camera) {
-  const Box3d box = boxOf(track, T_sensor_map);
+  const Box3d box = opticalBox(track.position, track.size, track.yaw, T_sensor_map);
   io::KittiRow row;
   row.frame = frame;
   row.id = track.id.value;
@@ -46,18 +33,6 @@ io::KittiRow kittiRow(std::size_t frame, const Track& track, const Pose& T_senso
   return row;
 }
 
-bool isShown(const Track& track) {
-  return track.status == TrackStatus::kConfirmed || track.status == TrackStatus::kCoasting;
-}
-
-void writeTumRow(std::ostream& out, Time time, const Pose& pose) {
-  const Eigen::Quaterniond q(pose.linear());
-  const Eigen::Vector3d& p = pose.translation();
-  out << std::fixed << std::setprecision(9) << time;
-  for (const double value : {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()}) out << ' ' << value;
-  out << '\n';
-}
-
 }  // namespace
 
 FrameWriters::FrameWriters(const std::filesystem::path& folder,
@@ -75,7 +50,7 @@ FrameWriters::FrameWriters(const std::filesystem::path& folder,
 
 void FrameWriters::write(const pipeline::PerceptionUpdate& update, const Pose& T_robot_sensor) {
   if (update.camera.status == slam::TrackingStatus::kTracked) {
-    writeTumRow(trajectory_.stream(), update.time, update.camera.T_map_robot);
+    io::writeTumRow(trajectory_.stream(), {update.time, update.camera.T_map_robot});
   }
   const Pose T_sensor_map = (update.camera.T_map_robot * T_robot_sensor).inverse();
   for (const auto& track : update.objects.tracks) {

@@ -16,4 +16,8 @@ std::string_view toString(TrackStatus status) {
   return "unknown";
 }
 
+bool isShown(const Track& track) {
+  return track.status == TrackStatus::kConfirmed || track.status == TrackStatus::kCoasting;
+}
+
 }  // namespace headway

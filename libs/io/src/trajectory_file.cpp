@@ -52,15 +52,17 @@ std::vector<Stamped<Pose>> readTum(const std::string& path) {
   return trajectory;
 }
 
+void writeTumRow(std::ostream& out, const Stamped<Pose>& pose) {
+  Eigen::Quaterniond turn(pose.value.linear());
+  if (turn.w() < 0.0) turn.coeffs() *= -1.0;
+  const auto& position = pose.value.translation();
+  out << formatted("%.9f %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n", pose.time, position.x(),
+                   position.y(), position.z(), turn.x(), turn.y(), turn.z(), turn.w());
+}
+
 void writeTum(const std::string& path, const std::vector<Stamped<Pose>>& trajectory) {
   auto file = openForWriting(path);
-  for (const auto& [time, pose] : trajectory) {
-    Eigen::Quaterniond turn(pose.linear());
-    if (turn.w() < 0.0) turn.coeffs() *= -1.0;
-    const auto& position = pose.translation();
-    file << formatted("%.9f %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n", time, position.x(), position.y(),
-                      position.z(), turn.x(), turn.y(), turn.z(), turn.w());
-  }
+  for (const auto& pose : trajectory) writeTumRow(file, pose);
   closeWritten(file, path);
 }
 

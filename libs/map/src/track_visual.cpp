@@ -127,9 +127,7 @@ std::shared_ptr<mrpt::opengl::CSetOfTriangles> newTriangles(const std::string& n
 std::vector<const Track*> shownTracks(const std::vector<Track>& tracks, bool show_tentative) {
   std::vector<const Track*> shown;
   for (const auto& track : tracks) {
-    const bool believed =
-        track.status == TrackStatus::kConfirmed || track.status == TrackStatus::kCoasting;
-    if (believed || (show_tentative && track.status == TrackStatus::kTentative)) {
+    if (isShown(track) || (show_tentative && track.status == TrackStatus::kTentative)) {
       shown.push_back(&track);
     }
   }

@@ -8,9 +8,7 @@ namespace {
 using Eigen::Vector2d;
 
 bool isMover(const Track& track) {
-  return track.moving &&
-         (track.status == TrackStatus::kConfirmed || track.status == TrackStatus::kCoasting) &&
-         track.position.allFinite() && track.size.allFinite();
+  return track.moving && isShown(track) && track.position.allFinite() && track.size.allFinite();
 }
 
 }  // namespace

@@ -7,11 +7,6 @@
 namespace headway::objects {
 namespace {
 
-bool isFinite(const Box3d& box) {
-  return box.centre.allFinite() && std::isfinite(box.length) && std::isfinite(box.width) &&
-         std::isfinite(box.height) && std::isfinite(box.yaw);
-}
-
 // Everything that tells two boxes apart, so that sorting forgets the order of arrival.
 auto sortKey(const MeasuredBox& box) {
   const Box2d image = box.box2d.value_or(Box2d{});

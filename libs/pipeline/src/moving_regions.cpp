@@ -23,11 +23,6 @@ bool wasFoundStill(const Box2d& box, const std::vector<Track>& previous) {
   return best != nullptr && best->status == TrackStatus::kConfirmed && !best->moving;
 }
 
-bool isFinite(const Box2d& box) {
-  return std::isfinite(box.left) && std::isfinite(box.top) && std::isfinite(box.right) &&
-         std::isfinite(box.bottom);
-}
-
 }  // namespace
 
 MovingRegions movingRegions(const Detections& detections, const std::vector<Track>& previous,

@@ -10,9 +10,7 @@ namespace headway::scene {
 [[nodiscard]] inline std::vector<const Track*> shownTracks(const std::vector<Track>& tracks) {
   std::vector<const Track*> shown;
   for (const auto& track : tracks) {
-    if (track.status == TrackStatus::kConfirmed || track.status == TrackStatus::kCoasting) {
-      shown.push_back(&track);
-    }
+    if (isShown(track)) shown.push_back(&track);
   }
   return shown;
 }

@@ -116,15 +116,7 @@ void compare(const cv::Mat& body, const cv::Rect& area, const cv::Mat& depth, st
 }  // namespace
 
 Box3d opticalBox(const Mover& mover, const Pose& T_world_cam) {
-  const Pose T_cam_world = T_world_cam.inverse();
-  Box3d box;
-  box.centre = T_cam_world * mover.centre();
-  box.length = mover.size.x();
-  box.width = mover.size.y();
-  box.height = mover.size.z();
-  box.yaw = opticalYaw(T_cam_world.linear() *
-                       Eigen::Vector3d(std::cos(mover.yaw), std::sin(mover.yaw), 0.0));
-  return box;
+  return headway::opticalBox(mover.centre(), mover.size, mover.yaw, T_world_cam.inverse());
 }
 
 std::vector<Sighting> findSightings(const Pose& T_world_robot, const StereoCamera& camera,

@@ -38,21 +38,34 @@ struct Box3d {
 /// One object as a detector reports it in one frame: a 2D box, a 3D box, or both.
 struct Detection {
   ObjectClass object_class = ObjectClass::kUnknown;
-  double score = 1.0;                        ///< the detector's own scale: greater is surer
-  std::optional<std::int64_t> detector_id;   ///< of the detector's own tracking: a hint only
-  std::optional<Box2d> box2d;                ///< [px], image as recorded
-  std::optional<Box3d> box3d;                ///< sensor's optical frame
+  double score = 1.0;                       ///< the detector's own scale: greater is surer
+  std::optional<std::int64_t> detector_id;  ///< of the detector's own tracking: a hint only
+  std::optional<Box2d> box2d;               ///< [px], image as recorded
+  std::optional<Box3d> box3d;               ///< sensor's optical frame
   std::optional<Eigen::Matrix3d> centre_covariance;  ///< of box3d->centre, optical frame [m^2]
 };
 
 /// All that one detector reports of one frame. Empty `items` says "looked, saw nothing".
 struct Detections {
-  Time time = 0.0;                          ///< of the image they were found in [s]
-  Pose T_robot_sensor = robotFromOptical(); ///< the optical frame of the 3D boxes
-  int image_width = 0;                      ///< of the image of the 2D boxes [px], 0 unknown
-  int image_height = 0;                     ///< [px], 0 unknown
+  Time time = 0.0;                           ///< of the image they were found in [s]
+  Pose T_robot_sensor = robotFromOptical();  ///< the optical frame of the 3D boxes
+  int image_width = 0;                       ///< of the image of the 2D boxes [px], 0 unknown
+  int image_height = 0;                      ///< [px], 0 unknown
   std::vector<Detection> items;
 };
+
+/// The box of an upright object seen from an optical frame.
+///
+/// @param centre           of its volume, in a frame whose z axis points up [m]
+/// @param size             (length, width, height) [m]
+/// @param yaw              of its front about that frame's z axis [rad]
+/// @param T_optical_frame  maps points of that frame into the optical one
+[[nodiscard]] Box3d opticalBox(const Eigen::Vector3d& centre, const Eigen::Vector3d& size,
+                               double yaw, const Pose& T_optical_frame);
+
+/// Whether every number of the box is finite.
+[[nodiscard]] bool isFinite(const Box2d& box);
+[[nodiscard]] bool isFinite(const Box3d& box);
 
 /// Direction of the box's front in the optical frame, unit length.
 [[nodiscard]] Eigen::Vector3d frontOf(const Box3d& box);

@@ -61,12 +61,15 @@ struct Track {
   Eigen::Vector3d size = Eigen::Vector3d::Zero();      ///< (length, width, height) [m]
   Eigen::Matrix3d position_covariance = Eigen::Matrix3d::Identity();  ///< map frame [m^2]
 
-  std::optional<Box2d> box2d;  ///< of the detection matched in this frame [px]
-  Time first_seen = 0.0;       ///< [s]
-  Time last_seen = 0.0;        ///< [s]
-  std::vector<TrajectoryPoint> recent_path;   ///< the smoothed window, oldest first
-  std::vector<PredictedPath> predictions;     ///< empty for tentative tracks
+  std::optional<Box2d> box2d;                ///< of the detection matched in this frame [px]
+  Time first_seen = 0.0;                     ///< [s]
+  Time last_seen = 0.0;                      ///< [s]
+  std::vector<TrajectoryPoint> recent_path;  ///< the smoothed window, oldest first
+  std::vector<PredictedPath> predictions;    ///< empty for tentative tracks
 };
+
+/// Whether the track is shown to the outside: confirmed or coasting.
+[[nodiscard]] bool isShown(const Track& track);
 
 /// A track as it stood at one frame: one row of `tracks.csv`.
 struct TrackSample {

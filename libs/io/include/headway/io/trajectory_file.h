@@ -2,6 +2,7 @@
 
 #include <headway/core/pose.h>
 
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,10 @@ namespace headway::io {
 /// @throws InputError naming file and line of what cannot be read
 [[nodiscard]] std::vector<Stamped<Pose>> readTum(const std::string& path);
 
-/// Writes `t x y z qx qy qz qw` rows, seconds with 9 and the rest with 9 decimals.
+/// Writes one row `t x y z qx qy qz qw`, all with 9 decimals, qw not negative.
+void writeTumRow(std::ostream& out, const Stamped<Pose>& pose);
+
+/// Writes a row for each pose.
 void writeTum(const std::string& path, const std::vector<Stamped<Pose>>& trajectory);
 
 /// Reads 3x4 row-major poses, one a row (KITTI odometry).
