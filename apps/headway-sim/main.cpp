@@ -5,9 +5,11 @@
 #include <headway/sim/recording.h>
 #include <headway/sim/simulator.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iomanip>
 #include <iostream>
+#include <opencv2/core.hpp>
 #include <sstream>
 
 namespace {
@@ -44,6 +46,29 @@ void announceSize(const sim::SimFrame& first, const sim::SimParams& params,
   }
 }
 
+/// How much of the images the movers covered, for the summary.
+class CoveredShare {
+ public:
+  void add(const sim::SimFrame& frame) {
+    const cv::Mat mask = sim::dynamicMask(frame);
+    const double share = cv::countNonZero(mask) / static_cast<double>(mask.total());
+    if (frames_ == 0) first_ = share;
+    most_ = std::max(most_, share);
+    sum_ += share;
+    ++frames_;
+  }
+  friend std::ostream& operator<<(std::ostream& out, const CoveredShare& share) {
+    const double mean = share.frames_ > 0 ? share.sum_ / share.frames_ : 0.0;
+    return out << std::fixed << std::setprecision(1) << "movers cover " << 100.0 * mean
+               << " % of the left image (first frame " << 100.0 * share.first_ << " %, most "
+               << 100.0 * share.most_ << " %)";
+  }
+
+ private:
+  double first_ = 0.0, most_ = 0.0, sum_ = 0.0;
+  int frames_ = 0;
+};
+
 int simulate(int argc, const char* const* argv) {
   Request request;
   sim::SimParams settings;
@@ -71,9 +96,11 @@ int simulate(int argc, const char* const* argv) {
   sim::Recording recording(request.output, settings.recording, request.options, simulator.camera(),
                            simulator.recordedCamera(), world_ini.str());
   program::Progress progress("headway-sim", line.quiet());
+  CoveredShare covered;
   std::size_t done = 0;
   for (; frame && !program::interrupted(); frame = simulator.next()) {
     recording.write(*frame);
+    covered.add(*frame);
     ++done;
     progress.update(done, static_cast<double>(done) / settings.recording.frames);
   }
@@ -81,7 +108,8 @@ int simulate(int argc, const char* const* argv) {
   recording.close();
   if (!line.quiet()) {
     std::cout << request.output << ": " << done << " frames; truth in "
-              << sim::truthFolder(request.output) << std::endl;
+              << sim::truthFolder(request.output) << "\n"
+              << covered << std::endl;
   }
   return program::kDone;
 }

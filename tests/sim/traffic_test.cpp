@@ -115,7 +115,7 @@ class Street : public ::testing::Test {
   RoadNetwork network{route, 75.0, 5};
   Vehicles vehicles{traffic, route, network, 11};
   Pedestrians pedestrians{traffic, route, network, 12};
-  RobotDriver robot{route_params, 0.25, route, 13};
+  RobotDriver robot{route_params, 0.25, false, route, 13};
   std::int64_t next_id = 0;
 };
 

@@ -4,6 +4,12 @@
 #include <cmath>
 
 namespace headway::sim {
+namespace {
+
+constexpr double kLarge = 0.05;   // share of the image
+constexpr double kNearest = 0.5;  // of a box that can be measured [m]
+
+}  // namespace
 
 DetectorNoise::DetectorNoise(const DetectorParams& params, const StereoCamera& camera,
                              std::uint64_t seed)
@@ -13,7 +19,10 @@ bool DetectorNoise::isMissed(const Mover& mover, const Sighting& sighting) {
   const double z = sighting.box3d.centre.z();
   if (z > params_.max_range_m || sighting.box.height() < params_.min_height_px) return true;
   if (mover.parked && !params_.parked) return true;
-  if (sighting.visible_pixels == 0 || sighting.truncation > 0.8) return true;
+  // Of what leaves the image nothing is known, unless it still fills a good part of it.
+  const bool cut_off = sighting.truncation > 0.8 && sighting.box.width() * sighting.box.height() <
+                                                        kLarge * camera_.width * camera_.height;
+  if (sighting.visible_pixels == 0 || cut_off || z < kNearest) return true;
   const double far = z / params_.max_range_m;
   const double hidden = 1.0 - sighting.visible;
   const double in_view = params_.miss_near + (params_.miss_far - params_.miss_near) * far * far;

@@ -42,18 +42,6 @@ void writePicture(const std::string& folder, std::size_t index, const cv::Mat& p
   }
 }
 
-/// Pixels of movers that are not parked.
-cv::Mat dynamicMask(const SimFrame& frame) {
-  cv::Mat mask = cv::Mat::zeros(frame.instances.size(), CV_8U);
-  for (int v = 0; v < mask.rows; ++v) {
-    const auto* labels = frame.instances.ptr<std::uint16_t>(v);
-    for (int u = 0; u < mask.cols; ++u) {
-      if (labels[u] != 0 && !frame.objects[labels[u] - 1U].parked) mask.at<uchar>(v, u) = 255;
-    }
-  }
-  return mask;
-}
-
 cv::Mat kittiDepth(const cv::Mat& depth) {
   cv::Mat scaled;
   depth.convertTo(scaled, CV_16U, 256.0);  // saturates at 255.99 m

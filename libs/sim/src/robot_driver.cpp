@@ -2,18 +2,26 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace headway::sim {
+namespace {
 
-RobotDriver::RobotDriver(const RouteParams& route_params, double ride_deg, const Route& route,
-                         std::uint64_t seed)
+constexpr std::int64_t kRobotId = -2;
+
+}  // namespace
+
+RobotDriver::RobotDriver(const RouteParams& route_params, double ride_deg, bool close_up,
+                         const Route& route, std::uint64_t seed)
     : route_(route),
-      lane_(besidePath(route.street, route.robot_left, false)),
+      at_(route, route.robot_left),
       ride_rad_(ride_deg * M_PI / 180.0),
       random_(seed) {
   style_.wish_mps = route_params.speed_mps;
   style_.lateral = route_params.lateral_acceleration;
+  if (close_up) {
+    style_.headway_s = 0.4;
+    style_.standstill_m = 1.5;
+  }
   at_.s = route.start_s;
   at_.speed = 0.8 * route_params.speed_mps;
   at_.length = 4.4;
@@ -32,16 +40,7 @@ void RobotDriver::ride(double dt, Wobble& wobble) {
 }
 
 void RobotDriver::advance(double dt, const std::vector<Obstacle>& others) {
-  // Distances along the lane and along the street's middle differ in curves only, by little.
-  const double bend = route_.street.curvature(at_.s);
-  const double stretch = std::clamp(1.0 - bend * route_.robot_left, 0.5, 1.5);
-  OnPath in_lane = at_;
-  const Eigen::Vector2d here = route_.street.beside(at_.s, route_.robot_left).head<2>();
-  in_lane.s = lane_.project(here, at_.s * 0.9 - 40.0, at_.s * 1.1 + 40.0).s;
-  const double acceleration = drive(in_lane, lane_, style_, others, state().body.id,
-                                    std::numeric_limits<double>::infinity());
-  at_.speed = std::max(0.0, at_.speed + acceleration * dt);
-  at_.s += at_.speed * dt / stretch;
+  at_.move(dt, at_.acceleration(style_, others, kRobotId));
   ride(dt, pitch_);
   ride(dt, roll_);
 }
@@ -52,7 +51,7 @@ Pose RobotDriver::T_world_robot() const {
   const double rise =
       route_.street.at(s + 1.5).position.z() - route_.street.at(s - 1.5).position.z();
   Pose pose = Pose::Identity();
-  pose.translation() = route_.street.beside(s, route_.robot_left);
+  pose.translation() = at_.place().position;
   pose.linear() =
       (Eigen::AngleAxisd(street.yaw, Eigen::Vector3d::UnitZ()) *
        Eigen::AngleAxisd(-std::atan2(rise, 3.0) + pitch_.angle, Eigen::Vector3d::UnitY()) *
@@ -65,11 +64,11 @@ RobotState RobotDriver::state() const {
   RobotState state;
   state.s = at_.s;
   state.speed = at_.speed;
-  const PathPoint street = route_.street.at(at_.s);
-  state.body.id = -2;
-  state.body.position = route_.street.beside(at_.s, route_.robot_left).head<2>();
-  state.body.yaw = street.yaw;
-  state.body.velocity = at_.speed * Eigen::Vector2d(std::cos(street.yaw), std::sin(street.yaw));
+  const PathPoint place = at_.place();
+  state.body.id = kRobotId;
+  state.body.position = place.position.head<2>();
+  state.body.yaw = place.yaw;
+  state.body.velocity = at_.speed * Eigen::Vector2d(std::cos(place.yaw), std::sin(place.yaw));
   state.body.length = at_.length;
   state.body.width = at_.width;
   return state;

@@ -2,8 +2,8 @@
 
 #include <headway/core/pose.h>
 
+#include "lane_keeper.h"
 #include "random.h"
-#include "road_network.h"
 #include "vehicles.h"
 
 namespace headway::sim {
@@ -12,7 +12,9 @@ namespace headway::sim {
 class RobotDriver {
  public:
   /// All references must outlive the object.
-  RobotDriver(const RouteParams& route_params, double ride_deg, const Route& route,
+  ///
+  /// @param close_up  keeps little distance, so that what drives ahead fills the view
+  RobotDriver(const RouteParams& route_params, double ride_deg, bool close_up, const Route& route,
               std::uint64_t seed);
 
   void advance(double dt, const std::vector<Obstacle>& others);
@@ -30,8 +32,7 @@ class RobotDriver {
 
   const Route& route_;
   DriverStyle style_;
-  Path lane_;  ///< the robot's lane, from the start of the street
-  OnPath at_;  ///< s is along the street, not along the lane
+  LaneKeeper at_;
   double ride_rad_;
   Random random_;
   Wobble pitch_, roll_;

@@ -56,6 +56,9 @@ void TrafficParams::describe(Params::Section section) {
   section.add("stop_rate_hz", stop_rate_hz, 0.0, 1.0, "1/s", "How often a walker stops");
   section.add("in_front_at_start", in_front_at_start, 0, 60, "",
               "Movers close before the camera at the start");
+  section.add("image_share", image_share, 0.0, 0.6, "",
+              "Mean share of the left image that movers cover, from the first frame on: vehicles "
+              "keep close to the robot; 0: as it comes");
   section.add("range_ahead_m", range_ahead_m, 20.0, 250.0, "m", "Movers live up to here ahead");
   section.add("range_behind_m", range_behind_m, 5.0, 100.0, "m", "and up to here behind");
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "detector_noise.h"
+#include "escort.h"
 #include "image_formation.h"
 #include "lens.h"
 #include "motion_sensors.h"
@@ -24,7 +25,8 @@ enum Purpose : std::uint64_t {
   kImageSeed,
   kDetectorSeed,
   kClockSeed,
-  kSensorSeed
+  kSensorSeed,
+  kEscortSeed
 };
 
 constexpr double kStep = 0.05;     // longest step of the motion [s]
@@ -73,6 +75,18 @@ int occlusionLevel(double visible) {
   return visible >= 0.1 ? 2 : 3;
 }
 
+cv::Mat dynamicMask(const SimFrame& frame) {
+  cv::Mat mask = cv::Mat::zeros(frame.instances.size(), CV_8U);
+  for (int v = 0; v < mask.rows; ++v) {
+    const auto* labels = frame.instances.ptr<std::uint16_t>(v);
+    auto* marks = mask.ptr<uchar>(v);
+    for (int u = 0; u < mask.cols; ++u) {
+      if (labels[u] != 0 && !frame.objects[labels[u] - 1U].parked) marks[u] = 255;
+    }
+  }
+  return mask;
+}
+
 /// Everything of one simulation, in the order in which a frame passes through it.
 class Simulator::Machine {
  public:
@@ -88,7 +102,8 @@ class Simulator::Machine {
   }
   void advance(double seconds);
   void step(double dt);
-  [[nodiscard]] std::vector<Mover> moversNear();
+  [[nodiscard]] std::vector<Mover> othersMoving() const;  ///< but for the escort
+  [[nodiscard]] std::vector<Mover> moversNear();          ///< with the parked ones
   void draw(SimFrame& frame);
   void judge(SimFrame& frame);
 
@@ -97,14 +112,15 @@ class Simulator::Machine {
   World world_;
   Lens lens_;
   StereoRig rig_;
+  RobotDriver robot_;
+  std::int64_t next_id_ = 0;
+  Escort escort_;
   Vehicles vehicles_;
   Pedestrians pedestrians_;
-  RobotDriver robot_;
   ImageFormation image_formation_;
   DetectorNoise detector_;
   MotionSensors sensors_;
   Random clock_;
-  std::int64_t next_id_ = 0;
   std::size_t tick_ = 0;    ///< camera triggers so far, dropped ones included
   std::size_t frames_ = 0;  ///< frames handed out
   double now_s_ = 0.0;      ///< since the first trigger [s]
@@ -117,15 +133,19 @@ Simulator::Machine::Machine(const SimParams& params)
       world_(params.world, route_),
       lens_(params.camera),
       rig_(lens_.drawn(), world_),
-      vehicles_(params.traffic, route_, world_.network(), seed(kVehicleSeed)),
+      robot_(params.route, params.camera.ride_deg, params.traffic.image_share > 0.0, route_,
+             seed(kRobotSeed)),
+      escort_(params.traffic, route_, lens_.ideal(), seed(kEscortSeed), robot_.state(),
+              robot_.T_world_robot(), next_id_),
+      vehicles_(escort_.others(), route_, world_.network(), seed(kVehicleSeed)),
       pedestrians_(params.traffic, route_, world_.network(), seed(kPedestrianSeed)),
-      robot_(params.route, params.camera.ride_deg, route_, seed(kRobotSeed)),
       image_formation_(params.camera, params.camera.width, params.camera.height, seed(kImageSeed)),
       detector_(params.detector, lens_.ideal(), seed(kDetectorSeed)),
       sensors_(seed(kSensorSeed)),
       clock_(seed(kClockSeed)) {
   vehicles_.populate(robot_.state(), next_id_);
   pedestrians_.populate(robot_.state(), next_id_);
+  escort_.populate(robot_.state(), robot_.T_world_robot(), othersMoving());
   sensors_.observe(params.recording.start_time_s, robot_.T_world_robot());
 }
 
@@ -137,6 +157,11 @@ void Simulator::Machine::step(double dt) {
   std::vector<Obstacle> for_vehicles = on_foot, for_robot = on_foot;
   for_vehicles.push_back(robot.body);
   for_robot.insert(for_robot.end(), on_wheels.begin() + 1, on_wheels.end());
+  escort_.advance(dt, robot, for_robot);
+  for (const Mover& mover : escort_.movers()) {
+    const Obstacle escort = obstacleFrom(mover);
+    for (auto* list : {&on_wheels, &for_vehicles, &for_robot}) list->push_back(escort);
+  }
   pedestrians_.advance(dt, robot, on_wheels, next_id_);
   vehicles_.advance(dt, robot, for_vehicles, next_id_);
   robot_.advance(dt, for_robot);
@@ -154,10 +179,16 @@ void Simulator::Machine::advance(double seconds) {
   }
 }
 
-std::vector<Mover> Simulator::Machine::moversNear() {
+std::vector<Mover> Simulator::Machine::othersMoving() const {
   std::vector<Mover> movers = vehicles_.movers();
   const auto& people = pedestrians_.movers();
   movers.insert(movers.end(), people.begin(), people.end());
+  return movers;
+}
+
+std::vector<Mover> Simulator::Machine::moversNear() {
+  std::vector<Mover> movers = othersMoving();
+  movers.insert(movers.end(), escort_.movers().begin(), escort_.movers().end());
   const auto parked =
       world_.parkedNear(robot_.T_world_robot().translation(), params_.world.view_distance_m);
   movers.insert(movers.end(), parked.begin(), parked.end());
@@ -231,6 +262,7 @@ std::optional<SimFrame> Simulator::Machine::next() {
     const bool dropped = tick_ > 0 && clock_.chance(params_.camera.drop_share);
     ++tick_;
     if (dropped) continue;
+    escort_.observe(robot_.T_world_robot(), othersMoving());
     SimFrame frame;
     frame.index = frames_++;
     draw(frame);

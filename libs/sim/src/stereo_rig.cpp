@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 
+#include "body_projection.h"
 #include "furniture.h"
 #include "ground_texture.h"
 #include "mover_atlas.h"
@@ -20,8 +21,8 @@
 namespace headway::sim {
 namespace {
 
-constexpr float kNear = 0.3F, kFar = 320.0F;  // [m]
-constexpr std::size_t kMostSurfaces = 170;    // MRPT has 192 textures, a few are shared ones
+constexpr float kFar = 320.0F;              // [m]
+constexpr std::size_t kMostSurfaces = 170;  // MRPT has 192 textures, a few are shared ones
 constexpr float kSkyRadius = 300.0F;
 constexpr double kMeadowCell = 16.0;  // one picture of the meadow [m]
 
@@ -111,7 +112,7 @@ StereoRig::Scene::Scene(const StereoCamera& camera, World& world)
   furniture_ = add(drawFurnitureAtlas(world.grain(), furniture));
   movers_ = add(drawMoverAtlas(world.grain(), movers));
   shadows_ = add(drawShadow());
-  scene_.getViewport()->setViewportClipDistances(kNear, kFar);
+  scene_.getViewport()->setViewportClipDistances(kNearPlane, kFar);
 }
 
 StereoRig::Scene::ObjectPtr StereoRig::Scene::add(const cv::Mat& picture) {

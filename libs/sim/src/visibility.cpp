@@ -4,12 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "body_projection.h"
 #include "person_mesh.h"
 
 namespace headway::sim {
 namespace {
-
-constexpr float kNearest = 0.3F;  // what is nearer to the camera is not drawn [m]
 
 /// A small depth image of one body alone.
 class BodyDepth {
@@ -17,8 +16,7 @@ class BodyDepth {
   explicit BodyDepth(const cv::Rect& area)
       : area_(area), depth_(area.size(), CV_32F, cv::Scalar(std::numeric_limits<float>::max())) {}
 
-  /// Corners: (u, v) [px] and inverse depth [1/m], which is linear over the image.
-  void drawTriangle(const std::array<Eigen::Vector3f, 3>& corners) {
+  void drawTriangle(const ImageTriangle& corners) {
     const Eigen::Vector3f &a = corners[0], &b = corners[1], &c = corners[2];
     const float twice_area = (b.x() - a.x()) * (c.y() - a.y()) - (c.x() - a.x()) * (b.y() - a.y());
     if (std::abs(twice_area) < 1e-6F) return;
@@ -54,30 +52,8 @@ class BodyDepth {
   cv::Mat depth_;
 };
 
-using Corners = std::vector<std::array<Eigen::Vector3f, 3>>;
-
-/// Triangles in the image; those that reach behind the near plane are left out.
-Corners projectBody(const Mesh& body, const Eigen::Isometry3f& T_cam_origin,
-                    const StereoCamera& camera) {
-  Corners result;
-  result.reserve(body.triangles.size());
-  for (const auto& triangle : body.triangles) {
-    std::array<Eigen::Vector3f, 3> corners;
-    bool in_front = true;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Eigen::Vector3f p = T_cam_origin * triangle[i].position;
-      in_front = in_front && p.z() > kNearest;
-      corners[i] = {static_cast<float>(camera.fx) * p.x() / p.z() + static_cast<float>(camera.cx),
-                    static_cast<float>(camera.fy) * p.y() / p.z() + static_cast<float>(camera.cy),
-                    1.0F / p.z()};
-    }
-    if (in_front) result.push_back(corners);
-  }
-  return result;
-}
-
 /// Uncut box around the body.
-Box2d boundsOf(const Corners& corners) {
+Box2d boundsOf(const std::vector<ImageTriangle>& corners) {
   constexpr double kInf = std::numeric_limits<double>::infinity();
   Box2d box{kInf, kInf, -kInf, -kInf};
   for (const auto& triangle : corners) {
@@ -134,8 +110,7 @@ std::vector<Sighting> findSightings(const Pose& T_world_robot, const StereoCamer
     Sighting sighting;
     sighting.mover = i;
     sighting.box3d = opticalBox(movers[i], T_world_cam);
-    if (sighting.box3d.centre.z() < 0.5) continue;
-    const Corners corners = projectBody(moverMesh(movers[i], origin), T_cam_origin, camera);
+    const auto corners = projectBody(moverMesh(movers[i], origin), T_cam_origin, camera);
     if (corners.empty()) continue;
     const Box2d whole = boundsOf(corners);
     const cv::Rect area =
@@ -156,6 +131,8 @@ std::vector<Sighting> findSightings(const Pose& T_world_robot, const StereoCamer
     BodyDepth alone(area);
     for (const auto& triangle : corners) alone.drawTriangle(triangle);
     compare(alone.depth(), area, depth, static_cast<std::uint16_t>(i + 1), instances, sighting);
+    // Something whose middle is beside or behind the camera counts if an end of it is seen.
+    if (sighting.box3d.centre.z() < 0.5 && sighting.visible_pixels == 0) continue;
     sightings.push_back(sighting);
   }
   return sightings;

@@ -55,6 +55,7 @@ struct TrafficParams {
   double group_share = 0.35;            ///< of the pedestrians that walk in groups
   double stop_rate_hz = 0.02;           ///< how often a walker stops for a moment
   int in_front_at_start = 0;            ///< movers right before the camera at the start
+  double image_share = 0.0;             ///< of the left image that movers cover; 0: as it comes
   double range_ahead_m = 100.0;         ///< movers live up to here ahead of the robot
   double range_behind_m = 25.0;
 

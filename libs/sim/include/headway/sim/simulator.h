@@ -56,6 +56,11 @@ struct SimFrame {
   std::optional<OdometrySample> odometry;
 };
 
+/// Pixels of the left image that show something that moves.
+///
+/// @return  8-bit: 255 where a mover (not a parked one) is seen, 0 elsewhere
+[[nodiscard]] cv::Mat dynamicMask(const SimFrame& frame);
+
 /// A world in motion, seen by a stereo rig on a robot that drives through it.
 ///
 /// Same parameters, same frames, byte for byte, on one machine. Frames must be drawn in the

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <headway/core/stereo_camera.h>
+
+#include <array>
+#include <vector>
+
+#include "mesh.h"
+
+namespace headway::sim {
+
+/// A triangle in the image: (u, v) [px] and inverse depth [1/m], which is linear over the image.
+using ImageTriangle = std::array<Eigen::Vector3f, 3>;
+
+/// Where nearer things begin not to be drawn [m].
+inline constexpr float kNearPlane = 0.3F;
+
+/// The body's triangles as the left camera sees them, cut at the near plane.
+[[nodiscard]] std::vector<ImageTriangle> projectBody(const Mesh& body,
+                                                     const Eigen::Isometry3f& T_cam_body,
+                                                     const StereoCamera& camera);
+
+}  // namespace headway::sim
