@@ -39,25 +39,36 @@ FrameWriters::FrameWriters(const std::filesystem::path& folder,
                            std::shared_ptr<const StereoCamera> camera)
     : camera_(std::move(camera)),
       trajectory_(folder / "trajectory_online.tum"),
+      detections_(folder / "detections.csv"),
       tracks_(folder / "tracks.csv"),
       smoothed_(folder / "tracks_smoothed.csv"),
       kitti_(folder / "tracks_kitti.txt"),
       predictions_(folder / "predictions.csv") {
+  detections_.stream() << io::detectionCsvHeader() << '\n';
   tracks_.stream() << io::trackCsvHeader() << '\n';
   smoothed_.stream() << io::trackCsvHeader() << '\n';
   predictions_.stream() << io::predictionCsvHeader() << '\n';
 }
 
-void FrameWriters::write(const pipeline::PerceptionUpdate& update, const Pose& T_robot_sensor) {
+void FrameWriters::write(const pipeline::PerceptionUpdate& update) {
   if (update.camera.status == slam::TrackingStatus::kTracked) {
     io::writeTumRow(trajectory_.stream(), {update.time, update.camera.T_map_robot});
   }
+  if (update.detections) {
+    for (const auto& detection : update.detections->items) {
+      io::writeDetectionCsv(detections_.stream(), update.frame, detection);
+    }
+  }
+  const Pose T_robot_sensor = update.detections    ? update.detections->T_robot_sensor
+                              : camera_ != nullptr ? camera_->T_robot_cam
+                                                   : robotFromOptical();
   const Pose T_sensor_map = (update.camera.T_map_robot * T_robot_sensor).inverse();
   for (const auto& track : update.objects.tracks) {
     if (isShown(track)) writeTrack(update, track, T_sensor_map);
   }
   writeSmoothed(update.objects.settled);
-  for (const auto* file : {&trajectory_, &tracks_, &smoothed_, &kitti_, &predictions_}) {
+  for (const auto* file :
+       {&trajectory_, &detections_, &tracks_, &smoothed_, &kitti_, &predictions_}) {
     file->check();
   }
 }
@@ -83,7 +94,7 @@ void FrameWriters::writeSmoothed(const std::vector<TrackSample>& samples) {
 
 void FrameWriters::flush() {
   std::exception_ptr failure;  // the first one; the other files are still brought to disk
-  for (auto* file : {&trajectory_, &tracks_, &smoothed_, &kitti_, &predictions_}) {
+  for (auto* file : {&trajectory_, &detections_, &tracks_, &smoothed_, &kitti_, &predictions_}) {
     try {
       file->flush();
     } catch (...) {

@@ -14,15 +14,15 @@
 namespace headway::replay {
 
 /// Writes what each frame says as soon as it is known, so that an early end loses nothing:
-/// trajectory_online.tum, tracks.csv, tracks_smoothed.csv, tracks_kitti.txt, predictions.csv.
+/// trajectory_online.tum, detections.csv, tracks.csv, tracks_smoothed.csv, tracks_kitti.txt,
+/// predictions.csv.
 class FrameWriters {
  public:
   /// @param camera  null where the rawlog holds poses and boxes alone
   FrameWriters(const std::filesystem::path& folder, std::shared_ptr<const StereoCamera> camera);
 
-  /// @param T_robot_sensor  optical frame of the boxes, for KITTI's camera frame
-  /// @throws InputError     naming the file that could not be written
-  void write(const pipeline::PerceptionUpdate& update, const Pose& T_robot_sensor);
+  /// @throws InputError naming the file that could not be written
+  void write(const pipeline::PerceptionUpdate& update);
   void writeSmoothed(const std::vector<TrackSample>& samples);
   /// @throws InputError naming the file that could not be written
   void flush();
@@ -33,6 +33,7 @@ class FrameWriters {
 
   std::shared_ptr<const StereoCamera> camera_;
   OutputFile trajectory_;
+  OutputFile detections_;
   OutputFile tracks_;
   OutputFile smoothed_;
   OutputFile kitti_;

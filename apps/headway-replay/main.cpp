@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
     if (!line.parse(argc, argv)) return headway::program::kDone;
     options.quiet = line.quiet();
     headway::replay::check(options);
+    if (!options.detector.empty()) replay_params.perception.detection.detector = options.detector;
 
     headway::program::catchInterrupts();
     headway::replay::Replay replay(options, replay_params, params);

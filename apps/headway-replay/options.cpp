@@ -1,5 +1,8 @@
 #include "options.h"
 
+#include <headway/core/error.h>
+#include <headway/pipeline/detection_stage.h>
+
 namespace headway::replay {
 
 void describe(Options& options, program::CommandLine& line) {
@@ -7,8 +10,10 @@ void describe(Options& options, program::CommandLine& line) {
   line.option(options.output, 'o', "output", "OUTDIR", "Folder for all results", true);
   line.option(options.detections, 0, "detections", "FILE",
               "Boxes by frame (KITTI or CSV) to use instead of the recorded ones");
-  line.option(options.detector, 0, "detector", "NAME",
-              "Where boxes come from: recorded (rawlog or --detections) or none");
+  line.option(
+      options.detector, 0, "detector", "NAME",
+      "Where boxes come from: auto, none, recorded (rawlog or --detections), stereo_motion, "
+      "dnn, hog, or several joined by +; default: detect.detector of the configuration");
   line.option(options.sensor_label, 0, "sensor-label", "LABEL",
               "Stereo camera to use where the rawlog holds several");
   line.option(options.realtime, 0, "realtime", "FACTOR",
@@ -21,11 +26,16 @@ void describe(Options& options, program::CommandLine& line) {
 
 void check(const Options& options) {
   using program::UsageError;
-  if (options.detector != "recorded" && options.detector != "none") {
-    throw UsageError("--detector: '" + options.detector + "' is none of recorded, none");
-  }
-  if (options.detector == "none" && !options.detections.empty()) {
-    throw UsageError("--detections gives boxes and --detector none refuses them");
+  if (!options.detector.empty()) {
+    try {
+      pipeline::checkDetectorNames(options.detector);
+    } catch (const InputError& error) {
+      throw UsageError(std::string("--detector: ") + error.what());
+    }
+    if (!options.detections.empty() && !pipeline::usesRecordedBoxes(options.detector)) {
+      throw UsageError("--detections gives boxes and --detector " + options.detector +
+                       " makes no use of them");
+    }
   }
   if (!(options.realtime >= 0.0)) throw UsageError("--realtime must not be negative");
   if (options.snapshots < 0) throw UsageError("--snapshots must not be negative");

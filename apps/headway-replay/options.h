@@ -9,10 +9,10 @@ namespace headway::replay {
 
 /// What the command line asks of a replay.
 struct Options {
-  std::string input;                  ///< rawlog
-  std::string output;                 ///< folder
-  std::string detections;             ///< side file of boxes; empty: those recorded in the rawlog
-  std::string detector = "recorded";  ///< recorded | none
+  std::string input;       ///< rawlog
+  std::string output;      ///< folder
+  std::string detections;  ///< side file of boxes; empty: those recorded in the rawlog
+  std::string detector;    ///< pipeline::DetectionParams::detector; empty: as configured
   std::string sensor_label;
   double realtime = 0.0;  ///< times the recorded rate; 0: offline, every frame
   std::optional<std::size_t> from_index;

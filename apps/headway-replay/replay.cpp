@@ -66,8 +66,8 @@ Replay::Replay(const Options& options, const ReplayParams& replay_params, const 
       configuration_(textOf(params)),
       source_(options.input, sourceOptions(options, replay_params.perception.slam)),
       camera_(source_.camera()),
-      folder_(prepareOutputFolder(options.output, options.overwrite)),
       perception_(camera_, replay_params.perception),
+      folder_(prepareOutputFolder(options.output, options.overwrite)),
       writers_(folder_, camera_),
       snapshots_(folder_, options.snapshots, [this](const std::string& text) { warn(text); }) {
   if (!options.detections.empty()) {
@@ -125,7 +125,6 @@ void Replay::processAll() {
 }
 
 void Replay::takeSideDetections(RecordedFrame& frame) const {
-  if (options_.detector == "none") frame.detections.reset();
   if (options_.detections.empty()) return;
   const auto side = side_detections_.find(frame.index);
   frame.detections = side != side_detections_.end() ? side->second : Detections();
@@ -142,9 +141,7 @@ void Replay::process(const RecordedFrame& frame, double progress) {
   summary_.cpu_ms += processCpuMs() - cpu_before + frame.rectify_ms;
 
   count(frame, update);
-  writers_.write(update, frame.detections     ? frame.detections->T_robot_sensor
-                         : camera_ != nullptr ? camera_->T_robot_cam
-                                              : robotFromOptical());
+  writers_.write(update);
   snapshots_.add(perception_, update, frame, progress);
 }
 

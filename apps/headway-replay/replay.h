@@ -24,7 +24,7 @@ struct ReplayParams {
   pipeline::PerceptionParams perception;
   map::StaticGridParams grid;
 
-  /// Binds sections [slam], [objects] and [grid].
+  /// Binds the pipeline's sections and [grid].
   void describe(Params& params) {
     perception.describe(params);
     grid.describe(params.section("grid"));
@@ -72,8 +72,8 @@ class Replay {
   io::RawlogSource source_;
   std::shared_ptr<const StereoCamera> camera_;
   std::map<std::size_t, Detections> side_detections_;
-  std::filesystem::path folder_;
   pipeline::Perception perception_;
+  std::filesystem::path folder_;
   FrameWriters writers_;
   Snapshots snapshots_;
   Summary summary_;

@@ -29,8 +29,7 @@ void writeRunRecord(const std::filesystem::path& path, const Options& options,
   json["input"] = {{"rawlog", pathJson(options.input)},
                    {"detections", pathJson(options.detections)},
                    {"sensor_label", options.sensor_label}};
-  json["options"] = {{"detector", options.detector},
-                     {"realtime", options.realtime},
+  json["options"] = {{"realtime", options.realtime},
                      {"from_index", indexJson(options.from_index)},
                      {"to_index", indexJson(options.to_index)},
                      {"snapshots", options.snapshots}};

@@ -61,6 +61,9 @@ void writeSummary(const std::filesystem::path& path, const Summary& summary) {
   json["tracks_moving"] = summary.tracks_moving;
   json["start_up_s"] = summary.start_up_s;
   json["total_s"] = summary.total_s;
+  json["frame_ms_mean"] =
+      perFrame(std::accumulate(summary.frame_ms.begin(), summary.frame_ms.end(), 0.0),
+               summary.frame_ms.size());
   json["frame_ms_median"] = percentile(summary.frame_ms, 0.5);
   json["frame_ms_p95"] = percentile(summary.frame_ms, 0.95);
   json["frame_ms_max"] = percentile(summary.frame_ms, 1.0);

@@ -20,7 +20,7 @@ clip() {
   shift
   [ -f "$out/$name.rawlog" ] || $bin/headway-import "$@" -q -o "$out/$name.rawlog"
   for _ in 1 2 3; do
-    $bin/headway-replay -i "$out/$name.rawlog" -o "$out/$name" -w -q --snapshots 0
+    $bin/headway-replay -i "$out/$name.rawlog" -o "$out/$name" -w -q --snapshots 0 --detector none
   done
   local ate s=$out/$name/summary.json
   ate=$($bin/headway-eval trajectory --truth "$out/$name.rawlog" \

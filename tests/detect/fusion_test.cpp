@@ -78,26 +78,9 @@ TEST(MakeDetector, NamesWhatThereIs) {
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("stereo_motion, dnn, hog"), std::string::npos);
   }
-  EXPECT_EQ(makeDetectors("hog+stereo_motion", camera, DetectParams{}).size(), 2u);
-}
-
-TEST(MakeDetector, LooksAtEveryNthFrameOnly) {
-  auto camera = std::make_shared<StereoCamera>();
-  camera->width = 320;
-  camera->height = 160;
-  camera->fx = camera->fy = 200.0;
-  camera->cx = 160;
-  camera->cy = 80;
-  camera->baseline_m = 0.5;
-  StereoFrame frame;
-  frame.left = frame.right = cv::Mat(160, 320, CV_8U, cv::Scalar(90));
-  frame.camera = camera;
-  DetectParams params;
-  params.every_nth_frame = 3;
-  const auto detector = makeDetector("hog", camera, params);
-  std::vector<bool> looked;
-  for (int i = 0; i < 6; ++i) looked.push_back(detector->detect(frame, std::nullopt).has_value());
-  EXPECT_EQ(looked, (std::vector<bool>{true, false, false, true, false, false}));
+  for (const char* name : {"hog", "stereo_motion"}) {
+    EXPECT_NE(makeDetector(name, camera, DetectParams{}), nullptr);
+  }
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <headway/detect/stereo_motion.h>
 #include <headway_test/folders.h>
+#include <headway_test/painted_street.h>
 #include <headway_test/stereo_sequence.h>
 
 #include <fstream>
@@ -8,8 +9,6 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <set>
-
-#include "painted_street.h"
 
 namespace headway::detect {
 namespace {
@@ -29,12 +28,16 @@ struct Outcome {
   int refused = 0;    ///< frames of which nothing was said
 };
 
+StereoMotion detectorFor(std::shared_ptr<const StereoCamera> camera) {
+  return {std::move(camera), {}, std::make_shared<DisparityMatcher>(DisparityParams())};
+}
+
 /// What is done to a frame before the detector sees it.
 using Trouble = std::function<void(int, StereoFrame&)>;
 
 Outcome run(const PaintedStreet& street, const PaintedBox* mover, const Trouble& trouble,
             double right_late_s = 0.0) {
-  StereoMotion detector(street.camera(), {}, {});
+  StereoMotion detector = detectorFor(street.camera());
   Outcome outcome;
   for (int i = 0; i < kFrames; ++i) {
     StereoFrame frame = street.frame(i, right_late_s);
@@ -68,7 +71,7 @@ TEST(StereoMotion, FindsTheMoverAndNothingElse) {
 
 TEST(StereoMotion, MeasuresVelocityAndPlaceOfTheMover) {
   const PaintedStreet street({kMover, kParked});
-  StereoMotion detector(street.camera(), {}, {});
+  StereoMotion detector = detectorFor(street.camera());
   for (int i = 0; i < kFrames; ++i) (void)detector.detect(street.frame(i), street.T_map_robot(i));
   ASSERT_EQ(detector.objects().size(), 1u);
   const MovingObject& object = detector.objects()[0];
@@ -79,14 +82,32 @@ TEST(StereoMotion, MeasuresVelocityAndPlaceOfTheMover) {
   EXPECT_NEAR(0.5 * (box.left + box.right), (*project(front, *street.camera())).x(), 12.0);
   EXPECT_TRUE(detector.ground());
   EXPECT_NEAR(detector.ground()->camera_height, 1.6, 0.1);
-  const auto regions = detector.movingRegions();
+  const auto regions = detector.movingRegions(street.timeOf(kFrames - 1));
   ASSERT_EQ(regions.boxes.size(), 1u);
+  EXPECT_EQ(regions.boxes[0].left, box.left);
   EXPECT_GT(cv::countNonZero(regions.mask), 200);
+}
+
+TEST(StereoMotion, ForeseesWhereItsRegionsWillBe) {
+  const PaintedStreet street({kMover, kParked});
+  StereoMotion detector = detectorFor(street.camera());
+  for (int i = 0; i < kFrames; ++i) (void)detector.detect(street.frame(i), street.T_map_robot(i));
+  const auto here = detector.movingRegions(street.timeOf(kFrames - 1));
+  const auto there = detector.movingRegions(street.timeOf(kFrames));
+  ASSERT_EQ(there.boxes.size(), 1u);
+  const auto columnAt = [&](int frame) {
+    return (*project(street.placeInCamera(kMover, frame), *street.camera())).x();
+  };
+  const double way = columnAt(kFrames) - columnAt(kFrames - 1);
+  ASSERT_GT(std::abs(way), 3.0);
+  EXPECT_NEAR(there.boxes[0].left - here.boxes[0].left, way, 1.5);
+  EXPECT_GT(cv::countNonZero(there.mask), 200);
+  EXPECT_TRUE(detector.movingRegions(street.timeOf(kFrames) + 2.0).boxes.empty());
 }
 
 TEST(StereoMotion, KeepsTheIdOfAnObject) {
   const PaintedStreet street({kMover, kParked});
-  StereoMotion detector(street.camera(), {}, {});
+  StereoMotion detector = detectorFor(street.camera());
   std::set<std::int64_t> ids;
   for (int i = 0; i < kFrames; ++i) {
     (void)detector.detect(street.frame(i), street.T_map_robot(i));
@@ -104,11 +125,11 @@ TEST(StereoMotion, AStillSceneHasNoMovers) {
 
 TEST(StereoMotion, WithoutAPoseItSaysNothingAndCountsThat) {
   const PaintedStreet street({kMover});
-  StereoMotion detector(street.camera(), {}, {});
+  StereoMotion detector = detectorFor(street.camera());
   EXPECT_TRUE(detector.needsPose());
   EXPECT_FALSE(detector.detect(street.frame(0), std::nullopt));
   EXPECT_EQ(detector.dropped().at("no_pose"), 1u);
-  EXPECT_TRUE(detector.movingRegions().boxes.empty());
+  EXPECT_TRUE(detector.movingRegions(street.timeOf(0)).boxes.empty());
 }
 
 TEST(StereoMotion, AWrongPoseIsNotAFloodOfMovers) {
@@ -117,7 +138,7 @@ TEST(StereoMotion, AWrongPoseIsNotAFloodOfMovers) {
     parked.push_back({{-9.0 + 3.0 * i, 1.6, 13.0 + i}, 2.2, 1.8, {0, 0, 0}, 20u + i});
   }
   const PaintedStreet street(parked);
-  StereoMotion detector(street.camera(), {}, {});
+  StereoMotion detector = detectorFor(street.camera());
   std::size_t found = 0;
   for (int i = 0; i < kFrames; ++i) {
     Pose pose = street.T_map_robot(i);
@@ -135,7 +156,7 @@ TEST(StereoMotion, TheNumberOfThreadsDoesNotMatter) {
   std::vector<std::vector<Eigen::Vector3d>> places(2);
   for (int pass = 0; pass < 2; ++pass) {
     cv::setNumThreads(pass == 0 ? 1 : 4);
-    StereoMotion detector(street.camera(), {}, {});
+    StereoMotion detector = detectorFor(street.camera());
     for (int i = 0; i < 8; ++i) {
       const auto found = detector.detect(street.frame(i), street.T_map_robot(i));
       for (const auto& item : found->items) places[pass].push_back(item.box3d->centre);
@@ -215,7 +236,7 @@ INSTANTIATE_TEST_SUITE_P(Troubles, InTrouble, testing::Range(0, 5), [](const aut
 
 TEST(StereoMotion, ABlackImageIsReportedAndPassedOver) {
   const PaintedStreet street({kMover});
-  StereoMotion detector(street.camera(), {}, {});
+  StereoMotion detector = detectorFor(street.camera());
   StereoFrame frame = street.frame(0);
   frame.left.setTo(0);
   EXPECT_FALSE(detector.detect(frame, street.T_map_robot(0)));
@@ -227,7 +248,7 @@ TEST(StereoMotion, ABlackImageIsReportedAndPassedOver) {
 std::vector<MovingObject> objectsOf(const std::filesystem::path& data, const std::string& name) {
   const auto sequence = test::kittiSequence(data / "kitti_odometry", name);
   std::ifstream poses(data / "kitti_odometry" / "poses" / (name + ".txt"));
-  StereoMotion detector(sequence.camera, {}, {});
+  StereoMotion detector = detectorFor(sequence.camera);
   std::vector<MovingObject> all;
   for (std::size_t i = 0; i < sequence.times.size(); ++i) {
     Pose T_map_cam = Pose::Identity();

@@ -51,6 +51,35 @@ TEST_F(TrackFileTest, kittiLabelsAreReadFieldByField) {
   EXPECT_EQ("DontCare", rows[1].type);
 }
 
+TEST_F(TrackFileTest, detectionsComeBackAsWritten) {
+  Detection whole;
+  whole.object_class = ObjectClass::kVan;
+  whole.score = 0.625;
+  whole.detector_id = 12;
+  whole.box2d = Box2d{1.5, 2.5, 30.25, 40.0};
+  whole.box3d = Box3d{{1.0, 0.5, 12.25}, 5.0, 2.0, 2.25, -1.5};
+  whole.centre_covariance = Eigen::Vector3d(0.25, 0.5, 2.0).asDiagonal();
+  Detection flat;
+  flat.box2d = Box2d{5, 6, 7, 8};
+  std::ostringstream text;
+  text << detectionCsvHeader() << '\n';
+  writeDetectionCsv(text, 4, whole);
+  writeDetectionCsv(text, 4, flat);
+  const auto frames = detections("boxes.csv", text.str());
+  EXPECT_TRUE(dropped_.empty());
+  ASSERT_EQ(2u, frames.at(4).items.size());
+  const Detection& read = frames.at(4).items[0];
+  EXPECT_EQ(whole.object_class, read.object_class);
+  EXPECT_EQ(whole.score, read.score);
+  EXPECT_EQ(whole.detector_id, read.detector_id);
+  EXPECT_EQ(whole.box2d->right, read.box2d->right);
+  EXPECT_EQ(whole.box3d->centre, read.box3d->centre);
+  EXPECT_EQ(whole.box3d->yaw, read.box3d->yaw);
+  EXPECT_EQ(*whole.centre_covariance, *read.centre_covariance);
+  EXPECT_FALSE(frames.at(4).items[1].box3d);
+  EXPECT_FALSE(frames.at(4).items[1].detector_id);
+}
+
 TEST_F(TrackFileTest, kittiRowsComeBackAsWritten) {
   auto row = readKittiRows(written("l.txt", kCarLabel)).front();
   row.score = 12.5;

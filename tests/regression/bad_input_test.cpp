@@ -235,6 +235,16 @@ TEST_F(BadInputTest, unknownConfigurationKey) {
               AllOf(HasSubstr("bad.ini"), HasSubstr("[slam]"), HasSubstr("no_such_key")));
 }
 
+TEST_F(BadInputTest, aDetectorWithoutItsModelEndsBeforeTheReplay) {
+  test::writePlainRawlog(rawlog);
+  EXPECT_THAT(errorLine(replayIt("--detector dnn")),
+              AllOf(HasSubstr("[dnn] model is not set"), HasSubstr("expected")));
+  EXPECT_THAT(errorLine(replayIt("--detector dnn --set dnn.model=nowhere.onnx")),
+              AllOf(HasSubstr("nowhere.onnx"), HasSubstr("ONNX")));
+  EXPECT_THAT(errorLine(replayIt("--set detect.detector=radar")),
+              AllOf(HasSubstr("radar"), HasSubstr("stereo_motion")));
+}
+
 TEST_F(BadInputTest, wrongUseEndsWithStatus2) {
   EXPECT_EQ(2, replayIt("--no-such-option").process.status);
   EXPECT_EQ(2, replayIt("--realtime -1").process.status);

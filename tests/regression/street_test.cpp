@@ -123,10 +123,35 @@ TEST(StreetTest, withoutADetectorNothingIsTracked) {
   EXPECT_TRUE(io::readTrackCsv(run.file("tracks.csv")).empty());
 }
 
+TEST(StreetTest, theImagesAloneGiveMovingTracksTwiceTheSame) {
+  const test::TemporaryFolder folder;
+  const std::string options = "--snapshots 0 --to-index 60 --detector stereo_motion";
+  const auto run = test::replay(kStreet, folder / "out", options);
+  ASSERT_EQ(0, run.process.status) << run.process.output;
+  EXPECT_GE(run.summary["tracks_moving"], 2);
+  EXPECT_TRUE(run.summary["stages_ms"].contains("detect"));
+  const auto again = test::replay(kStreet, folder / "again", options);
+  for (const char* name : {"detections.csv", "tracks.csv", "trajectory.tum"}) {
+    EXPECT_TRUE(test::contentsOf(again.file(name)) == test::contentsOf(run.file(name))) << name;
+  }
+}
+
+TEST(StreetTest, detectionsOfAReplayCanBeUsedAgain) {
+  const test::TemporaryFolder folder;
+  const auto run = test::replay(kStreet, folder / "out", "--snapshots 0 --to-index 40");
+  const auto again =
+      test::replay(kStreet, folder / "again",
+                   "--snapshots 0 --to-index 40 --detections " + run.file("detections.csv"));
+  ASSERT_EQ(0, again.process.status) << again.process.output;
+  EXPECT_GT(run.summary["detections_used"], 0);
+  EXPECT_EQ(run.summary["detections_used"], again.summary["detections_used"]);
+  EXPECT_EQ(run.summary["tracks_confirmed"], again.summary["tracks_confirmed"]);
+}
+
 TEST(StreetTest, atTheRecordedRateEveryFrameIsAccountedFor) {
   const test::TemporaryFolder folder;
-  const auto run = test::replay(kStreet, folder / "out",
-                                "--snapshots 0 --realtime 4 --to-index 60 --detector none");
+  const auto run = test::replay(
+      kStreet, folder / "out", "--snapshots 0 --realtime 4 --to-index 60 --detector stereo_motion");
   ASSERT_EQ(0, run.process.status) << run.process.output;
   EXPECT_EQ(61u, run.summary["frames_tracked"].get<std::size_t>() +
                      run.summary["frames_lost"].get<std::size_t>());

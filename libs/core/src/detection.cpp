@@ -21,6 +21,23 @@ bool isFinite(const Box3d& box) {
          std::isfinite(box.height) && std::isfinite(box.yaw);
 }
 
+Detections inSensorFrame(const Detections& detections, const Pose& T_robot_sensor) {
+  Detections result = detections;
+  const Pose T_new_old = T_robot_sensor.inverse() * detections.T_robot_sensor;
+  if (T_new_old.isApprox(Pose::Identity(), 1e-9)) return result;
+  result.T_robot_sensor = T_robot_sensor;
+  for (auto& detection : result.items) {
+    if (auto& box = detection.box3d) {
+      box->yaw = opticalYaw(T_new_old.linear() * frontOf(*box));
+      box->centre = T_new_old * box->centre;
+    }
+    if (auto& covariance = detection.centre_covariance) {
+      covariance = T_new_old.linear() * *covariance * T_new_old.linear().transpose();
+    }
+  }
+  return result;
+}
+
 Eigen::Vector3d frontOf(const Box3d& box) { return {std::cos(box.yaw), 0.0, -std::sin(box.yaw)}; }
 
 double opticalYaw(const Eigen::Vector3d& direction) {

@@ -97,6 +97,17 @@ void CameraPath::forgetBefore(int first_kept) {
   }
 }
 
+Pose CameraPath::expectedMotion(double ahead) const {
+  Pose motion = Pose::Identity();
+  if (frames_.size() < 2) return motion;
+  const Frame& before = frames_[frames_.size() - 2];
+  const double steps = ahead / (frames_.back().time - before.time);
+  const Pose step = frames_.back().T_cam_world * before.T_cam_world.inverse();
+  motion.linear() = expSo3(steps * logSo3(step.linear()));
+  motion.translation() = steps * step.translation();
+  return motion;
+}
+
 Eigen::Matrix3d CameraPath::R_map_world() const {
   return T_map_cam_.linear() * frames_.back().T_cam_world.linear();
 }

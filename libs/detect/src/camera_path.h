@@ -28,7 +28,7 @@ class CameraPath {
   int advance(Time time, const Pose& T_map_cam);
 
   /// Corrects the newest camera by what it sees of the still world: the slight errors of the pose
-  /// given (its prior: 2 cm, 0.2 degrees) would make everything far away seem to move.
+  /// given (its prior: 4 mm, 0.2 degrees) would make everything far away seem to move.
   ///
   /// Robust (Cauchy), so that what moves among the points has no say while it is not the most.
   /// @return  share of the points that agree with the corrected camera; 1 where there are none
@@ -44,6 +44,9 @@ class CameraPath {
   [[nodiscard]] const Pose& T_cam_world(int frame) const {
     return frames_[frame - first_].T_cam_world;
   }
+  /// Camera in `ahead` seconds as seen from the newest one, if it goes on as between the last two
+  /// frames; takes points from the newest camera to the later one.
+  [[nodiscard]] Pose expectedMotion(double ahead) const;
   /// Turn from this world to the map, as the newest pose given says.
   [[nodiscard]] Eigen::Matrix3d R_map_world() const;
 

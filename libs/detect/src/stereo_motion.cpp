@@ -29,10 +29,11 @@ bool usable(const cv::Mat& image) {
   return deviation[0] > kLeastContrast;
 }
 
-void takeOff(double offset, DisparityImage& disparity) {
-  const cv::Mat measured = disparity.values > 0.0F;
-  cv::subtract(disparity.values, offset, disparity.values, measured);
-  cv::max(disparity.values, 0.0F, disparity.values);
+DisparityImage withoutOffset(const DisparityImage& disparity, double offset) {
+  DisparityImage result{disparity.values.clone(), disparity.reduce};
+  cv::subtract(disparity.values, offset, result.values, disparity.values > 0.0F);
+  cv::max(result.values, 0.0F, result.values);
+  return result;
 }
 
 FollowerParams followerOf(const StereoMotionParams& params) {
@@ -74,10 +75,10 @@ void StereoMotionParams::describe(Params::Section section) {
 class StereoMotion::Implementation {
  public:
   Implementation(std::shared_ptr<const StereoCamera> camera, const StereoMotionParams& params,
-                 const DisparityParams& disparity)
+                 std::shared_ptr<DisparityMatcher> matcher)
       : camera_(std::move(camera)),
         params_(params),
-        disparity_params_(disparity),
+        matcher_(std::move(matcher)),
         path_(*camera_, std::hypot(params.sigma_px, 0.3)),
         follower_(*camera_, followerOf(params)),
         blobs_(*camera_, params.window_s) {}
@@ -89,8 +90,7 @@ class StereoMotion::Implementation {
     outlines_.clear();
     cells_.clear();
     if (!usable(frame.left) || !usable(frame.right)) return "unusable_image";
-    disparity_ = denseDisparity(frame, disparity_params_);
-    takeOff(offset_.value(), disparity_);
+    disparity_ = withoutOffset(matcher_->of(frame), offset_.value());
     ground_ = findGround(disparity_, *camera_, ground_);
     if (!T_map_robot) {
       startAnew();
@@ -118,17 +118,24 @@ class StereoMotion::Implementation {
 
   std::size_t takeImplausible() { return std::exchange(implausible_, 0); }
 
-  [[nodiscard]] MovingRegions regions() const {
+  [[nodiscard]] MovingRegions regions(Time at) const {
     MovingRegions regions;
-    if (objects_.empty()) return regions;
-    for (const auto& object : objects_) regions.boxes.push_back(*object.detection.box2d);
+    const double ahead = objects_.empty() ? 0.0 : at - path_.timeOf(path_.newest());
+    if (objects_.empty() || ahead > params_.window_s) return regions;
     regions.mask = cv::Mat(camera_->height, camera_->width, CV_8U, cv::Scalar(0));
     const int side = disparity_.reduce;
     const cv::Rect image({0, 0}, regions.mask.size());
-    for (const auto& cell : cells_) {
-      // One cell more each way: the outline's corners are the worst landmarks.
-      const cv::Rect square((cell.x - 1) * side, (cell.y - 1) * side, 3 * side, 3 * side);
-      regions.mask(square & image).setTo(255);
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+      const cv::Point2d shift = shiftOf(objects_[i], ahead);
+      const Box2d& box = *objects_[i].detection.box2d;
+      regions.boxes.push_back(
+          {box.left + shift.x, box.top + shift.y, box.right + shift.x, box.bottom + shift.y});
+      for (const auto& cell : cells_[i]) {
+        // One cell more each way: the outline's corners are the worst landmarks.
+        const cv::Rect square((cell.x - 1) * side + cvRound(shift.x),
+                              (cell.y - 1) * side + cvRound(shift.y), 3 * side, 3 * side);
+        regions.mask(square & image).setTo(255);
+      }
     }
     return regions;
   }
@@ -142,6 +149,19 @@ class StereoMotion::Implementation {
     path_ = CameraPath(*camera_, std::hypot(params_.sigma_px, 0.3));
     follower_.clear();
     blobs_.clear();
+  }
+
+  /// How far an object's middle moves in the image if it and the camera go on as they did [px].
+  [[nodiscard]] cv::Point2d shiftOf(const MovingObject& object, double ahead) const {
+    const Pose& T_cam_world = path_.T_cam_world(path_.newest());
+    const Eigen::Vector3d centre = object.detection.box3d->centre;
+    const Eigen::Vector3d velocity =
+        T_cam_world.linear() * path_.R_map_world().transpose() * object.velocity;
+    const Eigen::Vector3d later = path_.expectedMotion(ahead) * (centre + ahead * velocity);
+    const auto from = project(centre, *camera_);
+    const auto to = project(later, *camera_);
+    if (!from || !to) return {};
+    return {to->x() - from->x(), to->y() - from->y()};
   }
 
   [[nodiscard]] int firstInWindow(Time now) const {
@@ -283,7 +303,7 @@ class StereoMotion::Implementation {
     detection.box2d = extent.box2d;
     detection.box3d = extent.box;
     detection.centre_covariance = extent.centre_covariance;
-    cells_.insert(cells_.end(), extent.cells.begin(), extent.cells.end());
+    cells_.push_back(extent.cells);
     objects_.push_back(std::move(object));
   }
 
@@ -304,7 +324,7 @@ class StereoMotion::Implementation {
 
   std::shared_ptr<const StereoCamera> camera_;
   StereoMotionParams params_;
-  DisparityParams disparity_params_;
+  std::shared_ptr<DisparityMatcher> matcher_;
   CameraPath path_;
   PointFollower follower_;
   BlobFollower blobs_;
@@ -314,14 +334,16 @@ class StereoMotion::Implementation {
   std::vector<std::int64_t> taken_;                ///< ids given in this frame
   std::vector<Box2d> outlines_;                    ///< of this frame's objects, unconfirmed too
   std::map<std::int64_t, int> ages_;               ///< frames in which an object was found
-  std::vector<cv::Point> cells_;                   ///< of all objects
+  std::vector<std::vector<cv::Point>> cells_;      ///< of each object
   std::int64_t next_object_ = 0;
   std::size_t implausible_ = 0;
 };
 
 StereoMotion::StereoMotion(std::shared_ptr<const StereoCamera> camera,
-                           const StereoMotionParams& params, const DisparityParams& disparity)
-    : implementation_(std::make_unique<Implementation>(std::move(camera), params, disparity)) {}
+                           const StereoMotionParams& params,
+                           std::shared_ptr<DisparityMatcher> matcher)
+    : implementation_(
+          std::make_unique<Implementation>(std::move(camera), params, std::move(matcher))) {}
 
 StereoMotion::~StereoMotion() = default;
 
@@ -338,9 +360,8 @@ std::optional<Detections> StereoMotion::detect(const StereoFrame& frame,
   return detections;
 }
 
-MovingRegions StereoMotion::movingRegions() const { return implementation_->regions(); }
+MovingRegions StereoMotion::movingRegions(Time at) const { return implementation_->regions(at); }
 const std::vector<MovingObject>& StereoMotion::objects() const { return implementation_->objects_; }
-const DisparityImage& StereoMotion::disparity() const { return implementation_->disparity_; }
 const std::optional<GroundPlane>& StereoMotion::ground() const { return implementation_->ground_; }
 
 }  // namespace headway::detect

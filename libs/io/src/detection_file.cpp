@@ -4,6 +4,8 @@
 #include <array>
 #include <filesystem>
 #include <functional>
+#include <iomanip>
+#include <sstream>
 
 #include "csv_columns.h"
 #include "kitti_row_parser.h"
@@ -132,7 +134,39 @@ RowReader readerFor(const std::string& path, const TextRows& first, bool& is_hea
              "a CSV file whose header begins with 'frame'");
 }
 
+/// Values as CSV fields, each with a comma before it; empty fields where there are none.
+template <std::size_t N>
+void writeFields(std::ostream& out, const std::optional<std::array<double, N>>& values) {
+  for (std::size_t i = 0; i < N; ++i) {
+    out << ',';
+    if (values) out << (*values)[i];
+  }
+}
+
 }  // namespace
+
+std::string detectionCsvHeader() { return kCsvKnown; }
+
+void writeDetectionCsv(std::ostream& out, std::size_t frame, const Detection& detection) {
+  std::optional<std::array<double, 4>> image;
+  if (const auto& b = detection.box2d) image = {b->left, b->top, b->right, b->bottom};
+  std::optional<std::array<double, 7>> space;
+  if (const auto& b = detection.box3d) {
+    space = {b->centre.x(), b->centre.y(), b->centre.z(), b->length, b->width, b->height, b->yaw};
+  }
+  std::optional<std::array<double, 6>> covariance;
+  if (const auto& c = detection.centre_covariance) {
+    covariance = {(*c)(0, 0), (*c)(0, 1), (*c)(0, 2), (*c)(1, 1), (*c)(1, 2), (*c)(2, 2)};
+  }
+  std::ostringstream row;
+  row << std::setprecision(7) << frame << ',' << toString(detection.object_class) << ','
+      << detection.score << ',';
+  if (detection.detector_id) row << *detection.detector_id;
+  writeFields(row, image);
+  writeFields(row, space);
+  writeFields(row, covariance);
+  out << row.str() << '\n';
+}
 
 std::map<std::size_t, Detections> readDetections(const std::string& path,
                                                  std::map<std::string, std::size_t>& dropped) {

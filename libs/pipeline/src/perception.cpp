@@ -1,15 +1,31 @@
-#include <headway/pipeline/moving_regions.h>
 #include <headway/pipeline/perception.h>
 
 namespace headway::pipeline {
+namespace {
+
+template <typename Work>
+double millisecondsOf(const Work& work) {
+  StageTimes times;
+  const auto watch = times.watch("work");
+  work();
+  return watch.elapsedMs();
+}
+
+std::optional<Pose> poseOf(const slam::SlamUpdate& camera) {
+  if (camera.status != slam::TrackingStatus::kTracked) return std::nullopt;
+  return camera.T_map_robot;
+}
+
+}  // namespace
 
 void PerceptionParams::describe(Params& params) {
   slam.describe(params.section("slam"));
+  detection.describe(params);
   objects.describe(params.section("objects"));
 }
 
 Perception::Perception(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params)
-    : camera_(std::move(camera)), tracker_(params.objects) {
+    : camera_(std::move(camera)), detection_(camera_, params.detection), tracker_(params.objects) {
   if (camera_ != nullptr) slam_ = std::make_unique<slam::StereoSlam>(camera_, params.slam);
 }
 
@@ -20,8 +36,15 @@ PerceptionUpdate Perception::process(const RecordedFrame& frame) {
   PerceptionUpdate update;
   update.frame = frame.index;
   update.time = frame.time;
+  const double before_ms = millisecondsOf([&] { detection_.begin(frame); });
   update.camera = localise(frame);
-  update.objects = track(frame, update.camera);
+  const double after_ms =
+      millisecondsOf([&] { update.detections = detection_.finish(frame, poseOf(update.camera)); });
+  if (detection_.looked()) times_.add("detect", before_ms + after_ms);
+  update.objects = track(frame, update);
+  for (const auto& [reason, count] : detection_.takeDropped()) {
+    update.objects.detections_dropped[reason] += count;
+  }
   updateMap(update);
   tracks_ = update.objects.tracks;
   return update;
@@ -29,9 +52,7 @@ PerceptionUpdate Perception::process(const RecordedFrame& frame) {
 
 slam::SlamUpdate Perception::localise(const RecordedFrame& frame) {
   if (!frame.T_map_robot && frame.stereo && slam_ != nullptr && given_poses_.empty()) {
-    const auto moving =
-        frame.detections ? movingRegions(*frame.detections, tracks_, *camera_) : MovingRegions();
-    return slam_->process(*frame.stereo, moving);
+    return slam_->process(*frame.stereo, detection_.movingRegions(frame, tracks_));
   }
   slam::SlamUpdate given;
   if (frame.T_map_robot) {
@@ -46,16 +67,17 @@ slam::SlamUpdate Perception::localise(const RecordedFrame& frame) {
   return given;
 }
 
-objects::TrackUpdate Perception::track(const RecordedFrame& frame, const slam::SlamUpdate& camera) {
+objects::TrackUpdate Perception::track(const RecordedFrame& frame, const PerceptionUpdate& update) {
   const auto watch = times_.watch("objects");
-  if (frame.detections && camera.status == slam::TrackingStatus::kTracked) {
-    return tracker_.update(frame.index, {frame.time, camera.T_map_robot}, *frame.detections);
+  if (update.detections && update.camera.status == slam::TrackingStatus::kTracked) {
+    return tracker_.update(frame.index, {frame.time, update.camera.T_map_robot},
+                           *update.detections);
   }
-  auto update = tracker_.coast(frame.index, frame.time);
-  if (frame.detections && !frame.detections->items.empty()) {
-    update.detections_dropped["camera_lost"] += frame.detections->items.size();
+  auto coasted = tracker_.coast(frame.index, frame.time);
+  if (update.detections && !update.detections->items.empty()) {
+    coasted.detections_dropped["camera_lost"] += update.detections->items.size();
   }
-  return update;
+  return coasted;
 }
 
 void Perception::updateMap(const PerceptionUpdate& update) {

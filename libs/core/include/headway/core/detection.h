@@ -67,6 +67,9 @@ struct Detections {
 [[nodiscard]] bool isFinite(const Box2d& box);
 [[nodiscard]] bool isFinite(const Box3d& box);
 
+/// The same detections with their 3D boxes in the frame of another sensor on the same robot.
+[[nodiscard]] Detections inSensorFrame(const Detections& detections, const Pose& T_robot_sensor);
+
 /// Direction of the box's front in the optical frame, unit length.
 [[nodiscard]] Eigen::Vector3d frontOf(const Box3d& box);
 

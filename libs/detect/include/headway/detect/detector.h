@@ -14,7 +14,7 @@ namespace headway::detect {
 /// Frames come in order of time. Deterministic: the same frames and poses give the same
 /// detections, on any number of cores.
 ///
-///     auto detector = makeDetector("stereo_motion", params);
+///     auto detector = makeDetector("stereo_motion", camera, params);
 ///     auto found = detector->detect(frame, T_map_robot);   // nullopt: did not look at this frame
 ///     if (found) tracker.update(index, pose, *found);
 class Detector {
@@ -29,13 +29,16 @@ class Detector {
   ///
   /// @param T_map_robot  where the robot was then; nullopt where it is lost or nobody knows
   /// @return  detections with boxes in the left image, and in 3D (frame of the left camera) where
-  ///          the detector finds those; nullopt where it did not look: because this frame is not
-  ///          its turn, or for a reason that dropped() counts
+  ///          the detector finds those; nullopt where it cannot use the frame, for a reason that
+  ///          dropped() counts
   [[nodiscard]] virtual std::optional<Detections> detect(
       const StereoFrame& frame, const std::optional<Pose>& T_map_robot) = 0;
 
-  /// Where something moves in the frame last looked at; empty where the detector does not know.
-  [[nodiscard]] virtual MovingRegions movingRegions() const { return {}; }
+  /// Where that which moved in the frame last looked at is at another time, a few frames later at
+  /// most; empty where the detector does not know.
+  ///
+  /// @param at  [s]; the time of the frame last looked at gives the regions of that frame itself
+  [[nodiscard]] virtual MovingRegions movingRegions(Time /*at*/) const { return {}; }
 
   /// What it left out so far, by reason: frames it could not use, finds it did not believe.
   [[nodiscard]] virtual const DropCounts& dropped() const { return dropped_; }

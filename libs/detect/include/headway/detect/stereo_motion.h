@@ -2,7 +2,7 @@
 
 #include <headway/core/params.h>
 #include <headway/detect/detector.h>
-#include <headway/detect/disparity.h>
+#include <headway/detect/disparity_matcher.h>
 #include <headway/detect/ground_plane.h>
 
 #include <cstdint>
@@ -56,21 +56,19 @@ struct MovingObject {
 /// @see  Franke et al. 2005, "6D-Vision"; Lenz et al. 2011, "Sparse scene flow segmentation"
 class StereoMotion : public Detector {
  public:
-  /// @param camera  of every frame to come
+  /// @param camera   of every frame to come
+  /// @param matcher  gives the disparities of the frames; others may use it too
   StereoMotion(std::shared_ptr<const StereoCamera> camera, const StereoMotionParams& params,
-               const DisparityParams& disparity);
+               std::shared_ptr<DisparityMatcher> matcher);
   ~StereoMotion() override;
 
   [[nodiscard]] bool needsPose() const override { return true; }
   [[nodiscard]] std::optional<Detections> detect(const StereoFrame& frame,
                                                  const std::optional<Pose>& T_map_robot) override;
-  /// Boxes and mask of the objects found last.
-  [[nodiscard]] MovingRegions movingRegions() const override;
+  [[nodiscard]] MovingRegions movingRegions(Time at) const override;
 
   /// Objects found last, with their velocities.
   [[nodiscard]] const std::vector<MovingObject>& objects() const;
-  /// Disparities of the frame looked at last, for a StereoLifter of the same frame.
-  [[nodiscard]] const DisparityImage& disparity() const;
   /// Ground of the frame looked at last.
   [[nodiscard]] const std::optional<GroundPlane>& ground() const;
 

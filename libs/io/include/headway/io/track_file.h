@@ -55,6 +55,11 @@ struct PredictionRow {
 void writePredictionCsv(std::ostream& out, const PredictionRow& row);
 [[nodiscard]] std::vector<PredictionRow> readPredictionCsv(const std::string& path);
 
+/// The header line of `detections.csv`, headway's CSV of boxes.
+[[nodiscard]] std::string detectionCsvHeader();
+/// Writes one detection, its 3D box as it stands; what it lacks is left empty.
+void writeDetectionCsv(std::ostream& out, std::size_t frame, const Detection& detection);
+
 /// Detections by frame index from a side file: KITTI labels or results, KITTI-like detector
 /// output (det3d, det2d) or headway's CSV; told apart by their columns (doc/formats.md).
 ///

@@ -4,6 +4,7 @@
 #include <headway/core/stage_times.h>
 #include <headway/map/perception_map.h>
 #include <headway/objects/moving_object_tracker.h>
+#include <headway/pipeline/detection_stage.h>
 #include <headway/slam/stereo_slam.h>
 
 #include <memory>
@@ -15,21 +16,24 @@ namespace headway::pipeline {
 /// Parameters of everything that the pipeline runs.
 struct PerceptionParams {
   slam::SlamParams slam;
+  DetectionParams detection;
   objects::ObjectsParams objects;
 
-  /// Binds sections [slam] and [objects].
+  /// Binds sections [slam], [detect] with those of the detectors, and [objects].
   void describe(Params& params);
 };
 
 /// What one frame said: where the robot is and what moves around it.
 struct PerceptionUpdate {
   std::size_t frame = 0;
-  Time time = 0.0;          ///< [s]
-  slam::SlamUpdate camera;  ///< status, T_map_robot and its covariance
-  objects::TrackUpdate objects;
+  Time time = 0.0;                       ///< [s]
+  slam::SlamUpdate camera;               ///< status, T_map_robot and its covariance
+  std::optional<Detections> detections;  ///< of all sources; nullopt: nobody looked
+  objects::TrackUpdate objects;          ///< with all that was dropped, by reason
 };
 
-/// The whole of headway on one page: frame -> slam -> objects -> the one map.
+/// The whole of headway on one page: frame -> detectors -> slam -> detectors -> objects -> the one
+/// map.
 ///
 /// Synchronous and deterministic: same frames and parameters, same results. A robot program and
 /// the replay run this same class.
@@ -42,6 +46,7 @@ struct PerceptionUpdate {
 class Perception {
  public:
   /// @param camera  of every stereo frame to come; null where only poses and boxes are given
+  /// @throws InputError for detectors that are not known or lack what they need
   Perception(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params);
   ~Perception();
 
@@ -61,16 +66,18 @@ class Perception {
   /// The samples that the tracker still smooths; call once, after the last frame.
   [[nodiscard]] std::vector<TrackSample> flush() { return tracker_.flush(); }
 
-  /// Milliseconds by stage: "slam_track", "slam_map", "objects", "map_update", "frame".
+  /// Milliseconds by stage: "slam_track", "slam_map", "detect" (of frames whose images were
+  /// looked at), "objects", "map_update", "frame".
   [[nodiscard]] StageTimes times() const;
 
  private:
   slam::SlamUpdate localise(const RecordedFrame& frame);
-  objects::TrackUpdate track(const RecordedFrame& frame, const slam::SlamUpdate& camera);
+  objects::TrackUpdate track(const RecordedFrame& frame, const PerceptionUpdate& update);
   void updateMap(const PerceptionUpdate& update);
 
   std::shared_ptr<const StereoCamera> camera_;
   std::unique_ptr<slam::StereoSlam> slam_;  ///< null where there is no camera
+  DetectionStage detection_;
   objects::MovingObjectTracker tracker_;
   map::PerceptionMap map_;
   std::vector<Track> tracks_;                     ///< of the previous frame

@@ -1,0 +1,228 @@
+// How much of what moves a detector finds in simulated worlds, from images alone.
+//
+//     headway-sim -c WORLD.ini -o WORLD.rawlog
+//     bench_movers WORLD.rawlog... [section.key=value ...]
+//
+// The whole pipeline runs on the images (SLAM's own poses), by default with stereo_motion. Asked
+// for are the true objects within 25 m that move faster than 0.8 m/s and are at least half
+// visible, in every frame. A report counts as one of them if it lies within 1 m plus half the
+// object's length, one report to an object. A report within 25 m on nothing that moves (0.3 m/s),
+// or a second one on the same object, is false.
+
+#include <headway/core/assignment.h>
+#include <headway/core/error.h>
+#include <headway/io/rawlog_source.h>
+#include <headway/io/track_file.h>
+#include <headway/pipeline/perception.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace {
+
+using headway::Box3d;
+using headway::ObjectClass;
+
+constexpr double kRange = 25.0;
+constexpr double kSpeed = 0.8;
+constexpr double kStill = 0.3;
+constexpr double kVisible = 0.5;
+constexpr double kNear = 1.0;
+
+/// A true object in one frame.
+struct Truth {
+  std::int64_t id = -1;
+  ObjectClass object_class = ObjectClass::kUnknown;
+  Eigen::Vector2d place = Eigen::Vector2d::Zero();  ///< right and forward of the camera [m]
+  double length = 0.0;
+  double speed = 0.0;
+  double visible = 0.0;
+
+  [[nodiscard]] bool askedFor() const {
+    return place.norm() < kRange && speed > kSpeed && visible >= kVisible;
+  }
+};
+
+using TruthByFrame = std::map<std::size_t, std::vector<Truth>>;
+
+TruthByFrame readTruth(const std::filesystem::path& folder) {
+  std::map<std::pair<std::size_t, std::int64_t>, double> speeds;
+  for (const auto& sample : headway::io::readTrackCsv(folder / "objects.csv")) {
+    speeds[{sample.frame, sample.track.id.value}] = sample.track.velocity.norm();
+  }
+  TruthByFrame frames;
+  for (const auto& row : headway::io::readKittiRows(folder / "label_02.txt")) {
+    const auto detection = headway::io::detectionFrom(row);
+    if (!detection || !detection->box3d) continue;
+    const auto& centre = detection->box3d->centre;
+    frames[row.frame].push_back({row.id,
+                                 detection->object_class,
+                                 {centre.x(), centre.z()},
+                                 detection->box3d->length,
+                                 speeds[{row.frame, row.id}],
+                                 row.visible});
+  }
+  return frames;
+}
+
+/// Places that the pipeline reports in one frame, right and forward of the camera [m].
+using Places = std::vector<Eigen::Vector2d>;
+
+Places detectionsOf(const headway::pipeline::PerceptionUpdate& update) {
+  Places places;
+  if (!update.detections) return places;
+  for (const auto& item : update.detections->items) {
+    if (item.box3d) places.emplace_back(item.box3d->centre.x(), item.box3d->centre.z());
+  }
+  return places;
+}
+
+Places movingTracksOf(const headway::pipeline::PerceptionUpdate& update,
+                      const headway::Pose& T_robot_cam) {
+  Places places;
+  const headway::Pose T_cam_map = (update.camera.T_map_robot * T_robot_cam).inverse();
+  for (const auto& track : update.objects.tracks) {
+    if (track.status != headway::TrackStatus::kConfirmed || !track.moving) continue;
+    const Eigen::Vector3d centre = T_cam_map * track.position;
+    places.emplace_back(centre.x(), centre.z());
+  }
+  return places;
+}
+
+struct Share {
+  int found = 0;
+  int all = 0;
+  void add(bool hit) {
+    ++all;
+    found += hit ? 1 : 0;
+  }
+  [[nodiscard]] double percent() const { return all > 0 ? 100.0 * found / all : 0.0; }
+};
+
+class Score {
+ public:
+  void judge(const std::vector<Truth>& truth, const Places& reports) {
+    std::vector<headway::CandidatePair> candidates;
+    for (std::size_t t = 0; t < truth.size(); ++t) {
+      for (std::size_t r = 0; r < reports.size(); ++r) {
+        const double off = (truth[t].place - reports[r]).norm();
+        const bool moves = truth[t].speed > kStill;
+        if (moves && off < kNear + 0.5 * truth[t].length) candidates.push_back({t, r, off});
+      }
+    }
+    std::set<std::size_t> hit;
+    std::vector<bool> right(reports.size(), false);
+    for (const auto& pair : headway::assignPairs(std::move(candidates))) {
+      hit.insert(pair.row);
+      right[pair.column] = true;
+    }
+    for (std::size_t r = 0; r < reports.size(); ++r) {
+      if (reports[r].norm() < kRange) precision_.add(right[r]);
+    }
+    for (std::size_t t = 0; t < truth.size(); ++t) {
+      if (truth[t].askedFor()) count(truth[t], hit.count(t) > 0);
+    }
+  }
+
+  void endWorld() {
+    for (const auto& [id, share] : movers_) {
+      mostly_.add(share.percent() >= 50.0);
+      ever_.add(share.found > 0);
+    }
+    movers_.clear();
+  }
+
+  void print(const char* what) const {
+    std::printf(
+        "\n%s: recall %.1f %% of %d sightings, precision %.1f %% of %d reports; of %d "
+        "movers %.0f %% found in half of their sightings, %.0f %% at all\n",
+        what, recall_.percent(), recall_.all, precision_.percent(), precision_.all, mostly_.all,
+        mostly_.percent(), ever_.percent());
+    for (const auto& [group, share] : groups_) {
+      std::printf("  %-28s %5.1f %% of %d\n", group.c_str(), share.percent(), share.all);
+    }
+  }
+
+ private:
+  void count(const Truth& truth, bool hit) {
+    recall_.add(hit);
+    auto& mover = movers_[truth.id];
+    const int age = mover.all;
+    mover.add(hit);
+    const double range = truth.place.norm();
+    groups_["class " + std::string(toString(truth.object_class))].add(hit);
+    groups_[range < 10   ? "range  0-10 m"
+            : range < 15 ? "range 10-15 m"
+            : range < 20 ? "range 15-20 m"
+                         : "range 20-25 m"]
+        .add(hit);
+    groups_[age < 5    ? "sighting 1-5"
+            : age < 15 ? "sighting 6-15"
+                       : "sighting 16 and later"]
+        .add(hit);
+    groups_[truth.speed < 1.5 ? "speed 0.8-1.5 m/s"
+            : truth.speed < 3 ? "speed 1.5-3 m/s"
+                              : "speed over 3 m/s"]
+        .add(hit);
+    groups_[truth.visible < 0.75 ? "visible 50-75 %" : "visible 75-100 %"].add(hit);
+  }
+
+  Share recall_, precision_, mostly_, ever_;
+  std::map<std::string, Share> groups_;
+  std::map<std::int64_t, Share> movers_;  ///< of the present world
+};
+
+void runWorld(const std::string& rawlog, const headway::pipeline::PerceptionParams& params,
+              Score& detections, Score& tracks) {
+  const auto truth = readTruth(std::filesystem::path(rawlog).replace_extension(".truth"));
+  headway::io::RawlogSource source(rawlog, {});
+  headway::pipeline::Perception perception(source.camera(), params);
+  headway::DropCounts dropped;
+  while (auto frame = source.next()) {
+    frame->detections.reset();  // those are the simulated detector's
+    const auto update = perception.process(*frame);
+    for (const auto& [reason, count] : update.objects.detections_dropped) dropped[reason] += count;
+    const auto found = truth.find(frame->index);
+    const auto objects = found != truth.end() ? found->second : std::vector<Truth>();
+    detections.judge(objects, detectionsOf(update));
+    tracks.judge(objects, movingTracksOf(update, source.camera()->T_robot_cam));
+  }
+  detections.endWorld();
+  tracks.endWorld();
+  std::printf("%s:", rawlog.c_str());
+  for (const auto& [reason, count] : dropped) std::printf(" %s %zu", reason.c_str(), count);
+  std::printf("\n");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  headway::pipeline::PerceptionParams params;
+  params.detection.detector = "stereo_motion";
+  headway::Params registry;
+  params.describe(registry);
+  Score detections, tracks;
+  try {
+    std::vector<std::string> rawlogs;
+    for (int i = 1; i < argc; ++i) {
+      const std::string argument = argv[i];
+      if (argument.find('=') != std::string::npos) {
+        registry.set(argument);
+      } else {
+        rawlogs.push_back(argument);
+      }
+    }
+    for (const auto& rawlog : rawlogs) runWorld(rawlog, params, detections, tracks);
+  } catch (const headway::InputError& error) {
+    std::fprintf(stderr, "bench_movers: %s\n", error.what());
+    return 1;
+  }
+  detections.print("detections");
+  tracks.print("confirmed moving tracks");
+  return 0;
+}

@@ -1,0 +1,218 @@
+#include <gmock/gmock.h>
+#include <headway/core/error.h>
+#include <headway/pipeline/perception.h>
+#include <headway_test/painted_street.h>
+
+#include <set>
+
+namespace headway::pipeline {
+namespace {
+
+using test::PaintedBox;
+using test::PaintedStreet;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+const PaintedBox kMover{{-3.0, 1.6, 17.0}, 1.8, 1.5, {2.5, 0.0, 4.0}, 11};
+const PaintedBox kParked{{3.5, 1.6, 16.0}, 1.8, 1.5, {0.0, 0.0, 0.0}, 12};
+
+DetectionParams paramsFor(const std::string& detector) {
+  DetectionParams params;
+  params.detector = detector;
+  return params;
+}
+
+std::string errorOf(const std::string& detector, const PaintedStreet& street) {
+  try {
+    DetectionStage stage(street.camera(), paramsFor(detector));
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+RecordedFrame frameOf(const PaintedStreet& street, int index) {
+  RecordedFrame frame;
+  frame.index = static_cast<std::size_t>(index);
+  frame.time = street.timeOf(index);
+  frame.stereo = street.frame(index);
+  frame.T_map_robot = street.T_map_robot(index);
+  return frame;
+}
+
+/// The front of a painted box as a perfect 2D detector sees it.
+Detection seen(const PaintedBox& box, const PaintedStreet& street, int index) {
+  const Eigen::Vector3d foot = street.placeInCamera(box, index);
+  const auto corner = [&](double side, double height) {
+    return *project(foot + Eigen::Vector3d(side * box.width, -height, 0.0), *street.camera());
+  };
+  Detection detection;
+  detection.object_class = ObjectClass::kCar;
+  detection.box2d = Box2d{corner(-0.5, 0.0).x(), corner(0.0, box.height).y(), corner(0.5, 0.0).x(),
+                          corner(0.0, 0.0).y()};
+  return detection;
+}
+
+Detections recorded(const PaintedStreet& street, int index, std::vector<Detection> items) {
+  Detections detections = detect::emptyDetections(street.frame(index));
+  detections.items = std::move(items);
+  return detections;
+}
+
+/// All that the stage says of one frame.
+std::optional<Detections> look(DetectionStage& stage, const RecordedFrame& frame) {
+  stage.begin(frame);
+  return stage.finish(frame, frame.T_map_robot);
+}
+
+TEST(DetectionStageTest, namesAreChecked) {
+  for (const char* names : {"none", "auto", "recorded", "hog", "recorded+hog+stereo_motion"}) {
+    EXPECT_NO_THROW(checkDetectorNames(names)) << names;
+  }
+  for (const char* names : {"", "radar", "dnn+", "none+hog", "hog+hog"}) {
+    EXPECT_THROW(checkDetectorNames(names), InputError) << names;
+  }
+  const PaintedStreet street({});
+  EXPECT_THAT(errorOf("radar", street), AllOf(HasSubstr("radar"), HasSubstr("stereo_motion")));
+  EXPECT_THAT(errorOf("dnn", street), HasSubstr("expected the path of"));
+}
+
+TEST(DetectionStageTest, withoutImagesOnlyRecordedBoxesCanBeHad) {
+  EXPECT_NO_THROW(DetectionStage(nullptr, paramsFor("recorded")));
+  EXPECT_NO_THROW(DetectionStage(nullptr, paramsFor("auto")));
+  EXPECT_THROW(DetectionStage(nullptr, paramsFor("hog")), InputError);
+}
+
+TEST(DetectionStageTest, noDetectorMakesNoUseOfRecordedBoxes) {
+  const PaintedStreet street({kParked});
+  DetectionStage stage(street.camera(), paramsFor("none"));
+  auto frame = frameOf(street, 0);
+  frame.detections = recorded(street, 0, {seen(kParked, street, 0)});
+  EXPECT_FALSE(look(stage, frame));
+}
+
+TEST(DetectionStageTest, looksAtEveryNthFrameOnly) {
+  const PaintedStreet street({});
+  auto params = paramsFor("hog");
+  params.detect.every_nth_frame = 3;
+  DetectionStage stage(street.camera(), params);
+  std::vector<bool> looked;
+  for (int i = 0; i < 5; ++i) {
+    looked.push_back(look(stage, frameOf(street, i)).has_value());
+    EXPECT_EQ(looked.back(), stage.looked());
+  }
+  EXPECT_EQ(looked, (std::vector<bool>{true, false, false, true, false}));
+}
+
+TEST(DetectionStageTest, byItselfItStepsAsideForRecordedBoxes) {
+  const PaintedStreet street({kMover, kParked});
+  DetectionStage stage(street.camera(), paramsFor("auto"));
+  (void)look(stage, frameOf(street, 0));
+  EXPECT_TRUE(stage.looked()) << "nothing recorded so far";
+  auto frame = frameOf(street, 1);
+  frame.detections = recorded(street, 1, {});
+  EXPECT_TRUE(look(stage, frame));
+  EXPECT_FALSE(stage.looked());
+  EXPECT_FALSE(look(stage, frameOf(street, 2))) << "a frame without boxes coasts";
+}
+
+TEST(DetectionStageTest, recordedBoxesWithoutDepthGetIt) {
+  const PaintedStreet street({kParked});
+  DetectionStage stage(street.camera(), paramsFor("recorded"));
+  auto frame = frameOf(street, 0);
+  frame.detections = recorded(street, 0, {seen(kParked, street, 0)});
+  const auto found = look(stage, frame);
+  ASSERT_TRUE(found && found->items.size() == 1u && found->items[0].box3d);
+  const Box3d& box = *found->items[0].box3d;
+  EXPECT_NEAR(16.0, box.centre.z() - 0.5 * box.length, 0.8) << "its front is painted at 16 m";
+  EXPECT_NEAR(3.5 / 16.0, box.centre.x() / box.centre.z(), 0.02);
+  EXPECT_TRUE(stage.looked());
+}
+
+TEST(DetectionStageTest, boxesOfAnotherSensorAreTurnedToTheCamera) {
+  const PaintedStreet street({kParked});
+  DetectionStage stage(street.camera(), paramsFor("recorded"));
+  auto frame = frameOf(street, 0);
+  Detection box;
+  box.object_class = ObjectClass::kCar;
+  box.box3d = Box3d{{0.0, 0.0, 10.0}, 4.0, 1.8, 1.5, 0.0};
+  frame.detections = recorded(street, 0, {box});
+  Pose T_cam_sensor = Pose::Identity();  // turned to the right by 90 degrees, a metre behind
+  T_cam_sensor.linear() = expSo3({0.0, M_PI_2, 0.0});
+  T_cam_sensor.translation().z() = -1.0;
+  frame.detections->T_robot_sensor = street.camera()->T_robot_cam * T_cam_sensor;
+  const auto found = look(stage, frame);
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(found->T_robot_sensor.isApprox(street.camera()->T_robot_cam));
+  EXPECT_TRUE(found->items[0].box3d->centre.isApprox(Eigen::Vector3d(10.0, 0.0, -1.0), 1e-9));
+  EXPECT_NEAR(M_PI_2, found->items[0].box3d->yaw, 1e-9) << "its front looked along the sensor's x";
+}
+
+TEST(DetectionStageTest, twoSourcesOfOneObjectGiveOneDetection) {
+  const PaintedStreet street({kMover, kParked});
+  DetectionStage alone(street.camera(), paramsFor("stereo_motion"));
+  DetectionStage both(street.camera(), paramsFor("recorded+stereo_motion"));
+  std::optional<Detections> one, fused;
+  for (int i = 0; i < 10; ++i) {
+    auto frame = frameOf(street, i);
+    one = look(alone, frame);
+    frame.detections = recorded(street, i, {seen(kMover, street, i), seen(kParked, street, i)});
+    fused = look(both, frame);
+  }
+  ASSERT_TRUE(one && fused);
+  EXPECT_EQ(1u, one->items.size());
+  EXPECT_EQ(2u, fused->items.size()) << "the mover once, the parked car once";
+}
+
+TEST(DetectionStageTest, whatMovedIsLeftOutOfTheNextFramesLandmarks) {
+  const PaintedStreet street({kMover, kParked});
+  DetectionStage stage(street.camera(), paramsFor("stereo_motion"));
+  MovingRegions regions;
+  for (int i = 0; i < 10; ++i) {
+    const auto frame = frameOf(street, i);
+    stage.begin(frame);
+    regions = stage.movingRegions(frame, {});
+    (void)stage.finish(frame, frame.T_map_robot);
+  }
+  ASSERT_EQ(1u, regions.boxes.size());
+  const Box2d truth = *seen(kMover, street, 9).box2d;
+  EXPECT_NEAR(truth.left, regions.boxes[0].left, 8.0);
+  EXPECT_NEAR(truth.right, regions.boxes[0].right, 8.0);
+  EXPECT_FALSE(regions.mask.empty());
+}
+
+TEST(DetectionStageTest, whatDetectorsLeaveOutIsCountedOnce) {
+  const PaintedStreet street({});
+  DetectionStage stage(street.camera(), paramsFor("stereo_motion"));
+  auto frame = frameOf(street, 0);
+  frame.stereo->left.setTo(0);
+  EXPECT_FALSE(look(stage, frame));
+  EXPECT_EQ((DropCounts{{"unusable_image", 1}}), stage.takeDropped());
+  EXPECT_TRUE(stage.takeDropped().empty());
+}
+
+TEST(PerceptionTest, imagesAloneGiveTracksOfWhatMoves) {
+  const PaintedStreet street({kMover, kParked});
+  PerceptionParams params;
+  params.detection.detector = "stereo_motion";
+  Perception perception(street.camera(), params);
+  std::set<TrackId> moving;
+  PerceptionUpdate update;
+  for (int i = 0; i < 14; ++i) {
+    update = perception.process(frameOf(street, i));
+    for (const auto& track : update.objects.tracks) {
+      if (track.status == TrackStatus::kConfirmed && track.moving) moving.insert(track.id);
+    }
+  }
+  ASSERT_EQ(1u, moving.size());
+  ASSERT_EQ(1u, update.objects.tracks.size());
+  const Track& track = update.objects.tracks.front();
+  const Eigen::Vector3d place = street.placeInCamera(kMover, 13);
+  const Eigen::Vector3d found = street.T_map_robot(13).inverse() * track.position;
+  EXPECT_NEAR(place.z(), found.x(), 3.0) << "its front; the box reaches behind it";
+  EXPECT_NEAR(-place.x(), found.y(), 1.0);
+  EXPECT_EQ(14u, perception.times().summary().at("detect").count);
+}
+
+}  // namespace
+}  // namespace headway::pipeline
