@@ -90,6 +90,22 @@ TEST(Lens, RecordsEachPixelWhereOpenCvFindsItsRay) {
   }
 }
 
+TEST(Lens, DrawsWithTheTrueRigAndRecordsTheNominalOne) {
+  CalibrationErrorParams error;
+  error.focal_share = 0.01;
+  error.baseline_share = -0.02;
+  error.right_pitch_deg = 1.0;
+  const CameraParams nominal;
+  const Lens lens(nominal, error);
+  EXPECT_DOUBLE_EQ(lens.ideal().fx, nominal.focal_px);
+  EXPECT_DOUBLE_EQ(lens.recorded().left.fx, nominal.focal_px);
+  EXPECT_DOUBLE_EQ(lens.recorded().T_left_right.translation().x(), nominal.baseline_m);
+  EXPECT_DOUBLE_EQ(lens.drawn().fx, 1.01 * nominal.focal_px);
+  EXPECT_DOUBLE_EQ(lens.T_left_right().translation().x(), 0.98 * nominal.baseline_m);
+  const Eigen::Vector3d view = lens.T_left_right().linear().col(2);
+  EXPECT_NEAR(view.y(), -std::sin(M_PI / 180.0), 1e-12);  // upwards
+}
+
 TEST(Lens, RefusesADistortionThatFoldsTheImage) {
   CameraParams params;
   params.focal_px = 300;

@@ -239,6 +239,42 @@ TEST(Simulator, FramesAreDroppedAndTimesWanderWhenAskedFor) {
   EXPECT_GT(off_beat, 0.01);
 }
 
+TEST(Simulator, APieceOutOfTheMiddleIsThatPieceOfTheWhole) {
+  SimParams params = smallStreet();
+  params.recording.first_frame = 5;
+  params.recording.frames = 2;
+  const auto piece = framesOf(params);
+  ASSERT_EQ(piece.size(), 2U);
+  EXPECT_EQ(piece[1].index, 1U);
+  EXPECT_DOUBLE_EQ(piece[1].time, street()[6].time);
+  EXPECT_TRUE(sameBytes(piece[1].left, street()[6].left));
+  EXPECT_TRUE(sameBytes(piece[1].instances, street()[6].instances));
+  EXPECT_LT((piece[0].T_map_robot.matrix() - Eigen::Matrix4d::Identity()).norm(), 1e-12);
+}
+
+TEST(Simulator, ACalibrationErrorIsInTheImagesAndNotInTheTruth) {
+  SimParams params = smallStreet();
+  params.recording.frames = 1;
+  params.calibration_error.right_pitch_deg = 0.5;
+  const auto wrong = framesOf(params);
+  const auto grey = [](const cv::Mat& picture) {
+    cv::Mat result;
+    cv::cvtColor(picture, result, cv::COLOR_BGR2GRAY);
+    result.convertTo(result, CV_32F);
+    return result;
+  };
+  const auto shift = cv::phaseCorrelate(grey(street()[0].right), grey(wrong[0].right));
+  EXPECT_NEAR(shift.y, params.camera.focal_px * std::tan(0.5 * M_PI / 180.0), 0.3);
+  EXPECT_TRUE(sameBytes(wrong[0].left, street()[0].left));
+  EXPECT_TRUE(sameBytes(wrong[0].depth, street()[0].depth));
+  params.calibration_error = {};
+  params.calibration_error.flex_deg = 0.1;
+  params.recording.frames = 2;
+  const auto bent = framesOf(params);
+  EXPECT_FALSE(sameBytes(bent[1].right, street()[1].right));
+  EXPECT_TRUE(sameBytes(bent[1].left, street()[1].left));
+}
+
 TEST(Simulator, MotionBlurSmearsAndGreyIsGrey) {
   SimParams params = smallStreet();
   params.recording.frames = 2;

@@ -24,6 +24,23 @@ StereoCamera idealCamera(const CameraParams& params) {
   return camera;
 }
 
+StereoCamera trueCamera(StereoCamera camera, const CalibrationErrorParams& error) {
+  camera.fx *= 1.0 + error.focal_share;
+  camera.fy *= 1.0 + error.focal_share;
+  camera.baseline_m *= 1.0 + error.baseline_share;
+  return camera;
+}
+
+/// The right camera's optical frame in the left one: x right, y down, z forward.
+Pose trueRightCamera(const StereoCamera& camera, const CalibrationErrorParams& error) {
+  Pose T_left_right = Pose::Identity();
+  T_left_right.translation().x() = camera.baseline_m;
+  T_left_right.linear() =
+      expSo3(Eigen::Vector3d(error.right_pitch_deg, error.right_yaw_deg, error.right_roll_deg) *
+             M_PI / 180.0);
+  return T_left_right;
+}
+
 /// Radius without distortion of a distorted one (both at unit depth): Newton's method on
 /// r (1 + k1 r^2 + k2 r^4) = distorted.
 std::optional<double> undistortedRadius(double distorted, double k1, double k2) {
@@ -41,14 +58,19 @@ std::optional<double> undistortedRadius(double distorted, double k1, double k2) 
 
 }  // namespace
 
-Lens::Lens(const CameraParams& params)
-    : k1_(params.k1), k2_(params.k2), ideal_(idealCamera(params)), drawn_(ideal_) {
+Lens::Lens(const CameraParams& params, const CalibrationErrorParams& error)
+    : k1_(params.k1),
+      k2_(params.k2),
+      ideal_(idealCamera(params)),
+      true_(trueCamera(ideal_, error)),
+      drawn_(true_),
+      T_left_right_(trueRightCamera(true_, error)) {
   if (k1_ == 0.0 && k2_ == 0.0) return;
   cv::Mat_<cv::Vec2f> rays(params.height, params.width);
   double reach_x = 0.0, reach_y = 0.0;
   for (int v = 0; v < params.height; ++v) {
     for (int u = 0; u < params.width; ++u) {
-      const Eigen::Vector2d seen((u - ideal_.cx) / ideal_.fx, (v - ideal_.cy) / ideal_.fy);
+      const Eigen::Vector2d seen((u - true_.cx) / true_.fx, (v - true_.cy) / true_.fy);
       const auto radius = undistortedRadius(seen.norm(), k1_, k2_);
       if (!radius || *radius > 2.5) {
         throw InputError("[camera] k1, k2: so strong that the image's corners have no ray");
@@ -59,8 +81,8 @@ Lens::Lens(const CameraParams& params)
       reach_y = std::max(reach_y, std::abs(seen.y()) * grow);
     }
   }
-  drawn_.width = 2 * static_cast<int>(std::ceil(reach_x * ideal_.fx)) + 4;
-  drawn_.height = 2 * static_cast<int>(std::ceil(reach_y * ideal_.fy)) + 4;
+  drawn_.width = 2 * static_cast<int>(std::ceil(reach_x * true_.fx)) + 4;
+  drawn_.height = 2 * static_cast<int>(std::ceil(reach_y * true_.fy)) + 4;
   drawn_.cx = 0.5 * (drawn_.width - 1);
   drawn_.cy = 0.5 * (drawn_.height - 1);
   for (auto& ray : rays) {
@@ -89,7 +111,7 @@ Eigen::Vector2d Lens::distort(const Eigen::Vector2d& drawn_px) const {
                             (drawn_px.y() - drawn_.cy) / drawn_.fy);
   const double r2 = ray.squaredNorm();
   const double scale = 1.0 + k1_ * r2 + k2_ * r2 * r2;
-  return {ideal_.cx + ideal_.fx * ray.x() * scale, ideal_.cy + ideal_.fy * ray.y() * scale};
+  return {true_.cx + true_.fx * ray.x() * scale, true_.cy + true_.fy * ray.y() * scale};
 }
 
 Box2d Lens::record(const Box2d& box) const {

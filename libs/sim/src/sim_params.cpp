@@ -57,8 +57,8 @@ void TrafficParams::describe(Params::Section section) {
   section.add("in_front_at_start", in_front_at_start, 0, 60, "",
               "Movers close before the camera at the start");
   section.add("image_share", image_share, 0.0, 0.6, "",
-              "Mean share of the left image that movers cover, from the first frame on: vehicles "
-              "keep close to the robot; 0: as it comes");
+              "Mean share of the left image that movers cover, from the first frame on: a few "
+              "vehicles keep close to the robot, instead of the others; 0: as it comes");
   section.add("range_ahead_m", range_ahead_m, 20.0, 250.0, "m", "Movers live up to here ahead");
   section.add("range_behind_m", range_behind_m, 5.0, 100.0, "m", "and up to here behind");
 }
@@ -87,6 +87,18 @@ void CameraParams::describe(Params::Section section) {
   section.add("colour", colour, "Colour images; false: grey");
 }
 
+void CalibrationErrorParams::describe(Params::Section section) {
+  section.add("focal_share", focal_share, -0.05, 0.05, "", "True focal length above the recorded");
+  section.add("baseline_share", baseline_share, -0.05, 0.05, "",
+              "True baseline above the recorded");
+  section.add("right_roll_deg", right_roll_deg, -2.0, 2.0, "deg",
+              "Right camera turned about its viewing direction");
+  section.add("right_pitch_deg", right_pitch_deg, -2.0, 2.0, "deg", "Right camera turned up");
+  section.add("right_yaw_deg", right_yaw_deg, -2.0, 2.0, "deg", "Right camera turned to its right");
+  section.add("flex_deg", flex_deg, 0.0, 0.5, "deg",
+              "The rig bends from frame to frame: standard deviation about each axis");
+}
+
 void DetectorParams::describe(Params::Section section) {
   section.add("max_range_m", max_range_m, 1.0, 300.0, "m", "Nothing farther is detected");
   section.add("min_height_px", min_height_px, 0.0, 1000.0, "px", "Nothing lower is detected");
@@ -111,6 +123,8 @@ void DetectorParams::describe(Params::Section section) {
 
 void RecordingParams::describe(Params::Section section) {
   section.add("frames", frames, 1, 1000000, "", "Stereo frames (fewer if the path ends)");
+  section.add("first_frame", first_frame, 0, 1000000, "",
+              "Frames before this one pass undrawn: for a piece out of the middle");
   section.add("start_time_s", start_time_s, 0.0, 4e9, "s", "Time of the first frame (Unix)");
   section.add("storage", storage,
               {{"embedded", Storage::kEmbedded},
@@ -126,6 +140,7 @@ void SimParams::describe(Params& params) {
   world.describe(params.section("world"));
   traffic.describe(params.section("traffic"));
   camera.describe(params.section("camera"));
+  calibration_error.describe(params.section("calibration_error"));
   detector.describe(params.section("detector"));
   recording.describe(params.section("recording"));
 }

@@ -26,7 +26,8 @@ enum Purpose : std::uint64_t {
   kDetectorSeed,
   kClockSeed,
   kSensorSeed,
-  kEscortSeed
+  kEscortSeed,
+  kFlexSeed
 };
 
 constexpr double kStep = 0.05;     // longest step of the motion [s]
@@ -104,6 +105,12 @@ class Simulator::Machine {
   void step(double dt);
   [[nodiscard]] std::vector<Mover> othersMoving() const;  ///< but for the escort
   [[nodiscard]] std::vector<Mover> moversNear();          ///< with the parked ones
+  /// The right camera in the left one, for one frame.
+  [[nodiscard]] Pose bentRig(std::size_t frame) const;
+  /// Lets time pass until the camera takes a frame; false at the end of the path.
+  [[nodiscard]] bool waitForTrigger();
+  void passUndrawn();
+  [[nodiscard]] double blurPause() const;  ///< between the drawings of one exposure [s]
   void draw(SimFrame& frame);
   void judge(SimFrame& frame);
 
@@ -121,9 +128,10 @@ class Simulator::Machine {
   DetectorNoise detector_;
   MotionSensors sensors_;
   Random clock_;
-  std::size_t tick_ = 0;    ///< camera triggers so far, dropped ones included
-  std::size_t frames_ = 0;  ///< frames handed out
-  double now_s_ = 0.0;      ///< since the first trigger [s]
+  std::size_t tick_ = 0;      ///< beats of the camera's clock so far, dropped frames included
+  std::size_t triggers_ = 0;  ///< frames taken so far, undrawn ones included
+  std::size_t frames_ = 0;    ///< frames handed out
+  double now_s_ = 0.0;        ///< since the first trigger [s]
   std::optional<Pose> T_map_world_;
 };
 
@@ -131,7 +139,7 @@ Simulator::Machine::Machine(const SimParams& params)
     : params_(params),
       route_(makeRoute(params.route, params.world.hill_height_m)),
       world_(params.world, route_),
-      lens_(params.camera),
+      lens_(params.camera, params.calibration_error),
       rig_(lens_.drawn(), world_),
       robot_(params.route, params.camera.ride_deg, params.traffic.image_share > 0.0, route_,
              seed(kRobotSeed)),
@@ -195,16 +203,25 @@ std::vector<Mover> Simulator::Machine::moversNear() {
   return movers;
 }
 
+Pose Simulator::Machine::bentRig(std::size_t frame) const {
+  Random random(seedOf({seed(kFlexSeed), frame}));
+  const double sigma = params_.calibration_error.flex_deg * M_PI / 180.0;
+  const double x = random.normal(), y = random.normal(), z = random.normal();
+  Pose T_left_right = lens_.T_left_right();
+  T_left_right.linear() *= expSo3(sigma * Eigen::Vector3d(x, y, z));
+  return T_left_right;
+}
+
 void Simulator::Machine::draw(SimFrame& frame) {
   const int samples = params_.camera.blur_samples;
-  const double pause = samples > 1 ? params_.camera.exposure_s / (samples - 1) : 0.0;
+  const Pose T_left_right = bentRig(triggers_);
   cv::Mat left_sum, right_sum;
   for (int i = 0; i < samples; ++i) {
-    if (i > 0) advance(pause);
+    if (i > 0) advance(blurPause());
     const auto movers = moversNear();
     const bool is_middle = i == samples / 2;
     const Pose T_world_robot = robot_.T_world_robot();
-    StereoDrawing drawing = rig_.draw(T_world_robot, movers, is_middle);
+    StereoDrawing drawing = rig_.draw(T_world_robot, T_left_right, movers, is_middle);
     if (is_middle) {
       frame.depth = drawing.depth;
       judge(frame);
@@ -249,11 +266,14 @@ void Simulator::Machine::judge(SimFrame& frame) {
   frame.detections = detector_.detect(frame.time, movers, sightings, frame.depth);
 }
 
-std::optional<SimFrame> Simulator::Machine::next() {
+double Simulator::Machine::blurPause() const {
+  const int samples = params_.camera.blur_samples;
+  return samples > 1 ? params_.camera.exposure_s / (samples - 1) : 0.0;
+}
+
+bool Simulator::Machine::waitForTrigger() {
   for (;;) {
-    if (frames_ >= static_cast<std::size_t>(params_.recording.frames) || robot_.arrived()) {
-      return std::nullopt;
-    }
+    if (robot_.arrived()) return false;
     const double exposure = params_.camera.blur_samples > 1 ? params_.camera.exposure_s : 0.0;
     const double jitter = std::clamp(params_.camera.jitter_s * clock_.normal(),
                                      -3.0 * params_.camera.jitter_s, 3.0 * params_.camera.jitter_s);
@@ -262,18 +282,36 @@ std::optional<SimFrame> Simulator::Machine::next() {
     const bool dropped = tick_ > 0 && clock_.chance(params_.camera.drop_share);
     ++tick_;
     if (dropped) continue;
+    ++triggers_;
     escort_.observe(robot_.T_world_robot(), othersMoving());
-    SimFrame frame;
-    frame.index = frames_++;
-    draw(frame);
-    if (params_.camera.imu) frame.imu = sensors_.takeImu();
-    if (params_.camera.odometry) frame.odometry = sensors_.odometry();
-    using Side = ImageFormation::Side;
-    frame.left = image_formation_.expose(lens_.record(frame.left, true), frame.index, Side::kLeft);
-    frame.right =
-        image_formation_.expose(lens_.record(frame.right, true), frame.index, Side::kRight);
-    return frame;
+    return true;
   }
+}
+
+void Simulator::Machine::passUndrawn() {
+  for (int i = 1; i < params_.camera.blur_samples; ++i) advance(blurPause());
+  (void)sensors_.takeImu();
+}
+
+std::optional<SimFrame> Simulator::Machine::next() {
+  if (frames_ >= static_cast<std::size_t>(params_.recording.frames)) return std::nullopt;
+  while (triggers_ < static_cast<std::size_t>(params_.recording.first_frame)) {
+    if (!waitForTrigger()) return std::nullopt;
+    passUndrawn();
+  }
+  if (!waitForTrigger()) return std::nullopt;
+  SimFrame frame;
+  frame.index = frames_++;
+  draw(frame);
+  if (params_.camera.imu) frame.imu = sensors_.takeImu();
+  if (params_.camera.odometry) frame.odometry = sensors_.odometry();
+  using Side = ImageFormation::Side;
+  const auto exposed = [&](const cv::Mat& drawing, Side side) {
+    return image_formation_.expose(lens_.record(drawing, true), triggers_ - 1, side);
+  };
+  frame.left = exposed(frame.left, Side::kLeft);
+  frame.right = exposed(frame.right, Side::kRight);
+  return frame;
 }
 
 Simulator::Simulator(const SimParams& params) {

@@ -262,15 +262,13 @@ StereoRig::StereoRig(const StereoCamera& camera, World& world)
 
 StereoRig::~StereoRig() = default;
 
-StereoDrawing StereoRig::draw(const Pose& T_world_robot, const std::vector<Mover>& movers,
-                              bool with_depth) {
-  const StereoCamera& camera = scene_->camera();
+StereoDrawing StereoRig::draw(const Pose& T_world_robot, const Pose& T_left_right,
+                              const std::vector<Mover>& movers, bool with_depth) {
+  const Pose& T_robot_left = scene_->camera().T_robot_cam;
   scene_->arrange(T_world_robot, movers);
   StereoDrawing drawing;
-  drawing.left = scene_->render(camera.T_robot_cam, with_depth ? &drawing.depth : nullptr);
-  Pose T_robot_right = camera.T_robot_cam;
-  T_robot_right.translation() = camera.T_robot_cam * Eigen::Vector3d(camera.baseline_m, 0.0, 0.0);
-  drawing.right = scene_->render(T_robot_right, nullptr);
+  drawing.left = scene_->render(T_robot_left, with_depth ? &drawing.depth : nullptr);
+  drawing.right = scene_->render(T_robot_left * T_left_right, nullptr);
   return drawing;
 }
 

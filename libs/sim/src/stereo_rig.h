@@ -24,16 +24,17 @@ struct StereoDrawing {
 /// sharp far from the world's origin as near it.
 class StereoRig {
  public:
-  /// @param camera  geometry of the drawn pair; any width
+  /// @param camera  geometry of both drawn cameras; any width
   StereoRig(const StereoCamera& camera, World& world);
   ~StereoRig();
   StereoRig(const StereoRig&) = delete;
   StereoRig& operator=(const StereoRig&) = delete;
 
-  /// @param movers      with the parked ones
-  /// @param with_depth  fill `depth`, too
-  [[nodiscard]] StereoDrawing draw(const Pose& T_world_robot, const std::vector<Mover>& movers,
-                                   bool with_depth);
+  /// @param T_left_right  right optical frame in the left one
+  /// @param movers        with the parked ones
+  /// @param with_depth    fill `depth`, too
+  [[nodiscard]] StereoDrawing draw(const Pose& T_world_robot, const Pose& T_left_right,
+                                   const std::vector<Mover>& movers, bool with_depth);
 
  private:
   class Scene;

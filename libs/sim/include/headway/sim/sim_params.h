@@ -89,6 +89,23 @@ struct CameraParams {
   void describe(Params::Section section);
 };
 
+/// How the rig differs from the calibration that is recorded with its images, as every real one
+/// does. Section [calibration_error].
+///
+/// Depths, boxes and poses stay true of the left camera.
+/// @see Kreso & Segvic 2015, "Improving the egomotion estimation by correcting the calibration
+///      bias": what is left over after KITTI's calibration, and what it does to odometry
+struct CalibrationErrorParams {
+  double focal_share = 0.0;      ///< true focal length above the recorded one by this share
+  double baseline_share = 0.0;   ///< true baseline above the recorded one by this share
+  double right_roll_deg = 0.0;   ///< right camera turned about its viewing direction
+  double right_pitch_deg = 0.0;  ///< right camera turned up
+  double right_yaw_deg = 0.0;    ///< right camera turned to its right
+  double flex_deg = 0.0;  ///< rig bends from frame to frame: standard deviation about each axis
+
+  void describe(Params::Section section);
+};
+
 /// A network that looks at the images, as far as its mistakes go. Section [detector].
 struct DetectorParams {
   double max_range_m = 70.0;
@@ -117,6 +134,7 @@ struct RecordingParams {
   enum class Storage { kEmbedded, kExternalPng, kExternalJpeg };
 
   int frames = 120;
+  int first_frame = 0;  ///< frames before it pass undrawn; the map begins where it is taken
   double start_time_s = 1700000000.0;
   Storage storage = Storage::kEmbedded;
   int jpeg_quality = 90;
@@ -131,6 +149,7 @@ struct SimParams {
   WorldParams world;
   TrafficParams traffic;
   CameraParams camera;
+  CalibrationErrorParams calibration_error;
   DetectorParams detector;
   RecordingParams recording;
 
