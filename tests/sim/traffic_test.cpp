@@ -170,6 +170,39 @@ TEST_F(Street, VehiclesDoNotDriveThroughEachOther) {
   EXPECT_EQ(overlaps, 0);
 }
 
+TEST(Junctions, VehiclesTurnOffToBothSides) {
+  TrafficParams traffic;
+  traffic.vehicles = 10;
+  traffic.turning_share = 1.0;
+  traffic.crossing_share = 0.0;
+  RouteParams route_params;
+  route_params.shape = "straight 1500";
+  const Route route = makeRoute(route_params, 0.0);
+  const RoadNetwork network(route, 75.0, 5);
+  Vehicles vehicles(traffic, route, network, 21);
+  RobotDriver robot(route_params, 0.25, false, route, 22);
+  std::int64_t next_id = 0;
+  vehicles.populate(robot.state(), next_id);
+  std::map<std::int64_t, std::pair<double, double>> headings;  // first and last
+  for (int i = 0; i < 3000; ++i) {
+    std::vector<Obstacle> for_robot;
+    for (const Mover& mover : vehicles.movers()) {
+      headings.emplace(mover.id, std::pair(mover.yaw, 0.0)).first->second.second = mover.yaw;
+      for_robot.push_back(obstacleFrom(mover));
+    }
+    vehicles.advance(0.05, robot.state(), {robot.state().body}, next_id);
+    robot.advance(0.05, for_robot);
+  }
+  int left = 0, right = 0;
+  for (const auto& [id, heading] : headings) {
+    const double turn = std::remainder(heading.second - heading.first, 2.0 * M_PI);
+    left += turn > 1.4 ? 1 : 0;
+    right += turn < -1.4 ? 1 : 0;
+  }
+  EXPECT_GE(left, 2);
+  EXPECT_GE(right, 2);
+}
+
 TEST_F(Street, SomeoneCrossesAndSomeoneStops) {
   bool crossed = false, stopped = false;
   for (int i = 0; i < 800; ++i) {

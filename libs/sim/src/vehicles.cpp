@@ -11,8 +11,9 @@ namespace {
 
 using Profile = StreetProfile;
 
-constexpr double kPathReach = 320.0;  // of a path made along the street [m]
-constexpr double kStopLine = 8.6;     // before the middle of the street to be crossed [m]
+constexpr double kPathReach = 320.0;   // of a path made along the street [m]
+constexpr double kStopLine = 8.6;      // before the middle of the street to be crossed [m]
+constexpr double kIntoJunction = 3.0;  // who turns left waits that far into the junction [m]
 
 /// The lane `left` of the street's middle from street_s on, in driving direction.
 std::vector<Eigen::Vector3d> lanePoints(const Path& street, double street_s, double left,
@@ -75,16 +76,20 @@ void Vehicles::turnOff(Vehicle& vehicle, bool oncoming) {
     if (chosen == nullptr || random_.chance(0.4)) chosen = &road;
   }
   if (chosen == nullptr) return;
-  // Always to the right. A cross street's axis runs from the street's right to its left.
-  constexpr double kBegin = 11.0;  // of the turn, before the middle of the junction [m]
+  // To the right at once, to the left when what comes the other way leaves a gap. A cross
+  // street's axis runs from the street's right to its left.
+  const bool to_left = random_.chance(0.5);
+  const double begin_before = to_left ? 7.0 : 11.0;  // the middle of the junction [m]
+  const double exit_after = to_left ? 9.0 : 11.0;    // it, on the cross street [m]
+  const bool along_axis = to_left != oncoming;
   const double ahead = direction * route_.ahead(vehicle.street_s, chosen->main_s);
   const double left = laneOf(MoverKind::kCar, oncoming);
-  auto points = lanePoints(route_.street, vehicle.street_s, left, oncoming, ahead - kBegin);
+  auto points = lanePoints(route_.street, vehicle.street_s, left, oncoming, ahead - begin_before);
   std::vector<Eigen::Vector3d> exit;
-  for (double d = kBegin; d <= chosen->junction_s - 1.0; d += 1.0) {
-    // Driving away from the junction along -axis (forward) or +axis (oncoming), keeping right.
-    exit.push_back(oncoming ? chosen->axis.beside(chosen->junction_s + d, -Profile::kLaneMiddle)
-                            : chosen->axis.beside(chosen->junction_s - d, Profile::kLaneMiddle));
+  for (double d = exit_after; d <= chosen->junction_s - 1.0; d += 1.0) {
+    // Away from the junction, keeping right.
+    exit.push_back(along_axis ? chosen->axis.beside(chosen->junction_s + d, -Profile::kLaneMiddle)
+                              : chosen->axis.beside(chosen->junction_s - d, Profile::kLaneMiddle));
   }
   if (points.size() < 5 || exit.size() < 5) return;
   const Eigen::Vector3d begin = points.back();  // a copy: points grows
@@ -93,6 +98,10 @@ void Vehicles::turnOff(Vehicle& vehicle, bool oncoming) {
   appendTurn(points, begin, corner, exit.front());
   points.insert(points.end(), exit.begin(), exit.end());
   vehicle.path = std::make_shared<Path>(points);
+  if (!to_left) return;
+  vehicle.yields_to = oncoming ? Yields::kToAlong : Yields::kToOncoming;
+  vehicle.yield_s = ahead - begin_before + kIntoJunction;
+  vehicle.yield_street_s = chosen->main_s;
 }
 
 std::optional<Vehicles::Vehicle> Vehicles::crossing(const RobotState& robot, bool anywhere) {
@@ -176,14 +185,19 @@ void Vehicles::populate(const RobotState& robot, std::int64_t& next_id) {
   }
 }
 
-bool Vehicles::gapAt(double street_s, const RobotState& robot) const {
+bool Vehicles::gapFor(const Vehicle& vehicle, const RobotState& robot) const {
+  const double street_s = vehicle.yield_street_s;
   const auto conflicts = [&](double s, double speed) {  // speed along the street
+    if (vehicle.yields_to == Yields::kToOncoming && speed >= 0.0) return false;
+    if (vehicle.yields_to == Yields::kToAlong && speed < 0.0) return false;
     const double distance = route_.ahead(s, street_s) * (speed < 0.0 ? -1.0 : 1.0);
     return distance > -6.0 && distance < 7.0 + std::abs(speed) * 4.5;
   };
   if (conflicts(robot.s, robot.speed)) return false;
   for (const Vehicle& other : vehicles_) {
     if (other.intent == Intent::kCross) continue;
+    // Two who face each other and both turn left pass each other.
+    if (other.yields_to != Yields::kToAll && other.place.speed < 0.5) continue;
     const double sign = other.intent == Intent::kOncoming ? -1.0 : 1.0;
     if (conflicts(other.street_s, sign * std::max(0.1, other.place.speed))) return false;
   }
@@ -228,7 +242,7 @@ void Vehicles::advance(double dt, const RobotState& robot, const std::vector<Obs
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
     const Vehicle& vehicle = vehicles_[i];
     double stop = std::numeric_limits<double>::infinity();
-    if (vehicle.place.s < vehicle.yield_s && !gapAt(vehicle.yield_street_s, robot)) {
+    if (vehicle.place.s < vehicle.yield_s && !gapFor(vehicle, robot)) {
       stop = vehicle.yield_s;
     }
     accelerations.push_back(

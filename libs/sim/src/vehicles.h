@@ -38,6 +38,7 @@ class Vehicles {
 
  private:
   enum class Intent { kAlong, kOncoming, kCross };
+  enum class Yields { kToAll, kToAlong, kToOncoming };  ///< of the street's traffic
   struct Vehicle {
     Intent intent = Intent::kAlong;
     std::shared_ptr<const Path> path;
@@ -46,7 +47,8 @@ class Vehicles {
     double street_s = 0.0;        ///< along the route's street, followed up from step to step [m]
     double yield_s = -1.0;        ///< on its path: where it waits for a gap; negative: nowhere
     double yield_street_s = 0.0;  ///< the junction, along the street
-    double standing_s = 0.0;      ///< time without moving [s]
+    Yields yields_to = Yields::kToAll;
+    double standing_s = 0.0;  ///< time without moving [s]
   };
 
   void spawn(MoverKind kind, const RobotState& robot, bool anywhere, std::int64_t& next_id);
@@ -54,7 +56,8 @@ class Vehicles {
   [[nodiscard]] std::optional<Vehicle> crossing(const RobotState& robot, bool anywhere);
   void turnOff(Vehicle& vehicle, bool oncoming);
   [[nodiscard]] bool isFree(const Vehicle& vehicle, const RobotState& robot) const;
-  [[nodiscard]] bool gapAt(double street_s, const RobotState& robot) const;
+  /// Whether nobody comes to whom it must yield.
+  [[nodiscard]] bool gapFor(const Vehicle& vehicle, const RobotState& robot) const;
   void place(std::size_t i, double dt);
   void retire(const RobotState& robot);
   [[nodiscard]] MoverKind drawKind();
