@@ -50,12 +50,14 @@ std::string describe(std::size_t frame, const slam::LoopAttempt& loop) {
   if (loop.outcome == slam::LoopOutcome::kTooFewInliers) outcome = "refused for too few inliers";
   if (loop.outcome == slam::LoopOutcome::kTooFarOff) outcome = "refused as too far off";
   char text[200];
-  std::snprintf(text, sizeof text,
-                "frame %zu: loop to keyframe %lld %s: inliers %d, needed %d; offset %.2f m, "
-                "allowed %.2f m",
+  std::snprintf(text, sizeof text, "frame %zu: loop to keyframe %lld %s: inliers %d, needed %d",
                 frame, static_cast<long long>(loop.candidate.value), outcome, loop.inliers,
-                loop.inliers_needed, loop.offset_m, loop.offset_allowed_m);
-  return text;
+                loop.inliers_needed);
+  if (loop.offset_allowed_m == 0.0) return text;
+  char offset[100];
+  std::snprintf(offset, sizeof offset, "; offset %.2f m, allowed %.2f m", loop.offset_m,
+                loop.offset_allowed_m);
+  return std::string(text) + offset;
 }
 
 }  // namespace
@@ -151,9 +153,9 @@ void Replay::count(const RecordedFrame& frame, const pipeline::PerceptionUpdate&
   for (const auto& [reason, dropped] : update.objects.detections_dropped) {
     summary_.detections_dropped[reason] += dropped;
   }
-  if (update.camera.loop) {
-    summary_.loops += update.camera.loop->outcome == slam::LoopOutcome::kClosed ? 1 : 0;
-    if (!options_.quiet) std::puts(describe(update.frame, *update.camera.loop).c_str());
+  for (const slam::LoopAttempt& attempt : update.camera.loops) {
+    summary_.loops += attempt.outcome == slam::LoopOutcome::kClosed ? 1 : 0;
+    if (!options_.quiet) std::puts(describe(update.frame, attempt).c_str());
   }
   for (const auto& track : update.objects.tracks) {
     if (track.status == TrackStatus::kConfirmed) {

@@ -22,18 +22,20 @@ Track trackIn(const Box2d& box, TrackStatus status, bool moving) {
   return track;
 }
 
-TEST(MovingRegionsTest, onlyWhatATrackFoundStillMayStay) {
+TEST(MovingRegionsTest, tracksDecideWhatMovesAndWhatStays) {
   const Box2d box{100, 50, 200, 150};
   Detections detections;
   detections.items = {detectionIn(box)};
-  const auto regionsWith = [&](const std::vector<Track>& previous) {
-    return movingRegions(detections, previous, kCamera).boxes.size();
+  const auto counts = [&](const std::vector<Track>& previous) {
+    const auto regions = movingRegions(detections, previous, kCamera);
+    return std::pair(regions.boxes.size(), regions.unsure.size());
   };
-  EXPECT_EQ(1u, regionsWith({}));
-  EXPECT_EQ(0u, regionsWith({trackIn(box, TrackStatus::kConfirmed, false)}));
-  EXPECT_EQ(1u, regionsWith({trackIn(box, TrackStatus::kConfirmed, true)}));
-  EXPECT_EQ(1u, regionsWith({trackIn(box, TrackStatus::kTentative, false)}));
-  EXPECT_EQ(1u, regionsWith({trackIn({300, 50, 400, 150}, TrackStatus::kConfirmed, false)}));
+  const std::pair<std::size_t, std::size_t> moves(1, 0), stays(0, 0), unsure(0, 1);
+  EXPECT_EQ(moves, counts({trackIn(box, TrackStatus::kConfirmed, true)}));
+  EXPECT_EQ(stays, counts({trackIn(box, TrackStatus::kConfirmed, false)}));
+  EXPECT_EQ(unsure, counts({}));
+  EXPECT_EQ(unsure, counts({trackIn(box, TrackStatus::kTentative, false)}));
+  EXPECT_EQ(unsure, counts({trackIn({300, 50, 400, 150}, TrackStatus::kConfirmed, false)}));
 }
 
 TEST(MovingRegionsTest, theTrackThatOverlapsMostDecides) {
@@ -52,10 +54,10 @@ TEST(MovingRegionsTest, a3dBoxAloneIsProjected) {
   Detections detections;
   detections.items = {detection};
   const auto regions = movingRegions(detections, {}, kCamera);
-  ASSERT_EQ(1u, regions.boxes.size());
+  ASSERT_EQ(1u, regions.unsure.size());
   // Nearest face at z = 9 m: half length 2 m, half height 0.75 m.
-  EXPECT_NEAR(320.0 - 400.0 * 2.0 / 9.0, regions.boxes[0].left, 1e-9);
-  EXPECT_NEAR(120.0 + 400.0 * 0.75 / 9.0, regions.boxes[0].bottom, 1e-9);
+  EXPECT_NEAR(320.0 - 400.0 * 2.0 / 9.0, regions.unsure[0].left, 1e-9);
+  EXPECT_NEAR(120.0 + 400.0 * 0.75 / 9.0, regions.unsure[0].bottom, 1e-9);
 }
 
 TEST(MovingRegionsTest, boxesThatSayNothingAreLeftOut) {
@@ -64,7 +66,8 @@ TEST(MovingRegionsTest, boxesThatSayNothingAreLeftOut) {
   Detections detections;
   detections.items = {behind, Detection(),
                       detectionIn({std::numeric_limits<double>::quiet_NaN(), 0, 1, 1})};
-  EXPECT_TRUE(movingRegions(detections, {}, kCamera).boxes.empty());
+  const auto regions = movingRegions(detections, {}, kCamera);
+  EXPECT_TRUE(regions.boxes.empty() && regions.unsure.empty());
 }
 
 }  // namespace

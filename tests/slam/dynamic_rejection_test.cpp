@@ -38,6 +38,15 @@ TEST(ExcludedMask, IsEmptyWhereNothingIsToBeExcluded) {
   EXPECT_TRUE(excludedMask(moving, DynamicRejection::kGeometric, kImage).empty());
 }
 
+TEST(ExcludedMask, HoldsWhatIsUnsureOnlyWhereNothingElseDecides) {
+  MovingRegions moving;
+  moving.unsure.push_back({10.0, 5.0, 29.0, 14.0});
+  EXPECT_EQ(cv::countNonZero(excludedMask(moving, DynamicRejection::kBoxes, kImage)), 20 * 10);
+  EXPECT_TRUE(excludedMask(moving, DynamicRejection::kBoth, kImage).empty());
+  EXPECT_EQ(cv::countNonZero(suspectMask(moving, DynamicRejection::kBoth, kImage)), 20 * 10);
+  EXPECT_TRUE(suspectMask(moving, DynamicRejection::kBoxes, kImage).empty());
+}
+
 TEST(ExcludedMask, TakesBoxesThatLeaveTheImageOrAreNoBoxes) {
   MovingRegions moving;
   const double inf = std::numeric_limits<double>::infinity();

@@ -44,7 +44,13 @@ Lap driveRound(bool loop_closing) {
   for (int i = 0; i < kFrames; ++i) {
     const auto update = slam.process(world.frame(i, 0.1 * i, roundTheBlock(i, kLap)), {});
     EXPECT_EQ(update.status, TrackingStatus::kTracked) << i;
-    lap.loops += update.loop && update.loop->outcome == LoopOutcome::kClosed ? 1 : 0;
+    for (const LoopAttempt& attempt : update.loops) {
+      const bool closed = attempt.outcome == LoopOutcome::kClosed;
+      EXPECT_EQ(closed, attempt.inliers >= attempt.inliers_needed &&
+                            attempt.offset_m <= attempt.offset_allowed_m)
+          << "a rejection must be explained by a figure";
+      lap.loops += closed ? 1 : 0;
+    }
   }
   double sum = 0.0;
   for (const auto& estimate : slam.trajectory()) {

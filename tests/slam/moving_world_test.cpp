@@ -22,9 +22,9 @@ struct Mover {
 };
 
 /// Root mean square error of the path through a room with a mover [m].
-double errorWith(const Mover& mover, DynamicRejection mode) {
+double errorWith(const Mover& mover, DynamicRejection mode, double room_length = 12.0) {
   test::TexturedWorld world(test::smallCamera());
-  world.addRoom(12.0, 8.0, 4.0);
+  world.addRoom(room_length, 8.0, 4.0);
   const std::size_t still = world.boards.size();
   SlamParams params;
   params.dynamic_rejection = mode;
@@ -58,6 +58,16 @@ TEST_P(MovingWorld, AMoverThatComesInDoesNotMoveTheCamera) {
 }
 
 INSTANTIATE_TEST_SUITE_P(ShareOfTheImage, MovingWorld, testing::Values(0.0, 0.1, 0.3, 0.5, 0.65));
+
+class MovingWorldFromTheStart : public testing::TestWithParam<double> {};
+
+TEST_P(MovingWorldFromTheStart, WhatExtendsFarthestIsTakenForStill) {
+  const Mover mover{GetParam(), 0, {0.1, -0.15, 0.0}};
+  EXPECT_LT(errorWith(mover, DynamicRejection::kGeometric, 40.0), 0.03);
+  EXPECT_GT(errorWith(mover, DynamicRejection::kNone, 40.0), 0.1);
+}
+
+INSTANTIATE_TEST_SUITE_P(ShareOfTheImage, MovingWorldFromTheStart, testing::Values(0.3, 0.5));
 
 TEST(MovingWorldWithoutRejection, CarriesTheCameraAlong) {
   EXPECT_GT(errorWith({0.5, 8}, DynamicRejection::kNone), 0.1);

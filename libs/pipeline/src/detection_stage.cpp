@@ -50,6 +50,7 @@ bool lackDepth(const Detections& detections) {
 
 void append(MovingRegions more, MovingRegions& all) {
   all.boxes.insert(all.boxes.end(), more.boxes.begin(), more.boxes.end());
+  all.unsure.insert(all.unsure.end(), more.unsure.begin(), more.unsure.end());
   if (all.mask.empty()) {
     all.mask = more.mask;
   } else if (!more.mask.empty()) {

@@ -9,7 +9,8 @@ namespace {
 
 constexpr double kSameObjectIou = 0.3;
 
-bool wasFoundStill(const Box2d& box, const std::vector<Track>& previous) {
+/// The confirmed track that was seen where the box is now; null if there is none.
+const Track* trackOf(const Box2d& box, const std::vector<Track>& previous) {
   const Track* best = nullptr;
   double best_iou = kSameObjectIou;
   for (const auto& track : previous) {
@@ -20,7 +21,7 @@ bool wasFoundStill(const Box2d& box, const std::vector<Track>& previous) {
       best = &track;
     }
   }
-  return best != nullptr && best->status == TrackStatus::kConfirmed && !best->moving;
+  return best != nullptr && best->status == TrackStatus::kConfirmed ? best : nullptr;
 }
 
 }  // namespace
@@ -31,7 +32,13 @@ MovingRegions movingRegions(const Detections& detections, const std::vector<Trac
   for (const auto& detection : detections.items) {
     auto box = detection.box2d;
     if (!box && detection.box3d) box = projectedBox(*detection.box3d, camera);
-    if (box && isFinite(*box) && !wasFoundStill(*box, previous)) regions.boxes.push_back(*box);
+    if (!box || !isFinite(*box)) continue;
+    const Track* track = trackOf(*box, previous);
+    if (track == nullptr) {
+      regions.unsure.push_back(*box);
+    } else if (track->moving) {
+      regions.boxes.push_back(*box);
+    }
   }
   return regions;
 }

@@ -22,12 +22,17 @@ cv::Rect pixelsOf(const Box2d& box, const cv::Size& image_size) {
   return cv::Rect(first, last + cv::Point(1, 1)) & cv::Rect({0, 0}, image_size);
 }
 
+void draw(const std::vector<Box2d>& boxes, cv::Mat& mask) {
+  for (const Box2d& box : boxes) mask(pixelsOf(box, mask.size())).setTo(255);
+}
+
 }  // namespace
 
 cv::Mat excludedMask(const MovingRegions& moving, DynamicRejection mode,
                      const cv::Size& image_size) {
   const bool wanted = mode == DynamicRejection::kBoxes || mode == DynamicRejection::kBoth;
-  if (!wanted || (moving.boxes.empty() && moving.mask.empty())) return {};
+  const bool unsure = mode == DynamicRejection::kBoxes && !moving.unsure.empty();
+  if (!wanted || (moving.boxes.empty() && moving.mask.empty() && !unsure)) return {};
   if (!moving.mask.empty() && (moving.mask.type() != CV_8UC1 || moving.mask.size() != image_size)) {
     throw InputError("moving regions: the mask is " + std::to_string(moving.mask.cols) + "x" +
                      std::to_string(moving.mask.rows) + ", must be 8-bit and " +
@@ -36,7 +41,16 @@ cv::Mat excludedMask(const MovingRegions& moving, DynamicRejection mode,
   }
   cv::Mat mask =
       moving.mask.empty() ? cv::Mat(image_size, CV_8UC1, cv::Scalar(0)) : moving.mask.clone();
-  for (const Box2d& box : moving.boxes) mask(pixelsOf(box, image_size)).setTo(255);
+  draw(moving.boxes, mask);
+  if (unsure) draw(moving.unsure, mask);
+  return mask;
+}
+
+cv::Mat suspectMask(const MovingRegions& moving, DynamicRejection mode,
+                    const cv::Size& image_size) {
+  if (mode != DynamicRejection::kBoth || moving.unsure.empty()) return {};
+  cv::Mat mask(image_size, CV_8UC1, cv::Scalar(0));
+  draw(moving.unsure, mask);
   return mask;
 }
 

@@ -1,14 +1,43 @@
 #include "frame_tracker.h"
 
-#include <opencv2/calib3d.hpp>
+#include <algorithm>
+
+#include "consensus.h"
+#include "rigid_motions.h"
 
 namespace headway::slam {
 namespace {
 
+constexpr PoseRefinerOptions kCoarse{8.0, 4, 5};  ///< from a guess that is right to some pixels
+constexpr PoseRefinerOptions kFine{4.0, 3, 6};
+
 /// Whether a landmark has agreed with the camera's motion for some frames.
-bool isSenior(const Landmark& landmark) {
+bool hasProvedStill(const Landmark& landmark) {
   constexpr int kAgreed = 2;
   return landmark.agreed >= kAgreed && 2 * landmark.agreed > landmark.found;
+}
+
+/// The constraints that are chosen.
+std::vector<PoseConstraint> only(const std::vector<PoseConstraint>& constraints,
+                                 const std::vector<bool>& chosen) {
+  std::vector<PoseConstraint> result;
+  for (std::size_t i = 0; i < constraints.size(); ++i) {
+    if (chosen[i]) result.push_back(constraints[i]);
+  }
+  return result;
+}
+
+/// Landmarks that are not among others.
+std::vector<TrackedLandmark> without(const std::vector<TrackedLandmark>& landmarks,
+                                     const std::vector<TrackedLandmark>& others) {
+  std::vector<LandmarkId> ids;
+  for (const TrackedLandmark& other : others) ids.push_back(other.id);
+  std::sort(ids.begin(), ids.end());
+  std::vector<TrackedLandmark> result;
+  for (const TrackedLandmark& landmark : landmarks) {
+    if (!std::binary_search(ids.begin(), ids.end(), landmark.id)) result.push_back(landmark);
+  }
+  return result;
 }
 
 /// Refines a pose with the constraints that agree with it; the others become outliers.
@@ -35,39 +64,139 @@ std::optional<TrackedPose> FrameTracker::track(const TrackingFrame& previous,
                                                const std::vector<TrackedLandmark>& seen_before,
                                                const TrackingFrame& current,
                                                const std::vector<Pose>& guesses,
-                                               const std::vector<LandmarkId>& local,
+                                               const std::vector<LandmarkId>& local, bool young,
                                                SparseMap& map) const {
+  const auto chosen = worthFollowing(seen_before, young, map);
   for (const Pose& guess : guesses) {
-    const auto followed = tracker_.follow(previous, seen_before, current, guess, map);
-    const auto coarse = poseFromFollowed(guess, followed, map);
+    const auto followed = tracker_.follow(previous, chosen, current, guess, map);
+    const auto coarse = coarsePose(guess, followed, current, young, map);
     if (!coarse) continue;
-    auto tracked = settle(current, *coarse, local, map);
-    if (tracked) return tracked;
+    auto tracked = measureFrom(*coarse, current, local, map, params_.min_inliers);
+    if (!tracked) continue;
+    if (young && testsMotion()) tracked->dissenters = without(followed, tracked->landmarks);
+    return tracked;
   }
   return std::nullopt;
 }
 
-std::optional<Pose> FrameTracker::poseFromFollowed(const Pose& guess,
-                                                   const std::vector<TrackedLandmark>& followed,
-                                                   const SparseMap& map) const {
-  constexpr double kAgreement = 0.5;  ///< share of the followed landmarks that must agree
-  auto constraints = constraintsOf(followed, map);
-  const int enough = std::max(params_.min_inliers / 2,
-                              static_cast<int>(kAgreement * static_cast<double>(followed.size())));
-  const auto refined = refineBySeniority(guess, followed, constraints, {8.0, 4, 5}, map);
-  if (refined && refined->inliers >= enough) return refined->T_map_cam;
-  const auto consensus = poseByConsensus(constraints, camera_, params_.min_inliers / 2, 3.0);
-  if (!consensus) return refined ? std::optional(refined->T_map_cam) : std::nullopt;
-  return consensus;
-}
-
 std::optional<TrackedPose> FrameTracker::settle(const TrackingFrame& current, const Pose& T_map_cam,
                                                 const std::vector<LandmarkId>& local,
-                                                SparseMap& map) const {
-  const auto measured = tracker_.measure(current, T_map_cam, local, map);
+                                                SparseMap& map, int min_inliers) const {
+  return measureFrom({T_map_cam, {}}, current, local, map, min_inliers);
+}
+
+bool FrameTracker::testsMotion() const {
+  return params_.dynamic_rejection == DynamicRejection::kGeometric ||
+         params_.dynamic_rejection == DynamicRejection::kBoth;
+}
+
+/// What moves is seen and mapped like everything else, but it cannot agree with the camera's
+/// motion for long, so it never gets a say, however much of the image it fills.
+std::vector<bool> FrameTracker::provedStill(const std::vector<TrackedLandmark>& landmarks,
+                                            const SparseMap& map) const {
+  std::vector<bool> proved;
+  proved.reserve(landmarks.size());
+  for (const TrackedLandmark& seen : landmarks) {
+    proved.push_back(!testsMotion() || hasProvedStill(*map.find(seen.id)));
+  }
+  return proved;
+}
+
+/// What has proved still first, then the others, each spread evenly; all where little has proved
+/// still, so that there is enough to choose the camera's motion by.
+std::vector<TrackedLandmark> FrameTracker::worthFollowing(
+    const std::vector<TrackedLandmark>& seen_before, bool young, const SparseMap& map) const {
+  constexpr std::size_t kEnough = 160;
+  std::vector<TrackedLandmark> proved, others, chosen;
+  for (const TrackedLandmark& seen : seen_before) {
+    const Landmark* landmark = map.find(seen.id);
+    if (landmark == nullptr) continue;
+    (!testsMotion() || hasProvedStill(*landmark) ? proved : others).push_back(seen);
+  }
+  const bool few = proved.size() < 2 * static_cast<std::size_t>(params_.min_inliers);
+  const std::size_t most = young || few ? seen_before.size() : kEnough;
+  for (const auto* group : {&proved, &others}) {
+    const std::size_t room = most - chosen.size();
+    const std::size_t stride = 1 + group->size() / (room + 1);
+    for (std::size_t i = 0; i < group->size() && chosen.size() < most; i += stride) {
+      chosen.push_back((*group)[i]);
+    }
+  }
+  return chosen;
+}
+
+std::optional<FrameTracker::CoarsePose> FrameTracker::coarsePose(
+    const Pose& guess, const std::vector<TrackedLandmark>& followed, const TrackingFrame& current,
+    bool young, const SparseMap& map) const {
+  constexpr double kAgreement = 0.5;  ///< share of the witnesses that must agree
+  if (young && testsMotion()) return stillMotion(guess, followed, current, young, map);
+  const auto constraints = constraintsOf(followed, map);
+  auto witnesses = only(constraints, provedStill(followed, map));
+  std::optional<RefinedPose> refined;
+  if (!testsMotion() || static_cast<int>(witnesses.size()) >= 2 * params_.min_inliers) {
+    refined = refinePose(guess, witnesses, camera_, kCoarse);
+    const int enough =
+        std::max(params_.min_inliers / 2,
+                 static_cast<int>(kAgreement * static_cast<double>(witnesses.size())));
+    if (refined && refined->inliers >= enough) return CoarsePose{refined->T_map_cam, {}};
+  }
+  if (testsMotion()) return stillMotion(guess, followed, current, young, map);
+  const auto consensus = poseByConsensus(constraints, camera_, params_.min_inliers / 2, 3.0);
+  if (consensus) return CoarsePose{consensus->T_map_cam, {}};
+  return refined ? std::optional(CoarsePose{refined->T_map_cam, {}}) : std::nullopt;
+}
+
+/// Nobody has proved still yet, or those who have do not agree: of all the motions in the image,
+/// the camera's is that of what extends farthest. In a young map nobody has a name to lose: as all
+/// is followed from its beginning, what moves shows ever more clearly, and the choice may change.
+std::optional<FrameTracker::CoarsePose> FrameTracker::stillMotion(
+    const Pose& guess, const std::vector<TrackedLandmark>& followed, const TrackingFrame& current,
+    bool young, const SparseMap& map) const {
+  constexpr double kAlone = 0.8;  ///< share of the landmarks that makes it the only motion
+  const auto judged = withoutSuspects(followed, current);
+  const auto constraints = constraintsOf(judged, map);
+  const auto proved = young ? std::vector<bool>(judged.size(), false) : provedStill(judged, map);
+  std::vector<Pose> likeliest{guess};
+  auto all = constraints;
+  if (const auto refined = refinePose(guess, all, camera_, kCoarse)) {
+    likeliest.push_back(refined->T_map_cam);
+  }
+  const auto motions = rigidMotions(constraints, camera_, likeliest, params_.min_inliers / 2);
+  const RigidMotion* best = cameraMotion(motions, constraints, proved, camera_);
+  if (best == nullptr) return std::nullopt;
+  CoarsePose result{best->T_map_cam, {}};
+  const bool alone = best->members > kAlone * static_cast<double>(judged.size());
+  if (alone && judged.size() == followed.size()) return result;  // all may have their say
+  for (std::size_t i = 0; i < judged.size(); ++i) {
+    if (best->agrees[i]) result.witnesses.push_back(judged[i].id);
+  }
+  std::sort(result.witnesses.begin(), result.witnesses.end());
+  return result;
+}
+
+/// Those outside of suspect regions, where these are enough to go by.
+std::vector<TrackedLandmark> FrameTracker::withoutSuspects(
+    const std::vector<TrackedLandmark>& followed, const TrackingFrame& current) const {
+  std::vector<TrackedLandmark> others;
+  for (const TrackedLandmark& seen : followed) {
+    if (!isExcluded(current.suspect, seen.measurement.uv)) others.push_back(seen);
+  }
+  return static_cast<int>(others.size()) >= 2 * params_.min_inliers ? others : followed;
+}
+
+std::optional<TrackedPose> FrameTracker::measureFrom(const CoarsePose& coarse,
+                                                     const TrackingFrame& current,
+                                                     const std::vector<LandmarkId>& local,
+                                                     SparseMap& map, int min_inliers) const {
+  const auto measured = tracker_.measure(current, coarse.T_map_cam, local, map);
   auto constraints = constraintsOf(measured, map);
-  const auto refined = refineBySeniority(T_map_cam, measured, constraints, {4.0, 3, 6}, map);
-  if (!refined || refined->inliers < params_.min_inliers) return std::nullopt;
+  auto witnesses = provedStill(measured, map);
+  for (std::size_t i = 0; !coarse.witnesses.empty() && i < measured.size(); ++i) {
+    witnesses[i] =
+        std::binary_search(coarse.witnesses.begin(), coarse.witnesses.end(), measured[i].id);
+  }
+  const auto refined = refineByWitnesses(coarse.T_map_cam, constraints, witnesses);
+  if (!refined || refined->inliers < min_inliers) return std::nullopt;
   TrackedPose result;
   result.T_map_cam = refined->T_map_cam;
   result.covariance = refined->covariance;
@@ -81,28 +210,20 @@ std::optional<TrackedPose> FrameTracker::settle(const TrackingFrame& current, co
   return result;
 }
 
-/// With the geometric test, landmarks that have proved still decide; the others may follow.
-///
-/// What moves is seen and mapped like everything else, but it cannot agree with the camera's
-/// motion for long, so it never gets a say, however much of the image it fills.
-std::optional<RefinedPose> FrameTracker::refineBySeniority(
-    const Pose& guess, const std::vector<TrackedLandmark>& landmarks,
-    std::vector<PoseConstraint>& constraints, const PoseRefinerOptions& options,
-    const SparseMap& map) const {
-  const bool wanted = params_.dynamic_rejection == DynamicRejection::kGeometric ||
-                      params_.dynamic_rejection == DynamicRejection::kBoth;
-  std::vector<PoseConstraint> seniors;
-  for (std::size_t i = 0; wanted && i < landmarks.size(); ++i) {
-    if (isSenior(*map.find(landmarks[i].id))) seniors.push_back(constraints[i]);
+/// Witnesses decide, the others may follow; without enough witnesses all decide.
+std::optional<RefinedPose> FrameTracker::refineByWitnesses(
+    const Pose& guess, std::vector<PoseConstraint>& constraints,
+    const std::vector<bool>& is_witness) const {
+  auto witnesses = only(constraints, is_witness);
+  const bool enough = static_cast<int>(witnesses.size()) >= 2 * params_.min_inliers;
+  if (!enough || witnesses.size() == constraints.size()) {
+    return refinePose(guess, constraints, camera_, kFine);
   }
-  if (static_cast<int>(seniors.size()) < 2 * params_.min_inliers) {
-    return refinePose(guess, constraints, camera_, options);
-  }
-  const auto first = refinePose(guess, seniors, camera_, options);
+  const auto first = refinePose(guess, witnesses, camera_, kFine);
   if (!first || first->inliers < params_.min_inliers) {
-    return refinePose(guess, constraints, camera_, options);
+    return refinePose(guess, constraints, camera_, kFine);
   }
-  return refineAgreeing(first->T_map_cam, constraints, camera_, options.iterations);
+  return refineAgreeing(first->T_map_cam, constraints, camera_, kFine.iterations);
 }
 
 std::vector<PoseConstraint> FrameTracker::constraintsOf(
@@ -114,33 +235,6 @@ std::vector<PoseConstraint> FrameTracker::constraintsOf(
         {map.find(seen.id)->position, map.corrected(seen.measurement), true, true});
   }
   return constraints;
-}
-
-std::optional<Pose> poseByConsensus(const std::vector<PoseConstraint>& constraints,
-                                    const StereoCamera& camera, int min_inliers,
-                                    double max_error_px) {
-  constexpr int kIterations = 200;
-  constexpr double kConfidence = 0.999;
-  if (static_cast<int>(constraints.size()) < std::max(6, min_inliers)) return std::nullopt;
-  std::vector<cv::Point3d> points;
-  std::vector<cv::Point2d> pixels;
-  for (const PoseConstraint& constraint : constraints) {
-    const Eigen::Vector3d& p = constraint.point_map;
-    points.emplace_back(p.x(), p.y(), p.z());
-    pixels.emplace_back(constraint.measurement.uv.x(), constraint.measurement.uv.y());
-  }
-  const cv::Matx33d intrinsics(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
-  cv::Vec3d rotation, translation;
-  std::vector<int> inliers;
-  const bool found = cv::solvePnPRansac(
-      points, pixels, intrinsics, cv::noArray(), rotation, translation, false, kIterations,
-      static_cast<float>(max_error_px), kConfidence, inliers, cv::SOLVEPNP_P3P);
-  if (!found || static_cast<int>(inliers.size()) < min_inliers) return std::nullopt;
-  Pose T_cam_map = Pose::Identity();
-  T_cam_map.linear() = expSo3({rotation[0], rotation[1], rotation[2]});
-  T_cam_map.translation() << translation[0], translation[1], translation[2];
-  if (!T_cam_map.matrix().allFinite()) return std::nullopt;
-  return T_cam_map.inverse(Eigen::Isometry);
 }
 
 }  // namespace headway::slam

@@ -7,7 +7,6 @@
 namespace headway::slam {
 namespace {
 
-constexpr int kFollowed = 160;      ///< landmarks followed from frame to frame
 constexpr int kFinestFollowed = 1;  ///< level at which following ends
 
 /// The turn and stretch from one pixel of the view to pixels of the reference, both at level 0,
@@ -69,15 +68,13 @@ std::vector<TrackedLandmark> LandmarkTracker::follow(const TrackingFrame& previo
                                                      const Pose& T_map_cam,
                                                      const SparseMap& map) const {
   const Pose T_cam_map = T_map_cam.inverse(Eigen::Isometry);
-  const std::size_t stride = 1 + tracked.size() / (kFollowed + 1);
   std::vector<TrackedLandmark> followed;
-  for (std::size_t i = 0; i < tracked.size(); i += stride) {
-    const Landmark* landmark = map.find(tracked[i].id);
+  for (const TrackedLandmark& before : tracked) {
+    const Landmark* landmark = map.find(before.id);
     if (landmark == nullptr) continue;
     const auto uvd = project(T_cam_map * landmark->position, camera_);
     if (!uvd) continue;
-    const auto uv =
-        followPatch(previous.left, current.left, tracked[i].measurement.uv, uvd->head<2>());
+    const auto uv = followPatch(previous.left, current.left, before.measurement.uv, uvd->head<2>());
     if (!uv || isExcluded(current.excluded, *uv)) continue;
     TrackedLandmark result;
     result.id = landmark->id;

@@ -19,6 +19,7 @@ struct TrackingFrame {
   ImagePyramid left;
   ImagePyramid right;
   cv::Mat excluded;  ///< 8-bit, non-zero where nothing may be measured; may be empty
+  cv::Mat suspect;   ///< 8-bit, non-zero where landmarks must prove still first; may be empty
 };
 
 /// A landmark as found in one frame.
@@ -75,7 +76,7 @@ class LandmarkTracker {
   StereoMatcher matcher_;
 };
 
-/// Whether nothing may be measured at this pixel.
+/// Whether this pixel is set in a mask; nowhere in an empty one.
 [[nodiscard]] bool isExcluded(const cv::Mat& excluded, const Eigen::Vector2d& uv);
 
 }  // namespace headway::slam

@@ -75,21 +75,16 @@ void LoopCloser::index(KeyframeId keyframe, const SparseMap& map) {
   index_.add(keyframe, descriptorsOf(keyframe, map));
 }
 
-std::optional<TrackedPose> LoopCloser::recognise(const TrackingFrame& frame,
-                                                 const std::vector<DescribedPoint>& points,
-                                                 KeyframeId candidate, SparseMap& map) const {
-  const auto among = map.seenBy(map.neighbourhood(candidate, params_.window));
-  const auto guess = relocalise(points, among, map, camera_, params_.min_inliers);
-  return guess ? tracker_.settle(frame, *guess, among, map) : std::nullopt;
-}
-
 std::optional<TrackedPose> LoopCloser::locate(const TrackingFrame& frame, SparseMap& map,
                                               KeyframeId* keyframe) const {
   constexpr int kCandidates = 3;
   const auto points = detectAndDescribe(frame.left.levels.front(), kCorners, frame.excluded);
   for (const auto& match :
        index_.query(descriptorsOf(points), kCandidates, [](KeyframeId) { return true; })) {
-    auto tracked = recognise(frame, points, match.keyframe, map);
+    const auto among = map.seenBy(map.neighbourhood(match.keyframe, params_.window));
+    const auto guess = relocalise(points, among, map, camera_, params_.min_inliers).T_map_cam;
+    if (!guess) continue;
+    auto tracked = tracker_.settle(frame, *guess, among, map, params_.min_inliers);
     if (!tracked) continue;
     *keyframe = match.keyframe;
     return tracked;
@@ -118,50 +113,60 @@ std::vector<KeyframeId> LoopCloser::withinDrift(KeyframeId newest, const SparseM
   return old;
 }
 
-LoopAttempt LoopCloser::judge(const TrackedPose& seen_from, KeyframeId newest, KeyframeId candidate,
-                              const SparseMap& map) const {
-  const Eigen::Vector3d& before = map.keyframe(newest).T_map_cam.translation();
-  LoopAttempt attempt;
-  attempt.keyframe = newest;
-  attempt.candidate = candidate;
-  attempt.inliers = static_cast<int>(seen_from.landmarks.size());
+std::optional<TrackedPose> LoopCloser::look(const TrackingFrame& frame,
+                                            const std::vector<DescribedPoint>& points,
+                                            LoopAttempt& attempt, SparseMap& map) const {
+  const auto among = map.seenBy(map.neighbourhood(attempt.candidate, params_.window));
+  const auto recognised = relocalise(points, among, map, camera_, params_.min_inliers);
+  attempt.outcome = LoopOutcome::kNotRecognised;
+  attempt.inliers = recognised.inliers;
+  attempt.inliers_needed = params_.min_inliers;
+  if (!recognised.T_map_cam) return std::nullopt;
+  auto seen_from = tracker_.settle(frame, *recognised.T_map_cam, among, map, 0);
+  attempt.outcome = LoopOutcome::kTooFewInliers;
+  attempt.inliers = seen_from ? static_cast<int>(seen_from->landmarks.size()) : 0;
   attempt.inliers_needed = 3 * params_.min_inliers;
+  if (attempt.inliers < attempt.inliers_needed) return std::nullopt;
+  measureOffset(*seen_from, map, attempt);
+  attempt.outcome =
+      attempt.offset_m > attempt.offset_allowed_m ? LoopOutcome::kTooFarOff : LoopOutcome::kClosed;
+  return attempt.outcome == LoopOutcome::kClosed ? seen_from : std::nullopt;
+}
+
+/// How far the new keyframe is from where the old one sees it, and how far drift may have taken it.
+void LoopCloser::measureOffset(const TrackedPose& seen_from, const SparseMap& map,
+                               LoopAttempt& attempt) const {
+  const Eigen::Vector3d& before = map.keyframe(attempt.keyframe).T_map_cam.translation();
   attempt.offset_m = (seen_from.T_map_cam.translation() - before).norm();
   double path = 0.0;
-  Eigen::Vector3d last = map.keyframe(candidate).T_map_cam.translation();
-  for (auto at = map.keyframes().find(candidate); at != map.keyframes().end(); ++at) {
+  Eigen::Vector3d last = map.keyframe(attempt.candidate).T_map_cam.translation();
+  for (auto at = map.keyframes().find(attempt.candidate); at != map.keyframes().end(); ++at) {
     path += (at->second.T_map_cam.translation() - last).norm();
     last = at->second.T_map_cam.translation();
   }
   attempt.offset_allowed_m = kDriftFloor + kDrift * path;
-  attempt.outcome = LoopOutcome::kClosed;
-  if (attempt.offset_m > attempt.offset_allowed_m) attempt.outcome = LoopOutcome::kTooFarOff;
-  if (attempt.inliers < attempt.inliers_needed) attempt.outcome = LoopOutcome::kTooFewInliers;
-  return attempt;
 }
 
-std::optional<LoopAttempt> LoopCloser::close(const TrackingFrame& frame, KeyframeId newest,
-                                             SparseMap& map) const {
+std::vector<LoopAttempt> LoopCloser::close(const TrackingFrame& frame, KeyframeId newest,
+                                           SparseMap& map) const {
   constexpr int kCandidates = 2;
-  if (newest.value % kSpacing != 0) return std::nullopt;
+  std::vector<LoopAttempt> attempts;
+  if (newest.value % kSpacing != 0) return attempts;
   const auto old = withinDrift(newest, map);
-  if (old.empty()) return std::nullopt;
+  if (old.empty()) return attempts;
   const auto points = detectAndDescribe(frame.left.levels.front(), kCorners, frame.excluded);
   const auto wanted = [&](KeyframeId id) { return std::binary_search(old.begin(), old.end(), id); };
-  std::optional<LoopAttempt> attempt;
   for (const auto& match : index_.query(descriptorsOf(points), kCandidates, wanted)) {
-    const auto seen_from = recognise(frame, points, match.keyframe, map);
-    attempt = LoopAttempt{};
-    attempt->keyframe = newest;
-    attempt->candidate = match.keyframe;
-    attempt->inliers_needed = 3 * params_.min_inliers;
+    LoopAttempt attempt;
+    attempt.keyframe = newest;
+    attempt.candidate = match.keyframe;
+    const auto seen_from = look(frame, points, attempt, map);
+    attempts.push_back(attempt);
     if (!seen_from) continue;
-    attempt = judge(*seen_from, newest, match.keyframe, map);
-    if (attempt->outcome != LoopOutcome::kClosed) continue;
     correct(newest, match.keyframe, *seen_from, map);
     break;
   }
-  return attempt;
+  return attempts;
 }
 
 void LoopCloser::correct(KeyframeId newest, KeyframeId old, const TrackedPose& seen_from,

@@ -35,18 +35,20 @@ class LoopCloser {
   /// The place must be out of the keyframe's neighbourhood, not farther off than drift explains,
   /// recognised by descriptors, and confirmed by patches of its landmarks measured in this frame.
   ///
-  /// @return what was looked at and why it was or was not taken; nullopt if no old place is near
-  [[nodiscard]] std::optional<LoopAttempt> close(const TrackingFrame& frame, KeyframeId newest,
-                                                 SparseMap& map) const;
+  /// @return what was looked at and why it was or was not taken; none if no old place is near
+  [[nodiscard]] std::vector<LoopAttempt> close(const TrackingFrame& frame, KeyframeId newest,
+                                               SparseMap& map) const;
 
  private:
   /// Keyframes of old that may show the same place, going by where they are, ascending.
   [[nodiscard]] std::vector<KeyframeId> withinDrift(KeyframeId newest, const SparseMap& map) const;
-  [[nodiscard]] std::optional<TrackedPose> recognise(const TrackingFrame& frame,
-                                                     const std::vector<DescribedPoint>& points,
-                                                     KeyframeId candidate, SparseMap& map) const;
-  [[nodiscard]] LoopAttempt judge(const TrackedPose& seen_from, KeyframeId newest,
-                                  KeyframeId candidate, const SparseMap& map) const;
+  /// The new keyframe's pose as the candidate's surroundings see it, if they pass every test;
+  /// says in `attempt` which was passed last, with what was needed and what there was.
+  [[nodiscard]] std::optional<TrackedPose> look(const TrackingFrame& frame,
+                                                const std::vector<DescribedPoint>& points,
+                                                LoopAttempt& attempt, SparseMap& map) const;
+  void measureOffset(const TrackedPose& seen_from, const SparseMap& map,
+                     LoopAttempt& attempt) const;
   void correct(KeyframeId newest, KeyframeId old, const TrackedPose& seen_from,
                SparseMap& map) const;
 

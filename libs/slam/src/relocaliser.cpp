@@ -1,10 +1,13 @@
 #include "relocaliser.h"
 
+#include "consensus.h"
+
 namespace headway::slam {
 
-std::optional<Pose> relocalise(const std::vector<DescribedPoint>& points,
-                               const std::vector<LandmarkId>& among, const SparseMap& map,
-                               const StereoCamera& camera, int min_inliers) {
+Recognition relocalise(const std::vector<DescribedPoint>& points,
+                       const std::vector<LandmarkId>& among, const SparseMap& map,
+                       const StereoCamera& camera, int min_inliers) {
+  constexpr int kFewest = 6;  ///< that are called a consensus at all
   std::vector<Descriptor> seen;
   for (const DescribedPoint& point : points) seen.push_back(point.descriptor);
   std::vector<Descriptor> known;
@@ -23,11 +26,15 @@ std::optional<Pose> relocalise(const std::vector<DescribedPoint>& points,
     constraint.measurement.sigma_px = 2.0;
     constraints.push_back(constraint);
   }
-  const auto guess = poseByConsensus(constraints, camera, min_inliers, 3.0);
-  if (!guess) return std::nullopt;
-  const auto refined = refinePose(*guess, constraints, camera, {2.0, 2, 6});
-  if (!refined || refined->inliers < min_inliers) return std::nullopt;
-  return refined->T_map_cam;
+  Recognition recognition;
+  const auto guess = poseByConsensus(constraints, camera, kFewest, 3.0);
+  if (!guess) return recognition;
+  recognition.inliers = guess->inliers;
+  if (guess->inliers < min_inliers) return recognition;
+  const auto refined = refinePose(guess->T_map_cam, constraints, camera, {2.0, 2, 6});
+  recognition.inliers = refined ? refined->inliers : 0;
+  if (refined && refined->inliers >= min_inliers) recognition.T_map_cam = refined->T_map_cam;
+  return recognition;
 }
 
 }  // namespace headway::slam

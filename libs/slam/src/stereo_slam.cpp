@@ -17,6 +17,7 @@ namespace headway::slam {
 namespace {
 
 constexpr int kPyramidLevels = 4;
+constexpr int kYoung = 8;  ///< frames in which a map's choice of what stands still may change
 
 /// A frame's pose, hung on a keyframe so that corrections of the map reach it.
 struct HungPose {
@@ -132,6 +133,7 @@ class StereoSlam::Implementation {
   std::optional<KeyframeId> reference_;       ///< newest keyframe
   PoseCovariance covariance_ = PoseCovariance::Zero();  ///< of the last camera pose
   int lost_in_a_row_ = 0;
+  int frames_since_begin_ = kYoung;  ///< tracked ones, of a part of the map begun here
   std::vector<HungPose> trajectory_;
 };
 
@@ -144,6 +146,7 @@ TrackingFrame StereoSlam::Implementation::prepare(const StereoFrame& frame,
   current.left = buildPyramid(frame.left, kPyramidLevels);
   current.right = buildPyramid(frame.right, kPyramidLevels);
   current.excluded = excludedMask(moving, params_.dynamic_rejection, frame.left.size());
+  current.suspect = suspectMask(moving, params_.dynamic_rejection, frame.left.size());
   return current;
 }
 
@@ -154,7 +157,8 @@ std::optional<TrackedPose> StereoSlam::Implementation::track(const StereoFrame& 
     if (map_.keyframes().empty()) return std::nullopt;
   }
   const std::vector<Pose> guesses{motion_.predict(frame), motion_.last()};
-  auto tracked = tracker_.track(previous_, seen_before_, current, guesses, local_landmarks_, map_);
+  auto tracked = tracker_.track(previous_, seen_before_, current, guesses, local_landmarks_,
+                                frames_since_begin_ < kYoung, map_);
   if (tracked) return tracked;
   KeyframeId recognised;
   tracked = loops_.locate(current, map_, &recognised);
@@ -176,10 +180,12 @@ SlamUpdate StereoSlam::Implementation::accept(const TrackingFrame& current, Trac
     motion_.update(current.time, tracked.T_map_cam);
   }
   lost_in_a_row_ = 0;
+  ++frames_since_begin_;
   update.is_keyframe = params_.mapping && wantsKeyframe(tracked);
   if (update.is_keyframe) makeKeyframe(current, tracked, update);
   seen_before_ = std::move(tracked.landmarks);
   update.features = static_cast<int>(seen_before_.size());
+  seen_before_.insert(seen_before_.end(), tracked.dissenters.begin(), tracked.dissenters.end());
   update.T_map_robot = robotAt(motion_.last());
   update.covariance = robotCovariance(covariance_);
   return update;
@@ -223,6 +229,7 @@ bool StereoSlam::Implementation::begin(const TrackingFrame& current) {
   loops_.index(id, map_);
   attendTo(id);
   seen_before_ = std::move(fresh.landmarks);
+  frames_since_begin_ = 0;
   return true;
 }
 
@@ -245,7 +252,7 @@ void StereoSlam::Implementation::makeKeyframe(const TrackingFrame& current, Trac
   const KeyframeId id =
       mapper_.insert(current, tracked.T_map_cam, covariance_, tracked.landmarks, map_);
   loops_.index(id, map_);
-  if (params_.loop_closing) update.loop = loops_.close(current, id, map_);
+  if (params_.loop_closing) update.loops = loops_.close(current, id, map_);
   motion_.correct(map_.keyframe(id).T_map_cam);
   attendTo(id);
 }

@@ -9,8 +9,9 @@ namespace headway {
 
 /// Parts of a left image that belong to moving things: no landmark may come from them.
 struct MovingRegions {
-  std::vector<Box2d> boxes;  ///< [px], left rectified image
-  cv::Mat mask;              ///< 8-bit, non-zero where something moves; empty: boxes alone
+  std::vector<Box2d> boxes;   ///< [px], left rectified image
+  std::vector<Box2d> unsure;  ///< of things that can move, and may stand [px]
+  cv::Mat mask;               ///< 8-bit, non-zero where something moves; empty: boxes alone
 };
 
 }  // namespace headway

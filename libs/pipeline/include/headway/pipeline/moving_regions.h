@@ -10,11 +10,11 @@
 
 namespace headway::pipeline {
 
-/// Boxes of this frame that may move, for SLAM to leave out.
+/// Boxes of this frame that move or may move, for SLAM to leave out.
 ///
-/// A detection is taken for still only where it overlaps (IoU >= 0.3) the box in which a
-/// confirmed track, found still, was seen in the previous frame: so a parked car stays in the
-/// map, and whatever is new, moving or unknown leaves it.
+/// A detection goes by the confirmed track that was seen where it is now (IoU >= 0.3) in the
+/// previous frame: found moving, it leaves the map; found still, as a parked car, it stays.
+/// Whatever is new or unknown is unsure.
 ///
 /// @param detections  of this frame
 /// @param previous    tracks of the previous frame, with the boxes they were seen in

@@ -7,7 +7,6 @@
 #include <headway/slam/slam_params.h>
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,7 +33,7 @@ struct LoopAttempt {
   int inliers = 0;
   int inliers_needed = 0;
   double offset_m = 0.0;          ///< between both estimates of the new keyframe's place [m]
-  double offset_allowed_m = 0.0;  ///< [m]
+  double offset_allowed_m = 0.0;  ///< [m]; 0 where it did not come to that
 };
 
 /// What one frame said of the camera's motion.
@@ -43,9 +42,9 @@ struct SlamUpdate {
   Pose T_map_robot = Pose::Identity();
   PoseCovariance covariance = PoseCovariance::Identity();  ///< of T_map_robot
   bool is_keyframe = false;
-  int features = 0;                 ///< keypoints in the left image
-  int inliers = 0;                  ///< landmarks that the pose rests on
-  std::optional<LoopAttempt> loop;  ///< of a keyframe that looked like an older one
+  int features = 0;                ///< keypoints in the left image
+  int inliers = 0;                 ///< landmarks that the pose rests on
+  std::vector<LoopAttempt> loops;  ///< of a keyframe that looked like older ones, in order
 };
 
 /// Localises a stereo camera and maps the still world around it.

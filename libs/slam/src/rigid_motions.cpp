@@ -1,0 +1,117 @@
+#include "rigid_motions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "consensus.h"
+
+namespace headway::slam {
+namespace {
+
+constexpr double kMaxErrorPx = 1.5;  ///< of a landmark followed from one frame to the next
+constexpr double kGateScale = 0.5;   ///< landmarks are followed better than that
+constexpr int kMostMotions = 5;
+
+/// The motion that the agreeing constraints settle on from a first pose.
+std::optional<RigidMotion> settled(const Pose& guess, std::vector<PoseConstraint> constraints,
+                                   const StereoCamera& camera, int min_members) {
+  constexpr int kRounds = 3;
+  Pose pose = guess;
+  for (int round = 0; round < kRounds; ++round) {
+    if (markInliers(pose, constraints, camera, kGateScale) < min_members) return std::nullopt;
+    std::vector<PoseConstraint> agreeing;
+    std::copy_if(constraints.begin(), constraints.end(), std::back_inserter(agreeing),
+                 [](const PoseConstraint& constraint) { return constraint.inlier; });
+    const auto refined = refinePose(pose, agreeing, camera, {1.0, 1, 6});
+    if (!refined) return std::nullopt;
+    pose = refined->T_map_cam;
+  }
+  RigidMotion motion;
+  motion.T_map_cam = pose;
+  motion.members = markInliers(pose, constraints, camera, kGateScale);
+  if (motion.members < min_members) return std::nullopt;
+  for (const PoseConstraint& constraint : constraints) motion.agrees.push_back(constraint.inlier);
+  return motion;
+}
+
+}  // namespace
+
+std::vector<RigidMotion> rigidMotions(const std::vector<PoseConstraint>& constraints,
+                                      const StereoCamera& camera,
+                                      const std::vector<Pose>& likeliest, int min_members) {
+  std::vector<RigidMotion> motions;
+  std::vector<bool> explained(constraints.size(), false);
+  const auto take = [&](const std::optional<RigidMotion>& motion) {
+    if (!motion) return;
+    motions.push_back(*motion);
+    for (std::size_t i = 0; i < explained.size(); ++i) {
+      explained[i] = explained[i] || motion->agrees[i];
+    }
+  };
+  for (const Pose& pose : likeliest) take(settled(pose, constraints, camera, min_members));
+  while (static_cast<int>(motions.size()) < kMostMotions) {
+    std::vector<PoseConstraint> left;
+    for (std::size_t i = 0; i < constraints.size(); ++i) {
+      if (!explained[i]) left.push_back(constraints[i]);
+    }
+    const auto consensus = poseByConsensus(left, camera, min_members, kMaxErrorPx);
+    if (!consensus) break;
+    const auto known = motions.size();
+    take(settled(consensus->T_map_cam, constraints, camera, min_members));
+    if (motions.size() == known) break;
+  }
+  return motions;
+}
+
+double extentBeyond(const RigidMotion& motion, const RigidMotion& other,
+                    const std::vector<PoseConstraint>& constraints, const StereoCamera& camera) {
+  constexpr int kColumns = 24;         ///< of square cells over the image's width
+  constexpr double kLayerRatio = 1.5;  ///< depth of one layer over that of the one before
+  const double cell = static_cast<double>(camera.width) / kColumns;
+  const Pose T_cam_map = motion.T_map_cam.inverse(Eigen::Isometry);
+  std::set<std::pair<int, int>> covered;  // layer, cell
+  for (std::size_t i = 0; i < constraints.size(); ++i) {
+    if (!motion.agrees[i] || other.agrees[i]) continue;
+    const double depth = (T_cam_map * constraints[i].point_map).z();
+    if (depth <= 0.0) continue;
+    const Eigen::Vector2i at = (constraints[i].measurement.uv / cell).cast<int>();
+    covered.emplace(static_cast<int>(std::floor(std::log(depth) / std::log(kLayerRatio))),
+                    at.y() * kColumns + at.x());
+  }
+  double extent = 0.0;
+  for (auto first = covered.begin(); first != covered.end();) {
+    const auto next = covered.lower_bound({first->first + 1, -1});
+    extent += std::sqrt(static_cast<double>(std::distance(first, next)));
+    first = next;
+  }
+  return extent;
+}
+
+const RigidMotion* cameraMotion(const std::vector<RigidMotion>& motions,
+                                const std::vector<PoseConstraint>& constraints,
+                                const std::vector<bool>& proved, const StereoCamera& camera) {
+  constexpr double kProvedWeight = 1.5;
+  const RigidMotion* best = nullptr;
+  for (const RigidMotion& motion : motions) {
+    if (best == nullptr) {
+      best = &motion;
+      continue;
+    }
+    int for_motion = 0, for_best = 0;
+    for (std::size_t i = 0; i < proved.size(); ++i) {
+      for_motion += proved[i] && motion.agrees[i] ? 1 : 0;
+      for_best += proved[i] && best->agrees[i] ? 1 : 0;
+    }
+    const double extent = extentBeyond(motion, *best, constraints, camera);
+    const double best_extent = extentBeyond(*best, motion, constraints, camera);
+    const double needed = for_best > for_motion   ? kProvedWeight * best_extent
+                          : for_best < for_motion ? best_extent / kProvedWeight
+                                                  : best_extent;
+    if (extent > needed) best = &motion;
+  }
+  return best;
+}
+
+}  // namespace headway::slam
