@@ -29,6 +29,13 @@ io::RawlogSourceOptions sourceOptions(const Options& options, const slam::SlamPa
   return result;
 }
 
+/// In real time the tracking does not wait for bundle adjustments.
+pipeline::PerceptionParams perceptionParams(const Options& options,
+                                            pipeline::PerceptionParams params) {
+  params.slam.adjust_in_background = options.realtime > 0.0;
+  return params;
+}
+
 std::string textOf(const Params& params) {
   std::ostringstream text;
   params.print(text);
@@ -68,7 +75,7 @@ Replay::Replay(const Options& options, const ReplayParams& replay_params, const 
       configuration_(textOf(params)),
       source_(options.input, sourceOptions(options, replay_params.perception.slam)),
       camera_(source_.camera()),
-      perception_(camera_, replay_params.perception),
+      perception_(camera_, perceptionParams(options, replay_params.perception)),
       folder_(prepareOutputFolder(options.output, options.overwrite)),
       writers_(folder_, camera_),
       snapshots_(folder_, options.snapshots, [this](const std::string& text) { warn(text); }) {

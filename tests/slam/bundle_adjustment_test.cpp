@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <map>
 #include <random>
+#include <thread>
+
+#include "bundle_adjuster.h"
 
 namespace headway::slam {
 namespace {
@@ -143,6 +146,64 @@ TEST(AdjustBundle, DoesNothingWithoutSharedLandmarks) {
   const auto summary = adjustBundle(world.map, world.keyframes, testCamera(), 10);
   EXPECT_EQ(summary.iterations, 0);
   EXPECT_DOUBLE_EQ(worstPose(world), 0.0);
+}
+
+TEST(DetachedBundle, TakesAlongWhatCameMeanwhile) {
+  World world = makeWorld(6, 0.0);
+  disturb(world);
+  DetachedBundle bundle(world.map, world.keyframes, testCamera());
+  bundle.solve(30);
+  const Pose T_last_new = posed(1);
+  const Pose& last = world.map.keyframe(world.keyframes.back()).T_map_cam;
+  const KeyframeId extra = world.map.addKeyframe(6, 0.6, last * T_last_new).id;
+  const Eigen::Vector3d point_new(1.0, 2.0, 9.0);
+  const LandmarkId landmark = world.map.addLandmark(last * T_last_new * point_new, extra, {}).id;
+  static_cast<void>(bundle.writeBack(world.map));
+  EXPECT_LT(worstPose(world), 0.01);
+  const Pose moved = world.map.keyframe(world.keyframes.back()).T_map_cam * T_last_new;
+  EXPECT_LT((world.map.keyframe(extra).T_map_cam.matrix() - moved.matrix()).norm(), 1e-9);
+  EXPECT_LT((world.map.find(landmark)->position - moved * point_new).norm(), 1e-9);
+}
+
+TEST(DetachedBundle, LetsWhatWasRemovedMeanwhileStayAway) {
+  World world = makeWorld(6, 0.0);
+  disturb(world);
+  DetachedBundle bundle(world.map, world.keyframes, testCamera());
+  bundle.solve(30);
+  const LandmarkId landmark = world.map.landmarks().begin()->first;
+  world.map.removeLandmark(landmark);
+  world.map.removeKeyframe(world.keyframes.back());
+  static_cast<void>(bundle.writeBack(world.map));
+  EXPECT_EQ(world.map.find(landmark), nullptr);
+  EXPECT_EQ(world.map.keyframes().size(), world.keyframes.size() - 1);
+  world.keyframes.pop_back();
+  EXPECT_LT(worstPose(world), 0.01);
+}
+
+TEST(BundleAdjuster, TakesOverInTheBackgroundWhatItWouldHaveDoneAtOnce) {
+  World at_once = makeWorld(6, 0.0), beside = makeWorld(6, 0.0);
+  disturb(at_once);
+  disturb(beside);
+  BundleAdjuster(testCamera(), false).adjust(at_once.map, at_once.keyframes, 30);
+  BundleAdjuster adjuster(testCamera(), true);
+  EXPECT_FALSE(adjuster.takeOver(beside.map));
+  adjuster.adjust(beside.map, beside.keyframes, 30);
+  while (!adjuster.takeOver(beside.map)) std::this_thread::yield();
+  for (const KeyframeId id : at_once.keyframes) {
+    EXPECT_EQ(at_once.map.keyframe(id).T_map_cam.matrix(),
+              beside.map.keyframe(id).T_map_cam.matrix());
+  }
+}
+
+TEST(BundleAdjuster, ForgetsWhatIsAbandoned) {
+  World world = makeWorld(6, 0.0);
+  disturb(world);
+  const Pose before = world.map.keyframe(world.keyframes[3]).T_map_cam;
+  BundleAdjuster adjuster(testCamera(), true);
+  adjuster.adjust(world.map, world.keyframes, 30);
+  adjuster.abandon();
+  EXPECT_FALSE(adjuster.takeOver(world.map));
+  EXPECT_EQ(world.map.keyframe(world.keyframes[3]).T_map_cam.matrix(), before.matrix());
 }
 
 }  // namespace

@@ -58,6 +58,20 @@ TEST(StereoSlam, FollowsAPathThroughARoom) {
   EXPECT_LT((path.back().T_map_robot.translation() - onPath(39).translation()).norm(), 0.02);
 }
 
+TEST(StereoSlam, FollowsAPathWhileBundlesAreAdjustedBeside) {
+  const auto world = room();
+  SlamParams params;
+  params.adjust_in_background = true;
+  params.keyframe_flow = 0.02;  // many keyframes, so many adjustments
+  StereoSlam slam(world.camera(), params);
+  for (int i = 0; i < 40; ++i) {
+    const auto update = slam.process(world.frame(i, 0.1 * i, onPath(i)), {});
+    ASSERT_EQ(update.status, TrackingStatus::kTracked) << i;
+    EXPECT_LT(errorAt(update, i), 0.03) << i;
+  }
+  EXPECT_GT(slam.map().keyframes.size(), 8U);
+}
+
 TEST(StereoSlam, MapsLandmarksOntoTheWalls) {
   const auto world = room();
   StereoSlam slam(world.camera(), SlamParams{});

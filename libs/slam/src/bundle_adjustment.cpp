@@ -3,6 +3,7 @@
 #include <ceres/ceres.h>
 
 #include <algorithm>
+#include <iterator>
 #include <memory>
 
 #include "pose_block.h"
@@ -50,7 +51,7 @@ class Reprojection final : public ceres::SizedCostFunction<3, 7, 3, 1> {
 
  private:
   StereoMeasurement measurement_;
-  const StereoCamera& camera_;
+  StereoCamera camera_;
 };
 
 /// What is known of the disparities' offset beforehand: that rectification is good to about
@@ -76,14 +77,19 @@ class OffsetPrior final : public ceres::SizedCostFunction<2, 1> {
   double previous_;
 };
 
-/// The values that Ceres moves, and its problem over them.
-///
+/// Forgets what does not fit; returns how many observations that were.
+int forgetOutliers(SparseMap& map, const std::vector<KeyframeId>& keyframes,
+                   const StereoCamera& camera);
+
+}  // namespace
+
 /// Ceres orders equal blocks by their address: poses and points each stand in one array, in order
 /// of their ids, so that the same map gives the same bytes.
-class Bundle {
+class DetachedBundle::Implementation {
  public:
-  Bundle(const SparseMap& map, const std::vector<KeyframeId>& free, const StereoCamera& camera)
-      : offset_(map.disparityOffset()) {
+  Implementation(const SparseMap& map, const std::vector<KeyframeId>& free,
+                 const StereoCamera& camera)
+      : camera_(camera), free_(free), offset_(map.disparityOffset()) {
     collect(map, free);
     if (point_ids_.empty()) return;
     for (std::size_t i = 0; i < poses_.size(); ++i) {
@@ -102,7 +108,7 @@ class Bundle {
     holdStill(free);
   }
 
-  ceres::Solver::Summary solve(int max_iterations) {
+  void solve(int max_iterations) {
     ceres::Solver::Options options;
     constexpr std::size_t kDense = 60;  ///< keyframes up to which a dense solution is faster
     options.linear_solver_type = poses_.size() <= kDense ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
@@ -111,18 +117,25 @@ class Bundle {
     options.num_threads = 1;
     options.logging_type = ceres::SILENT;
     options.function_tolerance = 1e-4;
-    ceres::Solver::Summary summary;
-    if (!point_ids_.empty()) ceres::Solve(options, &problem_, &summary);
-    return summary;
+    if (!point_ids_.empty()) ceres::Solve(options, &problem_, &solved_);
   }
 
-  void writeBack(SparseMap& map) const {
-    for (std::size_t i = 0; i < poses_.size(); ++i) {
-      if (problem_.IsParameterBlockConstant(poses_[i].data())) continue;
-      map.keyframe(pose_ids_[i]).T_map_cam = poseFrom(poses_[i].data());
+  BundleSummary writeBack(SparseMap& map) const {
+    BundleSummary summary;
+    summary.iterations = static_cast<int>(solved_.iterations.size());
+    summary.initial_cost = solved_.initial_cost;
+    summary.final_cost = solved_.final_cost;
+    if (summary.iterations > 0 && solved_.IsSolutionUsable()) {
+      const Pose before = newestPose(map);
+      moveWhatTookPart(map);
+      summary.correction = normalized(Pose(newestPose(map) * before.inverse(Eigen::Isometry)));
+      moveWhatIsNewer(map, summary.correction);
     }
-    for (std::size_t i = 0; i < points_.size(); ++i) map.find(point_ids_[i])->position = points_[i];
-    map.setDisparityOffset(offset_);
+    std::vector<KeyframeId> left;
+    std::copy_if(free_.begin(), free_.end(), std::back_inserter(left),
+                 [&](KeyframeId id) { return map.keyframes().count(id) > 0; });
+    summary.outliers = forgetOutliers(map, left, camera_);
+    return summary;
   }
 
  private:
@@ -140,6 +153,43 @@ class Bundle {
     std::sort(pose_ids_.begin(), pose_ids_.end());
     pose_ids_.erase(std::unique(pose_ids_.begin(), pose_ids_.end()), pose_ids_.end());
     for (const KeyframeId id : pose_ids_) poses_.push_back(blockFrom(map.keyframe(id).T_map_cam));
+  }
+
+  /// Pose in the map of the newest keyframe that took part and is still there.
+  [[nodiscard]] Pose newestPose(const SparseMap& map) const {
+    for (auto id = pose_ids_.rbegin(); id != pose_ids_.rend(); ++id) {
+      const auto keyframe = map.keyframes().find(*id);
+      if (keyframe != map.keyframes().end()) return keyframe->second.T_map_cam;
+    }
+    return Pose::Identity();
+  }
+
+  void moveWhatTookPart(SparseMap& map) const {
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      if (problem_.IsParameterBlockConstant(poses_[i].data())) continue;
+      if (map.keyframes().count(pose_ids_[i]) == 0) continue;
+      map.keyframe(pose_ids_[i]).T_map_cam = poseFrom(poses_[i].data());
+    }
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      if (Landmark* landmark = map.find(point_ids_[i])) landmark->position = points_[i];
+    }
+    map.setDisparityOffset(offset_);
+  }
+
+  /// Keyframes that came while the bundle was solved, and the landmarks that came with them.
+  void moveWhatIsNewer(SparseMap& map, const Pose& correction) const {
+    const KeyframeId newest = pose_ids_.back();
+    for (auto at = map.keyframes().upper_bound(newest); at != map.keyframes().end(); ++at) {
+      Keyframe& keyframe = map.keyframe(at->first);
+      keyframe.T_map_cam = normalized(Pose(correction * keyframe.T_map_cam));
+      for (const LandmarkId id : keyframe.landmarks) {
+        Landmark& landmark = *map.find(id);
+        const bool took_part = std::binary_search(point_ids_.begin(), point_ids_.end(), id);
+        if (landmark.reference == keyframe.id && !took_part) {
+          landmark.position = correction * landmark.position;
+        }
+      }
+    }
   }
 
   double* poseOf(KeyframeId id) {
@@ -164,7 +214,10 @@ class Bundle {
     return options;
   }
 
+  StereoCamera camera_;
+  std::vector<KeyframeId> free_;
   double offset_ = 0.0;  ///< of the disparities [px]
+  ceres::Solver::Summary solved_;
   PoseManifold manifold_;
   ceres::HuberLoss loss_{2.0};
   std::vector<KeyframeId> pose_ids_;
@@ -176,7 +229,8 @@ class Bundle {
       std::make_shared<ceres::ParameterBlockOrdering>();
 };
 
-/// Forgets what does not fit; returns how many observations that were.
+namespace {
+
 int forgetOutliers(SparseMap& map, const std::vector<KeyframeId>& keyframes,
                    const StereoCamera& camera) {
   std::vector<std::pair<KeyframeId, LandmarkId>> outliers;
@@ -204,19 +258,23 @@ int forgetOutliers(SparseMap& map, const std::vector<KeyframeId>& keyframes,
 
 }  // namespace
 
+DetachedBundle::DetachedBundle(const SparseMap& map, const std::vector<KeyframeId>& free,
+                               const StereoCamera& camera)
+    : implementation_(std::make_unique<Implementation>(map, free, camera)) {}
+
+DetachedBundle::~DetachedBundle() = default;
+
+void DetachedBundle::solve(int max_iterations) { implementation_->solve(max_iterations); }
+
+BundleSummary DetachedBundle::writeBack(SparseMap& map) const {
+  return implementation_->writeBack(map);
+}
+
 BundleSummary adjustBundle(SparseMap& map, const std::vector<KeyframeId>& free,
                            const StereoCamera& camera, int max_iterations) {
-  BundleSummary summary;
-  {
-    Bundle bundle(map, free, camera);
-    const auto solved = bundle.solve(max_iterations);
-    summary.iterations = static_cast<int>(solved.iterations.size());
-    summary.initial_cost = solved.initial_cost;
-    summary.final_cost = solved.final_cost;
-    if (summary.iterations > 0 && solved.IsSolutionUsable()) bundle.writeBack(map);
-  }
-  summary.outliers = forgetOutliers(map, free, camera);
-  return summary;
+  DetachedBundle bundle(map, free, camera);
+  bundle.solve(max_iterations);
+  return bundle.writeBack(map);
 }
 
 }  // namespace headway::slam

@@ -2,6 +2,7 @@
 
 #include <headway/core/stereo_camera.h>
 
+#include <memory>
 #include <vector>
 
 #include "sparse_map.h"
@@ -13,7 +14,29 @@ struct BundleSummary {
   int iterations = 0;
   double initial_cost = 0.0;
   double final_cost = 0.0;
-  int outliers = 0;  ///< observations that did not fit and were forgotten
+  int outliers = 0;                    ///< observations that did not fit and were forgotten
+  Pose correction = Pose::Identity();  ///< by which the newest part of the map was moved
+};
+
+/// A bundle adjustment cut loose from the map: solved on copies of poses and landmarks, so that a
+/// thread may do it while the map goes on being used and extended.
+class DetachedBundle {
+ public:
+  /// @param free  keyframes to adjust, ascending; see adjustBundle
+  DetachedBundle(const SparseMap& map, const std::vector<KeyframeId>& free,
+                 const StereoCamera& camera);
+  ~DetachedBundle();
+
+  /// Touches nothing outside of this object.
+  void solve(int max_iterations);
+
+  /// Takes the solution into the map. Keyframes that came meanwhile are moved along with the newest
+  /// that took part; what was removed meanwhile stays away. Then forgets what does not fit.
+  BundleSummary writeBack(SparseMap& map) const;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
 };
 
 /// Adjusts keyframes and the landmarks that they see to all their measurements.

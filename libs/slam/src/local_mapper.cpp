@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "bundle_adjustment.h"
-
 namespace headway::slam {
 namespace {
 
@@ -11,9 +9,11 @@ constexpr double kRenewStretch = 0.6;  ///< patches stretched further than 1 / t
 
 }  // namespace
 
-LocalMapper::LocalMapper(const StereoCamera& camera, const SlamParams& params)
+LocalMapper::LocalMapper(const StereoCamera& camera, const SlamParams& params,
+                         BundleAdjuster& adjuster)
     : camera_(camera),
       params_(params),
+      adjuster_(adjuster),
       grid_(camera.width, camera.height, params.features),
       matcher_(static_cast<int>(params.max_disparity_share * camera.width), params.min_zncc) {}
 
@@ -26,7 +26,7 @@ KeyframeId LocalMapper::insert(const TrackingFrame& frame, const Pose& T_map_cam
   linkTracked(frame, id, tracked, map);
   addLandmarks(frame, id, tracked, map);
   describeNew(frame, id, tracked, map);
-  adjustBundle(map, map.neighbourhood(id, params_.window), camera_, params_.ba_iterations);
+  adjuster_.adjust(map, map.neighbourhood(id, params_.window), params_.ba_iterations);
   cull(id, map);
   tracked.erase(std::remove_if(tracked.begin(), tracked.end(),
                                [&](const auto& t) { return map.find(t.id) == nullptr; }),

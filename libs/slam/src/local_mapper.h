@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "bundle_adjuster.h"
 #include "keypoints.h"
 #include "landmark_tracker.h"
 #include "sparse_map.h"
@@ -14,7 +15,8 @@ namespace headway::slam {
 /// Extends the map by keyframes and keeps its newest part adjusted and clean.
 class LocalMapper {
  public:
-  LocalMapper(const StereoCamera& camera, const SlamParams& params);
+  /// @param adjuster  must outlive the mapper
+  LocalMapper(const StereoCamera& camera, const SlamParams& params, BundleAdjuster& adjuster);
 
   /// Makes a keyframe of a tracked frame: links what it sees, adds landmarks where the image has
   /// none, adjusts the neighbourhood, and removes landmarks that are not found again.
@@ -36,6 +38,7 @@ class LocalMapper {
 
   StereoCamera camera_;
   SlamParams params_;
+  BundleAdjuster& adjuster_;
   FeatureGrid grid_;
   StereoMatcher matcher_;
 };

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iterator>
 
-#include "bundle_adjustment.h"
 #include "relocaliser.h"
 
 namespace headway::slam {
@@ -173,6 +172,7 @@ void LoopCloser::correct(KeyframeId newest, KeyframeId old, const TrackedPose& s
                          SparseMap& map) const {
   constexpr int kGlobalIterations = 8;
   constexpr std::size_t kGlobalLimit = 300;  ///< keyframes up to which all are adjusted at once
+  adjuster_.abandon();
   auto edges = edgesOf(map);
   PoseGraphEdge loop = edgeBetween(map.keyframe(old), map.keyframe(newest));
   loop.T_a_b = map.keyframe(old).T_map_cam.inverse(Eigen::Isometry) * seen_from.T_map_cam;
@@ -188,8 +188,8 @@ void LoopCloser::correct(KeyframeId newest, KeyframeId old, const TrackedPose& s
   std::vector<KeyframeId> all;
   for (const auto& [id, keyframe] : map.keyframes()) all.push_back(id);
   const bool global = all.size() <= kGlobalLimit;
-  adjustBundle(map, global ? all : map.neighbourhood(newest, 2 * params_.window), camera_,
-               kGlobalIterations);
+  adjuster_.adjust(map, global ? all : map.neighbourhood(newest, 2 * params_.window),
+                   kGlobalIterations);
 }
 
 }  // namespace headway::slam

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "bundle_adjuster.h"
 #include "frame_tracker.h"
 #include "place_index.h"
 #include "pose_graph.h"
@@ -17,8 +18,9 @@ namespace headway::slam {
 /// Recognises places seen long before and pulls the map together there.
 class LoopCloser {
  public:
-  LoopCloser(const StereoCamera& camera, const SlamParams& params)
-      : camera_(camera), params_(params), tracker_(camera, params) {}
+  /// @param adjuster  must outlive the closer
+  LoopCloser(const StereoCamera& camera, const SlamParams& params, BundleAdjuster& adjuster)
+      : camera_(camera), params_(params), adjuster_(adjuster), tracker_(camera, params) {}
 
   /// Makes a keyframe findable (again).
   void index(KeyframeId keyframe, const SparseMap& map);
@@ -54,6 +56,7 @@ class LoopCloser {
 
   StereoCamera camera_;
   SlamParams params_;
+  BundleAdjuster& adjuster_;
   FrameTracker tracker_;
   PlaceIndex index_;
 };

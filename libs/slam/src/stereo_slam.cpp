@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "bundle_adjuster.h"
 #include "dynamic_rejection.h"
 #include "frame_tracker.h"
 #include "local_mapper.h"
@@ -75,11 +76,15 @@ class StereoSlam::Implementation {
       : camera_(std::move(camera)),
         params_(params),
         tracker_(*camera_, params),
-        mapper_(*camera_, params),
-        loops_(*camera_, params),
+        adjuster_(*camera_, params.adjust_in_background),
+        mapper_(*camera_, params, adjuster_),
+        loops_(*camera_, params, adjuster_),
         motion_(camera_->T_robot_cam, params) {}
 
   SlamUpdate process(const StereoFrame& frame, const MovingRegions& moving) {
+    if (const auto correction = adjuster_.takeOver(map_)) {
+      motion_.correct(normalized(Pose(*correction * motion_.last())));
+    }
     TrackingFrame current;
     std::optional<TrackedPose> tracked;
     {
@@ -121,6 +126,7 @@ class StereoSlam::Implementation {
   std::shared_ptr<const StereoCamera> camera_;
   SlamParams params_;
   FrameTracker tracker_;
+  BundleAdjuster adjuster_;
   LocalMapper mapper_;
   LoopCloser loops_;
   MotionModel motion_;

@@ -34,6 +34,10 @@ struct SlamParams {
   bool loop_closing = true;       ///< recognise places seen before and correct the map
   int restart_after = 20;         ///< lost frames after which a new map part is begun, 1 ... 100000
 
+  /// Bundle adjustment in a thread of its own, beside the tracking: results depend on timing. Not a
+  /// key of configurations: who runs in real time sets it.
+  bool adjust_in_background = false;
+
   void describe(Params::Section section);
 };
 

@@ -1,0 +1,40 @@
+#include "bundle_adjuster.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace headway::slam {
+
+bool BundleAdjuster::Job::finished() const {
+  return solved.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
+void BundleAdjuster::adjust(SparseMap& map, const std::vector<KeyframeId>& free,
+                            int max_iterations) {
+  if (!in_background_) {
+    adjustBundle(map, free, camera_, max_iterations);
+    return;
+  }
+  if (job_ != nullptr) return;
+  job_ = std::make_unique<Job>(map, free, camera_);
+  job_->solved = std::async(std::launch::async, [bundle = &job_->bundle, max_iterations] {
+    bundle->solve(max_iterations);
+  });
+}
+
+void BundleAdjuster::abandon() {
+  if (job_ != nullptr) abandoned_.push_back(std::move(job_));
+}
+
+std::optional<Pose> BundleAdjuster::takeOver(SparseMap& map) {
+  abandoned_.erase(std::remove_if(abandoned_.begin(), abandoned_.end(),
+                                  [](const auto& job) { return job->finished(); }),
+                   abandoned_.end());
+  if (job_ == nullptr || !job_->finished()) return std::nullopt;
+  job_->solved.get();
+  const Pose correction = job_->bundle.writeBack(map).correction;
+  job_.reset();
+  return correction;
+}
+
+}  // namespace headway::slam

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <headway/core/stereo_camera.h>
+
+#include <future>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "bundle_adjustment.h"
+#include "sparse_map.h"
+
+namespace headway::slam {
+
+/// Runs bundle adjustments, at once or in a thread of its own beside the tracking.
+///
+/// Only the solution runs in that thread, on copies: the map is read and changed by whoever calls,
+/// so nothing is shared. At once is deterministic; in the background results depend on timing.
+class BundleAdjuster {
+ public:
+  BundleAdjuster(const StereoCamera& camera, bool in_background)
+      : camera_(camera), in_background_(in_background) {}
+
+  /// Adjusts a neighbourhood. In the background, where one is still being adjusted, this one is
+  /// left out: the next keyframe's covers most of it.
+  void adjust(SparseMap& map, const std::vector<KeyframeId>& free, int max_iterations);
+
+  /// Forgets the adjustment under way: the map has been changed under it.
+  void abandon();
+
+  /// Takes what the background has finished into the map.
+  ///
+  /// @return  by which the newest part of the map was moved; nullopt if nothing was finished
+  std::optional<Pose> takeOver(SparseMap& map);
+
+ private:
+  struct Job {
+    DetachedBundle bundle;
+    std::future<void> solved;  ///< waits for its end when destroyed, so it is destroyed first
+    Job(const SparseMap& map, const std::vector<KeyframeId>& free, const StereoCamera& camera)
+        : bundle(map, free, camera) {}
+    [[nodiscard]] bool finished() const;
+  };
+
+  StereoCamera camera_;
+  bool in_background_ = false;
+  std::unique_ptr<Job> job_;
+  std::vector<std::unique_ptr<Job>> abandoned_;  ///< still running, for nobody
+};
+
+}  // namespace headway::slam
