@@ -52,6 +52,7 @@ bool isExcluded(const cv::Mat& excluded, const Eigen::Vector2d& uv) {
 }
 
 struct LandmarkTracker::Candidate {
+  int cell = 0;
   Landmark* landmark = nullptr;
   Eigen::Vector3d uvd = Eigen::Vector3d::Zero();  ///< where it should be
 };
@@ -86,11 +87,13 @@ std::vector<TrackedLandmark> LandmarkTracker::follow(const TrackingFrame& previo
   return followed;
 }
 
-std::vector<std::vector<LandmarkTracker::Candidate>> LandmarkTracker::sortIntoCells(
+/// Landmarks in view, by cell; those seen by most keyframes first in each.
+std::vector<LandmarkTracker::Candidate> LandmarkTracker::candidatesByCell(
     const TrackingFrame& current, const Pose& T_map_cam, const std::vector<LandmarkId>& candidates,
     SparseMap& map) const {
   const Pose T_cam_map = T_map_cam.inverse(Eigen::Isometry);
-  std::vector<std::vector<Candidate>> cells(grid_.count());
+  std::vector<Candidate> in_view;
+  in_view.reserve(candidates.size());
   for (const LandmarkId id : candidates) {
     Landmark* landmark = map.find(id);
     if (landmark == nullptr) continue;
@@ -99,16 +102,15 @@ std::vector<std::vector<LandmarkTracker::Candidate>> LandmarkTracker::sortIntoCe
         uvd->y() >= camera_.height || isExcluded(current.excluded, uvd->head<2>())) {
       continue;
     }
-    cells[grid_.cellOf(uvd->head<2>())].push_back({landmark, *uvd});
+    in_view.push_back({grid_.cellOf(uvd->head<2>()), landmark, *uvd});
   }
-  for (auto& cell : cells) {
-    std::sort(cell.begin(), cell.end(), [](const Candidate& a, const Candidate& b) {
-      const auto count = [](const Candidate& c) { return c.landmark->observations.size(); };
-      if (count(a) != count(b)) return count(a) > count(b);
-      return a.landmark->id < b.landmark->id;
-    });
-  }
-  return cells;
+  std::sort(in_view.begin(), in_view.end(), [](const Candidate& a, const Candidate& b) {
+    if (a.cell != b.cell) return a.cell < b.cell;
+    const auto count = [](const Candidate& c) { return c.landmark->observations.size(); };
+    if (count(a) != count(b)) return count(a) > count(b);
+    return a.landmark->id < b.landmark->id;
+  });
+  return in_view;
 }
 
 std::optional<TrackedLandmark> LandmarkTracker::measureOne(const TrackingFrame& current,
@@ -158,18 +160,19 @@ std::vector<TrackedLandmark> LandmarkTracker::measure(const TrackingFrame& curre
   constexpr int kTriesPerCell = 5;
   constexpr int kFoundPerCell = 2;
   std::vector<TrackedLandmark> measured;
-  for (const auto& cell : sortIntoCells(current, T_map_cam, candidates, map)) {
-    int tries = 0;
-    int found_here = 0;
-    for (const Candidate& candidate : cell) {
-      if (++tries > kTriesPerCell || found_here == kFoundPerCell) break;
-      ++candidate.landmark->tried;
-      const auto found = measureOne(current, T_map_cam, candidate, map);
-      if (!found || isExcluded(current.excluded, found->measurement.uv)) continue;
-      ++candidate.landmark->found;
-      ++found_here;
-      measured.push_back(*found);
-    }
+  int cell = -1;
+  int tries = 0;
+  int found_here = 0;
+  for (const Candidate& candidate : candidatesByCell(current, T_map_cam, candidates, map)) {
+    if (candidate.cell != cell) tries = found_here = 0;
+    cell = candidate.cell;
+    if (++tries > kTriesPerCell || found_here == kFoundPerCell) continue;
+    ++candidate.landmark->tried;
+    const auto found = measureOne(current, T_map_cam, candidate, map);
+    if (!found || isExcluded(current.excluded, found->measurement.uv)) continue;
+    ++candidate.landmark->found;
+    ++found_here;
+    measured.push_back(*found);
   }
   return measured;
 }

@@ -62,9 +62,10 @@ class LandmarkTracker {
 
  private:
   struct Candidate;
-  [[nodiscard]] std::vector<std::vector<Candidate>> sortIntoCells(
-      const TrackingFrame& current, const Pose& T_map_cam,
-      const std::vector<LandmarkId>& candidates, SparseMap& map) const;
+  [[nodiscard]] std::vector<Candidate> candidatesByCell(const TrackingFrame& current,
+                                                        const Pose& T_map_cam,
+                                                        const std::vector<LandmarkId>& candidates,
+                                                        SparseMap& map) const;
   [[nodiscard]] std::optional<TrackedLandmark> measureOne(const TrackingFrame& current,
                                                           const Pose& T_map_cam,
                                                           const Candidate& candidate,

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 #include <limits>
-#include <vector>
+#include <opencv2/core/utility.hpp>
 
 #include "patch.h"
 
@@ -34,22 +34,22 @@ int blockCost(const cv::Mat& a, int ua, const cv::Mat& b, int ub, int v) {
 std::optional<int> bestColumn(const cv::Mat& a, int u, const cv::Mat& b, int first, int last,
                               int v) {
   constexpr double kUniqueness = 0.8;  ///< best cost / best cost elsewhere, at most
-  std::vector<int> costs;
-  costs.reserve(static_cast<std::size_t>(std::max(0, last - first + 1)));
+  if (last < first) return std::nullopt;
+  cv::AutoBuffer<int> costs(static_cast<std::size_t>(last - first + 1));  // on the stack
   int best = first;
   int lowest = std::numeric_limits<int>::max();
   for (int candidate = first; candidate <= last; ++candidate) {
     const int cost = blockCost(a, u, b, candidate, v);
-    costs.push_back(cost);
+    costs[static_cast<std::size_t>(candidate - first)] = cost;
     if (cost < lowest) {
       lowest = cost;
       best = candidate;
     }
   }
-  if (costs.empty()) return std::nullopt;
   for (int candidate = first; candidate <= last; ++candidate) {
     const bool elsewhere = std::abs(candidate - best) > 2;
-    if (elsewhere && lowest > kUniqueness * costs[candidate - first]) return std::nullopt;
+    if (elsewhere && lowest > kUniqueness * costs[static_cast<std::size_t>(candidate - first)])
+      return std::nullopt;
   }
   return best;
 }
