@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <future>
 #include <iomanip>
 #include <iostream>
 #include <opencv2/core.hpp>
@@ -98,12 +99,17 @@ int simulate(int argc, const char* const* argv) {
   program::Progress progress("headway-sim", line.quiet());
   CoveredShare covered;
   std::size_t done = 0;
-  for (; frame && !program::interrupted(); frame = simulator.next()) {
-    recording.write(*frame);
+  std::future<void> writing;  // one frame is written while the next one is drawn
+  while (frame && !program::interrupted()) {
+    if (writing.valid()) writing.get();
     covered.add(*frame);
+    writing = std::async(std::launch::async,
+                         [&recording, written = std::move(*frame)] { recording.write(written); });
     ++done;
     progress.update(done, static_cast<double>(done) / settings.recording.frames);
+    frame = simulator.next();
   }
+  if (writing.valid()) writing.get();
   progress.finish();
   recording.close();
   if (!line.quiet()) {

@@ -104,7 +104,7 @@ class Simulator::Machine {
   void advance(double seconds);
   void step(double dt);
   [[nodiscard]] std::vector<Mover> othersMoving() const;  ///< but for the escort
-  [[nodiscard]] std::vector<Mover> moversNear();          ///< with the parked ones
+  [[nodiscard]] std::vector<Mover> moversInView();        ///< with the parked ones
   /// The right camera in the left one, for one frame.
   [[nodiscard]] Pose bentRig(std::size_t frame) const;
   /// Lets time pass until the camera takes a frame; false at the end of the path.
@@ -112,7 +112,7 @@ class Simulator::Machine {
   void passUndrawn();
   [[nodiscard]] double blurPause() const;  ///< between the drawings of one exposure [s]
   void draw(SimFrame& frame);
-  void judge(SimFrame& frame);
+  void judge(SimFrame& frame, const std::vector<Mover>& movers);
 
   SimParams params_;
   Route route_;
@@ -194,12 +194,21 @@ std::vector<Mover> Simulator::Machine::othersMoving() const {
   return movers;
 }
 
-std::vector<Mover> Simulator::Machine::moversNear() {
+std::vector<Mover> Simulator::Machine::moversInView() {
   std::vector<Mover> movers = othersMoving();
   movers.insert(movers.end(), escort_.movers().begin(), escort_.movers().end());
   const auto parked =
       world_.parkedNear(robot_.T_world_robot().translation(), params_.world.view_distance_m);
   movers.insert(movers.end(), parked.begin(), parked.end());
+  // With the room that a shadow takes, and the other camera's place.
+  constexpr double kMargin = 2.0;  // [m]
+  const ViewCone view = viewCone(lens_.drawn(), robot_.T_world_robot());
+  movers.erase(std::remove_if(movers.begin(), movers.end(),
+                              [&](const Mover& mover) {
+                                return !view.touches(mover.position.head<2>(),
+                                                     0.5 * mover.size.head<2>().norm() + kMargin);
+                              }),
+               movers.end());
   return movers;
 }
 
@@ -218,13 +227,13 @@ void Simulator::Machine::draw(SimFrame& frame) {
   cv::Mat left_sum, right_sum;
   for (int i = 0; i < samples; ++i) {
     if (i > 0) advance(blurPause());
-    const auto movers = moversNear();
+    const auto movers = moversInView();
     const bool is_middle = i == samples / 2;
     const Pose T_world_robot = robot_.T_world_robot();
     StereoDrawing drawing = rig_.draw(T_world_robot, T_left_right, movers, is_middle);
     if (is_middle) {
       frame.depth = drawing.depth;
-      judge(frame);
+      judge(frame, movers);
     }
     if (samples == 1) {
       frame.left = drawing.left;
@@ -241,12 +250,11 @@ void Simulator::Machine::draw(SimFrame& frame) {
   right_sum.convertTo(frame.right, CV_8UC3, 1.0 / samples);
 }
 
-void Simulator::Machine::judge(SimFrame& frame) {
+void Simulator::Machine::judge(SimFrame& frame, const std::vector<Mover>& movers) {
   const Pose T_world_robot = robot_.T_world_robot();
   if (!T_map_world_) T_map_world_ = T_world_robot.inverse();
   frame.time = params_.recording.start_time_s + now_s_;
   frame.T_map_robot = *T_map_world_ * T_world_robot;
-  const auto movers = moversNear();
   auto sightings =
       findSightings(T_world_robot, lens_.drawn(), movers, frame.depth, frame.instances);
   sightings.erase(std::remove_if(sightings.begin(), sightings.end(),

@@ -62,6 +62,11 @@ Mesh plainMesh(const RoadNetwork& network, const Eigen::Vector2i& corner,
 
 }  // namespace
 
+ViewCone viewCone(const StereoCamera& camera, const Pose& T_world_robot) {
+  const Eigen::Vector3d eye = (T_world_robot * camera.T_robot_cam).translation();
+  return {eye.head<2>(), yawOf(T_world_robot), std::atan(0.5 * camera.width / camera.fx) + 0.02};
+}
+
 /// MRPT's scene: surfaces by stretch, and one object each for what shares a picture.
 class StereoRig::Scene {
  public:
@@ -205,9 +210,8 @@ void StereoRig::Scene::placeAll(const Eigen::Vector3d& origin) {
 
 void StereoRig::Scene::arrange(const Pose& T_world_robot, const std::vector<Mover>& movers) {
   const Eigen::Vector3d origin = T_world_robot.translation();
-  const double half_view = std::atan(0.5 * camera_.width / camera_.fx) + 0.02;
   const Eigen::Vector3d eye = (T_world_robot * camera_.T_robot_cam).translation();
-  const auto visible = world_.inView(eye, yawOf(T_world_robot), half_view);
+  const auto visible = world_.inView(eye, viewCone(camera_, T_world_robot));
   showStretches(visible);
   const std::set<StretchKey> now(visible.begin(), visible.end());
   const auto same_key = [](const StretchKey& a, const StretchKey& b) {

@@ -18,6 +18,9 @@ struct StereoDrawing {
   cv::Mat depth;  ///< 32-bit, metres along the left camera's axis; 0 where there is only sky
 };
 
+/// What the left camera sees, and a little more.
+[[nodiscard]] ViewCone viewCone(const StereoCamera& camera, const Pose& T_world_robot);
+
 /// Draws a world and its movers as an ideal stereo camera sees them, off-screen.
 ///
 /// Made and used in one thread. Everything is drawn relative to the robot, so pictures are as
@@ -31,7 +34,7 @@ class StereoRig {
   StereoRig& operator=(const StereoRig&) = delete;
 
   /// @param T_left_right  right optical frame in the left one
-  /// @param movers        with the parked ones
+  /// @param movers        those in view, with the parked ones
   /// @param with_depth    fill `depth`, too
   [[nodiscard]] StereoDrawing draw(const Pose& T_world_robot, const Pose& T_left_right,
                                    const std::vector<Mover>& movers, bool with_depth);

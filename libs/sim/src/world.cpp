@@ -36,16 +36,10 @@ std::vector<StretchKey> World::keysNear(const Eigen::Vector3d& place, double rea
   return keys;
 }
 
-std::vector<StretchKey> World::inView(const Eigen::Vector3d& eye, double heading,
-                                      double half_view) {
+std::vector<StretchKey> World::inView(const Eigen::Vector3d& eye, const ViewCone& view) {
   std::vector<StretchKey> visible;
   for (const StretchKey& key : keysNear(eye, params_.view_distance_m)) {
-    const Eigen::Vector2d offset = (builder_.middle(key) - eye).head<2>();
-    const double distance = offset.norm();
-    const double off_axis =
-        std::abs(std::remainder(std::atan2(offset.y(), offset.x()) - heading, 2.0 * M_PI));
-    const double margin = distance > kReach ? std::asin(kReach / distance) : M_PI;
-    if (off_axis < half_view + margin) visible.push_back(key);
+    if (view.touches(builder_.middle(key).head<2>(), kReach)) visible.push_back(key);
   }
   std::sort(visible.begin(), visible.end(), [&](const StretchKey& a, const StretchKey& b) {
     const double to_a = (builder_.middle(a) - eye).norm(), to_b = (builder_.middle(b) - eye).norm();

@@ -7,6 +7,7 @@
 #include "grain.h"
 #include "road_network.h"
 #include "street_stretch.h"
+#include "view_cone.h"
 
 namespace headway::sim {
 
@@ -21,11 +22,7 @@ class World {
   [[nodiscard]] const WorldParams& params() const { return params_; }
 
   /// Stretches within view of a camera, the nearest first; builds what is missing.
-  ///
-  /// @param heading    viewing direction about world z [rad]
-  /// @param half_view  half the horizontal field of view [rad]
-  [[nodiscard]] std::vector<StretchKey> inView(const Eigen::Vector3d& eye, double heading,
-                                               double half_view);
+  [[nodiscard]] std::vector<StretchKey> inView(const Eigen::Vector3d& eye, const ViewCone& view);
   /// A stretch that inView() named last time or the time before.
   [[nodiscard]] const StreetStretch& stretch(const StretchKey& key) const;
   /// Stretches that are built at present.

@@ -58,7 +58,9 @@ cv::Mat trueDepth(const std::string& rawlog, std::size_t frame) {
   char name[32];
   std::snprintf(name, sizeof name, "depth/%06zu.png", frame);
   const auto folder = std::filesystem::path(rawlog).replace_extension(".truth");
-  return cv::imread((folder / name).string(), cv::IMREAD_UNCHANGED);
+  const auto file = folder / name;
+  if (!std::filesystem::exists(file)) return {};
+  return cv::imread(file.string(), cv::IMREAD_UNCHANGED);
 }
 
 double percent(std::size_t part, std::size_t whole) {

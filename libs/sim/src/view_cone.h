@@ -1,0 +1,25 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+
+namespace headway::sim {
+
+/// What a camera can see of the ground plan: all within an angle of its viewing direction.
+struct ViewCone {
+  Eigen::Vector2d eye = Eigen::Vector2d::Zero();  ///< world [m]
+  double heading = 0.0;                           ///< about world z [rad]
+  double half_width = M_PI;                       ///< half the horizontal field of view [rad]
+
+  /// Whether any of a disc is seen.
+  [[nodiscard]] bool touches(const Eigen::Vector2d& middle, double radius) const {
+    const Eigen::Vector2d offset = middle - eye;
+    const double distance = offset.norm();
+    if (distance <= radius) return true;
+    const double off_axis =
+        std::abs(std::remainder(std::atan2(offset.y(), offset.x()) - heading, 2.0 * M_PI));
+    return off_axis < half_width + std::asin(radius / distance);
+  }
+};
+
+}  // namespace headway::sim
