@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "commands.h"
 #include "outputs.h"
@@ -20,6 +21,7 @@ constexpr std::size_t kQuickFrames = 80;  // just enough for 2 s of history and 
 
 struct Options {
   bool quick = false;
+  std::optional<std::size_t> frames;
   std::string worlds = "config/worlds";
   std::string folder = "suite";
   std::string kitti;
@@ -37,6 +39,7 @@ bool parse(Options& options, int argc, const char** argv) {
   Params params;
   options.perception.describe(params);
   line.flag(options.quick, 0, "quick", "Only the first 80 frames of every world");
+  line.option(options.frames, 0, "frames", "N", "No more than the first N frames of every world");
   line.option(options.worlds, 0, "worlds", "DIR",
               "Worlds to draw: a folder of .ini files, or one; default config/worlds");
   line.option(options.folder, 'o', "output", "OUTDIR",
@@ -69,6 +72,7 @@ class Suite {
  public:
   explicit Suite(const Options& options)
       : options_(options), progress_("suite", options.quiet), worlds_(worldFiles(options.worlds)) {
+    most_frames_ = options.frames;
     if (options.quick) most_frames_ = kQuickFrames;
     for (const auto& ini : worlds_) {
       const std::size_t frames = framesOf(ini);
