@@ -92,11 +92,22 @@ TEST(ConsistencyCheck, KeepsTheSurestOfSeveralBoxes) {
   MeasuredBox twin = box(10.4, 0.1);
   sure.score = 0.9;
   twin.score = 0.4;
-  std::size_t duplicates = 0;
-  const auto kept = check.withoutDuplicates({twin, sure, box(10, 2.5)}, duplicates);
-  EXPECT_EQ(duplicates, 1u);
-  ASSERT_EQ(kept.size(), 2u);
-  EXPECT_EQ(kept[0].score, 0.9);
+  const auto distinct = check.withoutDuplicates({twin, sure, box(10, 2.5)});
+  ASSERT_EQ(distinct.boxes.size(), 2u);
+  EXPECT_EQ(distinct.boxes[0].score, 0.9);
+  ASSERT_EQ(distinct.duplicates.size(), 1u);
+  EXPECT_EQ(distinct.duplicates[0].second.score, 0.4);
+}
+
+TEST(DistinctBoxes, OffersATrackTheBoxThatLiesNearest) {
+  const ConsistencyCheck check{ConsistencyParams()};
+  MeasuredBox sure = box(10, 0);
+  sure.score = 0.9;
+  const auto distinct = check.withoutDuplicates({sure, box(10.4, 0.1), box(10, 2.5)});
+  ASSERT_EQ(distinct.boxes.size(), 2u);
+  EXPECT_EQ(distinct.likeliest(0, track(9.9, 0)).position.x(), 10.0);
+  EXPECT_EQ(distinct.likeliest(0, track(10.5, 0)).position.x(), 10.4);
+  EXPECT_EQ(distinct.likeliest(1, track(10.4, 2.5)).position.x(), 10.0) << "another object's";
 }
 
 TEST(MovingAverage, IsTheMeanOfAStandingObject) {

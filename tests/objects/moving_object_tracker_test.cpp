@@ -35,7 +35,7 @@ TEST(MovingObjectTracker, ConfirmsATrackAfterEnoughDetections) {
 TEST(MovingObjectTracker, ConfirmsByWhatTheScoresAddUpTo) {
   ObjectsParams params;
   params.lifecycle.confirm_hits = 2;
-  params.lifecycle.confirm_score = 2.0;
+  params.lifecycle.confirm_score.vehicle = 2.0;
   params.lifecycle.confirm_anyway_hits = 10;
   Replay replay(params);
   Detection sure = seenCar(10, 0);
@@ -183,6 +183,67 @@ TEST(MovingObjectTracker, CoastsAlongWhileAnObjectIsHiddenForAMoment) {
   }
 }
 
+TEST(MovingObjectTracker, CarriesTheImageBoxOfACoastingTrackOn) {
+  Replay replay;
+  const auto seenWithBox = [](double x) {  // by a camera of 700 px focal length, centre (600, 200)
+    Detection car = seenCar(x, -2);
+    const double height_px = 700.0 * 1.5 / x;
+    const double u = 600 + 700.0 * 2.0 / x;
+    car.box2d =
+        Box2d{u - 2 * height_px, 200 - 0.5 * height_px, u + 2 * height_px, 200 + 0.5 * height_px};
+    return car;
+  };
+  const Detection aside = seenCar(10, 6);  // it tells how far aside the detector can see
+  for (int k = 0; k < 20; ++k) replay.frame({seenWithBox(30 - 0.5 * k), aside});
+  replay.frame({aside});
+  ASSERT_EQ(replay.last.tracks.size(), 2u);
+  const bool first_coasts = replay.last.tracks[0].status == TrackStatus::kCoasting;
+  const Track& track = replay.last.tracks[first_coasts ? 0 : 1];
+  ASSERT_EQ(track.status, TrackStatus::kCoasting);
+  const Box2d expected = *seenWithBox(20).box2d;
+  ASSERT_TRUE(track.box2d);
+  EXPECT_NEAR(track.box2d->left, expected.left, 1.0);
+  EXPECT_NEAR(track.box2d->right, expected.right, 1.0);
+  EXPECT_NEAR(track.box2d->height(), expected.height(), 0.5);
+}
+
+TEST(MovingObjectTracker, CarriesNoUnsureTrackOn) {
+  for (const double score : {-0.2, 5.0}) {
+    Replay replay;
+    for (int k = 0; k < 20; ++k) {
+      replay.frame({test::seen(ObjectClass::kCar, {10, 0, 0}, 0.0, score)});
+    }
+    EXPECT_EQ(confirmed(replay.last).size(), 1u);
+    replay.frame({});
+    EXPECT_EQ(replay.last.tracks.empty(), score < 0.0);
+  }
+}
+
+TEST(MovingObjectTracker, ShowsTheSurerOfTwoKindsInOnePlace) {
+  Replay replay;
+  for (int k = 0; k < 10; ++k) {
+    replay.frame({test::seen(ObjectClass::kPedestrian, {10, 0, 0}, 0.0, 2.0),
+                  test::seen(ObjectClass::kCyclist, {10.2, 0, 0}, 0.0, 5.0),
+                  test::seen(ObjectClass::kPedestrian, {10, 3, 0}, 0.0, 2.0)});
+  }
+  ASSERT_EQ(confirmed(replay.last).size(), 2u);
+  for (const Track& track : confirmed(replay.last)) {
+    const bool alone = track.position.y() > 1.5;
+    EXPECT_EQ(track.object_class, alone ? ObjectClass::kPedestrian : ObjectClass::kCyclist);
+  }
+}
+
+TEST(MovingObjectTracker, ScoresATrackByTheMeanOverItsLife) {
+  ObjectsParams params;
+  params.lifecycle.score_prior = 5.0;
+  Replay replay(params);
+  for (int k = 0; k < 10; ++k) replay.frame({test::seen(ObjectClass::kCar, {10, 0, 0}, 0, 3.0)});
+  EXPECT_NEAR(replay.last.tracks.at(0).score, 30.0 / 15.0, 1e-12);
+  replay.frame({});
+  replay.frame({test::seen(ObjectClass::kCar, {10, 0, 0}, 0, 3.0)});
+  EXPECT_NEAR(replay.last.tracks.at(0).score, 33.0 / 17.0, 1e-12) << "the frame unseen counts";
+}
+
 TEST(MovingObjectTracker, GivesANewIdAfterTheTimeForFindingAgain) {
   ObjectsParams params;
   params.lifecycle.retrack_time_s = 1.0;
@@ -239,7 +300,7 @@ TEST(MovingObjectTracker, MergesDetectionsThatShareTheirImageBox) {
 
 TEST(MovingObjectTracker, KeepsAPersonAndACarApart) {
   Replay replay;
-  for (int k = 0; k < 5; ++k) replay.frame({seenCar(10, 0), seenPerson(10, 0.2)});
+  for (int k = 0; k < 5; ++k) replay.frame({seenCar(10, 0), seenPerson(10, 0.6)});
   EXPECT_EQ(confirmed(replay.last).size(), 2u);
 }
 

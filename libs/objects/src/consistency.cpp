@@ -3,8 +3,10 @@
 #include <headway/core/assignment.h>
 #include <headway/core/box_overlap.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "obvious_pairs.h"
@@ -41,28 +43,44 @@ bool ConsistencyCheck::sameObject(const MeasuredBox& a, const MeasuredBox& b) co
   return a.box2d && b.box2d && overlap2d(*a.box2d, *b.box2d) > params_.duplicate_overlap_2d;
 }
 
-std::vector<MeasuredBox> ConsistencyCheck::withoutDuplicates(std::vector<MeasuredBox> boxes,
-                                                             std::size_t& duplicates) const {
+DistinctBoxes ConsistencyCheck::withoutDuplicates(std::vector<MeasuredBox> boxes) const {
   std::vector<std::size_t> by_score(boxes.size());
   std::iota(by_score.begin(), by_score.end(), std::size_t{0});
   std::stable_sort(by_score.begin(), by_score.end(),
                    [&](std::size_t a, std::size_t b) { return boxes[a].score > boxes[b].score; });
   const SpatialGrid grid(boxes, params_.gate_max_m);
-  std::vector<bool> kept(boxes.size(), false);
+  constexpr std::size_t kUndecided = std::numeric_limits<std::size_t>::max();
+  std::vector<std::size_t> same_as(boxes.size(), kUndecided);  // itself where it is kept
   for (const std::size_t i : by_score) {
-    bool repeats = false;
+    std::size_t first = i;
     grid.visitNear(boxes[i].position.head<2>(), [&](std::size_t j) {
-      repeats = repeats || (kept[j] && sameObject(boxes[i], boxes[j]));
+      if (first == i && same_as[j] == j && sameObject(boxes[i], boxes[j])) first = j;
     });
-    kept[i] = !repeats;
+    same_as[i] = first;
   }
-  std::vector<MeasuredBox> result;
-  result.reserve(boxes.size());
+  DistinctBoxes result;
+  result.boxes.reserve(boxes.size());
+  std::vector<std::size_t> kept_as(boxes.size());
   for (std::size_t i = 0; i < boxes.size(); ++i) {
-    if (kept[i]) result.push_back(std::move(boxes[i]));
+    kept_as[i] = result.boxes.size();
+    if (same_as[i] == i) result.boxes.push_back(boxes[i]);
   }
-  duplicates += boxes.size() - result.size();
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    if (same_as[i] != i) result.duplicates.emplace_back(kept_as[same_as[i]], std::move(boxes[i]));
+  }
   return result;
+}
+
+const MeasuredBox& DistinctBoxes::likeliest(std::size_t box, const ExpectedPlace& track) const {
+  const auto squaredDistance = [&](const MeasuredBox& measured) {
+    const Eigen::Vector2d offset = (measured.position - track.position).head<2>();
+    return offset.dot((track.covariance + measured.covariance).inverse() * offset);
+  };
+  const MeasuredBox* best = &boxes[box];
+  for (const auto& [same, duplicate] : duplicates) {
+    if (same == box && squaredDistance(duplicate) < squaredDistance(*best)) best = &duplicate;
+  }
+  return *best;
 }
 
 std::optional<double> ConsistencyCheck::cost(const ExpectedPlace& track,

@@ -26,6 +26,15 @@ struct Matches {
   std::vector<std::size_t> unmatched_detections;           ///< seen for the first time
 };
 
+/// Boxes of different objects, and what else was said of them.
+struct DistinctBoxes {
+  std::vector<MeasuredBox> boxes;
+  std::vector<std::pair<std::size_t, MeasuredBox>> duplicates;  ///< index in `boxes`, another box
+
+  /// Of a box and its duplicates, the one nearest to where a track expects it.
+  [[nodiscard]] const MeasuredBox& likeliest(std::size_t box, const ExpectedPlace& track) const;
+};
+
 /// Classes that a detector may take for one another; Unknown and Misc go with everything.
 [[nodiscard]] bool compatible(ObjectClass a, ObjectClass b);
 
@@ -39,10 +48,7 @@ class ConsistencyCheck {
   explicit ConsistencyCheck(const ConsistencyParams& params) : params_(params) {}
 
   /// One box of every object that several boxes describe: the one with the best score.
-  ///
-  /// @param duplicates  raised by the number of boxes left out
-  [[nodiscard]] std::vector<MeasuredBox> withoutDuplicates(std::vector<MeasuredBox> boxes,
-                                                           std::size_t& duplicates) const;
+  [[nodiscard]] DistinctBoxes withoutDuplicates(std::vector<MeasuredBox> boxes) const;
 
   [[nodiscard]] Matches match(const std::vector<ExpectedPlace>& tracks,
                               const std::vector<MeasuredBox>& detections) const;

@@ -19,6 +19,11 @@ class FieldOfView {
   /// Whether a place in the map lies ahead, no farther aside than anything seen so far.
   [[nodiscard]] bool covers(const Eigen::Vector3d& place) const;
 
+  /// A place of the map in the sensor's optical frame [m].
+  [[nodiscard]] Eigen::Vector3d inSensor(const Eigen::Vector3d& place) const {
+    return T_sensor_map_ * place;
+  }
+
  private:
   Pose T_sensor_map_ = Pose::Identity();
   double widest_ = 0.0;  ///< tangent of the largest bearing seen

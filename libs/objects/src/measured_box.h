@@ -17,6 +17,7 @@ struct MeasuredBox {
   double yaw = 0.0;                                          ///< of the front about map z [rad]
   Eigen::Vector3d size = Eigen::Vector3d::Ones();            ///< (length, width, height) [m]
   std::optional<Box2d> box2d;                                ///< [px]
+  Eigen::Vector3d seen_from = Eigen::Vector3d::UnitZ();      ///< centre, optical frame [m]
   std::optional<std::int64_t> detector_id;
 };
 

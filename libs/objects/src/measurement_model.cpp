@@ -84,6 +84,7 @@ MeasuredBox MeasurementModel::measured(const Pose& T_map_sensor, const Detection
   result.yaw = wrapAngle(std::atan2(front.y(), front.x()));
   result.size = {box.length, box.width, box.height};
   result.box2d = detection.box2d;
+  result.seen_from = box.centre;
   result.detector_id = detection.detector_id;
   return result;
 }

@@ -9,6 +9,7 @@
 #include "field_of_view.h"
 #include "measurement_model.h"
 #include "noise_scale.h"
+#include "rivals.h"
 #include "tracked_object.h"
 
 namespace headway::objects {
@@ -31,13 +32,12 @@ class MovingObjectTracker::Implementation {
     if (!runsForward(time)) return refuse(detections, std::move(update));
 
     const auto measured = measure(T_map_robot.value, detections, lifter, update);
-    view_.look(T_map_robot.value * detections.T_robot_sensor, measured);
+    view_.look(T_map_robot.value * detections.T_robot_sensor, measured.boxes);
     predictTo(time, update);
     const auto expected = expectedPlaces();
-    const Matches matches = consistency_.match(expected, measured);  // Sec. III-C3
-    continueTracks(matches, frame, time, measured);                  // Sec. III-C2
-    startTracks(matches, frame, time, measured, update);
-    learnNoise(matches, expected, measured);
+    const Matches matches = consistency_.match(expected, measured.boxes);  // Sec. III-C3
+    continueTracks(matches, frame, time, expected, measured);              // Sec. III-C2
+    startTracks(matches, frame, time, measured.boxes, update);
     for (TrackedObject& object : objects_) {
       if (object.seenAt(time)) object.refine(time, smoother_);  // Sec. III-C1
     }
@@ -73,14 +73,15 @@ class MovingObjectTracker::Implementation {
     return publish(time_.value_or(0.0), std::move(update));
   }
 
-  std::vector<MeasuredBox> measure(const Pose& T_map_robot, const Detections& detections,
-                                   const BoxLifter* lifter, TrackUpdate& update) const {
-    std::size_t duplicates = 0;
-    auto measured = consistency_.withoutDuplicates(
-        measurement_.toMap(T_map_robot, detections, lifter, update.detections_dropped), duplicates);
-    if (duplicates > 0) update.detections_dropped["duplicate"] = duplicates;
-    for (MeasuredBox& box : measured) box = noise_.scaled(std::move(box));
-    update.detections_used = measured.size();
+  DistinctBoxes measure(const Pose& T_map_robot, const Detections& detections,
+                        const BoxLifter* lifter, TrackUpdate& update) const {
+    auto boxes = measurement_.toMap(T_map_robot, detections, lifter, update.detections_dropped);
+    for (MeasuredBox& box : boxes) box = noise_.scaled(std::move(box));
+    auto measured = consistency_.withoutDuplicates(std::move(boxes));
+    if (!measured.duplicates.empty()) {
+      update.detections_dropped["duplicate"] = measured.duplicates.size();
+    }
+    update.detections_used = measured.boxes.size();
     return measured;
   }
 
@@ -106,19 +107,14 @@ class MovingObjectTracker::Implementation {
   }
 
   void continueTracks(const Matches& matches, std::size_t frame, Time time,
-                      const std::vector<MeasuredBox>& measured) {
+                      const std::vector<ExpectedPlace>& expected, const DistinctBoxes& measured) {
     for (const auto& [track, detection] : matches.pairs) {
-      objects_[track].update(frame, time, measured[detection]);
+      const MeasuredBox& box = measured.likeliest(detection, expected[track]);
+      objects_[track].update(frame, time, box);
+      if (objects_[track].grown()) noise_.learn(expected[track], box);
     }
     for (TrackedObject& object : objects_) {
       if (!object.seenAt(time)) object.miss();
-    }
-  }
-
-  void learnNoise(const Matches& matches, const std::vector<ExpectedPlace>& expected,
-                  const std::vector<MeasuredBox>& measured) {
-    for (const auto& [track, detection] : matches.pairs) {
-      if (objects_[track].grown()) noise_.learn(expected[track], measured[detection]);
     }
   }
 
@@ -144,14 +140,21 @@ class MovingObjectTracker::Implementation {
 
   TrackUpdate publish(Time time, TrackUpdate update) {
     const auto window = static_cast<std::size_t>(params_.smoothing.window) + 1;
+    std::vector<const TrackedObject*> shown;
     for (TrackedObject& object : objects_) {
       object.settle(window, time, update.settled);
-      if (!object.shown(time) || (!object.seenAt(time) && !view_.covers(object.position())))
-        continue;
-      update.tracks.push_back(object.shownAt(time));
-      update.tracks.back().predictions = object.predictions;
+      if (isShown(object, time)) shown.push_back(&object);
+    }
+    for (const TrackedObject* object : withoutRivals(shown, params_.consistency.rival_distance_m)) {
+      Track& track = update.tracks.emplace_back(object->shownAt(time));
+      track.box2d = object->imageBoxAt(time, view_.inSensor(object->position()));
+      track.predictions = object->predictions;
     }
     return update;
+  }
+
+  [[nodiscard]] bool isShown(const TrackedObject& object, Time time) const {
+    return object.shown(time) && (object.seenAt(time) || view_.covers(object.position()));
   }
 
   ObjectsParams params_;

@@ -32,6 +32,8 @@ void ConsistencyParams::describe(Params::Section section) {
               "3D boxes that overlap more are one object");
   section.add("duplicate_overlap_2d", duplicate_overlap_2d, 0.0, 1.0, "IoU",
               "2D boxes that overlap more are one object");
+  section.add("rival_distance", rival_distance_m, 0.0, 10.0, "m",
+              "Tracks of different kinds nearer than this are one object: the surest is shown");
   section.add("hint_bonus", hint_bonus, 0.0, 100.0, "",
               "Taken off the cost of a match where the detector's own id agrees");
 }
@@ -123,7 +125,7 @@ void SmoothingParams::describe(Params::Section section) {
 void LifecycleParams::describe(Params::Section section) {
   section.add("confirm_hits", confirm_hits, 1, 1000, "frames",
               "Detections that a confirmed track must have had");
-  section.add("confirm_score", confirm_score, -1e6, 1e6, "detector's scale",
+  addPerClass(section, "confirm_score", confirm_score, -1e6, 1e6, "detector's scale",
               "What their scores must add up to");
   section.add("confirm_anyway_hits", confirm_anyway_hits, 1, 1000, "frames",
               "Detections that confirm a track whatever their scores add up to");
@@ -135,6 +137,8 @@ void LifecycleParams::describe(Params::Section section) {
               "A track is shown unseen for at most this share of the frames it was seen in");
   section.add("coast_sigma", coast_sigma_m, 0.0, 100.0, "m",
               "A track is shown unseen only while its place is known this well");
+  addPerClass(section, "coast_score", coast_score, -1e6, 1e6, "detector's scale",
+              "A track is shown unseen only if its score is at least this");
   section.add("tentative_time", tentative_time_s, 0.0, 100.0, "s",
               "A tentative track unseen for longer ends");
   section.add("coast_time", coast_time_s, 0.0, 100.0, "s",

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "carried_box.h"
 #include "recent_motion.h"
 
 namespace headway::objects {
@@ -22,8 +23,8 @@ TrackedObject::TrackedObject(TrackId id, std::size_t frame, Time time, const Mea
       verdict_(params.verdict),
       detector_id_(first.detector_id),
       box2d_(first.box2d),
+      seen_from_(first.seen_from),
       score_sum_(first.score),
-
       first_seen_(time),
       last_seen_(time) {
   voteClass(first);
@@ -40,6 +41,7 @@ void TrackedObject::update(std::size_t frame, Time time, const MeasuredBox& dete
   score_sum_ += detection.score;
   if (detection.detector_id) detector_id_ = detection.detector_id;
   box2d_ = detection.box2d;
+  seen_from_ = detection.seen_from;
   last_seen_ = time;
   misses_ = 0;
   ++hits_;
@@ -48,7 +50,8 @@ void TrackedObject::update(std::size_t frame, Time time, const MeasuredBox& dete
 
 void TrackedObject::confirm() {
   const LifecycleParams& life = params_.lifecycle;
-  const bool sure = hits_ >= life.confirm_hits && score_sum_ >= life.confirm_score;
+  const bool sure =
+      hits_ >= life.confirm_hits && score_sum_ >= life.confirm_score.of(object_class_);
   confirmed_ = confirmed_ || sure || hits_ >= life.confirm_anyway_hits;
 }
 
@@ -95,6 +98,10 @@ ExpectedPlace TrackedObject::expected() const {
 
 bool TrackedObject::grown() const { return hits_ >= params_.smoothing.grown_length; }
 
+double TrackedObject::score() const {
+  return score_sum_ / (hits_ + all_misses_ + params_.lifecycle.score_prior);
+}
+
 TrackStatus TrackedObject::statusAt(Time time) const {
   const LifecycleParams& life = params_.lifecycle;
   const double unseen = time - last_seen_;
@@ -109,7 +116,8 @@ bool TrackedObject::shown(Time time) const {
   const LifecycleParams& life = params_.lifecycle;
   if (seenAt(time) || !confirmed_) return true;
   return time - last_seen_ <= life.coast_time_s + kFrameJitter_s &&
-         misses_ <= life.coast_share * hits_ && filter_.placeSigma() <= life.coast_sigma_m;
+         misses_ <= life.coast_share * hits_ && score() >= life.coast_score.of(object_class_) &&
+         filter_.placeSigma() <= life.coast_sigma_m;
 }
 
 Eigen::Vector3d TrackedObject::positionAt(Time time) const {
@@ -129,7 +137,7 @@ Track TrackedObject::shownAt(Time time) const {
   track.object_class = object_class_;
   track.status = statusAt(time);
   track.moving = verdict_.moving();
-  track.score = score_sum_ / (hits_ + misses_ + params_.lifecycle.score_prior);
+  track.score = score();
   track.position = positionAt(time);
   track.velocity = filter_.velocity();
   track.yaw = filter_.yaw();
@@ -138,11 +146,15 @@ Track TrackedObject::shownAt(Time time) const {
   track.position_covariance.setZero();
   track.position_covariance.topLeftCorner<2, 2>() = filter_.positionCovariance();
   track.position_covariance(2, 2) = filter_.verticalVariance();
-  if (seenAt(time)) track.box2d = box2d_;
   track.first_seen = first_seen_;
   track.last_seen = last_seen_;
   track.recent_path = trajectory_.path;
   return track;
+}
+
+std::optional<Box2d> TrackedObject::imageBoxAt(Time time, const Eigen::Vector3d& place) const {
+  if (seenAt(time) || !box2d_) return box2d_;
+  return carriedBox(*box2d_, seen_from_, place, filter_.size().z());
 }
 
 void TrackedObject::settle(std::size_t window, Time time, std::vector<TrackSample>& samples) {

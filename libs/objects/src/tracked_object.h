@@ -31,7 +31,10 @@ class TrackedObject {
   void refine(Time time, const TrajectorySmoother& smoother);
 
   /// Not seen in a frame that was looked at.
-  void miss() { ++misses_; }
+  void miss() {
+    ++misses_;
+    ++all_misses_;
+  }
 
   /// Where the next detection should be.
   [[nodiscard]] ExpectedPlace expected() const;
@@ -44,12 +47,19 @@ class TrackedObject {
   [[nodiscard]] MotionGroup group() const { return motionGroupOf(object_class_); }
   [[nodiscard]] bool seenAt(Time time) const { return last_seen_ == time; }
   [[nodiscard]] Eigen::Vector3d position() const { return filter_.position(); }
+  /// Mean of its detections' scores; frames unseen, and a few before the first, count as 0.
+  [[nodiscard]] double score() const;
 
   /// What a predictor may know at `time`: the smoothed path, carried on where it was not seen.
   void historyAt(std::size_t frame, Time time, MotionHistory& history) const;
 
   /// The object as shown to the outside, without its predictions.
   [[nodiscard]] Track shownAt(Time time) const;
+
+  /// Box in the image; where it was not seen, the last one carried on to where it should be now.
+  ///
+  /// @param place  of the object now, in the sensor's optical frame [m]
+  [[nodiscard]] std::optional<Box2d> imageBoxAt(Time time, const Eigen::Vector3d& place) const;
 
   /// Places that left the smoothing window, as samples.
   void settle(std::size_t window, Time time, std::vector<TrackSample>& samples);
@@ -71,11 +81,13 @@ class TrackedObject {
   Trajectory trajectory_;
   std::array<double, kObjectClassCount> class_votes_{};
   std::optional<std::int64_t> detector_id_;
-  std::optional<Box2d> box2d_;
+  std::optional<Box2d> box2d_;                            ///< as last seen
+  Eigen::Vector3d seen_from_ = Eigen::Vector3d::UnitZ();  ///< where the object then was
   double standing_headings_ = 1.0;  ///< measurements in the heading of a standing object
   double score_sum_ = 0.0;
   int hits_ = 1;
   int misses_ = 0;  ///< in a row
+  int all_misses_ = 0;
   bool confirmed_ = false;
   Time first_seen_;
   Time last_seen_;

@@ -61,7 +61,7 @@ struct Track {
   Eigen::Vector3d size = Eigen::Vector3d::Zero();      ///< (length, width, height) [m]
   Eigen::Matrix3d position_covariance = Eigen::Matrix3d::Identity();  ///< map frame [m^2]
 
-  std::optional<Box2d> box2d;                ///< of the detection matched in this frame [px]
+  std::optional<Box2d> box2d;                ///< as last seen, carried on to now [px]
   Time first_seen = 0.0;                     ///< [s]
   Time last_seen = 0.0;                      ///< [s]
   std::vector<TrajectoryPoint> recent_path;  ///< the smoothed window, oldest first

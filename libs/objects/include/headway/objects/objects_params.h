@@ -19,14 +19,15 @@ struct ConsistencyParams {
       0.35;  ///< centres nearer than this share of the width: one object [-]
   double duplicate_overlap_3d = 0.4;  ///< 3D boxes overlapping more (IoU): one object [-]
   double duplicate_overlap_2d = 0.8;  ///< 2D boxes overlapping more (IoU): one object [-]
-  double hint_bonus = 1.0;            ///< taken off the cost where the detector's id agrees [-]
+  double rival_distance_m = 0.5;  ///< nearer tracks of other kinds: only the surest is shown [m]
+  double hint_bonus = 1.0;        ///< taken off the cost where the detector's id agrees [-]
 
   void describe(Params::Section section);
 };
 
 /// How objects move and how well they are measured (Sec. III-C2).
 struct FilterParams {
-  PerClass<double> acceleration_sigma = {1.2, 0.8, 0.5};    ///< manoeuvres [m/s^2]
+  PerClass<double> acceleration_sigma = {1.0, 0.8, 0.5};    ///< manoeuvres [m/s^2]
   PerClass<double> initial_speed_sigma = {10.0, 5.0, 1.5};  ///< of a new object [m/s]
   double standing_share = 0.3;           ///< of the acceleration, for an object that stands [-]
   double acceleration_time_s = 1.0;      ///< correlation time of an acceleration [s]
@@ -93,16 +94,17 @@ struct SmoothingParams {
 
 /// Birth, life and end of tracks.
 struct LifecycleParams {
-  int confirm_hits = 2;            ///< detections that a confirmed track must have had
-  double confirm_score = 1.0;      ///< and what their scores must add up to [detector's scale]
-  int confirm_anyway_hits = 6;     ///< detections that confirm a track whatever they scored
-  double start_score = -0.3;       ///< less sure detections start no track [detector's scale]
-  double score_prior = 5.0;        ///< frames of score 0 that every track starts with
-  double coast_share = 1.0;        ///< frames unseen that each frame seen allows [-]
-  double coast_sigma_m = 0.45;      ///< and only while its place is known this well [m]
-  double tentative_time_s = 0.35;  ///< a tentative track unseen for longer ends [s]
-  double coast_time_s = 0.3;       ///< a confirmed track unseen for longer is no longer shown [s]
-  double retrack_time_s = 1.5;     ///< and unseen for longer than this it ends for good [s]
+  int confirm_hits = 2;  ///< detections that a confirmed track must have had
+  PerClass<double> confirm_score = {-2.0, 2.0, 2.0};  ///< that their scores must add up to [-]
+  int confirm_anyway_hits = 6;  ///< detections that confirm a track whatever they scored
+  double start_score = -1.0;    ///< less sure detections start no track [detector's scale]
+  double score_prior = 5.0;     ///< frames of score 0 that every track starts with
+  double coast_share = 1.0;     ///< frames unseen that each frame seen allows [-]
+  double coast_sigma_m = 0.6;   ///< and only while its place is known this well [m]
+  PerClass<double> coast_score = {0.1, 0.5, 0.4};  ///< and only if it scores this [detector's]
+  double tentative_time_s = 0.35;                  ///< a tentative track unseen for longer ends [s]
+  double coast_time_s = 0.4;    ///< a confirmed track unseen for longer is no longer shown [s]
+  double retrack_time_s = 1.5;  ///< and unseen for longer than this it ends for good [s]
 
   void describe(Params::Section section);
 };
