@@ -7,6 +7,8 @@
 #include <cmath>
 #include <exception>
 
+#include "kitti_scores.h"
+
 namespace headway::replay {
 namespace {
 
@@ -42,7 +44,8 @@ FrameWriters::FrameWriters(const std::filesystem::path& folder,
       detections_(folder / "detections.csv"),
       tracks_(folder / "tracks.csv"),
       smoothed_(folder / "tracks_smoothed.csv"),
-      kitti_(folder / "tracks_kitti.txt"),
+      kitti_path_(folder / "tracks_kitti.txt"),
+      kitti_(kitti_path_),
       predictions_(folder / "predictions.csv") {
   detections_.stream() << io::detectionCsvHeader() << '\n';
   tracks_.stream() << io::trackCsvHeader() << '\n';
@@ -77,6 +80,7 @@ void FrameWriters::writeTrack(const pipeline::PerceptionUpdate& update, const Tr
                               const Pose& T_sensor_map) {
   io::writeTrackCsv(tracks_.stream(), {update.frame, update.time, track});
   io::writeKittiResult(kitti_.stream(), kittiRow(update.frame, track, T_sensor_map, camera_.get()));
+  scores_[track.id.value] = track.score;
   for (const auto& path : track.predictions) {
     for (const auto& point : path.points) {
       io::writePredictionCsv(predictions_.stream(),
@@ -92,7 +96,7 @@ void FrameWriters::writeSmoothed(const std::vector<TrackSample>& samples) {
   }
 }
 
-void FrameWriters::flush() {
+void FrameWriters::finish() {
   std::exception_ptr failure;  // the first one; the other files are still brought to disk
   for (auto* file : {&trajectory_, &detections_, &tracks_, &smoothed_, &kitti_, &predictions_}) {
     try {
@@ -102,6 +106,7 @@ void FrameWriters::flush() {
     }
   }
   if (failure) std::rethrow_exception(failure);
+  rescoreKittiResults(kitti_path_, scores_);
 }
 
 void writeTrajectories(const std::filesystem::path& folder,

@@ -5,6 +5,7 @@
 #include <headway/pipeline/perception.h>
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -24,8 +25,10 @@ class FrameWriters {
   /// @throws InputError naming the file that could not be written
   void write(const pipeline::PerceptionUpdate& update);
   void writeSmoothed(const std::vector<TrackSample>& samples);
+  /// Brings everything to disk, and gives every row of tracks_kitti.txt its track's last score.
+  ///
   /// @throws InputError naming the file that could not be written
-  void flush();
+  void finish();
 
  private:
   void writeTrack(const pipeline::PerceptionUpdate& update, const Track& track,
@@ -36,8 +39,10 @@ class FrameWriters {
   OutputFile detections_;
   OutputFile tracks_;
   OutputFile smoothed_;
+  std::filesystem::path kitti_path_;
   OutputFile kitti_;
   OutputFile predictions_;
+  std::map<std::int64_t, double> scores_;  ///< track id -> score, as last known
 };
 
 /// Writes trajectory.tum and trajectory_kitti.txt.

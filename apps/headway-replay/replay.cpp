@@ -196,7 +196,7 @@ void Replay::finish() {
   };
   attempt([&] {
     writers_.writeSmoothed(perception_.flush());
-    writers_.flush();
+    writers_.finish();
   });
   attempt([&] {
     writeTrajectories(folder_, trajectory,

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <map>
 #include <set>
 #include <thread>
 
@@ -48,6 +49,15 @@ TEST(StreetTest, moversAreTrackedAndPredicted) {
   }
   EXPECT_GE(predicted.size(), test::kStreetMovers);
   EXPECT_EQ(run.summary["tracks_moving"], moving.size());
+}
+
+TEST(StreetTest, everyTrackHasOneScore) {
+  std::map<std::int64_t, std::set<double>> scores;
+  for (const auto& row : io::readKittiRows(streetRun().file("tracks_kitti.txt"))) {
+    scores[row.id].insert(row.score);
+  }
+  EXPECT_GE(scores.size(), test::kStreetMovers);
+  for (const auto& [id, of_track] : scores) EXPECT_EQ(1u, of_track.size()) << "track " << id;
 }
 
 TEST(StreetTest, leavesEveryFileOfTheContract) {
