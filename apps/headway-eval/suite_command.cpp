@@ -1,4 +1,5 @@
 #include <headway/core/error.h>
+#include <headway/io/degrade.h>
 #include <headway/program/progress.h>
 
 #include <algorithm>
@@ -25,6 +26,7 @@ struct Options {
   std::string worlds = "config/worlds";
   std::string folder = "suite";
   std::string kitti;
+  std::string degrade;
   pipeline::PerceptionParams perception;
   bool quiet = false;
   Outputs outputs;
@@ -41,14 +43,22 @@ bool parse(Options& options, int argc, const char** argv) {
   line.flag(options.quick, 0, "quick", "Only the first 80 frames of every world");
   line.option(options.frames, 0, "frames", "N", "No more than the first N frames of every world");
   line.option(options.worlds, 0, "worlds", "DIR",
-              "Worlds to draw: a folder of .ini files, or one; default config/worlds");
+              "Worlds to draw: a folder of .ini files, one, or none; default config/worlds");
   line.option(options.folder, 'o', "output", "OUTDIR",
               "Where recordings and tables go; default suite");
   line.option(options.kitti, 0, "kitti", "DIR",
               "KITTI's tracking benchmark: its sequences become rows, too");
+  line.option(options.degrade, 0, "degrade", "FILE.ini",
+              "Judge positions also on KITTI's boxes made worse, seeds 1 to 5");
   line.parameters(params);
   options.outputs.describe(line);
   if (!line.parse(argc, argv)) return false;
+  if (!options.degrade.empty() && options.kitti.empty()) {
+    throw program::UsageError("--degrade makes KITTI's boxes worse: give --kitti DIR, too");
+  }
+  if (options.worlds == "none" && options.kitti.empty()) {
+    throw program::UsageError("--worlds none leaves nothing to judge without --kitti DIR");
+  }
   options.quiet = line.quiet();
   options.outputs.requireWritable();
   program::requireWritable(options.folder, options.outputs.overwrite());
@@ -56,6 +66,7 @@ bool parse(Options& options, int argc, const char** argv) {
 }
 
 std::vector<std::string> worldFiles(const std::string& path) {
+  if (path == "none") return {};
   if (fs::is_regular_file(path)) return {path};
   if (!fs::is_directory(path)) throw InputError(path + ": no such folder of worlds; --worlds DIR");
   std::vector<std::string> files;
@@ -86,12 +97,14 @@ class Suite {
     }
     closeGroup("all worlds");
     if (options_.kitti.empty()) return std::move(entries_);
-    for (const auto& recording : readKittiTracking(options_.kitti)) {
+    const auto recordings = readKittiTracking(options_.kitti);
+    for (const auto& recording : recordings) {
       if (program::interrupted()) break;
       addObjects(recording, options_.perception.objects);
       entries_.back().in_plot = false;
     }
     closeGroup("all KITTI");
+    if (!options_.degrade.empty()) judgeDegraded(recordings);
     return std::move(entries_);
   }
 
@@ -128,9 +141,31 @@ class Suite {
     ++in_group_;
   }
 
+  /// Adds an entry for each seed: positions from all recordings with their boxes made worse.
+  void judgeDegraded(const std::vector<ObjectRecording>& recordings) {
+    constexpr int kSeeds = 5;
+    io::DegradeParams degrade;
+    Params params;
+    degrade.describe(params.section("degrade"));
+    params.loadFile(options_.degrade);
+    for (int seed = 1; seed <= kSeeds && !program::interrupted(); ++seed) {
+      degrade.seed = seed;
+      ObjectFigures together;
+      for (ObjectRecording recording : recordings) {
+        io::Degrader degrader(degrade);
+        for (auto& frame : recording.frames) {
+          if (frame.detections) frame.detections = degrader.degrade(*frame.detections);
+        }
+        add(runTracks(recording, options_.perception.objects), together);
+      }
+      const auto name = "all KITTI, degraded, seed " + std::to_string(seed);
+      entries_.push_back({name, {}, judgeObjects(together), false, true});
+    }
+  }
+
   /// Adds an entry for all recordings since the last group.
   void closeGroup(const std::string& name) {
-    if (in_group_ > 1) entries_.push_back({name, {}, judgeObjects(group_)});
+    if (in_group_ > 1) entries_.push_back({name, {}, judgeObjects(group_), true, true});
     group_ = {};
     in_group_ = 0;
   }

@@ -5,6 +5,7 @@
 #include <headway/pipeline/moving_regions.h>
 
 #include <cmath>
+#include <map>
 
 #include "camera_poses.h"
 #include "prediction_judging.h"
@@ -38,6 +39,7 @@ LayerRun runLayer(const ObjectRecording& recording, const objects::ObjectsParams
   perception_params.objects = params;
   pipeline::Perception perception(nullptr, perception_params);
   LayerRun run;
+  std::map<std::int64_t, double> scores;
   for (const auto& frame : recording.frames) {
     const auto update = perception.process(frame);
     if (run.tracks.size() <= frame.index) run.tracks.resize(frame.index + 1);
@@ -45,10 +47,14 @@ LayerRun runLayer(const ObjectRecording& recording, const objects::ObjectsParams
     for (const auto& track : update.objects.tracks) {
       if (!isShown(track)) continue;
       run.tracks[frame.index].estimates.push_back(boxOf(track, T_cam_map, recording.camera));
+      scores[track.id.value] = track.score;
       if (track.predictions.empty()) continue;
       run.predictions.push_back(
           {frame.index, frame.time, track.id, track.object_class, track.predictions});
     }
+  }
+  for (auto& frame : run.tracks) {  // as a replay's tracks_kitti.txt: each track has one score
+    for (auto& box : frame.estimates) box.score = scores.at(box.id);
   }
   return run;
 }
@@ -114,10 +120,15 @@ eval::PredictionJudge judgeOnTracks(const std::vector<eval::TrueObject>& truth,
 
 }  // namespace
 
-ObjectFigures runObjects(const ObjectRecording& recording, const objects::ObjectsParams& params) {
+ObjectFigures runTracks(const ObjectRecording& recording, const objects::ObjectsParams& params) {
   ObjectFigures figures;
   figures.raw = {beside(recording, rawBoxes(recording))};
   figures.tracks = {beside(recording, runLayer(recording, params).tracks)};
+  return figures;
+}
+
+ObjectFigures runObjects(const ObjectRecording& recording, const objects::ObjectsParams& params) {
+  ObjectFigures figures = runTracks(recording, params);
   PredictionSequence truth;
   truth.name = recording.name;
   truth.T_map_cam = cameraPoses(recording);

@@ -23,6 +23,10 @@ struct ObjectFigures {
   PredictorJudges on_truth;                    ///< predictions from exact histories
 };
 
+/// Runs the moving-object layer once: detections and tracks beside the truth, no predictions.
+[[nodiscard]] ObjectFigures runTracks(const ObjectRecording& recording,
+                                      const objects::ObjectsParams& params);
+
 /// Runs the moving-object layer with every predictor.
 [[nodiscard]] ObjectFigures runObjects(const ObjectRecording& recording,
                                        const objects::ObjectsParams& params);

@@ -146,10 +146,27 @@ TextTable predictionTable(
       continue;
     }
     const auto& predictors = (*entry.objects).*figures;
+    if (predictors.empty()) continue;
     table.push_back({entry.name, std::to_string(predictors.front().second.all.cases)});
     for (const auto& [name, errors] : predictors) {
       table.back().push_back(fixedText(errors.all.ade_m, 3) + " / " +
                              fixedText(errors.all.fde_m, 3));
+    }
+  }
+  return table;
+}
+
+TextTable predictorTable(const ObjectErrors& errors) {
+  TextTable table = {{"predictor", "exact: ADE m", "FDE m", "in 90 % ellipse at 1 / 2 / 3 s",
+                      "own tracks: ADE m", "FDE m", "in 90 % ellipse at 1 / 2 / 3 s"}};
+  for (std::size_t i = 0; i < errors.on_truth.size(); ++i) {
+    table.push_back({errors.on_truth[i].first});
+    for (const auto* on : {&errors.on_truth[i].second.all, &errors.on_tracks.at(i).second.all}) {
+      table.back().push_back(fixedText(on->ade_m, 3));
+      table.back().push_back(fixedText(on->fde_m, 3));
+      const auto& inside = on->coverage[1];
+      table.back().push_back(percentText(inside[0]) + " / " + percentText(inside[1]) + " / " +
+                             percentText(inside[2]));
     }
   }
   return table;
@@ -174,6 +191,11 @@ void writeSuite(std::ostream& out, const std::vector<SuiteEntry>& entries) {
   eval::writeTable(out, predictionTable(entries, &ObjectErrors::on_tracks));
   out << "\nPredictions on exact histories: ADE / FDE in m over 3 s\n\n";
   eval::writeTable(out, predictionTable(entries, &ObjectErrors::on_truth));
+  for (const auto& entry : entries) {
+    if (!entry.is_group || !entry.objects || entry.objects->on_truth.empty()) continue;
+    out << "\nPredictors, " << entry.name << "\n\n";
+    eval::writeTable(out, predictorTable(*entry.objects));
+  }
   out << "\nPositions of objects: the detector's and ours\n\n";
   eval::writeTable(out, objectTable(entries));
 }

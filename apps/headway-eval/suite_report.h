@@ -45,6 +45,7 @@ struct SuiteEntry {
   std::vector<std::pair<std::string, CameraFigures>> camera;  ///< by rejection; empty: no images
   std::optional<ObjectErrors> objects;                        ///< none if it was interrupted
   bool in_plot = true;
+  bool is_group = false;  ///< several recordings, judged as one set
 };
 
 /// The paper's Table I: RMSE / mean / SD of the camera's position.
@@ -55,6 +56,9 @@ struct SuiteEntry {
 [[nodiscard]] eval::TextTable predictionTable(
     const std::vector<SuiteEntry>& entries,
     std::vector<std::pair<std::string, eval::PredictionErrors>> ObjectErrors::*figures);
+/// Every predictor on one set of recordings: errors and the share inside the 90 % ellipse, on exact
+/// histories and on the layer's own tracks.
+[[nodiscard]] eval::TextTable predictorTable(const ObjectErrors& errors);
 /// The paper's Table III: positions of raw detections and of ours.
 [[nodiscard]] eval::TextTable objectTable(const std::vector<SuiteEntry>& entries);
 

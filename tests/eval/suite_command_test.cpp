@@ -48,6 +48,11 @@ TEST_F(SuiteCommandTest, drawsReplaysAndPrintsThreeTables) {
   EXPECT_THAT(again.error, HasSubstr("exists already"));
 }
 
+TEST_F(SuiteCommandTest, nothingToJudgeIsAMistakeOfUsage) {
+  EXPECT_EQ(2, runEval("suite --worlds none -o " + std::string(folder_ / "out")).status);
+  EXPECT_EQ(2, runEval("suite --degrade x.ini -o " + std::string(folder_ / "out")).status);
+}
+
 TEST_F(SuiteCommandTest, worldsThatCannotBeAreNamed) {
   const auto result = runEval("suite --worlds " + world("no_such_key = 1\n") + " -o " +
                               std::string(folder_ / "out"));
