@@ -1,12 +1,18 @@
-// What the moving-object layer costs: each predictor for one object, and the whole layer for n.
+// What the moving-object layer costs: each predictor for one object, the whole layer for n objects
+// (with the exponent of its growth), and the whole layer on KITTI's sequences where HEADWAY_DATA
+// names the folder that holds kitti_tracking/.
 //
-//     bench_objects [--benchmark_filter=Predict]
+//     HEADWAY_DATA=DATA bench_objects [--benchmark_filter=predict|wholeLayer|kittiTracking]
 
 #include <benchmark/benchmark.h>
+#include <headway/io/kitti_dataset.h>
 #include <headway/objects/moving_object_tracker.h>
 #include <headway/objects/predictor.h>
 
+#include <chrono>
 #include <cmath>
+#include <cstdlib>
+#include <map>
 #include <random>
 
 namespace {
@@ -63,6 +69,16 @@ std::vector<Detection> crowd(int count, double time, std::mt19937& random) {
   return items;
 }
 
+double secondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// Mean seconds a frame by the number of objects, to see how the cost grows from 50 on.
+std::map<int, double>& costs() {
+  static std::map<int, double> kCosts;
+  return kCosts;
+}
+
 void wholeLayer(benchmark::State& state) {
   const int count = static_cast<int>(state.range(0));
   ObjectsParams params;
@@ -71,20 +87,66 @@ void wholeLayer(benchmark::State& state) {
   std::mt19937 random(1);
   std::size_t frame = 0;
   std::size_t tracks = 0;
+  double total_s = 0.0;
   for (auto _ : state) {
-    state.PauseTiming();
     const double time = 0.1 * static_cast<double>(frame);
     Detections detections;
     detections.time = time;
     detections.items = crowd(count, std::fmod(time, 1.0), random);
-    state.ResumeTiming();
+    const auto start = std::chrono::steady_clock::now();
     const auto update = tracker.update(frame++, {time, Pose::Identity()}, detections);
+    const double cost_s = secondsSince(start);
+    state.SetIterationTime(cost_s);
+    total_s += cost_s;
     tracks = update.tracks.size();
     benchmark::DoNotOptimize(tracks);
   }
   state.counters["tracks"] = static_cast<double>(tracks);
-  state.SetComplexityN(count);
+  constexpr int kReference = 50;
+  costs()[count] = total_s / static_cast<double>(frame);
+  if (count > kReference && costs().count(kReference) > 0) {
+    state.counters["exponent_from_50"] =
+        std::log(costs()[count] / costs()[kReference]) / std::log(1.0 * count / kReference);
+  }
 }
-BENCHMARK(wholeLayer)->Arg(10)->Arg(50)->Arg(100)->Arg(300)->Arg(1000)->Iterations(100);
+BENCHMARK(wholeLayer)
+    ->Arg(10)
+    ->Arg(50)
+    ->Arg(100)
+    ->Arg(300)
+    ->Arg(1000)
+    ->Iterations(100)
+    ->UseManualTime()
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK(wholeLayer)->Arg(10000)->Iterations(5)->UseManualTime()->Unit(benchmark::kMillisecond);
+
+// The ten sequences on which trackers are compared, all three classes; reading is not counted.
+void kittiTracking(benchmark::State& state) {
+  const char* data = std::getenv("HEADWAY_DATA");
+  if (data == nullptr) return state.SkipWithError("HEADWAY_DATA names no folder of real data");
+  std::vector<std::vector<io::DatasetFrame>> sequences;
+  for (const char* name :
+       {"0001", "0006", "0008", "0010", "0012", "0013", "0014", "0015", "0016", "0018"}) {
+    const auto dataset = io::openKittiTracking(std::string(data) + "/kitti_tracking", name,
+                                               io::KittiBoxes::kPointRcnn3d);
+    auto& frames = sequences.emplace_back();
+    for (std::size_t k = 0; k < dataset->size(); ++k) frames.push_back(dataset->frame(k));
+  }
+  std::int64_t done = 0;
+  for (auto _ : state) {
+    for (const auto& frames : sequences) {
+      MovingObjectTracker tracker{ObjectsParams()};
+      for (std::size_t k = 0; k < frames.size(); ++k) {
+        const auto& frame = frames[k];
+        const auto update = tracker.update(k, {frame.time, *frame.T_map_robot}, *frame.detections);
+        benchmark::DoNotOptimize(update.tracks.data());
+        ++done;
+      }
+    }
+  }
+  state.counters["frames/s"] =
+      benchmark::Counter(static_cast<double>(done), benchmark::Counter::kIsRate);
+}
+BENCHMARK(kittiTracking)->Unit(benchmark::kMillisecond);
 
 }  // namespace
