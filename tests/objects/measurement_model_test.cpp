@@ -87,6 +87,7 @@ TEST(MeasurementModel, CountsNotANumberAndInfinity) {
       with([](Detection& d) { d.box3d->length = kNan; }),
       with([](Detection& d) { d.box3d->yaw = kInfinity; }),
       with([](Detection& d) { d.score = kNan; }),
+      with([](Detection& d) { d.box2d = Box2d{kNan, 0, 10, 10}; }),
       with([](Detection& d) { d.centre_covariance = Eigen::Matrix3d::Constant(kNan); }),
   };
   const auto outcome = measure(items);

@@ -34,6 +34,10 @@ std::vector<MeasuredBox> MeasurementModel::toMap(const Pose& T_map_robot,
   std::vector<MeasuredBox> boxes;
   boxes.reserve(detections.items.size());
   for (const Detection& item : detections.items) {
+    if (item.box2d && !isFinite(*item.box2d)) {
+      ++dropped["nan_box"];
+      continue;
+    }
     Detection lifted;
     const bool needs_lift = !item.box3d && item.box2d && lifter != nullptr;
     if (needs_lift) lift(*lifter, lifted = item);
