@@ -16,6 +16,8 @@ void describe(Options& options, program::CommandLine& line) {
       "dnn, hog, or several joined by +; default: detect.detector of the configuration");
   line.option(options.sensor_label, 0, "sensor-label", "LABEL",
               "Stereo camera to use where the rawlog holds several");
+  line.option(options.load_map, 0, "load-map", "FILE",
+              "Localise in this map.headway and map on (slam.mapping=false: localise only)");
   line.option(options.realtime, 0, "realtime", "FACTOR",
               "Play at FACTOR times the recorded rate, dropping frames when late; 0: every frame");
   line.option(options.from_index, 0, "from-index", "N", "First stereo frame to use");

@@ -9,6 +9,7 @@
 #include <headway/program/progress.h>
 #include <headway/report/report.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <iostream>
 #include <sstream>
@@ -50,6 +51,21 @@ void printCalibration(const io::CalibrationReport& report) {
       report.vertical_disparity_px, report.median_disparity_px, report.matches);
 }
 
+/// The pipeline, in the map that the options name or in a new one.
+std::unique_ptr<pipeline::Perception> beginPerception(
+    const Options& options, const std::shared_ptr<const StereoCamera>& camera,
+    const pipeline::PerceptionParams& params) {
+  auto perception = std::make_unique<pipeline::Perception>(camera, params);
+  if (options.load_map.empty()) return perception;
+  const auto stored = map::loadMap(options.load_map);
+  try {
+    perception->resume(stored);
+  } catch (const InputError& error) {
+    throw InputError(options.load_map + ": not a map to go on in: " + error.what());
+  }
+  return perception;
+}
+
 /// One line for the log: what was found, what was needed.
 std::string describe(std::size_t frame, const slam::LoopAttempt& loop) {
   const char* outcome = "closed";
@@ -75,7 +91,8 @@ Replay::Replay(const Options& options, const ReplayParams& replay_params, const 
       configuration_(textOf(params)),
       source_(options.input, sourceOptions(options, replay_params.perception.slam)),
       camera_(source_.camera()),
-      perception_(camera_, perceptionParams(options, replay_params.perception)),
+      perception_(beginPerception(options, camera_,
+                                  perceptionParams(options, replay_params.perception))),
       folder_(prepareOutputFolder(options.output, options.overwrite)),
       writers_(folder_, camera_),
       snapshots_(folder_, options.snapshots, [this](const std::string& text) { warn(text); }) {
@@ -145,13 +162,13 @@ void Replay::process(const RecordedFrame& frame, double progress) {
   const double cpu_before = processCpuMs();
   StageTimes span;
   const auto watch = span.watch("frame");
-  const auto update = perception_.process(frame);
+  const auto update = perception_->process(frame);
   summary_.frame_ms.push_back(watch.elapsedMs() + frame.rectify_ms);
   summary_.cpu_ms += processCpuMs() - cpu_before + frame.rectify_ms;
 
   count(frame, update);
   writers_.write(update);
-  snapshots_.add(perception_, update, frame, progress);
+  snapshots_.add(*perception_, update, frame, progress);
 }
 
 void Replay::count(const RecordedFrame& frame, const pipeline::PerceptionUpdate& update) {
@@ -185,7 +202,7 @@ void Replay::countLostFrames(const std::vector<slam::FrameEstimate>& trajectory)
 }
 
 void Replay::finish() {
-  const auto trajectory = perception_.trajectory();
+  const auto trajectory = perception_->trajectory();
   std::exception_ptr failure;  // the first one; one file that fails must not cost the others
   const auto attempt = [&failure](const auto& step) {
     try {
@@ -195,7 +212,7 @@ void Replay::finish() {
     }
   };
   attempt([&] {
-    writers_.writeSmoothed(perception_.flush());
+    writers_.writeSmoothed(perception_->flush());
     writers_.finish();
   });
   attempt([&] {
@@ -203,7 +220,8 @@ void Replay::finish() {
                       camera_ != nullptr ? camera_->T_robot_cam : robotFromOptical());
   });
   attempt([&] { writeMap(trajectory); });
-  attempt([&] { snapshots_.finish(perception_); });
+  warnIfNeverRecognised(trajectory);
+  attempt([&] { snapshots_.finish(*perception_); });
   attempt([&] {
     summarise(trajectory);
     writeSummary(folder_ / "summary.json", summary_);
@@ -214,23 +232,21 @@ void Replay::finish() {
 
 void Replay::summarise(const std::vector<slam::FrameEstimate>& trajectory) {
   countLostFrames(trajectory);
-  const auto still_world = perception_.map().stillWorld();
+  const auto still_world = perception_->map().stillWorld();
   summary_.keyframes = still_world->keyframes.size();
   summary_.landmarks = still_world->landmarks.size();
   summary_.tracks_confirmed = seen_tracks_.size();
   for (const auto& [id, moving] : seen_tracks_) summary_.tracks_moving += moving ? 1 : 0;
-  summary_.stages.merge(perception_.times());
+  summary_.stages.merge(perception_->times());
   summary_.observations_skipped = source_.skipped();
   summary_.total_s = secondsSinceProcessStart();
 }
 
 void Replay::writeMap(const std::vector<slam::FrameEstimate>& trajectory) {
   if (trajectory.empty()) return;
-  map::StoredMap stored;
-  stored.map = perception_.map();
+  map::StoredMap stored = perception_->stored();
   stored.configuration = configuration_;
   if (camera_ != nullptr) {
-    stored.camera = *camera_;
     if (const auto grid = map::buildStaticGrid(*stored.map.stillWorld(), *camera_, {})) {
       stored.map.update(grid);
       map::writeStaticGrid(folder_ / "map_grid", *grid);
@@ -239,6 +255,15 @@ void Replay::writeMap(const std::vector<slam::FrameEstimate>& trajectory) {
   map::saveMap(folder_ / "map.headway", stored);
   map::writeSimpleMap(folder_ / "map.simplemap", *stored.map.stillWorld());
   map::writePly(folder_ / "map_points.ply", *stored.map.stillWorld());
+}
+
+void Replay::warnIfNeverRecognised(const std::vector<slam::FrameEstimate>& trajectory) const {
+  const auto tracked = [](const slam::FrameEstimate& estimate) { return estimate.tracked; };
+  if (options_.load_map.empty() || std::any_of(trajectory.begin(), trajectory.end(), tracked)) {
+    return;
+  }
+  warn("no frame was recognised in " + options_.load_map +
+       ": is it a map of this place? Its landmarks and keyframes were left as they are");
 }
 
 void Replay::warn(const std::string& text) const {

@@ -40,7 +40,7 @@ struct ReplayParams {
 ///     replay.run();
 class Replay {
  public:
-  /// Opens the rawlog and makes the folder ready.
+  /// Opens the rawlog and the map to go on in, and then makes the folder ready.
   ///
   /// @param params  the same parameters as named values, for replay.json and map.headway
   /// @throws InputError
@@ -64,6 +64,7 @@ class Replay {
   void finish();
   void summarise(const std::vector<slam::FrameEstimate>& trajectory);
   void writeMap(const std::vector<slam::FrameEstimate>& trajectory);
+  void warnIfNeverRecognised(const std::vector<slam::FrameEstimate>& trajectory) const;
   void warn(const std::string& text) const;
 
   Options options_;
@@ -71,8 +72,8 @@ class Replay {
   std::string configuration_;  ///< as .ini text
   io::RawlogSource source_;
   std::shared_ptr<const StereoCamera> camera_;
+  std::unique_ptr<pipeline::Perception> perception_;
   std::map<std::size_t, Detections> side_detections_;
-  pipeline::Perception perception_;
   std::filesystem::path folder_;
   FrameWriters writers_;
   Snapshots snapshots_;

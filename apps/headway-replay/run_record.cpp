@@ -28,6 +28,7 @@ void writeRunRecord(const std::filesystem::path& path, const Options& options,
   json["version"] = program::kVersion;
   json["input"] = {{"rawlog", pathJson(options.input)},
                    {"detections", pathJson(options.detections)},
+                   {"map", pathJson(options.load_map)},
                    {"sensor_label", options.sensor_label}};
   json["options"] = {{"realtime", options.realtime},
                      {"from_index", indexJson(options.from_index)},

@@ -1,7 +1,10 @@
+#include <headway/core/error.h>
 #include <headway/pipeline/perception.h>
 
 namespace headway::pipeline {
 namespace {
+
+constexpr char kSlamAttachment[] = "slam";  ///< what slam keeps in a map file
 
 template <typename Work>
 double millisecondsOf(const Work& work) {
@@ -31,6 +34,29 @@ Perception::Perception(std::shared_ptr<const StereoCamera> camera, const Percept
 
 Perception::~Perception() = default;
 
+void Perception::resume(const map::StoredMap& stored) {
+  if (slam_ == nullptr) {
+    throw InputError("a map can only be taken up by a stereo camera, and here are poses alone");
+  }
+  const auto slam_map = stored.attachments.find(kSlamAttachment);
+  if (slam_map == stored.attachments.end()) {
+    throw InputError("it holds no landmarks that a camera could be localised by");
+  }
+  slam_->load(slam_map->second);
+  map_.update(slam_->map());
+  resumed_ = true;
+}
+
+map::StoredMap Perception::stored() const {
+  map::StoredMap stored;
+  stored.map = map_;
+  if (camera_ != nullptr) stored.camera = *camera_;
+  if (slam_ != nullptr && given_poses_.empty()) {
+    stored.attachments[kSlamAttachment] = slam_->save();
+  }
+  return stored;
+}
+
 PerceptionUpdate Perception::process(const RecordedFrame& frame) {
   const auto watch = times_.watch("frame");
   PerceptionUpdate update;
@@ -53,6 +79,11 @@ PerceptionUpdate Perception::process(const RecordedFrame& frame) {
 slam::SlamUpdate Perception::localise(const RecordedFrame& frame) {
   if (!frame.T_map_robot && frame.stereo && slam_ != nullptr && given_poses_.empty()) {
     return slam_->process(*frame.stereo, detection_.movingRegions(frame, tracks_));
+  }
+  if (frame.T_map_robot && resumed_) {
+    throw InputError("frame " + std::to_string(frame.index) +
+                     " brings a pose of its own, which is not in the frame of the map taken up; "
+                     "use a rawlog without label 'pose'");
   }
   slam::SlamUpdate given;
   if (frame.T_map_robot) {

@@ -3,6 +3,7 @@
 #include <headway/core/error.h>
 
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <type_traits>
 
@@ -37,12 +38,12 @@ class Reader {
   template <typename T>
   T value() {
     static_assert(std::is_arithmetic_v<T>);
-    if (bytes_.size() - at_ < sizeof(T)) throw InputError("map of slam: its data are cut off");
+    if (bytes_.size() - at_ < sizeof(T)) throw InputError("the data of slam are cut off");
     T x;
     std::memcpy(&x, bytes_.data() + at_, sizeof(T));
     at_ += sizeof(T);
     if constexpr (std::is_floating_point_v<T>) {
-      if (!std::isfinite(x)) throw InputError("map of slam: it holds a value that is not finite");
+      if (!std::isfinite(x)) throw InputError("the data of slam hold a value that is not finite");
     }
     return x;
   }
@@ -71,17 +72,34 @@ void write(Writer& out, const StereoCamera& camera) {
   }
 }
 
-void requireSame(Reader& in, const StereoCamera& camera) {
-  constexpr double kTolerance = 1e-3;  ///< relative: a calibration read back from another file
-  bool same = in.value<std::int32_t>() == camera.width;
-  same = (in.value<std::int32_t>() == camera.height) && same;
-  for (const double x : {camera.fx, camera.fy, camera.cx, camera.cy, camera.baseline_m}) {
-    same = (std::abs(in.value<double>() - x) <= kTolerance * std::abs(x)) && same;
+StereoCamera readCamera(Reader& in) {
+  StereoCamera camera;
+  camera.width = in.value<std::int32_t>();
+  camera.height = in.value<std::int32_t>();
+  for (double* x : {&camera.fx, &camera.fy, &camera.cx, &camera.cy, &camera.baseline_m}) {
+    *x = in.value<double>();
   }
+  return camera;
+}
+
+std::string textOf(const StereoCamera& camera) {
+  char text[160];
+  std::snprintf(text, sizeof text, "%dx%d px, f %.2f %.2f px, centre %.2f %.2f px, baseline %.4f m",
+                camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy,
+                camera.baseline_m);
+  return text;
+}
+
+void requireSame(const StereoCamera& recorded, const StereoCamera& camera) {
+  constexpr double kTolerance = 1e-3;  ///< relative: a calibration read back from another file
+  const auto near = [](double a, double b) { return std::abs(a - b) <= kTolerance * std::abs(b); };
+  const bool same = recorded.width == camera.width && recorded.height == camera.height &&
+                    near(recorded.fx, camera.fx) && near(recorded.fy, camera.fy) &&
+                    near(recorded.cx, camera.cx) && near(recorded.cy, camera.cy) &&
+                    near(recorded.baseline_m, camera.baseline_m);
   if (!same) {
-    throw InputError(
-        "map of slam: it was made with another camera (image size, focal length, "
-        "principal point or baseline differ); use the rawlogs of one camera");
+    throw InputError("it was made with another camera (" + textOf(recorded) + "; here " +
+                     textOf(camera) + "); use rawlogs of one camera");
   }
 }
 
@@ -125,7 +143,7 @@ LandmarkObservation readObservation(Reader& in) {
   measurement.sigma_px = in.value<double>();
   measurement.sigma_disparity_px = in.value<double>();
   if (!(measurement.sigma_px > 0.0) || !(measurement.sigma_disparity_px > 0.0)) {
-    throw InputError("map of slam: a measurement has no positive sigma");
+    throw InputError("damaged: a measurement has no positive sigma");
   }
   return observation;
 }
@@ -163,7 +181,7 @@ Landmark readLandmark(Reader& in) {
   const float last = ReferencePatch::kSize - 1;
   if (landmark.reference_level < 0 || landmark.reference_level > kMaxLevel ||
       landmark.patch.centre.minCoeff() < 0.0F || landmark.patch.centre.maxCoeff() > last) {
-    throw InputError("map of slam: a landmark's patch lies outside its range");
+    throw InputError("damaged: a landmark's patch lies outside its range");
   }
   return landmark;
 }
@@ -185,13 +203,14 @@ std::string packMap(const SparseMap& map, const StereoCamera& camera) {
 
 SparseMap unpackMap(const std::string& bytes, const StereoCamera& camera) {
   Reader in(bytes);
-  if (in.value<std::uint32_t>() != kMagic) throw InputError("map of slam: it is none");
+  if (in.value<std::uint32_t>() != kMagic)
+    throw InputError("the data of slam are of something else");
   const auto version = in.value<std::uint32_t>();
   if (version != kVersion) {
-    throw InputError("map of slam: version " + std::to_string(version) + ", this program reads " +
-                     std::to_string(kVersion));
+    throw InputError("the data of slam are of version " + std::to_string(version) +
+                     ", this program reads version " + std::to_string(kVersion));
   }
-  requireSame(in, camera);
+  requireSame(readCamera(in), camera);
   const double disparity_offset_px = in.value<double>();
   std::vector<Keyframe> keyframes;
   const auto keyframe_count = in.value<std::uint64_t>();
@@ -199,7 +218,7 @@ SparseMap unpackMap(const std::string& bytes, const StereoCamera& camera) {
   std::vector<Landmark> landmarks;
   const auto landmark_count = in.value<std::uint64_t>();
   for (std::uint64_t i = 0; i < landmark_count; ++i) landmarks.push_back(readLandmark(in));
-  if (!in.atEnd()) throw InputError("map of slam: there are data after its end");
+  if (!in.atEnd()) throw InputError("damaged: there are data after the end of slam's");
   SparseMap map(keyframes, landmarks);
   map.setDisparityOffset(disparity_offset_px);
   return map;

@@ -24,14 +24,14 @@ SparseMap::SparseMap(const std::vector<Keyframe>& keyframes,
                      const std::vector<Landmark>& landmarks) {
   for (const Keyframe& keyframe : keyframes) {
     if (!keyframe.id.valid() || !keyframes_.emplace(keyframe.id, keyframe).second) {
-      throw InputError("map of slam: a keyframe's id is not valid or comes twice");
+      throw InputError("damaged: a keyframe's id is not valid or comes twice");
     }
     keyframes_.at(keyframe.id).landmarks.clear();
     next_keyframe_ = std::max(next_keyframe_, keyframe.id.value + 1);
   }
   for (const Landmark& landmark : landmarks) {
     if (!landmark.id.valid() || !landmarks_.emplace(landmark.id, landmark).second) {
-      throw InputError("map of slam: a landmark's id is not valid or comes twice");
+      throw InputError("damaged: a landmark's id is not valid or comes twice");
     }
     next_landmark_ = std::max(next_landmark_, landmark.id.value + 1);
     link(landmark);
@@ -45,12 +45,12 @@ void SparseMap::link(const Landmark& landmark) {
     const auto& ids =
         keyframe == keyframes_.end() ? std::vector<LandmarkId>{} : keyframe->second.landmarks;
     if (keyframe == keyframes_.end() || std::binary_search(ids.begin(), ids.end(), landmark.id)) {
-      throw InputError("map of slam: a landmark's keyframe is not in the map or comes twice");
+      throw InputError("damaged: a landmark's keyframe is not in the map or comes twice");
     }
     insertSorted(keyframe->second.landmarks, landmark.id);
     refers = refers || observation.keyframe == landmark.reference;
   }
-  if (!refers) throw InputError("map of slam: a landmark is not seen by its own keyframe");
+  if (!refers) throw InputError("damaged: a landmark is not seen by its own keyframe");
 }
 
 Keyframe& SparseMap::addKeyframe(std::size_t frame, Time time, const Pose& T_map_cam) {

@@ -2,7 +2,7 @@
 
 #include <headway/core/recorded_frame.h>
 #include <headway/core/stage_times.h>
-#include <headway/map/perception_map.h>
+#include <headway/map/map_file.h>
 #include <headway/objects/moving_object_tracker.h>
 #include <headway/pipeline/detection_stage.h>
 #include <headway/slam/stereo_slam.h>
@@ -50,11 +50,24 @@ class Perception {
   Perception(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params);
   ~Perception();
 
+  /// Goes on in a stored map, before the first frame: the camera counts as lost until it is
+  /// recognised there; then its poses are in the stored map's frame, and with slam.mapping the map
+  /// grows on. What moved when the map was stored is not taken over.
+  ///
+  /// @throws InputError if there is no camera here, or the map holds nothing to be recognised by,
+  ///         is damaged, of another version or of another camera
+  void resume(const map::StoredMap& stored);
+
+  /// The map as a file keeps it, all that resume() needs included; without configuration.
+  [[nodiscard]] map::StoredMap stored() const;
+
   /// Takes one frame in. Frames come in order of time.
   ///
   /// With a recorded pose SLAM is not run. While the camera is lost, tracks are carried on by
   /// their predictions and the frame's detections are dropped as "camera_lost".
   /// A frame with neither images nor pose counts as lost.
+  ///
+  /// @throws InputError if a frame brings its own pose to a resumed map
   [[nodiscard]] PerceptionUpdate process(const RecordedFrame& frame);
 
   /// The one map: landmarks, keyframes and moving objects, as after the last frame.
@@ -80,6 +93,7 @@ class Perception {
   DetectionStage detection_;
   objects::MovingObjectTracker tracker_;
   map::PerceptionMap map_;
+  bool resumed_ = false;                          ///< the map frame is a stored map's
   std::vector<Track> tracks_;                     ///< of the previous frame
   std::vector<slam::FrameEstimate> given_poses_;  ///< frames that came with their pose
   StageTimes times_;
