@@ -50,9 +50,10 @@ std::uint32_t checksum(std::string_view bytes) {
                                      bytes.size());
 }
 
-std::string compressed(const std::string& plain) {
+/// @param plain  is not changed; MRPT's signature lacks the const
+std::string compressed(std::string& plain) {
   std::vector<unsigned char> out;
-  mrpt::io::zip::compress({plain.begin(), plain.end()}, out);
+  mrpt::io::zip::compress(plain.data(), plain.size(), out);
   return {out.begin(), out.end()};
 }
 
@@ -102,7 +103,7 @@ std::string contentsOf(const std::string& path) {
 }  // namespace
 
 void writeCheckedFile(const std::string& path, const std::vector<Section>& sections) {
-  const std::string plain = plainOf(sections);
+  std::string plain = plainOf(sections);
   const std::string packed = compressed(plain);
   const std::string partial = path + ".part";
   std::ofstream file(partial, std::ios::binary | std::ios::trunc);
