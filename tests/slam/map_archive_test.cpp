@@ -5,6 +5,8 @@
 #include <headway/slam/stereo_slam.h>
 #include <headway_test/textured_world.h>
 
+#include <random>
+
 namespace headway::slam {
 namespace {
 
@@ -96,31 +98,44 @@ class SavedHall : public testing::Test {
   std::string saved_;
 };
 
+/// A camera that is put down 20 times, at random places of the way and a little beside it.
 TEST_F(SavedHall, TellsWhereACameraStartsAgain) {
+  constexpr int kStarts = 20;
+  constexpr int kFramesAStart = 5;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> on_way(0.0, kFrames - kFramesAStart);
+  std::uniform_real_distribution<double> beside(-0.1, 0.1);
+  SlamParams params;
+  params.mapping = false;
   int found = 0;
-  for (int start = 0; start < 10; ++start) {
-    SlamParams params;
-    params.mapping = false;
+  for (int start = 0; start < kStarts; ++start) {
     StereoSlam slam(world_.camera(), params);
     slam.load(saved_);
-    Pose pose = onPath(2.9 * start);
-    pose.translation() += Eigen::Vector3d(0.03, 0.08, -0.05);
-    const auto update = slam.process(world_.frame(0, 0.0, pose), {});
-    if (update.status != TrackingStatus::kTracked) continue;
-    ++found;
-    EXPECT_LT((update.T_map_robot.translation() - pose.translation()).norm(), 0.05);
-    EXPECT_EQ(slam.save(), slam.save());
+    const double first = on_way(random);
+    const Eigen::Vector3d offset(beside(random), beside(random), beside(random));
+    for (int i = 0; i < kFramesAStart; ++i) {
+      Pose pose = onPath(first + i);
+      pose.translation() += offset;
+      const auto update = slam.process(world_.frame(i, 0.1 * i, pose), {});
+      if (update.status != TrackingStatus::kTracked) continue;
+      ++found;
+      EXPECT_LE((update.T_map_robot.translation() - pose.translation()).norm(), 0.1) << start;
+      break;
+    }
   }
-  EXPECT_EQ(found, 10);
+  EXPECT_GE(found, kStarts - 1);
 }
 
 TEST_F(SavedHall, IsNotTakenForAnotherWorld) {
-  test::TexturedWorld other(test::smallCamera(), 55);
-  other.addRoom(9.0, 7.0, 3.0);
-  StereoSlam slam(world_.camera(), SlamParams{});
-  slam.load(saved_);
-  for (int i = 0; i < 6; ++i) {
-    EXPECT_EQ(slam.process(other.frame(i, 0.1 * i, onPath(i)), {}).status, TrackingStatus::kLost);
+  for (const int seed : {55, 56, 57}) {
+    test::TexturedWorld other(test::smallCamera(), seed);
+    other.addRoom(9.0, 7.0, 3.0);
+    StereoSlam slam(world_.camera(), SlamParams{});
+    slam.load(saved_);
+    for (int i = 0; i < 5; ++i) {
+      const auto frame = other.frame(i, 0.1 * i, onPath(6 * i));
+      EXPECT_EQ(slam.process(frame, {}).status, TrackingStatus::kLost) << seed << ": " << i;
+    }
   }
 }
 

@@ -53,6 +53,22 @@ TEST(PlaceIndex, GivesOnlyWhatIsWantedAndNoMoreThanAskedFor) {
   for (const auto& match : matches) EXPECT_EQ(match.keyframe.value % 2, 1);
 }
 
+/// Neighbours see a place's corners, too, while those of a lonely keyframe are its own.
+TEST(PlaceIndex, PrefersThePlaceToAKeyframeWithMoreWordsOfItsOwn) {
+  PlaceIndex index;
+  for (unsigned i = 0; i < 8; ++i) index.add(KeyframeId{i}, place(1));
+  std::vector<Descriptor> crowded;
+  for (unsigned i = 0; i < 40; ++i) {
+    const auto more = place(100 + i);
+    crowded.insert(crowded.end(), more.begin(), more.end());
+  }
+  index.add(KeyframeId{50}, crowded);
+  auto asked = seenAgain(1);
+  const auto clutter = place(99);
+  asked.insert(asked.end(), clutter.begin(), clutter.end());
+  EXPECT_LT(index.query(asked, 1, any).at(0).keyframe.value, 8);
+}
+
 TEST(PlaceIndex, ForgetsWhatIsRemoved) {
   PlaceIndex index;
   index.add(KeyframeId{1}, place(1));

@@ -4,6 +4,8 @@
 #include <cstring>
 #include <opencv2/features2d.hpp>
 
+#include "keypoints.h"
+
 namespace headway::slam {
 namespace {
 
@@ -47,6 +49,21 @@ std::vector<int> clearlyNearest(const cv::Mat& from, const cv::Mat& to) {
   return nearest;
 }
 
+/// Adds corners spread over the image at full resolution, chosen as the mapper chooses its own.
+void addSpreadCorners(const cv::Mat& image, int count, const cv::Mat& excluded,
+                      std::vector<DescribedPoint>& points) {
+  const FeatureGrid grid(image.cols, image.rows, count);
+  const std::vector<bool> nowhere(static_cast<std::size_t>(grid.count()), false);
+  std::vector<Eigen::Vector2d> corners;
+  for (const Keypoint& keypoint : detectKeypoints(image, grid, nowhere, excluded)) {
+    corners.push_back(keypoint.uv);
+  }
+  const auto descriptors = describe(image, corners);
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (descriptors[i] != Descriptor{}) points.push_back({corners[i], descriptors[i]});
+  }
+}
+
 }  // namespace
 
 std::vector<Descriptor> describe(const cv::Mat& image, const std::vector<Eigen::Vector2d>& points) {
@@ -87,6 +104,7 @@ std::vector<DescribedPoint> detectAndDescribe(const cv::Mat& image, int count,
     points[i].uv = Eigen::Vector2d(keypoints[i].pt.x, keypoints[i].pt.y);
     std::memcpy(points[i].descriptor.data(), rows.ptr<std::uint8_t>(static_cast<int>(i)), kBytes);
   }
+  addSpreadCorners(image, count, excluded, points);
   return points;
 }
 

@@ -23,7 +23,8 @@ struct DescribedPoint {
 [[nodiscard]] std::vector<Descriptor> describe(const cv::Mat& image,
                                                const std::vector<Eigen::Vector2d>& points);
 
-/// The strongest corners of an image at several scales, with their descriptors.
+/// The strongest corners of an image at several scales, and others spread evenly over it at full
+/// resolution (about `count` of each), with their descriptors.
 [[nodiscard]] std::vector<DescribedPoint> detectAndDescribe(const cv::Mat& image, int count,
                                                             const cv::Mat& excluded);
 

@@ -76,12 +76,13 @@ void LoopCloser::index(KeyframeId keyframe, const SparseMap& map) {
 
 std::optional<TrackedPose> LoopCloser::locate(const TrackingFrame& frame, SparseMap& map,
                                               KeyframeId* keyframe) const {
-  constexpr int kCandidates = 3;
+  constexpr int kCandidates = 5;
   const auto points = detectAndDescribe(frame.left.levels.front(), kCorners, frame.excluded);
   for (const auto& match :
        index_.query(descriptorsOf(points), kCandidates, [](KeyframeId) { return true; })) {
     const auto among = map.seenBy(map.neighbourhood(match.keyframe, params_.window));
-    const auto guess = relocalise(points, among, map, camera_, params_.min_inliers).T_map_cam;
+    // Few matches suffice for a guess: its worth shows when patches are measured from there.
+    const auto guess = relocalise(points, among, map, camera_, params_.min_inliers / 2).T_map_cam;
     if (!guess) continue;
     auto tracked = tracker_.settle(frame, *guess, among, map, params_.min_inliers);
     if (!tracked) continue;

@@ -15,19 +15,22 @@ namespace headway::slam {
 /// A keyframe that looks like what was asked for.
 struct PlaceMatch {
   KeyframeId keyframe;
-  double score = 0.0;  ///< shared words, each counting the more the rarer it is
+  double score = 0.0;  ///< descriptors found again, each counting the more the fewer places have it
 };
 
 /// Finds keyframes by the descriptors seen in them, without a vocabulary.
 ///
 /// Words are a few bits of a descriptor, picked at random once (locality-sensitive hashing):
-/// nothing to train, load or ship, 20 ms to start a vocabulary of ORB-SLAM's kind becomes none. An
-/// inverted list a word makes the cost of a query grow with the words shared, not with the map.
+/// nothing to train, load or ship. An inverted list a word makes the cost of a query grow with the
+/// words shared, not with the map; a shared word counts only if the whole descriptors are near,
+/// so that what is alike by chance has no say.
 ///
 /// @see Indyk & Motwani 1998 (LSH); Sivic & Zisserman 2003 (inverted lists)
 class PlaceIndex {
  public:
   PlaceIndex();
+  PlaceIndex(const PlaceIndex&) = delete;
+  PlaceIndex& operator=(const PlaceIndex&) = delete;
 
   void add(KeyframeId keyframe, const std::vector<Descriptor>& descriptors);
   void remove(KeyframeId keyframe);
@@ -40,11 +43,18 @@ class PlaceIndex {
   static constexpr int kTables = 6;
   static constexpr int kBits = 16;
   using Word = std::uint32_t;  ///< table and bits
-  [[nodiscard]] std::vector<Word> wordsOf(const std::vector<Descriptor>& descriptors) const;
+  /// One descriptor of one keyframe.
+  struct Entry {
+    KeyframeId keyframe;
+    const Descriptor* descriptor = nullptr;  ///< one of descriptors_, which stay in place
+  };
+  [[nodiscard]] std::array<Word, kTables> wordsOf(const Descriptor& descriptor) const;
+  /// Keyframes that have seen (nearly) this descriptor, ascending.
+  [[nodiscard]] std::vector<KeyframeId> keyframesWith(const Descriptor& descriptor) const;
 
   std::array<std::array<int, kBits>, kTables> bits_{};
-  std::unordered_map<Word, std::vector<KeyframeId>> seen_in_;  ///< ascending ids
-  std::map<KeyframeId, std::vector<Word>> words_;              ///< ascending words
+  std::unordered_map<Word, std::vector<Entry>> seen_in_;
+  std::map<KeyframeId, std::vector<Descriptor>> descriptors_;
 };
 
 }  // namespace headway::slam
