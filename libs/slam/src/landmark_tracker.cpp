@@ -119,7 +119,8 @@ std::optional<TrackedLandmark> LandmarkTracker::measureOne(const TrackingFrame& 
                                                            const SparseMap& map) const {
   constexpr double kMaxShift = 8.0;  ///< from where it should be, at the level searched [px]
   const Landmark& landmark = *candidate.landmark;
-  const Pose& T_map_ref = map.keyframe(landmark.reference).T_map_cam;
+  const Pose T_map_ref =
+      map.keyframe(landmark.reference).T_map_cam * landmark.T_reference_cut.cast<double>();
   const Eigen::Vector3d point_ref = T_map_ref.inverse(Eigen::Isometry) * landmark.position;
   if (point_ref.z() <= 0.0) return std::nullopt;
   const Eigen::Matrix2d warp =

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "map_culling.h"
+
 namespace headway::slam {
 namespace {
 
@@ -27,7 +29,7 @@ KeyframeId LocalMapper::insert(const TrackingFrame& frame, const Pose& T_map_cam
   addLandmarks(frame, id, tracked, map);
   describeNew(frame, id, tracked, map);
   adjuster_.adjust(map, map.neighbourhood(id, params_.window), params_.ba_iterations);
-  cull(id, map);
+  cullLandmarks(id, params_.window, map);
   tracked.erase(std::remove_if(tracked.begin(), tracked.end(),
                                [&](const auto& t) { return map.find(t.id) == nullptr; }),
                 tracked.end());
@@ -43,6 +45,7 @@ void LocalMapper::linkTracked(const TrackingFrame& frame, KeyframeId keyframe,
     if (seen.patch_scale > kRenewStretch) continue;
     landmark->reference = keyframe;
     landmark->reference_level = seen.level;
+    landmark->T_reference_cut.setIdentity();
     landmark->patch =
         cutReference(frame.left.levels[seen.level], seen.measurement.uv / (1 << seen.level));
   }
@@ -82,19 +85,6 @@ void LocalMapper::describeNew(const TrackingFrame& frame, KeyframeId keyframe,
   }
   const auto descriptors = describe(frame.left.levels.front(), points);
   for (std::size_t i = 0; i < landmarks.size(); ++i) landmarks[i]->descriptor = descriptors[i];
-}
-
-void LocalMapper::cull(KeyframeId newest, SparseMap& map) const {
-  constexpr int kTrial = 3;             ///< tries before a landmark is judged
-  constexpr double kFoundShare = 0.25;  ///< of tries that must succeed
-  std::vector<LandmarkId> lost;
-  for (const LandmarkId id : map.seenBy(map.neighbourhood(newest, params_.window))) {
-    const Landmark& landmark = *map.find(id);
-    if (landmark.tried >= kTrial && landmark.found < kFoundShare * landmark.tried) {
-      lost.push_back(id);
-    }
-  }
-  for (const LandmarkId id : lost) map.removeLandmark(id);
 }
 
 }  // namespace headway::slam

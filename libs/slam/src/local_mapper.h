@@ -34,7 +34,6 @@ class LocalMapper {
                     std::vector<TrackedLandmark>& tracked, SparseMap& map) const;
   void describeNew(const TrackingFrame& frame, KeyframeId keyframe,
                    const std::vector<TrackedLandmark>& tracked, SparseMap& map) const;
-  void cull(KeyframeId newest, SparseMap& map) const;
 
   StereoCamera camera_;
   SlamParams params_;

@@ -11,7 +11,7 @@ namespace headway::slam {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x4d535748;  ///< "HWSM"
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 
 class Writer {
  public:
@@ -153,6 +153,7 @@ void write(Writer& out, const Landmark& landmark) {
   out.matrix(landmark.position);
   out.value(landmark.reference.value);
   out.value<std::int32_t>(landmark.reference_level);
+  out.matrix(landmark.T_reference_cut.matrix());
   out.values(landmark.patch.pixels);
   out.matrix(landmark.patch.centre);
   out.values(landmark.descriptor);
@@ -170,6 +171,7 @@ Landmark readLandmark(Reader& in) {
   in.matrix(landmark.position);
   landmark.reference.value = in.value<std::int64_t>();
   landmark.reference_level = in.value<std::int32_t>();
+  in.matrix(landmark.T_reference_cut.matrix());
   in.values(landmark.patch.pixels);
   in.matrix(landmark.patch.centre);
   in.values(landmark.descriptor);

@@ -99,8 +99,31 @@ void SparseMap::removeLandmark(LandmarkId landmark) {
 
 void SparseMap::removeKeyframe(KeyframeId keyframe) {
   const std::vector<LandmarkId> seen = keyframes_.at(keyframe).landmarks;
-  for (const LandmarkId landmark : seen) forget(keyframe, landmark);
+  for (const LandmarkId id : seen) {
+    Landmark& landmark = landmarks_.at(id);
+    if (landmark.reference == keyframe) handOn(landmark);
+    forget(keyframe, id);
+  }
   keyframes_.erase(keyframe);
+}
+
+void SparseMap::handOn(Landmark& landmark) {
+  const Pose& T_map_old = keyframes_.at(landmark.reference).T_map_cam;
+  const Keyframe* nearest = nullptr;
+  double nearest_m = 0.0;
+  for (const LandmarkObservation& observation : landmark.observations) {
+    if (observation.keyframe == landmark.reference) continue;
+    const Keyframe& keyframe = keyframes_.at(observation.keyframe);
+    const double m = (keyframe.T_map_cam.translation() - T_map_old.translation()).norm();
+    if (nearest == nullptr || m < nearest_m) {
+      nearest = &keyframe;
+      nearest_m = m;
+    }
+  }
+  if (nearest == nullptr) return;
+  const Pose T_nearest_old = nearest->T_map_cam.inverse(Eigen::Isometry) * T_map_old;
+  landmark.T_reference_cut = T_nearest_old.cast<float>() * landmark.T_reference_cut;
+  landmark.reference = nearest->id;
 }
 
 Landmark* SparseMap::find(LandmarkId id) {
@@ -129,6 +152,14 @@ std::vector<KeyframeId> SparseMap::neighbourhood(KeyframeId of, int count) const
   }
   std::sort(result.begin(), result.end());
   return result;
+}
+
+KeyframeId SparseMap::firstOfNewest(int count) const {
+  KeyframeId first;
+  for (auto at = keyframes_.rbegin(); at != keyframes_.rend() && count-- > 0; ++at) {
+    first = at->first;
+  }
+  return first;
 }
 
 std::vector<LandmarkId> SparseMap::seenBy(const std::vector<KeyframeId>& keyframes) const {

@@ -22,8 +22,10 @@ struct LandmarkObservation {
 struct Landmark {
   LandmarkId id;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< map frame [m]
-  KeyframeId reference;                                ///< keyframe that `patch` was cut from
-  int reference_level = 0;                             ///< pyramid level of it
+  KeyframeId reference;                                ///< keyframe that the landmark moves with
+  int reference_level = 0;                             ///< pyramid level that `patch` was cut from
+  /// Camera that `patch` was cut from: the reference itself, unless that keyframe was removed.
+  Eigen::Isometry3f T_reference_cut = Eigen::Isometry3f::Identity();
   ReferencePatch patch;
   Descriptor descriptor{};  ///< cut where the patch was cut; all zero if too near to the border
   std::vector<LandmarkObservation> observations;  ///< in order of keyframes
@@ -64,7 +66,8 @@ class SparseMap {
   /// Takes one observation away, and the landmark with its last one (or with its reference's).
   void forget(KeyframeId keyframe, LandmarkId landmark);
   void removeLandmark(LandmarkId landmark);
-  /// Takes a keyframe away, and with it the landmarks that refer to it or that nobody else sees.
+  /// Takes a keyframe away, and with it the landmarks that nobody else sees. Of the others, those
+  /// that referred to it refer to the nearest keyframe that sees them.
   void removeKeyframe(KeyframeId keyframe);
 
   [[nodiscard]] Landmark* find(LandmarkId id);
@@ -76,6 +79,8 @@ class SparseMap {
   ///
   /// @return at most `count` ids, ascending
   [[nodiscard]] std::vector<KeyframeId> neighbourhood(KeyframeId of, int count) const;
+  /// The first of the `count` newest keyframes (of all, where there are fewer); invalid if none.
+  [[nodiscard]] KeyframeId firstOfNewest(int count) const;
   /// Landmarks seen by any of the keyframes, ascending.
   [[nodiscard]] std::vector<LandmarkId> seenBy(const std::vector<KeyframeId>& keyframes) const;
 
@@ -96,6 +101,8 @@ class SparseMap {
 
  private:
   void link(const Landmark& landmark);
+  /// Makes the nearest other keyframe that sees the landmark its reference, if there is one.
+  void handOn(Landmark& landmark);
 
   std::map<LandmarkId, Landmark> landmarks_;
   std::map<KeyframeId, Keyframe> keyframes_;

@@ -1,5 +1,4 @@
 #include <headway/core/error.h>
-#include <headway/core/statistics.h>
 #include <headway/slam/stereo_slam.h>
 
 #include <algorithm>
@@ -11,7 +10,9 @@
 #include "local_mapper.h"
 #include "loop_closer.h"
 #include "map_archive.h"
+#include "map_culling.h"
 #include "motion_model.h"
+#include "shared_view.h"
 #include "sparse_map.h"
 
 namespace headway::slam {
@@ -110,10 +111,13 @@ class StereoSlam::Implementation {
   std::optional<TrackedPose> track(const StereoFrame& frame, const TrackingFrame& current);
   SlamUpdate accept(const TrackingFrame& current, TrackedPose& tracked);
   SlamUpdate guess(const StereoFrame& frame, const TrackingFrame& current);
-  [[nodiscard]] bool wantsKeyframe(const TrackedPose& tracked) const;
+  void chooseReference(const TrackingFrame& current, TrackedPose& tracked, SlamUpdate& update);
+  [[nodiscard]] bool isLike(const TrackedPose& tracked, KeyframeId keyframe) const;
+  [[nodiscard]] bool covers(const SharedView& view, const TrackedPose& tracked) const;
   bool begin(const TrackingFrame& current);
   void makeKeyframe(const TrackingFrame& current, TrackedPose& tracked, SlamUpdate& update);
   void attendTo(KeyframeId keyframe);
+  void remove(KeyframeId keyframe);
   [[nodiscard]] HungPose hang(const TrackingFrame& current, const SlamUpdate& update) const;
   [[nodiscard]] Pose robotAt(const Pose& T_map_cam) const {
     return normalized(T_map_cam * camera_->T_robot_cam.inverse(Eigen::Isometry));
@@ -187,8 +191,7 @@ SlamUpdate StereoSlam::Implementation::accept(const TrackingFrame& current, Trac
   }
   lost_in_a_row_ = 0;
   ++frames_since_begin_;
-  update.is_keyframe = params_.mapping && wantsKeyframe(tracked);
-  if (update.is_keyframe) makeKeyframe(current, tracked, update);
+  chooseReference(current, tracked, update);
   seen_before_ = std::move(tracked.landmarks);
   update.features = static_cast<int>(seen_before_.size());
   seen_before_.insert(seen_before_.end(), tracked.dissenters.begin(), tracked.dissenters.end());
@@ -239,28 +242,63 @@ bool StereoSlam::Implementation::begin(const TrackingFrame& current) {
   return true;
 }
 
-bool StereoSlam::Implementation::wantsKeyframe(const TrackedPose& tracked) const {
-  std::vector<double> flow;
-  for (const TrackedLandmark& seen : tracked.landmarks) {
-    const auto& observations = map_.find(seen.id)->observations;
-    for (const LandmarkObservation& observation : observations) {
-      if (observation.keyframe != *reference_) continue;
-      flow.push_back((observation.measurement.uv - seen.measurement.uv).norm());
-    }
+/// Keeps to the newest keyframe, goes over to an older one, or makes a new one.
+void StereoSlam::Implementation::chooseReference(const TrackingFrame& current, TrackedPose& tracked,
+                                                 SlamUpdate& update) {
+  if (isLike(tracked, *reference_)) return;
+  const KeyframeId window = map_.firstOfNewest(params_.mapping ? params_.window : 0);
+  const auto passed = [&](KeyframeId id) { return !window.valid() || id < window; };
+  const auto known = nearestView(tracked.landmarks, map_, passed);
+  if (known && (!params_.mapping || covers(*known, tracked))) {
+    if (known->keyframe != *reference_) attendTo(known->keyframe);
+  } else if (params_.mapping) {
+    makeKeyframe(current, tracked, update);
   }
-  const auto before = static_cast<double>(map_.keyframe(*reference_).landmarks.size());
-  if (static_cast<double>(flow.size()) < params_.keyframe_overlap * before) return true;
-  return percentile(flow, 0.5) > params_.keyframe_flow * camera_->width;
+}
+
+/// Whether a frame shows most landmarks of a keyframe, and about where that saw them.
+bool StereoSlam::Implementation::isLike(const TrackedPose& tracked, KeyframeId keyframe) const {
+  const SharedView view = sharedView(keyframe, tracked.landmarks, map_);
+  const auto all = static_cast<double>(map_.keyframe(keyframe).landmarks.size());
+  return view.landmarks >= params_.keyframe_overlap * all &&
+         view.flow_px <= params_.keyframe_flow * camera_->width;
+}
+
+/// Whether a place seen before needs no new keyframe: a keyframe saw it from about here, and the
+/// frame finds as many landmarks as that did, be they its own or those of other times.
+bool StereoSlam::Implementation::covers(const SharedView& view, const TrackedPose& tracked) const {
+  const auto all = static_cast<double>(map_.keyframe(view.keyframe).landmarks.size());
+  return static_cast<double>(tracked.landmarks.size()) >= params_.keyframe_overlap * all &&
+         view.flow_px <= params_.keyframe_flow * camera_->width;
 }
 
 void StereoSlam::Implementation::makeKeyframe(const TrackingFrame& current, TrackedPose& tracked,
                                               SlamUpdate& update) {
+  update.is_keyframe = true;
   const KeyframeId id =
       mapper_.insert(current, tracked.T_map_cam, covariance_, tracked.landmarks, map_);
   loops_.index(id, map_);
   if (params_.loop_closing) update.loops = loops_.close(current, id, map_);
   motion_.correct(map_.keyframe(id).T_map_cam);
+  while (const auto redundant = redundantKeyframe(id, params_.window, map_)) remove(*redundant);
   attendTo(id);
+}
+
+/// Takes a keyframe out of the map; the frames that hang on it go over to its nearest neighbour.
+void StereoSlam::Implementation::remove(KeyframeId keyframe) {
+  KeyframeId heir = map_.keyframes().begin()->first;
+  for (const KeyframeId id : map_.neighbourhood(keyframe, 2)) {
+    if (id != keyframe) heir = id;
+  }
+  const Pose T_heir_removed =
+      map_.keyframe(heir).T_map_cam.inverse(Eigen::Isometry) * map_.keyframe(keyframe).T_map_cam;
+  for (HungPose& hung : trajectory_) {
+    if (hung.reference != keyframe) continue;
+    hung.reference = heir;
+    hung.T_reference_cam = T_heir_removed * hung.T_reference_cam;
+  }
+  loops_.remove(keyframe);
+  map_.removeKeyframe(keyframe);
 }
 
 /// Tracks against the surroundings of a keyframe from now on.
