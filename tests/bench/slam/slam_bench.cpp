@@ -1,117 +1,104 @@
-// Runs stereo SLAM over one sequence and prints its accuracy and what each stage costs, beside a
-// yardstick that makes figures of different machines comparable.
+// What each stage of localising and mapping costs on one rawlog, beside a yardstick that makes
+// figures of different machines comparable.
 //
-//     bench_slam kitti-odometry DIR 06 [slam.key=value ...]
-//     bench_slam euroc DIR [slam.key=value ...]
+//     bench_slam -i IN.rawlog [--set slam.key=value ...]
+//
+// The yardstick is OpenCV's ORB, detect and compute with 2,000 features, on both images of each
+// pair, measured frame by frame between the frames. Everything runs in one thread.
 
 #include <headway/core/error.h>
-#include <headway/slam/stereo_slam.h>
-#include <headway_test/stereo_sequence.h>
-#include <sys/resource.h>
+#include <headway/eval/trajectory_error.h>
+#include <headway/io/rawlog_source.h>
+#include <headway/pipeline/perception.h>
+#include <headway/program/command_line.h>
 
 #include <cstdio>
+#include <ctime>
+#include <opencv2/core/utility.hpp>
 #include <opencv2/features2d.hpp>
 
 namespace {
 
-using headway::StageTimes;
-using headway::test::StereoSequence;
+using namespace headway;
 
 double processorMs() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto ms = [](const timeval& t) {
-    return 1e3 * static_cast<double>(t.tv_sec) + 1e-3 * static_cast<double>(t.tv_usec);
-  };
-  return ms(usage.ru_utime) + ms(usage.ru_stime);
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
 
-/// OpenCV's ORB with 2,000 features on both images, one thread.
-void measureYardstick(const headway::StereoFrame& frame, StageTimes& times) {
+void measureYardstick(const StereoFrame& frame, StageTimes& times) {
   static const auto orb = cv::ORB::create(2000);
   std::vector<cv::KeyPoint> keypoints;
   cv::Mat descriptors;
-  const int threads = cv::getNumThreads();
+  const auto watch = times.watch("yardstick");
+  orb->detectAndCompute(frame.left, cv::noArray(), keypoints, descriptors);
+  orb->detectAndCompute(frame.right, cv::noArray(), keypoints, descriptors);
+}
+
+void printTimes(const StageTimes& times) {
+  const auto summary = times.summary();
+  for (const auto& [stage, of] : summary) {
+    std::printf("%-12s median %7.2f ms   p95 %7.2f ms   max %7.2f ms\n", stage.c_str(),
+                of.median_ms, of.p95_ms, of.max_ms);
+  }
+  const double yardstick = summary.at("yardstick").median_ms;
+  for (const char* stage : {"slam_track", "frame"}) {
+    std::printf("%s / yardstick %.2f\n", stage, summary.at(stage).median_ms / yardstick);
+  }
+}
+
+void printError(const std::string& rawlog, const std::vector<slam::FrameEstimate>& trajectory) {
+  const auto truth = io::readTruth(rawlog).poses;
+  if (truth.empty()) return;
+  std::vector<Stamped<Pose>> path;
+  for (const auto& estimate : trajectory) {
+    if (estimate.tracked) path.push_back({estimate.time, estimate.T_map_robot});
+  }
+  const auto error = eval::trajectoryError(eval::pairByTime(truth, path, 0.02), {});
+  std::printf("ATE RMSE %.4f m over %.1f m\n", error.ate_m.rmse, error.path_m);
+}
+
+int measure(int argc, const char* const* argv) {
+  std::string input;
+  pipeline::PerceptionParams settings;
+  settings.detection.detector = "none";
+  Params params;
+  settings.describe(params);
+  program::CommandLine line("bench_slam", "Times stereo SLAM against OpenCV's ORB on one rawlog.");
+  line.parameters(params);
+  line.option(input, 'i', "input", "IN.rawlog", "rawlog with stereo images", true);
+  if (!line.parse(argc, argv)) return program::kDone;
+
   cv::setNumThreads(1);
-  {
-    const auto watch = times.watch("yardstick");
-    orb->detectAndCompute(frame.left, cv::noArray(), keypoints, descriptors);
-    orb->detectAndCompute(frame.right, cv::noArray(), keypoints, descriptors);
-  }
-  cv::setNumThreads(threads);
-}
-
-void printTimes(const StageTimes& slam, const StageTimes& own) {
-  StageTimes all = slam;
-  all.merge(own);
-  for (const auto& [stage, summary] : all.summary()) {
-    std::printf("%-14s median %7.2f ms   p95 %7.2f ms   max %7.2f ms\n", stage.c_str(),
-                summary.median_ms, summary.p95_ms, summary.max_ms);
-  }
-  const auto summary = all.summary();
-  std::printf("slam_track / yardstick  %.2f\n",
-              summary.at("slam_track").median_ms / summary.at("yardstick").median_ms);
-}
-
-void run(const StereoSequence& sequence, const headway::slam::SlamParams& params) {
-  headway::slam::StereoSlam slam(sequence.camera, params);
-  StageTimes times;
+  io::RawlogSource source(input, {});
+  pipeline::Perception perception(source.camera(), settings);
+  StageTimes yardstick;
   double processor_ms = 0.0;
-  int lost = 0;
-  int keyframes = 0;
-  double inliers = 0.0;
-  std::vector<std::pair<headway::Time, Eigen::Vector3d>> online;
-  for (std::size_t i = 0; i < sequence.times.size(); ++i) {
-    const auto frame = sequence.frame(i);
+  std::size_t frames = 0;
+  std::size_t lost = 0;
+  while (auto frame = source.next()) {
     const double before = processorMs();
-    {
-      const auto watch = times.watch("frame");
-      const auto update = slam.process(frame, {});
-      lost += update.status == headway::slam::TrackingStatus::kLost ? 1 : 0;
-      keyframes += update.is_keyframe ? 1 : 0;
-      inliers += update.inliers;
-      online.emplace_back(frame.time, update.T_map_robot.translation());
-    }
+    const auto update = perception.process(*frame);
     processor_ms += processorMs() - before;
-    measureYardstick(frame, times);
+    if (frame->stereo) measureYardstick(*frame->stereo, yardstick);
+    lost += update.camera.status == slam::TrackingStatus::kLost ? 1 : 0;
+    ++frames;
   }
-  std::vector<std::pair<headway::Time, Eigen::Vector3d>> final_path;
-  for (const auto& estimate : slam.trajectory()) {
-    final_path.emplace_back(estimate.time, estimate.T_map_robot.translation());
-  }
-  const double count = static_cast<double>(sequence.times.size());
-  std::printf("frames %zu, lost %d, keyframes %d, inliers %.0f, landmarks %zu\n",
-              sequence.times.size(), lost, keyframes, inliers / count, slam.map().landmarks.size());
-  std::printf("ATE RMSE final %.4f m, online %.4f m\n",
-              headway::test::absoluteTrajectoryError(final_path, sequence.truth),
-              headway::test::absoluteTrajectoryError(online, sequence.truth));
-  printTimes(slam.times(), times);
-  std::printf("processor %.2f ms a frame\n", processor_ms / count);
+  if (yardstick.samples().empty()) throw InputError(input + ": holds no stereo images");
+  const auto& still_world = *perception.map().stillWorld();
+  std::printf("%zu frames, %zu lost, %zu keyframes, %zu landmarks\n", frames, lost,
+              still_world.keyframes.size(), still_world.landmarks.size());
+  printError(input, perception.trajectory());
+  StageTimes times = perception.times();
+  times.merge(yardstick);
+  printTimes(times);
+  std::printf("processor %.2f ms a frame\n", processor_ms / static_cast<double>(frames));
+  return program::kDone;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::vector<std::string> arguments(argv + 1, argv + argc);
-  const bool kitti = arguments.size() >= 3 && arguments[0] == "kitti-odometry";
-  const bool euroc = arguments.size() >= 2 && arguments[0] == "euroc";
-  if (!kitti && !euroc) {
-    std::fprintf(
-        stderr,
-        "usage: bench_slam kitti-odometry DIR SEQUENCE | euroc DIR  [slam.key=value ...]\n");
-    return 2;
-  }
-  try {
-    headway::slam::SlamParams slam_params;
-    headway::Params params;
-    slam_params.describe(params.section("slam"));
-    for (std::size_t i = kitti ? 3 : 2; i < arguments.size(); ++i) params.set(arguments[i]);
-    run(kitti ? headway::test::kittiSequence(arguments[1], arguments[2])
-              : headway::test::eurocSequence(arguments[1]),
-        slam_params);
-  } catch (const headway::InputError& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return 1;
-  }
-  return 0;
+  return headway::program::run("bench_slam", [&] { return measure(argc, argv); });
 }

@@ -1,0 +1,203 @@
+// How surely and how well a camera is found again in a stored map.
+//
+//     bench_relocalisation --map MAP.rawlog --map-to N --restart OTHER.rawlog [--restart-from N]
+//         [--places 20] [--seed 1] [--elsewhere ANOTHER_WORLD.rawlog]
+//
+// MAP is mapped up to frame N. The camera then restarts at random frames of OTHER, a recording in
+// the same frame of truth (it may be the rest of MAP), with nothing but the stored map, which it
+// does not extend; a start counts as found if one of its first five frames is. Two errors of that
+// frame: within the map, where the truth is taken from the nearest mapped frame; and against the
+// truth without any alignment, which has the map's own drift in it.
+// Starts in ANOTHER_WORLD must not be found.
+
+#include <headway/core/error.h>
+#include <headway/core/statistics.h>
+#include <headway/io/rawlog_source.h>
+#include <headway/pipeline/perception.h>
+#include <headway/program/command_line.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <random>
+
+namespace {
+
+using namespace headway;
+
+constexpr std::size_t kFramesAStart = 5;
+
+struct Request {
+  std::string map, restart, elsewhere;
+  std::optional<std::size_t> map_to, restart_from;
+  int places = 20;
+  int seed = 1;
+};
+
+struct Start {
+  std::size_t first = 0;            ///< frame of the rawlog that the camera starts at
+  std::optional<std::size_t> took;  ///< frames until it was found; empty: not found
+  double in_map_m = 0.0;            ///< error within the map
+  double in_truth_m = 0.0;          ///< error against the truth
+};
+
+/// Truth in the frame of the robot's first pose, one pose a frame.
+std::vector<Stamped<Pose>> truthOf(const std::string& rawlog) {
+  auto poses = io::readTruth(rawlog).poses;
+  if (poses.empty()) throw InputError(rawlog + ": holds no truth_pose");
+  const Pose T_first_world = poses.front().value.inverse(Eigen::Isometry);
+  for (auto& pose : poses) pose.value = T_first_world * pose.value;
+  return poses;
+}
+
+/// The pose with the time nearest to a given one.
+const Pose& poseAt(Time time, const std::vector<Stamped<Pose>>& poses) {
+  const auto nearer = [time](const auto& a, const auto& b) {
+    return std::abs(a.time - time) < std::abs(b.time - time);
+  };
+  return std::min_element(poses.begin(), poses.end(), nearer)->value;
+}
+
+/// A stored map and where its frames were.
+struct MappedPlace {
+  std::string slam_map;
+  std::vector<slam::FrameEstimate> frames;
+  std::vector<Stamped<Pose>> truth;
+
+  /// Where in the map a place of the truth is: as seen from the mapped frame next to it.
+  [[nodiscard]] Pose inMap(const Pose& T_truth_robot) const {
+    const auto distance = [&](const slam::FrameEstimate& frame) {
+      constexpr double kMetresARadian = 5.0;
+      const Pose T = poseAt(frame.time, truth).inverse(Eigen::Isometry) * T_truth_robot;
+      return T.translation().norm() + kMetresARadian * Eigen::AngleAxisd(T.linear()).angle();
+    };
+    const auto next =
+        std::min_element(frames.begin(), frames.end(),
+                         [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
+    return next->T_map_robot * poseAt(next->time, truth).inverse(Eigen::Isometry) * T_truth_robot;
+  }
+};
+
+MappedPlace mapPlace(const Request& request, const pipeline::PerceptionParams& settings) {
+  io::RawlogSourceOptions options;
+  options.to_index = request.map_to;
+  io::RawlogSource source(request.map, options);
+  pipeline::Perception perception(source.camera(), settings);
+  while (auto frame = source.next()) {
+    static_cast<void>(perception.process(*frame));
+  }
+  const auto& still_world = *perception.map().stillWorld();
+  std::printf("map: %zu keyframes, %zu landmarks\n", still_world.keyframes.size(),
+              still_world.landmarks.size());
+  return {perception.stored().attachments.at("slam"), perception.trajectory(),
+          truthOf(request.map)};
+}
+
+/// Random frames of a recording, ascending, each the first of kFramesAStart.
+std::vector<std::size_t> drawStarts(std::size_t from, std::size_t end, const Request& request) {
+  if (end < from + kFramesAStart) throw InputError("the recording is too short to start in");
+  std::mt19937 random(static_cast<unsigned>(request.seed));
+  std::vector<std::size_t> starts;
+  for (int i = 0; i < request.places; ++i) {
+    starts.push_back(from + random() % (end - from - kFramesAStart + 1));
+  }
+  std::sort(starts.begin(), starts.end());
+  return starts;
+}
+
+/// A camera that knows nothing but a stored map.
+struct RestartedCamera {
+  Start start;
+  std::unique_ptr<slam::StereoSlam> slam;
+};
+
+std::vector<Start> restart(const std::string& rawlog, std::size_t from, const Request& request,
+                           const MappedPlace& place, slam::SlamParams params) {
+  const auto truth = truthOf(rawlog);
+  const auto firsts = drawStarts(from, truth.size(), request);
+  params.mapping = false;
+  io::RawlogSourceOptions options;
+  options.from_index = firsts.front();
+  options.to_index = firsts.back() + kFramesAStart - 1;
+  io::RawlogSource source(rawlog, options);
+  std::vector<RestartedCamera> cameras;
+  while (auto frame = source.next()) {
+    while (cameras.size() < firsts.size() && firsts[cameras.size()] <= frame->index) {
+      cameras.emplace_back();
+      cameras.back().start.first = firsts[cameras.size() - 1];
+      cameras.back().slam = std::make_unique<slam::StereoSlam>(source.camera(), params);
+      cameras.back().slam->load(place.slam_map);
+    }
+    for (auto& [start, slam] : cameras) {
+      if (slam == nullptr) continue;
+      const auto update = slam->process(*frame->stereo, {});
+      const std::size_t frames = frame->index - start.first + 1;
+      if (update.status == slam::TrackingStatus::kTracked) {
+        const Pose& T_truth_robot = poseAt(frame->time, truth);
+        const Eigen::Vector3d found = update.T_map_robot.translation();
+        start.took = frames;
+        start.in_map_m = (found - place.inMap(T_truth_robot).translation()).norm();
+        start.in_truth_m = (found - T_truth_robot.translation()).norm();
+      }
+      if (start.took || frames >= kFramesAStart) slam.reset();
+    }
+  }
+  std::vector<Start> starts;
+  for (const auto& camera : cameras) starts.push_back(camera.start);
+  return starts;
+}
+
+void print(const char* title, const std::vector<Start>& starts) {
+  std::vector<double> in_map, in_truth;
+  for (const Start& start : starts) {
+    if (!start.took) {
+      std::printf("  frame %zu: not found\n", start.first);
+      continue;
+    }
+    in_map.push_back(start.in_map_m);
+    in_truth.push_back(start.in_truth_m);
+    std::printf(
+        "  frame %zu: found at frame %zu of the start, %.3f m off in the map, %.3f m off "
+        "the truth\n",
+        start.first, *start.took, start.in_map_m, start.in_truth_m);
+  }
+  const auto close = std::count_if(in_map.begin(), in_map.end(), [](double m) { return m <= 0.1; });
+  std::printf(
+      "%s: %zu of %zu found, %zu of them within 0.1 m in the map (median %.3f m, max %.3f "
+      "m); off the truth median %.3f m, max %.3f m\n",
+      title, in_map.size(), starts.size(), static_cast<std::size_t>(close), percentile(in_map, 0.5),
+      percentile(in_map, 1.0), percentile(in_truth, 0.5), percentile(in_truth, 1.0));
+}
+
+int measure(int argc, const char* const* argv) {
+  Request request;
+  pipeline::PerceptionParams settings;
+  settings.detection.detector = "none";
+  Params params;
+  settings.describe(params);
+  program::CommandLine line("bench_relocalisation", "Starts a camera at random in a stored map.");
+  line.parameters(params);
+  line.option(request.map, 0, "map", "MAP.rawlog", "recording to map", true);
+  line.option(request.map_to, 0, "map-to", "N", "last frame to map");
+  line.option(request.restart, 0, "restart", "OTHER.rawlog", "recording to start in", true);
+  line.option(request.restart_from, 0, "restart-from", "N", "first frame to start at");
+  line.option(request.elsewhere, 0, "elsewhere", "RAWLOG", "recording of another world");
+  line.option(request.places, 0, "places", "N", "starts to try");
+  line.option(request.seed, 0, "seed", "N", "of the choice of starts");
+  if (!line.parse(argc, argv)) return program::kDone;
+  if (request.places < 1) throw program::UsageError("--places must be at least 1");
+
+  const MappedPlace place = mapPlace(request, settings);
+  print("same world",
+        restart(request.restart, request.restart_from.value_or(0), request, place, settings.slam));
+  if (!request.elsewhere.empty()) {
+    print("another world", restart(request.elsewhere, 0, request, place, settings.slam));
+  }
+  return program::kDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return headway::program::run("bench_relocalisation", [&] { return measure(argc, argv); });
+}
