@@ -1,0 +1,49 @@
+#!/bin/bash
+# Drives through streets where movers fill a given share of the image, from the first frame on, and
+# prints how exact the path is, beside that through the same streets without movers.
+#   [SEEDS="1 2 3 4 5"] tests/bench/dynamic_scenes.sh [OUT]
+# Figures are medians over the seeds, ATE RMSE, with slam.dynamic_rejection none and both. OUT
+# (default out/dynamic_scenes) keeps rawlogs and results; a rawlog that exists is used again.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+out=${1:-out/dynamic_scenes}
+seeds=${SEEDS:-1 2 3 4 5}
+frames=150
+bin=build/release/bin
+mkdir -p "$out"
+
+# record SHARE SEED: a street, once
+record() {
+  local rawlog=$out/share_$1_$2.rawlog
+  local movers=(--set traffic.image_share="$1")
+  [ "$1" != 0 ] ||
+    movers=(--set traffic.vehicles=0 --set traffic.cyclists=0 --set traffic.pedestrians=0)
+  [ -f "$rawlog" ] || $bin/headway-sim -q --seed "$2" --frames $frames \
+    --set "route.shape=straight 40, left 60 35, straight 30, right 50 40, straight 100" \
+    --set recording.storage=external_jpeg --set camera.colour=false "${movers[@]}" -o "$rawlog"
+}
+
+# error SHARE SEED MODE: ATE RMSE [m]
+error() {
+  local name=share_$1_$2
+  $bin/headway-replay -q -w -i "$out/$name.rawlog" -o "$out/${name}_$3" --snapshots 0 \
+    --set slam.dynamic_rejection="$3"
+  $bin/headway-eval trajectory --truth "$out/$name.truth/trajectory.tum" \
+    --estimate "$out/${name}_$3/trajectory.tum" | awk '/ATE RMSE/ { print $5 }'
+}
+
+# median SHARE MODE: over the seeds
+median() {
+  for seed in $seeds; do error "$1" "$seed" "$2"; done | sort -g |
+    awk '{ value[NR] = $1 } END { print value[int((NR + 1) / 2)] }'
+}
+
+for seed in $seeds; do for share in 0 0.1 0.3 0.5; do record $share "$seed"; done; done
+echo "| movers fill | none, m | both, m | both, times that without movers |"
+echo "| --- | --- | --- | --- |"
+still=$(median 0 both)
+for share in 0 0.1 0.3 0.5; do
+  none=$(median $share none) both=$(median $share both)
+  awk -v share=$share -v none="$none" -v both="$both" -v still="$still" \
+    'BEGIN { printf "| %d %% | %.4f | %.4f | %.2f |\n", 100 * share, none, both, both / still }'
+done
