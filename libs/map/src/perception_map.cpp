@@ -53,6 +53,9 @@ void insertLandmarks(const slam::MapView& still_world, CPointsMap& points) {
     const Eigen::Vector3f p = landmark.position.cast<float>();
     points.insertPointRGB(p.x(), p.y(), p.z(), grey, grey, grey);
   }
+  // MRPT works these out when first asked: here, not in two readers' threads at once.
+  static_cast<void>(points.boundingBox());
+  static_cast<void>(points.getLargestDistanceFromOrigin());
 }
 
 template <typename Layer>

@@ -13,16 +13,19 @@
 
 namespace headway::map {
 
+class MapQuery;
+
 /// The one map: the still world and what moves in it, as layers of one MRPT multi-metric map.
 ///
 /// A value whose copies are cheap: layers are replaced by update(), never changed in place, so a
-/// copy is a snapshot that later updates do not touch. Not for calling from two threads at once;
-/// hand copies to readers.
+/// copy is a snapshot that later updates do not touch. Copies may be read in other threads, but one
+/// object is not for two threads at once while one of them updates it: see SharedMap.
 ///
 ///     PerceptionMap map;
 ///     map.update(slam.map());                      // after a keyframe
 ///     map.update(frame.time, tracks);              // every frame
 ///     planner.use(map.layers());                   // any MRPT code
+///     if (map.at(now).occupancyAt(x, y, now + 1.0).probability > 0.2) goRound();
 class PerceptionMap {
  public:
   /// A landmark layer (CSimplePointsMap) and a moving-object layer.
@@ -49,6 +52,11 @@ class PerceptionMap {
 
   /// Replaces the static grid, or adds it as a layer (see buildStaticGrid); never null.
   void update(const mrpt::maps::COccupancyGridMap2D::Ptr& static_grid);
+
+  /// Asks what is where at times to come; include map_query.h.
+  ///
+  /// @param now  in the map's clock [s]
+  [[nodiscard]] MapQuery at(Time now) const;
 
   [[nodiscard]] const mrpt::maps::CMultiMetricMap& layers() const { return *layers_; }
   [[nodiscard]] const mrpt::maps::CPointsMap& landmarks() const { return *landmarks_; }

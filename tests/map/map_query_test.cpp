@@ -1,0 +1,273 @@
+#include <gtest/gtest.h>
+#include <headway/map/map_query.h>
+#include <headway/map/path_sample.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace headway::map {
+namespace {
+
+using Eigen::Vector2d;
+using mrpt::maps::COccupancyGridMap2D;
+
+constexpr double kNow = 100.0;
+
+/// Somebody who walks straight on, his place known to sigma.
+Track walker(std::int64_t id, const Vector2d& place, const Vector2d& velocity, double sigma_m) {
+  Track track;
+  track.id = TrackId{id};
+  track.object_class = ObjectClass::kPedestrian;
+  track.status = TrackStatus::kConfirmed;
+  track.moving = true;
+  track.position = {place.x(), place.y(), 0.85};
+  track.velocity = {velocity.x(), velocity.y(), 0.0};
+  track.yaw = std::atan2(velocity.y(), velocity.x());
+  track.size = {0.5, 0.5, 1.7};
+  track.position_covariance = sigma_m * sigma_m * Eigen::Matrix3d::Identity();
+  PredictedPath path;
+  for (int i = 1; i <= 30; ++i) {
+    const double t = 0.1 * i;
+    path.points.push_back(
+        {t, track.position + t * track.velocity, sigma_m * sigma_m * Eigen::Matrix2d::Identity()});
+  }
+  track.predictions.push_back(path);
+  return track;
+}
+
+/// Free ground 20 m about, a wall at x = 8 m, nothing seen beyond it.
+COccupancyGridMap2D::Ptr exampleGrid() {
+  auto grid = COccupancyGridMap2D::Create(-20.f, 20.f, -20.f, 20.f, 0.2f);
+  for (int y = 0; y < static_cast<int>(grid->getSizeY()); ++y) {
+    for (int x = 0; x < static_cast<int>(grid->getSizeX()); ++x) {
+      const float at = grid->idx2x(static_cast<std::size_t>(x));
+      grid->setCell(x, y, at < 7.9f ? 0.98f : at < 8.2f ? 0.03f : 0.5f);
+    }
+  }
+  return grid;
+}
+
+PerceptionMap mapWith(const std::vector<Track>& tracks) {
+  PerceptionMap map;
+  map.update(exampleGrid());
+  map.update(kNow, tracks);
+  return map;
+}
+
+/// Straight on at a speed from a place.
+std::vector<TimedPose> drive(const Vector2d& from, const Vector2d& velocity, double span_s) {
+  const double yaw = std::atan2(velocity.y(), velocity.x());
+  return {{kNow, from, yaw}, {kNow + span_s, from + span_s * velocity, yaw}};
+}
+
+constexpr BodyShape kRobot{0.5, 0.4, false};
+
+TEST(ProbabilityInside, IsWhatDrawingPointsGives) {
+  const auto region = contactRegion({0.8, 0.5, false}, 0.4, {0.5, 0.7, true}, -1.1);
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  Eigen::Matrix2d root;
+  root << 0.5, 0.0, 0.3, 0.2;
+  const Vector2d mean(0.4, -0.3);
+  int inside = 0;
+  const int draws = 40000;
+  for (int i = 0; i < draws; ++i) {
+    const double a = normal(random), b = normal(random);
+    const Vector2d point = mean + root * Vector2d(a, b);
+    bool in = true;
+    for (std::size_t k = 0; k < region.size(); ++k) {
+      const Vector2d edge = region[(k + 1) % region.size()] - region[k];
+      const Vector2d to = point - region[k];
+      in = in && edge.x() * to.y() - edge.y() * to.x() >= 0.0;
+    }
+    inside += in ? 1 : 0;
+  }
+  EXPECT_NEAR(probabilityInside(region, mean, root * root.transpose()),
+              static_cast<double>(inside) / draws, 0.01);
+}
+
+TEST(ProbabilityInside, IsCertainForAPlaceThatIs) {
+  const auto region = contactRegion({1.0, 1.0, false}, 0.0, {1.0, 1.0, false}, 0.0);
+  EXPECT_NEAR(probabilityInside(region, {0.5, 0.5}, Eigen::Matrix2d::Zero()), 1.0, 1e-3);
+  EXPECT_NEAR(probabilityInside(region, {1.2, 0.5}, Eigen::Matrix2d::Zero()), 0.0, 1e-3);
+  EXPECT_EQ(probabilityInside({}, {0.0, 0.0}, Eigen::Matrix2d::Identity()), 0.0);
+}
+
+TEST(ContactRegion, HoldsTheSumOfTwoBoxes) {
+  const auto region = contactRegion({2.0, 1.0, false}, 0.0, {1.0, 0.5, false}, 0.0);
+  double length = 0.0, width = 0.0;
+  for (const auto& corner : region) {
+    length = std::max(length, corner.x());
+    width = std::max(width, corner.y());
+  }
+  EXPECT_NEAR(length, 1.5, 1e-12);
+  EXPECT_NEAR(width, 0.75, 1e-12);
+}
+
+TEST(SamplePath, GoesThroughItsPointsAndBeyondThem) {
+  const Track track = walker(1, {1.0, 2.0}, {1.0, 0.0}, 0.2);
+  const auto& path = track.predictions.front();
+  EXPECT_NEAR(samplePath(track, path, -1.0).centre.x(), 1.0, 1e-12);
+  EXPECT_NEAR(samplePath(track, path, 1.25).centre.x(), 2.25, 1e-9);
+  EXPECT_NEAR(samplePath(track, path, 3.0).centre.x(), 4.0, 1e-9);
+  EXPECT_NEAR(samplePath(track, path, 6.0).centre.x(), 7.0, 1e-9);
+  EXPECT_NEAR(samplePath(track, path, 6.0).covariance(0, 0), 4.0 * 0.04, 1e-9);
+  EXPECT_NEAR(samplePath(track, {}, 2.0).centre.x(), 1.0, 1e-12);
+}
+
+TEST(OccupancyAt, FollowsAMoverThroughTime) {
+  const auto map = mapWith({walker(1, {2.0, -2.0}, {0.0, 1.0}, 0.05)});
+  const MapQuery ask = map.at(kNow);
+  EXPECT_GT(ask.occupancyAt(2.0, -2.0, kNow).probability, 0.95);
+  EXPECT_LT(ask.occupancyAt(2.0, -2.0, kNow + 2.0).probability, 0.05);
+  EXPECT_GT(ask.occupancyAt(2.0, 0.0, kNow + 2.0).moving, 0.95);
+  EXPECT_EQ(ask.occupancyAt(2.0, 0.0, kNow + 2.0).answer, Answer::kKnown);
+}
+
+TEST(OccupancyAt, IsLessSureOfAMoverWhoIsLessSurelyThere) {
+  const auto at = [](double sigma_m) {
+    return mapWith({walker(1, {2.0, 0.0}, {0.0, 0.0}, sigma_m)})
+        .at(kNow)
+        .occupancyAt(2.0, 0.0, kNow)
+        .moving;
+  };
+  EXPECT_GT(at(0.05), at(0.2));
+  EXPECT_GT(at(0.2), at(0.6));
+  // A disc of radius r about a centre with deviation s: 1 - exp(-r^2 / 2 s^2).
+  EXPECT_NEAR(at(0.2), 1.0 - std::exp(-0.25 * 0.25 / (2.0 * 0.04)), 0.01);
+}
+
+TEST(OccupancyAt, SharesAMoverAmongHisFutures) {
+  Track track = walker(1, {2.0, 0.0}, {0.0, 1.0}, 0.05);
+  track.predictions.push_back(walker(1, {2.0, 0.0}, {0.0, -1.0}, 0.05).predictions.front());
+  track.predictions[0].probability = 0.7;
+  track.predictions[1].probability = 0.3;
+  const auto map = mapWith({track});
+  const MapQuery ask = map.at(kNow);
+  EXPECT_NEAR(ask.occupancyAt(2.0, 2.0, kNow + 2.0).moving, 0.7, 0.02);
+  EXPECT_NEAR(ask.occupancyAt(2.0, -2.0, kNow + 2.0).moving, 0.3, 0.02);
+  EXPECT_GT(ask.occupancyAt(2.0, 0.0, kNow).moving, 0.97) << "both start here";
+}
+
+TEST(OccupancyAt, KnowsTheStillWorldAndWhereItEnds) {
+  const auto map = mapWith({});
+  const MapQuery ask = map.at(kNow);
+  EXPECT_LT(ask.occupancyAt(0.0, 0.0, kNow).probability, 0.05);
+  EXPECT_GT(ask.occupancyAt(8.0, 0.0, kNow + 1.0).still, 0.95);
+  EXPECT_EQ(ask.occupancyAt(12.0, 0.0, kNow).answer, Answer::kUnknownPlace) << "behind the wall";
+  EXPECT_EQ(ask.occupancyAt(1e6, 0.0, kNow).answer, Answer::kUnknownPlace) << "outside the map";
+  EXPECT_EQ(ask.occupancyAt(1e6, 0.0, kNow).still, 0.5);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(ask.occupancyAt(nan, nan, kNow).answer, Answer::kUnknownPlace);
+}
+
+TEST(MapQuery, TellsAStaleMapAnEmptyOneAndTimesBeyondPrediction) {
+  const auto map = mapWith({walker(1, {2.0, 0.0}, {0.0, 1.0}, 0.1)});
+  EXPECT_EQ(map.at(kNow + 0.4).answer(), Answer::kKnown);
+  EXPECT_EQ(map.at(kNow + 0.6).answer(), Answer::kStaleMap);
+  EXPECT_EQ(map.at(kNow - 0.6).answer(), Answer::kStaleMap) << "it comes from the future";
+  EXPECT_EQ(map.at(kNow + 0.6).occupancyAt(0.0, 0.0, kNow + 0.6).answer, Answer::kStaleMap);
+  EXPECT_EQ(map.at(kNow + 0.6).obstaclesAt(kNow + 1.0).answer, Answer::kStaleMap);
+  EXPECT_EQ(map.at(kNow + 0.6).timeToCollision(kRobot, drive({0, 0}, {1, 0}, 1.0)).answer,
+            Answer::kStaleMap);
+  EXPECT_EQ(map.at(kNow).obstaclesAt(kNow + 3.5).answer, Answer::kUnknownTime);
+  EXPECT_EQ(map.at(kNow + 0.3).obstaclesAt(kNow).answer, Answer::kUnknownTime) << "the past";
+  const PerceptionMap empty;
+  EXPECT_EQ(empty.at(kNow).answer(), Answer::kEmptyMap);
+  EXPECT_EQ(empty.at(kNow).tracksNear({0, 0}, 5.0, kNow).answer, Answer::kEmptyMap);
+  EXPECT_EQ(empty.at(kNow).timeToCollision(kRobot, drive({0, 0}, {1, 0}, 1.0)).answer,
+            Answer::kEmptyMap);
+  EXPECT_EQ(toString(Answer::kStaleMap), "stale_map");
+}
+
+TEST(ObstaclesAt, GivesEveryFutureWithItsDoubt) {
+  Track track = walker(7, {2.0, 0.0}, {0.0, 1.0}, 0.2);
+  track.predictions.push_back(walker(7, {2.0, 0.0}, {1.0, 0.0}, 0.3).predictions.front());
+  track.predictions[0].probability = 0.7;
+  track.predictions[1].probability = 0.3;
+  Track parked = walker(8, {-4.0, 1.0}, {0.0, 0.0}, 0.1);
+  parked.predictions.clear();
+  Track tentative = walker(9, {3.0, 3.0}, {0.0, 1.0}, 0.1);
+  tentative.status = TrackStatus::kTentative;
+  const auto map = mapWith({track, parked, tentative});
+  const auto obstacles = map.at(kNow).obstaclesAt(kNow + 2.0);
+  ASSERT_EQ(obstacles.items.size(), 3u);
+  EXPECT_NEAR(obstacles.items[0].centre.y(), 2.0, 1e-9);
+  EXPECT_NEAR(obstacles.items[0].velocity.y(), 1.0, 1e-9);
+  EXPECT_NEAR(obstacles.items[0].yaw, M_PI / 2.0, 1e-9);
+  EXPECT_NEAR(obstacles.items[0].probability, 0.7, 1e-12);
+  EXPECT_NEAR(obstacles.items[1].centre.x(), 4.0, 1e-9);
+  EXPECT_NEAR(obstacles.items[1].covariance(0, 0), 0.09, 1e-9);
+  EXPECT_NEAR(obstacles.items[2].centre.x(), -4.0, 1e-9);
+}
+
+TEST(TracksNear, AreThoseWhoWillBeNearNearestFirst) {
+  const auto map =
+      mapWith({walker(1, {4.0, 0.0}, {0.0, 0.0}, 0.2), walker(2, {0.0, -3.0}, {0.0, 1.0}, 0.1),
+               walker(3, {15.0, 0.0}, {0.0, 0.0}, 0.1)});
+  const auto now = map.at(kNow).tracksNear({0.0, 0.0}, 5.0, kNow);
+  ASSERT_EQ(now.items.size(), 2u);
+  EXPECT_EQ(now.items[0].obstacle.id, TrackId{2});
+  EXPECT_NEAR(now.items[0].distance_m, 2.75, 1e-9);
+  EXPECT_NEAR(now.items[1].sigma_m, 0.2, 1e-9);
+  const auto later = map.at(kNow).tracksNear({0.0, 0.0}, 5.0, kNow + 3.0);
+  EXPECT_EQ(later.items.front().distance_m, 0.0) << "he stands on the place";
+}
+
+TEST(TimeToCollision, IsWhenTheBodiesMeet) {
+  // Both at 1 m/s towards (3, 0): its corner (0.25, 0.2) touches his circle 0.4 m before it.
+  const auto map = mapWith({walker(1, {3.0, -3.0}, {0.0, 1.0}, 0.02)});
+  const auto collision = map.at(kNow).timeToCollision(kRobot, drive({0, 0}, {1, 0}, 3.0));
+  EXPECT_EQ(collision.answer, Answer::kKnown);
+  ASSERT_TRUE(collision.likely_s.has_value());
+  EXPECT_NEAR(*collision.likely_s, 2.6, 0.1);
+  EXPECT_LE(*collision.earliest_s, *collision.likely_s);
+  EXPECT_NEAR(collision.probability, 1.0, 0.01);
+  EXPECT_EQ(collision.with, TrackId{1});
+  EXPECT_FALSE(collision.unknown_from_s);
+}
+
+TEST(TimeToCollision, IsNoneWhereTheMoverHasPassed) {
+  const auto map = mapWith({walker(1, {3.0, -1.0}, {0.0, 1.0}, 0.02)});
+  const auto collision = map.at(kNow).timeToCollision(kRobot, drive({0, 0}, {1, 0}, 3.0));
+  EXPECT_FALSE(collision.earliest_s);
+  EXPECT_LT(collision.probability, 0.05);
+}
+
+TEST(TimeToCollision, DoubtMakesItEarlierAndLessSure) {
+  const auto at = [](double sigma_m) {
+    return mapWith({walker(1, {3.0, -3.0}, {0.0, 1.0}, sigma_m)})
+        .at(kNow)
+        .timeToCollision(kRobot, drive({0, 0}, {1, 0}, 3.0));
+  };
+  EXPECT_LT(*at(0.5).earliest_s, *at(0.05).earliest_s);
+  EXPECT_LT(at(0.5).probability, at(0.05).probability);
+}
+
+TEST(TimeToCollision, MeetsTheWallAndTellsWhereTheMapEnds) {
+  const auto map = mapWith({});
+  const auto wall = map.at(kNow).timeToCollision(kRobot, drive({6, 0}, {1, 0}, 2.5));
+  EXPECT_NEAR(wall.likely_s.value_or(9.0), 1.65, 0.21);
+  EXPECT_FALSE(wall.with) << "the still world";
+  const auto out = map.at(kNow).timeToCollision(kRobot, drive({0, 19}, {0, 1}, 2.5));
+  EXPECT_EQ(out.answer, Answer::kUnknownPlace);
+  EXPECT_NEAR(out.unknown_from_s.value_or(9.0), 0.8, 0.21);
+  EXPECT_FALSE(out.earliest_s);
+  const auto outside = map.at(kNow).timeToCollision(kRobot, drive({500, 0}, {1, 0}, 1.0));
+  EXPECT_EQ(outside.unknown_from_s, 0.0) << "a robot outside the map";
+}
+
+TEST(TimeToCollision, EndsWherePredictionsEndWhateverThePath) {
+  const auto map = mapWith({walker(1, {3.0, -3.0}, {0.0, 1.0}, 0.02)});
+  const auto lengthy = map.at(kNow).timeToCollision(kRobot, drive({0, 5}, {0.1, 0}, 1e9));
+  EXPECT_EQ(lengthy.answer, Answer::kUnknownTime);
+  EXPECT_NEAR(lengthy.unknown_from_s.value_or(0.0), 3.05, 1e-6);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto strange = map.at(kNow).timeToCollision(kRobot, {{nan, {nan, 0.0}, nan}});
+  EXPECT_NE(strange.answer, Answer::kKnown);
+  EXPECT_FALSE(map.at(kNow).timeToCollision(kRobot, {}).earliest_s);
+}
+
+}  // namespace
+}  // namespace headway::map
