@@ -1,5 +1,8 @@
 #include "navigator.h"
 
+#include <headway/core/error.h>
+
+#include <cstdlib>
 #include <filesystem>
 #include <sstream>
 
@@ -73,6 +76,28 @@ void writePaths(std::ostream& out, int index, const RobotParams& robot, const st
       << shape;
 }
 
+/// A folder for the tables that MRPT writes while it computes them; gone with them.
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "headway-nav-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) {
+      throw InputError(name + ": no folder can be made there; set TMPDIR to one that is writable");
+    }
+    path_ = name;
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  [[nodiscard]] std::string path() const { return path_.string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
 mrpt::config::CConfigFileMemory configuration(const RobotParams& robot) {
   std::ostringstream out;
   out << "@define REACH " << robot.planning_reach_m << '\n' << kMethod;
@@ -89,7 +114,6 @@ mrpt::config::CConfigFileMemory configuration(const RobotParams& robot) {
       << "min_normalized_free_space_for_ptg_continuation = 0.2\n"
       << "enable_obstacle_filtering = false\n"
       << "evaluate_clearance = false\n"
-      << "ptg_cache_files_directory = " << std::filesystem::temp_directory_path().string() << '\n'
       << "[CReactiveNavigationSystem]\n"
       << "min_obstacles_height = 0\n"
       << "max_obstacles_height = 10\n"
@@ -116,6 +140,8 @@ Navigator::Navigator(mrpt::nav::CRobot2NavInterface& robot, const RobotParams& p
   // Its report of timings would go to standard output.
   m_timlog_delays.enable(false);
   m_timlog_delays.setMinLoggingLevel(mrpt::system::LVL_ERROR);
+  const ScratchFolder tables;
+  settings_.write("CAbstractPTGBasedReactive", "ptg_cache_files_directory", tables.path());
   loadConfigFile(settings_);
   initialize();
 }

@@ -39,14 +39,20 @@ bool isHidden(const Crowd& crowd, const mrpt::math::TPose2D& robot, const Person
 }  // namespace
 
 NoisyDetector::NoisyDetector(const SensorParams& params, std::uint64_t seed)
-    : params_(params), random_(seed) {}
+    : params_(params),
+      random_(seed),
+      T_robot_sensor_(Eigen::Translation3d(-params.detection_range_m - 1.0, 0.0, 0.0) *
+                      robotFromOptical()) {}
 
 Detections NoisyDetector::detect(const Crowd& crowd, const mrpt::math::TPose2D& robot, Time time) {
   Detections detections;
   detections.time = time;
+  detections.T_robot_sensor = T_robot_sensor_;
   for (const auto& person : crowd.people()) {
     const Vector2d place = toRobot(robot, person.position);
     if (place.norm() > params_.detection_range_m || place.norm() < 0.1) continue;
+    const double bearing_deg = std::abs(std::atan2(place.y(), place.x())) / kDegree;
+    if (bearing_deg > 0.5 * params_.field_of_view_deg) continue;
     if (isHidden(crowd, robot, person) || happens(params_.miss_share)) continue;
     const Vector2d velocity = person.velocity();
     const double heading = std::atan2(velocity.y(), velocity.x()) - robot.phi;
@@ -72,6 +78,17 @@ Vector2d NoisyDetector::blurred(const Vector2d& place) {
   return place + normal(along) * ray + normal(params_.across_share * along) * across;
 }
 
+/// What the detector knows of its own noise, in the sensor's frame.
+Eigen::Matrix3d NoisyDetector::covarianceAt(const Vector2d& place) const {
+  const double along = params_.along_sigma_m + params_.along_sigma_per_m * place.norm();
+  const double across = params_.across_share * along;
+  const Eigen::Vector3d ray = Eigen::Vector3d(place.x(), place.y(), 0.0).normalized();
+  const Eigen::Matrix3d covariance = across * across * Eigen::Matrix3d::Identity() +
+                                     (along * along - across * across) * ray * ray.transpose();
+  const Eigen::Matrix3d R_sensor_robot = T_robot_sensor_.linear().transpose();
+  return R_sensor_robot * covariance * R_sensor_robot.transpose();
+}
+
 Detection NoisyDetector::boxOf(const Vector2d& place, double heading, double radius) {
   heading += normal(params_.yaw_sigma_deg * kDegree);
   if (happens(params_.flip_share)) heading += M_PI;
@@ -82,7 +99,8 @@ Detection NoisyDetector::boxOf(const Vector2d& place, double heading, double rad
   size.z() = kPersonHeight_m + normal(params_.size_sigma_m);
   Detection detection;
   detection.object_class = ObjectClass::kPedestrian;
-  detection.box3d = opticalBox(centre, size, heading, robotFromOptical().inverse());
+  detection.box3d = opticalBox(centre, size, heading, T_robot_sensor_.inverse());
+  detection.centre_covariance = covarianceAt(place);
   return detection;
 }
 

@@ -18,11 +18,15 @@ class NoisyDetector {
  private:
   [[nodiscard]] Detection boxOf(const Eigen::Vector2d& place, double heading, double radius);
   [[nodiscard]] Eigen::Vector2d blurred(const Eigen::Vector2d& place);
+  [[nodiscard]] Eigen::Matrix3d covarianceAt(const Eigen::Vector2d& place) const;
   [[nodiscard]] bool happens(double share);
   [[nodiscard]] double normal(double sigma);
 
   SensorParams params_;
   Random random_;
+  /// Behind the robot: the tracker believes only boxes before their sensor, and people behind the
+  /// robot are seen too.
+  Pose T_robot_sensor_;
 };
 
 /// The robot's pose on the ground as a rigid motion.

@@ -30,10 +30,17 @@ PolicyFigures figuresOf(const PolicyTrials& policy, const std::vector<bool>& fin
   std::vector<double> steps, senses;
   for (std::size_t i = 0; i < policy.trials.size(); ++i) {
     const TrialResult& trial = policy.trials[i];
-    if (trial.collided) ++figures.collisions;
+    if (trial.collided) {
+      ++figures.collisions;
+      figures.collision_seeds.push_back(trial.seed);
+    }
     if (trial.walked_into && !trial.collided) ++figures.walked_into;
     if (trial.pillar_touched) ++figures.pillars_touched;
-    if (trial.goal_reached) ++figures.goals_reached;
+    if (trial.goal_reached) {
+      ++figures.goals_reached;
+    } else {
+      figures.unfinished_seeds.push_back(trial.seed);
+    }
     figures.unsafe_steps += trial.unsafe_steps;
     figures.mean_min_distance_m += trial.min_distance_m / static_cast<double>(figures.trials);
     steps.insert(steps.end(), trial.step_us.begin(), trial.step_us.end());
@@ -69,9 +76,11 @@ nlohmann::ordered_json toJson(const std::vector<PolicyFigures>& figures) {
   for (const auto& row : figures) {
     json[row.policy] = {{"trials", row.trials},
                         {"collisions", row.collisions},
+                        {"collision_seeds", row.collision_seeds},
                         {"walked_into", row.walked_into},
                         {"pillars_touched", row.pillars_touched},
                         {"goals_reached", row.goals_reached},
+                        {"unfinished_seeds", row.unfinished_seeds},
                         {"unsafe_steps", row.unsafe_steps},
                         {"mean_time_to_goal_s", row.mean_time_to_goal_s},
                         {"mean_min_distance_m", row.mean_min_distance_m},

@@ -19,10 +19,12 @@ struct PolicyTrials {
 struct PolicyFigures {
   std::string policy;
   std::size_t trials = 0;
-  std::size_t collisions = 0;       ///< trials in which a body and the moving robot overlapped
+  std::size_t collisions = 0;  ///< trials in which a body and the moving robot overlapped
+  std::vector<std::uint64_t> collision_seeds;  ///< of those trials
   std::size_t walked_into = 0;      ///< others in which somebody walked into the standing robot
   std::size_t pillars_touched = 0;  ///< trials
   std::size_t goals_reached = 0;
+  std::vector<std::uint64_t> unfinished_seeds;  ///< of the other trials
   std::size_t unsafe_steps = 0;
   double mean_time_to_goal_s = 0.0;  ///< of the trials that all policies finish
   double mean_min_distance_m = 0.0;

@@ -112,6 +112,7 @@ class TrialRunner::Trial {
         tracker_(machine.setup.objects) {
     machine_.robot.start(crowd_, RangeScanner(world_.sensors, 3 * seed + 2));
     machine_.map = map::PerceptionMap();
+    result_.seed = seed;
     result_.min_distance_m = std::numeric_limits<double>::infinity();
   }
 

@@ -13,6 +13,7 @@ namespace headway::app {
 
 /// What became of one trial.
 struct TrialResult {
+  std::uint64_t seed = 0;
   bool goal_reached = false;
   double time_to_goal_s = 0.0;   ///< the time limit if the goal was not reached
   double min_distance_m = 0.0;   ///< least distance between a body and the robot's; 0: contact

@@ -57,6 +57,8 @@ void SensorParams::describe(Params::Section section) {
   section.add("scan_sigma_m", scan_sigma_m, 0.0, 1.0, "m", "Noise of the scanner");
   section.add("detection_rate_hz", detection_rate_hz, 1.0, 50.0, "Hz", "Rate of the detector");
   section.add("detection_range_m", detection_range_m, 1.0, 100.0, "m", "Range of the detector");
+  section.add("field_of_view_deg", field_of_view_deg, 10.0, 360.0, "deg",
+              "Field of view of the detector, about straight ahead; the scanner sees all round");
   section.add("along_sigma_m", along_sigma_m, 0.0, 2.0, "m",
               "Noise of a detected place along the ray");
   section.add("along_sigma_per_m", along_sigma_per_m, 0.0, 1.0, "m/m",

@@ -61,16 +61,17 @@ struct SensorParams {
   double scan_range_m = 10.0;  ///< of the scanner that gives the points of now [m]
   double scan_sigma_m = 0.02;  ///< [m]
   double detection_rate_hz = 10.0;
-  double detection_range_m = 12.0;  ///< [m]
-  double along_sigma_m = 0.08;      ///< noise of a detected place along the ray [m]
-  double along_sigma_per_m = 0.01;  ///< its growth with distance [m/m]
-  double across_share = 0.5;        ///< noise across the ray, share of that along it [-]
-  double size_sigma_m = 0.05;       ///< [m]
-  double yaw_sigma_deg = 15.0;      ///< [deg]
-  double flip_share = 0.05;         ///< headings turned round [-]
-  double miss_share = 0.1;          ///< people not detected [-]
-  double double_share = 0.03;       ///< people detected twice, 0.5 m apart or so [-]
-  double false_share = 0.01;        ///< frames with a detection of nobody [-]
+  double detection_range_m = 12.0;   ///< [m]
+  double field_of_view_deg = 360.0;  ///< of the detector, about straight ahead
+  double along_sigma_m = 0.08;       ///< noise of a detected place along the ray [m]
+  double along_sigma_per_m = 0.01;   ///< its growth with distance [m/m]
+  double across_share = 0.5;         ///< noise across the ray, share of that along it [-]
+  double size_sigma_m = 0.05;        ///< [m]
+  double yaw_sigma_deg = 15.0;       ///< [deg]
+  double flip_share = 0.05;          ///< headings turned round [-]
+  double miss_share = 0.1;           ///< people not detected [-]
+  double double_share = 0.03;        ///< people detected twice, 0.5 m apart or so [-]
+  double false_share = 0.01;         ///< frames with a detection of nobody [-]
 
   void describe(Params::Section section);
 };

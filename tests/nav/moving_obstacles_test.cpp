@@ -15,6 +15,7 @@ PredictiveObstaclesParams paramsOf(ObstaclePolicy policy) {
   params.policy = policy;
   params.robot.radius_m = 0.3;
   params.robot.top_speed = 1.0;
+  params.steer_horizon_s = params.horizon_s;
   return params;
 }
 
@@ -47,6 +48,16 @@ TEST(MovingObstacles, AMoverWhoComesTooLateIsNone) {
   const Track late = walkingTrack(1, {0.6, -3.0}, {0.0, 1.0});
   EXPECT_FALSE(anyNear(pointsOf({late}, ObstaclePolicy::kTimeGated), {0.6, 0.0}, 0.3));
   EXPECT_TRUE(anyNear(pointsOf({late}, ObstaclePolicy::kSweep), {0.6, 0.0}, 0.3));
+}
+
+TEST(MovingObstacles, PlacesBeyondTheSteeringHorizonAreNone) {
+  auto params = paramsOf(ObstaclePolicy::kTimeGated);
+  params.steer_horizon_s = 1.5;
+  MovingObstacles moving(params);
+  moving.update({walkingTrack(1, {2.0, -2.0}, {0.0, 1.0})}, Vector2d::Zero(), 0.0);
+  EXPECT_FALSE(anyNear(moving.points(), {2.0, 0.0}, 0.2)) << "he is there after 2 s";
+  moving.update({walkingTrack(1, {1.0, -1.0}, {0.0, 1.0})}, Vector2d::Zero(), 0.0);
+  EXPECT_TRUE(anyNear(moving.points(), {1.0, 0.0}, 0.4)) << "he is there after 1 s";
 }
 
 TEST(MovingObstacles, TheGateOnlyTakesAway) {

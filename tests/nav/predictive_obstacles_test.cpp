@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <headway/nav/predictive_obstacles.h>
+#include <mrpt/kinematics/CVehicleVelCmd_DiffDriven.h>
 
 #include <atomic>
 #include <mutex>
@@ -24,6 +25,7 @@ class PredictiveObstaclesTest : public testing::Test {
   bool sense(ObstaclePolicy policy = ObstaclePolicy::kTimeGated) {
     PredictiveObstaclesParams params;
     params.policy = policy;
+    params.steer_horizon_s = 3.0;
     PredictiveObstacles obstacles(
         robot_, [this] { return map_; }, params, [this] { return now_; });
     obstacles.setMinLoggingLevel(mrpt::system::LVL_ERROR);
@@ -151,6 +153,49 @@ TEST_F(PredictiveObstaclesTest, HandsOnWhatIsNotSensing) {
   EXPECT_TRUE(obstacles.getStopCmd()->isStopCmd());
   wheels_.simulateOneTimeStep(0.5);
   EXPECT_NEAR(obstacles.getNavigationTime(), robot_.getNavigationTime(), 1e-12);
+}
+
+TEST_F(PredictiveObstaclesTest, SlowsACommandWhereSomebodyWouldBeMet) {
+  PredictiveObstaclesParams params;
+  PredictiveObstacles obstacles(
+      robot_, [this] { return map_; }, params, [this] { return now_; });
+  const mrpt::kinematics::CVehicleVelCmd_DiffDriven ahead(1.0, 0.0);
+  obstacles.changeSpeeds(ahead);
+  EXPECT_EQ(obstacles.lastShare(), 1.0);
+  map_.update(100.0, {walkingTrack(1, {11.5, 6.5}, {-1.0, 0.0}, 0.1)});
+  obstacles.changeSpeedsNOP();  // the same command, looked at again
+  EXPECT_LT(obstacles.lastShare(), 1.0);
+  map_.update(100.0, {});
+  obstacles.changeSpeedsNOP();
+  EXPECT_EQ(obstacles.lastShare(), 1.0) << "nobody is there any more";
+  wheels_.simulateOneTimeStep(3.0);
+  EXPECT_NEAR(wheels_.getCurrentGTVelLocal().vx, 1.0, 0.05) << "the command went on as it was";
+}
+
+TEST_F(PredictiveObstaclesTest, HoldsTheRobotWhereNobodyKnowsWhoIsWhere) {
+  PredictiveObstacles obstacles(
+      robot_, [this] { return map_; }, {}, [this] { return now_; });
+  now_ = 101.0;
+  obstacles.changeSpeeds(mrpt::kinematics::CVehicleVelCmd_DiffDriven(1.0, 0.0));
+  EXPECT_EQ(obstacles.lastShare(), 0.0);
+  wheels_.simulateOneTimeStep(3.0);
+  EXPECT_NEAR(wheels_.getCurrentGTVelLocal().vx, 0.0, 0.05);
+}
+
+TEST_F(PredictiveObstaclesTest, LeavesTheSpeedAloneWhereItIsToldTo) {
+  map_.update(100.0, {walkingTrack(1, {11.5, 6.5}, {-1.0, 0.0}, 0.1)});
+  PredictiveObstaclesParams params;
+  params.governor.enabled = false;
+  PredictiveObstacles ungoverned(
+      robot_, [this] { return map_; }, params, [this] { return now_; });
+  ungoverned.changeSpeeds(mrpt::kinematics::CVehicleVelCmd_DiffDriven(1.0, 0.0));
+  EXPECT_EQ(ungoverned.lastShare(), 1.0);
+  params.governor.enabled = true;
+  params.policy = ObstaclePolicy::kStatic;
+  PredictiveObstacles of_now(
+      robot_, [this] { return map_; }, params, [this] { return now_; });
+  of_now.changeSpeeds(mrpt::kinematics::CVehicleVelCmd_DiffDriven(1.0, 0.0));
+  EXPECT_EQ(of_now.lastShare(), 1.0);
 }
 
 TEST_F(PredictiveObstaclesTest, ReadsSnapshotsWhileAnotherThreadWritesTheMap) {

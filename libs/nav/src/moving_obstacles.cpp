@@ -1,17 +1,18 @@
 #include <headway/nav/moving_obstacles.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace headway::nav {
 namespace {
 
 using Eigen::Vector2d;
 
+}  // namespace
+
 bool isMover(const Track& track) {
   return track.moving && isShown(track) && track.position.allFinite() && track.size.allFinite();
 }
-
-}  // namespace
 
 MovingObstacles::MovingObstacles(const PredictiveObstaclesParams& params)
     : params_(params), gate_(params.robot) {}
@@ -28,12 +29,19 @@ void MovingObstacles::update(const std::vector<Track>& tracks, const Vector2d& r
 
 void MovingObstacles::addTrack(const Track& track, double age_s) {
   const BodyShape body = bodyOf(track);
+  const double horizon_s = params_.policy == ObstaclePolicy::kTimeGated
+                               ? std::min(params_.steer_horizon_s, params_.horizon_s)
+                               : params_.horizon_s;
   for (std::size_t i = 0; i < track.predictions.size(); ++i) {
     const auto& path = track.predictions[i];
     if (i > 0 && path.probability < params_.min_probability) break;  // the most probable first
-    predictPlaces(track, path, age_s, params_.horizon_s, params_.place_spacing_m, places_);
+    predictPlaces(track, path, age_s, horizon_s, params_.place_spacing_m, places_);
     const auto& present = places_.front();
-    if (i == 0) movers_.push_back({body, present.centre, present.yaw, present.when});
+    if (i == 0) {
+      const double reach = std::hypot(0.5 * body.length_m + params_.body_margin_m,
+                                      0.5 * body.width_m + params_.body_margin_m);
+      movers_.push_back({body, present.centre, present.yaw, present.when, reach});
+    }
     movers_.back().when.to_s = std::max(movers_.back().when.to_s, present.when.to_s);
     for (const auto& place : places_) addOutline(track, body, place);
   }
@@ -47,6 +55,7 @@ void MovingObstacles::addOutline(const Track& track, const BodyShape& body,
   const double clearance = std::max(0.0, distance - body.radius() - params_.robot.radius_m);
   const PlaceDoubt doubt{place.covariance, params_.sigmas,
                          std::min(params_.max_growth_m, clearance)};
+  if (!couldMeetBody(distance, body.radius() + doubt.max_growth_m, place.when)) return;
   outline_.clear();
   appendOutline(body, place.centre, place.yaw, doubt, params_.outline_spacing_m, outline_);
   const double bottom = track.position.z() - 0.5 * track.size.z();
@@ -54,6 +63,13 @@ void MovingObstacles::addOutline(const Track& track, const BodyShape& body,
     if (!couldMeet(point, place.when)) continue;
     points_.push_back({point, bottom, bottom + track.size.z()});
   }
+}
+
+bool MovingObstacles::couldMeetBody(double distance, double radius, const TimeSpan& when) const {
+  if (params_.policy == ObstaclePolicy::kSweep) return true;
+  const TimeSpan touched{gate_.touching(distance - radius).from_s,
+                         gate_.touching(distance + radius).to_s};
+  return touched.overlaps(when);
 }
 
 bool MovingObstacles::couldMeet(const Vector2d& point, const TimeSpan& when) const {
@@ -68,6 +84,7 @@ bool MovingObstacles::willBeGone(const Vector2d& sensed) const {
   const TimeSpan touched = gate_.touching((sensed - robot_).norm());
   bool gone = false;
   for (const auto& mover : movers_) {
+    if ((sensed - mover.centre).squaredNorm() > mover.reach * mover.reach) continue;
     if (!covers(mover.shape, mover.centre, mover.yaw, params_.body_margin_m, sensed)) continue;
     if (touched.overlaps(mover.when)) return false;
     gone = true;

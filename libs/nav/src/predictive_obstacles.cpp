@@ -1,5 +1,7 @@
 #include <headway/nav/predictive_obstacles.h>
 #include <mrpt/core/Clock.h>
+#include <mrpt/kinematics/CVehicleVelCmd_DiffDriven.h>
+#include <mrpt/kinematics/CVehicleVelCmd_Holo.h>
 #include <mrpt/maps/CSimplePointsMap.h>
 
 #include <cmath>
@@ -8,9 +10,32 @@ namespace headway::nav {
 namespace {
 
 using Eigen::Vector2d;
+using mrpt::kinematics::CVehicleVelCmd;
 
-bool isFinite(const mrpt::math::TPose2D& pose) {
-  return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.phi);
+/// MRPT 2.5.8's own way of copying a command aborts: its base calls a method that is not there yet.
+CVehicleVelCmd::Ptr copyOf(const CVehicleVelCmd& command) {
+  const auto object = command.GetRuntimeClass()->createObject();
+  const auto copy =
+      std::dynamic_pointer_cast<CVehicleVelCmd>(std::shared_ptr<mrpt::rtti::CObject>(object));
+  for (std::size_t i = 0; i < command.getVelCmdLength(); ++i) {
+    const int index = static_cast<int>(i);
+    copy->setVelCmdElement(index, command.getVelCmdElement(index));
+  }
+  return copy;
+}
+
+/// Kinds of robots are told by their commands; nullopt for one that is not known.
+std::optional<GroundTwist> twistOf(const CVehicleVelCmd& command) {
+  using mrpt::kinematics::CVehicleVelCmd_DiffDriven;
+  using mrpt::kinematics::CVehicleVelCmd_Holo;
+  if (const auto* wheels = dynamic_cast<const CVehicleVelCmd_DiffDriven*>(&command)) {
+    return GroundTwist{wheels->lin_vel, 0.0, wheels->ang_vel};
+  }
+  if (const auto* holonomic = dynamic_cast<const CVehicleVelCmd_Holo*>(&command)) {
+    return GroundTwist{holonomic->vel * std::cos(holonomic->dir_local),
+                       holonomic->vel * std::sin(holonomic->dir_local), holonomic->rot_speed};
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -35,7 +60,8 @@ PredictiveObstacles::PredictiveObstacles(mrpt::nav::CRobot2NavInterface& robot, 
       map_(std::move(map)),
       clock_(clock ? std::move(clock) : Clock(&mrpt::Clock::nowDouble)),
       params_(params),
-      moving_(params) {
+      moving_(params),
+      governor_(params) {
   setLoggerName("PredictiveObstacles");
 }
 
@@ -59,43 +85,77 @@ SenseStatus PredictiveObstacles::addPredictions(mrpt::maps::CSimplePointsMap& ob
   report_.map_age_s = clock_() - layer.time();
   if (!(std::abs(report_.map_age_s) <= params_.max_age_s)) return SenseStatus::kStaleMap;
 
+  const auto robot = locate();
+  if (!robot) return SenseStatus::kNoPose;
+  moving_.update(layer.tracks(), robot->place, std::max(0.0, report_.map_age_s));
+  report_.movers = moving_.movers().size();
+  removeGone(obstacles, *robot);
+  insertPredicted(obstacles, *robot);
+  return SenseStatus::kSafe;
+}
+
+std::optional<GroundState> PredictiveObstacles::locate() {
   mrpt::math::TPose2D pose, odometry;
   mrpt::math::TTwist2D velocity;
   mrpt::system::TTimeStamp timestamp;
   std::string frame_id = params_.map_frame;
-  if (!robot_.getCurrentPoseAndSpeeds(pose, velocity, timestamp, odometry, frame_id) ||
-      !isFinite(pose) || frame_id != params_.map_frame) {
-    return SenseStatus::kNoPose;
+  if (!robot_.getCurrentPoseAndSpeeds(pose, velocity, timestamp, odometry, frame_id)) return {};
+  const bool is_number = std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.phi);
+  if (!is_number || frame_id != params_.map_frame) return {};
+  velocity.rotate(-pose.phi);  // from the map's axes to the robot's own
+  return GroundState{{pose.x, pose.y}, pose.phi, {velocity.vx, velocity.vy, velocity.omega}};
+}
+
+bool PredictiveObstacles::changeSpeeds(const CVehicleVelCmd& command) {
+  command_ = copyOf(command);
+  share_ = admissibleShare(command);
+  if (share_ >= 1.0) return robot_.changeSpeeds(command);
+  const auto slowed = copyOf(command);
+  slowed->cmdVel_scale(share_);
+  return robot_.changeSpeeds(*slowed);
+}
+
+bool PredictiveObstacles::changeSpeedsNOP() {
+  if (command_ == nullptr || (share_ >= 1.0 && admissibleShare(*command_) >= 1.0)) {
+    return robot_.changeSpeedsNOP();
   }
-  moving_.update(layer.tracks(), {pose.x, pose.y}, std::max(0.0, report_.map_age_s));
-  report_.movers = moving_.movers().size();
-  removeGone(obstacles, pose);
-  insertPredicted(obstacles, pose);
-  return SenseStatus::kSafe;
+  return changeSpeeds(*CVehicleVelCmd::Ptr(command_));
+}
+
+double PredictiveObstacles::admissibleShare(const CVehicleVelCmd& command) {
+  if (!params_.governor.enabled || params_.policy != ObstaclePolicy::kTimeGated) return 1.0;
+  const auto twist = twistOf(command);
+  const auto robot = locate();
+  if (!twist || !robot) return 1.0;
+  const map::PerceptionMap snapshot = map_();
+  const CMovingObjectsMap& layer = snapshot.movingObjects();
+  const double age_s = clock_() - layer.time();
+  if (!(std::abs(age_s) <= params_.max_age_s)) return 0.0;  // nobody knows who is where
+  return governor_.share(*twist, *robot, layer.tracks(), std::max(0.0, age_s));
 }
 
 void PredictiveObstacles::removeGone(mrpt::maps::CSimplePointsMap& obstacles,
-                                     const mrpt::math::TPose2D& pose) {
+                                     const GroundState& robot) {
   const auto& xs = obstacles.getPointsBufferRef_x();
   const auto& ys = obstacles.getPointsBufferRef_y();
-  const double c = std::cos(pose.phi);
-  const double s = std::sin(pose.phi);
+  const double c = std::cos(robot.yaw);
+  const double s = std::sin(robot.yaw);
   std::vector<bool> gone(xs.size(), false);
   for (std::size_t i = 0; i < xs.size(); ++i) {
     const double x = xs[i];
     const double y = ys[i];
-    gone[i] = moving_.willBeGone({pose.x + c * x - s * y, pose.y + s * x + c * y});
+    gone[i] = moving_.willBeGone(robot.place + Vector2d(c * x - s * y, s * x + c * y));
     if (gone[i]) ++report_.points_removed;
   }
   if (report_.points_removed > 0) obstacles.applyDeletionMask(gone);
 }
 
 void PredictiveObstacles::insertPredicted(mrpt::maps::CSimplePointsMap& obstacles,
-                                          const mrpt::math::TPose2D& pose) {
-  const double c = std::cos(pose.phi);
-  const double s = std::sin(pose.phi);
+                                          const GroundState& robot) {
+  const double c = std::cos(robot.yaw);
+  const double s = std::sin(robot.yaw);
   for (const auto& point : moving_.points()) {
-    const Vector2d offset = point.place - Vector2d(pose.x, pose.y);
+    const Vector2d offset = point.place - robot.place;
     const auto x = static_cast<float>(c * offset.x() + s * offset.y());
     const auto y = static_cast<float>(c * offset.y() - s * offset.x());
     const double height = point.top - point.bottom;

@@ -14,13 +14,10 @@ bool PredictiveObstacles::getCurrentPoseAndSpeeds(mrpt::math::TPose2D& pose,
   return robot_.getCurrentPoseAndSpeeds(pose, velocity, timestamp, odometry, frame_id);
 }
 
-bool PredictiveObstacles::changeSpeeds(const CVehicleVelCmd& command) {
-  return robot_.changeSpeeds(command);
+bool PredictiveObstacles::stop(bool is_emergency) {
+  command_.reset();
+  return robot_.stop(is_emergency);
 }
-
-bool PredictiveObstacles::changeSpeedsNOP() { return robot_.changeSpeedsNOP(); }
-
-bool PredictiveObstacles::stop(bool is_emergency) { return robot_.stop(is_emergency); }
 
 CVehicleVelCmd::Ptr PredictiveObstacles::getEmergencyStopCmd() {
   return robot_.getEmergencyStopCmd();

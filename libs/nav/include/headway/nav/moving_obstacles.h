@@ -10,6 +10,9 @@
 
 namespace headway::nav {
 
+/// Whether a track is believed, moves and is made of numbers.
+[[nodiscard]] bool isMover(const Track& track);
+
 /// A point that a planner must not drive through, map frame [m].
 struct ObstaclePoint {
   Eigen::Vector2d place = Eigen::Vector2d::Zero();
@@ -23,6 +26,7 @@ struct PresentBody {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< map frame [m]
   double yaw = 0.0;                                  ///< [rad]
   TimeSpan when;                                     ///< how long it stays there
+  double reach = 0.0;  ///< no point of it is farther from the centre [m]
 };
 
 /// Obstacles of what moves, seen from one place of the robot at one time.
@@ -48,6 +52,8 @@ class MovingObstacles {
  private:
   void addTrack(const Track& track, double age_s);
   void addOutline(const Track& track, const BodyShape& body, const PredictedPlace& place);
+  /// Whether any point of a disc could be met; spares looking at its outline where none can.
+  [[nodiscard]] bool couldMeetBody(double distance, double radius, const TimeSpan& when) const;
   [[nodiscard]] bool couldMeet(const Eigen::Vector2d& point, const TimeSpan& when) const;
 
   PredictiveObstaclesParams params_;

@@ -2,9 +2,11 @@
 
 #include <headway/map/perception_map.h>
 #include <headway/nav/moving_obstacles.h>
+#include <headway/nav/speed_governor.h>
 #include <mrpt/nav/reactive/CRobot2NavInterface.h>
 
 #include <functional>
+#include <optional>
 #include <string_view>
 
 namespace headway::nav {
@@ -57,12 +59,19 @@ class PredictiveObstacles : public mrpt::nav::CRobot2NavInterface {
   /// What the last call of senseObstacles() did. For the thread that calls it.
   [[nodiscard]] const SenseReport& lastReport() const { return report_; }
 
+  /// Hands the command on, slowed as SpeedGovernor says (policy kTimeGated). A command of a kind
+  /// that is neither differential nor holonomic goes on as it is.
+  bool changeSpeeds(const mrpt::kinematics::CVehicleVelCmd& command) override;
+  /// Looks at the command under way again.
+  bool changeSpeedsNOP() override;
+
+  /// Share of the last command that was driven, 0 to 1.
+  [[nodiscard]] double lastShare() const { return share_; }
+
   // All the rest goes to the wrapped robot.
   bool getCurrentPoseAndSpeeds(mrpt::math::TPose2D& pose, mrpt::math::TTwist2D& velocity,
                                mrpt::system::TTimeStamp& timestamp, mrpt::math::TPose2D& odometry,
                                std::string& frame_id) override;
-  bool changeSpeeds(const mrpt::kinematics::CVehicleVelCmd& command) override;
-  bool changeSpeedsNOP() override;
   bool stop(bool is_emergency) override;
   mrpt::kinematics::CVehicleVelCmd::Ptr getEmergencyStopCmd() override;
   mrpt::kinematics::CVehicleVelCmd::Ptr getStopCmd() override;
@@ -81,16 +90,22 @@ class PredictiveObstacles : public mrpt::nav::CRobot2NavInterface {
   void resetNavigationTimer() override;
 
  private:
+  /// The robot's pose in the map's frame; nullopt where it does not know it.
+  [[nodiscard]] std::optional<GroundState> locate();
+  [[nodiscard]] double admissibleShare(const mrpt::kinematics::CVehicleVelCmd& command);
   [[nodiscard]] SenseStatus addPredictions(mrpt::maps::CSimplePointsMap& obstacles);
-  void removeGone(mrpt::maps::CSimplePointsMap& obstacles, const mrpt::math::TPose2D& pose);
-  void insertPredicted(mrpt::maps::CSimplePointsMap& obstacles, const mrpt::math::TPose2D& pose);
+  void removeGone(mrpt::maps::CSimplePointsMap& obstacles, const GroundState& robot);
+  void insertPredicted(mrpt::maps::CSimplePointsMap& obstacles, const GroundState& robot);
 
   mrpt::nav::CRobot2NavInterface& robot_;
   MapSource map_;
   Clock clock_;
   PredictiveObstaclesParams params_;
   MovingObstacles moving_;
+  SpeedGovernor governor_;
   SenseReport report_;
+  mrpt::kinematics::CVehicleVelCmd::Ptr command_;  ///< the planner's last one; null: stopped
+  double share_ = 1.0;                             ///< of it that is driven
 };
 
 }  // namespace headway::nav

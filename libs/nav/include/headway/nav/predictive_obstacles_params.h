@@ -21,10 +21,25 @@ enum class ObstaclePolicy {
 /// The robot as the time gate sees it: a disc that drives at a range of speeds.
 struct RobotMotionParams {
   double radius_m = 0.35;   ///< of the smallest circle about the robot's origin that holds it [m]
+  double length_m = 0.5;    ///< of its body about the origin [m]
+  double width_m = 0.45;    ///< [m]
   double top_speed = 1.0;   ///< [m/s]
   double slow_share = 0.8;  ///< slowest way to a place assumed, as a share of top_speed [-]
   double early_slack_s = 0.0;  ///< the robot may be earlier by this [s]
   double late_slack_s = 0.3;   ///< the robot may be later by this, having to speed up first [s]
+
+  void describe(Params::Section section);
+};
+
+/// How the robot's speed is governed among what moves.
+struct GovernorParams {
+  bool enabled = true;
+  double horizon_s = 2.5;       ///< looks so far ahead [s]
+  double contact_cost = 40.0;   ///< of a certain contact, where standing for now costs 1 [-]
+  double standing_share = 0.5;  ///< of that cost if the robot stands by then [-]
+  double patience_s = 2.0;      ///< what is so far ahead counts a third [s]
+  double margin_m = 0.1;        ///< nearer than this is a contact [m]
+  double lag_s = 0.15;          ///< time constant with which the robot obeys [s]
 
   void describe(Params::Section section);
 };
@@ -35,6 +50,7 @@ struct PredictiveObstaclesParams {
   double max_age_s = 0.5;         ///< an older map is unsafe [s]
   std::string map_frame = "map";  ///< name of the frame in which robot and map must be
   double horizon_s = 3.0;         ///< how far ahead predictions are believed [s]
+  double steer_horizon_s = 1.5;   ///< kTimeGated: later places do not steer, they slow [s]
   double min_probability = 0.1;   ///< less probable paths are left out [-]
   double sigmas = 1.0;            ///< bodies grow by so many standard deviations of their place [-]
   double max_growth_m = 0.4;      ///< but not by more [m]
@@ -44,6 +60,7 @@ struct PredictiveObstaclesParams {
   double layer_spacing_m = 0.6;    ///< between the heights of points: 3D robots have sections [m]
   double max_range_m = 12.0;       ///< places farther from the robot are left out [m]
   RobotMotionParams robot;
+  GovernorParams governor;
 
   void describe(Params::Section section);
 };

@@ -1,0 +1,140 @@
+#include <headway/map/path_sample.h>
+#include <headway/nav/moving_obstacles.h>
+#include <headway/nav/speed_governor.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace headway::nav {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kStep_s = 0.1;
+constexpr int kShares = 10;            ///< of the commanded speed, besides standing
+constexpr double kTurnMemory_s = 1.0;  ///< a planner that turns now will not turn for ever
+constexpr double kLeastSigma_m = 0.05;
+constexpr double kFarSigmas = 4.0;
+constexpr double kStandsBelow = 0.02;  ///< [m/s]
+
+/// The probability that a standard normal value is above x.
+double above(double x) { return 0.5 * std::erfc(x / std::sqrt(2.0)); }
+
+}  // namespace
+
+SpeedGovernor::SpeedGovernor(const PredictiveObstaclesParams& params)
+    : params_(params),
+      steps_(static_cast<std::size_t>(std::lround(params.governor.horizon_s / kStep_s))) {}
+
+double SpeedGovernor::share(const GroundTwist& command, const GroundState& robot,
+                            const std::vector<Track>& tracks, double age_s) {
+  foresee(tracks, robot, age_s);
+  if (future_count_ == 0) return 1.0;
+  double best_share = 1.0;
+  double least_cost = std::numeric_limits<double>::infinity();
+  for (int i = kShares; i >= 0; --i) {
+    const double share = static_cast<double>(i) / kShares;
+    drive(command, share, robot);
+    const double cost = params_.governor.contact_cost * contactProbability() + (1.0 - share);
+    if (cost >= least_cost) continue;
+    least_cost = cost;
+    best_share = share;
+  }
+  return best_share;
+}
+
+void SpeedGovernor::foresee(const std::vector<Track>& tracks, const GroundState& robot,
+                            double age_s) {
+  future_count_ = 0;
+  const double span_s = params_.governor.horizon_s;
+  for (const auto& track : tracks) {
+    if (!isMover(track)) continue;
+    const double radius = map::bodyOf(track).radius();
+    const double reach = span_s * (params_.robot.top_speed + track.velocity.norm()) +
+                         params_.robot.radius_m + radius;
+    if (!((track.position.head<2>() - robot.place).norm() < reach + 1.0)) continue;
+    for (const auto& path : track.predictions) {
+      if (futures_.size() == future_count_) futures_.emplace_back();
+      Future& future = futures_[future_count_++];
+      future.track = track.id;
+      future.probability = path.probability;
+      future.radius = radius;
+      future.places.resize(steps_);
+      future.variances.resize(steps_);
+      for (std::size_t i = 0; i < steps_; ++i) {
+        const auto sample =
+            map::samplePath(track, path, age_s + (static_cast<double>(i) + 1) * kStep_s);
+        future.places[i] = sample.centre;
+        future.variances[i] = sample.covariance;
+      }
+    }
+  }
+}
+
+void SpeedGovernor::drive(const GroundTwist& command, double share, const GroundState& from) {
+  driven_.resize(steps_);
+  GroundState state = from;
+  const double keep = std::exp(-kStep_s / std::max(1e-3, params_.governor.lag_s));
+  const double keep_turn = std::exp(-kStep_s / kTurnMemory_s);
+  double turn = share * command.turn;
+  for (auto& moment : driven_) {
+    const auto obey = [keep](double wanted, double& value) {
+      const double before = value;
+      value = wanted + keep * (value - wanted);
+      return 0.5 * (before + value);
+    };
+    const double forward = obey(share * command.forward, state.twist.forward);
+    const double sideways = obey(share * command.sideways, state.twist.sideways);
+    const double middle_yaw = state.yaw + 0.5 * kStep_s * obey(turn, state.twist.turn);
+    state.yaw = 2.0 * middle_yaw - state.yaw;
+    const double c = std::cos(middle_yaw), s = std::sin(middle_yaw);
+    state.place += kStep_s * Vector2d(c * forward - s * sideways, s * forward + c * sideways);
+    turn *= keep_turn;
+    moment = state;
+  }
+}
+
+double SpeedGovernor::contactProbability() const {
+  double none = 1.0;
+  double of_track = 0.0;
+  for (std::size_t i = 0; i < future_count_; ++i) {
+    of_track += futures_[i].probability * contactProbability(futures_[i]);
+    const bool last_of_track = i + 1 == future_count_ || futures_[i + 1].track != futures_[i].track;
+    if (!last_of_track) continue;
+    none *= 1.0 - std::min(1.0, of_track);
+    of_track = 0.0;
+  }
+  return 1.0 - none;
+}
+
+double SpeedGovernor::contactProbability(const Future& future) const {
+  double worst = 0.0;
+  const Vector2d half = 0.5 * Vector2d(params_.robot.length_m, params_.robot.width_m);
+  for (std::size_t i = 0; i < steps_; ++i) {
+    const GroundState& robot = driven_[i];
+    const Vector2d offset = future.places[i] - robot.place;
+    const double far = params_.robot.radius_m + future.radius;
+    const double spread = kLeastSigma_m * kLeastSigma_m + future.variances[i].trace();
+    const double beyond = offset.norm() - far;
+    if (beyond > 0.0 && beyond * beyond > kFarSigmas * kFarSigmas * spread) continue;
+    const double c = std::cos(robot.yaw), s = std::sin(robot.yaw);
+    const Vector2d local(std::abs(c * offset.x() + s * offset.y()),
+                         std::abs(c * offset.y() - s * offset.x()));
+    const Vector2d outside = (local - half).cwiseMax(0.0);
+    const double inside = std::min(0.0, (local - half).maxCoeff());
+    const double gap = outside.norm() + inside - future.radius - params_.governor.margin_m;
+    const Vector2d towards = offset.normalized();
+    const double sigma = std::sqrt(kLeastSigma_m * kLeastSigma_m +
+                                   std::max(0.0, towards.dot(future.variances[i] * towards)));
+    const bool stands = std::abs(robot.twist.forward) < kStandsBelow &&
+                        std::abs(robot.twist.sideways) < kStandsBelow;
+    const double weight =
+        (stands ? params_.governor.standing_share : 1.0) *
+        std::exp(-static_cast<double>(i + 1) * kStep_s / params_.governor.patience_s);
+    worst = std::max(worst, weight * above(gap / sigma));
+  }
+  return worst;
+}
+
+}  // namespace headway::nav

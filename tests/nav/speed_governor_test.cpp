@@ -1,0 +1,96 @@
+#include <gtest/gtest.h>
+#include <headway/nav/speed_governor.h>
+
+#include <limits>
+
+#include "walking_track.h"
+
+namespace headway::nav {
+namespace {
+
+constexpr GroundTwist kAhead{1.0, 0.0, 0.0};
+
+PredictiveObstaclesParams params() {
+  PredictiveObstaclesParams values;
+  values.robot.radius_m = 0.32;
+  values.robot.length_m = 0.5;
+  values.robot.width_m = 0.4;
+  values.robot.top_speed = 1.0;
+  return values;
+}
+
+/// A robot at the origin that drives at the speed of its command.
+GroundState driving() {
+  GroundState robot;
+  robot.twist = kAhead;
+  return robot;
+}
+
+double shareAmong(const std::vector<Track>& tracks, double age_s = 0.0) {
+  SpeedGovernor governor(params());
+  return governor.share(kAhead, driving(), tracks, age_s);
+}
+
+TEST(SpeedGovernor, LeavesTheSpeedWhereNobodyIsMet) {
+  EXPECT_EQ(shareAmong({}), 1.0);
+  EXPECT_EQ(shareAmong({walkingTrack(1, {5.0, 5.0}, {0.0, 1.0})}), 1.0) << "he walks away";
+  EXPECT_EQ(shareAmong({walkingTrack(1, {60.0, 0.0}, {0.0, 1.0})}), 1.0) << "he is far";
+}
+
+TEST(SpeedGovernor, SlowsForSomebodyWhoCrossesAtTheSameTime) {
+  const double share = shareAmong({walkingTrack(1, {1.5, -1.5}, {0.0, 1.0}, 0.1)});
+  EXPECT_LT(share, 0.8);
+}
+
+TEST(SpeedGovernor, DoesNotSlowForSomebodyWhoHasCrossedByThen) {
+  EXPECT_EQ(shareAmong({walkingTrack(1, {2.0, 0.3}, {0.0, 1.2}, 0.1)}), 1.0);
+}
+
+TEST(SpeedGovernor, DoesNotSlowInFrontOfSomebodyWhoWouldThenMeetIt) {
+  // He crosses just behind the robot as it is; slower, it would still be there.
+  EXPECT_EQ(shareAmong({walkingTrack(1, {0.2, -1.3}, {0.0, 1.0}, 0.1)}), 1.0);
+}
+
+TEST(SpeedGovernor, StopsShortOfSomebodyWhoWalksInItsWay) {
+  EXPECT_LE(shareAmong({walkingTrack(1, {0.9, 0.0}, {0.0, 0.05}, 0.1)}), 0.2);
+}
+
+TEST(SpeedGovernor, SlowsLessForAnImprobableFuture) {
+  Track track = walkingTrack(1, {1.5, -1.5}, {0.0, 1.0}, 0.1);
+  track.predictions.push_back(walkingTrack(1, {1.5, -1.5}, {0.0, -1.0}, 0.1).predictions.front());
+  const auto at = [&](double crosses) {
+    track.predictions[0].probability = crosses;
+    track.predictions[1].probability = 1.0 - crosses;
+    return shareAmong({track});
+  };
+  EXPECT_LT(at(0.9), 1.0);
+  EXPECT_EQ(at(0.01), 1.0);
+}
+
+TEST(SpeedGovernor, CarriesAnOldMapOn) {
+  const Track track = walkingTrack(1, {1.5, -2.0}, {0.0, 1.0}, 0.1);
+  EXPECT_LT(shareAmong({track}, 0.5), 1.0);
+  EXPECT_LT(shareAmong({track}, 0.5), shareAmong({track}, -2.0) + 1e-9);
+}
+
+TEST(SpeedGovernor, LeavesOutTentativeStandingAndBrokenTracks) {
+  Track still = walkingTrack(1, {0.9, 0.0}, {0.0, 0.05});
+  still.moving = false;
+  Track tentative = walkingTrack(2, {0.9, 0.0}, {0.0, 0.05});
+  tentative.status = TrackStatus::kTentative;
+  Track broken = walkingTrack(3, {0.9, 0.0}, {0.0, 0.05});
+  broken.position.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(shareAmong({still, tentative, broken}), 1.0);
+}
+
+TEST(SpeedGovernor, IsTheSameEachTime) {
+  SpeedGovernor governor(params());
+  const std::vector<Track> tracks = {walkingTrack(1, {1.5, -1.5}, {0.0, 1.0}, 0.2),
+                                     walkingTrack(2, {2.0, 1.8}, {0.0, -1.1}, 0.2)};
+  const double first = governor.share(kAhead, driving(), tracks, 0.0);
+  static_cast<void>(governor.share(kAhead, driving(), {}, 0.0));
+  EXPECT_EQ(governor.share(kAhead, driving(), tracks, 0.0), first);
+}
+
+}  // namespace
+}  // namespace headway::nav
