@@ -22,13 +22,15 @@ struct PendingFrame {
 
 /// Gives boxes and poses to the frame nearest in time, at most half a frame interval away.
 ///
-/// Frames count from 0 in the order they come, and come out in that order once the next two are
-/// known (so that what is recorded late, even after the next image, still finds its frame). Frames
+/// Frames count from 0 in the order they come, and come out in that order once some of the next
+/// are known (so that what is recorded late, even after the next image, finds its frame). Frames
 /// whose time does not increase are left out but keep their index. What finds no frame is counted.
 class FrameAssembler {
  public:
-  /// @param skipped  counts "time_backwards", "unmatched_detections", "unmatched_pose"
-  explicit FrameAssembler(std::map<std::string, std::size_t>& skipped) : skipped_(skipped) {}
+  /// @param read_ahead  frames to be known before one comes out
+  /// @param skipped     counts "time_backwards", "unmatched_detections", "unmatched_pose"
+  FrameAssembler(std::size_t read_ahead, std::map<std::string, std::size_t>& skipped)
+      : read_ahead_(read_ahead), skipped_(skipped) {}
 
   /// `frame` holds all but its index, detections, and pose (if it has a pair).
   void addFrame(PendingFrame frame);
@@ -36,7 +38,7 @@ class FrameAssembler {
   void addPose(Time time, const Pose& T_map_robot) { poses_.push_back({time, T_map_robot}); }
 
   /// Whether a frame can come out without knowing more of the recording.
-  [[nodiscard]] bool isReady() const { return frames_.size() > kReadAhead; }
+  [[nodiscard]] bool isReady() const { return frames_.size() > read_ahead_; }
 
   /// The next frame; nullopt if there is none. Before isReady(), only at the recording's end.
   [[nodiscard]] std::optional<PendingFrame> take();
@@ -45,12 +47,12 @@ class FrameAssembler {
   void finish();
 
  private:
-  static constexpr std::size_t kReadAhead = 2;  // frames
   [[nodiscard]] double halfInterval(Time time) const;
   template <typename Item>
   std::optional<Item> takeNearest(std::deque<Item>& items, Time time, double half_interval,
                                   const char* unmatched);
 
+  std::size_t read_ahead_;
   std::map<std::string, std::size_t>& skipped_;
   std::size_t next_index_ = 0;
   std::optional<Time> last_added_;

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "gz_stream.h"
+#include "observation_reader.h"
 
 namespace mrpt::obs {
 class CActionCollection;
@@ -22,18 +23,20 @@ namespace headway::io {
 /// as `CObservationOdometry`, summed up and dated with the observation that follows. Objects of
 /// classes that this program does not know, or of a version that it does not, are leapt over, up to
 /// the next header of an observation, and counted. At most one object is in memory.
-class ObservationStream {
+class ObservationStream : public ObservationReader {
  public:
   /// @param skipped  counts objects left out, by class name without namespace
   /// @throws InputError if the file cannot be opened or does not begin like a rawlog
   ObservationStream(const std::string& path, std::map<std::string, std::size_t>& skipped);
 
   /// The next observation; null at the end, also where the file breaks off (see truncation()).
-  [[nodiscard]] mrpt::obs::CObservation::Ptr next();
+  [[nodiscard]] mrpt::obs::CObservation::Ptr next() override;
 
   /// What is broken and where, once the end came too early.
-  [[nodiscard]] const std::optional<std::string>& truncation() const { return truncation_; }
-  [[nodiscard]] double progress() const { return input_.progress(); }
+  [[nodiscard]] const std::optional<std::string>& truncation() const override {
+    return truncation_;
+  }
+  [[nodiscard]] double progress() const override { return input_.progress(); }
 
  private:
   struct Header {

@@ -60,21 +60,40 @@ bool isMotion(const CObservation& observation) {
 constexpr std::size_t kMostProbedImages = 16;
 constexpr std::size_t kMostProbedMotions = 2000;
 
+/// Observations that sensors push.
+class LiveObservations : public ObservationReader {
+ public:
+  explicit LiveObservations(ObservationQueue& queue) : queue_(queue) {}
+  CObservation::Ptr next() override { return queue_.pop(); }
+  [[nodiscard]] const std::optional<std::string>& truncation() const override { return none_; }
+  [[nodiscard]] double progress() const override { return 0.0; }
+
+ private:
+  ObservationQueue& queue_;
+  std::optional<std::string> none_;
+};
+
 }  // namespace
 
-/// Observations become frames here; the constructor goes as far as the first good one.
+/// Observations become frames here.
 class RawlogSource::Reader {
  public:
   Reader(const std::string& path, const RawlogSourceOptions& options)
       : path_(path),
         options_(options),
-        stream_(path, skipped_),
-        assembler_(skipped_),
+        stream_(std::make_unique<ObservationStream>(path, skipped_)),
+        assembler_(options.read_ahead, skipped_),
         decoder_(imageFolderOf(path), skipped_) {
-    const CameraChoice choice = probe();
-    holds_images_ = choice.kind != CameraChoice::Kind::kNone;
-    pairing_.emplace(choice, options_.pair_tolerance_s, skipped_);
-    findFirstFrame();
+    open();
+  }
+
+  Reader(ObservationQueue& queue, const RawlogSourceOptions& options)
+      : path_("live observations"),
+        options_(options),
+        stream_(std::make_unique<LiveObservations>(queue)),
+        assembler_(options.read_ahead, skipped_),
+        decoder_("", skipped_) {
+    open();
   }
 
   std::optional<RecordedFrame> next() {
@@ -95,10 +114,18 @@ class RawlogSource::Reader {
   std::shared_ptr<const StereoCamera> camera() const { return decoder_.camera(); }
   const std::optional<CalibrationReport>& calibration() const { return decoder_.report(); }
   const std::map<std::string, std::size_t>& skipped() const { return skipped_; }
-  const std::optional<std::string>& truncation() const { return stream_.truncation(); }
-  double progress() const { return stream_.progress(); }
+  const std::optional<std::string>& truncation() const { return stream_->truncation(); }
+  double progress() const { return stream_->progress(); }
 
  private:
+  /// Goes as far as the first good frame.
+  void open() {
+    const CameraChoice choice = probe();
+    holds_images_ = choice.kind != CameraChoice::Kind::kNone;
+    pairing_.emplace(choice, options_.pair_tolerance_s, skipped_);
+    findFirstFrame();
+  }
+
   /// Reads on until it is clear which camera is meant, keeping what will be needed.
   CameraChoice probe() {
     CameraProbe camera_probe(options_.sensor_label);
@@ -113,7 +140,7 @@ class RawlogSource::Reader {
     try {
       return camera_probe.choose(skipped_);
     } catch (const InputError& error) {
-      const auto& truncation = stream_.truncation();
+      const auto& truncation = stream_->truncation();
       throw InputError(path_ + ": " + error.what() + (truncation ? "; " + *truncation : ""));
     }
   }
@@ -175,7 +202,7 @@ class RawlogSource::Reader {
 
   /// The next observation that estimators may see and that can be of use.
   CObservation::Ptr nextOfUse() {
-    while (auto observation = stream_.next()) {
+    while (auto observation = stream_->next()) {
       if (isTruth(observation->sensorLabel)) {
         ++skipped_["truth"];
       } else if (observation->timestamp == INVALID_TIMESTAMP) {
@@ -286,7 +313,7 @@ class RawlogSource::Reader {
   std::string path_;
   RawlogSourceOptions options_;
   std::map<std::string, std::size_t> skipped_;
-  ObservationStream stream_;
+  std::unique_ptr<ObservationReader> stream_;
   std::deque<CObservation::Ptr> probed_;  ///< read by probe(), to be dispatched
   bool holds_images_ = false;
   std::optional<StereoPairing> pairing_;
@@ -301,6 +328,8 @@ class RawlogSource::Reader {
 
 RawlogSource::RawlogSource(const std::string& path, const RawlogSourceOptions& options)
     : reader_(std::make_unique<Reader>(path, options)) {}
+RawlogSource::RawlogSource(ObservationQueue& queue, const RawlogSourceOptions& options)
+    : reader_(std::make_unique<Reader>(queue, options)) {}
 RawlogSource::~RawlogSource() = default;
 RawlogSource::RawlogSource(RawlogSource&&) noexcept = default;
 RawlogSource& RawlogSource::operator=(RawlogSource&&) noexcept = default;

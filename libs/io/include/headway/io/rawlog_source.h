@@ -1,6 +1,7 @@
 #pragma once
 
 #include <headway/core/recorded_frame.h>
+#include <headway/io/observation_queue.h>
 
 #include <map>
 #include <memory>
@@ -17,7 +18,10 @@ struct RawlogSourceOptions {
   std::optional<std::size_t> to_index;  ///< last stereo frame handed out (included)
   bool use_odometry = true;             ///< hand wheel odometry on as motion prior
   bool use_imu = true;                  ///< hand gyroscope and gravity on as motion prior
-  double pair_tolerance_s = 0.01;       ///< between a left and a right `CObservationImage` [s]
+  /// Frames read before one is handed out, so that what is recorded late finds its frame. A robot
+  /// that cannot wait, and whose boxes come before their images, takes 0.
+  std::size_t read_ahead = 2;
+  double pair_tolerance_s = 0.01;  ///< between a left and a right `CObservationImage` [s]
 };
 
 using headway::RecordedFrame;
@@ -36,7 +40,7 @@ struct CalibrationReport {
 ///
 /// Observation-only and sensory-frame rawlogs, gz or plain, images embedded or beside
 /// (`X_Images/`), `CObservationStereoImages` or two `CObservationImage` labels paired by time,
-/// rectified or not. One observation is in memory at a time, and two frames are read ahead so that
+/// rectified or not. One observation is in memory at a time, and frames are read ahead so that
 /// boxes and poses recorded after their images, even after the next one, still find them. Where
 /// images are rectified here, 2D boxes of the recorded left image are turned into the rectified
 /// one; 3D boxes stay in their sensor's frame. Labels `truth_*` never come out. What cannot be used
@@ -51,6 +55,12 @@ class RawlogSource {
   /// @throws InputError if the file is not a rawlog, holds neither stereo nor `pose`, has several
   ///         cameras and no label was chosen, or has a calibration that cannot be used
   RawlogSource(const std::string& path, const RawlogSourceOptions& options);
+
+  /// Reads observations as sensors push them, as if from a file: waits where there are none, and
+  /// ends once the queue is closed. The queue must outlive this.
+  ///
+  /// @throws InputError as above, once the observations tell; waits for the first stereo pair
+  RawlogSource(ObservationQueue& queue, const RawlogSourceOptions& options);
   ~RawlogSource();
   RawlogSource(RawlogSource&&) noexcept;
   RawlogSource& operator=(RawlogSource&&) noexcept;
