@@ -6,6 +6,7 @@ namespace headway::app {
 int runTrajectory(int argc, const char** argv);
 int runTracks(int argc, const char** argv);
 int runPredictions(int argc, const char** argv);
+int runGrid(int argc, const char** argv);
 int runSuite(int argc, const char** argv);
 
 }  // namespace headway::app
