@@ -3,6 +3,7 @@
 #include <headway/core/error.h>
 #include <headway/core/statistics.h>
 #include <headway/program/progress.h>
+#include <headway/program/truth_report.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +13,6 @@
 #include "finished_replay.h"
 #include "outputs.h"
 #include "recorded_images.h"
-#include "report_page.h"
 #include "truth.h"
 
 namespace headway::render_program {
@@ -123,7 +123,7 @@ void render(const Options& options) {
     if (!options.quiet) std::cerr << "headway-render: " << text << '\n';
   };
   if (options.kind == OutputKind::kReport) {
-    writeReportPage(options, note);
+    program::writeTruthReport(options.input, options.truth, options.output, note);
     return;
   }
   const FinishedReplay replay = readReplay(options.input, note);

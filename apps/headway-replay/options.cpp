@@ -3,6 +3,8 @@
 #include <headway/core/error.h>
 #include <headway/pipeline/detection_stage.h>
 
+#include <filesystem>
+
 namespace headway::replay {
 
 void describe(Options& options, program::CommandLine& line) {
@@ -22,6 +24,8 @@ void describe(Options& options, program::CommandLine& line) {
               "Play at FACTOR times the recorded rate, dropping frames when late; 0: every frame");
   line.option(options.from_index, 0, "from-index", "N", "First stereo frame to use");
   line.option(options.to_index, 0, "to-index", "N", "Last stereo frame to use");
+  line.option(options.truth, 0, "truth", "DIR",
+              "Folder with trajectory.tum and objects.csv; the report shows the errors against it");
   line.option(options.snapshots, 0, "snapshots", "N", "Pictures to draw along the way");
   line.flag(options.overwrite, 'w', "overwrite", "Write into a folder that holds results already");
 }
@@ -38,6 +42,10 @@ void check(const Options& options) {
       throw UsageError("--detections gives boxes and --detector " + options.detector +
                        " makes no use of them");
     }
+  }
+  if (!options.truth.empty() &&
+      !std::filesystem::is_regular_file(std::filesystem::path(options.truth) / "trajectory.tum")) {
+    throw InputError(options.truth + ": --truth needs a folder with trajectory.tum");
   }
   if (!(options.realtime >= 0.0)) throw UsageError("--realtime must not be negative");
   if (options.snapshots < 0) throw UsageError("--snapshots must not be negative");

@@ -14,6 +14,7 @@ struct Options {
   std::string detections;  ///< side file of boxes; empty: those recorded in the rawlog
   std::string detector;    ///< pipeline::DetectionParams::detector; empty: as configured
   std::string load_map;    ///< map file to go on in; empty: begin a new map
+  std::string truth;       ///< folder whose truth the report shows too; empty: none
   std::string sensor_label;
   double realtime = 0.0;  ///< times the recorded rate; 0: offline, every frame
   std::optional<std::size_t> from_index;

@@ -7,7 +7,7 @@
 #include <headway/map/map_file.h>
 #include <headway/map/static_grid.h>
 #include <headway/program/progress.h>
-#include <headway/report/report.h>
+#include <headway/program/truth_report.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -226,7 +226,12 @@ void Replay::finish() {
     summarise(trajectory);
     writeSummary(folder_ / "summary.json", summary_);
   });
-  if (!failure) attempt([&] { report::writeReport(folder_); });  // it reads what was written
+  if (!failure) {  // it reads what was written
+    attempt([&] {
+      program::writeTruthReport(folder_, options_.truth, {},
+                                [this](const std::string& text) { warn(text); });
+    });
+  }
   if (failure) std::rethrow_exception(failure);
 }
 
@@ -247,7 +252,8 @@ void Replay::writeMap(const std::vector<slam::FrameEstimate>& trajectory) {
   map::StoredMap stored = perception_->stored();
   stored.configuration = configuration_;
   if (camera_ != nullptr) {
-    if (const auto grid = map::buildStaticGrid(*stored.map.stillWorld(), *camera_, {})) {
+    if (const auto grid =
+            map::buildStaticGrid(*stored.map.stillWorld(), *camera_, grid_params_)) {
       stored.map.update(grid);
       map::writeStaticGrid(folder_ / "map_grid", *grid);
     }

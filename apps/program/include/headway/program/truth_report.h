@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+namespace headway::program {
+
+/// Writes `report.html` of a finished replay with the truth in it: the true paths, and the errors
+/// of the final trajectory after rigid alignment.
+///
+/// @param replay  folder of the replay
+/// @param truth   folder with trajectory.tum and perhaps objects.csv; empty: a report without
+/// @param output  the page; empty: report.html in the replay's folder
+/// @param note    told why there are no errors, if there are none
+/// @throws InputError if there is no truth where there should be, or the page cannot be written
+void writeTruthReport(const std::filesystem::path& replay, const std::filesystem::path& truth,
+                      const std::filesystem::path& output,
+                      const std::function<void(const std::string&)>& note);
+
+}  // namespace headway::program
