@@ -1,36 +1,21 @@
 // Embedding headway's predictions in an MRPT navigation program; doc/navigation.md explains it.
 
+#include <headway/map/shared_map.h>
 #include <headway/nav/predictive_obstacles.h>
 #include <mrpt/nav/reactive/CReactiveNavigationSystem.h>
 
-#include <mutex>
-
-/// The map that perception writes and the planner reads.
-class SharedMap {
- public:
-  void update(headway::Time time, std::vector<headway::Track> tracks) {
-    const std::lock_guard lock(guard_);
-    map_.update(time, std::move(tracks));
-  }
-  headway::map::PerceptionMap snapshot() const {  // a few pointers: cheap
-    const std::lock_guard lock(guard_);
-    return map_;
-  }
-
- private:
-  mutable std::mutex guard_;
-  headway::map::PerceptionMap map_;
-};
-
-/// Drives the robot to a goal, among what the map says moves. `robot` is your own interface.
+/// Drives the robot to a goal, among what the map says moves. `robot` is your own interface;
+/// perception, in its own thread, does `map.publish(perception.map())` after each frame.
 bool driveTo(const mrpt::math::TPose2D& goal, mrpt::nav::CRobot2NavInterface& robot,
-             const SharedMap& map, const mrpt::config::CConfigFileBase& settings,
+             const headway::map::SharedMap& map, const mrpt::config::CConfigFileBase& settings,
              const std::function<bool()>& wait_for_next_step) {
   headway::nav::PredictiveObstaclesParams params;
   params.robot.radius_m = 0.35;  // holds the whole robot
+  params.robot.length_m = 0.5;
+  params.robot.width_m = 0.45;
   params.robot.top_speed = 1.0;  // as in robotMax_V_mps
   headway::nav::PredictiveObstacles foresight(
-      robot, [&] { return map.snapshot(); }, params);
+      robot, [&] { return *map.snapshot(); }, params);
 
   mrpt::nav::CReactiveNavigationSystem navigator(foresight, false);
   navigator.loadConfigFile(settings);

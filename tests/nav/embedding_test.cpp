@@ -35,17 +35,22 @@ TEST(Embedding, TheExampleDrivesToItsGoalWhileTheMapIsFreshAndStopsWhereItIsNot)
                  std::filesystem::temp_directory_path().string());
   mrpt::kinematics::CVehicleSimul_DiffDriven wheels;
   headway::nav::ScriptedRobot robot(wheels);
-  SharedMap map;
+  headway::map::SharedMap map;
+  headway::map::PerceptionMap perceived;
+  const auto perceive = [&](double shift_s) {
+    perceived.update(mrpt::Clock::nowDouble() - shift_s, {});
+    map.publish(perceived);
+  };
   const auto with_map_at = [&](double shift_s) {
     return [&, shift_s] {
       wheels.simulateOneTimeStep(0.1);
-      map.update(mrpt::Clock::nowDouble() - shift_s, {});
+      perceive(shift_s);
       return wheels.getTime() < 60.0;
     };
   };
-  map.update(mrpt::Clock::nowDouble(), {});
+  perceive(0.0);
   EXPECT_TRUE(driveTo({4.0, 0.0, 0.0}, robot, map, settings, with_map_at(0.0)));
-  map.update(mrpt::Clock::nowDouble(), {});
+  perceive(0.0);
   EXPECT_FALSE(driveTo({8.0, 0.0, 0.0}, robot, map, settings, with_map_at(5.0)));
 }
 

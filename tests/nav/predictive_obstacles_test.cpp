@@ -38,6 +38,12 @@ class PredictiveObstaclesTest : public testing::Test {
   /// Somebody who crosses the robot's way from its right and meets it 2 m ahead.
   [[nodiscard]] static Track meetingTrack() { return walkingTrack(1, {12.0, 7.0}, {-1.0, 0.0}); }
 
+  static mrpt::kinematics::CVehicleVelCmd_DiffDriven fullSpeed() {
+    mrpt::kinematics::CVehicleVelCmd_DiffDriven command;
+    command.lin_vel = 1.0;
+    return command;
+  }
+
   bool anyPointNear(double x, double y, double radius) const {
     for (std::size_t i = 0; i < points_.size(); ++i) {
       float px = 0.f, py = 0.f, pz = 0.f;
@@ -159,8 +165,7 @@ TEST_F(PredictiveObstaclesTest, SlowsACommandWhereSomebodyWouldBeMet) {
   PredictiveObstaclesParams params;
   PredictiveObstacles obstacles(
       robot_, [this] { return map_; }, params, [this] { return now_; });
-  const mrpt::kinematics::CVehicleVelCmd_DiffDriven ahead(1.0, 0.0);
-  obstacles.changeSpeeds(ahead);
+  obstacles.changeSpeeds(fullSpeed());
   EXPECT_EQ(obstacles.lastShare(), 1.0);
   map_.update(100.0, {walkingTrack(1, {11.5, 6.5}, {-1.0, 0.0}, 0.1)});
   obstacles.changeSpeedsNOP();  // the same command, looked at again
@@ -176,7 +181,7 @@ TEST_F(PredictiveObstaclesTest, HoldsTheRobotWhereNobodyKnowsWhoIsWhere) {
   PredictiveObstacles obstacles(
       robot_, [this] { return map_; }, {}, [this] { return now_; });
   now_ = 101.0;
-  obstacles.changeSpeeds(mrpt::kinematics::CVehicleVelCmd_DiffDriven(1.0, 0.0));
+  obstacles.changeSpeeds(fullSpeed());
   EXPECT_EQ(obstacles.lastShare(), 0.0);
   wheels_.simulateOneTimeStep(3.0);
   EXPECT_NEAR(wheels_.getCurrentGTVelLocal().vx, 0.0, 0.05);
@@ -188,13 +193,13 @@ TEST_F(PredictiveObstaclesTest, LeavesTheSpeedAloneWhereItIsToldTo) {
   params.governor.enabled = false;
   PredictiveObstacles ungoverned(
       robot_, [this] { return map_; }, params, [this] { return now_; });
-  ungoverned.changeSpeeds(mrpt::kinematics::CVehicleVelCmd_DiffDriven(1.0, 0.0));
+  ungoverned.changeSpeeds(fullSpeed());
   EXPECT_EQ(ungoverned.lastShare(), 1.0);
   params.governor.enabled = true;
   params.policy = ObstaclePolicy::kStatic;
   PredictiveObstacles of_now(
       robot_, [this] { return map_; }, params, [this] { return now_; });
-  of_now.changeSpeeds(mrpt::kinematics::CVehicleVelCmd_DiffDriven(1.0, 0.0));
+  of_now.changeSpeeds(fullSpeed());
   EXPECT_EQ(of_now.lastShare(), 1.0);
 }
 

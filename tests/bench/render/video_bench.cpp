@@ -1,0 +1,95 @@
+// How fast a video is drawn and encoded: 1280 x 720, 100,000 landmarks, 50 moving tracks.
+//
+// bench_video OUT.mp4 [SUPERSAMPLING [PICTURES]]
+
+#include <headway/scene/snapshot.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <opencv2/videoio.hpp>
+#include <random>
+
+#include "example_world.h"
+
+namespace {
+
+using namespace headway;
+using Clock = std::chrono::steady_clock;
+
+double millisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// A street of 300 m: two façades and the ground between.
+slam::MapView street() {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> share(0.0, 1.0);
+  slam::MapView world;
+  for (int i = 0; i < 100000; ++i) {
+    const double x = 300.0 * share(random);
+    const double side = share(random) < 0.5 ? -9.0 : 9.0;
+    const Eigen::Vector3d place = i % 3 == 0 ? Eigen::Vector3d(x, 18.0 * (share(random) - 0.5), 0.0)
+                                             : Eigen::Vector3d(x, side, 8.0 * share(random));
+    world.landmarks.push_back(
+        {LandmarkId{i}, place, 4, static_cast<std::uint8_t>(255.0 * share(random))});
+  }
+  return world;
+}
+
+std::vector<Track> traffic(double time) {
+  std::vector<Track> tracks;
+  for (int i = 0; i < 50; ++i) {
+    const bool person = i % 2 == 0;
+    const double speed = person ? 1.3 : 6.0;
+    const double x = 5.0 + 1.6 * i + speed * time;
+    auto track = map::exampleTrack(i, person ? ObjectClass::kPedestrian : ObjectClass::kCar,
+                                   {x, -8.0 + 0.32 * i, person ? 0.85 : 0.75}, 0.0);
+    if (person) track.size = {0.5, 0.5, 1.7};
+    tracks.push_back(track);
+  }
+  return tracks;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2) return std::fprintf(stderr, "bench_video OUT.mp4 [SUPERSAMPLING [PICTURES]]\n"), 2;
+  scene::SnapshotOptions options;
+  if (argc > 2) options.supersampling = std::atoi(argv[2]);
+  const int pictures = argc > 3 ? std::atoi(argv[3]) : 60;
+  scene::SnapshotRenderer renderer(options);
+  cv::VideoWriter video;
+  for (const int code :
+       {cv::VideoWriter::fourcc('a', 'v', 'c', '1'), cv::VideoWriter::fourcc('m', 'p', '4', 'v')}) {
+    if (video.open(argv[1], code, 20.0, {options.width, options.height}, true)) break;
+  }
+  if (!video.isOpened()) return std::fprintf(stderr, "no MP4 encoder here\n"), 1;
+  map::PerceptionMap map;
+  map.update(street());
+  std::vector<Stamped<Pose>> path;
+  double draw_ms = 0.0, encode_ms = 0.0;
+  const auto start = Clock::now();
+  for (int i = 0; i < pictures; ++i) {
+    const double time = 0.05 * i;
+    map.update(time, traffic(time));
+    const Pose T_map_robot(Eigen::Translation3d(8.0 * time, 0.0, 0.0));
+    path.push_back({time, T_map_robot});
+    scene::SnapshotInput input{map, static_cast<std::size_t>(i), time, T_map_robot};
+    input.path = path;
+    const auto draw_start = Clock::now();
+    const cv::Mat picture = renderer.draw(input);
+    draw_ms += millisecondsSince(draw_start);
+    const auto encode_start = Clock::now();
+    video.write(picture);
+    encode_ms += millisecondsSince(encode_start);
+  }
+  video.release();
+  const double total_ms = millisecondsSince(start);
+  std::printf(
+      "%d pictures, supersampling %d: draw %.1f ms, encode %.1f ms, %.1f pictures/s "
+      "(bar: 20)\n",
+      pictures, options.supersampling, draw_ms / pictures, encode_ms / pictures,
+      1000.0 * pictures / total_ms);
+}

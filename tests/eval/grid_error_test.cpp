@@ -1,0 +1,80 @@
+#include <gtest/gtest.h>
+#include <headway/eval/grid_error.h>
+
+#include <string>
+
+namespace headway::eval {
+namespace {
+
+/// 'f' free, 'o' occupied, anything else unknown; the first row is the lowest.
+GridCells gridOf(const std::vector<std::string>& rows) {
+  GridCells grid({-1.0, 2.0}, 0.5, static_cast<int>(rows[0].size()), static_cast<int>(rows.size()));
+  for (std::size_t y = 0; y < rows.size(); ++y) {
+    for (std::size_t x = 0; x < rows[y].size(); ++x) {
+      grid.states[y * rows[y].size() + x] = rows[y][x] == 'f'   ? CellState::kFree
+                                            : rows[y][x] == 'o' ? CellState::kOccupied
+                                                                : CellState::kUnknown;
+    }
+  }
+  return grid;
+}
+
+const std::vector<std::uint8_t> kUntrodden(12, 0);
+
+TEST(GridCells, FindTheCellOfAPlace) {
+  const auto grid = gridOf({"ffff", "ffff", "ffff"});
+  EXPECT_EQ(grid.at({-0.9, 2.1}), 0u);
+  EXPECT_EQ(grid.at({0.6, 2.6}), 7u);
+  EXPECT_FALSE(grid.at({-1.1, 2.1}));
+  EXPECT_FALSE(grid.at({1.1, 2.1}));
+}
+
+TEST(GridError, IsNoneForTheTruthItself) {
+  const auto truth = gridOf({"ffof", "f?of", "ffff"});
+  const auto error = gridError(truth, truth, kUntrodden);
+  EXPECT_EQ(error.observed, 11u);
+  EXPECT_EQ(error.right, 11u);
+  EXPECT_EQ(error.rightShare(), 1.0);
+}
+
+TEST(GridError, TellsPhantomsFromWhatWasMissed) {
+  const auto truth = gridOf({"ffof", "ffff", "ffff"});
+  const auto estimate = gridOf({"ffff", "offf", "?o?o"});
+  const auto error = gridError(truth, estimate, kUntrodden);
+  EXPECT_EQ(error.compared, 10u);
+  EXPECT_EQ(error.missed, 1u);
+  EXPECT_EQ(error.phantoms, 3u);
+  EXPECT_EQ(error.near_phantoms, 0u);
+  EXPECT_EQ(error.right, 6u);
+}
+
+TEST(GridError, ComparesOnlyWhatBothKnow) {
+  const auto error =
+      gridError(gridOf({"????", "ffff", "????"}), gridOf({"ffff", "f???", "oooo"}), kUntrodden);
+  EXPECT_EQ(error.observed, 9u);
+  EXPECT_EQ(error.compared, 1u);
+  EXPECT_EQ(gridError(gridOf({"????"}), gridOf({"ffff"}), {0, 0, 0, 0}).rightShare(), std::nullopt);
+}
+
+TEST(GridError, CallsAnOccupiedCellOnAMoversWayAGhost) {
+  std::vector<std::uint8_t> trodden(12, 0);
+  trodden[0] = trodden[1] = trodden[11] = 1;
+  const auto error =
+      gridError(gridOf({"ffff", "ffff", "ffoo"}), gridOf({"offf", "ffff", "ffff"}), trodden);
+  EXPECT_EQ(error.trodden, 2u);
+  EXPECT_EQ(error.ghosts, 1u);
+}
+
+TEST(GridError, RefusesGridsOfTwoSizes) {
+  EXPECT_ANY_THROW((void)gridError(gridOf({"ff"}), gridOf({"fff"}), {0, 0}));
+}
+
+TEST(GridPlot, ShowsEveryCell) {
+  const auto truth = gridOf({"ffof", "ffff", "ffff"});
+  const auto plot = gridPlot(truth, truth, kUntrodden);
+  EXPECT_GE(plot.cols, 4);
+  EXPECT_GT(plot.rows, 3);
+}
+
+}  // namespace
+}  // namespace headway::eval
