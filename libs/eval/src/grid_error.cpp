@@ -1,7 +1,8 @@
 #include <headway/eval/grid_error.h>
-#include <mrpt/core/exceptions.h>
 
+#include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace headway::eval {
 namespace {
@@ -45,8 +46,9 @@ std::optional<double> GridError::rightShare() const {
 
 GridError gridError(const GridCells& truth, const GridCells& estimate,
                     const std::vector<std::uint8_t>& trodden) {
-  ASSERT_EQUAL_(truth.states.size(), estimate.states.size());
-  ASSERT_EQUAL_(truth.states.size(), trodden.size());
+  if (truth.states.size() != estimate.states.size() || truth.states.size() != trodden.size()) {
+    throw std::invalid_argument("grids of two sizes cannot be compared");
+  }
   GridError error;
   for (std::size_t i = 0; i < truth.states.size(); ++i) {
     const CellState is = truth.states[i], seems = estimate.states[i];

@@ -20,8 +20,7 @@ constexpr double kAsLikelyAsNot = 0.5;
 constexpr double kUnseenWithin = 0.01;  ///< of 0.5: a cell that nothing saw
 
 bool isBelieved(const Track& track) {
-  return (track.status == TrackStatus::kConfirmed || track.status == TrackStatus::kCoasting) &&
-         track.position.allFinite() && track.size.allFinite();
+  return isShown(track) && track.position.allFinite() && track.size.allFinite();
 }
 
 Obstacle obstacleOf(const Track& track, const PredictedPath& path, double horizon_s) {

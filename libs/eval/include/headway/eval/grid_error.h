@@ -47,7 +47,7 @@ struct GridError {
 };
 
 /// @param trodden  1 for each cell over which something moved; as many as cells
-/// @throws std::exception (MRPT assertion) if the grids are not of one size
+/// @throws std::invalid_argument if the grids are not of one size
 [[nodiscard]] GridError gridError(const GridCells& truth, const GridCells& estimate,
                                   const std::vector<std::uint8_t>& trodden);
 
