@@ -52,14 +52,14 @@ BodyShape bodyOf(const Track& track) {
 
 void appendOutline(const BodyShape& body, const Vector2d& centre, double yaw,
                    const PlaceDoubt& doubt, double spacing, std::vector<Vector2d>& out) {
-  const Eigen::Matrix2d turn = Eigen::Rotation2Dd(yaw).toRotationMatrix();
+  const Eigen::Rotation2Dd turn(yaw);
   const double perimeter = 2.0 * M_PI * body.radius();
   const int normals = std::clamp(static_cast<int>(std::ceil(perimeter / spacing)), 8, 24);
   Vector2d previous = Vector2d::Zero();
-  // From half a step off the axes, where a box's support point is not unique.
-  const Eigen::Matrix2d next = Eigen::Rotation2Dd(2.0 * M_PI / normals).toRotationMatrix();
-  Vector2d normal = Eigen::Rotation2Dd(M_PI / normals) * Vector2d::UnitX();
-  for (int i = 0; i <= normals; ++i, normal = next * normal) {
+  for (int i = 0; i <= normals; ++i) {
+    // Half a step off the axes, where a box's support point is not unique.
+    const double angle = 2.0 * M_PI * (i + 0.5) / normals;
+    const Vector2d normal(std::cos(angle), std::sin(angle));
     const Vector2d point =
         centre + turn * supportPoint(body, normal) + growth(doubt, turn * normal);
     if (i > 0) appendSegment(previous, point, spacing, out);
