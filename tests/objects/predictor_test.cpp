@@ -202,5 +202,21 @@ TEST(Mixture, GoesBackwardsWithAReversingCar) {
   EXPECT_NEAR(placeIn(paths.front(), 3.0).x(), -4.5, 0.5);
 }
 
+TEST(MixturePredictor, IsLessSureWhereTheHistoryIsNoisy) {
+  MotionHistory known;
+  known.object_class = ObjectClass::kCar;
+  known.path = history([](double t) { return Eigen::Vector2d(8.0 * t, 0.0); });
+  const auto predictor = makePredictor(PredictorKind::kMixture, PredictorParams());
+  const auto exact = predictor->predict(known);
+  known.position_sigma_m = 0.2;
+  const auto noisy = predictor->predict(known);
+  for (int j = 0; j < kPredictionSamples; ++j) {
+    const double t = exact[0].points[j].horizon_s;
+    const double gained =
+        noisy[0].points[j].covariance.trace() - exact[0].points[j].covariance.trace();
+    EXPECT_NEAR(gained, 2.0 * (0.04 + 0.04 * t * t), 1e-3) << t;  // memory 2 s: 0.2 m/s
+  }
+}
+
 }  // namespace
 }  // namespace headway::objects

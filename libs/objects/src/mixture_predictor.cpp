@@ -12,6 +12,8 @@ constexpr int kModes = 4;
 constexpr std::array<double, kModes> kProbabilities = {0.55, 0.25, 0.1, 0.1};
 constexpr double kLeastPositionSigma_m = 0.03;
 constexpr double kFastestTurn = 3.0;  // [rad/s]
+// How badly a fitted parabola's velocity is known: in errors of a place over the time it remembers.
+constexpr double kVelocityShare = 2.0;
 
 double square(double x) { return x * x; }
 
@@ -70,10 +72,11 @@ void MixturePredictor::predictInto(const MotionHistory& history,
   const Manoeuvre now = fitManoeuvre(history, params);
   const double moves = square(now.speed) / (square(now.speed) + square(params.cruising_speed));
   const double start = square(history.position_sigma_m) + square(kLeastPositionSigma_m);
+  const double velocity_sigma = kVelocityShare * history.position_sigma_m / params.memory_s;
 
   const double turn_rate = std::clamp(now.turn_rate, -kFastestTurn, kFastestTurn);
-  const Course turning = course(tables, now.direction, turn_rate, start, moves);
-  const Course straight = course(tables, now.direction, 0.0, start, moves);
+  const Course turning = course(tables, now.direction, turn_rate, start, velocity_sigma, moves);
+  const Course straight = course(tables, now.direction, 0.0, start, velocity_sigma, moves);
   const double other = moves * params.other_acceleration;
   paths.resize(kModes);
   walk(history, tables, turning, now.speed, now.acceleration, paths[0]);
@@ -88,11 +91,12 @@ void MixturePredictor::predictInto(const MotionHistory& history,
 
 MixturePredictor::Course MixturePredictor::course(const Tables& tables, Eigen::Vector2d direction,
                                                   double turn_rate, double start_variance,
-                                                  double moves) {
+                                                  double velocity_sigma, double moves) {
   Course course;
   for (int j = 0; j < kPredictionSamples; ++j) {
     direction = turnedBy(direction, turn_rate * tables.turned[j]);
-    const double common = start_variance + tables.drift[j];
+    const double drift = velocity_sigma * (j + 1) * kPredictionStep_s;
+    const double common = start_variance + square(drift) + tables.drift[j];
     course.directions[j] = direction;
     course.covariances[j] =
         ellipse(common + moves * tables.along[j], common + moves * tables.across[j], direction);

@@ -36,7 +36,8 @@ class MixturePredictor : public Predictor {
 
   [[nodiscard]] static Tables tabulate(const ManoeuvreParams& params);
   [[nodiscard]] static Course course(const Tables& tables, Eigen::Vector2d direction,
-                                     double turn_rate, double start_variance, double moves);
+                                     double turn_rate, double start_variance, double velocity_sigma,
+                                     double moves);
   /// Fills one path: along the course, with one speed and an acceleration that fades.
   static void walk(const MotionHistory& history, const Tables& tables, const Course& course,
                    double speed, double acceleration, PredictedPath& path);
