@@ -12,6 +12,9 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr double kPriorTranslation = 0.004;  // of the motion given, frame to frame [m]
 constexpr double kPriorRotation = 0.0035;    // [rad]
+constexpr double kGuessed = 10.0;            // times worse is a motion that was not given
+constexpr double kMostAcceleration = 25.0;   // of a vehicle [m/s^2]
+constexpr double kMostTurn = 10.0;           // [rad/s^2]
 constexpr double kAgrees = 3.0;              // error of a point that agrees, in sigmas
 constexpr int kIterations = 6;
 
@@ -48,11 +51,17 @@ void add(const StillSighting& sighting, const Pose& T_cam_world, const StereoCam
   normal.b += weight * J.transpose() * error;
 }
 
-Matrix6 priorInformation() {
-  Vector6 diagonal;
-  diagonal << Eigen::Vector3d::Constant(1.0 / (kPriorTranslation * kPriorTranslation)),
-      Eigen::Vector3d::Constant(1.0 / (kPriorRotation * kPriorRotation));
-  return diagonal.asDiagonal();
+Matrix6 priorInformation(double worse) {
+  Vector6 sigmas;
+  sigmas << Eigen::Vector3d::Constant(kPriorTranslation), Eigen::Vector3d::Constant(kPriorRotation);
+  return (worse * sigmas).cwiseAbs2().cwiseInverse().asDiagonal();
+}
+
+bool isJump(const Pose& motion, const Pose& expected, double seconds) {
+  const Pose off = motion * expected.inverse();
+  const double squared = seconds * seconds;
+  return (motion.translation() - expected.translation()).norm() > kMostAcceleration * squared ||
+         logSo3(off.linear()).norm() > kMostTurn * squared;
 }
 
 }  // namespace
@@ -60,7 +69,11 @@ Matrix6 priorInformation() {
 int CameraPath::advance(Time time, const Pose& T_map_cam) {
   Pose T_cam_world = Pose::Identity();
   if (!frames_.empty()) {
-    T_cam_world = T_map_cam.inverse() * T_map_cam_ * frames_.back().T_cam_world;
+    Pose motion = T_map_cam.inverse() * T_map_cam_;
+    const double seconds = time - frames_.back().time;
+    guessed_ = frames_.size() > 1 && isJump(motion, expectedMotion(seconds), seconds);
+    if (guessed_) motion = expectedMotion(seconds);
+    T_cam_world = motion * frames_.back().T_cam_world;
   }
   frames_.push_back({time, normalized(T_cam_world)});
   T_map_cam_ = T_map_cam;
@@ -71,7 +84,7 @@ double CameraPath::refine(const std::vector<StillSighting>& points) {
   if (points.empty() || frames_.empty()) return 1.0;
   Pose& T_cam_world = frames_.back().T_cam_world;
   const Pose given = T_cam_world;
-  const Matrix6 prior = priorInformation();
+  const Matrix6 prior = priorInformation(guessed_ ? kGuessed : 1.0);
   int agreeing = 0;
   for (int i = 0; i < kIterations; ++i) {
     Normal normal;

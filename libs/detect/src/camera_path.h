@@ -17,8 +17,8 @@ struct StillSighting {
 
 /// Where the camera was in the last few frames, in a world of the path's own.
 ///
-/// Only motion from frame to frame is taken from the poses given, so that a jump of the map (a
-/// loop closed) tears nothing apart.
+/// Only motion from frame to frame is taken from the poses given, and where no vehicle accelerates
+/// like that, the map has jumped (a loop closed) and the camera is taken to go on as before.
 class CameraPath {
  public:
   /// @param sigma_px  of a sighting's coordinates and disparity [px]
@@ -28,7 +28,8 @@ class CameraPath {
   int advance(Time time, const Pose& T_map_cam);
 
   /// Corrects the newest camera by what it sees of the still world: the slight errors of the pose
-  /// given (its prior: 4 mm, 0.2 degrees) would make everything far away seem to move.
+  /// given (its prior: 4 mm, 0.2 degrees; ten times that after a jump) would make everything far
+  /// away seem to move.
   ///
   /// Robust (Cauchy), so that what moves among the points has no say while it is not the most.
   /// @return  share of the points that agree with the corrected camera; 1 where there are none
@@ -60,6 +61,7 @@ class CameraPath {
   std::deque<Frame> frames_;
   int first_ = 0;
   Pose T_map_cam_ = Pose::Identity();  ///< of the newest frame, as given
+  bool guessed_ = false;               ///< the newest frame's motion was not given
 };
 
 }  // namespace headway::detect
