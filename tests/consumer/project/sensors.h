@@ -1,6 +1,7 @@
 // Sensors of a robot that is not there: its observations come from a rawlog, 40 stereo pairs.
 #pragma once
 
+#include <headway/io/detection_observation.h>
 #include <mrpt/io/CFileGZInputStream.h>
 #include <mrpt/obs/CObservationStereoImages.h>
 #include <mrpt/serialization/CArchive.h>
@@ -11,6 +12,7 @@
 
 inline void runSensors(const char* rawlog,
                        const std::function<void(mrpt::obs::CObservation::Ptr)>& callback) {
+  headway::io::registerClasses();  // the rawlog holds detections, too
   mrpt::io::CFileGZInputStream file(rawlog);
   auto archive = mrpt::serialization::archiveFrom(file);
   for (int pairs = 0; pairs < 40;) {
