@@ -8,8 +8,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-const BodyShape kCar{4.0, 2.0, false};
-const BodyShape kPerson{0.6, 0.4, true};
+const map::BodyShape kCar{4.0, 2.0, false};
+const map::BodyShape kPerson{0.6, 0.4, true};
 
 PlaceDoubt doubtOf(double sigma_m) {
   PlaceDoubt doubt;
@@ -18,7 +18,7 @@ PlaceDoubt doubtOf(double sigma_m) {
   return doubt;
 }
 
-std::vector<Vector2d> outlineOf(const BodyShape& body, double yaw, const PlaceDoubt& doubt) {
+std::vector<Vector2d> outlineOf(const map::BodyShape& body, double yaw, const PlaceDoubt& doubt) {
   std::vector<Vector2d> outline;
   appendOutline(body, Vector2d(3.0, -1.0), yaw, doubt, 0.2, outline);
   return outline;
@@ -95,11 +95,11 @@ TEST(BodyOutline, PeopleAreRoundAndCarsAreNot) {
   Track track;
   track.size = {4.0, 2.0, 1.5};
   track.object_class = ObjectClass::kCar;
-  EXPECT_FALSE(bodyOf(track).round);
-  EXPECT_NEAR(bodyOf(track).radius(), std::sqrt(5.0), 1e-12);
+  EXPECT_FALSE(map::bodyOf(track).round);
+  EXPECT_NEAR(map::bodyOf(track).radius(), std::sqrt(5.0), 1e-12);
   track.object_class = ObjectClass::kPedestrian;
-  EXPECT_TRUE(bodyOf(track).round);
-  EXPECT_DOUBLE_EQ(bodyOf(track).radius(), 2.0);
+  EXPECT_TRUE(map::bodyOf(track).round);
+  EXPECT_DOUBLE_EQ(map::bodyOf(track).radius(), 2.0);
 }
 
 }  // namespace

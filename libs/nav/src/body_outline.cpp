@@ -9,17 +9,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// The farthest point of the body along a normal given in its own axes.
-Vector2d supportPoint(const BodyShape& body, const Vector2d& normal) {
-  const Vector2d half(0.5 * body.length_m, 0.5 * body.width_m);
-  if (!body.round) {
-    return {std::copysign(half.x(), normal.x()), std::copysign(half.y(), normal.y())};
-  }
-  const Vector2d scaled = half.cwiseProduct(normal);
-  const double length = scaled.norm();
-  return length > 0.0 ? Vector2d(half.cwiseProduct(scaled) / length) : Vector2d::Zero();
-}
-
 /// The farthest point of the covariance ellipse along a normal, in the map's axes.
 Vector2d growth(const PlaceDoubt& doubt, const Vector2d& normal) {
   const Vector2d carried = doubt.covariance * normal;
@@ -40,17 +29,7 @@ void appendSegment(const Vector2d& from, const Vector2d& to, double spacing,
 
 }  // namespace
 
-double BodyShape::radius() const {
-  return round ? 0.5 * std::max(length_m, width_m) : 0.5 * std::hypot(length_m, width_m);
-}
-
-BodyShape bodyOf(const Track& track) {
-  const bool person = track.object_class == ObjectClass::kPedestrian ||
-                      track.object_class == ObjectClass::kPersonSitting;
-  return {track.size.x(), track.size.y(), person};
-}
-
-void appendOutline(const BodyShape& body, const Vector2d& centre, double yaw,
+void appendOutline(const map::BodyShape& body, const Vector2d& centre, double yaw,
                    const PlaceDoubt& doubt, double spacing, std::vector<Vector2d>& out) {
   const Eigen::Rotation2Dd turn(yaw);
   const double perimeter = 2.0 * M_PI * body.radius();
@@ -60,14 +39,13 @@ void appendOutline(const BodyShape& body, const Vector2d& centre, double yaw,
     // Half a step off the axes, where a box's support point is not unique.
     const double angle = 2.0 * M_PI * (i + 0.5) / normals;
     const Vector2d normal(std::cos(angle), std::sin(angle));
-    const Vector2d point =
-        centre + turn * supportPoint(body, normal) + growth(doubt, turn * normal);
+    const Vector2d point = centre + turn * body.supportPoint(normal) + growth(doubt, turn * normal);
     if (i > 0) appendSegment(previous, point, spacing, out);
     previous = point;
   }
 }
 
-bool covers(const BodyShape& body, const Vector2d& centre, double yaw, double margin,
+bool covers(const map::BodyShape& body, const Vector2d& centre, double yaw, double margin,
             const Vector2d& point) {
   const Vector2d local = Eigen::Rotation2Dd(-yaw) * (point - centre);
   return std::abs(local.x()) <= 0.5 * body.length_m + margin &&

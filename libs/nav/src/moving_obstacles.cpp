@@ -28,7 +28,7 @@ void MovingObstacles::update(const std::vector<Track>& tracks, const Vector2d& r
 }
 
 void MovingObstacles::addTrack(const Track& track, double age_s) {
-  const BodyShape body = bodyOf(track);
+  const map::BodyShape body = map::bodyOf(track);
   const double horizon_s = params_.policy == ObstaclePolicy::kTimeGated
                                ? std::min(params_.steer_horizon_s, params_.horizon_s)
                                : params_.horizon_s;
@@ -47,7 +47,7 @@ void MovingObstacles::addTrack(const Track& track, double age_s) {
   }
 }
 
-void MovingObstacles::addOutline(const Track& track, const BodyShape& body,
+void MovingObstacles::addOutline(const Track& track, const map::BodyShape& body,
                                  const PredictedPlace& place) {
   const double distance = (place.centre - robot_).norm();
   if (!(distance <= params_.max_range_m)) return;

@@ -1,23 +1,10 @@
 #pragma once
 
-#include <headway/core/track.h>
+#include <headway/map/body_shape.h>
 
 #include <vector>
 
 namespace headway::nav {
-
-/// The ground a body covers: a box or, for people, the ellipse inside it.
-struct BodyShape {
-  double length_m = 0.0;
-  double width_m = 0.0;
-  bool round = false;
-
-  /// Of a circle about the centre that holds it [m].
-  [[nodiscard]] double radius() const;
-};
-
-/// People are round, everything else is a box.
-[[nodiscard]] BodyShape bodyOf(const Track& track);
 
 /// How far a body must grow along each of its directions for the doubt about its place.
 struct PlaceDoubt {
@@ -37,11 +24,11 @@ struct PlaceDoubt {
 /// @param yaw      of the body's front [rad]
 /// @param spacing  largest distance between neighbours, roughly [m]
 /// @param out      points are appended to it, map frame
-void appendOutline(const BodyShape& body, const Eigen::Vector2d& centre, double yaw,
+void appendOutline(const map::BodyShape& body, const Eigen::Vector2d& centre, double yaw,
                    const PlaceDoubt& doubt, double spacing, std::vector<Eigen::Vector2d>& out);
 
 /// Whether a point lies in the body grown by a margin on all sides; as box, also for people.
-[[nodiscard]] bool covers(const BodyShape& body, const Eigen::Vector2d& centre, double yaw,
+[[nodiscard]] bool covers(const map::BodyShape& body, const Eigen::Vector2d& centre, double yaw,
                           double margin, const Eigen::Vector2d& point);
 
 }  // namespace headway::nav
