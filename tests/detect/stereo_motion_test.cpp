@@ -2,12 +2,12 @@
 #include <headway/detect/stereo_motion.h>
 #include <headway_test/folders.h>
 #include <headway_test/painted_street.h>
+#include <headway_test/spoilt_images.h>
 #include <headway_test/stereo_sequence.h>
 
 #include <fstream>
 #include <functional>
 #include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
 #include <set>
 
 namespace headway::detect {
@@ -33,15 +33,15 @@ StereoMotion detectorFor(std::shared_ptr<const StereoCamera> camera) {
 }
 
 /// What is done to a frame before the detector sees it.
-using Trouble = std::function<void(int, StereoFrame&)>;
+using Spoil = std::function<void(int, StereoFrame&)>;
 
-Outcome run(const PaintedStreet& street, const PaintedBox* mover, const Trouble& trouble,
+Outcome run(const PaintedStreet& street, const PaintedBox* mover, const Spoil& spoil,
             double right_late_s = 0.0) {
   StereoMotion detector = detectorFor(street.camera());
   Outcome outcome;
   for (int i = 0; i < kFrames; ++i) {
     StereoFrame frame = street.frame(i, right_late_s);
-    if (trouble) trouble(i, frame);
+    if (spoil) spoil(i, frame);
     const auto found = detector.detect(frame, street.T_map_robot(i));
     if (!found) {
       ++outcome.refused;
@@ -189,69 +189,27 @@ TEST(StereoMotion, TheNumberOfThreadsDoesNotMatter) {
 
 // --- Trouble: found less, perhaps; never a flood of what is not there. ---
 
-struct Case {
-  const char* name;
-  Trouble trouble;
-  double right_late_s;
-  int least_with_mover;
-};
-
-void rain(int index, cv::Mat& image) {
-  cv::RNG random(static_cast<std::uint64_t>(index) + 17);
-  for (int drop = 0; drop < 250; ++drop) {
-    const cv::Point from(random.uniform(0, image.cols), random.uniform(0, image.rows));
-    cv::line(image, from, from + cv::Point(2, 9), cv::Scalar(random.uniform(150, 230)));
-  }
-}
-
-std::vector<Case> troubles() {
-  return {
-      {"exposure",
-       [](int i, StereoFrame& frame) {
-         const double gain = i % 4 < 2 ? 1.0 : 0.8;
-         frame.left.convertTo(frame.left, CV_8U, gain);
-         frame.right.convertTo(frame.right, CV_8U, gain);
-       },
-       0.0, 0},
-      {"blur",
-       [](int, StereoFrame& frame) {
-         cv::blur(frame.left, frame.left, {5, 1});
-         cv::blur(frame.right, frame.right, {5, 1});
-       },
-       0.0, 3},
-      {"rain",
-       [](int i, StereoFrame& frame) {
-         rain(2 * i, frame.left);
-         rain(2 * i + 1, frame.right);
-       },
-       0.0, 3},
-      {"black",
-       [](int i, StereoFrame& frame) {
-         if (i == 6) frame.left.setTo(0);
-       },
-       0.0, 4},
-      {"late", {}, 0.01, 4},
-  };
-}
+constexpr int kBlackFrame = 6;
+constexpr int kLeastWithMover[] = {0, 3, 3, 4, 4};  // frames in which it is found, by trouble
 
 class InTrouble : public testing::TestWithParam<int> {};
 
 TEST_P(InTrouble, AStillSceneStaysStill) {
-  const Case trouble = troubles()[GetParam()];
+  const auto trouble = test::troubles(kBlackFrame)[GetParam()];
   const PaintedStreet street({kParked, kPost});
-  EXPECT_LE(run(street, nullptr, trouble.trouble, trouble.right_late_s).elsewhere, 1);
+  EXPECT_LE(run(street, nullptr, trouble.spoil, trouble.right_late_s).elsewhere, 1);
 }
 
 TEST_P(InTrouble, TheMoverIsTheOnlyThingFound) {
-  const Case trouble = troubles()[GetParam()];
+  const auto trouble = test::troubles(kBlackFrame)[GetParam()];
   const PaintedStreet street({kMover, kParked, kPost});
-  const auto outcome = run(street, &kMover, trouble.trouble, trouble.right_late_s);
+  const auto outcome = run(street, &kMover, trouble.spoil, trouble.right_late_s);
   EXPECT_LE(outcome.elsewhere, 1);
-  EXPECT_GE(outcome.frames_with_mover, trouble.least_with_mover);
+  EXPECT_GE(outcome.frames_with_mover, kLeastWithMover[GetParam()]);
 }
 
 INSTANTIATE_TEST_SUITE_P(Troubles, InTrouble, testing::Range(0, 5), [](const auto& index) {
-  return std::string(troubles()[index.param].name);
+  return std::string(test::troubles(kBlackFrame)[index.param].name);
 });
 
 TEST(StereoMotion, ABlackImageIsReportedAndPassedOver) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <headway/map/map_query.h>
 #include <headway/map/path_sample.h>
+#include <headway_test/walking_track.h>
 
 #include <cmath>
 #include <limits>
@@ -9,32 +10,11 @@
 namespace headway::map {
 namespace {
 
+using test::walkingTrack;
 using Eigen::Vector2d;
 using mrpt::maps::COccupancyGridMap2D;
 
 constexpr double kNow = 100.0;
-
-/// Somebody who walks straight on, his place known to sigma.
-Track walker(std::int64_t id, const Vector2d& place, const Vector2d& velocity, double sigma_m) {
-  Track track;
-  track.id = TrackId{id};
-  track.object_class = ObjectClass::kPedestrian;
-  track.status = TrackStatus::kConfirmed;
-  track.moving = true;
-  track.position = {place.x(), place.y(), 0.85};
-  track.velocity = {velocity.x(), velocity.y(), 0.0};
-  track.yaw = std::atan2(velocity.y(), velocity.x());
-  track.size = {0.5, 0.5, 1.7};
-  track.position_covariance = sigma_m * sigma_m * Eigen::Matrix3d::Identity();
-  PredictedPath path;
-  for (int i = 1; i <= 30; ++i) {
-    const double t = 0.1 * i;
-    path.points.push_back(
-        {t, track.position + t * track.velocity, sigma_m * sigma_m * Eigen::Matrix2d::Identity()});
-  }
-  track.predictions.push_back(path);
-  return track;
-}
 
 /// Free ground 20 m about, a wall at x = 8 m, nothing seen beyond it.
 COccupancyGridMap2D::Ptr exampleGrid() {
@@ -106,7 +86,7 @@ TEST(ContactRegion, HoldsTheSumOfTwoBoxes) {
 }
 
 TEST(SamplePath, GoesThroughItsPointsAndBeyondThem) {
-  const Track track = walker(1, {1.0, 2.0}, {1.0, 0.0}, 0.2);
+  const Track track = walkingTrack(1, {1.0, 2.0}, {1.0, 0.0}, 0.2);
   const auto& path = track.predictions.front();
   EXPECT_NEAR(samplePath(track, path, -1.0).centre.x(), 1.0, 1e-12);
   EXPECT_NEAR(samplePath(track, path, 1.25).centre.x(), 2.25, 1e-9);
@@ -117,7 +97,7 @@ TEST(SamplePath, GoesThroughItsPointsAndBeyondThem) {
 }
 
 TEST(OccupancyAt, FollowsAMoverThroughTime) {
-  const auto map = mapWith({walker(1, {2.0, -2.0}, {0.0, 1.0}, 0.05)});
+  const auto map = mapWith({walkingTrack(1, {2.0, -2.0}, {0.0, 1.0}, 0.05)});
   const MapQuery ask = map.at(kNow);
   EXPECT_GT(ask.occupancyAt(2.0, -2.0, kNow).probability, 0.95);
   EXPECT_LT(ask.occupancyAt(2.0, -2.0, kNow + 2.0).probability, 0.05);
@@ -127,7 +107,7 @@ TEST(OccupancyAt, FollowsAMoverThroughTime) {
 
 TEST(OccupancyAt, IsLessSureOfAMoverWhoIsLessSurelyThere) {
   const auto at = [](double sigma_m) {
-    return mapWith({walker(1, {2.0, 0.0}, {0.0, 0.0}, sigma_m)})
+    return mapWith({walkingTrack(1, {2.0, 0.0}, {0.0, 0.0}, sigma_m)})
         .at(kNow)
         .occupancyAt(2.0, 0.0, kNow)
         .moving;
@@ -139,8 +119,8 @@ TEST(OccupancyAt, IsLessSureOfAMoverWhoIsLessSurelyThere) {
 }
 
 TEST(OccupancyAt, SharesAMoverAmongHisFutures) {
-  Track track = walker(1, {2.0, 0.0}, {0.0, 1.0}, 0.05);
-  track.predictions.push_back(walker(1, {2.0, 0.0}, {0.0, -1.0}, 0.05).predictions.front());
+  Track track = walkingTrack(1, {2.0, 0.0}, {0.0, 1.0}, 0.05);
+  track.predictions.push_back(walkingTrack(1, {2.0, 0.0}, {0.0, -1.0}, 0.05).predictions.front());
   track.predictions[0].probability = 0.7;
   track.predictions[1].probability = 0.3;
   const auto map = mapWith({track});
@@ -163,7 +143,7 @@ TEST(OccupancyAt, KnowsTheStillWorldAndWhereItEnds) {
 }
 
 TEST(MapQuery, TellsAStaleMapAnEmptyOneAndTimesBeyondPrediction) {
-  const auto map = mapWith({walker(1, {2.0, 0.0}, {0.0, 1.0}, 0.1)});
+  const auto map = mapWith({walkingTrack(1, {2.0, 0.0}, {0.0, 1.0}, 0.1)});
   EXPECT_EQ(map.at(kNow + 0.4).answer(), Answer::kKnown);
   EXPECT_EQ(map.at(kNow + 0.6).answer(), Answer::kStaleMap);
   EXPECT_EQ(map.at(kNow - 0.6).answer(), Answer::kStaleMap) << "it comes from the future";
@@ -182,13 +162,13 @@ TEST(MapQuery, TellsAStaleMapAnEmptyOneAndTimesBeyondPrediction) {
 }
 
 TEST(ObstaclesAt, GivesEveryFutureWithItsDoubt) {
-  Track track = walker(7, {2.0, 0.0}, {0.0, 1.0}, 0.2);
-  track.predictions.push_back(walker(7, {2.0, 0.0}, {1.0, 0.0}, 0.3).predictions.front());
+  Track track = walkingTrack(7, {2.0, 0.0}, {0.0, 1.0}, 0.2);
+  track.predictions.push_back(walkingTrack(7, {2.0, 0.0}, {1.0, 0.0}, 0.3).predictions.front());
   track.predictions[0].probability = 0.7;
   track.predictions[1].probability = 0.3;
-  Track parked = walker(8, {-4.0, 1.0}, {0.0, 0.0}, 0.1);
+  Track parked = walkingTrack(8, {-4.0, 1.0}, {0.0, 0.0}, 0.1);
   parked.predictions.clear();
-  Track tentative = walker(9, {3.0, 3.0}, {0.0, 1.0}, 0.1);
+  Track tentative = walkingTrack(9, {3.0, 3.0}, {0.0, 1.0}, 0.1);
   tentative.status = TrackStatus::kTentative;
   const auto map = mapWith({track, parked, tentative});
   const auto obstacles = map.at(kNow).obstaclesAt(kNow + 2.0);
@@ -203,9 +183,9 @@ TEST(ObstaclesAt, GivesEveryFutureWithItsDoubt) {
 }
 
 TEST(TracksNear, AreThoseWhoWillBeNearNearestFirst) {
-  const auto map =
-      mapWith({walker(1, {4.0, 0.0}, {0.0, 0.0}, 0.2), walker(2, {0.0, -3.0}, {0.0, 1.0}, 0.1),
-               walker(3, {15.0, 0.0}, {0.0, 0.0}, 0.1)});
+  const auto map = mapWith({walkingTrack(1, {4.0, 0.0}, {0.0, 0.0}, 0.2),
+                            walkingTrack(2, {0.0, -3.0}, {0.0, 1.0}, 0.1),
+                            walkingTrack(3, {15.0, 0.0}, {0.0, 0.0}, 0.1)});
   const auto now = map.at(kNow).tracksNear({0.0, 0.0}, 5.0, kNow);
   ASSERT_EQ(now.items.size(), 2u);
   EXPECT_EQ(now.items[0].obstacle.id, TrackId{2});
@@ -217,7 +197,7 @@ TEST(TracksNear, AreThoseWhoWillBeNearNearestFirst) {
 
 TEST(TimeToCollision, IsWhenTheBodiesMeet) {
   // Both at 1 m/s towards (3, 0): its corner (0.25, 0.2) touches his circle 0.4 m before it.
-  const auto map = mapWith({walker(1, {3.0, -3.0}, {0.0, 1.0}, 0.02)});
+  const auto map = mapWith({walkingTrack(1, {3.0, -3.0}, {0.0, 1.0}, 0.02)});
   const auto collision = map.at(kNow).timeToCollision(kRobot, drive({0, 0}, {1, 0}, 3.0));
   EXPECT_EQ(collision.answer, Answer::kKnown);
   ASSERT_TRUE(collision.likely_s.has_value());
@@ -229,7 +209,7 @@ TEST(TimeToCollision, IsWhenTheBodiesMeet) {
 }
 
 TEST(TimeToCollision, IsNoneWhereTheMoverHasPassed) {
-  const auto map = mapWith({walker(1, {3.0, -1.0}, {0.0, 1.0}, 0.02)});
+  const auto map = mapWith({walkingTrack(1, {3.0, -1.0}, {0.0, 1.0}, 0.02)});
   const auto collision = map.at(kNow).timeToCollision(kRobot, drive({0, 0}, {1, 0}, 3.0));
   EXPECT_FALSE(collision.earliest_s);
   EXPECT_LT(collision.probability, 0.05);
@@ -237,7 +217,7 @@ TEST(TimeToCollision, IsNoneWhereTheMoverHasPassed) {
 
 TEST(TimeToCollision, DoubtMakesItEarlierAndLessSure) {
   const auto at = [](double sigma_m) {
-    return mapWith({walker(1, {3.0, -3.0}, {0.0, 1.0}, sigma_m)})
+    return mapWith({walkingTrack(1, {3.0, -3.0}, {0.0, 1.0}, sigma_m)})
         .at(kNow)
         .timeToCollision(kRobot, drive({0, 0}, {1, 0}, 3.0));
   };
@@ -259,7 +239,7 @@ TEST(TimeToCollision, MeetsTheWallAndTellsWhereTheMapEnds) {
 }
 
 TEST(TimeToCollision, EndsWherePredictionsEndWhateverThePath) {
-  const auto map = mapWith({walker(1, {3.0, -3.0}, {0.0, 1.0}, 0.02)});
+  const auto map = mapWith({walkingTrack(1, {3.0, -3.0}, {0.0, 1.0}, 0.02)});
   const auto lengthy = map.at(kNow).timeToCollision(kRobot, drive({0, 5}, {0.1, 0}, 1e9));
   EXPECT_EQ(lengthy.answer, Answer::kUnknownTime);
   EXPECT_NEAR(lengthy.unknown_from_s.value_or(0.0), 3.05, 1e-6);

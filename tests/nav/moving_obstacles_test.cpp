@@ -1,13 +1,13 @@
 #include <gtest/gtest.h>
 #include <headway/nav/moving_obstacles.h>
+#include <headway_test/walking_track.h>
 
 #include <limits>
-
-#include "walking_track.h"
 
 namespace headway::nav {
 namespace {
 
+using test::walkingTrack;
 using Eigen::Vector2d;
 
 PredictiveObstaclesParams paramsOf(ObstaclePolicy policy) {

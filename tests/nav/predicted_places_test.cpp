@@ -1,12 +1,13 @@
 #include <gtest/gtest.h>
 #include <headway/nav/predicted_places.h>
+#include <headway_test/walking_track.h>
 
 #include <limits>
 
-#include "walking_track.h"
-
 namespace headway::nav {
 namespace {
+
+using test::walkingTrack;
 
 std::vector<PredictedPlace> placesOf(const Track& track, double age_s, double horizon_s = 3.0) {
   std::vector<PredictedPlace> places;

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <headway/nav/predictive_obstacles.h>
+#include <headway_test/walking_track.h>
 #include <mrpt/kinematics/CVehicleVelCmd_DiffDriven.h>
 
 #include <atomic>
@@ -7,11 +8,11 @@
 #include <thread>
 
 #include "scripted_robot.h"
-#include "walking_track.h"
 
 namespace headway::nav {
 namespace {
 
+using test::walkingTrack;
 using mrpt::maps::CSimplePointsMap;
 
 class PredictiveObstaclesTest : public testing::Test {

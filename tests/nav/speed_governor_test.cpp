@@ -1,12 +1,13 @@
 #include <gtest/gtest.h>
 #include <headway/nav/speed_governor.h>
+#include <headway_test/walking_track.h>
 
 #include <limits>
 
-#include "walking_track.h"
-
 namespace headway::nav {
 namespace {
+
+using test::walkingTrack;
 
 constexpr GroundTwist kAhead{1.0, 0.0, 0.0};
 

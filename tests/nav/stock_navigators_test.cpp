@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <headway/nav/predictive_obstacles.h>
+#include <headway_test/walking_track.h>
 #include <mrpt/config/CConfigFile.h>
 #include <mrpt/nav/reactive/CReactiveNavigationSystem.h>
 #include <mrpt/nav/reactive/CReactiveNavigationSystem3D.h>
@@ -7,11 +8,11 @@
 #include <filesystem>
 
 #include "scripted_robot.h"
-#include "walking_track.h"
 
 namespace headway::nav {
 namespace {
 
+using test::walkingTrack;
 using mrpt::nav::CAbstractNavigator;
 
 const std::string kStockFolder = "/usr/share/mrpt/config_files/navigation-ptgs/";

@@ -2,11 +2,11 @@
 
 #include <benchmark/benchmark.h>
 #include <headway/nav/predictive_obstacles.h>
+#include <headway_test/walking_track.h>
 
 #include <cmath>
 
 #include "../../nav/scripted_robot.h"
-#include "../../nav/walking_track.h"
 
 namespace {
 
@@ -20,10 +20,10 @@ std::vector<headway::Track> crowd(int count) {
     const double range = 2.0 + 9.0 * i / count;
     const Eigen::Vector2d place = range * Eigen::Vector2d(std::cos(angle), std::sin(angle));
     const Eigen::Vector2d velocity(std::cos(1.7 * i), std::sin(1.7 * i));
-    auto track = headway::nav::walkingTrack(i, place, 1.2 * velocity, 0.2);
+    auto track = headway::test::walkingTrack(i, place, 1.2 * velocity, 0.2);
     const Eigen::Vector2d turned(-velocity.y(), velocity.x());
     track.predictions.push_back(
-        headway::nav::walkingTrack(i, place, turned, 0.3).predictions.front());
+        headway::test::walkingTrack(i, place, turned, 0.3).predictions.front());
     track.predictions[0].probability = 0.7;
     track.predictions[1].probability = 0.3;
     tracks.push_back(track);

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace headway::nav {
+namespace headway::test {
 
 /// A believed pedestrian who walks straight on.
 inline Track walkingTrack(std::int64_t id, const Eigen::Vector2d& place,
@@ -29,4 +29,4 @@ inline Track walkingTrack(std::int64_t id, const Eigen::Vector2d& place,
   return track;
 }
 
-}  // namespace headway::nav
+}  // namespace headway::test
