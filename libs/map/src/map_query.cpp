@@ -1,3 +1,4 @@
+#include <headway/map/contact_sum.h>
 #include <headway/map/map_query.h>
 #include <headway/map/path_sample.h>
 
@@ -67,38 +68,6 @@ double contactProbability(const BodyShape& body, const Vector2d& place, double y
   return probabilityInside(contactRegion(body, yaw, obstacle.shape, obstacle.yaw), offset,
                            obstacle.covariance);
 }
-
-/// How contacts with several tracks, each with several futures, add up.
-class ContactSum {
- public:
-  /// Obstacles come track by track.
-  void add(const Obstacle& obstacle, double probability) {
-    if (!current_ || *current_ != obstacle.id) closeTrack();
-    current_ = obstacle.id;
-    of_track_ += obstacle.probability * probability;
-  }
-  /// That at least one is touched.
-  double total() {
-    closeTrack();
-    return 1.0 - none_;
-  }
-  [[nodiscard]] std::optional<TrackId> mostProbable() const { return most_; }
-
- private:
-  void closeTrack() {
-    if (of_track_ > greatest_) {
-      greatest_ = of_track_;
-      most_ = current_;
-    }
-    none_ *= 1.0 - std::min(1.0, of_track_);
-    of_track_ = 0.0;
-  }
-
-  std::optional<TrackId> current_, most_;
-  double of_track_ = 0.0;
-  double greatest_ = 0.0;
-  double none_ = 1.0;
-};
 
 TimedPose poseAt(const std::vector<TimedPose>& path, Time time) {
   const auto after = std::lower_bound(path.begin(), path.end(), time,
@@ -177,7 +146,8 @@ Occupancy MapQuery::occupancyAt(double x, double y, Time time) const {
   ContactSum contacts;
   for (const auto& obstacle :
        obstaclesOf(map_.movingObjects().tracks(), time - map_.movingObjects().time())) {
-    contacts.add(obstacle, contactProbability(BodyShape(), {x, y}, 0.0, obstacle));
+    contacts.add(obstacle.id, obstacle.probability,
+                 contactProbability(BodyShape(), {x, y}, 0.0, obstacle));
   }
   occupancy.moving = contacts.total();
   occupancy.probability = 1.0 - (1.0 - occupancy.still) * (1.0 - occupancy.moving);
@@ -245,7 +215,8 @@ void MapQuery::lookAt(const TimedPose& pose, const BodyShape& body, Collision& c
   ContactSum contacts;
   for (const auto& obstacle :
        obstaclesOf(map_.movingObjects().tracks(), pose.time - map_.movingObjects().time())) {
-    contacts.add(obstacle, contactProbability(body, pose.position, pose.yaw, obstacle));
+    contacts.add(obstacle.id, obstacle.probability,
+                 contactProbability(body, pose.position, pose.yaw, obstacle));
   }
   const double moving = contacts.total();
   // Cells less occupied than not are the grid's own noise, not something to meet.

@@ -1,3 +1,4 @@
+#include <headway/map/contact_sum.h>
 #include <headway/map/path_sample.h>
 #include <headway/nav/moving_obstacles.h>
 #include <headway/nav/speed_governor.h>
@@ -96,16 +97,12 @@ void SpeedGovernor::drive(const GroundTwist& command, double share, const Ground
 }
 
 double SpeedGovernor::contactProbability() const {
-  double none = 1.0;
-  double of_track = 0.0;
+  map::ContactSum contacts;
   for (std::size_t i = 0; i < future_count_; ++i) {
-    of_track += futures_[i].probability * contactProbability(futures_[i]);
-    const bool last_of_track = i + 1 == future_count_ || futures_[i + 1].track != futures_[i].track;
-    if (!last_of_track) continue;
-    none *= 1.0 - std::min(1.0, of_track);
-    of_track = 0.0;
+    const Future& future = futures_[i];
+    contacts.add(future.track, future.probability, contactProbability(future));
   }
-  return 1.0 - none;
+  return contacts.total();
 }
 
 double SpeedGovernor::contactProbability(const Future& future) const {
