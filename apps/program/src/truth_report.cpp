@@ -1,21 +1,14 @@
 #include <headway/core/error.h>
+#include <headway/eval/text_table.h>
 #include <headway/eval/trajectory_error.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/program/truth_report.h>
 #include <headway/report/report.h>
 
-#include <cstdio>
-
 namespace headway::program {
 namespace {
 
 constexpr double kSameTimeS = 0.02;
-
-std::string formatted(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
 
 /// Errors of the final trajectory after rigid alignment.
 ///
@@ -27,12 +20,12 @@ std::vector<report::Figure> errorsOf(const std::filesystem::path& replay,
                                              io::readTum(replay / "trajectory.tum"), kSameTimeS),
                             {});
   return {{"Frames compared", std::to_string(error.frames_matched)},
-          {"True path", formatted("%.1f m", error.path_m)},
-          {"Absolute trajectory error, RMSE", formatted("%.3f m", error.ate_m.rmse)},
-          {"its median", formatted("%.3f m", error.ate_m.median)},
-          {"its maximum", formatted("%.3f m", error.ate_m.max)},
-          {"Relative pose error a frame", formatted("%.4f m", error.rpe_trans_rmse_m) + ", " +
-                                              formatted("%.4f deg", error.rpe_rot_rmse_deg)}};
+          {"True path", eval::fixedText(error.path_m, 1) + " m"},
+          {"Absolute trajectory error, RMSE", eval::fixedText(error.ate_m.rmse, 3) + " m"},
+          {"its median", eval::fixedText(error.ate_m.median, 3) + " m"},
+          {"its maximum", eval::fixedText(error.ate_m.max, 3) + " m"},
+          {"Relative pose error a frame", eval::fixedText(error.rpe_trans_rmse_m, 4) + " m, " +
+                                              eval::fixedText(error.rpe_rot_rmse_deg, 4) + " deg"}};
 }
 
 }  // namespace
