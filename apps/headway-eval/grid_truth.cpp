@@ -52,8 +52,7 @@ void look(const cv::Mat& depth, const cv::Mat& movers, const StereoCamera& camer
       const double z = depth.at<std::uint16_t>(v, u) / kDepthUnit;
       if (z <= 0.0 || z > kReach_m || movers.at<std::uint8_t>(v, u) != 0) continue;
       const Eigen::Vector3d in_robot =
-          camera.T_robot_cam *
-          Eigen::Vector3d((u - camera.cx) / camera.fx * z, (v - camera.cy) / camera.fy * z, z);
+          camera.T_robot_cam * (z * ray(Eigen::Vector2d(u, v), camera));
       const auto cell = grid.at((T_map_robot * in_robot).head<2>());
       if (!cell) continue;
       if (in_robot.z() < kGround_m) ++seen.ground[*cell];
