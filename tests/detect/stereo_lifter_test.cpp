@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <headway/detect/stereo_lifter.h>
 #include <headway_test/folders.h>
+#include <headway_test/kitti_stereo.h>
 
 #include <algorithm>
 #include <cmath>
@@ -149,41 +150,13 @@ TEST(StereoLifter, AgreesWithTheTrueDisparityOfRealCars) {
   std::vector<double> errors;
   for (const char* name : {"000002", "000003", "000007", "000008", "000009", "000010", "000011",
                            "000012", "000013", "000014", "000015", "000016"}) {
-    const auto file = [&](const char* folder) {
-      return (data / "kitti_stereo_2015" / "training" / folder / (std::string(name) + ".png"))
-          .string();
-    };
-    StereoFrame frame;
-    frame.left = cv::imread(file("image_02"), cv::IMREAD_GRAYSCALE);
-    frame.right = cv::imread(file("image_03"), cv::IMREAD_GRAYSCALE);
-    const cv::Mat truth = cv::imread(file("disp_occ_0"), cv::IMREAD_UNCHANGED);
-    const cv::Mat masks = cv::imread(file("obj_map"), cv::IMREAD_UNCHANGED);
-    ASSERT_FALSE(frame.left.empty() || truth.empty() || masks.empty());
-    auto camera = std::make_shared<StereoCamera>();
-    camera->width = frame.left.cols;
-    camera->height = frame.left.rows;
-    camera->fx = camera->fy = 721.5;
-    camera->cx = 609.6;
-    camera->cy = 172.9;
-    camera->baseline_m = 0.54;
-    frame.camera = camera;
-    const StereoLifter lifter(frame, DisparityParams{});
-    for (int id = 1; id < 20; ++id) {
-      const cv::Mat mask = masks == id;
-      std::vector<double> disparities;
-      for (int row = 0; row < truth.rows; ++row) {
-        for (int column = 0; column < truth.cols; ++column) {
-          const double d = truth.at<std::uint16_t>(row, column) / 256.0;
-          if (mask.at<unsigned char>(row, column) != 0 && d > 0.0) disparities.push_back(d);
-        }
-      }
-      if (disparities.size() < 30) continue;
-      std::sort(disparities.begin(), disparities.end());
-      const double median = disparities[disparities.size() / 2];
-      const cv::Rect rect = cv::boundingRect(mask);
-      const auto surface = lifter.surfaceOf(
-          {rect.x + 0.0, rect.y + 0.0, rect.br().x - 1.0, rect.br().y - 1.0}, ObjectClass::kCar);
-      errors.push_back(surface ? std::abs(median / surface->disparity - 1.0) : 1.0);
+    const auto pair =
+        test::readKittiStereo(data / "kitti_stereo_2015" / "training", std::string(name) + ".png");
+    ASSERT_TRUE(pair.complete);
+    const StereoLifter lifter(pair.frame, DisparityParams{});
+    for (const auto& car : pair.cars) {
+      const auto surface = lifter.surfaceOf(car.box, ObjectClass::kCar);
+      errors.push_back(surface ? std::abs(car.median_disparity / surface->disparity - 1.0) : 1.0);
     }
   }
   ASSERT_GT(errors.size(), 20u);

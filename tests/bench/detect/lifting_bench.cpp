@@ -12,14 +12,13 @@
 #include <headway/detect/stereo_lifter.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/io/track_file.h>
+#include <headway_test/kitti_stereo.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
 
@@ -70,40 +69,16 @@ void measureWorld(const std::string& rawlog, Errors& errors) {
 }
 
 void measurePair(const fs::path& folder, const std::string& file, Errors& errors) {
-  const auto path = [&](const char* kind) { return (folder / kind / file).string(); };
-  headway::StereoFrame frame;
-  frame.left = cv::imread(path("image_02"), cv::IMREAD_GRAYSCALE);
-  frame.right = cv::imread(path("image_03"), cv::IMREAD_GRAYSCALE);
-  const cv::Mat truth = cv::imread(path("disp_occ_0"), cv::IMREAD_UNCHANGED);
-  const cv::Mat masks = cv::imread(path("obj_map"), cv::IMREAD_UNCHANGED);
-  if (frame.left.empty() || frame.right.empty() || truth.empty() || masks.empty()) {
-    throw headway::InputError(path("image_02") + ": it or its companions cannot be read");
+  const auto pair = headway::test::readKittiStereo(folder, file);
+  if (!pair.complete) {
+    throw headway::InputError((folder / "image_02" / file).string() +
+                              ": it or its companions cannot be read");
   }
-  auto camera = std::make_shared<headway::StereoCamera>();
-  camera->width = frame.left.cols;
-  camera->height = frame.left.rows;
-  camera->fx = camera->fy = 721.5;
-  camera->cx = 609.6;
-  camera->cy = 172.9;
-  camera->baseline_m = 0.54;
-  frame.camera = camera;
-  const headway::detect::StereoLifter lifter(frame, {});
-  for (int id = 1; id < 255; ++id) {
-    const cv::Mat mask = masks == id;
-    std::vector<double> disparities;
-    for (int row = 0; row < truth.rows; ++row) {
-      for (int column = 0; column < truth.cols; ++column) {
-        const double d = truth.at<std::uint16_t>(row, column) / 256.0;
-        if (mask.at<unsigned char>(row, column) != 0 && d > 0.0) disparities.push_back(d);
-      }
-    }
-    if (disparities.size() < 30) continue;
-    std::sort(disparities.begin(), disparities.end());
-    const cv::Rect rect = cv::boundingRect(mask);
-    const auto surface = lifter.surfaceOf(
-        {rect.x + 0.0, rect.y + 0.0, rect.br().x - 1.0, rect.br().y - 1.0}, ObjectClass::kCar);
-    const double median = disparities[disparities.size() / 2];
-    errors["Car"].push_back(surface ? std::abs(median / surface->disparity - 1.0) : 1.0);
+  const headway::detect::StereoLifter lifter(pair.frame, {});
+  for (const auto& car : pair.cars) {
+    const auto surface = lifter.surfaceOf(car.box, ObjectClass::kCar);
+    errors["Car"].push_back(surface ? std::abs(car.median_disparity / surface->disparity - 1.0)
+                                    : 1.0);
   }
 }
 
