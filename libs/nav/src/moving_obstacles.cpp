@@ -4,11 +4,8 @@
 #include <cmath>
 
 namespace headway::nav {
-namespace {
 
 using Eigen::Vector2d;
-
-}  // namespace
 
 bool isMover(const Track& track) {
   return track.moving && isShown(track) && track.position.allFinite() && track.size.allFinite();
