@@ -1,18 +1,18 @@
+#include <headway/core/error.h>
 #include <headway/sim/simulator.h>
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 
-#include "detector_noise.h"
 #include "escort.h"
-#include "image_formation.h"
+#include "frame_finisher.h"
 #include "lens.h"
 #include "motion_sensors.h"
 #include "pedestrians.h"
 #include "robot_driver.h"
 #include "stereo_rig.h"
 #include "vehicles.h"
-#include "visibility.h"
 #include "world.h"
 
 namespace headway::sim {
@@ -32,41 +32,6 @@ enum Purpose : std::uint64_t {
 
 constexpr double kStep = 0.05;     // longest step of the motion [s]
 constexpr double kImuStep = 0.01;  // the same where an inertial sensor is recorded [s]
-
-/// The sighting as the recorded image shows it: its box bent by the lens and cut anew.
-///
-/// @return false if nothing of it is inside the recorded image
-bool recordBox(const Lens& lens, Sighting& sighting) {
-  const Box2d whole = lens.record(sighting.whole);
-  Box2d& box = sighting.box;
-  box = {std::max(whole.left, 0.0), std::max(whole.top, 0.0),
-         std::min(whole.right, lens.ideal().width - 1.0),
-         std::min(whole.bottom, lens.ideal().height - 1.0)};
-  if (box.width() <= 0.0 || box.height() <= 0.0) return false;
-  sighting.truncation =
-      std::clamp(1.0 - box.width() * box.height() / (whole.width() * whole.height()), 0.0, 1.0);
-  return true;
-}
-
-TruthObject truthOf(const Mover& mover, const Sighting& sighting, const Pose& T_map_world) {
-  TruthObject object;
-  object.id = mover.id;
-  object.object_class = classOf(mover.kind);
-  object.parked = mover.parked;
-  object.box3d = sighting.box3d;
-  object.box2d = sighting.box;
-  object.truncation = sighting.truncation;
-  object.visible = sighting.visible;
-  object.occlusion = occlusionLevel(sighting.visible);
-  object.position = T_map_world * mover.centre();
-  object.velocity =
-      T_map_world.linear() * Eigen::Vector3d(mover.velocity.x(), mover.velocity.y(), 0.0);
-  const Eigen::Vector3d front =
-      T_map_world.linear() * Eigen::Vector3d(std::cos(mover.yaw), std::sin(mover.yaw), 0.0);
-  object.yaw = std::atan2(front.y(), front.x());
-  object.size = mover.size;
-  return object;
-}
 
 }  // namespace
 
@@ -89,11 +54,15 @@ cv::Mat dynamicMask(const SimFrame& frame) {
 }
 
 /// Everything of one simulation, in the order in which a frame passes through it.
+///
+/// While one frame is drawn, a second thread finishes the one before. Frames are finished one by
+/// one in their order, so the result does not depend on the threads.
 class Simulator::Machine {
  public:
   explicit Machine(const SimParams& params);
 
   [[nodiscard]] std::optional<SimFrame> next();
+  [[nodiscard]] bool arrived() const { return robot_.arrived() && !finishing_.valid(); }
   [[nodiscard]] const Lens& lens() const { return lens_; }
   [[nodiscard]] double pathLength() const { return route_.end_s - route_.start_s; }
 
@@ -111,8 +80,10 @@ class Simulator::Machine {
   [[nodiscard]] bool waitForTrigger();
   void passUndrawn();
   [[nodiscard]] double blurPause() const;  ///< between the drawings of one exposure [s]
-  void draw(SimFrame& frame);
-  void judge(SimFrame& frame, const std::vector<Mover>& movers);
+  /// The next frame; nullopt after the last.
+  [[nodiscard]] std::optional<DrawnFrame> drawNext();
+  void draw(DrawnFrame& drawn);
+  void startFinishing(std::optional<DrawnFrame> drawn);
 
   SimParams params_;
   Route route_;
@@ -124,15 +95,14 @@ class Simulator::Machine {
   Escort escort_;
   Vehicles vehicles_;
   Pedestrians pedestrians_;
-  ImageFormation image_formation_;
-  DetectorNoise detector_;
+  FrameFinisher finisher_;
   MotionSensors sensors_;
   Random clock_;
   std::size_t tick_ = 0;      ///< beats of the camera's clock so far, dropped frames included
   std::size_t triggers_ = 0;  ///< frames taken so far, undrawn ones included
-  std::size_t frames_ = 0;    ///< frames handed out
+  std::size_t frames_ = 0;    ///< frames drawn for the caller
   double now_s_ = 0.0;        ///< since the first trigger [s]
-  std::optional<Pose> T_map_world_;
+  std::future<SimFrame> finishing_;  ///< last, so that it ends before what it uses does
 };
 
 Simulator::Machine::Machine(const SimParams& params)
@@ -147,8 +117,7 @@ Simulator::Machine::Machine(const SimParams& params)
               robot_.T_world_robot(), next_id_),
       vehicles_(escort_.others(), route_, world_.network(), seed(kVehicleSeed)),
       pedestrians_(params.traffic, route_, world_.network(), seed(kPedestrianSeed)),
-      image_formation_(params.camera, params.camera.width, params.camera.height, seed(kImageSeed)),
-      detector_(params.detector, lens_.ideal(), seed(kDetectorSeed)),
+      finisher_(params, lens_, seed(kImageSeed), seed(kDetectorSeed)),
       sensors_(seed(kSensorSeed)),
       clock_(seed(kClockSeed)) {
   vehicles_.populate(robot_.state(), next_id_);
@@ -221,7 +190,7 @@ Pose Simulator::Machine::bentRig(std::size_t frame) const {
   return T_left_right;
 }
 
-void Simulator::Machine::draw(SimFrame& frame) {
+void Simulator::Machine::draw(DrawnFrame& drawn) {
   const int samples = params_.camera.blur_samples;
   const Pose T_left_right = bentRig(triggers_);
   cv::Mat left_sum, right_sum;
@@ -232,12 +201,14 @@ void Simulator::Machine::draw(SimFrame& frame) {
     const Pose T_world_robot = robot_.T_world_robot();
     StereoDrawing drawing = rig_.draw(T_world_robot, T_left_right, movers, is_middle);
     if (is_middle) {
-      frame.depth = drawing.depth;
-      judge(frame, movers);
+      drawn.frame.time = params_.recording.start_time_s + now_s_;
+      drawn.depth = drawing.depth;
+      drawn.movers = movers;
+      drawn.T_world_robot = T_world_robot;
     }
     if (samples == 1) {
-      frame.left = drawing.left;
-      frame.right = drawing.right;
+      drawn.left = drawing.left;
+      drawn.right = drawing.right;
       return;
     }
     cv::Mat left, right;
@@ -246,32 +217,8 @@ void Simulator::Machine::draw(SimFrame& frame) {
     left_sum = left_sum.empty() ? left : cv::Mat(left_sum + left);
     right_sum = right_sum.empty() ? right : cv::Mat(right_sum + right);
   }
-  left_sum.convertTo(frame.left, CV_8UC3, 1.0 / samples);
-  right_sum.convertTo(frame.right, CV_8UC3, 1.0 / samples);
-}
-
-void Simulator::Machine::judge(SimFrame& frame, const std::vector<Mover>& movers) {
-  const Pose T_world_robot = robot_.T_world_robot();
-  if (!T_map_world_) T_map_world_ = T_world_robot.inverse();
-  frame.time = params_.recording.start_time_s + now_s_;
-  frame.T_map_robot = *T_map_world_ * T_world_robot;
-  auto sightings =
-      findSightings(T_world_robot, lens_.drawn(), movers, frame.depth, frame.instances);
-  sightings.erase(std::remove_if(sightings.begin(), sightings.end(),
-                                 [&](Sighting& sighting) { return !recordBox(lens_, sighting); }),
-                  sightings.end());
-  std::vector<std::uint16_t> numbers(movers.size() + 1, 0);
-  for (const Sighting& sighting : sightings) {
-    const Mover& mover = movers[sighting.mover];
-    const bool hidden_for_good = mover.parked && sighting.visible_pixels == 0;
-    if (hidden_for_good || sighting.box3d.centre.z() > params_.recording.truth_range_m) continue;
-    frame.objects.push_back(truthOf(mover, sighting, *T_map_world_));
-    numbers[sighting.mover + 1] = static_cast<std::uint16_t>(frame.objects.size());
-  }
-  for (auto& label : cv::Mat_<std::uint16_t>(frame.instances)) label = numbers[label];
-  frame.depth = lens_.record(frame.depth, false);
-  frame.instances = lens_.record(frame.instances, false);
-  frame.detections = detector_.detect(frame.time, movers, sightings, frame.depth);
+  left_sum.convertTo(drawn.left, CV_8UC3, 1.0 / samples);
+  right_sum.convertTo(drawn.right, CV_8UC3, 1.0 / samples);
 }
 
 double Simulator::Machine::blurPause() const {
@@ -301,24 +248,37 @@ void Simulator::Machine::passUndrawn() {
   (void)sensors_.takeImu();
 }
 
-std::optional<SimFrame> Simulator::Machine::next() {
+std::optional<DrawnFrame> Simulator::Machine::drawNext() {
   if (frames_ >= static_cast<std::size_t>(params_.recording.frames)) return std::nullopt;
-  while (triggers_ < static_cast<std::size_t>(params_.recording.first_frame)) {
-    if (!waitForTrigger()) return std::nullopt;
-    passUndrawn();
+  const auto first = static_cast<std::size_t>(params_.recording.first_frame);
+  while (triggers_ < first && waitForTrigger()) passUndrawn();
+  if (robot_.arrived() || !waitForTrigger()) {
+    if (frames_ > 0) return std::nullopt;
+    throw InputError("[recording] first_frame: " + std::to_string(first) +
+                     ", but the path ends after " + std::to_string(triggers_) + " frames");
   }
-  if (!waitForTrigger()) return std::nullopt;
-  SimFrame frame;
-  frame.index = frames_++;
-  draw(frame);
-  if (params_.camera.imu) frame.imu = sensors_.takeImu();
-  if (params_.camera.odometry) frame.odometry = sensors_.odometry();
-  using Side = ImageFormation::Side;
-  const auto exposed = [&](const cv::Mat& drawing, Side side) {
-    return image_formation_.expose(lens_.record(drawing, true), triggers_ - 1, side);
-  };
-  frame.left = exposed(frame.left, Side::kLeft);
-  frame.right = exposed(frame.right, Side::kRight);
+  DrawnFrame drawn;
+  drawn.frame.index = frames_++;
+  draw(drawn);
+  drawn.trigger = triggers_ - 1;
+  if (params_.camera.imu) drawn.frame.imu = sensors_.takeImu();
+  if (params_.camera.odometry) drawn.frame.odometry = sensors_.odometry();
+  return drawn;
+}
+
+void Simulator::Machine::startFinishing(std::optional<DrawnFrame> drawn) {
+  if (!drawn) return;
+  finishing_ = std::async(std::launch::async, [this, taken = std::move(*drawn)]() mutable {
+    return finisher_.finish(std::move(taken));
+  });
+}
+
+std::optional<SimFrame> Simulator::Machine::next() {
+  if (!finishing_.valid()) startFinishing(drawNext());
+  if (!finishing_.valid()) return std::nullopt;
+  auto following = drawNext();
+  SimFrame frame = finishing_.get();
+  startFinishing(std::move(following));
   return frame;
 }
 
@@ -330,6 +290,8 @@ Simulator::Simulator(const SimParams& params) {
 Simulator::~Simulator() = default;
 
 std::optional<SimFrame> Simulator::next() { return machine_->next(); }
+
+bool Simulator::arrived() const { return machine_->arrived(); }
 
 const StereoCamera& Simulator::camera() const { return machine_->lens().ideal(); }
 

@@ -78,7 +78,11 @@ class Simulator {
   Simulator& operator=(const Simulator&) = delete;
 
   /// The next frame; nullopt after the last, or at the end of the path.
+  ///
+  /// @throws InputError if the path ends before the first frame that is wanted
   [[nodiscard]] std::optional<SimFrame> next();
+  /// Whether the robot is at the end of its path, so that no more frames come.
+  [[nodiscard]] bool arrived() const;
 
   /// The ideal, rectified pair that depth and 3D boxes refer to.
   [[nodiscard]] const StereoCamera& camera() const;

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <headway/sim/simulator.h>
+
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <vector>
+
+#include "detector_noise.h"
+#include "image_formation.h"
+#include "lens.h"
+#include "mover.h"
+
+namespace headway::sim {
+
+/// A frame as drawn, with what is needed to finish it when the world has moved on.
+struct DrawnFrame {
+  SimFrame frame;       ///< without pictures and what is seen in them
+  cv::Mat left, right;  ///< clean drawings
+  cv::Mat depth;        ///< of the left one
+  std::vector<Mover> movers;
+  Pose T_world_robot = Pose::Identity();
+  std::size_t trigger = 0;  ///< number among all that were taken
+};
+
+/// Finishes frames that were drawn: looks for the objects in them, detects them, and does to the
+/// pictures what a sensor does.
+///
+/// Frames are finished one after another in their order; it need not be the thread that draws.
+class FrameFinisher {
+ public:
+  /// The lens must outlive the object.
+  FrameFinisher(const SimParams& params, const Lens& lens, std::uint64_t image_seed,
+                std::uint64_t detector_seed);
+
+  [[nodiscard]] SimFrame finish(DrawnFrame drawn);
+
+ private:
+  /// What is in the frame, and what a detector makes of it.
+  void judge(SimFrame& frame, const DrawnFrame& drawn);
+
+  const Lens& lens_;
+  double truth_range_m_;
+  ImageFormation image_formation_;
+  DetectorNoise detector_;
+  std::optional<Pose> T_map_world_;
+};
+
+}  // namespace headway::sim
