@@ -124,5 +124,28 @@ TEST(RoadNetwork, CrossStreetsMeetTheMainStreetAtRightAngles) {
   }
 }
 
+TEST(RoadNetwork, CrossStreetsAreFoundByTheirPlaceInAnyLap) {
+  RouteParams params;
+  const Route lane = makeRoute(params, 0.0);
+  params.kind = RouteParams::Kind::kLoop;
+  params.loop_length_m = 400.0;
+  params.loop_width_m = 300.0;
+  const Route loop = makeRoute(params, 0.0);
+  for (const Route* route : {&lane, &loop}) {
+    const RoadNetwork network(*route, 60.0, 3);
+    for (double s = -50.0; s < 1.6 * route->street.length(); s += 7.0) {
+      for (const double reach : {3.0, 80.0, 900.0}) {
+        std::vector<const Road*> expected;
+        for (const Road& road : network.roads()) {
+          if (!road.main && std::abs(route->ahead(s, road.main_s)) <= reach) {
+            expected.push_back(&road);
+          }
+        }
+        EXPECT_EQ(network.crossStreetsNear(s, reach), expected) << s << ", " << reach;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace headway::sim

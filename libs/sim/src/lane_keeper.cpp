@@ -8,12 +8,21 @@ namespace headway::sim {
 LaneKeeper::LaneKeeper(const Route& route, double left)
     : route_(route), left_(left), lane_(besidePath(route.street, left, false)) {}
 
-double LaneKeeper::acceleration(const DriverStyle& style, const std::vector<Obstacle>& others,
-                                std::int64_t own_id) const {
-  // Distances along the lane and along the street's middle differ in curves only, by little.
+double LaneKeeper::alongLane() {
   const Eigen::Vector2d here = route_.street.beside(s, left_).head<2>();
-  const double in_lane = lane_.project(here, s * 0.9 - 40.0, s * 1.1 + 40.0).s;
-  return drive({in_lane, speed, length, width}, lane_, style, others, own_id,
+  double guess = s, reach = 0.1 * s + 40.0;
+  if (found_) {
+    guess = found_->second + s - found_->first;
+    reach = 20.0;
+  }
+  const double lane_s = lane_.project(here, guess - reach, guess + reach).s;
+  found_.emplace(s, lane_s);
+  return lane_s;
+}
+
+double LaneKeeper::acceleration(const DriverStyle& style, const std::vector<Obstacle>& others,
+                                std::int64_t own_id) {
+  return drive({alongLane(), speed, length, width}, lane_, style, others, own_id,
                std::numeric_limits<double>::infinity());
 }
 

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+#include <utility>
+
 #include "driving.h"
 #include "route.h"
 
@@ -21,15 +24,19 @@ class LaneKeeper {
 
   /// What a driver of that style does behind and around the others.
   [[nodiscard]] double acceleration(const DriverStyle& style, const std::vector<Obstacle>& others,
-                                    std::int64_t own_id) const;
+                                    std::int64_t own_id);
   /// One step of time; never backwards.
   void move(double dt, double acceleration);
   [[nodiscard]] PathPoint place() const;
 
  private:
+  [[nodiscard]] double alongLane();
+
   const Route& route_;
   double left_;
   Path lane_;
+  /// The place found last: along the street and along the lane, which differ in curves [m].
+  std::optional<std::pair<double, double>> found_;
 };
 
 }  // namespace headway::sim

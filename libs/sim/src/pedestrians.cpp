@@ -20,11 +20,7 @@ constexpr double kPersonal = 0.45;       // two bodies side by side [m]
 
 Pedestrians::Pedestrians(const TrafficParams& params, const Route& route,
                          const RoadNetwork& network, std::uint64_t seed)
-    : params_(params), route_(route), random_(seed) {
-  for (const Road& road : network.roads()) {
-    if (!road.main) junctions_.push_back(road.main_s);
-  }
-}
+    : params_(params), route_(route), network_(network), random_(seed) {}
 
 void Pedestrians::add(Person person, std::int64_t& next_id) {
   Mover mover;
@@ -177,8 +173,9 @@ double Pedestrians::groundAt(const Person& person) const {
   const double street = route_.street.at(person.at.x()).position.z();
   const double beyond_kerb = std::abs(person.at.y()) - Profile::kCarriageway;
   double beside_junction = 10.0;
-  for (const double s : junctions_) {
-    const double along = std::abs(route_.ahead(s, person.at.x()));
+  for (const Road* road :
+       network_.crossStreetsNear(person.at.x(), Profile::kCarriageway + beside_junction)) {
+    const double along = std::abs(route_.ahead(road->main_s, person.at.x()));
     beside_junction = std::min(beside_junction, along - Profile::kCarriageway);
   }
   const double onto =

@@ -14,6 +14,7 @@ namespace headway::sim {
 ///      "Transporttechnik der Fussgaenger": walking speeds 1.34 +- 0.26 m/s
 class Pedestrians {
  public:
+  /// Route and network must outlive the object.
   Pedestrians(const TrafficParams& params, const Route& route, const RoadNetwork& network,
               std::uint64_t seed);
 
@@ -51,7 +52,7 @@ class Pedestrians {
 
   TrafficParams params_;
   const Route& route_;
-  std::vector<double> junctions_;  ///< along the street [m]
+  const RoadNetwork& network_;
   Random random_;
   std::vector<Person> people_;  ///< same order as movers_
   std::vector<Mover> movers_;

@@ -131,6 +131,27 @@ bool RoadNetwork::nearOther(const Eigen::Vector2d& xy, double reach, std::size_t
   return false;
 }
 
+std::vector<const Road*> RoadNetwork::crossStreetsNear(double main_s, double reach) const {
+  const Path& street = roads_[0].axis;
+  const double length = street.length();
+  std::vector<const Road*> near;
+  const auto collect = [&](double from, double to) {
+    auto road = std::lower_bound(roads_.begin() + 1, roads_.end(), from,
+                                 [](const Road& r, double s) { return r.main_s < s; });
+    for (; road != roads_.end() && road->main_s <= to; ++road) near.push_back(&*road);
+  };
+  if (!street.closed()) {
+    collect(main_s - reach, main_s + reach);
+  } else if (2.0 * reach >= length) {
+    collect(0.0, length);
+  } else {  // a window that runs over the end goes on at the beginning
+    const double from = main_s - reach - std::floor((main_s - reach) / length) * length;
+    collect(0.0, from + 2.0 * reach - length);
+    collect(from, from + 2.0 * reach);
+  }
+  return near;
+}
+
 std::optional<double> RoadNetwork::lowestNear(const Eigen::Vector2d& xy, double reach) const {
   std::optional<double> lowest;
   for (const Sample* sample : samplesAround(xy, reach)) {

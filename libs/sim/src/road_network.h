@@ -42,6 +42,11 @@ class RoadNetwork {
   /// @param earlier_only  look at streets that were laid before it alone
   [[nodiscard]] bool nearOther(const Eigen::Vector2d& xy, double reach, std::size_t road, double s,
                                bool earlier_only) const;
+  /// Cross streets whose junction is within `reach` metres of a place on the robot's street, in the
+  /// order in which they were laid.
+  ///
+  /// @param main_s  along the robot's street, in any lap [m]
+  [[nodiscard]] std::vector<const Road*> crossStreetsNear(double main_s, double reach) const;
   /// Lowest street middle within `reach` metres; nullopt if there is none.
   [[nodiscard]] std::optional<double> lowestNear(const Eigen::Vector2d& xy, double reach) const;
 

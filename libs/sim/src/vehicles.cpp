@@ -69,11 +69,10 @@ std::optional<Vehicles::Vehicle> Vehicles::along(MoverKind kind, double street_s
 void Vehicles::turnOff(Vehicle& vehicle, bool oncoming) {
   const double direction = oncoming ? -1.0 : 1.0;
   const Road* chosen = nullptr;
-  for (const Road& road : network_.roads()) {
-    if (road.main) continue;
-    const double ahead = direction * route_.ahead(vehicle.street_s, road.main_s);
+  for (const Road* road : network_.crossStreetsNear(vehicle.street_s, 140.0)) {
+    const double ahead = direction * route_.ahead(vehicle.street_s, road->main_s);
     if (ahead < 25.0 || ahead > 140.0) continue;
-    if (chosen == nullptr || random_.chance(0.4)) chosen = &road;
+    if (chosen == nullptr || random_.chance(0.4)) chosen = road;
   }
   if (chosen == nullptr) return;
   // To the right at once, to the left when what comes the other way leaves a gap. A cross
@@ -106,9 +105,9 @@ void Vehicles::turnOff(Vehicle& vehicle, bool oncoming) {
 
 std::optional<Vehicles::Vehicle> Vehicles::crossing(const RobotState& robot, bool anywhere) {
   std::vector<const Road*> near;
-  for (const Road& road : network_.roads()) {
-    const double ahead = route_.ahead(robot.s, road.main_s);
-    if (!road.main && ahead > 25.0 && ahead < params_.range_ahead_m) near.push_back(&road);
+  for (const Road* road : network_.crossStreetsNear(robot.s, params_.range_ahead_m)) {
+    const double ahead = route_.ahead(robot.s, road->main_s);
+    if (ahead > 25.0 && ahead < params_.range_ahead_m) near.push_back(road);
   }
   if (near.empty()) return std::nullopt;
   const Road& road = *near[static_cast<std::size_t>(random_.below(static_cast<int>(near.size())))];

@@ -10,6 +10,7 @@ enum Purpose : std::uint64_t { kGrainSeed = 101, kCrossStreetSeed };
 
 constexpr double kReach = 0.75 * kStretch;  // radius of a stretch with its houses, roughly [m]
 constexpr double kKeepBeyond = 60.0;        // stretches this far out of view are forgotten [m]
+constexpr double kCell = 64.0;              // of the lookup [m]
 
 }  // namespace
 
@@ -23,29 +24,45 @@ World::World(const WorldParams& params, const Route& route)
     const double length = network_.roads()[road].axis.length();
     for (int number = 0; number * kStretch < length - 1.0; ++number) {
       const StretchKey key{road, number};
-      if (builder_.exists(key)) all_.emplace_back(builder_.middle(key), key);
+      if (!builder_.exists(key)) continue;
+      const Eigen::Vector3d middle = builder_.middle(key);
+      spots_[cellOf(middle.head<2>())].push_back({middle, key});
     }
   }
 }
 
-std::vector<StretchKey> World::keysNear(const Eigen::Vector3d& place, double reach) const {
-  std::vector<StretchKey> keys;
-  for (const auto& [middle, key] : all_) {
-    if ((middle - place).head<2>().squaredNorm() < reach * reach) keys.push_back(key);
+World::Cell World::cellOf(const Eigen::Vector2d& xy) {
+  return {static_cast<int>(std::floor(xy.x() / kCell)),
+          static_cast<int>(std::floor(xy.y() / kCell))};
+}
+
+std::vector<World::Spot> World::spotsNear(const Eigen::Vector3d& place, double reach) const {
+  std::vector<Spot> near;
+  const Eigen::Vector2d corner = Eigen::Vector2d::Constant(reach);
+  const Cell first = cellOf(place.head<2>() - corner), last = cellOf(place.head<2>() + corner);
+  for (int x = first.first; x <= last.first; ++x) {
+    for (int y = first.second; y <= last.second; ++y) {
+      const auto cell = spots_.find({x, y});
+      if (cell == spots_.end()) continue;
+      for (const Spot& spot : cell->second) {
+        if ((spot.middle - place).head<2>().squaredNorm() < reach * reach) near.push_back(spot);
+      }
+    }
   }
-  return keys;
+  std::sort(near.begin(), near.end(), [](const Spot& a, const Spot& b) { return a.key < b.key; });
+  return near;
 }
 
 std::vector<StretchKey> World::inView(const Eigen::Vector3d& eye, const ViewCone& view) {
-  std::vector<StretchKey> visible;
-  for (const StretchKey& key : keysNear(eye, params_.view_distance_m)) {
-    if (view.touches(builder_.middle(key).head<2>(), kReach)) visible.push_back(key);
+  std::vector<std::pair<double, StretchKey>> by_distance;
+  for (const Spot& spot : spotsNear(eye, params_.view_distance_m)) {
+    if (!view.touches(spot.middle.head<2>(), kReach)) continue;
+    by_distance.emplace_back((spot.middle - eye).norm(), spot.key);
   }
-  std::sort(visible.begin(), visible.end(), [&](const StretchKey& a, const StretchKey& b) {
-    const double to_a = (builder_.middle(a) - eye).norm(), to_b = (builder_.middle(b) - eye).norm();
-    return to_a != to_b ? to_a < to_b : a < b;
-  });
-  for (const StretchKey& key : visible) {
+  std::sort(by_distance.begin(), by_distance.end());
+  std::vector<StretchKey> visible;
+  for (const auto& [distance, key] : by_distance) {
+    visible.push_back(key);
     if (built_.count(key) == 0) built_.emplace(key, builder_.build(key));
   }
   const double forget = params_.view_distance_m + kKeepBeyond;
@@ -60,13 +77,19 @@ const StreetStretch& World::stretch(const StretchKey& key) const { return built_
 
 std::vector<Mover> World::parkedNear(const Eigen::Vector3d& place, double reach) {
   std::vector<Mover> vehicles;
-  for (const StretchKey& key : keysNear(place, reach + kStretch)) {
-    auto known = parked_.find(key);
-    if (known == parked_.end()) known = parked_.emplace(key, builder_.parked(key)).first;
-    for (const Mover& vehicle : known->second) {
+  std::map<StretchKey, std::vector<Mover>> near;
+  for (const Spot& spot : spotsNear(place, reach + kStretch)) {
+    auto known = parked_.extract(spot.key);
+    if (known.empty()) {
+      near.emplace(spot.key, builder_.parked(spot.key));
+    } else {
+      near.insert(std::move(known));
+    }
+    for (const Mover& vehicle : near.at(spot.key)) {
       if ((vehicle.position - place).head<2>().norm() < reach) vehicles.push_back(vehicle);
     }
   }
+  parked_ = std::move(near);  // what is out of reach is forgotten
   return vehicles;
 }
 

@@ -13,7 +13,8 @@ namespace headway::sim {
 
 /// The still part of a world: streets with everything along them, built as they come into view.
 ///
-/// What a place looks like depends on the seed alone, not on when or how often it is built.
+/// What a place looks like depends on the seed alone, not on when or how often it is built. What is
+/// looked up, built and kept grows with what is in view, not with the length of the streets.
 class World {
  public:
   World(const WorldParams& params, const Route& route);
@@ -33,13 +34,21 @@ class World {
   [[nodiscard]] const Grain& grain() const { return grain_; }
 
  private:
-  [[nodiscard]] std::vector<StretchKey> keysNear(const Eigen::Vector3d& place, double reach) const;
+  struct Spot {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();  ///< [m]
+    StretchKey key;
+  };
+  using Cell = std::pair<int, int>;
+
+  [[nodiscard]] static Cell cellOf(const Eigen::Vector2d& xy);
+  /// Stretches whose middle is within `reach` metres, in the order of their keys.
+  [[nodiscard]] std::vector<Spot> spotsNear(const Eigen::Vector3d& place, double reach) const;
 
   WorldParams params_;
   Grain grain_;
   RoadNetwork network_;
   StreetBuilder builder_;
-  std::vector<std::pair<Eigen::Vector3d, StretchKey>> all_;  ///< middle and key of every stretch
+  std::map<Cell, std::vector<Spot>> spots_;  ///< all stretches, by the cell of their middle
   std::map<StretchKey, StreetStretch> built_;
   std::map<StretchKey, std::vector<Mover>> parked_;
 };
