@@ -123,7 +123,8 @@ class Suite {
       auto params = options_.perception;
       params.slam.dynamic_rejection = rejection.value;
       auto run = runWorld(world, params, done);
-      camera.emplace_back(rejection.name, CameraFigures{world.frames, run.lost, run.error});
+      camera.emplace_back(rejection.name,
+                          CameraFigures{world.frames, world.frames_wanted, run.lost, run.error});
       objects = std::move(run.objects);
     }
     if (objects && !program::interrupted()) {

@@ -15,6 +15,12 @@ namespace {
 using eval::fixedText;
 using eval::TextTable;
 
+std::string framesText(const CameraFigures& figures) {
+  const auto text = std::to_string(figures.frames);
+  if (figures.frames >= figures.wanted) return text;
+  return text + " of " + std::to_string(figures.wanted);
+}
+
 std::string ateText(const CameraFigures& figures) {
   if (!figures.error) return "lost";
   const auto& ate = figures.error->ate_m;
@@ -127,7 +133,7 @@ TextTable cameraTable(const std::vector<SuiteEntry>& entries) {
   for (const auto& rejection : rejections()) table.front().push_back(rejection.name);
   for (const auto& entry : entries) {
     if (entry.camera.empty()) continue;
-    table.push_back({entry.name, std::to_string(entry.camera.front().second.frames)});
+    table.push_back({entry.name, framesText(entry.camera.front().second)});
     for (std::size_t i = 0; i < rejections().size(); ++i) {
       table.back().push_back(i < entry.camera.size() ? ateText(entry.camera[i].second) : "—");
     }

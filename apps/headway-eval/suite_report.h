@@ -26,6 +26,7 @@ struct Rejection {
 /// How well the camera was localised in one world with one way of rejection.
 struct CameraFigures {
   std::size_t frames = 0;
+  std::size_t wanted = 0;  ///< more than `frames` if the world's path ended before
   std::size_t lost = 0;
   std::optional<eval::TrajectoryError> error;
 };

@@ -56,6 +56,7 @@ World drawWorld(const std::string& ini, const std::string& folder,
   auto& frames = settings.values.recording.frames;
   if (most_frames) frames = std::min(frames, static_cast<int>(*most_frames));
   World world;
+  world.frames_wanted = static_cast<std::size_t>(frames);
   world.name = fs::path(ini).stem();
   world.rawlog = (fs::path(folder) / (world.name + ".rawlog")).string();
   world.truth_folder = sim::truthFolder(world.rawlog);

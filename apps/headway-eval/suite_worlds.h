@@ -28,6 +28,7 @@ struct World {
   std::string rawlog;
   std::string truth_folder;
   std::size_t frames = 0;
+  std::size_t frames_wanted = 0;  ///< more than `frames` if the path ended before
 };
 
 /// Called after each frame; false ends the work.

@@ -117,6 +117,12 @@ int simulate(int argc, const char* const* argv) {
               << sim::truthFolder(request.output) << "\n"
               << covered << std::endl;
   }
+  const auto wanted = static_cast<std::size_t>(settings.recording.frames);
+  if (done < wanted && simulator.arrived()) {
+    std::cerr << "headway-sim: the path ended after " << done << " of " << wanted
+              << " frames: lengthen it (section [route]) or ask for fewer ([recording] frames)"
+              << std::endl;
+  }
   return program::kDone;
 }
 

@@ -118,6 +118,22 @@ TEST(HeadwaySim, SaysBeforehandHowMuchDiskItTakes) {
   EXPECT_TRUE(std::filesystem::is_directory(folder / "a_Images"));
 }
 
+TEST(HeadwaySim, APathThatEndsBeforeTheFramesDoIsSaidWithItsCount) {
+  const test::TemporaryFolder folder;
+  const std::string call = kProgram + " -q -o " + (folder / "a.rawlog").string() +
+                           " --set camera.width=160 --set camera.height=64 --set "
+                           "camera.focal_px=90 --set 'route.shape=straight 10' --frames 200";
+  const auto result = test::runProcess(call);
+  EXPECT_EQ(result.status, 0) << result.output;
+  const auto frames = io::readTum(truthFolder((folder / "a.rawlog").string()) + "/trajectory.tum");
+  EXPECT_GT(frames.size(), 5U);
+  EXPECT_THAT(result.output,
+              HasSubstr("ended after " + std::to_string(frames.size()) + " of 200 frames"));
+  const auto nothing = test::runProcess(call + " -w --set recording.first_frame=150");
+  EXPECT_EQ(nothing.status, 1);
+  EXPECT_THAT(nothing.output, HasSubstr("[recording] first_frame"));
+}
+
 TEST(HeadwaySim, BadInputEndsWithOneLineThatNamesTheKey) {
   const test::TemporaryFolder folder;
   const std::string output = " -q -o " + (folder / "a.rawlog").string();

@@ -13,6 +13,7 @@
 namespace headway::sim {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 std::string errorOf(const RouteParams& params) {
@@ -76,6 +77,41 @@ TEST(Route, KittiPosesAreDrivenInTheRightLane) {
   const Eigen::Vector3d robot = route.street.beside(route.start_s + 50.0, route.robot_left);
   EXPECT_NEAR(robot.y(), 0.0, 0.05);
   EXPECT_NEAR(robot.z(), 1.0, 0.1);
+}
+
+/// KITTI poses along x right, y down, z forward, and the error of a route along them.
+std::string errorOfPoses(const std::vector<Eigen::Vector3d>& places) {
+  const test::TemporaryFolder folder;
+  RouteParams params;
+  params.kind = RouteParams::Kind::kKittiPoses;
+  params.file = (folder / "poses.txt").string();
+  std::ofstream out(params.file);
+  for (const auto& at : places) {
+    out << "1 0 0 " << at.x() << " 0 1 0 " << at.y() << " 0 0 1 " << at.z() << "\n";
+  }
+  out.close();
+  return errorOf(params);
+}
+
+TEST(Route, APathThatLeavesTheWorldNamesItsKeyAndWhere) {
+  std::vector<Eigen::Vector3d> street;
+  for (int i = 0; i < 100; ++i) street.emplace_back(0, 0, i);
+  EXPECT_EQ(errorOfPoses(street), "");
+
+  auto jump = street;
+  for (std::size_t i = 40; i < jump.size(); ++i) jump[i].x() += 25.0;
+  EXPECT_THAT(errorOfPoses(jump), AllOf(HasSubstr("[route] file"), HasSubstr("row 41")));
+
+  auto flight = street;
+  for (std::size_t i = 40; i < flight.size(); ++i)
+    flight[i].y() -= 0.8 * static_cast<double>(i - 40);
+  EXPECT_THAT(errorOfPoses(flight), AllOf(HasSubstr("[route] file"), HasSubstr("steeper")));
+
+  EXPECT_THAT(errorOfPoses({street.begin(), street.begin() + 4}), HasSubstr("less than 5 m"));
+
+  RouteParams endless;
+  endless.shape = "straight 45000";
+  EXPECT_THAT(errorOf(endless), AllOf(HasSubstr("[route] shape"), HasSubstr("leaves the world")));
 }
 
 TEST(Route, AMissingPoseFileIsAnInputError) {

@@ -292,6 +292,30 @@ TEST(Simulator, MotionBlurSmearsAndGreyIsGrey) {
   EXPECT_LT(sharpness(blurred[1]), 0.8 * sharpness(sharp[1]));
 }
 
+TEST(Simulator, AtTheEndOfThePathFramesEndAndItSaysSo) {
+  SimParams params = smallStreet();
+  params.route.shape = "straight 12";
+  params.camera.width = 160;
+  params.camera.height = 64;
+  params.recording.frames = 500;
+  Simulator simulator(params);
+  std::size_t frames = 0;
+  EXPECT_FALSE(simulator.arrived());
+  while (simulator.next()) ++frames;
+  EXPECT_TRUE(simulator.arrived());
+  EXPECT_GT(frames, 15U);  // 12 m at 7 m/s, 10 frames a second
+  EXPECT_LT(frames, 100U);
+  params.recording.first_frame = static_cast<int>(frames);
+  Simulator too_late(params);
+  try {
+    (void)too_late.next();
+    ADD_FAILURE() << "a piece after the end of the path is none";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("[recording] first_frame"));
+    EXPECT_THAT(error.what(), HasSubstr("ends after " + std::to_string(frames)));
+  }
+}
+
 TEST(Simulator, ImpossibleKnobsNameTheirKey) {
   const auto errorOf = [](const std::function<void(SimParams&)>& spoil) -> std::string {
     SimParams params;

@@ -12,9 +12,12 @@
 namespace headway::sim {
 namespace {
 
-constexpr double kStep = 0.5;     // [m]
-constexpr double kBefore = 60.0;  // street before the start [m]
-constexpr double kAfter = 200.0;  // street after the end [m]
+constexpr double kStep = 0.5;         // [m]
+constexpr double kBefore = 60.0;      // street before the start [m]
+constexpr double kAfter = 200.0;      // street after the end [m]
+constexpr double kMostLength = 40e3;  // of the world's streets [m]
+constexpr double kMostGap = 10.0;     // between poses that one street joins [m]
+constexpr double kMostSlope = 0.35;   // San Francisco's steepest has 0.31
 
 /// Curvature at every kStep of a shape such as "straight 60, left 40 90".
 std::vector<double> parseShape(const std::string& shape) {
@@ -147,14 +150,49 @@ void levelRevisits(std::vector<Eigen::Vector3d>& points) {
   }
 }
 
-/// Robot positions of a KITTI path, where it moved by at least a metre, smoothed.
-std::vector<Eigen::Vector3d> readKittiPath(const std::string& file) {
-  std::vector<Eigen::Vector3d> raw;
-  for (const Pose& pose : io::readKittiPoses(file)) {
-    const Eigen::Vector3d at = robotFromOptical() * pose.translation();
-    if (raw.empty() || (at - raw.back()).head<2>().norm() >= 1.0) raw.push_back(at);
+/// Throws if a path leaves the world: the ground that streets can be laid on.
+void requireDrivable(const std::vector<Eigen::Vector3d>& points, const std::string& file) {
+  const auto refuse = [&](const Eigen::Vector3d& at, const std::string& what) {
+    std::ostringstream text;
+    text << "[route] file: " << file << ": at x " << at.x() << " m, y " << at.y() << " m, z "
+         << at.z() << " m (forward, left, up) the path " << what;
+    throw InputError(text.str());
+  };
+  constexpr std::size_t kReach = 10;
+  for (std::size_t i = kReach; i < points.size(); ++i) {
+    const Eigen::Vector3d way = points[i] - points[i - kReach];
+    if (std::abs(way.z()) > kMostSlope * way.head<2>().norm() + 1.0) {
+      refuse(points[i], "leaves the ground: steeper than 35 %; are these camera poses, y down?");
+    }
   }
-  if (raw.size() < 5) throw InputError("[route] file: " + file + " has less than 5 m of path");
+}
+
+/// Robot positions of a KITTI path, where it moved by at least a metre.
+std::vector<Eigen::Vector3d> readKittiPositions(const std::string& file) {
+  std::vector<Eigen::Vector3d> positions;
+  Eigen::Vector3d last;
+  std::size_t row = 0;
+  for (const Pose& pose : io::readKittiPoses(file)) {
+    ++row;
+    const Eigen::Vector3d at = robotFromOptical() * pose.translation();
+    if (!at.allFinite() || (row > 1 && (at - last).norm() > kMostGap)) {
+      throw InputError("[route] file: " + file + ": row " + std::to_string(row) +
+                       " leaves the path by more than 10 m; no street leads there");
+    }
+    last = at;
+    if (positions.empty() || (at - positions.back()).head<2>().norm() >= 1.0) {
+      positions.push_back(at);
+    }
+  }
+  if (positions.size() < 5) {
+    throw InputError("[route] file: " + file + " has less than 5 m of path");
+  }
+  return positions;
+}
+
+/// Robot positions of a KITTI path, smoothed.
+std::vector<Eigen::Vector3d> readKittiPath(const std::string& file) {
+  std::vector<Eigen::Vector3d> raw = readKittiPositions(file);
   std::vector<Eigen::Vector3d> smooth = raw;
   for (int pass = 0; pass < 4; ++pass) {
     for (std::size_t i = 1; i + 1 < smooth.size(); ++i) {
@@ -163,6 +201,7 @@ std::vector<Eigen::Vector3d> readKittiPath(const std::string& file) {
     smooth = raw;
   }
   smoothHeights(smooth);
+  requireDrivable(smooth, file);
   levelRevisits(smooth);
   smoothHeights(smooth);
   return smooth;
@@ -191,6 +230,15 @@ Route makeKitti(const RouteParams& params) {
   return route;
 }
 
+Route withinWorld(Route route, const std::string& key) {
+  if (route.street.length() > kMostLength) {
+    throw InputError("[route] " + key + ": the path leaves the world: it is " +
+                     std::to_string(static_cast<long>(route.end_s - route.start_s)) +
+                     " m long, and streets end after 40 km");
+  }
+  return route;
+}
+
 }  // namespace
 
 Route makeRoute(const RouteParams& params, double hill_height_m) {
@@ -198,11 +246,11 @@ Route makeRoute(const RouteParams& params, double hill_height_m) {
     case RouteParams::Kind::kLoop:
       return makeLoop(params, hill_height_m);
     case RouteParams::Kind::kKittiPoses:
-      return makeKitti(params);
+      return withinWorld(makeKitti(params), "file");
     case RouteParams::Kind::kLane:
       break;
   }
-  return makeLane(params, hill_height_m);
+  return withinWorld(makeLane(params, hill_height_m), "shape");
 }
 
 }  // namespace headway::sim
