@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <headway/core/error.h>
 #include <headway/core/params.h>
+#include <headway/io/kitti_dataset.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
@@ -14,6 +15,7 @@
 #include <filesystem>
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/videoio.hpp>
 #include <sstream>
 
 namespace headway::sim {
@@ -99,6 +101,36 @@ TEST_F(Recorded, TheWorldAsUsedMakesTheSameBytesAgain) {
   EXPECT_TRUE(test::contentsOf(again) == test::contentsOf(rawlog));
   EXPECT_EQ(test::contentsOf(truthFolder(again) + "/label_02.txt"),
             test::contentsOf(truth + "/label_02.txt"));
+}
+
+TEST_F(Recorded, IsExportedAsAKittiSequenceThatOthersCanRead) {
+  const auto sequence = *folder / "sequences/00";
+  std::filesystem::create_directories(sequence.parent_path());
+  const auto exported =
+      test::runProcess(std::string(HEADWAY_BIN_DIR) + "/headway-export kitti-odometry " + rawlog +
+                       " -q -o " + sequence.string());
+  ASSERT_EQ(exported.status, 0) << exported.output;
+  for (const auto& [name, type] : {std::pair("image_0", CV_8UC1), std::pair("image_1", CV_8UC1),
+                                   std::pair("image_2", CV_8UC3), std::pair("image_3", CV_8UC3)}) {
+    // As a program that knows nothing of us opens a numbered sequence.
+    cv::VideoCapture numbered((sequence / name / "%06d.png").string(), cv::CAP_IMAGES);
+    cv::Mat picture;
+    int count = 0;
+    for (; numbered.read(picture); ++count) EXPECT_EQ(picture.size(), cv::Size(320, 120));
+    EXPECT_EQ(count, 4) << name;
+    EXPECT_EQ(cv::imread((sequence / name / "000003.png").string(), cv::IMREAD_UNCHANGED).type(),
+              type);
+  }
+  EXPECT_EQ(io::openKittiOdometry(folder->path().string(), "00")->size(), 4U);
+  auto projections = io::readKittiProjections((sequence / "calib.txt").string());
+  EXPECT_DOUBLE_EQ(projections["P0"](0, 0), 186.0);
+  EXPECT_NEAR(projections["P1"](0, 3), -186.0 * 0.54, 1e-6);
+  const auto exported_poses = io::readKittiPoses((sequence / "poses.txt").string());
+  const auto true_poses = io::readKittiPoses(truth + "/poses_kitti.txt");
+  ASSERT_EQ(exported_poses.size(), true_poses.size());
+  for (std::size_t i = 0; i < true_poses.size(); ++i) {
+    EXPECT_LT((exported_poses[i].matrix() - true_poses[i].matrix()).norm(), 1e-5);
+  }
 }
 
 TEST_F(Recorded, AnOutputThatExistsIsRefused) {
