@@ -2,6 +2,7 @@
 
 #include <headway/core/error.h>
 #include <headway/core/statistics.h>
+#include <headway/program/picture_files.h>
 #include <headway/program/progress.h>
 #include <headway/program/truth_report.h>
 
@@ -11,7 +12,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "finished_replay.h"
-#include "outputs.h"
 #include "recorded_images.h"
 #include "truth.h"
 
@@ -85,7 +85,7 @@ void drawPicture(const Options& options, const FinishedReplay& replay, Truth tru
   }
   Playback playback(replay, std::move(truth), replay.frames[position].frame, note);
   scene::SnapshotRenderer snapshots(options.snapshot);
-  writePicture(options.output, snapshots.draw(playback.at(position)));
+  program::writePicture(options.output, snapshots.draw(playback.at(position)));
 }
 
 void drawVideo(const Options& options, const FinishedReplay& replay, Truth truth,
@@ -93,6 +93,7 @@ void drawVideo(const Options& options, const FinishedReplay& replay, Truth truth
   scene::SnapshotOptions snapshot = options.snapshot;
   snapshot.width += snapshot.width % 2;  // encoders halve the resolution of colour
   snapshot.height += snapshot.height % 2;
+  snapshot.supersampling = 1;  // smoother edges do not show in motion, and double the time
   const std::size_t first = options.from_index.value_or(0);
   const std::size_t last = options.to_index.value_or(replay.frames.back().frame);
   std::vector<std::size_t> positions;
@@ -105,14 +106,15 @@ void drawVideo(const Options& options, const FinishedReplay& replay, Truth truth
   }
   scene::SnapshotRenderer snapshots(snapshot);
   Playback playback(replay, std::move(truth), replay.frames[positions.front()].frame, note);
-  VideoOutput video(options.output, rateOf(replay), {snapshot.width, snapshot.height},
-                    options.overwrite, note);
+  program::VideoOutput video(options.output, rateOf(replay), {snapshot.width, snapshot.height},
+                             options.overwrite, note);
   program::catchInterrupts();
   program::Progress progress("drawing", options.quiet);
   for (std::size_t i = 0; i < positions.size() && !program::interrupted(); ++i) {
     video.add(snapshots.draw(playback.at(positions[i])));
     progress.update(i + 1, static_cast<double>(i + 1) / static_cast<double>(positions.size()));
   }
+  video.finish();
 }
 
 }  // namespace

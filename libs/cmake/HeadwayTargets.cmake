@@ -4,6 +4,7 @@ include(CMakePackageConfigHelpers)
 
 set(HEADWAY_SANITIZE "" CACHE STRING "Sanitizers to build with, as given to -fsanitize=")
 set_property(GLOBAL PROPERTY HEADWAY_FOUND_PACKAGES "")
+set_property(GLOBAL PROPERTY HEADWAY_FOUND_MODULES "")
 
 add_library(headway_warnings INTERFACE)
 target_compile_options(headway_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
@@ -19,6 +20,15 @@ macro(headway_find package)
   find_package(${package} REQUIRED ${ARGN})
   string(REPLACE ";" " " _headway_arguments "${ARGN}")
   set_property(GLOBAL APPEND PROPERTY HEADWAY_FOUND_PACKAGES "${package} ${_headway_arguments}")
+endmacro()
+
+# headway_find_pkg(<name> <module> ...): target PkgConfig::<name> of what pkg-config knows, for
+# installed consumers as well.
+macro(headway_find_pkg name)
+  headway_find(PkgConfig)
+  pkg_check_modules(${name} REQUIRED IMPORTED_TARGET GLOBAL ${ARGN})
+  string(REPLACE ";" " " _headway_modules "${ARGN}")
+  set_property(GLOBAL APPEND PROPERTY HEADWAY_FOUND_MODULES "${name} REQUIRED IMPORTED_TARGET GLOBAL ${_headway_modules}")
 endmacro()
 
 # headway_library(<name> SOURCES ... [PUBLIC ...] [PRIVATE ...]): target headway::<name> whose
@@ -87,6 +97,10 @@ function(headway_install_package)
   set(HEADWAY_DEPENDENCIES "")
   foreach(package IN LISTS packages)
     string(APPEND HEADWAY_DEPENDENCIES "find_dependency(${package})\n")
+  endforeach()
+  get_property(modules GLOBAL PROPERTY HEADWAY_FOUND_MODULES)
+  foreach(module IN LISTS modules)
+    string(APPEND HEADWAY_DEPENDENCIES "pkg_check_modules(${module})\n")
   endforeach()
   set(destination ${CMAKE_INSTALL_LIBDIR}/cmake/headway)
   configure_package_config_file(

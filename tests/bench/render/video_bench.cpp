@@ -2,13 +2,13 @@
 //
 // bench_video OUT.mp4 [SUPERSAMPLING [PICTURES]]
 
+#include <headway/render/video_file.h>
 #include <headway/scene/snapshot.h>
 
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <opencv2/videoio.hpp>
 #include <random>
 
 #include "example_world.h"
@@ -57,15 +57,10 @@ std::vector<Track> traffic(double time) {
 int main(int argc, char** argv) {
   if (argc < 2) return std::fprintf(stderr, "bench_video OUT.mp4 [SUPERSAMPLING [PICTURES]]\n"), 2;
   scene::SnapshotOptions options;
-  if (argc > 2) options.supersampling = std::atoi(argv[2]);
+  options.supersampling = argc > 2 ? std::atoi(argv[2]) : 1;  // as headway-render does
   const int pictures = argc > 3 ? std::atoi(argv[3]) : 60;
   scene::SnapshotRenderer renderer(options);
-  cv::VideoWriter video;
-  for (const int code :
-       {cv::VideoWriter::fourcc('a', 'v', 'c', '1'), cv::VideoWriter::fourcc('m', 'p', '4', 'v')}) {
-    if (video.open(argv[1], code, 20.0, {options.width, options.height}, true)) break;
-  }
-  if (!video.isOpened()) return std::fprintf(stderr, "no MP4 encoder here\n"), 1;
+  render::VideoFile video(argv[1], 20.0, {options.width, options.height});
   map::PerceptionMap map;
   map.update(street());
   std::vector<Stamped<Pose>> path;
@@ -82,10 +77,10 @@ int main(int argc, char** argv) {
     const cv::Mat picture = renderer.draw(input);
     draw_ms += millisecondsSince(draw_start);
     const auto encode_start = Clock::now();
-    video.write(picture);
+    video.add(picture);
     encode_ms += millisecondsSince(encode_start);
   }
-  video.release();
+  video.finish();
   const double total_ms = millisecondsSince(start);
   std::printf(
       "%d pictures, supersampling %d: draw %.1f ms, encode %.1f ms, %.1f pictures/s "

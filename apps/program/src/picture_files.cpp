@@ -1,0 +1,55 @@
+#include <headway/core/error.h>
+#include <headway/program/command_line.h>
+#include <headway/program/picture_files.h>
+
+#include <array>
+#include <cstdio>
+#include <opencv2/imgcodecs.hpp>
+
+namespace headway::program {
+
+void writePicture(const std::string& path, const cv::Mat& picture) {
+  bool written = false;
+  try {
+    written = cv::imwrite(path, picture);
+  } catch (const cv::Exception&) {
+    written = false;
+  }
+  if (!written) {
+    throw InputError(path + ": cannot be written (is the disk full, or the folder missing?)");
+  }
+}
+
+VideoOutput::VideoOutput(const std::string& path, double rate, cv::Size size, bool overwrite,
+                         const std::function<void(const std::string&)>& note)
+    : path_(path) {
+  try {
+    video_.emplace(path, rate, size);
+    return;
+  } catch (const render::EncoderUnavailable& error) {
+    note(error.what());
+  }
+  path_ = path_.parent_path() / (path_.stem().string() + "_frames");
+  requireWritable(path_, overwrite);
+  std::error_code error;
+  std::filesystem::create_directories(path_, error);
+  if (error) throw InputError(path_.string() + ": cannot be made: " + error.message());
+  note("pictures are written to " + path_.string() + " instead");
+}
+
+void VideoOutput::add(const cv::Mat& picture) {
+  if (video_) {
+    video_->add(picture);
+  } else {
+    std::array<char, 32> name{};
+    std::snprintf(name.data(), name.size(), "%06zu.png", count_);
+    writePicture(path_ / name.data(), picture);
+  }
+  ++count_;
+}
+
+void VideoOutput::finish() {
+  if (video_) video_->finish();
+}
+
+}  // namespace headway::program
