@@ -90,15 +90,17 @@ bool FrameTracker::testsMotion() const {
          params_.dynamic_rejection == DynamicRejection::kBoth;
 }
 
+bool FrameTracker::vouches(const Landmark& landmark) const {
+  return !testsMotion() || hasProvedStill(landmark);
+}
+
 /// What moves is seen and mapped like everything else, but it cannot agree with the camera's
 /// motion for long, so it never gets a say, however much of the image it fills.
 std::vector<bool> FrameTracker::provedStill(const std::vector<TrackedLandmark>& landmarks,
                                             const SparseMap& map) const {
   std::vector<bool> proved;
   proved.reserve(landmarks.size());
-  for (const TrackedLandmark& seen : landmarks) {
-    proved.push_back(!testsMotion() || hasProvedStill(*map.find(seen.id)));
-  }
+  for (const TrackedLandmark& seen : landmarks) proved.push_back(vouches(*map.find(seen.id)));
   return proved;
 }
 
@@ -111,7 +113,7 @@ std::vector<TrackedLandmark> FrameTracker::worthFollowing(
   for (const TrackedLandmark& seen : seen_before) {
     const Landmark* landmark = map.find(seen.id);
     if (landmark == nullptr) continue;
-    (!testsMotion() || hasProvedStill(*landmark) ? proved : others).push_back(seen);
+    (vouches(*landmark) ? proved : others).push_back(seen);
   }
   const bool few = proved.size() < 2 * static_cast<std::size_t>(params_.min_inliers);
   const std::size_t most = young || few ? seen_before.size() : kEnough;

@@ -56,6 +56,8 @@ class FrameTracker {
 
   /// Whether what contradicts the camera's motion is kept out.
   [[nodiscard]] bool testsMotion() const;
+  /// Whether a landmark may have a say in the camera's motion.
+  [[nodiscard]] bool vouches(const Landmark& landmark) const;
   [[nodiscard]] std::vector<bool> provedStill(const std::vector<TrackedLandmark>& landmarks,
                                               const SparseMap& map) const;
   [[nodiscard]] std::vector<TrackedLandmark> worthFollowing(
