@@ -180,18 +180,30 @@ TEST(DetachedBundle, LetsWhatWasRemovedMeanwhileStayAway) {
   EXPECT_LT(worstPose(world), 0.01);
 }
 
-TEST(BundleAdjuster, TakesOverInTheBackgroundWhatItWouldHaveDoneAtOnce) {
-  World at_once = makeWorld(6, 0.0), beside = makeWorld(6, 0.0);
+/// Takes a background's result over as soon as it is there.
+void poll(BundleAdjuster& adjuster, SparseMap& map) {
+  while (!adjuster.takeOver(map)) std::this_thread::yield();
+}
+
+/// Takes it over at the end, waiting for it.
+void wait(BundleAdjuster& adjuster, SparseMap& map) { EXPECT_TRUE(adjuster.finish(map)); }
+
+TEST(BundleAdjuster, TakesOverFromTheBackgroundWhatItWouldHaveDoneAtOnce) {
+  World at_once = makeWorld(6, 0.0);
   disturb(at_once);
-  disturb(beside);
   BundleAdjuster(testCamera(), false).adjust(at_once.map, at_once.keyframes, 30);
-  BundleAdjuster adjuster(testCamera(), true);
-  EXPECT_FALSE(adjuster.takeOver(beside.map));
-  adjuster.adjust(beside.map, beside.keyframes, 30);
-  while (!adjuster.takeOver(beside.map)) std::this_thread::yield();
-  for (const KeyframeId id : at_once.keyframes) {
-    EXPECT_EQ(at_once.map.keyframe(id).T_map_cam.matrix(),
-              beside.map.keyframe(id).T_map_cam.matrix());
+  for (const auto take_over : {poll, wait}) {
+    World beside = makeWorld(6, 0.0);
+    disturb(beside);
+    BundleAdjuster adjuster(testCamera(), true);
+    EXPECT_FALSE(adjuster.takeOver(beside.map));
+    EXPECT_FALSE(adjuster.finish(beside.map));
+    adjuster.adjust(beside.map, beside.keyframes, 30);
+    take_over(adjuster, beside.map);
+    for (const KeyframeId id : at_once.keyframes) {
+      EXPECT_EQ(at_once.map.keyframe(id).T_map_cam.matrix(),
+                beside.map.keyframe(id).T_map_cam.matrix());
+    }
   }
 }
 

@@ -37,4 +37,9 @@ std::optional<Pose> BundleAdjuster::takeOver(SparseMap& map) {
   return correction;
 }
 
+std::optional<Pose> BundleAdjuster::finish(SparseMap& map) {
+  if (job_ != nullptr) job_->solved.wait();
+  return takeOver(map);
+}
+
 }  // namespace headway::slam

@@ -33,6 +33,9 @@ class BundleAdjuster {
   /// @return  by which the newest part of the map was moved; nullopt if nothing was finished
   std::optional<Pose> takeOver(SparseMap& map);
 
+  /// The same after waiting for what is under way.
+  std::optional<Pose> finish(SparseMap& map);
+
  private:
   struct Job {
     DetachedBundle bundle;
