@@ -69,6 +69,36 @@ TEST(LoopCloser, FindsTheBeginningAgainAndPullsThePathTogether) {
   EXPECT_LT(closed.rmse_m, 0.7 * open.rmse_m);
 }
 
+/// The camera is covered while it is driven round the first corners, so that the map is begun anew
+/// at a place and in a direction that are mere guesses.
+TEST(LoopCloser, JoinsPartsOfTheMapWhereOneSeesTheOther) {
+  constexpr int kLap = 110;
+  constexpr int kFrames = 122;
+  const auto world = hall();
+  SlamParams params;
+  params.restart_after = 5;
+  params.features = 250;
+  StereoSlam slam(world.camera(), params);
+  int joined = 0;
+  for (int i = 0; i < kFrames; ++i) {
+    StereoFrame frame = world.frame(i, 0.1 * i, roundTheBlock(i, kLap));
+    const bool covered = i >= 20 && i < 60;
+    if (covered) frame.left = frame.right = cv::Mat(frame.left.size(), CV_8U, cv::Scalar(0));
+    const auto update = slam.process(frame, {});
+    EXPECT_EQ(update.status, covered ? TrackingStatus::kLost : TrackingStatus::kTracked) << i;
+    for (const LoopAttempt& attempt : update.loops) {
+      joined += attempt.outcome == LoopOutcome::kClosed ? 1 : 0;
+    }
+  }
+  EXPECT_GE(joined, 1);
+  for (const auto& estimate : slam.trajectory()) {
+    if (!estimate.tracked) continue;
+    const Pose truth = roundTheBlock(static_cast<int>(estimate.frame), kLap);
+    EXPECT_LT((estimate.T_map_robot.translation() - truth.translation()).norm(), 0.4)
+        << estimate.frame;
+  }
+}
+
 TEST(ApplyCorrection, TakesLandmarksAlong) {
   SparseMap map;
   const KeyframeId a = map.addKeyframe(0, 0.0, Pose::Identity()).id;

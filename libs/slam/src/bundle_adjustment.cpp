@@ -51,7 +51,7 @@ class Reprojection final : public ceres::SizedCostFunction<3, 7, 3, 1> {
 
  private:
   StereoMeasurement measurement_;
-  StereoCamera camera_;
+  const StereoCamera& camera_;  ///< outlives it: the bundle's own
 };
 
 /// What is known of the disparities' offset beforehand: that rectification is good to about
@@ -99,7 +99,7 @@ class DetachedBundle::Implementation {
     for (std::size_t i = 0; i < points_.size(); ++i) {
       ordering_->AddElementToGroup(points_[i].data(), 0);
       for (const auto& observation : map.find(point_ids_[i])->observations) {
-        problem_.AddResidualBlock(new Reprojection(observation.measurement, camera), &loss_,
+        problem_.AddResidualBlock(new Reprojection(observation.measurement, camera_), &loss_,
                                   poseOf(observation.keyframe), points_[i].data(), &offset_);
       }
     }

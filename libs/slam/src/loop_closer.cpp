@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
+#include <set>
 
 #include "relocaliser.h"
 
@@ -28,6 +30,42 @@ std::vector<Descriptor> descriptorsOf(const std::vector<DescribedPoint>& points)
   return descriptors;
 }
 
+/// Whether a keyframe sees nothing of what the one before it sees: the camera was lost between
+/// them, and how far apart they are is no more than a guess.
+bool areApart(const Keyframe& a, const Keyframe& b) {
+  auto at_a = a.landmarks.begin();
+  auto at_b = b.landmarks.begin();
+  while (at_a != a.landmarks.end() && at_b != b.landmarks.end()) {
+    if (*at_a == *at_b) return false;
+    *at_a < *at_b ? ++at_a : ++at_b;
+  }
+  return true;
+}
+
+/// Keyframes that no chain of shared landmarks ties to the newest one, so that nobody knows how far
+/// away they are, ascending.
+std::vector<KeyframeId> unrelatedTo(KeyframeId newest, const SparseMap& map) {
+  const auto& keyframes = map.keyframes();
+  const auto apart = [](const auto& a, const auto& b) { return areApart(a.second, b.second); };
+  if (std::adjacent_find(keyframes.begin(), keyframes.end(), apart) == keyframes.end()) return {};
+  std::set<KeyframeId> related{newest};
+  std::vector<KeyframeId> open{newest};
+  while (!open.empty()) {
+    const Keyframe& keyframe = map.keyframe(open.back());
+    open.pop_back();
+    for (const LandmarkId id : keyframe.landmarks) {
+      for (const LandmarkObservation& observation : map.find(id)->observations) {
+        if (related.insert(observation.keyframe).second) open.push_back(observation.keyframe);
+      }
+    }
+  }
+  std::vector<KeyframeId> unrelated;
+  for (const auto& [id, keyframe] : keyframes) {
+    if (related.count(id) == 0) unrelated.push_back(id);
+  }
+  return unrelated;
+}
+
 PoseGraphEdge edgeBetween(const Keyframe& a, const Keyframe& b) {
   constexpr double kSigmaFloorM = 0.005;
   constexpr double kSigmaPerM = 0.01;
@@ -43,6 +81,14 @@ PoseGraphEdge edgeBetween(const Keyframe& a, const Keyframe& b) {
   return edge;
 }
 
+/// Holds a part of the map that nothing else ties to the rest, and yields to whatever does.
+PoseGraphEdge guessBetween(const Keyframe& a, const Keyframe& b) {
+  PoseGraphEdge edge = edgeBetween(a, b);
+  edge.sigma_m = 100.0;
+  edge.sigma_rad = 10.0;
+  return edge;
+}
+
 }  // namespace
 
 std::vector<PoseGraphEdge> edgesOf(const SparseMap& map) {
@@ -50,7 +96,10 @@ std::vector<PoseGraphEdge> edgesOf(const SparseMap& map) {
   std::vector<PoseGraphEdge> edges;
   const Keyframe* before = nullptr;
   for (const auto& [id, keyframe] : map.keyframes()) {
-    if (before != nullptr) edges.push_back(edgeBetween(*before, keyframe));
+    if (before != nullptr) {
+      edges.push_back(areApart(*before, keyframe) ? guessBetween(*before, keyframe)
+                                                  : edgeBetween(*before, keyframe));
+    }
     for (const KeyframeId other : map.neighbourhood(id, kNeighbours)) {
       if (other < id && (before == nullptr || other != before->id)) {
         edges.push_back(edgeBetween(map.keyframe(other), keyframe));
@@ -96,7 +145,7 @@ std::vector<KeyframeId> LoopCloser::withinDrift(KeyframeId newest, const SparseM
   constexpr double kMaxTurn = 0.8;  ///< between the views [rad]
   const auto near = map.neighbourhood(newest, 1 << 20);
   const Pose& T_map_cam = map.keyframe(newest).T_map_cam;
-  std::vector<KeyframeId> old;
+  std::vector<KeyframeId> old = unrelatedTo(newest, map);
   double path = 0.0;
   Eigen::Vector3d after = T_map_cam.translation();
   for (auto at = map.keyframes().rbegin(); at != map.keyframes().rend(); ++at) {
@@ -109,7 +158,8 @@ std::vector<KeyframeId> LoopCloser::withinDrift(KeyframeId newest, const SparseM
     const double facing = T_map_old.linear().col(2).dot(T_map_cam.linear().col(2));
     if (aged && reachable && facing > std::cos(kMaxTurn)) old.push_back(at->first);
   }
-  std::reverse(old.begin(), old.end());
+  std::sort(old.begin(), old.end());
+  old.erase(std::unique(old.begin(), old.end()), old.end());
   return old;
 }
 
@@ -138,6 +188,11 @@ void LoopCloser::measureOffset(const TrackedPose& seen_from, const SparseMap& ma
                                LoopAttempt& attempt) const {
   const Eigen::Vector3d& before = map.keyframe(attempt.keyframe).T_map_cam.translation();
   attempt.offset_m = (seen_from.T_map_cam.translation() - before).norm();
+  const auto anywhere = unrelatedTo(attempt.keyframe, map);
+  if (std::binary_search(anywhere.begin(), anywhere.end(), attempt.candidate)) {
+    attempt.offset_allowed_m = std::numeric_limits<double>::infinity();
+    return;
+  }
   double path = 0.0;
   Eigen::Vector3d last = map.keyframe(attempt.candidate).T_map_cam.translation();
   for (auto at = map.keyframes().find(attempt.candidate); at != map.keyframes().end(); ++at) {
@@ -172,7 +227,6 @@ std::vector<LoopAttempt> LoopCloser::close(const TrackingFrame& frame, KeyframeI
 void LoopCloser::correct(KeyframeId newest, KeyframeId old, const TrackedPose& seen_from,
                          SparseMap& map) const {
   constexpr int kGlobalIterations = 8;
-  constexpr std::size_t kGlobalLimit = 300;  ///< keyframes up to which all are adjusted at once
   adjuster_.abandon();
   auto edges = edgesOf(map);
   PoseGraphEdge loop = edgeBetween(map.keyframe(old), map.keyframe(newest));
@@ -188,9 +242,7 @@ void LoopCloser::correct(KeyframeId newest, KeyframeId old, const TrackedPose& s
   }
   std::vector<KeyframeId> all;
   for (const auto& [id, keyframe] : map.keyframes()) all.push_back(id);
-  const bool global = all.size() <= kGlobalLimit;
-  adjuster_.adjust(map, global ? all : map.neighbourhood(newest, 2 * params_.window),
-                   kGlobalIterations);
+  adjuster_.adjust(map, all, kGlobalIterations);
 }
 
 }  // namespace headway::slam

@@ -34,15 +34,18 @@ class LoopCloser {
 
   /// Looks whether a new keyframe shows a place of old, and if so corrects the whole map.
   ///
-  /// The place must be out of the keyframe's neighbourhood, not farther off than drift explains,
-  /// recognised by descriptors, and confirmed by patches of its landmarks measured in this frame.
+  /// The place must be out of the keyframe's neighbourhood, not farther off than drift explains (of
+  /// a part of the map that nothing ties to this one, any distance is believed), recognised by
+  /// descriptors, and confirmed by patches of its landmarks measured in this frame. Pose graph
+  /// first, then a bundle adjustment of the whole map.
   ///
   /// @return what was looked at and why it was or was not taken; none if no old place is near
   [[nodiscard]] std::vector<LoopAttempt> close(const TrackingFrame& frame, KeyframeId newest,
                                                SparseMap& map) const;
 
  private:
-  /// Keyframes of old that may show the same place, going by where they are, ascending.
+  /// Keyframes of old that may show the same place, going by where they are if that is known,
+  /// ascending.
   [[nodiscard]] std::vector<KeyframeId> withinDrift(KeyframeId newest, const SparseMap& map) const;
   /// The new keyframe's pose as the candidate's surroundings see it, if they pass every test;
   /// says in `attempt` which was passed last, with what was needed and what there was.
@@ -64,8 +67,8 @@ class LoopCloser {
 /// Every keyframe's pose changes, and landmarks go with their reference keyframes.
 void applyCorrection(const std::map<KeyframeId, Pose>& corrected, SparseMap& map);
 
-/// Edges of the map as it is: from each keyframe to the one before and to those that share many
-/// landmarks with it.
+/// Edges of the map as it is: from each keyframe to the one before (a weak one, where both share
+/// nothing because the camera was lost between them) and to those that share many landmarks.
 [[nodiscard]] std::vector<PoseGraphEdge> edgesOf(const SparseMap& map);
 
 }  // namespace headway::slam
