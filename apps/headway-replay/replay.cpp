@@ -202,6 +202,7 @@ void Replay::countLostFrames(const std::vector<slam::FrameEstimate>& trajectory)
 }
 
 void Replay::finish() {
+  perception_->finish();
   const auto trajectory = perception_->trajectory();
   std::exception_ptr failure;  // the first one; one file that fails must not cost the others
   const auto attempt = [&failure](const auto& step) {

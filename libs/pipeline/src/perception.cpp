@@ -117,6 +117,12 @@ void Perception::updateMap(const PerceptionUpdate& update) {
   map_.update(update.time, update.objects.tracks);
 }
 
+void Perception::finish() {
+  if (slam_ == nullptr || !given_poses_.empty()) return;
+  slam_->finish();
+  map_.update(slam_->map());
+}
+
 std::vector<slam::FrameEstimate> Perception::trajectory() const {
   return slam_ != nullptr && given_poses_.empty() ? slam_->trajectory() : given_poses_;
 }

@@ -7,6 +7,7 @@
 #include "bundle_adjuster.h"
 #include "dynamic_rejection.h"
 #include "frame_tracker.h"
+#include "hung_path.h"
 #include "local_mapper.h"
 #include "loop_closer.h"
 #include "map_archive.h"
@@ -21,15 +22,6 @@ namespace {
 constexpr int kPyramidLevels = 4;
 constexpr int kYoung = 8;  ///< frames in which a map's choice of what stands still may change
 
-/// A frame's pose, hung on a keyframe so that corrections of the map reach it.
-struct HungPose {
-  std::size_t frame = 0;
-  Time time = 0.0;
-  bool tracked = false;
-  KeyframeId reference;  ///< invalid before the first keyframe
-  Pose T_reference_cam = Pose::Identity();
-};
-
 /// Covariance of T_a_c from those of T_a_b and T_b_c, errors independent.
 ///
 /// @see Barfoot & Furgale 2014, first order; perturbations act on the right
@@ -42,6 +34,14 @@ PoseCovariance compose(const PoseCovariance& of_ab, const Pose& T_b_c,
   adjoint.topRightCorner<3, 3>() = -R * crossMatrix(t);
   adjoint.bottomRightCorner<3, 3>() = R;
   return adjoint * of_ab * adjoint.transpose() + of_bc;
+}
+
+/// The keyframe that shares most landmarks with another, or the first one where none does.
+KeyframeId nearestTo(KeyframeId keyframe, const SparseMap& map) {
+  for (const KeyframeId id : map.neighbourhood(keyframe, 2)) {
+    if (id != keyframe) return id;
+  }
+  return map.keyframes().begin()->first;
 }
 
 /// Throws InputError unless both images are 8-bit grey and of the camera's size.
@@ -83,9 +83,7 @@ class StereoSlam::Implementation {
         motion_(camera_->T_robot_cam, params) {}
 
   SlamUpdate process(const StereoFrame& frame, const MovingRegions& moving) {
-    if (const auto correction = adjuster_.takeOver(map_)) {
-      motion_.correct(normalized(Pose(*correction * motion_.last())));
-    }
+    moveWith(adjuster_.takeOver(map_));
     TrackingFrame current;
     std::optional<TrackedPose> tracked;
     {
@@ -95,7 +93,8 @@ class StereoSlam::Implementation {
     }
     const auto watch = times_.watch("slam_map");
     const SlamUpdate update = tracked ? accept(current, *tracked) : guess(frame, current);
-    trajectory_.push_back(hang(current, update));
+    path_.add(current.index, current.time, update.status == TrackingStatus::kTracked,
+              motion_.last(), reference_, map_);
     previous_ = std::move(current);
     return update;
   }
@@ -103,7 +102,10 @@ class StereoSlam::Implementation {
   [[nodiscard]] MapView map() const;
   [[nodiscard]] std::string save() const { return packMap(map_, *camera_); }
   void load(const std::string& bytes);
-  [[nodiscard]] std::vector<FrameEstimate> trajectory() const;
+  void finish() { moveWith(adjuster_.finish(map_)); }
+  [[nodiscard]] std::vector<FrameEstimate> trajectory() const {
+    return path_.estimates(map_, camera_->T_robot_cam.inverse(Eigen::Isometry));
+  }
   [[nodiscard]] const StageTimes& times() const { return times_; }
 
  private:
@@ -114,11 +116,14 @@ class StereoSlam::Implementation {
   void chooseReference(const TrackingFrame& current, TrackedPose& tracked, SlamUpdate& update);
   [[nodiscard]] bool isLike(const TrackedPose& tracked, KeyframeId keyframe) const;
   [[nodiscard]] bool covers(const SharedView& view, const TrackedPose& tracked) const;
+  [[nodiscard]] int patience() const;
   bool begin(const TrackingFrame& current);
   void makeKeyframe(const TrackingFrame& current, TrackedPose& tracked, SlamUpdate& update);
   void attendTo(KeyframeId keyframe);
-  void remove(KeyframeId keyframe);
-  [[nodiscard]] HungPose hang(const TrackingFrame& current, const SlamUpdate& update) const;
+  void forgetSince(KeyframeId first, KeyframeId end);
+  void remove(KeyframeId keyframe, KeyframeId heir);
+  [[nodiscard]] bool isYoung() const { return begun_by_.valid() && frames_since_begin_ < kYoung; }
+  void moveWith(const std::optional<Pose>& correction);
   [[nodiscard]] Pose robotAt(const Pose& T_map_cam) const {
     return normalized(T_map_cam * camera_->T_robot_cam.inverse(Eigen::Isometry));
   }
@@ -143,8 +148,9 @@ class StereoSlam::Implementation {
   std::optional<KeyframeId> reference_;       ///< newest keyframe
   PoseCovariance covariance_ = PoseCovariance::Zero();  ///< of the last camera pose
   int lost_in_a_row_ = 0;
-  int frames_since_begin_ = kYoung;  ///< tracked ones, of a part of the map begun here
-  std::vector<HungPose> trajectory_;
+  KeyframeId begun_by_;         ///< first keyframe of the newest part of the map begun here
+  int frames_since_begin_ = 0;  ///< tracked ones, of that part
+  HungPath path_;
 };
 
 TrackingFrame StereoSlam::Implementation::prepare(const StereoFrame& frame,
@@ -167,12 +173,14 @@ std::optional<TrackedPose> StereoSlam::Implementation::track(const StereoFrame& 
     if (map_.keyframes().empty()) return std::nullopt;
   }
   const std::vector<Pose> guesses{motion_.predict(frame), motion_.last()};
-  auto tracked = tracker_.track(previous_, seen_before_, current, guesses, local_landmarks_,
-                                frames_since_begin_ < kYoung, map_);
+  auto tracked =
+      tracker_.track(previous_, seen_before_, current, guesses, local_landmarks_, isYoung(), map_);
   if (tracked) return tracked;
   KeyframeId recognised;
   tracked = loops_.locate(current, map_, &recognised);
-  if (tracked) attendTo(recognised);
+  if (!tracked) return std::nullopt;
+  attendTo(recognised);
+  if (recognised < begun_by_) begun_by_ = KeyframeId{};  // back where all is settled
   return tracked;
 }
 
@@ -210,8 +218,7 @@ SlamUpdate StereoSlam::Implementation::guess(const StereoFrame& frame,
     motion_.coast(frame.time, motion_.predict(frame));
     covariance_ += kGrowth * PoseCovariance::Identity();
   }
-  const bool wanted =
-      map_.keyframes().empty() || (reference_ && lost_in_a_row_ > params_.restart_after);
+  const bool wanted = map_.keyframes().empty() || (reference_ && lost_in_a_row_ > patience());
   seen_before_.clear();
   if (params_.mapping && wanted && begin(current)) {
     lost_in_a_row_ = 0;
@@ -237,9 +244,27 @@ bool StereoSlam::Implementation::begin(const TrackingFrame& current) {
   }
   loops_.index(id, map_);
   attendTo(id);
+  if (isYoung()) forgetSince(begun_by_, id);
   seen_before_ = std::move(fresh.landmarks);
+  begun_by_ = id;
   frames_since_begin_ = 0;
   return true;
+}
+
+/// Lost frames after which the map is begun anew: no more than the part begun last took to make,
+/// for what was lost right after its beginning may never have been right.
+int StereoSlam::Implementation::patience() const {
+  return begun_by_.valid() ? std::min(params_.restart_after, 1 + frames_since_begin_)
+                           : params_.restart_after;
+}
+
+/// Removes a part of the map that was given up: its keyframes from `first` up to another.
+void StereoSlam::Implementation::forgetSince(KeyframeId first, KeyframeId end) {
+  std::vector<KeyframeId> part;
+  for (const auto& [id, keyframe] : map_.keyframes()) {
+    if (!(id < first) && id < end) part.push_back(id);
+  }
+  for (const KeyframeId id : part) remove(id, end);
 }
 
 /// Keeps to the newest keyframe, goes over to an older one, or makes a new one.
@@ -280,23 +305,15 @@ void StereoSlam::Implementation::makeKeyframe(const TrackingFrame& current, Trac
   loops_.index(id, map_);
   if (params_.loop_closing) update.loops = loops_.close(current, id, map_);
   motion_.correct(map_.keyframe(id).T_map_cam);
-  while (const auto redundant = redundantKeyframe(id, params_.window, map_)) remove(*redundant);
+  while (const auto redundant = redundantKeyframe(id, params_.window, map_)) {
+    remove(*redundant, nearestTo(*redundant, map_));
+  }
   attendTo(id);
 }
 
-/// Takes a keyframe out of the map; the frames that hang on it go over to its nearest neighbour.
-void StereoSlam::Implementation::remove(KeyframeId keyframe) {
-  KeyframeId heir = map_.keyframes().begin()->first;
-  for (const KeyframeId id : map_.neighbourhood(keyframe, 2)) {
-    if (id != keyframe) heir = id;
-  }
-  const Pose T_heir_removed =
-      map_.keyframe(heir).T_map_cam.inverse(Eigen::Isometry) * map_.keyframe(keyframe).T_map_cam;
-  for (HungPose& hung : trajectory_) {
-    if (hung.reference != keyframe) continue;
-    hung.reference = heir;
-    hung.T_reference_cam = T_heir_removed * hung.T_reference_cam;
-  }
+/// Takes a keyframe out of the map; the frames that hang on it go over to another.
+void StereoSlam::Implementation::remove(KeyframeId keyframe, KeyframeId heir) {
+  path_.handOn(keyframe, heir, map_);
   loops_.remove(keyframe);
   map_.removeKeyframe(keyframe);
 }
@@ -307,19 +324,9 @@ void StereoSlam::Implementation::attendTo(KeyframeId keyframe) {
   local_landmarks_ = map_.seenBy(map_.neighbourhood(keyframe, params_.window));
 }
 
-HungPose StereoSlam::Implementation::hang(const TrackingFrame& current,
-                                          const SlamUpdate& update) const {
-  HungPose hung;
-  hung.frame = current.index;
-  hung.time = current.time;
-  hung.tracked = update.status == TrackingStatus::kTracked;
-  hung.T_reference_cam = motion_.last();
-  if (reference_) {
-    hung.reference = *reference_;
-    hung.T_reference_cam =
-        map_.keyframe(*reference_).T_map_cam.inverse(Eigen::Isometry) * motion_.last();
-  }
-  return hung;
+/// The camera goes where an adjustment took the newest part of the map.
+void StereoSlam::Implementation::moveWith(const std::optional<Pose>& correction) {
+  if (correction) motion_.correct(normalized(Pose(*correction * motion_.last())));
 }
 
 void StereoSlam::Implementation::load(const std::string& bytes) {
@@ -342,18 +349,6 @@ MapView StereoSlam::Implementation::map() const {
   return view;
 }
 
-std::vector<FrameEstimate> StereoSlam::Implementation::trajectory() const {
-  std::vector<FrameEstimate> estimates;
-  estimates.reserve(trajectory_.size());
-  for (const HungPose& hung : trajectory_) {
-    const Pose T_map_cam = hung.reference.valid()
-                               ? map_.keyframe(hung.reference).T_map_cam * hung.T_reference_cam
-                               : hung.T_reference_cam;
-    estimates.push_back({hung.frame, hung.time, hung.tracked, robotAt(T_map_cam)});
-  }
-  return estimates;
-}
-
 StereoSlam::StereoSlam(std::shared_ptr<const StereoCamera> camera, const SlamParams& params)
     : implementation_(std::make_unique<Implementation>(std::move(camera), params)) {}
 
@@ -370,6 +365,8 @@ void StereoSlam::load(const std::string& bytes) { implementation_->load(bytes); 
 MapView StereoSlam::map() const { return implementation_->map(); }
 
 std::vector<FrameEstimate> StereoSlam::trajectory() const { return implementation_->trajectory(); }
+
+void StereoSlam::finish() { implementation_->finish(); }
 
 const StageTimes& StereoSlam::times() const { return implementation_->times(); }
 

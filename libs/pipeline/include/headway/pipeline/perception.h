@@ -76,6 +76,10 @@ class Perception {
   /// Every frame so far, as corrected since.
   [[nodiscard]] std::vector<slam::FrameEstimate> trajectory() const;
 
+  /// Takes in what still runs beside the tracking; call after the last frame, before map,
+  /// trajectory or stored map are read for good. Without threads there is nothing to wait for.
+  void finish();
+
   /// The samples that the tracker still smooths; call once, after the last frame.
   [[nodiscard]] std::vector<TrackSample> flush() { return tracker_.flush(); }
 

@@ -49,7 +49,10 @@ struct SlamUpdate {
 
 /// Localises a stereo camera and maps the still world around it.
 ///
-/// The map frame is the robot's first pose (levelled where gravity is known). Deterministic: the
+/// The map frame is the robot's first pose (levelled where gravity is known). A camera that is lost
+/// is looked for in the whole map at each frame; after slam.restart_after lost frames in a row, or
+/// at once where the map was only just begun, a new part of the map is begun at the guessed pose.
+/// Deterministic: the
 /// same frames and parameters give the same bytes, on any number of cores.
 ///
 ///     StereoSlam slam(source.camera(), params);
@@ -78,6 +81,10 @@ class StereoSlam {
   ///
   /// @throws InputError if the bytes are cut off, damaged, of another version or of another camera
   void load(const std::string& bytes);
+
+  /// Waits for an adjustment that still runs beside and takes it into map and trajectory; for the
+  /// end of a recording, where no frame comes that would. More frames may follow.
+  void finish();
 
   /// Milliseconds of "slam_track" (features to pose) and "slam_map" (the rest), a frame each.
   [[nodiscard]] const StageTimes& times() const;

@@ -1,0 +1,115 @@
+#include <gtest/gtest.h>
+#include <headway/slam/stereo_slam.h>
+#include <headway_test/textured_world.h>
+
+#include <algorithm>
+
+namespace headway::slam {
+namespace {
+
+/// A camera carried through a room, covered at times, or put down in another room.
+class LostCamera : public testing::Test {
+ protected:
+  LostCamera() : world_(test::smallCamera()), other_(test::smallCamera(), 99) {
+    world_.addRoom(12.0, 8.0, 4.0);
+    other_.addRoom(9.0, 7.0, 3.0);
+    params_.features = 300;
+  }
+
+  static Pose onPath(int i) {
+    Pose pose = Pose::Identity();
+    pose.translation() << 0.05 * i, 0.3 * std::sin(0.05 * i), 0.0;
+    pose.linear() = expSo3({0.0, 0.0, 0.2 * std::sin(0.04 * i)});
+    return pose;
+  }
+
+  /// Walks from place to place of the path; how many of the frames were lost.
+  int walk(const test::TexturedWorld& world, int first_place, int end) {
+    int lost = 0;
+    for (int place = first_place; place < end; ++place) {
+      lost += isLostIn(world.frame(0, 0.0, onPath(place)));
+    }
+    return lost;
+  }
+
+  /// Sees nothing for some frames; how many of them were lost.
+  int cover(int frames) {
+    int lost = 0;
+    for (int i = 0; i < frames; ++i) {
+      StereoFrame frame;
+      frame.left = frame.right = cv::Mat(240, 320, CV_8U, cv::Scalar(9));
+      lost += isLostIn(frame);
+    }
+    return lost;
+  }
+
+  StereoSlam& slam() {
+    if (slam_ == nullptr) slam_ = std::make_unique<StereoSlam>(world_.camera(), params_);
+    return *slam_;
+  }
+
+  /// How far the last frame is from a place.
+  [[nodiscard]] double errorAt(int place) const {
+    const Pose last = slam_->trajectory().back().T_map_robot;
+    return (last.translation() - onPath(place).translation()).norm();
+  }
+
+  test::TexturedWorld world_, other_;
+  SlamParams params_;
+
+ private:
+  int isLostIn(StereoFrame frame) {
+    frame.index = frames_++;
+    frame.time = 0.1 * static_cast<double>(frame.index);
+    return slam().process(frame, {}).status == TrackingStatus::kLost ? 1 : 0;
+  }
+
+  std::size_t frames_ = 0;
+  std::unique_ptr<StereoSlam> slam_;
+};
+
+TEST_F(LostCamera, IsFoundHoweverLongItWasCovered) {
+  ASSERT_EQ(walk(world_, 0, 15), 0);
+  EXPECT_EQ(cover(30), 30);
+  EXPECT_EQ(walk(world_, 10, 15), 0) << "back where it was";
+  EXPECT_LT(errorAt(14), 0.03);
+  EXPECT_EQ(slam().map().keyframes.front().frame, 0U) << "in the map of before";
+}
+
+TEST_F(LostCamera, CoveredRightAfterTheStartIsFoundInWhatLittleThereIs) {
+  ASSERT_EQ(walk(world_, 0, 3), 0);
+  EXPECT_EQ(cover(6), 6);
+  EXPECT_EQ(walk(world_, 3, 6), 0);
+  EXPECT_LT(errorAt(5), 0.03);
+}
+
+TEST_F(LostCamera, BeginsAnewAtOnceWhatItLostRightAfterTheStart) {
+  ASSERT_EQ(walk(world_, 0, 2), 0);
+  const int lost = walk(other_, 2, 12);
+  EXPECT_GE(lost, 1) << "it must be said";
+  EXPECT_LE(lost, 4) << "and not last for restart_after";
+  for (const KeyframeView& keyframe : slam().map().keyframes) {
+    EXPECT_GE(keyframe.frame, 2U) << "nothing is left of a beginning that was given up";
+  }
+  const auto path = slam().trajectory();
+  ASSERT_EQ(path.size(), 12U);
+  EXPECT_EQ(std::count_if(path.begin(), path.end(), [](const auto& at) { return !at.tracked; }),
+            lost);
+  EXPECT_LT((path[0].T_map_robot.translation() - onPath(0).translation()).norm(), 0.01);
+  const Eigen::Vector3d moved =
+      path[11].T_map_robot.translation() - path[9].T_map_robot.translation();
+  EXPECT_NEAR(moved.norm(), (onPath(11).translation() - onPath(9).translation()).norm(), 0.02);
+}
+
+TEST_F(LostCamera, WaitsForAMapThatIsWorthIt) {
+  params_.restart_after = 6;
+  ASSERT_EQ(walk(world_, 0, 15), 0);
+  EXPECT_EQ(walk(other_, 15, 21), 6);
+  EXPECT_EQ(walk(other_, 21, 24), 0) << "a new part";
+  EXPECT_EQ(slam().map().keyframes.front().frame, 0U) << "beside the old one";
+  EXPECT_LE(walk(world_, 10, 15), 1) << "which is known as well as before";
+  EXPECT_LT(errorAt(14), 0.03);
+}
+
+}  // namespace
+}  // namespace headway::slam
