@@ -6,14 +6,13 @@
 
 #include <headway/core/error.h>
 #include <headway/core/statistics.h>
-#include <headway/io/rawlog_source.h>
-#include <headway/pipeline/perception.h>
-#include <headway/program/command_line.h>
 #include <unistd.h>
 
 #include <cstdio>
 #include <fstream>
 #include <map>
+
+#include "slam_bench_line.h"
 
 namespace {
 
@@ -64,20 +63,15 @@ std::map<Time, double> pathLengths(const std::string& rawlog) {
 int measure(int argc, const char* const* argv) {
   std::string input;
   double lap_m = 0.0;
-  pipeline::PerceptionParams settings;
-  settings.detection.detector = "none";
-  Params params;
-  settings.describe(params);
-  program::CommandLine line("bench_memory", "Shows what the map keeps, lap by lap.");
-  line.parameters(params);
-  line.option(input, 'i', "input", "IN.rawlog", "rawlog with stereo images", true);
-  line.option(lap_m, 0, "lap", "METRES", "length of a lap, a row each");
-  if (!line.parse(argc, argv)) return program::kDone;
+  SlamBenchLine bench("bench_memory", "Shows what the map keeps, lap by lap.");
+  bench.line.option(input, 'i', "input", "IN.rawlog", "rawlog with stereo images", true);
+  bench.line.option(lap_m, 0, "lap", "METRES", "length of a lap, a row each");
+  if (!bench.line.parse(argc, argv)) return program::kDone;
   if (!(lap_m > 0.0)) throw program::UsageError("--lap must be greater than 0");
 
   const auto lengths = pathLengths(input);
   io::RawlogSource source(input, {});
-  pipeline::Perception perception(source.camera(), settings);
+  pipeline::Perception perception(source.camera(), bench.settings);
   std::printf(
       "| frames | lost | loops | keyframes made | keyframes | landmarks | map MB | resident MB | "
       "frame ms | p95 |\n| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");

@@ -12,14 +12,13 @@
 
 #include <headway/core/error.h>
 #include <headway/core/statistics.h>
-#include <headway/io/rawlog_source.h>
-#include <headway/pipeline/perception.h>
-#include <headway/program/command_line.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <random>
+
+#include "slam_bench_line.h"
 
 namespace {
 
@@ -171,12 +170,8 @@ void print(const char* title, const std::vector<Start>& starts) {
 
 int measure(int argc, const char* const* argv) {
   Request request;
-  pipeline::PerceptionParams settings;
-  settings.detection.detector = "none";
-  Params params;
-  settings.describe(params);
-  program::CommandLine line("bench_relocalisation", "Starts a camera at random in a stored map.");
-  line.parameters(params);
+  SlamBenchLine bench("bench_relocalisation", "Starts a camera at random in a stored map.");
+  auto& line = bench.line;
   line.option(request.map, 0, "map", "MAP.rawlog", "recording to map", true);
   line.option(request.map_to, 0, "map-to", "N", "last frame to map");
   line.option(request.restart, 0, "restart", "OTHER.rawlog", "recording to start in", true);
@@ -187,11 +182,11 @@ int measure(int argc, const char* const* argv) {
   if (!line.parse(argc, argv)) return program::kDone;
   if (request.places < 1) throw program::UsageError("--places must be at least 1");
 
-  const MappedPlace place = mapPlace(request, settings);
-  print("same world",
-        restart(request.restart, request.restart_from.value_or(0), request, place, settings.slam));
+  const MappedPlace place = mapPlace(request, bench.settings);
+  print("same world", restart(request.restart, request.restart_from.value_or(0), request, place,
+                              bench.settings.slam));
   if (!request.elsewhere.empty()) {
-    print("another world", restart(request.elsewhere, 0, request, place, settings.slam));
+    print("another world", restart(request.elsewhere, 0, request, place, bench.settings.slam));
   }
   return program::kDone;
 }

@@ -7,15 +7,13 @@
 // pair, measured frame by frame between the frames. Everything runs in one thread.
 
 #include <headway/core/error.h>
-#include <headway/eval/trajectory_error.h>
-#include <headway/io/rawlog_source.h>
-#include <headway/pipeline/perception.h>
-#include <headway/program/command_line.h>
 
 #include <cstdio>
 #include <ctime>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/features2d.hpp>
+
+#include "slam_bench_line.h"
 
 namespace {
 
@@ -48,31 +46,15 @@ void printTimes(const StageTimes& times) {
   }
 }
 
-void printError(const std::string& rawlog, const std::vector<slam::FrameEstimate>& trajectory) {
-  const auto truth = io::readTruth(rawlog).poses;
-  if (truth.empty()) return;
-  std::vector<Stamped<Pose>> path;
-  for (const auto& estimate : trajectory) {
-    if (estimate.tracked) path.push_back({estimate.time, estimate.T_map_robot});
-  }
-  const auto error = eval::trajectoryError(eval::pairByTime(truth, path, 0.02), {});
-  std::printf("ATE RMSE %.4f m over %.1f m\n", error.ate_m.rmse, error.path_m);
-}
-
 int measure(int argc, const char* const* argv) {
   std::string input;
-  pipeline::PerceptionParams settings;
-  settings.detection.detector = "none";
-  Params params;
-  settings.describe(params);
-  program::CommandLine line("bench_slam", "Times stereo SLAM against OpenCV's ORB on one rawlog.");
-  line.parameters(params);
-  line.option(input, 'i', "input", "IN.rawlog", "rawlog with stereo images", true);
-  if (!line.parse(argc, argv)) return program::kDone;
+  SlamBenchLine bench("bench_slam", "Times stereo SLAM against OpenCV's ORB on one rawlog.");
+  bench.line.option(input, 'i', "input", "IN.rawlog", "rawlog with stereo images", true);
+  if (!bench.line.parse(argc, argv)) return program::kDone;
 
   cv::setNumThreads(1);
   io::RawlogSource source(input, {});
-  pipeline::Perception perception(source.camera(), settings);
+  pipeline::Perception perception(source.camera(), bench.settings);
   StageTimes yardstick;
   double processor_ms = 0.0;
   std::size_t frames = 0;
@@ -89,7 +71,9 @@ int measure(int argc, const char* const* argv) {
   const auto& still_world = *perception.map().stillWorld();
   std::printf("%zu frames, %zu lost, %zu keyframes, %zu landmarks\n", frames, lost,
               still_world.keyframes.size(), still_world.landmarks.size());
-  printError(input, perception.trajectory());
+  if (const auto error = errorOf(perception.trajectory(), io::readTruth(input).poses)) {
+    std::printf("ATE RMSE %.4f m over %.1f m\n", error->ate_m.rmse, error->path_m);
+  }
   StageTimes times = perception.times();
   times.merge(yardstick);
   printTimes(times);
