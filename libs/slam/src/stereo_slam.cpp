@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "bundle_adjuster.h"
+#include "contrast.h"
 #include "dynamic_rejection.h"
 #include "frame_tracker.h"
 #include "hung_path.h"
@@ -159,8 +160,8 @@ TrackingFrame StereoSlam::Implementation::prepare(const StereoFrame& frame,
   TrackingFrame current;
   current.index = frame.index;
   current.time = frame.time;
-  current.left = buildPyramid(frame.left, kPyramidLevels);
-  current.right = buildPyramid(frame.right, kPyramidLevels);
+  current.left = buildPyramid(stretched(frame.left, stretchFor(frame.left)), kPyramidLevels);
+  current.right = buildPyramid(stretched(frame.right, stretchFor(frame.right)), kPyramidLevels);
   current.excluded = excludedMask(moving, params_.dynamic_rejection, frame.left.size());
   current.suspect = suspectMask(moving, params_.dynamic_rejection, frame.left.size());
   return current;

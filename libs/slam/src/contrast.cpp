@@ -1,0 +1,26 @@
+#include "contrast.h"
+
+#include <algorithm>
+#include <opencv2/core.hpp>
+
+namespace headway::slam {
+
+ContrastStretch stretchFor(const cv::Mat& image) {
+  constexpr double kFullContrast = 40.0;  ///< standard deviation in good light [grey values]
+  constexpr double kMostGain = 6.0;       ///< the camera's noise grows with the contrast
+  constexpr double kMiddle = 128.0;
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(image, mean, deviation);
+  if (deviation[0] >= kFullContrast) return {};
+  const double gain = std::min(kFullContrast / std::max(deviation[0], 1e-3), kMostGain);
+  return {gain, kMiddle - gain * mean[0]};
+}
+
+cv::Mat stretched(const cv::Mat& image, const ContrastStretch& stretch) {
+  if (stretch.gain == 1.0) return image;
+  cv::Mat result;
+  image.convertTo(result, CV_8U, stretch.gain, stretch.offset);
+  return result;
+}
+
+}  // namespace headway::slam
