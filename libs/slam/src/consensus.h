@@ -20,10 +20,12 @@ struct Consensus {
 /// RANSAC with a fixed seed over three-point solutions, left image alone.
 ///
 /// @param max_error_px  farthest that an agreeing landmark may lie from where it was seen
+/// @param most_tries    200 find a third of right ones for sure, 1000 a fifth; fewer are made where
+///                      most are right
 /// @return nullopt if fewer than `min_inliers` landmarks agree on any pose
 /// @see Fischler & Bolles 1981; Lepetit et al. 2009 (EPnP)
 [[nodiscard]] std::optional<Consensus> poseByConsensus(
     const std::vector<PoseConstraint>& constraints, const StereoCamera& camera, int min_inliers,
-    double max_error_px);
+    double max_error_px, int most_tries = 200);
 
 }  // namespace headway::slam

@@ -1,10 +1,13 @@
 #include "motion_model.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace headway::slam {
 namespace {
 
-constexpr double kMaxGap = 1.0;       ///< a velocity says nothing of later times than this [s]
-constexpr double kCoastFactor = 0.8;  ///< of the velocity that is left after a guessed frame
+constexpr double kMaxGap = 1.0;     ///< a velocity says nothing of later times than this [s]
+constexpr double kCoastTime = 1.0;  ///< in which a guessed velocity falls to 1/e of itself [s]
 
 }  // namespace
 
@@ -43,8 +46,9 @@ void MotionModel::update(Time time, const Pose& T_map_cam) {
 }
 
 void MotionModel::coast(Time time, const Pose& T_map_cam) {
-  velocity_ *= kCoastFactor;
-  angular_velocity_ *= kCoastFactor;
+  const double left = std::exp(-std::max(0.0, time - last_.time) / kCoastTime);
+  velocity_ *= left;
+  angular_velocity_ *= left;
   last_ = {time, T_map_cam};
   started_ = true;
 }

@@ -7,7 +7,8 @@ namespace headway::slam {
 Recognition relocalise(const std::vector<DescribedPoint>& points,
                        const std::vector<LandmarkId>& among, const SparseMap& map,
                        const StereoCamera& camera, int min_inliers) {
-  constexpr int kFewest = 6;  ///< that are called a consensus at all
+  constexpr int kFewest = 6;    ///< that are called a consensus at all
+  constexpr int kTries = 1000;  ///< seen from elsewhere, few descriptors are matched rightly
   std::vector<Descriptor> seen;
   for (const DescribedPoint& point : points) seen.push_back(point.descriptor);
   std::vector<Descriptor> known;
@@ -27,7 +28,7 @@ Recognition relocalise(const std::vector<DescribedPoint>& points,
     constraints.push_back(constraint);
   }
   Recognition recognition;
-  const auto guess = poseByConsensus(constraints, camera, kFewest, 3.0);
+  const auto guess = poseByConsensus(constraints, camera, kFewest, 3.0, kTries);
   if (!guess) return recognition;
   recognition.inliers = guess->inliers;
   if (guess->inliers < min_inliers) return recognition;

@@ -96,7 +96,7 @@ class StereoSlam::Implementation {
     const SlamUpdate update = tracked ? accept(current, *tracked) : guess(frame, current);
     path_.add(current.index, current.time, update.status == TrackingStatus::kTracked,
               motion_.last(), reference_, map_);
-    previous_ = std::move(current);
+    if (update.status == TrackingStatus::kTracked) previous_ = std::move(current);
     return update;
   }
 
@@ -143,8 +143,8 @@ class StereoSlam::Implementation {
   SparseMap map_;
   StageTimes times_;
 
-  TrackingFrame previous_;
-  std::vector<TrackedLandmark> seen_before_;  ///< landmarks of the previous frame, if tracked
+  TrackingFrame previous_;                    ///< the last one that was tracked
+  std::vector<TrackedLandmark> seen_before_;  ///< landmarks of that frame
   std::vector<LandmarkId> local_landmarks_;   ///< those around the newest keyframe
   std::optional<KeyframeId> reference_;       ///< newest keyframe
   PoseCovariance covariance_ = PoseCovariance::Zero();  ///< of the last camera pose
@@ -220,14 +220,12 @@ SlamUpdate StereoSlam::Implementation::guess(const StereoFrame& frame,
     covariance_ += kGrowth * PoseCovariance::Identity();
   }
   const bool wanted = map_.keyframes().empty() || (reference_ && lost_in_a_row_ > patience());
-  seen_before_.clear();
   if (params_.mapping && wanted && begin(current)) {
     lost_in_a_row_ = 0;
     update.status = TrackingStatus::kTracked;
     update.is_keyframe = true;
-    update.inliers = static_cast<int>(seen_before_.size());
+    update.inliers = update.features = static_cast<int>(seen_before_.size());
   }
-  update.features = static_cast<int>(seen_before_.size());
   update.T_map_robot = robotAt(motion_.last());
   update.covariance = robotCovariance(covariance_);
   return update;
