@@ -19,7 +19,7 @@ struct Encoding {
 
 /// In the order of preference. The quality is meant for thin lines and small text.
 constexpr std::array<Encoding, 3> kEncodings{{
-    {"libx264", {{{"preset", "veryfast"}, {"crf", "20"}}}},
+    {"libx264", {{{"preset", "superfast"}, {"crf", "22"}}}},
     {"libopenh264", {{{"allow_skip_frames", "0"}, {"rc_mode", "quality"}}}},
     {"mpeg4", {{{"qmin", "2"}, {"qmax", "5"}}}},
 }};

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "draw_order.h"
 #include "palette.h"
@@ -13,8 +14,8 @@ namespace headway::scene {
 namespace {
 
 constexpr double kCellM = 30.0;
-constexpr double kFarM = 60.0;  ///< beyond, points are drawn that are close together anyway
-constexpr std::size_t kFarShare = 3;
+constexpr std::size_t kThinning = 3;        ///< from one level to the next
+constexpr double kRoomForPoint_px2 = 16.0;  ///< of the picture, about twice what a point covers
 
 /// Grey as in the image, lifted off the dark ground, and tinted from blue (low) to sand (high).
 mrpt::img::TColor colourOf(const slam::LandmarkView& landmark, double ground_z) {
@@ -47,6 +48,19 @@ bool mayBeSeen(const Eigen::AlignedBox3d& bounds, const render::PinholeView& vie
          std::abs(middle.y()) <= middle.z() * tan_y + radius * std::sqrt(1.0 + tan_y * tan_y);
 }
 
+/// How many points the picture of the box has room for; as many as there are if it surrounds the
+/// eye.
+double roomFor(const Eigen::AlignedBox3d& bounds, const render::PinholeView& view) {
+  Eigen::AlignedBox2d covered;
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto pixel =
+        render::project(bounds.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)), view);
+    if (!pixel) return std::numeric_limits<double>::infinity();
+    covered.extend(*pixel);
+  }
+  return covered.volume() / kRoomForPoint_px2;
+}
+
 }  // namespace
 
 void LandmarkClouds::update(const std::shared_ptr<const slam::MapView>& still_world,
@@ -58,30 +72,36 @@ void LandmarkClouds::update(const std::shared_ptr<const slam::MapView>& still_wo
     const Eigen::Vector3d& position = landmark.position;
     auto& cell = cells_[{static_cast<int>(std::floor(position.x() / kCellM)),
                          static_cast<int>(std::floor(position.y() / kCellM))}];
-    if (cell.all == nullptr) {
-      cell.all = newCloud(point_size);
-      cell.some = newCloud(point_size);
+    if (cell.thinned.front() == nullptr) {
+      for (auto& cloud : cell.thinned) cloud = newCloud(point_size);
     }
     cell.bounds.extend(position);
     const auto colour = colourOf(landmark, ground_z);
     const Eigen::Vector3f p = position.cast<float>();
     const mrpt::math::TPointXYZfRGBAu8 point(p.x(), p.y(), p.z(), colour.R, colour.G, colour.B,
                                              colour.A);
-    if (cell.all->size() % kFarShare == 0) cell.some->insertPoint(point);
-    cell.all->insertPoint(point);
+    std::size_t place = cell.thinned.front()->size();
+    for (auto& cloud : cell.thinned) {
+      cloud->insertPoint(point);
+      if (place % kThinning != 0) break;
+      place /= kThinning;
+    }
   }
 }
 
 void LandmarkClouds::insertAll(mrpt::opengl::CSetOfObjects& out) const {
-  for (const auto& [index, cell] : cells_) out.insert(cell.all);
+  for (const auto& [index, cell] : cells_) out.insert(cell.thinned.front());
 }
 
 void LandmarkClouds::insertVisible(const render::PinholeView& view,
                                    mrpt::opengl::CSetOfObjects& out) const {
-  const Eigen::Vector3d eye = view.T_map_camera.translation();
   for (const auto& [index, cell] : cells_) {
     if (!mayBeSeen(cell.bounds, view)) continue;
-    out.insert(cell.bounds.exteriorDistance(eye) > kFarM ? cell.some : cell.all);
+    const double room = roomFor(cell.bounds, view);
+    const auto fits =
+        std::find_if(cell.thinned.begin(), cell.thinned.end(),
+                     [&](const auto& cloud) { return static_cast<double>(cloud->size()) <= room; });
+    out.insert(fits == cell.thinned.end() ? cell.thinned.back() : *fits);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <headway/render/pinhole_view.h>
 #include <headway/slam/map_view.h>
 
+#include <array>
 #include <map>
 #include <memory>
 #include <utility>
@@ -15,7 +16,7 @@ class CSetOfObjects;
 namespace headway::scene {
 
 /// The landmarks as coloured points, cut into square cells so that a picture draws only those that
-/// can be seen, and fewer of those that are far: drawing costs about 0.4 us a point.
+/// can be seen, and no more of them than it has room for: drawing costs about 0.4 us a point.
 class LandmarkClouds {
  public:
   /// Builds the points of a still world, unless they are those of it already.
@@ -25,14 +26,14 @@ class LandmarkClouds {
   /// All points.
   void insertAll(mrpt::opengl::CSetOfObjects& out) const;
 
-  /// The points of the cells that a view can see; one in three of cells that are far from it.
+  /// The points of the cells that a view can see, thinned out where they would lie upon each other.
   void insertVisible(const render::PinholeView& view, mrpt::opengl::CSetOfObjects& out) const;
 
  private:
   struct Cell {
     Eigen::AlignedBox3d bounds;
-    std::shared_ptr<mrpt::opengl::CPointCloudColoured> all;
-    std::shared_ptr<mrpt::opengl::CPointCloudColoured> some;
+    /// All points, one in three, one in nine, ...
+    std::array<std::shared_ptr<mrpt::opengl::CPointCloudColoured>, 4> thinned;
   };
 
   std::shared_ptr<const slam::MapView> shown_world_;
