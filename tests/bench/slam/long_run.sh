@@ -18,7 +18,7 @@ draw() {
     -o "$out/$name.rawlog" --set camera.width=480 --set camera.height=304 \
     --set camera.focal_px=292 --set camera.colour=false "$@"
 }
-draw yard --set route.laps=11 --set route.speed_mps=4.2 --frames 5600
+draw yard --set route.laps=11 --set route.speed_mps=4.2 --frames 6200
 draw elsewhere --seed 208 --frames 150
 
 $bench/bench_memory -i "$out/yard.rawlog" --lap 157.6
