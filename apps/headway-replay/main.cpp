@@ -10,9 +10,9 @@ using headway::program::CommandLine;
 int main(int argc, char** argv) {
   return headway::program::run("headway-replay", [&] {
     headway::replay::Options options;
-    headway::replay::ReplayParams replay_params;
+    headway::pipeline::PerceptionParams perception_params;
     headway::Params params;
-    replay_params.describe(params);
+    perception_params.describe(params);
 
     CommandLine line("headway-replay",
                      "Replays a stereo rawlog: localises the camera, maps the still world, tracks "
@@ -22,10 +22,10 @@ int main(int argc, char** argv) {
     if (!line.parse(argc, argv)) return headway::program::kDone;
     options.quiet = line.quiet();
     headway::replay::check(options);
-    if (!options.detector.empty()) replay_params.perception.detection.detector = options.detector;
+    if (!options.detector.empty()) perception_params.detection.detector = options.detector;
 
     headway::program::catchInterrupts();
-    headway::replay::Replay replay(options, replay_params, params);
+    headway::replay::Replay replay(options, perception_params, params);
     replay.run();
     if (!options.quiet) {
       headway::replay::printSummary(replay.summary());

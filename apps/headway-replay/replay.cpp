@@ -85,14 +85,13 @@ std::string describe(std::size_t frame, const slam::LoopAttempt& loop) {
 
 }  // namespace
 
-Replay::Replay(const Options& options, const ReplayParams& replay_params, const Params& params)
+Replay::Replay(const Options& options, const pipeline::PerceptionParams& perception_params,
+               const Params& params)
     : options_(options),
-      grid_params_(replay_params.grid),
       configuration_(textOf(params)),
-      source_(options.input, sourceOptions(options, replay_params.perception.slam)),
+      source_(options.input, sourceOptions(options, perception_params.slam)),
       camera_(source_.camera()),
-      perception_(beginPerception(options, camera_,
-                                  perceptionParams(options, replay_params.perception))),
+      perception_(beginPerception(options, camera_, perceptionParams(options, perception_params))),
       folder_(prepareOutputFolder(options.output, options.overwrite)),
       writers_(folder_, camera_),
       snapshots_(folder_, options.snapshots, [this](const std::string& text) { warn(text); }) {
@@ -252,13 +251,7 @@ void Replay::writeMap(const std::vector<slam::FrameEstimate>& trajectory) {
   if (trajectory.empty()) return;
   map::StoredMap stored = perception_->stored();
   stored.configuration = configuration_;
-  if (camera_ != nullptr) {
-    if (const auto grid =
-            map::buildStaticGrid(*stored.map.stillWorld(), *camera_, grid_params_)) {
-      stored.map.update(grid);
-      map::writeStaticGrid(folder_ / "map_grid", *grid);
-    }
-  }
+  if (const auto grid = stored.map.staticGrid()) map::writeStaticGrid(folder_ / "map_grid", *grid);
   map::saveMap(folder_ / "map.headway", stored);
   map::writeSimpleMap(folder_ / "map.simplemap", *stored.map.stillWorld());
   map::writePly(folder_ / "map_points.ply", *stored.map.stillWorld());

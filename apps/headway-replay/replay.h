@@ -1,7 +1,6 @@
 #pragma once
 
 #include <headway/io/rawlog_source.h>
-#include <headway/map/static_grid.h>
 #include <headway/pipeline/frame_feed.h>
 #include <headway/pipeline/perception.h>
 
@@ -19,24 +18,12 @@
 
 namespace headway::replay {
 
-/// Parameters of a replay: the pipeline's, and those of what is made of the map at the end.
-struct ReplayParams {
-  pipeline::PerceptionParams perception;
-  map::StaticGridParams grid;
-
-  /// Binds the pipeline's sections and [grid].
-  void describe(Params& params) {
-    perception.describe(params);
-    grid.describe(params.section("grid"));
-  }
-};
-
 /// One run: a rawlog in, a folder of results out.
 ///
 /// Whatever ends the run (the end of the rawlog, Ctrl-C, a broken file, a full disk), what was
 /// computed until then is written.
 ///
-///     Replay replay(options, replay_params, params);
+///     Replay replay(options, perception_params, params);
 ///     replay.run();
 class Replay {
  public:
@@ -44,7 +31,8 @@ class Replay {
   ///
   /// @param params  the same parameters as named values, for replay.json and map.headway
   /// @throws InputError
-  Replay(const Options& options, const ReplayParams& replay_params, const Params& params);
+  Replay(const Options& options, const pipeline::PerceptionParams& perception_params,
+         const Params& params);
 
   /// Runs to the end. @throws InputError after writing what was computed
   void run();
@@ -68,7 +56,6 @@ class Replay {
   void warn(const std::string& text) const;
 
   Options options_;
-  map::StaticGridParams grid_params_;
   std::string configuration_;  ///< as .ini text
   io::RawlogSource source_;
   std::shared_ptr<const StereoCamera> camera_;

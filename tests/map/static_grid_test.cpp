@@ -8,211 +8,215 @@
 #include <mrpt/serialization/CArchive.h>
 
 #include <cmath>
-#include <random>
 
 namespace headway::map {
 namespace {
 
-constexpr double kCameraHeight = 1.5;
+using mrpt::maps::COccupancyGridMap2D;
 
-StereoCamera cameraAt(double height) {
-  StereoCamera camera;
-  camera.width = 640;
-  camera.height = 240;
-  camera.fx = camera.fy = 360.0;
-  camera.cx = 319.5;
-  camera.cy = 119.5;
-  camera.baseline_m = 0.5;
-  camera.T_robot_cam = Eigen::Translation3d(0.0, 0.0, height) * robotFromOptical();
-  return camera;
+Pose poseAt(double x, double y, double yaw = 0.0) {
+  return Eigen::Translation3d(x, y, 0.0) * Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ());
 }
 
-/// A street along x: walls at y = +-5.1 m, a box (a parked car) over x 12.1..16.1, y 1.1..3.1,
-/// ground.
-class Street {
- public:
-  explicit Street(double camera_height, double slope = 0.0) : camera_height_(camera_height) {
-    std::mt19937 random(5);
-    std::uniform_real_distribution<double> share(0.0, 1.0);
-    for (int i = 0; i < 4000; ++i) {
-      const double x = 40.0 * share(random);
-      const double side = i % 2 == 0 ? 5.1 : -5.1;
-      add({x, side, kCameraHeight - camera_height + 6.0 * share(random)}, slope);
-      add({x, -4.9 + 9.8 * share(random), 0.02 * share(random)}, slope);
-    }
-    for (int i = 0; i < 400; ++i) {
-      const double z = 1.4 * share(random);
-      add({12.1, 1.1 + 2.0 * share(random), z}, slope);
-      add({12.1 + 4.0 * share(random), 1.1, z}, slope);
-    }
-    for (int i = 0; i < 30; ++i) addKeyframe(i, slope);
-  }
-
-  slam::MapView world;
-
-  /// What truly stands at a place of the level street.
-  static bool isOccupied(double x, double y) {
-    const bool in_wall = std::abs(std::abs(y) - 5.1) < 0.15;
-    const bool in_car = x > 11.95 && x < 16.25 && y > 0.95 && y < 3.25;
-    return in_wall || in_car;
-  }
-
- private:
-  void add(Eigen::Vector3d position, double slope) {
-    if (position.x() > 12.1 && position.x() < 16.1 && position.y() > 1.1 && position.y() < 3.1 &&
-        position.z() < 0.1) {
-      return;  // the ground under the car
-    }
-    position.z() += slope * position.x() + camera_height_ - kCameraHeight;
-    world.landmarks.push_back(
-        {LandmarkId{static_cast<std::int64_t>(world.landmarks.size())}, position, 4, 100});
-  }
-
-  /// Whether the car does not stand between.
-  static bool sees(const Eigen::Vector3d& eye, const Eigen::Vector3d& landmark) {
-    for (double share = 0.02; share < 0.99; share += 0.02) {
-      const Eigen::Vector3d p = eye + share * (landmark - eye);
-      if (p.x() > 12.15 && p.x() < 16.05 && p.y() > 1.15 && p.y() < 3.05 && p.z() < 1.4) {
-        return false;
+/// What is seen of a wall at x = 10.1 m in the map, with a gap over |y| < 1 m through which one
+/// sees 15 m far; a mover stands before it if it has a place.
+GroundScan wallSeenFrom(const Pose& T_map_robot,
+                        const std::optional<Eigen::Vector2d>& mover = std::nullopt) {
+  GroundScan scan;
+  const Pose T_robot_map = T_map_robot.inverse();
+  const Eigen::Vector2d eye = T_map_robot.translation().head<2>();
+  const auto inRobot = [&](const Eigen::Vector2d& place) {
+    return Eigen::Vector3f(
+        (T_robot_map * Eigen::Vector3d(place.x(), place.y(), 0.0)).cast<float>());
+  };
+  for (double angle = -0.6; angle <= 0.6; angle += 0.005) {
+    const Eigen::Vector2d along(std::cos(angle), std::sin(angle));
+    double range = (10.1 - eye.x()) / along.x();
+    bool stands = std::abs(eye.y() + range * along.y()) > 1.0;
+    if (!stands) range = 15.0;
+    if (mover) {
+      const double at = along.dot(*mover - eye);
+      if ((eye + at * along - *mover).norm() < 0.4 && at < range) {
+        range = at;
+        stands = true;
       }
     }
-    return true;
+    const double free_to = stands ? range - 0.3 : range;
+    scan.free.push_back({inRobot(eye + 3.0 * along), inRobot(eye + free_to * along)});
+    if (stands) scan.obstacles.push_back({inRobot(eye + range * along), 0.1f});
   }
+  return scan;
+}
 
-  void addKeyframe(int i, double slope) {
-    slam::KeyframeView keyframe;
-    keyframe.id = KeyframeId{i};
-    keyframe.T_map_robot = Eigen::Translation3d(0.5 * i, -1.5, slope * 0.5 * i) *
-                           Eigen::AngleAxisd(-std::atan(slope), Eigen::Vector3d::UnitY());
-    const Eigen::Vector3d eye = keyframe.T_map_robot * Eigen::Vector3d(0.0, 0.0, camera_height_);
-    for (const auto& landmark : world.landmarks) {
-      const Eigen::Vector3d p = keyframe.T_map_robot.inverse() * landmark.position;
-      const bool in_view = p.x() > 1.5 && std::abs(p.y()) < 0.9 * p.x();
-      if (in_view && (slope != 0.0 || sees(eye, landmark.position))) {
-        keyframe.landmarks.push_back(landmark.id);
-      }
-    }
-    world.keyframes.push_back(keyframe);
-  }
+StaticGrid drivePast(const std::vector<Pose>& poses) {
+  StaticGrid grid({});
+  for (const auto& pose : poses) grid.add(pose, wallSeenFrom(pose));
+  return grid;
+}
 
-  double camera_height_;
-};
+std::vector<Pose> driveForward() {
+  std::vector<Pose> poses;
+  for (int i = 0; i < 8; ++i) poses.push_back(poseAt(0.5 * i, 0.1, 0.02 * i));
+  return poses;
+}
 
-struct Score {
-  int observed = 0;
-  int right = 0;
-};
+slam::KeyframeView keyframeAt(std::int64_t id, const Pose& pose) {
+  slam::KeyframeView keyframe;
+  keyframe.id = KeyframeId{id};
+  keyframe.T_map_robot = pose;
+  return keyframe;
+}
 
-Score scoreOf(const mrpt::maps::COccupancyGridMap2D& grid) {
-  Score score;
-  for (int y = 0; y < static_cast<int>(grid.getSizeY()); ++y) {
-    for (int x = 0; x < static_cast<int>(grid.getSizeX()); ++x) {
-      const float free = grid.getCell(x, y);
-      if (free > 0.35f && free < 0.65f) continue;
-      ++score.observed;
-      const bool occupied = Street::isOccupied(grid.idx2x(static_cast<std::size_t>(x)),
-                                               grid.idx2y(static_cast<std::size_t>(y)));
-      if (occupied == (free < 0.5f)) ++score.right;
+/// Cells over one area, whatever the sizes of the grids.
+std::vector<float> cellsOf(const COccupancyGridMap2D& grid) {
+  std::vector<float> cells;
+  for (float y = -10.1f; y < 10.0f; y += 0.2f) {
+    for (float x = -1.9f; x < 24.0f; x += 0.2f) {
+      const bool inside =
+          x > grid.getXMin() && x < grid.getXMax() && y > grid.getYMin() && y < grid.getYMax();
+      cells.push_back(inside ? grid.getPos(x, y) : 0.5f);
     }
   }
-  return score;
+  return cells;
 }
 
-TEST(StaticGridTest, HasAtLeast95PercentOfTheObservedCellsRight) {
-  const Street street(kCameraHeight);
-  const auto grid = buildStaticGrid(street.world, cameraAt(kCameraHeight), {});
+int differences(const std::vector<float>& a, const std::vector<float>& b) {
+  int count = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) count += a[i] == b[i] ? 0 : 1;
+  return count;
+}
+
+TEST(StaticGridTest, RaysFreeWhatIsBeforeTheirEndAndLeaveWhatIsBehindUnknown) {
+  const auto grid = drivePast(driveForward()).grid();
   ASSERT_NE(grid, nullptr);
-  const Score score = scoreOf(*grid);
-  EXPECT_GT(score.observed, 3000);
-  EXPECT_GE(score.right, 0.95 * score.observed) << score.right << " of " << score.observed;
-  EXPECT_LT(grid->getPos(14.0f, 1.1f), 0.35f) << "the car's side";
-  EXPECT_LT(grid->getPos(9.0f, -5.1f), 0.35f) << "the wall";
-  EXPECT_GT(grid->getPos(10.0f, -1.5f), 0.65f) << "the way";
+  EXPECT_LT(grid->getPos(10.1f, 3.0f), 0.1f) << "the wall";
+  EXPECT_GT(grid->getPos(7.1f, 2.1f), 0.75f) << "before it";
+  EXPECT_GT(grid->getPos(12.1f, 0.1f), 0.75f) << "through the gap";
+  EXPECT_FLOAT_EQ(grid->getPos(11.0f, 3.0f), COccupancyGridMap2D::l2p(0)) << "behind it";
+  EXPECT_GT(grid->getPos(1.1f, 0.1f), 0.55f) << "the robot's own way, which no ray reaches";
 }
 
-TEST(StaticGridTest, FindsTheGroundBelowARobotFrameThatStandsInTheCamera) {
-  Street street(0.0);  // everything is 1.5 m lower
-  EXPECT_NEAR(groundInRobot(street.world, cameraAt(0.0)).value_or(9.0), -kCameraHeight, 0.11);
-  const auto grid = buildStaticGrid(street.world, cameraAt(0.0), {});
-  ASSERT_NE(grid, nullptr);
-  const Score score = scoreOf(*grid);
-  EXPECT_GT(score.observed, 3000);
-  EXPECT_GE(score.right, 0.95 * score.observed) << score.right << " of " << score.observed;
+TEST(StaticGridTest, WhatAMoverLeavesBehindIsClearedByLaterLooks) {
+  StaticGrid grid({});
+  const auto poses = driveForward();
+  grid.add(poses[0], wallSeenFrom(poses[0], Eigen::Vector2d(7.1, 1.1)));
+  EXPECT_LT(grid.grid()->getPos(7.1f, 1.1f), 0.4f) << "nobody knew that it moves";
+  for (std::size_t i = 1; i < poses.size(); ++i) grid.add(poses[i], wallSeenFrom(poses[i]));
+  EXPECT_GT(grid.grid()->getPos(7.1f, 1.1f), 0.65f);
 }
 
-TEST(StaticGridTest, TakesASlopeForGround) {
-  const Street street(kCameraHeight, 0.12);
-  const auto grid = buildStaticGrid(street.world, cameraAt(kCameraHeight), {});
-  ASSERT_NE(grid, nullptr);
-  EXPECT_GT(grid->getPos(10.0f, -1.5f), 0.65f);
-  EXPECT_LT(grid->getPos(9.0f, -5.1f), 0.35f);
+TEST(StaticGridTest, TheLastLookFromAPlaceCountsSoThatAStandingRobotSeesWhatLeaves) {
+  StaticGrid grid({});
+  const Pose stand = poseAt(0.3, 0.3);
+  for (int i = 0; i < 50; ++i) grid.add(stand, wallSeenFrom(stand, Eigen::Vector2d(7.1, 1.1)));
+  const std::size_t kept = grid.save().size();
+  EXPECT_LT(grid.grid()->getPos(7.1f, 1.1f), 0.4f);
+  grid.add(stand, wallSeenFrom(stand));
+  EXPECT_GT(grid.grid()->getPos(7.1f, 1.1f), 0.55f);
+  EXPECT_LT(grid.save().size(), 2 * kept) << "what is kept grows with the area, not with time";
 }
 
-TEST(StaticGridTest, LeavesNothingWhereLandmarksAreGone) {
-  Street street(kCameraHeight);
-  auto& landmarks = street.world.landmarks;
-  landmarks.erase(std::remove_if(landmarks.begin(), landmarks.end(),
-                                 [](const slam::LandmarkView& landmark) {
-                                   return std::abs(landmark.position.y()) < 4.0 &&
-                                          landmark.position.z() > 0.1;
-                                 }),
-                  landmarks.end());
-  const auto grid = buildStaticGrid(street.world, cameraAt(kCameraHeight), {});
-  EXPECT_GT(grid->getPos(14.0f, 1.1f), 0.5f) << "a mover's landmarks were taken out of the map";
+TEST(StaticGridTest, FollowsTheKeyframes) {
+  const auto poses = driveForward();
+  StaticGrid grid({});
+  grid.follow({keyframeAt(3, poses[0]), keyframeAt(7, poses[6])});
+  for (const auto& pose : poses) grid.add(pose, wallSeenFrom(pose));
+  // A loop was closed: everything lies elsewhere.
+  const Pose correction = poseAt(2.0, -1.0, 0.1);
+  grid.follow({keyframeAt(3, correction * poses[0]), keyframeAt(7, correction * poses[6])});
+  const auto moved = grid.grid();
+  const Eigen::Vector3d wall = correction * Eigen::Vector3d(10.1, 3.0, 0.0);
+  EXPECT_LT(moved->getPos(static_cast<float>(wall.x()), static_cast<float>(wall.y())), 0.35f);
+  EXPECT_GT(moved->getPos(10.1f, 3.0f), 0.5f) << "nothing stays where the wall was";
+  // And back again: as if nothing had happened.
+  grid.follow({keyframeAt(3, poses[0]), keyframeAt(7, poses[6])});
+  EXPECT_EQ(differences(cellsOf(*grid.grid()), cellsOf(*drivePast(poses).grid())), 0);
 }
 
-TEST(StaticGridTest, LeavesOutLandmarksSeenTooSeldomOrFromTooFar) {
-  Street street(kCameraHeight);
-  StaticGridParams params;
-  params.min_observations = 5;
-  const auto nothing = buildStaticGrid(street.world, cameraAt(kCameraHeight), params);
-  ASSERT_NE(nothing, nullptr);
-  EXPECT_LT(scoreOf(*nothing).observed, 100) << "the robot's own way";
-  params.min_observations = 3;
-  params.reach_m = 5.0;
-  const auto near = buildStaticGrid(street.world, cameraAt(kCameraHeight), params);
-  EXPECT_LT(near->getXMax(), 14.5 + 5.0 + 1.0);
+TEST(StaticGridTest, KeepsWhatHangsOnAKeyframeThatIsRemoved) {
+  const auto poses = driveForward();
+  StaticGrid grid({});
+  grid.follow({keyframeAt(3, poses[0]), keyframeAt(7, poses[6])});
+  for (const auto& pose : poses) grid.add(pose, wallSeenFrom(pose));
+  const auto before = cellsOf(*grid.grid());
+  grid.follow({keyframeAt(7, poses[6])});
+  EXPECT_EQ(differences(cellsOf(*grid.grid()), before), 0);
+  const Pose correction = poseAt(3.0, 0.0);
+  grid.follow({keyframeAt(7, correction * poses[6])});
+  EXPECT_LT(grid.grid()->getPos(13.1f, 3.0f), 0.1f) << "it hangs on the other one now";
+  EXPECT_GT(grid.grid()->getPos(10.1f, 3.0f), 0.5f);
 }
 
-TEST(StaticGridTest, IsNoneWithoutKeyframesOrGround) {
-  EXPECT_EQ(buildStaticGrid({}, cameraAt(1.0), {}), nullptr);
-  Street street(kCameraHeight);
-  for (auto& landmark : street.world.landmarks) landmark.position.z() += 20.0;
-  EXPECT_FALSE(groundInRobot(street.world, cameraAt(0.0)));
-  EXPECT_EQ(buildStaticGrid(street.world, cameraAt(0.0), {}), nullptr);
+TEST(StaticGridTest, DoesNotDependOnTheOrderOfLooks) {
+  auto poses = driveForward();
+  StaticGrid forward({}), backward({});
+  for (const auto& pose : poses) forward.add(pose, wallSeenFrom(pose));
+  std::reverse(poses.begin(), poses.end());
+  for (const auto& pose : poses) {
+    auto scan = wallSeenFrom(pose);
+    std::reverse(scan.free.begin(), scan.free.end());
+    std::reverse(scan.obstacles.begin(), scan.obstacles.end());
+    backward.add(pose, scan);
+  }
+  const auto a = forward.grid(), b = backward.grid();
+  EXPECT_EQ(a->getPos(10.1f, 3.0f), b->getPos(10.1f, 3.0f));
+  EXPECT_EQ(a->getPos(7.1f, 2.1f), b->getPos(7.1f, 2.1f));
+}
+
+TEST(StaticGridTest, IsNoneWhileNothingWasSeen) {
+  StaticGrid grid({});
+  EXPECT_EQ(grid.grid(), nullptr);
+  grid.add(poseAt(0.0, 0.0), {});
+  EXPECT_EQ(grid.grid(), nullptr) << "a first look that saw nothing";
 }
 
 TEST(StaticGridTest, IsCoarserWhereTheMapIsVast) {
-  slam::MapView world;
-  for (int i = 0; i < 2; ++i) {
-    slam::KeyframeView keyframe;
-    keyframe.T_map_robot.translation() << 5000.0 * i, 5000.0 * i, 0.0;
-    world.keyframes.push_back(keyframe);
-  }
-  const auto grid = buildStaticGrid(world, cameraAt(1.0), {});
-  ASSERT_NE(grid, nullptr);
-  EXPECT_GE(grid->getResolution(), 0.79f);
+  const GroundScan scan = wallSeenFrom(poseAt(0.0, 0.0));
+  StaticGrid grid({});
+  grid.add(poseAt(0.0, 0.0), scan);
+  grid.add(poseAt(1500.0, 1500.0), scan);
+  const auto vast = grid.grid();
+  EXPECT_FLOAT_EQ(vast->getResolution(), 0.4f);
+  EXPECT_LT(vast->getPos(10.1f, 3.0f), 0.45f);
+  EXPECT_LT(vast->getPos(1510.1f, 1503.0f), 0.45f);
 }
 
-TEST(StaticGridTest, DoesNotDependOnTheOrderOfKeyframes) {
-  Street street(kCameraHeight);
-  const auto grid = buildStaticGrid(street.world, cameraAt(kCameraHeight), {});
-  std::reverse(street.world.keyframes.begin(), street.world.keyframes.end());
-  for (auto& keyframe : street.world.keyframes) {
-    std::reverse(keyframe.landmarks.begin(), keyframe.landmarks.end());
+TEST(StaticGridTest, GoesOnFromWhatWasSaved) {
+  const auto poses = driveForward();
+  StaticGrid first({});
+  first.follow({keyframeAt(3, poses[0])});
+  for (const auto& pose : poses) first.add(pose, wallSeenFrom(pose));
+  const std::string bytes = first.save();
+
+  StaticGrid second({});
+  second.load(bytes);
+  EXPECT_EQ(differences(cellsOf(*second.grid()), cellsOf(*first.grid())), 0);
+  EXPECT_EQ(second.save(), bytes);
+  second.follow({keyframeAt(3, poseAt(2.0, 0.0) * poses[0])});
+  EXPECT_LT(second.grid()->getPos(12.1f, 3.0f), 0.1f) << "still hangs on its keyframe";
+}
+
+TEST(StaticGridTest, RefusesDamagedBytesAndKeepsWhatItHas) {
+  StaticGrid grid = drivePast(driveForward());
+  const std::string bytes = grid.save();
+  const auto before = grid.grid()->getRawMap();
+  for (const std::size_t length :
+       {std::size_t{0}, std::size_t{5}, bytes.size() / 2, bytes.size() - 1}) {
+    EXPECT_THROW(grid.load(bytes.substr(0, length)), InputError) << length;
   }
-  const auto reversed = buildStaticGrid(street.world, cameraAt(kCameraHeight), {});
-  EXPECT_EQ(grid->getRawMap(), reversed->getRawMap());
+  std::string newer = bytes;
+  newer[0] = 99;
+  EXPECT_THROW(grid.load(newer), InputError);
+  EXPECT_EQ(grid.grid()->getRawMap(), before);
 }
 
 TEST(WriteStaticGridTest, WritesWhatMrptAndMapServersRead) {
   const test::TemporaryFolder folder;
-  const Street street(kCameraHeight);
-  const auto grid = buildStaticGrid(street.world, cameraAt(kCameraHeight), {});
+  const auto grid = drivePast(driveForward()).grid();
   writeStaticGrid(folder / "map_grid", *grid);
 
   mrpt::io::CFileGZInputStream stream(folder / "map_grid.gridmap.gz");
-  mrpt::maps::COccupancyGridMap2D read;
+  COccupancyGridMap2D read;
   mrpt::serialization::archiveFrom(stream) >> read;
   EXPECT_EQ(read.getSizeX(), grid->getSizeX());
   EXPECT_EQ(read.getRawMap(), grid->getRawMap());
@@ -226,24 +230,24 @@ TEST(WriteStaticGridTest, WritesWhatMrptAndMapServersRead) {
                    255 +
                0.5f);
   };
-  EXPECT_EQ(greyAt(10.0f, -1.5f), 254);
-  EXPECT_EQ(greyAt(9.0f, -5.1f), 0);
-  EXPECT_EQ(greyAt(0.0f, 4.0f), 205) << "beside the camera";
+  EXPECT_EQ(greyAt(7.0f, 2.0f), 254);
+  EXPECT_EQ(greyAt(10.1f, 3.0f), 0);
+  EXPECT_EQ(greyAt(11.0f, 3.0f), 205) << "behind the wall";
   EXPECT_THAT(test::contentsOf(folder / "map_grid.yaml"),
               ::testing::HasSubstr("image: map_grid.png\nresolution: 0.2\norigin: ["));
 }
 
 TEST(WriteStaticGridTest, SaysWhereItCannotWrite) {
-  EXPECT_THROW(writeStaticGrid("/nonexistent/grid", mrpt::maps::COccupancyGridMap2D()), InputError);
+  EXPECT_THROW(writeStaticGrid("/nonexistent/grid", COccupancyGridMap2D()), InputError);
 }
 
 TEST(StaticGridParamsTest, AreDescribedWithRanges) {
   StaticGridParams values;
   Params params;
-  values.describe(params.section("map"));
-  params.set("map.grid_resolution=0.5");
+  values.describe(params.section("grid"));
+  params.set("grid.resolution=0.5");
   EXPECT_EQ(values.resolution_m, 0.5);
-  EXPECT_THROW(params.set("map.grid_reach=1000"), InputError);
+  EXPECT_THROW(params.set("grid.resolution=0"), InputError);
 }
 
 }  // namespace

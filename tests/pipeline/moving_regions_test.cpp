@@ -60,6 +60,28 @@ TEST(MovingRegionsTest, a3dBoxAloneIsProjected) {
   EXPECT_NEAR(120.0 + 400.0 * 0.75 / 9.0, regions.unsure[0].bottom, 1e-9);
 }
 
+TEST(MovingRegionsTest, movingTracksAreWhereTheyAreSeenAndWhereTheyAreKnownToBe) {
+  Track track;
+  track.moving = true;
+  track.status = TrackStatus::kCoasting;
+  track.position << 12.0, 0.0, 0.0;
+  track.size << 4.0, 2.0, 1.5;
+  Pose robot = Pose::Identity();
+  robot.translation().x() = 2.0;
+  auto regions = movingRegions(std::vector<Track>{track}, robot, kCamera);
+  ASSERT_EQ(1u, regions.boxes.size());
+  // Nearest face at z = 8 m: half width 1 m, half height 0.75 m.
+  EXPECT_NEAR(320.0 - 400.0 * 1.0 / 8.0, regions.boxes[0].left, 1e-9);
+  EXPECT_NEAR(120.0 + 400.0 * 0.75 / 8.0, regions.boxes[0].bottom, 1e-9);
+
+  track.box2d = Box2d{100, 50, 200, 150};
+  EXPECT_EQ(2u, movingRegions(std::vector<Track>{track}, robot, kCamera).boxes.size());
+  track.position.x() = -12.0;
+  EXPECT_EQ(1u, movingRegions(std::vector<Track>{track}, robot, kCamera).boxes.size());
+  track.moving = false;
+  EXPECT_TRUE(movingRegions(std::vector<Track>{track}, robot, kCamera).boxes.empty());
+}
+
 TEST(MovingRegionsTest, boxesThatSayNothingAreLeftOut) {
   Detection behind;
   behind.box3d = Box3d{{0, 0, -10}, 4.0, 2.0, 1.5, 0.0};

@@ -65,6 +65,17 @@ TEST(PerceptionTest, aFrameWithoutPoseIsLostAndItsBoxesAreCounted) {
   EXPECT_FALSE(perception.trajectory().back().tracked);
 }
 
+TEST(PerceptionTest, fillsTheLayersThatItIsGiven) {
+  map::PerceptionMap given;
+  given.update(mrpt::maps::COccupancyGridMap2D::Create(-5.f, 5.f, -5.f, 5.f, 0.5f));
+  Perception perception(nullptr, {}, given);
+  for (std::size_t i = 0; i < 5; ++i) (void)perception.process(walkFrame(i));
+  EXPECT_EQ(3u, perception.map().layers().maps.size());
+  EXPECT_EQ(given.staticGrid(), perception.map().staticGrid());
+  EXPECT_DOUBLE_EQ(0.4, perception.map().movingObjects().time());
+  EXPECT_TRUE(given.movingObjects().isEmpty()) << "a copy was filled";
+}
+
 TEST(PerceptionTest, everyStageIsTimed) {
   Perception perception(nullptr, {});
   (void)perception.process(walkFrame(0));

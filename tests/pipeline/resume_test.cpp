@@ -100,6 +100,40 @@ TEST_F(ResumeTest, WithoutMappingTheMapStaysAsItIs) {
   }
 }
 
+TEST_F(ResumeTest, FreeAndOccupiedGroundIsPartOfTheMapAndIsTakenUpAgain) {
+  const auto expectHall = [](const map::PerceptionMap& map) {
+    const auto grid = map.staticGrid();
+    ASSERT_NE(nullptr, grid);
+    EXPECT_GT(grid->getPos(4.5f, 0.1f), 0.55f) << "the floor";
+    EXPECT_LT(grid->getPos(6.05f, 0.0f), 0.4f) << "the wall at its end";
+    EXPECT_NEAR(0.5f, grid->getPos(7.0f, 0.0f), 0.05f) << "what is behind that";
+  };
+  Perception first(hall_.camera(), params_);
+  EXPECT_LT(drive(first, 0, 15), 0.05);
+  expectHall(first.map());
+  EXPECT_EQ(5u, first.times().summary().at("grid").count) << "every third frame";
+  map::saveMap(path_, first.stored());
+
+  Perception second(hall_.camera(), params_);
+  second.resume(map::loadMap(path_));
+  expectHall(second.map());
+  EXPECT_LT(drive(second, 8, 20), 0.05);
+  expectHall(second.map());
+
+  params_.grid.every_nth_frame = 0;
+  Perception without(hall_.camera(), params_);
+  EXPECT_LT(drive(without, 0, 3), 0.05);
+  EXPECT_EQ(nullptr, without.map().staticGrid());
+}
+
+TEST_F(ResumeTest, ADamagedGridIsAnErrorThatSaysSo) {
+  (void)mapOfDrive(0, 1);
+  auto stored = map::loadMap(path_);
+  stored.attachments.at("grid").resize(20);
+  map::saveMap(path_, stored);
+  EXPECT_THAT(errorOfResuming(*hall_.camera()), HasSubstr("looks over the ground"));
+}
+
 TEST_F(ResumeTest, AMapThatWasTakenUpAndStoredAtOnceIsTheSame) {
   (void)mapOfDrive(0, 6);
   const auto stored = map::loadMap(path_);
@@ -110,6 +144,7 @@ TEST_F(ResumeTest, AMapThatWasTakenUpAndStoredAtOnceIsTheSame) {
 
 TEST_F(ResumeTest, AFileThatIsCutOffAtAnyByteIsAnError) {
   params_.slam.features = 50;
+  params_.grid.every_nth_frame = 0;  // so that the file is short
   const std::string whole = mapOfDrive(0, 1);
   ASSERT_EQ("", errorOfResuming(*hall_.camera()));
   for (std::size_t length = whole.size(); length-- > 0;) {
@@ -119,6 +154,7 @@ TEST_F(ResumeTest, AFileThatIsCutOffAtAnyByteIsAnError) {
 }
 
 TEST_F(ResumeTest, AFileWithAWrongByteIsAnError) {
+  params_.grid.every_nth_frame = 0;
   constexpr std::size_t kStride = 97;  // every byte of header and sections is tried elsewhere
   std::string bytes = mapOfDrive(0, 1);
   for (std::size_t at = 0; at < bytes.size(); at += kStride) {

@@ -1,140 +1,161 @@
+#include <headway/core/error.h>
 #include <headway/map/static_grid.h>
+#include <mrpt/io/CMemoryStream.h>
+#include <mrpt/serialization/CArchive.h>
 
-#include <algorithm>
 #include <cmath>
-#include <unordered_map>
+#include <limits>
+#include <stdexcept>
 
-#include "sight_lines.h"
+#include "evidence_grid.h"
+#include "stored_values.h"
 
 namespace headway::map {
 namespace {
 
-using PositionById = std::unordered_map<LandmarkId, Eigen::Vector3d>;
-
 constexpr double kMostCells = 25e6;
-constexpr double kCameraOnRobotM = 0.3;  ///< the camera is at least so high: the origin is below it
-constexpr double kGroundReachM = 12.0;
-constexpr double kGroundBinM = 0.1;
-constexpr int kGroundBins = 30;  ///< from 0.3 to 3.3 m below the camera
-constexpr double kFirstBinM = 0.3;
-constexpr int kFewestOnGround = 30;
-constexpr double kDrivenM = 5.0;  ///< farther apart, keyframes do not tell the way between
+constexpr double kHeadingStep = M_PI / 12.0;  ///< between directions whose looks are kept [rad]
+constexpr double kDrivenM = 5.0;              ///< farther apart, looks do not tell the way between
+constexpr double kSeenM = 30.0;               ///< round a place, about [m]
+constexpr double kMovedM = 0.05;              ///< a look moved less stays where it was
+constexpr double kTurned = 0.003;             ///< [rad]
+constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kEnd = 0xE5;
 
-PositionById usedLandmarks(const slam::MapView& still_world, int min_observations) {
-  PositionById positions;
-  for (const auto& landmark : still_world.landmarks) {
-    if (landmark.observations >= min_observations) positions[landmark.id] = landmark.position;
-  }
-  return positions;
-}
-
-/// Calls `use(camera position, landmark position, landmark in the robot frame)` for every landmark
-/// that a keyframe sees, the last two only if it is within reach.
-template <typename Use>
-void forEachSight(const slam::KeyframeView& keyframe, const PositionById& positions,
-                  const StereoCamera& camera, double reach, const Use& use) {
-  const Eigen::Vector3d eye = keyframe.T_map_robot * camera.T_robot_cam.translation();
-  const Pose T_robot_map = keyframe.T_map_robot.inverse();
-  for (const auto id : keyframe.landmarks) {
-    const auto position = positions.find(id);
-    if (position == positions.end()) continue;
-    if ((position->second - eye).head<2>().norm() > reach) continue;
-    use(eye, position->second, Eigen::Vector3d(T_robot_map * position->second));
-  }
-}
-
-Eigen::AlignedBox2d boundsOf(const slam::MapView& still_world, const PositionById& positions,
-                             const StereoCamera& camera, double reach) {
-  Eigen::AlignedBox2d bounds;
-  for (const auto& keyframe : still_world.keyframes) {
-    bounds.extend(keyframe.T_map_robot.translation().head<2>());
-    forEachSight(keyframe, positions, camera, reach,
-                 [&](const Eigen::Vector3d&, const Eigen::Vector3d& landmark,
-                     const Eigen::Vector3d&) { bounds.extend(landmark.head<2>()); });
-  }
-  return bounds;
-}
-
-double coarseEnough(double resolution, const Eigen::AlignedBox2d& bounds) {
-  while (bounds.sizes().x() * bounds.sizes().y() > kMostCells * resolution * resolution) {
-    resolution *= 2.0;
-  }
-  return resolution;
-}
-
-/// Where the robot went from one keyframe to the next, nothing stands.
-void addDriven(const std::vector<slam::KeyframeView>& keyframes, SightLines& lines) {
-  for (std::size_t i = 1; i < keyframes.size(); ++i) {
-    Eigen::Vector2d from = keyframes[i - 1].T_map_robot.translation().head<2>();
-    Eigen::Vector2d to = keyframes[i].T_map_robot.translation().head<2>();
-    if ((to - from).norm() > kDrivenM) continue;
-    if (std::make_pair(to.x(), to.y()) < std::make_pair(from.x(), from.y())) from.swap(to);
-    lines.beginKeyframe();
-    lines.free(from, to);
-  }
+bool moved(const Pose& from, const Pose& to) {
+  return (to.translation() - from.translation()).norm() > kMovedM ||
+         Eigen::AngleAxisd(from.linear().transpose() * to.linear()).angle() > kTurned;
 }
 
 }  // namespace
 
 void StaticGridParams::describe(Params::Section section) {
-  section.add("grid_resolution", resolution_m, 0.05, 2.0, "m", "Side of a cell of the grid map");
-  section.add("grid_reach", reach_m, 2.0, 100.0, "m",
-              "Landmarks farther than this from a keyframe do not enter the grid map");
-  section.add("grid_lowest_obstacle", lowest_obstacle_m, 0.05, 2.0, "m",
-              "What is lower above the ground does not stop the robot");
-  section.add("grid_highest_obstacle", highest_obstacle_m, 0.3, 10.0, "m",
-              "What is higher above the ground does not stop the robot");
-  section.add("grid_min_observations", min_observations, 1, 20, "keyframes",
-              "Landmarks seen in fewer keyframes do not enter the grid map");
+  section.add("resolution", resolution_m, 0.05, 2.0, "m", "Side of a cell of the grid map");
+  section.add("spacing", spacing_m, 0.1, 10.0, "m",
+              "Of the places at which a look over the ground is kept");
 }
 
-std::optional<double> groundInRobot(const slam::MapView& still_world, const StereoCamera& camera) {
-  const double camera_height = camera.T_robot_cam.translation().z();
-  if (camera_height >= kCameraOnRobotM) return 0.0;
-  const auto positions = usedLandmarks(still_world, 1);
-  std::vector<int> bins(kGroundBins, 0);
-  for (const auto& keyframe : still_world.keyframes) {
-    forEachSight(keyframe, positions, camera, kGroundReachM,
-                 [&](const Eigen::Vector3d&, const Eigen::Vector3d&, const Eigen::Vector3d& p) {
-                   const double below = camera_height - p.z() - kFirstBinM;
-                   const int bin = static_cast<int>(std::floor(below / kGroundBinM));
-                   if (bin >= 0 && bin < kGroundBins) ++bins[static_cast<std::size_t>(bin)];
-                 });
-  }
-  const auto most = std::max_element(bins.begin(), bins.end());
-  if (*most < kFewestOnGround) return std::nullopt;
-  const double below = kFirstBinM + kGroundBinM * (0.5 + static_cast<double>(most - bins.begin()));
-  return camera_height - below;
+StaticGrid::StaticGrid(const StaticGridParams& params)
+    : params_(params),
+      resolution_m_(params.resolution_m),
+      evidence_(std::make_unique<EvidenceGrid>(params.resolution_m)) {}
+
+StaticGrid::~StaticGrid() = default;
+StaticGrid::StaticGrid(StaticGrid&&) noexcept = default;
+StaticGrid& StaticGrid::operator=(StaticGrid&&) noexcept = default;
+
+StaticGrid::Place StaticGrid::placeOf(const Pose& T_map_robot) const {
+  const auto step = [](double value, double size) {
+    return static_cast<std::int32_t>(std::floor(value / size));
+  };
+  const Eigen::Vector3d& at = T_map_robot.translation();
+  return {step(at.x(), params_.spacing_m), step(at.y(), params_.spacing_m),
+          step(yawOf(T_map_robot), kHeadingStep)};
 }
 
-mrpt::maps::COccupancyGridMap2D::Ptr buildStaticGrid(const slam::MapView& still_world,
-                                                     const StereoCamera& camera,
-                                                     const StaticGridParams& params) {
-  const auto ground = groundInRobot(still_world, camera);
-  if (still_world.keyframes.empty() || !ground) return nullptr;
-  const auto positions = usedLandmarks(still_world, params.min_observations);
-  const auto bounds = boundsOf(still_world, positions, camera, params.reach_m);
-  SightLines lines(bounds, coarseEnough(params.resolution_m, bounds));
-  addDriven(still_world.keyframes, lines);
-  for (const auto& keyframe : still_world.keyframes) {
-    lines.beginKeyframe();
-    forEachSight(keyframe, positions, camera, params.reach_m,
-                 [&](const Eigen::Vector3d& eye, const Eigen::Vector3d& landmark,
-                     const Eigen::Vector3d& in_robot) {
-                   const double height = in_robot.z() - *ground;
-                   if (height > params.highest_obstacle_m) return;
-                   const Eigen::Vector2d from = eye.head<2>(), to = landmark.head<2>();
-                   if (height >= params.lowest_obstacle_m) {
-                     lines.occupied(from, to);
-                     return;
-                   }
-                   const double eye_height = camera.T_robot_cam.translation().z() - *ground;
-                   const double low_share = std::clamp(
-                       (params.lowest_obstacle_m - height) / (eye_height - height), 0.0, 1.0);
-                   lines.free(to + low_share * (from - to), to);
-                 });
+void StaticGrid::add(const Pose& T_map_robot, GroundScan scan) {
+  const Place place = placeOf(T_map_robot);
+  if (last_ && last_->place != place) before_ = last_->T_map_robot;
+  last_ = Passed{place, T_map_robot};
+  if (before_) {
+    const Eigen::Vector3d before = T_map_robot.inverse() * before_->translation();
+    if (before.norm() < kDrivenM) {
+      scan.free.push_back({before.cast<float>(), Eigen::Vector3f::Zero()});
+    }
   }
-  return lines.grid();
+  Look look;
+  look.T_map_robot = T_map_robot;
+  look.scan = std::move(scan);
+  hangOnNearest(look);
+  auto& kept = looks_[place];
+  if (!kept.scan.empty()) evidence_->remove(kept.scan, kept.T_map_robot);
+  kept = std::move(look);
+  enter(kept);
+}
+
+void StaticGrid::enter(const Look& look) {
+  places_.extend(look.T_map_robot.translation().head<2>());
+  const Eigen::Vector2d sides = places_.sizes().array() + 2.0 * kSeenM;
+  const double before = resolution_m_;
+  while (sides.prod() > kMostCells * resolution_m_ * resolution_m_) resolution_m_ *= 2.0;
+  if (resolution_m_ == before) {
+    evidence_->add(look.scan, look.T_map_robot);
+    return;
+  }
+  evidence_ = std::make_unique<EvidenceGrid>(resolution_m_);
+  for (const auto& [place, other] : looks_) evidence_->add(other.scan, other.T_map_robot);
+}
+
+void StaticGrid::hangOnNearest(Look& look) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& [id, T_map_keyframe] : keyframes_) {
+    const double distance =
+        (T_map_keyframe.translation() - look.T_map_robot.translation()).squaredNorm();
+    if (distance >= least) continue;
+    least = distance;
+    look.anchor = id;
+    look.T_anchor_robot = T_map_keyframe.inverse() * look.T_map_robot;
+  }
+}
+
+void StaticGrid::follow(const std::vector<slam::KeyframeView>& keyframes) {
+  keyframes_.clear();
+  for (const auto& keyframe : keyframes) keyframes_[keyframe.id] = keyframe.T_map_robot;
+  for (auto& [place, look] : looks_) {
+    const auto anchor = keyframes_.find(look.anchor);
+    if (anchor == keyframes_.end()) {
+      hangOnNearest(look);
+      continue;
+    }
+    const Pose T_map_robot = anchor->second * look.T_anchor_robot;
+    if (!moved(look.T_map_robot, T_map_robot)) continue;
+    evidence_->remove(look.scan, look.T_map_robot);
+    look.T_map_robot = T_map_robot;
+    enter(look);
+  }
+}
+
+mrpt::maps::COccupancyGridMap2D::Ptr StaticGrid::grid() const { return evidence_->grid(); }
+
+std::string StaticGrid::save() const {
+  mrpt::io::CMemoryStream stream;
+  auto archive = mrpt::serialization::archiveFrom(stream);
+  archive << kVersion << static_cast<std::uint64_t>(looks_.size());
+  for (const auto& [place, look] : looks_) {
+    for (const auto step : place) archive << step;
+    write(archive, look.T_map_robot);
+    archive << look.anchor.value;
+    write(archive, look.T_anchor_robot);
+    write(archive, look.scan);
+  }
+  archive << kEnd;
+  return {static_cast<const char*>(stream.getRawBufferData()), stream.getTotalBytesCount()};
+}
+
+void StaticGrid::load(const std::string& bytes) {
+  mrpt::io::CMemoryStream stream;
+  stream.assignMemoryNotOwn(bytes.data(), bytes.size());
+  auto archive = mrpt::serialization::archiveFrom(stream);
+  StaticGrid loaded(params_);
+  try {
+    if (archive.ReadAs<std::uint8_t>() > kVersion) throw std::runtime_error("a newer version");
+    const auto count = archive.ReadAs<std::uint64_t>();
+    for (std::uint64_t i = 0; i < count; ++i) {
+      Place place{};
+      for (auto& step : place) archive >> step;
+      Look& look = loaded.looks_[place];
+      look.T_map_robot = readPose(archive);
+      archive >> look.anchor.value;
+      look.T_anchor_robot = readPose(archive);
+      look.scan = readGroundScan(archive);
+      if (!look.T_map_robot.matrix().allFinite()) throw std::runtime_error("no pose");
+      loaded.enter(look);
+    }
+    if (archive.ReadAs<std::uint8_t>() != kEnd) throw std::runtime_error("no end");
+  } catch (const std::exception&) {
+    throw InputError("its looks over the ground are damaged or of a newer version");
+  }
+  *this = std::move(loaded);
 }
 
 }  // namespace headway::map

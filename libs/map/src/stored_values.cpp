@@ -132,6 +132,14 @@ slam::KeyframeView readKeyframe(CArchive& in) {
   return keyframe;
 }
 
+void write(CArchive& out, const Eigen::Vector3f& place) { writeMatrix(out, place); }
+
+Eigen::Vector3f readPlace(CArchive& in) {
+  const auto place = readMatrix<Eigen::Vector3f>(in);
+  if (!place.allFinite()) throw std::runtime_error("a place that is not a number");
+  return place;
+}
+
 }  // namespace
 
 void write(CArchive& out, const Pose& pose) { writeMatrix(out, pose.matrix().topRows<3>()); }
@@ -203,6 +211,32 @@ slam::MapView readMapView(CArchive& in) {
   still_world.landmarks = readList<slam::LandmarkView>(in, readLandmark);
   still_world.keyframes = readList<slam::KeyframeView>(in, readKeyframe);
   return still_world;
+}
+
+void write(CArchive& out, const GroundScan& scan) {
+  writeCount(out, scan.free.size());
+  for (const auto& piece : scan.free) {
+    write(out, piece.from);
+    write(out, piece.to);
+  }
+  writeCount(out, scan.obstacles.size());
+  for (const auto& obstacle : scan.obstacles) {
+    write(out, obstacle.foot);
+    out << obstacle.sigma_m;
+  }
+}
+
+GroundScan readGroundScan(CArchive& in) {
+  GroundScan scan;
+  scan.free = readList<GroundScan::Free>(in, [](CArchive& archive) {
+    const Eigen::Vector3f from = readPlace(archive);
+    return GroundScan::Free{from, readPlace(archive)};
+  });
+  scan.obstacles = readList<GroundScan::Obstacle>(in, [](CArchive& archive) {
+    const Eigen::Vector3f foot = readPlace(archive);
+    return GroundScan::Obstacle{foot, archive.ReadAs<float>()};
+  });
+  return scan;
 }
 
 }  // namespace headway::map

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <headway/core/ground_scan.h>
 #include <headway/core/stereo_camera.h>
 #include <headway/core/track.h>
 #include <headway/slam/map_view.h>
@@ -14,10 +15,12 @@ void write(mrpt::serialization::CArchive& out, const Pose& pose);
 void write(mrpt::serialization::CArchive& out, const Track& track);
 void write(mrpt::serialization::CArchive& out, const StereoCamera& camera);
 void write(mrpt::serialization::CArchive& out, const slam::MapView& still_world);
+void write(mrpt::serialization::CArchive& out, const GroundScan& scan);
 
 [[nodiscard]] Pose readPose(mrpt::serialization::CArchive& in);
 [[nodiscard]] Track readTrack(mrpt::serialization::CArchive& in);
 [[nodiscard]] StereoCamera readCamera(mrpt::serialization::CArchive& in);
 [[nodiscard]] slam::MapView readMapView(mrpt::serialization::CArchive& in);
+[[nodiscard]] GroundScan readGroundScan(mrpt::serialization::CArchive& in);
 
 }  // namespace headway::map

@@ -110,7 +110,7 @@ DetectionStage::DetectionStage(std::shared_ptr<const StereoCamera> camera,
 
 DetectionStage::~DetectionStage() = default;
 
-void DetectionStage::begin(const RecordedFrame& frame) {
+void DetectionStage::begin(const RecordedFrame& frame, bool scanned) {
   found_.clear();
   if (use_recorded_ && frame.detections) {
     found_.push_back(camera_ != nullptr ? inSensorFrame(*frame.detections, camera_->T_robot_cam)
@@ -124,7 +124,7 @@ void DetectionStage::begin(const RecordedFrame& frame) {
   const bool for_detector =
       looking_ && std::any_of(detectors_.begin(), detectors_.end(),
                               [](const auto& detector) { return detector->needsPose(); });
-  if (lifting_ || for_detector) matcher_->begin(*frame.stereo);  // while SLAM is at work
+  if (lifting_ || for_detector || scanned) matcher_->begin(*frame.stereo);  // while SLAM is at work
 }
 
 void DetectionStage::ask(bool with_pose, const StereoFrame& frame,
@@ -161,6 +161,18 @@ void DetectionStage::lift(const StereoFrame& frame, Detections& detections) {
   const auto& disparity = matcher_->of(frame);
   ground_ = detect::findGround(disparity, *camera_, ground_);
   detect::liftAll(detections, detect::StereoLifter(camera_, disparity, ground_));
+}
+
+std::optional<GroundScan> DetectionStage::scanGround(const RecordedFrame& frame,
+                                                     const Pose& T_map_robot,
+                                                     const std::vector<Track>& tracks,
+                                                     const detect::GroundScanParams& params) {
+  const auto& disparity = matcher_->of(*frame.stereo);
+  ground_ = detect::findGround(disparity, *camera_, ground_);
+  if (!ground_) return std::nullopt;
+  auto moving = movingRegions(frame, tracks);
+  append(pipeline::movingRegions(tracks, T_map_robot, *camera_), moving);
+  return detect::scanGround(disparity, *camera_, *ground_, moving, params);
 }
 
 DropCounts DetectionStage::takeDropped() {

@@ -43,6 +43,19 @@ MovingRegions movingRegions(const Detections& detections, const std::vector<Trac
   return regions;
 }
 
+MovingRegions movingRegions(const std::vector<Track>& tracks, const Pose& T_map_robot,
+                            const StereoCamera& camera) {
+  const Pose T_cam_map = (T_map_robot * camera.T_robot_cam).inverse();
+  MovingRegions regions;
+  for (const auto& track : tracks) {
+    if (!track.moving || track.status == TrackStatus::kEnded) continue;
+    const Box3d box = opticalBox(track.position, track.size, track.yaw, T_cam_map);
+    if (const auto around = projectedBox(box, camera)) regions.boxes.push_back(*around);
+    if (track.box2d && isFinite(*track.box2d)) regions.boxes.push_back(*track.box2d);
+  }
+  return regions;
+}
+
 std::optional<Box2d> projectedBox(const Box3d& box, const StereoCamera& camera) {
   const Eigen::Vector3d front = 0.5 * box.length * frontOf(box);
   const Eigen::Vector3d side =

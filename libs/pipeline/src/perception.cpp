@@ -5,6 +5,7 @@ namespace headway::pipeline {
 namespace {
 
 constexpr char kSlamAttachment[] = "slam";  ///< what slam keeps in a map file
+constexpr char kGridAttachment[] = "grid";  ///< what the static grid keeps there
 
 template <typename Work>
 double millisecondsOf(const Work& work) {
@@ -21,14 +22,29 @@ std::optional<Pose> poseOf(const slam::SlamUpdate& camera) {
 
 }  // namespace
 
+void GridParams::describe(Params::Section section) {
+  section.add("every_nth_frame", every_nth_frame, 0, 1000, "frames",
+              "One frame in so many is looked at for free and occupied ground; 0: no grid");
+  scan.describe(section);
+  map.describe(section);
+}
+
 void PerceptionParams::describe(Params& params) {
   slam.describe(params.section("slam"));
   detection.describe(params);
   objects.describe(params.section("objects"));
+  grid.describe(params.section("grid"));
 }
 
-Perception::Perception(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params)
-    : camera_(std::move(camera)), detection_(camera_, params.detection), tracker_(params.objects) {
+Perception::Perception(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params,
+                       map::PerceptionMap map)
+    : camera_(std::move(camera)),
+      detection_(camera_, params.detection),
+      tracker_(params.objects),
+      grid_params_(params.grid),
+      grid_(params.grid.map),
+      map_(std::move(map)) {
+  if (!params.slam.mapping) grid_params_.every_nth_frame = 0;
   if (camera_ != nullptr) slam_ = std::make_unique<slam::StereoSlam>(camera_, params.slam);
 }
 
@@ -44,15 +60,22 @@ void Perception::resume(const map::StoredMap& stored) {
   }
   slam_->load(slam_map->second);
   map_.update(slam_->map());
+  const auto looks = stored.attachments.find(kGridAttachment);
+  if (looks != stored.attachments.end()) {
+    grid_.load(looks->second);
+    if (const auto grid = grid_.grid()) map_.update(grid);
+  }
   resumed_ = true;
 }
 
 map::StoredMap Perception::stored() const {
   map::StoredMap stored;
   stored.map = map_;
+  if (const auto grid = grid_.grid()) stored.map.update(grid);  // where the map is by now
   if (camera_ != nullptr) stored.camera = *camera_;
   if (slam_ != nullptr && given_poses_.empty()) {
     stored.attachments[kSlamAttachment] = slam_->save();
+    stored.attachments[kGridAttachment] = grid_.save();
   }
   return stored;
 }
@@ -62,7 +85,9 @@ PerceptionUpdate Perception::process(const RecordedFrame& frame) {
   PerceptionUpdate update;
   update.frame = frame.index;
   update.time = frame.time;
-  const double before_ms = millisecondsOf([&] { detection_.begin(frame); });
+  grid_turn_ = camera_ != nullptr && frame.stereo && grid_params_.every_nth_frame > 0 &&
+               grid_frames_++ % static_cast<std::size_t>(grid_params_.every_nth_frame) == 0;
+  const double before_ms = millisecondsOf([&] { detection_.begin(frame, grid_turn_); });
   update.camera = localise(frame);
   const double after_ms =
       millisecondsOf([&] { update.detections = detection_.finish(frame, poseOf(update.camera)); });
@@ -72,6 +97,7 @@ PerceptionUpdate Perception::process(const RecordedFrame& frame) {
     update.objects.detections_dropped[reason] += count;
   }
   updateMap(update);
+  if (grid_turn_) updateGrid(frame, update);
   tracks_ = update.objects.tracks;
   return update;
 }
@@ -113,14 +139,29 @@ objects::TrackUpdate Perception::track(const RecordedFrame& frame, const Percept
 
 void Perception::updateMap(const PerceptionUpdate& update) {
   const auto watch = times_.watch("map_update");
-  if (update.camera.is_keyframe) map_.update(slam_->map());
+  if (update.camera.is_keyframe) {
+    map_.update(slam_->map());
+    grid_.follow(map_.stillWorld()->keyframes);
+  }
   map_.update(update.time, update.objects.tracks);
+}
+
+void Perception::updateGrid(const RecordedFrame& frame, const PerceptionUpdate& update) {
+  const auto T_map_robot = poseOf(update.camera);
+  if (!T_map_robot) return;
+  const auto watch = times_.watch("grid");
+  auto scan = detection_.scanGround(frame, *T_map_robot, update.objects.tracks, grid_params_.scan);
+  if (!scan) return;
+  grid_.add(*T_map_robot, std::move(*scan));
+  map_.update(grid_.grid());
 }
 
 void Perception::finish() {
   if (slam_ == nullptr || !given_poses_.empty()) return;
   slam_->finish();
   map_.update(slam_->map());
+  grid_.follow(map_.stillWorld()->keyframes);
+  if (const auto grid = grid_.grid()) map_.update(grid);
 }
 
 std::vector<slam::FrameEstimate> Perception::trajectory() const {

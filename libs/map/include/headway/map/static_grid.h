@@ -1,52 +1,90 @@
 #pragma once
 
+#include <headway/core/ground_scan.h>
 #include <headway/core/params.h>
-#include <headway/core/stereo_camera.h>
 #include <headway/slam/map_view.h>
 #include <mrpt/maps/COccupancyGridMap2D.h>
 
+#include <array>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace headway::map {
 
-/// How the still world becomes a grid of free and occupied cells.
+class EvidenceGrid;
+
+/// How looks over the ground become a grid of free and occupied cells. Part of section [grid].
 struct StaticGridParams {
-  double resolution_m = 0.2;  ///< [m] 0.05 ... 2
-  double reach_m = 20.0;      ///< [m] 2 ... 100: landmarks farther from a keyframe are not used
-  double lowest_obstacle_m = 0.3;   ///< [m] 0.05 ... 2: what is lower is ground
-  double highest_obstacle_m = 2.0;  ///< [m] 0.3 ... 10: what is higher does not stop the robot
-  int min_observations = 3;         ///< [keyframes] 1 ... 20: landmarks seen in fewer are not used
+  double resolution_m = 0.2;  ///< side of a cell [m]
+  double spacing_m = 1.0;     ///< of the places whose looks are kept [m]
 
   void describe(Params::Section section);
 };
 
-/// Where one can drive: the sight lines from every keyframe to the landmarks that it sees.
+/// Where one can drive: the sum of all looks over the ground.
 ///
-/// A landmark of an obstacle's height occupies its cell and frees those before it; one on the
-/// ground frees the last part of the way to it, where the sight line is lower than an obstacle;
-/// and the robot's own way is free.
-/// Landmarks come from stereo and exclude what moves, so movers leave nothing behind; the grid is
-/// made from the map as it is now, so it follows every correction of the map. Heights are seen
-/// from the robot, so the ground may slope. Cells that no sight line crosses stay at 0.5. A map
-/// larger than 25 million cells gets a coarser grid.
+/// Of each place and direction the last look is kept, so that what is kept grows with the area and
+/// not with time, and what has gone disappears when it is looked at again. Looks hang on the
+/// nearest keyframe: the grid follows every correction of the map. It depends on the looks and
+/// poses alone, not on how it came to them. Beyond 25 million cells it gets coarser.
 ///
-/// Costs about 10 ms for 120 keyframes of a street.
-///
-/// @return null where there is no keyframe, or the ground cannot be told (see groundInRobot)
-[[nodiscard]] mrpt::maps::COccupancyGridMap2D::Ptr buildStaticGrid(const slam::MapView& still_world,
-                                                                   const StereoCamera& camera,
-                                                                   const StaticGridParams& params);
+///     StaticGrid grid(params);
+///     grid.follow(slam.map().keyframes);    // after each keyframe
+///     grid.add(T_map_robot, scan);          // of frames, as often as wanted
+///     map.update(grid.grid());
+class StaticGrid {
+ public:
+  explicit StaticGrid(const StaticGridParams& params);
+  ~StaticGrid();
+  StaticGrid(StaticGrid&&) noexcept;
+  StaticGrid& operator=(StaticGrid&&) noexcept;
 
-/// Height of the ground in the robot's frame [m].
-///
-/// Zero where the camera stands well above the robot's origin. A robot frame that stands in the
-/// camera says nothing; then it is the height at which most landmarks near and below the camera
-/// lie.
-///
-/// @return nullopt if too few landmarks (30) lie below the camera
-[[nodiscard]] std::optional<double> groundInRobot(const slam::MapView& still_world,
-                                                  const StereoCamera& camera);
+  /// Takes in what was seen from a place. The ground that the robot drove over since the look
+  /// before is free, if that was less than 5 m away.
+  void add(const Pose& T_map_robot, GroundScan scan);
+
+  /// Moves what was seen along with the keyframes.
+  void follow(const std::vector<slam::KeyframeView>& keyframes);
+
+  /// The grid as MRPT knows it; cells that nobody saw are 0.5. Null while nothing was seen.
+  [[nodiscard]] mrpt::maps::COccupancyGridMap2D::Ptr grid() const;
+
+  /// All looks, to go on from later.
+  [[nodiscard]] std::string save() const;
+  /// Goes on from what save() gave; the resolution may be another.
+  /// @throws InputError if the bytes are not that
+  void load(const std::string& bytes);
+
+ private:
+  /// Place and direction in steps: x, y and heading.
+  using Place = std::array<std::int32_t, 3>;
+  struct Look {
+    Pose T_map_robot;
+    KeyframeId anchor;  ///< not valid where there are no keyframes
+    Pose T_anchor_robot = Pose::Identity();
+    GroundScan scan;
+  };
+
+  [[nodiscard]] Place placeOf(const Pose& T_map_robot) const;
+  void enter(const Look& look);
+  void hangOnNearest(Look& look) const;
+
+  StaticGridParams params_;
+  double resolution_m_;  ///< coarser than asked for where the map is vast
+  std::unique_ptr<EvidenceGrid> evidence_;
+  std::map<Place, Look> looks_;
+  Eigen::AlignedBox2d places_;  ///< bounds of where they were taken [m]
+  std::map<KeyframeId, Pose> keyframes_;
+  struct Passed {
+    Place place;
+    Pose T_map_robot;
+  };
+  std::optional<Passed> last_;  ///< where the robot looked last
+  std::optional<Pose> before_;  ///< the last pose at another place than that
+};
 
 /// Writes `<prefix>.gridmap.gz` (MRPT), and `<prefix>.png` with `<prefix>.yaml` (map servers).
 ///

@@ -5,7 +5,7 @@
 #include <headway/core/recorded_frame.h>
 #include <headway/core/track.h>
 #include <headway/detect/detector_factory.h>
-#include <headway/detect/ground_plane.h>
+#include <headway/detect/ground_scanner.h>
 
 #include <memory>
 #include <optional>
@@ -46,7 +46,9 @@ class DetectionStage {
   ~DetectionStage();
 
   /// Takes a frame's recorded boxes and asks the detectors that need no pose.
-  void begin(const RecordedFrame& frame);
+  ///
+  /// @param scanned  whether scanGround() will be asked for this frame: matching starts at once
+  void begin(const RecordedFrame& frame, bool scanned = false);
 
   /// What may move in this frame: boxes found so far unless `previous` knows them to be still, and
   /// what moved in the frame before, moved along.
@@ -61,6 +63,15 @@ class DetectionStage {
   /// @return  all detections of the frame without doubles; nullopt if nobody looked at it
   [[nodiscard]] std::optional<Detections> finish(const RecordedFrame& frame,
                                                  const std::optional<Pose>& T_map_robot);
+
+  /// Looks over the ground of a frame that finish() has seen, without what moves in it.
+  ///
+  /// @param tracks  of this frame
+  /// @return        nullopt where the ground cannot be told (expected, not an error)
+  [[nodiscard]] std::optional<GroundScan> scanGround(const RecordedFrame& frame,
+                                                     const Pose& T_map_robot,
+                                                     const std::vector<Track>& tracks,
+                                                     const detect::GroundScanParams& params);
 
   /// What the detectors left out since the last call, by reason.
   [[nodiscard]] DropCounts takeDropped();
@@ -82,7 +93,7 @@ class DetectionStage {
   int frames_ = 0;
   bool looking_ = false;                       ///< the image detectors have their turn
   bool lifting_ = false;                       ///< a recorded box lacks its depth
-  std::optional<detect::GroundPlane> ground_;  ///< where boxes were lifted last
+  std::optional<detect::GroundPlane> ground_;  ///< where it was looked for last
   std::vector<Detections> found_;              ///< in this frame, best informed first
   DropCounts dropped_before_;                  ///< of all detectors, as last taken
 };

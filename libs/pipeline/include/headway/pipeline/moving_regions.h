@@ -22,6 +22,12 @@ namespace headway::pipeline {
                                           const std::vector<Track>& previous,
                                           const StereoCamera& camera);
 
+/// Where moving tracks are in the image now, those not seen in this frame, too.
+///
+/// @param tracks  of this frame
+[[nodiscard]] MovingRegions movingRegions(const std::vector<Track>& tracks, const Pose& T_map_robot,
+                                          const StereoCamera& camera);
+
 /// The image box around a 3D box, clipped to the image.
 ///
 /// @return [px]; nullopt if a corner is not in front of the camera or the box is out of view

@@ -3,6 +3,7 @@
 #include <headway/core/recorded_frame.h>
 #include <headway/core/stage_times.h>
 #include <headway/map/map_file.h>
+#include <headway/map/static_grid.h>
 #include <headway/objects/moving_object_tracker.h>
 #include <headway/pipeline/detection_stage.h>
 #include <headway/slam/stereo_slam.h>
@@ -13,13 +14,23 @@
 
 namespace headway::pipeline {
 
+/// How the still world becomes a grid of free and occupied cells. Section [grid].
+struct GridParams {
+  int every_nth_frame = 3;  ///< one frame in so many is looked at; 0: no grid
+  detect::GroundScanParams scan;
+  map::StaticGridParams map;
+
+  void describe(Params::Section section);
+};
+
 /// Parameters of everything that the pipeline runs.
 struct PerceptionParams {
   slam::SlamParams slam;
   DetectionParams detection;
   objects::ObjectsParams objects;
+  GridParams grid;
 
-  /// Binds sections [slam], [detect] with those of the detectors, and [objects].
+  /// Binds sections [slam], [detect] with those of the detectors, [objects] and [grid].
   void describe(Params& params);
 };
 
@@ -46,8 +57,10 @@ struct PerceptionUpdate {
 class Perception {
  public:
   /// @param camera  of every stereo frame to come; null where only poses and boxes are given
+  /// @param map     whose layers are filled, such as one described by an .ini
   /// @throws InputError for detectors that are not known or lack what they need
-  Perception(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params);
+  Perception(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params,
+             map::PerceptionMap map = {});
   ~Perception();
 
   /// Goes on in a stored map, before the first frame: the camera counts as lost until it is
@@ -70,7 +83,8 @@ class Perception {
   /// @throws InputError if a frame brings its own pose to a resumed map
   [[nodiscard]] PerceptionUpdate process(const RecordedFrame& frame);
 
-  /// The one map: landmarks, keyframes and moving objects, as after the last frame.
+  /// The one map: landmarks, keyframes, free and occupied ground, and moving objects, as after the
+  /// last frame.
   [[nodiscard]] const map::PerceptionMap& map() const { return map_; }
 
   /// Every frame so far, as corrected since.
@@ -84,19 +98,24 @@ class Perception {
   [[nodiscard]] std::vector<TrackSample> flush() { return tracker_.flush(); }
 
   /// Milliseconds by stage: "slam_track", "slam_map", "detect" (of frames whose images were
-  /// looked at), "objects", "map_update", "frame".
+  /// looked at), "objects", "grid" (of frames that it looked at), "map_update", "frame".
   [[nodiscard]] StageTimes times() const;
 
  private:
   slam::SlamUpdate localise(const RecordedFrame& frame);
   objects::TrackUpdate track(const RecordedFrame& frame, const PerceptionUpdate& update);
   void updateMap(const PerceptionUpdate& update);
+  void updateGrid(const RecordedFrame& frame, const PerceptionUpdate& update);
 
   std::shared_ptr<const StereoCamera> camera_;
   std::unique_ptr<slam::StereoSlam> slam_;  ///< null where there is no camera
   DetectionStage detection_;
   objects::MovingObjectTracker tracker_;
+  GridParams grid_params_;
+  map::StaticGrid grid_;
   map::PerceptionMap map_;
+  bool grid_turn_ = false;                        ///< the grid looks at this frame
+  std::size_t grid_frames_ = 0;                   ///< that it could look at
   bool resumed_ = false;                          ///< the map frame is a stored map's
   std::vector<Track> tracks_;                     ///< of the previous frame
   std::vector<slam::FrameEstimate> given_poses_;  ///< frames that came with their pose

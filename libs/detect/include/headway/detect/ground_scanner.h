@@ -1,0 +1,38 @@
+#pragma once
+
+#include <headway/core/ground_scan.h>
+#include <headway/core/moving_regions.h>
+#include <headway/core/params.h>
+#include <headway/detect/disparity.h>
+#include <headway/detect/ground_plane.h>
+
+namespace headway::detect {
+
+/// What stands in a robot's way, and how far stereo is believed. Part of section [grid].
+struct GroundScanParams {
+  double reach_m = 20.0;            ///< nothing farther is looked at [m]
+  double lowest_obstacle_m = 0.3;   ///< what is lower does not stop the robot [m]
+  double highest_obstacle_m = 2.0;  ///< what is higher does not stop the robot [m]
+  double sigma_disparity_px = 0.4;  ///< of the front of an obstacle [px]
+  double most_error_m = 0.6;        ///< an obstacle whose distance is less certain is not kept [m]
+
+  void describe(Params::Section section);
+};
+
+/// Looks over the ground: a ray for each column of a disparity image.
+///
+/// What stands is found by what is upright in a column: enough of it at one distance, so that a
+/// ramp is not taken for a wall. The nearest ends the ray. Before it the ground is free where it
+/// was seen itself, as far before that as the line of sight is lower than an obstacle, and over
+/// short gaps without texture. What is behind the end is unknown.
+///
+/// @param ground   before the camera, in this image
+/// @param moving   left out, with what they hide; the unsure ones, too
+/// @return         empty for a camera that looks straight down or lies on its side
+/// @see            Labayrade et al. 2002 (obstacles as what is upright in disparity); Badino et al.
+///                 2007, "Free space computation using stochastic occupancy grids"
+[[nodiscard]] GroundScan scanGround(const DisparityImage& disparity, const StereoCamera& camera,
+                                    const GroundPlane& ground, const MovingRegions& moving,
+                                    const GroundScanParams& params);
+
+}  // namespace headway::detect

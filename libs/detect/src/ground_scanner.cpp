@@ -1,0 +1,199 @@
+#include <headway/detect/ground_scanner.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+
+namespace headway::detect {
+namespace {
+
+constexpr double kGround = 0.15;      // what is lower is ground, what is higher may stand [m]
+constexpr double kUpright = 0.25;     // height that must be seen at one distance [m]
+constexpr double kSeenShare = 0.6;    // of that height: texture may be missing
+constexpr int kLeastRows = 3;         // and at least so many rows
+constexpr double kLeastRise = 0.12;   // [m] from the lowest to the highest of it,
+constexpr double kSteepest = 0.12;    // and more than a ramp rises over "one distance"
+constexpr double kDepth = 0.25;       // "one distance" [m]
+constexpr double kDisparity = 1.5;    // or this much of disparity, which matching is off by [px]
+constexpr int kMarginCells = 2;       // block matching widens things by half a block
+constexpr double kMostTilt = -0.3;    // of "up" along the columns: they must look over the ground
+constexpr double kBeyondReach = 1.3;  // what stands so far out still ends a ray
+// Ground on either side of a gap, nothing upright in it: so high a thing without any edge, its own
+// outline included, is not believed to stand there [m].
+constexpr double kBridged = 0.8;
+
+// Cells of the disparity image to leave out.
+cv::Mat leftOut(const MovingRegions& moving, const DisparityImage& disparity) {
+  cv::Mat mask(disparity.values.size(), CV_8U, cv::Scalar(0));
+  if (!moving.mask.empty()) {
+    cv::resize(moving.mask, mask, mask.size(), 0, 0, cv::INTER_NEAREST);
+  }
+  const cv::Rect inside({0, 0}, mask.size());
+  const auto fill = [&](const Box2d& box) {
+    const cv::Point corner(disparity.cellOf(box.left), disparity.cellOf(box.top));
+    const cv::Point opposite(disparity.cellOf(box.right) + 1, disparity.cellOf(box.bottom) + 1);
+    mask(cv::Rect(corner, opposite) & inside).setTo(255);
+  };
+  for (const auto& box : moving.boxes) fill(box);
+  for (const auto& box : moving.unsure) fill(box);
+  const int side = 2 * kMarginCells + 1;
+  cv::dilate(mask, mask, cv::getStructuringElement(cv::MORPH_RECT, {side, side}));
+  return mask;
+}
+
+/// Part of a column that may stand.
+struct Upright {
+  double disparity;
+  double height;
+};
+
+/// Depths between which the ground of a column is free [m].
+struct Interval {
+  double from;
+  double to;
+};
+
+class ColumnScanner {
+ public:
+  ColumnScanner(const DisparityImage& disparity, const StereoCamera& camera,
+                const GroundPlane& ground, const GroundScanParams& params)
+      : disparity_(disparity),
+        camera_(camera),
+        ground_(ground),
+        params_(params),
+        fb_(camera.fx * camera.baseline_m) {}
+
+  void scan(int column, const cv::Mat& left_out, GroundScan& scan) {
+    read(column, left_out);
+    const auto end = nearestUpright();
+    const double free_to = end ? fb_ / *end - sigmaAt(fb_ / *end) : params_.reach_m;
+    for (const auto& piece : freeBefore(free_to)) {
+      scan.free.push_back({placeAt(column, piece.from), placeAt(column, piece.to)});
+    }
+    if (!end) return;
+    const double depth = fb_ / *end;
+    if (depth > params_.reach_m || sigmaAt(depth) > params_.most_error_m) return;
+    scan.obstacles.push_back({placeAt(column, depth), static_cast<float>(sigmaAt(depth))});
+  }
+
+ private:
+  void read(int column, const cv::Mat& left_out) {
+    upright_.clear();
+    ground_seen_.clear();
+    const double x = (disparity_.pixelOf(column) - camera_.cx) / camera_.fx;
+    const double least = fb_ / (kBeyondReach * params_.reach_m);
+    for (int row = 0; row < disparity_.values.rows; ++row) {
+      const double d = disparity_.values.at<float>(row, column);
+      if (d < least || left_out.at<std::uint8_t>(row, column) != 0) continue;
+      const double y = (disparity_.pixelOf(row) - camera_.cy) / camera_.fy;
+      const double depth = fb_ / d;
+      const double height = ground_.heightOf(Eigen::Vector3d(x, y, 1.0) * depth);
+      if (height > params_.highest_obstacle_m || height < -kGround) continue;
+      if (height >= kGround) {
+        upright_.push_back({d, height});
+      } else {
+        ground_seen_.push_back(depth);
+      }
+    }
+  }
+
+  /// Disparity of the nearest thing that stands in the column read.
+  std::optional<double> nearestUpright() {
+    std::sort(upright_.begin(), upright_.end(),
+              [](const Upright& a, const Upright& b) { return a.disparity > b.disparity; });
+    std::size_t last = 0;
+    for (std::size_t first = 0; first < upright_.size(); ++first) {
+      const double d = upright_[first].disparity;
+      const double depth = fb_ / d;
+      const double least = d - std::max(kDisparity, d * kDepth / (depth + kDepth));
+      while (last < upright_.size() && upright_[last].disparity >= least) ++last;
+      const double rows = kUpright * camera_.fy / disparity_.reduce / depth;
+      if (static_cast<double>(last - first) < std::max(1.0 * kLeastRows, kSeenShare * rows)) {
+        continue;
+      }
+      double sum = 0.0;
+      double top = 0.0;
+      double bottom = params_.highest_obstacle_m;
+      for (std::size_t i = first; i < last; ++i) {
+        sum += upright_[i].disparity;
+        top = std::max(top, upright_[i].height);
+        bottom = std::min(bottom, upright_[i].height);
+      }
+      const double rise = std::max(kLeastRise, kSteepest * (fb_ / least - depth));
+      if (top < params_.lowest_obstacle_m || top - bottom < rise) continue;
+      return sum / static_cast<double>(last - first);
+    }
+    return std::nullopt;
+  }
+
+  std::vector<Interval> freeBefore(double depth) {
+    std::sort(ground_seen_.begin(), ground_seen_.end());
+    const double end = std::min(depth, params_.reach_m);
+    const double bridged =
+        std::max(params_.lowest_obstacle_m, std::min(kBridged, 0.5 * ground_.camera_height));
+    std::vector<Interval> pieces;
+    for (const double seen : ground_seen_) {
+      const bool goes_on = !pieces.empty() && pieces.back().to >= hiddenFrom(seen, bridged);
+      if (!goes_on) pieces.push_back({hiddenFrom(seen, params_.lowest_obstacle_m), seen});
+      pieces.back().to = std::min(seen, end);
+      if (seen >= end) break;
+    }
+    if (!pieces.empty() && pieces.back().from >= pieces.back().to) pieces.pop_back();
+    return pieces;
+  }
+
+  /// Nothing that is so high stands between the depth returned and the one at which ground is seen.
+  [[nodiscard]] double hiddenFrom(double seen, double height) const {
+    return seen * (1.0 - std::min(1.0, height / ground_.camera_height));
+  }
+
+  [[nodiscard]] double sigmaAt(double depth) const {
+    return params_.sigma_disparity_px * depth * depth / fb_;
+  }
+
+  /// Where the column's plane of sight meets the ground at a depth, in the robot's frame.
+  [[nodiscard]] Eigen::Vector3f placeAt(int column, double depth) const {
+    const double x = depth * (disparity_.pixelOf(column) - camera_.cx) / camera_.fx;
+    const double y =
+        -(ground_.camera_height + ground_.up.x() * x + ground_.up.z() * depth) / ground_.up.y();
+    return (camera_.T_robot_cam * Eigen::Vector3d(x, y, depth)).cast<float>();
+  }
+
+  const DisparityImage& disparity_;
+  const StereoCamera& camera_;
+  const GroundPlane& ground_;
+  const GroundScanParams& params_;
+  double fb_;
+  std::vector<Upright> upright_;     ///< of the column read
+  std::vector<double> ground_seen_;  ///< depths, of the column read [m]
+};
+
+}  // namespace
+
+void GroundScanParams::describe(Params::Section section) {
+  section.add("reach", reach_m, 2.0, 100.0, "m", "Nothing farther from the camera is looked at");
+  section.add("lowest_obstacle", lowest_obstacle_m, 0.2, 2.0, "m",
+              "What is lower above the ground does not stop the robot");
+  section.add("highest_obstacle", highest_obstacle_m, 0.3, 10.0, "m",
+              "What is higher above the ground does not stop the robot");
+  section.add("sigma_disparity", sigma_disparity_px, 0.05, 5.0, "px",
+              "Error of the disparity of an obstacle");
+  section.add("most_error", most_error_m, 0.05, 10.0, "m",
+              "Obstacles whose distance is less certain are not entered");
+}
+
+GroundScan scanGround(const DisparityImage& disparity, const StereoCamera& camera,
+                      const GroundPlane& ground, const MovingRegions& moving,
+                      const GroundScanParams& params) {
+  GroundScan scan;
+  if (ground.up.y() > kMostTilt) return scan;
+  const cv::Mat left_out = leftOut(moving, disparity);
+  ColumnScanner scanner(disparity, camera, ground, params);
+  for (int column = 0; column < disparity.values.cols; ++column) {
+    scanner.scan(column, left_out, scan);
+  }
+  return scan;
+}
+
+}  // namespace headway::detect

@@ -1,0 +1,198 @@
+#include <gtest/gtest.h>
+#include <headway/core/error.h>
+#include <headway/detect/ground_scanner.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+namespace headway::detect {
+namespace {
+
+constexpr double kHeight = 1.6;  // of the camera [m]
+
+StereoCamera testCamera() {
+  StereoCamera camera;
+  camera.width = 620;
+  camera.height = 240;
+  camera.fx = camera.fy = 360.0;
+  camera.cx = 309.5;
+  camera.cy = 100.0;
+  camera.baseline_m = 0.54;
+  camera.T_robot_cam = Eigen::Translation3d(0.0, 0.0, kHeight) * robotFromOptical();
+  return camera;
+}
+
+/// Something upright across the way, over a part of its width (x to the right) and height [m].
+struct Plate {
+  double depth;
+  double left;
+  double right;
+  double bottom;
+  double top;
+};
+
+/// What the camera, pitched down by an angle, sees of level ground and plates on it.
+DisparityImage imageOf(const std::vector<Plate>& plates, double pitch = 0.0,
+                       const std::function<double(double)>& ground = {}) {
+  const StereoCamera camera = testCamera();
+  DisparityImage image;
+  image.reduce = 2;
+  image.values = cv::Mat(camera.height / 2, camera.width / 2, CV_32F, cv::Scalar(0));
+  for (int row = 0; row < image.values.rows; ++row) {
+    const double y = (image.pixelOf(row) - camera.cy) / camera.fy;
+    // Direction in the level frame: forward, right, down.
+    const double down = y * std::cos(pitch) + std::sin(pitch);
+    const double forward = std::cos(pitch) - y * std::sin(pitch);
+    for (int column = 0; column < image.values.cols; ++column) {
+      const double right = (image.pixelOf(column) - camera.cx) / camera.fx;
+      double nearest = down > 0.0 ? kHeight / down : std::numeric_limits<double>::infinity();
+      if (ground) {
+        for (double z = 3.0; z < 30.0; z += 0.05) {
+          if (kHeight - down / forward * z <= ground(z)) {
+            nearest = z / forward;
+            break;
+          }
+        }
+      }
+      for (const auto& plate : plates) {
+        const double z = plate.depth / forward;
+        const double height = kHeight - down * z;
+        if (right * z < plate.left || right * z > plate.right) continue;
+        if (height >= plate.bottom && height <= plate.top) nearest = std::min(nearest, z);
+      }
+      if (nearest > 60.0) continue;
+      image.values.at<float>(row, column) =
+          static_cast<float>(camera.fx * camera.baseline_m / nearest);
+    }
+  }
+  return image;
+}
+
+GroundScan scanOf(const DisparityImage& image, const MovingRegions& moving = {},
+                  const GroundScanParams& params = {}) {
+  const auto camera = testCamera();
+  const auto ground = findGround(image, camera, std::nullopt);
+  EXPECT_TRUE(ground);
+  return ground ? scanGround(image, camera, *ground, moving, params) : GroundScan{};
+}
+
+/// Whether a place lies on a free piece of a ray [m].
+bool isFree(const GroundScan& scan, double x, double y) {
+  for (const auto& piece : scan.free) {
+    const Eigen::Vector2d from = piece.from.cast<double>().head<2>();
+    const Eigen::Vector2d along = piece.to.cast<double>().head<2>() - from;
+    const Eigen::Vector2d to_place = Eigen::Vector2d(x, y) - from;
+    const double share = along.dot(to_place) / std::max(1e-9, along.squaredNorm());
+    if (share >= 0.0 && share <= 1.0 && (to_place - share * along).norm() < 0.06) return true;
+  }
+  return false;
+}
+
+int obstaclesBetween(const GroundScan& scan, double from, double to) {
+  int count = 0;
+  for (const auto& obstacle : scan.obstacles) {
+    if (obstacle.foot.x() > from && obstacle.foot.x() < to) ++count;
+  }
+  return count;
+}
+
+TEST(ScanGround, LevelGroundIsFreeAsFarAsItReaches) {
+  const auto scan = scanOf(imageOf({}));
+  EXPECT_TRUE(scan.obstacles.empty());
+  EXPECT_TRUE(isFree(scan, 6.0, 0.0));
+  EXPECT_TRUE(isFree(scan, 15.0, 3.0));
+  EXPECT_FALSE(isFree(scan, 21.0, 0.0)) << "beyond the reach";
+  EXPECT_FALSE(isFree(scan, 2.0, 0.0)) << "below the picture nobody saw it";
+}
+
+TEST(ScanGround, TheNearestUprightThingEndsTheRay) {
+  const auto scan = scanOf(imageOf({{9.0, -1.0, 1.0, 0.0, 1.5}, {14.0, -8.0, 8.0, 0.0, 3.0}}));
+  EXPECT_TRUE(isFree(scan, 8.0, 0.0));
+  EXPECT_FALSE(isFree(scan, 9.5, 0.0)) << "behind it";
+  EXPECT_TRUE(isFree(scan, 11.0, 4.0)) << "beside it";
+  EXPECT_GT(obstaclesBetween(scan, 8.8, 9.2), 30);
+  EXPECT_GT(obstaclesBetween(scan, 13.6, 14.4), 100);
+  EXPECT_EQ(obstaclesBetween(scan, 0.0, 20.0), static_cast<int>(scan.obstacles.size()));
+  for (const auto& obstacle : scan.obstacles) {
+    EXPECT_NEAR(obstacle.foot.z(), 0.0, 0.05);
+    EXPECT_TRUE(obstacle.foot.x() > 10.0f || std::abs(obstacle.foot.y()) < 1.1f);
+    EXPECT_GT(obstacle.sigma_m, 0.0f);
+  }
+}
+
+TEST(ScanGround, IsTheSameForACameraThatPitches) {
+  for (const double pitch : {-0.05, 0.06}) {
+    const auto scan = scanOf(imageOf({{9.0, -1.0, 1.0, 0.0, 1.5}}, pitch));
+    EXPECT_GT(obstaclesBetween(scan, 8.5, 9.5), 30) << pitch;
+    EXPECT_EQ(obstaclesBetween(scan, 8.5, 9.5), static_cast<int>(scan.obstacles.size())) << pitch;
+  }
+}
+
+TEST(ScanGround, NeitherKerbsNorBridgesStop) {
+  const auto scan = scanOf(imageOf({{8.0, -3.0, 3.0, 0.0, 0.15}, {12.0, -9.0, 9.0, 2.5, 4.0}}));
+  EXPECT_TRUE(scan.obstacles.empty());
+  EXPECT_TRUE(isFree(scan, 13.0, 0.0)) << "under the bridge";
+}
+
+TEST(ScanGround, ARampIsNoWall) {
+  const auto ramp = [](double z) { return z < 8.0 ? 0.0 : 0.09 * (z - 8.0); };
+  const auto scan = scanOf(imageOf({}, 0.0, ramp));
+  EXPECT_TRUE(scan.obstacles.empty());
+  const auto step = [](double z) { return z < 8.0 ? 0.0 : 0.5; };
+  EXPECT_GT(obstaclesBetween(scanOf(imageOf({}, 0.0, step)), 7.8, 8.3), 100);
+}
+
+TEST(ScanGround, NothingIsFreedWhereALongGapWithoutTextureMayHideSomething) {
+  DisparityImage image = imageOf({});
+  const auto camera = testCamera();
+  const auto rowAt = [&](double depth) {
+    return image.cellOf(camera.cy + camera.fy * kHeight / depth);
+  };
+  image.values.rowRange(rowAt(9.0), rowAt(7.0)).setTo(0.0F);
+  EXPECT_TRUE(isFree(scanOf(image), 8.0, 0.0)) << "a short gap";
+  image.values.rowRange(rowAt(15.5), rowAt(7.0)).setTo(0.0F);
+  const auto scan = scanOf(image);
+  EXPECT_TRUE(isFree(scan, 6.5, 0.0));
+  EXPECT_FALSE(isFree(scan, 10.0, 0.0));
+  EXPECT_TRUE(isFree(scan, 16.0, 0.0)) << "seen again";
+}
+
+TEST(ScanGround, LeavesOutWhatMovesAndMayMove) {
+  const auto image = imageOf({{9.0, -1.0, 1.0, 0.0, 1.5}});
+  const Box2d box{260, 90, 360, 170};
+  MovingRegions moving;
+  moving.boxes = {box};
+  EXPECT_TRUE(scanOf(image, moving).obstacles.empty());
+  EXPECT_FALSE(isFree(scanOf(image, moving), 9.5, 0.0)) << "what it hides is not free";
+  moving.boxes.clear();
+  moving.unsure = {box};
+  EXPECT_TRUE(scanOf(image, moving).obstacles.empty());
+  moving.unsure.clear();
+  moving.mask = cv::Mat(240, 620, CV_8U, cv::Scalar(0));
+  moving.mask(cv::Rect(260, 90, 100, 80)).setTo(255);
+  EXPECT_TRUE(scanOf(image, moving).obstacles.empty());
+  moving.mask.release();
+  moving.boxes = {{-1e6, -1e6, -10, -10}, {700, 10, 900, 50}};
+  EXPECT_GT(scanOf(image, moving).obstacles.size(), 30u) << "boxes beside the picture";
+}
+
+TEST(ScanGround, LeavesOutWhatIsTooUncertain) {
+  GroundScanParams params;
+  params.most_error_m = 0.1;
+  const auto scan = scanOf(imageOf({{14.0, -1.0, 1.0, 0.0, 1.5}}), {}, params);
+  EXPECT_TRUE(scan.obstacles.empty());
+  EXPECT_FALSE(isFree(scan, 15.0, 0.0)) << "it ends the ray all the same";
+}
+
+TEST(GroundScanParamsTest, AreDescribedWithRanges) {
+  GroundScanParams values;
+  Params params;
+  values.describe(params.section("grid"));
+  params.set("grid.reach=12");
+  EXPECT_EQ(values.reach_m, 12.0);
+  EXPECT_THROW(params.set("grid.lowest_obstacle=0"), InputError);
+}
+
+}  // namespace
+}  // namespace headway::detect
