@@ -82,11 +82,16 @@ eval::TextTable tableOf(const eval::GridError& error) {
           {"observed", std::to_string(error.observed), ""},
           row("of which the truth is known", error.compared, error.observed),
           row("right", error.right, error.compared),
+          row("truly occupied", error.occupied, error.compared),
+          row("of these found (recall)", error.found, error.occupied),
+          row("called occupied, rightly (precision)", error.found, error.found + error.phantoms),
           row("occupied, but truly free", error.phantoms, error.compared),
           row("of these, beside something", error.near_phantoms, error.phantoms),
           row("free, but truly occupied", error.missed, error.compared),
+          row("of these, beside something found", error.near_missed, error.missed),
           row("where something moved", error.trodden, error.compared),
-          row("ghosts: of these occupied", error.ghosts, error.trodden)};
+          row("ghosts: of these occupied", error.ghosts, error.trodden),
+          {"truly occupied, not observed", std::to_string(error.unseen), ""}};
 }
 
 }  // namespace
@@ -104,9 +109,15 @@ int runGrid(int argc, const char** argv) {
     return nlohmann::ordered_json{{"observed", error.observed},
                                   {"compared", error.compared},
                                   {"right_share", error.rightShare().value_or(0.0)},
+                                  {"occupied", error.occupied},
+                                  {"found", error.found},
+                                  {"occupied_recall", error.occupiedRecall().value_or(0.0)},
+                                  {"occupied_precision", error.occupiedPrecision().value_or(0.0)},
                                   {"phantoms", error.phantoms},
                                   {"near_phantoms", error.near_phantoms},
                                   {"missed", error.missed},
+                                  {"near_missed", error.near_missed},
+                                  {"unseen", error.unseen},
                                   {"trodden", error.trodden},
                                   {"ghosts", error.ghosts}};
   };

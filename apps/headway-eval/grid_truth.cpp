@@ -53,10 +53,13 @@ void look(const cv::Mat& depth, const cv::Mat& movers, const StereoCamera& camer
       if (z <= 0.0 || z > kReach_m || movers.at<std::uint8_t>(v, u) != 0) continue;
       const Eigen::Vector3d in_robot =
           camera.T_robot_cam * (z * ray(Eigen::Vector2d(u, v), camera));
-      const auto cell = grid.at((T_map_robot * in_robot).head<2>());
+      const Eigen::Vector3d in_map = T_map_robot * in_robot;
+      const auto cell = grid.at(in_map.head<2>());
       if (!cell) continue;
-      if (in_robot.z() < kGround_m) ++seen.ground[*cell];
-      if (in_robot.z() >= heights.lowest && in_robot.z() <= heights.highest) ++seen.standing[*cell];
+      // The ground is level there; the robot pitches and rolls.
+      const double height = in_map.z() - T_map_robot.translation().z();
+      if (height < kGround_m) ++seen.ground[*cell];
+      if (height >= heights.lowest && height <= heights.highest) ++seen.standing[*cell];
     }
   }
 }

@@ -48,6 +48,22 @@ TEST(GridError, TellsPhantomsFromWhatWasMissed) {
   EXPECT_EQ(error.right, 6u);
 }
 
+TEST(GridError, SaysHowMuchOfWhatStandsIsFoundAndHowMuchOfWhatIsFoundStands) {
+  const auto truth = gridOf({"ooff", "oooo", "ffff"});
+  const auto estimate = gridOf({"offf", "?off", "ffof"});
+  const auto error = gridError(truth, estimate, kUntrodden);
+  EXPECT_EQ(error.occupied, 5u);
+  EXPECT_EQ(error.found, 2u);
+  EXPECT_EQ(error.missed, 3u);
+  EXPECT_EQ(error.near_missed, 3u);
+  EXPECT_EQ(error.unseen, 1u);
+  EXPECT_DOUBLE_EQ(error.occupiedRecall().value(), 2.0 / 5.0);
+  EXPECT_DOUBLE_EQ(error.occupiedPrecision().value(), 2.0 / 3.0);
+  const auto free = gridOf({"ffff", "ffff", "ffff"});
+  EXPECT_EQ(gridError(free, free, kUntrodden).occupiedRecall(), std::nullopt);
+  EXPECT_EQ(gridError(free, free, kUntrodden).occupiedPrecision(), std::nullopt);
+}
+
 TEST(GridError, ComparesOnlyWhatBothKnow) {
   const auto error =
       gridError(gridOf({"????", "ffff", "????"}), gridOf({"ffff", "f???", "oooo"}), kUntrodden);

@@ -7,17 +7,22 @@
 namespace headway::eval {
 namespace {
 
-/// Whether any of the eight cells about one is truly occupied.
-bool hasOccupiedNeighbour(const GridCells& truth, std::size_t index) {
-  const int column = static_cast<int>(index) % truth.columns;
-  const int row = static_cast<int>(index) / truth.columns;
-  for (int y = std::max(0, row - 1); y <= std::min(truth.rows - 1, row + 1); ++y) {
-    for (int x = std::max(0, column - 1); x <= std::min(truth.columns - 1, column + 1); ++x) {
-      const auto i = static_cast<std::size_t>(y * truth.columns + x);
-      if (truth.states[i] == CellState::kOccupied) return true;
+/// Whether any of the eight cells about one is occupied.
+bool hasOccupiedNeighbour(const GridCells& grid, std::size_t index) {
+  const int column = static_cast<int>(index) % grid.columns;
+  const int row = static_cast<int>(index) / grid.columns;
+  for (int y = std::max(0, row - 1); y <= std::min(grid.rows - 1, row + 1); ++y) {
+    for (int x = std::max(0, column - 1); x <= std::min(grid.columns - 1, column + 1); ++x) {
+      const auto i = static_cast<std::size_t>(y * grid.columns + x);
+      if (grid.states[i] == CellState::kOccupied) return true;
     }
   }
   return false;
+}
+
+std::optional<double> shareOf(std::size_t part, std::size_t whole) {
+  if (whole == 0) return std::nullopt;
+  return static_cast<double>(part) / static_cast<double>(whole);
 }
 
 }  // namespace
@@ -39,9 +44,10 @@ std::optional<std::size_t> GridCells::at(const Eigen::Vector2d& place) const {
          static_cast<std::size_t>(column);
 }
 
-std::optional<double> GridError::rightShare() const {
-  if (compared == 0) return std::nullopt;
-  return static_cast<double>(right) / static_cast<double>(compared);
+std::optional<double> GridError::rightShare() const { return shareOf(right, compared); }
+std::optional<double> GridError::occupiedRecall() const { return shareOf(found, occupied); }
+std::optional<double> GridError::occupiedPrecision() const {
+  return shareOf(found, found + phantoms);
 }
 
 GridError gridError(const GridCells& truth, const GridCells& estimate,
@@ -52,14 +58,22 @@ GridError gridError(const GridCells& truth, const GridCells& estimate,
   GridError error;
   for (std::size_t i = 0; i < truth.states.size(); ++i) {
     const CellState is = truth.states[i], seems = estimate.states[i];
-    if (seems == CellState::kUnknown) continue;
+    if (seems == CellState::kUnknown) {
+      if (is == CellState::kOccupied) ++error.unseen;
+      continue;
+    }
     ++error.observed;
     if (is == CellState::kUnknown) continue;
     ++error.compared;
     if (is == seems) ++error.right;
     if (is == CellState::kOccupied) {
       ++error.occupied;
-      if (seems == CellState::kFree) ++error.missed;
+      if (seems == CellState::kOccupied) {
+        ++error.found;
+      } else {
+        ++error.missed;
+        if (hasOccupiedNeighbour(estimate, i)) ++error.near_missed;
+      }
       continue;
     }
     if (trodden[i] != 0) ++error.trodden;

@@ -38,12 +38,19 @@ struct GridError {
   std::size_t phantoms = 0;       ///< occupied in the estimate, truly free
   std::size_t near_phantoms = 0;  ///< of these, with a truly occupied neighbour
   std::size_t missed = 0;         ///< free in the estimate, truly occupied
+  std::size_t near_missed = 0;    ///< of these, with a neighbour that the estimate calls occupied
   std::size_t occupied = 0;       ///< truly occupied, of the compared
+  std::size_t found = 0;          ///< of these, occupied in the estimate
+  std::size_t unseen = 0;         ///< truly occupied, not observed by the estimate
   std::size_t trodden = 0;        ///< compared cells, truly free, over which something moved
   std::size_t ghosts = 0;         ///< of these, occupied in the estimate: trails left behind
 
   /// 0 to 1; nullopt where nothing was compared.
   [[nodiscard]] std::optional<double> rightShare() const;
+  /// Of what stands in observed cells, the share that is found; nullopt where nothing stands.
+  [[nodiscard]] std::optional<double> occupiedRecall() const;
+  /// Of what is called occupied, the share that is; nullopt where nothing is called so.
+  [[nodiscard]] std::optional<double> occupiedPrecision() const;
 };
 
 /// @param trodden  1 for each cell over which something moved; as many as cells

@@ -1,0 +1,112 @@
+#include <gmock/gmock.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "run_program.h"
+
+namespace headway::eval {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+/// A short drive through a simulated street among people and cars, replayed once for all tests.
+class GridCommandTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    drive_ = std::make_unique<test::TemporaryFolder>();
+    run("headway-sim -q --seed 5 --frames 24 --depth --masks -c " HEADWAY_SOURCE_DIR
+        "/config/worlds/street.ini --set camera.width=400 --set camera.height=152 "
+        "--set camera.focal_px=232 -o " +
+        at("w.rawlog"));
+    run("headway-replay -q --snapshots 0 -i " + at("w.rawlog") + " -o " + at("out"));
+  }
+  static void TearDownTestSuite() { drive_.reset(); }
+
+  static std::string at(const std::string& name) { return *drive_ / name; }
+  static void run(const std::string& command) {
+    const std::string line =
+        std::string(HEADWAY_BIN_DIR "/") + command + " > " + at("log") + " 2>&1";
+    ASSERT_EQ(0, std::system(line.c_str())) << contentOf(at("log"));
+  }
+  static ProgramRun grid(const std::string& truth, const std::string& estimate,
+                         const std::string& more = "") {
+    return runEval("grid --truth " + truth + " --estimate " + estimate + " " + more);
+  }
+  /// A copy of the replay that a test may spoil.
+  [[nodiscard]] std::string copyOfReplay() const {
+    fs::create_directories(folder_ / "out");
+    for (const char* name : {"map_grid.gridmap.gz", "calibration.yaml"}) {
+      fs::copy(fs::path(at("out")) / name, folder_ / "out");
+    }
+    return folder_ / "out";
+  }
+
+  static std::unique_ptr<test::TemporaryFolder> drive_;
+  test::TemporaryFolder folder_;
+};
+
+std::unique_ptr<test::TemporaryFolder> GridCommandTest::drive_;
+
+TEST_F(GridCommandTest, findsTheGridRightAndSaysSoInTableFileAndPicture) {
+  const std::string json = folder_ / "g.json";
+  const std::string plot = folder_ / "g.png";
+  const auto result = grid(at("w.truth"), at("out"), "--json " + json + " --plot " + plot);
+  ASSERT_EQ(0, result.status) << result.error;
+  EXPECT_THAT(result.out, HasSubstr("of these found (recall)"));
+  EXPECT_THAT(contentOf(plot), testing::StartsWith("\x89PNG"));
+  const auto figures = nlohmann::json::parse(contentOf(json));
+  EXPECT_GT(figures["compared"], 2000);
+  EXPECT_GE(figures["right_share"], 0.95);
+  EXPECT_GT(figures["occupied_recall"], 0.6);
+  EXPECT_GT(figures["occupied_precision"], 0.6);
+  EXPECT_LE(figures["ghosts"], 3);
+  EXPECT_EQ(figures["found"].get<int>() + figures["missed"].get<int>(), figures["occupied"]);
+
+  const auto again = grid(at("w.truth"), at("out"), "--json " + json);
+  EXPECT_EQ(1, again.status);
+  EXPECT_THAT(again.error, HasSubstr("exists already"));
+}
+
+TEST_F(GridCommandTest, aDamagedGridIsNamed) {
+  const std::string spoilt = copyOfReplay();
+  std::ofstream(spoilt + "/map_grid.gridmap.gz") << "no grid";
+  const auto result = grid(at("w.truth"), spoilt);
+  EXPECT_EQ(1, result.status);
+  EXPECT_THAT(result.error, HasSubstr("map_grid.gridmap.gz: is not a grid map"));
+
+  fs::remove(spoilt + "/map_grid.gridmap.gz");
+  EXPECT_THAT(grid(at("w.truth"), spoilt).error, HasSubstr("is this the folder of a replay?"));
+  EXPECT_THAT(grid(at("w.truth"), folder_ / "none").error, HasSubstr("none"));
+}
+
+TEST_F(GridCommandTest, aTruthWithoutDepthSaysHowToRecordIt) {
+  const std::string truth = folder_ / "bare.truth";
+  fs::create_directories(truth);
+  fs::copy(fs::path(at("w.truth")) / "trajectory.tum", truth);
+  const auto result = grid(truth, at("out"));
+  EXPECT_EQ(1, result.status);
+  EXPECT_THAT(result.error, HasSubstr("--depth --masks"));
+  EXPECT_THAT(grid(folder_ / "none", at("out")).error, HasSubstr("trajectory.tum"));
+}
+
+TEST_F(GridCommandTest, aCameraOfAnotherSizeIsRefused) {
+  const std::string other = copyOfReplay();
+  std::string calibration = contentOf(other + "/calibration.yaml");
+  const auto place = calibration.find("400");
+  ASSERT_NE(std::string::npos, place);
+  calibration.replace(place, 3, "404");
+  std::ofstream(other + "/calibration.yaml") << calibration;
+  const auto result = grid(at("w.truth"), other);
+  EXPECT_EQ(1, result.status);
+  EXPECT_THAT(result.error, HasSubstr("another size"));
+}
+
+TEST_F(GridCommandTest, bothFoldersMustBeNamed) {
+  EXPECT_EQ(2, runEval("grid --truth x").status);
+  EXPECT_EQ(2, runEval("grid --estimate x").status);
+}
+
+}  // namespace
+}  // namespace headway::eval
