@@ -1,4 +1,5 @@
 #include <gmock/gmock.h>
+#include <headway/core/error.h>
 #include <headway/map/moving_objects_map.h>
 #include <headway_test/folders.h>
 #include <mrpt/config/CConfigFileMemory.h>
@@ -144,6 +145,7 @@ TEST(MovingObjectsMapTest, SavesASceneAndATable) {
   std::getline(table, header);
   std::getline(table, first);
   EXPECT_THAT(first, ::testing::StartsWith("3.000000000 4 Car confirmed 10.0"));
+  EXPECT_THROW(exampleMap().saveMetricMapRepresentationToFile("/nonexistent/map"), InputError);
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include <headway/core/error.h>
 #include <headway/map/moving_objects_map.h>
 #include <mrpt/core/initializer.h>
 #include <mrpt/opengl/COpenGLScene.h>
@@ -70,7 +71,9 @@ void CMovingObjectsMap::saveMetricMapRepresentationToFile(const std::string& pre
   auto objects = mrpt::opengl::CSetOfObjects::Create();
   getVisualizationInto(*objects);
   scene.insert(objects);
-  scene.saveToFile(prefix + "_moving_objects.3Dscene");
+  if (!scene.saveToFile(prefix + "_moving_objects.3Dscene")) {
+    throw InputError(prefix + "_moving_objects.3Dscene: cannot be written");
+  }
   std::ofstream text(prefix + "_moving_objects.txt");
   text << "# time id class status x y z yaw vx vy vz length width height\n";
   text.precision(9);
@@ -79,6 +82,8 @@ void CMovingObjectsMap::saveMetricMapRepresentationToFile(const std::string& pre
          << ' ' << toString(track.status) << ' ' << track.position.transpose() << ' ' << track.yaw
          << ' ' << track.velocity.transpose() << ' ' << track.size.transpose() << '\n';
   }
+  text.close();
+  if (!text) throw InputError(prefix + "_moving_objects.txt: cannot be written");
 }
 
 void CMovingObjectsMap::internal_clear() {

@@ -124,6 +124,11 @@ void PerceptionMap::update(Time time, std::vector<Track> tracks) {
 void PerceptionMap::update(const mrpt::maps::COccupancyGridMap2D::Ptr& static_grid) {
   ASSERTMSG_(static_grid != nullptr, "a map without a grid keeps the one it has");
   const auto old_grid = staticGrid();
+  if (old_grid != nullptr) {  // what an .ini asked of this layer holds for its next contents
+    static_grid->genericMapParams = old_grid->genericMapParams;
+    static_grid->insertionOptions = old_grid->insertionOptions;
+    static_grid->likelihoodOptions = old_grid->likelihoodOptions;
+  }
   auto layers = std::make_shared<CMultiMetricMap>();
   layers->genericMapParams = layers_->genericMapParams;
   for (const auto& layer : layers_->maps) {

@@ -49,6 +49,7 @@ class CMovingObjectsMap : public mrpt::maps::CMetricMap {
   /// genericMapParams.enableSaveAs3DObject is off.
   void getVisualizationInto(mrpt::opengl::CSetOfObjects& out) const override;
   /// Writes `<prefix>_moving_objects.3Dscene` and `<prefix>_moving_objects.txt`.
+  /// @throws InputError if a file cannot be written
   void saveMetricMapRepresentationToFile(const std::string& prefix) const override;
 
  private:
