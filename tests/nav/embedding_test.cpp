@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <headway_test/folders.h>
 #include <headway_test/paths.h>
 #include <mrpt/config/CConfigFile.h>
 
@@ -31,8 +32,8 @@ TEST(Embedding, TheExampleDrivesToItsGoalWhileTheMapIsFreshAndStopsWhereItIsNot)
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there: install mrpt-common";
   mrpt::config::CConfigFile settings(path);
   settings.discardSavingChanges();
-  settings.write("CAbstractPTGBasedReactive", "ptg_cache_files_directory",
-                 std::filesystem::temp_directory_path().string());
+  const headway::test::TemporaryFolder folder;
+  settings.write("CAbstractPTGBasedReactive", "ptg_cache_files_directory", folder.path().string());
   mrpt::kinematics::CVehicleSimul_DiffDriven wheels;
   headway::nav::ScriptedRobot robot(wheels);
   headway::map::SharedMap map;

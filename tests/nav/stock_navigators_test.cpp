@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <headway/nav/predictive_obstacles.h>
+#include <headway_test/folders.h>
 #include <headway_test/walking_track.h>
 #include <mrpt/config/CConfigFile.h>
 #include <mrpt/nav/reactive/CReactiveNavigationSystem.h>
@@ -12,8 +13,8 @@
 namespace headway::nav {
 namespace {
 
-using test::walkingTrack;
 using mrpt::nav::CAbstractNavigator;
+using test::walkingTrack;
 
 const std::string kStockFolder = "/usr/share/mrpt/config_files/navigation-ptgs/";
 
@@ -30,8 +31,7 @@ class Drive {
     mrpt::config::CConfigFile file(kStockFolder + configuration);
     file.discardSavingChanges();
     file.write("CAbstractPTGBasedReactive", "enable_obstacle_filtering", false);
-    file.write("CAbstractPTGBasedReactive", "ptg_cache_files_directory",
-               std::filesystem::temp_directory_path().string());
+    file.write("CAbstractPTGBasedReactive", "ptg_cache_files_directory", folder_.path().string());
     navigator_.loadConfigFile(file);
     navigator_.initialize();
     CAbstractNavigator::TNavigationParams request;
@@ -64,6 +64,7 @@ class Drive {
     return {walkingTrack(1, {3.0, 0.1}, {-0.01, 0.0})};
   }
 
+  test::TemporaryFolder folder_;  ///< for what navigators keep of their trajectories
   mrpt::kinematics::CVehicleSimul_DiffDriven wheels_;
   ScriptedRobot robot_{wheels_};
   map::PerceptionMap map_;
