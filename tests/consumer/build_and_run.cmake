@@ -6,6 +6,13 @@ function(run)
   endif()
 endfunction()
 
+file(READ ${SOURCE_DIR}/robot.cpp example)
+file(READ ${DOCUMENT} document)
+string(FIND "${document}" "${example}" place)
+if(place EQUAL -1)
+  message(FATAL_ERROR "${DOCUMENT} does not show robot.cpp as it is")
+endif()
+
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${PREFIX})
 set(options -DCMAKE_PREFIX_PATH=${PREFIX} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -DCMAKE_BUILD_TYPE=Release)
 if(SANITIZE)
