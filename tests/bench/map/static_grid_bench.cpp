@@ -64,7 +64,7 @@ int main() {
     moved_ms.push_back(millisecondsOf([&] { grid.follow(keyframes); }));
   }
   const auto last = grid.grid();
-  std::printf("%zu x %zu cells\n", last->getSizeX(), last->getSizeY());
+  std::printf("%u x %u cells\n", last->getSizeX(), last->getSizeY());
   report("a look added", add_ms);
   report("the grid as MRPT's layer", grid_ms);
   report("600 keyframes followed, none of them moved", still_ms);
