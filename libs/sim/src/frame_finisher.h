@@ -26,7 +26,7 @@ struct DrawnFrame {
 /// Finishes frames that were drawn: looks for the objects in them, detects them, and does to the
 /// pictures what a sensor does.
 ///
-/// Frames are finished one after another in their order; it need not be the thread that draws.
+/// Frames are finished one after another in their order.
 class FrameFinisher {
  public:
   /// The lens must outlive the object.

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <future>
 
 #include "escort.h"
 #include "frame_finisher.h"
@@ -54,15 +53,12 @@ cv::Mat dynamicMask(const SimFrame& frame) {
 }
 
 /// Everything of one simulation, in the order in which a frame passes through it.
-///
-/// While one frame is drawn, a second thread finishes the one before. Frames are finished one by
-/// one in their order, so the result does not depend on the threads.
 class Simulator::Machine {
  public:
   explicit Machine(const SimParams& params);
 
   [[nodiscard]] std::optional<SimFrame> next();
-  [[nodiscard]] bool arrived() const { return robot_.arrived() && !finishing_.valid(); }
+  [[nodiscard]] bool arrived() const { return robot_.arrived(); }
   [[nodiscard]] const Lens& lens() const { return lens_; }
   [[nodiscard]] double pathLength() const { return route_.end_s - route_.start_s; }
 
@@ -83,7 +79,6 @@ class Simulator::Machine {
   /// The next frame; nullopt after the last.
   [[nodiscard]] std::optional<DrawnFrame> drawNext();
   void draw(DrawnFrame& drawn);
-  void startFinishing(std::optional<DrawnFrame> drawn);
 
   SimParams params_;
   Route route_;
@@ -102,7 +97,6 @@ class Simulator::Machine {
   std::size_t triggers_ = 0;  ///< frames taken so far, undrawn ones included
   std::size_t frames_ = 0;    ///< frames drawn for the caller
   double now_s_ = 0.0;        ///< since the first trigger [s]
-  std::future<SimFrame> finishing_;  ///< last, so that it ends before what it uses does
 };
 
 Simulator::Machine::Machine(const SimParams& params)
@@ -266,20 +260,10 @@ std::optional<DrawnFrame> Simulator::Machine::drawNext() {
   return drawn;
 }
 
-void Simulator::Machine::startFinishing(std::optional<DrawnFrame> drawn) {
-  if (!drawn) return;
-  finishing_ = std::async(std::launch::async, [this, taken = std::move(*drawn)]() mutable {
-    return finisher_.finish(std::move(taken));
-  });
-}
-
 std::optional<SimFrame> Simulator::Machine::next() {
-  if (!finishing_.valid()) startFinishing(drawNext());
-  if (!finishing_.valid()) return std::nullopt;
-  auto following = drawNext();
-  SimFrame frame = finishing_.get();
-  startFinishing(std::move(following));
-  return frame;
+  auto drawn = drawNext();
+  if (!drawn) return std::nullopt;
+  return finisher_.finish(std::move(*drawn));
 }
 
 Simulator::Simulator(const SimParams& params) {
