@@ -165,6 +165,17 @@ TEST(DetachedBundle, TakesAlongWhatCameMeanwhile) {
   EXPECT_LT((world.map.find(landmark)->position - moved * point_new).norm(), 1e-9);
 }
 
+TEST(DetachedBundle, WritesNothingBackThatWasStopped) {
+  World world = makeWorld(6, 0.0);
+  disturb(world);
+  const Pose before = world.map.keyframe(world.keyframes[3]).T_map_cam;
+  DetachedBundle bundle(world.map, world.keyframes, testCamera());
+  bundle.stop();
+  bundle.solve(30);
+  static_cast<void>(bundle.writeBack(world.map));
+  EXPECT_EQ(world.map.keyframe(world.keyframes[3]).T_map_cam.matrix(), before.matrix());
+}
+
 TEST(DetachedBundle, LetsWhatWasRemovedMeanwhileStayAway) {
   World world = makeWorld(6, 0.0);
   disturb(world);

@@ -23,7 +23,9 @@ void BundleAdjuster::adjust(SparseMap& map, const std::vector<KeyframeId>& free,
 }
 
 void BundleAdjuster::abandon() {
-  if (job_ != nullptr) abandoned_.push_back(std::move(job_));
+  if (job_ == nullptr) return;
+  job_->bundle.stop();
+  abandoned_.push_back(std::move(job_));
 }
 
 std::optional<Pose> BundleAdjuster::takeOver(SparseMap& map) {

@@ -42,13 +42,14 @@ class BundleAdjuster {
     std::future<void> solved;  ///< waits for its end when destroyed, so it is destroyed first
     Job(const SparseMap& map, const std::vector<KeyframeId>& free, const StereoCamera& camera)
         : bundle(map, free, camera) {}
+    ~Job() { bundle.stop(); }
     [[nodiscard]] bool finished() const;
   };
 
   StereoCamera camera_;
   bool in_background_ = false;
   std::unique_ptr<Job> job_;
-  std::vector<std::unique_ptr<Job>> abandoned_;  ///< still running, for nobody
+  std::vector<std::unique_ptr<Job>> abandoned_;  ///< in their last step, for nobody
 };
 
 }  // namespace headway::slam

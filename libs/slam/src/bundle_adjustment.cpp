@@ -3,6 +3,7 @@
 #include <ceres/ceres.h>
 
 #include <algorithm>
+#include <atomic>
 #include <iterator>
 #include <memory>
 
@@ -77,6 +78,18 @@ class OffsetPrior final : public ceres::SizedCostFunction<2, 1> {
   double previous_;
 };
 
+/// Ends a solution that nobody wants any more.
+class Stop final : public ceres::IterationCallback {
+ public:
+  void request() { requested_ = true; }
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& /*step*/) override {
+    return requested_ ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  std::atomic<bool> requested_{false};
+};
+
 /// Forgets what does not fit; returns how many observations that were.
 int forgetOutliers(SparseMap& map, const std::vector<KeyframeId>& keyframes,
                    const StereoCamera& camera);
@@ -117,8 +130,11 @@ class DetachedBundle::Implementation {
     options.num_threads = 1;
     options.logging_type = ceres::SILENT;
     options.function_tolerance = 1e-4;
+    options.callbacks.push_back(&stop_);
     if (!point_ids_.empty()) ceres::Solve(options, &problem_, &solved_);
   }
+
+  void stop() { stop_.request(); }
 
   BundleSummary writeBack(SparseMap& map) const {
     BundleSummary summary;
@@ -218,6 +234,7 @@ class DetachedBundle::Implementation {
   std::vector<KeyframeId> free_;
   double offset_ = 0.0;  ///< of the disparities [px]
   ceres::Solver::Summary solved_;
+  Stop stop_;
   PoseManifold manifold_;
   ceres::HuberLoss loss_{2.0};
   std::vector<KeyframeId> pose_ids_;
@@ -265,6 +282,8 @@ DetachedBundle::DetachedBundle(const SparseMap& map, const std::vector<KeyframeI
 DetachedBundle::~DetachedBundle() = default;
 
 void DetachedBundle::solve(int max_iterations) { implementation_->solve(max_iterations); }
+
+void DetachedBundle::stop() { implementation_->stop(); }
 
 BundleSummary DetachedBundle::writeBack(SparseMap& map) const {
   return implementation_->writeBack(map);

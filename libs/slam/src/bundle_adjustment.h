@@ -30,6 +30,9 @@ class DetachedBundle {
   /// Touches nothing outside of this object.
   void solve(int max_iterations);
 
+  /// Ends a solution after its present step; from any thread. Nothing of it is written back.
+  void stop();
+
   /// Takes the solution into the map. Keyframes that came meanwhile are moved along with the newest
   /// that took part; what was removed meanwhile stays away. Then forgets what does not fit.
   BundleSummary writeBack(SparseMap& map) const;
