@@ -140,9 +140,9 @@ Navigator::Navigator(mrpt::nav::CRobot2NavInterface& robot, const RobotParams& p
   // Its report of timings would go to standard output.
   m_timlog_delays.enable(false);
   m_timlog_delays.setMinLoggingLevel(mrpt::system::LVL_ERROR);
-  const ScratchFolder tables;
-  settings_.write("CAbstractPTGBasedReactive", "ptg_cache_files_directory", tables.path());
   loadConfigFile(settings_);
+  const ScratchFolder tables;  // MRPT 2.5.8 does not read its own key for this folder
+  params_abstract_ptg_navigator.ptg_cache_files_directory = tables.path();
   initialize();
 }
 

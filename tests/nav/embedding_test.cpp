@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 #include <headway_test/folders.h>
 #include <headway_test/paths.h>
-#include <mrpt/config/CConfigFile.h>
+#include <mrpt/config/CConfigFileMemory.h>
 
 #include <filesystem>
 #include <fstream>
@@ -30,10 +30,8 @@ TEST(Embedding, TheDocumentShowsTheExampleAsItCompiles) {
 TEST(Embedding, TheExampleDrivesToItsGoalWhileTheMapIsFreshAndStopsWhereItIsNot) {
   const std::string path = "/usr/share/mrpt/config_files/navigation-ptgs/reactive2d_config.ini";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there: install mrpt-common";
-  mrpt::config::CConfigFile settings(path);
-  settings.discardSavingChanges();
-  const headway::test::TemporaryFolder folder;
-  settings.write("CAbstractPTGBasedReactive", "ptg_cache_files_directory", folder.path().string());
+  const mrpt::config::CConfigFileMemory settings(textOf(path));
+  const headway::test::WorkingInTemporaryFolder folder;  // the navigator writes tables where it is
   mrpt::kinematics::CVehicleSimul_DiffDriven wheels;
   headway::nav::ScriptedRobot robot(wheels);
   headway::map::SharedMap map;

@@ -1,8 +1,9 @@
 #include <gtest/gtest.h>
 #include <headway/nav/predictive_obstacles.h>
 #include <headway_test/folders.h>
+#include <headway_test/process.h>
 #include <headway_test/walking_track.h>
-#include <mrpt/config/CConfigFile.h>
+#include <mrpt/config/CConfigFileMemory.h>
 #include <mrpt/nav/reactive/CReactiveNavigationSystem.h>
 #include <mrpt/nav/reactive/CReactiveNavigationSystem3D.h>
 
@@ -28,10 +29,8 @@ class Drive {
         navigator_(obstacles_, false) {
     obstacles_.setMinLoggingLevel(mrpt::system::LVL_ERROR);
     navigator_.setMinLoggingLevel(mrpt::system::LVL_ERROR);
-    mrpt::config::CConfigFile file(kStockFolder + configuration);
-    file.discardSavingChanges();
+    mrpt::config::CConfigFileMemory file(test::contentsOf(kStockFolder + configuration));
     file.write("CAbstractPTGBasedReactive", "enable_obstacle_filtering", false);
-    file.write("CAbstractPTGBasedReactive", "ptg_cache_files_directory", folder_.path().string());
     navigator_.loadConfigFile(file);
     navigator_.initialize();
     CAbstractNavigator::TNavigationParams request;
@@ -64,7 +63,7 @@ class Drive {
     return {walkingTrack(1, {3.0, 0.1}, {-0.01, 0.0})};
   }
 
-  test::TemporaryFolder folder_;  ///< for what navigators keep of their trajectories
+  test::WorkingInTemporaryFolder folder_;  ///< navigators write tables of their trajectories
   mrpt::kinematics::CVehicleSimul_DiffDriven wheels_;
   ScriptedRobot robot_{wheels_};
   map::PerceptionMap map_;

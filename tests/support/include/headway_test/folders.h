@@ -39,6 +39,24 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
+/// Works in an empty folder until the end of the test: for what MRPT writes where it stands.
+class WorkingInTemporaryFolder {
+ public:
+  WorkingInTemporaryFolder() : before_(std::filesystem::current_path()) {
+    std::filesystem::current_path(folder_.path());
+  }
+  ~WorkingInTemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::current_path(before_, ignored);
+  }
+  WorkingInTemporaryFolder(const WorkingInTemporaryFolder&) = delete;
+  WorkingInTemporaryFolder& operator=(const WorkingInTemporaryFolder&) = delete;
+
+ private:
+  TemporaryFolder folder_;
+  std::filesystem::path before_;
+};
+
 }  // namespace headway::test
 
 /// Ends the test as skipped, saying why, where there is no real data.
