@@ -63,7 +63,6 @@ class Drive {
     return {walkingTrack(1, {3.0, 0.1}, {-0.01, 0.0})};
   }
 
-  test::WorkingInTemporaryFolder folder_;  ///< navigators write tables of their trajectories
   mrpt::kinematics::CVehicleSimul_DiffDriven wheels_;
   ScriptedRobot robot_{wheels_};
   map::PerceptionMap map_;
@@ -76,6 +75,7 @@ void expectToDrive(const std::string& configuration) {
   if (!std::filesystem::exists(kStockFolder + configuration)) {
     GTEST_SKIP() << kStockFolder << configuration << " is not there: install mrpt-common";
   }
+  const test::WorkingInTemporaryFolder folder;  // navigators share tables of their trajectories
   Drive<Navigator> free_drive(configuration);
   free_drive.run(false);
   EXPECT_EQ(free_drive.state(), CAbstractNavigator::IDLE) << "at the goal";
