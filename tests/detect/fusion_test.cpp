@@ -36,6 +36,7 @@ TEST(Fuse, OneSourceComesOutAsItWentIn) {
 TEST(Fuse, AnObjectSeenTwiceIsReportedOnceWithAllThatIsKnown) {
   auto moving = seenAt(14, 20.0, ObjectClass::kUnknown);
   moving.detector_id = 3;
+  moving.velocity = MeasuredVelocity{{0, 0, 9}, Eigen::Matrix3d::Identity()};
   const auto fused =
       fuse({listOf({seenAt(10, std::nullopt, ObjectClass::kCar)}), listOf({moving})});
   ASSERT_EQ(fused.items.size(), 1u);
@@ -45,6 +46,8 @@ TEST(Fuse, AnObjectSeenTwiceIsReportedOnceWithAllThatIsKnown) {
   EXPECT_EQ(fused.items[0].box3d->centre.z(), 20.0);
   EXPECT_TRUE(fused.items[0].centre_covariance);
   EXPECT_EQ(fused.items[0].detector_id, 3);
+  ASSERT_TRUE(fused.items[0].velocity);
+  EXPECT_EQ(fused.items[0].velocity->value.z(), 9.0);
 }
 
 TEST(Fuse, OverlappingBoxesFarApartInSpaceAreTwoObjects) {

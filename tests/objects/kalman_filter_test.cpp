@@ -90,6 +90,27 @@ TEST(KalmanFilter, IsTheFullFilterInBlocks) {
   }
 }
 
+TEST(KalmanFilter, StartsAtAMeasuredVelocity) {
+  MeasuredBox box = boxAt(0.0, 0.0);
+  box.velocity = GroundVelocity{{12.0, -5.0}, 0.04 * Eigen::Matrix2d::Identity()};
+  KalmanFilter filter(box, FilterParams());
+  EXPECT_NEAR(filter.velocity().x(), 12.0, 0.05);
+  EXPECT_NEAR(filter.velocity().y(), -5.0, 0.05);
+  EXPECT_LT(filter.velocityCovariance()(0, 0), 0.04);
+}
+
+TEST(KalmanFilter, WeighsAMeasuredVelocityAgainstWhatItKnows) {
+  MeasuredBox box = boxAt(0.0, 0.0);
+  box.velocity = GroundVelocity{{10.0, 0.0}, Eigen::Matrix2d::Identity()};
+  KalmanFilter filter(box, FilterParams());
+  const double before = filter.velocityCovariance()(0, 0);
+  filter.updateVelocity({{12.0, 0.0}, before * Eigen::Matrix2d::Identity()});
+  EXPECT_NEAR(filter.velocity().x(), 11.0, 0.1) << "as sure as the filter: half way";
+  EXPECT_NEAR(filter.velocityCovariance()(0, 0), 0.5 * before, 0.02 * before);
+  filter.predict(Transition(0.1, 1.0), false);
+  EXPECT_NEAR(filter.position().x(), 1.1, 0.05);
+}
+
 TEST(KalmanFilter, TurnsOnThroughHalfATurn) {
   KalmanFilter filter(boxAt(0, 0, 3.0), FilterParams());
   const Transition step(0.1, 1.0);

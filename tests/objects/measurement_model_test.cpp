@@ -63,6 +63,18 @@ TEST(MeasurementModel, BelievesTheCovarianceThatADetectorGives) {
   EXPECT_NEAR(box.vertical_variance, 0.02, 0.01);
 }
 
+TEST(MeasurementModel, TurnsAVelocityIntoTheMap) {
+  Pose T_map_robot = Pose::Identity();
+  T_map_robot.linear() = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  Detection car = seenCar(10.0, 0.0);
+  car.velocity = MeasuredVelocity{{0.0, 0.0, 8.0}, Eigen::Vector3d(0.1, 0.2, 0.9).asDiagonal()};
+  const auto velocity = measure({car}, {}, nullptr, T_map_robot).boxes.at(0).velocity;
+  ASSERT_TRUE(velocity) << "away from the camera, which looks along the map's y";
+  EXPECT_LT((velocity->value - Eigen::Vector2d(0.0, 8.0)).norm(), 1e-9);
+  EXPECT_NEAR(velocity->covariance(1, 1), 0.9, 1e-9);
+  EXPECT_NEAR(velocity->covariance(0, 0), 0.1, 1e-9);
+}
+
 TEST(MeasurementModel, ForgetsTheOrderOfArrival) {
   std::vector<Detection> items;
   for (int i = 0; i < 20; ++i) items.push_back(seenCar(5.0 + (i * 7) % 20, (i * 3) % 11));
@@ -87,8 +99,13 @@ TEST(MeasurementModel, CountsNotANumberAndInfinity) {
       with([](Detection& d) { d.box3d->length = kNan; }),
       with([](Detection& d) { d.box3d->yaw = kInfinity; }),
       with([](Detection& d) { d.score = kNan; }),
-      with([](Detection& d) { d.box2d = Box2d{kNan, 0, 10, 10}; }),
+      with([](Detection& d) {
+        d.box2d = Box2d{kNan, 0, 10, 10};
+      }),
       with([](Detection& d) { d.centre_covariance = Eigen::Matrix3d::Constant(kNan); }),
+      with([](Detection& d) {
+        d.velocity = MeasuredVelocity{{kNan, 0.0, 0.0}, {}};
+      }),
   };
   const auto outcome = measure(items);
   EXPECT_THAT(outcome.boxes, IsEmpty());

@@ -11,6 +11,10 @@ Box3d opticalBox(const Eigen::Vector3d& centre, const Eigen::Vector3d& size, dou
           opticalYaw(T_optical_frame.linear() * front)};
 }
 
+MeasuredVelocity rotated(const MeasuredVelocity& velocity, const Eigen::Matrix3d& R_new_old) {
+  return {R_new_old * velocity.value, R_new_old * velocity.covariance * R_new_old.transpose()};
+}
+
 bool isFinite(const Box2d& box) {
   return std::isfinite(box.left) && std::isfinite(box.top) && std::isfinite(box.right) &&
          std::isfinite(box.bottom);
@@ -19,6 +23,10 @@ bool isFinite(const Box2d& box) {
 bool isFinite(const Box3d& box) {
   return box.centre.allFinite() && std::isfinite(box.length) && std::isfinite(box.width) &&
          std::isfinite(box.height) && std::isfinite(box.yaw);
+}
+
+bool isFinite(const MeasuredVelocity& velocity) {
+  return velocity.value.allFinite() && velocity.covariance.allFinite();
 }
 
 Detections inSensorFrame(const Detections& detections, const Pose& T_robot_sensor) {
@@ -34,6 +42,7 @@ Detections inSensorFrame(const Detections& detections, const Pose& T_robot_senso
     if (auto& covariance = detection.centre_covariance) {
       covariance = T_new_old.linear() * *covariance * T_new_old.linear().transpose();
     }
+    if (detection.velocity) detection.velocity = rotated(*detection.velocity, T_new_old.linear());
   }
   return result;
 }

@@ -40,6 +40,7 @@ void complete(Detection& kept, const Detection& other) {
     kept.box3d = other.box3d;
     kept.centre_covariance = other.centre_covariance;
   }
+  if (!kept.velocity) kept.velocity = other.velocity;
   if (!kept.detector_id) kept.detector_id = other.detector_id;
 }
 

@@ -69,6 +69,7 @@ KalmanFilter::KalmanFilter(const MeasuredBox& first, const FilterParams& params)
   x_ = startingAt(p.x(), first.covariance(0, 0), speed, acceleration_sigma_);
   y_ = startingAt(p.y(), first.covariance(1, 1), speed, acceleration_sigma_);
   cross_xy_(0, 0) = first.covariance(0, 1);
+  if (first.velocity) updateVelocity(*first.velocity);
   z_ = startingAt(p.z(), first.vertical_variance, kVerticalShare * speed,
                   kVerticalShare * acceleration_sigma_);
   yaw_ = startingAt(first.yaw, square(params.yaw_sigma_rad), kInitialTurnRate, kTurnAcceleration);
@@ -87,15 +88,16 @@ void KalmanFilter::predict(const Transition& transition, bool standing) {
   yaw_.mean(0) = wrapAngle(yaw_.mean(0));
 }
 
-// The 6-state block: both places measured at once, with the noise ellipse of the box.
-void KalmanFilter::updatePlace(const MeasuredBox& measured) {
-  const Eigen::Matrix2d weight = (planar(0) + measured.covariance).inverse();
-  const Eigen::Vector2d innovation(measured.position.x() - x_.mean(0),
-                                   measured.position.y() - y_.mean(0));
-  Eigen::Matrix<double, 3, 2> column_x;  // covariance of x's chain with the two places
+// The 6-state block: x and y (or their rates) measured at once, with their noise ellipse.
+void KalmanFilter::updatePlanar(int derivative, const Eigen::Vector2d& measured,
+                                const Eigen::Matrix2d& covariance) {
+  const int d = derivative;
+  const Eigen::Matrix2d weight = (planar(d) + covariance).inverse();
+  const Eigen::Vector2d innovation = measured - Eigen::Vector2d(x_.mean(d), y_.mean(d));
+  Eigen::Matrix<double, 3, 2> column_x;  // covariance of x's chain with what was measured
   Eigen::Matrix<double, 3, 2> column_y;
-  column_x << x_.covariance.col(0), cross_xy_.col(0);
-  column_y << cross_xy_.row(0).transpose(), y_.covariance.col(0);
+  column_x << x_.covariance.col(d), cross_xy_.col(d);
+  column_y << cross_xy_.row(d).transpose(), y_.covariance.col(d);
   const Eigen::Matrix<double, 3, 2> gain_x = column_x * weight;
   const Eigen::Matrix<double, 3, 2> gain_y = column_y * weight;
   x_.mean += gain_x * innovation;
@@ -103,7 +105,15 @@ void KalmanFilter::updatePlace(const MeasuredBox& measured) {
   x_.covariance -= gain_x * column_x.transpose();
   y_.covariance -= gain_y * column_y.transpose();
   cross_xy_ -= gain_x * column_y.transpose();
+}
+
+void KalmanFilter::updatePlace(const MeasuredBox& measured) {
+  updatePlanar(0, measured.position.head<2>(), measured.covariance);
   z_.update(measured.position.z(), measured.vertical_variance);
+}
+
+void KalmanFilter::updateVelocity(const GroundVelocity& measured) {
+  updatePlanar(1, measured.value, measured.covariance);
 }
 
 // A size does not change: its chains have no rate, and once known well they are left alone.

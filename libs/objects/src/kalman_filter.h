@@ -48,8 +48,9 @@ class KalmanFilter {
   /// @param standing  the object is known to stand: it hardly accelerates
   void predict(const Transition& transition, bool standing);
 
-  /// Takes in a measured place and footprint.
+  /// Takes in a measured place, velocity and footprint.
   void updatePlace(const MeasuredBox& measured);
+  void updateVelocity(const GroundVelocity& measured);
   void updateSize(const Eigen::Vector3d& size);
 
   /// Takes in a heading; `measured` must lie within half a turn of yaw().
@@ -72,6 +73,8 @@ class KalmanFilter {
 
  private:
   [[nodiscard]] Eigen::Matrix2d planar(int derivative) const;
+  void updatePlanar(int derivative, const Eigen::Vector2d& measured,
+                    const Eigen::Matrix2d& covariance);
 
   FilterParams params_;
   double acceleration_sigma_;

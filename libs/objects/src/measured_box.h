@@ -7,6 +7,12 @@
 
 namespace headway::objects {
 
+/// A velocity over the ground.
+struct GroundVelocity {
+  Eigen::Vector2d value = Eigen::Vector2d::Zero();           ///< (x, y), map frame [m/s]
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< [m^2/s^2]
+};
+
 /// A detection brought to the map frame, with its noise.
 struct MeasuredBox {
   ObjectClass object_class = ObjectClass::kUnknown;
@@ -14,6 +20,7 @@ struct MeasuredBox {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();        ///< centre, map frame [m]
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< of (x, y), map frame [m^2]
   double vertical_variance = 1.0;                            ///< of z, map frame [m^2]
+  std::optional<GroundVelocity> velocity;                    ///< where the detector measured it
   double yaw = 0.0;                                          ///< of the front about map z [rad]
   Eigen::Vector3d size = Eigen::Vector3d::Ones();            ///< (length, width, height) [m]
   std::optional<Box2d> box2d;                                ///< [px]

@@ -68,6 +68,7 @@ const char* MeasurementModel::reasonToDrop(const Detection& detection) const {
   const Box3d& box = *detection.box3d;
   if (!isFinite(box)) return "nan_box";
   if (detection.centre_covariance && !detection.centre_covariance->allFinite()) return "nan_box";
+  if (detection.velocity && !isFinite(*detection.velocity)) return "nan_box";
   if (!(box.length > 0.0 && box.width > 0.0 && box.height > 0.0)) return "zero_size";
   if (!(box.centre.z() > 0.0)) return "behind_camera";
   if (box.centre.norm() > selection_.max_range_m) return "too_far";
@@ -85,6 +86,10 @@ MeasuredBox MeasurementModel::measured(const Pose& T_map_sensor, const Detection
   result.position = T_map_sensor * box.centre;
   result.covariance = covariance.topLeftCorner<2, 2>();
   result.vertical_variance = covariance(2, 2);
+  if (detection.velocity) {
+    const MeasuredVelocity velocity = rotated(*detection.velocity, R);
+    result.velocity = {velocity.value.head<2>(), velocity.covariance.topLeftCorner<2, 2>()};
+  }
   result.yaw = wrapAngle(std::atan2(front.y(), front.x()));
   result.size = {box.length, box.width, box.height};
   result.box2d = detection.box2d;

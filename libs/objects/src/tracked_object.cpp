@@ -34,6 +34,7 @@ TrackedObject::TrackedObject(TrackId id, std::size_t frame, Time time, const Mea
 
 void TrackedObject::update(std::size_t frame, Time time, const MeasuredBox& detection) {
   filter_.updatePlace(detection);
+  if (detection.velocity) filter_.updateVelocity(*detection.velocity);
   filter_.updateSize(detection.size);
   updateHeading(detection);
   voteClass(detection);

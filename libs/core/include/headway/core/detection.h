@@ -35,6 +35,15 @@ struct Box3d {
   double yaw = 0.0;                                  ///< [rad], in (-pi, pi]
 };
 
+/// How fast an object moves over the ground, as a detector measured it.
+///
+/// Successive reports may be taken for independent: a detector that measures over several frames
+/// says so by a covariance that is greater by as much.
+struct MeasuredVelocity {
+  Eigen::Vector3d value = Eigen::Vector3d::Zero();  ///< of the object, not of the camera [m/s]
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< [m^2/s^2]
+};
+
 /// One object as a detector reports it in one frame: a 2D box, a 3D box, or both.
 struct Detection {
   ObjectClass object_class = ObjectClass::kUnknown;
@@ -43,6 +52,7 @@ struct Detection {
   std::optional<Box2d> box2d;               ///< [px], image as recorded
   std::optional<Box3d> box3d;               ///< sensor's optical frame
   std::optional<Eigen::Matrix3d> centre_covariance;  ///< of box3d->centre, optical frame [m^2]
+  std::optional<MeasuredVelocity> velocity;          ///< along the optical frame's axes
 };
 
 /// All that one detector reports of one frame. Empty `items` says "looked, saw nothing".
@@ -63,11 +73,17 @@ struct Detections {
 [[nodiscard]] Box3d opticalBox(const Eigen::Vector3d& centre, const Eigen::Vector3d& size,
                                double yaw, const Pose& T_optical_frame);
 
-/// Whether every number of the box is finite.
+/// The same velocity along the axes of another frame.
+[[nodiscard]] MeasuredVelocity rotated(const MeasuredVelocity& velocity,
+                                       const Eigen::Matrix3d& R_new_old);
+
+/// Whether every number is finite.
 [[nodiscard]] bool isFinite(const Box2d& box);
 [[nodiscard]] bool isFinite(const Box3d& box);
+[[nodiscard]] bool isFinite(const MeasuredVelocity& velocity);
 
-/// The same detections with their 3D boxes in the frame of another sensor on the same robot.
+/// The same detections with their 3D boxes and velocities in the frame of another sensor on the
+/// same robot.
 [[nodiscard]] Detections inSensorFrame(const Detections& detections, const Pose& T_robot_sensor);
 
 /// Direction of the box's front in the optical frame, unit length.
