@@ -25,6 +25,8 @@ struct Flow {
   std::vector<unsigned char> found;
 };
 
+const cv::Point2f kNowhere(-1.0F, -1.0F);
+
 // Moves points from one picture to another, starting from where they are thought to be.
 Flow flow(const std::vector<cv::Mat>& from, const std::vector<cv::Mat>& to,
           const std::vector<cv::Point2f>& points, std::vector<cv::Point2f> guesses, int levels) {
@@ -37,6 +39,23 @@ Flow flow(const std::vector<cv::Mat>& from, const std::vector<cv::Mat>& to,
     if (errors[i] > kMostGreyError) result.found[i] = 0;
   }
   return result;
+}
+
+// Finds points in the next image; kNowhere for those that are not found, or elsewhere on the way
+// back.
+std::vector<cv::Point2f> followed(const std::vector<cv::Mat>& before,
+                                  const std::vector<cv::Mat>& after,
+                                  const std::vector<cv::Point2f>& points,
+                                  const std::vector<cv::Point2f>& guesses) {
+  if (points.empty()) return {};
+  Flow there = flow(before, after, points, guesses, kLevels);
+  const Flow back = flow(after, before, there.places, points, 1);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const cv::Point2f off = back.places[i] - points[i];
+    const bool returned = back.found[i] != 0 && std::hypot(off.x, off.y) < kMostWayBackError;
+    if (there.found[i] == 0 || !returned) there.places[i] = kNowhere;
+  }
+  return std::move(there.places);
 }
 
 }  // namespace
@@ -75,14 +94,23 @@ void PointFollower::follow(const StereoFrame& frame, const DisparityImage& dispa
     guesses.emplace_back(static_cast<float>(expected.x()), static_cast<float>(expected.y()));
     expected_disparities.push_back(expected.z());
   }
-  Flow there = flow(left_before_, left_, before, guesses, kLevels);
-  const Flow back = flow(left_, left_before_, there.places, before, 1);
-  for (std::size_t i = 0; i < before.size(); ++i) {
-    const cv::Point2f off = back.places[i] - before[i];
-    const bool returned = back.found[i] != 0 && std::hypot(off.x, off.y) < kMostWayBackError;
-    if (there.found[i] == 0 || !returned) there.places[i] = {-1.0F, -1.0F};
+  auto places = followed(left_before_, left_, before, guesses);
+  seekWhereTheyWere(before, places);
+  keepFound(places, disparitiesOf(places, expected_disparities, disparity), path);
+}
+
+// What moves along with the camera is far from where a still world would put it.
+void PointFollower::seekWhereTheyWere(const std::vector<cv::Point2f>& before,
+                                      std::vector<cv::Point2f>& places) const {
+  std::vector<std::size_t> lost;
+  std::vector<cv::Point2f> from;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (places[i] != kNowhere) continue;
+    lost.push_back(i);
+    from.push_back(before[i]);
   }
-  keepFound(there.places, disparitiesOf(there.places, expected_disparities, disparity), path);
+  const auto found = followed(left_before_, left_, from, from);
+  for (std::size_t i = 0; i < lost.size(); ++i) places[lost[i]] = found[i];
 }
 
 std::vector<double> PointFollower::disparitiesOf(const std::vector<cv::Point2f>& places,

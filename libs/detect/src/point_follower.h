@@ -36,7 +36,8 @@ struct FollowerParams {
 ///
 /// Points are chosen where objects could be: between two heights above the ground and within
 /// range, one to a cell of a grid; a tenth of them anywhere, so that the camera's own motion stays
-/// in sight. They are sought where the world as known would put them. A point ends that is not
+/// in sight. They are sought where the world as known would put them, then where they were: so
+/// moves what the camera follows. A point ends that is not
 /// found, found elsewhere on the way back, or whose left and right image disagree.
 /// @see  Lucas & Kanade 1981, Bouguet 2001 (pyramids), Shi & Tomasi 1994 (choice)
 class PointFollower {
@@ -62,6 +63,8 @@ class PointFollower {
   using Pyramid = std::vector<cv::Mat>;
 
   [[nodiscard]] Eigen::Vector3d expectedAt(const PointTrack& point, const CameraPath& path) const;
+  void seekWhereTheyWere(const std::vector<cv::Point2f>& before,
+                         std::vector<cv::Point2f>& places) const;
   void keepFound(const std::vector<cv::Point2f>& places, const std::vector<double>& disparities,
                  const CameraPath& path);
   [[nodiscard]] std::vector<double> disparitiesOf(const std::vector<cv::Point2f>& places,
