@@ -9,8 +9,9 @@
 namespace headway::detect {
 namespace {
 
-constexpr double kEdgeSigma = 2.0;  // of the image box's edges [px]
-constexpr double kElongated = 1.5;  // length over width from which a heading can be told
+constexpr double kEdgeSigma = 2.0;   // of the image box's edges [px]
+constexpr double kEdgeShare = 0.07;  // or of its width: networks frame what they see roughly
+constexpr double kElongated = 1.5;   // length over width from which a heading can be told
 constexpr double kAwayFromCamera = -1.5707963267948966;  // rotation_y of a front along +z
 constexpr double kDeepestUnknown = 2.0;                  // of an object of unknown size [m]
 
@@ -38,9 +39,10 @@ double heightOf(const Box2d& box, double depth, double usual, const StereoCamera
 }
 
 // Along the ray: stereo, size and heading; across it: the box's edges.
-Eigen::Matrix3d covarianceOf(const Eigen::Vector3d& centre, double depth_sigma,
+Eigen::Matrix3d covarianceOf(const Eigen::Vector3d& centre, const Box2d& box, double depth_sigma,
                              const StereoCamera& camera) {
-  const double across = kEdgeSigma * centre.z() / camera.fx + 0.05;
+  const double edges = std::hypot(kEdgeSigma, kEdgeShare * box.width());
+  const double across = edges * centre.z() / camera.fx + 0.05;
   const Eigen::Vector3d sight = centre.normalized();
   const double along = std::max(depth_sigma, across);
   return across * across * Eigen::Matrix3d::Identity() +
@@ -93,8 +95,9 @@ std::optional<LiftedBox> StereoLifter::lift(const Box2d& box, ObjectClass object
   lifted.box.centre = {fit.centre.x(), depth * (v - camera_->cy) / camera_->fy, fit.centre.y()};
   const double of_stereo = depth * surface->sigma / surface->disparity;
   const double of_size = 0.5 * 0.1 * known.size.x();
-  lifted.centre_covariance = covarianceOf(
-      lifted.box.centre, std::hypot(std::hypot(of_stereo, of_size), fit.depth_sigma), *camera_);
+  lifted.centre_covariance =
+      covarianceOf(lifted.box.centre, *inside,
+                   std::hypot(std::hypot(of_stereo, of_size), fit.depth_sigma), *camera_);
   return lifted;
 }
 
