@@ -1,7 +1,7 @@
 // How much of what moves a detector finds in simulated worlds, from images alone.
 //
 //     headway-sim -c WORLD.ini -o WORLD.rawlog
-//     bench_movers WORLD.rawlog... [section.key=value ...]
+//     bench_movers WORLD.rawlog... [frames=FIRST-LAST] [section.key=value ...]
 //
 // The whole pipeline runs on the images (SLAM's own poses), by default with stereo_motion. Asked
 // for are the true objects within 25 m that move faster than 0.8 m/s and are at least half
@@ -177,10 +177,10 @@ class Score {
   std::map<std::int64_t, Share> movers_;  ///< of the present world
 };
 
-void runWorld(const std::string& rawlog, const headway::pipeline::PerceptionParams& params,
-              Score& detections, Score& tracks) {
+void runWorld(const std::string& rawlog, const headway::io::RawlogSourceOptions& options,
+              const headway::pipeline::PerceptionParams& params, Score& detections, Score& tracks) {
   const auto truth = readTruth(std::filesystem::path(rawlog).replace_extension(".truth"));
-  headway::io::RawlogSource source(rawlog, {});
+  headway::io::RawlogSource source(rawlog, options);
   headway::pipeline::Perception perception(source.camera(), params);
   headway::DropCounts dropped;
   while (auto frame = source.next()) {
@@ -207,17 +207,21 @@ int main(int argc, char** argv) {
   headway::Params registry;
   params.describe(registry);
   Score detections, tracks;
+  headway::io::RawlogSourceOptions options;
   try {
     std::vector<std::string> rawlogs;
     for (int i = 1; i < argc; ++i) {
       const std::string argument = argv[i];
-      if (argument.find('=') != std::string::npos) {
+      std::size_t last = 0;
+      if (std::sscanf(argument.c_str(), "frames=%zu-%zu", &options.from_index, &last) == 2) {
+        options.to_index = last;
+      } else if (argument.find('=') != std::string::npos) {
         registry.set(argument);
       } else {
         rawlogs.push_back(argument);
       }
     }
-    for (const auto& rawlog : rawlogs) runWorld(rawlog, params, detections, tracks);
+    for (const auto& rawlog : rawlogs) runWorld(rawlog, options, params, detections, tracks);
   } catch (const headway::InputError& error) {
     std::fprintf(stderr, "bench_movers: %s\n", error.what());
     return 1;
