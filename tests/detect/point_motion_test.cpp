@@ -5,46 +5,13 @@
 #include <random>
 
 #include "disparity_offset.h"
+#include "drive.h"
 
 namespace headway::detect {
 namespace {
 
-constexpr double kStep = 0.1;  // between frames [s]
-
-StereoCamera testCamera() {
-  StereoCamera camera;
-  camera.width = 1240;
-  camera.height = 376;
-  camera.fx = camera.fy = 718.0;
-  camera.cx = 620.0;
-  camera.cy = 188.0;
-  camera.baseline_m = 0.54;
-  return camera;
-}
-
-/// A camera that drives forward, and what it sees of a point.
-struct Drive {
-  StereoCamera camera = testCamera();
-  CameraPath path{camera, 0.5};
-  std::mt19937 random{3};
-
-  std::vector<Sighting> see(const Eigen::Vector3d& start, const Eigen::Vector3d& velocity,
-                            double noise_px, double offset_px = 0.0, double speed = 10.0) {
-    std::normal_distribution<double> noise(0.0, noise_px);
-    std::vector<Sighting> sightings;
-    for (int i = 0; i < 7; ++i) {
-      Pose T_map_cam = Pose::Identity();
-      T_map_cam.translation().z() = speed * kStep * i;
-      if (path.newest() < i) path.advance(kStep * i, T_map_cam);
-      const Eigen::Vector3d point = start + kStep * i * velocity;
-      Eigen::Vector3d uvd = *project(T_map_cam.inverse() * point, camera);
-      for (int k = 0; k < 3; ++k) uvd[k] += noise(random);
-      uvd.z() += offset_px;
-      sightings.push_back({i, uvd});
-    }
-    return sightings;
-  }
-};
+using test::Drive;
+using test::testCamera;
 
 TEST(FitMotion, RecoversAVelocityWithinItsOwnUncertainty) {
   Drive drive;

@@ -77,6 +77,10 @@ TEST(StereoMotion, MeasuresVelocityAndPlaceOfTheMover) {
   const MovingObject& object = detector.objects()[0];
   EXPECT_NEAR(object.velocity.x(), 4.0, 0.6) << "map x is the camera's z";
   EXPECT_NEAR(object.velocity.y(), -2.5, 0.4) << "map y is the camera's -x";
+  ASSERT_TRUE(object.detection.velocity);
+  const Eigen::Vector3d turned = street.T_map_robot(kFrames - 1).linear() *
+                                 robotFromOptical().linear() * object.detection.velocity->value;
+  EXPECT_LT((turned - object.velocity).norm(), 1e-6) << "the same, along the camera's axes";
   const Eigen::Vector3d front = street.placeInCamera(kMover, kFrames - 1);
   const Box2d& box = *object.detection.box2d;
   EXPECT_NEAR(0.5 * (box.left + box.right), (*project(front, *street.camera())).x(), 12.0);

@@ -211,6 +211,7 @@ TEST(PerceptionTest, imagesAloneGiveTracksOfWhatMoves) {
   const Eigen::Vector3d found = street.T_map_robot(13).inverse() * track.position;
   EXPECT_NEAR(place.z(), found.x(), 3.0) << "its front; the box reaches behind it";
   EXPECT_NEAR(-place.x(), found.y(), 1.0);
+  EXPECT_NEAR(4.0, track.velocity.x(), 0.8) << "map x is the camera's z";
   EXPECT_EQ(14u, perception.times().summary().at("detect").count);
 }
 

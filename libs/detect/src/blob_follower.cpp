@@ -16,6 +16,7 @@ constexpr double kDisparitySigma = 0.3;  // [px]
 constexpr double kRowSigma = 30.0;       // rows say little: feet and head come and go [px]
 constexpr double kFastest = 8.0;         // of what is followed as a blob [m/s]
 constexpr int kLeastSightings = 4;
+constexpr double kGoodFit = 3.0;   // squared error to a degree of freedom
 constexpr double kLeastWay = 0.3;  // moved within the window [m]
 
 SightingNoise noiseOf(const UprightBlob& blob) {
@@ -40,8 +41,6 @@ Eigen::Vector3d expectedPlace(const BlobTrack& track, const CameraPath& path,
 }  // namespace
 
 void BlobFollower::follow(std::vector<UprightBlob> blobs, const CameraPath& path) {
-  blobs.erase(std::remove_if(blobs.begin(), blobs.end(), [](auto& blob) { return blob.hidden; }),
-              blobs.end());
   const auto forgotten = [&](const BlobTrack& track) {
     return track.track.sightings.back().frame < path.oldest() ||
            path.newest() - track.track.sightings.back().frame > 2;
@@ -74,6 +73,7 @@ void BlobFollower::follow(std::vector<UprightBlob> blobs, const CameraPath& path
 
 void BlobFollower::extend(BlobTrack& track, UprightBlob blob, const CameraPath& path) const {
   auto& sightings = track.track.sightings;
+  if (track.blob.hidden || blob.hidden) sightings.clear();
   sightings.push_back({path.newest(), blob.uvd});
   const auto old = [&](const Sighting& sighting) { return sighting.frame < path.oldest(); };
   sightings.erase(sightings.begin(), std::find_if_not(sightings.begin(), sightings.end(), old));
@@ -81,8 +81,15 @@ void BlobFollower::extend(BlobTrack& track, UprightBlob blob, const CameraPath& 
   track.blob = std::move(blob);
 }
 
+std::optional<PointMotion> BlobFollower::outlineMotion(const BlobTrack& track) {
+  const auto& motion = track.track.motion;
+  if (track.blob.hidden || !motion || motion->sightings < kLeastSightings) return std::nullopt;
+  return motion->movingFit() < kGoodFit ? motion : std::nullopt;
+}
+
 bool BlobFollower::moves(const BlobTrack& track, const Eigen::Vector3d& up,
                          const VerdictParams& params) const {
+  if (track.blob.hidden) return false;
   VerdictParams strict = params;
   strict.least_sightings = kLeastSightings;
   strict.most_speed = kFastest;

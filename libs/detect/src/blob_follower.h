@@ -16,8 +16,8 @@ struct BlobTrack {
 /// Follows things of a person's size as wholes.
 ///
 /// People wear what they like: where their clothes show no corners, their outline in the disparity
-/// image still moves. A blob continues the track next to whose expected place it lies; one partly
-/// hidden ends its track, because its middle would move with the edge of what hides it.
+/// image still moves. A blob continues the track next to whose expected place it lies; while it is
+/// partly hidden its outline tells nothing, for it moves with the edge of what hides it.
 class BlobFollower {
  public:
   BlobFollower(const StereoCamera& camera, double window_s)
@@ -26,7 +26,10 @@ class BlobFollower {
   /// Pairs the blobs of a frame with the tracks and fits the motion of each.
   void follow(std::vector<UprightBlob> blobs, const CameraPath& path);
 
-  /// Whether a track surely moves: enough sightings, and farther than its outline is uncertain.
+  /// What the outline tells of a track's motion; nullopt where it was hidden or seen too rarely.
+  [[nodiscard]] static std::optional<PointMotion> outlineMotion(const BlobTrack& track);
+
+  /// Whether by its outline alone a track surely moves, and farther than that is uncertain.
   [[nodiscard]] bool moves(const BlobTrack& track, const Eigen::Vector3d& up,
                            const VerdictParams& params) const;
 

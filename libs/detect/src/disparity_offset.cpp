@@ -18,9 +18,7 @@ void DisparityOffset::update(const std::vector<PointTrack>& points,
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto& point = points[i];
     if (!point.motion || point.object >= 0 || verdicts[i] == PointVerdict::kMismatch) continue;
-    const double fit =
-        point.motion->still_error / (3.0 * (static_cast<double>(point.sightings.size()) - 1.0));
-    const double weight = kIndependent / (1.0 + fit);
+    const double weight = kIndependent / (1.0 + point.motion->stillFit());
     information += weight * point.motion->offset_information;
     push += weight * point.motion->offset_push;
   }

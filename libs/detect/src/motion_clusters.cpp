@@ -55,10 +55,8 @@ void setVelocity(const std::vector<PointTrack>& points, const Eigen::Vector3d& u
     information += weight;
     sum += weight * points[i].motion->velocity;
   }
-  const Eigen::Matrix3d covariance = information.inverse();
-  cluster.velocity = overGround(covariance * sum, up);
-  const Eigen::Vector3d direction = cluster.velocity.normalized();
-  cluster.speed_sigma = std::sqrt(direction.dot(covariance * direction));
+  cluster.velocity_covariance = information.inverse();
+  cluster.velocity = overGround(cluster.velocity_covariance * sum, up);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace headway::detect {
 struct MotionCluster {
   std::vector<std::size_t> members;                    ///< indices of points, ascending
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< over the ground, world of the path [m/s]
-  double speed_sigma = 0.0;                            ///< [m/s]
+  Eigen::Matrix3d velocity_covariance = Eigen::Matrix3d::Identity();  ///< [m^2/s^2]
 };
 
 /// What makes points one object, and an object of points.

@@ -12,11 +12,12 @@ constexpr double kBadFit = 6.0;
 
 PointVerdict verdictOn(const PointTrack& point, const Eigen::Vector3d& up,
                        const VerdictParams& params) {
-  const auto count = static_cast<int>(point.sightings.size());
-  if (!point.motion || count < params.least_sightings) return PointVerdict::kUnsure;
+  if (!point.motion || point.motion->sightings < params.least_sightings) {
+    return PointVerdict::kUnsure;
+  }
   const PointMotion& motion = *point.motion;
-  const double still_fit = motion.still_error / (3.0 * (count - 1));
-  const double moving_fit = motion.moving_error / (3.0 * (count - 2) + 1.0);
+  const double still_fit = motion.stillFit();
+  const double moving_fit = motion.movingFit();
   if (moving_fit > kBadFit && still_fit > kBadFit) return PointVerdict::kMismatch;
   const Eigen::Vector3d along_ground = motion.velocity - up * up.dot(motion.velocity);
   const double speed = along_ground.norm();

@@ -1,6 +1,7 @@
 #include "point_motion.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 
 namespace headway::detect {
 namespace {
@@ -117,6 +118,12 @@ bool fitMoving(const std::vector<Sighting>& sightings, const CameraPath& path,
 
 }  // namespace
 
+std::vector<Sighting> since(int frame, const std::vector<Sighting>& sightings) {
+  return {std::find_if(sightings.begin(), sightings.end(),
+                       [&](const Sighting& sighting) { return sighting.frame >= frame; }),
+          sightings.end()};
+}
+
 std::optional<PointMotion> fitMotion(const std::vector<Sighting>& sightings, const CameraPath& path,
                                      const StereoCamera& camera, const SightingNoise& noise,
                                      double speed_prior) {
@@ -124,6 +131,7 @@ std::optional<PointMotion> fitMotion(const std::vector<Sighting>& sightings, con
   const auto newest = triangulate(sightings.back().uvd, camera);
   if (!newest) return std::nullopt;
   PointMotion motion;
+  motion.sightings = static_cast<int>(sightings.size());
   motion.still_point = path.T_cam_world(sightings.back().frame).inverse() * *newest;
   motion.point = motion.still_point;
   const Residuals residuals(path, camera, noise);

@@ -33,7 +33,15 @@ struct PointMotion {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< [m/s]
   Eigen::Matrix3d velocity_covariance = Eigen::Matrix3d::Identity();  ///< [m^2/s^2]
   double moving_error = 0.0;  ///< squared error of the moving point, with the prior's share
+  int sightings = 0;          ///< that it was fitted to
+
+  /// Squared errors to a degree of freedom: 1 where the hypothesis and the noise are right.
+  [[nodiscard]] double stillFit() const { return still_error / (3.0 * (sightings - 1)); }
+  [[nodiscard]] double movingFit() const { return moving_error / (3.0 * (sightings - 2) + 1.0); }
 };
+
+/// The sightings from a frame on.
+[[nodiscard]] std::vector<Sighting> since(int frame, const std::vector<Sighting>& sightings);
 
 /// Fits both hypotheses to the sightings of one point, in the images, where noise is plain.
 ///

@@ -8,10 +8,13 @@
 #include <utility>
 
 #include "blob_follower.h"
+#include "body_motion.h"
 #include "disparity_offset.h"
 #include "motion_clusters.h"
+#include "noise_scale.h"
 #include "object_extent.h"
 #include "point_follower.h"
+#include "regions_ahead.h"
 
 namespace headway::detect {
 namespace {
@@ -20,7 +23,7 @@ constexpr double kLeastContrast = 4.0;  // standard deviation of a usable image 
 constexpr double kLeastAgreeing = 0.3;  // share of still points that must fit the camera's motion
 constexpr int kFewPoints = 12;          // judged; with fewer nothing is said of the camera
 constexpr double kLongestGap = 3.0;     // of the window: after it everything is begun anew
-constexpr double kShareOfBlob = 0.3;    // moving points in it: many sit on its outline, half behind
+constexpr double kFastestBody = 8.0;    // of a person's size [m/s]
 constexpr double kPointsOfSureObject = 6.0;
 
 bool usable(const cv::Mat& image) {
@@ -36,41 +39,17 @@ DisparityImage withoutOffset(const DisparityImage& disparity, double offset) {
   return result;
 }
 
+double sigmaAlong(const Eigen::Vector3d& vector, const Eigen::Matrix3d& covariance) {
+  const Eigen::Vector3d direction = vector.normalized();
+  return std::sqrt(direction.dot(covariance * direction));
+}
+
 FollowerParams followerOf(const StereoMotionParams& params) {
-  return {params.max_points, params.spacing_px,     params.window_s,
+  return {params.max_points, params.spacing_px,     std::max(params.window_s, params.body_window_s),
           params.range_m,    params.least_height_m, params.most_height_m};
 }
 
 }  // namespace
-
-void StereoMotionParams::describe(Params::Section section) {
-  section.add("max_points", max_points, 100, 10000, "", "Points followed at a time");
-  section.add("spacing_px", spacing_px, 4, 64, "px", "Between points");
-  section.add("window_s", window_s, 0.1, 3.0, "s", "How far back a point's sightings count");
-  section.add("range_m", range_m, 2.0, 200.0, "m", "Farther points are not followed");
-  section.add("least_height_m", least_height_m, 0.0, 5.0, "m",
-              "Above ground, of points on objects");
-  section.add("most_height_m", most_height_m, 0.5, 20.0, "m", "Above ground, of points on objects");
-  section.add("sigma_px", sigma_px, 0.05, 5.0, "px", "Error of a point's place in an image");
-  section.add("sigma_disparity_px", sigma_disparity_px, 0.05, 5.0, "px",
-              "Error of a point's disparity");
-  section.add("significance", significance, 5.0, 1000.0, "-",
-              "Of a point's motion against standing still, chi-square of 3 degrees of freedom");
-  section.add("least_speed", least_speed, 0.05, 20.0, "m/s", "Slower objects stand still");
-  section.add("most_speed", most_speed, 1.0, 200.0, "m/s", "Nothing is faster");
-  section.add("least_points", least_points, 2, 50, "", "Points that make an object");
-  section.add("confirm_frames", confirm_frames, 1, 10, "frames",
-              "In which an object must have been found before it is reported");
-  section.add("reach_m", reach_m, 0.1, 10.0, "m", "Between points of one object, over the ground");
-  section.add("moving_share", moving_share, 0.0, 1.0, "-",
-              "Of the points inside an object's outline that must move");
-  section.add("blob_range_m", blob_range_m, 2.0, 100.0, "m",
-              "Farther things of a person's size are not followed as a whole");
-  section.add("most_moving", most_moving, 0.1, 1.0, "-",
-              "If more of all points seem to move, the camera's motion is taken for wrong");
-  section.add("guess_class", guess_class,
-              "Guess classes from size and speed; else every object is Unknown");
-}
 
 class StereoMotion::Implementation {
  public:
@@ -101,7 +80,7 @@ class StereoMotion::Implementation {
       startAnew();
     }
     const int number = path_.advance(frame.time, *T_map_robot * camera_->T_robot_cam);
-    path_.forgetBefore(firstInWindow(frame.time));
+    path_.forgetBefore(firstWithin(std::max(params_.window_s, params_.body_window_s), frame.time));
     follower_.setDisparityOffset(offset_.value());
     follower_.follow(frame, disparity_, path_);
     const char* unsure = judge() ? nullptr : "camera_motion_unsure";
@@ -110,7 +89,7 @@ class StereoMotion::Implementation {
     }
     if (unsure == nullptr) {
       findClusters();
-      findBlobs();
+      findBodies();
     }
     follower_.replenish(frame, disparity_, ground_, number);
     return unsure;
@@ -119,25 +98,9 @@ class StereoMotion::Implementation {
   std::size_t takeImplausible() { return std::exchange(implausible_, 0); }
 
   [[nodiscard]] MovingRegions regions(Time at) const {
-    MovingRegions regions;
     const double ahead = objects_.empty() ? 0.0 : at - path_.timeOf(path_.newest());
-    if (objects_.empty() || ahead > params_.window_s) return regions;
-    regions.mask = cv::Mat(camera_->height, camera_->width, CV_8U, cv::Scalar(0));
-    const int side = disparity_.reduce;
-    const cv::Rect image({0, 0}, regions.mask.size());
-    for (std::size_t i = 0; i < objects_.size(); ++i) {
-      const cv::Point2d shift = shiftOf(objects_[i], ahead);
-      const Box2d& box = *objects_[i].detection.box2d;
-      regions.boxes.push_back(
-          {box.left + shift.x, box.top + shift.y, box.right + shift.x, box.bottom + shift.y});
-      for (const auto& cell : cells_[i]) {
-        // One cell more each way: the outline's corners are the worst landmarks.
-        const cv::Rect square((cell.x - 1) * side + cvRound(shift.x),
-                              (cell.y - 1) * side + cvRound(shift.y), 3 * side, 3 * side);
-        regions.mask(square & image).setTo(255);
-      }
-    }
-    return regions;
+    if (objects_.empty() || ahead > params_.window_s) return {};
+    return regionsAhead(objects_, cells_, disparity_.reduce, path_, *camera_, ahead);
   }
 
   std::vector<MovingObject> objects_;
@@ -151,22 +114,9 @@ class StereoMotion::Implementation {
     blobs_.clear();
   }
 
-  /// How far an object's middle moves in the image if it and the camera go on as they did [px].
-  [[nodiscard]] cv::Point2d shiftOf(const MovingObject& object, double ahead) const {
-    const Pose& T_cam_world = path_.T_cam_world(path_.newest());
-    const Eigen::Vector3d centre = object.detection.box3d->centre;
-    const Eigen::Vector3d velocity =
-        T_cam_world.linear() * path_.R_map_world().transpose() * object.velocity;
-    const Eigen::Vector3d later = path_.expectedMotion(ahead) * (centre + ahead * velocity);
-    const auto from = project(centre, *camera_);
-    const auto to = project(later, *camera_);
-    if (!from || !to) return {};
-    return {to->x() - from->x(), to->y() - from->y()};
-  }
-
-  [[nodiscard]] int firstInWindow(Time now) const {
+  [[nodiscard]] int firstWithin(double window_s, Time now) const {
     int first = path_.oldest();
-    while (first < path_.newest() && path_.timeOf(first) < now - params_.window_s - 1e-6) ++first;
+    while (first < path_.newest() && path_.timeOf(first) < now - window_s - 1e-6) ++first;
     return first;
   }
 
@@ -181,9 +131,12 @@ class StereoMotion::Implementation {
     const double agreeing = path_.refine(still);
     const SightingNoise noise{params_.sigma_px, params_.sigma_px, params_.sigma_disparity_px};
     auto& points = follower_.points();
+    const int first = firstWithin(params_.window_s, path_.timeOf(path_.newest()));
     for (auto& point : points) {
-      point.motion = fitMotion(point.sightings, path_, *camera_, noise, params_.most_speed / 2.0);
+      point.motion = fitMotion(since(first, point.sightings), path_, *camera_, noise,
+                               params_.most_speed / 2.0);
     }
+    noise_scale_.update(points);
     up_ = path_.T_cam_world(path_.newest()).linear().transpose() *
           (ground_ ? ground_->up : mountedUp(*camera_));
     dropMismatches();
@@ -226,7 +179,8 @@ class StereoMotion::Implementation {
     params.least_points = params_.least_points;
     const Pose& T_cam_world = path_.T_cam_world(path_.newest());
     for (const auto& cluster : clusterMotion(follower_.points(), verdicts_, path_, up_, params)) {
-      if (cluster.velocity.norm() < params_.least_speed + 2.0 * cluster.speed_sigma) continue;
+      const double sigma = sigmaAlong(cluster.velocity, cluster.velocity_covariance);
+      if (cluster.velocity.norm() < params_.least_speed + 2.0 * sigma) continue;
       std::vector<Eigen::Vector3d> seeds;
       for (const std::size_t i : cluster.members) {
         seeds.push_back(T_cam_world * follower_.points()[i].motion->point);
@@ -238,19 +192,20 @@ class StereoMotion::Implementation {
         ++implausible_;
         continue;
       }
-      report(*extent, identify(cluster), cluster.velocity, cluster.speed_sigma,
+      report(*extent, identify(cluster), {cluster.velocity, cluster.velocity_covariance},
+             firstWithin(params_.window_s, path_.timeOf(path_.newest())),
              static_cast<int>(cluster.members.size()));
     }
   }
 
   /// Things of a person's size that move as a whole, where no points told so already.
-  void findBlobs() {
+  void findBodies() {
+    if (!ground_) return;
     for (auto& blob : blobs_.tracks()) {
       if (blob.track.sightings.back().frame != path_.newest()) continue;
-      if (!ground_ || !blobs_.moves(blob, up_, verdictParams())) continue;
-      const PointMotion& motion = *blob.track.motion;
-      const Eigen::Vector3d velocity = motion.velocity - up_ * up_.dot(motion.velocity);
-      const auto extent = plausibleExtent(blob.blob.cells, velocity, *ground_, kShareOfBlob);
+      const auto velocity = velocityOf(blob);
+      if (!velocity) continue;
+      const auto extent = plausibleExtent(blob.blob.cells, velocity->value, *ground_, 0.0);
       if (!extent) {
         ++implausible_;
         continue;
@@ -259,15 +214,30 @@ class StereoMotion::Implementation {
         return shareInside(extent->box2d, other) > 0.5 || overlap2d(extent->box2d, other) > 0.3;
       });
       if (known) continue;
-      if (blob.track.object < 0) {
-        blob.track.object = next_object_++;
-        ages_[blob.track.object] = params_.confirm_frames - 1;  // followed for long enough already
-      }
-      const Eigen::Vector3d direction = velocity.normalized();
-      report(*extent, blob.track.object, velocity,
-             std::sqrt(direction.dot(motion.velocity_covariance * direction)),
+      if (blob.track.object < 0) blob.track.object = next_object_++;
+      report(*extent, blob.track.object, *velocity, path_.oldest(),
              static_cast<int>(blob.track.sightings.size()));
     }
+  }
+
+  /// Of a body that moves; nullopt if it may as well stand.
+  [[nodiscard]] std::optional<MeasuredVelocity> velocityOf(const BlobTrack& blob) const {
+    BodyParams params;
+    params.noise_scale = noise_scale_.value();
+    const auto body = bodyMotion(blob.blob, BlobFollower::outlineMotion(blob), follower_.points(),
+                                 disparity_, path_, *camera_, up_, params);
+    if (body) {
+      const double sigma = sigmaAlong(body->velocity, body->covariance);
+      const double speed = body->velocity.norm();
+      const bool moves = body->evidence > params_.body_significance &&
+                         speed > params_.least_speed + sigma && speed < kFastestBody;
+      if (!moves) return std::nullopt;
+      return MeasuredVelocity{body->velocity, body->covariance};
+    }
+    if (!blobs_.moves(blob, up_, verdictParams())) return std::nullopt;
+    const PointMotion& outline = *blob.track.motion;
+    return MeasuredVelocity{outline.velocity - up_ * up_.dot(outline.velocity),
+                            outline.velocity_covariance};
   }
 
   /// The box around an object's cells, if enough of the points inside it move too.
@@ -286,25 +256,37 @@ class StereoMotion::Implementation {
     return extent;
   }
 
-  void report(const ObjectExtent& extent, std::int64_t id, const Eigen::Vector3d& velocity,
-              double speed_sigma, int points) {
+  /// @param velocity  in the world of the path, measured since `first_frame`
+  void report(const ObjectExtent& extent, std::int64_t id, const MeasuredVelocity& velocity,
+              int first_frame, int points) {
     outlines_.push_back(extent.box2d);
     taken_.push_back(id);
+    ++class_votes_[id][extent.object_class];
     if (++ages_[id] < params_.confirm_frames) return;
     MovingObject object;
     object.id = id;
-    object.velocity = path_.R_map_world() * velocity;
-    object.speed_sigma = speed_sigma;
+    object.velocity = path_.R_map_world() * velocity.value;
     object.points = points;
     Detection& detection = object.detection;
-    if (params_.guess_class) detection.object_class = extent.object_class;
+    if (params_.guess_class) detection.object_class = classOf(id);
     detection.score = 1.0 - std::exp(-points / kPointsOfSureObject);
     detection.detector_id = id;
     detection.box2d = extent.box2d;
     detection.box3d = extent.box;
     detection.centre_covariance = extent.centre_covariance;
+    detection.velocity = rotated(velocity, path_.T_cam_world(path_.newest()).linear());
+    // All those frames tell of it, and each frame's report does so again.
+    detection.velocity->covariance *= path_.newest() - first_frame + 1;
     cells_.push_back(extent.cells);
     objects_.push_back(std::move(object));
+  }
+
+  /// The class most often guessed for an object: one frame may show only a part of it.
+  [[nodiscard]] ObjectClass classOf(std::int64_t id) const {
+    const auto& votes = class_votes_.at(id);
+    return std::max_element(votes.begin(), votes.end(),
+                            [](auto& a, auto& b) { return a.second < b.second; })
+        ->first;
   }
 
   /// The id that most of the members had before, unless another object took it in this frame.
@@ -329,12 +311,14 @@ class StereoMotion::Implementation {
   PointFollower follower_;
   BlobFollower blobs_;
   DisparityOffset offset_;
+  NoiseScale noise_scale_;
   std::vector<PointVerdict> verdicts_;             ///< one for each followed point
   Eigen::Vector3d up_ = Eigen::Vector3d::UnitZ();  ///< of the ground, world of the path
   std::vector<std::int64_t> taken_;                ///< ids given in this frame
   std::vector<Box2d> outlines_;                    ///< of this frame's objects, unconfirmed too
   std::map<std::int64_t, int> ages_;               ///< frames in which an object was found
-  std::vector<std::vector<cv::Point>> cells_;      ///< of each object
+  std::map<std::int64_t, std::map<ObjectClass, int>> class_votes_;
+  std::vector<std::vector<cv::Point>> cells_;  ///< of each object
   std::int64_t next_object_ = 0;
   std::size_t implausible_ = 0;
 };

@@ -16,6 +16,7 @@ struct StereoMotionParams {
   int max_points = 1200;            ///< followed at a time
   int spacing_px = 8;               ///< between points [px]
   double window_s = 0.6;            ///< how far back a point's sightings count [s]
+  double body_window_s = 1.0;       ///< and those of a body's parts together [s]
   double range_m = 50.0;            ///< farther points are not followed [m]
   double least_height_m = 0.2;      ///< above ground, of points on objects [m]
   double most_height_m = 3.5;       ///< [m]
@@ -29,8 +30,10 @@ struct StereoMotionParams {
   double reach_m = 1.0;        ///< between points of one object, over the ground [m]
   double moving_share = 0.6;   ///< of the points inside an object's outline [-]
   double blob_range_m = 30.0;  ///< farther things are not followed as a whole [m]
-  double most_moving = 0.4;    ///< if more of all points seem to move, the camera's motion is wrong
-  bool guess_class = true;     ///< from size and speed; else every object is Unknown
+  double body_significance =
+      25.0;                  ///< of a body's motion, chi-square with 2 degrees of freedom [-]
+  double most_moving = 0.4;  ///< if more of all points seem to move, the camera's motion is wrong
+  bool guess_class = true;   ///< from size and speed; else every object is Unknown
 
   void describe(Params::Section section);
 };
@@ -38,9 +41,8 @@ struct StereoMotionParams {
 /// One thing that moves.
 struct MovingObject {
   std::int64_t id = 0;  ///< kept while enough of its points are followed
-  Detection detection;  ///< 2D and 3D box, score, covariance, id
+  Detection detection;  ///< 2D and 3D box, score, velocity, id
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< over the ground, map frame [m/s]
-  double speed_sigma = 0.0;                            ///< [m/s]
   int points = 0;                                      ///< that moved together
 };
 

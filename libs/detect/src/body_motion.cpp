@@ -1,0 +1,113 @@
+#include "body_motion.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+
+namespace headway::detect {
+namespace {
+
+constexpr double kTail = 4.0;  // squared distance from which a part weighs half
+constexpr int kIterations = 5;
+constexpr double kLeastSpan = 0.25;  // of sightings [s]
+
+// Velocity of one part over the ground: along the line of sight, and across it.
+struct Part {
+  Eigen::Vector2d velocity;
+  Eigen::Matrix2d information;
+};
+
+// Axes over the ground: along the line of sight to the body, and across it.
+using Axes = Eigen::Matrix<double, 3, 2>;
+
+Axes axesTo(const UprightBlob& body, const CameraPath& path, const StereoCamera& camera,
+            const Eigen::Vector3d& up) {
+  const Eigen::Vector3d ray =
+      path.T_cam_world(path.newest()).linear().transpose() * *triangulate(body.uvd, camera);
+  Axes axes;
+  axes.col(0) = (ray - up * up.dot(ray)).normalized();
+  axes.col(1) = up.cross(axes.col(0));
+  return axes;
+}
+
+Part partOf(const PointMotion& motion, const Axes& axes, double scale) {
+  const Eigen::Matrix2d covariance = axes.transpose() * motion.velocity_covariance * axes;
+  return {axes.transpose() * motion.velocity, (scale * scale * covariance).inverse()};
+}
+
+// A mean that parts far from it hardly move.
+struct Pooled {
+  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+};
+
+Pooled pool(const std::vector<Part>& parts) {
+  Pooled pooled;
+  for (int i = 0; i < kIterations; ++i) {
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+    for (const auto& part : parts) {
+      const Eigen::Vector2d off = part.velocity - pooled.velocity;
+      const double squared = i == 0 ? 0.0 : off.dot(part.information * off);
+      const Eigen::Matrix2d weighed = part.information / (1.0 + squared / kTail);
+      information += weighed;
+      sum += weighed * part.velocity;
+    }
+    pooled.information = information;
+    pooled.velocity = information.ldlt().solve(sum);
+  }
+  return pooled;
+}
+
+}  // namespace
+
+std::optional<BodyMotion> bodyMotion(const UprightBlob& body,
+                                     const std::optional<PointMotion>& outline,
+                                     const std::vector<PointTrack>& points,
+                                     const DisparityImage& disparity, const CameraPath& path,
+                                     const StereoCamera& camera, const Eigen::Vector3d& up,
+                                     const BodyParams& params) {
+  cv::Mat inside(disparity.values.size(), CV_8U, cv::Scalar(0));
+  for (const auto& cell : body.cells) inside.at<unsigned char>(cell.place) = 1;
+  const Axes axes = axesTo(body, path, camera, up);
+  const Time now = path.timeOf(path.newest());
+  const SightingNoise noise;
+  std::vector<Part> parts;
+  double span = 0.0;
+  for (const auto& point : points) {
+    const auto& uvd = point.sightings.back().uvd;
+    const cv::Point cell(disparity.cellOf(uvd.x()), disparity.cellOf(uvd.y()));
+    const bool here =
+        cv::Rect({0, 0}, inside.size()).contains(cell) && inside.at<unsigned char>(cell) != 0;
+    if (!here || static_cast<int>(point.sightings.size()) < params.least_sightings) continue;
+    const double seen = now - path.timeOf(point.sightings.front().frame);
+    if (seen < kLeastSpan) continue;
+    const auto motion = fitMotion(point.sightings, path, camera, noise, params.speed_prior);
+    if (!motion) continue;
+    const double scale = std::max(params.noise_scale, std::sqrt(motion->movingFit()));
+    parts.push_back(partOf(*motion, axes, scale));
+    span = std::max(span, seen);
+  }
+  if (outline) {
+    parts.push_back(partOf(*outline, axes, 1.0));
+    span = std::max(span, kLeastSpan);
+  }
+  if (static_cast<int>(parts.size()) < params.least_parts) return std::nullopt;
+
+  const Pooled pooled = pool(parts);
+  const double depth = camera.fx * camera.baseline_m / body.uvd.z();
+  const double along = params.common_disparity_px * depth / body.uvd.z() / span;
+  const double across = params.common_px * depth / camera.fx / span;
+  Eigen::Matrix2d covariance = pooled.information.inverse();
+  covariance.diagonal() += Eigen::Vector2d(along * along, across * across);
+  BodyMotion motion;
+  motion.velocity = axes * pooled.velocity;
+  motion.covariance = axes * covariance * axes.transpose();
+  motion.evidence = pooled.velocity.dot(covariance.inverse() * pooled.velocity);
+  motion.parts = static_cast<int>(parts.size());
+  return motion;
+}
+
+}  // namespace headway::detect

@@ -1,0 +1,102 @@
+#include "body_motion.h"
+
+#include <gtest/gtest.h>
+
+#include "drive.h"
+#include "noise_scale.h"
+
+namespace headway::detect {
+namespace {
+
+using test::Drive;
+
+constexpr double kDepth = 14.0;  // of the body in the last frame [m]
+
+/// A body half a metre wide with points on it, seen by a camera that drives at 5 m/s.
+struct Scene {
+  Drive drive;
+  DisparityImage disparity;
+  UprightBlob body;
+  std::vector<PointTrack> points;
+
+  /// @param drift_px  by which all disparities of the body creep away from the first to the last
+  Scene(const Eigen::Vector3d& velocity, int count, double drift_px = 0.0) {
+    disparity.reduce = 2;
+    disparity.values = cv::Mat(188, 620, CV_32F, cv::Scalar(0));
+    const Eigen::Vector3d now =
+        Eigen::Vector3d(-0.2, 0.0, kDepth) + 5.0 * 0.6 * Eigen::Vector3d::UnitZ();
+    for (int i = 0; i < count; ++i) {
+      const Eigen::Vector3d place = now + Eigen::Vector3d(0.06 * (i % 8), 0.2 * (i / 8 % 4), 0.0);
+      PointTrack point;
+      point.sightings = drive.see(place - 0.6 * velocity, velocity, 0.4, 0.0, 5.0);
+      for (auto& sighting : point.sightings) sighting.uvd.z() += drift_px * sighting.frame / 6.0;
+      const auto& uvd = point.sightings.back().uvd;
+      const cv::Point cell(disparity.cellOf(uvd.x()), disparity.cellOf(uvd.y()));
+      body.cells.push_back({cell, *triangulate(uvd, drive.camera)});
+      points.push_back(std::move(point));
+    }
+    body.uvd = *project({0.0, 0.4, kDepth}, drive.camera);
+  }
+
+  [[nodiscard]] std::optional<BodyMotion> motion() const {
+    const Eigen::Vector3d up(0.0, -1.0, 0.0);
+    return bodyMotion(body, std::nullopt, points, disparity, drive.path, drive.camera, up, {});
+  }
+};
+
+TEST(BodyMotion, PartsThatTellLittleTellMuchTogether) {
+  const Eigen::Vector3d away(0.0, 0.0, 1.4);
+  const Scene scene(away, 24);
+  int sure = 0;
+  for (const auto& point : scene.points) {
+    const auto motion = fitMotion(point.sightings, scene.drive.path, scene.drive.camera, {}, 3.0);
+    sure += motion->still_error - motion->moving_error > 25.0 ? 1 : 0;
+  }
+  EXPECT_LT(sure, 12) << "hardly a point alone";
+  const auto together = scene.motion();
+  ASSERT_TRUE(together);
+  EXPECT_GT(together->evidence, 12.0);
+  EXPECT_NEAR(together->velocity.z(), 1.4, 0.5);
+  EXPECT_NEAR(together->velocity.y(), 0.0, 1e-9) << "over the ground";
+}
+
+TEST(BodyMotion, AcrossTheLineOfSightItIsPlain) {
+  const auto together = Scene({1.2, 0.0, 0.0}, 6).motion();
+  ASSERT_TRUE(together);
+  EXPECT_GT(together->evidence, 100.0);
+  EXPECT_NEAR(together->velocity.x(), 1.2, 0.15);
+}
+
+TEST(BodyMotion, AStillBodyStands) {
+  for (const int count : {4, 12, 40}) {
+    const auto together = Scene({0.0, 0.0, 0.0}, count).motion();
+    ASSERT_TRUE(together);
+    EXPECT_LT(together->evidence, 9.2) << count << " parts: 1 % of still bodies are beyond that";
+  }
+}
+
+TEST(BodyMotion, ErrorsCommonToAllPartsAreNoEvidence) {
+  const auto together = Scene({0.0, 0.0, 0.0}, 60, 0.2).motion();
+  ASSERT_TRUE(together);
+  EXPECT_GT(together->velocity.norm(), 0.1) << "it does seem to creep";
+  EXPECT_LT(together->evidence, 9.2);
+}
+
+TEST(BodyMotion, AFewPartsSayNothing) { EXPECT_FALSE(Scene({1.2, 0.0, 0.0}, 2).motion()); }
+
+TEST(NoiseScale, IsThatOfTheImages) {
+  for (const double noise : {0.2, 0.8}) {
+    Drive drive;
+    std::vector<PointTrack> points(60);
+    for (auto& point : points) {
+      point.sightings = drive.see({-3, 0, 18}, {0, 0, 0}, noise);
+      point.motion = fitMotion(point.sightings, drive.path, drive.camera, {}, 30.0);
+    }
+    NoiseScale scale;
+    for (int frame = 0; frame < 30; ++frame) scale.update(points);
+    EXPECT_NEAR(scale.value(), noise / 0.4, 0.15 * noise / 0.4);
+  }
+}
+
+}  // namespace
+}  // namespace headway::detect

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <random>
+#include <vector>
+
+#include "camera_path.h"
+#include "point_motion.h"
+
+namespace headway::detect::test {
+
+constexpr double kFrameStep = 0.1;  ///< between frames [s]
+
+inline StereoCamera testCamera() {
+  StereoCamera camera;
+  camera.width = 1240;
+  camera.height = 376;
+  camera.fx = camera.fy = 718.0;
+  camera.cx = 620.0;
+  camera.cy = 188.0;
+  camera.baseline_m = 0.54;
+  return camera;
+}
+
+/// A camera that drives forward, and what it sees of a point.
+struct Drive {
+  StereoCamera camera = testCamera();
+  CameraPath path{camera, 0.5};
+  std::mt19937 random{3};
+
+  std::vector<Sighting> see(const Eigen::Vector3d& start, const Eigen::Vector3d& velocity,
+                            double noise_px, double offset_px = 0.0, double speed = 10.0) {
+    std::normal_distribution<double> noise(0.0, noise_px);
+    std::vector<Sighting> sightings;
+    for (int i = 0; i < 7; ++i) {
+      Pose T_map_cam = Pose::Identity();
+      T_map_cam.translation().z() = speed * kFrameStep * i;
+      if (path.newest() < i) path.advance(kFrameStep * i, T_map_cam);
+      const Eigen::Vector3d point = start + kFrameStep * i * velocity;
+      Eigen::Vector3d uvd = *project(T_map_cam.inverse() * point, camera);
+      for (int k = 0; k < 3; ++k) uvd[k] += noise(random);
+      uvd.z() += offset_px;
+      sightings.push_back({i, uvd});
+    }
+    return sightings;
+  }
+};
+
+}  // namespace headway::detect::test
