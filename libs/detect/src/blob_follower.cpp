@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "over_ground.h"
+
 namespace headway::detect {
 namespace {
 
@@ -94,8 +96,7 @@ bool BlobFollower::moves(const BlobTrack& track, const Eigen::Vector3d& up,
   strict.least_sightings = kLeastSightings;
   strict.most_speed = kFastest;
   if (verdictOn(track.track, up, strict) != PointVerdict::kMoving) return false;
-  const Eigen::Vector3d& velocity = track.track.motion->velocity;
-  return (velocity - up * up.dot(velocity)).norm() * window_s_ > kLeastWay;
+  return overGround(track.track.motion->velocity, up).norm() * window_s_ > kLeastWay;
 }
 
 }  // namespace headway::detect

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
+#include "over_ground.h"
+
 namespace headway::detect {
 namespace {
 
@@ -27,7 +29,7 @@ Axes axesTo(const UprightBlob& body, const CameraPath& path, const StereoCamera&
   const Eigen::Vector3d ray =
       path.T_cam_world(path.newest()).linear().transpose() * *triangulate(body.uvd, camera);
   Axes axes;
-  axes.col(0) = (ray - up * up.dot(ray)).normalized();
+  axes.col(0) = overGround(ray, up).normalized();
   axes.col(1) = up.cross(axes.col(0));
   return axes;
 }

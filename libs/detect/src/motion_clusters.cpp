@@ -4,12 +4,10 @@
 #include <cmath>
 #include <numeric>
 
+#include "over_ground.h"
+
 namespace headway::detect {
 namespace {
-
-Eigen::Vector3d overGround(const Eigen::Vector3d& vector, const Eigen::Vector3d& up) {
-  return vector - up * up.dot(vector);
-}
 
 bool moveTogether(const PointMotion& a, const PointMotion& b, double depth,
                   const Eigen::Vector3d& up, const ClusterParams& params) {

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "over_ground.h"
+
 namespace headway::detect {
 namespace {
 
@@ -19,7 +21,7 @@ PointVerdict verdictOn(const PointTrack& point, const Eigen::Vector3d& up,
   const double still_fit = motion.stillFit();
   const double moving_fit = motion.movingFit();
   if (moving_fit > kBadFit && still_fit > kBadFit) return PointVerdict::kMismatch;
-  const Eigen::Vector3d along_ground = motion.velocity - up * up.dot(motion.velocity);
+  const Eigen::Vector3d along_ground = overGround(motion.velocity, up);
   const double speed = along_ground.norm();
   const Eigen::Vector3d direction = along_ground / std::max(1e-9, speed);
   const double sigma = std::sqrt(direction.dot(motion.velocity_covariance * direction));

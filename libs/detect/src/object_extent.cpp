@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "over_ground.h"
+
 namespace headway::detect {
 namespace {
 
@@ -69,8 +71,7 @@ class Growth {
   [[nodiscard]] bool nearSeeds(const Eigen::Vector3d& point) const {
     const double reach = kReach + kReachPerMetre * point.z();
     return std::any_of(seeds_.begin(), seeds_.end(), [&](const Eigen::Vector3d& seed) {
-      const Eigen::Vector3d off = point - seed;
-      return (off - ground_.up * ground_.up.dot(off)).squaredNorm() < reach * reach;
+      return overGround(point - seed, ground_.up).squaredNorm() < reach * reach;
     });
   }
 

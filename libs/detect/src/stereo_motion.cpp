@@ -13,6 +13,7 @@
 #include "motion_clusters.h"
 #include "noise_scale.h"
 #include "object_extent.h"
+#include "over_ground.h"
 #include "point_follower.h"
 #include "regions_ahead.h"
 
@@ -236,8 +237,7 @@ class StereoMotion::Implementation {
     }
     if (!blobs_.moves(blob, up_, verdictParams())) return std::nullopt;
     const PointMotion& outline = *blob.track.motion;
-    return MeasuredVelocity{outline.velocity - up_ * up_.dot(outline.velocity),
-                            outline.velocity_covariance};
+    return MeasuredVelocity{overGround(outline.velocity, up_), outline.velocity_covariance};
   }
 
   /// The box around an object's cells, if enough of the points inside it move too.
