@@ -139,11 +139,13 @@ objects::TrackUpdate Perception::track(const RecordedFrame& frame, const Percept
 
 void Perception::updateMap(const PerceptionUpdate& update) {
   const auto watch = times_.watch("map_update");
-  if (update.camera.is_keyframe) {
-    map_.update(slam_->map());
-    grid_.follow(map_.stillWorld()->keyframes);
-  }
+  if (update.camera.is_keyframe) takeStillWorld();
   map_.update(update.time, update.objects.tracks);
+}
+
+void Perception::takeStillWorld() {
+  map_.update(slam_->map());
+  grid_.follow(map_.stillWorld()->keyframes);
 }
 
 void Perception::updateGrid(const RecordedFrame& frame, const PerceptionUpdate& update) {
@@ -159,8 +161,7 @@ void Perception::updateGrid(const RecordedFrame& frame, const PerceptionUpdate& 
 void Perception::finish() {
   if (slam_ == nullptr || !given_poses_.empty()) return;
   slam_->finish();
-  map_.update(slam_->map());
-  grid_.follow(map_.stillWorld()->keyframes);
+  takeStillWorld();
   if (const auto grid = grid_.grid()) map_.update(grid);
 }
 

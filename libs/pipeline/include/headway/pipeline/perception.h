@@ -105,6 +105,7 @@ class Perception {
   slam::SlamUpdate localise(const RecordedFrame& frame);
   objects::TrackUpdate track(const RecordedFrame& frame, const PerceptionUpdate& update);
   void updateMap(const PerceptionUpdate& update);
+  void takeStillWorld();
   void updateGrid(const RecordedFrame& frame, const PerceptionUpdate& update);
 
   std::shared_ptr<const StereoCamera> camera_;
