@@ -27,7 +27,7 @@ TEST(NavProgram, WritesFiguresPicturesAndAVideo) {
   }
   EXPECT_GT(std::filesystem::file_size(video + "/trial_0006.png"), 10000u);
   EXPECT_TRUE(std::filesystem::exists(video + "/trial_0006.mp4") ||
-              std::filesystem::exists(video + "/trial_0006_pictures/000000.png"));
+              std::filesystem::exists(video + "/trial_0006_frames/000000.png"));
 }
 
 TEST(NavProgram, SaysWhatIsWrongWithItsArguments) {
