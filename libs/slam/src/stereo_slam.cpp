@@ -143,10 +143,10 @@ class StereoSlam::Implementation {
   SparseMap map_;
   StageTimes times_;
 
-  TrackingFrame previous_;                    ///< the last one that was tracked
-  std::vector<TrackedLandmark> seen_before_;  ///< landmarks of that frame
-  std::vector<LandmarkId> local_landmarks_;   ///< those around the newest keyframe
-  std::optional<KeyframeId> reference_;       ///< newest keyframe
+  TrackingFrame previous_;                              ///< the last one that was tracked
+  std::vector<TrackedLandmark> seen_before_;            ///< landmarks of that frame
+  std::vector<LandmarkId> local_landmarks_;             ///< those around the newest keyframe
+  std::optional<KeyframeId> reference_;                 ///< newest keyframe
   PoseCovariance covariance_ = PoseCovariance::Zero();  ///< of the last camera pose
   int lost_in_a_row_ = 0;
   KeyframeId begun_by_;         ///< first keyframe of the newest part of the map begun here

@@ -18,8 +18,9 @@ struct FusionParams {
 /// Two detections of different sources are one object if their image boxes overlap and, where both
 /// have a place in space, those are near to each other; without image boxes the places decide. The
 /// earlier source's detection is kept (list the one that knows classes first) and takes from the
-/// other what it lacks: the 3D box with its covariance, the 2D box, or the velocity. A class that is
-/// Unknown gives way to a known one. Laws: one source alone comes out as it went in; nothing is invented.
+/// other what it lacks: the 3D box with its covariance, the 2D box, or the velocity. A class that
+/// is Unknown gives way to a known one. Laws: one source alone comes out as it went in; nothing is
+/// invented.
 ///
 /// @param sources  of the same frame and sensor, best informed first
 /// @return         time and sensor of the first source; none: empty Detections
