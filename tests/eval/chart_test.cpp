@@ -4,6 +4,7 @@
 #include <headway/eval/trajectory_plot.h>
 
 #include <limits>
+#include <opencv2/core.hpp>
 #include <set>
 
 namespace headway::eval {
@@ -85,13 +86,33 @@ TEST(BarPlotTest, barsStandWhereTheirGroupIsAndGapsStayEmpty) {
   without.series[0].values[1] = gap;  // the only bar of the right half
   const cv::Mat left_only = barPlot(without);
   ASSERT_EQ(whole.size(), left_only.size());
-  const int middle = 84 + (1200 - 84 - 24) / 2;
+  const int right = 1200 - kLegendRoom_px;
+  const int middle = (84 + right) / 2;
   const cv::Range all_rows(0, whole.rows);
   EXPECT_EQ(0.0, changed(whole(all_rows, {84, middle}).clone(),
                          left_only(all_rows, {84, middle}).clone()));
-  EXPECT_GT(
-      changed(whole(all_rows, {middle, 1170}).clone(), left_only(all_rows, {middle, 1170}).clone()),
-      0.1);
+  EXPECT_GT(changed(whole(all_rows, {middle, right}).clone(),
+                    left_only(all_rows, {middle, right}).clone()),
+            0.1);
+}
+
+TEST(BarPlotTest, legendHidesNoBar) {
+  const std::vector<double> high(4, 1.0);
+  BarPlot plot{"Bars", "value [m]", {"a", "b", "c", "d"}, {}};
+  plot.series.push_back({"constant_velocity", high});
+  const cv::Mat picture = barPlot(plot);
+  const auto colour = categoryColour(0);
+  cv::Mat bars;
+  cv::inRange(picture(cv::Rect(84, 0, 1200 - kLegendRoom_px - 84, picture.rows)),
+              cv::Scalar(colour.blue, colour.green, colour.red),
+              cv::Scalar(colour.blue, colour.green, colour.red), bars);
+  const int of_each = bars.cols / 4;
+  for (int group = 1; group < 4; ++group) {
+    EXPECT_NEAR(cv::countNonZero(bars.colRange(0, of_each)),
+                cv::countNonZero(bars.colRange(group * of_each, (group + 1) * of_each)),
+                0.05 * cv::countNonZero(bars) / 4)
+        << group;
+  }
 }
 
 TEST(BarPlotTest, nothingToDrawIsStillAPicture) {

@@ -14,12 +14,13 @@ cv::Mat barPlot(const BarPlot& plot) {
   ChartFrame frame{plot.title, "", plot.y_label, {0.0, 1.0}, {0.0, 0.0}};
   frame.x.max = std::max(1.0, static_cast<double>(plot.groups.size()));
   frame.height = 460;
+  frame.right_px = kLegendRoom_px;
+  frame.legend_beside = true;  // bars may fill every corner
   frame.x_names = plot.groups;
   for (const auto& series : plot.series) {
     for (const double value : series.values) frame.y.include(value);
   }
   if (!(frame.y.max > 0.0)) frame.y.max = 1.0;
-  frame.y.max *= 1.15;  // room for the legend
   Chart chart(frame);
   const double width =
       kGroupShare / static_cast<double>(std::max<std::size_t>(1, plot.series.size()));

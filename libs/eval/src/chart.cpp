@@ -289,7 +289,9 @@ void Chart::drawLegend(cv::Mat& image) const {
   const int margin = 12 * kOver;
   const cv::Size size(widest + sample + 3 * margin,
                       row * static_cast<int>(entries_.size()) + margin);
-  const cv::Rect box = emptiestCorner(image, plot_, size, margin);
+  const cv::Rect box = frame_.legend_beside
+                           ? cv::Rect({plot_.x + plot_.width + margin, plot_.y}, size)
+                           : emptiestCorner(image, plot_, size, margin);
   cv::rectangle(image, box, cv::Scalar::all(255), cv::FILLED);
   cv::rectangle(image, box, bgr(kGrid), kOver, cv::LINE_AA);
   for (std::size_t i = 0; i < entries_.size(); ++i) {

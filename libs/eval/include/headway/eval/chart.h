@@ -36,6 +36,8 @@ enum class LineStyle { kSolid, kDashed, kDotted };
 
 /// Room to the right of the axes that Chart::ramp() needs [px].
 inline constexpr int kRampRoom_px = 120;
+/// The same for a legend beside the axes, names of up to 17 letters.
+inline constexpr int kLegendRoom_px = 236;
 
 /// What a chart is drawn on.
 struct ChartFrame {
@@ -44,10 +46,11 @@ struct ChartFrame {
   std::string y_label;
   Range x;
   Range y;
-  bool same_scale = false;  ///< one unit is as long along x as along y: maps
-  int width = 1200;         ///< [px]
-  int height = 760;         ///< [px]
-  int right_px = 24;        ///< room to the right of the axes; ramp() needs kRampRoom_px
+  bool same_scale = false;     ///< one unit is as long along x as along y: maps
+  int width = 1200;            ///< [px]
+  int height = 760;            ///< [px]
+  int right_px = 24;           ///< room to the right of the axes; ramp() needs kRampRoom_px
+  bool legend_beside = false;  ///< the legend stands in that room, not in an empty corner
   std::vector<std::string> x_names = {};  ///< instead of numbers: names of [0, 1], [1, 2] ...
 };
 
@@ -70,7 +73,8 @@ class Chart {
   void bar(double x_from, double x_to, double y, Colour colour);  ///< from y = 0
   void text(const Eigen::Vector2d& point, const std::string& words, Colour colour = {});
 
-  /// Adds one entry to the legend, which stands in the corner where least is drawn.
+  /// Adds one entry to the legend, which stands in the corner where least is drawn,
+  /// or beside the axes.
   void legend(const std::string& name, Colour colour, LineStyle style = LineStyle::kSolid);
   /// Explains rampColour() to the right of the axes.
   void ramp(const std::string& label, double max);
