@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -111,28 +112,28 @@ class Suite {
  private:
   void judgeWorld(const std::string& ini) {
     const FrameDone done = [this] {
+      const std::lock_guard lock(progress_mutex_);
       ++done_;
       progress_.update(done_, static_cast<double>(done_) / static_cast<double>(total_));
       return !program::interrupted();
     };
     const World world = drawWorld(ini, options_.folder, most_frames_, done);
-    std::vector<std::pair<std::string, CameraFigures>> camera;
-    std::optional<ObjectRecording> objects;
-    for (const auto& rejection : rejections()) {
-      if (program::interrupted()) break;
-      auto params = options_.perception;
-      params.slam.dynamic_rejection = rejection.value;
-      auto run = runWorld(world, params, done);
-      camera.emplace_back(rejection.name,
-                          CameraFigures{world.frames, world.frames_wanted, run.lost, run.error});
-      objects = std::move(run.objects);
+    std::vector<pipeline::PerceptionParams> params(rejections().size(), options_.perception);
+    for (std::size_t i = 0; i < params.size(); ++i) {
+      params[i].slam.dynamic_rejection = rejections()[i].value;
     }
-    if (objects && !program::interrupted()) {
-      addObjects(*objects, options_.perception.objects);
-    } else {
+    std::vector<WorldRun> runs;
+    if (!program::interrupted()) runs = runWorld(world, params, done);
+    if (program::interrupted()) {  // no figures of parts of a world
       entries_.push_back({world.name, {}, std::nullopt});
+      return;
     }
-    entries_.back().camera = std::move(camera);
+    addObjects(runs.back().objects, options_.perception.objects);
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      entries_.back().camera.emplace_back(
+          rejections()[i].name,
+          CameraFigures{world.frames, world.frames_wanted, runs[i].lost, runs[i].error});
+    }
   }
 
   void addObjects(const ObjectRecording& recording, const objects::ObjectsParams& params) {
@@ -173,6 +174,7 @@ class Suite {
 
   const Options& options_;
   program::Progress progress_;
+  std::mutex progress_mutex_;
   std::vector<std::string> worlds_;
   std::optional<std::size_t> most_frames_;
   std::size_t total_ = 0;

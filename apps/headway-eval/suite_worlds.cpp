@@ -8,8 +8,11 @@
 #include <headway/sim/simulator.h>
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
+#include <future>
 #include <sstream>
+#include <thread>
 
 #include "label_files.h"
 
@@ -42,6 +45,30 @@ std::optional<eval::TrajectoryError> errorOf(const World& world,
   if (estimate.size() < kFewest) return std::nullopt;
   const auto truth = io::readTum(world.truth_folder + "/trajectory.tum");
   return eval::trajectoryError(eval::pairByTime(truth, estimate, kSameTime_s), {});
+}
+
+WorldRun runOnce(const World& world, const pipeline::PerceptionParams& params,
+                 const FrameDone& done) {
+  io::RawlogSource source(world.rawlog, {});
+  pipeline::Perception perception(source.camera(), params);
+  WorldRun run;
+  run.objects.name = world.name;
+  run.objects.camera = *source.camera();
+  run.objects.T_robot_cam = source.camera()->T_robot_cam;
+  while (auto frame = source.next()) {
+    const auto update = perception.process(*frame);
+    const bool tracked = update.camera.status == slam::TrackingStatus::kTracked;
+    if (!tracked) ++run.lost;
+    frame->stereo.reset();
+    frame->T_map_robot = update.camera.T_map_robot;
+    if (!tracked) frame->detections.reset();
+    run.objects.frames.push_back(std::move(*frame));
+    if (!done()) break;
+  }
+  run.error = errorOf(world, perception.trajectory());
+  run.objects.labels = readLabels(world.truth_folder + "/label_02.txt");
+  run.objects.labels.resize(std::min(run.objects.labels.size(), run.objects.frames.size()));
+  return run;
 }
 
 }  // namespace
@@ -77,28 +104,23 @@ World drawWorld(const std::string& ini, const std::string& folder,
   return world;
 }
 
-WorldRun runWorld(const World& world, const pipeline::PerceptionParams& params,
-                  const FrameDone& done) {
-  io::RawlogSource source(world.rawlog, {});
-  pipeline::Perception perception(source.camera(), params);
-  WorldRun run;
-  run.objects.name = world.name;
-  run.objects.camera = *source.camera();
-  run.objects.T_robot_cam = source.camera()->T_robot_cam;
-  while (auto frame = source.next()) {
-    const auto update = perception.process(*frame);
-    const bool tracked = update.camera.status == slam::TrackingStatus::kTracked;
-    if (!tracked) ++run.lost;
-    frame->stereo.reset();
-    frame->T_map_robot = update.camera.T_map_robot;
-    if (!tracked) frame->detections.reset();
-    run.objects.frames.push_back(std::move(*frame));
-    if (!done()) break;
+std::vector<WorldRun> runWorld(const World& world,
+                               const std::vector<pipeline::PerceptionParams>& params,
+                               const FrameDone& done) {
+  std::vector<WorldRun> runs(params.size());
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < params.size(); i = next++) {
+      runs[i] = runOnce(world, params[i], done);
+    }
+  };
+  std::vector<std::future<void>> workers;
+  const std::size_t processors = std::max(1U, std::thread::hardware_concurrency());
+  for (std::size_t i = 0; i < std::min(params.size(), processors); ++i) {
+    workers.push_back(std::async(std::launch::async, work));
   }
-  run.error = errorOf(world, perception.trajectory());
-  run.objects.labels = readLabels(world.truth_folder + "/label_02.txt");
-  run.objects.labels.resize(std::min(run.objects.labels.size(), run.objects.frames.size()));
-  return run;
+  for (auto& worker : workers) worker.get();
+  return runs;
 }
 
 std::vector<ObjectRecording> readKittiTracking(const std::string& folder) {

@@ -31,7 +31,8 @@ struct World {
   std::size_t frames_wanted = 0;  ///< more than `frames` if the path ended before
 };
 
-/// Called after each frame; false ends the work.
+/// Called after each frame, by several threads at once if runs go side by side; false ends the
+/// work.
 using FrameDone = std::function<bool()>;
 
 /// Draws the world of an .ini file as a rawlog with its truth.
@@ -51,9 +52,13 @@ struct WorldRun {
   ObjectRecording objects;                     ///< frames with the poses as published
 };
 
-/// Runs the whole pipeline over a world's rawlog.
-[[nodiscard]] WorldRun runWorld(const World& world, const pipeline::PerceptionParams& params,
-                                const FrameDone& done);
+/// Runs the whole pipeline over a world's rawlog once with each of the parameters, as many runs
+/// side by side as there are processors.
+///
+/// @return in the order of the parameters; the runs do not depend on each other
+[[nodiscard]] std::vector<WorldRun> runWorld(const World& world,
+                                             const std::vector<pipeline::PerceptionParams>& params,
+                                             const FrameDone& done);
 
 /// Sequences of KITTI's tracking benchmark with PointRCNN's boxes.
 ///
