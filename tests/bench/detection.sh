@@ -29,6 +29,10 @@ $bench/bench_lifting simulated "${worlds[@]}"
 echo
 echo "Surface depth of real cars, KITTI stereo 2015"
 $bench/bench_lifting kitti "$HEADWAY_DATA/kitti_stereo_2015/training"
+echo
+echo "Edges of YOLOX-nano's boxes of these cars, in shares of their width"
+$bench/bench_lifting edges "$HEADWAY_DATA/kitti_stereo_2015/training" \
+  "$HEADWAY_DATA/models/yolox_nano.onnx"
 
 # key FILE NAME: one figure of a summary.json
 key() { grep -o "\"$2\": [0-9.]*" "$1" | head -1 | cut -d' ' -f2; }

@@ -16,7 +16,6 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kColumnsThatCount = 12.0;  // neighbouring columns err together
 constexpr double kDisparitySigma = 0.5;     // of a column [px]
 constexpr double kShapeSigma = 0.2;         // of a real side off a flat one [m]
-constexpr double kEdgeSigma = 3.0;          // of the image box's edges [px]
 constexpr double kSizeSpread = 0.08;        // of length and width
 constexpr double kWorst = 9.0;              // squared error at which a column is an outlier
 
@@ -93,12 +92,12 @@ struct Rectangle {
 
 // The image box's left and right edge as rays; those cut by the image say nothing.
 struct Edges {
-  Edges(const Box2d& box, const StereoCamera& camera)
+  Edges(const Box2d& box, double edge_sigma, const StereoCamera& camera)
       : left((box.left - camera.cx) / camera.fx),
         right((box.right - camera.cx) / camera.fx),
         left_seen(box.left > 1.5),
         right_seen(box.right < camera.width - 2.5),
-        sigma(kEdgeSigma / camera.fx) {}
+        sigma(edge_sigma / camera.fx) {}
 
   double left, right;
   bool left_seen, right_seen;
@@ -149,14 +148,14 @@ double columnError(const Rectangle& rectangle, const std::vector<Column>& column
 
 }  // namespace
 
-FittedFootprint fitFootprint(const Box2d& box, const Eigen::Vector2d& size,
+FittedFootprint fitFootprint(const Box2d& box, double edge_sigma, const Eigen::Vector2d& size,
                              const SurfaceDepth& surface,
                              const std::vector<DisparitySample>& samples,
                              const StereoCamera& camera) {
   const double fb = camera.fx * camera.baseline_m;
   const double depth = fb / surface.disparity;
   const auto columns = columnsOf(samples, depth, size.norm(), camera);
-  const Edges edges(box, camera);
+  const Edges edges(box, edge_sigma, camera);
   const double middle = 0.5 * (edges.left + edges.right);
 
   std::array<double, kHeadings> errors{};
@@ -184,14 +183,13 @@ FittedFootprint fitFootprint(const Box2d& box, const Eigen::Vector2d& size,
   fit.centre = rectangles[best].centre;
   fit.yaw = wrapAngle(-kPi * best / kHeadings);
   double weights = 0.0;
-  double squares = 0.0;
   for (int i = 0; i < kHeadings; ++i) {
     const double weight = std::exp(-0.5 * (errors[i] - errors[best]));
-    const double off = rectangles[i].centre.y() - fit.centre.y();
+    const Eigen::Vector2d off = rectangles[i].centre - fit.centre;
     weights += weight;
-    squares += weight * off * off;
+    fit.spread += weight * off * off.transpose();
   }
-  fit.depth_sigma = std::sqrt(squares / weights);
+  fit.spread /= weights;
   return fit;
 }
 

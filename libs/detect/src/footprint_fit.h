@@ -11,8 +11,9 @@ namespace headway::detect {
 /// A rectangle of known size on the ground, placed so that it explains what stereo saw of it.
 struct FittedFootprint {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< (x, z), camera frame [m]
-  double yaw = 0.0;          ///< KITTI's rotation_y, front taken to look away from the camera [rad]
-  double depth_sigma = 0.0;  ///< of z that the headings that explain it as well leave open [m]
+  double yaw = 0.0;  ///< KITTI's rotation_y, front taken to look away from the camera [rad]
+  /// Of the centre (x, z): what the headings that explain it as well leave open [m^2].
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
 };
 
 /// Places an upright box of known length and width behind the surface seen in an image box.
@@ -22,10 +23,11 @@ struct FittedFootprint {
 /// image). The heading with the least robust error wins: the visible side's slope decides, and the
 /// width of the image box where that is unclear.
 ///
+/// @param edge_sigma  of each of the image box's edges [px]
 /// @param size     length and width [m]
 /// @param surface  depth of the visible surface
-[[nodiscard]] FittedFootprint fitFootprint(const Box2d& box, const Eigen::Vector2d& size,
-                                           const SurfaceDepth& surface,
+[[nodiscard]] FittedFootprint fitFootprint(const Box2d& box, double edge_sigma,
+                                           const Eigen::Vector2d& size, const SurfaceDepth& surface,
                                            const std::vector<DisparitySample>& samples,
                                            const StereoCamera& camera);
 

@@ -38,11 +38,12 @@ double heightOf(const Box2d& box, double depth, double usual, const StereoCamera
   return std::clamp(depth * box.height() / camera.fy, 0.6 * usual, 1.6 * usual);
 }
 
-// Along the ray: stereo, size and heading; across it: the box's edges.
+double edgeSigma(const Box2d& box) { return std::hypot(kEdgeSigma, kEdgeShare * box.width()); }
+
+// Along the ray: stereo and size; across it: the box's edges.
 Eigen::Matrix3d covarianceOf(const Eigen::Vector3d& centre, const Box2d& box, double depth_sigma,
                              const StereoCamera& camera) {
-  const double edges = std::hypot(kEdgeSigma, kEdgeShare * box.width());
-  const double across = edges * centre.z() / camera.fx + 0.05;
+  const double across = edgeSigma(box) * centre.z() / camera.fx + 0.05;
   const Eigen::Vector3d sight = centre.normalized();
   const double along = std::max(depth_sigma, across);
   return across * across * Eigen::Matrix3d::Identity() +
@@ -80,11 +81,12 @@ std::optional<LiftedBox> StereoLifter::lift(const Box2d& box, ObjectClass object
   const bool elongated = known.size.x() > kElongated * known.size.y();
   FittedFootprint fit;
   if (elongated) {
-    fit = fitFootprint(*inside, known.size.head<2>(), *surface, samples, *camera_);
+    fit = fitFootprint(*inside, edgeSigma(*inside), known.size.head<2>(), *surface, samples,
+                       *camera_);
   } else {
     const double behind = depth + 0.5 * known.size.x();
     const double u = 0.5 * (inside->left + inside->right);
-    fit = {{behind * (u - camera_->cx) / camera_->fx, behind}, kAwayFromCamera, 0.0};
+    fit = {{behind * (u - camera_->cx) / camera_->fx, behind}, kAwayFromCamera, {}};
   }
   LiftedBox lifted;
   lifted.box.length = known.size.x();
@@ -96,8 +98,10 @@ std::optional<LiftedBox> StereoLifter::lift(const Box2d& box, ObjectClass object
   const double of_stereo = depth * surface->sigma / surface->disparity;
   const double of_size = 0.5 * 0.1 * known.size.x();
   lifted.centre_covariance =
-      covarianceOf(lifted.box.centre, *inside,
-                   std::hypot(std::hypot(of_stereo, of_size), fit.depth_sigma), *camera_);
+      covarianceOf(lifted.box.centre, *inside, std::hypot(of_stereo, of_size), *camera_);
+  Eigen::Matrix<double, 3, 2> ground = Eigen::Matrix<double, 3, 2>::Zero();
+  ground(0, 0) = ground(2, 1) = 1.0;
+  lifted.centre_covariance += ground * fit.spread * ground.transpose();
   return lifted;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "carried_box.h"
+#include "measured_motion.h"
 #include "recent_motion.h"
 
 namespace headway::objects {
@@ -34,6 +35,7 @@ TrackedObject::TrackedObject(TrackId id, std::size_t frame, Time time, const Mea
 
 void TrackedObject::update(std::size_t frame, Time time, const MeasuredBox& detection) {
   filter_.updatePlace(detection);
+  velocity_measured_ = detection.velocity.has_value();
   if (detection.velocity) filter_.updateVelocity(*detection.velocity);
   filter_.updateSize(detection.size);
   updateHeading(detection);
@@ -85,11 +87,12 @@ void TrackedObject::voteClass(const MeasuredBox& detection) {
 void TrackedObject::refine(Time time, const TrajectorySmoother& smoother) {
   constexpr double kSpeedWindow_s = 1.0;
   smoother.refine(trajectory_, filter_, group(), verdict_.standing());
-  const double window = std::min(kSpeedWindow_s, spanOf(trajectory_.path));
-  if (window <= 0.0) return;
-  const double speed = recentVelocity(trajectory_.path, window).norm();
-  const double sigma = std::sqrt(filter_.positionCovariance().trace()) / window;
-  verdict_.update(time, speed, sigma, group());
+  auto motion = measuredMotion(trajectory_.measurements, kSpeedWindow_s + kFrameJitter_s);
+  if (velocity_measured_) motion = {filter_.velocity().head<2>(), filter_.velocityCovariance()};
+  if (!motion) return;
+  const Eigen::Vector2d along = unitOr(motion->velocity, Eigen::Vector2d::UnitX());
+  verdict_.update(time, motion->velocity.norm(), std::sqrt(along.dot(motion->covariance * along)),
+                  group());
 }
 
 ExpectedPlace TrackedObject::expected() const {

@@ -78,6 +78,7 @@ class TrackedObject {
   KalmanFilter filter_;
   HeadingEvidence heading_;
   MotionVerdict verdict_;
+  bool velocity_measured_ = false;  ///< by the last detection
   Trajectory trajectory_;
   std::array<double, kObjectClassCount> class_votes_{};
   std::optional<std::int64_t> detector_id_;

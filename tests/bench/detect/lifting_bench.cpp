@@ -3,12 +3,15 @@
 //     bench_lifting simulated WORLD.rawlog...    perfect 2D boxes, made from the truth
 //     bench_lifting kitti DIR                    DIR holds kitti_stereo_2015's image_02, image_03,
 //                                                disp_occ_0 and obj_map
+//     bench_lifting edges DIR MODEL.onnx         how well a YOLOX network frames the cars of DIR
 //
 // Simulated: error of the box centre's distance, objects up to 30 m, at least half visible and not
 // cut by the image's edge. KITTI: the surface depth under a car's box against the median of the
 // true disparities under its mask (nominal calibration).
 
+#include <headway/core/box_overlap.h>
 #include <headway/core/error.h>
+#include <headway/detect/network_detector.h>
 #include <headway/detect/stereo_lifter.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/io/track_file.h>
@@ -68,6 +71,15 @@ void measureWorld(const std::string& rawlog, Errors& errors) {
   }
 }
 
+std::vector<std::string> imagesOf(const fs::path& folder) {
+  std::vector<std::string> files;
+  for (const auto& entry : fs::directory_iterator(folder / "image_02")) {
+    files.push_back(entry.path().filename());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
 void measurePair(const fs::path& folder, const std::string& file, Errors& errors) {
   const auto pair = headway::test::readKittiStereo(folder, file);
   if (!pair.complete) {
@@ -82,25 +94,52 @@ void measurePair(const fs::path& folder, const std::string& file, Errors& errors
   }
 }
 
-void measureKitti(const fs::path& folder, Errors& errors) {
-  std::vector<std::string> files;
-  for (const auto& entry : fs::directory_iterator(folder / "image_02")) {
-    files.push_back(entry.path().filename());
+// How far a network's boxes are off the boxes around the masks of the cars they overlap, as shares
+// of the width.
+void measureEdges(const fs::path& folder, const std::string& model) {
+  headway::detect::NetworkParams params;
+  params.model = model;
+  headway::detect::NetworkDetector network(params);
+  Errors errors;
+  for (const auto& file : imagesOf(folder)) {
+    const auto pair = headway::test::readKittiStereo(folder, file);
+    const auto found = network.detect(pair.frame, {});
+    if (!found) continue;
+    for (const auto& item : found->items) {
+      for (const auto& [box, disparity] : pair.cars) {
+        if (headway::overlap2d(box, *item.box2d) < 0.4) continue;
+        const double left = (item.box2d->left - box.left) / box.width();
+        const double right = (item.box2d->right - box.right) / box.width();
+        errors["edge"].push_back(std::abs(left));
+        errors["edge"].push_back(std::abs(right));
+        errors["middle"].push_back(std::abs(0.5 * (left + right)));
+      }
+    }
   }
-  std::sort(files.begin(), files.end());
-  for (const auto& file : files) measurePair(folder, file, errors);
+  print(errors);
+}
+
+void measureKitti(const fs::path& folder, Errors& errors) {
+  for (const auto& file : imagesOf(folder)) measurePair(folder, file, errors);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   const std::string kind = argc > 2 ? argv[1] : "";
-  if (kind != "simulated" && kind != "kitti") {
-    std::fprintf(stderr, "usage: bench_lifting simulated WORLD.rawlog... | kitti DIR\n");
+  if ((kind != "simulated" && kind != "kitti" && kind != "edges") ||
+      (kind == "edges" && argc != 4)) {
+    std::fprintf(stderr,
+                 "usage: bench_lifting simulated WORLD.rawlog... | kitti DIR | "
+                 "edges DIR MODEL.onnx\n");
     return 2;
   }
   Errors errors;
   try {
+    if (kind == "edges") {
+      measureEdges(argv[2], argv[3]);
+      return 0;
+    }
     for (int i = 2; i < argc; ++i) {
       kind == "kitti" ? measureKitti(argv[i], errors) : measureWorld(argv[i], errors);
     }
