@@ -69,7 +69,7 @@ void drawThings(cv::Mat strip, Random& random) {
   }
 }
 
-/// A tube with `corners` sides, from radius to radius.
+/// A closed tube with `corners` sides, from radius to radius.
 void addTube(Mesh& mesh, const Vector3f& from, const Vector3f& to, float radius_from,
              float radius_to, const UvRect& uv, int corners) {
   const Vector3f axis = (to - from).normalized();
@@ -84,6 +84,13 @@ void addTube(Mesh& mesh, const Vector3f& from, const Vector3f& to, float radius_
     const float u1 = static_cast<float>(i + 1) / static_cast<float>(corners);
     mesh.addQuad(at(to, radius_to, i), at(to, radius_to, i + 1), at(from, radius_from, i + 1),
                  at(from, radius_from, i), uv.part(u0, 0, u1, 1));
+  }
+  for (int i = 1; i + 1 < corners; ++i) {  // its ends
+    const Eigen::Vector2f top = uv.at(0.5F, 0.02F), foot = uv.at(0.5F, 0.98F);
+    mesh.addTriangle({at(to, radius_to, 0), top}, {at(to, radius_to, i + 1), top},
+                     {at(to, radius_to, i), top});
+    mesh.addTriangle({at(from, radius_from, 0), foot}, {at(from, radius_from, i), foot},
+                     {at(from, radius_from, i + 1), foot});
   }
 }
 
@@ -128,7 +135,10 @@ void addBox(Mesh& mesh, const Vector3f& foot, float yaw, const Vector3f& size, c
     const Vector3f &a = corners[i], &b = corners[(i + 1) % 4];
     mesh.addQuad(a + up, b + up, b, a, uv);
   }
-  mesh.addQuad(corners[0] + up, corners[1] + up, corners[2] + up, corners[3] + up, uv);
+  Mesh lid;
+  lid.addQuad(corners[0] + up, corners[1] + up, corners[2] + up, corners[3] + up, uv);
+  mesh.append(turnedOver(lid));
+  mesh.addQuad(corners[0], corners[1], corners[2], corners[3], uv);
 }
 
 }  // namespace
@@ -204,8 +214,10 @@ void addSign(Mesh& mesh, const Vector3f& foot, float yaw, Random& random) {
   mesh.addQuad(top + left, top - left, top - left + down, top + left + down,
                eighth(kSigns, random.below(8)));
   const Vector3f behind(0.02F * std::cos(yaw), 0.02F * std::sin(yaw), 0);
-  mesh.addQuad(top + left + behind, top - left + behind, top - left + down + behind,
+  Mesh back;
+  back.addQuad(top + left + behind, top - left + behind, top - left + down + behind,
                top + left + down + behind, inAtlas(kMetal).part(0, 0, 1, 0.4F));
+  mesh.append(turnedOver(back));
 }
 
 void addSmallThing(Mesh& mesh, const Vector3f& foot, float yaw, Random& random) {

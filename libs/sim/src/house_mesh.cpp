@@ -26,12 +26,14 @@ Mesh houseMesh(const HousePlan& plan, const Eigen::Vector3f& foot, float yaw) {
   mesh.addQuad(fl + ridge, fr + ridge, fr + up, fl + up, roof);
   mesh.addQuad(fr + ridge, fl + ridge, bl + up, br + up, roof);
   const UvRect wall = facadeGable().part(0.1F, 0.02F, 0.9F, 0.2F);
-  const auto gable = [&](const Vector3f& front, const Vector3f& rear) {
-    mesh.addTriangle({front + up, wall.at(0, 1)}, {rear + up, wall.at(1, 1)},
+  const auto gable = [&](Mesh& side, const Vector3f& front, const Vector3f& rear) {
+    side.addTriangle({front + up, wall.at(0, 1)}, {rear + up, wall.at(1, 1)},
                      {front + ridge, wall.at(0.5F, 0)});
   };
-  gable(fl, bl);
-  gable(fr, br);
+  gable(mesh, fl, bl);
+  Mesh right;
+  gable(right, fr, br);
+  mesh.append(turnedOver(right));
   return mesh;
 }
 

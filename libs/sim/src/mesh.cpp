@@ -1,5 +1,7 @@
 #include "mesh.h"
 
+#include <utility>
+
 namespace headway::sim {
 
 void Mesh::addQuad(const Eigen::Vector3f& top_left, const Eigen::Vector3f& top_right,
@@ -13,6 +15,11 @@ void Mesh::addQuad(const Eigen::Vector3f& top_left, const Eigen::Vector3f& top_r
 
 void Mesh::append(const Mesh& other) {
   triangles.insert(triangles.end(), other.triangles.begin(), other.triangles.end());
+}
+
+Mesh turnedOver(Mesh mesh) {
+  for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  return mesh;
 }
 
 Mesh moved(const Mesh& mesh, const Eigen::Matrix3f& rotation, const Eigen::Vector3f& translation) {

@@ -26,7 +26,10 @@ struct MeshVertex {
   Eigen::Vector2f uv = Eigen::Vector2f::Zero();        ///< texture shares, v downwards
 };
 
-/// Textured triangles: three vertices each, both faces visible.
+/// Textured triangles: three vertices each, clockwise where one looks at the front.
+///
+/// Of closed bodies (houses, furniture) only fronts are drawn; of movers, whose limbs are open, and
+/// of the ground, whose kerbs end, both faces are.
 struct Mesh {
   std::vector<std::array<MeshVertex, 3>> triangles;
 
@@ -39,6 +42,9 @@ struct Mesh {
                const UvRect& uv);
   void append(const Mesh& other);
 };
+
+/// The same triangles, fronts and backs exchanged.
+[[nodiscard]] Mesh turnedOver(Mesh mesh);
 
 /// Moves and turns every vertex: p -> R p + t.
 [[nodiscard]] Mesh moved(const Mesh& mesh, const Eigen::Matrix3f& rotation,

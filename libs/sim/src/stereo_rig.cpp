@@ -83,6 +83,7 @@ class StereoRig::Scene {
   /// Hides all surfaces, and gives up those out of view where textures grow scarce.
   void forgetHidden(const std::vector<StretchKey>& visible);
   void showStretches(const std::vector<StretchKey>& visible);
+  void placeMovers(const Eigen::Vector3d& origin, const std::vector<Mover>& movers);
   void rebuildShared(const std::vector<StretchKey>& visible);
   void placeAll(const Eigen::Vector3d& origin);
 
@@ -92,7 +93,7 @@ class StereoRig::Scene {
   mrpt::opengl::CFBORender renderer_;
   std::map<StretchKey, std::vector<ObjectPtr>> surfaces_;
   std::set<StretchKey> shown_;
-  ObjectPtr sky_, plain_, verges_, furniture_, movers_, shadows_;
+  ObjectPtr sky_, plain_, verges_, furniture_, vehicles_, people_, shadows_;
   Eigen::Vector3d shared_anchor_ = Eigen::Vector3d::Zero();
   std::optional<Eigen::Vector2i> plain_cell_;
   Eigen::Vector3d plain_anchor_ = Eigen::Vector3d::Zero();
@@ -115,8 +116,11 @@ StereoRig::Scene::Scene(const StereoCamera& camera, World& world)
   plain_ = add(grass);
   verges_ = add(grass);
   furniture_ = add(drawFurnitureAtlas(world.grain(), furniture));
-  movers_ = add(drawMoverAtlas(world.grain(), movers));
+  const cv::Mat bodies = drawMoverAtlas(world.grain(), movers);
+  vehicles_ = add(bodies);
+  people_ = add(bodies);
   shadows_ = add(drawShadow());
+  for (const auto& closed : {furniture_, vehicles_}) closed->hideBacks();
   scene_.getViewport()->setViewportClipDistances(kNearPlane, kFar);
 }
 
@@ -159,6 +163,7 @@ void StereoRig::Scene::showStretches(const std::vector<StretchKey>& visible) {
       for (const Surface& surface : stretch.surfaces) {
         objects.push_back(add(surface.picture));
         objects.back()->setMesh(surface.mesh);
+        if (surface.closed) objects.back()->hideBacks();
       }
       known = surfaces_.emplace(key, std::move(objects)).first;
     }
@@ -189,7 +194,8 @@ void StereoRig::Scene::placeAll(const Eigen::Vector3d& origin) {
     const Eigen::Vector3f point = (T_origin_robot_.linear().col(0) * turn - at).cast<float>();
     object->setLocalRepresentativePoint({point.x(), point.y(), point.z()});
   };
-  place(movers_, origin, 6000.0);
+  place(vehicles_, origin, 6000.0);
+  place(people_, origin, 5900.0);
   place(furniture_, shared_anchor_, 5500.0);
   for (const auto& [key, objects] : surfaces_) {
     const Eigen::Vector3d& anchor = world_.stretch(key).anchor;
@@ -208,6 +214,25 @@ void StereoRig::Scene::placeAll(const Eigen::Vector3d& origin) {
   place(shadows_, origin, 0.0);
 }
 
+void StereoRig::Scene::placeMovers(const Eigen::Vector3d& origin,
+                                   const std::vector<Mover>& movers) {
+  std::vector<std::pair<double, const Mover*>> near_first;
+  for (const Mover& mover : movers) {
+    near_first.emplace_back((mover.position - origin).norm(), &mover);
+  }
+  std::stable_sort(near_first.begin(), near_first.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  Mesh vehicles, people, shadows;
+  for (const auto& [distance, mover] : near_first) {
+    const bool wheels = mover->kind != MoverKind::kPedestrian && mover->kind != MoverKind::kCyclist;
+    (wheels ? vehicles : people).append(moverMesh(*mover, origin));
+  }
+  for (const Mover& mover : movers) shadows.append(shadowMesh(mover, origin));
+  vehicles_->setMesh(vehicles);
+  people_->setMesh(people);
+  shadows_->setMesh(shadows);
+}
+
 void StereoRig::Scene::arrange(const Pose& T_world_robot, const std::vector<Mover>& movers) {
   const Eigen::Vector3d origin = T_world_robot.translation();
   const Eigen::Vector3d eye = (T_world_robot * camera_.T_robot_cam).translation();
@@ -221,13 +246,7 @@ void StereoRig::Scene::arrange(const Pose& T_world_robot, const std::vector<Move
       now.size() == shown_.size() && std::equal(now.begin(), now.end(), shown_.begin(), same_key);
   if (!same && !visible.empty()) rebuildShared(visible);
   shown_ = now;
-  Mesh bodies, shadows;
-  for (const Mover& mover : movers) {
-    bodies.append(moverMesh(mover, origin));
-    shadows.append(shadowMesh(mover, origin));
-  }
-  movers_->setMesh(bodies);
-  shadows_->setMesh(shadows);
+  placeMovers(origin, movers);
   T_origin_robot_ = T_world_robot;
   T_origin_robot_.translation().setZero();
   placeAll(origin);

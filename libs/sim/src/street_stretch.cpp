@@ -93,7 +93,7 @@ void StreetBuilder::layGround(const Site& site, StreetStretch& stretch, Random& 
   marks.length_m = site.length;
   marks.crossing = random.chance(0.25);
   marks.crossing_at = random.uniform(0.3, 0.7);
-  Surface surface{drawGround(marks, grain_, random), {}};
+  Surface surface{drawGround(marks, grain_, random), {}, false};
   const int steps = std::max(1, static_cast<int>(std::lround(site.length / 2.0)));
   const auto cell = [&](int i, double l0, double up0, double l1, double up1, double reach,
                         bool earlier_only) {
@@ -189,7 +189,7 @@ void StreetBuilder::buildHouses(const Site& site, double side, StreetStretch& st
       }
       continue;
     }
-    Surface house{drawFacade(plan.facade, grain_, own), {}};
+    Surface house{drawFacade(plan.facade, grain_, own), {}, true};
     const double yaw = site.yaw(s) + (side > 0 ? 0.0 : M_PI);
     house.mesh = houseMesh(plan, site.local(s, front, -0.3), static_cast<float>(yaw));
     stretch.surfaces.push_back(std::move(house));

@@ -17,8 +17,9 @@ inline constexpr double kStretch = 24.0;
 
 /// A surface with a picture of its own.
 struct Surface {
-  cv::Mat picture;  ///< BGR
-  Mesh mesh;        ///< relative to the stretch's anchor
+  cv::Mat picture;      ///< BGR
+  Mesh mesh;            ///< relative to the stretch's anchor
+  bool closed = false;  ///< only fronts can be seen
 };
 
 /// Everything that stands along kStretch metres of one street.

@@ -43,6 +43,15 @@ void TexturedObject::setMesh(const Mesh& mesh) {
   CRenderizable::notifyChange();
 }
 
+void TexturedObject::render(const RenderContext& context) const {
+  if (hides_backs_) {
+    glFrontFace(GL_CW);
+    glEnable(GL_CULL_FACE);
+  }
+  CSetOfTexturedTriangles::render(context);
+  glDisable(GL_CULL_FACE);
+}
+
 void TexturedObject::initializeTextures() const {
   mrpt::opengl::CSetOfTexturedTriangles::initializeTextures();
   if (has_mipmaps_) return;

@@ -22,9 +22,13 @@ class TexturedObject : public mrpt::opengl::CSetOfTexturedTriangles {
   explicit TexturedObject(const cv::Mat& picture);
 
   void setMesh(const Mesh& mesh);
+  /// Draws fronts only: half of what closed bodies have, and nobody sees the other half.
+  void hideBacks() { hides_backs_ = true; }
   void initializeTextures() const override;
+  void render(const RenderContext& context) const override;
 
  private:
+  bool hides_backs_ = false;
   mutable bool has_mipmaps_ = false;
 };
 

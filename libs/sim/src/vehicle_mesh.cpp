@@ -28,7 +28,9 @@ struct Body {
   }
 };
 
-void addSide(Mesh& mesh, const Body& body, const UvRect& uv, float side) {
+/// Looks to the left on both sides.
+Mesh sideMesh(const Body& body, const UvRect& uv, float side) {
+  Mesh mesh;
   const auto vertex = [&](double x, double z) {
     return MeshVertex{body.at(x, z, side),
                       uv.at(static_cast<float>(x), 1.0F - static_cast<float>(z))};
@@ -46,6 +48,7 @@ void addSide(Mesh& mesh, const Body& body, const UvRect& uv, float side) {
     quad(a.x, b.x, body.shape.floor, body.shape.floor, mid_a, mid_b);
     quad(a.x, b.x, mid_a, mid_b, a.z, b.z);
   }
+  return mesh;
 }
 
 void addSkinOver(Mesh& mesh, const Body& body, const VehicleSkin& skin) {
@@ -94,10 +97,15 @@ void addWheel(Mesh& mesh, const Body& body, const VehicleSkin& skin, double x_sh
     return MeshVertex{p, skin.side.at(p.x() / body.length + 0.5F, 1.0F - p.z() / body.height)};
   };
   const MeshVertex hub = on_side({body.x(x_share), y, r});
+  const Vector3f inner_hub(body.x(x_share), inner, r);
+  const Eigen::Vector2f dark = skin.dark.at(0.5F, 0.5F);
+  Mesh wheel;  // as a left one
   for (int i = 0; i < kCorners; ++i) {
-    mesh.addTriangle(hub, on_side(rim(i, y)), on_side(rim(i + 1, y)));
-    mesh.addQuad(rim(i, y), rim(i + 1, y), rim(i + 1, inner), rim(i, inner), skin.dark);
+    wheel.addTriangle(hub, on_side(rim(i, y)), on_side(rim(i + 1, y)));
+    wheel.addQuad(rim(i, inner), rim(i + 1, inner), rim(i + 1, y), rim(i, y), skin.dark);
+    wheel.addTriangle({inner_hub, dark}, {rim(i + 1, inner), dark}, {rim(i, inner), dark});
   }
+  mesh.append(side > 0 ? wheel : turnedOver(wheel));
 }
 
 }  // namespace
@@ -109,15 +117,16 @@ Mesh vehicleMesh(const Mover& mover) {
                   static_cast<float>(mover.size.z())};
   Mesh mesh;
   for (const float side : {1.0F, -1.0F}) {
-    addSide(mesh, body, skin.side, side);
+    const Mesh flank = sideMesh(body, skin.side, side);
+    mesh.append(side > 0 ? flank : turnedOver(flank));
     addWheel(mesh, body, skin, shape.rear_wheel, side);
     addWheel(mesh, body, skin, shape.front_wheel, side);
   }
   addSkinOver(mesh, body, skin);
   addEnd(mesh, body, skin.rear, true);
   addEnd(mesh, body, skin.front, false);
-  mesh.addQuad(body.at(0, shape.floor, 1), body.at(1, shape.floor, 1), body.at(1, shape.floor, -1),
-               body.at(0, shape.floor, -1), skin.dark);
+  mesh.addQuad(body.at(0, shape.floor, -1), body.at(1, shape.floor, -1), body.at(1, shape.floor, 1),
+               body.at(0, shape.floor, 1), skin.dark);
   return mesh;
 }
 
