@@ -1,0 +1,94 @@
+// How fast a world is drawn and written, beside a yardstick that makes figures of different
+// machines comparable.
+//
+//     bench_drawing -c WORLD.ini -o OUT.rawlog [--set section.key=value ...]
+//
+// Frames go the way they go in headway-sim: one is written while the next is drawn. The yardstick
+// is OpenCV's ORB, detect and compute with 2,000 features in one thread, on both images of every
+// tenth pair, measured between the frames. The first frame builds the world and does not count.
+
+#include <headway/core/stage_times.h>
+#include <headway/program/command_line.h>
+#include <headway/sim/recording.h>
+#include <headway/sim/simulator.h>
+
+#include <cstdio>
+#include <ctime>
+#include <future>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/features2d.hpp>
+#include <sstream>
+
+namespace {
+
+using namespace headway;
+
+double processorMs() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+void measureYardstick(const sim::SimFrame& frame, StageTimes& times) {
+  static const auto orb = cv::ORB::create(2000);
+  const int threads = cv::getNumThreads();
+  cv::setNumThreads(1);
+  std::vector<cv::KeyPoint> keypoints;
+  cv::Mat descriptors;
+  {
+    const auto watch = times.watch("yardstick");
+    orb->detectAndCompute(frame.left, cv::noArray(), keypoints, descriptors);
+    orb->detectAndCompute(frame.right, cv::noArray(), keypoints, descriptors);
+  }
+  cv::setNumThreads(threads);
+}
+
+int measure(int argc, const char* const* argv) {
+  std::string output;
+  sim::SimParams settings;
+  Params params;
+  settings.describe(params);
+  program::CommandLine line("bench_drawing", "Times the drawing and writing of a world.");
+  line.parameters(params);
+  line.option(output, 'o', "output", "OUT.rawlog", "rawlog to write; an old one is lost", true);
+  if (!line.parse(argc, argv)) return program::kDone;
+  std::ostringstream world_ini;
+  params.print(world_ini);
+
+  sim::Simulator simulator(settings);
+  auto frame = simulator.next();
+  sim::Recording recording(output, settings.recording, {}, simulator.camera(),
+                           simulator.recordedCamera(), world_ini.str());
+  StageTimes times;
+  std::size_t objects = 0, count = 0;
+  while (frame) {
+    if (count % 10 == 0) measureYardstick(*frame, times);
+    objects += frame->objects.size();
+    ++count;
+    const double before = processorMs();
+    const auto watch = std::make_unique<StageTimes::Watch>(times, "pair");
+    auto writing = std::async(std::launch::async, [&] { recording.write(*frame); });
+    auto next = simulator.next();
+    writing.get();
+    if (next) times.add("processor", processorMs() - before);
+    frame = std::move(next);
+  }
+  recording.close();
+  const auto summary = times.summary();
+  if (count < 2) return program::kDone;
+  for (const auto& [stage, of] : summary) {
+    std::printf("%-10s median %7.2f ms   p95 %7.2f ms   max %7.2f ms\n", stage.c_str(),
+                of.median_ms, of.p95_ms, of.max_ms);
+  }
+  std::printf("%zu pairs, %.1f objects each: %.1f pairs/s, processor / yardstick %.2f\n", count,
+              static_cast<double>(objects) / static_cast<double>(count),
+              1e3 / summary.at("pair").median_ms,
+              summary.at("processor").median_ms / summary.at("yardstick").median_ms);
+  return program::kDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return headway::program::run("bench_drawing", [&] { return measure(argc, argv); });
+}
