@@ -24,6 +24,23 @@ int searchRange(const StereoCamera& camera, const DisparityParams& params, int w
   return std::min(wanted, (width / 2) / 16 * 16);
 }
 
+cv::Mat widened(const cv::Mat& image, int columns) {
+  cv::Mat result;
+  cv::copyMakeBorder(image, result, 0, 0, columns, 0, cv::BORDER_REPLICATE);
+  return result;
+}
+
+// Leaves 0 where nothing was matched, or something left of the right image.
+void dropMatchesOutside(DisparityImage& disparity) {
+  for (int column = 0; column < disparity.values.cols; ++column) {
+    const auto most = static_cast<float>(disparity.pixelOf(column));
+    for (int row = 0; row < disparity.values.rows; ++row) {
+      float& d = disparity.values.at<float>(row, column);
+      if (d < 0.0F || d > most) d = 0.0F;
+    }
+  }
+}
+
 cv::Ptr<cv::StereoMatcher> makeMatcher(const DisparityParams& params, int range) {
   const int block = params.block_px | 1;
   if (params.method == DisparityParams::Method::kSemiGlobal) {
@@ -80,10 +97,12 @@ DisparityImage denseDisparity(const StereoFrame& frame, const DisparityParams& p
   matcher->setDisp12MaxDiff(1);
   matcher->setSpeckleRange(2);
   matcher->setSpeckleWindowSize(params.least_speckle_px);
+  // OpenCV leaves the first `range` columns unmatched: they are given as many more to their left.
   cv::Mat fixed;
-  matcher->compute(left, right, fixed);
-  fixed.convertTo(result.values, CV_32F, static_cast<double>(params.reduce) / kSubpixels);
-  cv::max(result.values, 0.0F, result.values);
+  matcher->compute(widened(left, range), widened(right, range), fixed);
+  fixed.colRange(range, fixed.cols)
+      .convertTo(result.values, CV_32F, static_cast<double>(params.reduce) / kSubpixels);
+  dropMatchesOutside(result);
   return result;
 }
 
