@@ -13,6 +13,7 @@
 #include "motion_clusters.h"
 #include "noise_scale.h"
 #include "object_extent.h"
+#include "object_identities.h"
 #include "over_ground.h"
 #include "point_follower.h"
 #include "regions_ahead.h"
@@ -26,6 +27,10 @@ constexpr int kFewPoints = 12;          // judged; with fewer nothing is said of
 constexpr double kLongestGap = 3.0;     // of the window: after it everything is begun anew
 constexpr double kFastestBody = 8.0;    // of a person's size [m/s]
 constexpr double kPointsOfSureObject = 6.0;
+constexpr double kStartUp =
+    0.35;  // until then slight errors of pose and stereo pass for motion [s]
+constexpr double kSamePlace = 0.8;           // between an object and where it is expected [m]
+constexpr double kSamePlacePerMetre = 0.02;  // growth with depth [m/m]
 
 bool usable(const cv::Mat& image) {
   cv::Scalar mean, deviation;
@@ -66,8 +71,6 @@ class StereoMotion::Implementation {
   /// @return  why there is nothing to say of this frame; null if there is
   const char* look(const StereoFrame& frame, const std::optional<Pose>& T_map_robot) {
     objects_.clear();
-    taken_.clear();
-    outlines_.clear();
     cells_.clear();
     if (!usable(frame.left) || !usable(frame.right)) return "unusable_image";
     disparity_ = withoutOffset(matcher_->of(frame), offset_.value());
@@ -88,9 +91,11 @@ class StereoMotion::Implementation {
     if (ground_) {
       blobs_.follow(uprightBlobs(disparity_, *camera_, *ground_, params_.blob_range_m), path_);
     }
-    if (unsure == nullptr) {
-      findClusters();
-      findBodies();
+    if (unsure == nullptr && frame.time - path_.timeOf(path_.oldest()) > kStartUp) {
+      identities_.beginFrame(frame.time);
+      auto finds = findClusters();
+      addBodies(finds);
+      for (auto& find : finds) report(find);
     }
     follower_.replenish(frame, disparity_, ground_, number);
     return unsure;
@@ -113,6 +118,7 @@ class StereoMotion::Implementation {
     path_ = CameraPath(*camera_, std::hypot(params_.sigma_px, 0.3));
     follower_.clear();
     blobs_.clear();
+    identities_.clear();
   }
 
   [[nodiscard]] int firstWithin(double window_s, Time now) const {
@@ -173,12 +179,23 @@ class StereoMotion::Implementation {
     follower_.points() = std::move(kept);
   }
 
+  /// Something that moves, as found in this frame.
+  struct Find {
+    ObjectExtent extent;
+    MeasuredVelocity velocity;  ///< in the world of the path
+    int first_frame = 0;        ///< the velocity was measured since then
+    int points = 0;
+    std::vector<std::size_t> members;  ///< points that move with it
+    std::vector<BlobTrack*> bodies;    ///< that are it
+  };
+
   /// Objects of points that move alike.
-  void findClusters() {
+  std::vector<Find> findClusters() {
     ClusterParams params;
     params.reach_m = params_.reach_m;
     params.least_points = params_.least_points;
     const Pose& T_cam_world = path_.T_cam_world(path_.newest());
+    std::vector<Find> finds;
     for (const auto& cluster : clusterMotion(follower_.points(), verdicts_, path_, up_, params)) {
       const double sigma = sigmaAlong(cluster.velocity, cluster.velocity_covariance);
       if (cluster.velocity.norm() < params_.least_speed + 2.0 * sigma) continue;
@@ -187,37 +204,48 @@ class StereoMotion::Implementation {
         seeds.push_back(T_cam_world * follower_.points()[i].motion->point);
       }
       const GroundPlane floor = ground_.value_or(floorBelow(seeds, *camera_));
-      const auto extent = plausibleExtent(growObject(seeds, disparity_, *camera_, floor),
-                                          cluster.velocity, floor, params_.moving_share);
+      auto extent = plausibleExtent(growObject(seeds, disparity_, *camera_, floor),
+                                    cluster.velocity, floor, params_.moving_share);
       if (!extent) {
         ++implausible_;
         continue;
       }
-      report(*extent, identify(cluster), {cluster.velocity, cluster.velocity_covariance},
-             firstWithin(params_.window_s, path_.timeOf(path_.newest())),
-             static_cast<int>(cluster.members.size()));
+      finds.push_back({std::move(*extent),
+                       {cluster.velocity, cluster.velocity_covariance},
+                       firstWithin(params_.window_s, path_.timeOf(path_.newest())),
+                       static_cast<int>(cluster.members.size()),
+                       cluster.members,
+                       {}});
     }
+    return finds;
   }
 
-  /// Things of a person's size that move as a whole, where no points told so already.
-  void findBodies() {
+  /// Adds things of a person's size that move as a whole to what points told already.
+  void addBodies(std::vector<Find>& finds) {
     if (!ground_) return;
     for (auto& blob : blobs_.tracks()) {
       if (blob.track.sightings.back().frame != path_.newest()) continue;
       const auto velocity = velocityOf(blob);
       if (!velocity) continue;
-      const auto extent = plausibleExtent(blob.blob.cells, velocity->value, *ground_, 0.0);
+      auto extent = plausibleExtent(blob.blob.cells, velocity->value, *ground_, 0.0);
       if (!extent) {
         ++implausible_;
         continue;
       }
-      const bool known = std::any_of(outlines_.begin(), outlines_.end(), [&](const Box2d& other) {
+      const auto known = std::find_if(finds.begin(), finds.end(), [&](const Find& find) {
+        const Box2d& other = find.extent.box2d;
         return shareInside(extent->box2d, other) > 0.5 || overlap2d(extent->box2d, other) > 0.3;
       });
-      if (known) continue;
-      if (blob.track.object < 0) blob.track.object = next_object_++;
-      report(*extent, blob.track.object, *velocity, path_.oldest(),
-             static_cast<int>(blob.track.sightings.size()));
+      if (known != finds.end()) {
+        known->bodies.push_back(&blob);
+        continue;
+      }
+      finds.push_back({std::move(*extent),
+                       *velocity,
+                       path_.oldest(),
+                       static_cast<int>(blob.track.sightings.size()),
+                       {},
+                       {&blob}});
     }
   }
 
@@ -256,52 +284,43 @@ class StereoMotion::Implementation {
     return extent;
   }
 
-  /// @param velocity  in the world of the path, measured since `first_frame`
-  void report(const ObjectExtent& extent, std::int64_t id, const MeasuredVelocity& velocity,
-              int first_frame, int points) {
-    outlines_.push_back(extent.box2d);
-    taken_.push_back(id);
-    ++class_votes_[id][extent.object_class];
-    if (++ages_[id] < params_.confirm_frames) return;
-    MovingObject object;
-    object.id = id;
-    object.velocity = path_.R_map_world() * velocity.value;
-    object.points = points;
-    Detection& detection = object.detection;
-    if (params_.guess_class) detection.object_class = classOf(id);
-    detection.score = 1.0 - std::exp(-points / kPointsOfSureObject);
-    detection.detector_id = id;
-    detection.box2d = extent.box2d;
-    detection.box3d = extent.box;
-    detection.centre_covariance = extent.centre_covariance;
-    detection.velocity = rotated(velocity, path_.T_cam_world(path_.newest()).linear());
-    // All those frames tell of it, and each frame's report does so again.
-    detection.velocity->covariance *= path_.newest() - first_frame + 1;
-    cells_.push_back(extent.cells);
-    objects_.push_back(std::move(object));
-  }
-
-  /// The class most often guessed for an object: one frame may show only a part of it.
-  [[nodiscard]] ObjectClass classOf(std::int64_t id) const {
-    const auto& votes = class_votes_.at(id);
-    return std::max_element(votes.begin(), votes.end(),
-                            [](auto& a, auto& b) { return a.second < b.second; })
-        ->first;
-  }
-
-  /// The id that most of the members had before, unless another object took it in this frame.
-  std::int64_t identify(const MotionCluster& cluster) {
+  /// Ids that the parts of a find had before, the most frequent first.
+  [[nodiscard]] std::vector<std::int64_t> formerIds(const Find& find) const {
     std::map<std::int64_t, int> votes;
-    for (const std::size_t i : cluster.members) {
-      const std::int64_t id = follower_.points()[i].object;
-      const bool taken = std::find(taken_.begin(), taken_.end(), id) != taken_.end();
-      if (id >= 0 && !taken) ++votes[id];
-    }
-    const auto winner = std::max_element(votes.begin(), votes.end(),
-                                         [](auto& a, auto& b) { return a.second < b.second; });
-    const std::int64_t id = winner != votes.end() ? winner->first : next_object_++;
-    for (const std::size_t i : cluster.members) follower_.points()[i].object = id;
-    return id;
+    for (const std::size_t i : find.members) ++votes[follower_.points()[i].object];
+    for (const auto* body : find.bodies) ++votes[body->track.object];
+    votes.erase(-1);
+    std::vector<std::int64_t> ids;
+    for (const auto& [id, count] : votes) ids.push_back(id);
+    std::stable_sort(ids.begin(), ids.end(), [&](auto a, auto b) { return votes[a] > votes[b]; });
+    return ids;
+  }
+
+  void report(Find& find) {
+    const Pose& T_cam_world = path_.T_cam_world(path_.newest());
+    const Eigen::Vector3d& centre = find.extent.box.centre;
+    const ObjectIdentity& identity = identities_.identify(
+        {formerIds(find), T_cam_world.inverse() * centre, find.velocity.value,
+         kSamePlace + kSamePlacePerMetre * centre.z(), find.extent.object_class});
+    for (const std::size_t i : find.members) follower_.points()[i].object = identity.id;
+    for (auto* body : find.bodies) body->track.object = identity.id;
+    if (identity.sightings < params_.confirm_frames) return;
+    MovingObject object;
+    object.id = identity.id;
+    object.velocity = path_.R_map_world() * find.velocity.value;
+    object.points = find.points;
+    Detection& detection = object.detection;
+    if (params_.guess_class) detection.object_class = identity.objectClass();
+    detection.score = 1.0 - std::exp(-find.points / kPointsOfSureObject);
+    detection.detector_id = identity.id;
+    detection.box2d = find.extent.box2d;
+    detection.box3d = find.extent.box;
+    detection.centre_covariance = find.extent.centre_covariance;
+    detection.velocity = rotated(find.velocity, T_cam_world.linear());
+    // All those frames tell of it, and each frame's report does so again.
+    detection.velocity->covariance *= path_.newest() - find.first_frame + 1;
+    cells_.push_back(std::move(find.extent.cells));
+    objects_.push_back(std::move(object));
   }
 
   std::shared_ptr<const StereoCamera> camera_;
@@ -314,12 +333,8 @@ class StereoMotion::Implementation {
   NoiseScale noise_scale_;
   std::vector<PointVerdict> verdicts_;             ///< one for each followed point
   Eigen::Vector3d up_ = Eigen::Vector3d::UnitZ();  ///< of the ground, world of the path
-  std::vector<std::int64_t> taken_;                ///< ids given in this frame
-  std::vector<Box2d> outlines_;                    ///< of this frame's objects, unconfirmed too
-  std::map<std::int64_t, int> ages_;               ///< frames in which an object was found
-  std::map<std::int64_t, std::map<ObjectClass, int>> class_votes_;
+  ObjectIdentities identities_;
   std::vector<std::vector<cv::Point>> cells_;  ///< of each object
-  std::int64_t next_object_ = 0;
   std::size_t implausible_ = 0;
 };
 
