@@ -10,6 +10,9 @@ namespace {
 constexpr int kReduce = 2;
 constexpr int kBorder = 8;               // from the image's edges [px]
 constexpr float kLeastStrength = 2e-4F;  // smaller eigenvalue, of an image scaled to 0 ... 1
+constexpr float kOfPeople = 8.0F;        // corners where people may be count so much stronger
+constexpr double kHead = 2.0;            // above ground, [m]
+constexpr double kNear = 28.0;           // and distance of those [m]
 constexpr double kShareElsewhere = 0.1;  // of the points, outside of the zone
 
 struct Corner {
@@ -67,9 +70,13 @@ std::vector<cv::Point2f> interestPoints(const cv::Mat& image, const DisparityIma
     for (int column = border; column + side + border < strength.cols; column += side) {
       if (occupied.at<unsigned char>(row / side, column / side) != 0) continue;
       Corner corner = strongestIn(strength, {column, row, side, side});
-      if (corner.strength < kLeastStrength) continue;
+      if (corner.strength * kOfPeople < kLeastStrength) continue;
       const double d = disparity.at(corner.place.x, corner.place.y);
       if (d <= 0.0) continue;
+      if (inZone(corner.place, d, camera, ground, {kNear, zone.least_height_m, kHead})) {
+        corner.strength *= kOfPeople;
+      }
+      if (corner.strength < kLeastStrength) continue;
       corner.in_zone = inZone(corner.place, d, camera, ground, zone);
       corners.push_back(corner);
     }
