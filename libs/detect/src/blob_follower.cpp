@@ -18,6 +18,7 @@ constexpr double kDisparitySigma = 0.3;  // [px]
 constexpr double kRowSigma = 30.0;       // rows say little: feet and head come and go [px]
 constexpr double kFastest = 8.0;         // of what is followed as a blob [m/s]
 constexpr int kLeastSightings = 4;
+constexpr int kMostMissed = 3;     // frames without a blob
 constexpr double kGoodFit = 3.0;   // squared error to a degree of freedom
 constexpr double kLeastWay = 0.3;  // moved within the window [m]
 
@@ -31,32 +32,27 @@ Eigen::Vector3d placeOf(const UprightBlob& blob, const CameraPath& path,
 }
 
 Eigen::Vector3d expectedPlace(const BlobTrack& track, const CameraPath& path,
-                              const StereoCamera& camera) {
-  const Sighting& last = track.track.sightings.back();
-  const Eigen::Vector3d seen =
-      path.T_cam_world(last.frame).inverse() * *triangulate(last.uvd, camera);
-  if (!track.track.motion || track.track.sightings.size() < 3) return seen;
-  return seen +
-         (path.timeOf(path.newest()) - path.timeOf(last.frame)) * track.track.motion->velocity;
+                              const Eigen::Vector3d& up) {
+  if (!track.track.motion || track.track.sightings.size() < 3) return track.last_place;
+  return track.last_place + (path.timeOf(path.newest()) - path.timeOf(track.last_frame)) *
+                                overGround(track.track.motion->velocity, up);
 }
 
 }  // namespace
 
-void BlobFollower::follow(std::vector<UprightBlob> blobs, const CameraPath& path) {
+void BlobFollower::follow(std::vector<UprightBlob> blobs, const CameraPath& path,
+                          const Eigen::Vector3d& up) {
   const auto forgotten = [&](const BlobTrack& track) {
-    return track.track.sightings.back().frame < path.oldest() ||
-           path.newest() - track.track.sightings.back().frame > 2;
+    return track.last_frame < path.oldest() || path.newest() - track.last_frame > kMostMissed;
   };
   tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), forgotten), tracks_.end());
   std::vector<CandidatePair> candidates;
   for (std::size_t t = 0; t < tracks_.size(); ++t) {
-    const Eigen::Vector3d expected = expectedPlace(tracks_[t], path, camera_);
+    const Eigen::Vector3d expected = expectedPlace(tracks_[t], path, up);
     const double depth = (path.T_cam_world(path.newest()) * expected).z();
     for (std::size_t b = 0; b < blobs.size(); ++b) {
-      const double off = (placeOf(blobs[b], path, camera_) - expected).norm();
-      const double wider = blobs[b].width_px / std::max(1.0, tracks_[t].blob.width_px);
-      const bool alike = wider > 0.5 && wider < 2.0;
-      if (alike && off < kGate + kGatePerMetre * depth) candidates.push_back({t, b, off});
+      const double off = overGround(placeOf(blobs[b], path, camera_) - expected, up).norm();
+      if (off < kGate + kGatePerMetre * depth) candidates.push_back({t, b, off});
     }
   }
   std::vector<bool> taken(blobs.size(), false);
@@ -75,23 +71,24 @@ void BlobFollower::follow(std::vector<UprightBlob> blobs, const CameraPath& path
 
 void BlobFollower::extend(BlobTrack& track, UprightBlob blob, const CameraPath& path) const {
   auto& sightings = track.track.sightings;
-  if (track.blob.hidden || blob.hidden) sightings.clear();
-  sightings.push_back({path.newest(), blob.uvd});
   const auto old = [&](const Sighting& sighting) { return sighting.frame < path.oldest(); };
   sightings.erase(sightings.begin(), std::find_if_not(sightings.begin(), sightings.end(), old));
+  if (!blob.hidden) sightings.push_back({path.newest(), blob.uvd});
+  track.last_frame = path.newest();
+  track.last_place = placeOf(blob, path, camera_);
   track.track.motion = fitMotion(sightings, path, camera_, noiseOf(blob), 2.0);
   track.blob = std::move(blob);
 }
 
 std::optional<PointMotion> BlobFollower::outlineMotion(const BlobTrack& track) {
   const auto& motion = track.track.motion;
-  if (track.blob.hidden || !motion || motion->sightings < kLeastSightings) return std::nullopt;
+  if (!motion || motion->sightings < kLeastSightings) return std::nullopt;
   return motion->movingFit() < kGoodFit ? motion : std::nullopt;
 }
 
 bool BlobFollower::moves(const BlobTrack& track, const Eigen::Vector3d& up,
                          const VerdictParams& params) const {
-  if (track.blob.hidden) return false;
+  if (!track.track.motion) return false;
   VerdictParams strict = params;
   strict.least_sightings = kLeastSightings;
   strict.most_speed = kFastest;

@@ -9,8 +9,10 @@ namespace headway::detect {
 
 /// A blob followed from frame to frame, as if it were a single fat point.
 struct BlobTrack {
-  PointTrack track;  ///< its middles; `motion` fitted in every frame in which it is seen
-  UprightBlob blob;  ///< as seen last
+  PointTrack track;    ///< its middles; `motion` fitted in every frame in which it is seen
+  UprightBlob blob;    ///< as seen last
+  int last_frame = 0;  ///< in which it was seen
+  Eigen::Vector3d last_place = Eigen::Vector3d::Zero();  ///< then, world of the path [m]
 };
 
 /// Follows things of a person's size as wholes.
@@ -24,7 +26,7 @@ class BlobFollower {
       : camera_(camera), window_s_(window_s) {}
 
   /// Pairs the blobs of a frame with the tracks and fits the motion of each.
-  void follow(std::vector<UprightBlob> blobs, const CameraPath& path);
+  void follow(std::vector<UprightBlob> blobs, const CameraPath& path, const Eigen::Vector3d& up);
 
   /// What the outline tells of a track's motion; nullopt where it was hidden or seen too rarely.
   [[nodiscard]] static std::optional<PointMotion> outlineMotion(const BlobTrack& track);

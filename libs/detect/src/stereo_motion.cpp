@@ -89,7 +89,7 @@ class StereoMotion::Implementation {
     follower_.follow(frame, disparity_, path_);
     const char* unsure = judge() ? nullptr : "camera_motion_unsure";
     if (ground_) {
-      blobs_.follow(uprightBlobs(disparity_, *camera_, *ground_, params_.blob_range_m), path_);
+      blobs_.follow(uprightBlobs(disparity_, *camera_, *ground_, params_.blob_range_m), path_, up_);
     }
     if (unsure == nullptr && frame.time - path_.timeOf(path_.oldest()) > kStartUp) {
       identities_.beginFrame(frame.time);
@@ -224,7 +224,7 @@ class StereoMotion::Implementation {
   void addBodies(std::vector<Find>& finds) {
     if (!ground_) return;
     for (auto& blob : blobs_.tracks()) {
-      if (blob.track.sightings.back().frame != path_.newest()) continue;
+      if (blob.last_frame != path_.newest()) continue;
       const auto velocity = velocityOf(blob);
       if (!velocity) continue;
       auto extent = plausibleExtent(blob.blob.cells, velocity->value, *ground_, 0.0);
