@@ -48,7 +48,7 @@ struct PointMotion {
 /// The difference of the errors is the likelihood ratio of "moves" against "stands": chi-square
 /// with 3 degrees of freedom for a still point.
 ///
-/// @param sightings       ascending frames of the path, the last one being its newest
+/// @param sightings       ascending frames of the path; velocity and point are of its newest
 /// @param speed_prior     standard deviation of speeds [m/s]; keeps short tracks sane
 /// @return                nullopt with fewer than two sightings or if the point is not in front
 /// @see  Franke et al. 2005 ("6D-Vision"), in batch instead of recursively
