@@ -10,6 +10,7 @@
 #include <set>
 
 #include "body_projection.h"
+#include "eye_buffer.h"
 #include "furniture.h"
 #include "ground_texture.h"
 #include "mover_atlas.h"
@@ -73,8 +74,9 @@ class StereoRig::Scene {
   Scene(const StereoCamera& camera, World& world);
 
   void arrange(const Pose& T_world_robot, const std::vector<Mover>& movers);
-  [[nodiscard]] cv::Mat render(const Pose& T_robot_cam, cv::Mat* depth);
-  [[nodiscard]] const StereoCamera& camera() const { return camera_; }
+  void drawLeft() { draw(camera_.T_robot_cam, left_); }
+  void drawRight(const Pose& T_left_right) { draw(camera_.T_robot_cam * T_left_right, right_); }
+  [[nodiscard]] StereoDrawing read(bool with_depth);
 
  private:
   using ObjectPtr = TexturedObject::Ptr;
@@ -86,11 +88,13 @@ class StereoRig::Scene {
   void placeMovers(const Eigen::Vector3d& origin, const std::vector<Mover>& movers);
   void rebuildShared(const std::vector<StretchKey>& visible);
   void placeAll(const Eigen::Vector3d& origin);
+  void draw(const Pose& T_robot_cam, EyeBuffer& eye);
 
   StereoCamera camera_;
   World& world_;
   mrpt::opengl::COpenGLScene scene_;
-  mrpt::opengl::CFBORender renderer_;
+  mrpt::opengl::CFBORender context_;  ///< of OpenGL, off-screen
+  EyeBuffer left_, right_;
   std::map<StretchKey, std::vector<ObjectPtr>> surfaces_;
   std::set<StretchKey> shown_;
   ObjectPtr sky_, plain_, verges_, furniture_, vehicles_, people_, shadows_;
@@ -103,8 +107,10 @@ class StereoRig::Scene {
 StereoRig::Scene::Scene(const StereoCamera& camera, World& world)
     : camera_(camera),
       world_(world),
-      renderer_(static_cast<unsigned>(drawnWidth(camera.width)),
-                static_cast<unsigned>(camera.height)) {
+      context_(static_cast<unsigned>(drawnWidth(camera.width)),
+               static_cast<unsigned>(camera.height)),
+      left_(drawnWidth(camera.width), camera.height),
+      right_(drawnWidth(camera.width), camera.height) {
   const auto seed = [&](Purpose purpose) {
     return Random(seedOf({static_cast<std::uint64_t>(world.params().seed), purpose}));
   };
@@ -252,7 +258,7 @@ void StereoRig::Scene::arrange(const Pose& T_world_robot, const std::vector<Move
   placeAll(origin);
 }
 
-cv::Mat StereoRig::Scene::render(const Pose& T_robot_cam, cv::Mat* depth) {
+void StereoRig::Scene::draw(const Pose& T_robot_cam, EyeBuffer& eye) {
   mrpt::img::TCamera lens;
   lens.ncols = static_cast<unsigned>(drawnWidth(camera_.width));
   lens.nrows = static_cast<unsigned>(camera_.height);
@@ -263,21 +269,21 @@ cv::Mat StereoRig::Scene::render(const Pose& T_robot_cam, cv::Mat* depth) {
   camera.setProjectiveFromPinhole(lens);
   const Pose T_origin_cam = T_origin_robot_ * T_robot_cam;
   camera.setPose(mrpt::poses::CPose3D(mrpt::math::CMatrixDouble44(T_origin_cam.matrix())));
-  renderer_.setCamera(scene_, camera);
-  mrpt::img::CImage picture;
-  const cv::Rect kept(0, 0, camera_.width, camera_.height);
-  if (depth == nullptr) {
-    renderer_.render_RGB(scene_, picture);
-  } else {
-    mrpt::math::CMatrixFloat distances;
-    renderer_.render_RGBD(scene_, picture, distances);
-    const cv::Mat all(static_cast<int>(distances.rows()), static_cast<int>(distances.cols()),
-                      CV_32F, distances.data());
-    *depth = all(kept).clone();
+  scene_.getViewport()->getCamera() = camera;
+  eye.draw(scene_);
+}
+
+StereoDrawing StereoRig::Scene::read(bool with_depth) {
+  const cv::Size size(camera_.width, camera_.height);
+  StereoDrawing drawing;
+  drawing.left = left_.picture(size);
+  if (with_depth) {
+    drawing.depth = left_.depth(size);
     // The sky's drum is not a distance.
-    depth->setTo(0.0F, *depth > 0.8F * kSkyRadius);
+    drawing.depth.setTo(0.0F, drawing.depth > 0.8F * kSkyRadius);
   }
-  return picture.asCvMatRef()(kept).clone();
+  drawing.right = right_.picture(size);
+  return drawing;
 }
 
 StereoRig::StereoRig(const StereoCamera& camera, World& world)
@@ -287,12 +293,10 @@ StereoRig::~StereoRig() = default;
 
 StereoDrawing StereoRig::draw(const Pose& T_world_robot, const Pose& T_left_right,
                               const std::vector<Mover>& movers, bool with_depth) {
-  const Pose& T_robot_left = scene_->camera().T_robot_cam;
   scene_->arrange(T_world_robot, movers);
-  StereoDrawing drawing;
-  drawing.left = scene_->render(T_robot_left, with_depth ? &drawing.depth : nullptr);
-  drawing.right = scene_->render(T_robot_left * T_left_right, nullptr);
-  return drawing;
+  scene_->drawLeft();
+  scene_->drawRight(T_left_right);
+  return scene_->read(with_depth);
 }
 
 }  // namespace headway::sim

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <mrpt/opengl/COpenGLFramebuffer.h>
+#include <mrpt/opengl/COpenGLScene.h>
+
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+namespace headway::sim {
+
+/// What one eye sees, drawn off-screen.
+///
+/// Drawing and reading are apart, so that a second eye can be set up while the first is drawn, and
+/// pixels are read in the driver's own format. Needs an OpenGL context that is current, in one
+/// thread, for as long as it lives.
+class EyeBuffer {
+ public:
+  /// @param width  a multiple of four
+  EyeBuffer(int width, int height);
+
+  /// Begins to draw the scene as its main camera sees it; returns before that is done.
+  void draw(const mrpt::opengl::COpenGLScene& scene);
+
+  /// @return 8-bit BGR, the upper left part of what was drawn
+  [[nodiscard]] cv::Mat picture(const cv::Size& kept);
+  /// @return 32-bit, distance from the camera's plane [m]
+  [[nodiscard]] cv::Mat depth(const cv::Size& kept);
+
+ private:
+  cv::Mat read(unsigned format, unsigned type, int depth, const cv::Size& kept);
+
+  mrpt::opengl::COpenGLFramebuffer buffer_;
+  int width_;
+  int height_;
+  float near_ = 0.0F, far_ = 0.0F;  ///< what the depths drawn range over [m]
+  std::vector<float> metres_;       ///< distances of depths in the buffer
+};
+
+}  // namespace headway::sim
