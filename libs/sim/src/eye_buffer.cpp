@@ -45,7 +45,8 @@ void EyeBuffer::draw(const mrpt::opengl::COpenGLScene& scene) {
 
 cv::Mat EyeBuffer::read(unsigned format, unsigned type, int depth, const cv::Size& kept) {
   const auto before = buffer_.bind();
-  cv::Mat pixels(height_, width_, depth);
+  cv::Mat& pixels = depth == CV_32S ? codes_ : pixels_;
+  pixels.create(height_, width_, depth);
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
   glReadPixels(0, 0, width_, height_, format, type, pixels.data);
   mrpt::opengl::COpenGLFramebuffer::Bind(before);
@@ -55,9 +56,9 @@ cv::Mat EyeBuffer::read(unsigned format, unsigned type, int depth, const cv::Siz
 
 cv::Mat EyeBuffer::picture(const cv::Size& kept) {
   const cv::Mat pixels = read(GL_RGBA, GL_UNSIGNED_BYTE, CV_8UC4, kept);
-  cv::Mat upright, picture;
-  cv::flip(pixels, upright, 0);
-  cv::cvtColor(upright, picture, cv::COLOR_RGBA2BGR);
+  cv::Mat picture;
+  cv::cvtColor(pixels, picture, cv::COLOR_RGBA2BGR);
+  cv::flip(picture, picture, 0);
   return picture;
 }
 

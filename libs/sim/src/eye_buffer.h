@@ -30,6 +30,7 @@ class EyeBuffer {
   cv::Mat read(unsigned format, unsigned type, int depth, const cv::Size& kept);
 
   mrpt::opengl::COpenGLFramebuffer buffer_;
+  cv::Mat pixels_, codes_;  ///< as read: colours, depths
   int width_;
   int height_;
   float near_ = 0.0F, far_ = 0.0F;  ///< what the depths drawn range over [m]

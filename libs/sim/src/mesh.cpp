@@ -17,6 +17,22 @@ void Mesh::append(const Mesh& other) {
   triangles.insert(triangles.end(), other.triangles.begin(), other.triangles.end());
 }
 
+std::vector<Eigen::Vector3f> cornersOf(const std::array<MeshVertex, 3>& triangle) {
+  return {triangle[0].position, triangle[1].position, triangle[2].position};
+}
+
+std::vector<Eigen::Vector3f> boxCorners(const Mesh& mesh) {
+  Eigen::AlignedBox3f box;
+  for (const auto& triangle : mesh.triangles) {
+    for (const auto& vertex : triangle) box.extend(vertex.position);
+  }
+  std::vector<Eigen::Vector3f> corners;
+  for (int i = 0; i < 8 && !box.isEmpty(); ++i) {
+    corners.push_back(box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(i)));
+  }
+  return corners;
+}
+
 Mesh turnedOver(Mesh mesh) {
   for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
   return mesh;

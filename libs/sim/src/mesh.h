@@ -43,6 +43,10 @@ struct Mesh {
   void append(const Mesh& other);
 };
 
+/// The corners of the upright box around a mesh, or of one triangle.
+[[nodiscard]] std::vector<Eigen::Vector3f> boxCorners(const Mesh& mesh);
+[[nodiscard]] std::vector<Eigen::Vector3f> cornersOf(const std::array<MeshVertex, 3>& triangle);
+
 /// The same triangles, fronts and backs exchanged.
 [[nodiscard]] Mesh turnedOver(Mesh mesh);
 

@@ -14,6 +14,7 @@
 #include "furniture.h"
 #include "ground_texture.h"
 #include "mover_atlas.h"
+#include "occlusion.h"
 #include "person_mesh.h"
 #include "shadow.h"
 #include "sky.h"
@@ -73,7 +74,8 @@ class StereoRig::Scene {
  public:
   Scene(const StereoCamera& camera, World& world);
 
-  void arrange(const Pose& T_world_robot, const std::vector<Mover>& movers);
+  void arrange(const Pose& T_world_robot, const Pose& T_left_right,
+               const std::vector<Mover>& movers);
   void drawLeft() { draw(camera_.T_robot_cam, left_); }
   void drawRight(const Pose& T_left_right) { draw(camera_.T_robot_cam * T_left_right, right_); }
   [[nodiscard]] StereoDrawing read(bool with_depth);
@@ -81,10 +83,31 @@ class StereoRig::Scene {
  private:
   using ObjectPtr = TexturedObject::Ptr;
 
+  /// A surface with a picture of its own.
+  struct Piece {
+    ObjectPtr object;
+    std::vector<Eigen::Vector3f> around;  ///< points whose hull it is in, from its anchor
+    std::optional<Block> block;
+  };
+
+  /// A tree or the like.
+  struct Item {
+    Mesh mesh;  ///< from the shared anchor
+    std::vector<Eigen::Vector3f> around;
+  };
+
   ObjectPtr add(const cv::Mat& picture);
   /// Hides all surfaces, and gives up those out of view where textures grow scarce.
   void forgetHidden(const std::vector<StretchKey>& visible);
+  /// Hides what houses hide from both eyes.
+  void hideBehindHouses(const std::vector<StretchKey>& visible, const Eigen::Vector3d& origin,
+                        const Pose& T_left_right);
+  [[nodiscard]] bool shows(const std::vector<Eigen::Vector3f>& around,
+                           const Eigen::Vector3d& offset) const;
+  /// The triangles that show.
+  [[nodiscard]] Mesh shown(const Mesh& mesh, const Eigen::Vector3d& offset) const;
   void showStretches(const std::vector<StretchKey>& visible);
+  void placeStill(const Eigen::Vector3d& origin);
   void placeMovers(const Eigen::Vector3d& origin, const std::vector<Mover>& movers);
   void rebuildShared(const std::vector<StretchKey>& visible);
   void placeAll(const Eigen::Vector3d& origin);
@@ -95,12 +118,17 @@ class StereoRig::Scene {
   mrpt::opengl::COpenGLScene scene_;
   mrpt::opengl::CFBORender context_;  ///< of OpenGL, off-screen
   EyeBuffer left_, right_;
-  std::map<StretchKey, std::vector<ObjectPtr>> surfaces_;
+  std::map<StretchKey, std::vector<Piece>> surfaces_;
+  std::vector<Occlusion> eyes_;  ///< what houses hide, now, from the left and from the right one
   std::set<StretchKey> shown_;
   ObjectPtr sky_, plain_, verges_, furniture_, vehicles_, people_, shadows_;
   Eigen::Vector3d shared_anchor_ = Eigen::Vector3d::Zero();
   std::optional<Eigen::Vector2i> plain_cell_;
   Eigen::Vector3d plain_anchor_ = Eigen::Vector3d::Zero();
+  std::vector<Item> items_;                       ///< furniture of the stretches in view
+  std::optional<std::vector<bool>> items_shown_;  ///< which of them are in furniture_
+  Mesh verges_mesh_, plain_mesh_;                 ///< whole
+  const Mesh sky_mesh_ = skyMesh(kSkyRadius);
   Pose T_origin_robot_ = Pose::Identity();
 };
 
@@ -117,7 +145,6 @@ StereoRig::Scene::Scene(const StereoCamera& camera, World& world)
   Random sky = seed(kSkySeed), meadow = seed(kMeadowSeed), furniture = seed(kFurnitureAtlasSeed),
          movers = seed(kMoverAtlasSeed);
   sky_ = add(drawSky(sky));
-  sky_->setMesh(skyMesh(kSkyRadius));
   const cv::Mat grass = drawMeadow(world.grain(), meadow);
   plain_ = add(grass);
   verges_ = add(grass);
@@ -140,7 +167,7 @@ void StereoRig::Scene::forgetHidden(const std::vector<StretchKey>& visible) {
   std::vector<StretchKey> hidden;
   std::size_t count = 0;
   for (auto& [key, objects] : surfaces_) {
-    for (auto& object : objects) object->setVisibility(false);
+    for (auto& piece : objects) piece.object->setVisibility(false);
     count += objects.size();
     if (std::find_if(visible.begin(), visible.end(), [k = key](const StretchKey& other) {
           return !(other < k) && !(k < other);
@@ -151,7 +178,7 @@ void StereoRig::Scene::forgetHidden(const std::vector<StretchKey>& visible) {
   for (const StretchKey& key : hidden) {
     if (world_.built().count(key) != 0 && count <= kMostSurfaces / 2) continue;
     count -= surfaces_.at(key).size();
-    for (auto& object : surfaces_.at(key)) scene_.removeObject(object);
+    for (auto& piece : surfaces_.at(key)) scene_.removeObject(piece.object);
     surfaces_.erase(key);
   }
 }
@@ -165,29 +192,92 @@ void StereoRig::Scene::showStretches(const std::vector<StretchKey>& visible) {
     if (shown > kMostSurfaces) break;
     auto known = surfaces_.find(key);
     if (known == surfaces_.end()) {
-      std::vector<ObjectPtr> objects;
+      std::vector<Piece> pieces;
       for (const Surface& surface : stretch.surfaces) {
-        objects.push_back(add(surface.picture));
-        objects.back()->setMesh(surface.mesh);
-        if (surface.closed) objects.back()->hideBacks();
+        pieces.push_back({add(surface.picture), boxCorners(surface.mesh), surface.block});
+        pieces.back().object->setMesh(surface.mesh);
+        if (surface.block) pieces.back().object->hideBacks();
       }
-      known = surfaces_.emplace(key, std::move(objects)).first;
+      known = surfaces_.emplace(key, std::move(pieces)).first;
     }
-    for (auto& object : known->second) object->setVisibility(true);
+    for (auto& piece : known->second) piece.object->setVisibility(true);
   }
 }
 
+void StereoRig::Scene::hideBehindHouses(const std::vector<StretchKey>& visible,
+                                        const Eigen::Vector3d& origin, const Pose& T_left_right) {
+  const Pose T_origin_left = T_origin_robot_ * camera_.T_robot_cam;
+  eyes_ = {Occlusion(camera_, T_origin_left.inverse()),
+           Occlusion(camera_, (T_origin_left * T_left_right).inverse())};
+  const auto forAllShown = [&](const auto& visit) {
+    for (const StretchKey& key : visible) {
+      const auto pieces = surfaces_.find(key);
+      if (pieces == surfaces_.end()) continue;
+      const Eigen::Vector3d offset = world_.stretch(key).anchor - origin;
+      for (Piece& piece : pieces->second) {
+        if (piece.object->isVisible()) visit(piece, offset);
+      }
+    }
+  };
+  forAllShown([&](const Piece& piece, const Eigen::Vector3d& offset) {
+    if (!piece.block) return;
+    for (Occlusion& eye : eyes_) eye.add(*piece.block, offset);
+  });
+  forAllShown([&](Piece& piece, const Eigen::Vector3d& offset) {
+    piece.object->setVisibility(shows(piece.around, offset));
+  });
+}
+
+bool StereoRig::Scene::shows(const std::vector<Eigen::Vector3f>& around,
+                             const Eigen::Vector3d& offset) const {
+  return std::any_of(eyes_.begin(), eyes_.end(),
+                     [&](const Occlusion& eye) { return !eye.hides(around, offset); });
+}
+
+Mesh StereoRig::Scene::shown(const Mesh& mesh, const Eigen::Vector3d& offset) const {
+  Mesh result;
+  for (const auto& triangle : mesh.triangles) {
+    if (shows(cornersOf(triangle), offset)) result.triangles.push_back(triangle);
+  }
+  return result;
+}
+
 void StereoRig::Scene::rebuildShared(const std::vector<StretchKey>& visible) {
-  Mesh furniture, verges;
+  items_.clear();
+  verges_mesh_ = {};
   shared_anchor_ = world_.stretch(visible.front()).anchor;
   for (const StretchKey& key : visible) {
     const StreetStretch& stretch = world_.stretch(key);
     const Eigen::Vector3f shift = (stretch.anchor - shared_anchor_).cast<float>();
-    furniture.append(moved(stretch.furniture, Eigen::Matrix3f::Identity(), shift));
-    verges.append(moved(stretch.verges, Eigen::Matrix3f::Identity(), shift));
+    for (const Mesh& item : stretch.furniture) {
+      const Mesh mesh = moved(item, Eigen::Matrix3f::Identity(), shift);
+      items_.push_back({mesh, boxCorners(mesh)});
+    }
+    verges_mesh_.append(moved(stretch.verges, Eigen::Matrix3f::Identity(), shift));
   }
-  furniture_->setMesh(furniture);
-  verges_->setMesh(verges);
+  items_shown_.reset();
+}
+
+void StereoRig::Scene::placeStill(const Eigen::Vector3d& origin) {
+  const Eigen::Vector2i cell((origin.head<2>() / kMeadowCell).array().floor().cast<int>());
+  if (!plain_cell_ || *plain_cell_ != cell) {
+    plain_cell_ = cell;
+    plain_anchor_ = origin;
+    plain_mesh_ = plainMesh(world_.network(), cell, origin);
+  }
+  std::vector<bool> now;
+  for (const Item& item : items_) now.push_back(shows(item.around, shared_anchor_ - origin));
+  if (items_shown_ != now) {
+    Mesh furniture;
+    for (std::size_t i = 0; i < items_.size(); ++i) {
+      if (now[i]) furniture.append(items_[i].mesh);
+    }
+    furniture_->setMesh(furniture);
+    items_shown_ = std::move(now);
+  }
+  verges_->setMesh(shown(verges_mesh_, shared_anchor_ - origin));
+  plain_->setMesh(shown(plain_mesh_, plain_anchor_ - origin));
+  sky_->setMesh(shown(sky_mesh_, Eigen::Vector3d::Zero()));
 }
 
 void StereoRig::Scene::placeAll(const Eigen::Vector3d& origin) {
@@ -203,18 +293,12 @@ void StereoRig::Scene::placeAll(const Eigen::Vector3d& origin) {
   place(vehicles_, origin, 6000.0);
   place(people_, origin, 5900.0);
   place(furniture_, shared_anchor_, 5500.0);
-  for (const auto& [key, objects] : surfaces_) {
+  for (const auto& [key, pieces] : surfaces_) {
     const Eigen::Vector3d& anchor = world_.stretch(key).anchor;
     const double distance = (anchor - origin).norm();
-    for (const auto& object : objects) place(object, anchor, 5000.0 - distance);
+    for (const auto& piece : pieces) place(piece.object, anchor, 5000.0 - distance);
   }
   place(verges_, shared_anchor_, 4000.0);
-  const Eigen::Vector2i cell((origin.head<2>() / kMeadowCell).array().floor().cast<int>());
-  if (!plain_cell_ || *plain_cell_ != cell) {
-    plain_cell_ = cell;
-    plain_anchor_ = origin;
-    plain_->setMesh(plainMesh(world_.network(), cell, origin));
-  }
   place(plain_, plain_anchor_, 3900.0);
   place(sky_, origin, 3800.0);
   place(shadows_, origin, 0.0);
@@ -231,7 +315,8 @@ void StereoRig::Scene::placeMovers(const Eigen::Vector3d& origin,
   Mesh vehicles, people, shadows;
   for (const auto& [distance, mover] : near_first) {
     const bool wheels = mover->kind != MoverKind::kPedestrian && mover->kind != MoverKind::kCyclist;
-    (wheels ? vehicles : people).append(moverMesh(*mover, origin));
+    const Mesh body = moverMesh(*mover, origin);
+    if (shows(boxCorners(body), Eigen::Vector3d::Zero())) (wheels ? vehicles : people).append(body);
   }
   for (const Mover& mover : movers) shadows.append(shadowMesh(mover, origin));
   vehicles_->setMesh(vehicles);
@@ -239,7 +324,8 @@ void StereoRig::Scene::placeMovers(const Eigen::Vector3d& origin,
   shadows_->setMesh(shadows);
 }
 
-void StereoRig::Scene::arrange(const Pose& T_world_robot, const std::vector<Mover>& movers) {
+void StereoRig::Scene::arrange(const Pose& T_world_robot, const Pose& T_left_right,
+                               const std::vector<Mover>& movers) {
   const Eigen::Vector3d origin = T_world_robot.translation();
   const Eigen::Vector3d eye = (T_world_robot * camera_.T_robot_cam).translation();
   const auto visible = world_.inView(eye, viewCone(camera_, T_world_robot));
@@ -252,9 +338,11 @@ void StereoRig::Scene::arrange(const Pose& T_world_robot, const std::vector<Move
       now.size() == shown_.size() && std::equal(now.begin(), now.end(), shown_.begin(), same_key);
   if (!same && !visible.empty()) rebuildShared(visible);
   shown_ = now;
-  placeMovers(origin, movers);
   T_origin_robot_ = T_world_robot;
   T_origin_robot_.translation().setZero();
+  hideBehindHouses(visible, origin, T_left_right);
+  placeStill(origin);
+  placeMovers(origin, movers);
   placeAll(origin);
 }
 
@@ -293,7 +381,7 @@ StereoRig::~StereoRig() = default;
 
 StereoDrawing StereoRig::draw(const Pose& T_world_robot, const Pose& T_left_right,
                               const std::vector<Mover>& movers, bool with_depth) {
-  scene_->arrange(T_world_robot, movers);
+  scene_->arrange(T_world_robot, T_left_right, movers);
   scene_->drawLeft();
   scene_->drawRight(T_left_right);
   return scene_->read(with_depth);

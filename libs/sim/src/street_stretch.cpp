@@ -93,7 +93,7 @@ void StreetBuilder::layGround(const Site& site, StreetStretch& stretch, Random& 
   marks.length_m = site.length;
   marks.crossing = random.chance(0.25);
   marks.crossing_at = random.uniform(0.3, 0.7);
-  Surface surface{drawGround(marks, grain_, random), {}, false};
+  Surface surface{drawGround(marks, grain_, random), {}, {}};
   const int steps = std::max(1, static_cast<int>(std::lround(site.length / 2.0)));
   const auto cell = [&](int i, double l0, double up0, double l1, double up1, double reach,
                         bool earlier_only) {
@@ -185,13 +185,15 @@ void StreetBuilder::buildHouses(const Site& site, double side, StreetStretch& st
       const auto b = site.local(s + 0.45 * site.length / count, front, Profile::kKerbHeight);
       if (site.drawn(s) && isFree(site, s - 0.45 * site.length / count, front, 0.3) &&
           isFree(site, s + 0.45 * site.length / count, front, 0.3)) {
-        addHedge(stretch.furniture, a, b, own);
+        addHedge(stretch.furniture.emplace_back(), a, b, own);
       }
       continue;
     }
-    Surface house{drawFacade(plan.facade, grain_, own), {}, true};
+    Surface house{drawFacade(plan.facade, grain_, own), {}, {}};
     const double yaw = site.yaw(s) + (side > 0 ? 0.0 : M_PI);
-    house.mesh = houseMesh(plan, site.local(s, front, -0.3), static_cast<float>(yaw));
+    const Eigen::Vector3f foot = site.local(s, front, -0.3);
+    house.mesh = houseMesh(plan, foot, static_cast<float>(yaw));
+    house.block = houseBlock(plan, foot, static_cast<float>(yaw));
     stretch.surfaces.push_back(std::move(house));
   }
 }
@@ -212,24 +214,26 @@ void StreetBuilder::placeFurniture(const Site& site, StreetStretch& stretch, Ran
     for (int i = 0; i < trees; ++i) {
       const double s = site.begin + (i + random.uniform(0.15, 0.85)) * site.length / trees;
       Random own(random.bits());
-      if (free(s)) addTree(stretch.furniture, spot(s, own.uniform(0.5, 0.8)), own);
+      if (free(s)) addTree(stretch.furniture.emplace_back(), spot(s, own.uniform(0.5, 0.8)), own);
     }
     const double towards_street = site.yaw(site.begin) - side * M_PI / 2;
     const double lamp = site.begin + random.uniform(0.1, 0.9) * site.length;
     if (random.chance(0.7) && free(lamp)) {
-      addLamp(stretch.furniture, spot(lamp, 0.4), static_cast<float>(towards_street), random);
+      addLamp(stretch.furniture.emplace_back(), spot(lamp, 0.4), static_cast<float>(towards_street),
+              random);
     }
     const double sign = site.begin + random.uniform(0.1, 0.9) * site.length;
     if (random.chance(0.5) && free(sign)) {
       const double yaw = site.yaw(sign) + (side > 0 ? M_PI : 0.0);
-      addSign(stretch.furniture, spot(sign, 0.5), static_cast<float>(yaw), random);
+      addSign(stretch.furniture.emplace_back(), spot(sign, 0.5), static_cast<float>(yaw), random);
     }
     for (int i = 0; i < 3; ++i) {
       const double s = site.begin + random.uniform(0.0, 1.0) * site.length;
       const bool at_wall = random.chance(0.4);
       Random own(random.bits());
       if (random.chance(0.6) && free(s)) {
-        addSmallThing(stretch.furniture, spot(s, at_wall ? 2.3 : 0.5), site.yaw(s), own);
+        addSmallThing(stretch.furniture.emplace_back(), spot(s, at_wall ? 2.3 : 0.5), site.yaw(s),
+                      own);
       }
     }
   }

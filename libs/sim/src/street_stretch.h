@@ -3,11 +3,13 @@
 #include <headway/sim/sim_params.h>
 
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <vector>
 
 #include "grain.h"
 #include "mesh.h"
 #include "mover.h"
+#include "occlusion.h"
 #include "road_network.h"
 
 namespace headway::sim {
@@ -17,17 +19,17 @@ inline constexpr double kStretch = 24.0;
 
 /// A surface with a picture of its own.
 struct Surface {
-  cv::Mat picture;      ///< BGR
-  Mesh mesh;            ///< relative to the stretch's anchor
-  bool closed = false;  ///< only fronts can be seen
+  cv::Mat picture;             ///< BGR
+  Mesh mesh;                   ///< relative to the stretch's anchor
+  std::optional<Block> block;  ///< a house's walls; a house is closed: only fronts can be seen
 };
 
 /// Everything that stands along kStretch metres of one street.
 struct StreetStretch {
   Eigen::Vector3d anchor = Eigen::Vector3d::Zero();  ///< world; meshes are relative to it
   std::vector<Surface> surfaces;                     ///< the ground, and each house
-  Mesh furniture;  ///< trees, lamps, hedges: in the furniture atlas
-  Mesh verges;     ///< unpaved ground beside the street: in the meadow picture
+  std::vector<Mesh> furniture;  ///< trees, lamps, hedges: in the furniture atlas
+  Mesh verges;                  ///< unpaved ground beside the street: in the meadow picture
 };
 
 /// Which stretch: street, and number of the stretch along it.

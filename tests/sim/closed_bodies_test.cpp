@@ -1,0 +1,97 @@
+// Only fronts of closed bodies are drawn: whoever looks at one from outside must meet a front
+// first.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "furniture.h"
+#include "house_mesh.h"
+#include "random.h"
+#include "ray.h"
+#include "vehicle_mesh.h"
+
+namespace headway::sim {
+namespace {
+
+/// Share of rays from around that meet the body at a front first, of those that meet it at all.
+double frontShare(const Mesh& mesh, std::uint64_t seed) {
+  Eigen::AlignedBox3d box;
+  for (const auto& triangle : mesh.triangles) {
+    for (const auto& vertex : triangle) box.extend(vertex.position.cast<double>());
+  }
+  Random random(seed);
+  const auto inside = [&](double grow) {
+    const Eigen::Vector3d share(random.uniform(-grow, grow), random.uniform(-grow, grow),
+                                random.uniform(-grow, grow));
+    return Eigen::Vector3d(box.center() + 0.5 * box.sizes().cwiseProduct(share));
+  };
+  int fronts = 0, met = 0;
+  for (int i = 0; i < 400; ++i) {
+    const Eigen::Vector3d target = inside(0.9);
+    const Eigen::Vector3d outwards = (inside(1.0) - box.center()).normalized();
+    test::Ray ray{target + 2.0 * box.sizes().norm() * outwards, -outwards};
+    double nearest = 1e9;
+    bool front = false;
+    for (const auto& triangle : mesh.triangles) {
+      const std::array<Eigen::Vector3d, 3> corners = {triangle[0].position.cast<double>(),
+                                                      triangle[1].position.cast<double>(),
+                                                      triangle[2].position.cast<double>()};
+      const auto at = test::meet(ray, corners);
+      if (!at || *at >= nearest) continue;
+      nearest = *at;
+      front = (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(ray.way) > 0.0;
+    }
+    if (nearest == 1e9) continue;
+    ++met;
+    fronts += front ? 1 : 0;
+  }
+  EXPECT_GT(met, 40);
+  return static_cast<double>(fronts) / met;
+}
+
+TEST(ClosedBodies, VehiclesOfAllKinds) {
+  for (const MoverKind kind :
+       {MoverKind::kCar, MoverKind::kVan, MoverKind::kTruck, MoverKind::kBus}) {
+    for (int look = 0; look < 3; ++look) {
+      Mover mover;
+      mover.kind = kind;
+      mover.look = look;
+      mover.size = {4.5, 1.8, 1.6};
+      EXPECT_GT(frontShare(vehicleMesh(mover), 1), 0.995) << static_cast<int>(kind) << ' ' << look;
+    }
+  }
+}
+
+TEST(ClosedBodies, HousesWithFlatAndWithPitchedRoofs) {
+  for (const double ridge : {0.0, 2.5}) {
+    HousePlan plan;
+    plan.ridge_m = ridge;
+    // Nobody sees a house from below.
+    Mesh house = houseMesh(plan, Eigen::Vector3f(3, -2, 0), 0.4F);
+    const Block block = houseBlock(plan, Eigen::Vector3f(3, -2, 0), 0.4F);
+    house.addQuad(block[0], block[1], block[2], block[3], UvRect{});
+    EXPECT_EQ(1.0, frontShare(house, 2)) << ridge;
+  }
+}
+
+TEST(ClosedBodies, TreesLampsThingsAndHedges) {
+  for (std::uint64_t seed = 1; seed < 9; ++seed) {
+    Random random(seed);
+    Mesh tree, lamp, thing, hedge;
+    addTree(tree, Eigen::Vector3f::Zero(), random);
+    addLamp(lamp, Eigen::Vector3f::Zero(), 0.3F, random);
+    addSmallThing(thing, Eigen::Vector3f::Zero(), 0.3F, random);
+    addHedge(hedge, Eigen::Vector3f::Zero(), Eigen::Vector3f(5, 1, 0), random);
+    EXPECT_EQ(1.0, frontShare(tree, seed));
+    EXPECT_EQ(1.0, frontShare(thing, seed));
+    EXPECT_EQ(1.0, frontShare(hedge, seed));
+  }
+}
+
+TEST(ClosedBodies, ATurnedBodyShowsItsBacks) {
+  HousePlan plan;
+  EXPECT_LT(frontShare(turnedOver(houseMesh(plan, Eigen::Vector3f::Zero(), 0.0F)), 3), 0.5);
+}
+
+}  // namespace
+}  // namespace headway::sim
