@@ -7,11 +7,13 @@
 // is OpenCV's ORB, detect and compute with 2,000 features in one thread, on both images of every
 // tenth pair, measured between the frames. The first frame builds the world and does not count.
 
+#include <headway/core/error.h>
 #include <headway/core/stage_times.h>
 #include <headway/program/command_line.h>
 #include <headway/sim/recording.h>
 #include <headway/sim/simulator.h>
 
+#include <chrono>
 #include <cstdio>
 #include <ctime>
 #include <future>
@@ -65,17 +67,22 @@ int measure(int argc, const char* const* argv) {
     if (count % 10 == 0) measureYardstick(*frame, times);
     objects += frame->objects.size();
     ++count;
-    const double before = processorMs();
-    const auto watch = std::make_unique<StageTimes::Watch>(times, "pair");
+    const double processor_before = processorMs();
+    const auto begin = std::chrono::steady_clock::now();
     auto writing = std::async(std::launch::async, [&] { recording.write(*frame); });
     auto next = simulator.next();
     writing.get();
-    if (next) times.add("processor", processorMs() - before);
+    if (next) {
+      const std::chrono::duration<double, std::milli> took =
+          std::chrono::steady_clock::now() - begin;
+      times.add("pair", took.count());
+      times.add("processor", processorMs() - processor_before);
+    }
     frame = std::move(next);
   }
   recording.close();
+  if (count < 2) throw InputError("[recording] frames: at least 2 are needed");
   const auto summary = times.summary();
-  if (count < 2) return program::kDone;
   for (const auto& [stage, of] : summary) {
     std::printf("%-10s median %7.2f ms   p95 %7.2f ms   max %7.2f ms\n", stage.c_str(),
                 of.median_ms, of.p95_ms, of.max_ms);
