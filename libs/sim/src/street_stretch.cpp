@@ -113,13 +113,16 @@ void StreetBuilder::layGround(const Site& site, StreetStretch& stretch, Random& 
                                 static_cast<float>(i + 1) / static_cast<float>(steps), v1});
   };
   constexpr double kLaneCells[] = {6.4, 3.2, 0.0, -3.2, -6.4};
+  // At a junction the cells of two carriageways overlap. Those of the later one lie a hair lower:
+  // at the same height both would show through each other in patches.
+  const double lane = site.key.road == 0 ? 0.0 : -0.005;
   for (int i = 0; i < steps; ++i) {
     for (int c = 0; c < 4; ++c) {
-      cell(i, kLaneCells[c], 0.0, kLaneCells[c + 1], 0.0, Profile::kCarriageway, true);
+      cell(i, kLaneCells[c], lane, kLaneCells[c + 1], lane, Profile::kCarriageway, true);
     }
     for (const double side : {1.0, -1.0}) {
       const double kerb = side * Profile::kCarriageway, edge = side * Profile::kEdge;
-      cell(i, kerb, 0.0, kerb, Profile::kKerbHeight, Profile::kCarriageway + 0.2, false);
+      cell(i, kerb, lane, kerb, Profile::kKerbHeight, Profile::kCarriageway + 0.2, false);
       cell(i, kerb, Profile::kKerbHeight, edge, Profile::kKerbHeight, Profile::kCarriageway + 0.4,
            false);
     }
