@@ -143,7 +143,7 @@ TEST(Simulator, DepthOfTheRoadAgreesWithGeometry) {
   for (int v = 110; v < 180; v += 5) {  // below the horizon, in the lane
     const double z = params.camera.mount_height_m * camera.fy / (v - camera.cy);
     const int u = static_cast<int>(camera.cx);
-    EXPECT_NEAR(frame.depth.at<float>(v, u), z, 0.01 * z) << "row " << v;
+    EXPECT_NEAR(frame.depth.at<float>(v, u), z, 3e-4 * z) << "row " << v;
   }
 }
 

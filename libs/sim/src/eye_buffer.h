@@ -4,7 +4,6 @@
 #include <mrpt/opengl/COpenGLScene.h>
 
 #include <opencv2/core/mat.hpp>
-#include <vector>
 
 namespace headway::sim {
 
@@ -23,7 +22,7 @@ class EyeBuffer {
 
   /// @return 8-bit BGR, the upper left part of what was drawn
   [[nodiscard]] cv::Mat picture(const cv::Size& kept);
-  /// @return 32-bit, distance from the camera's plane [m]
+  /// @return 32-bit, distance from the camera's plane [m]; 0 where nothing was drawn
   [[nodiscard]] cv::Mat depth(const cv::Size& kept);
 
  private:
@@ -34,7 +33,6 @@ class EyeBuffer {
   int width_;
   int height_;
   float near_ = 0.0F, far_ = 0.0F;  ///< what the depths drawn range over [m]
-  std::vector<float> metres_;       ///< distances of depths in the buffer
 };
 
 }  // namespace headway::sim
