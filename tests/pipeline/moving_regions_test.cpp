@@ -19,6 +19,7 @@ Track trackIn(const Box2d& box, TrackStatus status, bool moving) {
   track.box2d = box;
   track.status = status;
   track.moving = moving;
+  track.standing = !moving;
   return track;
 }
 
@@ -35,6 +36,9 @@ TEST(MovingRegionsTest, tracksDecideWhatMovesAndWhatStays) {
   EXPECT_EQ(stays, counts({trackIn(box, TrackStatus::kConfirmed, false)}));
   EXPECT_EQ(unsure, counts({}));
   EXPECT_EQ(unsure, counts({trackIn(box, TrackStatus::kTentative, false)}));
+  auto not_yet_known = trackIn(box, TrackStatus::kConfirmed, false);
+  not_yet_known.standing = false;
+  EXPECT_EQ(unsure, counts({not_yet_known}));
   EXPECT_EQ(unsure, counts({trackIn({300, 50, 400, 150}, TrackStatus::kConfirmed, false)}));
 }
 

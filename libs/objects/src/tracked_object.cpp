@@ -141,6 +141,7 @@ Track TrackedObject::shownAt(Time time) const {
   track.object_class = object_class_;
   track.status = statusAt(time);
   track.moving = verdict_.moving();
+  track.standing = verdict_.standing();
   track.score = score();
   track.position = positionAt(time);
   track.velocity = filter_.velocity();

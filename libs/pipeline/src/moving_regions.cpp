@@ -34,10 +34,10 @@ MovingRegions movingRegions(const Detections& detections, const std::vector<Trac
     if (!box && detection.box3d) box = projectedBox(*detection.box3d, camera);
     if (!box || !isFinite(*box)) continue;
     const Track* track = trackOf(*box, previous);
-    if (track == nullptr) {
-      regions.unsure.push_back(*box);
-    } else if (track->moving) {
+    if (track != nullptr && track->moving) {
       regions.boxes.push_back(*box);
+    } else if (track == nullptr || !track->standing) {
+      regions.unsure.push_back(*box);
     }
   }
   return regions;

@@ -51,8 +51,9 @@ struct Track {
   TrackId id;
   ObjectClass object_class = ObjectClass::kUnknown;
   TrackStatus status = TrackStatus::kTentative;
-  bool moving = false;  ///< moving/still verdict, with hysteresis
-  double score = 0.0;   ///< of the track, from its detections' scores
+  bool moving = false;    ///< moving/still verdict, with hysteresis
+  bool standing = false;  ///< known to stand; neither while it is not sure
+  double score = 0.0;     ///< of the track, from its detections' scores
 
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< box centre, map frame [m]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< map frame [m/s]

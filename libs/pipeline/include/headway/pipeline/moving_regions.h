@@ -13,8 +13,8 @@ namespace headway::pipeline {
 /// Boxes of this frame that move or may move, for SLAM to leave out.
 ///
 /// A detection goes by the confirmed track that was seen where it is now (IoU >= 0.3) in the
-/// previous frame: found moving, it leaves the map; found still, as a parked car, it stays.
-/// Whatever is new or unknown is unsure.
+/// previous frame: found moving, it leaves the map; known to stand, as a parked car, it stays.
+/// Whatever is new, unknown, or not yet known to stand is unsure.
 ///
 /// @param detections  of this frame
 /// @param previous    tracks of the previous frame, with the boxes they were seen in
