@@ -103,6 +103,9 @@ TEST(StereoLifter, WithoutStereoTheHeightTellsTheDepthButLessSurely) {
   ASSERT_TRUE(seen);
   EXPECT_NEAR(blind->box.centre.z(), 20.0, 1.0);
   EXPECT_GT(blind->centre_covariance(2, 2), 2.0 * seen->centre_covariance(2, 2));
+  // A person has no heading that could leave the place open: the box's edges alone do.
+  EXPECT_LT(seen->centre_covariance(0, 0), 0.3 * 0.3);
+  EXPECT_GT(seen->centre_covariance(0, 0), 0.05 * 0.05);
 }
 
 TEST(StereoLifter, SaysNothingWhereNothingIsKnown) {

@@ -86,7 +86,8 @@ std::optional<LiftedBox> StereoLifter::lift(const Box2d& box, ObjectClass object
   } else {
     const double behind = depth + 0.5 * known.size.x();
     const double u = 0.5 * (inside->left + inside->right);
-    fit = {{behind * (u - camera_->cx) / camera_->fx, behind}, kAwayFromCamera, {}};
+    fit.centre = {behind * (u - camera_->cx) / camera_->fx, behind};
+    fit.yaw = kAwayFromCamera;
   }
   LiftedBox lifted;
   lifted.box.length = known.size.x();
