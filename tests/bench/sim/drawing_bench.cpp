@@ -15,35 +15,14 @@
 
 #include <chrono>
 #include <cstdio>
-#include <ctime>
 #include <future>
-#include <opencv2/core/utility.hpp>
-#include <opencv2/features2d.hpp>
 #include <sstream>
+
+#include "../yardstick.h"
 
 namespace {
 
 using namespace headway;
-
-double processorMs() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
-
-void measureYardstick(const sim::SimFrame& frame, StageTimes& times) {
-  static const auto orb = cv::ORB::create(2000);
-  const int threads = cv::getNumThreads();
-  cv::setNumThreads(1);
-  std::vector<cv::KeyPoint> keypoints;
-  cv::Mat descriptors;
-  {
-    const auto watch = times.watch("yardstick");
-    orb->detectAndCompute(frame.left, cv::noArray(), keypoints, descriptors);
-    orb->detectAndCompute(frame.right, cv::noArray(), keypoints, descriptors);
-  }
-  cv::setNumThreads(threads);
-}
 
 int measure(int argc, const char* const* argv) {
   std::string output;
@@ -64,10 +43,10 @@ int measure(int argc, const char* const* argv) {
   StageTimes times;
   std::size_t objects = 0, count = 0;
   while (frame) {
-    if (count % 10 == 0) measureYardstick(*frame, times);
+    if (count % 10 == 0) bench::measureYardstick(frame->left, frame->right, times);
     objects += frame->objects.size();
     ++count;
-    const double processor_before = processorMs();
+    const double processor_before = bench::processorMs();
     const auto begin = std::chrono::steady_clock::now();
     auto writing = std::async(std::launch::async, [&] { recording.write(*frame); });
     auto next = simulator.next();
@@ -76,7 +55,7 @@ int measure(int argc, const char* const* argv) {
       const std::chrono::duration<double, std::milli> took =
           std::chrono::steady_clock::now() - begin;
       times.add("pair", took.count());
-      times.add("processor", processorMs() - processor_before);
+      times.add("processor", bench::processorMs() - processor_before);
     }
     frame = std::move(next);
   }

@@ -9,30 +9,14 @@
 #include <headway/core/error.h>
 
 #include <cstdio>
-#include <ctime>
 #include <opencv2/core/utility.hpp>
-#include <opencv2/features2d.hpp>
 
+#include "../yardstick.h"
 #include "slam_bench_line.h"
 
 namespace {
 
 using namespace headway;
-
-double processorMs() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
-
-void measureYardstick(const StereoFrame& frame, StageTimes& times) {
-  static const auto orb = cv::ORB::create(2000);
-  std::vector<cv::KeyPoint> keypoints;
-  cv::Mat descriptors;
-  const auto watch = times.watch("yardstick");
-  orb->detectAndCompute(frame.left, cv::noArray(), keypoints, descriptors);
-  orb->detectAndCompute(frame.right, cv::noArray(), keypoints, descriptors);
-}
 
 void printTimes(const StageTimes& times) {
   const auto summary = times.summary();
@@ -48,22 +32,23 @@ void printTimes(const StageTimes& times) {
 
 int measure(int argc, const char* const* argv) {
   std::string input;
-  SlamBenchLine bench("bench_slam", "Times stereo SLAM against OpenCV's ORB on one rawlog.");
-  bench.line.option(input, 'i', "input", "IN.rawlog", "rawlog with stereo images", true);
-  if (!bench.line.parse(argc, argv)) return program::kDone;
+  SlamBenchLine setup("bench_slam", "Times stereo SLAM against OpenCV's ORB on one rawlog.");
+  setup.line.option(input, 'i', "input", "IN.rawlog", "rawlog with stereo images", true);
+  if (!setup.line.parse(argc, argv)) return program::kDone;
 
   cv::setNumThreads(1);
   io::RawlogSource source(input, {});
-  pipeline::Perception perception(source.camera(), bench.settings);
+  pipeline::Perception perception(source.camera(), setup.settings);
   StageTimes yardstick;
   double processor_ms = 0.0;
   std::size_t frames = 0;
   std::size_t lost = 0;
   while (auto frame = source.next()) {
-    const double before = processorMs();
+    const double before = bench::processorMs();
     const auto update = perception.process(*frame);
-    processor_ms += processorMs() - before;
-    if (frame->stereo) measureYardstick(*frame->stereo, yardstick);
+    processor_ms += bench::processorMs() - before;
+    if (frame->stereo)
+      bench::measureYardstick(frame->stereo->left, frame->stereo->right, yardstick);
     lost += update.camera.status == slam::TrackingStatus::kLost ? 1 : 0;
     ++frames;
   }

@@ -1,0 +1,35 @@
+// What makes figures of different machines comparable.
+#pragma once
+
+#include <headway/core/stage_times.h>
+
+#include <ctime>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/features2d.hpp>
+
+namespace headway::bench {
+
+/// Processor time of this process, all threads [ms].
+inline double processorMs() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+/// Adds the stage "yardstick": OpenCV's ORB, detect and compute with 2,000 features, on both images
+/// in one thread.
+inline void measureYardstick(const cv::Mat& left, const cv::Mat& right, StageTimes& times) {
+  static const auto orb = cv::ORB::create(2000);
+  const int threads = cv::getNumThreads();
+  cv::setNumThreads(1);
+  std::vector<cv::KeyPoint> keypoints;
+  cv::Mat descriptors;
+  {
+    const auto watch = times.watch("yardstick");
+    orb->detectAndCompute(left, cv::noArray(), keypoints, descriptors);
+    orb->detectAndCompute(right, cv::noArray(), keypoints, descriptors);
+  }
+  cv::setNumThreads(threads);
+}
+
+}  // namespace headway::bench
