@@ -42,19 +42,19 @@ cv::Mat EyeBuffer::picture(const cv::Size& kept) {
   return picture;
 }
 
-cv::Mat EyeBuffer::depth(const cv::Size& kept) {
+cv::Mat EyeBuffer::depth(const cv::Size& kept, float farthest) {
   const cv::Mat pixels = read(GL_DEPTH_STENCIL, GL_UNSIGNED_INT_24_8, CV_32S, kept);
-  // Depths in the buffer are evenly spaced in 1/z, from 0 at the near plane to kFarthest.
-  constexpr std::uint32_t kFarthest = 0xFFFFFF;
+  // Depths in the buffer are evenly spaced in 1/z, from 0 at the near plane to 2^24 - 1.
   const double nearest = 1.0 / near_;
-  const double step = (1.0 / near_ - 1.0 / far_) / kFarthest;
+  const double step = (1.0 / near_ - 1.0 / far_) / 0xFFFFFF;
   cv::Mat depth(kept, CV_32F);
   for (int v = 0; v < kept.height; ++v) {
     const auto* coded = pixels.ptr<std::uint32_t>(kept.height - 1 - v);
     auto* row = depth.ptr<float>(v);
     for (int u = 0; u < kept.width; ++u) {
-      const std::uint32_t code = coded[u] >> 8U;
-      row[u] = code == kFarthest ? 0.0F : static_cast<float>(1.0 / (nearest - step * code));
+      const auto code = static_cast<std::int32_t>(coded[u] >> 8U);
+      const auto z = static_cast<float>(1.0 / (nearest - step * code));
+      row[u] = z > farthest ? 0.0F : z;
     }
   }
   return depth;

@@ -22,8 +22,9 @@ class EyeBuffer {
 
   /// @return 8-bit BGR, the upper left part of what was drawn
   [[nodiscard]] cv::Mat picture(const cv::Size& kept);
-  /// @return 32-bit, distance from the camera's plane [m]; 0 where nothing was drawn
-  [[nodiscard]] cv::Mat depth(const cv::Size& kept);
+  /// @param farthest  less than what is drawn at most [m]
+  /// @return 32-bit, distance from the camera's plane [m]; 0 where nothing so near was drawn
+  [[nodiscard]] cv::Mat depth(const cv::Size& kept, float farthest);
 
  private:
   cv::Mat read(unsigned format, unsigned type, int depth, const cv::Size& kept);

@@ -68,7 +68,11 @@ void FrameFinisher::judge(SimFrame& frame, const DrawnFrame& drawn) {
     frame.objects.push_back(truthOf(mover, sighting, *T_map_world_));
     numbers[sighting.mover + 1] = static_cast<std::uint16_t>(frame.objects.size());
   }
-  for (auto& label : cv::Mat_<std::uint16_t>(frame.instances)) label = numbers[label];
+  for (int v = 0; v < frame.instances.rows; ++v) {
+    auto* row = frame.instances.ptr<std::uint16_t>(v);
+    std::transform(row, row + frame.instances.cols, row,
+                   [&](std::uint16_t mover) { return numbers[mover]; });
+  }
   frame.depth = lens_.record(drawn.depth, false);
   frame.instances = lens_.record(frame.instances, false);
   frame.detections = detector_.detect(frame.time, drawn.movers, sightings, frame.depth);

@@ -365,11 +365,8 @@ StereoDrawing StereoRig::Scene::read(bool with_depth) {
   const cv::Size size(camera_.width, camera_.height);
   StereoDrawing drawing;
   drawing.left = left_.picture(size);
-  if (with_depth) {
-    drawing.depth = left_.depth(size);
-    // The sky's drum is not a distance.
-    drawing.depth.setTo(0.0F, drawing.depth > 0.8F * kSkyRadius);
-  }
+  // The sky's drum is not a distance.
+  if (with_depth) drawing.depth = left_.depth(size, 0.8F * kSkyRadius);
   drawing.right = right_.picture(size);
   return drawing;
 }

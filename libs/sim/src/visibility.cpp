@@ -4,53 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "body_depth.h"
 #include "body_projection.h"
 #include "person_mesh.h"
 
 namespace headway::sim {
 namespace {
-
-/// A small depth image of one body alone.
-class BodyDepth {
- public:
-  explicit BodyDepth(const cv::Rect& area)
-      : area_(area), depth_(area.size(), CV_32F, cv::Scalar(std::numeric_limits<float>::max())) {}
-
-  void drawTriangle(const ImageTriangle& corners) {
-    const Eigen::Vector3f &a = corners[0], &b = corners[1], &c = corners[2];
-    const float twice_area = (b.x() - a.x()) * (c.y() - a.y()) - (c.x() - a.x()) * (b.y() - a.y());
-    if (std::abs(twice_area) < 1e-6F) return;
-    const auto low = [](float x, float y, float z) {
-      return static_cast<int>(std::ceil(std::max(-1e6F, std::min({x, y, z}))));
-    };
-    const auto high = [](float x, float y, float z) {
-      return static_cast<int>(std::floor(std::min(1e6F, std::max({x, y, z}))));
-    };
-    const int u0 = std::max(low(a.x(), b.x(), c.x()), area_.x);
-    const int u1 = std::min(high(a.x(), b.x(), c.x()), area_.x + area_.width - 1);
-    const int v0 = std::max(low(a.y(), b.y(), c.y()), area_.y);
-    const int v1 = std::min(high(a.y(), b.y(), c.y()), area_.y + area_.height - 1);
-    for (int v = v0; v <= v1; ++v) {
-      auto* row = depth_.ptr<float>(v - area_.y);
-      for (int u = u0; u <= u1; ++u) {
-        const auto x = static_cast<float>(u), y = static_cast<float>(v);
-        const float wb =
-            ((x - a.x()) * (c.y() - a.y()) - (c.x() - a.x()) * (y - a.y())) / twice_area;
-        const float wc =
-            ((b.x() - a.x()) * (y - a.y()) - (x - a.x()) * (b.y() - a.y())) / twice_area;
-        const float wa = 1.0F - wb - wc;
-        if (wa < 0.0F || wb < 0.0F || wc < 0.0F) continue;
-        const float z = 1.0F / (wa * a.z() + wb * b.z() + wc * c.z());
-        row[u - area_.x] = std::min(row[u - area_.x], z);
-      }
-    }
-  }
-  [[nodiscard]] const cv::Mat& depth() const { return depth_; }
-
- private:
-  cv::Rect area_;
-  cv::Mat depth_;
-};
 
 /// Uncut box around the body.
 Box2d boundsOf(const std::vector<ImageTriangle>& corners) {
@@ -73,20 +32,22 @@ float tolerance(float z) { return 0.06F + 0.006F * z; }
 /// Counts and marks the pixels where the body is what the picture shows.
 void compare(const cv::Mat& body, const cv::Rect& area, const cv::Mat& depth, std::uint16_t label,
              cv::Mat& instances, Sighting& sighting) {
-  int all = 0;
+  int all = 0, visible = 0;
   for (int v = 0; v < area.height; ++v) {
     const auto* alone = body.ptr<float>(v);
     const auto* seen = depth.ptr<float>(v + area.y) + area.x;
     auto* marks = instances.ptr<std::uint16_t>(v + area.y) + area.x;
     for (int u = 0; u < area.width; ++u) {
-      if (alone[u] == std::numeric_limits<float>::max()) continue;
-      ++all;
-      if (seen[u] <= 0.0F || std::abs(seen[u] - alone[u]) > tolerance(alone[u])) continue;
-      ++sighting.visible_pixels;
-      marks[u] = label;
+      const bool is_body = alone[u] != BodyDepth::kNothing;
+      const bool is_seen =
+          is_body & (seen[u] > 0.0F) & (std::abs(seen[u] - alone[u]) <= tolerance(alone[u]));
+      all += static_cast<int>(is_body);
+      visible += static_cast<int>(is_seen);
+      marks[u] = is_seen ? label : marks[u];
     }
   }
-  sighting.visible = all > 0 ? static_cast<double>(sighting.visible_pixels) / all : 0.0;
+  sighting.visible_pixels = visible;
+  sighting.visible = all > 0 ? static_cast<double>(visible) / all : 0.0;
 }
 
 }  // namespace
@@ -105,6 +66,7 @@ std::vector<Sighting> findSightings(const Pose& T_world_robot, const StereoCamer
   T_origin_cam.translation() -= origin;
   const Eigen::Isometry3f T_cam_origin = T_origin_cam.inverse().cast<float>();
   const cv::Rect image(0, 0, depth.cols, depth.rows);
+  BodyDepth alone(depth.size());
   std::vector<Sighting> sightings;
   for (std::size_t i = 0; i < movers.size(); ++i) {
     Sighting sighting;
@@ -128,9 +90,8 @@ std::vector<Sighting> findSightings(const Pose& T_world_robot, const StereoCamer
     sighting.truncation = std::clamp(
         1.0 - sighting.box.width() * sighting.box.height() / (whole.width() * whole.height()), 0.0,
         1.0);
-    BodyDepth alone(area);
-    for (const auto& triangle : corners) alone.drawTriangle(triangle);
-    compare(alone.depth(), area, depth, static_cast<std::uint16_t>(i + 1), instances, sighting);
+    compare(alone.draw(corners, area), area, depth, static_cast<std::uint16_t>(i + 1), instances,
+            sighting);
     // Something whose middle is beside or behind the camera counts if an end of it is seen.
     if (sighting.box3d.centre.z() < 0.5 && sighting.visible_pixels == 0) continue;
     sightings.push_back(sighting);
