@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 
 #include "escort.h"
 #include "frame_finisher.h"
@@ -58,7 +59,7 @@ class Simulator::Machine {
   explicit Machine(const SimParams& params);
 
   [[nodiscard]] std::optional<SimFrame> next();
-  [[nodiscard]] bool arrived() const { return robot_.arrived(); }
+  [[nodiscard]] bool arrived() const { return robot_.arrived() && !finishing_.valid(); }
   [[nodiscard]] const Lens& lens() const { return lens_; }
   [[nodiscard]] double pathLength() const { return route_.end_s - route_.start_s; }
 
@@ -79,6 +80,8 @@ class Simulator::Machine {
   /// The next frame; nullopt after the last.
   [[nodiscard]] std::optional<DrawnFrame> drawNext();
   void draw(DrawnFrame& drawn);
+  /// Finishes a frame in a thread of its own, behind the drawing of the next.
+  void finishBehind(std::optional<DrawnFrame> drawn);
 
   SimParams params_;
   Route route_;
@@ -97,6 +100,7 @@ class Simulator::Machine {
   std::size_t triggers_ = 0;  ///< frames taken so far, undrawn ones included
   std::size_t frames_ = 0;    ///< frames drawn for the caller
   double now_s_ = 0.0;        ///< since the first trigger [s]
+  std::future<SimFrame> finishing_;  ///< the frame drawn last; uses the finisher
 };
 
 Simulator::Machine::Machine(const SimParams& params)
@@ -260,10 +264,20 @@ std::optional<DrawnFrame> Simulator::Machine::drawNext() {
   return drawn;
 }
 
+void Simulator::Machine::finishBehind(std::optional<DrawnFrame> drawn) {
+  if (!drawn) return;
+  finishing_ = std::async(std::launch::async, [this, drawn = std::move(*drawn)]() mutable {
+    return finisher_.finish(std::move(drawn));
+  });
+}
+
 std::optional<SimFrame> Simulator::Machine::next() {
+  if (!finishing_.valid()) finishBehind(drawNext());
+  if (!finishing_.valid()) return std::nullopt;
   auto drawn = drawNext();
-  if (!drawn) return std::nullopt;
-  return finisher_.finish(std::move(*drawn));
+  SimFrame frame = finishing_.get();
+  finishBehind(std::move(drawn));
+  return frame;
 }
 
 Simulator::Simulator(const SimParams& params) {

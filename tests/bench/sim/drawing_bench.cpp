@@ -17,12 +17,15 @@
 #include <cstdio>
 #include <future>
 #include <sstream>
+#include <thread>
 
 #include "../yardstick.h"
 
 namespace {
 
 using namespace headway;
+
+constexpr std::chrono::milliseconds kFinished(100);  // the simulator is busy with the next frame
 
 int measure(int argc, const char* const* argv) {
   std::string output;
@@ -43,7 +46,10 @@ int measure(int argc, const char* const* argv) {
   StageTimes times;
   std::size_t objects = 0, count = 0;
   while (frame) {
-    if (count % 10 == 0) bench::measureYardstick(frame->left, frame->right, times);
+    if (count % 10 == 0) {
+      std::this_thread::sleep_for(kFinished);
+      bench::measureYardstick(frame->left, frame->right, times);
+    }
     objects += frame->objects.size();
     ++count;
     const double processor_before = bench::processorMs();

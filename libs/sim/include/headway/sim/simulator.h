@@ -64,7 +64,8 @@ struct SimFrame {
 /// A world in motion, seen by a stereo rig on a robot that drives through it.
 ///
 /// Same parameters, same frames, byte for byte, on one machine. Frames must be drawn in the
-/// thread that made the simulator.
+/// thread that made the simulator. It is one frame ahead of its caller: while a frame is finished
+/// in a second thread, the next is drawn.
 ///
 ///     SimParams params;
 ///     Simulator simulator(params);
