@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "detector_noise.h"
+#include "person_mesh.h"
 
 namespace headway::sim {
 namespace {
@@ -48,11 +49,16 @@ cv::Mat depthOf(const std::vector<Mover>& movers) {
   return depth;
 }
 
+std::vector<Sighting> sightingsOf(const std::vector<Mover>& movers, const cv::Mat& depth,
+                                  cv::Mat& instances) {
+  const auto bodies = moverMeshes(movers, Eigen::Vector3d::Zero());
+  return findSightings(Pose::Identity(), testCamera(), movers, bodies, depth, instances);
+}
+
 TEST(Visibility, BoxSurroundsTheProjectedTruthBox) {
   cv::Mat instances;
   const std::vector<Mover> movers{carAt(20.0, 1.0)};
-  const auto sightings =
-      findSightings(Pose::Identity(), testCamera(), movers, depthOf(movers), instances);
+  const auto sightings = sightingsOf(movers, depthOf(movers), instances);
   ASSERT_EQ(sightings.size(), 1U);
   // The rear face, 17.9 m away, spans y in [0.1, 1.9] and z in [0, 1.5].
   const Box2d& box = sightings[0].box;
@@ -68,7 +74,7 @@ TEST(Visibility, AWallInFrontHidesABody) {
   cv::Mat instances;
   const std::vector<Mover> movers{carAt(20.0, 1.0)};
   const cv::Mat wall(160, 320, CV_32F, cv::Scalar(5.0));
-  const auto sightings = findSightings(Pose::Identity(), testCamera(), movers, wall, instances);
+  const auto sightings = sightingsOf(movers, wall, instances);
   ASSERT_EQ(sightings.size(), 1U);
   EXPECT_DOUBLE_EQ(sightings[0].visible, 0.0);
   EXPECT_EQ(cv::countNonZero(instances), 0);
@@ -77,16 +83,14 @@ TEST(Visibility, AWallInFrontHidesABody) {
 TEST(Visibility, WhatIsBehindTheCameraOrBesideTheImageIsNotSeen) {
   cv::Mat instances;
   const cv::Mat depth(160, 320, CV_32F, cv::Scalar(0));
-  EXPECT_TRUE(findSightings(Pose::Identity(), testCamera(), {carAt(-10, 0), carAt(10, 40)}, depth,
-                            instances)
-                  .empty());
+  EXPECT_TRUE(sightingsOf({carAt(-10, 0), carAt(10, 40)}, depth, instances).empty());
 }
 
 TEST(Visibility, ABodyAtTheEdgeIsTruncated) {
   cv::Mat instances;
   const std::vector<Mover> movers{carAt(10.0, 7.0)};
   const cv::Mat depth(160, 320, CV_32F, cv::Scalar(0));
-  const auto sightings = findSightings(Pose::Identity(), testCamera(), movers, depth, instances);
+  const auto sightings = sightingsOf(movers, depth, instances);
   ASSERT_EQ(sightings.size(), 1U);
   EXPECT_GT(sightings[0].truncation, 0.1);
   EXPECT_GE(sightings[0].box.left, 0.0);

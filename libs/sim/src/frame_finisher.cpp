@@ -55,8 +55,8 @@ FrameFinisher::FrameFinisher(const SimParams& params, const Lens& lens, std::uin
 void FrameFinisher::judge(SimFrame& frame, const DrawnFrame& drawn) {
   if (!T_map_world_) T_map_world_ = drawn.T_world_robot.inverse();
   frame.T_map_robot = *T_map_world_ * drawn.T_world_robot;
-  auto sightings =
-      findSightings(drawn.T_world_robot, lens_.drawn(), drawn.movers, drawn.depth, frame.instances);
+  auto sightings = findSightings(drawn.T_world_robot, lens_.drawn(), drawn.movers, drawn.bodies,
+                                 drawn.depth, frame.instances);
   sightings.erase(std::remove_if(sightings.begin(), sightings.end(),
                                  [&](Sighting& sighting) { return !recordBox(lens_, sighting); }),
                   sightings.end());

@@ -19,6 +19,7 @@ struct DrawnFrame {
   cv::Mat left, right;  ///< clean drawings
   cv::Mat depth;        ///< of the left one
   std::vector<Mover> movers;
+  std::vector<Mesh> bodies;  ///< the movers' meshes, relative to the robot's position
   Pose T_world_robot = Pose::Identity();
   std::size_t trigger = 0;  ///< number among all that were taken
 };

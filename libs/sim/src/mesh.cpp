@@ -38,14 +38,13 @@ Mesh turnedOver(Mesh mesh) {
   return mesh;
 }
 
-Mesh moved(const Mesh& mesh, const Eigen::Matrix3f& rotation, const Eigen::Vector3f& translation) {
-  Mesh result = mesh;
-  for (auto& triangle : result.triangles) {
+Mesh moved(Mesh mesh, const Eigen::Matrix3f& rotation, const Eigen::Vector3f& translation) {
+  for (auto& triangle : mesh.triangles) {
     for (auto& vertex : triangle) {
       vertex.position = (rotation * vertex.position + translation).eval();
     }
   }
-  return result;
+  return mesh;
 }
 
 }  // namespace headway::sim

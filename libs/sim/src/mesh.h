@@ -51,7 +51,7 @@ struct Mesh {
 [[nodiscard]] Mesh turnedOver(Mesh mesh);
 
 /// Moves and turns every vertex: p -> R p + t.
-[[nodiscard]] Mesh moved(const Mesh& mesh, const Eigen::Matrix3f& rotation,
+[[nodiscard]] Mesh moved(Mesh mesh, const Eigen::Matrix3f& rotation,
                          const Eigen::Vector3f& translation);
 
 }  // namespace headway::sim

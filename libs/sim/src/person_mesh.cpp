@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "mover_atlas.h"
 #include "vehicle_mesh.h"
@@ -19,17 +20,22 @@ void addLimb(Mesh& mesh, const Vector3f& from, const Vector3f& to, const Eigen::
              const Eigen::Vector2f& to_axes, const UvRect& uv, int corners = 6) {
   const Vector3f across = Vector3f::UnitY();
   const Vector3f along = across.cross((to - from).normalized()).normalized();
-  const auto corner = [&](const Vector3f& joint, const Eigen::Vector2f& axes, int i) {
+  Vector3f from_here, to_here;
+  for (int i = 0; i <= corners; ++i) {
     // Starts behind, so that the middle of the picture faces forward.
     const float angle = kPi + 2.0F * kPi * static_cast<float>(i) / static_cast<float>(corners);
-    return Vector3f(joint + axes.x() * std::sin(angle) * across -
-                    axes.y() * std::cos(angle) * along);
-  };
-  for (int i = 0; i < corners; ++i) {
-    const float u0 = static_cast<float>(i) / static_cast<float>(corners);
-    const float u1 = static_cast<float>(i + 1) / static_cast<float>(corners);
-    mesh.addQuad(corner(from, from_axes, i), corner(from, from_axes, i + 1),
-                 corner(to, to_axes, i + 1), corner(to, to_axes, i), uv.part(u0, 0, u1, 1));
+    const float sine = std::sin(angle), cosine = std::cos(angle);
+    const auto corner = [&](const Vector3f& joint, const Eigen::Vector2f& axes) {
+      return Vector3f(joint + axes.x() * sine * across - axes.y() * cosine * along);
+    };
+    const Vector3f from_next = corner(from, from_axes), to_next = corner(to, to_axes);
+    if (i > 0) {
+      const float u0 = static_cast<float>(i - 1) / static_cast<float>(corners);
+      const float u1 = static_cast<float>(i) / static_cast<float>(corners);
+      mesh.addQuad(from_here, from_next, to_next, to_here, uv.part(u0, 0, u1, 1));
+    }
+    from_here = from_next;
+    to_here = to_next;
   }
 }
 
@@ -190,12 +196,19 @@ Mesh cyclistMesh(const Mover& mover) {
 }
 
 Mesh moverMesh(const Mover& mover, const Eigen::Vector3d& origin) {
-  const Mesh mesh = mover.kind == MoverKind::kPedestrian ? personMesh(mover)
-                    : mover.kind == MoverKind::kCyclist  ? cyclistMesh(mover)
-                                                         : vehicleMesh(mover);
+  Mesh mesh = mover.kind == MoverKind::kPedestrian ? personMesh(mover)
+              : mover.kind == MoverKind::kCyclist  ? cyclistMesh(mover)
+                                                   : vehicleMesh(mover);
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(mover.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  return moved(mesh, turn.cast<float>(), (mover.position - origin).cast<float>());
+  return moved(std::move(mesh), turn.cast<float>(), (mover.position - origin).cast<float>());
+}
+
+std::vector<Mesh> moverMeshes(const std::vector<Mover>& movers, const Eigen::Vector3d& origin) {
+  std::vector<Mesh> meshes;
+  meshes.reserve(movers.size());
+  for (const Mover& mover : movers) meshes.push_back(moverMesh(mover, origin));
+  return meshes;
 }
 
 }  // namespace headway::sim

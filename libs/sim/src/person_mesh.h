@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "mesh.h"
 #include "mover.h"
 
@@ -17,5 +19,7 @@ namespace headway::sim {
 
 /// The mesh of any mover, placed in the world relative to `origin`.
 [[nodiscard]] Mesh moverMesh(const Mover& mover, const Eigen::Vector3d& origin);
+[[nodiscard]] std::vector<Mesh> moverMeshes(const std::vector<Mover>& movers,
+                                            const Eigen::Vector3d& origin);
 
 }  // namespace headway::sim

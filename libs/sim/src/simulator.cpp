@@ -10,6 +10,7 @@
 #include "lens.h"
 #include "motion_sensors.h"
 #include "pedestrians.h"
+#include "person_mesh.h"
 #include "robot_driver.h"
 #include "stereo_rig.h"
 #include "vehicles.h"
@@ -197,11 +198,13 @@ void Simulator::Machine::draw(DrawnFrame& drawn) {
     const auto movers = moversInView();
     const bool is_middle = i == samples / 2;
     const Pose T_world_robot = robot_.T_world_robot();
-    StereoDrawing drawing = rig_.draw(T_world_robot, T_left_right, movers, is_middle);
+    auto bodies = moverMeshes(movers, T_world_robot.translation());
+    StereoDrawing drawing = rig_.draw(T_world_robot, T_left_right, movers, bodies, is_middle);
     if (is_middle) {
       drawn.frame.time = params_.recording.start_time_s + now_s_;
       drawn.depth = drawing.depth;
       drawn.movers = movers;
+      drawn.bodies = std::move(bodies);
       drawn.T_world_robot = T_world_robot;
     }
     if (samples == 1) {

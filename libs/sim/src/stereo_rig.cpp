@@ -15,7 +15,6 @@
 #include "ground_texture.h"
 #include "mover_atlas.h"
 #include "occlusion.h"
-#include "person_mesh.h"
 #include "shadow.h"
 #include "sky.h"
 #include "textured_object.h"
@@ -75,7 +74,7 @@ class StereoRig::Scene {
   Scene(const StereoCamera& camera, World& world);
 
   void arrange(const Pose& T_world_robot, const Pose& T_left_right,
-               const std::vector<Mover>& movers);
+               const std::vector<Mover>& movers, const std::vector<Mesh>& bodies);
   void drawLeft() { draw(camera_.T_robot_cam, left_); }
   void drawRight(const Pose& T_left_right) { draw(camera_.T_robot_cam * T_left_right, right_); }
   [[nodiscard]] StereoDrawing read(bool with_depth);
@@ -108,7 +107,8 @@ class StereoRig::Scene {
   [[nodiscard]] Mesh shown(const Mesh& mesh, const Eigen::Vector3d& offset) const;
   void showStretches(const std::vector<StretchKey>& visible);
   void placeStill(const Eigen::Vector3d& origin);
-  void placeMovers(const Eigen::Vector3d& origin, const std::vector<Mover>& movers);
+  void placeMovers(const Eigen::Vector3d& origin, const std::vector<Mover>& movers,
+                   const std::vector<Mesh>& bodies);
   void rebuildShared(const std::vector<StretchKey>& visible);
   void placeAll(const Eigen::Vector3d& origin);
   void draw(const Pose& T_robot_cam, EyeBuffer& eye);
@@ -268,11 +268,11 @@ void StereoRig::Scene::placeStill(const Eigen::Vector3d& origin) {
   std::vector<bool> now;
   for (const Item& item : items_) now.push_back(shows(item.around, shared_anchor_ - origin));
   if (items_shown_ != now) {
-    Mesh furniture;
+    std::vector<const Mesh*> furniture;
     for (std::size_t i = 0; i < items_.size(); ++i) {
-      if (now[i]) furniture.append(items_[i].mesh);
+      if (now[i]) furniture.push_back(&items_[i].mesh);
     }
-    furniture_->setMesh(furniture);
+    furniture_->setMeshes(furniture);
     items_shown_ = std::move(now);
   }
   verges_->setMesh(shown(verges_mesh_, shared_anchor_ - origin));
@@ -304,28 +304,29 @@ void StereoRig::Scene::placeAll(const Eigen::Vector3d& origin) {
   place(shadows_, origin, 0.0);
 }
 
-void StereoRig::Scene::placeMovers(const Eigen::Vector3d& origin,
-                                   const std::vector<Mover>& movers) {
-  std::vector<std::pair<double, const Mover*>> near_first;
-  for (const Mover& mover : movers) {
-    near_first.emplace_back((mover.position - origin).norm(), &mover);
+void StereoRig::Scene::placeMovers(const Eigen::Vector3d& origin, const std::vector<Mover>& movers,
+                                   const std::vector<Mesh>& bodies) {
+  std::vector<std::pair<double, std::size_t>> near_first;
+  for (std::size_t k = 0; k < movers.size(); ++k) {
+    near_first.emplace_back((movers[k].position - origin).norm(), k);
   }
-  std::stable_sort(near_first.begin(), near_first.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  Mesh vehicles, people, shadows;
-  for (const auto& [distance, mover] : near_first) {
-    const bool wheels = mover->kind != MoverKind::kPedestrian && mover->kind != MoverKind::kCyclist;
-    const Mesh body = moverMesh(*mover, origin);
-    if (shows(boxCorners(body), Eigen::Vector3d::Zero())) (wheels ? vehicles : people).append(body);
+  std::sort(near_first.begin(), near_first.end());
+  std::vector<const Mesh*> vehicles, people;
+  for (const auto& [distance, k] : near_first) {
+    const MoverKind kind = movers[k].kind;
+    const bool wheels = kind != MoverKind::kPedestrian && kind != MoverKind::kCyclist;
+    if (!shows(boxCorners(bodies[k]), Eigen::Vector3d::Zero())) continue;
+    (wheels ? vehicles : people).push_back(&bodies[k]);
   }
+  Mesh shadows;
   for (const Mover& mover : movers) shadows.append(shadowMesh(mover, origin));
-  vehicles_->setMesh(vehicles);
-  people_->setMesh(people);
+  vehicles_->setMeshes(vehicles);
+  people_->setMeshes(people);
   shadows_->setMesh(shadows);
 }
 
 void StereoRig::Scene::arrange(const Pose& T_world_robot, const Pose& T_left_right,
-                               const std::vector<Mover>& movers) {
+                               const std::vector<Mover>& movers, const std::vector<Mesh>& bodies) {
   const Eigen::Vector3d origin = T_world_robot.translation();
   const Eigen::Vector3d eye = (T_world_robot * camera_.T_robot_cam).translation();
   const auto visible = world_.inView(eye, viewCone(camera_, T_world_robot));
@@ -342,7 +343,7 @@ void StereoRig::Scene::arrange(const Pose& T_world_robot, const Pose& T_left_rig
   T_origin_robot_.translation().setZero();
   hideBehindHouses(visible, origin, T_left_right);
   placeStill(origin);
-  placeMovers(origin, movers);
+  placeMovers(origin, movers, bodies);
   placeAll(origin);
 }
 
@@ -377,8 +378,9 @@ StereoRig::StereoRig(const StereoCamera& camera, World& world)
 StereoRig::~StereoRig() = default;
 
 StereoDrawing StereoRig::draw(const Pose& T_world_robot, const Pose& T_left_right,
-                              const std::vector<Mover>& movers, bool with_depth) {
-  scene_->arrange(T_world_robot, T_left_right, movers);
+                              const std::vector<Mover>& movers, const std::vector<Mesh>& bodies,
+                              bool with_depth) {
+  scene_->arrange(T_world_robot, T_left_right, movers, bodies);
   scene_->drawLeft();
   scene_->drawRight(T_left_right);
   return scene_->read(with_depth);

@@ -6,6 +6,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "mesh.h"
 #include "mover.h"
 #include "world.h"
 
@@ -35,9 +36,11 @@ class StereoRig {
 
   /// @param T_left_right  right optical frame in the left one
   /// @param movers        those in view, with the parked ones
+  /// @param bodies        their meshes, relative to the robot's position
   /// @param with_depth    fill `depth`, too
   [[nodiscard]] StereoDrawing draw(const Pose& T_world_robot, const Pose& T_left_right,
-                                   const std::vector<Mover>& movers, bool with_depth);
+                                   const std::vector<Mover>& movers,
+                                   const std::vector<Mesh>& bodies, bool with_depth);
 
  private:
   class Scene;

@@ -6,7 +6,6 @@
 
 #include <mutex>
 #include <opencv2/imgproc.hpp>
-#include <vector>
 
 namespace headway::sim {
 
@@ -25,20 +24,24 @@ TexturedObject::TexturedObject(const cv::Mat& picture) {
   enableTextureLinearInterpolation(true);
 }
 
-void TexturedObject::setMesh(const Mesh& mesh) {
+void TexturedObject::setMeshes(const std::vector<const Mesh*>& meshes) {
   std::unique_lock<std::shared_mutex> lock(m_trianglesMtx.data);
-  m_triangles.clear();
-  m_triangles.reserve(mesh.triangles.size());
-  for (const auto& source : mesh.triangles) {
-    mrpt::opengl::TTriangle triangle;
-    for (std::size_t i = 0; i < 3; ++i) {
-      auto& vertex = triangle.vertices[i];
-      vertex.xyzrgba.pt = {source[i].position.x(), source[i].position.y(), source[i].position.z()};
-      vertex.setColor(mrpt::img::TColor(255, 255, 255, 255));
-      vertex.normal = {0.0F, 0.0F, 1.0F};
-      vertex.uv = {source[i].uv.x(), source[i].uv.y()};
+  std::size_t count = 0;
+  for (const Mesh* mesh : meshes) count += mesh->triangles.size();
+  m_triangles.resize(count);
+  auto triangle = m_triangles.begin();
+  for (const Mesh* mesh : meshes) {
+    for (const auto& source : mesh->triangles) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        auto& vertex = triangle->vertices[i];
+        vertex.xyzrgba.pt = {source[i].position.x(), source[i].position.y(),
+                             source[i].position.z()};
+        vertex.setColor(mrpt::img::TColor(255, 255, 255, 255));
+        vertex.normal = {0.0F, 0.0F, 1.0F};
+        vertex.uv = {source[i].uv.x(), source[i].uv.y()};
+      }
+      ++triangle;
     }
-    m_triangles.push_back(triangle);
   }
   CRenderizable::notifyChange();
 }

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <opencv2/core/mat.hpp>
+#include <vector>
 
 #include "mesh.h"
 
@@ -21,7 +22,9 @@ class TexturedObject : public mrpt::opengl::CSetOfTexturedTriangles {
   /// @param picture  8-bit BGR, or BGRA where it is partly transparent; sides powers of two
   explicit TexturedObject(const cv::Mat& picture);
 
-  void setMesh(const Mesh& mesh);
+  /// Draws these triangles from now on.
+  void setMeshes(const std::vector<const Mesh*>& meshes);
+  void setMesh(const Mesh& mesh) { setMeshes({&mesh}); }
   /// Draws fronts only: half of what closed bodies have, and nobody sees the other half.
   void hideBacks() { hides_backs_ = true; }
   void initializeTextures() const override;

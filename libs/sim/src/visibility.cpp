@@ -6,7 +6,6 @@
 
 #include "body_depth.h"
 #include "body_projection.h"
-#include "person_mesh.h"
 
 namespace headway::sim {
 namespace {
@@ -57,13 +56,13 @@ Box3d opticalBox(const Mover& mover, const Pose& T_world_cam) {
 }
 
 std::vector<Sighting> findSightings(const Pose& T_world_robot, const StereoCamera& camera,
-                                    const std::vector<Mover>& movers, const cv::Mat& depth,
+                                    const std::vector<Mover>& movers,
+                                    const std::vector<Mesh>& bodies, const cv::Mat& depth,
                                     cv::Mat& instances) {
   instances = cv::Mat::zeros(depth.size(), CV_16U);
   const Pose T_world_cam = T_world_robot * camera.T_robot_cam;
-  const Eigen::Vector3d origin = T_world_robot.translation();
   Pose T_origin_cam = T_world_cam;
-  T_origin_cam.translation() -= origin;
+  T_origin_cam.translation() -= T_world_robot.translation();
   const Eigen::Isometry3f T_cam_origin = T_origin_cam.inverse().cast<float>();
   const cv::Rect image(0, 0, depth.cols, depth.rows);
   BodyDepth alone(depth.size());
@@ -72,7 +71,7 @@ std::vector<Sighting> findSightings(const Pose& T_world_robot, const StereoCamer
     Sighting sighting;
     sighting.mover = i;
     sighting.box3d = opticalBox(movers[i], T_world_cam);
-    const auto corners = projectBody(moverMesh(movers[i], origin), T_cam_origin, camera);
+    const auto corners = projectBody(bodies[i], T_cam_origin, camera);
     if (corners.empty()) continue;
     const Box2d whole = boundsOf(corners);
     const cv::Rect area =

@@ -6,6 +6,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "mesh.h"
 #include "mover.h"
 
 namespace headway::sim {
@@ -26,12 +27,14 @@ struct Sighting {
 /// Bodies are drawn a second time, into a depth image of each one alone, and compared with the
 /// picture's depth: a pixel is visible where the two agree.
 ///
+/// @param bodies         the movers' meshes, relative to the robot's position
 /// @param depth          of the left picture [m]
 /// @param instances      set to 16-bit mover index + 1 per pixel, 0 elsewhere
 /// @return               movers in front of the camera that reach into the image
 [[nodiscard]] std::vector<Sighting> findSightings(const Pose& T_world_robot,
                                                   const StereoCamera& camera,
                                                   const std::vector<Mover>& movers,
+                                                  const std::vector<Mesh>& bodies,
                                                   const cv::Mat& depth, cv::Mat& instances);
 
 /// The mover's truth box in the left camera's optical frame.
