@@ -1,353 +1,46 @@
 #include "stereo_rig.h"
 
 #include <mrpt/opengl/CFBORender.h>
-#include <mrpt/opengl/COpenGLScene.h>
 
-#include <algorithm>
-#include <cmath>
-#include <map>
-#include <optional>
-#include <set>
-
-#include "body_projection.h"
 #include "eye_buffer.h"
-#include "furniture.h"
-#include "ground_texture.h"
-#include "mover_atlas.h"
-#include "occlusion.h"
-#include "shadow.h"
-#include "sky.h"
-#include "textured_object.h"
+#include "street_scene.h"
 
 namespace headway::sim {
 namespace {
 
-constexpr float kFar = 320.0F;              // [m]
-constexpr std::size_t kMostSurfaces = 170;  // MRPT has 192 textures, a few are shared ones
-constexpr float kSkyRadius = 300.0F;
-constexpr double kMeadowCell = 16.0;  // one picture of the meadow [m]
-
-enum Purpose : std::uint64_t { kSkySeed = 201, kMeadowSeed, kFurnitureAtlasSeed, kMoverAtlasSeed };
-
 /// Rows of a picture whose width MRPT can read back: a multiple of four.
 int drawnWidth(int width) { return (width + 3) / 4 * 4; }
 
-/// A wide plain a little below the streets, for where no street is near.
-///
-/// @param corner  number of the cell below the camera, in x and y
-/// @param anchor  what the mesh is relative to
-Mesh plainMesh(const RoadNetwork& network, const Eigen::Vector2i& corner,
-               const Eigen::Vector3d& anchor) {
-  constexpr int kCells = 16, kPoints = 2 * kCells + 1;
-  std::vector<Eigen::Vector3f> points;
-  for (int x = -kCells; x <= kCells; ++x) {
-    for (int y = -kCells; y <= kCells; ++y) {
-      const Eigen::Vector2d xy = (corner + Eigen::Vector2i(x, y)).cast<double>() * kMeadowCell;
-      const double street = network.lowestNear(xy, 26.0).value_or(anchor.z() - 1.0);
-      points.push_back(
-          Eigen::Vector3d(xy.x() - anchor.x(), xy.y() - anchor.y(), street - 0.35 - anchor.z())
-              .cast<float>());
-    }
-  }
-  Mesh mesh;
-  for (int x = 0; x + 1 < kPoints; ++x) {
-    for (int y = 0; y + 1 < kPoints; ++y) {
-      const auto at = [&](int i, int k) {
-        return points[static_cast<std::size_t>(i * kPoints + k)];
-      };
-      mesh.addQuad(at(x, y + 1), at(x + 1, y + 1), at(x + 1, y), at(x, y), UvRect{});
-    }
-  }
-  return mesh;
-}
-
 }  // namespace
 
-ViewCone viewCone(const StereoCamera& camera, const Pose& T_world_robot) {
-  const Eigen::Vector3d eye = (T_world_robot * camera.T_robot_cam).translation();
-  return {eye.head<2>(), yawOf(T_world_robot), std::atan(0.5 * camera.width / camera.fx) + 0.02};
-}
-
-/// MRPT's scene: surfaces by stretch, and one object each for what shares a picture.
-class StereoRig::Scene {
+/// A scene, and what two eyes see of it.
+class StereoRig::Eyes {
  public:
-  Scene(const StereoCamera& camera, World& world);
+  Eyes(const StereoCamera& camera, World& world);
 
-  void arrange(const Pose& T_world_robot, const Pose& T_left_right,
-               const std::vector<Mover>& movers, const std::vector<Mesh>& bodies);
+  [[nodiscard]] StreetScene& scene() { return scene_; }
   void drawLeft() { draw(camera_.T_robot_cam, left_); }
   void drawRight(const Pose& T_left_right) { draw(camera_.T_robot_cam * T_left_right, right_); }
   [[nodiscard]] StereoDrawing read(bool with_depth);
 
  private:
-  using ObjectPtr = TexturedObject::Ptr;
-
-  /// A surface with a picture of its own.
-  struct Piece {
-    ObjectPtr object;
-    std::vector<Eigen::Vector3f> around;  ///< points whose hull it is in, from its anchor
-    std::optional<Block> block;
-  };
-
-  /// A tree or the like.
-  struct Item {
-    Mesh mesh;  ///< from the shared anchor
-    std::vector<Eigen::Vector3f> around;
-  };
-
-  ObjectPtr add(const cv::Mat& picture);
-  /// Hides all surfaces, and gives up those out of view where textures grow scarce.
-  void forgetHidden(const std::vector<StretchKey>& visible);
-  /// Hides what houses hide from both eyes.
-  void hideBehindHouses(const std::vector<StretchKey>& visible, const Eigen::Vector3d& origin,
-                        const Pose& T_left_right);
-  [[nodiscard]] bool shows(const std::vector<Eigen::Vector3f>& around,
-                           const Eigen::Vector3d& offset) const;
-  /// The triangles that show.
-  [[nodiscard]] Mesh shown(const Mesh& mesh, const Eigen::Vector3d& offset) const;
-  void showStretches(const std::vector<StretchKey>& visible);
-  void placeStill(const Eigen::Vector3d& origin);
-  void placeMovers(const Eigen::Vector3d& origin, const std::vector<Mover>& movers,
-                   const std::vector<Mesh>& bodies);
-  void rebuildShared(const std::vector<StretchKey>& visible);
-  void placeAll(const Eigen::Vector3d& origin);
   void draw(const Pose& T_robot_cam, EyeBuffer& eye);
 
   StereoCamera camera_;
-  World& world_;
-  mrpt::opengl::COpenGLScene scene_;
+  StreetScene scene_;
   mrpt::opengl::CFBORender context_;  ///< of OpenGL, off-screen
   EyeBuffer left_, right_;
-  std::map<StretchKey, std::vector<Piece>> surfaces_;
-  std::vector<Occlusion> eyes_;  ///< what houses hide, now, from the left and from the right one
-  std::set<StretchKey> shown_;
-  ObjectPtr sky_, plain_, verges_, furniture_, vehicles_, people_, shadows_;
-  Eigen::Vector3d shared_anchor_ = Eigen::Vector3d::Zero();
-  std::optional<Eigen::Vector2i> plain_cell_;
-  Eigen::Vector3d plain_anchor_ = Eigen::Vector3d::Zero();
-  std::vector<Item> items_;                       ///< furniture of the stretches in view
-  std::optional<std::vector<bool>> items_shown_;  ///< which of them are in furniture_
-  Mesh verges_mesh_, plain_mesh_;                 ///< whole
-  const Mesh sky_mesh_ = skyMesh(kSkyRadius);
-  Pose T_origin_robot_ = Pose::Identity();
 };
 
-StereoRig::Scene::Scene(const StereoCamera& camera, World& world)
+StereoRig::Eyes::Eyes(const StereoCamera& camera, World& world)
     : camera_(camera),
-      world_(world),
+      scene_(camera, world),
       context_(static_cast<unsigned>(drawnWidth(camera.width)),
                static_cast<unsigned>(camera.height)),
       left_(drawnWidth(camera.width), camera.height),
-      right_(drawnWidth(camera.width), camera.height) {
-  const auto seed = [&](Purpose purpose) {
-    return Random(seedOf({static_cast<std::uint64_t>(world.params().seed), purpose}));
-  };
-  Random sky = seed(kSkySeed), meadow = seed(kMeadowSeed), furniture = seed(kFurnitureAtlasSeed),
-         movers = seed(kMoverAtlasSeed);
-  sky_ = add(drawSky(sky));
-  const cv::Mat grass = drawMeadow(world.grain(), meadow);
-  plain_ = add(grass);
-  verges_ = add(grass);
-  furniture_ = add(drawFurnitureAtlas(world.grain(), furniture));
-  const cv::Mat bodies = drawMoverAtlas(world.grain(), movers);
-  vehicles_ = add(bodies);
-  people_ = add(bodies);
-  shadows_ = add(drawShadow());
-  for (const auto& closed : {furniture_, vehicles_}) closed->hideBacks();
-  scene_.getViewport()->setViewportClipDistances(kNearPlane, kFar);
-}
+      right_(drawnWidth(camera.width), camera.height) {}
 
-StereoRig::Scene::ObjectPtr StereoRig::Scene::add(const cv::Mat& picture) {
-  auto object = std::make_shared<TexturedObject>(picture);
-  scene_.insert(object);
-  return object;
-}
-
-void StereoRig::Scene::forgetHidden(const std::vector<StretchKey>& visible) {
-  std::vector<StretchKey> hidden;
-  std::size_t count = 0;
-  for (auto& [key, objects] : surfaces_) {
-    for (auto& piece : objects) piece.object->setVisibility(false);
-    count += objects.size();
-    if (std::find_if(visible.begin(), visible.end(), [k = key](const StretchKey& other) {
-          return !(other < k) && !(k < other);
-        }) == visible.end()) {
-      hidden.push_back(key);
-    }
-  }
-  for (const StretchKey& key : hidden) {
-    if (world_.built().count(key) != 0 && count <= kMostSurfaces / 2) continue;
-    count -= surfaces_.at(key).size();
-    for (auto& piece : surfaces_.at(key)) scene_.removeObject(piece.object);
-    surfaces_.erase(key);
-  }
-}
-
-void StereoRig::Scene::showStretches(const std::vector<StretchKey>& visible) {
-  forgetHidden(visible);
-  std::size_t shown = 0;
-  for (const StretchKey& key : visible) {
-    const StreetStretch& stretch = world_.stretch(key);
-    shown += stretch.surfaces.size();
-    if (shown > kMostSurfaces) break;
-    auto known = surfaces_.find(key);
-    if (known == surfaces_.end()) {
-      std::vector<Piece> pieces;
-      for (const Surface& surface : stretch.surfaces) {
-        pieces.push_back({add(surface.picture), boxCorners(surface.mesh), surface.block});
-        pieces.back().object->setMesh(surface.mesh);
-        if (surface.block) pieces.back().object->hideBacks();
-      }
-      known = surfaces_.emplace(key, std::move(pieces)).first;
-    }
-    for (auto& piece : known->second) piece.object->setVisibility(true);
-  }
-}
-
-void StereoRig::Scene::hideBehindHouses(const std::vector<StretchKey>& visible,
-                                        const Eigen::Vector3d& origin, const Pose& T_left_right) {
-  const Pose T_origin_left = T_origin_robot_ * camera_.T_robot_cam;
-  eyes_ = {Occlusion(camera_, T_origin_left.inverse()),
-           Occlusion(camera_, (T_origin_left * T_left_right).inverse())};
-  const auto forAllShown = [&](const auto& visit) {
-    for (const StretchKey& key : visible) {
-      const auto pieces = surfaces_.find(key);
-      if (pieces == surfaces_.end()) continue;
-      const Eigen::Vector3d offset = world_.stretch(key).anchor - origin;
-      for (Piece& piece : pieces->second) {
-        if (piece.object->isVisible()) visit(piece, offset);
-      }
-    }
-  };
-  forAllShown([&](const Piece& piece, const Eigen::Vector3d& offset) {
-    if (!piece.block) return;
-    for (Occlusion& eye : eyes_) eye.add(*piece.block, offset);
-  });
-  forAllShown([&](Piece& piece, const Eigen::Vector3d& offset) {
-    piece.object->setVisibility(shows(piece.around, offset));
-  });
-}
-
-bool StereoRig::Scene::shows(const std::vector<Eigen::Vector3f>& around,
-                             const Eigen::Vector3d& offset) const {
-  return std::any_of(eyes_.begin(), eyes_.end(),
-                     [&](const Occlusion& eye) { return !eye.hides(around, offset); });
-}
-
-Mesh StereoRig::Scene::shown(const Mesh& mesh, const Eigen::Vector3d& offset) const {
-  Mesh result;
-  for (const auto& triangle : mesh.triangles) {
-    if (shows(cornersOf(triangle), offset)) result.triangles.push_back(triangle);
-  }
-  return result;
-}
-
-void StereoRig::Scene::rebuildShared(const std::vector<StretchKey>& visible) {
-  items_.clear();
-  verges_mesh_ = {};
-  shared_anchor_ = world_.stretch(visible.front()).anchor;
-  for (const StretchKey& key : visible) {
-    const StreetStretch& stretch = world_.stretch(key);
-    const Eigen::Vector3f shift = (stretch.anchor - shared_anchor_).cast<float>();
-    for (const Mesh& item : stretch.furniture) {
-      const Mesh mesh = moved(item, Eigen::Matrix3f::Identity(), shift);
-      items_.push_back({mesh, boxCorners(mesh)});
-    }
-    verges_mesh_.append(moved(stretch.verges, Eigen::Matrix3f::Identity(), shift));
-  }
-  items_shown_.reset();
-}
-
-void StereoRig::Scene::placeStill(const Eigen::Vector3d& origin) {
-  const Eigen::Vector2i cell((origin.head<2>() / kMeadowCell).array().floor().cast<int>());
-  if (!plain_cell_ || *plain_cell_ != cell) {
-    plain_cell_ = cell;
-    plain_anchor_ = origin;
-    plain_mesh_ = plainMesh(world_.network(), cell, origin);
-  }
-  std::vector<bool> now;
-  for (const Item& item : items_) now.push_back(shows(item.around, shared_anchor_ - origin));
-  if (items_shown_ != now) {
-    std::vector<const Mesh*> furniture;
-    for (std::size_t i = 0; i < items_.size(); ++i) {
-      if (now[i]) furniture.push_back(&items_[i].mesh);
-    }
-    furniture_->setMeshes(furniture);
-    items_shown_ = std::move(now);
-  }
-  verges_->setMesh(shown(verges_mesh_, shared_anchor_ - origin));
-  plain_->setMesh(shown(plain_mesh_, plain_anchor_ - origin));
-  sky_->setMesh(shown(sky_mesh_, Eigen::Vector3d::Zero()));
-}
-
-void StereoRig::Scene::placeAll(const Eigen::Vector3d& origin) {
-  // MRPT draws from far to near, by a point that each object names. What is opaque names points
-  // far ahead, in reverse: near things are drawn first and spare the shading of what they hide.
-  // Shadows come last of all, over the finished ground.
-  const auto place = [&](const ObjectPtr& object, const Eigen::Vector3d& anchor, double turn) {
-    const Eigen::Vector3d at = anchor - origin;
-    object->setLocation(at.x(), at.y(), at.z());
-    const Eigen::Vector3f point = (T_origin_robot_.linear().col(0) * turn - at).cast<float>();
-    object->setLocalRepresentativePoint({point.x(), point.y(), point.z()});
-  };
-  place(vehicles_, origin, 6000.0);
-  place(people_, origin, 5900.0);
-  place(furniture_, shared_anchor_, 5500.0);
-  for (const auto& [key, pieces] : surfaces_) {
-    const Eigen::Vector3d& anchor = world_.stretch(key).anchor;
-    const double distance = (anchor - origin).norm();
-    for (const auto& piece : pieces) place(piece.object, anchor, 5000.0 - distance);
-  }
-  place(verges_, shared_anchor_, 4000.0);
-  place(plain_, plain_anchor_, 3900.0);
-  place(sky_, origin, 3800.0);
-  place(shadows_, origin, 0.0);
-}
-
-void StereoRig::Scene::placeMovers(const Eigen::Vector3d& origin, const std::vector<Mover>& movers,
-                                   const std::vector<Mesh>& bodies) {
-  std::vector<std::pair<double, std::size_t>> near_first;
-  for (std::size_t k = 0; k < movers.size(); ++k) {
-    near_first.emplace_back((movers[k].position - origin).norm(), k);
-  }
-  std::sort(near_first.begin(), near_first.end());
-  std::vector<const Mesh*> vehicles, people;
-  for (const auto& [distance, k] : near_first) {
-    const MoverKind kind = movers[k].kind;
-    const bool wheels = kind != MoverKind::kPedestrian && kind != MoverKind::kCyclist;
-    if (!shows(boxCorners(bodies[k]), Eigen::Vector3d::Zero())) continue;
-    (wheels ? vehicles : people).push_back(&bodies[k]);
-  }
-  Mesh shadows;
-  for (const Mover& mover : movers) shadows.append(shadowMesh(mover, origin));
-  vehicles_->setMeshes(vehicles);
-  people_->setMeshes(people);
-  shadows_->setMesh(shadows);
-}
-
-void StereoRig::Scene::arrange(const Pose& T_world_robot, const Pose& T_left_right,
-                               const std::vector<Mover>& movers, const std::vector<Mesh>& bodies) {
-  const Eigen::Vector3d origin = T_world_robot.translation();
-  const Eigen::Vector3d eye = (T_world_robot * camera_.T_robot_cam).translation();
-  const auto visible = world_.inView(eye, viewCone(camera_, T_world_robot));
-  showStretches(visible);
-  const std::set<StretchKey> now(visible.begin(), visible.end());
-  const auto same_key = [](const StretchKey& a, const StretchKey& b) {
-    return !(a < b) && !(b < a);
-  };
-  const bool same =
-      now.size() == shown_.size() && std::equal(now.begin(), now.end(), shown_.begin(), same_key);
-  if (!same && !visible.empty()) rebuildShared(visible);
-  shown_ = now;
-  T_origin_robot_ = T_world_robot;
-  T_origin_robot_.translation().setZero();
-  hideBehindHouses(visible, origin, T_left_right);
-  placeStill(origin);
-  placeMovers(origin, movers, bodies);
-  placeAll(origin);
-}
-
-void StereoRig::Scene::draw(const Pose& T_robot_cam, EyeBuffer& eye) {
+void StereoRig::Eyes::draw(const Pose& T_robot_cam, EyeBuffer& eye) {
   mrpt::img::TCamera lens;
   lens.ncols = static_cast<unsigned>(drawnWidth(camera_.width));
   lens.nrows = static_cast<unsigned>(camera_.height);
@@ -356,13 +49,13 @@ void StereoRig::Scene::draw(const Pose& T_robot_cam, EyeBuffer& eye) {
   mrpt::opengl::CCamera camera;
   camera.set6DOFMode(true);
   camera.setProjectiveFromPinhole(lens);
-  const Pose T_origin_cam = T_origin_robot_ * T_robot_cam;
+  const Pose T_origin_cam = scene_.T_origin_robot() * T_robot_cam;
   camera.setPose(mrpt::poses::CPose3D(mrpt::math::CMatrixDouble44(T_origin_cam.matrix())));
-  scene_.getViewport()->getCamera() = camera;
-  eye.draw(scene_);
+  scene_.scene().getViewport()->getCamera() = camera;
+  eye.draw(scene_.scene());
 }
 
-StereoDrawing StereoRig::Scene::read(bool with_depth) {
+StereoDrawing StereoRig::Eyes::read(bool with_depth) {
   const cv::Size size(camera_.width, camera_.height);
   StereoDrawing drawing;
   drawing.left = left_.picture(size);
@@ -373,17 +66,17 @@ StereoDrawing StereoRig::Scene::read(bool with_depth) {
 }
 
 StereoRig::StereoRig(const StereoCamera& camera, World& world)
-    : scene_(std::make_unique<Scene>(camera, world)) {}
+    : eyes_(std::make_unique<Eyes>(camera, world)) {}
 
 StereoRig::~StereoRig() = default;
 
 StereoDrawing StereoRig::draw(const Pose& T_world_robot, const Pose& T_left_right,
                               const std::vector<Mover>& movers, const std::vector<Mesh>& bodies,
                               bool with_depth) {
-  scene_->arrange(T_world_robot, T_left_right, movers, bodies);
-  scene_->drawLeft();
-  scene_->drawRight(T_left_right);
-  return scene_->read(with_depth);
+  eyes_->scene().arrange(T_world_robot, T_left_right, movers, bodies);
+  eyes_->drawLeft();
+  eyes_->drawRight(T_left_right);
+  return eyes_->read(with_depth);
 }
 
 }  // namespace headway::sim

@@ -19,9 +19,6 @@ struct StereoDrawing {
   cv::Mat depth;  ///< 32-bit, metres along the left camera's axis; 0 where there is only sky
 };
 
-/// What the left camera sees, and a little more.
-[[nodiscard]] ViewCone viewCone(const StereoCamera& camera, const Pose& T_world_robot);
-
 /// Draws a world and its movers as an ideal stereo camera sees them, off-screen.
 ///
 /// Made and used in one thread. Everything is drawn relative to the robot, so pictures are as
@@ -43,8 +40,8 @@ class StereoRig {
                                    const std::vector<Mesh>& bodies, bool with_depth);
 
  private:
-  class Scene;
-  std::unique_ptr<Scene> scene_;
+  class Eyes;
+  std::unique_ptr<Eyes> eyes_;
 };
 
 }  // namespace headway::sim

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <headway/core/stereo_camera.h>
+
 #include <Eigen/Core>
 #include <cmath>
 
@@ -21,5 +23,11 @@ struct ViewCone {
     return off_axis < half_width + std::asin(radius / distance);
   }
 };
+
+/// What a camera on the robot sees, and a little more.
+[[nodiscard]] inline ViewCone viewCone(const StereoCamera& camera, const Pose& T_world_robot) {
+  const Eigen::Vector3d eye = (T_world_robot * camera.T_robot_cam).translation();
+  return {eye.head<2>(), yawOf(T_world_robot), std::atan(0.5 * camera.width / camera.fx) + 0.02};
+}
 
 }  // namespace headway::sim

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <headway/core/stereo_camera.h>
+#include <mrpt/opengl/COpenGLScene.h>
+
+#include <map>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "mover.h"
+#include "occlusion.h"
+#include "sky.h"
+#include "textured_object.h"
+#include "world.h"
+
+namespace headway::sim {
+
+/// Radius of the drum that carries the sky's picture [m].
+inline constexpr float kSkyRadius = 300.0F;
+
+/// MRPT's scene of a world and its movers: surfaces by stretch, and one object each for what
+/// shares a picture.
+class StreetScene {
+ public:
+  /// @param camera  left camera without distortion; the right one sees as far
+  StreetScene(const StereoCamera& camera, World& world);
+
+  /// Puts into the scene what either camera may see, relative to the robot's position.
+  ///
+  /// @param bodies  the movers' meshes, relative to the robot's position
+  void arrange(const Pose& T_world_robot, const Pose& T_left_right,
+               const std::vector<Mover>& movers, const std::vector<Mesh>& bodies);
+
+  [[nodiscard]] mrpt::opengl::COpenGLScene& scene() { return scene_; }
+  /// The robot in the frame that the scene is arranged in.
+  [[nodiscard]] const Pose& T_origin_robot() const { return T_origin_robot_; }
+
+ private:
+  using ObjectPtr = TexturedObject::Ptr;
+
+  /// A surface with a picture of its own.
+  struct Piece {
+    ObjectPtr object;
+    std::vector<Eigen::Vector3f> around;  ///< points whose hull it is in, from its anchor
+    std::optional<Block> block;
+  };
+
+  /// A tree or the like.
+  struct Item {
+    Mesh mesh;  ///< from the shared anchor
+    std::vector<Eigen::Vector3f> around;
+  };
+
+  ObjectPtr add(const cv::Mat& picture);
+  /// Hides all surfaces, and gives up those out of view where textures grow scarce.
+  void forgetHidden(const std::vector<StretchKey>& visible);
+  /// Hides what houses hide from both eyes.
+  void hideBehindHouses(const std::vector<StretchKey>& visible, const Eigen::Vector3d& origin,
+                        const Pose& T_left_right);
+  [[nodiscard]] bool shows(const std::vector<Eigen::Vector3f>& around,
+                           const Eigen::Vector3d& offset) const;
+  /// The triangles that show.
+  [[nodiscard]] Mesh shown(const Mesh& mesh, const Eigen::Vector3d& offset) const;
+  void showStretches(const std::vector<StretchKey>& visible);
+  void placeStill(const Eigen::Vector3d& origin);
+  void placeMovers(const Eigen::Vector3d& origin, const std::vector<Mover>& movers,
+                   const std::vector<Mesh>& bodies);
+  void rebuildShared(const std::vector<StretchKey>& visible);
+  void placeAll(const Eigen::Vector3d& origin);
+
+  StereoCamera camera_;
+  World& world_;
+  mrpt::opengl::COpenGLScene scene_;
+  std::map<StretchKey, std::vector<Piece>> surfaces_;
+  std::vector<Occlusion> eyes_;  ///< what houses hide, now, from the left and from the right one
+  std::set<StretchKey> shown_;
+  ObjectPtr sky_, plain_, verges_, furniture_, vehicles_, people_, shadows_;
+  Eigen::Vector3d shared_anchor_ = Eigen::Vector3d::Zero();
+  std::optional<Eigen::Vector2i> plain_cell_;
+  Eigen::Vector3d plain_anchor_ = Eigen::Vector3d::Zero();
+  std::vector<Item> items_;                       ///< furniture of the stretches in view
+  std::optional<std::vector<bool>> items_shown_;  ///< which of them are in furniture_
+  Mesh verges_mesh_, plain_mesh_;                 ///< whole
+  const Mesh sky_mesh_ = skyMesh(kSkyRadius);
+  Pose T_origin_robot_ = Pose::Identity();
+};
+
+}  // namespace headway::sim
