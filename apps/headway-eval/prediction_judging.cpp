@@ -79,7 +79,7 @@ JudgedPredictor judgePredictor(const std::vector<PredictionSequence>& sequences,
     for (auto& a_case : eval::historyCases(truth, sequences[s].frame_interval_s)) {
       const auto object_class = truth[a_case.object].object_class;
       const auto now = a_case.history.back();
-      predictor->predictInto({object_class, std::move(a_case.history), 0.0}, paths);
+      predictor->predictInto({object_class, std::move(a_case.history)}, paths);
       gatherer.add(object_class, a_case.object, now.frame, now.position, paths, a_case.future);
     }
     gatherer.end(sequences[s].name, s);

@@ -76,7 +76,7 @@ std::vector<PredictedPath> predictTurning(const BezierPredictor::Ablation& ablat
     return Eigen::Vector2d(10.0 * std::sin(0.6 * t), 10.0 - 10.0 * std::cos(0.6 * t));
   });
   for (TrajectoryPoint& point : path) point.yaw += yaw_error;
-  return BezierPredictor(PredictorParams(), ablation).predict({ObjectClass::kCar, path, 0.0});
+  return BezierPredictor(PredictorParams(), ablation).predict({ObjectClass::kCar, path});
 }
 
 double reach(const std::vector<PredictedPath>& paths) {
@@ -115,7 +115,7 @@ TEST(BezierPredictor, TakesTheSpeedOfTheLastStepInItsAblationSv) {
   const auto path = history([](double t) { return Eigen::Vector2d(4.0 * t + t * t, 0.0); });
   BezierPredictor::Ablation sv;
   sv.instant_speed = true;
-  const MotionHistory known{ObjectClass::kCar, path, 0.0};
+  const MotionHistory known{ObjectClass::kCar, path};
   const auto smoothed = BezierPredictor(PredictorParams(), {}).predict(known);
   const auto instant = BezierPredictor(PredictorParams(), sv).predict(known);
   EXPECT_NEAR(instant.front().points.back().position.x(), 3.9 * 3.0, 0.05);

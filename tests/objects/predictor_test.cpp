@@ -4,6 +4,8 @@
 #include <headway/objects/predictor.h>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <random>
 
 #include "scene.h"
 
@@ -28,7 +30,7 @@ class EveryPredictor : public ::testing::TestWithParam<std::string> {
   [[nodiscard]] std::vector<PredictedPath> predict(
       const std::vector<TrajectoryPoint>& path,
       ObjectClass object_class = ObjectClass::kCar) const {
-    return predictor_->predict({object_class, path, 0.0});
+    return predictor_->predict({object_class, path});
   }
 
  private:
@@ -161,7 +163,7 @@ TEST(ConstantTurn, StaysOnItsCircle) {
     return Eigen::Vector2d(radius * std::sin(rate * t), radius - radius * std::cos(rate * t));
   });
   const auto predictor = makePredictor(PredictorKind::kConstantTurn, PredictorParams());
-  const auto paths = predictor->predict({ObjectClass::kCar, path, 0.0});
+  const auto paths = predictor->predict({ObjectClass::kCar, path});
   for (const PredictedPoint& point : paths.front().points) {
     const Eigen::Vector2d centre(0.0, radius);
     EXPECT_NEAR((point.position.head<2>() - centre).norm(), radius, 0.02 * radius);
@@ -174,8 +176,8 @@ TEST(Mixture, FollowsATurnAtFirstAndDoesNotCircleForever) {
   const auto path = history([=](double t) {
     return Eigen::Vector2d(16.0 * std::sin(rate * t), 16.0 - 16.0 * std::cos(rate * t));
   });
-  const auto paths = makePredictor(PredictorKind::kMixture, PredictorParams())
-                         ->predict({ObjectClass::kCar, path, 0.0});
+  const auto paths =
+      makePredictor(PredictorKind::kMixture, PredictorParams())->predict({ObjectClass::kCar, path});
   const Eigen::Vector2d half(16.0 * std::sin(rate * 0.5), 16.0 - 16.0 * std::cos(rate * 0.5));
   EXPECT_LT((placeIn(paths.front(), 0.5) - half).norm(), 0.5);
   EXPECT_GT(placeIn(paths.front(), 3.0).y(), 1.0) << "it turns left";
@@ -184,8 +186,8 @@ TEST(Mixture, FollowsATurnAtFirstAndDoesNotCircleForever) {
 TEST(Mixture, StopsAndDoesNotReverse) {
   // Braking at 3 m/s^2 from 7 m/s: 1 m/s is left now.
   const auto path = history([](double t) { return Eigen::Vector2d(t - 1.5 * t * t, 0.0); });
-  const auto paths = makePredictor(PredictorKind::kMixture, PredictorParams())
-                         ->predict({ObjectClass::kCar, path, 0.0});
+  const auto paths =
+      makePredictor(PredictorKind::kMixture, PredictorParams())->predict({ObjectClass::kCar, path});
   double before = 0.0;
   for (const PredictedPoint& point : paths.front().points) {
     EXPECT_GE(point.position.x(), before - 1e-9) << "a braking car does not roll back";
@@ -197,24 +199,70 @@ TEST(Mixture, StopsAndDoesNotReverse) {
 TEST(Mixture, GoesBackwardsWithAReversingCar) {
   auto path = history([](double t) { return Eigen::Vector2d(-1.5 * t, 0.0); });
   for (TrajectoryPoint& point : path) point.yaw = 0.0;  // it looks along +x
-  const auto paths = makePredictor(PredictorKind::kMixture, PredictorParams())
-                         ->predict({ObjectClass::kCar, path, 0.0});
+  const auto paths =
+      makePredictor(PredictorKind::kMixture, PredictorParams())->predict({ObjectClass::kCar, path});
   EXPECT_NEAR(placeIn(paths.front(), 3.0).x(), -4.5, 0.5);
 }
 
-TEST(MixturePredictor, IsLessSureWhereTheHistoryIsNoisy) {
+Eigen::Matrix2d spreadAt(const MotionHistory& known, double horizon_s) {
+  const auto paths = makePredictor(PredictorKind::kMixture, PredictorParams())->predict(known);
+  const auto j = static_cast<std::size_t>(std::lround(horizon_s / kPredictionStep_s)) - 1;
+  return paths.front().points.at(j).covariance;
+}
+
+MotionHistory drivingAlongX(double span_s) {
   MotionHistory known;
   known.object_class = ObjectClass::kCar;
-  known.path = history([](double t) { return Eigen::Vector2d(8.0 * t, 0.0); });
-  const auto predictor = makePredictor(PredictorKind::kMixture, PredictorParams());
-  const auto exact = predictor->predict(known);
-  known.position_sigma_m = 0.2;
-  const auto noisy = predictor->predict(known);
-  for (int j = 0; j < kPredictionSamples; ++j) {
-    const double t = exact[0].points[j].horizon_s;
-    const double gained =
-        noisy[0].points[j].covariance.trace() - exact[0].points[j].covariance.trace();
-    EXPECT_NEAR(gained, 2.0 * (0.04 + 0.04 * t * t), 1e-3) << t;  // memory 2 s: 0.2 m/s
+  known.path = history([](double t) { return Eigen::Vector2d(8.0 * t, 0.0); }, span_s);
+  return known;
+}
+
+TEST(MixturePredictor, IsLessSureInTheDirectionInWhichTheHistoryIsNoisy) {
+  const MotionHistory exact = drivingAlongX(2.0);
+  MotionHistory noisy = exact;
+  noisy.position_covariance.diagonal() << 0.25, 0.01;
+  for (const double t : {0.1, 1.0, 3.0}) {
+    const Eigen::Matrix2d gained = spreadAt(noisy, t) - spreadAt(exact, t);
+    EXPECT_GT(gained(0, 0), 0.25) << "an error of place is one of speed, too, after " << t;
+    EXPECT_GT(gained(1, 1), 0.01) << t;
+    EXPECT_GT(gained(0, 0), 3.0 * gained(1, 1)) << t;
+  }
+}
+
+TEST(MixturePredictor, IsLessSureOfWhatItHasNotWatchedForLong) {
+  double before = 0.0;
+  for (const double span : {2.0, 1.0, 0.5, 0.2, 0.0}) {
+    MotionHistory known = drivingAlongX(span);
+    known.position_covariance = 0.04 * Eigen::Matrix2d::Identity();
+    const double spread = spreadAt(known, 1.0).trace();
+    EXPECT_GT(spread, before) << span;
+    before = spread;
+  }
+  const double typical = PredictorParams().manoeuvres.vehicle.typical_speed;
+  EXPECT_NEAR(before, 2.0 * typical * typical, 0.02 * typical * typical)
+      << "of a car seen once nothing is known but how fast cars are";
+}
+
+TEST(MixturePredictor, SpreadIsThatOfItsErrorsWhateverThePathsLength) {
+  const Eigen::Vector2d sigma(0.3, 0.1);
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise;
+  for (const double span : {0.3, 0.6, 1.0, 2.0}) {
+    int inside = 0;
+    constexpr int kPaths = 400;
+    for (int n = 0; n < kPaths; ++n) {
+      MotionHistory known = drivingAlongX(span);
+      known.position_covariance = sigma.cwiseAbs2().asDiagonal();
+      for (auto& point : known.path) {
+        point.position.x() += sigma.x() * noise(random);
+        point.position.y() += sigma.y() * noise(random);
+      }
+      const auto paths = makePredictor(PredictorKind::kMixture, PredictorParams())->predict(known);
+      const Eigen::Vector2d error = placeIn(paths.front(), 1.0) - Eigen::Vector2d(8.0, 0.0);
+      constexpr double kNinetyPercent = 4.605;  // chi-square, two degrees of freedom
+      inside += error.dot(spreadAt(known, 1.0).inverse() * error) < kNinetyPercent ? 1 : 0;
+    }
+    EXPECT_GT(inside, 0.80 * kPaths) << span;
   }
 }
 

@@ -8,11 +8,11 @@
 namespace headway::objects {
 namespace {
 
-constexpr double kTypicalSpeed = 50.0;  // a prior so wide that it only tames tiny time steps [m/s]
-constexpr double kLeastSpeed = 0.3;     // slower, a turn rate means nothing [m/s]
+constexpr double kLeastSpeed = 0.3;  // slower, a turn rate means nothing [m/s]
 
 // Weighted moments of the path about its newest place, and of time.
 struct Moments {
+  double t1 = 0.0;                      // of v
   double t2 = 0.0, t3 = 0.0, t4 = 0.0;  // of v * v, v * a and a * a in the normal equations
   Eigen::Vector2d dt1 = Eigen::Vector2d::Zero();
   Eigen::Vector2d dt2 = Eigen::Vector2d::Zero();
@@ -27,6 +27,7 @@ struct Moments {
       const double weight = std::max(freshness * freshness, kLeastWeight);
       const double half_square = 0.5 * t * t;
       const Eigen::Vector2d offset = (path[i].position - now.position).head<2>();
+      t1 += weight * t;
       t2 += weight * t * t;
       t3 += weight * t * half_square;
       t4 += weight * half_square * half_square;
@@ -39,33 +40,53 @@ struct Moments {
   static constexpr double kLeastWeight = 1e-3;
 };
 
-// Velocity and acceleration along one axis; `ridge` is what the prior adds to the acceleration.
-Eigen::Vector2d solve(const Moments& m, double dt1, double dt2, double speed_ridge, double ridge) {
-  const double a = m.t2 + speed_ridge;
-  const double c = m.t4 + ridge;
-  const double determinant = a * c - m.t3 * m.t3;
-  return Eigen::Vector2d(c * dt1 - m.t3 * dt2, a * dt2 - m.t3 * dt1) / determinant;
-}
-
 double square(double x) { return x * x; }
+
+// The fit along one axis.
+struct AxisFit {
+  double velocity = 0.0;      // [m/s]
+  double acceleration = 0.0;  // [m/s^2]
+  double variance = 0.0;      // of the velocity, from the noise of the places before and the prior
+  double gain = 0.0;          // by which an error of the newest place becomes one of velocity [1/s]
+
+  // `noise` is the variance of a place; the prior is what is typical of speed and acceleration.
+  AxisFit(const Moments& m, double dt1, double dt2, double noise, double speed,
+          double typical_acceleration) {
+    const double a = m.t2 + noise / square(speed);
+    const double c = m.t4 + noise / square(typical_acceleration);
+    const double determinant = a * c - m.t3 * m.t3;
+    velocity = (c * dt1 - m.t3 * dt2) / determinant;
+    acceleration = (a * dt2 - m.t3 * dt1) / determinant;
+    variance = noise * c / determinant;
+    gain = (0.5 * m.t3 * m.t2 - c * m.t1) / determinant;
+  }
+};
 
 }  // namespace
 
 Manoeuvre fitManoeuvre(const MotionHistory& history, const ManoeuvreParams& params) {
   Manoeuvre result;
-  if (history.path.size() < 2) return result;
   const Moments m(history.path, params.memory_s);
-  const double noise = square(params.path_noise_m) + square(history.position_sigma_m);
-  const double speed_ridge = noise / square(kTypicalSpeed);
-  const double along_ridge = noise / square(params.typical_acceleration);
-  const double across_ridge = noise / square(params.typical_turn);
-
-  const Eigen::Vector2d ahead = unitOr(m.dt1 / (m.t2 + speed_ridge), Eigen::Vector2d::UnitX());
+  const Eigen::Vector2d ahead = unitOr(m.dt1, Eigen::Vector2d::UnitX());
   const Eigen::Vector2d left(-ahead.y(), ahead.x());
-  const auto along = solve(m, m.dt1.dot(ahead), m.dt2.dot(ahead), speed_ridge, along_ridge);
-  const auto across = solve(m, m.dt1.dot(left), m.dt2.dot(left), speed_ridge, across_ridge);
-  const Eigen::Vector2d velocity = along(0) * ahead + across(0) * left;
-  const Eigen::Vector2d acceleration = along(1) * ahead + across(1) * left;
+  const Eigen::Matrix2d& places = history.position_covariance;
+  const double noise = square(params.path_noise_m) + 0.5 * places.trace();
+  const auto fit = [&](const Eigen::Vector2d& axis, double typical_acceleration) {
+    return AxisFit(m, m.dt1.dot(axis), m.dt2.dot(axis), noise, params.typical_speed,
+                   typical_acceleration);
+  };
+  const AxisFit along = fit(ahead, params.typical_acceleration);
+  const AxisFit across = fit(left, params.typical_turn);
+  const Eigen::Vector2d velocity = along.velocity * ahead + across.velocity * left;
+  const Eigen::Vector2d acceleration = along.acceleration * ahead + across.acceleration * left;
+
+  Eigen::Matrix2d axes;
+  axes << ahead, left;
+  const Eigen::Matrix2d gain =
+      axes * Eigen::Vector2d(along.gain, across.gain).asDiagonal() * axes.transpose();
+  result.velocity_covariance =
+      gain * places * gain +
+      axes * Eigen::Vector2d(along.variance, across.variance).asDiagonal() * axes.transpose();
 
   const double speed = velocity.norm();
   result.direction = unitOr(velocity, ahead);

@@ -12,8 +12,6 @@ constexpr int kModes = 4;
 constexpr std::array<double, kModes> kProbabilities = {0.55, 0.25, 0.1, 0.1};
 constexpr double kLeastPositionSigma_m = 0.03;
 constexpr double kFastestTurn = 3.0;  // [rad/s]
-// How badly a fitted parabola's velocity is known: in errors of a place over the time it remembers.
-constexpr double kVelocityShare = 2.0;
 
 double square(double x) { return x * x; }
 
@@ -52,7 +50,6 @@ MixturePredictor::Tables MixturePredictor::tabulate(const ManoeuvreParams& param
     tables.gained[j] = params.acceleration_fade_s * (t - faded(t, params.acceleration_fade_s));
     tables.turned[j] = middle - turned;
     turned = middle;
-    tables.drift[j] = square(params.velocity_sigma * t);
     tables.along[j] = square(params.acceleration_sigma * 0.5 * t * t);
     tables.across[j] = square(params.lateral_sigma * 0.5 * t * t);
   }
@@ -71,12 +68,15 @@ void MixturePredictor::predictInto(const MotionHistory& history,
   const Tables& tables = tables_.of(history.object_class);
   const Manoeuvre now = fitManoeuvre(history, params);
   const double moves = square(now.speed) / (square(now.speed) + square(params.cruising_speed));
-  const double start = square(history.position_sigma_m) + square(kLeastPositionSigma_m);
-  const double velocity_sigma = kVelocityShare * history.position_sigma_m / params.memory_s;
+  const Eigen::Matrix2d place =
+      history.position_covariance + square(kLeastPositionSigma_m) * Eigen::Matrix2d::Identity();
 
   const double turn_rate = std::clamp(now.turn_rate, -kFastestTurn, kFastestTurn);
-  const Course turning = course(tables, now.direction, turn_rate, start, velocity_sigma, moves);
-  const Course straight = course(tables, now.direction, 0.0, start, velocity_sigma, moves);
+  const auto along = [&](double rate) {
+    return course(tables, now.direction, rate, place, now.velocity_covariance, moves);
+  };
+  const Course turning = along(turn_rate);
+  const Course straight = along(0.0);
   const double other = moves * params.other_acceleration;
   paths.resize(kModes);
   walk(history, tables, turning, now.speed, now.acceleration, paths[0]);
@@ -90,16 +90,14 @@ void MixturePredictor::predictInto(const MotionHistory& history,
 }
 
 MixturePredictor::Course MixturePredictor::course(const Tables& tables, Eigen::Vector2d direction,
-                                                  double turn_rate, double start_variance,
-                                                  double velocity_sigma, double moves) {
+                                                  double turn_rate, const Eigen::Matrix2d& place,
+                                                  const Eigen::Matrix2d& velocity, double moves) {
   Course course;
   for (int j = 0; j < kPredictionSamples; ++j) {
     direction = turnedBy(direction, turn_rate * tables.turned[j]);
-    const double drift = velocity_sigma * (j + 1) * kPredictionStep_s;
-    const double common = start_variance + square(drift) + tables.drift[j];
     course.directions[j] = direction;
-    course.covariances[j] =
-        ellipse(common + moves * tables.along[j], common + moves * tables.across[j], direction);
+    course.covariances[j] = place + square((j + 1) * kPredictionStep_s) * velocity +
+                            ellipse(moves * tables.along[j], moves * tables.across[j], direction);
   }
   return course;
 }

@@ -27,7 +27,6 @@ class MixturePredictor : public Predictor {
   struct Tables {
     Samples gained;  ///< distance gained by an acceleration of 1 that fades [s^2]
     Samples turned;  ///< turn from step to step, for a turn rate of 1 that fades [s]
-    Samples drift;   ///< variance from an error of velocity [m^2]
     Samples along;   ///< variance from unforeseen speeding, along the path [m^2]
     Samples across;  ///< variance from unforeseen turning, across the path [m^2]
   };
@@ -36,8 +35,8 @@ class MixturePredictor : public Predictor {
 
   [[nodiscard]] static Tables tabulate(const ManoeuvreParams& params);
   [[nodiscard]] static Course course(const Tables& tables, Eigen::Vector2d direction,
-                                     double turn_rate, double start_variance, double velocity_sigma,
-                                     double moves);
+                                     double turn_rate, const Eigen::Matrix2d& place,
+                                     const Eigen::Matrix2d& velocity, double moves);
   /// Fills one path: along the course, with one speed and an acceleration that fades.
   static void walk(const MotionHistory& history, const Tables& tables, const Course& course,
                    double speed, double acceleration, PredictedPath& path);

@@ -27,10 +27,10 @@ PathSpread spreadOf(const MotionHistory& history, const ManoeuvreParams& params,
   constexpr double kLeastPositionSigma_m = 0.05;
   constexpr double kUnknownSpeed = 5.0;  // of an object seen once [m/s]
   PathSpread spread;
-  spread.position_sigma = std::max(history.position_sigma_m, kLeastPositionSigma_m);
+  spread.position_sigma = std::max(history.positionSigma(), kLeastPositionSigma_m);
   const double span = std::min(window_s, spanOf(history.path));
   const double velocity =
-      span > 0.0 ? std::min(kUnknownSpeed, history.position_sigma_m / span) : kUnknownSpeed;
+      span > 0.0 ? std::min(kUnknownSpeed, history.positionSigma() / span) : kUnknownSpeed;
   spread.along_velocity = velocity;
   spread.across_velocity = velocity;
   spread.along_acceleration = params.acceleration_sigma;

@@ -28,6 +28,8 @@ void ManoeuvreParams::describe(Params::Section section, const std::string& prefi
               "Age at which a place says nothing of the present motion");
   section.add(prefix + "path_noise", path_noise_m, 0.001, 10.0, "m",
               "By which even exactly known paths leave a parabola");
+  section.add(prefix + "typical_speed", typical_speed, 0.01, 1000.0, "m/s",
+              "Typical speed, for paths too short to tell");
   section.add(prefix + "typical_acceleration", typical_acceleration, 1e-3, 100.0, "m/s^2",
               "Typical acceleration along the path");
   section.add(prefix + "typical_turn", typical_turn, 1e-3, 100.0, "m/s^2",
@@ -41,8 +43,6 @@ void ManoeuvreParams::describe(Params::Section section, const std::string& prefi
               "An object that is faster manoeuvres freely");
   section.add(prefix + "other_acceleration", other_acceleration, 0.0, 20.0, "m/s^2",
               "By which the slower and the faster alternative differ");
-  section.add(prefix + "velocity_sigma", velocity_sigma, 0.0, 20.0, "m/s",
-              "Error of the velocity read off the path");
   section.add(prefix + "acceleration_sigma", acceleration_sigma, 0.0, 20.0, "m/s^2",
               "Unforeseen acceleration along the path");
   section.add(prefix + "lateral_sigma", lateral_sigma, 0.0, 20.0, "m/s^2",

@@ -131,7 +131,7 @@ Eigen::Vector3d TrackedObject::positionAt(Time time) const {
 void TrackedObject::historyAt(std::size_t frame, Time time, MotionHistory& history) const {
   history.object_class = object_class_;
   history.path = trajectory_.path;
-  history.position_sigma_m = filter_.placeSigma();
+  history.position_covariance = filter_.positionCovariance();
   if (!seenAt(time)) history.path.push_back({frame, time, filter_.position(), filter_.yaw()});
 }
 

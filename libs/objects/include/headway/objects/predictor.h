@@ -4,6 +4,7 @@
 #include <headway/core/track.h>
 #include <headway/objects/predictor_params.h>
 
+#include <Eigen/Core>
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,8 +21,11 @@ struct MotionHistory {
   ObjectClass object_class = ObjectClass::kUnknown;
   /// Past places, oldest first; the last one is now. Times must increase; `frame` is not read.
   std::vector<TrajectoryPoint> path;
-  /// Standard deviation of each place's noise [m]; 0 if the places are exact.
-  double position_sigma_m = 0.0;
+  /// Of each place's noise, over the ground [m^2]; zero if the places are exact.
+  Eigen::Matrix2d position_covariance = Eigen::Matrix2d::Zero();
+
+  /// Standard deviation of a place's noise, mean over the directions on the ground [m].
+  [[nodiscard]] double positionSigma() const;
 };
 
 /// Foretells the path of one object over the next 3 s.

@@ -39,6 +39,7 @@ struct PaperPredictorParams {
 struct ManoeuvreParams {
   double memory_s = 2.0;               ///< age at which a place says nothing of the present [s]
   double path_noise_m = 0.1;           ///< by which even exact paths leave a parabola [m]
+  double typical_speed = 10.0;         ///< in any direction: a prior [m/s]
   double typical_acceleration = 0.45;  ///< along the path: a prior [m/s^2]
   double typical_turn = 0.75;          ///< acceleration across the path: a prior [m/s^2]
   double acceleration_fade_s = 5.0;    ///< time in which an acceleration fades [s]
@@ -46,7 +47,6 @@ struct ManoeuvreParams {
   double standing_speed = 0.5;         ///< slower motion may be noise of a standing object [m/s]
   double cruising_speed = 1.0;         ///< faster, an object manoeuvres freely [m/s]
   double other_acceleration = 1.5;     ///< of the slower and the faster alternative [m/s^2]
-  double velocity_sigma = 0.1;         ///< error of the fitted velocity [m/s]
   double acceleration_sigma = 1.0;     ///< unforeseen acceleration along the path [m/s^2]
   double lateral_sigma = 0.5;          ///< unforeseen acceleration across the path [m/s^2]
 
@@ -58,9 +58,9 @@ struct PredictorParams {
   PaperPredictorParams paper;
   double velocity_window_s = 0.5;  ///< of constant_velocity and constant_turn [s]
   PerClass<ManoeuvreParams> manoeuvres = {
-      {2.0, 0.1, 0.42, 0.75, 8.0, 20.0, 0.8, 2.0, 1.5, 0.16, 1.2, 0.33},
-      {1.5, 0.1, 0.12, 1.5, 8.0, 1.2, 0.5, 1.8, 1.0, 0.06, 2.4, 0.5},
-      {3.8, 0.1, 0.01, 0.08, 1.0, 0.8, 0.35, 2.0, 0.5, 0.01, 0.43, 0.45}};
+      {2.0, 0.1, 12.0, 0.42, 0.75, 8.0, 20.0, 0.8, 2.0, 1.5, 1.2, 0.33},
+      {1.5, 0.1, 5.0, 0.12, 1.5, 8.0, 1.2, 0.5, 1.8, 1.0, 2.4, 0.5},
+      {3.8, 0.1, 1.5, 0.01, 0.08, 1.0, 0.8, 0.35, 2.0, 0.5, 0.43, 0.45}};
 
   void describe(Params::Section section);
 };
