@@ -23,6 +23,7 @@ constexpr std::size_t kQuickFrames = 80;  // just enough for 2 s of history and 
 
 struct Options {
   bool quick = false;
+  bool reuse = false;
   std::optional<std::size_t> frames;
   std::string worlds = "config/worlds";
   std::string folder = "suite";
@@ -47,6 +48,9 @@ bool parse(Options& options, int argc, const char** argv) {
               "Worlds to draw: a folder of .ini files, one, or none; default config/worlds");
   line.option(options.folder, 'o', "output", "OUTDIR",
               "Where recordings and tables go; default suite");
+  line.flag(
+      options.reuse, 0, "reuse",
+      "Worlds that OUTDIR holds already, drawn with the same parameters, are not drawn again");
   line.option(options.kitti, 0, "kitti", "DIR",
               "KITTI's tracking benchmark: its sequences become rows, too");
   line.option(options.degrade, 0, "degrade", "FILE.ini",
@@ -62,7 +66,7 @@ bool parse(Options& options, int argc, const char** argv) {
   }
   options.quiet = line.quiet();
   options.outputs.requireWritable();
-  program::requireWritable(options.folder, options.outputs.overwrite());
+  program::requireWritable(options.folder, options.outputs.overwrite() || options.reuse);
   return true;
 }
 
@@ -117,7 +121,10 @@ class Suite {
       progress_.update(done_, static_cast<double>(done_) / static_cast<double>(total_));
       return !program::interrupted();
     };
-    const World world = drawWorld(ini, options_.folder, most_frames_, done);
+    std::optional<World> drawn;
+    if (options_.reuse) drawn = drawnWorld(ini, options_.folder, most_frames_);
+    const World world = drawn ? *drawn : drawWorld(ini, options_.folder, most_frames_, done);
+    if (drawn) done_ += world.frames;
     std::vector<pipeline::PerceptionParams> params(rejections().size(), options_.perception);
     for (std::size_t i = 0; i < params.size(); ++i) {
       params[i].slam.dynamic_rejection = rejections()[i].value;

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <atomic>
 #include <filesystem>
+#include <fstream>
 #include <future>
 #include <sstream>
 #include <thread>
@@ -25,15 +26,35 @@ constexpr double kSameTime_s = 0.02;
 
 /// A world's parameters and the registry they are bound to.
 struct WorldSettings {
-  explicit WorldSettings(const std::string& ini) {
+  explicit WorldSettings(const std::string& ini, std::optional<std::size_t> most_frames = {}) {
     values.describe(params);
     params.loadFile(ini);
+    auto& frames = values.recording.frames;
+    if (most_frames) frames = std::min(frames, static_cast<int>(*most_frames));
   }
   WorldSettings(const WorldSettings&) = delete;
   WorldSettings& operator=(const WorldSettings&) = delete;
+
+  [[nodiscard]] std::string text() const {
+    std::ostringstream text;
+    params.print(text);
+    return text.str();
+  }
+
   sim::SimParams values;
   Params params;
 };
+
+/// Where a world lies in `folder`, before it is drawn.
+World plannedWorld(const WorldSettings& settings, const std::string& ini,
+                   const std::string& folder) {
+  World world;
+  world.frames_wanted = static_cast<std::size_t>(settings.values.recording.frames);
+  world.name = fs::path(ini).stem();
+  world.rawlog = (fs::path(folder) / (world.name + ".rawlog")).string();
+  world.truth_folder = sim::truthFolder(world.rawlog);
+  return world;
+}
 
 std::optional<eval::TrajectoryError> errorOf(const World& world,
                                              const std::vector<slam::FrameEstimate>& trajectory) {
@@ -79,19 +100,11 @@ std::size_t framesOf(const std::string& ini) {
 
 World drawWorld(const std::string& ini, const std::string& folder,
                 std::optional<std::size_t> most_frames, const FrameDone& done) {
-  WorldSettings settings(ini);
-  auto& frames = settings.values.recording.frames;
-  if (most_frames) frames = std::min(frames, static_cast<int>(*most_frames));
-  World world;
-  world.frames_wanted = static_cast<std::size_t>(frames);
-  world.name = fs::path(ini).stem();
-  world.rawlog = (fs::path(folder) / (world.name + ".rawlog")).string();
-  world.truth_folder = sim::truthFolder(world.rawlog);
-  std::ostringstream text;
-  settings.params.print(text);
+  WorldSettings settings(ini, most_frames);
+  World world = plannedWorld(settings, ini, folder);
   sim::Simulator simulator(settings.values);
   sim::Recording recording(world.rawlog, settings.values.recording, {}, simulator.camera(),
-                           simulator.recordedCamera(), text.str());
+                           simulator.recordedCamera(), settings.text());
   bool go_on = true;
   while (go_on) {
     const auto frame = simulator.next();
@@ -101,6 +114,18 @@ World drawWorld(const std::string& ini, const std::string& folder,
     go_on = done();
   }
   recording.close();
+  return world;
+}
+
+std::optional<World> drawnWorld(const std::string& ini, const std::string& folder,
+                                std::optional<std::size_t> most_frames) {
+  WorldSettings settings(ini, most_frames);
+  World world = plannedWorld(settings, ini, folder);
+  std::ifstream as_drawn(fs::path(world.truth_folder) / "world.ini");
+  std::ostringstream text;
+  text << as_drawn.rdbuf();
+  if (!fs::exists(world.rawlog) || text.str() != settings.text()) return std::nullopt;
+  world.frames = io::readTum(world.truth_folder + "/trajectory.tum").size();
   return world;
 }
 

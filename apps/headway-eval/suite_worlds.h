@@ -42,6 +42,12 @@ using FrameDone = std::function<bool()>;
 [[nodiscard]] World drawWorld(const std::string& ini, const std::string& folder,
                               std::optional<std::size_t> most_frames, const FrameDone& done);
 
+/// The world of an .ini file as `folder` holds it already, drawn with the same parameters.
+///
+/// @return nullopt if there is none, or if it is of other parameters
+[[nodiscard]] std::optional<World> drawnWorld(const std::string& ini, const std::string& folder,
+                                              std::optional<std::size_t> most_frames);
+
 /// Frames that a world's .ini asks for.
 [[nodiscard]] std::size_t framesOf(const std::string& ini);
 

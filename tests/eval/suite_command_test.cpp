@@ -48,6 +48,22 @@ TEST_F(SuiteCommandTest, drawsReplaysAndPrintsThreeTables) {
   EXPECT_THAT(again.error, HasSubstr("exists already"));
 }
 
+TEST_F(SuiteCommandTest, aDrawnWorldIsUsedAgainUnlessItIsAnother) {
+  const std::string out = folder_ / "out";
+  const std::string suite = " -q --worlds " + world() + " -o " + out + " --reuse";
+  ASSERT_EQ(0, runEval("suite" + suite).status);
+  const auto report = contentOf(out + "/suite.md");
+  const auto rawlog = out + "/tiny.rawlog";
+  const auto drawn_at = std::filesystem::last_write_time(rawlog);
+  const auto again = runEval("suite" + suite);
+  ASSERT_EQ(0, again.status) << again.error;
+  EXPECT_EQ(report, contentOf(out + "/suite.md"));
+  EXPECT_EQ(drawn_at, std::filesystem::last_write_time(rawlog));
+  world("[world]\nseed = 2\n");
+  ASSERT_EQ(0, runEval("suite" + suite).status);
+  EXPECT_NE(drawn_at, std::filesystem::last_write_time(rawlog)) << "another world, the same name";
+}
+
 TEST_F(SuiteCommandTest, nothingToJudgeIsAMistakeOfUsage) {
   EXPECT_EQ(2, runEval("suite --worlds none -o " + std::string(folder_ / "out")).status);
   EXPECT_EQ(2, runEval("suite --degrade x.ini -o " + std::string(folder_ / "out")).status);
