@@ -21,7 +21,7 @@ UprightBlob walkerIn(int frame, double speed, const StereoCamera& camera) {
 
 struct Followed {
   test::Drive drive;
-  BlobFollower follower{drive.camera, 0.6};
+  BlobFollower follower{drive.camera};
 
   /// @param hidden  frame in which something stands before half of the walker
   Followed(double speed, int hidden) {
@@ -36,7 +36,7 @@ struct Followed {
     }
   }
 
-  [[nodiscard]] bool moves() { return follower.moves(follower.tracks()[0], kUp, {}); }
+  [[nodiscard]] bool moves() { return BlobFollower::moves(follower.tracks()[0], kUp, {}, 0.6); }
 };
 
 TEST(BlobFollower, TellsAWalkerFromAPostByTheirOutlines) {

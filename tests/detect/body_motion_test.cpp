@@ -38,9 +38,10 @@ struct Scene {
     body.uvd = *project({0.0, 0.4, kDepth}, drive.camera);
   }
 
-  [[nodiscard]] std::optional<BodyMotion> motion() const {
+  [[nodiscard]] std::optional<BodyMotion> motion(const std::deque<AcrossSpeed>& across = {}) const {
     const Eigen::Vector3d up(0.0, -1.0, 0.0);
-    return bodyMotion(body, std::nullopt, points, disparity, drive.path, drive.camera, up, {});
+    return bodyMotion(body, std::nullopt, across, points, disparity, drive.path, drive.camera, up,
+                      {});
   }
 };
 
@@ -83,6 +84,28 @@ TEST(BodyMotion, ErrorsCommonToAllPartsAreNoEvidence) {
 }
 
 TEST(BodyMotion, AFewPartsSayNothing) { EXPECT_FALSE(Scene({1.2, 0.0, 0.0}, 2).motion()); }
+
+TEST(BodyMotion, ItsFlowAloneTellsHowItMovesAcross) {
+  Scene bare({0.0, 0.0, 0.0}, 1);
+  bare.points.clear();
+  const AcrossSpeed flow{-1.1, 0.12, 0.1};
+  EXPECT_FALSE(bare.motion({flow, flow})) << "two may be mismatches that agree";
+  const auto motion = bare.motion({flow, flow, flow});
+  ASSERT_TRUE(motion);
+  EXPECT_NEAR(motion->velocity.x(), -1.1, 0.05);
+  EXPECT_NEAR(motion->across, 1.1, 0.05);
+  EXPECT_GT(motion->evidence, 25.0);
+  EXPECT_GT(motion->covariance(2, 2), 1.0)
+      << "of what it does along the line of sight it is silent";
+}
+
+TEST(BodyMotion, FlowsThatContradictEachOtherAreNoEvidence) {
+  Scene bare({0.0, 0.0, 0.0}, 1);
+  bare.points.clear();
+  const auto motion = bare.motion({{1.5, 0.1, 0.1}, {-1.2, 0.1, 0.1}, {0.4, 0.1, 0.1}});
+  ASSERT_TRUE(motion);
+  EXPECT_LT(motion->evidence, 9.2);
+}
 
 TEST(NoiseScale, IsThatOfTheImages) {
   for (const double noise : {0.2, 0.8}) {

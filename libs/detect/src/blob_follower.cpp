@@ -18,9 +18,10 @@ constexpr double kDisparitySigma = 0.3;  // [px]
 constexpr double kRowSigma = 30.0;       // rows say little: feet and head come and go [px]
 constexpr double kFastest = 8.0;         // of what is followed as a blob [m/s]
 constexpr int kLeastSightings = 4;
-constexpr int kMostMissed = 3;     // frames without a blob
-constexpr double kGoodFit = 3.0;   // squared error to a degree of freedom
-constexpr double kLeastWay = 0.3;  // moved within the window [m]
+constexpr int kMostMissed = 3;         // frames without a blob
+constexpr double kGoodFit = 3.0;       // squared error to a degree of freedom
+constexpr std::size_t kMostFlows = 5;  // kept of a body
+constexpr double kLeastWay = 0.3;      // moved within the window [m]
 
 SightingNoise noiseOf(const UprightBlob& blob) {
   return {kEdge + kEdgeShare * blob.width_px, kRowSigma, kDisparitySigma};
@@ -74,6 +75,8 @@ void BlobFollower::extend(BlobTrack& track, UprightBlob blob, const CameraPath& 
   const auto old = [&](const Sighting& sighting) { return sighting.frame < path.oldest(); };
   sightings.erase(sightings.begin(), std::find_if_not(sightings.begin(), sightings.end(), old));
   if (!blob.hidden) sightings.push_back({path.newest(), blob.uvd});
+  if (blob.across) track.across.push_back(*blob.across);
+  if (track.across.size() > kMostFlows) track.across.pop_front();
   track.last_frame = path.newest();
   track.last_place = placeOf(blob, path, camera_);
   track.track.motion = fitMotion(sightings, path, camera_, noiseOf(blob), 2.0);
@@ -87,13 +90,13 @@ std::optional<PointMotion> BlobFollower::outlineMotion(const BlobTrack& track) {
 }
 
 bool BlobFollower::moves(const BlobTrack& track, const Eigen::Vector3d& up,
-                         const VerdictParams& params) const {
+                         const VerdictParams& params, double window_s) {
   if (!track.track.motion) return false;
   VerdictParams strict = params;
   strict.least_sightings = kLeastSightings;
   strict.most_speed = kFastest;
   if (verdictOn(track.track, up, strict) != PointVerdict::kMoving) return false;
-  return overGround(track.track.motion->velocity, up).norm() * window_s_ > kLeastWay;
+  return overGround(track.track.motion->velocity, up).norm() * window_s > kLeastWay;
 }
 
 }  // namespace headway::detect

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <deque>
 #include <vector>
 
 #include "motion_verdict.h"
@@ -12,6 +13,7 @@ struct BlobTrack {
   PointTrack track;    ///< its middles; `motion` fitted in every frame in which it is seen
   UprightBlob blob;    ///< as seen last
   int last_frame = 0;  ///< in which it was seen
+  std::deque<AcrossSpeed> across;  ///< in the frames in which its flow was measured, newest last
   Eigen::Vector3d last_place = Eigen::Vector3d::Zero();  ///< then, world of the path [m]
 };
 
@@ -22,8 +24,7 @@ struct BlobTrack {
 /// partly hidden its outline tells nothing, for it moves with the edge of what hides it.
 class BlobFollower {
  public:
-  BlobFollower(const StereoCamera& camera, double window_s)
-      : camera_(camera), window_s_(window_s) {}
+  explicit BlobFollower(const StereoCamera& camera) : camera_(camera) {}
 
   /// Pairs the blobs of a frame with the tracks and fits the motion of each.
   void follow(std::vector<UprightBlob> blobs, const CameraPath& path, const Eigen::Vector3d& up);
@@ -32,8 +33,10 @@ class BlobFollower {
   [[nodiscard]] static std::optional<PointMotion> outlineMotion(const BlobTrack& track);
 
   /// Whether by its outline alone a track surely moves, and farther than that is uncertain.
-  [[nodiscard]] bool moves(const BlobTrack& track, const Eigen::Vector3d& up,
-                           const VerdictParams& params) const;
+  ///
+  /// @param window_s  in which it must have gone a good way [s]
+  [[nodiscard]] static bool moves(const BlobTrack& track, const Eigen::Vector3d& up,
+                                  const VerdictParams& params, double window_s);
 
   [[nodiscard]] std::vector<BlobTrack>& tracks() { return tracks_; }
   void clear() { tracks_.clear(); }
@@ -42,7 +45,6 @@ class BlobFollower {
   void extend(BlobTrack& track, UprightBlob blob, const CameraPath& path) const;
 
   StereoCamera camera_;
-  double window_s_;
   std::vector<BlobTrack> tracks_;
   std::int64_t next_id_ = 0;
 };

@@ -1,5 +1,7 @@
 #include "body_motion.h"
 
+#include <headway/core/statistics.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
@@ -13,7 +15,8 @@ namespace {
 
 constexpr double kTail = 4.0;  // squared distance from which a part weighs half
 constexpr int kIterations = 5;
-constexpr double kLeastSpan = 0.25;  // of sightings [s]
+constexpr double kMedianLoss = 1.25;  // standard error of a median over that of a mean
+constexpr double kLeastSpan = 0.25;   // of sightings [s]
 
 // Velocity of one part over the ground: along the line of sight, and across it.
 struct Part {
@@ -37,6 +40,24 @@ Axes axesTo(const UprightBlob& body, const CameraPath& path, const StereoCamera&
 Part partOf(const PointMotion& motion, const Axes& axes, double scale) {
   const Eigen::Matrix2d covariance = axes.transpose() * motion.velocity_covariance * axes;
   return {axes.transpose() * motion.velocity, (scale * scale * covariance).inverse()};
+}
+
+// What the flows of some frames say: their median, as surely as they agree; of the speed along the
+// line of sight nothing but how fast walkers are.
+Part partOf(const std::deque<AcrossSpeed>& across, const Axes& axes, const Eigen::Vector3d& right,
+            double speed_prior) {
+  std::vector<double> speeds;
+  std::vector<double> errors;
+  for (const auto& flow : across) speeds.push_back(flow.speed);
+  const double middle = median(speeds);
+  for (const auto& flow : across) {
+    errors.push_back(std::max(flow.sigma, std::abs(flow.speed - middle)));
+  }
+  const double sigma = kMedianLoss * median(errors);
+  const double side = right.dot(axes.col(1)) < 0.0 ? -1.0 : 1.0;
+  const double along = 1.0 / (speed_prior * speed_prior);
+  const double information = static_cast<double>(across.size()) / (sigma * sigma);
+  return {{0.0, side * middle}, Eigen::Vector2d(along, information).asDiagonal()};
 }
 
 // A mean that parts far from it hardly move.
@@ -67,6 +88,7 @@ Pooled pool(const std::vector<Part>& parts) {
 
 std::optional<BodyMotion> bodyMotion(const UprightBlob& body,
                                      const std::optional<PointMotion>& outline,
+                                     const std::deque<AcrossSpeed>& across,
                                      const std::vector<PointTrack>& points,
                                      const DisparityImage& disparity, const CameraPath& path,
                                      const StereoCamera& camera, const Eigen::Vector3d& up,
@@ -96,18 +118,30 @@ std::optional<BodyMotion> bodyMotion(const UprightBlob& body,
     parts.push_back(partOf(*outline, axes, 1.0));
     span = std::max(span, kLeastSpan);
   }
-  if (static_cast<int>(parts.size()) < params.least_parts) return std::nullopt;
+  const bool flows = static_cast<int>(across.size()) >= params.least_flows;
+  if (flows) {
+    const Eigen::Vector3d right = path.T_cam_world(path.newest()).linear().row(0);
+    parts.push_back(partOf(across, axes, right, params.speed_prior));
+    double seconds = 0.0;
+    for (const auto& flow : across) seconds += flow.seconds;
+    span = std::max(span, seconds);
+  }
+  if (static_cast<int>(parts.size()) < params.least_parts && !flows) return std::nullopt;
 
   const Pooled pooled = pool(parts);
   const double depth = camera.fx * camera.baseline_m / body.uvd.z();
   const double along = params.common_disparity_px * depth / body.uvd.z() / span;
-  const double across = params.common_px * depth / camera.fx / span;
+  const double common_across = params.common_px * depth / camera.fx / span;
   Eigen::Matrix2d covariance = pooled.information.inverse();
-  covariance.diagonal() += Eigen::Vector2d(along * along, across * across);
+  covariance.diagonal() += Eigen::Vector2d(along * along, common_across * common_across);
   BodyMotion motion;
   motion.velocity = axes * pooled.velocity;
   motion.covariance = axes * covariance * axes.transpose();
   motion.evidence = pooled.velocity.dot(covariance.inverse() * pooled.velocity);
+  if (flows) {
+    motion.across = std::abs(parts.back().velocity.y());
+    motion.across_sigma = std::sqrt(covariance(1, 1));
+  }
   motion.parts = static_cast<int>(parts.size());
   return motion;
 }

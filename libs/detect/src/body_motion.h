@@ -2,6 +2,7 @@
 
 #include <headway/core/detection.h>
 
+#include <deque>
 #include <optional>
 #include <vector>
 
@@ -17,12 +18,15 @@ struct BodyMotion {
       Eigen::Matrix3d::Identity();  ///< with all errors common to its parts
   double evidence = 0.0;  ///< that it moves: chi-square of 2 degrees of freedom if it stands
   int parts = 0;          ///< that tell of it
+  double across = 0.0;  ///< of the velocity, by its flow alone; 0 where that was not measured [m/s]
+  double across_sigma = 0.0;  ///< [m/s]
 };
 
 /// How well bodies are measured.
 struct BodyParams {
   int least_sightings = 4;
   int least_parts = 3;
+  int least_flows = 3;               ///< one or two may be mismatches that agree
   double noise_scale = 1.0;          ///< true errors of sightings over those assumed [-]
   double speed_prior = 3.0;          ///< standard deviation of a body's speed [m/s]
   double common_px = 0.3;            ///< drift of the camera's direction over the sightings [px]
@@ -37,11 +41,13 @@ struct BodyParams {
 /// of the camera's motion and of stereo, do not shrink with their number.
 ///
 /// @param outline  motion of the body's outline, where it was followed
+/// @param across   of the body, by its flow, in each of the last frames
 /// @param up       unit normal of the ground, in the world of the path
 /// @return         nullopt where too few parts are followed
 [[nodiscard]] std::optional<BodyMotion> bodyMotion(
     const UprightBlob& body, const std::optional<PointMotion>& outline,
-    const std::vector<PointTrack>& points, const DisparityImage& disparity, const CameraPath& path,
-    const StereoCamera& camera, const Eigen::Vector3d& up, const BodyParams& params);
+    const std::deque<AcrossSpeed>& across, const std::vector<PointTrack>& points,
+    const DisparityImage& disparity, const CameraPath& path, const StereoCamera& camera,
+    const Eigen::Vector3d& up, const BodyParams& params);
 
 }  // namespace headway::detect

@@ -110,6 +110,12 @@ void CameraPath::forgetBefore(int first_kept) {
   }
 }
 
+int CameraPath::firstSince(Time time) const {
+  int first = oldest();
+  while (first < newest() && timeOf(first) < time - 1e-6) ++first;
+  return first;
+}
+
 Pose CameraPath::expectedMotion(double ahead) const {
   Pose motion = Pose::Identity();
   if (frames_.size() < 2) return motion;

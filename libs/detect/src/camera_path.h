@@ -45,6 +45,8 @@ class CameraPath {
   [[nodiscard]] const Pose& T_cam_world(int frame) const {
     return frames_[frame - first_].T_cam_world;
   }
+  /// The first frame kept that is not older than `time`; the newest one if all are.
+  [[nodiscard]] int firstSince(Time time) const;
   /// Camera in `ahead` seconds as seen from the newest one, if it goes on as between the last two
   /// frames; takes points from the newest camera to the later one.
   [[nodiscard]] Pose expectedMotion(double ahead) const;

@@ -1,17 +1,27 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "object_extent.h"
 
 namespace headway::detect {
 
+/// Speed of a body across the line of sight, as one pair of frames shows it.
+struct AcrossSpeed {
+  double speed = 0.0;    ///< to the right [m/s]
+  double sigma = 0.0;    ///< [m/s]
+  double seconds = 0.0;  ///< between the frames
+};
+
 /// A thing of a person's size that stands on the ground, clear of its surroundings.
 struct UprightBlob {
   Eigen::Vector3d uvd = Eigen::Vector3d::Zero();  ///< middle of its upper half [px]
   double width_px = 0.0;                          ///< [px]
-  bool hidden = false;  ///< partly, behind something nearer or by the image's edge
+  bool hidden = false;       ///< partly, behind something nearer or by the image's edge
+  bool cut_by_flow = false;  ///< from its surroundings, which are as near
   std::vector<ObjectCell> cells;
+  std::optional<AcrossSpeed> across;  ///< where its flow was measured
 };
 
 /// Cuts things of a person's size out of a disparity image: connected cells of nearly one

@@ -52,7 +52,8 @@ struct MovingObject {
 /// out, each is fitted twice to its sightings of the last half second, standing and moving; where
 /// only motion explains them, and neighbours on the ground move alike, there is an object. Dense
 /// disparities give its outline. Things of a person's size are followed as wholes, too, for people
-/// often show no corners. Needs a frame rate at which things move less than they are long,
+/// often show no corners: by their outline, and by how their dense flow differs from that of a
+/// still world seen from the moving camera. Needs a frame rate at which things move less than they are long,
 /// and a camera that sees still surroundings most of the time.
 ///
 /// @see  Franke et al. 2005, "6D-Vision"; Lenz et al. 2011, "Sparse scene flow segmentation"

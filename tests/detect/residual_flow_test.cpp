@@ -1,0 +1,135 @@
+#include "residual_flow.h"
+
+#include <gtest/gtest.h>
+#include <headway/core/statistics.h>
+#include <headway_test/painted_street.h>
+
+#include <cmath>
+
+#include "body_flow.h"
+
+namespace headway::detect {
+namespace {
+
+using test::PaintedBox;
+using test::PaintedStreet;
+
+const Eigen::Vector3d kAcross(1.3, 0.0, 0.0);
+const PaintedBox kWall{{0.0, 1.6, 9.3}, 7.0, 2.2, {0.0, 0.0, 0.0}, 31};
+const PaintedBox kWalker{{-0.6, 1.6, 9.0}, 0.7, 1.7, kAcross, 32};
+const PaintedBox kStander{{-0.6, 1.6, 9.0}, 0.7, 1.7, {0.0, 0.0, 0.0}, 32};
+
+/// Two frames of a street, and how the image moved between them.
+struct Look {
+  PaintedStreet street;
+  DisparityImage disparity;
+  ResidualFlow flow;
+
+  /// @param gain  by which the second pair is brighter
+  explicit Look(std::vector<PaintedBox> boxes, double gain = 1.0) : street(std::move(boxes)) {
+    CameraPath path(*street.camera(), 0.5);
+    ResidualFlowMeter meter(*street.camera());
+    for (int i = 0; i < 2; ++i) {
+      StereoFrame frame = street.frame(i);
+      if (i == 1) frame.left.convertTo(frame.left, CV_8U, gain);
+      if (i == 1) frame.right.convertTo(frame.right, CV_8U, gain);
+      disparity = denseDisparity(frame, {});
+      path.advance(frame.time, street.T_map_robot(i) * street.camera()->T_robot_cam);
+      flow = meter.measure(frame, disparity, path);
+      EXPECT_EQ(flow.empty(), i == 0) << "the first frame has nothing to be compared with";
+    }
+  }
+
+  /// Flows where a box is seen [px].
+  [[nodiscard]] std::vector<double> flowsOn(const PaintedBox& box) const {
+    const Eigen::Vector3d foot = street.placeInCamera(box, 1);
+    const Eigen::Vector3d half(0.3 * box.width, 0.0, 0.0);
+    const Eigen::Vector3d up(0.0, -0.8 * box.height, 0.0);
+    const auto low = *project(foot + half + 0.3 * up, *street.camera());
+    const auto high = *project(foot - half + up, *street.camera());
+    std::vector<double> flows;
+    for (int row = disparity.cellOf(high.y()); row < disparity.cellOf(low.y()); ++row) {
+      for (int column = disparity.cellOf(high.x()); column < disparity.cellOf(low.x()); ++column) {
+        const float residual = flow.columns.at<float>(row, column);
+        if (!std::isnan(residual)) flows.push_back(residual);
+      }
+    }
+    return flows;
+  }
+
+  /// Of all cells whose flow is known, how many seem to move.
+  [[nodiscard]] double movingShare() const {
+    int known = 0;
+    int moving = 0;
+    for (int i = 0; i < static_cast<int>(flow.columns.total()); ++i) {
+      const float residual = flow.columns.at<float>(i / flow.columns.cols, i % flow.columns.cols);
+      if (std::isnan(residual)) continue;
+      ++known;
+      const float sigma = flow.sigmas.at<float>(i / flow.columns.cols, i % flow.columns.cols);
+      moving += std::abs(residual) > 4.0F * sigma ? 1 : 0;
+    }
+    EXPECT_GT(known, 1000);
+    return moving / static_cast<double>(known);
+  }
+
+  [[nodiscard]] std::vector<UprightBlob> bodies(const ResidualFlow& by) const {
+    const auto ground = findGround(disparity, *street.camera(), std::nullopt);
+    EXPECT_TRUE(ground);
+    return bodiesByFlow(disparity, by, *street.camera(), *ground, 30.0);
+  }
+};
+
+/// The one whose middle lies within reach of a place; null if there is none.
+const UprightBlob* bodyAt(const std::vector<UprightBlob>& bodies, const Eigen::Vector3d& foot,
+                          const StereoCamera& camera) {
+  for (const auto& body : bodies) {
+    const Eigen::Vector3d off = *triangulate(body.uvd, camera) - foot;
+    if (std::abs(off.x()) < 0.4 && std::abs(off.z()) < 0.6) return &body;
+  }
+  return nullptr;
+}
+
+TEST(ResidualFlow, IsHowFarAWalkerWentBeforeAStillWall) {
+  const Look look({kWall, kWalker});
+  const auto flows = look.flowsOn(kWalker);
+  ASSERT_GT(flows.size(), 40u);
+  const double depth = look.street.placeInCamera(kWalker, 1).z();
+  const double went = look.street.camera()->fx * 0.1 * kAcross.x() / depth;
+  EXPECT_NEAR(median(flows), went, 0.4) << "smoothing takes a little off";
+}
+
+TEST(ResidualFlow, IsNothingWhereAllStands) {
+  const Look look({kWall, kStander});
+  EXPECT_NEAR(median(look.flowsOn(kStander)), 0.0, 0.3);
+  EXPECT_LT(look.movingShare(), 0.02);
+}
+
+TEST(ResidualFlow, DoesNotTakeBrightnessForMotion) {
+  EXPECT_LT(Look({kWall, kStander}, 0.75).movingShare(), 0.03);
+  const Look look({kWall, kWalker}, 0.75);
+  const double depth = look.street.placeInCamera(kWalker, 1).z();
+  EXPECT_NEAR(median(look.flowsOn(kWalker)), 340.0 * 0.13 / depth, 0.4);
+}
+
+TEST(BodiesByFlow, CutsOutAWalkerCloseToAWall) {
+  const Look look({kWall, kWalker});
+  const Eigen::Vector3d foot = look.street.placeInCamera(kWalker, 1);
+  EXPECT_FALSE(bodyAt(look.bodies({}), foot, *look.street.camera())) << "by disparities alone";
+  const auto bodies = look.bodies(look.flow);
+  const UprightBlob* walker = bodyAt(bodies, foot, *look.street.camera());
+  ASSERT_TRUE(walker);
+  ASSERT_TRUE(walker->across);
+  EXPECT_NEAR(walker->across->speed, kAcross.x(), 0.15);
+  EXPECT_LT(walker->across->sigma, 0.15);
+}
+
+TEST(BodiesByFlow, CutsNothingOutOfWhatStands) {
+  const Look look({kWall, kStander});
+  for (const auto& body : look.bodies(look.flow)) {
+    if (!body.across) continue;
+    EXPECT_LT(std::abs(body.across->speed), 3.0 * body.across->sigma);
+  }
+}
+
+}  // namespace
+}  // namespace headway::detect
