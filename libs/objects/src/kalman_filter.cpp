@@ -139,10 +139,6 @@ void KalmanFilter::averageYaw(double measured, double count) {
 
 void KalmanFilter::turnRound() { yaw_.mean(0) = wrapAngle(yaw_.mean(0) + M_PI); }
 
-double KalmanFilter::placeSigma() const {
-  return std::sqrt(0.5 * (x_.covariance(0, 0) + y_.covariance(0, 0)));
-}
-
 Eigen::Matrix2d KalmanFilter::planar(int derivative) const {
   const int d = derivative;
   Eigen::Matrix2d covariance;

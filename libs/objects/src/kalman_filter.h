@@ -64,8 +64,6 @@ class KalmanFilter {
   [[nodiscard]] Eigen::Vector3d velocity() const { return {x_.mean(1), y_.mean(1), z_.mean(1)}; }
   [[nodiscard]] Eigen::Matrix2d positionCovariance() const { return planar(0); }
   [[nodiscard]] Eigen::Matrix2d velocityCovariance() const { return planar(1); }
-  /// Standard deviation of the place, mean over the directions on the ground [m].
-  [[nodiscard]] double placeSigma() const;
   [[nodiscard]] double verticalVariance() const { return z_.covariance(0, 0); }
   [[nodiscard]] double yaw() const { return yaw_.mean(0); }  ///< in (-pi, pi]
   [[nodiscard]] double yawRate() const { return yaw_.mean(1); }

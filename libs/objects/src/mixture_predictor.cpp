@@ -37,7 +37,7 @@ Eigen::Matrix2d ellipse(double along, double across, const Eigen::Vector2d& dire
 /// The directions that a path takes step by step, and the spread about it.
 struct MixturePredictor::Course {
   std::array<Eigen::Vector2d, kPredictionSamples> directions;
-  std::array<Eigen::Matrix2d, kPredictionSamples> covariances;
+  Spread covariances;
 };
 
 MixturePredictor::Tables MixturePredictor::tabulate(const ManoeuvreParams& params) {
@@ -68,15 +68,11 @@ void MixturePredictor::predictInto(const MotionHistory& history,
   const Tables& tables = tables_.of(history.object_class);
   const Manoeuvre now = fitManoeuvre(history, params);
   const double moves = square(now.speed) / (square(now.speed) + square(params.cruising_speed));
-  const Eigen::Matrix2d place =
-      history.position_covariance + square(kLeastPositionSigma_m) * Eigen::Matrix2d::Identity();
+  const auto common = commonSpread(history.position_covariance, now.velocity_covariance);
 
   const double turn_rate = std::clamp(now.turn_rate, -kFastestTurn, kFastestTurn);
-  const auto along = [&](double rate) {
-    return course(tables, now.direction, rate, place, now.velocity_covariance, moves);
-  };
-  const Course turning = along(turn_rate);
-  const Course straight = along(0.0);
+  const Course turning = course(tables, now.direction, turn_rate, common, moves);
+  const Course straight = course(tables, now.direction, 0.0, common, moves);
   const double other = moves * params.other_acceleration;
   paths.resize(kModes);
   walk(history, tables, turning, now.speed, now.acceleration, paths[0]);
@@ -89,15 +85,25 @@ void MixturePredictor::predictInto(const MotionHistory& history,
   }
 }
 
+MixturePredictor::Spread MixturePredictor::commonSpread(const Eigen::Matrix2d& place,
+                                                        const Eigen::Matrix2d& velocity) {
+  const Eigen::Matrix2d start = place + square(kLeastPositionSigma_m) * Eigen::Matrix2d::Identity();
+  Spread spread;
+  for (int j = 0; j < kPredictionSamples; ++j) {
+    spread[j] = start + square((j + 1) * kPredictionStep_s) * velocity;
+  }
+  return spread;
+}
+
 MixturePredictor::Course MixturePredictor::course(const Tables& tables, Eigen::Vector2d direction,
-                                                  double turn_rate, const Eigen::Matrix2d& place,
-                                                  const Eigen::Matrix2d& velocity, double moves) {
+                                                  double turn_rate, const Spread& common,
+                                                  double moves) {
   Course course;
   for (int j = 0; j < kPredictionSamples; ++j) {
     direction = turnedBy(direction, turn_rate * tables.turned[j]);
     course.directions[j] = direction;
-    course.covariances[j] = place + square((j + 1) * kPredictionStep_s) * velocity +
-                            ellipse(moves * tables.along[j], moves * tables.across[j], direction);
+    course.covariances[j] =
+        common[j] + ellipse(moves * tables.along[j], moves * tables.across[j], direction);
   }
   return course;
 }

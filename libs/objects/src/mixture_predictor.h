@@ -22,6 +22,7 @@ class MixturePredictor : public Predictor {
 
  private:
   using Samples = std::array<double, kPredictionSamples>;
+  using Spread = std::array<Eigen::Matrix2d, kPredictionSamples>;
 
   /// What of a class depends on the horizon alone.
   struct Tables {
@@ -34,9 +35,11 @@ class MixturePredictor : public Predictor {
   struct Course;
 
   [[nodiscard]] static Tables tabulate(const ManoeuvreParams& params);
+  /// Of an error of place and one of velocity, whatever the course [m^2].
+  [[nodiscard]] static Spread commonSpread(const Eigen::Matrix2d& place,
+                                           const Eigen::Matrix2d& velocity);
   [[nodiscard]] static Course course(const Tables& tables, Eigen::Vector2d direction,
-                                     double turn_rate, const Eigen::Matrix2d& place,
-                                     const Eigen::Matrix2d& velocity, double moves);
+                                     double turn_rate, const Spread& common, double moves);
   /// Fills one path: along the course, with one speed and an acceleration that fades.
   static void walk(const MotionHistory& history, const Tables& tables, const Course& course,
                    double speed, double acceleration, PredictedPath& path);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "mean_sigma.h"
 #include "recent_motion.h"
 
 namespace headway::objects {
@@ -27,10 +28,10 @@ PathSpread spreadOf(const MotionHistory& history, const ManoeuvreParams& params,
   constexpr double kLeastPositionSigma_m = 0.05;
   constexpr double kUnknownSpeed = 5.0;  // of an object seen once [m/s]
   PathSpread spread;
-  spread.position_sigma = std::max(history.positionSigma(), kLeastPositionSigma_m);
+  const double sigma = meanSigma(history.position_covariance);
+  spread.position_sigma = std::max(sigma, kLeastPositionSigma_m);
   const double span = std::min(window_s, spanOf(history.path));
-  const double velocity =
-      span > 0.0 ? std::min(kUnknownSpeed, history.positionSigma() / span) : kUnknownSpeed;
+  const double velocity = span > 0.0 ? std::min(kUnknownSpeed, sigma / span) : kUnknownSpeed;
   spread.along_velocity = velocity;
   spread.across_velocity = velocity;
   spread.along_acceleration = params.acceleration_sigma;

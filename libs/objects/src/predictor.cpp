@@ -2,15 +2,12 @@
 #include <headway/objects/predictor.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "bezier_predictor.h"
 #include "mixture_predictor.h"
 #include "straight_predictors.h"
 
 namespace headway::objects {
-
-double MotionHistory::positionSigma() const { return std::sqrt(0.5 * position_covariance.trace()); }
 
 const std::vector<std::string>& predictorNames() {
   static const std::vector<std::string> names = {"paper",         "paper_dm",   "paper_hd",

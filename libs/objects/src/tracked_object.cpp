@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "carried_box.h"
+#include "mean_sigma.h"
 #include "measured_motion.h"
 #include "recent_motion.h"
 
@@ -121,7 +122,7 @@ bool TrackedObject::shown(Time time) const {
   if (seenAt(time) || !confirmed_) return true;
   return time - last_seen_ <= life.coast_time_s + kFrameJitter_s &&
          misses_ <= life.coast_share * hits_ && score() >= life.coast_score.of(object_class_) &&
-         filter_.placeSigma() <= life.coast_sigma_m;
+         meanSigma(filter_.positionCovariance()) <= life.coast_sigma_m;
 }
 
 Eigen::Vector3d TrackedObject::positionAt(Time time) const {

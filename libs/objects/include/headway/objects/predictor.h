@@ -23,9 +23,6 @@ struct MotionHistory {
   std::vector<TrajectoryPoint> path;
   /// Of each place's noise, over the ground [m^2]; zero if the places are exact.
   Eigen::Matrix2d position_covariance = Eigen::Matrix2d::Zero();
-
-  /// Standard deviation of a place's noise, mean over the directions on the ground [m].
-  [[nodiscard]] double positionSigma() const;
 };
 
 /// Foretells the path of one object over the next 3 s.
