@@ -1,7 +1,7 @@
 #include "scanning_robot.h"
 
+#include <headway/core/processor_time.h>
 #include <mrpt/core/Clock.h>
-#include <time.h>
 
 #include <cmath>
 
@@ -12,12 +12,6 @@ constexpr double kStandingSpeed = 0.02;  ///< a slower robot stands [m/s]
 constexpr double kStandingTurn = 0.05;   ///< [rad/s]
 
 }  // namespace
-
-double processorTime_us() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
-}
 
 ScanningRobot::ScanningRobot(const RobotParams& params)
     : ScanningRobot(std::make_unique<mrpt::kinematics::CVehicleSimul_DiffDriven>()) {
@@ -40,10 +34,10 @@ void ScanningRobot::start(const Crowd& crowd, const RangeScanner& scanner) {
 
 bool ScanningRobot::senseObstacles(mrpt::maps::CSimplePointsMap& obstacles,
                                    mrpt::system::TTimeStamp& timestamp) {
-  const double start = processorTime_us();
+  const double start = processorSeconds();
   scanner_->scan(*crowd_, pose(), obstacles);
   timestamp = mrpt::Clock::now();
-  scan_us_ = processorTime_us() - start;
+  scan_us_ = 1e6 * (processorSeconds() - start);
   return true;
 }
 

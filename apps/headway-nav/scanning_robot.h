@@ -48,7 +48,4 @@ class ScanningRobot : public mrpt::nav::CRobot2NavInterfaceForSimulator_DiffDriv
   double scan_us_ = 0.0;
 };
 
-/// Processor time of this process so far [us].
-[[nodiscard]] double processorTime_us();
-
 }  // namespace headway::app

@@ -1,5 +1,6 @@
 #include "trial.h"
 
+#include <headway/core/processor_time.h>
 #include <headway/objects/moving_object_tracker.h>
 #include <mrpt/core/Clock.h>
 
@@ -53,9 +54,9 @@ class WatchedObstacles : public nav::PredictiveObstacles {
   using PredictiveObstacles::PredictiveObstacles;
 
   bool senseObstacles(CSimplePointsMap& obstacles, mrpt::system::TTimeStamp& timestamp) override {
-    const double start = processorTime_us();
+    const double start = processorSeconds();
     const bool safe = PredictiveObstacles::senseObstacles(obstacles, timestamp);
-    sense_us_ = processorTime_us() - start;
+    sense_us_ = 1e6 * (processorSeconds() - start);
     last_ = &obstacles;
     return safe;
   }
@@ -146,10 +147,10 @@ class TrialRunner::Trial {
   }
 
   void plan(const TrialObserver& observer) {
-    const double start = processorTime_us();
+    const double start = processorSeconds();
     machine_.navigator.navigationStep();
     const double scan_us = machine_.robot.scanTime_us();
-    result_.step_us.push_back(processorTime_us() - start - scan_us);
+    result_.step_us.push_back(1e6 * (processorSeconds() - start) - scan_us);
     result_.sense_us.push_back(machine_.obstacles.senseTime_us() - scan_us);
     if (machine_.obstacles.lastReport().status != nav::SenseStatus::kSafe) ++result_.unsafe_steps;
     if (observer) observer(moment());

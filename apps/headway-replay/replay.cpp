@@ -1,6 +1,7 @@
 #include "replay.h"
 
 #include <headway/core/error.h>
+#include <headway/core/processor_time.h>
 #include <headway/io/calibration_file.h>
 #include <headway/io/track_file.h>
 #include <headway/map/map_export.h>
@@ -158,12 +159,12 @@ void Replay::takeSideDetections(RecordedFrame& frame) const {
 }
 
 void Replay::process(const RecordedFrame& frame, double progress) {
-  const double cpu_before = processCpuMs();
+  const double cpu_before = processorSeconds();
   StageTimes span;
   const auto watch = span.watch("frame");
   const auto update = perception_->process(frame);
   summary_.frame_ms.push_back(watch.elapsedMs() + frame.rectify_ms);
-  summary_.cpu_ms += processCpuMs() - cpu_before + frame.rectify_ms;
+  summary_.cpu_ms += 1e3 * (processorSeconds() - cpu_before) + frame.rectify_ms;
 
   count(frame, update);
   writers_.write(update);

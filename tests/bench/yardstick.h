@@ -3,18 +3,10 @@
 
 #include <headway/core/stage_times.h>
 
-#include <ctime>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/features2d.hpp>
 
 namespace headway::bench {
-
-/// Processor time of this process, all threads [ms].
-inline double processorMs() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
 
 /// Adds the stage "yardstick": OpenCV's ORB, detect and compute with 2,000 features, on both images
 /// in one thread.

@@ -8,6 +8,7 @@
 // tenth pair, measured between the frames. The first frame builds the world and does not count.
 
 #include <headway/core/error.h>
+#include <headway/core/processor_time.h>
 #include <headway/core/stage_times.h>
 #include <headway/program/command_line.h>
 #include <headway/sim/recording.h>
@@ -52,7 +53,7 @@ int measure(int argc, const char* const* argv) {
     }
     objects += frame->objects.size();
     ++count;
-    const double processor_before = bench::processorMs();
+    const double processor_before = processorSeconds();
     const auto begin = std::chrono::steady_clock::now();
     auto writing = std::async(std::launch::async, [&] { recording.write(*frame); });
     auto next = simulator.next();
@@ -61,7 +62,7 @@ int measure(int argc, const char* const* argv) {
       const std::chrono::duration<double, std::milli> took =
           std::chrono::steady_clock::now() - begin;
       times.add("pair", took.count());
-      times.add("processor", bench::processorMs() - processor_before);
+      times.add("processor", 1e3 * (processorSeconds() - processor_before));
     }
     frame = std::move(next);
   }

@@ -2,12 +2,12 @@
 //   bench_world_size [FRAMES]
 // The streets begin alike; the large ones go on for 30 km. Pictures are small, so that the cost of
 // looking around shows beside that of drawing. Times are of the processor, all threads together.
+#include <headway/core/processor_time.h>
 #include <headway/sim/simulator.h>
 
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
@@ -15,12 +15,6 @@
 namespace {
 
 using namespace headway;
-
-double processorSeconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 struct Cost {
   double length_m = 0.0;

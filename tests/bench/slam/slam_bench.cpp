@@ -7,6 +7,7 @@
 // pair, measured frame by frame between the frames. Everything runs in one thread.
 
 #include <headway/core/error.h>
+#include <headway/core/processor_time.h>
 
 #include <cstdio>
 #include <opencv2/core/utility.hpp>
@@ -44,9 +45,9 @@ int measure(int argc, const char* const* argv) {
   std::size_t frames = 0;
   std::size_t lost = 0;
   while (auto frame = source.next()) {
-    const double before = bench::processorMs();
+    const double before = processorSeconds();
     const auto update = perception.process(*frame);
-    processor_ms += bench::processorMs() - before;
+    processor_ms += 1e3 * (processorSeconds() - before);
     if (frame->stereo)
       bench::measureYardstick(frame->stereo->left, frame->stereo->right, yardstick);
     lost += update.camera.status == slam::TrackingStatus::kLost ? 1 : 0;
