@@ -52,11 +52,7 @@ void StreetScene::forgetHidden(const std::vector<StretchKey>& visible) {
   for (auto& [key, objects] : surfaces_) {
     for (auto& piece : objects) piece.object->setVisibility(false);
     count += objects.size();
-    if (std::find_if(visible.begin(), visible.end(), [k = key](const StretchKey& other) {
-          return !(other < k) && !(k < other);
-        }) == visible.end()) {
-      hidden.push_back(key);
-    }
+    if (std::find(visible.begin(), visible.end(), key) == visible.end()) hidden.push_back(key);
   }
   for (const StretchKey& key : hidden) {
     if (world_.built().count(key) != 0 && count <= kMostSurfaces / 2) continue;
@@ -215,12 +211,7 @@ void StreetScene::arrange(const Pose& T_world_robot, const Pose& T_left_right,
   const auto visible = world_.inView(eye, viewCone(camera_, T_world_robot));
   showStretches(visible);
   const std::set<StretchKey> now(visible.begin(), visible.end());
-  const auto same_key = [](const StretchKey& a, const StretchKey& b) {
-    return !(a < b) && !(b < a);
-  };
-  const bool same =
-      now.size() == shown_.size() && std::equal(now.begin(), now.end(), shown_.begin(), same_key);
-  if (!same && !visible.empty()) rebuildShared(visible);
+  if (now != shown_ && !visible.empty()) rebuildShared(visible);
   shown_ = now;
   T_origin_robot_ = T_world_robot;
   T_origin_robot_.translation().setZero();

@@ -39,6 +39,9 @@ struct StretchKey {
   friend bool operator<(const StretchKey& a, const StretchKey& b) {
     return a.road != b.road ? a.road < b.road : a.number < b.number;
   }
+  friend bool operator==(const StretchKey& a, const StretchKey& b) {
+    return a.road == b.road && a.number == b.number;
+  }
 };
 
 /// Builds stretches of a world. Each depends on the world's seed and its key alone.
