@@ -5,17 +5,12 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "reduced_image.h"
+
 namespace headway::detect {
 namespace {
 
 constexpr int kSubpixels = 16;  // OpenCV's fixed-point disparities
-
-cv::Mat reduced(const cv::Mat& image, int reduce) {
-  if (reduce == 1) return image;
-  cv::Mat result;
-  cv::resize(image, result, {image.cols / reduce, image.rows / reduce}, 0, 0, cv::INTER_AREA);
-  return result;
-}
 
 // Disparities to search, a multiple of 16 that leaves half of the picture to match; 0: too narrow.
 int searchRange(const StereoCamera& camera, const DisparityParams& params, int width) {
@@ -88,8 +83,8 @@ double DisparityImage::coverage() const {
 DisparityImage denseDisparity(const StereoFrame& frame, const DisparityParams& params) {
   DisparityImage result;
   result.reduce = params.reduce;
-  const cv::Mat left = reduced(frame.left, params.reduce);
-  const cv::Mat right = reduced(frame.right, params.reduce);
+  const cv::Mat left = reducedImage(frame.left, params.reduce);
+  const cv::Mat right = reducedImage(frame.right, params.reduce);
   const int range = searchRange(*frame.camera, params, left.cols);
   result.values = cv::Mat(left.size(), CV_32F, cv::Scalar(0));
   if (range < 16 || left.rows <= 2 * params.block_px) return result;

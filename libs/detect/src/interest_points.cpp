@@ -4,6 +4,8 @@
 #include <opencv2/imgproc.hpp>
 #include <tuple>
 
+#include "reduced_image.h"
+
 namespace headway::detect {
 namespace {
 
@@ -54,9 +56,8 @@ std::vector<cv::Point2f> interestPoints(const cv::Mat& image, const DisparityIma
                                         const std::vector<cv::Point2f>& taken, int spacing_px,
                                         int wanted) {
   if (wanted <= 0) return {};
-  cv::Mat half, strength;
-  cv::resize(image, half, {image.cols / kReduce, image.rows / kReduce}, 0, 0, cv::INTER_AREA);
-  cv::cornerMinEigenVal(half, strength, 3, 3);
+  cv::Mat strength;
+  cv::cornerMinEigenVal(reducedImage(image, kReduce), strength, 3, 3);
   const int side = std::max(2, spacing_px / kReduce);
   cv::Mat occupied(strength.rows / side + 1, strength.cols / side + 1, CV_8U, cv::Scalar(0));
   for (const auto& place : taken) {

@@ -9,6 +9,8 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "reduced_image.h"
+
 namespace headway::detect {
 namespace {
 
@@ -24,13 +26,6 @@ constexpr double kLeastSigma = 0.15;     // [px]
 constexpr double kTail = 1.0;            // residual from which a cell weighs half [px]
 constexpr int kEach = 3;                 // cell looked at for what all have in common
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
-
-cv::Mat reduced(const cv::Mat& image, const DisparityImage& disparity) {
-  if (disparity.reduce == 1) return image.clone();
-  cv::Mat result;
-  cv::resize(image, result, disparity.values.size(), 0, 0, cv::INTER_AREA);
-  return result;
-}
 
 // Fills a row's holes with the lesser of the disparities beside them: what is behind.
 void fillRow(float* row, int columns) {
@@ -178,7 +173,7 @@ double takeOffCommon(const cv::Mat& disparities, cv::Mat& columns) {
 ResidualFlow ResidualFlowMeter::measure(const StereoFrame& frame, const DisparityImage& disparity,
                                         const CameraPath& path) {
   const cv::Mat before = before_;
-  before_ = reduced(frame.left, disparity);
+  before_ = reducedImage(frame.left, disparity.reduce).clone();
   ResidualFlow flow;
   if (before.empty() || path.newest() == path.oldest()) return flow;
   const int newest = path.newest();
