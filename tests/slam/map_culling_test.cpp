@@ -77,6 +77,15 @@ TEST_F(CullingTest, AKeyframeThatSeesLandmarksFromNearestStays) {
   EXPECT_EQ(redundantKeyframe(crowd.back(), kWindow, map_), std::nullopt);
 }
 
+TEST_F(CullingTest, TheHeirSharesMostLandmarks) {
+  const KeyframeId first = addKeyframe(0.0);
+  const KeyframeId other = addKeyframe(1.0);
+  const KeyframeId leaving = addKeyframe(2.0);
+  EXPECT_EQ(heirOf(leaving, map_), first) << "nobody shares any";
+  addLandmark(leaving, {other});
+  EXPECT_EQ(heirOf(leaving, map_), other);
+}
+
 TEST_F(CullingTest, LandmarksOfARemovedKeyframeKeepTheirLooks) {
   const KeyframeId a = addKeyframe(0.0);
   const KeyframeId b = addKeyframe(1.0);

@@ -26,6 +26,22 @@ MotionModel moving() {
   return model;
 }
 
+TEST(MotionModel, BeginsLevelWhereGravityIsKnown) {
+  StereoFrame frame = frameAt(1.0);
+  frame.motion_prior.up_robot = Eigen::Vector3d(0.1, -0.2, 1.0).normalized();
+  SlamParams params;
+  MotionModel model(robotFromOptical(), params);
+  model.begin(frame);
+  const Pose T_map_robot = model.last() * robotFromOptical().inverse();
+  const Eigen::Vector3d up_map = T_map_robot.linear() * *frame.motion_prior.up_robot;
+  EXPECT_LT((up_map - Eigen::Vector3d::UnitZ()).norm(), 1e-9);
+  EXPECT_NEAR(yawOf(T_map_robot), 0.0, 1e-9);
+  params.use_imu = false;
+  MotionModel without_imu(robotFromOptical(), params);
+  without_imu.begin(frame);
+  EXPECT_TRUE(without_imu.last().isApprox(robotFromOptical(), 1e-12));
+}
+
 TEST(MotionModel, GoesOnAtConstantVelocity) {
   const Pose expected = step() * step();
   EXPECT_TRUE(moving().predict(frameAt(1.2)).isApprox(expected, 1e-9));

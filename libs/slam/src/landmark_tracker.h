@@ -5,22 +5,12 @@
 
 #include <vector>
 
-#include "image_pyramid.h"
 #include "keypoints.h"
 #include "sparse_map.h"
 #include "stereo_match.h"
+#include "tracking_frame.h"
 
 namespace headway::slam {
-
-/// One frame as tracking sees it.
-struct TrackingFrame {
-  std::size_t index = 0;
-  Time time = 0.0;  ///< [s]
-  ImagePyramid left;
-  ImagePyramid right;
-  cv::Mat excluded;  ///< 8-bit, non-zero where nothing may be measured; may be empty
-  cv::Mat suspect;   ///< 8-bit, non-zero where landmarks must prove still first; may be empty
-};
 
 /// A landmark as found in one frame.
 struct TrackedLandmark {

@@ -72,4 +72,11 @@ std::optional<KeyframeId> redundantKeyframe(KeyframeId newest, int window, const
   return std::nullopt;
 }
 
+KeyframeId heirOf(KeyframeId keyframe, const SparseMap& map) {
+  for (const KeyframeId id : map.neighbourhood(keyframe, 2)) {
+    if (id != keyframe) return id;
+  }
+  return map.keyframes().begin()->first;
+}
+
 }  // namespace headway::slam

@@ -23,4 +23,8 @@ void cullLandmarks(KeyframeId newest, int window, SparseMap& map);
 [[nodiscard]] std::optional<KeyframeId> redundantKeyframe(KeyframeId newest, int window,
                                                           const SparseMap& map);
 
+/// Who takes over what hangs on a keyframe that is going to be removed: the one that shares most
+/// landmarks with it, or the first one where none does.
+[[nodiscard]] KeyframeId heirOf(KeyframeId keyframe, const SparseMap& map);
+
 }  // namespace headway::slam

@@ -9,7 +9,23 @@ namespace {
 constexpr double kMaxGap = 1.0;     ///< a velocity says nothing of later times than this [s]
 constexpr double kCoastTime = 1.0;  ///< in which a guessed velocity falls to 1/e of itself [s]
 
+/// Turn of the robot that leaves its yaw at 0 and has its z axis against gravity.
+Eigen::Matrix3d levelled(const Eigen::Vector3d& up_robot) {
+  Pose pose = Pose::Identity();
+  pose.linear() =
+      Eigen::Quaterniond::FromTwoVectors(up_robot, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  return expSo3({0.0, 0.0, -yawOf(pose)}) * pose.linear();
+}
+
 }  // namespace
+
+void MotionModel::begin(const StereoFrame& frame) {
+  Pose T_map_robot = Pose::Identity();
+  if (params_.use_imu && frame.motion_prior.up_robot) {
+    T_map_robot.linear() = levelled(*frame.motion_prior.up_robot);
+  }
+  reset(frame.time, T_map_robot * T_robot_cam_);
+}
 
 Pose MotionModel::predict(const StereoFrame& frame) const {
   if (!started_) return last_.value;

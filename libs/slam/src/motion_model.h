@@ -14,6 +14,8 @@ class MotionModel {
   MotionModel(const Pose& T_robot_cam, const SlamParams& params)
       : T_robot_cam_(T_robot_cam), params_(params) {}
 
+  /// Starts at the first frame of a map: the robot is its origin, level where gravity is known.
+  void begin(const StereoFrame& frame);
   /// Guess of the camera's pose at a frame; the last pose where nothing is known of the motion.
   [[nodiscard]] Pose predict(const StereoFrame& frame) const;
   /// The last pose known (identity before the first one).

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <headway/core/pose.h>
+
+namespace headway::slam {
+
+/// Covariance of T_a_c = T_a_b T_b_c from those of its factors, whose errors are independent.
+///
+/// @param T_b_c  with the covariance `of_bc`; a pose that is exactly known has covariance 0
+/// @see          Barfoot & Furgale 2014, first order; perturbations act on the right
+[[nodiscard]] PoseCovariance composedCovariance(const PoseCovariance& of_ab, const Pose& T_b_c,
+                                                const PoseCovariance& of_bc);
+
+}  // namespace headway::slam

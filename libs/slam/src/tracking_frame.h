@@ -1,0 +1,28 @@
+#pragma once
+
+#include <headway/core/moving_regions.h>
+#include <headway/core/stereo_frame.h>
+#include <headway/slam/slam_params.h>
+
+#include "image_pyramid.h"
+
+namespace headway::slam {
+
+/// One frame as tracking sees it.
+struct TrackingFrame {
+  std::size_t index = 0;
+  Time time = 0.0;  ///< [s]
+  ImagePyramid left;
+  ImagePyramid right;
+  cv::Mat excluded;  ///< 8-bit, non-zero where nothing may be measured; may be empty
+  cv::Mat suspect;   ///< 8-bit, non-zero where landmarks must prove still first; may be empty
+};
+
+/// The pyramids of both images, their contrast stretched where light is poor, and what is left out.
+///
+/// @throws InputError if an image is not 8-bit grey and of the camera's size, or the regions' mask
+///         is not
+[[nodiscard]] TrackingFrame makeTrackingFrame(const StereoFrame& frame, const MovingRegions& moving,
+                                              const StereoCamera& camera, DynamicRejection mode);
+
+}  // namespace headway::slam

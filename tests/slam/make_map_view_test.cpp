@@ -1,0 +1,47 @@
+#include "make_map_view.h"
+
+#include <gtest/gtest.h>
+
+namespace headway::slam {
+namespace {
+
+/// A camera 2 m before its robot's centre, looking ahead.
+Pose robotFromCamera() {
+  Pose T_robot_cam = robotFromOptical();
+  T_robot_cam.translation().x() = 2.0;
+  return T_robot_cam;
+}
+
+TEST(MakeMapView, KeyframesAreWhereTheRobotWas) {
+  Pose T_map_robot = Pose::Identity();
+  T_map_robot.translation() << 5.0, 1.0, 0.0;
+  T_map_robot.linear() = expSo3({0.0, 0.0, 0.7});
+  SparseMap map;
+  Keyframe& keyframe = map.addKeyframe(3, 0.5, T_map_robot * robotFromCamera());
+  keyframe.covariance(4, 4) = 0.01;  // the camera's yaw: about its y axis
+  const MapView view = makeMapView(map, robotFromCamera().inverse());
+  ASSERT_EQ(view.keyframes.size(), 1U);
+  EXPECT_EQ(view.keyframes[0].frame, 3U);
+  EXPECT_TRUE(view.keyframes[0].T_map_robot.isApprox(T_map_robot, 1e-12));
+  EXPECT_NEAR(view.keyframes[0].covariance(5, 5), 0.01, 1e-12) << "the robot's yaw: about z";
+  EXPECT_NEAR(view.keyframes[0].covariance(1, 1), 0.04, 1e-12) << "0.1 rad at 2 m";
+}
+
+TEST(MakeMapView, LandmarksTellTheirGreyValueAndWhoSeesThem) {
+  SparseMap map;
+  const KeyframeId a = map.addKeyframe(0, 0.0, Pose::Identity()).id;
+  const KeyframeId b = map.addKeyframe(1, 0.1, Pose::Identity()).id;
+  Landmark& landmark = map.addLandmark({1.0, 2.0, 9.0}, a, {});
+  landmark.patch.centre << 4.4F, 7.0F;
+  landmark.patch.pixels[7 * ReferencePatch::kSize + 4] = 77;
+  map.observe(b, landmark.id, {});
+  const MapView view = makeMapView(map, Pose::Identity());
+  ASSERT_EQ(view.landmarks.size(), 1U);
+  EXPECT_EQ(view.landmarks[0].position, Eigen::Vector3d(1.0, 2.0, 9.0));
+  EXPECT_EQ(view.landmarks[0].observations, 2);
+  EXPECT_EQ(view.landmarks[0].intensity, 77);
+  EXPECT_EQ(view.keyframes[1].landmarks, std::vector<LandmarkId>{landmark.id});
+}
+
+}  // namespace
+}  // namespace headway::slam

@@ -1,0 +1,89 @@
+#include "reference_choice.h"
+
+#include <gtest/gtest.h>
+
+namespace headway::slam {
+namespace {
+
+constexpr int kWidth = 1000;  // of the image [px]
+constexpr int kSeen = 20;     // landmarks of each keyframe
+
+/// Keyframes that each see landmarks of their own, all at the same place of the image.
+class ReferenceChoice : public testing::Test {
+ protected:
+  ReferenceChoice() { params_.window = 2; }
+
+  KeyframeId addKeyframe() {
+    const KeyframeId id = map_.addKeyframe(0, 0.0, Pose::Identity()).id;
+    for (int i = 0; i < kSeen; ++i) map_.addLandmark({0.0, 0.0, 10.0}, id, {});
+    return id;
+  }
+
+  /// A frame that sees the first landmarks of a keyframe, moved along the row.
+  [[nodiscard]] std::vector<TrackedLandmark> frameOf(KeyframeId keyframe, int count,
+                                                     double flow_px) const {
+    std::vector<TrackedLandmark> frame;
+    for (int i = 0; i < count; ++i) {
+      TrackedLandmark seen;
+      seen.id = map_.keyframe(keyframe).landmarks[static_cast<std::size_t>(i)];
+      seen.measurement.uv.x() = flow_px;
+      frame.push_back(seen);
+    }
+    return frame;
+  }
+
+  [[nodiscard]] std::optional<KeyframeId> chosen(const std::vector<TrackedLandmark>& frame,
+                                                 KeyframeId before) const {
+    return referenceOf(frame, before, params_, kWidth, map_);
+  }
+
+  SparseMap map_;
+  SlamParams params_;
+};
+
+TEST_F(ReferenceChoice, StaysWhileAFrameShowsMostOfIt) {
+  const KeyframeId before = addKeyframe();
+  EXPECT_EQ(chosen(frameOf(before, 14, 59.0), before), before);
+}
+
+TEST_F(ReferenceChoice, AFrameThatShowsTooLittleBecomesAKeyframe) {
+  const KeyframeId before = addKeyframe();
+  EXPECT_FALSE(chosen(frameOf(before, 13, 0.0), before)) << "under keyframe_overlap";
+  EXPECT_FALSE(chosen(frameOf(before, kSeen, 61.0), before)) << "over keyframe_flow";
+}
+
+TEST_F(ReferenceChoice, GoesOverToAnOldKeyframeThatSawThePlaceFromHere) {
+  const KeyframeId old = addKeyframe();
+  addKeyframe();
+  const KeyframeId before = addKeyframe();
+  EXPECT_EQ(chosen(frameOf(old, 14, 10.0), before), old);
+  EXPECT_FALSE(chosen(frameOf(old, 13, 10.0), before)) << "too few of its landmarks";
+  EXPECT_FALSE(chosen(frameOf(old, kSeen, 61.0), before)) << "seen from elsewhere";
+}
+
+TEST_F(ReferenceChoice, LandmarksOfOtherTimesCountForAnOldKeyframe) {
+  const KeyframeId old = addKeyframe();
+  addKeyframe();
+  const KeyframeId before = addKeyframe();
+  auto frame = frameOf(old, 10, 10.0);
+  const auto others = frameOf(before, 6, 10.0);
+  frame.insert(frame.end(), others.begin(), others.end());
+  EXPECT_EQ(chosen(frame, before), old);
+}
+
+TEST_F(ReferenceChoice, KeyframesOfTheWindowAreNotOld) {
+  const KeyframeId last_but_one = addKeyframe();
+  const KeyframeId before = addKeyframe();
+  EXPECT_FALSE(chosen(frameOf(last_but_one, kSeen, 0.0), before));
+}
+
+TEST_F(ReferenceChoice, WithoutMappingItIsTheNearestThatThereIs) {
+  params_.mapping = false;
+  const KeyframeId other = addKeyframe();
+  const KeyframeId before = addKeyframe();
+  EXPECT_EQ(chosen(frameOf(other, 5, 300.0), before), other);
+  EXPECT_EQ(chosen({}, before), before) << "and the same as before where nothing is known";
+}
+
+}  // namespace
+}  // namespace headway::slam
