@@ -76,6 +76,10 @@ std::string shortClassName(const std::string& name) {
   return colon == std::string::npos ? name : name.substr(colon + 1);
 }
 
+std::string shortClassName(const mrpt::rtti::CObject& object) {
+  return shortClassName(object.GetRuntimeClass()->className);
+}
+
 ObservationStream::ObservationStream(const std::string& path,
                                      std::map<std::string, std::size_t>& skipped)
     : path_(path), skipped_(skipped), input_(path) {
@@ -206,7 +210,7 @@ void ObservationStream::addMovement(const mrpt::obs::CActionCollection& actions)
         dynamic_cast<const mrpt::obs::CActionRobotMovement2D*>(action.get_ptr().get());
     if (movement == nullptr ||
         movement->estimationMethod != mrpt::obs::CActionRobotMovement2D::emOdometry) {
-      ++skipped_[shortClassName(action->GetRuntimeClass()->className)];
+      ++skipped_[shortClassName(*action)];
       continue;
     }
     odometry_ = odometry_ + movement->poseChange->getMeanVal();

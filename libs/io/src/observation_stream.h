@@ -76,5 +76,6 @@ class ObservationStream : public ObservationReader {
 
 /// Class name without namespace: "mrpt::obs::CObservationImage" gives "CObservationImage".
 [[nodiscard]] std::string shortClassName(const std::string& name);
+[[nodiscard]] std::string shortClassName(const mrpt::rtti::CObject& object);
 
 }  // namespace headway::io
