@@ -168,6 +168,7 @@ std::optional<GroundScan> DetectionStage::scanGround(const RecordedFrame& frame,
                                                      const std::vector<Track>& tracks,
                                                      const detect::GroundScanParams& params) {
   const auto& disparity = matcher_->of(*frame.stereo);
+  // Sought again even where finish() sought it to lift boxes: begun from there it gets more exact.
   ground_ = detect::findGround(disparity, *camera_, ground_);
   if (!ground_) return std::nullopt;
   auto moving = movingRegions(frame, tracks);
