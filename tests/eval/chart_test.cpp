@@ -78,6 +78,21 @@ TEST(ChartTest, rampRunsFromBlueToRedAndIsCutOff) {
   EXPECT_EQ(rampColour(0.0).blue, rampColour(-7.0).blue);
 }
 
+TEST(ChartTest, legendStandsInTheCornerWhereLeastIsDrawn) {
+  Chart chart(someFrame());
+  for (const auto& corner : {Eigen::Vector2d(9.0, 0.9), {1.0, 0.9}, {9.0, -0.9}}) {
+    chart.dot(corner, {}, 30.0);
+  }
+  const cv::Mat before = chart.picture();
+  chart.legend("line", categoryColour(1), LineStyle::kDotted);
+  const cv::Mat after = chart.picture();
+  const cv::Rect lower_left(84, 760 / 2, 1200 / 2, 760 / 2);
+  EXPECT_GT(changed(before(lower_left), after(lower_left)), 0.0);
+  EXPECT_EQ(
+      changed(before, after) * static_cast<double>(before.total()),
+      changed(before(lower_left), after(lower_left)) * static_cast<double>(lower_left.area()));
+}
+
 TEST(BarPlotTest, barsStandWhereTheirGroupIsAndGapsStayEmpty) {
   const double gap = std::numeric_limits<double>::quiet_NaN();
   const BarPlot plot{"Bars", "value [m]", {"one", "two"}, {{"a", {1.0, 2.0}}, {"b", {3.0, gap}}}};
