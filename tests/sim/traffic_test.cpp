@@ -1,11 +1,11 @@
+#include "traffic.h"
+
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <map>
 
-#include "pedestrians.h"
-#include "robot_driver.h"
-#include "vehicles.h"
+#include "lens.h"
 
 namespace headway::sim {
 namespace {
@@ -81,77 +81,52 @@ TEST(Driving, SlowsDownForACurve) {
 /// A street with traffic, run without drawing.
 class Street : public ::testing::Test {
  protected:
-  void SetUp() override {
-    vehicles.populate(robot.state(), next_id);
-    pedestrians.populate(robot.state(), next_id);
-  }
-  void step(double dt) {
-    const RobotState state = robot.state();
-    std::vector<Obstacle> on_foot, on_wheels{state.body};
-    for (const Mover& mover : pedestrians.movers()) on_foot.push_back(obstacleFrom(mover));
-    for (const Mover& mover : vehicles.movers()) on_wheels.push_back(obstacleFrom(mover));
-    auto for_robot = on_foot, for_vehicles = on_foot;
-    for_vehicles.push_back(state.body);
-    for_robot.insert(for_robot.end(), on_wheels.begin() + 1, on_wheels.end());
-    pedestrians.advance(dt, state, on_wheels, next_id);
-    vehicles.advance(dt, state, for_vehicles, next_id);
-    robot.advance(dt, for_robot);
-  }
-
-  TrafficParams traffic = [] {
-    TrafficParams params;
-    params.vehicles = 12;
-    params.cyclists = 2;
-    params.pedestrians = 25;
-    params.road_crossing_rate_hz = 0.05;
-    return params;
+  SimParams params = [] {
+    SimParams busy;
+    busy.traffic.vehicles = 12;
+    busy.traffic.cyclists = 2;
+    busy.traffic.pedestrians = 25;
+    busy.traffic.road_crossing_rate_hz = 0.05;
+    busy.route.shape = "straight 200, left 60 60, straight 200";
+    return busy;
   }();
-  RouteParams route_params = [] {
-    RouteParams params;
-    params.shape = "straight 200, left 60 60, straight 200";
-    return params;
-  }();
-  Route route = makeRoute(route_params, 0.0);
+  Route route = makeRoute(params.route, 0.0);
   RoadNetwork network{route, 75.0, 5};
-  Vehicles vehicles{traffic, route, network, 11};
-  Pedestrians pedestrians{traffic, route, network, 12};
-  RobotDriver robot{route_params, 0.25, false, route, 13};
-  std::int64_t next_id = 0;
+  Traffic traffic{params, route, network, Lens(params.camera).ideal(), {11, 12, 13, 14}};
+  const std::vector<Mover>& vehicles = traffic.vehicles().movers();
+  const std::vector<Mover>& people = traffic.pedestrians().movers();
+  const RobotDriver& robot = traffic.robot();
 };
 
 TEST_F(Street, KeepsItsNumbersAndGivesNoIdTwice) {
-  EXPECT_EQ(pedestrians.movers().size(), 25U);
-  EXPECT_GE(vehicles.movers().size(), 10U);
+  EXPECT_EQ(people.size(), 25U);
+  EXPECT_GE(vehicles.size(), 10U);
   std::map<std::int64_t, MoverKind> kinds;
   for (int i = 0; i < 600; ++i) {
-    step(0.05);
-    for (const auto* movers : {&vehicles.movers(), &pedestrians.movers()}) {
-      for (const Mover& mover : *movers) {
-        const auto known = kinds.emplace(mover.id, mover.kind).first;
-        EXPECT_EQ(known->second, mover.kind);
-      }
+    traffic.advance(0.05);
+    for (const Mover& mover : traffic.movers()) {
+      const auto known = kinds.emplace(mover.id, mover.kind).first;
+      EXPECT_EQ(known->second, mover.kind);
     }
   }
-  EXPECT_GE(pedestrians.movers().size(), 20U);
+  EXPECT_GE(people.size(), 20U);
   EXPECT_GT(kinds.size(), 39U);  // the robot moved on: others came
 }
 
 TEST_F(Street, NobodyJumpsOrRunsAndNothingHitsTheRobot) {
   std::map<std::int64_t, Eigen::Vector2d> before;
   for (int i = 0; i < 800; ++i) {
-    step(0.05);
+    traffic.advance(0.05);
     const Eigen::Vector2d at = robot.T_world_robot().translation().head<2>();
-    for (const auto* movers : {&vehicles.movers(), &pedestrians.movers()}) {
-      for (const Mover& mover : *movers) {
-        const Eigen::Vector2d here = mover.position.head<2>();
-        const bool walks = mover.kind == MoverKind::kPedestrian;
-        const auto last = before.find(mover.id);
-        if (last != before.end()) {
-          EXPECT_LT((here - last->second).norm(), 0.05 * (walks ? 4.0 : 15.0));
-        }
-        before[mover.id] = here;
-        EXPECT_GT((here - at).norm(), walks ? 0.8 : 1.3) << "at step " << i;
+    for (const Mover& mover : traffic.movers()) {
+      const Eigen::Vector2d here = mover.position.head<2>();
+      const bool walks = mover.kind == MoverKind::kPedestrian;
+      const auto last = before.find(mover.id);
+      if (last != before.end()) {
+        EXPECT_LT((here - last->second).norm(), 0.05 * (walks ? 4.0 : 15.0));
       }
+      before[mover.id] = here;
+      EXPECT_GT((here - at).norm(), walks ? 0.8 : 1.3) << "at step " << i;
     }
   }
 }
@@ -159,11 +134,10 @@ TEST_F(Street, NobodyJumpsOrRunsAndNothingHitsTheRobot) {
 TEST_F(Street, VehiclesDoNotDriveThroughEachOther) {
   int overlaps = 0;
   for (int i = 0; i < 800; ++i) {
-    step(0.05);
-    const auto& movers = vehicles.movers();
-    for (std::size_t a = 0; a < movers.size(); ++a) {
-      for (std::size_t b = a + 1; b < movers.size(); ++b) {
-        overlaps += (movers[a].position - movers[b].position).head<2>().norm() < 1.0 ? 1 : 0;
+    traffic.advance(0.05);
+    for (std::size_t a = 0; a < vehicles.size(); ++a) {
+      for (std::size_t b = a + 1; b < vehicles.size(); ++b) {
+        overlaps += (vehicles[a].position - vehicles[b].position).head<2>().norm() < 1.0 ? 1 : 0;
       }
     }
   }
@@ -206,8 +180,8 @@ TEST(Junctions, VehiclesTurnOffToBothSides) {
 TEST_F(Street, SomeoneCrossesAndSomeoneStops) {
   bool crossed = false, stopped = false;
   for (int i = 0; i < 800; ++i) {
-    step(0.05);
-    for (const Mover& mover : pedestrians.movers()) {
+    traffic.advance(0.05);
+    for (const Mover& mover : people) {
       const auto place = route.street.project(mover.position.head<2>(), robot.state().s - 30.0,
                                               robot.state().s + 120.0);
       crossed = crossed || std::abs(place.left) < 1.0;

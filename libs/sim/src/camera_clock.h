@@ -1,0 +1,31 @@
+#pragma once
+
+#include <headway/sim/sim_params.h>
+
+#include <cstdint>
+
+#include "random.h"
+
+namespace headway::sim {
+
+/// When the camera takes its frames: on the beat, but for jitter and for frames that are lost.
+///
+/// The first frame is what time is counted from: it comes at 0 and is never lost.
+class CameraClock {
+ public:
+  struct Beat {
+    double time_s = 0.0;  ///< middle of the exposure, since the first frame [s]
+    bool lost = false;
+  };
+
+  CameraClock(const CameraParams& params, std::uint64_t seed) : params_(params), random_(seed) {}
+
+  [[nodiscard]] Beat next();
+
+ private:
+  CameraParams params_;
+  Random random_;
+  std::size_t beats_ = 0;  ///< so far, lost frames included
+};
+
+}  // namespace headway::sim
