@@ -58,10 +58,10 @@ class UsefulObservationsTest : public ::testing::Test {
                             const RawlogSourceOptions& options = {},
                             std::optional<std::string> truncation = {}) {
     return {std::make_unique<Recording>(std::move(observations), std::move(truncation)), options,
-            skipped_};
+            skipped};
   }
 
-  std::map<std::string, std::size_t> skipped_;
+  std::map<std::string, std::size_t> skipped;
 };
 
 std::vector<CObservation::Ptr> rest(UsefulObservations& observations) {
@@ -83,7 +83,7 @@ TEST_F(UsefulObservationsTest, whatNobodyAskedForIsCountedByItsReason) {
               useful},
              options);
   EXPECT_THAT(rest(observations), ElementsAre(useful));
-  EXPECT_THAT(skipped_,
+  EXPECT_THAT(skipped,
               ElementsAre(Pair("CObservation2DRangeScan", 1u), Pair("CObservationOdometry", 1u),
                           Pair("no_time", 1u), Pair("truth", 1u)));
 }
@@ -97,7 +97,7 @@ TEST_F(UsefulObservationsTest, whatWasReadToFindTheCameraComesOutAgainInOrder) {
   EXPECT_EQ("stereo", camera.labels[0]);
   EXPECT_EQ(0.8, observations.progress()) << "two images of one camera tell";
   EXPECT_EQ(recorded, rest(observations));
-  EXPECT_TRUE(skipped_.empty());
+  EXPECT_TRUE(skipped.empty());
 }
 
 TEST_F(UsefulObservationsTest, ofImagesAndMotionsBeforeTheCameraIsKnownTheLastAreKept) {
@@ -107,7 +107,7 @@ TEST_F(UsefulObservationsTest, ofImagesAndMotionsBeforeTheCameraIsKnownTheLastAr
   for (int i = 0; i < 2; ++i) recorded.push_back(test::singleImage(1, 0, 3030.0 + i, "right"));
   auto observations = opened(recorded);
   EXPECT_EQ(CameraChoice::Kind::kPair, observations.findCamera().kind);
-  EXPECT_THAT(skipped_,
+  EXPECT_THAT(skipped,
               ElementsAre(Pair("CObservationImage", 6u), Pair("CObservationOdometry", 5u)));
   const auto kept = rest(observations);
   ASSERT_EQ(2016u, kept.size());

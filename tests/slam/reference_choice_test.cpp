@@ -11,11 +11,11 @@ constexpr int kSeen = 20;     // landmarks of each keyframe
 /// Keyframes that each see landmarks of their own, all at the same place of the image.
 class ReferenceChoice : public testing::Test {
  protected:
-  ReferenceChoice() { params_.window = 2; }
+  ReferenceChoice() { params.window = 2; }
 
   KeyframeId addKeyframe() {
-    const KeyframeId id = map_.addKeyframe(0, 0.0, Pose::Identity()).id;
-    for (int i = 0; i < kSeen; ++i) map_.addLandmark({0.0, 0.0, 10.0}, id, {});
+    const KeyframeId id = map.addKeyframe(0, 0.0, Pose::Identity()).id;
+    for (int i = 0; i < kSeen; ++i) map.addLandmark({0.0, 0.0, 10.0}, id, {});
     return id;
   }
 
@@ -25,7 +25,7 @@ class ReferenceChoice : public testing::Test {
     std::vector<TrackedLandmark> frame;
     for (int i = 0; i < count; ++i) {
       TrackedLandmark seen;
-      seen.id = map_.keyframe(keyframe).landmarks[static_cast<std::size_t>(i)];
+      seen.id = map.keyframe(keyframe).landmarks[static_cast<std::size_t>(i)];
       seen.measurement.uv.x() = flow_px;
       frame.push_back(seen);
     }
@@ -34,11 +34,11 @@ class ReferenceChoice : public testing::Test {
 
   [[nodiscard]] std::optional<KeyframeId> chosen(const std::vector<TrackedLandmark>& frame,
                                                  KeyframeId before) const {
-    return referenceOf(frame, before, params_, kWidth, map_);
+    return referenceOf(frame, before, params, kWidth, map);
   }
 
-  SparseMap map_;
-  SlamParams params_;
+  SparseMap map;
+  SlamParams params;
 };
 
 TEST_F(ReferenceChoice, StaysWhileAFrameShowsMostOfIt) {
@@ -78,7 +78,7 @@ TEST_F(ReferenceChoice, KeyframesOfTheWindowAreNotOld) {
 }
 
 TEST_F(ReferenceChoice, WithoutMappingItIsTheNearestThatThereIs) {
-  params_.mapping = false;
+  params.mapping = false;
   const KeyframeId other = addKeyframe();
   const KeyframeId before = addKeyframe();
   EXPECT_EQ(chosen(frameOf(other, 5, 300.0), before), other);

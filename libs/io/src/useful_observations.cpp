@@ -71,8 +71,8 @@ void UsefulObservations::keep(const CObservation::Ptr& observation) {
 }
 
 /// Leaves the first of a kind out where there are more than `most`.
-void UsefulObservations::keepLast(std::size_t most, bool (*isOfKind)(const CObservation&)) {
-  const auto matches = [&](const auto& observation) { return isOfKind(*observation); };
+void UsefulObservations::keepLast(std::size_t most, bool (*of_kind)(const CObservation&)) {
+  const auto matches = [&](const auto& observation) { return of_kind(*observation); };
   if (static_cast<std::size_t>(std::count_if(kept_.begin(), kept_.end(), matches)) <= most) return;
   const auto first = std::find_if(kept_.begin(), kept_.end(), matches);
   ++skipped_[shortClassName(**first)];

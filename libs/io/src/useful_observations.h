@@ -38,7 +38,7 @@ class UsefulObservations {
   [[nodiscard]] mrpt::obs::CObservation::Ptr read();
   [[nodiscard]] bool isOfUse(const mrpt::obs::CObservation& observation) const;
   void keep(const mrpt::obs::CObservation::Ptr& observation);
-  void keepLast(std::size_t most, bool (*isOfKind)(const mrpt::obs::CObservation&));
+  void keepLast(std::size_t most, bool (*of_kind)(const mrpt::obs::CObservation&));
 
   std::unique_ptr<ObservationReader> reader_;
   RawlogSourceOptions options_;
