@@ -63,6 +63,23 @@ TEST(BlobFollower, AnOutlineThatIsHiddenOnceDoesNotMakeAPostMove) {
   EXPECT_FALSE(post.moves());
 }
 
+TEST(BlobFollower, StereosErrorsOfDistanceDoNotBreakATrack) {
+  // 24 m off an error of one pixel of disparity is 1.5 m along the line of sight.
+  for (const bool along : {true, false}) {
+    test::Drive drive;
+    BlobFollower follower{drive.camera};
+    for (int frame = 0; frame < 2; ++frame) {
+      drive.path.advance(test::kFrameStep * frame, Pose::Identity());
+      Eigen::Vector3d place(-0.5, 0.3, 24.0);
+      (along ? place.z() : place.x()) += 1.4 * frame;
+      UprightBlob blob = walkerIn(frame, 0.0, drive.camera);
+      blob.uvd = *project(place, drive.camera);
+      follower.follow({blob}, drive.path, kUp);
+    }
+    EXPECT_EQ(follower.tracks().size(), along ? 1u : 2u);
+  }
+}
+
 TEST(BlobFollower, ABodyThatIsNotSeenAgainIsForgotten) {
   Followed walker(1.4, -1);
   for (int frame = kFrames; frame < kFrames + 5; ++frame) {

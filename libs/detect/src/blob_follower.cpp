@@ -10,10 +10,11 @@
 namespace headway::detect {
 namespace {
 
-constexpr double kGate = 0.6;            // between a blob and its expected place [m]
-constexpr double kGatePerMetre = 0.02;   // growth with depth [m/m]
-constexpr double kEdge = 0.5;            // error of a blob's middle [px]
-constexpr double kEdgeShare = 0.03;      // and share of its width
+constexpr double kGate = 0.6;           // between a blob and its expected place [m]
+constexpr double kGatePerMetre = 0.02;  // growth with depth [m/m]
+constexpr double kGateDisparity = 1.0;  // and, along the line of sight, by this much disparity [px]
+constexpr double kEdge = 0.5;           // error of a blob's middle [px]
+constexpr double kEdgeShare = 0.03;     // and share of its width
 constexpr double kDisparitySigma = 0.3;  // [px]
 constexpr double kRowSigma = 30.0;       // rows say little: feet and head come and go [px]
 constexpr double kFastest = 8.0;         // of what is followed as a blob [m/s]
@@ -39,6 +40,30 @@ Eigen::Vector3d expectedPlace(const BlobTrack& track, const CameraPath& path,
                                 overGround(track.track.motion->velocity, up);
 }
 
+// How far off a blob is, gates: stereo errs along the line of sight, the more the farther it sees.
+class Gate {
+ public:
+  Gate(const Eigen::Vector3d& expected, const CameraPath& path, const StereoCamera& camera,
+       const Eigen::Vector3d& up)
+      : expected_(expected), up_(up) {
+    const Pose& T_cam_world = path.T_cam_world(path.newest());
+    const double depth = (T_cam_world * expected).z();
+    ray_ = overGround(expected - T_cam_world.inverse().translation(), up).normalized();
+    across_ = kGate + kGatePerMetre * depth;
+    along_ = across_ + kGateDisparity * depth * depth / (camera.fx * camera.baseline_m);
+  }
+
+  [[nodiscard]] double distanceOf(const Eigen::Vector3d& place) const {
+    const Eigen::Vector3d off = overGround(place - expected_, up_);
+    const double along = ray_.dot(off);
+    return std::hypot(along / along_, (off - along * ray_).norm() / across_);
+  }
+
+ private:
+  Eigen::Vector3d expected_, up_, ray_;
+  double across_, along_;  ///< [m]
+};
+
 }  // namespace
 
 void BlobFollower::follow(std::vector<UprightBlob> blobs, const CameraPath& path,
@@ -49,11 +74,10 @@ void BlobFollower::follow(std::vector<UprightBlob> blobs, const CameraPath& path
   tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), forgotten), tracks_.end());
   std::vector<CandidatePair> candidates;
   for (std::size_t t = 0; t < tracks_.size(); ++t) {
-    const Eigen::Vector3d expected = expectedPlace(tracks_[t], path, up);
-    const double depth = (path.T_cam_world(path.newest()) * expected).z();
+    const Gate gate(expectedPlace(tracks_[t], path, up), path, camera_, up);
     for (std::size_t b = 0; b < blobs.size(); ++b) {
-      const double off = overGround(placeOf(blobs[b], path, camera_) - expected, up).norm();
-      if (off < kGate + kGatePerMetre * depth) candidates.push_back({t, b, off});
+      const double off = gate.distanceOf(placeOf(blobs[b], path, camera_));
+      if (off < 1.0) candidates.push_back({t, b, off});
     }
   }
   std::vector<bool> taken(blobs.size(), false);
