@@ -15,7 +15,7 @@ struct DisparityParams {
   int reduce = 2;             ///< images are matched at 1/reduce of their size [-] 1 ... 4
   double nearest_m = 3.0;     ///< anything nearer is not matched [m]
   int block_px = 7;           ///< side of a block in the reduced image, made odd [px]
-  int uniqueness = 12;        ///< how much better the best match must be [%]
+  int uniqueness = 0;         ///< how much better the best match must be [%]
   int least_speckle_px = 40;  ///< smaller islands are dropped, reduced image [px]
 
   void describe(Params::Section section);
