@@ -6,6 +6,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "heads.h"
+
 namespace headway::detect {
 namespace {
 
@@ -97,32 +99,61 @@ bool isHidden(const Cells& cells, double blob_disparity, const cv::Rect& box,
   return std::max(beside_left, beside_right) > kHiddenRows * box.height;
 }
 
-std::optional<UprightBlob> blobOf(const std::vector<cv::Point>& places,
-                                  const std::vector<float>& disparities,
-                                  const DisparityImage& disparity, const StereoCamera& camera,
-                                  const GroundPlane& ground) {
-  if (places.size() < kLeastCells) return std::nullopt;
-  const cv::Rect box = cv::boundingRect(places);
-  const double d = median({disparities.begin(), disparities.end()});
+// Connected cells.
+struct Patch {
+  std::vector<cv::Point> places;
+  std::vector<float> disparities;
+  std::vector<double> heights;  ///< above the ground [m]
+  Cells cells;
+};
+
+Patch patchOf(const std::vector<cv::Point>& places, const std::vector<float>& disparities,
+              const DisparityImage& disparity, const StereoCamera& camera,
+              const GroundPlane& ground) {
+  Patch patch{places, disparities, {}, {}};
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const auto point = triangulate(
+        {disparity.pixelOf(places[i].x), disparity.pixelOf(places[i].y), disparities[i]}, camera);
+    patch.heights.push_back(ground.heightOf(*point));
+    patch.cells.push_back({places[i], *point});
+  }
+  return patch;
+}
+
+std::vector<Patch> byPerson(const Patch& patch, const DisparityImage& disparity,
+                            const StereoCamera& camera) {
+  const double d = median({patch.disparities.begin(), patch.disparities.end()});
+  const auto persons =
+      personOfCells(patch.places, patch.heights, disparity.reduce * camera.baseline_m / d);
+  std::vector<Patch> patches(1 + *std::max_element(persons.begin(), persons.end()));
+  for (std::size_t i = 0; i < persons.size(); ++i) {
+    Patch& own = patches[persons[i]];
+    own.places.push_back(patch.places[i]);
+    own.disparities.push_back(patch.disparities[i]);
+    own.heights.push_back(patch.heights[i]);
+    own.cells.push_back(patch.cells[i]);
+  }
+  return patches;
+}
+
+std::optional<UprightBlob> blobOf(const Patch& patch, const DisparityImage& disparity,
+                                  const StereoCamera& camera) {
+  if (patch.places.size() < kLeastCells) return std::nullopt;
+  const cv::Rect box = cv::boundingRect(patch.places);
+  const double d = median({patch.disparities.begin(), patch.disparities.end()});
   const double metres_per_px = camera.baseline_m / d;  // z / f
   const double width = box.width * disparity.reduce * metres_per_px;
   if (width < kLeastWidth || width > kMostWidth) return std::nullopt;
   UprightBlob blob;
-  double lowest = kHead;
-  double highest = 0.0;
+  const auto [lowest, highest] = std::minmax_element(patch.heights.begin(), patch.heights.end());
   std::vector<double> columns;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const double u = disparity.pixelOf(places[i].x);
-    const double v = disparity.pixelOf(places[i].y);
-    const auto point = triangulate({u, v, disparities[i]}, camera);
-    lowest = std::min(lowest, ground.heightOf(*point));
-    highest = std::max(highest, ground.heightOf(*point));
-    if (places[i].y <= box.y + box.height / 2) columns.push_back(u);
-    blob.cells.push_back({places[i], *point});
+  for (const auto& place : patch.places) {
+    if (place.y <= box.y + box.height / 2) columns.push_back(disparity.pixelOf(place.x));
   }
   // What reaches to the cut at head height goes on above it: a trunk, a pole, a wall.
-  const bool cut = highest > kHead - 0.1;
-  if (cut || highest < kLeastTop || lowest > kMostFloat) return std::nullopt;
+  const bool cut = *highest > kHead - 0.1;
+  if (cut || *highest < kLeastTop || *lowest > kMostFloat) return std::nullopt;
+  blob.cells = patch.cells;
   blob.uvd = {median(columns), disparity.pixelOf(box.y) + 0.5 * box.height * disparity.reduce, d};
   blob.width_px = box.width * disparity.reduce;
   blob.hidden = isHidden(blob.cells, d, box, disparity);
@@ -140,8 +171,12 @@ std::vector<UprightBlob> uprightBlobs(const DisparityImage& disparity, const Ste
     for (int column = 0; column < left.cols; ++column) {
       if (left.at<float>(row, column) <= 0.0F) continue;
       const auto places = takeConnected(left, {column, row}, disparities);
-      auto blob = blobOf(places, disparities, disparity, camera, ground);
-      if (blob) blobs.push_back(std::move(*blob));
+      if (places.size() < kLeastCells) continue;
+      const Patch patch = patchOf(places, disparities, disparity, camera, ground);
+      for (const Patch& person : byPerson(patch, disparity, camera)) {
+        auto blob = blobOf(person, disparity, camera);
+        if (blob) blobs.push_back(std::move(*blob));
+      }
     }
   }
   return blobs;

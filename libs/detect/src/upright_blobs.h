@@ -25,7 +25,8 @@ struct UprightBlob {
 };
 
 /// Cuts things of a person's size out of a disparity image: connected cells of nearly one
-/// disparity, off the ground, 0.2 to 2 m wide and 0.9 to 2.4 m high.
+/// disparity, off the ground, 0.2 to 2 m wide and 0.9 to 2.4 m high; of several heads, several
+/// things.
 ///
 /// @param range_m  farther things are left out [m]
 [[nodiscard]] std::vector<UprightBlob> uprightBlobs(const DisparityImage& disparity,
