@@ -8,7 +8,7 @@ namespace {
 FoundObject walkerAt(double x, ObjectClass object_class = ObjectClass::kPedestrian) {
   FoundObject found;
   found.place = {x, 0.0, 10.0};
-  found.velocity = {1.5, 0.0, 0.0};
+  found.velocity.value = {1.5, 0.0, 0.0};
   found.gate_m = 1.0;
   found.object_class = object_class;
   return found;
@@ -51,6 +51,37 @@ TEST(ObjectIdentities, OnesThatAreGoneAreForgotten) {
   auto found = walkerAt(1.8);
   found.hints = {id};
   EXPECT_NE(identities.identify(found).id, id);
+}
+
+TEST(ObjectIdentities, WhatIsOnlyRecognisedIsForgottenAtLast) {
+  ObjectIdentities identities;
+  identities.beginFrame(0.0);
+  const auto id = identities.identify(walkerAt(0.0)).id;
+  for (int frame = 1; frame <= 12; ++frame) {
+    identities.beginFrame(0.1 * frame);
+    ASSERT_EQ(identities.isFree(id), frame <= 10) << "a second after it was seen to move";
+    if (frame > 10) break;
+    auto found = walkerAt(0.15 * frame);
+    found.hints = {id};
+    found.moved = false;
+    EXPECT_EQ(identities.identify(found).id, id);
+  }
+}
+
+TEST(ObjectIdentities, TellsWhoIsMissing) {
+  ObjectIdentities identities;
+  identities.beginFrame(0.0);
+  const auto a = identities.identify(walkerAt(0.0)).id;
+  const auto b = identities.identify(walkerAt(5.0)).id;
+  EXPECT_TRUE(identities.missing().empty());
+  identities.beginFrame(0.2);
+  auto found = walkerAt(5.3);
+  found.hints = {b};
+  identities.identify(found);
+  const auto missing = identities.missing();
+  ASSERT_EQ(missing.size(), 1u);
+  EXPECT_EQ(missing[0].id, a);
+  EXPECT_NEAR(missing[0].expectedAt(0.2).x(), 0.3, 1e-9);
 }
 
 TEST(ObjectIdentities, TheClassGuessedMostOftenIsTheClass) {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "body_flow.h"
+#include "reduced_image.h"
 
 namespace headway::detect {
 namespace {
@@ -35,7 +36,7 @@ struct Look {
       if (i == 1) frame.right.convertTo(frame.right, CV_8U, gain);
       disparity = denseDisparity(frame, {});
       path.advance(frame.time, street.T_map_robot(i) * street.camera()->T_robot_cam);
-      flow = meter.measure(frame, disparity, path);
+      flow = meter.measure(reducedImage(frame.left, disparity.reduce), disparity, path);
       EXPECT_EQ(flow.empty(), i == 0) << "the first frame has nothing to be compared with";
     }
   }

@@ -1,7 +1,5 @@
 #include "mover_finder.h"
 
-#include <headway/core/box_overlap.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -13,35 +11,11 @@
 namespace headway::detect {
 namespace {
 
-constexpr double kFastestBody = 8.0;      // of a person's size [m/s]
-constexpr double kLeastAcross = 0.3;      // speed of a body that its flow alone tells of [m/s]
-constexpr double kMargin = 0.1;           // around the ground that a mover covers [m]
-constexpr double kAtOnce = 0.1;           // in which nobody gets out of its way [s]
-constexpr double kBehind = 1.0;           // what is seen there and farther off is behind it [m]
-constexpr double kBehindPerMetre = 0.02;  // growth with depth [m/m]
-constexpr double kSameVelocity = 0.3;     // difference between parts of one thing, share
+constexpr double kFastestBody = 8.0;  // of a person's size [m/s]
 
 double sigmaAlong(const Eigen::Vector3d& vector, const Eigen::Matrix3d& covariance) {
   const Eigen::Vector3d direction = vector.normalized();
   return std::sqrt(direction.dot(covariance * direction));
-}
-
-// Whether a piece is seen where a mover is and at its depth, or stands on the ground it covers.
-bool isPartOf(const ObjectExtent& piece, const Mover& mover) {
-  const ObjectExtent& whole = mover.extent;
-  const Eigen::Vector3d off = piece.box.centre - whole.box.centre;
-  const double behind = 0.5 * whole.box.length + kBehind + kBehindPerMetre * whole.box.centre.z();
-  const bool seen_there =
-      shareInside(piece.box2d, whole.box2d) > 0.5 || overlap2d(piece.box2d, whole.box2d) > 0.3;
-  if (seen_there && off.norm() < behind) return true;
-  const double margin = kMargin + kAtOnce * mover.velocity.value.norm();
-  const Eigen::Vector3d front = frontOf(whole.box);
-  return std::abs(front.dot(off)) < 0.5 * whole.box.length + margin &&
-         std::abs(front.cross(off).y()) < 0.5 * whole.box.width + margin;
-}
-
-bool isAsFast(const Eigen::Vector3d& velocity, const Eigen::Vector3d& other) {
-  return (velocity - other).norm() < kSameVelocity * std::max(velocity.norm(), other.norm());
 }
 
 }  // namespace
@@ -89,12 +63,13 @@ void MoverFinder::addClusters(const LookedAt& frame, std::vector<Mover>& movers)
       known->members.insert(known->members.end(), cluster.members.begin(), cluster.members.end());
       continue;
     }
-    movers.push_back({std::move(*extent),
-                      {cluster.velocity, cluster.velocity_covariance},
-                      first,
-                      static_cast<int>(cluster.members.size()),
-                      cluster.members,
-                      {}});
+    Mover mover;
+    mover.extent = std::move(*extent);
+    mover.velocity = {cluster.velocity, cluster.velocity_covariance};
+    mover.first_frame = first;
+    mover.points = static_cast<int>(cluster.members.size());
+    mover.members = cluster.members;
+    movers.push_back(std::move(mover));
   }
 }
 
@@ -106,18 +81,20 @@ void MoverFinder::addBodies(const LookedAt& frame, std::vector<BlobTrack>& bodie
     if (!velocity) continue;
     auto extent = plausibleExtent(body.blob.cells, velocity->value, *frame.ground, 0.0, frame);
     if (!extent) continue;
-    const auto known = std::find_if(movers.begin(), movers.end(),
-                                    [&](const Mover& mover) { return isPartOf(*extent, mover); });
+    const auto known = std::find_if(movers.begin(), movers.end(), [&](const Mover& mover) {
+      return isPartOf(*extent, mover) && !isOpposite(velocity->value, mover.velocity.value);
+    });
     if (known != movers.end()) {
       known->bodies.push_back(&body);
       continue;
     }
-    movers.push_back({std::move(*extent),
-                      *velocity,
-                      frame.path.oldest(),
-                      static_cast<int>(std::max(body.track.sightings.size(), body.across.size())),
-                      {},
-                      {&body}});
+    Mover mover;
+    mover.extent = std::move(*extent);
+    mover.velocity = *velocity;
+    mover.first_frame = frame.path.oldest();
+    mover.points = static_cast<int>(std::max(body.track.sightings.size(), body.across.size()));
+    mover.bodies = {&body};
+    movers.push_back(std::move(mover));
   }
 }
 

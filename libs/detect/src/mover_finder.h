@@ -4,32 +4,10 @@
 
 #include <vector>
 
-#include "blob_follower.h"
-#include "motion_verdict.h"
-#include "object_extent.h"
+#include "looked_at.h"
+#include "mover.h"
 
 namespace headway::detect {
-
-/// Something that moves, as found in one frame.
-struct Mover {
-  ObjectExtent extent;
-  MeasuredVelocity velocity;         ///< over the ground, world of the path
-  int first_frame = 0;               ///< the velocity was measured since then
-  int points = 0;                    ///< sightings that tell of it
-  std::vector<std::size_t> members;  ///< points that move with it
-  std::vector<BlobTrack*> bodies;    ///< that are it
-};
-
-/// What is known of a frame when movers are looked for in it.
-struct LookedAt {
-  const CameraPath& path;
-  const DisparityImage& disparity;
-  const std::optional<GroundPlane>& ground;
-  const Eigen::Vector3d& up;  ///< normal of the ground, world of the path
-  const std::vector<PointTrack>& points;
-  const std::vector<PointVerdict>& verdicts;  ///< one for each point
-  double noise_scale = 1.0;                   ///< true errors of sightings over those assumed [-]
-};
 
 /// When a point counts as moving, by the parameters of the detector.
 [[nodiscard]] VerdictParams verdictParamsOf(const StereoMotionParams& params);

@@ -189,7 +189,10 @@ std::optional<ObjectExtent> extentOf(const std::vector<ObjectCell>& cells,
   const double along = std::hypot(across, 0.3 * smear * 2.0 + 0.1 * extent.box.length);
   extent.centre_covariance = across * across * Eigen::Matrix3d::Identity() +
                              (along * along - across * across) * sight * sight.transpose();
-  for (const auto& cell : cells) extent.cells.push_back(cell.place);
+  for (const auto& cell : cells) {
+    extent.cells.push_back(cell.place);
+    extent.surface += cell.point / static_cast<double>(cells.size());
+  }
   return extent;
 }
 

@@ -19,8 +19,9 @@ struct ObjectCell {
 
 /// What dense stereo shows of one object.
 struct ObjectExtent {
-  Box2d box2d;                                                      ///< [px]
-  Box3d box;                                                        ///< camera frame
+  Box2d box2d;                                        ///< [px]
+  Box3d box;                                          ///< camera frame
+  Eigen::Vector3d surface = Eigen::Vector3d::Zero();  ///< middle of what is seen, camera frame [m]
   Eigen::Matrix3d centre_covariance = Eigen::Matrix3d::Identity();  ///< camera frame [m^2]
   ObjectClass object_class = ObjectClass::kUnknown;                 ///< as size and speed suggest
   std::vector<cv::Point> cells;                                     ///< of the disparity image

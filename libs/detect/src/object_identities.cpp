@@ -5,7 +5,7 @@
 namespace headway::detect {
 namespace {
 
-constexpr double kForgotten = 1.0;  // unseen for longer [s]
+constexpr double kForgotten = 1.0;  // nothing of it moved for longer [s]
 constexpr std::int64_t kNobody = -1;
 
 }  // namespace
@@ -19,7 +19,7 @@ ObjectClass ObjectIdentity::objectClass() const {
 void ObjectIdentities::beginFrame(Time now) {
   now_ = now;
   for (auto item = known_.begin(); item != known_.end();) {
-    item = now_ - item->second.time > kForgotten ? known_.erase(item) : std::next(item);
+    item = now_ - item->second.moved_time > kForgotten ? known_.erase(item) : std::next(item);
   }
 }
 
@@ -37,10 +37,19 @@ const ObjectIdentity& ObjectIdentities::identify(const FoundObject& found) {
   identity.id = id;
   ++identity.sightings;
   identity.time = now_;
+  if (found.moved) identity.moved_time = now_;
   identity.place = found.place;
   identity.velocity = found.velocity;
   ++identity.votes[found.object_class];
   return identity;
+}
+
+std::vector<ObjectIdentity> ObjectIdentities::missing() const {
+  std::vector<ObjectIdentity> missing;
+  for (const auto& [id, identity] : known_) {
+    if (isFree(id)) missing.push_back(identity);
+  }
+  return missing;
 }
 
 std::int64_t ObjectIdentities::nearest(const FoundObject& found) const {
@@ -48,8 +57,7 @@ std::int64_t ObjectIdentities::nearest(const FoundObject& found) const {
   double least = found.gate_m;
   for (const auto& [id, identity] : known_) {
     if (!isFree(id)) continue;
-    const Eigen::Vector3d expected = identity.place + (now_ - identity.time) * identity.velocity;
-    const double off = (found.place - expected).norm();
+    const double off = (found.place - identity.expectedAt(now_)).norm();
     if (off >= least) continue;
     least = off;
     best = id;

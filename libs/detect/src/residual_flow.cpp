@@ -9,8 +9,6 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "reduced_image.h"
-
 namespace headway::detect {
 namespace {
 
@@ -170,10 +168,10 @@ double takeOffCommon(const cv::Mat& disparities, cv::Mat& columns) {
 
 }  // namespace
 
-ResidualFlow ResidualFlowMeter::measure(const StereoFrame& frame, const DisparityImage& disparity,
+ResidualFlow ResidualFlowMeter::measure(const cv::Mat& image, const DisparityImage& disparity,
                                         const CameraPath& path) {
   const cv::Mat before = before_;
-  before_ = reducedImage(frame.left, disparity.reduce).clone();
+  before_ = image.clone();
   ResidualFlow flow;
   if (before.empty() || path.newest() == path.oldest()) return flow;
   const int newest = path.newest();

@@ -32,8 +32,9 @@ class ResidualFlowMeter {
 
   /// Measures from the frame handed in before to this one, the newest of the path.
   ///
-  /// @return  empty for the first frame
-  [[nodiscard]] ResidualFlow measure(const StereoFrame& frame, const DisparityImage& disparity,
+  /// @param image  left, on the disparity grid, 8-bit
+  /// @return       empty for the first frame
+  [[nodiscard]] ResidualFlow measure(const cv::Mat& image, const DisparityImage& disparity,
                                      const CameraPath& path);
   void clear() { before_ = cv::Mat(); }
 

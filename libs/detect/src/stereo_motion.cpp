@@ -10,9 +10,11 @@
 #include "body_flow.h"
 #include "disparity_offset.h"
 #include "mover_finder.h"
+#include "mover_recognition.h"
 #include "noise_scale.h"
 #include "object_identities.h"
 #include "point_follower.h"
+#include "reduced_image.h"
 #include "regions_ahead.h"
 #include "residual_flow.h"
 
@@ -26,8 +28,6 @@ constexpr double kLongestGap = 3.0;     // of the window: after it everything is
 constexpr double kPointsOfSureObject = 6.0;
 constexpr double kStartUp =
     0.35;  // until then slight errors of pose and stereo pass for motion [s]
-constexpr double kSamePlace = 0.8;           // between an object and where it is expected [m]
-constexpr double kSamePlacePerMetre = 0.02;  // growth with depth [m/m]
 
 bool usable(const cv::Mat& image) {
   cv::Scalar mean, deviation;
@@ -68,6 +68,7 @@ class StereoMotion::Implementation {
     cells_.clear();
     if (!usable(frame.left) || !usable(frame.right)) return "unusable_image";
     disparity_ = withoutOffset(matcher_->of(frame), offset_.value());
+    image_ = reducedImage(frame.left, disparity_.reduce);
     ground_ = findGround(disparity_, *camera_, ground_);
     if (!T_map_robot) {
       startAnew();
@@ -83,17 +84,14 @@ class StereoMotion::Implementation {
     follower_.setDisparityOffset(offset_.value());
     follower_.follow(frame, disparity_, path_);
     const char* unsure = judge() ? nullptr : "camera_motion_unsure";
-    ResidualFlow flow = flow_meter_.measure(frame, disparity_, path_);
+    ResidualFlow flow = flow_meter_.measure(image_, disparity_, path_);
     if (unsure != nullptr) flow = {};
     if (ground_) {
       blobs_.follow(bodiesByFlow(disparity_, flow, *camera_, *ground_, params_.blob_range_m), path_,
                     up_);
     }
     if (unsure == nullptr && frame.time - path_.timeOf(path_.oldest()) > kStartUp) {
-      identities_.beginFrame(frame.time);
-      const LookedAt looked{path_,     disparity_,          ground_, up_, follower_.points(),
-                            verdicts_, noise_scale_.value()};
-      for (auto& mover : finder_.find(looked, blobs_.tracks())) report(mover);
+      reportMovers();
     }
     follower_.replenish(frame, disparity_, ground_, number);
     return unsure;
@@ -164,8 +162,28 @@ class StereoMotion::Implementation {
     follower_.points() = std::move(kept);
   }
 
+  /// First what surely moves, then what is known from frames before.
+  void reportMovers() {
+    identities_.beginFrame(path_.timeOf(path_.newest()));
+    const LookedAt looked{path_,      image_,
+                          disparity_, ground_,
+                          up_,        follower_.points(),
+                          verdicts_,  noise_scale_.value()};
+    std::vector<Mover> movers = finder_.find(looked, blobs_.tracks());
+    std::size_t reported = 0;
+    const auto reportNew = [&] {
+      for (; reported < movers.size(); ++reported) report(movers[reported]);
+    };
+    reportNew();
+    recogniseBodies(looked, identities_.missing(), blobs_.tracks(), *camera_, movers);
+    reportNew();
+    recogniseLooks(looked, identities_.missing(), *camera_, movers);
+    reportNew();
+  }
+
   /// Ids that the parts of a mover had before, the most frequent first.
   [[nodiscard]] std::vector<std::int64_t> formerIds(const Mover& mover) const {
+    if (mover.known_as) return {*mover.known_as};
     std::map<std::int64_t, int> votes;
     for (const std::size_t i : mover.members) ++votes[follower_.points()[i].object];
     for (const auto* body : mover.bodies) ++votes[body->track.object];
@@ -176,14 +194,25 @@ class StereoMotion::Implementation {
     return ids;
   }
 
-  void report(Mover& mover) {
+  void remember(const Mover& mover, std::int64_t id) {
+    auto appearance = appearanceOf(image_, mover.extent.cells);
+    if (!appearance) return identities_.remember(id, std::nullopt);
+    const int newest = path_.newest();
+    identities_.remember(
+        id, MoverLook{std::move(*appearance), mover.extent, path_.T_cam_world(newest).inverse(),
+                      path_.timeOf(newest), mover.points});
+  }
+
+  void report(const Mover& mover) {
     const Pose& T_cam_world = path_.T_cam_world(path_.newest());
     const Eigen::Vector3d& centre = mover.extent.box.centre;
-    const ObjectIdentity& identity = identities_.identify(
-        {formerIds(mover), T_cam_world.inverse() * centre, mover.velocity.value,
-         kSamePlace + kSamePlacePerMetre * centre.z(), mover.extent.object_class});
+    const ObjectIdentity& identity =
+        identities_.identify({formerIds(mover), T_cam_world.inverse() * centre, mover.velocity,
+                              recognitionGate(centre.z()), mover.extent.object_class,
+                              mover.evidence == MoverEvidence::kMotion});
     for (const std::size_t i : mover.members) follower_.points()[i].object = identity.id;
     for (auto* body : mover.bodies) body->track.object = identity.id;
+    if (mover.evidence != MoverEvidence::kLook) remember(mover, identity.id);
     if (identity.sightings < params_.confirm_frames) return;
     MovingObject object;
     object.id = identity.id;
@@ -199,12 +228,13 @@ class StereoMotion::Implementation {
     detection.velocity = rotated(mover.velocity, T_cam_world.linear());
     // All those frames tell of it, and each frame's report does so again.
     detection.velocity->covariance *= path_.newest() - mover.first_frame + 1;
-    cells_.push_back(std::move(mover.extent.cells));
+    cells_.push_back(mover.extent.cells);
     objects_.push_back(std::move(object));
   }
 
   std::shared_ptr<const StereoCamera> camera_;
   StereoMotionParams params_;
+  cv::Mat image_;  ///< left, on the disparity grid
   std::shared_ptr<DisparityMatcher> matcher_;
   CameraPath path_;
   PointFollower follower_;

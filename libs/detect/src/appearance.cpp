@@ -1,0 +1,78 @@
+#include "appearance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace headway::detect {
+namespace {
+
+constexpr int kLeastCells = 30;
+constexpr double kLeastContrast = 6.0;  // standard deviation [grey levels]
+constexpr float kAlike = 0.5F;          // correlation; legs and what is behind them change
+constexpr int kReachAcross = 8;         // sought to either side [cells]
+constexpr int kReachUp = 4;             // and up and down [cells]
+const cv::Size kGaps(5, 5);             // between cells that are closed [cells]
+
+cv::Mat resized(const cv::Mat& image, double scale, int interpolation) {
+  cv::Mat result;
+  cv::resize(image, result, {}, scale, scale, interpolation);
+  return result;
+}
+
+// The place of the best match; nullopt if it is not alike.
+std::optional<cv::Point> bestOf(const cv::Mat& correlations) {
+  std::optional<cv::Point> best;
+  float most = kAlike;
+  for (int row = 0; row < correlations.rows; ++row) {
+    for (int column = 0; column < correlations.cols; ++column) {
+      const float correlation = correlations.at<float>(row, column);
+      // Where the image is flat it is not defined, whatever OpenCV divides there.
+      if (!(correlation >= most) || correlation > 1.01F) continue;
+      most = correlation;
+      best = cv::Point(column, row);
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+std::optional<Appearance> appearanceOf(const cv::Mat& image, const std::vector<cv::Point>& cells) {
+  if (static_cast<int>(cells.size()) < kLeastCells) return std::nullopt;
+  const cv::Rect box = cv::boundingRect(cells);
+  Appearance appearance;
+  appearance.patch = image(box).clone();
+  appearance.middle = {box.x + 0.5 * box.width, box.y + 0.5 * box.height};
+  appearance.mask = cv::Mat(box.size(), CV_8U, cv::Scalar(0));
+  for (const auto& cell : cells) appearance.mask.at<unsigned char>(cell - box.tl()) = 255;
+  cv::morphologyEx(appearance.mask, appearance.mask, cv::MORPH_CLOSE,
+                   cv::getStructuringElement(cv::MORPH_RECT, kGaps));
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(appearance.patch, mean, deviation, appearance.mask);
+  if (deviation[0] < kLeastContrast) return std::nullopt;
+  return appearance;
+}
+
+std::optional<cv::Point> seek(const Appearance& appearance, const cv::Mat& image,
+                              const cv::Point2d& expected, double scale) {
+  const cv::Mat patch = resized(appearance.patch, scale, cv::INTER_LINEAR);
+  const cv::Mat mask = resized(appearance.mask, scale, cv::INTER_NEAREST);
+  const cv::Point corner(cvRound(expected.x - 0.5 * patch.cols),
+                         cvRound(expected.y - 0.5 * patch.rows));
+  const cv::Rect whole({0, 0}, image.size());
+  const cv::Rect shown = cv::Rect(corner, patch.size()) & whole;
+  const cv::Rect window = cv::Rect(shown.x - kReachAcross, shown.y - kReachUp,
+                                   shown.width + 2 * kReachAcross, shown.height + 2 * kReachUp) &
+                          whole;
+  if (shown.empty()) return std::nullopt;
+  const cv::Rect part(shown.tl() - corner, shown.size());
+  if (cv::countNonZero(mask(part)) < kLeastCells) return std::nullopt;
+  cv::Mat correlations;
+  cv::matchTemplate(image(window), patch(part), correlations, cv::TM_CCOEFF_NORMED, mask(part));
+  const auto best = bestOf(correlations);
+  if (!best) return std::nullopt;
+  return window.tl() + *best - shown.tl();
+}
+
+}  // namespace headway::detect
