@@ -84,6 +84,14 @@ Pooled pool(const std::vector<Part>& parts) {
   return pooled;
 }
 
+// Of the camera, mean over its path [m/s].
+double speedOf(const CameraPath& path) {
+  const double seconds = path.timeOf(path.newest()) - path.timeOf(path.oldest());
+  if (seconds <= 0.0) return 0.0;
+  const Pose T = path.T_cam_world(path.newest()) * path.T_cam_world(path.oldest()).inverse();
+  return T.translation().norm() / seconds;
+}
+
 }  // namespace
 
 std::optional<BodyMotion> bodyMotion(const UprightBlob& body,
@@ -132,8 +140,10 @@ std::optional<BodyMotion> bodyMotion(const UprightBlob& body,
   const double depth = camera.fx * camera.baseline_m / body.uvd.z();
   const double along = params.common_disparity_px * depth / body.uvd.z() / span;
   const double common_across = params.common_px * depth / camera.fx / span;
+  const double slip = params.common_share * speedOf(path);
   Eigen::Matrix2d covariance = pooled.information.inverse();
-  covariance.diagonal() += Eigen::Vector2d(along * along, common_across * common_across);
+  covariance.diagonal() +=
+      Eigen::Vector2d(along * along + slip * slip, common_across * common_across + slip * slip);
   BodyMotion motion;
   motion.velocity = axes * pooled.velocity;
   motion.covariance = axes * covariance * axes.transpose();

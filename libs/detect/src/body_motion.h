@@ -26,10 +26,11 @@ struct BodyMotion {
 struct BodyParams {
   int least_sightings = 4;
   int least_parts = 3;
-  int least_flows = 3;               ///< one or two may be mismatches that agree
-  double noise_scale = 1.0;          ///< true errors of sightings over those assumed [-]
-  double speed_prior = 3.0;          ///< standard deviation of a body's speed [m/s]
-  double common_px = 0.3;            ///< drift of the camera's direction over the sightings [px]
+  int least_flows = 2;         ///< one may be a mismatch
+  double noise_scale = 1.0;    ///< true errors of sightings over those assumed [-]
+  double speed_prior = 3.0;    ///< standard deviation of a body's speed [m/s]
+  double common_px = 0.3;      ///< drift of the camera's direction over the sightings [px]
+  double common_share = 0.01;  ///< errors of calibration and motion, of the camera's speed [-]
   double common_disparity_px = 0.2;  ///< drift of a body's disparity over them [px]
 };
 

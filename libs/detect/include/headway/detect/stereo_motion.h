@@ -26,12 +26,12 @@ struct StereoMotionParams {
   double least_speed = 0.6;    ///< slower objects stand still [m/s]
   double most_speed = 60.0;    ///< nothing is faster [m/s]
   int least_points = 3;        ///< that make an object
-  int confirm_frames = 2;      ///< in which an object was found before it is reported
+  int confirm_frames = 1;      ///< in which an object was found before it is reported
   double reach_m = 1.0;        ///< between points of one object, over the ground [m]
   double moving_share = 0.6;   ///< of the points inside an object's outline [-]
   double blob_range_m = 30.0;  ///< farther things are not followed as a whole [m]
   double body_significance =
-      25.0;                  ///< of a body's motion, chi-square with 2 degrees of freedom [-]
+      15.0;                  ///< of a body's motion, chi-square with 2 degrees of freedom [-]
   double most_moving = 0.4;  ///< if more of all points seem to move, the camera's motion is wrong
   bool guess_class = true;   ///< from size and speed; else every object is Unknown
 
@@ -53,8 +53,8 @@ struct MovingObject {
 /// only motion explains them, and neighbours on the ground move alike, there is an object. Dense
 /// disparities give its outline. Things of a person's size are followed as wholes, too, for people
 /// often show no corners: by their outline, and by how their dense flow differs from that of a
-/// still world seen from the moving camera. Needs a frame rate at which things move less than they are long,
-/// and a camera that sees still surroundings most of the time.
+/// still world seen from the moving camera. Needs a frame rate at which things move less than they
+/// are long, and a camera that sees still surroundings most of the time.
 ///
 /// @see  Franke et al. 2005, "6D-Vision"; Lenz et al. 2011, "Sparse scene flow segmentation"
 class StereoMotion : public Detector {
