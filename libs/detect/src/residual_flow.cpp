@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <opencv2/calib3d.hpp>
@@ -12,13 +13,15 @@
 namespace headway::detect {
 namespace {
 
-constexpr int kReach = 16;               // sought to either side [cells]
-constexpr int kBlock = 9;                // matched [cells]
-constexpr int kUniqueness = 10;          // how much better the best match must be [%]
-constexpr int kLeastSpeckle = 20;        // smaller islands are dropped [cells]
-constexpr int kSubpixels = 16;           // OpenCV's fixed-point disparities
-constexpr int kBorder = 2 * kReach;      // columns without which OpenCV matches nothing [cells]
-const cv::Size kSkirt(17, 5);            // around near things they keep their depth [cells]
+constexpr int kReach = 16;           // sought to either side [cells]
+constexpr int kBlock = 9;            // matched [cells]
+constexpr int kUniqueness = 10;      // how much better the best match must be [%]
+constexpr int kOverlap = 6;          // rows about a block; even, as OpenCV filters pairs of them
+constexpr int kLeastSpeckle = 20;    // smaller islands are dropped [cells]
+constexpr int kSpeckleRange = 2;     // between neighbours in an island
+constexpr int kSubpixels = 16;       // OpenCV's fixed-point disparities
+constexpr int kBorder = 2 * kReach;  // columns without which OpenCV matches nothing [cells]
+const cv::Size kSkirt(17, 5);        // around near things they keep their depth [cells]
 constexpr double kSigmaDisparity = 0.4;  // [px]
 constexpr double kLeastSigma = 0.15;     // [px]
 constexpr double kTail = 1.0;            // residual from which a cell weighs half [px]
@@ -51,7 +54,40 @@ cv::Mat smoothed(const cv::Mat& disparities) {
   return result;
 }
 
-// Where a still cell was in the frame before, by its disparity.
+// Does something with each row, in some threads: rows must not depend on each other.
+template <class Work>
+void forEachRow(int rows, const Work& work) {
+  cv::parallel_for_({0, rows}, [&](const cv::Range& some) {
+    for (int row = some.start; row < some.end; ++row) work(row);
+  });
+}
+
+// Where a row's still cells were in the frame before, by their disparities.
+class StillRow {
+ public:
+  StillRow(const Eigen::Matrix3f& turn, const Eigen::Vector3f& shift, int row, int reduce)
+      : reduce_(static_cast<float>(reduce)),
+        begin_(turn.col(1) * pixelOf(row) + turn.col(2)),
+        step_(turn.col(0)),
+        shift_(shift) {}
+
+  // Column and row of the grid.
+  [[nodiscard]] cv::Point2f before(int column, float disparity) const {
+    const Eigen::Vector3f there = step_ * pixelOf(column) + begin_ + shift_ * disparity;
+    return {cellOf(there.x() / there.z()), cellOf(there.y() / there.z())};
+  }
+
+ private:
+  [[nodiscard]] float pixelOf(int cell) const {
+    return (static_cast<float>(cell) + 0.5F) * reduce_ - 0.5F;
+  }
+  [[nodiscard]] float cellOf(float pixel) const { return (pixel + 0.5F) / reduce_ - 0.5F; }
+
+  float reduce_;
+  Eigen::Vector3f begin_, step_, shift_;
+};
+
+// How a still world moves through the image from the frame before to this one.
 class StillWorld {
  public:
   StillWorld(const Pose& T_before_now, const StereoCamera& camera, int reduce) : reduce_(reduce) {
@@ -61,21 +97,9 @@ class StillWorld {
     shift_ = (K * T_before_now.translation() / (camera.fx * camera.baseline_m)).cast<float>();
   }
 
-  // Column and row of the grid.
-  [[nodiscard]] cv::Point2f before(int column, int row, float disparity) const {
-    const Eigen::Vector3f pixel(pixelOf(column), pixelOf(row), 1.0F);
-    const Eigen::Vector3f there = turn_ * pixel + shift_ * disparity;
-    return {cellOf(there.x() / there.z()), cellOf(there.y() / there.z())};
-  }
+  [[nodiscard]] StillRow row(int row) const { return {turn_, shift_, row, reduce_}; }
 
  private:
-  [[nodiscard]] float pixelOf(int cell) const {
-    return (static_cast<float>(cell) + 0.5F) * static_cast<float>(reduce_) - 0.5F;
-  }
-  [[nodiscard]] float cellOf(float pixel) const {
-    return (pixel + 0.5F) / static_cast<float>(reduce_) - 0.5F;
-  }
-
   int reduce_;
   Eigen::Matrix3f turn_;
   Eigen::Vector3f shift_;
@@ -87,44 +111,62 @@ struct Warp {
 
 Warp warpOf(const cv::Mat& disparities, const StillWorld& world) {
   Warp warp{cv::Mat(disparities.size(), CV_32F), cv::Mat(disparities.size(), CV_32F)};
-  for (int row = 0; row < disparities.rows; ++row) {
+  forEachRow(disparities.rows, [&](int row) {
+    const StillRow still = world.row(row);
+    const auto* d = disparities.ptr<float>(row);
+    auto* columns = warp.columns.ptr<float>(row);
+    auto* rows = warp.rows.ptr<float>(row);
     for (int column = 0; column < disparities.cols; ++column) {
-      const cv::Point2f there = world.before(column, row, disparities.at<float>(row, column));
-      warp.columns.at<float>(row, column) = there.x;
-      warp.rows.at<float>(row, column) = there.y;
+      const cv::Point2f there = still.before(column, d[column]);
+      columns[column] = there.x;
+      rows[column] = there.y;
     }
-  }
+  });
   return warp;
 }
 
-// Columns in the warped image that match the cells [cells]; NaN where there are none.
-cv::Mat matchedColumns(const cv::Mat& now, const cv::Mat& warped) {
+// Fills in what is matched in some rows, just as if the whole images were matched.
+void matchRows(const cv::Mat& now, const cv::Mat& warped, const cv::Range& rows, cv::Mat& matches) {
   auto matcher = cv::StereoBM::create(2 * kReach, kBlock);
   matcher->setMinDisparity(-kReach);
   matcher->setUniquenessRatio(kUniqueness);
   matcher->setTextureThreshold(12);
   matcher->setPreFilterCap(31);
   matcher->setDisp12MaxDiff(1);
-  matcher->setSpeckleRange(2);
-  matcher->setSpeckleWindowSize(kLeastSpeckle);
-  cv::Mat a, b, fixed;
+  const cv::Range seen(std::max(0, rows.start - kOverlap), std::min(now.rows, rows.end + kOverlap));
+  cv::Mat found;
+  matcher->compute(now.rowRange(seen), warped.rowRange(seen), found);
+  found.rowRange(rows.start - seen.start, rows.end - seen.start).copyTo(matches.rowRange(rows));
+}
+
+// Columns in the warped image that match the cells [cells]; NaN where there are none.
+cv::Mat matchedColumns(const cv::Mat& now, const cv::Mat& warped) {
+  cv::Mat a, b;
   cv::copyMakeBorder(now, a, 0, 0, kBorder, kBorder, cv::BORDER_REPLICATE);
   cv::copyMakeBorder(warped, b, 0, 0, kBorder, kBorder, cv::BORDER_REPLICATE);
-  matcher->compute(a, b, fixed);
-  cv::Mat columns(now.size(), CV_32F, cv::Scalar(kUnknown));
+  // OpenCV matches images as small as these in one thread.
+  cv::Mat matches(a.size(), CV_16S);
+  const int half = now.rows / 4 * 2;
+  const std::array<cv::Range, 2> halves{cv::Range(0, half), cv::Range(half, now.rows)};
+  forEachRow(2, [&](int i) { matchRows(a, b, halves[i], matches); });
+  constexpr int kNone = (-kReach - 1) * kSubpixels;
+  cv::filterSpeckles(matches, kNone, kLeastSpeckle, kSpeckleRange);
+  cv::Mat columns(now.size(), CV_32F);
   for (int row = 0; row < now.rows; ++row) {
+    const short* match = matches.ptr<short>(row) + kBorder;
+    auto* place = columns.ptr<float>(row);
     for (int column = 0; column < now.cols; ++column) {
-      const int match = fixed.at<short>(row, column + kBorder);
-      if (match < -kReach * kSubpixels) continue;
-      columns.at<float>(row, column) =
-          static_cast<float>(column) - static_cast<float>(match) / kSubpixels;
+      place[column] =
+          match[column] < -kReach * kSubpixels
+              ? kUnknown
+              : static_cast<float>(column) - static_cast<float>(match[column]) / kSubpixels;
     }
   }
   return columns;
 }
 
 float between(const float* row, int columns, float place) {
-  const int first = static_cast<int>(std::floor(place));
+  const int first = cvFloor(place);
   if (first < 0 || first + 1 >= columns) return kUnknown;
   const float share = place - static_cast<float>(first);
   return (1.0F - share) * row[first] + share * row[first + 1];
@@ -135,10 +177,10 @@ float between(const float* row, int columns, float place) {
 double takeOffCommon(const cv::Mat& disparities, cv::Mat& columns) {
   std::vector<Eigen::Vector3d> still;  // 1, disparity, residual
   for (int row = 0; row < columns.rows; row += kEach) {
+    const auto* d = disparities.ptr<float>(row);
+    const auto* residuals = columns.ptr<float>(row);
     for (int column = 0; column < columns.cols; column += kEach) {
-      const float residual = columns.at<float>(row, column);
-      if (std::isnan(residual)) continue;
-      still.emplace_back(1.0, disparities.at<float>(row, column), residual);
+      if (!std::isnan(residuals[column])) still.emplace_back(1.0, d[column], residuals[column]);
     }
   }
   if (still.empty()) return kTail;
@@ -158,9 +200,10 @@ double takeOffCommon(const cv::Mat& disparities, cv::Mat& columns) {
   std::vector<double> rest;
   for (const auto& cell : still) rest.push_back(std::abs(cell.z() - common.dot(cell.head<2>())));
   for (int row = 0; row < columns.rows; ++row) {
+    const auto* d = disparities.ptr<float>(row);
+    auto* residuals = columns.ptr<float>(row);
     for (int column = 0; column < columns.cols; ++column) {
-      columns.at<float>(row, column) -=
-          static_cast<float>(common.x() + common.y() * disparities.at<float>(row, column));
+      residuals[column] -= static_cast<float>(common.x() + common.y() * d[column]);
     }
   }
   return std::max(kLeastSigma, 1.4826 * median(rest));
@@ -182,23 +225,32 @@ ResidualFlow ResidualFlowMeter::measure(const cv::Mat& image, const DisparityIma
   cv::Mat warped;
   cv::remap(before, warped, warp.columns, warp.rows, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
   flow.columns = matchedColumns(before_, warped);
-  flow.sigmas = cv::Mat(flow.columns.size(), CV_32F, cv::Scalar(0));
+  flow.sigmas = cv::Mat(flow.columns.size(), CV_32F);
   const auto scale = static_cast<float>(disparity.reduce);
-  for (int row = 0; row < flow.columns.rows; ++row) {
-    for (int column = 0; column < flow.columns.cols; ++column) {
-      float& cell = flow.columns.at<float>(row, column);
-      const float d = disparity.values.at<float>(row, column);
-      if (d <= 0.0F) cell = kUnknown;
-      if (std::isnan(cell)) continue;
-      const float still = world.before(column, row, d).x;
-      const float shifted = world.before(column, row, d + float(kSigmaDisparity)).x;
-      cell = scale * (still - between(warp.columns.ptr<float>(row), warp.columns.cols, cell));
-      flow.sigmas.at<float>(row, column) = scale * (shifted - still);
+  const int columns = flow.columns.cols;
+  forEachRow(flow.columns.rows, [&](int row) {
+    const StillRow still_row = world.row(row);
+    const auto* d = disparity.values.ptr<float>(row);
+    const auto* warped_columns = warp.columns.ptr<float>(row);
+    auto* cells = flow.columns.ptr<float>(row);
+    auto* sigmas = flow.sigmas.ptr<float>(row);
+    std::vector<float> still(columns);
+    for (int column = 0; column < columns; ++column) {
+      still[column] = still_row.before(column, d[column]).x;
+      const float shifted = still_row.before(column, d[column] + float(kSigmaDisparity)).x;
+      sigmas[column] = scale * (shifted - still[column]);
     }
-  }
+    for (int column = 0; column < columns; ++column) {
+      const bool known = d[column] > 0.0F && !std::isnan(cells[column]);
+      cells[column] =
+          known ? scale * (still[column] - between(warped_columns, columns, cells[column]))
+                : kUnknown;
+    }
+  });
   const double noise = takeOffCommon(disparity.values, flow.columns);
-  cv::Mat squared = flow.sigmas.mul(flow.sigmas) + noise * noise;
-  cv::sqrt(squared, flow.sigmas);
+  cv::multiply(flow.sigmas, flow.sigmas, flow.sigmas);
+  cv::add(flow.sigmas, noise * noise, flow.sigmas);
+  cv::sqrt(flow.sigmas, flow.sigmas);
   return flow;
 }
 
