@@ -46,18 +46,19 @@ std::optional<AcrossSpeed> acrossSpeed(const UprightBlob& blob, const ResidualFl
 cv::Mat movingCells(const DisparityImage& disparity, const ResidualFlow& flow,
                     const StereoCamera& camera, float side) {
   const cv::Size size = flow.columns.size();
-  cv::Mat moving(size, CV_8U, cv::Scalar(0));
-  cv::Mat still(size, CV_8U, cv::Scalar(0));
+  cv::Mat moving(size, CV_8U);
+  cv::Mat still(size, CV_8U);
   for (int row = 0; row < size.height; ++row) {
+    const auto* residuals = flow.columns.ptr<float>(row);
+    const auto* sigmas = flow.sigmas.ptr<float>(row);
+    const auto* d = disparity.values.ptr<float>(row);
+    auto* moves = moving.ptr<unsigned char>(row);
+    auto* stands = still.ptr<unsigned char>(row);
     for (int column = 0; column < size.width; ++column) {
-      const float residual = side * flow.columns.at<float>(row, column);
-      if (std::isnan(residual)) continue;
-      const float sigma = flow.sigmas.at<float>(row, column);
-      const double d = disparity.values.at<float>(row, column);
-      if (residual < kStill * sigma) still.at<unsigned char>(row, column) = 1;
-      if (residual > kMoves * sigma && acrossOf(residual, d, flow.seconds, camera) > kLeastAcross) {
-        moving.at<unsigned char>(row, column) = 1;
-      }
+      const float residual = side * residuals[column];  // where it is unknown, neither holds
+      stands[column] = residual < kStill * sigmas[column];
+      moves[column] = residual > kMoves * sigmas[column] &&
+                      acrossOf(residual, d[column], flow.seconds, camera) > kLeastAcross;
     }
   }
   cv::dilate(moving, moving, cv::getStructuringElement(cv::MORPH_RECT, kGaps));
@@ -70,7 +71,8 @@ cv::Mat movingCells(const DisparityImage& disparity, const ResidualFlow& flow,
 std::vector<UprightBlob> bodiesByFlow(const DisparityImage& disparity, const ResidualFlow& flow,
                                       const StereoCamera& camera, const GroundPlane& ground,
                                       double range_m) {
-  auto bodies = uprightBlobs(disparity, camera, ground, range_m);
+  const StandingCells standing = standingCells(disparity, camera, ground, range_m);
+  auto bodies = uprightBlobs(standing, disparity, camera);
   if (flow.empty()) return bodies;
   cv::Mat claimed(flow.columns.size(), CV_8U, cv::Scalar(0));
   for (auto& body : bodies) {
@@ -79,9 +81,9 @@ std::vector<UprightBlob> bodiesByFlow(const DisparityImage& disparity, const Res
     for (const auto& cell : body.cells) claimed.at<unsigned char>(cell.place) = 1;
   }
   for (const float side : {1.0F, -1.0F}) {
-    DisparityImage moving{disparity.values.clone(), disparity.reduce};
-    moving.values.setTo(0.0F, movingCells(disparity, flow, camera, side) == 0);
-    for (auto& body : uprightBlobs(moving, camera, ground, range_m)) {
+    StandingCells moving{{}, standing.heights};
+    standing.disparities.copyTo(moving.disparities, movingCells(disparity, flow, camera, side));
+    for (auto& body : uprightBlobs(moving, disparity, camera)) {
       const auto taken = std::count_if(
           body.cells.begin(), body.cells.end(),
           [&](const ObjectCell& cell) { return claimed.at<unsigned char>(cell.place) != 0; });

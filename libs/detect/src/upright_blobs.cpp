@@ -25,48 +25,33 @@ constexpr double kHiddenRows = 0.25;  // share of rows with something nearer bes
 
 using Cells = std::vector<ObjectCell>;
 
-// Cells between foot and head, the rest set to 0.
-cv::Mat standing(const DisparityImage& disparity, const StereoCamera& camera,
-                 const GroundPlane& ground, double range_m) {
-  const double fb = camera.fx * camera.baseline_m;
-  const float least = static_cast<float>(fb / range_m);
-  cv::Mat result(disparity.values.size(), CV_32F, cv::Scalar(0));
-  // Height is linear in the pixel and in depth: up . (x/z, y/z, 1) * z + camera height.
-  for (int row = 0; row < result.rows; ++row) {
-    const double y = (disparity.pixelOf(row) - camera.cy) / camera.fy;
-    for (int column = 0; column < result.cols; ++column) {
-      const float d = disparity.values.at<float>(row, column);
-      if (d < least) continue;
-      const double x = (disparity.pixelOf(column) - camera.cx) / camera.fx;
-      const double height = ground.heightOf(Eigen::Vector3d(x, y, 1.0) * (fb / d));
-      if (height > kFoot && height < kHead) result.at<float>(row, column) = d;
-    }
-  }
-  return result;
-}
+// Connected cells.
+struct Patch {
+  std::vector<cv::Point> places;
+  std::vector<float> disparities;
+  std::vector<double> heights;  ///< above the ground [m]
+};
 
 // Takes the cells connected to one out of the image.
-std::vector<cv::Point> takeConnected(cv::Mat& image, const cv::Point& first,
-                                     std::vector<float>& disparities) {
-  std::vector<cv::Point> places{first};
-  disparities.assign(1, image.at<float>(first));
+Patch takeConnected(cv::Mat& image, const cv::Point& first) {
+  Patch patch{{first}, {image.at<float>(first)}, {}};
   image.at<float>(first) = 0.0F;
   const cv::Rect inside({0, 0}, image.size());
-  for (std::size_t next = 0; next < places.size(); ++next) {
-    const float d = disparities[next];
+  for (std::size_t next = 0; next < patch.places.size(); ++next) {
+    const float d = patch.disparities[next];
     const double most = std::max(kStep, kStepShare * d);
     for (const auto& step :
          {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)}) {
-      const cv::Point place = places[next] + step;
+      const cv::Point place = patch.places[next] + step;
       if (!inside.contains(place)) continue;
       const float other = image.at<float>(place);
       if (other <= 0.0F || std::abs(other - d) > most) continue;
       image.at<float>(place) = 0.0F;
-      places.push_back(place);
-      disparities.push_back(other);
+      patch.places.push_back(place);
+      patch.disparities.push_back(other);
     }
   }
-  return places;
+  return patch;
 }
 
 // Whether something nearer, or the image's edge, borders the blob on its left or right.
@@ -99,61 +84,54 @@ bool isHidden(const Cells& cells, double blob_disparity, const cv::Rect& box,
   return std::max(beside_left, beside_right) > kHiddenRows * box.height;
 }
 
-// Connected cells.
-struct Patch {
-  std::vector<cv::Point> places;
-  std::vector<float> disparities;
-  std::vector<double> heights;  ///< above the ground [m]
-  Cells cells;
-};
-
-Patch patchOf(const std::vector<cv::Point>& places, const std::vector<float>& disparities,
-              const DisparityImage& disparity, const StereoCamera& camera,
-              const GroundPlane& ground) {
-  Patch patch{places, disparities, {}, {}};
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const auto point = triangulate(
-        {disparity.pixelOf(places[i].x), disparity.pixelOf(places[i].y), disparities[i]}, camera);
-    patch.heights.push_back(ground.heightOf(*point));
-    patch.cells.push_back({places[i], *point});
-  }
-  return patch;
-}
-
-std::vector<Patch> byPerson(const Patch& patch, const DisparityImage& disparity,
+std::vector<Patch> byPerson(Patch&& patch, const DisparityImage& disparity,
                             const StereoCamera& camera) {
   const double d = median({patch.disparities.begin(), patch.disparities.end()});
   const auto persons =
       personOfCells(patch.places, patch.heights, disparity.reduce * camera.baseline_m / d);
   std::vector<Patch> patches(1 + *std::max_element(persons.begin(), persons.end()));
+  if (patches.size() == 1) {
+    patches.front() = std::move(patch);
+    return patches;
+  }
   for (std::size_t i = 0; i < persons.size(); ++i) {
     Patch& own = patches[persons[i]];
     own.places.push_back(patch.places[i]);
     own.disparities.push_back(patch.disparities[i]);
     own.heights.push_back(patch.heights[i]);
-    own.cells.push_back(patch.cells[i]);
   }
   return patches;
+}
+
+Cells cellsOf(const Patch& patch, const DisparityImage& disparity, const StereoCamera& camera) {
+  Cells cells;
+  for (std::size_t i = 0; i < patch.places.size(); ++i) {
+    const cv::Point& place = patch.places[i];
+    const Eigen::Vector3d uvd(disparity.pixelOf(place.x), disparity.pixelOf(place.y),
+                              patch.disparities[i]);
+    cells.push_back({place, *triangulate(uvd, camera)});
+  }
+  return cells;
 }
 
 std::optional<UprightBlob> blobOf(const Patch& patch, const DisparityImage& disparity,
                                   const StereoCamera& camera) {
   if (patch.places.size() < kLeastCells) return std::nullopt;
+  const auto [lowest, highest] = std::minmax_element(patch.heights.begin(), patch.heights.end());
+  // What reaches to the cut at head height goes on above it: a trunk, a pole, a wall.
+  const bool cut = *highest > kHead - 0.1;
+  if (cut || *highest < kLeastTop || *lowest > kMostFloat) return std::nullopt;
   const cv::Rect box = cv::boundingRect(patch.places);
   const double d = median({patch.disparities.begin(), patch.disparities.end()});
   const double metres_per_px = camera.baseline_m / d;  // z / f
   const double width = box.width * disparity.reduce * metres_per_px;
   if (width < kLeastWidth || width > kMostWidth) return std::nullopt;
-  UprightBlob blob;
-  const auto [lowest, highest] = std::minmax_element(patch.heights.begin(), patch.heights.end());
   std::vector<double> columns;
   for (const auto& place : patch.places) {
     if (place.y <= box.y + box.height / 2) columns.push_back(disparity.pixelOf(place.x));
   }
-  // What reaches to the cut at head height goes on above it: a trunk, a pole, a wall.
-  const bool cut = *highest > kHead - 0.1;
-  if (cut || *highest < kLeastTop || *lowest > kMostFloat) return std::nullopt;
-  blob.cells = patch.cells;
+  UprightBlob blob;
+  blob.cells = cellsOf(patch, disparity, camera);
   blob.uvd = {median(columns), disparity.pixelOf(box.y) + 0.5 * box.height * disparity.reduce, d};
   blob.width_px = box.width * disparity.reduce;
   blob.hidden = isHidden(blob.cells, d, box, disparity);
@@ -162,24 +140,55 @@ std::optional<UprightBlob> blobOf(const Patch& patch, const DisparityImage& disp
 
 }  // namespace
 
-std::vector<UprightBlob> uprightBlobs(const DisparityImage& disparity, const StereoCamera& camera,
-                                      const GroundPlane& ground, double range_m) {
-  cv::Mat left = standing(disparity, camera, ground, range_m);
+StandingCells standingCells(const DisparityImage& disparity, const StereoCamera& camera,
+                            const GroundPlane& ground, double range_m) {
+  const double fb = camera.fx * camera.baseline_m;
+  const float least = static_cast<float>(fb / range_m);
+  const cv::Size size = disparity.values.size();
+  StandingCells cells{cv::Mat(size, CV_32F, cv::Scalar(0)), cv::Mat(size, CV_64F)};
+  std::vector<double> across(size.width);
+  for (int column = 0; column < size.width; ++column) {
+    across[column] = (disparity.pixelOf(column) - camera.cx) / camera.fx;
+  }
+  for (int row = 0; row < size.height; ++row) {
+    const double down = (disparity.pixelOf(row) - camera.cy) / camera.fy;
+    const auto* disparities = disparity.values.ptr<float>(row);
+    auto* standing = cells.disparities.ptr<float>(row);
+    auto* heights = cells.heights.ptr<double>(row);
+    for (int column = 0; column < size.width; ++column) {
+      const float d = disparities[column];
+      if (d < least) continue;
+      heights[column] = ground.heightOf(Eigen::Vector3d(across[column], down, 1.0) * (fb / d));
+      if (heights[column] > kFoot && heights[column] < kHead) standing[column] = d;
+    }
+  }
+  return cells;
+}
+
+std::vector<UprightBlob> uprightBlobs(const StandingCells& standing,
+                                      const DisparityImage& disparity, const StereoCamera& camera) {
+  cv::Mat left = standing.disparities.clone();
   std::vector<UprightBlob> blobs;
-  std::vector<float> disparities;
   for (int row = 0; row < left.rows; ++row) {
     for (int column = 0; column < left.cols; ++column) {
       if (left.at<float>(row, column) <= 0.0F) continue;
-      const auto places = takeConnected(left, {column, row}, disparities);
-      if (places.size() < kLeastCells) continue;
-      const Patch patch = patchOf(places, disparities, disparity, camera, ground);
-      for (const Patch& person : byPerson(patch, disparity, camera)) {
+      Patch patch = takeConnected(left, {column, row});
+      if (patch.places.size() < kLeastCells) continue;
+      for (const auto& place : patch.places) {
+        patch.heights.push_back(standing.heights.at<double>(place));
+      }
+      for (const Patch& person : byPerson(std::move(patch), disparity, camera)) {
         auto blob = blobOf(person, disparity, camera);
         if (blob) blobs.push_back(std::move(*blob));
       }
     }
   }
   return blobs;
+}
+
+std::vector<UprightBlob> uprightBlobs(const DisparityImage& disparity, const StereoCamera& camera,
+                                      const GroundPlane& ground, double range_m) {
+  return uprightBlobs(standingCells(disparity, camera, ground, range_m), disparity, camera);
 }
 
 }  // namespace headway::detect

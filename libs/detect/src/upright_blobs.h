@@ -24,6 +24,17 @@ struct UprightBlob {
   std::optional<AcrossSpeed> across;  ///< where its flow was measured
 };
 
+/// Cells of a disparity image that are high enough for no ground and low enough for a person.
+struct StandingCells {
+  cv::Mat disparities;  ///< [px] 32-bit; 0 where nothing stands
+  cv::Mat heights;      ///< above the ground [m] 64-bit; undefined where nothing stands
+};
+
+/// @param range_m  farther cells are left out [m]
+[[nodiscard]] StandingCells standingCells(const DisparityImage& disparity,
+                                          const StereoCamera& camera, const GroundPlane& ground,
+                                          double range_m);
+
 /// Cuts things of a person's size out of a disparity image: connected cells of nearly one
 /// disparity, off the ground, 0.2 to 2 m wide and 0.9 to 2.4 m high; of several heads, several
 /// things.
@@ -32,5 +43,12 @@ struct UprightBlob {
 [[nodiscard]] std::vector<UprightBlob> uprightBlobs(const DisparityImage& disparity,
                                                     const StereoCamera& camera,
                                                     const GroundPlane& ground, double range_m);
+
+/// The same where the standing cells are known, all or some of them.
+///
+/// @param disparity  of the whole image; says what is hidden behind something nearer
+[[nodiscard]] std::vector<UprightBlob> uprightBlobs(const StandingCells& standing,
+                                                    const DisparityImage& disparity,
+                                                    const StereoCamera& camera);
 
 }  // namespace headway::detect
