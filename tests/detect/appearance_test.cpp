@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <random>
 
@@ -75,6 +76,13 @@ TEST(Appearance, IsFoundWhenItHasComeNearer) {
   ASSERT_TRUE(off);
   EXPECT_NEAR(off->x, -3, 1);
   EXPECT_NEAR(off->y, 0, 1);
+}
+
+TEST(Appearance, IsNotSoughtMuchLargerOrSmaller) {
+  const auto appearance = looked();
+  for (const double scale : {1e-3, 0.3, 3.1, 1e3, std::nan("")}) {
+    EXPECT_FALSE(seek(appearance, imageWith(kThing.tl()), appearance.middle, scale)) << scale;
+  }
 }
 
 TEST(Appearance, IsFoundAtTheEdgeByWhatIsLeftOfIt) {

@@ -12,6 +12,7 @@ constexpr double kLeastContrast = 6.0;  // standard deviation [grey levels]
 constexpr float kAlike = 0.5F;          // correlation; legs and what is behind them change
 constexpr int kReachAcross = 8;         // sought to either side [cells]
 constexpr int kReachUp = 4;             // and up and down [cells]
+constexpr double kMostScale = 3.0;      // farther or nearer by more it looks otherwise
 const cv::Size kGaps(5, 5);             // between cells that are closed [cells]
 
 cv::Mat resized(const cv::Mat& image, double scale, int interpolation) {
@@ -56,6 +57,7 @@ std::optional<Appearance> appearanceOf(const cv::Mat& image, const std::vector<c
 
 std::optional<cv::Point> seek(const Appearance& appearance, const cv::Mat& image,
                               const cv::Point2d& expected, double scale) {
+  if (!(scale < kMostScale && scale > 1.0 / kMostScale)) return std::nullopt;
   const cv::Mat patch = resized(appearance.patch, scale, cv::INTER_LINEAR);
   const cv::Mat mask = resized(appearance.mask, scale, cv::INTER_NEAREST);
   const cv::Point corner(cvRound(expected.x - 0.5 * patch.cols),

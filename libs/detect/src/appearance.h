@@ -25,7 +25,8 @@ struct Appearance {
 ///
 /// @param expected  middle of its patch there; parts outside the image are left out [cells]
 /// @param scale     its size there over its size when it was cut out
-/// @return          how far from the expected place it is; nullopt if nothing near looks like it
+/// @return          how far from the expected place it is; nullopt if nothing near looks like it,
+///                  or where its size must have changed threefold
 [[nodiscard]] std::optional<cv::Point> seek(const Appearance& appearance, const cv::Mat& image,
                                             const cv::Point2d& expected, double scale);
 
