@@ -24,12 +24,12 @@ struct Outcome {
 };
 
 Outcome measure(const std::vector<Detection>& items, const ConsistencyParams& selection = {},
-                const BoxLifter* lifter = nullptr, const Pose& T_map_robot = Pose::Identity()) {
+                const Pose& T_map_robot = Pose::Identity()) {
   Detections detections;
   detections.items = items;
   Outcome outcome;
-  outcome.boxes = MeasurementModel(selection, FilterParams())
-                      .toMap(T_map_robot, detections, lifter, outcome.dropped);
+  outcome.boxes =
+      MeasurementModel(selection, FilterParams()).toMap(T_map_robot, detections, outcome.dropped);
   return outcome;
 }
 
@@ -37,7 +37,7 @@ TEST(MeasurementModel, BringsABoxToTheMap) {
   Pose T_map_robot = Pose::Identity();
   T_map_robot.translation() << 5.0, -2.0, 1.0;
   T_map_robot.linear() = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  const auto outcome = measure({seenCar(10.0, 3.0, 0.4)}, {}, nullptr, T_map_robot);
+  const auto outcome = measure({seenCar(10.0, 3.0, 0.4)}, {}, T_map_robot);
   ASSERT_EQ(outcome.boxes.size(), 1u);
   EXPECT_LT((outcome.boxes[0].position - Eigen::Vector3d(2.0, 8.0, 1.0)).norm(), 1e-9);
   EXPECT_NEAR(outcome.boxes[0].yaw, 0.4 + M_PI / 2, 1e-9);
@@ -68,7 +68,7 @@ TEST(MeasurementModel, TurnsAVelocityIntoTheMap) {
   T_map_robot.linear() = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   Detection car = seenCar(10.0, 0.0);
   car.velocity = MeasuredVelocity{{0.0, 0.0, 8.0}, Eigen::Vector3d(0.1, 0.2, 0.9).asDiagonal()};
-  const auto velocity = measure({car}, {}, nullptr, T_map_robot).boxes.at(0).velocity;
+  const auto velocity = measure({car}, {}, T_map_robot).boxes.at(0).velocity;
   ASSERT_TRUE(velocity) << "away from the camera, which looks along the map's y";
   EXPECT_LT((velocity->value - Eigen::Vector2d(0.0, 8.0)).norm(), 1e-9);
   EXPECT_NEAR(velocity->covariance(1, 1), 0.9, 1e-9);
@@ -115,7 +115,7 @@ TEST(MeasurementModel, CountsNotANumberAndInfinity) {
 TEST(MeasurementModel, CountsBoxesFromABrokenPose) {
   Pose broken = Pose::Identity();
   broken.translation().x() = kNan;
-  EXPECT_THAT(measure({seenCar(10.0, 0.0)}, {}, nullptr, broken).dropped,
+  EXPECT_THAT(measure({seenCar(10.0, 0.0)}, {}, broken).dropped,
               ElementsAre(Pair("nan_box", 1u)));
 }
 
@@ -155,32 +155,11 @@ TEST(MeasurementModel, CountsUnknownClassesWhereTheyAreNotWanted) {
   EXPECT_THAT(measure({thing}, selection).dropped, ElementsAre(Pair("unknown_class", 1u)));
 }
 
-// Puts every box ten metres ahead, but knows nothing of boxes left of the image's middle.
-class TenMetresAhead : public BoxLifter {
- public:
-  std::optional<LiftedBox> lift(const Box2d& box, ObjectClass) const override {
-    if (box.left < 500.0) return std::nullopt;
-    LiftedBox lifted;
-    lifted.box = {{0.0, 0.0, 10.0}, 4.0, 1.7, 1.5, 0.0};
-    lifted.centre_covariance = Eigen::Vector3d(0.1, 0.1, 2.0).asDiagonal();
-    return lifted;
-  }
-};
-
-TEST(MeasurementModel, LiftsImageBoxesWhereItCan) {
+TEST(MeasurementModel, CountsImageBoxesThatWereNotLifted) {
   Detection flat;
   flat.object_class = ObjectClass::kCar;
   flat.box2d = Box2d{600, 100, 700, 200};
   EXPECT_THAT(measure({flat}).dropped, ElementsAre(Pair("no_3d_box", 1u)));
-
-  const TenMetresAhead lifter;
-  const auto outcome = measure({flat}, {}, &lifter);
-  ASSERT_EQ(outcome.boxes.size(), 1u);
-  EXPECT_NEAR(outcome.boxes[0].position.x(), 10.0, 1e-9);
-  EXPECT_NEAR(outcome.boxes[0].covariance(0, 0), 2.0, 0.01) << "the lifter's own doubt";
-
-  flat.box2d->left = 100.0;
-  EXPECT_THAT(measure({flat}, {}, &lifter).dropped, ElementsAre(Pair("no_3d_box", 1u)));
 }
 
 }  // namespace

@@ -106,7 +106,7 @@ std::optional<LiftedBox> StereoLifter::lift(const Box2d& box, ObjectClass object
   return lifted;
 }
 
-void liftAll(Detections& detections, const BoxLifter& lifter) {
+void liftAll(Detections& detections, const StereoLifter& lifter) {
   for (auto& detection : detections.items) {
     if (detection.box3d || !detection.box2d) continue;
     const auto lifted = lifter.lift(*detection.box2d, detection.object_class);

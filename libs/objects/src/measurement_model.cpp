@@ -16,32 +16,15 @@ auto sortKey(const MeasuredBox& box) {
                          image.left, image.top, image.right, image.bottom);
 }
 
-// Depth from a 2D box, where the detector gave none.
-void lift(const BoxLifter& lifter, Detection& detection) {
-  const auto lifted = lifter.lift(*detection.box2d, detection.object_class);
-  if (!lifted) return;
-  detection.box3d = lifted->box;
-  detection.centre_covariance = lifted->centre_covariance;
-}
-
 }  // namespace
 
 std::vector<MeasuredBox> MeasurementModel::toMap(const Pose& T_map_robot,
                                                  const Detections& detections,
-                                                 const BoxLifter* lifter,
                                                  DropCounts& dropped) const {
   const Pose T_map_sensor = T_map_robot * detections.T_robot_sensor;
   std::vector<MeasuredBox> boxes;
   boxes.reserve(detections.items.size());
-  for (const Detection& item : detections.items) {
-    if (item.box2d && !isFinite(*item.box2d)) {
-      ++dropped["nan_box"];
-      continue;
-    }
-    Detection lifted;
-    const bool needs_lift = !item.box3d && item.box2d && lifter != nullptr;
-    if (needs_lift) lift(*lifter, lifted = item);
-    const Detection& detection = needs_lift ? lifted : item;
+  for (const Detection& detection : detections.items) {
     if (const char* reason = reasonToDrop(detection)) {
       ++dropped[reason];
       continue;
@@ -59,6 +42,7 @@ std::vector<MeasuredBox> MeasurementModel::toMap(const Pose& T_map_robot,
 }
 
 const char* MeasurementModel::reasonToDrop(const Detection& detection) const {
+  if (detection.box2d && !isFinite(*detection.box2d)) return "nan_box";
   if (!std::isfinite(detection.score)) return "nan_box";
   if (detection.score < selection_.min_score) return "low_score";
   if (detection.object_class == ObjectClass::kUnknown && !selection_.track_unknown) {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <headway/core/box_lifter.h>
+#include <headway/core/detection.h>
 #include <headway/core/track.h>
 #include <headway/objects/objects_params.h>
 
@@ -12,19 +12,18 @@ namespace headway::objects {
 
 /// Brings detections from the sensor's frame to the map, and says how well they are measured.
 ///
-/// Reasons to leave a detection out: low_score, unknown_class, no_3d_box (and nothing to lift it
-/// with), nan_box, zero_size, behind_camera, too_far.
+/// Reasons to drop a detection: low_score, unknown_class, no_3d_box, nan_box, zero_size,
+/// behind_camera, too_far.
 class MeasurementModel {
  public:
   MeasurementModel(const ConsistencyParams& selection, const FilterParams& noise)
       : selection_(selection), noise_(noise) {}
 
-  /// @param lifter   gives 2D boxes a depth; may be null
-  /// @param dropped  counts what is left out, by reason
+  /// @param dropped  counts the dropped detections by reason
   /// @return         in an order that does not depend on that of the detections
   [[nodiscard]] std::vector<MeasuredBox> toMap(const Pose& T_map_robot,
                                                const Detections& detections,
-                                               const BoxLifter* lifter, DropCounts& dropped) const;
+                                               DropCounts& dropped) const;
 
  private:
   /// Why a detection cannot be used; nullptr if it can.

@@ -26,12 +26,12 @@ class MovingObjectTracker::Implementation {
 
   // Algorithm 1 of the paper, one frame F_k.
   TrackUpdate update(std::size_t frame, const Stamped<Pose>& T_map_robot,
-                     const Detections& detections, const BoxLifter* lifter) {
+                     const Detections& detections) {
     const Time time = T_map_robot.time;
     TrackUpdate update;
     if (!runsForward(time)) return refuse(detections, std::move(update));
 
-    const auto measured = measure(T_map_robot.value, detections, lifter, update);
+    const auto measured = measure(T_map_robot.value, detections, update);
     view_.look(T_map_robot.value * detections.T_robot_sensor, measured.boxes);
     predictTo(time, update);
     const auto expected = expectedPlaces();
@@ -74,8 +74,8 @@ class MovingObjectTracker::Implementation {
   }
 
   DistinctBoxes measure(const Pose& T_map_robot, const Detections& detections,
-                        const BoxLifter* lifter, TrackUpdate& update) const {
-    auto boxes = measurement_.toMap(T_map_robot, detections, lifter, update.detections_dropped);
+                        TrackUpdate& update) const {
+    auto boxes = measurement_.toMap(T_map_robot, detections, update.detections_dropped);
     for (MeasuredBox& box : boxes) box = noise_.scaled(std::move(box));
     auto measured = consistency_.withoutDuplicates(std::move(boxes));
     if (!measured.duplicates.empty()) {
@@ -176,8 +176,8 @@ MovingObjectTracker::MovingObjectTracker(const ObjectsParams& params)
 MovingObjectTracker::~MovingObjectTracker() = default;
 
 TrackUpdate MovingObjectTracker::update(std::size_t frame, const Stamped<Pose>& T_map_robot,
-                                        const Detections& detections, const BoxLifter* lifter) {
-  return implementation_->update(frame, T_map_robot, detections, lifter);
+                                        const Detections& detections) {
+  return implementation_->update(frame, T_map_robot, detections);
 }
 
 TrackUpdate MovingObjectTracker::coast(std::size_t frame, Time time) {

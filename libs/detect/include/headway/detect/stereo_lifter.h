@@ -1,6 +1,6 @@
 #pragma once
 
-#include <headway/core/box_lifter.h>
+#include <headway/core/detection.h>
 #include <headway/core/stereo_frame.h>
 #include <headway/detect/disparity.h>
 #include <headway/detect/ground_plane.h>
@@ -11,6 +11,12 @@
 
 namespace headway::detect {
 
+/// A 3D box found behind a 2D one.
+struct LiftedBox {
+  Box3d box;                                                        ///< sensor's optical frame
+  Eigen::Matrix3d centre_covariance = Eigen::Matrix3d::Identity();  ///< optical frame [m^2]
+};
+
 /// Gives the 2D boxes of one frame their depth, size and heading by stereo.
 ///
 /// Depth is that of the visible surface (surfaceDepth), size the class's usual one with the height
@@ -18,8 +24,9 @@ namespace headway::detect {
 /// the front is taken to look away from the camera. Boxes are those of the frame's left image.
 ///
 ///     StereoLifter lifter(frame, params);
-///     tracker.update(index, pose, detections, &lifter);
-class StereoLifter : public BoxLifter {
+///     liftAll(detections, lifter);
+///     tracker.update(index, pose, detections);
+class StereoLifter {
  public:
   /// Matches the frame densely, once.
   StereoLifter(const StereoFrame& frame, const DisparityParams& params);
@@ -30,8 +37,7 @@ class StereoLifter : public BoxLifter {
 
   /// nullopt for a box that is not finite, hardly overlaps the image, or whose depth neither
   /// stereo nor its class's size tells.
-  [[nodiscard]] std::optional<LiftedBox> lift(const Box2d& box,
-                                              ObjectClass object_class) const override;
+  [[nodiscard]] std::optional<LiftedBox> lift(const Box2d& box, ObjectClass object_class) const;
 
   /// Depth of the visible surface alone.
   [[nodiscard]] std::optional<SurfaceDepth> surfaceOf(const Box2d& box,
@@ -45,6 +51,6 @@ class StereoLifter : public BoxLifter {
 
 /// Adds 3D boxes to the detections of a frame that have a 2D one alone; those whose depth cannot be
 /// told stay as they were.
-void liftAll(Detections& detections, const BoxLifter& lifter);
+void liftAll(Detections& detections, const StereoLifter& lifter);
 
 }  // namespace headway::detect

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <headway/core/box_lifter.h>
 #include <headway/core/detection.h>
 #include <headway/core/track.h>
 #include <headway/objects/objects_params.h>
@@ -32,11 +31,9 @@ class MovingObjectTracker {
   /// Continues, starts and ends tracks with the detections of one frame.
   ///
   /// A frame whose time does not increase changes nothing; its detections are counted as dropped
-  /// for "time_backwards".
-  ///
-  /// @param lifter  gives 2D boxes a depth; without it they are dropped for "no_3d_box"
+  /// for "time_backwards". Detections without a 3D box are dropped for "no_3d_box".
   [[nodiscard]] TrackUpdate update(std::size_t frame, const Stamped<Pose>& T_map_robot,
-                                   const Detections& detections, const BoxLifter* lifter = nullptr);
+                                   const Detections& detections);
 
   /// Carries the tracks on to a frame in which nobody looked for objects.
   [[nodiscard]] TrackUpdate coast(std::size_t frame, Time time);
