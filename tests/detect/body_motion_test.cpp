@@ -15,7 +15,7 @@ constexpr double kDepth = 14.0;  // of the body in the last frame [m]
 /// A body half a metre wide with points on it, seen by a camera that drives at 5 m/s.
 struct Scene {
   Drive drive;
-  DisparityImage disparity;
+  stereo::DisparityImage disparity;
   UprightBlob body;
   std::vector<PointTrack> points;
 

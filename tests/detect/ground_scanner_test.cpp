@@ -33,10 +33,10 @@ struct Plate {
 };
 
 /// What the camera, pitched down by an angle, sees of level ground and plates on it.
-DisparityImage imageOf(const std::vector<Plate>& plates, double pitch = 0.0,
-                       const std::function<double(double)>& ground = {}) {
+stereo::DisparityImage imageOf(const std::vector<Plate>& plates, double pitch = 0.0,
+                               const std::function<double(double)>& ground = {}) {
   const StereoCamera camera = testCamera();
-  DisparityImage image;
+  stereo::DisparityImage image;
   image.reduce = 2;
   image.values = cv::Mat(camera.height / 2, camera.width / 2, CV_32F, cv::Scalar(0));
   for (int row = 0; row < image.values.rows; ++row) {
@@ -69,10 +69,10 @@ DisparityImage imageOf(const std::vector<Plate>& plates, double pitch = 0.0,
   return image;
 }
 
-GroundScan scanOf(const DisparityImage& image, const MovingRegions& moving = {},
+GroundScan scanOf(const stereo::DisparityImage& image, const MovingRegions& moving = {},
                   const GroundScanParams& params = {}) {
   const auto camera = testCamera();
-  const auto ground = findGround(image, camera, std::nullopt);
+  const auto ground = stereo::findGround(image, camera, std::nullopt);
   EXPECT_TRUE(ground);
   return ground ? scanGround(image, camera, *ground, moving, params) : GroundScan{};
 }
@@ -144,7 +144,7 @@ TEST(ScanGround, ARampIsNoWall) {
 }
 
 TEST(ScanGround, NothingIsFreedWhereALongGapWithoutTextureMayHideSomething) {
-  DisparityImage image = imageOf({});
+  stereo::DisparityImage image = imageOf({});
   const auto camera = testCamera();
   const auto rowAt = [&](double depth) {
     return image.cellOf(camera.cy + camera.fy * kHeight / depth);

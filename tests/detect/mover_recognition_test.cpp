@@ -57,8 +57,8 @@ struct Picture {
 struct Scene {
   StereoCamera camera = test::testCamera();
   CameraPath path{camera, 0.5};
-  DisparityImage disparity;
-  std::optional<GroundPlane> ground = GroundPlane{{0.0, -1.0, 0.0}, 1.65};
+  stereo::DisparityImage disparity;
+  std::optional<stereo::GroundPlane> ground = stereo::GroundPlane{{0.0, -1.0, 0.0}, 1.65};
   Eigen::Vector3d up{0.0, -1.0, 0.0};
   Picture now;
   ObjectIdentity walker;

@@ -2,12 +2,12 @@
 
 #include <gtest/gtest.h>
 #include <headway/core/statistics.h>
+#include <headway/stereo/reduced_image.h>
 #include <headway_test/painted_street.h>
 
 #include <cmath>
 
 #include "body_flow.h"
-#include "reduced_image.h"
 
 namespace headway::detect {
 namespace {
@@ -23,7 +23,7 @@ const PaintedBox kStander{{-0.6, 1.6, 9.0}, 0.7, 1.7, {0.0, 0.0, 0.0}, 32};
 /// Two frames of a street, and how the image moved between them.
 struct Look {
   PaintedStreet street;
-  DisparityImage disparity;
+  stereo::DisparityImage disparity;
   ResidualFlow flow;
 
   /// @param gain  by which the second pair is brighter
@@ -34,9 +34,9 @@ struct Look {
       StereoFrame frame = street.frame(i);
       if (i == 1) frame.left.convertTo(frame.left, CV_8U, gain);
       if (i == 1) frame.right.convertTo(frame.right, CV_8U, gain);
-      disparity = denseDisparity(frame, {});
+      disparity = stereo::denseDisparity(frame, {});
       path.advance(frame.time, street.T_map_robot(i) * street.camera()->T_robot_cam);
-      flow = meter.measure(reducedImage(frame.left, disparity.reduce), disparity, path);
+      flow = meter.measure(stereo::reducedImage(frame.left, disparity.reduce), disparity, path);
       EXPECT_EQ(flow.empty(), i == 0) << "the first frame has nothing to be compared with";
     }
   }
@@ -74,7 +74,7 @@ struct Look {
   }
 
   [[nodiscard]] std::vector<UprightBlob> bodies(const ResidualFlow& by) const {
-    const auto ground = findGround(disparity, *street.camera(), std::nullopt);
+    const auto ground = stereo::findGround(disparity, *street.camera(), std::nullopt);
     EXPECT_TRUE(ground);
     return bodiesByFlow(disparity, by, *street.camera(), *ground, 30.0);
   }

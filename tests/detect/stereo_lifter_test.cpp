@@ -27,15 +27,15 @@ double disparityAt(double depth, const StereoCamera& camera) {
 }
 
 /// A disparity image with one depth everywhere, to paint boxes on.
-DisparityImage wall(double depth, const StereoCamera& camera) {
-  DisparityImage image;
+stereo::DisparityImage wall(double depth, const StereoCamera& camera) {
+  stereo::DisparityImage image;
   image.reduce = 2;
   image.values =
       cv::Mat(camera.height / 2, camera.width / 2, CV_32F, cv::Scalar(disparityAt(depth, camera)));
   return image;
 }
 
-void paint(DisparityImage& image, const Box2d& box, double disparity) {
+void paint(stereo::DisparityImage& image, const Box2d& box, double disparity) {
   const cv::Point first(image.cellOf(box.left), image.cellOf(box.top));
   const cv::Point last(image.cellOf(box.right), image.cellOf(box.bottom));
   image.values(cv::Rect(first, last + cv::Point(1, 1))).setTo(disparity);
@@ -51,7 +51,7 @@ Box2d carAt(double depth, const StereoCamera& camera) {
 TEST(StereoLifter, BackgroundAroundAndBehindTheObjectDoesNotWin) {
   const auto camera = testCamera();
   const Box2d box = carAt(15.0, *camera);
-  DisparityImage image = wall(40.0, *camera);
+  stereo::DisparityImage image = wall(40.0, *camera);
   // The car fills the lower half of its box; through windows and beside it the wall is seen.
   paint(image, {box.left, box.top + 0.5 * box.height(), box.right, box.bottom},
         disparityAt(15.0, *camera));
@@ -64,7 +64,7 @@ TEST(StereoLifter, BackgroundAroundAndBehindTheObjectDoesNotWin) {
 TEST(StereoLifter, AnOccluderDoesNotWin) {
   const auto camera = testCamera();
   const Box2d box = carAt(15.0, *camera);
-  DisparityImage image = wall(40.0, *camera);
+  stereo::DisparityImage image = wall(40.0, *camera);
   paint(image, box, disparityAt(15.0, *camera));
   paint(image, {box.left, box.top, box.left + 0.45 * box.width(), box.bottom},
         disparityAt(6.0, *camera));
@@ -77,7 +77,7 @@ TEST(StereoLifter, AnOccluderDoesNotWin) {
 TEST(StereoLifter, ACarSeenFromBehindReachesAwayFromTheCamera) {
   const auto camera = testCamera();
   const Box2d box = carAt(12.0, *camera);
-  DisparityImage image = wall(60.0, *camera);
+  stereo::DisparityImage image = wall(60.0, *camera);
   paint(image, box, disparityAt(12.0, *camera));
   const StereoLifter lifter(camera, image, std::nullopt);
   const auto lifted = lifter.lift(box, ObjectClass::kCar);
@@ -90,9 +90,9 @@ TEST(StereoLifter, ACarSeenFromBehindReachesAwayFromTheCamera) {
 TEST(StereoLifter, WithoutStereoTheHeightTellsTheDepthButLessSurely) {
   const auto camera = testCamera();
   const Box2d box{300, 80, 315, 80 + 1.74 * 360.0 / 20.0};
-  DisparityImage nothing = wall(10.0, *camera);
+  stereo::DisparityImage nothing = wall(10.0, *camera);
   nothing.values.setTo(0.0F);
-  DisparityImage something = nothing;
+  stereo::DisparityImage something = nothing;
   something.values = nothing.values.clone();
   paint(something, box, disparityAt(20.0, *camera));
   const auto blind =
@@ -110,7 +110,7 @@ TEST(StereoLifter, WithoutStereoTheHeightTellsTheDepthButLessSurely) {
 
 TEST(StereoLifter, SaysNothingWhereNothingIsKnown) {
   const auto camera = testCamera();
-  DisparityImage nothing = wall(10.0, *camera);
+  stereo::DisparityImage nothing = wall(10.0, *camera);
   nothing.values.setTo(0.0F);
   const StereoLifter lifter(camera, nothing, std::nullopt);
   EXPECT_FALSE(lifter.lift({100, 100, 140, 160}, ObjectClass::kUnknown));
@@ -123,7 +123,7 @@ TEST(StereoLifter, CovarianceGrowsWithDepthAndFarAwayIsLargestAlongTheRay) {
   double before = 0.0;
   for (const double depth : {8.0, 16.0, 30.0}) {
     const Box2d box = carAt(depth, *camera);
-    DisparityImage image = wall(60.0, *camera);
+    stereo::DisparityImage image = wall(60.0, *camera);
     paint(image, box, disparityAt(depth, *camera));
     const auto lifted = StereoLifter(camera, image, std::nullopt).lift(box, ObjectClass::kCar);
     ASSERT_TRUE(lifted);
@@ -138,7 +138,7 @@ TEST(StereoLifter, CovarianceGrowsWithDepthAndFarAwayIsLargestAlongTheRay) {
 
 TEST(LiftAll, KeepsBoxesThatAreIn3dAlready) {
   const auto camera = testCamera();
-  DisparityImage image = wall(20.0, *camera);
+  stereo::DisparityImage image = wall(20.0, *camera);
   const StereoLifter lifter(camera, image, std::nullopt);
   Detections detections;
   detections.items.resize(2);
@@ -159,7 +159,7 @@ TEST(StereoLifter, AgreesWithTheTrueDisparityOfRealCars) {
     const auto pair =
         test::readKittiStereo(data / "kitti_stereo_2015" / "training", std::string(name) + ".png");
     ASSERT_TRUE(pair.complete);
-    const StereoLifter lifter(pair.frame, DisparityParams{});
+    const StereoLifter lifter(pair.frame, stereo::DisparityParams{});
     for (const auto& car : pair.cars) {
       const auto surface = lifter.surfaceOf(car.box, ObjectClass::kCar);
       errors.push_back(surface ? std::abs(car.median_disparity / surface->disparity - 1.0) : 1.0);

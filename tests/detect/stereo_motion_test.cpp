@@ -30,7 +30,8 @@ struct Outcome {
 };
 
 StereoMotion detectorFor(std::shared_ptr<const StereoCamera> camera) {
-  return {std::move(camera), {}, std::make_shared<DisparityMatcher>(DisparityParams())};
+  return {
+      std::move(camera), {}, std::make_shared<stereo::DisparityMatcher>(stereo::DisparityParams())};
 }
 
 /// What is done to a frame before the detector sees it.

@@ -54,7 +54,7 @@ World makeWorld(int keyframes, double offset_px) {
     for (int i = 0; i < keyframes; ++i) {
       const auto uvd = project(posed(i).inverse() * point, camera);
       if (!uvd || uvd->x() < 0 || uvd->x() > 640 || uvd->y() < 0 || uvd->y() > 480) continue;
-      const StereoMeasurement measurement{
+      const stereo::StereoMeasurement measurement{
           uvd->head<2>() + 0.1 * Eigen::Vector2d(noise(random), noise(random)),
           uvd->z() + offset_px + 0.1 * noise(random), true, 0.1, 0.1};
       if (!id.valid()) {
@@ -78,7 +78,7 @@ void disturb(World& world) {
     xi.head<3>() *= 0.05;
     xi.tail<3>() *= 0.005;
     Keyframe& keyframe = world.map.keyframe(world.keyframes[i]);
-    keyframe.T_map_cam = retract(keyframe.T_map_cam, xi);
+    keyframe.T_map_cam = stereo::retract(keyframe.T_map_cam, xi);
   }
   for (const auto& [id, point] : world.points) {
     world.map.find(id)->position =
@@ -129,7 +129,7 @@ TEST(AdjustBundle, ForgetsWhatDoesNotFit) {
     if (landmark.observations.size() == 6) wrong = id;
   }
   ASSERT_TRUE(wrong.valid());
-  const StereoMeasurement far{{5000.0, 200.0}, 4.0, true, 0.1, 0.1};
+  const stereo::StereoMeasurement far{{5000.0, 200.0}, 4.0, true, 0.1, 0.1};
   const KeyframeId extra = world.map.addKeyframe(6, 0.6, posed(5)).id;
   world.map.observe(extra, wrong, far);
   world.keyframes.push_back(extra);

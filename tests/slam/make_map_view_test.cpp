@@ -33,7 +33,7 @@ TEST(MakeMapView, LandmarksTellTheirGreyValueAndWhoSeesThem) {
   const KeyframeId b = map.addKeyframe(1, 0.1, Pose::Identity()).id;
   Landmark& landmark = map.addLandmark({1.0, 2.0, 9.0}, a, {});
   landmark.patch.centre << 4.4F, 7.0F;
-  landmark.patch.pixels[7 * ReferencePatch::kSize + 4] = 77;
+  landmark.patch.pixels[7 * stereo::ReferencePatch::kSize + 4] = 77;
   map.observe(b, landmark.id, {});
   const MapView view = makeMapView(map, Pose::Identity());
   ASSERT_EQ(view.landmarks.size(), 1U);

@@ -1,8 +1,7 @@
 #include "pose_covariance.h"
 
 #include <gtest/gtest.h>
-
-#include "pose_refiner.h"
+#include <headway/stereo/pose_refiner.h>
 
 namespace headway::slam {
 namespace {
@@ -34,7 +33,7 @@ TEST(ComposedCovariance, IsThatOfNumericDifferences) {
   PoseCovariance jacobian;  // of T_a_c by an error of T_a_b
   for (int axis = 0; axis < 6; ++axis) {
     const Vector6 xi = kStep * Vector6::Unit(axis);
-    jacobian.col(axis) = difference(T_a_b * T_b_c, retract(T_a_b, xi) * T_b_c) / kStep;
+    jacobian.col(axis) = difference(T_a_b * T_b_c, stereo::retract(T_a_b, xi) * T_b_c) / kStep;
   }
   const PoseCovariance expected = jacobian * of_ab * jacobian.transpose() + of_bc;
   EXPECT_LT((composedCovariance(of_ab, T_b_c, of_bc) - expected).norm(), 1e-5 * expected.norm());

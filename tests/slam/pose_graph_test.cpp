@@ -1,8 +1,7 @@
 #include "pose_graph.h"
 
 #include <gtest/gtest.h>
-
-#include "pose_refiner.h"
+#include <headway/stereo/pose_refiner.h>
 
 namespace headway::slam {
 namespace {
@@ -29,11 +28,11 @@ TEST(EdgeResidual, JacobiansAreThoseOfNumericDifferences) {
   constexpr double kStep = 1e-6;
   for (int axis = 0; axis < 6; ++axis) {
     const Vector6 step = kStep * Vector6::Unit(axis);
-    const Vector6 numeric_a = (edgeResidual(edge, retract(a, step), b, nullptr, nullptr) -
-                               edgeResidual(edge, retract(a, -step), b, nullptr, nullptr)) /
+    const Vector6 numeric_a = (edgeResidual(edge, stereo::retract(a, step), b, nullptr, nullptr) -
+                               edgeResidual(edge, stereo::retract(a, -step), b, nullptr, nullptr)) /
                               (2.0 * kStep);
-    const Vector6 numeric_b = (edgeResidual(edge, a, retract(b, step), nullptr, nullptr) -
-                               edgeResidual(edge, a, retract(b, -step), nullptr, nullptr)) /
+    const Vector6 numeric_b = (edgeResidual(edge, a, stereo::retract(b, step), nullptr, nullptr) -
+                               edgeResidual(edge, a, stereo::retract(b, -step), nullptr, nullptr)) /
                               (2.0 * kStep);
     EXPECT_LT((by_a.col(axis) - numeric_a).norm(), 1e-5) << axis;
     EXPECT_LT((by_b.col(axis) - numeric_b).norm(), 1e-5) << axis;

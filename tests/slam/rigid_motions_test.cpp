@@ -16,15 +16,15 @@ Pose shifted(double x, double y, double z) {
 }
 
 /// Landmarks over columns [left, right) of the image, between two depths, seen from a pose.
-void addGroup(std::vector<PoseConstraint>& constraints, int count, double left, double right,
-              double near, double far, const Pose& T_map_cam) {
+void addGroup(std::vector<stereo::PoseConstraint>& constraints, int count, double left,
+              double right, double near, double far, const Pose& T_map_cam) {
   std::mt19937 random(static_cast<unsigned>(constraints.size()));
   const auto draw = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
   };
   for (int i = 0; i < count; ++i) {
     const double depth = 1.0 / draw(1.0 / far, 1.0 / near);
-    PoseConstraint constraint;
+    stereo::PoseConstraint constraint;
     constraint.point_map =
         depth * ray({draw(left, right), draw(0.0, kCamera.height - 1.0)}, kCamera);
     const auto seen = project(T_map_cam.inverse(Eigen::Isometry) * constraint.point_map, kCamera);
@@ -36,7 +36,7 @@ void addGroup(std::vector<PoseConstraint>& constraints, int count, double left, 
 double distance(const Pose& a, const Pose& b) { return (a.translation() - b.translation()).norm(); }
 
 TEST(RigidMotions, OneStillWorldIsOneMotion) {
-  std::vector<PoseConstraint> constraints;
+  std::vector<stereo::PoseConstraint> constraints;
   const Pose moved = shifted(0.0, 0.0, 0.8);
   addGroup(constraints, 120, 0.0, 1240.0, 6.0, 60.0, moved);
   const auto motions = rigidMotions(constraints, kCamera, {Pose::Identity()}, 10);
@@ -46,7 +46,7 @@ TEST(RigidMotions, OneStillWorldIsOneMotion) {
 }
 
 TEST(RigidMotions, TheStillWorldExtendsFartherThanAMoverWithMoreLandmarks) {
-  std::vector<PoseConstraint> constraints;
+  std::vector<stereo::PoseConstraint> constraints;
   const Pose moved = shifted(0.0, 0.0, 0.8);
   const Pose as_if = shifted(0.5, 0.0, 0.2);  // the camera's motion if the mover stood still
   addGroup(constraints, 60, 0.0, 1240.0, 6.0, 60.0, moved);
@@ -62,7 +62,7 @@ TEST(RigidMotions, TheStillWorldExtendsFartherThanAMoverWithMoreLandmarks) {
 }
 
 TEST(RigidMotions, WhatAgreesOnNothingIsNoMotion) {
-  std::vector<PoseConstraint> constraints;
+  std::vector<stereo::PoseConstraint> constraints;
   for (int i = 0; i < 60; ++i) {
     addGroup(constraints, 1, 0.0, 1240.0, 6.0, 60.0,
              shifted(0.3 * (i % 7) - 1.0, 0.2 * (i % 5) - 0.5, 0.25 * (i % 11)));
@@ -74,7 +74,7 @@ TEST(RigidMotions, WhatAgreesOnNothingIsNoMotion) {
 }
 
 TEST(CameraMotion, IsThatOfWhatHasProvedStillWhereBothExtendAlike) {
-  std::vector<PoseConstraint> constraints;
+  std::vector<stereo::PoseConstraint> constraints;
   const Pose moved = shifted(0.0, 0.0, 0.8), as_if = shifted(0.5, 0.0, 0.2);
   addGroup(constraints, 60, 0.0, 600.0, 6.0, 20.0, moved);
   addGroup(constraints, 60, 640.0, 1240.0, 6.0, 20.0, as_if);
@@ -93,7 +93,7 @@ TEST(ExtentBeyond, CountsLayersOfDepthAboveDensityAndOnlyWhatTheOtherDoesNotExpl
   RigidMotion all, none;
   all.agrees.assign(100, true);
   none.agrees.assign(100, false);
-  std::vector<PoseConstraint> flat, deep;
+  std::vector<stereo::PoseConstraint> flat, deep;
   addGroup(flat, 100, 0.0, 1240.0, 9.0, 10.0, Pose::Identity());
   addGroup(deep, 100, 0.0, 1240.0, 5.0, 80.0, Pose::Identity());
   EXPECT_GT(extentBeyond(all, none, deep, kCamera), 1.5 * extentBeyond(all, none, flat, kCamera));

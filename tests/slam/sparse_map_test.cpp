@@ -16,7 +16,8 @@ class SparseMapTest : public testing::Test {
     for (std::size_t i = 0; i < 3; ++i) keyframes_.push_back(addKeyframe(i));
     for (const std::size_t first : {0U, 0U, 2U}) {
       landmarks_.push_back(
-          map_.addLandmark(Eigen::Vector3d::Zero(), keyframes_[first], StereoMeasurement{}).id);
+          map_.addLandmark(Eigen::Vector3d::Zero(), keyframes_[first], stereo::StereoMeasurement{})
+              .id);
     }
     map_.observe(keyframes_[1], landmarks_[0], {});
     map_.observe(keyframes_[2], landmarks_[0], {});

@@ -229,5 +229,20 @@ TEST(StereoSlam, WithoutMappingAnEmptyMapStaysEmpty) {
   EXPECT_TRUE(slam.map().landmarks.empty());
 }
 
+TEST(StereoSlam, SeesInTheDark) {
+  test::TexturedWorld world(test::smallCamera());
+  world.addRoom(12.0, 8.0, 4.0);
+  StereoSlam slam(world.camera(), SlamParams{});
+  for (int i = 0; i < 12; ++i) {
+    Pose pose = Pose::Identity();
+    pose.translation().x() = 0.05 * i;
+    StereoFrame frame = world.frame(i, 0.1 * i, pose);
+    for (cv::Mat* image : {&frame.left, &frame.right}) image->convertTo(*image, CV_8U, 0.1, 4.0);
+    const auto update = slam.process(frame, {});
+    ASSERT_EQ(update.status, TrackingStatus::kTracked) << i;
+    EXPECT_LT((update.T_map_robot.translation() - pose.translation()).norm(), 0.03) << i;
+  }
+}
+
 }  // namespace
 }  // namespace headway::slam

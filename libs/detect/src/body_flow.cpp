@@ -43,7 +43,7 @@ std::optional<AcrossSpeed> acrossSpeed(const UprightBlob& blob, const ResidualFl
 }
 
 // Cells that move to one side (+1 right, -1 left), with the gaps between them.
-cv::Mat movingCells(const DisparityImage& disparity, const ResidualFlow& flow,
+cv::Mat movingCells(const stereo::DisparityImage& disparity, const ResidualFlow& flow,
                     const StereoCamera& camera, float side) {
   const cv::Size size = flow.columns.size();
   cv::Mat moving(size, CV_8U);
@@ -68,9 +68,9 @@ cv::Mat movingCells(const DisparityImage& disparity, const ResidualFlow& flow,
 
 }  // namespace
 
-std::vector<UprightBlob> bodiesByFlow(const DisparityImage& disparity, const ResidualFlow& flow,
-                                      const StereoCamera& camera, const GroundPlane& ground,
-                                      double range_m) {
+std::vector<UprightBlob> bodiesByFlow(const stereo::DisparityImage& disparity,
+                                      const ResidualFlow& flow, const StereoCamera& camera,
+                                      const stereo::GroundPlane& ground, double range_m) {
   const StandingCells standing = standingCells(disparity, camera, ground, range_m);
   auto bodies = uprightBlobs(standing, disparity, camera);
   if (flow.empty()) return bodies;

@@ -16,9 +16,10 @@ namespace headway::detect {
 /// them are taken as if they were alone in the image.
 ///
 /// @param flow  may be empty; then it is uprightBlobs()
-[[nodiscard]] std::vector<UprightBlob> bodiesByFlow(const DisparityImage& disparity,
+[[nodiscard]] std::vector<UprightBlob> bodiesByFlow(const stereo::DisparityImage& disparity,
                                                     const ResidualFlow& flow,
                                                     const StereoCamera& camera,
-                                                    const GroundPlane& ground, double range_m);
+                                                    const stereo::GroundPlane& ground,
+                                                    double range_m);
 
 }  // namespace headway::detect

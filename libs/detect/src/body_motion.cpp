@@ -98,9 +98,9 @@ std::optional<BodyMotion> bodyMotion(const UprightBlob& body,
                                      const std::optional<PointMotion>& outline,
                                      const std::deque<AcrossSpeed>& across,
                                      const std::vector<PointTrack>& points,
-                                     const DisparityImage& disparity, const CameraPath& path,
-                                     const StereoCamera& camera, const Eigen::Vector3d& up,
-                                     const BodyParams& params) {
+                                     const stereo::DisparityImage& disparity,
+                                     const CameraPath& path, const StereoCamera& camera,
+                                     const Eigen::Vector3d& up, const BodyParams& params) {
   cv::Mat inside(disparity.values.size(), CV_8U, cv::Scalar(0));
   for (const auto& cell : body.cells) inside.at<unsigned char>(cell.place) = 1;
   const Axes axes = axesTo(body, path, camera, up);

@@ -48,7 +48,7 @@ struct BodyParams {
 [[nodiscard]] std::optional<BodyMotion> bodyMotion(
     const UprightBlob& body, const std::optional<PointMotion>& outline,
     const std::deque<AcrossSpeed>& across, const std::vector<PointTrack>& points,
-    const DisparityImage& disparity, const CameraPath& path, const StereoCamera& camera,
+    const stereo::DisparityImage& disparity, const CameraPath& path, const StereoCamera& camera,
     const Eigen::Vector3d& up, const BodyParams& params);
 
 }  // namespace headway::detect

@@ -20,9 +20,9 @@ const std::vector<std::string>& detectorNames() {
 std::unique_ptr<Detector> makeDetector(const std::string& name,
                                        std::shared_ptr<const StereoCamera> camera,
                                        const DetectParams& params,
-                                       std::shared_ptr<DisparityMatcher> matcher) {
+                                       std::shared_ptr<stereo::DisparityMatcher> matcher) {
   if (name == "stereo_motion") {
-    if (matcher == nullptr) matcher = std::make_shared<DisparityMatcher>(params.disparity);
+    if (matcher == nullptr) matcher = std::make_shared<stereo::DisparityMatcher>(params.disparity);
     return std::make_unique<StereoMotion>(std::move(camera), params.stereo_motion,
                                           std::move(matcher));
   }

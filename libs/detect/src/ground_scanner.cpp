@@ -24,7 +24,7 @@ constexpr double kBeyondReach = 1.3;  // what stands so far out still ends a ray
 constexpr double kBridged = 0.8;
 
 // Cells of the disparity image to leave out.
-cv::Mat leftOut(const MovingRegions& moving, const DisparityImage& disparity) {
+cv::Mat leftOut(const MovingRegions& moving, const stereo::DisparityImage& disparity) {
   cv::Mat mask(disparity.values.size(), CV_8U, cv::Scalar(0));
   if (!moving.mask.empty()) {
     cv::resize(moving.mask, mask, mask.size(), 0, 0, cv::INTER_NEAREST);
@@ -56,8 +56,8 @@ struct Interval {
 
 class ColumnScanner {
  public:
-  ColumnScanner(const DisparityImage& disparity, const StereoCamera& camera,
-                const GroundPlane& ground, const GroundScanParams& params)
+  ColumnScanner(const stereo::DisparityImage& disparity, const StereoCamera& camera,
+                const stereo::GroundPlane& ground, const GroundScanParams& params)
       : disparity_(disparity),
         camera_(camera),
         ground_(ground),
@@ -160,9 +160,9 @@ class ColumnScanner {
     return (camera_.T_robot_cam * Eigen::Vector3d(x, y, depth)).cast<float>();
   }
 
-  const DisparityImage& disparity_;
+  const stereo::DisparityImage& disparity_;
   const StereoCamera& camera_;
-  const GroundPlane& ground_;
+  const stereo::GroundPlane& ground_;
   const GroundScanParams& params_;
   double fb_;
   std::vector<Upright> upright_;     ///< of the column read
@@ -183,8 +183,8 @@ void GroundScanParams::describe(Params::Section section) {
               "Obstacles whose distance is less certain are not entered");
 }
 
-GroundScan scanGround(const DisparityImage& disparity, const StereoCamera& camera,
-                      const GroundPlane& ground, const MovingRegions& moving,
+GroundScan scanGround(const stereo::DisparityImage& disparity, const StereoCamera& camera,
+                      const stereo::GroundPlane& ground, const MovingRegions& moving,
                       const GroundScanParams& params) {
   GroundScan scan;
   if (ground.up.y() > kMostTilt) return scan;

@@ -1,10 +1,10 @@
 #include "interest_points.h"
 
+#include <headway/stereo/reduced_image.h>
+
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 #include <tuple>
-
-#include "reduced_image.h"
 
 namespace headway::detect {
 namespace {
@@ -24,7 +24,7 @@ struct Corner {
 };
 
 bool inZone(const cv::Point2f& place, double disparity, const StereoCamera& camera,
-            const std::optional<GroundPlane>& ground, const InterestZone& zone) {
+            const std::optional<stereo::GroundPlane>& ground, const InterestZone& zone) {
   const auto point = triangulate({place.x, place.y, disparity}, camera);
   if (point->z() > zone.range_m) return false;
   if (!ground) return true;
@@ -49,15 +49,13 @@ Corner strongestIn(const cv::Mat& strength, const cv::Rect& square) {
 
 }  // namespace
 
-std::vector<cv::Point2f> interestPoints(const cv::Mat& image, const DisparityImage& disparity,
-                                        const StereoCamera& camera,
-                                        const std::optional<GroundPlane>& ground,
-                                        const InterestZone& zone,
-                                        const std::vector<cv::Point2f>& taken, int spacing_px,
-                                        int wanted) {
+std::vector<cv::Point2f> interestPoints(
+    const cv::Mat& image, const stereo::DisparityImage& disparity, const StereoCamera& camera,
+    const std::optional<stereo::GroundPlane>& ground, const InterestZone& zone,
+    const std::vector<cv::Point2f>& taken, int spacing_px, int wanted) {
   if (wanted <= 0) return {};
   cv::Mat strength;
-  cv::cornerMinEigenVal(reducedImage(image, kReduce), strength, 3, 3);
+  cv::cornerMinEigenVal(stereo::reducedImage(image, kReduce), strength, 3, 3);
   const int side = std::max(2, spacing_px / kReduce);
   cv::Mat occupied(strength.rows / side + 1, strength.cols / side + 1, CV_8U, cv::Scalar(0));
   for (const auto& place : taken) {

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <headway/core/stereo_camera.h>
-#include <headway/detect/disparity.h>
-#include <headway/detect/ground_plane.h>
+#include <headway/stereo/disparity.h>
+#include <headway/stereo/ground_plane.h>
 
 #include <opencv2/core/mat.hpp>
 #include <optional>
@@ -25,8 +25,8 @@ struct InterestZone {
 ///
 /// @see  Shi & Tomasi 1994: the smaller eigenvalue, here in an image reduced to a half
 [[nodiscard]] std::vector<cv::Point2f> interestPoints(
-    const cv::Mat& image, const DisparityImage& disparity, const StereoCamera& camera,
-    const std::optional<GroundPlane>& ground, const InterestZone& zone,
+    const cv::Mat& image, const stereo::DisparityImage& disparity, const StereoCamera& camera,
+    const std::optional<stereo::GroundPlane>& ground, const InterestZone& zone,
     const std::vector<cv::Point2f>& taken, int spacing_px, int wanted);
 
 }  // namespace headway::detect

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <headway/detect/disparity.h>
-#include <headway/detect/ground_plane.h>
+#include <headway/stereo/disparity.h>
+#include <headway/stereo/ground_plane.h>
 
 #include <optional>
 #include <vector>
@@ -16,8 +16,8 @@ namespace headway::detect {
 struct LookedAt {
   const CameraPath& path;
   const cv::Mat& image;  ///< left, on the disparity grid
-  const DisparityImage& disparity;
-  const std::optional<GroundPlane>& ground;
+  const stereo::DisparityImage& disparity;
+  const std::optional<stereo::GroundPlane>& ground;
   const Eigen::Vector3d& up;  ///< normal of the ground, world of the path
   const std::vector<PointTrack>& points;
   const std::vector<PointVerdict>& verdicts;  ///< one for each point

@@ -52,7 +52,7 @@ void MoverFinder::addClusters(const LookedAt& frame, std::vector<Mover>& movers)
     for (const std::size_t i : cluster.members) {
       seeds.push_back(T_cam_world * frame.points[i].motion->point);
     }
-    const GroundPlane floor = frame.ground.value_or(floorBelow(seeds, camera_));
+    const stereo::GroundPlane floor = frame.ground.value_or(floorBelow(seeds, camera_));
     auto extent = plausibleExtent(growObject(seeds, frame.disparity, camera_, floor),
                                   cluster.velocity, floor, params_.moving_share, frame);
     if (!extent) continue;
@@ -130,7 +130,7 @@ std::optional<MeasuredVelocity> MoverFinder::velocityOf(const BlobTrack& body,
 // The box around a mover's cells, if enough of the points inside it move too.
 std::optional<ObjectExtent> MoverFinder::plausibleExtent(const std::vector<ObjectCell>& cells,
                                                          const Eigen::Vector3d& velocity,
-                                                         const GroundPlane& floor,
+                                                         const stereo::GroundPlane& floor,
                                                          double least_share,
                                                          const LookedAt& frame) {
   const Pose& T_cam_world = frame.path.T_cam_world(frame.path.newest());

@@ -34,7 +34,7 @@ class MoverFinder {
                                                            const LookedAt& frame) const;
   [[nodiscard]] std::optional<ObjectExtent> plausibleExtent(const std::vector<ObjectCell>& cells,
                                                             const Eigen::Vector3d& velocity,
-                                                            const GroundPlane& floor,
+                                                            const stereo::GroundPlane& floor,
                                                             double least_share,
                                                             const LookedAt& frame);
 

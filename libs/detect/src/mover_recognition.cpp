@@ -75,7 +75,7 @@ std::optional<Box2d> movedBox(const Box2d& box, const Moved& moved, const Stereo
 }
 
 std::vector<cv::Point> movedCells(const std::vector<cv::Point>& cells, const Moved& moved,
-                                  const DisparityImage& disparity) {
+                                  const stereo::DisparityImage& disparity) {
   const cv::Rect inside({0, 0}, disparity.values.size());
   std::vector<cv::Point> result;
   for (const auto& cell : cells) {

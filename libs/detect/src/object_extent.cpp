@@ -28,8 +28,8 @@ using Cell = ObjectCell;
 
 class Growth {
  public:
-  Growth(const std::vector<Eigen::Vector3d>& seeds, const DisparityImage& disparity,
-         const StereoCamera& camera, const GroundPlane& ground)
+  Growth(const std::vector<Eigen::Vector3d>& seeds, const stereo::DisparityImage& disparity,
+         const StereoCamera& camera, const stereo::GroundPlane& ground)
       : seeds_(seeds), disparity_(disparity), camera_(camera), ground_(ground) {}
 
   std::vector<Cell> run() {
@@ -76,9 +76,9 @@ class Growth {
   }
 
   const std::vector<Eigen::Vector3d>& seeds_;
-  const DisparityImage& disparity_;
+  const stereo::DisparityImage& disparity_;
   const StereoCamera& camera_;
-  const GroundPlane& ground_;
+  const stereo::GroundPlane& ground_;
   std::vector<Cell> cells_;
 };
 
@@ -119,7 +119,7 @@ Range completed(const Range& seen, double usual, double camera_side) {
 }
 
 Box3d boxAround(const std::vector<Cell>& cells, const Eigen::Vector3d& front,
-                const GroundPlane& ground, ObjectClass object_class) {
+                const stereo::GroundPlane& ground, ObjectClass object_class) {
   const Eigen::Vector3d side = ground.up.cross(front);
   const auto usual = classSize(object_class)->size;
   Range along = rangeOf(cells, kTail, [&](const Cell& c) { return front.dot(c.point); });
@@ -142,23 +142,24 @@ Box3d boxAround(const std::vector<Cell>& cells, const Eigen::Vector3d& front,
 
 }  // namespace
 
-GroundPlane floorBelow(const std::vector<Eigen::Vector3d>& points, const StereoCamera& camera) {
-  const Eigen::Vector3d up = mountedUp(camera);
+stereo::GroundPlane floorBelow(const std::vector<Eigen::Vector3d>& points,
+                               const StereoCamera& camera) {
+  const Eigen::Vector3d up = stereo::mountedUp(camera);
   double lowest = std::numeric_limits<double>::infinity();
   for (const auto& point : points) lowest = std::min(lowest, up.dot(point));
   return {up, 0.5 - lowest};
 }
 
 std::vector<ObjectCell> growObject(const std::vector<Eigen::Vector3d>& seeds,
-                                   const DisparityImage& disparity, const StereoCamera& camera,
-                                   const GroundPlane& ground) {
+                                   const stereo::DisparityImage& disparity,
+                                   const StereoCamera& camera, const stereo::GroundPlane& ground) {
   return Growth(seeds, disparity, camera, ground).run();
 }
 
 std::optional<ObjectExtent> extentOf(const std::vector<ObjectCell>& cells,
                                      const Eigen::Vector3d& velocity,
-                                     const DisparityImage& disparity, const StereoCamera& camera,
-                                     const GroundPlane& floor) {
+                                     const stereo::DisparityImage& disparity,
+                                     const StereoCamera& camera, const stereo::GroundPlane& floor) {
   if (cells.size() < 4) return std::nullopt;
   ObjectExtent extent;
   const Range u = rangeOf(cells, 0.01, [&](const Cell& c) { return disparity.pixelOf(c.place.x); });

@@ -2,8 +2,8 @@
 
 #include <headway/core/detection.h>
 #include <headway/core/stereo_camera.h>
-#include <headway/detect/disparity.h>
-#include <headway/detect/ground_plane.h>
+#include <headway/stereo/disparity.h>
+#include <headway/stereo/ground_plane.h>
 
 #include <opencv2/core/mat.hpp>
 #include <optional>
@@ -28,8 +28,8 @@ struct ObjectExtent {
 };
 
 /// A ground half a metre below the lowest of some points, where none was found.
-[[nodiscard]] GroundPlane floorBelow(const std::vector<Eigen::Vector3d>& points,
-                                     const StereoCamera& camera);
+[[nodiscard]] stereo::GroundPlane floorBelow(const std::vector<Eigen::Vector3d>& points,
+                                             const StereoCamera& camera);
 
 /// Grows an object from a few of its points over the dense disparities.
 ///
@@ -39,9 +39,9 @@ struct ObjectExtent {
 /// @param seeds  points of the object in the camera frame [m]
 /// @return       empty if the seeds lie on nothing that has a disparity
 [[nodiscard]] std::vector<ObjectCell> growObject(const std::vector<Eigen::Vector3d>& seeds,
-                                                 const DisparityImage& disparity,
+                                                 const stereo::DisparityImage& disparity,
                                                  const StereoCamera& camera,
-                                                 const GroundPlane& ground);
+                                                 const stereo::GroundPlane& ground);
 
 /// Puts a box around an object's cells.
 ///
@@ -52,8 +52,8 @@ struct ObjectExtent {
 /// @return          nullopt for hardly any cells, or if all of them float above the ground
 [[nodiscard]] std::optional<ObjectExtent> extentOf(const std::vector<ObjectCell>& cells,
                                                    const Eigen::Vector3d& velocity,
-                                                   const DisparityImage& disparity,
+                                                   const stereo::DisparityImage& disparity,
                                                    const StereoCamera& camera,
-                                                   const GroundPlane& ground);
+                                                   const stereo::GroundPlane& ground);
 
 }  // namespace headway::detect

@@ -77,7 +77,7 @@ Eigen::Vector3d PointFollower::expectedAt(const PointTrack& point, const CameraP
   return project(path.T_cam_world(path.newest()) * in_world, camera_).value_or(last.uvd);
 }
 
-void PointFollower::follow(const StereoFrame& frame, const DisparityImage& disparity,
+void PointFollower::follow(const StereoFrame& frame, const stereo::DisparityImage& disparity,
                            const CameraPath& path) {
   std::swap(left_before_, left_);
   cv::buildOpticalFlowPyramid(frame.left, left_, kWindow, kLevels);
@@ -115,7 +115,7 @@ void PointFollower::seekWhereTheyWere(const std::vector<cv::Point2f>& before,
 
 std::vector<double> PointFollower::disparitiesOf(const std::vector<cv::Point2f>& places,
                                                  const std::vector<double>& guesses,
-                                                 const DisparityImage& disparity) const {
+                                                 const stereo::DisparityImage& disparity) const {
   std::vector<double> result(places.size(), kLost);
   if (places.empty()) return result;
   std::vector<double> dense(places.size());
@@ -160,8 +160,8 @@ void PointFollower::keepFound(const std::vector<cv::Point2f>& places,
   points_ = std::move(kept);
 }
 
-void PointFollower::replenish(const StereoFrame& frame, const DisparityImage& disparity,
-                              const std::optional<GroundPlane>& ground, int frame_number) {
+void PointFollower::replenish(const StereoFrame& frame, const stereo::DisparityImage& disparity,
+                              const std::optional<stereo::GroundPlane>& ground, int frame_number) {
   if (left_.empty()) return;
   std::vector<cv::Point2f> taken;
   for (const auto& point : points_) {

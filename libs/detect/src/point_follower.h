@@ -1,8 +1,8 @@
 #pragma once
 
 #include <headway/core/stereo_frame.h>
-#include <headway/detect/disparity.h>
-#include <headway/detect/ground_plane.h>
+#include <headway/stereo/disparity.h>
+#include <headway/stereo/ground_plane.h>
 
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
@@ -49,11 +49,12 @@ class PointFollower {
   void setDisparityOffset(double offset) { offset_ = offset; }
 
   /// Finds the points of the frame before in this one; `path` has been advanced to it.
-  void follow(const StereoFrame& frame, const DisparityImage& disparity, const CameraPath& path);
+  void follow(const StereoFrame& frame, const stereo::DisparityImage& disparity,
+              const CameraPath& path);
 
   /// Begins new points in this frame, where there are too few.
-  void replenish(const StereoFrame& frame, const DisparityImage& disparity,
-                 const std::optional<GroundPlane>& ground, int frame_number);
+  void replenish(const StereoFrame& frame, const stereo::DisparityImage& disparity,
+                 const std::optional<stereo::GroundPlane>& ground, int frame_number);
 
   [[nodiscard]] std::vector<PointTrack>& points() { return points_; }
   [[nodiscard]] const std::vector<PointTrack>& points() const { return points_; }
@@ -69,7 +70,7 @@ class PointFollower {
                  const CameraPath& path);
   [[nodiscard]] std::vector<double> disparitiesOf(const std::vector<cv::Point2f>& places,
                                                   const std::vector<double>& guesses,
-                                                  const DisparityImage& disparity) const;
+                                                  const stereo::DisparityImage& disparity) const;
 
   StereoCamera camera_;
   FollowerParams params_;

@@ -211,7 +211,8 @@ double takeOffCommon(const cv::Mat& disparities, cv::Mat& columns) {
 
 }  // namespace
 
-ResidualFlow ResidualFlowMeter::measure(const cv::Mat& image, const DisparityImage& disparity,
+ResidualFlow ResidualFlowMeter::measure(const cv::Mat& image,
+                                        const stereo::DisparityImage& disparity,
                                         const CameraPath& path) {
   const cv::Mat before = before_;
   before_ = image.clone();

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <headway/core/stereo_frame.h>
-#include <headway/detect/disparity.h>
+#include <headway/stereo/disparity.h>
 
 #include <opencv2/core/mat.hpp>
 
@@ -34,7 +34,7 @@ class ResidualFlowMeter {
   ///
   /// @param image  left, on the disparity grid, 8-bit
   /// @return       empty for the first frame
-  [[nodiscard]] ResidualFlow measure(const cv::Mat& image, const DisparityImage& disparity,
+  [[nodiscard]] ResidualFlow measure(const cv::Mat& image, const stereo::DisparityImage& disparity,
                                      const CameraPath& path);
   void clear() { before_ = cv::Mat(); }
 

@@ -52,13 +52,14 @@ Eigen::Matrix3d covarianceOf(const Eigen::Vector3d& centre, const Box2d& box, do
 
 }  // namespace
 
-StereoLifter::StereoLifter(const StereoFrame& frame, const DisparityParams& params)
+StereoLifter::StereoLifter(const StereoFrame& frame, const stereo::DisparityParams& params)
     : camera_(frame.camera),
-      disparity_(denseDisparity(frame, params)),
-      ground_(findGround(disparity_, *camera_, std::nullopt)) {}
+      disparity_(stereo::denseDisparity(frame, params)),
+      ground_(stereo::findGround(disparity_, *camera_, std::nullopt)) {}
 
-StereoLifter::StereoLifter(std::shared_ptr<const StereoCamera> camera, DisparityImage disparity,
-                           std::optional<GroundPlane> ground)
+StereoLifter::StereoLifter(std::shared_ptr<const StereoCamera> camera,
+                           stereo::DisparityImage disparity,
+                           std::optional<stereo::GroundPlane> ground)
     : camera_(std::move(camera)), disparity_(std::move(disparity)), ground_(std::move(ground)) {}
 
 std::optional<SurfaceDepth> StereoLifter::surfaceOf(const Box2d& box,

@@ -1,4 +1,5 @@
 #include <headway/detect/stereo_motion.h>
+#include <headway/stereo/reduced_image.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +15,6 @@
 #include "noise_scale.h"
 #include "object_identities.h"
 #include "point_follower.h"
-#include "reduced_image.h"
 #include "regions_ahead.h"
 #include "residual_flow.h"
 
@@ -35,8 +35,8 @@ bool usable(const cv::Mat& image) {
   return deviation[0] > kLeastContrast;
 }
 
-DisparityImage withoutOffset(const DisparityImage& disparity, double offset) {
-  DisparityImage result{disparity.values.clone(), disparity.reduce};
+stereo::DisparityImage withoutOffset(const stereo::DisparityImage& disparity, double offset) {
+  stereo::DisparityImage result{disparity.values.clone(), disparity.reduce};
   cv::subtract(disparity.values, offset, result.values, disparity.values > 0.0F);
   cv::max(result.values, 0.0F, result.values);
   return result;
@@ -52,7 +52,7 @@ FollowerParams followerOf(const StereoMotionParams& params) {
 class StereoMotion::Implementation {
  public:
   Implementation(std::shared_ptr<const StereoCamera> camera, const StereoMotionParams& params,
-                 std::shared_ptr<DisparityMatcher> matcher)
+                 std::shared_ptr<stereo::DisparityMatcher> matcher)
       : camera_(std::move(camera)),
         params_(params),
         matcher_(std::move(matcher)),
@@ -68,8 +68,8 @@ class StereoMotion::Implementation {
     cells_.clear();
     if (!usable(frame.left) || !usable(frame.right)) return "unusable_image";
     disparity_ = withoutOffset(matcher_->of(frame), offset_.value());
-    image_ = reducedImage(frame.left, disparity_.reduce);
-    ground_ = findGround(disparity_, *camera_, ground_);
+    image_ = stereo::reducedImage(frame.left, disparity_.reduce);
+    ground_ = stereo::findGround(disparity_, *camera_, ground_);
     if (!T_map_robot) {
       startAnew();
       return "no_pose";
@@ -106,8 +106,8 @@ class StereoMotion::Implementation {
   }
 
   std::vector<MovingObject> objects_;
-  DisparityImage disparity_;
-  std::optional<GroundPlane> ground_;
+  stereo::DisparityImage disparity_;
+  std::optional<stereo::GroundPlane> ground_;
 
  private:
   void startAnew() {
@@ -136,7 +136,7 @@ class StereoMotion::Implementation {
     }
     noise_scale_.update(points);
     up_ = path_.T_cam_world(path_.newest()).linear().transpose() *
-          (ground_ ? ground_->up : mountedUp(*camera_));
+          (ground_ ? ground_->up : stereo::mountedUp(*camera_));
     dropMismatches();
     offset_.update(points, verdicts_);
     const auto moving = std::count(verdicts_.begin(), verdicts_.end(), PointVerdict::kMoving);
@@ -235,7 +235,7 @@ class StereoMotion::Implementation {
   std::shared_ptr<const StereoCamera> camera_;
   StereoMotionParams params_;
   cv::Mat image_;  ///< left, on the disparity grid
-  std::shared_ptr<DisparityMatcher> matcher_;
+  std::shared_ptr<stereo::DisparityMatcher> matcher_;
   CameraPath path_;
   PointFollower follower_;
   ResidualFlowMeter flow_meter_;
@@ -251,7 +251,7 @@ class StereoMotion::Implementation {
 
 StereoMotion::StereoMotion(std::shared_ptr<const StereoCamera> camera,
                            const StereoMotionParams& params,
-                           std::shared_ptr<DisparityMatcher> matcher)
+                           std::shared_ptr<stereo::DisparityMatcher> matcher)
     : implementation_(
           std::make_unique<Implementation>(std::move(camera), params, std::move(matcher))) {}
 
@@ -272,6 +272,8 @@ std::optional<Detections> StereoMotion::detect(const StereoFrame& frame,
 
 MovingRegions StereoMotion::movingRegions(Time at) const { return implementation_->regions(at); }
 const std::vector<MovingObject>& StereoMotion::objects() const { return implementation_->objects_; }
-const std::optional<GroundPlane>& StereoMotion::ground() const { return implementation_->ground_; }
+const std::optional<stereo::GroundPlane>& StereoMotion::ground() const {
+  return implementation_->ground_;
+}
 
 }  // namespace headway::detect

@@ -104,9 +104,10 @@ SurfaceDepth surfaceAt(double mode, const std::vector<Weighted>& sorted) {
 
 }  // namespace
 
-std::vector<DisparitySample> samplesInside(const Box2d& box, const DisparityImage& disparity,
+std::vector<DisparitySample> samplesInside(const Box2d& box,
+                                           const stereo::DisparityImage& disparity,
                                            const StereoCamera& camera,
-                                           const std::optional<GroundPlane>& ground) {
+                                           const std::optional<stereo::GroundPlane>& ground) {
   std::vector<DisparitySample> samples;
   const double side = kMargin * box.width();
   const double end = kMargin * box.height();

@@ -56,7 +56,7 @@ Patch takeConnected(cv::Mat& image, const cv::Point& first) {
 
 // Whether something nearer, or the image's edge, borders the blob on its left or right.
 bool isHidden(const Cells& cells, double blob_disparity, const cv::Rect& box,
-              const DisparityImage& disparity) {
+              const stereo::DisparityImage& disparity) {
   if (box.x < 2 || box.br().x > disparity.values.cols - 2) return true;
   std::vector<int> first(box.height, box.br().x);
   std::vector<int> last(box.height, box.x);
@@ -84,7 +84,7 @@ bool isHidden(const Cells& cells, double blob_disparity, const cv::Rect& box,
   return std::max(beside_left, beside_right) > kHiddenRows * box.height;
 }
 
-std::vector<Patch> byPerson(Patch&& patch, const DisparityImage& disparity,
+std::vector<Patch> byPerson(Patch&& patch, const stereo::DisparityImage& disparity,
                             const StereoCamera& camera) {
   const double d = median({patch.disparities.begin(), patch.disparities.end()});
   const auto persons =
@@ -103,7 +103,8 @@ std::vector<Patch> byPerson(Patch&& patch, const DisparityImage& disparity,
   return patches;
 }
 
-Cells cellsOf(const Patch& patch, const DisparityImage& disparity, const StereoCamera& camera) {
+Cells cellsOf(const Patch& patch, const stereo::DisparityImage& disparity,
+              const StereoCamera& camera) {
   Cells cells;
   for (std::size_t i = 0; i < patch.places.size(); ++i) {
     const cv::Point& place = patch.places[i];
@@ -114,7 +115,7 @@ Cells cellsOf(const Patch& patch, const DisparityImage& disparity, const StereoC
   return cells;
 }
 
-std::optional<UprightBlob> blobOf(const Patch& patch, const DisparityImage& disparity,
+std::optional<UprightBlob> blobOf(const Patch& patch, const stereo::DisparityImage& disparity,
                                   const StereoCamera& camera) {
   if (patch.places.size() < kLeastCells) return std::nullopt;
   const auto [lowest, highest] = std::minmax_element(patch.heights.begin(), patch.heights.end());
@@ -140,8 +141,8 @@ std::optional<UprightBlob> blobOf(const Patch& patch, const DisparityImage& disp
 
 }  // namespace
 
-StandingCells standingCells(const DisparityImage& disparity, const StereoCamera& camera,
-                            const GroundPlane& ground, double range_m) {
+StandingCells standingCells(const stereo::DisparityImage& disparity, const StereoCamera& camera,
+                            const stereo::GroundPlane& ground, double range_m) {
   const double fb = camera.fx * camera.baseline_m;
   const float least = static_cast<float>(fb / range_m);
   const cv::Size size = disparity.values.size();
@@ -166,7 +167,8 @@ StandingCells standingCells(const DisparityImage& disparity, const StereoCamera&
 }
 
 std::vector<UprightBlob> uprightBlobs(const StandingCells& standing,
-                                      const DisparityImage& disparity, const StereoCamera& camera) {
+                                      const stereo::DisparityImage& disparity,
+                                      const StereoCamera& camera) {
   cv::Mat left = standing.disparities.clone();
   std::vector<UprightBlob> blobs;
   for (int row = 0; row < left.rows; ++row) {
@@ -186,8 +188,9 @@ std::vector<UprightBlob> uprightBlobs(const StandingCells& standing,
   return blobs;
 }
 
-std::vector<UprightBlob> uprightBlobs(const DisparityImage& disparity, const StereoCamera& camera,
-                                      const GroundPlane& ground, double range_m) {
+std::vector<UprightBlob> uprightBlobs(const stereo::DisparityImage& disparity,
+                                      const StereoCamera& camera, const stereo::GroundPlane& ground,
+                                      double range_m) {
   return uprightBlobs(standingCells(disparity, camera, ground, range_m), disparity, camera);
 }
 

@@ -31,24 +31,25 @@ struct StandingCells {
 };
 
 /// @param range_m  farther cells are left out [m]
-[[nodiscard]] StandingCells standingCells(const DisparityImage& disparity,
-                                          const StereoCamera& camera, const GroundPlane& ground,
-                                          double range_m);
+[[nodiscard]] StandingCells standingCells(const stereo::DisparityImage& disparity,
+                                          const StereoCamera& camera,
+                                          const stereo::GroundPlane& ground, double range_m);
 
 /// Cuts things of a person's size out of a disparity image: connected cells of nearly one
 /// disparity, off the ground, 0.2 to 2 m wide and 0.9 to 2.4 m high; of several heads, several
 /// things.
 ///
 /// @param range_m  farther things are left out [m]
-[[nodiscard]] std::vector<UprightBlob> uprightBlobs(const DisparityImage& disparity,
+[[nodiscard]] std::vector<UprightBlob> uprightBlobs(const stereo::DisparityImage& disparity,
                                                     const StereoCamera& camera,
-                                                    const GroundPlane& ground, double range_m);
+                                                    const stereo::GroundPlane& ground,
+                                                    double range_m);
 
 /// The same where the standing cells are known, all or some of them.
 ///
 /// @param disparity  of the whole image; says what is hidden behind something nearer
 [[nodiscard]] std::vector<UprightBlob> uprightBlobs(const StandingCells& standing,
-                                                    const DisparityImage& disparity,
+                                                    const stereo::DisparityImage& disparity,
                                                     const StereoCamera& camera);
 
 }  // namespace headway::detect

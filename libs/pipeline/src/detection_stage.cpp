@@ -91,7 +91,7 @@ DetectionStage::DetectionStage(std::shared_ptr<const StereoCamera> camera,
       use_recorded_(usesRecordedBoxes(params.detector)),
       automatic_(params.detector == kAuto),
       every_nth_frame_(params.detect.every_nth_frame),
-      matcher_(std::make_shared<detect::DisparityMatcher>(params.detect.disparity)) {
+      matcher_(std::make_shared<stereo::DisparityMatcher>(params.detect.disparity)) {
   try {
     checkDetectorNames(params.detector);
   } catch (const InputError& error) {
@@ -159,7 +159,7 @@ std::optional<Detections> DetectionStage::finish(const RecordedFrame& frame,
 
 void DetectionStage::lift(const StereoFrame& frame, Detections& detections) {
   const auto& disparity = matcher_->of(frame);
-  ground_ = detect::findGround(disparity, *camera_, ground_);
+  ground_ = stereo::findGround(disparity, *camera_, ground_);
   detect::liftAll(detections, detect::StereoLifter(camera_, disparity, ground_));
 }
 
@@ -169,7 +169,7 @@ std::optional<GroundScan> DetectionStage::scanGround(const RecordedFrame& frame,
                                                      const detect::GroundScanParams& params) {
   const auto& disparity = matcher_->of(*frame.stereo);
   // Sought again even where finish() sought it to lift boxes: begun from there it gets more exact.
-  ground_ = detect::findGround(disparity, *camera_, ground_);
+  ground_ = stereo::findGround(disparity, *camera_, ground_);
   if (!ground_) return std::nullopt;
   auto moving = movingRegions(frame, tracks);
   append(pipeline::movingRegions(tracks, T_map_robot, *camera_), moving);

@@ -18,7 +18,7 @@ constexpr double kMinDepth = 0.05;  ///< [m]
 /// One landmark seen by one keyframe: by pose, place and offset of the disparities.
 class Reprojection final : public ceres::SizedCostFunction<3, 7, 3, 1> {
  public:
-  Reprojection(const StereoMeasurement& measurement, const StereoCamera& camera)
+  Reprojection(const stereo::StereoMeasurement& measurement, const StereoCamera& camera)
       : measurement_(measurement), camera_(camera) {}
 
   bool Evaluate(double const* const* parameters, double* residuals,
@@ -28,15 +28,15 @@ class Reprojection final : public ceres::SizedCostFunction<3, 7, 3, 1> {
     const Eigen::Matrix3d R_cam_map = T_map_cam.linear().transpose();
     const Eigen::Vector3d point_cam = R_cam_map * (point - T_map_cam.translation());
     if (point_cam.z() < kMinDepth) return false;
-    StereoMeasurement measurement = measurement_;
+    stereo::StereoMeasurement measurement = measurement_;
     measurement.disparity -= parameters[2][0];
     Eigen::Matrix3d by_point;
     Eigen::Map<Eigen::Vector3d> residual(residuals);
-    residual = stereoResidual(point_cam, measurement, camera_, &by_point);
+    residual = stereo::stereoResidual(point_cam, measurement, camera_, &by_point);
     if (jacobians == nullptr) return true;
     if (jacobians[0] != nullptr) {
       Eigen::Map<Eigen::Matrix<double, 3, 7, Eigen::RowMajor>> by_pose(jacobians[0]);
-      by_pose.leftCols<6>() = by_point * pointByPose(point_cam);
+      by_pose.leftCols<6>() = by_point * stereo::pointByPose(point_cam);
       by_pose.rightCols<1>().setZero();
     }
     if (jacobians[1] != nullptr) {
@@ -51,7 +51,7 @@ class Reprojection final : public ceres::SizedCostFunction<3, 7, 3, 1> {
   }
 
  private:
-  StereoMeasurement measurement_;
+  stereo::StereoMeasurement measurement_;
   const StereoCamera& camera_;  ///< outlives it: the bundle's own
 };
 
@@ -262,7 +262,7 @@ int forgetOutliers(SparseMap& map, const std::vector<KeyframeId>& keyframes,
       const Eigen::Vector3d point_cam = T_cam_map * landmark.position;
       const auto measurement = map.corrected(observation->measurement);
       if (point_cam.z() < kMinDepth ||
-          stereoResidual(point_cam, measurement, camera, nullptr).squaredNorm() > kGate) {
+          stereo::stereoResidual(point_cam, measurement, camera, nullptr).squaredNorm() > kGate) {
         outliers.emplace_back(id, landmark_id);
       }
     }

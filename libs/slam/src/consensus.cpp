@@ -5,14 +5,14 @@
 
 namespace headway::slam {
 
-std::optional<Consensus> poseByConsensus(const std::vector<PoseConstraint>& constraints,
+std::optional<Consensus> poseByConsensus(const std::vector<stereo::PoseConstraint>& constraints,
                                          const StereoCamera& camera, int min_inliers,
                                          double max_error_px, int most_tries) {
   constexpr double kConfidence = 0.999;
   if (static_cast<int>(constraints.size()) < std::max(6, min_inliers)) return std::nullopt;
   std::vector<cv::Point3d> points;
   std::vector<cv::Point2d> pixels;
-  for (const PoseConstraint& constraint : constraints) {
+  for (const stereo::PoseConstraint& constraint : constraints) {
     const Eigen::Vector3d& p = constraint.point_map;
     points.emplace_back(p.x(), p.y(), p.z());
     pixels.emplace_back(constraint.measurement.uv.x(), constraint.measurement.uv.y());

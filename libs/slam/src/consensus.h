@@ -1,11 +1,10 @@
 #pragma once
 
 #include <headway/core/stereo_camera.h>
+#include <headway/stereo/pose_refiner.h>
 
 #include <optional>
 #include <vector>
-
-#include "pose_refiner.h"
 
 namespace headway::slam {
 
@@ -25,7 +24,7 @@ struct Consensus {
 /// @return nullopt if fewer than `min_inliers` landmarks agree on any pose
 /// @see Fischler & Bolles 1981; Lepetit et al. 2009 (EPnP)
 [[nodiscard]] std::optional<Consensus> poseByConsensus(
-    const std::vector<PoseConstraint>& constraints, const StereoCamera& camera, int min_inliers,
-    double max_error_px, int most_tries = 200);
+    const std::vector<stereo::PoseConstraint>& constraints, const StereoCamera& camera,
+    int min_inliers, double max_error_px, int most_tries = 200);
 
 }  // namespace headway::slam

@@ -8,8 +8,9 @@
 namespace headway::slam {
 namespace {
 
-constexpr PoseRefinerOptions kCoarse{8.0, 4, 5};  ///< from a guess that is right to some pixels
-constexpr PoseRefinerOptions kFine{4.0, 3, 6};
+constexpr stereo::PoseRefinerOptions kCoarse{8.0, 4,
+                                             5};  ///< from a guess that is right to some pixels
+constexpr stereo::PoseRefinerOptions kFine{4.0, 3, 6};
 
 /// Whether a landmark has agreed with the camera's motion for some frames.
 bool hasProvedStill(const Landmark& landmark) {
@@ -18,9 +19,9 @@ bool hasProvedStill(const Landmark& landmark) {
 }
 
 /// The constraints that are chosen.
-std::vector<PoseConstraint> only(const std::vector<PoseConstraint>& constraints,
-                                 const std::vector<bool>& chosen) {
-  std::vector<PoseConstraint> result;
+std::vector<stereo::PoseConstraint> only(const std::vector<stereo::PoseConstraint>& constraints,
+                                         const std::vector<bool>& chosen) {
+  std::vector<stereo::PoseConstraint> result;
   for (std::size_t i = 0; i < constraints.size(); ++i) {
     if (chosen[i]) result.push_back(constraints[i]);
   }
@@ -41,18 +42,18 @@ std::vector<TrackedLandmark> without(const std::vector<TrackedLandmark>& landmar
 }
 
 /// Refines a pose with the constraints that agree with it; the others become outliers.
-std::optional<RefinedPose> refineAgreeing(const Pose& T_map_cam,
-                                          std::vector<PoseConstraint>& constraints,
-                                          const StereoCamera& camera, int iterations) {
+std::optional<stereo::RefinedPose> refineAgreeing(const Pose& T_map_cam,
+                                                  std::vector<stereo::PoseConstraint>& constraints,
+                                                  const StereoCamera& camera, int iterations) {
   constexpr double kGateScale = 2.0;
-  markInliers(T_map_cam, constraints, camera, kGateScale);
-  std::vector<PoseConstraint> agreeing;
-  for (const PoseConstraint& constraint : constraints) {
+  stereo::markInliers(T_map_cam, constraints, camera, kGateScale);
+  std::vector<stereo::PoseConstraint> agreeing;
+  for (const stereo::PoseConstraint& constraint : constraints) {
     if (constraint.inlier) agreeing.push_back(constraint);
   }
-  const auto refined = refinePose(T_map_cam, agreeing, camera, {1.0, 2, iterations});
+  const auto refined = stereo::refinePose(T_map_cam, agreeing, camera, {1.0, 2, iterations});
   auto next = agreeing.begin();
-  for (PoseConstraint& constraint : constraints) {
+  for (stereo::PoseConstraint& constraint : constraints) {
     if (constraint.inlier) constraint = *next++;
   }
   return refined;
@@ -134,9 +135,9 @@ std::optional<FrameTracker::CoarsePose> FrameTracker::coarsePose(
   if (young && testsMotion()) return stillMotion(guess, followed, current, young, map);
   const auto constraints = constraintsOf(followed, map);
   auto witnesses = only(constraints, provedStill(followed, map));
-  std::optional<RefinedPose> refined;
+  std::optional<stereo::RefinedPose> refined;
   if (!testsMotion() || static_cast<int>(witnesses.size()) >= 2 * params_.min_inliers) {
-    refined = refinePose(guess, witnesses, camera_, kCoarse);
+    refined = stereo::refinePose(guess, witnesses, camera_, kCoarse);
     const int enough =
         std::max(params_.min_inliers / 2,
                  static_cast<int>(kAgreement * static_cast<double>(witnesses.size())));
@@ -160,7 +161,7 @@ std::optional<FrameTracker::CoarsePose> FrameTracker::stillMotion(
   const auto proved = young ? std::vector<bool>(judged.size(), false) : provedStill(judged, map);
   std::vector<Pose> likeliest{guess};
   auto all = constraints;
-  if (const auto refined = refinePose(guess, all, camera_, kCoarse)) {
+  if (const auto refined = stereo::refinePose(guess, all, camera_, kCoarse)) {
     likeliest.push_back(refined->T_map_cam);
   }
   const auto motions = rigidMotions(constraints, camera_, likeliest, params_.min_inliers / 2);
@@ -206,31 +207,31 @@ std::optional<TrackedPose> FrameTracker::measureFrom(const CoarsePose& coarse,
     if (!constraints[i].inlier) continue;
     ++map.find(measured[i].id)->agreed;
     result.landmarks.push_back(measured[i]);
-    StereoMeasurement& measurement = result.landmarks.back().measurement;
+    stereo::StereoMeasurement& measurement = result.landmarks.back().measurement;
     measurement.stereo = measurement.stereo && constraints[i].stereo_inlier;
   }
   return result;
 }
 
 /// Witnesses decide, the others may follow; without enough witnesses all decide.
-std::optional<RefinedPose> FrameTracker::refineByWitnesses(
-    const Pose& guess, std::vector<PoseConstraint>& constraints,
+std::optional<stereo::RefinedPose> FrameTracker::refineByWitnesses(
+    const Pose& guess, std::vector<stereo::PoseConstraint>& constraints,
     const std::vector<bool>& is_witness) const {
   auto witnesses = only(constraints, is_witness);
   const bool enough = static_cast<int>(witnesses.size()) >= 2 * params_.min_inliers;
   if (!enough || witnesses.size() == constraints.size()) {
-    return refinePose(guess, constraints, camera_, kFine);
+    return stereo::refinePose(guess, constraints, camera_, kFine);
   }
-  const auto first = refinePose(guess, witnesses, camera_, kFine);
+  const auto first = stereo::refinePose(guess, witnesses, camera_, kFine);
   if (!first || first->inliers < params_.min_inliers) {
-    return refinePose(guess, constraints, camera_, kFine);
+    return stereo::refinePose(guess, constraints, camera_, kFine);
   }
   return refineAgreeing(first->T_map_cam, constraints, camera_, kFine.iterations);
 }
 
-std::vector<PoseConstraint> FrameTracker::constraintsOf(
+std::vector<stereo::PoseConstraint> FrameTracker::constraintsOf(
     const std::vector<TrackedLandmark>& landmarks, const SparseMap& map) const {
-  std::vector<PoseConstraint> constraints;
+  std::vector<stereo::PoseConstraint> constraints;
   constraints.reserve(landmarks.size());
   for (const TrackedLandmark& seen : landmarks) {
     constraints.push_back(

@@ -2,12 +2,12 @@
 
 #include <headway/core/stereo_camera.h>
 #include <headway/slam/slam_params.h>
+#include <headway/stereo/pose_refiner.h>
 
 #include <optional>
 #include <vector>
 
 #include "landmark_tracker.h"
-#include "pose_refiner.h"
 #include "sparse_map.h"
 
 namespace headway::slam {
@@ -76,10 +76,10 @@ class FrameTracker {
                                                        const TrackingFrame& current,
                                                        const std::vector<LandmarkId>& local,
                                                        SparseMap& map, int min_inliers) const;
-  [[nodiscard]] std::optional<RefinedPose> refineByWitnesses(
-      const Pose& guess, std::vector<PoseConstraint>& constraints,
+  [[nodiscard]] std::optional<stereo::RefinedPose> refineByWitnesses(
+      const Pose& guess, std::vector<stereo::PoseConstraint>& constraints,
       const std::vector<bool>& is_witness) const;
-  [[nodiscard]] std::vector<PoseConstraint> constraintsOf(
+  [[nodiscard]] std::vector<stereo::PoseConstraint> constraintsOf(
       const std::vector<TrackedLandmark>& landmarks, const SparseMap& map) const;
 
   StereoCamera camera_;

@@ -26,16 +26,17 @@ Eigen::Matrix2d referenceFromView(const Eigen::Vector3d& point_ref, const Pose& 
 }
 
 /// Coarse to fine: where the patch around `uv` of one pyramid is in another.
-std::optional<Eigen::Vector2d> followPatch(const ImagePyramid& from, const ImagePyramid& to,
+std::optional<Eigen::Vector2d> followPatch(const stereo::ImagePyramid& from,
+                                           const stereo::ImagePyramid& to,
                                            const Eigen::Vector2d& uv, Eigen::Vector2d guess) {
   constexpr double kMinZncc = 0.6;
   const int coarsest = std::min(from.count(), to.count()) - 1;
-  std::optional<Alignment> found;
+  std::optional<stereo::Alignment> found;
   for (int level = coarsest; level >= std::min(kFinestFollowed, coarsest); --level) {
     const double scale = 1 << level;
-    const auto patch = cutPatch(from.levels[level], uv / scale);
+    const auto patch = stereo::cutPatch(from.levels[level], uv / scale);
     if (!patch) continue;
-    found = align(*patch, to.levels[level], guess / scale, AlignmentAxes::kBoth, 8);
+    found = stereo::align(*patch, to.levels[level], guess / scale, stereo::AlignmentAxes::kBoth, 8);
     if (found && found->zncc > kMinZncc) guess = scale * found->uv;
   }
   if (!found || !found->converged || found->zncc < kMinZncc) return std::nullopt;
@@ -132,10 +133,11 @@ std::optional<TrackedLandmark> LandmarkTracker::measureOne(const TrackingFrame& 
                  current.left.count() - 1);
   const double scale = 1 << level;
   const double to_reference = scale / (1 << landmark.reference_level);
-  const auto patch = warpPatch(landmark.patch, warp * to_reference);
+  const auto patch = stereo::warpPatch(landmark.patch, warp * to_reference);
   if (!patch) return std::nullopt;
   const Eigen::Vector2d expected = candidate.uvd.head<2>() / scale;
-  const auto found = align(*patch, current.left.levels[level], expected, AlignmentAxes::kBoth);
+  const auto found =
+      stereo::align(*patch, current.left.levels[level], expected, stereo::AlignmentAxes::kBoth);
   if (!found || !found->converged || found->zncc < params_.min_zncc ||
       (found->uv - expected).norm() > kMaxShift) {
     return std::nullopt;

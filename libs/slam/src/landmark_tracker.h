@@ -2,12 +2,12 @@
 
 #include <headway/core/stereo_camera.h>
 #include <headway/slam/slam_params.h>
+#include <headway/stereo/stereo_match.h>
 
 #include <vector>
 
 #include "keypoints.h"
 #include "sparse_map.h"
-#include "stereo_match.h"
 #include "tracking_frame.h"
 
 namespace headway::slam {
@@ -16,7 +16,7 @@ namespace headway::slam {
 struct TrackedLandmark {
   LandmarkId id;
   int level = 0;  ///< pyramid level it was found at
-  StereoMeasurement measurement;
+  stereo::StereoMeasurement measurement;
   double patch_scale = 1.0;  ///< pixels of its reference patch in one pixel of `level`
 };
 
@@ -64,7 +64,7 @@ class LandmarkTracker {
   StereoCamera camera_;
   SlamParams params_;
   FeatureGrid grid_;
-  StereoMatcher matcher_;
+  stereo::StereoMatcher matcher_;
 };
 
 /// Whether this pixel is set in a mask; nowhere in an empty one.

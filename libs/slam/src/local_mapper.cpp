@@ -46,8 +46,8 @@ void LocalMapper::linkTracked(const TrackingFrame& frame, KeyframeId keyframe,
     landmark->reference = keyframe;
     landmark->reference_level = seen.level;
     landmark->T_reference_cut.setIdentity();
-    landmark->patch =
-        cutReference(frame.left.levels[seen.level], seen.measurement.uv / (1 << seen.level));
+    landmark->patch = stereo::cutReference(frame.left.levels[seen.level],
+                                           seen.measurement.uv / (1 << seen.level));
   }
 }
 
@@ -67,7 +67,7 @@ void LocalMapper::addLandmarks(const TrackingFrame& frame, KeyframeId keyframe,
     seen.measurement = {keypoint.uv, *disparity, true, params_.sigma_px,
                         params_.sigma_disparity_px};
     Landmark& landmark = map.addLandmark(T_map_cam * *point_cam, keyframe, seen.measurement);
-    landmark.patch = cutReference(image, keypoint.uv);
+    landmark.patch = stereo::cutReference(image, keypoint.uv);
     seen.id = landmark.id;
     tracked.push_back(seen);
   }

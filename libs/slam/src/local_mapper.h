@@ -39,7 +39,7 @@ class LocalMapper {
   SlamParams params_;
   BundleAdjuster& adjuster_;
   FeatureGrid grid_;
-  StereoMatcher matcher_;
+  stereo::StereoMatcher matcher_;
 };
 
 }  // namespace headway::slam

@@ -6,9 +6,9 @@ namespace headway::slam {
 namespace {
 
 /// Grey value of a landmark where it was seen when its patch was cut.
-std::uint8_t intensityOf(const ReferencePatch& patch) {
+std::uint8_t intensityOf(const stereo::ReferencePatch& patch) {
   const auto centre = patch.centre.array().round().cast<int>();
-  return patch.pixels[centre.y() * ReferencePatch::kSize + centre.x()];
+  return patch.pixels[centre.y() * stereo::ReferencePatch::kSize + centre.x()];
 }
 
 }  // namespace

@@ -124,7 +124,7 @@ Keyframe readKeyframe(Reader& in) {
 }
 
 void write(Writer& out, const LandmarkObservation& observation) {
-  const StereoMeasurement& measurement = observation.measurement;
+  const stereo::StereoMeasurement& measurement = observation.measurement;
   out.value(observation.keyframe.value);
   out.matrix(measurement.uv);
   out.value(measurement.disparity);
@@ -135,7 +135,7 @@ void write(Writer& out, const LandmarkObservation& observation) {
 
 LandmarkObservation readObservation(Reader& in) {
   LandmarkObservation observation;
-  StereoMeasurement& measurement = observation.measurement;
+  stereo::StereoMeasurement& measurement = observation.measurement;
   observation.keyframe.value = in.value<std::int64_t>();
   in.matrix(measurement.uv);
   measurement.disparity = in.value<double>();
@@ -180,7 +180,7 @@ Landmark readLandmark(Reader& in) {
   landmark.agreed = in.value<std::int32_t>();
   const auto count = in.value<std::uint64_t>();
   for (std::uint64_t i = 0; i < count; ++i) landmark.observations.push_back(readObservation(in));
-  const float last = ReferencePatch::kSize - 1;
+  const float last = stereo::ReferencePatch::kSize - 1;
   if (landmark.reference_level < 0 || landmark.reference_level > kMaxLevel ||
       landmark.patch.centre.minCoeff() < 0.0F || landmark.patch.centre.maxCoeff() > last) {
     throw InputError("damaged: a landmark's patch lies outside its range");

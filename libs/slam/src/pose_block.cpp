@@ -1,6 +1,6 @@
 #include "pose_block.h"
 
-#include "pose_refiner.h"
+#include <headway/stereo/pose_refiner.h>
 
 namespace headway::slam {
 
@@ -20,7 +20,7 @@ Pose poseFrom(const double* block) {
 bool PoseManifold::Plus(const double* x, const double* delta, double* x_plus_delta) const {
   const Eigen::Map<const Eigen::Matrix<double, 6, 1>> xi(delta);
   Eigen::Map<PoseBlock> result(x_plus_delta);
-  result = blockFrom(retract(poseFrom(x), xi));
+  result = blockFrom(stereo::retract(poseFrom(x), xi));
   return true;
 }
 

@@ -19,9 +19,9 @@ Recognition relocalise(const std::vector<DescribedPoint>& points,
     known.push_back(landmark->descriptor);
     landmarks.push_back(landmark);
   }
-  std::vector<PoseConstraint> constraints;
+  std::vector<stereo::PoseConstraint> constraints;
   for (const auto& [at, landmark] : matchDescriptors(seen, known)) {
-    PoseConstraint constraint;
+    stereo::PoseConstraint constraint;
     constraint.point_map = landmarks[static_cast<std::size_t>(landmark)]->position;
     constraint.measurement.uv = points[static_cast<std::size_t>(at)].uv;
     constraint.measurement.sigma_px = 2.0;
@@ -32,7 +32,7 @@ Recognition relocalise(const std::vector<DescribedPoint>& points,
   if (!guess) return recognition;
   recognition.inliers = guess->inliers;
   if (guess->inliers < min_inliers) return recognition;
-  const auto refined = refinePose(guess->T_map_cam, constraints, camera, {2.0, 2, 6});
+  const auto refined = stereo::refinePose(guess->T_map_cam, constraints, camera, {2.0, 2, 6});
   recognition.inliers = refined ? refined->inliers : 0;
   if (refined && refined->inliers >= min_inliers) recognition.T_map_cam = refined->T_map_cam;
   return recognition;

@@ -15,30 +15,33 @@ constexpr double kGateScale = 0.5;   ///< landmarks are followed better than tha
 constexpr int kMostMotions = 5;
 
 /// The motion that the agreeing constraints settle on from a first pose.
-std::optional<RigidMotion> settled(const Pose& guess, std::vector<PoseConstraint> constraints,
+std::optional<RigidMotion> settled(const Pose& guess,
+                                   std::vector<stereo::PoseConstraint> constraints,
                                    const StereoCamera& camera, int min_members) {
   constexpr int kRounds = 3;
   Pose pose = guess;
   for (int round = 0; round < kRounds; ++round) {
-    if (markInliers(pose, constraints, camera, kGateScale) < min_members) return std::nullopt;
-    std::vector<PoseConstraint> agreeing;
+    if (stereo::markInliers(pose, constraints, camera, kGateScale) < min_members)
+      return std::nullopt;
+    std::vector<stereo::PoseConstraint> agreeing;
     std::copy_if(constraints.begin(), constraints.end(), std::back_inserter(agreeing),
-                 [](const PoseConstraint& constraint) { return constraint.inlier; });
-    const auto refined = refinePose(pose, agreeing, camera, {1.0, 1, 6});
+                 [](const stereo::PoseConstraint& constraint) { return constraint.inlier; });
+    const auto refined = stereo::refinePose(pose, agreeing, camera, {1.0, 1, 6});
     if (!refined) return std::nullopt;
     pose = refined->T_map_cam;
   }
   RigidMotion motion;
   motion.T_map_cam = pose;
-  motion.members = markInliers(pose, constraints, camera, kGateScale);
+  motion.members = stereo::markInliers(pose, constraints, camera, kGateScale);
   if (motion.members < min_members) return std::nullopt;
-  for (const PoseConstraint& constraint : constraints) motion.agrees.push_back(constraint.inlier);
+  for (const stereo::PoseConstraint& constraint : constraints)
+    motion.agrees.push_back(constraint.inlier);
   return motion;
 }
 
 }  // namespace
 
-std::vector<RigidMotion> rigidMotions(const std::vector<PoseConstraint>& constraints,
+std::vector<RigidMotion> rigidMotions(const std::vector<stereo::PoseConstraint>& constraints,
                                       const StereoCamera& camera,
                                       const std::vector<Pose>& likeliest, int min_members) {
   std::vector<RigidMotion> motions;
@@ -52,7 +55,7 @@ std::vector<RigidMotion> rigidMotions(const std::vector<PoseConstraint>& constra
   };
   for (const Pose& pose : likeliest) take(settled(pose, constraints, camera, min_members));
   while (static_cast<int>(motions.size()) < kMostMotions) {
-    std::vector<PoseConstraint> left;
+    std::vector<stereo::PoseConstraint> left;
     for (std::size_t i = 0; i < constraints.size(); ++i) {
       if (!explained[i]) left.push_back(constraints[i]);
     }
@@ -66,7 +69,8 @@ std::vector<RigidMotion> rigidMotions(const std::vector<PoseConstraint>& constra
 }
 
 double extentBeyond(const RigidMotion& motion, const RigidMotion& other,
-                    const std::vector<PoseConstraint>& constraints, const StereoCamera& camera) {
+                    const std::vector<stereo::PoseConstraint>& constraints,
+                    const StereoCamera& camera) {
   constexpr int kColumns = 24;         ///< of square cells over the image's width
   constexpr double kLayerRatio = 1.5;  ///< depth of one layer over that of the one before
   const double cell = static_cast<double>(camera.width) / kColumns;
@@ -90,7 +94,7 @@ double extentBeyond(const RigidMotion& motion, const RigidMotion& other,
 }
 
 const RigidMotion* cameraMotion(const std::vector<RigidMotion>& motions,
-                                const std::vector<PoseConstraint>& constraints,
+                                const std::vector<stereo::PoseConstraint>& constraints,
                                 const std::vector<bool>& proved, const StereoCamera& camera) {
   constexpr double kProvedWeight = 1.5;
   const RigidMotion* best = nullptr;

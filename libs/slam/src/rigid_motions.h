@@ -1,10 +1,9 @@
 #pragma once
 
 #include <headway/core/stereo_camera.h>
+#include <headway/stereo/pose_refiner.h>
 
 #include <vector>
-
-#include "pose_refiner.h"
 
 namespace headway::slam {
 
@@ -25,10 +24,9 @@ struct RigidMotion {
 /// @param min_members  landmarks that make a group
 /// @see   Fischler & Bolles 1981 (RANSAC); Torr 1998, "Geometric motion segmentation and model
 ///        selection" (one model after the other)
-[[nodiscard]] std::vector<RigidMotion> rigidMotions(const std::vector<PoseConstraint>& constraints,
-                                                    const StereoCamera& camera,
-                                                    const std::vector<Pose>& likeliest,
-                                                    int min_members);
+[[nodiscard]] std::vector<RigidMotion> rigidMotions(
+    const std::vector<stereo::PoseConstraint>& constraints, const StereoCamera& camera,
+    const std::vector<Pose>& likeliest, int min_members);
 
 /// How much scene agrees with one motion and not with another, over the image and in depth.
 ///
@@ -37,16 +35,15 @@ struct RigidMotion {
 /// compact, so it counts for less even where it fills most of the view. What agrees with both, as
 /// far landmarks do, says nothing.
 [[nodiscard]] double extentBeyond(const RigidMotion& motion, const RigidMotion& other,
-                                  const std::vector<PoseConstraint>& constraints,
+                                  const std::vector<stereo::PoseConstraint>& constraints,
                                   const StereoCamera& camera);
 
 /// The motion that is the camera's: the one with more extent beyond each of the others.
 ///
 /// @param proved  per constraint: has proved still before, so that what moves with it counts more
 /// @return        one of the motions; null if there is none
-[[nodiscard]] const RigidMotion* cameraMotion(const std::vector<RigidMotion>& motions,
-                                              const std::vector<PoseConstraint>& constraints,
-                                              const std::vector<bool>& proved,
-                                              const StereoCamera& camera);
+[[nodiscard]] const RigidMotion* cameraMotion(
+    const std::vector<RigidMotion>& motions, const std::vector<stereo::PoseConstraint>& constraints,
+    const std::vector<bool>& proved, const StereoCamera& camera);
 
 }  // namespace headway::slam

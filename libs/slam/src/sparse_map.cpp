@@ -64,7 +64,7 @@ Keyframe& SparseMap::addKeyframe(std::size_t frame, Time time, const Pose& T_map
 }
 
 Landmark& SparseMap::addLandmark(const Eigen::Vector3d& position, KeyframeId reference,
-                                 const StereoMeasurement& measurement) {
+                                 const stereo::StereoMeasurement& measurement) {
   const LandmarkId id{next_landmark_++};
   Landmark& landmark = landmarks_[id];
   landmark.id = id;
@@ -75,7 +75,7 @@ Landmark& SparseMap::addLandmark(const Eigen::Vector3d& position, KeyframeId ref
 }
 
 void SparseMap::observe(KeyframeId keyframe, LandmarkId landmark,
-                        const StereoMeasurement& measurement) {
+                        const stereo::StereoMeasurement& measurement) {
   landmarks_.at(landmark).observations.push_back({keyframe, measurement});
   insertSorted(keyframes_.at(keyframe).landmarks, landmark);
 }

@@ -2,20 +2,20 @@
 
 #include <headway/core/ids.h>
 #include <headway/core/pose.h>
+#include <headway/stereo/patch.h>
+#include <headway/stereo/pose_refiner.h>
 
 #include <map>
 #include <vector>
 
 #include "descriptor.h"
-#include "patch.h"
-#include "pose_refiner.h"
 
 namespace headway::slam {
 
 /// Where one keyframe sees a landmark.
 struct LandmarkObservation {
   KeyframeId keyframe;
-  StereoMeasurement measurement;
+  stereo::StereoMeasurement measurement;
 };
 
 /// A point of the still world, with the looks by which it is found again.
@@ -26,7 +26,7 @@ struct Landmark {
   int reference_level = 0;                             ///< pyramid level that `patch` was cut from
   /// Camera that `patch` was cut from: the reference itself, unless that keyframe was removed.
   Eigen::Isometry3f T_reference_cut = Eigen::Isometry3f::Identity();
-  ReferencePatch patch;
+  stereo::ReferencePatch patch;
   Descriptor descriptor{};  ///< cut where the patch was cut; all zero if too near to the border
   std::vector<LandmarkObservation> observations;  ///< in order of keyframes
   int tried = 0;                                  ///< frames in which it was looked for
@@ -60,9 +60,10 @@ class SparseMap {
   Keyframe& addKeyframe(std::size_t frame, Time time, const Pose& T_map_cam);
   /// A new landmark, seen by its reference keyframe.
   Landmark& addLandmark(const Eigen::Vector3d& position, KeyframeId reference,
-                        const StereoMeasurement& measurement);
+                        const stereo::StereoMeasurement& measurement);
   /// A keyframe sees a landmark (that it did not see so far).
-  void observe(KeyframeId keyframe, LandmarkId landmark, const StereoMeasurement& measurement);
+  void observe(KeyframeId keyframe, LandmarkId landmark,
+               const stereo::StereoMeasurement& measurement);
   /// Takes one observation away, and the landmark with its last one (or with its reference's).
   void forget(KeyframeId keyframe, LandmarkId landmark);
   void removeLandmark(LandmarkId landmark);
@@ -91,7 +92,7 @@ class SparseMap {
   [[nodiscard]] double disparityOffset() const { return disparity_offset_px_; }
   void setDisparityOffset(double offset_px) { disparity_offset_px_ = offset_px; }
   /// The measurement without that offset.
-  [[nodiscard]] StereoMeasurement corrected(StereoMeasurement measurement) const {
+  [[nodiscard]] stereo::StereoMeasurement corrected(stereo::StereoMeasurement measurement) const {
     measurement.disparity -= disparity_offset_px_;
     return measurement;
   }

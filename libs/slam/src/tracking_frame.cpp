@@ -1,10 +1,10 @@
 #include "tracking_frame.h"
 
 #include <headway/core/error.h>
+#include <headway/stereo/contrast.h>
 
 #include <string>
 
-#include "contrast.h"
 #include "dynamic_rejection.h"
 
 namespace headway::slam {
@@ -24,8 +24,8 @@ void requireImages(const StereoFrame& frame, const StereoCamera& camera) {
   }
 }
 
-ImagePyramid pyramidOf(const cv::Mat& image) {
-  return buildPyramid(stretched(image, stretchFor(image)), kPyramidLevels);
+stereo::ImagePyramid pyramidOf(const cv::Mat& image) {
+  return stereo::buildPyramid(stereo::stretched(image, stereo::stretchFor(image)), kPyramidLevels);
 }
 
 }  // namespace

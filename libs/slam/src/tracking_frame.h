@@ -3,8 +3,7 @@
 #include <headway/core/moving_regions.h>
 #include <headway/core/stereo_frame.h>
 #include <headway/slam/slam_params.h>
-
-#include "image_pyramid.h"
+#include <headway/stereo/image_pyramid.h>
 
 namespace headway::slam {
 
@@ -12,8 +11,8 @@ namespace headway::slam {
 struct TrackingFrame {
   std::size_t index = 0;
   Time time = 0.0;  ///< [s]
-  ImagePyramid left;
-  ImagePyramid right;
+  stereo::ImagePyramid left;
+  stereo::ImagePyramid right;
   cv::Mat excluded;  ///< 8-bit, non-zero where nothing may be measured; may be empty
   cv::Mat suspect;   ///< 8-bit, non-zero where landmarks must prove still first; may be empty
 };

@@ -2,10 +2,10 @@
 
 #include <headway/core/params.h>
 #include <headway/detect/detector.h>
-#include <headway/detect/disparity_matcher.h>
 #include <headway/detect/network_detector.h>
 #include <headway/detect/person_detector.h>
 #include <headway/detect/stereo_motion.h>
+#include <headway/stereo/disparity_matcher.h>
 
 #include <memory>
 #include <string>
@@ -16,7 +16,7 @@ namespace headway::detect {
 /// Parameters of every detector.
 struct DetectParams {
   int every_nth_frame = 1;  ///< one frame in so many is looked at; tracks coast between
-  DisparityParams disparity;
+  stereo::DisparityParams disparity;
   StereoMotionParams stereo_motion;
   NetworkParams network;
   PersonParams person;
@@ -36,6 +36,6 @@ struct DetectParams {
 ///                 used
 [[nodiscard]] std::unique_ptr<Detector> makeDetector(
     const std::string& name, std::shared_ptr<const StereoCamera> camera, const DetectParams& params,
-    std::shared_ptr<DisparityMatcher> matcher = nullptr);
+    std::shared_ptr<stereo::DisparityMatcher> matcher = nullptr);
 
 }  // namespace headway::detect

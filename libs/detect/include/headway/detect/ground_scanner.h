@@ -3,8 +3,8 @@
 #include <headway/core/ground_scan.h>
 #include <headway/core/moving_regions.h>
 #include <headway/core/params.h>
-#include <headway/detect/disparity.h>
-#include <headway/detect/ground_plane.h>
+#include <headway/stereo/disparity.h>
+#include <headway/stereo/ground_plane.h>
 
 namespace headway::detect {
 
@@ -31,8 +31,8 @@ struct GroundScanParams {
 /// @return         empty for a camera that looks straight down or lies on its side
 /// @see            Labayrade et al. 2002 (obstacles as what is upright in disparity); Badino et al.
 ///                 2007, "Free space computation using stochastic occupancy grids"
-[[nodiscard]] GroundScan scanGround(const DisparityImage& disparity, const StereoCamera& camera,
-                                    const GroundPlane& ground, const MovingRegions& moving,
-                                    const GroundScanParams& params);
+[[nodiscard]] GroundScan scanGround(const stereo::DisparityImage& disparity,
+                                    const StereoCamera& camera, const stereo::GroundPlane& ground,
+                                    const MovingRegions& moving, const GroundScanParams& params);
 
 }  // namespace headway::detect

@@ -2,9 +2,9 @@
 
 #include <headway/core/detection.h>
 #include <headway/core/stereo_frame.h>
-#include <headway/detect/disparity.h>
-#include <headway/detect/ground_plane.h>
 #include <headway/detect/surface_depth.h>
+#include <headway/stereo/disparity.h>
+#include <headway/stereo/ground_plane.h>
 
 #include <memory>
 #include <optional>
@@ -29,11 +29,11 @@ struct LiftedBox {
 class StereoLifter {
  public:
   /// Matches the frame densely, once.
-  StereoLifter(const StereoFrame& frame, const DisparityParams& params);
+  StereoLifter(const StereoFrame& frame, const stereo::DisparityParams& params);
 
   /// Takes what another step found already.
-  StereoLifter(std::shared_ptr<const StereoCamera> camera, DisparityImage disparity,
-               std::optional<GroundPlane> ground);
+  StereoLifter(std::shared_ptr<const StereoCamera> camera, stereo::DisparityImage disparity,
+               std::optional<stereo::GroundPlane> ground);
 
   /// nullopt for a box that is not finite, hardly overlaps the image, or whose depth neither
   /// stereo nor its class's size tells.
@@ -45,8 +45,8 @@ class StereoLifter {
 
  private:
   std::shared_ptr<const StereoCamera> camera_;
-  DisparityImage disparity_;
-  std::optional<GroundPlane> ground_;
+  stereo::DisparityImage disparity_;
+  std::optional<stereo::GroundPlane> ground_;
 };
 
 /// Adds 3D boxes to the detections of a frame that have a 2D one alone; those whose depth cannot be

@@ -2,8 +2,8 @@
 
 #include <headway/core/params.h>
 #include <headway/detect/detector.h>
-#include <headway/detect/disparity_matcher.h>
-#include <headway/detect/ground_plane.h>
+#include <headway/stereo/disparity_matcher.h>
+#include <headway/stereo/ground_plane.h>
 
 #include <cstdint>
 #include <memory>
@@ -62,7 +62,7 @@ class StereoMotion : public Detector {
   /// @param camera   of every frame to come
   /// @param matcher  gives the disparities of the frames; others may use it too
   StereoMotion(std::shared_ptr<const StereoCamera> camera, const StereoMotionParams& params,
-               std::shared_ptr<DisparityMatcher> matcher);
+               std::shared_ptr<stereo::DisparityMatcher> matcher);
   ~StereoMotion() override;
 
   [[nodiscard]] bool needsPose() const override { return true; }
@@ -73,7 +73,7 @@ class StereoMotion : public Detector {
   /// Objects found last, with their velocities.
   [[nodiscard]] const std::vector<MovingObject>& objects() const;
   /// Ground of the frame looked at last.
-  [[nodiscard]] const std::optional<GroundPlane>& ground() const;
+  [[nodiscard]] const std::optional<stereo::GroundPlane>& ground() const;
 
  private:
   class Implementation;

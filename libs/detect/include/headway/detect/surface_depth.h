@@ -2,8 +2,8 @@
 
 #include <headway/core/detection.h>
 #include <headway/core/stereo_camera.h>
-#include <headway/detect/disparity.h>
-#include <headway/detect/ground_plane.h>
+#include <headway/stereo/disparity.h>
+#include <headway/stereo/ground_plane.h>
 
 #include <optional>
 #include <vector>
@@ -25,10 +25,9 @@ struct DisparitySample {
 };
 
 /// Stereo measurements inside a box, without those on the ground.
-[[nodiscard]] std::vector<DisparitySample> samplesInside(const Box2d& box,
-                                                         const DisparityImage& disparity,
-                                                         const StereoCamera& camera,
-                                                         const std::optional<GroundPlane>& ground);
+[[nodiscard]] std::vector<DisparitySample> samplesInside(
+    const Box2d& box, const stereo::DisparityImage& disparity, const StereoCamera& camera,
+    const std::optional<stereo::GroundPlane>& ground);
 
 /// Depth of an object by the mode of the stereo measurements inside its box.
 ///

@@ -87,13 +87,13 @@ class DetectionStage {
   bool use_recorded_ = false;
   bool automatic_ = false;  ///< detectors step aside once the recording brings boxes
   int every_nth_frame_ = 1;
-  std::shared_ptr<detect::DisparityMatcher> matcher_;
+  std::shared_ptr<stereo::DisparityMatcher> matcher_;
   std::vector<std::unique_ptr<detect::Detector>> detectors_;
 
   int frames_ = 0;
   bool looking_ = false;                       ///< the image detectors have their turn
   bool lifting_ = false;                       ///< a recorded box lacks its depth
-  std::optional<detect::GroundPlane> ground_;  ///< where it was looked for last
+  std::optional<stereo::GroundPlane> ground_;  ///< where it was looked for last
   std::vector<Detections> found_;              ///< in this frame, best informed first
   DropCounts dropped_before_;                  ///< of all detectors, as last taken
 };

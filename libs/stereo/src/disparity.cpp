@@ -1,13 +1,12 @@
-#include <headway/detect/disparity.h>
+#include <headway/stereo/disparity.h>
+#include <headway/stereo/reduced_image.h>
 
 #include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "reduced_image.h"
-
-namespace headway::detect {
+namespace headway::stereo {
 namespace {
 
 constexpr int kSubpixels = 16;  // OpenCV's fixed-point disparities
@@ -101,4 +100,4 @@ DisparityImage denseDisparity(const StereoFrame& frame, const DisparityParams& p
   return result;
 }
 
-}  // namespace headway::detect
+}  // namespace headway::stereo

@@ -1,11 +1,11 @@
 #pragma once
 
+#include <headway/stereo/image_pyramid.h>
+
 #include <Eigen/Core>
 #include <optional>
 
-#include "image_pyramid.h"
-
-namespace headway::slam {
+namespace headway::stereo {
 
 /// Finds points of the left image in the right one, along the row, to a fraction of a pixel.
 ///
@@ -37,4 +37,4 @@ class StereoMatcher {
   double min_zncc_ = 0.0;
 };
 
-}  // namespace headway::slam
+}  // namespace headway::stereo

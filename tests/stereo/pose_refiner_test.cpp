@@ -1,10 +1,9 @@
-#include "pose_refiner.h"
-
 #include <gtest/gtest.h>
+#include <headway/stereo/pose_refiner.h>
 
 #include <random>
 
-namespace headway::slam {
+namespace headway::stereo {
 namespace {
 
 StereoCamera testCamera() {
@@ -151,4 +150,4 @@ TEST(RefinePose, SaysNothingOfPointsBehindTheCamera) {
 }
 
 }  // namespace
-}  // namespace headway::slam
+}  // namespace headway::stereo

@@ -1,9 +1,8 @@
-#include "stereo_match.h"
-
 #include <gtest/gtest.h>
+#include <headway/stereo/stereo_match.h>
 #include <headway_test/textured_world.h>
 
-namespace headway::slam {
+namespace headway::stereo {
 namespace {
 
 /// A board in front of the camera, in parallel: one disparity everywhere.
@@ -79,4 +78,4 @@ TEST(BuildPyramid, StopsBeforeImagesGetTiny) {
 }
 
 }  // namespace
-}  // namespace headway::slam
+}  // namespace headway::stereo

@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
-#include <headway/detect/ground_plane.h>
+#include <headway/stereo/ground_plane.h>
 
 #include <cmath>
 
-namespace headway::detect {
+namespace headway::stereo {
 namespace {
 
 StereoCamera testCamera() {
@@ -53,4 +53,4 @@ TEST(FindGround, AWallIsNoGround) {
 }
 
 }  // namespace
-}  // namespace headway::detect
+}  // namespace headway::stereo

@@ -1,10 +1,10 @@
-#include <headway/detect/ground_plane.h>
+#include <headway/stereo/ground_plane.h>
 
 #include <Eigen/Eigenvalues>
 #include <random>
 #include <vector>
 
-namespace headway::detect {
+namespace headway::stereo {
 namespace {
 
 constexpr double kNear = 3.0;  // points of the ground are sought from here [m]
@@ -115,4 +115,4 @@ std::optional<GroundPlane> findGround(const DisparityImage& disparity, const Ste
   return refined(best, points, expected_up);
 }
 
-}  // namespace headway::detect
+}  // namespace headway::stereo

@@ -2,7 +2,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-namespace headway::slam {
+namespace headway::stereo {
 
 /// Grey values of one camera turned to others: value -> gain * value + offset.
 struct ContrastStretch {
@@ -19,4 +19,4 @@ struct ContrastStretch {
 /// The image with its contrast stretched; the image itself where there is nothing to stretch.
 [[nodiscard]] cv::Mat stretched(const cv::Mat& image, const ContrastStretch& stretch);
 
-}  // namespace headway::slam
+}  // namespace headway::stereo

@@ -1,9 +1,9 @@
-#include "contrast.h"
+#include <headway/stereo/contrast.h>
 
 #include <algorithm>
 #include <opencv2/core.hpp>
 
-namespace headway::slam {
+namespace headway::stereo {
 
 ContrastStretch stretchFor(const cv::Mat& image) {
   constexpr double kFullContrast = 40.0;  ///< standard deviation in good light [grey values]
@@ -23,4 +23,4 @@ cv::Mat stretched(const cv::Mat& image, const ContrastStretch& stretch) {
   return result;
 }
 
-}  // namespace headway::slam
+}  // namespace headway::stereo

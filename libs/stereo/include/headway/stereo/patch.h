@@ -6,7 +6,7 @@
 #include <opencv2/core/mat.hpp>
 #include <optional>
 
-namespace headway::slam {
+namespace headway::stereo {
 
 /// Side of the square that is compared between images [px]; a multiple of 4 keeps rows in SIMD.
 inline constexpr int kPatchSize = 12;
@@ -66,4 +66,4 @@ struct Alignment {
                                              const Eigen::Vector2d& start, AlignmentAxes axes,
                                              int max_iterations = 10);
 
-}  // namespace headway::slam
+}  // namespace headway::stereo

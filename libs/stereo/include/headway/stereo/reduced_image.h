@@ -3,7 +3,7 @@
 #include <opencv2/core/mat.hpp>
 #include <opencv2/imgproc.hpp>
 
-namespace headway::detect {
+namespace headway::stereo {
 
 /// The image at 1/reduce of its size, each pixel the mean of those that it stands for; the image
 /// itself, not a copy, where that is 1.
@@ -14,4 +14,4 @@ inline cv::Mat reducedImage(const cv::Mat& image, int reduce) {
   return result;
 }
 
-}  // namespace headway::detect
+}  // namespace headway::stereo

@@ -1,12 +1,11 @@
-#include "patch.h"
-
 #include <gtest/gtest.h>
+#include <headway/stereo/patch.h>
 
 #include <Eigen/LU>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-namespace headway::slam {
+namespace headway::stereo {
 namespace {
 
 /// A smooth pattern that can be evaluated anywhere, moved, stretched and relit.
@@ -102,4 +101,4 @@ TEST(CutReference, RepeatsTheImagesEdge) {
 }
 
 }  // namespace
-}  // namespace headway::slam
+}  // namespace headway::stereo

@@ -1,12 +1,11 @@
-#include "stereo_match.h"
+#include <headway/stereo/patch.h>
+#include <headway/stereo/stereo_match.h>
 
 #include <cstdint>
 #include <limits>
 #include <opencv2/core/utility.hpp>
 
-#include "patch.h"
-
-namespace headway::slam {
+namespace headway::stereo {
 namespace {
 
 constexpr int kSearchLevel = 1;  ///< pyramid level of the search over all disparities
@@ -92,4 +91,4 @@ std::optional<double> StereoMatcher::refine(const ImagePyramid& left, const Imag
   return disparity;
 }
 
-}  // namespace headway::slam
+}  // namespace headway::stereo

@@ -1,11 +1,11 @@
 #include <gtest/gtest.h>
 #include <headway/core/statistics.h>
-#include <headway/detect/disparity.h>
+#include <headway/stereo/disparity.h>
 #include <headway_test/painted_street.h>
 
 #include <cmath>
 
-namespace headway::detect {
+namespace headway::stereo {
 namespace {
 
 using test::PaintedBox;
@@ -40,7 +40,7 @@ TEST(DenseDisparity, ReachesAsFarLeftAsBothImagesShowAThing) {
   const double expected = camera.fx * camera.baseline_m / kAtTheEdge.foot.z();
   int right = 0;
   for (const double d : values) right += std::abs(d - expected) < 0.7 ? 1 : 0;
-  EXPECT_GT(right, 0.7 * values.size());
+  EXPECT_GT(right, 0.7 * static_cast<double>(values.size()));
 }
 
 TEST(DenseDisparity, NothingIsMatchedLeftOfTheRightImage) {
@@ -54,4 +54,4 @@ TEST(DenseDisparity, NothingIsMatchedLeftOfTheRightImage) {
 }
 
 }  // namespace
-}  // namespace headway::detect
+}  // namespace headway::stereo

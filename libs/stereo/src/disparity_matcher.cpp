@@ -1,6 +1,6 @@
-#include <headway/detect/disparity_matcher.h>
+#include <headway/stereo/disparity_matcher.h>
 
-namespace headway::detect {
+namespace headway::stereo {
 
 DisparityMatcher::~DisparityMatcher() {
   if (pending_.valid()) pending_.wait();
@@ -31,4 +31,4 @@ const DisparityImage& DisparityMatcher::of(const StereoFrame& frame) {
   return disparity_;
 }
 
-}  // namespace headway::detect
+}  // namespace headway::stereo

@@ -5,7 +5,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-namespace headway::detect {
+namespace headway::stereo {
 
 /// How stereo pairs are matched densely. Section [disparity].
 struct DisparityParams {
@@ -46,4 +46,4 @@ struct DisparityImage {
 [[nodiscard]] DisparityImage denseDisparity(const StereoFrame& frame,
                                             const DisparityParams& params);
 
-}  // namespace headway::detect
+}  // namespace headway::stereo

@@ -1,10 +1,10 @@
-#include "patch.h"
+#include <headway/stereo/patch.h>
 
 #include <Eigen/LU>
 #include <cmath>
 #include <cstring>
 
-namespace headway::slam {
+namespace headway::stereo {
 namespace {
 
 constexpr float kHalf = 0.5F * (kPatchSize - 1);  ///< from the centre to the first sample [px]
@@ -201,4 +201,4 @@ std::optional<Alignment> align(const Patch& patch, const cv::Mat& image,
   return result;
 }
 
-}  // namespace headway::slam
+}  // namespace headway::stereo

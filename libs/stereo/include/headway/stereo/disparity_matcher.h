@@ -1,10 +1,10 @@
 #pragma once
 
-#include <headway/detect/disparity.h>
+#include <headway/stereo/disparity.h>
 
 #include <future>
 
-namespace headway::detect {
+namespace headway::stereo {
 
 /// Matches each frame densely at most once, however many ask for its disparities.
 ///
@@ -36,4 +36,4 @@ class DisparityMatcher {
   DisparityImage disparity_;
 };
 
-}  // namespace headway::detect
+}  // namespace headway::stereo

@@ -3,7 +3,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-namespace headway::slam {
+namespace headway::stereo {
 
 /// An image and its halved copies: pixel (x, y) of level l stands at (x, y) * 2^l of level 0.
 ///
@@ -20,4 +20,4 @@ struct ImagePyramid {
 /// Burt & Adelson 1983: each level is smoothed by a 5x5 binomial filter before it is halved.
 [[nodiscard]] ImagePyramid buildPyramid(const cv::Mat& image, int count);
 
-}  // namespace headway::slam
+}  // namespace headway::stereo

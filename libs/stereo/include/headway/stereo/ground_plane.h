@@ -1,11 +1,11 @@
 #pragma once
 
 #include <headway/core/stereo_camera.h>
-#include <headway/detect/disparity.h>
+#include <headway/stereo/disparity.h>
 
 #include <optional>
 
-namespace headway::detect {
+namespace headway::stereo {
 
 /// The ground before the camera, as a plane in the camera frame.
 struct GroundPlane {
@@ -32,4 +32,4 @@ struct GroundPlane {
                                                     const StereoCamera& camera,
                                                     const std::optional<GroundPlane>& previous);
 
-}  // namespace headway::detect
+}  // namespace headway::stereo

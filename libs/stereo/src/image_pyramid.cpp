@@ -1,8 +1,8 @@
-#include "image_pyramid.h"
+#include <headway/stereo/image_pyramid.h>
 
 #include <opencv2/imgproc.hpp>
 
-namespace headway::slam {
+namespace headway::stereo {
 
 ImagePyramid buildPyramid(const cv::Mat& image, int count) {
   constexpr int kMinSize = 32;
@@ -18,4 +18,4 @@ ImagePyramid buildPyramid(const cv::Mat& image, int count) {
   return pyramid;
 }
 
-}  // namespace headway::slam
+}  // namespace headway::stereo
