@@ -97,7 +97,7 @@ GridTruth gridTruth(const fs::path& folder, const StereoCamera& camera, const ev
                                                            : eval::CellState::kUnknown;
   }
   for (const auto& sample : io::readTrackCsv((folder / "objects.csv").string())) {
-    if (sample.track.moving) tread(sample.track, grid, truth.trodden);
+    if (isMoving(sample.track)) tread(sample.track, grid, truth.trodden);
   }
   return truth;
 }

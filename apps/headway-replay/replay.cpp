@@ -184,7 +184,7 @@ void Replay::count(const RecordedFrame& frame, const pipeline::PerceptionUpdate&
   for (const auto& track : update.objects.tracks) {
     if (track.status == TrackStatus::kConfirmed) {
       bool& ever_moving = seen_tracks_[track.id];
-      ever_moving = ever_moving || track.moving;
+      ever_moving = ever_moving || isMoving(track);
     }
   }
 }

@@ -136,7 +136,7 @@ TEST_F(TrackFileTest, trackCsvComesBackAsWritten) {
   sample.track.id.value = 4;
   sample.track.object_class = ObjectClass::kPersonSitting;
   sample.track.status = TrackStatus::kCoasting;
-  sample.track.moving = true;
+  sample.track.motion_state = MotionState::kMoving;
   sample.track.position = {1.5, -2.25, 0.125};
   sample.track.velocity = {0.5, -0.5, 0.25};
   sample.track.yaw = -3.0;
@@ -152,7 +152,7 @@ TEST_F(TrackFileTest, trackCsvComesBackAsWritten) {
   EXPECT_EQ(sample.track.id, read[0].track.id);
   EXPECT_EQ(sample.track.object_class, read[0].track.object_class);
   EXPECT_EQ(sample.track.status, read[0].track.status);
-  EXPECT_TRUE(read[0].track.moving);
+  EXPECT_TRUE(isMoving(read[0].track));
   EXPECT_EQ(sample.track.position, read[0].track.position);
   EXPECT_EQ(sample.track.velocity, read[0].track.velocity);
   EXPECT_EQ(sample.track.size, read[0].track.size);

@@ -21,7 +21,7 @@ inline void expectEqual(const Track& a, const Track& b) {
   EXPECT_EQ(a.id, b.id);
   EXPECT_EQ(a.object_class, b.object_class);
   EXPECT_EQ(a.status, b.status);
-  EXPECT_EQ(a.moving, b.moving);
+  EXPECT_EQ(a.motion_state, b.motion_state);
   EXPECT_EQ(a.score, b.score);
   EXPECT_EQ(a.position, b.position);
   EXPECT_EQ(a.velocity, b.velocity);

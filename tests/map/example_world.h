@@ -14,7 +14,7 @@ inline Track exampleTrack(std::int64_t id, ObjectClass object_class,
   track.id = TrackId{id};
   track.object_class = object_class;
   track.status = TrackStatus::kConfirmed;
-  track.moving = true;
+  track.motion_state = MotionState::kMoving;
   track.score = 0.75;
   track.position = position;
   track.yaw = yaw;

@@ -7,8 +7,8 @@
 namespace headway::nav {
 namespace {
 
-using test::walkingTrack;
 using Eigen::Vector2d;
+using test::walkingTrack;
 
 PredictiveObstaclesParams paramsOf(ObstaclePolicy policy) {
   PredictiveObstaclesParams params;
@@ -98,7 +98,7 @@ TEST(MovingObstacles, ImprobablePathsAreLeftOut) {
 
 TEST(MovingObstacles, StandingTentativeAndEndedTracksAreLeftToTheSensors) {
   Track still = walkingTrack(1, {2.0, -2.0}, {0.0, 1.0});
-  still.moving = false;
+  still.motion_state = MotionState::kStatic;
   Track tentative = walkingTrack(2, {2.0, -2.0}, {0.0, 1.0});
   tentative.status = TrackStatus::kTentative;
   Track ended = walkingTrack(3, {2.0, -2.0}, {0.0, 1.0});

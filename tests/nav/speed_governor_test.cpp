@@ -76,7 +76,7 @@ TEST(SpeedGovernor, CarriesAnOldMapOn) {
 
 TEST(SpeedGovernor, LeavesOutTentativeStandingAndBrokenTracks) {
   Track still = walkingTrack(1, {0.9, 0.0}, {0.0, 0.05});
-  still.moving = false;
+  still.motion_state = MotionState::kStatic;
   Track tentative = walkingTrack(2, {0.9, 0.0}, {0.0, 0.05});
   tentative.status = TrackStatus::kTentative;
   Track broken = walkingTrack(3, {0.9, 0.0}, {0.0, 0.05});

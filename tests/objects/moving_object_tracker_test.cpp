@@ -87,7 +87,7 @@ TEST(MovingObjectTracker, TracksAConstantVelocityWithoutLag) {
   const Track& track = replay.last.tracks.at(0);
   EXPECT_NEAR(track.position.x(), 5.0 + 0.8 * 59, 0.01);
   EXPECT_NEAR(track.velocity.x(), 8.0, 0.02);
-  EXPECT_TRUE(track.moving);
+  EXPECT_TRUE(isMoving(track));
 }
 
 TEST(MovingObjectTracker, LagsWithTheLeastKineticPriorOfThePaper) {
@@ -108,7 +108,7 @@ TEST(MovingObjectTracker, NeverTurnsAStandingObject) {
     const double yaw = 0.5 + noise(random) + (flipped(random) ? M_PI : 0.0);
     replay.frame({seenCar(12 + noise(random), 3 + noise(random), yaw)});
     const Track& track = replay.last.tracks.at(0);
-    EXPECT_FALSE(track.moving) << "frame " << k;
+    EXPECT_FALSE(isMoving(track)) << "frame " << k;
     EXPECT_LT(std::abs(wrapAngle(track.yaw - 0.5)), 0.5);
     if (k == 20) settled_yaw = track.yaw;
     EXPECT_EQ(track.yaw, k > 20 ? *settled_yaw : track.yaw) << "frozen, frame " << k;
@@ -405,7 +405,7 @@ TEST(MovingObjectTracker, KeepsTheMovingVerdictWithoutFlicker) {
     const bool drives = k >= 80 && k < 160;
     x += drives ? 0.4 : 0.0;
     replay.frame({seenCar(x + noise(random), noise(random))});
-    verdicts.push_back(replay.last.tracks.at(0).moving);
+    verdicts.push_back(isMoving(replay.last.tracks.at(0)));
   }
   EXPECT_FALSE(verdicts[70]);
   EXPECT_TRUE(verdicts[100]);

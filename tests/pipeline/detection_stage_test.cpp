@@ -201,7 +201,7 @@ TEST(PerceptionTest, imagesAloneGiveTracksOfWhatMoves) {
   for (int i = 0; i < 14; ++i) {
     update = perception.process(frameOf(street, i));
     for (const auto& track : update.objects.tracks) {
-      if (track.status == TrackStatus::kConfirmed && track.moving) moving.insert(track.id);
+      if (track.status == TrackStatus::kConfirmed && isMoving(track)) moving.insert(track.id);
     }
   }
   ASSERT_EQ(1u, moving.size());

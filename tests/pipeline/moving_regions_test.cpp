@@ -14,12 +14,11 @@ Detection detectionIn(const Box2d& box) {
   return detection;
 }
 
-Track trackIn(const Box2d& box, TrackStatus status, bool moving) {
+Track trackIn(const Box2d& box, TrackStatus status, MotionState motion_state) {
   Track track;
   track.box2d = box;
   track.status = status;
-  track.moving = moving;
-  track.standing = !moving;
+  track.motion_state = motion_state;
   return track;
 }
 
@@ -32,22 +31,21 @@ TEST(MovingRegionsTest, tracksDecideWhatMovesAndWhatStays) {
     return std::pair(regions.boxes.size(), regions.unsure.size());
   };
   const std::pair<std::size_t, std::size_t> moves(1, 0), stays(0, 0), unsure(0, 1);
-  EXPECT_EQ(moves, counts({trackIn(box, TrackStatus::kConfirmed, true)}));
-  EXPECT_EQ(stays, counts({trackIn(box, TrackStatus::kConfirmed, false)}));
+  EXPECT_EQ(moves, counts({trackIn(box, TrackStatus::kConfirmed, MotionState::kMoving)}));
+  EXPECT_EQ(stays, counts({trackIn(box, TrackStatus::kConfirmed, MotionState::kStatic)}));
   EXPECT_EQ(unsure, counts({}));
-  EXPECT_EQ(unsure, counts({trackIn(box, TrackStatus::kTentative, false)}));
-  auto not_yet_known = trackIn(box, TrackStatus::kConfirmed, false);
-  not_yet_known.standing = false;
-  EXPECT_EQ(unsure, counts({not_yet_known}));
-  EXPECT_EQ(unsure, counts({trackIn({300, 50, 400, 150}, TrackStatus::kConfirmed, false)}));
+  EXPECT_EQ(unsure, counts({trackIn(box, TrackStatus::kTentative, MotionState::kStatic)}));
+  EXPECT_EQ(unsure, counts({trackIn(box, TrackStatus::kConfirmed, MotionState::kUnknown)}));
+  EXPECT_EQ(unsure,
+            counts({trackIn({300, 50, 400, 150}, TrackStatus::kConfirmed, MotionState::kStatic)}));
 }
 
 TEST(MovingRegionsTest, theTrackThatOverlapsMostDecides) {
   const Box2d box{100, 50, 200, 150};
   Detections detections;
   detections.items = {detectionIn(box)};
-  const auto still = trackIn({140, 50, 240, 150}, TrackStatus::kConfirmed, false);
-  const auto moving = trackIn({105, 50, 205, 150}, TrackStatus::kConfirmed, true);
+  const auto still = trackIn({140, 50, 240, 150}, TrackStatus::kConfirmed, MotionState::kStatic);
+  const auto moving = trackIn({105, 50, 205, 150}, TrackStatus::kConfirmed, MotionState::kMoving);
   EXPECT_EQ(1u, movingRegions(detections, {still, moving}, kCamera).boxes.size());
   EXPECT_EQ(1u, movingRegions(detections, {moving, still}, kCamera).boxes.size());
 }
@@ -66,7 +64,7 @@ TEST(MovingRegionsTest, a3dBoxAloneIsProjected) {
 
 TEST(MovingRegionsTest, movingTracksAreWhereTheyAreSeenAndWhereTheyAreKnownToBe) {
   Track track;
-  track.moving = true;
+  track.motion_state = MotionState::kMoving;
   track.status = TrackStatus::kCoasting;
   track.position << 12.0, 0.0, 0.0;
   track.size << 4.0, 2.0, 1.5;
@@ -82,7 +80,7 @@ TEST(MovingRegionsTest, movingTracksAreWhereTheyAreSeenAndWhereTheyAreKnownToBe)
   EXPECT_EQ(2u, movingRegions(std::vector<Track>{track}, robot, kCamera).boxes.size());
   track.position.x() = -12.0;
   EXPECT_EQ(1u, movingRegions(std::vector<Track>{track}, robot, kCamera).boxes.size());
-  track.moving = false;
+  track.motion_state = MotionState::kStatic;
   EXPECT_TRUE(movingRegions(std::vector<Track>{track}, robot, kCamera).boxes.empty());
 }
 

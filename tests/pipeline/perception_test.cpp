@@ -40,7 +40,7 @@ TEST(PerceptionTest, withPosesAndNoImagesTheObjectLayerRunsAlone) {
   ASSERT_EQ(1u, update.objects.tracks.size());
   const Track& track = update.objects.tracks.front();
   EXPECT_EQ(TrackStatus::kConfirmed, track.status);
-  EXPECT_TRUE(track.moving);
+  EXPECT_TRUE(isMoving(track));
   EXPECT_NEAR(20.0, track.position.x(), 0.1);
   EXPECT_NEAR(-3.0 + 1.5 * 2.4, track.position.y(), 0.15);
   EXPECT_NEAR(1.5, track.velocity.y(), 0.2);

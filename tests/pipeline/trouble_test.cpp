@@ -47,7 +47,7 @@ Outcome run(const PaintedStreet& street, const Trouble& trouble) {
       outcome.dropped[reason] += count;
     }
     for (const auto& track : update.objects.tracks) {
-      if (track.status == TrackStatus::kConfirmed && track.moving) {
+      if (track.status == TrackStatus::kConfirmed && isMoving(track)) {
         outcome.moving_tracks.insert(track.id);
       }
     }

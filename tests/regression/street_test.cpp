@@ -41,7 +41,7 @@ TEST(StreetTest, moversAreTrackedAndPredicted) {
   const auto& run = streetRun();
   std::set<TrackId> moving;
   for (const auto& row : io::readTrackCsv(run.file("tracks.csv"))) {
-    if (row.track.moving) moving.insert(row.track.id);
+    if (isMoving(row.track)) moving.insert(row.track.id);
   }
   std::set<TrackId> predicted;
   for (const auto& row : io::readPredictionCsv(run.file("predictions.csv"))) {

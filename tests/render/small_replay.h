@@ -39,7 +39,7 @@ inline Track replayTrack(std::size_t frame) {
   track.id = TrackId{4};
   track.object_class = ObjectClass::kCyclist;
   track.status = TrackStatus::kConfirmed;
-  track.moving = true;
+  track.motion_state = MotionState::kMoving;
   track.position << 9.0 + 0.8 * static_cast<double>(frame), 1.0, -0.7;
   track.velocity << 8.0, 0.0, 0.0;
   track.size << 1.8, 0.6, 1.7;

@@ -28,7 +28,7 @@ inline Track streetTrack(std::int64_t id, ObjectClass object_class, const Eigen:
   track.id = TrackId{id};
   track.object_class = object_class;
   track.status = TrackStatus::kConfirmed;
-  track.moving = speed > 0.1;
+  track.motion_state = speed > 0.1 ? MotionState::kMoving : MotionState::kStatic;
   track.size = vehicle ? Eigen::Vector3d(4.3, 1.8, 1.5) : Eigen::Vector3d(0.7, 0.6, 1.75);
   track.position << at.x(), at.y(), 0.5 * track.size.z();
   track.yaw = yaw;

@@ -16,8 +16,22 @@ std::string_view toString(TrackStatus status) {
   return "unknown";
 }
 
+std::string_view toString(MotionState state) {
+  switch (state) {
+    case MotionState::kUnknown:
+      return "unknown";
+    case MotionState::kMoving:
+      return "moving";
+    case MotionState::kStatic:
+      return "static";
+  }
+  return "unknown";
+}
+
 bool isShown(const Track& track) {
   return track.status == TrackStatus::kConfirmed || track.status == TrackStatus::kCoasting;
 }
+
+bool isMoving(const Track& track) { return track.motion_state == MotionState::kMoving; }
 
 }  // namespace headway

@@ -32,7 +32,9 @@ TrackSample trackSample(const TextRows& rows, const CsvColumns& columns) {
   track.id.value = rows.integer(columns.at("track_id"));
   track.object_class = classFrom(rows, rows.fields()[columns.at("class")]);
   track.status = statusFrom(rows, rows.fields()[columns.at("status")]);
-  track.moving = rows.integer(columns.at("moving")) != 0;
+  // The column doesn't tell a static track from one not classified yet.
+  track.motion_state =
+      rows.integer(columns.at("moving")) != 0 ? MotionState::kMoving : MotionState::kUnknown;
   track.position = {number("x"), number("y"), number("z")};
   track.yaw = number("yaw");
   track.size = {number("length"), number("width"), number("height")};
@@ -56,10 +58,11 @@ void writeTrackCsv(std::ostream& out, const TrackSample& row) {
   out << formatted("%zu,%.9f,%lld,", row.frame, row.time, static_cast<long long>(track.id.value))
       << toString(track.object_class) << ',' << toString(track.status)
       << formatted(",%d,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.9g,%.9g,%.9g\n",
-                   track.moving ? 1 : 0, track.position.x(), track.position.y(), track.position.z(),
-                   track.yaw, track.size.x(), track.size.y(), track.size.z(), track.velocity.x(),
-                   track.velocity.y(), track.velocity.z(), track.position_covariance(0, 0),
-                   track.position_covariance(1, 1), track.position_covariance(0, 1));
+                   isMoving(track) ? 1 : 0, track.position.x(), track.position.y(),
+                   track.position.z(), track.yaw, track.size.x(), track.size.y(), track.size.z(),
+                   track.velocity.x(), track.velocity.y(), track.velocity.z(),
+                   track.position_covariance(0, 0), track.position_covariance(1, 1),
+                   track.position_covariance(0, 1));
 }
 
 std::vector<TrackSample> readTrackCsv(const std::string& path) {

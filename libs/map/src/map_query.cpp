@@ -36,7 +36,8 @@ Obstacle obstacleOf(const Track& track, const PredictedPath& path, double horizo
   obstacle.covariance = here.covariance;
   obstacle.velocity =
       (samplePath(track, path, horizon_s + kVelocityStep_s).centre - here.centre) / kVelocityStep_s;
-  const bool tells_heading = track.moving && horizon_s > 0.0 && obstacle.velocity.norm() > kSlowest;
+  const bool tells_heading =
+      isMoving(track) && horizon_s > 0.0 && obstacle.velocity.norm() > kSlowest;
   obstacle.yaw =
       tells_heading ? std::atan2(obstacle.velocity.y(), obstacle.velocity.x()) : track.yaw;
   return obstacle;

@@ -152,7 +152,7 @@ Pose readPose(CArchive& in) {
 
 void write(CArchive& out, const Track& track) {
   out << track.id.value << static_cast<std::uint8_t>(track.object_class)
-      << static_cast<std::uint8_t>(track.status) << track.moving << track.score;
+      << static_cast<std::uint8_t>(track.status) << isMoving(track) << track.score;
   writeMatrix(out, track.position);
   writeMatrix(out, track.velocity);
   out << track.yaw << track.yaw_rate;
@@ -171,7 +171,9 @@ Track readTrack(CArchive& in) {
   in >> track.id.value;
   track.object_class = readEnum<ObjectClass>(in, kObjectClassCount);
   track.status = readEnum<TrackStatus>(in, static_cast<int>(TrackStatus::kEnded) + 1);
-  in >> track.moving >> track.score;
+  bool moving = false;
+  in >> moving >> track.score;
+  track.motion_state = moving ? MotionState::kMoving : MotionState::kUnknown;
   track.position = readMatrix<Eigen::Vector3d>(in);
   track.velocity = readMatrix<Eigen::Vector3d>(in);
   in >> track.yaw >> track.yaw_rate;

@@ -141,7 +141,7 @@ void insertPaths(const std::vector<const Track*>& tracks,
   auto predictions = newTriangles("predictions");
   auto trails = newTriangles("trails");
   for (const Track* track : tracks) {
-    if (!track->moving) continue;  // what stands has neither past nor future worth a line
+    if (!isMoving(*track)) continue;  // what stands has neither past nor future worth a line
     appendTrail(*track, *trails);
     for (const auto& prediction : track->predictions) {
       if (prediction.probability < kLeastProbability ||

@@ -8,7 +8,7 @@ namespace headway::nav {
 using Eigen::Vector2d;
 
 bool isMover(const Track& track) {
-  return track.moving && isShown(track) && track.position.allFinite() && track.size.allFinite();
+  return isMoving(track) && isShown(track) && track.position.allFinite() && track.size.allFinite();
 }
 
 MovingObstacles::MovingObstacles(const PredictiveObstaclesParams& params)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <headway/core/pose.h>
+#include <headway/core/track.h>
 #include <headway/objects/objects_params.h>
 
 namespace headway::objects {
@@ -20,6 +21,10 @@ class MotionVerdict {
   [[nodiscard]] bool moving() const { return moving_; }
   /// Whether it has been watched long enough to be sure that it stands.
   [[nodiscard]] bool standing() const { return !moving_ && sure_; }
+  [[nodiscard]] MotionState state() const {
+    if (moving_) return MotionState::kMoving;
+    return sure_ ? MotionState::kStatic : MotionState::kUnknown;
+  }
 
  private:
   MotionVerdictParams params_;

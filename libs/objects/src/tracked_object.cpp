@@ -141,8 +141,7 @@ Track TrackedObject::shownAt(Time time) const {
   track.id = id_;
   track.object_class = object_class_;
   track.status = statusAt(time);
-  track.moving = verdict_.moving();
-  track.standing = verdict_.standing();
+  track.motion_state = verdict_.state();
   track.score = score();
   track.position = positionAt(time);
   track.velocity = filter_.velocity();

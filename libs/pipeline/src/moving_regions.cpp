@@ -34,9 +34,9 @@ MovingRegions movingRegions(const Detections& detections, const std::vector<Trac
     if (!box && detection.box3d) box = projectedBox(*detection.box3d, camera);
     if (!box || !isFinite(*box)) continue;
     const Track* track = trackOf(*box, previous);
-    if (track != nullptr && track->moving) {
+    if (track != nullptr && isMoving(*track)) {
       regions.boxes.push_back(*box);
-    } else if (track == nullptr || !track->standing) {
+    } else if (track == nullptr || track->motion_state == MotionState::kUnknown) {
       regions.unsure.push_back(*box);
     }
   }
@@ -48,7 +48,7 @@ MovingRegions movingRegions(const std::vector<Track>& tracks, const Pose& T_map_
   const Pose T_cam_map = (T_map_robot * camera.T_robot_cam).inverse();
   MovingRegions regions;
   for (const auto& track : tracks) {
-    if (!track.moving || track.status == TrackStatus::kEnded) continue;
+    if (!isMoving(track) || track.status == TrackStatus::kEnded) continue;
     const Box3d box = opticalBox(track.position, track.size, track.yaw, T_cam_map);
     if (const auto around = projectedBox(box, camera)) regions.boxes.push_back(*around);
     if (track.box2d && isFinite(*track.box2d)) regions.boxes.push_back(*track.box2d);

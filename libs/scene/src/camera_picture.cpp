@@ -75,7 +75,7 @@ void blended(Canvas& canvas, double opacity, const Draw& draw) {
 template <typename Draw>
 void forEachPath(const std::vector<const Track*>& tracks, const Draw& draw) {
   for (const Track* track : tracks) {
-    if (!track->moving) continue;
+    if (!isMoving(*track)) continue;
     for (const auto& prediction : track->predictions) {
       const auto path = map::groundPath(*track, prediction);
       if (map::lengthOf(path) >= kShortestPathM) draw(*track, prediction, path);
@@ -96,7 +96,7 @@ void drawTracksOver(Canvas& canvas, const render::PinholeView& view,
   });
   blended(canvas, kNearlySolid, [&](Canvas& layer) {
     for (const Track* track : shown) {
-      if (track->moving) {
+      if (isMoving(*track)) {
         drawBand(layer, view, map::groundTrail(*track), 0.4 * bandWidth(*track),
                  colourOf(track->object_class));
       }

@@ -31,7 +31,7 @@ std::string formatted(const char* format, double value) {
 std::string labelOf(const Track& track) {
   std::string label(toString(track.object_class));
   label += " " + std::to_string(track.id.value);
-  if (track.moving) label += formatted("  %.1f m/s", track.velocity.norm());
+  if (isMoving(track)) label += formatted("  %.1f m/s", track.velocity.norm());
   return label;
 }
 
@@ -120,8 +120,8 @@ void drawLabels(Canvas& canvas, const render::PinholeView& view, const std::vect
 
 void drawCaption(Canvas& canvas, const SnapshotInput& input) {
   const auto shown = shownTracks(input.map.movingObjects().tracks());
-  const auto moving =
-      std::count_if(shown.begin(), shown.end(), [](const Track* track) { return track->moving; });
+  const auto moving = std::count_if(shown.begin(), shown.end(),
+                                    [](const Track* track) { return isMoving(*track); });
   const double start = input.path.empty() ? input.time : input.path.front().time;
   const std::string first =
       formatted("%.2f s", input.time - start) + "   " + formatted("%.1f m/s", speedOf(input.path));

@@ -87,7 +87,7 @@ Places movingTracksOf(const headway::pipeline::PerceptionUpdate& update,
   Places places;
   const headway::Pose T_cam_map = (update.camera.T_map_robot * T_robot_cam).inverse();
   for (const auto& track : update.objects.tracks) {
-    if (track.status != headway::TrackStatus::kConfirmed || !track.moving) continue;
+    if (track.status != headway::TrackStatus::kConfirmed || !isMoving(track)) continue;
     const Eigen::Vector3d centre = T_cam_map * track.position;
     places.emplace_back(centre.x(), centre.z());
   }

@@ -13,7 +13,7 @@ inline Track walkingTrack(std::int64_t id, const Eigen::Vector2d& place,
   track.id = TrackId{id};
   track.object_class = ObjectClass::kPedestrian;
   track.status = TrackStatus::kConfirmed;
-  track.moving = true;
+  track.motion_state = MotionState::kMoving;
   track.position = {place.x(), place.y(), 0.85};
   track.velocity = {velocity.x(), velocity.y(), 0.0};
   track.yaw = std::atan2(velocity.y(), velocity.x());

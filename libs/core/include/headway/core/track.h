@@ -24,6 +24,16 @@ enum class TrackStatus {
 /// "tentative", "confirmed", "coasting", "ended".
 [[nodiscard]] std::string_view toString(TrackStatus status);
 
+/// Motion classification of a track.
+enum class MotionState {
+  kUnknown,  ///< the velocity is still too uncertain to tell
+  kMoving,
+  kStatic,
+};
+
+/// "unknown", "moving", "static".
+[[nodiscard]] std::string_view toString(MotionState state);
+
 /// Where an object will be at one time to come.
 struct PredictedPoint {
   double horizon_s = 0.0;                                    ///< from the frame's time [s]
@@ -51,9 +61,8 @@ struct Track {
   TrackId id;
   ObjectClass object_class = ObjectClass::kUnknown;
   TrackStatus status = TrackStatus::kTentative;
-  bool moving = false;    ///< moving/still verdict, with hysteresis
-  bool standing = false;  ///< known to stand; neither while it is not sure
-  double score = 0.0;     ///< of the track, from its detections' scores
+  MotionState motion_state = MotionState::kUnknown;  ///< with hysteresis
+  double score = 0.0;                                ///< from its detections' scores
 
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< box centre, map frame [m]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< map frame [m/s]
@@ -71,6 +80,9 @@ struct Track {
 
 /// Whether the track is shown to the outside: confirmed or coasting.
 [[nodiscard]] bool isShown(const Track& track);
+
+/// Whether the track is classified as moving.
+[[nodiscard]] bool isMoving(const Track& track);
 
 /// A track as it stood at one frame: one row of `tracks.csv`.
 struct TrackSample {
