@@ -1,6 +1,6 @@
 #include "run_record.h"
 
-#include <headway/program/version.h>
+#include <headway/core/version.h>
 
 #include <nlohmann/json.hpp>
 
@@ -25,7 +25,7 @@ Json pathJson(const std::string& path) {
 void writeRunRecord(const std::filesystem::path& path, const Options& options,
                     const Params& params) {
   Json json;
-  json["version"] = program::kVersion;
+  json["version"] = kVersion;
   json["input"] = {{"rawlog", pathJson(options.input)},
                    {"detections", pathJson(options.detections)},
                    {"map", pathJson(options.load_map)},

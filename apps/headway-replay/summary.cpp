@@ -1,7 +1,7 @@
 #include "summary.h"
 
 #include <headway/core/statistics.h>
-#include <headway/program/version.h>
+#include <headway/core/version.h>
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -75,7 +75,7 @@ void writeSummary(const std::filesystem::path& path, const Summary& summary) {
   json["calibration"] = calibrationJson(summary.calibration);
   json["observations_skipped"] = Json(summary.observations_skipped);
   json["ended_early"] = summary.ended_early ? Json(*summary.ended_early) : Json();
-  json["version"] = program::kVersion;
+  json["version"] = kVersion;
   json["seed"] = summary.seed;
   OutputFile file(path);
   file.stream() << json.dump(2) << '\n';

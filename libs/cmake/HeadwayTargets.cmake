@@ -3,8 +3,8 @@
 include(CMakePackageConfigHelpers)
 
 set(HEADWAY_SANITIZE "" CACHE STRING "Sanitizers to build with, as given to -fsanitize=")
-set_property(GLOBAL PROPERTY HEADWAY_FOUND_PACKAGES "")
-set_property(GLOBAL PROPERTY HEADWAY_FOUND_MODULES "")
+set_property(GLOBAL PROPERTY HEADWAY_LIBRARIES "")
+set(HEADWAY_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/headway)
 
 add_library(headway_warnings INTERFACE)
 target_compile_options(headway_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
@@ -15,20 +15,28 @@ if(HEADWAY_SANITIZE)
   add_link_options(-fsanitize=${HEADWAY_SANITIZE})
 endif()
 
-# headway_find(<package> [COMPONENTS ...]): find_package() that installed consumers repeat.
+# headway_find(<package> [PRIVATE] [COMPONENTS ...]): find_package() for the library that this
+# CMakeLists.txt declares; whoever uses the installed library repeats it. PRIVATE: no public header
+# needs the package, so users of a shared library do not.
 macro(headway_find package)
-  find_package(${package} REQUIRED ${ARGN})
-  string(REPLACE ";" " " _headway_arguments "${ARGN}")
-  set_property(GLOBAL APPEND PROPERTY HEADWAY_FOUND_PACKAGES "${package} ${_headway_arguments}")
+  cmake_parse_arguments(_headway_find "PRIVATE" "" "" ${ARGN})
+  find_package(${package} REQUIRED ${_headway_find_UNPARSED_ARGUMENTS})
+  if(NOT (_headway_find_PRIVATE AND BUILD_SHARED_LIBS))
+    string(REPLACE ";" " " _headway_arguments "${_headway_find_UNPARSED_ARGUMENTS}")
+    string(APPEND _headway_dependencies "find_dependency(${package} ${_headway_arguments})\n")
+  endif()
 endmacro()
 
-# headway_find_pkg(<name> <module> ...): target PkgConfig::<name> of what pkg-config knows, for
-# installed consumers as well.
+# headway_find_pkg(<name> <module> ...): target PkgConfig::<name> of what pkg-config knows, needed
+# by no public header.
 macro(headway_find_pkg name)
-  headway_find(PkgConfig)
+  headway_find(PkgConfig PRIVATE)
   pkg_check_modules(${name} REQUIRED IMPORTED_TARGET GLOBAL ${ARGN})
-  string(REPLACE ";" " " _headway_modules "${ARGN}")
-  set_property(GLOBAL APPEND PROPERTY HEADWAY_FOUND_MODULES "${name} REQUIRED IMPORTED_TARGET GLOBAL ${_headway_modules}")
+  if(NOT BUILD_SHARED_LIBS)
+    string(REPLACE ";" " " _headway_modules "${ARGN}")
+    string(APPEND _headway_dependencies
+           "pkg_check_modules(${name} REQUIRED IMPORTED_TARGET ${_headway_modules})\n")
+  endif()
 endmacro()
 
 # headway_library(<name> SOURCES ... [PUBLIC ...] [PRIVATE ...]): target headway::<name> whose
@@ -47,9 +55,33 @@ function(headway_library name)
   target_link_libraries(${target} PUBLIC ${LIBRARY_PUBLIC}
                         PRIVATE ${LIBRARY_PRIVATE} $<BUILD_INTERFACE:headway_warnings>)
   target_compile_features(${target} PUBLIC cxx_std_17)
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
-  install(TARGETS ${target} EXPORT headwayTargets)
+  # Without DEFINE_SYMBOL the objects of static and shared builds are the same.
+  set_target_properties(
+    ${target}
+    PROPERTIES EXPORT_NAME ${name} DEFINE_SYMBOL "" INSTALL_RPATH "$ORIGIN"
+               VERSION ${PROJECT_VERSION}
+               SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  if(BUILD_SHARED_LIBS AND NOT HEADWAY_SANITIZE)
+    target_link_options(${target} PRIVATE -Wl,--no-undefined)
+  endif()
+  install(TARGETS ${target} EXPORT headway-${name}-targets)
   install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+  headway_export(${name} ${LIBRARY_PUBLIC} ${LIBRARY_PRIVATE})
+endfunction()
+
+# Installs headway-<name>.cmake: what the library needs, then its target.
+function(headway_export name)
+  set(HEADWAY_LIBRARY ${name})
+  set(HEADWAY_LIBRARIES_NEEDED ${ARGN})
+  list(FILTER HEADWAY_LIBRARIES_NEEDED INCLUDE REGEX "^headway::")
+  string(REPLACE "headway::" "" HEADWAY_LIBRARIES_NEEDED "${HEADWAY_LIBRARIES_NEEDED}")
+  set(HEADWAY_DEPENDENCIES "${_headway_dependencies}")
+  configure_file(${PROJECT_SOURCE_DIR}/libs/cmake/headway-library.cmake.in headway-${name}.cmake
+                 @ONLY)
+  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/headway-${name}.cmake
+          DESTINATION ${HEADWAY_PACKAGE_DIR})
+  install(EXPORT headway-${name}-targets NAMESPACE headway:: DESTINATION ${HEADWAY_PACKAGE_DIR})
+  set_property(GLOBAL APPEND PROPERTY HEADWAY_LIBRARIES ${name})
 endfunction()
 
 # headway_program(<name> SOURCES ... LIBRARIES ...): an installed command-line program.
@@ -57,7 +89,9 @@ function(headway_program name)
   cmake_parse_arguments(PROGRAM "" "" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(${name} ${PROGRAM_SOURCES})
   target_link_libraries(${name} PRIVATE ${PROGRAM_LIBRARIES} headway_program headway_warnings)
-  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+  file(RELATIVE_PATH libraries /${CMAKE_INSTALL_BINDIR} /${CMAKE_INSTALL_LIBDIR})
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin
+                                           INSTALL_RPATH "$ORIGIN/${libraries}")
   install(TARGETS ${name})
 endfunction()
 
@@ -90,25 +124,15 @@ function(headway_test name)
                        PROPERTIES TIMEOUT ${TEST_TIMEOUT} LABELS "${TEST_LABELS}")
 endfunction()
 
-# Installs the exported targets and headwayConfig.cmake.
+# Installs headwayConfig.cmake, whose components are the libraries.
 function(headway_install_package)
-  get_property(packages GLOBAL PROPERTY HEADWAY_FOUND_PACKAGES)
-  list(REMOVE_DUPLICATES packages)
-  set(HEADWAY_DEPENDENCIES "")
-  foreach(package IN LISTS packages)
-    string(APPEND HEADWAY_DEPENDENCIES "find_dependency(${package})\n")
-  endforeach()
-  get_property(modules GLOBAL PROPERTY HEADWAY_FOUND_MODULES)
-  foreach(module IN LISTS modules)
-    string(APPEND HEADWAY_DEPENDENCIES "pkg_check_modules(${module})\n")
-  endforeach()
-  set(destination ${CMAKE_INSTALL_LIBDIR}/cmake/headway)
+  get_property(HEADWAY_LIBRARIES GLOBAL PROPERTY HEADWAY_LIBRARIES)
   configure_package_config_file(
     ${PROJECT_SOURCE_DIR}/libs/cmake/headwayConfig.cmake.in
-    ${PROJECT_BINARY_DIR}/headwayConfig.cmake INSTALL_DESTINATION ${destination})
+    ${PROJECT_BINARY_DIR}/headwayConfig.cmake INSTALL_DESTINATION ${HEADWAY_PACKAGE_DIR})
   write_basic_package_version_file(${PROJECT_BINARY_DIR}/headwayConfigVersion.cmake
                                    COMPATIBILITY SameMinorVersion)
   install(FILES ${PROJECT_BINARY_DIR}/headwayConfig.cmake
-                ${PROJECT_BINARY_DIR}/headwayConfigVersion.cmake DESTINATION ${destination})
-  install(EXPORT headwayTargets NAMESPACE headway:: DESTINATION ${destination})
+                ${PROJECT_BINARY_DIR}/headwayConfigVersion.cmake
+          DESTINATION ${HEADWAY_PACKAGE_DIR})
 endfunction()

@@ -1,6 +1,6 @@
 #include <headway/core/error.h>
 #include <headway/program/command_line.h>
-#include <headway/program/version.h>
+#include <headway/core/version.h>
 #include <mrpt/3rdparty/tclap/CmdLine.h>
 
 #include <algorithm>

@@ -1,12 +1,16 @@
 #include <headway/core/error.h>
-#include <headway/eval/text_table.h>
-#include <headway/eval/trajectory_error.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/program/truth_report.h>
 #include <headway/report/report.h>
+#ifdef HEADWAY_WITH_EVAL
+#include <headway/eval/text_table.h>
+#include <headway/eval/trajectory_error.h>
+#endif
 
 namespace headway::program {
 namespace {
+
+#ifdef HEADWAY_WITH_EVAL
 
 constexpr double kSameTimeS = 0.02;
 
@@ -27,6 +31,14 @@ std::vector<report::Figure> errorsOf(const std::filesystem::path& replay,
           {"Relative pose error a frame", eval::fixedText(error.rpe_trans_rmse_m, 4) + " m, " +
                                               eval::fixedText(error.rpe_rot_rmse_deg, 4) + " deg"}};
 }
+
+#else
+
+std::vector<report::Figure> errorsOf(const std::filesystem::path&, const std::filesystem::path&) {
+  throw InputError("this headway was built without its evaluation");
+}
+
+#endif
 
 }  // namespace
 

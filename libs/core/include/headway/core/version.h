@@ -1,0 +1,9 @@
+#pragma once
+
+namespace headway {
+
+/// headway's version, MAJOR.MINOR.PATCH; the build reads it from this line. Programs print it with
+/// --version and `replay.json` records it.
+inline constexpr const char* kVersion = "0.1.0";
+
+}  // namespace headway
