@@ -56,37 +56,6 @@ Eigen::Matrix<double, 6, 1> errorOf(const Pose& estimate) {
   return error;
 }
 
-TEST(StereoResidual, JacobianByPointIsThatOfNumericDifferences) {
-  const StereoMeasurement measurement{{300.0, 200.0}, 12.0, true, 0.7, 0.4};
-  const Eigen::Vector3d point(0.8, -0.6, 9.0);
-  Eigen::Matrix3d analytic;
-  static_cast<void>(stereoResidual(point, measurement, testCamera(), &analytic));
-  constexpr double kStep = 1e-6;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(axis);
-    const Eigen::Vector3d numeric =
-        (stereoResidual(point + step, measurement, testCamera(), nullptr) -
-         stereoResidual(point - step, measurement, testCamera(), nullptr)) /
-        (2.0 * kStep);
-    EXPECT_LT((analytic.col(axis) - numeric).norm(), 1e-5) << "axis " << axis;
-  }
-}
-
-TEST(PointByPose, IsThatOfNumericDifferences) {
-  const Eigen::Vector3d point_map(3.0, 1.0, 8.0);
-  const Pose pose = truePose();
-  const auto analytic = pointByPose(pose.inverse() * point_map);
-  constexpr double kStep = 1e-6;
-  for (int axis = 0; axis < 6; ++axis) {
-    Eigen::Matrix<double, 6, 1> step = Eigen::Matrix<double, 6, 1>::Zero();
-    step(axis) = kStep;
-    const Eigen::Vector3d numeric =
-        (retract(pose, step).inverse() * point_map - retract(pose, -step).inverse() * point_map) /
-        (2.0 * kStep);
-    EXPECT_LT((analytic.col(axis) - numeric).norm(), 1e-6) << "axis " << axis;
-  }
-}
-
 TEST(RefinePose, IsExactWithoutNoise) {
   auto constraints = world(60, 0.0, 1);
   const auto refined = refinePose(Pose::Identity(), constraints, testCamera(), {1000.0, 12, 10});
@@ -147,6 +116,27 @@ TEST(RefinePose, SaysNothingOfPointsBehindTheCamera) {
   Pose turned = truePose();
   turned.linear() = turned.linear() * expSo3({0.0, M_PI, 0.0});
   EXPECT_FALSE(refinePose(turned, constraints, testCamera(), {}));
+}
+
+TEST(RefinePose, APriorHoldsThePoseWhereNothingIsMeasured) {
+  std::vector<PoseConstraint> none;
+  PosePrior prior{truePose(), PoseCovariance::Identity()};
+  const auto refined = refinePose(Pose::Identity(), none, testCamera(), {1.0, 3, 20}, &prior);
+  ASSERT_TRUE(refined);
+  EXPECT_LT(errorOf(refined->T_map_cam).norm(), 1e-6);
+  EXPECT_TRUE(refined->covariance.isApprox(PoseCovariance::Identity(), 1e-6));
+}
+
+TEST(RefinePose, APriorAndMeasurementsAreWeighedByTheirInformation) {
+  auto constraints = world(80, 0.0, 2);
+  PosePrior wrong{Pose::Identity(), 1e-3 * PoseCovariance::Identity()};
+  const auto free = refinePose(truePose(), constraints, testCamera(), {1.0, 3, 20}, &wrong);
+  ASSERT_TRUE(free);
+  EXPECT_LT(errorOf(free->T_map_cam).norm(), 1e-3);
+  wrong.information *= 1e15;
+  const auto held = refinePose(Pose::Identity(), constraints, testCamera(), {100.0, 1, 20}, &wrong);
+  ASSERT_TRUE(held);
+  EXPECT_TRUE(held->T_map_cam.isApprox(Pose::Identity(), 1e-4));
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "point_motion.h"
 
+#include <headway/stereo/stereo_residual.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 
@@ -8,7 +10,7 @@ namespace {
 
 constexpr double kLeastDepth = 0.5;  // [m]
 
-// A sighting's error and its derivative by the point in the world, in sigmas.
+// Measured less predicted, and d predicted / d point in the world; both in sigmas.
 struct Residual {
   Eigen::Vector3d error;
   Eigen::Matrix3d jacobian;
@@ -26,18 +28,11 @@ class Residuals {
     const Pose& T_cam_world = path_.T_cam_world(sighting.frame);
     const Eigen::Vector3d p = T_cam_world * point;
     if (p.z() < kLeastDepth) return std::nullopt;
-    const double inverse = 1.0 / p.z();
-    const double x = p.x() * inverse;
-    const double y = p.y() * inverse;
-    const double fb = camera_.fx * camera_.baseline_m;
-    const Eigen::Vector3d predicted(camera_.fx * x + camera_.cx, camera_.fy * y + camera_.cy,
-                                    fb * inverse);
-    Eigen::Matrix3d J;
-    J << camera_.fx * inverse, 0.0, -camera_.fx * x * inverse,  //
-        0.0, camera_.fy * inverse, -camera_.fy * y * inverse,   //
-        0.0, 0.0, -fb * inverse * inverse;
-    return Residual{weights_.cwiseProduct(sighting.uvd - predicted),
-                    weights_.asDiagonal() * (J * T_cam_world.linear())};
+    Residual residual;
+    residual.error =
+        -stereo::stereoResidual(p, sighting.uvd, weights_, camera_, &residual.jacobian);
+    residual.jacobian *= T_cam_world.linear();
+    return residual;
   }
 
   [[nodiscard]] double disparityWeight() const { return weights_.z(); }

@@ -14,10 +14,7 @@ constexpr int kFinestFollowed = 1;  ///< level at which following ends
 Eigen::Matrix2d referenceFromView(const Eigen::Vector3d& point_ref, const Pose& T_view_ref,
                                   const StereoCamera& camera) {
   const Eigen::Vector3d p = T_view_ref * point_ref;
-  const double inverse_depth = 1.0 / p.z();
-  Eigen::Matrix<double, 2, 3> projection;
-  projection << camera.fx * inverse_depth, 0.0, -camera.fx * p.x() * inverse_depth * inverse_depth,
-      0.0, camera.fy * inverse_depth, -camera.fy * p.y() * inverse_depth * inverse_depth;
+  const Eigen::Matrix<double, 2, 3> projection = stereo::projectionJacobian(p, camera).topRows<2>();
   Eigen::Matrix<double, 3, 2> plane = T_view_ref.linear().leftCols<2>() * point_ref.z();
   plane.col(0) /= camera.fx;
   plane.col(1) /= camera.fy;

@@ -1,6 +1,6 @@
 #include "pose_block.h"
 
-#include <headway/stereo/pose_refiner.h>
+#include <headway/stereo/pose_tangent.h>
 
 namespace headway::slam {
 
@@ -31,9 +31,8 @@ bool PoseManifold::PlusJacobian(const double* /*x*/, double* jacobian) const {
 }
 
 bool PoseManifold::Minus(const double* y, const double* x, double* y_minus_x) const {
-  const Pose difference = poseFrom(x).inverse(Eigen::Isometry) * poseFrom(y);
-  Eigen::Map<Eigen::Matrix<double, 6, 1>> xi(y_minus_x);
-  xi << difference.translation(), logSo3(difference.linear());
+  Eigen::Map<stereo::Tangent> xi(y_minus_x);
+  xi = stereo::localCoordinates(poseFrom(x), poseFrom(y), nullptr);
   return true;
 }
 

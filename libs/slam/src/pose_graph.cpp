@@ -1,8 +1,7 @@
 #include "pose_graph.h"
 
 #include <ceres/ceres.h>
-
-#include <cmath>
+#include <headway/stereo/pose_tangent.h>
 
 #include "pose_block.h"
 
@@ -11,16 +10,6 @@ namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
-
-/// Inverse of SO(3)'s right Jacobian. @see Sola et al. 2018, eq. 144
-Eigen::Matrix3d inverseRightJacobian(const Eigen::Vector3d& phi) {
-  const double angle = phi.norm();
-  const Eigen::Matrix3d skew = crossMatrix(phi);
-  const double factor = angle < 1e-4 ? 1.0 / 12.0
-                                     : 1.0 / (angle * angle) - (1.0 + std::cos(angle)) /
-                                                                   (2.0 * angle * std::sin(angle));
-  return Eigen::Matrix3d::Identity() + 0.5 * skew + factor * skew * skew;
-}
 
 class Edge final : public ceres::SizedCostFunction<6, 7, 7> {
  public:
@@ -52,7 +41,7 @@ Vector6 edgeResidual(const PoseGraphEdge& edge, const Pose& T_map_a, const Pose&
   const Eigen::Vector3d phi = logSo3(edge.T_a_b.linear().transpose() * T_a_b.linear());
   Vector6 residual;
   residual << (T_a_b.translation() - edge.T_a_b.translation()) / edge.sigma_m, phi / edge.sigma_rad;
-  const Eigen::Matrix3d turn = inverseRightJacobian(phi) / edge.sigma_rad;
+  const Eigen::Matrix3d turn = stereo::inverseRightJacobian(phi) / edge.sigma_rad;
   if (by_a != nullptr) {
     by_a->setZero();
     by_a->topLeftCorner<3, 3>() = -Eigen::Matrix3d::Identity() / edge.sigma_m;

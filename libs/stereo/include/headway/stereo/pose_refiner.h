@@ -2,6 +2,7 @@
 
 #include <headway/core/pose.h>
 #include <headway/core/stereo_camera.h>
+#include <headway/stereo/pose_tangent.h>
 #include <headway/stereo/stereo_residual.h>
 
 #include <Eigen/Core>
@@ -25,6 +26,12 @@ struct RefinedPose {
   int inliers = 0;
 };
 
+/// What other sensors or estimates know of the pose beforehand.
+struct PosePrior {
+  Pose T_map_cam = Pose::Identity();
+  PoseCovariance information = PoseCovariance::Zero();  ///< inverse covariance of its tangent
+};
+
 /// How measurements that do not fit are treated.
 struct PoseRefinerOptions {
   double first_scale = 1.0;  ///< the Cauchy loss starts this many times wider than at its end
@@ -44,11 +51,13 @@ int markInliers(const Pose& T_map_cam, std::vector<PoseConstraint>& constraints,
 /// Levenberg-Marquardt with a Cauchy loss on image position and disparity apart, so that one wrong
 /// stereo match does not cost a good track. Marks inliers in the constraints.
 ///
-/// @return nullopt if fewer than 4 constraints fit or the problem is degenerate
+/// @param prior  on the pose, or null; with one, any number of constraints is enough
+/// @return nullopt if fewer than 4 constraints fit without a prior, or the problem is degenerate
 /// @see Hartley & Zisserman 2004, app. 6; Black & Rangarajan 1996 (robust losses)
 [[nodiscard]] std::optional<RefinedPose> refinePose(const Pose& T_map_cam_guess,
                                                     std::vector<PoseConstraint>& constraints,
                                                     const StereoCamera& camera,
-                                                    const PoseRefinerOptions& options);
+                                                    const PoseRefinerOptions& options,
+                                                    const PosePrior* prior = nullptr);
 
 }  // namespace headway::stereo
