@@ -1,60 +1,29 @@
 #include "camera_path.h"
 
-#include <Eigen/Cholesky>
+#include <headway/stereo/pose_refiner.h>
+
 #include <algorithm>
 #include <cmath>
 
 namespace headway::detect {
 namespace {
 
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-
 constexpr double kPriorTranslation = 0.004;  // of the motion given, frame to frame [m]
 constexpr double kPriorRotation = 0.0035;    // [rad]
 constexpr double kGuessed = 10.0;            // times worse is a motion that was not given
 constexpr double kMostAcceleration = 25.0;   // of a vehicle [m/s^2]
 constexpr double kMostTurn = 10.0;           // [rad/s^2]
-constexpr double kAgrees = 3.0;              // error of a point that agrees, in sigmas
 constexpr int kIterations = 6;
 
-struct Normal {
-  Matrix6 A = Matrix6::Zero();
-  Vector6 b = Vector6::Zero();
-  int agreeing = 0;
-};
+constexpr double kLossScale = 1.6;  // of the Cauchy loss on image and disparity, in sigmas
 
-// Derivative of (u, v, disparity) with respect to the point in the camera frame.
-Eigen::Matrix3d projectionJacobian(const Eigen::Vector3d& p, const StereoCamera& camera) {
-  const double z2 = p.z() * p.z();
-  Eigen::Matrix3d J;
-  J << camera.fx / p.z(), 0.0, -camera.fx * p.x() / z2,  //
-      0.0, camera.fy / p.z(), -camera.fy * p.y() / z2,   //
-      0.0, 0.0, -camera.fx * camera.baseline_m / z2;
-  return J;
-}
-
-// The camera is moved on the left: p' = p + rotation x p + translation.
-void add(const StillSighting& sighting, const Pose& T_cam_world, const StereoCamera& camera,
-         double sigma_px, Normal& normal) {
-  const Eigen::Vector3d p = T_cam_world * sighting.point;
-  const auto predicted = project(p, camera);
-  if (!predicted || p.z() < 0.5) return;
-  const Eigen::Vector3d error = (sighting.uvd - *predicted) / sigma_px;
-  const double squared = error.squaredNorm();
-  if (squared < kAgrees * kAgrees) ++normal.agreeing;
-  const double weight = 1.0 / (1.0 + squared / 4.0);
-  Eigen::Matrix<double, 3, 6> J;
-  J << Eigen::Matrix3d::Identity(), -crossMatrix(p);
-  J = projectionJacobian(p, camera) * J / sigma_px;
-  normal.A += weight * J.transpose() * J;
-  normal.b += weight * J.transpose() * error;
-}
-
-Matrix6 priorInformation(double worse) {
-  Vector6 sigmas;
+stereo::PosePrior priorAt(const Pose& T_world_cam, double factor) {
+  stereo::Tangent sigmas;
   sigmas << Eigen::Vector3d::Constant(kPriorTranslation), Eigen::Vector3d::Constant(kPriorRotation);
-  return (worse * sigmas).cwiseAbs2().cwiseInverse().asDiagonal();
+  stereo::PosePrior prior;
+  prior.T_map_cam = T_world_cam;
+  prior.information = (factor * sigmas).cwiseAbs2().cwiseInverse().asDiagonal();
+  return prior;
 }
 
 bool isJump(const Pose& motion, const Pose& expected, double seconds) {
@@ -83,24 +52,23 @@ int CameraPath::advance(Time time, const Pose& T_map_cam) {
 double CameraPath::refine(const std::vector<StillSighting>& points) {
   if (points.empty() || frames_.empty()) return 1.0;
   Pose& T_cam_world = frames_.back().T_cam_world;
-  const Pose given = T_cam_world;
-  const Matrix6 prior = priorInformation(guessed_ ? kGuessed : 1.0);
-  int agreeing = 0;
-  for (int i = 0; i < kIterations; ++i) {
-    Normal normal;
-    for (const auto& point : points) add(point, T_cam_world, camera_, sigma_px_, normal);
-    agreeing = normal.agreeing;
-    const Pose moved = T_cam_world * given.inverse();
-    Vector6 so_far;
-    so_far << moved.translation(), logSo3(moved.linear());
-    const Vector6 step = (normal.A + prior).ldlt().solve(normal.b - prior * so_far);
-    Pose correction = Pose::Identity();
-    correction.linear() = expSo3(step.tail<3>());
-    correction.translation() = step.head<3>();
-    T_cam_world = normalized(correction * T_cam_world);
-    if (step.norm() < 1e-6) break;
+  std::vector<stereo::PoseConstraint> constraints;
+  constraints.reserve(points.size());
+  for (const StillSighting& seen : points) {
+    constraints.push_back(
+        {seen.point, {seen.uvd.head<2>(), seen.uvd.z(), true, sigma_px_, sigma_px_}, true, true});
   }
-  return agreeing / static_cast<double>(points.size());
+  const Pose given = T_cam_world.inverse(Eigen::Isometry);
+  const auto prior = priorAt(given, guessed_ ? kGuessed : 1.0);
+  const auto refined =
+      stereo::refinePose(given, constraints, camera_, {kLossScale, 1, kIterations}, &prior);
+  if (!refined) return 0.0;
+  T_cam_world = refined->T_map_cam.inverse(Eigen::Isometry);
+  stereo::markInliers(refined->T_map_cam, constraints, camera_, 1.0);
+  const auto agreeing = std::count_if(constraints.begin(), constraints.end(), [](const auto& one) {
+    return one.inlier && one.stereo_inlier;
+  });
+  return static_cast<double>(agreeing) / static_cast<double>(points.size());
 }
 
 void CameraPath::forgetBefore(int first_kept) {
