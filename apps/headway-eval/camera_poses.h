@@ -7,13 +7,13 @@
 
 namespace headway::app {
 
-/// Time between two frames where a file has no times: KITTI's [s].
+/// Frame interval of files without times: KITTI's 10 Hz [s].
 inline constexpr double kNominalFrameInterval_s = 0.1;
 
-/// Where the camera stands in the map at each frame, from a file with one row for each.
+/// Camera pose in the map at each frame, from a file with one row per frame.
 ///
-/// KITTI poses (camera in the first camera) have no times: frames are 0.1 s apart. TUM poses are
-/// those of the robot in the map.
+/// KITTI poses (camera in the first camera) have no times and are taken as 0.1 s apart. TUM poses
+/// are those of the robot in the map.
 ///
 /// @throws InputError naming the file if it cannot be read
 [[nodiscard]] std::vector<Stamped<Pose>> readCameraPoses(const std::string& path,

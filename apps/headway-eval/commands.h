@@ -2,7 +2,7 @@
 
 namespace headway::app {
 
-/// Sub-commands of headway-eval; each takes its own arguments and returns the exit status.
+/// Sub-commands of headway-eval; each parses its arguments and returns the exit status.
 int runTrajectory(int argc, const char** argv);
 int runTracks(int argc, const char** argv);
 int runPredictions(int argc, const char** argv);

@@ -1,6 +1,7 @@
 #include <headway/core/error.h>
-#include <headway/eval/text_table.h>
+#include <headway/eval/plots.h>
 #include <headway/io/calibration_file.h>
+#include <headway/plot/text_table.h>
 #include <mrpt/io/CFileGZInputStream.h>
 #include <mrpt/maps/COccupancyGridMap2D.h>
 #include <mrpt/serialization/CArchive.h>
@@ -19,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using mrpt::maps::COccupancyGridMap2D;
 
-constexpr double kObserved = 0.15;  ///< a cell farther than this from 0.5 is free or occupied
+constexpr double kObserved = 0.15;  ///< minimum |p(free) - 0.5| of an observed cell
 
 struct Options {
   std::string truth;
@@ -30,15 +31,18 @@ struct Options {
 };
 
 bool parse(Options& options, int argc, const char** argv) {
-  program::CommandLine line("headway-eval grid",
-                            "Compares the grid of free and occupied cells of a replay with the "
-                            "simulated world that it saw.");
+  program::CommandLine line(
+      "headway-eval grid",
+      "Compares the occupancy grid of a replay with the simulated world it was "
+      "recorded in.");
   line.option(options.truth, 0, "truth", "NAME.truth",
-              "What headway-sim --depth --masks wrote beside the rawlog", true);
+              "Truth folder written by headway-sim --depth --masks", true);
   line.option(options.estimate, 0, "estimate", "OUTDIR",
               "Folder of the replay, with map_grid.gridmap.gz and calibration.yaml", true);
-  line.option(options.heights.lowest, 0, "lowest-obstacle", "M", "What is lower is not one");
-  line.option(options.heights.highest, 0, "highest-obstacle", "M", "What is higher is not one");
+  line.option(options.heights.min_m, 0, "lowest-obstacle", "M",
+              "Minimum height of an obstacle [m]; default 0.3");
+  line.option(options.heights.max_m, 0, "highest-obstacle", "M",
+              "Maximum height of an obstacle above the ground [m]; default 2");
   options.outputs.describe(line);
   if (!line.parse(argc, argv)) return false;
   options.quiet = line.quiet();
@@ -53,7 +57,8 @@ eval::GridCells readGrid(const fs::path& path) {
     if (!file.open(path.string())) throw InputError("no such file");
     mrpt::serialization::archiveFrom(file) >> grid;
   } catch (const std::exception&) {
-    throw InputError(path.string() + ": is not a grid map; is this the folder of a replay?");
+    throw InputError(path.string() +
+                     ": is not a readable occupancy grid; is this the output folder of a replay?");
   }
   eval::GridCells cells({grid.getXMin(), grid.getYMin()}, grid.getResolution(),
                         static_cast<int>(grid.getSizeX()), static_cast<int>(grid.getSizeY()));
@@ -68,29 +73,30 @@ eval::GridCells readGrid(const fs::path& path) {
   return cells;
 }
 
-eval::TextTable tableOf(const eval::GridError& error) {
-  const auto share = [](std::size_t part, std::size_t whole) {
+plot::TextTable tableOf(const eval::GridError& error) {
+  const auto ratio = [](std::size_t part, std::size_t whole) {
     return whole == 0 ? std::string("-")
-                      : eval::fixedText(
+                      : plot::fixedText(
                             100.0 * static_cast<double>(part) / static_cast<double>(whole), 2) +
                             " %";
   };
   const auto row = [&](const std::string& name, std::size_t part, std::size_t whole) {
-    return std::vector<std::string>{name, std::to_string(part), share(part, whole)};
+    return std::vector<std::string>{name, std::to_string(part), ratio(part, whole)};
   };
-  return {{"cells", "number", "share"},
+  return {{"cells", "number", "ratio"},
           {"observed", std::to_string(error.observed), ""},
-          row("of which the truth is known", error.compared, error.observed),
-          row("right", error.right, error.compared),
+          row("with known truth", error.compared, error.observed),
+          row("correct", error.correct, error.compared),
           row("truly occupied", error.occupied, error.compared),
-          row("of these found (recall)", error.found, error.occupied),
-          row("called occupied, rightly (precision)", error.found, error.found + error.phantoms),
-          row("occupied, but truly free", error.phantoms, error.compared),
-          row("of these, beside something", error.near_phantoms, error.phantoms),
-          row("free, but truly occupied", error.missed, error.compared),
-          row("of these, beside something found", error.near_missed, error.missed),
-          row("where something moved", error.trodden, error.compared),
-          row("ghosts: of these occupied", error.ghosts, error.trodden),
+          row("of these, estimated as occupied (recall)", error.found, error.occupied),
+          row("estimated as occupied, correct (precision)", error.found,
+              error.found + error.false_occupied),
+          row("estimated as occupied, truly free", error.false_occupied, error.compared),
+          row("of these, next to a true obstacle", error.near_false_occupied, error.false_occupied),
+          row("estimated as free, truly occupied", error.false_free, error.compared),
+          row("of these, next to a found obstacle", error.near_false_free, error.false_free),
+          row("covered by a moving object at some time", error.swept, error.compared),
+          row("of these, estimated as occupied (ghosts)", error.ghosts, error.swept),
           {"truly occupied, not observed", std::to_string(error.unseen), ""}};
 }
 
@@ -103,26 +109,26 @@ int runGrid(int argc, const char** argv) {
   const auto estimate = readGrid(replay / "map_grid.gridmap.gz");
   const auto camera = io::readCalibration((replay / "calibration.yaml").string());
   const auto truth = gridTruth(options.truth, camera, estimate, options.heights);
-  const auto error = eval::gridError(truth.cells, estimate, truth.trodden);
-  if (!options.quiet) eval::writeTable(std::cout, tableOf(error));
+  const auto error = eval::gridError(truth.cells, estimate, truth.swept);
+  if (!options.quiet) plot::writeTable(std::cout, tableOf(error));
   const auto figures = [&] {
     return nlohmann::ordered_json{{"observed", error.observed},
                                   {"compared", error.compared},
-                                  {"right_share", error.rightShare().value_or(0.0)},
+                                  {"right_ratio", error.correctRatio().value_or(0.0)},
                                   {"occupied", error.occupied},
                                   {"found", error.found},
                                   {"occupied_recall", error.occupiedRecall().value_or(0.0)},
                                   {"occupied_precision", error.occupiedPrecision().value_or(0.0)},
-                                  {"phantoms", error.phantoms},
-                                  {"near_phantoms", error.near_phantoms},
-                                  {"missed", error.missed},
-                                  {"near_missed", error.near_missed},
+                                  {"phantoms", error.false_occupied},
+                                  {"near_phantoms", error.near_false_occupied},
+                                  {"missed", error.false_free},
+                                  {"near_missed", error.near_false_free},
                                   {"unseen", error.unseen},
-                                  {"trodden", error.trodden},
+                                  {"trodden", error.swept},
                                   {"ghosts", error.ghosts}};
   };
   options.outputs.write(figures,
-                        [&] { return eval::gridPlot(truth.cells, estimate, truth.trodden); });
+                        [&] { return eval::gridPlot(truth.cells, estimate, truth.swept); });
   return program::kDone;
 }
 

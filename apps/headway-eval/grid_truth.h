@@ -8,26 +8,26 @@
 
 namespace headway::app {
 
-/// What stops a robot, by its height above the ground [m].
+/// Heights above the ground between which a surface is an obstacle [m].
 struct ObstacleHeights {
-  double lowest = 0.3;
-  double highest = 2.0;
+  double min_m = 0.3;
+  double max_m = 2.0;
 };
 
-/// What is true of the cells of a grid.
+/// True state of the cells of a grid.
 struct GridTruth {
   eval::GridCells cells;
-  std::vector<std::uint8_t> trodden;  ///< 1: something moved over the cell at some time
+  std::vector<std::uint8_t> swept;  ///< 1: a moving object covered the cell at some time
 };
 
-/// Works the truth out from what headway-sim wrote beside a rawlog: true depth images, masks of
-/// movers, true poses. A cell is occupied if a surface that stands at an obstacle's height was seen
-/// in it, free if the ground was and no such surface.
+/// Computes the true occupancy from the truth folder of a simulated rawlog: true depth images,
+/// masks of moving objects and true poses. A cell is occupied if a static surface at an obstacle's
+/// height is visible in it, free if only ground is.
 ///
 /// @param folder  NAME.truth with depth/, masks/, trajectory.tum and objects.csv
-/// @param camera  that the depth images are of, on the robot
-/// @param grid    whose cells are meant
-/// @throws InputError if something is missing, or of another size than the camera
+/// @param camera  camera of the depth images, mounted on the robot
+/// @param grid    defines the cells; its states are not used
+/// @throws InputError if a file is missing or its size differs from the camera's
 [[nodiscard]] GridTruth gridTruth(const std::filesystem::path& folder, const StereoCamera& camera,
                                   const eval::GridCells& grid, const ObstacleHeights& heights);
 

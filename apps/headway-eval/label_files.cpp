@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostFrames = 10'000'000;  // beyond, an index is a mistake
+constexpr std::size_t kMaxFrames = 10'000'000;  // a larger frame index is an error in the file
 
 std::map<std::string, std::string> filesByName(const std::string& folder) {
   std::map<std::string, std::string> files;
@@ -22,30 +22,30 @@ std::map<std::string, std::string> filesByName(const std::string& folder) {
     if (!entry.is_regular_file()) continue;
     const auto [other, is_new] = files.emplace(entry.path().stem(), entry.path());
     if (!is_new) {
-      throw InputError(folder + ": holds two files named '" + other->first +
-                       "'; leave one of them out");
+      throw InputError(folder + ": contains two files named '" + other->first + "'; remove one");
     }
   }
   return files;
 }
 
-void requireThere(const std::string& path) {
+void requireExists(const std::string& path) {
   if (!fs::exists(path)) throw InputError(path + ": no such file or folder");
 }
 
-std::string placeOf(const std::string& path, std::size_t frame) {
+std::string locationOf(const std::string& path, std::size_t frame) {
   return path + ": frame " + std::to_string(frame) + ": ";
 }
 
 void requireUsable(const eval::LabelledBox& box, std::size_t frame, const std::string& path) {
   const bool finite = std::isfinite(box.score) && std::isfinite(box.truncation) &&
                       (!box.box2d || isFinite(*box.box2d)) && (!box.box3d || isFinite(*box.box3d));
-  if (!finite) throw InputError(placeOf(path, frame) + "a number is not finite");
+  if (!finite) throw InputError(locationOf(path, frame) + "a number is not finite");
 }
 
 eval::LabelledFrame& frameAt(std::vector<eval::LabelledFrame>& frames, std::size_t frame,
                              const std::string& path) {
-  if (frame > kMostFrames) throw InputError(placeOf(path, frame) + "no recording is that long");
+  if (frame > kMaxFrames)
+    throw InputError(locationOf(path, frame) + "the frame index is too large");
   if (frames.size() <= frame) frames.resize(frame + 1);
   return frames[frame];
 }
@@ -61,7 +61,7 @@ eval::LabelledBox labelledBox(const Detection& detection) {
 }
 
 std::vector<std::string> rawFiles(const std::string& name, const std::string& path) {
-  requireThere(path);
+  requireExists(path);
   if (!fs::is_directory(path)) return {path};
   std::vector<std::string> files;
   std::vector<std::string> folders = {path};
@@ -75,7 +75,7 @@ std::vector<std::string> rawFiles(const std::string& name, const std::string& pa
     const auto named = filesByName(folder);
     if (const auto file = named.find(name); file != named.end()) files.push_back(file->second);
   }
-  if (files.empty()) throw InputError(path + ": holds no file named '" + name + "'");
+  if (files.empty()) throw InputError(path + ": contains no file named '" + name + "'");
   return files;
 }
 
@@ -90,8 +90,8 @@ std::map<std::size_t, Detections> rawDetections(const std::string& file) {
   return frames;
 }
 
-/// KITTI's tracking labels spell Person_sitting as Person.
-io::KittiRow withOurSpelling(io::KittiRow row) {
+/// KITTI tracking labels spell Person_sitting as Person.
+io::KittiRow withDetectionSpelling(io::KittiRow row) {
   if (row.type == "Person") row.type = "Person_sitting";
   return row;
 }
@@ -99,23 +99,23 @@ io::KittiRow withOurSpelling(io::KittiRow row) {
 }  // namespace
 
 PairedFiles pairedFiles(const std::string& truth, const std::string& estimate) {
-  requireThere(truth);
-  requireThere(estimate);
+  requireExists(truth);
+  requireExists(estimate);
   if (fs::is_directory(truth) != fs::is_directory(estimate)) {
-    throw InputError(truth + " and " + estimate + ": give two files or two folders");
+    throw InputError(truth + " and " + estimate + ": must be two files or two folders");
   }
   if (!fs::is_directory(truth)) return {{{fs::path(truth).stem(), truth, estimate}}, {}};
   const auto true_files = filesByName(truth);
   const auto estimates = filesByName(estimate);
   PairedFiles result;
   for (const auto& [name, file] : estimates) {
-    const auto partner = true_files.find(name);
-    if (partner == true_files.end()) {
-      throw InputError(file + ": has no partner named '" + name + "' in " + truth);
+    const auto labels = true_files.find(name);
+    if (labels == true_files.end()) {
+      throw InputError(file + ": no file named '" + name + "' in " + truth);
     }
-    result.pairs.push_back({name, partner->second, file});
+    result.pairs.push_back({name, labels->second, file});
   }
-  if (result.pairs.empty()) throw InputError(estimate + ": the folder holds no files");
+  if (result.pairs.empty()) throw InputError(estimate + ": the folder contains no files");
   for (const auto& [name, file] : true_files) {
     if (estimates.count(name) == 0) result.truth_alone.push_back(name);
   }
@@ -123,20 +123,20 @@ PairedFiles pairedFiles(const std::string& truth, const std::string& estimate) {
 }
 
 std::string fileNamed(const std::string& name, const std::string& path) {
-  requireThere(path);
+  requireExists(path);
   if (!fs::is_directory(path)) return path;
   const auto files = filesByName(path);
   const auto file = files.find(name);
-  if (file == files.end()) throw InputError(path + ": holds no file named '" + name + "'");
+  if (file == files.end()) throw InputError(path + ": contains no file named '" + name + "'");
   return file->second;
 }
 
 std::vector<eval::LabelledFrame> readLabels(const std::string& path) {
   std::vector<eval::LabelledFrame> frames;
   const auto rows = io::readKittiRows(path);
-  if (rows.empty()) throw InputError(path + ": holds no labels");
+  if (rows.empty()) throw InputError(path + ": contains no labels");
   for (const auto& given : rows) {
-    const auto row = withOurSpelling(given);
+    const auto row = withDetectionSpelling(given);
     auto& frame = frameAt(frames, row.frame, path);
     const auto detection = io::detectionFrom(row);
     if (row.type == "DontCare") frame.dont_care.push_back(row.box2d);
@@ -156,17 +156,17 @@ std::vector<eval::LabelledFrame> readLabels(const std::string& path) {
 
 void addEstimates(const std::string& path, std::vector<eval::LabelledFrame>& frames,
                   std::map<std::string, std::size_t>& dropped) {
-  std::int64_t own_id = -1;  // of boxes without a track
+  std::int64_t next_id = -1;  // of boxes without a track id
   for (const auto& [index, detections] : io::readDetections(path, dropped)) {
     auto& frame = frameAt(frames, index, path);
     std::set<std::int64_t> ids;
     for (const auto& detection : detections.items) {
       auto box = labelledBox(detection);
-      if (!detection.detector_id) box.id = own_id--;
+      if (!detection.detector_id) box.id = next_id--;
       requireUsable(box, index, path);
       if (!ids.insert(box.id).second) {
-        throw InputError(placeOf(path, index) + "id " + std::to_string(box.id) +
-                         " stands there twice; a track has one box a frame");
+        throw InputError(locationOf(path, index) + "id " + std::to_string(box.id) +
+                         " occurs twice; a track has one box per frame");
       }
       frame.estimates.push_back(box);
     }
@@ -175,13 +175,13 @@ void addEstimates(const std::string& path, std::vector<eval::LabelledFrame>& fra
 
 std::vector<eval::LabelledFrame> readRaw(const std::string& name, const std::string& path) {
   std::vector<eval::LabelledFrame> frames;
-  std::int64_t own_id = -1;
+  std::int64_t next_id = -1;
   for (const auto& file : rawFiles(name, path)) {
     for (const auto& [index, detections] : rawDetections(file)) {
       auto& frame = frameAt(frames, index, file);
       for (const auto& detection : detections.items) {
         frame.estimates.push_back(labelledBox(detection));
-        frame.estimates.back().id = own_id--;
+        frame.estimates.back().id = next_id--;
         requireUsable(frame.estimates.back(), index, file);
       }
     }

@@ -8,47 +8,48 @@
 
 namespace headway::app {
 
-/// Two files that are about the same recording.
+/// Truth and estimate of the same recording.
 struct FilePair {
-  std::string name;  ///< of the recording: the file's name without its ending
+  std::string name;  ///< of the recording: the file name without extension
   std::string truth;
   std::string estimate;
 };
 
 struct PairedFiles {
   std::vector<FilePair> pairs;           ///< ascending names
-  std::vector<std::string> truth_alone;  ///< names without an estimate
+  std::vector<std::string> truth_alone;  ///< recordings without an estimate
 };
 
-/// Pairs two files, or the files of two folders by their names without endings.
+/// Pairs two files, or the files of two folders by their names without extensions.
 ///
-/// @throws InputError if one is a file and the other a folder, a file of the estimates' folder has
-///         no partner, or nothing pairs
+/// @throws InputError if one is a file and the other a folder, an estimate has no truth of its
+/// name,
+///         or there are no files
 [[nodiscard]] PairedFiles pairedFiles(const std::string& truth, const std::string& estimate);
 
-/// The file of a folder with that name, whatever its ending; a path that is a file is that file.
+/// The file of that name in a folder, with any extension; `path` itself if it is a file.
 ///
-/// @throws InputError if there is none
+/// @throws InputError if there is no such file
 [[nodiscard]] std::string fileNamed(const std::string& name, const std::string& path);
 
 /// Reads KITTI tracking labels by frame; DontCare rows become regions.
 ///
-/// @throws InputError naming the file if it is empty or holds numbers that are not finite
+/// @throws InputError naming the file if it is empty or contains numbers that are not finite
 [[nodiscard]] std::vector<eval::LabelledFrame> readLabels(const std::string& path);
 
-/// Reads tracking results (or detections: each box without an id is a track of its own) and adds
-/// them to their frames.
+/// Reads tracking results (or detections: each box without an id becomes a separate track) and
+/// adds them to their frames.
 ///
-/// @param dropped  counts rows left out, by reason
-/// @throws InputError naming file and frame if an id stands twice in a frame, or a number is not
+/// @param dropped  number of rows ignored, by reason
+/// @throws InputError naming file and frame if an id occurs twice in a frame, or a number is not
 ///         finite
 void addEstimates(const std::string& path, std::vector<eval::LabelledFrame>& frames,
                   std::map<std::string, std::size_t>& dropped);
 
-/// Reads what a detector said, from files as above, a rawlog's `detections`, or a folder that
-/// holds them: by name, or by name in one folder for each class. Every box is a track of its own.
+/// Reads detections from files as above, from a rawlog's `detections`, or from a folder with such
+/// files, directly or in one subfolder per class. Every box becomes a separate track.
 ///
-/// @throws InputError naming what cannot be read
+/// @throws InputError naming the file that cannot be read
 [[nodiscard]] std::vector<eval::LabelledFrame> readRaw(const std::string& name,
                                                        const std::string& path);
 

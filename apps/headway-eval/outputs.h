@@ -9,16 +9,16 @@
 
 namespace headway::app {
 
-/// Where the figures go besides standard output: the options that all sub-commands share.
+/// Options for output files, common to all sub-commands.
 class Outputs {
  public:
-  /// Adds --json, --plot and -w.
+  /// Adds the options --json, --plot and -w.
   void describe(program::CommandLine& line);
 
-  /// @throws InputError if a file exists and may not be overwritten
+  /// @throws InputError if a file exists and -w is not given
   void requireWritable() const;
 
-  /// Makes and writes what was asked for, and nothing else.
+  /// Computes and writes only the requested files.
   ///
   /// @throws InputError if a file cannot be written
   void write(const std::function<nlohmann::ordered_json()>& figures,

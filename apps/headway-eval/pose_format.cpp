@@ -22,7 +22,7 @@ PoseFormat poseFormatOf(const std::string& path) {
                        " columns; TUM has 8 (t x y z qx qy qz qw), KITTI 12 (3x4 matrix)");
     }
   }
-  throw InputError(path + ": holds no poses");
+  throw InputError(path + ": contains no poses");
 }
 
 }  // namespace headway::app

@@ -21,7 +21,7 @@ Pose readExtrinsic(const std::string& path) {
   return path.empty() ? robotFromOptical() : io::readRawCalibration(path).T_robot_left;
 }
 
-/// Rows of one file, gathered into one entry a frame and track.
+/// Rows of one file, grouped by frame and track.
 std::vector<eval::TrackPrediction> readPredictions(const std::string& path) {
   std::map<std::tuple<std::size_t, std::int64_t>, eval::TrackPrediction> tracks;
   std::map<std::tuple<std::size_t, std::int64_t, int>, PredictedPath> paths;
@@ -46,7 +46,7 @@ std::vector<eval::TrackPrediction> readPredictions(const std::string& path) {
       throw InputError(path + ": frame " + std::to_string(frame) + ", track " + std::to_string(id) +
                        ", mode " + std::to_string(mode) + " has " +
                        std::to_string(predicted.points.size()) +
-                       " horizons; 0.1 s, 0.2 s ... 3.0 s are needed");
+                       " horizons; 0.1 s, 0.2 s ... 3.0 s are required");
     }
     std::sort(predicted.points.begin(), predicted.points.end(),
               [](const auto& a, const auto& b) { return a.horizon_s < b.horizon_s; });
@@ -57,7 +57,7 @@ std::vector<eval::TrackPrediction> readPredictions(const std::string& path) {
   return result;
 }
 
-/// Times of frames: those that the predictions name, the others spaced evenly from there.
+/// Times of frames: those in the predictions, and evenly spaced times for the other frames.
 class FrameTimes {
  public:
   explicit FrameTimes(const std::vector<eval::TrackPrediction>& predictions) {
@@ -95,19 +95,19 @@ double medianInterval(const std::vector<Stamped<Pose>>& poses) {
   return median(std::move(intervals));
 }
 
-/// Poses of every frame from a file with one row for each.
+/// Reads the poses of all frames from a file with one row per frame.
 void readPoses(const std::string& path, const Pose& T_robot_cam, PredictionSequence& sequence) {
   sequence.T_map_cam = readCameraPoses(path, T_robot_cam);
   if (poseFormatOf(path) == PoseFormat::kTum) {
     sequence.frame_interval_s = medianInterval(sequence.T_map_cam);
     for (const auto& prediction : sequence.predictions) {
-      const bool there = prediction.frame < sequence.T_map_cam.size();
+      const bool exists = prediction.frame < sequence.T_map_cam.size();
       const double difference =
-          there ? std::abs(sequence.T_map_cam[prediction.frame].time - prediction.time) : 0.0;
-      if (there && difference < 0.5 * sequence.frame_interval_s) continue;
+          exists ? std::abs(sequence.T_map_cam[prediction.frame].time - prediction.time) : 0.0;
+      if (exists && difference < 0.5 * sequence.frame_interval_s) continue;
       throw InputError(path + ": row " + std::to_string(prediction.frame) +
                        " is not the pose of frame " + std::to_string(prediction.frame) +
-                       "; one row is needed for every frame");
+                       "; the file must have one row per frame");
     }
     return;
   }

@@ -1,9 +1,9 @@
 #include <headway/core/error.h>
-#include <headway/eval/chart.h>
-#include <headway/eval/json.h>
-#include <headway/eval/prediction_plot.h>
-#include <headway/eval/text_table.h>
+#include <headway/eval/figures.h>
+#include <headway/eval/plots.h>
 #include <headway/objects/objects_params.h>
+#include <headway/plot/chart.h>
+#include <headway/plot/text_table.h>
 
 #include <algorithm>
 #include <iostream>
@@ -11,7 +11,7 @@
 
 #include "commands.h"
 #include "outputs.h"
-#include "prediction_judging.h"
+#include "prediction_evaluation.h"
 
 namespace headway::app {
 namespace {
@@ -26,24 +26,25 @@ struct Options {
 
 bool parse(Options& options, int argc, const char** argv) {
   program::CommandLine line("headway-eval predictions",
-                            "Compares predictions with what happened: a replay's own "
+                            "Evaluates predictions against the true future: those of a replay "
                             "(--estimate), or predictors on exact histories (--predictor).");
   Params params;
   options.params.describe(params.section("objects"));
   line.option(options.files.labels, 0, "truth", "LABELS", "KITTI tracking labels: file or folder",
               true);
   line.option(options.files.poses, 0, "poses", "P",
-              "Poses of every frame: KITTI (camera) or TUM (robot in map); file or folder", true);
-  line.option(options.files.estimate, 0, "estimate", "PREDICTIONS.csv", "File or folder");
+              "Pose of every frame: KITTI (camera) or TUM (robot in map); file or folder", true);
+  line.option(options.files.estimate, 0, "estimate", "PREDICTIONS.csv",
+              "Predictions of a replay: file or folder");
   line.option(options.predictor, 0, "predictor", "NAME|all",
-              "A predictor, as objects.predictor names it");
+              "Predictor, one of the values of objects.predictor");
   line.option(options.files.extrinsic, 0, "extrinsic", "FILE",
-              "calibration.yaml with T_robot_cam; default: axes turned, no offset");
+              "calibration.yaml with T_robot_cam; default: robot axes at the camera");
   line.parameters(params);
   options.outputs.describe(line);
   if (!line.parse(argc, argv)) return false;
   if (options.files.estimate.empty() == options.predictor.empty()) {
-    throw program::UsageError("give either --estimate or --predictor");
+    throw program::UsageError("exactly one of --estimate and --predictor is required");
   }
   options.quiet = line.quiet();
   options.outputs.requireWritable();
@@ -61,58 +62,58 @@ std::vector<std::string> chosenPredictors(const std::string& name) {
   return {name};
 }
 
-std::vector<JudgedPredictor> judged(const Options& options,
-                                    const std::vector<PredictionSequence>& sequences) {
-  if (!options.files.estimate.empty()) return {judgeEstimate(sequences)};
-  std::vector<JudgedPredictor> result;
+std::vector<EvaluatedPredictor> evaluate(const Options& options,
+                                         const std::vector<PredictionSequence>& sequences) {
+  if (!options.files.estimate.empty()) return {evaluateEstimate(sequences)};
+  std::vector<EvaluatedPredictor> result;
   for (const auto& name : chosenPredictors(options.predictor)) {
-    result.push_back(judgePredictor(sequences, name, options.params.prediction));
+    result.push_back(evaluatePredictor(sequences, name, options.params.prediction));
   }
   return result;
 }
 
-nlohmann::ordered_json figures(const JudgedPredictor& judged) {
-  auto json = eval::toJson(judged.errors);
-  for (const auto& [name, errors] : judged.sequences) {
+nlohmann::ordered_json figures(const EvaluatedPredictor& predictor) {
+  auto json = eval::toJson(predictor.errors);
+  for (const auto& [name, errors] : predictor.sequences) {
     json["sequences"][name] = eval::toJson(errors);
   }
-  for (const auto& [reason, count] : judged.not_judged) json["not_judged"][reason] = count;
+  for (const auto& [reason, count] : predictor.not_evaluated) json["not_judged"][reason] = count;
   return json;
 }
 
-nlohmann::ordered_json figures(const std::vector<JudgedPredictor>& judged) {
-  if (judged.size() == 1) return figures(judged.front());
+nlohmann::ordered_json figures(const std::vector<EvaluatedPredictor>& predictors) {
+  if (predictors.size() == 1) return figures(predictors.front());
   nlohmann::ordered_json json;
-  for (const auto& predictor : judged) json["predictors"][predictor.name] = figures(predictor);
+  for (const auto& predictor : predictors) json["predictors"][predictor.name] = figures(predictor);
   return json;
 }
 
-void report(const std::vector<JudgedPredictor>& judged) {
-  if (judged.size() == 1) {
-    eval::writeTable(std::cout, eval::tableOf(judged.front().errors));
+void report(const std::vector<EvaluatedPredictor>& predictors) {
+  if (predictors.size() == 1) {
+    plot::writeTable(std::cout, eval::tableOf(predictors.front().errors));
   } else {
-    eval::writeTable(std::cout, predictorTable(judged));
+    plot::writeTable(std::cout, predictorTable(predictors));
     std::cout << "\nADE / FDE in m by class\n\n";
-    eval::writeTable(std::cout, classTable(judged));
+    plot::writeTable(std::cout, classTable(predictors));
     std::cout << "\nADE / FDE in m by sequence\n\n";
-    eval::writeTable(std::cout, sequenceTable(judged));
+    plot::writeTable(std::cout, sequenceTable(predictors));
   }
-  for (const auto& [reason, count] : judged.front().not_judged) {
-    if (count > 0) std::cout << count << " predictions were not judged: " << reason << "\n";
+  for (const auto& [reason, count] : predictors.front().not_evaluated) {
+    if (count > 0) std::cout << count << " predictions were not evaluated: " << reason << "\n";
   }
 }
 
 cv::Mat plot(const std::vector<PredictionSequence>& sequences,
-             const std::vector<JudgedPredictor>& judged) {
-  const auto& drawn = judged.front();
+             const std::vector<EvaluatedPredictor>& predictors) {
+  const auto& drawn = predictors.front();
   const auto& sequence = sequences[drawn.drawn_sequence];
   std::vector<Eigen::Vector2d> camera_path;
   for (const auto& pose : sequence.T_map_cam) {
     camera_path.emplace_back(pose.value.translation().head<2>());
   }
   std::vector<std::pair<std::string, eval::PredictionError>> lines;
-  for (const auto& predictor : judged) lines.emplace_back(predictor.name, predictor.errors.all);
-  return eval::stacked({eval::predictionMapPlot(drawn.name + ", sequence " + sequence.name,
+  for (const auto& predictor : predictors) lines.emplace_back(predictor.name, predictor.errors.all);
+  return plot::stacked({eval::predictionMapPlot(drawn.name + ", sequence " + sequence.name,
                                                 sequence.objects, drawn.drawn, camera_path),
                         eval::errorOverHorizonPlot(lines)});
 }
@@ -124,11 +125,11 @@ int runPredictions(int argc, const char** argv) {
   if (!parse(options, argc, argv)) return program::kDone;
   if (!options.predictor.empty()) (void)chosenPredictors(options.predictor);
   const auto sequences = readPredictionInput(options.files);
-  const auto results = judged(options, sequences);
+  const auto results = evaluate(options, sequences);
   if (results.front().errors.all.cases == 0) {
     throw InputError(options.files.labels +
-                     ": no object is labelled for 2 s before and 3 s after a frame, or no "
-                     "prediction is near one; nothing can be judged");
+                     ": nothing to evaluate: no object is labelled for 2 s before and 3 s after "
+                     "a frame, or no prediction is near one");
   }
   if (!options.quiet) report(results);
   options.outputs.write([&] { return figures(results); }, [&] { return plot(sequences, results); });

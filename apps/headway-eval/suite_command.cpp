@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kQuickFrames = 80;  // just enough for 2 s of history and 3 s of future
+constexpr std::size_t kQuickFrames = 80;  // 2 s of history, 3 s of future and 3 s of cases at 10 Hz
 
 struct Options {
   bool quick = false;
@@ -37,32 +37,32 @@ struct Options {
 bool parse(Options& options, int argc, const char** argv) {
   program::CommandLine line(
       "headway-eval suite",
-      "Draws every world, replays it and prints three tables: the camera's position with and "
-      "without rejection of what moves, predictions of every predictor, and positions of "
-      "objects as detected and as tracked.");
+      "Simulates and replays every world and prints three tables: camera positions with each "
+      "kind of rejection of moving objects, errors of every predictor, and positions of objects "
+      "as detected and as tracked.");
   Params params;
   options.perception.describe(params);
-  line.flag(options.quick, 0, "quick", "Only the first 80 frames of every world");
-  line.option(options.frames, 0, "frames", "N", "No more than the first N frames of every world");
-  line.option(options.worlds, 0, "worlds", "DIR",
-              "Worlds to draw: a folder of .ini files, one, or none; default config/worlds");
+  line.flag(options.quick, 0, "quick", "Use only the first 80 frames of every world");
+  line.option(options.frames, 0, "frames", "N", "Use at most the first N frames of every world");
+  line.option(
+      options.worlds, 0, "worlds", "DIR",
+      "Worlds to simulate: a folder of .ini files, one file, or none; default config/worlds");
   line.option(options.folder, 'o', "output", "OUTDIR",
-              "Where recordings and tables go; default suite");
-  line.flag(
-      options.reuse, 0, "reuse",
-      "Worlds that OUTDIR holds already, drawn with the same parameters, are not drawn again");
+              "Folder for recordings and tables; default suite");
+  line.flag(options.reuse, 0, "reuse",
+            "Reuse recordings in OUTDIR that were simulated with the same parameters");
   line.option(options.kitti, 0, "kitti", "DIR",
-              "KITTI's tracking benchmark: its sequences become rows, too");
+              "KITTI tracking benchmark, whose sequences are evaluated too");
   line.option(options.degrade, 0, "degrade", "FILE.ini",
-              "Judge positions also on KITTI's boxes made worse, seeds 1 to 5");
+              "Also evaluate positions on degraded KITTI boxes, seeds 1 to 5");
   line.parameters(params);
   options.outputs.describe(line);
   if (!line.parse(argc, argv)) return false;
   if (!options.degrade.empty() && options.kitti.empty()) {
-    throw program::UsageError("--degrade makes KITTI's boxes worse: give --kitti DIR, too");
+    throw program::UsageError("--degrade applies to KITTI boxes and requires --kitti DIR");
   }
   if (options.worlds == "none" && options.kitti.empty()) {
-    throw program::UsageError("--worlds none leaves nothing to judge without --kitti DIR");
+    throw program::UsageError("--worlds none requires --kitti DIR");
   }
   options.quiet = line.quiet();
   options.outputs.requireWritable();
@@ -73,32 +73,33 @@ bool parse(Options& options, int argc, const char** argv) {
 std::vector<std::string> worldFiles(const std::string& path) {
   if (path == "none") return {};
   if (fs::is_regular_file(path)) return {path};
-  if (!fs::is_directory(path)) throw InputError(path + ": no such folder of worlds; --worlds DIR");
+  if (!fs::is_directory(path))
+    throw InputError(path + ": no such file or folder of worlds; check --worlds");
   std::vector<std::string> files;
   for (const auto& entry : fs::directory_iterator(path)) {
     if (entry.path().extension() == ".ini") files.push_back(entry.path());
   }
-  if (files.empty()) throw InputError(path + ": holds no worlds (.ini)");
+  if (files.empty()) throw InputError(path + ": contains no worlds (.ini)");
   std::sort(files.begin(), files.end());
   return files;
 }
 
-/// The whole suite, one recording after another.
+/// Runs the suite, one recording at a time.
 class Suite {
  public:
   explicit Suite(const Options& options)
       : options_(options), progress_("suite", options.quiet), worlds_(worldFiles(options.worlds)) {
-    most_frames_ = options.frames;
-    if (options.quick) most_frames_ = kQuickFrames;
+    max_frames_ = options.frames;
+    if (options.quick) max_frames_ = kQuickFrames;
     for (const auto& ini : worlds_) {
       const std::size_t frames = framesOf(ini);
-      total_ += (1 + rejections().size()) * std::min(frames, most_frames_.value_or(frames));
+      total_ += (1 + rejections().size()) * std::min(frames, max_frames_.value_or(frames));
     }
   }
 
   [[nodiscard]] std::vector<SuiteEntry> run() {
     for (const auto& ini : worlds_) {
-      if (!program::interrupted()) judgeWorld(ini);
+      if (!program::interrupted()) evaluateWorld(ini);
     }
     closeGroup("all worlds");
     if (options_.kitti.empty()) return std::move(entries_);
@@ -109,29 +110,30 @@ class Suite {
       entries_.back().in_plot = false;
     }
     closeGroup("all KITTI");
-    if (!options_.degrade.empty()) judgeDegraded(recordings);
+    if (!options_.degrade.empty()) evaluateDegraded(recordings);
     return std::move(entries_);
   }
 
  private:
-  void judgeWorld(const std::string& ini) {
+  void evaluateWorld(const std::string& ini) {
     const FrameDone done = [this] {
       const std::lock_guard lock(progress_mutex_);
       ++done_;
       progress_.update(done_, static_cast<double>(done_) / static_cast<double>(total_));
       return !program::interrupted();
     };
-    std::optional<World> drawn;
-    if (options_.reuse) drawn = drawnWorld(ini, options_.folder, most_frames_);
-    const World world = drawn ? *drawn : drawWorld(ini, options_.folder, most_frames_, done);
-    if (drawn) done_ += world.frames;
+    std::optional<World> existing;
+    if (options_.reuse) existing = existingWorld(ini, options_.folder, max_frames_);
+    const World world =
+        existing ? *existing : simulateWorld(ini, options_.folder, max_frames_, done);
+    if (existing) done_ += world.frames;
     std::vector<pipeline::PerceptionParams> params(rejections().size(), options_.perception);
     for (std::size_t i = 0; i < params.size(); ++i) {
       params[i].slam.dynamic_rejection = rejections()[i].value;
     }
     std::vector<WorldRun> runs;
     if (!program::interrupted()) runs = runWorld(world, params, done);
-    if (program::interrupted()) {  // no figures of parts of a world
+    if (program::interrupted()) {  // an incomplete world is not evaluated
       entries_.push_back({world.name, {}, std::nullopt});
       return;
     }
@@ -145,13 +147,13 @@ class Suite {
 
   void addObjects(const ObjectRecording& recording, const objects::ObjectsParams& params) {
     const auto figures = runObjects(recording, params);
-    entries_.push_back({recording.name, {}, judgeObjects(figures)});
+    entries_.push_back({recording.name, {}, evaluateObjects(figures)});
     add(figures, group_);
     ++in_group_;
   }
 
-  /// Adds an entry for each seed: positions from all recordings with their boxes made worse.
-  void judgeDegraded(const std::vector<ObjectRecording>& recordings) {
+  /// Adds an entry per seed: positions from all recordings with degraded boxes.
+  void evaluateDegraded(const std::vector<ObjectRecording>& recordings) {
     constexpr int kSeeds = 5;
     io::DegradeParams degrade;
     Params params;
@@ -168,13 +170,13 @@ class Suite {
         add(runTracks(recording, options_.perception.objects), together);
       }
       const auto name = "all KITTI, degraded, seed " + std::to_string(seed);
-      entries_.push_back({name, {}, judgeObjects(together), false, true});
+      entries_.push_back({name, {}, evaluateObjects(together), false, true});
     }
   }
 
-  /// Adds an entry for all recordings since the last group.
+  /// Adds an entry for all recordings since the previous group.
   void closeGroup(const std::string& name) {
-    if (in_group_ > 1) entries_.push_back({name, {}, judgeObjects(group_), true, true});
+    if (in_group_ > 1) entries_.push_back({name, {}, evaluateObjects(group_), true, true});
     group_ = {};
     in_group_ = 0;
   }
@@ -183,11 +185,11 @@ class Suite {
   program::Progress progress_;
   std::mutex progress_mutex_;
   std::vector<std::string> worlds_;
-  std::optional<std::size_t> most_frames_;
+  std::optional<std::size_t> max_frames_;
   std::size_t total_ = 0;
   std::size_t done_ = 0;
   std::vector<SuiteEntry> entries_;
-  ObjectFigures group_;  ///< of the recordings that are to be judged together
+  ObjectFigures group_;  ///< of the recordings since the previous group
   std::size_t in_group_ = 0;
 };
 

@@ -8,17 +8,17 @@
 #include <map>
 
 #include "camera_poses.h"
-#include "prediction_judging.h"
+#include "prediction_evaluation.h"
 
 namespace headway::app {
 namespace {
 
-constexpr double kNear_m = 2.0;         // between a prediction and the object it is about
-constexpr double kLongestGap_s = 0.25;  // in a true path, bridged by a straight line
+constexpr double kMatchDistance_m = 2.0;  // between a prediction and its true object
+constexpr double kMaxGap_s = 0.25;        // of a true path to interpolate over
 
-/// What the layer said of one recording.
-struct LayerRun {
-  std::vector<eval::LabelledFrame> tracks;  ///< estimates alone, optical frame
+/// Tracks and predictions of one recording.
+struct TrackingRun {
+  std::vector<eval::LabelledFrame> tracks;  ///< estimates only, optical frame
   std::vector<eval::TrackPrediction> predictions;
 };
 
@@ -34,11 +34,11 @@ eval::LabelledBox boxOf(const Track& track, const Pose& T_cam_map,
   return box;
 }
 
-LayerRun runLayer(const ObjectRecording& recording, const objects::ObjectsParams& params) {
+TrackingRun runTracking(const ObjectRecording& recording, const objects::ObjectsParams& params) {
   pipeline::PerceptionParams perception_params;
   perception_params.objects = params;
   pipeline::Perception perception(nullptr, perception_params);
-  LayerRun run;
+  TrackingRun run;
   std::map<std::int64_t, double> scores;
   for (const auto& frame : recording.frames) {
     const auto update = perception.process(frame);
@@ -53,15 +53,15 @@ LayerRun runLayer(const ObjectRecording& recording, const objects::ObjectsParams
           {frame.index, frame.time, track.id, track.object_class, track.predictions});
     }
   }
-  for (auto& frame : run.tracks) {  // as a replay's tracks_kitti.txt: each track has one score
+  for (auto& frame : run.tracks) {  // one score per track, as in tracks_kitti.txt
     for (auto& box : frame.estimates) box.score = scores.at(box.id);
   }
   return run;
 }
 
-/// The recording's labels beside estimates.
-eval::LabelledSequence beside(const ObjectRecording& recording,
-                              std::vector<eval::LabelledFrame> frames) {
+/// Combines the recording's labels with estimates.
+eval::LabelledSequence withLabels(const ObjectRecording& recording,
+                                  std::vector<eval::LabelledFrame> frames) {
   frames.resize(std::max(frames.size(), recording.labels.size()));
   for (std::size_t k = 0; k < recording.labels.size(); ++k) {
     frames[k].truth = recording.labels[k].truth;
@@ -72,13 +72,13 @@ eval::LabelledSequence beside(const ObjectRecording& recording,
 
 std::vector<eval::LabelledFrame> rawBoxes(const ObjectRecording& recording) {
   std::vector<eval::LabelledFrame> frames;
-  std::int64_t own_id = -1;
+  std::int64_t next_id = -1;
   for (const auto& frame : recording.frames) {
     if (frames.size() <= frame.index) frames.resize(frame.index + 1);
     if (!frame.detections) continue;
     for (const auto& detection : frame.detections->items) {
       eval::LabelledBox box;
-      box.id = own_id--;
+      box.id = next_id--;
       box.object_class = detection.object_class;
       box.score = detection.score;
       box.box2d = detection.box2d;
@@ -89,15 +89,15 @@ std::vector<eval::LabelledFrame> rawBoxes(const ObjectRecording& recording) {
   return frames;
 }
 
-/// Where the camera stood at each frame index; what is missing stays where it was before.
+/// Camera pose at each frame index; frames without a pose repeat the previous one.
 std::vector<Stamped<Pose>> cameraPoses(const ObjectRecording& recording) {
   std::vector<Stamped<Pose>> poses;
   for (const auto& frame : recording.frames) {
     if (!frame.T_map_robot) continue;
     while (poses.size() < frame.index) {
-      const auto before =
+      const auto previous =
           poses.empty() ? Stamped<Pose>{frame.time, *frame.T_map_robot} : poses.back();
-      poses.push_back({before.time + kNominalFrameInterval_s, before.value});
+      poses.push_back({previous.time + kNominalFrameInterval_s, previous.value});
     }
     poses.push_back({frame.time, *frame.T_map_robot * recording.T_robot_cam});
   }
@@ -107,23 +107,23 @@ std::vector<Stamped<Pose>> cameraPoses(const ObjectRecording& recording) {
   return poses;
 }
 
-eval::PredictionJudge judgeOnTracks(const std::vector<eval::TrueObject>& truth,
-                                    const LayerRun& run) {
-  eval::PredictionJudge judge;
-  for (const auto& a_case :
-       eval::trackCases(truth, run.predictions, kNear_m, kLongestGap_s).cases) {
-    const auto& prediction = run.predictions[a_case.prediction];
-    judge.add(prediction.object_class, prediction.paths, a_case.future);
+eval::PredictionEvaluator evaluateOnTracks(const std::vector<eval::TrueObject>& truth,
+                                           const TrackingRun& run) {
+  eval::PredictionEvaluator evaluator;
+  for (const auto& item :
+       eval::trackCases(truth, run.predictions, kMatchDistance_m, kMaxGap_s).cases) {
+    const auto& prediction = run.predictions[item.prediction];
+    evaluator.add(prediction.object_class, prediction.paths, item.future);
   }
-  return judge;
+  return evaluator;
 }
 
 }  // namespace
 
 ObjectFigures runTracks(const ObjectRecording& recording, const objects::ObjectsParams& params) {
   ObjectFigures figures;
-  figures.raw = {beside(recording, rawBoxes(recording))};
-  figures.tracks = {beside(recording, runLayer(recording, params).tracks)};
+  figures.raw = {withLabels(recording, rawBoxes(recording))};
+  figures.tracks = {withLabels(recording, runTracking(recording, params).tracks)};
   return figures;
 }
 
@@ -137,8 +137,9 @@ ObjectFigures runObjects(const ObjectRecording& recording, const objects::Object
     auto with_predictor = params;
     with_predictor.predictor = objects::predictorKindFrom(name);
     figures.on_tracks.emplace_back(
-        name, judgeOnTracks(truth.objects, runLayer(recording, with_predictor)));
-    figures.on_truth.emplace_back(name, judgePredictor({truth}, name, params.prediction).judge);
+        name, evaluateOnTracks(truth.objects, runTracking(recording, with_predictor)));
+    figures.on_truth.emplace_back(name,
+                                  evaluatePredictor({truth}, name, params.prediction).evaluator);
   }
   return figures;
 }
@@ -146,14 +147,14 @@ ObjectFigures runObjects(const ObjectRecording& recording, const objects::Object
 void add(const ObjectFigures& other, ObjectFigures& together) {
   together.raw.insert(together.raw.end(), other.raw.begin(), other.raw.end());
   together.tracks.insert(together.tracks.end(), other.tracks.begin(), other.tracks.end());
-  const auto add_judges = [](const PredictorJudges& from, PredictorJudges& to) {
+  const auto add_evaluators = [](const PredictorEvaluators& from, PredictorEvaluators& to) {
     for (std::size_t i = 0; i < from.size(); ++i) {
       if (to.size() <= i) to.push_back({from[i].first, {}});
       to[i].second.add(from[i].second);
     }
   };
-  add_judges(other.on_tracks, together.on_tracks);
-  add_judges(other.on_truth, together.on_truth);
+  add_evaluators(other.on_tracks, together.on_tracks);
+  add_evaluators(other.on_truth, together.on_truth);
 }
 
 }  // namespace headway::app

@@ -12,26 +12,26 @@
 
 namespace headway::app {
 
-/// Predictor -> its predictions beside what happened.
-using PredictorJudges = std::vector<std::pair<std::string, eval::PredictionJudge>>;
+/// Predictor name -> its accumulated errors.
+using PredictorEvaluators = std::vector<std::pair<std::string, eval::PredictionEvaluator>>;
 
-/// What the moving-object layer made of one recording, or of several together.
+/// Output of object tracking on one recording, or on several together, with the truth.
 struct ObjectFigures {
-  std::vector<eval::LabelledSequence> raw;     ///< detections beside the truth
-  std::vector<eval::LabelledSequence> tracks;  ///< ours beside the truth
-  PredictorJudges on_tracks;                   ///< predictions of the layer's own tracks
-  PredictorJudges on_truth;                    ///< predictions from exact histories
+  std::vector<eval::LabelledSequence> raw;     ///< detections and truth
+  std::vector<eval::LabelledSequence> tracks;  ///< tracks and truth
+  PredictorEvaluators on_tracks;               ///< predictions of headway's tracks
+  PredictorEvaluators on_truth;                ///< predictions from exact histories
 };
 
-/// Runs the moving-object layer once: detections and tracks beside the truth, no predictions.
+/// Runs object tracking once: detections, tracks and truth, without predictions.
 [[nodiscard]] ObjectFigures runTracks(const ObjectRecording& recording,
                                       const objects::ObjectsParams& params);
 
-/// Runs the moving-object layer with every predictor.
+/// Runs object tracking with every predictor.
 [[nodiscard]] ObjectFigures runObjects(const ObjectRecording& recording,
                                        const objects::ObjectsParams& params);
 
-/// Adds the recordings of another one, to be judged as one set.
+/// Appends the recordings of another set.
 void add(const ObjectFigures& other, ObjectFigures& together);
 
 }  // namespace headway::app

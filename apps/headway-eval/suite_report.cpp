@@ -1,9 +1,8 @@
 #include "suite_report.h"
 
-#include <headway/eval/bar_plot.h>
-#include <headway/eval/chart.h>
-#include <headway/eval/json.h>
+#include <headway/eval/figures.h>
 #include <headway/objects/predictor.h>
+#include <headway/plot/chart.h>
 
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -12,8 +11,8 @@
 namespace headway::app {
 namespace {
 
-using eval::fixedText;
-using eval::TextTable;
+using plot::fixedText;
+using plot::TextTable;
 
 std::string framesText(const CameraFigures& figures) {
   const auto text = std::to_string(figures.frames);
@@ -30,70 +29,67 @@ std::string ateText(const CameraFigures& figures) {
   return text;
 }
 
-std::string percentText(std::optional<double> share) {
-  if (share) share = 100.0 * *share;
-  return fixedText(share, 1);
-}
+std::string percent(std::optional<double> ratio) { return plot::percentText(ratio, 1); }
 
 void addPositions(std::vector<std::string>& row, const eval::TrackError& error) {
   row.push_back(fixedText(error.rmse_m, 3));
-  row.push_back(percentText(error.precision));
-  row.push_back(percentText(error.recall));
-  row.push_back(percentText(error.f1));
+  row.push_back(percent(error.precision));
+  row.push_back(percent(error.recall));
+  row.push_back(percent(error.f1));
 }
 
-double valueOrGap(std::optional<double> value) {
+double valueOrNan(std::optional<double> value) {
   return value.value_or(std::numeric_limits<double>::quiet_NaN());
 }
 
-eval::BarPlot emptyBars(const std::string& title, const std::string& y_label,
+plot::BarChart barChart(const std::string& title, const std::string& y_label,
                         const std::vector<SuiteEntry>& entries) {
-  eval::BarPlot plot{title, y_label, {}, {}};
-  for (const auto& entry : entries) plot.groups.push_back(entry.name);
-  return plot;
+  plot::BarChart chart{title, y_label, {}, {}};
+  for (const auto& entry : entries) chart.groups.push_back(entry.name);
+  return chart;
 }
 
-cv::Mat cameraBars(const std::vector<SuiteEntry>& entries) {
+cv::Mat cameraPlot(const std::vector<SuiteEntry>& entries) {
   std::vector<SuiteEntry> with_images;
   for (const auto& entry : entries) {
     if (!entry.camera.empty()) with_images.push_back(entry);
   }
-  auto plot =
-      emptyBars("Camera position, RMSE by rejection of what moves", "ATE RMSE [m]", with_images);
+  auto chart =
+      barChart("Camera position, RMSE by rejection of moving objects", "ATE RMSE [m]", with_images);
   for (std::size_t i = 0; i < rejections().size(); ++i) {
-    eval::BarSeries series{rejections()[i].name, {}};
+    plot::BarSeries series{rejections()[i].name, {}};
     for (const auto& entry : with_images) {
       const bool known = i < entry.camera.size() && entry.camera[i].second.error.has_value();
       series.values.push_back(known ? entry.camera[i].second.error->ate_m.rmse
-                                    : valueOrGap(std::nullopt));
+                                    : valueOrNan(std::nullopt));
     }
-    plot.series.push_back(series);
+    chart.series.push_back(series);
   }
-  return eval::barPlot(plot);
+  return plot::drawBars(chart);
 }
 
-cv::Mat predictionBars(const std::vector<SuiteEntry>& entries) {
-  auto plot = emptyBars("Predictions on our own tracks", "ADE [m]", entries);
+cv::Mat predictionPlot(const std::vector<SuiteEntry>& entries) {
+  auto chart = barChart("Predictions on headway's tracks", "ADE [m]", entries);
   for (const auto& entry : entries) {
     const std::size_t predictors = entry.objects ? entry.objects->on_tracks.size() : 0;
     for (std::size_t i = 0; i < predictors; ++i) {
       const auto& [name, errors] = entry.objects->on_tracks[i];
-      if (plot.series.size() <= i) plot.series.push_back({name, {}});
-      plot.series[i].values.push_back(valueOrGap(errors.all.ade_m));
+      if (chart.series.size() <= i) chart.series.push_back({name, {}});
+      chart.series[i].values.push_back(valueOrNan(errors.all.ade_m));
     }
   }
-  return eval::barPlot(plot);
+  return plot::drawBars(chart);
 }
 
-cv::Mat positionBars(const std::vector<SuiteEntry>& entries) {
-  auto plot = emptyBars("Positions of objects", "RMSE [m]", entries);
-  plot.series = {{"detector", {}}, {"ours", {}}};
+cv::Mat positionPlot(const std::vector<SuiteEntry>& entries) {
+  auto chart = barChart("Positions of objects", "RMSE [m]", entries);
+  chart.series = {{"detector", {}}, {"headway", {}}};
   for (const auto& entry : entries) {
     const auto& o = entry.objects;
-    plot.series[0].values.push_back(valueOrGap(o ? o->raw.all.rmse_m : std::nullopt));
-    plot.series[1].values.push_back(valueOrGap(o ? o->tracks.all.rmse_m : std::nullopt));
+    chart.series[0].values.push_back(valueOrNan(o ? o->raw.all.rmse_m : std::nullopt));
+    chart.series[1].values.push_back(valueOrNan(o ? o->tracks.all.rmse_m : std::nullopt));
   }
-  return eval::barPlot(plot);
+  return plot::drawBars(chart);
 }
 
 nlohmann::ordered_json predictorFigures(
@@ -105,16 +101,16 @@ nlohmann::ordered_json predictorFigures(
 
 }  // namespace
 
-ObjectErrors judgeObjects(const ObjectFigures& figures) {
+ObjectErrors evaluateObjects(const ObjectFigures& figures) {
   eval::TrackErrorParams positions;
   positions.positions_only = true;
   ObjectErrors errors{
       eval::trackErrors(figures.raw, positions), eval::trackErrors(figures.tracks, {}), {}, {}};
-  for (const auto& [name, judge] : figures.on_tracks) {
-    errors.on_tracks.emplace_back(name, judge.errors());
+  for (const auto& [name, evaluator] : figures.on_tracks) {
+    errors.on_tracks.emplace_back(name, evaluator.errors());
   }
-  for (const auto& [name, judge] : figures.on_truth) {
-    errors.on_truth.emplace_back(name, judge.errors());
+  for (const auto& [name, evaluator] : figures.on_truth) {
+    errors.on_truth.emplace_back(name, evaluator.errors());
   }
   return errors;
 }
@@ -164,23 +160,23 @@ TextTable predictionTable(
 
 TextTable predictorTable(const ObjectErrors& errors) {
   TextTable table = {{"predictor", "exact: ADE m", "FDE m", "in 90 % ellipse at 1 / 2 / 3 s",
-                      "own tracks: ADE m", "FDE m", "in 90 % ellipse at 1 / 2 / 3 s"}};
+                      "tracks: ADE m", "FDE m", "in 90 % ellipse at 1 / 2 / 3 s"}};
   for (std::size_t i = 0; i < errors.on_truth.size(); ++i) {
     table.push_back({errors.on_truth[i].first});
     for (const auto* on : {&errors.on_truth[i].second.all, &errors.on_tracks.at(i).second.all}) {
       table.back().push_back(fixedText(on->ade_m, 3));
       table.back().push_back(fixedText(on->fde_m, 3));
       const auto& inside = on->coverage[1];
-      table.back().push_back(percentText(inside[0]) + " / " + percentText(inside[1]) + " / " +
-                             percentText(inside[2]));
+      table.back().push_back(percent(inside[0]) + " / " + percent(inside[1]) + " / " +
+                             percent(inside[2]));
     }
   }
   return table;
 }
 
 TextTable objectTable(const std::vector<SuiteEntry>& entries) {
-  TextTable table = {{"recording", "raw RMSE m", "precision %", "recall %", "F1 %", "our RMSE m",
-                      "precision %", "recall %", "F1 %"}};
+  TextTable table = {{"recording", "raw RMSE m", "precision %", "recall %", "F1 %",
+                      "headway RMSE m", "precision %", "recall %", "F1 %"}};
   for (const auto& entry : entries) {
     table.push_back({entry.name});
     if (!entry.objects) continue;
@@ -191,19 +187,19 @@ TextTable objectTable(const std::vector<SuiteEntry>& entries) {
 }
 
 void writeSuite(std::ostream& out, const std::vector<SuiteEntry>& entries) {
-  out << "Camera position by rejection of what moves: RMSE / mean / SD in m\n\n";
-  eval::writeTable(out, cameraTable(entries));
-  out << "\nPredictions on our own tracks: ADE / FDE in m over 3 s\n\n";
-  eval::writeTable(out, predictionTable(entries, &ObjectErrors::on_tracks));
+  out << "Camera position by rejection of moving objects: RMSE / mean / SD in m\n\n";
+  plot::writeTable(out, cameraTable(entries));
+  out << "\nPredictions on headway's tracks: ADE / FDE in m over 3 s\n\n";
+  plot::writeTable(out, predictionTable(entries, &ObjectErrors::on_tracks));
   out << "\nPredictions on exact histories: ADE / FDE in m over 3 s\n\n";
-  eval::writeTable(out, predictionTable(entries, &ObjectErrors::on_truth));
+  plot::writeTable(out, predictionTable(entries, &ObjectErrors::on_truth));
   for (const auto& entry : entries) {
     if (!entry.is_group || !entry.objects || entry.objects->on_truth.empty()) continue;
     out << "\nPredictors, " << entry.name << "\n\n";
-    eval::writeTable(out, predictorTable(*entry.objects));
+    plot::writeTable(out, predictorTable(*entry.objects));
   }
-  out << "\nPositions of objects: the detector's and ours\n\n";
-  eval::writeTable(out, objectTable(entries));
+  out << "\nPositions of objects: detections and headway's tracks\n\n";
+  plot::writeTable(out, objectTable(entries));
 }
 
 nlohmann::ordered_json suiteFigures(const std::vector<SuiteEntry>& entries) {
@@ -229,7 +225,7 @@ cv::Mat suitePlot(const std::vector<SuiteEntry>& entries) {
   for (const auto& entry : entries) {
     if (entry.in_plot) shown.push_back(entry);
   }
-  return eval::stacked({cameraBars(shown), predictionBars(shown), positionBars(shown)});
+  return plot::stacked({cameraPlot(shown), predictionPlot(shown), positionPlot(shown)});
 }
 
 }  // namespace headway::app

@@ -26,11 +26,11 @@ constexpr double kSameTime_s = 0.02;
 
 /// A world's parameters and the registry they are bound to.
 struct WorldSettings {
-  explicit WorldSettings(const std::string& ini, std::optional<std::size_t> most_frames = {}) {
+  explicit WorldSettings(const std::string& ini, std::optional<std::size_t> max_frames = {}) {
     values.describe(params);
     params.loadFile(ini);
     auto& frames = values.recording.frames;
-    if (most_frames) frames = std::min(frames, static_cast<int>(*most_frames));
+    if (max_frames) frames = std::min(frames, static_cast<int>(*max_frames));
   }
   WorldSettings(const WorldSettings&) = delete;
   WorldSettings& operator=(const WorldSettings&) = delete;
@@ -45,7 +45,7 @@ struct WorldSettings {
   Params params;
 };
 
-/// Where a world lies in `folder`, before it is drawn.
+/// File names of a world in `folder`, before it is simulated.
 World plannedWorld(const WorldSettings& settings, const std::string& ini,
                    const std::string& folder) {
   World world;
@@ -62,8 +62,8 @@ std::optional<eval::TrajectoryError> errorOf(const World& world,
   for (const auto& frame : trajectory) {
     if (frame.tracked) estimate.push_back({frame.time, frame.T_map_robot});
   }
-  constexpr std::size_t kFewest = 3;  // to align them
-  if (estimate.size() < kFewest) return std::nullopt;
+  constexpr std::size_t kMinPoses = 3;  // for an alignment
+  if (estimate.size() < kMinPoses) return std::nullopt;
   const auto truth = io::readTum(world.truth_folder + "/trajectory.tum");
   return eval::trajectoryError(eval::pairByTime(truth, estimate, kSameTime_s), {});
 }
@@ -98,32 +98,32 @@ std::size_t framesOf(const std::string& ini) {
   return static_cast<std::size_t>(WorldSettings(ini).values.recording.frames);
 }
 
-World drawWorld(const std::string& ini, const std::string& folder,
-                std::optional<std::size_t> most_frames, const FrameDone& done) {
-  WorldSettings settings(ini, most_frames);
+World simulateWorld(const std::string& ini, const std::string& folder,
+                    std::optional<std::size_t> max_frames, const FrameDone& done) {
+  WorldSettings settings(ini, max_frames);
   World world = plannedWorld(settings, ini, folder);
   sim::Simulator simulator(settings.values);
   sim::Recording recording(world.rawlog, settings.values.recording, {}, simulator.camera(),
                            simulator.recordedCamera(), settings.text());
-  bool go_on = true;
-  while (go_on) {
+  bool proceed = true;
+  while (proceed) {
     const auto frame = simulator.next();
     if (!frame) break;
     recording.write(*frame);
     ++world.frames;
-    go_on = done();
+    proceed = done();
   }
   recording.close();
   return world;
 }
 
-std::optional<World> drawnWorld(const std::string& ini, const std::string& folder,
-                                std::optional<std::size_t> most_frames) {
-  WorldSettings settings(ini, most_frames);
+std::optional<World> existingWorld(const std::string& ini, const std::string& folder,
+                                   std::optional<std::size_t> max_frames) {
+  WorldSettings settings(ini, max_frames);
   World world = plannedWorld(settings, ini, folder);
-  std::ifstream as_drawn(fs::path(world.truth_folder) / "world.ini");
+  std::ifstream world_ini(fs::path(world.truth_folder) / "world.ini");
   std::ostringstream text;
-  text << as_drawn.rdbuf();
+  text << world_ini.rdbuf();
   if (!fs::exists(world.rawlog) || text.str() != settings.text()) return std::nullopt;
   world.frames = io::readTum(world.truth_folder + "/trajectory.tum").size();
   return world;

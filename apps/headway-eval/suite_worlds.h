@@ -13,60 +13,58 @@
 
 namespace headway::app {
 
-/// What the moving-object layer alone needs of a recording, and what is true of it.
+/// Input of object tracking, with labels.
 struct ObjectRecording {
   std::string name;
   std::vector<RecordedFrame> frames;  ///< poses and detections, no images
   Pose T_robot_cam = robotFromOptical();
-  std::optional<StereoCamera> camera;       ///< of the images; none where there are none
+  std::optional<StereoCamera> camera;       ///< none if the recording has no images
   std::vector<eval::LabelledFrame> labels;  ///< by frame index
 };
 
-/// A drawn world on disk.
+/// A simulated recording on disk.
 struct World {
   std::string name;
   std::string rawlog;
   std::string truth_folder;
   std::size_t frames = 0;
-  std::size_t frames_wanted = 0;  ///< more than `frames` if the path ended before
+  std::size_t frames_wanted = 0;  ///< greater than `frames` if the path ended early
 };
 
-/// Called after each frame, by several threads at once if runs go side by side; false ends the
-/// work.
+/// Called after each frame, possibly by several threads at once; returning false stops the work.
 using FrameDone = std::function<bool()>;
 
-/// Draws the world of an .ini file as a rawlog with its truth.
+/// Simulates the world of an .ini file into a rawlog with truth.
 ///
-/// @param most_frames  draw no more than these
-/// @throws InputError naming file and key of what is wrong in the .ini
-[[nodiscard]] World drawWorld(const std::string& ini, const std::string& folder,
-                              std::optional<std::size_t> most_frames, const FrameDone& done);
+/// @param max_frames  maximum number of frames
+/// @throws InputError naming file and key of an error in the .ini
+[[nodiscard]] World simulateWorld(const std::string& ini, const std::string& folder,
+                                  std::optional<std::size_t> max_frames, const FrameDone& done);
 
-/// The world of an .ini file as `folder` holds it already, drawn with the same parameters.
+/// An earlier recording of the world in `folder`, simulated with the same parameters.
 ///
-/// @return nullopt if there is none, or if it is of other parameters
-[[nodiscard]] std::optional<World> drawnWorld(const std::string& ini, const std::string& folder,
-                                              std::optional<std::size_t> most_frames);
+/// @return nullopt if there is none, or if its parameters differ
+[[nodiscard]] std::optional<World> existingWorld(const std::string& ini, const std::string& folder,
+                                                 std::optional<std::size_t> max_frames);
 
-/// Frames that a world's .ini asks for.
+/// Number of frames requested by a world's .ini.
 [[nodiscard]] std::size_t framesOf(const std::string& ini);
 
-/// What a whole run over a world gave.
+/// Result of a run over a world.
 struct WorldRun {
   std::size_t lost = 0;                        ///< frames
-  std::optional<eval::TrajectoryError> error;  ///< none if too little was tracked
-  ObjectRecording objects;                     ///< frames with the poses as published
+  std::optional<eval::TrajectoryError> error;  ///< none with fewer than 3 tracked frames
+  ObjectRecording objects;                     ///< frames with the online poses
 };
 
-/// Runs the whole pipeline over a world's rawlog once with each of the parameters, as many runs
-/// side by side as there are processors.
+/// Runs the pipeline over a world's rawlog once per parameter set, in parallel on all processors.
 ///
-/// @return in the order of the parameters; the runs do not depend on each other
+/// @return in the order of the parameters; independent of the number of threads
 [[nodiscard]] std::vector<WorldRun> runWorld(const World& world,
                                              const std::vector<pipeline::PerceptionParams>& params,
                                              const FrameDone& done);
 
-/// Sequences of KITTI's tracking benchmark with PointRCNN's boxes.
+/// Sequences of the KITTI tracking benchmark with PointRCNN boxes.
 ///
 /// @param folder  holds `training/`
 [[nodiscard]] std::vector<ObjectRecording> readKittiTracking(const std::string& folder);

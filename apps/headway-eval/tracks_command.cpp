@@ -1,9 +1,9 @@
 #include <headway/core/error.h>
-#include <headway/eval/chart.h>
-#include <headway/eval/json.h>
-#include <headway/eval/text_table.h>
+#include <headway/eval/figures.h>
+#include <headway/eval/plots.h>
 #include <headway/eval/track_error.h>
-#include <headway/eval/track_plot.h>
+#include <headway/plot/chart.h>
+#include <headway/plot/text_table.h>
 
 #include <algorithm>
 #include <iostream>
@@ -30,10 +30,10 @@ struct Options {
   Outputs outputs;
 };
 
-/// What was read, and what was not.
+/// Contents of the input files.
 struct Input {
   std::vector<eval::LabelledSequence> sequences;
-  std::vector<eval::LabelledSequence> raw;  ///< the same truth beside the detector's boxes
+  std::vector<eval::LabelledSequence> raw;  ///< the same truth with the detections as estimates
   std::vector<std::string> truth_alone;
   std::map<std::string, std::size_t> dropped;
 };
@@ -43,11 +43,10 @@ std::vector<ObjectClass> chosenClasses(const std::string& list) {
   std::istringstream words(list);
   for (std::string word; std::getline(words, word, ',');) {
     const auto object_class = objectClassFrom(word);
-    if (!object_class)
-      throw program::UsageError("--classes: '" + word + "' is no class of KITTI's");
+    if (!object_class) throw program::UsageError("--classes: '" + word + "' is not a KITTI class");
     classes.push_back(*object_class);
   }
-  if (classes.empty()) throw program::UsageError("--classes: names no class");
+  if (classes.empty()) throw program::UsageError("--classes: the list is empty");
   return classes;
 }
 
@@ -69,19 +68,20 @@ eval::TrackErrorParams paramsFrom(const Options& options) {
 
 bool parse(Options& options, int argc, const char** argv) {
   program::CommandLine line("headway-eval tracks",
-                            "Compares tracks with labels: positions, CLEAR MOT, HOTA, sAMOTA.");
+                            "Evaluates tracks against labels: positions, CLEAR MOT, HOTA, sAMOTA.");
   double overlap = -1.0;
   line.option(options.truth, 0, "truth", "LABELS", "KITTI tracking labels: a file or a folder",
               true);
   line.option(options.estimate, 0, "estimate", "TRACKS",
-              "KITTI tracking results: a file, or a folder with files of the labels' names", true);
-  line.option(options.metric, 0, "metric", "2d|3d", "Boxes to compare; default 3d");
-  line.option(overlap, 0, "iou", "X", "Overlap that makes a match; default 0.25 (3d), 0.5 (2d)");
-  line.option(options.classes, 0, "classes", "Car,...", "Default Car,Pedestrian,Cyclist");
+              "KITTI tracking results: a file, or a folder with files of the same names", true);
+  line.option(options.metric, 0, "metric", "2d|3d", "Compare 2D or 3D boxes; default 3d");
+  line.option(overlap, 0, "iou", "X", "Minimum overlap of a match; default 0.25 (3d), 0.5 (2d)");
+  line.option(options.classes, 0, "classes", "Car,...",
+              "Classes to evaluate; default Car,Pedestrian,Cyclist");
   line.option(options.raw, 0, "raw", "DETECTIONS",
-              "Judge the positions of raw detections too: file, rawlog or folder");
+              "Also evaluate the positions of raw detections: file, rawlog or folder");
   line.option(options.poses, 0, "poses", "P",
-              "Poses of every frame (KITTI or TUM): --plot then shows a map");
+              "Pose of every frame (KITTI or TUM): --plot then includes a map");
   options.outputs.describe(line);
   if (!line.parse(argc, argv)) return false;
   if (overlap != -1.0) options.min_overlap = overlap;
@@ -90,7 +90,7 @@ bool parse(Options& options, int argc, const char** argv) {
   return true;
 }
 
-/// The sequence's truth beside what the detector said.
+/// The sequence's truth with raw detections as estimates.
 eval::LabelledSequence withRaw(const eval::LabelledSequence& sequence, const std::string& path) {
   eval::LabelledSequence raw{sequence.name, readRaw(sequence.name, path)};
   raw.frames.resize(std::max(raw.frames.size(), sequence.frames.size()));
@@ -121,70 +121,71 @@ void requireBoxes(const Input& input, const Options& options) {
       }
     }
   }
-  throw InputError(options.estimate + ": holds no " + options.metric +
-                   " boxes; is it a file of tracks, and --metric right?");
+  throw InputError(options.estimate + ": contains no " + options.metric +
+                   " boxes; is it a tracking result, and is --metric correct?");
 }
 
-/// Figures of the tracks and, where asked for, of the detections they were made from.
-struct Judged {
+/// Errors of the tracks and, if requested, of the raw detections.
+struct Results {
   eval::TrackErrors tracks;
   std::optional<eval::TrackErrors> raw;
 };
 
-Judged judge(const Input& input, const eval::TrackErrorParams& params) {
-  Judged judged{eval::trackErrors(input.sequences, params), std::nullopt};
+Results evaluate(const Input& input, const eval::TrackErrorParams& params) {
+  Results results{eval::trackErrors(input.sequences, params), std::nullopt};
   auto positions = params;
   positions.positions_only = true;
-  if (!input.raw.empty()) judged.raw = eval::trackErrors(input.raw, positions);
-  return judged;
+  if (!input.raw.empty()) results.raw = eval::trackErrors(input.raw, positions);
+  return results;
 }
 
-nlohmann::ordered_json figures(const Input& input, const Judged& judged,
+nlohmann::ordered_json figures(const Input& input, const Results& results,
                                const eval::TrackErrorParams& params) {
-  auto json = eval::toJson(judged.tracks);
+  auto json = eval::toJson(results.tracks);
   for (const auto& sequence : input.sequences) {
     json["sequences"][sequence.name] = eval::toJson(eval::trackErrors({sequence}, params));
   }
-  if (judged.raw) json["raw"] = eval::toJson(*judged.raw);
+  if (results.raw) json["raw"] = eval::toJson(*results.raw);
   json["sequences_without_estimate"] = input.truth_alone;
   json["rows_dropped"] = input.dropped;
   return json;
 }
 
-void report(const Input& input, const Judged& judged) {
-  eval::writeTable(std::cout, eval::tableOf(judged.tracks));
-  if (judged.raw) {
+void report(const Input& input, const Results& results) {
+  plot::writeTable(std::cout, eval::tableOf(results.tracks));
+  if (results.raw) {
     std::cout << "\nPositions, raw detections / tracks\n\n";
-    eval::writeTable(std::cout, eval::positionTable(*judged.raw, judged.tracks));
+    plot::writeTable(std::cout, eval::positionTable(*results.raw, results.tracks));
   }
   if (!input.truth_alone.empty()) {
-    std::cout << input.truth_alone.size() << " label files have no estimate and were left out:";
+    std::cout << input.truth_alone.size() << " label files have no estimate and were ignored:";
     for (const auto& name : input.truth_alone) std::cout << " " << name;
     std::cout << "\n";
   }
   for (const auto& [reason, count] : input.dropped) {
-    std::cout << count << " rows of the estimate were left out: " << reason << "\n";
+    std::cout << count << " rows of the estimate were ignored: " << reason << "\n";
   }
 }
 
-/// Map of the sequence with most truth.
+/// Map of the sequence with the most labels.
 cv::Mat mapPlot(const Options& options, const Input& input) {
   const auto boxes = [](const eval::LabelledSequence& sequence) {
     std::size_t count = 0;
     for (const auto& frame : sequence.frames) count += frame.truth.size();
     return count;
   };
-  const auto most =
+  const auto sequence =
       std::max_element(input.sequences.begin(), input.sequences.end(),
                        [&](const auto& a, const auto& b) { return boxes(a) < boxes(b); });
-  const auto T_map_cam = readCameraPoses(fileNamed(most->name, options.poses), robotFromOptical());
-  eval::TrackMap map{"Sequence " + most->name,
-                     eval::trueObjects(most->frames, T_map_cam),
-                     eval::estimatedObjects(most->frames, T_map_cam),
+  const auto T_map_cam =
+      readCameraPoses(fileNamed(sequence->name, options.poses), robotFromOptical());
+  eval::TrackMap map{"Sequence " + sequence->name,
+                     eval::trueObjects(sequence->frames, T_map_cam),
+                     eval::estimatedObjects(sequence->frames, T_map_cam),
                      {},
                      {}};
   if (!input.raw.empty()) {
-    const auto index = static_cast<std::size_t>(most - input.sequences.begin());
+    const auto index = static_cast<std::size_t>(sequence - input.sequences.begin());
     map.raw = eval::estimatedObjects(input.raw[index].frames, T_map_cam);
   }
   for (const auto& pose : T_map_cam) {
@@ -193,9 +194,9 @@ cv::Mat mapPlot(const Options& options, const Input& input) {
   return eval::trackMapPlot(map);
 }
 
-cv::Mat plot(const Options& options, const Input& input, const Judged& judged) {
-  const cv::Mat curves = eval::trackPlot(judged.tracks);
-  return options.poses.empty() ? curves : eval::stacked({mapPlot(options, input), curves});
+cv::Mat plot(const Options& options, const Input& input, const Results& results) {
+  const cv::Mat curves = eval::trackPlot(results.tracks);
+  return options.poses.empty() ? curves : plot::stacked({mapPlot(options, input), curves});
 }
 
 }  // namespace
@@ -206,10 +207,10 @@ int runTracks(int argc, const char** argv) {
   const auto params = paramsFrom(options);
   const auto input = readInput(options);
   requireBoxes(input, options);
-  const auto judged = judge(input, params);
-  if (!options.quiet) report(input, judged);
-  options.outputs.write([&] { return figures(input, judged, params); },
-                        [&] { return plot(options, input, judged); });
+  const auto results = evaluate(input, params);
+  if (!options.quiet) report(input, results);
+  options.outputs.write([&] { return figures(input, results, params); },
+                        [&] { return plot(options, input, results); });
   return program::kDone;
 }
 

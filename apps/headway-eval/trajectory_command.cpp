@@ -1,10 +1,10 @@
 #include <headway/core/error.h>
-#include <headway/eval/json.h>
-#include <headway/eval/text_table.h>
+#include <headway/eval/figures.h>
+#include <headway/eval/plots.h>
 #include <headway/eval/trajectory_error.h>
-#include <headway/eval/trajectory_plot.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/io/trajectory_file.h>
+#include <headway/plot/text_table.h>
 
 #include <filesystem>
 #include <iostream>
@@ -33,7 +33,7 @@ bool isRawlog(const std::string& path) {
   return std::filesystem::path(path).extension() == ".rawlog";
 }
 
-PoseFormat chosenFormat(const Options& options) {
+PoseFormat formatFrom(const Options& options) {
   if (options.format == "tum") return PoseFormat::kTum;
   if (options.format == "kitti") return PoseFormat::kKitti;
   if (!options.format.empty()) {
@@ -42,14 +42,14 @@ PoseFormat chosenFormat(const Options& options) {
   return poseFormatOf(options.estimate);
 }
 
-eval::Alignment chosenAlignment(const std::string& name) {
+eval::Alignment alignmentFrom(const std::string& name) {
   if (name == "se3") return eval::Alignment::kSe3;
   if (name == "none") return eval::Alignment::kNone;
   if (name == "scale") return eval::Alignment::kScale;
   throw program::UsageError("--align: '" + name + "' is none of se3, none, scale");
 }
 
-std::vector<double> chosenSegments(const std::string& list) {
+std::vector<double> segmentLengthsFrom(const std::string& list) {
   std::vector<double> lengths;
   std::istringstream words(list);
   for (std::string word; std::getline(words, word, ',');) {
@@ -66,7 +66,7 @@ std::vector<double> chosenSegments(const std::string& list) {
 std::vector<Stamped<Pose>> readTimedTruth(const std::string& path) {
   if (!isRawlog(path)) return io::readTum(path);
   auto truth = io::readTruth(path).poses;
-  if (truth.empty()) throw InputError(path + ": holds no poses labelled truth_pose");
+  if (truth.empty()) throw InputError(path + ": contains no poses labelled truth_pose");
   return truth;
 }
 
@@ -74,9 +74,9 @@ eval::PosePairs readPairs(const Options& options, PoseFormat format) {
   if (format == PoseFormat::kKitti) {
     if (isRawlog(options.truth) || poseFormatOf(options.truth) != PoseFormat::kKitti) {
       throw InputError(options.estimate +
-                       ": KITTI poses have no times and need a true trajectory "
-                       "in KITTI format too, " +
-                       options.truth + " is none");
+                       ": KITTI poses have no times and require a true trajectory "
+                       "in KITTI format; " +
+                       options.truth + " is not");
     }
     return eval::pairByIndex(io::readKittiPoses(options.truth),
                              io::readKittiPoses(options.estimate));
@@ -91,19 +91,21 @@ eval::PosePairs readPairs(const Options& options, PoseFormat format) {
 }
 
 bool parse(Options& options, int argc, const char** argv) {
-  program::CommandLine line("headway-eval trajectory",
-                            "Compares an estimated trajectory with the truth: absolute error "
-                            "(ATE), relative error a frame (RPE) and over path segments (KITTI).");
+  program::CommandLine line(
+      "headway-eval trajectory",
+      "Evaluates an estimated trajectory: absolute error (ATE), relative error "
+      "per frame (RPE) and over path segments (KITTI).");
   line.option(options.truth, 0, "truth", "FILE", "TUM or KITTI poses, or a rawlog with truth",
               true);
   line.option(options.estimate, 0, "estimate", "FILE", "TUM or KITTI poses", true);
-  line.option(options.format, 0, "format", "tum|kitti", "Of the estimate; default: by its columns");
+  line.option(options.format, 0, "format", "tum|kitti",
+              "Format of the estimate; default: detected from its columns");
   line.option(options.align, 0, "align", "se3|none|scale",
-              "How to align the estimate; default se3");
+              "Alignment of the estimate; default se3");
   line.option(options.segments, 0, "segments", "M,M,...",
-              "Lengths of KITTI's path segments [m]; default 100,200,...,800");
+              "Lengths of the KITTI path segments [m]; default 100,200,...,800");
   line.option(options.max_difference_s, 0, "max-difference", "S",
-              "Greatest time between poses that pair [s]; default 0.02");
+              "Maximum time difference of paired poses [s]; default 0.02");
   options.outputs.describe(line);
   if (!line.parse(argc, argv)) return false;
   options.quiet = line.quiet();
@@ -113,8 +115,8 @@ bool parse(Options& options, int argc, const char** argv) {
 
 eval::TrajectoryError compare(const Options& options, PoseFormat format) {
   eval::TrajectoryErrorParams params;
-  params.alignment = chosenAlignment(options.align);
-  params.segment_lengths_m = chosenSegments(options.segments);
+  params.alignment = alignmentFrom(options.align);
+  params.segment_lengths_m = segmentLengthsFrom(options.segments);
   const auto pairs = readPairs(options, format);
   return eval::trajectoryError(pairs, params);
 }
@@ -124,9 +126,9 @@ eval::TrajectoryError compare(const Options& options, PoseFormat format) {
 int runTrajectory(int argc, const char** argv) {
   Options options;
   if (!parse(options, argc, argv)) return program::kDone;
-  const PoseFormat format = chosenFormat(options);
+  const PoseFormat format = formatFrom(options);
   const auto error = compare(options, format);
-  if (!options.quiet) eval::writeTable(std::cout, eval::tableOf(error));
+  if (!options.quiet) plot::writeTable(std::cout, eval::tableOf(error));
   const auto plot = [&] {
     const auto view = format == PoseFormat::kKitti ? eval::TopView::kXz : eval::TopView::kXy;
     const auto name = std::filesystem::path(options.estimate).filename().string();

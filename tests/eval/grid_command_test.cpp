@@ -54,7 +54,7 @@ TEST_F(GridCommandTest, findsTheGridRightAndSaysSoInTableFileAndPicture) {
   const std::string plot = folder_ / "g.png";
   const auto result = grid(at("w.truth"), at("out"), "--json " + json + " --plot " + plot);
   ASSERT_EQ(0, result.status) << result.error;
-  EXPECT_THAT(result.out, HasSubstr("of these found (recall)"));
+  EXPECT_THAT(result.out, HasSubstr("of these, estimated as occupied (recall)"));
   EXPECT_THAT(contentOf(plot), testing::StartsWith("\x89PNG"));
   const auto figures = nlohmann::json::parse(contentOf(json));
   EXPECT_GT(figures["compared"], 2000);
@@ -74,10 +74,11 @@ TEST_F(GridCommandTest, aDamagedGridIsNamed) {
   std::ofstream(spoilt + "/map_grid.gridmap.gz") << "no grid";
   const auto result = grid(at("w.truth"), spoilt);
   EXPECT_EQ(1, result.status);
-  EXPECT_THAT(result.error, HasSubstr("map_grid.gridmap.gz: is not a grid map"));
+  EXPECT_THAT(result.error, HasSubstr("map_grid.gridmap.gz: is not a readable occupancy grid"));
 
   fs::remove(spoilt + "/map_grid.gridmap.gz");
-  EXPECT_THAT(grid(at("w.truth"), spoilt).error, HasSubstr("is this the folder of a replay?"));
+  EXPECT_THAT(grid(at("w.truth"), spoilt).error,
+              HasSubstr("is this the output folder of a replay?"));
   EXPECT_THAT(grid(at("w.truth"), folder_ / "none").error, HasSubstr("none"));
 }
 
@@ -100,7 +101,7 @@ TEST_F(GridCommandTest, aCameraOfAnotherSizeIsRefused) {
   std::ofstream(other + "/calibration.yaml") << calibration;
   const auto result = grid(at("w.truth"), other);
   EXPECT_EQ(1, result.status);
-  EXPECT_THAT(result.error, HasSubstr("another size"));
+  EXPECT_THAT(result.error, HasSubstr("size differs"));
 }
 
 TEST_F(GridCommandTest, bothFoldersMustBeNamed) {

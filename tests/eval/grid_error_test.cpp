@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <headway/eval/grid_error.h>
+#include <headway/eval/plots.h>
 
 #include <string>
 
@@ -29,23 +30,23 @@ TEST(GridCells, FindTheCellOfAPlace) {
   EXPECT_FALSE(grid.at({1.1, 2.1}));
 }
 
-TEST(GridError, IsNoneForTheTruthItself) {
+TEST(GridError, IsZeroForTheTruth) {
   const auto truth = gridOf({"ffof", "f?of", "ffff"});
   const auto error = gridError(truth, truth, kUntrodden);
   EXPECT_EQ(error.observed, 11u);
-  EXPECT_EQ(error.right, 11u);
-  EXPECT_EQ(error.rightShare(), 1.0);
+  EXPECT_EQ(error.correct, 11u);
+  EXPECT_EQ(error.correctRatio(), 1.0);
 }
 
-TEST(GridError, TellsPhantomsFromWhatWasMissed) {
+TEST(GridError, DistinguishesFalseOccupiedAndFalseFreeCells) {
   const auto truth = gridOf({"ffof", "ffff", "ffff"});
   const auto estimate = gridOf({"ffff", "offf", "?o?o"});
   const auto error = gridError(truth, estimate, kUntrodden);
   EXPECT_EQ(error.compared, 10u);
-  EXPECT_EQ(error.missed, 1u);
-  EXPECT_EQ(error.phantoms, 3u);
-  EXPECT_EQ(error.near_phantoms, 0u);
-  EXPECT_EQ(error.right, 6u);
+  EXPECT_EQ(error.false_free, 1u);
+  EXPECT_EQ(error.false_occupied, 3u);
+  EXPECT_EQ(error.near_false_occupied, 0u);
+  EXPECT_EQ(error.correct, 6u);
 }
 
 TEST(GridError, SaysHowMuchOfWhatStandsIsFoundAndHowMuchOfWhatIsFoundStands) {
@@ -54,8 +55,8 @@ TEST(GridError, SaysHowMuchOfWhatStandsIsFoundAndHowMuchOfWhatIsFoundStands) {
   const auto error = gridError(truth, estimate, kUntrodden);
   EXPECT_EQ(error.occupied, 5u);
   EXPECT_EQ(error.found, 2u);
-  EXPECT_EQ(error.missed, 3u);
-  EXPECT_EQ(error.near_missed, 3u);
+  EXPECT_EQ(error.false_free, 3u);
+  EXPECT_EQ(error.near_false_free, 3u);
   EXPECT_EQ(error.unseen, 1u);
   EXPECT_DOUBLE_EQ(error.occupiedRecall().value(), 2.0 / 5.0);
   EXPECT_DOUBLE_EQ(error.occupiedPrecision().value(), 2.0 / 3.0);
@@ -69,15 +70,16 @@ TEST(GridError, ComparesOnlyWhatBothKnow) {
       gridError(gridOf({"????", "ffff", "????"}), gridOf({"ffff", "f???", "oooo"}), kUntrodden);
   EXPECT_EQ(error.observed, 9u);
   EXPECT_EQ(error.compared, 1u);
-  EXPECT_EQ(gridError(gridOf({"????"}), gridOf({"ffff"}), {0, 0, 0, 0}).rightShare(), std::nullopt);
+  EXPECT_EQ(gridError(gridOf({"????"}), gridOf({"ffff"}), {0, 0, 0, 0}).correctRatio(),
+            std::nullopt);
 }
 
 TEST(GridError, CallsAnOccupiedCellOnAMoversWayAGhost) {
-  std::vector<std::uint8_t> trodden(12, 0);
-  trodden[0] = trodden[1] = trodden[11] = 1;
+  std::vector<std::uint8_t> swept(12, 0);
+  swept[0] = swept[1] = swept[11] = 1;
   const auto error =
-      gridError(gridOf({"ffff", "ffff", "ffoo"}), gridOf({"offf", "ffff", "ffff"}), trodden);
-  EXPECT_EQ(error.trodden, 2u);
+      gridError(gridOf({"ffff", "ffff", "ffoo"}), gridOf({"offf", "ffff", "ffff"}), swept);
+  EXPECT_EQ(error.swept, 2u);
   EXPECT_EQ(error.ghosts, 1u);
 }
 

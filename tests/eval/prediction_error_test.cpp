@@ -1,5 +1,5 @@
 #include <gmock/gmock.h>
-#include <headway/eval/json.h>
+#include <headway/eval/figures.h>
 #include <headway/eval/prediction_error.h>
 
 #include <nlohmann/json.hpp>
@@ -31,15 +31,15 @@ HorizonPath futureAt(double speed) {
   return future;
 }
 
-PredictionError judgeOne(const std::vector<PredictedPath>& paths, const HorizonPath& future) {
-  PredictionJudge judge;
-  judge.add(ObjectClass::kCar, paths, future);
-  return judge.errors().all;
+PredictionError evaluateOne(const std::vector<PredictedPath>& paths, const HorizonPath& future) {
+  PredictionEvaluator evaluator;
+  evaluator.add(ObjectClass::kCar, paths, future);
+  return evaluator.errors().all;
 }
 
 TEST(PredictionErrorTest, figuresOfOneCaseWorkedOutByHand) {
   // 1 m/s too fast: errors 0.1, 0.2 .. 3.0 m; mean 1.55, 2 m exceeded at 2.1 s.
-  const auto error = judgeOne({pathAt(6.0, 0.0)}, futureAt(5.0));
+  const auto error = evaluateOne({pathAt(6.0, 0.0)}, futureAt(5.0));
   EXPECT_EQ(1u, error.cases);
   EXPECT_NEAR(1.55, error.ade_m.value(), 1e-12);
   EXPECT_NEAR(3.0, error.fde_m.value(), 1e-12);
@@ -57,9 +57,9 @@ TEST(PredictionErrorTest, figuresOfOneCaseWorkedOutByHand) {
 }
 
 TEST(PredictionErrorTest, theMostProbablePathCountsAndTheBestOfAllBesideIt) {
-  const auto error =
-      judgeOne({pathAt(5.0, 0.0, 1.0, 0.3), pathAt(5.0, 1.0, 1.0, 0.6), pathAt(5.0, 3.0, 1.0, 0.1)},
-               futureAt(5.0));
+  const auto error = evaluateOne(
+      {pathAt(5.0, 0.0, 1.0, 0.3), pathAt(5.0, 1.0, 1.0, 0.6), pathAt(5.0, 3.0, 1.0, 0.1)},
+      futureAt(5.0));
   EXPECT_NEAR(1.0, error.ade_m.value(), 1e-12);
   EXPECT_NEAR(0.0, error.best_of_k_ade_m.value(), 1e-12);
 }
@@ -67,13 +67,13 @@ TEST(PredictionErrorTest, theMostProbablePathCountsAndTheBestOfAllBesideIt) {
 TEST(PredictionErrorTest, coverageAndNeesAreRightWhereTheSpreadIs) {
   std::mt19937 random(11);
   std::normal_distribution<double> noise(0.0, 0.5);
-  PredictionJudge judge;
+  PredictionEvaluator evaluator;
   for (int i = 0; i < 20000; ++i) {
     auto future = futureAt(1.0);
     for (auto& place : future) place += Eigen::Vector2d(noise(random), noise(random));
-    judge.add(ObjectClass::kPedestrian, {pathAt(1.0, 0.0, 0.25)}, future);
+    evaluator.add(ObjectClass::kPedestrian, {pathAt(1.0, 0.0, 0.25)}, future);
   }
-  const auto error = judge.errors().all;
+  const auto error = evaluator.errors().all;
   const std::array<double, 3> expected = {0.50, 0.90, 0.95};
   for (std::size_t p = 0; p < 3; ++p) {
     for (std::size_t s = 0; s < 3; ++s) {
@@ -88,18 +88,18 @@ TEST(PredictionErrorTest, covarianceIsTakenWithItsDirection) {
   for (auto& point : path.points) {
     point.covariance = Eigen::Vector2d(0.01, 4.0).asDiagonal();  // wide across only
   }
-  EXPECT_EQ(1.0, judgeOne({path}, futureAt(5.0)).coverage[0][0].value());
-  EXPECT_NEAR(0.25, judgeOne({path}, futureAt(5.0)).nees.value(), 1e-12);
+  EXPECT_EQ(1.0, evaluateOne({path}, futureAt(5.0)).coverage[0][0].value());
+  EXPECT_NEAR(0.25, evaluateOne({path}, futureAt(5.0)).nees.value(), 1e-12);
 }
 
-TEST(PredictionErrorTest, classesAreJudgedApartAndTogether) {
-  PredictionJudge judge;
-  judge.add(ObjectClass::kCar, {pathAt(5.0, 1.0)}, futureAt(5.0));
-  PredictionJudge other;
+TEST(PredictionErrorTest, classesAreEvaluatedSeparatelyAndTogether) {
+  PredictionEvaluator evaluator;
+  evaluator.add(ObjectClass::kCar, {pathAt(5.0, 1.0)}, futureAt(5.0));
+  PredictionEvaluator other;
   other.add(ObjectClass::kCar, {pathAt(5.0, 3.0)}, futureAt(5.0));
   other.add(ObjectClass::kPedestrian, {pathAt(1.0, 0.0)}, futureAt(1.0));
-  judge.add(other);
-  const auto errors = judge.errors();
+  evaluator.add(other);
+  const auto errors = evaluator.errors();
   EXPECT_NEAR(2.0, errors.classes.at(ObjectClass::kCar).ade_m.value(), 1e-12);
   EXPECT_NEAR(0.0, errors.classes.at(ObjectClass::kPedestrian).ade_m.value(), 1e-12);
   EXPECT_NEAR(4.0 / 3.0, errors.all.ade_m.value(), 1e-12);
@@ -107,13 +107,13 @@ TEST(PredictionErrorTest, classesAreJudgedApartAndTogether) {
 }
 
 TEST(PredictionErrorTest, withoutASpreadThereIsNoCoverage) {
-  const auto error = judgeOne({pathAt(5.0, 0.0, 0.0)}, futureAt(5.0));
+  const auto error = evaluateOne({pathAt(5.0, 0.0, 0.0)}, futureAt(5.0));
   EXPECT_FALSE(error.coverage[0][0] || error.nees);
   EXPECT_TRUE(error.ade_m.has_value());
 }
 
 TEST(PredictionErrorTest, withoutCasesThereAreNoFigures) {
-  const auto errors = PredictionJudge().errors();
+  const auto errors = PredictionEvaluator().errors();
   EXPECT_TRUE(errors.classes.empty());
   EXPECT_FALSE(errors.all.ade_m || errors.all.miss_rate[0] || errors.all.nees);
 }
@@ -121,17 +121,17 @@ TEST(PredictionErrorTest, withoutCasesThereAreNoFigures) {
 TEST(PredictionErrorTest, otherHorizonsThrow) {
   auto path = pathAt(5.0, 0.0);
   path.points.pop_back();
-  EXPECT_THROW((void)judgeOne({path}, futureAt(5.0)), std::invalid_argument);
-  EXPECT_THROW((void)judgeOne({}, futureAt(5.0)), std::invalid_argument);
+  EXPECT_THROW((void)evaluateOne({path}, futureAt(5.0)), std::invalid_argument);
+  EXPECT_THROW((void)evaluateOne({}, futureAt(5.0)), std::invalid_argument);
   path = pathAt(5.0, 0.0);
   path.points[3].horizon_s = 0.45;
-  EXPECT_THROW((void)judgeOne({path}, futureAt(5.0)), std::invalid_argument);
+  EXPECT_THROW((void)evaluateOne({path}, futureAt(5.0)), std::invalid_argument);
 }
 
 TEST(PredictionJsonTest, holdsTheAgreedKeys) {
-  PredictionJudge judge;
-  judge.add(ObjectClass::kCar, {pathAt(5.0, 1.0)}, futureAt(5.0));
-  const auto json = toJson(judge.errors());
+  PredictionEvaluator evaluator;
+  evaluator.add(ObjectClass::kCar, {pathAt(5.0, 1.0)}, futureAt(5.0));
+  const auto json = toJson(evaluator.errors());
   for (const char* key : {"cases", "ade_m", "fde_m", "miss_rate_1s", "miss_rate_2s", "miss_rate_3s",
                           "best_of_k_ade_m", "coverage_50_1s", "coverage_50_2s", "coverage_50_3s",
                           "coverage_90_1s", "coverage_90_2s", "coverage_90_3s", "coverage_95_1s",

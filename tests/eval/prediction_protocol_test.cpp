@@ -44,7 +44,7 @@ PredictedPath straightOn(const Eigen::Vector3d& now, const Eigen::Vector3d& velo
 }
 
 PredictionErrors judge(const std::filesystem::path& training, const Velocity& velocity) {
-  PredictionJudge all;
+  PredictionEvaluator all;
   for (const auto& file : std::filesystem::directory_iterator(training / "label_02")) {
     const auto objects = readObjects(training, file.path().filename());
     for (const auto& a_case : historyCases(objects, 0.1)) {

@@ -73,8 +73,9 @@ TEST_F(PredictionsCommandTest, aReplaysPredictionsInTheMap) {
     EXPECT_NEAR(0.5, figures["Car"]["ade_m"].get<double>(), 1e-6);
     EXPECT_NEAR(0.25, figures["all"]["nees"].get<double>(), 1e-6);
     EXPECT_EQ(2, figures["sequences"]["a"]["all"]["cases"]);
-    EXPECT_THAT(result.out, HasSubstr("1 predictions were not judged: the truth ends within 3 s"));
-    EXPECT_THAT(result.out, HasSubstr("1 predictions were not judged: no object"));
+    EXPECT_THAT(result.out,
+                HasSubstr("1 predictions were not evaluated: the truth ends within 3 s"));
+    EXPECT_THAT(result.out, HasSubstr("1 predictions were not evaluated: no object"));
     EXPECT_THAT(contentOf(folder_ / "p.png"), testing::StartsWith("\x89PNG"));
   }
 }
@@ -108,11 +109,11 @@ TEST_F(PredictionsCommandTest, whatIsWrongWithTheFilesIsOneLine) {
       {truth, poses, "--estimate " + file("short.csv", kHeader + predictionRows(20, 0.5, 29)),
        "frame 20, track 9, mode 0 has 29 horizons"},
       {truth, poses, "--estimate " + file("far.csv", kHeader + predictionRows(20, 9.0)),
-       "nothing can be judged"},
+       "nothing to evaluate"},
       {truth, poses, "--estimate " + file("empty.csv", ""), "empty.csv"},
-      {truth, file("few.txt", kittiPoses(3)), "--predictor paper", "poses of 3 frames"},
+      {truth, file("few.txt", kittiPoses(3)), "--predictor paper", "only 3 poses are given"},
       {truth, at_other_times, "--estimate " + good, "row 20 is not the pose of frame 20"},
-      {file("brief.txt", labels(40)), poses, "--predictor paper", "nothing can be judged"},
+      {file("brief.txt", labels(40)), poses, "--predictor paper", "nothing to evaluate"},
       {folder_ / "none", poses, "--predictor paper", "no such file or folder"}};
   for (const auto& [labels_file, poses_file, more, reason] : cases) {
     const auto result = run(labels_file, poses_file, more);

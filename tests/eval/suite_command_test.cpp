@@ -29,8 +29,8 @@ TEST_F(SuiteCommandTest, drawsReplaysAndPrintsThreeTables) {
   const auto result = runEval("suite --quick --worlds " + world() + " -o " + out + " --json " +
                               json + " --plot " + std::string(folder_ / "s.png"));
   ASSERT_EQ(0, result.status) << result.error;
-  EXPECT_THAT(result.out, HasSubstr("Camera position by rejection of what moves"));
-  EXPECT_THAT(result.out, HasSubstr("Predictions on our own tracks"));
+  EXPECT_THAT(result.out, HasSubstr("Camera position by rejection of moving objects"));
+  EXPECT_THAT(result.out, HasSubstr("Predictions on headway's tracks"));
   EXPECT_THAT(result.out, HasSubstr("Predictions on exact histories"));
   EXPECT_THAT(result.out, HasSubstr("Positions of objects"));
   EXPECT_EQ(result.out, contentOf(out + "/suite.md"));
@@ -64,7 +64,7 @@ TEST_F(SuiteCommandTest, aDrawnWorldIsUsedAgainUnlessItIsAnother) {
   EXPECT_NE(drawn_at, std::filesystem::last_write_time(rawlog)) << "another world, the same name";
 }
 
-TEST_F(SuiteCommandTest, nothingToJudgeIsAMistakeOfUsage) {
+TEST_F(SuiteCommandTest, nothingToEvaluateIsAUsageError) {
   EXPECT_EQ(2, runEval("suite --worlds none -o " + std::string(folder_ / "out")).status);
   EXPECT_EQ(2, runEval("suite --degrade x.ini -o " + std::string(folder_ / "out")).status);
 }

@@ -41,8 +41,8 @@ TrackErrorParams imageParams(double min_overlap = 0.5) {
   return params;
 }
 
-TrackError judgeCars(const LabelledSequence& sequence,
-                     const TrackErrorParams& params = imageParams()) {
+TrackError evaluateCars(const LabelledSequence& sequence,
+                        const TrackErrorParams& params = imageParams()) {
   return trackErrors({sequence}, params).classes.at(ObjectClass::kCar);
 }
 
@@ -52,7 +52,7 @@ TEST(TrackErrorTest, perfectTracksArePerfectInEveryFigure) {
     frame.truth = {box2dAt(7, 0), box2dAt(9, 1)};
     frame.estimates = {box2dAt(100, 1), box2dAt(3, 0)};
   }
-  const auto error = judgeCars(sequence);
+  const auto error = evaluateCars(sequence);
   EXPECT_EQ(20u, error.truth_boxes);
   EXPECT_EQ(20u, error.tp);
   EXPECT_EQ(0u, error.fp + error.fn + error.idsw + error.frag);
@@ -68,7 +68,7 @@ TEST(TrackErrorTest, aGapAndANewIdentityAreOneFragmentationAndOneSwitch) {
     sequence.frames[k].truth = {box2dAt(1, 0)};
     if (k != 4) sequence.frames[k].estimates = {box2dAt(k < 4 ? 1 : 2, 0)};
   }
-  const auto error = judgeCars(sequence);
+  const auto error = evaluateCars(sequence);
   EXPECT_EQ(9u, error.tp);
   EXPECT_EQ(1u, error.fn);
   EXPECT_EQ(1u, error.idsw);
@@ -82,7 +82,7 @@ TEST(TrackErrorTest, missesBeforeTheFirstAndAfterTheLastFindAreNoFragmentation) 
     sequence.frames[k].truth = {box2dAt(1, 0)};
     if (k >= 3 && k < 7) sequence.frames[k].estimates = {box2dAt(5, 0)};
   }
-  const auto error = judgeCars(sequence);
+  const auto error = evaluateCars(sequence);
   EXPECT_EQ(6u, error.fn);
   EXPECT_EQ(0u, error.frag);
   EXPECT_EQ(0u, error.idsw);
@@ -95,7 +95,7 @@ TEST(TrackErrorTest, aMatchThatStillHoldsIsKeptThoughAnotherOverlapsMore) {
     sequence.frames[k].estimates = {box2dAt(1, 0, 5.0)};
     if (k >= 3) sequence.frames[k].estimates.push_back(box2dAt(2, 0, 0.0));
   }
-  const auto error = judgeCars(sequence);
+  const auto error = evaluateCars(sequence);
   EXPECT_EQ(0u, error.idsw);
   EXPECT_EQ(3u, error.fp);
   EXPECT_NEAR(45.0 / 55.0, error.motp.value(), 1e-12);
@@ -105,9 +105,9 @@ TEST(TrackErrorTest, overlapBelowTheLimitIsAMissAndAFalseAlarm) {
   auto sequence = sequenceOf(1);
   sequence.frames[0].truth = {box2dAt(1, 0)};
   sequence.frames[0].estimates = {box2dAt(1, 0, 20.0)};  // overlap 3/7
-  EXPECT_EQ(1u, judgeCars(sequence, imageParams(0.5)).fp);
-  EXPECT_EQ(1u, judgeCars(sequence, imageParams(0.5)).fn);
-  EXPECT_EQ(1u, judgeCars(sequence, imageParams(0.4)).tp);
+  EXPECT_EQ(1u, evaluateCars(sequence, imageParams(0.5)).fp);
+  EXPECT_EQ(1u, evaluateCars(sequence, imageParams(0.5)).fn);
+  EXPECT_EQ(1u, evaluateCars(sequence, imageParams(0.4)).tp);
 }
 
 TEST(TrackErrorTest, scaledAccuracyOverRecallsWorkedOutByHand) {
@@ -118,7 +118,7 @@ TEST(TrackErrorTest, scaledAccuracyOverRecallsWorkedOutByHand) {
     frame.estimates = {scored(box2dAt(1, 0), 0.9), scored(box2dAt(2, 2), 0.5),
                        scored(box2dAt(3, 1), 0.1)};
   }
-  const auto error = judgeCars(sequence);
+  const auto error = evaluateCars(sequence);
   double samota = 20.0;  // recalls up to one half: nothing wrong that the recall does not ask for
   for (int k = 21; k <= 40; ++k) samota += 0.5 / (k / 40.0);
   EXPECT_NEAR(samota / 40.0, error.samota.value(), 1e-12);
@@ -135,7 +135,7 @@ TEST(TrackErrorTest, recallsThatAreNotReachedCountAsZero) {
     frame.truth = {box2dAt(1, 0), box2dAt(2, 1)};
     frame.estimates = {box2dAt(1, 0)};
   }
-  const auto error = judgeCars(sequence);
+  const auto error = evaluateCars(sequence);
   EXPECT_EQ(20u, error.curve.size());
   EXPECT_NEAR(20.0 / 40.0, error.samota.value(), 1e-12);
   EXPECT_NEAR(20.0 * 0.5 / 40.0, error.amota.value(), 1e-12);
@@ -149,7 +149,7 @@ TEST(TrackErrorTest, bestAccuracyLeavesUnsureFalseTracksOut) {
     // The mean over the track decides, not the score of one frame.
     frame.estimates = {scored(box2dAt(1, 0), k == 0 ? 0.1 : 0.9), scored(box2dAt(2, 1), 0.3)};
   }
-  const auto error = judgeCars(sequence);
+  const auto error = evaluateCars(sequence);
   EXPECT_NEAR(1.0, error.mota.value(), 1e-12);
   EXPECT_NEAR(0.82, error.score_threshold.value(), 1e-12);
   EXPECT_EQ(10u, error.tp);
@@ -162,7 +162,7 @@ TEST(TrackErrorTest, hotaOfATrackInTwoHalves) {
     sequence.frames[k].truth = {box2dAt(1, 0)};
     sequence.frames[k].estimates = {box2dAt(k < 5 ? 1 : 2, 0)};
   }
-  const auto error = judgeCars(sequence);
+  const auto error = evaluateCars(sequence);
   EXPECT_NEAR(1.0, error.deta.value(), 1e-12);
   EXPECT_NEAR(0.5, error.assa.value(), 1e-12);
   EXPECT_NEAR(std::sqrt(0.5), error.hota.value(), 1e-12);
@@ -174,7 +174,7 @@ TEST(TrackErrorTest, hotaOfATrackThatWandersOff) {
     sequence.frames[k].truth = {box2dAt(1, 0)};
     sequence.frames[k].estimates = {box2dAt(1, k < 5 ? 0 : 1)};
   }
-  const auto error = judgeCars(sequence);
+  const auto error = evaluateCars(sequence);
   EXPECT_NEAR(1.0 / 3.0, error.deta.value(), 1e-12);  // 5 / (5 + 5 + 5)
   EXPECT_NEAR(1.0 / 3.0, error.assa.value(), 1e-12);
   EXPECT_NEAR(1.0 / 3.0, error.hota.value(), 1e-12);
@@ -186,7 +186,7 @@ TEST(TrackErrorTest, hotaCountsTheOverlapsThatAreReached) {
     frame.truth = {box2dAt(1, 0)};
     frame.estimates = {box2dAt(1, 0, 12.5)};  // overlap 0.6
   }
-  EXPECT_NEAR(12.0 / 19.0, judgeCars(sequence).hota.value(), 1e-12);
+  EXPECT_NEAR(12.0 / 19.0, evaluateCars(sequence).hota.value(), 1e-12);
 }
 
 TEST(TrackErrorTest, hotaPrefersThePartnerOfTheWholeTrack) {
@@ -198,7 +198,7 @@ TEST(TrackErrorTest, hotaPrefersThePartnerOfTheWholeTrack) {
     sequence.frames[k].estimates = {box2dAt(1, 0, 1.0)};
     if (k == 5) sequence.frames[k].estimates.push_back(box2dAt(2, 0, 0.0));
   }
-  const auto error = judgeCars(sequence);
+  const auto error = evaluateCars(sequence);
   EXPECT_NEAR(1.0, error.assa.value(), 1e-12);
   EXPECT_NEAR(10.0 / 11.0, error.deta.value(), 1e-12);
 }
@@ -214,7 +214,7 @@ TEST(TrackErrorTest, neighboursAndIgnoredTruthAreNeitherRightNorWrong) {
   truncated.truncation = 1.0;
   frame.truth = {van, unseen_van, occluded, truncated, box2dAt(5, 4)};
   frame.estimates = {box2dAt(1, 0), box2dAt(2, 2), box2dAt(3, 3), box2dAt(4, 4)};
-  const auto error = judgeCars(sequence);
+  const auto error = evaluateCars(sequence);
   EXPECT_EQ(1u, error.truth_boxes);
   EXPECT_EQ(1u, error.tp);
   EXPECT_EQ(0u, error.fp);
@@ -228,7 +228,7 @@ TEST(TrackErrorTest, otherClassesAreNoNeighbours) {
   auto sequence = sequenceOf(1);
   sequence.frames[0].truth = {box2dAt(1, 0, 0.0, 50.0, ObjectClass::kTruck), box2dAt(2, 1)};
   sequence.frames[0].estimates = {box2dAt(1, 0)};
-  const auto error = judgeCars(sequence);
+  const auto error = evaluateCars(sequence);
   EXPECT_EQ(1u, error.fp);
   EXPECT_EQ(1u, error.fn);
 }
@@ -242,7 +242,7 @@ TEST(TrackErrorTest, smallBoxesAndDontCareRegionsHarmOnlyIfMatched) {
                      box2dAt(2, 1, 0.0, 25.0),  // small: no harm
                      box2dAt(3, 2),             // 52 % inside: no harm
                      box2dAt(4, 3)};            // 48 % inside: wrong
-  const auto error = judgeCars(sequence);
+  const auto error = evaluateCars(sequence);
   EXPECT_EQ(1u, error.tp);
   EXPECT_EQ(1u, error.fp);
   EXPECT_EQ(1u, error.fn);
@@ -257,7 +257,7 @@ TEST(TrackErrorTest, historyStartsAnewWhereTruthIsIgnored) {
     if (k < 3) sequence.frames[k].estimates = {box2dAt(1, 0)};
     if (k >= 6) sequence.frames[k].estimates = {box2dAt(2, 0)};
   }
-  const auto error = judgeCars(sequence);
+  const auto error = evaluateCars(sequence);
   EXPECT_EQ(6u, error.tp);
   EXPECT_EQ(0u, error.idsw + error.frag + error.fn);
 }
@@ -270,7 +270,7 @@ TEST(TrackErrorTest, positionsAreRightWithinTwoMetresOnTheGround) {
     lifted.box3d->centre.y() += 5.0;  // height does not matter on the ground
     frame.estimates = {box3dAt(1, 0.3, 10.4), lifted, box3dAt(3, 20.0, 12.1)};
   }
-  const auto error = judgeCars(sequence, TrackErrorParams());
+  const auto error = evaluateCars(sequence, TrackErrorParams());
   EXPECT_NEAR(0.5, error.rmse_m.value(), 1e-12);
   EXPECT_NEAR(2.0 / 3.0, error.precision.value(), 1e-12);
   EXPECT_NEAR(2.0 / 3.0, error.recall.value(), 1e-12);
@@ -313,7 +313,7 @@ TEST(TrackErrorTest, identitiesOfDifferentSequencesHaveNothingInCommon) {
 TEST(TrackErrorTest, withoutTruthThereAreNoFiguresButFalseAlarmsCount) {
   auto sequence = sequenceOf(2);
   sequence.frames[0].estimates = {box2dAt(1, 0)};
-  const auto error = judgeCars(sequence);
+  const auto error = evaluateCars(sequence);
   EXPECT_EQ(1u, error.fp);
   EXPECT_FALSE(error.mota || error.samota || error.hota || error.recall || error.rmse_m);
   EXPECT_EQ(0.0, error.precision.value());
@@ -322,7 +322,7 @@ TEST(TrackErrorTest, withoutTruthThereAreNoFiguresButFalseAlarmsCount) {
 TEST(TrackErrorTest, withoutEstimatesEverythingIsMissed) {
   auto sequence = sequenceOf(2);
   sequence.frames[0].truth = {box2dAt(1, 0)};
-  const auto error = judgeCars(sequence);
+  const auto error = evaluateCars(sequence);
   EXPECT_EQ(1u, error.fn);
   EXPECT_EQ(0.0, error.mota.value());
   EXPECT_EQ(0.0, error.hota.value());
@@ -345,8 +345,8 @@ TEST(TrackErrorTest, orderOfRowsDoesNotMatter) {
     std::reverse(frame.truth.begin(), frame.truth.end());
     std::reverse(frame.estimates.begin(), frame.estimates.end());
   }
-  const auto a = judgeCars(sequence);
-  const auto b = judgeCars(turned);
+  const auto a = evaluateCars(sequence);
+  const auto b = evaluateCars(turned);
   EXPECT_EQ(a.idsw, b.idsw);
   EXPECT_EQ(a.frag, b.frag);
   EXPECT_NEAR(a.mota.value(), b.mota.value(), 1e-12);

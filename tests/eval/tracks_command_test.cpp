@@ -47,7 +47,7 @@ TEST_F(TracksCommandTest, filesAndFoldersGiveTheAgreedKeys) {
   const auto result = run(folder_ / "truth", folder_ / "tracks",
                           "--json " + out + " --plot " + std::string(folder_ / "t.png"));
   EXPECT_EQ(0, result.status) << result.error;
-  EXPECT_THAT(result.out, HasSubstr("left out: 0003"));
+  EXPECT_THAT(result.out, HasSubstr("ignored: 0003"));
   const auto figures = json::parse(contentOf(out));
   for (const auto& part : {figures, figures["sequences"]["0001"]}) {
     for (const char* name : {"Car", "Pedestrian", "Cyclist", "all"}) {
@@ -124,15 +124,15 @@ TEST_F(TracksCommandTest, whatIsWrongWithTheFilesIsOneLine) {
   file("other/0007.txt", carRows(4, 1, 0.0, "1"));
   const auto only_2d = file("2d.txt", "0 1 Car 0 0 0 1 1 9 9 -1 -1 -1 -1000 -1000 -1000 -10 1\n");
   const std::vector<std::tuple<std::string, std::string, std::string>> cases = {
-      {labels, twice, "frame 0: id 1 stands there twice"},
+      {labels, twice, "frame 0: id 1 occurs twice"},
       {labels, not_finite, "nan.txt: frame 0: a number is not finite"},
       {not_finite, labels, "nan.txt: frame 0: a number is not finite"},
-      {labels, empty, "holds no 3d boxes"},
-      {empty, labels, "holds no labels"},
-      {labels, only_2d, "holds no 3d boxes"},
+      {labels, empty, "contains no 3d boxes"},
+      {empty, labels, "contains no labels"},
+      {labels, only_2d, "contains no 3d boxes"},
       {labels, folder_ / "none.txt", "no such file or folder"},
-      {labels, folder_ / "other", "give two files or two folders"},
-      {folder_ / "truth", folder_ / "other", "0007.txt: has no partner"}};
+      {labels, folder_ / "other", "must be two files or two folders"},
+      {folder_ / "truth", folder_ / "other", "0007.txt: no file named"}};
   for (const auto& [truth, estimate, reason] : cases) {
     const auto result = run(truth, estimate);
     EXPECT_EQ(1, result.status) << reason;

@@ -79,8 +79,8 @@ TEST_F(TrajectoryCommandTest, whatDoesNotFitTogetherIsOneLine) {
       {tum, late, "no estimated pose has a true pose within"},
       {kitti, tum, "KITTI poses have no times"},
       {tum, kitti, "KITTI poses have no times"},
-      {tum, empty, "holds no poses"},
-      {empty, tum, "holds no poses"},
+      {tum, empty, "contains no poses"},
+      {empty, tum, "contains no poses"},
       {tum, not_a_number, "nan.tum:1"},
       {tum, odd, "3 columns"},
       {tum, folder_ / "none.tum", "cannot be opened"}};

@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
-#include <headway/eval/json.h>
+#include <headway/eval/figures.h>
 #include <headway/eval/trajectory_error.h>
 
 #include <nlohmann/json.hpp>

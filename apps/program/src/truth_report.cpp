@@ -3,8 +3,8 @@
 #include <headway/program/truth_report.h>
 #include <headway/report/report.h>
 #ifdef HEADWAY_WITH_EVAL
-#include <headway/eval/text_table.h>
 #include <headway/eval/trajectory_error.h>
+#include <headway/plot/text_table.h>
 #endif
 
 namespace headway::program {
@@ -16,26 +16,27 @@ constexpr double kSameTimeS = 0.02;
 
 /// Errors of the final trajectory after rigid alignment.
 ///
-/// @throws InputError where there are too few pairs of one time
+/// @throws InputError if there are too few poses of equal times
 std::vector<report::Figure> errorsOf(const std::filesystem::path& replay,
                                      const std::filesystem::path& truth) {
   const auto error =
       eval::trajectoryError(eval::pairByTime(io::readTum(truth / "trajectory.tum"),
                                              io::readTum(replay / "trajectory.tum"), kSameTimeS),
                             {});
-  return {{"Frames compared", std::to_string(error.frames_matched)},
-          {"True path", eval::fixedText(error.path_m, 1) + " m"},
-          {"Absolute trajectory error, RMSE", eval::fixedText(error.ate_m.rmse, 3) + " m"},
-          {"its median", eval::fixedText(error.ate_m.median, 3) + " m"},
-          {"its maximum", eval::fixedText(error.ate_m.max, 3) + " m"},
-          {"Relative pose error a frame", eval::fixedText(error.rpe_trans_rmse_m, 4) + " m, " +
-                                              eval::fixedText(error.rpe_rot_rmse_deg, 4) + " deg"}};
+  return {
+      {"Frames compared", std::to_string(error.frames_matched)},
+      {"True path", plot::fixedText(error.path_m, 1) + " m"},
+      {"Absolute trajectory error, RMSE", plot::fixedText(error.ate_m.rmse, 3) + " m"},
+      {"Absolute trajectory error, median", plot::fixedText(error.ate_m.median, 3) + " m"},
+      {"Absolute trajectory error, maximum", plot::fixedText(error.ate_m.max, 3) + " m"},
+      {"Relative pose error per frame", plot::fixedText(error.rpe_trans_rmse_m, 4) + " m, " +
+                                            plot::fixedText(error.rpe_rot_rmse_deg, 4) + " deg"}};
 }
 
 #else
 
 std::vector<report::Figure> errorsOf(const std::filesystem::path&, const std::filesystem::path&) {
-  throw InputError("this headway was built without its evaluation");
+  throw InputError("headway was built without evaluation (HEADWAY_BUILD_EVAL=OFF)");
 }
 
 #endif
@@ -52,7 +53,7 @@ void writeTruthReport(const std::filesystem::path& replay, const std::filesystem
     try {
       page.errors = errorsOf(replay, truth);
     } catch (const InputError& error) {
-      note(std::string("no errors worked out: ") + error.what());
+      note(std::string("no errors computed: ") + error.what());
     }
   }
   report::writeReport(replay, page);

@@ -4,32 +4,30 @@
 #include <cmath>
 #include <limits>
 
-#include "frame_matcher.h"
-
 namespace headway::eval {
 namespace {
 
 constexpr int kRecalls = 40;
 
-/// What is known of one true object's track so far.
+/// Match history of one true object.
 struct History {
-  int last_track = FrameMatches::kNone;  ///< that found it last
-  bool lost_since = false;
+  int last_track = FrameMatches::kNone;  ///< of its latest match
+  bool interrupted = false;
 };
 
-void followTruth(const TrueBox& truth, int estimated_track, History& history, ClearCounts& counts) {
+void countTruth(const TrueBox& truth, int estimated_track, History& history, ClearCounts& counts) {
   if (truth.ignored) {
     history = {};
     return;
   }
   if (estimated_track == FrameMatches::kNone) {
     ++counts.fn;
-    history.lost_since = true;
+    history.interrupted = true;
     return;
   }
-  const bool found_before = history.last_track != FrameMatches::kNone;
-  if (found_before && history.last_track != estimated_track) ++counts.idsw;
-  if (found_before && history.lost_since) ++counts.frag;
+  const bool matched_before = history.last_track != FrameMatches::kNone;
+  if (matched_before && history.last_track != estimated_track) ++counts.idsw;
+  if (matched_before && history.interrupted) ++counts.frag;
   history = {estimated_track, false};
 }
 
@@ -37,24 +35,25 @@ void countFrame(const ClassFrame& frame, const FrameMatches& matches,
                 std::vector<History>& histories, ClearCounts& counts) {
   for (std::size_t i = 0; i < frame.truth.size(); ++i) {
     const int j = matches.estimate_of[i];
-    const bool found = j != FrameMatches::kNone;
-    const int track = found ? frame.estimates[static_cast<std::size_t>(j)].track : j;
-    followTruth(frame.truth[i], track, histories[static_cast<std::size_t>(frame.truth[i].track)],
-                counts);
-    if (!found || frame.truth[i].ignored) continue;
+    const bool matched = j != FrameMatches::kNone;
+    const int track = matched ? frame.estimates[static_cast<std::size_t>(j)].track : j;
+    countTruth(frame.truth[i], track, histories[static_cast<std::size_t>(frame.truth[i].track)],
+               counts);
+    if (!matched || frame.truth[i].ignored) continue;
     ++counts.tp;
     counts.true_scores.push_back(frame.estimates[static_cast<std::size_t>(j)].score);
   }
   for (const auto& pair : frame.overlaps) {
-    const bool matched = matches.estimate_of[pair.row] == static_cast<int>(pair.column);
-    if (matched && !frame.truth[pair.row].ignored) counts.overlap_sum += 1.0 - pair.cost;
+    const bool is_match = matches.estimate_of[pair.row] == static_cast<int>(pair.column);
+    if (is_match && !frame.truth[pair.row].ignored) counts.overlap_sum += 1.0 - pair.cost;
   }
   for (std::size_t j = 0; j < frame.estimates.size(); ++j) {
-    if (matches.truth_of[j] == FrameMatches::kNone && !frame.estimates[j].harmless) ++counts.fp;
+    if (matches.truth_of[j] == FrameMatches::kNone && !frame.estimates[j].ignored_if_unmatched)
+      ++counts.fp;
   }
 }
 
-/// Score that the surest true positives reach which make up a share of the truth.
+/// Score threshold at which the given ratio of the truth is matched; nullopt if it cannot be.
 std::optional<double> thresholdFor(double recall, std::size_t truth,
                                    const std::vector<double>& descending_scores) {
   const auto needed =

@@ -4,7 +4,7 @@
 
 namespace headway::eval {
 
-/// What CLEAR MOT counts.
+/// Counts of CLEAR MOT.
 struct ClearCounts {
   std::size_t tp = 0, fp = 0, fn = 0, idsw = 0, frag = 0;
   double overlap_sum = 0.0;         ///< of the true positives
@@ -12,24 +12,24 @@ struct ClearCounts {
 
   [[nodiscard]] std::size_t truth() const { return tp + fn; }
   [[nodiscard]] std::size_t errors() const { return fp + fn + idsw; }
-  [[nodiscard]] double mota() const;  ///< of what holds truth
+  [[nodiscard]] double mota() const;  ///< requires truth() > 0
   void add(const ClearCounts& other);
 };
 
-/// Counts over sequences, with the tracks that score at least as much as the threshold.
+/// Counts over sequences with the tracks that reach the score threshold.
 [[nodiscard]] ClearCounts clearCounts(const std::vector<ClassSequence>& sequences,
                                       double min_overlap, double score_threshold);
 
-/// CLEAR MOT over the operating points of a class, from all tracks down to the surest ones.
+/// CLEAR MOT over the score thresholds of a class.
 struct ClearCurve {
-  ClearCounts best;  ///< of all thresholds tried, the greatest MOTA
+  ClearCounts best;  ///< at the threshold of maximum MOTA
   double best_threshold = 0.0;
   std::vector<RecallPoint> points;
   double samota = 0.0;
   double amota = 0.0;
 };
 
-/// Tries no threshold at all and those that reach the recalls 1/40, 2/40 .. 1.
+/// Evaluates without a threshold and at the thresholds that reach the recalls 1/40, 2/40 .. 1.
 ///
 /// @return nullopt if there is no truth
 /// @see    Weng et al. 2020, Sec. IV, eqs. 5-8

@@ -7,7 +7,7 @@
 namespace headway::eval {
 namespace {
 
-/// Whether any of the eight cells about one is occupied.
+/// Whether any of the eight neighbours of a cell is occupied.
 bool hasOccupiedNeighbour(const GridCells& grid, std::size_t index) {
   const int column = static_cast<int>(index) % grid.columns;
   const int row = static_cast<int>(index) / grid.columns;
@@ -20,7 +20,7 @@ bool hasOccupiedNeighbour(const GridCells& grid, std::size_t index) {
   return false;
 }
 
-std::optional<double> shareOf(std::size_t part, std::size_t whole) {
+std::optional<double> ratioOf(std::size_t part, std::size_t whole) {
   if (whole == 0) return std::nullopt;
   return static_cast<double>(part) / static_cast<double>(whole);
 }
@@ -36,52 +36,52 @@ GridCells::GridCells(const Eigen::Vector2d& lower_left, double side_m, int colum
       states(static_cast<std::size_t>(column_count) * static_cast<std::size_t>(row_count),
              CellState::kUnknown) {}
 
-std::optional<std::size_t> GridCells::at(const Eigen::Vector2d& place) const {
-  const double column = std::floor((place.x() - origin.x()) / resolution_m);
-  const double row = std::floor((place.y() - origin.y()) / resolution_m);
+std::optional<std::size_t> GridCells::at(const Eigen::Vector2d& position) const {
+  const double column = std::floor((position.x() - origin.x()) / resolution_m);
+  const double row = std::floor((position.y() - origin.y()) / resolution_m);
   if (!(column >= 0.0 && column < columns && row >= 0.0 && row < rows)) return std::nullopt;
   return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
          static_cast<std::size_t>(column);
 }
 
-std::optional<double> GridError::rightShare() const { return shareOf(right, compared); }
-std::optional<double> GridError::occupiedRecall() const { return shareOf(found, occupied); }
+std::optional<double> GridError::correctRatio() const { return ratioOf(correct, compared); }
+std::optional<double> GridError::occupiedRecall() const { return ratioOf(found, occupied); }
 std::optional<double> GridError::occupiedPrecision() const {
-  return shareOf(found, found + phantoms);
+  return ratioOf(found, found + false_occupied);
 }
 
 GridError gridError(const GridCells& truth, const GridCells& estimate,
-                    const std::vector<std::uint8_t>& trodden) {
-  if (truth.states.size() != estimate.states.size() || truth.states.size() != trodden.size()) {
-    throw std::invalid_argument("grids of two sizes cannot be compared");
+                    const std::vector<std::uint8_t>& swept) {
+  if (truth.states.size() != estimate.states.size() || truth.states.size() != swept.size()) {
+    throw std::invalid_argument("gridError: the grids have different sizes");
   }
   GridError error;
   for (std::size_t i = 0; i < truth.states.size(); ++i) {
-    const CellState is = truth.states[i], seems = estimate.states[i];
-    if (seems == CellState::kUnknown) {
-      if (is == CellState::kOccupied) ++error.unseen;
+    const CellState actual = truth.states[i], estimated = estimate.states[i];
+    if (estimated == CellState::kUnknown) {
+      if (actual == CellState::kOccupied) ++error.unseen;
       continue;
     }
     ++error.observed;
-    if (is == CellState::kUnknown) continue;
+    if (actual == CellState::kUnknown) continue;
     ++error.compared;
-    if (is == seems) ++error.right;
-    if (is == CellState::kOccupied) {
+    if (actual == estimated) ++error.correct;
+    if (actual == CellState::kOccupied) {
       ++error.occupied;
-      if (seems == CellState::kOccupied) {
+      if (estimated == CellState::kOccupied) {
         ++error.found;
       } else {
-        ++error.missed;
-        if (hasOccupiedNeighbour(estimate, i)) ++error.near_missed;
+        ++error.false_free;
+        if (hasOccupiedNeighbour(estimate, i)) ++error.near_false_free;
       }
       continue;
     }
-    if (trodden[i] != 0) ++error.trodden;
-    if (seems != CellState::kOccupied) continue;
-    ++error.phantoms;
+    if (swept[i] != 0) ++error.swept;
+    if (estimated != CellState::kOccupied) continue;
+    ++error.false_occupied;
     const bool near = hasOccupiedNeighbour(truth, i);
-    if (near) ++error.near_phantoms;
-    if (trodden[i] != 0 && !near) ++error.ghosts;
+    if (near) ++error.near_false_occupied;
+    if (swept[i] != 0 && !near) ++error.ghosts;
   }
   return error;
 }

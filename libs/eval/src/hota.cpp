@@ -3,12 +3,10 @@
 #include <Eigen/Core>
 #include <cmath>
 
-#include "frame_matcher.h"
-
 namespace headway::eval {
 namespace {
 
-constexpr double kOverlapWeight = 1e-4;  // decides between equal associations only
+constexpr double kOverlapWeight = 1e-4;  // breaks ties between equal associations only
 
 struct OverlappingPair {
   std::size_t row = 0;
@@ -16,23 +14,24 @@ struct OverlappingPair {
   double overlap = 0.0;
 };
 
-/// A frame without what is ignored.
-struct JudgedFrame {
-  std::vector<int> truth;      ///< track of each row; -1 left out
-  std::vector<int> estimates;  ///< track of each column; -1 left out
+/// A frame without ignored boxes.
+struct CountedFrame {
+  std::vector<int> truth;      ///< track of each row; -1 excluded
+  std::vector<int> estimates;  ///< track of each column; -1 excluded
   std::vector<OverlappingPair> pairs;
 };
 
-JudgedFrame withoutIgnored(const ClassFrame& frame, const FrameMatches& matches) {
-  JudgedFrame result;
+CountedFrame withoutIgnored(const ClassFrame& frame, const FrameMatches& matches) {
+  CountedFrame result;
   for (const auto& truth : frame.truth) result.truth.push_back(truth.ignored ? -1 : truth.track);
   for (std::size_t j = 0; j < frame.estimates.size(); ++j) {
     const int row = matches.truth_of[j];
     const bool matched = row >= 0;
-    const bool harmless = row == FrameMatches::kNone && frame.estimates[j].harmless;
+    const bool ignored_if_unmatched =
+        row == FrameMatches::kNone && frame.estimates[j].ignored_if_unmatched;
     const bool with_ignored = matched && frame.truth[static_cast<std::size_t>(row)].ignored;
-    const bool left_out = row == FrameMatches::kLeftOut || harmless || with_ignored;
-    result.estimates.push_back(left_out ? -1 : frame.estimates[j].track);
+    const bool excluded = row == FrameMatches::kExcluded || ignored_if_unmatched || with_ignored;
+    result.estimates.push_back(excluded ? -1 : frame.estimates[j].track);
   }
   for (const auto& pair : frame.overlaps) {
     if (result.truth[pair.row] < 0 || result.estimates[pair.column] < 0) continue;
@@ -42,8 +41,8 @@ JudgedFrame withoutIgnored(const ClassFrame& frame, const FrameMatches& matches)
 }
 
 /// Frames in which each track appears.
-Eigen::VectorXd appearances(const std::vector<JudgedFrame>& frames,
-                            std::vector<int> JudgedFrame::*which, int tracks) {
+Eigen::VectorXd appearances(const std::vector<CountedFrame>& frames,
+                            std::vector<int> CountedFrame::*which, int tracks) {
   Eigen::VectorXd count = Eigen::VectorXd::Zero(tracks);
   for (const auto& frame : frames) {
     for (const int track : frame.*which) {
@@ -53,16 +52,17 @@ Eigen::VectorXd appearances(const std::vector<JudgedFrame>& frames,
   return count;
 }
 
-/// Tracks of one sequence in which they could or do belong together.
+/// Association scores between the true and estimated tracks of one sequence.
 class Association {
  public:
-  Association(const std::vector<JudgedFrame>& frames, const ClassSequence& sequence)
+  Association(const std::vector<CountedFrame>& frames, const ClassSequence& sequence)
       : frames_(frames),
-        truth_frames_(appearances(frames, &JudgedFrame::truth, sequence.true_tracks)),
-        estimate_frames_(appearances(frames, &JudgedFrame::estimates, sequence.estimated_tracks)) {}
+        truth_frames_(appearances(frames, &CountedFrame::truth, sequence.true_tracks)),
+        estimate_frames_(appearances(frames, &CountedFrame::estimates, sequence.estimated_tracks)) {
+  }
 
-  [[nodiscard]] HotaCounts::Level judgedAt(double level) const {
-    const Eigen::MatrixXd possible = agreement(togetherAt(level));
+  [[nodiscard]] HotaCounts::Level countsAt(double level) const {
+    const Eigen::MatrixXd potential = agreement(togetherAt(level));
     Eigen::MatrixXd together = noPairs();
     HotaCounts::Level counts;
     for (const auto& frame : frames_) {
@@ -71,7 +71,7 @@ class Association {
         if (pair.overlap < level - 1e-9) continue;
         const auto [i, j] = tracksOf(frame, pair);
         candidates.push_back(
-            {pair.row, pair.column, -possible(i, j) - kOverlapWeight * pair.overlap});
+            {pair.row, pair.column, -potential(i, j) - kOverlapWeight * pair.overlap});
       }
       for (const auto& pair : assignPairs(std::move(candidates))) {
         const auto [i, j] = tracksOf(frame, pair);
@@ -91,7 +91,7 @@ class Association {
   }
 
   template <typename Pair>
-  static std::pair<int, int> tracksOf(const JudgedFrame& frame, const Pair& pair) {
+  static std::pair<int, int> tracksOf(const CountedFrame& frame, const Pair& pair) {
     return {frame.truth[pair.row], frame.estimates[pair.column]};
   }
 
@@ -119,7 +119,7 @@ class Association {
     return result;
   }
 
-  const std::vector<JudgedFrame>& frames_;
+  const std::vector<CountedFrame>& frames_;
   Eigen::VectorXd truth_frames_;
   Eigen::VectorXd estimate_frames_;
 };
@@ -137,14 +137,14 @@ void HotaCounts::add(const HotaCounts& other) {
 
 HotaCounts hotaCounts(const ClassSequence& sequence, double min_overlap, double score_threshold) {
   FrameMatcher matcher(sequence, min_overlap, score_threshold);
-  std::vector<JudgedFrame> frames;
+  std::vector<CountedFrame> frames;
   for (const auto& frame : sequence.frames) {
     frames.push_back(withoutIgnored(frame, matcher.match(frame)));
   }
   const Association association(frames, sequence);
   HotaCounts counts;
   for (std::size_t k = 0; k < HotaCounts::kLevels; ++k) {
-    counts.levels[k] = association.judgedAt(0.05 * static_cast<double>(k + 1));
+    counts.levels[k] = association.countsAt(0.05 * static_cast<double>(k + 1));
   }
   return counts;
 }

@@ -6,12 +6,12 @@
 
 namespace headway::eval {
 
-/// What HOTA counts at each overlap 0.05, 0.10 .. 0.95.
+/// Counts of HOTA at the overlaps 0.05, 0.10 .. 0.95.
 struct HotaCounts {
   static constexpr std::size_t kLevels = 19;
   struct Level {
     std::size_t tp = 0, fp = 0, fn = 0;
-    double association_sum = 0.0;  ///< of the true positives: how well their tracks agree, 0..1
+    double association_sum = 0.0;  ///< association score of the true positives, 0..1 each
   };
   std::array<Level, kLevels> levels;
 
@@ -25,12 +25,12 @@ struct Hota {
   double assa = 0.0;
 };
 
-/// Counts over one sequence, with the tracks that score at least as much as the threshold.
+/// Counts over one sequence with the tracks that reach the score threshold.
 ///
-/// Ignored truth, what CLEAR MOT matched with it, and what is not wrong though unmatched are left
-/// out beforehand.
+/// Ignored truth, estimates that CLEAR MOT matches with it, and unmatched estimates that are not
+/// false positives are excluded.
 ///
-/// @see Luiten et al. 2021, Sec. 5 and Sec. 6 (matches: most, then best associated, then greatest
+/// @see Luiten et al. 2021, Sec. 5 and Sec. 6 (matching: maximum number, then association, then
 ///      overlap)
 [[nodiscard]] HotaCounts hotaCounts(const ClassSequence& sequence, double min_overlap,
                                     double score_threshold);

@@ -10,12 +10,12 @@ namespace headway::eval {
 namespace {
 
 void requirePoses(bool empty, const std::string& which) {
-  if (empty) throw InputError("the " + which + " holds no poses");
+  if (empty) throw InputError("the " + which + " is empty");
 }
 
 void requireFinite(const Pose& pose, std::size_t row, const std::string& which) {
   if (!pose.matrix().allFinite()) {
-    throw InputError("the " + which + " holds a pose that is not finite (row " +
+    throw InputError("the " + which + " contains a pose that is not finite (row " +
                      std::to_string(row + 1) + ")");
   }
 }
@@ -26,7 +26,7 @@ std::vector<Stamped<Pose>> sorted(const std::vector<Stamped<Pose>>& trajectory,
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
     requireFinite(trajectory[i].value, i, which);
     if (!std::isfinite(trajectory[i].time)) {
-      throw InputError("the " + which + " holds a time that is not finite (row " +
+      throw InputError("the " + which + " contains a time that is not finite (row " +
                        std::to_string(i + 1) + ")");
     }
   }
@@ -42,9 +42,9 @@ std::size_t nearest(const std::vector<Stamped<Pose>>& trajectory, Time time) {
                        [](const Stamped<Pose>& pose, Time t) { return pose.time < t; });
   if (after == trajectory.begin()) return 0;
   const auto before = after - 1;
-  const bool before_is_nearer =
+  const bool is_before_nearer =
       after == trajectory.end() || time - before->time <= after->time - time;
-  return static_cast<std::size_t>((before_is_nearer ? before : after) - trajectory.begin());
+  return static_cast<std::size_t>((is_before_nearer ? before : after) - trajectory.begin());
 }
 
 std::string spanOf(const std::vector<Stamped<Pose>>& trajectory) {
@@ -63,10 +63,10 @@ PosePairs pairByTime(const std::vector<Stamped<Pose>>& truth,
     const std::size_t j = nearest(true_poses, estimates[i].time);
     const double difference = std::abs(true_poses[j].time - estimates[i].time);
     if (difference > max_difference_s) continue;
-    const auto [taken, is_new] = estimate_of.emplace(j, i);
-    if (is_new) continue;
-    if (difference < std::abs(true_poses[j].time - estimates[taken->second].time)) {
-      taken->second = i;
+    const auto [previous, inserted] = estimate_of.emplace(j, i);
+    if (inserted) continue;
+    if (difference < std::abs(true_poses[j].time - estimates[previous->second].time)) {
+      previous->second = i;
     }
   }
   if (estimate_of.empty()) {

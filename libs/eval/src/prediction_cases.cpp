@@ -6,15 +6,15 @@
 namespace headway::eval {
 namespace {
 
-constexpr std::size_t kHistoryFrames = 20;  // before the present one
+constexpr std::size_t kHistoryFrames = 20;  // before the current one
 constexpr double kHorizonEnd_s = kHorizonStep_s * kHorizons;
 
-bool isMovingKind(ObjectClass object_class) {
+bool isMovableClass(ObjectClass object_class) {
   return isVehicle(object_class) || object_class == ObjectClass::kPedestrian ||
          object_class == ObjectClass::kCyclist;
 }
 
-/// Where the object is at every horizon; nullopt if the truth ends before or has a gap.
+/// True positions at all horizons; nullopt if the truth ends earlier or has a gap.
 std::optional<HorizonPath> futureOf(const TrueObject& object, Time now, double max_gap_s) {
   HorizonPath future;
   for (std::size_t j = 0; j < kHorizons; ++j) {
@@ -26,13 +26,13 @@ std::optional<HorizonPath> futureOf(const TrueObject& object, Time now, double m
   return future;
 }
 
-/// Whether the frames from `first` to `last` follow one another.
+/// Whether the path has every frame between its points `first` and `last`.
 bool isConsecutive(const TrueObject& object, std::size_t first, std::size_t last) {
   return last < object.path.size() &&
          object.path[last].frame - object.path[first].frame == last - first;
 }
 
-/// Distance from the place foretold next to where each true object then is.
+/// Pairs of predictions and true objects within `max_distance_m` at the first horizon.
 std::vector<CandidatePair> nearby(const std::vector<TrueObject>& objects,
                                   const std::vector<TrackPrediction>& predictions,
                                   const std::vector<std::size_t>& rows, double max_distance_m,
@@ -60,7 +60,7 @@ std::vector<HistoryCase> historyCases(const std::vector<TrueObject>& objects,
   std::vector<HistoryCase> cases;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const auto& object = objects[i];
-    if (!isMovingKind(object.object_class)) continue;
+    if (!isMovableClass(object.object_class)) continue;
     for (std::size_t first = 0; first < object.path.size(); ++first) {
       const std::size_t now = first + kHistoryFrames;
       if (!isConsecutive(object, first, now + later)) continue;

@@ -29,29 +29,31 @@ bool isPositiveDefinite(const Eigen::Matrix2d& m) {
 }
 
 void requireHorizons(const PredictedPath& path) {
-  bool right = path.points.size() == kHorizons;
-  for (std::size_t j = 0; right && j < kHorizons; ++j) {
-    right = std::abs(path.points[j].horizon_s - kHorizonStep_s * static_cast<double>(j + 1)) < 1e-3;
+  bool is_valid = path.points.size() == kHorizons;
+  for (std::size_t j = 0; is_valid && j < kHorizons; ++j) {
+    is_valid =
+        std::abs(path.points[j].horizon_s - kHorizonStep_s * static_cast<double>(j + 1)) < 1e-3;
   }
-  if (!right) {
-    throw std::invalid_argument("PredictionJudge: a path is not given at 0.1 s, 0.2 s ... 3.0 s");
+  if (!is_valid) {
+    throw std::invalid_argument(
+        "PredictionEvaluator: a path must have points at 0.1 s, 0.2 s ... 3.0 s");
   }
 }
 
 }  // namespace
 
-void PredictionJudge::add(ObjectClass object_class, const std::vector<PredictedPath>& paths,
-                          const HorizonPath& future) {
-  if (paths.empty()) throw std::invalid_argument("PredictionJudge: a case has no path");
+void PredictionEvaluator::add(ObjectClass object_class, const std::vector<PredictedPath>& paths,
+                              const HorizonPath& future) {
+  if (paths.empty()) throw std::invalid_argument("PredictionEvaluator: no path is given");
   for (const auto& path : paths) requireHorizons(path);
   classes_[object_class].add(paths, future);
 }
 
-void PredictionJudge::add(const PredictionJudge& other) {
+void PredictionEvaluator::add(const PredictionEvaluator& other) {
   for (const auto& [object_class, sums] : other.classes_) classes_[object_class].add(sums);
 }
 
-PredictionErrors PredictionJudge::errors() const {
+PredictionErrors PredictionEvaluator::errors() const {
   PredictionErrors result;
   Sums all;
   for (const auto& [object_class, sums] : classes_) {
@@ -62,12 +64,12 @@ PredictionErrors PredictionJudge::errors() const {
   return result;
 }
 
-void PredictionJudge::Sums::add(const std::vector<PredictedPath>& paths,
-                                const HorizonPath& future) {
-  const auto& likeliest =
+void PredictionEvaluator::Sums::add(const std::vector<PredictedPath>& paths,
+                                    const HorizonPath& future) {
+  const auto& most_probable =
       *std::max_element(paths.begin(), paths.end(),
                         [](const auto& a, const auto& b) { return a.probability < b.probability; });
-  const auto errors = errorsOf(likeliest, future);
+  const auto errors = errorsOf(most_probable, future);
   ++cases;
   for (std::size_t j = 0; j < kHorizons; ++j) error[j] += errors[j];
   for (std::size_t s = 0; s < kSeconds.size(); ++s) {
@@ -76,14 +78,14 @@ void PredictionJudge::Sums::add(const std::vector<PredictedPath>& paths,
   double best = meanOf(errors);
   for (const auto& path : paths) best = std::min(best, meanOf(errorsOf(path, future)));
   best_ade += best;
-  addSpread(likeliest, future);
+  addCoverage(most_probable, future);
 }
 
-void PredictionJudge::Sums::addSpread(const PredictedPath& path, const HorizonPath& future) {
-  const bool usable = std::all_of(path.points.begin(), path.points.end(), [](const auto& point) {
-    return isPositiveDefinite(point.covariance);
-  });
-  if (!usable) return;
+void PredictionEvaluator::Sums::addCoverage(const PredictedPath& path, const HorizonPath& future) {
+  const bool has_covariance =
+      std::all_of(path.points.begin(), path.points.end(),
+                  [](const auto& point) { return isPositiveDefinite(point.covariance); });
+  if (!has_covariance) return;
   ++with_covariance;
   std::array<double, kHorizons> squared{};
   for (std::size_t j = 0; j < kHorizons; ++j) {
@@ -99,7 +101,7 @@ void PredictionJudge::Sums::addSpread(const PredictedPath& path, const HorizonPa
   }
 }
 
-void PredictionJudge::Sums::add(const Sums& other) {
+void PredictionEvaluator::Sums::add(const Sums& other) {
   cases += other.cases;
   with_covariance += other.with_covariance;
   best_ade += other.best_ade;
@@ -111,7 +113,7 @@ void PredictionJudge::Sums::add(const Sums& other) {
   }
 }
 
-PredictionError PredictionJudge::Sums::errors() const {
+PredictionError PredictionEvaluator::Sums::errors() const {
   PredictionError result;
   result.cases = cases;
   if (cases == 0) return result;
@@ -124,11 +126,11 @@ PredictionError PredictionJudge::Sums::errors() const {
     result.miss_rate[s] = static_cast<double>(misses[s]) / count;
   }
   if (with_covariance == 0) return result;
-  const auto spread_count = static_cast<double>(with_covariance);
-  result.nees = nees / spread_count;
+  const auto covariance_count = static_cast<double>(with_covariance);
+  result.nees = nees / covariance_count;
   for (std::size_t p = 0; p < kEllipses.size(); ++p) {
     for (std::size_t s = 0; s < kSeconds.size(); ++s) {
-      result.coverage[p][s] = static_cast<double>(inside[p][s]) / spread_count;
+      result.coverage[p][s] = static_cast<double>(inside[p][s]) / covariance_count;
     }
   }
   return result;

@@ -1,7 +1,7 @@
-#include <headway/eval/chart.h>
-#include <headway/eval/text_table.h>
-#include <headway/eval/track_plot.h>
-
+#include <headway/eval/plots.h>
+#include <headway/plot/chart.h>
+#include <headway/plot/colours.h>
+#include <headway/plot/text_table.h>
 namespace headway::eval {
 namespace {
 
@@ -23,12 +23,12 @@ Points seenFromAbove(const TrueObject& object) {
   return points;
 }
 
-/// The object's places, with a break where it was away for longer than a few frames.
-std::vector<Points> pieces(const TrueObject& object) {
-  constexpr std::size_t kLongestGap = 5;  // frames
+/// The path, split at gaps of more than a few frames.
+std::vector<Points> segments(const TrueObject& object) {
+  constexpr std::size_t kMaxGap = 5;  // frames
   std::vector<Points> result(1);
   for (std::size_t i = 0; i < object.path.size(); ++i) {
-    const bool gap = i > 0 && object.path[i].frame - object.path[i - 1].frame > kLongestGap;
+    const bool gap = i > 0 && object.path[i].frame - object.path[i - 1].frame > kMaxGap;
     if (gap) result.emplace_back();
     result.back().emplace_back(object.path[i].position.head<2>());
   }
@@ -44,42 +44,44 @@ cv::Mat trackMapPlot(const TrackMap& map) {
       for (const auto& point : seenFromAbove(object)) all.push_back(point);
     }
   }
-  Chart chart({map.title, "x [m]", "y [m]", rangeOf(all, 0), rangeOf(all, 1), true});
+  plot::Chart chart(
+      {map.title, "x [m]", "y [m]", plot::rangeOf(all, 0), plot::rangeOf(all, 1), true});
   for (const auto& object : map.truth) {
-    for (const auto& piece : pieces(object)) chart.line(piece, kTruthColour, 6.0);
+    for (const auto& segment : segments(object)) chart.line(segment, kTruthColour, 6.0);
     chart.dot(object.path.front().position.head<2>(), kTruthColour, 4.0);
   }
   for (const auto& object : map.raw) {
     for (const auto& point : seenFromAbove(object)) chart.dot(point, kRawColour, 1.2);
   }
   for (std::size_t i = 0; i < map.tracks.size(); ++i) {
-    for (const auto& piece : pieces(map.tracks[i])) chart.line(piece, categoryColour(i), 1.6);
+    for (const auto& segment : segments(map.tracks[i]))
+      chart.line(segment, plot::categoryColour(i), 1.6);
   }
-  chart.line(map.camera_path, kCameraColour, 1.6, LineStyle::kDotted);
+  chart.line(map.camera_path, kCameraColour, 1.6, plot::LineStyle::kDotted);
   chart.legend("truth", kTruthColour);
-  if (!map.raw.empty()) chart.legend("detector", kRawColour, LineStyle::kDotted);
-  chart.legend("tracks, a colour each", categoryColour(0));
-  chart.legend("camera", kCameraColour, LineStyle::kDotted);
+  if (!map.raw.empty()) chart.legend("detector", kRawColour, plot::LineStyle::kDotted);
+  chart.legend("tracks, one colour each", plot::categoryColour(0));
+  chart.legend("camera", kCameraColour, plot::LineStyle::kDotted);
   return chart.picture();
 }
 
 cv::Mat trackPlot(const TrackErrors& errors) {
-  ChartFrame frame{"Accuracy over recall", "recall [%]", "MOTA, sMOTA [%]", {0, 100}, {0, 100}};
+  plot::ChartFrame frame{
+      "Accuracy over recall", "recall [%]", "MOTA, sMOTA [%]", {0, 100}, {0, 100}};
   for (const auto& [object_class, error] : errors.classes) {
     for (const auto& point : error.curve) frame.y.include(std::max(-100.0, 100.0 * point.mota));
   }
-  Chart chart(frame);
+  plot::Chart chart(frame);
   std::size_t number = 0;
   for (const auto& [object_class, error] : errors.classes) {
-    const Colour colour = categoryColour(number++);
+    const Colour colour = plot::categoryColour(number++);
     const std::string name(toString(object_class));
-    const auto percent = [](std::optional<double> share) {
-      return share ? fixedText(100.0 * *share, 1) : fixedText(share, 1);
-    };
+    const auto percent = [](std::optional<double> ratio) { return plot::percentText(ratio, 1); };
     chart.line(over(error.curve, &RecallPoint::smota), colour, 2.4);
-    chart.line(over(error.curve, &RecallPoint::mota), colour, 2.0, LineStyle::kDashed);
+    chart.line(over(error.curve, &RecallPoint::mota), colour, 2.0, plot::LineStyle::kDashed);
     chart.legend(name + " sMOTA (sAMOTA " + percent(error.samota) + ")", colour);
-    chart.legend(name + " MOTA (best " + percent(error.mota) + ")", colour, LineStyle::kDashed);
+    chart.legend(name + " MOTA (best " + percent(error.mota) + ")", colour,
+                 plot::LineStyle::kDashed);
   }
   return chart.picture();
 }

@@ -6,17 +6,54 @@
 #include <cmath>
 #include <string>
 
-#include "segment_errors.h"
-
 namespace headway::eval {
 namespace {
+
+/// Estimated motion relative to the true motion from pair `from` to pair `to`; identity if equal.
+///
+/// @see Sturm et al. 2012, eq. 1
+Pose relativeError(const PosePair& from, const PosePair& to) {
+  const Pose true_motion = from.truth.inverse() * to.truth;
+  const Pose estimated_motion = from.estimate.inverse() * to.estimate;
+  return true_motion.inverse() * estimated_motion;
+}
+
+/// Relative errors over segments of the true path.
+///
+/// A segment of length L starts at every `segment_step`-th pair and ends at the first pair more
+/// than L further along the path; its errors are those of the relative pose divided by L.
+///
+/// @return nullopt if no segment fits
+/// @see    Geiger et al. 2012, eqs. 2-3
+std::optional<SegmentErrors> segmentErrors(const std::vector<PosePair>& pairs,
+                                           const TrajectoryErrorParams& params) {
+  const auto distances = trueDistances(pairs);
+  double trans_sum = 0.0;
+  double rot_sum = 0.0;
+  std::size_t segments = 0;
+  for (std::size_t first = 0; first < pairs.size(); first += params.segment_step) {
+    for (const double length : params.segment_lengths_m) {
+      const auto last =
+          std::upper_bound(distances.begin(), distances.end(), distances[first] + length);
+      if (last == distances.end()) continue;
+      const Pose error =
+          relativeError(pairs[first], pairs[static_cast<std::size_t>(last - distances.begin())]);
+      trans_sum += error.translation().norm() / length;
+      rot_sum += logSo3(error.linear()).norm() / length;
+      ++segments;
+    }
+  }
+  if (segments == 0) return std::nullopt;
+  const auto count = static_cast<double>(segments);
+  return SegmentErrors{100.0 * trans_sum / count, rot_sum / count * 180.0 / M_PI, segments};
+}
 
 struct Similarity {
   double scale = 1.0;
   Pose T_truth_estimate = Pose::Identity();
 };
 
-Similarity aligning(const std::vector<PosePair>& pairs, Alignment alignment) {
+Similarity alignmentOf(const std::vector<PosePair>& pairs, Alignment alignment) {
   if (alignment == Alignment::kNone) return {};
   Eigen::Matrix3Xd truth(3, pairs.size());
   Eigen::Matrix3Xd estimate(3, pairs.size());
@@ -26,7 +63,7 @@ Similarity aligning(const std::vector<PosePair>& pairs, Alignment alignment) {
   }
   const bool with_scale = alignment == Alignment::kScale;
   if (with_scale && (estimate.colwise() - estimate.col(0)).isZero(0.0)) {
-    throw InputError("the estimate never moves, so it has no scale; align it with se3");
+    throw InputError("the estimate does not move, so its scale is undefined; use --align se3");
   }
   const Eigen::Matrix4d similarity = Eigen::umeyama(estimate, truth, with_scale);
   Similarity result;
@@ -94,6 +131,16 @@ ErrorStatistics statisticsOf(std::vector<double> errors) {
   return result;
 }
 
+std::vector<double> trueDistances(const std::vector<PosePair>& pairs) {
+  std::vector<double> distances;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const double step =
+        i == 0 ? 0.0 : (pairs[i].truth.translation() - pairs[i - 1].truth.translation()).norm();
+    distances.push_back(i == 0 ? 0.0 : distances.back() + step);
+  }
+  return distances;
+}
+
 TrajectoryError trajectoryError(const PosePairs& pairs, const TrajectoryErrorParams& params) {
   requireEnough(pairs, params.alignment);
   TrajectoryError result;
@@ -102,7 +149,7 @@ TrajectoryError trajectoryError(const PosePairs& pairs, const TrajectoryErrorPar
   result.truth_poses = pairs.truth_poses;
   result.path_m = trueDistances(pairs.pairs).back();
   if (result.path_m > 0.0) result.path_ratio = estimatedLength(pairs.pairs) / result.path_m;
-  const auto similarity = aligning(pairs.pairs, params.alignment);
+  const auto similarity = alignmentOf(pairs.pairs, params.alignment);
   result.scale = similarity.scale;
   result.T_truth_estimate = similarity.T_truth_estimate;
   result.aligned = alignedPairs(pairs.pairs, similarity);

@@ -1,11 +1,11 @@
-#include <headway/eval/chart.h>
-#include <headway/eval/trajectory_plot.h>
+#include <headway/eval/plots.h>
+#include <headway/plot/chart.h>
+#include <headway/plot/colours.h>
+#include <headway/plot/text_table.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdio>
-
-#include "segment_errors.h"
 
 namespace headway::eval {
 namespace {
@@ -28,22 +28,25 @@ cv::Mat pathFromAbove(const TrajectoryError& error, TopView view, const std::str
   const auto estimate = seenFromAbove(error.aligned, &PosePair::estimate, view);
   Points both = truth;
   both.insert(both.end(), estimate.begin(), estimate.end());
-  ChartFrame frame{
-      title, "x [m]", view == TopView::kXy ? "y [m]" : "z [m]", rangeOf(both, 0), rangeOf(both, 1),
-      true};
-  frame.right_px = kRampRoom_px;
-  Chart chart(frame);
-  chart.line(truth, kTruthColour, 1.6, LineStyle::kDashed);
+  plot::ChartFrame frame{title,
+                         "x [m]",
+                         view == TopView::kXy ? "y [m]" : "z [m]",
+                         plot::rangeOf(both, 0),
+                         plot::rangeOf(both, 1),
+                         true};
+  frame.right_px = plot::kRampWidth_px;
+  plot::Chart chart(frame);
+  chart.line(truth, kTruthColour, 1.6, plot::LineStyle::kDashed);
   const double greatest = std::max(error.ate_m.max, 1e-9);
   for (std::size_t i = 1; i < estimate.size(); ++i) {
-    chart.line({estimate[i - 1], estimate[i]}, rampColour(error.errors_m[i] / greatest), 3.0);
+    chart.line({estimate[i - 1], estimate[i]}, plot::rampColour(error.errors_m[i] / greatest), 3.0);
   }
   chart.ring(truth.front(), kTruthColour);
   chart.text(truth.front(), "start", kTruthColour);
   chart.dot(truth.back(), kTruthColour, 5.0);
   chart.text(truth.back(), "end", kTruthColour);
-  chart.legend("truth", kTruthColour, LineStyle::kDashed);
-  chart.legend("estimate, coloured by error", rampColour(0.5));
+  chart.legend("truth", kTruthColour, plot::LineStyle::kDashed);
+  chart.legend("estimate, coloured by error", plot::rampColour(0.5));
   chart.ramp("position error [m]", greatest);
   return chart.picture();
 }
@@ -58,26 +61,26 @@ cv::Mat errorOverPath(const TrajectoryError& error) {
   std::snprintf(words.data(), words.size(),
                 "RMSE %.4f m   mean %.4f   median %.4f   SD %.4f   max %.4f m", error.ate_m.rmse,
                 error.ate_m.mean, error.ate_m.median, error.ate_m.sd, error.ate_m.max);
-  ChartFrame frame{words.data(),
-                   "true path [m]",
-                   "error [m]",
-                   {0.0, error.path_m},
-                   {0.0, std::max(error.ate_m.max, 1e-9)}};
+  plot::ChartFrame frame{words.data(),
+                         "true path [m]",
+                         "error [m]",
+                         {0.0, error.path_m},
+                         {0.0, std::max(error.ate_m.max, 1e-9)}};
   frame.height = 340;
-  frame.right_px = kRampRoom_px;
-  Chart chart(frame);
-  chart.line({{0.0, error.ate_m.rmse}, {error.path_m, error.ate_m.rmse}}, categoryColour(1), 1.6,
-             LineStyle::kDashed);
-  chart.line(points, categoryColour(0), 2.0);
-  chart.legend("error", categoryColour(0));
-  chart.legend("RMSE", categoryColour(1), LineStyle::kDashed);
+  frame.right_px = plot::kRampWidth_px;
+  plot::Chart chart(frame);
+  chart.line({{0.0, error.ate_m.rmse}, {error.path_m, error.ate_m.rmse}}, plot::categoryColour(1),
+             1.6, plot::LineStyle::kDashed);
+  chart.line(points, plot::categoryColour(0), 2.0);
+  chart.legend("error", plot::categoryColour(0));
+  chart.legend("RMSE", plot::categoryColour(1), plot::LineStyle::kDashed);
   return chart.picture();
 }
 
 }  // namespace
 
 cv::Mat trajectoryPlot(const TrajectoryError& error, TopView view, const std::string& title) {
-  return stacked({pathFromAbove(error, view, title), errorOverPath(error)});
+  return plot::stacked({pathFromAbove(error, view, title), errorOverPath(error)});
 }
 
 }  // namespace headway::eval

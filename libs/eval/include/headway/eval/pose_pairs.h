@@ -6,14 +6,14 @@
 
 namespace headway::eval {
 
-/// What is true and what was estimated of one moment.
+/// True and estimated pose at one time.
 struct PosePair {
-  Time time = 0.0;  ///< the estimate's [s]; the row where poses pair by index
+  Time time = 0.0;  ///< of the estimate [s]; the row number if paired by index
   Pose truth = Pose::Identity();
   Pose estimate = Pose::Identity();
 };
 
-/// Poses of two trajectories that belong together, in order of time.
+/// Corresponding poses of two trajectories, in order of time.
 struct PosePairs {
   std::vector<PosePair> pairs;
   std::size_t truth_poses = 0;     ///< of the whole true trajectory
@@ -22,19 +22,19 @@ struct PosePairs {
 
 /// Pairs each estimated pose with the true pose nearest in time.
 ///
-/// One to one: of several estimates that share their nearest true pose, the nearest has it. The
-/// trajectories need not be sorted.
+/// One to one: of several estimates with the same nearest true pose, only the nearest is paired.
+/// The trajectories need not be sorted.
 ///
-/// @param max_difference_s  greatest distance in time of a pair [s]
-/// @throws InputError if a trajectory is empty, a pose is not finite, or nothing pairs (naming
-///         both spans of time)
+/// @param max_difference_s  maximum time difference of a pair [s]
+/// @throws InputError if a trajectory is empty, a pose is not finite, or there is no pair; the
+///         message then contains both time spans
 [[nodiscard]] PosePairs pairByTime(const std::vector<Stamped<Pose>>& truth,
                                    const std::vector<Stamped<Pose>>& estimate,
                                    double max_difference_s);
 
-/// Pairs row i with row i (KITTI odometry); rows beyond the shorter file's end have no partner.
+/// Pairs row i with row i (KITTI odometry); surplus rows of the longer trajectory are ignored.
 ///
-/// A frame that was lost counts with the pose its row holds (headway repeats the last one).
+/// Lost frames are evaluated with the pose in their row (headway repeats the last one).
 ///
 /// @throws InputError if a trajectory is empty or a pose is not finite
 [[nodiscard]] PosePairs pairByIndex(const std::vector<Pose>& truth,

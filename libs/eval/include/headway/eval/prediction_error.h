@@ -9,58 +9,58 @@
 
 namespace headway::eval {
 
-/// Predictions are judged at 0.1 s, 0.2 s ... 3.0 s.
+/// Predictions are evaluated at 0.1 s, 0.2 s ... 3.0 s.
 inline constexpr double kHorizonStep_s = 0.1;
 inline constexpr std::size_t kHorizons = 30;
-/// A prediction further off than this is a miss [m].
+/// Predictions with a larger error are misses [m].
 inline constexpr double kMissDistance_m = 2.0;
 
-/// Places at the horizons, ground plane of the map [m].
+/// Positions at all horizons on the ground plane of the map [m].
 using HorizonPath = std::array<Eigen::Vector2d, kHorizons>;
 
-/// How far predictions are from what happened. All errors are distances on the ground; all but
-/// the best of k are those of the most probable path.
+/// Errors of predictions, as distances on the ground plane. All but the best of k are those of the
+/// most probable path.
 struct PredictionError {
-  std::size_t cases = 0;        ///< predictions judged; all else is none where it is 0
+  std::size_t cases = 0;        ///< predictions evaluated; if 0, the other figures are undefined
   std::optional<double> ade_m;  ///< mean over the 30 horizons, then over the cases
   std::optional<double> fde_m;  ///< mean at 3 s
-  std::array<std::optional<double>, 3> miss_rate;  ///< share of misses at 1, 2, 3 s
-  std::optional<double> best_of_k_ade_m;  ///< of all paths of a case, that of least mean error
-  /// Share of cases inside the 50, 90, 95 % ellipse at 1, 2, 3 s, first index the ellipse. None
-  /// where the covariances are not positive definite.
+  std::array<std::optional<double>, 3> miss_rate;  ///< ratio of misses at 1, 2, 3 s
+  std::optional<double> best_of_k_ade_m;           ///< of the path with the least mean error
+  /// Ratio of cases inside the 50, 90, 95 % ellipse (first index) at 1, 2, 3 s (second index), over
+  /// the cases with positive definite covariances; none if there are no such cases.
   std::array<std::array<std::optional<double>, 3>, 3> coverage;
-  /// Mean over horizons and cases of e' C^-1 e; 2 where the covariance C is right.
+  /// Mean of e' C^-1 e over horizons and cases; 2 for a consistent covariance C.
   std::optional<double> nees;
   std::array<double, kHorizons> mean_error_m{};  ///< at each horizon
 };
 
 struct PredictionErrors {
-  std::map<ObjectClass, PredictionError> classes;  ///< those that have cases
+  std::map<ObjectClass, PredictionError> classes;  ///< classes with at least one case
   PredictionError all;
 };
 
-/// Collects predictions beside what happened, and judges them together.
+/// Accumulates the errors of predictions against the true future.
 ///
-///     PredictionJudge judge;
-///     for (...) judge.add(object_class, predictor->predict(history), future);
-///     judge.errors().all.ade_m;
+///     PredictionEvaluator evaluator;
+///     for (...) evaluator.add(object_class, predictor->predict(history), future);
+///     evaluator.errors().all.ade_m;
 ///
 /// @see Alahi et al. 2016, "Social LSTM", Sec. 4 (ADE, FDE); Gupta et al. 2018, "Social GAN"
 ///      (best of k); Chang et al. 2019, "Argoverse" (miss rate at 2 m); Bar-Shalom et al. 2001,
 ///      "Estimation with applications to tracking and navigation", Sec. 5.4 (NEES). The p ellipse
 ///      is e' C^-1 e <= -2 ln(1 - p), the quantile of chi-square with two degrees of freedom
-class PredictionJudge {
+class PredictionEvaluator {
  public:
   /// Adds one case.
   ///
-  /// @param paths   of one object, not empty; each with points at all the horizons
-  /// @param future  where it truly went
+  /// @param paths   of one object, not empty; each with points at all horizons
+  /// @param future  true positions
   /// @throws std::invalid_argument if there is no path or a path has other horizons
   void add(ObjectClass object_class, const std::vector<PredictedPath>& paths,
            const HorizonPath& future);
 
-  /// Adds the cases of another one.
-  void add(const PredictionJudge& other);
+  /// Adds the cases of another evaluator.
+  void add(const PredictionEvaluator& other);
 
   [[nodiscard]] PredictionErrors errors() const;
 
@@ -75,7 +75,7 @@ class PredictionJudge {
     double nees = 0.0;
 
     void add(const std::vector<PredictedPath>& paths, const HorizonPath& future);
-    void addSpread(const PredictedPath& path, const HorizonPath& future);
+    void addCoverage(const PredictedPath& path, const HorizonPath& future);
     void add(const Sums& other);
     [[nodiscard]] PredictionError errors() const;
   };

@@ -7,18 +7,18 @@
 
 namespace headway::eval {
 
-/// What may be moved before estimate and truth are compared.
+/// Transformation of the estimate before the comparison with the truth.
 enum class Alignment {
-  kSe3,    ///< the estimate, as a rigid body, for the least squared distance of positions
-  kScale,  ///< the same, and its size too (monocular systems)
-  kNone,   ///< nothing
+  kSe3,    ///< rigid transformation that minimises the squared position errors
+  kScale,  ///< similarity transformation, for monocular systems
+  kNone,   ///< none
 };
 
 struct TrajectoryErrorParams {
   Alignment alignment = Alignment::kSe3;
-  /// Lengths of the path over which the relative errors of KITTI are taken [m].
+  /// Lengths of the path segments of KITTI's relative errors [m].
   std::vector<double> segment_lengths_m = {100, 200, 300, 400, 500, 600, 700, 800};
-  std::size_t segment_step = 10;  ///< frames between the starts of two segments
+  std::size_t segment_step = 10;  ///< frames between the starts of segments
 };
 
 /// RMSE, mean, standard deviation, median and maximum of errors; rmse^2 = mean^2 + sd^2.
@@ -26,46 +26,47 @@ struct ErrorStatistics {
   double rmse = 0.0;
   double mean = 0.0;
   double sd = 0.0;
-  double median = 0.0;  ///< mean of the two in the middle where their number is even
+  double median = 0.0;  ///< mean of the two central values if their number is even
   double max = 0.0;
 };
 
-/// Errors over segments of the path: means over all segments of all lengths.
+/// Relative errors over path segments, averaged over all segments of all lengths.
 struct SegmentErrors {
-  double trans_percent = 0.0;  ///< translation error per length of path [%]
-  double rot_deg_per_m = 0.0;  ///< rotation error per length of path [deg/m]
-  std::size_t segments = 0;    ///< number of segments they rest on
+  double trans_percent = 0.0;  ///< translation error per path length [%]
+  double rot_deg_per_m = 0.0;  ///< rotation error per path length [deg/m]
+  std::size_t segments = 0;    ///< number of segments
 };
 
-/// How far an estimated trajectory is from the truth.
+/// Errors of an estimated trajectory.
 struct TrajectoryError {
   std::size_t frames = 0;          ///< poses of the estimate
-  std::size_t frames_matched = 0;  ///< those of them with a partner: all below rests on them
+  std::size_t frames_matched = 0;  ///< poses with a true partner; the figures below are over these
   std::size_t truth_poses = 0;
-  double path_m = 0.0;               ///< length of the true path through the matched poses
-  std::optional<double> path_ratio;  ///< estimated length (not scaled) / true; none at a standstill
-  ErrorStatistics ate_m;             ///< absolute trajectory error: distances of positions [m]
-  double rpe_trans_rmse_m = 0.0;     ///< relative pose error from one matched pose to the next
+  double path_m = 0.0;  ///< length of the true path through the matched poses
+  std::optional<double>
+      path_ratio;                 ///< unscaled estimated length / true length; none at standstill
+  ErrorStatistics ate_m;          ///< absolute trajectory error: position distances [m]
+  double rpe_trans_rmse_m = 0.0;  ///< relative pose error between consecutive matched poses
   double rpe_rot_rmse_deg = 0.0;
-  std::optional<SegmentErrors> kitti;  ///< none where the path is too short for every length
+  std::optional<SegmentErrors> kitti;  ///< none if the path is shorter than every segment
 
-  Pose T_truth_estimate = Pose::Identity();  ///< the alignment used
-  double scale = 1.0;                        ///< it multiplies the estimate's positions first
-  std::vector<PosePair> aligned;             ///< the pairs, estimates aligned
-  std::vector<double> errors_m;              ///< distance of positions, of each pair [m]
+  Pose T_truth_estimate = Pose::Identity();  ///< alignment applied
+  double scale = 1.0;                        ///< factor of the estimated positions, applied first
+  std::vector<PosePair> aligned;             ///< pairs with aligned estimates
+  std::vector<double> errors_m;              ///< position error of each pair [m]
 };
 
 /// Compares an estimated trajectory with the truth.
 ///
-/// The absolute error needs positions only, so a constant turn between the frames carried by
-/// truth and estimate does not matter to it; the relative errors compare full poses of one and
-/// the same frame. With kScale the relative errors are those of the scaled estimate.
+/// The absolute error uses positions only, so a constant rotation between the body frames of truth
+/// and estimate has no effect on it; the relative errors require the same body frame. With kScale
+/// the relative errors are those of the scaled estimate.
 ///
 ///     const auto error = trajectoryError(pairByTime(truth, estimate, 0.02), {});
 ///     std::cout << error.ate_m.rmse;
 ///
 /// @throws InputError if there are too few pairs to align and compare (3; without alignment 2),
-///         or the estimate never moves and its scale is asked for
+///         or kScale is given and the estimate does not move
 /// @see Umeyama 1991, "Least-squares estimation of transformation parameters between two point
 ///      patterns"; Sturm et al. 2012, "A benchmark for the evaluation of RGB-D SLAM systems",
 ///      eqs. 1-5 (relative pose error over one frame, absolute trajectory error); Geiger et al.
@@ -73,6 +74,9 @@ struct TrajectoryError {
 ///      (errors over path segments of 100, 200 ... 800 m)
 [[nodiscard]] TrajectoryError trajectoryError(const PosePairs& pairs,
                                               const TrajectoryErrorParams& params);
+
+/// Length of the true path from the first pair to each pair [m].
+[[nodiscard]] std::vector<double> trueDistances(const std::vector<PosePair>& pairs);
 
 /// Statistics of a list; all zero if it is empty.
 [[nodiscard]] ErrorStatistics statisticsOf(std::vector<double> errors);

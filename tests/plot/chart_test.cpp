@@ -1,13 +1,11 @@
 #include <gmock/gmock.h>
-#include <headway/eval/bar_plot.h>
-#include <headway/eval/chart.h>
-#include <headway/eval/trajectory_plot.h>
+#include <headway/plot/chart.h>
+#include <headway/plot/colours.h>
 
 #include <limits>
 #include <opencv2/core.hpp>
-#include <set>
 
-namespace headway::eval {
+namespace headway::plot {
 namespace {
 
 bool sameBytes(const cv::Mat& a, const cv::Mat& b) {
@@ -95,13 +93,13 @@ TEST(ChartTest, legendStandsInTheCornerWhereLeastIsDrawn) {
 
 TEST(BarPlotTest, barsStandWhereTheirGroupIsAndGapsStayEmpty) {
   const double gap = std::numeric_limits<double>::quiet_NaN();
-  const BarPlot plot{"Bars", "value [m]", {"one", "two"}, {{"a", {1.0, 2.0}}, {"b", {3.0, gap}}}};
-  const cv::Mat whole = barPlot(plot);
+  const BarChart plot{"Bars", "value [m]", {"one", "two"}, {{"a", {1.0, 2.0}}, {"b", {3.0, gap}}}};
+  const cv::Mat whole = drawBars(plot);
   auto without = plot;
   without.series[0].values[1] = gap;  // the only bar of the right half
-  const cv::Mat left_only = barPlot(without);
+  const cv::Mat left_only = drawBars(without);
   ASSERT_EQ(whole.size(), left_only.size());
-  const int right = 1200 - kLegendRoom_px;
+  const int right = 1200 - kLegendWidth_px;
   const int middle = (84 + right) / 2;
   const cv::Range all_rows(0, whole.rows);
   EXPECT_EQ(0.0, changed(whole(all_rows, {84, middle}).clone(),
@@ -113,12 +111,12 @@ TEST(BarPlotTest, barsStandWhereTheirGroupIsAndGapsStayEmpty) {
 
 TEST(BarPlotTest, legendHidesNoBar) {
   const std::vector<double> high(4, 1.0);
-  BarPlot plot{"Bars", "value [m]", {"a", "b", "c", "d"}, {}};
+  BarChart plot{"Bars", "value [m]", {"a", "b", "c", "d"}, {}};
   plot.series.push_back({"constant_velocity", high});
-  const cv::Mat picture = barPlot(plot);
+  const cv::Mat picture = drawBars(plot);
   const auto colour = categoryColour(0);
   cv::Mat bars;
-  cv::inRange(picture(cv::Rect(84, 0, 1200 - kLegendRoom_px - 84, picture.rows)),
+  cv::inRange(picture(cv::Rect(84, 0, 1200 - kLegendWidth_px - 84, picture.rows)),
               cv::Scalar(colour.blue, colour.green, colour.red),
               cv::Scalar(colour.blue, colour.green, colour.red), bars);
   const int of_each = bars.cols / 4;
@@ -131,15 +129,8 @@ TEST(BarPlotTest, legendHidesNoBar) {
 }
 
 TEST(BarPlotTest, nothingToDrawIsStillAPicture) {
-  EXPECT_FALSE(barPlot({"Empty", "value", {}, {}}).empty());
-}
-
-TEST(TrajectoryPlotTest, showsMapAndErrorForStandstillToo) {
-  const std::vector<Pose> still(5, Pose::Identity());
-  const auto error = trajectoryError(pairByIndex(still, still), {});
-  const cv::Mat plot = trajectoryPlot(error, TopView::kXy, "still");
-  EXPECT_EQ(cv::Size(1200, 760 + 340), plot.size());
+  EXPECT_FALSE(drawBars({"Empty", "value", {}, {}}).empty());
 }
 
 }  // namespace
-}  // namespace headway::eval
+}  // namespace headway::plot

@@ -1,5 +1,5 @@
 #include <headway/core/error.h>
-#include <headway/eval/object_truth.h>
+#include <headway/eval/labelled_frames.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,8 +17,8 @@ std::vector<TrueObject> objectsOf(const std::vector<LabelledFrame>& frames,
   std::map<std::int64_t, TrueObject> objects;
   for (std::size_t k = 0; k < frames.size(); ++k) {
     if (k >= T_map_cam.size() && !(frames[k].*which).empty()) {
-      throw InputError("there are poses of " + std::to_string(T_map_cam.size()) +
-                       " frames, but frame " + std::to_string(k) + " holds boxes too");
+      throw InputError("only " + std::to_string(T_map_cam.size()) + " poses are given, but frame " +
+                       std::to_string(k) + " has labels too");
     }
     for (const auto& box : frames[k].*which) {
       if (!box.box3d) continue;
@@ -47,8 +47,8 @@ std::optional<Eigen::Vector3d> TrueObject::positionAt(Time time, double max_gap_
   const auto before = after - 1;
   const double gap = after->time - before->time;
   if (gap > max_gap_s) return std::nullopt;
-  const double share = (time - before->time) / gap;
-  return (1.0 - share) * before->position + share * after->position;
+  const double ratio = (time - before->time) / gap;
+  return (1.0 - ratio) * before->position + ratio * after->position;
 }
 
 std::vector<TrueObject> trueObjects(const std::vector<LabelledFrame>& frames,

@@ -1,10 +1,10 @@
 #include <gmock/gmock.h>
-#include <headway/eval/text_table.h>
+#include <headway/plot/text_table.h>
 
 #include <limits>
 #include <sstream>
 
-namespace headway::eval {
+namespace headway::plot {
 namespace {
 
 TEST(TextTableTest, isMarkdownWithAlignedColumns) {
@@ -30,4 +30,4 @@ TEST(TextTableTest, whatIsNotFiniteIsADash) {
 }
 
 }  // namespace
-}  // namespace headway::eval
+}  // namespace headway::plot

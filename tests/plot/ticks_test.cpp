@@ -1,8 +1,7 @@
-#include "axis_ticks.h"
-
 #include <gtest/gtest.h>
+#include <headway/plot/ticks.h>
 
-namespace headway::eval {
+namespace headway::plot {
 namespace {
 
 TEST(AxisTicksTest, stepsAreOneTwoOrFiveTimesAPowerOfTen) {
@@ -34,4 +33,4 @@ TEST(AxisTicksTest, whatTheSumOfStepsMissesZeroByIsZero) {
 }
 
 }  // namespace
-}  // namespace headway::eval
+}  // namespace headway::plot

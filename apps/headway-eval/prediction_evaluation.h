@@ -1,0 +1,42 @@
+#pragma once
+
+#include <headway/eval/plots.h>
+#include <headway/objects/predictor.h>
+#include <headway/plot/text_table.h>
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "prediction_input.h"
+
+namespace headway::app {
+
+/// Errors of one predictor, or of the predictions of a replay.
+struct EvaluatedPredictor {
+  std::string name;
+  eval::PredictionEvaluator evaluator;  ///< all cases
+  eval::PredictionErrors errors;
+  std::vector<std::pair<std::string, eval::PredictionErrors>> sequences;
+  std::vector<std::pair<std::string, std::size_t>> not_evaluated;  ///< by reason
+  std::size_t drawn_sequence = 0;            ///< index of the sequence with the most cases
+  std::vector<eval::DrawnPrediction> drawn;  ///< a sample of its predictions
+};
+
+/// Evaluates a predictor on exact true histories.
+[[nodiscard]] EvaluatedPredictor evaluatePredictor(const std::vector<PredictionSequence>& sequences,
+                                                   const std::string& name,
+                                                   const objects::PredictorParams& params);
+
+/// Evaluates the predictions read with the sequences.
+[[nodiscard]] EvaluatedPredictor evaluateEstimate(const std::vector<PredictionSequence>& sequences);
+
+/// One row per predictor, all classes together.
+[[nodiscard]] plot::TextTable predictorTable(const std::vector<EvaluatedPredictor>& predictors);
+/// One row per predictor, one column per class: ADE / FDE.
+[[nodiscard]] plot::TextTable classTable(const std::vector<EvaluatedPredictor>& predictors);
+/// One row per sequence, one column per predictor: ADE / FDE.
+[[nodiscard]] plot::TextTable sequenceTable(const std::vector<EvaluatedPredictor>& predictors);
+
+}  // namespace headway::app

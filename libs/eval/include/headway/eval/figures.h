@@ -1,0 +1,27 @@
+#pragma once
+
+#include <headway/plot/text_table.h>
+
+#include <nlohmann/json_fwd.hpp>
+
+namespace headway::eval {
+
+struct PredictionErrors;
+struct TrackErrors;
+struct TrajectoryError;
+
+// The errors as JSON under the keys of doc/formats.md; undefined figures are null.
+[[nodiscard]] nlohmann::ordered_json toJson(const TrajectoryError& error);
+[[nodiscard]] nlohmann::ordered_json toJson(const TrackErrors& errors);
+[[nodiscard]] nlohmann::ordered_json toJson(const PredictionErrors& errors);
+
+/// One row per figure: name, value, unit.
+[[nodiscard]] plot::TextTable tableOf(const TrajectoryError& error);
+/// One row per class and one for all classes; ratios in percent.
+[[nodiscard]] plot::TextTable tableOf(const PredictionErrors& errors);
+[[nodiscard]] plot::TextTable tableOf(const TrackErrors& errors);
+
+/// Position errors of raw detections and of the tracks estimated from them, one row per class.
+[[nodiscard]] plot::TextTable positionTable(const TrackErrors& raw, const TrackErrors& tracks);
+
+}  // namespace headway::eval
