@@ -1,12 +1,16 @@
-#include "timeline.h"
-
 #include <gmock/gmock.h>
+
+#include "sections.h"
 
 namespace headway::report {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
+
+Stamped<Pose> at(Time time, double x, double y) {
+  return {time, Pose(Eigen::Translation3d(x, y, 0.0))};
+}
 
 std::size_t countOf(const std::string& text, const std::string& part) {
   std::size_t count = 0;
@@ -15,38 +19,38 @@ std::size_t countOf(const std::string& text, const std::string& part) {
 }
 
 /// Confirmed and moving at 0, 0.1, ... 1.9 s, but coasting from 1.0 s on.
-TrackLife exampleLife(std::int64_t id, double start = 0.0) {
-  TrackLife life{id, ObjectClass::kCyclist, {}};
-  for (int i = 0; i < 20; ++i) life.points.push_back({start + 0.1 * i, 0, 0, i < 10, true});
-  return life;
+TrackHistory exampleTrack(std::int64_t id, double start = 0.0) {
+  TrackHistory track{id, ObjectClass::kCyclist, {}};
+  for (int i = 0; i < 20; ++i) track.points.push_back({start + 0.1 * i, 0, 0, i < 10, true});
+  return track;
 }
 
-TEST(TimelineTest, CutsABarWhereAVerdictChanges) {
+TEST(TimelineTest, SplitsABarWhereStatusOrMotionChanges) {
   ReplayFolder folder;
-  folder.tracks = {exampleLife(3)};
+  folder.tracks = {exampleTrack(3)};
   const std::string html = timeline(folder);
   EXPECT_THAT(html, HasSubstr("Cyclist 3"));
   EXPECT_EQ(countOf(html, "<rect"), 2u);
   EXPECT_EQ(countOf(html, "opacity"), 1u);
 }
 
-TEST(TimelineTest, LeavesAGapWhereATrackWasGone) {
+TEST(TimelineTest, LeavesAGapWhereATrackIsMissing) {
   ReplayFolder folder;
-  folder.tracks = {exampleLife(3)};
+  folder.tracks = {exampleTrack(3)};
   folder.tracks[0].points.erase(folder.tracks[0].points.begin() + 3,
                                 folder.tracks[0].points.begin() + 8);
   EXPECT_EQ(countOf(timeline(folder), "<rect"), 3u);
 }
 
-TEST(TimelineTest, SaysHowManyTracksItLeavesOut) {
+TEST(TimelineTest, StatesTheNumberOfOmittedTracks) {
   ReplayFolder folder;
-  for (int i = 0; i < 75; ++i) folder.tracks.push_back(exampleLife(i, 0.01 * i));
+  for (int i = 0; i < 75; ++i) folder.tracks.push_back(exampleTrack(i, 0.01 * i));
   const std::string html = timeline(folder);
   EXPECT_EQ(countOf(html, "Cyclist "), 60u);
   EXPECT_THAT(html, HasSubstr("15 shorter tracks"));
 }
 
-TEST(TimelineTest, IsNothingWithoutTracks) {
+TEST(TimelineTest, IsEmptyWithoutTracks) {
   EXPECT_EQ(timeline(ReplayFolder()), "");
   EXPECT_EQ(activityPlots(ReplayFolder()), "");
   EXPECT_EQ(timingBars(ReplayFolder()), "");
@@ -54,11 +58,11 @@ TEST(TimelineTest, IsNothingWithoutTracks) {
 
 TEST(ActivityPlotsTest, ShowTheHighestSpeedAndNumberOfTracks) {
   ReplayFolder folder;
-  for (int i = 0; i < 40; ++i) folder.trajectory.push_back({0.1 * i, 0.5 * i, 0.0});
-  folder.tracks = {exampleLife(1), exampleLife(2)};
+  for (int i = 0; i < 40; ++i) folder.trajectory.push_back(at(0.1 * i, 0.5 * i, 0.0));
+  folder.tracks = {exampleTrack(1), exampleTrack(2)};
   const std::string html = activityPlots(folder);
-  EXPECT_THAT(html, HasSubstr("up to 5.0\u202fm/s"));
-  EXPECT_THAT(html, HasSubstr("up to 2\u202ftracks"));
+  EXPECT_THAT(html, HasSubstr("max. 5.0\u202fm/s"));
+  EXPECT_THAT(html, HasSubstr("max. 2\u202ftracks"));
 }
 
 TEST(TimingBarsTest, ShowEachStageWithItsFigures) {

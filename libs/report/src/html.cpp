@@ -1,8 +1,12 @@
 #include "html.h"
 
+#include <headway/core/error.h>
+
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 namespace headway::report {
 
@@ -48,10 +52,38 @@ std::string hex(Colour colour) {
   return text.data();
 }
 
-std::string section(const std::string& id, const std::string& title, const std::string& lead,
-                    const std::string& contents) {
+std::string section(const std::string& id, const std::string& title,
+                    const std::string& introduction, const std::string& contents) {
   return "<section id=\"" + id + "\"><h2>" + escaped(title) + "</h2>" +
-         (lead.empty() ? "" : "<p class=\"lead\">" + lead + "</p>") + contents + "</section>\n";
+         (introduction.empty() ? "" : "<p class=\"lead\">" + introduction + "</p>") + contents +
+         "</section>\n";
+}
+
+std::string base64(const std::vector<std::uint8_t>& bytes) {
+  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const auto at = [&](std::size_t j) { return j < bytes.size() ? std::uint32_t{bytes[j]} : 0u; };
+    const std::uint32_t triple = at(i) << 16 | at(i + 1) << 8 | at(i + 2);
+    for (std::size_t digit = 0; digit < 4; ++digit) {
+      const bool padding = i + digit > bytes.size();
+      text += padding ? '=' : kDigits[triple >> (18 - 6 * digit) & 63];
+    }
+  }
+  return text;
+}
+
+std::string pictureUri(const std::filesystem::path& path, int max_width) {
+  cv::Mat picture = cv::imread(path.string(), cv::IMREAD_COLOR);
+  if (picture.empty()) throw InputError(path.string() + ": is not a readable picture");
+  if (picture.cols > max_width) {
+    const double scale = static_cast<double>(max_width) / picture.cols;
+    cv::resize(picture, picture, {}, scale, scale, cv::INTER_AREA);
+  }
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, 88});
+  return "data:image/jpeg;base64," + base64(bytes);
 }
 
 }  // namespace headway::report

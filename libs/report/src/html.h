@@ -2,24 +2,35 @@
 
 #include <headway/core/class_colour.h>
 
+#include <cstdint>
+#include <filesystem>
 #include <string>
+#include <vector>
 
 namespace headway::report {
 
-/// Text with the characters that mean something in HTML replaced.
+/// Text with `&`, `<`, `>` and `"` replaced by their HTML entities.
 [[nodiscard]] std::string escaped(const std::string& text);
 
-/// A number with so many decimals, "–" if it is not finite.
+/// A number with fixed decimals; "–" if it is not finite.
 [[nodiscard]] std::string fixed(double value, int decimals);
 
-/// A whole number with thin spaces between thousands.
+/// An integer with narrow spaces between groups of three digits.
 [[nodiscard]] std::string grouped(std::size_t value);
 
 /// "#rrggbb".
 [[nodiscard]] std::string hex(Colour colour);
 
-/// A section of the page: heading, what stands under it as a lead (may be empty), contents.
+/// A section of the page: heading, introduction (HTML, may be empty) and contents (HTML).
 [[nodiscard]] std::string section(const std::string& id, const std::string& title,
-                                  const std::string& lead, const std::string& contents);
+                                  const std::string& introduction, const std::string& contents);
+
+/// Base 64 encoding (RFC 4648) with padding; hand-written because Boost's are not public.
+[[nodiscard]] std::string base64(const std::vector<std::uint8_t>& bytes);
+
+/// A picture file as a JPEG data URI, scaled down to at most `max_width` [px].
+///
+/// @throws InputError if the picture cannot be read
+[[nodiscard]] std::string pictureUri(const std::filesystem::path& path, int max_width);
 
 }  // namespace headway::report

@@ -1,50 +1,56 @@
-#include "map_plot.h"
-
 #include <headway/core/error.h>
+#include <headway/plot/ticks.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "html.h"
+#include "sections.h"
 
 namespace headway::report {
 namespace {
 
 constexpr double kWidth = 1000.0;
-constexpr double kLowest = 420.0, kHighest = 900.0;  ///< of the plot's height
-constexpr double kMarginM = 18.0;                    ///< shown around the path
-constexpr double kTrackReachM = 60.0;  ///< from the path; farther ones do not widen it
-constexpr double kHeadingBaseM = 3.0;  ///< way over which a heading is measured
+constexpr double kMinHeight = 420.0, kMaxHeight = 900.0;
+constexpr double kMarginM = 18.0;            ///< around the path
+constexpr double kMaxTrackDistanceM = 60.0;  ///< from the path, of tracks inside the plot
+constexpr double kHeadingBaseM = 3.0;        ///< distance over which the heading is determined
 constexpr double kSameTimeS = 0.05;
 
-/// From metres to the plot's units; x to the right, or up where the path runs that way.
-class Frame {
+/// Transformation from the map frame [m] to plot coordinates; x to the right, or upwards if the
+/// area is higher than wide.
+class PlotFrame {
  public:
-  Frame(Eigen::AlignedBox2d shown) : upright_(shown.sizes().y() > 1.15 * shown.sizes().x()) {
-    const Eigen::Vector2d sizes = upright_ ? shown.sizes().reverse().eval() : shown.sizes();
-    scale_ = std::min(kWidth / sizes.x(), kHighest / sizes.y());
-    height_ = std::max(kLowest, sizes.y() * scale_);
-    middle_ = shown.center();
+  explicit PlotFrame(const Eigen::AlignedBox2d& shown)
+      : x_upwards_(shown.sizes().y() > 1.15 * shown.sizes().x()) {
+    const Eigen::Vector2d sizes = x_upwards_ ? shown.sizes().reverse().eval() : shown.sizes();
+    scale_ = std::min(kWidth / sizes.x(), kMaxHeight / sizes.y());
+    height_ = std::max(kMinHeight, sizes.y() * scale_);
+    centre_ = shown.center();
   }
   [[nodiscard]] double height() const { return height_; }
   [[nodiscard]] double scale() const { return scale_; }
-  [[nodiscard]] Eigen::Vector2d at(double x, double y) const {
-    const Eigen::Vector2d offset = Eigen::Vector2d(x, y) - middle_;
-    const Eigen::Vector2d turned = upright_ ? Eigen::Vector2d(-offset.y(), -offset.x())
-                                            : Eigen::Vector2d(offset.x(), -offset.y());
-    return Eigen::Vector2d(0.5 * kWidth, 0.5 * height_) + scale_ * turned;
+  [[nodiscard]] Eigen::Vector2d toPlot(const Eigen::Vector2d& position) const {
+    const Eigen::Vector2d offset = position - centre_;
+    const Eigen::Vector2d rotated = x_upwards_ ? Eigen::Vector2d(-offset.y(), -offset.x())
+                                               : Eigen::Vector2d(offset.x(), -offset.y());
+    return Eigen::Vector2d(0.5 * kWidth, 0.5 * height_) + scale_ * rotated;
   }
-  [[nodiscard]] bool shows(const Eigen::Vector2d& point) const {
+  [[nodiscard]] bool contains(const Eigen::Vector2d& point) const {
     return point.x() >= 0 && point.x() <= kWidth && point.y() >= 0 && point.y() <= height_;
   }
 
  private:
-  bool upright_;
+  bool x_upwards_;
   double scale_ = 1.0;
-  double height_ = kLowest;
-  Eigen::Vector2d middle_;
+  double height_ = kMinHeight;
+  Eigen::Vector2d centre_;
 };
+
+Eigen::Vector2d positionOf(const Stamped<Pose>& pose) { return pose.value.translation().head<2>(); }
+
+Eigen::Vector2d positionOf(const TrackPoint& point) { return {point.x, point.y}; }
 
 std::string coordinates(const Eigen::Vector2d& point) {
   return fixed(point.x(), 1) + " " + fixed(point.y(), 1);
@@ -52,12 +58,14 @@ std::string coordinates(const Eigen::Vector2d& point) {
 
 Eigen::AlignedBox2d boundsOf(const ReplayFolder& folder) {
   Eigen::AlignedBox2d path;
-  for (const auto& place : folder.trajectory) path.extend(Eigen::Vector2d(place.x, place.y));
+  for (const auto& pose : folder.trajectory) path.extend(positionOf(pose));
   Eigen::AlignedBox2d shown = path;
-  for (const auto& life : folder.tracks) {
-    for (const auto& point : life.points) {
-      const Eigen::Vector2d place(point.x, point.y);
-      if (point.moving && path.exteriorDistance(place) < kTrackReachM) shown.extend(place);
+  for (const auto& history : folder.tracks) {
+    for (const auto& point : history.points) {
+      const Eigen::Vector2d position = positionOf(point);
+      if (point.moving && path.exteriorDistance(position) < kMaxTrackDistanceM) {
+        shown.extend(position);
+      }
     }
   }
   const Eigen::Vector2d margin = Eigen::Vector2d::Constant(kMarginM);
@@ -65,46 +73,44 @@ Eigen::AlignedBox2d boundsOf(const ReplayFolder& folder) {
 }
 
 template <typename Points>
-std::string polyline(const Points& points, const Frame& frame) {
+std::string polyline(const Points& points, const PlotFrame& frame) {
   std::string d;
   for (const auto& point : points) {
-    d += (d.empty() ? "M" : "L") + coordinates(frame.at(point.x, point.y));
+    d += (d.empty() ? "M" : "L") + coordinates(frame.toPlot(positionOf(point)));
   }
   return d;
 }
 
-std::string landmarkDots(const std::vector<Eigen::Vector3f>& landmarks, const Frame& frame) {
+std::string landmarkDots(const std::vector<Eigen::Vector3f>& landmarks, const PlotFrame& frame) {
   std::string d;
   for (const auto& landmark : landmarks) {
-    const Eigen::Vector2d point = frame.at(landmark.x(), landmark.y());
-    if (frame.shows(point)) d += "M" + coordinates(point) + "h0";
+    const Eigen::Vector2d point = frame.toPlot(landmark.head<2>().cast<double>());
+    if (frame.contains(point)) d += "M" + coordinates(point) + "h0";
   }
   return d.empty() ? "" : "<path class=\"dots\" d=\"" + d + "\"/>";
 }
 
-bool everMoves(const TrackLife& life) {
-  return std::any_of(life.points.begin(), life.points.end(),
+bool isEverMoving(const TrackHistory& history) {
+  return std::any_of(history.points.begin(), history.points.end(),
                      [](const TrackPoint& point) { return point.moving; });
 }
 
-std::string trackLine(const TrackLife& life, const Frame& frame) {
-  const std::string colour = hex(colourOf(life.object_class));
-  const std::string title = "<title>" + escaped(std::string(toString(life.object_class))) + " " +
-                            std::to_string(life.id) + "</title>";
-  if (everMoves(life)) {
-    return "<path class=\"track\" stroke=\"" + colour + "\" d=\"" + polyline(life.points, frame) +
-           "\">" + title + "</path>";
+std::string trackLine(const TrackHistory& history, const PlotFrame& frame) {
+  const std::string colour = hex(colourOf(history.object_class));
+  const std::string title = "<title>" + escaped(std::string(toString(history.object_class))) + " " +
+                            std::to_string(history.id) + "</title>";
+  if (isEverMoving(history)) {
+    return "<path class=\"track\" stroke=\"" + colour + "\" d=\"" +
+           polyline(history.points, frame) + "\">" + title + "</path>";
   }
-  const Eigen::Vector2d last = frame.at(life.points.back().x, life.points.back().y);
-  if (!frame.shows(last)) return "";
+  const Eigen::Vector2d last = frame.toPlot(positionOf(history.points.back()));
+  if (!frame.contains(last)) return "";
   return "<circle r=\"4\" fill=\"" + colour + "\" cx=\"" + fixed(last.x(), 1) + "\" cy=\"" +
          fixed(last.y(), 1) + "\">" + title + "</circle>";
 }
 
-std::string scaleBar(const Frame& frame) {
-  const double most = 0.22 * kWidth / frame.scale();
-  const double power = std::pow(10.0, std::floor(std::log10(most)));
-  const double length = (most >= 5.0 * power ? 5.0 : most >= 2.0 * power ? 2.0 : 1.0) * power;
+std::string scaleBar(const PlotFrame& frame) {
+  const double length = plot::scaleBarLength(0.22 * kWidth / frame.scale());
   const double y = frame.height() - 24.0;
   const double end = 24.0 + length * frame.scale();
   return "<path class=\"bar\" d=\"M24 " + fixed(y, 1) + "H" + fixed(end, 1) +
@@ -112,12 +118,11 @@ std::string scaleBar(const Frame& frame) {
          fixed(length, length < 1.0 ? 1 : 0) + " m</text>";
 }
 
-/// Direction of travel at the beginning of a path [rad]; 0 where it stands still.
-double firstHeading(const std::vector<TimedPlace>& path, std::size_t from) {
+/// Direction of travel from a pose on [rad]; 0 at standstill.
+double headingFrom(const std::vector<Stamped<Pose>>& path, std::size_t from) {
   for (std::size_t i = from; i < path.size(); ++i) {
-    const double dx = path[i].x - path[from].x;
-    const double dy = path[i].y - path[from].y;
-    if (std::hypot(dx, dy) > kHeadingBaseM) return std::atan2(dy, dx);
+    const Eigen::Vector2d way = positionOf(path[i]) - positionOf(path[from]);
+    if (way.norm() > kHeadingBaseM) return std::atan2(way.y(), way.x());
   }
   return 0.0;
 }
@@ -126,48 +131,52 @@ double firstHeading(const std::vector<TimedPlace>& path, std::size_t from) {
 
 std::string mapPlot(const ReplayFolder& folder, const TruthLayer& truth) {
   if (folder.trajectory.empty()) return "";
-  const Frame frame(boundsOf(folder));
+  const PlotFrame frame(boundsOf(folder));
   std::string svg = "<svg class=\"map\" viewBox=\"0 0 1000 " + fixed(frame.height(), 0) +
-                    "\" role=\"img\" aria-label=\"Map from above\">" +
+                    "\" role=\"img\" aria-label=\"Plan view of the map\">" +
                     landmarkDots(folder.landmarks, frame);
-  for (const auto& life : truth.objects) {
-    if (everMoves(life)) {
-      svg += "<path class=\"truthtrack\" d=\"" + polyline(life.points, frame) + "\"/>";
+  for (const auto& history : truth.objects) {
+    if (isEverMoving(history)) {
+      svg += "<path class=\"truthtrack\" d=\"" + polyline(history.points, frame) + "\"/>";
     }
   }
-  for (const auto& life : folder.tracks) svg += trackLine(life, frame);
+  for (const auto& history : folder.tracks) svg += trackLine(history, frame);
   if (!truth.trajectory.empty()) {
     svg += "<path class=\"truth\" d=\"" + polyline(truth.trajectory, frame) + "\"/>";
   }
-  const auto& first = folder.trajectory.front();
-  const Eigen::Vector2d start = frame.at(first.x, first.y);
+  const Eigen::Vector2d start = frame.toPlot(positionOf(folder.trajectory.front()));
   svg += "<path class=\"robot\" d=\"" + polyline(folder.trajectory, frame) + "\"/>";
   svg += "<circle class=\"start\" r=\"8\" cx=\"" + fixed(start.x(), 1) + "\" cy=\"" +
          fixed(start.y(), 1) + "\"/>" + scaleBar(frame) + "</svg>";
   return svg;
 }
 
-void layOnto(const std::vector<TimedPlace>& estimate, const std::string& truth_name,
-             TruthLayer& truth) {
+void alignToEstimate(const std::vector<Stamped<Pose>>& estimate, const std::string& truth_name,
+                     TruthLayer& truth) {
   for (std::size_t i = 0; i < estimate.size(); ++i) {
     for (std::size_t j = 0; j < truth.trajectory.size(); ++j) {
       if (std::abs(estimate[i].time - truth.trajectory[j].time) > kSameTimeS) continue;
-      const Eigen::Vector2d from(truth.trajectory[j].x, truth.trajectory[j].y);
-      const Eigen::Vector2d to(estimate[i].x, estimate[i].y);
-      const Eigen::Rotation2Dd turn(firstHeading(estimate, i) - firstHeading(truth.trajectory, j));
-      const auto move = [&](auto& point) {
-        const Eigen::Vector2d moved = to + turn * (Eigen::Vector2d(point.x, point.y) - from);
-        point.x = moved.x();
-        point.y = moved.y();
+      const Eigen::Vector2d from = positionOf(truth.trajectory[j]);
+      const Eigen::Vector2d to = positionOf(estimate[i]);
+      const Eigen::Rotation2Dd rotation(headingFrom(estimate, i) -
+                                        headingFrom(truth.trajectory, j));
+      const auto moved = [&](const Eigen::Vector2d& point) {
+        return Eigen::Vector2d(to + rotation * (point - from));
       };
-      for (auto& place : truth.trajectory) move(place);
-      for (auto& life : truth.objects) {
-        for (auto& point : life.points) move(point);
+      for (auto& pose : truth.trajectory) {
+        pose.value.translation().head<2>() = moved(positionOf(pose));
+      }
+      for (auto& history : truth.objects) {
+        for (auto& point : history.points) {
+          const Eigen::Vector2d position = moved(positionOf(point));
+          point.x = position.x();
+          point.y = position.y();
+        }
       }
       return;
     }
   }
-  throw InputError(truth_name + ": none of its times is one of the replay's");
+  throw InputError(truth_name + ": no time agrees with a time of the replay");
 }
 
 }  // namespace headway::report

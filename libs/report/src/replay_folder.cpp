@@ -1,19 +1,52 @@
 #include "replay_folder.h"
 
 #include <headway/core/error.h>
+#include <headway/io/track_file.h>
+#include <headway/io/trajectory_file.h>
 
 #include <algorithm>
+#include <cstring>
 #include <fstream>
 #include <map>
-
-#include "point_cloud_file.h"
+#include <sstream>
+#include <string>
 
 namespace headway::report {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostLandmarks = 6000;
+constexpr std::size_t kMaxLandmarks = 6000;
+
+struct PlyHeader {
+  std::size_t count = 0;
+  std::size_t stride = 0;  ///< size of a vertex [bytes]
+};
+
+std::size_t sizeInBytes(const std::string& type) {
+  static const std::map<std::string, std::size_t> kSizes = {
+      {"char", 1}, {"uchar", 1}, {"short", 2}, {"ushort", 2},
+      {"int", 4},  {"uint", 4},  {"float", 4}, {"double", 8}};
+  const auto size = kSizes.find(type);
+  return size == kSizes.end() ? 0 : size->second;
+}
+
+PlyHeader readHeader(std::istream& file, const std::string& name) {
+  PlyHeader header;
+  std::string text;
+  for (std::string line; std::getline(file, line) && line != "end_header"; text += line + "\n") {
+    std::istringstream words(line);
+    std::string word, type;
+    words >> word >> type;
+    if (word == "element" && type == "vertex") words >> header.count;
+    if (word == "property") header.stride += sizeInBytes(type);
+  }
+  const bool known =
+      text.rfind("ply\nformat binary_little_endian 1.0\n", 0) == 0 &&
+      text.find("property float x\nproperty float y\nproperty float z") != std::string::npos;
+  if (!file || !known) throw InputError(name + ": is not a binary PLY file with x, y, z");
+  return header;
+}
 
 nlohmann::ordered_json readJson(const fs::path& path) {
   std::ifstream file(path);
@@ -34,43 +67,58 @@ std::vector<fs::path> picturesIn(const fs::path& folder) {
 
 }  // namespace
 
-std::vector<TrackLife> readTracks(const fs::path& path) {
-  const TextTable table(path);
-  std::map<std::int64_t, TrackLife> lives;
-  for (std::size_t row = 0; row < table.size(); ++row) {
-    const auto id = static_cast<std::int64_t>(table.number(row, "track_id"));
-    TrackLife& life = lives[id];
-    life.id = id;
-    life.object_class = objectClassFrom(table.text(row, "class")).value_or(ObjectClass::kUnknown);
-    life.points.push_back({table.number(row, "time"), table.number(row, "x"),
-                           table.number(row, "y"), table.text(row, "status") != "coasting",
-                           table.number(row, "moving") != 0.0});
+std::vector<TrackHistory> readTracks(const fs::path& path) {
+  std::map<TrackId, TrackHistory> histories;
+  for (const auto& sample : io::readTrackCsv(path)) {
+    TrackHistory& history = histories[sample.track.id];
+    history.id = sample.track.id.value;
+    history.object_class = sample.track.object_class;
+    history.points.push_back({sample.time, sample.track.position.x(), sample.track.position.y(),
+                              sample.track.status != TrackStatus::kCoasting,
+                              isMoving(sample.track)});
   }
-  std::vector<TrackLife> result;
-  for (auto& [id, life] : lives) {
-    std::stable_sort(life.points.begin(), life.points.end(),
+  std::vector<TrackHistory> result;
+  for (auto& [id, history] : histories) {
+    std::stable_sort(history.points.begin(), history.points.end(),
                      [](const auto& a, const auto& b) { return a.time < b.time; });
-    result.push_back(std::move(life));
+    result.push_back(std::move(history));
   }
-  std::stable_sort(result.begin(), result.end(), [](const TrackLife& a, const TrackLife& b) {
+  std::stable_sort(result.begin(), result.end(), [](const TrackHistory& a, const TrackHistory& b) {
     return a.points.front().time < b.points.front().time;
   });
   return result;
 }
 
+std::vector<Eigen::Vector3f> readPoints(const std::filesystem::path& path, std::size_t max_points) {
+  std::ifstream file(path, std::ios::binary);
+  const PlyHeader header = readHeader(file, path.string());
+  const std::size_t step = max_points == 0 ? 1 : (header.count + max_points - 1) / max_points;
+  std::vector<Eigen::Vector3f> points;
+  std::vector<char> vertex(header.stride);
+  for (std::size_t i = 0; i < header.count; ++i) {
+    file.read(vertex.data(), static_cast<std::streamsize>(vertex.size()));
+    if (!file) throw InputError(path.string() + ": ends before its last vertex");
+    if (i % step != 0) continue;
+    Eigen::Vector3f point;
+    std::memcpy(point.data(), vertex.data(), 3 * sizeof(float));
+    points.push_back(point);
+  }
+  return points;
+}
+
 ReplayFolder readReplayFolder(const fs::path& path) {
   if (!fs::exists(path / "summary.json")) {
     throw InputError((path / "summary.json").string() +
-                     ": no such file; a report is made from the folder of a finished replay");
+                     ": no such file; a report requires the output folder of a finished replay");
   }
   ReplayFolder folder;
   folder.path = path;
   folder.summary = readJson(path / "summary.json");
   if (fs::exists(path / "replay.json")) folder.record = readJson(path / "replay.json");
-  if (fs::exists(path / "trajectory.tum")) folder.trajectory = readPath(path / "trajectory.tum");
+  if (fs::exists(path / "trajectory.tum")) folder.trajectory = io::readTum(path / "trajectory.tum");
   if (fs::exists(path / "tracks.csv")) folder.tracks = readTracks(path / "tracks.csv");
   if (fs::exists(path / "map_points.ply")) {
-    folder.landmarks = readPoints(path / "map_points.ply", kMostLandmarks);
+    folder.landmarks = readPoints(path / "map_points.ply", kMaxLandmarks);
   }
   folder.snapshots = picturesIn(path / "snapshots");
   return folder;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <headway/core/object_class.h>
+#include <headway/core/pose.h>
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -8,41 +9,52 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "text_table.h"
-
 namespace headway::report {
 
-/// One track at one frame, as a plot needs it.
+/// State of a track at one frame.
 struct TrackPoint {
   double time = 0.0;      ///< [s]
-  double x = 0.0;         ///< [m]
-  double y = 0.0;         ///< [m]
+  double x = 0.0;         ///< map frame [m]
+  double y = 0.0;         ///< map frame [m]
   bool confirmed = true;  ///< false: coasting
   bool moving = false;
 };
 
-/// One track over its life, ascending in time.
-struct TrackLife {
+/// All states of one track, ascending in time.
+struct TrackHistory {
   std::int64_t id = -1;
   ObjectClass object_class = ObjectClass::kUnknown;
-  std::vector<TrackPoint> points;
+  std::vector<TrackPoint> points;  ///< at least one
 };
 
-/// What the folder of a finished replay holds, as far as the page shows it.
+/// The files of a finished replay that the report shows.
 struct ReplayFolder {
   std::filesystem::path path;
-  nlohmann::ordered_json summary;
-  nlohmann::ordered_json record;  ///< replay.json; null if missing
-  std::vector<TimedPlace> trajectory;
-  std::vector<TrackLife> tracks;                 ///< by first sight, then id
-  std::vector<Eigen::Vector3f> landmarks;        ///< a sample
-  std::vector<std::filesystem::path> snapshots;  ///< in order of name
+  nlohmann::ordered_json summary;                ///< summary.json
+  nlohmann::ordered_json record;                 ///< replay.json; null if missing
+  std::vector<Stamped<Pose>> trajectory;         ///< robot in map
+  std::vector<TrackHistory> tracks;              ///< by first time, then id
+  std::vector<Eigen::Vector3f> landmarks;        ///< a sample, map frame [m]
+  std::vector<std::filesystem::path> snapshots;  ///< by name
 };
 
-/// @throws InputError if summary.json is missing or a file is broken
+/// Reads the folder; files other than summary.json may be missing.
+///
+/// @throws InputError if summary.json is missing or a file is malformed
 [[nodiscard]] ReplayFolder readReplayFolder(const std::filesystem::path& path);
 
-/// The lives of the tracks in a file with the columns of `tracks.csv`.
-[[nodiscard]] std::vector<TrackLife> readTracks(const std::filesystem::path& path);
+/// Reads the tracks of a file with the columns of `tracks.csv`.
+///
+/// @throws InputError naming file and line of an error
+[[nodiscard]] std::vector<TrackHistory> readTracks(const std::filesystem::path& path);
+
+/// Reads the points of a binary little-endian PLY file whose vertices start with float x, y, z [m].
+///
+/// Hand-written because MRPT's PLY reader requires OpenGL libraries and loads all points.
+///
+/// @param max_points  every n-th point is read so that there are no more than these
+/// @throws InputError if the file has another format or ends early
+[[nodiscard]] std::vector<Eigen::Vector3f> readPoints(const std::filesystem::path& path,
+                                                      std::size_t max_points);
 
 }  // namespace headway::report

@@ -1,14 +1,13 @@
 #include <headway/core/error.h>
+#include <headway/io/trajectory_file.h>
 #include <headway/report/report.h>
 
 #include <fstream>
 
 #include "html.h"
-#include "map_plot.h"
 #include "replay_folder.h"
 #include "sections.h"
 #include "style.h"
-#include "timeline.h"
 
 namespace headway::report {
 namespace {
@@ -19,36 +18,37 @@ TruthLayer readTruth(const ReplayFolder& folder, const fs::path& truth_folder) {
   TruthLayer truth;
   if (truth_folder.empty()) return truth;
   const fs::path path = truth_folder / "trajectory.tum";
-  truth.trajectory = readPath(path);
+  truth.trajectory = io::readTum(path);
   if (fs::exists(truth_folder / "objects.csv")) {
     truth.objects = readTracks(truth_folder / "objects.csv");
   }
-  layOnto(folder.trajectory, path.string(), truth);
+  alignToEstimate(folder.trajectory, path.string(), truth);
   return truth;
 }
 
 std::string mapSection(const ReplayFolder& folder, const TruthLayer& truth) {
   const std::string plot = mapPlot(folder, truth);
   if (plot.empty()) return "";
-  return section("map", "From above",
-                 "The robot's path among the landmarks, and where things moved; a dot is a thing "
-                 "that stood.",
-                 plot + classLegend(folder, !truth.trajectory.empty()));
+  return section(
+      "map", "Map",
+      "Plan view of the robot's path, the landmarks and the paths of moving objects. Dots "
+      "are static objects.",
+      plot + classLegend(folder, !truth.trajectory.empty()));
 }
 
 std::string tracksSection(const ReplayFolder& folder) {
   const std::string rows = timeline(folder);
-  return section("tracks", "Over time",
+  return section("tracks", "Tracks over time",
                  rows.empty() ? ""
-                              : "Tracks: solid where seen, pale where carried on unseen, thick "
-                                "while moving.",
+                              : "Opaque: detected. Translucent: predicted without a detection. "
+                                "Thick: moving.",
                  activityPlots(folder) + rows);
 }
 
 std::string timingsSection(const ReplayFolder& folder) {
   const std::string bars = timingBars(folder);
   if (bars.empty()) return "";
-  return section("timings", "Time by stage", "Median and 95 % of the frames.", bars);
+  return section("timings", "Processing time per stage", "Median and 95th percentile.", bars);
 }
 
 std::string versionOf(const ReplayFolder& folder) {
@@ -63,7 +63,7 @@ std::string pageOf(const ReplayFolder& folder, const ReportOptions& options) {
          "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"><title>" +
          title + " – headway</title><style>" + kStyle + "</style></head><body><main>\n" +
          titleBlock(folder) + summaryTiles(folder) + errorsSection(options.errors) +
-         mapSection(folder, truth) + snapshotsSection(folder, options.most_pictures) +
+         mapSection(folder, truth) + snapshotsSection(folder, options.max_pictures) +
          tracksSection(folder) + timingsSection(folder) + calibrationSection(folder) +
          droppedSection(folder) + configurationSection(folder) + "<footer>headway " +
          escaped(versionOf(folder)) + "</footer></main></body></html>\n";

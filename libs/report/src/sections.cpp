@@ -5,7 +5,6 @@
 #include <map>
 #include <set>
 
-#include "data_uri.h"
 #include "html.h"
 
 namespace headway::report {
@@ -25,10 +24,10 @@ std::size_t countAt(const Json& json, const std::string& key) {
   return std::isfinite(value) && value > 0.0 ? static_cast<std::size_t>(value) : 0;
 }
 
-double pathLength(const std::vector<TimedPlace>& path) {
+double pathLength(const std::vector<Stamped<Pose>>& path) {
   double length = 0.0;
   for (std::size_t i = 1; i < path.size(); ++i) {
-    length += std::hypot(path[i].x - path[i - 1].x, path[i].y - path[i - 1].y);
+    length += (path[i].value.translation() - path[i - 1].value.translation()).head<2>().norm();
   }
   return length;
 }
@@ -47,28 +46,28 @@ std::string table(const std::string& rows) {
   return "<div class=\"scroll\"><table>" + rows + "</table></div>";
 }
 
-/// What is meant by the reasons and classes that the summary counts.
+/// Explanation of a reason for dropping a detection or skipping an observation.
 std::string meaningOf(const std::string& reason) {
   static const std::map<std::string, std::string> kMeanings = {
-      {"bad_pose", "a pose with values that are not numbers"},
-      {"behind_camera", "a box behind the camera"},
-      {"broken_image", "an image that cannot be decoded"},
-      {"camera_lost", "the camera's place was not known in that frame"},
-      {"dont_care", "marked as not to be judged"},
-      {"duplicate", "a second box of an object that has one"},
-      {"image_size", "an image of another size than its calibration"},
-      {"low_score", "the detector's score is below the threshold"},
-      {"missing_image", "an image file that is not there"},
-      {"nan_box", "a box with values that are not numbers"},
-      {"no_right_image", "a stereo observation with one image alone"},
-      {"no_time", "an observation without a time"},
-      {"time_backwards", "time did not go forward"},
-      {"too_far", "a box beyond the range of interest"},
-      {"truth", "kept away from the estimators, for evaluation"},
-      {"unknown_class", "a class that headway does not know"},
-      {"unmatched_detections", "boxes of no frame"},
-      {"unmatched_pose", "a pose of no frame"},
-      {"unpaired_image", "an image without its partner"},
+      {"bad_pose", "pose with values that are not finite"},
+      {"behind_camera", "box behind the camera"},
+      {"broken_image", "image that cannot be decoded"},
+      {"camera_lost", "frame without a camera pose"},
+      {"dont_care", "marked DontCare"},
+      {"duplicate", "second box of the same object"},
+      {"image_size", "image size differs from the calibration"},
+      {"low_score", "score below the threshold"},
+      {"missing_image", "image file not found"},
+      {"nan_box", "box with values that are not finite"},
+      {"no_right_image", "stereo observation with a single image"},
+      {"no_time", "observation without a time"},
+      {"time_backwards", "time not after the previous one"},
+      {"too_far", "box beyond the maximum range"},
+      {"truth", "truth, used for evaluation only"},
+      {"unknown_class", "class unknown to headway"},
+      {"unmatched_detections", "boxes that match no frame"},
+      {"unmatched_pose", "pose that matches no frame"},
+      {"unpaired_image", "image without its stereo counterpart"},
   };
   const auto meaning = kMeanings.find(reason);
   return meaning != kMeanings.end() ? meaning->second : "";
@@ -80,7 +79,7 @@ std::string countsTable(const Json& counts) {
     if (!count.is_number()) continue;
     rows += row(reason, grouped(count.get<std::size_t>()), meaningOf(reason));
   }
-  return rows.empty() ? "<p>Nothing.</p>" : table(rows);
+  return rows.empty() ? "<p>None.</p>" : table(rows);
 }
 
 std::string recordedText(const ReplayFolder& folder, const char* key) {
@@ -108,7 +107,7 @@ std::string warnings(const ReplayFolder& folder) {
       }
       list += (list.empty() ? "" : ", ") + frame.dump();
     }
-    html += "<p class=\"warning\">Lost in " + grouped(lost) + " frames: " + escaped(list) + "</p>";
+    html += "<p class=\"warning\">Camera lost in " + grouped(lost) + " frames: " + escaped(list) + "</p>";
   }
   return html;
 }
@@ -137,13 +136,13 @@ std::string summaryTiles(const ReplayFolder& folder) {
                grouped(countAt(s, "loops")) + " loops closed");
   html += tile("Map", grouped(countAt(s, "landmarks")) + "<i> landmarks</i>",
                grouped(countAt(s, "keyframes")) + " keyframes");
-  html += tile("Moving things", grouped(countAt(s, "tracks_moving")) + "<i> moving</i>",
+  html += tile("Moving objects", grouped(countAt(s, "tracks_moving")) + "<i> moving</i>",
                grouped(countAt(s, "tracks_confirmed")) + " tracks confirmed");
-  html += tile("Time for a frame", fixed(numberAt(s, "frame_ms_median"), 1) + "<i> ms</i>",
-               "95 % within " + fixed(numberAt(s, "frame_ms_p95"), 1) + " ms, all within " +
+  html += tile("Time per frame", fixed(numberAt(s, "frame_ms_median"), 1) + "<i> ms</i>",
+               "95 % below " + fixed(numberAt(s, "frame_ms_p95"), 1) + " ms, maximum " +
                    fixed(numberAt(s, "frame_ms_max"), 1) + " ms");
-  html += tile("Processor", fixed(numberAt(s, "cpu_ms_per_frame"), 1) + "<i> ms a frame</i>",
-               fixed(numberAt(s, "peak_memory_mb"), 0) + " MB at most, first frame after " +
+  html += tile("Processor", fixed(numberAt(s, "cpu_ms_per_frame"), 1) + "<i> ms per frame</i>",
+               fixed(numberAt(s, "peak_memory_mb"), 0) + " MB peak, first frame after " +
                    fixed(numberAt(s, "start_up_s"), 2) + " s");
   return html + "</div>\n";
 }
@@ -155,10 +154,10 @@ std::string errorsSection(const std::vector<Figure>& errors) {
   return section("errors", "Against the truth", "", table(rows));
 }
 
-std::string snapshotsSection(const ReplayFolder& folder, std::size_t most) {
+std::string snapshotsSection(const ReplayFolder& folder, std::size_t max_pictures) {
   const auto& all = folder.snapshots;
-  if (all.empty() || most == 0) return "";
-  const std::size_t count = std::min(most, all.size());
+  if (all.empty() || max_pictures == 0) return "";
+  const std::size_t count = std::min(max_pictures, all.size());
   std::string html = "<div class=\"pictures\">";
   for (std::size_t i = 0; i < count; ++i) {
     const auto& path = all[count == 1 ? all.size() / 2 : i * (all.size() - 1) / (count - 1)];
@@ -168,33 +167,34 @@ std::string snapshotsSection(const ReplayFolder& folder, std::size_t most) {
             pictureUri(path, kPictureWidth) + "\"><figcaption>frame " + escaped(frame) +
             "</figcaption></figure>";
   }
-  return section("snapshots", "Along the way", "", html + "</div>");
+  return section("snapshots", "Snapshots", "", html + "</div>");
 }
 
 std::string calibrationSection(const ReplayFolder& folder) {
   const auto report = folder.summary.find("calibration");
   if (report == folder.summary.end() || !report->is_object()) return "";
   const double vertical = numberAt(*report, "vertical_disparity_px");
-  const std::string verdict = vertical < 0.5   ? "good: rows of left and right coincide"
-                              : vertical < 1.5 ? "usable, but rows do not quite coincide"
-                                               : "bad: is this the right calibration?";
+  const std::string assessment = vertical < 0.5   ? "good: left and right rows coincide"
+                                 : vertical < 1.5 ? "usable: left and right rows deviate slightly"
+                                                  : "bad: check the calibration";
   std::string rows =
-      row("Baseline", fixed(numberAt(*report, "baseline_m"), 4) + " m", "between the cameras") +
+      row("Baseline", fixed(numberAt(*report, "baseline_m"), 4) + " m",
+          "distance between the cameras") +
       row("Focal length", fixed(numberAt(*report, "focal_px"), 2) + " px", "") +
-      row("Vertical disparity", fixed(vertical, 2) + " px", verdict) +
+      row("Vertical disparity", fixed(vertical, 2) + " px", assessment) +
       row("Median disparity", fixed(numberAt(*report, "median_disparity_px"), 1) + " px",
-          "of the matches of the first pair") +
-      row("Matches", grouped(countAt(*report, "matches")), "that these figures rest on") +
-      row("Rectified here", report->value("rectified_here", false) ? "yes" : "no",
-          "no: the rawlog's images were rectified already");
-  return section("calibration", "Calibration", "What the images say of it.", table(rows));
+          "of the matches in the first image pair") +
+      row("Matches", grouped(countAt(*report, "matches")), "used for these figures") +
+      row("Rectified by headway", report->value("rectified_here", false) ? "yes" : "no",
+          "no: the recorded images are rectified");
+  return section("calibration", "Calibration", "Measured in the images.", table(rows));
 }
 
 std::string droppedSection(const ReplayFolder& folder) {
   const Json none = Json::object();
   const std::string used =
       "<p>" + grouped(countAt(folder.summary, "detections_used")) + " detections were used.</p>";
-  return section("dropped", "What was left out, and why", "",
+  return section("dropped", "Dropped input", "",
                  used + "<h3>Detections</h3>" +
                      countsTable(folder.summary.value("detections_dropped", none)) +
                      "<h3>Observations</h3>" +
@@ -220,7 +220,7 @@ std::string configurationSection(const ReplayFolder& folder) {
 
 std::string classLegend(const ReplayFolder& folder, bool with_truth) {
   std::set<ObjectClass> classes;
-  for (const auto& life : folder.tracks) classes.insert(life.object_class);
+  for (const auto& history : folder.tracks) classes.insert(history.object_class);
   std::string html = "<p class=\"legend\"><span><i class=\"swatch robotswatch\"></i>robot</span>";
   if (with_truth) html += "<span><i class=\"swatch truthswatch\"></i>truth</span>";
   for (const auto object_class : classes) {

@@ -2,8 +2,7 @@
 
 namespace headway::report {
 
-/// The page's style: one column on a phone, two where there is room, light or dark as the reader's
-/// system is.
+/// Style sheet of the page: responsive, light or dark as configured in the reader's system.
 inline constexpr char kStyle[] = R"css(
 :root{color-scheme:light dark;--ground:#f6f7f9;--card:#fff;--text:#1b2230;--dim:#5d6879;--line:#dfe4ea;
 --robot:#c98a00;--truth:#1b2230;--dots:#9aa7b8;--accent:#2f7de1;--pale:#bcd6f7;--warn:#fff1d6;--warntext:#7a4b00}

@@ -6,30 +6,32 @@
 
 namespace headway::report {
 
-/// A figure with its name, such as an error against the truth.
+/// A named figure, such as an error against the truth.
 struct Figure {
   std::string name;   ///< "ATE RMSE"
-  std::string value;  ///< with its unit: "0.043 m"
+  std::string value;  ///< including the unit: "0.043 m"
 };
 
 struct ReportOptions {
-  std::filesystem::path truth;    ///< folder with trajectory.tum and objects.csv; empty: no truth
-  std::vector<Figure> errors;     ///< against the truth, worked out elsewhere
-  std::size_t most_pictures = 8;  ///< of the snapshots, spread over the replay
-  std::filesystem::path output;   ///< empty: report.html in the folder
+  std::filesystem::path truth;   ///< folder with trajectory.tum and objects.csv; empty: no truth
+  std::vector<Figure> errors;    ///< against the truth, computed by the caller
+  std::size_t max_pictures = 8;  ///< number of snapshots, evenly spaced over the replay
+  std::filesystem::path output;  ///< empty: report.html in the replay's folder
 };
 
-/// Shows the folder of a finished replay as `report.html`: one page that needs nothing else.
+/// Writes a report of a finished replay as one self-contained HTML page.
 ///
-/// Summary, the trajectory over the map, snapshots, a timeline of tracks, timings by stage, the
-/// calibration report, what was dropped and why, and the configuration, from what the folder holds
-/// (`summary.json`, `replay.json`, `trajectory.tum`, `tracks.csv`, `map_points.ply`,
-/// `snapshots/`); what is not there is left out. Same folder, same bytes.
+/// Contains a summary, the trajectory in the map, snapshots, a timeline of tracks, the processing
+/// time per stage, the calibration report, dropped input with reasons, and the configuration, read
+/// from `summary.json`, `replay.json`, `trajectory.tum`, `tracks.csv`, `map_points.ply` and
+/// `snapshots/`. Sections whose files are missing are omitted. The same folder gives the same
+/// bytes.
 ///
 ///     report::writeReport(outdir);
 ///
 /// @return the page's path
-/// @throws InputError if summary.json is missing, a file is broken, or the page cannot be written
+/// @throws InputError if summary.json is missing, a file is malformed, or the page cannot be
+/// written
 std::filesystem::path writeReport(const std::filesystem::path& folder,
                                   const ReportOptions& options = {});
 

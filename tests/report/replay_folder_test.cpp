@@ -1,0 +1,144 @@
+#include "replay_folder.h"
+
+#include <gmock/gmock.h>
+#include <headway/core/error.h>
+#include <headway_test/folders.h>
+
+#include <fstream>
+
+namespace headway::report {
+namespace {
+
+class PlyFileTest : public ::testing::Test {
+ protected:
+  /// A file whose header states `count` points and that contains `written`; point i is (i, 2 i, 3
+  /// i).
+  std::string cloud(int count, int written, const std::string& format = "binary_little_endian") {
+    const auto path = folder_ / "points.ply";
+    std::ofstream file(path, std::ios::binary);
+    file << "ply\nformat " << format << " 1.0\ncomment any\nelement vertex " << count
+         << "\nproperty float x\nproperty float y\nproperty float z\nproperty float intensity\n"
+         << "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
+    for (int i = 0; i < written; ++i) {
+      const float values[4] = {float(i), float(2 * i), float(3 * i), 0.5f};
+      file.write(reinterpret_cast<const char*>(values), sizeof(values));
+      file.write("rgb", 3);
+    }
+    return path;
+  }
+
+ private:
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(PlyFileTest, ReadsEveryPoint) {
+  const auto points = readPoints(cloud(5, 5), 100);
+  ASSERT_EQ(points.size(), 5u);
+  EXPECT_EQ(points[4], Eigen::Vector3f(4, 8, 12));
+}
+
+TEST_F(PlyFileTest, ReadsASampleOfALargeCloud) {
+  const auto points = readPoints(cloud(1000, 1000), 300);
+  EXPECT_LE(points.size(), 300u);
+  EXPECT_GE(points.size(), 200u);
+  EXPECT_EQ(points[1], Eigen::Vector3f(4, 8, 12));
+}
+
+TEST_F(PlyFileTest, ReadsAnEmptyCloud) { EXPECT_TRUE(readPoints(cloud(0, 0), 100).empty()); }
+
+TEST_F(PlyFileTest, RefusesTruncatedAndOtherFormats) {
+  EXPECT_THROW((void)readPoints(cloud(5, 4), 100), InputError);
+  EXPECT_THROW((void)readPoints(cloud(5, 5, "ascii"), 100), InputError);
+  EXPECT_THROW((void)readPoints("/nonexistent.ply", 100), InputError);
+}
+
+class ReplayFolderTest : public ::testing::Test {
+ protected:
+  void write(const std::string& name, const std::string& text) {
+    std::ofstream(folder_ / name) << text;
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+constexpr char kHeader[] =
+    "frame,time,track_id,class,status,moving,x,y,z,yaw,length,width,height,vx,vy,vz,var_x,var_y,"
+    "cov_xy\n";
+
+std::string row(double time, int id, const std::string& status, int moving, double x) {
+  return "0," + std::to_string(time) + "," + std::to_string(id) + ",Cyclist," + status + "," +
+         std::to_string(moving) + "," + std::to_string(x) + ",2,0,0,1.8,0.6,1.7,1,0,0,0.1,0.1,0\n";
+}
+
+TEST_F(ReplayFolderTest, ReadsASummaryAlone) {
+  write("summary.json", R"({"frames": 3})");
+  const auto folder = readReplayFolder(folder_.path());
+  EXPECT_EQ(folder.summary["frames"], 3);
+  EXPECT_TRUE(folder.record.is_null());
+  EXPECT_TRUE(folder.trajectory.empty());
+  EXPECT_TRUE(folder.tracks.empty());
+  EXPECT_TRUE(folder.landmarks.empty());
+  EXPECT_TRUE(folder.snapshots.empty());
+}
+
+TEST_F(ReplayFolderTest, RefusesAFolderWithoutSummaryAndMalformedFiles) {
+  EXPECT_THROW((void)readReplayFolder(folder_.path()), InputError);
+  write("summary.json", "[1, 2]");
+  EXPECT_THROW((void)readReplayFolder(folder_.path()), InputError);
+  write("summary.json", "{}");
+  write("replay.json", "{ broken");
+  EXPECT_THROW((void)readReplayFolder(folder_.path()), InputError);
+  write("replay.json", "{}");
+  write("trajectory.tum", "1.5 rubbish\n");
+  EXPECT_THROW((void)readReplayFolder(folder_.path()), InputError);
+}
+
+TEST_F(ReplayFolderTest, ReadsTheTrajectoryWithoutComments) {
+  write("summary.json", "{}");
+  write("trajectory.tum", "# t x y z qx qy qz qw\n1.5 2 -3 4 0 0 0 1\n");
+  const auto trajectory = readReplayFolder(folder_.path()).trajectory;
+  ASSERT_EQ(trajectory.size(), 1u);
+  EXPECT_EQ(trajectory[0].time, 1.5);
+  EXPECT_EQ(trajectory[0].value.translation(), Eigen::Vector3d(2, -3, 4));
+}
+
+TEST_F(ReplayFolderTest, ListsSnapshotsByNameAndIgnoresOtherFiles) {
+  write("summary.json", "{}");
+  std::filesystem::create_directories(folder_ / "snapshots");
+  for (const char* name : {"000010.png", "000002.png", "notes.txt"}) {
+    write(std::string("snapshots/") + name, "");
+  }
+  const auto snapshots = readReplayFolder(folder_.path()).snapshots;
+  ASSERT_EQ(snapshots.size(), 2u);
+  EXPECT_EQ(snapshots[0].filename(), "000002.png");
+  EXPECT_EQ(snapshots[1].filename(), "000010.png");
+}
+
+TEST_F(ReplayFolderTest, GroupsRowsByTrackInOrderOfAppearance) {
+  write("tracks.csv", kHeader + row(2.0, 1, "confirmed", 1, 5.0) + row(1.0, 7, "coasting", 0, 6.0) +
+                          row(1.5, 1, "coasting", 0, 4.0) + row(3.0, 7, "confirmed", 1, 8.0));
+  const auto tracks = readTracks(folder_ / "tracks.csv");
+  ASSERT_EQ(tracks.size(), 2u);
+  EXPECT_EQ(tracks[0].id, 7);
+  EXPECT_EQ(tracks[1].id, 1);
+  EXPECT_EQ(tracks[1].object_class, ObjectClass::kCyclist);
+  ASSERT_EQ(tracks[1].points.size(), 2u);
+  EXPECT_EQ(tracks[1].points[0].time, 1.5);
+  EXPECT_EQ(tracks[1].points[0].x, 4.0);
+  EXPECT_FALSE(tracks[1].points[0].confirmed);
+  EXPECT_TRUE(tracks[1].points[1].confirmed);
+  EXPECT_TRUE(tracks[1].points[1].moving);
+}
+
+TEST_F(ReplayFolderTest, NamesFileAndLineOfAnIncompleteRow) {
+  write("tracks.csv", kHeader + std::string("1,2,3\n"));
+  try {
+    (void)readTracks(folder_ / "tracks.csv");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("tracks.csv:2"));
+  }
+}
+
+}  // namespace
+}  // namespace headway::report
