@@ -1,12 +1,13 @@
 #include <gtest/gtest.h>
 #include <headway/core/class_colour.h>
 #include <headway/map/track_geometry.h>
+#include <headway/plot/colours.h>
 #include <headway/scene/snapshot.h>
 
 #include <cstdlib>
 
+#include "canvas.h"
 #include "example_street.h"
-#include "palette.h"
 #include "view.h"
 
 namespace headway::scene {
@@ -20,14 +21,11 @@ cv::Mat drawn(const SnapshotInput& input, View view, int width = 640, int height
   return SnapshotRenderer(options).draw(input);
 }
 
-cv::Scalar bgr(Colour colour) {
-  return {double(colour.blue), double(colour.green), double(colour.red)};
-}
-
 /// Number of pixels that differ by at most 40 in each channel from a colour.
 int pixelsLike(const cv::Mat& picture, Colour colour) {
   cv::Mat alike;
-  cv::inRange(picture, bgr(colour) - cv::Scalar::all(40), bgr(colour) + cv::Scalar::all(40), alike);
+  cv::inRange(picture, plot::bgr(colour) - cv::Scalar::all(40),
+              plot::bgr(colour) + cv::Scalar::all(40), alike);
   return cv::countNonZero(alike);
 }
 
@@ -36,7 +34,7 @@ bool isLike(const cv::Mat& picture, const Eigen::Vector2d& at, Colour colour) {
   return pixelsLike(picture(around), colour) > 0;
 }
 
-TEST(ViewFromTest, KnowsTheFourViews) {
+TEST(ViewFromTest, AcceptsTheFourViews) {
   EXPECT_EQ(viewFrom("follow"), View::kFollow);
   EXPECT_EQ(viewFrom("top"), View::kTop);
   EXPECT_EQ(viewFrom("orbit"), View::kOrbit);
@@ -47,7 +45,7 @@ TEST(ViewFromTest, KnowsTheFourViews) {
 
 class EveryView : public ::testing::TestWithParam<View> {};
 
-TEST_P(EveryView, HasTheSizeAskedForAndShowsTracksAndPredictions) {
+TEST_P(EveryView, HasTheRequestedSizeAndShowsTracksAndPredictions) {
   const auto map = streetMap();
   const cv::Mat picture = drawn(streetInput(map), GetParam(), 641, 363);
   ASSERT_EQ(picture.size(), cv::Size(641, 363));
@@ -68,14 +66,14 @@ TEST_P(EveryView, DrawsVerySmallPictures) {
   EXPECT_EQ(drawn(streetInput(map), GetParam(), 17, 9).size(), cv::Size(17, 9));
 }
 
-TEST_P(EveryView, DrawsTheSameBytesAgain) {
+TEST_P(EveryView, IsDeterministic) {
   const auto map = streetMap();
   const cv::Mat first = drawn(streetInput(map), GetParam());
   const cv::Mat second = drawn(streetInput(map), GetParam());
   EXPECT_EQ(cv::norm(first, second, cv::NORM_INF), 0.0);
 }
 
-TEST_P(EveryView, ShowsTheTruthWhereItIsGiven) {
+TEST_P(EveryView, ShowsTheTruthIfGiven) {
   const auto map = streetMap();
   auto input = streetInput(map);
   input.image = cv::Mat();
@@ -95,7 +93,7 @@ TEST(SnapshotTest, DrawsABoxWhereItProjects) {
   input.image = cv::Mat();
   const SnapshotOptions options{640, 360, View::kFollow};
   const cv::Mat picture = SnapshotRenderer(options).draw(input);
-  const auto view = outsideView(options, input, 0.0);
+  const auto view = externalView(options, input, 0.0);
   for (const auto& corner : map::boxCorners(map.movingObjects().tracks()[0])) {
     const auto pixel = render::project(corner, view);
     ASSERT_TRUE(pixel);
@@ -103,7 +101,7 @@ TEST(SnapshotTest, DrawsABoxWhereItProjects) {
   }
 }
 
-TEST(SnapshotTest, DrawsBoxesOverTheImageWhereTheCameraSeesThem) {
+TEST(SnapshotTest, DrawsBoxesOverTheImageWhereTheyProject) {
   map::PerceptionMap map;
   map.update(10.0, {streetTrack(3, ObjectClass::kTruck, {12.0, 1.0}, 0.4, 0.0)});
   const auto input = streetInput(map);
@@ -118,7 +116,7 @@ TEST(SnapshotTest, DrawsBoxesOverTheImageWhereTheCameraSeesThem) {
   EXPECT_EQ(picture.at<cv::Vec3b>(60, 1000), cv::Vec3b(200, 170, 140));
 }
 
-TEST(SnapshotTest, ShowsTheCameraImageAsAnInsetWhereThereIsOne) {
+TEST(SnapshotTest, ShowsTheCameraImageAsAnInset) {
   const auto map = streetMap();
   auto input = streetInput(map);
   const Colour sky{140, 170, 200};
@@ -127,14 +125,14 @@ TEST(SnapshotTest, ShowsTheCameraImageAsAnInsetWhereThereIsOne) {
   EXPECT_GT(with, pixelsLike(drawn(input, View::kFollow), sky) + 3000);
 }
 
-TEST(SnapshotTest, TakesGreyImages) {
+TEST(SnapshotTest, AcceptsGreyImages) {
   const auto map = streetMap();
   auto input = streetInput(map);
   input.image = cv::Mat(240, 640, CV_8UC1, cv::Scalar(180));
   EXPECT_GT(pixelsLike(drawn(input, View::kCamera), {180, 180, 180}), 10000);
 }
 
-TEST(SnapshotTest, LeavesOutTentativeTracks) {
+TEST(SnapshotTest, OmitsTentativeTracks) {
   auto track = streetTrack(3, ObjectClass::kCyclist, {12.0, 1.0}, 0.4, 3.0);
   track.status = TrackStatus::kTentative;
   map::PerceptionMap map;
@@ -144,7 +142,7 @@ TEST(SnapshotTest, LeavesOutTentativeTracks) {
   EXPECT_EQ(pixelsLike(drawn(input, View::kCamera), colourOf(ObjectClass::kCyclist)), 0);
 }
 
-TEST(SnapshotDeathTest, NeedsNoOpenGlForTheCameraViewAndForSceneFiles) {
+TEST(SnapshotDeathTest, RequiresNoOpenGlForTheCameraViewAndSceneFiles) {
   ::testing::FLAGS_gtest_death_test_style = "threadsafe";
   EXPECT_EXIT(
       {
@@ -160,21 +158,6 @@ TEST(SnapshotDeathTest, NeedsNoOpenGlForTheCameraViewAndForSceneFiles) {
         std::exit(0);
       },
       ::testing::ExitedWithCode(7), "");
-}
-
-TEST(CameraViewTest, AgreesWithTheCameraAtItsOwnSize) {
-  const auto camera = streetCamera();
-  const auto view = cameraView(camera, Pose::Identity(), {camera.width, camera.height});
-  const Eigen::Vector3d point(9.0, 2.0, 0.5);
-  const auto pixel = render::project(point, view);
-  const auto uvd = headway::project(camera.T_robot_cam.inverse() * point, camera);
-  ASSERT_TRUE(pixel && uvd);
-  EXPECT_TRUE(pixel->isApprox(uvd->head<2>(), 1e-9));
-}
-
-TEST(FittedIntoTest, KeepsProportionsAndTheMiddle) {
-  EXPECT_EQ(fittedInto({640, 240}, {1280, 720}), cv::Rect(0, 120, 1280, 480));
-  EXPECT_EQ(fittedInto({640, 480}, {1280, 720}), cv::Rect(160, 0, 960, 720));
 }
 
 }  // namespace

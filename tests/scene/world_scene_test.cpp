@@ -28,7 +28,7 @@ std::size_t pointsIn(mrpt::opengl::COpenGLScene& scene) {
   return count;
 }
 
-TEST(WorldSceneTest, HoldsEveryPartOfTheWorld) {
+TEST(WorldSceneTest, ContainsAllParts) {
   const auto map = streetMap();
   auto input = streetInput(map);
   input.true_path = input.path;
@@ -46,7 +46,7 @@ TEST(WorldSceneTest, HoldsEveryPartOfTheWorld) {
   }
 }
 
-TEST(WorldSceneTest, LeavesOutWhatThereIsNot) {
+TEST(WorldSceneTest, OmitsMissingParts) {
   const map::PerceptionMap map;
   auto scene = WorldScene(SceneUse::kFile, 2.f).build(SnapshotInput{map, 0, 0.0}, 0.0);
   for (const char* name : {"camera_path", "true_path", "true_objects", "camera"}) {
@@ -54,7 +54,7 @@ TEST(WorldSceneTest, LeavesOutWhatThereIsNot) {
   }
 }
 
-TEST(WorldSceneTest, LeavesOutlinesAndLabelsToThePicture) {
+TEST(WorldSceneTest, OmitsOutlinesAndLabelsForPictures) {
   const auto map = streetMap();
   auto scene = WorldScene(SceneUse::kPicture, 2.f).build(streetInput(map), 0.0);
   EXPECT_EQ(scene.getByName("camera"), nullptr);
@@ -64,7 +64,7 @@ TEST(WorldSceneTest, LeavesOutlinesAndLabelsToThePicture) {
   EXPECT_EQ(moving->getByName("labels"), nullptr);
 }
 
-TEST(WorldSceneTest, BuildsLandmarksAgainOnlyForANewStillWorld) {
+TEST(WorldSceneTest, RebuildsLandmarksOnlyForANewStaticMap) {
   auto map = streetMap();
   WorldScene world(SceneUse::kPicture, 2.f);
   const auto firstCloud = [&] {
@@ -78,7 +78,7 @@ TEST(WorldSceneTest, BuildsLandmarksAgainOnlyForANewStillWorld) {
   EXPECT_NE(firstCloud(), first);
 }
 
-TEST(WorldSceneTest, GivesAPictureEveryNearLandmarkThatItShowsAndFewOfTheRest) {
+TEST(WorldSceneTest, ContainsAllNearVisibleLandmarksAndASampleOfTheOthers) {
   const auto map = streetMap();
   const auto view =
       render::makeView(640, 360, 1.0, render::lookAt({0.0, 0.0, 2.0}, {30.0, 0.0, 1.0}));
@@ -105,7 +105,7 @@ TEST(WorldSceneTest, GivesAPictureEveryNearLandmarkThatItShowsAndFewOfTheRest) {
   EXPECT_GT(near, 500u);
 }
 
-TEST(SaveSceneTest, WritesWhatMrptReads) {
+TEST(SaveSceneTest, WritesAFileThatMrptReads) {
   const test::TemporaryFolder folder;
   const auto map = streetMap();
   saveScene(folder / "scene.3Dscene", streetInput(map));
@@ -116,7 +116,7 @@ TEST(SaveSceneTest, WritesWhatMrptReads) {
   EXPECT_NE(movingObjectsIn(scene)->getByName("labels"), nullptr);
 }
 
-TEST(SaveSceneTest, SaysWhereItCannotWrite) {
+TEST(SaveSceneTest, ThrowsIfTheFileCannotBeWritten) {
   const map::PerceptionMap map;
   EXPECT_THROW(saveScene("/nonexistent/scene.3Dscene", SnapshotInput{map, 0, 0.0}), InputError);
 }

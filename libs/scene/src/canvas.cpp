@@ -1,5 +1,7 @@
 #include "canvas.h"
 
+#include <headway/plot/colours.h>
+
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -10,10 +12,6 @@ namespace {
 constexpr int kFont = cv::FONT_HERSHEY_DUPLEX;
 constexpr double kCapitalHeight = 21.0;  ///< of the font at scale 1 [px]
 constexpr int kSubpixelBits = 4;
-
-cv::Scalar bgr(Colour colour) {
-  return {double(colour.blue), double(colour.green), double(colour.red)};
-}
 
 cv::Point subpixel(const Eigen::Vector2d& point) {
   const double factor = 1 << kSubpixelBits;
@@ -48,44 +46,44 @@ void Canvas::text(const std::string& text, cv::Point at, double points, Colour c
     cv::putText(picture_, text, at, kFont, font_scale, cv::Scalar(20, 14, 10), thickness + 2,
                 cv::LINE_AA);
   }
-  cv::putText(picture_, text, at, kFont, font_scale, bgr(colour), thickness, cv::LINE_AA);
+  cv::putText(picture_, text, at, kFont, font_scale, plot::bgr(colour), thickness, cv::LINE_AA);
 }
 
-void Canvas::panel(cv::Rect place, double opacity) {
-  place &= cv::Rect({0, 0}, picture_.size());
-  if (place.empty()) return;
-  cv::Mat under = picture_(place);
-  under.convertTo(under, -1, 1.0 - opacity, 0.0);
-  under += cv::Scalar(26, 19, 14) * opacity;
+void Canvas::panel(cv::Rect rect, double opacity) {
+  rect &= cv::Rect({0, 0}, picture_.size());
+  if (rect.empty()) return;
+  cv::Mat background = picture_(rect);
+  background.convertTo(background, -1, 1.0 - opacity, 0.0);
+  background += cv::Scalar(26, 19, 14) * opacity;
 }
 
 void Canvas::line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double points,
                   Colour colour) {
-  cv::line(picture_, subpixel(from), subpixel(to), bgr(colour), px(points), cv::LINE_AA,
+  cv::line(picture_, subpixel(from), subpixel(to), plot::bgr(colour), px(points), cv::LINE_AA,
            kSubpixelBits);
 }
 
-void Canvas::filled(cv::Rect place, Colour colour) {
-  cv::rectangle(picture_, place, bgr(colour), cv::FILLED);
+void Canvas::filled(cv::Rect rect, Colour colour) {
+  cv::rectangle(picture_, rect, plot::bgr(colour), cv::FILLED);
 }
 
-void Canvas::outline(cv::Rect place, Colour colour) {
-  cv::rectangle(picture_, place, bgr(colour), 1);
+void Canvas::outline(cv::Rect rect, Colour colour) {
+  cv::rectangle(picture_, rect, plot::bgr(colour), 1);
 }
 
 void Canvas::polygon(const std::vector<Eigen::Vector2d>& corners, Colour colour) {
   std::vector<cv::Point> points;
   for (const auto& corner : corners) points.push_back(subpixel(corner));
-  cv::fillConvexPoly(picture_, points, bgr(colour), cv::LINE_AA, kSubpixelBits);
+  cv::fillConvexPoly(picture_, points, plot::bgr(colour), cv::LINE_AA, kSubpixelBits);
 }
 
-void Canvas::image(const cv::Mat& source, cv::Rect place) {
-  const cv::Rect inside = place & cv::Rect({0, 0}, picture_.size());
-  if (inside != place || source.empty()) return;
+void Canvas::image(const cv::Mat& source, cv::Rect rect) {
+  const cv::Rect inside = rect & cv::Rect({0, 0}, picture_.size());
+  if (inside != rect || source.empty()) return;
   cv::Mat colour = source;
   if (source.channels() == 1) cv::cvtColor(source, colour, cv::COLOR_GRAY2BGR);
-  const bool shrinks = place.width < source.cols;
-  cv::resize(colour, picture_(place), place.size(), 0.0, 0.0,
+  const bool shrinks = rect.width < source.cols;
+  cv::resize(colour, picture_(rect), rect.size(), 0.0, 0.0,
              shrinks ? cv::INTER_AREA : cv::INTER_CUBIC);
 }
 

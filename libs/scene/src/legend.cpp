@@ -2,8 +2,7 @@
 
 #include <algorithm>
 
-#include "palette.h"
-#include "shown_tracks.h"
+#include "overlay.h"
 
 namespace headway::scene {
 namespace {
@@ -37,8 +36,8 @@ void Legend::drawEntry(Canvas& canvas, const Entry& entry, cv::Point left_middle
   const int swatch = canvas.px(kSwatch);
   const int thick = canvas.px(4);
   const int length = entry.dashed ? swatch / 5 : swatch;
-  for (int piece = 0; piece < (entry.dashed ? 3 : 1); ++piece) {
-    canvas.filled({left_middle.x + 2 * piece * length, left_middle.y - thick / 2, length, thick},
+  for (int dash = 0; dash < (entry.dashed ? 3 : 1); ++dash) {
+    canvas.filled({left_middle.x + 2 * dash * length, left_middle.y - thick / 2, length, thick},
                   entry.colour);
   }
   canvas.text(entry.text, {left_middle.x + swatch + canvas.px(kGap), left_middle.y + canvas.px(5)},

@@ -10,12 +10,13 @@
 
 namespace headway::scene {
 
-/// What colours and lines mean. Classes stay in it once seen, so that a video's does not jump.
+/// Legend of colours and line styles. Classes remain in it once they occur, so that the legend of a
+/// video does not change size from frame to frame.
 class Legend {
  public:
   enum class Layout {
-    kColumn,  ///< one below the other, at the bottom left
-    kRow,     ///< side by side along the bottom
+    kColumn,  ///< vertically in the bottom left corner
+    kRow,     ///< horizontally at the bottom
   };
   void draw(Canvas& canvas, const SnapshotInput& input, Layout layout);
 

@@ -1,26 +1,25 @@
 #include "overlay.h"
 
 #include <headway/map/track_geometry.h>
+#include <headway/plot/colours.h>
+#include <headway/plot/ticks.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 
-#include "camera_picture.h"
-#include "palette.h"
-#include "shown_tracks.h"
 #include "view.h"
 
 namespace headway::scene {
 namespace {
 
-constexpr int kMargin = 18;           ///< between things and the picture's edge [points]
+constexpr int kMargin = 18;           ///< to the edge of the picture [points]
 constexpr double kTextPoints = 11.0;  ///< height of capitals [points]
 constexpr double kLabelPoints = 9.5;
-constexpr double kLabelReachM = 70.0;
-constexpr int kLabelRows = 3;         ///< above a box, where its label may go
-constexpr double kInsetShare = 0.30;  ///< of the picture's width
+constexpr double kMaxLabelDistanceM = 70.0;
+constexpr int kLabelRows = 3;         ///< alternative label positions above a box
+constexpr double kInsetWidth = 0.30;  ///< ratio of the picture's width
 
 std::string formatted(const char* format, double value) {
   std::array<char, 64> text{};
@@ -35,8 +34,8 @@ std::string labelOf(const Track& track) {
   return label;
 }
 
-/// The middle of the upper edge of what a track's box covers in the picture; nullopt where a part
-/// of it is behind.
+/// Centre of the upper edge of a box's bounding rectangle in the picture; nullopt if a corner is
+/// behind the camera.
 std::optional<cv::Point> topOf(const Track& track, const render::PinholeView& view) {
   double left = 1e9, right = -1e9, top = 1e9;
   for (const auto& corner : map::boxCorners(track)) {
@@ -49,18 +48,19 @@ std::optional<cv::Point> topOf(const Track& track, const render::PinholeView& vi
   return cv::Point(cvRound(0.5 * (left + right)), cvRound(top));
 }
 
-/// The wanted place or one just above it that nothing has taken; nullopt if there is none.
-std::optional<cv::Rect> freePlace(cv::Rect place, const std::vector<cv::Rect>& taken) {
-  for (int row = 0; row < kLabelRows; ++row, place.y -= place.height + 2) {
-    const bool covers = std::any_of(taken.begin(), taken.end(), [&](const cv::Rect& other) {
-      return !(other & place).empty();
+/// The given rectangle or one of those above it that overlaps none of `occupied`; nullopt if there
+/// is none.
+std::optional<cv::Rect> freeRect(cv::Rect rect, const std::vector<cv::Rect>& occupied) {
+  for (int row = 0; row < kLabelRows; ++row, rect.y -= rect.height + 2) {
+    const bool overlaps = std::any_of(occupied.begin(), occupied.end(), [&](const cv::Rect& other) {
+      return !(other & rect).empty();
     });
-    if (!covers) return place;
+    if (!overlaps) return rect;
   }
   return std::nullopt;
 }
 
-/// The tracks from the nearest to the farthest from the eye.
+/// The shown tracks in ascending distance from the viewpoint.
 std::vector<const Track*> nearestFirst(const std::vector<Track>& tracks,
                                        const Eigen::Vector3d& eye) {
   auto shown = shownTracks(tracks);
@@ -70,12 +70,7 @@ std::vector<const Track*> nearestFirst(const std::vector<Track>& tracks,
   return shown;
 }
 
-Colour brightened(Colour colour) {
-  const auto lift = [](std::uint8_t c) { return static_cast<std::uint8_t>(c + (255 - c) / 2); };
-  return {lift(colour.red), lift(colour.green), lift(colour.blue)};
-}
-
-/// Speed over the last second of the path [m/s]; 0 where there is no such path.
+/// Mean speed over the last second of the path [m/s]; 0 without a path.
 double speedOf(const std::vector<Stamped<Pose>>& path) {
   if (path.size() < 2) return 0.0;
   std::size_t first = path.size() - 1;
@@ -85,36 +80,27 @@ double speedOf(const std::vector<Stamped<Pose>>& path) {
   return (path.back().value.translation() - path[first].value.translation()).norm() / span;
 }
 
-/// 1, 2 or 5 times a power of ten, not above `most`.
-double roundLength(double most) {
-  const double power = std::pow(10.0, std::floor(std::log10(most)));
-  for (const double factor : {5.0, 2.0}) {
-    if (factor * power <= most) return factor * power;
-  }
-  return power;
-}
-
 }  // namespace
 
 void drawLabels(Canvas& canvas, const render::PinholeView& view, const std::vector<Track>& tracks) {
   const Eigen::Vector3d eye = view.T_map_camera.translation();
-  std::vector<cv::Rect> taken;
+  std::vector<cv::Rect> occupied;
   for (const Track* track : nearestFirst(tracks, eye)) {
     const auto top = topOf(*track, view);
-    const double reach = kLabelReachM + std::abs(eye.z() - track->position.z());
-    if (!top || (track->position - eye).norm() > reach) continue;
+    const double max_distance = kMaxLabelDistanceM + std::abs(eye.z() - track->position.z());
+    if (!top || (track->position - eye).norm() > max_distance) continue;
     if (!cv::Rect({0, 0}, canvas.size()).contains(*top)) continue;
     const std::string label = labelOf(*track);
     const cv::Size size = canvas.textSize(label, kLabelPoints);
     const int pad = canvas.px(4);
     const cv::Rect wanted(top->x - size.width / 2 - pad, top->y - size.height - 3 * pad,
                           size.width + 2 * pad, size.height + 2 * pad);
-    const auto place = freePlace(wanted, taken);
-    if (!place) continue;
-    taken.push_back(*place);
-    canvas.panel(*place, 0.72);
-    canvas.text(label, {place->x + pad, place->y + pad + size.height}, kLabelPoints,
-                brightened(colourOf(track->object_class)), false);
+    const auto rect = freeRect(wanted, occupied);
+    if (!rect) continue;
+    occupied.push_back(*rect);
+    canvas.panel(*rect, 0.72);
+    canvas.text(label, {rect->x + pad, rect->y + pad + size.height}, kLabelPoints,
+                plot::lightened(colourOf(track->object_class)), false);
   }
 }
 
@@ -138,7 +124,7 @@ void drawCaption(Canvas& canvas, const SnapshotInput& input) {
 }
 
 void drawScaleBar(Canvas& canvas, double metres_per_pixel) {
-  const double length = roundLength(metres_per_pixel * canvas.size().width / 5.0);
+  const double length = plot::scaleBarLength(metres_per_pixel * canvas.size().width / 5.0);
   const int width = cvRound(length / metres_per_pixel);
   const int margin = canvas.px(kMargin);
   const cv::Point right(canvas.size().width - margin, canvas.size().height - margin);
@@ -159,17 +145,17 @@ void drawGridNote(Canvas& canvas) {
 
 void drawInset(Canvas& canvas, const SnapshotInput& input) {
   if (input.image.empty() || input.camera == nullptr) return;
-  const int width = cvRound(kInsetShare * canvas.size().width);
+  const int width = cvRound(kInsetWidth * canvas.size().width);
   const int height = std::max(1, width * input.image.rows / std::max(1, input.image.cols));
   const int margin = canvas.px(kMargin);
-  const cv::Rect place(canvas.size().width - width - margin, margin, width, height);
-  if (place.x < 0 || place.br().y > canvas.size().height) return;
-  canvas.image(input.image, place);
-  cv::Mat part = canvas.picture()(place);
+  const cv::Rect rect(canvas.size().width - width - margin, margin, width, height);
+  if (rect.x < 0 || rect.br().y > canvas.size().height) return;
+  canvas.image(input.image, rect);
+  cv::Mat part = canvas.picture()(rect);
   Canvas inset(part, canvas, 0.55);
-  drawTracksOver(inset, cameraView(*input.camera, input.T_map_robot, place.size()),
+  drawTracksOver(inset, cameraView(*input.camera, input.T_map_robot, rect.size()),
                  input.map.movingObjects().tracks());
-  canvas.outline(place, kDimTextColour);
+  canvas.outline(rect, kDimTextColour);
 }
 
 }  // namespace headway::scene

@@ -2,26 +2,55 @@
 
 #include <headway/scene/snapshot.h>
 
+#include <vector>
+
 #include "canvas.h"
+
+// Drawing on the finished picture. Outlines and text are drawn here because OpenGL lines are one
+// pixel wide and its text is not antialiased.
 
 namespace headway::scene {
 
-/// Writes class and id above each box, the nearest first; labels that would cover others are left
-/// out.
+/// The confirmed and coasting tracks.
+[[nodiscard]] std::vector<const Track*> shownTracks(const std::vector<Track>& tracks);
+
+/// Draws boxes, past paths and predictions over a camera image.
+///
+/// @param canvas  of the image, with the aspect ratio of `view`
+void drawTracksOver(Canvas& canvas, const render::PinholeView& view,
+                    const std::vector<Track>& tracks);
+
+/// Draws landmarks as dots, as a substitute for a missing camera image.
+void drawLandmarksOver(Canvas& canvas, const render::PinholeView& view,
+                       const slam::MapView& static_map);
+
+/// Draws the edges of the shown tracks' boxes in class colours; thin while coasting.
+void drawBoxes(Canvas& canvas, const render::PinholeView& view, const std::vector<Track>& tracks);
+
+/// Draws the edges of the true boxes.
+void drawTrueBoxes(Canvas& canvas, const render::PinholeView& view,
+                   const std::vector<Track>& objects);
+
+/// Draws the camera's viewing frustum.
+void drawFrustum(Canvas& canvas, const render::PinholeView& view, const StereoCamera& camera,
+                 const Pose& T_map_robot);
+
+/// Writes class, id and speed above each box, nearest first; labels that would overlap others are
+/// omitted.
 void drawLabels(Canvas& canvas, const render::PinholeView& view, const std::vector<Track>& tracks);
 
-/// Frame, time since the start, speed and number of tracks, at the top left.
+/// Writes frame, elapsed time, speed and number of tracks in the top left corner.
 void drawCaption(Canvas& canvas, const SnapshotInput& input);
 
-/// A bar of a round number of metres; only where all of the ground is equally far (`top` view).
+/// Draws a scale bar in the bottom right corner, for the `top` view.
 ///
 /// @param metres_per_pixel  on the ground
 void drawScaleBar(Canvas& canvas, double metres_per_pixel);
 
-/// Says how wide the grid's squares are, where a bar would mislead.
+/// Writes the grid spacing in the bottom right corner, for perspective views.
 void drawGridNote(Canvas& canvas);
 
-/// The camera's image with the boxes over it, at the top right; nothing where there is no image.
+/// Draws the camera image with the tracks in the top right corner; no effect without an image.
 void drawInset(Canvas& canvas, const SnapshotInput& input);
 
 }  // namespace headway::scene

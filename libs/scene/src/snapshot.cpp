@@ -1,15 +1,12 @@
 #include <headway/core/error.h>
+#include <headway/plot/colours.h>
 #include <headway/scene/snapshot.h>
 
 #include <cmath>
 
-#include "camera_picture.h"
 #include "canvas.h"
-#include "ground.h"
 #include "legend.h"
-#include "outlines.h"
 #include "overlay.h"
-#include "palette.h"
 #include "view.h"
 #include "world_scene.h"
 
@@ -17,29 +14,28 @@ namespace headway::scene {
 namespace {
 
 cv::Mat emptyPicture(const SnapshotOptions& options) {
-  return cv::Mat(options.height, options.width, CV_8UC3,
-                 cv::Scalar(kGroundColour.blue, kGroundColour.green, kGroundColour.red));
+  return cv::Mat(options.height, options.width, CV_8UC3, plot::bgr(kBackgroundColour));
 }
 
-/// The camera's image with everything drawn over it, fitted into the picture.
+/// The camera image with its overlays, fitted into the picture.
 cv::Mat drawThroughCamera(const SnapshotOptions& options, const SnapshotInput& input,
                           Legend& legend) {
   cv::Mat picture = emptyPicture(options);
   Canvas canvas(picture);
   if (input.camera == nullptr) {
-    canvas.text("no camera: poses came from elsewhere", {canvas.px(18), canvas.size().height / 2},
+    canvas.text("no camera: the poses were recorded", {canvas.px(18), canvas.size().height / 2},
                 14.0, kTextColour);
     return picture;
   }
   const StereoCamera& camera = *input.camera;
-  const cv::Rect place = fittedInto({camera.width, camera.height}, picture.size());
-  const auto view = cameraView(camera, input.T_map_robot, place.size());
-  cv::Mat part = picture(place);
+  const cv::Rect rect = fittedInto({camera.width, camera.height}, picture.size());
+  const auto view = cameraView(camera, input.T_map_robot, rect.size());
+  cv::Mat part = picture(rect);
   Canvas image(part, canvas);
   if (input.image.empty()) {
     drawLandmarksOver(image, view, *input.map.stillWorld());
   } else {
-    canvas.image(input.image, place);
+    canvas.image(input.image, rect);
   }
   drawTracksOver(image, view, input.map.movingObjects().tracks());
   drawTrueBoxes(image, view, input.true_objects);
@@ -71,7 +67,7 @@ class SnapshotRenderer::Implementation {
   cv::Mat draw(const SnapshotInput& input) {
     if (options_.view == View::kCamera) return drawThroughCamera(options_, input, legend_);
     const double ground_z = groundHeight(input);
-    const auto view = outsideView(options_, input, ground_z);
+    const auto view = externalView(options_, input, ground_z);
     cv::Mat picture = renderer_->draw(world_.build(input, ground_z, &view), view);
     Canvas canvas(picture);
     drawBoxes(canvas, view, input.map.movingObjects().tracks());

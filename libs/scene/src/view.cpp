@@ -15,34 +15,66 @@ constexpr double kOrbitHeightM = 20.0;
 constexpr double kFramesPerTurn = 360.0;
 constexpr double kFarM = 400.0;
 
+constexpr double kNearM = 40.0;
+constexpr std::size_t kMinBoxes = 3;
+constexpr std::size_t kMinLandmarks = 50;
+constexpr double kGroundPercentile = 0.08;  ///< of the landmark heights
+
+bool isNear(const Eigen::Vector3d& point, const SnapshotInput& input) {
+  return (point - input.T_map_robot.translation()).head<2>().norm() < kNearM;
+}
+
+double percentileOf(std::vector<double>& values, double ratio) {
+  const auto nth =
+      values.begin() + static_cast<std::ptrdiff_t>(ratio * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), nth, values.end());
+  return *nth;
+}
+
 Eigen::Vector3d levelDirection(double yaw) { return {std::cos(yaw), std::sin(yaw), 0.0}; }
 
 }  // namespace
 
-render::PinholeView outsideView(const SnapshotOptions& options, const SnapshotInput& input,
-                                double ground_z) {
+double groundHeight(const SnapshotInput& input) {
+  std::vector<double> heights;
+  for (const auto& track : input.map.movingObjects().tracks()) {
+    if (isNear(track.position, input)) {
+      heights.push_back(track.position.z() - 0.5 * track.size.z());
+    }
+  }
+  if (heights.size() >= kMinBoxes) return percentileOf(heights, 0.5);
+  heights.clear();
+  for (const auto& landmark : input.map.stillWorld()->landmarks) {
+    if (isNear(landmark.position, input)) heights.push_back(landmark.position.z());
+  }
+  if (heights.size() >= kMinLandmarks) return percentileOf(heights, kGroundPercentile);
+  return input.T_map_robot.translation().z();
+}
+
+render::PinholeView externalView(const SnapshotOptions& options, const SnapshotInput& input,
+                                 double ground_z) {
   const Eigen::Vector3d forward = levelDirection(yawOf(input.T_map_robot));
-  Eigen::Vector3d place = input.T_map_robot.translation();
-  place.z() = ground_z;
-  const auto viewFromPlace = [&](double fov, const Pose& pose) {
+  Eigen::Vector3d foot = input.T_map_robot.translation();
+  foot.z() = ground_z;
+  const auto makeExternalView = [&](double fov, const Pose& pose) {
     auto view = render::makeView(options.width, options.height, fov, pose);
     view.far_m = kFarM;
     return view;
   };
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
   if (options.view == View::kTop) {
-    const Eigen::Vector3d middle = place + 16.0 * forward;
-    return viewFromPlace(kTopFov, render::lookAt(middle + kTopHeightM * up, middle, forward));
+    const Eigen::Vector3d centre = foot + 16.0 * forward;
+    return makeExternalView(kTopFov, render::lookAt(centre + kTopHeightM * up, centre, forward));
   }
   if (options.view == View::kOrbit) {
-    const double turn = 2.0 * kPi * static_cast<double>(input.frame) / kFramesPerTurn;
-    const Eigen::Vector3d middle = place + 8.0 * forward;
+    const double angle = 2.0 * kPi * static_cast<double>(input.frame) / kFramesPerTurn;
+    const Eigen::Vector3d centre = foot + 8.0 * forward;
     const Eigen::Vector3d eye =
-        middle + kOrbitRadiusM * levelDirection(turn + 0.75 * kPi) + kOrbitHeightM * up;
-    return viewFromPlace(kFollowFov, render::lookAt(eye, middle));
+        centre + kOrbitRadiusM * levelDirection(angle + 0.75 * kPi) + kOrbitHeightM * up;
+    return makeExternalView(kFollowFov, render::lookAt(eye, centre));
   }
-  return viewFromPlace(kFollowFov,
-                       render::lookAt(place - 11.0 * forward + 7.5 * up, place + 15.0 * forward));
+  return makeExternalView(kFollowFov,
+                          render::lookAt(foot - 11.0 * forward + 7.5 * up, foot + 15.0 * forward));
 }
 
 render::PinholeView cameraView(const StereoCamera& camera, const Pose& T_map_robot,
@@ -67,6 +99,23 @@ cv::Rect fittedInto(const cv::Size& image, const cv::Size& picture) {
   const int width = std::max(1, static_cast<int>(std::lround(image.width * scale)));
   const int height = std::max(1, static_cast<int>(std::lround(image.height * scale)));
   return {(picture.width - width) / 2, (picture.height - height) / 2, width, height};
+}
+
+std::array<Edge, 8> frustumEdges(const StereoCamera& camera, const Pose& T_map_robot) {
+  constexpr double kDepthM = 1.8;
+  const Pose T_map_cam = T_map_robot * camera.T_robot_cam;
+  const auto corner = [&](double u, double v) {
+    return Eigen::Vector3d(T_map_cam * (kDepthM * ray({u, v}, camera)));
+  };
+  const std::array<Eigen::Vector3d, 4> corners = {corner(0, 0), corner(camera.width, 0),
+                                                  corner(camera.width, camera.height),
+                                                  corner(0, camera.height)};
+  std::array<Edge, 8> edges;
+  for (std::size_t i = 0; i < 4; ++i) {
+    edges[i] = {corners[i], corners[(i + 1) % 4]};
+    edges[4 + i] = {T_map_cam.translation(), corners[i]};
+  }
+  return edges;
 }
 
 }  // namespace headway::scene

@@ -12,9 +12,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "draw_order.h"
-#include "frustum.h"
-#include "palette.h"
+#include "canvas.h"
+#include "view.h"
 
 namespace headway::scene {
 namespace {
@@ -22,26 +21,26 @@ namespace {
 using mrpt::opengl::CSetOfLines;
 using mrpt::opengl::CSetOfTriangles;
 
-constexpr double kGridM = 10.0;
-constexpr double kGridReachM = 150.0;
+constexpr double kGridSpacingM = 10.0;
+constexpr double kGridExtentM = 150.0;
 constexpr double kPathWidthM = 0.25;
 constexpr double kPathSpacingM = 0.3;
 
-std::shared_ptr<mrpt::opengl::CGridPlaneXY> makeGrid(const Eigen::Vector3d& middle,
+std::shared_ptr<mrpt::opengl::CGridPlaneXY> makeGrid(const Eigen::Vector3d& centre,
                                                      double ground_z) {
-  const double x = kGridM * std::round(middle.x() / kGridM);
-  const double y = kGridM * std::round(middle.y() / kGridM);
+  const double x = kGridSpacingM * std::round(centre.x() / kGridSpacingM);
+  const double y = kGridSpacingM * std::round(centre.y() / kGridSpacingM);
   auto grid = mrpt::opengl::CGridPlaneXY::Create(
-      static_cast<float>(x - kGridReachM), static_cast<float>(x + kGridReachM),
-      static_cast<float>(y - kGridReachM), static_cast<float>(y + kGridReachM),
-      static_cast<float>(ground_z), static_cast<float>(kGridM));
+      static_cast<float>(x - kGridExtentM), static_cast<float>(x + kGridExtentM),
+      static_cast<float>(y - kGridExtentM), static_cast<float>(y + kGridExtentM),
+      static_cast<float>(ground_z), static_cast<float>(kGridSpacingM));
   grid->setName("ground_grid");
   grid->setColor_u8(kGridColour.red, kGridColour.green, kGridColour.blue);
-  drawInOrder(DrawOrder::kGrid, *grid);
+  setDrawOrder(DrawOrder::kGrid, *grid);
   return grid;
 }
 
-/// The path laid down on the ground, without the steps of a standing robot.
+/// The path projected to the ground, without points closer than kPathSpacingM.
 std::vector<Eigen::Vector3d> pathOnGround(const std::vector<Stamped<Pose>>& path, double drop) {
   std::vector<Eigen::Vector3d> points;
   for (const auto& pose : path) {
@@ -58,23 +57,23 @@ std::shared_ptr<CSetOfTriangles> makePath(const std::string& name,
   ribbon->setName(name);
   ribbon->enableLight(false);
   map::appendRibbon(pathOnGround(path, drop), width, colour, 255.0, *ribbon);
-  drawInOrder(order, *ribbon);
+  setDrawOrder(order, *ribbon);
   return ribbon;
 }
 
-/// A wedge on the ground under the robot that points ahead.
+/// A wedge on the ground under the robot, pointing forward.
 std::shared_ptr<CSetOfTriangles> makeRobot(const Pose& T_map_robot, double ground_z) {
-  Eigen::Vector3d place = T_map_robot.translation();
-  place.z() = ground_z + 0.04;
+  Eigen::Vector3d foot = T_map_robot.translation();
+  foot.z() = ground_z + 0.04;
   const double yaw = yawOf(T_map_robot);
   const Eigen::Vector3d forward(std::cos(yaw), std::sin(yaw), 0.0);
   auto wedge = CSetOfTriangles::Create();
   wedge->setName("robot");
   wedge->enableLight(false);
   map::appendRibbon(
-      {place - 0.6 * forward, place + 0.9 * forward}, map::HalfWidths{0.5, 0.0}, kPathColour,
+      {foot - 0.6 * forward, foot + 0.9 * forward}, map::HalfWidths{0.5, 0.0}, kPathColour,
       [](double) { return 255.0; }, *wedge);
-  drawInOrder(DrawOrder::kRobot, *wedge);
+  setDrawOrder(DrawOrder::kRobot, *wedge);
   return wedge;
 }
 
@@ -117,13 +116,18 @@ std::shared_ptr<mrpt::opengl::CSetOfObjects> makeMovingObjects(const CMovingObje
   for (const auto& object : all) {
     const bool outline = std::dynamic_pointer_cast<CSetOfLines>(object) != nullptr;
     if (outline && use == SceneUse::kPicture) continue;
-    drawInOrder(DrawOrder::kMovingObjects, *object, order++);
+    setDrawOrder(DrawOrder::kMovingObjects, *object, order++);
     objects->insert(object);
   }
   return objects;
 }
 
 }  // namespace
+
+void setDrawOrder(DrawOrder order, mrpt::opengl::CRenderizable& object, int offset) {
+  const int rank = static_cast<int>(order) + offset;
+  object.setLocalRepresentativePoint({0.f, 0.f, -8000.f + 500.f * static_cast<float>(rank)});
+}
 
 mrpt::opengl::COpenGLScene WorldScene::build(const SnapshotInput& input, double ground_z,
                                              const render::PinholeView* view) {
@@ -135,13 +139,13 @@ mrpt::opengl::COpenGLScene WorldScene::build(const SnapshotInput& input, double 
   } else {
     landmarks_.insertAll(*landmarks);
   }
-  const Eigen::Vector3d place = input.T_map_robot.translation();
-  const double drop = place.z() - ground_z - 0.02;
+  const Eigen::Vector3d position = input.T_map_robot.translation();
+  const double drop = position.z() - ground_z - 0.02;
   mrpt::opengl::COpenGLScene scene;
-  scene.getViewport()->setCustomBackgroundColor({mrpt::u8tof(kGroundColour.red),
-                                                 mrpt::u8tof(kGroundColour.green),
-                                                 mrpt::u8tof(kGroundColour.blue), 1.f});
-  scene.insert(makeGrid(place, ground_z));
+  scene.getViewport()->setCustomBackgroundColor({mrpt::u8tof(kBackgroundColour.red),
+                                                 mrpt::u8tof(kBackgroundColour.green),
+                                                 mrpt::u8tof(kBackgroundColour.blue), 1.f});
+  scene.insert(makeGrid(position, ground_z));
   scene.insert(landmarks);
   if (!input.true_path.empty()) {
     scene.insert(makePath("true_path", input.true_path, drop, 2.2 * kPathWidthM, kTruthColour,

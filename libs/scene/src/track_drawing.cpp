@@ -1,34 +1,32 @@
-#include "camera_picture.h"
-
 #include <headway/map/ribbon.h>
 #include <headway/map/track_geometry.h>
 
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "outlines.h"
-#include "shown_tracks.h"
+#include "overlay.h"
+#include "view.h"
 
 namespace headway::scene {
 namespace {
 
-constexpr double kSeeThrough = 0.30;
-constexpr double kNearlySolid = 0.88;
-constexpr double kDashM = 0.8;
-constexpr double kGapM = 0.5;
-constexpr double kShortestPathM = 0.5;
+constexpr double kFillOpacity = 0.30;
+constexpr double kPathOpacity = 0.88;
+constexpr double kDashLengthM = 0.8;
+constexpr double kDashGapM = 0.5;
+constexpr double kMinPathLengthM = 0.5;
 
 double bandWidth(const Track& track) { return isVehicle(track.object_class) ? 0.30 : 0.16; }
 
-/// Fills a level band along a polyline, piece by piece; pieces behind the camera are left out.
+/// Fills a horizontal band along a polyline; segments behind the camera are omitted.
 void drawBand(Canvas& canvas, const render::PinholeView& view,
               const std::vector<Eigen::Vector3d>& polyline, const map::HalfWidths& half_widths,
               Colour colour) {
   for (std::size_t i = 1; i < polyline.size(); ++i) {
-    const Eigen::Vector3d way = polyline[i] - polyline[i - 1];
-    const double length = way.head<2>().norm();
+    const Eigen::Vector3d step = polyline[i] - polyline[i - 1];
+    const double length = step.head<2>().norm();
     if (length < 1e-9) continue;
-    const Eigen::Vector3d normal(-way.y() / length, way.x() / length, 0.0);
+    const Eigen::Vector3d normal(-step.y() / length, step.x() / length, 0.0);
     std::vector<Eigen::Vector2d> corners;
     for (const Eigen::Vector3d& corner :
          {Eigen::Vector3d(polyline[i - 1] + half_widths[i - 1] * normal),
@@ -63,7 +61,7 @@ void drawFrontFace(Canvas& canvas, const render::PinholeView& view, const Track&
   if (face.size() == 4) canvas.polygon(face, colourOf(track.object_class));
 }
 
-/// Lets `draw` work on a copy and lays that over the picture, see-through.
+/// Draws with `draw` on a copy of the picture and blends it with the picture.
 template <typename Draw>
 void blended(Canvas& canvas, double opacity, const Draw& draw) {
   cv::Mat layer = canvas.picture().clone();
@@ -78,23 +76,46 @@ void forEachPath(const std::vector<const Track*>& tracks, const Draw& draw) {
     if (!isMoving(*track)) continue;
     for (const auto& prediction : track->predictions) {
       const auto path = map::groundPath(*track, prediction);
-      if (map::lengthOf(path) >= kShortestPathM) draw(*track, prediction, path);
+      if (map::lengthOf(path) >= kMinPathLengthM) draw(*track, prediction, path);
     }
+  }
+}
+
+void drawSegment(Canvas& canvas, const render::PinholeView& view, const Eigen::Vector3d& from,
+                 const Eigen::Vector3d& to, double points, Colour colour) {
+  const auto segment = render::projectSegment(from, to, view);
+  if (segment) canvas.line(segment->first, segment->second, points, colour);
+}
+
+void drawEdges(Canvas& canvas, const render::PinholeView& view, const Track& track, double points,
+               Colour colour) {
+  const auto corners = map::boxCorners(track);
+  for (const auto& [a, b] : map::kBoxEdges) {
+    drawSegment(canvas, view, corners[static_cast<std::size_t>(a)],
+                corners[static_cast<std::size_t>(b)], points, colour);
   }
 }
 
 }  // namespace
 
+std::vector<const Track*> shownTracks(const std::vector<Track>& tracks) {
+  std::vector<const Track*> shown;
+  for (const auto& track : tracks) {
+    if (isShown(track)) shown.push_back(&track);
+  }
+  return shown;
+}
+
 void drawTracksOver(Canvas& canvas, const render::PinholeView& view,
                     const std::vector<Track>& tracks) {
   const auto shown = shownTracks(tracks);
-  blended(canvas, kSeeThrough, [&](Canvas& layer) {
+  blended(canvas, kFillOpacity, [&](Canvas& layer) {
     forEachPath(shown, [&](const Track& track, const PredictedPath& prediction, const auto& path) {
       drawBand(layer, view, path, oneSigma(track, prediction), kPredictionColour);
     });
     for (const Track* track : shown) drawFrontFace(layer, view, *track);
   });
-  blended(canvas, kNearlySolid, [&](Canvas& layer) {
+  blended(canvas, kPathOpacity, [&](Canvas& layer) {
     for (const Track* track : shown) {
       if (isMoving(*track)) {
         drawBand(layer, view, map::groundTrail(*track), 0.4 * bandWidth(*track),
@@ -102,7 +123,7 @@ void drawTracksOver(Canvas& canvas, const render::PinholeView& view,
       }
     }
     forEachPath(shown, [&](const Track& track, const PredictedPath&, const auto& path) {
-      for (const auto& dash : map::dashesOf(path, kDashM, kGapM)) {
+      for (const auto& dash : map::dashesOf(path, kDashLengthM, kDashGapM)) {
         drawBand(layer, view, dash, 1.2 * bandWidth(track), kPredictionColour);
       }
     });
@@ -111,14 +132,33 @@ void drawTracksOver(Canvas& canvas, const render::PinholeView& view,
 }
 
 void drawLandmarksOver(Canvas& canvas, const render::PinholeView& view,
-                       const slam::MapView& still_world) {
+                       const slam::MapView& static_map) {
   const int radius = canvas.px(1.0);
-  for (const auto& landmark : still_world.landmarks) {
+  for (const auto& landmark : static_map.landmarks) {
     const auto pixel = render::project(landmark.position, view);
     if (!pixel || pixel->cwiseAbs().maxCoeff() > 1e5) continue;
     const double grey = 70.0 + 0.7 * landmark.intensity;
     cv::circle(canvas.picture(), cv::Point(cvRound(pixel->x()), cvRound(pixel->y())), radius,
                cv::Scalar(grey, grey, grey), cv::FILLED, cv::LINE_AA);
+  }
+}
+
+void drawBoxes(Canvas& canvas, const render::PinholeView& view, const std::vector<Track>& tracks) {
+  for (const Track* track : shownTracks(tracks)) {
+    drawEdges(canvas, view, *track, track->status == TrackStatus::kConfirmed ? 1.8 : 1.0,
+              colourOf(track->object_class));
+  }
+}
+
+void drawTrueBoxes(Canvas& canvas, const render::PinholeView& view,
+                   const std::vector<Track>& objects) {
+  for (const auto& object : objects) drawEdges(canvas, view, object, 1.0, kTruthColour);
+}
+
+void drawFrustum(Canvas& canvas, const render::PinholeView& view, const StereoCamera& camera,
+                 const Pose& T_map_robot) {
+  for (const auto& [from, to] : frustumEdges(camera, T_map_robot)) {
+    drawSegment(canvas, view, from, to, 1.6, kPathColour);
   }
 }
 
