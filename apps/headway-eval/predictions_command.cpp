@@ -29,7 +29,7 @@ bool parse(Options& options, int argc, const char** argv) {
                             "Evaluates predictions against the true future: those of a replay "
                             "(--estimate), or predictors on exact histories (--predictor).");
   Params params;
-  options.params.describe(params.section("objects"));
+  options.params.describe(params.section("objects").user());
   line.option(options.files.labels, 0, "truth", "LABELS", "KITTI tracking labels: file or folder",
               true);
   line.option(options.files.poses, 0, "poses", "P",

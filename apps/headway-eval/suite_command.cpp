@@ -157,7 +157,7 @@ class Suite {
     constexpr int kSeeds = 5;
     io::DegradeParams degrade;
     Params params;
-    degrade.describe(params.section("degrade"));
+    degrade.describe(params.section("degrade").user());
     params.loadFile(options_.degrade);
     for (int seed = 1; seed <= kSeeds && !program::interrupted(); ++seed) {
       degrade.seed = seed;

@@ -51,7 +51,7 @@ std::optional<ImportOptions> parseOptions(int argc, const char** argv) {
       program::takeSubcommand(argc, argv, {"kitti-odometry", "kitti-tracking", "euroc", "images"});
   io::DegradeParams degrade;
   Params params;
-  degrade.describe(params.section("degrade"));
+  degrade.describe(params.section("degrade").user());
   std::string degrade_file = degradeFile(argc, argv);
   if (!degrade_file.empty()) params.loadFile(degrade_file);
 

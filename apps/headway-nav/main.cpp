@@ -143,7 +143,7 @@ int main(int argc, char** argv) {
     setup.nav.robot.radius_m = setup.world.robot.radius();
     setup.nav.robot.length_m = setup.world.robot.length_m;
     setup.nav.robot.width_m = setup.world.robot.width_m;
-    setup.nav.robot.top_speed = setup.world.robot.top_speed;
+    setup.nav.robot.max_speed_mps = setup.world.robot.top_speed;
     setup.nav.governor.lag_s = setup.world.robot.lag_s;
     return app::runAll(options, setup);
   });

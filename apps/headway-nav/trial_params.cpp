@@ -74,9 +74,9 @@ void SensorParams::describe(Params::Section section) {
 }
 
 void TrialParams::describe(Params& params) {
-  robot.describe(params.section("robot"));
-  people.describe(params.section("people"));
-  sensors.describe(params.section("sensors"));
+  robot.describe(params.section("robot").user());
+  people.describe(params.section("people").user());
+  sensors.describe(params.section("sensors").user());
 }
 
 }  // namespace headway::app

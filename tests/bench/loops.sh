@@ -25,7 +25,7 @@ while read -r name speed; do
   [ -f "$rawlog" ] || $bin/headway-sim -q -c config/worlds/city-loop.ini \
     --set route.kind=kitti_poses --set "route.file=$data/kitti_poses/$name.txt" \
     --set route.speed_mps="$speed" --set traffic.vehicle_speed_mps="$speed" \
-    --set route.lateral_acceleration=3 --set camera.colour=false --frames 2000 -o "$rawlog"
+    --set route.lateral_acceleration_mps2=3 --set camera.colour=false --frames 2000 -o "$rawlog"
   for closing in false true; do
     result=$out/kitti_${name}_$closing
     $bin/headway-replay -i "$rawlog" -o "$result" -w --snapshots 0 \

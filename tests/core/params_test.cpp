@@ -4,6 +4,7 @@
 #include <headway_test/folders.h>
 
 #include <fstream>
+#include <limits>
 #include <sstream>
 
 namespace headway {
@@ -19,11 +20,12 @@ struct ExampleParams {
   Colour colour = Colour::kBlue;
 
   void describe(Params::Section section) {
-    section.add("ratio", ratio, 0.0, 1.0, "", "Share kept");
+    section.user().add("ratio", ratio, 0.0, 1.0, "", "Ratio of samples kept");
     section.add("count", count, 1, 10, "frames", "Frames waited");
     section.add("enabled", enabled, "Whether it runs");
     section.add("name", name, "Its name");
     section.add("colour", colour, {{"red", Colour::kRed}, {"blue", Colour::kBlue}}, "Its colour");
+    section.renamed({{"share", "ratio"}, {"frame_count", "count"}});
   }
 };
 
@@ -47,7 +49,7 @@ class ParamsTest : public ::testing::Test {
   Params params;
 };
 
-TEST_F(ParamsTest, loadsEveryKindOfValueAndIgnoresComments) {
+TEST_F(ParamsTest, LoadsEveryKindOfValueAndIgnoresComments) {
   EXPECT_EQ("", errorOfLoading("[example]\nratio = 0.25 // a quarter\ncount=7\n# nothing\n"
                                "enabled=false\nname = a b\ncolour = red\n"));
   EXPECT_EQ(0.25, values.ratio);
@@ -57,7 +59,7 @@ TEST_F(ParamsTest, loadsEveryKindOfValueAndIgnoresComments) {
   EXPECT_EQ(Colour::kRed, values.colour);
 }
 
-TEST_F(ParamsTest, whatItPrintsItLoadsUnchanged) {
+TEST_F(ParamsTest, WhatItPrintsItLoadsUnchanged) {
   values.ratio = 1.0 / 3.0;
   std::ostringstream text;
   params.print(text);
@@ -70,7 +72,7 @@ TEST_F(ParamsTest, whatItPrintsItLoadsUnchanged) {
   EXPECT_THAT(text.str(), ::testing::HasSubstr("Frames waited [frames, 1 .. 10]"));
 }
 
-TEST_F(ParamsTest, namesFileSectionAndKeyOfWhatIsWrong) {
+TEST_F(ParamsTest, NamesFileSectionAndKeyOfWhatIsWrong) {
   using ::testing::AllOf;
   using ::testing::HasSubstr;
   EXPECT_THAT(errorOfLoading("[example]\nration=1\n"),
@@ -85,7 +87,7 @@ TEST_F(ParamsTest, namesFileSectionAndKeyOfWhatIsWrong) {
   EXPECT_EQ(0.5, values.ratio);
 }
 
-TEST_F(ParamsTest, setsOneValueFromTheCommandLine) {
+TEST_F(ParamsTest, SetsOneValueFromTheCommandLine) {
   params.set("example.count=9");
   EXPECT_EQ(9, values.count);
   EXPECT_THROW(params.set("example.count"), InputError);
@@ -94,7 +96,89 @@ TEST_F(ParamsTest, setsOneValueFromTheCommandLine) {
   EXPECT_EQ("9", params.get("example", "count"));
 }
 
-TEST_F(ParamsTest, missingFileIsAnInputError) {
+TEST_F(ParamsTest, RefusesAFormerKeyByItsPresentName) {
+  using ::testing::AllOf;
+  using ::testing::HasSubstr;
+  EXPECT_THAT(errorOfLoading("[example]\nshare = 0.1\n"),
+              AllOf(HasSubstr("file.ini"), HasSubstr("[example] share is now ratio")));
+  EXPECT_THROW(params.set("example.frame_count=2"), InputError);
+  EXPECT_EQ(0.5, values.ratio);
+}
+
+TEST_F(ParamsTest, PrintsUserKeysThenExpertKeys) {
+  const auto printed = [this](Params::Keys keys) {
+    std::ostringstream text;
+    params.print(text, keys);
+    return text.str();
+  };
+  const std::string user = printed(Params::Keys::kUser);
+  const std::string expert = printed(Params::Keys::kExpert);
+  EXPECT_EQ("[example]\n# Ratio of samples kept [0 .. 1]\nratio = 0.5\n\n", user);
+  EXPECT_THAT(expert, ::testing::StartsWith("[example]\n# Frames waited"));
+  EXPECT_THAT(expert, ::testing::Not(::testing::HasSubstr("ratio")));
+  EXPECT_EQ(user + expert, printed(Params::Keys::kAll));
+}
+
+TEST_F(ParamsTest, ListsEveryValue) {
+  const std::map<std::string, std::string> expected = {{"ratio", "0.5"},
+                                                       {"count", "3"},
+                                                       {"enabled", "true"},
+                                                       {"name", "left camera"},
+                                                       {"colour", "blue"}};
+  EXPECT_EQ(expected, params.values().at("example"));
+}
+
+/// The error of validateRanges(), empty if there is none.
+std::string errorOf(const ExampleParams& values) {
+  try {
+    validateRanges(values, "example");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ValidateRangesTest, AcceptsDefaultsAndTheEndsOfARange) {
+  ExampleParams values;
+  EXPECT_EQ("", errorOf(values));
+  values.ratio = 1.0;
+  values.count = 10;
+  EXPECT_EQ("", errorOf(values));
+}
+
+TEST(ValidateRangesTest, NamesSectionKeyValueAndRange) {
+  ExampleParams values;
+  values.ratio = 1.5;
+  EXPECT_EQ("[example] ratio: '1.5' is out of range [0 .. 1]", errorOf(values));
+  values = {};
+  values.count = 0;
+  EXPECT_EQ("[example] count: '0' is out of range [frames, 1 .. 10]", errorOf(values));
+}
+
+TEST(ValidateRangesTest, RefusesNanAndUnknownEnumerators) {
+  ExampleParams values;
+  values.ratio = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(errorOf(values), ::testing::HasSubstr("out of range"));
+  values = {};
+  values.colour = static_cast<Colour>(7);
+  EXPECT_EQ("[example] colour: the value is none of red, blue", errorOf(values));
+}
+
+TEST(ValidateRangesTest, GivesTheSameErrorAsAFile) {
+  ExampleParams values;
+  Params params;
+  values.describe(params.section("example"));
+  std::string from_text;
+  try {
+    params.set("example.count=11");
+  } catch (const InputError& error) {
+    from_text = error.what();
+  }
+  values.count = 11;
+  EXPECT_EQ(from_text, errorOf(values));
+}
+
+TEST_F(ParamsTest, MissingFileIsAnInputError) {
   EXPECT_THROW(params.loadFile("/nowhere/x.ini"), InputError);
 }
 

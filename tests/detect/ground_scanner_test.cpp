@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <headway/core/error.h>
 #include <headway/detect/ground_scanner.h>
+#include <headway_test/input_error.h>
 
 #include <cmath>
 #include <functional>
@@ -97,7 +98,7 @@ int obstaclesBetween(const GroundScan& scan, double from, double to) {
   return count;
 }
 
-TEST(ScanGround, LevelGroundIsFreeAsFarAsItReaches) {
+TEST(ScanGroundTest, LevelGroundIsFreeAsFarAsItReaches) {
   const auto scan = scanOf(imageOf({}));
   EXPECT_TRUE(scan.obstacles.empty());
   EXPECT_TRUE(isFree(scan, 6.0, 0.0));
@@ -106,7 +107,7 @@ TEST(ScanGround, LevelGroundIsFreeAsFarAsItReaches) {
   EXPECT_FALSE(isFree(scan, 2.0, 0.0)) << "below the picture nobody saw it";
 }
 
-TEST(ScanGround, TheNearestUprightThingEndsTheRay) {
+TEST(ScanGroundTest, TheNearestUprightThingEndsTheRay) {
   const auto scan = scanOf(imageOf({{9.0, -1.0, 1.0, 0.0, 1.5}, {14.0, -8.0, 8.0, 0.0, 3.0}}));
   EXPECT_TRUE(isFree(scan, 8.0, 0.0));
   EXPECT_FALSE(isFree(scan, 9.5, 0.0)) << "behind it";
@@ -121,7 +122,7 @@ TEST(ScanGround, TheNearestUprightThingEndsTheRay) {
   }
 }
 
-TEST(ScanGround, IsTheSameForACameraThatPitches) {
+TEST(ScanGroundTest, IsTheSameForACameraThatPitches) {
   for (const double pitch : {-0.05, 0.06}) {
     const auto scan = scanOf(imageOf({{9.0, -1.0, 1.0, 0.0, 1.5}}, pitch));
     EXPECT_GT(obstaclesBetween(scan, 8.5, 9.5), 30) << pitch;
@@ -129,13 +130,13 @@ TEST(ScanGround, IsTheSameForACameraThatPitches) {
   }
 }
 
-TEST(ScanGround, NeitherKerbsNorBridgesStop) {
+TEST(ScanGroundTest, NeitherKerbsNorBridgesStop) {
   const auto scan = scanOf(imageOf({{8.0, -3.0, 3.0, 0.0, 0.15}, {12.0, -9.0, 9.0, 2.5, 4.0}}));
   EXPECT_TRUE(scan.obstacles.empty());
   EXPECT_TRUE(isFree(scan, 13.0, 0.0)) << "under the bridge";
 }
 
-TEST(ScanGround, ARampIsNoWall) {
+TEST(ScanGroundTest, ARampIsNoWall) {
   const auto ramp = [](double z) { return z < 8.0 ? 0.0 : 0.09 * (z - 8.0); };
   const auto scan = scanOf(imageOf({}, 0.0, ramp));
   EXPECT_TRUE(scan.obstacles.empty());
@@ -143,7 +144,7 @@ TEST(ScanGround, ARampIsNoWall) {
   EXPECT_GT(obstaclesBetween(scanOf(imageOf({}, 0.0, step)), 7.8, 8.3), 100);
 }
 
-TEST(ScanGround, NothingIsFreedWhereALongGapWithoutTextureMayHideSomething) {
+TEST(ScanGroundTest, NothingIsFreedWhereALongGapWithoutTextureMayHideSomething) {
   stereo::DisparityImage image = imageOf({});
   const auto camera = testCamera();
   const auto rowAt = [&](double depth) {
@@ -158,7 +159,7 @@ TEST(ScanGround, NothingIsFreedWhereALongGapWithoutTextureMayHideSomething) {
   EXPECT_TRUE(isFree(scan, 16.0, 0.0)) << "seen again";
 }
 
-TEST(ScanGround, LeavesOutWhatMovesAndMayMove) {
+TEST(ScanGroundTest, LeavesOutWhatMovesAndMayMove) {
   const auto image = imageOf({{9.0, -1.0, 1.0, 0.0, 1.5}});
   const Box2d box{260, 90, 360, 170};
   MovingRegions moving;
@@ -177,9 +178,9 @@ TEST(ScanGround, LeavesOutWhatMovesAndMayMove) {
   EXPECT_GT(scanOf(image, moving).obstacles.size(), 30u) << "boxes beside the picture";
 }
 
-TEST(ScanGround, LeavesOutWhatIsTooUncertain) {
+TEST(ScanGroundTest, LeavesOutWhatIsTooUncertain) {
   GroundScanParams params;
-  params.most_error_m = 0.1;
+  params.max_error_m = 0.1;
   const auto scan = scanOf(imageOf({{14.0, -1.0, 1.0, 0.0, 1.5}}), {}, params);
   EXPECT_TRUE(scan.obstacles.empty());
   EXPECT_FALSE(isFree(scan, 15.0, 0.0)) << "it ends the ray all the same";
@@ -191,7 +192,18 @@ TEST(GroundScanParamsTest, AreDescribedWithRanges) {
   values.describe(params.section("grid"));
   params.set("grid.reach=12");
   EXPECT_EQ(values.reach_m, 12.0);
-  EXPECT_THROW(params.set("grid.lowest_obstacle=0"), InputError);
+  EXPECT_THROW(params.set("grid.min_obstacle_height_m=0"), InputError);
+}
+
+TEST(GroundScanParamsTest, RefuseValuesOutOfRangeAndFormerKeys) {
+  GroundScanParams values;
+  values.max_error_m = 0.0;
+  EXPECT_EQ("[grid] max_error_m: '0' is out of range [m, 0.05 .. 10]",
+            test::inputErrorOf([&] { values.validate(); }));
+  Params params;
+  values.describe(params.section("grid"));
+  EXPECT_EQ("[grid] most_error is now max_error_m",
+            test::inputErrorOf([&] { params.set("grid.most_error=1"); }));
 }
 
 }  // namespace

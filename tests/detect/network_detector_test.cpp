@@ -24,7 +24,7 @@ std::string errorOf(const NetworkParams& params) {
   return "no error";
 }
 
-TEST(NetworkDetector, SaysWhatIsMissing) {
+TEST(NetworkDetectorTest, SaysWhatIsMissing) {
   NetworkParams params;
   EXPECT_THAT(errorOf(params), testing::HasSubstr("model is not set"));
   params.model = "/nowhere/yolox.onnx";
@@ -32,7 +32,7 @@ TEST(NetworkDetector, SaysWhatIsMissing) {
                                               testing::HasSubstr("ONNX")));
 }
 
-TEST(NetworkDetector, SaysThatAFileIsNoModel) {
+TEST(NetworkDetectorTest, SaysThatAFileIsNoModel) {
   test::TemporaryFolder folder;
   NetworkParams params;
   params.model = folder / "text.onnx";
@@ -42,20 +42,20 @@ TEST(NetworkDetector, SaysThatAFileIsNoModel) {
   EXPECT_THAT(errorOf(params), testing::HasSubstr("layout is not set"));
 }
 
-TEST(NetworkDetector, SaysWhatOutputWasExpected) {
+TEST(NetworkDetectorTest, SaysWhatOutputWasExpected) {
   HEADWAY_REQUIRE_DATA(data);
   NetworkParams params;
   params.model = data / "models" / "yolox_nano.onnx";
   params.classes = "Car,Pedestrian";
   EXPECT_THAT(errorOf(params), testing::HasSubstr("expected 3549 rows of 7"));
   params.classes = "coco";
-  params.input_width = 400;
+  params.input_width_px = 400;
   EXPECT_THAT(errorOf(params), testing::HasSubstr("multiples of 32"));
 }
 
-TEST(DecodeRows, YoloxPutsBoxesByCellAndStride) {
+TEST(DecodeRowsTest, YoloxPutsBoxesByCellAndStride) {
   NetworkParams params;
-  params.input_width = params.input_height = 64;
+  params.input_width_px = params.input_height_px = 64;
   ASSERT_EQ(yoloxRows(64, 64), 64 + 16 + 4);
   cv::Mat rows(84, 7, CV_32F, cv::Scalar(0));
   // Stride 16, row 1, column 2 of 4: centre (2.5, 1.25) * 16, 32 x 16 px.
@@ -74,10 +74,10 @@ TEST(DecodeRows, YoloxPutsBoxesByCellAndStride) {
   EXPECT_NEAR(boxes[0].box.bottom, 2.0 * (20.0 + 8.0), 1e-4);
 }
 
-TEST(DecodeRows, DarknetGivesSharesOfTheInput) {
+TEST(DecodeRowsTest, DarknetGivesSharesOfTheInput) {
   NetworkParams params;
   params.family = NetworkParams::Family::kDarknet;
-  params.input_width = params.input_height = 320;
+  params.input_width_px = params.input_height_px = 320;
   cv::Mat rows = (cv::Mat_<float>(1, 6) << 0.5F, 0.25F, 0.1F, 0.2F, 0.9F, 0.6F);
   const auto boxes = decodeRows(rows, params, {1.0, 0.5});
   ASSERT_EQ(boxes.size(), 1u);
@@ -86,7 +86,7 @@ TEST(DecodeRows, DarknetGivesSharesOfTheInput) {
   EXPECT_NEAR(boxes[0].box.top, 96.0, 1e-3);
 }
 
-TEST(WithoutOverlaps, KeepsTheBetterOfOneClassAndBothOfTwo) {
+TEST(WithoutOverlapsTest, KeepsTheBetterOfOneClassAndBothOfTwo) {
   const Box2d box{0, 0, 100, 100};
   const Box2d near{5, 5, 105, 105};
   const auto kept = withoutOverlaps({{near, 0.5, 0}, {box, 0.9, 0}, {near, 0.4, 1}}, 0.5);
@@ -95,7 +95,7 @@ TEST(WithoutOverlaps, KeepsTheBetterOfOneClassAndBothOfTwo) {
   EXPECT_EQ(kept[1].network_class, 1u);
 }
 
-TEST(NetworkClasses, APersonOnABicycleIsOneCyclist) {
+TEST(NetworkClassesTest, APersonOnABicycleIsOneCyclist) {
   const auto classes = networkClasses("coco");
   const NetworkBox rider{{100, 50, 140, 130}, 0.8, 0};
   const NetworkBox bicycle{{90, 90, 150, 150}, 0.7, 1};
@@ -108,7 +108,7 @@ TEST(NetworkClasses, APersonOnABicycleIsOneCyclist) {
   EXPECT_EQ(detections[1].object_class, ObjectClass::kPedestrian);
 }
 
-TEST(NetworkClasses, NamesAreKittisOthersAreLeftOut) {
+TEST(NetworkClassesTest, NamesAreKittisOthersAreLeftOut) {
   const auto classes = networkClasses("Car, dog ,Tram");
   ASSERT_EQ(classes.size(), 3u);
   EXPECT_EQ(classes[0].object_class, ObjectClass::kCar);
@@ -116,9 +116,9 @@ TEST(NetworkClasses, NamesAreKittisOthersAreLeftOut) {
   EXPECT_EQ(classes[2].object_class, ObjectClass::kTram);
 }
 
-class RealNetwork : public testing::TestWithParam<const char*> {};
+class RealNetworkTest : public testing::TestWithParam<const char*> {};
 
-TEST_P(RealNetwork, FindsTheParkedCarOfARealStreet) {
+TEST_P(RealNetworkTest, FindsTheParkedCarOfARealStreet) {
   HEADWAY_REQUIRE_DATA(data);
   DetectParams params;
   Params registry;
@@ -144,7 +144,7 @@ TEST_P(RealNetwork, FindsTheParkedCarOfARealStreet) {
   EXPECT_GT(best, 0.6);
 }
 
-INSTANTIATE_TEST_SUITE_P(Families, RealNetwork, testing::Values("yolox_nano", "yolo_fastest"),
+INSTANTIATE_TEST_SUITE_P(Families, RealNetworkTest, testing::Values("yolox_nano", "yolo_fastest"),
                          [](const auto& name) { return std::string(name.param); });
 
 }  // namespace

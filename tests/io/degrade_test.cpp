@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
 #include <headway/io/degrade.h>
+#include <headway_test/input_error.h>
 
 #include <cmath>
 
@@ -35,7 +36,7 @@ double deviation(const Detections& detections, int axis, double mean) {
   return std::sqrt(sum / static_cast<double>(detections.items.size()));
 }
 
-TEST(DegradeTest, withoutAnythingToDoBoxesStayAsTheyAre) {
+TEST(DegradeTest, WithoutAnythingToDoBoxesStayAsTheyAre) {
   const auto result = Degrader(nothing()).degrade(manyBoxes(20));
   ASSERT_EQ(kBoxes, static_cast<int>(result.items.size()));
   EXPECT_EQ(Eigen::Vector3d(0, 1, 20), result.items[7].box3d->centre);
@@ -43,7 +44,7 @@ TEST(DegradeTest, withoutAnythingToDoBoxesStayAsTheyAre) {
   EXPECT_EQ(7, result.items[7].detector_id);
 }
 
-TEST(DegradeTest, noiseGrowsWithDepthAndIsHalfAcrossTheRay) {
+TEST(DegradeTest, NoiseGrowsWithDepthAndIsHalfAcrossTheRay) {
   auto params = nothing();
   params.position_sigma_m = 0.3;
   const auto near = Degrader(params).degrade(manyBoxes(10));
@@ -55,7 +56,7 @@ TEST(DegradeTest, noiseGrowsWithDepthAndIsHalfAcrossTheRay) {
   EXPECT_NEAR(0.45, deviation(far, 0, 0), 0.015);
 }
 
-TEST(DegradeTest, dropsDoublesAndFlipsAsOftenAsAsked) {
+TEST(DegradeTest, DropsDoublesAndFlipsAsOftenAsAsked) {
   auto params = nothing();
   params.drop_probability = 0.15;
   EXPECT_NEAR(0.85 * kBoxes,
@@ -79,12 +80,12 @@ TEST(DegradeTest, dropsDoublesAndFlipsAsOftenAsAsked) {
   EXPECT_NEAR(0.05 * kBoxes, static_cast<double>(flipped), 0.01 * kBoxes);
 }
 
-TEST(DegradeTest, lowScoresAreLeftOut) {
+TEST(DegradeTest, LowScoresAreLeftOut) {
   EXPECT_TRUE(Degrader(nothing()).degrade(manyBoxes(20, 0.0)).items.empty());
   EXPECT_TRUE(Degrader(nothing()).degrade(manyBoxes(20, NAN)).items.empty());
 }
 
-TEST(DegradeTest, theSeedDecides) {
+TEST(DegradeTest, TheSeedDecides) {
   const auto centresWith = [](int seed) {
     DegradeParams params;
     params.seed = seed;
@@ -98,7 +99,7 @@ TEST(DegradeTest, theSeedDecides) {
   EXPECT_NE(centresWith(1), centresWith(2));
 }
 
-TEST(DegradeTest, boxesWithout3dOnlyVanishOrDouble) {
+TEST(DegradeTest, BoxesWithout3dOnlyVanishOrDouble) {
   Detections flat;
   Detection detection;
   detection.box2d = Box2d{1, 2, 3, 4};
@@ -109,13 +110,20 @@ TEST(DegradeTest, boxesWithout3dOnlyVanishOrDouble) {
   }
 }
 
-TEST(DegradeTest, parametersOutOfRangeAreRefused) {
+TEST(DegradeTest, ParametersOutOfRangeAreRefused) {
   DegradeParams degrade;
   Params params;
   degrade.describe(params.section("degrade"));
   params.set("degrade.seed=5");
   EXPECT_EQ(5, degrade.seed);
   EXPECT_THROW(params.set("degrade.drop_probability=1.5"), InputError);
+}
+
+TEST(DegradeTest, RefusesAStructOutOfRange) {
+  DegradeParams degrade;
+  degrade.flip_probability = 2.0;
+  EXPECT_EQ("[degrade] flip_probability: '2' is out of range [0 .. 1]",
+            test::inputErrorOf([&] { Degrader degrader(degrade); }));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <headway/map/map_query.h>
 #include <headway/map/path_sample.h>
+#include <headway_test/input_error.h>
 #include <headway_test/walking_track.h>
 
 #include <cmath>
@@ -10,9 +11,9 @@
 namespace headway::map {
 namespace {
 
-using test::walkingTrack;
 using Eigen::Vector2d;
 using mrpt::maps::COccupancyGridMap2D;
+using test::walkingTrack;
 
 constexpr double kNow = 100.0;
 
@@ -43,7 +44,7 @@ std::vector<TimedPose> drive(const Vector2d& from, const Vector2d& velocity, dou
 
 constexpr BodyShape kRobot{0.5, 0.4, false};
 
-TEST(ProbabilityInside, IsWhatDrawingPointsGives) {
+TEST(ProbabilityInsideTest, IsWhatDrawingPointsGives) {
   const auto region = contactRegion({0.8, 0.5, false}, 0.4, {0.5, 0.7, true}, -1.1);
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
@@ -67,14 +68,14 @@ TEST(ProbabilityInside, IsWhatDrawingPointsGives) {
               static_cast<double>(inside) / draws, 0.01);
 }
 
-TEST(ProbabilityInside, IsCertainForAPlaceThatIs) {
+TEST(ProbabilityInsideTest, IsCertainForAPlaceThatIs) {
   const auto region = contactRegion({1.0, 1.0, false}, 0.0, {1.0, 1.0, false}, 0.0);
   EXPECT_NEAR(probabilityInside(region, {0.5, 0.5}, Eigen::Matrix2d::Zero()), 1.0, 1e-3);
   EXPECT_NEAR(probabilityInside(region, {1.2, 0.5}, Eigen::Matrix2d::Zero()), 0.0, 1e-3);
   EXPECT_EQ(probabilityInside({}, {0.0, 0.0}, Eigen::Matrix2d::Identity()), 0.0);
 }
 
-TEST(ContactRegion, HoldsTheSumOfTwoBoxes) {
+TEST(ContactRegionTest, HoldsTheSumOfTwoBoxes) {
   const auto region = contactRegion({2.0, 1.0, false}, 0.0, {1.0, 0.5, false}, 0.0);
   double length = 0.0, width = 0.0;
   for (const auto& corner : region) {
@@ -85,7 +86,7 @@ TEST(ContactRegion, HoldsTheSumOfTwoBoxes) {
   EXPECT_NEAR(width, 0.75, 1e-12);
 }
 
-TEST(SamplePath, GoesThroughItsPointsAndBeyondThem) {
+TEST(SamplePathTest, GoesThroughItsPointsAndBeyondThem) {
   const Track track = walkingTrack(1, {1.0, 2.0}, {1.0, 0.0}, 0.2);
   const auto& path = track.predictions.front();
   EXPECT_NEAR(samplePath(track, path, -1.0).centre.x(), 1.0, 1e-12);
@@ -96,7 +97,7 @@ TEST(SamplePath, GoesThroughItsPointsAndBeyondThem) {
   EXPECT_NEAR(samplePath(track, {}, 2.0).centre.x(), 1.0, 1e-12);
 }
 
-TEST(OccupancyAt, FollowsAMoverThroughTime) {
+TEST(OccupancyAtTest, FollowsAMoverThroughTime) {
   const auto map = mapWith({walkingTrack(1, {2.0, -2.0}, {0.0, 1.0}, 0.05)});
   const MapQuery ask = map.at(kNow);
   EXPECT_GT(ask.occupancyAt(2.0, -2.0, kNow).probability, 0.95);
@@ -105,7 +106,7 @@ TEST(OccupancyAt, FollowsAMoverThroughTime) {
   EXPECT_EQ(ask.occupancyAt(2.0, 0.0, kNow + 2.0).answer, Answer::kKnown);
 }
 
-TEST(OccupancyAt, IsLessSureOfAMoverWhoIsLessSurelyThere) {
+TEST(OccupancyAtTest, IsLessSureOfAMoverWhoIsLessSurelyThere) {
   const auto at = [](double sigma_m) {
     return mapWith({walkingTrack(1, {2.0, 0.0}, {0.0, 0.0}, sigma_m)})
         .at(kNow)
@@ -118,7 +119,7 @@ TEST(OccupancyAt, IsLessSureOfAMoverWhoIsLessSurelyThere) {
   EXPECT_NEAR(at(0.2), 1.0 - std::exp(-0.25 * 0.25 / (2.0 * 0.04)), 0.01);
 }
 
-TEST(OccupancyAt, SharesAMoverAmongHisFutures) {
+TEST(OccupancyAtTest, SharesAMoverAmongHisFutures) {
   Track track = walkingTrack(1, {2.0, 0.0}, {0.0, 1.0}, 0.05);
   track.predictions.push_back(walkingTrack(1, {2.0, 0.0}, {0.0, -1.0}, 0.05).predictions.front());
   track.predictions[0].probability = 0.7;
@@ -130,7 +131,7 @@ TEST(OccupancyAt, SharesAMoverAmongHisFutures) {
   EXPECT_GT(ask.occupancyAt(2.0, 0.0, kNow).moving, 0.97) << "both start here";
 }
 
-TEST(OccupancyAt, KnowsTheStillWorldAndWhereItEnds) {
+TEST(OccupancyAtTest, KnowsTheStillWorldAndWhereItEnds) {
   const auto map = mapWith({});
   const MapQuery ask = map.at(kNow);
   EXPECT_LT(ask.occupancyAt(0.0, 0.0, kNow).probability, 0.05);
@@ -142,7 +143,7 @@ TEST(OccupancyAt, KnowsTheStillWorldAndWhereItEnds) {
   EXPECT_EQ(ask.occupancyAt(nan, nan, kNow).answer, Answer::kUnknownPlace);
 }
 
-TEST(MapQuery, TellsAStaleMapAnEmptyOneAndTimesBeyondPrediction) {
+TEST(MapQueryTest, TellsAStaleMapAnEmptyOneAndTimesBeyondPrediction) {
   const auto map = mapWith({walkingTrack(1, {2.0, 0.0}, {0.0, 1.0}, 0.1)});
   EXPECT_EQ(map.at(kNow + 0.4).answer(), Answer::kKnown);
   EXPECT_EQ(map.at(kNow + 0.6).answer(), Answer::kStaleMap);
@@ -161,7 +162,7 @@ TEST(MapQuery, TellsAStaleMapAnEmptyOneAndTimesBeyondPrediction) {
   EXPECT_EQ(toString(Answer::kStaleMap), "stale_map");
 }
 
-TEST(ObstaclesAt, GivesEveryFutureWithItsDoubt) {
+TEST(ObstaclesAtTest, GivesEveryFutureWithItsDoubt) {
   Track track = walkingTrack(7, {2.0, 0.0}, {0.0, 1.0}, 0.2);
   track.predictions.push_back(walkingTrack(7, {2.0, 0.0}, {1.0, 0.0}, 0.3).predictions.front());
   track.predictions[0].probability = 0.7;
@@ -182,7 +183,7 @@ TEST(ObstaclesAt, GivesEveryFutureWithItsDoubt) {
   EXPECT_NEAR(obstacles.items[2].centre.x(), -4.0, 1e-9);
 }
 
-TEST(TracksNear, AreThoseWhoWillBeNearNearestFirst) {
+TEST(TracksNearTest, AreThoseWhoWillBeNearNearestFirst) {
   const auto map = mapWith({walkingTrack(1, {4.0, 0.0}, {0.0, 0.0}, 0.2),
                             walkingTrack(2, {0.0, -3.0}, {0.0, 1.0}, 0.1),
                             walkingTrack(3, {15.0, 0.0}, {0.0, 0.0}, 0.1)});
@@ -195,7 +196,7 @@ TEST(TracksNear, AreThoseWhoWillBeNearNearestFirst) {
   EXPECT_EQ(later.items.front().distance_m, 0.0) << "he stands on the place";
 }
 
-TEST(TimeToCollision, IsWhenTheBodiesMeet) {
+TEST(TimeToCollisionTest, IsWhenTheBodiesMeet) {
   // Both at 1 m/s towards (3, 0): its corner (0.25, 0.2) touches his circle 0.4 m before it.
   const auto map = mapWith({walkingTrack(1, {3.0, -3.0}, {0.0, 1.0}, 0.02)});
   const auto collision = map.at(kNow).timeToCollision(kRobot, drive({0, 0}, {1, 0}, 3.0));
@@ -208,14 +209,14 @@ TEST(TimeToCollision, IsWhenTheBodiesMeet) {
   EXPECT_FALSE(collision.unknown_from_s);
 }
 
-TEST(TimeToCollision, IsNoneWhereTheMoverHasPassed) {
+TEST(TimeToCollisionTest, IsNoneWhereTheMoverHasPassed) {
   const auto map = mapWith({walkingTrack(1, {3.0, -1.0}, {0.0, 1.0}, 0.02)});
   const auto collision = map.at(kNow).timeToCollision(kRobot, drive({0, 0}, {1, 0}, 3.0));
   EXPECT_FALSE(collision.earliest_s);
   EXPECT_LT(collision.probability, 0.05);
 }
 
-TEST(TimeToCollision, DoubtMakesItEarlierAndLessSure) {
+TEST(TimeToCollisionTest, DoubtMakesItEarlierAndLessSure) {
   const auto at = [](double sigma_m) {
     return mapWith({walkingTrack(1, {3.0, -3.0}, {0.0, 1.0}, sigma_m)})
         .at(kNow)
@@ -225,7 +226,7 @@ TEST(TimeToCollision, DoubtMakesItEarlierAndLessSure) {
   EXPECT_LT(at(0.5).probability, at(0.05).probability);
 }
 
-TEST(TimeToCollision, MeetsTheWallAndTellsWhereTheMapEnds) {
+TEST(TimeToCollisionTest, MeetsTheWallAndTellsWhereTheMapEnds) {
   const auto map = mapWith({});
   const auto wall = map.at(kNow).timeToCollision(kRobot, drive({6, 0}, {1, 0}, 2.5));
   EXPECT_NEAR(wall.likely_s.value_or(9.0), 1.65, 0.21);
@@ -238,7 +239,7 @@ TEST(TimeToCollision, MeetsTheWallAndTellsWhereTheMapEnds) {
   EXPECT_EQ(outside.unknown_from_s, 0.0) << "a robot outside the map";
 }
 
-TEST(TimeToCollision, EndsWherePredictionsEndWhateverThePath) {
+TEST(TimeToCollisionTest, EndsWherePredictionsEndWhateverThePath) {
   const auto map = mapWith({walkingTrack(1, {3.0, -3.0}, {0.0, 1.0}, 0.02)});
   const auto lengthy = map.at(kNow).timeToCollision(kRobot, drive({0, 5}, {0.1, 0}, 1e9));
   EXPECT_EQ(lengthy.answer, Answer::kUnknownTime);
@@ -247,6 +248,13 @@ TEST(TimeToCollision, EndsWherePredictionsEndWhateverThePath) {
   const auto strange = map.at(kNow).timeToCollision(kRobot, {{nan, {nan, 0.0}, nan}});
   EXPECT_NE(strange.answer, Answer::kKnown);
   EXPECT_FALSE(map.at(kNow).timeToCollision(kRobot, {}).earliest_s);
+}
+
+TEST(MapQueryTest, RefusesParametersOutOfRange) {
+  MapQueryParams params;
+  params.horizon_s = -1.0;
+  EXPECT_EQ("[map_query] horizon_s: '-1' is out of range [s, 0 .. 60]",
+            test::inputErrorOf([&] { MapQuery query(PerceptionMap(), kNow, params); }));
 }
 
 }  // namespace

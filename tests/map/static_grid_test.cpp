@@ -2,6 +2,7 @@
 #include <headway/core/error.h>
 #include <headway/map/static_grid.h>
 #include <headway_test/folders.h>
+#include <headway_test/input_error.h>
 #include <headway_test/process.h>
 #include <mrpt/img/CImage.h>
 #include <mrpt/io/CFileGZInputStream.h>
@@ -248,6 +249,13 @@ TEST(StaticGridParamsTest, AreDescribedWithRanges) {
   params.set("grid.resolution=0.5");
   EXPECT_EQ(values.resolution_m, 0.5);
   EXPECT_THROW(params.set("grid.resolution=0"), InputError);
+}
+
+TEST(StaticGridParamsTest, OutOfRangeAreRefusedByTheGrid) {
+  StaticGridParams values;
+  values.resolution_m = 0.0;
+  EXPECT_EQ("[grid] resolution: '0' is out of range [m, 0.05 .. 2]",
+            test::inputErrorOf([&] { StaticGrid grid(values); }));
 }
 
 }  // namespace

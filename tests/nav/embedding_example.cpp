@@ -13,7 +13,7 @@ bool driveTo(const mrpt::math::TPose2D& goal, mrpt::nav::CRobot2NavInterface& ro
   params.robot.radius_m = 0.35;  // holds the whole robot
   params.robot.length_m = 0.5;
   params.robot.width_m = 0.45;
-  params.robot.top_speed = 1.0;  // as in robotMax_V_mps
+  params.robot.max_speed_mps = 1.0;  // as in robotMax_V_mps
   headway::nav::PredictiveObstacles foresight(
       robot, [&] { return *map.snapshot(); }, params);
 

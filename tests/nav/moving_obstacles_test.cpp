@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <headway/nav/moving_obstacles.h>
+#include <headway_test/input_error.h>
 #include <headway_test/walking_track.h>
 
 #include <limits>
@@ -14,7 +15,7 @@ PredictiveObstaclesParams paramsOf(ObstaclePolicy policy) {
   PredictiveObstaclesParams params;
   params.policy = policy;
   params.robot.radius_m = 0.3;
-  params.robot.top_speed = 1.0;
+  params.robot.max_speed_mps = 1.0;
   params.steer_horizon_s = params.horizon_s;
   return params;
 }
@@ -33,24 +34,24 @@ bool anyNear(const std::vector<ObstaclePoint>& points, const Vector2d& place, do
   return false;
 }
 
-TEST(MovingObstacles, ACrossingMoverWhoWillBeGoneIsNoObstacleWhereHeIs) {
+TEST(MovingObstaclesTest, ACrossingMoverWhoWillBeGoneIsNoObstacleWhereHeIs) {
   const Track crossing = walkingTrack(1, {2.5, 0.0}, {0.0, 1.5});
   EXPECT_FALSE(anyNear(pointsOf({crossing}, ObstaclePolicy::kTimeGated), {2.5, 0.0}, 0.4));
   EXPECT_TRUE(anyNear(pointsOf({crossing}, ObstaclePolicy::kSweep), {2.5, 0.0}, 0.4));
 }
 
-TEST(MovingObstacles, AMoverWhoWillMeetTheRobotIsOneWhereTheyMeet) {
+TEST(MovingObstaclesTest, AMoverWhoWillMeetTheRobotIsOneWhereTheyMeet) {
   const Track meeting = walkingTrack(1, {2.0, -2.0}, {0.0, 1.0});
   EXPECT_TRUE(anyNear(pointsOf({meeting}, ObstaclePolicy::kTimeGated), {2.0, 0.0}, 0.4));
 }
 
-TEST(MovingObstacles, AMoverWhoComesTooLateIsNone) {
+TEST(MovingObstaclesTest, AMoverWhoComesTooLateIsNone) {
   const Track late = walkingTrack(1, {0.6, -3.0}, {0.0, 1.0});
   EXPECT_FALSE(anyNear(pointsOf({late}, ObstaclePolicy::kTimeGated), {0.6, 0.0}, 0.3));
   EXPECT_TRUE(anyNear(pointsOf({late}, ObstaclePolicy::kSweep), {0.6, 0.0}, 0.3));
 }
 
-TEST(MovingObstacles, PlacesBeyondTheSteeringHorizonAreNone) {
+TEST(MovingObstaclesTest, PlacesBeyondTheSteeringHorizonAreNone) {
   auto params = paramsOf(ObstaclePolicy::kTimeGated);
   params.steer_horizon_s = 1.5;
   MovingObstacles moving(params);
@@ -60,7 +61,7 @@ TEST(MovingObstacles, PlacesBeyondTheSteeringHorizonAreNone) {
   EXPECT_TRUE(anyNear(moving.points(), {1.0, 0.0}, 0.4)) << "he is there after 1 s";
 }
 
-TEST(MovingObstacles, TheGateOnlyTakesAway) {
+TEST(MovingObstaclesTest, TheGateOnlyTakesAway) {
   const Track track = walkingTrack(1, {2.0, -2.0}, {0.2, 1.0}, 0.1);
   const auto gated = pointsOf({track}, ObstaclePolicy::kTimeGated);
   const auto swept = pointsOf({track}, ObstaclePolicy::kSweep);
@@ -68,7 +69,7 @@ TEST(MovingObstacles, TheGateOnlyTakesAway) {
   for (const auto& point : gated) EXPECT_TRUE(anyNear(swept, point.place, 1e-12));
 }
 
-TEST(MovingObstacles, CovarianceWidensThem) {
+TEST(MovingObstaclesTest, CovarianceWidensThem) {
   const auto width = [](double sigma_m) {
     double widest = 0.0;
     const Track track = walkingTrack(1, {4.0, -3.0}, {0.0, 1.0}, sigma_m);
@@ -80,13 +81,13 @@ TEST(MovingObstacles, CovarianceWidensThem) {
   EXPECT_NEAR(width(0.3), width(0.0) + 0.3, 0.05);
 }
 
-TEST(MovingObstacles, TheOldMapIsCarriedOnToNow) {
+TEST(MovingObstaclesTest, TheOldMapIsCarriedOnToNow) {
   const Track track = walkingTrack(1, {4.0, -3.0}, {0.0, 1.0});
   EXPECT_TRUE(anyNear(pointsOf({track}, ObstaclePolicy::kSweep, 0.0), {4.0, -3.25}, 0.15));
   EXPECT_FALSE(anyNear(pointsOf({track}, ObstaclePolicy::kSweep, 0.5), {4.0, -3.25}, 0.15));
 }
 
-TEST(MovingObstacles, ImprobablePathsAreLeftOut) {
+TEST(MovingObstaclesTest, ImprobablePathsAreLeftOut) {
   Track track = walkingTrack(1, {4.0, -3.0}, {0.0, 1.0});
   track.predictions.push_back(walkingTrack(1, {4.0, -3.0}, {1.0, 0.0}).predictions.front());
   track.predictions[0].probability = 0.95;
@@ -96,7 +97,7 @@ TEST(MovingObstacles, ImprobablePathsAreLeftOut) {
   EXPECT_TRUE(anyNear(pointsOf({track}, ObstaclePolicy::kSweep), {6.0, -3.0}, 0.5));
 }
 
-TEST(MovingObstacles, StandingTentativeAndEndedTracksAreLeftToTheSensors) {
+TEST(MovingObstaclesTest, StandingTentativeAndEndedTracksAreLeftToTheSensors) {
   Track still = walkingTrack(1, {2.0, -2.0}, {0.0, 1.0});
   still.motion_state = MotionState::kStatic;
   Track tentative = walkingTrack(2, {2.0, -2.0}, {0.0, 1.0});
@@ -106,14 +107,14 @@ TEST(MovingObstacles, StandingTentativeAndEndedTracksAreLeftToTheSensors) {
   EXPECT_TRUE(pointsOf({still, tentative, ended}, ObstaclePolicy::kSweep).empty());
 }
 
-TEST(MovingObstacles, NoPointLiesUnderTheRobot) {
+TEST(MovingObstaclesTest, NoPointLiesUnderTheRobot) {
   const Track over_it = walkingTrack(1, {0.0, -1.0}, {0.0, 1.0}, 0.5);
   for (const auto& point : pointsOf({over_it}, ObstaclePolicy::kSweep)) {
     EXPECT_GT(point.place.norm(), 0.3);
   }
 }
 
-TEST(MovingObstacles, NumbersThatAreNoneMakeNoPoints) {
+TEST(MovingObstaclesTest, NumbersThatAreNoneMakeNoPoints) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Track lost = walkingTrack(1, {nan, 0.0}, {0.0, 1.0});
   Track strange = walkingTrack(2, {2.0, -2.0}, {0.0, 1.0});
@@ -124,7 +125,7 @@ TEST(MovingObstacles, NumbersThatAreNoneMakeNoPoints) {
   }
 }
 
-TEST(MovingObstacles, SensedPointsGoOnlyWithBodiesThatLeave) {
+TEST(MovingObstaclesTest, SensedPointsGoOnlyWithBodiesThatLeave) {
   MovingObstacles moving(paramsOf(ObstaclePolicy::kTimeGated));
   const Track leaving = walkingTrack(1, {2.5, 0.0}, {0.0, 1.5});
   moving.update({leaving}, Vector2d::Zero(), 0.0);
@@ -135,13 +136,24 @@ TEST(MovingObstacles, SensedPointsGoOnlyWithBodiesThatLeave) {
   EXPECT_FALSE(moving.willBeGone({2.3, 0.0})) << "somebody else stays there";
 }
 
-TEST(MovingObstacles, AreTheSameEachTime) {
+TEST(MovingObstaclesTest, AreTheSameEachTime) {
   const std::vector<Track> tracks = {walkingTrack(1, {2.0, -2.0}, {0.1, 1.0}, 0.2),
                                      walkingTrack(2, {3.0, 2.0}, {0.0, -1.2}, 0.1)};
   const auto first = pointsOf(tracks, ObstaclePolicy::kTimeGated);
   const auto second = pointsOf(tracks, ObstaclePolicy::kTimeGated);
   ASSERT_EQ(first.size(), second.size());
   for (std::size_t i = 0; i < first.size(); ++i) EXPECT_EQ(first[i].place, second[i].place);
+}
+
+TEST(MovingObstaclesTest, RefusesParametersOutOfRange) {
+  PredictiveObstaclesParams params = paramsOf(ObstaclePolicy::kSweep);
+  params.place_spacing_m = 0.0;
+  EXPECT_EQ("[nav] place_spacing_m: '0' is out of range [m, 0.05 .. 2]",
+            test::inputErrorOf([&] { MovingObstacles obstacles(params); }));
+  params = {};
+  params.robot.radius_m = -1.0;
+  EXPECT_EQ("[nav] robot_radius_m: '-1' is out of range [m, 0.05 .. 5]",
+            test::inputErrorOf([&] { MovingObstacles obstacles(params); }));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <headway/nav/speed_governor.h>
+#include <headway_test/input_error.h>
 #include <headway_test/walking_track.h>
 
 #include <limits>
@@ -16,7 +17,7 @@ PredictiveObstaclesParams params() {
   values.robot.radius_m = 0.32;
   values.robot.length_m = 0.5;
   values.robot.width_m = 0.4;
-  values.robot.top_speed = 1.0;
+  values.robot.max_speed_mps = 1.0;
   return values;
 }
 
@@ -32,31 +33,31 @@ double shareAmong(const std::vector<Track>& tracks, double age_s = 0.0) {
   return governor.share(kAhead, driving(), tracks, age_s);
 }
 
-TEST(SpeedGovernor, LeavesTheSpeedWhereNobodyIsMet) {
+TEST(SpeedGovernorTest, LeavesTheSpeedWhereNobodyIsMet) {
   EXPECT_EQ(shareAmong({}), 1.0);
   EXPECT_EQ(shareAmong({walkingTrack(1, {5.0, 5.0}, {0.0, 1.0})}), 1.0) << "he walks away";
   EXPECT_EQ(shareAmong({walkingTrack(1, {60.0, 0.0}, {0.0, 1.0})}), 1.0) << "he is far";
 }
 
-TEST(SpeedGovernor, SlowsForSomebodyWhoCrossesAtTheSameTime) {
+TEST(SpeedGovernorTest, SlowsForSomebodyWhoCrossesAtTheSameTime) {
   const double share = shareAmong({walkingTrack(1, {1.5, -1.5}, {0.0, 1.0}, 0.1)});
   EXPECT_LT(share, 0.8);
 }
 
-TEST(SpeedGovernor, DoesNotSlowForSomebodyWhoHasCrossedByThen) {
+TEST(SpeedGovernorTest, DoesNotSlowForSomebodyWhoHasCrossedByThen) {
   EXPECT_EQ(shareAmong({walkingTrack(1, {2.0, 0.3}, {0.0, 1.2}, 0.1)}), 1.0);
 }
 
-TEST(SpeedGovernor, DoesNotSlowInFrontOfSomebodyWhoWouldThenMeetIt) {
+TEST(SpeedGovernorTest, DoesNotSlowInFrontOfSomebodyWhoWouldThenMeetIt) {
   // He crosses just behind the robot as it is; slower, it would still be there.
   EXPECT_EQ(shareAmong({walkingTrack(1, {0.2, -1.3}, {0.0, 1.0}, 0.1)}), 1.0);
 }
 
-TEST(SpeedGovernor, StopsShortOfSomebodyWhoWalksInItsWay) {
+TEST(SpeedGovernorTest, StopsShortOfSomebodyWhoWalksInItsWay) {
   EXPECT_LE(shareAmong({walkingTrack(1, {0.9, 0.0}, {0.0, 0.05}, 0.1)}), 0.2);
 }
 
-TEST(SpeedGovernor, SlowsLessForAnImprobableFuture) {
+TEST(SpeedGovernorTest, SlowsLessForAnImprobableFuture) {
   Track track = walkingTrack(1, {1.5, -1.5}, {0.0, 1.0}, 0.1);
   track.predictions.push_back(walkingTrack(1, {1.5, -1.5}, {0.0, -1.0}, 0.1).predictions.front());
   const auto at = [&](double crosses) {
@@ -68,13 +69,13 @@ TEST(SpeedGovernor, SlowsLessForAnImprobableFuture) {
   EXPECT_EQ(at(0.01), 1.0);
 }
 
-TEST(SpeedGovernor, CarriesAnOldMapOn) {
+TEST(SpeedGovernorTest, CarriesAnOldMapOn) {
   const Track track = walkingTrack(1, {1.5, -2.0}, {0.0, 1.0}, 0.1);
   EXPECT_LT(shareAmong({track}, 0.5), 1.0);
   EXPECT_LT(shareAmong({track}, 0.5), shareAmong({track}, -2.0) + 1e-9);
 }
 
-TEST(SpeedGovernor, LeavesOutTentativeStandingAndBrokenTracks) {
+TEST(SpeedGovernorTest, LeavesOutTentativeStandingAndBrokenTracks) {
   Track still = walkingTrack(1, {0.9, 0.0}, {0.0, 0.05});
   still.motion_state = MotionState::kStatic;
   Track tentative = walkingTrack(2, {0.9, 0.0}, {0.0, 0.05});
@@ -84,13 +85,20 @@ TEST(SpeedGovernor, LeavesOutTentativeStandingAndBrokenTracks) {
   EXPECT_EQ(shareAmong({still, tentative, broken}), 1.0);
 }
 
-TEST(SpeedGovernor, IsTheSameEachTime) {
+TEST(SpeedGovernorTest, IsTheSameEachTime) {
   SpeedGovernor governor(params());
   const std::vector<Track> tracks = {walkingTrack(1, {1.5, -1.5}, {0.0, 1.0}, 0.2),
                                      walkingTrack(2, {2.0, 1.8}, {0.0, -1.1}, 0.2)};
   const double first = governor.share(kAhead, driving(), tracks, 0.0);
   static_cast<void>(governor.share(kAhead, driving(), {}, 0.0));
   EXPECT_EQ(governor.share(kAhead, driving(), tracks, 0.0), first);
+}
+
+TEST(SpeedGovernorTest, RefusesParametersOutOfRange) {
+  PredictiveObstaclesParams values = params();
+  values.governor.patience_s = 0.0;
+  EXPECT_EQ("[nav] patience_s: '0' is out of range [s, 0.1 .. 100]",
+            test::inputErrorOf([&] { SpeedGovernor governor(values); }));
 }
 
 }  // namespace

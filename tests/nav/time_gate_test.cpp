@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <headway/nav/time_gate.h>
+#include <headway_test/input_error.h>
 
 namespace headway::nav {
 namespace {
@@ -7,20 +8,20 @@ namespace {
 RobotMotionParams exactRobot() {
   RobotMotionParams robot;
   robot.radius_m = 0.5;
-  robot.top_speed = 2.0;
-  robot.slow_share = 0.5;
+  robot.max_speed_mps = 2.0;
+  robot.slow_ratio = 0.5;
   robot.early_slack_s = 0.0;
   robot.late_slack_s = 0.0;
   return robot;
 }
 
-TEST(TimeGate, TouchesAfterTheFreeWayAndPassesAfterTheWayBeyond) {
+TEST(TimeGateTest, TouchesAfterTheFreeWayAndPassesAfterTheWayBeyond) {
   const auto span = TimeGate(exactRobot()).touching(4.5);
   EXPECT_DOUBLE_EQ(span.from_s, 2.0);
   EXPECT_DOUBLE_EQ(span.to_s, 5.0);
 }
 
-TEST(TimeGate, FartherPointsAreTouchedLater) {
+TEST(TimeGateTest, FartherPointsAreTouchedLater) {
   const TimeGate gate(exactRobot());
   for (double distance = 0.6; distance < 10.0; distance += 0.3) {
     EXPECT_LT(gate.touching(distance).from_s, gate.touching(distance + 0.3).from_s);
@@ -28,13 +29,13 @@ TEST(TimeGate, FartherPointsAreTouchedLater) {
   }
 }
 
-TEST(TimeGate, APointUnderTheRobotIsTouchedNow) {
+TEST(TimeGateTest, APointUnderTheRobotIsTouchedNow) {
   const auto span = TimeGate(exactRobot()).touching(0.3);
   EXPECT_LE(span.from_s, 0.0);
   EXPECT_GE(span.to_s, 0.0);
 }
 
-TEST(TimeGate, SlackLengthensTheSpan) {
+TEST(TimeGateTest, SlackLengthensTheSpan) {
   RobotMotionParams slack = exactRobot();
   slack.early_slack_s = 0.5;
   slack.late_slack_s = 0.25;
@@ -44,10 +45,11 @@ TEST(TimeGate, SlackLengthensTheSpan) {
   EXPECT_DOUBLE_EQ(loose.to_s, exact.to_s + 0.25);
 }
 
-TEST(TimeGate, RefusesARobotThatCannotMove) {
+TEST(TimeGateTest, RefusesARobotThatCannotMove) {
   RobotMotionParams robot = exactRobot();
-  robot.top_speed = 0.0;
-  EXPECT_ANY_THROW(TimeGate{robot});
+  robot.max_speed_mps = 0.0;
+  EXPECT_EQ("[nav] robot_max_speed_mps: '0' is out of range [m/s, 0.05 .. 30]",
+            test::inputErrorOf([&] { TimeGate gate(robot); }));
 }
 
 }  // namespace

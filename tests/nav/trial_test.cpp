@@ -10,7 +10,7 @@ TrialSetup setupOf(nav::ObstaclePolicy policy, int people) {
   setup.world.people.count = people;
   setup.nav.policy = policy;
   setup.nav.robot.radius_m = setup.world.robot.radius();
-  setup.nav.robot.top_speed = setup.world.robot.top_speed;
+  setup.nav.robot.max_speed_mps = setup.world.robot.top_speed;
   return setup;
 }
 
@@ -22,7 +22,7 @@ void expectSame(const TrialResult& a, const TrialResult& b) {
   EXPECT_EQ(a.step_us.size(), b.step_us.size());
 }
 
-TEST(Trial, ReachesItsGoalWhereNobodyIs) {
+TEST(TrialTest, ReachesItsGoalWhereNobodyIs) {
   TrialRunner runner(setupOf(nav::ObstaclePolicy::kTimeGated, 0));
   const auto result = runner.run(1);
   EXPECT_TRUE(result.goal_reached);
@@ -31,7 +31,7 @@ TEST(Trial, ReachesItsGoalWhereNobodyIs) {
   EXPECT_LT(result.time_to_goal_s, 14.0);
 }
 
-TEST(Trial, IsTheSameEachTimeAndWhateverRanBefore) {
+TEST(TrialTest, IsTheSameEachTimeAndWhateverRanBefore) {
   const auto setup = setupOf(nav::ObstaclePolicy::kTimeGated, 3);
   TrialRunner runner(setup);
   const auto first = runner.run(7);
@@ -41,7 +41,7 @@ TEST(Trial, IsTheSameEachTimeAndWhateverRanBefore) {
   expectSame(other.run(7), first);
 }
 
-TEST(Trial, PeopleWalkTheSameWhateverTheRobotDoes) {
+TEST(TrialTest, PeopleWalkTheSameWhateverTheRobotDoes) {
   const auto people_at_5s = [](nav::ObstaclePolicy policy) {
     TrialRunner runner(setupOf(policy, 3));
     std::vector<Person> people;
@@ -56,7 +56,7 @@ TEST(Trial, PeopleWalkTheSameWhateverTheRobotDoes) {
   for (std::size_t i = 0; i < one.size(); ++i) EXPECT_EQ(one[i].position, other[i].position);
 }
 
-TEST(Trial, ClearanceIsMeasuredFromBodyToBody) {
+TEST(TrialTest, ClearanceIsMeasuredFromBodyToBody) {
   RobotParams robot;
   robot.length_m = 1.0;
   robot.width_m = 0.5;
@@ -66,7 +66,7 @@ TEST(Trial, ClearanceIsMeasuredFromBodyToBody) {
   EXPECT_EQ(clearance(robot, turned, {2.2, 0.0}, 0.25), 0.0);
 }
 
-TEST(Trial, ForesightCollidesLessThanThePointsOfNow) {
+TEST(TrialTest, ForesightCollidesLessThanThePointsOfNow) {
   std::size_t collisions_static = 0, collisions_gated = 0;
   TrialRunner seeing(setupOf(nav::ObstaclePolicy::kTimeGated, 3));
   TrialRunner blind(setupOf(nav::ObstaclePolicy::kStatic, 3));

@@ -2,7 +2,10 @@
 #include <gtest/gtest.h>
 #include <headway/core/error.h>
 #include <headway/objects/moving_object_tracker.h>
+#include <headway_test/input_error.h>
 
+#include <functional>
+#include <limits>
 #include <random>
 #include <set>
 #include <sstream>
@@ -21,7 +24,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::Pair;
 
-TEST(MovingObjectTracker, ConfirmsATrackAfterEnoughDetections) {
+TEST(MovingObjectTrackerTest, ConfirmsATrackAfterEnoughDetections) {
   ObjectsParams params;
   params.lifecycle.confirm_hits = 3;
   params.lifecycle.confirm_anyway_hits = 3;
@@ -32,7 +35,7 @@ TEST(MovingObjectTracker, ConfirmsATrackAfterEnoughDetections) {
   EXPECT_EQ(replay.used, 3u);
 }
 
-TEST(MovingObjectTracker, ConfirmsByWhatTheScoresAddUpTo) {
+TEST(MovingObjectTrackerTest, ConfirmsByWhatTheScoresAddUpTo) {
   ObjectsParams params;
   params.lifecycle.confirm_hits = 2;
   params.lifecycle.confirm_score.vehicle = 2.0;
@@ -49,7 +52,7 @@ TEST(MovingObjectTracker, ConfirmsByWhatTheScoresAddUpTo) {
   }
 }
 
-TEST(MovingObjectTracker, ContinuesTracksWithUnlikelyDetectionsButStartsNone) {
+TEST(MovingObjectTrackerTest, ContinuesTracksWithUnlikelyDetectionsButStartsNone) {
   ObjectsParams params;
   params.lifecycle.start_score = 0.5;
   Replay replay(params);
@@ -64,14 +67,14 @@ TEST(MovingObjectTracker, ContinuesTracksWithUnlikelyDetectionsButStartsNone) {
   EXPECT_EQ(replay.used, 6u);
 }
 
-TEST(MovingObjectTracker, DoesNotShowALostObjectThatLeftTheView) {
+TEST(MovingObjectTrackerTest, DoesNotShowALostObjectThatLeftTheView) {
   Replay replay;
   for (int k = 0; k < 20; ++k) replay.frame({seenCar(14 - 0.7 * k, 3)});  // it passes by
   replay.frame({});
   EXPECT_THAT(replay.last.tracks, IsEmpty()) << "beside the robot nobody can see it";
 }
 
-TEST(MovingObjectTracker, ForgetsASingleFalseAlarm) {
+TEST(MovingObjectTrackerTest, ForgetsASingleFalseAlarm) {
   Replay replay;
   replay.frame({seenCar(10, 0)});
   for (int k = 0; k < 5; ++k) replay.frame({});
@@ -79,7 +82,7 @@ TEST(MovingObjectTracker, ForgetsASingleFalseAlarm) {
   EXPECT_THAT(replay.settled, IsEmpty()) << "it never was a track";
 }
 
-TEST(MovingObjectTracker, TracksAConstantVelocityWithoutLag) {
+TEST(MovingObjectTrackerTest, TracksAConstantVelocityWithoutLag) {
   ObjectsParams params;
   params.smoothing.motion_prior = MotionPriorKind::kLeastForce;
   Replay replay(params);
@@ -90,7 +93,7 @@ TEST(MovingObjectTracker, TracksAConstantVelocityWithoutLag) {
   EXPECT_TRUE(isMoving(track));
 }
 
-TEST(MovingObjectTracker, LagsWithTheLeastKineticPriorOfThePaper) {
+TEST(MovingObjectTrackerTest, LagsWithTheLeastKineticPriorOfThePaper) {
   ObjectsParams params;
   params.smoothing.motion_prior = MotionPriorKind::kLeastKinetic;
   Replay replay(params);
@@ -98,7 +101,7 @@ TEST(MovingObjectTracker, LagsWithTheLeastKineticPriorOfThePaper) {
   EXPECT_LT(replay.last.tracks.at(0).position.x(), 5.0 + 0.8 * 59 - 0.01);
 }
 
-TEST(MovingObjectTracker, NeverTurnsAStandingObject) {
+TEST(MovingObjectTrackerTest, NeverTurnsAStandingObject) {
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0.0, 0.15);
   std::bernoulli_distribution flipped(0.05);
@@ -116,7 +119,7 @@ TEST(MovingObjectTracker, NeverTurnsAStandingObject) {
   }
 }
 
-TEST(MovingObjectTracker, IsNotTurnedByFlippedDetections) {
+TEST(MovingObjectTrackerTest, IsNotTurnedByFlippedDetections) {
   std::mt19937 random(4);
   std::bernoulli_distribution flipped(0.2);
   Replay replay;
@@ -127,13 +130,13 @@ TEST(MovingObjectTracker, IsNotTurnedByFlippedDetections) {
   }
 }
 
-TEST(MovingObjectTracker, LearnsItsFrontFromItsPath) {
+TEST(MovingObjectTrackerTest, LearnsItsFrontFromItsPath) {
   Replay replay;
   for (int k = 0; k < 30; ++k) replay.frame({seenCar(5 + 0.7 * k, 0, k < 2 ? M_PI : 0.0)});
   EXPECT_LT(std::abs(replay.last.tracks.at(0).yaw), 0.1);
 }
 
-TEST(MovingObjectTracker, IsIndependentOfTheOrderOfDetections) {
+TEST(MovingObjectTrackerTest, IsIndependentOfTheOrderOfDetections) {
   std::mt19937 random(5);
   std::normal_distribution<double> noise(0.0, 0.2);
   Replay one;
@@ -156,7 +159,7 @@ TEST(MovingObjectTracker, IsIndependentOfTheOrderOfDetections) {
   }
 }
 
-TEST(MovingObjectTracker, FindsALostObjectAgainUnderItsOldId) {
+TEST(MovingObjectTrackerTest, FindsALostObjectAgainUnderItsOldId) {
   ObjectsParams params;
   params.lifecycle.retrack_time_s = 3.0;
   Replay replay(params);
@@ -171,7 +174,7 @@ TEST(MovingObjectTracker, FindsALostObjectAgainUnderItsOldId) {
   EXPECT_EQ(replay.last.tracks[0].status, TrackStatus::kConfirmed);
 }
 
-TEST(MovingObjectTracker, CoastsAlongWhileAnObjectIsHiddenForAMoment) {
+TEST(MovingObjectTrackerTest, CoastsAlongWhileAnObjectIsHiddenForAMoment) {
   Replay replay;
   for (int k = 0; k < 20; ++k) replay.frame({seenCar(5 + 1.0 * k, 0)});
   for (int k = 20; k < 23; ++k) {
@@ -183,7 +186,7 @@ TEST(MovingObjectTracker, CoastsAlongWhileAnObjectIsHiddenForAMoment) {
   }
 }
 
-TEST(MovingObjectTracker, CarriesTheImageBoxOfACoastingTrackOn) {
+TEST(MovingObjectTrackerTest, CarriesTheImageBoxOfACoastingTrackOn) {
   Replay replay;
   const auto seenWithBox = [](double x) {  // by a camera of 700 px focal length, centre (600, 200)
     Detection car = seenCar(x, -2);
@@ -207,7 +210,7 @@ TEST(MovingObjectTracker, CarriesTheImageBoxOfACoastingTrackOn) {
   EXPECT_NEAR(track.box2d->height(), expected.height(), 0.5);
 }
 
-TEST(MovingObjectTracker, CarriesNoUnsureTrackOn) {
+TEST(MovingObjectTrackerTest, CarriesNoUnsureTrackOn) {
   for (const double score : {-0.2, 5.0}) {
     Replay replay;
     for (int k = 0; k < 20; ++k) {
@@ -219,7 +222,7 @@ TEST(MovingObjectTracker, CarriesNoUnsureTrackOn) {
   }
 }
 
-TEST(MovingObjectTracker, ShowsTheSurerOfTwoKindsInOnePlace) {
+TEST(MovingObjectTrackerTest, ShowsTheSurerOfTwoKindsInOnePlace) {
   Replay replay;
   for (int k = 0; k < 10; ++k) {
     replay.frame({test::seen(ObjectClass::kPedestrian, {10, 0, 0}, 0.0, 2.0),
@@ -233,7 +236,7 @@ TEST(MovingObjectTracker, ShowsTheSurerOfTwoKindsInOnePlace) {
   }
 }
 
-TEST(MovingObjectTracker, ScoresATrackByTheMeanOverItsLife) {
+TEST(MovingObjectTrackerTest, ScoresATrackByTheMeanOverItsLife) {
   ObjectsParams params;
   params.lifecycle.score_prior = 5.0;
   Replay replay(params);
@@ -244,7 +247,7 @@ TEST(MovingObjectTracker, ScoresATrackByTheMeanOverItsLife) {
   EXPECT_NEAR(replay.last.tracks.at(0).score, 33.0 / 17.0, 1e-12) << "the frame unseen counts";
 }
 
-TEST(MovingObjectTracker, GivesANewIdAfterTheTimeForFindingAgain) {
+TEST(MovingObjectTrackerTest, GivesANewIdAfterTheTimeForFindingAgain) {
   ObjectsParams params;
   params.lifecycle.retrack_time_s = 1.0;
   Replay replay(params);
@@ -256,7 +259,7 @@ TEST(MovingObjectTracker, GivesANewIdAfterTheTimeForFindingAgain) {
   EXPECT_NE(replay.last.tracks.at(0).id, id);
 }
 
-TEST(MovingObjectTracker, KeepsTheIdsOfCrossingObjects) {
+TEST(MovingObjectTrackerTest, KeepsTheIdsOfCrossingObjects) {
   Replay replay;
   std::optional<TrackId> upward;
   std::optional<TrackId> downward;
@@ -276,7 +279,7 @@ TEST(MovingObjectTracker, KeepsTheIdsOfCrossingObjects) {
   }
 }
 
-TEST(MovingObjectTracker, MergesDetectionsOfOneObject) {
+TEST(MovingObjectTrackerTest, MergesDetectionsOfOneObject) {
   Replay replay;
   for (int k = 0; k < 10; ++k) {
     Detection twin = seenCar(10.2, 0.1);
@@ -288,7 +291,7 @@ TEST(MovingObjectTracker, MergesDetectionsOfOneObject) {
   EXPECT_EQ(replay.used, 20u);
 }
 
-TEST(MovingObjectTracker, MergesDetectionsThatShareTheirImageBox) {
+TEST(MovingObjectTrackerTest, MergesDetectionsThatShareTheirImageBox) {
   Replay replay;
   Detection one = seenCar(20, 0);
   Detection deeper = seenCar(26, 0);
@@ -298,13 +301,13 @@ TEST(MovingObjectTracker, MergesDetectionsThatShareTheirImageBox) {
   EXPECT_THAT(replay.dropped, ElementsAre(Pair("duplicate", 1u)));
 }
 
-TEST(MovingObjectTracker, KeepsAPersonAndACarApart) {
+TEST(MovingObjectTrackerTest, KeepsAPersonAndACarApart) {
   Replay replay;
   for (int k = 0; k < 5; ++k) replay.frame({seenCar(10, 0), seenPerson(10, 0.6)});
   EXPECT_EQ(confirmed(replay.last).size(), 2u);
 }
 
-TEST(MovingObjectTracker, RefusesTimeThatDoesNotRun) {
+TEST(MovingObjectTrackerTest, RefusesTimeThatDoesNotRun) {
   Replay replay;
   for (int k = 0; k < 5; ++k) replay.frame({seenCar(10, 0)});
   const Time now = replay.time() - kFrame_s;
@@ -317,7 +320,7 @@ TEST(MovingObjectTracker, RefusesTimeThatDoesNotRun) {
   }
 }
 
-TEST(MovingObjectTracker, LivesThroughGapsOfTime) {
+TEST(MovingObjectTrackerTest, LivesThroughGapsOfTime) {
   for (const double gap : {0.05, 0.3, 1.0, 5.0, 60.0}) {
     ObjectsParams params;
     params.lifecycle.retrack_time_s = 3.0;
@@ -331,7 +334,7 @@ TEST(MovingObjectTracker, LivesThroughGapsOfTime) {
   }
 }
 
-TEST(MovingObjectTracker, CountsWhatItCannotUseAndGoesOn) {
+TEST(MovingObjectTrackerTest, CountsWhatItCannotUseAndGoesOn) {
   Replay replay;
   Detection broken = seenCar(10, 0);
   broken.box3d->centre.x() = std::numeric_limits<double>::quiet_NaN();
@@ -340,7 +343,7 @@ TEST(MovingObjectTracker, CountsWhatItCannotUseAndGoesOn) {
   EXPECT_EQ(confirmed(replay.last).size(), 1u);
 }
 
-TEST(MovingObjectTracker, TakesTenThousandBoxes) {
+TEST(MovingObjectTrackerTest, TakesTenThousandBoxes) {
   std::vector<Detection> items;
   for (int i = 0; i < 10000; ++i) items.push_back(seenPerson(2 + 1.1 * (i % 100), 1.1 * (i / 100)));
   ObjectsParams params;
@@ -352,7 +355,7 @@ TEST(MovingObjectTracker, TakesTenThousandBoxes) {
   EXPECT_THAT(replay.dropped, IsEmpty());
 }
 
-TEST(MovingObjectTracker, HandsOutEveryPlaceOfATrackOnce) {
+TEST(MovingObjectTrackerTest, HandsOutEveryPlaceOfATrackOnce) {
   Replay replay;
   for (int k = 0; k < 50; ++k) replay.frame({seenCar(10 + 0.5 * k, 0)});
   auto samples = replay.settled;
@@ -366,7 +369,7 @@ TEST(MovingObjectTracker, HandsOutEveryPlaceOfATrackOnce) {
   EXPECT_THAT(replay.tracker().flush(), IsEmpty());
 }
 
-TEST(MovingObjectTracker, CarriesTracksThroughFramesWithoutALook) {
+TEST(MovingObjectTrackerTest, CarriesTracksThroughFramesWithoutALook) {
   Replay replay;
   for (int k = 0; k < 20; ++k) replay.frame({seenCar(10 + 1.0 * k, 0)});
   const TrackUpdate coasted = replay.tracker().coast(20, replay.time());
@@ -375,7 +378,7 @@ TEST(MovingObjectTracker, CarriesTracksThroughFramesWithoutALook) {
   EXPECT_NEAR(coasted.tracks[0].position.x(), 30.0, 0.1);
 }
 
-TEST(MovingObjectTracker, SmoothsANoisyPath) {
+TEST(MovingObjectTrackerTest, SmoothsANoisyPath) {
   std::mt19937 random(8);
   std::normal_distribution<double> noise(0.0, 0.3);
   double raw = 0.0;
@@ -395,7 +398,7 @@ TEST(MovingObjectTracker, SmoothsANoisyPath) {
   EXPECT_LT(std::sqrt(ours), 0.75 * std::sqrt(raw));
 }
 
-TEST(MovingObjectTracker, KeepsTheMovingVerdictWithoutFlicker) {
+TEST(MovingObjectTrackerTest, KeepsTheMovingVerdictWithoutFlicker) {
   std::mt19937 random(9);
   std::normal_distribution<double> noise(0.0, 0.05);
   Replay replay;
@@ -415,7 +418,7 @@ TEST(MovingObjectTracker, KeepsTheMovingVerdictWithoutFlicker) {
   EXPECT_EQ(changes, 2);
 }
 
-TEST(ObjectsParams, DescribeEveryKeyOnceAndLoadWhatTheyPrint) {
+TEST(ObjectsParamsTest, DescribeEveryKeyOnceAndLoadWhatTheyPrint) {
   ObjectsParams params;
   Params registry;
   params.describe(registry.section("objects"));
@@ -427,6 +430,54 @@ TEST(ObjectsParams, DescribeEveryKeyOnceAndLoadWhatTheyPrint) {
   EXPECT_TRUE(params.smoothing.gaussian_smoothing);
   EXPECT_THROW(registry.set("objects.predictor=crystal_ball"), InputError);
   EXPECT_THROW(registry.set("objects.gate_sigma=-1"), InputError);
+}
+
+std::string errorOf(const std::function<void(ObjectsParams&)>& change) {
+  ObjectsParams params;
+  change(params);
+  return test::inputErrorOf([&] { MovingObjectTracker tracker(params); });
+}
+
+TEST(ObjectsParamsTest, OutOfRangeAreRefusedByTheTracker) {
+  using ::testing::StartsWith;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ("", errorOf([](ObjectsParams&) {}));
+  EXPECT_EQ("[objects] max_range_m: '0' is out of range [m, 1 .. 10000]",
+            errorOf([](ObjectsParams& p) { p.consistency.max_range_m = 0.0; }));
+  EXPECT_THAT(errorOf([](ObjectsParams& p) { p.filter.acceleration_sigma.cyclist = -1.0; }),
+              StartsWith("[objects] cyclist_filter_acceleration_mps2: '-1'"));
+  EXPECT_THAT(errorOf([nan](ObjectsParams& p) { p.heading.flip_probability = nan; }),
+              StartsWith("[objects] flip_probability: 'nan'"));
+  EXPECT_THAT(errorOf([](ObjectsParams& p) { p.smoothing.window = 1; }),
+              StartsWith("[objects] window_frames: '1'"));
+  EXPECT_THAT(errorOf([](ObjectsParams& p) { p.lifecycle.confirm_hits = 0; }),
+              StartsWith("[objects] confirm_hits: '0'"));
+  EXPECT_THAT(errorOf([](ObjectsParams& p) { p.prediction.paper.spacing_s = 0.0; }),
+              StartsWith("[objects] paper_spacing_s: '0'"));
+  EXPECT_THAT(errorOf([](ObjectsParams& p) { p.prediction.manoeuvres.vehicle.memory_s = 0.0; }),
+              StartsWith("[objects] vehicle_memory_s: '0'"));
+}
+
+TEST(ObjectsParamsTest, OutOfRangeAreRefusedByThePredictor) {
+  PredictorParams params;
+  params.velocity_window_s = 0.0;
+  EXPECT_EQ(
+      "[objects] velocity_window_s: '0' is out of range [s, 0.05 .. 5]",
+      test::inputErrorOf([&] { (void)makePredictor(PredictorKind::kConstantVelocity, params); }));
+}
+
+TEST(ObjectsParamsTest, FormerKeysAreRefusedByTheirPresentNames) {
+  ObjectsParams params;
+  Params registry;
+  params.describe(registry.section("objects"));
+  const auto errorOfSetting = [&registry](const std::string& assignment) {
+    return test::inputErrorOf([&] { registry.set(assignment); });
+  };
+  EXPECT_EQ("[objects] max_range is now max_range_m", errorOfSetting("objects.max_range=50"));
+  EXPECT_EQ("[objects] cyclist_coast_score is now cyclist_min_coast_score",
+            errorOfSetting("objects.cyclist_coast_score=0"));
+  EXPECT_EQ("[objects] vehicle_memory is now vehicle_memory_s",
+            errorOfSetting("objects.vehicle_memory=2"));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <headway/pipeline/perception.h>
+#include <headway_test/input_error.h>
 
 #include <cmath>
 
@@ -33,7 +34,7 @@ RecordedFrame walkFrame(std::size_t index) {
   return frame;
 }
 
-TEST(PerceptionTest, withPosesAndNoImagesTheObjectLayerRunsAlone) {
+TEST(PerceptionTest, WithPosesAndNoImagesTheObjectLayerRunsAlone) {
   Perception perception(nullptr, {});
   PerceptionUpdate update;
   for (std::size_t i = 0; i < 25; ++i) update = perception.process(walkFrame(i));
@@ -52,7 +53,7 @@ TEST(PerceptionTest, withPosesAndNoImagesTheObjectLayerRunsAlone) {
   EXPECT_EQ(25u, perception.trajectory().size());
 }
 
-TEST(PerceptionTest, aFrameWithoutPoseIsLostAndItsBoxesAreCounted) {
+TEST(PerceptionTest, AFrameWithoutPoseIsLostAndItsBoxesAreCounted) {
   Perception perception(nullptr, {});
   for (std::size_t i = 0; i < 10; ++i) (void)perception.process(walkFrame(i));
   auto blind = walkFrame(10);
@@ -65,7 +66,7 @@ TEST(PerceptionTest, aFrameWithoutPoseIsLostAndItsBoxesAreCounted) {
   EXPECT_FALSE(perception.trajectory().back().tracked);
 }
 
-TEST(PerceptionTest, fillsTheLayersThatItIsGiven) {
+TEST(PerceptionTest, FillsTheLayersThatItIsGiven) {
   map::PerceptionMap given;
   given.update(mrpt::maps::COccupancyGridMap2D::Create(-5.f, 5.f, -5.f, 5.f, 0.5f));
   Perception perception(nullptr, {}, given);
@@ -76,13 +77,27 @@ TEST(PerceptionTest, fillsTheLayersThatItIsGiven) {
   EXPECT_TRUE(given.movingObjects().isEmpty()) << "a copy was filled";
 }
 
-TEST(PerceptionTest, everyStageIsTimed) {
+TEST(PerceptionTest, EveryStageIsTimed) {
   Perception perception(nullptr, {});
   (void)perception.process(walkFrame(0));
   const auto stages = perception.times().summary();
   for (const char* stage : {"frame", "objects", "map_update"}) {
     EXPECT_EQ(1u, stages.at(stage).count) << stage;
   }
+}
+
+TEST(PerceptionTest, RefusesParametersOutOfRangeEvenWithoutImages) {
+  const auto errorOf = [](auto change) {
+    PerceptionParams params;
+    change(params);
+    return test::inputErrorOf([&] { Perception perception(nullptr, params); });
+  };
+  EXPECT_EQ("[slam] features: '0' is out of range [50 .. 3000]",
+            errorOf([](PerceptionParams& p) { p.slam.features = 0; }));
+  EXPECT_EQ("[grid] every_nth_frame: '-1' is out of range [frames, 0 .. 1000]",
+            errorOf([](PerceptionParams& p) { p.grid.every_nth_frame = -1; }));
+  EXPECT_EQ("[detect] every_nth_frame: '0' is out of range [frames, 1 .. 1000]",
+            errorOf([](PerceptionParams& p) { p.detection.detect.every_nth_frame = 0; }));
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ bool parse(CommandLine& line, std::vector<const char*> arguments) {
   return line.parse(static_cast<int>(arguments.size()), arguments.data());
 }
 
-TEST(CommandLineTest, readsArgumentsAndKeepsDefaults) {
+TEST(CommandLineTest, ReadsArgumentsAndKeepsDefaults) {
   std::string input;
   std::string output = "default";
   bool overwrite = false;
@@ -31,7 +31,7 @@ TEST(CommandLineTest, readsArgumentsAndKeepsDefaults) {
   EXPECT_TRUE(line.quiet());
 }
 
-TEST(CommandLineTest, configurationFileThenSet) {
+TEST(CommandLineTest, ConfigurationFileThenSet) {
   test::TemporaryFolder folder;
   std::ofstream(folder / "x.ini") << "[a]\nx = 2\ny = 3\n";
   double x = 1.0;
@@ -47,7 +47,7 @@ TEST(CommandLineTest, configurationFileThenSet) {
   EXPECT_EQ(7.0, y);
 }
 
-TEST(CommandLineTest, wrongUseIsAUsageErrorAndWrongValueAnInputError) {
+TEST(CommandLineTest, WrongUseIsAUsageErrorAndWrongValueAnInputError) {
   std::string input;
   double x = 1.0;
   Params params;
@@ -65,21 +65,64 @@ TEST(CommandLineTest, wrongUseIsAUsageErrorAndWrongValueAnInputError) {
   EXPECT_THROW((void)parsed({"-i", "x", "-c", "/nowhere.ini"}), InputError);
 }
 
-TEST(CommandLineTest, dumpConfigNeedsNothingElse) {
+TEST(CommandLineTest, DumpConfigNeedsNothingElse) {
   std::string input;
   double x = 1.0;
   Params params;
-  params.section("a").add("x", x, 0, 10, "m", "meaning of x");
+  params.section("a").user().add("x", x, 0, 10, "m", "meaning of x");
   CommandLine line("program", "Summary");
   line.option(input, 'i', "input", "FILE", "input", true);
   line.parameters(params);
   ::testing::internal::CaptureStdout();
   EXPECT_FALSE(parse(line, {"--dump-config", "--set", "a.x=4"}));
-  EXPECT_THAT(::testing::internal::GetCapturedStdout(),
-              ::testing::AllOf(::testing::HasSubstr("meaning of x"), ::testing::HasSubstr("x = 4")));
+  EXPECT_THAT(
+      ::testing::internal::GetCapturedStdout(),
+      ::testing::AllOf(::testing::HasSubstr("meaning of x"), ::testing::HasSubstr("x = 4")));
 }
 
-TEST(RunTest, mapsExceptionsToExitStatusAndOneLine) {
+TEST(CommandLineTest, LaterConfigurationFilesWin) {
+  test::TemporaryFolder folder;
+  std::ofstream(folder / "first.ini") << "[a]\nx = 2\ny = 3\n";
+  std::ofstream(folder / "second.ini") << "[a]\ny = 4\n";
+  double x = 1.0;
+  double y = 1.0;
+  Params params;
+  params.section("a").add("x", x, 0, 10, "m", "x");
+  params.section("a").add("y", y, 0, 10, "m", "y");
+  CommandLine line("program", "Summary");
+  line.parameters(params);
+  const std::string first = folder / "first.ini";
+  const std::string second = folder / "second.ini";
+  EXPECT_TRUE(parse(line, {"-c", first.c_str(), "-c", second.c_str()}));
+  EXPECT_EQ(2.0, x);
+  EXPECT_EQ(4.0, y);
+}
+
+TEST(CommandLineTest, ExpertKeysArePrintedOnDemandOnly) {
+  double x = 1.0;
+  double y = 1.0;
+  Params params;
+  params.section("a").user().add("x", x, 0, 10, "m", "x");
+  params.section("a").add("y", y, 0, 10, "m", "y");
+  const auto printed = [&](const std::vector<const char*>& arguments) {
+    CommandLine line("program", "Summary");
+    line.parameters(params);
+    ::testing::internal::CaptureStdout();
+    EXPECT_FALSE(parse(line, arguments));
+    return ::testing::internal::GetCapturedStdout();
+  };
+  using ::testing::HasSubstr;
+  using ::testing::Not;
+  EXPECT_THAT(printed({"--dump-config"}),
+              ::testing::AllOf(HasSubstr("x = 1"), Not(HasSubstr("y ="))));
+  EXPECT_THAT(printed({"--dump-config", "--expert"}),
+              ::testing::AllOf(HasSubstr("x = 1"), HasSubstr("y = 1")));
+  CommandLine line("program", "Summary");
+  line.parameters(params);
+  EXPECT_THROW((void)parse(line, {"--expert"}), UsageError);
+}
+
+TEST(RunTest, MapsExceptionsToExitStatusAndOneLine) {
   ::testing::internal::CaptureStderr();
   EXPECT_EQ(kInputFault, run("p", []() -> int { throw InputError("a\nb"); }));
   EXPECT_EQ(kUsage, run("p", []() -> int { throw UsageError("c"); }));
@@ -87,7 +130,7 @@ TEST(RunTest, mapsExceptionsToExitStatusAndOneLine) {
   EXPECT_EQ("p: a b\np: c\n", ::testing::internal::GetCapturedStderr());
 }
 
-TEST(RequireWritableTest, refusesWhatExists) {
+TEST(RequireWritableTest, RefusesWhatExists) {
   test::TemporaryFolder folder;
   EXPECT_THROW(requireWritable(folder.path(), false), InputError);
   EXPECT_NO_THROW(requireWritable(folder.path(), true));

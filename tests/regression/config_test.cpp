@@ -6,18 +6,38 @@
 namespace headway {
 namespace {
 
-TEST(ConfigTest, theShippedConfigurationIsWhatTheReplayRunsWith) {
-  const std::string shipped = std::string(HEADWAY_SOURCE_DIR) + "/config/headway.ini";
-  const auto defaults = test::runProcess(test::program("headway-replay") + " --dump-config");
-  ASSERT_EQ(0, defaults.status);
-  EXPECT_TRUE(test::contentsOf(shipped) == defaults.output)
-      << "config/headway.ini is made by: headway-replay --dump-config > config/headway.ini";
-  const auto loaded =
-      test::runProcess(test::program("headway-replay") + " --dump-config -c " + shipped);
-  EXPECT_TRUE(defaults.output == loaded.output);
+const std::string kUserKeys = std::string(HEADWAY_SOURCE_DIR) + "/config/headway.ini";
+const std::string kExpertKeys = std::string(HEADWAY_SOURCE_DIR) + "/config/expert.ini";
+
+std::string dumped(const std::string& options) {
+  const auto dump = test::runProcess(test::program("headway-replay") + " --dump-config " + options);
+  EXPECT_EQ(0, dump.status) << dump.output;
+  return dump.output;
 }
 
-TEST(ConfigTest, everyProgramKnowsHelpAndVersion) {
+TEST(ConfigTest, ShippedFilesAreWhatTheReplayPrints) {
+  EXPECT_TRUE(test::contentsOf(kUserKeys) == dumped(""))
+      << "config/headway.ini is made by: headway-replay --dump-config > config/headway.ini";
+  EXPECT_TRUE(test::contentsOf(kUserKeys) + test::contentsOf(kExpertKeys) == dumped("--expert"))
+      << "config/expert.ini is what headway-replay --dump-config --expert prints after "
+         "config/headway.ini";
+}
+
+TEST(ConfigTest, ShippedFilesLoadAndChangeNothing) {
+  EXPECT_TRUE(dumped("--expert") == dumped("--expert -c " + kUserKeys + " -c " + kExpertKeys));
+}
+
+TEST(ConfigTest, AUserFacesAboutThirtyKeys) {
+  const std::string text = test::contentsOf(kUserKeys);
+  std::size_t keys = 0;
+  for (std::size_t at = text.find(" = "); at != std::string::npos; at = text.find(" = ", at + 1)) {
+    ++keys;
+  }
+  EXPECT_GE(keys, 25u);
+  EXPECT_LE(keys, 36u);
+}
+
+TEST(ConfigTest, EveryProgramKnowsHelpAndVersion) {
   for (const char* name : {"headway-import", "headway-export", "headway-replay", "headway-render",
                            "headway-sim", "headway-eval"}) {
     EXPECT_EQ(0, test::runProcess(test::program(name) + " --help").status) << name;

@@ -7,7 +7,7 @@
 namespace headway::sim {
 namespace {
 
-TEST(CameraClock, KeepsTheBeatByDefault) {
+TEST(CameraClockTest, KeepsTheBeatByDefault) {
   CameraClock clock(CameraParams{}, 1);
   for (int i = 0; i < 50; ++i) {
     const auto beat = clock.next();
@@ -16,10 +16,10 @@ TEST(CameraClock, KeepsTheBeatByDefault) {
   }
 }
 
-TEST(CameraClock, BeginsOnTimeWithAFrameThatIsNotLost) {
+TEST(CameraClockTest, BeginsOnTimeWithAFrameThatIsNotLost) {
   CameraParams params;
   params.jitter_s = 0.02;
-  params.drop_share = 1.0;
+  params.drop_ratio = 1.0;
   CameraClock clock(params, 2);
   const auto first = clock.next();
   EXPECT_EQ(first.time_s, 0.0);
@@ -27,11 +27,11 @@ TEST(CameraClock, BeginsOnTimeWithAFrameThatIsNotLost) {
   EXPECT_TRUE(clock.next().lost);
 }
 
-TEST(CameraClock, WandersAboutTheBeatAndLosesItsShare) {
+TEST(CameraClockTest, WandersAboutTheBeatAndLosesItsShare) {
   CameraParams params;
   params.rate_hz = 20.0;
   params.jitter_s = 0.004;
-  params.drop_share = 0.25;
+  params.drop_ratio = 0.25;
   CameraClock clock(params, 3);
   constexpr int kBeats = 4000;
   double sum = 0.0, squares = 0.0;
@@ -46,7 +46,7 @@ TEST(CameraClock, WandersAboutTheBeatAndLosesItsShare) {
   }
   EXPECT_NEAR(sum / kBeats, 0.0, 0.0003) << "it does not drift away";
   EXPECT_NEAR(std::sqrt(squares / kBeats), params.jitter_s, 0.0003);
-  EXPECT_NEAR(lost / static_cast<double>(kBeats), params.drop_share, 0.03);
+  EXPECT_NEAR(lost / static_cast<double>(kBeats), params.drop_ratio, 0.03);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ SimParams loop() {
   params.route.corner_radius_m = 12.0;
   params.route.laps = 2;
   params.route.speed_mps = 12.0;
-  params.route.lateral_acceleration = 4.0;
+  params.route.lateral_acceleration_mps2 = 4.0;
   params.world.view_distance_m = 30.0;  // the far side of the loop is forgotten and built again
   params.traffic.vehicles = 2;
   params.camera.width = 320;
@@ -73,7 +73,7 @@ double likeness(const SimFrame& frame, const SimFrame& other, const StereoCamera
   return cv::countNonZero(alike) / static_cast<double>(known);
 }
 
-TEST(Simulator, APlaceThatIsPassedAgainLooksTheSameAwayFromMovers) {
+TEST(SimulatorTest, APlaceThatIsPassedAgainLooksTheSameAwayFromMovers) {
   Simulator simulator(loop());
   const double lap = 0.5 * simulator.pathLength();
   std::vector<SimFrame> first;  // the first metres, to be passed again

@@ -12,7 +12,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(MotionSensors, AStandingRobotFeelsGravityAlone) {
+TEST(MotionSensorsTest, AStandingRobotFeelsGravityAlone) {
   MotionSensors sensors(1);
   for (int i = 0; i < 400; ++i) sensors.observe(0.01 * i, Pose::Identity());
   Eigen::Vector3d force = Eigen::Vector3d::Zero(), turn = Eigen::Vector3d::Zero();
@@ -26,7 +26,7 @@ TEST(MotionSensors, AStandingRobotFeelsGravityAlone) {
   EXPECT_TRUE(sensors.takeImu().empty());
 }
 
-TEST(MotionSensors, MeasureTurningAndTheWayDriven) {
+TEST(MotionSensorsTest, MeasureTurningAndTheWayDriven) {
   MotionSensors sensors(2);
   constexpr double kRate = 0.3, kSpeed = 5.0;  // a circle of 16.7 m
   for (int i = 0; i <= 500; ++i) {
@@ -52,7 +52,7 @@ TEST(MotionSensors, MeasureTurningAndTheWayDriven) {
   EXPECT_NEAR(odometry->x, r * std::sin(kRate * 5.0), 1.5);
 }
 
-TEST(Lens, WithoutDistortionNothingChanges) {
+TEST(LensTest, WithoutDistortionNothingChanges) {
   const Lens lens{CameraParams{}};
   cv::Mat picture(376, 1240, CV_8UC3, cv::Scalar(1, 2, 3));
   EXPECT_EQ(lens.record(picture, true).data, picture.data);
@@ -61,7 +61,7 @@ TEST(Lens, WithoutDistortionNothingChanges) {
   EXPECT_DOUBLE_EQ(lens.record(box).left, 10.0);
 }
 
-TEST(Lens, RecordsEachPixelWhereOpenCvFindsItsRay) {
+TEST(LensTest, RecordsEachPixelWhereOpenCvFindsItsRay) {
   CameraParams params;
   params.width = 200;
   params.height = 120;
@@ -90,10 +90,10 @@ TEST(Lens, RecordsEachPixelWhereOpenCvFindsItsRay) {
   }
 }
 
-TEST(Lens, DrawsWithTheTrueRigAndRecordsTheNominalOne) {
+TEST(LensTest, DrawsWithTheTrueRigAndRecordsTheNominalOne) {
   CalibrationErrorParams error;
-  error.focal_share = 0.01;
-  error.baseline_share = -0.02;
+  error.focal_ratio = 0.01;
+  error.baseline_ratio = -0.02;
   error.right_pitch_deg = 1.0;
   const CameraParams nominal;
   const Lens lens(nominal, error);
@@ -106,7 +106,7 @@ TEST(Lens, DrawsWithTheTrueRigAndRecordsTheNominalOne) {
   EXPECT_NEAR(view.y(), -std::sin(M_PI / 180.0), 1e-12);  // upwards
 }
 
-TEST(Lens, RefusesADistortionThatFoldsTheImage) {
+TEST(LensTest, RefusesADistortionThatFoldsTheImage) {
   CameraParams params;
   params.focal_px = 300;
   params.k1 = -0.5;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <headway/core/error.h>
 #include <headway/sim/simulator.h>
+#include <headway_test/input_error.h>
 
 #include <cmath>
 #include <functional>
@@ -73,7 +74,7 @@ Box2d projected(const Box3d& box, const StereoCamera& camera) {
   return result;
 }
 
-TEST(Simulator, SameSeedSameFramesOtherSeedOtherWorld) {
+TEST(SimulatorTest, SameSeedSameFramesOtherSeedOtherWorld) {
   SimParams params = smallStreet();
   params.recording.frames = 3;
   const auto once = framesOf(params), again = framesOf(params);
@@ -96,7 +97,7 @@ TEST(Simulator, SameSeedSameFramesOtherSeedOtherWorld) {
   }
 }
 
-TEST(Simulator, TheMapBeginsAtTheRobotsFirstPose) {
+TEST(SimulatorTest, TheMapBeginsAtTheRobotsFirstPose) {
   EXPECT_LT((street()[0].T_map_robot.matrix() - Eigen::Matrix4d::Identity()).norm(), 1e-12);
   const double way = street()[11].T_map_robot.translation().x();
   EXPECT_GT(way, 3.0);
@@ -104,7 +105,7 @@ TEST(Simulator, TheMapBeginsAtTheRobotsFirstPose) {
   EXPECT_NEAR(street()[11].time - street()[0].time, 1.1, 1e-6);
 }
 
-TEST(Simulator, MasksFillTheProjectedTruthBoxes) {
+TEST(SimulatorTest, MasksFillTheProjectedTruthBoxes) {
   const StereoCamera camera = cameraOf(smallStreet());
   int vehicles = 0, people = 0;
   for (const SimFrame& frame : street()) {
@@ -132,10 +133,10 @@ TEST(Simulator, MasksFillTheProjectedTruthBoxes) {
   EXPECT_GT(people, 3);
 }
 
-TEST(Simulator, DepthOfTheRoadAgreesWithGeometry) {
+TEST(SimulatorTest, DepthOfTheRoadAgreesWithGeometry) {
   SimParams params = smallStreet();
   params.traffic.vehicles = params.traffic.cyclists = params.traffic.pedestrians = 0;
-  params.world.parked_share = 0.0;
+  params.world.parked_ratio = 0.0;
   params.camera.ride_deg = 0.0;
   params.recording.frames = 1;
   const StereoCamera camera = cameraOf(params);
@@ -147,7 +148,7 @@ TEST(Simulator, DepthOfTheRoadAgreesWithGeometry) {
   }
 }
 
-TEST(Simulator, LeftAndRightAgreeWithTheDepth) {
+TEST(SimulatorTest, LeftAndRightAgreeWithTheDepth) {
   const StereoCamera camera = cameraOf(smallStreet());
   const SimFrame& frame = street()[5];
   cv::Mat map(frame.depth.size(), CV_32FC2), warped;
@@ -167,7 +168,7 @@ TEST(Simulator, LeftAndRightAgreeWithTheDepth) {
   EXPECT_GT(agree, 0.9);  // the rest is hidden from one of the two
 }
 
-TEST(Simulator, MatchedDisparityAgreesWithTheDepth) {
+TEST(SimulatorTest, MatchedDisparityAgreesWithTheDepth) {
   const StereoCamera camera = cameraOf(smallStreet());
   const auto matcher = cv::StereoSGBM::create(0, 64, 5, 200, 800, 1, 63, 10, 100, 2);
   std::size_t judged = 0, bad = 0;
@@ -191,7 +192,7 @@ TEST(Simulator, MatchedDisparityAgreesWithTheDepth) {
   EXPECT_LT(static_cast<double>(bad) / static_cast<double>(judged), 0.08);
 }
 
-TEST(Simulator, ParkedVehiclesStandStillInTheMap) {
+TEST(SimulatorTest, ParkedVehiclesStandStillInTheMap) {
   std::map<std::int64_t, Eigen::Vector3d> places;
   int seen_again = 0;
   for (const SimFrame& frame : street()) {
@@ -206,7 +207,7 @@ TEST(Simulator, ParkedVehiclesStandStillInTheMap) {
   EXPECT_GT(seen_again, 10);
 }
 
-TEST(Simulator, TruthBoxesAreTheMapsObjectsSeenFromTheCamera) {
+TEST(SimulatorTest, TruthBoxesAreTheMapsObjectsSeenFromTheCamera) {
   const StereoCamera camera = cameraOf(smallStreet());
   for (const SimFrame& frame : street()) {
     for (const TruthObject& object : frame.objects) {
@@ -217,10 +218,10 @@ TEST(Simulator, TruthBoxesAreTheMapsObjectsSeenFromTheCamera) {
   }
 }
 
-TEST(Simulator, FramesAreDroppedAndTimesWanderWhenAskedFor) {
+TEST(SimulatorTest, FramesAreDroppedAndTimesWanderWhenAskedFor) {
   SimParams params = smallStreet();
   params.recording.frames = 12;
-  params.camera.drop_share = 0.3;
+  params.camera.drop_ratio = 0.3;
   params.camera.jitter_s = 0.005;
   params.camera.imu = params.camera.odometry = true;
   const auto frames = framesOf(params);
@@ -239,7 +240,7 @@ TEST(Simulator, FramesAreDroppedAndTimesWanderWhenAskedFor) {
   EXPECT_GT(off_beat, 0.01);
 }
 
-TEST(Simulator, APieceOutOfTheMiddleIsThatPieceOfTheWhole) {
+TEST(SimulatorTest, APieceOutOfTheMiddleIsThatPieceOfTheWhole) {
   SimParams params = smallStreet();
   params.recording.first_frame = 5;
   params.recording.frames = 2;
@@ -252,7 +253,7 @@ TEST(Simulator, APieceOutOfTheMiddleIsThatPieceOfTheWhole) {
   EXPECT_LT((piece[0].T_map_robot.matrix() - Eigen::Matrix4d::Identity()).norm(), 1e-12);
 }
 
-TEST(Simulator, ACalibrationErrorIsInTheImagesAndNotInTheTruth) {
+TEST(SimulatorTest, ACalibrationErrorIsInTheImagesAndNotInTheTruth) {
   SimParams params = smallStreet();
   params.recording.frames = 1;
   params.calibration_error.right_pitch_deg = 0.5;
@@ -275,7 +276,7 @@ TEST(Simulator, ACalibrationErrorIsInTheImagesAndNotInTheTruth) {
   EXPECT_TRUE(sameBytes(bent[1].left, street()[1].left));
 }
 
-TEST(Simulator, MotionBlurSmearsAndGreyIsGrey) {
+TEST(SimulatorTest, MotionBlurSmearsAndGreyIsGrey) {
   SimParams params = smallStreet();
   params.recording.frames = 2;
   params.camera.colour = false;
@@ -292,7 +293,7 @@ TEST(Simulator, MotionBlurSmearsAndGreyIsGrey) {
   EXPECT_LT(sharpness(blurred[1]), 0.8 * sharpness(sharp[1]));
 }
 
-TEST(Simulator, AtTheEndOfThePathFramesEndAndItSaysSo) {
+TEST(SimulatorTest, AtTheEndOfThePathFramesEndAndItSaysSo) {
   SimParams params = smallStreet();
   params.route.shape = "straight 12";
   params.camera.width = 160;
@@ -316,7 +317,7 @@ TEST(Simulator, AtTheEndOfThePathFramesEndAndItSaysSo) {
   }
 }
 
-TEST(Simulator, ImpossibleKnobsNameTheirKey) {
+TEST(SimulatorTest, ImpossibleKnobsNameTheirKey) {
   const auto errorOf = [](const std::function<void(SimParams&)>& spoil) -> std::string {
     SimParams params;
     spoil(params);
@@ -331,7 +332,7 @@ TEST(Simulator, ImpossibleKnobsNameTheirKey) {
               HasSubstr("[traffic] vehicles"));
   EXPECT_THAT(errorOf([](SimParams& p) { p.traffic.cyclists = 50; }),
               HasSubstr("[traffic] cyclists"));
-  EXPECT_THAT(errorOf([](SimParams& p) { p.traffic.bus_share = 0.95; }), HasSubstr("bus_share"));
+  EXPECT_THAT(errorOf([](SimParams& p) { p.traffic.bus_ratio = 0.95; }), HasSubstr("bus_ratio"));
   EXPECT_THAT(errorOf([](SimParams& p) { p.world.house_height_max_m = 3.5; }),
               HasSubstr("[world] house_height_max_m"));
   EXPECT_THAT(errorOf([](SimParams& p) { p.route.shape = "zigzag 5"; }),
@@ -345,6 +346,17 @@ TEST(Simulator, ImpossibleKnobsNameTheirKey) {
               HasSubstr("[route] corner_radius_m"));
   EXPECT_THAT(errorOf([](SimParams& p) { p.camera.jitter_s = 0.04; }),
               HasSubstr("[camera] jitter_s"));
+}
+
+TEST(SimulatorTest, RefusesParametersOutOfRange) {
+  SimParams params;
+  params.camera.baseline_m = 0.0;
+  EXPECT_EQ("[camera] baseline_m: '0' is out of range [m, 0.01 .. 2]",
+            test::inputErrorOf([&] { const Simulator simulator(params); }));
+  params = {};
+  params.recording.jpeg_quality = 0;
+  EXPECT_EQ("[recording] jpeg_quality: '0' is out of range [10 .. 100]",
+            test::inputErrorOf([&] { const Simulator simulator(params); }));
 }
 
 }  // namespace

@@ -34,22 +34,22 @@ OnPath driven(const std::vector<Obstacle>& others, double seconds, double stop_s
   return self;
 }
 
-TEST(Driving, AFreeDriverKeepsTheSpeedItWishes) {
+TEST(DrivingTest, AFreeDriverKeepsTheSpeedItWishes) {
   EXPECT_NEAR(driven({}, 25.0).speed, DriverStyle{}.wish_mps, 0.1);
 }
 
-TEST(Driving, StopsBehindWhatStandsInItsLane) {
+TEST(DrivingTest, StopsBehindWhatStandsInItsLane) {
   const OnPath end = driven({standingAt(60.0, 0.0)}, 25.0);
   EXPECT_LT(end.speed, 0.1);
   EXPECT_LT(end.s, 60.0 - 2.0 - 2.2 - 1.0);
   EXPECT_GT(end.s, 60.0 - 2.0 - 2.2 - 4.0);
 }
 
-TEST(Driving, PassesWhatStandsBesideItsLane) {
+TEST(DrivingTest, PassesWhatStandsBesideItsLane) {
   EXPECT_GT(driven({standingAt(60.0, 3.5)}, 12.0).s, 80.0);
 }
 
-TEST(Driving, BrakesForAPersonAboutToStepInFront) {
+TEST(DrivingTest, BrakesForAPersonAboutToStepInFront) {
   Obstacle person = standingAt(40.0, 3.0);
   person.length = person.width = 0.6;
   person.on_foot = true;
@@ -60,13 +60,13 @@ TEST(Driving, BrakesForAPersonAboutToStepInFront) {
   EXPECT_LT(drive(self, straight(), {}, {person}, 1, kNever), -1.0);
 }
 
-TEST(Driving, WaitsAtAYieldLine) {
+TEST(DrivingTest, WaitsAtAYieldLine) {
   const OnPath end = driven({}, 25.0, 70.0);
   EXPECT_LT(end.speed, 0.1);
   EXPECT_LT(end.s + 2.2, 70.5);
 }
 
-TEST(Driving, SlowsDownForACurve) {
+TEST(DrivingTest, SlowsDownForACurve) {
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < 100; ++i) {
     points.emplace_back(12.0 * std::sin(i / 12.0), 12.0 - 12.0 * std::cos(i / 12.0), 0.0);
@@ -79,7 +79,7 @@ TEST(Driving, SlowsDownForACurve) {
 }
 
 /// A street with traffic, run without drawing.
-class Street : public ::testing::Test {
+class StreetTest : public ::testing::Test {
  protected:
   SimParams params = [] {
     SimParams busy;
@@ -98,7 +98,7 @@ class Street : public ::testing::Test {
   const RobotDriver& robot = traffic.robot();
 };
 
-TEST_F(Street, KeepsItsNumbersAndGivesNoIdTwice) {
+TEST_F(StreetTest, KeepsItsNumbersAndGivesNoIdTwice) {
   EXPECT_EQ(people.size(), 25U);
   EXPECT_GE(vehicles.size(), 10U);
   std::map<std::int64_t, MoverKind> kinds;
@@ -113,7 +113,7 @@ TEST_F(Street, KeepsItsNumbersAndGivesNoIdTwice) {
   EXPECT_GT(kinds.size(), 39U);  // the robot moved on: others came
 }
 
-TEST_F(Street, NobodyJumpsOrRunsAndNothingHitsTheRobot) {
+TEST_F(StreetTest, NobodyJumpsOrRunsAndNothingHitsTheRobot) {
   std::map<std::int64_t, Eigen::Vector2d> before;
   for (int i = 0; i < 800; ++i) {
     traffic.advance(0.05);
@@ -131,7 +131,7 @@ TEST_F(Street, NobodyJumpsOrRunsAndNothingHitsTheRobot) {
   }
 }
 
-TEST_F(Street, VehiclesDoNotDriveThroughEachOther) {
+TEST_F(StreetTest, VehiclesDoNotDriveThroughEachOther) {
   int overlaps = 0;
   for (int i = 0; i < 800; ++i) {
     traffic.advance(0.05);
@@ -144,11 +144,11 @@ TEST_F(Street, VehiclesDoNotDriveThroughEachOther) {
   EXPECT_EQ(overlaps, 0);
 }
 
-TEST(Junctions, VehiclesTurnOffToBothSides) {
+TEST(JunctionsTest, VehiclesTurnOffToBothSides) {
   TrafficParams traffic;
   traffic.vehicles = 10;
-  traffic.turning_share = 1.0;
-  traffic.crossing_share = 0.0;
+  traffic.turning_ratio = 1.0;
+  traffic.crossing_ratio = 0.0;
   RouteParams route_params;
   route_params.shape = "straight 1500";
   const Route route = makeRoute(route_params, 0.0);
@@ -177,7 +177,7 @@ TEST(Junctions, VehiclesTurnOffToBothSides) {
   EXPECT_GE(right, 2);
 }
 
-TEST_F(Street, SomeoneCrossesAndSomeoneStops) {
+TEST_F(StreetTest, SomeoneCrossesAndSomeoneStops) {
   bool crossed = false, stopped = false;
   for (int i = 0; i < 800; ++i) {
     traffic.advance(0.05);

@@ -8,9 +8,9 @@ namespace headway::slam {
 namespace {
 
 /// A camera carried through a room, covered at times, or put down in another room.
-class LostCamera : public testing::Test {
+class LostCameraTest : public testing::Test {
  protected:
-  LostCamera() : world_(test::smallCamera()), other_(test::smallCamera(), 99) {
+  LostCameraTest() : world_(test::smallCamera()), other_(test::smallCamera(), 99) {
     world_.addRoom(12.0, 8.0, 4.0);
     other_.addRoom(9.0, 7.0, 3.0);
     params_.features = 300;
@@ -68,7 +68,7 @@ class LostCamera : public testing::Test {
   std::unique_ptr<StereoSlam> slam_;
 };
 
-TEST_F(LostCamera, IsFoundHoweverLongItWasCovered) {
+TEST_F(LostCameraTest, IsFoundHoweverLongItWasCovered) {
   ASSERT_EQ(walk(world_, 0, 15), 0);
   EXPECT_EQ(cover(30), 30);
   EXPECT_EQ(walk(world_, 10, 15), 0) << "back where it was";
@@ -76,18 +76,18 @@ TEST_F(LostCamera, IsFoundHoweverLongItWasCovered) {
   EXPECT_EQ(slam().map().keyframes.front().frame, 0U) << "in the map of before";
 }
 
-TEST_F(LostCamera, CoveredRightAfterTheStartIsFoundInWhatLittleThereIs) {
+TEST_F(LostCameraTest, CoveredRightAfterTheStartIsFoundInWhatLittleThereIs) {
   ASSERT_EQ(walk(world_, 0, 3), 0);
   EXPECT_EQ(cover(6), 6);
   EXPECT_EQ(walk(world_, 3, 6), 0);
   EXPECT_LT(errorAt(5), 0.03);
 }
 
-TEST_F(LostCamera, BeginsAnewAtOnceWhatItLostRightAfterTheStart) {
+TEST_F(LostCameraTest, BeginsAnewAtOnceWhatItLostRightAfterTheStart) {
   ASSERT_EQ(walk(world_, 0, 2), 0);
   const int lost = walk(other_, 2, 12);
   EXPECT_GE(lost, 1) << "it must be said";
-  EXPECT_LE(lost, 4) << "and not last for restart_after";
+  EXPECT_LE(lost, 4) << "and not last for restart_after_frames";
   for (const KeyframeView& keyframe : slam().map().keyframes) {
     EXPECT_GE(keyframe.frame, 2U) << "nothing is left of a beginning that was given up";
   }
@@ -101,8 +101,8 @@ TEST_F(LostCamera, BeginsAnewAtOnceWhatItLostRightAfterTheStart) {
   EXPECT_NEAR(moved.norm(), (onPath(11).translation() - onPath(9).translation()).norm(), 0.02);
 }
 
-TEST_F(LostCamera, WaitsForAMapThatIsWorthIt) {
-  params_.restart_after = 6;
+TEST_F(LostCameraTest, WaitsForAMapThatIsWorthIt) {
+  params_.restart_after_frames = 6;
   ASSERT_EQ(walk(world_, 0, 15), 0);
   EXPECT_EQ(walk(other_, 15, 21), 6);
   EXPECT_EQ(walk(other_, 21, 24), 0) << "a new part";

@@ -9,9 +9,9 @@ constexpr int kWidth = 1000;  // of the image [px]
 constexpr int kSeen = 20;     // landmarks of each keyframe
 
 /// Keyframes that each see landmarks of their own, all at the same place of the image.
-class ReferenceChoice : public testing::Test {
+class ReferenceChoiceTest : public testing::Test {
  protected:
-  ReferenceChoice() { params.window = 2; }
+  ReferenceChoiceTest() { params.window = 2; }
 
   KeyframeId addKeyframe() {
     const KeyframeId id = map.addKeyframe(0, 0.0, Pose::Identity()).id;
@@ -41,18 +41,18 @@ class ReferenceChoice : public testing::Test {
   SlamParams params;
 };
 
-TEST_F(ReferenceChoice, StaysWhileAFrameShowsMostOfIt) {
+TEST_F(ReferenceChoiceTest, StaysWhileAFrameShowsMostOfIt) {
   const KeyframeId before = addKeyframe();
   EXPECT_EQ(chosen(frameOf(before, 14, 59.0), before), before);
 }
 
-TEST_F(ReferenceChoice, AFrameThatShowsTooLittleBecomesAKeyframe) {
+TEST_F(ReferenceChoiceTest, AFrameThatShowsTooLittleBecomesAKeyframe) {
   const KeyframeId before = addKeyframe();
   EXPECT_FALSE(chosen(frameOf(before, 13, 0.0), before)) << "under keyframe_overlap";
-  EXPECT_FALSE(chosen(frameOf(before, kSeen, 61.0), before)) << "over keyframe_flow";
+  EXPECT_FALSE(chosen(frameOf(before, kSeen, 61.0), before)) << "over keyframe_flow_ratio";
 }
 
-TEST_F(ReferenceChoice, GoesOverToAnOldKeyframeThatSawThePlaceFromHere) {
+TEST_F(ReferenceChoiceTest, GoesOverToAnOldKeyframeThatSawThePlaceFromHere) {
   const KeyframeId old = addKeyframe();
   addKeyframe();
   const KeyframeId before = addKeyframe();
@@ -61,7 +61,7 @@ TEST_F(ReferenceChoice, GoesOverToAnOldKeyframeThatSawThePlaceFromHere) {
   EXPECT_FALSE(chosen(frameOf(old, kSeen, 61.0), before)) << "seen from elsewhere";
 }
 
-TEST_F(ReferenceChoice, LandmarksOfOtherTimesCountForAnOldKeyframe) {
+TEST_F(ReferenceChoiceTest, LandmarksOfOtherTimesCountForAnOldKeyframe) {
   const KeyframeId old = addKeyframe();
   addKeyframe();
   const KeyframeId before = addKeyframe();
@@ -71,13 +71,13 @@ TEST_F(ReferenceChoice, LandmarksOfOtherTimesCountForAnOldKeyframe) {
   EXPECT_EQ(chosen(frame, before), old);
 }
 
-TEST_F(ReferenceChoice, KeyframesOfTheWindowAreNotOld) {
+TEST_F(ReferenceChoiceTest, KeyframesOfTheWindowAreNotOld) {
   const KeyframeId last_but_one = addKeyframe();
   const KeyframeId before = addKeyframe();
   EXPECT_FALSE(chosen(frameOf(last_but_one, kSeen, 0.0), before));
 }
 
-TEST_F(ReferenceChoice, WithoutMappingItIsTheNearestThatThereIs) {
+TEST_F(ReferenceChoiceTest, WithoutMappingItIsTheNearestThatThereIs) {
   params.mapping = false;
   const KeyframeId other = addKeyframe();
   const KeyframeId before = addKeyframe();

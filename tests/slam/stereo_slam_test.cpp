@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <headway/core/error.h>
 #include <headway/slam/stereo_slam.h>
+#include <headway_test/input_error.h>
 #include <headway_test/textured_world.h>
 
 #include <Eigen/Eigenvalues>
@@ -42,7 +43,7 @@ StereoFrame blank(int i) {
   return frame;
 }
 
-TEST(StereoSlam, FollowsAPathThroughARoom) {
+TEST(StereoSlamTest, FollowsAPathThroughARoom) {
   const auto world = room();
   StereoSlam slam(world.camera(), SlamParams{});
   for (int i = 0; i < 40; ++i) {
@@ -58,11 +59,11 @@ TEST(StereoSlam, FollowsAPathThroughARoom) {
   EXPECT_LT((path.back().T_map_robot.translation() - onPath(39).translation()).norm(), 0.02);
 }
 
-TEST(StereoSlam, FollowsAPathWhileBundlesAreAdjustedBeside) {
+TEST(StereoSlamTest, FollowsAPathWhileBundlesAreAdjustedBeside) {
   const auto world = room();
   SlamParams params;
   params.adjust_in_background = true;
-  params.keyframe_flow = 0.02;  // many keyframes, so many adjustments
+  params.keyframe_flow_ratio = 0.02;  // many keyframes, so many adjustments
   StereoSlam slam(world.camera(), params);
   for (int i = 0; i < 40; ++i) {
     const auto update = slam.process(world.frame(i, 0.1 * i, onPath(i)), {});
@@ -72,7 +73,7 @@ TEST(StereoSlam, FollowsAPathWhileBundlesAreAdjustedBeside) {
   EXPECT_GT(slam.map().keyframes.size(), 8U);
 }
 
-TEST(StereoSlam, MapsLandmarksOntoTheWalls) {
+TEST(StereoSlamTest, MapsLandmarksOntoTheWalls) {
   const auto world = room();
   StereoSlam slam(world.camera(), SlamParams{});
   for (int i = 0; i < 20; ++i)
@@ -87,7 +88,7 @@ TEST(StereoSlam, MapsLandmarksOntoTheWalls) {
   EXPECT_GT(on_wall, 0.9 * static_cast<double>(map.landmarks.size()));
 }
 
-TEST(StereoSlam, SaysLostWithoutImagesAndFindsItsMapAgain) {
+TEST(StereoSlamTest, SaysLostWithoutImagesAndFindsItsMapAgain) {
   const auto world = room();
   StereoSlam slam(world.camera(), SlamParams{});
   for (int i = 0; i < 15; ++i)
@@ -107,7 +108,7 @@ TEST(StereoSlam, SaysLostWithoutImagesAndFindsItsMapAgain) {
   EXPECT_FALSE(path[17].tracked);
 }
 
-TEST(StereoSlam, FindsItselfAfterAJump) {
+TEST(StereoSlamTest, FindsItselfAfterAJump) {
   const auto world = room();
   StereoSlam slam(world.camera(), SlamParams{});
   for (int i = 0; i < 15; ++i)
@@ -119,12 +120,12 @@ TEST(StereoSlam, FindsItselfAfterAJump) {
   EXPECT_LT(errorAt(update, 15), 0.03);
 }
 
-TEST(StereoSlam, StaysLostInAnotherWorldUntilItBeginsAnew) {
+TEST(StereoSlamTest, StaysLostInAnotherWorldUntilItBeginsAnew) {
   const auto world = room();
   test::TexturedWorld other(test::smallCamera(), 99);
   other.addRoom(9.0, 7.0, 3.0);
   SlamParams params;
-  params.restart_after = 4;
+  params.restart_after_frames = 4;
   StereoSlam slam(world.camera(), params);
   for (int i = 0; i < 10; ++i)
     static_cast<void>(slam.process(world.frame(i, 0.1 * i, onPath(i)), {}));
@@ -137,7 +138,7 @@ TEST(StereoSlam, StaysLostInAnotherWorldUntilItBeginsAnew) {
   EXPECT_EQ(slam.process(other.frame(15, 1.5, onPath(15)), {}).status, TrackingStatus::kTracked);
 }
 
-TEST(StereoSlam, BeginsOnceThereIsSomethingToSee) {
+TEST(StereoSlamTest, BeginsOnceThereIsSomethingToSee) {
   const auto world = room();
   StereoSlam slam(world.camera(), SlamParams{});
   for (int i = 0; i < 3; ++i) {
@@ -149,7 +150,7 @@ TEST(StereoSlam, BeginsOnceThereIsSomethingToSee) {
   EXPECT_EQ(slam.process(world.frame(3, 0.3, onPath(0)), {}).status, TrackingStatus::kTracked);
 }
 
-TEST(StereoSlam, SameInputSameBytesOnAnyNumberOfThreads) {
+TEST(StereoSlamTest, SameInputSameBytesOnAnyNumberOfThreads) {
   const auto world = room();
   const auto run = [&](int threads) {
     cv::setNumThreads(threads);
@@ -170,7 +171,7 @@ TEST(StereoSlam, SameInputSameBytesOnAnyNumberOfThreads) {
   }
 }
 
-TEST(StereoSlam, TakesNothingFromMovingRegions) {
+TEST(StereoSlamTest, TakesNothingFromMovingRegions) {
   const auto world = room();
   SlamParams params;
   params.dynamic_rejection = DynamicRejection::kBoxes;
@@ -185,7 +186,7 @@ TEST(StereoSlam, TakesNothingFromMovingRegions) {
   }
 }
 
-TEST(StereoSlam, IsLostWhereEverythingMoves) {
+TEST(StereoSlamTest, IsLostWhereEverythingMoves) {
   const auto world = room();
   StereoSlam slam(world.camera(), SlamParams{});
   for (int i = 0; i < 5; ++i)
@@ -198,7 +199,7 @@ TEST(StereoSlam, IsLostWhereEverythingMoves) {
   EXPECT_EQ(slam.process(world.frame(6, 0.6, onPath(6)), {}).status, TrackingStatus::kTracked);
 }
 
-TEST(StereoSlam, RefusesImagesThatAreNotTheCameras) {
+TEST(StereoSlamTest, RefusesImagesThatAreNotTheCameras) {
   const auto world = room();
   StereoSlam slam(world.camera(), SlamParams{});
   StereoFrame frame = world.frame(0, 0.0, onPath(0));
@@ -208,7 +209,7 @@ TEST(StereoSlam, RefusesImagesThatAreNotTheCameras) {
   EXPECT_THROW(static_cast<void>(slam.process(frame, {})), InputError);
 }
 
-TEST(StereoSlam, LevelsTheMapByGravity) {
+TEST(StereoSlamTest, LevelsTheMapByGravity) {
   const auto world = room();
   StereoSlam slam(world.camera(), SlamParams{});
   StereoFrame frame = world.frame(0, 0.0, Pose::Identity());
@@ -220,7 +221,7 @@ TEST(StereoSlam, LevelsTheMapByGravity) {
   EXPECT_NEAR(yawOf(update.T_map_robot), 0.0, 1e-9);
 }
 
-TEST(StereoSlam, WithoutMappingAnEmptyMapStaysEmpty) {
+TEST(StereoSlamTest, WithoutMappingAnEmptyMapStaysEmpty) {
   const auto world = room();
   SlamParams params;
   params.mapping = false;
@@ -229,7 +230,7 @@ TEST(StereoSlam, WithoutMappingAnEmptyMapStaysEmpty) {
   EXPECT_TRUE(slam.map().landmarks.empty());
 }
 
-TEST(StereoSlam, SeesInTheDark) {
+TEST(StereoSlamTest, SeesInTheDark) {
   test::TexturedWorld world(test::smallCamera());
   world.addRoom(12.0, 8.0, 4.0);
   StereoSlam slam(world.camera(), SlamParams{});
@@ -242,6 +243,24 @@ TEST(StereoSlam, SeesInTheDark) {
     ASSERT_EQ(update.status, TrackingStatus::kTracked) << i;
     EXPECT_LT((update.T_map_robot.translation() - pose.translation()).norm(), 0.03) << i;
   }
+}
+
+TEST(StereoSlamTest, RefusesParametersOutOfRange) {
+  const auto camera = std::make_shared<StereoCamera>(test::smallCamera());
+  const auto errorOf = [&camera](auto change) {
+    SlamParams params;
+    change(params);
+    return test::inputErrorOf([&] { StereoSlam slam(camera, params); });
+  };
+  EXPECT_EQ("", errorOf([](SlamParams&) {}));
+  EXPECT_EQ("[slam] features: '20' is out of range [50 .. 3000]",
+            errorOf([](SlamParams& params) { params.features = 20; }));
+  EXPECT_EQ("[slam] sigma_px: '0' is out of range [px, 0.05 .. 5]",
+            errorOf([](SlamParams& params) { params.sigma_px = 0.0; }));
+  EXPECT_EQ("[slam] dynamic_rejection: the value is none of none, boxes, geometric, both",
+            errorOf([](SlamParams& params) {
+              params.dynamic_rejection = static_cast<DynamicRejection>(9);
+            }));
 }
 
 }  // namespace

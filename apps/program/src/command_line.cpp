@@ -7,14 +7,26 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <map>
 
 namespace headway::program {
 namespace {
 
 std::string shortFlag(char name) { return name == 0 ? "" : std::string(1, name); }
 
-/// Keeps what is wrong for the caller instead of printing a page and going on.
-class KeepFailure : public TCLAP::StdOutput {
+mrpt::system::VerbosityLevel verbosityFrom(const std::string& name) {
+  static const std::map<std::string, mrpt::system::VerbosityLevel> levels = {
+      {"DEBUG", mrpt::system::LVL_DEBUG},
+      {"INFO", mrpt::system::LVL_INFO},
+      {"WARN", mrpt::system::LVL_WARN},
+      {"ERROR", mrpt::system::LVL_ERROR}};
+  const auto level = levels.find(name);
+  if (level != levels.end()) return level->second;
+  throw UsageError("--verbosity: '" + name + "' is none of DEBUG, INFO, WARN, ERROR");
+}
+
+/// Stores a parse error for the caller; TCLAP's own output would print a page and continue.
+class FailureOutput : public TCLAP::StdOutput {
  public:
   void failure(TCLAP::CmdLineInterface& /*line*/, TCLAP::ArgException& error) override {
     const std::string id = error.argId();
@@ -30,7 +42,7 @@ class KeepFailure : public TCLAP::StdOutput {
 struct CommandLine::Arguments {
   Arguments(const std::string& name, const std::string& summary)
       : program(name), line(summary, ' ', kVersion) {
-    delete line.getOutput();  // TCLAP forgets the one it made itself
+    delete line.getOutput();  // TCLAP does not free the output that it replaces
     line.setOutput(&output);
   }
 
@@ -57,12 +69,13 @@ struct CommandLine::Arguments {
   std::string program;
   std::vector<std::shared_ptr<TCLAP::Arg>> owned;  // outlives `line`, which refers to them
   std::vector<std::function<void()>> applied;
-  KeepFailure output;
+  FailureOutput output;
   TCLAP::CmdLine line;
-  std::string config;
+  std::vector<std::string> configs;
   std::vector<std::string> assignments;
   std::shared_ptr<TCLAP::SwitchArg> dump_config_switch;
   bool dump_config = false;
+  bool expert = false;
   std::string verbosity = "INFO";
 };
 
@@ -116,16 +129,20 @@ void CommandLine::option(std::optional<std::size_t>& target, char short_name,
 
 void CommandLine::parameters(Params& params) {
   params_ = &params;
-  option(arguments_->config, 'c', "config", "FILE.ini", "Configuration file");
+  auto configs = std::make_shared<TCLAP::MultiArg<std::string>>(
+      "c", "config", "Configuration file; repeatable, later files win", false, "FILE.ini",
+      arguments_->line);
+  arguments_->keep(configs, [this, configs] { arguments_->configs = configs->getValue(); });
   auto arg = std::make_shared<TCLAP::MultiArg<std::string>>(
-      "", "set", "One parameter; wins over the file; repeatable", false, "section.key=value",
+      "", "set", "One parameter; wins over the files; repeatable", false, "section.key=value",
       arguments_->line);
   arguments_->keep(arg, [this, arg] { arguments_->assignments = arg->getValue(); });
   auto dump = std::make_shared<TCLAP::SwitchArg>(
-      "", "dump-config", "Print every parameter with value, unit and meaning, and end",
+      "", "dump-config", "Print the user parameters with value, unit and meaning, and end",
       arguments_->line, false);
   arguments_->keep(dump, [this] { arguments_->dump_config = true; });
   arguments_->dump_config_switch = dump;
+  flag(arguments_->expert, 0, "expert", "With --dump-config: print the expert parameters, too");
 }
 
 bool CommandLine::parse(int argc, const char* const* argv) {
@@ -133,35 +150,24 @@ bool CommandLine::parse(int argc, const char* const* argv) {
   if (!arguments_->line.parse(argc, words.data())) {
     const auto& failure = arguments_->output.failure_text;
     if (!failure) return false;
-    // Missing options do not matter to who only asks for the configuration.
+    // --dump-config works without the required options.
     const bool is_missing = failure->find("required arguments missing") != std::string::npos;
     if (!(is_missing && arguments_->askedForConfig())) {
       throw UsageError(*failure + " (--help shows the options)");
     }
   }
   for (const auto& apply : arguments_->applied) apply();
-  using mrpt::system::VerbosityLevel;
-  const std::vector<std::pair<std::string, VerbosityLevel>> levels = {
-      {"DEBUG", mrpt::system::LVL_DEBUG},
-      {"INFO", mrpt::system::LVL_INFO},
-      {"WARN", mrpt::system::LVL_WARN},
-      {"ERROR", mrpt::system::LVL_ERROR}};
-  const auto level = std::find_if(levels.begin(), levels.end(), [this](const auto& l) {
-    return l.first == arguments_->verbosity;
-  });
-  if (level == levels.end()) {
-    throw UsageError("--verbosity: '" + arguments_->verbosity +
-                     "' is none of DEBUG, INFO, WARN, ERROR");
-  }
-  verbosity_ = quiet_ ? mrpt::system::LVL_ERROR : level->second;
+  const auto level = verbosityFrom(arguments_->verbosity);
+  verbosity_ = quiet_ ? mrpt::system::LVL_ERROR : level;
   if (params_ != nullptr) {
-    if (!arguments_->config.empty()) params_->loadFile(arguments_->config);
+    for (const auto& path : arguments_->configs) params_->loadFile(path);
     for (const auto& assignment : arguments_->assignments) params_->set(assignment);
   }
   if (arguments_->dump_config) {
-    params_->print(std::cout);
+    params_->print(std::cout, arguments_->expert ? Params::Keys::kAll : Params::Keys::kUser);
     return false;
   }
+  if (arguments_->expert) throw UsageError("--expert: only together with --dump-config");
   return true;
 }
 
@@ -172,7 +178,7 @@ int run(const std::string& program, const std::function<int()>& body) {
     std::cerr << program << ": " << error.what() << std::endl;
     return kUsage;
   } catch (const std::exception& error) {
-    // One line, whatever the library below had to say.
+    // Messages of other libraries may span several lines.
     std::string text = error.what();
     std::replace(text.begin(), text.end(), '\n', ' ');
     std::cerr << program << ": " << text << std::endl;

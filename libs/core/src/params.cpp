@@ -31,14 +31,19 @@ std::string trimmed(const std::string& text) {
 }
 
 template <typename Number>
-Number parseNumber(const std::string& text, Number min, Number max, const std::string& unit) {
+void requireInRange(Number value, Number min, Number max, const std::string& unit,
+                    const std::string& text) {
+  if (!(value >= min && value <= max)) {
+    throw InputError("'" + text + "' is out of range " + rangeText(min, max, unit));
+  }
+}
+
+template <typename Number>
+Number parseNumber(const std::string& text) {
   Number value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) {
     throw InputError("'" + text + "' is not a number");
-  }
-  if (!(value >= min && value <= max)) {
-    throw InputError("'" + text + "' is out of range " + rangeText(min, max, unit));
   }
   return value;
 }
@@ -57,52 +62,78 @@ std::string joined(const std::vector<std::string>& names, const std::string& sep
 
 }  // namespace
 
+Params::Section Params::Section::user() const {
+  Section section = *this;
+  section.is_user_ = true;
+  return section;
+}
+
+template <typename Number>
+void Params::Section::addNumber(const std::string& key, Number& field, Number min, Number max,
+                                const std::string& unit, const std::string& meaning) {
+  const auto set = [&field, min, max, unit](const std::string& text) {
+    const auto value = parseNumber<Number>(text);
+    requireInRange(value, min, max, unit, text);
+    field = value;
+  };
+  owner_.insert(
+      *this,
+      {key, meaning + " " + rangeText(min, max, unit), set, [&field] { return toText(field); },
+       [&field, min, max, unit] { requireInRange(field, min, max, unit, toText(field)); }});
+}
+
 void Params::Section::add(const std::string& key, double& field, double min, double max,
                           const std::string& unit, const std::string& meaning) {
-  owner_.insert(name_, {key, meaning + " " + rangeText(min, max, unit),
-                        [&field, min, max, unit](const std::string& text) {
-                          field = parseNumber<double>(text, min, max, unit);
-                        },
-                        [&field] { return toText(field); }});
+  addNumber(key, field, min, max, unit, meaning);
 }
 
 void Params::Section::add(const std::string& key, int& field, int min, int max,
                           const std::string& unit, const std::string& meaning) {
-  owner_.insert(name_, {key, meaning + " " + rangeText(min, max, unit),
-                        [&field, min, max, unit](const std::string& text) {
-                          field = parseNumber<int>(text, min, max, unit);
-                        },
-                        [&field] { return toText(field); }});
+  addNumber(key, field, min, max, unit, meaning);
 }
 
 void Params::Section::add(const std::string& key, bool& field, const std::string& meaning) {
-  owner_.insert(name_, {key, meaning + " [true | false]",
+  owner_.insert(*this, {key,
+                        meaning + " [true | false]",
                         [&field](const std::string& text) { field = parseBool(text); },
-                        [&field] { return std::string(field ? "true" : "false"); }});
+                        [&field] { return std::string(field ? "true" : "false"); },
+                        {}});
 }
 
 void Params::Section::add(const std::string& key, std::string& field, const std::string& meaning) {
-  owner_.insert(name_, {key, meaning, [&field](const std::string& text) { field = text; },
-                        [&field] { return field; }});
+  owner_.insert(*this, {key,
+                        meaning,
+                        [&field](const std::string& text) { field = text; },
+                        [&field] { return field; },
+                        {}});
 }
 
 void Params::Section::addChoice(const std::string& key, const std::vector<std::string>& names,
                                 std::function<void(std::size_t)> set,
                                 std::function<std::size_t()> get, const std::string& meaning) {
-  owner_.insert(name_, {key, meaning + " [" + joined(names, " | ") + "]",
-                        [names, set = std::move(set)](const std::string& text) {
-                          const auto it = std::find(names.begin(), names.end(), text);
-                          if (it == names.end()) {
-                            throw InputError("'" + text + "' is none of " + joined(names, ", "));
-                          }
-                          set(static_cast<std::size_t>(it - names.begin()));
-                        },
-                        [names, get = std::move(get)] { return names.at(get()); }});
+  const auto setByName = [names, set = std::move(set)](const std::string& text) {
+    const auto it = std::find(names.begin(), names.end(), text);
+    if (it == names.end()) {
+      throw InputError("'" + text + "' is none of " + joined(names, ", "));
+    }
+    set(static_cast<std::size_t>(it - names.begin()));
+  };
+  owner_.insert(*this, {key, meaning + " [" + joined(names, " | ") + "]", setByName,
+                        [names, get] { return names.at(get()); },
+                        [names, get] {
+                          if (get() < names.size()) return;
+                          throw InputError("the value is none of " + joined(names, ", "));
+                        }});
 }
 
-void Params::insert(const std::string& section, Entry entry) {
-  if (entries_.count(section) == 0) section_order_.push_back(section);
-  entries_[section].push_back(std::move(entry));
+void Params::Section::renamed(const std::vector<std::pair<std::string, std::string>>& keys) {
+  owner_.renamed_[name_].insert(keys.begin(), keys.end());
+}
+
+void Params::insert(const Section& section, Entry entry) {
+  if (entries_.count(section.name_) == 0) section_order_.push_back(section.name_);
+  entry.is_user = section.is_user_;
+  entries_[section.name_].push_back(std::move(entry));
 }
 
 const Params::Entry& Params::find(const std::string& section, const std::string& key) const {
@@ -113,10 +144,13 @@ const Params::Entry& Params::find(const std::string& section, const std::string&
   }
   const auto entry = std::find_if(entries->second.begin(), entries->second.end(),
                                   [&](const Entry& e) { return e.key == key; });
-  if (entry == entries->second.end()) {
-    throw InputError("[" + section + "] has no key '" + key + "'; --dump-config lists them");
+  if (entry != entries->second.end()) return *entry;
+  if (const auto table = renamed_.find(section); table != renamed_.end()) {
+    if (const auto present = table->second.find(key); present != table->second.end()) {
+      throw InputError("[" + section + "] " + key + " is now " + present->second);
+    }
   }
-  return *entry;
+  throw InputError("[" + section + "] has no key '" + key + "'; --dump-config --expert lists them");
 }
 
 void Params::assign(const std::string& section, const std::string& key,
@@ -157,6 +191,19 @@ void Params::set(const std::string& assignment) {
          assignment.substr(equals + 1));
 }
 
+void Params::validate() const {
+  for (const auto& section : section_order_) {
+    for (const auto& entry : entries_.at(section)) {
+      if (!entry.check) continue;
+      try {
+        entry.check();
+      } catch (const InputError& error) {
+        throw InputError("[" + section + "] " + entry.key + ": " + error.what());
+      }
+    }
+  }
+}
+
 std::string Params::get(const std::string& section, const std::string& key) const {
   return find(section, key).get();
 }
@@ -169,10 +216,18 @@ std::map<std::string, std::map<std::string, std::string>> Params::values() const
   return result;
 }
 
-void Params::print(std::ostream& out) const {
+void Params::print(std::ostream& out, Keys keys) const {
+  if (keys != Keys::kExpert) printKeys(out, true);
+  if (keys != Keys::kUser) printKeys(out, false);
+}
+
+void Params::printKeys(std::ostream& out, bool user) const {
   for (const auto& section : section_order_) {
-    out << "[" << section << "]\n";
+    bool has_heading = false;
     for (const auto& entry : entries_.at(section)) {
+      if (entry.is_user != user) continue;
+      if (!has_heading) out << "[" << section << "]\n";
+      has_heading = true;
       out << "# " << entry.meaning << "\n" << entry.key << " = " << entry.get() << "\n\n";
     }
   }

@@ -4,12 +4,18 @@
 namespace headway::detect {
 
 void DetectParams::describe(Params& params) {
-  params.section("detect").add("every_nth_frame", every_nth_frame, 1, 1000, "frames",
-                               "Detectors look at one frame in so many; tracks coast between");
+  params.section("detect").user().add("every_nth_frame", every_nth_frame, 1, 1000, "frames",
+                                      "Period of the image detectors; greater is faster, and "
+                                      "tracks coast in between");
   disparity.describe(params.section("disparity"));
   stereo_motion.describe(params.section("stereo_motion"));
   network.describe(params.section("dnn"));
   person.describe(params.section("hog"));
+}
+
+void DetectParams::validate() const {
+  validateRanges(*this);
+  network.validate();
 }
 
 const std::vector<std::string>& detectorNames() {

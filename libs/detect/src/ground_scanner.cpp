@@ -73,7 +73,7 @@ class ColumnScanner {
     }
     if (!end) return;
     const double depth = fb_ / *end;
-    if (depth > params_.reach_m || sigmaAt(depth) > params_.most_error_m) return;
+    if (depth > params_.reach_m || sigmaAt(depth) > params_.max_error_m) return;
     scan.obstacles.push_back({placeAt(column, depth), static_cast<float>(sigmaAt(depth))});
   }
 
@@ -89,7 +89,7 @@ class ColumnScanner {
       const double y = (disparity_.pixelOf(row) - camera_.cy) / camera_.fy;
       const double depth = fb_ / d;
       const double height = ground_.heightOf(Eigen::Vector3d(x, y, 1.0) * depth);
-      if (height > params_.highest_obstacle_m || height < -kGround) continue;
+      if (height > params_.max_obstacle_height_m || height < -kGround) continue;
       if (height >= kGround) {
         upright_.push_back({d, height});
       } else {
@@ -114,14 +114,14 @@ class ColumnScanner {
       }
       double sum = 0.0;
       double top = 0.0;
-      double bottom = params_.highest_obstacle_m;
+      double bottom = params_.max_obstacle_height_m;
       for (std::size_t i = first; i < last; ++i) {
         sum += upright_[i].disparity;
         top = std::max(top, upright_[i].height);
         bottom = std::min(bottom, upright_[i].height);
       }
       const double rise = std::max(kLeastRise, kSteepest * (fb_ / least - depth));
-      if (top < params_.lowest_obstacle_m || top - bottom < rise) continue;
+      if (top < params_.min_obstacle_height_m || top - bottom < rise) continue;
       return sum / static_cast<double>(last - first);
     }
     return std::nullopt;
@@ -131,11 +131,11 @@ class ColumnScanner {
     std::sort(ground_seen_.begin(), ground_seen_.end());
     const double end = std::min(depth, params_.reach_m);
     const double bridged =
-        std::max(params_.lowest_obstacle_m, std::min(kBridged, 0.5 * ground_.camera_height));
+        std::max(params_.min_obstacle_height_m, std::min(kBridged, 0.5 * ground_.camera_height));
     std::vector<Interval> pieces;
     for (const double seen : ground_seen_) {
       const bool goes_on = !pieces.empty() && pieces.back().to >= hiddenFrom(seen, bridged);
-      if (!goes_on) pieces.push_back({hiddenFrom(seen, params_.lowest_obstacle_m), seen});
+      if (!goes_on) pieces.push_back({hiddenFrom(seen, params_.min_obstacle_height_m), seen});
       pieces.back().to = std::min(seen, end);
       if (seen >= end) break;
     }
@@ -172,15 +172,21 @@ class ColumnScanner {
 }  // namespace
 
 void GroundScanParams::describe(Params::Section section) {
-  section.add("reach", reach_m, 2.0, 100.0, "m", "Nothing farther from the camera is looked at");
-  section.add("lowest_obstacle", lowest_obstacle_m, 0.2, 2.0, "m",
-              "What is lower above the ground does not stop the robot");
-  section.add("highest_obstacle", highest_obstacle_m, 0.3, 10.0, "m",
-              "What is higher above the ground does not stop the robot");
-  section.add("sigma_disparity", sigma_disparity_px, 0.05, 5.0, "px",
-              "Error of the disparity of an obstacle");
-  section.add("most_error", most_error_m, 0.05, 10.0, "m",
-              "Obstacles whose distance is less certain are not entered");
+  auto user = section.user();
+  user.add("reach", reach_m, 2.0, 100.0, "m",
+           "Maximum distance of free and occupied cells from the camera; shorter is faster");
+  user.add("min_obstacle_height_m", min_obstacle_height_m, 0.2, 2.0, "m",
+           "Height above ground from which the robot cannot drive over an obstacle");
+  user.add("max_obstacle_height_m", max_obstacle_height_m, 0.3, 10.0, "m",
+           "Height above ground from which the robot can drive under an obstacle");
+  section.add("sigma_disparity_px", sigma_disparity_px, 0.05, 5.0, "px",
+              "Noise of an obstacle's disparity");
+  section.add("max_error_m", max_error_m, 0.05, 10.0, "m",
+              "Maximum uncertainty of the distance of an obstacle that is entered");
+  section.renamed({{"lowest_obstacle", "min_obstacle_height_m"},
+                   {"highest_obstacle", "max_obstacle_height_m"},
+                   {"sigma_disparity", "sigma_disparity_px"},
+                   {"most_error", "max_error_m"}});
 }
 
 GroundScan scanGround(const stereo::DisparityImage& disparity, const StereoCamera& camera,

@@ -23,8 +23,8 @@ double sigmaAlong(const Eigen::Vector3d& vector, const Eigen::Matrix3d& covarian
 VerdictParams verdictParamsOf(const StereoMotionParams& params) {
   VerdictParams verdict;
   verdict.significance = params.significance;
-  verdict.least_speed = params.least_speed;
-  verdict.most_speed = params.most_speed;
+  verdict.least_speed = params.min_speed_mps;
+  verdict.most_speed = params.max_speed_mps;
   return verdict;
 }
 
@@ -39,22 +39,22 @@ std::size_t MoverFinder::takeImplausible() { return std::exchange(implausible_, 
 
 void MoverFinder::addClusters(const LookedAt& frame, std::vector<Mover>& movers) {
   ClusterParams params;
-  params.reach_m = params_.reach_m;
-  params.least_points = params_.least_points;
+  params.reach_m = params_.max_point_distance_m;
+  params.least_points = params_.min_points;
   const Pose& T_cam_world = frame.path.T_cam_world(frame.path.newest());
   const int first =
       frame.path.firstSince(frame.path.timeOf(frame.path.newest()) - params_.window_s);
   for (const auto& cluster :
        clusterMotion(frame.points, frame.verdicts, frame.path, frame.up, params)) {
     const double sigma = sigmaAlong(cluster.velocity, cluster.velocity_covariance);
-    if (cluster.velocity.norm() < params_.least_speed + 2.0 * sigma) continue;
+    if (cluster.velocity.norm() < params_.min_speed_mps + 2.0 * sigma) continue;
     std::vector<Eigen::Vector3d> seeds;
     for (const std::size_t i : cluster.members) {
       seeds.push_back(T_cam_world * frame.points[i].motion->point);
     }
     const stereo::GroundPlane floor = frame.ground.value_or(floorBelow(seeds, camera_));
     auto extent = plausibleExtent(growObject(seeds, frame.disparity, camera_, floor),
-                                  cluster.velocity, floor, params_.moving_share, frame);
+                                  cluster.velocity, floor, params_.min_moving_ratio, frame);
     if (!extent) continue;
     const auto known = std::find_if(movers.begin(), movers.end(), [&](const Mover& mover) {
       return isAsFast(cluster.velocity, mover.velocity.value) && isPartOf(*extent, mover);
@@ -112,9 +112,9 @@ std::optional<MeasuredVelocity> MoverFinder::velocityOf(const BlobTrack& body,
   if (motion) {
     const double sigma = sigmaAlong(motion->velocity, motion->covariance);
     const double speed = motion->velocity.norm();
-    const bool moves = speed > params_.least_speed + sigma ||
+    const bool moves = speed > params_.min_speed_mps + sigma ||
                        motion->across > kLeastAcross + 2.0 * motion->across_sigma;
-    if (motion->evidence < params_.body_significance || !moves || speed > kFastestBody) {
+    if (motion->evidence < params_.segment_significance || !moves || speed > kFastestBody) {
       return std::nullopt;
     }
     return MeasuredVelocity{motion->velocity, motion->covariance};

@@ -42,31 +42,42 @@ cv::dnn::Net load(const NetworkParams& params) {
 }  // namespace
 
 void NetworkParams::describe(Params::Section section) {
-  section.add("family", family, {{"yolox", Family::kYolox}, {"darknet", Family::kDarknet}},
-              "Kind of network");
-  section.add("model", model, "File of the weights: .onnx (yolox) or .weights (darknet)");
-  section.add("layout", layout, "File of the layers (.cfg), darknet only");
-  section.add("input_width", input_width, 32, 4096, "px", "Of the network, a multiple of 32");
-  section.add("input_height", input_height, 32, 4096, "px", "Of the network, a multiple of 32");
-  section.add("scale", scale, 0.0, 10.0, "-", "Grey values 0 ... 255 are multiplied by this");
-  section.add("swap_red_blue", swap_red_blue, "The network wants RGB instead of BGR");
-  section.add("letterbox", letterbox, "Keep the image's proportions and fill the rest with grey");
-  section.add("letterbox_grey", letterbox_grey, 0, 255, "-", "Grey of the filling");
-  section.add("classes", classes,
-              "What the network's classes are: coco, or KITTI's names separated by commas");
-  section.add("min_score", min_score, 0.0, 1.0, "-", "Boxes of lower scores are left out");
-  section.add("same_object_iou", same_object_iou, 0.0, 1.0, "-",
-              "Of two boxes of a class that overlap more the better is kept");
+  auto user = section.user();
+  user.add("family", family, {{"yolox", Family::kYolox}, {"darknet", Family::kDarknet}},
+           "Kind of network that the weights are for");
+  user.add("model", model, "File of the weights: .onnx (yolox) or .weights (darknet)");
+  user.add("layout", layout, "File of the layers (.cfg), darknet only");
+  user.add("classes", classes,
+           "Classes of the network's outputs: coco, or KITTI's names separated by commas");
+  user.add("min_score", min_score, 0.0, 1.0, "",
+           "Minimum score of a box; smaller finds more objects and more false ones");
+  section.add("input_width_px", input_width_px, 32, 4096, "px",
+              "Width of the network's input, a multiple of 32");
+  section.add("input_height_px", input_height_px, 32, 4096, "px",
+              "Height of the network's input, a multiple of 32");
+  section.add("scale", scale, 0.0, 10.0, "", "Factor of the grey levels 0 ... 255");
+  section.add("swap_red_blue", swap_red_blue, "RGB input instead of BGR");
+  section.add("letterbox", letterbox, "Keep the image's proportions and pad it with grey");
+  section.add("letterbox_grey", letterbox_grey, 0, 255, "", "Grey level of the letterbox padding");
+  section.add("nms_iou", nms_iou, 0.0, 1.0, "IoU",
+              "Non-maximum suppression: overlap from which the lower score of a class is dropped");
+  section.renamed({{"input_width", "input_width_px"},
+                   {"input_height", "input_height_px"},
+                   {"same_object_iou", "nms_iou"}});
+}
+
+void NetworkParams::validate() const {
+  validateRanges(*this, "dnn");
+  if (input_width_px % 32 != 0 || input_height_px % 32 != 0) {
+    fail("input_width_px and input_height_px must be multiples of 32, are " +
+         std::to_string(input_width_px) + " and " + std::to_string(input_height_px));
+  }
 }
 
 class NetworkDetector::Implementation {
  public:
   explicit Implementation(const NetworkParams& params)
       : params_(params), classes_(networkClasses(params.classes)), net_(load(params)) {
-    if (params_.input_width % 32 != 0 || params_.input_height % 32 != 0) {
-      fail("input_width and input_height must be multiples of 32, are " +
-           std::to_string(params_.input_width) + " and " + std::to_string(params_.input_height));
-    }
     // A first run shows whether the network is what the configuration says.
     (void)boxesIn(cv::Mat(64, 64, CV_8UC3, cv::Scalar::all(0)));
   }
@@ -74,7 +85,7 @@ class NetworkDetector::Implementation {
   std::vector<Detection> look(const StereoFrame& frame) {
     cv::Mat image = frame.left_colour;
     if (image.empty()) cv::cvtColor(frame.left, image, cv::COLOR_GRAY2BGR);
-    auto boxes = withoutOverlaps(boxesIn(image), params_.same_object_iou);
+    auto boxes = withoutOverlaps(boxesIn(image), params_.nms_iou);
     for (auto& box : boxes) {
       box.box.left = std::clamp(box.box.left, 0.0, image.cols - 1.0);
       box.box.right = std::clamp(box.box.right, 0.0, image.cols - 1.0);
@@ -86,7 +97,7 @@ class NetworkDetector::Implementation {
 
  private:
   std::vector<NetworkBox> boxesIn(const cv::Mat& image) {
-    const cv::Size size(params_.input_width, params_.input_height);
+    const cv::Size size(params_.input_width_px, params_.input_height_px);
     InputFit fit{size.width / static_cast<double>(image.cols),
                  size.height / static_cast<double>(image.rows)};
     if (params_.letterbox) fit.scale_x = fit.scale_y = std::min(fit.scale_x, fit.scale_y);
@@ -101,7 +112,7 @@ class NetworkDetector::Implementation {
     } catch (const cv::Exception&) {
       fail("model = " + params_.model + ": cannot run on an input of " +
            std::to_string(size.width) + "x" + std::to_string(size.height) +
-           " px; set input_width and input_height to those it was made for");
+           " px; set input_width_px and input_height_px to those it was made for");
     }
     std::vector<NetworkBox> boxes;
     for (const auto& output : outputs) {
@@ -115,7 +126,7 @@ class NetworkDetector::Implementation {
   [[nodiscard]] cv::Mat rowsOf(const cv::Mat& output) const {
     const int columns = kBoxColumns + static_cast<int>(classes_.size());
     const bool yolox = params_.family == NetworkParams::Family::kYolox;
-    const int wanted_rows = yolox ? yoloxRows(params_.input_width, params_.input_height) : -1;
+    const int wanted_rows = yolox ? yoloxRows(params_.input_width_px, params_.input_height_px) : -1;
     const int last = output.size[output.dims - 1];
     const auto rows = static_cast<int>(output.total() / std::max(1, last));
     if (output.type() != CV_32F || last != columns || (yolox && rows != wanted_rows)) {
@@ -134,7 +145,7 @@ class NetworkDetector::Implementation {
 };
 
 NetworkDetector::NetworkDetector(const NetworkParams& params)
-    : implementation_(std::make_unique<Implementation>(params)) {}
+    : implementation_(std::make_unique<Implementation>(validated(params))) {}
 
 NetworkDetector::~NetworkDetector() = default;
 

@@ -39,17 +39,17 @@ cv::Vec4d inputBox(const float* row, const NetworkParams& params, const Cell* ce
             std::exp(static_cast<double>(row[2])) * stride,
             std::exp(static_cast<double>(row[3])) * stride};
   }
-  return {row[0] * static_cast<double>(params.input_width),
-          row[1] * static_cast<double>(params.input_height),
-          row[2] * static_cast<double>(params.input_width),
-          row[3] * static_cast<double>(params.input_height)};
+  return {row[0] * static_cast<double>(params.input_width_px),
+          row[1] * static_cast<double>(params.input_height_px),
+          row[2] * static_cast<double>(params.input_width_px),
+          row[3] * static_cast<double>(params.input_height_px)};
 }
 
 }  // namespace
 
-int yoloxRows(int input_width, int input_height) {
+int yoloxRows(int input_width_px, int input_height_px) {
   int rows = 0;
-  for (const int stride : kStrides) rows += (input_width / stride) * (input_height / stride);
+  for (const int stride : kStrides) rows += (input_width_px / stride) * (input_height_px / stride);
   return rows;
 }
 
@@ -57,7 +57,7 @@ std::vector<NetworkBox> decodeRows(const cv::Mat& rows, const NetworkParams& par
                                    const InputFit& fit) {
   const bool yolox = params.family == NetworkParams::Family::kYolox;
   const auto cells =
-      yolox ? yoloxCells(params.input_width, params.input_height) : std::vector<Cell>{};
+      yolox ? yoloxCells(params.input_width_px, params.input_height_px) : std::vector<Cell>{};
   std::vector<NetworkBox> boxes;
   for (int i = 0; i < rows.rows; ++i) {
     const float* row = rows.ptr<float>(i);
@@ -75,7 +75,7 @@ std::vector<NetworkBox> decodeRows(const cv::Mat& rows, const NetworkParams& par
   return boxes;
 }
 
-std::vector<NetworkBox> withoutOverlaps(std::vector<NetworkBox> boxes, double same_object_iou) {
+std::vector<NetworkBox> withoutOverlaps(std::vector<NetworkBox> boxes, double nms_iou) {
   std::sort(boxes.begin(), boxes.end(), [](const NetworkBox& a, const NetworkBox& b) {
     return std::make_tuple(-a.score, a.box.left, a.box.top) <
            std::make_tuple(-b.score, b.box.left, b.box.top);
@@ -83,8 +83,7 @@ std::vector<NetworkBox> withoutOverlaps(std::vector<NetworkBox> boxes, double sa
   std::vector<NetworkBox> kept;
   for (const auto& box : boxes) {
     const bool known = std::any_of(kept.begin(), kept.end(), [&](const NetworkBox& other) {
-      return other.network_class == box.network_class &&
-             overlap2d(other.box, box.box) > same_object_iou;
+      return other.network_class == box.network_class && overlap2d(other.box, box.box) > nms_iou;
     });
     if (!known) kept.push_back(box);
   }

@@ -16,7 +16,7 @@ struct InputFit {
 };
 
 /// Number of rows that a YOLOX network of this input has: the cells of strides 8, 16 and 32.
-[[nodiscard]] int yoloxRows(int input_width, int input_height);
+[[nodiscard]] int yoloxRows(int input_width_px, int input_height_px);
 
 /// Boxes in a network's output with at least the score wanted, in image pixels.
 ///
@@ -29,8 +29,8 @@ struct InputFit {
 [[nodiscard]] std::vector<NetworkBox> decodeRows(const cv::Mat& rows, const NetworkParams& params,
                                                  const InputFit& fit);
 
-/// Of boxes of one class that overlap more than `same_object_iou`, keeps the best; best first.
+/// Of boxes of one class that overlap more than `nms_iou`, keeps the best; best first.
 [[nodiscard]] std::vector<NetworkBox> withoutOverlaps(std::vector<NetworkBox> boxes,
-                                                      double same_object_iou);
+                                                      double nms_iou);
 
 }  // namespace headway::detect

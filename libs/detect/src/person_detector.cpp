@@ -22,12 +22,15 @@ Box2d personIn(const cv::Rect& window, double upscale) {
 }  // namespace
 
 void PersonParams::describe(Params::Section section) {
-  section.add("upscale", upscale, 0.5, 4.0, "-",
-              "The image is enlarged by this; the smallest person found is 96 px over it high");
-  section.add("step", step, 1.02, 2.0, "-", "From one size searched to the next");
-  section.add("min_score", min_score, 0.0, 10.0, "-", "Distance from the decision plane");
-  section.add("same_object_iou", same_object_iou, 0.0, 1.0, "-",
-              "Of two boxes that overlap more the better is kept");
+  section.user().add("min_score", min_score, 0.0, 10.0, "",
+                     "Minimum distance from the decision plane; smaller finds more people and "
+                     "more false ones");
+  section.add("upscale", upscale, 0.5, 4.0, "",
+              "Enlargement of the image; the smallest person found is 96 px / upscale high");
+  section.add("scale_step", scale_step, 1.02, 2.0, "", "Ratio of successive scales searched");
+  section.add("nms_iou", nms_iou, 0.0, 1.0, "IoU",
+              "Non-maximum suppression: overlap from which the lower score is dropped");
+  section.renamed({{"step", "scale_step"}, {"same_object_iou", "nms_iou"}});
 }
 
 class PersonDetector::Implementation {
@@ -43,13 +46,14 @@ class PersonDetector::Implementation {
     std::vector<cv::Rect> windows;
     std::vector<double> scores;
     // Without OpenCV's grouping: it averages boxes in the order in which threads found them.
-    hog_.detectMultiScale(image, windows, scores, params_.min_score, {8, 8}, {}, params_.step, 0.0);
+    hog_.detectMultiScale(image, windows, scores, params_.min_score, {8, 8}, {}, params_.scale_step,
+                          0.0);
     std::vector<NetworkBox> boxes(windows.size());
     for (std::size_t i = 0; i < windows.size(); ++i) {
       boxes[i].box = personIn(windows[i], params_.upscale);
       boxes[i].score = scores[i];
     }
-    return toDetections(withoutOverlaps(std::move(boxes), params_.same_object_iou),
+    return toDetections(withoutOverlaps(std::move(boxes), params_.nms_iou),
                         networkClasses("Pedestrian"));
   }
 
@@ -59,7 +63,7 @@ class PersonDetector::Implementation {
 };
 
 PersonDetector::PersonDetector(const PersonParams& params)
-    : implementation_(std::make_unique<Implementation>(params)) {}
+    : implementation_(std::make_unique<Implementation>(validated(params))) {}
 
 PersonDetector::~PersonDetector() = default;
 

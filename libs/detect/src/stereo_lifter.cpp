@@ -54,7 +54,7 @@ Eigen::Matrix3d covarianceOf(const Eigen::Vector3d& centre, const Box2d& box, do
 
 StereoLifter::StereoLifter(const StereoFrame& frame, const stereo::DisparityParams& params)
     : camera_(frame.camera),
-      disparity_(stereo::denseDisparity(frame, params)),
+      disparity_(stereo::denseDisparity(frame, validated(params))),
       ground_(stereo::findGround(disparity_, *camera_, std::nullopt)) {}
 
 StereoLifter::StereoLifter(std::shared_ptr<const StereoCamera> camera,

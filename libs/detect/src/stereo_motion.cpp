@@ -43,8 +43,9 @@ stereo::DisparityImage withoutOffset(const stereo::DisparityImage& disparity, do
 }
 
 FollowerParams followerOf(const StereoMotionParams& params) {
-  return {params.max_points, params.spacing_px,     std::max(params.window_s, params.body_window_s),
-          params.range_m,    params.least_height_m, params.most_height_m};
+  return {
+      params.max_points,  params.spacing_px,   std::max(params.window_s, params.segment_window_s),
+      params.max_range_m, params.min_height_m, params.max_height_m};
 }
 
 }  // namespace
@@ -80,15 +81,15 @@ class StereoMotion::Implementation {
     }
     const int number = path_.advance(frame.time, *T_map_robot * camera_->T_robot_cam);
     path_.forgetBefore(
-        path_.firstSince(frame.time - std::max(params_.window_s, params_.body_window_s)));
+        path_.firstSince(frame.time - std::max(params_.window_s, params_.segment_window_s)));
     follower_.setDisparityOffset(offset_.value());
     follower_.follow(frame, disparity_, path_);
     const char* unsure = judge() ? nullptr : "camera_motion_unsure";
     ResidualFlow flow = flow_meter_.measure(image_, disparity_, path_);
     if (unsure != nullptr) flow = {};
     if (ground_) {
-      blobs_.follow(bodiesByFlow(disparity_, flow, *camera_, *ground_, params_.blob_range_m), path_,
-                    up_);
+      blobs_.follow(bodiesByFlow(disparity_, flow, *camera_, *ground_, params_.max_segment_range_m),
+                    path_, up_);
     }
     if (unsure == nullptr && frame.time - path_.timeOf(path_.oldest()) > kStartUp) {
       reportMovers();
@@ -132,7 +133,7 @@ class StereoMotion::Implementation {
     const int first = path_.firstSince(path_.timeOf(path_.newest()) - params_.window_s);
     for (auto& point : points) {
       point.motion = fitMotion(since(first, point.sightings), path_, *camera_, noise,
-                               params_.most_speed / 2.0);
+                               params_.max_speed_mps / 2.0);
     }
     noise_scale_.update(points);
     up_ = path_.T_cam_world(path_.newest()).linear().transpose() *
@@ -144,7 +145,7 @@ class StereoMotion::Implementation {
         moving + std::count(verdicts_.begin(), verdicts_.end(), PointVerdict::kStill);
     const bool flooded =
         judged >= kFewPoints &&
-        static_cast<double>(moving) > params_.most_moving * static_cast<double>(judged);
+        static_cast<double>(moving) > params_.max_moving_ratio * static_cast<double>(judged);
     const bool astray = static_cast<int>(still.size()) >= kFewPoints && agreeing < kLeastAgreeing;
     return !flooded && !astray;
   }
@@ -219,7 +220,7 @@ class StereoMotion::Implementation {
     object.velocity = path_.R_map_world() * mover.velocity.value;
     object.points = mover.points;
     Detection& detection = object.detection;
-    if (params_.guess_class) detection.object_class = identity.objectClass();
+    if (params_.classify) detection.object_class = identity.objectClass();
     detection.score = 1.0 - std::exp(-mover.points / kPointsOfSureObject);
     detection.detector_id = identity.id;
     detection.box2d = mover.extent.box2d;
@@ -252,8 +253,8 @@ class StereoMotion::Implementation {
 StereoMotion::StereoMotion(std::shared_ptr<const StereoCamera> camera,
                            const StereoMotionParams& params,
                            std::shared_ptr<stereo::DisparityMatcher> matcher)
-    : implementation_(
-          std::make_unique<Implementation>(std::move(camera), params, std::move(matcher))) {}
+    : implementation_(std::make_unique<Implementation>(std::move(camera), validated(params),
+                                                       std::move(matcher))) {}
 
 StereoMotion::~StereoMotion() = default;
 

@@ -24,7 +24,7 @@ void DegradeParams::describe(Params::Section section) {
 }
 
 Degrader::Degrader(const DegradeParams& params)
-    : params_(params), random_(static_cast<std::uint64_t>(params.seed)) {}
+    : params_(validated(params)), random_(static_cast<std::uint64_t>(params.seed)) {}
 
 Detections Degrader::degrade(const Detections& detections) {
   Detections result = detections;

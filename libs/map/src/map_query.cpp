@@ -106,8 +106,15 @@ std::string_view toString(Answer answer) {
   return "unknown";
 }
 
+void MapQueryParams::describe(Params::Section section) {
+  section.add("max_age_s", max_age_s, 0.0, 3600.0, "s", "Age from which a map is stale");
+  section.add("horizon_s", horizon_s, 0.0, 60.0, "s", "Horizon of predictions");
+  section.add("min_contact_probability", min_contact_probability, 0.0, 1.0, "",
+              "Minimum probability of a contact that is reported");
+}
+
 MapQuery::MapQuery(PerceptionMap snapshot, Time now, const MapQueryParams& params)
-    : map_(std::move(snapshot)), grid_(map_.staticGrid()), now_(now), params_(params) {
+    : map_(std::move(snapshot)), grid_(map_.staticGrid()), now_(now), params_(validated(params)) {
   // Not layers().isEmpty(): a grid whose cells were set one by one calls itself empty.
   if (map_.landmarks().empty() && map_.movingObjects().isEmpty() && grid_ == nullptr) {
     answer_ = Answer::kEmptyMap;
@@ -223,7 +230,7 @@ void MapQuery::lookAt(const TimedPose& pose, const BodyShape& body, Collision& c
   // Cells less occupied than not are the grid's own noise, not something to meet.
   const double blocked = still.occupied > kAsLikelyAsNot ? still.occupied : 0.0;
   const double probability = 1.0 - (1.0 - moving) * (1.0 - blocked);
-  if (probability >= params_.least_probability && !collision.earliest_s) {
+  if (probability >= params_.min_contact_probability && !collision.earliest_s) {
     collision.earliest_s = from_now;
   }
   if (probability >= kAsLikelyAsNot && !collision.likely_s) collision.likely_s = from_now;

@@ -30,13 +30,15 @@ bool moved(const Pose& from, const Pose& to) {
 }  // namespace
 
 void StaticGridParams::describe(Params::Section section) {
-  section.add("resolution", resolution_m, 0.05, 2.0, "m", "Side of a cell of the grid map");
-  section.add("spacing", spacing_m, 0.1, 10.0, "m",
-              "Of the places at which a look over the ground is kept");
+  section.user().add("resolution", resolution_m, 0.05, 2.0, "m",
+                     "Side of a grid cell; the planner's resolution");
+  section.add("spacing_m", spacing_m, 0.1, 10.0, "m",
+              "Distance between places of which a ground scan is stored");
+  section.renamed({{"spacing", "spacing_m"}});
 }
 
 StaticGrid::StaticGrid(const StaticGridParams& params)
-    : params_(params),
+    : params_(validated(params)),
       resolution_m_(params.resolution_m),
       evidence_(std::make_unique<EvidenceGrid>(params.resolution_m)) {}
 

@@ -12,7 +12,7 @@ bool isMover(const Track& track) {
 }
 
 MovingObstacles::MovingObstacles(const PredictiveObstaclesParams& params)
-    : params_(params), gate_(params.robot) {}
+    : params_(validated(params)), gate_(params.robot) {}
 
 void MovingObstacles::update(const std::vector<Track>& tracks, const Vector2d& robot,
                              double age_s) {

@@ -25,7 +25,7 @@ double above(double x) { return 0.5 * std::erfc(x / std::sqrt(2.0)); }
 }  // namespace
 
 SpeedGovernor::SpeedGovernor(const PredictiveObstaclesParams& params)
-    : params_(params),
+    : params_(validated(params)),
       steps_(static_cast<std::size_t>(std::lround(params.governor.horizon_s / kStep_s))) {}
 
 double SpeedGovernor::share(const GroundTwist& command, const GroundState& robot,
@@ -52,7 +52,7 @@ void SpeedGovernor::foresee(const std::vector<Track>& tracks, const GroundState&
   for (const auto& track : tracks) {
     if (!isMover(track)) continue;
     const double radius = map::bodyOf(track).radius();
-    const double reach = span_s * (params_.robot.top_speed + track.velocity.norm()) +
+    const double reach = span_s * (params_.robot.max_speed_mps + track.velocity.norm()) +
                          params_.robot.radius_m + radius;
     if (!((track.position.head<2>() - robot.place).norm() < reach + 1.0)) continue;
     for (const auto& path : track.predictions) {
@@ -127,7 +127,7 @@ double SpeedGovernor::contactProbability(const Future& future) const {
     const bool stands = std::abs(robot.twist.forward) < kStandsBelow &&
                         std::abs(robot.twist.sideways) < kStandsBelow;
     const double weight =
-        (stands ? params_.governor.standing_share : 1.0) *
+        (stands ? params_.governor.standing_ratio : 1.0) *
         std::exp(-static_cast<double>(i + 1) * kStep_s / params_.governor.patience_s);
     worst = std::max(worst, weight * above(gap / sigma));
   }

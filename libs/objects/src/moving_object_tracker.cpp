@@ -171,7 +171,7 @@ class MovingObjectTracker::Implementation {
 };
 
 MovingObjectTracker::MovingObjectTracker(const ObjectsParams& params)
-    : implementation_(std::make_unique<Implementation>(params)) {}
+    : implementation_(std::make_unique<Implementation>(validated(params))) {}
 
 MovingObjectTracker::~MovingObjectTracker() = default;
 

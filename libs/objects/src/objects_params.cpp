@@ -12,152 +12,210 @@ void addPerClass(Params::Section& section, const std::string& key, PerClass<doub
   section.add("pedestrian_" + key, values.pedestrian, min, max, unit, meaning);
 }
 
+void renamedPerClass(Params::Section& section, const std::string& key, const std::string& present) {
+  for (const char* object_class : {"vehicle_", "cyclist_", "pedestrian_"}) {
+    section.renamed({{object_class + key, object_class + present}});
+  }
+}
+
 }  // namespace
 
 void ConsistencyParams::describe(Params::Section section) {
-  section.add("min_score", min_score, -1e6, 1e6, "detector's scale",
-              "Detections with a lower score are left out");
-  section.add("max_range", max_range_m, 1.0, 1e4, "m", "Detections farther away are left out");
-  section.add("track_unknown", track_unknown, "Track detections of unknown class too");
+  auto user = section.user();
+  user.add("min_score", min_score, -1e6, 1e6, "detector's scale",
+           "Minimum score of a detection that is used");
+  user.add("max_range_m", max_range_m, 1.0, 1e4, "m",
+           "Maximum distance of a detection that is used");
+  user.add("track_unknown", track_unknown,
+           "Track detections of unknown class; false if only known classes matter");
   section.add("gate_sigma", gate_sigma, 0.5, 20.0, "standard deviations",
-              "Radius of the gate around a predicted place");
-  section.add("new_object_density", new_object_density, 1e-9, 1e3, "1/m^2",
-              "New objects and false alarms that a place holds: what a match must beat");
-  section.add("gate_blur", gate_blur_m, 0.0, 10.0, "m",
-              "Added to the spread of every expected place");
-  section.add("gate_max", gate_max_m, 0.1, 100.0, "m", "Largest radius of the gate");
-  section.add("duplicate_distance", duplicate_distance, 0.0, 2.0, "widths",
-              "Boxes whose centres are nearer are one object");
-  section.add("duplicate_overlap_3d", duplicate_overlap_3d, 0.0, 1.0, "IoU",
-              "3D boxes that overlap more are one object");
-  section.add("duplicate_overlap_2d", duplicate_overlap_2d, 0.0, 1.0, "IoU",
-              "2D boxes that overlap more are one object");
-  section.add("rival_distance", rival_distance_m, 0.0, 10.0, "m",
-              "Tracks of different kinds nearer than this are one object: the surest is shown");
-  section.add("hint_bonus", hint_bonus, 0.0, 100.0, "",
-              "Taken off the cost of a match where the detector's own id agrees");
+              "Radius of the gate around a predicted position");
+  section.add("new_object_density_per_m2", new_object_density, 1e-9, 1e3, "1/m^2",
+              "Density of new objects and false alarms, which a match's likelihood must exceed");
+  section.add("gate_blur_m", gate_blur_m, 0.0, 10.0, "m",
+              "Standard deviation added to every predicted position");
+  section.add("max_gate_m", gate_max_m, 0.1, 100.0, "m", "Maximum radius of the gate");
+  section.add("duplicate_distance_ratio", duplicate_distance, 0.0, 2.0, "widths",
+              "Distance of centres below which boxes are one object");
+  section.add("duplicate_iou_3d", duplicate_overlap_3d, 0.0, 1.0, "IoU",
+              "Overlap above which 3D boxes are one object");
+  section.add("duplicate_iou_2d", duplicate_overlap_2d, 0.0, 1.0, "IoU",
+              "Overlap above which 2D boxes are one object");
+  section.add("duplicate_track_distance_m", rival_distance_m, 0.0, 10.0, "m",
+              "Distance below which tracks of different classes are one object, of which the one "
+              "with the highest score is shown");
+  section.add("detector_id_bonus", hint_bonus, 0.0, 100.0, "",
+              "Reduction of a match's cost where the detector's own identity agrees");
+  section.renamed({{"max_range", "max_range_m"},
+                   {"new_object_density", "new_object_density_per_m2"},
+                   {"gate_blur", "gate_blur_m"},
+                   {"gate_max", "max_gate_m"},
+                   {"duplicate_distance", "duplicate_distance_ratio"},
+                   {"duplicate_overlap_3d", "duplicate_iou_3d"},
+                   {"duplicate_overlap_2d", "duplicate_iou_2d"},
+                   {"rival_distance", "duplicate_track_distance_m"},
+                   {"hint_bonus", "detector_id_bonus"}});
 }
 
 void FilterParams::describe(Params::Section section) {
-  addPerClass(section, "filter_acceleration", acceleration_sigma, 0.01, 100.0, "m/s^2",
-              "Typical acceleration, as the filter expects it");
-  addPerClass(section, "initial_speed", initial_speed_sigma, 0.01, 100.0, "m/s",
-              "Typical speed of a new object");
-  section.add("standing_share", standing_share, 0.0, 1.0, "",
-              "Share of that acceleration that an object which stands may show");
-  section.add("acceleration_time", acceleration_time_s, 0.01, 100.0, "s",
-              "Time over which an acceleration lasts");
-  section.add("position_sigma", position_sigma_m, 0.001, 10.0, "m",
-              "Noise of a measured centre along the ray, of near objects");
+  addPerClass(section, "filter_acceleration_mps2", acceleration_sigma, 0.01, 100.0, "m/s^2",
+              "Standard deviation of accelerations in the Kalman filter");
+  addPerClass(section, "initial_speed_mps", initial_speed_sigma, 0.01, 100.0, "m/s",
+              "Standard deviation of a new object's speed");
+  section.add("standing_acceleration_ratio", standing_share, 0.0, 1.0, "",
+              "Ratio of that acceleration for a stationary object");
+  section.add("acceleration_time_s", acceleration_time_s, 0.01, 100.0, "s",
+              "Correlation time of an acceleration");
+  section.add("position_sigma_m", position_sigma_m, 0.001, 10.0, "m",
+              "Noise of a measured centre along the ray, at no distance");
   section.add("position_sigma_per_m", position_sigma_per_m, 0.0, 1.0, "m/m",
               "Growth of that noise with depth");
-  section.add("across_share", across_share, 0.01, 10.0, "",
-              "Noise across the ray, as a share of that along it");
-  section.add("vertical_sigma", vertical_sigma_m, 0.001, 10.0, "m", "Noise of a measured z");
-  section.add("least_position_sigma", least_position_sigma_m, 0.0, 10.0, "m",
-              "Added to the noise that a detector claims for itself");
-  section.add(
-      "noise_adaption", noise_adaption, 0.0, 1.0, "",
-      "Share of a surprise by which the assumed noise is changed; 0 keeps it as configured");
-  section.add("yaw_sigma", yaw_sigma_rad, 0.001, 3.0, "rad", "Noise of a measured heading");
-  section.add("size_sigma", size_sigma_m, 0.001, 10.0, "m",
+  section.add("across_sigma_ratio", across_share, 0.01, 10.0, "",
+              "Ratio of the noise across the ray to that along it");
+  section.add("vertical_sigma_m", vertical_sigma_m, 0.001, 10.0, "m", "Noise of a measured z");
+  section.add("additional_position_sigma_m", least_position_sigma_m, 0.0, 10.0, "m",
+              "Noise added to the covariance that a detector reports");
+  section.add("noise_adaptation", noise_adaption, 0.0, 1.0, "",
+              "Gain by which innovations change the assumed noise; 0 keeps it as configured");
+  section.add("yaw_sigma_rad", yaw_sigma_rad, 0.001, 3.0, "rad", "Noise of a measured heading");
+  section.add("size_sigma_m", size_sigma_m, 0.001, 10.0, "m",
               "Noise of a measured length, width and height");
-  section.add("size_settled", size_settled_m, 0.001, 10.0, "m",
-              "A size known this well is kept from then on");
+  section.add("size_converged_m", size_settled_m, 0.001, 10.0, "m",
+              "Uncertainty of a size below which it is no longer updated");
+  renamedPerClass(section, "filter_acceleration", "filter_acceleration_mps2");
+  renamedPerClass(section, "initial_speed", "initial_speed_mps");
+  section.renamed({{"standing_share", "standing_acceleration_ratio"},
+                   {"acceleration_time", "acceleration_time_s"},
+                   {"position_sigma", "position_sigma_m"},
+                   {"across_share", "across_sigma_ratio"},
+                   {"vertical_sigma", "vertical_sigma_m"},
+                   {"least_position_sigma", "additional_position_sigma_m"},
+                   {"noise_adaption", "noise_adaptation"},
+                   {"yaw_sigma", "yaw_sigma_rad"},
+                   {"size_sigma", "size_sigma_m"},
+                   {"size_settled", "size_converged_m"}});
 }
 
 void HeadingParams::describe(Params::Section section) {
   section.add("flip_probability", flip_probability, 0.0001, 0.4999, "",
               "Probability that a detector confuses front and back");
-  section.add("flip_evidence", evidence_to_turn, 0.0, 100.0, "log-odds",
-              "Evidence that turns a track's heading round");
-  section.add("flip_evidence_limit", evidence_limit, 0.0, 1000.0, "log-odds",
-              "Evidence beyond this is not gathered");
-  section.add("heading_settle_frames", settle_frames, 1.0, 1000.0, "frames",
-              "Measurements that fix the heading of a standing object");
+  section.add("flip_log_odds", evidence_to_turn, 0.0, 100.0, "log-odds",
+              "Evidence from which a track's heading is reversed");
+  section.add("max_flip_log_odds", evidence_limit, 0.0, 1000.0, "log-odds",
+              "Limit of the accumulated evidence");
+  section.add("heading_converged_frames", settle_frames, 1.0, 1000.0, "frames",
+              "Measurements after which the heading of a stationary object is fixed");
+  section.renamed({{"flip_evidence", "flip_log_odds"},
+                   {"flip_evidence_limit", "max_flip_log_odds"},
+                   {"heading_settle_frames", "heading_converged_frames"}});
 }
 
 void MotionVerdictParams::describe(Params::Section section) {
-  addPerClass(section, "moving_speed", moving_speed, 0.0, 50.0, "m/s",
-              "An object faster than this moves");
-  addPerClass(section, "still_speed", still_speed, 0.0, 50.0, "m/s",
-              "An object slower than this may stand");
+  addPerClass(section, "moving_speed_mps", moving_speed, 0.0, 50.0, "m/s",
+              "Speed above which an object is moving");
+  addPerClass(section, "static_speed_mps", still_speed, 0.0, 50.0, "m/s",
+              "Speed below which an object may be static");
   section.add("moving_significance", significance, 0.0, 100.0, "standard deviations",
-              "A speed must be this sure before an object counts as moving");
-  section.add("still_time", still_time_s, 0.0, 100.0, "s",
-              "Time below still_speed after which an object stands");
+              "Speed over its uncertainty above which an object is moving");
+  section.add("static_time_s", still_time_s, 0.0, 100.0, "s",
+              "Time below static_speed_mps after which an object is static");
+  renamedPerClass(section, "moving_speed", "moving_speed_mps");
+  renamedPerClass(section, "still_speed", "static_speed_mps");
+  section.renamed({{"still_time", "static_time_s"}});
 }
 
 void SmoothingParams::describe(Params::Section section) {
-  section.add("motion_prior", motion_prior,
-              {{"least_kinetic", MotionPriorKind::kLeastKinetic},
-               {"least_force", MotionPriorKind::kLeastForce}},
-              "Prior that smooths grown tracks");
-  section.add("grown_length", grown_length, 2, 1000, "frames",
-              "tau_KF: tracks at least this long are grown");
+  section.user().add("motion_prior", motion_prior,
+                     {{"least_kinetic", MotionPriorKind::kLeastKinetic},
+                      {"least_force", MotionPriorKind::kLeastForce}},
+                     "Prior that smooths trajectories: the paper's least_kinetic lags behind "
+                     "moving objects, least_force does not");
+  section.add("mature_frames", grown_length, 2, 1000, "frames",
+              "tau_KF: length of a track from which the motion prior smooths it");
   section.add("filter_weight", filter_weight, 0.0, 1.0, "",
-              "w_k: weight of the filter for young tracks");
+              "w_k: weight of the filter for shorter tracks");
   section.add("average_weight", average_weight, 0.0, 1.0, "",
-              "w_n: weight of the moving average for young tracks");
-  section.add("average_points", average_points, 1, 100, "frames", "n of the moving average");
-  section.add("window", window, 3, 200, "frames", "h: frames that the motion prior smooths");
-  addPerClass(section, "kinetic_weight", kinetic_weight, 0.0, 1e6, "kg",
+              "w_n: weight of the moving average for shorter tracks");
+  section.add("average_frames", average_points, 1, 100, "frames", "n of the moving average");
+  section.add("window_frames", window, 3, 200, "frames", "h: frames that the motion prior smooths");
+  addPerClass(section, "kinetic_weight_kg", kinetic_weight, 0.0, 1e6, "kg",
               "r: stiffness of the least-kinetic prior");
-  section.add("kinetic_scale", kinetic_scale, 0.0, 1e3, "1/J",
-              "Turns kinetic energy into a cost beside that of the measurements");
-  addPerClass(section, "force_sigma", force_sigma, 0.001, 100.0, "m/s^2",
-              "Typical acceleration, as the least-force prior expects it");
-  section.add("force_standing_share", force_standing_share, 0.001, 1.0, "",
-              "Share of that acceleration that an object which stands may show");
-  section.add("force_time", force_time_s, 0.001, 100.0, "s",
-              "Time over which such an acceleration lasts");
+  section.add("kinetic_scale_per_joule", kinetic_scale, 0.0, 1e3, "1/J",
+              "Weight of kinetic energy relative to the measurements");
+  addPerClass(section, "force_sigma_mps2", force_sigma, 0.001, 100.0, "m/s^2",
+              "Standard deviation of accelerations in the least-force prior");
+  section.add("force_standing_ratio", force_standing_share, 0.001, 1.0, "",
+              "Ratio of that acceleration for a stationary object");
+  section.add("force_time_s", force_time_s, 0.001, 100.0, "s",
+              "Correlation time of such an acceleration");
   section.add("outlier_sigma", outlier_sigma, 0.1, 1000.0, "standard deviations",
-              "Residual beyond which a measured place counts less");
+              "Residual beyond which a measured position is down-weighted (Huber)");
   section.add("gaussian_smoothing", gaussian_smoothing,
-              "Blur each new place over its predecessors, as the paper does");
-  section.add("gaussian_sigma", gaussian_sigma_s, 0.001, 10.0, "s", "Width of that blur");
-  section.add("smoother_iterations", max_iterations, 1, 1000, "",
-              "Most iterations of Levenberg-Marquardt");
-  section.add("smoother_settled", settled_m, 1e-12, 1.0, "m",
-              "Levenberg-Marquardt ends when no place moves farther");
+              "Smooth each new position with its predecessors, as in the paper");
+  section.add("gaussian_sigma_s", gaussian_sigma_s, 0.001, 10.0, "s", "Width of that smoothing");
+  section.add("max_smoother_iterations", max_iterations, 1, 1000, "",
+              "Maximum iterations of Levenberg-Marquardt");
+  section.add("smoother_tolerance_m", settled_m, 1e-12, 1.0, "m",
+              "Change of positions below which Levenberg-Marquardt has converged");
+  renamedPerClass(section, "kinetic_weight", "kinetic_weight_kg");
+  renamedPerClass(section, "force_sigma", "force_sigma_mps2");
+  section.renamed({{"grown_length", "mature_frames"},
+                   {"average_points", "average_frames"},
+                   {"window", "window_frames"},
+                   {"kinetic_scale", "kinetic_scale_per_joule"},
+                   {"force_standing_share", "force_standing_ratio"},
+                   {"force_time", "force_time_s"},
+                   {"gaussian_sigma", "gaussian_sigma_s"},
+                   {"smoother_iterations", "max_smoother_iterations"},
+                   {"smoother_settled", "smoother_tolerance_m"}});
 }
 
 void LifecycleParams::describe(Params::Section section) {
-  section.add("confirm_hits", confirm_hits, 1, 1000, "frames",
-              "Detections that a confirmed track must have had");
+  auto user = section.user();
+  user.add("confirm_hits", confirm_hits, 1, 1000, "frames",
+           "Minimum detections of a confirmed track; greater for a detector with false alarms");
+  user.add("coast_time_s", coast_time_s, 0.0, 100.0, "s",
+           "Time without detection for which a confirmed track is shown; greater for a slow "
+           "detector");
+  section.add("retrack_time_s", retrack_time_s, 0.0, 100.0, "s",
+              "Time without detection after which a track ends");
   addPerClass(section, "confirm_score", confirm_score, -1e6, 1e6, "detector's scale",
-              "What their scores must add up to");
+              "Minimum sum of a confirmed track's scores");
   section.add("confirm_anyway_hits", confirm_anyway_hits, 1, 1000, "frames",
-              "Detections that confirm a track whatever their scores add up to");
+              "Detections that confirm a track regardless of the sum of their scores");
   section.add("start_score", start_score, -1e6, 1e6, "detector's scale",
-              "Detections with a lower score continue tracks but start none");
-  section.add("score_prior", score_prior, 0.0, 1000.0, "frames",
-              "Frames of score 0 that every track's score starts with: short tracks are less sure");
-  section.add("coast_share", coast_share, 0.0, 1000.0, "",
-              "A track is shown unseen for at most this share of the frames it was seen in");
-  section.add("coast_sigma", coast_sigma_m, 0.0, 100.0, "m",
-              "A track is shown unseen only while its place is known this well");
-  addPerClass(section, "coast_score", coast_score, -1e6, 1e6, "detector's scale",
-              "A track is shown unseen only if its score is at least this");
-  section.add("tentative_time", tentative_time_s, 0.0, 100.0, "s",
-              "A tentative track unseen for longer ends");
-  section.add("coast_time", coast_time_s, 0.0, 100.0, "s",
-              "A confirmed track unseen for longer is no longer shown");
-  section.add("retrack_time", retrack_time_s, 0.0, 100.0, "s",
-              "A track unseen for longer is not taken up again");
+              "Minimum score of a detection that starts a track");
+  section.add("score_prior_frames", score_prior, 0.0, 1000.0, "frames",
+              "Frames of score 0 in every track's mean score, which lowers that of short tracks");
+  section.add("max_coast_ratio", coast_share, 0.0, 1000.0, "",
+              "Maximum ratio of frames without to frames with detection of a shown track");
+  section.add("max_coast_sigma_m", coast_sigma_m, 0.0, 100.0, "m",
+              "Maximum position uncertainty of a track shown without detection");
+  addPerClass(section, "min_coast_score", coast_score, -1e6, 1e6, "detector's scale",
+              "Minimum score of a track shown without detection");
+  section.add("tentative_time_s", tentative_time_s, 0.0, 100.0, "s",
+              "Time without detection after which a tentative track ends");
+  renamedPerClass(section, "coast_score", "min_coast_score");
+  section.renamed({{"score_prior", "score_prior_frames"},
+                   {"coast_share", "max_coast_ratio"},
+                   {"coast_sigma", "max_coast_sigma_m"},
+                   {"tentative_time", "tentative_time_s"},
+                   {"coast_time", "coast_time_s"},
+                   {"retrack_time", "retrack_time_s"}});
 }
 
 void ObjectsParams::describe(Params::Section section) {
-  section.add("predictor", predictor,
-              {{"paper", PredictorKind::kPaper},
-               {"paper_dm", PredictorKind::kPaperDm},
-               {"paper_hd", PredictorKind::kPaperHd},
-               {"paper_sv", PredictorKind::kPaperSv},
-               {"polynomial", PredictorKind::kPolynomial},
-               {"constant_velocity", PredictorKind::kConstantVelocity},
-               {"constant_turn", PredictorKind::kConstantTurn},
-               {"mixture", PredictorKind::kMixture}},
-              "Predictor of the next 3 s");
+  section.user().add(
+      "predictor", predictor,
+      {{"paper", PredictorKind::kPaper},
+       {"paper_dm", PredictorKind::kPaperDm},
+       {"paper_hd", PredictorKind::kPaperHd},
+       {"paper_sv", PredictorKind::kPaperSv},
+       {"polynomial", PredictorKind::kPolynomial},
+       {"constant_velocity", PredictorKind::kConstantVelocity},
+       {"constant_turn", PredictorKind::kConstantTurn},
+       {"mixture", PredictorKind::kMixture}},
+      "Predictor of the next 3 s; mixture is the most accurate, the others are for comparison");
   consistency.describe(section);
   filter.describe(section);
   heading.describe(section);

@@ -28,6 +28,7 @@ PredictorKind predictorKindFrom(const std::string& name) {
 }
 
 std::unique_ptr<Predictor> makePredictor(PredictorKind kind, const PredictorParams& params) {
+  params.validate();
   BezierPredictor::Ablation ablation;
   switch (kind) {
     case PredictorKind::kPaper:

@@ -61,11 +61,20 @@ void append(MovingRegions more, MovingRegions& all) {
 }  // namespace
 
 void DetectionParams::describe(Params& params) {
-  params.section("detect").add(
+  params.section("detect").user().add(
       "detector", detector,
-      "Where detections come from: auto (stereo_motion unless boxes are recorded), none, recorded, "
+      "Source of detections: auto (stereo_motion unless boxes are recorded), none, recorded, "
       "stereo_motion, dnn, hog, or several joined by +");
   detect.describe(params);
+}
+
+void DetectionParams::validate() const {
+  detect.validate();
+  try {
+    checkDetectorNames(detector);
+  } catch (const InputError& error) {
+    throw InputError(std::string("[detect] detector = ") + error.what());
+  }
 }
 
 void checkDetectorNames(const std::string& names) {
@@ -92,11 +101,7 @@ DetectionStage::DetectionStage(std::shared_ptr<const StereoCamera> camera,
       automatic_(params.detector == kAuto),
       every_nth_frame_(params.detect.every_nth_frame),
       matcher_(std::make_shared<stereo::DisparityMatcher>(params.detect.disparity)) {
-  try {
-    checkDetectorNames(params.detector);
-  } catch (const InputError& error) {
-    throw InputError(std::string("[detect] detector = ") + error.what());
-  }
+  params.validate();
   const auto names = imageDetectors(params.detector);
   if (camera_ == nullptr && !names.empty() && !automatic_) {
     throw InputError("[detect] detector = " + params.detector +

@@ -23,8 +23,8 @@ std::optional<Pose> poseOf(const slam::SlamUpdate& camera) {
 }  // namespace
 
 void GridParams::describe(Params::Section section) {
-  section.add("every_nth_frame", every_nth_frame, 0, 1000, "frames",
-              "One frame in so many is looked at for free and occupied ground; 0: no grid");
+  section.user().add("every_nth_frame", every_nth_frame, 0, 1000, "frames",
+                     "Period of the ground scans; greater is faster; 0: no grid");
   scan.describe(section);
   map.describe(section);
 }
@@ -36,10 +36,17 @@ void PerceptionParams::describe(Params& params) {
   grid.describe(params.section("grid"));
 }
 
+void PerceptionParams::validate() const {
+  slam.validate();
+  detection.validate();
+  objects.validate();
+  grid.validate();
+}
+
 Perception::Perception(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params,
                        map::PerceptionMap map)
     : camera_(std::move(camera)),
-      detection_(camera_, params.detection),
+      detection_(camera_, validated(params).detection),
       tracker_(params.objects),
       grid_params_(params.grid),
       grid_(params.grid.map),

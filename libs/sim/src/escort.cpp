@@ -76,7 +76,7 @@ TrafficParams Escort::others() const {
   if (members_.empty()) return others;
   // The lanes are the escort's; cyclists come the other way.
   others.vehicles = 0;
-  others.oncoming_share = 1.0;
+  others.oncoming_ratio = 1.0;
   return others;
 }
 

@@ -25,9 +25,9 @@ StereoCamera idealCamera(const CameraParams& params) {
 }
 
 StereoCamera trueCamera(StereoCamera camera, const CalibrationErrorParams& error) {
-  camera.fx *= 1.0 + error.focal_share;
-  camera.fy *= 1.0 + error.focal_share;
-  camera.baseline_m *= 1.0 + error.baseline_share;
+  camera.fx *= 1.0 + error.focal_ratio;
+  camera.fy *= 1.0 + error.focal_ratio;
+  camera.baseline_m *= 1.0 + error.baseline_ratio;
   return camera;
 }
 

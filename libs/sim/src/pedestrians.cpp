@@ -45,7 +45,7 @@ void Pedestrians::spawnGroup(const RobotState& robot, bool anywhere, int at_most
   person.at.y() = person.lane;
   person.direction = random_.chance(0.5) ? 1.0 : -1.0;
   person.wish_mps = std::clamp(params_.walking_speed_mps + 0.26 * random_.normal(), 0.6, 2.2);
-  const bool in_group = at_most > 1 && random_.chance(params_.group_share);
+  const bool in_group = at_most > 1 && random_.chance(params_.group_ratio);
   const int size = in_group ? std::min(at_most, 2 + random_.below(2)) : 1;
   const std::int64_t leader = next_id;
   add(person, next_id);

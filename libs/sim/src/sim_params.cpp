@@ -19,8 +19,9 @@ void RouteParams::describe(Params::Section section) {
   section.add("laps", laps, 1, 100, "", "Times around the loop");
   section.add("file", file, "Path of kind kitti_poses: 3x4 camera poses, one a row");
   section.add("speed_mps", speed_mps, 0.2, 40.0, "m/s", "Robot's speed on a free, straight street");
-  section.add("lateral_acceleration", lateral_acceleration, 0.2, 8.0, "m/s^2",
+  section.add("lateral_acceleration_mps2", lateral_acceleration_mps2, 0.2, 8.0, "m/s^2",
               "The robot slows down for curves to stay below this");
+  section.renamed({{"lateral_acceleration", "lateral_acceleration_mps2"}});
 }
 
 void WorldParams::describe(Params::Section section) {
@@ -28,39 +29,49 @@ void WorldParams::describe(Params::Section section) {
   section.add("view_distance_m", view_distance_m, 30.0, 280.0, "m", "Nothing farther is drawn");
   section.add("cross_street_every_m", cross_street_every_m, 0.0, 10000.0, "m",
               "Distance between junctions; 0: none");
-  section.add("house_share", house_share, 0.0, 1.0, "", "Share of the frontage with houses");
+  section.add("house_ratio", house_ratio, 0.0, 1.0, "", "Ratio of the frontage with houses");
   section.add("house_height_min_m", house_height_min_m, 3.0, 60.0, "m", "Lowest house");
   section.add("house_height_max_m", house_height_max_m, 3.0, 60.0, "m", "Highest house");
   section.add("tree_every_m", tree_every_m, 0.0, 1000.0, "m", "Trees along each side; 0: none");
-  section.add("parked_share", parked_share, 0.0, 1.0, "", "Share of the parking bays taken");
+  section.add("parked_ratio", parked_ratio, 0.0, 1.0, "", "Ratio of the parking bays taken");
   section.add("hill_height_m", hill_height_m, 0.0, 20.0, "m", "Rise and fall of the ground");
+  section.renamed({{"house_share", "house_ratio"}, {"parked_share", "parked_ratio"}});
 }
 
 void TrafficParams::describe(Params::Section section) {
   section.add("vehicles", vehicles, 0, 200, "", "Driving cars, vans, trucks, buses near the robot");
   section.add("cyclists", cyclists, 0, 100, "", "Cyclists near the robot");
   section.add("pedestrians", pedestrians, 0, 400, "", "Pedestrians near the robot");
-  section.add("van_share", van_share, 0.0, 1.0, "", "Of the vehicles");
-  section.add("truck_share", truck_share, 0.0, 1.0, "", "Of the vehicles");
-  section.add("bus_share", bus_share, 0.0, 1.0, "", "Of the vehicles");
-  section.add("oncoming_share", oncoming_share, 0.0, 1.0, "", "Of the vehicles on the street");
-  section.add("crossing_share", crossing_share, 0.0, 1.0, "",
+  section.add("van_ratio", van_ratio, 0.0, 1.0, "", "Of the vehicles");
+  section.add("truck_ratio", truck_ratio, 0.0, 1.0, "", "Of the vehicles");
+  section.add("bus_ratio", bus_ratio, 0.0, 1.0, "", "Of the vehicles");
+  section.add("oncoming_ratio", oncoming_ratio, 0.0, 1.0, "", "Of the vehicles on the street");
+  section.add("crossing_ratio", crossing_ratio, 0.0, 1.0, "",
               "Of the vehicles, those that come out of cross streets");
-  section.add("turning_share", turning_share, 0.0, 1.0, "",
+  section.add("turning_ratio", turning_ratio, 0.0, 1.0, "",
               "Of the vehicles on the street, those that turn off");
-  section.add("vehicle_speed_mps", vehicle_speed_mps, 1.0, 40.0, "m/s", "Mean wish");
-  section.add("walking_speed_mps", walking_speed_mps, 0.3, 3.0, "m/s", "Mean wish");
+  section.add("vehicle_speed_mps", vehicle_speed_mps, 1.0, 40.0, "m/s", "Mean preferred speed");
+  section.add("walking_speed_mps", walking_speed_mps, 0.3, 3.0, "m/s", "Mean preferred speed");
   section.add("road_crossing_rate_hz", road_crossing_rate_hz, 0.0, 1.0, "1/s",
-              "How often a walker decides to cross the street");
-  section.add("group_share", group_share, 0.0, 1.0, "", "Of the pedestrians, those in groups");
-  section.add("stop_rate_hz", stop_rate_hz, 0.0, 1.0, "1/s", "How often a walker stops");
+              "Rate at which a pedestrian crosses the street");
+  section.add("group_ratio", group_ratio, 0.0, 1.0, "", "Of the pedestrians, those in groups");
+  section.add("stop_rate_hz", stop_rate_hz, 0.0, 1.0, "1/s", "Rate at which a pedestrian stops");
   section.add("in_front_at_start", in_front_at_start, 0, 60, "",
-              "Movers close before the camera at the start");
+              "Moving objects close before the camera at the start");
   section.add("image_share", image_share, 0.0, 0.6, "",
-              "Mean share of the left image that movers cover, from the first frame on: a few "
-              "vehicles keep close to the robot, instead of the others; 0: as it comes");
-  section.add("range_ahead_m", range_ahead_m, 20.0, 250.0, "m", "Movers live up to here ahead");
-  section.add("range_behind_m", range_behind_m, 5.0, 100.0, "m", "and up to here behind");
+              "Mean ratio of the left image that moving objects cover, from the first frame on: "
+              "a few vehicles stay close to the robot, instead of the others; 0: no control");
+  section.add("range_ahead_m", range_ahead_m, 20.0, 250.0, "m",
+              "Distance ahead of the robot within which objects move");
+  section.add("range_behind_m", range_behind_m, 5.0, 100.0, "m",
+              "Distance behind the robot within which objects move");
+  section.renamed({{"van_share", "van_ratio"},
+                   {"truck_share", "truck_ratio"},
+                   {"bus_share", "bus_ratio"},
+                   {"oncoming_share", "oncoming_ratio"},
+                   {"crossing_share", "crossing_ratio"},
+                   {"turning_share", "turning_ratio"},
+                   {"group_share", "group_ratio"}});
 }
 
 void CameraParams::describe(Params::Section section) {
@@ -80,16 +91,17 @@ void CameraParams::describe(Params::Section section) {
   section.add("exposure_s", exposure_s, 0.0, 0.1, "s", "Exposure time (motion blur)");
   section.add("k1", k1, -0.5, 0.5, "", "Radial distortion; non-zero: raw images");
   section.add("k2", k2, -0.5, 0.5, "", "Radial distortion, fourth order");
-  section.add("drop_share", drop_share, 0.0, 0.9, "", "Frames lost");
+  section.add("drop_ratio", drop_ratio, 0.0, 0.9, "", "Frames lost");
   section.add("jitter_s", jitter_s, 0.0, 0.05, "s", "Irregularity of the frames' times");
   section.add("odometry", odometry, "Record wheel odometry");
   section.add("imu", imu, "Record an inertial sensor at 100 Hz");
   section.add("colour", colour, "Colour images; false: grey");
+  section.renamed({{"drop_share", "drop_ratio"}});
 }
 
 void CalibrationErrorParams::describe(Params::Section section) {
-  section.add("focal_share", focal_share, -0.05, 0.05, "", "True focal length above the recorded");
-  section.add("baseline_share", baseline_share, -0.05, 0.05, "",
+  section.add("focal_ratio", focal_ratio, -0.05, 0.05, "", "True focal length above the recorded");
+  section.add("baseline_ratio", baseline_ratio, -0.05, 0.05, "",
               "True baseline above the recorded");
   section.add("right_roll_deg", right_roll_deg, -2.0, 2.0, "deg",
               "Right camera turned about its viewing direction");
@@ -97,6 +109,7 @@ void CalibrationErrorParams::describe(Params::Section section) {
   section.add("right_yaw_deg", right_yaw_deg, -2.0, 2.0, "deg", "Right camera turned to its right");
   section.add("flex_deg", flex_deg, 0.0, 0.5, "deg",
               "The rig bends from frame to frame: standard deviation about each axis");
+  section.renamed({{"focal_share", "focal_ratio"}, {"baseline_share", "baseline_ratio"}});
 }
 
 void DetectorParams::describe(Params::Section section) {
@@ -136,21 +149,22 @@ void RecordingParams::describe(Params::Section section) {
 }
 
 void SimParams::describe(Params& params) {
-  route.describe(params.section("route"));
-  world.describe(params.section("world"));
-  traffic.describe(params.section("traffic"));
-  camera.describe(params.section("camera"));
-  calibration_error.describe(params.section("calibration_error"));
-  detector.describe(params.section("detector"));
-  recording.describe(params.section("recording"));
+  route.describe(params.section("route").user());
+  world.describe(params.section("world").user());
+  traffic.describe(params.section("traffic").user());
+  camera.describe(params.section("camera").user());
+  calibration_error.describe(params.section("calibration_error").user());
+  detector.describe(params.section("detector").user());
+  recording.describe(params.section("recording").user());
 }
 
 void SimParams::validate() const {
+  validateRanges(*this);
   if (world.house_height_max_m < world.house_height_min_m) {
     throw InputError("[world] house_height_max_m: less than house_height_min_m");
   }
-  if (traffic.van_share + traffic.truck_share + traffic.bus_share > 1.0) {
-    throw InputError("[traffic] van_share, truck_share, bus_share: their sum is above 1");
+  if (traffic.van_ratio + traffic.truck_ratio + traffic.bus_ratio > 1.0) {
+    throw InputError("[traffic] van_ratio, truck_ratio, bus_ratio: their sum is above 1");
   }
   if (route.kind == RouteParams::Kind::kKittiPoses && route.file.empty()) {
     throw InputError("[route] file: kind kitti_poses needs a file of 3x4 camera poses");

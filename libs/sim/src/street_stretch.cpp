@@ -172,7 +172,7 @@ void StreetBuilder::buildHouses(const Site& site, double side, StreetStretch& st
     plan.facade.height_m = random.uniform(params_.house_height_min_m, params_.house_height_max_m);
     plan.facade.shop = random.chance(0.35);
     plan.ridge_m = random.chance(0.5) ? random.uniform(1.5, 3.0) : 0.0;
-    const bool wanted = random.chance(params_.house_share);
+    const bool wanted = random.chance(params_.house_ratio);
     const double s = site.begin + (i + 0.5) * site.length / count;
     const double front = side * (Profile::kEdge + setback);
     bool free = wanted && site.drawn(s);
@@ -255,7 +255,7 @@ std::vector<Mover> StreetBuilder::parked(const StretchKey& key) const {
     for (int bay = 0; bay < 4; ++bay, ++bay_number) {
       Random own(random.bits());
       const double s = site.begin + (bay + 0.6) * kBay + own.uniform(-0.3, 0.3);
-      if (!own.chance(params_.parked_share) || !site.drawn(s) || s > road.axis.length() - 3.0 ||
+      if (!own.chance(params_.parked_ratio) || !site.drawn(s) || s > road.axis.length() - 3.0 ||
           !isFree(site, s, side * Profile::kParking, 4.0)) {
         continue;
       }

@@ -49,9 +49,9 @@ Vehicles::Vehicles(const TrafficParams& params, const Route& route, const RoadNe
 
 MoverKind Vehicles::drawKind() {
   const double draw = random_.uniform();
-  if (draw < params_.van_share) return MoverKind::kVan;
-  if (draw < params_.van_share + params_.truck_share) return MoverKind::kTruck;
-  if (draw < params_.van_share + params_.truck_share + params_.bus_share) return MoverKind::kBus;
+  if (draw < params_.van_ratio) return MoverKind::kVan;
+  if (draw < params_.van_ratio + params_.truck_ratio) return MoverKind::kTruck;
+  if (draw < params_.van_ratio + params_.truck_ratio + params_.bus_ratio) return MoverKind::kBus;
   return MoverKind::kCar;
 }
 
@@ -140,14 +140,14 @@ void Vehicles::spawn(MoverKind kind, const RobotState& robot, bool anywhere,
                      std::int64_t& next_id) {
   const bool cyclist = kind == MoverKind::kCyclist;
   std::optional<Vehicle> vehicle;
-  const bool oncoming = random_.chance(params_.oncoming_share);
-  if (!cyclist && random_.chance(params_.crossing_share)) vehicle = crossing(robot, anywhere);
+  const bool oncoming = random_.chance(params_.oncoming_ratio);
+  if (!cyclist && random_.chance(params_.crossing_ratio)) vehicle = crossing(robot, anywhere);
   if (!vehicle) {
     // New ones come into view from far ahead, or overtake from behind on the robot's lane.
     double ahead = random_.uniform(0.85, 1.0) * params_.range_ahead_m;
     if (anywhere) ahead = random_.uniform(cyclist ? 6.0 : 9.0, params_.range_ahead_m);
     vehicle = along(kind, robot.s + ahead, oncoming);
-    if (vehicle && !cyclist && random_.chance(params_.turning_share)) turnOff(*vehicle, oncoming);
+    if (vehicle && !cyclist && random_.chance(params_.turning_ratio)) turnOff(*vehicle, oncoming);
   }
   if (!vehicle) return;
   Mover mover;

@@ -59,7 +59,7 @@ LandmarkTracker::LandmarkTracker(const StereoCamera& camera, const SlamParams& p
     : camera_(camera),
       params_(params),
       grid_(camera.width, camera.height, params.features),
-      matcher_(static_cast<int>(params.max_disparity_share * camera.width), params.min_zncc) {}
+      matcher_(static_cast<int>(params.max_disparity_ratio * camera.width), params.min_zncc) {}
 
 std::vector<TrackedLandmark> LandmarkTracker::follow(const TrackingFrame& previous,
                                                      const std::vector<TrackedLandmark>& tracked,

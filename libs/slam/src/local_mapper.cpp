@@ -17,7 +17,7 @@ LocalMapper::LocalMapper(const StereoCamera& camera, const SlamParams& params,
       params_(params),
       adjuster_(adjuster),
       grid_(camera.width, camera.height, params.features),
-      matcher_(static_cast<int>(params.max_disparity_share * camera.width), params.min_zncc) {}
+      matcher_(static_cast<int>(params.max_disparity_ratio * camera.width), params.min_zncc) {}
 
 KeyframeId LocalMapper::insert(const TrackingFrame& frame, const Pose& T_map_cam,
                                const PoseCovariance& covariance,
@@ -28,7 +28,7 @@ KeyframeId LocalMapper::insert(const TrackingFrame& frame, const Pose& T_map_cam
   linkTracked(frame, id, tracked, map);
   addLandmarks(frame, id, tracked, map);
   describeNew(frame, id, tracked, map);
-  adjuster_.adjust(map, map.neighbourhood(id, params_.window), params_.ba_iterations);
+  adjuster_.adjust(map, map.neighbourhood(id, params_.window), params_.max_ba_iterations);
   cullLandmarks(id, params_.window, map);
   tracked.erase(std::remove_if(tracked.begin(), tracked.end(),
                                [&](const auto& t) { return map.find(t.id) == nullptr; }),

@@ -13,7 +13,7 @@ bool isLike(const SharedView& view, std::size_t landmarks, const SlamParams& par
             int image_width, const SparseMap& map) {
   const auto all = static_cast<double>(map.keyframe(view.keyframe).landmarks.size());
   return static_cast<double>(landmarks) >= params.keyframe_overlap * all &&
-         view.flow_px <= params.keyframe_flow * image_width;
+         view.flow_px <= params.keyframe_flow_ratio * image_width;
 }
 
 }  // namespace

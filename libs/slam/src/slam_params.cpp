@@ -3,32 +3,45 @@
 namespace headway::slam {
 
 void SlamParams::describe(Params::Section section) {
-  section.add("dynamic_rejection", dynamic_rejection,
-              {{"none", DynamicRejection::kNone},
-               {"boxes", DynamicRejection::kBoxes},
-               {"geometric", DynamicRejection::kGeometric},
-               {"both", DynamicRejection::kBoth}},
-              "Features that count as moving: those in moving boxes, those whose own motion "
-              "contradicts the camera's, or both");
-  section.add("mapping", mapping, "Extend the map; false localises in the map as it is");
-  section.add("use_odometry", use_odometry, "Predict the next pose by wheel odometry");
-  section.add("use_imu", use_imu, "Predict the next turn by the gyroscope, level by gravity");
-  section.add("features", features, 50, 3000, "", "Landmarks measured in each frame");
-  section.add("min_zncc", min_zncc, 0.3, 0.99, "", "Correlation for a patch to count as found");
+  auto user = section.user();
+  user.add("dynamic_rejection", dynamic_rejection,
+           {{"none", DynamicRejection::kNone},
+            {"boxes", DynamicRejection::kBoxes},
+            {"geometric", DynamicRejection::kGeometric},
+            {"both", DynamicRejection::kBoth}},
+           "Which features are excluded from pose and map as moving: those in boxes of moving "
+           "objects, those whose motion contradicts the camera's, or both; none is faster in "
+           "a static scene");
+  user.add("mapping", mapping,
+           "Extend the map; false localises in a loaded map without changing it");
+  user.add("use_odometry", use_odometry,
+           "Predict the next pose by recorded wheel odometry; false if the wheels slip");
+  user.add("use_imu", use_imu,
+           "Predict the next rotation by the recorded gyroscope and level the map by gravity; "
+           "false if the IMU is not calibrated to the camera");
+  user.add("features", features, 50, 3000, "",
+           "Landmarks measured in each frame; more are more accurate and slower");
+  user.add("loop_closing", loop_closing,
+           "Recognise places seen before and correct the map; false saves time on open paths");
+  section.add("min_zncc", min_zncc, 0.3, 0.99, "", "Minimum correlation of a matched patch");
   section.add("sigma_px", sigma_px, 0.05, 5.0, "px", "Noise of a landmark's image position");
   section.add("sigma_disparity_px", sigma_disparity_px, 0.05, 5.0, "px", "Noise of a disparity");
-  section.add("max_disparity_share", max_disparity_share, 0.05, 0.9, "of image width",
-              "Largest disparity searched");
-  section.add("min_inliers", min_inliers, 6, 200, "", "Landmarks that a pose must rest on");
+  section.add("max_disparity_ratio", max_disparity_ratio, 0.05, 0.9, "of image width",
+              "Maximum disparity searched");
+  section.add("min_inliers", min_inliers, 6, 200, "", "Minimum inlier landmarks of a pose");
   section.add("keyframe_overlap", keyframe_overlap, 0.1, 1.0, "",
-              "A smaller share of the last keyframe's landmarks in view asks for a new keyframe");
-  section.add("keyframe_flow", keyframe_flow, 0.005, 1.0, "of image width",
-              "A greater median image motion since the last keyframe asks for a new one");
-  section.add("window", window, 2, 50, "", "Keyframes adjusted together");
-  section.add("ba_iterations", ba_iterations, 1, 100, "", "Steps of the bundle adjustment");
-  section.add("loop_closing", loop_closing, "Recognise places seen before, correct the map");
-  section.add("restart_after", restart_after, 1, 100000, "frames",
-              "Lost frames after which a new part of the map is begun");
+              "Ratio of the last keyframe's landmarks in view below which a keyframe is made");
+  section.add("keyframe_flow_ratio", keyframe_flow_ratio, 0.005, 1.0, "of image width",
+              "Median image motion since the last keyframe above which a keyframe is made");
+  section.add("window", window, 2, 50, "keyframes", "Keyframes in local bundle adjustment");
+  section.add("max_ba_iterations", max_ba_iterations, 1, 100, "",
+              "Maximum iterations of local bundle adjustment");
+  section.add("restart_after_frames", restart_after_frames, 1, 100000, "frames",
+              "Consecutive lost frames after which a new submap is initialised");
+  section.renamed({{"max_disparity_share", "max_disparity_ratio"},
+                   {"keyframe_flow", "keyframe_flow_ratio"},
+                   {"ba_iterations", "max_ba_iterations"},
+                   {"restart_after", "restart_after_frames"}});
 }
 
 }  // namespace headway::slam

@@ -150,7 +150,8 @@ SlamUpdate StereoSlam::Implementation::guess(const StereoFrame& frame,
     motion_.coast(frame.time, motion_.predict(frame));
     covariance_ += kGrowth * PoseCovariance::Identity();
   }
-  const bool is_over = reference_ && lost_in_a_row_ > newest_part_.patience(params_.restart_after);
+  const bool is_over =
+      reference_ && lost_in_a_row_ > newest_part_.patience(params_.restart_after_frames);
   const bool wanted = map_.keyframes().empty() || is_over;
   if (params_.mapping && wanted && begin(current)) {
     lost_in_a_row_ = 0;
@@ -225,7 +226,7 @@ void StereoSlam::Implementation::load(const std::string& bytes) {
 }
 
 StereoSlam::StereoSlam(std::shared_ptr<const StereoCamera> camera, const SlamParams& params)
-    : implementation_(std::make_unique<Implementation>(std::move(camera), params)) {}
+    : implementation_(std::make_unique<Implementation>(std::move(camera), validated(params))) {}
 
 StereoSlam::~StereoSlam() = default;
 

@@ -40,11 +40,11 @@ cv::Ptr<cv::StereoMatcher> makeMatcher(const DisparityParams& params, int range)
   if (params.method == DisparityParams::Method::kSemiGlobal) {
     const int side = std::min(block, 5);
     auto matcher = cv::StereoSGBM::create(0, range, side, 8 * side * side, 32 * side * side);
-    matcher->setUniquenessRatio(params.uniqueness);
+    matcher->setUniquenessRatio(params.uniqueness_percent);
     return matcher;
   }
   auto matcher = cv::StereoBM::create(range, block);
-  matcher->setUniquenessRatio(params.uniqueness);
+  matcher->setUniquenessRatio(params.uniqueness_percent);
   matcher->setTextureThreshold(12);
   matcher->setPreFilterCap(31);
   return matcher;
@@ -53,14 +53,18 @@ cv::Ptr<cv::StereoMatcher> makeMatcher(const DisparityParams& params, int range)
 }  // namespace
 
 void DisparityParams::describe(Params::Section section) {
-  section.add("method", method, {{"blocks", Method::kBlocks}, {"semi_global", Method::kSemiGlobal}},
-              "How stereo pairs are matched; semi_global is denser and five times slower");
-  section.add("reduce", reduce, 1, 4, "-", "Images are matched at one over this of their size");
-  section.add("nearest_m", nearest_m, 0.3, 50.0, "m", "Anything nearer is not matched");
+  auto user = section.user();
+  user.add("method", method, {{"blocks", Method::kBlocks}, {"semi_global", Method::kSemiGlobal}},
+           "Dense stereo matching; semi_global is denser and five times slower");
+  user.add("nearest_m", nearest_m, 0.3, 50.0, "m",
+           "Minimum depth matched; smaller for a robot among people, and slower");
+  section.add("reduce", reduce, 1, 4, "", "Factor by which images are reduced before matching");
   section.add("block_px", block_px, 5, 31, "px", "Side of a block in the reduced image, made odd");
-  section.add("uniqueness", uniqueness, 0, 50, "%", "How much better the best match must be");
-  section.add("least_speckle_px", least_speckle_px, 0, 1000, "px",
-              "Smaller islands are dropped, in the reduced image");
+  section.add("uniqueness_percent", uniqueness_percent, 0, 50, "%",
+              "Margin by which the best match must beat the second best");
+  section.add("min_speckle_px", min_speckle_px, 0, 1000, "px",
+              "Minimum area of a connected region, in the reduced image");
+  section.renamed({{"uniqueness", "uniqueness_percent"}, {"least_speckle_px", "min_speckle_px"}});
 }
 
 int DisparityImage::cellOf(double pixel) const {
@@ -90,7 +94,7 @@ DisparityImage denseDisparity(const StereoFrame& frame, const DisparityParams& p
   auto matcher = makeMatcher(params, range);
   matcher->setDisp12MaxDiff(1);
   matcher->setSpeckleRange(2);
-  matcher->setSpeckleWindowSize(params.least_speckle_px);
+  matcher->setSpeckleWindowSize(params.min_speckle_px);
   // OpenCV leaves the first `range` columns unmatched: they are given as many more to their left.
   cv::Mat fixed;
   matcher->compute(widened(left, range), widened(right, range), fixed);

@@ -21,7 +21,8 @@ class UsageError : public std::runtime_error {
 /// The command line that all programs share, and what one program adds to it.
 ///
 /// Every program has --help, --version, -v/--verbosity and -q/--quiet; with parameters() also
-/// -c/--config, --set and --dump-config. Targets keep their value where the option is not given.
+/// -c/--config, --set, --dump-config and --expert. Targets keep their value where the option is not
+/// given.
 ///
 ///     std::string input;
 ///     CommandLine line("headway-export", "Writes a rawlog as a KITTI odometry folder.");
@@ -44,7 +45,7 @@ class CommandLine {
               const std::string& meaning);
   void option(std::optional<std::size_t>& target, char short_name, const std::string& name,
               const std::string& type, const std::string& meaning);
-  /// Adds -c, --set and --dump-config; `params` must outlive parse().
+  /// Adds -c, --set, --dump-config and --expert; `params` must outlive parse().
   void parameters(Params& params);
 
   /// Reads the arguments into the targets, then the configuration into the parameters.

@@ -11,27 +11,39 @@ namespace headway {
 
 /// The parameters of a program: named, with unit, range and meaning, readable from .ini files.
 ///
-/// A parameter struct binds its fields once; loading, checking and printing follow from that.
-/// The bound fields must outlive the registry. Laws: what print() writes, loadFile() accepts and
-/// leaves every value as it was; an unknown section or key, a value that does not parse or lies
-/// out of range changes nothing and throws.
+/// A parameter struct binds its fields once, in describe(); loading, validating and printing all
+/// follow from that declaration. The bound fields must outlive the registry. Laws: what print()
+/// writes, loadFile() accepts and leaves every value as it was; an unknown section or key, a value
+/// that does not parse or lies out of range changes nothing and throws.
 ///
 ///     struct MatchParams {
-///       int max_disparity_px = 200;  ///< [px] 16 ... 512
+///       int max_disparity_px = 200;
 ///       void describe(Params::Section section) {
-///         section.add("max_disparity_px", max_disparity_px, 16, 512, "px", "Largest disparity");
+///         section.add("max_disparity_px", max_disparity_px, 16, 512, "px", "Maximum disparity");
+///         section.renamed({{"most_disparity", "max_disparity_px"}});
 ///       }
+///       void validate() const { validateRanges(*this, "slam"); }
 ///     };
 ///     Params params;
 ///     match_params.describe(params.section("slam"));
 ///     params.loadFile("headway.ini");
 class Params {
  public:
+  /// Which parameters to print.
+  enum class Keys {
+    kUser,    ///< those that a user is likely to change
+    kExpert,  ///< the others
+    kAll,     ///< the user keys of all sections, then the expert keys
+  };
+
   /// Where one struct binds its fields. Several structs may share a section.
   class Section {
    public:
-    void add(const std::string& key, double& field, double min, double max,
-             const std::string& unit, const std::string& meaning);
+    /// The same section; keys added through the result are user keys, the others expert keys.
+    [[nodiscard]] Section user() const;
+
+    void add(const std::string& key, double& field, double min, double max, const std::string& unit,
+             const std::string& meaning);
     void add(const std::string& key, int& field, int min, int max, const std::string& unit,
              const std::string& meaning);
     void add(const std::string& key, bool& field, const std::string& meaning);
@@ -42,14 +54,21 @@ class Params {
     void add(const std::string& key, Enum& field,
              const std::vector<std::pair<std::string, Enum>>& choices, const std::string& meaning);
 
+    /// Pairs (former key, present key): the former is refused by an error that names the present.
+    void renamed(const std::vector<std::pair<std::string, std::string>>& keys);
+
    private:
     friend class Params;
     Section(Params& owner, std::string name) : owner_(owner), name_(std::move(name)) {}
+    template <typename Number>
+    void addNumber(const std::string& key, Number& field, Number min, Number max,
+                   const std::string& unit, const std::string& meaning);
     void addChoice(const std::string& key, const std::vector<std::string>& names,
                    std::function<void(std::size_t)> set, std::function<std::size_t()> get,
                    const std::string& meaning);
     Params& owner_;
     std::string name_;
+    bool is_user_ = false;
   };
 
   [[nodiscard]] Section section(const std::string& name) { return Section(*this, name); }
@@ -64,6 +83,11 @@ class Params {
   /// @throws InputError naming section and key for what is unknown or out of range
   void set(const std::string& assignment);
 
+  /// Checks the present values of the bound fields.
+  ///
+  /// @throws InputError naming section, key, value and range of the first that is out of range
+  void validate() const;
+
   /// Value of one parameter as text, as print() would write it.
   ///
   /// @throws InputError if there is no such parameter
@@ -72,24 +96,55 @@ class Params {
   /// Every value as text: section -> key -> value.
   [[nodiscard]] std::map<std::string, std::map<std::string, std::string>> values() const;
 
-  /// Writes every parameter with its present value, unit, range and meaning, as an .ini file.
-  void print(std::ostream& out) const;
+  /// Writes parameters with their present value, unit, range and meaning, as an .ini file.
+  void print(std::ostream& out, Keys keys = Keys::kAll) const;
 
  private:
   struct Entry {
     std::string key;
-    std::string meaning;  ///< with unit and range
+    std::string meaning;                          ///< with unit and range
     std::function<void(const std::string&)> set;  ///< throws InputError("reason")
     std::function<std::string()> get;
+    std::function<void()> check;  ///< throws InputError("reason"); empty: any value is valid
+    bool is_user = false;
   };
+  using Renamed = std::map<std::string, std::string>;  ///< former key -> present key
 
-  void insert(const std::string& section, Entry entry);
+  void insert(const Section& section, Entry entry);
   void assign(const std::string& section, const std::string& key, const std::string& value) const;
+  void printKeys(std::ostream& out, bool user) const;
   [[nodiscard]] const Entry& find(const std::string& section, const std::string& key) const;
 
   std::vector<std::string> section_order_;
   std::map<std::string, std::vector<Entry>> entries_;
+  std::map<std::string, Renamed> renamed_;
 };
+
+/// Checks a struct that was filled in code against the ranges that its describe() declares: what
+/// the validate() of every XxxParams calls, and with it every constructor that takes the struct.
+///
+/// @throws InputError naming section, key, value and range, as for a value from a file
+template <typename Struct>
+void validateRanges(Struct values, const std::string& section) {
+  Params params;
+  values.describe(params.section(section));
+  params.validate();
+}
+
+/// The same for a struct whose describe() binds several sections.
+template <typename Struct>
+void validateRanges(Struct values) {
+  Params params;
+  values.describe(params);
+  params.validate();
+}
+
+/// A struct after validate(), for initialiser lists: `params_(validated(params))`.
+template <typename Struct>
+[[nodiscard]] const Struct& validated(const Struct& values) {
+  values.validate();
+  return values;
+}
 
 template <typename Enum>
 void Params::Section::add(const std::string& key, Enum& field,
@@ -105,7 +160,7 @@ void Params::Section::add(const std::string& key, Enum& field,
       key, names, [&field, values](std::size_t i) { field = values.at(i); },
       [&field, values] {
         std::size_t i = 0;
-        while (i + 1 < values.size() && values[i] != field) ++i;
+        while (i < values.size() && values[i] != field) ++i;
         return i;
       },
       meaning);

@@ -23,6 +23,7 @@ struct DetectParams {
 
   /// Binds sections [detect], [disparity], [stereo_motion], [dnn] and [hog].
   void describe(Params& params);
+  void validate() const;  ///< @throws InputError
 };
 
 /// Names that makeDetector knows: "stereo_motion", "dnn", "hog".

@@ -8,15 +8,16 @@
 
 namespace headway::detect {
 
-/// What stands in a robot's way, and how far stereo is believed. Part of section [grid].
+/// What an obstacle is, and the accuracy of its distance. Part of section [grid].
 struct GroundScanParams {
-  double reach_m = 20.0;            ///< nothing farther is looked at [m]
-  double lowest_obstacle_m = 0.3;   ///< what is lower does not stop the robot [m]
-  double highest_obstacle_m = 2.0;  ///< what is higher does not stop the robot [m]
-  double sigma_disparity_px = 0.4;  ///< of the front of an obstacle [px]
-  double most_error_m = 0.6;        ///< an obstacle whose distance is less certain is not kept [m]
+  double reach_m = 20.0;               ///< maximum distance [m]
+  double min_obstacle_height_m = 0.3;  ///< above ground [m]
+  double max_obstacle_height_m = 2.0;  ///< above ground [m]
+  double sigma_disparity_px = 0.4;     ///< noise of an obstacle's disparity [px]
+  double max_error_m = 0.6;            ///< maximum uncertainty of an obstacle's distance [m]
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "grid"); }  ///< @throws InputError
 };
 
 /// Looks over the ground: a ray for each column of a disparity image.

@@ -18,17 +18,18 @@ struct NetworkParams {
   Family family = Family::kYolox;
   std::string model = "";      ///< file of the weights: .onnx or .weights; not part of headway
   std::string layout = "";     ///< file of the layers (.cfg); Darknet only
-  int input_width = 416;       ///< of the network [px], a multiple of 32
-  int input_height = 416;      ///< [px], a multiple of 32
+  int input_width_px = 416;    ///< of the network [px], a multiple of 32
+  int input_height_px = 416;   ///< [px], a multiple of 32
   double scale = 1.0;          ///< grey values are multiplied by this
   bool swap_red_blue = false;  ///< the network wants RGB
   bool letterbox = true;       ///< keep the image's proportions, fill with `letterbox_grey`
   int letterbox_grey = 114;
   std::string classes = "coco";  ///< what its classes mean: "coco", or KITTI names by comma
   double min_score = 0.35;       ///< lower scores are left out [-]
-  double same_object_iou = 0.5;  ///< of two boxes that overlap more the better is kept [-]
+  double nms_iou = 0.5;          ///< of two boxes that overlap more the better is kept [-]
 
   void describe(Params::Section section);
+  void validate() const;  ///< @throws InputError
 };
 
 /// Finds objects by a network, through OpenCV's DNN module. 2D boxes; a StereoLifter adds depth.

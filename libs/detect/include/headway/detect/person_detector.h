@@ -9,12 +9,13 @@ namespace headway::detect {
 
 /// Section [hog].
 struct PersonParams {
-  double upscale = 1.5;          ///< the image is enlarged by this: people of 96 px / upscale [-]
-  double step = 1.1;             ///< from one size searched to the next [-]
-  double min_score = 0.6;        ///< distance from the decision plane [-]
-  double same_object_iou = 0.4;  ///< of two boxes that overlap more the better is kept [-]
+  double upscale = 1.5;     ///< the image is enlarged by this: people of 96 px / upscale [-]
+  double scale_step = 1.1;  ///< ratio of successive scales searched [-]
+  double min_score = 0.6;   ///< distance from the decision plane [-]
+  double nms_iou = 0.4;     ///< of two boxes that overlap more the better is kept [-]
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "hog"); }  ///< @throws InputError
 };
 
 /// Finds upright people by OpenCV's built-in detector: no file needed. 2D boxes.

@@ -13,29 +13,29 @@ namespace headway::detect {
 
 /// Section [stereo_motion].
 struct StereoMotionParams {
-  int max_points = 1200;            ///< followed at a time
-  int spacing_px = 8;               ///< between points [px]
-  double window_s = 0.6;            ///< how far back a point's sightings count [s]
-  double body_window_s = 1.0;       ///< and those of a body's parts together [s]
-  double range_m = 50.0;            ///< farther points are not followed [m]
-  double least_height_m = 0.2;      ///< above ground, of points on objects [m]
-  double most_height_m = 3.5;       ///< [m]
-  double sigma_px = 0.4;            ///< of a sighting, each way [px]
-  double sigma_disparity_px = 0.4;  ///< [px]
-  double significance = 30.0;  ///< of a point's motion, chi-square with 3 degrees of freedom [-]
-  double least_speed = 0.6;    ///< slower objects stand still [m/s]
-  double most_speed = 60.0;    ///< nothing is faster [m/s]
-  int least_points = 3;        ///< that make an object
-  int confirm_frames = 1;      ///< in which an object was found before it is reported
-  double reach_m = 1.0;        ///< between points of one object, over the ground [m]
-  double moving_share = 0.6;   ///< of the points inside an object's outline [-]
-  double blob_range_m = 30.0;  ///< farther things are not followed as a whole [m]
-  double body_significance =
-      15.0;                  ///< of a body's motion, chi-square with 2 degrees of freedom [-]
-  double most_moving = 0.4;  ///< if more of all points seem to move, the camera's motion is wrong
-  bool guess_class = true;   ///< from size and speed; else every object is Unknown
+  int max_points = 1200;              ///< tracked at a time
+  int spacing_px = 8;                 ///< between points [px]
+  double window_s = 0.6;              ///< time window of a point's observations [s]
+  double segment_window_s = 1.0;      ///< time window of a segment's observations [s]
+  double max_range_m = 50.0;          ///< of tracked points [m]
+  double min_height_m = 0.2;          ///< above ground, of points on objects [m]
+  double max_height_m = 3.5;          ///< above ground, of points on objects [m]
+  double sigma_px = 0.4;              ///< noise of an image position, each way [px]
+  double sigma_disparity_px = 0.4;    ///< [px]
+  double significance = 30.0;         ///< of a point's motion, chi-square, 3 degrees of freedom [-]
+  double min_speed_mps = 0.6;         ///< slower objects are static [m/s]
+  double max_speed_mps = 60.0;        ///< of an object [m/s]
+  int min_points = 3;                 ///< of an object
+  int confirm_frames = 1;             ///< in which an object was found before it is reported
+  double max_point_distance_m = 1.0;  ///< between neighbours of one object, over the ground [m]
+  double min_moving_ratio = 0.6;      ///< of the points within an object's outline [-]
+  double max_segment_range_m = 30.0;  ///< of upright segments tracked as a whole [m]
+  double segment_significance = 15.0;  ///< of its motion, chi-square, 2 degrees of freedom [-]
+  double max_moving_ratio = 0.4;  ///< of all points; above, the camera's motion is rejected [-]
+  bool classify = true;           ///< by size and speed; else every object is Unknown
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "stereo_motion"); }  ///< @throws InputError
 };
 
 /// One thing that moves.

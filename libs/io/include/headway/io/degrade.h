@@ -20,6 +20,7 @@ struct DegradeParams {
   double flip_probability = 0.05;   ///< of the heading turned by 180 degrees
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "degrade"); }  ///< @throws InputError
 };
 
 /// Adds noise, misses, doubles and flips to boxes.

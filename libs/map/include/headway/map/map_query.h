@@ -1,5 +1,6 @@
 #pragma once
 
+#include <headway/core/params.h>
 #include <headway/map/body_shape.h>
 #include <headway/map/perception_map.h>
 
@@ -21,10 +22,14 @@ enum class Answer {
 /// "known", "stale_map", "empty_map", "unknown_place", "unknown_time".
 [[nodiscard]] std::string_view toString(Answer answer);
 
+/// Parameters of a query, errors under the name [map_query].
 struct MapQueryParams {
-  double max_age_s = 0.5;           ///< an older map is stale [s]
-  double horizon_s = 3.0;           ///< predictions reach so far beyond the map's time [s]
-  double least_probability = 0.05;  ///< of a contact, from which it is worth telling [-]
+  double max_age_s = 0.5;                 ///< an older map is stale [s]
+  double horizon_s = 3.0;                 ///< of predictions, beyond the map's time [s]
+  double min_contact_probability = 0.05;  ///< from which a contact is reported [-]
+
+  void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "map_query"); }  ///< @throws InputError
 };
 
 /// What stands or moves at a place. The probabilities are the doubt.

@@ -22,6 +22,7 @@ struct StaticGridParams {
   double spacing_m = 1.0;     ///< of the places whose looks are kept [m]
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "grid"); }  ///< @throws InputError
 };
 
 /// Where one can drive: the sum of all looks over the ground.

@@ -20,15 +20,16 @@ enum class ObstaclePolicy {
 
 /// The robot as the time gate sees it: a disc that drives at a range of speeds.
 struct RobotMotionParams {
-  double radius_m = 0.35;   ///< of the smallest circle about the robot's origin that holds it [m]
-  double length_m = 0.5;    ///< of its body about the origin [m]
-  double width_m = 0.45;    ///< [m]
-  double top_speed = 1.0;   ///< [m/s]
-  double slow_share = 0.8;  ///< slowest way to a place assumed, as a share of top_speed [-]
+  double radius_m = 0.35;  ///< of the smallest circle about the robot's origin that holds it [m]
+  double length_m = 0.5;   ///< of its body about the origin [m]
+  double width_m = 0.45;   ///< [m]
+  double max_speed_mps = 1.0;  ///< [m/s]
+  double slow_ratio = 0.8;  ///< slowest speed assumed on the way to a place, over max_speed_mps [-]
   double early_slack_s = 0.0;  ///< the robot may be earlier by this [s]
   double late_slack_s = 0.3;   ///< the robot may be later by this, having to speed up first [s]
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "nav"); }  ///< @throws InputError
 };
 
 /// How the robot's speed is governed among what moves.
@@ -36,12 +37,13 @@ struct GovernorParams {
   bool enabled = true;
   double horizon_s = 2.5;       ///< looks so far ahead [s]
   double contact_cost = 40.0;   ///< of a certain contact, where standing for now costs 1 [-]
-  double standing_share = 0.5;  ///< of that cost if the robot stands by then [-]
+  double standing_ratio = 0.5;  ///< ratio of that cost if the robot stands by then [-]
   double patience_s = 2.0;      ///< what is so far ahead counts a third [s]
   double margin_m = 0.1;        ///< nearer than this is a contact [m]
   double lag_s = 0.15;          ///< time constant with which the robot obeys [s]
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "nav"); }  ///< @throws InputError
 };
 
 /// How tracks become obstacles, section "nav".
@@ -63,6 +65,7 @@ struct PredictiveObstaclesParams {
   GovernorParams governor;
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "nav"); }  ///< @throws InputError
 };
 
 }  // namespace headway::nav

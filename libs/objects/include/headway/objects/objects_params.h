@@ -23,6 +23,7 @@ struct ConsistencyParams {
   double hint_bonus = 1.0;        ///< taken off the cost where the detector's id agrees [-]
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "objects"); }  ///< @throws InputError
 };
 
 /// How objects move and how well they are measured (Sec. III-C2).
@@ -42,6 +43,7 @@ struct FilterParams {
   double size_settled_m = 0.05;          ///< a size known this well is kept [m]
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "objects"); }  ///< @throws InputError
 };
 
 /// Which way an object faces, from evidence over frames.
@@ -52,6 +54,7 @@ struct HeadingParams {
   double settle_frames = 10.0;     ///< measurements that fix the heading of a standing object
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "objects"); }  ///< @throws InputError
 };
 
 /// What says that an object moves.
@@ -62,6 +65,7 @@ struct MotionVerdictParams {
   double still_time_s = 0.5;  ///< time below still_speed before an object stands [s]
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "objects"); }  ///< @throws InputError
 };
 
 /// Priors that smooth a grown track (Sec. III-C1).
@@ -90,6 +94,7 @@ struct SmoothingParams {
   double settled_m = 0.001;         ///< it ends when no place moves farther [m]
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "objects"); }  ///< @throws InputError
 };
 
 /// Birth, life and end of tracks.
@@ -107,6 +112,7 @@ struct LifecycleParams {
   double retrack_time_s = 1.5;  ///< and unseen for longer than this it ends for good [s]
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "objects"); }  ///< @throws InputError
 };
 
 /// All parameters of the moving-object layer, section "objects".
@@ -121,6 +127,7 @@ struct ObjectsParams {
   LifecycleParams lifecycle;
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "objects"); }  ///< @throws InputError
 };
 
 }  // namespace headway::objects

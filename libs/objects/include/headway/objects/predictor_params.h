@@ -33,6 +33,7 @@ struct PaperPredictorParams {
   double epsilon_s = 1e-6;                          ///< epsilon, eq. (1) [s]
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "objects"); }  ///< @throws InputError
 };
 
 /// How one class of objects moves: all that the mixture predictor knows of the world.
@@ -63,6 +64,7 @@ struct PredictorParams {
       {3.8, 0.1, 1.5, 0.01, 0.08, 1.0, 0.8, 0.35, 2.0, 0.5, 0.43, 0.45}};
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "objects"); }  ///< @throws InputError
 };
 
 }  // namespace headway::objects

@@ -22,6 +22,7 @@ struct DetectionParams {
   detect::DetectParams detect;
 
   void describe(Params& params);
+  void validate() const;  ///< @throws InputError
 };
 
 /// Throws InputError, saying what there is, unless `names` can stand for DetectionParams::detector.

@@ -21,6 +21,7 @@ struct GridParams {
   map::StaticGridParams map;
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "grid"); }  ///< @throws InputError
 };
 
 /// Parameters of everything that the pipeline runs.
@@ -32,6 +33,7 @@ struct PerceptionParams {
 
   /// Binds sections [slam], [detect] with those of the detectors, [objects] and [grid].
   void describe(Params& params);
+  void validate() const;  ///< @throws InputError
 };
 
 /// What one frame said: where the robot is and what moves around it.

@@ -16,11 +16,12 @@ struct RouteParams {
   double loop_width_m = 110.0;   ///< short side
   double corner_radius_m = 15.0;
   int laps = 1;
-  std::string file;                   ///< KITTI poses, one 3x4 matrix a row
-  double speed_mps = 7.0;             ///< the robot's speed on a free, straight street
-  double lateral_acceleration = 2.0;  ///< it slows down for curves [m/s^2]
+  std::string file;                        ///< KITTI poses, one 3x4 matrix a row
+  double speed_mps = 7.0;                  ///< the robot's speed on a free, straight street
+  double lateral_acceleration_mps2 = 2.0;  ///< maximum in curves [m/s^2]
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "route"); }  ///< @throws InputError
 };
 
 /// What stands along the streets. Section [world].
@@ -28,14 +29,15 @@ struct WorldParams {
   int seed = 1;
   double view_distance_m = 140.0;      ///< nothing farther is drawn
   double cross_street_every_m = 75.0;  ///< 0: none
-  double house_share = 0.9;            ///< of the frontage that houses take
+  double house_ratio = 0.9;            ///< of the frontage that houses take
   double house_height_min_m = 7.0;
   double house_height_max_m = 15.0;
   double tree_every_m = 14.0;  ///< along one side; 0: none
-  double parked_share = 0.45;  ///< of the parking bays
+  double parked_ratio = 0.45;  ///< of the parking bays
   double hill_height_m = 0.0;  ///< rise and fall of lane and loop routes
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "world"); }  ///< @throws InputError
 };
 
 /// Who moves. Section [traffic]. Numbers are of movers near the robot at the same time.
@@ -43,16 +45,16 @@ struct TrafficParams {
   int vehicles = 6;  ///< driving cars, vans, trucks and buses
   int cyclists = 1;
   int pedestrians = 8;
-  double van_share = 0.15;  ///< of the vehicles
-  double truck_share = 0.06;
-  double bus_share = 0.04;
-  double oncoming_share = 0.5;  ///< of the vehicles on the robot's street
-  double crossing_share = 0.2;  ///< of the vehicles: they come out of cross streets
-  double turning_share = 0.2;   ///< of the vehicles on the robot's street that turn off
+  double van_ratio = 0.15;  ///< of the vehicles
+  double truck_ratio = 0.06;
+  double bus_ratio = 0.04;
+  double oncoming_ratio = 0.5;  ///< of the vehicles on the robot's street
+  double crossing_ratio = 0.2;  ///< of the vehicles: they come out of cross streets
+  double turning_ratio = 0.2;   ///< of the vehicles on the robot's street that turn off
   double vehicle_speed_mps = 8.0;
   double walking_speed_mps = 1.34;      ///< mean; Weidmann 1993
   double road_crossing_rate_hz = 0.02;  ///< how often a walker decides to cross the street
-  double group_share = 0.35;            ///< of the pedestrians that walk in groups
+  double group_ratio = 0.35;            ///< of the pedestrians that walk in groups
   double stop_rate_hz = 0.02;           ///< how often a walker stops for a moment
   int in_front_at_start = 0;            ///< movers right before the camera at the start
   double image_share = 0.0;             ///< of the left image that movers cover; 0: as it comes
@@ -60,6 +62,7 @@ struct TrafficParams {
   double range_behind_m = 25.0;
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "traffic"); }  ///< @throws InputError
 };
 
 /// The stereo rig and what it does to the picture. Section [camera].
@@ -80,13 +83,14 @@ struct CameraParams {
   double exposure_s = 0.01;
   double k1 = 0.0;  ///< radial distortion; any non-zero: raw images are recorded
   double k2 = 0.0;
-  double drop_share = 0.0;  ///< of the frames, lost
+  double drop_ratio = 0.0;  ///< of the frames, lost
   double jitter_s = 0.0;    ///< standard deviation of the frames' times
   bool odometry = false;    ///< record wheel odometry
   bool imu = false;         ///< record an inertial sensor, 100 Hz
   bool colour = true;
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "camera"); }  ///< @throws InputError
 };
 
 /// How the rig differs from the calibration that is recorded with its images, as every real one
@@ -96,14 +100,15 @@ struct CameraParams {
 /// @see Kreso & Segvic 2015, "Improving the egomotion estimation by correcting the calibration
 ///      bias": what is left over after KITTI's calibration, and what it does to odometry
 struct CalibrationErrorParams {
-  double focal_share = 0.0;      ///< true focal length above the recorded one by this share
-  double baseline_share = 0.0;   ///< true baseline above the recorded one by this share
+  double focal_ratio = 0.0;      ///< true focal length above the recorded one by this share
+  double baseline_ratio = 0.0;   ///< true baseline above the recorded one by this share
   double right_roll_deg = 0.0;   ///< right camera turned about its viewing direction
   double right_pitch_deg = 0.0;  ///< right camera turned up
   double right_yaw_deg = 0.0;    ///< right camera turned to its right
   double flex_deg = 0.0;  ///< rig bends from frame to frame: standard deviation about each axis
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "calibration_error"); }  ///< @throws InputError
 };
 
 /// A network that looks at the images, as far as its mistakes go. Section [detector].
@@ -127,6 +132,7 @@ struct DetectorParams {
   bool parked = true;  ///< parked vehicles are detected, too
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "detector"); }  ///< @throws InputError
 };
 
 /// What is written. Section [recording].
@@ -141,6 +147,7 @@ struct RecordingParams {
   double truth_range_m = 90.0;  ///< objects farther ahead are not in the truth
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "recording"); }  ///< @throws InputError
 };
 
 /// Everything that a world's .ini says.

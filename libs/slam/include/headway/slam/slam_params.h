@@ -12,33 +12,33 @@ enum class DynamicRejection {
   kBoth,       ///< either
 };
 
-/// Parameters of the stereo SLAM, section [slam] of a configuration.
+/// Parameters of the stereo SLAM, section [slam] of a configuration; ranges in describe().
 struct SlamParams {
   DynamicRejection dynamic_rejection = DynamicRejection::kBoth;
   bool mapping = true;       ///< false: localise only, the map stays as it is
   bool use_odometry = true;  ///< wheel odometry predicts the next pose where recorded
   bool use_imu = true;       ///< gyroscope predicts the next turn, gravity levels the map
 
-  int features = 600;     ///< landmarks measured a frame, 50 ... 3000
-  double min_zncc = 0.7;  ///< correlation that a patch needs to count as found, 0.3 ... 0.99
-  double sigma_px = 0.5;  ///< [px] image noise of one measurement, 0.05 ... 5
-  double sigma_disparity_px = 0.4;  ///< [px] noise of a measured disparity, 0.05 ... 5
-  double max_disparity_share =
-      0.3;               ///< largest disparity as share of the image width, 0.05 ... 0.9
-  int min_inliers = 20;  ///< landmarks a pose must rest on, 6 ... 200
+  int features = 600;                ///< landmarks measured in each frame
+  double min_zncc = 0.7;             ///< correlation of a matched patch [-]
+  double sigma_px = 0.5;             ///< image noise of one measurement [px]
+  double sigma_disparity_px = 0.4;   ///< [px]
+  double max_disparity_ratio = 0.3;  ///< maximum disparity searched [ratio of the image width]
+  int min_inliers = 20;              ///< of a pose
 
-  double keyframe_overlap = 0.7;  ///< share of the last keyframe's landmarks that spares a new one
-  double keyframe_flow = 0.06;    ///< median image motion (share of width) that asks for a new one
-  int window = 8;                 ///< keyframes adjusted together, 2 ... 50
-  int ba_iterations = 6;          ///< steps of the bundle adjustment, 1 ... 100
-  bool loop_closing = true;       ///< recognise places seen before and correct the map
-  int restart_after = 20;         ///< lost frames after which a new map part is begun, 1 ... 100000
+  double keyframe_overlap = 0.7;      ///< min. ratio of the last keyframe's landmarks in view [-]
+  double keyframe_flow_ratio = 0.06;  ///< max. median image motion since it [ratio of the width]
+  int window = 8;                     ///< keyframes in local bundle adjustment
+  int max_ba_iterations = 6;          ///< of local bundle adjustment
+  bool loop_closing = true;           ///< recognise places seen before and correct the map
+  int restart_after_frames = 20;      ///< lost frames after which a new submap is initialised
 
-  /// Bundle adjustment in a thread of its own, beside the tracking: results depend on timing. Not a
-  /// key of configurations: who runs in real time sets it.
+  /// Runs bundle adjustment in a thread of its own, so that results depend on timing. Not a key of
+  /// configurations: the real-time runner sets it.
   bool adjust_in_background = false;
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "slam"); }  ///< @throws InputError
 };
 
 }  // namespace headway::slam

@@ -50,10 +50,9 @@ struct SlamUpdate {
 /// Localises a stereo camera and maps the still world around it.
 ///
 /// The map frame is the robot's first pose (levelled where gravity is known). A camera that is lost
-/// is looked for in the whole map at each frame; after slam.restart_after lost frames in a row, or
-/// at once where the map was only just begun, a new part of the map is begun at the guessed pose.
-/// Deterministic: the
-/// same frames and parameters give the same bytes, on any number of cores.
+/// is looked for in the whole map at each frame; after slam.restart_after_frames lost frames in a
+/// row, or at once where the map was only just begun, a new part of the map is begun at the guessed
+/// pose. Deterministic: the same frames and parameters give the same bytes, on any number of cores.
 ///
 ///     StereoSlam slam(source.camera(), params);
 ///     while (auto frame = source.next()) publish(slam.process(*frame->stereo, {}));

@@ -12,13 +12,14 @@ struct DisparityParams {
   enum class Method { kBlocks, kSemiGlobal };
 
   Method method = Method::kBlocks;
-  int reduce = 2;             ///< images are matched at 1/reduce of their size [-] 1 ... 4
-  double nearest_m = 3.0;     ///< anything nearer is not matched [m]
-  int block_px = 7;           ///< side of a block in the reduced image, made odd [px]
-  int uniqueness = 0;         ///< how much better the best match must be [%]
-  int least_speckle_px = 40;  ///< smaller islands are dropped, reduced image [px]
+  int reduce = 2;              ///< images are matched at 1/reduce of their size [-]
+  double nearest_m = 3.0;      ///< minimum depth matched [m]
+  int block_px = 7;            ///< side of a block in the reduced image, made odd [px]
+  int uniqueness_percent = 0;  ///< margin of the best match over the second best [%]
+  int min_speckle_px = 40;     ///< minimum area of a connected region, reduced image [px]
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "disparity"); }  ///< @throws InputError
 };
 
 /// Disparities of a left image, on a grid `reduce` times coarser than its pixels.

@@ -16,7 +16,8 @@ namespace headway::stereo {
 ///     const auto& disparity = matcher.of(frame);
 class DisparityMatcher {
  public:
-  explicit DisparityMatcher(const DisparityParams& params) : params_(params) {}
+  /// @throws InputError if a parameter is out of range
+  explicit DisparityMatcher(const DisparityParams& params) : params_(validated(params)) {}
   ~DisparityMatcher();
   DisparityMatcher(const DisparityMatcher&) = delete;
   DisparityMatcher& operator=(const DisparityMatcher&) = delete;
