@@ -44,9 +44,9 @@ void tryAll(const std::vector<CandidatePair>& candidates, std::size_t from, std:
   }
 }
 
-class AssignmentAgainstAllChoices : public testing::TestWithParam<int> {};
+class AssignmentAgainstAllChoicesTest : public testing::TestWithParam<int> {};
 
-TEST_P(AssignmentAgainstAllChoices, isTheBestOfAll) {
+TEST_P(AssignmentAgainstAllChoicesTest, IsTheBestOfAll) {
   std::mt19937 random(static_cast<unsigned>(GetParam()));
   std::uniform_real_distribution<double> cost(-3.0, 10.0);
   const std::size_t rows = 1 + random() % 5;
@@ -72,9 +72,9 @@ TEST_P(AssignmentAgainstAllChoices, isTheBestOfAll) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, AssignmentAgainstAllChoices, testing::Range(0, 200));
+INSTANTIATE_TEST_SUITE_P(Seeds, AssignmentAgainstAllChoicesTest, testing::Range(0, 200));
 
-TEST(AssignmentTest, morePairsBeforeLessCost) {
+TEST(AssignmentTest, MorePairsBeforeLessCost) {
   // Taking the cheapest pair would leave row 1 alone.
   const auto chosen = assignPairs({{0, 0, 0.0}, {0, 1, 100.0}, {1, 0, 100.0}});
   ASSERT_EQ(2u, chosen.size());
@@ -82,7 +82,7 @@ TEST(AssignmentTest, morePairsBeforeLessCost) {
   EXPECT_EQ(0u, chosen[1].column);
 }
 
-TEST(AssignmentTest, leavingAloneIsChosenWhereItIsCheaper) {
+TEST(AssignmentTest, LeavingAloneIsChosenWhereItIsCheaper) {
   const auto chosen = assignPairs({{0, 0, 0.0}, {0, 1, 100.0}, {1, 0, 100.0}}, 50.0);
   ASSERT_EQ(1u, chosen.size());
   EXPECT_EQ(0u, chosen[0].row);
@@ -90,15 +90,15 @@ TEST(AssignmentTest, leavingAloneIsChosenWhereItIsCheaper) {
   EXPECT_THAT(assignPairs({{3, 4, 50.0}}, 50.0), testing::IsEmpty());
 }
 
-TEST(AssignmentTest, emptyGivesEmpty) { EXPECT_THAT(assignPairs({}), testing::IsEmpty()); }
+TEST(AssignmentTest, EmptyGivesEmpty) { EXPECT_THAT(assignPairs({}), testing::IsEmpty()); }
 
-TEST(AssignmentTest, ofAPairListedTwiceTheCheaperCounts) {
+TEST(AssignmentTest, OfAPairListedTwiceTheCheaperCounts) {
   const auto chosen = assignPairs({{2, 5, 3.0}, {2, 5, 1.0}});
   ASSERT_EQ(1u, chosen.size());
   EXPECT_EQ(1.0, chosen[0].cost);
 }
 
-TEST(AssignmentTest, orderOfCandidatesDoesNotMatterEvenInTies) {
+TEST(AssignmentTest, OrderOfCandidatesDoesNotMatterEvenInTies) {
   std::vector<CandidatePair> candidates;
   for (std::size_t i = 0; i < 6; ++i) {
     for (std::size_t j = 0; j < 8; ++j) candidates.push_back({i, j, double((i + j) % 2)});
@@ -116,7 +116,7 @@ TEST(AssignmentTest, orderOfCandidatesDoesNotMatterEvenInTies) {
   }
 }
 
-TEST(AssignmentTest, thousandsOfRowsThatHardlyMeet) {
+TEST(AssignmentTest, ThousandsOfRowsThatHardlyMeet) {
   std::vector<CandidatePair> candidates;
   const std::size_t n = 5000;
   for (std::size_t i = 0; i < n; ++i) {
@@ -126,7 +126,7 @@ TEST(AssignmentTest, thousandsOfRowsThatHardlyMeet) {
   EXPECT_EQ(n, assignPairs(candidates).size());
 }
 
-TEST(AssignmentTest, costThatIsNotFiniteThrows) {
+TEST(AssignmentTest, CostThatIsNotFiniteThrows) {
   EXPECT_THROW((void)assignPairs({{0, 0, kInfinity}}), std::invalid_argument);
   EXPECT_THROW((void)assignPairs({{0, 0, std::nan("")}}), std::invalid_argument);
 }

@@ -24,16 +24,16 @@ bool covers(const Footprint& f, const Eigen::Vector2d& point) {
   return std::abs(along) <= 0.5 * f.length && std::abs(across) <= 0.5 * f.width;
 }
 
-TEST(BoxOverlapTest, imageBoxesWorkedOutByHand) {
+TEST(BoxOverlapTest, ImageBoxesWorkedOutByHand) {
   EXPECT_DOUBLE_EQ(1.0, overlap2d({0, 0, 2, 2}, {0, 0, 2, 2}));
   EXPECT_DOUBLE_EQ(1.0 / 7.0, overlap2d({0, 0, 2, 2}, {1, 1, 3, 3}));
   EXPECT_DOUBLE_EQ(0.0, overlap2d({0, 0, 2, 2}, {2, 0, 4, 2}));
   EXPECT_DOUBLE_EQ(0.0, overlap2d({0, 0, 0, 0}, {0, 0, 2, 2}));
-  EXPECT_DOUBLE_EQ(0.25, shareInside({0, 0, 2, 2}, {1, 1, 9, 9}));
-  EXPECT_DOUBLE_EQ(0.0, shareInside({1, 1, 1, 1}, {0, 0, 2, 2}));
+  EXPECT_DOUBLE_EQ(0.25, ratioInside({0, 0, 2, 2}, {1, 1, 9, 9}));
+  EXPECT_DOUBLE_EQ(0.0, ratioInside({1, 1, 1, 1}, {0, 0, 2, 2}));
 }
 
-TEST(BoxOverlapTest, uprightBoxesWorkedOutByHand) {
+TEST(BoxOverlapTest, UprightBoxesWorkedOutByHand) {
   EXPECT_NEAR(1.0, overlap3d(boxAt(0, 0, 0), boxAt(0, 0, 0)), 1e-12);
   EXPECT_NEAR(1.0 / 3.0, overlap3d(boxAt(0, 0, 0), boxAt(2, 0, 0)), 1e-12);
   EXPECT_NEAR(1.0 / 3.0, overlap3d(boxAt(0, 0, 0), boxAt(0, 0.75, 0)), 1e-12);
@@ -43,7 +43,7 @@ TEST(BoxOverlapTest, uprightBoxesWorkedOutByHand) {
   EXPECT_EQ(0.0, overlap3d(boxAt(0, 0, 0), boxAt(0, 0, 2.0)));
 }
 
-TEST(BoxOverlapTest, yawTurnsTheFrontTowardsMinusZ) {
+TEST(BoxOverlapTest, YawTurnsTheFrontTowardsMinusZ) {
   // Turned by 45 degrees the box reaches along (1, -1) in x and z, not along (1, 1).
   const Box3d turned = boxAt(0, 0, 0, M_PI / 4);
   Box3d probe = boxAt(1.2, 0, -1.2);
@@ -53,7 +53,7 @@ TEST(BoxOverlapTest, yawTurnsTheFrontTowardsMinusZ) {
   EXPECT_EQ(0.0, overlap3d(turned, probe));
 }
 
-TEST(BoxOverlapTest, areaAgreesWithCountingPoints) {
+TEST(BoxOverlapTest, AreaAgreesWithCountingPoints) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   for (int repeat = 0; repeat < 30; ++repeat) {
@@ -74,7 +74,7 @@ TEST(BoxOverlapTest, areaAgreesWithCountingPoints) {
   }
 }
 
-TEST(BoxOverlapTest, whatIsNotFiniteMeetsNothing) {
+TEST(BoxOverlapTest, WhatIsNotFiniteMeetsNothing) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(0.0, overlap3d(boxAt(nan, 0, 0), boxAt(0, 0, 0)));
   EXPECT_EQ(0.0, overlap2d({nan, 0, 2, 2}, {0, 0, 2, 2}));

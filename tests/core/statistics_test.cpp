@@ -4,13 +4,13 @@
 namespace headway {
 namespace {
 
-TEST(Median, isTheUpperOfTheMiddleTwo) {
+TEST(MedianTest, IsTheUpperOfTheMiddleTwo) {
   EXPECT_DOUBLE_EQ(median({5.0, 1.0, 3.0}), 3.0);
   EXPECT_DOUBLE_EQ(median({4.0, 1.0, 3.0, 2.0}), 3.0);
   EXPECT_DOUBLE_EQ(median({}), 0.0);
 }
 
-TEST(Percentile, isTheNearestRank) {
+TEST(PercentileTest, IsTheNearestRank) {
   const std::vector<double> samples{40.0, 10.0, 30.0, 20.0};
   EXPECT_DOUBLE_EQ(percentile(samples, 0.0), 10.0);
   EXPECT_DOUBLE_EQ(percentile(samples, 0.5), 20.0);

@@ -84,7 +84,7 @@ double overlap2d(const Box2d& a, const Box2d& b) {
   return both / (a.width() * a.height() + b.width() * b.height() - both);
 }
 
-double shareInside(const Box2d& box, const Box2d& region) {
+double ratioInside(const Box2d& box, const Box2d& region) {
   const double both = intersection2d(box, region);
   return both > 0.0 ? both / (box.width() * box.height()) : 0.0;
 }

@@ -9,8 +9,8 @@ namespace headway::detect {
 namespace {
 
 bool overlapInImage(const Box2d& a, const Box2d& b, const FusionParams& params) {
-  return overlap2d(a, b) > params.same_iou || shareInside(a, b) > params.same_inside ||
-         shareInside(b, a) > params.same_inside;
+  return overlap2d(a, b) > params.same_iou || ratioInside(a, b) > params.same_inside ||
+         ratioInside(b, a) > params.same_inside;
 }
 
 // Distance over the ground beyond what half the greater box explains.

@@ -22,7 +22,7 @@ bool isPartOf(const ObjectExtent& piece, const Mover& mover) {
   const Eigen::Vector3d off = piece.box.centre - whole.box.centre;
   const double behind = 0.5 * whole.box.length + kBehind + kBehindPerMetre * whole.box.centre.z();
   const bool seen_there =
-      shareInside(piece.box2d, whole.box2d) > 0.5 || overlap2d(piece.box2d, whole.box2d) > 0.3;
+      ratioInside(piece.box2d, whole.box2d) > 0.5 || overlap2d(piece.box2d, whole.box2d) > 0.3;
   if (seen_there && off.norm() < behind) return true;
   const double margin = kMargin + kAtOnce * mover.velocity.value.norm();
   const Eigen::Vector3d front = frontOf(whole.box);

@@ -30,7 +30,7 @@ Box2d around(const Box2d& a, const Box2d& b) {
 
 // A rider's box reaches into the upper part of the bicycle's.
 bool rides(const Box2d& person, const Box2d& bicycle) {
-  return shareInside(bicycle, person) > kRiderOnBicycle &&
+  return ratioInside(bicycle, person) > kRiderOnBicycle &&
          person.bottom > bicycle.top + 0.2 * bicycle.height() && person.top < bicycle.top;
 }
 

@@ -26,7 +26,7 @@ bool isIgnoredIfUnmatched(const LabelledBox& estimate, const std::vector<Box2d>&
   if (!estimate.box2d) return false;
   if (estimate.box2d->height() <= params.min_height_px) return true;
   return std::any_of(dont_care.begin(), dont_care.end(), [&](const Box2d& region) {
-    return shareInside(*estimate.box2d, region) > params.dont_care_ratio;
+    return ratioInside(*estimate.box2d, region) > params.dont_care_ratio;
   });
 }
 

@@ -19,7 +19,7 @@ class VideoOutput {
  public:
   /// @param rate       pictures a second
   /// @param overwrite  whether the folder of pictures may be there already
-  /// @param note       is told where pictures are written instead
+  /// @param note       called with the place where pictures are written instead
   /// @throws InputError if neither can be written
   VideoOutput(const std::string& path, double rate, cv::Size size, bool overwrite,
               const std::function<void(const std::string&)>& note);

@@ -17,7 +17,7 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   /// @param done   items done so far
-  /// @param ratio  share of the whole that is done, 0 to 1
+  /// @param ratio  completed ratio of the work, 0 to 1
   void update(std::size_t done, double ratio);
   /// Ends the line on a terminal. Further updates are ignored.
   void finish();

@@ -12,7 +12,7 @@ namespace headway::program {
 /// @param replay  folder of the replay
 /// @param truth   folder with trajectory.tum and perhaps objects.csv; empty: a report without
 /// @param output  the page; empty: report.html in the replay's folder
-/// @param note    told why there are no errors, if there are none
+/// @param note    called with the reason if there are no errors
 /// @throws InputError if there is no truth where there should be, or the page cannot be written
 void writeTruthReport(const std::filesystem::path& replay, const std::filesystem::path& truth,
                       const std::filesystem::path& output,

@@ -6,7 +6,7 @@
 
 namespace headway {
 
-/// A row and a column that may belong together, and what that costs.
+/// A row and a column that may be paired, and the cost of that.
 struct CandidatePair {
   std::size_t row = 0;
   std::size_t column = 0;
@@ -17,10 +17,10 @@ struct CandidatePair {
 ///
 /// Minimises the sum of the chosen costs plus `unassigned_cost` for each pair fewer than could be;
 /// a candidate that costs `unassigned_cost` or more is never chosen. With the default there are as
-/// many pairs as possible, and among those choices the cheapest. Gate by not listing a pair.
+/// many pairs as possible, and among those choices the cheapest. To gate a pair, leave it out.
 ///
 /// Candidates fall into groups that share no row and no column; each is solved on its own in
-/// O(rows^2 columns), so sparse problems of thousands of rows cost little. The order of the
+/// O(rows^2 columns), so sparse problems of thousands of rows are fast. The order of the
 /// candidates does not matter; of a pair listed twice the cheaper one counts.
 ///
 /// @return  the chosen candidates, ascending rows

@@ -25,8 +25,8 @@ struct Box2d {
 
 /// Upright box in a sensor's optical frame (x right, y down, z forward).
 ///
-/// Yaw is KITTI's rotation_y: about the frame's y axis, 0 where the front looks along +x and
-/// -pi/2 where it looks along +z, so the front's direction is (cos yaw, 0, -sin yaw).
+/// Yaw is KITTI's rotation_y: about the frame's y axis, 0 where the front points along +x and
+/// -pi/2 where it points along +z, so the front's direction is (cos yaw, 0, -sin yaw).
 struct Box3d {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< centre of the volume [m]
   double length = 0.0;                               ///< along the front's direction [m]
@@ -35,10 +35,10 @@ struct Box3d {
   double yaw = 0.0;                                  ///< [rad], in (-pi, pi]
 };
 
-/// How fast an object moves over the ground, as a detector measured it.
+/// Velocity of an object over the ground, as measured by a detector.
 ///
-/// Successive reports may be taken for independent: a detector that measures over several frames
-/// says so by a covariance that is greater by as much.
+/// Successive measurements count as independent: a detector that measures over several frames must
+/// enlarge the covariance accordingly.
 struct MeasuredVelocity {
   Eigen::Vector3d value = Eigen::Vector3d::Zero();  ///< of the object, not of the camera [m/s]
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< [m^2/s^2]
@@ -47,7 +47,7 @@ struct MeasuredVelocity {
 /// One object as a detector reports it in one frame: a 2D box, a 3D box, or both.
 struct Detection {
   ObjectClass object_class = ObjectClass::kUnknown;
-  double score = 1.0;                       ///< the detector's own scale: greater is surer
+  double score = 1.0;                       ///< the detector's own scale: greater is more certain
   std::optional<std::int64_t> detector_id;  ///< of the detector's own tracking: a hint only
   std::optional<Box2d> box2d;               ///< [px], image as recorded
   std::optional<Box3d> box3d;               ///< sensor's optical frame
@@ -55,7 +55,7 @@ struct Detection {
   std::optional<MeasuredVelocity> velocity;          ///< along the optical frame's axes
 };
 
-/// All that one detector reports of one frame. Empty `items` says "looked, saw nothing".
+/// All detections of one detector in one frame; empty `items`: it ran and found nothing.
 struct Detections {
   Time time = 0.0;                           ///< of the image they were found in [s]
   Pose T_robot_sensor = robotFromOptical();  ///< the optical frame of the 3D boxes

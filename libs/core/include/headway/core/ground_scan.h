@@ -5,16 +5,16 @@
 
 namespace headway {
 
-/// What one look over the ground showed: where it is free, and what stands on it.
+/// Free ground and obstacles seen in one frame.
 ///
-/// Places are on the ground, in the robot's frame [m]. What is in neither list was not seen.
+/// Positions are on the ground, in the robot's frame [m]. What is in neither list was not seen.
 struct GroundScan {
-  /// A straight piece of ground on which nothing stands.
+  /// A straight segment of ground without obstacles.
   struct Free {
     Eigen::Vector3f from;
     Eigen::Vector3f to;
   };
-  /// The foot of something that stands.
+  /// The foot of an obstacle.
   struct Obstacle {
     Eigen::Vector3f foot;
     float sigma_m;  ///< of its distance

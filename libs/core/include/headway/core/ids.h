@@ -5,7 +5,7 @@
 
 namespace headway {
 
-/// An integer that cannot be mistaken for the id of something else.
+/// An integer id whose type is distinct for each kind of object.
 ///
 /// Ids start at 0 and are given in order of creation, so ordering by id is deterministic.
 template <typename Tag>

@@ -7,11 +7,11 @@
 
 namespace headway {
 
-/// Parts of a left image that belong to moving things: no landmark may come from them.
+/// Regions of a left image on moving objects: no landmark is taken from them.
 struct MovingRegions {
   std::vector<Box2d> boxes;   ///< [px], left rectified image
-  std::vector<Box2d> unsure;  ///< of things that can move, and may stand [px]
-  cv::Mat mask;               ///< 8-bit, non-zero where something moves; empty: boxes alone
+  std::vector<Box2d> unsure;  ///< of movable objects that may be static [px]
+  cv::Mat mask;               ///< 8-bit, non-zero on moving objects; empty: boxes alone
 };
 
 }  // namespace headway

@@ -6,7 +6,7 @@
 
 namespace headway {
 
-// The conversions between the poses inside and those at the MRPT boundary. Header only: whoever
+// Conversions between the poses used inside and those at the MRPT boundary. Header only: code that
 // includes it links mrpt::poses.
 
 /// The pose's rotation, made orthonormal.

@@ -21,13 +21,13 @@ enum class ObjectClass {
 /// Number of enumerators of ObjectClass.
 inline constexpr int kObjectClassCount = 9;
 
-/// KITTI's spelling: "Car", "Person_sitting"; "Unknown" for what KITTI has no word for.
+/// KITTI's spelling: "Car", "Person_sitting"; "Unknown" for all other classes.
 [[nodiscard]] std::string_view toString(ObjectClass object_class);
 
 /// Inverse of toString, exact spelling; nullopt for any other word ("DontCare" included).
 [[nodiscard]] std::optional<ObjectClass> objectClassFrom(std::string_view name);
 
-/// Car, Van, Truck, Tram: things on wheels with a body that hides their driver.
+/// Car, Van, Truck or Tram.
 [[nodiscard]] bool isVehicle(ObjectClass object_class);
 
 }  // namespace headway

@@ -4,7 +4,7 @@
 
 namespace headway {
 
-/// Seconds since the Unix epoch (or since the start of a recording that knows no better).
+/// Seconds since the Unix epoch (or since the start of a recording without absolute time).
 ///
 /// A double keeps a present-day time to 0.24 µs, finer than any camera's clock.
 using Time = double;

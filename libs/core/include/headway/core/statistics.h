@@ -4,10 +4,10 @@
 
 namespace headway {
 
-/// Value below which the share `fraction` of the samples lies (nearest rank); 0 if there are none.
+/// Value below which the ratio `fraction` of the samples lies (nearest rank); 0 if there are none.
 [[nodiscard]] double percentile(std::vector<double> samples, double fraction);
 
-/// Middle of the sorted samples, the upper of the two where their number is even; 0 if there are
+/// Median of the sorted samples, the upper of the two where their number is even; 0 if there are
 /// none.
 [[nodiscard]] double median(std::vector<double> samples);
 

@@ -10,7 +10,7 @@ namespace headway {
 /// A rectified stereo pair: two pinhole cameras of the same intrinsics whose rows coincide.
 ///
 /// Pixels have integer centres: (0, 0) is the centre of the top-left pixel. The camera frame is
-/// that of the left camera: x right, y down, z forward. The right camera stands at
+/// that of the left camera: x right, y down, z forward. The right camera is at
 /// (baseline_m, 0, 0). Invariant once validated: sizes, focal lengths and baseline are positive.
 ///
 ///     StereoCamera camera = source.camera();
@@ -26,7 +26,7 @@ struct StereoCamera {
   Pose T_robot_cam = robotFromOptical();  ///< left camera on the robot
 };
 
-/// Throws InputError naming the first value that cannot be that of a rectified pair.
+/// Throws InputError naming the first value that is invalid for a rectified pair.
 void validate(const StereoCamera& camera);
 
 /// Projects a point to the left image, with its disparity.

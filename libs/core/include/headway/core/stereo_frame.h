@@ -10,7 +10,7 @@
 
 namespace headway {
 
-/// What other sensors say of the robot's motion since the previous frame.
+/// The robot's motion since the previous frame, by other sensors.
 struct MotionPrior {
   std::optional<Pose> T_previous_current;            ///< wheel odometry: robot now in robot before
   std::optional<Eigen::Matrix3d> R_previous_current; ///< gyroscope: turn of the robot frame
@@ -19,14 +19,14 @@ struct MotionPrior {
 
 /// One rectified, dated and calibrated stereo pair.
 ///
-/// Images share their pixels with whoever made them; nobody writes to them.
+/// Images share their pixels with the producer's and must not be written to.
 struct StereoFrame {
   std::size_t index = 0;                       ///< of the stereo frame in its rawlog, from 0
   Time time = 0.0;                             ///< [s]
   cv::Mat left;                                ///< 8-bit grey, camera->height x camera->width
   cv::Mat right;                               ///< 8-bit grey, same size
   cv::Mat left_colour;                         ///< 8-bit BGR of the left image; empty if grey
-  std::shared_ptr<const StereoCamera> camera;  ///< never null; the same object all along
+  std::shared_ptr<const StereoCamera> camera;  ///< never null; the same object for all frames
   MotionPrior motion_prior;
 };
 

@@ -13,12 +13,12 @@
 
 namespace headway {
 
-/// Life of a track. Only confirmed and coasting ones are shown to the outside.
+/// Life cycle of a track; confirmed and coasting tracks are published.
 enum class TrackStatus {
-  kTentative,  ///< seen too few times to be believed
-  kConfirmed,  ///< believed, and seen in this frame
-  kCoasting,   ///< believed, not seen in this frame: carried on by its prediction
-  kEnded,      ///< unseen for too long; its id is not used again
+  kTentative,  ///< observed too few times to be shown
+  kConfirmed,  ///< shown, and observed in this frame
+  kCoasting,   ///< shown, not observed in this frame: predicted
+  kEnded,      ///< unobserved for too long; its id is not used again
 };
 
 /// "tentative", "confirmed", "coasting", "ended".
@@ -26,7 +26,7 @@ enum class TrackStatus {
 
 /// Motion classification of a track.
 enum class MotionState {
-  kUnknown,  ///< the velocity is still too uncertain to tell
+  kUnknown,  ///< the velocity is too uncertain to decide
   kMoving,
   kStatic,
 };
@@ -34,21 +34,21 @@ enum class MotionState {
 /// "unknown", "moving", "static".
 [[nodiscard]] std::string_view toString(MotionState state);
 
-/// Where an object will be at one time to come.
+/// Predicted position of an object at one future time.
 struct PredictedPoint {
   double horizon_s = 0.0;                                    ///< from the frame's time [s]
   Eigen::Vector3d position = Eigen::Vector3d::Zero();        ///< box centre, map frame [m]
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< of (x, y), map frame [m^2]
 };
 
-/// One possible future. A track's paths are ordered from the most probable down.
+/// One predicted path. A track's paths are ordered from the most probable down.
 struct PredictedPath {
   int mode = 0;              ///< number of the hypothesis, stable while the predictor keeps it
   double probability = 1.0;  ///< of all the paths of one track they sum to 1
   std::vector<PredictedPoint> points;  ///< horizons 0.1 s, 0.2 s, ... 3.0 s
 };
 
-/// One past place on a track's path, as last smoothed.
+/// One past position of a track, as last smoothed.
 struct TrajectoryPoint {
   std::size_t frame = 0;
   Time time = 0.0;                                     ///< [s]
@@ -56,7 +56,7 @@ struct TrajectoryPoint {
   double yaw = 0.0;                                    ///< of the front about map z [rad]
 };
 
-/// One moving object as known at one frame. A value: nothing in it refers elsewhere.
+/// One moving object as known at one frame. A value without references.
 struct Track {
   TrackId id;
   ObjectClass object_class = ObjectClass::kUnknown;
@@ -78,7 +78,7 @@ struct Track {
   std::vector<PredictedPath> predictions;    ///< empty for tentative tracks
 };
 
-/// Whether the track is shown to the outside: confirmed or coasting.
+/// Whether the track is published: confirmed or coasting.
 [[nodiscard]] bool isShown(const Track& track);
 
 /// Whether the track is classified as moving.
