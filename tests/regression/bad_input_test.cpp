@@ -54,7 +54,7 @@ class BadInputTest : public ::testing::Test {
   std::string rawlog;
 };
 
-TEST_F(BadInputTest, goodInputIsGood) {
+TEST_F(BadInputTest, GoodInputIsGood) {
   test::writePlainRawlog(rawlog);
   const auto run = replayIt();
   EXPECT_EQ(0, run.process.status) << run.process.output;
@@ -62,9 +62,9 @@ TEST_F(BadInputTest, goodInputIsGood) {
   EXPECT_EQ(test::kPlainFrames, run.summary["detections_used"]);
 }
 
-TEST_F(BadInputTest, missingRawlog) { EXPECT_THAT(errorLine(replayIt()), HasSubstr("in.rawlog")); }
+TEST_F(BadInputTest, MissingRawlog) { EXPECT_THAT(errorLine(replayIt()), HasSubstr("in.rawlog")); }
 
-TEST_F(BadInputTest, truncatedRawlogKeepsWhatCameBefore) {
+TEST_F(BadInputTest, TruncatedRawlogKeepsWhatCameBefore) {
   test::writePlainRawlog(rawlog);
   std::filesystem::resize_file(rawlog, std::filesystem::file_size(rawlog) * 2 / 3);
   const auto run = replayIt();
@@ -76,7 +76,7 @@ TEST_F(BadInputTest, truncatedRawlogKeepsWhatCameBefore) {
   EXPECT_TRUE(run.summary["ended_early"].is_string());
 }
 
-TEST_F(BadInputTest, randomBytes) {
+TEST_F(BadInputTest, RandomBytes) {
   std::mt19937 random(1);
   std::ofstream file(rawlog, std::ios::binary);
   for (int i = 0; i < 20000; ++i) file.put(static_cast<char>(random()));
@@ -84,19 +84,19 @@ TEST_F(BadInputTest, randomBytes) {
   EXPECT_THAT(errorLine(replayIt()), HasSubstr("in.rawlog"));
 }
 
-TEST_F(BadInputTest, emptyFile) {
+TEST_F(BadInputTest, EmptyFile) {
   std::ofstream(rawlog).close();
   EXPECT_THAT(errorLine(replayIt()), HasSubstr("in.rawlog"));
 }
 
-TEST_F(BadInputTest, rawlogWithoutStereo) {
+TEST_F(BadInputTest, RawlogWithoutStereo) {
   io::RawlogSink sink(rawlog, io::ImageStorage::kEmbedded);
   sink.writeOdometry(1.0, 0.0, 0.0, 0.0);
   sink.close();
   EXPECT_THAT(errorLine(replayIt()), HasSubstr("stereo"));
 }
 
-TEST_F(BadInputTest, missingExternalImageIsACountedSkip) {
+TEST_F(BadInputTest, MissingExternalImageIsACountedSkip) {
   test::writePlainRawlog(rawlog, io::ImageStorage::kExternalPng);
   std::vector<std::filesystem::path> images;
   for (const auto& entry : std::filesystem::directory_iterator(folder / "in_Images")) {
@@ -112,33 +112,33 @@ TEST_F(BadInputTest, missingExternalImageIsACountedSkip) {
   expectAllFramesOnDisk(run, test::kPlainFrames - 1);
 }
 
-TEST_F(BadInputTest, zeroBaseline) {
+TEST_F(BadInputTest, ZeroBaseline) {
   auto camera = io::rawFrom(test::plainCamera());
   camera.T_left_right.translation().setZero();
   writeWithCamera(camera);
   EXPECT_THAT(errorLine(replayIt()), HasSubstr("baseline"));
 }
 
-TEST_F(BadInputTest, negativeBaseline) {
+TEST_F(BadInputTest, NegativeBaseline) {
   auto camera = io::rawFrom(test::plainCamera());
   camera.T_left_right.translation() *= -1.0;
   writeWithCamera(camera);
   EXPECT_THAT(errorLine(replayIt()), HasSubstr("baseline"));
 }
 
-TEST_F(BadInputTest, zeroFocalLength) {
+TEST_F(BadInputTest, ZeroFocalLength) {
   auto camera = io::rawFrom(test::plainCamera());
   camera.left.fx = camera.right.fx = 0.0;
   writeWithCamera(camera);
   EXPECT_THAT(errorLine(replayIt()), HasSubstr("focal"));
 }
 
-TEST_F(BadInputTest, leftAndRightImageSwapped) {
+TEST_F(BadInputTest, LeftAndRightImageSwapped) {
   writeWithCamera(io::rawFrom(test::plainCamera()), true);
   EXPECT_THAT(errorLine(replayIt()), HasSubstr("swapped"));
 }
 
-TEST_F(BadInputTest, boxesThatCannotBeAreCountedByReason) {
+TEST_F(BadInputTest, BoxesThatCannotBeAreCountedByReason) {
   auto nan = test::plainDetection();
   nan.box3d->centre.x() = std::numeric_limits<double>::quiet_NaN();
   auto behind = test::plainDetection();
@@ -161,7 +161,7 @@ TEST_F(BadInputTest, boxesThatCannotBeAreCountedByReason) {
   EXPECT_EQ(test::kPlainFrames, dropped["zero_size"]) << dropped;
 }
 
-TEST_F(BadInputTest, timeRunningBackwardsIsACountedSkip) {
+TEST_F(BadInputTest, TimeRunningBackwardsIsACountedSkip) {
   {
     io::RawlogSink sink(rawlog, io::ImageStorage::kEmbedded);
     for (const int frame : {0, 1, 2, 3, 2, 1, 4, 5}) {
@@ -175,7 +175,7 @@ TEST_F(BadInputTest, timeRunningBackwardsIsACountedSkip) {
   expectAllFramesOnDisk(run, 6);
 }
 
-TEST_F(BadInputTest, unknownClassInTheRawlogIsACountedSkip) {
+TEST_F(BadInputTest, UnknownClassInTheRawlogIsACountedSkip) {
   // The class name of the boxes, changed in the file: a class that no one has registered.
   test::writePlainRawlog(rawlog);
   const auto plain = folder / "plain";
@@ -203,14 +203,14 @@ TEST_F(BadInputTest, unknownClassInTheRawlogIsACountedSkip) {
   EXPECT_EQ(0, run.summary["detections_used"]);
 }
 
-TEST_F(BadInputTest, unwritableOutput) {
+TEST_F(BadInputTest, UnwritableOutput) {
   test::writePlainRawlog(rawlog);
   std::ofstream(folder / "out") << "a file where the folder should be";
   const auto run = replayIt();
   EXPECT_THAT(errorLine(run), HasSubstr("out"));
 }
 
-TEST_F(BadInputTest, fullDisk) {
+TEST_F(BadInputTest, FullDisk) {
   test::writePlainRawlog(rawlog);
   std::filesystem::create_directory(folder / "out");
   std::filesystem::create_symlink("/dev/full", folder / "out" / "tracks.csv");
@@ -220,14 +220,14 @@ TEST_F(BadInputTest, fullDisk) {
             io::readTum(run.file("trajectory.tum")).size());
 }
 
-TEST_F(BadInputTest, existingResultsAreNotOverwrittenUnasked) {
+TEST_F(BadInputTest, ExistingResultsAreNotOverwrittenUnasked) {
   test::writePlainRawlog(rawlog);
   EXPECT_EQ(0, replayIt().process.status);
   EXPECT_THAT(errorLine(replayIt()), HasSubstr("-w"));
   EXPECT_EQ(0, replayIt("-w").process.status);
 }
 
-TEST_F(BadInputTest, unknownConfigurationKey) {
+TEST_F(BadInputTest, UnknownConfigurationKey) {
   test::writePlainRawlog(rawlog);
   const auto config = folder / "bad.ini";
   std::ofstream(config) << "[slam]\nno_such_key = 1\n";
@@ -235,7 +235,7 @@ TEST_F(BadInputTest, unknownConfigurationKey) {
               AllOf(HasSubstr("bad.ini"), HasSubstr("[slam]"), HasSubstr("no_such_key")));
 }
 
-TEST_F(BadInputTest, aDetectorWithoutItsModelEndsBeforeTheReplay) {
+TEST_F(BadInputTest, ADetectorWithoutItsModelEndsBeforeTheReplay) {
   test::writePlainRawlog(rawlog);
   EXPECT_THAT(errorLine(replayIt("--detector dnn")),
               AllOf(HasSubstr("[dnn] model is not set"), HasSubstr("expected")));
@@ -245,7 +245,7 @@ TEST_F(BadInputTest, aDetectorWithoutItsModelEndsBeforeTheReplay) {
               AllOf(HasSubstr("radar"), HasSubstr("stereo_motion")));
 }
 
-TEST_F(BadInputTest, wrongUseEndsWithStatus2) {
+TEST_F(BadInputTest, WrongUseEndsWithStatus2) {
   EXPECT_EQ(2, replayIt("--no-such-option").process.status);
   EXPECT_EQ(2, replayIt("--realtime -1").process.status);
   EXPECT_EQ(2, replayIt("--detector nobody").process.status);

@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/io/trajectory_file.h>
+#include <headway_test/limits.h>
 
-#include "limits.h"
 #include "plain_rawlog.h"
 #include "replay_run.h"
 
@@ -59,17 +59,17 @@ TwoDrives replayInTwo(const std::string& rawlog, const test::TemporaryFolder& fo
   return drives;
 }
 
-TEST(LoadMapTest, twoDrivesThroughTheStreetShareOneFrameAndOneMap) {
+TEST(LoadMapTest, TwoDrivesThroughTheStreetShareOneFrameAndOneMap) {
   const test::TemporaryFolder folder;
   const auto drives = replayInTwo(kStreet, folder, 30, 60);
   EXPECT_EQ(0, drives.second.summary["frames_lost"]);
   EXPECT_GT(drives.second.summary["keyframes"], drives.first.summary["keyframes"]);
   const auto truth = io::readTum(kTruth + "/trajectory.tum");
-  EXPECT_LE(test::ateRmse(truth, drives.together()), test::kStreetAteM);
-  EXPECT_LE(drives.disagreement(), test::kSharedFrameM);
+  test::expectWithin("ate_rmse_m", test::ateRmse(truth, drives.together()), test::kStreetAteM);
+  test::expectWithin("disagreement_m", drives.disagreement(), test::kSharedFrameM);
 }
 
-TEST(LoadMapTest, withoutMappingTheCameraIsLocalisedAndTheMapStays) {
+TEST(LoadMapTest, WithoutMappingTheCameraIsLocalisedAndTheMapStays) {
   const test::TemporaryFolder folder;
   const auto first =
       test::replay(kStreet, folder / "first", "-q --snapshots 0 --detector none --to-index 60");
@@ -85,7 +85,7 @@ TEST(LoadMapTest, withoutMappingTheCameraIsLocalisedAndTheMapStays) {
               test::contentsOf(second.file("map_points.ply")));
 }
 
-TEST(LoadMapTest, twoPartsOfARealStreetShareOneFrame) {
+TEST(LoadMapTest, TwoPartsOfARealStreetShareOneFrame) {
   HEADWAY_REQUIRE_DATA(data);
   const test::TemporaryFolder folder;
   const auto rawlog = folder / "in.rawlog";
@@ -95,8 +95,9 @@ TEST(LoadMapTest, twoPartsOfARealStreetShareOneFrame) {
   ASSERT_EQ(0, imported.status) << imported.output;
   const auto drives = replayInTwo(rawlog, folder, 20, 32);
   EXPECT_EQ(0, drives.second.summary["frames_lost"]) << drives.second.summary["lost_frames"];
-  EXPECT_LE(test::ateRmse(io::readTruth(rawlog).poses, drives.together()), test::kKitti06AteM);
-  EXPECT_LE(drives.disagreement(), test::kSharedFrameM);
+  test::expectWithin("ate_rmse_m", test::ateRmse(io::readTruth(rawlog).poses, drives.together()),
+                     test::kKitti06AteM);
+  test::expectWithin("disagreement_m", drives.disagreement(), test::kSharedFrameM);
 }
 
 /// Maps that cannot be used: one line, status 1, and the folder of results is not touched.
@@ -125,21 +126,21 @@ class UnusableMapTest : public ::testing::Test {
   std::string map_ = folder_ / "map.headway";
 };
 
-TEST_F(UnusableMapTest, missing) {
+TEST_F(UnusableMapTest, Missing) {
   std::filesystem::remove(map_);
   EXPECT_THAT(errorLine(rawlog_), HasSubstr("no such file"));
 }
 
-TEST_F(UnusableMapTest, truncated) {
+TEST_F(UnusableMapTest, Truncated) {
   std::filesystem::resize_file(map_, std::filesystem::file_size(map_) / 2);
   EXPECT_THAT(errorLine(rawlog_), HasSubstr("truncated"));
 }
 
-TEST_F(UnusableMapTest, ofAnotherCamera) {
+TEST_F(UnusableMapTest, OfAnotherCamera) {
   EXPECT_THAT(errorLine(kStreet), HasSubstr("another camera"));
 }
 
-TEST_F(UnusableMapTest, ofAnotherPlaceLeavesEveryFrameLostAndSaysSo) {
+TEST_F(UnusableMapTest, OfAnotherPlaceLeavesEveryFrameLostAndSaysSo) {
   const auto elsewhere = folder_ / "elsewhere.rawlog";
   {
     io::RawlogSink sink(elsewhere, io::ImageStorage::kEmbedded);

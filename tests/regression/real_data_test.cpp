@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/io/trajectory_file.h>
+#include <headway_test/limits.h>
 
-#include "limits.h"
 #include "replay_run.h"
 
 namespace headway {
@@ -21,28 +21,27 @@ void expectTracked(const std::string& import_arguments, double ate_limit_m) {
   EXPECT_EQ(run.summary["frames"], run.summary["frames_tracked"]);
   const double ate =
       test::ateRmse(io::readTruth(rawlog).poses, io::readTum(run.file("trajectory.tum")));
-  EXPECT_LE(ate, ate_limit_m);
-  ::testing::Test::RecordProperty("ate_rmse_m", std::to_string(ate));
+  test::expectWithin("ate_rmse_m", ate, ate_limit_m);
 }
 
-TEST(RealDataTest, kitti06) {
+TEST(RealDataTest, Kitti06) {
   HEADWAY_REQUIRE_DATA(data);
   expectTracked("kitti-odometry " + (data / "kitti_odometry").string() + " --sequence 06",
                 test::kKitti06AteM);
 }
 
-TEST(RealDataTest, kitti01Motorway) {
+TEST(RealDataTest, Kitti01Motorway) {
   HEADWAY_REQUIRE_DATA(data);
   expectTracked("kitti-odometry " + (data / "kitti_odometry").string() + " --sequence 01",
                 test::kKitti01AteM);
 }
 
-TEST(RealDataTest, eurocMh01RectifiedOnTheWayIn) {
+TEST(RealDataTest, EurocMh01RectifiedOnTheWayIn) {
   HEADWAY_REQUIRE_DATA(data);
   expectTracked("euroc " + (data / "euroc" / "MH_01_easy").string(), test::kEurocMh01AteM);
 }
 
-TEST(RealDataTest, kittiTrackingRunsTheObjectLayerAlone) {
+TEST(RealDataTest, KittiTrackingRunsTheObjectLayerAlone) {
   HEADWAY_REQUIRE_DATA(data);
   const test::TemporaryFolder folder;
   const auto rawlog = folder / "in.rawlog";

@@ -32,7 +32,7 @@ std::string layoutOf(const std::filesystem::path& page, int window_width) {
 }
 
 /// The page of a replay with many tracks and pictures, in a browser.
-TEST(ReportPage, FitsALaptopAndAPhoneWithoutANetwork) {
+TEST(ReportPageTest, FitsALaptopAndAPhoneWithoutANetwork) {
   if (!hasBrowser()) GTEST_SKIP() << "chromium is not installed";
   const test::TemporaryFolder folder;
   const auto run = test::replay(std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/street.rawlog",
@@ -44,7 +44,7 @@ TEST(ReportPage, FitsALaptopAndAPhoneWithoutANetwork) {
   }
 }
 
-TEST(ReportPage, TheLayoutOfAWidePageIsSeen) {
+TEST(ReportPageTest, TheLayoutOfAWidePageIsSeen) {
   if (!hasBrowser()) GTEST_SKIP() << "chromium is not installed";
   const test::TemporaryFolder folder;
   std::ofstream(folder / "report.html") << "<body style='margin:0'><div style='width:700px'>wide";

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <headway/slam/stereo_slam.h>
 #include <headway_test/folders.h>
+#include <headway_test/limits.h>
 #include <headway_test/stereo_sequence.h>
 
 namespace headway::slam {
@@ -26,27 +27,25 @@ Outcome runOver(const test::StereoSequence& sequence) {
   return outcome;
 }
 
-// Limits are what the room promises, not what it reaches today.
-
-TEST(SlamRegression, KittiStreetStaysWithin8Cm) {
+TEST(SlamRegressionTest, FollowsAKittiStreet) {
   HEADWAY_REQUIRE_DATA(data);
   const auto outcome = runOver(test::kittiSequence(data / "kitti_odometry", "06"));
   EXPECT_EQ(outcome.lost, 0U);
-  EXPECT_LE(outcome.ate_m, 0.08);
+  test::expectWithin("ate_rmse_m", outcome.ate_m, test::kKitti06AteM);
 }
 
-TEST(SlamRegression, KittiMotorwayIsTrackedThroughout) {
+TEST(SlamRegressionTest, FollowsAKittiMotorway) {
   HEADWAY_REQUIRE_DATA(data);
   const auto outcome = runOver(test::kittiSequence(data / "kitti_odometry", "01"));
   EXPECT_EQ(outcome.lost, 0U);
-  EXPECT_LE(outcome.ate_m, 1.3);
+  test::expectWithin("ate_rmse_m", outcome.ate_m, test::kKitti01AteM);
 }
 
-TEST(SlamRegression, EurocHallStaysWithin8Mm) {
+TEST(SlamRegressionTest, FollowsTheEurocHall) {
   HEADWAY_REQUIRE_DATA(data);
   const auto outcome = runOver(test::eurocSequence(data / "euroc" / "MH_01_easy"));
   EXPECT_EQ(outcome.lost, 0U);
-  EXPECT_LE(outcome.ate_m, 0.008);
+  test::expectWithin("ate_rmse_m", outcome.ate_m, test::kEurocMh01AteM);
 }
 
 }  // namespace
