@@ -27,23 +27,36 @@ test::TexturedWorld hall() {
   return world;
 }
 
+constexpr int kLap = 110;     ///< frames once round
+constexpr int kFrames = 125;  ///< a little more than once round
+
+/// The frames of the drive, rendered once for all tests.
+const std::vector<StereoFrame>& framesRoundTheBlock() {
+  static const std::vector<StereoFrame> frames = [] {
+    const auto world = hall();
+    std::vector<StereoFrame> rendered;
+    for (int i = 0; i < kFrames; ++i) {
+      rendered.push_back(world.frame(i, 0.1 * i, roundTheBlock(i, kLap)));
+    }
+    return rendered;
+  }();
+  return frames;
+}
+
 struct Lap {
   int loops = 0;
   double rmse_m = 0.0;
 };
 
 Lap driveRound(bool loop_closing) {
-  constexpr int kLap = 110;
-  constexpr int kFrames = 125;
-  const auto world = hall();
   SlamParams params;
   params.loop_closing = loop_closing;
   params.features = 250;
-  StereoSlam slam(world.camera(), params);
+  StereoSlam slam(framesRoundTheBlock().front().camera, params);
   Lap lap;
-  for (int i = 0; i < kFrames; ++i) {
-    const auto update = slam.process(world.frame(i, 0.1 * i, roundTheBlock(i, kLap)), {});
-    EXPECT_EQ(update.status, TrackingStatus::kTracked) << i;
+  for (const StereoFrame& frame : framesRoundTheBlock()) {
+    const auto update = slam.process(frame, {});
+    EXPECT_EQ(update.status, TrackingStatus::kTracked) << frame.index;
     for (const LoopAttempt& attempt : update.loops) {
       const bool closed = attempt.outcome == LoopOutcome::kClosed;
       EXPECT_EQ(closed, attempt.inliers >= attempt.inliers_needed &&
@@ -61,7 +74,7 @@ Lap driveRound(bool loop_closing) {
   return lap;
 }
 
-TEST(LoopCloser, FindsTheBeginningAgainAndPullsThePathTogether) {
+TEST(LoopCloserTest, FindsTheBeginningAgainAndPullsThePathTogether) {
   const Lap open = driveRound(false);
   const Lap closed = driveRound(true);
   EXPECT_EQ(open.loops, 0);
@@ -71,17 +84,15 @@ TEST(LoopCloser, FindsTheBeginningAgainAndPullsThePathTogether) {
 
 /// The camera is covered while it is driven round the first corners, so that the map is begun anew
 /// at a place and in a direction that are mere guesses.
-TEST(LoopCloser, JoinsPartsOfTheMapWhereOneSeesTheOther) {
-  constexpr int kLap = 110;
-  constexpr int kFrames = 122;
-  const auto world = hall();
+TEST(LoopCloserTest, JoinsPartsOfTheMapWhereOneSeesTheOther) {
+  constexpr int kJoinedBy = 122;
   SlamParams params;
-  params.restart_after = 5;
+  params.restart_after_frames = 5;
   params.features = 250;
-  StereoSlam slam(world.camera(), params);
+  StereoSlam slam(framesRoundTheBlock().front().camera, params);
   int joined = 0;
-  for (int i = 0; i < kFrames; ++i) {
-    StereoFrame frame = world.frame(i, 0.1 * i, roundTheBlock(i, kLap));
+  for (int i = 0; i < kJoinedBy; ++i) {
+    StereoFrame frame = framesRoundTheBlock()[static_cast<std::size_t>(i)];
     const bool covered = i >= 20 && i < 60;
     if (covered) frame.left = frame.right = cv::Mat(frame.left.size(), CV_8U, cv::Scalar(0));
     const auto update = slam.process(frame, {});
@@ -99,7 +110,7 @@ TEST(LoopCloser, JoinsPartsOfTheMapWhereOneSeesTheOther) {
   }
 }
 
-TEST(ApplyCorrection, TakesLandmarksAlong) {
+TEST(ApplyCorrectionTest, TakesLandmarksAlong) {
   SparseMap map;
   const KeyframeId a = map.addKeyframe(0, 0.0, Pose::Identity()).id;
   const LandmarkId landmark = map.addLandmark({1.0, 2.0, 3.0}, a, {}).id;

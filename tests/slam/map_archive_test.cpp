@@ -26,7 +26,7 @@ SparseMap smallMap() {
   return map;
 }
 
-TEST(MapArchive, GivesBackWhatItTook) {
+TEST(MapArchiveTest, GivesBackWhatItTook) {
   const auto camera = test::smallCamera();
   const std::string bytes = packMap(smallMap(), camera);
   const SparseMap map = unpackMap(bytes, camera);
@@ -36,13 +36,13 @@ TEST(MapArchive, GivesBackWhatItTook) {
   EXPECT_DOUBLE_EQ(map.disparityOffset(), -0.125);
 }
 
-TEST(MapArchive, GoesOnWithNewIds) {
+TEST(MapArchiveTest, GoesOnWithNewIds) {
   const auto camera = test::smallCamera();
   SparseMap map = unpackMap(packMap(smallMap(), camera), camera);
   EXPECT_EQ(map.addKeyframe(10, 3.0, Pose::Identity()).id, KeyframeId{2});
 }
 
-TEST(MapArchive, RefusesToBeCutOffAtAnyByte) {
+TEST(MapArchiveTest, RefusesToBeCutOffAtAnyByte) {
   const auto camera = test::smallCamera();
   const std::string bytes = packMap(smallMap(), camera);
   for (std::size_t length = 0; length < bytes.size(); ++length) {
@@ -51,7 +51,7 @@ TEST(MapArchive, RefusesToBeCutOffAtAnyByte) {
   EXPECT_THROW(static_cast<void>(unpackMap(bytes + "x", camera)), InputError);
 }
 
-TEST(MapArchive, NeverCrashesOnADamagedByte) {
+TEST(MapArchiveTest, NeverCrashesOnADamagedByte) {
   const auto camera = test::smallCamera();
   const std::string bytes = packMap(smallMap(), camera);
   int refused = 0;
@@ -67,7 +67,7 @@ TEST(MapArchive, NeverCrashesOnADamagedByte) {
   EXPECT_GT(refused, 50);
 }
 
-TEST(MapArchive, RefusesAnotherCameraOrVersion) {
+TEST(MapArchiveTest, RefusesAnotherCameraOrVersion) {
   auto camera = test::smallCamera();
   std::string bytes = packMap(smallMap(), camera);
   camera.baseline_m *= 1.1;
@@ -77,16 +77,26 @@ TEST(MapArchive, RefusesAnotherCameraOrVersion) {
 }
 
 /// A hall that a robot walks through.
-class SavedHall : public testing::Test {
+class SavedHallTest : public testing::Test {
  protected:
   static constexpr int kFrames = 30;
-  SavedHall() : world_(test::smallCamera()) {
-    world_.addRoom(12.0, 8.0, 4.0);
-    StereoSlam slam(world_.camera(), SlamParams{});
-    for (int i = 0; i < kFrames; ++i) {
-      static_cast<void>(slam.process(world_.frame(i, 0.1 * i, onPath(i)), {}));
-    }
-    saved_ = slam.save();
+
+  static test::TexturedWorld hall() {
+    test::TexturedWorld world(test::smallCamera());
+    world.addRoom(12.0, 8.0, 4.0);
+    return world;
+  }
+  /// The map of one walk, shared by the tests, which only load it.
+  static const std::string& savedMap() {
+    static const std::string saved = [] {
+      const auto world = hall();
+      StereoSlam slam(world.camera(), SlamParams{});
+      for (int i = 0; i < kFrames; ++i) {
+        static_cast<void>(slam.process(world.frame(i, 0.1 * i, onPath(i)), {}));
+      }
+      return slam.save();
+    }();
+    return saved;
   }
   static Pose onPath(double i) {
     Pose pose = Pose::Identity();
@@ -94,12 +104,12 @@ class SavedHall : public testing::Test {
     pose.linear() = expSo3({0.0, 0.0, 0.5 * std::sin(0.1 * i)});
     return pose;
   }
-  test::TexturedWorld world_;
-  std::string saved_;
+  test::TexturedWorld world_ = hall();
+  const std::string& saved_ = savedMap();
 };
 
 /// A camera that is put down 20 times, at random places of the way and a little beside it.
-TEST_F(SavedHall, TellsWhereACameraStartsAgain) {
+TEST_F(SavedHallTest, TellsWhereACameraStartsAgain) {
   constexpr int kStarts = 20;
   constexpr int kFramesAStart = 5;
   std::mt19937 random(3);
@@ -126,7 +136,7 @@ TEST_F(SavedHall, TellsWhereACameraStartsAgain) {
   EXPECT_GE(found, kStarts - 1);
 }
 
-TEST_F(SavedHall, IsNotTakenForAnotherWorld) {
+TEST_F(SavedHallTest, IsNotTakenForAnotherWorld) {
   for (const int seed : {55, 56, 57}) {
     test::TexturedWorld other(test::smallCamera(), seed);
     other.addRoom(9.0, 7.0, 3.0);
@@ -139,7 +149,7 @@ TEST_F(SavedHall, IsNotTakenForAnotherWorld) {
   }
 }
 
-TEST_F(SavedHall, GrowsOnWithMapping) {
+TEST_F(SavedHallTest, GrowsOnWithMapping) {
   StereoSlam slam(world_.camera(), SlamParams{});
   slam.load(saved_);
   const std::size_t before = slam.map().keyframes.size();

@@ -20,8 +20,7 @@ struct Board {
   Eigen::Vector2d texture_offset = Eigen::Vector2d::Zero();  ///< [m]
 };
 
-/// Boards with a noise texture, seen by a stereo camera by casting a ray through every pixel:
-/// slow, small, and exact.
+/// Boards with a noise texture, seen by a stereo camera by casting a ray through every pixel.
 class TexturedWorld {
  public:
   explicit TexturedWorld(const StereoCamera& camera, int seed = 1)
@@ -77,57 +76,89 @@ class TexturedWorld {
   static constexpr int kSide = 512;        ///< of the texture, which repeats [px]
   static constexpr double kTexelM = 0.02;  ///< [m]
 
+  /// A board as one camera sees it: what does not depend on the pixel is computed once.
+  struct SeenBoard {
+    Eigen::Vector3d normal, u, v;
+    double distance = 0.0;                             ///< of the camera to its plane [m]
+    Eigen::Vector2d camera = Eigen::Vector2d::Zero();  ///< above the board, along u and v [m]
+    Eigen::Vector2d size = Eigen::Vector2d::Zero();    ///< [m]
+    Eigen::Vector2d texture_offset = Eigen::Vector2d::Zero();  ///< [m]
+  };
+
+  [[nodiscard]] std::vector<SeenBoard> seenFrom(const Eigen::Vector3d& centre) const {
+    std::vector<SeenBoard> seen;
+    for (const Board& board : boards) {
+      const Eigen::Vector3d normal = board.u.cross(board.v);
+      const Eigen::Vector3d offset = centre - board.origin;
+      seen.push_back({normal,
+                      board.u,
+                      board.v,
+                      -normal.dot(offset),
+                      {board.u.dot(offset), board.v.dot(offset)},
+                      {board.width, board.height},
+                      board.texture_offset});
+    }
+    return seen;
+  }
+
   [[nodiscard]] cv::Mat view(const Pose& T_map_cam) const {
+    const auto seen = seenFrom(T_map_cam.translation());
     cv::Mat image(camera_->height, camera_->width, CV_8U);
     for (int v = 0; v < image.rows; ++v) {
       for (int u = 0; u < image.cols; ++u) {
         const Eigen::Vector3d direction = T_map_cam.linear() * ray(Eigen::Vector2d(u, v), *camera_);
-        image.at<std::uint8_t>(v, u) = cast(T_map_cam.translation(), direction);
+        image.at<std::uint8_t>(v, u) = cast(seen, direction);
       }
     }
     return image;
   }
 
-  [[nodiscard]] std::uint8_t cast(const Eigen::Vector3d& from,
+  [[nodiscard]] std::uint8_t cast(const std::vector<SeenBoard>& seen,
                                   const Eigen::Vector3d& direction) const {
     double nearest = std::numeric_limits<double>::max();
     Eigen::Vector2d at = Eigen::Vector2d::Zero();
-    for (const Board& board : boards) {
-      const Eigen::Vector3d normal = board.u.cross(board.v);
-      const double slope = normal.dot(direction);
+    for (const SeenBoard& board : seen) {
+      const double slope = board.normal.dot(direction);
       if (std::abs(slope) < 1e-9) continue;
-      const double depth = normal.dot(board.origin - from) / slope;
+      const double depth = board.distance / slope;
       if (depth < 0.05 || depth >= nearest) continue;
-      const Eigen::Vector3d hit = from + depth * direction - board.origin;
-      const Eigen::Vector2d place(board.u.dot(hit), board.v.dot(hit));
-      if (place.minCoeff() < 0.0 || place.x() > board.width || place.y() > board.height) continue;
+      const double x = board.camera.x() + depth * board.u.dot(direction);
+      const double y = board.camera.y() + depth * board.v.dot(direction);
+      if (x < 0.0 || y < 0.0 || x > board.size.x() || y > board.size.y()) continue;
       nearest = depth;
-      at = place + board.texture_offset;
+      at = Eigen::Vector2d(x, y) + board.texture_offset;
     }
     if (nearest == std::numeric_limits<double>::max()) return 0;
     return texel(at, nearest / camera_->fx);
   }
 
+  /// The mipmap whose texels are nearest in size to a pixel, in powers of two.
+  [[nodiscard]] std::size_t levelOf(double pixel_m) const {
+    std::size_t level = 0;
+    double limit = kTexelM * M_SQRT2;
+    while (level + 1 < mipmaps_.size() && pixel_m >= limit) {
+      ++level;
+      limit *= 2.0;
+    }
+    return level;
+  }
+
   /// Bilinear sample of the mipmap that fits a pixel of this size [m].
   [[nodiscard]] std::uint8_t texel(const Eigen::Vector2d& at, double pixel_m) const {
-    const int level = std::clamp(static_cast<int>(std::lround(std::log2(pixel_m / kTexelM))), 0,
-                                 static_cast<int>(mipmaps_.size()) - 1);
-    const cv::Mat& texture = mipmaps_[static_cast<std::size_t>(level)];
-    const int side = texture.cols;
-    const double scale = 1.0 / (kTexelM * (1 << level));
+    const std::size_t level = levelOf(pixel_m);
+    const cv::Mat& texture = mipmaps_[level];
+    const double scale = 1.0 / (kTexelM * static_cast<double>(1 << level));
     const double x = at.x() * scale - 0.5;
     const double y = at.y() * scale - 0.5;
     const double x0 = std::floor(x), y0 = std::floor(y);
-    const auto wrap = [side](double value) {
-      const int i = static_cast<int>(value) % side;
-      return i < 0 ? i + side : i;
-    };
-    const auto value = [&](double row, double column) {
-      return static_cast<double>(texture.at<std::uint8_t>(wrap(row), wrap(column)));
-    };
+    const int mask = texture.cols - 1;  // the sides are powers of two, and the texture repeats
+    const int left = static_cast<int>(x0) & mask;
+    const int right = (left + 1) & mask;
+    const auto* upper_row = texture.ptr<std::uint8_t>(static_cast<int>(y0) & mask);
+    const auto* lower_row = texture.ptr<std::uint8_t>((static_cast<int>(y0) + 1) & mask);
     const double fx = x - x0, fy = y - y0;
-    const double upper = (1 - fx) * value(y0, x0) + fx * value(y0, x0 + 1);
-    const double lower = (1 - fx) * value(y0 + 1, x0) + fx * value(y0 + 1, x0 + 1);
+    const double upper = (1 - fx) * upper_row[left] + fx * upper_row[right];
+    const double lower = (1 - fx) * lower_row[left] + fx * lower_row[right];
     return static_cast<std::uint8_t>(std::lround((1 - fy) * upper + fy * lower));
   }
 
