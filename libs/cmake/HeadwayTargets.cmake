@@ -2,6 +2,7 @@
 # CMakeLists.txt below libs/, apps/ and tests/ is a list of sources and of what they need.
 include(CMakePackageConfigHelpers)
 
+set(HEADWAY_REGISTER_SUITES ${CMAKE_CURRENT_LIST_DIR}/RegisterSuites.cmake)
 set(HEADWAY_SANITIZE "" CACHE STRING "Sanitizers to build with, as given to -fsanitize=")
 set_property(GLOBAL PROPERTY HEADWAY_LIBRARIES "")
 set(HEADWAY_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/headway)
@@ -95,11 +96,12 @@ function(headway_program name)
   install(TARGETS ${name})
 endfunction()
 
-# headway_test(<name> SOURCES ... LIBRARIES ... [LABELS ...] [PRIVATE_HEADERS <library>]):
-# one GoogleTest program, each of its tests known to ctest. A test that needs real data says
-# GTEST_SKIP() where the environment variable HEADWAY_DATA names no folder.
+# headway_test(<name> SOURCES ... LIBRARIES ... [LABELS ...] [SLOW ...] [PRIVATE_HEADERS <library>]):
+# one GoogleTest program, each of its suites known to ctest. A test that needs real data says
+# GTEST_SKIP() where the environment variable HEADWAY_DATA names no folder. SLOW names what takes
+# more than 5 s on an idle core, as <Suite>.<Test> or <Suite>.*: an entry with the label `slow`.
 function(headway_test name)
-  cmake_parse_arguments(TEST "" "TIMEOUT;PRIVATE_HEADERS" "SOURCES;LIBRARIES;LABELS" ${ARGN})
+  cmake_parse_arguments(TEST "" "TIMEOUT;PRIVATE_HEADERS" "SOURCES;LIBRARIES;LABELS;SLOW" ${ARGN})
   set(target test_${name})
   add_executable(${target} ${TEST_SOURCES})
   target_link_libraries(${target} PRIVATE ${TEST_LIBRARIES} headway_test_support
@@ -120,8 +122,22 @@ function(headway_test name)
   if("unit" IN_LIST TEST_LABELS)
     add_dependencies(unit_tests ${target})
   endif()
-  gtest_discover_tests(${target} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60
-                       PROPERTIES TIMEOUT ${TEST_TIMEOUT} LABELS "${TEST_LABELS}")
+  headway_register_suites(${target} ${name} ${TEST_TIMEOUT} "${TEST_LABELS}" "${TEST_SLOW}")
+endfunction()
+
+# The ctest entries of a test program; see RegisterSuites.cmake.
+function(headway_register_suites target name timeout labels slow)
+  set(entries ${CMAKE_CURRENT_BINARY_DIR}/${target}_entries.cmake)
+  add_custom_command(
+    TARGET ${target} POST_BUILD BYPRODUCTS ${entries}
+    COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${target}> -DNAME=${name} -DOUTPUT=${entries}
+            -DTIMEOUT=${timeout} "-DLABELS=${labels}" "-DSLOW=${slow}" -P ${HEADWAY_REGISTER_SUITES}
+    VERBATIM)
+  set_target_properties(${target} PROPERTIES LINK_DEPENDS ${HEADWAY_REGISTER_SUITES})
+  set(include ${CMAKE_CURRENT_BINARY_DIR}/${target}_include.cmake)
+  file(WRITE ${include} "if(EXISTS [=[${entries}]=])\n  include([=[${entries}]=])\nelse()\n"
+       "  add_test(${name}_NOT_BUILT ${name}_NOT_BUILT)\nendif()\n")
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${include})
 endfunction()
 
 # Installs headwayConfig.cmake, whose components are the libraries.
