@@ -45,7 +45,7 @@ std::vector<cv::Point> cellsIn(const cv::Rect& rectangle) {
 
 Appearance looked() { return *appearanceOf(imageWith(kThing.tl()), cellsIn(kThing)); }
 
-TEST(Appearance, ShowsTheThingWithItsGapsClosed) {
+TEST(AppearanceTest, ShowsTheThingWithItsGapsClosed) {
   const auto appearance = looked();
   EXPECT_GE(appearance.patch.cols, kThing.width - 1);
   EXPECT_EQ(appearance.patch.rows, kThing.height);
@@ -54,12 +54,12 @@ TEST(Appearance, ShowsTheThingWithItsGapsClosed) {
   EXPECT_NEAR(appearance.middle.y, kThing.y + 0.5 * kThing.height, 1.0);
 }
 
-TEST(Appearance, FlatOrTinyThingsHaveNone) {
+TEST(AppearanceTest, FlatOrTinyThingsHaveNone) {
   EXPECT_FALSE(appearanceOf(cv::Mat(kImage, CV_8U, cv::Scalar(90)), cellsIn(kThing)));
   EXPECT_FALSE(appearanceOf(imageWith(kThing.tl()), cellsIn({90, 30, 4, 4})));
 }
 
-TEST(Appearance, IsFoundWhereItWent) {
+TEST(AppearanceTest, IsFoundWhereItWent) {
   const auto appearance = looked();
   const auto off =
       seek(appearance, imageWith(kThing.tl() + cv::Point(5, -2)), appearance.middle, 1);
@@ -67,7 +67,7 @@ TEST(Appearance, IsFoundWhereItWent) {
   EXPECT_EQ(*off, cv::Point(5, -2));
 }
 
-TEST(Appearance, IsFoundWhenItHasComeNearer) {
+TEST(AppearanceTest, IsFoundWhenItHasComeNearer) {
   const auto appearance = looked();
   const double scale = 1.25;
   const cv::Mat image = imageWith({90, 30}, scale);
@@ -78,14 +78,14 @@ TEST(Appearance, IsFoundWhenItHasComeNearer) {
   EXPECT_NEAR(off->y, 0, 1);
 }
 
-TEST(Appearance, IsNotSoughtMuchLargerOrSmaller) {
+TEST(AppearanceTest, IsNotSoughtMuchLargerOrSmaller) {
   const auto appearance = looked();
   for (const double scale : {1e-3, 0.3, 3.1, 1e3, std::nan("")}) {
     EXPECT_FALSE(seek(appearance, imageWith(kThing.tl()), appearance.middle, scale)) << scale;
   }
 }
 
-TEST(Appearance, IsFoundAtTheEdgeByWhatIsLeftOfIt) {
+TEST(AppearanceTest, IsFoundAtTheEdgeByWhatIsLeftOfIt) {
   const auto appearance = looked();
   const cv::Point2d shift(-kThing.x - 6.0, 0.0);  // half of it has left the image
   const auto off = seek(appearance, imageWith({-6, 30}), appearance.middle + shift, 1.0);
@@ -95,7 +95,7 @@ TEST(Appearance, IsFoundAtTheEdgeByWhatIsLeftOfIt) {
   EXPECT_FALSE(seek(appearance, textured(kImage, 1), appearance.middle + gone, 1.0));
 }
 
-TEST(Appearance, IsNotFoundWhereSomethingElseIs) {
+TEST(AppearanceTest, IsNotFoundWhereSomethingElseIs) {
   const auto appearance = looked();
   EXPECT_FALSE(seek(appearance, textured(kImage, 1), appearance.middle, 1.0));
   EXPECT_FALSE(seek(appearance, cv::Mat(kImage, CV_8U, cv::Scalar(0)), appearance.middle, 1.0));

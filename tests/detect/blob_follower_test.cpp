@@ -39,7 +39,7 @@ struct Followed {
   [[nodiscard]] bool moves() { return BlobFollower::moves(follower.tracks()[0], kUp, {}, 0.6); }
 };
 
-TEST(BlobFollower, TellsAWalkerFromAPostByTheirOutlines) {
+TEST(BlobFollowerTest, TellsAWalkerFromAPostByTheirOutlines) {
   Followed walker(1.4, -1);
   ASSERT_EQ(walker.follower.tracks().size(), 1u);
   EXPECT_TRUE(walker.moves());
@@ -48,7 +48,7 @@ TEST(BlobFollower, TellsAWalkerFromAPostByTheirOutlines) {
   EXPECT_FALSE(post.moves());
 }
 
-TEST(BlobFollower, GoesOnThroughAFrameInWhichSomethingHidesTheBody) {
+TEST(BlobFollowerTest, GoesOnThroughAFrameInWhichSomethingHidesTheBody) {
   Followed walker(1.4, 4);
   ASSERT_EQ(walker.follower.tracks().size(), 1u);
   const auto& track = walker.follower.tracks()[0];
@@ -57,13 +57,13 @@ TEST(BlobFollower, GoesOnThroughAFrameInWhichSomethingHidesTheBody) {
   EXPECT_TRUE(walker.moves());
 }
 
-TEST(BlobFollower, AnOutlineThatIsHiddenOnceDoesNotMakeAPostMove) {
+TEST(BlobFollowerTest, AnOutlineThatIsHiddenOnceDoesNotMakeAPostMove) {
   Followed post(0.0, 4);
   ASSERT_EQ(post.follower.tracks().size(), 1u);
   EXPECT_FALSE(post.moves());
 }
 
-TEST(BlobFollower, StereosErrorsOfDistanceDoNotBreakATrack) {
+TEST(BlobFollowerTest, StereosErrorsOfDistanceDoNotBreakATrack) {
   // 24 m off an error of one pixel of disparity is 1.5 m along the line of sight.
   for (const bool along : {true, false}) {
     test::Drive drive;
@@ -80,7 +80,7 @@ TEST(BlobFollower, StereosErrorsOfDistanceDoNotBreakATrack) {
   }
 }
 
-TEST(BlobFollower, ABodyThatIsNotSeenAgainIsForgotten) {
+TEST(BlobFollowerTest, ABodyThatIsNotSeenAgainIsForgotten) {
   Followed walker(1.4, -1);
   for (int frame = kFrames; frame < kFrames + 5; ++frame) {
     walker.drive.path.advance(test::kFrameStep * frame, Pose::Identity());

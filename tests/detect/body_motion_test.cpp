@@ -45,7 +45,7 @@ struct Scene {
   }
 };
 
-TEST(BodyMotion, PartsThatTellLittleTellMuchTogether) {
+TEST(BodyMotionTest, PartsThatTellLittleTellMuchTogether) {
   const Eigen::Vector3d away(0.0, 0.0, 1.4);
   const Scene scene(away, 24);
   int sure = 0;
@@ -61,14 +61,14 @@ TEST(BodyMotion, PartsThatTellLittleTellMuchTogether) {
   EXPECT_NEAR(together->velocity.y(), 0.0, 1e-9) << "over the ground";
 }
 
-TEST(BodyMotion, AcrossTheLineOfSightItIsPlain) {
+TEST(BodyMotionTest, AcrossTheLineOfSightItIsPlain) {
   const auto together = Scene({1.2, 0.0, 0.0}, 6).motion();
   ASSERT_TRUE(together);
   EXPECT_GT(together->evidence, 100.0);
   EXPECT_NEAR(together->velocity.x(), 1.2, 0.15);
 }
 
-TEST(BodyMotion, AStillBodyStands) {
+TEST(BodyMotionTest, AStillBodyStands) {
   for (const int count : {4, 12, 40}) {
     const auto together = Scene({0.0, 0.0, 0.0}, count).motion();
     ASSERT_TRUE(together);
@@ -76,16 +76,16 @@ TEST(BodyMotion, AStillBodyStands) {
   }
 }
 
-TEST(BodyMotion, ErrorsCommonToAllPartsAreNoEvidence) {
+TEST(BodyMotionTest, ErrorsCommonToAllPartsAreNoEvidence) {
   const auto together = Scene({0.0, 0.0, 0.0}, 60, 0.2).motion();
   ASSERT_TRUE(together);
   EXPECT_GT(together->velocity.norm(), 0.1) << "it does seem to creep";
   EXPECT_LT(together->evidence, 9.2);
 }
 
-TEST(BodyMotion, AFewPartsSayNothing) { EXPECT_FALSE(Scene({1.2, 0.0, 0.0}, 2).motion()); }
+TEST(BodyMotionTest, AFewPartsSayNothing) { EXPECT_FALSE(Scene({1.2, 0.0, 0.0}, 2).motion()); }
 
-TEST(BodyMotion, ItsFlowAloneTellsHowItMovesAcross) {
+TEST(BodyMotionTest, ItsFlowAloneTellsHowItMovesAcross) {
   Scene bare({0.0, 0.0, 0.0}, 1);
   bare.points.clear();
   const AcrossSpeed flow{-1.1, 0.12, 0.1};
@@ -99,7 +99,7 @@ TEST(BodyMotion, ItsFlowAloneTellsHowItMovesAcross) {
       << "of what it does along the line of sight it is silent";
 }
 
-TEST(BodyMotion, TheFasterTheCameraTheMoreMustABodyMove) {
+TEST(BodyMotionTest, TheFasterTheCameraTheMoreMustABodyMove) {
   const AcrossSpeed flow{-0.3, 0.02, 0.1};
   const Eigen::Vector3d still = Eigen::Vector3d::Zero();
   double evidence[2];
@@ -114,7 +114,7 @@ TEST(BodyMotion, TheFasterTheCameraTheMoreMustABodyMove) {
   EXPECT_LT(evidence[1], 15.0) << "a hundredth of the camera's speed is nearly as much";
 }
 
-TEST(BodyMotion, FlowsThatContradictEachOtherAreNoEvidence) {
+TEST(BodyMotionTest, FlowsThatContradictEachOtherAreNoEvidence) {
   Scene bare({0.0, 0.0, 0.0}, 1);
   bare.points.clear();
   const auto motion = bare.motion({{1.5, 0.1, 0.1}, {-1.2, 0.1, 0.1}, {0.4, 0.1, 0.1}});
@@ -122,7 +122,7 @@ TEST(BodyMotion, FlowsThatContradictEachOtherAreNoEvidence) {
   EXPECT_LT(motion->evidence, 9.2);
 }
 
-TEST(NoiseScale, IsThatOfTheImages) {
+TEST(NoiseScaleTest, IsThatOfTheImages) {
   for (const double noise : {0.2, 0.8}) {
     Drive drive;
     std::vector<PointTrack> points(60);

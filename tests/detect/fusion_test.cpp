@@ -24,7 +24,7 @@ Detections listOf(std::vector<Detection> items) {
   return detections;
 }
 
-TEST(Fuse, OneSourceComesOutAsItWentIn) {
+TEST(FuseTest, OneSourceComesOutAsItWentIn) {
   const auto only =
       listOf({seenAt(10, 5.0, ObjectClass::kCar), seenAt(12, 5.1, ObjectClass::kCar)});
   const auto fused = fuse({only});
@@ -33,7 +33,7 @@ TEST(Fuse, OneSourceComesOutAsItWentIn) {
   EXPECT_TRUE(fuse({}).items.empty());
 }
 
-TEST(Fuse, AnObjectSeenTwiceIsReportedOnceWithAllThatIsKnown) {
+TEST(FuseTest, AnObjectSeenTwiceIsReportedOnceWithAllThatIsKnown) {
   auto moving = seenAt(14, 20.0, ObjectClass::kUnknown);
   moving.detector_id = 3;
   moving.velocity = MeasuredVelocity{{0, 0, 9}, Eigen::Matrix3d::Identity()};
@@ -50,13 +50,13 @@ TEST(Fuse, AnObjectSeenTwiceIsReportedOnceWithAllThatIsKnown) {
   EXPECT_EQ(fused.items[0].velocity->value.z(), 9.0);
 }
 
-TEST(Fuse, OverlappingBoxesFarApartInSpaceAreTwoObjects) {
+TEST(FuseTest, OverlappingBoxesFarApartInSpaceAreTwoObjects) {
   const auto fused = fuse({listOf({seenAt(10, 10.0, ObjectClass::kCar)}),
                            listOf({seenAt(12, 30.0, ObjectClass::kCar)})});
   EXPECT_EQ(fused.items.size(), 2u);
 }
 
-TEST(Fuse, PlacesDecideWhereThereAreNoImageBoxes) {
+TEST(FuseTest, PlacesDecideWhereThereAreNoImageBoxes) {
   auto a = seenAt(10, 10.0, ObjectClass::kCar);
   auto b = seenAt(300, 10.5, ObjectClass::kUnknown);
   a.box2d.reset();
@@ -65,7 +65,7 @@ TEST(Fuse, PlacesDecideWhereThereAreNoImageBoxes) {
   EXPECT_EQ(fuse({listOf({a}), listOf({b})}).items.size(), 2u);
 }
 
-TEST(Fuse, TwoHalvesOfOneObjectDoNotBecomeASecondOne) {
+TEST(FuseTest, TwoHalvesOfOneObjectDoNotBecomeASecondOne) {
   auto whole = seenAt(10, 10.0, ObjectClass::kTruck);
   auto half = whole, other_half = whole;
   half.box2d->right = 40;
@@ -73,7 +73,7 @@ TEST(Fuse, TwoHalvesOfOneObjectDoNotBecomeASecondOne) {
   EXPECT_EQ(fuse({listOf({whole}), listOf({half, other_half})}).items.size(), 1u);
 }
 
-TEST(MakeDetector, NamesWhatThereIs) {
+TEST(MakeDetectorTest, NamesWhatThereIs) {
   auto camera = std::make_shared<StereoCamera>();
   try {
     (void)makeDetector("radar", camera, DetectParams{});

@@ -29,7 +29,7 @@ struct Seen {
   [[nodiscard]] std::vector<int> persons() const { return personOfCells(cells, heights, kCell); }
 };
 
-TEST(Heads, OnePersonIsOne) {
+TEST(HeadsTest, OnePersonIsOne) {
   Seen seen;
   seen.addPerson(10, 1.8);
   const auto persons = seen.persons();
@@ -37,7 +37,7 @@ TEST(Heads, OnePersonIsOne) {
   EXPECT_EQ(persons.size(), seen.cells.size());
 }
 
-TEST(Heads, TwoAbreastAreTwoThoughOneIsSmaller) {
+TEST(HeadsTest, TwoAbreastAreTwoThoughOneIsSmaller) {
   Seen seen;
   seen.addPerson(10, 1.85);
   const std::size_t first = seen.cells.size();
@@ -49,7 +49,7 @@ TEST(Heads, TwoAbreastAreTwoThoughOneIsSmaller) {
   EXPECT_LE(wrong, 30) << "cells of the shoulder where they touch";
 }
 
-TEST(Heads, AHatOfOneCellIsNoPerson) {
+TEST(HeadsTest, AHatOfOneCellIsNoPerson) {
   Seen seen;
   seen.addPerson(10, 1.8);
   seen.add(26, 1, 1.6, 1.65);
@@ -58,7 +58,7 @@ TEST(Heads, AHatOfOneCellIsNoPerson) {
   EXPECT_EQ(*std::max_element(persons.begin(), persons.end()), 0);
 }
 
-TEST(Heads, NothingIsNobody) { EXPECT_TRUE(personOfCells({}, {}, kCell).empty()); }
+TEST(HeadsTest, NothingIsNobody) { EXPECT_TRUE(personOfCells({}, {}, kCell).empty()); }
 
 }  // namespace
 }  // namespace headway::detect

@@ -132,7 +132,7 @@ struct Scene {
 
 Eigen::Vector3d wentOn() { return kStart + Eigen::Vector3d(kGone * kSpeed, 0.0, 0.0); }
 
-TEST(MoverRecognition, ABodyThatFlowsAsTheWalkerMustIsHim) {
+TEST(MoverRecognitionTest, ABodyThatFlowsAsTheWalkerMustIsHim) {
   Scene scene(wentOn());
   scene.addBody(wentOn(), kSpeed);
   const auto movers = scene.byBody();
@@ -144,7 +144,7 @@ TEST(MoverRecognition, ABodyThatFlowsAsTheWalkerMustIsHim) {
   EXPECT_LT((movers[0].extent.box.centre - wentOn()).head<1>().norm(), 0.3);
 }
 
-TEST(MoverRecognition, ABodyThatFlowsOtherwiseOrStandsIsNotHim) {
+TEST(MoverRecognitionTest, ABodyThatFlowsOtherwiseOrStandsIsNotHim) {
   for (const double speed : {-kSpeed, 0.0, 4.0 * kSpeed}) {
     Scene scene(wentOn());
     scene.addBody(wentOn(), speed);
@@ -152,13 +152,13 @@ TEST(MoverRecognition, ABodyThatFlowsOtherwiseOrStandsIsNotHim) {
   }
 }
 
-TEST(MoverRecognition, ABodyElsewhereIsNotHim) {
+TEST(MoverRecognitionTest, ABodyElsewhereIsNotHim) {
   Scene scene(wentOn());
   scene.addBody(wentOn() + Eigen::Vector3d(2.0, 0.0, 0.0), kSpeed);
   EXPECT_TRUE(scene.byBody().empty());
 }
 
-TEST(MoverRecognition, OfTwoBodiesTheNearerIsHim) {
+TEST(MoverRecognitionTest, OfTwoBodiesTheNearerIsHim) {
   Scene scene(wentOn());
   scene.addBody(wentOn() + Eigen::Vector3d(0.9, 0.0, 0.0), kSpeed);
   scene.addBody(wentOn() + Eigen::Vector3d(-0.2, 0.0, 0.0), kSpeed);
@@ -167,7 +167,7 @@ TEST(MoverRecognition, OfTwoBodiesTheNearerIsHim) {
   EXPECT_EQ(movers[0].bodies[0], &scene.bodies[1]);
 }
 
-TEST(MoverRecognition, WithoutStereoHeIsKnownByHisLook) {
+TEST(MoverRecognitionTest, WithoutStereoHeIsKnownByHisLook) {
   const Scene scene(wentOn());
   const auto movers = scene.byLook();
   ASSERT_EQ(movers.size(), 1u);
@@ -182,20 +182,22 @@ TEST(MoverRecognition, WithoutStereoHeIsKnownByHisLook) {
   EXPECT_GT(mover.extent.centre_covariance(2, 2), 0.01) << "his distance is only expected";
 }
 
-TEST(MoverRecognition, HeIsFoundBesideTheExpectedPlaceToo) {
+TEST(MoverRecognitionTest, HeIsFoundBesideTheExpectedPlaceToo) {
   const Eigen::Vector3d beside = wentOn() + Eigen::Vector3d(0.2, 0.0, 0.0);
   const auto movers = Scene(beside).byLook();
   ASSERT_EQ(movers.size(), 1u);
   EXPECT_LT((movers[0].extent.box.centre - beside).norm(), 0.05);
 }
 
-TEST(MoverRecognition, WhoStoppedIsNotReportedAsMoving) {
+TEST(MoverRecognitionTest, WhoStoppedIsNotReportedAsMoving) {
   EXPECT_TRUE(Scene(kStart).byLook().empty());
 }
 
-TEST(MoverRecognition, WhoIsHiddenIsNotFound) { EXPECT_TRUE(Scene(std::nullopt).byLook().empty()); }
+TEST(MoverRecognitionTest, WhoIsHiddenIsNotFound) {
+  EXPECT_TRUE(Scene(std::nullopt).byLook().empty());
+}
 
-TEST(MoverRecognition, WhatWasFoundOnceIsNotSoughtByItsLook) {
+TEST(MoverRecognitionTest, WhatWasFoundOnceIsNotSoughtByItsLook) {
   Scene scene(wentOn());
   scene.walker.sightings = 1;
   EXPECT_TRUE(scene.byLook().empty());
@@ -205,7 +207,7 @@ TEST(MoverRecognition, WhatWasFoundOnceIsNotSoughtByItsLook) {
   EXPECT_TRUE(scene.byLook().empty());
 }
 
-TEST(MoverRecognition, WhatIsThereAlreadyIsNotReportedTwice) {
+TEST(MoverRecognitionTest, WhatIsThereAlreadyIsNotReportedTwice) {
   Scene scene(wentOn());
   const auto first = scene.byLook();
   ASSERT_EQ(first.size(), 1u);

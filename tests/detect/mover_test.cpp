@@ -25,7 +25,7 @@ Mover car() {
   return mover;
 }
 
-TEST(Mover, ItsFlankIsAPartOfItThoughTheFlanksBoxIsNot) {
+TEST(MoverTest, ItsFlankIsAPartOfItThoughTheFlanksBoxIsNot) {
   // The far end of the flank, seen at 21.5 m: its own box reaches four metres farther.
   ObjectExtent flank = extentAt(-2.5, 23.5, 4.0, 1.8, {538, 195, 556, 220});
   ASSERT_GT(flank.box.centre.z() - car().extent.box.centre.z(), 2.0 + 0.5);
@@ -33,18 +33,18 @@ TEST(Mover, ItsFlankIsAPartOfItThoughTheFlanksBoxIsNot) {
   EXPECT_TRUE(isPartOfAny(flank, {car()}));
 }
 
-TEST(Mover, WhatWalksBesideItIsNot) {
+TEST(MoverTest, WhatWalksBesideItIsNot) {
   const ObjectExtent walker = extentAt(-5.5, 20.0, 0.7, 0.6, {400, 190, 425, 250});
   EXPECT_FALSE(isPartOf(walker, car()));
   EXPECT_FALSE(isPartOfAny(walker, {}));
 }
 
-TEST(Mover, WhatIsSeenThroughItFarBehindIsNot) {
+TEST(MoverTest, WhatIsSeenThroughItFarBehindIsNot) {
   const ObjectExtent behind = extentAt(-4.0, 30.0, 0.7, 0.6, {480, 200, 495, 230});
   EXPECT_FALSE(isPartOf(behind, car()));
 }
 
-TEST(Mover, TwoWhoPassEachOtherAreTwo) {
+TEST(MoverTest, TwoWhoPassEachOtherAreTwo) {
   EXPECT_TRUE(isOpposite({1.2, 0.0, 0.1}, {-1.3, 0.0, 0.2}));
   EXPECT_FALSE(isOpposite({1.2, 0.0, 0.1}, {1.0, 0.0, -0.4}));
   EXPECT_FALSE(isOpposite({0.2, 0.0, 0.0}, {-1.3, 0.0, 0.0})) << "too slow for its direction";

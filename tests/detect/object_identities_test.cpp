@@ -14,7 +14,7 @@ FoundObject walkerAt(double x, ObjectClass object_class = ObjectClass::kPedestri
   return found;
 }
 
-TEST(ObjectIdentities, WhatHasLostItsPartsIsKnownByItsPlace) {
+TEST(ObjectIdentitiesTest, WhatHasLostItsPartsIsKnownByItsPlace) {
   ObjectIdentities identities;
   std::int64_t first = -1;
   for (int frame = 0; frame < 5; ++frame) {
@@ -26,7 +26,7 @@ TEST(ObjectIdentities, WhatHasLostItsPartsIsKnownByItsPlace) {
   }
 }
 
-TEST(ObjectIdentities, PartsTellMoreThanPlace) {
+TEST(ObjectIdentitiesTest, PartsTellMoreThanPlace) {
   ObjectIdentities identities;
   identities.beginFrame(0.0);
   const auto a = identities.identify(walkerAt(0.0)).id;
@@ -40,7 +40,7 @@ TEST(ObjectIdentities, PartsTellMoreThanPlace) {
   EXPECT_NE(identities.identify(walkerAt(0.2)).id, a);
 }
 
-TEST(ObjectIdentities, OnesThatAreGoneAreForgotten) {
+TEST(ObjectIdentitiesTest, OnesThatAreGoneAreForgotten) {
   ObjectIdentities identities;
   identities.beginFrame(0.0);
   const auto id = identities.identify(walkerAt(0.0)).id;
@@ -53,7 +53,7 @@ TEST(ObjectIdentities, OnesThatAreGoneAreForgotten) {
   EXPECT_NE(identities.identify(found).id, id);
 }
 
-TEST(ObjectIdentities, WhatIsOnlyRecognisedIsForgottenAtLast) {
+TEST(ObjectIdentitiesTest, WhatIsOnlyRecognisedIsForgottenAtLast) {
   ObjectIdentities identities;
   identities.beginFrame(0.0);
   const auto id = identities.identify(walkerAt(0.0)).id;
@@ -68,7 +68,7 @@ TEST(ObjectIdentities, WhatIsOnlyRecognisedIsForgottenAtLast) {
   }
 }
 
-TEST(ObjectIdentities, TellsWhoIsMissing) {
+TEST(ObjectIdentitiesTest, TellsWhoIsMissing) {
   ObjectIdentities identities;
   identities.beginFrame(0.0);
   const auto a = identities.identify(walkerAt(0.0)).id;
@@ -84,7 +84,7 @@ TEST(ObjectIdentities, TellsWhoIsMissing) {
   EXPECT_NEAR(missing[0].expectedAt(0.2).x(), 0.3, 1e-9);
 }
 
-TEST(ObjectIdentities, TheClassGuessedMostOftenIsTheClass) {
+TEST(ObjectIdentitiesTest, TheClassGuessedMostOftenIsTheClass) {
   ObjectIdentities identities;
   ObjectClass last = ObjectClass::kUnknown;
   for (int frame = 0; frame < 5; ++frame) {

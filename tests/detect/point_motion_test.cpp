@@ -13,7 +13,7 @@ namespace {
 using test::Drive;
 using test::testCamera;
 
-TEST(FitMotion, RecoversAVelocityWithinItsOwnUncertainty) {
+TEST(FitMotionTest, RecoversAVelocityWithinItsOwnUncertainty) {
   Drive drive;
   const Eigen::Vector3d velocity(1.0, 0.0, -3.0);
   int within = 0;
@@ -27,7 +27,7 @@ TEST(FitMotion, RecoversAVelocityWithinItsOwnUncertainty) {
   EXPECT_GT(within, 85);
 }
 
-TEST(FitMotion, AStillPointsLikelihoodRatioIsChiSquare) {
+TEST(FitMotionTest, AStillPointsLikelihoodRatioIsChiSquare) {
   Drive drive;
   double sum = 0.0;
   int beyond = 0;
@@ -43,7 +43,7 @@ TEST(FitMotion, AStillPointsLikelihoodRatioIsChiSquare) {
   EXPECT_EQ(beyond, 0);
 }
 
-TEST(FitMotion, SaysNothingOfASinglePlaceOrBehindTheCamera) {
+TEST(FitMotionTest, SaysNothingOfASinglePlaceOrBehindTheCamera) {
   Drive drive;
   auto sightings = drive.see({0, 0, 20}, {0, 0, 0}, 0.0);
   EXPECT_FALSE(fitMotion({sightings.back()}, drive.path, drive.camera, {}, 30.0));
@@ -51,7 +51,7 @@ TEST(FitMotion, SaysNothingOfASinglePlaceOrBehindTheCamera) {
   EXPECT_FALSE(fitMotion(sightings, drive.path, drive.camera, {}, 30.0));
 }
 
-TEST(CameraPath, RefiningUndoesASmallTurn) {
+TEST(CameraPathTest, RefiningUndoesASmallTurn) {
   const StereoCamera camera = testCamera();
   CameraPath path(camera, 0.5);
   path.advance(0.0, Pose::Identity());
@@ -67,7 +67,7 @@ TEST(CameraPath, RefiningUndoesASmallTurn) {
   EXPECT_LT(logSo3(path.T_cam_world(1).linear()).norm(), 1e-4);
 }
 
-TEST(CameraPath, AJumpOfTheMapDoesNotMoveTheWorld) {
+TEST(CameraPathTest, AJumpOfTheMapDoesNotMoveTheWorld) {
   CameraPath path(testCamera(), 0.5);
   Pose jump = Pose::Identity();
   jump.linear() = expSo3({0.0, 0.05, 0.01});
@@ -82,7 +82,7 @@ TEST(CameraPath, AJumpOfTheMapDoesNotMoveTheWorld) {
   EXPECT_TRUE(path.T_cam_world(11).isApprox(expected, 1e-9));
 }
 
-TEST(CameraPath, AHardBrakeIsNotTakenForAJump) {
+TEST(CameraPathTest, AHardBrakeIsNotTakenForAJump) {
   CameraPath path(testCamera(), 0.5);
   const double places[] = {0.0, 1.5, 3.0, 4.4, 5.7, 6.9};  // 15 m/s, then 10 m/s^2 less
   for (int i = 0; i < 6; ++i) {
@@ -93,14 +93,14 @@ TEST(CameraPath, AHardBrakeIsNotTakenForAJump) {
   EXPECT_NEAR(-6.9, path.T_cam_world(5).translation().z(), 1e-9);
 }
 
-TEST(CameraPath, WithoutPointsThereIsNothingToRefineBy) {
+TEST(CameraPathTest, WithoutPointsThereIsNothingToRefineBy) {
   CameraPath path(testCamera(), 0.5);
   path.advance(0.0, Pose::Identity());
   EXPECT_EQ(path.refine({}), 1.0);
   EXPECT_TRUE(path.T_cam_world(0).isApprox(Pose::Identity()));
 }
 
-TEST(DisparityOffset, IsFoundFromStillPointsAndOnlyFromThose) {
+TEST(DisparityOffsetTest, IsFoundFromStillPointsAndOnlyFromThose) {
   Drive drive;
   std::vector<PointTrack> points;
   std::vector<PointVerdict> verdicts;

@@ -90,7 +90,7 @@ const UprightBlob* bodyAt(const std::vector<UprightBlob>& bodies, const Eigen::V
   return nullptr;
 }
 
-TEST(ResidualFlow, IsHowFarAWalkerWentBeforeAStillWall) {
+TEST(ResidualFlowTest, IsHowFarAWalkerWentBeforeAStillWall) {
   const Look look({kWall, kWalker});
   const auto flows = look.flowsOn(kWalker);
   ASSERT_GT(flows.size(), 40u);
@@ -99,20 +99,20 @@ TEST(ResidualFlow, IsHowFarAWalkerWentBeforeAStillWall) {
   EXPECT_NEAR(median(flows), went, 0.4) << "smoothing takes a little off";
 }
 
-TEST(ResidualFlow, IsNothingWhereAllStands) {
+TEST(ResidualFlowTest, IsNothingWhereAllStands) {
   const Look look({kWall, kStander});
   EXPECT_NEAR(median(look.flowsOn(kStander)), 0.0, 0.3);
   EXPECT_LT(look.movingShare(), 0.03);
 }
 
-TEST(ResidualFlow, DoesNotTakeBrightnessForMotion) {
+TEST(ResidualFlowTest, DoesNotTakeBrightnessForMotion) {
   EXPECT_LT(Look({kWall, kStander}, 0.75).movingShare(), 0.03);
   const Look look({kWall, kWalker}, 0.75);
   const double depth = look.street.placeInCamera(kWalker, 1).z();
   EXPECT_NEAR(median(look.flowsOn(kWalker)), 340.0 * 0.13 / depth, 0.4);
 }
 
-TEST(BodiesByFlow, CutsOutAWalkerCloseToAWall) {
+TEST(BodiesByFlowTest, CutsOutAWalkerCloseToAWall) {
   const Look look({kWall, kWalker});
   const Eigen::Vector3d foot = look.street.placeInCamera(kWalker, 1);
   EXPECT_FALSE(bodyAt(look.bodies({}), foot, *look.street.camera())) << "by disparities alone";
@@ -124,7 +124,7 @@ TEST(BodiesByFlow, CutsOutAWalkerCloseToAWall) {
   EXPECT_LT(walker->across->sigma, 0.15);
 }
 
-TEST(BodiesByFlow, CutsNothingOutOfWhatStands) {
+TEST(BodiesByFlowTest, CutsNothingOutOfWhatStands) {
   const Look look({kWall, kStander});
   for (const auto& body : look.bodies(look.flow)) {
     if (!body.across) continue;

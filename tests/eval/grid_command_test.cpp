@@ -49,7 +49,7 @@ class GridCommandTest : public testing::Test {
 
 std::unique_ptr<test::TemporaryFolder> GridCommandTest::drive_;
 
-TEST_F(GridCommandTest, findsTheGridRightAndSaysSoInTableFileAndPicture) {
+TEST_F(GridCommandTest, FindsTheGridRightAndSaysSoInTableFileAndPicture) {
   const std::string json = folder_ / "g.json";
   const std::string plot = folder_ / "g.png";
   const auto result = grid(at("w.truth"), at("out"), "--json " + json + " --plot " + plot);
@@ -69,7 +69,7 @@ TEST_F(GridCommandTest, findsTheGridRightAndSaysSoInTableFileAndPicture) {
   EXPECT_THAT(again.error, HasSubstr("exists already"));
 }
 
-TEST_F(GridCommandTest, aDamagedGridIsNamed) {
+TEST_F(GridCommandTest, ADamagedGridIsNamed) {
   const std::string spoilt = copyOfReplay();
   std::ofstream(spoilt + "/map_grid.gridmap.gz") << "no grid";
   const auto result = grid(at("w.truth"), spoilt);
@@ -82,7 +82,7 @@ TEST_F(GridCommandTest, aDamagedGridIsNamed) {
   EXPECT_THAT(grid(at("w.truth"), folder_ / "none").error, HasSubstr("none"));
 }
 
-TEST_F(GridCommandTest, aTruthWithoutDepthSaysHowToRecordIt) {
+TEST_F(GridCommandTest, ATruthWithoutDepthSaysHowToRecordIt) {
   const std::string truth = folder_ / "bare.truth";
   fs::create_directories(truth);
   fs::copy(fs::path(at("w.truth")) / "trajectory.tum", truth);
@@ -92,7 +92,7 @@ TEST_F(GridCommandTest, aTruthWithoutDepthSaysHowToRecordIt) {
   EXPECT_THAT(grid(folder_ / "none", at("out")).error, HasSubstr("trajectory.tum"));
 }
 
-TEST_F(GridCommandTest, aCameraOfAnotherSizeIsRefused) {
+TEST_F(GridCommandTest, ACameraOfAnotherSizeIsRefused) {
   const std::string other = copyOfReplay();
   std::string calibration = contentOf(other + "/calibration.yaml");
   const auto place = calibration.find("400");
@@ -104,7 +104,7 @@ TEST_F(GridCommandTest, aCameraOfAnotherSizeIsRefused) {
   EXPECT_THAT(result.error, HasSubstr("size differs"));
 }
 
-TEST_F(GridCommandTest, bothFoldersMustBeNamed) {
+TEST_F(GridCommandTest, BothFoldersMustBeNamed) {
   EXPECT_EQ(2, runEval("grid --truth x").status);
   EXPECT_EQ(2, runEval("grid --estimate x").status);
 }

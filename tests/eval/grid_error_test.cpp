@@ -22,7 +22,7 @@ GridCells gridOf(const std::vector<std::string>& rows) {
 
 const std::vector<std::uint8_t> kUntrodden(12, 0);
 
-TEST(GridCells, FindTheCellOfAPlace) {
+TEST(GridCellsTest, FindTheCellOfAPlace) {
   const auto grid = gridOf({"ffff", "ffff", "ffff"});
   EXPECT_EQ(grid.at({-0.9, 2.1}), 0u);
   EXPECT_EQ(grid.at({0.6, 2.6}), 7u);
@@ -30,7 +30,7 @@ TEST(GridCells, FindTheCellOfAPlace) {
   EXPECT_FALSE(grid.at({1.1, 2.1}));
 }
 
-TEST(GridError, IsZeroForTheTruth) {
+TEST(GridErrorTest, IsZeroForTheTruth) {
   const auto truth = gridOf({"ffof", "f?of", "ffff"});
   const auto error = gridError(truth, truth, kUntrodden);
   EXPECT_EQ(error.observed, 11u);
@@ -38,7 +38,7 @@ TEST(GridError, IsZeroForTheTruth) {
   EXPECT_EQ(error.correctRatio(), 1.0);
 }
 
-TEST(GridError, DistinguishesFalseOccupiedAndFalseFreeCells) {
+TEST(GridErrorTest, DistinguishesFalseOccupiedAndFalseFreeCells) {
   const auto truth = gridOf({"ffof", "ffff", "ffff"});
   const auto estimate = gridOf({"ffff", "offf", "?o?o"});
   const auto error = gridError(truth, estimate, kUntrodden);
@@ -49,7 +49,7 @@ TEST(GridError, DistinguishesFalseOccupiedAndFalseFreeCells) {
   EXPECT_EQ(error.correct, 6u);
 }
 
-TEST(GridError, SaysHowMuchOfWhatStandsIsFoundAndHowMuchOfWhatIsFoundStands) {
+TEST(GridErrorTest, SaysHowMuchOfWhatStandsIsFoundAndHowMuchOfWhatIsFoundStands) {
   const auto truth = gridOf({"ooff", "oooo", "ffff"});
   const auto estimate = gridOf({"offf", "?off", "ffof"});
   const auto error = gridError(truth, estimate, kUntrodden);
@@ -65,7 +65,7 @@ TEST(GridError, SaysHowMuchOfWhatStandsIsFoundAndHowMuchOfWhatIsFoundStands) {
   EXPECT_EQ(gridError(free, free, kUntrodden).occupiedPrecision(), std::nullopt);
 }
 
-TEST(GridError, ComparesOnlyWhatBothKnow) {
+TEST(GridErrorTest, ComparesOnlyWhatBothKnow) {
   const auto error =
       gridError(gridOf({"????", "ffff", "????"}), gridOf({"ffff", "f???", "oooo"}), kUntrodden);
   EXPECT_EQ(error.observed, 9u);
@@ -74,7 +74,7 @@ TEST(GridError, ComparesOnlyWhatBothKnow) {
             std::nullopt);
 }
 
-TEST(GridError, CallsAnOccupiedCellOnAMoversWayAGhost) {
+TEST(GridErrorTest, CallsAnOccupiedCellOnAMoversWayAGhost) {
   std::vector<std::uint8_t> swept(12, 0);
   swept[0] = swept[1] = swept[11] = 1;
   const auto error =
@@ -83,11 +83,11 @@ TEST(GridError, CallsAnOccupiedCellOnAMoversWayAGhost) {
   EXPECT_EQ(error.ghosts, 1u);
 }
 
-TEST(GridError, RefusesGridsOfTwoSizes) {
+TEST(GridErrorTest, RefusesGridsOfTwoSizes) {
   EXPECT_ANY_THROW((void)gridError(gridOf({"ff"}), gridOf({"fff"}), {0, 0}));
 }
 
-TEST(GridPlot, ShowsEveryCell) {
+TEST(GridPlotTest, ShowsEveryCell) {
   const auto truth = gridOf({"ffof", "ffff", "ffff"});
   const auto plot = gridPlot(truth, truth, kUntrodden);
   EXPECT_GE(plot.cols, 4);

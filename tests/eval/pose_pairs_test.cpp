@@ -34,31 +34,31 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Pair;
 
-TEST(PosePairsTest, nearestWithinToleranceIsThePartner) {
+TEST(PosePairsTest, NearestWithinToleranceIsThePartner) {
   const auto pairs = pairByTime(atTimes({0.0, 0.1, 0.2, 0.3}), atTimes({0.11, 0.26, 0.9}), 0.05);
   EXPECT_THAT(pairedTimes(pairs), ElementsAre(Pair(0.1, 0.11), Pair(0.3, 0.26)));
   EXPECT_EQ(4u, pairs.truth_poses);
   EXPECT_EQ(3u, pairs.estimate_poses);
 }
 
-TEST(PosePairsTest, aTruePoseServesOnlyTheNearestOfSeveralEstimates) {
+TEST(PosePairsTest, ATruePoseServesOnlyTheNearestOfSeveralEstimates) {
   const auto pairs = pairByTime(atTimes({0.0, 1.0}), atTimes({0.9, 0.98, 1.05}), 0.2);
   EXPECT_THAT(pairedTimes(pairs), ElementsAre(Pair(1.0, 0.98)));
 }
 
-TEST(PosePairsTest, orderOfRowsDoesNotMatter) {
+TEST(PosePairsTest, OrderOfRowsDoesNotMatter) {
   const auto pairs = pairByTime(atTimes({0.2, 0.0, 0.1}), atTimes({0.1, 0.2, 0.0}), 0.01);
   EXPECT_THAT(pairedTimes(pairs), ElementsAre(Pair(0.0, 0.0), Pair(0.1, 0.1), Pair(0.2, 0.2)));
 }
 
-TEST(PosePairsTest, byIndexTheShorterEnds) {
+TEST(PosePairsTest, ByIndexTheShorterEnds) {
   const auto pairs = pairByIndex({at(0), at(1), at(2)}, {at(5), at(6)});
   EXPECT_THAT(pairedTimes(pairs), ElementsAre(Pair(0, 5), Pair(1, 6)));
   EXPECT_EQ(3u, pairs.truth_poses);
   EXPECT_EQ(2u, pairs.estimate_poses);
 }
 
-TEST(PosePairsTest, noOverlapInTimeNamesBothSpans) {
+TEST(PosePairsTest, NoOverlapInTimeNamesBothSpans) {
   try {
     (void)pairByTime(atTimes({0.0, 1.0}), atTimes({100.0, 101.0}), 0.02);
     FAIL() << "no error";
@@ -68,7 +68,7 @@ TEST(PosePairsTest, noOverlapInTimeNamesBothSpans) {
   }
 }
 
-TEST(PosePairsTest, emptyAndNotFiniteAreErrors) {
+TEST(PosePairsTest, EmptyAndNotFiniteAreErrors) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW((void)pairByTime({}, atTimes({0.0}), 1.0), InputError);
   EXPECT_THROW((void)pairByTime(atTimes({0.0}), {}, 1.0), InputError);

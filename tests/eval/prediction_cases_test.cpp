@@ -37,7 +37,7 @@ TrackPrediction predictionOf(const TrueObject& object, std::size_t frame, double
   return prediction;
 }
 
-TEST(TrueObjectTest, placeBetweenFramesLiesOnTheLine) {
+TEST(TrueObjectTest, PlaceBetweenFramesLiesOnTheLine) {
   auto object = objectAlongX(1, 10, 5.0);
   EXPECT_NEAR(1.25, object.positionAt(0.25, 0.15)->x(), 1e-12);
   EXPECT_NEAR(4.5, object.positionAt(0.9, 0.15)->x(), 1e-12);
@@ -48,7 +48,7 @@ TEST(TrueObjectTest, placeBetweenFramesLiesOnTheLine) {
   EXPECT_NEAR(2.0, object.positionAt(0.4, 0.45)->x(), 1e-12);
 }
 
-TEST(TrueObjectTest, labelsComeToTheMapWithTheCamera) {
+TEST(TrueObjectTest, LabelsComeToTheMapWithTheCamera) {
   // A car 10 m ahead of a camera that drives forward and looks along the map's x axis.
   std::vector<LabelledFrame> frames(2);
   std::vector<Stamped<Pose>> T_map_cam;
@@ -75,7 +75,7 @@ TEST(TrueObjectTest, labelsComeToTheMapWithTheCamera) {
   EXPECT_THROW((void)trueObjects(frames, T_map_cam), InputError);
 }
 
-TEST(HistoryCasesTest, needTwentyFramesBeforeAndThreeSecondsAfter) {
+TEST(HistoryCasesTest, NeedTwentyFramesBeforeAndThreeSecondsAfter) {
   EXPECT_EQ(0u, historyCases({objectAlongX(1, 50, 5.0)}, 0.1).size());
   const auto cases = historyCases({objectAlongX(1, 53, 5.0)}, 0.1);
   ASSERT_EQ(3u, cases.size());
@@ -85,14 +85,14 @@ TEST(HistoryCasesTest, needTwentyFramesBeforeAndThreeSecondsAfter) {
   EXPECT_NEAR(10.0 + 15.0, cases[0].future[29].x(), 1e-9);
 }
 
-TEST(HistoryCasesTest, aGapBreaksThem) {
+TEST(HistoryCasesTest, AGapBreaksThem) {
   auto object = objectAlongX(1, 101, 5.0);
   EXPECT_EQ(51u, historyCases({object}, 0.1).size());
   object.path.erase(object.path.begin() + 50);
   EXPECT_EQ(0u, historyCases({object}, 0.1).size());
 }
 
-TEST(HistoryCasesTest, onlyMovingKindsOfObjects) {
+TEST(HistoryCasesTest, OnlyMovingKindsOfObjects) {
   for (const auto object_class : {ObjectClass::kMisc, ObjectClass::kPersonSitting}) {
     EXPECT_EQ(0u, historyCases({objectAlongX(1, 60, 5.0, 0.0, object_class)}, 0.1).size());
   }
@@ -101,7 +101,7 @@ TEST(HistoryCasesTest, onlyMovingKindsOfObjects) {
   }
 }
 
-TEST(TrackCasesTest, eachPredictionFindsTheNearestObjectOfItsClass) {
+TEST(TrackCasesTest, EachPredictionFindsTheNearestObjectOfItsClass) {
   const std::vector<TrueObject> objects = {objectAlongX(1, 60, 5.0, 0.0),
                                            objectAlongX(2, 60, 5.0, 1.5),
                                            objectAlongX(3, 60, 5.0, 0.0, ObjectClass::kPedestrian)};
@@ -115,7 +115,7 @@ TEST(TrackCasesTest, eachPredictionFindsTheNearestObjectOfItsClass) {
   EXPECT_NEAR(5.0 + 15.0, found.cases[0].future[29].x(), 1e-9);
 }
 
-TEST(TrackCasesTest, countsWhatIsNotNearAndWhatIsCutShort) {
+TEST(TrackCasesTest, CountsWhatIsNotNearAndWhatIsCutShort) {
   const std::vector<TrueObject> objects = {objectAlongX(1, 60, 5.0)};
   auto pedestrian = predictionOf(objects[0], 10, 0.0, 1);
   pedestrian.object_class = ObjectClass::kPedestrian;

@@ -56,7 +56,7 @@ PredictionErrors judge(const std::filesystem::path& training, const Velocity& ve
   return all.errors();
 }
 
-TEST(PredictionProtocolTest, standingStill) {
+TEST(PredictionProtocolTest, StandingStill) {
   HEADWAY_REQUIRE_DATA(data);
   const auto errors =
       judge(data / "kitti_tracking/training", [](const auto&) { return Eigen::Vector3d::Zero(); });
@@ -66,7 +66,7 @@ TEST(PredictionProtocolTest, standingStill) {
   EXPECT_NEAR(12.792, errors.all.fde_m.value(), 0.001);
 }
 
-TEST(PredictionProtocolTest, constantVelocityOverHalfASecond) {
+TEST(PredictionProtocolTest, ConstantVelocityOverHalfASecond) {
   HEADWAY_REQUIRE_DATA(data);
   const auto errors = judge(data / "kitti_tracking/training", [](const auto& history) {
     const Eigen::Vector3d moved = history.back().position - history[history.size() - 6].position;

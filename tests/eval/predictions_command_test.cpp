@@ -58,7 +58,7 @@ class PredictionsCommandTest : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(PredictionsCommandTest, aReplaysPredictionsInTheMap) {
+TEST_F(PredictionsCommandTest, AReplaysPredictionsInTheMap) {
   const auto truth = file("a.txt", labels(80));
   const auto estimate = file("p.csv", kHeader + predictionRows(20, 0.5) + predictionRows(21, 0.5) +
                                           predictionRows(70, 0.5) + predictionRows(22, 5.0));
@@ -80,7 +80,7 @@ TEST_F(PredictionsCommandTest, aReplaysPredictionsInTheMap) {
   }
 }
 
-TEST_F(PredictionsCommandTest, predictorsOnExactHistories) {
+TEST_F(PredictionsCommandTest, PredictorsOnExactHistories) {
   file("l/0001.txt", labels(60));
   file("l/0002.txt", labels(55));
   file("p/0001.txt", kittiPoses(60));
@@ -100,7 +100,7 @@ TEST_F(PredictionsCommandTest, predictorsOnExactHistories) {
   EXPECT_THAT(all.out, HasSubstr("ADE / FDE in m by sequence"));
 }
 
-TEST_F(PredictionsCommandTest, whatIsWrongWithTheFilesIsOneLine) {
+TEST_F(PredictionsCommandTest, WhatIsWrongWithTheFilesIsOneLine) {
   const auto truth = file("a.txt", labels(80));
   const auto poses = file("k.txt", kittiPoses(80));
   const auto good = file("good.csv", kHeader + predictionRows(20, 0.5));
@@ -123,7 +123,7 @@ TEST_F(PredictionsCommandTest, whatIsWrongWithTheFilesIsOneLine) {
   }
 }
 
-TEST_F(PredictionsCommandTest, wrongUseEndsWithStatusTwo) {
+TEST_F(PredictionsCommandTest, WrongUseEndsWithStatusTwo) {
   const auto truth = file("a.txt", labels(80));
   const auto poses = file("k.txt", kittiPoses(80));
   EXPECT_EQ(2, run(truth, poses, "").status);
@@ -131,7 +131,7 @@ TEST_F(PredictionsCommandTest, wrongUseEndsWithStatusTwo) {
   EXPECT_EQ(2, run(truth, poses, "--predictor crystal_ball").status);
 }
 
-TEST_F(PredictionsCommandTest, parametersOfPredictorsCanBeSet) {
+TEST_F(PredictionsCommandTest, ParametersOfPredictorsCanBeSet) {
   const auto truth = file("a.txt", labels(80));
   const auto poses = file("k.txt", kittiPoses(80));
   EXPECT_EQ(1, run(truth, poses, "--predictor paper --set objects.no_such_key=1").status);
@@ -140,7 +140,7 @@ TEST_F(PredictionsCommandTest, parametersOfPredictorsCanBeSet) {
   EXPECT_THAT(dump.out, HasSubstr("[objects]"));
 }
 
-TEST_F(PredictionsCommandTest, realSequencesHaveTheKnownCases) {
+TEST_F(PredictionsCommandTest, RealSequencesHaveTheKnownCases) {
   HEADWAY_REQUIRE_DATA(data);
   const std::string out = folder_ / "p.json";
   const auto training = data / "kitti_tracking/training";

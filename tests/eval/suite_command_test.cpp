@@ -23,7 +23,7 @@ class SuiteCommandTest : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(SuiteCommandTest, drawsReplaysAndPrintsThreeTables) {
+TEST_F(SuiteCommandTest, DrawsReplaysAndPrintsThreeTables) {
   const std::string out = folder_ / "out";
   const std::string json = folder_ / "s.json";
   const auto result = runEval("suite --quick --worlds " + world() + " -o " + out + " --json " +
@@ -48,7 +48,7 @@ TEST_F(SuiteCommandTest, drawsReplaysAndPrintsThreeTables) {
   EXPECT_THAT(again.error, HasSubstr("exists already"));
 }
 
-TEST_F(SuiteCommandTest, aDrawnWorldIsUsedAgainUnlessItIsAnother) {
+TEST_F(SuiteCommandTest, ADrawnWorldIsUsedAgainUnlessItIsAnother) {
   const std::string out = folder_ / "out";
   const std::string suite = " -q --worlds " + world() + " -o " + out + " --reuse";
   ASSERT_EQ(0, runEval("suite" + suite).status);
@@ -64,12 +64,12 @@ TEST_F(SuiteCommandTest, aDrawnWorldIsUsedAgainUnlessItIsAnother) {
   EXPECT_NE(drawn_at, std::filesystem::last_write_time(rawlog)) << "another world, the same name";
 }
 
-TEST_F(SuiteCommandTest, nothingToEvaluateIsAUsageError) {
+TEST_F(SuiteCommandTest, NothingToEvaluateIsAUsageError) {
   EXPECT_EQ(2, runEval("suite --worlds none -o " + std::string(folder_ / "out")).status);
   EXPECT_EQ(2, runEval("suite --degrade x.ini -o " + std::string(folder_ / "out")).status);
 }
 
-TEST_F(SuiteCommandTest, worldsThatCannotBeAreNamed) {
+TEST_F(SuiteCommandTest, WorldsThatCannotBeAreNamed) {
   const auto result = runEval("suite --worlds " + world("no_such_key = 1\n") + " -o " +
                               std::string(folder_ / "out"));
   EXPECT_EQ(1, result.status);

@@ -46,7 +46,7 @@ TrackError evaluateCars(const LabelledSequence& sequence,
   return trackErrors({sequence}, params).classes.at(ObjectClass::kCar);
 }
 
-TEST(TrackErrorTest, perfectTracksArePerfectInEveryFigure) {
+TEST(TrackErrorTest, PerfectTracksArePerfectInEveryFigure) {
   auto sequence = sequenceOf(10);
   for (auto& frame : sequence.frames) {
     frame.truth = {box2dAt(7, 0), box2dAt(9, 1)};
@@ -62,7 +62,7 @@ TEST(TrackErrorTest, perfectTracksArePerfectInEveryFigure) {
   }
 }
 
-TEST(TrackErrorTest, aGapAndANewIdentityAreOneFragmentationAndOneSwitch) {
+TEST(TrackErrorTest, AGapAndANewIdentityAreOneFragmentationAndOneSwitch) {
   auto sequence = sequenceOf(10);
   for (std::size_t k = 0; k < 10; ++k) {
     sequence.frames[k].truth = {box2dAt(1, 0)};
@@ -76,7 +76,7 @@ TEST(TrackErrorTest, aGapAndANewIdentityAreOneFragmentationAndOneSwitch) {
   EXPECT_NEAR(1.0 - 2.0 / 10.0, error.mota.value(), 1e-12);
 }
 
-TEST(TrackErrorTest, missesBeforeTheFirstAndAfterTheLastFindAreNoFragmentation) {
+TEST(TrackErrorTest, MissesBeforeTheFirstAndAfterTheLastFindAreNoFragmentation) {
   auto sequence = sequenceOf(10);
   for (std::size_t k = 0; k < 10; ++k) {
     sequence.frames[k].truth = {box2dAt(1, 0)};
@@ -88,7 +88,7 @@ TEST(TrackErrorTest, missesBeforeTheFirstAndAfterTheLastFindAreNoFragmentation) 
   EXPECT_EQ(0u, error.idsw);
 }
 
-TEST(TrackErrorTest, aMatchThatStillHoldsIsKeptThoughAnotherOverlapsMore) {
+TEST(TrackErrorTest, AMatchThatStillHoldsIsKeptThoughAnotherOverlapsMore) {
   auto sequence = sequenceOf(6);
   for (std::size_t k = 0; k < 6; ++k) {
     sequence.frames[k].truth = {box2dAt(1, 0)};
@@ -101,7 +101,7 @@ TEST(TrackErrorTest, aMatchThatStillHoldsIsKeptThoughAnotherOverlapsMore) {
   EXPECT_NEAR(45.0 / 55.0, error.motp.value(), 1e-12);
 }
 
-TEST(TrackErrorTest, overlapBelowTheLimitIsAMissAndAFalseAlarm) {
+TEST(TrackErrorTest, OverlapBelowTheLimitIsAMissAndAFalseAlarm) {
   auto sequence = sequenceOf(1);
   sequence.frames[0].truth = {box2dAt(1, 0)};
   sequence.frames[0].estimates = {box2dAt(1, 0, 20.0)};  // overlap 3/7
@@ -110,7 +110,7 @@ TEST(TrackErrorTest, overlapBelowTheLimitIsAMissAndAFalseAlarm) {
   EXPECT_EQ(1u, evaluateCars(sequence, imageParams(0.4)).tp);
 }
 
-TEST(TrackErrorTest, scaledAccuracyOverRecallsWorkedOutByHand) {
+TEST(TrackErrorTest, ScaledAccuracyOverRecallsWorkedOutByHand) {
   // Two objects; a sure right track, a false one in the middle, an unsure right one.
   auto sequence = sequenceOf(10);
   for (auto& frame : sequence.frames) {
@@ -129,7 +129,7 @@ TEST(TrackErrorTest, scaledAccuracyOverRecallsWorkedOutByHand) {
   EXPECT_DOUBLE_EQ(0.1, error.curve.back().score_threshold);
 }
 
-TEST(TrackErrorTest, recallsThatAreNotReachedCountAsZero) {
+TEST(TrackErrorTest, RecallsThatAreNotReachedCountAsZero) {
   auto sequence = sequenceOf(10);
   for (auto& frame : sequence.frames) {
     frame.truth = {box2dAt(1, 0), box2dAt(2, 1)};
@@ -141,7 +141,7 @@ TEST(TrackErrorTest, recallsThatAreNotReachedCountAsZero) {
   EXPECT_NEAR(20.0 * 0.5 / 40.0, error.amota.value(), 1e-12);
 }
 
-TEST(TrackErrorTest, bestAccuracyLeavesUnsureFalseTracksOut) {
+TEST(TrackErrorTest, BestAccuracyLeavesUnsureFalseTracksOut) {
   auto sequence = sequenceOf(10);
   for (std::size_t k = 0; k < 10; ++k) {
     auto& frame = sequence.frames[k];
@@ -156,7 +156,7 @@ TEST(TrackErrorTest, bestAccuracyLeavesUnsureFalseTracksOut) {
   EXPECT_NEAR(0.5, error.precision.value(), 1e-12) << "positions are judged without threshold";
 }
 
-TEST(TrackErrorTest, hotaOfATrackInTwoHalves) {
+TEST(TrackErrorTest, HotaOfATrackInTwoHalves) {
   auto sequence = sequenceOf(10);
   for (std::size_t k = 0; k < 10; ++k) {
     sequence.frames[k].truth = {box2dAt(1, 0)};
@@ -168,7 +168,7 @@ TEST(TrackErrorTest, hotaOfATrackInTwoHalves) {
   EXPECT_NEAR(std::sqrt(0.5), error.hota.value(), 1e-12);
 }
 
-TEST(TrackErrorTest, hotaOfATrackThatWandersOff) {
+TEST(TrackErrorTest, HotaOfATrackThatWandersOff) {
   auto sequence = sequenceOf(10);
   for (std::size_t k = 0; k < 10; ++k) {
     sequence.frames[k].truth = {box2dAt(1, 0)};
@@ -180,7 +180,7 @@ TEST(TrackErrorTest, hotaOfATrackThatWandersOff) {
   EXPECT_NEAR(1.0 / 3.0, error.hota.value(), 1e-12);
 }
 
-TEST(TrackErrorTest, hotaCountsTheOverlapsThatAreReached) {
+TEST(TrackErrorTest, HotaCountsTheOverlapsThatAreReached) {
   auto sequence = sequenceOf(4);
   for (auto& frame : sequence.frames) {
     frame.truth = {box2dAt(1, 0)};
@@ -189,7 +189,7 @@ TEST(TrackErrorTest, hotaCountsTheOverlapsThatAreReached) {
   EXPECT_NEAR(12.0 / 19.0, evaluateCars(sequence).hota.value(), 1e-12);
 }
 
-TEST(TrackErrorTest, hotaPrefersThePartnerOfTheWholeTrack) {
+TEST(TrackErrorTest, HotaPrefersThePartnerOfTheWholeTrack) {
   // Track 1 follows all along; track 2 overlaps more for one frame. Giving that frame to track 2
   // would leave an association of (9 * 9/10 + 1 * 1/10) / 10 = 0.82.
   auto sequence = sequenceOf(10);
@@ -203,7 +203,7 @@ TEST(TrackErrorTest, hotaPrefersThePartnerOfTheWholeTrack) {
   EXPECT_NEAR(10.0 / 11.0, error.deta.value(), 1e-12);
 }
 
-TEST(TrackErrorTest, neighboursAndIgnoredTruthAreNeitherRightNorWrong) {
+TEST(TrackErrorTest, NeighboursAndIgnoredTruthAreNeitherRightNorWrong) {
   auto sequence = sequenceOf(1);
   auto& frame = sequence.frames[0];
   auto van = box2dAt(1, 0, 0.0, 50.0, ObjectClass::kVan);
@@ -224,7 +224,7 @@ TEST(TrackErrorTest, neighboursAndIgnoredTruthAreNeitherRightNorWrong) {
   EXPECT_NEAR(1.0, error.recall.value(), 1e-12);
 }
 
-TEST(TrackErrorTest, otherClassesAreNoNeighbours) {
+TEST(TrackErrorTest, OtherClassesAreNoNeighbours) {
   auto sequence = sequenceOf(1);
   sequence.frames[0].truth = {box2dAt(1, 0, 0.0, 50.0, ObjectClass::kTruck), box2dAt(2, 1)};
   sequence.frames[0].estimates = {box2dAt(1, 0)};
@@ -233,7 +233,7 @@ TEST(TrackErrorTest, otherClassesAreNoNeighbours) {
   EXPECT_EQ(1u, error.fn);
 }
 
-TEST(TrackErrorTest, smallBoxesAndDontCareRegionsHarmOnlyIfMatched) {
+TEST(TrackErrorTest, SmallBoxesAndDontCareRegionsHarmOnlyIfMatched) {
   auto sequence = sequenceOf(1);
   auto& frame = sequence.frames[0];
   frame.truth = {box2dAt(1, 0, 0.0, 20.0), box2dAt(2, 5)};
@@ -248,7 +248,7 @@ TEST(TrackErrorTest, smallBoxesAndDontCareRegionsHarmOnlyIfMatched) {
   EXPECT_EQ(1u, error.fn);
 }
 
-TEST(TrackErrorTest, historyStartsAnewWhereTruthIsIgnored) {
+TEST(TrackErrorTest, HistoryStartsAnewWhereTruthIsIgnored) {
   auto sequence = sequenceOf(9);
   for (std::size_t k = 0; k < 9; ++k) {
     auto truth = box2dAt(1, 0);
@@ -262,7 +262,7 @@ TEST(TrackErrorTest, historyStartsAnewWhereTruthIsIgnored) {
   EXPECT_EQ(0u, error.idsw + error.frag + error.fn);
 }
 
-TEST(TrackErrorTest, positionsAreRightWithinTwoMetresOnTheGround) {
+TEST(TrackErrorTest, PositionsAreRightWithinTwoMetresOnTheGround) {
   auto sequence = sequenceOf(2);
   for (auto& frame : sequence.frames) {
     frame.truth = {box3dAt(1, 0.0, 10.0), box3dAt(2, 10.0, 10.0), box3dAt(3, 20.0, 10.0)};
@@ -278,7 +278,7 @@ TEST(TrackErrorTest, positionsAreRightWithinTwoMetresOnTheGround) {
   EXPECT_EQ(2u, error.tp) << "the lifted box does not overlap";
 }
 
-TEST(TrackErrorTest, classesAndSequencesArePooled) {
+TEST(TrackErrorTest, ClassesAndSequencesArePooled) {
   auto cars = sequenceOf(4);
   auto people = sequenceOf(4);
   for (auto& frame : cars.frames) {
@@ -296,7 +296,7 @@ TEST(TrackErrorTest, classesAndSequencesArePooled) {
   EXPECT_EQ(8u, errors.all.truth_boxes);
 }
 
-TEST(TrackErrorTest, identitiesOfDifferentSequencesHaveNothingInCommon) {
+TEST(TrackErrorTest, IdentitiesOfDifferentSequencesHaveNothingInCommon) {
   auto first = sequenceOf(3);
   auto second = sequenceOf(3);
   for (auto& frame : first.frames) {
@@ -310,7 +310,7 @@ TEST(TrackErrorTest, identitiesOfDifferentSequencesHaveNothingInCommon) {
   EXPECT_EQ(0u, trackErrors({first, second}, imageParams()).all.idsw);
 }
 
-TEST(TrackErrorTest, withoutTruthThereAreNoFiguresButFalseAlarmsCount) {
+TEST(TrackErrorTest, WithoutTruthThereAreNoFiguresButFalseAlarmsCount) {
   auto sequence = sequenceOf(2);
   sequence.frames[0].estimates = {box2dAt(1, 0)};
   const auto error = evaluateCars(sequence);
@@ -319,7 +319,7 @@ TEST(TrackErrorTest, withoutTruthThereAreNoFiguresButFalseAlarmsCount) {
   EXPECT_EQ(0.0, error.precision.value());
 }
 
-TEST(TrackErrorTest, withoutEstimatesEverythingIsMissed) {
+TEST(TrackErrorTest, WithoutEstimatesEverythingIsMissed) {
   auto sequence = sequenceOf(2);
   sequence.frames[0].truth = {box2dAt(1, 0)};
   const auto error = evaluateCars(sequence);
@@ -330,7 +330,7 @@ TEST(TrackErrorTest, withoutEstimatesEverythingIsMissed) {
   EXPECT_FALSE(error.precision || error.motp || error.rmse_m);
 }
 
-TEST(TrackErrorTest, orderOfRowsDoesNotMatter) {
+TEST(TrackErrorTest, OrderOfRowsDoesNotMatter) {
   auto sequence = sequenceOf(12);
   for (std::size_t k = 0; k < 12; ++k) {
     for (int lane = 0; lane < 5; ++lane) {

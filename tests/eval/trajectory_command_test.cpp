@@ -40,7 +40,7 @@ class TrajectoryCommandTest : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(TrajectoryCommandTest, writesTableJsonAndPicture) {
+TEST_F(TrajectoryCommandTest, WritesTableJsonAndPicture) {
   const auto truth = file("truth.tum", "# t x y z qx qy qz qw\n" + tumFile(0.0, 100.0));
   const auto estimate = file("estimate.tum", tumFile(0.5, 100.001));
   const std::string json = folder_ / "e.json";
@@ -61,14 +61,14 @@ TEST_F(TrajectoryCommandTest, writesTableJsonAndPicture) {
   EXPECT_NEAR(0.5, nlohmann::json::parse(contentOf(json))["ate_rmse_m"].get<double>(), 1e-6);
 }
 
-TEST_F(TrajectoryCommandTest, kittiPosesPairRowByRow) {
+TEST_F(TrajectoryCommandTest, KittiPosesPairRowByRow) {
   const auto result =
       run(file("truth.txt", kittiFile(30, 1.0)), file("estimate.txt", kittiFile(25, 1.0)));
   EXPECT_EQ(0, result.status) << result.error;
   EXPECT_THAT(result.out, HasSubstr("25 of 25"));
 }
 
-TEST_F(TrajectoryCommandTest, whatDoesNotFitTogetherIsOneLine) {
+TEST_F(TrajectoryCommandTest, WhatDoesNotFitTogetherIsOneLine) {
   const auto tum = file("a.tum", tumFile(0.0, 0.0));
   const auto late = file("late.tum", tumFile(0.0, 1000.0));
   const auto kitti = file("a.txt", kittiFile(30, 1.0));
@@ -92,7 +92,7 @@ TEST_F(TrajectoryCommandTest, whatDoesNotFitTogetherIsOneLine) {
   }
 }
 
-TEST_F(TrajectoryCommandTest, wrongUseEndsWithStatusTwo) {
+TEST_F(TrajectoryCommandTest, WrongUseEndsWithStatusTwo) {
   const auto tum = file("a.tum", tumFile(0.0, 0.0));
   EXPECT_EQ(2, runEval("").status);
   EXPECT_EQ(2, runEval("nonsense").status);
@@ -103,14 +103,14 @@ TEST_F(TrajectoryCommandTest, wrongUseEndsWithStatusTwo) {
   EXPECT_EQ(2, run(tum, tum, "--plot picture.jpg").status);
 }
 
-TEST_F(TrajectoryCommandTest, unwritableOutputIsNamed) {
+TEST_F(TrajectoryCommandTest, UnwritableOutputIsNamed) {
   const auto tum = file("a.tum", tumFile(0.0, 0.0));
   const auto result = run(tum, tum, "--json " + std::string(folder_ / "none") + "/e.json");
   EXPECT_EQ(1, result.status);
   EXPECT_THAT(result.error, HasSubstr("e.json: cannot be written"));
 }
 
-TEST_F(TrajectoryCommandTest, truthOfARawlogIsThatBesideIt) {
+TEST_F(TrajectoryCommandTest, TruthOfARawlogIsThatBesideIt) {
   const std::string rawlogs = HEADWAY_SOURCE_DIR "/rawlogs/";
   const std::string json = folder_ / "e.json";
   const auto result =
@@ -123,7 +123,7 @@ TEST_F(TrajectoryCommandTest, truthOfARawlogIsThatBesideIt) {
   EXPECT_EQ(1, run(rawlogs + "street.rawlog", file("k.txt", kittiFile(30, 1.0))).status);
 }
 
-TEST_F(TrajectoryCommandTest, realTruthAgainstItselfHasNoError) {
+TEST_F(TrajectoryCommandTest, RealTruthAgainstItselfHasNoError) {
   HEADWAY_REQUIRE_DATA(data);
   const std::string poses = data / "kitti_poses/07.txt";
   const std::string json = folder_ / "e.json";

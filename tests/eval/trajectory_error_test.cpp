@@ -49,7 +49,7 @@ TrajectoryError compare(const std::vector<Pose>& truth, const std::vector<Pose>&
   return trajectoryError(pairByIndex(truth, estimate), params);
 }
 
-TEST(TrajectoryErrorTest, aRigidMotionOfTheWholeIsAlignedAway) {
+TEST(TrajectoryErrorTest, ARigidMotionOfTheWholeIsAlignedAway) {
   const auto truth = winding(200);
   auto estimate = truth;
   for (auto& pose : estimate) pose = somePose() * pose;
@@ -61,7 +61,7 @@ TEST(TrajectoryErrorTest, aRigidMotionOfTheWholeIsAlignedAway) {
   EXPECT_NEAR(1.0, error.path_ratio.value(), 1e-12);
 }
 
-TEST(TrajectoryErrorTest, withoutAlignmentAnOffsetIsTheError) {
+TEST(TrajectoryErrorTest, WithoutAlignmentAnOffsetIsTheError) {
   const auto truth = winding(50);
   auto estimate = truth;
   for (auto& pose : estimate) pose.translation() += Eigen::Vector3d(0.3, 0.0, -0.4);
@@ -74,7 +74,7 @@ TEST(TrajectoryErrorTest, withoutAlignmentAnOffsetIsTheError) {
   EXPECT_LT(error.rpe_trans_rmse_m, 1e-12);
 }
 
-TEST(TrajectoryErrorTest, scaleIsFoundOnlyWhereAskedFor) {
+TEST(TrajectoryErrorTest, ScaleIsFoundOnlyWhereAskedFor) {
   const auto truth = winding(100);
   auto estimate = truth;
   for (auto& pose : estimate) {
@@ -90,7 +90,7 @@ TEST(TrajectoryErrorTest, scaleIsFoundOnlyWhereAskedFor) {
   EXPECT_GT(rigid.ate_m.rmse, 1.0);
 }
 
-TEST(TrajectoryErrorTest, alignmentIsTheBestThereIs) {
+TEST(TrajectoryErrorTest, AlignmentIsTheBestThereIs) {
   const auto truth = winding(100);
   std::mt19937 random(7);
   std::normal_distribution<double> noise(0.0, 0.1);
@@ -113,7 +113,7 @@ TEST(TrajectoryErrorTest, alignmentIsTheBestThereIs) {
   }
 }
 
-TEST(TrajectoryErrorTest, aStraightPathIsAlignedWithoutMirroring) {
+TEST(TrajectoryErrorTest, AStraightPathIsAlignedWithoutMirroring) {
   const auto truth = straight(51, 1.2);
   auto estimate = truth;
   for (auto& pose : estimate) pose = somePose() * pose;
@@ -122,7 +122,7 @@ TEST(TrajectoryErrorTest, aStraightPathIsAlignedWithoutMirroring) {
   EXPECT_NEAR(1.0, error.T_truth_estimate.linear().determinant(), 1e-9);
 }
 
-TEST(TrajectoryErrorTest, knownDriftGivesKnownRelativeErrors) {
+TEST(TrajectoryErrorTest, KnownDriftGivesKnownRelativeErrors) {
   // Each step is 2 % too long and turned by 0.1 degrees too much.
   const std::size_t frames = 1001;
   const auto truth = straight(frames, 1.0);
@@ -149,7 +149,7 @@ TEST(TrajectoryErrorTest, knownDriftGivesKnownRelativeErrors) {
   EXPECT_NEAR(0.0, kitti.rot_deg_per_m, 1e-6);
 }
 
-TEST(TrajectoryErrorTest, knownTurnGivesKnownRotationErrors) {
+TEST(TrajectoryErrorTest, KnownTurnGivesKnownRotationErrors) {
   const auto truth = straight(102, 1.0);
   std::vector<Pose> estimate(1, Pose::Identity());
   Pose motion = Pose::Identity();
@@ -163,7 +163,7 @@ TEST(TrajectoryErrorTest, knownTurnGivesKnownRotationErrors) {
   EXPECT_NEAR(0.1 * 101.0 / 100.0, error.kitti->rot_deg_per_m, 1e-9);
 }
 
-TEST(TrajectoryErrorTest, shortPathsHaveNoSegmentErrorsUnlessShortSegmentsAreAskedFor) {
+TEST(TrajectoryErrorTest, ShortPathsHaveNoSegmentErrorsUnlessShortSegmentsAreAskedFor) {
   const auto truth = straight(51, 1.2);
   EXPECT_FALSE(compare(truth, truth).kitti.has_value());
   TrajectoryErrorParams params;
@@ -173,7 +173,7 @@ TEST(TrajectoryErrorTest, shortPathsHaveNoSegmentErrorsUnlessShortSegmentsAreAsk
   EXPECT_NEAR(0.0, error.kitti->trans_percent, 1e-9);
 }
 
-TEST(TrajectoryErrorTest, aStandstillHasNoPathRatio) {
+TEST(TrajectoryErrorTest, AStandstillHasNoPathRatio) {
   const std::vector<Pose> still(10, Pose::Identity());
   const auto error = compare(still, still);
   EXPECT_FALSE(error.path_ratio.has_value());
@@ -181,13 +181,13 @@ TEST(TrajectoryErrorTest, aStandstillHasNoPathRatio) {
   EXPECT_THROW((void)compare(winding(10), still, Alignment::kScale), InputError);
 }
 
-TEST(TrajectoryErrorTest, tooFewPairsAreAnError) {
+TEST(TrajectoryErrorTest, TooFewPairsAreAnError) {
   EXPECT_THROW((void)compare(winding(2), winding(2)), InputError);
   EXPECT_NO_THROW((void)compare(winding(2), winding(2), Alignment::kNone));
   EXPECT_THROW((void)compare(winding(1), winding(1), Alignment::kNone), InputError);
 }
 
-TEST(ErrorStatisticsTest, areThoseWorkedOutByHand) {
+TEST(ErrorStatisticsTest, AreThoseWorkedOutByHand) {
   const auto s = statisticsOf({4.0, 0.0, 1.0, 3.0});
   EXPECT_DOUBLE_EQ(2.0, s.mean);
   EXPECT_DOUBLE_EQ(2.0, s.median);
@@ -198,7 +198,7 @@ TEST(ErrorStatisticsTest, areThoseWorkedOutByHand) {
   EXPECT_EQ(0.0, statisticsOf({}).rmse);
 }
 
-TEST(TrajectoryJsonTest, holdsTheAgreedKeysAndNullWhereUndefined) {
+TEST(TrajectoryJsonTest, HoldsTheAgreedKeysAndNullWhereUndefined) {
   const auto json = toJson(compare(straight(20, 1.0), straight(20, 1.0)));
   for (const char* key : {"frames", "frames_matched", "path_m", "path_ratio", "ate_rmse_m",
                           "ate_mean_m", "ate_sd_m", "ate_median_m", "ate_max_m", "rpe_trans_rmse_m",

@@ -47,14 +47,14 @@ class BadRawlogTest : public ::testing::Test {
   std::string path_ = folder_ / "x.rawlog";
 };
 
-TEST_F(BadRawlogTest, whatIsNoFileIsNamed) {
+TEST_F(BadRawlogTest, WhatIsNoFileIsNamed) {
   path_ = folder_ / "nowhere.rawlog";
   EXPECT_THAT(errorOfFile(), AllOf(HasSubstr("nowhere.rawlog"), HasSubstr("No such file")));
   path_ = folder_.path();
   EXPECT_THAT(errorOfFile(), HasSubstr("is a folder"));
 }
 
-TEST_F(BadRawlogTest, emptyAndForeignFilesAreNotRawlogs) {
+TEST_F(BadRawlogTest, EmptyAndForeignFilesAreNotRawlogs) {
   EXPECT_THAT(errorOfContent(""), HasSubstr("x.rawlog: is empty"));
   EXPECT_THAT(errorOfContent("hello"), HasSubstr("is not a rawlog"));
   EXPECT_THAT(errorOfContent("\x89PNG\r\n\x1a\n and more of it"), HasSubstr("is not a rawlog"));
@@ -63,7 +63,7 @@ TEST_F(BadRawlogTest, emptyAndForeignFilesAreNotRawlogs) {
               AllOf(HasSubstr("zstd"), HasSubstr("zstd -d")));
 }
 
-TEST_F(BadRawlogTest, randomBytesAreRefusedWhateverTheyAre) {
+TEST_F(BadRawlogTest, RandomBytesAreRefusedWhateverTheyAre) {
   std::mt19937 random(7);
   for (int trial = 0; trial < 200; ++trial) {
     std::string bytes(1 + random() % 5000, '\0');
@@ -72,14 +72,14 @@ TEST_F(BadRawlogTest, randomBytesAreRefusedWhateverTheyAre) {
   }
 }
 
-TEST_F(BadRawlogTest, messagesAreOneLine) {
+TEST_F(BadRawlogTest, MessagesAreOneLine) {
   EXPECT_THAT(errorOfContent("\x9fmrpt::obs::CObservationOdometry and rubbish"),
               Not(HasSubstr("\n")));
   EXPECT_THAT(errorOfContent("\x9fmrpt::obs::CObservationOdometry\x02 and rubbish"),
               Not(HasSubstr("\n")));
 }
 
-TEST_F(BadRawlogTest, aRawlogWithoutStereoSaysWhatItHolds) {
+TEST_F(BadRawlogTest, ARawlogWithoutStereoSaysWhatItHolds) {
   auto gps = mrpt::obs::CObservationGPS::Create();
   test::writeObjects(path_, {gps, test::singleImage(0, 0, 1.0, "webcam")});
   EXPECT_THAT(errorOfFile(), AllOf(HasSubstr("neither stereo images nor poses"),
@@ -117,19 +117,19 @@ void expectWholeFramesBeforeEveryCut(const std::string& path, const std::string&
   EXPECT_GE(most, 3u);
 }
 
-TEST_F(BadRawlogTest, aCompressedFileCutAnywhereGivesWhatIsWhole) {
+TEST_F(BadRawlogTest, ACompressedFileCutAnywhereGivesWhatIsWhole) {
   test::recordWalls(path_, 4);
   expectWholeFramesBeforeEveryCut(path_, test::contentOf(path_));
 }
 
-TEST_F(BadRawlogTest, aPlainFileCutAnywhereGivesWhatIsWhole) {
+TEST_F(BadRawlogTest, APlainFileCutAnywhereGivesWhatIsWhole) {
   std::vector<mrpt::serialization::CSerializable::Ptr> objects;
   for (int i = 0; i < 4; ++i) objects.push_back(test::wallObservation(i, test::frameTime(i)));
   test::writeObjects(path_, objects, false);
   expectWholeFramesBeforeEveryCut(path_, test::contentOf(path_));
 }
 
-TEST_F(BadRawlogTest, sensoryFramesCutAnywhereGiveWhatIsWhole) {
+TEST_F(BadRawlogTest, SensoryFramesCutAnywhereGiveWhatIsWhole) {
   std::vector<mrpt::serialization::CSerializable::Ptr> objects;
   for (int i = 0; i < 4; ++i) {
     auto frame = mrpt::obs::CSensoryFrame::Create();
@@ -140,7 +140,7 @@ TEST_F(BadRawlogTest, sensoryFramesCutAnywhereGiveWhatIsWhole) {
   expectWholeFramesBeforeEveryCut(path_, test::contentOf(path_));
 }
 
-TEST_F(BadRawlogTest, aFileCutBetweenTheObservationsOfASensoryFrameIsBrokenOff) {
+TEST_F(BadRawlogTest, AFileCutBetweenTheObservationsOfASensoryFrameIsBrokenOff) {
   auto frame = mrpt::obs::CSensoryFrame::Create();
   frame->insert(test::wallObservation(0, test::frameTime(0)));
   test::writeObjects(path_, {frame}, false);
@@ -152,7 +152,7 @@ TEST_F(BadRawlogTest, aFileCutBetweenTheObservationsOfASensoryFrameIsBrokenOff) 
   EXPECT_THAT(*source.truncation(), HasSubstr("sensory frame"));
 }
 
-TEST_F(BadRawlogTest, bytesTurnedOverNeverCrash) {
+TEST_F(BadRawlogTest, BytesTurnedOverNeverCrash) {
   test::recordWalls(path_, 2);
   std::vector<mrpt::serialization::CSerializable::Ptr> objects;
   for (int i = 0; i < 2; ++i) objects.push_back(test::wallObservation(i, test::frameTime(i)));
@@ -199,7 +199,7 @@ std::string withUnknownClass(const std::string& path, bool in_sensory_frame) {
   return content;
 }
 
-TEST_F(BadRawlogTest, objectsOfUnknownClassesAreLeaptOverAndCounted) {
+TEST_F(BadRawlogTest, ObjectsOfUnknownClassesAreLeaptOverAndCounted) {
   for (const bool in_sensory_frame : {false, true}) {
     const std::string content = withUnknownClass(path_, in_sensory_frame);
     test::writeContent(path_, content);
@@ -211,7 +211,7 @@ TEST_F(BadRawlogTest, objectsOfUnknownClassesAreLeaptOverAndCounted) {
   }
 }
 
-TEST_F(BadRawlogTest, observationsInsideAnObjectOfAnUnknownClassAreFound) {
+TEST_F(BadRawlogTest, ObservationsInsideAnObjectOfAnUnknownClassAreFound) {
   test::writeObjects(path_, {test::wallObservation(0, test::frameTime(0))}, false);
   const std::string first = test::contentOf(path_);
   test::writeObjects(path_, {test::wallObservation(1, test::frameTime(1))}, false);
@@ -225,7 +225,7 @@ TEST_F(BadRawlogTest, observationsInsideAnObjectOfAnUnknownClassAreFound) {
                                                        ::testing::Pair("time_backwards", 2u)));
 }
 
-TEST_F(BadRawlogTest, anUnreadableLastObjectIsCountedAndNotATruncation) {
+TEST_F(BadRawlogTest, AnUnreadableLastObjectIsCountedAndNotATruncation) {
   test::writeObjects(path_, {test::wallObservation(0, test::frameTime(0))}, false);
   const std::string good = test::contentOf(path_);
   test::writeObjects(path_, {mrpt::obs::CObservationGPS::Create()}, false);
@@ -240,7 +240,7 @@ TEST_F(BadRawlogTest, anUnreadableLastObjectIsCountedAndNotATruncation) {
   EXPECT_EQ(7u, source.skipped().at("unreadable_CObservationGPS"));
 }
 
-TEST_F(BadRawlogTest, objectsOfANewerVersionAreLeaptOverAndCounted) {
+TEST_F(BadRawlogTest, ObjectsOfANewerVersionAreLeaptOverAndCounted) {
   test::writeObjects(path_, {test::wallObservation(0, test::frameTime(0))}, false);
   const std::string good = test::contentOf(path_);
   test::writeObjects(path_, {mrpt::obs::CObservationGPS::Create()}, false);
@@ -255,7 +255,7 @@ TEST_F(BadRawlogTest, objectsOfANewerVersionAreLeaptOverAndCounted) {
               ::testing::ElementsAre(::testing::Pair("unreadable_CObservationGPS", 1u)));
 }
 
-TEST_F(BadRawlogTest, calibrationsThatCannotBeAreRefusedWithTheReason) {
+TEST_F(BadRawlogTest, CalibrationsThatCannotBeAreRefusedWithTheReason) {
   const RawStereoCamera good = rawFrom(test::smallCamera());
   EXPECT_EQ("no error", errorOfCamera(good));
   const auto with = [&](auto change) {
@@ -279,12 +279,12 @@ TEST_F(BadRawlogTest, calibrationsThatCannotBeAreRefusedWithTheReason) {
   EXPECT_THAT(with([](auto& c) { c.right.width = 640; }), HasSubstr("differ in size"));
 }
 
-TEST_F(BadRawlogTest, swappedImagesAreRecognised) {
+TEST_F(BadRawlogTest, SwappedImagesAreRecognised) {
   EXPECT_THAT(errorOfCamera(rawFrom(test::smallCamera()), true),
               AllOf(HasSubstr("median disparity"), HasSubstr("-8.0"), HasSubstr("swapped")));
 }
 
-TEST_F(BadRawlogTest, fisheyeLensesAreRefused) {
+TEST_F(BadRawlogTest, FisheyeLensesAreRefused) {
   auto observation = test::wallObservation(0, 1.0);
   observation->leftCamera.setDistortionKannalaBrandt(0.1, 0, 0, 0);
   test::writeObjects(path_, {observation});

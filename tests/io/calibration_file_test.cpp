@@ -24,7 +24,7 @@ std::string messageFor(const std::string& text) {
   return test::errorOf([&] { (void)readRawCalibration(path); });
 }
 
-TEST(CalibrationFileTest, readsWhatItWroteToTheLastDigit) {
+TEST(CalibrationFileTest, ReadsWhatItWroteToTheLastDigit) {
   const headway::test::TemporaryFolder folder;
   StereoCamera camera = test::smallCamera();
   camera.fx = 1000.0 / 3.0;
@@ -43,7 +43,7 @@ TEST(CalibrationFileTest, readsWhatItWroteToTheLastDigit) {
   EXPECT_EQ(camera.T_robot_cam.matrix(), read.T_robot_cam.matrix());
 }
 
-TEST(CalibrationFileTest, readsLensesThatAreNotRectified) {
+TEST(CalibrationFileTest, ReadsLensesThatAreNotRectified) {
   const headway::test::TemporaryFolder folder;
   test::writeContent(folder / "c.yaml", kFiveLines);
   const RawStereoCamera camera = readRawCalibration(folder / "c.yaml");
@@ -59,7 +59,7 @@ TEST(CalibrationFileTest, readsLensesThatAreNotRectified) {
               HasSubstr("not rectified"));
 }
 
-TEST(CalibrationFileTest, rightLensIsLikeTheLeftWhereItIsMissing) {
+TEST(CalibrationFileTest, RightLensIsLikeTheLeftWhereItIsMissing) {
   const headway::test::TemporaryFolder folder;
   test::writeContent(folder / "c.yaml",
                      "image_size: [100, 50]\nleft: [80, 81, 50, 25]\nbaseline_m: 0.3\n");
@@ -69,7 +69,7 @@ TEST(CalibrationFileTest, rightLensIsLikeTheLeftWhereItIsMissing) {
   EXPECT_TRUE(camera.T_robot_cam.isApprox(robotFromOptical()));
 }
 
-TEST(CalibrationFileTest, whatIsWrongIsNamed) {
+TEST(CalibrationFileTest, WhatIsWrongIsNamed) {
   const std::string size = "image_size: [100, 50]\n";
   const std::string lens = "left: [80, 80, 50, 25]\n";
   EXPECT_THAT(messageFor(""), HasSubstr("c.yaml"));

@@ -15,7 +15,7 @@ cv::Mat movedDown(const cv::Mat& image, int rows) {
   return result;
 }
 
-TEST(CalibrationReportTest, measuresBothDisparities) {
+TEST(CalibrationReportTest, MeasuresBothDisparities) {
   for (const int disparity : {0, 3, 15, -12}) {
     const auto [left, right] = test::wall(5, disparity, {320, 240});
     const auto report = measureCalibration(left, right, test::smallCamera());
@@ -28,7 +28,7 @@ TEST(CalibrationReportTest, measuresBothDisparities) {
   EXPECT_NEAR(2.0, report.vertical_disparity_px, 0.1);
 }
 
-TEST(CalibrationReportTest, picturesOfNothingSayNothing) {
+TEST(CalibrationReportTest, PicturesOfNothingSayNothing) {
   const cv::Mat blank(120, 160, CV_8UC1, cv::Scalar(128));
   const auto report = measureCalibration(blank, blank, test::smallCamera());
   EXPECT_EQ(0u, report.matches);
@@ -37,12 +37,12 @@ TEST(CalibrationReportTest, picturesOfNothingSayNothing) {
   EXPECT_NO_THROW(requireNotSwapped(report));
 }
 
-TEST(CalibrationReportTest, imagesSmallerThanAPatchSayNothing) {
+TEST(CalibrationReportTest, ImagesSmallerThanAPatchSayNothing) {
   const cv::Mat tiny(4, 6, CV_8UC1, cv::Scalar(0));
   EXPECT_EQ(0u, measureCalibration(tiny, tiny, test::smallCamera()).matches);
 }
 
-TEST(CalibrationReportTest, onlyClearEvidenceCountsAsSwapped) {
+TEST(CalibrationReportTest, OnlyClearEvidenceCountsAsSwapped) {
   CalibrationReport report;
   report.matches = 100;
   report.median_disparity_px = -5.0;

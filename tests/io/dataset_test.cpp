@@ -47,7 +47,7 @@ constexpr char kKittiCalibration[] =
     "P3: 110 0 81 -49 0 110 61 0.9 0 0 1 0.002\n"
     "R0_rect: 1 0 0 0 1 0 0 0 1\n";
 
-TEST_F(DatasetTest, kittiOdometryIsReadWithTimesAndTruth) {
+TEST_F(DatasetTest, KittiOdometryIsReadWithTimesAndTruth) {
   writeKittiImages("image_0", "image_1", 3);
   write("sequences/07/calib.txt", kKittiCalibration);
   write("sequences/07/times.txt", "0\n0.1\n0.25\n");
@@ -68,7 +68,7 @@ TEST_F(DatasetTest, kittiOdometryIsReadWithTimesAndTruth) {
   EXPECT_TRUE(camera->T_robot_left.isApprox(robotFromOptical()));
 }
 
-TEST_F(DatasetTest, kittiColourServesWhereGreyIsMissing) {
+TEST_F(DatasetTest, KittiColourServesWhereGreyIsMissing) {
   writeKittiImages("image_2", "image_3", 2);
   write("sequences/07/calib.txt", kKittiCalibration);
   const auto dataset = openKittiOdometry(root_, "07");
@@ -82,7 +82,7 @@ TEST_F(DatasetTest, kittiColourServesWhereGreyIsMissing) {
   EXPECT_GT(camera->T_robot_left.translation().y(), 0.04);
 }
 
-TEST_F(DatasetTest, kittiImagesWithoutPartnerAreCounted) {
+TEST_F(DatasetTest, KittiImagesWithoutPartnerAreCounted) {
   writeKittiImages("image_0", "image_1", 3);
   fs::remove(folder_ / "sequences/07/image_1/000001.png");
   write("sequences/07/calib.txt", kKittiCalibration);
@@ -92,7 +92,7 @@ TEST_F(DatasetTest, kittiImagesWithoutPartnerAreCounted) {
   EXPECT_THAT(dataset->dropped(), ElementsAre(Pair("unpaired_image", 1u)));
 }
 
-TEST_F(DatasetTest, kittiErrorsNameTheFile) {
+TEST_F(DatasetTest, KittiErrorsNameTheFile) {
   const auto message = [&] { return test::errorOf([&] { (void)openKittiOdometry(root_, "07"); }); };
   EXPECT_THAT(message(), HasSubstr("sequences/07: is not a folder"));
   writeKittiImages("image_0", "image_1", 2);
@@ -108,7 +108,7 @@ TEST_F(DatasetTest, kittiErrorsNameTheFile) {
               HasSubstr("image_1/000001.png: is missing, broken"));
 }
 
-TEST_F(DatasetTest, kittiTrackingJoinsPosesBoxesAndTruth) {
+TEST_F(DatasetTest, KittiTrackingJoinsPosesBoxesAndTruth) {
   write("training/pose_orbslam3/0001.txt",
         "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 2\n1 0 0 0 0 1 0 0 0 0 1 4\n");
   write("training/label_02/0001.txt",
@@ -156,7 +156,7 @@ void writeEurocSensors(const std::function<void(const std::string&, const std::s
   }
 }
 
-TEST_F(DatasetTest, eurocIsReadWithTheRobotLookingForward) {
+TEST_F(DatasetTest, EurocIsReadWithTheRobotLookingForward) {
   const auto writer = [&](const std::string& name, const std::string& text) { write(name, text); };
   writeEurocSensors(writer);
   write("mav0/cam0/data.csv",
@@ -195,7 +195,7 @@ TEST_F(DatasetTest, eurocIsReadWithTheRobotLookingForward) {
   EXPECT_TRUE(dataset->inertial()[0].acceleration.isApprox(Eigen::Vector3d(0, 0, 9.81), 1e-9));
 }
 
-TEST_F(DatasetTest, eurocErrorsNameTheFile) {
+TEST_F(DatasetTest, EurocErrorsNameTheFile) {
   const auto message = [&] { return test::errorOf([&] { (void)openEuroc(root_); }); };
   EXPECT_THAT(message(), HasSubstr("mav0: is not a folder"));
   const auto writer = [&](const std::string& name, const std::string& text) { write(name, text); };
@@ -210,7 +210,7 @@ TEST_F(DatasetTest, eurocErrorsNameTheFile) {
   EXPECT_THAT(message(), HasSubstr("cam1/sensor.yaml: key 'intrinsics' is missing"));
 }
 
-TEST_F(DatasetTest, imageFoldersArePairedByTheOrderOfNames) {
+TEST_F(DatasetTest, ImageFoldersArePairedByTheOrderOfNames) {
   for (int i = 0; i < 3; ++i) {
     writeImage("l/left" + std::to_string(i) + ".png", test::wall(i).left);
     writeImage("r/right" + std::to_string(i) + ".png", test::wall(i).right);
@@ -241,7 +241,7 @@ TEST_F(DatasetTest, imageFoldersArePairedByTheOrderOfNames) {
               HasSubstr("nowhere: is not a folder"));
 }
 
-TEST_F(DatasetTest, realEurocCamerasLookForwardAndTruthIsLevel) {
+TEST_F(DatasetTest, RealEurocCamerasLookForwardAndTruthIsLevel) {
   HEADWAY_REQUIRE_DATA(data);
   const auto dataset = openEuroc(data / "euroc/MH_01_easy");
   EXPECT_EQ(200u, dataset->size());

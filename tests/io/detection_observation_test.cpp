@@ -47,7 +47,7 @@ CObservationObjectDetections::Ptr throughArchive(const CObservationObjectDetecti
   return archive.ReadObject<CObservationObjectDetections>();
 }
 
-TEST(DetectionObservationTest, keepsEverythingThroughSerialisation) {
+TEST(DetectionObservationTest, KeepsEverythingThroughSerialisation) {
   registerClasses();
   const auto original = everyKindOfBox();
   const auto read = throughArchive(*observationFrom("detections", original));
@@ -72,7 +72,7 @@ TEST(DetectionObservationTest, keepsEverythingThroughSerialisation) {
   EXPECT_TRUE(std::isnan(copy.items[2].box3d->centre.x()));
 }
 
-TEST(DetectionObservationTest, unknownClassesAreCountedNotGuessed) {
+TEST(DetectionObservationTest, UnknownClassesAreCountedNotGuessed) {
   auto observation = observationFrom("detections", everyKindOfBox());
   observation->items[0].class_name = "Unicorn";
   std::map<std::string, std::size_t> dropped;
@@ -80,7 +80,7 @@ TEST(DetectionObservationTest, unknownClassesAreCountedNotGuessed) {
   EXPECT_EQ(1u, dropped["unknown_class"]);
 }
 
-TEST(DetectionObservationTest, aNewerVersionIsRefused) {
+TEST(DetectionObservationTest, ANewerVersionIsRefused) {
   registerClasses();
   mrpt::io::CMemoryStream stream;
   auto archive = mrpt::serialization::archiveFrom(stream);
@@ -96,7 +96,7 @@ TEST(DetectionObservationTest, aNewerVersionIsRefused) {
   EXPECT_THROW((void)newer_archive.ReadObject(), std::exception);
 }
 
-TEST(DetectionObservationTest, describesItself) {
+TEST(DetectionObservationTest, DescribesItself) {
   const auto observation = observationFrom("detections", everyKindOfBox());
   EXPECT_THAT(observation->asString(),
               ::testing::AllOf(HasSubstr("Detections: 3"), HasSubstr("Car score 0.75 id 42"),
@@ -105,7 +105,7 @@ TEST(DetectionObservationTest, describesItself) {
   EXPECT_FALSE(observation->exportTxtHeader().empty());
 }
 
-TEST(DetectionPluginTest, stockRawlogEditReadsOurRawlogs) {
+TEST(DetectionPluginTest, StockRawlogEditReadsOurRawlogs) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "stock programs cannot load a plug-in built with a sanitizer";
 #endif

@@ -46,7 +46,7 @@ class ImportExportTest : public ::testing::Test {
   headway::test::TemporaryFolder folder_;
 };
 
-TEST_F(ImportExportTest, usageIsChecked) {
+TEST_F(ImportExportTest, UsageIsChecked) {
   EXPECT_EQ(2, import("").status);
   EXPECT_EQ(2, import("nuscenes /x -o y").status);
   EXPECT_EQ(2, import("kitti-odometry /x -o y.rawlog").status);  // no sequence
@@ -61,13 +61,13 @@ TEST_F(ImportExportTest, usageIsChecked) {
   EXPECT_THAT(dump.output, HasSubstr("drop_probability"));
 }
 
-TEST_F(ImportExportTest, theShippedConfigurationIsTheDefault) {
+TEST_F(ImportExportTest, TheShippedConfigurationIsTheDefault) {
   const std::string shipped = std::string(HEADWAY_SOURCE_DIR) + "/config/degrade.ini";
   EXPECT_EQ(test::contentOf(shipped), import("euroc --dump-config").output)
       << "config/degrade.ini is made by: headway-import euroc --dump-config > config/degrade.ini";
 }
 
-TEST_F(ImportExportTest, badInputIsOneLineAndStatusOne) {
+TEST_F(ImportExportTest, BadInputIsOneLineAndStatusOne) {
   const auto result = import("kitti-odometry /nowhere --sequence 06 -o " + at("x.rawlog"));
   EXPECT_EQ(1, result.status);
   EXPECT_THAT(result.output, AllOf(HasSubstr("/nowhere/sequences/06"), HasSubstr("\n")));
@@ -80,7 +80,7 @@ TEST_F(ImportExportTest, badInputIsOneLineAndStatusOne) {
   EXPECT_FALSE(fs::exists(folder_ / "out"));
 }
 
-TEST_F(ImportExportTest, whatExistsIsNotOverwrittenUnasked) {
+TEST_F(ImportExportTest, WhatExistsIsNotOverwrittenUnasked) {
   const std::string call = imageFolders(2);
   test::writeContent(folder_ / "x.rawlog", "precious");
   const auto refused = import(call);
@@ -94,7 +94,7 @@ TEST_F(ImportExportTest, whatExistsIsNotOverwrittenUnasked) {
   EXPECT_EQ(0, exported("kitti-odometry " + at("x.rawlog") + " -w -q -o " + at("out")).status);
 }
 
-TEST_F(ImportExportTest, unwritableOutputIsSaid) {
+TEST_F(ImportExportTest, UnwritableOutputIsSaid) {
   const std::string call = imageFolders(1);
   test::writeContent(folder_ / "file", "");
   const auto result = import(call.substr(0, call.find(" -o")) + " -o " + at("file/x.rawlog"));
@@ -105,7 +105,7 @@ TEST_F(ImportExportTest, unwritableOutputIsSaid) {
   EXPECT_THAT(full.output, HasSubstr("/dev/full"));
 }
 
-TEST_F(ImportExportTest, colourComesBackPixelForPixelInsideAndBeside) {
+TEST_F(ImportExportTest, ColourComesBackPixelForPixelInsideAndBeside) {
   for (const std::string storage : {"", "--external-images"}) {
     ASSERT_EQ(0, import(imageFolders(2, true) + "-w " + storage).status);
     const auto result = exported("kitti-odometry " + at("x.rawlog") + " -w -o " + at("out"));
@@ -121,7 +121,7 @@ TEST_F(ImportExportTest, colourComesBackPixelForPixelInsideAndBeside) {
   EXPECT_TRUE(fs::exists(folder_ / "x_Images"));
 }
 
-TEST_F(ImportExportTest, sideFilesAndDegradingReachTheRawlog) {
+TEST_F(ImportExportTest, SideFilesAndDegradingReachTheRawlog) {
   test::writeContent(folder_ / "boxes.csv",
                      "frame,class,score,x,y,z,length,width,height,yaw\n"
                      "1,Car,0.9,1,1,20,4,2,1.5,0\n2,Car,0.9,1,1,20,4,2,1.5,0\n1,Unicorn,1,1,1,20,"
@@ -153,7 +153,7 @@ TEST_F(ImportExportTest, sideFilesAndDegradingReachTheRawlog) {
   EXPECT_THAT(unknown_key.output, AllOf(HasSubstr("degrade.ini"), HasSubstr("wind")));
 }
 
-TEST_F(ImportExportTest, aPartCanBeTaken) {
+TEST_F(ImportExportTest, APartCanBeTaken) {
   const std::string call = imageFolders(5);
   ASSERT_EQ(0, import(call + "--from-index 1 --to-index 3").status);
   const auto frames = test::framesOf(at("x.rawlog"));
@@ -167,7 +167,7 @@ TEST_F(ImportExportTest, aPartCanBeTaken) {
   EXPECT_EQ(1, import(call + "-w --from-index 9").status);
 }
 
-TEST_F(ImportExportTest, kittiComesBackUnharmedFromARawlog) {
+TEST_F(ImportExportTest, KittiComesBackUnharmedFromARawlog) {
   HEADWAY_REQUIRE_DATA(data);
   const std::string original = data / "kitti_odometry";
   ASSERT_EQ(0, import("kitti-odometry " + original + " --sequence 06 --to-index 15 -q -o " +
@@ -194,7 +194,7 @@ TEST_F(ImportExportTest, kittiComesBackUnharmedFromARawlog) {
   EXPECT_LT((a.at("P1") - b.at("P1")).cwiseAbs().maxCoeff(), 1e-9);
 }
 
-TEST_F(ImportExportTest, eurocIsExportedRectified) {
+TEST_F(ImportExportTest, EurocIsExportedRectified) {
   HEADWAY_REQUIRE_DATA(data);
   ASSERT_EQ(0, import("euroc " + (data / "euroc/MH_01_easy").string() + " --to-index 4 -q -o " +
                       at("x.rawlog"))
@@ -213,7 +213,7 @@ TEST_F(ImportExportTest, eurocIsExportedRectified) {
   EXPECT_EQ(raw.calibration()->median_disparity_px, rectified.calibration()->median_disparity_px);
 }
 
-TEST_F(ImportExportTest, kittiTrackingGivesPosesAndBoxes) {
+TEST_F(ImportExportTest, KittiTrackingGivesPosesAndBoxes) {
   HEADWAY_REQUIRE_DATA(data);
   ASSERT_EQ(0, import("kitti-tracking " + (data / "kitti_tracking").string() +
                       " --sequence 0001 -q -o " + at("x.rawlog"))

@@ -14,7 +14,7 @@ Pose along(double x, double yaw = 0.0) {
   return pose;
 }
 
-TEST(MotionPriorTest, nothingKnownGivesNothing) {
+TEST(MotionPriorTest, NothingKnownGivesNothing) {
   const MotionPriorBuilder builder;
   const MotionPrior prior = builder.between(1.0, 1.1);
   EXPECT_FALSE(prior.T_previous_current);
@@ -22,7 +22,7 @@ TEST(MotionPriorTest, nothingKnownGivesNothing) {
   EXPECT_FALSE(prior.up_robot);
 }
 
-TEST(MotionPriorTest, odometryIsSeenFromThePreviousFrame) {
+TEST(MotionPriorTest, OdometryIsSeenFromThePreviousFrame) {
   MotionPriorBuilder builder;
   builder.addOdometry(1.0, along(5.0, M_PI / 2));
   Pose moved = along(5.0, M_PI / 2);
@@ -33,7 +33,7 @@ TEST(MotionPriorTest, odometryIsSeenFromThePreviousFrame) {
   EXPECT_TRUE(prior->isApprox(along(1.0), 1e-12));
 }
 
-TEST(MotionPriorTest, nothingIsExtrapolatedNorBridged) {
+TEST(MotionPriorTest, NothingIsExtrapolatedNorBridged) {
   MotionPriorBuilder builder;
   builder.addOdometry(1.0, along(0));
   builder.addOdometry(1.1, along(1));
@@ -43,7 +43,7 @@ TEST(MotionPriorTest, nothingIsExtrapolatedNorBridged) {
   EXPECT_FALSE(builder.between(1.1, 5.0).T_previous_current);
 }
 
-TEST(MotionPriorTest, samplesThatRunBackwardsInTimeAreIgnored) {
+TEST(MotionPriorTest, SamplesThatRunBackwardsInTimeAreIgnored) {
   MotionPriorBuilder builder;
   builder.addOdometry(1.0, along(0));
   builder.addOdometry(0.5, along(100));
@@ -51,7 +51,7 @@ TEST(MotionPriorTest, samplesThatRunBackwardsInTimeAreIgnored) {
   EXPECT_NEAR(1.0, builder.between(1.0, 1.1).T_previous_current->translation().x(), 1e-12);
 }
 
-TEST(MotionPriorTest, aVaryingTurnIsIntegrated) {
+TEST(MotionPriorTest, AVaryingTurnIsIntegrated) {
   MotionPriorBuilder builder;
   for (int i = 0; i <= 30; ++i) {  // the rate grows steadily: the trapezoid rule is exact
     const double time = 0.01 * i;
@@ -63,7 +63,7 @@ TEST(MotionPriorTest, aVaryingTurnIsIntegrated) {
   EXPECT_NEAR(expected, logSo3(*turn).z(), 1e-12);
 }
 
-TEST(MotionPriorTest, aGapInTheGyroscopeGivesNoTurn) {
+TEST(MotionPriorTest, AGapInTheGyroscopeGivesNoTurn) {
   MotionPriorBuilder builder;
   for (const double time : {0.0, 0.01, 0.3, 0.31}) {
     builder.addInertial({time, Eigen::Vector3d(0, 0, 1), std::nullopt});
@@ -71,7 +71,7 @@ TEST(MotionPriorTest, aGapInTheGyroscopeGivesNoTurn) {
   EXPECT_FALSE(builder.between(0.005, 0.305).R_previous_current);
 }
 
-TEST(MotionPriorTest, upIsToldOnlyWhereTheRobotAcceleratesLittle) {
+TEST(MotionPriorTest, UpIsToldOnlyWhereTheRobotAcceleratesLittle) {
   const auto upWith = [](double acceleration_norm) {
     MotionPriorBuilder builder;
     for (int i = 0; i < 10; ++i) {
@@ -86,7 +86,7 @@ TEST(MotionPriorTest, upIsToldOnlyWhereTheRobotAcceleratesLittle) {
   EXPECT_FALSE(upWith(0.0));
 }
 
-TEST(MotionPriorTest, forgettingKeepsWhatLaterFramesNeed) {
+TEST(MotionPriorTest, ForgettingKeepsWhatLaterFramesNeed) {
   MotionPriorBuilder builder, forgetful;
   for (int i = 0; i < 500; ++i) {
     const double time = 0.01 * i;

@@ -15,7 +15,7 @@ mrpt::obs::CObservation::Ptr labelled(int number) {
   return observation;
 }
 
-TEST(ObservationQueue, HandsOutWhatWasPushedInOrderAndThenNull) {
+TEST(ObservationQueueTest, HandsOutWhatWasPushedInOrderAndThenNull) {
   ObservationQueue queue;
   for (int i = 0; i < 3; ++i) queue.push(labelled(i));
   queue.push(nullptr);
@@ -26,14 +26,14 @@ TEST(ObservationQueue, HandsOutWhatWasPushedInOrderAndThenNull) {
   EXPECT_EQ(queue.dropped(), 0u);
 }
 
-TEST(ObservationQueue, GivesUpTheOldestWhereItIsFullAndCountsThem) {
+TEST(ObservationQueueTest, GivesUpTheOldestWhereItIsFullAndCountsThem) {
   ObservationQueue queue(2);
   for (int i = 0; i < 5; ++i) queue.push(labelled(i));
   EXPECT_EQ(queue.dropped(), 3u);
   EXPECT_EQ(queue.pop()->sensorLabel, "3");
 }
 
-TEST(ObservationQueue, WaitsForAnotherThread) {
+TEST(ObservationQueueTest, WaitsForAnotherThread) {
   ObservationQueue queue;
   std::thread sensor([&] {
     for (int i = 0; i < 100; ++i) queue.push(labelled(i));
@@ -47,7 +47,7 @@ TEST(ObservationQueue, WaitsForAnotherThread) {
   EXPECT_EQ(count, 100);
 }
 
-TEST(ObservationQueue, WithoutACameraIsAnError) {
+TEST(ObservationQueueTest, WithoutACameraIsAnError) {
   ObservationQueue queue;
   queue.push(labelled(1));
   queue.close();

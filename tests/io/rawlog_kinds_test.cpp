@@ -54,14 +54,14 @@ mrpt::obs::CActionCollection::Ptr movement(double forward) {
   return actions;
 }
 
-TEST_F(RawlogKindsTest, plainFilesAreReadLikeCompressedOnes) {
+TEST_F(RawlogKindsTest, PlainFilesAreReadLikeCompressedOnes) {
   auto source = opened(walls(3), {}, false);
   EXPECT_EQ(3u, test::framesOf(source).size());
   EXPECT_FALSE(source.truncation());
   EXPECT_EQ(1.0, source.progress());
 }
 
-TEST_F(RawlogKindsTest, sensoryFramesGiveTheirObservationsAndActionsTheOdometry) {
+TEST_F(RawlogKindsTest, SensoryFramesGiveTheirObservationsAndActionsTheOdometry) {
   Objects objects;
   for (int i = 0; i < 4; ++i) {
     objects.push_back(movement(0.5));
@@ -86,7 +86,7 @@ TEST_F(RawlogKindsTest, sensoryFramesGiveTheirObservationsAndActionsTheOdometry)
   }
 }
 
-TEST_F(RawlogKindsTest, singleImagesArePairedByTimeAndSidedByGeometry) {
+TEST_F(RawlogKindsTest, SingleImagesArePairedByTimeAndSidedByGeometry) {
   Objects objects;
   for (int i = 0; i < 4; ++i) {
     // The right camera comes first, has the name that sorts first, and is 2 ms late.
@@ -106,7 +106,7 @@ TEST_F(RawlogKindsTest, singleImagesArePairedByTimeAndSidedByGeometry) {
   EXPECT_TRUE(source.skipped().empty());
 }
 
-TEST_F(RawlogKindsTest, singleImagesWithoutPartnerAreCounted) {
+TEST_F(RawlogKindsTest, SingleImagesWithoutPartnerAreCounted) {
   Objects objects;
   for (int i = 0; i < 5; ++i) {
     objects.push_back(test::singleImage(0, i, test::frameTime(i), "left"));
@@ -118,7 +118,7 @@ TEST_F(RawlogKindsTest, singleImagesWithoutPartnerAreCounted) {
   EXPECT_THAT(source.skipped(), ElementsAre(Pair("unpaired_image", 2u)));
 }
 
-TEST_F(RawlogKindsTest, imagesFurtherApartThanTheToleranceAreNoPair) {
+TEST_F(RawlogKindsTest, ImagesFurtherApartThanTheToleranceAreNoPair) {
   Objects objects;
   for (int i = 0; i < 4; ++i) {
     objects.push_back(test::singleImage(0, i, test::frameTime(i), "left"));
@@ -131,7 +131,7 @@ TEST_F(RawlogKindsTest, imagesFurtherApartThanTheToleranceAreNoPair) {
   EXPECT_EQ(4u, test::framesOf(source).size());
 }
 
-TEST_F(RawlogKindsTest, oneCameraMayRunLongBeforeTheOther) {
+TEST_F(RawlogKindsTest, OneCameraMayRunLongBeforeTheOther) {
   Objects objects;
   for (int i = 0; i < 40; ++i) {
     objects.push_back(test::singleImage(0, i, test::frameTime(i), "left"));
@@ -144,7 +144,7 @@ TEST_F(RawlogKindsTest, oneCameraMayRunLongBeforeTheOther) {
   EXPECT_EQ(30u, left_out);
 }
 
-TEST_F(RawlogKindsTest, oneOfSeveralCamerasMustBeChosen) {
+TEST_F(RawlogKindsTest, OneOfSeveralCamerasMustBeChosen) {
   Objects objects;
   for (int i = 0; i < 3; ++i) {
     objects.push_back(test::wallObservation(i, test::frameTime(i), "front"));
@@ -163,7 +163,7 @@ TEST_F(RawlogKindsTest, oneOfSeveralCamerasMustBeChosen) {
   EXPECT_THAT(source.skipped(), ElementsAre(Pair("CObservationStereoImages", 3u)));
 }
 
-TEST_F(RawlogKindsTest, twoOfSeveralSingleCamerasMustBeChosen) {
+TEST_F(RawlogKindsTest, TwoOfSeveralSingleCamerasMustBeChosen) {
   Objects objects;
   for (int i = 0; i < 3; ++i) {
     objects.push_back(test::singleImage(0, i, test::frameTime(i), "left"));
@@ -179,7 +179,7 @@ TEST_F(RawlogKindsTest, twoOfSeveralSingleCamerasMustBeChosen) {
   EXPECT_THAT(errorFor(objects, options), HasSubstr("swapped"));
 }
 
-TEST_F(RawlogKindsTest, stereoObservationsComeBeforeSingleImages) {
+TEST_F(RawlogKindsTest, StereoObservationsComeBeforeSingleImages) {
   Objects objects = walls(3);
   objects.push_back(test::singleImage(0, 1, 100.0, "webcam"));
   auto source = opened(objects);
@@ -187,7 +187,7 @@ TEST_F(RawlogKindsTest, stereoObservationsComeBeforeSingleImages) {
   EXPECT_THAT(source.skipped(), ElementsAre(Pair("CObservationImage", 1u)));
 }
 
-TEST_F(RawlogKindsTest, stereoWithoutRightImageIsCounted) {
+TEST_F(RawlogKindsTest, StereoWithoutRightImageIsCounted) {
   Objects objects = walls(4);
   std::dynamic_pointer_cast<mrpt::obs::CObservationStereoImages>(objects[1])->hasImageRight = false;
   auto source = opened(objects);
@@ -196,7 +196,7 @@ TEST_F(RawlogKindsTest, stereoWithoutRightImageIsCounted) {
   EXPECT_THAT(source.skipped(), ElementsAre(Pair("no_right_image", 1u)));
 }
 
-TEST_F(RawlogKindsTest, colourIsKeptBesideTheGreyImage) {
+TEST_F(RawlogKindsTest, ColourIsKeptBesideTheGreyImage) {
   {
     RawlogSink sink(path_, ImageStorage::kEmbeddedRaw);
     const auto [left, right] = test::colourWall(3);
@@ -211,7 +211,7 @@ TEST_F(RawlogKindsTest, colourIsKeptBesideTheGreyImage) {
   EXPECT_TRUE(test::sameImage(test::colourWall(3).right, source.rightColour()));
 }
 
-TEST_F(RawlogKindsTest, observationsWithoutTimeAreCounted) {
+TEST_F(RawlogKindsTest, ObservationsWithoutTimeAreCounted) {
   Objects objects = walls(3);
   std::dynamic_pointer_cast<mrpt::obs::CObservation>(objects[1])->timestamp = INVALID_TIMESTAMP;
   auto source = opened(objects);

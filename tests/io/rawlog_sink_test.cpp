@@ -26,7 +26,7 @@ void recordColour(const std::string& path, ImageStorage storage) {
   sink.writeStereo(1.0, left, right, rawFrom(test::smallCamera()));
 }
 
-TEST(RawlogSinkTest, rawColourIsKeptPixelForPixelInsideAndAsPngBeside) {
+TEST(RawlogSinkTest, RawColourIsKeptPixelForPixelInsideAndAsPngBeside) {
   const headway::test::TemporaryFolder folder;
   for (const auto storage : {ImageStorage::kEmbeddedRaw, ImageStorage::kExternalPng}) {
     recordColour(folder / "x.rawlog", storage);
@@ -37,7 +37,7 @@ TEST(RawlogSinkTest, rawColourIsKeptPixelForPixelInsideAndAsPngBeside) {
   EXPECT_TRUE(fs::exists(folder / "x_Images/stereo_right_000000.png"));
 }
 
-TEST(RawlogSinkTest, jpegColourIsSmallAndNearlyTheSame) {
+TEST(RawlogSinkTest, JpegColourIsSmallAndNearlyTheSame) {
   const headway::test::TemporaryFolder folder;
   recordColour(folder / "raw.rawlog", ImageStorage::kEmbeddedRaw);
   recordColour(folder / "jpeg.rawlog", ImageStorage::kEmbedded);
@@ -52,7 +52,7 @@ TEST(RawlogSinkTest, jpegColourIsSmallAndNearlyTheSame) {
   EXPECT_TRUE(fs::exists(folder / "beside_Images/stereo_left_000000.jpg"));
 }
 
-TEST(RawlogSinkTest, leavesMrptsGlobalImageSettingsAsTheyWere) {
+TEST(RawlogSinkTest, LeavesMrptsGlobalImageSettingsAsTheyWere) {
   const headway::test::TemporaryFolder folder;
   const bool disabled = mrpt::img::CImage::DISABLE_JPEG_COMPRESSION();
   const int quality = mrpt::img::CImage::SERIALIZATION_JPEG_QUALITY();
@@ -65,7 +65,7 @@ TEST(RawlogSinkTest, leavesMrptsGlobalImageSettingsAsTheyWere) {
   EXPECT_EQ(base, mrpt::img::CImage::getImagesPathBase());
 }
 
-TEST(RawlogSinkTest, labelsMayHoldWhatFileNamesDoNotBear) {
+TEST(RawlogSinkTest, LabelsMayHoldWhatFileNamesDoNotBear) {
   const headway::test::TemporaryFolder folder;
   {
     RawlogSink sink(folder / "x.rawlog", ImageStorage::kExternalPng);
@@ -76,7 +76,7 @@ TEST(RawlogSinkTest, labelsMayHoldWhatFileNamesDoNotBear) {
   EXPECT_TRUE(test::sameImage(test::wall(0).left, onlyFrame(folder / "x.rawlog").left));
 }
 
-TEST(RawlogSinkTest, theFileAppearsUnderItsNameWhenItIsWhole) {
+TEST(RawlogSinkTest, TheFileAppearsUnderItsNameWhenItIsWhole) {
   const headway::test::TemporaryFolder folder;
   RawlogSink sink(folder / "x.rawlog", ImageStorage::kEmbedded);
   sink.writePose("pose", 1.0, Pose::Identity());
@@ -87,7 +87,7 @@ TEST(RawlogSinkTest, theFileAppearsUnderItsNameWhenItIsWhole) {
   EXPECT_NO_THROW(sink.close());
 }
 
-TEST(RawlogSinkTest, unwritablePlacesAreInputErrors) {
+TEST(RawlogSinkTest, UnwritablePlacesAreInputErrors) {
   const headway::test::TemporaryFolder folder;
   test::writeContent(folder / "file", "x");
   const auto open = [&](const std::string& path, ImageStorage storage) {
@@ -100,7 +100,7 @@ TEST(RawlogSinkTest, unwritablePlacesAreInputErrors) {
   EXPECT_THAT(open(folder / "y.rawlog", ImageStorage::kExternalPng), HasSubstr("y_Images"));
 }
 
-TEST(RawlogSinkTest, aFullDiskIsAnInputErrorWhileWritingAndOnClosing) {
+TEST(RawlogSinkTest, AFullDiskIsAnInputErrorWhileWritingAndOnClosing) {
   const auto [left, right] = test::wall(1, 8, {640, 480});
   auto camera = rawFrom(test::smallCamera());
   RawlogSink sink("/dev/full", ImageStorage::kEmbedded);
@@ -115,7 +115,7 @@ TEST(RawlogSinkTest, aFullDiskIsAnInputErrorWhileWritingAndOnClosing) {
   EXPECT_THAT(test::errorOf([&] { small.close(); }), HasSubstr("/dev/full"));
 }
 
-TEST(RawlogSinkTest, sameCallsGiveTheSameBytes) {
+TEST(RawlogSinkTest, SameCallsGiveTheSameBytes) {
   const headway::test::TemporaryFolder folder;
   test::recordWalls(folder / "a.rawlog", 3);
   test::recordWalls(folder / "b.rawlog", 3);

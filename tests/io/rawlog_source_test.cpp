@@ -38,7 +38,7 @@ Detections boxesAt(Time time, ObjectClass object_class = ObjectClass::kCar) {
 
 Pose poseAtX(double x) { return Pose(Eigen::Translation3d(x, 0, 0)); }
 
-TEST_F(RawlogSourceTest, givesBackWhatWasRecordedPixelForPixel) {
+TEST_F(RawlogSourceTest, GivesBackWhatWasRecordedPixelForPixel) {
   test::recordWalls(path_, 5);
   RawlogSource source(path_, {});
   const StereoCamera expected = test::smallCamera();
@@ -66,7 +66,7 @@ TEST_F(RawlogSourceTest, givesBackWhatWasRecordedPixelForPixel) {
   EXPECT_EQ(1.0, source.progress());
 }
 
-TEST_F(RawlogSourceTest, aFrameAtTimeZeroSurvives) {
+TEST_F(RawlogSourceTest, AFrameAtTimeZeroSurvives) {
   {
     RawlogSink sink(path_, ImageStorage::kEmbedded);
     writeWall(sink, 0, 0.0);
@@ -77,7 +77,7 @@ TEST_F(RawlogSourceTest, aFrameAtTimeZeroSurvives) {
   EXPECT_EQ(0.0, frames[0].time);
 }
 
-TEST_F(RawlogSourceTest, measuresTheCalibrationOnTheFirstPair) {
+TEST_F(RawlogSourceTest, MeasuresTheCalibrationOnTheFirstPair) {
   test::recordWalls(path_, 2);
   const RawlogSource source(path_, {});
   ASSERT_TRUE(source.calibration());
@@ -89,7 +89,7 @@ TEST_F(RawlogSourceTest, measuresTheCalibrationOnTheFirstPair) {
   EXPECT_FALSE(source.calibration()->rectified_here);
 }
 
-TEST_F(RawlogSourceTest, aPartKeepsTheIndicesOfTheWhole) {
+TEST_F(RawlogSourceTest, APartKeepsTheIndicesOfTheWhole) {
   test::recordWalls(path_, 6);
   RawlogSourceOptions options;
   options.from_index = 2;
@@ -102,7 +102,7 @@ TEST_F(RawlogSourceTest, aPartKeepsTheIndicesOfTheWhole) {
   }
 }
 
-TEST_F(RawlogSourceTest, boxesAndPosesGoToTheNearestFrame) {
+TEST_F(RawlogSourceTest, BoxesAndPosesGoToTheNearestFrame) {
   {
     RawlogSink sink(path_, ImageStorage::kEmbedded);
     sink.writeDetections("detections", boxesAt(test::frameTime(0) - 0.02));  // before its image
@@ -127,7 +127,7 @@ TEST_F(RawlogSourceTest, boxesAndPosesGoToTheNearestFrame) {
   EXPECT_THAT(source.skipped(), ElementsAre(Pair("unmatched_pose", 1u)));
 }
 
-TEST_F(RawlogSourceTest, boxesKeepTheirPixelsAndNumbersInRectifiedRecordings) {
+TEST_F(RawlogSourceTest, BoxesKeepTheirPixelsAndNumbersInRectifiedRecordings) {
   Detections broken = boxesAt(test::frameTime(0));
   broken.items[0].box3d->centre.x() = NAN;
   broken.items[0].box2d->left = NAN;
@@ -144,7 +144,7 @@ TEST_F(RawlogSourceTest, boxesKeepTheirPixelsAndNumbersInRectifiedRecordings) {
   EXPECT_EQ(40.0, frames.at(1).detections->items.at(0).box2d->bottom);
 }
 
-TEST_F(RawlogSourceTest, whatFindsNoFrameIsCounted) {
+TEST_F(RawlogSourceTest, WhatFindsNoFrameIsCounted) {
   {
     RawlogSink sink(path_, ImageStorage::kEmbedded);
     sink.writeDetections("detections", boxesAt(5.0));
@@ -162,7 +162,7 @@ TEST_F(RawlogSourceTest, whatFindsNoFrameIsCounted) {
               ElementsAre(Pair("unmatched_detections", 3u), Pair("unmatched_pose", 1u)));
 }
 
-TEST_F(RawlogSourceTest, truthNeverComesOutButCanBeRead) {
+TEST_F(RawlogSourceTest, TruthNeverComesOutButCanBeRead) {
   {
     RawlogSink sink(path_, ImageStorage::kEmbedded);
     for (std::size_t i = 0; i < 3; ++i) {
@@ -184,7 +184,7 @@ TEST_F(RawlogSourceTest, truthNeverComesOutButCanBeRead) {
   EXPECT_EQ(ObjectClass::kCar, truth.objects[0].items[0].object_class);
 }
 
-TEST_F(RawlogSourceTest, posesAloneAreFramesOfTheirOwn) {
+TEST_F(RawlogSourceTest, PosesAloneAreFramesOfTheirOwn) {
   {
     RawlogSink sink(path_, ImageStorage::kEmbedded);
     for (std::size_t i = 0; i < 4; ++i) {
@@ -206,7 +206,7 @@ TEST_F(RawlogSourceTest, posesAloneAreFramesOfTheirOwn) {
   EXPECT_TRUE(source.rightColour().empty());
 }
 
-TEST_F(RawlogSourceTest, timeRunningBackwardsIsCountedAndKeepsTheIndex) {
+TEST_F(RawlogSourceTest, TimeRunningBackwardsIsCountedAndKeepsTheIndex) {
   {
     RawlogSink sink(path_, ImageStorage::kEmbedded);
     writeWall(sink, 0);
@@ -222,7 +222,7 @@ TEST_F(RawlogSourceTest, timeRunningBackwardsIsCountedAndKeepsTheIndex) {
   EXPECT_THAT(source.skipped(), ElementsAre(Pair("time_backwards", 2u)));
 }
 
-TEST_F(RawlogSourceTest, missingAndBrokenImagesAreCountedAndKeepTheIndex) {
+TEST_F(RawlogSourceTest, MissingAndBrokenImagesAreCountedAndKeepTheIndex) {
   test::recordWalls(path_, 5, ImageStorage::kExternalPng);
   const auto images = folder_ / "x_Images";
   std::filesystem::remove(images / "stereo_right_000001.png");
@@ -237,7 +237,7 @@ TEST_F(RawlogSourceTest, missingAndBrokenImagesAreCountedAndKeepTheIndex) {
   EXPECT_THAT(source.skipped(), ElementsAre(Pair("broken_image", 1u), Pair("missing_image", 1u)));
 }
 
-TEST_F(RawlogSourceTest, theFirstImageMayBeMissingButNotAll) {
+TEST_F(RawlogSourceTest, TheFirstImageMayBeMissingButNotAll) {
   test::recordWalls(path_, 3, ImageStorage::kExternalPng);
   std::filesystem::remove(folder_ / "x_Images/stereo_left_000000.png");
   {
@@ -249,7 +249,7 @@ TEST_F(RawlogSourceTest, theFirstImageMayBeMissingButNotAll) {
               ::testing::AllOf(HasSubstr("missing_image: 3"), HasSubstr("x_Images")));
 }
 
-TEST_F(RawlogSourceTest, aLaterImageOfAnotherSizeIsCounted) {
+TEST_F(RawlogSourceTest, ALaterImageOfAnotherSizeIsCounted) {
   {
     RawlogSink sink(path_, ImageStorage::kEmbedded);
     writeWall(sink, 0);
@@ -262,7 +262,7 @@ TEST_F(RawlogSourceTest, aLaterImageOfAnotherSizeIsCounted) {
   EXPECT_THAT(source.skipped(), ElementsAre(Pair("image_size", 1u)));
 }
 
-TEST_F(RawlogSourceTest, odometryIsInterpolatedAtTheFrames) {
+TEST_F(RawlogSourceTest, OdometryIsInterpolatedAtTheFrames) {
   {
     RawlogSink sink(path_, ImageStorage::kEmbedded);
     for (int i = 0; i < 40; ++i) {  // 1 m/s, 25 ms apart, off the frames' times
@@ -285,7 +285,7 @@ TEST_F(RawlogSourceTest, odometryIsInterpolatedAtTheFrames) {
   EXPECT_EQ(40u, without.skipped().at("CObservationOdometry"));
 }
 
-TEST_F(RawlogSourceTest, odometryThatIsNotFiniteIsCountedAndLeftOut) {
+TEST_F(RawlogSourceTest, OdometryThatIsNotFiniteIsCountedAndLeftOut) {
   {
     RawlogSink sink(path_, ImageStorage::kEmbedded);
     for (std::size_t i = 0; i < 4; ++i) {
@@ -302,7 +302,7 @@ TEST_F(RawlogSourceTest, odometryThatIsNotFiniteIsCountedAndLeftOut) {
   EXPECT_THAT(source.skipped(), ElementsAre(Pair("bad_odometry", 1u)));
 }
 
-TEST_F(RawlogSourceTest, inertialSamplesGiveTurnAndUp) {
+TEST_F(RawlogSourceTest, InertialSamplesGiveTurnAndUp) {
   const Eigen::Vector3d omega(0.0, 0.0, 0.5);
   const Eigen::Vector3d gravity(0.0, 9.81 * std::sin(0.1), 9.81 * std::cos(0.1));
   {
@@ -323,7 +323,7 @@ TEST_F(RawlogSourceTest, inertialSamplesGiveTurnAndUp) {
   }
 }
 
-TEST_F(RawlogSourceTest, aSourceCanBeMoved) {
+TEST_F(RawlogSourceTest, ASourceCanBeMoved) {
   test::recordWalls(path_, 3);
   RawlogSource first(path_, {});
   ASSERT_TRUE(first.next());

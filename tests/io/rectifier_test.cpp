@@ -62,7 +62,7 @@ cv::Point2d centroidOf(const cv::Mat& image) {
   return {moments.m10 / moments.m00, moments.m01 / moments.m00};
 }
 
-TEST(RectifierTest, rectifiedPairsPassThroughUntouched) {
+TEST(RectifierTest, RectifiedPairsPassThroughUntouched) {
   const Rectifier rectifier(rawFrom(test::smallCamera()));
   EXPECT_TRUE(rectifier.passesThrough());
   const cv::Mat image = test::wall(0).left;
@@ -72,7 +72,7 @@ TEST(RectifierTest, rectifiedPairsPassThroughUntouched) {
   EXPECT_EQ(0.2, rectifier.camera().baseline_m);
 }
 
-TEST(RectifierTest, anyDeviationCountsAsNotRectified) {
+TEST(RectifierTest, AnyDeviationCountsAsNotRectified) {
   const RawStereoCamera good = rawFrom(test::smallCamera());
   EXPECT_TRUE(isRectified(good));
   const auto with = [&](auto change) {
@@ -90,7 +90,7 @@ TEST(RectifierTest, anyDeviationCountsAsNotRectified) {
 }
 
 /// The law of the rectifier: a point in space appears where its camera says, in both images.
-TEST(RectifierTest, pointsAppearWhereTheRectifiedCameraProjectsThem) {
+TEST(RectifierTest, PointsAppearWhereTheRectifiedCameraProjectsThem) {
   const RawStereoCamera raw = crookedPair();
   const Rectifier rectifier(raw);
   EXPECT_FALSE(rectifier.passesThrough());
@@ -113,7 +113,7 @@ TEST(RectifierTest, pointsAppearWhereTheRectifiedCameraProjectsThem) {
   }
 }
 
-TEST(RectifierTest, boxesFollowTheImage) {
+TEST(RectifierTest, BoxesFollowTheImage) {
   const RawStereoCamera raw = crookedPair();
   const Rectifier rectifier(raw);
   const Eigen::Vector3d corner_a(-0.5, -0.3, 2), corner_b(0.4, 0.2, 2);
@@ -130,14 +130,14 @@ TEST(RectifierTest, boxesFollowTheImage) {
   EXPECT_TRUE(std::isnan(rectifier.rectify(Box2d{NAN, 0, 1, 1}).left));
 }
 
-TEST(RectifierTest, sameRectificationEachTime) {
+TEST(RectifierTest, SameRectificationEachTime) {
   const auto image = test::wall(0, 8, {752, 480}).left;
   const Rectifier a(crookedPair()), b(crookedPair());
   EXPECT_TRUE(
       test::sameImage(a.rectify(Rectifier::kRight, image), b.rectify(Rectifier::kRight, image)));
 }
 
-TEST(RectifierTest, refusesWhatIsNoStereoPair) {
+TEST(RectifierTest, RefusesWhatIsNoStereoPair) {
   RawStereoCamera camera = crookedPair();
   camera.T_left_right = camera.T_left_right.inverse();
   EXPECT_THROW(Rectifier{camera}, InputError);

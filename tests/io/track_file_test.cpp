@@ -36,7 +36,7 @@ class TrackFileTest : public ::testing::Test {
   std::map<std::string, std::size_t> dropped_;
 };
 
-TEST_F(TrackFileTest, kittiLabelsAreReadFieldByField) {
+TEST_F(TrackFileTest, KittiLabelsAreReadFieldByField) {
   const auto rows = readKittiRows(written("l.txt", std::string(kCarLabel) + "\n" + kDontCare));
   ASSERT_EQ(2u, rows.size());
   EXPECT_EQ(3u, rows[0].frame);
@@ -51,7 +51,7 @@ TEST_F(TrackFileTest, kittiLabelsAreReadFieldByField) {
   EXPECT_EQ("DontCare", rows[1].type);
 }
 
-TEST_F(TrackFileTest, detectionsComeBackAsWritten) {
+TEST_F(TrackFileTest, DetectionsComeBackAsWritten) {
   Detection whole;
   whole.object_class = ObjectClass::kVan;
   whole.score = 0.625;
@@ -80,7 +80,7 @@ TEST_F(TrackFileTest, detectionsComeBackAsWritten) {
   EXPECT_FALSE(frames.at(4).items[1].detector_id);
 }
 
-TEST_F(TrackFileTest, kittiRowsComeBackAsWritten) {
+TEST_F(TrackFileTest, KittiRowsComeBackAsWritten) {
   auto row = readKittiRows(written("l.txt", kCarLabel)).front();
   row.score = 12.5;
   row.visible = 0.75;
@@ -97,7 +97,7 @@ TEST_F(TrackFileTest, kittiRowsComeBackAsWritten) {
   EXPECT_EQ(1.0, again.visible);
 }
 
-TEST_F(TrackFileTest, kittiErrorsNameFileAndLine) {
+TEST_F(TrackFileTest, KittiErrorsNameFileAndLine) {
   const auto message = [&](const std::string& text) {
     return test::errorOf([&] { (void)readKittiRows(written("bad.txt", text)); });
   };
@@ -107,7 +107,7 @@ TEST_F(TrackFileTest, kittiErrorsNameFileAndLine) {
   EXPECT_THAT(message("x" + std::string(kCarLabel + 1)), HasSubstr("'x' in field 1"));
 }
 
-TEST_F(TrackFileTest, boxOfARowIsCentredInItsVolume) {
+TEST_F(TrackFileTest, BoxOfARowIsCentredInItsVolume) {
   const auto detection = detectionFrom(readKittiRows(written("l.txt", kCarLabel)).front());
   ASSERT_TRUE(detection && detection->box3d && detection->box2d);
   EXPECT_EQ(ObjectClass::kCar, detection->object_class);
@@ -120,7 +120,7 @@ TEST_F(TrackFileTest, boxOfARowIsCentredInItsVolume) {
   EXPECT_FALSE(detectionFrom(readKittiRows(written("d.txt", kDontCare)).front()));
 }
 
-TEST_F(TrackFileTest, rowsWithoutA3dBoxHaveNone) {
+TEST_F(TrackFileTest, RowsWithoutA3dBoxHaveNone) {
   const auto row = readKittiRows(
       written("r.txt", "0 1 Car -1 -1 -10 1 2 3 4 -1 -1 -1 -1000 -1000 -1000 -10 0.9"));
   const auto detection = detectionFrom(row.front());
@@ -129,7 +129,7 @@ TEST_F(TrackFileTest, rowsWithoutA3dBoxHaveNone) {
   EXPECT_TRUE(detection->box2d);
 }
 
-TEST_F(TrackFileTest, trackCsvComesBackAsWritten) {
+TEST_F(TrackFileTest, TrackCsvComesBackAsWritten) {
   TrackSample sample;
   sample.frame = 12;
   sample.time = 1403636584.5;
@@ -159,7 +159,7 @@ TEST_F(TrackFileTest, trackCsvComesBackAsWritten) {
   EXPECT_EQ(sample.track.position_covariance, read[0].track.position_covariance);
 }
 
-TEST_F(TrackFileTest, trackCsvMayHaveFurtherColumnsInAnyOrder) {
+TEST_F(TrackFileTest, TrackCsvMayHaveFurtherColumnsInAnyOrder) {
   const auto read = readTrackCsv(
       written("objects.csv",
               "visible,frame,time,track_id,class,status,moving,x,y,z,yaw,length,width,height,vx,vy,"
@@ -168,7 +168,7 @@ TEST_F(TrackFileTest, trackCsvMayHaveFurtherColumnsInAnyOrder) {
   EXPECT_EQ(3.0, read[0].track.position.z());
 }
 
-TEST_F(TrackFileTest, trackCsvErrorsNameFileAndLine) {
+TEST_F(TrackFileTest, TrackCsvErrorsNameFileAndLine) {
   const auto message = [&](const std::string& text) {
     return test::errorOf([&] { (void)readTrackCsv(written("t.csv", text)); });
   };
@@ -182,7 +182,7 @@ TEST_F(TrackFileTest, trackCsvErrorsNameFileAndLine) {
               HasSubstr("'asleep' is not a track status"));
 }
 
-TEST_F(TrackFileTest, predictionCsvComesBackAsWritten) {
+TEST_F(TrackFileTest, PredictionCsvComesBackAsWritten) {
   PredictionRow row;
   row.frame = 3;
   row.time = 0.5;
@@ -205,7 +205,7 @@ TEST_F(TrackFileTest, predictionCsvComesBackAsWritten) {
   EXPECT_EQ(row.point.covariance, read[0].point.covariance);
 }
 
-TEST_F(TrackFileTest, detectionFormatsAreToldApart) {
+TEST_F(TrackFileTest, DetectionFormatsAreToldApart) {
   const auto kitti = detections("k.txt", std::string(kCarLabel) + "\n" + kDontCare + "\n" +
                                              "3 8 Dog 0 1 0 1 2 3 4 1 1 1 0 0 5 0\n");
   ASSERT_THAT(kitti, ElementsAre(Pair(3u, ::testing::_)));
@@ -229,7 +229,7 @@ TEST_F(TrackFileTest, detectionFormatsAreToldApart) {
               HasSubstr("folder 'somewhere'"));
 }
 
-TEST_F(TrackFileTest, csvDetectionsHaveNamedColumns) {
+TEST_F(TrackFileTest, CsvDetectionsHaveNamedColumns) {
   const auto read =
       detections("d.csv",
                  "frame,class,score,id,x,y,z,length,width,height,yaw,left,top,right,bottom,"
@@ -254,7 +254,7 @@ TEST_F(TrackFileTest, csvDetectionsHaveNamedColumns) {
                                              Pair("bad_row", 2u)));
 }
 
-TEST_F(TrackFileTest, filesOfSpreadsheetsAreRead) {
+TEST_F(TrackFileTest, FilesOfSpreadsheetsAreRead) {
   EXPECT_EQ(1u, detections("d.csv",
                            "\xEF\xBB\xBF"
                            "frame,class,left,top,right,bottom\r\n"
@@ -262,7 +262,7 @@ TEST_F(TrackFileTest, filesOfSpreadsheetsAreRead) {
                     .size());
 }
 
-TEST_F(TrackFileTest, numbersThatAreNotFiniteArePassedOn) {
+TEST_F(TrackFileTest, NumbersThatAreNotFiniteArePassedOn) {
   const auto read = detections("d.csv",
                                "frame,class,x,y,z,length,width,height,yaw\n"
                                "0,Car,nan,1,10,4,2,1.5,0\n0,Car,inf,1,10,4,2,1.5,0\n");
@@ -271,7 +271,7 @@ TEST_F(TrackFileTest, numbersThatAreNotFiniteArePassedOn) {
   EXPECT_TRUE(dropped_.empty());
 }
 
-TEST_F(TrackFileTest, unknownFormatsAreRefused) {
+TEST_F(TrackFileTest, UnknownFormatsAreRefused) {
   const auto message = [&](const std::string& text) {
     return test::errorOf([&] { (void)detections("x.csv", text); });
   };
@@ -282,7 +282,7 @@ TEST_F(TrackFileTest, unknownFormatsAreRefused) {
   EXPECT_TRUE(detections("empty.csv", "").empty());
 }
 
-TEST_F(TrackFileTest, realDetectionsAreReadWithoutLoss) {
+TEST_F(TrackFileTest, RealDetectionsAreReadWithoutLoss) {
   HEADWAY_REQUIRE_DATA(data);
   const auto training = data / "kitti_tracking/training";
   std::size_t count = 0;

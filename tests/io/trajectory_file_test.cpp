@@ -24,7 +24,7 @@ std::string written(const std::filesystem::path& path, const std::string& text) 
   return path.string();
 }
 
-TEST(TrajectoryFileTest, tumReadsWhatItWrote) {
+TEST(TrajectoryFileTest, TumReadsWhatItWrote) {
   const test::TemporaryFolder folder;
   const std::string path = folder / "path.tum";
   const auto expected = wavyPath();
@@ -37,7 +37,7 @@ TEST(TrajectoryFileTest, tumReadsWhatItWrote) {
   }
 }
 
-TEST(TrajectoryFileTest, kittiReadsWhatItWrote) {
+TEST(TrajectoryFileTest, KittiReadsWhatItWrote) {
   const test::TemporaryFolder folder;
   const std::string path = folder / "path.txt";
   std::vector<Pose> expected;
@@ -50,7 +50,7 @@ TEST(TrajectoryFileTest, kittiReadsWhatItWrote) {
   }
 }
 
-TEST(TrajectoryFileTest, commentsAndCommasAreAccepted) {
+TEST(TrajectoryFileTest, CommentsAndCommasAreAccepted) {
   const test::TemporaryFolder folder;
   const auto path = written(folder / "x.tum", "# t x y z\n\n1,2,3,4,0,0,0,1 # end\n");
   const auto read = readTum(path);
@@ -59,7 +59,7 @@ TEST(TrajectoryFileTest, commentsAndCommasAreAccepted) {
   EXPECT_EQ(Eigen::Vector3d(2, 3, 4), read[0].value.translation());
 }
 
-TEST(TrajectoryFileTest, whatIsWrongIsNamedWithFileAndLine) {
+TEST(TrajectoryFileTest, WhatIsWrongIsNamedWithFileAndLine) {
   const test::TemporaryFolder folder;
   const auto message = [&](const std::string& text) -> std::string {
     try {
@@ -79,7 +79,7 @@ TEST(TrajectoryFileTest, whatIsWrongIsNamedWithFileAndLine) {
   EXPECT_THROW((void)readTum(folder.path()), InputError);
 }
 
-TEST(TrajectoryFileTest, aMatrixThatIsNoRotationIsRefused) {
+TEST(TrajectoryFileTest, AMatrixThatIsNoRotationIsRefused) {
   const test::TemporaryFolder folder;
   const auto scaled = written(folder / "a.txt", "2 0 0 0 0 2 0 0 0 0 2 0\n");
   const auto mirrored = written(folder / "b.txt", "1 0 0 0 0 1 0 0 0 0 -1 0\n");
@@ -87,7 +87,7 @@ TEST(TrajectoryFileTest, aMatrixThatIsNoRotationIsRefused) {
   EXPECT_THROW((void)readKittiPoses(mirrored), InputError);
 }
 
-TEST(TrajectoryFileTest, unwritablePlacesAreInputErrors) {
+TEST(TrajectoryFileTest, UnwritablePlacesAreInputErrors) {
   const test::TemporaryFolder folder;
   written(folder / "file", "x");
   EXPECT_THROW(writeTum(folder / "file/path.tum", {}), InputError);
@@ -95,7 +95,7 @@ TEST(TrajectoryFileTest, unwritablePlacesAreInputErrors) {
   EXPECT_THROW(writeKittiPoses(folder / "nowhere/path.txt", {}), InputError);
 }
 
-TEST(TrajectoryFileTest, realPosesAreRead) {
+TEST(TrajectoryFileTest, RealPosesAreRead) {
   HEADWAY_REQUIRE_DATA(data);
   EXPECT_EQ(51u, readKittiPoses(data / "kitti_odometry/poses/06.txt").size());
   EXPECT_GT(readTum(data / "euroc/MH_01_easy/groundtruth.tum").size(), 1000u);

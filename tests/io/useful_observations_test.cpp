@@ -70,7 +70,7 @@ std::vector<CObservation::Ptr> rest(UsefulObservations& observations) {
   return all;
 }
 
-TEST_F(UsefulObservationsTest, whatNobodyAskedForIsCountedByItsReason) {
+TEST_F(UsefulObservationsTest, WhatNobodyAskedForIsCountedByItsReason) {
   auto truth = image(0);
   truth->sensorLabel = "truth_something";
   auto undated = image(0);
@@ -88,7 +88,7 @@ TEST_F(UsefulObservationsTest, whatNobodyAskedForIsCountedByItsReason) {
                           Pair("no_time", 1u), Pair("truth", 1u)));
 }
 
-TEST_F(UsefulObservationsTest, whatWasReadToFindTheCameraComesOutAgainInOrder) {
+TEST_F(UsefulObservationsTest, WhatWasReadToFindTheCameraComesOutAgainInOrder) {
   const std::vector<CObservation::Ptr> recorded{odometry(0), image(0), odometry(1), image(1),
                                                 image(2)};
   auto observations = opened(recorded);
@@ -100,7 +100,7 @@ TEST_F(UsefulObservationsTest, whatWasReadToFindTheCameraComesOutAgainInOrder) {
   EXPECT_TRUE(skipped.empty());
 }
 
-TEST_F(UsefulObservationsTest, ofImagesAndMotionsBeforeTheCameraIsKnownTheLastAreKept) {
+TEST_F(UsefulObservationsTest, OfImagesAndMotionsBeforeTheCameraIsKnownTheLastAreKept) {
   std::vector<CObservation::Ptr> recorded;
   for (int i = 0; i < 2005; ++i) recorded.push_back(odometry(i));
   for (int i = 0; i < 20; ++i) recorded.push_back(test::singleImage(0, 0, 3000.0 + i, "left"));
@@ -115,7 +115,7 @@ TEST_F(UsefulObservationsTest, ofImagesAndMotionsBeforeTheCameraIsKnownTheLastAr
   EXPECT_EQ(recorded.back(), kept.back());
 }
 
-TEST_F(UsefulObservationsTest, withoutACameraItIsSaidWhereTheRecordingBreaksOff) {
+TEST_F(UsefulObservationsTest, WithoutACameraItIsSaidWhereTheRecordingBreaksOff) {
   auto whole = opened({odometry(0)});
   const auto error = test::errorOf([&] { (void)whole.findCamera(); });
   EXPECT_THAT(error, ::testing::StartsWith("holds neither stereo images nor poses"));

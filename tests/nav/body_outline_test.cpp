@@ -24,7 +24,7 @@ std::vector<Vector2d> outlineOf(const map::BodyShape& body, double yaw, const Pl
   return outline;
 }
 
-TEST(BodyOutline, OfACertainCarRunsAlongItsEdges) {
+TEST(BodyOutlineTest, OfACertainCarRunsAlongItsEdges) {
   for (const auto& point : outlineOf(kCar, 0.0, doubtOf(0.0))) {
     const Vector2d local = (point - Vector2d(3.0, -1.0)).cwiseAbs();
     const bool on_end = std::abs(local.x() - 2.0) < 1e-9 && local.y() <= 1.0 + 1e-9;
@@ -33,14 +33,14 @@ TEST(BodyOutline, OfACertainCarRunsAlongItsEdges) {
   }
 }
 
-TEST(BodyOutline, NeighboursAreCloseEnoughForNothingToSlipThrough) {
+TEST(BodyOutlineTest, NeighboursAreCloseEnoughForNothingToSlipThrough) {
   const auto outline = outlineOf(kCar, 0.4, doubtOf(0.3));
   for (std::size_t i = 0; i < outline.size(); ++i) {
     EXPECT_LE((outline[i] - outline[(i + 1) % outline.size()]).norm(), 0.3 + 1e-9);
   }
 }
 
-TEST(BodyOutline, GrowsWithTheDoubt) {
+TEST(BodyOutlineTest, GrowsWithTheDoubt) {
   const auto certain = outlineOf(kPerson, 0.3, doubtOf(0.0));
   const auto doubtful = outlineOf(kPerson, 0.3, doubtOf(0.25));
   const auto farthest = [](const std::vector<Vector2d>& outline) {
@@ -53,7 +53,7 @@ TEST(BodyOutline, GrowsWithTheDoubt) {
   EXPECT_NEAR(farthest(doubtful), farthest(certain) + 0.25, 0.02);
 }
 
-TEST(BodyOutline, GrowsAlongTheCovarianceOnly) {
+TEST(BodyOutlineTest, GrowsAlongTheCovarianceOnly) {
   PlaceDoubt along_x = doubtOf(0.0);
   along_x.covariance(0, 0) = 1.0;
   double right = 0.0, top = 0.0;
@@ -65,7 +65,7 @@ TEST(BodyOutline, GrowsAlongTheCovarianceOnly) {
   EXPECT_NEAR(top, 1.0, 1e-9);
 }
 
-TEST(BodyOutline, GrowsNoMoreThanAllowed) {
+TEST(BodyOutlineTest, GrowsNoMoreThanAllowed) {
   PlaceDoubt doubt = doubtOf(100.0);
   doubt.max_growth_m = 0.4;
   for (const auto& point : outlineOf(kPerson, 0.0, doubt)) {
@@ -73,7 +73,7 @@ TEST(BodyOutline, GrowsNoMoreThanAllowed) {
   }
 }
 
-TEST(BodyOutline, TurnsWithTheBody) {
+TEST(BodyOutlineTest, TurnsWithTheBody) {
   const auto straight = outlineOf(kCar, 0.0, doubtOf(0.1));
   const auto turned = outlineOf(kCar, 0.7, doubtOf(0.1));
   ASSERT_EQ(straight.size(), turned.size());
@@ -84,14 +84,14 @@ TEST(BodyOutline, TurnsWithTheBody) {
   }
 }
 
-TEST(BodyOutline, CoversWhatLiesInTheMarginOnly) {
+TEST(BodyOutlineTest, CoversWhatLiesInTheMarginOnly) {
   const Vector2d centre(1.0, 1.0);
   EXPECT_TRUE(covers(kCar, centre, M_PI / 2.0, 0.1, {1.0, 3.05}));
   EXPECT_FALSE(covers(kCar, centre, M_PI / 2.0, 0.1, {1.0, 3.15}));
   EXPECT_FALSE(covers(kCar, centre, M_PI / 2.0, 0.1, {3.0, 1.0}));
 }
 
-TEST(BodyOutline, PeopleAreRoundAndCarsAreNot) {
+TEST(BodyOutlineTest, PeopleAreRoundAndCarsAreNot) {
   Track track;
   track.size = {4.0, 2.0, 1.5};
   track.object_class = ObjectClass::kCar;

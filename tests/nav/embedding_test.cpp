@@ -19,7 +19,7 @@ std::string textOf(const std::filesystem::path& path) {
   return text.str();
 }
 
-TEST(Embedding, TheDocumentShowsTheExampleAsItCompiles) {
+TEST(EmbeddingTest, TheDocumentShowsTheExampleAsItCompiles) {
   const std::filesystem::path project = HEADWAY_SOURCE_DIR;
   const std::string document = textOf(project / "doc/navigation.md");
   const std::string example = textOf(project / "tests/nav/embedding_example.cpp");
@@ -27,7 +27,7 @@ TEST(Embedding, TheDocumentShowsTheExampleAsItCompiles) {
   EXPECT_NE(document.find(example.substr(example.find("#include"))), std::string::npos);
 }
 
-TEST(Embedding, TheExampleDrivesToItsGoalWhileTheMapIsFreshAndStopsWhereItIsNot) {
+TEST(EmbeddingTest, TheExampleDrivesToItsGoalWhileTheMapIsFreshAndStopsWhereItIsNot) {
   const std::string path = "/usr/share/mrpt/config_files/navigation-ptgs/reactive2d_config.ini";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there: install mrpt-common";
   const mrpt::config::CConfigFileMemory settings(textOf(path));

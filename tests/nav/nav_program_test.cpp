@@ -12,7 +12,7 @@ using test::program;
 using test::runProcess;
 using test::TemporaryFolder;
 
-TEST(NavProgram, WritesFiguresPicturesAndAVideo) {
+TEST(NavProgramTest, WritesFiguresPicturesAndAVideo) {
   const TemporaryFolder folder;
   const std::string json = folder / "figures.json";
   const std::string video = folder / "video";
@@ -30,7 +30,7 @@ TEST(NavProgram, WritesFiguresPicturesAndAVideo) {
               std::filesystem::exists(video + "/trial_0006_frames/000000.png"));
 }
 
-TEST(NavProgram, SaysWhatIsWrongWithItsArguments) {
+TEST(NavProgramTest, SaysWhatIsWrongWithItsArguments) {
   EXPECT_EQ(runProcess(program("headway-nav") + " --policy hope").status, 2);
   EXPECT_EQ(runProcess(program("headway-nav") + " --trials 0").status, 2);
   EXPECT_EQ(runProcess(program("headway-nav") + " --video v --film x").status, 2);
@@ -39,7 +39,7 @@ TEST(NavProgram, SaysWhatIsWrongWithItsArguments) {
   EXPECT_NE(unknown.output.find("magic"), std::string::npos);
 }
 
-TEST(NavProgram, RefusesFilesThatExist) {
+TEST(NavProgramTest, RefusesFilesThatExist) {
   const TemporaryFolder folder;
   const std::string json = folder / "figures.json";
   const std::string call = program("headway-nav") + " --trials 1 --policy static -q --json " + json;

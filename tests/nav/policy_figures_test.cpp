@@ -16,7 +16,7 @@ TrialResult resultOf(bool reached, double time_s, double distance_m) {
   return result;
 }
 
-TEST(PolicyFigures, TimesAreOfTrialsThatAllPoliciesFinish) {
+TEST(PolicyFiguresTest, TimesAreOfTrialsThatAllPoliciesFinish) {
   PolicyTrials one{nav::ObstaclePolicy::kStatic,
                    {resultOf(true, 10.0, 0.2), resultOf(true, 20.0, 0.4)}};
   PolicyTrials other{nav::ObstaclePolicy::kTimeGated,
@@ -29,7 +29,7 @@ TEST(PolicyFigures, TimesAreOfTrialsThatAllPoliciesFinish) {
   EXPECT_DOUBLE_EQ(figures[0].step_us_median, 5.0);
 }
 
-TEST(PolicyFigures, WalkedIntoIsCountedApartFromCollisions) {
+TEST(PolicyFiguresTest, WalkedIntoIsCountedApartFromCollisions) {
   TrialResult hit = resultOf(true, 10.0, 0.0);
   hit.collided = true;
   hit.walked_into = true;
@@ -40,7 +40,7 @@ TEST(PolicyFigures, WalkedIntoIsCountedApartFromCollisions) {
   EXPECT_EQ(figures[0].walked_into, 1u);
 }
 
-TEST(PolicyFigures, JsonHasTheAgreedKeys) {
+TEST(PolicyFiguresTest, JsonHasTheAgreedKeys) {
   const auto json = toJson(figuresOf({{nav::ObstaclePolicy::kTimeGated, {resultOf(true, 9, 1)}}}));
   for (const char* key : {"trials", "collisions", "goals_reached", "mean_time_to_goal_s",
                           "mean_min_distance_m", "step_us_median"}) {

@@ -15,7 +15,7 @@ std::vector<PredictedPlace> placesOf(const Track& track, double age_s, double ho
   return places;
 }
 
-TEST(PredictedPlaces, LieOnThePathAndLeaveNoInstantOut) {
+TEST(PredictedPlacesTest, LieOnThePathAndLeaveNoInstantOut) {
   const auto places = placesOf(walkingTrack(1, {2.0, 0.0}, {0.0, 1.0}), 0.0);
   ASSERT_GT(places.size(), 5u);
   EXPECT_DOUBLE_EQ(places.front().when.from_s, 0.0);
@@ -27,27 +27,27 @@ TEST(PredictedPlaces, LieOnThePathAndLeaveNoInstantOut) {
   }
 }
 
-TEST(PredictedPlaces, OfAnOldMapBeginWhereTheBodyIsNow) {
+TEST(PredictedPlacesTest, OfAnOldMapBeginWhereTheBodyIsNow) {
   const auto places = placesOf(walkingTrack(1, {2.0, 0.0}, {0.0, 1.0}), 0.45);
   EXPECT_NEAR(places.front().centre.y(), 0.45, 1e-9);
   EXPECT_DOUBLE_EQ(places.front().when.from_s, 0.0);
   EXPECT_NEAR(places.back().when.to_s, 2.55, 1e-9);
 }
 
-TEST(PredictedPlaces, ABodyThatStaysIsThereForEver) {
+TEST(PredictedPlacesTest, ABodyThatStaysIsThereForEver) {
   const auto places = placesOf(walkingTrack(1, {2.0, 0.0}, {0.01, 0.0}), 0.0);
   ASSERT_EQ(places.size(), 1u);
   EXPECT_EQ(places.front().when.to_s, std::numeric_limits<double>::infinity());
 }
 
-TEST(PredictedPlaces, GoStraightOnBeyondThePrediction) {
+TEST(PredictedPlacesTest, GoStraightOnBeyondThePrediction) {
   const auto track = walkingTrack(1, {2.0, 0.0}, {0.0, 1.0}, 0.2);
   const auto places = placesOf(track, 0.0, 5.0);
   EXPECT_NEAR(places.back().centre.y(), 5.0, 0.3);
   EXPECT_GT(places.back().covariance(0, 0), 1.5 * 0.04);
 }
 
-TEST(PredictedPlaces, OfAPathWithoutPointsAreThePresentOne) {
+TEST(PredictedPlacesTest, OfAPathWithoutPointsAreThePresentOne) {
   Track track = walkingTrack(1, {2.0, 1.0}, {0.0, 1.0});
   track.predictions.front().points.clear();
   const auto places = placesOf(track, 0.2);
@@ -55,7 +55,7 @@ TEST(PredictedPlaces, OfAPathWithoutPointsAreThePresentOne) {
   EXPECT_EQ(places.front().centre, Eigen::Vector2d(2.0, 1.0));
 }
 
-TEST(PredictedPlaces, OlderThanThePredictionStandAtItsEnd) {
+TEST(PredictedPlacesTest, OlderThanThePredictionStandAtItsEnd) {
   const auto places = placesOf(walkingTrack(1, {2.0, 0.0}, {0.0, 1.0}), 7.0);
   ASSERT_EQ(places.size(), 1u);
   EXPECT_NEAR(places.front().centre.y(), 3.0, 1e-9);

@@ -91,11 +91,11 @@ void expectToDrive(const std::string& configuration) {
   EXPECT_TRUE(stale_drive.stands());
 }
 
-TEST(StockNavigators, Reactive2dDrivesAndStopsOnAStaleMap) {
+TEST(StockNavigatorsTest, Reactive2dDrivesAndStopsOnAStaleMap) {
   expectToDrive<mrpt::nav::CReactiveNavigationSystem>("reactive2d_config.ini");
 }
 
-TEST(StockNavigators, Reactive3dDrivesAndStopsOnAStaleMap) {
+TEST(StockNavigatorsTest, Reactive3dDrivesAndStopsOnAStaleMap) {
   expectToDrive<mrpt::nav::CReactiveNavigationSystem3D>("reactive3d_config.ini");
 }
 

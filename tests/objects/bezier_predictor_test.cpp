@@ -25,7 +25,7 @@ double lengthUpTo(const Eigen::Vector2d& s, const Eigen::Vector2d& c, const Eige
   return length;
 }
 
-TEST(BezierCurve, IsWalkedAtConstantSpeed) {
+TEST(BezierCurveTest, IsWalkedAtConstantSpeed) {
   const Eigen::Vector2d start(1.0, 2.0);
   for (const double bend : {0.0, 0.1, 0.5, 1.0, 2.0, 3.0, 3.14159}) {
     const Eigen::Vector2d control = start + Eigen::Vector2d(5.0, 0.0);
@@ -42,14 +42,14 @@ TEST(BezierCurve, IsWalkedAtConstantSpeed) {
   }
 }
 
-TEST(BezierCurve, OfNoLengthStaysInItsPlace) {
+TEST(BezierCurveTest, OfNoLengthStaysInItsPlace) {
   const Eigen::Vector2d here(3.0, 4.0);
   const BezierCurve curve(here, here, here);
   EXPECT_EQ(curve.length(), 0.0);
   EXPECT_EQ(curve.at(0.5), here);
 }
 
-TEST(ChordOfArc, FollowsEquationThree) {
+TEST(ChordOfArcTest, FollowsEquationThree) {
   const double length = 12.0;
   for (const double alpha : {0.2, 1.0, 2.0, 3.0}) {
     const double radius = length / (2.0 * alpha);
@@ -60,7 +60,7 @@ TEST(ChordOfArc, FollowsEquationThree) {
   EXPECT_NEAR(chordOfArc(length, 1e-5), length, 1e-6) << "eq. (2) is its limit";
 }
 
-TEST(SmoothedSpeed, AveragesTheLastStepsOnly) {
+TEST(SmoothedSpeedTest, AveragesTheLastStepsOnly) {
   auto path = history([](double t) { return Eigen::Vector2d(2.0 * t, 0.0); });
   path.front().position.x() -= 100.0;  // a jump, 20 steps ago
   PaperPredictorParams params;
@@ -83,7 +83,7 @@ double reach(const std::vector<PredictedPath>& paths) {
   return paths.front().points.back().position.head<2>().norm();  // the history ends at the origin
 }
 
-TEST(BezierPredictor, PutsTheEndOfATurnNearerThanItsLength) {
+TEST(BezierPredictorTest, PutsTheEndOfATurnNearerThanItsLength) {
   const double full = reach(predictTurning({}));
   BezierPredictor::Ablation dm;
   dm.distance_is_length = true;
@@ -91,7 +91,7 @@ TEST(BezierPredictor, PutsTheEndOfATurnNearerThanItsLength) {
   EXPECT_NEAR(reach(predictTurning(dm)), 6.0 * 3.0, 0.1);
 }
 
-TEST(BezierPredictor, IsHardlyMovedByAWrongHeadingAndItsAblationHdIs) {
+TEST(BezierPredictorTest, IsHardlyMovedByAWrongHeadingAndItsAblationHdIs) {
   const auto starts = [](const std::vector<PredictedPath>& paths) {
     const Eigen::Vector3d& early = paths.front().points[4].position;
     return std::atan2(early.y(), early.x());
@@ -105,13 +105,13 @@ TEST(BezierPredictor, IsHardlyMovedByAWrongHeadingAndItsAblationHdIs) {
   EXPECT_GT(moved_hd, 0.4);
 }
 
-TEST(BezierPredictor, LeavesOutAHeadingThatLooksBack) {
+TEST(BezierPredictorTest, LeavesOutAHeadingThatLooksBack) {
   const auto paths = predictTurning({}, M_PI);
   const auto straight = predictTurning({});
   EXPECT_LT((paths.front().points[9].position - straight.front().points[9].position).norm(), 0.2);
 }
 
-TEST(BezierPredictor, TakesTheSpeedOfTheLastStepInItsAblationSv) {
+TEST(BezierPredictorTest, TakesTheSpeedOfTheLastStepInItsAblationSv) {
   const auto path = history([](double t) { return Eigen::Vector2d(4.0 * t + t * t, 0.0); });
   BezierPredictor::Ablation sv;
   sv.instant_speed = true;

@@ -31,7 +31,7 @@ MeasuredBox box(double x, double y, ObjectClass object_class = ObjectClass::kCar
   return result;
 }
 
-TEST(Compatible, KeepsGroupsApart) {
+TEST(CompatibleTest, KeepsGroupsApart) {
   EXPECT_TRUE(compatible(ObjectClass::kCar, ObjectClass::kVan));
   EXPECT_TRUE(compatible(ObjectClass::kPedestrian, ObjectClass::kPersonSitting));
   EXPECT_FALSE(compatible(ObjectClass::kCar, ObjectClass::kPedestrian));
@@ -39,7 +39,7 @@ TEST(Compatible, KeepsGroupsApart) {
   EXPECT_TRUE(compatible(ObjectClass::kUnknown, ObjectClass::kPedestrian));
 }
 
-TEST(ConsistencyCheck, ContinuesWhatLiesInsideTheGate) {
+TEST(ConsistencyCheckTest, ContinuesWhatLiesInsideTheGate) {
   const ConsistencyCheck check{ConsistencyParams()};
   const auto near = check.match({track(10, 0)}, {box(10.3, 0.2)});
   EXPECT_THAT(near.pairs, ElementsAre(Pair(0u, 0u)));
@@ -49,20 +49,20 @@ TEST(ConsistencyCheck, ContinuesWhatLiesInsideTheGate) {
   EXPECT_THAT(far.unmatched_detections, ElementsAre(0u));
 }
 
-TEST(ConsistencyCheck, GivesADetectionToTheTrackWhoseCentreIsNearest) {
+TEST(ConsistencyCheckTest, GivesADetectionToTheTrackWhoseCentreIsNearest) {
   const ConsistencyCheck check{ConsistencyParams()};
   const auto matches = check.match({track(10, 0), track(10.8, 0)}, {box(10.7, 0)});
   EXPECT_THAT(matches.pairs, ElementsAre(Pair(1u, 0u)));
 }
 
-TEST(ConsistencyCheck, SharesDetectionsOutForTheBestOfAll) {
+TEST(ConsistencyCheckTest, SharesDetectionsOutForTheBestOfAll) {
   const ConsistencyCheck check{ConsistencyParams()};
   // The nearest pair (track 1, box 0) would leave track 0 with nothing.
   const auto matches = check.match({track(10, 0), track(10.5, 0)}, {box(10.4, 0), box(10.9, 0)});
   EXPECT_THAT(matches.pairs, ElementsAre(Pair(0u, 0u), Pair(1u, 1u)));
 }
 
-TEST(ConsistencyCheck, LooksAtTheClassAndTheHeight) {
+TEST(ConsistencyCheckTest, LooksAtTheClassAndTheHeight) {
   const ConsistencyCheck check{ConsistencyParams()};
   EXPECT_THAT(check.match({track(10, 0)}, {box(10, 0, ObjectClass::kPedestrian)}).pairs, IsEmpty());
   MeasuredBox above = box(10, 0);
@@ -70,7 +70,7 @@ TEST(ConsistencyCheck, LooksAtTheClassAndTheHeight) {
   EXPECT_THAT(check.match({track(10, 0)}, {above}).pairs, IsEmpty());
 }
 
-TEST(ConsistencyCheck, TakesTheDetectorsIdAsAHintOnly) {
+TEST(ConsistencyCheckTest, TakesTheDetectorsIdAsAHintOnly) {
   ConsistencyParams params;
   params.hint_bonus = 3.0;
   const ConsistencyCheck check(params);
@@ -86,7 +86,7 @@ TEST(ConsistencyCheck, TakesTheDetectorsIdAsAHintOnly) {
   EXPECT_THAT(check.match({a, b}, {elsewhere}).pairs, IsEmpty()) << "never trusted";
 }
 
-TEST(ConsistencyCheck, KeepsTheSurestOfSeveralBoxes) {
+TEST(ConsistencyCheckTest, KeepsTheSurestOfSeveralBoxes) {
   const ConsistencyCheck check{ConsistencyParams()};
   MeasuredBox sure = box(10, 0);
   MeasuredBox twin = box(10.4, 0.1);
@@ -99,7 +99,7 @@ TEST(ConsistencyCheck, KeepsTheSurestOfSeveralBoxes) {
   EXPECT_EQ(distinct.duplicates[0].second.score, 0.4);
 }
 
-TEST(DistinctBoxes, OffersATrackTheBoxThatLiesNearest) {
+TEST(DistinctBoxesTest, OffersATrackTheBoxThatLiesNearest) {
   const ConsistencyCheck check{ConsistencyParams()};
   MeasuredBox sure = box(10, 0);
   sure.score = 0.9;
@@ -110,7 +110,7 @@ TEST(DistinctBoxes, OffersATrackTheBoxThatLiesNearest) {
   EXPECT_EQ(distinct.likeliest(1, track(10.4, 2.5)).position.x(), 10.0) << "another object's";
 }
 
-TEST(MovingAverage, IsTheMeanOfAStandingObject) {
+TEST(MovingAverageTest, IsTheMeanOfAStandingObject) {
   std::vector<PlaceMeasurement> places(4);
   for (int i = 0; i < 4; ++i) {
     places[i].time = 0.1 * i;
@@ -124,7 +124,7 @@ TEST(MovingAverage, IsTheMeanOfAStandingObject) {
   EXPECT_NEAR(gaussianAverage(places, 0.01, still).x(), 1.0, 1e-9);
 }
 
-TEST(MovingAverage, DoesNotLagBehindAMovingObject) {
+TEST(MovingAverageTest, DoesNotLagBehindAMovingObject) {
   std::vector<PlaceMeasurement> places(6);
   for (int i = 0; i < 6; ++i) {
     places[i].time = 0.1 * i;

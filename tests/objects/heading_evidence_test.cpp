@@ -8,13 +8,13 @@
 namespace headway::objects {
 namespace {
 
-TEST(HeadingEvidence, BringsAFlippedMeasurementBack) {
+TEST(HeadingEvidenceTest, BringsAFlippedMeasurementBack) {
   HeadingEvidence evidence{HeadingParams()};
   EXPECT_NEAR(evidence.unflipped(0.1, 0.0), 0.1, 1e-12);
   EXPECT_NEAR(wrapAngle(evidence.unflipped(wrapAngle(0.1 + M_PI), 0.0)), 0.1, 1e-12);
 }
 
-TEST(HeadingEvidence, IsNotTurnedByScatteredFlips) {
+TEST(HeadingEvidenceTest, IsNotTurnedByScatteredFlips) {
   std::mt19937 random(1);
   std::bernoulli_distribution flipped(0.2);
   HeadingEvidence evidence{HeadingParams()};
@@ -24,7 +24,7 @@ TEST(HeadingEvidence, IsNotTurnedByScatteredFlips) {
   }
 }
 
-TEST(HeadingEvidence, IsNotTurnedByFiveFlipsInARow) {
+TEST(HeadingEvidenceTest, IsNotTurnedByFiveFlipsInARow) {
   HeadingEvidence evidence{HeadingParams()};
   for (int k = 0; k < 10; ++k) (void)evidence.unflipped(0.0, 0.0);
   for (int k = 0; k < 5; ++k) {
@@ -33,7 +33,7 @@ TEST(HeadingEvidence, IsNotTurnedByFiveFlipsInARow) {
   }
 }
 
-TEST(HeadingEvidence, RecoversFromAWrongFirstHeading) {
+TEST(HeadingEvidenceTest, RecoversFromAWrongFirstHeading) {
   HeadingEvidence evidence{HeadingParams()};
   int frames = 0;
   while (!evidence.turnsRound() && frames < 100) {
@@ -45,7 +45,7 @@ TEST(HeadingEvidence, RecoversFromAWrongFirstHeading) {
   EXPECT_FALSE(evidence.turnsRound()) << "the evidence now speaks for the new heading";
 }
 
-TEST(HeadingEvidence, ListensToTheDirectionOfMotion) {
+TEST(HeadingEvidenceTest, ListensToTheDirectionOfMotion) {
   HeadingEvidence evidence{HeadingParams()};
   for (int k = 0; k < 4; ++k) evidence.addMotion(0.2);  // sideways says nothing
   EXPECT_FALSE(evidence.turnsRound());

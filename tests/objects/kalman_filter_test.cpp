@@ -19,7 +19,7 @@ MeasuredBox boxAt(double x, double y, double yaw = 0.0) {
   return box;
 }
 
-TEST(Transition, OfTwoStepsIsThatOfBothTogether) {
+TEST(TransitionTest, OfTwoStepsIsThatOfBothTogether) {
   for (const double dt : {1e-4, 0.05, 0.1, 1.0, 7.0}) {
     const Transition one(dt, 0.8);
     const Transition two(2.0 * dt, 0.8);
@@ -29,20 +29,20 @@ TEST(Transition, OfTwoStepsIsThatOfBothTogether) {
   }
 }
 
-TEST(Transition, OfNoTimeChangesNothing) {
+TEST(TransitionTest, OfNoTimeChangesNothing) {
   const Transition still(0.0, 1.0);
   EXPECT_EQ(still.F, Eigen::Matrix3d::Identity());
   EXPECT_EQ(still.Q.norm(), 0.0);
 }
 
-TEST(Transition, LetsARateSettleOverALongGap) {
+TEST(TransitionTest, LetsARateSettleOverALongGap) {
   const Transition gap(60.0, 1.0);
   EXPECT_NEAR(gap.F(0, 2), 59.0, 1e-6) << "an acceleration of 1 brings 1 m/s, not 60";
   EXPECT_TRUE(gap.Q.allFinite());
   EXPECT_GE(gap.Q.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), -1e-9);
 }
 
-TEST(KalmanFilter, FollowsAConstantVelocity) {
+TEST(KalmanFilterTest, FollowsAConstantVelocity) {
   KalmanFilter filter(boxAt(0.0, 0.0), FilterParams());
   const Transition step(0.1, 1.0);
   for (int k = 1; k <= 60; ++k) {
@@ -55,7 +55,7 @@ TEST(KalmanFilter, FollowsAConstantVelocity) {
 }
 
 // The textbook filter over the 6-state block, to hold the block arithmetic against.
-TEST(KalmanFilter, IsTheFullFilterInBlocks) {
+TEST(KalmanFilterTest, IsTheFullFilterInBlocks) {
   const FilterParams params;
   KalmanFilter filter(boxAt(1.0, 2.0), params);
   const Transition step(0.13, 0.9);
@@ -90,7 +90,7 @@ TEST(KalmanFilter, IsTheFullFilterInBlocks) {
   }
 }
 
-TEST(KalmanFilter, StartsAtAMeasuredVelocity) {
+TEST(KalmanFilterTest, StartsAtAMeasuredVelocity) {
   MeasuredBox box = boxAt(0.0, 0.0);
   box.velocity = GroundVelocity{{12.0, -5.0}, 0.04 * Eigen::Matrix2d::Identity()};
   KalmanFilter filter(box, FilterParams());
@@ -99,7 +99,7 @@ TEST(KalmanFilter, StartsAtAMeasuredVelocity) {
   EXPECT_LT(filter.velocityCovariance()(0, 0), 0.04);
 }
 
-TEST(KalmanFilter, WeighsAMeasuredVelocityAgainstWhatItKnows) {
+TEST(KalmanFilterTest, WeighsAMeasuredVelocityAgainstWhatItKnows) {
   MeasuredBox box = boxAt(0.0, 0.0);
   box.velocity = GroundVelocity{{10.0, 0.0}, Eigen::Matrix2d::Identity()};
   KalmanFilter filter(box, FilterParams());
@@ -111,7 +111,7 @@ TEST(KalmanFilter, WeighsAMeasuredVelocityAgainstWhatItKnows) {
   EXPECT_NEAR(filter.position().x(), 1.1, 0.05);
 }
 
-TEST(KalmanFilter, TurnsOnThroughHalfATurn) {
+TEST(KalmanFilterTest, TurnsOnThroughHalfATurn) {
   KalmanFilter filter(boxAt(0, 0, 3.0), FilterParams());
   const Transition step(0.1, 1.0);
   double yaw = 3.0;
@@ -124,7 +124,7 @@ TEST(KalmanFilter, TurnsOnThroughHalfATurn) {
   EXPECT_NEAR(filter.yawRate(), 0.5, 0.1);
 }
 
-TEST(KalmanFilter, KeepsASizeOnceItIsKnown) {
+TEST(KalmanFilterTest, KeepsASizeOnceItIsKnown) {
   KalmanFilter filter(boxAt(0, 0), FilterParams());
   for (int k = 0; k < 40; ++k) filter.updateSize({4.0 + (k % 2 == 0 ? 0.2 : -0.2), 1.7, 1.5});
   const Eigen::Vector3d settled = filter.size();

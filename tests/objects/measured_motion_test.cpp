@@ -13,7 +13,7 @@ PlaceMeasurement placeAt(Time time, double x, double y) {
   return {time, {x, y, 0.0}, Eigen::Matrix2d::Identity() / (kSigma * kSigma), 1.0};
 }
 
-TEST(MeasuredMotionTest, exactPlacesGiveTheirVelocity) {
+TEST(MeasuredMotionTest, ExactPlacesGiveTheirVelocity) {
   std::vector<PlaceMeasurement> places;
   for (int k = 0; k < 8; ++k) places.push_back(placeAt(0.1 * k, 3.0 + 0.12 * k, -0.05 * k));
   const auto motion = measuredMotion(places, 1.0);
@@ -22,7 +22,7 @@ TEST(MeasuredMotionTest, exactPlacesGiveTheirVelocity) {
   EXPECT_NEAR(-0.5, motion->velocity.y(), 1e-9);
 }
 
-TEST(MeasuredMotionTest, covarianceIsThatOfTheVelocitiesFound) {
+TEST(MeasuredMotionTest, CovarianceIsThatOfTheVelocitiesFound) {
   // Leaving the worst place out makes the others look a little better than they are.
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0.0, kSigma);
@@ -39,7 +39,7 @@ TEST(MeasuredMotionTest, covarianceIsThatOfTheVelocitiesFound) {
   EXPECT_NEAR(1.0, squares / claimed, 0.25);
 }
 
-TEST(MeasuredMotionTest, onePlaceThatIsFarOffMakesNoMotion) {
+TEST(MeasuredMotionTest, OnePlaceThatIsFarOffMakesNoMotion) {
   std::vector<PlaceMeasurement> places;
   for (int k = 0; k < 6; ++k) places.push_back(placeAt(0.1 * k, 0.0, 0.0));
   places.front().measured.x() = 2.0;
@@ -48,14 +48,14 @@ TEST(MeasuredMotionTest, onePlaceThatIsFarOffMakesNoMotion) {
   EXPECT_NEAR(0.0, motion->velocity.norm(), 1e-9);
 }
 
-TEST(MeasuredMotionTest, onlyTheWindowCounts) {
+TEST(MeasuredMotionTest, OnlyTheWindowCounts) {
   std::vector<PlaceMeasurement> places;
   for (int k = 0; k < 10; ++k) places.push_back(placeAt(0.1 * k, 5.0 * k, 0.0));
   for (int k = 10; k < 20; ++k) places.push_back(placeAt(0.1 * k, 50.0, 0.0));
   EXPECT_NEAR(0.0, measuredMotion(places, 0.95)->velocity.norm(), 1e-9);
 }
 
-TEST(MeasuredMotionTest, twoPlacesAreTooFew) {
+TEST(MeasuredMotionTest, TwoPlacesAreTooFew) {
   EXPECT_FALSE(measuredMotion({placeAt(0.0, 0.0, 0.0), placeAt(0.1, 1.0, 0.0)}, 1.0));
 }
 

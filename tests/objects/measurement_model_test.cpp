@@ -33,7 +33,7 @@ Outcome measure(const std::vector<Detection>& items, const ConsistencyParams& se
   return outcome;
 }
 
-TEST(MeasurementModel, BringsABoxToTheMap) {
+TEST(MeasurementModelTest, BringsABoxToTheMap) {
   Pose T_map_robot = Pose::Identity();
   T_map_robot.translation() << 5.0, -2.0, 1.0;
   T_map_robot.linear() = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()).toRotationMatrix();
@@ -44,7 +44,7 @@ TEST(MeasurementModel, BringsABoxToTheMap) {
   EXPECT_THAT(outcome.dropped, IsEmpty());
 }
 
-TEST(MeasurementModel, TrustsFarBoxesLessAndTheirDepthLeast) {
+TEST(MeasurementModelTest, TrustsFarBoxesLessAndTheirDepthLeast) {
   const auto near = measure({seenCar(5.0, 0.0)}).boxes.at(0);
   const auto far = measure({seenCar(60.0, 0.0)}).boxes.at(0);
   EXPECT_GT(far.covariance(0, 0), 4.0 * near.covariance(0, 0)) << "x runs along the ray";
@@ -54,7 +54,7 @@ TEST(MeasurementModel, TrustsFarBoxesLessAndTheirDepthLeast) {
   EXPECT_GT(aside.covariance(0, 1), 0.0) << "the ellipse points along the ray";
 }
 
-TEST(MeasurementModel, BelievesTheCovarianceThatADetectorGives) {
+TEST(MeasurementModelTest, BelievesTheCovarianceThatADetectorGives) {
   Detection car = seenCar(10.0, 0.0);
   car.centre_covariance = Eigen::Vector3d(0.01, 0.02, 4.0).asDiagonal();  // optical axes
   const auto box = measure({car}).boxes.at(0);
@@ -63,7 +63,7 @@ TEST(MeasurementModel, BelievesTheCovarianceThatADetectorGives) {
   EXPECT_NEAR(box.vertical_variance, 0.02, 0.01);
 }
 
-TEST(MeasurementModel, TurnsAVelocityIntoTheMap) {
+TEST(MeasurementModelTest, TurnsAVelocityIntoTheMap) {
   Pose T_map_robot = Pose::Identity();
   T_map_robot.linear() = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   Detection car = seenCar(10.0, 0.0);
@@ -75,7 +75,7 @@ TEST(MeasurementModel, TurnsAVelocityIntoTheMap) {
   EXPECT_NEAR(velocity->covariance(0, 0), 0.1, 1e-9);
 }
 
-TEST(MeasurementModel, ForgetsTheOrderOfArrival) {
+TEST(MeasurementModelTest, ForgetsTheOrderOfArrival) {
   std::vector<Detection> items;
   for (int i = 0; i < 20; ++i) items.push_back(seenCar(5.0 + (i * 7) % 20, (i * 3) % 11));
   const auto one = measure(items);
@@ -87,7 +87,7 @@ TEST(MeasurementModel, ForgetsTheOrderOfArrival) {
   }
 }
 
-TEST(MeasurementModel, CountsNotANumberAndInfinity) {
+TEST(MeasurementModelTest, CountsNotANumberAndInfinity) {
   const auto with = [](auto change) {
     Detection car = seenCar(10.0, 0.0);
     change(car);
@@ -112,14 +112,13 @@ TEST(MeasurementModel, CountsNotANumberAndInfinity) {
   EXPECT_THAT(outcome.dropped, ElementsAre(Pair("nan_box", items.size())));
 }
 
-TEST(MeasurementModel, CountsBoxesFromABrokenPose) {
+TEST(MeasurementModelTest, CountsBoxesFromABrokenPose) {
   Pose broken = Pose::Identity();
   broken.translation().x() = kNan;
-  EXPECT_THAT(measure({seenCar(10.0, 0.0)}, {}, broken).dropped,
-              ElementsAre(Pair("nan_box", 1u)));
+  EXPECT_THAT(measure({seenCar(10.0, 0.0)}, {}, broken).dropped, ElementsAre(Pair("nan_box", 1u)));
 }
 
-TEST(MeasurementModel, CountsBoxesWithoutSize) {
+TEST(MeasurementModelTest, CountsBoxesWithoutSize) {
   Detection flat = seenCar(10.0, 0.0);
   flat.box3d->height = 0.0;
   Detection inside_out = seenCar(10.0, 0.0);
@@ -127,18 +126,18 @@ TEST(MeasurementModel, CountsBoxesWithoutSize) {
   EXPECT_THAT(measure({flat, inside_out}).dropped, ElementsAre(Pair("zero_size", 2u)));
 }
 
-TEST(MeasurementModel, CountsBoxesBehindTheCamera) {
+TEST(MeasurementModelTest, CountsBoxesBehindTheCamera) {
   EXPECT_THAT(measure({seenCar(-3.0, 1.0), seenCar(0.0, 1.0)}).dropped,
               ElementsAre(Pair("behind_camera", 2u)));
 }
 
-TEST(MeasurementModel, CountsBoxesTooFarAway) {
+TEST(MeasurementModelTest, CountsBoxesTooFarAway) {
   ConsistencyParams selection;
   selection.max_range_m = 50.0;
   EXPECT_THAT(measure({seenCar(51.0, 0.0)}, selection).dropped, ElementsAre(Pair("too_far", 1u)));
 }
 
-TEST(MeasurementModel, CountsLowScores) {
+TEST(MeasurementModelTest, CountsLowScores) {
   ConsistencyParams selection;
   selection.min_score = 0.5;
   Detection unsure = seenCar(10.0, 0.0);
@@ -146,7 +145,7 @@ TEST(MeasurementModel, CountsLowScores) {
   EXPECT_THAT(measure({unsure}, selection).dropped, ElementsAre(Pair("low_score", 1u)));
 }
 
-TEST(MeasurementModel, CountsUnknownClassesWhereTheyAreNotWanted) {
+TEST(MeasurementModelTest, CountsUnknownClassesWhereTheyAreNotWanted) {
   Detection thing = seenCar(10.0, 0.0);
   thing.object_class = ObjectClass::kUnknown;
   EXPECT_EQ(measure({thing}).boxes.size(), 1u);
@@ -155,7 +154,7 @@ TEST(MeasurementModel, CountsUnknownClassesWhereTheyAreNotWanted) {
   EXPECT_THAT(measure({thing}, selection).dropped, ElementsAre(Pair("unknown_class", 1u)));
 }
 
-TEST(MeasurementModel, CountsImageBoxesThatWereNotLifted) {
+TEST(MeasurementModelTest, CountsImageBoxesThatWereNotLifted) {
   Detection flat;
   flat.object_class = ObjectClass::kCar;
   flat.box2d = Box2d{600, 100, 700, 200};

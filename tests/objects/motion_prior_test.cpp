@@ -41,13 +41,13 @@ PriorStiffness stiffness(MotionPriorKind kind) {
   return {kind, kind == MotionPriorKind::kLeastKinetic ? 1.9 : 2.0, 2.0};
 }
 
-class EveryPrior : public ::testing::TestWithParam<MotionPriorKind> {};
+class EveryPriorTest : public ::testing::TestWithParam<MotionPriorKind> {};
 
-INSTANTIATE_TEST_SUITE_P(Named, EveryPrior,
+INSTANTIATE_TEST_SUITE_P(Named, EveryPriorTest,
                          ::testing::Values(MotionPriorKind::kLeastKinetic,
                                            MotionPriorKind::kLeastForce));
 
-TEST_P(EveryPrior, HasTheGradientOfItsCost) {
+TEST_P(EveryPriorTest, HasTheGradientOfItsCost) {
   const Case walk = noisyWalk(12, 1);
   const MotionPriorProblem problem(walk.measurements, stiffness(GetParam()));
   const auto gradient = problem.gradient(walk.start);
@@ -64,7 +64,7 @@ TEST_P(EveryPrior, HasTheGradientOfItsCost) {
   }
 }
 
-TEST_P(EveryPrior, EndsWhereNoPlaceCanBeBettered) {
+TEST_P(EveryPriorTest, EndsWhereNoPlaceCanBeBettered) {
   for (const std::size_t length : {2u, 3u, 4u, 21u, 100u}) {
     Case walk = noisyWalk(length, 2);
     MotionPriorProblem problem(walk.measurements, stiffness(GetParam()));
@@ -153,7 +153,7 @@ std::vector<Eigen::Vector3d> solvedByCeres(const Case& walk, const PriorStiffnes
   return places;
 }
 
-TEST_P(EveryPrior, FindsTheMinimumThatCeresFinds) {
+TEST_P(EveryPriorTest, FindsTheMinimumThatCeresFinds) {
   for (const unsigned seed : {3u, 4u, 5u}) {
     Case walk = noisyWalk(21, seed);
     const auto reference = solvedByCeres(walk, stiffness(GetParam()));
@@ -166,7 +166,7 @@ TEST_P(EveryPrior, FindsTheMinimumThatCeresFinds) {
   }
 }
 
-TEST(LeastForce, LeavesAConstantVelocityAlone) {
+TEST(LeastForceTest, LeavesAConstantVelocityAlone) {
   Case walk = noisyWalk(20, 6);
   for (auto& m : walk.measurements) m.measured = {4.0 * m.time, -2.0 * m.time, 0.1 * m.time};
   MotionPriorProblem problem(walk.measurements, stiffness(MotionPriorKind::kLeastForce));
@@ -176,7 +176,7 @@ TEST(LeastForce, LeavesAConstantVelocityAlone) {
   }
 }
 
-TEST(LeastKinetic, PullsTheNewestPlaceTowardsThePast) {
+TEST(LeastKineticTest, PullsTheNewestPlaceTowardsThePast) {
   Case walk = noisyWalk(20, 7);
   for (auto& m : walk.measurements) m.measured = {4.0 * m.time, 0.0, 0.0};
   MotionPriorProblem problem(walk.measurements, stiffness(MotionPriorKind::kLeastKinetic));

@@ -23,19 +23,19 @@ double learntFrom(double factor, double adaption) {
   return scale.value();
 }
 
-TEST(NoiseScale, FindsHowNoisyADetectorIs) {
+TEST(NoiseScaleTest, FindsHowNoisyADetectorIs) {
   EXPECT_NEAR(learntFrom(1.0, 0.005), 1.0, 0.15);
   EXPECT_NEAR(learntFrom(2.5, 0.005), 2.5, 0.4);
 }
 
-TEST(NoiseScale, StaysAsConfiguredWithoutAdaption) { EXPECT_EQ(learntFrom(3.0, 0.0), 1.0); }
+TEST(NoiseScaleTest, StaysAsConfiguredWithoutAdaption) { EXPECT_EQ(learntFrom(3.0, 0.0), 1.0); }
 
-TEST(NoiseScale, IsBoundedBothWays) {
+TEST(NoiseScaleTest, IsBoundedBothWays) {
   EXPECT_GE(learntFrom(0.0, 0.02), 0.5);
   EXPECT_LE(learntFrom(100.0, 0.02), 4.0);
 }
 
-TEST(NoiseScale, ScalesStandardDeviations) {
+TEST(NoiseScaleTest, ScalesStandardDeviations) {
   NoiseScale scale(0.5);
   MeasuredBox far;
   far.position = {100.0, 0.0, 0.0};

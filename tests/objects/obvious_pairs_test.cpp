@@ -14,7 +14,7 @@ double total(const std::vector<CandidatePair>& pairs) {
   return sum;
 }
 
-TEST(ObviousPairs, LeaveTheBestAssignmentAsGoodAsItWas) {
+TEST(ObviousPairsTest, LeaveTheBestAssignmentAsGoodAsItWas) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> cost(-10.0, 3.0);
   std::size_t obvious_in_all = 0;
@@ -34,13 +34,13 @@ TEST(ObviousPairs, LeaveTheBestAssignmentAsGoodAsItWas) {
   EXPECT_GT(obvious_in_all, 300u);
 }
 
-TEST(ObviousPairs, AreNotThoseThatSomethingElseMayBeat) {
+TEST(ObviousPairsTest, AreNotThoseThatSomethingElseMayBeat) {
   std::vector<CandidatePair> candidates = {{0, 0, -5.0}, {0, 1, -4.0}, {1, 0, -4.0}};
   EXPECT_THAT(takeObviousPairs(candidates), ::testing::IsEmpty()) << "-8 beats -5";
   EXPECT_EQ(candidates.size(), 3u);
 }
 
-TEST(ObviousPairs, AreNeverWorseThanNoPair) {
+TEST(ObviousPairsTest, AreNeverWorseThanNoPair) {
   std::vector<CandidatePair> candidates = {{0, 0, 2.0}, {1, 1, -1.0}};
   const auto obvious = takeObviousPairs(candidates);
   ASSERT_EQ(obvious.size(), 1u);

@@ -25,7 +25,7 @@ std::vector<TrajectoryPoint> straightAt(double speed) {
   return history([=](double t) { return Eigen::Vector2d(3.0 + speed * t, -1.0); });
 }
 
-class EveryPredictor : public ::testing::TestWithParam<std::string> {
+class EveryPredictorTest : public ::testing::TestWithParam<std::string> {
  protected:
   [[nodiscard]] std::vector<PredictedPath> predict(
       const std::vector<TrajectoryPoint>& path,
@@ -38,10 +38,10 @@ class EveryPredictor : public ::testing::TestWithParam<std::string> {
       makePredictor(predictorKindFrom(GetParam()), PredictorParams());
 };
 
-INSTANTIATE_TEST_SUITE_P(Named, EveryPredictor, ::testing::ValuesIn(predictorNames()),
+INSTANTIATE_TEST_SUITE_P(Named, EveryPredictorTest, ::testing::ValuesIn(predictorNames()),
                          [](const auto& test) { return test.param; });
 
-TEST_P(EveryPredictor, ContinuesAStraightPathAtItsSpeed) {
+TEST_P(EveryPredictorTest, ContinuesAStraightPathAtItsSpeed) {
   for (const ObjectClass object_class : {ObjectClass::kCar, ObjectClass::kPedestrian}) {
     const auto paths = predict(straightAt(2.0), object_class);
     ASSERT_FALSE(paths.empty());
@@ -52,7 +52,7 @@ TEST_P(EveryPredictor, ContinuesAStraightPathAtItsSpeed) {
   }
 }
 
-TEST_P(EveryPredictor, GivesThirtySamplesATenthOfASecondApart) {
+TEST_P(EveryPredictorTest, GivesThirtySamplesATenthOfASecondApart) {
   for (const PredictedPath& path : predict(straightAt(5.0))) {
     ASSERT_EQ(path.points.size(), 30u);
     for (int j = 0; j < kPredictionSamples; ++j) {
@@ -62,7 +62,7 @@ TEST_P(EveryPredictor, GivesThirtySamplesATenthOfASecondApart) {
   }
 }
 
-TEST_P(EveryPredictor, GivesProbabilitiesThatFallAndSumToOne) {
+TEST_P(EveryPredictorTest, GivesProbabilitiesThatFallAndSumToOne) {
   for (const double speed : {0.0, 1.0, 12.0}) {
     double sum = 0.0;
     double before = 1.0;
@@ -75,7 +75,7 @@ TEST_P(EveryPredictor, GivesProbabilitiesThatFallAndSumToOne) {
   }
 }
 
-TEST_P(EveryPredictor, IsLessSureFartherAhead) {
+TEST_P(EveryPredictorTest, IsLessSureFartherAhead) {
   const auto turning = history([](double t) {
     return Eigen::Vector2d(20.0 * std::sin(0.3 * t), 20.0 - 20.0 * std::cos(0.3 * t));
   });
@@ -90,7 +90,7 @@ TEST_P(EveryPredictor, IsLessSureFartherAhead) {
   }
 }
 
-TEST_P(EveryPredictor, LeavesAStandingObjectWhereItStands) {
+TEST_P(EveryPredictorTest, LeavesAStandingObjectWhereItStands) {
   const auto paths = predict(history([](double) { return Eigen::Vector2d(4.0, 5.0); }));
   ASSERT_FALSE(paths.empty());
   for (const PredictedPoint& point : paths.front().points) {
@@ -98,7 +98,7 @@ TEST_P(EveryPredictor, LeavesAStandingObjectWhereItStands) {
   }
 }
 
-TEST_P(EveryPredictor, TurnsAndShiftsWithItsHistory) {
+TEST_P(EveryPredictorTest, TurnsAndShiftsWithItsHistory) {
   const auto path = history(
       [](double t) { return Eigen::Vector2d(6.0 * t + 0.4 * t * t, 0.5 * t * t - 0.1 * t); });
   const double angle = 2.1;
@@ -124,7 +124,7 @@ TEST_P(EveryPredictor, TurnsAndShiftsWithItsHistory) {
   }
 }
 
-TEST_P(EveryPredictor, DoesNotMindHowLittleItKnows) {
+TEST_P(EveryPredictorTest, DoesNotMindHowLittleItKnows) {
   EXPECT_TRUE(predict({}).empty());
   const auto path = straightAt(2.0);
   for (std::size_t length = 1; length < path.size(); ++length) {
@@ -137,7 +137,7 @@ TEST_P(EveryPredictor, DoesNotMindHowLittleItKnows) {
   }
 }
 
-TEST_P(EveryPredictor, GivesFiniteAnswersForUnevenTimes) {
+TEST_P(EveryPredictorTest, GivesFiniteAnswersForUnevenTimes) {
   auto path = history([](double t) { return Eigen::Vector2d(3.0 * t, std::sin(t)); });
   path.front().time = -60.0;
   path[18].time = -1e-6;
@@ -150,13 +150,13 @@ TEST_P(EveryPredictor, GivesFiniteAnswersForUnevenTimes) {
   }
 }
 
-TEST(PredictorNames, FitTheKinds) {
+TEST(PredictorNamesTest, FitTheKinds) {
   EXPECT_EQ(predictorKindFrom("paper"), PredictorKind::kPaper);
   EXPECT_EQ(predictorKindFrom("mixture"), PredictorKind::kMixture);
   EXPECT_THROW((void)predictorKindFrom("crystal_ball"), InputError);
 }
 
-TEST(ConstantTurn, StaysOnItsCircle) {
+TEST(ConstantTurnTest, StaysOnItsCircle) {
   const double radius = 15.0;
   const double rate = 0.4;
   const auto path = history([=](double t) {
@@ -171,7 +171,7 @@ TEST(ConstantTurn, StaysOnItsCircle) {
   EXPECT_NEAR(placeIn(paths.front(), 3.0).x(), radius * std::sin(rate * 3.0), 0.3);
 }
 
-TEST(Mixture, FollowsATurnAtFirstAndDoesNotCircleForever) {
+TEST(MixtureTest, FollowsATurnAtFirstAndDoesNotCircleForever) {
   const double rate = 0.5;
   const auto path = history([=](double t) {
     return Eigen::Vector2d(16.0 * std::sin(rate * t), 16.0 - 16.0 * std::cos(rate * t));
@@ -183,7 +183,7 @@ TEST(Mixture, FollowsATurnAtFirstAndDoesNotCircleForever) {
   EXPECT_GT(placeIn(paths.front(), 3.0).y(), 1.0) << "it turns left";
 }
 
-TEST(Mixture, StopsAndDoesNotReverse) {
+TEST(MixtureTest, StopsAndDoesNotReverse) {
   // Braking at 3 m/s^2 from 7 m/s: 1 m/s is left now.
   const auto path = history([](double t) { return Eigen::Vector2d(t - 1.5 * t * t, 0.0); });
   const auto paths =
@@ -196,7 +196,7 @@ TEST(Mixture, StopsAndDoesNotReverse) {
   EXPECT_LT(before, 2.0) << "constant velocity would say 3 m";
 }
 
-TEST(Mixture, GoesBackwardsWithAReversingCar) {
+TEST(MixtureTest, GoesBackwardsWithAReversingCar) {
   auto path = history([](double t) { return Eigen::Vector2d(-1.5 * t, 0.0); });
   for (TrajectoryPoint& point : path) point.yaw = 0.0;  // it looks along +x
   const auto paths =
@@ -217,7 +217,7 @@ MotionHistory drivingAlongX(double span_s) {
   return known;
 }
 
-TEST(MixturePredictor, IsLessSureInTheDirectionInWhichTheHistoryIsNoisy) {
+TEST(MixturePredictorTest, IsLessSureInTheDirectionInWhichTheHistoryIsNoisy) {
   const MotionHistory exact = drivingAlongX(2.0);
   MotionHistory noisy = exact;
   noisy.position_covariance.diagonal() << 0.25, 0.01;
@@ -229,7 +229,7 @@ TEST(MixturePredictor, IsLessSureInTheDirectionInWhichTheHistoryIsNoisy) {
   }
 }
 
-TEST(MixturePredictor, IsLessSureOfWhatItHasNotWatchedForLong) {
+TEST(MixturePredictorTest, IsLessSureOfWhatItHasNotWatchedForLong) {
   double before = 0.0;
   for (const double span : {2.0, 1.0, 0.5, 0.2, 0.0}) {
     MotionHistory known = drivingAlongX(span);
@@ -243,7 +243,7 @@ TEST(MixturePredictor, IsLessSureOfWhatItHasNotWatchedForLong) {
       << "of a car seen once nothing is known but how fast cars are";
 }
 
-TEST(MixturePredictor, SpreadIsThatOfItsErrorsWhateverThePathsLength) {
+TEST(MixturePredictorTest, SpreadIsThatOfItsErrorsWhateverThePathsLength) {
   const Eigen::Vector2d sigma(0.3, 0.1);
   std::mt19937 random(5);
   std::normal_distribution<double> noise;

@@ -65,7 +65,7 @@ std::optional<Detections> look(DetectionStage& stage, const RecordedFrame& frame
   return stage.finish(frame, frame.T_map_robot);
 }
 
-TEST(DetectionStageTest, namesAreChecked) {
+TEST(DetectionStageTest, NamesAreChecked) {
   for (const char* names : {"none", "auto", "recorded", "hog", "recorded+hog+stereo_motion"}) {
     EXPECT_NO_THROW(checkDetectorNames(names)) << names;
   }
@@ -77,13 +77,13 @@ TEST(DetectionStageTest, namesAreChecked) {
   EXPECT_THAT(errorOf("dnn", street), HasSubstr("expected the path of"));
 }
 
-TEST(DetectionStageTest, withoutImagesOnlyRecordedBoxesCanBeHad) {
+TEST(DetectionStageTest, WithoutImagesOnlyRecordedBoxesCanBeHad) {
   EXPECT_NO_THROW(DetectionStage(nullptr, paramsFor("recorded")));
   EXPECT_NO_THROW(DetectionStage(nullptr, paramsFor("auto")));
   EXPECT_THROW(DetectionStage(nullptr, paramsFor("hog")), InputError);
 }
 
-TEST(DetectionStageTest, noDetectorMakesNoUseOfRecordedBoxes) {
+TEST(DetectionStageTest, NoDetectorMakesNoUseOfRecordedBoxes) {
   const PaintedStreet street({kParked});
   DetectionStage stage(street.camera(), paramsFor("none"));
   auto frame = frameOf(street, 0);
@@ -91,7 +91,7 @@ TEST(DetectionStageTest, noDetectorMakesNoUseOfRecordedBoxes) {
   EXPECT_FALSE(look(stage, frame));
 }
 
-TEST(DetectionStageTest, looksAtEveryNthFrameOnly) {
+TEST(DetectionStageTest, LooksAtEveryNthFrameOnly) {
   const PaintedStreet street({});
   auto params = paramsFor("hog");
   params.detect.every_nth_frame = 3;
@@ -104,7 +104,7 @@ TEST(DetectionStageTest, looksAtEveryNthFrameOnly) {
   EXPECT_EQ(looked, (std::vector<bool>{true, false, false, true, false}));
 }
 
-TEST(DetectionStageTest, byItselfItStepsAsideForRecordedBoxes) {
+TEST(DetectionStageTest, ByItselfItStepsAsideForRecordedBoxes) {
   const PaintedStreet street({kMover, kParked});
   DetectionStage stage(street.camera(), paramsFor("auto"));
   (void)look(stage, frameOf(street, 0));
@@ -116,7 +116,7 @@ TEST(DetectionStageTest, byItselfItStepsAsideForRecordedBoxes) {
   EXPECT_FALSE(look(stage, frameOf(street, 2))) << "a frame without boxes coasts";
 }
 
-TEST(DetectionStageTest, recordedBoxesWithoutDepthGetIt) {
+TEST(DetectionStageTest, RecordedBoxesWithoutDepthGetIt) {
   const PaintedStreet street({kParked});
   DetectionStage stage(street.camera(), paramsFor("recorded"));
   auto frame = frameOf(street, 0);
@@ -129,7 +129,7 @@ TEST(DetectionStageTest, recordedBoxesWithoutDepthGetIt) {
   EXPECT_TRUE(stage.looked());
 }
 
-TEST(DetectionStageTest, boxesOfAnotherSensorAreTurnedToTheCamera) {
+TEST(DetectionStageTest, BoxesOfAnotherSensorAreTurnedToTheCamera) {
   const PaintedStreet street({kParked});
   DetectionStage stage(street.camera(), paramsFor("recorded"));
   auto frame = frameOf(street, 0);
@@ -148,7 +148,7 @@ TEST(DetectionStageTest, boxesOfAnotherSensorAreTurnedToTheCamera) {
   EXPECT_NEAR(M_PI_2, found->items[0].box3d->yaw, 1e-9) << "its front looked along the sensor's x";
 }
 
-TEST(DetectionStageTest, twoSourcesOfOneObjectGiveOneDetection) {
+TEST(DetectionStageTest, TwoSourcesOfOneObjectGiveOneDetection) {
   const PaintedStreet street({kMover, kParked});
   DetectionStage alone(street.camera(), paramsFor("stereo_motion"));
   DetectionStage both(street.camera(), paramsFor("recorded+stereo_motion"));
@@ -164,7 +164,7 @@ TEST(DetectionStageTest, twoSourcesOfOneObjectGiveOneDetection) {
   EXPECT_EQ(2u, fused->items.size()) << "the mover once, the parked car once";
 }
 
-TEST(DetectionStageTest, whatMovedIsLeftOutOfTheNextFramesLandmarks) {
+TEST(DetectionStageTest, WhatMovedIsLeftOutOfTheNextFramesLandmarks) {
   const PaintedStreet street({kMover, kParked});
   DetectionStage stage(street.camera(), paramsFor("stereo_motion"));
   MovingRegions regions;
@@ -181,7 +181,7 @@ TEST(DetectionStageTest, whatMovedIsLeftOutOfTheNextFramesLandmarks) {
   EXPECT_FALSE(regions.mask.empty());
 }
 
-TEST(DetectionStageTest, whatDetectorsLeaveOutIsCountedOnce) {
+TEST(DetectionStageTest, WhatDetectorsLeaveOutIsCountedOnce) {
   const PaintedStreet street({});
   DetectionStage stage(street.camera(), paramsFor("stereo_motion"));
   auto frame = frameOf(street, 0);
@@ -191,7 +191,7 @@ TEST(DetectionStageTest, whatDetectorsLeaveOutIsCountedOnce) {
   EXPECT_TRUE(stage.takeDropped().empty());
 }
 
-TEST(PerceptionTest, imagesAloneGiveTracksOfWhatMoves) {
+TEST(PerceptionTest, ImagesAloneGiveTracksOfWhatMoves) {
   const PaintedStreet street({kMover, kParked});
   PerceptionParams params;
   params.detection.detector = "stereo_motion";

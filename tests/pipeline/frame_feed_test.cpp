@@ -28,13 +28,13 @@ std::vector<std::size_t> drain(FrameFeed& feed, double busy_s) {
   return indices;
 }
 
-TEST(FrameFeedTest, offlineHandsEveryFrameOn) {
+TEST(FrameFeedTest, OfflineHandsEveryFrameOn) {
   const auto feed = makeOfflineFeed(readerOf(5, 0.1));
   EXPECT_EQ((std::vector<std::size_t>{0, 1, 2, 3, 4}), drain(*feed, 0.0));
   EXPECT_EQ(0u, feed->dropped());
 }
 
-TEST(FrameFeedTest, realtimeKeepsTheOrderAndAccountsForEveryFrame) {
+TEST(FrameFeedTest, RealtimeKeepsTheOrderAndAccountsForEveryFrame) {
   const auto feed = makeRealtimeFeed(readerOf(40, 0.1), 100.0);
   const auto indices = drain(*feed, 0.005);
   EXPECT_GT(feed->dropped(), 0u);
@@ -43,14 +43,14 @@ TEST(FrameFeedTest, realtimeKeepsTheOrderAndAccountsForEveryFrame) {
   EXPECT_EQ(39u, indices.back()) << "the newest frame is never the one that goes";
 }
 
-TEST(FrameFeedTest, realtimeDoesNotRunAheadOfTheRecording) {
+TEST(FrameFeedTest, RealtimeDoesNotRunAheadOfTheRecording) {
   const auto start = std::chrono::steady_clock::now();
   const auto feed = makeRealtimeFeed(readerOf(5, 0.1), 10.0, 5);
   EXPECT_EQ(5u, drain(*feed, 0.0).size());
   EXPECT_GE(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(40));
 }
 
-TEST(FrameFeedTest, whatTheReaderThrowsComesOutAfterTheFramesBeforeIt) {
+TEST(FrameFeedTest, WhatTheReaderThrowsComesOutAfterTheFramesBeforeIt) {
   auto inner = readerOf(3, 0.0);
   const auto feed = makeRealtimeFeed(
       [inner]() mutable {
@@ -65,7 +65,7 @@ TEST(FrameFeedTest, whatTheReaderThrowsComesOutAfterTheFramesBeforeIt) {
   EXPECT_THROW((void)feed->next(), std::runtime_error);
 }
 
-TEST(FrameFeedTest, closesWhileFramesAreStillToCome) {
+TEST(FrameFeedTest, ClosesWhileFramesAreStillToCome) {
   const auto feed = makeRealtimeFeed(readerOf(1000, 10.0), 1.0);
   EXPECT_TRUE(feed->next());
 }

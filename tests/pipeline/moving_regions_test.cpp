@@ -22,7 +22,7 @@ Track trackIn(const Box2d& box, TrackStatus status, MotionState motion_state) {
   return track;
 }
 
-TEST(MovingRegionsTest, tracksDecideWhatMovesAndWhatStays) {
+TEST(MovingRegionsTest, TracksDecideWhatMovesAndWhatStays) {
   const Box2d box{100, 50, 200, 150};
   Detections detections;
   detections.items = {detectionIn(box)};
@@ -40,7 +40,7 @@ TEST(MovingRegionsTest, tracksDecideWhatMovesAndWhatStays) {
             counts({trackIn({300, 50, 400, 150}, TrackStatus::kConfirmed, MotionState::kStatic)}));
 }
 
-TEST(MovingRegionsTest, theTrackThatOverlapsMostDecides) {
+TEST(MovingRegionsTest, TheTrackThatOverlapsMostDecides) {
   const Box2d box{100, 50, 200, 150};
   Detections detections;
   detections.items = {detectionIn(box)};
@@ -50,7 +50,7 @@ TEST(MovingRegionsTest, theTrackThatOverlapsMostDecides) {
   EXPECT_EQ(1u, movingRegions(detections, {moving, still}, kCamera).boxes.size());
 }
 
-TEST(MovingRegionsTest, a3dBoxAloneIsProjected) {
+TEST(MovingRegionsTest, A3dBoxAloneIsProjected) {
   Detection detection;
   detection.box3d = Box3d{{0, 0, 10}, 4.0, 2.0, 1.5, 0.0};
   Detections detections;
@@ -62,7 +62,7 @@ TEST(MovingRegionsTest, a3dBoxAloneIsProjected) {
   EXPECT_NEAR(120.0 + 400.0 * 0.75 / 9.0, regions.unsure[0].bottom, 1e-9);
 }
 
-TEST(MovingRegionsTest, movingTracksAreWhereTheyAreSeenAndWhereTheyAreKnownToBe) {
+TEST(MovingRegionsTest, MovingTracksAreWhereTheyAreSeenAndWhereTheyAreKnownToBe) {
   Track track;
   track.motion_state = MotionState::kMoving;
   track.status = TrackStatus::kCoasting;
@@ -84,7 +84,7 @@ TEST(MovingRegionsTest, movingTracksAreWhereTheyAreSeenAndWhereTheyAreKnownToBe)
   EXPECT_TRUE(movingRegions(std::vector<Track>{track}, robot, kCamera).boxes.empty());
 }
 
-TEST(MovingRegionsTest, boxesThatSayNothingAreLeftOut) {
+TEST(MovingRegionsTest, BoxesThatSayNothingAreLeftOut) {
   Detection behind;
   behind.box3d = Box3d{{0, 0, -10}, 4.0, 2.0, 1.5, 0.0};
   Detections detections;

@@ -55,26 +55,26 @@ Outcome run(const PaintedStreet& street, const Trouble& trouble) {
   return outcome;
 }
 
-class InTrouble : public testing::TestWithParam<int> {};
+class InTroubleTest : public testing::TestWithParam<int> {};
 
-TEST_P(InTrouble, aStillStreetStaysStill) {
+TEST_P(InTroubleTest, AStillStreetStaysStill) {
   EXPECT_LE(run(PaintedStreet(kStillStreet), test::troubles(kBlackFrame)[GetParam()])
                 .moving_tracks.size(),
             1u);
 }
 
-TEST_P(InTrouble, oneMoverIsNotAFlood) {
+TEST_P(InTroubleTest, OneMoverIsNotAFlood) {
   auto boxes = kStillStreet;
   boxes.push_back(kMover);
   EXPECT_LE(run(PaintedStreet(boxes), test::troubles(kBlackFrame)[GetParam()]).moving_tracks.size(),
             2u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Troubles, InTrouble, testing::Range(0, 5), [](const auto& index) {
+INSTANTIATE_TEST_SUITE_P(Troubles, InTroubleTest, testing::Range(0, 5), [](const auto& index) {
   return std::string(test::troubles(kBlackFrame)[index.param].name);
 });
 
-TEST(TroubleTest, aBlackImageIsReportedAndThenItGoesOn) {
+TEST(TroubleTest, ABlackImageIsReportedAndThenItGoesOn) {
   const auto outcome = run(PaintedStreet(kStillStreet), test::troubles(kBlackFrame)[3]);
   EXPECT_EQ(1u, outcome.dropped.at("unusable_image"));
   EXPECT_LE(outcome.lost, 2);

@@ -7,7 +7,7 @@
 namespace headway::plot {
 namespace {
 
-TEST(TextTableTest, isMarkdownWithAlignedColumns) {
+TEST(TextTableTest, IsMarkdownWithAlignedColumns) {
   std::ostringstream out;
   writeTable(out, {{"name", "value"}, {"a", "1.25"}, {"longer", "—"}});
   EXPECT_EQ(
@@ -18,13 +18,13 @@ TEST(TextTableTest, isMarkdownWithAlignedColumns) {
       out.str());
 }
 
-TEST(TextTableTest, missingCellsAreDashes) {
+TEST(TextTableTest, MissingCellsAreDashes) {
   std::ostringstream out;
   writeTable(out, {{"name", "value"}, {"a"}});
   EXPECT_THAT(out.str(), testing::EndsWith("| a    |     — |\n"));
 }
 
-TEST(TextTableTest, whatIsNotFiniteIsADash) {
+TEST(TextTableTest, WhatIsNotFiniteIsADash) {
   EXPECT_EQ("1.50", fixedText(1.5, 2));
   EXPECT_EQ("—", fixedText(std::numeric_limits<double>::quiet_NaN(), 2));
 }

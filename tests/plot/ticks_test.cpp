@@ -4,7 +4,7 @@
 namespace headway::plot {
 namespace {
 
-TEST(AxisTicksTest, stepsAreOneTwoOrFiveTimesAPowerOfTen) {
+TEST(AxisTicksTest, StepsAreOneTwoOrFiveTimesAPowerOfTen) {
   EXPECT_DOUBLE_EQ(1.0, tickStep(10.0, 10.0));
   EXPECT_DOUBLE_EQ(2.0, tickStep(10.0, 9.0));
   EXPECT_DOUBLE_EQ(5.0, tickStep(10.0, 4.0));
@@ -13,14 +13,14 @@ TEST(AxisTicksTest, stepsAreOneTwoOrFiveTimesAPowerOfTen) {
   EXPECT_DOUBLE_EQ(500.0, tickStep(4000.0, 9.0));
 }
 
-TEST(AxisTicksTest, neverMoreThanTheWantedParts) {
+TEST(AxisTicksTest, NeverMoreThanTheWantedParts) {
   for (const double range : {0.003, 0.7, 1.0, 42.0, 999.0, 1e6}) {
     EXPECT_LE(range / tickStep(range, 7.0), 7.0 + 1e-9) << range;
     EXPECT_GT(range / tickStep(range, 7.0), 7.0 / 2.5 - 1e-9) << range;
   }
 }
 
-TEST(AxisTicksTest, textHasTheDigitsOfTheStep) {
+TEST(AxisTicksTest, TextHasTheDigitsOfTheStep) {
   EXPECT_EQ("20", tickText(20.0, 10.0));
   EXPECT_EQ("3", tickText(3.0, 1.0));
   EXPECT_EQ("0.5", tickText(0.5, 0.5));
@@ -28,7 +28,7 @@ TEST(AxisTicksTest, textHasTheDigitsOfTheStep) {
   EXPECT_EQ("-0.002", tickText(-0.002, 0.001));
 }
 
-TEST(AxisTicksTest, whatTheSumOfStepsMissesZeroByIsZero) {
+TEST(AxisTicksTest, WhatTheSumOfStepsMissesZeroByIsZero) {
   EXPECT_EQ("0.0", tickText(-2.8e-17, 0.1));
 }
 

@@ -57,9 +57,9 @@ void expectBoxAt(const cv::Mat& picture, const PinholeView& view, const Eigen::V
 struct Size {
   int width, height, supersampling;
 };
-class OffscreenRendererSizes : public ::testing::TestWithParam<Size> {};
+class OffscreenRendererSizesTest : public ::testing::TestWithParam<Size> {};
 
-TEST_P(OffscreenRendererSizes, DrawARedBoxWhereItProjects) {
+TEST_P(OffscreenRendererSizesTest, DrawARedBoxWhereItProjects) {
   const auto [width, height, supersampling] = GetParam();
   const Eigen::Vector3d low(0.0, 0.5, -1.0);
   const Eigen::Vector3d high(0.5, 2.0, 0.25);
@@ -75,7 +75,7 @@ TEST_P(OffscreenRendererSizes, DrawARedBoxWhereItProjects) {
   EXPECT_EQ(picture.at<cv::Vec3b>(2, 2), cv::Vec3b(0, 0, 0));
 }
 
-INSTANTIATE_TEST_SUITE_P(AlsoOddOnes, OffscreenRendererSizes,
+INSTANTIATE_TEST_SUITE_P(AlsoOddOnes, OffscreenRendererSizesTest,
                          ::testing::Values(Size{640, 480, 1}, Size{637, 401, 1}, Size{318, 201, 2},
                                            Size{1241, 376, 1}, Size{101, 77, 3}));
 

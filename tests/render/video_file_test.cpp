@@ -19,7 +19,7 @@ void writeTo(const std::string& path, int pictures = kPictures) {
   video.finish();
 }
 
-TEST(VideoFile, KeepsNumberRateSizeAndColours) {
+TEST(VideoFileTest, KeepsNumberRateSizeAndColours) {
   const test::TemporaryFolder folder;
   writeTo(folder / "drive.mp4");
   cv::VideoCapture video((folder / "drive.mp4").string());
@@ -38,7 +38,7 @@ TEST(VideoFile, KeepsNumberRateSizeAndColours) {
   EXPECT_EQ(count, kPictures);
 }
 
-TEST(VideoFile, TakesAPartOfALargerPicture) {
+TEST(VideoFileTest, TakesAPartOfALargerPicture) {
   const test::TemporaryFolder folder;
   cv::Mat whole(2 * kSize.height, 2 * kSize.width, CV_8UC3, cv::Scalar(0, 0, 255));
   whole(cv::Rect({0, 0}, kSize)).setTo(cv::Scalar(0, 255, 0));
@@ -51,7 +51,7 @@ TEST(VideoFile, TakesAPartOfALargerPicture) {
   EXPECT_LT(cv::mean(picture)[2], 25.0);
 }
 
-TEST(VideoFile, RefusesAFolderThatIsMissing) {
+TEST(VideoFileTest, RefusesAFolderThatIsMissing) {
   const test::TemporaryFolder folder;
   try {
     writeTo(folder / "missing" / "drive.mp4");
@@ -62,7 +62,7 @@ TEST(VideoFile, RefusesAFolderThatIsMissing) {
   }
 }
 
-TEST(VideoFile, ReportsAFullDisk) {
+TEST(VideoFileTest, ReportsAFullDisk) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
   try {
     writeTo("/dev/full", 400);

@@ -43,9 +43,9 @@ TEST(ViewFromTest, AcceptsTheFourViews) {
   EXPECT_EQ(viewFrom(""), std::nullopt);
 }
 
-class EveryView : public ::testing::TestWithParam<View> {};
+class EveryViewTest : public ::testing::TestWithParam<View> {};
 
-TEST_P(EveryView, HasTheRequestedSizeAndShowsTracksAndPredictions) {
+TEST_P(EveryViewTest, HasTheRequestedSizeAndShowsTracksAndPredictions) {
   const auto map = streetMap();
   const cv::Mat picture = drawn(streetInput(map), GetParam(), 641, 363);
   ASSERT_EQ(picture.size(), cv::Size(641, 363));
@@ -55,25 +55,25 @@ TEST_P(EveryView, HasTheRequestedSizeAndShowsTracksAndPredictions) {
   EXPECT_GT(pixelsLike(picture, kPredictionColour), 100);
 }
 
-TEST_P(EveryView, DrawsAnEmptyMap) {
+TEST_P(EveryViewTest, DrawsAnEmptyMap) {
   const map::PerceptionMap map;
   const SnapshotInput input{map, 0, 0.0};
   EXPECT_EQ(drawn(input, GetParam()).size(), cv::Size(640, 360));
 }
 
-TEST_P(EveryView, DrawsVerySmallPictures) {
+TEST_P(EveryViewTest, DrawsVerySmallPictures) {
   const auto map = streetMap();
   EXPECT_EQ(drawn(streetInput(map), GetParam(), 17, 9).size(), cv::Size(17, 9));
 }
 
-TEST_P(EveryView, IsDeterministic) {
+TEST_P(EveryViewTest, IsDeterministic) {
   const auto map = streetMap();
   const cv::Mat first = drawn(streetInput(map), GetParam());
   const cv::Mat second = drawn(streetInput(map), GetParam());
   EXPECT_EQ(cv::norm(first, second, cv::NORM_INF), 0.0);
 }
 
-TEST_P(EveryView, ShowsTheTruthIfGiven) {
+TEST_P(EveryViewTest, ShowsTheTruthIfGiven) {
   const auto map = streetMap();
   auto input = streetInput(map);
   input.image = cv::Mat();
@@ -83,7 +83,7 @@ TEST_P(EveryView, ShowsTheTruthIfGiven) {
   EXPECT_GT(pixelsLike(drawn(input, GetParam()), kTruthColour), without + 50);
 }
 
-INSTANTIATE_TEST_SUITE_P(Views, EveryView,
+INSTANTIATE_TEST_SUITE_P(Views, EveryViewTest,
                          ::testing::Values(View::kFollow, View::kTop, View::kOrbit, View::kCamera));
 
 TEST(SnapshotTest, DrawsABoxWhereItProjects) {

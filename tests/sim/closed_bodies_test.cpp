@@ -49,7 +49,7 @@ double frontShare(const Mesh& mesh, std::uint64_t seed) {
   return static_cast<double>(fronts) / met;
 }
 
-TEST(ClosedBodies, VehiclesOfAllKinds) {
+TEST(ClosedBodiesTest, VehiclesOfAllKinds) {
   for (const MoverKind kind :
        {MoverKind::kCar, MoverKind::kVan, MoverKind::kTruck, MoverKind::kBus}) {
     for (int look = 0; look < 3; ++look) {
@@ -62,7 +62,7 @@ TEST(ClosedBodies, VehiclesOfAllKinds) {
   }
 }
 
-TEST(ClosedBodies, HousesWithFlatAndWithPitchedRoofs) {
+TEST(ClosedBodiesTest, HousesWithFlatAndWithPitchedRoofs) {
   for (const double ridge : {0.0, 2.5}) {
     HousePlan plan;
     plan.ridge_m = ridge;
@@ -74,7 +74,7 @@ TEST(ClosedBodies, HousesWithFlatAndWithPitchedRoofs) {
   }
 }
 
-TEST(ClosedBodies, TreesLampsThingsAndHedges) {
+TEST(ClosedBodiesTest, TreesLampsThingsAndHedges) {
   for (std::uint64_t seed = 1; seed < 9; ++seed) {
     Random random(seed);
     Mesh tree, lamp, thing, hedge;
@@ -88,7 +88,7 @@ TEST(ClosedBodies, TreesLampsThingsAndHedges) {
   }
 }
 
-TEST(ClosedBodies, ATurnedBodyShowsItsBacks) {
+TEST(ClosedBodiesTest, ATurnedBodyShowsItsBacks) {
   HousePlan plan;
   EXPECT_LT(frontShare(turnedOver(houseMesh(plan, Eigen::Vector3f::Zero(), 0.0F)), 3), 0.5);
 }

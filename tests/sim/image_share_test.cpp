@@ -38,9 +38,9 @@ double meanOf(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-class ImageShare : public ::testing::TestWithParam<double> {};
+class ImageShareTest : public ::testing::TestWithParam<double> {};
 
-TEST_P(ImageShare, IsReachedFromTheFirstFrameOn) {
+TEST_P(ImageShareTest, IsReachedFromTheFirstFrameOn) {
   for (const int seed : {1, 2}) {
     const auto shares = sharesOf(crowdedStreet(GetParam(), seed));
     ASSERT_EQ(shares.size(), 40U);
@@ -49,9 +49,9 @@ TEST_P(ImageShare, IsReachedFromTheFirstFrameOn) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Shares, ImageShare, ::testing::Values(0.1, 0.3, 0.5));
+INSTANTIATE_TEST_SUITE_P(Shares, ImageShareTest, ::testing::Values(0.1, 0.3, 0.5));
 
-TEST(Escort, DrivesAlongWithTheRobotAndIsTheSameForTheSameSeed) {
+TEST(EscortTest, DrivesAlongWithTheRobotAndIsTheSameForTheSameSeed) {
   SimParams params = crowdedStreet(0.3, 4);
   Simulator once(params), again(params);
   std::optional<SimFrame> last;
@@ -65,7 +65,7 @@ TEST(Escort, DrivesAlongWithTheRobotAndIsTheSameForTheSameSeed) {
   EXPECT_GT(last->T_map_robot.translation().norm(), 8.0);  // nobody blocks the road
 }
 
-TEST(Escort, AShareBeyondWhatVehiclesCanCoverNamesItsKey) {
+TEST(EscortTest, AShareBeyondWhatVehiclesCanCoverNamesItsKey) {
   SimParams params = crowdedStreet(0.5, 1);
   params.camera.focal_px = 50.0;  // so wide that all around looks small
   params.camera.height = 310;
@@ -77,7 +77,7 @@ TEST(Escort, AShareBeyondWhatVehiclesCanCoverNamesItsKey) {
   }
 }
 
-TEST(MoversAtTheStart, StandBeforeTheCameraInTheFirstFrame) {
+TEST(MoversAtTheStartTest, StandBeforeTheCameraInTheFirstFrame) {
   SimParams params = crowdedStreet(0.0, 5);
   params.traffic.vehicles = params.traffic.cyclists = params.traffic.pedestrians = 0;
   EXPECT_EQ(sharesOf(params).front(), 0.0);

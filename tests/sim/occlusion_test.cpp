@@ -72,7 +72,7 @@ int pixelsShown(const StereoCamera& camera, const std::vector<Vector3f>& triangl
   return count;
 }
 
-TEST(Occlusion, WhatItHidesShowsInNoPixel) {
+TEST(OcclusionTest, WhatItHidesShowsInNoPixel) {
   const StereoCamera camera = smallCamera();
   Random random(5);
   int hidden = 0, shown = 0;
@@ -105,9 +105,9 @@ TEST(Occlusion, WhatItHidesShowsInNoPixel) {
   EXPECT_GT(shown, 200);
 }
 
-class BehindAWall : public testing::Test {
+class BehindAWallTest : public testing::Test {
  protected:
-  BehindAWall() { occlusion.add(blockAt(0.0, 10.0, 0.0, {8.0, 4.0, 2.0}), Vector3d::Zero()); }
+  BehindAWallTest() { occlusion.add(blockAt(0.0, 10.0, 0.0, {8.0, 4.0, 2.0}), Vector3d::Zero()); }
   [[nodiscard]] bool hidesAt(const Vector3d& place) const {
     return occlusion.hides({Vector3f(-0.3F, 0, 0), Vector3f(0.3F, 0, 0), Vector3f(0, -0.5F, 0.2F)},
                            place);
@@ -115,15 +115,15 @@ class BehindAWall : public testing::Test {
   Occlusion occlusion{smallCamera(), Eigen::Isometry3d::Identity()};
 };
 
-TEST_F(BehindAWall, IsHidden) { EXPECT_TRUE(hidesAt({0.5, 0.0, 20.0})); }
-TEST_F(BehindAWall, InFrontIsNot) { EXPECT_FALSE(hidesAt({0.5, 0.0, 6.0})); }
-TEST_F(BehindAWall, InsideIsNot) { EXPECT_FALSE(hidesAt({0.5, 0.0, 10.0})); }
-TEST_F(BehindAWall, WhatLooksOutAboveIsNot) { EXPECT_FALSE(hidesAt({0.5, -6.0, 20.0})); }
-TEST_F(BehindAWall, WhatLooksOutBesideIsNot) { EXPECT_FALSE(hidesAt({9.0, 0.0, 20.0})); }
-TEST_F(BehindAWall, WhatIsBesideTheImageIsHidden) { EXPECT_TRUE(hidesAt({30.0, 0.0, 20.0})); }
-TEST_F(BehindAWall, WhatReachesBehindTheCameraIsNot) { EXPECT_FALSE(hidesAt({0.0, 0.0, 0.0})); }
+TEST_F(BehindAWallTest, IsHidden) { EXPECT_TRUE(hidesAt({0.5, 0.0, 20.0})); }
+TEST_F(BehindAWallTest, InFrontIsNot) { EXPECT_FALSE(hidesAt({0.5, 0.0, 6.0})); }
+TEST_F(BehindAWallTest, InsideIsNot) { EXPECT_FALSE(hidesAt({0.5, 0.0, 10.0})); }
+TEST_F(BehindAWallTest, WhatLooksOutAboveIsNot) { EXPECT_FALSE(hidesAt({0.5, -6.0, 20.0})); }
+TEST_F(BehindAWallTest, WhatLooksOutBesideIsNot) { EXPECT_FALSE(hidesAt({9.0, 0.0, 20.0})); }
+TEST_F(BehindAWallTest, WhatIsBesideTheImageIsHidden) { EXPECT_TRUE(hidesAt({30.0, 0.0, 20.0})); }
+TEST_F(BehindAWallTest, WhatReachesBehindTheCameraIsNot) { EXPECT_FALSE(hidesAt({0.0, 0.0, 0.0})); }
 
-TEST(Occlusion, ACameraSeesFromWhereItIs) {
+TEST(OcclusionTest, ACameraSeesFromWhereItIs) {
   Eigen::Isometry3d T_cam_origin = Eigen::Isometry3d::Identity();
   T_cam_origin.translation().z() = -15.0;  // it stands beyond the wall
   Occlusion occlusion(smallCamera(), T_cam_origin);

@@ -28,7 +28,7 @@ const std::string kTiny =
     " --set camera.width=320 --set camera.height=120 --set camera.focal_px=186 --frames 4 -q";
 
 /// One recording with everything, made by the program itself.
-class Recorded : public ::testing::Test {
+class RecordedTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder = std::make_unique<test::TemporaryFolder>();
@@ -43,11 +43,11 @@ class Recorded : public ::testing::Test {
   static std::string rawlog, truth;
   static test::ProcessResult result;
 };
-std::unique_ptr<test::TemporaryFolder> Recorded::folder;
-std::string Recorded::rawlog, Recorded::truth;
-test::ProcessResult Recorded::result;
+std::unique_ptr<test::TemporaryFolder> RecordedTest::folder;
+std::string RecordedTest::rawlog, RecordedTest::truth;
+test::ProcessResult RecordedTest::result;
 
-TEST_F(Recorded, RawlogReadsBackAsRectifiedStereoWithDetections) {
+TEST_F(RecordedTest, RawlogReadsBackAsRectifiedStereoWithDetections) {
   io::RawlogSource source(rawlog, {});
   std::size_t frames = 0;
   while (const auto frame = source.next()) {
@@ -64,7 +64,7 @@ TEST_F(Recorded, RawlogReadsBackAsRectifiedStereoWithDetections) {
   EXPECT_DOUBLE_EQ(source.camera()->fx, 186.0);
 }
 
-TEST_F(Recorded, TruthInsideAndBesideAreTheSame) {
+TEST_F(RecordedTest, TruthInsideAndBesideAreTheSame) {
   const auto inside = io::readTruth(rawlog);
   const auto beside = io::readTum(truth + "/trajectory.tum");
   const auto rows = io::readKittiRows(truth + "/label_02.txt");
@@ -84,7 +84,7 @@ TEST_F(Recorded, TruthInsideAndBesideAreTheSame) {
   EXPECT_EQ(io::readKittiPoses(truth + "/poses_kitti.txt").size(), 4U);
 }
 
-TEST_F(Recorded, MasksAndDepthHaveTheImagesSize) {
+TEST_F(RecordedTest, MasksAndDepthHaveTheImagesSize) {
   for (const char* name : {"/masks/000003.png", "/depth/000000.png"}) {
     const cv::Mat picture = cv::imread(truth + name, cv::IMREAD_UNCHANGED);
     EXPECT_EQ(picture.size(), cv::Size(320, 120)) << name;
@@ -94,7 +94,7 @@ TEST_F(Recorded, MasksAndDepthHaveTheImagesSize) {
   }
 }
 
-TEST_F(Recorded, TheWorldAsUsedMakesTheSameBytesAgain) {
+TEST_F(RecordedTest, TheWorldAsUsedMakesTheSameBytesAgain) {
   const std::string again = (*folder / "again.rawlog").string();
   const auto second = test::runProcess(kProgram + " -c " + truth + "/world.ini -q -o " + again);
   ASSERT_EQ(second.status, 0) << second.output;
@@ -103,7 +103,7 @@ TEST_F(Recorded, TheWorldAsUsedMakesTheSameBytesAgain) {
             test::contentsOf(truth + "/label_02.txt"));
 }
 
-TEST_F(Recorded, IsExportedAsAKittiSequenceThatOthersCanRead) {
+TEST_F(RecordedTest, IsExportedAsAKittiSequenceThatOthersCanRead) {
   const auto sequence = *folder / "sequences/00";
   std::filesystem::create_directories(sequence.parent_path());
   const auto exported =
@@ -133,13 +133,13 @@ TEST_F(Recorded, IsExportedAsAKittiSequenceThatOthersCanRead) {
   }
 }
 
-TEST_F(Recorded, AnOutputThatExistsIsRefused) {
+TEST_F(RecordedTest, AnOutputThatExistsIsRefused) {
   const auto second = test::runProcess(kProgram + " -o " + rawlog + kTiny);
   EXPECT_EQ(second.status, 1);
   EXPECT_THAT(second.output, HasSubstr("-w"));
 }
 
-TEST(HeadwaySim, SaysBeforehandHowMuchDiskItTakes) {
+TEST(HeadwaySimTest, SaysBeforehandHowMuchDiskItTakes) {
   const test::TemporaryFolder folder;
   const auto result = test::runProcess(
       kProgram + " -o " + (folder / "a.rawlog").string() +
@@ -150,7 +150,7 @@ TEST(HeadwaySim, SaysBeforehandHowMuchDiskItTakes) {
   EXPECT_TRUE(std::filesystem::is_directory(folder / "a_Images"));
 }
 
-TEST(HeadwaySim, APathThatEndsBeforeTheFramesDoIsSaidWithItsCount) {
+TEST(HeadwaySimTest, APathThatEndsBeforeTheFramesDoIsSaidWithItsCount) {
   const test::TemporaryFolder folder;
   const std::string call = kProgram + " -q -o " + (folder / "a.rawlog").string() +
                            " --set camera.width=160 --set camera.height=64 --set "
@@ -166,7 +166,7 @@ TEST(HeadwaySim, APathThatEndsBeforeTheFramesDoIsSaidWithItsCount) {
   EXPECT_THAT(nothing.output, HasSubstr("[recording] first_frame"));
 }
 
-TEST(HeadwaySim, BadInputEndsWithOneLineThatNamesTheKey) {
+TEST(HeadwaySimTest, BadInputEndsWithOneLineThatNamesTheKey) {
   const test::TemporaryFolder folder;
   const std::string output = " -q -o " + (folder / "a.rawlog").string();
   for (const auto& [arguments, key] :
@@ -186,7 +186,7 @@ TEST(HeadwaySim, BadInputEndsWithOneLineThatNamesTheKey) {
   EXPECT_THAT(unwritable.output, HasSubstr("/nowhere"));
 }
 
-TEST(Worlds, EveryNamedWorldLoadsAndCanBe) {
+TEST(WorldsTest, EveryNamedWorldLoadsAndCanBe) {
   int worlds = 0, frames = 0;
   const auto folder = std::filesystem::path(HEADWAY_SOURCE_DIR) / "config/worlds";
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
@@ -203,7 +203,7 @@ TEST(Worlds, EveryNamedWorldLoadsAndCanBe) {
   EXPECT_GE(frames, 8000);
 }
 
-TEST(Params, WhatIsPrintedLoadsAgain) {
+TEST(ParamsTest, WhatIsPrintedLoadsAgain) {
   SimParams settings;
   Params params;
   settings.describe(params);

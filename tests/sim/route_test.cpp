@@ -25,7 +25,7 @@ std::string errorOf(const RouteParams& params) {
   return "";
 }
 
-TEST(Route, LaneStartsAtTheOriginLookingForward) {
+TEST(RouteTest, LaneStartsAtTheOriginLookingForward) {
   const Route route = makeRoute({}, 0.0);
   const PathPoint start = route.street.at(route.start_s);
   EXPECT_LT(start.position.head<2>().norm(), 0.5);
@@ -33,14 +33,14 @@ TEST(Route, LaneStartsAtTheOriginLookingForward) {
   EXPECT_GT(route.street.length(), route.end_s + 100.0);  // the view is filled at the end
 }
 
-TEST(Route, ShapeTurnsAsFarAsItSays) {
+TEST(RouteTest, ShapeTurnsAsFarAsItSays) {
   RouteParams params;
   params.shape = "straight 30, left 40 90, straight 60";
   const Route route = makeRoute(params, 0.0);
   EXPECT_NEAR(route.street.at(route.end_s).yaw, M_PI / 2, 0.01);
 }
 
-TEST(Route, BadShapesNameTheKey) {
+TEST(RouteTest, BadShapesNameTheKey) {
   RouteParams params;
   for (const char* shape : {"", "straight", "straight -5", "left 40", "left 3 90", "jump 7",
                             "left 40 400", "straight 10, right x 9"}) {
@@ -49,7 +49,7 @@ TEST(Route, BadShapesNameTheKey) {
   }
 }
 
-TEST(Route, LoopCloses) {
+TEST(RouteTest, LoopCloses) {
   RouteParams params;
   params.kind = RouteParams::Kind::kLoop;
   params.laps = 2;
@@ -62,7 +62,7 @@ TEST(Route, LoopCloses) {
   EXPECT_NEAR(route.ahead(route.street.length() - 3.0, 4.0), 7.0, 1e-9);
 }
 
-TEST(Route, KittiPosesAreDrivenInTheRightLane) {
+TEST(RouteTest, KittiPosesAreDrivenInTheRightLane) {
   const test::TemporaryFolder folder;
   const std::string file = (folder / "poses.txt").string();
   std::ofstream out(file);
@@ -93,7 +93,7 @@ std::string errorOfPoses(const std::vector<Eigen::Vector3d>& places) {
   return errorOf(params);
 }
 
-TEST(Route, APathThatLeavesTheWorldNamesItsKeyAndWhere) {
+TEST(RouteTest, APathThatLeavesTheWorldNamesItsKeyAndWhere) {
   std::vector<Eigen::Vector3d> street;
   for (int i = 0; i < 100; ++i) street.emplace_back(0, 0, i);
   EXPECT_EQ(errorOfPoses(street), "");
@@ -114,14 +114,14 @@ TEST(Route, APathThatLeavesTheWorldNamesItsKeyAndWhere) {
   EXPECT_THAT(errorOf(endless), AllOf(HasSubstr("[route] shape"), HasSubstr("leaves the world")));
 }
 
-TEST(Route, AMissingPoseFileIsAnInputError) {
+TEST(RouteTest, AMissingPoseFileIsAnInputError) {
   RouteParams params;
   params.kind = RouteParams::Kind::kKittiPoses;
   params.file = "/nowhere/poses.txt";
   EXPECT_THAT(errorOf(params), HasSubstr("/nowhere/poses.txt"));
 }
 
-TEST(RoadNetwork, AStreetPassedAgainIsLaidOnce) {
+TEST(RoadNetworkTest, AStreetPassedAgainIsLaidOnce) {
   // Out, around a wide bend, and back along the same street on its other side.
   std::vector<Eigen::Vector3d> points;
   for (int x = 0; x <= 200; ++x) points.emplace_back(x, 0, 0);
@@ -139,14 +139,14 @@ TEST(RoadNetwork, AStreetPassedAgainIsLaidOnce) {
   for (std::size_t back = 20; back < 150; ++back) EXPECT_FALSE(drawn[length - back]) << back;
 }
 
-TEST(RoadNetwork, AClosedStreetIsLaidAllAround) {
+TEST(RoadNetworkTest, AClosedStreetIsLaidAllAround) {
   RouteParams params;
   params.kind = RouteParams::Kind::kLoop;
   const RoadNetwork network(makeRoute(params, 0.0), 0.0, 1);
   for (const bool drawn : network.roads()[0].drawn) EXPECT_TRUE(drawn);
 }
 
-TEST(RoadNetwork, CrossStreetsMeetTheMainStreetAtRightAngles) {
+TEST(RoadNetworkTest, CrossStreetsMeetTheMainStreetAtRightAngles) {
   const Route route = makeRoute({}, 0.0);
   const RoadNetwork network(route, 70.0, 3);
   ASSERT_GT(network.roads().size(), 1U);
@@ -160,7 +160,7 @@ TEST(RoadNetwork, CrossStreetsMeetTheMainStreetAtRightAngles) {
   }
 }
 
-TEST(RoadNetwork, CrossStreetsAreFoundByTheirPlaceInAnyLap) {
+TEST(RoadNetworkTest, CrossStreetsAreFoundByTheirPlaceInAnyLap) {
   RouteParams params;
   const Route lane = makeRoute(params, 0.0);
   params.kind = RouteParams::Kind::kLoop;

@@ -55,7 +55,7 @@ std::vector<Sighting> sightingsOf(const std::vector<Mover>& movers, const cv::Ma
   return findSightings(Pose::Identity(), testCamera(), movers, bodies, depth, instances);
 }
 
-TEST(Visibility, BoxSurroundsTheProjectedTruthBox) {
+TEST(VisibilityTest, BoxSurroundsTheProjectedTruthBox) {
   cv::Mat instances;
   const std::vector<Mover> movers{carAt(20.0, 1.0)};
   const auto sightings = sightingsOf(movers, depthOf(movers), instances);
@@ -70,7 +70,7 @@ TEST(Visibility, BoxSurroundsTheProjectedTruthBox) {
   EXPECT_DOUBLE_EQ(sightings[0].truncation, 0.0);
 }
 
-TEST(Visibility, AWallInFrontHidesABody) {
+TEST(VisibilityTest, AWallInFrontHidesABody) {
   cv::Mat instances;
   const std::vector<Mover> movers{carAt(20.0, 1.0)};
   const cv::Mat wall(160, 320, CV_32F, cv::Scalar(5.0));
@@ -80,13 +80,13 @@ TEST(Visibility, AWallInFrontHidesABody) {
   EXPECT_EQ(cv::countNonZero(instances), 0);
 }
 
-TEST(Visibility, WhatIsBehindTheCameraOrBesideTheImageIsNotSeen) {
+TEST(VisibilityTest, WhatIsBehindTheCameraOrBesideTheImageIsNotSeen) {
   cv::Mat instances;
   const cv::Mat depth(160, 320, CV_32F, cv::Scalar(0));
   EXPECT_TRUE(sightingsOf({carAt(-10, 0), carAt(10, 40)}, depth, instances).empty());
 }
 
-TEST(Visibility, ABodyAtTheEdgeIsTruncated) {
+TEST(VisibilityTest, ABodyAtTheEdgeIsTruncated) {
   cv::Mat instances;
   const std::vector<Mover> movers{carAt(10.0, 7.0)};
   const cv::Mat depth(160, 320, CV_32F, cv::Scalar(0));
@@ -129,7 +129,7 @@ double foundShare(const DetectorParams& params, double z, double visible) {
   return found / 4000.0;
 }
 
-TEST(DetectorNoise, WithoutMistakesItTellsTheTruth) {
+TEST(DetectorNoiseTest, WithoutMistakesItTellsTheTruth) {
   DetectorNoise detector(withoutMistakes(), testCamera(), 1);
   const cv::Mat depth(160, 320, CV_32F, cv::Scalar(20.0));
   for (int i = 0; i < 50; ++i) {
@@ -143,7 +143,7 @@ TEST(DetectorNoise, WithoutMistakesItTellsTheTruth) {
   }
 }
 
-TEST(DetectorNoise, MissesGrowWithDepthAndOcclusion) {
+TEST(DetectorNoiseTest, MissesGrowWithDepthAndOcclusion) {
   DetectorParams params = withoutMistakes();
   params.miss_near = 0.05;
   params.miss_far = 0.5;
@@ -157,7 +157,7 @@ TEST(DetectorNoise, MissesGrowWithDepthAndOcclusion) {
   EXPECT_DOUBLE_EQ(foundShare(params, 8.0, 0.0), 0.0);
 }
 
-TEST(DetectorNoise, NoiseAlongTheRayGrowsWithDepth) {
+TEST(DetectorNoiseTest, NoiseAlongTheRayGrowsWithDepth) {
   DetectorParams params = withoutMistakes();
   params.depth_sigma_m = 0.4;
   DetectorNoise detector(params, testCamera(), 5);
@@ -172,7 +172,7 @@ TEST(DetectorNoise, NoiseAlongTheRayGrowsWithDepth) {
   }
 }
 
-TEST(DetectorNoise, FlipsDoublesAndFalseBoxesComeAsOftenAsAsked) {
+TEST(DetectorNoiseTest, FlipsDoublesAndFalseBoxesComeAsOftenAsAsked) {
   DetectorParams params = withoutMistakes();
   params.flip_share = 0.25;
   params.duplicate_share = 0.4;
@@ -200,7 +200,7 @@ TEST(DetectorNoise, FlipsDoublesAndFalseBoxesComeAsOftenAsAsked) {
   EXPECT_NEAR(switches / 4000.0, 0.1, 0.02);
 }
 
-TEST(DetectorNoise, CanGiveOneKindOfBoxAlone) {
+TEST(DetectorNoiseTest, CanGiveOneKindOfBoxAlone) {
   DetectorParams params = withoutMistakes();
   params.boxes_3d = false;
   DetectorNoise detector(params, testCamera(), 1);

@@ -95,7 +95,7 @@ double worstPose(const World& world) {
   return worst;
 }
 
-TEST(AdjustBundle, FindsPosesAndPointsAgain) {
+TEST(AdjustBundleTest, FindsPosesAndPointsAgain) {
   World world = makeWorld(6, 0.0);
   disturb(world);
   ASSERT_GT(worstPose(world), 0.05);
@@ -104,7 +104,7 @@ TEST(AdjustBundle, FindsPosesAndPointsAgain) {
   EXPECT_LT(worstPose(world), 0.01);
 }
 
-TEST(AdjustBundle, FindsTheOffsetOfTheDisparities) {
+TEST(AdjustBundleTest, FindsTheOffsetOfTheDisparities) {
   World world = makeWorld(8, 0.3);
   for (int i = 0; i < 12; ++i) {
     static_cast<void>(adjustBundle(world.map, world.keyframes, testCamera(), 30));
@@ -113,7 +113,7 @@ TEST(AdjustBundle, FindsTheOffsetOfTheDisparities) {
   EXPECT_LT(worstPose(world), 0.03);
 }
 
-TEST(AdjustBundle, LeavesKeyframesOutsideWhereTheyAre) {
+TEST(AdjustBundleTest, LeavesKeyframesOutsideWhereTheyAre) {
   World world = makeWorld(6, 0.0);
   const std::vector<KeyframeId> free(world.keyframes.begin() + 3, world.keyframes.end());
   disturb(world);
@@ -122,7 +122,7 @@ TEST(AdjustBundle, LeavesKeyframesOutsideWhereTheyAre) {
   EXPECT_EQ(world.map.keyframe(world.keyframes[1]).T_map_cam.matrix(), before.matrix());
 }
 
-TEST(AdjustBundle, ForgetsWhatDoesNotFit) {
+TEST(AdjustBundleTest, ForgetsWhatDoesNotFit) {
   World world = makeWorld(6, 0.0);
   LandmarkId wrong;
   for (const auto& [id, landmark] : world.map.landmarks()) {
@@ -141,14 +141,14 @@ TEST(AdjustBundle, ForgetsWhatDoesNotFit) {
             0);
 }
 
-TEST(AdjustBundle, DoesNothingWithoutSharedLandmarks) {
+TEST(AdjustBundleTest, DoesNothingWithoutSharedLandmarks) {
   World world = makeWorld(1, 0.0);
   const auto summary = adjustBundle(world.map, world.keyframes, testCamera(), 10);
   EXPECT_EQ(summary.iterations, 0);
   EXPECT_DOUBLE_EQ(worstPose(world), 0.0);
 }
 
-TEST(DetachedBundle, TakesAlongWhatCameMeanwhile) {
+TEST(DetachedBundleTest, TakesAlongWhatCameMeanwhile) {
   World world = makeWorld(6, 0.0);
   disturb(world);
   DetachedBundle bundle(world.map, world.keyframes, testCamera());
@@ -165,7 +165,7 @@ TEST(DetachedBundle, TakesAlongWhatCameMeanwhile) {
   EXPECT_LT((world.map.find(landmark)->position - moved * point_new).norm(), 1e-9);
 }
 
-TEST(DetachedBundle, WritesNothingBackThatWasStopped) {
+TEST(DetachedBundleTest, WritesNothingBackThatWasStopped) {
   World world = makeWorld(6, 0.0);
   disturb(world);
   const Pose before = world.map.keyframe(world.keyframes[3]).T_map_cam;
@@ -176,7 +176,7 @@ TEST(DetachedBundle, WritesNothingBackThatWasStopped) {
   EXPECT_EQ(world.map.keyframe(world.keyframes[3]).T_map_cam.matrix(), before.matrix());
 }
 
-TEST(DetachedBundle, LetsWhatWasRemovedMeanwhileStayAway) {
+TEST(DetachedBundleTest, LetsWhatWasRemovedMeanwhileStayAway) {
   World world = makeWorld(6, 0.0);
   disturb(world);
   DetachedBundle bundle(world.map, world.keyframes, testCamera());
@@ -199,7 +199,7 @@ void poll(BundleAdjuster& adjuster, SparseMap& map) {
 /// Takes it over at the end, waiting for it.
 void wait(BundleAdjuster& adjuster, SparseMap& map) { EXPECT_TRUE(adjuster.finish(map)); }
 
-TEST(BundleAdjuster, TakesOverFromTheBackgroundWhatItWouldHaveDoneAtOnce) {
+TEST(BundleAdjusterTest, TakesOverFromTheBackgroundWhatItWouldHaveDoneAtOnce) {
   World at_once = makeWorld(6, 0.0);
   disturb(at_once);
   BundleAdjuster(testCamera(), false).adjust(at_once.map, at_once.keyframes, 30);
@@ -218,7 +218,7 @@ TEST(BundleAdjuster, TakesOverFromTheBackgroundWhatItWouldHaveDoneAtOnce) {
   }
 }
 
-TEST(BundleAdjuster, ForgetsWhatIsAbandoned) {
+TEST(BundleAdjusterTest, ForgetsWhatIsAbandoned) {
   World world = makeWorld(6, 0.0);
   disturb(world);
   const Pose before = world.map.keyframe(world.keyframes[3]).T_map_cam;

@@ -12,7 +12,7 @@ namespace {
 
 const cv::Size kImage(100, 60);
 
-TEST(ExcludedMask, HoldsTheBoxesAndNothingElse) {
+TEST(ExcludedMaskTest, HoldsTheBoxesAndNothingElse) {
   MovingRegions moving;
   moving.boxes.push_back({10.0, 5.0, 29.0, 14.0});
   const cv::Mat mask = excludedMask(moving, DynamicRejection::kBoxes, kImage);
@@ -21,7 +21,7 @@ TEST(ExcludedMask, HoldsTheBoxesAndNothingElse) {
   EXPECT_NE(mask.at<std::uint8_t>(14, 29), 0);
 }
 
-TEST(ExcludedMask, AddsBoxesToTheMask) {
+TEST(ExcludedMaskTest, AddsBoxesToTheMask) {
   MovingRegions moving;
   moving.mask = cv::Mat(kImage, CV_8UC1, cv::Scalar(0));
   moving.mask(cv::Rect(80, 40, 5, 5)).setTo(1);
@@ -30,7 +30,7 @@ TEST(ExcludedMask, AddsBoxesToTheMask) {
   EXPECT_EQ(cv::countNonZero(moving.mask), 25);
 }
 
-TEST(ExcludedMask, IsEmptyWhereNothingIsToBeExcluded) {
+TEST(ExcludedMaskTest, IsEmptyWhereNothingIsToBeExcluded) {
   MovingRegions moving;
   EXPECT_TRUE(excludedMask(moving, DynamicRejection::kBoth, kImage).empty());
   moving.boxes.push_back({0.0, 0.0, 50.0, 50.0});
@@ -38,7 +38,7 @@ TEST(ExcludedMask, IsEmptyWhereNothingIsToBeExcluded) {
   EXPECT_TRUE(excludedMask(moving, DynamicRejection::kGeometric, kImage).empty());
 }
 
-TEST(ExcludedMask, HoldsWhatIsUnsureOnlyWhereNothingElseDecides) {
+TEST(ExcludedMaskTest, HoldsWhatIsUnsureOnlyWhereNothingElseDecides) {
   MovingRegions moving;
   moving.unsure.push_back({10.0, 5.0, 29.0, 14.0});
   EXPECT_EQ(cv::countNonZero(excludedMask(moving, DynamicRejection::kBoxes, kImage)), 20 * 10);
@@ -47,7 +47,7 @@ TEST(ExcludedMask, HoldsWhatIsUnsureOnlyWhereNothingElseDecides) {
   EXPECT_TRUE(suspectMask(moving, DynamicRejection::kBoxes, kImage).empty());
 }
 
-TEST(ExcludedMask, TakesBoxesThatLeaveTheImageOrAreNoBoxes) {
+TEST(ExcludedMaskTest, TakesBoxesThatLeaveTheImageOrAreNoBoxes) {
   MovingRegions moving;
   const double inf = std::numeric_limits<double>::infinity();
   moving.boxes.push_back({-1e9, -1e9, 1e9, 4.0});
@@ -58,7 +58,7 @@ TEST(ExcludedMask, TakesBoxesThatLeaveTheImageOrAreNoBoxes) {
   EXPECT_EQ(cv::countNonZero(excludedMask(moving, DynamicRejection::kBoxes, kImage)), 100 * 5);
 }
 
-TEST(ExcludedMask, RefusesAMaskOfAnotherSize) {
+TEST(ExcludedMaskTest, RefusesAMaskOfAnotherSize) {
   MovingRegions moving;
   moving.mask = cv::Mat(10, 10, CV_8UC1, cv::Scalar(0));
   EXPECT_THROW(static_cast<void>(excludedMask(moving, DynamicRejection::kBoth, kImage)),

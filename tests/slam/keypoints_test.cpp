@@ -14,7 +14,7 @@ cv::Mat textured() {
   return world.frame(0, 0.0, Pose::Identity()).left;
 }
 
-TEST(DetectKeypoints, GivesAtMostOneACell) {
+TEST(DetectKeypointsTest, GivesAtMostOneACell) {
   const cv::Mat image = textured();
   const FeatureGrid grid(image.cols, image.rows, 200);
   const auto keypoints =
@@ -26,7 +26,7 @@ TEST(DetectKeypoints, GivesAtMostOneACell) {
   EXPECT_GT(keypoints.size(), 100U);
 }
 
-TEST(DetectKeypoints, LeavesOccupiedCellsAndExcludedPixelsAlone) {
+TEST(DetectKeypointsTest, LeavesOccupiedCellsAndExcludedPixelsAlone) {
   const cv::Mat image = textured();
   const FeatureGrid grid(image.cols, image.rows, 200);
   std::vector<bool> occupied(grid.count(), false);
@@ -41,14 +41,14 @@ TEST(DetectKeypoints, LeavesOccupiedCellsAndExcludedPixelsAlone) {
   }
 }
 
-TEST(DetectKeypoints, FindsNothingWhereThereIsNothing) {
+TEST(DetectKeypointsTest, FindsNothingWhereThereIsNothing) {
   const cv::Mat image(240, 320, CV_8U, cv::Scalar(77));
   const FeatureGrid grid(image.cols, image.rows, 200);
   EXPECT_TRUE(
       detectKeypoints(image, grid, std::vector<bool>(grid.count(), false), cv::Mat()).empty());
 }
 
-TEST(FeatureGrid, CellsCoverTheImageOnce) {
+TEST(FeatureGridTest, CellsCoverTheImageOnce) {
   const FeatureGrid grid(321, 243, 150);
   int pixels = 0;
   for (int cell = 0; cell < grid.count(); ++cell) {

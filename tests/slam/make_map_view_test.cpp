@@ -12,7 +12,7 @@ Pose robotFromCamera() {
   return T_robot_cam;
 }
 
-TEST(MakeMapView, KeyframesAreWhereTheRobotWas) {
+TEST(MakeMapViewTest, KeyframesAreWhereTheRobotWas) {
   Pose T_map_robot = Pose::Identity();
   T_map_robot.translation() << 5.0, 1.0, 0.0;
   T_map_robot.linear() = expSo3({0.0, 0.0, 0.7});
@@ -27,7 +27,7 @@ TEST(MakeMapView, KeyframesAreWhereTheRobotWas) {
   EXPECT_NEAR(view.keyframes[0].covariance(1, 1), 0.04, 1e-12) << "0.1 rad at 2 m";
 }
 
-TEST(MakeMapView, LandmarksTellTheirGreyValueAndWhoSeesThem) {
+TEST(MakeMapViewTest, LandmarksTellTheirGreyValueAndWhoSeesThem) {
   SparseMap map;
   const KeyframeId a = map.addKeyframe(0, 0.0, Pose::Identity()).id;
   const KeyframeId b = map.addKeyframe(1, 0.1, Pose::Identity()).id;

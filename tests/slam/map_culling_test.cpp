@@ -109,7 +109,7 @@ TEST_F(CullingTest, LandmarksOfARemovedKeyframeKeepTheirLooks) {
 }
 
 /// A place that is passed again and again, a little differently each time.
-TEST(StereoSlam, TheMapOfAPlaceDoesNotGrowWithTime) {
+TEST(StereoSlamTest, TheMapOfAPlaceDoesNotGrowWithTime) {
   constexpr int kLap = 40;
   constexpr int kLaps = 7;
   test::TexturedWorld world(test::smallCamera());

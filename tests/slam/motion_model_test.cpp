@@ -26,7 +26,7 @@ MotionModel moving() {
   return model;
 }
 
-TEST(MotionModel, BeginsLevelWhereGravityIsKnown) {
+TEST(MotionModelTest, BeginsLevelWhereGravityIsKnown) {
   StereoFrame frame = frameAt(1.0);
   frame.motion_prior.up_robot = Eigen::Vector3d(0.1, -0.2, 1.0).normalized();
   SlamParams params;
@@ -42,17 +42,17 @@ TEST(MotionModel, BeginsLevelWhereGravityIsKnown) {
   EXPECT_TRUE(without_imu.last().isApprox(robotFromOptical(), 1e-12));
 }
 
-TEST(MotionModel, GoesOnAtConstantVelocity) {
+TEST(MotionModelTest, GoesOnAtConstantVelocity) {
   const Pose expected = step() * step();
   EXPECT_TRUE(moving().predict(frameAt(1.2)).isApprox(expected, 1e-9));
 }
 
-TEST(MotionModel, StandsAfterAGapItKnowsNothingOf) {
+TEST(MotionModelTest, StandsAfterAGapItKnowsNothingOf) {
   EXPECT_TRUE(moving().predict(frameAt(100.0)).isApprox(step(), 1e-12));
   EXPECT_TRUE(moving().predict(frameAt(0.5)).isApprox(step(), 1e-12));
 }
 
-TEST(MotionModel, BelievesOdometryMore) {
+TEST(MotionModelTest, BelievesOdometryMore) {
   StereoFrame frame = frameAt(1.2);
   Pose forward = Pose::Identity();
   forward.translation() << 2.0, 0.0, 0.0;  // robot axes: along the optical z axis
@@ -61,14 +61,14 @@ TEST(MotionModel, BelievesOdometryMore) {
   EXPECT_LT((place - step() * Eigen::Vector3d(0.0, 0.0, 2.0)).norm(), 1e-9);
 }
 
-TEST(MotionModel, TurnsAsTheGyroscopeSays) {
+TEST(MotionModelTest, TurnsAsTheGyroscopeSays) {
   StereoFrame frame = frameAt(1.2);
   frame.motion_prior.R_previous_current = expSo3({0.0, 0.0, 0.3});  // robot's z is optical -y
   const Eigen::Matrix3d expected = step().linear() * expSo3({0.0, -0.3, 0.0});
   EXPECT_TRUE(moving().predict(frame).linear().isApprox(expected, 1e-9));
 }
 
-TEST(MotionModel, ComesToRestWhileLost) {
+TEST(MotionModelTest, ComesToRestWhileLost) {
   MotionModel model = moving();
   for (int i = 0; i < 120; ++i) model.coast(1.2 + 0.1 * i, model.predict(frameAt(1.2 + 0.1 * i)));
   const Pose last = model.last();

@@ -50,26 +50,27 @@ double errorWith(const Mover& mover, DynamicRejection mode, double room_length =
   return std::sqrt(sum / kFrames);
 }
 
-class MovingWorld : public testing::TestWithParam<double> {};
+class MovingWorldTest : public testing::TestWithParam<double> {};
 
-TEST_P(MovingWorld, AMoverThatComesInDoesNotMoveTheCamera) {
+TEST_P(MovingWorldTest, AMoverThatComesInDoesNotMoveTheCamera) {
   const Mover mover{GetParam(), 8};
   EXPECT_LT(errorWith(mover, DynamicRejection::kGeometric), 0.02);
 }
 
-INSTANTIATE_TEST_SUITE_P(ShareOfTheImage, MovingWorld, testing::Values(0.0, 0.1, 0.3, 0.5, 0.65));
+INSTANTIATE_TEST_SUITE_P(ShareOfTheImage, MovingWorldTest,
+                         testing::Values(0.0, 0.1, 0.3, 0.5, 0.65));
 
-class MovingWorldFromTheStart : public testing::TestWithParam<double> {};
+class MovingWorldFromTheStartTest : public testing::TestWithParam<double> {};
 
-TEST_P(MovingWorldFromTheStart, WhatExtendsFarthestIsTakenForStill) {
+TEST_P(MovingWorldFromTheStartTest, WhatExtendsFarthestIsTakenForStill) {
   const Mover mover{GetParam(), 0, {0.1, -0.15, 0.0}};
   EXPECT_LT(errorWith(mover, DynamicRejection::kGeometric, 40.0), 0.03);
   EXPECT_GT(errorWith(mover, DynamicRejection::kNone, 40.0), 0.1);
 }
 
-INSTANTIATE_TEST_SUITE_P(ShareOfTheImage, MovingWorldFromTheStart, testing::Values(0.3, 0.5));
+INSTANTIATE_TEST_SUITE_P(ShareOfTheImage, MovingWorldFromTheStartTest, testing::Values(0.3, 0.5));
 
-TEST(MovingWorldWithoutRejection, CarriesTheCameraAlong) {
+TEST(MovingWorldWithoutRejectionTest, CarriesTheCameraAlong) {
   EXPECT_GT(errorWith({0.5, 8}, DynamicRejection::kNone), 0.1);
 }
 

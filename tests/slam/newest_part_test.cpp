@@ -14,7 +14,7 @@ NewestPart begunAt(std::int64_t keyframe, int tracked) {
   return part;
 }
 
-TEST(NewestPart, ThereIsNoneBeforeOneIsBegun) {
+TEST(NewestPartTest, ThereIsNoneBeforeOneIsBegun) {
   NewestPart part;
   part.addTracked();  // in a map that was loaded
   EXPECT_FALSE(part.first().valid());
@@ -22,19 +22,19 @@ TEST(NewestPart, ThereIsNoneBeforeOneIsBegun) {
   EXPECT_EQ(part.patience(kRestartAfter), kRestartAfter);
 }
 
-TEST(NewestPart, IsYoungForEightFrames) {
+TEST(NewestPartTest, IsYoungForEightFrames) {
   EXPECT_TRUE(begunAt(5, 0).isYoung());
   EXPECT_TRUE(begunAt(5, 7).isYoung());
   EXPECT_FALSE(begunAt(5, 8).isYoung());
 }
 
-TEST(NewestPart, IsWaitedForNoLongerThanItTook) {
+TEST(NewestPartTest, IsWaitedForNoLongerThanItTook) {
   EXPECT_EQ(begunAt(5, 0).patience(kRestartAfter), 1);
   EXPECT_EQ(begunAt(5, 6).patience(kRestartAfter), 7);
   EXPECT_EQ(begunAt(5, 500).patience(kRestartAfter), kRestartAfter);
 }
 
-TEST(NewestPart, EndsWhereTheCameraIsBackInAnOlderOne) {
+TEST(NewestPartTest, EndsWhereTheCameraIsBackInAnOlderOne) {
   NewestPart part = begunAt(5, 3);
   part.returnTo(KeyframeId{5});
   part.returnTo(KeyframeId{9});
@@ -45,7 +45,7 @@ TEST(NewestPart, EndsWhereTheCameraIsBackInAnOlderOne) {
   EXPECT_EQ(part.patience(kRestartAfter), kRestartAfter);
 }
 
-TEST(NewestPart, CountsFromItsOwnBeginning) {
+TEST(NewestPartTest, CountsFromItsOwnBeginning) {
   NewestPart part = begunAt(5, 12);
   part.begin(KeyframeId{30});
   EXPECT_EQ(part.first(), KeyframeId{30});

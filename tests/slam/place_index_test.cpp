@@ -32,7 +32,7 @@ std::vector<Descriptor> seenAgain(unsigned seed) {
 
 bool any(KeyframeId /*id*/) { return true; }
 
-TEST(PlaceIndex, FindsThePlaceAmongMany) {
+TEST(PlaceIndexTest, FindsThePlaceAmongMany) {
   PlaceIndex index;
   for (unsigned i = 0; i < 200; ++i) index.add(KeyframeId{i}, place(i));
   for (unsigned i = 0; i < 200; i += 17) {
@@ -45,7 +45,7 @@ TEST(PlaceIndex, FindsThePlaceAmongMany) {
   }
 }
 
-TEST(PlaceIndex, GivesOnlyWhatIsWantedAndNoMoreThanAskedFor) {
+TEST(PlaceIndexTest, GivesOnlyWhatIsWantedAndNoMoreThanAskedFor) {
   PlaceIndex index;
   for (unsigned i = 0; i < 10; ++i) index.add(KeyframeId{i}, place(7));
   const auto matches = index.query(place(7), 3, [](KeyframeId id) { return id.value % 2 == 1; });
@@ -54,7 +54,7 @@ TEST(PlaceIndex, GivesOnlyWhatIsWantedAndNoMoreThanAskedFor) {
 }
 
 /// Neighbours see a place's corners, too, while those of a lonely keyframe are its own.
-TEST(PlaceIndex, PrefersThePlaceToAKeyframeWithMoreWordsOfItsOwn) {
+TEST(PlaceIndexTest, PrefersThePlaceToAKeyframeWithMoreWordsOfItsOwn) {
   PlaceIndex index;
   for (unsigned i = 0; i < 8; ++i) index.add(KeyframeId{i}, place(1));
   std::vector<Descriptor> crowded;
@@ -69,7 +69,7 @@ TEST(PlaceIndex, PrefersThePlaceToAKeyframeWithMoreWordsOfItsOwn) {
   EXPECT_LT(index.query(asked, 1, any).at(0).keyframe.value, 8);
 }
 
-TEST(PlaceIndex, ForgetsWhatIsRemoved) {
+TEST(PlaceIndexTest, ForgetsWhatIsRemoved) {
   PlaceIndex index;
   index.add(KeyframeId{1}, place(1));
   index.remove(KeyframeId{1});
@@ -77,7 +77,7 @@ TEST(PlaceIndex, ForgetsWhatIsRemoved) {
   EXPECT_TRUE(index.query(place(1), 5, any).empty());
 }
 
-TEST(PlaceIndex, KnowsNothingOfPointsWithoutDescriptor) {
+TEST(PlaceIndexTest, KnowsNothingOfPointsWithoutDescriptor) {
   PlaceIndex index;
   index.add(KeyframeId{1}, std::vector<Descriptor>(20));
   EXPECT_TRUE(index.query(std::vector<Descriptor>(20), 5, any).empty());

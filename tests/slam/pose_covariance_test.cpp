@@ -23,7 +23,7 @@ Vector6 difference(const Pose& from, const Pose& to) {
   return xi;
 }
 
-TEST(ComposedCovariance, IsThatOfNumericDifferences) {
+TEST(ComposedCovarianceTest, IsThatOfNumericDifferences) {
   const Pose T_a_b = poseOf({1.0, -2.0, 0.5}, {0.3, -0.1, 0.9});
   const Pose T_b_c = poseOf({4.0, 0.7, -3.0}, {-0.4, 0.8, 0.2});
   PoseCovariance of_ab = PoseCovariance::Zero(), of_bc = PoseCovariance::Zero();
@@ -39,7 +39,7 @@ TEST(ComposedCovariance, IsThatOfNumericDifferences) {
   EXPECT_LT((composedCovariance(of_ab, T_b_c, of_bc) - expected).norm(), 1e-5 * expected.norm());
 }
 
-TEST(ComposedCovariance, ATurnMovesWhatIsFarAway) {
+TEST(ComposedCovarianceTest, ATurnMovesWhatIsFarAway) {
   PoseCovariance turning = PoseCovariance::Zero();
   turning(5, 5) = 0.01;  // about z
   const auto far = composedCovariance(turning, poseOf({10.0, 0.0, 0.0}, {0.0, 0.0, 0.0}),

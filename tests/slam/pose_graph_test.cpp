@@ -16,7 +16,7 @@ Pose somePose(double a, double b, double c) {
   return pose;
 }
 
-TEST(EdgeResidual, JacobiansAreThoseOfNumericDifferences) {
+TEST(EdgeResidualTest, JacobiansAreThoseOfNumericDifferences) {
   PoseGraphEdge edge;
   edge.T_a_b = somePose(0.2, -0.1, 0.4);
   edge.sigma_m = 0.3;
@@ -48,7 +48,7 @@ Pose onCircle(int i, int count) {
   return pose;
 }
 
-TEST(OptimisePoseGraph, SpreadsTheErrorOfALoopOverIt) {
+TEST(OptimisePoseGraphTest, SpreadsTheErrorOfALoopOverIt) {
   constexpr int kCount = 40;
   const Pose drift = somePose(0.0, 0.0, 0.004);
   std::map<KeyframeId, Pose> poses;
@@ -84,7 +84,7 @@ TEST(OptimisePoseGraph, SpreadsTheErrorOfALoopOverIt) {
   EXPECT_LT(worst(corrected), 0.35 * before);
 }
 
-TEST(OptimisePoseGraph, LeavesPosesThatAgreeAlone) {
+TEST(OptimisePoseGraphTest, LeavesPosesThatAgreeAlone) {
   std::map<KeyframeId, Pose> poses;
   std::vector<PoseGraphEdge> edges;
   for (int i = 0; i < 5; ++i) {

@@ -35,7 +35,7 @@ void addGroup(std::vector<stereo::PoseConstraint>& constraints, int count, doubl
 
 double distance(const Pose& a, const Pose& b) { return (a.translation() - b.translation()).norm(); }
 
-TEST(RigidMotions, OneStillWorldIsOneMotion) {
+TEST(RigidMotionsTest, OneStillWorldIsOneMotion) {
   std::vector<stereo::PoseConstraint> constraints;
   const Pose moved = shifted(0.0, 0.0, 0.8);
   addGroup(constraints, 120, 0.0, 1240.0, 6.0, 60.0, moved);
@@ -45,7 +45,7 @@ TEST(RigidMotions, OneStillWorldIsOneMotion) {
   EXPECT_GT(motions.front().members, 115);
 }
 
-TEST(RigidMotions, TheStillWorldExtendsFartherThanAMoverWithMoreLandmarks) {
+TEST(RigidMotionsTest, TheStillWorldExtendsFartherThanAMoverWithMoreLandmarks) {
   std::vector<stereo::PoseConstraint> constraints;
   const Pose moved = shifted(0.0, 0.0, 0.8);
   const Pose as_if = shifted(0.5, 0.0, 0.2);  // the camera's motion if the mover stood still
@@ -61,7 +61,7 @@ TEST(RigidMotions, TheStillWorldExtendsFartherThanAMoverWithMoreLandmarks) {
   EXPECT_LT(still->members, motions[0].members);
 }
 
-TEST(RigidMotions, WhatAgreesOnNothingIsNoMotion) {
+TEST(RigidMotionsTest, WhatAgreesOnNothingIsNoMotion) {
   std::vector<stereo::PoseConstraint> constraints;
   for (int i = 0; i < 60; ++i) {
     addGroup(constraints, 1, 0.0, 1240.0, 6.0, 60.0,
@@ -73,7 +73,7 @@ TEST(RigidMotions, WhatAgreesOnNothingIsNoMotion) {
   EXPECT_TRUE(rigidMotions({}, kCamera, {Pose::Identity()}, 10).empty());
 }
 
-TEST(CameraMotion, IsThatOfWhatHasProvedStillWhereBothExtendAlike) {
+TEST(CameraMotionTest, IsThatOfWhatHasProvedStillWhereBothExtendAlike) {
   std::vector<stereo::PoseConstraint> constraints;
   const Pose moved = shifted(0.0, 0.0, 0.8), as_if = shifted(0.5, 0.0, 0.2);
   addGroup(constraints, 60, 0.0, 600.0, 6.0, 20.0, moved);
@@ -89,7 +89,7 @@ TEST(CameraMotion, IsThatOfWhatHasProvedStillWhereBothExtendAlike) {
   EXPECT_EQ(cameraMotion({}, constraints, {}, kCamera), nullptr);
 }
 
-TEST(ExtentBeyond, CountsLayersOfDepthAboveDensityAndOnlyWhatTheOtherDoesNotExplain) {
+TEST(ExtentBeyondTest, CountsLayersOfDepthAboveDensityAndOnlyWhatTheOtherDoesNotExplain) {
   RigidMotion all, none;
   all.agrees.assign(100, true);
   none.agrees.assign(100, false);

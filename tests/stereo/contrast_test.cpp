@@ -12,13 +12,13 @@ double deviationOf(const cv::Mat& image) {
   return deviation[0];
 }
 
-TEST(ContrastStretch, LeavesAnImageInGoodLightAsItIs) {
+TEST(ContrastStretchTest, LeavesAnImageInGoodLightAsItIs) {
   cv::Mat image(50, 50, CV_8U);
   cv::randu(image, 0, 256);
   EXPECT_EQ(stretched(image, stretchFor(image)).data, image.data);
 }
 
-TEST(ContrastStretch, GivesADarkImageTheContrastOfGoodLight) {
+TEST(ContrastStretchTest, GivesADarkImageTheContrastOfGoodLight) {
   cv::Mat image(50, 50, CV_8U);
   cv::randu(image, 20, 60);
   const double before = deviationOf(image);
@@ -26,7 +26,7 @@ TEST(ContrastStretch, GivesADarkImageTheContrastOfGoodLight) {
   EXPECT_NEAR(deviationOf(stretched(image, stretchFor(image))), 40.0, 1.0);
 }
 
-TEST(ContrastStretch, MakesNothingOutOfNothing) {
+TEST(ContrastStretchTest, MakesNothingOutOfNothing) {
   const cv::Mat black(50, 50, CV_8U, cv::Scalar(3));
   EXPECT_EQ(deviationOf(stretched(black, stretchFor(black))), 0.0);
 }

@@ -31,7 +31,7 @@ std::vector<double> disparitiesOn(const PaintedBox& box, const DisparityImage& d
   return result;
 }
 
-TEST(DenseDisparity, ReachesAsFarLeftAsBothImagesShowAThing) {
+TEST(DenseDisparityTest, ReachesAsFarLeftAsBothImagesShowAThing) {
   const PaintedStreet street({kAtTheEdge});
   const auto& camera = *street.camera();
   const auto disparity = denseDisparity(street.frame(0), DisparityParams());
@@ -43,7 +43,7 @@ TEST(DenseDisparity, ReachesAsFarLeftAsBothImagesShowAThing) {
   EXPECT_GT(right, 0.7 * static_cast<double>(values.size()));
 }
 
-TEST(DenseDisparity, NothingIsMatchedLeftOfTheRightImage) {
+TEST(DenseDisparityTest, NothingIsMatchedLeftOfTheRightImage) {
   const PaintedStreet street({kAtTheEdge});
   const auto disparity = denseDisparity(street.frame(0), DisparityParams());
   for (int column = 0; column < disparity.values.cols; ++column) {

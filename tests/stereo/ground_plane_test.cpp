@@ -32,7 +32,7 @@ DisparityImage street(const StereoCamera& camera, double height, double pitch) {
   return image;
 }
 
-TEST(FindGround, FindsHeightAndPitchOfTheCamera) {
+TEST(FindGroundTest, FindsHeightAndPitchOfTheCamera) {
   const auto camera = testCamera();
   for (const double pitch : {-0.05, 0.0, 0.08}) {
     const auto ground = findGround(street(camera, 1.6, pitch), camera, std::nullopt);
@@ -43,7 +43,7 @@ TEST(FindGround, FindsHeightAndPitchOfTheCamera) {
   }
 }
 
-TEST(FindGround, AWallIsNoGround) {
+TEST(FindGroundTest, AWallIsNoGround) {
   const auto camera = testCamera();
   DisparityImage wall = street(camera, 1.6, 0.0);
   wall.values.setTo(camera.fx * camera.baseline_m / 10.0);

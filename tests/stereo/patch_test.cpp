@@ -27,7 +27,7 @@ cv::Mat pattern(const Eigen::Vector2d& shift, double stretch = 1.0, double gain 
 
 const Eigen::Vector2d kCentre(80.0, 60.0);
 
-TEST(Align, FindsAShiftToAFewHundredthsOfAPixel) {
+TEST(AlignTest, FindsAShiftToAFewHundredthsOfAPixel) {
   const auto patch = cutPatch(pattern({0.0, 0.0}), kCentre);
   ASSERT_TRUE(patch);
   for (const Eigen::Vector2d& shift :
@@ -39,7 +39,7 @@ TEST(Align, FindsAShiftToAFewHundredthsOfAPixel) {
   }
 }
 
-TEST(Align, IsBlindToGainAndOffsetOfBrightness) {
+TEST(AlignTest, IsBlindToGainAndOffsetOfBrightness) {
   const auto patch = cutPatch(pattern({0.0, 0.0}), kCentre);
   const Eigen::Vector2d shift(1.2, -0.8);
   const auto found =
@@ -48,7 +48,7 @@ TEST(Align, IsBlindToGainAndOffsetOfBrightness) {
   EXPECT_LT((found->uv - kCentre - shift).norm(), 0.04);
 }
 
-TEST(Align, AlongTheRowKeepsTheRow) {
+TEST(AlignTest, AlongTheRowKeepsTheRow) {
   const auto patch = cutPatch(pattern({0.0, 0.0}), kCentre);
   const auto found = align(*patch, pattern({1.5, 0.0}), kCentre, AlignmentAxes::kRow, 20);
   ASSERT_TRUE(found && found->converged);
@@ -56,25 +56,25 @@ TEST(Align, AlongTheRowKeepsTheRow) {
   EXPECT_NEAR(found->uv.x(), kCentre.x() + 1.5, 0.04);
 }
 
-TEST(Align, RefusesPatchesWithoutTexture) {
+TEST(AlignTest, RefusesPatchesWithoutTexture) {
   const cv::Mat flat(120, 160, CV_8U, cv::Scalar(90));
   const auto patch = cutPatch(flat, kCentre);
   ASSERT_TRUE(patch);
   EXPECT_FALSE(align(*patch, flat, kCentre, AlignmentAxes::kBoth));
 }
 
-TEST(Align, RefusesToLeaveTheImage) {
+TEST(AlignTest, RefusesToLeaveTheImage) {
   const auto patch = cutPatch(pattern({0.0, 0.0}), kCentre);
   EXPECT_FALSE(align(*patch, pattern({0.0, 0.0}), {3.0, 60.0}, AlignmentAxes::kBoth));
   EXPECT_FALSE(align(*patch, pattern({0.0, 0.0}), {NAN, 60.0}, AlignmentAxes::kBoth));
 }
 
-TEST(CutPatch, IsEmptyAtTheBorder) {
+TEST(CutPatchTest, IsEmptyAtTheBorder) {
   EXPECT_FALSE(cutPatch(pattern({0.0, 0.0}), {4.0, 60.0}));
   EXPECT_FALSE(cutPatch(pattern({0.0, 0.0}), {80.0, 118.0}));
 }
 
-TEST(WarpPatch, LooksAsTheOtherViewDoes) {
+TEST(WarpPatchTest, LooksAsTheOtherViewDoes) {
   const auto reference = cutReference(pattern({0.0, 0.0}), {80.3, 60.8});
   const double stretch = 1.3;  // the view is nearer: one of its pixels is 1 / 1.3 of a reference's
   const auto patch = warpPatch(reference, Eigen::Matrix2d::Identity() / stretch);
@@ -87,14 +87,14 @@ TEST(WarpPatch, LooksAsTheOtherViewDoes) {
   EXPECT_GT(found->zncc, 0.99);
 }
 
-TEST(WarpPatch, IsEmptyWhereTheReferenceEnds) {
+TEST(WarpPatchTest, IsEmptyWhereTheReferenceEnds) {
   const auto reference = cutReference(pattern({0.0, 0.0}), kCentre);
   EXPECT_TRUE(warpPatch(reference, 1.5 * Eigen::Matrix2d::Identity()));
   EXPECT_FALSE(warpPatch(reference, 3.0 * Eigen::Matrix2d::Identity()));
   EXPECT_FALSE(warpPatch(reference, NAN * Eigen::Matrix2d::Identity()));
 }
 
-TEST(CutReference, RepeatsTheImagesEdge) {
+TEST(CutReferenceTest, RepeatsTheImagesEdge) {
   const cv::Mat image = pattern({0.0, 0.0});
   const auto reference = cutReference(image, {0.0, 0.0});
   EXPECT_EQ(reference.pixels[0], image.at<std::uint8_t>(0, 0));

@@ -56,7 +56,7 @@ Eigen::Matrix<double, 6, 1> errorOf(const Pose& estimate) {
   return error;
 }
 
-TEST(RefinePose, IsExactWithoutNoise) {
+TEST(RefinePoseTest, IsExactWithoutNoise) {
   auto constraints = world(60, 0.0, 1);
   const auto refined = refinePose(Pose::Identity(), constraints, testCamera(), {1000.0, 12, 10});
   ASSERT_TRUE(refined);
@@ -64,7 +64,7 @@ TEST(RefinePose, IsExactWithoutNoise) {
   EXPECT_EQ(refined->inliers, 60);
 }
 
-TEST(RefinePose, ErrorsAreAsLargeAsItsCovarianceSays) {
+TEST(RefinePoseTest, ErrorsAreAsLargeAsItsCovarianceSays) {
   // The normalised squared error is chi-square with 6 degrees of freedom: mean 6.
   double sum = 0.0;
   constexpr int kTrials = 200;
@@ -79,7 +79,7 @@ TEST(RefinePose, ErrorsAreAsLargeAsItsCovarianceSays) {
   EXPECT_LT(sum / kTrials, 9.0);
 }
 
-TEST(RefinePose, LeavesAThirdOfWrongLandmarksOut) {
+TEST(RefinePoseTest, LeavesAThirdOfWrongLandmarksOut) {
   auto constraints = world(90, 0.3, 7);
   std::mt19937 random(3);
   std::uniform_real_distribution<double> column(0.0, 640.0), row(0.0, 480.0);
@@ -95,7 +95,7 @@ TEST(RefinePose, LeavesAThirdOfWrongLandmarksOut) {
   EXPECT_GE(refined->inliers, 56);  // 60 are right, 1 in 100 of them lies beyond the gate
 }
 
-TEST(RefinePose, KeepsTheTrackOfAWrongStereoMatch) {
+TEST(RefinePoseTest, KeepsTheTrackOfAWrongStereoMatch) {
   auto constraints = world(60, 0.2, 9);
   constraints[5].measurement.disparity += 30.0;
   const auto refined = refinePose(truePose(), constraints, testCamera(), {1.0, 3, 8});
@@ -104,21 +104,21 @@ TEST(RefinePose, KeepsTheTrackOfAWrongStereoMatch) {
   EXPECT_FALSE(constraints[5].stereo_inlier);
 }
 
-TEST(RefinePose, SaysNothingWhereThereIsTooLittle) {
+TEST(RefinePoseTest, SaysNothingWhereThereIsTooLittle) {
   std::vector<PoseConstraint> none;
   EXPECT_FALSE(refinePose(Pose::Identity(), none, testCamera(), {}));
   auto three = world(3, 0.0, 1);
   EXPECT_FALSE(refinePose(truePose(), three, testCamera(), {}));
 }
 
-TEST(RefinePose, SaysNothingOfPointsBehindTheCamera) {
+TEST(RefinePoseTest, SaysNothingOfPointsBehindTheCamera) {
   auto constraints = world(40, 0.0, 1);
   Pose turned = truePose();
   turned.linear() = turned.linear() * expSo3({0.0, M_PI, 0.0});
   EXPECT_FALSE(refinePose(turned, constraints, testCamera(), {}));
 }
 
-TEST(RefinePose, APriorHoldsThePoseWhereNothingIsMeasured) {
+TEST(RefinePoseTest, APriorHoldsThePoseWhereNothingIsMeasured) {
   std::vector<PoseConstraint> none;
   PosePrior prior{truePose(), PoseCovariance::Identity()};
   const auto refined = refinePose(Pose::Identity(), none, testCamera(), {1.0, 3, 20}, &prior);
@@ -127,7 +127,7 @@ TEST(RefinePose, APriorHoldsThePoseWhereNothingIsMeasured) {
   EXPECT_TRUE(refined->covariance.isApprox(PoseCovariance::Identity(), 1e-6));
 }
 
-TEST(RefinePose, APriorAndMeasurementsAreWeighedByTheirInformation) {
+TEST(RefinePoseTest, APriorAndMeasurementsAreWeighedByTheirInformation) {
   auto constraints = world(80, 0.0, 2);
   PosePrior wrong{Pose::Identity(), 1e-3 * PoseCovariance::Identity()};
   const auto free = refinePose(truePose(), constraints, testCamera(), {1.0, 3, 20}, &wrong);

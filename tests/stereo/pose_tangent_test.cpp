@@ -13,7 +13,7 @@ Tangent randomTangent(std::mt19937& random, double size) {
   return xi;
 }
 
-TEST(PoseTangent, LocalCoordinatesUndoARetraction) {
+TEST(PoseTangentTest, LocalCoordinatesUndoARetraction) {
   std::mt19937 random(2);
   for (int i = 0; i < 50; ++i) {
     const Pose pose = retract(Pose::Identity(), randomTangent(random, 1.5));
@@ -22,7 +22,7 @@ TEST(PoseTangent, LocalCoordinatesUndoARetraction) {
   }
 }
 
-TEST(PoseTangent, JacobianOfLocalCoordinatesEqualsNumericDifferences) {
+TEST(PoseTangentTest, JacobianOfLocalCoordinatesEqualsNumericDifferences) {
   constexpr double kStep = 1e-6;
   std::mt19937 random(3);
   for (const double size : {1e-6, 0.2, 1.4}) {

@@ -24,7 +24,7 @@ struct Wall {
   double disparity = 0.0;
 };
 
-TEST(StereoMatcher, FindsDisparitiesToATenthOfAPixel) {
+TEST(StereoMatcherTest, FindsDisparitiesToATenthOfAPixel) {
   const StereoMatcher matcher(100, 0.8);
   for (const double depth : {1.3, 2.7, 6.1}) {
     const Wall wall(depth);
@@ -43,7 +43,7 @@ TEST(StereoMatcher, FindsDisparitiesToATenthOfAPixel) {
   }
 }
 
-TEST(StereoMatcher, RefinesANearbyGuess) {
+TEST(StereoMatcherTest, RefinesANearbyGuess) {
   const Wall wall(2.7);
   const auto disparity = StereoMatcher(100, 0.8).refine(wall.left, wall.right, {160.0, 120.0},
                                                         wall.disparity + 1.5, 0);
@@ -51,7 +51,7 @@ TEST(StereoMatcher, RefinesANearbyGuess) {
   EXPECT_NEAR(*disparity, wall.disparity, 0.1);
 }
 
-TEST(StereoMatcher, SaysNothingWithoutTextureOrOutsideTheImage) {
+TEST(StereoMatcherTest, SaysNothingWithoutTextureOrOutsideTheImage) {
   const cv::Mat flat(240, 320, CV_8U, cv::Scalar(50));
   const auto pyramid = buildPyramid(flat, 4);
   const StereoMatcher matcher(100, 0.8);
@@ -61,7 +61,7 @@ TEST(StereoMatcher, SaysNothingWithoutTextureOrOutsideTheImage) {
   EXPECT_FALSE(matcher.search(wall.left, wall.right, {160.0, 239.0}));
 }
 
-TEST(StereoMatcher, SaysNothingOfWhatRepeats) {
+TEST(StereoMatcherTest, SaysNothingOfWhatRepeats) {
   cv::Mat stripes(240, 320, CV_8U);
   for (int v = 0; v < stripes.rows; ++v) {
     for (int u = 0; u < stripes.cols; ++u) {
@@ -72,7 +72,7 @@ TEST(StereoMatcher, SaysNothingOfWhatRepeats) {
   EXPECT_FALSE(StereoMatcher(100, 0.8).search(pyramid, pyramid, {200.0, 120.0}));
 }
 
-TEST(BuildPyramid, StopsBeforeImagesGetTiny) {
+TEST(BuildPyramidTest, StopsBeforeImagesGetTiny) {
   EXPECT_EQ(buildPyramid(cv::Mat(70, 300, CV_8U, cv::Scalar(0)), 6).count(), 2);
   EXPECT_EQ(buildPyramid(cv::Mat(600, 600, CV_8U, cv::Scalar(0)), 4).count(), 4);
 }

@@ -30,7 +30,7 @@ std::vector<Eigen::Vector3d> points() {
   return result;
 }
 
-TEST(Projection, TriangulationUndoesIt) {
+TEST(ProjectionTest, TriangulationUndoesIt) {
   for (const auto& point : points()) {
     const auto uvd = project(point, testCamera());
     ASSERT_TRUE(uvd);
@@ -39,14 +39,14 @@ TEST(Projection, TriangulationUndoesIt) {
   }
 }
 
-TEST(Projection, HasNoResultBehindTheCameraOrWithoutDisparity) {
+TEST(ProjectionTest, HasNoResultBehindTheCameraOrWithoutDisparity) {
   EXPECT_FALSE(project({1.0, 1.0, 0.0}, testCamera()));
   EXPECT_FALSE(project({1.0, 1.0, -2.0}, testCamera()));
   EXPECT_FALSE(triangulate({100.0, 100.0, 0.0}, testCamera()));
   EXPECT_FALSE(triangulate({100.0, 100.0, -1.0}, testCamera()));
 }
 
-TEST(ProjectionJacobian, EqualsNumericDifferences) {
+TEST(ProjectionJacobianTest, EqualsNumericDifferences) {
   for (const auto& point : points()) {
     const Eigen::Matrix3d analytic = projectionJacobian(point, testCamera());
     for (int axis = 0; axis < 3; ++axis) {
@@ -59,7 +59,7 @@ TEST(ProjectionJacobian, EqualsNumericDifferences) {
   }
 }
 
-TEST(StereoResidual, JacobianByPointEqualsNumericDifferences) {
+TEST(StereoResidualTest, JacobianByPointEqualsNumericDifferences) {
   const StereoMeasurement measurement{{300.0, 200.0}, 12.0, true, 0.7, 0.4};
   for (const auto& point : points()) {
     Eigen::Matrix3d analytic;
@@ -75,7 +75,7 @@ TEST(StereoResidual, JacobianByPointEqualsNumericDifferences) {
   }
 }
 
-TEST(StereoResidual, IsZeroAtTheMeasurementAndInSigmasBesideIt) {
+TEST(StereoResidualTest, IsZeroAtTheMeasurementAndInSigmasBesideIt) {
   const Eigen::Vector3d point(0.8, -0.6, 9.0);
   const Eigen::Vector3d uvd = *project(point, testCamera());
   StereoMeasurement measurement{uvd.head<2>(), uvd.z(), true, 0.5, 0.25};
@@ -86,7 +86,7 @@ TEST(StereoResidual, IsZeroAtTheMeasurementAndInSigmasBesideIt) {
   EXPECT_TRUE(off.isApprox(Eigen::Vector3d(2.0, 4.0, 4.0), 1e-9));
 }
 
-TEST(StereoResidual, LeavesAnUnmeasuredDisparityOut) {
+TEST(StereoResidualTest, LeavesAnUnmeasuredDisparityOut) {
   const StereoMeasurement measurement{{300.0, 200.0}, 99.0, false, 0.7, 0.4};
   Eigen::Matrix3d jacobian;
   const auto residual = stereoResidual({0.8, -0.6, 9.0}, measurement, testCamera(), &jacobian);
@@ -94,7 +94,7 @@ TEST(StereoResidual, LeavesAnUnmeasuredDisparityOut) {
   EXPECT_EQ(jacobian.row(2).norm(), 0.0);
 }
 
-TEST(PointByPose, EqualsNumericDifferences) {
+TEST(PointByPoseTest, EqualsNumericDifferences) {
   Pose pose = Pose::Identity();
   pose.linear() = expSo3({0.05, -0.2, 0.1});
   pose.translation() << 0.4, -0.3, 0.8;
