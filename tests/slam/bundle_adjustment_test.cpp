@@ -193,7 +193,7 @@ TEST(DetachedBundleTest, LetsWhatWasRemovedMeanwhileStayAway) {
 
 /// Takes a background's result over as soon as it is there.
 void poll(BundleAdjuster& adjuster, SparseMap& map) {
-  while (!adjuster.takeOver(map)) std::this_thread::yield();
+  while (!adjuster.applyFinished(map)) std::this_thread::yield();
 }
 
 /// Takes it over at the end, waiting for it.
@@ -207,7 +207,7 @@ TEST(BundleAdjusterTest, TakesOverFromTheBackgroundWhatItWouldHaveDoneAtOnce) {
     World beside = makeWorld(6, 0.0);
     disturb(beside);
     BundleAdjuster adjuster(testCamera(), true);
-    EXPECT_FALSE(adjuster.takeOver(beside.map));
+    EXPECT_FALSE(adjuster.applyFinished(beside.map));
     EXPECT_FALSE(adjuster.finish(beside.map));
     adjuster.adjust(beside.map, beside.keyframes, 30);
     take_over(adjuster, beside.map);
@@ -225,7 +225,7 @@ TEST(BundleAdjusterTest, ForgetsWhatIsAbandoned) {
   BundleAdjuster adjuster(testCamera(), true);
   adjuster.adjust(world.map, world.keyframes, 30);
   adjuster.abandon();
-  EXPECT_FALSE(adjuster.takeOver(world.map));
+  EXPECT_FALSE(adjuster.applyFinished(world.map));
   EXPECT_EQ(world.map.keyframe(world.keyframes[3]).T_map_cam.matrix(), before.matrix());
 }
 

@@ -81,9 +81,9 @@ TEST_F(CullingTest, TheHeirSharesMostLandmarks) {
   const KeyframeId first = addKeyframe(0.0);
   const KeyframeId other = addKeyframe(1.0);
   const KeyframeId leaving = addKeyframe(2.0);
-  EXPECT_EQ(heirOf(leaving, map_), first) << "nobody shares any";
+  EXPECT_EQ(replacementKeyframe(leaving, map_), first) << "nobody shares any";
   addLandmark(leaving, {other});
-  EXPECT_EQ(heirOf(leaving, map_), other);
+  EXPECT_EQ(replacementKeyframe(leaving, map_), other);
 }
 
 TEST_F(CullingTest, LandmarksOfARemovedKeyframeKeepTheirLooks) {

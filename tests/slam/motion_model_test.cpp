@@ -31,14 +31,14 @@ TEST(MotionModelTest, BeginsLevelWhereGravityIsKnown) {
   frame.motion_prior.up_robot = Eigen::Vector3d(0.1, -0.2, 1.0).normalized();
   SlamParams params;
   MotionModel model(robotFromOptical(), params);
-  model.begin(frame);
+  model.initialise(frame);
   const Pose T_map_robot = model.last() * robotFromOptical().inverse();
   const Eigen::Vector3d up_map = T_map_robot.linear() * *frame.motion_prior.up_robot;
   EXPECT_LT((up_map - Eigen::Vector3d::UnitZ()).norm(), 1e-9);
   EXPECT_NEAR(yawOf(T_map_robot), 0.0, 1e-9);
   params.use_imu = false;
   MotionModel without_imu(robotFromOptical(), params);
-  without_imu.begin(frame);
+  without_imu.initialise(frame);
   EXPECT_TRUE(without_imu.last().isApprox(robotFromOptical(), 1e-12));
 }
 

@@ -45,7 +45,7 @@ TEST_F(SparseMapTest, NeighboursShareMostLandmarks) {
 }
 
 TEST_F(SparseMapTest, ForgettingTheLastObservationRemovesTheLandmark) {
-  map_.forget(keyframes_[2], landmarks_[2]);
+  map_.removeObservation(keyframes_[2], landmarks_[2]);
   EXPECT_EQ(map_.find(landmarks_[2]), nullptr);
   EXPECT_THAT(map_.keyframe(keyframes_[2]).landmarks, ElementsAre(landmarks_[0]));
 }

@@ -28,7 +28,7 @@ void BundleAdjuster::abandon() {
   abandoned_.push_back(std::move(job_));
 }
 
-std::optional<Pose> BundleAdjuster::takeOver(SparseMap& map) {
+std::optional<Pose> BundleAdjuster::applyFinished(SparseMap& map) {
   abandoned_.erase(std::remove_if(abandoned_.begin(), abandoned_.end(),
                                   [](const auto& job) { return job->finished(); }),
                    abandoned_.end());
@@ -41,7 +41,7 @@ std::optional<Pose> BundleAdjuster::takeOver(SparseMap& map) {
 
 std::optional<Pose> BundleAdjuster::finish(SparseMap& map) {
   if (job_ != nullptr) job_->solved.wait();
-  return takeOver(map);
+  return applyFinished(map);
 }
 
 }  // namespace headway::slam

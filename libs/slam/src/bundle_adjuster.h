@@ -14,8 +14,8 @@ namespace headway::slam {
 
 /// Runs bundle adjustments, at once or in a thread of its own beside the tracking.
 ///
-/// Only the solution runs in that thread, on copies: the map is read and changed by whoever calls,
-/// so nothing is shared. At once is deterministic; in the background results depend on timing.
+/// Only the solver runs in that thread, on copies: the map is read and written by the calling
+/// thread alone. At once is deterministic; in the background results depend on timing.
 class BundleAdjuster {
  public:
   BundleAdjuster(const StereoCamera& camera, bool in_background)
@@ -25,13 +25,13 @@ class BundleAdjuster {
   /// left out: the next keyframe's covers most of it.
   void adjust(SparseMap& map, const std::vector<KeyframeId>& free, int max_iterations);
 
-  /// Forgets the adjustment under way: the map has been changed under it.
+  /// Cancels the running adjustment, because the map has changed.
   void abandon();
 
-  /// Takes what the background has finished into the map.
+  /// Applies a finished background adjustment to the map.
   ///
-  /// @return  by which the newest part of the map was moved; nullopt if nothing was finished
-  std::optional<Pose> takeOver(SparseMap& map);
+  /// @return  the motion of the newest keyframe; nullopt if no adjustment has finished
+  std::optional<Pose> applyFinished(SparseMap& map);
 
   /// The same after waiting for what is under way.
   std::optional<Pose> finish(SparseMap& map);
@@ -49,7 +49,7 @@ class BundleAdjuster {
   StereoCamera camera_;
   bool in_background_ = false;
   std::unique_ptr<Job> job_;
-  std::vector<std::unique_ptr<Job>> abandoned_;  ///< in their last step, for nobody
+  std::vector<std::unique_ptr<Job>> abandoned_;  ///< cancelled, still in their last iteration
 };
 
 }  // namespace headway::slam

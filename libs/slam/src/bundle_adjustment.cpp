@@ -55,9 +55,8 @@ class Reprojection final : public ceres::SizedCostFunction<3, 7, 3, 1> {
   const StereoCamera& camera_;  ///< outlives it: the bundle's own
 };
 
-/// What is known of the disparities' offset beforehand: that rectification is good to about
-/// kOffsetSigma, and that the offset does not change by more than kOffsetWalk from one adjustment
-/// to the next.
+/// Prior on the offset of the disparities: rectification is accurate to about kOffsetSigma, and
+/// the offset changes by at most about kOffsetWalk from one adjustment to the next.
 class OffsetPrior final : public ceres::SizedCostFunction<2, 1> {
  public:
   explicit OffsetPrior(double previous) : previous_(previous) {}
@@ -78,7 +77,7 @@ class OffsetPrior final : public ceres::SizedCostFunction<2, 1> {
   double previous_;
 };
 
-/// Ends a solution that nobody wants any more.
+/// Cancels a running solve.
 class Stop final : public ceres::IterationCallback {
  public:
   void request() { requested_ = true; }
@@ -90,8 +89,8 @@ class Stop final : public ceres::IterationCallback {
   std::atomic<bool> requested_{false};
 };
 
-/// Forgets what does not fit; returns how many observations that were.
-int forgetOutliers(SparseMap& map, const std::vector<KeyframeId>& keyframes,
+/// Removes outlier observations; returns their number.
+int removeOutliers(SparseMap& map, const std::vector<KeyframeId>& keyframes,
                    const StereoCamera& camera);
 
 }  // namespace
@@ -118,7 +117,7 @@ class DetachedBundle::Implementation {
     }
     problem_.AddResidualBlock(new OffsetPrior(offset_), nullptr, &offset_);
     ordering_->AddElementToGroup(&offset_, 2);
-    holdStill(free);
+    fixOldKeyframes(free);
   }
 
   void solve(int max_iterations) {
@@ -143,14 +142,14 @@ class DetachedBundle::Implementation {
     summary.final_cost = solved_.final_cost;
     if (summary.iterations > 0 && solved_.IsSolutionUsable()) {
       const Pose before = newestPose(map);
-      moveWhatTookPart(map);
+      applySolution(map);
       summary.correction = normalized(Pose(newestPose(map) * before.inverse(Eigen::Isometry)));
-      moveWhatIsNewer(map, summary.correction);
+      moveNewerKeyframes(map, summary.correction);
     }
     std::vector<KeyframeId> left;
     std::copy_if(free_.begin(), free_.end(), std::back_inserter(left),
                  [&](KeyframeId id) { return map.keyframes().count(id) > 0; });
-    summary.outliers = forgetOutliers(map, left, camera_);
+    summary.outliers = removeOutliers(map, left, camera_);
     return summary;
   }
 
@@ -171,7 +170,7 @@ class DetachedBundle::Implementation {
     for (const KeyframeId id : pose_ids_) poses_.push_back(blockFrom(map.keyframe(id).T_map_cam));
   }
 
-  /// Pose in the map of the newest keyframe that took part and is still there.
+  /// Pose in the map of the newest keyframe that took part and still exists.
   [[nodiscard]] Pose newestPose(const SparseMap& map) const {
     for (auto id = pose_ids_.rbegin(); id != pose_ids_.rend(); ++id) {
       const auto keyframe = map.keyframes().find(*id);
@@ -180,7 +179,7 @@ class DetachedBundle::Implementation {
     return Pose::Identity();
   }
 
-  void moveWhatTookPart(SparseMap& map) const {
+  void applySolution(SparseMap& map) const {
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       if (problem_.IsParameterBlockConstant(poses_[i].data())) continue;
       if (map.keyframes().count(pose_ids_[i]) == 0) continue;
@@ -193,7 +192,7 @@ class DetachedBundle::Implementation {
   }
 
   /// Keyframes that came while the bundle was solved, and the landmarks that came with them.
-  void moveWhatIsNewer(SparseMap& map, const Pose& correction) const {
+  void moveNewerKeyframes(SparseMap& map, const Pose& correction) const {
     const KeyframeId newest = pose_ids_.back();
     for (auto at = map.keyframes().upper_bound(newest); at != map.keyframes().end(); ++at) {
       Keyframe& keyframe = map.keyframe(at->first);
@@ -213,7 +212,7 @@ class DetachedBundle::Implementation {
     return poses_[static_cast<std::size_t>(at - pose_ids_.begin())].data();
   }
 
-  void holdStill(const std::vector<KeyframeId>& free) {
+  void fixOldKeyframes(const std::vector<KeyframeId>& free) {
     bool anchored = false;
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       if (std::binary_search(free.begin(), free.end(), pose_ids_[i])) continue;
@@ -223,7 +222,7 @@ class DetachedBundle::Implementation {
     if (!anchored) problem_.SetParameterBlockConstant(poses_.front().data());
   }
 
-  static ceres::Problem::Options withoutOwnership() {
+  static ceres::Problem::Options problemOptions() {
     ceres::Problem::Options options;
     options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -241,14 +240,14 @@ class DetachedBundle::Implementation {
   std::vector<PoseBlock> poses_;
   std::vector<LandmarkId> point_ids_;
   std::vector<Eigen::Vector3d> points_;
-  ceres::Problem problem_{withoutOwnership()};
+  ceres::Problem problem_{problemOptions()};
   std::shared_ptr<ceres::ParameterBlockOrdering> ordering_ =
       std::make_shared<ceres::ParameterBlockOrdering>();
 };
 
 namespace {
 
-int forgetOutliers(SparseMap& map, const std::vector<KeyframeId>& keyframes,
+int removeOutliers(SparseMap& map, const std::vector<KeyframeId>& keyframes,
                    const StereoCamera& camera) {
   std::vector<std::pair<KeyframeId, LandmarkId>> outliers;
   for (const KeyframeId id : keyframes) {
@@ -268,7 +267,7 @@ int forgetOutliers(SparseMap& map, const std::vector<KeyframeId>& keyframes,
     }
   }
   for (const auto& [keyframe, landmark] : outliers) {
-    if (map.find(landmark) != nullptr) map.forget(keyframe, landmark);
+    if (map.find(landmark) != nullptr) map.removeObservation(keyframe, landmark);
   }
   return static_cast<int>(outliers.size());
 }

@@ -14,12 +14,12 @@ struct BundleSummary {
   int iterations = 0;
   double initial_cost = 0.0;
   double final_cost = 0.0;
-  int outliers = 0;                    ///< observations that did not fit and were forgotten
+  int outliers = 0;                    ///< observations that did not fit and were removed
   Pose correction = Pose::Identity();  ///< by which the newest part of the map was moved
 };
 
-/// A bundle adjustment cut loose from the map: solved on copies of poses and landmarks, so that a
-/// thread may do it while the map goes on being used and extended.
+/// A bundle adjustment on copies of poses and landmarks, so that it can run in another thread while
+/// the map is used and extended.
 class DetachedBundle {
  public:
   /// @param free  keyframes to adjust, ascending; see adjustBundle
@@ -30,11 +30,11 @@ class DetachedBundle {
   /// Touches nothing outside of this object.
   void solve(int max_iterations);
 
-  /// Ends a solution after its present step; from any thread. Nothing of it is written back.
+  /// Cancels the solve after its present iteration; callable from any thread.
   void stop();
 
-  /// Takes the solution into the map. Keyframes that came meanwhile are moved along with the newest
-  /// that took part; what was removed meanwhile stays away. Then forgets what does not fit.
+  /// Applies the solution to the map and removes outlier observations. Keyframes added meanwhile
+  /// are moved with the newest one that took part.
   BundleSummary writeBack(SparseMap& map) const;
 
  private:
@@ -46,7 +46,7 @@ class DetachedBundle {
 ///
 /// Keyframes outside `free` that see the same landmarks take part but stay where they are; if
 /// there is none, the oldest of `free` stays. Landmarks are eliminated first (Schur complement),
-/// so the cost grows with the keyframes. Observations that do not fit afterwards are forgotten.
+/// so the cost grows with the keyframes. Outlier observations are removed afterwards.
 ///
 /// @see Triggs et al. 2000, "Bundle adjustment: a modern synthesis", sec. 6
 BundleSummary adjustBundle(SparseMap& map, const std::vector<KeyframeId>& free,

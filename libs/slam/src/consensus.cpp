@@ -7,7 +7,7 @@ namespace headway::slam {
 
 std::optional<Consensus> poseByConsensus(const std::vector<stereo::PoseConstraint>& constraints,
                                          const StereoCamera& camera, int min_inliers,
-                                         double max_error_px, int most_tries) {
+                                         double max_error_px, int max_tries) {
   constexpr double kConfidence = 0.999;
   if (static_cast<int>(constraints.size()) < std::max(6, min_inliers)) return std::nullopt;
   std::vector<cv::Point3d> points;
@@ -21,7 +21,7 @@ std::optional<Consensus> poseByConsensus(const std::vector<stereo::PoseConstrain
   cv::Vec3d rotation, translation;
   std::vector<int> inliers;
   const bool found = cv::solvePnPRansac(
-      points, pixels, intrinsics, cv::noArray(), rotation, translation, false, most_tries,
+      points, pixels, intrinsics, cv::noArray(), rotation, translation, false, max_tries,
       static_cast<float>(max_error_px), kConfidence, inliers, cv::SOLVEPNP_P3P);
   if (!found || static_cast<int>(inliers.size()) < min_inliers) return std::nullopt;
   Pose T_cam_map = Pose::Identity();

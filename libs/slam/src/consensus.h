@@ -14,17 +14,17 @@ struct Consensus {
   int inliers = 0;
 };
 
-/// A pose from landmarks of which many may be wrong, without a guess.
+/// A pose from landmarks of which many may be wrong, without an initial pose.
 ///
 /// RANSAC with a fixed seed over three-point solutions, left image alone.
 ///
 /// @param max_error_px  farthest that an agreeing landmark may lie from where it was seen
-/// @param most_tries    200 find a third of right ones for sure, 1000 a fifth; fewer are made where
-///                      most are right
+/// @param max_tries    200 suffice for an inlier ratio of 1/3, 1000 for 1/5; fewer are made at high
+///                      inlier ratios
 /// @return nullopt if fewer than `min_inliers` landmarks agree on any pose
 /// @see Fischler & Bolles 1981; Lepetit et al. 2009 (EPnP)
 [[nodiscard]] std::optional<Consensus> poseByConsensus(
     const std::vector<stereo::PoseConstraint>& constraints, const StereoCamera& camera,
-    int min_inliers, double max_error_px, int most_tries = 200);
+    int min_inliers, double max_error_px, int max_tries = 200);
 
 }  // namespace headway::slam

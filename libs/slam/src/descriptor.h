@@ -13,7 +13,7 @@ namespace headway::slam {
 /// @see Rublee et al. 2011, "ORB: an efficient alternative to SIFT or SURF"
 using Descriptor = std::array<std::uint8_t, 32>;
 
-/// A corner found anew, to be recognised by its descriptor.
+/// A corner with its descriptor.
 struct DescribedPoint {
   Eigen::Vector2d uv = Eigen::Vector2d::Zero();  ///< [px], level 0
   Descriptor descriptor{};

@@ -8,12 +8,11 @@
 namespace headway::slam {
 namespace {
 
-constexpr stereo::PoseRefinerOptions kCoarse{8.0, 4,
-                                             5};  ///< from a guess that is right to some pixels
+constexpr stereo::PoseRefinerOptions kCoarse{8.0, 4, 5};  ///< from a pose within some pixels
 constexpr stereo::PoseRefinerOptions kFine{4.0, 3, 6};
 
-/// Whether a landmark has agreed with the camera's motion for some frames.
-bool hasProvedStill(const Landmark& landmark) {
+/// Whether a landmark has agreed with the camera's motion in several frames.
+bool isVerifiedStatic(const Landmark& landmark) {
   constexpr int kAgreed = 2;
   return landmark.agreed >= kAgreed && 2 * landmark.agreed > landmark.found;
 }
@@ -64,60 +63,62 @@ std::optional<stereo::RefinedPose> refineAgreeing(const Pose& T_map_cam,
 std::optional<TrackedPose> FrameTracker::track(const TrackingFrame& previous,
                                                const std::vector<TrackedLandmark>& seen_before,
                                                const TrackingFrame& current,
-                                               const std::vector<Pose>& guesses,
-                                               const std::vector<LandmarkId>& local, bool young,
+                                               const std::vector<Pose>& initial_poses,
+                                               const std::vector<LandmarkId>& local, bool new_map,
                                                SparseMap& map) const {
-  const auto chosen = worthFollowing(seen_before, young, map);
-  for (const Pose& guess : guesses) {
-    const auto followed = tracker_.follow(previous, chosen, current, guess, map);
-    const auto coarse = coarsePose(guess, followed, current, young, map);
+  const auto chosen = selectLandmarksToFollow(seen_before, new_map, map);
+  for (const Pose& predicted : initial_poses) {
+    const auto followed = tracker_.follow(previous, chosen, current, predicted, map);
+    const auto coarse = coarsePose(predicted, followed, current, new_map, map);
     if (!coarse) continue;
     auto tracked = measureFrom(*coarse, current, local, map, params_.min_inliers);
     if (!tracked) continue;
-    if (young && testsMotion()) tracked->dissenters = without(followed, tracked->landmarks);
+    if (new_map && rejectsByGeometry())
+      tracked->dynamic_outliers = without(followed, tracked->landmarks);
     return tracked;
   }
   return std::nullopt;
 }
 
-std::optional<TrackedPose> FrameTracker::settle(const TrackingFrame& current, const Pose& T_map_cam,
-                                                const std::vector<LandmarkId>& local,
-                                                SparseMap& map, int min_inliers) const {
+std::optional<TrackedPose> FrameTracker::measureLocalMap(const TrackingFrame& current,
+                                                         const Pose& T_map_cam,
+                                                         const std::vector<LandmarkId>& local,
+                                                         SparseMap& map, int min_inliers) const {
   return measureFrom({T_map_cam, {}}, current, local, map, min_inliers);
 }
 
-bool FrameTracker::testsMotion() const {
+bool FrameTracker::rejectsByGeometry() const {
   return params_.dynamic_rejection == DynamicRejection::kGeometric ||
          params_.dynamic_rejection == DynamicRejection::kBoth;
 }
 
-bool FrameTracker::vouches(const Landmark& landmark) const {
-  return !testsMotion() || hasProvedStill(landmark);
+bool FrameTracker::isStatic(const Landmark& landmark) const {
+  return !rejectsByGeometry() || isVerifiedStatic(landmark);
 }
 
-/// What moves is seen and mapped like everything else, but it cannot agree with the camera's
-/// motion for long, so it never gets a say, however much of the image it fills.
-std::vector<bool> FrameTracker::provedStill(const std::vector<TrackedLandmark>& landmarks,
-                                            const SparseMap& map) const {
+/// Moving objects are mapped like everything else, but cannot agree with the camera's motion for
+/// long, so they are never verified, however much of the image they cover.
+std::vector<bool> FrameTracker::staticMask(const std::vector<TrackedLandmark>& landmarks,
+                                           const SparseMap& map) const {
   std::vector<bool> proved;
   proved.reserve(landmarks.size());
-  for (const TrackedLandmark& seen : landmarks) proved.push_back(vouches(*map.find(seen.id)));
+  for (const TrackedLandmark& seen : landmarks) proved.push_back(isStatic(*map.find(seen.id)));
   return proved;
 }
 
-/// What has proved still first, then the others, each spread evenly; all where little has proved
-/// still, so that there is enough to choose the camera's motion by.
-std::vector<TrackedLandmark> FrameTracker::worthFollowing(
-    const std::vector<TrackedLandmark>& seen_before, bool young, const SparseMap& map) const {
+/// Verified static landmarks first, then others, each spread evenly; all landmarks where few are
+/// verified, so that the camera's motion can be found by consensus.
+std::vector<TrackedLandmark> FrameTracker::selectLandmarksToFollow(
+    const std::vector<TrackedLandmark>& seen_before, bool new_map, const SparseMap& map) const {
   constexpr std::size_t kEnough = 160;
   std::vector<TrackedLandmark> proved, others, chosen;
   for (const TrackedLandmark& seen : seen_before) {
     const Landmark* landmark = map.find(seen.id);
     if (landmark == nullptr) continue;
-    (vouches(*landmark) ? proved : others).push_back(seen);
+    (isStatic(*landmark) ? proved : others).push_back(seen);
   }
   const bool few = proved.size() < 2 * static_cast<std::size_t>(params_.min_inliers);
-  const std::size_t most = young || few ? seen_before.size() : kEnough;
+  const std::size_t most = new_map || few ? seen_before.size() : kEnough;
   for (const auto* group : {&proved, &others}) {
     const std::size_t room = most - chosen.size();
     const std::size_t stride = 1 + group->size() / (room + 1);
@@ -129,56 +130,60 @@ std::vector<TrackedLandmark> FrameTracker::worthFollowing(
 }
 
 std::optional<FrameTracker::CoarsePose> FrameTracker::coarsePose(
-    const Pose& guess, const std::vector<TrackedLandmark>& followed, const TrackingFrame& current,
-    bool young, const SparseMap& map) const {
-  constexpr double kAgreement = 0.5;  ///< share of the witnesses that must agree
-  if (young && testsMotion()) return stillMotion(guess, followed, current, young, map);
+    const Pose& predicted, const std::vector<TrackedLandmark>& followed,
+    const TrackingFrame& current, bool new_map, const SparseMap& map) const {
+  constexpr double kAgreement = 0.5;  ///< minimum inlier ratio of the static landmarks
+  if (new_map && rejectsByGeometry())
+    return coarsePoseByRigidMotions(predicted, followed, current, new_map, map);
   const auto constraints = constraintsOf(followed, map);
-  auto witnesses = only(constraints, provedStill(followed, map));
+  auto static_inliers = only(constraints, staticMask(followed, map));
   std::optional<stereo::RefinedPose> refined;
-  if (!testsMotion() || static_cast<int>(witnesses.size()) >= 2 * params_.min_inliers) {
-    refined = stereo::refinePose(guess, witnesses, camera_, kCoarse);
+  if (!rejectsByGeometry() || static_cast<int>(static_inliers.size()) >= 2 * params_.min_inliers) {
+    refined = stereo::refinePose(predicted, static_inliers, camera_, kCoarse);
     const int enough =
         std::max(params_.min_inliers / 2,
-                 static_cast<int>(kAgreement * static_cast<double>(witnesses.size())));
+                 static_cast<int>(kAgreement * static_cast<double>(static_inliers.size())));
     if (refined && refined->inliers >= enough) return CoarsePose{refined->T_map_cam, {}};
   }
-  if (testsMotion()) return stillMotion(guess, followed, current, young, map);
+  if (rejectsByGeometry())
+    return coarsePoseByRigidMotions(predicted, followed, current, new_map, map);
   const auto consensus = poseByConsensus(constraints, camera_, params_.min_inliers / 2, 3.0);
   if (consensus) return CoarsePose{consensus->T_map_cam, {}};
   return refined ? std::optional(CoarsePose{refined->T_map_cam, {}}) : std::nullopt;
 }
 
-/// Nobody has proved still yet, or those who have do not agree: of all the motions in the image,
-/// the camera's is that of what extends farthest. In a young map nobody has a name to lose: as all
-/// is followed from its beginning, what moves shows ever more clearly, and the choice may change.
-std::optional<FrameTracker::CoarsePose> FrameTracker::stillMotion(
-    const Pose& guess, const std::vector<TrackedLandmark>& followed, const TrackingFrame& current,
-    bool young, const SparseMap& map) const {
-  constexpr double kAlone = 0.8;  ///< share of the landmarks that makes it the only motion
-  const auto judged = withoutSuspects(followed, current);
-  const auto constraints = constraintsOf(judged, map);
-  const auto proved = young ? std::vector<bool>(judged.size(), false) : provedStill(judged, map);
-  std::vector<Pose> likeliest{guess};
+/// Used where no landmark is verified static yet or the verified ones disagree: of all rigid
+/// motions in the image, the camera's is the one with the largest extent. A new map has no verified
+/// landmarks, so the choice is made anew in each of its frames.
+std::optional<FrameTracker::CoarsePose> FrameTracker::coarsePoseByRigidMotions(
+    const Pose& predicted, const std::vector<TrackedLandmark>& followed,
+    const TrackingFrame& current, bool new_map, const SparseMap& map) const {
+  constexpr double kAlone = 0.8;  ///< minimum ratio of the landmarks for the only motion
+  const auto candidates = outsideSuspectRegions(followed, current);
+  const auto constraints = constraintsOf(candidates, map);
+  const auto proved =
+      new_map ? std::vector<bool>(candidates.size(), false) : staticMask(candidates, map);
+  std::vector<Pose> initial_poses{predicted};
   auto all = constraints;
-  if (const auto refined = stereo::refinePose(guess, all, camera_, kCoarse)) {
-    likeliest.push_back(refined->T_map_cam);
+  if (const auto refined = stereo::refinePose(predicted, all, camera_, kCoarse)) {
+    initial_poses.push_back(refined->T_map_cam);
   }
-  const auto motions = rigidMotions(constraints, camera_, likeliest, params_.min_inliers / 2);
+  const auto motions = rigidMotions(constraints, camera_, initial_poses, params_.min_inliers / 2);
   const RigidMotion* best = cameraMotion(motions, constraints, proved, camera_);
   if (best == nullptr) return std::nullopt;
   CoarsePose result{best->T_map_cam, {}};
-  const bool alone = best->members > kAlone * static_cast<double>(judged.size());
-  if (alone && judged.size() == followed.size()) return result;  // all may have their say
-  for (std::size_t i = 0; i < judged.size(); ++i) {
-    if (best->agrees[i]) result.witnesses.push_back(judged[i].id);
+  const bool alone = best->members > kAlone * static_cast<double>(candidates.size());
+  if (alone && candidates.size() == followed.size())
+    return result;  // one motion: all landmarks may constrain the pose
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (best->agrees[i]) result.static_inliers.push_back(candidates[i].id);
   }
-  std::sort(result.witnesses.begin(), result.witnesses.end());
+  std::sort(result.static_inliers.begin(), result.static_inliers.end());
   return result;
 }
 
-/// Those outside of suspect regions, where these are enough to go by.
-std::vector<TrackedLandmark> FrameTracker::withoutSuspects(
+/// Landmarks outside of suspect regions, or all where too few are outside.
+std::vector<TrackedLandmark> FrameTracker::outsideSuspectRegions(
     const std::vector<TrackedLandmark>& followed, const TrackingFrame& current) const {
   std::vector<TrackedLandmark> others;
   for (const TrackedLandmark& seen : followed) {
@@ -193,12 +198,12 @@ std::optional<TrackedPose> FrameTracker::measureFrom(const CoarsePose& coarse,
                                                      SparseMap& map, int min_inliers) const {
   const auto measured = tracker_.measure(current, coarse.T_map_cam, local, map);
   auto constraints = constraintsOf(measured, map);
-  auto witnesses = provedStill(measured, map);
-  for (std::size_t i = 0; !coarse.witnesses.empty() && i < measured.size(); ++i) {
-    witnesses[i] =
-        std::binary_search(coarse.witnesses.begin(), coarse.witnesses.end(), measured[i].id);
+  auto static_inliers = staticMask(measured, map);
+  for (std::size_t i = 0; !coarse.static_inliers.empty() && i < measured.size(); ++i) {
+    static_inliers[i] = std::binary_search(coarse.static_inliers.begin(),
+                                           coarse.static_inliers.end(), measured[i].id);
   }
-  const auto refined = refineByWitnesses(coarse.T_map_cam, constraints, witnesses);
+  const auto refined = refineByStaticInliers(coarse.T_map_cam, constraints, static_inliers);
   if (!refined || refined->inliers < min_inliers) return std::nullopt;
   TrackedPose result;
   result.T_map_cam = refined->T_map_cam;
@@ -213,18 +218,19 @@ std::optional<TrackedPose> FrameTracker::measureFrom(const CoarsePose& coarse,
   return result;
 }
 
-/// Witnesses decide, the others may follow; without enough witnesses all decide.
-std::optional<stereo::RefinedPose> FrameTracker::refineByWitnesses(
-    const Pose& guess, std::vector<stereo::PoseConstraint>& constraints,
-    const std::vector<bool>& is_witness) const {
-  auto witnesses = only(constraints, is_witness);
-  const bool enough = static_cast<int>(witnesses.size()) >= 2 * params_.min_inliers;
-  if (!enough || witnesses.size() == constraints.size()) {
-    return stereo::refinePose(guess, constraints, camera_, kFine);
+/// The static inliers determine the pose and the others are added where they agree; with too few
+/// static inliers, all landmarks determine it.
+std::optional<stereo::RefinedPose> FrameTracker::refineByStaticInliers(
+    const Pose& predicted, std::vector<stereo::PoseConstraint>& constraints,
+    const std::vector<bool>& is_static) const {
+  auto static_inliers = only(constraints, is_static);
+  const bool enough = static_cast<int>(static_inliers.size()) >= 2 * params_.min_inliers;
+  if (!enough || static_inliers.size() == constraints.size()) {
+    return stereo::refinePose(predicted, constraints, camera_, kFine);
   }
-  const auto first = stereo::refinePose(guess, witnesses, camera_, kFine);
+  const auto first = stereo::refinePose(predicted, static_inliers, camera_, kFine);
   if (!first || first->inliers < params_.min_inliers) {
-    return stereo::refinePose(guess, constraints, camera_, kFine);
+    return stereo::refinePose(predicted, constraints, camera_, kFine);
   }
   return refineAgreeing(first->T_map_cam, constraints, camera_, kFine.iterations);
 }

@@ -25,7 +25,7 @@ Eigen::Matrix2d referenceFromView(const Eigen::Vector3d& point_ref, const Pose& 
 /// Coarse to fine: where the patch around `uv` of one pyramid is in another.
 std::optional<Eigen::Vector2d> followPatch(const stereo::ImagePyramid& from,
                                            const stereo::ImagePyramid& to,
-                                           const Eigen::Vector2d& uv, Eigen::Vector2d guess) {
+                                           const Eigen::Vector2d& uv, Eigen::Vector2d predicted) {
   constexpr double kMinZncc = 0.6;
   const int coarsest = std::min(from.count(), to.count()) - 1;
   std::optional<stereo::Alignment> found;
@@ -33,11 +33,12 @@ std::optional<Eigen::Vector2d> followPatch(const stereo::ImagePyramid& from,
     const double scale = 1 << level;
     const auto patch = stereo::cutPatch(from.levels[level], uv / scale);
     if (!patch) continue;
-    found = stereo::align(*patch, to.levels[level], guess / scale, stereo::AlignmentAxes::kBoth, 8);
-    if (found && found->zncc > kMinZncc) guess = scale * found->uv;
+    found =
+        stereo::align(*patch, to.levels[level], predicted / scale, stereo::AlignmentAxes::kBoth, 8);
+    if (found && found->zncc > kMinZncc) predicted = scale * found->uv;
   }
   if (!found || !found->converged || found->zncc < kMinZncc) return std::nullopt;
-  return guess;
+  return predicted;
 }
 
 }  // namespace

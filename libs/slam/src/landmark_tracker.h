@@ -22,17 +22,16 @@ struct TrackedLandmark {
 
 /// Finds landmarks of the map in images.
 ///
-/// Two steps, as a person would: first where the landmarks of the previous frame went (a pyramid
-/// from coarse to fine, needs only a rough guess of the pose), then exactly where the landmarks of
-/// the local map are, each compared with its own reference patch as it must look from here, so
-/// that errors do not add up from frame to frame.
+/// In two steps: landmarks of the previous frame are tracked coarse to fine, which needs only a
+/// rough pose; then those of the local map are aligned with their own warped reference patches,
+/// so that errors do not accumulate from frame to frame.
 class LandmarkTracker {
  public:
   LandmarkTracker(const StereoCamera& camera, const SlamParams& params);
 
   /// Where landmarks of the previous frame are now, left image alone.
   ///
-  /// @param T_map_cam  guess of the current pose
+  /// @param T_map_cam  predicted pose
   [[nodiscard]] std::vector<TrackedLandmark> follow(const TrackingFrame& previous,
                                                     const std::vector<TrackedLandmark>& tracked,
                                                     const TrackingFrame& current,

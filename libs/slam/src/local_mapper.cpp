@@ -7,7 +7,7 @@
 namespace headway::slam {
 namespace {
 
-constexpr double kRenewStretch = 0.6;  ///< patches stretched further than 1 / this are cut anew
+constexpr double kRenewStretch = 0.6;  ///< patches stretched further than 1 / this are replaced
 
 }  // namespace
 

@@ -12,9 +12,9 @@ namespace {
 
 constexpr int kCorners = 1000;       ///< of a frame that is to be recognised
 constexpr int kMinAge = 20;          ///< keyframes between a place and its return, at least
-constexpr int kSpacing = 3;          ///< keyframes between two looks for a loop
-constexpr double kDrift = 0.05;      ///< share of the path that may have been lost meanwhile
-constexpr double kDriftFloor = 1.0;  ///< that much may always have been lost [m]
+constexpr int kSpacing = 3;          ///< keyframes between two searches for a loop
+constexpr double kDrift = 0.05;      ///< maximum drift over path length [-]
+constexpr double kDriftFloor = 1.0;  ///< minimum of the maximum drift [m]
 
 std::vector<Descriptor> descriptorsOf(KeyframeId keyframe, const SparseMap& map) {
   std::vector<Descriptor> descriptors;
@@ -30,9 +30,9 @@ std::vector<Descriptor> descriptorsOf(const std::vector<DescribedPoint>& points)
   return descriptors;
 }
 
-/// Whether a keyframe sees nothing of what the one before it sees: the camera was lost between
-/// them, and how far apart they are is no more than a guess.
-bool areApart(const Keyframe& a, const Keyframe& b) {
+/// Whether two consecutive keyframes share no landmark: the camera was lost between them, so their
+/// relative pose is only predicted.
+bool shareNoLandmarks(const Keyframe& a, const Keyframe& b) {
   auto at_a = a.landmarks.begin();
   auto at_b = b.landmarks.begin();
   while (at_a != a.landmarks.end() && at_b != b.landmarks.end()) {
@@ -42,11 +42,13 @@ bool areApart(const Keyframe& a, const Keyframe& b) {
   return true;
 }
 
-/// Keyframes that no chain of shared landmarks ties to the newest one, so that nobody knows how far
-/// away they are, ascending.
+/// Keyframes that no chain of shared landmarks connects to the newest one, so that their distance
+/// is unknown, ascending.
 std::vector<KeyframeId> unrelatedTo(KeyframeId newest, const SparseMap& map) {
   const auto& keyframes = map.keyframes();
-  const auto apart = [](const auto& a, const auto& b) { return areApart(a.second, b.second); };
+  const auto apart = [](const auto& a, const auto& b) {
+    return shareNoLandmarks(a.second, b.second);
+  };
   if (std::adjacent_find(keyframes.begin(), keyframes.end(), apart) == keyframes.end()) return {};
   std::set<KeyframeId> related{newest};
   std::vector<KeyframeId> open{newest};
@@ -81,8 +83,8 @@ PoseGraphEdge edgeBetween(const Keyframe& a, const Keyframe& b) {
   return edge;
 }
 
-/// Holds a part of the map that nothing else ties to the rest, and yields to whatever does.
-PoseGraphEdge guessBetween(const Keyframe& a, const Keyframe& b) {
+/// Constrains a submap that shares no landmarks with the rest; any other edge outweighs it.
+PoseGraphEdge weakEdgeBetween(const Keyframe& a, const Keyframe& b) {
   PoseGraphEdge edge = edgeBetween(a, b);
   edge.sigma_m = 100.0;
   edge.sigma_rad = 10.0;
@@ -97,8 +99,8 @@ std::vector<PoseGraphEdge> edgesOf(const SparseMap& map) {
   const Keyframe* before = nullptr;
   for (const auto& [id, keyframe] : map.keyframes()) {
     if (before != nullptr) {
-      edges.push_back(areApart(*before, keyframe) ? guessBetween(*before, keyframe)
-                                                  : edgeBetween(*before, keyframe));
+      edges.push_back(shareNoLandmarks(*before, keyframe) ? weakEdgeBetween(*before, keyframe)
+                                                          : edgeBetween(*before, keyframe));
     }
     for (const KeyframeId other : map.neighbourhood(id, kNeighbours)) {
       if (other < id && (before == nullptr || other != before->id)) {
@@ -130,10 +132,10 @@ std::optional<TrackedPose> LoopCloser::locate(const TrackingFrame& frame, Sparse
   for (const auto& match :
        index_.query(descriptorsOf(points), kCandidates, [](KeyframeId) { return true; })) {
     const auto among = map.seenBy(map.neighbourhood(match.keyframe, params_.window));
-    // Few matches suffice for a guess: its worth shows when patches are measured from there.
-    const auto guess = relocalise(points, among, map, camera_, params_.min_inliers / 2).T_map_cam;
-    if (!guess) continue;
-    auto tracked = tracker_.settle(frame, *guess, among, map, params_.min_inliers);
+    // Few matches suffice: the pose is verified by measuring patches from there.
+    const auto initial = relocalise(points, among, map, camera_, params_.min_inliers / 2).T_map_cam;
+    if (!initial) continue;
+    auto tracked = tracker_.measureLocalMap(frame, *initial, among, map, params_.min_inliers);
     if (!tracked) continue;
     *keyframe = match.keyframe;
     return tracked;
@@ -141,7 +143,8 @@ std::optional<TrackedPose> LoopCloser::locate(const TrackingFrame& frame, Sparse
   return std::nullopt;
 }
 
-std::vector<KeyframeId> LoopCloser::withinDrift(KeyframeId newest, const SparseMap& map) const {
+std::vector<KeyframeId> LoopCloser::findLoopCandidates(KeyframeId newest,
+                                                       const SparseMap& map) const {
   constexpr double kMaxTurn = 0.8;  ///< between the views [rad]
   const auto near = map.neighbourhood(newest, 1 << 20);
   const Pose& T_map_cam = map.keyframe(newest).T_map_cam;
@@ -163,16 +166,16 @@ std::vector<KeyframeId> LoopCloser::withinDrift(KeyframeId newest, const SparseM
   return old;
 }
 
-std::optional<TrackedPose> LoopCloser::look(const TrackingFrame& frame,
-                                            const std::vector<DescribedPoint>& points,
-                                            LoopAttempt& attempt, SparseMap& map) const {
+std::optional<TrackedPose> LoopCloser::verify(const TrackingFrame& frame,
+                                              const std::vector<DescribedPoint>& points,
+                                              LoopAttempt& attempt, SparseMap& map) const {
   const auto among = map.seenBy(map.neighbourhood(attempt.candidate, params_.window));
   const auto recognised = relocalise(points, among, map, camera_, params_.min_inliers);
   attempt.outcome = LoopOutcome::kNotRecognised;
   attempt.inliers = recognised.inliers;
   attempt.inliers_needed = params_.min_inliers;
   if (!recognised.T_map_cam) return std::nullopt;
-  auto seen_from = tracker_.settle(frame, *recognised.T_map_cam, among, map, 0);
+  auto seen_from = tracker_.measureLocalMap(frame, *recognised.T_map_cam, among, map, 0);
   attempt.outcome = LoopOutcome::kTooFewInliers;
   attempt.inliers = seen_from ? static_cast<int>(seen_from->landmarks.size()) : 0;
   attempt.inliers_needed = 3 * params_.min_inliers;
@@ -207,7 +210,7 @@ std::vector<LoopAttempt> LoopCloser::close(const TrackingFrame& frame, KeyframeI
   constexpr int kCandidates = 2;
   std::vector<LoopAttempt> attempts;
   if (newest.value % kSpacing != 0) return attempts;
-  const auto old = withinDrift(newest, map);
+  const auto old = findLoopCandidates(newest, map);
   if (old.empty()) return attempts;
   const auto points = detectAndDescribe(frame.left.levels.front(), kCorners, frame.excluded);
   const auto wanted = [&](KeyframeId id) { return std::binary_search(old.begin(), old.end(), id); };
@@ -215,7 +218,7 @@ std::vector<LoopAttempt> LoopCloser::close(const TrackingFrame& frame, KeyframeI
     LoopAttempt attempt;
     attempt.keyframe = newest;
     attempt.candidate = match.keyframe;
-    const auto seen_from = look(frame, points, attempt, map);
+    const auto seen_from = verify(frame, points, attempt, map);
     attempts.push_back(attempt);
     if (!seen_from) continue;
     correct(newest, match.keyframe, *seen_from, map);

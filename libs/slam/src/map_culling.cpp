@@ -5,25 +5,24 @@
 namespace headway::slam {
 namespace {
 
-constexpr int kReach = 3;  ///< windows of neighbours that are looked at
+constexpr int kReach = 3;  ///< windows of neighbours that are searched
 
 /// Keyframes around the newest one that are not among the `window` newest, ascending.
-std::vector<KeyframeId> passedNeighbours(KeyframeId newest, int window, const SparseMap& map) {
+std::vector<KeyframeId> olderNeighbours(KeyframeId newest, int window, const SparseMap& map) {
   std::vector<KeyframeId> around = map.neighbourhood(newest, kReach * window);
   const KeyframeId end = map.firstOfNewest(window);
   around.erase(std::lower_bound(around.begin(), around.end(), end), around.end());
   return around;
 }
 
-bool isFoundTooSeldom(const Landmark& landmark) {
+bool isRarelyFound(const Landmark& landmark) {
   constexpr int kTrial = 3;             ///< tries before a landmark is judged
   constexpr double kFoundShare = 0.25;  ///< of tries that must succeed
   return landmark.tried >= kTrial && landmark.found < kFoundShare * landmark.tried;
 }
 
 /// Whether enough other keyframes see a landmark from as near as this one does.
-bool isSeenAsWellByOthers(const Landmark& landmark, const Keyframe& keyframe,
-                          const SparseMap& map) {
+bool isObservedByOthers(const Landmark& landmark, const Keyframe& keyframe, const SparseMap& map) {
   constexpr int kOthers = 3;
   constexpr double kAsNear = 1.2;  ///< times the distance
   const auto distance = [&](const Keyframe& from) {
@@ -38,12 +37,12 @@ bool isSeenAsWellByOthers(const Landmark& landmark, const Keyframe& keyframe,
   return others >= kOthers;
 }
 
-bool saysNothingNew(const Keyframe& keyframe, const SparseMap& map) {
+bool isRedundant(const Keyframe& keyframe, const SparseMap& map) {
   constexpr double kOwnShare = 0.1;  ///< of its landmarks that others need not see as well
   const double allowed = kOwnShare * static_cast<double>(keyframe.landmarks.size());
   int own = 0;
   for (const LandmarkId id : keyframe.landmarks) {
-    own += isSeenAsWellByOthers(*map.find(id), keyframe, map) ? 0 : 1;
+    own += isObservedByOthers(*map.find(id), keyframe, map) ? 0 : 1;
     if (own > allowed) return false;
   }
   return !keyframe.landmarks.empty();
@@ -54,9 +53,9 @@ bool saysNothingNew(const Keyframe& keyframe, const SparseMap& map) {
 void cullLandmarks(KeyframeId newest, int window, SparseMap& map) {
   std::vector<LandmarkId> culled;
   for (const LandmarkId id : map.seenBy(map.neighbourhood(newest, window))) {
-    if (isFoundTooSeldom(*map.find(id))) culled.push_back(id);
+    if (isRarelyFound(*map.find(id))) culled.push_back(id);
   }
-  for (const LandmarkId id : map.seenBy(passedNeighbours(newest, window, map))) {
+  for (const LandmarkId id : map.seenBy(olderNeighbours(newest, window, map))) {
     if (map.find(id)->observations.size() == 1) culled.push_back(id);
   }
   for (const LandmarkId id : culled) {
@@ -65,14 +64,14 @@ void cullLandmarks(KeyframeId newest, int window, SparseMap& map) {
 }
 
 std::optional<KeyframeId> redundantKeyframe(KeyframeId newest, int window, const SparseMap& map) {
-  for (const KeyframeId id : passedNeighbours(newest, window, map)) {
+  for (const KeyframeId id : olderNeighbours(newest, window, map)) {
     const bool is_first = id == map.keyframes().begin()->first;
-    if (!is_first && saysNothingNew(map.keyframe(id), map)) return id;
+    if (!is_first && isRedundant(map.keyframe(id), map)) return id;
   }
   return std::nullopt;
 }
 
-KeyframeId heirOf(KeyframeId keyframe, const SparseMap& map) {
+KeyframeId replacementKeyframe(KeyframeId keyframe, const SparseMap& map) {
   for (const KeyframeId id : map.neighbourhood(keyframe, 2)) {
     if (id != keyframe) return id;
   }

@@ -6,8 +6,8 @@
 namespace headway::slam {
 namespace {
 
-constexpr double kMaxGap = 1.0;     ///< a velocity says nothing of later times than this [s]
-constexpr double kCoastTime = 1.0;  ///< in which a guessed velocity falls to 1/e of itself [s]
+constexpr double kMaxGap = 1.0;     ///< longest extrapolation of a velocity [s]
+constexpr double kCoastTime = 1.0;  ///< in which a predicted velocity falls to 1/e of itself [s]
 
 /// Turn of the robot that leaves its yaw at 0 and has its z axis against gravity.
 Eigen::Matrix3d levelled(const Eigen::Vector3d& up_robot) {
@@ -19,7 +19,7 @@ Eigen::Matrix3d levelled(const Eigen::Vector3d& up_robot) {
 
 }  // namespace
 
-void MotionModel::begin(const StereoFrame& frame) {
+void MotionModel::initialise(const StereoFrame& frame) {
   Pose T_map_robot = Pose::Identity();
   if (params_.use_imu && frame.motion_prior.up_robot) {
     T_map_robot.linear() = levelled(*frame.motion_prior.up_robot);

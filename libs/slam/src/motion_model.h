@@ -8,26 +8,26 @@
 
 namespace headway::slam {
 
-/// Guesses the next pose: by wheel odometry, else at constant velocity, turned by the gyroscope.
+/// Predicts the next pose: by wheel odometry, else at constant velocity, turned by the gyroscope.
 class MotionModel {
  public:
   MotionModel(const Pose& T_robot_cam, const SlamParams& params)
       : T_robot_cam_(T_robot_cam), params_(params) {}
 
   /// Starts at the first frame of a map: the robot is its origin, level where gravity is known.
-  void begin(const StereoFrame& frame);
-  /// Guess of the camera's pose at a frame; the last pose where nothing is known of the motion.
+  void initialise(const StereoFrame& frame);
+  /// Predicted camera pose at a frame; the last pose where the motion is unknown.
   [[nodiscard]] Pose predict(const StereoFrame& frame) const;
   /// The last pose known (identity before the first one).
   [[nodiscard]] const Pose& last() const { return last_.value; }
 
   /// A pose that was measured: its difference to the last one is the new velocity.
   void update(Time time, const Pose& T_map_cam);
-  /// A pose that was only guessed: the velocity fades.
+  /// Sets a pose that was only predicted: the velocity decays.
   void coast(Time time, const Pose& T_map_cam);
   /// The last pose was corrected; the velocity, as seen from the camera, stays.
   void correct(const Pose& T_map_cam) { last_.value = T_map_cam; }
-  /// Starts anew at a pose, standing.
+  /// Restarts at a pose with zero velocity.
   void reset(Time time, const Pose& T_map_cam);
 
  private:

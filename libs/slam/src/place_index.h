@@ -23,7 +23,7 @@ struct PlaceMatch {
 /// Words are a few bits of a descriptor, picked at random once (locality-sensitive hashing):
 /// nothing to train, load or ship. An inverted list a word makes the cost of a query grow with the
 /// words shared, not with the map; a shared word counts only if the whole descriptors are near,
-/// so that what is alike by chance has no say.
+/// so that chance matches do not count.
 ///
 /// @see Indyk & Motwani 1998 (LSH); Sivic & Zisserman 2003 (inverted lists)
 class PlaceIndex {

@@ -26,7 +26,7 @@ struct PoseGraphEdge {
 
 /// The poses that agree best with all edges; the first pose stays where it is.
 ///
-/// @param poses  T_map_keyframe, first guess; every edge joins two of them
+/// @param poses  T_map_keyframe, initial values; every edge joins two of them
 /// @see Grisetti et al. 2010, "A tutorial on graph-based SLAM"
 [[nodiscard]] std::map<KeyframeId, Pose> optimisePoseGraph(const std::map<KeyframeId, Pose>& poses,
                                                            const std::vector<PoseGraphEdge>& edges);

@@ -15,7 +15,7 @@ namespace headway::slam {
 /// That is the one before as long as the frame shows most of its landmarks, about where it saw
 /// them. Else it is an older keyframe that saw the place from about here, if the frame finds as
 /// many landmarks as that did, be they its own or those of other times: so a place that is passed
-/// again needs no keyframes anew. Without mapping, where no keyframe can be made, it is the nearest
+/// again needs no new keyframes. Without mapping, where no keyframe can be made, it is the nearest
 /// that there is.
 ///
 /// @param before       keyframe that the frame before belonged to

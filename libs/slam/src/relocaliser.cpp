@@ -28,11 +28,11 @@ Recognition relocalise(const std::vector<DescribedPoint>& points,
     constraints.push_back(constraint);
   }
   Recognition recognition;
-  const auto guess = poseByConsensus(constraints, camera, kFewest, 3.0, kTries);
-  if (!guess) return recognition;
-  recognition.inliers = guess->inliers;
-  if (guess->inliers < min_inliers) return recognition;
-  const auto refined = stereo::refinePose(guess->T_map_cam, constraints, camera, {2.0, 2, 6});
+  const auto initial = poseByConsensus(constraints, camera, kFewest, 3.0, kTries);
+  if (!initial) return recognition;
+  recognition.inliers = initial->inliers;
+  if (initial->inliers < min_inliers) return recognition;
+  const auto refined = stereo::refinePose(initial->T_map_cam, constraints, camera, {2.0, 2, 6});
   recognition.inliers = refined ? refined->inliers : 0;
   if (refined && refined->inliers >= min_inliers) recognition.T_map_cam = refined->T_map_cam;
   return recognition;

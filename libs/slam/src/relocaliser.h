@@ -11,7 +11,7 @@
 
 namespace headway::slam {
 
-/// What the descriptors of a frame say of where it is.
+/// Result of recognising a frame by its descriptors.
 struct Recognition {
   std::optional<Pose> T_map_cam;  ///< good to a few pixels; nullopt if too few agree
   int inliers = 0;                ///< descriptors that agree on a pose
@@ -21,7 +21,7 @@ struct Recognition {
 /// descriptors among the given landmarks, and a consensus of them gives the pose.
 ///
 /// @param points       corners of the frame
-/// @param among        landmarks to look for, ascending
+/// @param among        landmarks to search for, ascending
 /// @param min_inliers  landmarks that must agree
 [[nodiscard]] Recognition relocalise(const std::vector<DescribedPoint>& points,
                                      const std::vector<LandmarkId>& among, const SparseMap& map,

@@ -12,14 +12,14 @@ namespace {
 
 constexpr double kMaxErrorPx = 1.5;  ///< of a landmark followed from one frame to the next
 constexpr double kGateScale = 0.5;   ///< landmarks are followed better than that
-constexpr int kMostMotions = 5;
+constexpr int kMaxMotions = 5;
 
-/// The motion that the agreeing constraints settle on from a first pose.
-std::optional<RigidMotion> settled(const Pose& guess,
+/// Refines a motion with its inliers until these converge.
+std::optional<RigidMotion> refined(const Pose& initial,
                                    std::vector<stereo::PoseConstraint> constraints,
                                    const StereoCamera& camera, int min_members) {
   constexpr int kRounds = 3;
-  Pose pose = guess;
+  Pose pose = initial;
   for (int round = 0; round < kRounds; ++round) {
     if (stereo::markInliers(pose, constraints, camera, kGateScale) < min_members)
       return std::nullopt;
@@ -43,7 +43,7 @@ std::optional<RigidMotion> settled(const Pose& guess,
 
 std::vector<RigidMotion> rigidMotions(const std::vector<stereo::PoseConstraint>& constraints,
                                       const StereoCamera& camera,
-                                      const std::vector<Pose>& likeliest, int min_members) {
+                                      const std::vector<Pose>& initial_poses, int min_members) {
   std::vector<RigidMotion> motions;
   std::vector<bool> explained(constraints.size(), false);
   const auto take = [&](const std::optional<RigidMotion>& motion) {
@@ -53,8 +53,8 @@ std::vector<RigidMotion> rigidMotions(const std::vector<stereo::PoseConstraint>&
       explained[i] = explained[i] || motion->agrees[i];
     }
   };
-  for (const Pose& pose : likeliest) take(settled(pose, constraints, camera, min_members));
-  while (static_cast<int>(motions.size()) < kMostMotions) {
+  for (const Pose& pose : initial_poses) take(refined(pose, constraints, camera, min_members));
+  while (static_cast<int>(motions.size()) < kMaxMotions) {
     std::vector<stereo::PoseConstraint> left;
     for (std::size_t i = 0; i < constraints.size(); ++i) {
       if (!explained[i]) left.push_back(constraints[i]);
@@ -62,7 +62,7 @@ std::vector<RigidMotion> rigidMotions(const std::vector<stereo::PoseConstraint>&
     const auto consensus = poseByConsensus(left, camera, min_members, kMaxErrorPx);
     if (!consensus) break;
     const auto known = motions.size();
-    take(settled(consensus->T_map_cam, constraints, camera, min_members));
+    take(refined(consensus->T_map_cam, constraints, camera, min_members));
     if (motions.size() == known) break;
   }
   return motions;
@@ -95,8 +95,8 @@ double extentBeyond(const RigidMotion& motion, const RigidMotion& other,
 
 const RigidMotion* cameraMotion(const std::vector<RigidMotion>& motions,
                                 const std::vector<stereo::PoseConstraint>& constraints,
-                                const std::vector<bool>& proved, const StereoCamera& camera) {
-  constexpr double kProvedWeight = 1.5;
+                                const std::vector<bool>& is_static, const StereoCamera& camera) {
+  constexpr double kStaticWeight = 1.5;
   const RigidMotion* best = nullptr;
   for (const RigidMotion& motion : motions) {
     if (best == nullptr) {
@@ -104,14 +104,14 @@ const RigidMotion* cameraMotion(const std::vector<RigidMotion>& motions,
       continue;
     }
     int for_motion = 0, for_best = 0;
-    for (std::size_t i = 0; i < proved.size(); ++i) {
-      for_motion += proved[i] && motion.agrees[i] ? 1 : 0;
-      for_best += proved[i] && best->agrees[i] ? 1 : 0;
+    for (std::size_t i = 0; i < is_static.size(); ++i) {
+      for_motion += is_static[i] && motion.agrees[i] ? 1 : 0;
+      for_best += is_static[i] && best->agrees[i] ? 1 : 0;
     }
     const double extent = extentBeyond(motion, *best, constraints, camera);
     const double best_extent = extentBeyond(*best, motion, constraints, camera);
-    const double needed = for_best > for_motion   ? kProvedWeight * best_extent
-                          : for_best < for_motion ? best_extent / kProvedWeight
+    const double needed = for_best > for_motion   ? kStaticWeight * best_extent
+                          : for_best < for_motion ? best_extent / kStaticWeight
                                                   : best_extent;
     if (extent > needed) best = &motion;
   }

@@ -7,7 +7,7 @@
 
 namespace headway::slam {
 
-/// A motion that part of the scene shares: the camera's, if that part is what stands still.
+/// A rigid motion of part of the scene: the camera's, if that part is static.
 struct RigidMotion {
   Pose T_map_cam = Pose::Identity();
   std::vector<bool> agrees;  ///< per constraint
@@ -16,34 +16,35 @@ struct RigidMotion {
 
 /// The motions that the constraints fall into, in the order they were found.
 ///
-/// The likeliest poses are tried first; then consensus finds the largest group that none of the
+/// The initial poses are tried first; then consensus finds the largest group that none of the
 /// motions found so far explains, until what is left agrees on nothing. A landmark may agree with
 /// several motions, as far ones do.
 ///
-/// @param likeliest    poses to begin from
+/// @param initial_poses    poses to begin from
 /// @param min_members  landmarks that make a group
 /// @see   Fischler & Bolles 1981 (RANSAC); Torr 1998, "Geometric motion segmentation and model
 ///        selection" (one model after the other)
 [[nodiscard]] std::vector<RigidMotion> rigidMotions(
     const std::vector<stereo::PoseConstraint>& constraints, const StereoCamera& camera,
-    const std::vector<Pose>& likeliest, int min_members);
+    const std::vector<Pose>& initial_poses, int min_members);
 
 /// How much scene agrees with one motion and not with another, over the image and in depth.
 ///
 /// Every layer of depths (each half as deep again as the one before) counts by the square root of
-/// the image cells covered in it. The still world is deep and all around; a thing that moves is
-/// compact, so it counts for less even where it fills most of the view. What agrees with both, as
-/// far landmarks do, says nothing.
+/// the image cells covered in it. The static scene is deep and surrounds the camera, while a moving
+/// object is compact, so its extent is smaller even where it covers most of the image. Landmarks
+/// that agree with both motions, as far ones do, do not count.
 [[nodiscard]] double extentBeyond(const RigidMotion& motion, const RigidMotion& other,
                                   const std::vector<stereo::PoseConstraint>& constraints,
                                   const StereoCamera& camera);
 
 /// The motion that is the camera's: the one with more extent beyond each of the others.
 ///
-/// @param proved  per constraint: has proved still before, so that what moves with it counts more
-/// @return        one of the motions; null if there is none
+/// @param is_static  per constraint: verified static before; motions that explain these get more
+/// weight
+/// @return           one of the motions; null if there is none
 [[nodiscard]] const RigidMotion* cameraMotion(
     const std::vector<RigidMotion>& motions, const std::vector<stereo::PoseConstraint>& constraints,
-    const std::vector<bool>& proved, const StereoCamera& camera);
+    const std::vector<bool>& is_static, const StereoCamera& camera);
 
 }  // namespace headway::slam

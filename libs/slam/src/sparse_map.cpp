@@ -80,7 +80,7 @@ void SparseMap::observe(KeyframeId keyframe, LandmarkId landmark,
   insertSorted(keyframes_.at(keyframe).landmarks, landmark);
 }
 
-void SparseMap::forget(KeyframeId keyframe, LandmarkId landmark) {
+void SparseMap::removeObservation(KeyframeId keyframe, LandmarkId landmark) {
   Landmark& of = landmarks_.at(landmark);
   auto& observations = of.observations;
   observations.erase(std::remove_if(observations.begin(), observations.end(),
@@ -101,13 +101,13 @@ void SparseMap::removeKeyframe(KeyframeId keyframe) {
   const std::vector<LandmarkId> seen = keyframes_.at(keyframe).landmarks;
   for (const LandmarkId id : seen) {
     Landmark& landmark = landmarks_.at(id);
-    if (landmark.reference == keyframe) handOn(landmark);
-    forget(keyframe, id);
+    if (landmark.reference == keyframe) reassignReference(landmark);
+    removeObservation(keyframe, id);
   }
   keyframes_.erase(keyframe);
 }
 
-void SparseMap::handOn(Landmark& landmark) {
+void SparseMap::reassignReference(Landmark& landmark) {
   const Pose& T_map_old = keyframes_.at(landmark.reference).T_map_cam;
   const Keyframe* nearest = nullptr;
   double nearest_m = 0.0;

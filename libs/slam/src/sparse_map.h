@@ -18,7 +18,7 @@ struct LandmarkObservation {
   stereo::StereoMeasurement measurement;
 };
 
-/// A point of the still world, with the looks by which it is found again.
+/// A static point with its observations and appearance.
 struct Landmark {
   LandmarkId id;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< map frame [m]
@@ -29,7 +29,7 @@ struct Landmark {
   stereo::ReferencePatch patch;
   Descriptor descriptor{};  ///< cut where the patch was cut; all zero if too near to the border
   std::vector<LandmarkObservation> observations;  ///< in order of keyframes
-  int tried = 0;                                  ///< frames in which it was looked for
+  int tried = 0;                                  ///< frames in which it was searched for
   int agreed = 0;  ///< of the frames where it was found, those whose pose it fits
   int found = 0;   ///< frames in which it was found
 };
@@ -44,7 +44,7 @@ struct Keyframe {
   std::vector<LandmarkId> landmarks;                   ///< seen in it, ascending
 };
 
-/// Owns landmarks and keyframes and keeps their links in step.
+/// Owns landmarks and keyframes and keeps their links consistent.
 ///
 /// Invariant: a keyframe lists a landmark exactly if the landmark has an observation of it; a
 /// landmark without observations does not exist.
@@ -64,11 +64,11 @@ class SparseMap {
   /// A keyframe sees a landmark (that it did not see so far).
   void observe(KeyframeId keyframe, LandmarkId landmark,
                const stereo::StereoMeasurement& measurement);
-  /// Takes one observation away, and the landmark with its last one (or with its reference's).
-  void forget(KeyframeId keyframe, LandmarkId landmark);
+  /// Removes an observation, and the landmark with its last one (or with its reference's).
+  void removeObservation(KeyframeId keyframe, LandmarkId landmark);
   void removeLandmark(LandmarkId landmark);
-  /// Takes a keyframe away, and with it the landmarks that nobody else sees. Of the others, those
-  /// that referred to it refer to the nearest keyframe that sees them.
+  /// Removes a keyframe and the landmarks that no other keyframe observes. Landmarks whose
+  /// reference it was get the nearest keyframe that observes them.
   void removeKeyframe(KeyframeId keyframe);
 
   [[nodiscard]] Landmark* find(LandmarkId id);
@@ -85,10 +85,11 @@ class SparseMap {
   /// Landmarks seen by any of the keyframes, ascending.
   [[nodiscard]] std::vector<LandmarkId> seenBy(const std::vector<KeyframeId>& keyframes) const;
 
-  /// What measured disparities have too much, as found by bundle adjustment [px].
+  /// Measured less true disparity, as estimated by bundle adjustment [px].
   ///
-  /// Rectified pairs squint by a few tenths of a pixel; at small disparities that is a scale error
-  /// of percents. It shows in that near and far landmarks disagree on how far the camera moved.
+  /// After rectification the optical axes converge by a few tenths of a pixel, a scale error of
+  /// percents at small disparities. It is observable because near and far landmarks then disagree
+  /// on the length of the camera's motion.
   [[nodiscard]] double disparityOffset() const { return disparity_offset_px_; }
   void setDisparityOffset(double offset_px) { disparity_offset_px_ = offset_px; }
   /// The measurement without that offset.
@@ -103,7 +104,7 @@ class SparseMap {
  private:
   void link(const Landmark& landmark);
   /// Makes the nearest other keyframe that sees the landmark its reference, if there is one.
-  void handOn(Landmark& landmark);
+  void reassignReference(Landmark& landmark);
 
   std::map<LandmarkId, Landmark> landmarks_;
   std::map<KeyframeId, Keyframe> keyframes_;

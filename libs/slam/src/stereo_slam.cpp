@@ -2,16 +2,16 @@
 
 #include <optional>
 
+#include "active_submap.h"
+#include "anchored_trajectory.h"
 #include "bundle_adjuster.h"
 #include "frame_tracker.h"
-#include "hung_path.h"
 #include "local_mapper.h"
 #include "loop_closer.h"
 #include "make_map_view.h"
 #include "map_archive.h"
 #include "map_culling.h"
 #include "motion_model.h"
-#include "newest_part.h"
 #include "pose_covariance.h"
 #include "reference_choice.h"
 #include "sparse_map.h"
@@ -19,7 +19,7 @@
 
 namespace headway::slam {
 
-/// The steps of a frame in their order; the state that goes from frame to frame.
+/// Processes a frame step by step and keeps the state between frames.
 class StereoSlam::Implementation {
  public:
   Implementation(std::shared_ptr<const StereoCamera> camera, const SlamParams& params)
@@ -33,25 +33,25 @@ class StereoSlam::Implementation {
         motion_(camera_->T_robot_cam, params) {}
 
   SlamUpdate process(const StereoFrame& frame, const MovingRegions& moving);
-  void finish() { moveWith(adjuster_.finish(map_)); }
+  void finish() { applyCorrectionToMotion(adjuster_.finish(map_)); }
   void load(const std::string& bytes);
   [[nodiscard]] std::string save() const { return packMap(map_, *camera_); }
   [[nodiscard]] MapView map() const { return makeMapView(map_, T_cam_robot_); }
   [[nodiscard]] std::vector<FrameEstimate> trajectory() const {
-    return path_.estimates(map_, T_cam_robot_);
+    return trajectory_.estimates(map_, T_cam_robot_);
   }
   [[nodiscard]] const StageTimes& times() const { return times_; }
 
  private:
   std::optional<TrackedPose> track(const StereoFrame& frame, const TrackingFrame& current);
   SlamUpdate accept(const TrackingFrame& current, TrackedPose& tracked);
-  SlamUpdate guess(const StereoFrame& frame, const TrackingFrame& current);
-  bool begin(const TrackingFrame& current);
+  SlamUpdate handleLost(const StereoFrame& frame, const TrackingFrame& current);
+  bool initialise(const TrackingFrame& current);
   void makeKeyframe(const TrackingFrame& current, TrackedPose& tracked, SlamUpdate& update);
-  void attendTo(KeyframeId keyframe);
-  void forget(KeyframeId first, KeyframeId end);
-  void remove(KeyframeId keyframe, KeyframeId heir);
-  void moveWith(const std::optional<Pose>& correction);
+  void setReferenceKeyframe(KeyframeId keyframe);
+  void removeSubmap(KeyframeId first, KeyframeId end);
+  void remove(KeyframeId keyframe, KeyframeId replacement);
+  void applyCorrectionToMotion(const std::optional<Pose>& correction);
 
   std::shared_ptr<const StereoCamera> camera_;
   Pose T_cam_robot_;
@@ -62,7 +62,7 @@ class StereoSlam::Implementation {
   LoopCloser loops_;
   MotionModel motion_;
   SparseMap map_;
-  HungPath path_;
+  AnchoredTrajectory trajectory_;
   StageTimes times_;
 
   TrackingFrame previous_;                              ///< the last one that was tracked
@@ -70,13 +70,13 @@ class StereoSlam::Implementation {
   std::optional<KeyframeId> reference_;                 ///< keyframe that it belongs to
   std::vector<LandmarkId> local_landmarks_;             ///< those around that keyframe
   PoseCovariance covariance_ = PoseCovariance::Zero();  ///< of the last camera pose
-  NewestPart newest_part_;
+  ActiveSubmap active_submap_;
   int lost_in_a_row_ = 0;
 };
 
 SlamUpdate StereoSlam::Implementation::process(const StereoFrame& frame,
                                                const MovingRegions& moving) {
-  moveWith(adjuster_.takeOver(map_));
+  applyCorrectionToMotion(adjuster_.applyFinished(map_));
   TrackingFrame current;
   std::optional<TrackedPose> tracked;
   {
@@ -85,35 +85,35 @@ SlamUpdate StereoSlam::Implementation::process(const StereoFrame& frame,
     tracked = track(frame, current);
   }
   const auto watch = times_.watch("slam_map");
-  SlamUpdate update = tracked ? accept(current, *tracked) : guess(frame, current);
+  SlamUpdate update = tracked ? accept(current, *tracked) : handleLost(frame, current);
   update.T_map_robot = normalized(motion_.last() * T_cam_robot_);
   update.covariance = composedCovariance(covariance_, T_cam_robot_, PoseCovariance::Zero());
   const bool is_tracked = update.status == TrackingStatus::kTracked;
-  path_.add(current.index, current.time, is_tracked, motion_.last(), reference_, map_);
+  trajectory_.add(current.index, current.time, is_tracked, motion_.last(), reference_, map_);
   if (is_tracked) previous_ = std::move(current);
   return update;
 }
 
-/// Where the camera is: near where it was, or else wherever in the map it is recognised.
+/// Tracks from the last pose, or else relocalises in the whole map.
 std::optional<TrackedPose> StereoSlam::Implementation::track(const StereoFrame& frame,
                                                              const TrackingFrame& current) {
   if (!reference_) {
-    motion_.begin(frame);
+    motion_.initialise(frame);
     if (map_.keyframes().empty()) return std::nullopt;
   }
-  const std::vector<Pose> guesses{motion_.predict(frame), motion_.last()};
-  auto tracked = tracker_.track(previous_, seen_before_, current, guesses, local_landmarks_,
-                                newest_part_.isYoung(), map_);
+  const std::vector<Pose> initial_poses{motion_.predict(frame), motion_.last()};
+  auto tracked = tracker_.track(previous_, seen_before_, current, initial_poses, local_landmarks_,
+                                active_submap_.isNew(), map_);
   if (tracked) return tracked;
   KeyframeId recognised;
   tracked = loops_.locate(current, map_, &recognised);
   if (!tracked) return std::nullopt;
-  attendTo(recognised);
-  newest_part_.returnTo(recognised);
+  setReferenceKeyframe(recognised);
+  active_submap_.relocaliseAt(recognised);
   return tracked;
 }
 
-/// The pose is known: extend the map where it gets thin.
+/// The camera is tracked: choose its reference keyframe or insert a new one.
 SlamUpdate StereoSlam::Implementation::accept(const TrackingFrame& current, TrackedPose& tracked) {
   SlamUpdate update;
   update.status = TrackingStatus::kTracked;
@@ -122,28 +122,29 @@ SlamUpdate StereoSlam::Implementation::accept(const TrackingFrame& current, Trac
   const Pose T_reference_cam = reference.T_map_cam.inverse(Eigen::Isometry) * tracked.T_map_cam;
   covariance_ = composedCovariance(reference.covariance, T_reference_cam, tracked.covariance);
   if (lost_in_a_row_ > 0) {
-    motion_.reset(current.time, tracked.T_map_cam);  // from a guess to here is no velocity
+    motion_.reset(current.time, tracked.T_map_cam);  // predicted to measured pose is no velocity
   } else {
     motion_.update(current.time, tracked.T_map_cam);
   }
   lost_in_a_row_ = 0;
-  newest_part_.addTracked();
+  active_submap_.countTrackedFrame();
   const auto chosen = referenceOf(tracked.landmarks, *reference_, params_, camera_->width, map_);
   if (!chosen) {
     makeKeyframe(current, tracked, update);
   } else if (*chosen != *reference_) {
-    attendTo(*chosen);
+    setReferenceKeyframe(*chosen);
   }
   seen_before_ = std::move(tracked.landmarks);
   update.features = static_cast<int>(seen_before_.size());
-  seen_before_.insert(seen_before_.end(), tracked.dissenters.begin(), tracked.dissenters.end());
+  seen_before_.insert(seen_before_.end(), tracked.dynamic_outliers.begin(),
+                      tracked.dynamic_outliers.end());
   return update;
 }
 
-/// The pose is not known: go on as before, and begin a new part of the map after a while.
-SlamUpdate StereoSlam::Implementation::guess(const StereoFrame& frame,
-                                             const TrackingFrame& current) {
-  constexpr double kGrowth = 0.01;  ///< variance that each guessed frame adds [m^2], [rad^2]
+/// The camera is lost: predict its pose, and initialise a new submap after a while.
+SlamUpdate StereoSlam::Implementation::handleLost(const StereoFrame& frame,
+                                                  const TrackingFrame& current) {
+  constexpr double kGrowth = 0.01;  ///< variance that each lost frame adds [m^2], [rad^2]
   SlamUpdate update;
   ++lost_in_a_row_;
   if (reference_) {
@@ -151,9 +152,9 @@ SlamUpdate StereoSlam::Implementation::guess(const StereoFrame& frame,
     covariance_ += kGrowth * PoseCovariance::Identity();
   }
   const bool is_over =
-      reference_ && lost_in_a_row_ > newest_part_.patience(params_.restart_after_frames);
+      reference_ && lost_in_a_row_ > active_submap_.maxLostFrames(params_.restart_after_frames);
   const bool wanted = map_.keyframes().empty() || is_over;
-  if (params_.mapping && wanted && begin(current)) {
+  if (params_.mapping && wanted && initialise(current)) {
     lost_in_a_row_ = 0;
     update.status = TrackingStatus::kTracked;
     update.is_keyframe = true;
@@ -162,8 +163,8 @@ SlamUpdate StereoSlam::Implementation::guess(const StereoFrame& frame,
   return update;
 }
 
-/// A first keyframe at the pose guessed; false, and no change, if the frame shows too little.
-bool StereoSlam::Implementation::begin(const TrackingFrame& current) {
+/// Inserts a first keyframe at the predicted pose; false, and no change, with too few landmarks.
+bool StereoSlam::Implementation::initialise(const TrackingFrame& current) {
   std::vector<TrackedLandmark> landmarks;
   const KeyframeId id = mapper_.insert(current, motion_.last(), covariance_, landmarks, map_);
   if (static_cast<int>(landmarks.size()) < params_.min_inliers) {
@@ -171,14 +172,14 @@ bool StereoSlam::Implementation::begin(const TrackingFrame& current) {
     return false;
   }
   loops_.index(id, map_);
-  attendTo(id);
-  if (newest_part_.isYoung()) forget(newest_part_.first(), id);
-  newest_part_.begin(id);
+  setReferenceKeyframe(id);
+  if (active_submap_.isNew()) removeSubmap(active_submap_.first(), id);
+  active_submap_.initialise(id);
   seen_before_ = std::move(landmarks);
   return true;
 }
 
-/// The frame as the newest keyframe: loops are closed there, and what it makes superfluous goes.
+/// Inserts the frame as a keyframe, closes loops, and removes redundant keyframes.
 void StereoSlam::Implementation::makeKeyframe(const TrackingFrame& current, TrackedPose& tracked,
                                               SlamUpdate& update) {
   update.is_keyframe = true;
@@ -188,19 +189,19 @@ void StereoSlam::Implementation::makeKeyframe(const TrackingFrame& current, Trac
   if (params_.loop_closing) update.loops = loops_.close(current, id, map_);
   motion_.correct(map_.keyframe(id).T_map_cam);
   while (const auto redundant = redundantKeyframe(id, params_.window, map_)) {
-    remove(*redundant, heirOf(*redundant, map_));
+    remove(*redundant, replacementKeyframe(*redundant, map_));
   }
-  attendTo(id);
+  setReferenceKeyframe(id);
 }
 
-/// Tracks against the surroundings of a keyframe from now on.
-void StereoSlam::Implementation::attendTo(KeyframeId keyframe) {
+/// Sets the keyframe whose neighbourhood the next frames are tracked against.
+void StereoSlam::Implementation::setReferenceKeyframe(KeyframeId keyframe) {
   reference_ = keyframe;
   local_landmarks_ = map_.seenBy(map_.neighbourhood(keyframe, params_.window));
 }
 
-/// Removes a part of the map that was given up: its keyframes from `first` up to `end`, its heir.
-void StereoSlam::Implementation::forget(KeyframeId first, KeyframeId end) {
+/// Removes an abandoned submap, the keyframes from `first` up to `end`, its replacement.
+void StereoSlam::Implementation::removeSubmap(KeyframeId first, KeyframeId end) {
   std::vector<KeyframeId> part;
   for (const auto& [id, keyframe] : map_.keyframes()) {
     if (!(id < first) && id < end) part.push_back(id);
@@ -208,15 +209,15 @@ void StereoSlam::Implementation::forget(KeyframeId first, KeyframeId end) {
   for (const KeyframeId id : part) remove(id, end);
 }
 
-/// Takes a keyframe out of the map; the frames that hang on it go over to another.
-void StereoSlam::Implementation::remove(KeyframeId keyframe, KeyframeId heir) {
-  path_.handOn(keyframe, heir, map_);
+/// Removes a keyframe; the frames anchored to it are reassigned to another.
+void StereoSlam::Implementation::remove(KeyframeId keyframe, KeyframeId replacement) {
+  trajectory_.reassign(keyframe, replacement, map_);
   loops_.remove(keyframe);
   map_.removeKeyframe(keyframe);
 }
 
-/// The camera goes where an adjustment took the newest part of the map.
-void StereoSlam::Implementation::moveWith(const std::optional<Pose>& correction) {
+/// Moves the camera with the newest keyframe after an adjustment.
+void StereoSlam::Implementation::applyCorrectionToMotion(const std::optional<Pose>& correction) {
   if (correction) motion_.correct(normalized(Pose(*correction * motion_.last())));
 }
 

@@ -7,17 +7,17 @@
 
 namespace headway::slam {
 
-/// One frame as tracking sees it.
+/// One frame, prepared for tracking.
 struct TrackingFrame {
   std::size_t index = 0;
   Time time = 0.0;  ///< [s]
   stereo::ImagePyramid left;
   stereo::ImagePyramid right;
   cv::Mat excluded;  ///< 8-bit, non-zero where nothing may be measured; may be empty
-  cv::Mat suspect;   ///< 8-bit, non-zero where landmarks must prove still first; may be empty
+  cv::Mat suspect;   ///< 8-bit, non-zero where landmarks must be verified first; may be empty
 };
 
-/// The pyramids of both images, their contrast stretched where light is poor, and what is left out.
+/// Pyramids of both images, contrast-stretched in poor light, and the masks.
 ///
 /// @throws InputError if an image is not 8-bit grey and of the camera's size, or the regions' mask
 ///         is not

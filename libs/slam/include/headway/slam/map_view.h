@@ -8,15 +8,15 @@
 
 namespace headway::slam {
 
-/// A landmark as others see it.
+/// A landmark of the static map.
 struct LandmarkView {
   LandmarkId id;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< map frame [m]
-  int observations = 0;                                ///< keyframes that see it
+  int observations = 0;                                ///< keyframes that observe it
   std::uint8_t intensity = 0;                          ///< grey value where it was first seen
 };
 
-/// A keyframe as others see it.
+/// A keyframe of the static map.
 struct KeyframeView {
   KeyframeId id;
   std::size_t frame = 0;  ///< index of its stereo frame
@@ -26,13 +26,13 @@ struct KeyframeView {
   std::vector<LandmarkId> landmarks;  ///< seen in it, ascending
 };
 
-/// The still world at one moment: a copy, safe to keep.
+/// A copy of the static map at one moment.
 struct MapView {
   std::vector<LandmarkView> landmarks;  ///< ascending ids
   std::vector<KeyframeView> keyframes;  ///< ascending ids
 };
 
-/// What became of one frame after all corrections of the map so far.
+/// Pose of one frame after all corrections of the map so far.
 struct FrameEstimate {
   std::size_t frame = 0;
   Time time = 0.0;       ///< [s]

@@ -17,7 +17,7 @@ enum class TrackingStatus {
   kLost,     ///< it does not: pose and covariance are those of the motion model
 };
 
-/// What became of a place that looked like one seen before.
+/// Outcome of a loop candidate.
 enum class LoopOutcome {
   kClosed,         ///< the map was corrected
   kNotRecognised,  ///< too few descriptors agree on a pose
@@ -25,18 +25,18 @@ enum class LoopOutcome {
   kTooFarOff,      ///< it lies farther off than drift explains
 };
 
-/// One look at a possible loop, with what was needed and what there was.
+/// One loop candidate with its test values and their thresholds.
 struct LoopAttempt {
   LoopOutcome outcome = LoopOutcome::kNotRecognised;
   KeyframeId keyframe;   ///< the new one
-  KeyframeId candidate;  ///< the old one that looks alike
+  KeyframeId candidate;  ///< the old one with similar descriptors
   int inliers = 0;
   int inliers_needed = 0;
-  double offset_m = 0.0;          ///< between both estimates of the new keyframe's place [m]
-  double offset_allowed_m = 0.0;  ///< [m]; 0 where it did not come to that
+  double offset_m = 0.0;          ///< between both estimates of the new keyframe's position [m]
+  double offset_allowed_m = 0.0;  ///< [m]; 0 where an earlier test failed
 };
 
-/// What one frame said of the camera's motion.
+/// Result of one frame.
 struct SlamUpdate {
   TrackingStatus status = TrackingStatus::kLost;
   Pose T_map_robot = Pose::Identity();
@@ -44,15 +44,15 @@ struct SlamUpdate {
   bool is_keyframe = false;
   int features = 0;                ///< keypoints in the left image
   int inliers = 0;                 ///< landmarks that the pose rests on
-  std::vector<LoopAttempt> loops;  ///< of a keyframe that looked like older ones, in order
+  std::vector<LoopAttempt> loops;  ///< candidates of a new keyframe, in order
 };
 
-/// Localises a stereo camera and maps the still world around it.
+/// Localises a stereo camera and maps its static surroundings.
 ///
 /// The map frame is the robot's first pose (levelled where gravity is known). A camera that is lost
-/// is looked for in the whole map at each frame; after slam.restart_after_frames lost frames in a
-/// row, or at once where the map was only just begun, a new part of the map is begun at the guessed
-/// pose. Deterministic: the same frames and parameters give the same bytes, on any number of cores.
+/// is relocalised in the whole map at each frame; after slam.restart_after_frames lost frames in a row, or
+/// earlier in a new submap, a new submap is initialised at the predicted pose. Deterministic: the
+/// same frames and parameters give the same bytes, on any number of cores.
 ///
 ///     StereoSlam slam(source.camera(), params);
 ///     while (auto frame = source.next()) publish(slam.process(*frame->stereo, {}));
@@ -69,20 +69,20 @@ class StereoSlam {
   /// Landmarks and keyframes as they are now.
   [[nodiscard]] MapView map() const;
 
-  /// Every frame processed so far, hung on its reference keyframe as corrected since.
+  /// Every frame processed so far, anchored to its reference keyframe as corrected since.
   [[nodiscard]] std::vector<FrameEstimate> trajectory() const;
 
-  /// The whole map as bytes, to go on with later: see load().
+  /// The whole map as bytes for load().
   [[nodiscard]] std::string save() const;
 
-  /// Takes a saved map up again, before the first frame. The camera counts as lost until it is
-  /// recognised somewhere in it; then it is tracked, and with slam.mapping the map grows on.
+  /// Loads a saved map, before the first frame. The camera counts as lost until it is relocalised
+  /// in it; then it is tracked and, with slam.mapping, the map is extended.
   ///
   /// @throws InputError if the bytes are cut off, damaged, of another version or of another camera
   void load(const std::string& bytes);
 
-  /// Waits for an adjustment that still runs beside and takes it into map and trajectory; for the
-  /// end of a recording, where no frame comes that would. More frames may follow.
+  /// Waits for a running background adjustment and applies it, at the end of a recording. More
+  /// frames may follow.
   void finish();
 
   /// Milliseconds of "slam_track" (features to pose) and "slam_map" (the rest), a frame each.

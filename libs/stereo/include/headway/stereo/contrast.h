@@ -4,16 +4,16 @@
 
 namespace headway::stereo {
 
-/// Grey values of one camera turned to others: value -> gain * value + offset.
+/// Linear map of grey values: value -> gain * value + offset.
 struct ContrastStretch {
   double gain = 1.0;
   double offset = 0.0;
 };
 
-/// What an image lacks of the contrast that it would have in good light.
+/// The stretch that gives an image the contrast of good light.
 ///
-/// At night, in fog and before bare walls, all grey values lie close together, and whatever is
-/// compared with a number of grey values (corners, gradients) would find nothing there.
+/// At night, in fog and before bare walls, grey values lie close together, so thresholds in grey
+/// values (corners, gradients) would reject everything.
 [[nodiscard]] ContrastStretch stretchFor(const cv::Mat& image);
 
 /// The image with its contrast stretched; the image itself where there is nothing to stretch.

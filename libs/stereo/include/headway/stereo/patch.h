@@ -11,7 +11,7 @@ namespace headway::stereo {
 /// Side of the square that is compared between images [px]; a multiple of 4 keeps rows in SIMD.
 inline constexpr int kPatchSize = 12;
 
-/// Looks of a landmark where it was first (or last anew) seen: pixels around it, at one level.
+/// Appearance of a landmark: pixels around it, at one pyramid level.
 struct ReferencePatch {
   static constexpr int kSize = 32;
   std::array<std::uint8_t, kSize * kSize> pixels{};
@@ -23,7 +23,7 @@ struct ReferencePatch {
 /// @param uv  in pixels of this image (level)
 [[nodiscard]] ReferencePatch cutReference(const cv::Mat& image, const Eigen::Vector2d& uv);
 
-/// What is searched for: values less their mean, gradients, and their normal equations.
+/// Patch to be aligned: values less their mean, gradients, and their normal equations.
 struct Patch {
   static constexpr int kArea = kPatchSize * kPatchSize;
   alignas(16) std::array<float, kArea> value{};
@@ -37,14 +37,14 @@ struct Patch {
 /// The patch around a point of an image; nullopt where it would leave the image.
 [[nodiscard]] std::optional<Patch> cutPatch(const cv::Mat& image, const Eigen::Vector2d& uv);
 
-/// The patch as it will look in another view.
+/// The patch warped to another view.
 ///
 /// @param reference_from_view  2x2: a step of one pixel in the view, in pixels of the reference
 /// @return                     nullopt where the view asks for more than the reference holds
 [[nodiscard]] std::optional<Patch> warpPatch(const ReferencePatch& reference,
                                              const Eigen::Matrix2d& reference_from_view);
 
-/// Along what an alignment may move.
+/// Axes along which an alignment may move.
 enum class AlignmentAxes { kBoth, kRow };
 
 /// Where a patch was found.
@@ -54,13 +54,13 @@ struct Alignment {
   bool converged = false;                        ///< the last step was small
 };
 
-/// Moves a patch over an image until both look alike, up to gain and offset of brightness.
+/// Moves a patch over an image until both agree up to gain and offset of brightness.
 ///
 /// Inverse compositional Gauss-Newton: gradients come from the patch alone, so the normal matrix
 /// is inverted once. Converges from about half a patch away.
 ///
-/// @param start  first guess, pixels of `image`
-/// @return       nullopt if the patch has no texture, leaves the image or runs away
+/// @param start  initial position, pixels of `image`
+/// @return       nullopt if the patch has no texture, leaves the image or diverges
 /// @see          Baker & Matthews 2004, "Lucas-Kanade 20 years on", sec. 3.2
 [[nodiscard]] std::optional<Alignment> align(const Patch& patch, const cv::Mat& image,
                                              const Eigen::Vector2d& start, AlignmentAxes axes,

@@ -11,7 +11,7 @@
 
 namespace headway::stereo {
 
-/// A landmark's place and where it was measured.
+/// A landmark's position and its measurement.
 struct PoseConstraint {
   Eigen::Vector3d point_map = Eigen::Vector3d::Zero();  ///< [m]
   StereoMeasurement measurement;
@@ -19,23 +19,23 @@ struct PoseConstraint {
   bool stereo_inlier = true;  ///< its disparity fits as well; set by refinePose
 };
 
-/// A pose that rests on landmarks.
+/// A pose estimated from landmarks.
 struct RefinedPose {
   Pose T_map_cam = Pose::Identity();
   PoseCovariance covariance = PoseCovariance::Identity();  ///< scaled by the residuals' variance
   int inliers = 0;
 };
 
-/// What other sensors or estimates know of the pose beforehand.
+/// A Gaussian prior on a pose.
 struct PosePrior {
   Pose T_map_cam = Pose::Identity();
   PoseCovariance information = PoseCovariance::Zero();  ///< inverse covariance of its tangent
 };
 
-/// How measurements that do not fit are treated.
+/// Schedule of the robust loss.
 struct PoseRefinerOptions {
   double first_scale = 1.0;  ///< the Cauchy loss starts this many times wider than at its end
-  int rounds = 3;            ///< each one halves the scale down to 1 and sorts inliers anew
+  int rounds = 3;            ///< each one halves the scale down to 1 and classifies inliers again
   int iterations = 6;        ///< Levenberg-Marquardt steps a round
 };
 
@@ -46,7 +46,7 @@ struct PoseRefinerOptions {
 int markInliers(const Pose& T_map_cam, std::vector<PoseConstraint>& constraints,
                 const StereoCamera& camera, double scale);
 
-/// The pose that the measurements agree on best, from a first guess.
+/// The pose that the measurements agree on best, from an initial pose.
 ///
 /// Levenberg-Marquardt with a Cauchy loss on image position and disparity apart, so that one wrong
 /// stereo match does not cost a good track. Marks inliers in the constraints.

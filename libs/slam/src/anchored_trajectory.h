@@ -9,29 +9,29 @@
 
 namespace headway::slam {
 
-/// Every frame's pose, each hung on a keyframe, so that corrections of the map reach them all.
-class HungPath {
+/// The pose of every frame, stored relative to a keyframe so that map corrections apply to it.
+class AnchoredTrajectory {
  public:
-  /// Adds a frame at a camera pose in the map, hung on a keyframe if there is one yet.
+  /// Adds a frame, anchored to a keyframe if one exists yet.
   void add(std::size_t frame, Time time, bool tracked, const Pose& T_map_cam,
            const std::optional<KeyframeId>& reference, const SparseMap& map);
 
-  /// Hangs what hangs on one keyframe on another; both are still in the map.
-  void handOn(KeyframeId from, KeyframeId to, const SparseMap& map);
+  /// Anchors the frames of one keyframe to another; both must still be in the map.
+  void reassign(KeyframeId from, KeyframeId to, const SparseMap& map);
 
-  /// The robot at all frames, in order, as the map has them now.
+  /// Robot poses of all frames, in order, in the current map.
   [[nodiscard]] std::vector<FrameEstimate> estimates(const SparseMap& map,
                                                      const Pose& T_cam_robot) const;
 
  private:
-  struct HungPose {
+  struct AnchoredPose {
     std::size_t frame = 0;
     Time time = 0.0;
     bool tracked = false;
-    KeyframeId reference;  ///< invalid before the first keyframe: the pose is in the map then
+    KeyframeId reference;  ///< invalid before the first keyframe; the pose is then in the map frame
     Pose T_reference_cam = Pose::Identity();
   };
-  std::vector<HungPose> poses_;
+  std::vector<AnchoredPose> poses_;
 };
 
 }  // namespace headway::slam
