@@ -32,10 +32,11 @@ class StereoSlam::Implementation {
         loops_(*camera_, params, adjuster_),
         motion_(camera_->T_robot_cam, params) {}
 
-  SlamUpdate process(const StereoFrame& frame, const MovingRegions& moving);
+  SlamUpdate process(const stereo::FrameContext& context, const MovingRegions& moving);
   void finish() { applyCorrectionToMotion(adjuster_.finish(map_)); }
   void load(const std::string& bytes);
   [[nodiscard]] std::string save() const { return packMap(map_, *camera_); }
+  [[nodiscard]] double disparityOffset() const { return map_.disparityOffset(); }
   [[nodiscard]] MapView map() const { return makeMapView(map_, T_cam_robot_); }
   [[nodiscard]] std::vector<FrameEstimate> trajectory() const {
     return trajectory_.estimates(map_, T_cam_robot_);
@@ -74,14 +75,15 @@ class StereoSlam::Implementation {
   int lost_in_a_row_ = 0;
 };
 
-SlamUpdate StereoSlam::Implementation::process(const StereoFrame& frame,
+SlamUpdate StereoSlam::Implementation::process(const stereo::FrameContext& context,
                                                const MovingRegions& moving) {
   applyCorrectionToMotion(adjuster_.applyFinished(map_));
+  const StereoFrame& frame = context.frame();
   TrackingFrame current;
   std::optional<TrackedPose> tracked;
   {
     const auto watch = times_.watch("slam_track");
-    current = makeTrackingFrame(frame, moving, *camera_, params_.dynamic_rejection);
+    current = makeTrackingFrame(context, moving, *camera_, params_.dynamic_rejection);
     tracked = track(frame, current);
   }
   const auto watch = times_.watch("slam_map");
@@ -231,13 +233,15 @@ StereoSlam::StereoSlam(std::shared_ptr<const StereoCamera> camera, const SlamPar
 
 StereoSlam::~StereoSlam() = default;
 
-SlamUpdate StereoSlam::process(const StereoFrame& frame, const MovingRegions& moving) {
+SlamUpdate StereoSlam::process(const stereo::FrameContext& frame, const MovingRegions& moving) {
   return implementation_->process(frame, moving);
 }
 
 std::string StereoSlam::save() const { return implementation_->save(); }
 
 void StereoSlam::load(const std::string& bytes) { implementation_->load(bytes); }
+
+double StereoSlam::disparityOffset() const { return implementation_->disparityOffset(); }
 
 MapView StereoSlam::map() const { return implementation_->map(); }
 

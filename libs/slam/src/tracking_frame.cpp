@@ -1,7 +1,6 @@
 #include "tracking_frame.h"
 
 #include <headway/core/error.h>
-#include <headway/stereo/contrast.h>
 
 #include <string>
 
@@ -9,8 +8,6 @@
 
 namespace headway::slam {
 namespace {
-
-constexpr int kPyramidLevels = 4;
 
 void requireImages(const StereoFrame& frame, const StereoCamera& camera) {
   for (const cv::Mat* image : {&frame.left, &frame.right}) {
@@ -24,20 +21,17 @@ void requireImages(const StereoFrame& frame, const StereoCamera& camera) {
   }
 }
 
-stereo::ImagePyramid pyramidOf(const cv::Mat& image) {
-  return stereo::buildPyramid(stereo::stretched(image, stereo::stretchFor(image)), kPyramidLevels);
-}
-
 }  // namespace
 
-TrackingFrame makeTrackingFrame(const StereoFrame& frame, const MovingRegions& moving,
+TrackingFrame makeTrackingFrame(const stereo::FrameContext& context, const MovingRegions& moving,
                                 const StereoCamera& camera, DynamicRejection mode) {
+  const StereoFrame& frame = context.frame();
   requireImages(frame, camera);
   TrackingFrame current;
   current.index = frame.index;
   current.time = frame.time;
-  current.left = pyramidOf(frame.left);
-  current.right = pyramidOf(frame.right);
+  current.left = context.left();
+  current.right = context.right();
   current.excluded = excludedMask(moving, mode, frame.left.size());
   current.suspect = suspectMask(moving, mode, frame.left.size());
   return current;

@@ -1,9 +1,8 @@
 #pragma once
 
 #include <headway/core/moving_regions.h>
-#include <headway/core/stereo_frame.h>
 #include <headway/slam/slam_params.h>
-#include <headway/stereo/image_pyramid.h>
+#include <headway/stereo/frame_context.h>
 
 namespace headway::slam {
 
@@ -21,7 +20,8 @@ struct TrackingFrame {
 ///
 /// @throws InputError if an image is not 8-bit grey and of the camera's size, or the regions' mask
 ///         is not
-[[nodiscard]] TrackingFrame makeTrackingFrame(const StereoFrame& frame, const MovingRegions& moving,
+[[nodiscard]] TrackingFrame makeTrackingFrame(const stereo::FrameContext& context,
+                                              const MovingRegions& moving,
                                               const StereoCamera& camera, DynamicRejection mode);
 
 }  // namespace headway::slam

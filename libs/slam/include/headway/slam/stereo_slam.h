@@ -2,9 +2,9 @@
 
 #include <headway/core/moving_regions.h>
 #include <headway/core/stage_times.h>
-#include <headway/core/stereo_frame.h>
 #include <headway/slam/map_view.h>
 #include <headway/slam/slam_params.h>
+#include <headway/stereo/frame_context.h>
 
 #include <memory>
 #include <string>
@@ -64,7 +64,10 @@ class StereoSlam {
   /// Localises one frame and extends the map from it. Frames come in order of time.
   ///
   /// @throws InputError if the images or the mask are not of the camera's size
-  [[nodiscard]] SlamUpdate process(const StereoFrame& frame, const MovingRegions& moving);
+  [[nodiscard]] SlamUpdate process(const stereo::FrameContext& frame, const MovingRegions& moving);
+
+  /// Measured less true disparity, as estimated by bundle adjustment so far [px].
+  [[nodiscard]] double disparityOffset() const;
 
   /// Landmarks and keyframes as they are now.
   [[nodiscard]] MapView map() const;

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <headway/core/stereo_frame.h>
+#include <headway/stereo/disparity.h>
+#include <headway/stereo/ground_plane.h>
+#include <headway/stereo/image_pyramid.h>
+
+#include <memory>
+#include <optional>
+
+namespace headway::stereo {
+
+/// What SLAM and the detectors compute of one stereo frame, each value once and when first used.
+///
+/// A handle: copies share the values. Which values are used, when, and whether matching was started
+/// ahead does not change any of them. For one calling thread.
+///
+///     const FrameContext context = front_end.next(frame, slam.disparityOffset());
+///     context.startMatching();                          // in its own thread
+///     const auto pose = slam.process(context, {});      // meanwhile
+///     const auto found = detector.detect(context, pose.T_map_robot);
+class FrameContext {
+ public:
+  /// A frame on its own: default parameters, no disparity offset and no previous ground.
+  ///
+  /// @param frame  with its camera; the images are shared
+  FrameContext(const StereoFrame& frame);  // NOLINT(google-explicit-constructor)
+
+  /// @param disparity_offset_px  measured less true disparity
+  /// @param previous_ground      of the frame before, tried first
+  FrameContext(const StereoFrame& frame, const DisparityParams& params, double disparity_offset_px,
+               const std::optional<GroundPlane>& previous_ground);
+
+  [[nodiscard]] const StereoFrame& frame() const;
+  [[nodiscard]] const StereoCamera& camera() const { return *frame().camera; }
+
+  /// Pyramids of the images, contrast-stretched in poor light.
+  [[nodiscard]] const ImagePyramid& left() const;
+  [[nodiscard]] const ImagePyramid& right() const;
+
+  /// Starts stereo matching in a thread of its own.
+  void startMatching() const;
+  /// Dense disparities, corrected by the offset.
+  [[nodiscard]] const DisparityImage& disparity() const;
+  /// Left image on the grid of the disparities.
+  [[nodiscard]] const cv::Mat& reducedLeft() const;
+  /// Measured less true disparity, to be subtracted from disparities measured elsewhere [px].
+  [[nodiscard]] double disparityOffset() const;
+
+  /// Ground plane in the camera frame; nullopt where none is found (expected, not an error).
+  [[nodiscard]] const std::optional<GroundPlane>& ground() const;
+  /// The last ground plane known, of this frame if it was asked for; does not search.
+  [[nodiscard]] const std::optional<GroundPlane>& lastGround() const;
+
+ private:
+  struct Values;
+  std::shared_ptr<Values> values_;
+};
+
+/// Makes the context of each frame from that of the frame before.
+class FrontEnd {
+ public:
+  explicit FrontEnd(const DisparityParams& params) : params_(params) {}
+
+  /// Frames come in order of time.
+  ///
+  /// @param disparity_offset_px  measured less true disparity, as SLAM estimates it
+  [[nodiscard]] FrameContext next(const StereoFrame& frame, double disparity_offset_px);
+
+ private:
+  DisparityParams params_;
+  std::optional<FrameContext> previous_;
+};
+
+}  // namespace headway::stereo

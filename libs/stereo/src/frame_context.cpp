@@ -1,0 +1,104 @@
+#include <headway/stereo/contrast.h>
+#include <headway/stereo/frame_context.h>
+#include <headway/stereo/reduced_image.h>
+
+#include <future>
+#include <opencv2/core.hpp>
+
+namespace headway::stereo {
+namespace {
+
+constexpr int kPyramidLevels = 4;
+
+ImagePyramid stretchedPyramid(const cv::Mat& image) {
+  return buildPyramid(stretched(image, stretchFor(image)), kPyramidLevels);
+}
+
+void subtractOffset(double offset_px, DisparityImage& disparity) {
+  if (offset_px == 0.0) return;
+  cv::subtract(disparity.values, offset_px, disparity.values, disparity.values > 0.0F);
+  cv::max(disparity.values, 0.0F, disparity.values);
+}
+
+}  // namespace
+
+struct FrameContext::Values {
+  StereoFrame frame;
+  DisparityParams params;
+  double disparity_offset_px = 0.0;
+  std::optional<GroundPlane> ground;  ///< of the frame before until it is found in this one
+  bool ground_searched = false;
+  ImagePyramid left, right;
+  std::optional<DisparityImage> disparity;
+  cv::Mat reduced_left;
+  std::future<DisparityImage> pending;  ///< waits for its thread when destroyed
+};
+
+FrameContext::FrameContext(const StereoFrame& frame)
+    : FrameContext(frame, DisparityParams(), 0.0, std::nullopt) {}
+
+FrameContext::FrameContext(const StereoFrame& frame, const DisparityParams& params,
+                           double disparity_offset_px,
+                           const std::optional<GroundPlane>& previous_ground)
+    : values_(std::make_shared<Values>()) {
+  values_->frame = frame;
+  values_->params = params;
+  values_->disparity_offset_px = disparity_offset_px;
+  values_->ground = previous_ground;
+}
+
+const StereoFrame& FrameContext::frame() const { return values_->frame; }
+
+const ImagePyramid& FrameContext::left() const {
+  if (values_->left.empty()) values_->left = stretchedPyramid(values_->frame.left);
+  return values_->left;
+}
+
+const ImagePyramid& FrameContext::right() const {
+  if (values_->right.empty()) values_->right = stretchedPyramid(values_->frame.right);
+  return values_->right;
+}
+
+void FrameContext::startMatching() const {
+  if (values_->disparity || values_->pending.valid()) return;
+  values_->pending = std::async(
+      std::launch::async,
+      [frame = values_->frame, params = values_->params] { return denseDisparity(frame, params); });
+}
+
+const DisparityImage& FrameContext::disparity() const {
+  if (!values_->disparity) {
+    values_->disparity = values_->pending.valid() ? values_->pending.get()
+                                                  : denseDisparity(values_->frame, values_->params);
+    subtractOffset(values_->disparity_offset_px, *values_->disparity);
+  }
+  return *values_->disparity;
+}
+
+const cv::Mat& FrameContext::reducedLeft() const {
+  if (values_->reduced_left.empty()) {
+    values_->reduced_left = reducedImage(values_->frame.left, values_->params.reduce);
+  }
+  return values_->reduced_left;
+}
+
+double FrameContext::disparityOffset() const { return values_->disparity_offset_px; }
+
+const std::optional<GroundPlane>& FrameContext::ground() const {
+  if (!values_->ground_searched) {
+    values_->ground = findGround(disparity(), camera(), values_->ground);
+    values_->ground_searched = true;
+  }
+  return values_->ground;
+}
+
+const std::optional<GroundPlane>& FrameContext::lastGround() const { return values_->ground; }
+
+FrameContext FrontEnd::next(const StereoFrame& frame, double disparity_offset_px) {
+  FrameContext context(frame, params_, disparity_offset_px,
+                       previous_ ? previous_->lastGround() : std::nullopt);
+  previous_ = context;
+  return context;
+}
+
+}  // namespace headway::stereo
