@@ -13,7 +13,7 @@ bool equal(const cv::Mat& a, const cv::Mat& b) {
   return a.size() == b.size() && a.type() == b.type() && cv::norm(a, b, cv::NORM_INF) == 0.0;
 }
 
-TEST(FrameContext, MatchingAheadDoesNotChangeTheDisparities) {
+TEST(FrameContextTest, MatchingAheadDoesNotChangeTheDisparities) {
   const PaintedStreet street({});
   const FrameContext at_once(street.frame(0));
   const FrameContext ahead(street.frame(0));
@@ -22,7 +22,7 @@ TEST(FrameContext, MatchingAheadDoesNotChangeTheDisparities) {
   EXPECT_GT(ahead.disparity().coverage(), 0.2);
 }
 
-TEST(FrameContext, CopiesShareTheirValues) {
+TEST(FrameContextTest, CopiesShareTheirValues) {
   const PaintedStreet street({});
   const FrameContext context(street.frame(0));
   const FrameContext copy = context;
@@ -31,7 +31,7 @@ TEST(FrameContext, CopiesShareTheirValues) {
   EXPECT_EQ(&context.ground(), &copy.ground());
 }
 
-TEST(FrameContext, SubtractsTheOffsetWhereThereIsADisparity) {
+TEST(FrameContextTest, SubtractsTheOffsetWhereThereIsADisparity) {
   const PaintedStreet street({});
   const FrameContext plain(street.frame(0));
   const FrameContext corrected(street.frame(0), DisparityParams(), 0.5, std::nullopt);
@@ -46,7 +46,7 @@ TEST(FrameContext, SubtractsTheOffsetWhereThereIsADisparity) {
   }
 }
 
-TEST(FrontEnd, CarriesTheGroundFromFrameToFrame) {
+TEST(FrontEndTest, CarriesTheGroundFromFrameToFrame) {
   const PaintedStreet street({});
   FrontEnd front_end{DisparityParams()};
   const auto first = front_end.next(street.frame(0), 0.0);
