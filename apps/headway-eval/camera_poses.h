@@ -7,6 +7,13 @@
 
 namespace headway::app {
 
+enum class PoseFormat { kTum, kKitti };
+
+/// Format of a trajectory file, by the number of columns in its first row.
+///
+/// @throws InputError naming the file if it is neither format or contains no poses
+[[nodiscard]] PoseFormat poseFormatOf(const std::string& path);
+
 /// Frame interval of files without times: KITTI's 10 Hz [s].
 inline constexpr double kNominalFrameInterval_s = 0.1;
 

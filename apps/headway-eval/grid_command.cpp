@@ -12,7 +12,6 @@
 
 #include "commands.h"
 #include "grid_truth.h"
-#include "outputs.h"
 
 namespace headway::app {
 namespace {

@@ -1,11 +1,11 @@
-#include "outputs.h"
-
 #include <headway/core/error.h>
 
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
+
+#include "commands.h"
 
 namespace headway::app {
 

@@ -12,7 +12,6 @@
 
 #include "camera_poses.h"
 #include "label_files.h"
-#include "pose_format.h"
 
 namespace headway::app {
 namespace {

@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
-#include "outputs.h"
 #include "prediction_evaluation.h"
 
 namespace headway::app {

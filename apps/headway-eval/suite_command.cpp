@@ -11,7 +11,6 @@
 #include <optional>
 
 #include "commands.h"
-#include "outputs.h"
 #include "suite_report.h"
 
 namespace headway::app {

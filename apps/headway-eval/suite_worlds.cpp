@@ -1,7 +1,7 @@
 #include "suite_worlds.h"
 
 #include <headway/core/error.h>
-#include <headway/io/kitti_dataset.h>
+#include <headway/io/dataset.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/sim/recording.h>

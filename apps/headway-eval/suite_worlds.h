@@ -66,7 +66,7 @@ struct WorldRun {
 
 /// Sequences of the KITTI tracking benchmark with PointRCNN boxes.
 ///
-/// @param folder  holds `training/`
+/// @param folder  contains `training/`
 [[nodiscard]] std::vector<ObjectRecording> readKittiTracking(const std::string& folder);
 
 }  // namespace headway::app

@@ -13,7 +13,6 @@
 #include "camera_poses.h"
 #include "commands.h"
 #include "label_files.h"
-#include "outputs.h"
 
 namespace headway::app {
 namespace {

@@ -11,9 +11,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "camera_poses.h"
 #include "commands.h"
-#include "outputs.h"
-#include "pose_format.h"
 
 namespace headway::app {
 namespace {

@@ -20,7 +20,7 @@ std::string formatted(const char* format, Arguments... arguments) {
 void makeFolder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw InputError(folder.string() + ": cannot be made: " + error.message());
+  if (error) throw InputError(folder.string() + ": cannot be created: " + error.message());
 }
 
 std::ofstream openFor(const std::filesystem::path& path) {
@@ -31,10 +31,10 @@ std::ofstream openFor(const std::filesystem::path& path) {
 
 void close(std::ofstream& file, const std::filesystem::path& path) {
   file.close();
-  if (!file) throw InputError(path.string() + ": could not be written to its end; disk full?");
+  if (!file) throw InputError(path.string() + ": not written completely; check the disk space");
 }
 
-/// One line of calib.txt: K [I | (offset, 0, 0)], row by row.
+/// One line of calib.txt: K [I | (offset, 0, 0)], row-major.
 std::string projectionLine(const char* name, const StereoCamera& camera, double offset) {
   return formatted("%s: %.12e 0 %.12e %.12e 0 %.12e %.12e 0 0 0 1 0\n", name, camera.fx, camera.cx,
                    offset, camera.fy, camera.cy);

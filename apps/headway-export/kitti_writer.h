@@ -9,22 +9,22 @@
 namespace headway::exporting {
 
 /// Writes stereo frames as a KITTI odometry sequence: `image_0/`, `image_1/` rectified grey,
-/// `image_2/`, `image_3/` the same in colour where there is colour, `times.txt`, `calib.txt`, and
-/// `poses.txt` where all frames have a truth. Frames are numbered from 0 as they are written.
-/// Pictures are PNG: they keep every pixel.
+/// `image_2/`, `image_3/` the same in colour if available, `times.txt`, `calib.txt`, and
+/// `poses.txt` if all frames have a true pose. Frames are numbered from 0 in order of writing.
+/// Images are PNG, thus lossless.
 class KittiWriter {
  public:
-  /// @throws InputError if the folder cannot be made
+  /// @throws InputError if the folder cannot be created
   explicit KittiWriter(const std::filesystem::path& folder);
 
   /// @param right_colour  empty if the images are grey
-  /// @throws InputError if something cannot be written
+  /// @throws InputError on a write error
   void write(const StereoFrame& frame, const cv::Mat& right_colour);
 
-  /// Writes calib.txt, and ends times.txt.
+  /// Writes calib.txt and closes times.txt.
   void finish(const StereoCamera& camera);
 
-  /// Writes poses.txt: left camera in the first left camera, one row for each frame written.
+  /// Writes poses.txt: left camera in the first left camera, one row per frame.
   void writeTruth(const std::vector<Pose>& T_map_robot, const StereoCamera& camera) const;
 
   [[nodiscard]] std::size_t size() const { return size_; }

@@ -1,4 +1,4 @@
-// headway-export: writes a rawlog in the layout of other systems.
+// headway-export: converts a rawlog to a dataset for other systems.
 #include <headway/core/error.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/program/command_line.h>
@@ -23,7 +23,7 @@ struct ExportOptions {
   io::RawlogSourceOptions source;
 };
 
-/// False if there is nothing more to do (--help and the like).
+/// Returns false if the program is done (--help and similar).
 bool parse(int argc, const char** argv, ExportOptions& options) {
   program::takeSubcommand(argc, argv, {"kitti-odometry"});
   std::optional<std::size_t> from_index;
@@ -33,11 +33,11 @@ bool parse(int argc, const char** argv, ExportOptions& options) {
                             "sequence.");
   line.positional(options.input, "IN.rawlog", "Rawlog to read");
   line.option(options.output, 'o', "output", "DIR", "Folder to write", true);
-  line.flag(options.overwrite, 'w', "overwrite", "Write into the folder even if it exists");
+  line.flag(options.overwrite, 'w', "overwrite", "Overwrite an existing folder");
   line.option(options.source.sensor_label, 0, "sensor-label", "LABEL",
-              "Stereo camera to take, where there are several");
-  line.option(from_index, 0, "from-index", "N", "First frame to take");
-  line.option(options.source.to_index, 0, "to-index", "N", "Last frame to take");
+              "Stereo camera to use if the rawlog contains several");
+  line.option(from_index, 0, "from-index", "N", "Index of the first frame");
+  line.option(options.source.to_index, 0, "to-index", "N", "Index of the last frame");
   line.parameters(none);
   if (!line.parse(argc, argv)) return false;
   options.source.from_index = from_index.value_or(0);
@@ -45,7 +45,7 @@ bool parse(int argc, const char** argv, ExportOptions& options) {
   return true;
 }
 
-/// The true pose of each frame; empty if one of them has none.
+/// The true pose of each frame; empty if a frame has none.
 std::vector<Pose> truthAt(const std::vector<Time>& times, const std::string& rawlog) {
   const auto truth = io::readTruth(rawlog).poses;
   std::vector<Pose> poses;
@@ -65,16 +65,16 @@ void report(const ExportOptions& options, const KittiWriter& writer, const io::R
             << (has_truth ? "with" : "without") << " poses.txt"
             << (program::interrupted() ? ", interrupted" : "");
   for (const auto& [reason, count] : source.skipped()) {
-    std::cout << ", left out " << reason << " " << count;
+    std::cout << ", skipped " << reason << " " << count;
   }
   std::cout << std::endl;
 }
 
-int body(int argc, const char** argv) {
+int runExport(int argc, const char** argv) {
   ExportOptions options;
   if (!parse(argc, argv, options)) return program::kDone;
   io::RawlogSource source(options.input, options.source);
-  if (!source.camera()) throw InputError(options.input + ": holds no stereo images to write");
+  if (!source.camera()) throw InputError(options.input + ": contains no stereo images");
   program::requireWritable(options.output, options.overwrite);
   program::catchInterrupts();
   KittiWriter writer(options.output);
@@ -102,6 +102,6 @@ int body(int argc, const char** argv) {
 
 int main(int argc, char** argv) {
   return headway::program::run("headway-export", [&] {
-    return headway::exporting::body(argc, const_cast<const char**>(argv));
+    return headway::exporting::runExport(argc, const_cast<const char**>(argv));
   });
 }

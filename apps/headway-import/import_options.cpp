@@ -1,9 +1,7 @@
-#include "import_options.h"
-
-#include <headway/io/euroc_dataset.h>
-#include <headway/io/image_folder_dataset.h>
-#include <headway/io/kitti_dataset.h>
+#include <headway/io/dataset.h>
 #include <headway/program/command_line.h>
+
+#include "importer.h"
 
 namespace headway::import {
 namespace {
@@ -20,19 +18,18 @@ void addDatasetOptions(CommandLine& line, ImportOptions& options) {
   }
   const bool is_euroc = options.dataset == "euroc";
   line.positional(options.folder, "DIR",
-                  is_euroc                              ? "Folder that holds mav0/"
-                  : options.dataset == "kitti-tracking" ? "Folder that holds training/"
-                                                        : "Folder that holds sequences/");
+                  is_euroc                              ? "Folder that contains mav0/"
+                  : options.dataset == "kitti-tracking" ? "Folder that contains training/"
+                                                        : "Folder that contains sequences/");
   if (is_euroc) return;
   line.option(options.sequence, 0, "sequence", "NAME", "Sequence, such as 06 or 0001", true);
   if (options.dataset == "kitti-tracking") {
     line.option(options.boxes, 0, "boxes", "NAME",
-                "Boxes to be used: label_02, det3d_pointrcnn (default) or det2d_rrc");
+                "Boxes to use: label_02, det3d_pointrcnn (default) or det2d_rrc");
   }
 }
 
-/// The file that follows `--degrade` (or is in `--degrade=FILE`): it is read before the command
-/// line, so that --set wins over it.
+/// The argument of `--degrade`, which is read before the command line so that --set overrides it.
 std::string degradeFile(int argc, const char** argv) {
   const std::string name = "--degrade";
   for (int i = 1; i < argc; ++i) {
@@ -55,26 +52,26 @@ std::optional<ImportOptions> parseOptions(int argc, const char** argv) {
   std::string degrade_file = degradeFile(argc, argv);
   if (!degrade_file.empty()) params.loadFile(degrade_file);
 
-  CommandLine line("headway-import " + options.dataset, "Makes a rawlog of a dataset.");
+  CommandLine line("headway-import " + options.dataset, "Converts a dataset to a rawlog.");
   addDatasetOptions(line, options);
   line.option(options.output, 'o', "output", "OUT.rawlog", "Rawlog to write", true);
-  line.flag(options.overwrite, 'w', "overwrite", "Overwrite the output if it exists");
+  line.flag(options.overwrite, 'w', "overwrite", "Overwrite an existing output");
   line.option(options.detections, 0, "detections", "FILE",
-              "Boxes to be used instead of the dataset's (doc/formats.md)");
+              "Boxes that replace those of the dataset (doc/formats.md)");
   line.option(options.poses, 0, "poses", "FILE",
-              "Poses to be used instead of visual SLAM: TUM (robot) or KITTI (left camera)");
+              "Poses to use instead of visual SLAM: TUM (robot) or KITTI (left camera)");
   line.option(degrade_file, 0, "degrade", "FILE.ini",
-              "Add noise, misses, doubles and flips to the boxes");
-  line.option(options.from_index, 0, "from-index", "N", "First frame to take");
-  line.option(options.to_index, 0, "to-index", "N", "Last frame to take");
+              "Add noise, misses, duplicates and reversed headings to the boxes");
+  line.option(options.from_index, 0, "from-index", "N", "Index of the first frame");
+  line.option(options.to_index, 0, "to-index", "N", "Index of the last frame");
   line.flag(options.external_images, 0, "external-images",
-            "Keep images beside the rawlog as PNG, in NAME_Images/");
+            "Store images as PNG files in NAME_Images/");
   line.parameters(params);
   if (!line.parse(argc, argv)) return std::nullopt;
   options.quiet = line.quiet();
   if (!degrade_file.empty()) options.degrade = degrade;
   if (options.degrade && options.dataset != "kitti-tracking" && options.detections.empty()) {
-    throw program::UsageError("--degrade: there are no boxes without --detections");
+    throw program::UsageError("--degrade requires --detections for this dataset");
   }
   return options;
 }

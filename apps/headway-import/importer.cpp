@@ -1,8 +1,8 @@
 #include "importer.h"
 
 #include <headway/core/error.h>
-#include <headway/io/pose_file.h>
 #include <headway/io/track_file.h>
+#include <headway/io/trajectory_file.h>
 #include <headway/program/command_line.h>
 #include <headway/program/progress.h>
 
@@ -11,7 +11,7 @@
 namespace headway::import {
 namespace {
 
-/// Boxes and poses of side files take the place of the dataset's own.
+/// Replaces the boxes and poses of the dataset by those of side files.
 class SideFiles {
  public:
   SideFiles(const io::Dataset& dataset, const ImportOptions& options,
@@ -72,7 +72,7 @@ ImportSummary importDataset(const io::Dataset& dataset, const ImportOptions& opt
   const std::size_t first = options.from_index.value_or(0);
   const std::size_t end = std::min(dataset.size(), options.to_index.value_or(dataset.size()) + 1);
   if (first >= end) {
-    throw InputError("--from-index " + std::to_string(first) + ": nothing is left of the " +
+    throw InputError("--from-index " + std::to_string(first) + ": the dataset has only " +
                      std::to_string(dataset.size()) + " frames");
   }
   const auto storage =

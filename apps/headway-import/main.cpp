@@ -1,10 +1,9 @@
-// headway-import: makes a rawlog of a dataset.
+// headway-import: converts a dataset to a rawlog.
 #include <headway/program/command_line.h>
 #include <headway/program/progress.h>
 
 #include <iostream>
 
-#include "import_options.h"
 #include "importer.h"
 
 namespace headway::import {
@@ -14,12 +13,12 @@ void report(const ImportOptions& options, const ImportSummary& summary) {
   std::cout << options.output << ": " << summary.frames << " frames"
             << (summary.interrupted ? ", interrupted" : "");
   for (const auto& [reason, count] : summary.dropped) {
-    std::cout << ", left out " << reason << " " << count;
+    std::cout << ", skipped " << reason << " " << count;
   }
   std::cout << std::endl;
 }
 
-int body(int argc, const char** argv) {
+int runImport(int argc, const char** argv) {
   const auto options = parseOptions(argc, argv);
   if (!options) return program::kDone;
   program::requireWritable(options->output, options->overwrite);
@@ -35,6 +34,6 @@ int body(int argc, const char** argv) {
 
 int main(int argc, char** argv) {
   return headway::program::run("headway-import", [&] {
-    return headway::import::body(argc, const_cast<const char**>(argv));
+    return headway::import::runImport(argc, const_cast<const char**>(argv));
   });
 }

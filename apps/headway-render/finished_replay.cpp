@@ -8,8 +8,6 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "replay_frames.h"
-
 namespace headway::render_program {
 namespace {
 
@@ -22,7 +20,7 @@ FinishedReplay replayOf(map::StoredMap stored) {
   return replay;
 }
 
-/// A map without the replay it came from: its keyframes, and the objects it was saved with.
+/// Reads a map file without its replay: its keyframes and stored objects.
 FinishedReplay readMapAlone(const std::string& path) {
   FinishedReplay replay = replayOf(map::loadMap(path));
   for (const auto& keyframe : replay.map.stillWorld()->keyframes) {
@@ -55,8 +53,8 @@ FinishedReplay readReplay(const std::string& input, const Note& note) {
   const fs::path map_file = folder / "map.headway";
   if (!fs::exists(folder / "trajectory.tum") && !fs::exists(map_file)) {
     throw InputError(input +
-                     ": neither trajectory.tum nor map.headway is there; is this the "
-                     "folder of a replay?");
+                     ": contains neither trajectory.tum nor map.headway; is it the "
+                     "output folder of a replay?");
   }
   if (!fs::exists(folder / "trajectory.tum")) return readMapAlone(map_file);
   FinishedReplay replay;

@@ -1,6 +1,5 @@
-// headway-render: a finished replay in; a picture, a video or a 3D scene out.
+// headway-render: picture, video, 3D scene or report of a finished replay.
 #include "options.h"
-#include "render.h"
 
 int main(int argc, char** argv) {
   return headway::program::run("headway-render", [&] {

@@ -8,14 +8,14 @@ namespace {
 
 using program::UsageError;
 
-constexpr int kSmallest = 16;
-constexpr int kLargest = 7680;
+constexpr int kMinSide = 16;
+constexpr int kMaxSide = 7680;
 
 int parseSide(const std::string& text, const std::string& whole) {
   int side = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), side);
-  if (error != std::errc() || end != text.data() + text.size() || side < kSmallest ||
-      side > kLargest) {
+  if (error != std::errc() || end != text.data() + text.size() || side < kMinSide ||
+      side > kMaxSide) {
     throw UsageError("--size: '" + whole + "' is not WIDTHxHEIGHT with sides of 16 to 7680 pixels");
   }
   return side;
@@ -27,8 +27,7 @@ OutputKind kindOf(const std::string& output) {
   if (extension == ".mp4") return OutputKind::kVideo;
   if (extension == ".3Dscene") return OutputKind::kScene;
   if (extension == ".html") return OutputKind::kReport;
-  throw UsageError("--output: '" + output +
-                   "' ends with none of .png, .jpg, .mp4, .3Dscene, .html");
+  throw UsageError("--output: '" + output + "' must end in .png, .jpg, .mp4, .3Dscene or .html");
 }
 
 }  // namespace
@@ -37,23 +36,23 @@ void describe(Options& options, program::CommandLine& line) {
   line.option(options.input, 'i', "input", "OUTDIR|MAPFILE",
               "Folder of a finished replay, or a map.headway", true);
   line.option(options.output, 'o', "output", "PICTURE.png|VIDEO.mp4|SCENE.3Dscene|REPORT.html",
-              "What to draw; its ending says which", true);
-  line.option(options.frame, 0, "frame", "N",
-              "Frame of a picture or scene; the last one if not given");
+              "Output file; its extension selects the kind", true);
+  line.option(options.frame, 0, "frame", "N", "Frame of a picture or scene; default: the last");
   line.option(options.from_index, 0, "from-index", "N", "First frame of a video");
   line.option(options.to_index, 0, "to-index", "N", "Last frame of a video");
-  line.option(options.view, 0, "view", "follow|top|orbit|camera", "From where to look");
-  line.option(options.size, 0, "size", "WxH", "Of the picture or video in pixels");
+  line.option(options.view, 0, "view", "follow|top|orbit|camera", "Viewpoint; default follow");
+  line.option(options.size, 0, "size", "WxH",
+              "Size of the picture or video [px]; default 1280x720");
   line.option(options.truth, 0, "truth", "DIR",
-              "Folder with trajectory.tum and objects.csv to show beside the estimates");
-  line.flag(options.overwrite, 'w', "overwrite", "Write over an output that exists");
+              "Folder with trajectory.tum and objects.csv to draw as truth");
+  line.flag(options.overwrite, 'w', "overwrite", "Overwrite an existing output");
 }
 
 void resolve(Options& options) {
   options.kind = kindOf(options.output);
   const auto view = scene::viewFrom(options.view);
   if (!view) {
-    throw UsageError("--view: '" + options.view + "' is none of follow, top, orbit, camera");
+    throw UsageError("--view: '" + options.view + "' is not one of follow, top, orbit, camera");
   }
   options.snapshot.view = *view;
   const auto x = options.size.find('x');
@@ -66,7 +65,7 @@ void resolve(Options& options) {
     throw UsageError("--from-index and --to-index are for a video; a picture takes --frame");
   }
   if (options.from_index && options.to_index && *options.to_index < *options.from_index) {
-    throw UsageError("--to-index lies before --from-index");
+    throw UsageError("--to-index is less than --from-index");
   }
 }
 

@@ -10,11 +10,11 @@ namespace headway::render_program {
 
 enum class OutputKind { kPicture, kVideo, kScene, kReport };
 
-/// What the command line asks for.
+/// Command-line options.
 struct Options {
   std::string input;  ///< folder of a finished replay, or a map file
   std::string output;
-  std::optional<std::size_t> frame;                 ///< of a picture or scene; empty: the last one
+  std::optional<std::size_t> frame;                 ///< of a picture or scene; empty: the last
   std::optional<std::size_t> from_index, to_index;  ///< of a video; empty: all frames
   std::string view = "follow";
   std::string size = "1280x720";
@@ -22,16 +22,21 @@ struct Options {
   bool overwrite = false;
   bool quiet = false;
 
-  OutputKind kind = OutputKind::kPicture;  ///< from the output's name
+  OutputKind kind = OutputKind::kPicture;  ///< from the extension of the output
   scene::SnapshotOptions snapshot;         ///< from view and size
 };
 
-/// Binds the options to the command line.
+/// Adds the options to a command line.
 void describe(Options& options, program::CommandLine& line);
 
-/// Works out what follows from the texts given.
+/// Derives `kind` and `snapshot` from the options.
 ///
-/// @throws program::UsageError naming the option that cannot be
+/// @throws program::UsageError naming the invalid option
 void resolve(Options& options);
+
+/// Draws the requested picture, video, scene or report.
+///
+/// @throws InputError
+void render(const Options& options);
 
 }  // namespace headway::render_program

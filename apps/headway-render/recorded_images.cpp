@@ -10,11 +10,11 @@ RecordedImages::RecordedImages(const FinishedReplay& replay, std::size_t first_f
                                const Note& note) {
   const std::string without = ": drawn without the camera's image";
   if (replay.rawlog.empty()) {
-    note("no rawlog is known" + without);
+    note("the rawlog is unknown" + without);
     return;
   }
   if (!std::filesystem::exists(replay.rawlog)) {
-    note(replay.rawlog + " is gone" + without);
+    note(replay.rawlog + " does not exist" + without);
     return;
   }
   try {
@@ -23,7 +23,7 @@ RecordedImages::RecordedImages(const FinishedReplay& replay, std::size_t first_f
     options.from_index = first_frame;
     source_.emplace(replay.rawlog, options);
     if (source_->camera() != nullptr) return;
-    note(replay.rawlog + " holds no images" + without);
+    note(replay.rawlog + " contains no images" + without);
   } catch (const InputError& error) {
     note(error.what() + without);
   }

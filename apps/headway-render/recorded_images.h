@@ -9,20 +9,20 @@
 
 namespace headway::render_program {
 
-/// The left images of a replay's rawlog, asked for in order of time.
+/// Reads the left images of a replay's rawlog in order of time.
 ///
-/// A rawlog that is gone or has no images gives none, and says so once.
+/// If the rawlog does not exist or has no images, this is noted once and all images are empty.
 class RecordedImages {
  public:
   RecordedImages(const FinishedReplay& replay, std::size_t first_frame, const Note& note);
 
-  /// The image of a frame, colour if there is any; empty where there is none. Frames must be asked
-  /// for in ascending order.
+  /// The image of a frame, in colour if available; empty if there is none. Frames must be requested
+  /// in ascending order.
   [[nodiscard]] cv::Mat at(const ReplayFrame& frame);
 
  private:
   std::optional<io::RawlogSource> source_;
-  std::optional<RecordedFrame> ahead_;  ///< read but not asked for yet
+  std::optional<RecordedFrame> ahead_;  ///< read ahead
 };
 
 }  // namespace headway::render_program

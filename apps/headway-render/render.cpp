@@ -1,5 +1,3 @@
-#include "render.h"
-
 #include <headway/core/error.h>
 #include <headway/core/statistics.h>
 #include <headway/program/picture_files.h>
@@ -12,13 +10,13 @@
 #include <opencv2/imgproc.hpp>
 
 #include "finished_replay.h"
+#include "options.h"
 #include "recorded_images.h"
-#include "truth.h"
 
 namespace headway::render_program {
 namespace {
 
-/// Hands out the world as it was at one frame after the other.
+/// Reconstructs the map, images and truth of consecutive frames.
 class Playback {
  public:
   Playback(const FinishedReplay& replay, Truth truth, std::size_t first_frame, const Note& note)
@@ -50,18 +48,18 @@ class Playback {
   map::PerceptionMap map_;
 };
 
-/// Position of a frame among those that can be drawn.
+/// Position of a frame in the list of tracked frames.
 std::size_t positionOf(std::size_t frame, const FinishedReplay& replay) {
   const auto& frames = replay.frames;
   const auto found = std::find_if(frames.begin(), frames.end(),
                                   [&](const ReplayFrame& f) { return f.frame == frame; });
   if (found != frames.end()) return static_cast<std::size_t>(found - frames.begin());
-  throw InputError("--frame " + std::to_string(frame) + ": not among the tracked frames, " +
+  throw InputError("--frame " + std::to_string(frame) + ": is not one of the tracked frames, " +
                    std::to_string(frames.front().frame) + " to " +
                    std::to_string(frames.back().frame));
 }
 
-/// Pictures a second that show the recording at its own speed, 1 to 60.
+/// Frame rate of the recording [Hz], limited to 1 to 60.
 double rateOf(const FinishedReplay& replay) {
   std::vector<double> gaps;
   for (std::size_t i = 1; i < replay.frames.size(); ++i) {
@@ -79,7 +77,7 @@ void drawPicture(const Options& options, const FinishedReplay& replay, Truth tru
       options.frame ? positionOf(*options.frame, replay) : replay.frames.size() - 1;
   if (options.kind == OutputKind::kScene) {
     Playback playback(replay, std::move(truth), replay.frames[position].frame,
-                      [](const std::string&) {});  // a scene holds no image anyway
+                      [](const std::string&) {});  // a scene contains no image
     scene::saveScene(options.output, playback.at(position));
     return;
   }
@@ -91,9 +89,9 @@ void drawPicture(const Options& options, const FinishedReplay& replay, Truth tru
 void drawVideo(const Options& options, const FinishedReplay& replay, Truth truth,
                const Note& note) {
   scene::SnapshotOptions snapshot = options.snapshot;
-  snapshot.width += snapshot.width % 2;  // encoders halve the resolution of colour
+  snapshot.width += snapshot.width % 2;  // video encoders require even sizes
   snapshot.height += snapshot.height % 2;
-  snapshot.supersampling = 1;  // smoother edges do not show in motion, and double the time
+  snapshot.supersampling = 1;  // antialiasing is not visible in motion and doubles the time
   const std::size_t first = options.from_index.value_or(0);
   const std::size_t last = options.to_index.value_or(replay.frames.back().frame);
   std::vector<std::size_t> positions;
@@ -101,7 +99,7 @@ void drawVideo(const Options& options, const FinishedReplay& replay, Truth truth
     if (replay.frames[i].frame >= first && replay.frames[i].frame <= last) positions.push_back(i);
   }
   if (positions.empty()) {
-    throw InputError("no tracked frame lies between " + std::to_string(first) + " and " +
+    throw InputError("no tracked frame between " + std::to_string(first) + " and " +
                      std::to_string(last));
   }
   scene::SnapshotRenderer snapshots(snapshot);

@@ -1,5 +1,3 @@
-#include "replay_frames.h"
-
 #include <headway/core/error.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
@@ -10,6 +8,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
+
+#include "finished_replay.h"
 
 namespace headway::render_program {
 namespace {
@@ -40,8 +40,8 @@ std::size_t firstFrame(const fs::path& folder) {
   return from != options.end() && from->is_number_unsigned() ? from->get<std::size_t>() : 0;
 }
 
-/// Rows of the trajectory with the frames they belong to; the tracks' rows, which name time and
-/// frame, settle what skipped frames would leave open.
+/// Assigns frame indices to the rows of the trajectory; `known` has the indices and times of the
+/// tracks' rows, which resolve skipped frames.
 std::vector<ReplayFrame> framesOf(const fs::path& folder, const std::vector<Stamped<Pose>>& poses,
                                   const std::map<Time, std::size_t>& known) {
   const auto lost = lostFrames(folder);
@@ -56,7 +56,7 @@ std::vector<ReplayFrame> framesOf(const fs::path& folder, const std::vector<Stam
   return frames;
 }
 
-/// What moves the online map of each frame onto the final one.
+/// Transformation from the online map to the final map at each frame.
 std::vector<Pose> corrections(const std::vector<ReplayFrame>& frames,
                               const std::vector<Stamped<Pose>>& online) {
   std::vector<Pose> result;
@@ -70,7 +70,7 @@ std::vector<Pose> corrections(const std::vector<ReplayFrame>& frames,
   return result;
 }
 
-void move(const Pose& T_final_online, Track& track) {
+void transform(const Pose& T_final_online, Track& track) {
   const Eigen::Matrix3d& R = T_final_online.linear();
   track.position = T_final_online * track.position;
   track.velocity = R * track.velocity;
@@ -98,13 +98,13 @@ PathsByFrame readPredictions(const fs::path& path) {
   return paths;
 }
 
-using PlacesByTrack = std::map<TrackId, std::vector<TrajectoryPoint>>;
+using PathsByTrack = std::map<TrackId, std::vector<TrajectoryPoint>>;
 
-/// Where each track was, in the final map, ascending in time.
-PlacesByTrack placesOf(const std::vector<TrackSample>& samples,
-                       const std::map<std::size_t, std::size_t>& position_of,
-                       const std::vector<Pose>& to_final) {
-  PlacesByTrack places;
+/// Past path of each track in the final map, ascending in time.
+PathsByTrack pathsOf(const std::vector<TrackSample>& samples,
+                     const std::map<std::size_t, std::size_t>& position_of,
+                     const std::vector<Pose>& to_final) {
+  PathsByTrack places;
   for (const auto& sample : samples) {
     const auto position = position_of.find(sample.frame);
     if (position == position_of.end()) continue;
@@ -120,8 +120,8 @@ PlacesByTrack placesOf(const std::vector<TrackSample>& samples,
   return places;
 }
 
-/// Gives each track its places in the frames before, as far as they are not too long ago.
-void addPast(const PlacesByTrack& places, std::vector<ReplayFrame>& frames) {
+/// Adds to each track its positions of the last kPastS.
+void addPast(const PathsByTrack& places, std::vector<ReplayFrame>& frames) {
   for (auto& frame : frames) {
     for (auto& track : frame.tracks) {
       const auto points = places.find(track.id);
@@ -135,12 +135,35 @@ void addPast(const PlacesByTrack& places, std::vector<ReplayFrame>& frames) {
   }
 }
 
+/// Positions of frame indices in the list of frames.
+std::map<std::size_t, std::size_t> positionsOf(const std::vector<ReplayFrame>& frames) {
+  std::map<std::size_t, std::size_t> positions;
+  for (std::size_t i = 0; i < frames.size(); ++i) positions[frames[i].frame] = i;
+  return positions;
+}
+
+/// Adds each track with its predictions to its frame, transformed to the final map; tracks of
+/// frames without a pose are ignored.
+void addTracks(const std::vector<TrackSample>& samples, const PathsByFrame& paths,
+               const std::map<std::size_t, std::size_t>& position_of,
+               const std::vector<Pose>& to_final, std::vector<ReplayFrame>& frames) {
+  for (const auto& sample : samples) {
+    const auto position = position_of.find(sample.frame);
+    if (position == position_of.end()) continue;
+    Track track = sample.track;
+    const auto path = paths.find({sample.frame, track.id});
+    if (path != paths.end()) track.predictions = path->second;
+    transform(to_final[position->second], track);
+    frames[position->second].tracks.push_back(std::move(track));
+  }
+}
+
 }  // namespace
 
 std::vector<ReplayFrame> readFrames(const std::string& folder_name, const Note& note) {
   const fs::path folder(folder_name);
   const auto poses = io::readTum(folder / "trajectory.tum");
-  if (poses.empty()) throw InputError((folder / "trajectory.tum").string() + ": holds no pose");
+  if (poses.empty()) throw InputError((folder / "trajectory.tum").string() + ": contains no pose");
   std::vector<TrackSample> samples;
   if (fs::exists(folder / "tracks.csv")) {
     samples = io::readTrackCsv(folder / "tracks.csv");
@@ -162,20 +185,11 @@ std::vector<ReplayFrame> readFrames(const std::string& folder_name, const Note& 
   } else if (!samples.empty()) {
     note("no predictions.csv in " + folder_name + ": drawn without predictions");
   }
-  std::map<std::size_t, std::size_t> position_of;
-  for (std::size_t i = 0; i < frames.size(); ++i) position_of[frames[i].frame] = i;
-  for (const auto& sample : samples) {
-    const auto position = position_of.find(sample.frame);
-    if (position == position_of.end()) continue;  // the camera was lost: nowhere to draw it from
-    Track track = sample.track;
-    const auto path = paths.find({sample.frame, track.id});
-    if (path != paths.end()) track.predictions = path->second;
-    move(to_final[position->second], track);
-    frames[position->second].tracks.push_back(std::move(track));
-  }
+  const auto position_of = positionsOf(frames);
+  addTracks(samples, paths, position_of, to_final, frames);
   const fs::path smoothed = folder / "tracks_smoothed.csv";
   const auto past = fs::exists(smoothed) ? io::readTrackCsv(smoothed) : std::move(samples);
-  addPast(placesOf(past, position_of, to_final), frames);
+  addPast(pathsOf(past, position_of, to_final), frames);
   return frames;
 }
 

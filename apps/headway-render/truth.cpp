@@ -1,11 +1,11 @@
-#include "truth.h"
-
 #include <headway/core/error.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
 
 #include <cmath>
 #include <filesystem>
+
+#include "finished_replay.h"
 
 namespace headway::render_program {
 namespace {
@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 constexpr double kSameTimeS = 0.03;
 
-/// Takes the frame of the truth onto the estimated map, by the first pair of poses of one time.
+/// Transformation from the truth to the estimated map, from the first poses of equal time.
 Pose alignment(const std::string& path, const std::vector<Stamped<Pose>>& truth,
                const std::vector<ReplayFrame>& frames) {
   for (const auto& frame : frames) {
@@ -24,7 +24,8 @@ Pose alignment(const std::string& path, const std::vector<Stamped<Pose>>& truth,
       }
     }
   }
-  throw InputError(path + ": none of its times is one of the replay's; is it of another rawlog?");
+  throw InputError(path +
+                   ": no time agrees with a time of the replay; it may belong to another rawlog");
 }
 
 }  // namespace
@@ -35,7 +36,8 @@ Truth readTruth(const std::string& folder_name, const std::vector<ReplayFrame>& 
   const fs::path trajectory = folder / "trajectory.tum";
   const fs::path objects = folder / "objects.csv";
   if (!fs::exists(trajectory)) {
-    throw InputError(trajectory.string() + ": no such file; --truth takes the folder of a truth");
+    throw InputError(trajectory.string() +
+                     ": no such file; --truth requires a folder with trajectory.tum");
   }
   Truth truth;
   truth.path = io::readTum(trajectory);

@@ -6,13 +6,15 @@
 
 #include <cmath>
 #include <exception>
-
-#include "kitti_scores.h"
+#include <fstream>
+#include <iomanip>
+#include <sstream>
+#include <string>
 
 namespace headway::replay {
 namespace {
 
-/// KITTI's row of a track; without an image the 2D box is -1 -1 -1 -1 where none was detected.
+/// KITTI row of a track; the 2D box is -1 -1 -1 -1 if there is neither a detected box nor a camera.
 io::KittiRow kittiRow(std::size_t frame, const Track& track, const Pose& T_sensor_map,
                       const StereoCamera* camera) {
   const Box3d box = opticalBox(track.position, track.size, track.yaw, T_sensor_map);
@@ -33,6 +35,36 @@ io::KittiRow kittiRow(std::size_t frame, const Track& track, const Pose& T_senso
   if (!box2d && camera != nullptr) box2d = pipeline::projectedBox(box, *camera);
   row.box2d = box2d.value_or(Box2d{-1, -1, -1, -1});
   return row;
+}
+
+/// Replaces the score of every row of a KITTI tracking result by the final score of its track,
+/// because KITTI evaluates complete tracks; during the replay the file contains the current scores.
+///
+/// @param scores  track id -> score; rows of other tracks are not changed
+/// @throws InputError naming the file if it cannot be read or written
+void rescoreKittiResults(const std::filesystem::path& file,
+                         const std::map<std::int64_t, double>& scores) {
+  auto rescored = file;
+  rescored += ".new";
+  {
+    std::ifstream old_rows(file);
+    OutputFile new_rows(rescored);
+    new_rows.stream() << std::fixed << std::setprecision(6);
+    for (std::string row; std::getline(old_rows, row);) {
+      std::istringstream fields(row);
+      std::int64_t frame = 0;
+      std::int64_t id = 0;
+      fields >> frame >> id;
+      const auto score = scores.find(id);
+      if (score == scores.end()) {
+        new_rows.stream() << row << '\n';
+      } else {
+        new_rows.stream() << row.substr(0, row.rfind(' ') + 1) << score->second << '\n';
+      }
+    }
+    new_rows.flush();
+  }
+  std::filesystem::rename(rescored, file);
 }
 
 }  // namespace
@@ -97,7 +129,7 @@ void FrameWriters::writeSmoothed(const std::vector<TrackSample>& samples) {
 }
 
 void FrameWriters::finish() {
-  std::exception_ptr failure;  // the first one; the other files are still brought to disk
+  std::exception_ptr failure;  // the first failure; the other files are flushed nevertheless
   for (auto* file : {&trajectory_, &detections_, &tracks_, &smoothed_, &kitti_, &predictions_}) {
     try {
       file->flush();

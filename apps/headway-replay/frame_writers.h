@@ -14,18 +14,18 @@
 
 namespace headway::replay {
 
-/// Writes what each frame says as soon as it is known, so that an early end loses nothing:
+/// Writes the results of each frame immediately, so that they are complete after an early end:
 /// trajectory_online.tum, detections.csv, tracks.csv, tracks_smoothed.csv, tracks_kitti.txt,
 /// predictions.csv.
 class FrameWriters {
  public:
-  /// @param camera  null where the rawlog holds poses and boxes alone
+  /// @param camera  null if the rawlog contains only poses and boxes
   FrameWriters(const std::filesystem::path& folder, std::shared_ptr<const StereoCamera> camera);
 
   /// @throws InputError naming the file that could not be written
   void write(const pipeline::PerceptionUpdate& update);
   void writeSmoothed(const std::vector<TrackSample>& samples);
-  /// Brings everything to disk, and gives every row of tracks_kitti.txt its track's last score.
+  /// Flushes all files and sets the scores of tracks_kitti.txt to the tracks' final scores.
   ///
   /// @throws InputError naming the file that could not be written
   void finish();
@@ -42,15 +42,15 @@ class FrameWriters {
   std::filesystem::path kitti_path_;
   OutputFile kitti_;
   OutputFile predictions_;
-  std::map<std::int64_t, double> scores_;  ///< track id -> score, as last known
+  std::map<std::int64_t, double> scores_;  ///< track id -> latest score
 };
 
 /// Writes trajectory.tum and trajectory_kitti.txt.
 ///
-/// KITTI has a row for every frame from the first to the last; a lost or skipped one repeats the
-/// last pose (before the first tracked one: the first).
+/// trajectory_kitti.txt has a row for every frame from the first to the last; lost and skipped
+/// frames repeat the previous pose (the first pose before tracking starts).
 ///
-/// @param T_robot_cam  left camera on the robot
+/// @param T_robot_cam  pose of the left camera on the robot
 void writeTrajectories(const std::filesystem::path& folder,
                        const std::vector<slam::FrameEstimate>& trajectory, const Pose& T_robot_cam);
 

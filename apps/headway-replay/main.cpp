@@ -1,4 +1,4 @@
-// headway-replay: a stereo rawlog in; trajectory, tracks, predictions, map and pictures out.
+// headway-replay: stereo rawlog to trajectory, tracks, predictions, map and pictures.
 #include <headway/program/progress.h>
 
 #include <cstdio>
@@ -14,9 +14,10 @@ int main(int argc, char** argv) {
     headway::Params params;
     perception_params.describe(params);
 
-    CommandLine line("headway-replay",
-                     "Replays a stereo rawlog: localises the camera, maps the still world, tracks "
-                     "and predicts what moves, and leaves all of it in OUTDIR.");
+    CommandLine line(
+        "headway-replay",
+        "Processes a stereo rawlog: localises the camera, maps the static environment, tracks "
+        "and predicts moving objects, and writes the results to OUTDIR.");
     headway::replay::describe(options, line);
     line.parameters(params);
     if (!line.parse(argc, argv)) return headway::program::kDone;

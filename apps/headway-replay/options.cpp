@@ -11,23 +11,22 @@ void describe(Options& options, program::CommandLine& line) {
   line.option(options.input, 'i', "input", "IN.rawlog", "Rawlog to replay", true);
   line.option(options.output, 'o', "output", "OUTDIR", "Folder for all results", true);
   line.option(options.detections, 0, "detections", "FILE",
-              "Boxes by frame (KITTI or CSV) to use instead of the recorded ones");
-  line.option(
-      options.detector, 0, "detector", "NAME",
-      "Where boxes come from: auto, none, recorded (rawlog or --detections), stereo_motion, "
-      "dnn, hog, or several joined by +; default: detect.detector of the configuration");
+              "Boxes per frame (KITTI or CSV) that replace the recorded ones");
+  line.option(options.detector, 0, "detector", "NAME",
+              "Source of boxes: auto, none, recorded (rawlog or --detections), stereo_motion, "
+              "dnn, hog, or several joined by +; default: detect.detector of the configuration");
   line.option(options.sensor_label, 0, "sensor-label", "LABEL",
-              "Stereo camera to use where the rawlog holds several");
+              "Stereo camera to use if the rawlog contains several");
   line.option(options.load_map, 0, "load-map", "FILE",
-              "Localise in this map.headway and map on (slam.mapping=false: localise only)");
+              "Localise in this map.headway and extend it (slam.mapping=false: localise only)");
   line.option(options.realtime, 0, "realtime", "FACTOR",
-              "Play at FACTOR times the recorded rate, dropping frames when late; 0: every frame");
-  line.option(options.from_index, 0, "from-index", "N", "First stereo frame to use");
-  line.option(options.to_index, 0, "to-index", "N", "Last stereo frame to use");
+              "Replay at FACTOR times the recorded rate, dropping late frames; 0: every frame");
+  line.option(options.from_index, 0, "from-index", "N", "Index of the first stereo frame");
+  line.option(options.to_index, 0, "to-index", "N", "Index of the last stereo frame");
   line.option(options.truth, 0, "truth", "DIR",
-              "Folder with trajectory.tum and objects.csv; the report shows the errors against it");
-  line.option(options.snapshots, 0, "snapshots", "N", "Pictures to draw along the way");
-  line.flag(options.overwrite, 'w', "overwrite", "Write into a folder that holds results already");
+              "Folder with trajectory.tum and objects.csv to compare with in the report");
+  line.option(options.snapshots, 0, "snapshots", "N", "Number of pictures of the map to draw");
+  line.flag(options.overwrite, 'w', "overwrite", "Overwrite the results in an existing folder");
 }
 
 void check(const Options& options) {
@@ -39,18 +38,17 @@ void check(const Options& options) {
       throw UsageError(std::string("--detector: ") + error.what());
     }
     if (!options.detections.empty() && !pipeline::usesRecordedBoxes(options.detector)) {
-      throw UsageError("--detections gives boxes and --detector " + options.detector +
-                       " makes no use of them");
+      throw UsageError("--detections has no effect with --detector " + options.detector);
     }
   }
   if (!options.truth.empty() &&
       !std::filesystem::is_regular_file(std::filesystem::path(options.truth) / "trajectory.tum")) {
-    throw InputError(options.truth + ": --truth needs a folder with trajectory.tum");
+    throw InputError(options.truth + ": --truth requires a folder with trajectory.tum");
   }
   if (!(options.realtime >= 0.0)) throw UsageError("--realtime must not be negative");
   if (options.snapshots < 0) throw UsageError("--snapshots must not be negative");
   if (options.from_index && options.to_index && *options.to_index < *options.from_index) {
-    throw UsageError("--to-index lies before --from-index");
+    throw UsageError("--to-index is less than --from-index");
   }
 }
 

@@ -7,16 +7,16 @@
 
 namespace headway::replay {
 
-/// What the command line asks of a replay.
+/// Command-line options of a replay.
 struct Options {
   std::string input;       ///< rawlog
   std::string output;      ///< folder
-  std::string detections;  ///< side file of boxes; empty: those recorded in the rawlog
+  std::string detections;  ///< side file of boxes; empty: recorded boxes
   std::string detector;    ///< pipeline::DetectionParams::detector; empty: as configured
-  std::string load_map;    ///< map file to go on in; empty: begin a new map
-  std::string truth;       ///< folder whose truth the report shows too; empty: none
+  std::string load_map;    ///< map file to continue; empty: new map
+  std::string truth;       ///< folder with the truth for the report; empty: none
   std::string sensor_label;
-  double realtime = 0.0;  ///< times the recorded rate; 0: offline, every frame
+  double realtime = 0.0;  ///< factor of the recorded rate; 0: offline, every frame
   std::optional<std::size_t> from_index;
   std::optional<std::size_t> to_index;
   int snapshots = 6;
@@ -24,10 +24,10 @@ struct Options {
   bool quiet = false;
 };
 
-/// Declares the options on a command line.
+/// Adds the options to a command line.
 void describe(Options& options, program::CommandLine& line);
 
-/// Throws UsageError where options contradict each other or make no sense.
+/// @throws UsageError if options are invalid or contradict each other
 void check(const Options& options);
 
 }  // namespace headway::replay

@@ -29,7 +29,7 @@ OutputFile::OutputFile(fs::path path) : path_(std::move(path)), stream_(path_) {
 }
 
 void OutputFile::check() const {
-  if (!stream_) throw InputError(path_.string() + ": writing failed; is the disk full?");
+  if (!stream_) throw InputError(path_.string() + ": write error; check the disk space");
 }
 
 void OutputFile::flush() {
@@ -41,11 +41,12 @@ fs::path prepareOutputFolder(const fs::path& folder, bool overwrite) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error || !fs::is_directory(folder)) {
-    throw InputError(folder.string() + ": this folder cannot be made: " +
-                     (error ? error.message() : "a file stands in its place"));
+    throw InputError(folder.string() + ": the folder cannot be created: " +
+                     (error ? error.message() : "a file of that name exists"));
   }
   if (!overwrite && !fs::is_empty(folder)) {
-    throw InputError(folder.string() + ": holds files already; -w overwrites a replay's results");
+    throw InputError(folder.string() +
+                     ": is not empty; use -w to overwrite the results of a replay");
   }
   removeOldSnapshots(folder);
   OutputFile probe(folder / "replay.json");

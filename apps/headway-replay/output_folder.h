@@ -6,16 +6,16 @@
 
 namespace headway::replay {
 
-/// A text file that reports what it could not write instead of losing it.
+/// A text file that reports write errors.
 class OutputFile {
  public:
   /// @throws InputError if the file cannot be opened
   explicit OutputFile(std::filesystem::path path);
 
   [[nodiscard]] std::ostream& stream() { return stream_; }
-  /// @throws InputError if something could not be written so far
+  /// @throws InputError if a write failed so far
   void check() const;
-  /// Brings what was written so far to disk. @throws InputError if that fails
+  /// Flushes the file. @throws InputError if that fails
   void flush();
 
  private:
@@ -23,13 +23,13 @@ class OutputFile {
   std::ofstream stream_;
 };
 
-/// Makes the folder of a replay's results ready.
+/// Prepares the output folder of a replay.
 ///
-/// An empty or new folder is taken as it is. One with files in it needs `overwrite`; then the
-/// pictures of an earlier replay are removed, and nothing else.
+/// Creates the folder if necessary. A folder that is not empty requires `overwrite`; the snapshots
+/// of an earlier replay are then removed, and no other files.
 ///
 /// @return  the folder
-/// @throws  InputError if it may not or cannot be written
+/// @throws  InputError if the folder may not be overwritten or cannot be written
 [[nodiscard]] std::filesystem::path prepareOutputFolder(const std::filesystem::path& folder,
                                                         bool overwrite);
 

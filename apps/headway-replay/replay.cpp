@@ -15,9 +15,6 @@
 #include <iostream>
 #include <sstream>
 
-#include "measure.h"
-#include "run_record.h"
-
 namespace headway::replay {
 namespace {
 
@@ -31,7 +28,7 @@ io::RawlogSourceOptions sourceOptions(const Options& options, const slam::SlamPa
   return result;
 }
 
-/// In real time the tracking does not wait for bundle adjustments.
+/// In real time, bundle adjustment runs in the background.
 pipeline::PerceptionParams perceptionParams(const Options& options,
                                             pipeline::PerceptionParams params) {
   params.slam.adjust_in_background = options.realtime > 0.0;
@@ -52,8 +49,8 @@ void printCalibration(const io::CalibrationReport& report) {
       report.vertical_disparity_px, report.median_disparity_px, report.matches);
 }
 
-/// The pipeline, in the map that the options name or in a new one.
-std::unique_ptr<pipeline::Perception> beginPerception(
+/// Creates the pipeline with the map of --load-map, if given.
+std::unique_ptr<pipeline::Perception> makePerception(
     const Options& options, const std::shared_ptr<const StereoCamera>& camera,
     const pipeline::PerceptionParams& params) {
   auto perception = std::make_unique<pipeline::Perception>(camera, params);
@@ -62,19 +59,19 @@ std::unique_ptr<pipeline::Perception> beginPerception(
   try {
     perception->resume(stored);
   } catch (const InputError& error) {
-    throw InputError(options.load_map + ": not a map to go on in: " + error.what());
+    throw InputError(options.load_map + ": cannot be continued: " + error.what());
   }
   return perception;
 }
 
-/// One line for the log: what was found, what was needed.
+/// One log line: outcome, measured and required values.
 std::string describe(std::size_t frame, const slam::LoopAttempt& loop) {
   const char* outcome = "closed";
   if (loop.outcome == slam::LoopOutcome::kNotRecognised) outcome = "not recognised";
-  if (loop.outcome == slam::LoopOutcome::kTooFewInliers) outcome = "refused for too few inliers";
-  if (loop.outcome == slam::LoopOutcome::kTooFarOff) outcome = "refused as too far off";
+  if (loop.outcome == slam::LoopOutcome::kTooFewInliers) outcome = "rejected: too few inliers";
+  if (loop.outcome == slam::LoopOutcome::kTooFarOff) outcome = "rejected: offset too large";
   char text[200];
-  std::snprintf(text, sizeof text, "frame %zu: loop to keyframe %lld %s: inliers %d, needed %d",
+  std::snprintf(text, sizeof text, "frame %zu: loop to keyframe %lld %s: inliers %d, required %d",
                 frame, static_cast<long long>(loop.candidate.value), outcome, loop.inliers,
                 loop.inliers_needed);
   if (loop.offset_allowed_m == 0.0) return text;
@@ -92,7 +89,7 @@ Replay::Replay(const Options& options, const pipeline::PerceptionParams& percept
       configuration_(textOf(params)),
       source_(options.input, sourceOptions(options, perception_params.slam)),
       camera_(source_.camera()),
-      perception_(beginPerception(options, camera_, perceptionParams(options, perception_params))),
+      perception_(makePerception(options, camera_, perceptionParams(options, perception_params))),
       folder_(prepareOutputFolder(options.output, options.overwrite)),
       writers_(folder_, camera_),
       snapshots_(folder_, options.snapshots, [this](const std::string& text) { warn(text); }) {
@@ -121,7 +118,7 @@ void Replay::run() {
   }
   if (failure) std::rethrow_exception(failure);
   if (source_.truncation()) {
-    throw InputError(*source_.truncation() + "; what came before it was processed and written to " +
+    throw InputError(*source_.truncation() + "; the part before was processed and written to " +
                      folder_.string());
   }
 }
@@ -144,13 +141,13 @@ void Replay::processAll() {
     summary_.frames_dropped_late = feed->dropped();
     if (!frame) break;
     if (summary_.frame_ms.empty()) summary_.start_up_s = secondsSinceProcessStart();
-    takeSideDetections(*frame);
+    applySideDetections(*frame);
     process(*frame, progress_);
     progress.update(summary_.frame_ms.size(), progress_);
   }
 }
 
-void Replay::takeSideDetections(RecordedFrame& frame) const {
+void Replay::applySideDetections(RecordedFrame& frame) const {
   if (options_.detections.empty()) return;
   const auto side = side_detections_.find(frame.index);
   frame.detections = side != side_detections_.end() ? side->second : Detections();
@@ -204,7 +201,7 @@ void Replay::countLostFrames(const std::vector<slam::FrameEstimate>& trajectory)
 void Replay::finish() {
   perception_->finish();
   const auto trajectory = perception_->trajectory();
-  std::exception_ptr failure;  // the first one; one file that fails must not cost the others
+  std::exception_ptr failure;  // the first failure; the other files are written nevertheless
   const auto attempt = [&failure](const auto& step) {
     try {
       step();
@@ -221,13 +218,13 @@ void Replay::finish() {
                       camera_ != nullptr ? camera_->T_robot_cam : robotFromOptical());
   });
   attempt([&] { writeMap(trajectory); });
-  warnIfNeverRecognised(trajectory);
+  warnIfNotRelocalised(trajectory);
   attempt([&] { snapshots_.finish(*perception_); });
   attempt([&] {
     summarise(trajectory);
     writeSummary(folder_ / "summary.json", summary_);
   });
-  if (!failure) {  // it reads what was written
+  if (!failure) {  // the report is made from the written files
     attempt([&] {
       program::writeTruthReport(folder_, options_.truth, {},
                                 [this](const std::string& text) { warn(text); });
@@ -238,9 +235,9 @@ void Replay::finish() {
 
 void Replay::summarise(const std::vector<slam::FrameEstimate>& trajectory) {
   countLostFrames(trajectory);
-  const auto still_world = perception_->map().stillWorld();
-  summary_.keyframes = still_world->keyframes.size();
-  summary_.landmarks = still_world->landmarks.size();
+  const auto static_map = perception_->map().stillWorld();
+  summary_.keyframes = static_map->keyframes.size();
+  summary_.landmarks = static_map->landmarks.size();
   summary_.tracks_confirmed = seen_tracks_.size();
   for (const auto& [id, moving] : seen_tracks_) summary_.tracks_moving += moving ? 1 : 0;
   summary_.stages.merge(perception_->times());
@@ -258,13 +255,13 @@ void Replay::writeMap(const std::vector<slam::FrameEstimate>& trajectory) {
   map::writePly(folder_ / "map_points.ply", *stored.map.stillWorld());
 }
 
-void Replay::warnIfNeverRecognised(const std::vector<slam::FrameEstimate>& trajectory) const {
+void Replay::warnIfNotRelocalised(const std::vector<slam::FrameEstimate>& trajectory) const {
   const auto tracked = [](const slam::FrameEstimate& estimate) { return estimate.tracked; };
   if (options_.load_map.empty() || std::any_of(trajectory.begin(), trajectory.end(), tracked)) {
     return;
   }
-  warn("no frame was recognised in " + options_.load_map +
-       ": is it a map of this place? Its landmarks and keyframes were left as they are");
+  warn("no frame was re-localised in " + options_.load_map +
+       ", which may be a map of another place; its landmarks and keyframes are unchanged");
 }
 
 void Replay::warn(const std::string& text) const {

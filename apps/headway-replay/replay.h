@@ -18,23 +18,23 @@
 
 namespace headway::replay {
 
-/// One run: a rawlog in, a folder of results out.
+/// Processes a rawlog and writes a folder of results.
 ///
-/// Whatever ends the run (the end of the rawlog, Ctrl-C, a broken file, a full disk), what was
-/// computed until then is written.
+/// The results computed so far are written however the run ends: end of the rawlog, Ctrl-C, a
+/// truncated file or a full disk.
 ///
 ///     Replay replay(options, perception_params, params);
 ///     replay.run();
 class Replay {
  public:
-  /// Opens the rawlog and the map to go on in, and then makes the folder ready.
+  /// Opens the rawlog and the map to continue, then prepares the output folder.
   ///
-  /// @param params  the same parameters as named values, for replay.json and map.headway
+  /// @param params  the same parameters by name, for replay.json and map.headway
   /// @throws InputError
   Replay(const Options& options, const pipeline::PerceptionParams& perception_params,
          const Params& params);
 
-  /// Runs to the end. @throws InputError after writing what was computed
+  /// Processes all frames. @throws InputError after writing the results computed so far
   void run();
 
   [[nodiscard]] const Summary& summary() const { return summary_; }
@@ -46,13 +46,13 @@ class Replay {
   [[nodiscard]] std::unique_ptr<pipeline::FrameFeed> makeFeed();
   void processAll();
   void process(const RecordedFrame& frame, double progress);
-  void takeSideDetections(RecordedFrame& frame) const;
+  void applySideDetections(RecordedFrame& frame) const;
   void count(const RecordedFrame& frame, const pipeline::PerceptionUpdate& update);
   void countLostFrames(const std::vector<slam::FrameEstimate>& trajectory);
   void finish();
   void summarise(const std::vector<slam::FrameEstimate>& trajectory);
   void writeMap(const std::vector<slam::FrameEstimate>& trajectory);
-  void warnIfNeverRecognised(const std::vector<slam::FrameEstimate>& trajectory) const;
+  void warnIfNotRelocalised(const std::vector<slam::FrameEstimate>& trajectory) const;
   void warn(const std::string& text) const;
 
   Options options_;
@@ -66,7 +66,7 @@ class Replay {
   Snapshots snapshots_;
   Summary summary_;
   std::atomic<double> progress_{0.0};
-  std::map<TrackId, bool> seen_tracks_;  ///< confirmed ones -> ever moving
+  std::map<TrackId, bool> seen_tracks_;  ///< confirmed tracks -> moving at some time
 };
 
 }  // namespace headway::replay

@@ -54,7 +54,7 @@ void Snapshots::draw(const pipeline::Perception& perception) {
   std::snprintf(name, sizeof name, "%06zu.png", last_->index);
   const auto path = folder_ / "snapshots" / name;
   if (!cv::imwrite(path.string(), renderer_->draw(input(perception)))) {
-    throw InputError(path.string() + ": the picture cannot be written; is the disk full?");
+    throw InputError(path.string() + ": the picture cannot be written; check the disk space");
   }
   written_.push_back(path);
 }

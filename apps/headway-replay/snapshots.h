@@ -13,20 +13,20 @@
 
 namespace headway::replay {
 
-/// Draws pictures of the map along the way, spread evenly over the rawlog, and the final scene.
+/// Draws pictures of the map, evenly spaced over the rawlog, and writes the final scene.
 ///
-/// Where no OpenGL can be had, says so once and draws nothing; the scene file is still written.
+/// Without OpenGL it warns once and draws no pictures; the scene file is written nevertheless.
 class Snapshots {
  public:
   Snapshots(std::filesystem::path folder, int count, std::function<void(const std::string&)> warn);
 
-  /// Remembers the frame and draws it if one is due.
+  /// Stores the frame and draws a picture if one is due.
   ///
-  /// @param progress  share of the rawlog that is done, 0 to 1
+  /// @param progress  ratio of the rawlog that is processed, 0 to 1
   void add(const pipeline::Perception& perception, const pipeline::PerceptionUpdate& update,
            const RecordedFrame& frame, double progress);
 
-  /// Writes scene.3Dscene of the last frame added.
+  /// Writes scene.3Dscene of the latest frame.
   void finish(const pipeline::Perception& perception);
 
   /// Pictures written so far.
@@ -40,7 +40,7 @@ class Snapshots {
   std::filesystem::path folder_;
   int count_;
   std::function<void(const std::string&)> warn_;
-  std::unique_ptr<scene::SnapshotRenderer> renderer_;  ///< made when the first picture is due
+  std::unique_ptr<scene::SnapshotRenderer> renderer_;  ///< created for the first picture
   std::vector<std::filesystem::path> written_;
   std::vector<Stamped<Pose>> path_;
   std::optional<RecordedFrame> last_;

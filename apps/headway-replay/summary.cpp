@@ -2,18 +2,30 @@
 
 #include <headway/core/statistics.h>
 #include <headway/core/version.h>
+#include <unistd.h>
 
 #include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "measure.h"
 #include "output_folder.h"
 
 namespace headway::replay {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+Json indexJson(const std::optional<std::size_t>& index) {
+  return index ? Json(*index) : Json(nullptr);
+}
+
+Json pathJson(const std::string& path) {
+  return path.empty() ? Json(nullptr)
+                      : Json(std::filesystem::absolute(path).lexically_normal().string());
+}
 
 Json calibrationJson(const std::optional<io::CalibrationReport>& report) {
   if (!report) return nullptr;
@@ -46,6 +58,54 @@ std::string countsText(const std::map<std::string, std::size_t>& counts) {
 }
 
 }  // namespace
+
+double secondsSinceProcessStart() {
+  // proc(5): field 22 of stat is the start in clock ticks since boot; the name in field 2 may
+  // contain blanks but ends at the last ')'.
+  std::ifstream stat("/proc/self/stat");
+  std::string line;
+  std::getline(stat, line);
+  const auto end_of_name = line.rfind(')');
+  if (end_of_name == std::string::npos) return 0.0;
+  std::size_t position = end_of_name + 2;
+  for (int field = 3; field < 22; ++field) position = line.find(' ', position) + 1;
+  const double start = std::stod(line.substr(position)) / static_cast<double>(sysconf(_SC_CLK_TCK));
+  timespec now{};
+  clock_gettime(CLOCK_BOOTTIME, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec) - start;
+}
+
+double peakMemoryMb() {
+  std::ifstream status("/proc/self/status");
+  std::string word;
+  while (status >> word) {
+    if (word == "VmHWM:") {
+      double kib = 0.0;
+      status >> kib;
+      return kib / 1024.0;
+    }
+    status.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+  }
+  return 0.0;
+}
+
+void writeRunRecord(const std::filesystem::path& path, const Options& options,
+                    const Params& params) {
+  Json json;
+  json["version"] = kVersion;
+  json["input"] = {{"rawlog", pathJson(options.input)},
+                   {"detections", pathJson(options.detections)},
+                   {"map", pathJson(options.load_map)},
+                   {"sensor_label", options.sensor_label}};
+  json["options"] = {{"realtime", options.realtime},
+                     {"from_index", indexJson(options.from_index)},
+                     {"to_index", indexJson(options.to_index)},
+                     {"snapshots", options.snapshots}};
+  json["configuration"] = Json(params.values());
+  OutputFile file(path);
+  file.stream() << json.dump(2) << '\n';
+  file.flush();
+}
 
 void writeSummary(const std::filesystem::path& path, const Summary& summary) {
   Json json;
@@ -91,12 +151,12 @@ void printSummary(const Summary& summary) {
     std::printf(", dropped: %s", countsText(summary.detections_dropped).c_str());
   }
   std::printf(
-      "\n%.1f ms a frame (median), %.1f ms (95 %%); %.1f ms CPU; %.0f MB; first frame "
+      "\n%.1f ms per frame (median), %.1f ms (95 %%); %.1f ms CPU; %.0f MB; first frame "
       "after %.2f s\n",
       percentile(summary.frame_ms, 0.5), percentile(summary.frame_ms, 0.95),
       perFrame(summary.cpu_ms, summary.frame_ms.size()), peakMemoryMb(), summary.start_up_s);
   if (!summary.observations_skipped.empty()) {
-    std::printf("observations not used: %s\n", countsText(summary.observations_skipped).c_str());
+    std::printf("skipped observations: %s\n", countsText(summary.observations_skipped).c_str());
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <headway/core/params.h>
 #include <headway/core/stage_times.h>
 #include <headway/core/track.h>
 #include <headway/io/rawlog_source.h>
@@ -12,19 +13,21 @@
 #include <string>
 #include <vector>
 
+#include "options.h"
+
 namespace headway::replay {
 
-/// The figures of one replay, as summary.json holds them.
+/// Figures of one replay, written to summary.json.
 struct Summary {
   std::size_t frames = 0;  ///< from the first frame's index to the last one's
   std::size_t frames_tracked = 0;
-  std::vector<std::size_t> lost_frames;  ///< lost, skipped or dropped ones
+  std::vector<std::size_t> lost_frames;  ///< lost, skipped or dropped
   std::size_t frames_dropped_late = 0;   ///< with --realtime
   std::size_t keyframes = 0;
   std::size_t landmarks = 0;
   std::size_t loops = 0;
   std::size_t tracks_confirmed = 0;
-  std::size_t tracks_moving = 0;  ///< confirmed ones that were found moving at some time
+  std::size_t tracks_moving = 0;  ///< confirmed tracks that were moving at some time
   double start_up_s = 0.0;
   double total_s = 0.0;
   std::vector<double> frame_ms;
@@ -34,14 +37,24 @@ struct Summary {
   DropCounts detections_dropped;
   std::optional<io::CalibrationReport> calibration;
   std::map<std::string, std::size_t> observations_skipped;
-  std::optional<std::string> ended_early;  ///< why, where the rawlog was not read to its end
+  std::optional<std::string> ended_early;  ///< reason if the rawlog was not read completely
   int seed = 0;
 };
 
-/// Writes summary.json (doc/formats.md).
+/// Time since the start of this process [s], which includes the time before main().
+[[nodiscard]] double secondsSinceProcessStart();
+
+/// Peak resident memory of this process [MB].
+[[nodiscard]] double peakMemoryMb();
+
+/// Writes replay.json: input, options and configuration of the run.
+void writeRunRecord(const std::filesystem::path& path, const Options& options,
+                    const Params& params);
+
+/// Writes summary.json.
 void writeSummary(const std::filesystem::path& path, const Summary& summary);
 
-/// Prints the summary for a reader, a few lines.
+/// Prints the summary to standard output.
 void printSummary(const Summary& summary);
 
 }  // namespace headway::replay

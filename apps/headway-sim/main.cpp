@@ -1,4 +1,4 @@
-// headway-sim: worlds with truth -> stereo rawlogs.
+// headway-sim: simulates a world into a stereo rawlog with truth.
 #include <headway/core/error.h>
 #include <headway/program/command_line.h>
 #include <headway/program/progress.h>
@@ -17,20 +17,18 @@ namespace {
 
 using namespace headway;
 
+/// Command-line options.
 struct Request {
   std::string output;
   std::optional<std::size_t> seed, frames;
   bool overwrite = false;
+  bool quiet = false;
   sim::RecordingOptions options;
 };
 
-/// The options that stand for a parameter, as that parameter.
-void applyShortcuts(const Request& request, Params& params) {
-  if (request.seed) params.set("world.seed=" + std::to_string(*request.seed));
-  if (request.frames) params.set("recording.frames=" + std::to_string(*request.frames));
-}
-
-/// How much disk the recording will take, said before it is taken.
+/// Prints the expected size of the recording.
+///
+/// @throws InputError if the disk space is insufficient
 void announceSize(const sim::SimFrame& first, const sim::SimParams& params,
                   const Request& request) {
   const auto total = static_cast<std::size_t>(params.recording.frames);
@@ -42,64 +40,65 @@ void announceSize(const sim::SimFrame& first, const sim::SimParams& params,
             << " frames; " << std::setprecision(0) << free << " MB are free" << std::endl;
   if (megabytes > free) {
     throw InputError(folder.string() +
-                     ": has not enough room; choose fewer frames ([recording] "
-                     "frames) or storage = external_jpeg");
+                     ": insufficient disk space; reduce [recording] frames or use "
+                     "storage = external_jpeg");
   }
 }
 
-/// How much of the images the movers covered, for the summary.
-class CoveredShare {
+/// Statistics of the image ratio covered by moving objects.
+class CoveredRatio {
  public:
   void add(const sim::SimFrame& frame) {
     const cv::Mat mask = sim::dynamicMask(frame);
-    const double share = cv::countNonZero(mask) / static_cast<double>(mask.total());
-    if (frames_ == 0) first_ = share;
-    most_ = std::max(most_, share);
-    sum_ += share;
+    const double ratio = cv::countNonZero(mask) / static_cast<double>(mask.total());
+    if (frames_ == 0) first_ = ratio;
+    max_ = std::max(max_, ratio);
+    sum_ += ratio;
     ++frames_;
   }
-  friend std::ostream& operator<<(std::ostream& out, const CoveredShare& share) {
-    const double mean = share.frames_ > 0 ? share.sum_ / share.frames_ : 0.0;
-    return out << std::fixed << std::setprecision(1) << "movers cover " << 100.0 * mean
-               << " % of the left image (first frame " << 100.0 * share.first_ << " %, most "
-               << 100.0 * share.most_ << " %)";
+  friend std::ostream& operator<<(std::ostream& out, const CoveredRatio& ratio) {
+    const double mean = ratio.frames_ > 0 ? ratio.sum_ / ratio.frames_ : 0.0;
+    return out << std::fixed << std::setprecision(1) << "moving objects cover " << 100.0 * mean
+               << " % of the left image (first frame " << 100.0 * ratio.first_ << " %, maximum "
+               << 100.0 * ratio.max_ << " %)";
   }
 
  private:
-  double first_ = 0.0, most_ = 0.0, sum_ = 0.0;
+  double first_ = 0.0, max_ = 0.0, sum_ = 0.0;
   int frames_ = 0;
 };
 
-int simulate(int argc, const char* const* argv) {
-  Request request;
-  sim::SimParams settings;
-  Params params;
-  settings.describe(params);
-  program::CommandLine line("headway-sim", "Draws a world as a stereo rawlog, with its truth.");
+/// Returns false if the program is done (--help and similar).
+bool parse(int argc, const char* const* argv, Request& request, Params& params) {
+  program::CommandLine line("headway-sim", "Simulates a world into a stereo rawlog with truth.");
   line.parameters(params);
-  line.option(request.output, 'o', "output", "OUT.rawlog", "rawlog to write", true);
-  line.option(request.seed, 0, "seed", "N", "instead of [world] seed");
-  line.option(request.frames, 0, "frames", "N", "instead of [recording] frames");
-  line.flag(request.options.masks, 0, "masks", "also write masks of what moves");
-  line.flag(request.options.depth, 0, "depth", "also write depth images");
-  line.flag(request.overwrite, 'w', "overwrite", "overwrite an output that exists");
-  if (!line.parse(argc, argv)) return program::kDone;
-  applyShortcuts(request, params);
+  line.option(request.output, 'o', "output", "OUT.rawlog", "Rawlog to write", true);
+  line.option(request.seed, 0, "seed", "N", "Overrides [world] seed");
+  line.option(request.frames, 0, "frames", "N", "Overrides [recording] frames");
+  line.flag(request.options.masks, 0, "masks", "Also write masks of moving objects");
+  line.flag(request.options.depth, 0, "depth", "Also write depth images");
+  line.flag(request.overwrite, 'w', "overwrite", "Overwrite an existing output");
+  if (!line.parse(argc, argv)) return false;
+  request.quiet = line.quiet();
+  if (request.seed) params.set("world.seed=" + std::to_string(*request.seed));
+  if (request.frames) params.set("recording.frames=" + std::to_string(*request.frames));
   program::requireWritable(request.output, request.overwrite);
   program::requireWritable(sim::truthFolder(request.output), request.overwrite);
-  std::ostringstream world_ini;
-  params.print(world_ini);
+  return true;
+}
 
-  program::catchInterrupts();
-  sim::Simulator simulator(settings);
+/// Simulates and writes all frames; one frame is written while the next one is rendered.
+///
+/// @return number of frames written
+std::size_t record(sim::Simulator& simulator, const sim::SimParams& settings,
+                   const Request& request, const std::string& world_ini, CoveredRatio& covered) {
   auto frame = simulator.next();
-  if (frame && !line.quiet()) announceSize(*frame, settings, request);
+  if (frame && !request.quiet) announceSize(*frame, settings, request);
   sim::Recording recording(request.output, settings.recording, request.options, simulator.camera(),
-                           simulator.recordedCamera(), world_ini.str());
-  program::Progress progress("headway-sim", line.quiet());
-  CoveredShare covered;
+                           simulator.recordedCamera(), world_ini);
+  program::Progress progress("headway-sim", request.quiet);
   std::size_t done = 0;
-  std::future<void> writing;  // one frame is written while the next one is drawn
+  std::future<void> writing;
   while (frame && !program::interrupted()) {
     if (writing.valid()) writing.get();
     covered.add(*frame);
@@ -112,16 +111,30 @@ int simulate(int argc, const char* const* argv) {
   if (writing.valid()) writing.get();
   progress.finish();
   recording.close();
-  if (!line.quiet()) {
+  return done;
+}
+
+int simulate(int argc, const char* const* argv) {
+  Request request;
+  sim::SimParams settings;
+  Params params;
+  settings.describe(params);
+  if (!parse(argc, argv, request, params)) return program::kDone;
+  std::ostringstream world_ini;
+  params.print(world_ini);
+  program::catchInterrupts();
+  sim::Simulator simulator(settings);
+  CoveredRatio covered;
+  const std::size_t done = record(simulator, settings, request, world_ini.str(), covered);
+  if (!request.quiet) {
     std::cout << request.output << ": " << done << " frames; truth in "
               << sim::truthFolder(request.output) << "\n"
               << covered << std::endl;
   }
-  const auto wanted = static_cast<std::size_t>(settings.recording.frames);
-  if (done < wanted && simulator.arrived()) {
-    std::cerr << "headway-sim: the path ended after " << done << " of " << wanted
-              << " frames: lengthen it (section [route]) or ask for fewer ([recording] frames)"
-              << std::endl;
+  const auto requested = static_cast<std::size_t>(settings.recording.frames);
+  if (done < requested && simulator.arrived()) {
+    std::cerr << "headway-sim: the path ended after " << done << " of " << requested
+              << " frames; extend it ([route]) or reduce [recording] frames" << std::endl;
   }
   return program::kDone;
 }

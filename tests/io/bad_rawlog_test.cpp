@@ -47,7 +47,7 @@ class BadRawlogTest : public ::testing::Test {
   std::string path_ = folder_ / "x.rawlog";
 };
 
-TEST_F(BadRawlogTest, WhatIsNoFileIsNamed) {
+TEST_F(BadRawlogTest, NamesAMissingFile) {
   path_ = folder_ / "nowhere.rawlog";
   EXPECT_THAT(errorOfFile(), AllOf(HasSubstr("nowhere.rawlog"), HasSubstr("No such file")));
   path_ = folder_.path();
@@ -63,7 +63,7 @@ TEST_F(BadRawlogTest, EmptyAndForeignFilesAreNotRawlogs) {
               AllOf(HasSubstr("zstd"), HasSubstr("zstd -d")));
 }
 
-TEST_F(BadRawlogTest, RandomBytesAreRefusedWhateverTheyAre) {
+TEST_F(BadRawlogTest, RefusesRandomBytes) {
   std::mt19937 random(7);
   for (int trial = 0; trial < 200; ++trial) {
     std::string bytes(1 + random() % 5000, '\0');
@@ -79,7 +79,7 @@ TEST_F(BadRawlogTest, MessagesAreOneLine) {
               Not(HasSubstr("\n")));
 }
 
-TEST_F(BadRawlogTest, ARawlogWithoutStereoSaysWhatItHolds) {
+TEST_F(BadRawlogTest, ListsTheContentOfARawlogWithoutStereo) {
   auto gps = mrpt::obs::CObservationGPS::Create();
   test::writeObjects(path_, {gps, test::singleImage(0, 0, 1.0, "webcam")});
   EXPECT_THAT(errorOfFile(), AllOf(HasSubstr("neither stereo images nor poses"),
@@ -106,7 +106,7 @@ void expectWholeFramesBeforeEveryCut(const std::string& path, const std::string&
         const bool is_plain = whole[0] != '\x1f';
         EXPECT_TRUE(source.truncation() || is_plain) << size;
         if (source.truncation()) {
-          EXPECT_THAT(*source.truncation(), AllOf(HasSubstr("x.rawlog: broken off after"),
+          EXPECT_THAT(*source.truncation(), AllOf(HasSubstr("x.rawlog: truncated after"),
                                                   HasSubstr("byte"), Not(HasSubstr("\n"))));
         }
       }
@@ -117,19 +117,19 @@ void expectWholeFramesBeforeEveryCut(const std::string& path, const std::string&
   EXPECT_GE(most, 3u);
 }
 
-TEST_F(BadRawlogTest, ACompressedFileCutAnywhereGivesWhatIsWhole) {
+TEST_F(BadRawlogTest, ReadsTheCompletePartOfATruncatedCompressedFile) {
   test::recordWalls(path_, 4);
   expectWholeFramesBeforeEveryCut(path_, test::contentOf(path_));
 }
 
-TEST_F(BadRawlogTest, APlainFileCutAnywhereGivesWhatIsWhole) {
+TEST_F(BadRawlogTest, ReadsTheCompletePartOfATruncatedPlainFile) {
   std::vector<mrpt::serialization::CSerializable::Ptr> objects;
   for (int i = 0; i < 4; ++i) objects.push_back(test::wallObservation(i, test::frameTime(i)));
   test::writeObjects(path_, objects, false);
   expectWholeFramesBeforeEveryCut(path_, test::contentOf(path_));
 }
 
-TEST_F(BadRawlogTest, SensoryFramesCutAnywhereGiveWhatIsWhole) {
+TEST_F(BadRawlogTest, ReadsTheCompletePartOfTruncatedSensoryFrames) {
   std::vector<mrpt::serialization::CSerializable::Ptr> objects;
   for (int i = 0; i < 4; ++i) {
     auto frame = mrpt::obs::CSensoryFrame::Create();
@@ -140,7 +140,7 @@ TEST_F(BadRawlogTest, SensoryFramesCutAnywhereGiveWhatIsWhole) {
   expectWholeFramesBeforeEveryCut(path_, test::contentOf(path_));
 }
 
-TEST_F(BadRawlogTest, AFileCutBetweenTheObservationsOfASensoryFrameIsBrokenOff) {
+TEST_F(BadRawlogTest, ReportsTruncationWithinASensoryFrame) {
   auto frame = mrpt::obs::CSensoryFrame::Create();
   frame->insert(test::wallObservation(0, test::frameTime(0)));
   test::writeObjects(path_, {frame}, false);
@@ -152,7 +152,7 @@ TEST_F(BadRawlogTest, AFileCutBetweenTheObservationsOfASensoryFrameIsBrokenOff) 
   EXPECT_THAT(*source.truncation(), HasSubstr("sensory frame"));
 }
 
-TEST_F(BadRawlogTest, BytesTurnedOverNeverCrash) {
+TEST_F(BadRawlogTest, SurvivesFlippedBytes) {
   test::recordWalls(path_, 2);
   std::vector<mrpt::serialization::CSerializable::Ptr> objects;
   for (int i = 0; i < 2; ++i) objects.push_back(test::wallObservation(i, test::frameTime(i)));
@@ -199,7 +199,7 @@ std::string withUnknownClass(const std::string& path, bool in_sensory_frame) {
   return content;
 }
 
-TEST_F(BadRawlogTest, ObjectsOfUnknownClassesAreLeaptOverAndCounted) {
+TEST_F(BadRawlogTest, SkipsAndCountsObjectsOfUnknownClasses) {
   for (const bool in_sensory_frame : {false, true}) {
     const std::string content = withUnknownClass(path_, in_sensory_frame);
     test::writeContent(path_, content);
@@ -240,7 +240,7 @@ TEST_F(BadRawlogTest, AnUnreadableLastObjectIsCountedAndNotATruncation) {
   EXPECT_EQ(7u, source.skipped().at("unreadable_CObservationGPS"));
 }
 
-TEST_F(BadRawlogTest, ObjectsOfANewerVersionAreLeaptOverAndCounted) {
+TEST_F(BadRawlogTest, SkipsAndCountsObjectsOfNewerVersions) {
   test::writeObjects(path_, {test::wallObservation(0, test::frameTime(0))}, false);
   const std::string good = test::contentOf(path_);
   test::writeObjects(path_, {mrpt::obs::CObservationGPS::Create()}, false);
@@ -255,7 +255,7 @@ TEST_F(BadRawlogTest, ObjectsOfANewerVersionAreLeaptOverAndCounted) {
               ::testing::ElementsAre(::testing::Pair("unreadable_CObservationGPS", 1u)));
 }
 
-TEST_F(BadRawlogTest, CalibrationsThatCannotBeAreRefusedWithTheReason) {
+TEST_F(BadRawlogTest, RefusesInvalidCalibrationsWithTheReason) {
   const RawStereoCamera good = rawFrom(test::smallCamera());
   EXPECT_EQ("no error", errorOfCamera(good));
   const auto with = [&](auto change) {
@@ -268,18 +268,18 @@ TEST_F(BadRawlogTest, CalibrationsThatCannotBeAreRefusedWithTheReason) {
   EXPECT_THAT(with([](auto& c) { c.T_left_right.translation().x() = -0.2; }),
               HasSubstr("left and right are swapped"));
   EXPECT_THAT(with([](auto& c) { c.T_left_right.translation() << 0, 0.2, 0; }),
-              HasSubstr("not side by side"));
+              HasSubstr("not displaced horizontally"));
   EXPECT_THAT(with([](auto& c) { c.T_left_right.translation().x() = NAN; }),
               HasSubstr("not finite"));
   EXPECT_THAT(with([](auto& c) { c.left.fx = 0; }), HasSubstr("left focal length fx is 0"));
   EXPECT_THAT(with([](auto& c) { c.right.fy = -100; }), HasSubstr("right focal length fy"));
   EXPECT_THAT(with([](auto& c) { c.left.cx = NAN; }), HasSubstr("principal point"));
   EXPECT_THAT(with([](auto& c) { c.left.width = c.right.width = 640; }),
-              HasSubstr("is for images of 640x120 px, but they have 160x120"));
+              HasSubstr("for images of 640x120 px, but they have 160x120"));
   EXPECT_THAT(with([](auto& c) { c.right.width = 640; }), HasSubstr("differ in size"));
 }
 
-TEST_F(BadRawlogTest, SwappedImagesAreRecognised) {
+TEST_F(BadRawlogTest, DetectsSwappedImages) {
   EXPECT_THAT(errorOfCamera(rawFrom(test::smallCamera()), true),
               AllOf(HasSubstr("median disparity"), HasSubstr("-8.0"), HasSubstr("swapped")));
 }

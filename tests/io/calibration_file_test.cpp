@@ -24,7 +24,7 @@ std::string messageFor(const std::string& text) {
   return test::errorOf([&] { (void)readRawCalibration(path); });
 }
 
-TEST(CalibrationFileTest, ReadsWhatItWroteToTheLastDigit) {
+TEST(CalibrationFileTest, ReadsItsOutputWithoutLoss) {
   const headway::test::TemporaryFolder folder;
   StereoCamera camera = test::smallCamera();
   camera.fx = 1000.0 / 3.0;
@@ -43,7 +43,7 @@ TEST(CalibrationFileTest, ReadsWhatItWroteToTheLastDigit) {
   EXPECT_EQ(camera.T_robot_cam.matrix(), read.T_robot_cam.matrix());
 }
 
-TEST(CalibrationFileTest, ReadsLensesThatAreNotRectified) {
+TEST(CalibrationFileTest, ReadsUnrectifiedLenses) {
   const headway::test::TemporaryFolder folder;
   test::writeContent(folder / "c.yaml", kFiveLines);
   const RawStereoCamera camera = readRawCalibration(folder / "c.yaml");
@@ -59,7 +59,7 @@ TEST(CalibrationFileTest, ReadsLensesThatAreNotRectified) {
               HasSubstr("not rectified"));
 }
 
-TEST(CalibrationFileTest, RightLensIsLikeTheLeftWhereItIsMissing) {
+TEST(CalibrationFileTest, RightLensDefaultsToTheLeft) {
   const headway::test::TemporaryFolder folder;
   test::writeContent(folder / "c.yaml",
                      "image_size: [100, 50]\nleft: [80, 81, 50, 25]\nbaseline_m: 0.3\n");
@@ -69,7 +69,7 @@ TEST(CalibrationFileTest, RightLensIsLikeTheLeftWhereItIsMissing) {
   EXPECT_TRUE(camera.T_robot_cam.isApprox(robotFromOptical()));
 }
 
-TEST(CalibrationFileTest, WhatIsWrongIsNamed) {
+TEST(CalibrationFileTest, NamesTheError) {
   const std::string size = "image_size: [100, 50]\n";
   const std::string lens = "left: [80, 80, 50, 25]\n";
   EXPECT_THAT(messageFor(""), HasSubstr("c.yaml"));
@@ -81,7 +81,7 @@ TEST(CalibrationFileTest, WhatIsWrongIsNamed) {
   EXPECT_THAT(messageFor(size + lens + "baseline_m: one\n"), HasSubstr("not a number"));
   EXPECT_THAT(messageFor(size + lens + "baseline: 1\n"), HasSubstr("'baseline' is unknown"));
   EXPECT_THAT(messageFor(size + "left: [80, 80]\nbaseline_m: 1\n"),
-              HasSubstr("holds 2 numbers, must be 4 to 9"));
+              HasSubstr("has 2 numbers, must be 4 to 9"));
   EXPECT_THAT(messageFor(size + "left: [0, 80, 50, 25]\nbaseline_m: 1\n"),
               HasSubstr("focal length fx"));
   EXPECT_THAT(messageFor(size + lens + "baseline_m: 1\nT_robot_cam: [2,0,0,0,0,2,0,0,0,0,2,0]\n"),

@@ -1,8 +1,7 @@
-#include "calibration_report.h"
-
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
 
+#include "rectifier.h"
 #include "synthetic_recording.h"
 
 namespace headway::io {
@@ -28,7 +27,7 @@ TEST(CalibrationReportTest, MeasuresBothDisparities) {
   EXPECT_NEAR(2.0, report.vertical_disparity_px, 0.1);
 }
 
-TEST(CalibrationReportTest, PicturesOfNothingSayNothing) {
+TEST(CalibrationReportTest, UniformImagesGiveNoMatches) {
   const cv::Mat blank(120, 160, CV_8UC1, cv::Scalar(128));
   const auto report = measureCalibration(blank, blank, test::smallCamera());
   EXPECT_EQ(0u, report.matches);
@@ -37,12 +36,12 @@ TEST(CalibrationReportTest, PicturesOfNothingSayNothing) {
   EXPECT_NO_THROW(requireNotSwapped(report));
 }
 
-TEST(CalibrationReportTest, ImagesSmallerThanAPatchSayNothing) {
+TEST(CalibrationReportTest, ImagesSmallerThanAPatchGiveNoMatches) {
   const cv::Mat tiny(4, 6, CV_8UC1, cv::Scalar(0));
   EXPECT_EQ(0u, measureCalibration(tiny, tiny, test::smallCamera()).matches);
 }
 
-TEST(CalibrationReportTest, OnlyClearEvidenceCountsAsSwapped) {
+TEST(CalibrationReportTest, RequiresClearEvidenceForSwappedImages) {
   CalibrationReport report;
   report.matches = 100;
   report.median_disparity_px = -5.0;

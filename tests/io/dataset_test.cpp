@@ -1,8 +1,6 @@
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
-#include <headway/io/euroc_dataset.h>
-#include <headway/io/image_folder_dataset.h>
-#include <headway/io/kitti_dataset.h>
+#include <headway/io/dataset.h>
 #include <headway/io/trajectory_file.h>
 #include <headway_test/folders.h>
 
@@ -68,7 +66,7 @@ TEST_F(DatasetTest, KittiOdometryIsReadWithTimesAndTruth) {
   EXPECT_TRUE(camera->T_robot_left.isApprox(robotFromOptical()));
 }
 
-TEST_F(DatasetTest, KittiColourServesWhereGreyIsMissing) {
+TEST_F(DatasetTest, UsesKittiColourWithoutGrey) {
   writeKittiImages("image_2", "image_3", 2);
   write("sequences/07/calib.txt", kKittiCalibration);
   const auto dataset = openKittiOdometry(root_, "07");
@@ -82,7 +80,7 @@ TEST_F(DatasetTest, KittiColourServesWhereGreyIsMissing) {
   EXPECT_GT(camera->T_robot_left.translation().y(), 0.04);
 }
 
-TEST_F(DatasetTest, KittiImagesWithoutPartnerAreCounted) {
+TEST_F(DatasetTest, CountsUnpairedKittiImages) {
   writeKittiImages("image_0", "image_1", 3);
   fs::remove(folder_ / "sequences/07/image_1/000001.png");
   write("sequences/07/calib.txt", kKittiCalibration);
@@ -105,7 +103,7 @@ TEST_F(DatasetTest, KittiErrorsNameTheFile) {
   write("sequences/07/times.txt", "0\n0.1\n");
   test::writeContent(folder_ / "sequences/07/image_1/000001.png", "no picture");
   EXPECT_THAT(test::errorOf([&] { (void)openKittiOdometry(root_, "07")->frame(1); }),
-              HasSubstr("image_1/000001.png: is missing, broken"));
+              HasSubstr("image_1/000001.png: missing, broken"));
 }
 
 TEST_F(DatasetTest, KittiTrackingJoinsPosesBoxesAndTruth) {
@@ -203,14 +201,14 @@ TEST_F(DatasetTest, EurocErrorsNameTheFile) {
   EXPECT_THAT(message(), HasSubstr("cam0/data.csv: cannot be opened"));
   write("mav0/cam0/data.csv", "12,a.png\n");
   write("mav0/cam1/data.csv", "13,a.png\n");
-  EXPECT_THAT(message(), HasSubstr("no time stamp in common"));
+  EXPECT_THAT(message(), HasSubstr("no common time stamp"));
   write("mav0/cam1/data.csv", "one,a.png\n");
   EXPECT_THAT(message(), HasSubstr("data.csv:1: 'one' is not a time"));
   write("mav0/cam1/sensor.yaml", "resolution: [1, 2]\n");
   EXPECT_THAT(message(), HasSubstr("cam1/sensor.yaml: key 'intrinsics' is missing"));
 }
 
-TEST_F(DatasetTest, ImageFoldersArePairedByTheOrderOfNames) {
+TEST_F(DatasetTest, PairsImageFoldersByTheOrderOfNames) {
   for (int i = 0; i < 3; ++i) {
     writeImage("l/left" + std::to_string(i) + ".png", test::wall(i).left);
     writeImage("r/right" + std::to_string(i) + ".png", test::wall(i).right);
@@ -234,11 +232,11 @@ TEST_F(DatasetTest, ImageFoldersArePairedByTheOrderOfNames) {
   write("c.yaml", calibration + "frame_rate_hz: 0\n");
   EXPECT_THAT(test::errorOf([&] { (void)open(); }), HasSubstr("frame_rate_hz"));
   fs::remove(folder_ / "l/left0.png");
-  EXPECT_THAT(test::errorOf([&] { (void)open(); }), HasSubstr("as many on both sides"));
+  EXPECT_THAT(test::errorOf([&] { (void)open(); }), HasSubstr("must contain the same number"));
   EXPECT_THAT(test::errorOf([&] {
                 (void)openImageFolders(folder_ / "nowhere", folder_ / "r", folder_ / "c.yaml");
               }),
-              HasSubstr("nowhere: is not a folder"));
+              HasSubstr("nowhere: is not a readable folder"));
 }
 
 TEST_F(DatasetTest, RealEurocCamerasLookForwardAndTruthIsLevel) {

@@ -36,7 +36,7 @@ double deviation(const Detections& detections, int axis, double mean) {
   return std::sqrt(sum / static_cast<double>(detections.items.size()));
 }
 
-TEST(DegradeTest, WithoutAnythingToDoBoxesStayAsTheyAre) {
+TEST(DegradeTest, KeepsBoxesWithoutNoise) {
   const auto result = Degrader(nothing()).degrade(manyBoxes(20));
   ASSERT_EQ(kBoxes, static_cast<int>(result.items.size()));
   EXPECT_EQ(Eigen::Vector3d(0, 1, 20), result.items[7].box3d->centre);
@@ -56,7 +56,7 @@ TEST(DegradeTest, NoiseGrowsWithDepthAndIsHalfAcrossTheRay) {
   EXPECT_NEAR(0.45, deviation(far, 0, 0), 0.015);
 }
 
-TEST(DegradeTest, DropsDoublesAndFlipsAsOftenAsAsked) {
+TEST(DegradeTest, DropsDuplicatesAndFlipsAtTheGivenRates) {
   auto params = nothing();
   params.drop_probability = 0.15;
   EXPECT_NEAR(0.85 * kBoxes,
@@ -80,12 +80,12 @@ TEST(DegradeTest, DropsDoublesAndFlipsAsOftenAsAsked) {
   EXPECT_NEAR(0.05 * kBoxes, static_cast<double>(flipped), 0.01 * kBoxes);
 }
 
-TEST(DegradeTest, LowScoresAreLeftOut) {
+TEST(DegradeTest, RemovesLowScores) {
   EXPECT_TRUE(Degrader(nothing()).degrade(manyBoxes(20, 0.0)).items.empty());
   EXPECT_TRUE(Degrader(nothing()).degrade(manyBoxes(20, NAN)).items.empty());
 }
 
-TEST(DegradeTest, TheSeedDecides) {
+TEST(DegradeTest, DependsOnTheSeed) {
   const auto centresWith = [](int seed) {
     DegradeParams params;
     params.seed = seed;
@@ -99,7 +99,7 @@ TEST(DegradeTest, TheSeedDecides) {
   EXPECT_NE(centresWith(1), centresWith(2));
 }
 
-TEST(DegradeTest, BoxesWithout3dOnlyVanishOrDouble) {
+TEST(DegradeTest, OnlyDropsAndDuplicatesBoxesWithout3d) {
   Detections flat;
   Detection detection;
   detection.box2d = Box2d{1, 2, 3, 4};

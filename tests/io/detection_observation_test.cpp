@@ -72,7 +72,7 @@ TEST(DetectionObservationTest, KeepsEverythingThroughSerialisation) {
   EXPECT_TRUE(std::isnan(copy.items[2].box3d->centre.x()));
 }
 
-TEST(DetectionObservationTest, UnknownClassesAreCountedNotGuessed) {
+TEST(DetectionObservationTest, CountsUnknownClasses) {
   auto observation = observationFrom("detections", everyKindOfBox());
   observation->items[0].class_name = "Unicorn";
   std::map<std::string, std::size_t> dropped;
@@ -96,7 +96,7 @@ TEST(DetectionObservationTest, ANewerVersionIsRefused) {
   EXPECT_THROW((void)newer_archive.ReadObject(), std::exception);
 }
 
-TEST(DetectionObservationTest, DescribesItself) {
+TEST(DetectionObservationTest, HasADescription) {
   const auto observation = observationFrom("detections", everyKindOfBox());
   EXPECT_THAT(observation->asString(),
               ::testing::AllOf(HasSubstr("Detections: 3"), HasSubstr("Car score 0.75 id 42"),
@@ -105,7 +105,7 @@ TEST(DetectionObservationTest, DescribesItself) {
   EXPECT_FALSE(observation->exportTxtHeader().empty());
 }
 
-TEST(DetectionPluginTest, StockRawlogEditReadsOurRawlogs) {
+TEST(DetectionPluginTest, RawlogEditReadsTheObservations) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "stock programs cannot load a plug-in built with a sanitizer";
 #endif

@@ -1,7 +1,7 @@
 // The programs headway-import and headway-export, run as a user runs them.
 #include <gmock/gmock.h>
 #include <headway/io/calibration_file.h>
-#include <headway/io/kitti_dataset.h>
+#include <headway/io/dataset.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/io/trajectory_file.h>
 #include <headway_test/folders.h>
@@ -80,7 +80,7 @@ TEST_F(ImportExportTest, BadInputIsOneLineAndStatusOne) {
   EXPECT_FALSE(fs::exists(folder_ / "out"));
 }
 
-TEST_F(ImportExportTest, WhatExistsIsNotOverwrittenUnasked) {
+TEST_F(ImportExportTest, DoesNotOverwriteWithoutTheOption) {
   const std::string call = imageFolders(2);
   test::writeContent(folder_ / "x.rawlog", "precious");
   const auto refused = import(call);
@@ -94,7 +94,7 @@ TEST_F(ImportExportTest, WhatExistsIsNotOverwrittenUnasked) {
   EXPECT_EQ(0, exported("kitti-odometry " + at("x.rawlog") + " -w -q -o " + at("out")).status);
 }
 
-TEST_F(ImportExportTest, UnwritableOutputIsSaid) {
+TEST_F(ImportExportTest, ReportsAnUnwritableOutput) {
   const std::string call = imageFolders(1);
   test::writeContent(folder_ / "file", "");
   const auto result = import(call.substr(0, call.find(" -o")) + " -o " + at("file/x.rawlog"));
@@ -105,7 +105,7 @@ TEST_F(ImportExportTest, UnwritableOutputIsSaid) {
   EXPECT_THAT(full.output, HasSubstr("/dev/full"));
 }
 
-TEST_F(ImportExportTest, ColourComesBackPixelForPixelInsideAndBeside) {
+TEST_F(ImportExportTest, ColourIsLosslessEmbeddedAndExternal) {
   for (const std::string storage : {"", "--external-images"}) {
     ASSERT_EQ(0, import(imageFolders(2, true) + "-w " + storage).status);
     const auto result = exported("kitti-odometry " + at("x.rawlog") + " -w -o " + at("out"));
@@ -121,7 +121,7 @@ TEST_F(ImportExportTest, ColourComesBackPixelForPixelInsideAndBeside) {
   EXPECT_TRUE(fs::exists(folder_ / "x_Images"));
 }
 
-TEST_F(ImportExportTest, SideFilesAndDegradingReachTheRawlog) {
+TEST_F(ImportExportTest, WritesSideFilesAndDegradedBoxes) {
   test::writeContent(folder_ / "boxes.csv",
                      "frame,class,score,x,y,z,length,width,height,yaw\n"
                      "1,Car,0.9,1,1,20,4,2,1.5,0\n2,Car,0.9,1,1,20,4,2,1.5,0\n1,Unicorn,1,1,1,20,"
@@ -153,7 +153,7 @@ TEST_F(ImportExportTest, SideFilesAndDegradingReachTheRawlog) {
   EXPECT_THAT(unknown_key.output, AllOf(HasSubstr("degrade.ini"), HasSubstr("wind")));
 }
 
-TEST_F(ImportExportTest, APartCanBeTaken) {
+TEST_F(ImportExportTest, ImportsARangeOfFrames) {
   const std::string call = imageFolders(5);
   ASSERT_EQ(0, import(call + "--from-index 1 --to-index 3").status);
   const auto frames = test::framesOf(at("x.rawlog"));
@@ -167,7 +167,7 @@ TEST_F(ImportExportTest, APartCanBeTaken) {
   EXPECT_EQ(1, import(call + "-w --from-index 9").status);
 }
 
-TEST_F(ImportExportTest, KittiComesBackUnharmedFromARawlog) {
+TEST_F(ImportExportTest, KittiSurvivesTheRoundTrip) {
   HEADWAY_REQUIRE_DATA(data);
   const std::string original = data / "kitti_odometry";
   ASSERT_EQ(0, import("kitti-odometry " + original + " --sequence 06 --to-index 15 -q -o " +

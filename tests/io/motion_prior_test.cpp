@@ -14,7 +14,7 @@ Pose along(double x, double yaw = 0.0) {
   return pose;
 }
 
-TEST(MotionPriorTest, NothingKnownGivesNothing) {
+TEST(MotionPriorTest, IsEmptyWithoutSamples) {
   const MotionPriorBuilder builder;
   const MotionPrior prior = builder.between(1.0, 1.1);
   EXPECT_FALSE(prior.T_previous_current);
@@ -22,7 +22,7 @@ TEST(MotionPriorTest, NothingKnownGivesNothing) {
   EXPECT_FALSE(prior.up_robot);
 }
 
-TEST(MotionPriorTest, OdometryIsSeenFromThePreviousFrame) {
+TEST(MotionPriorTest, OdometryIsRelativeToThePreviousFrame) {
   MotionPriorBuilder builder;
   builder.addOdometry(1.0, along(5.0, M_PI / 2));
   Pose moved = along(5.0, M_PI / 2);
@@ -33,7 +33,7 @@ TEST(MotionPriorTest, OdometryIsSeenFromThePreviousFrame) {
   EXPECT_TRUE(prior->isApprox(along(1.0), 1e-12));
 }
 
-TEST(MotionPriorTest, NothingIsExtrapolatedNorBridged) {
+TEST(MotionPriorTest, DoesNotExtrapolateOrBridgeGaps) {
   MotionPriorBuilder builder;
   builder.addOdometry(1.0, along(0));
   builder.addOdometry(1.1, along(1));
@@ -43,7 +43,7 @@ TEST(MotionPriorTest, NothingIsExtrapolatedNorBridged) {
   EXPECT_FALSE(builder.between(1.1, 5.0).T_previous_current);
 }
 
-TEST(MotionPriorTest, SamplesThatRunBackwardsInTimeAreIgnored) {
+TEST(MotionPriorTest, IgnoresSamplesWithDecreasingTime) {
   MotionPriorBuilder builder;
   builder.addOdometry(1.0, along(0));
   builder.addOdometry(0.5, along(100));
@@ -51,7 +51,7 @@ TEST(MotionPriorTest, SamplesThatRunBackwardsInTimeAreIgnored) {
   EXPECT_NEAR(1.0, builder.between(1.0, 1.1).T_previous_current->translation().x(), 1e-12);
 }
 
-TEST(MotionPriorTest, AVaryingTurnIsIntegrated) {
+TEST(MotionPriorTest, IntegratesAVaryingRotation) {
   MotionPriorBuilder builder;
   for (int i = 0; i <= 30; ++i) {  // the rate grows steadily: the trapezoid rule is exact
     const double time = 0.01 * i;
@@ -63,7 +63,7 @@ TEST(MotionPriorTest, AVaryingTurnIsIntegrated) {
   EXPECT_NEAR(expected, logSo3(*turn).z(), 1e-12);
 }
 
-TEST(MotionPriorTest, AGapInTheGyroscopeGivesNoTurn) {
+TEST(MotionPriorTest, AGapInTheGyroscopeGivesNoRotation) {
   MotionPriorBuilder builder;
   for (const double time : {0.0, 0.01, 0.3, 0.31}) {
     builder.addInertial({time, Eigen::Vector3d(0, 0, 1), std::nullopt});
@@ -71,7 +71,7 @@ TEST(MotionPriorTest, AGapInTheGyroscopeGivesNoTurn) {
   EXPECT_FALSE(builder.between(0.005, 0.305).R_previous_current);
 }
 
-TEST(MotionPriorTest, UpIsToldOnlyWhereTheRobotAcceleratesLittle) {
+TEST(MotionPriorTest, VerticalDirectionRequiresLowAcceleration) {
   const auto upWith = [](double acceleration_norm) {
     MotionPriorBuilder builder;
     for (int i = 0; i < 10; ++i) {
@@ -86,24 +86,24 @@ TEST(MotionPriorTest, UpIsToldOnlyWhereTheRobotAcceleratesLittle) {
   EXPECT_FALSE(upWith(0.0));
 }
 
-TEST(MotionPriorTest, ForgettingKeepsWhatLaterFramesNeed) {
-  MotionPriorBuilder builder, forgetful;
+TEST(MotionPriorTest, DiscardingKeepsTheSamplesOfLaterFrames) {
+  MotionPriorBuilder builder, discarding;
   for (int i = 0; i < 500; ++i) {
     const double time = 0.01 * i;
     const InertialSample sample{time, Eigen::Vector3d(0, std::sin(time), 1),
                                 Eigen::Vector3d(0, 0, 9.8)};
-    for (auto* one : {&builder, &forgetful}) {
+    for (auto* one : {&builder, &discarding}) {
       one->addOdometry(time, along(time));
       one->addInertial(sample);
     }
-    forgetful.forgetBefore(time);
+    discarding.discardBefore(time);
   }
   const auto a = builder.between(4.8, 4.9);
-  const auto b = forgetful.between(4.8, 4.9);
+  const auto b = discarding.between(4.8, 4.9);
   ASSERT_TRUE(b.T_previous_current && b.R_previous_current && b.up_robot);
   EXPECT_EQ(a.T_previous_current->matrix(), b.T_previous_current->matrix());
   EXPECT_EQ(*a.R_previous_current, *b.R_previous_current);
-  EXPECT_FALSE(forgetful.between(0.5, 0.6).T_previous_current);
+  EXPECT_FALSE(discarding.between(0.5, 0.6).T_previous_current);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ mrpt::obs::CObservation::Ptr labelled(int number) {
   return observation;
 }
 
-TEST(ObservationQueueTest, HandsOutWhatWasPushedInOrderAndThenNull) {
+TEST(ObservationQueue, ReturnsObservationsInOrderAndThenNull) {
   ObservationQueue queue;
   for (int i = 0; i < 3; ++i) queue.push(labelled(i));
   queue.push(nullptr);
@@ -26,7 +26,7 @@ TEST(ObservationQueueTest, HandsOutWhatWasPushedInOrderAndThenNull) {
   EXPECT_EQ(queue.dropped(), 0u);
 }
 
-TEST(ObservationQueueTest, GivesUpTheOldestWhereItIsFullAndCountsThem) {
+TEST(ObservationQueue, DropsAndCountsTheOldestIfFull) {
   ObservationQueue queue(2);
   for (int i = 0; i < 5; ++i) queue.push(labelled(i));
   EXPECT_EQ(queue.dropped(), 3u);

@@ -54,7 +54,7 @@ mrpt::obs::CActionCollection::Ptr movement(double forward) {
   return actions;
 }
 
-TEST_F(RawlogKindsTest, PlainFilesAreReadLikeCompressedOnes) {
+TEST_F(RawlogKindsTest, ReadsPlainLikeCompressedFiles) {
   auto source = opened(walls(3), {}, false);
   EXPECT_EQ(3u, test::framesOf(source).size());
   EXPECT_FALSE(source.truncation());
@@ -86,7 +86,7 @@ TEST_F(RawlogKindsTest, SensoryFramesGiveTheirObservationsAndActionsTheOdometry)
   }
 }
 
-TEST_F(RawlogKindsTest, SingleImagesArePairedByTimeAndSidedByGeometry) {
+TEST_F(RawlogKindsTest, PairsSingleImagesByTimeAndGeometry) {
   Objects objects;
   for (int i = 0; i < 4; ++i) {
     // The right camera comes first, has the name that sorts first, and is 2 ms late.
@@ -106,7 +106,7 @@ TEST_F(RawlogKindsTest, SingleImagesArePairedByTimeAndSidedByGeometry) {
   EXPECT_TRUE(source.skipped().empty());
 }
 
-TEST_F(RawlogKindsTest, SingleImagesWithoutPartnerAreCounted) {
+TEST_F(RawlogKindsTest, CountsUnpairedSingleImages) {
   Objects objects;
   for (int i = 0; i < 5; ++i) {
     objects.push_back(test::singleImage(0, i, test::frameTime(i), "left"));
@@ -118,7 +118,7 @@ TEST_F(RawlogKindsTest, SingleImagesWithoutPartnerAreCounted) {
   EXPECT_THAT(source.skipped(), ElementsAre(Pair("unpaired_image", 2u)));
 }
 
-TEST_F(RawlogKindsTest, ImagesFurtherApartThanTheToleranceAreNoPair) {
+TEST_F(RawlogKindsTest, DoesNotPairImagesBeyondTheTolerance) {
   Objects objects;
   for (int i = 0; i < 4; ++i) {
     objects.push_back(test::singleImage(0, i, test::frameTime(i), "left"));
@@ -131,7 +131,7 @@ TEST_F(RawlogKindsTest, ImagesFurtherApartThanTheToleranceAreNoPair) {
   EXPECT_EQ(4u, test::framesOf(source).size());
 }
 
-TEST_F(RawlogKindsTest, OneCameraMayRunLongBeforeTheOther) {
+TEST_F(RawlogKindsTest, OneCameraMayStartLongBeforeTheOther) {
   Objects objects;
   for (int i = 0; i < 40; ++i) {
     objects.push_back(test::singleImage(0, i, test::frameTime(i), "left"));
@@ -144,13 +144,13 @@ TEST_F(RawlogKindsTest, OneCameraMayRunLongBeforeTheOther) {
   EXPECT_EQ(30u, left_out);
 }
 
-TEST_F(RawlogKindsTest, OneOfSeveralCamerasMustBeChosen) {
+TEST_F(RawlogKindsTest, RequiresTheSelectionOfOneOfSeveralCameras) {
   Objects objects;
   for (int i = 0; i < 3; ++i) {
     objects.push_back(test::wallObservation(i, test::frameTime(i), "front"));
     objects.push_back(test::wallObservation(10 + i, test::frameTime(i), "rear"));
   }
-  EXPECT_THAT(errorFor(objects), HasSubstr("several stereo cameras; choose one by its sensor "
+  EXPECT_THAT(errorFor(objects), HasSubstr("several stereo cameras; select one by its sensor "
                                            "label: 'front', 'rear'"));
   RawlogSourceOptions options;
   options.sensor_label = "side";
@@ -163,7 +163,7 @@ TEST_F(RawlogKindsTest, OneOfSeveralCamerasMustBeChosen) {
   EXPECT_THAT(source.skipped(), ElementsAre(Pair("CObservationStereoImages", 3u)));
 }
 
-TEST_F(RawlogKindsTest, TwoOfSeveralSingleCamerasMustBeChosen) {
+TEST_F(RawlogKindsTest, RequiresTheSelectionOfTwoOfSeveralSingleCameras) {
   Objects objects;
   for (int i = 0; i < 3; ++i) {
     objects.push_back(test::singleImage(0, i, test::frameTime(i), "left"));
@@ -179,7 +179,7 @@ TEST_F(RawlogKindsTest, TwoOfSeveralSingleCamerasMustBeChosen) {
   EXPECT_THAT(errorFor(objects, options), HasSubstr("swapped"));
 }
 
-TEST_F(RawlogKindsTest, StereoObservationsComeBeforeSingleImages) {
+TEST_F(RawlogKindsTest, PrefersStereoObservationsToSingleImages) {
   Objects objects = walls(3);
   objects.push_back(test::singleImage(0, 1, 100.0, "webcam"));
   auto source = opened(objects);
@@ -196,7 +196,7 @@ TEST_F(RawlogKindsTest, StereoWithoutRightImageIsCounted) {
   EXPECT_THAT(source.skipped(), ElementsAre(Pair("no_right_image", 1u)));
 }
 
-TEST_F(RawlogKindsTest, ColourIsKeptBesideTheGreyImage) {
+TEST_F(RawlogKindsTest, KeepsColourWithTheGreyImage) {
   {
     RawlogSink sink(path_, ImageStorage::kEmbeddedRaw);
     const auto [left, right] = test::colourWall(3);

@@ -26,7 +26,7 @@ void recordColour(const std::string& path, ImageStorage storage) {
   sink.writeStereo(1.0, left, right, rawFrom(test::smallCamera()));
 }
 
-TEST(RawlogSinkTest, RawColourIsKeptPixelForPixelInsideAndAsPngBeside) {
+TEST(RawlogSinkTest, RawColourIsLosslessEmbeddedAndAsPng) {
   const headway::test::TemporaryFolder folder;
   for (const auto storage : {ImageStorage::kEmbeddedRaw, ImageStorage::kExternalPng}) {
     recordColour(folder / "x.rawlog", storage);
@@ -52,7 +52,7 @@ TEST(RawlogSinkTest, JpegColourIsSmallAndNearlyTheSame) {
   EXPECT_TRUE(fs::exists(folder / "beside_Images/stereo_left_000000.jpg"));
 }
 
-TEST(RawlogSinkTest, LeavesMrptsGlobalImageSettingsAsTheyWere) {
+TEST(RawlogSinkTest, RestoresMrptsGlobalImageSettings) {
   const headway::test::TemporaryFolder folder;
   const bool disabled = mrpt::img::CImage::DISABLE_JPEG_COMPRESSION();
   const int quality = mrpt::img::CImage::SERIALIZATION_JPEG_QUALITY();
@@ -65,7 +65,7 @@ TEST(RawlogSinkTest, LeavesMrptsGlobalImageSettingsAsTheyWere) {
   EXPECT_EQ(base, mrpt::img::CImage::getImagesPathBase());
 }
 
-TEST(RawlogSinkTest, LabelsMayHoldWhatFileNamesDoNotBear) {
+TEST(RawlogSinkTest, AcceptsLabelsThatAreInvalidFileNames) {
   const headway::test::TemporaryFolder folder;
   {
     RawlogSink sink(folder / "x.rawlog", ImageStorage::kExternalPng);
@@ -76,7 +76,7 @@ TEST(RawlogSinkTest, LabelsMayHoldWhatFileNamesDoNotBear) {
   EXPECT_TRUE(test::sameImage(test::wall(0).left, onlyFrame(folder / "x.rawlog").left));
 }
 
-TEST(RawlogSinkTest, TheFileAppearsUnderItsNameWhenItIsWhole) {
+TEST(RawlogSinkTest, TheFileHasATemporaryNameUntilItIsComplete) {
   const headway::test::TemporaryFolder folder;
   RawlogSink sink(folder / "x.rawlog", ImageStorage::kEmbedded);
   sink.writePose("pose", 1.0, Pose::Identity());
@@ -87,7 +87,7 @@ TEST(RawlogSinkTest, TheFileAppearsUnderItsNameWhenItIsWhole) {
   EXPECT_NO_THROW(sink.close());
 }
 
-TEST(RawlogSinkTest, UnwritablePlacesAreInputErrors) {
+TEST(RawlogSinkTest, ThrowsForUnwritablePaths) {
   const headway::test::TemporaryFolder folder;
   test::writeContent(folder / "file", "x");
   const auto open = [&](const std::string& path, ImageStorage storage) {
@@ -100,7 +100,7 @@ TEST(RawlogSinkTest, UnwritablePlacesAreInputErrors) {
   EXPECT_THAT(open(folder / "y.rawlog", ImageStorage::kExternalPng), HasSubstr("y_Images"));
 }
 
-TEST(RawlogSinkTest, AFullDiskIsAnInputErrorWhileWritingAndOnClosing) {
+TEST(RawlogSinkTest, ThrowsOnAFullDiskWhenWritingAndClosing) {
   const auto [left, right] = test::wall(1, 8, {640, 480});
   auto camera = rawFrom(test::smallCamera());
   RawlogSink sink("/dev/full", ImageStorage::kEmbedded);
@@ -109,13 +109,13 @@ TEST(RawlogSinkTest, AFullDiskIsAnInputErrorWhileWritingAndOnClosing) {
                   sink.writeStereo(i, left_image, right_image, camera);
                 }
               }),
-              HasSubstr("/dev/full: cannot be written any further"));
+              HasSubstr("/dev/full: write error"));
   RawlogSink small("/dev/full", ImageStorage::kEmbedded);
   small.writePose("pose", 1.0, Pose::Identity());
   EXPECT_THAT(test::errorOf([&] { small.close(); }), HasSubstr("/dev/full"));
 }
 
-TEST(RawlogSinkTest, SameCallsGiveTheSameBytes) {
+TEST(RawlogSinkTest, IsDeterministic) {
   const headway::test::TemporaryFolder folder;
   test::recordWalls(folder / "a.rawlog", 3);
   test::recordWalls(folder / "b.rawlog", 3);

@@ -38,7 +38,7 @@ Detections boxesAt(Time time, ObjectClass object_class = ObjectClass::kCar) {
 
 Pose poseAtX(double x) { return Pose(Eigen::Translation3d(x, 0, 0)); }
 
-TEST_F(RawlogSourceTest, GivesBackWhatWasRecordedPixelForPixel) {
+TEST_F(RawlogSourceTest, ReturnsRecordedPixels) {
   test::recordWalls(path_, 5);
   RawlogSource source(path_, {});
   const StereoCamera expected = test::smallCamera();
@@ -66,7 +66,7 @@ TEST_F(RawlogSourceTest, GivesBackWhatWasRecordedPixelForPixel) {
   EXPECT_EQ(1.0, source.progress());
 }
 
-TEST_F(RawlogSourceTest, AFrameAtTimeZeroSurvives) {
+TEST_F(RawlogSourceTest, ReadsAFrameAtTimeZero) {
   {
     RawlogSink sink(path_, ImageStorage::kEmbedded);
     writeWall(sink, 0, 0.0);
@@ -89,7 +89,7 @@ TEST_F(RawlogSourceTest, MeasuresTheCalibrationOnTheFirstPair) {
   EXPECT_FALSE(source.calibration()->rectified_here);
 }
 
-TEST_F(RawlogSourceTest, APartKeepsTheIndicesOfTheWhole) {
+TEST_F(RawlogSourceTest, ARangeKeepsTheFrameIndices) {
   test::recordWalls(path_, 6);
   RawlogSourceOptions options;
   options.from_index = 2;
@@ -102,7 +102,7 @@ TEST_F(RawlogSourceTest, APartKeepsTheIndicesOfTheWhole) {
   }
 }
 
-TEST_F(RawlogSourceTest, BoxesAndPosesGoToTheNearestFrame) {
+TEST_F(RawlogSourceTest, AssignsBoxesAndPosesToTheNearestFrame) {
   {
     RawlogSink sink(path_, ImageStorage::kEmbedded);
     sink.writeDetections("detections", boxesAt(test::frameTime(0) - 0.02));  // before its image
@@ -144,7 +144,7 @@ TEST_F(RawlogSourceTest, BoxesKeepTheirPixelsAndNumbersInRectifiedRecordings) {
   EXPECT_EQ(40.0, frames.at(1).detections->items.at(0).box2d->bottom);
 }
 
-TEST_F(RawlogSourceTest, WhatFindsNoFrameIsCounted) {
+TEST_F(RawlogSourceTest, CountsUnassignedBoxesAndPoses) {
   {
     RawlogSink sink(path_, ImageStorage::kEmbedded);
     sink.writeDetections("detections", boxesAt(5.0));
@@ -162,7 +162,7 @@ TEST_F(RawlogSourceTest, WhatFindsNoFrameIsCounted) {
               ElementsAre(Pair("unmatched_detections", 3u), Pair("unmatched_pose", 1u)));
 }
 
-TEST_F(RawlogSourceTest, TruthNeverComesOutButCanBeRead) {
+TEST_F(RawlogSourceTest, ReturnsTruthOnlyFromReadTruth) {
   {
     RawlogSink sink(path_, ImageStorage::kEmbedded);
     for (std::size_t i = 0; i < 3; ++i) {
@@ -184,7 +184,7 @@ TEST_F(RawlogSourceTest, TruthNeverComesOutButCanBeRead) {
   EXPECT_EQ(ObjectClass::kCar, truth.objects[0].items[0].object_class);
 }
 
-TEST_F(RawlogSourceTest, PosesAloneAreFramesOfTheirOwn) {
+TEST_F(RawlogSourceTest, PosesWithoutImagesAreFrames) {
   {
     RawlogSink sink(path_, ImageStorage::kEmbedded);
     for (std::size_t i = 0; i < 4; ++i) {
@@ -285,7 +285,7 @@ TEST_F(RawlogSourceTest, OdometryIsInterpolatedAtTheFrames) {
   EXPECT_EQ(40u, without.skipped().at("CObservationOdometry"));
 }
 
-TEST_F(RawlogSourceTest, OdometryThatIsNotFiniteIsCountedAndLeftOut) {
+TEST_F(RawlogSourceTest, SkipsAndCountsOdometryThatIsNotFinite) {
   {
     RawlogSink sink(path_, ImageStorage::kEmbedded);
     for (std::size_t i = 0; i < 4; ++i) {
@@ -302,7 +302,7 @@ TEST_F(RawlogSourceTest, OdometryThatIsNotFiniteIsCountedAndLeftOut) {
   EXPECT_THAT(source.skipped(), ElementsAre(Pair("bad_odometry", 1u)));
 }
 
-TEST_F(RawlogSourceTest, InertialSamplesGiveTurnAndUp) {
+TEST_F(RawlogSourceTest, InertialSamplesGiveRotationAndVertical) {
   const Eigen::Vector3d omega(0.0, 0.0, 0.5);
   const Eigen::Vector3d gravity(0.0, 9.81 * std::sin(0.1), 9.81 * std::cos(0.1));
   {

@@ -62,7 +62,7 @@ cv::Point2d centroidOf(const cv::Mat& image) {
   return {moments.m10 / moments.m00, moments.m01 / moments.m00};
 }
 
-TEST(RectifierTest, RectifiedPairsPassThroughUntouched) {
+TEST(RectifierTest, RectifiedPairsAreUnchanged) {
   const Rectifier rectifier(rawFrom(test::smallCamera()));
   EXPECT_TRUE(rectifier.passesThrough());
   const cv::Mat image = test::wall(0).left;
@@ -90,7 +90,7 @@ TEST(RectifierTest, AnyDeviationCountsAsNotRectified) {
 }
 
 /// The law of the rectifier: a point in space appears where its camera says, in both images.
-TEST(RectifierTest, PointsAppearWhereTheRectifiedCameraProjectsThem) {
+TEST(RectifierTest, PointsAreAtTheirRectifiedProjection) {
   const RawStereoCamera raw = crookedPair();
   const Rectifier rectifier(raw);
   EXPECT_FALSE(rectifier.passesThrough());
@@ -137,7 +137,7 @@ TEST(RectifierTest, SameRectificationEachTime) {
       test::sameImage(a.rectify(Rectifier::kRight, image), b.rectify(Rectifier::kRight, image)));
 }
 
-TEST(RectifierTest, RefusesWhatIsNoStereoPair) {
+TEST(RectifierTest, RefusesInvalidStereoPairs) {
   RawStereoCamera camera = crookedPair();
   camera.T_left_right = camera.T_left_right.inverse();
   EXPECT_THROW(Rectifier{camera}, InputError);

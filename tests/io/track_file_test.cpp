@@ -51,7 +51,7 @@ TEST_F(TrackFileTest, KittiLabelsAreReadFieldByField) {
   EXPECT_EQ("DontCare", rows[1].type);
 }
 
-TEST_F(TrackFileTest, DetectionsComeBackAsWritten) {
+TEST_F(TrackFileTest, DetectionsSurviveTheRoundTrip) {
   Detection whole;
   whole.object_class = ObjectClass::kVan;
   whole.score = 0.625;
@@ -80,7 +80,7 @@ TEST_F(TrackFileTest, DetectionsComeBackAsWritten) {
   EXPECT_FALSE(frames.at(4).items[1].detector_id);
 }
 
-TEST_F(TrackFileTest, KittiRowsComeBackAsWritten) {
+TEST_F(TrackFileTest, KittiRowsSurviveTheRoundTrip) {
   auto row = readKittiRows(written("l.txt", kCarLabel)).front();
   row.score = 12.5;
   row.visible = 0.75;
@@ -129,7 +129,7 @@ TEST_F(TrackFileTest, RowsWithoutA3dBoxHaveNone) {
   EXPECT_TRUE(detection->box2d);
 }
 
-TEST_F(TrackFileTest, TrackCsvComesBackAsWritten) {
+TEST_F(TrackFileTest, TrackCsvSurvivesTheRoundTrip) {
   TrackSample sample;
   sample.frame = 12;
   sample.time = 1403636584.5;
@@ -182,7 +182,7 @@ TEST_F(TrackFileTest, TrackCsvErrorsNameFileAndLine) {
               HasSubstr("'asleep' is not a track status"));
 }
 
-TEST_F(TrackFileTest, PredictionCsvComesBackAsWritten) {
+TEST_F(TrackFileTest, PredictionCsvSurvivesTheRoundTrip) {
   PredictionRow row;
   row.frame = 3;
   row.time = 0.5;
@@ -205,7 +205,7 @@ TEST_F(TrackFileTest, PredictionCsvComesBackAsWritten) {
   EXPECT_EQ(row.point.covariance, read[0].point.covariance);
 }
 
-TEST_F(TrackFileTest, DetectionFormatsAreToldApart) {
+TEST_F(TrackFileTest, DistinguishesDetectionFormats) {
   const auto kitti = detections("k.txt", std::string(kCarLabel) + "\n" + kDontCare + "\n" +
                                              "3 8 Dog 0 1 0 1 2 3 4 1 1 1 0 0 5 0\n");
   ASSERT_THAT(kitti, ElementsAre(Pair(3u, ::testing::_)));
@@ -254,7 +254,7 @@ TEST_F(TrackFileTest, CsvDetectionsHaveNamedColumns) {
                                              Pair("bad_row", 2u)));
 }
 
-TEST_F(TrackFileTest, FilesOfSpreadsheetsAreRead) {
+TEST_F(TrackFileTest, ReadsFilesOfSpreadsheets) {
   EXPECT_EQ(1u, detections("d.csv",
                            "\xEF\xBB\xBF"
                            "frame,class,left,top,right,bottom\r\n"

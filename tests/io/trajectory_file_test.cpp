@@ -24,7 +24,7 @@ std::string written(const std::filesystem::path& path, const std::string& text) 
   return path.string();
 }
 
-TEST(TrajectoryFileTest, TumReadsWhatItWrote) {
+TEST(TrajectoryFileTest, TumSurvivesTheRoundTrip) {
   const test::TemporaryFolder folder;
   const std::string path = folder / "path.tum";
   const auto expected = wavyPath();
@@ -37,7 +37,7 @@ TEST(TrajectoryFileTest, TumReadsWhatItWrote) {
   }
 }
 
-TEST(TrajectoryFileTest, KittiReadsWhatItWrote) {
+TEST(TrajectoryFileTest, KittiSurvivesTheRoundTrip) {
   const test::TemporaryFolder folder;
   const std::string path = folder / "path.txt";
   std::vector<Pose> expected;
@@ -59,7 +59,7 @@ TEST(TrajectoryFileTest, CommentsAndCommasAreAccepted) {
   EXPECT_EQ(Eigen::Vector3d(2, 3, 4), read[0].value.translation());
 }
 
-TEST(TrajectoryFileTest, WhatIsWrongIsNamedWithFileAndLine) {
+TEST(TrajectoryFileTest, ErrorsNameFileAndLine) {
   const test::TemporaryFolder folder;
   const auto message = [&](const std::string& text) -> std::string {
     try {
@@ -79,7 +79,7 @@ TEST(TrajectoryFileTest, WhatIsWrongIsNamedWithFileAndLine) {
   EXPECT_THROW((void)readTum(folder.path()), InputError);
 }
 
-TEST(TrajectoryFileTest, AMatrixThatIsNoRotationIsRefused) {
+TEST(TrajectoryFileTest, RefusesAMatrixThatIsNoRotation) {
   const test::TemporaryFolder folder;
   const auto scaled = written(folder / "a.txt", "2 0 0 0 0 2 0 0 0 0 2 0\n");
   const auto mirrored = written(folder / "b.txt", "1 0 0 0 0 1 0 0 0 0 -1 0\n");
@@ -87,7 +87,7 @@ TEST(TrajectoryFileTest, AMatrixThatIsNoRotationIsRefused) {
   EXPECT_THROW((void)readKittiPoses(mirrored), InputError);
 }
 
-TEST(TrajectoryFileTest, UnwritablePlacesAreInputErrors) {
+TEST(TrajectoryFileTest, ThrowsForUnwritablePaths) {
   const test::TemporaryFolder folder;
   written(folder / "file", "x");
   EXPECT_THROW(writeTum(folder / "file/path.tum", {}), InputError);

@@ -70,7 +70,7 @@ std::vector<CObservation::Ptr> rest(UsefulObservations& observations) {
   return all;
 }
 
-TEST_F(UsefulObservationsTest, WhatNobodyAskedForIsCountedByItsReason) {
+TEST_F(UsefulObservationsTest, CountsUnusedObservationsByReason) {
   auto truth = image(0);
   truth->sensorLabel = "truth_something";
   auto undated = image(0);
@@ -88,7 +88,7 @@ TEST_F(UsefulObservationsTest, WhatNobodyAskedForIsCountedByItsReason) {
                           Pair("no_time", 1u), Pair("truth", 1u)));
 }
 
-TEST_F(UsefulObservationsTest, WhatWasReadToFindTheCameraComesOutAgainInOrder) {
+TEST_F(UsefulObservationsTest, ReturnsTheObservationsReadToFindTheCamera) {
   const std::vector<CObservation::Ptr> recorded{odometry(0), image(0), odometry(1), image(1),
                                                 image(2)};
   auto observations = opened(recorded);
@@ -100,7 +100,7 @@ TEST_F(UsefulObservationsTest, WhatWasReadToFindTheCameraComesOutAgainInOrder) {
   EXPECT_TRUE(skipped.empty());
 }
 
-TEST_F(UsefulObservationsTest, OfImagesAndMotionsBeforeTheCameraIsKnownTheLastAreKept) {
+TEST_F(UsefulObservationsTest, KeepsTheLatestImagesAndMotionsUntilTheCameraIsKnown) {
   std::vector<CObservation::Ptr> recorded;
   for (int i = 0; i < 2005; ++i) recorded.push_back(odometry(i));
   for (int i = 0; i < 20; ++i) recorded.push_back(test::singleImage(0, 0, 3000.0 + i, "left"));
@@ -115,10 +115,10 @@ TEST_F(UsefulObservationsTest, OfImagesAndMotionsBeforeTheCameraIsKnownTheLastAr
   EXPECT_EQ(recorded.back(), kept.back());
 }
 
-TEST_F(UsefulObservationsTest, WithoutACameraItIsSaidWhereTheRecordingBreaksOff) {
+TEST_F(UsefulObservationsTest, ReportsATruncationWithoutACamera) {
   auto whole = opened({odometry(0)});
   const auto error = test::errorOf([&] { (void)whole.findCamera(); });
-  EXPECT_THAT(error, ::testing::StartsWith("holds neither stereo images nor poses"));
+  EXPECT_THAT(error, ::testing::StartsWith("contains neither stereo images nor poses"));
   auto broken = opened({odometry(0)}, {}, "ends within an object");
   EXPECT_EQ(error + "; ends within an object", test::errorOf([&] { (void)broken.findCamera(); }));
 }

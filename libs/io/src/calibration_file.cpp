@@ -63,7 +63,7 @@ RawStereoCamera readRawCalibration(const std::string& path,
   camera.left = lensFrom(file, "left", image_size);
   camera.right = file.has("right") ? lensFrom(file, "right", image_size) : camera.left;
   if (file.has("T_left_right") == file.has("baseline_m")) {
-    file.fail("one of the keys 'baseline_m' and 'T_left_right' must be there, and not both");
+    file.fail("exactly one of the keys 'baseline_m' and 'T_left_right' is required");
   }
   if (file.has("baseline_m")) {
     camera.T_left_right.translation().x() = file.number("baseline_m");

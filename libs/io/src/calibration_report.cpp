@@ -1,5 +1,3 @@
-#include "calibration_report.h"
-
 #include <headway/core/error.h>
 #include <headway/core/statistics.h>
 
@@ -11,24 +9,26 @@
 #include <utility>
 #include <vector>
 
+#include "rectifier.h"
+
 namespace headway::io {
 namespace {
 
 constexpr int kCornerThreshold = 20;
-constexpr int kRadius = 5;  // of the compared patches [px]
+constexpr int kRadius = 5;  // of patches [px]
 constexpr int kSide = 2 * kRadius + 1;
-constexpr int kCellsAcross = 16;  // corners are spread over cells
+constexpr int kCellsAcross = 16;  // cells for evenly distributed corners
 constexpr int kCellsDown = 8;
 constexpr std::size_t kCornersPerCell = 8;
-constexpr double kRowBand = 4.0;          // rows that a match may be off [px]
-constexpr double kDisparityShare = 0.25;  // largest disparity, of the image's width
-constexpr float kSmallestCorrelation = 0.9F;
-constexpr int kBeside = 3;                  // [px]
-constexpr float kDistinctness = 0.05F;      // by which the best beats its rivals
-constexpr std::size_t kEnoughMatches = 20;  // to say that images are swapped
+constexpr double kRowBand = 4.0;             // maximum row difference of a match [px]
+constexpr double kMaxDisparityRatio = 0.25;  // of the image width
+constexpr float kMinCorrelation = 0.9F;
+constexpr int kNeighbourDistance = 3;       // [px]
+constexpr float kDistinctness = 0.05F;      // minimum margin to the second best
+constexpr std::size_t kMinMatches = 20;     // for the detection of swapped images
 constexpr double kSwappedDisparity = -1.0;  // [px]
 
-/// A patch around a corner with mean 0 and length 1: products of two are their correlation.
+/// A patch around a corner with mean 0 and norm 1, so that dot products are correlations.
 struct Corner {
   int u = 0;
   int v = 0;
@@ -62,14 +62,14 @@ bool fits(const cv::Mat& image, int u, int v) {
   return u >= kRadius && v >= kRadius && u + kRadius < image.cols && v + kRadius < image.rows;
 }
 
-bool areBeside(const Corner& a, const Corner& b) {
-  return std::abs(a.u - b.u) <= kBeside && std::abs(a.v - b.v) <= kBeside;
+bool areNeighbours(const Corner& a, const Corner& b) {
+  return std::abs(a.u - b.u) <= kNeighbourDistance && std::abs(a.v - b.v) <= kNeighbourDistance;
 }
 
-/// The strongest corners of each cell of the image, none beside another one of its cell.
+/// The strongest corners of each cell, without direct neighbours.
 ///
-/// FAST's own suppression of neighbours is not used: it drops all corners of equal strength, and
-/// in drawn pictures many are equal.
+/// FAST's non-maximum suppression is not used: it drops all corners of equal strength, which are
+/// frequent in rendered images.
 std::vector<Corner> spreadCorners(const cv::Mat& image) {
   std::vector<cv::KeyPoint> found;
   cv::FAST(image, found, kCornerThreshold, false);
@@ -84,7 +84,7 @@ std::vector<Corner> spreadCorners(const cv::Mat& image) {
                                                 corner.u * kCellsAcross / image.cols)];
     if (cell.size() >= kCornersPerCell) continue;
     if (std::any_of(cell.begin(), cell.end(),
-                    [&](const Corner& other) { return areBeside(corner, other); })) {
+                    [&](const Corner& other) { return areNeighbours(corner, other); })) {
       continue;
     }
     corner.patch = normalizedPatch(image, corner.u, corner.v);
@@ -97,9 +97,9 @@ std::vector<Corner> spreadCorners(const cv::Mat& image) {
   return corners;
 }
 
-/// The corner that looks most like `corner`, if it does so clearly; null if none does.
+/// The corner with the highest correlation, if it is distinct; null otherwise.
 ///
-/// Corners right beside the best one show the same thing and are no rivals to it.
+/// Direct neighbours of the best corner show the same point and are not compared with it.
 const Corner* bestMatch(const Corner& corner, const std::vector<Corner>& candidates,
                         double max_disparity) {
   std::vector<std::pair<float, const Corner*>> scores;
@@ -111,29 +111,29 @@ const Corner* bestMatch(const Corner& corner, const std::vector<Corner>& candida
   if (scores.empty()) return nullptr;
   const auto [best_score, best] = *std::max_element(
       scores.begin(), scores.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  if (best_score < kSmallestCorrelation) return nullptr;
+  if (best_score < kMinCorrelation) return nullptr;
   for (const auto& [score, rival] : scores) {
-    if (!areBeside(*rival, *best) && best_score - score < kDistinctness) return nullptr;
+    if (!areNeighbours(*rival, *best) && best_score - score < kDistinctness) return nullptr;
   }
   return best;
 }
 
-/// Offset of a parabola's top from its middle sample, within half a sample.
-double parabolaTop(float before, float middle, float after) {
+/// Offset of the vertex of a parabola from its middle sample, at most half a sample.
+double parabolaVertex(float before, float middle, float after) {
   const double curvature = 2.0 * middle - before - after;
   if (curvature <= 0.0) return 0.0;
   return std::clamp(0.5 * (after - before) / curvature, -0.5, 0.5);
 }
 
-/// (u, v) of the place in the right image that looks like `left`, to a fraction of a pixel.
+/// Subpixel position of the match of `left` in the right image.
 cv::Point2d refined(const Corner& left, const Corner& right, const cv::Mat& right_image) {
   const auto scoreAt = [&](int du, int dv) {
     if (!fits(right_image, right.u + du, right.v + dv)) return -1.0F;
     return correlation(left.patch, normalizedPatch(right_image, right.u + du, right.v + dv));
   };
   const float middle = scoreAt(0, 0);
-  return {right.u + parabolaTop(scoreAt(-1, 0), middle, scoreAt(1, 0)),
-          right.v + parabolaTop(scoreAt(0, -1), middle, scoreAt(0, 1))};
+  return {right.u + parabolaVertex(scoreAt(-1, 0), middle, scoreAt(1, 0)),
+          right.v + parabolaVertex(scoreAt(0, -1), middle, scoreAt(0, 1))};
 }
 
 }  // namespace
@@ -142,14 +142,14 @@ CalibrationReport measureCalibration(const cv::Mat& left, const cv::Mat& right,
                                      const StereoCamera& camera) {
   const auto left_corners = spreadCorners(left);
   const auto right_corners = spreadCorners(right);
-  const double max_disparity = kDisparityShare * left.cols;
+  const double max_disparity = kMaxDisparityRatio * left.cols;
   std::vector<double> vertical;
   std::vector<double> horizontal;
   for (const auto& corner : left_corners) {
     const Corner* match = bestMatch(corner, right_corners, max_disparity);
     if (match == nullptr) continue;
     const Corner* back = bestMatch(*match, left_corners, max_disparity);
-    if (back == nullptr || !areBeside(*back, corner)) continue;
+    if (back == nullptr || !areNeighbours(*back, corner)) continue;
     const cv::Point2d place = refined(corner, *match, right);
     horizontal.push_back(corner.u - place.x);
     vertical.push_back(std::abs(corner.v - place.y));
@@ -164,7 +164,7 @@ CalibrationReport measureCalibration(const cv::Mat& left, const cv::Mat& right,
 }
 
 void requireNotSwapped(const CalibrationReport& report) {
-  if (report.matches < kEnoughMatches || report.median_disparity_px > kSwappedDisparity) return;
+  if (report.matches < kMinMatches || report.median_disparity_px > kSwappedDisparity) return;
   throw InputError("stereo calibration: the median disparity of " + std::to_string(report.matches) +
                    " matches is " + std::to_string(report.median_disparity_px) +
                    " px; it must be positive: left and right images are swapped");

@@ -4,12 +4,12 @@
 #include <mrpt/obs/CObservationImage.h>
 #include <mrpt/obs/CObservationStereoImages.h>
 
-#include "recorded_labels.h"
+#include "useful_observations.h"
 
 namespace headway::io {
 namespace {
 
-// Poses without any image before a rawlog counts as one that holds poses alone.
+// Number of poses without any image after which a rawlog is taken to contain only poses.
 constexpr std::size_t kPosesWithoutImages = 1000;
 
 template <typename Map>
@@ -36,7 +36,7 @@ void CameraProbe::add(const mrpt::obs::CObservation& observation) {
 bool CameraProbe::isDecided() const {
   if (!wanted_.empty()) return wantedCamera().has_value();
   for (const auto& [label, count] : stereo_) {
-    if (count >= 2) return true;  // a second camera would have shown itself by now
+    if (count >= 2) return true;  // a second camera would have occurred by now
   }
   if (stereo_.empty() && single_.size() >= 2) {
     bool all_twice = true;
@@ -62,11 +62,12 @@ CameraChoice CameraProbe::choose(const std::map<std::string, std::size_t>& skipp
   if (!wanted_.empty()) {
     const auto choice = wantedCamera();
     if (choice) return *choice;
-    throw InputError("holds no stereo camera with label '" + wanted_ +
-                     "' (two cameras are named 'LEFT,RIGHT'); there is " + labelsSeen(skipped));
+    throw InputError("contains no stereo camera with label '" + wanted_ +
+                     "' (two cameras are selected as 'LEFT,RIGHT'); it contains " +
+                     labelsSeen(skipped));
   }
   if (stereo_.size() > 1) {
-    throw InputError("holds several stereo cameras; choose one by its sensor label: " +
+    throw InputError("contains several stereo cameras; select one by its sensor label: " +
                      keysOf(stereo_));
   }
   if (stereo_.size() == 1) {
@@ -74,15 +75,16 @@ CameraChoice CameraProbe::choose(const std::map<std::string, std::size_t>& skipp
   }
   if (single_.size() == 2) return pairByGeometry();
   if (single_.size() > 2) {
-    throw InputError("holds several cameras; choose two by their sensor labels as 'LEFT,RIGHT': " +
-                     keysOf(single_));
+    throw InputError(
+        "contains several cameras; select two by their sensor labels as 'LEFT,RIGHT': " +
+        keysOf(single_));
   }
   if (poses_ > 0) return {};
-  throw InputError("holds neither stereo images nor poses labelled 'pose'; there is " +
+  throw InputError("contains neither stereo images nor poses labelled 'pose'; it contains " +
                    labelsSeen(skipped));
 }
 
-/// The camera that sees the other one on its right is the left one.
+/// The left camera is the one with the other to its right.
 CameraChoice CameraProbe::pairByGeometry() const {
   const auto& [label_a, camera_a] = *single_.begin();
   const auto& [label_b, camera_b] = *single_.rbegin();
@@ -99,7 +101,7 @@ std::string CameraProbe::labelsSeen(const std::map<std::string, std::size_t>& sk
   if (!single_.empty()) add("single images " + keysOf(single_));
   if (!skipped.empty()) add("other observations: " + keysOf(skipped));
   if (poses_ > 0) add("poses");
-  return text.empty() ? "nothing that can be used" : text;
+  return text.empty() ? "no usable observations" : text;
 }
 
 }  // namespace headway::io

@@ -10,10 +10,10 @@
 
 namespace headway::io {
 
-/// Which observations of a rawlog are the stereo camera.
+/// The stereo camera among the observations of a rawlog.
 struct CameraChoice {
   enum class Kind {
-    kNone,    ///< no camera: the rawlog holds poses
+    kNone,    ///< no camera: the rawlog contains poses
     kStereo,  ///< `CObservationStereoImages` with the first label
     kPair,    ///< two `CObservationImage` labels, left and right
   };
@@ -21,7 +21,7 @@ struct CameraChoice {
   std::array<std::string, 2> labels;
 };
 
-/// Looks at the beginning of a rawlog until it is clear what its stereo camera is.
+/// Determines the stereo camera from the first observations of a rawlog.
 class CameraProbe {
  public:
   /// @param wanted  label of the stereo camera, or two labels "LEFT,RIGHT"; empty: the only one
@@ -29,12 +29,12 @@ class CameraProbe {
 
   void add(const mrpt::obs::CObservation& observation);
 
-  /// Whether choose() would say the same after more observations.
+  /// Whether further observations cannot change the result of choose().
   [[nodiscard]] bool isDecided() const;
 
-  /// @param skipped  what else there is, for messages
-  /// @throws InputError if there is no stereo camera and no pose, several stereo cameras and none
-  ///         wanted, or not the one that is wanted
+  /// @param skipped  other observations, for messages
+  /// @throws InputError if there is neither a stereo camera nor a pose, several stereo cameras
+  ///         without a selection, or not the selected one
   [[nodiscard]] CameraChoice choose(const std::map<std::string, std::size_t>& skipped) const;
 
  private:

@@ -7,8 +7,6 @@
 #include <iomanip>
 #include <sstream>
 
-#include "csv_columns.h"
-#include "kitti_row_parser.h"
 #include "text_rows.h"
 
 namespace headway::io {
@@ -21,7 +19,7 @@ constexpr char kCsvKnown[] =
     "frame,class,score,id,left,top,right,bottom,x,y,z,length,width,height,yaw,cov_xx,cov_xy,cov_xz,"
     "cov_yy,cov_yz,cov_zz";
 
-/// Why a row gives no detection.
+/// Thrown for a row without a detection, with the reason.
 struct RowDropped {
   const char* reason;
 };
@@ -63,7 +61,7 @@ FrameDetection fromDet2d(const TextRows& rows, ObjectClass object_class) {
   return {rows.index(0), detection};
 }
 
-/// Values of columns that are all there and filled in this row; nullopt if one is not.
+/// Values of the columns; nullopt if a column is missing or empty in this row.
 template <std::size_t N>
 std::optional<std::array<double, N>> group(const TextRows& rows, const CsvColumns& columns,
                                            const std::array<const char*, N>& names) {
@@ -104,9 +102,9 @@ FrameDetection fromCsv(const TextRows& rows, const CsvColumns& columns) {
 
 using RowReader = std::function<FrameDetection(const TextRows&)>;
 
-/// The reader of a file's rows, chosen by its first row.
+/// Selects the reader of a file's rows by its first row.
 ///
-/// @param is_header  set if that row is a header and holds no detection
+/// @param is_header  set if that row is a header
 RowReader readerFor(const std::string& path, const TextRows& first, bool& is_header) {
   is_header = first.isCommaSeparated() && !parseNumber(first.fields()[0]);
   if (is_header) {
@@ -121,8 +119,8 @@ RowReader readerFor(const std::string& path, const TextRows& first, bool& is_hea
     const std::string folder = std::filesystem::absolute(path).parent_path().filename().string();
     const auto object_class = objectClassFrom(folder);
     if (!object_class) {
-      first.fail("rows of 2D boxes name no class, and the file's folder '" + folder +
-                 "' is not one either; put the file into a folder such as 'Car'");
+      first.fail("rows of 2D boxes contain no class, and the file's folder '" + folder +
+                 "' is not a class name; move the file to a folder such as 'Car'");
     }
     return [object_class](const TextRows& rows) { return fromDet2d(rows, *object_class); };
   }
@@ -131,10 +129,10 @@ RowReader readerFor(const std::string& path, const TextRows& first, bool& is_hea
   }
   first.fail("has " + std::to_string(first.size()) +
              " fields: neither KITTI's labels or results, nor detector rows of 6 or 15 fields, nor "
-             "a CSV file whose header begins with 'frame'");
+             "a CSV file whose header starts with 'frame'");
 }
 
-/// Values as CSV fields, each with a comma before it; empty fields where there are none.
+/// Writes values as CSV fields, each after a comma; empty fields without values.
 template <std::size_t N>
 void writeFields(std::ostream& out, const std::optional<std::array<double, N>>& values) {
   for (std::size_t i = 0; i < N; ++i) {

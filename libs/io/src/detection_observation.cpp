@@ -32,7 +32,7 @@ void read(CArchive& in, Box3d& box) {
       box.height >> box.yaw;
 }
 
-/// The upper triangle, row by row.
+/// Writes the upper triangle, row-major.
 void write(CArchive& out, const Eigen::Matrix3d& symmetric) {
   for (int row = 0; row < 3; ++row) {
     for (int column = row; column < 3; ++column) out << symmetric(row, column);
@@ -104,7 +104,7 @@ void CObservationObjectDetections::serializeFrom(CArchive& in, uint8_t version) 
     case 0: {
       in >> sensorLabel >> timestamp >> sensor_pose >> image_width >> image_height;
       const auto count = in.ReadAs<uint32_t>();
-      items.clear();  // grows as items are read: a broken count must not take the memory
+      items.clear();  // not resized in advance: a corrupt count must not allocate memory
       for (uint32_t i = 0; i < count; ++i) {
         Item item;
         in >> item.class_name >> item.score >> item.detector_id;

@@ -1,4 +1,4 @@
-// Plug-in for the stock MRPT tools: `rawlog-edit -p libheadway-plugin.so --info -i X.rawlog`,
+// Plug-in for the MRPT tools: `rawlog-edit -p libheadway-plugin.so --info -i X.rawlog`,
 // `RawLogViewer -l libheadway-plugin.so`.
 #include <headway/io/detection_observation.h>
 #include <mrpt/core/initializer.h>

@@ -1,12 +1,12 @@
 #include <headway/core/error.h>
-#include <headway/io/euroc_dataset.h>
+#include <headway/io/dataset.h>
 #include <headway/io/trajectory_file.h>
 
 #include <array>
 #include <charconv>
 #include <filesystem>
 
-#include "dataset_files.h"
+#include "image_files.h"
 #include "interpolation.h"
 #include "text_rows.h"
 #include "yaml_file.h"
@@ -16,13 +16,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMostTruthGap = 0.2;  // [s]
+constexpr double kMaxTruthGap = 0.2;  // [s]
 
 using Nanoseconds = std::int64_t;
 
 Time secondsOf(Nanoseconds time) { return static_cast<double>(time) * 1e-9; }
 
-/// A time stamp in whole nanoseconds, which a double would not keep.
+/// A time stamp in nanoseconds, which exceeds the precision of a double.
 Nanoseconds nanosecondsAt(const TextRows& rows) {
   const std::string& text = rows.fields()[0];
   Nanoseconds time = 0;
@@ -74,8 +74,8 @@ Camera readCamera(const fs::path& folder) {
   return camera;
 }
 
-/// Turn of the robot's axes in the body: x along the mean viewing direction, y from the right
-/// camera towards the left one.
+/// Rotation of the robot frame in the body: x along the mean viewing direction, y from the right to
+/// the left camera.
 Pose robotInBody(const Pose& T_body_left, const Pose& T_body_right) {
   const Eigen::Vector3d forward =
       (T_body_left.linear().col(2) + T_body_right.linear().col(2)).normalized();
@@ -94,7 +94,7 @@ std::vector<Stamped<Pose>> readStateCsv(const std::string& path) {
     Pose pose = Pose::Identity();
     pose.translation() << rows.number(1), rows.number(2), rows.number(3);
     const Eigen::Quaterniond turn(rows.number(4), rows.number(5), rows.number(6), rows.number(7));
-    if (!(turn.norm() > 0.5)) rows.fail("the quaternion has no length");
+    if (!(turn.norm() > 0.5)) rows.fail("the quaternion has zero length");
     pose.linear() = turn.normalized().toRotationMatrix();
     poses.push_back({secondsOf(nanosecondsAt(rows)), pose});
   }
@@ -126,7 +126,7 @@ class Euroc : public Dataset {
     frame.time = pair.time;
     frame.left = requireImage(pair.left);
     frame.right = requireImage(pair.right);
-    frame.truth_T_map_robot = poseAt(truth_, pair.time, kMostTruthGap);
+    frame.truth_T_map_robot = poseAt(truth_, pair.time, kMaxTruthGap);
     return frame;
   }
 
@@ -150,7 +150,7 @@ class Euroc : public Dataset {
     }
     const std::size_t unpaired = left.images.size() + right.images.size() - 2 * pairs_.size();
     if (unpaired > 0) dropped_["unpaired_image"] = unpaired;
-    if (pairs_.empty()) throw InputError(folder + ": cam0 and cam1 have no time stamp in common");
+    if (pairs_.empty()) throw InputError(folder + ": cam0 and cam1 have no common time stamp");
   }
 
   void readTruth(const fs::path& folder) {

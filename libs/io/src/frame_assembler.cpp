@@ -7,7 +7,7 @@
 namespace headway::io {
 namespace {
 
-constexpr double kHalfIntervalOfOneFrame = 0.05;  // where there is no second one [s]
+constexpr double kHalfIntervalOfOneFrame = 0.05;  // without a second frame [s]
 
 }  // namespace
 
@@ -43,8 +43,8 @@ void FrameAssembler::finish() {
   poses_.clear();
 }
 
-/// Half of the shorter interval to the frame before and the one after: a gap in the recording
-/// must not draw in what belongs to lost frames.
+/// Half of the shorter interval to the previous and the next frame, so that boxes and poses of lost
+/// frames are not assigned across a gap.
 double FrameAssembler::halfInterval(Time time) const {
   double interval = std::numeric_limits<double>::infinity();
   if (last_taken_) interval = std::min(interval, time - *last_taken_);
@@ -52,7 +52,7 @@ double FrameAssembler::halfInterval(Time time) const {
   return std::isfinite(interval) ? 0.5 * interval : kHalfIntervalOfOneFrame;
 }
 
-/// Takes the nearest item out, and all that are too old for any later frame.
+/// Removes the nearest item, and all items that are too old for later frames.
 template <typename Item>
 std::optional<Item> FrameAssembler::takeNearest(std::deque<Item>& items, Time time,
                                                 double half_interval, const char* unmatched) {

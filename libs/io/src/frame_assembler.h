@@ -11,7 +11,7 @@
 
 namespace headway::io {
 
-/// A frame before its images are decoded, with what was recorded for it.
+/// A frame with undecoded images and its recorded boxes and pose.
 struct PendingFrame {
   std::size_t index = 0;
   Time time = 0.0;
@@ -20,30 +20,30 @@ struct PendingFrame {
   std::optional<Pose> T_map_robot;
 };
 
-/// Gives boxes and poses to the frame nearest in time, at most half a frame interval away.
+/// Assigns boxes and poses to the nearest frame in time, at most half a frame interval away.
 ///
-/// Frames count from 0 in the order they come, and come out in that order once some of the next
-/// are known (so that what is recorded late, even after the next image, finds its frame). Frames
-/// whose time does not increase are left out but keep their index. What finds no frame is counted.
+/// Frames are numbered from 0 and returned in order, once `read_ahead` later frames are known, so
+/// that boxes and poses recorded late, even after the next image, are assigned. Frames whose time
+/// does not increase are dropped but keep their index. Unassigned boxes and poses are counted.
 class FrameAssembler {
  public:
-  /// @param read_ahead  frames to be known before one comes out
+  /// @param read_ahead  number of later frames known before a frame is returned
   /// @param skipped     counts "time_backwards", "unmatched_detections", "unmatched_pose"
   FrameAssembler(std::size_t read_ahead, std::map<std::string, std::size_t>& skipped)
       : read_ahead_(read_ahead), skipped_(skipped) {}
 
-  /// `frame` holds all but its index, detections, and pose (if it has a pair).
+  /// @param frame  without index and detections, and without pose if it has a pair
   void addFrame(PendingFrame frame);
   void addDetections(Detections detections) { detections_.push_back(std::move(detections)); }
   void addPose(Time time, const Pose& T_map_robot) { poses_.push_back({time, T_map_robot}); }
 
-  /// Whether a frame can come out without knowing more of the recording.
+  /// Whether take() can return a frame before the end of the recording.
   [[nodiscard]] bool isReady() const { return frames_.size() > read_ahead_; }
 
   /// The next frame; nullopt if there is none. Before isReady(), only at the recording's end.
   [[nodiscard]] std::optional<PendingFrame> take();
 
-  /// Counts what waits for a frame: none will come.
+  /// Counts the boxes and poses that remain unassigned at the end.
   void finish();
 
  private:

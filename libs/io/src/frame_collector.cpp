@@ -5,16 +5,15 @@
 #include <headway/io/mrpt_time.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 
-#include "observation_kind.h"
 #include "observation_stream.h"
-#include "recorded_labels.h"
+#include "useful_observations.h"
 
 namespace headway::io {
 namespace {
 
 using mrpt::obs::CObservation;
 
-/// The inertial sample in the robot frame.
+/// The inertial sample transformed to the robot frame.
 InertialSample sampleFrom(const mrpt::obs::CObservationIMU& imu) {
   using namespace mrpt::obs;  // names of the IMU's fields
   const Eigen::Matrix3d R_robot_sensor = fromMrpt(imu.sensorPose).linear();

@@ -14,13 +14,13 @@
 
 namespace headway::io {
 
-/// Sorts observations: images become frames, boxes and poses go to theirs, motions to the prior.
+/// Assembles frames from observations: images, boxes, poses, and motion for the prior.
 ///
-/// Where there is no camera, each pose is a frame of its own.
+/// Without a camera, each pose is a frame.
 class FrameCollector {
  public:
-  /// @param skipped  counts "bad_odometry", "bad_pose", by class name what is of no camera chosen,
-  ///                 and what StereoPairing and FrameAssembler count
+  /// @param skipped  counts "bad_odometry", "bad_pose", observations of other cameras by class
+  ///                 name, and the counts of StereoPairing and FrameAssembler
   FrameCollector(const CameraChoice& camera, const RawlogSourceOptions& options,
                  std::map<std::string, std::size_t>& skipped)
       : has_camera_(camera.kind != CameraChoice::Kind::kNone),
@@ -29,20 +29,20 @@ class FrameCollector {
         assembler_(options.read_ahead, skipped) {}
 
   void add(const mrpt::obs::CObservation::Ptr& observation);
-  /// Counts what waits for more: nothing will come.
+  /// Counts unassigned observations at the end.
   void finish();
 
-  /// Whether a frame can be taken without knowing more of the recording.
+  /// Whether take() can return a frame before the end of the recording.
   [[nodiscard]] bool isReady() const { return assembler_.isReady(); }
   /// The next frame; nullopt if there is none. Before isReady(), only at the recording's end.
   [[nodiscard]] std::optional<PendingFrame> take() { return assembler_.take(); }
 
-  /// What odometry and inertial samples say of the motion, as far as they were added.
+  /// Motion between two times according to odometry and inertial samples.
   [[nodiscard]] MotionPrior motionBetween(std::optional<Time> previous, Time current) const {
     return prior_.between(previous, current);
   }
-  /// No motion that begins before this time will be asked for.
-  void forgetMotionBefore(Time time) { prior_.forgetBefore(time); }
+  /// Removes samples that are not needed for motions starting at or after this time.
+  void discardMotionBefore(Time time) { prior_.discardBefore(time); }
 
  private:
   void addPair(RecordedPair pair);

@@ -5,8 +5,8 @@
 #include <array>
 #include <utility>
 
-#include "calibration_report.h"
-#include "recorded_image.h"
+#include "image_files.h"
+#include "rectifier.h"
 
 namespace headway::io {
 namespace {
@@ -40,7 +40,7 @@ std::optional<DecodedPair> FrameDecoder::decode(const RecordedPair& pair) {
 void FrameDecoder::calibrate(const RecordedPair& pair, const DecodedPair& images) {
   const RawStereoCamera raw = rawCameraOf(pair);
   if (images.left.size() != cv::Size(raw.left.width, raw.left.height)) {
-    throw InputError("stereo calibration: is for images of " +
+    throw InputError("stereo calibration: for images of " +
                      sizeText(raw.left.width, raw.left.height) + " px, but they have " +
                      sizeText(images.left.cols, images.left.rows));
   }

@@ -13,34 +13,34 @@
 
 namespace headway::io {
 
-/// Images of a pair as recorded, 8-bit grey or BGR.
+/// Images of a recorded pair, 8-bit grey or BGR.
 struct DecodedPair {
   cv::Mat left;
   cv::Mat right;
 };
 
-/// Makes rectified stereo frames of recorded pairs; the first pair's calibration holds for all.
+/// Converts recorded pairs to rectified stereo frames, with the calibration of the first pair.
 class FrameDecoder {
  public:
-  /// @param image_folder  where images beside the rawlog are
+  /// @param image_folder  folder of external images
   /// @param skipped       counts "missing_image", "broken_image", "image_size"
   FrameDecoder(std::string image_folder, std::map<std::string, std::size_t>& skipped)
       : image_folder_(std::move(image_folder)), skipped_(skipped) {}
 
-  /// The images of the pair; nullopt, and counted, if one is missing, broken or of another size
-  /// than the calibration is for.
+  /// The images of the pair; nullopt, and counted, if one is missing, broken or of a size other
+  /// than the calibration's.
   [[nodiscard]] std::optional<DecodedPair> decode(const RecordedPair& pair);
 
-  /// Learns the calibration, and measures it on the images.
+  /// Sets the calibration and measures its consistency with the images.
   ///
-  /// @throws InputError if it cannot be used
+  /// @throws InputError if the calibration is invalid
   void calibrate(const RecordedPair& pair, const DecodedPair& images);
 
-  /// The images, rectified. To be called once calibrate() was.
+  /// The rectified images. Requires calibrate().
   [[nodiscard]] StereoFrame stereoFrame(const DecodedPair& images) const;
-  /// The right image in colour, rectified; empty if it is grey.
+  /// The rectified right image in colour; empty if it is grey.
   [[nodiscard]] cv::Mat rightColour(const DecodedPair& images) const;
-  /// Boxes are in the image as recorded; boxes of another image (by its size) stay as they are.
+  /// Rectifies boxes of the recorded image; boxes of images of other sizes are not changed.
   void rectifyBoxes(Detections& detections) const;
 
   [[nodiscard]] const std::string& imageFolder() const { return image_folder_; }

@@ -15,14 +15,14 @@ namespace {
 constexpr unsigned kBufferBytes = 1 << 17;
 constexpr std::size_t kChunkBytes = 1 << 30;  // gzread and gzwrite count with int
 
-/// Refuses what zlib would hand out as if it were plain.
+/// Rejects compressed formats that zlib would return as plain data.
 void requireKnownCompression(const std::string& path) {
   std::array<unsigned char, 4> magic{};
   std::ifstream file(path, std::ios::binary);
   file.read(reinterpret_cast<char*>(magic.data()), magic.size());
   if (magic == std::array<unsigned char, 4>{0x28, 0xB5, 0x2F, 0xFD}) {
-    throw InputError(path + ": is compressed with zstd (as MRPT 2.15.7 and later write), which " +
-                     "cannot be read here; run 'zstd -d' on it, or record with gz");
+    throw InputError(path + ": is compressed with zstd (MRPT 2.15.7 and later), which " +
+                     "is not supported; decompress it with 'zstd -d' or record with gz");
   }
 }
 
@@ -30,7 +30,7 @@ void requireKnownCompression(const std::string& path) {
 
 GzOutput::GzOutput(const std::string& path) : path_(path), file_(gzopen(path.c_str(), "wb1")) {
   if (file_ == nullptr) {
-    throw InputError(path + ": cannot be written; does its folder exist, and may you write there?");
+    throw InputError(path + ": cannot be written; check that its folder exists and is writable");
   }
   gzbuffer(file_, kBufferBytes);
 }
@@ -56,12 +56,12 @@ void GzOutput::close() {
   const int status = gzclose(file_);
   file_ = nullptr;
   if (status != Z_OK) {
-    throw InputError(path_ + ": could not be written to its end; is the disk full?");
+    throw InputError(path_ + ": not written completely; check the disk space");
   }
 }
 
 size_t GzOutput::Read(void* /*buffer*/, size_t /*count*/) {
-  THROW_EXCEPTION("GzOutput is for writing");
+  THROW_EXCEPTION("GzOutput cannot be read");
 }
 
 uint64_t GzOutput::Seek(int64_t /*offset*/, TSeekOrigin /*origin*/) {
@@ -123,7 +123,7 @@ double GzInput::progress() const {
 }
 
 size_t GzInput::Write(const void* /*buffer*/, size_t /*count*/) {
-  THROW_EXCEPTION("GzInput is for reading");
+  THROW_EXCEPTION("GzInput cannot be written");
 }
 
 uint64_t GzInput::Seek(int64_t /*offset*/, TSeekOrigin /*origin*/) {

@@ -7,7 +7,8 @@
 
 namespace headway::io {
 
-/// A file written as gz whose errors all come out, those of the last flush included.
+/// Gz output stream that reports all write errors, including those of the final flush, which MRPT's
+/// CFileGZOutputStream ignores.
 class GzOutput : public mrpt::io::CStream {
  public:
   /// @throws InputError if the file cannot be written
@@ -16,10 +17,10 @@ class GzOutput : public mrpt::io::CStream {
   GzOutput(const GzOutput&) = delete;
   GzOutput& operator=(const GzOutput&) = delete;
 
-  /// Fewer bytes than given only where the file cannot take them; hasFailed() from then on.
+  /// Returns fewer bytes than given only on a write error; hasFailed() is then true.
   size_t Write(const void* buffer, size_t count) override;
   [[nodiscard]] bool hasFailed() const { return has_failed_; }
-  /// @throws InputError if what was written did not reach the file
+  /// @throws InputError if the data could not be written
   void close();
 
   size_t Read(void* buffer, size_t count) override;
@@ -33,27 +34,28 @@ class GzOutput : public mrpt::io::CStream {
   bool has_failed_ = false;
 };
 
-/// A file read as gz, or as it is where it is not compressed.
+/// Input stream of a gz-compressed or plain file, with access to zlib's error and the position,
+/// which MRPT's CFileGZInputStream does not provide.
 class GzInput : public mrpt::io::CStream {
  public:
-  /// @throws InputError if the file cannot be opened, is empty or is compressed in another way
+  /// @throws InputError if the file cannot be opened, is empty or has another compression
   explicit GzInput(const std::string& path);
   ~GzInput() override;
   GzInput(const GzInput&) = delete;
   GzInput& operator=(const GzInput&) = delete;
 
-  /// Fewer bytes than asked for only at the end of the file, or where it is broken.
+  /// Returns fewer bytes than requested only at the end of the file or on an error.
   size_t Read(void* buffer, size_t count) override;
-  /// Puts bytes back, to be read again next.
+  /// Returns bytes to the stream, to be read again.
   void unread(const std::string& bytes);
 
-  /// Whether the last Read() gave fewer bytes than asked for.
+  /// Whether the last Read() returned fewer bytes than requested.
   [[nodiscard]] bool lastWasShort() const { return last_was_short_; }
-  /// What zlib says of a broken compression; empty if it has nothing to say.
+  /// zlib's error message; empty if there is none.
   [[nodiscard]] std::string compressionError() const;
-  /// Bytes handed out so far, of the uncompressed content.
+  /// Number of uncompressed bytes read so far.
   uint64_t getPosition() const override { return position_ - (unread_.size() - unread_taken_); }
-  /// Share of the file read so far, 0 to 1.
+  /// Ratio of the file read so far, 0 to 1.
   [[nodiscard]] double progress() const;
 
   size_t Write(const void* buffer, size_t count) override;
@@ -64,8 +66,8 @@ class GzInput : public mrpt::io::CStream {
   std::string path_;
   uint64_t file_size_ = 0;
   uint64_t position_ = 0;
-  std::string unread_;            ///< bytes put back
-  std::size_t unread_taken_ = 0;  ///< of them, read again
+  std::string unread_;            ///< bytes returned to the stream
+  std::size_t unread_taken_ = 0;  ///< of these, read again
   bool last_was_short_ = false;
   gzFile file_ = nullptr;
 };

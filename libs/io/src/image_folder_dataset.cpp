@@ -1,10 +1,10 @@
 #include <headway/core/error.h>
 #include <headway/io/calibration_file.h>
-#include <headway/io/image_folder_dataset.h>
+#include <headway/io/dataset.h>
 
 #include <filesystem>
 
-#include "dataset_files.h"
+#include "image_files.h"
 #include "yaml_file.h"
 
 namespace headway::io {
@@ -38,11 +38,11 @@ class ImageFolders : public Dataset {
         lefts_(imagesIn(left_folder)),
         rights_(imagesIn(right_folder)) {
     if (lefts_.size() != rights_.size()) {
-      throw InputError(left_folder + " holds " + std::to_string(lefts_.size()) + " images and " +
+      throw InputError(left_folder + " contains " + std::to_string(lefts_.size()) + " images and " +
                        right_folder + " " + std::to_string(rights_.size()) +
-                       "; there must be as many on both sides");
+                       "; both folders must contain the same number");
     }
-    if (lefts_.empty()) throw InputError(left_folder + ": holds no images");
+    if (lefts_.empty()) throw InputError(left_folder + ": contains no images");
     times_ = frameTimes(calibration, lefts_.size());
   }
 

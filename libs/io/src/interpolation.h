@@ -7,23 +7,23 @@
 
 namespace headway::io {
 
-/// The first sample not before a time, in a container of Stamped values in time order.
+/// First sample at or after a time in a time-ordered container of Stamped values.
 template <typename Samples>
 [[nodiscard]] auto firstFrom(const Samples& samples, Time time) {
   return std::lower_bound(samples.begin(), samples.end(), time,
                           [](const auto& sample, Time t) { return sample.time < t; });
 }
 
-/// The two samples around a time and how far between them it lies: 0 at `before`, 1 at `after`.
+/// The samples before and after a time, with the interpolation ratio: 0 at `before`, 1 at `after`.
 template <typename Value>
 struct Neighbours {
   const Value& before;
   const Value& after;
-  double share = 0.0;
+  double ratio = 0.0;
 };
 
-/// The neighbours of a time, if they are at most `max_gap_s` apart. Nothing is extrapolated; a
-/// sample of just that time is both of them.
+/// The neighbours of a time, if they are at most `max_gap_s` apart, without extrapolation. A sample
+/// of exactly that time is returned as both.
 template <typename Samples>
 [[nodiscard]] auto neighboursOf(const Samples& samples, Time time, double max_gap_s) {
   using Value = decltype(samples.begin()->value);
@@ -35,24 +35,23 @@ template <typename Samples>
   const auto before = after - 1;
   const double gap = after->time - before->time;
   if (gap > max_gap_s) return none;
-  return std::optional(
-      Neighbours<Value>{before->value, after->value, (time - before->time) / gap});
+  return std::optional(Neighbours<Value>{before->value, after->value, (time - before->time) / gap});
 }
 
-/// The pose at a time between two samples at most `max_gap_s` apart: position along the line
-/// between them, rotation along the shortest turn.
+/// Pose interpolated between two samples at most `max_gap_s` apart: linear position, slerp
+/// rotation.
 ///
 /// @param poses  container of Stamped<Pose> in time order
 template <typename Poses>
 [[nodiscard]] std::optional<Pose> poseAt(const Poses& poses, Time time, double max_gap_s) {
   const auto around = neighboursOf(poses, time, max_gap_s);
   if (!around) return std::nullopt;
-  const auto& [before, after, share] = *around;
-  if (share == 0.0) return before;
+  const auto& [before, after, ratio] = *around;
+  if (ratio == 0.0) return before;
   Pose pose = Pose::Identity();
-  pose.translation() = (1.0 - share) * before.translation() + share * after.translation();
+  pose.translation() = (1.0 - ratio) * before.translation() + ratio * after.translation();
   pose.linear() = Eigen::Quaterniond(before.linear())
-                      .slerp(share, Eigen::Quaterniond(after.linear()))
+                      .slerp(ratio, Eigen::Quaterniond(after.linear()))
                       .toRotationMatrix();
   return pose;
 }

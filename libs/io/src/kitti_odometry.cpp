@@ -1,11 +1,11 @@
 #include <headway/core/error.h>
-#include <headway/io/kitti_dataset.h>
+#include <headway/io/dataset.h>
 #include <headway/io/trajectory_file.h>
 
 #include <filesystem>
 #include <set>
 
-#include "dataset_files.h"
+#include "image_files.h"
 #include "text_rows.h"
 
 namespace headway::io {
@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 using Projection = Eigen::Matrix<double, 3, 4>;
 
-constexpr double kFramePeriod = 0.1;  // where no times are given [s]
+constexpr double kFramePeriod = 0.1;  // without times.txt [s]
 
 /// Frame number of an image named "000012.png"; nullopt for any other name.
 std::optional<std::size_t> frameNumber(const std::string& path) {
@@ -44,7 +44,7 @@ RawCamera lensOf(const Projection& P, const cv::Mat& image) {
   return lens;
 }
 
-/// Where a camera with projection K [I | t] stands in rectified camera 0.
+/// Centre of a camera with projection K [I | t] in rectified camera 0.
 Eigen::Vector3d centreOf(const Projection& P) {
   return -P.leftCols<3>().partialPivLu().solve(P.col(3));
 }
@@ -121,7 +121,7 @@ class KittiOdometry : public Dataset {
     }
     camera_.left = lensOf(left->second, requireImage(frames_.front().left));
     camera_.right = lensOf(right->second, requireImage(frames_.front().right));
-    // Rectified by definition; the colour cameras' centres are millimetres off the line.
+    // Rectified by definition, although the colour cameras deviate by millimetres.
     const Eigen::Vector3d centre = centreOf(left->second);
     camera_.T_left_right.translation().x() = centreOf(right->second).x() - centre.x();
     camera_.T_robot_left = robotFromOptical() * Eigen::Translation3d(centre);
@@ -161,6 +161,24 @@ class KittiOdometry : public Dataset {
 
 std::unique_ptr<Dataset> openKittiOdometry(const std::string& folder, const std::string& sequence) {
   return std::make_unique<KittiOdometry>(folder, sequence);
+}
+
+std::map<std::string, Eigen::Matrix<double, 3, 4>> readKittiProjections(const std::string& path) {
+  std::map<std::string, Eigen::Matrix<double, 3, 4>> matrices;
+  TextRows rows(path);
+  while (rows.next()) {
+    if (rows.size() != 13 || rows.fields()[0].back() != ':') continue;  // R0_rect has 9 numbers
+    Eigen::Matrix<double, 3, 4> matrix;
+    for (Eigen::Index i = 0; i < 12; ++i) {
+      matrix(i / 4, i % 4) = rows.number(static_cast<std::size_t>(i + 1));
+    }
+    const std::string name = rows.fields()[0];
+    matrices[name.substr(0, name.size() - 1)] = matrix;
+  }
+  if (matrices.count("P0") == 0 || matrices.count("P1") == 0) {
+    throw InputError(path + ": is not a KITTI calibration: no line 'P0:' or 'P1:' of 12 numbers");
+  }
+  return matrices;
 }
 
 }  // namespace headway::io

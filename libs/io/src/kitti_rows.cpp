@@ -3,7 +3,6 @@
 
 #include <ostream>
 
-#include "kitti_row_parser.h"
 #include "text_rows.h"
 
 namespace headway::io {
@@ -46,7 +45,7 @@ KittiRow kittiRow(const TextRows& rows) {
   row.length = rows.number(12);
   row.bottom_centre = {rows.number(13), rows.number(14), rows.number(15)};
   row.rotation_y = rows.number(16);
-  row.score = rows.size() == 18 ? rows.number(17) : 1.0;  // a label is certain
+  row.score = rows.size() == 18 ? rows.number(17) : 1.0;  // labels have no score
   if (rows.size() == 18) row.visible = row.score;
   return row;
 }

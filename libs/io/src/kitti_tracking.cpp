@@ -1,5 +1,5 @@
 #include <headway/core/error.h>
-#include <headway/io/kitti_dataset.h>
+#include <headway/io/dataset.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
 
@@ -64,7 +64,7 @@ class KittiTracking : public Dataset {
 
   static Time timeOf(std::size_t index) { return kFramePeriod * static_cast<double>(index); }
 
-  /// All boxes of the sequence: in one file, or in a folder for each class.
+  /// Reads all boxes of the sequence, from one file or from one folder per class.
   Frames readBoxes(const fs::path& folder, const std::string& file, KittiBoxes boxes) {
     if (boxes == KittiBoxes::kLabels) return readDetections((folder / file).string(), dropped_);
     Frames frames;
@@ -78,7 +78,7 @@ class KittiTracking : public Dataset {
         items.insert(items.end(), detections.items.begin(), detections.items.end());
       }
     }
-    if (!found) throw InputError(folder.string() + ": no folder of a class in it holds " + file);
+    if (!found) throw InputError(folder.string() + ": no class folder contains " + file);
     return frames;
   }
 
@@ -93,7 +93,7 @@ class KittiTracking : public Dataset {
   static Detections atFrame(const Frames& frames, std::size_t index) {
     const auto found = frames.find(index);
     if (found != frames.end()) return found->second;
-    Detections none;  // looked, saw nothing
+    Detections none;  // a frame without boxes is a result too
     none.time = timeOf(index);
     return none;
   }

@@ -9,25 +9,25 @@ namespace headway::io {
 namespace {
 
 constexpr double kGravity = 9.80665;        // [m/s^2]
-constexpr double kMostAcceleration = 0.5;   // off gravity, to count as little [m/s^2]
+constexpr double kMaxAcceleration = 0.5;    // deviation from gravity [m/s^2]
 constexpr double kGravityWindow = 0.25;     // before the frame [s]
 constexpr double kGravityLookAhead = 0.05;  // after the frame [s]
-constexpr std::size_t kFewestGravitySamples = 3;
-constexpr double kMostOdometryGap = 1.0;  // between samples [s]
-constexpr double kMostInertialGap = 0.1;  // between samples [s]
-constexpr double kKept = 1.0;             // before a frame that has passed [s]
+constexpr std::size_t kMinGravitySamples = 3;
+constexpr double kMaxOdometryGap = 1.0;  // between samples [s]
+constexpr double kMaxInertialGap = 0.1;  // between samples [s]
+constexpr double kKept = 1.0;            // before the latest frame [s]
 
 template <typename T>
 void addInOrder(std::deque<Stamped<T>>& samples, Time time, const T& value) {
   if (samples.empty() || time > samples.back().time) samples.push_back({time, value});
 }
 
-/// Value between the two samples around `time`; nullopt if it is not between two close ones.
+/// Interpolated value at `time`; nullopt without close neighbours.
 std::optional<Eigen::Vector3d> valueAt(const std::deque<Stamped<Eigen::Vector3d>>& samples,
                                        Time time) {
-  const auto around = neighboursOf(samples, time, kMostInertialGap);
+  const auto around = neighboursOf(samples, time, kMaxInertialGap);
   if (!around) return std::nullopt;
-  return Eigen::Vector3d((1.0 - around->share) * around->before + around->share * around->after);
+  return Eigen::Vector3d((1.0 - around->ratio) * around->before + around->ratio * around->after);
 }
 
 }  // namespace
@@ -46,27 +46,28 @@ void MotionPriorBuilder::addInertial(const InertialSample& sample) {
 MotionPrior MotionPriorBuilder::between(std::optional<Time> previous, Time current) const {
   MotionPrior prior;
   if (previous) {
-    const auto T_odom_previous = poseAt(odometry_, *previous, kMostOdometryGap);
-    const auto T_odom_current = poseAt(odometry_, current, kMostOdometryGap);
+    const auto T_odom_previous = poseAt(odometry_, *previous, kMaxOdometryGap);
+    const auto T_odom_current = poseAt(odometry_, current, kMaxOdometryGap);
     if (T_odom_previous && T_odom_current) {
       prior.T_previous_current = T_odom_previous->inverse() * *T_odom_current;
     }
-    prior.R_previous_current = turnBetween(*previous, current);
+    prior.R_previous_current = rotationBetween(*previous, current);
   }
   prior.up_robot = upAt(current);
   return prior;
 }
 
-void MotionPriorBuilder::forgetBefore(Time time) {
-  const auto forget = [time](auto& samples) {
+void MotionPriorBuilder::discardBefore(Time time) {
+  const auto discard = [time](auto& samples) {
     while (samples.size() > 2 && samples[1].time < time - kKept) samples.pop_front();
   };
-  forget(odometry_);
-  forget(angular_velocity_);
-  forget(acceleration_);
+  discard(odometry_);
+  discard(angular_velocity_);
+  discard(acceleration_);
 }
 
-std::optional<Eigen::Matrix3d> MotionPriorBuilder::turnBetween(Time previous, Time current) const {
+std::optional<Eigen::Matrix3d> MotionPriorBuilder::rotationBetween(Time previous,
+                                                                   Time current) const {
   auto omega = valueAt(angular_velocity_, previous);
   const auto omega_end = valueAt(angular_velocity_, current);
   if (!omega || !omega_end) return std::nullopt;
@@ -79,10 +80,10 @@ std::optional<Eigen::Matrix3d> MotionPriorBuilder::turnBetween(Time previous, Ti
   };
   for (auto sample = firstFrom(angular_velocity_, previous);
        sample != angular_velocity_.end() && sample->time < current; ++sample) {
-    if (sample->time - time > kMostInertialGap) return std::nullopt;
+    if (sample->time - time > kMaxInertialGap) return std::nullopt;
     integrate(sample->time, sample->value);
   }
-  if (current - time > kMostInertialGap) return std::nullopt;
+  if (current - time > kMaxInertialGap) return std::nullopt;
   integrate(current, *omega_end);
   return turn;
 }
@@ -92,11 +93,11 @@ std::optional<Eigen::Vector3d> MotionPriorBuilder::upAt(Time time) const {
   std::size_t count = 0;
   for (auto sample = firstFrom(acceleration_, time - kGravityWindow);
        sample != acceleration_.end() && sample->time <= time + kGravityLookAhead; ++sample) {
-    if (std::abs(sample->value.norm() - kGravity) > kMostAcceleration) return std::nullopt;
+    if (std::abs(sample->value.norm() - kGravity) > kMaxAcceleration) return std::nullopt;
     sum += sample->value;
     ++count;
   }
-  if (count < kFewestGravitySamples || sum.norm() == 0.0) return std::nullopt;
+  if (count < kMinGravitySamples || sum.norm() == 0.0) return std::nullopt;
   return Eigen::Vector3d(sum.normalized());
 }
 

@@ -14,25 +14,25 @@ struct InertialSample {
   std::optional<Eigen::Vector3d> acceleration;      ///< specific force: +g upwards at rest [m/s^2]
 };
 
-/// What wheel odometry and inertial samples say of the motion between two frames.
+/// Computes motion priors between frames from wheel odometry and inertial samples.
 ///
-/// Odometry is interpolated at the frames' times, the gyroscope is integrated between them, and
-/// the accelerometer's mean shows up where the robot accelerates little. Nothing is extrapolated:
-/// what the samples do not cover stays empty.
+/// Odometry is interpolated at the frames' times, the gyroscope is integrated between them, and the
+/// mean acceleration gives the vertical direction while the robot accelerates little. Without
+/// extrapolation: quantities that are not covered by samples remain empty.
 class MotionPriorBuilder {
  public:
   /// @param T_odom_robot  robot in the odometry's frame, in time order
   void addOdometry(Time time, const Pose& T_odom_robot);
   void addInertial(const InertialSample& sample);
 
-  /// The motion from the frame before (none: only the direction up is told).
+  /// Motion from the previous frame; without a previous frame only the vertical direction.
   [[nodiscard]] MotionPrior between(std::optional<Time> previous, Time current) const;
 
-  /// Forgets what no later frame needs.
-  void forgetBefore(Time time);
+  /// Removes samples that later frames do not need.
+  void discardBefore(Time time);
 
  private:
-  [[nodiscard]] std::optional<Eigen::Matrix3d> turnBetween(Time previous, Time current) const;
+  [[nodiscard]] std::optional<Eigen::Matrix3d> rotationBetween(Time previous, Time current) const;
   [[nodiscard]] std::optional<Eigen::Vector3d> upAt(Time time) const;
 
   std::deque<Stamped<Pose>> odometry_;

@@ -4,7 +4,7 @@
 namespace headway::io {
 
 ObservationQueue::ObservationQueue(std::size_t capacity) : capacity_(capacity) {
-  ASSERTMSG_(capacity >= 1, "a queue needs room for one observation");
+  ASSERTMSG_(capacity >= 1, "the queue capacity must be at least 1");
 }
 
 void ObservationQueue::push(const mrpt::obs::CObservation::Ptr& observation) {

@@ -17,16 +17,16 @@
 namespace headway::io {
 namespace {
 
-// How MRPT marks objects in a stream: length of the class name with the highest bit set, the name,
-// a version byte, the content, an end mark. 0x88 would also announce a name of 8 letters, which no
-// class in a rawlog has.
+// MRPT's object format: length of the class name with the highest bit set, the name,
+// a version byte, the content, an end mark. 0x88 would also be the header of a name of 8 letters,
+// which no class in a rawlog has.
 constexpr unsigned char kNameFlag = 0x80;
 constexpr unsigned char kEndMark = 0x88;
 constexpr std::size_t kMinNameLength = 3;
 constexpr std::size_t kMaxNameLength = 120;
 constexpr std::uint8_t kSensoryFrameVersion = 2;  // a count, then the observations
 constexpr std::size_t kScanChunk = 1 << 16;
-constexpr std::size_t kFailuresBeforeHopeless = 3;
+constexpr std::size_t kMaxFailures = 3;
 
 bool isClassName(const std::string& name) {
   return name.size() >= kMinNameLength && std::all_of(name.begin(), name.end(), [](char c) {
@@ -39,7 +39,7 @@ bool isSensoryFrame(const std::string& class_name) {
   return shortClassName(class_name) == "CSensoryFrame";
 }
 
-/// Headers (length byte and name) of all classes that observations can be found in.
+/// Headers (length byte and name) of all classes that contain observations.
 const std::set<std::string>& observationHeaders() {
   static const std::set<std::string> headers = [] {
     std::set<std::string> result;
@@ -57,7 +57,7 @@ const std::set<std::string>& observationHeaders() {
   return headers;
 }
 
-/// Where such a header begins; npos if nowhere.
+/// Position of the first such header; npos if there is none.
 std::size_t findObservationHeader(const std::string& bytes) {
   for (std::size_t at = 0; at < bytes.size(); ++at) {
     const auto first = static_cast<unsigned char>(bytes[at]);
@@ -99,12 +99,12 @@ mrpt::obs::CObservation::Ptr ObservationStream::next() {
     if (isSensoryFrame(header->class_name) && enterSensoryFrame()) continue;
     if (mrpt::rtti::findRegisteredClass(header->class_name) == nullptr) {
       ++skipped_[shortClassName(header->class_name)];
-      leapToNextObservation();
+      skipToNextObservation();
       continue;
     }
-    if (isHopeless(*header)) {
+    if (isUnreadable(*header)) {
       ++skipped_["unreadable_" + shortClassName(header->class_name)];
-      leapToNextObservation();
+      skipToNextObservation();
       continue;
     }
     readObject(*header);
@@ -115,20 +115,20 @@ mrpt::obs::CObservation::Ptr ObservationStream::next() {
   return observation;
 }
 
-/// The next object's header; nullopt at the end of the file, or where there is none.
+/// Header of the next object; nullopt at the end of the file or on an error.
 std::optional<ObservationStream::Header> ObservationStream::readHeader() {
   unsigned char first = 0;
   do {
     if (input_.Read(&first, 1) == 0) {
       at_end_ = true;
       if (!input_.compressionError().empty()) {
-        breakOff(input_.compressionError());
-      } else if (in_sensory_frame_ && !has_leapt_) {
-        breakOff("the file ends in the middle of a sensory frame");
+        truncate(input_.compressionError());
+      } else if (in_sensory_frame_ && !has_skipped_) {
+        truncate("the file ends within a sensory frame");
       }
       return std::nullopt;
     }
-    const bool is_frame_end = (in_sensory_frame_ || has_leapt_) && first == kEndMark;
+    const bool is_frame_end = (in_sensory_frame_ || has_skipped_) && first == kEndMark;
     if (!is_frame_end) break;
     in_sensory_frame_ = false;
   } while (true);
@@ -136,24 +136,24 @@ std::optional<ObservationStream::Header> ObservationStream::readHeader() {
   std::string name(length, '\0');
   const bool is_header = (first & kNameFlag) != 0 && length <= kMaxNameLength;
   if (is_header && input_.Read(name.data(), length) < length) {
-    breakOff("the file ends in the middle of an object");
+    truncate("the file ends within an object");
     return std::nullopt;
   }
   if (!is_header || !isClassName(name)) {
-    if (has_leapt_) {
+    if (has_skipped_) {
       if (is_header) input_.unread(name);
-      leapToNextObservation();
+      skipToNextObservation();
       return readHeader();
     }
-    breakOff("no object of MRPT begins there");
+    truncate("not an MRPT object");
     return std::nullopt;
   }
   return Header{static_cast<char>(first) + name, name};
 }
 
-/// Goes into a sensory frame, so that the objects in it come next.
+/// Reads the header of a sensory frame, so that its objects are read next.
 ///
-/// @return false if its layout is another one: then nothing has been read
+/// @return false if its version is unknown; nothing has then been read
 bool ObservationStream::enterSensoryFrame() {
   std::uint8_t version = 0;
   if (input_.Read(&version, 1) == 1 && version == kSensoryFrameVersion) {
@@ -166,13 +166,13 @@ bool ObservationStream::enterSensoryFrame() {
   return false;
 }
 
-/// Whether all objects of this class and version failed so far. Trying once more would be slow:
-/// MRPT writes a call stack into each of its exceptions.
-bool ObservationStream::isHopeless(const Header& header) {
+/// Whether all objects of this class and version failed so far. Further attempts would be slow,
+/// because MRPT's exceptions contain a call stack.
+bool ObservationStream::isUnreadable(const Header& header) {
   char version = 0;
   if (input_.Read(&version, 1) == 1) input_.unread(std::string(1, version));
   reading_ = &readability_[header.class_name + version];
-  return reading_->read == 0 && reading_->failed >= kFailuresBeforeHopeless;
+  return reading_->read == 0 && reading_->failed >= kMaxFailures;
 }
 
 void ObservationStream::readObject(const Header& header) {
@@ -184,11 +184,11 @@ void ObservationStream::readObject(const Header& header) {
   } catch (const std::exception&) {
     if (input_.lastWasShort()) {
       const std::string reason = input_.compressionError();
-      breakOff(reason.empty() ? "the file ends in the middle of an object" : reason);
+      truncate(reason.empty() ? "the file ends within an object" : reason);
     } else {
       ++reading_->failed;
       ++skipped_["unreadable_" + shortClassName(header.class_name)];
-      leapToNextObservation();
+      skipToNextObservation();
     }
     return;
   }
@@ -231,8 +231,8 @@ void ObservationStream::deliver(const mrpt::obs::CObservation::Ptr& observation)
   ready_.push_back(observation);
 }
 
-void ObservationStream::leapToNextObservation() {
-  has_leapt_ = true;
+void ObservationStream::skipToNextObservation() {
+  has_skipped_ = true;
   std::string window;
   while (true) {
     const std::size_t kept = std::min(window.size(), kMaxNameLength + 1);
@@ -248,11 +248,11 @@ void ObservationStream::leapToNextObservation() {
   }
 }
 
-void ObservationStream::breakOff(const std::string& reason) {
+void ObservationStream::truncate(const std::string& reason) {
   at_end_ = true;
-  truncation_ = path_ + ": broken off after " + std::to_string(observations_) +
+  truncation_ = path_ + ": truncated after " + std::to_string(observations_) +
                 " observations, at byte " + std::to_string(input_.getPosition()) +
-                " of its uncompressed content: " + reason;
+                " of the uncompressed content: " + reason;
 }
 
 }  // namespace headway::io

@@ -23,7 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Colour images inside rawlogs become JPEG while this lives. MRPT keeps that choice globally.
+/// Enables JPEG compression of embedded colour images during its lifetime; MRPT's setting is
+/// global.
 class JpegSerialization {
  public:
   JpegSerialization(bool enable, int quality)
@@ -57,7 +58,7 @@ mrpt::img::TCamera mrptCamera(const RawCamera& camera, const std::string& name) 
   return result;
 }
 
-/// The label with everything replaced that file names do not bear.
+/// The label with characters replaced that are invalid in file names.
 std::string fileNameOf(std::string label) {
   for (char& c : label) {
     if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-') c = '_';
@@ -65,7 +66,7 @@ std::string fileNameOf(std::string label) {
   return label;
 }
 
-/// While it is written, a rawlog has another name; a device such as /dev/full keeps its own.
+/// Temporary name of a rawlog while it is written; devices such as /dev/full keep their name.
 std::string pathWhileWriting(const std::string& path) {
   std::error_code ignored;
   const bool is_special = fs::exists(path, ignored) && !fs::is_regular_file(path, ignored) &&
@@ -104,7 +105,7 @@ class RawlogSink::Writer {
   ~Writer() {
     try {
       close();
-    } catch (const std::exception&) {  // who wants to know calls close()
+    } catch (const std::exception&) {  // errors are reported by close()
     }
   }
 
@@ -115,7 +116,7 @@ class RawlogSink::Writer {
       archive << observation;
     } catch (const std::exception&) {
       if (!file_.hasFailed()) throw;
-      throw InputError(path_ + ": cannot be written any further; is the disk full?");
+      throw InputError(path_ + ": write error; check the disk space");
     }
   }
 
@@ -136,7 +137,7 @@ class RawlogSink::Writer {
     if (!failure.empty()) throw InputError(failure);
   }
 
-  /// The image as the rawlog is to keep it: itself, or a file beside that it names.
+  /// The image to store in the rawlog: embedded, or a reference to an external file.
   mrpt::img::CImage stored(const cv::Mat& image, const std::string& label, const char* side) {
     if (!isExternal()) return {image, mrpt::img::SHALLOW_COPY};
     const bool is_png = storage_ == ImageStorage::kExternalPng;

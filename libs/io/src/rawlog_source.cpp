@@ -1,19 +1,22 @@
 #include <headway/core/error.h>
+#include <headway/core/mrpt_pose.h>
+#include <headway/io/detection_observation.h>
+#include <headway/io/mrpt_time.h>
 #include <headway/io/rawlog_source.h>
+#include <mrpt/obs/CObservationRobotPose.h>
 
 #include <chrono>
 #include <utility>
 
 #include "frame_collector.h"
 #include "frame_decoder.h"
-#include "live_observations.h"
+#include "image_files.h"
 #include "observation_stream.h"
-#include "recorded_image.h"
 #include "useful_observations.h"
 
 namespace headway::io {
 
-/// Observations become frames here: read, collected, decoded.
+/// Reads, collects and decodes observations into frames.
 class RawlogSource::Reader {
  public:
   Reader(const std::string& path, const RawlogSourceOptions& options)
@@ -37,7 +40,7 @@ class RawlogSource::Reader {
       if (options_.to_index && pending->index > *options_.to_index) return std::nullopt;
       if (pending->index < options_.from_index) {
         first_pair_.reset();
-        collector_->forgetMotionBefore(pending->time);
+        collector_->discardMotionBefore(pending->time);
         continue;
       }
       auto frame = complete(*pending);
@@ -54,7 +57,7 @@ class RawlogSource::Reader {
   double progress() const { return observations_.progress(); }
 
  private:
-  /// Goes as far as the first good frame, and learns the calibration from it.
+  /// Reads up to the first usable frame and sets the calibration.
   void open() {
     try {
       collector_.emplace(observations_.findCamera(), options_, skipped_);
@@ -65,7 +68,7 @@ class RawlogSource::Reader {
     }
   }
 
-  /// Takes frames until one has images, or is a pose.
+  /// Reads frames until one has images or is a pose.
   void findFirstFrame() {
     while (auto pending = takePending()) {
       if (!pending->pair || (first_pair_ = decoder_.decode(*pending->pair))) {
@@ -73,8 +76,8 @@ class RawlogSource::Reader {
         return;
       }
     }
-    throw InputError("no frame can be used" + skippedText() +
-                     "; images beside the rawlog are looked for in " + decoder_.imageFolder());
+    throw InputError("no usable frame" + skippedText() + "; external images are expected in " +
+                     decoder_.imageFolder());
   }
 
   std::optional<PendingFrame> takePending() {
@@ -89,7 +92,7 @@ class RawlogSource::Reader {
     return frame;
   }
 
-  /// The frame with its images; nullopt if they cannot be used.
+  /// The frame with its images; nullopt if they are unusable.
   std::optional<RecordedFrame> complete(PendingFrame& pending) {
     RecordedFrame frame;
     frame.index = pending.index;
@@ -108,7 +111,7 @@ class RawlogSource::Reader {
     frame.stereo->index = pending.index;
     frame.stereo->time = pending.time;
     frame.stereo->motion_prior = collector_->motionBetween(last_time_, pending.time);
-    collector_->forgetMotionBefore(pending.time);
+    collector_->discardMotionBefore(pending.time);
     last_time_ = pending.time;
     if (frame.detections) decoder_.rectifyBoxes(*frame.detections);
     return frame;
@@ -128,10 +131,10 @@ class RawlogSource::Reader {
   UsefulObservations observations_;
   std::optional<FrameCollector> collector_;  ///< from open() on
   FrameDecoder decoder_;
-  std::optional<PendingFrame> first_;      ///< taken by findFirstFrame(), to come out
+  std::optional<PendingFrame> first_;      ///< read by findFirstFrame(), for next()
   std::optional<DecodedPair> first_pair_;  ///< its images
-  DecodedPair last_pair_;                  ///< of the frame handed out last
-  std::optional<Time> last_time_;          ///< likewise
+  DecodedPair last_pair_;                  ///< of the latest frame
+  std::optional<Time> last_time_;          ///< of the latest frame
 };
 
 RawlogSource::RawlogSource(const std::string& path, const RawlogSourceOptions& options)
@@ -159,5 +162,22 @@ const std::map<std::string, std::size_t>& RawlogSource::skipped() const {
 const std::optional<std::string>& RawlogSource::truncation() const { return reader_->truncation(); }
 
 double RawlogSource::progress() const { return reader_->progress(); }
+
+RecordedTruth readTruth(const std::string& path) {
+  RecordedTruth truth;
+  std::map<std::string, std::size_t> skipped;
+  ObservationStream stream(path, skipped);
+  while (const auto observation = stream.next()) {
+    const auto& label = observation->sensorLabel;
+    const auto* pose = dynamic_cast<const mrpt::obs::CObservationRobotPose*>(observation.get());
+    const auto* objects = dynamic_cast<const CObservationObjectDetections*>(observation.get());
+    if (pose != nullptr && label == kTruthPoseLabel) {
+      truth.poses.push_back({timeFrom(pose->timestamp), fromMrpt(pose->pose.mean)});
+    } else if (objects != nullptr && label == kTruthObjectsLabel) {
+      truth.objects.push_back(detectionsFrom(*objects, skipped));
+    }
+  }
+  return truth;
+}
 
 }  // namespace headway::io

@@ -11,10 +11,9 @@
 namespace headway::io {
 namespace {
 
-// How far poses read from text files may be off and still count as parallel: 1e-5 rad moves a
-// pixel by 0.01 px at f = 1000 px.
+// Tolerance for poses rounded in text files: 1e-5 rad displaces a pixel by 0.01 px at f = 1000 px.
 constexpr double kParallelTolerance = 1e-5;
-constexpr double kSmallestBaseline = 1e-4;  // [m]
+constexpr double kMinBaseline = 1e-4;  // [m]
 constexpr int kPointsPerEdge = 5;
 
 bool hasDistortion(const RawCamera& camera) {
@@ -40,8 +39,8 @@ cv::Mat distortionOf(const RawCamera& camera) {
 }
 
 void validateLens(const RawCamera& camera, const std::string& side) {
-  const auto require = [&side](bool holds, const std::string& what, double value) {
-    if (!holds) refuse(side + " " + what + " is " + std::to_string(value));
+  const auto require = [&side](bool is_valid, const std::string& what, double value) {
+    if (!is_valid) refuse(side + " " + what + " is " + std::to_string(value));
   };
   require(camera.width > 0, "image width", camera.width);
   require(camera.height > 0, "image height", camera.height);
@@ -75,12 +74,12 @@ void validate(const RawStereoCamera& camera) {
     refuse("a camera's pose is not finite");
   }
   const Eigen::Vector3d t = camera.T_left_right.translation();
-  const std::string baseline = "the right camera stands at x = " + std::to_string(t.x()) +
+  const std::string baseline = "the right camera is at x = " + std::to_string(t.x()) +
                                " m, y = " + std::to_string(t.y()) +
-                               " m, z = " + std::to_string(t.z()) + " m of the left one: ";
-  if (t.norm() < kSmallestBaseline) refuse(baseline + "the baseline is zero");
+                               " m, z = " + std::to_string(t.z()) + " m in the left camera: ";
+  if (t.norm() < kMinBaseline) refuse(baseline + "the baseline is zero");
   if (std::abs(t.x()) < std::max(std::abs(t.y()), std::abs(t.z()))) {
-    refuse(baseline + "the cameras are not side by side");
+    refuse(baseline + "the cameras are not displaced horizontally");
   }
   if (t.x() < 0.0) refuse(baseline + "the baseline is negative, left and right are swapped");
 }
@@ -137,9 +136,9 @@ Box2d Rectifier::rectify(const Box2d& box) const {
   if (passesThrough() || !is_finite) return box;
   std::vector<cv::Point2d> edge;
   for (int i = 0; i < kPointsPerEdge; ++i) {
-    const double share = static_cast<double>(i) / (kPointsPerEdge - 1);
-    const double u = box.left + share * box.width();
-    const double v = box.top + share * box.height();
+    const double ratio = static_cast<double>(i) / (kPointsPerEdge - 1);
+    const double u = box.left + ratio * box.width();
+    const double v = box.top + ratio * box.height();
     edge.insert(edge.end(), {{u, box.top}, {u, box.bottom}, {box.left, v}, {box.right, v}});
   }
   cv::Mat R;

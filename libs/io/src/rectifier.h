@@ -2,23 +2,24 @@
 
 #include <headway/core/detection.h>
 #include <headway/io/rawlog_sink.h>
+#include <headway/io/rawlog_source.h>
 
 #include <array>
 #include <opencv2/core/mat.hpp>
 
 namespace headway::io {
 
-/// Whether both lenses are free of distortion and of one kind, and the right one stands beside the
-/// left one with parallel axes: then rows coincide as they are.
+/// Whether both lenses are equal and free of distortion, and the right camera is displaced along
+/// the left one's x axis with parallel axes.
 [[nodiscard]] bool isRectified(const RawStereoCamera& camera);
 
-/// Throws InputError naming what no stereo pair can have: sizes or focal lengths that are not
-/// positive, no baseline, one camera above the other, left and right swapped, values not finite.
+/// @throws InputError if sizes or focal lengths are not positive, the baseline is zero, the cameras
+///         are vertically displaced or swapped, or values are not finite
 void validate(const RawStereoCamera& camera);
 
-/// Turns recorded stereo images into rectified ones, with maps computed once.
+/// Rectifies recorded stereo images, with precomputed maps.
 ///
-/// Images of a pair that is rectified already come out as they went in, pixel for pixel.
+/// Images of a rectified pair are returned unchanged.
 ///
 ///     Rectifier rectifier(raw_camera);
 ///     cv::Mat left = rectifier.rectify(Rectifier::kLeft, raw_left);
@@ -29,25 +30,38 @@ class Rectifier {
   /// @throws InputError as validate() does
   explicit Rectifier(const RawStereoCamera& raw);
 
-  /// Whether there is nothing to do.
+  /// Whether the recorded pair is rectified.
   [[nodiscard]] bool passesThrough() const { return maps_[kLeft][0].empty(); }
 
-  /// The rectified pair. Its left camera is the recorded one turned about its centre: T_robot_cam
-  /// holds that turn.
+  /// The rectified camera. Its left camera is the recorded one rotated about its centre;
+  /// T_robot_cam includes the rotation.
   [[nodiscard]] const StereoCamera& camera() const { return camera_; }
 
   /// @param image  as recorded, any depth and number of channels
   [[nodiscard]] cv::Mat rectify(Side side, const cv::Mat& image) const;
 
-  /// The upright box around a box of the recorded left image, in the rectified left image.
-  /// Boxes that are not finite stay as they are.
+  /// Bounding box in the rectified left image of a box of the recorded left image. Boxes that are
+  /// not finite are returned unchanged.
   [[nodiscard]] Box2d rectify(const Box2d& box) const;
 
  private:
   StereoCamera camera_;
-  std::array<std::array<cv::Mat, 2>, 2> maps_;  ///< for cv::remap; empty: nothing to do
+  std::array<std::array<cv::Mat, 2>, 2> maps_;  ///< for cv::remap; empty if already rectified
   RawCamera raw_left_;
   Eigen::Matrix3d R_rectified_raw_ = Eigen::Matrix3d::Identity();  ///< of the left camera
 };
+
+/// Measures the consistency of a rectified image pair with its calibration.
+///
+/// Corners of both images are matched along rows in both directions, so that swapped images have a
+/// negative median disparity. Takes a few milliseconds.
+///
+/// @param left, right  rectified, 8-bit grey
+/// @return             medians are 0 without matches
+[[nodiscard]] CalibrationReport measureCalibration(const cv::Mat& left, const cv::Mat& right,
+                                                   const StereoCamera& camera);
+
+/// @throws InputError if left and right images are swapped according to the report
+void requireNotSwapped(const CalibrationReport& report);
 
 }  // namespace headway::io

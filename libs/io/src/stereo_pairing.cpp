@@ -10,19 +10,19 @@
 namespace headway::io {
 namespace {
 
-constexpr std::size_t kMostWaiting = 4;  // images of one side without a partner
+constexpr std::size_t kMaxWaiting = 4;  // unpaired images of one side
 
 RawCamera rawCamera(const mrpt::img::TCamera& camera, const std::string& side) {
   using mrpt::img::DistortionModel;
   if (camera.distortion == DistortionModel::kannala_brandt) {
     throw InputError("stereo calibration: the " + side +
                      " lens has the fisheye model (Kannala-Brandt), which is not supported; " +
-                     "rectify the images before");
+                     "rectify the images first");
   }
   if (std::any_of(camera.dist.begin() + 5, camera.dist.end(), [](double k) { return k != 0.0; })) {
     throw InputError("stereo calibration: the " + side +
                      " lens has the rational distortion model (k4 and more), which is not " +
-                     "supported; rectify the images before");
+                     "supported; rectify the images first");
   }
   RawCamera raw;
   raw.width = static_cast<int>(camera.ncols);
@@ -110,7 +110,7 @@ std::optional<RecordedPair> StereoPairing::addSingle(const Image& image) {
   if (nearest == partners.end() || distance(*nearest) > tolerance_s_) {
     auto& own = waiting_[side];
     own.push_back(image);
-    if (own.size() > kMostWaiting) {
+    if (own.size() > kMaxWaiting) {
       own.pop_front();
       countUnpaired(1);
     }
@@ -119,7 +119,7 @@ std::optional<RecordedPair> StereoPairing::addSingle(const Image& image) {
   const Image partner = *nearest;
   countUnpaired(static_cast<std::size_t>(nearest - partners.begin()) + waiting_[side].size());
   partners.erase(partners.begin(), nearest + 1);
-  waiting_[side].clear();  // older than this one, and their partners are older than its partner
+  waiting_[side].clear();  // older than this image, as are their counterparts
   return side == 0 ? pairOf(*image, *partner) : pairOf(*partner, *image);
 }
 

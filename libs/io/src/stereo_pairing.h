@@ -16,7 +16,7 @@
 
 namespace headway::io {
 
-/// A stereo pair as recorded. External images are not loaded yet.
+/// A recorded stereo pair; external images are not loaded.
 struct RecordedPair {
   Time time = 0.0;  ///< of the left image [s]
   mrpt::img::CImage left;
@@ -32,22 +32,22 @@ struct RecordedPair {
 /// @throws InputError if a lens model is not OpenCV's with five coefficients
 [[nodiscard]] RawStereoCamera rawCameraOf(const RecordedPair& pair);
 
-/// Picks the observations of one stereo camera and pairs single images by time.
+/// Selects the observations of a stereo camera and pairs single images by time.
 class StereoPairing {
  public:
-  /// @param tolerance_s  largest difference of the two images' times [s]
-  /// @param skipped      counts what finds no partner ("unpaired_image", "no_right_image")
+  /// @param tolerance_s  maximum time difference of the two images [s]
+  /// @param skipped      counts unpaired images ("unpaired_image", "no_right_image")
   StereoPairing(CameraChoice choice, double tolerance_s,
                 std::map<std::string, std::size_t>& skipped)
       : choice_(std::move(choice)), tolerance_s_(tolerance_s), skipped_(skipped) {}
 
-  /// Whether the observation is of this camera: then it goes to add().
+  /// Whether the observation belongs to this camera and may be passed to add().
   [[nodiscard]] bool accepts(const mrpt::obs::CObservation& observation) const;
 
-  /// @return the pair that this observation completes
+  /// @return the pair completed by this observation, if any
   [[nodiscard]] std::optional<RecordedPair> add(const mrpt::obs::CObservation::Ptr& observation);
 
-  /// Counts the images still waiting for a partner: none will come.
+  /// Counts the images that remain unpaired at the end.
   void finish();
 
  private:

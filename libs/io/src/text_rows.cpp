@@ -8,11 +8,13 @@
 #include <cstdarg>
 #include <cstdio>
 #include <filesystem>
+#include <set>
+#include <sstream>
 
 namespace headway::io {
 namespace {
 
-constexpr char kByteOrderMark[] = "\xEF\xBB\xBF";  // spreadsheets begin their files with it
+constexpr char kByteOrderMark[] = "\xEF\xBB\xBF";  // written by spreadsheet programs
 
 bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
@@ -48,6 +50,13 @@ std::vector<std::string> splitAtBlanks(const std::string& line) {
   return fields;
 }
 
+std::vector<std::string> namesIn(const std::string& list) {
+  std::vector<std::string> names;
+  std::istringstream stream(list);
+  for (std::string name; std::getline(stream, name, ',');) names.push_back(name);
+  return names;
+}
+
 }  // namespace
 
 TextRows::TextRows(const std::string& path) : path_(path), file_(path) {
@@ -66,7 +75,7 @@ bool TextRows::next() {
     fields_ = is_comma_separated_ ? splitAtCommas(content) : splitAtBlanks(content);
     return true;
   }
-  if (file_.bad()) fail("cannot be read any further");
+  if (file_.bad()) fail("read error");
   return false;
 }
 
@@ -85,15 +94,14 @@ double TextRows::number(std::size_t column) const {
 std::int64_t TextRows::integer(std::size_t column) const {
   const double value = number(column);
   if (!(std::abs(value) < 9e15) || value != std::floor(value)) {
-    fail("'" + fields_[column] + "' in field " + std::to_string(column + 1) +
-         " is not a whole number");
+    fail("'" + fields_[column] + "' in field " + std::to_string(column + 1) + " is not an integer");
   }
   return static_cast<std::int64_t>(value);
 }
 
 std::size_t TextRows::index(std::size_t column) const {
   const auto value = integer(column);
-  if (value < 0) fail("'" + fields_[column] + "' is not an index: it is negative");
+  if (value < 0) fail("'" + fields_[column] + "' is not an index: negative");
   return static_cast<std::size_t>(value);
 }
 
@@ -114,7 +122,7 @@ std::optional<double> parseNumber(const std::string& text) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(first, last, value);
   if (first == last || end != last) return std::nullopt;
-  if (error == std::errc::result_out_of_range) return 0.0;  // as small as 1e-400
+  if (error == std::errc::result_out_of_range) return 0.0;  // underflow, e.g. 1e-400
   if (error != std::errc()) return std::nullopt;
   return value;
 }
@@ -131,14 +139,42 @@ std::string formatted(const char* format, ...) {
 std::ofstream openForWriting(const std::string& path) {
   std::ofstream file(path, std::ios::binary);
   if (!file) {
-    throw InputError(path + ": cannot be written; does its folder exist, and may you write there?");
+    throw InputError(path + ": cannot be written; check that its folder exists and is writable");
   }
   return file;
 }
 
 void closeWritten(std::ofstream& file, const std::string& path) {
   file.close();
-  if (!file) throw InputError(path + ": could not be written to its end; is the disk full?");
+  if (!file) throw InputError(path + ": not written completely; check the disk space");
+}
+
+CsvColumns::CsvColumns(const TextRows& header, const std::string& required) : size_(header.size()) {
+  for (std::size_t i = 0; i < header.size(); ++i) positions_.emplace(header.fields()[i], i);
+  for (const auto& name : namesIn(required)) {
+    if (positions_.count(name) == 0) {
+      header.fail("column '" + name + "' is missing; required columns: " + required);
+    }
+  }
+}
+
+std::optional<std::size_t> CsvColumns::find(const std::string& name) const {
+  const auto position = positions_.find(name);
+  if (position == positions_.end()) return std::nullopt;
+  return position->second;
+}
+
+std::optional<std::string> CsvColumns::unknownTo(const std::string& known) const {
+  const auto names = namesIn(known);
+  const std::set<std::string> known_names(names.begin(), names.end());
+  for (const auto& [name, position] : positions_) {
+    if (known_names.count(name) == 0) return name;
+  }
+  return std::nullopt;
+}
+
+void CsvColumns::requireComplete(const TextRows& row) const {
+  row.requireSize(size_, "the header");
 }
 
 }  // namespace headway::io

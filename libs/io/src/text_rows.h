@@ -1,14 +1,17 @@
 #pragma once
 
+#include <headway/io/track_file.h>
+
 #include <fstream>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace headway::io {
 
-/// Reads a text file row by row: words split at blanks or commas, '#' comments and empty lines
-/// left out. A field between two commas may be empty.
+/// Reads a text file row by row: fields separated by blanks or commas, without '#' comments and
+/// empty lines. A field between two commas may be empty.
 ///
 ///     TextRows rows(path);
 ///     while (rows.next()) x = rows.number(0);
@@ -17,18 +20,18 @@ class TextRows {
   /// @throws InputError if the file cannot be opened
   explicit TextRows(const std::string& path);
 
-  /// Goes on to the next row; false at the end. @throws InputError if the file breaks off
+  /// Reads the next row; false at the end. @throws InputError on a read error
   bool next();
 
   [[nodiscard]] std::size_t size() const { return fields_.size(); }
   [[nodiscard]] const std::vector<std::string>& fields() const { return fields_; }
   [[nodiscard]] bool isCommaSeparated() const { return is_comma_separated_; }
 
-  /// @throws InputError naming file, line and column if the field is not a number (NaN is one)
+  /// @throws InputError naming file, line and column if the field is not a number (NaN is allowed)
   [[nodiscard]] double number(std::size_t column) const;
-  /// @throws InputError likewise; also if the number is not a whole one
+  /// @throws InputError as number(), and if the number is not an integer
   [[nodiscard]] std::int64_t integer(std::size_t column) const;
-  /// A whole number that is not negative, such as a frame index.
+  /// A non-negative integer, such as a frame index.
   [[nodiscard]] std::size_t index(std::size_t column) const;
   /// @throws InputError naming file and line unless the row has that many fields
   void requireSize(std::size_t size, const std::string& meaning) const;
@@ -43,15 +46,42 @@ class TextRows {
   std::vector<std::string> fields_;
 };
 
-/// The text as a number ("nan" and "inf" are numbers); nullopt if it is none.
+/// The text as a number ("nan" and "inf" included); nullopt if it is not one.
 [[nodiscard]] std::optional<double> parseNumber(const std::string& text);
 
-/// printf-like, for numbers: independent of the locale of streams.
+/// printf-style formatting, because streams depend on a locale.
 [[nodiscard]] std::string formatted(const char* format, ...) __attribute__((format(printf, 1, 2)));
 
 /// Opens a text file for writing. @throws InputError if it cannot be written
 [[nodiscard]] std::ofstream openForWriting(const std::string& path);
-/// Flushes and closes. @throws InputError if something could not be written (a full disk)
+/// Flushes and closes. @throws InputError on a write error such as a full disk
 void closeWritten(std::ofstream& file, const std::string& path);
+
+/// Positions of the named columns of a CSV file, in any order.
+class CsvColumns {
+ public:
+  /// @param header    the header row, as read
+  /// @param required  comma-separated names of required columns; others are optional
+  /// @throws InputError naming the first column that is missing
+  CsvColumns(const TextRows& header, const std::string& required);
+
+  /// Position of a required column.
+  [[nodiscard]] std::size_t at(const std::string& name) const { return positions_.at(name); }
+  /// Position of an optional column.
+  [[nodiscard]] std::optional<std::size_t> find(const std::string& name) const;
+  /// First column that is not in this comma-separated list; nullopt if all are.
+  [[nodiscard]] std::optional<std::string> unknownTo(const std::string& known) const;
+  /// @throws InputError unless the row has as many fields as the header
+  void requireComplete(const TextRows& row) const;
+
+ private:
+  std::map<std::string, std::size_t> positions_;
+  std::size_t size_;
+};
+
+/// The current row as a KITTI label (17 fields, score 1) or result (18 fields, with a score).
+///
+/// @throws InputError naming file and line of an error
+[[nodiscard]] KittiRow kittiRow(const TextRows& rows);
 
 }  // namespace headway::io

@@ -3,7 +3,6 @@
 
 #include <ostream>
 
-#include "csv_columns.h"
 #include "text_rows.h"
 
 namespace headway::io {
@@ -32,7 +31,7 @@ TrackSample trackSample(const TextRows& rows, const CsvColumns& columns) {
   track.id.value = rows.integer(columns.at("track_id"));
   track.object_class = classFrom(rows, rows.fields()[columns.at("class")]);
   track.status = statusFrom(rows, rows.fields()[columns.at("status")]);
-  // The column doesn't tell a static track from one not classified yet.
+  // The column does not distinguish static tracks from unclassified ones.
   track.motion_state =
       rows.integer(columns.at("moving")) != 0 ? MotionState::kMoving : MotionState::kUnknown;
   track.position = {number("x"), number("y"), number("z")};

@@ -3,12 +3,13 @@
 
 #include <cmath>
 
+#include "interpolation.h"
 #include "text_rows.h"
 
 namespace headway::io {
 namespace {
 
-constexpr double kUnitTolerance = 1e-2;  // files round to as few as 4 decimals
+constexpr double kUnitTolerance = 1e-2;  // files have as few as 4 decimals
 
 Pose poseFromTum(const TextRows& rows) {
   Eigen::Vector3d position(rows.number(1), rows.number(2), rows.number(3));
@@ -33,10 +34,13 @@ Pose poseFromKitti(const TextRows& rows) {
   const Eigen::Matrix3d turn = pose.linear();
   if (!pose.matrix().allFinite()) rows.fail("the pose is not finite");
   if (!(turn.transpose() * turn).isIdentity(kUnitTolerance) || turn.determinant() < 0.0) {
-    rows.fail("the left 3x3 part is not a rotation");
+    rows.fail("the left 3x3 block is not a rotation");
   }
   return pose;
 }
+
+constexpr double kMaxGap = 0.5;  // [s]
+constexpr std::size_t kKittiColumns = 12;
 
 }  // namespace
 
@@ -70,7 +74,7 @@ std::vector<Pose> readKittiPoses(const std::string& path) {
   std::vector<Pose> poses;
   TextRows rows(path);
   while (rows.next()) {
-    rows.requireSize(12, "a KITTI pose row (3x4 matrix, row by row)");
+    rows.requireSize(12, "a KITTI pose row (3x4 matrix, row-major)");
     poses.push_back(poseFromKitti(rows));
   }
   return poses;
@@ -87,6 +91,24 @@ void writeKittiPoses(const std::string& path, const std::vector<Pose>& poses) {
     }
   }
   closeWritten(file, path);
+}
+
+PoseFile::PoseFile(const std::string& path, const Pose& T_robot_cam) {
+  TextRows rows(path);
+  if (!rows.next()) rows.fail("contains no poses");
+  if (rows.size() != kKittiColumns) {
+    by_time_ = readTum(path);
+    return;
+  }
+  for (const auto& T_first_cam : readKittiPoses(path)) {
+    by_frame_.push_back(T_robot_cam * T_first_cam * T_robot_cam.inverse());
+  }
+}
+
+std::optional<Pose> PoseFile::at(std::size_t frame, Time time) const {
+  if (by_frame_.empty()) return poseAt(by_time_, time, kMaxGap);
+  if (frame < by_frame_.size()) return by_frame_[frame];
+  return std::nullopt;
 }
 
 }  // namespace headway::io

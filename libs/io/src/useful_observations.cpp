@@ -1,21 +1,21 @@
 #include "useful_observations.h"
 
 #include <headway/core/error.h>
+#include <headway/io/detection_observation.h>
+#include <mrpt/obs/CObservationRobotPose.h>
 
 #include <algorithm>
 
-#include "observation_kind.h"
 #include "observation_stream.h"
-#include "recorded_labels.h"
 
 namespace headway::io {
 namespace {
 
 using mrpt::obs::CObservation;
 
-// Kept until the camera is known.
-constexpr std::size_t kMostImages = 16;
-constexpr std::size_t kMostMotions = 2000;
+// Maximum numbers of observations stored until the camera is determined.
+constexpr std::size_t kMaxImages = 16;
+constexpr std::size_t kMaxMotions = 2000;
 
 }  // namespace
 
@@ -48,7 +48,7 @@ CObservation::Ptr UsefulObservations::read() {
       ++skipped_["truth"];
     } else if (observation->timestamp == INVALID_TIMESTAMP) {
       ++skipped_["no_time"];
-    } else if (isOfUse(*observation)) {
+    } else if (isUseful(*observation)) {
       return observation;
     } else {
       ++skipped_[shortClassName(*observation)];
@@ -57,26 +57,37 @@ CObservation::Ptr UsefulObservations::read() {
   return nullptr;
 }
 
-bool UsefulObservations::isOfUse(const CObservation& observation) const {
+bool UsefulObservations::isUseful(const CObservation& observation) const {
   return isImage(observation) || isRecordedPose(observation) || isRecordedDetections(observation) ||
          (options_.use_imu && isKind<mrpt::obs::CObservationIMU>(observation)) ||
          (options_.use_odometry && isKind<mrpt::obs::CObservationOdometry>(observation));
 }
 
-/// Bounds the memory where it takes long until the camera is known.
+/// Stores an observation with bounded memory.
 void UsefulObservations::keep(const CObservation::Ptr& observation) {
   kept_.push_back(observation);
-  if (isImage(*observation)) keepLast(kMostImages, isImage);
-  if (isMotion(*observation)) keepLast(kMostMotions, isMotion);
+  if (isImage(*observation)) keepLast(kMaxImages, isImage);
+  if (isMotion(*observation)) keepLast(kMaxMotions, isMotion);
 }
 
-/// Leaves the first of a kind out where there are more than `most`.
-void UsefulObservations::keepLast(std::size_t most, bool (*of_kind)(const CObservation&)) {
+/// Drops the first observation of a kind if there are more than `max_count`.
+void UsefulObservations::keepLast(std::size_t max_count, bool (*of_kind)(const CObservation&)) {
   const auto matches = [&](const auto& observation) { return of_kind(*observation); };
-  if (static_cast<std::size_t>(std::count_if(kept_.begin(), kept_.end(), matches)) <= most) return;
+  if (static_cast<std::size_t>(std::count_if(kept_.begin(), kept_.end(), matches)) <= max_count)
+    return;
   const auto first = std::find_if(kept_.begin(), kept_.end(), matches);
   ++skipped_[shortClassName(**first)];
   kept_.erase(first);
+}
+
+bool isRecordedPose(const mrpt::obs::CObservation& observation) {
+  return observation.sensorLabel == kPoseLabel &&
+         dynamic_cast<const mrpt::obs::CObservationRobotPose*>(&observation) != nullptr;
+}
+
+bool isRecordedDetections(const mrpt::obs::CObservation& observation) {
+  return observation.sensorLabel == kDetectionsLabel &&
+         dynamic_cast<const CObservationObjectDetections*>(&observation) != nullptr;
 }
 
 }  // namespace headway::io

@@ -1,6 +1,11 @@
 #pragma once
 
 #include <headway/io/rawlog_source.h>
+#include <mrpt/obs/CObservation.h>
+#include <mrpt/obs/CObservationIMU.h>
+#include <mrpt/obs/CObservationImage.h>
+#include <mrpt/obs/CObservationOdometry.h>
+#include <mrpt/obs/CObservationStereoImages.h>
 
 #include <deque>
 #include <map>
@@ -8,22 +13,22 @@
 #include <string>
 
 #include "camera_choice.h"
-#include "observation_reader.h"
+#include "observation_stream.h"
 
 namespace headway::io {
 
-/// The observations that frames are made of; all else is counted by reason and left out.
+/// Selects the observations that frames are assembled from; others are counted by reason.
 class UsefulObservations {
  public:
-  /// @param skipped  counts "truth", "no_time", and by class name what nobody asked for
+  /// @param skipped  counts "truth", "no_time", and other observations by class name
   UsefulObservations(std::unique_ptr<ObservationReader> reader, const RawlogSourceOptions& options,
                      std::map<std::string, std::size_t>& skipped)
       : reader_(std::move(reader)), options_(options), skipped_(skipped) {}
 
-  /// Reads on until it is clear which camera is meant. What it read comes out of next(); where it
-  /// takes long, of images and of motions only the last ones, and the others are counted.
+  /// Reads until the camera is determined. The observations read are returned by next(); if they
+  /// are many, only the latest images and motions, and the others are counted.
   ///
-  /// @throws InputError as CameraProbe::choose(), with the reason if the recording is broken off
+  /// @throws InputError as CameraProbe::choose(), with the reason if the recording is truncated
   [[nodiscard]] CameraChoice findCamera();
 
   /// The next observation; null at the end.
@@ -36,14 +41,46 @@ class UsefulObservations {
 
  private:
   [[nodiscard]] mrpt::obs::CObservation::Ptr read();
-  [[nodiscard]] bool isOfUse(const mrpt::obs::CObservation& observation) const;
+  [[nodiscard]] bool isUseful(const mrpt::obs::CObservation& observation) const;
   void keep(const mrpt::obs::CObservation::Ptr& observation);
-  void keepLast(std::size_t most, bool (*of_kind)(const mrpt::obs::CObservation&));
+  void keepLast(std::size_t max_count, bool (*of_kind)(const mrpt::obs::CObservation&));
 
   std::unique_ptr<ObservationReader> reader_;
   RawlogSourceOptions options_;
   std::map<std::string, std::size_t>& skipped_;
-  std::deque<mrpt::obs::CObservation::Ptr> kept_;  ///< read by findCamera(), to come out
+  std::deque<mrpt::obs::CObservation::Ptr> kept_;  ///< read by findCamera(), for next()
 };
+
+inline constexpr char kDetectionsLabel[] = "detections";       ///< input of tracking
+inline constexpr char kPoseLabel[] = "pose";                   ///< used instead of SLAM
+inline constexpr char kTruthPoseLabel[] = "truth_pose";        ///< for evaluation only
+inline constexpr char kTruthObjectsLabel[] = "truth_objects";  ///< for evaluation only
+
+/// Whether the observation is truth, which must not reach any estimator.
+[[nodiscard]] inline bool isTruth(const std::string& label) {
+  return label.rfind("truth_", 0) == 0;
+}
+
+/// Whether it is a robot pose to use instead of visual SLAM.
+[[nodiscard]] bool isRecordedPose(const mrpt::obs::CObservation& observation);
+
+/// Whether it contains boxes for tracking.
+[[nodiscard]] bool isRecordedDetections(const mrpt::obs::CObservation& observation);
+
+template <typename Kind>
+[[nodiscard]] bool isKind(const mrpt::obs::CObservation& observation) {
+  return dynamic_cast<const Kind*>(&observation) != nullptr;
+}
+
+[[nodiscard]] inline bool isImage(const mrpt::obs::CObservation& observation) {
+  return isKind<mrpt::obs::CObservationStereoImages>(observation) ||
+         isKind<mrpt::obs::CObservationImage>(observation);
+}
+
+/// Whether it measures the robot's motion.
+[[nodiscard]] inline bool isMotion(const mrpt::obs::CObservation& observation) {
+  return isKind<mrpt::obs::CObservationOdometry>(observation) ||
+         isKind<mrpt::obs::CObservationIMU>(observation);
+}
 
 }  // namespace headway::io

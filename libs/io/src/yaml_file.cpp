@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kRotationTolerance = 1e-3;
 
-std::string gistOf(const std::exception& error) {
+std::string firstLineOf(const std::exception& error) {
   const std::string text = error.what();
   return text.substr(0, text.find('\n'));
 }
@@ -24,9 +24,9 @@ YamlFile::YamlFile(const std::string& path) : path_(path) {
   try {
     root_ = mrpt::containers::yaml::FromFile(path);
   } catch (const std::exception& error) {
-    fail("is not a YAML file: " + gistOf(error));
+    fail("is not a YAML file: " + firstLineOf(error));
   }
-  if (!root_.isMap()) fail("is not a YAML file of 'key: value' lines");
+  if (!root_.isMap()) fail("is not a YAML map");
 }
 
 std::vector<double> YamlFile::numbers(const std::string& key, std::size_t min_size,
@@ -35,7 +35,7 @@ std::vector<double> YamlFile::numbers(const std::string& key, std::size_t min_si
   std::vector<double> values;
   const auto add = [&](const mrpt::containers::yaml::node_t& node) {
     const auto value = node.isScalar() ? parseNumber(node.as<std::string>()) : std::nullopt;
-    if (!value) fail("key '" + key + "' holds something that is not a number");
+    if (!value) fail("key '" + key + "' contains a value that is not a number");
     values.push_back(*value);
   };
   const mrpt::containers::yaml entry = root_[key];
@@ -47,7 +47,7 @@ std::vector<double> YamlFile::numbers(const std::string& key, std::size_t min_si
     add(list.node());
   }
   if (values.size() < min_size || values.size() > max_size) {
-    fail("key '" + key + "' holds " + std::to_string(values.size()) + " numbers, must be " +
+    fail("key '" + key + "' has " + std::to_string(values.size()) + " numbers, must be " +
          std::to_string(min_size) +
          (max_size > min_size ? " to " + std::to_string(max_size) : std::string()));
   }
@@ -57,7 +57,7 @@ std::vector<double> YamlFile::numbers(const std::string& key, std::size_t min_si
 std::string YamlFile::word(const std::string& key) const {
   if (!root_.has(key)) fail("key '" + key + "' is missing");
   const mrpt::containers::yaml entry = root_[key];
-  if (!entry.isScalar()) fail("key '" + key + "' is not a word");
+  if (!entry.isScalar()) fail("key '" + key + "' is not a string");
   return entry.node().as<std::string>();
 }
 

@@ -9,7 +9,7 @@
 
 namespace headway::io {
 
-/// Numbers and words of a YAML file, with messages that name file and key.
+/// Reads numbers and strings of a YAML file, with messages that name file and key.
 class YamlFile {
  public:
   /// @throws InputError if the file cannot be read or is not a YAML map
@@ -24,9 +24,9 @@ class YamlFile {
                                             std::size_t max_size) const;
   [[nodiscard]] double number(const std::string& key) const { return numbers(key, 1, 1).front(); }
   [[nodiscard]] std::string word(const std::string& key) const;
-  /// A pose as 12 (3x4) or 16 (4x4) numbers, row by row; also below `key`'s own key "data".
+  /// A pose as 12 (3x4) or 16 (4x4) numbers, row-major; also below `key`'s own key "data".
   [[nodiscard]] Pose pose(const std::string& key) const;
-  /// @throws InputError naming the first key that is not among `known`
+  /// @throws InputError naming the first key that is not in `known`
   void requireOnly(const std::vector<std::string>& known) const;
   /// @throws InputError "file: reason"
   [[noreturn]] void fail(const std::string& reason) const;

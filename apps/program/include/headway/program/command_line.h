@@ -12,16 +12,16 @@
 
 namespace headway::program {
 
-/// The command line itself is wrong: exit status 2.
+/// Error in the command line: exit status 2.
 class UsageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// The command line that all programs share, and what one program adds to it.
+/// Command line with the options common to all programs and those of one program.
 ///
 /// Every program has --help, --version, -v/--verbosity and -q/--quiet; with parameters() also
-/// -c/--config, --set, --dump-config and --expert. Targets keep their value where the option is not
+/// -c/--config, --set, --dump-config and --expert. Targets keep their value if the option is not
 /// given.
 ///
 ///     std::string input;
@@ -35,7 +35,7 @@ class CommandLine {
 
   /// Next argument without a dash; must be given.
   void positional(std::string& target, const std::string& name, const std::string& meaning);
-  /// `short_name` 0: there is only the long one.
+  /// @param short_name  0: only the long name
   void flag(bool& target, char short_name, const std::string& name, const std::string& meaning);
   void option(std::string& target, char short_name, const std::string& name,
               const std::string& type, const std::string& meaning, bool required = false);
@@ -69,17 +69,17 @@ inline constexpr int kDone = 0;
 inline constexpr int kInputFault = 1;
 inline constexpr int kUsage = 2;
 
-/// Runs a program's body and turns what it throws into one line on standard error and the exit
-/// status: UsageError 2, any other exception 1.
+/// Runs the main function of a program and reports exceptions as one line on standard error and as
+/// exit status: UsageError 2, other exceptions 1.
 int run(const std::string& program, const std::function<int()>& body);
 
-/// Takes the first argument off as a sub-command.
+/// Removes the first argument as sub-command.
 ///
-/// @return the sub-command; argv and argc then stand without it
-/// @throws UsageError naming the known ones if it is none of them
+/// @return the sub-command, no longer in argc and argv
+/// @throws UsageError listing the sub-commands if it is unknown
 std::string takeSubcommand(int& argc, const char**& argv, const std::vector<std::string>& known);
 
-/// Throws InputError if the path exists and may not be overwritten.
+/// @throws InputError if the path exists and may not be overwritten
 void requireWritable(const std::string& path, bool overwrite);
 
 }  // namespace headway::program

@@ -13,13 +13,12 @@ namespace headway::program {
 /// @throws InputError if the picture cannot be written
 void writePicture(const std::string& path, const cv::Mat& picture);
 
-/// An MP4, or where there is no encoder for it, pictures numbered from 0 in a folder `NAME_frames`
-/// beside it.
+/// An MP4 file or, without an encoder, pictures numbered from 0 in the folder `NAME_frames`.
 class VideoOutput {
  public:
-  /// @param rate       pictures a second
-  /// @param overwrite  whether the folder of pictures may be there already
-  /// @param note       called with the place where pictures are written instead
+  /// @param rate       pictures per second
+  /// @param overwrite  whether the folder of pictures may exist
+  /// @param note       called with the folder if pictures are written instead
   /// @throws InputError if neither can be written
   VideoOutput(const std::string& path, double rate, cv::Size size, bool overwrite,
               const std::function<void(const std::string&)>& note);

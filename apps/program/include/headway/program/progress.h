@@ -8,7 +8,7 @@ namespace headway::program {
 
 /// Progress on standard error: done/total, rate, time left.
 ///
-/// A line that rewrites itself on a terminal, a new line every 10 s elsewhere, nothing if quiet.
+/// One updated line on a terminal, a new line every 10 s otherwise, no output if quiet.
 class Progress {
  public:
   Progress(std::string what, bool quiet);
@@ -31,10 +31,10 @@ class Progress {
   std::chrono::steady_clock::time_point last_shown_;
 };
 
-/// Turns Ctrl-C and SIGTERM into a flag from now on, so that loops can end cleanly.
+/// Converts Ctrl-C and SIGTERM to a flag, so that loops can end cleanly.
 void catchInterrupts();
 
-/// Whether Ctrl-C or SIGTERM came since catchInterrupts().
+/// Whether Ctrl-C or SIGTERM was received since catchInterrupts().
 [[nodiscard]] bool interrupted();
 
 }  // namespace headway::program

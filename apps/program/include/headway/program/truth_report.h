@@ -6,14 +6,14 @@
 
 namespace headway::program {
 
-/// Writes `report.html` of a finished replay with the truth in it: the true paths, and the errors
-/// of the final trajectory after rigid alignment.
+/// Writes `report.html` of a finished replay with true paths and the errors of the final trajectory
+/// after rigid alignment.
 ///
 /// @param replay  folder of the replay
-/// @param truth   folder with trajectory.tum and perhaps objects.csv; empty: a report without
+/// @param truth   folder with trajectory.tum and optionally objects.csv; empty: none
 /// @param output  the page; empty: report.html in the replay's folder
 /// @param note    called with the reason if there are no errors
-/// @throws InputError if there is no truth where there should be, or the page cannot be written
+/// @throws InputError if the truth is missing or the page cannot be written
 void writeTruthReport(const std::filesystem::path& replay, const std::filesystem::path& truth,
                       const std::filesystem::path& output,
                       const std::function<void(const std::string&)>& note);

@@ -12,14 +12,14 @@
 
 namespace headway::io {
 
-/// What a dataset has of one time.
+/// One frame of a dataset.
 struct DatasetFrame {
   Time time = 0.0;                          ///< [s]
   cv::Mat left;                             ///< 8-bit grey or BGR; empty: no images
-  cv::Mat right;                            ///< likewise
-  std::optional<Pose> T_map_robot;          ///< an estimate to be used instead of visual SLAM
+  cv::Mat right;                            ///< as left
+  std::optional<Pose> T_map_robot;          ///< estimate to use instead of visual SLAM
   std::optional<Pose> truth_T_map_robot;    ///< ground truth
-  std::optional<Detections> detections;     ///< to be used
+  std::optional<Detections> detections;     ///< input of tracking
   std::optional<Detections> truth_objects;  ///< ground truth, with ids
 };
 
@@ -27,22 +27,87 @@ struct DatasetFrame {
 struct DatasetInertial {
   Time time = 0.0;                                             ///< [s]
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< [rad/s]
-  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();      ///< [m/s^2], gravity included
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();      ///< [m/s^2], including gravity
 };
 
-/// A recording in the layout of some dataset, read frame by frame.
+/// A recording of a public dataset, read frame by frame.
 class Dataset {
  public:
   virtual ~Dataset() = default;
   [[nodiscard]] virtual std::size_t size() const = 0;
   /// @throws InputError naming the file if an image cannot be read
   [[nodiscard]] virtual DatasetFrame frame(std::size_t index) const = 0;
-  /// Of all images; nullopt if there are none.
+  /// Camera of all images; nullopt without images.
   [[nodiscard]] virtual std::optional<RawStereoCamera> camera() const = 0;
-  /// In time order; empty if none were recorded.
+  /// In time order; empty if not recorded.
   [[nodiscard]] virtual std::vector<DatasetInertial> inertial() const { return {}; }
-  /// What was left out while opening, by reason.
+  /// Number of items ignored when opening, by reason.
   [[nodiscard]] virtual std::map<std::string, std::size_t> dropped() const { return {}; }
 };
+
+/// Opens a recording in EuRoC's layout (ASL folder) with raw stereo images.
+///
+/// Reads `FOLDER/mav0/{cam0,cam1}/{sensor.yaml,data.csv,data}`, the inertial samples of
+/// `mav0/imu0` if present, and the truth in `FOLDER/groundtruth.tum` or
+/// `mav0/state_groundtruth_estimate0/data.csv` (interpolated at the images' times). Images of the
+/// two cameras are paired by equal time stamps.
+///
+/// The robot frame is at the body's origin, with x along the cameras' mean viewing direction and y
+/// from the right to the left camera. The true poses are rotated likewise and remain in the
+/// dataset's world frame.
+///
+/// @throws InputError naming the file that is missing or malformed
+[[nodiscard]] std::unique_ptr<Dataset> openEuroc(const std::string& folder);
+
+/// Opens two folders of images with a calibration file.
+///
+/// Images (.png .jpg .jpeg .bmp .tif .tiff .pgm .ppm) are paired in the order of their names;
+/// both folders must have the same number. Times are given by the calibration file: `times`, a file
+/// in its folder with one time per line [s], or `frame_rate_hz` (default 10).
+///
+/// @param calibration  see readRawCalibration()
+/// @throws InputError naming the file that is missing or inconsistent
+[[nodiscard]] std::unique_ptr<Dataset> openImageFolders(const std::string& left_folder,
+                                                        const std::string& right_folder,
+                                                        const std::string& calibration);
+
+/// Opens a sequence of the KITTI odometry benchmark (rectified).
+///
+/// Reads `FOLDER/sequences/SEQUENCE/{calib.txt,times.txt,image_0,image_1}`, colour `image_2` and
+/// `image_3` if there is no `image_0`, and the truth in `FOLDER/poses/SEQUENCE.txt` or
+/// `FOLDER/sequences/SEQUENCE/poses.txt` if present. Without times.txt the frame interval is 0.1 s.
+/// Frames with only one image are ignored. The robot frame is at camera 0.
+///
+/// @throws InputError naming the file that is missing or malformed
+[[nodiscard]] std::unique_ptr<Dataset> openKittiOdometry(const std::string& folder,
+                                                         const std::string& sequence);
+
+/// Source of the boxes of a KITTI tracking sequence.
+enum class KittiBoxes {
+  kLabels,       ///< `label_02`: ground truth
+  kPointRcnn3d,  ///< `det3d_pointrcnn/CLASS`: 3D boxes of a lidar network
+  kRrc2d,        ///< `det2d_rrc/CLASS`: 2D boxes of an image network
+};
+
+/// Parses "label_02", "det3d_pointrcnn" or "det2d_rrc". @throws InputError for other names
+[[nodiscard]] KittiBoxes kittiBoxesFrom(const std::string& name);
+
+/// Opens a sequence of the KITTI tracking benchmark without images, 0.1 s per frame.
+///
+/// Reads `FOLDER/training/{pose_orbslam3,label_02}/SEQUENCE.txt` and the boxes. The poses of
+/// camera 0 are estimates of a stereo system, therefore `pose` and not truth. 3D boxes are in
+/// rectified camera 0, which is also the origin of the robot frame; 2D boxes are in camera 2's
+/// image. The truth is `label_02` without DontCare.
+///
+/// @throws InputError naming the file that is missing or malformed
+[[nodiscard]] std::unique_ptr<Dataset> openKittiTracking(const std::string& folder,
+                                                         const std::string& sequence,
+                                                         KittiBoxes boxes);
+
+/// The matrices of a KITTI calibration file ("P0: " and 12 numbers, row-major), by name.
+///
+/// @throws InputError naming file and line of an error
+[[nodiscard]] std::map<std::string, Eigen::Matrix<double, 3, 4>> readKittiProjections(
+    const std::string& path);
 
 }  // namespace headway::io

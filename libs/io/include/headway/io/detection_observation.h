@@ -12,11 +12,11 @@
 
 namespace headway {
 
-/// What a detector saw in one image, as MRPT rawlogs keep it.
+/// Detections in one image, as stored in MRPT rawlogs.
 ///
 /// Boxes are those of `Detection`: 2D ones in pixels of the image as recorded, 3D ones in the
-/// sensor's optical frame, their position being the centre of the volume. Classes are kept by
-/// name, so that a rawlog with classes that this version does not know stays readable.
+/// sensor's optical frame, their position being the centre of the volume. Classes are stored
+/// by name, so that rawlogs with classes of newer versions remain readable.
 class CObservationObjectDetections : public mrpt::obs::CObservation {
   DEFINE_SERIALIZABLE(CObservationObjectDetections, headway)
 
@@ -24,7 +24,7 @@ class CObservationObjectDetections : public mrpt::obs::CObservation {
   struct Item {
     std::string class_name;         ///< KITTI's spelling
     double score = 1.0;             ///< the detector's own scale
-    std::int64_t detector_id = -1;  ///< -1: the detector does not track
+    std::int64_t detector_id = -1;  ///< -1: none
     std::optional<Box2d> box2d;
     std::optional<Box3d> box3d;
     std::optional<Eigen::Matrix3d> centre_covariance;  ///< symmetric [m^2]
@@ -42,7 +42,7 @@ class CObservationObjectDetections : public mrpt::obs::CObservation {
     sensor_pose = newSensorPose;
   }
   void getDescriptionAsText(std::ostream& o) const override;
-  /// One row an observation: the number of detections, and then each of them in turn.
+  /// One row per observation: the number of detections, followed by their values.
   bool exportTxtSupported() const override { return true; }
   std::string exportTxtHeader() const override;
   std::string exportTxtDataRow() const override;
@@ -50,13 +50,13 @@ class CObservationObjectDetections : public mrpt::obs::CObservation {
 
 namespace io {
 
-/// Makes headway's observation class known to MRPT. May be called more than once.
+/// Registers headway's observation class with MRPT. May be called repeatedly.
 void registerClasses();
 
 [[nodiscard]] CObservationObjectDetections::Ptr observationFrom(const std::string& label,
                                                                 const Detections& detections);
 
-/// @param dropped  counts items whose class this version does not know ("unknown_class")
+/// @param dropped  counts items of unknown classes ("unknown_class")
 [[nodiscard]] Detections detectionsFrom(const CObservationObjectDetections& observation,
                                         std::map<std::string, std::size_t>& dropped);
 

@@ -5,10 +5,10 @@
 
 namespace headway::io {
 
-/// MRPT's time of a time since the Unix epoch; 0 s is a valid time, not INVALID_TIMESTAMP.
+/// Converts seconds since the Unix epoch to MRPT's time; 0 s is valid, not INVALID_TIMESTAMP.
 [[nodiscard]] mrpt::Clock::time_point mrptTime(Time time);
 
-/// Inverse of mrptTime, up to half a tick of MRPT's clock (50 ns) or what a double keeps of it.
+/// Inverse of mrptTime(), up to half a tick of MRPT's clock (50 ns) or the precision of a double.
 [[nodiscard]] Time timeFrom(mrpt::Clock::time_point time);
 
 }  // namespace headway::io

@@ -10,15 +10,16 @@
 
 namespace headway::io {
 
-/// How images are kept.
+/// Storage of images.
 enum class ImageStorage {
-  kEmbedded,      ///< in the rawlog: colour as JPEG, grey as it is
-  kEmbeddedRaw,   ///< in the rawlog, colour and grey as they are
-  kExternalPng,   ///< beside it in `X_Images/`, as PNG
-  kExternalJpeg,  ///< beside it in `X_Images/`, as JPEG
+  kEmbedded,      ///< in the rawlog: colour as JPEG, grey raw
+  kEmbeddedRaw,   ///< in the rawlog: colour and grey raw
+  kExternalPng,   ///< in `X_Images/`, as PNG
+  kExternalJpeg,  ///< in `X_Images/`, as JPEG
 };
 
-/// One lens as recorded: intrinsics and OpenCV's distortion (k1 k2 p1 p2 k3), zeros if rectified.
+/// Lens of a recorded image: intrinsics and OpenCV's distortion (k1 k2 p1 p2 k3), zeros if
+/// rectified.
 struct RawCamera {
   int width = 0;                                  ///< [px]
   int height = 0;                                 ///< [px]
@@ -26,7 +27,7 @@ struct RawCamera {
   std::array<double, 5> distortion{};
 };
 
-/// A stereo pair as recorded: two lenses anywhere.
+/// Stereo camera as recorded, not necessarily rectified.
 struct RawStereoCamera {
   RawCamera left;
   RawCamera right;
@@ -34,13 +35,13 @@ struct RawStereoCamera {
   Pose T_left_right = Pose::Identity();    ///< right optical frame in the left one
 };
 
-/// The recorded form of a pair that is rectified already.
+/// A rectified camera in recorded form.
 [[nodiscard]] RawStereoCamera rawFrom(const StereoCamera& camera);
 
-/// Writes an observation-only rawlog, gz-compressed, in time order as called.
+/// Writes an observation-only rawlog, gz-compressed, in the order of the calls.
 ///
-/// The file appears under its name when close() (or the destructor) is reached; what was written
-/// before an error stays readable.
+/// The file has a temporary name until close() or the destructor; after an error, the observations
+/// written before remain readable.
 ///
 ///     RawlogSink sink("out.rawlog", ImageStorage::kEmbedded);
 ///     sink.writeStereo(time, left, right, rawFrom(camera));
@@ -53,19 +54,19 @@ class RawlogSink {
   RawlogSink(const RawlogSink&) = delete;
   RawlogSink& operator=(const RawlogSink&) = delete;
 
-  /// @param left, right  8-bit grey or BGR, the camera's sizes
+  /// @param left, right  8-bit grey or BGR, of the camera's sizes
   /// @throws InputError  on a write error such as a full disk
   void writeStereo(Time time, const cv::Mat& left, const cv::Mat& right,
                    const RawStereoCamera& camera, const std::string& label = "stereo");
-  /// Labels: `detections` (to be used) or `truth_objects`.
+  /// @param label  `detections` (input of tracking) or `truth_objects`
   void writeDetections(const std::string& label, const Detections& detections);
-  /// Labels: `pose` (to be used instead of SLAM) or `truth_pose`.
+  /// @param label  `pose` (used instead of SLAM) or `truth_pose`
   void writePose(const std::string& label, Time time, const Pose& T_map_robot);
-  /// Wheel odometry: planar pose of the robot in a frame that drifts (x [m], y [m], yaw [rad]).
+  /// Wheel odometry: planar robot pose in the odometry frame (x [m], y [m], yaw [rad]).
   void writeOdometry(Time time, double x, double y, double yaw);
   /// Inertial sample in the robot frame.
   void writeImu(Time time, const Eigen::Vector3d& angular_velocity,  // [rad/s]
-                const Eigen::Vector3d& acceleration);                // [m/s^2], gravity included
+                const Eigen::Vector3d& acceleration);                // [m/s^2], including gravity
   /// Flushes and closes. @throws InputError on a write error.
   void close();
 

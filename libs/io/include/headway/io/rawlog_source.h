@@ -10,56 +10,56 @@
 
 namespace headway::io {
 
-/// What to read of a rawlog, and how.
+/// Selection and options of RawlogSource.
 struct RawlogSourceOptions {
-  /// Label of the stereo camera, or "LEFT,RIGHT" for two cameras; empty: the only one there is.
+  /// Label of the stereo camera, or "LEFT,RIGHT" for two cameras; empty: the only one.
   std::string sensor_label;
-  std::size_t from_index = 0;           ///< first stereo frame handed out
-  std::optional<std::size_t> to_index;  ///< last stereo frame handed out (included)
-  bool use_odometry = true;             ///< hand wheel odometry on as motion prior
-  bool use_imu = true;                  ///< hand gyroscope and gravity on as motion prior
-  /// Frames read before one is handed out, so that what is recorded late finds its frame. A robot
-  /// that cannot wait, and whose boxes come before their images, takes 0.
+  std::size_t from_index = 0;           ///< first stereo frame returned
+  std::optional<std::size_t> to_index;  ///< last stereo frame returned (inclusive)
+  bool use_odometry = true;             ///< use wheel odometry as motion prior
+  bool use_imu = true;                  ///< use gyroscope and gravity as motion prior
+  /// Number of later frames read before a frame is returned, so that boxes and poses recorded late
+  /// are assigned. 0 for live operation with boxes that arrive before their images.
   std::size_t read_ahead = 2;
   double pair_tolerance_s = 0.01;  ///< between a left and a right `CObservationImage` [s]
 };
 
 using headway::RecordedFrame;
 
-/// What the images themselves say of the calibration; small vertical disparity is good.
+/// Consistency of images and calibration; the vertical disparity should be near 0.
 struct CalibrationReport {
   double baseline_m = 0.0;
   double focal_px = 0.0;
   double vertical_disparity_px = 0.0;  ///< median |v_left - v_right| of matches
   double median_disparity_px = 0.0;    ///< median u_left - u_right of matches
-  std::size_t matches = 0;             ///< it rests on
-  bool rectified_here = false;         ///< images were not rectified in the rawlog
+  std::size_t matches = 0;             ///< number of matches used
+  bool rectified_here = false;         ///< the recorded images were not rectified
 };
 
-/// Streams a rawlog as rectified stereo frames, whatever way they were recorded.
+/// Reads a rawlog as a stream of rectified stereo frames.
 ///
-/// Observation-only and sensory-frame rawlogs, gz or plain, images embedded or beside
+/// Supports observation-only and sensory-frame rawlogs, gz or plain, images embedded or external
 /// (`X_Images/`), `CObservationStereoImages` or two `CObservationImage` labels paired by time,
-/// rectified or not. One observation is in memory at a time, and frames are read ahead so that
-/// boxes and poses recorded after their images, even after the next one, still find them. Where
-/// images are rectified here, 2D boxes of the recorded left image are turned into the rectified
-/// one; 3D boxes stay in their sensor's frame. Labels `truth_*` never come out. What cannot be used
-/// is skipped and counted.
+/// rectified or not. One observation is in memory at a time; frames are read ahead so that boxes
+/// and poses recorded after their images, even after the next image, are assigned to them. With
+/// images that are rectified here, 2D boxes of the left image are rectified too; 3D boxes remain in
+/// their sensor's frame. Observations labelled `truth_*` are never returned. Unusable observations
+/// are skipped and counted.
 ///
 ///     RawlogSource source("street.rawlog", {});
 ///     while (auto frame = source.next()) slam.process(*frame->stereo);
 class RawlogSource {
  public:
-  /// Opens the rawlog and reads up to its first stereo pair (or pose).
+  /// Opens the rawlog and reads it up to the first stereo pair (or pose).
   ///
-  /// @throws InputError if the file is not a rawlog, holds neither stereo nor `pose`, has several
-  ///         cameras and no label was chosen, or has a calibration that cannot be used
+  /// @throws InputError if the file is not a rawlog, contains neither stereo images nor `pose`,
+  ///         contains several cameras without a selection, or has an invalid calibration
   RawlogSource(const std::string& path, const RawlogSourceOptions& options);
 
-  /// Reads observations as sensors push them, as if from a file: waits where there are none, and
-  /// ends once the queue is closed. The queue must outlive this.
+  /// Reads live observations from a queue, which must outlive this object. Waits for the first
+  /// stereo pair; next() waits for observations and ends when the queue is closed.
   ///
-  /// @throws InputError as above, once the observations tell; waits for the first stereo pair
+  /// @throws InputError as above
   RawlogSource(ObservationQueue& queue, const RawlogSourceOptions& options);
   ~RawlogSource();
   RawlogSource(RawlogSource&&) noexcept;
@@ -71,23 +71,23 @@ class RawlogSource {
   /// counted in skipped() but keep their index.
   [[nodiscard]] std::optional<RecordedFrame> next();
 
-  /// Right image of the frame last handed out, 8-bit BGR, rectified; empty if it was grey.
+  /// Right image of the latest frame, 8-bit BGR, rectified; empty if it is grey.
   [[nodiscard]] cv::Mat rightColour() const;
 
-  /// Camera of all frames, rectified; null if the rawlog holds poses alone.
+  /// Rectified camera of all frames; null if the rawlog contains only poses.
   [[nodiscard]] std::shared_ptr<const StereoCamera> camera() const;
 
-  /// Measured on the first stereo pair; nullopt if the rawlog holds poses alone.
+  /// Measured on the first stereo pair; nullopt if the rawlog contains only poses.
   [[nodiscard]] const std::optional<CalibrationReport>& calibration() const;
 
-  /// Observations not used, by class name or reason ("CObservation2DRangeScan",
+  /// Number of skipped observations by class name or reason ("CObservation2DRangeScan",
   /// "missing_image", "time_backwards", "unknown_class", ...).
   [[nodiscard]] const std::map<std::string, std::size_t>& skipped() const;
 
-  /// Set once the end came too early: what is broken and where. What came before is good.
+  /// Reason and position of a premature end; nullopt otherwise. Frames before it are valid.
   [[nodiscard]] const std::optional<std::string>& truncation() const;
 
-  /// Share of the file read so far, 0 to 1.
+  /// Ratio of the file read so far, 0 to 1.
   [[nodiscard]] double progress() const;
 
  private:
@@ -95,13 +95,13 @@ class RawlogSource {
   std::unique_ptr<Reader> reader_;
 };
 
-/// What a rawlog says of the truth: labels `truth_pose` and `truth_objects`.
+/// The truth in a rawlog: labels `truth_pose` and `truth_objects`.
 struct RecordedTruth {
   std::vector<Stamped<Pose>> poses;  ///< robot in map
-  std::vector<Detections> objects;   ///< with ids, one entry a frame
+  std::vector<Detections> objects;   ///< with ids, one entry per frame
 };
 
-/// Reads the truth of a rawlog, for evaluation alone.
+/// Reads the truth of a rawlog, for evaluation only.
 [[nodiscard]] RecordedTruth readTruth(const std::string& path);
 
 }  // namespace headway::io

@@ -10,30 +10,30 @@
 
 namespace headway::io {
 
-/// One row of KITTI's tracking label or result format (box bottom-centre, camera 0).
+/// One row of KITTI's tracking label or result format (position of the bottom centre, camera 0).
 struct KittiRow {
   std::size_t frame = 0;
   std::int64_t id = -1;
-  std::string type;                                ///< KITTI's spelling, "DontCare" included
-  double truncation = 0.0;                         ///< -1 where not given
-  int occlusion = 0;                               ///< 0 .. 3, -1 where not given
+  std::string type;                                ///< KITTI's spelling, including "DontCare"
+  double truncation = 0.0;                         ///< -1 if not given
+  int occlusion = 0;                               ///< 0 .. 3, -1 if not given
   double alpha = -10.0;                            ///< observation angle [rad]
   Box2d box2d;                                     ///< [px]
   double height = 0.0, width = 0.0, length = 0.0;  ///< [m]
   Eigen::Vector3d bottom_centre = Eigen::Vector3d::Zero();  ///< optical frame [m]
   double rotation_y = 0.0;                                  ///< [rad]
   double score = 0.0;                                       ///< results only
-  double visible = 1.0;  ///< visible share 0..1, 18th column of simulated truth
+  double visible = 1.0;  ///< visible ratio 0..1, 18th column of simulated truth
 };
 
-/// @throws InputError naming file and line of what cannot be read
+/// @throws InputError naming file and line of an error
 [[nodiscard]] std::vector<KittiRow> readKittiRows(const std::string& path);
 /// Writes results: 18 columns, the last is the score.
 void writeKittiResult(std::ostream& out, const KittiRow& row);
-/// Writes labels: 17 columns, and the visible share as an 18th if `with_visible`.
+/// Writes labels: 17 columns, and the visible ratio as an 18th if `with_visible`.
 void writeKittiLabel(std::ostream& out, const KittiRow& row, bool with_visible);
 
-/// The row's box as a detection (score and id kept); nullopt where its class is unknown to us.
+/// The row's box as a detection (score and id kept); nullopt if its class is unknown.
 [[nodiscard]] std::optional<Detection> detectionFrom(const KittiRow& row);
 
 /// The header line of `tracks.csv` and `tracks_smoothed.csv`.
@@ -57,14 +57,14 @@ void writePredictionCsv(std::ostream& out, const PredictionRow& row);
 
 /// The header line of `detections.csv`, headway's CSV of boxes.
 [[nodiscard]] std::string detectionCsvHeader();
-/// Writes one detection, its 3D box as it stands; what it lacks is left empty.
+/// Writes one detection, with its 3D box unchanged; missing values are empty.
 void writeDetectionCsv(std::ostream& out, std::size_t frame, const Detection& detection);
 
 /// Detections by frame index from a side file: KITTI labels or results, KITTI-like detector
-/// output (det3d, det2d) or headway's CSV; told apart by their columns (doc/formats.md).
+/// output (det3d, det2d) or headway's CSV; distinguished by their columns (doc/formats.md).
 ///
-/// @param dropped  counts rows left out, by reason ("unknown_class", "dont_care", "bad_row")
-/// @throws InputError if the file cannot be read or is of none of these formats
+/// @param dropped  counts ignored rows, by reason ("unknown_class", "dont_care", "bad_row")
+/// @throws InputError if the file cannot be read or has another format
 [[nodiscard]] std::map<std::size_t, Detections> readDetections(
     const std::string& path, std::map<std::string, std::size_t>& dropped);
 

@@ -2,6 +2,7 @@
 
 #include <headway/core/pose.h>
 
+#include <optional>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -10,21 +11,38 @@ namespace headway::io {
 
 /// Reads `t x y z qx qy qz qw` rows; '#' starts a comment.
 ///
-/// @throws InputError naming file and line of what cannot be read
+/// @throws InputError naming file and line of an error
 [[nodiscard]] std::vector<Stamped<Pose>> readTum(const std::string& path);
 
 /// Writes one row `t x y z qx qy qz qw`, all with 9 decimals, qw not negative.
 void writeTumRow(std::ostream& out, const Stamped<Pose>& pose);
 
-/// Writes a row for each pose.
+/// Writes one row per pose.
 void writeTum(const std::string& path, const std::vector<Stamped<Pose>>& trajectory);
 
-/// Reads 3x4 row-major poses, one a row (KITTI odometry).
+/// Reads 3x4 row-major poses, one per row (KITTI odometry).
 ///
-/// @throws InputError naming file and line of what cannot be read
+/// @throws InputError naming file and line of an error
 [[nodiscard]] std::vector<Pose> readKittiPoses(const std::string& path);
 
-/// Writes 3x4 row-major poses, one a row (KITTI odometry).
+/// Writes 3x4 row-major poses, one per row (KITTI odometry).
 void writeKittiPoses(const std::string& path, const std::vector<Pose>& poses);
+
+/// Robot poses of a side file, by time or by frame: TUM (`t x y z qx qy qz qw`, the robot's poses)
+/// or KITTI (3x4, one per frame, left camera in the first one); the number of columns decides.
+class PoseFile {
+ public:
+  /// @param T_robot_cam  pose of the camera of KITTI poses
+  /// @throws InputError naming file and line of an error
+  PoseFile(const std::string& path, const Pose& T_robot_cam);
+
+  /// T_map_robot of a frame, interpolated between times at most 0.5 s apart; nullopt if the file
+  /// has no pose for the frame.
+  [[nodiscard]] std::optional<Pose> at(std::size_t frame, Time time) const;
+
+ private:
+  std::vector<Stamped<Pose>> by_time_;
+  std::vector<Pose> by_frame_;
+};
 
 }  // namespace headway::io

@@ -1,18 +1,24 @@
-#include "recorded_image.h"
+#include "image_files.h"
 
+#include <headway/core/error.h>
+
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <set>
 #include <vector>
+
+#include "text_rows.h"
 
 namespace headway::io {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Grey or BGR, 8 bit, without transparency; empty if it is of another kind.
+/// 8-bit grey or BGR image without transparency; empty for other types.
 cv::Mat withoutTransparency(const cv::Mat& image) {
   if (image.type() == CV_8UC1 || image.type() == CV_8UC3) return image;
   cv::Mat result;
@@ -64,6 +70,38 @@ cv::Mat greyOf(const cv::Mat& image) {
   cv::Mat grey;
   cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
   return grey;
+}
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> imagesIn(const std::string& folder) {
+  static const std::set<std::string> endings = {".png", ".jpg",  ".jpeg", ".bmp",
+                                                ".tif", ".tiff", ".pgm",  ".ppm"};
+  std::error_code error;
+  std::vector<std::string> paths;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (endings.count(entry.path().extension().string()) > 0) {
+      paths.push_back(entry.path().string());
+    }
+  }
+  if (error) throw InputError(folder + ": is not a readable folder: " + error.message());
+  std::sort(paths.begin(), paths.end());
+  return paths;
+}
+
+cv::Mat requireImage(const std::string& path) {
+  cv::Mat image = loadImage(path);
+  if (image.empty()) {
+    throw InputError(path + ": missing, broken, or not an image with 8 bits per channel");
+  }
+  return image;
+}
+
+std::vector<Time> readTimes(const std::string& path) {
+  std::vector<Time> times;
+  TextRows rows(path);
+  while (rows.next()) times.push_back(rows.number(0));
+  return times;
 }
 
 }  // namespace headway::io
