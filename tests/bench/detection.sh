@@ -1,8 +1,8 @@
 #!/bin/bash
 # Measures the detectors and prints the figures of doc/results.md.
 #   HEADWAY_DATA=DATA tests/bench/detection.sh [OUT]
-# Simulated worlds are made in OUT (default out/detection); DATA, laid out as doc/results.md says,
-# is needed for the real recordings only and may be left out.
+# Simulates worlds in OUT (default out/detection). DATA, with the layout of doc/results.md, is required
+# for real recordings only.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 out=${1:-out/detection}

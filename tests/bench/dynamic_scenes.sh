@@ -1,9 +1,9 @@
 #!/bin/bash
-# Drives through streets where movers fill a given share of the image, from the first frame on, and
-# prints how exact the path is, beside that through the same streets without movers.
+# Measures the trajectory error in streets where moving objects cover a given ratio of the image from
+# the first frame on, and in the same streets without moving objects.
 #   [SEEDS="1 2 3 4 5"] tests/bench/dynamic_scenes.sh [OUT]
 # Figures are medians over the seeds, ATE RMSE, with slam.dynamic_rejection none and both. OUT
-# (default out/dynamic_scenes) keeps rawlogs and results; a rawlog that exists is used again.
+# (default out/dynamic_scenes) contains rawlogs and results; existing rawlogs are reused.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 out=${1:-out/dynamic_scenes}

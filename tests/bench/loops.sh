@@ -1,9 +1,9 @@
 #!/bin/bash
-# Drives a simulated camera along two KITTI paths that come back to their beginning, and prints
-# how exact the path is without and with loop closing.
+# Measures the trajectory error of a simulated camera along two closed KITTI paths, without and with
+# loop closing.
 #   HEADWAY_DATA=DATA tests/bench/loops.sh [OUT]
-# DATA holds kitti_poses/06.txt and 07.txt; OUT (default out/loops) keeps rawlogs and results. A
-# rawlog that exists is used again.
+# DATA contains kitti_poses/06.txt and 07.txt; OUT (default out/loops) contains rawlogs and results;
+# existing rawlogs are reused.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 data=${HEADWAY_DATA:?names no folder of real data}

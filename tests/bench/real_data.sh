@@ -1,7 +1,7 @@
 #!/bin/bash
 # Measures headway on real recordings and prints the figures of doc/results.md.
 #   HEADWAY_DATA=DATA tests/bench/real_data.sh [OUT]
-# DATA is laid out as doc/results.md says; OUT (default out/real_data) keeps rawlogs and results.
+# DATA has the layout of doc/results.md; OUT (default out/real_data) contains rawlogs and results.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 data=${HEADWAY_DATA:?names no folder of real data}

@@ -1,9 +1,9 @@
 #!/bin/bash
-# Compares a simulated world without movers with real recordings: how well visual odometry follows,
-# how rich the images are, how well disparity can be measured.
+# Compares a simulated world without moving objects with real recordings: visual odometry errors,
+# corner counts and disparity errors.
 #   HEADWAY_DATA=DATA tests/bench/worlds_against_real.sh [OUT] [HEADWAY-SIM ARGUMENTS...]
-# DATA holds kitti_odometry/ (sequences 06 and 01, frames 0-50: about 60 m each, so the errors are
-# KITTI's over segments of 10 ... 50 m). OUT (default out/realism) keeps rawlogs and results.
+# DATA contains kitti_odometry/ (sequences 06 and 01, frames 0-50: about 60 m each, so the errors are
+# KITTI's over segments of 10 ... 50 m). OUT (default out/realism) contains rawlogs and results.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 data=${HEADWAY_DATA:?names no folder of real data}

@@ -49,7 +49,7 @@ class GridCommandTest : public testing::Test {
 
 std::unique_ptr<test::TemporaryFolder> GridCommandTest::drive_;
 
-TEST_F(GridCommandTest, FindsTheGridRightAndSaysSoInTableFileAndPicture) {
+TEST_F(GridCommandTest, WritesTableJsonAndPicture) {
   const std::string json = folder_ / "g.json";
   const std::string plot = folder_ / "g.png";
   const auto result = grid(at("w.truth"), at("out"), "--json " + json + " --plot " + plot);
@@ -69,7 +69,7 @@ TEST_F(GridCommandTest, FindsTheGridRightAndSaysSoInTableFileAndPicture) {
   EXPECT_THAT(again.error, HasSubstr("exists already"));
 }
 
-TEST_F(GridCommandTest, ADamagedGridIsNamed) {
+TEST_F(GridCommandTest, NamesADamagedGrid) {
   const std::string spoilt = copyOfReplay();
   std::ofstream(spoilt + "/map_grid.gridmap.gz") << "no grid";
   const auto result = grid(at("w.truth"), spoilt);
@@ -82,7 +82,7 @@ TEST_F(GridCommandTest, ADamagedGridIsNamed) {
   EXPECT_THAT(grid(at("w.truth"), folder_ / "none").error, HasSubstr("none"));
 }
 
-TEST_F(GridCommandTest, ATruthWithoutDepthSaysHowToRecordIt) {
+TEST_F(GridCommandTest, NamesTheOptionsForAMissingDepth) {
   const std::string truth = folder_ / "bare.truth";
   fs::create_directories(truth);
   fs::copy(fs::path(at("w.truth")) / "trajectory.tum", truth);
@@ -104,7 +104,7 @@ TEST_F(GridCommandTest, ACameraOfAnotherSizeIsRefused) {
   EXPECT_THAT(result.error, HasSubstr("size differs"));
 }
 
-TEST_F(GridCommandTest, BothFoldersMustBeNamed) {
+TEST_F(GridCommandTest, RequiresBothFolders) {
   EXPECT_EQ(2, runEval("grid --truth x").status);
   EXPECT_EQ(2, runEval("grid --estimate x").status);
 }

@@ -34,14 +34,14 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Pair;
 
-TEST(PosePairsTest, NearestWithinToleranceIsThePartner) {
+TEST(PosePairsTest, PairsTheNearestWithinTheTolerance) {
   const auto pairs = pairByTime(atTimes({0.0, 0.1, 0.2, 0.3}), atTimes({0.11, 0.26, 0.9}), 0.05);
   EXPECT_THAT(pairedTimes(pairs), ElementsAre(Pair(0.1, 0.11), Pair(0.3, 0.26)));
   EXPECT_EQ(4u, pairs.truth_poses);
   EXPECT_EQ(3u, pairs.estimate_poses);
 }
 
-TEST(PosePairsTest, ATruePoseServesOnlyTheNearestOfSeveralEstimates) {
+TEST(PosePairsTest, PairsATruePoseOnlyWithTheNearestEstimate) {
   const auto pairs = pairByTime(atTimes({0.0, 1.0}), atTimes({0.9, 0.98, 1.05}), 0.2);
   EXPECT_THAT(pairedTimes(pairs), ElementsAre(Pair(1.0, 0.98)));
 }
@@ -51,7 +51,7 @@ TEST(PosePairsTest, OrderOfRowsDoesNotMatter) {
   EXPECT_THAT(pairedTimes(pairs), ElementsAre(Pair(0.0, 0.0), Pair(0.1, 0.1), Pair(0.2, 0.2)));
 }
 
-TEST(PosePairsTest, ByIndexTheShorterEnds) {
+TEST(PosePairsTest, ByIndexEndsWithTheShorter) {
   const auto pairs = pairByIndex({at(0), at(1), at(2)}, {at(5), at(6)});
   EXPECT_THAT(pairedTimes(pairs), ElementsAre(Pair(0, 5), Pair(1, 6)));
   EXPECT_EQ(3u, pairs.truth_poses);

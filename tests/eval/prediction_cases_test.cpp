@@ -37,7 +37,7 @@ TrackPrediction predictionOf(const TrueObject& object, std::size_t frame, double
   return prediction;
 }
 
-TEST(TrueObjectTest, PlaceBetweenFramesLiesOnTheLine) {
+TEST(TrueObjectTest, InterpolatesBetweenFrames) {
   auto object = objectAlongX(1, 10, 5.0);
   EXPECT_NEAR(1.25, object.positionAt(0.25, 0.15)->x(), 1e-12);
   EXPECT_NEAR(4.5, object.positionAt(0.9, 0.15)->x(), 1e-12);
@@ -48,7 +48,7 @@ TEST(TrueObjectTest, PlaceBetweenFramesLiesOnTheLine) {
   EXPECT_NEAR(2.0, object.positionAt(0.4, 0.45)->x(), 1e-12);
 }
 
-TEST(TrueObjectTest, LabelsComeToTheMapWithTheCamera) {
+TEST(TrueObjectTest, TransformsLabelsToTheMap) {
   // A car 10 m ahead of a camera that drives forward and looks along the map's x axis.
   std::vector<LabelledFrame> frames(2);
   std::vector<Stamped<Pose>> T_map_cam;
@@ -85,14 +85,14 @@ TEST(HistoryCasesTest, NeedTwentyFramesBeforeAndThreeSecondsAfter) {
   EXPECT_NEAR(10.0 + 15.0, cases[0].future[29].x(), 1e-9);
 }
 
-TEST(HistoryCasesTest, AGapBreaksThem) {
+TEST(HistoryCasesTest, AreInterruptedByGaps) {
   auto object = objectAlongX(1, 101, 5.0);
   EXPECT_EQ(51u, historyCases({object}, 0.1).size());
   object.path.erase(object.path.begin() + 50);
   EXPECT_EQ(0u, historyCases({object}, 0.1).size());
 }
 
-TEST(HistoryCasesTest, OnlyMovingKindsOfObjects) {
+TEST(HistoryCasesTest, AreOfMovableClassesOnly) {
   for (const auto object_class : {ObjectClass::kMisc, ObjectClass::kPersonSitting}) {
     EXPECT_EQ(0u, historyCases({objectAlongX(1, 60, 5.0, 0.0, object_class)}, 0.1).size());
   }
@@ -115,7 +115,7 @@ TEST(TrackCasesTest, EachPredictionFindsTheNearestObjectOfItsClass) {
   EXPECT_NEAR(5.0 + 15.0, found.cases[0].future[29].x(), 1e-9);
 }
 
-TEST(TrackCasesTest, CountsWhatIsNotNearAndWhatIsCutShort) {
+TEST(TrackCasesTest, CountsUnmatchedAndTruncatedPredictions) {
   const std::vector<TrueObject> objects = {objectAlongX(1, 60, 5.0)};
   auto pedestrian = predictionOf(objects[0], 10, 0.0, 1);
   pedestrian.object_class = ObjectClass::kPedestrian;

@@ -37,7 +37,7 @@ PredictionError evaluateOne(const std::vector<PredictedPath>& paths, const Horiz
   return evaluator.errors().all;
 }
 
-TEST(PredictionErrorTest, FiguresOfOneCaseWorkedOutByHand) {
+TEST(PredictionErrorTest, MatchesAHandComputedCase) {
   // 1 m/s too fast: errors 0.1, 0.2 .. 3.0 m; mean 1.55, 2 m exceeded at 2.1 s.
   const auto error = evaluateOne({pathAt(6.0, 0.0)}, futureAt(5.0));
   EXPECT_EQ(1u, error.cases);
@@ -56,7 +56,7 @@ TEST(PredictionErrorTest, FiguresOfOneCaseWorkedOutByHand) {
   EXPECT_NEAR(1.0, error.mean_error_m[9], 1e-12);
 }
 
-TEST(PredictionErrorTest, TheMostProbablePathCountsAndTheBestOfAllBesideIt) {
+TEST(PredictionErrorTest, EvaluatesTheMostProbablePathAndTheBestOfK) {
   const auto error = evaluateOne(
       {pathAt(5.0, 0.0, 1.0, 0.3), pathAt(5.0, 1.0, 1.0, 0.6), pathAt(5.0, 3.0, 1.0, 0.1)},
       futureAt(5.0));
@@ -64,7 +64,7 @@ TEST(PredictionErrorTest, TheMostProbablePathCountsAndTheBestOfAllBesideIt) {
   EXPECT_NEAR(0.0, error.best_of_k_ade_m.value(), 1e-12);
 }
 
-TEST(PredictionErrorTest, CoverageAndNeesAreRightWhereTheSpreadIs) {
+TEST(PredictionErrorTest, CoverageAndNeesAreConsistentForTrueCovariances) {
   std::mt19937 random(11);
   std::normal_distribution<double> noise(0.0, 0.5);
   PredictionEvaluator evaluator;
@@ -83,7 +83,7 @@ TEST(PredictionErrorTest, CoverageAndNeesAreRightWhereTheSpreadIs) {
   EXPECT_NEAR(2.0, error.nees.value(), 0.02);
 }
 
-TEST(PredictionErrorTest, CovarianceIsTakenWithItsDirection) {
+TEST(PredictionErrorTest, UsesTheDirectionOfTheCovariance) {
   auto path = pathAt(5.0, 1.0);
   for (auto& point : path.points) {
     point.covariance = Eigen::Vector2d(0.01, 4.0).asDiagonal();  // wide across only
@@ -106,13 +106,13 @@ TEST(PredictionErrorTest, ClassesAreEvaluatedSeparatelyAndTogether) {
   EXPECT_EQ(3u, errors.all.cases);
 }
 
-TEST(PredictionErrorTest, WithoutASpreadThereIsNoCoverage) {
+TEST(PredictionErrorTest, HasNoCoverageWithoutCovariance) {
   const auto error = evaluateOne({pathAt(5.0, 0.0, 0.0)}, futureAt(5.0));
   EXPECT_FALSE(error.coverage[0][0] || error.nees);
   EXPECT_TRUE(error.ade_m.has_value());
 }
 
-TEST(PredictionErrorTest, WithoutCasesThereAreNoFigures) {
+TEST(PredictionErrorTest, HasNoFiguresWithoutCases) {
   const auto errors = PredictionEvaluator().errors();
   EXPECT_TRUE(errors.classes.empty());
   EXPECT_FALSE(errors.all.ade_m || errors.all.miss_rate[0] || errors.all.nees);
@@ -128,7 +128,7 @@ TEST(PredictionErrorTest, OtherHorizonsThrow) {
   EXPECT_THROW((void)evaluateOne({path}, futureAt(5.0)), std::invalid_argument);
 }
 
-TEST(PredictionJsonTest, HoldsTheAgreedKeys) {
+TEST(PredictionJsonTest, HasTheDocumentedKeys) {
   PredictionEvaluator evaluator;
   evaluator.add(ObjectClass::kCar, {pathAt(5.0, 1.0)}, futureAt(5.0));
   const auto json = toJson(evaluator.errors());

@@ -100,7 +100,7 @@ TEST_F(PredictionsCommandTest, PredictorsOnExactHistories) {
   EXPECT_THAT(all.out, HasSubstr("ADE / FDE in m by sequence"));
 }
 
-TEST_F(PredictionsCommandTest, WhatIsWrongWithTheFilesIsOneLine) {
+TEST_F(PredictionsCommandTest, FileErrorsAreOneLine) {
   const auto truth = file("a.txt", labels(80));
   const auto poses = file("k.txt", kittiPoses(80));
   const auto good = file("good.csv", kHeader + predictionRows(20, 0.5));
@@ -123,7 +123,7 @@ TEST_F(PredictionsCommandTest, WhatIsWrongWithTheFilesIsOneLine) {
   }
 }
 
-TEST_F(PredictionsCommandTest, WrongUseEndsWithStatusTwo) {
+TEST_F(PredictionsCommandTest, UsageErrorsHaveStatusTwo) {
   const auto truth = file("a.txt", labels(80));
   const auto poses = file("k.txt", kittiPoses(80));
   EXPECT_EQ(2, run(truth, poses, "").status);

@@ -23,7 +23,7 @@ class SuiteCommandTest : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(SuiteCommandTest, DrawsReplaysAndPrintsThreeTables) {
+TEST_F(SuiteCommandTest, SimulatesReplaysAndPrintsThreeTables) {
   const std::string out = folder_ / "out";
   const std::string json = folder_ / "s.json";
   const auto result = runEval("suite --quick --worlds " + world() + " -o " + out + " --json " +
@@ -48,7 +48,7 @@ TEST_F(SuiteCommandTest, DrawsReplaysAndPrintsThreeTables) {
   EXPECT_THAT(again.error, HasSubstr("exists already"));
 }
 
-TEST_F(SuiteCommandTest, ADrawnWorldIsUsedAgainUnlessItIsAnother) {
+TEST_F(SuiteCommandTest, ReusesARecordingOfTheSameWorld) {
   const std::string out = folder_ / "out";
   const std::string suite = " -q --worlds " + world() + " -o " + out + " --reuse";
   ASSERT_EQ(0, runEval("suite" + suite).status);
@@ -69,7 +69,7 @@ TEST_F(SuiteCommandTest, NothingToEvaluateIsAUsageError) {
   EXPECT_EQ(2, runEval("suite --degrade x.ini -o " + std::string(folder_ / "out")).status);
 }
 
-TEST_F(SuiteCommandTest, WorldsThatCannotBeAreNamed) {
+TEST_F(SuiteCommandTest, NamesInvalidWorlds) {
   const auto result = runEval("suite --worlds " + world("no_such_key = 1\n") + " -o " +
                               std::string(folder_ / "out"));
   EXPECT_EQ(1, result.status);

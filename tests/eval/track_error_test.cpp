@@ -76,7 +76,7 @@ TEST(TrackErrorTest, AGapAndANewIdentityAreOneFragmentationAndOneSwitch) {
   EXPECT_NEAR(1.0 - 2.0 / 10.0, error.mota.value(), 1e-12);
 }
 
-TEST(TrackErrorTest, MissesBeforeTheFirstAndAfterTheLastFindAreNoFragmentation) {
+TEST(TrackErrorTest, MissesAtTheEndsAreNoFragmentation) {
   auto sequence = sequenceOf(10);
   for (std::size_t k = 0; k < 10; ++k) {
     sequence.frames[k].truth = {box2dAt(1, 0)};
@@ -88,7 +88,7 @@ TEST(TrackErrorTest, MissesBeforeTheFirstAndAfterTheLastFindAreNoFragmentation) 
   EXPECT_EQ(0u, error.idsw);
 }
 
-TEST(TrackErrorTest, AMatchThatStillHoldsIsKeptThoughAnotherOverlapsMore) {
+TEST(TrackErrorTest, KeepsAValidMatchDespiteABetterOverlap) {
   auto sequence = sequenceOf(6);
   for (std::size_t k = 0; k < 6; ++k) {
     sequence.frames[k].truth = {box2dAt(1, 0)};
@@ -101,7 +101,7 @@ TEST(TrackErrorTest, AMatchThatStillHoldsIsKeptThoughAnotherOverlapsMore) {
   EXPECT_NEAR(45.0 / 55.0, error.motp.value(), 1e-12);
 }
 
-TEST(TrackErrorTest, OverlapBelowTheLimitIsAMissAndAFalseAlarm) {
+TEST(TrackErrorTest, OverlapBelowTheLimitIsAMissAndAFalsePositive) {
   auto sequence = sequenceOf(1);
   sequence.frames[0].truth = {box2dAt(1, 0)};
   sequence.frames[0].estimates = {box2dAt(1, 0, 20.0)};  // overlap 3/7
@@ -110,7 +110,7 @@ TEST(TrackErrorTest, OverlapBelowTheLimitIsAMissAndAFalseAlarm) {
   EXPECT_EQ(1u, evaluateCars(sequence, imageParams(0.4)).tp);
 }
 
-TEST(TrackErrorTest, ScaledAccuracyOverRecallsWorkedOutByHand) {
+TEST(TrackErrorTest, ScaledAccuracyMatchesAHandComputedCase) {
   // Two objects; a sure right track, a false one in the middle, an unsure right one.
   auto sequence = sequenceOf(10);
   for (auto& frame : sequence.frames) {
@@ -141,7 +141,7 @@ TEST(TrackErrorTest, RecallsThatAreNotReachedCountAsZero) {
   EXPECT_NEAR(20.0 * 0.5 / 40.0, error.amota.value(), 1e-12);
 }
 
-TEST(TrackErrorTest, BestAccuracyLeavesUnsureFalseTracksOut) {
+TEST(TrackErrorTest, BestAccuracyExcludesFalseTracksOfLowScore) {
   auto sequence = sequenceOf(10);
   for (std::size_t k = 0; k < 10; ++k) {
     auto& frame = sequence.frames[k];
@@ -168,7 +168,7 @@ TEST(TrackErrorTest, HotaOfATrackInTwoHalves) {
   EXPECT_NEAR(std::sqrt(0.5), error.hota.value(), 1e-12);
 }
 
-TEST(TrackErrorTest, HotaOfATrackThatWandersOff) {
+TEST(TrackErrorTest, HotaOfADriftingTrack) {
   auto sequence = sequenceOf(10);
   for (std::size_t k = 0; k < 10; ++k) {
     sequence.frames[k].truth = {box2dAt(1, 0)};
@@ -189,7 +189,7 @@ TEST(TrackErrorTest, HotaCountsTheOverlapsThatAreReached) {
   EXPECT_NEAR(12.0 / 19.0, evaluateCars(sequence).hota.value(), 1e-12);
 }
 
-TEST(TrackErrorTest, HotaPrefersThePartnerOfTheWholeTrack) {
+TEST(TrackErrorTest, HotaPrefersTheMatchOfTheCompleteTrack) {
   // Track 1 follows all along; track 2 overlaps more for one frame. Giving that frame to track 2
   // would leave an association of (9 * 9/10 + 1 * 1/10) / 10 = 0.82.
   auto sequence = sequenceOf(10);
@@ -203,7 +203,7 @@ TEST(TrackErrorTest, HotaPrefersThePartnerOfTheWholeTrack) {
   EXPECT_NEAR(10.0 / 11.0, error.deta.value(), 1e-12);
 }
 
-TEST(TrackErrorTest, NeighboursAndIgnoredTruthAreNeitherRightNorWrong) {
+TEST(TrackErrorTest, NeighbouringClassesAndIgnoredTruthAreNotCounted) {
   auto sequence = sequenceOf(1);
   auto& frame = sequence.frames[0];
   auto van = box2dAt(1, 0, 0.0, 50.0, ObjectClass::kVan);
@@ -233,7 +233,7 @@ TEST(TrackErrorTest, OtherClassesAreNoNeighbours) {
   EXPECT_EQ(1u, error.fn);
 }
 
-TEST(TrackErrorTest, SmallBoxesAndDontCareRegionsHarmOnlyIfMatched) {
+TEST(TrackErrorTest, UnmatchedSmallBoxesAndDontCareRegionsAreIgnored) {
   auto sequence = sequenceOf(1);
   auto& frame = sequence.frames[0];
   frame.truth = {box2dAt(1, 0, 0.0, 20.0), box2dAt(2, 5)};
@@ -248,7 +248,7 @@ TEST(TrackErrorTest, SmallBoxesAndDontCareRegionsHarmOnlyIfMatched) {
   EXPECT_EQ(1u, error.fn);
 }
 
-TEST(TrackErrorTest, HistoryStartsAnewWhereTruthIsIgnored) {
+TEST(TrackErrorTest, HistoryRestartsAfterIgnoredTruth) {
   auto sequence = sequenceOf(9);
   for (std::size_t k = 0; k < 9; ++k) {
     auto truth = box2dAt(1, 0);
@@ -262,7 +262,7 @@ TEST(TrackErrorTest, HistoryStartsAnewWhereTruthIsIgnored) {
   EXPECT_EQ(0u, error.idsw + error.frag + error.fn);
 }
 
-TEST(TrackErrorTest, PositionsAreRightWithinTwoMetresOnTheGround) {
+TEST(TrackErrorTest, PositionsAreCorrectWithinTwoMetresOnTheGround) {
   auto sequence = sequenceOf(2);
   for (auto& frame : sequence.frames) {
     frame.truth = {box3dAt(1, 0.0, 10.0), box3dAt(2, 10.0, 10.0), box3dAt(3, 20.0, 10.0)};
@@ -296,7 +296,7 @@ TEST(TrackErrorTest, ClassesAndSequencesArePooled) {
   EXPECT_EQ(8u, errors.all.truth_boxes);
 }
 
-TEST(TrackErrorTest, IdentitiesOfDifferentSequencesHaveNothingInCommon) {
+TEST(TrackErrorTest, IdentitiesOfDifferentSequencesAreIndependent) {
   auto first = sequenceOf(3);
   auto second = sequenceOf(3);
   for (auto& frame : first.frames) {
@@ -310,7 +310,7 @@ TEST(TrackErrorTest, IdentitiesOfDifferentSequencesHaveNothingInCommon) {
   EXPECT_EQ(0u, trackErrors({first, second}, imageParams()).all.idsw);
 }
 
-TEST(TrackErrorTest, WithoutTruthThereAreNoFiguresButFalseAlarmsCount) {
+TEST(TrackErrorTest, WithoutTruthOnlyFalsePositivesAreCounted) {
   auto sequence = sequenceOf(2);
   sequence.frames[0].estimates = {box2dAt(1, 0)};
   const auto error = evaluateCars(sequence);

@@ -35,7 +35,7 @@ class TracksCommandTest : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(TracksCommandTest, FilesAndFoldersGiveTheAgreedKeys) {
+TEST_F(TracksCommandTest, FilesAndFoldersGiveTheDocumentedKeys) {
   const std::string dont_care =
       "0 -1 DontCare -1 -1 -10 0 0 50 50 -1000 -1000 -1000 -10 -1 -1 -1\n";
   file("truth/0001.txt", carRows(10, 1, 0.0, "") + dont_care);
@@ -75,7 +75,7 @@ TEST_F(TracksCommandTest, ImageBoxesOnRequest) {
   EXPECT_FALSE(figures.contains("Cyclist"));
 }
 
-TEST_F(TracksCommandTest, DetectionsWithoutIdsAreTracksOfTheirOwn) {
+TEST_F(TracksCommandTest, DetectionsWithoutIdsAreSeparateTracks) {
   const auto truth = file("a.txt", carRows(6, 1, 0.0, ""));
   const auto boxes = file("b.txt", carRows(6, -1, 0.1, "1"));
   const std::string out = folder_ / "t.json";
@@ -85,7 +85,7 @@ TEST_F(TracksCommandTest, DetectionsWithoutIdsAreTracksOfTheirOwn) {
   EXPECT_NEAR(1.0, figures["Car"]["recall"].get<double>(), 1e-9);
 }
 
-TEST_F(TracksCommandTest, RawDetectionsStandBesideTheTracks) {
+TEST_F(TracksCommandTest, EvaluatesRawDetectionsAndTracks) {
   file("truth/0001.txt", carRows(10, 1, 0.0, ""));
   file("tracks/0001.txt", carRows(10, 5, 0.2, "0.9"));
   // A detector's folder has one folder for each class: frame,type,box,score,h,w,l,x,y,z,ry,alpha.
@@ -116,7 +116,7 @@ TEST_F(TracksCommandTest, RawDetectionsStandBesideTheTracks) {
   EXPECT_EQ(1, missing.status);
 }
 
-TEST_F(TracksCommandTest, WhatIsWrongWithTheFilesIsOneLine) {
+TEST_F(TracksCommandTest, FileErrorsAreOneLine) {
   const auto labels = file("truth/0001.txt", carRows(4, 1, 0.0, ""));
   const auto twice = file("twice.txt", carRows(4, 1, 0.0, "1") + carRows(1, 1, 9.0, "1"));
   const auto not_finite = file("nan.txt", "0 1 Car 0 0 0 1 1 9 9 1 1 nan 0 0 9 0 1\n");
@@ -141,7 +141,7 @@ TEST_F(TracksCommandTest, WhatIsWrongWithTheFilesIsOneLine) {
   }
 }
 
-TEST_F(TracksCommandTest, WrongUseEndsWithStatusTwo) {
+TEST_F(TracksCommandTest, UsageErrorsHaveStatusTwo) {
   const auto labels = file("a.txt", carRows(4, 1, 0.0, ""));
   EXPECT_EQ(2, run(labels, labels, "--metric 4d").status);
   EXPECT_EQ(2, run(labels, labels, "--classes Horse").status);

@@ -68,7 +68,7 @@ TEST_F(TrajectoryCommandTest, KittiPosesPairRowByRow) {
   EXPECT_THAT(result.out, HasSubstr("25 of 25"));
 }
 
-TEST_F(TrajectoryCommandTest, WhatDoesNotFitTogetherIsOneLine) {
+TEST_F(TrajectoryCommandTest, InconsistentFilesAreOneLine) {
   const auto tum = file("a.tum", tumFile(0.0, 0.0));
   const auto late = file("late.tum", tumFile(0.0, 1000.0));
   const auto kitti = file("a.txt", kittiFile(30, 1.0));
@@ -92,7 +92,7 @@ TEST_F(TrajectoryCommandTest, WhatDoesNotFitTogetherIsOneLine) {
   }
 }
 
-TEST_F(TrajectoryCommandTest, WrongUseEndsWithStatusTwo) {
+TEST_F(TrajectoryCommandTest, UsageErrorsHaveStatusTwo) {
   const auto tum = file("a.tum", tumFile(0.0, 0.0));
   EXPECT_EQ(2, runEval("").status);
   EXPECT_EQ(2, runEval("nonsense").status);
@@ -110,7 +110,7 @@ TEST_F(TrajectoryCommandTest, UnwritableOutputIsNamed) {
   EXPECT_THAT(result.error, HasSubstr("e.json: cannot be written"));
 }
 
-TEST_F(TrajectoryCommandTest, TruthOfARawlogIsThatBesideIt) {
+TEST_F(TrajectoryCommandTest, ReadsTheTruthOfARawlog) {
   const std::string rawlogs = HEADWAY_SOURCE_DIR "/rawlogs/";
   const std::string json = folder_ / "e.json";
   const auto result =

@@ -49,7 +49,7 @@ TrajectoryError compare(const std::vector<Pose>& truth, const std::vector<Pose>&
   return trajectoryError(pairByIndex(truth, estimate), params);
 }
 
-TEST(TrajectoryErrorTest, ARigidMotionOfTheWholeIsAlignedAway) {
+TEST(TrajectoryErrorTest, AlignsARigidMotion) {
   const auto truth = winding(200);
   auto estimate = truth;
   for (auto& pose : estimate) pose = somePose() * pose;
@@ -74,7 +74,7 @@ TEST(TrajectoryErrorTest, WithoutAlignmentAnOffsetIsTheError) {
   EXPECT_LT(error.rpe_trans_rmse_m, 1e-12);
 }
 
-TEST(TrajectoryErrorTest, ScaleIsFoundOnlyWhereAskedFor) {
+TEST(TrajectoryErrorTest, EstimatesScaleOnlyOnRequest) {
   const auto truth = winding(100);
   auto estimate = truth;
   for (auto& pose : estimate) {
@@ -90,7 +90,7 @@ TEST(TrajectoryErrorTest, ScaleIsFoundOnlyWhereAskedFor) {
   EXPECT_GT(rigid.ate_m.rmse, 1.0);
 }
 
-TEST(TrajectoryErrorTest, AlignmentIsTheBestThereIs) {
+TEST(TrajectoryErrorTest, AlignmentIsOptimal) {
   const auto truth = winding(100);
   std::mt19937 random(7);
   std::normal_distribution<double> noise(0.0, 0.1);
@@ -149,7 +149,7 @@ TEST(TrajectoryErrorTest, KnownDriftGivesKnownRelativeErrors) {
   EXPECT_NEAR(0.0, kitti.rot_deg_per_m, 1e-6);
 }
 
-TEST(TrajectoryErrorTest, KnownTurnGivesKnownRotationErrors) {
+TEST(TrajectoryErrorTest, KnownRotationGivesKnownRotationErrors) {
   const auto truth = straight(102, 1.0);
   std::vector<Pose> estimate(1, Pose::Identity());
   Pose motion = Pose::Identity();
@@ -163,7 +163,7 @@ TEST(TrajectoryErrorTest, KnownTurnGivesKnownRotationErrors) {
   EXPECT_NEAR(0.1 * 101.0 / 100.0, error.kitti->rot_deg_per_m, 1e-9);
 }
 
-TEST(TrajectoryErrorTest, ShortPathsHaveNoSegmentErrorsUnlessShortSegmentsAreAskedFor) {
+TEST(TrajectoryErrorTest, ShortPathsHaveSegmentErrorsOnlyForShortSegments) {
   const auto truth = straight(51, 1.2);
   EXPECT_FALSE(compare(truth, truth).kitti.has_value());
   TrajectoryErrorParams params;
@@ -187,7 +187,7 @@ TEST(TrajectoryErrorTest, TooFewPairsAreAnError) {
   EXPECT_THROW((void)compare(winding(1), winding(1), Alignment::kNone), InputError);
 }
 
-TEST(ErrorStatisticsTest, AreThoseWorkedOutByHand) {
+TEST(ErrorStatisticsTest, MatchHandComputedValues) {
   const auto s = statisticsOf({4.0, 0.0, 1.0, 3.0});
   EXPECT_DOUBLE_EQ(2.0, s.mean);
   EXPECT_DOUBLE_EQ(2.0, s.median);
@@ -198,7 +198,7 @@ TEST(ErrorStatisticsTest, AreThoseWorkedOutByHand) {
   EXPECT_EQ(0.0, statisticsOf({}).rmse);
 }
 
-TEST(TrajectoryJsonTest, HoldsTheAgreedKeysAndNullWhereUndefined) {
+TEST(TrajectoryJsonTest, HasTheDocumentedKeysAndNullIfUndefined) {
   const auto json = toJson(compare(straight(20, 1.0), straight(20, 1.0)));
   for (const char* key : {"frames", "frames_matched", "path_m", "path_ratio", "ate_rmse_m",
                           "ate_mean_m", "ate_sd_m", "ate_median_m", "ate_max_m", "rpe_trans_rmse_m",

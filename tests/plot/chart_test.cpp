@@ -26,7 +26,7 @@ double changed(const cv::Mat& a, const cv::Mat& b) {
 
 ChartFrame someFrame() { return {"Title", "x [m]", "y [m]", {0.0, 10.0}, {-1.0, 1.0}}; }
 
-TEST(ChartTest, DrawsWhereItIsTold) {
+TEST(ChartTest, DrawsAtTheGivenPosition) {
   Chart chart(someFrame());
   const cv::Mat before = chart.picture();
   chart.dot({5.0, 0.0}, {255, 0, 0}, 10.0);
@@ -39,7 +39,7 @@ TEST(ChartTest, DrawsWhereItIsTold) {
   EXPECT_EQ(cv::Vec3b(0, 0, 255), middle);
 }
 
-TEST(ChartTest, SameCallsSameBytes) {
+TEST(ChartTest, IsDeterministic) {
   const auto draw = [] {
     Chart chart(someFrame());
     chart.line({{0, 0}, {3, 1}, {10, -1}}, categoryColour(1), 2.0, LineStyle::kDashed);
@@ -50,7 +50,7 @@ TEST(ChartTest, SameCallsSameBytes) {
   EXPECT_TRUE(sameBytes(draw(), draw()));
 }
 
-TEST(ChartTest, WhatIsNotFiniteOrFarOutsideDoesNoHarm) {
+TEST(ChartTest, IgnoresPointsThatAreNotFiniteAndClipsFarOnes) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Chart chart(someFrame());
   const cv::Mat before = chart.picture();
@@ -61,7 +61,7 @@ TEST(ChartTest, WhatIsNotFiniteOrFarOutsideDoesNoHarm) {
   EXPECT_FALSE(sameBytes(before, chart.picture()));
 }
 
-TEST(ChartTest, EmptyRangesStillMakeAChart) {
+TEST(ChartTest, AcceptsEmptyRanges) {
   ChartFrame frame = someFrame();
   frame.x = frame.y = {3.0, 3.0};
   EXPECT_EQ(cv::Size(1200, 760), Chart(frame).picture().size());
@@ -69,14 +69,14 @@ TEST(ChartTest, EmptyRangesStillMakeAChart) {
   EXPECT_EQ(1.0, rangeOf({}, 0).max);
 }
 
-TEST(ChartTest, RampRunsFromBlueToRedAndIsCutOff) {
+TEST(ChartTest, RampRunsFromBlueToRedAndIsClamped) {
   EXPECT_GT(rampColour(0.0).blue, rampColour(0.0).red);
   EXPECT_GT(rampColour(1.0).red, rampColour(1.0).blue);
   EXPECT_EQ(rampColour(1.0).red, rampColour(7.0).red);
   EXPECT_EQ(rampColour(0.0).blue, rampColour(-7.0).blue);
 }
 
-TEST(ChartTest, LegendStandsInTheCornerWhereLeastIsDrawn) {
+TEST(ChartTest, LegendIsInTheEmptiestCorner) {
   Chart chart(someFrame());
   for (const auto& corner : {Eigen::Vector2d(9.0, 0.9), {1.0, 0.9}, {9.0, -0.9}}) {
     chart.dot(corner, {}, 30.0);
@@ -91,7 +91,7 @@ TEST(ChartTest, LegendStandsInTheCornerWhereLeastIsDrawn) {
       changed(before(lower_left), after(lower_left)) * static_cast<double>(lower_left.area()));
 }
 
-TEST(BarPlotTest, BarsStandWhereTheirGroupIsAndGapsStayEmpty) {
+TEST(BarPlotTest, DrawsBarsByGroupAndLeavesGaps) {
   const double gap = std::numeric_limits<double>::quiet_NaN();
   const BarChart plot{"Bars", "value [m]", {"one", "two"}, {{"a", {1.0, 2.0}}, {"b", {3.0, gap}}}};
   const cv::Mat whole = drawBars(plot);
@@ -109,7 +109,7 @@ TEST(BarPlotTest, BarsStandWhereTheirGroupIsAndGapsStayEmpty) {
             0.1);
 }
 
-TEST(BarPlotTest, LegendHidesNoBar) {
+TEST(BarPlotTest, LegendCoversNoBar) {
   const std::vector<double> high(4, 1.0);
   BarChart plot{"Bars", "value [m]", {"a", "b", "c", "d"}, {}};
   plot.series.push_back({"constant_velocity", high});
@@ -128,9 +128,7 @@ TEST(BarPlotTest, LegendHidesNoBar) {
   }
 }
 
-TEST(BarPlotTest, NothingToDrawIsStillAPicture) {
-  EXPECT_FALSE(drawBars({"Empty", "value", {}, {}}).empty());
-}
+TEST(BarPlotTest, DrawsAnEmptyChart) { EXPECT_FALSE(drawBars({"Empty", "value", {}, {}}).empty()); }
 
 }  // namespace
 }  // namespace headway::plot

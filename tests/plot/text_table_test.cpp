@@ -24,9 +24,14 @@ TEST(TextTableTest, MissingCellsAreDashes) {
   EXPECT_THAT(out.str(), testing::EndsWith("| a    |     — |\n"));
 }
 
-TEST(TextTableTest, WhatIsNotFiniteIsADash) {
+TEST(TextTableTest, ValuesThatAreNotFiniteAreDashes) {
   EXPECT_EQ("1.50", fixedText(1.5, 2));
   EXPECT_EQ("—", fixedText(std::numeric_limits<double>::quiet_NaN(), 2));
+}
+
+TEST(TextTableTest, PercentagesAreRatiosTimesHundred) {
+  EXPECT_EQ("12.5", percentText(0.125, 1));
+  EXPECT_EQ("—", percentText(std::nullopt, 1));
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ TEST(AxisTicksTest, StepsAreOneTwoOrFiveTimesAPowerOfTen) {
   EXPECT_DOUBLE_EQ(500.0, tickStep(4000.0, 9.0));
 }
 
-TEST(AxisTicksTest, NeverMoreThanTheWantedParts) {
+TEST(AxisTicksTest, AtMostTheGivenNumberOfParts) {
   for (const double range : {0.003, 0.7, 1.0, 42.0, 999.0, 1e6}) {
     EXPECT_LE(range / tickStep(range, 7.0), 7.0 + 1e-9) << range;
     EXPECT_GT(range / tickStep(range, 7.0), 7.0 / 2.5 - 1e-9) << range;
@@ -28,8 +28,13 @@ TEST(AxisTicksTest, TextHasTheDigitsOfTheStep) {
   EXPECT_EQ("-0.002", tickText(-0.002, 0.001));
 }
 
-TEST(AxisTicksTest, WhatTheSumOfStepsMissesZeroByIsZero) {
-  EXPECT_EQ("0.0", tickText(-2.8e-17, 0.1));
+TEST(AxisTicksTest, RoundsResiduesOfSumsToZero) { EXPECT_EQ("0.0", tickText(-2.8e-17, 0.1)); }
+
+TEST(ScaleBarLengthTest, IsTheLargestRoundLengthWithinTheLimit) {
+  EXPECT_DOUBLE_EQ(10.0, scaleBarLength(19.9));
+  EXPECT_DOUBLE_EQ(20.0, scaleBarLength(20.0));
+  EXPECT_DOUBLE_EQ(50.0, scaleBarLength(99.0));
+  EXPECT_DOUBLE_EQ(0.5, scaleBarLength(0.7));
 }
 
 }  // namespace

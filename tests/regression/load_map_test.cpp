@@ -156,7 +156,7 @@ TEST_F(UnusableMapTest, OfAnotherPlaceLeavesEveryFrameLostAndSaysSo) {
   const auto run = test::replay(elsewhere, folder_ / "out", "-q --snapshots 0 --load-map " + map_);
   EXPECT_EQ(0, run.process.status);
   EXPECT_EQ(4, run.summary["frames_lost"]);
-  EXPECT_THAT(run.process.output, HasSubstr("no frame was recognised"));
+  EXPECT_THAT(run.process.output, HasSubstr("no frame was re-localised"));
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ INSTANTIATE_TEST_SUITE_P(AlsoOddOnes, OffscreenRendererSizesTest,
                          ::testing::Values(Size{640, 480, 1}, Size{637, 401, 1}, Size{318, 201, 2},
                                            Size{1241, 376, 1}, Size{101, 77, 3}));
 
-TEST(OffscreenRendererTest, DrawsTheSameBytesAgain) {
+TEST(OffscreenRendererTest, IsDeterministic) {
   const auto drawOnce = [] {
     OffscreenRenderer renderer(320, 240, 2);
     return renderer.draw(sceneWithRedBox({0, -1, -1}, {1, 1, 1}), frontView(320, 240));
@@ -88,7 +88,7 @@ TEST(OffscreenRendererTest, DrawsTheSameBytesAgain) {
   EXPECT_EQ(cv::norm(first, drawOnce(), cv::NORM_INF), 0.0);
 }
 
-TEST(OffscreenRendererTest, KeepsEarlierPicturesWhenItDrawsAgain) {
+TEST(OffscreenRendererTest, EarlierPicturesAreIndependent) {
   OffscreenRenderer renderer(320, 240);
   const auto view = frontView(320, 240);
   const cv::Mat with_box = renderer.draw(sceneWithRedBox({0, -1, -1}, {1, 1, 1}), view);
@@ -97,7 +97,7 @@ TEST(OffscreenRendererTest, KeepsEarlierPicturesWhenItDrawsAgain) {
   EXPECT_EQ(cv::norm(with_box, copy, cv::NORM_INF), 0.0);
 }
 
-TEST(OffscreenRendererDeathTest, SaysWhatToInstallWhereThereIsNoOpenGl) {
+TEST(OffscreenRendererDeathTest, NamesThePackagesWithoutOpenGl) {
   ::testing::FLAGS_gtest_death_test_style = "threadsafe";
   EXPECT_EXIT(
       {

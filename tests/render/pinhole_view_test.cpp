@@ -4,7 +4,7 @@
 namespace headway::render {
 namespace {
 
-TEST(LookAtTest, PutsTheTargetInTheMiddleAndUpUpwards) {
+TEST(LookAtTest, CentresTheTargetWithUpUpwards) {
   const Eigen::Vector3d eye(3.0, -2.0, 5.0);
   const Eigen::Vector3d target(10.0, 4.0, 1.0);
   const auto view = makeView(640, 480, 1.0, lookAt(eye, target));
@@ -24,7 +24,7 @@ TEST(LookAtTest, GivesARightHandedRotation) {
   EXPECT_TRUE((pose.linear().transpose() * pose.linear()).isIdentity(1e-12));
 }
 
-TEST(LookAtTest, LooksStraightDownWithAChosenUp) {
+TEST(LookAtTest, SupportsAVerticalViewWithAGivenUp) {
   const auto view =
       makeView(101, 101, 1.0, lookAt({0, 0, 10}, {0, 0, 0}, Eigen::Vector3d::UnitX()));
   const auto ahead = project({1, 0, 0}, view);
@@ -42,7 +42,7 @@ TEST(MakeViewTest, SpansTheFieldOfViewFromEdgeToEdge) {
   EXPECT_NEAR(edge->x(), 199.5, 1e-9);
 }
 
-TEST(ProjectTest, LeavesOutWhatIsTooNearTooFarOrBehind) {
+TEST(ProjectTest, IsNoneOutsideTheDepthRange) {
   const auto view = makeView(200, 100, 1.2, Pose::Identity());
   EXPECT_TRUE(project({0, 0, 1}, view));
   EXPECT_FALSE(project({0, 0, 0.1}, view));
@@ -50,7 +50,7 @@ TEST(ProjectTest, LeavesOutWhatIsTooNearTooFarOrBehind) {
   EXPECT_FALSE(project({0, 0, -1}, view));
 }
 
-TEST(ProjectSegmentTest, ProjectsItsEndsWhereBothAreInFront) {
+TEST(ProjectSegmentTest, ProjectsBothEndsInFront) {
   const auto view = makeView(200, 100, 1.2, Pose::Identity());
   const Eigen::Vector3d a(1, 2, 5), b(-1, 0.5, 9);
   const auto segment = projectSegment(a, b, view);
@@ -59,7 +59,7 @@ TEST(ProjectSegmentTest, ProjectsItsEndsWhereBothAreInFront) {
   EXPECT_TRUE(segment->second.isApprox(*project(b, view), 1e-9));
 }
 
-TEST(ProjectSegmentTest, CutsOffWhatIsBehind) {
+TEST(ProjectSegmentTest, ClipsThePartBehind) {
   const auto view = makeView(200, 100, 1.2, Pose::Identity());
   const auto segment = projectSegment({1, 0, -4}, {1, 0, 6}, view);
   ASSERT_TRUE(segment);
@@ -67,7 +67,7 @@ TEST(ProjectSegmentTest, CutsOffWhatIsBehind) {
   EXPECT_TRUE(segment->second.isApprox(*project({1, 0, 6}, view), 1e-9));
 }
 
-TEST(ProjectSegmentTest, IsNothingWhereAllIsBehindOrTooFar) {
+TEST(ProjectSegmentTest, IsNoneOutsideTheDepthRange) {
   const auto view = makeView(200, 100, 1.2, Pose::Identity());
   EXPECT_FALSE(projectSegment({1, 0, -4}, {1, 0, -1}, view));
   EXPECT_FALSE(projectSegment({1, 0, -1}, {2, 0, -1}, view));

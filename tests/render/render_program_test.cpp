@@ -59,36 +59,37 @@ TEST_F(RenderProgramTest, DrawsEachViewOfAFinishedReplay) {
   }
 }
 
-TEST_F(RenderProgramTest, ShowsTheFrameAskedFor) {
+TEST_F(RenderProgramTest, ShowsTheRequestedFrame) {
   ASSERT_EQ(render("five.png", "--view camera --frame 5").status, 0);
   EXPECT_GT(pixelsLike(picture("five.png"), {120, 60, 190}), 5000);
   EXPECT_LT(pixelsLike(picture("five.png"), kImageAt7), 5000);
 }
 
-TEST_F(RenderProgramTest, SaysThatALostFrameCannotBeDrawn) {
+TEST_F(RenderProgramTest, RefusesALostFrame) {
   const auto result = render("two.png", "--frame 2");
   EXPECT_EQ(result.status, 1);
-  EXPECT_THAT(result.output, HasSubstr("--frame 2: not among the tracked frames, 0 to 7"));
+  EXPECT_THAT(result.output, HasSubstr("--frame 2: is not one of the tracked frames, 0 to 7"));
   EXPECT_FALSE(std::filesystem::exists(path("two.png")));
 }
 
-TEST_F(RenderProgramTest, GoesOnWithoutTheRawlogAndSaysSo) {
+TEST_F(RenderProgramTest, NotesAMissingRawlog) {
   std::filesystem::remove(rawlog);
   const auto result = render("gone.png", "--view camera");
   ASSERT_EQ(result.status, 0) << result.output;
-  EXPECT_THAT(result.output, HasSubstr("in.rawlog is gone: drawn without the camera's image"));
+  EXPECT_THAT(result.output,
+              HasSubstr("in.rawlog does not exist: drawn without the camera's image"));
   EXPECT_EQ(pixelsLike(picture("gone.png"), kImageAt7), 0);
   EXPECT_GT(pixelsLike(picture("gone.png"), colourOf(ObjectClass::kCyclist)), 20);
 }
 
-TEST_F(RenderProgramTest, GoesOnWithABrokenRawlogAndSaysSo) {
+TEST_F(RenderProgramTest, NotesAMalformedRawlog) {
   std::ofstream(rawlog) << "no rawlog at all";
   const auto result = render("broken.png");
   ASSERT_EQ(result.status, 0) << result.output;
   EXPECT_THAT(result.output, HasSubstr("drawn without the camera's image"));
 }
 
-TEST_F(RenderProgramTest, GoesOnWithoutTracksPredictionsAndMap) {
+TEST_F(RenderProgramTest, DrawsWithoutTracksPredictionsAndMap) {
   for (const char* name : {"tracks.csv", "map.headway"}) {
     std::filesystem::remove(std::filesystem::path(replay) / name);
   }
@@ -99,12 +100,12 @@ TEST_F(RenderProgramTest, GoesOnWithoutTracksPredictionsAndMap) {
   EXPECT_EQ(pixelsLike(picture("bare.png"), colourOf(ObjectClass::kCyclist)), 0);
 }
 
-TEST_F(RenderProgramTest, SaysNothingOfMissingThingsWhenQuiet) {
+TEST_F(RenderProgramTest, PrintsNoNotesWhenQuiet) {
   std::filesystem::remove(rawlog);
   EXPECT_EQ(render("quiet.png", "-q").output, "");
 }
 
-TEST_F(RenderProgramTest, DrawsAMapFileAlone) {
+TEST_F(RenderProgramTest, DrawsAMapFile) {
   const auto result = test::runProcess(test::program("headway-render") + " -i " + replay +
                                        "/map.headway -o " + path("map.png"));
   ASSERT_EQ(result.status, 0) << result.output;
@@ -120,7 +121,7 @@ TEST_F(RenderProgramTest, WritesASceneThatMrptReads) {
   EXPECT_NE(scene.getByName("landmarks"), nullptr);
 }
 
-TEST_F(RenderProgramTest, WritesASceneWhereThereIsNoOpenGlAndSaysWhatToInstallForAPicture) {
+TEST_F(RenderProgramTest, WritesASceneWithoutOpenGlAndNamesThePackagesForAPicture) {
   setenv("__EGL_VENDOR_LIBRARY_DIRS", "/nonexistent", 1);
   EXPECT_EQ(render("scene.3Dscene").status, 0);
   const auto result = render("follow.png");
@@ -141,16 +142,16 @@ TEST_F(RenderProgramTest, WritesAVideoOfTheTrackedFramesAtTheirRate) {
   EXPECT_EQ(video.get(cv::CAP_PROP_FRAME_HEIGHT), 242);
 }
 
-TEST_F(RenderProgramTest, WritesAPartOfTheFramesAsVideo) {
+TEST_F(RenderProgramTest, WritesARangeOfFramesAsVideo) {
   ASSERT_EQ(render("part.mp4", "--from-index 3 --to-index 5 -q").status, 0);
   if (std::filesystem::exists(path("part_frames"))) GTEST_SKIP() << "no MP4 encoder here";
   EXPECT_EQ(cv::VideoCapture(path("part.mp4")).get(cv::CAP_PROP_FRAME_COUNT), 3);
   const auto none = render("none.mp4", "--from-index 30");
   EXPECT_EQ(none.status, 1);
-  EXPECT_THAT(none.output, HasSubstr("no tracked frame lies between 30"));
+  EXPECT_THAT(none.output, HasSubstr("no tracked frame between 30"));
 }
 
-TEST_F(RenderProgramTest, ShowsTheTruthBesideTheEstimate) {
+TEST_F(RenderProgramTest, ShowsTheTruthWithTheEstimate) {
   const std::filesystem::path truth(path("truth"));
   std::filesystem::create_directories(truth);
   std::vector<Stamped<Pose>> poses;
@@ -176,7 +177,7 @@ TEST_F(RenderProgramTest, ShowsTheTruthBesideTheEstimate) {
             pixelsLike(picture("without.png"), kTruthColour) + 50);
 }
 
-TEST_F(RenderProgramTest, WritesTheReportAnewWithErrorsAgainstATruth) {
+TEST_F(RenderProgramTest, RewritesTheReportWithErrors) {
   const std::filesystem::path truth(path("truth"));
   std::filesystem::create_directories(truth);
   std::vector<Stamped<Pose>> poses;
@@ -193,17 +194,17 @@ TEST_F(RenderProgramTest, WritesTheReportAnewWithErrorsAgainstATruth) {
   EXPECT_THAT(test::contentsOf(path("plain.html")), Not(HasSubstr("Absolute trajectory error")));
 }
 
-TEST_F(RenderProgramTest, SaysWhichTruthIsOfAnotherRecording) {
+TEST_F(RenderProgramTest, NamesATruthOfAnotherRecording) {
   const std::filesystem::path truth(path("truth"));
   std::filesystem::create_directories(truth);
   EXPECT_THAT(render("a.png", "--truth " + truth.string()).output, HasSubstr("trajectory.tum"));
   io::writeTum(truth / "trajectory.tum", {{5.0, Pose::Identity()}});
   const auto result = render("a.png", "--truth " + truth.string());
   EXPECT_EQ(result.status, 1);
-  EXPECT_THAT(result.output, HasSubstr("none of its times is one of the replay's"));
+  EXPECT_THAT(result.output, HasSubstr("no time agrees with a time of the replay"));
 }
 
-TEST_F(RenderProgramTest, RefusesToOverwriteUnlessAsked) {
+TEST_F(RenderProgramTest, DoesNotOverwriteWithoutTheOption) {
   ASSERT_EQ(render("a.png").status, 0);
   const auto refused = render("a.png");
   EXPECT_EQ(refused.status, 1);
@@ -211,7 +212,7 @@ TEST_F(RenderProgramTest, RefusesToOverwriteUnlessAsked) {
   EXPECT_EQ(render("a.png", "-w").status, 0);
 }
 
-TEST_F(RenderProgramTest, SaysWhatIsWrongOnTheCommandLine) {
+TEST_F(RenderProgramTest, ReportsUsageErrors) {
   const auto usage = [&](const std::string& output, const std::string& options) {
     const auto result = test::runProcess(test::program("headway-render") + " -i " + replay +
                                          " -o " + path(output) + " " + options);
@@ -229,7 +230,7 @@ TEST_F(RenderProgramTest, SaysWhatIsWrongOnTheCommandLine) {
   EXPECT_THAT(usage("a.mp4", "--from-index 3 --to-index 2"), HasSubstr("--to-index"));
 }
 
-TEST_F(RenderProgramTest, SaysWhatIsWrongWithItsInput) {
+TEST_F(RenderProgramTest, ReportsInputErrors) {
   const auto failure = [&](const std::string& input) {
     const auto result =
         test::runProcess(test::program("headway-render") + " -i " + input + " -o " + path("a.png"));
@@ -243,10 +244,10 @@ TEST_F(RenderProgramTest, SaysWhatIsWrongWithItsInput) {
   std::ofstream(std::filesystem::path(replay) / "tracks.csv", std::ios::app) << "rubbish\n";
   EXPECT_THAT(failure(replay), HasSubstr("tracks.csv"));
   std::ofstream(std::filesystem::path(replay) / "trajectory.tum") << "# nothing\n";
-  EXPECT_THAT(failure(replay), HasSubstr("holds no pose"));
+  EXPECT_THAT(failure(replay), HasSubstr("contains no pose"));
 }
 
-TEST_F(RenderProgramTest, SaysWhereItCannotWrite) {
+TEST_F(RenderProgramTest, ReportsAnUnwritableOutput) {
   const auto result = test::runProcess(test::program("headway-render") + " -i " + replay +
                                        " -o /nonexistent/a.png");
   EXPECT_EQ(result.status, 1);

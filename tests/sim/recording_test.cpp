@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <headway/core/error.h>
 #include <headway/core/params.h>
-#include <headway/io/kitti_dataset.h>
+#include <headway/io/dataset.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>

@@ -8,12 +8,12 @@
 namespace headway::render {
 namespace {
 
-/// Rows of other widths come out sheared.
+/// Width rounded up to a multiple of four; MRPT distorts pictures of other widths.
 int roundedUpToFour(int width) { return (width + 3) / 4 * 4; }
 
-/// MRPT's camera of a view, in a picture drawn `scale` times larger.
+/// MRPT camera of a view for a picture `scale` times as large.
 ///
-/// OpenGL's pixels have their centres at halves, ours at integers.
+/// OpenGL's pixel centres are at halves, headway's at integers.
 mrpt::opengl::CCamera cameraOf(const PinholeView& view, int scale, int drawn_width) {
   mrpt::img::TCamera pinhole;
   pinhole.ncols = static_cast<std::uint32_t>(drawn_width);
@@ -48,7 +48,8 @@ class OffscreenRenderer::Framebuffer {
                   static_cast<unsigned>(height * supersampling)) {}
 
   cv::Mat draw(const mrpt::opengl::COpenGLScene& scene, const PinholeView& view) {
-    ASSERTMSG_(view.width == width_ && view.height == height_, "view of another size");
+    ASSERTMSG_(view.width == width_ && view.height == height_,
+               "the view's size differs from the renderer's");
     scene.getViewport()->setViewportClipDistances(static_cast<float>(view.near_m),
                                                   static_cast<float>(view.far_m));
     renderer_.setCamera(scene, cameraOf(view, scale_, drawn_width_));
@@ -71,13 +72,13 @@ class OffscreenRenderer::Framebuffer {
 };
 
 OffscreenRenderer::OffscreenRenderer(int width, int height, int supersampling) {
-  ASSERTMSG_(width > 0 && height > 0, "a picture needs a size");
-  ASSERTMSG_(supersampling >= 1 && supersampling <= 4, "supersampling is 1 to 4");
+  ASSERTMSG_(width > 0 && height > 0, "the picture size must be positive");
+  ASSERTMSG_(supersampling >= 1 && supersampling <= 4, "supersampling must be 1 to 4");
   try {
     framebuffer_ = std::make_unique<Framebuffer>(width, height, supersampling);
   } catch (const std::exception& error) {
     throw RendererUnavailable(
-        "no off-screen OpenGL, so no pictures: install libegl1 and libgl1-mesa-dri (" +
+        "off-screen OpenGL is not available; install libegl1 and libgl1-mesa-dri (" +
         reasonOf(error) + ")");
   }
 }

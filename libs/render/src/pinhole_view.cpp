@@ -57,7 +57,7 @@ std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>> projectSegment(
     return std::nullopt;
   }
   if (!(first < last)) return std::nullopt;
-  const auto at = [&](double share) { return Eigen::Vector3d(from + share * (to - from)); };
+  const auto at = [&](double ratio) { return Eigen::Vector3d(from + ratio * (to - from)); };
   return std::make_pair(pixelOf(at(first), view), pixelOf(at(last), view));
 }
 

@@ -17,14 +17,14 @@ struct Encoding {
   std::array<std::array<const char*, 2>, 2> options;
 };
 
-/// In the order of preference. The quality is meant for thin lines and small text.
+/// In order of preference, with quality settings for thin lines and small text.
 constexpr std::array<Encoding, 3> kEncodings{{
     {"libx264", {{{"preset", "superfast"}, {"crf", "22"}}}},
     {"libopenh264", {{{"allow_skip_frames", "0"}, {"rc_mode", "quality"}}}},
     {"mpeg4", {{{"qmin", "2"}, {"qmax", "5"}}}},
 }};
 
-constexpr int kRateUnit = 1000;  ///< rates are told in thousandths of a picture a second
+constexpr int kRateUnit = 1000;  ///< denominator of frame rates
 
 struct Free {
   void operator()(AVFormatContext* file) const {
@@ -40,9 +40,9 @@ struct Free {
 template <typename T>
 using Owned = std::unique_ptr<T, Free>;
 
-/// An opened encoder; null if this FFmpeg has it not, or it refuses the size.
-Owned<AVCodecContext> opened(const Encoding& encoding, const AVOutputFormat& format, double rate,
-                             cv::Size size) {
+/// Opens an encoder; null if it does not exist or does not support the size.
+Owned<AVCodecContext> openEncoder(const Encoding& encoding, const AVOutputFormat& format,
+                                  double rate, cv::Size size) {
   const AVCodec* encoder = avcodec_find_encoder_by_name(encoding.encoder);
   if (encoder == nullptr) return nullptr;
   Owned<AVCodecContext> codec(avcodec_alloc_context3(encoder));
@@ -51,7 +51,7 @@ Owned<AVCodecContext> opened(const Encoding& encoding, const AVOutputFormat& for
   codec->pix_fmt = AV_PIX_FMT_YUV420P;
   codec->framerate = {static_cast<int>(std::lround(rate * kRateUnit)), kRateUnit};
   codec->time_base = av_inv_q(codec->framerate);
-  codec->gop_size = static_cast<int>(std::ceil(2.0 * rate));  // so that players can seek
+  codec->gop_size = static_cast<int>(std::ceil(2.0 * rate));  // keyframes for seeking
   codec->bit_rate = static_cast<std::int64_t>(0.2 * rate * size.area());
   codec->color_range = AVCOL_RANGE_MPEG;
   codec->colorspace = AVCOL_SPC_SMPTE170M;
@@ -91,16 +91,16 @@ class VideoFile::Encoder {
   Encoder(std::string path, double rate, cv::Size size) : path_(std::move(path)), size_(size) {
     CV_Assert(rate > 0.0 && size.width > 0 && size.height > 0);
     CV_Assert(size.width % 2 == 0 && size.height % 2 == 0);
-    av_log_set_level(AV_LOG_FATAL);  // encoders tell of themselves; errors come back as values
+    av_log_set_level(AV_LOG_FATAL);  // errors are returned as values
     AVFormatContext* file = nullptr;
     require(avformat_alloc_output_context2(&file, nullptr, "mp4", path_.c_str()));
     file_.reset(file);
     for (const auto& encoding : kEncodings) {
-      codec_ = opened(encoding, *file_->oformat, rate, size);
+      codec_ = openEncoder(encoding, *file_->oformat, rate, size);
       if (codec_ != nullptr) break;
     }
     if (codec_ == nullptr) {
-      throw EncoderUnavailable(path_ + ": FFmpeg has no encoder of H.264 or MPEG-4 here");
+      throw EncoderUnavailable(path_ + ": FFmpeg has no encoder for H.264 or MPEG-4");
     }
     stream_ = avformat_new_stream(file_.get(), nullptr);
     stream_->time_base = codec_->time_base;
@@ -108,7 +108,7 @@ class VideoFile::Encoder {
     require(avcodec_parameters_from_context(stream_->codecpar, codec_.get()));
     require(avio_open(&file_->pb, path_.c_str(), AVIO_FLAG_WRITE));
     AVDictionary* options = nullptr;
-    av_dict_set(&options, "movflags", "faststart", 0);  // the index first: plays while it loads
+    av_dict_set(&options, "movflags", "faststart", 0);  // index at the start, for streaming
     const int failed = avformat_write_header(file_.get(), &options);
     av_dict_free(&options);
     require(failed);
@@ -146,7 +146,7 @@ class VideoFile::Encoder {
       packet_->duration = 1;
       av_packet_rescale_ts(packet_.get(), codec_->time_base, stream_->time_base);
       require(av_interleaved_write_frame(file_.get(), packet_.get()));
-      require(file_->pb->error);  // where what was buffered could not be written
+      require(file_->pb->error);  // errors of buffered writes
     }
   }
 

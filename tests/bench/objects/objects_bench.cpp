@@ -5,7 +5,7 @@
 //     HEADWAY_DATA=DATA bench_objects [--benchmark_filter=predict|wholeLayer|kittiTracking]
 
 #include <benchmark/benchmark.h>
-#include <headway/io/kitti_dataset.h>
+#include <headway/io/dataset.h>
 #include <headway/objects/moving_object_tracker.h>
 #include <headway/objects/predictor.h>
 

@@ -7,7 +7,7 @@
 
 namespace headway::plot {
 
-/// Rows of cells; the first row holds the column headings.
+/// Rows of cells; the first row contains the column headings.
 using TextTable = std::vector<std::vector<std::string>>;
 
 /// Writes the table as Markdown with aligned columns: the first left-aligned, the others

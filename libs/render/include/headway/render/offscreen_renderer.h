@@ -12,25 +12,25 @@ class COpenGLScene;
 
 namespace headway::render {
 
-/// No off-screen OpenGL can be had; what() says which packages to install. Callers may go on
+/// Off-screen OpenGL is not available; what() names the packages to install. Callers may continue
 /// without pictures.
 class RendererUnavailable : public InputError {
  public:
   using InputError::InputError;
 };
 
-/// Draws 3D scenes to pictures without a display.
+/// Renders 3D scenes to pictures without a display.
 ///
-/// Making one costs about 0.2 s and each picture a few ms, so make it once. It belongs to the
-/// thread that made it, and there may be one in each thread. The same scene and view give the
-/// same bytes on one machine.
+/// Construction takes about 0.2 s and each picture a few ms, so reuse the object. It may only be
+/// used in the thread that created it; several threads may have one each. The same scene and view
+/// give the same bytes on one machine.
 ///
 ///     OffscreenRenderer renderer(1280, 720);
 ///     cv::Mat picture = renderer.draw(scene, view);
 class OffscreenRenderer {
  public:
   /// @param width, height   of the pictures [px], any size from 1 x 1
-  /// @param supersampling   drawn this many times larger and averaged down, 1 to 4: smooth edges
+  /// @param supersampling   factor of the rendered to the final size, 1 to 4, for antialiasing
   /// @throws RendererUnavailable
   OffscreenRenderer(int width, int height, int supersampling = 1);
   ~OffscreenRenderer();

@@ -8,7 +8,7 @@
 
 namespace headway::render {
 
-/// From where a picture is drawn: an ideal camera (x right, y down, z forward).
+/// Camera of a rendered picture: ideal pinhole (x right, y down, z forward).
 ///
 /// Pixels have integer centres, as in StereoCamera.
 struct PinholeView {
@@ -16,29 +16,29 @@ struct PinholeView {
   int height = 0;                                 ///< [px]
   double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  ///< [px]
   Pose T_map_camera = Pose::Identity();
-  double near_m = 0.3;   ///< what is nearer is not drawn [m]
-  double far_m = 300.0;  ///< what is farther is not drawn [m]
+  double near_m = 0.3;   ///< near clipping distance [m]
+  double far_m = 300.0;  ///< far clipping distance [m]
 };
 
-/// A view of given size and horizontal field of view [rad], principal point in the middle.
+/// A view of the given size [px] and horizontal field of view [rad] with a central principal point.
 [[nodiscard]] PinholeView makeView(int width, int height, double horizontal_fov,
                                    const Pose& T_map_camera);
 
-/// Pose of a camera at `eye` that looks at `target`, with `up` upwards in its picture.
+/// Pose of a camera at `eye` directed at `target`, with `up` upwards in its picture.
 ///
-/// @param up  any direction that is not the viewing direction
+/// @param up  not parallel to the viewing direction
 [[nodiscard]] Pose lookAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target,
                           const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ());
 
-/// Where a point of the map appears [px].
+/// Projects a point of the map [px].
 ///
-/// @return nullopt if it is nearer than near_m or farther than far_m (or behind); it may lie
-///         outside the picture
+/// @return possibly outside the picture; nullopt if the depth is not between near_m and far_m
 [[nodiscard]] std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_map,
                                                      const PinholeView& view);
 
-/// Where a straight line between two points of the map appears [px], as far as it lies between
-/// near_m and far_m; nullopt if none of it does.
+/// Projects a line segment of the map [px], clipped to depths between near_m and far_m.
+///
+/// @return nullopt if no part of the segment is in this range
 [[nodiscard]] std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>> projectSegment(
     const Eigen::Vector3d& from_map, const Eigen::Vector3d& to_map, const PinholeView& view);
 
