@@ -202,7 +202,10 @@ class TrialRunner::Trial {
   bool contact_ = false;
 };
 
-TrialRunner::TrialRunner(const TrialSetup& setup) : machine_(std::make_unique<Machine>(setup)) {}
+TrialRunner::TrialRunner(const TrialSetup& setup) {
+  setup.world.validate();
+  machine_ = std::make_unique<Machine>(setup);
+}
 
 TrialRunner::~TrialRunner() = default;
 

@@ -36,6 +36,7 @@ struct RobotParams {
   /// Radius about its origin that holds its body [m].
   [[nodiscard]] double radius() const;
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "robot"); }  ///< @throws InputError
 };
 
 /// The people, section "people".
@@ -54,6 +55,7 @@ struct PeopleParams {
   int pillars = 0;                ///< that stand about, away from the straight way
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "people"); }  ///< @throws InputError
 };
 
 /// What the robot sees, section "sensors".
@@ -74,6 +76,7 @@ struct SensorParams {
   double false_share = 0.01;         ///< frames with a detection of nobody [-]
 
   void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "sensors"); }  ///< @throws InputError
 };
 
 /// A trial, whatever its seed.
@@ -83,6 +86,7 @@ struct TrialParams {
   SensorParams sensors;
 
   void describe(Params& params);
+  void validate() const { validateRanges(*this); }  ///< @throws InputError
 };
 
 }  // namespace headway::app

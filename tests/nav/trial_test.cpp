@@ -1,6 +1,7 @@
 #include "trial.h"
 
 #include <gtest/gtest.h>
+#include <headway_test/input_error.h>
 
 namespace headway::app {
 namespace {
@@ -76,6 +77,13 @@ TEST(TrialTest, ForesightCollidesLessThanThePointsOfNow) {
   }
   EXPECT_GE(collisions_static, 3u);
   EXPECT_LT(collisions_gated, collisions_static);
+}
+
+TEST(TrialTest, RefusesParametersOutOfRange) {
+  TrialSetup setup = setupOf(nav::ObstaclePolicy::kStatic, 1);
+  setup.world.sensors.detection_rate_hz = 0.0;
+  EXPECT_EQ("[sensors] detection_rate_hz: '0' is out of range [Hz, 1 .. 50]",
+            test::inputErrorOf([&] { TrialRunner runner(setup); }));
 }
 
 }  // namespace

@@ -173,7 +173,8 @@ class Recording::Files {
 Recording::Recording(const std::string& path, const RecordingParams& params,
                      const RecordingOptions& options, const StereoCamera& camera,
                      const io::RawStereoCamera& recorded, const std::string& world_ini)
-    : files_(std::make_unique<Files>(path, params, options, camera, recorded, world_ini)) {}
+    : files_(
+          std::make_unique<Files>(path, validated(params), options, camera, recorded, world_ini)) {}
 
 Recording::~Recording() = default;
 
