@@ -22,7 +22,7 @@ GridCells gridOf(const std::vector<std::string>& rows) {
 
 const std::vector<std::uint8_t> kUntrodden(12, 0);
 
-TEST(GridCells, FindTheCellOfAPosition) {
+TEST(GridCellsTest, FindTheCellOfAPosition) {
   const auto grid = gridOf({"ffff", "ffff", "ffff"});
   EXPECT_EQ(grid.at({-0.9, 2.1}), 0u);
   EXPECT_EQ(grid.at({0.6, 2.6}), 7u);
@@ -49,7 +49,7 @@ TEST(GridErrorTest, DistinguishesFalseOccupiedAndFalseFreeCells) {
   EXPECT_EQ(error.correct, 6u);
 }
 
-TEST(GridError, ComputesRecallAndPrecision) {
+TEST(GridErrorTest, ComputesRecallAndPrecision) {
   const auto truth = gridOf({"ooff", "oooo", "ffff"});
   const auto estimate = gridOf({"offf", "?off", "ffof"});
   const auto error = gridError(truth, estimate, kUntrodden);
@@ -65,7 +65,7 @@ TEST(GridError, ComputesRecallAndPrecision) {
   EXPECT_EQ(gridError(free, free, kUntrodden).occupiedPrecision(), std::nullopt);
 }
 
-TEST(GridError, ComparesOnlyObservedCellsWithKnownTruth) {
+TEST(GridErrorTest, ComparesOnlyObservedCellsWithKnownTruth) {
   const auto error =
       gridError(gridOf({"????", "ffff", "????"}), gridOf({"ffff", "f???", "oooo"}), kUntrodden);
   EXPECT_EQ(error.observed, 9u);
@@ -74,7 +74,7 @@ TEST(GridError, ComparesOnlyObservedCellsWithKnownTruth) {
             std::nullopt);
 }
 
-TEST(GridError, CountsOccupiedCellsOnAMovingObjectsPathAsGhosts) {
+TEST(GridErrorTest, CountsOccupiedCellsOnAMovingObjectsPathAsGhosts) {
   std::vector<std::uint8_t> swept(12, 0);
   swept[0] = swept[1] = swept[11] = 1;
   const auto error =
@@ -83,7 +83,7 @@ TEST(GridError, CountsOccupiedCellsOnAMovingObjectsPathAsGhosts) {
   EXPECT_EQ(error.ghosts, 1u);
 }
 
-TEST(GridError, RefusesGridsOfDifferentSizes) {
+TEST(GridErrorTest, RefusesGridsOfDifferentSizes) {
   EXPECT_ANY_THROW((void)gridError(gridOf({"ff"}), gridOf({"fff"}), {0, 0}));
 }
 

@@ -15,7 +15,7 @@ mrpt::obs::CObservation::Ptr labelled(int number) {
   return observation;
 }
 
-TEST(ObservationQueue, ReturnsObservationsInOrderAndThenNull) {
+TEST(ObservationQueueTest, ReturnsObservationsInOrderAndThenNull) {
   ObservationQueue queue;
   for (int i = 0; i < 3; ++i) queue.push(labelled(i));
   queue.push(nullptr);
@@ -26,7 +26,7 @@ TEST(ObservationQueue, ReturnsObservationsInOrderAndThenNull) {
   EXPECT_EQ(queue.dropped(), 0u);
 }
 
-TEST(ObservationQueue, DropsAndCountsTheOldestIfFull) {
+TEST(ObservationQueueTest, DropsAndCountsTheOldestIfFull) {
   ObservationQueue queue(2);
   for (int i = 0; i < 5; ++i) queue.push(labelled(i));
   EXPECT_EQ(queue.dropped(), 3u);

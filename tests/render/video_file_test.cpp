@@ -38,7 +38,7 @@ TEST(VideoFileTest, KeepsNumberRateSizeAndColours) {
   EXPECT_EQ(count, kPictures);
 }
 
-TEST(VideoFile, AcceptsAPartOfALargerPicture) {
+TEST(VideoFileTest, AcceptsAPartOfALargerPicture) {
   const test::TemporaryFolder folder;
   cv::Mat whole(2 * kSize.height, 2 * kSize.width, CV_8UC3, cv::Scalar(0, 0, 255));
   whole(cv::Rect({0, 0}, kSize)).setTo(cv::Scalar(0, 255, 0));
@@ -51,7 +51,7 @@ TEST(VideoFile, AcceptsAPartOfALargerPicture) {
   EXPECT_LT(cv::mean(picture)[2], 25.0);
 }
 
-TEST(VideoFile, RefusesAMissingFolder) {
+TEST(VideoFileTest, RefusesAMissingFolder) {
   const test::TemporaryFolder folder;
   try {
     writeTo(folder / "missing" / "drive.mp4");
