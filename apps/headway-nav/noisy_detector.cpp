@@ -8,6 +8,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kPersonHeight_m = 1.7;
+constexpr double kDuplicateSigma_m = 0.5;  ///< of a duplicate, along each axis
 constexpr double kDegree = M_PI / 180.0;
 
 /// Whether a disc lies across the sight from the robot to a place, both in the robot's frame.
@@ -23,7 +24,8 @@ Vector2d toRobot(const mrpt::math::TPose2D& robot, const Vector2d& place) {
   return Eigen::Rotation2Dd(-robot.phi) * (place - Vector2d(robot.x, robot.y));
 }
 
-bool isHidden(const Crowd& crowd, const mrpt::math::TPose2D& robot, const Person& person) {
+bool isHidden(const sim::Crowd& crowd, const mrpt::math::TPose2D& robot,
+              const sim::Person& person) {
   const Vector2d place = toRobot(robot, person.position);
   for (const auto& other : crowd.people()) {
     if (&other != &person && hides(toRobot(robot, other.position), other.radius, place)) {
@@ -44,7 +46,8 @@ NoisyDetector::NoisyDetector(const SensorParams& params, std::uint64_t seed)
       T_robot_sensor_(Eigen::Translation3d(-params.detection_range_m - 1.0, 0.0, 0.0) *
                       robotFromOptical()) {}
 
-Detections NoisyDetector::detect(const Crowd& crowd, const mrpt::math::TPose2D& robot, Time time) {
+Detections NoisyDetector::detect(const sim::Crowd& crowd, const mrpt::math::TPose2D& robot,
+                                 Time time) {
   Detections detections;
   detections.time = time;
   detections.T_robot_sensor = T_robot_sensor_;
@@ -53,63 +56,53 @@ Detections NoisyDetector::detect(const Crowd& crowd, const mrpt::math::TPose2D& 
     if (place.norm() > params_.detection_range_m || place.norm() < 0.1) continue;
     const double bearing_deg = std::abs(std::atan2(place.y(), place.x())) / kDegree;
     if (bearing_deg > 0.5 * params_.field_of_view_deg) continue;
-    if (isHidden(crowd, robot, person) || happens(params_.miss_share)) continue;
+    if (isHidden(crowd, robot, person) || random_.chance(params_.miss_share)) continue;
     const Vector2d velocity = person.velocity();
     const double heading = std::atan2(velocity.y(), velocity.x()) - robot.phi;
-    detections.items.push_back(boxOf(blurred(place), heading, person.radius));
-    if (!happens(params_.double_share)) continue;
-    const Vector2d twin = place + Vector2d(normal(0.5), normal(0.5));
-    detections.items.push_back(boxOf(twin, heading, person.radius));
+    detections.items.push_back(measured(place, heading, person.radius));
+    if (!random_.chance(params_.double_share)) continue;
+    const double ahead = kDuplicateSigma_m * random_.normal();
+    const double aside = kDuplicateSigma_m * random_.normal();
+    detections.items.push_back(measured(place + Vector2d(ahead, aside), heading, person.radius));
   }
-  if (happens(params_.false_share)) {
-    std::uniform_real_distribution<double> angle(-M_PI, M_PI);
-    std::uniform_real_distribution<double> range(1.0, params_.detection_range_m);
-    const Vector2d place = Eigen::Rotation2Dd(angle(random_)) * Vector2d(range(random_), 0.0);
-    detections.items.push_back(boxOf(place, angle(random_), 0.25));
+  if (random_.chance(params_.false_share)) {
+    const double bearing = random_.uniform(-M_PI, M_PI);
+    const double range = random_.uniform(1.0, params_.detection_range_m);
+    const Vector2d place = Eigen::Rotation2Dd(bearing) * Vector2d(range, 0.0);
+    detections.items.push_back(measured(place, random_.uniform(-M_PI, M_PI), 0.25));
   }
   return detections;
 }
 
-Vector2d NoisyDetector::blurred(const Vector2d& place) {
-  const double distance = place.norm();
-  const double along = params_.along_sigma_m + params_.along_sigma_per_m * distance;
-  const Vector2d ray = place / distance;
-  const Vector2d across(-ray.y(), ray.x());
-  return place + normal(along) * ray + normal(params_.across_share * along) * across;
+DetectorNoise NoisyDetector::noiseOf(double distance_m, double width_m) const {
+  DetectorNoise noise;
+  noise.along_sigma_m = params_.along_sigma_m + params_.along_sigma_per_m * distance_m;
+  noise.across_sigma_m = params_.across_share * noise.along_sigma_m;
+  noise.vertical_variance_ratio = 1.0;
+  noise.size_sigma_ratio = params_.size_sigma_m / width_m;
+  noise.yaw_sigma_rad = params_.yaw_sigma_deg * kDegree;
+  noise.flip_probability = params_.flip_share;
+  return noise;
 }
 
-/// What the detector knows of its own noise, in the sensor's frame.
-Eigen::Matrix3d NoisyDetector::covarianceAt(const Vector2d& place) const {
-  const double along = params_.along_sigma_m + params_.along_sigma_per_m * place.norm();
-  const double across = params_.across_share * along;
-  const Eigen::Vector3d ray = Eigen::Vector3d(place.x(), place.y(), 0.0).normalized();
-  const Eigen::Matrix3d covariance = across * across * Eigen::Matrix3d::Identity() +
-                                     (along * along - across * across) * ray * ray.transpose();
-  const Eigen::Matrix3d R_sensor_robot = T_robot_sensor_.linear().transpose();
-  return R_sensor_robot * covariance * R_sensor_robot.transpose();
-}
-
-Detection NoisyDetector::boxOf(const Vector2d& place, double heading, double radius) {
-  heading += normal(params_.yaw_sigma_deg * kDegree);
-  if (happens(params_.flip_share)) heading += M_PI;
+/// The box is measured by a camera on the robot that points at it, so that the noise is along and
+/// across the ray from the robot.
+Detection NoisyDetector::measured(const Vector2d& place, double heading, double radius) {
+  const Pose T_robot_camera =
+      Eigen::Translation3d(0.0, 0.0, 0.5 * kPersonHeight_m) *
+      Eigen::AngleAxisd(std::atan2(place.y(), place.x()), Eigen::Vector3d::UnitZ()) *
+      robotFromOptical();
   const Eigen::Vector3d centre(place.x(), place.y(), 0.5 * kPersonHeight_m);
-  Eigen::Vector3d size;
-  size.x() = std::max(0.2, 2.0 * radius + normal(params_.size_sigma_m));
-  size.y() = std::max(0.2, 2.0 * radius + normal(params_.size_sigma_m));
-  size.z() = kPersonHeight_m + normal(params_.size_sigma_m);
-  Detection detection;
+  const Eigen::Vector3d size(2.0 * radius, 2.0 * radius, kPersonHeight_m);
+  const DetectorNoise noise = noiseOf(place.norm(), size.y());
+  const Box3d truth = opticalBox(centre, size, heading, T_robot_camera.inverse());
+  Detections seen;
+  seen.T_robot_sensor = T_robot_camera;
+  Detection& detection = seen.items.emplace_back();
   detection.object_class = ObjectClass::kPedestrian;
-  detection.box3d = opticalBox(centre, size, heading, T_robot_sensor_.inverse());
-  detection.centre_covariance = covarianceAt(place);
-  return detection;
-}
-
-bool NoisyDetector::happens(double share) {
-  return std::uniform_real_distribution<double>(0.0, 1.0)(random_) < share;
-}
-
-double NoisyDetector::normal(double sigma) {
-  return sigma * std::normal_distribution<double>(0.0, 1.0)(random_);
+  detection.box3d = measuredBox(truth, noise, random_);
+  detection.centre_covariance = centreCovariance(truth.centre, noise);
+  return inSensorFrame(seen, T_robot_sensor_).items.front();
 }
 
 Pose poseOf(const mrpt::math::TPose2D& pose) {

@@ -1,31 +1,31 @@
 #pragma once
 
-#include <headway/core/detection.h>
+#include <headway/core/detector_noise.h>
+#include <headway/sim/crowd.h>
 #include <mrpt/math/TPose2D.h>
 
-#include "crowd.h"
+#include "trial_params.h"
 
 namespace headway::app {
 
-/// A detector of people as detectors are: with noise, misses, doubles, flips and false alarms.
+/// Detector of people with the errors of a real one: noise, misses, duplicates, flips and false
+/// alarms.
 class NoisyDetector {
  public:
   NoisyDetector(const SensorParams& params, std::uint64_t seed);
 
-  /// Boxes of the people whom nobody and nothing hides.
-  [[nodiscard]] Detections detect(const Crowd& crowd, const mrpt::math::TPose2D& robot, Time time);
+  /// Boxes of the people whom no other person and no pillar hides.
+  [[nodiscard]] Detections detect(const sim::Crowd& crowd, const mrpt::math::TPose2D& robot,
+                                  Time time);
 
  private:
-  [[nodiscard]] Detection boxOf(const Eigen::Vector2d& place, double heading, double radius);
-  [[nodiscard]] Eigen::Vector2d blurred(const Eigen::Vector2d& place);
-  [[nodiscard]] Eigen::Matrix3d covarianceAt(const Eigen::Vector2d& place) const;
-  [[nodiscard]] bool happens(double share);
-  [[nodiscard]] double normal(double sigma);
+  [[nodiscard]] Detection measured(const Eigen::Vector2d& place, double heading, double radius);
+  [[nodiscard]] DetectorNoise noiseOf(double distance_m, double width_m) const;
 
   SensorParams params_;
   Random random_;
-  /// Behind the robot: the tracker believes only boxes before their sensor, and people behind the
-  /// robot are seen too.
+  /// Behind the robot: the tracker accepts only boxes in front of their sensor, and people behind
+  /// the robot are detected too.
   Pose T_robot_sensor_;
 };
 

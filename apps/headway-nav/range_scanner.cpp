@@ -24,7 +24,7 @@ double rangeToDisc(const Vector2d& ray, const Vector2d& centre, double radius) {
 RangeScanner::RangeScanner(const SensorParams& params, std::uint64_t seed)
     : params_(params), random_(seed) {}
 
-void RangeScanner::scan(const Crowd& crowd, const mrpt::math::TPose2D& robot,
+void RangeScanner::scan(const sim::Crowd& crowd, const mrpt::math::TPose2D& robot,
                         mrpt::maps::CSimplePointsMap& out) {
   std::normal_distribution<double> noise(0.0, 1.0);
   const Vector2d here(robot.x, robot.y);

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <headway/sim/crowd.h>
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/math/TPose2D.h>
 
-#include "crowd.h"
+#include <random>
+
+#include "trial_params.h"
 
 namespace headway::app {
 
@@ -13,12 +16,12 @@ class RangeScanner {
   RangeScanner(const SensorParams& params, std::uint64_t seed);
 
   /// Points in the robot's frame, 0.4 m above the ground, that replace those in `out`.
-  void scan(const Crowd& crowd, const mrpt::math::TPose2D& robot,
+  void scan(const sim::Crowd& crowd, const mrpt::math::TPose2D& robot,
             mrpt::maps::CSimplePointsMap& out);
 
  private:
   SensorParams params_;
-  Random random_;
+  std::mt19937_64 random_;
 };
 
 }  // namespace headway::app

@@ -23,7 +23,7 @@ ScanningRobot::ScanningRobot(std::unique_ptr<mrpt::kinematics::CVehicleSimul_Dif
       owned_wheels_(std::move(wheels)),
       wheels_(*owned_wheels_) {}
 
-void ScanningRobot::start(const Crowd& crowd, const RangeScanner& scanner) {
+void ScanningRobot::start(const sim::Crowd& crowd, const RangeScanner& scanner) {
   crowd_ = &crowd;
   scanner_ = scanner;
   wheels_.resetStatus();

@@ -14,7 +14,7 @@ class ScanningRobot : public mrpt::nav::CRobot2NavInterfaceForSimulator_DiffDriv
   explicit ScanningRobot(const RobotParams& params);
 
   /// Puts the robot, at rest, at the origin of a new world; `crowd` must outlive the trial.
-  void start(const Crowd& crowd, const RangeScanner& scanner);
+  void start(const sim::Crowd& crowd, const RangeScanner& scanner);
 
   bool senseObstacles(mrpt::maps::CSimplePointsMap& obstacles,
                       mrpt::system::TTimeStamp& timestamp) override;
@@ -43,7 +43,7 @@ class ScanningRobot : public mrpt::nav::CRobot2NavInterfaceForSimulator_DiffDriv
 
   std::unique_ptr<mrpt::kinematics::CVehicleSimul_DiffDriven> owned_wheels_;
   mrpt::kinematics::CVehicleSimul_DiffDriven& wheels_;
-  const Crowd* crowd_ = nullptr;
+  const sim::Crowd* crowd_ = nullptr;
   std::optional<RangeScanner> scanner_;
   double scan_us_ = 0.0;
 };

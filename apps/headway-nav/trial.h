@@ -2,12 +2,13 @@
 
 #include <headway/nav/predictive_obstacles.h>
 #include <headway/objects/objects_params.h>
+#include <headway/sim/crowd.h>
 #include <mrpt/math/TPose2D.h>
 
 #include <functional>
 #include <memory>
 
-#include "crowd.h"
+#include "trial_params.h"
 
 namespace headway::app {
 
@@ -29,8 +30,8 @@ struct TrialResult {
 struct TrialMoment {
   double time_s = 0.0;
   mrpt::math::TPose2D robot;
-  std::vector<Person> people;
-  std::vector<Pillar> pillars;
+  std::vector<sim::Person> people;
+  std::vector<sim::Pillar> pillars;
   std::vector<Track> tracks;
   std::vector<Eigen::Vector2d> obstacles;  ///< as the planner gets them, map frame [m]
   bool contact = false;                    ///< with somebody, since the last moment

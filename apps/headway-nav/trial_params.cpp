@@ -4,16 +4,6 @@
 
 namespace headway::app {
 
-const std::vector<std::pair<std::string, Scenario>>& scenarios() {
-  static const std::vector<std::pair<std::string, Scenario>> names = {
-      {"crossing", Scenario::kCrossing},
-      {"following", Scenario::kFollowing},
-      {"oncoming", Scenario::kOncoming},
-      {"groups", Scenario::kGroups},
-      {"mixed", Scenario::kMixed}};
-  return names;
-}
-
 double RobotParams::radius() const { return 0.5 * std::hypot(length_m, width_m); }
 
 void RobotParams::describe(Params::Section section) {
@@ -31,27 +21,6 @@ void RobotParams::describe(Params::Section section) {
               "A goal that is reached later is not reached");
 }
 
-void PeopleParams::describe(Params::Section section) {
-  section.add("scenario", scenario, scenarios(), "How people walk");
-  section.add("count", count, 0, 100, "", "People (or groups) in a trial");
-  section.add("radius_m", radius_m, 0.05, 1.0, "m", "Radius of a body");
-  section.add("slow_speed", slow_speed, 0.1, 5.0, "m/s", "Slowest preferred speed");
-  section.add("fast_speed", fast_speed, 0.1, 5.0, "m/s", "Fastest preferred speed");
-  section.add("timing_sigma_s", timing_sigma_s, 0.0, 10.0, "s",
-              "How well crossing people are timed to meet the robot");
-  section.add("angle_sigma_deg", angle_sigma_deg, 0.0, 60.0, "deg",
-              "Spread of crossing ways about square");
-  section.add("wander_sigma_deg", wander_sigma_deg, 0.0, 60.0, "deg",
-              "Spread of a heading about the preferred one");
-  section.add("speed_sigma", speed_sigma, 0.0, 0.5, "-",
-              "Spread of a speed, as a share of the preferred one");
-  section.add("wander_time_s", wander_time_s, 0.1, 60.0, "s",
-              "Time in which heading and speed change");
-  section.add("yielding_share", yielding_share, 0.0, 1.0, "-",
-              "Share of people who give way to the robot; the others do not look");
-  section.add("pillars", pillars, 0, 100, "", "Pillars that stand beside the straight way");
-}
-
 void SensorParams::describe(Params::Section section) {
   section.add("scan_range_m", scan_range_m, 0.5, 100.0, "m", "Range of the scanner");
   section.add("scan_sigma_m", scan_sigma_m, 0.0, 1.0, "m", "Noise of the scanner");
@@ -65,7 +34,8 @@ void SensorParams::describe(Params::Section section) {
               "Growth of that noise with distance");
   section.add("across_share", across_share, 0.0, 2.0, "-",
               "Noise across the ray, as a share of that along it");
-  section.add("size_sigma_m", size_sigma_m, 0.0, 1.0, "m", "Noise of a detected size");
+  section.add("size_sigma_m", size_sigma_m, 0.0, 1.0, "m",
+              "Noise of a detected width; length and height in proportion");
   section.add("yaw_sigma_deg", yaw_sigma_deg, 0.0, 90.0, "deg", "Noise of a detected heading");
   section.add("flip_share", flip_share, 0.0, 1.0, "-", "Detected headings that are turned round");
   section.add("miss_share", miss_share, 0.0, 1.0, "-", "People not detected in a frame");

@@ -1,24 +1,9 @@
 #pragma once
 
 #include <headway/core/params.h>
-
-#include <string>
-#include <utility>
-#include <vector>
+#include <headway/sim/crowd.h>
 
 namespace headway::app {
-
-/// How the people of one trial walk.
-enum class Scenario {
-  kCrossing,   ///< one after the other across the robot's way, timed to meet it
-  kFollowing,  ///< slower, the robot's way
-  kOncoming,   ///< towards the robot
-  kGroups,     ///< two or three abreast, across the robot's way
-  kMixed,      ///< one of the above, drawn anew for each trial
-};
-
-/// "crossing", "following", "oncoming", "groups", "mixed".
-[[nodiscard]] const std::vector<std::pair<std::string, Scenario>>& scenarios();
 
 /// The robot and its way, section "robot".
 struct RobotParams {
@@ -37,25 +22,6 @@ struct RobotParams {
   [[nodiscard]] double radius() const;
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "robot"); }  ///< @throws InputError
-};
-
-/// The people, section "people".
-struct PeopleParams {
-  Scenario scenario = Scenario::kCrossing;
-  int count = 3;                  ///< in a trial
-  double radius_m = 0.25;         ///< of a body
-  double slow_speed = 0.8;        ///< slowest preferred speed [m/s]
-  double fast_speed = 1.5;        ///< fastest [m/s]
-  double timing_sigma_s = 1.5;    ///< how well they are timed to meet the robot [s]
-  double angle_sigma_deg = 20.0;  ///< of the way they cross, about square [deg]
-  double wander_sigma_deg = 8.0;  ///< of the heading about the preferred one [deg]
-  double speed_sigma = 0.1;       ///< of the speed, as a share of the preferred one [-]
-  double wander_time_s = 1.5;     ///< time in which heading and speed change [s]
-  double yielding_share = 0.0;    ///< people who give way to the robot; the rest do not look [-]
-  int pillars = 0;                ///< that stand about, away from the straight way
-
-  void describe(Params::Section section);
-  void validate() const { validateRanges(*this, "people"); }  ///< @throws InputError
 };
 
 /// What the robot sees, section "sensors".
@@ -82,7 +48,7 @@ struct SensorParams {
 /// A trial, whatever its seed.
 struct TrialParams {
   RobotParams robot;
-  PeopleParams people;
+  sim::PeopleParams people;
   SensorParams sensors;
 
   void describe(Params& params);

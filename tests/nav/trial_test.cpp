@@ -45,7 +45,7 @@ TEST(TrialTest, IsTheSameEachTimeAndWhateverRanBefore) {
 TEST(TrialTest, PeopleWalkTheSameWhateverTheRobotDoes) {
   const auto people_at_5s = [](nav::ObstaclePolicy policy) {
     TrialRunner runner(setupOf(policy, 3));
-    std::vector<Person> people;
+    std::vector<sim::Person> people;
     static_cast<void>(runner.run(3, [&](const TrialMoment& moment) {
       if (moment.time_s < 5.001) people = moment.people;
     }));

@@ -1,12 +1,12 @@
 // Only fronts of closed bodies are drawn: whoever looks at one from outside must meet a front
 // first.
 #include <gtest/gtest.h>
+#include <headway/core/random.h>
 
 #include <string>
 
 #include "furniture.h"
 #include "house_mesh.h"
-#include "random.h"
 #include "ray.h"
 #include "vehicle_mesh.h"
 

@@ -1,8 +1,8 @@
 #include "occlusion.h"
 
 #include <gtest/gtest.h>
+#include <headway/core/random.h>
 
-#include "random.h"
 #include "ray.h"
 
 namespace headway::sim {

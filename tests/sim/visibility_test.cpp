@@ -5,8 +5,8 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
-#include "detector_noise.h"
 #include "person_mesh.h"
+#include "simulated_detector.h"
 
 namespace headway::sim {
 namespace {
@@ -119,7 +119,7 @@ Sighting seenAt(double z, double visible) {
 
 /// Share of 4000 looks in which a car is found.
 double foundShare(const DetectorParams& params, double z, double visible) {
-  DetectorNoise detector(params, testCamera(), 3);
+  SimulatedDetector detector(params, testCamera(), 3);
   const cv::Mat depth(160, 320, CV_32F, cv::Scalar(20.0));
   int found = 0;
   for (int i = 0; i < 4000; ++i) {
@@ -129,8 +129,8 @@ double foundShare(const DetectorParams& params, double z, double visible) {
   return found / 4000.0;
 }
 
-TEST(DetectorNoiseTest, WithoutMistakesItTellsTheTruth) {
-  DetectorNoise detector(withoutMistakes(), testCamera(), 1);
+TEST(SimulatedDetectorTest, WithoutMistakesItTellsTheTruth) {
+  SimulatedDetector detector(withoutMistakes(), testCamera(), 1);
   const cv::Mat depth(160, 320, CV_32F, cv::Scalar(20.0));
   for (int i = 0; i < 50; ++i) {
     const auto detections = detector.detect(i, {carAt(20, 0)}, {seenAt(20, 1.0)}, depth);
@@ -143,7 +143,7 @@ TEST(DetectorNoiseTest, WithoutMistakesItTellsTheTruth) {
   }
 }
 
-TEST(DetectorNoiseTest, MissesGrowWithDepthAndOcclusion) {
+TEST(SimulatedDetectorTest, MissesGrowWithDepthAndOcclusion) {
   DetectorParams params = withoutMistakes();
   params.miss_near = 0.05;
   params.miss_far = 0.5;
@@ -157,10 +157,10 @@ TEST(DetectorNoiseTest, MissesGrowWithDepthAndOcclusion) {
   EXPECT_DOUBLE_EQ(foundShare(params, 8.0, 0.0), 0.0);
 }
 
-TEST(DetectorNoiseTest, NoiseAlongTheRayGrowsWithDepth) {
+TEST(SimulatedDetectorTest, NoiseAlongTheRayGrowsWithDepth) {
   DetectorParams params = withoutMistakes();
   params.depth_sigma_m = 0.4;
-  DetectorNoise detector(params, testCamera(), 5);
+  SimulatedDetector detector(params, testCamera(), 5);
   const cv::Mat depth(160, 320, CV_32F, cv::Scalar(20.0));
   for (const double z : {10.0, 60.0}) {
     double squares = 0.0;
@@ -172,13 +172,13 @@ TEST(DetectorNoiseTest, NoiseAlongTheRayGrowsWithDepth) {
   }
 }
 
-TEST(DetectorNoiseTest, FlipsDoublesAndFalseBoxesComeAsOftenAsAsked) {
+TEST(SimulatedDetectorTest, FlipsDoublesAndFalseBoxesComeAsOftenAsAsked) {
   DetectorParams params = withoutMistakes();
   params.flip_share = 0.25;
   params.duplicate_share = 0.4;
   params.false_per_frame = 1.5;
   params.id_switch_share = 0.1;
-  DetectorNoise detector(params, testCamera(), 9);
+  SimulatedDetector detector(params, testCamera(), 9);
   const cv::Mat depth(160, 320, CV_32F, cv::Scalar(20.0));
   int boxes = 0, flips = 0, switches = 0;
   std::int64_t last_id = -1;
@@ -200,10 +200,10 @@ TEST(DetectorNoiseTest, FlipsDoublesAndFalseBoxesComeAsOftenAsAsked) {
   EXPECT_NEAR(switches / 4000.0, 0.1, 0.02);
 }
 
-TEST(DetectorNoiseTest, CanGiveOneKindOfBoxAlone) {
+TEST(SimulatedDetectorTest, CanGiveOneKindOfBoxAlone) {
   DetectorParams params = withoutMistakes();
   params.boxes_3d = false;
-  DetectorNoise detector(params, testCamera(), 1);
+  SimulatedDetector detector(params, testCamera(), 1);
   const cv::Mat depth(160, 320, CV_32F, cv::Scalar(20.0));
   const auto detections = detector.detect(0, {carAt(20, 0)}, {seenAt(20, 1.0)}, depth);
   EXPECT_TRUE(detections.items.at(0).box2d);

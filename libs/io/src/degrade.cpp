@@ -1,7 +1,6 @@
 #include <headway/io/degrade.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace headway::io {
 
@@ -31,48 +30,30 @@ Detections Degrader::degrade(const Detections& detections) {
   result.items.clear();
   for (Detection detection : detections.items) {
     if (!(detection.score > params_.min_score)) continue;
-    if (uniform() < params_.drop_probability) continue;
-    if (detection.box3d) {
-      moveCentre(*detection.box3d);
-      if (uniform() < params_.flip_probability) {
-        detection.box3d->yaw = wrapAngle(detection.box3d->yaw + M_PI);
-      }
-    }
+    if (random_.chance(params_.drop_probability)) continue;
+    if (detection.box3d) detection.box3d = degraded(*detection.box3d);
     result.items.push_back(detection);
-    if (uniform() < params_.double_probability) {
-      if (detection.box3d) {
-        detection.box3d->centre.x() += params_.double_sigma_m * normal();
-        detection.box3d->centre.z() += params_.double_sigma_m * normal();
-      }
-      detection.detector_id.reset();
-      result.items.push_back(detection);
+    if (!random_.chance(params_.double_probability)) continue;
+    if (detection.box3d) {
+      detection.box3d->centre.x() += params_.double_sigma_m * random_.normal();
+      detection.box3d->centre.z() += params_.double_sigma_m * random_.normal();
     }
+    detection.detector_id.reset();
+    result.items.push_back(detection);
   }
   return result;
 }
 
-/// Moves the centre on the ground plane (x, z), where trackers are judged.
-void Degrader::moveCentre(Box3d& box) {
-  const double depth = box.centre.z();
-  const double sigma = params_.position_sigma_m * std::max(1.0, depth / params_.depth_scale_m);
-  const Eigen::Vector2d ground(box.centre.x(), box.centre.z());
-  const double range = ground.norm();
-  const Eigen::Vector2d along =
-      range > 0.0 ? Eigen::Vector2d(ground / range) : Eigen::Vector2d(Eigen::Vector2d::UnitY());
-  const Eigen::Vector2d across(-along.y(), along.x());
-  const double along_noise = sigma * normal();
-  const double across_noise = params_.across_share * sigma * normal();
-  const Eigen::Vector2d moved = ground + along_noise * along + across_noise * across;
-  box.centre.x() = moved.x();
-  box.centre.z() = moved.y();
-}
-
-double Degrader::uniform() { return static_cast<double>(random_() >> 11) * 0x1.0p-53; }
-
-/// Box and Muller 1958; the standard library's normal_distribution differs between platforms.
-double Degrader::normal() {
-  const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
-  return radius * std::cos(2.0 * M_PI * uniform());
+/// Heights stay as they are: trackers are judged on the ground plane (x, z).
+Box3d Degrader::degraded(const Box3d& box) {
+  DetectorNoise noise;
+  noise.along_sigma_m = params_.position_sigma_m;
+  noise.across_sigma_m = params_.across_share * params_.position_sigma_m;
+  noise.flip_probability = params_.flip_probability;
+  const double growth = std::max(1.0, box.centre.z() / params_.depth_scale_m);
+  Box3d result = measuredBox(box, withCentreScaled(noise, growth), random_);
+  result.centre.y() = box.centre.y();
+  return result;
 }
 
 }  // namespace headway::io

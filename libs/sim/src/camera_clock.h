@@ -1,10 +1,9 @@
 #pragma once
 
+#include <headway/core/random.h>
 #include <headway/sim/sim_params.h>
 
 #include <cstdint>
-
-#include "random.h"
 
 namespace headway::sim {
 

@@ -1,12 +1,12 @@
 #pragma once
 
+#include <headway/core/random.h>
 #include <headway/core/stereo_camera.h>
 #include <headway/sim/sim_params.h>
 
 #include <vector>
 
 #include "lane_keeper.h"
-#include "random.h"
 #include "vehicles.h"
 
 namespace headway::sim {

@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "detector_noise.h"
 #include "image_formation.h"
 #include "lens.h"
 #include "mover.h"
+#include "simulated_detector.h"
 
 namespace headway::sim {
 
@@ -43,7 +43,7 @@ class FrameFinisher {
   const Lens& lens_;
   double truth_range_m_;
   ImageFormation image_formation_;
-  DetectorNoise detector_;
+  SimulatedDetector detector_;
   std::optional<Pose> T_map_world_;
 };
 

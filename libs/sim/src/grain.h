@@ -1,8 +1,8 @@
 #pragma once
 
-#include <opencv2/core/mat.hpp>
+#include <headway/core/random.h>
 
-#include "random.h"
+#include <opencv2/core/mat.hpp>
 
 namespace headway::sim {
 

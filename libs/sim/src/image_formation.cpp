@@ -1,9 +1,9 @@
 #include "image_formation.h"
 
+#include <headway/core/random.h>
+
 #include <cmath>
 #include <opencv2/imgproc.hpp>
-
-#include "random.h"
 
 namespace headway::sim {
 namespace {

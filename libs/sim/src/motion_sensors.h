@@ -1,11 +1,10 @@
 #pragma once
 
+#include <headway/core/random.h>
 #include <headway/sim/simulator.h>
 
 #include <optional>
 #include <vector>
-
-#include "random.h"
 
 namespace headway::sim {
 

@@ -1,6 +1,6 @@
 #include "mover.h"
 
-#include "random.h"
+#include <headway/core/random.h>
 
 namespace headway::sim {
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <headway/core/object_class.h>
+#include <headway/core/random.h>
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -33,7 +34,6 @@ struct Mover {
 };
 
 /// A size drawn from what the kind measures in traffic.
-class Random;
 [[nodiscard]] Eigen::Vector3d drawSize(MoverKind kind, Random& random);
 
 }  // namespace headway::sim

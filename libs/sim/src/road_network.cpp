@@ -1,9 +1,10 @@
 #include "road_network.h"
 
+#include <headway/core/random.h>
+
 #include <algorithm>
 #include <cmath>
 
-#include "random.h"
 #include "street_profile.h"
 
 namespace headway::sim {

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <headway/core/pose.h>
+#include <headway/core/random.h>
 
 #include "lane_keeper.h"
-#include "random.h"
 #include "vehicles.h"
 
 namespace headway::sim {

@@ -1,9 +1,10 @@
 #pragma once
 
+#include <headway/core/random.h>
+
 #include <opencv2/core/mat.hpp>
 
 #include "mover.h"
-#include "random.h"
 
 namespace headway::sim {
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <headway/core/random.h>
 #include <headway/sim/sim_params.h>
 
 #include <memory>
@@ -7,7 +8,6 @@
 #include <vector>
 
 #include "driving.h"
-#include "random.h"
 #include "road_network.h"
 
 namespace headway::sim {

@@ -1,24 +1,23 @@
 #pragma once
 
+#include <headway/core/detector_noise.h>
+#include <headway/core/random.h>
 #include <headway/sim/sim_params.h>
 
 #include <map>
 #include <vector>
 
-#include "random.h"
 #include "visibility.h"
 
 namespace headway::sim {
 
-/// Turns truth into what a detection network makes of an image.
+/// A detection network's output for one image, made from the truth.
 ///
-/// Noise grows with depth, misses with depth and occlusion; now and then an object is found
-/// twice, a box has no object, a heading is turned round, an id changes.
-/// @see Hu et al. 2022, "Monocular quasi-dense 3D object tracking" (QD-3DT), the kind of detector
-///      that is emulated
-class DetectorNoise {
+/// Noise grows with depth, misses with depth and occlusion; some objects are detected twice, some
+/// boxes have no object, some headings are turned by 180 degrees, some ids change.
+class SimulatedDetector {
  public:
-  DetectorNoise(const DetectorParams& params, const StereoCamera& camera, std::uint64_t seed);
+  SimulatedDetector(const DetectorParams& params, const StereoCamera& camera, std::uint64_t seed);
 
   /// @param depth  of the left picture; false boxes stand where it has surfaces [m]
   [[nodiscard]] Detections detect(Time time, const std::vector<Mover>& movers,
@@ -27,7 +26,8 @@ class DetectorNoise {
  private:
   [[nodiscard]] bool isMissed(const Mover& mover, const Sighting& sighting);
   [[nodiscard]] Detection measure(const Mover& mover, const Sighting& sighting);
-  [[nodiscard]] Detection imagine(const cv::Mat& depth);
+  [[nodiscard]] DetectorNoise noiseAt(double depth_m) const;
+  [[nodiscard]] Detection falseAlarm(const cv::Mat& depth);
   void finish(Detection& detection) const;
 
   DetectorParams params_;

@@ -1,9 +1,9 @@
-#include "crowd.h"
+#include <headway/sim/crowd.h>
 
 #include <algorithm>
 #include <cmath>
 
-namespace headway::app {
+namespace headway::sim {
 namespace {
 
 using Eigen::Vector2d;
@@ -21,18 +21,49 @@ Vector2d givingWay(const Person& person, const Vector2d& robot) {
 
 }  // namespace
 
+const std::vector<std::pair<std::string, Scenario>>& scenarios() {
+  static const std::vector<std::pair<std::string, Scenario>> names = {
+      {"crossing", Scenario::kCrossing},
+      {"following", Scenario::kFollowing},
+      {"oncoming", Scenario::kOncoming},
+      {"groups", Scenario::kGroups},
+      {"mixed", Scenario::kMixed}};
+  return names;
+}
+
+void PeopleParams::describe(Params::Section section) {
+  section.add("scenario", scenario, scenarios(), "How people walk");
+  section.add("count", count, 0, 100, "", "People (or groups) in a trial");
+  section.add("radius_m", radius_m, 0.05, 1.0, "m", "Radius of a body");
+  section.add("slow_speed", slow_speed, 0.1, 5.0, "m/s", "Slowest preferred speed");
+  section.add("fast_speed", fast_speed, 0.1, 5.0, "m/s", "Fastest preferred speed");
+  section.add("timing_sigma_s", timing_sigma_s, 0.0, 10.0, "s",
+              "How well crossing people are timed to meet the robot");
+  section.add("angle_sigma_deg", angle_sigma_deg, 0.0, 60.0, "deg",
+              "Spread of crossing ways about square");
+  section.add("wander_sigma_deg", wander_sigma_deg, 0.0, 60.0, "deg",
+              "Spread of a heading about the preferred one");
+  section.add("speed_sigma", speed_sigma, 0.0, 0.5, "-",
+              "Spread of a speed, as a share of the preferred one");
+  section.add("wander_time_s", wander_time_s, 0.1, 60.0, "s",
+              "Time in which heading and speed change");
+  section.add("yielding_share", yielding_share, 0.0, 1.0, "-",
+              "Share of people who give way to the robot; the others do not look");
+  section.add("pillars", pillars, 0, 100, "", "Pillars that stand beside the straight way");
+}
+
 Vector2d Person::velocity() const {
   return speed * std::max(0.0, 1.0 + speed_off) * direction(heading + heading_off);
 }
 
-Crowd::Crowd(const PeopleParams& people, const RobotParams& robot, std::uint64_t seed)
-    : params_(people), random_(seed) {
+Crowd::Crowd(const PeopleParams& people, const RobotCourse& course, std::uint64_t seed)
+    : params_(validated(people)), random_(seed) {
   Scenario scenario = people.scenario;
   if (scenario == Scenario::kMixed) {
     scenario = scenarios()[static_cast<std::size_t>(uniform(0.0, 4.0))].second;
   }
-  placePillars(robot.goal_m);
-  placePeople(scenario, robot);
+  placePillars(course.goal_m);
+  placePeople(scenario, course);
 }
 
 void Crowd::placePillars(double goal_m) {
@@ -42,31 +73,31 @@ void Crowd::placePillars(double goal_m) {
   }
 }
 
-void Crowd::placePeople(Scenario scenario, const RobotParams& robot) {
+void Crowd::placePeople(Scenario scenario, const RobotCourse& course) {
   for (int i = 0; i < params_.count; ++i) {
     switch (scenario) {
       case Scenario::kFollowing:
-        placeAlong(i, false, robot);
+        placeAlong(i, false, course);
         break;
       case Scenario::kOncoming:
-        placeAlong(i, true, robot);
+        placeAlong(i, true, course);
         break;
       case Scenario::kGroups:
-        placeCrossing(i, 2 + static_cast<int>(uniform(0.0, 2.0)), robot);
+        placeCrossing(i, 2 + static_cast<int>(uniform(0.0, 2.0)), course);
         break;
       case Scenario::kCrossing:
       case Scenario::kMixed:
-        placeCrossing(i, 1, robot);
+        placeCrossing(i, 1, course);
         break;
     }
   }
 }
 
 /// People who reach the robot's straight way about when a robot at full speed does.
-void Crowd::placeCrossing(int index, int abreast, const RobotParams& robot) {
+void Crowd::placeCrossing(int index, int abreast, const RobotCourse& course) {
   const double share = (index + 1.0) / (params_.count + 1.0);
-  const Vector2d meeting((share + uniform(-0.08, 0.08)) * robot.goal_m, 0.0);
-  const double robot_there_s = meeting.x() / robot.top_speed + 0.5;
+  const Vector2d meeting((share + uniform(-0.08, 0.08)) * course.goal_m, 0.0);
+  const double robot_there_s = meeting.x() / course.top_speed_mps + 0.5;
   const double side = uniform(0.0, 1.0) < 0.5 ? -1.0 : 1.0;
   Person person;
   person.heading = side * M_PI / 2.0 + normal(params_.angle_sigma_deg * kDegree);
@@ -80,13 +111,13 @@ void Crowd::placeCrossing(int index, int abreast, const RobotParams& robot) {
 }
 
 /// People on the robot's way: ahead of it and slower, or towards it.
-void Crowd::placeAlong(int index, bool oncoming, const RobotParams& robot) {
+void Crowd::placeAlong(int index, bool oncoming, const RobotCourse& course) {
   const double pace = oncoming ? 1.0 : 0.6;
   Person person;
   person.heading = oncoming ? M_PI : 0.0;
   person.speed = pace * uniform(params_.slow_speed, std::min(params_.fast_speed, 1.2));
-  const double spacing = robot.goal_m / (params_.count + 1.0);
-  const double x = oncoming ? robot.goal_m + index * 2.0 * spacing : 1.5 + index * spacing;
+  const double spacing = course.goal_m / (params_.count + 1.0);
+  const double x = oncoming ? course.goal_m + index * 2.0 * spacing : 1.5 + index * spacing;
   person.position = {x, normal(0.3)};
   add(person);
 }
@@ -120,4 +151,4 @@ void Crowd::add(Person person) {
   people_.push_back(person);
 }
 
-}  // namespace headway::app
+}  // namespace headway::sim

@@ -1,4 +1,4 @@
-#include "detector_noise.h"
+#include "simulated_detector.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,16 +6,17 @@
 namespace headway::sim {
 namespace {
 
-constexpr double kLarge = 0.05;   // share of the image
-constexpr double kNearest = 0.5;  // of a box that can be measured [m]
+constexpr double kLarge = 0.05;           ///< part of the image
+constexpr double kNearest = 0.5;          ///< of a box that can be measured [m]
+constexpr double kFullAccuracy_m = 20.0;  ///< noise grows in proportion to the depth beyond
 
 }  // namespace
 
-DetectorNoise::DetectorNoise(const DetectorParams& params, const StereoCamera& camera,
-                             std::uint64_t seed)
+SimulatedDetector::SimulatedDetector(const DetectorParams& params, const StereoCamera& camera,
+                                     std::uint64_t seed)
     : params_(params), camera_(camera), random_(seed) {}
 
-bool DetectorNoise::isMissed(const Mover& mover, const Sighting& sighting) {
+bool SimulatedDetector::isMissed(const Mover& mover, const Sighting& sighting) {
   const double z = sighting.box3d.centre.z();
   if (z > params_.max_range_m || sighting.box.height() < params_.min_height_px) return true;
   if (mover.parked && !params_.parked) return true;
@@ -30,42 +31,35 @@ bool DetectorNoise::isMissed(const Mover& mover, const Sighting& sighting) {
   return random_.chance(std::clamp(missed, 0.0, 1.0));
 }
 
-Detection DetectorNoise::measure(const Mover& mover, const Sighting& sighting) {
+DetectorNoise SimulatedDetector::noiseAt(double depth_m) const {
+  DetectorNoise noise;
+  noise.along_sigma_m = params_.depth_sigma_m;
+  noise.across_sigma_m = params_.position_sigma_m;
+  noise.vertical_variance_ratio = 0.16;
+  noise.size_sigma_ratio = params_.size_sigma;
+  noise.yaw_sigma_rad = params_.yaw_sigma_rad;
+  noise.flip_probability = params_.flip_share;
+  return withCentreScaled(noise, std::max(1.0, depth_m / kFullAccuracy_m));
+}
+
+Detection SimulatedDetector::measure(const Mover& mover, const Sighting& sighting) {
   Detection detection;
   detection.object_class = classOf(mover.kind);
   const double z = sighting.box3d.centre.z();
-  const double grow = std::max(1.0, z / 20.0);
   detection.score = std::clamp(0.95 - 0.4 * z / params_.max_range_m -
                                    0.35 * (1.0 - sighting.visible) + 0.07 * random_.normal(),
                                0.05, 1.0);
   const auto edge = [&](double value) { return value + params_.box_sigma_px * random_.normal(); };
   detection.box2d = Box2d{edge(sighting.box.left), edge(sighting.box.top), edge(sighting.box.right),
                           edge(sighting.box.bottom)};
-  Box3d box = sighting.box3d;
-  const Eigen::Vector3d ray = box.centre.normalized();
-  const Eigen::Vector3d across = params_.position_sigma_m * grow *
-                                 Eigen::Vector3d(random_.normal(), 0.4 * random_.normal(), 0);
-  const double along = params_.depth_sigma_m * grow;
-  box.centre += across + along * random_.normal() * ray;
-  const auto scaled = [&](double value) {
-    return value * std::clamp(1.0 + params_.size_sigma * random_.normal(), 0.6, 1.5);
-  };
-  box.length = scaled(box.length);
-  box.width = scaled(box.width);
-  box.height = scaled(box.height);
-  box.yaw += params_.yaw_sigma_rad * random_.normal();
-  if (random_.chance(params_.flip_share)) box.yaw += M_PI;
-  box.yaw = wrapAngle(box.yaw);
-  detection.box3d = box;
-  const double sx = params_.position_sigma_m * grow;
-  Eigen::Matrix3d covariance = Eigen::Vector3d(sx * sx, 0.16 * sx * sx, 1e-4).asDiagonal();
-  covariance += along * along * ray * ray.transpose();
-  detection.centre_covariance = covariance;
+  const DetectorNoise noise = noiseAt(z);
+  detection.box3d = measuredBox(sighting.box3d, noise, random_);
+  detection.centre_covariance = centreCovariance(sighting.box3d.centre, noise);
   finish(detection);
   return detection;
 }
 
-Detection DetectorNoise::imagine(const cv::Mat& depth) {
+Detection SimulatedDetector::falseAlarm(const cv::Mat& depth) {
   const ObjectClass object_class =
       random_.chance(0.5) ? ObjectClass::kPedestrian : ObjectClass::kCar;
   const bool person = object_class == ObjectClass::kPedestrian;
@@ -91,7 +85,7 @@ Detection DetectorNoise::imagine(const cv::Mat& depth) {
   return detection;
 }
 
-void DetectorNoise::finish(Detection& detection) const {
+void SimulatedDetector::finish(Detection& detection) const {
   Box2d& box = *detection.box2d;
   box.left = std::clamp(box.left, 0.0, camera_.width - 2.0);
   box.top = std::clamp(box.top, 0.0, camera_.height - 2.0);
@@ -104,8 +98,8 @@ void DetectorNoise::finish(Detection& detection) const {
   }
 }
 
-Detections DetectorNoise::detect(Time time, const std::vector<Mover>& movers,
-                                 const std::vector<Sighting>& sightings, const cv::Mat& depth) {
+Detections SimulatedDetector::detect(Time time, const std::vector<Mover>& movers,
+                                     const std::vector<Sighting>& sightings, const cv::Mat& depth) {
   Detections detections;
   detections.time = time;
   detections.T_robot_sensor = camera_.T_robot_cam;
@@ -125,7 +119,7 @@ Detections DetectorNoise::detect(Time time, const std::vector<Mover>& movers,
   }
   double expected = params_.false_per_frame;
   for (; expected > 0.0; expected -= 1.0) {
-    if (random_.chance(std::min(1.0, expected))) detections.items.push_back(imagine(depth));
+    if (random_.chance(std::min(1.0, expected))) detections.items.push_back(falseAlarm(depth));
   }
   return detections;
 }

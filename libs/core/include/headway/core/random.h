@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <initializer_list>
 
-namespace headway::sim {
+namespace headway {
 
-/// Seed of one part of a world, made from the world's seed and the part's own numbers.
+/// Seed of one part of a simulation, made from the seed of the whole and the part's own numbers.
 ///
 /// Parts whose numbers differ get unrelated seeds, so a street does not depend on which street
 /// was drawn before it.
@@ -30,4 +30,4 @@ class Random {
   std::uint64_t state_;
 };
 
-}  // namespace headway::sim
+}  // namespace headway

@@ -1,8 +1,8 @@
-#include "random.h"
+#include <headway/core/random.h>
 
 #include <cmath>
 
-namespace headway::sim {
+namespace headway {
 namespace {
 
 constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15ULL;
@@ -37,4 +37,4 @@ double Random::normal() {
   return radius * std::cos(2.0 * M_PI * uniform());
 }
 
-}  // namespace headway::sim
+}  // namespace headway
