@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <headway/core/error.h>
 #include <headway/objects/moving_object_tracker.h>
+#include <headway/objects/predictor.h>
 #include <headway_test/input_error.h>
 
 #include <functional>
@@ -435,7 +436,7 @@ TEST(ObjectsParamsTest, DescribeEveryKeyOnceAndLoadWhatTheyPrint) {
 std::string errorOf(const std::function<void(ObjectsParams&)>& change) {
   ObjectsParams params;
   change(params);
-  return test::inputErrorOf([&] { MovingObjectTracker tracker(params); });
+  return headway::test::inputErrorOf([&] { MovingObjectTracker tracker(params); });
 }
 
 TEST(ObjectsParamsTest, OutOfRangeAreRefusedByTheTracker) {
@@ -461,9 +462,9 @@ TEST(ObjectsParamsTest, OutOfRangeAreRefusedByTheTracker) {
 TEST(ObjectsParamsTest, OutOfRangeAreRefusedByThePredictor) {
   PredictorParams params;
   params.velocity_window_s = 0.0;
-  EXPECT_EQ(
-      "[objects] velocity_window_s: '0' is out of range [s, 0.05 .. 5]",
-      test::inputErrorOf([&] { (void)makePredictor(PredictorKind::kConstantVelocity, params); }));
+  EXPECT_EQ("[objects] velocity_window_s: '0' is out of range [s, 0.05 .. 5]",
+            headway::test::inputErrorOf(
+                [&] { (void)makePredictor(PredictorKind::kConstantVelocity, params); }));
 }
 
 TEST(ObjectsParamsTest, FormerKeysAreRefusedByTheirPresentNames) {
@@ -471,7 +472,7 @@ TEST(ObjectsParamsTest, FormerKeysAreRefusedByTheirPresentNames) {
   Params registry;
   params.describe(registry.section("objects"));
   const auto errorOfSetting = [&registry](const std::string& assignment) {
-    return test::inputErrorOf([&] { registry.set(assignment); });
+    return headway::test::inputErrorOf([&] { registry.set(assignment); });
   };
   EXPECT_EQ("[objects] max_range is now max_range_m", errorOfSetting("objects.max_range=50"));
   EXPECT_EQ("[objects] cyclist_coast_score is now cyclist_min_coast_score",
