@@ -179,14 +179,14 @@ TEST_F(MapFileTest, ASectionThatEndsEarlyOrIsMissingIsNamed) {
   const auto sections = readCheckedFile(path);
   for (std::size_t i = 0; i < sections.size(); ++i) {
     const std::string& name = sections[i].name;
-    if (name != "camera" && name != "still_world" && name != "layers") continue;
+    if (name != "camera" && name != "static_map" && name != "layers") continue;
     auto shortened = sections;
     shortened[i].bytes.resize(shortened[i].bytes.size() / 2);
     writeCheckedFile(path, shortened);
     EXPECT_THAT(errorOfLoading(bytesOf(path)), ::testing::HasSubstr("'" + name + "'"));
   }
   writeCheckedFile(path, {sections.front()});
-  EXPECT_THAT(errorOfLoading(bytesOf(path)), ::testing::HasSubstr("'still_world'"));
+  EXPECT_THAT(errorOfLoading(bytesOf(path)), ::testing::HasSubstr("'static_map'"));
 }
 
 TEST_F(MapFileTest, LeavesNothingBehindWhereItCannotWrite) {

@@ -131,7 +131,7 @@ TEST_F(ResumeTest, ADamagedGridIsAnErrorThatSaysSo) {
   auto stored = map::loadMap(path_);
   stored.attachments.at("grid").resize(20);
   map::saveMap(path_, stored);
-  EXPECT_THAT(errorOfResuming(*hall_.camera()), HasSubstr("looks over the ground"));
+  EXPECT_THAT(errorOfResuming(*hall_.camera()), HasSubstr("ground scans"));
 }
 
 TEST_F(ResumeTest, AMapThatWasTakenUpAndStoredAtOnceIsTheSame) {

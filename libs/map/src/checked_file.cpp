@@ -1,10 +1,10 @@
 #include "checked_file.h"
 
+#include <headway/core/byte_archive.h>
 #include <headway/core/error.h>
 #include <mrpt/io/zip.h>
 #include <mrpt/system/crc.h>
 
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -13,37 +13,9 @@ namespace headway::map {
 namespace {
 
 constexpr std::string_view kMagic("HEADWAY\x1a", 8);
-constexpr std::uint32_t kFormatVersion = 1;
+constexpr std::uint32_t kFormatVersion = 2;
 constexpr std::size_t kHeaderSize = 8 + 4 + 8 + 8 + 4 + 4;
 constexpr std::uint64_t kLargestCompression = 1100;  ///< zlib's is 1032
-
-void append(std::string& bytes, std::uint64_t value, int size) {
-  for (int i = 0; i < size; ++i) bytes.push_back(static_cast<char>((value >> (8 * i)) & 0xff));
-}
-
-/// Takes values off the front of a buffer.
-class Cursor {
- public:
-  explicit Cursor(std::string_view bytes) : bytes_(bytes) {}
-  [[nodiscard]] bool atEnd() const { return bytes_.empty(); }
-  std::string_view take(std::uint64_t size) {
-    if (size > bytes_.size()) throw InputError("damaged: a section is longer than the file");
-    const auto taken = bytes_.substr(0, size);
-    bytes_.remove_prefix(size);
-    return taken;
-  }
-  std::uint64_t number(int size) {
-    std::uint64_t value = 0;
-    const auto raw = take(static_cast<std::uint64_t>(size));
-    for (int i = size - 1; i >= 0; --i) {
-      value = (value << 8) | static_cast<unsigned char>(raw[static_cast<std::size_t>(i)]);
-    }
-    return value;
-  }
-
- private:
-  std::string_view bytes_;
-};
 
 std::uint32_t checksum(std::string_view bytes) {
   return mrpt::system::compute_CRC32(reinterpret_cast<const std::uint8_t*>(bytes.data()),
@@ -71,25 +43,25 @@ std::string decompressed(std::string_view packed, std::uint64_t plain_size) {
 }
 
 std::string headerOf(const std::string& packed, std::size_t plain_size) {
-  std::string header(kMagic);
-  append(header, kFormatVersion, 4);
-  append(header, packed.size(), 8);
-  append(header, plain_size, 8);
-  append(header, checksum(packed), 4);
-  append(header, checksum(header), 4);
-  return header;
+  ByteWriter header;
+  header.bytes = kMagic;
+  header.value(kFormatVersion);
+  header.count(packed.size());
+  header.count(plain_size);
+  header.value(checksum(packed));
+  header.value(checksum(header.bytes));
+  return header.bytes;
 }
 
 std::string plainOf(const std::vector<Section>& sections) {
-  std::string plain;
+  ByteWriter plain;
   for (const auto& section : sections) {
-    append(plain, section.name.size(), 4);
-    plain += section.name;
-    append(plain, section.version, 4);
-    append(plain, section.bytes.size(), 8);
-    plain += section.bytes;
+    plain.value(static_cast<std::uint32_t>(section.name.size()));
+    plain.bytes += section.name;
+    plain.value(section.version);
+    plain.text(section.bytes);
   }
-  return plain;
+  return plain.bytes;
 }
 
 std::string contentsOf(const std::string& path) {
@@ -125,13 +97,18 @@ std::vector<Section> readCheckedFile(const std::string& path) {
     throw InputError("not a headway map");
   }
   if (whole.size() < kHeaderSize) throw InputError("truncated: it ends within its header");
-  Cursor header(whole.substr(kMagic.size(), kHeaderSize - kMagic.size()));
-  const auto version = header.number(4);
-  const auto packed_size = header.number(8);
-  const auto plain_size = header.number(8);
-  const auto packed_checksum = header.number(4);
-  if (header.number(4) != checksum(whole.substr(0, kHeaderSize - 4))) {
+  ByteReader header(whole.substr(kMagic.size(), kHeaderSize - kMagic.size()));
+  const auto version = header.value<std::uint32_t>();
+  const auto packed_size = header.value<std::uint64_t>();
+  const auto plain_size = header.value<std::uint64_t>();
+  const auto packed_checksum = header.value<std::uint32_t>();
+  if (header.value<std::uint32_t>() != checksum(whole.substr(0, kHeaderSize - 4))) {
     throw InputError("damaged: the checksum of its header does not match");
+  }
+  if (version < kFormatVersion) {
+    throw InputError("of format version " + std::to_string(version) + ", and this program reads " +
+                     std::to_string(kFormatVersion) +
+                     "; replay its rawlog again to make a new one");
   }
   if (version > kFormatVersion) {
     throw InputError("of format version " + std::to_string(version) + ", newer than " +
@@ -148,11 +125,11 @@ std::vector<Section> readCheckedFile(const std::string& path) {
   }
   const std::string plain = decompressed(packed, plain_size);
   std::vector<Section> sections;
-  for (Cursor cursor(plain); !cursor.atEnd();) {
+  for (ByteReader in(plain); !in.atEnd();) {
     Section section;
-    section.name = cursor.take(cursor.number(4));
-    section.version = static_cast<std::uint32_t>(cursor.number(4));
-    section.bytes = cursor.take(cursor.number(8));
+    section.name = in.take(in.value<std::uint32_t>());
+    section.version = in.value<std::uint32_t>();
+    section.bytes = in.text();
     sections.push_back(std::move(section));
   }
   return sections;

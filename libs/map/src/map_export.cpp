@@ -1,3 +1,4 @@
+#include <headway/core/byte_archive.h>
 #include <headway/core/error.h>
 #include <headway/core/mrpt_pose.h>
 #include <headway/map/map_export.h>
@@ -6,8 +7,6 @@
 #include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/poses/CPose3DPDFGaussian.h>
 
-#include <array>
-#include <cstring>
 #include <fstream>
 #include <unordered_map>
 
@@ -43,13 +42,6 @@ mrpt::obs::CObservation3DRangeScan::Ptr scanOf(const slam::KeyframeView& keyfram
   return scan;
 }
 
-template <typename Number>
-void append(std::string& bytes, Number value) {
-  std::array<char, sizeof(Number)> raw{};
-  std::memcpy(raw.data(), &value, sizeof(Number));
-  bytes.append(raw.data(), raw.size());
-}
-
 }  // namespace
 
 void writeSimpleMap(const std::string& path, const slam::MapView& still_world) {
@@ -64,20 +56,20 @@ void writeSimpleMap(const std::string& path, const slam::MapView& still_world) {
   if (!simple_map.saveToFile(path)) throw InputError(path + ": cannot be written");
 }
 
+/// MRPT's saveToPlyFile leaves out the colours and adds an empty list of faces.
 void writePly(const std::string& path, const slam::MapView& still_world) {
   std::ofstream file(path, std::ios::binary);
   file << "ply\nformat binary_little_endian 1.0\ncomment landmarks of headway, map frame, metres\n"
        << "element vertex " << still_world.landmarks.size()
        << "\nproperty float x\nproperty float y\nproperty float z\nproperty float intensity\n"
        << "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
-  std::string bytes;
-  bytes.reserve(19 * still_world.landmarks.size());
+  ByteWriter vertices;
   for (const auto& landmark : still_world.landmarks) {
-    for (const double value : landmark.position) append(bytes, static_cast<float>(value));
-    append(bytes, static_cast<float>(landmark.intensity) / 255.f);
-    bytes.append(3, static_cast<char>(landmark.intensity));
+    vertices.matrix(landmark.position.cast<float>());
+    vertices.value(static_cast<float>(landmark.intensity) / 255.f);
+    for (int channel = 0; channel < 3; ++channel) vertices.value(landmark.intensity);
   }
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file << vertices.bytes;
   file.close();
   if (!file) throw InputError(path + ": cannot be written");
 }

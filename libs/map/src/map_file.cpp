@@ -1,5 +1,6 @@
 #include <headway/core/error.h>
 #include <headway/map/map_file.h>
+#include <headway/slam/stereo_slam.h>
 #include <mrpt/io/CMemoryStream.h>
 #include <mrpt/serialization/CArchive.h>
 
@@ -10,23 +11,30 @@ namespace headway::map {
 namespace {
 
 using mrpt::serialization::archiveFrom;
-using mrpt::serialization::CArchive;
 
 constexpr char kConfiguration[] = "configuration";
 constexpr char kCamera[] = "camera";
-constexpr char kStillWorld[] = "still_world";
+constexpr char kStaticMap[] = "static_map";
 constexpr char kLayers[] = "layers";
 constexpr char kAttachment[] = "attachment:";
 
 /// Version of each section's contents; a section of a newer one cannot be read.
 constexpr std::uint32_t kSectionVersion = 1;
 
-template <typename Write>
-Section sectionOf(const std::string& name, const Write& write) {
+template <typename Value>
+Section sectionOf(const std::string& name, const Value& value) {
+  ByteWriter out;
+  write(out, value);
+  return {name, kSectionVersion, out.bytes};
+}
+
+/// The layers are MRPT objects, which MRPT serialises. Their landmarks are a copy of the static
+/// map, so they are left out and filled in on loading.
+Section layersWithoutLandmarks(PerceptionMap map) {
+  map.update(slam::MapView());
   mrpt::io::CMemoryStream stream;
-  auto archive = archiveFrom(stream);
-  write(archive);
-  return {name, kSectionVersion,
+  archiveFrom(stream).WriteObject(map.layers());
+  return {kLayers, kSectionVersion,
           std::string(static_cast<const char*>(stream.getRawBufferData()),
                       stream.getTotalBytesCount())};
 }
@@ -37,11 +45,8 @@ auto readSection(const Section& section, const Read& read) {
     throw InputError("its section '" + section.name +
                      "' is of a newer version than this program knows");
   }
-  mrpt::io::CMemoryStream stream;
-  stream.assignMemoryNotOwn(section.bytes.data(), section.bytes.size());
-  auto archive = archiveFrom(stream);
   try {
-    return read(archive);
+    return read(section.bytes);
   } catch (const std::exception& error) {
     const std::string reason = error.what();
     throw InputError("its section '" + section.name + "' cannot be read (" +
@@ -49,26 +54,41 @@ auto readSection(const Section& section, const Read& read) {
   }
 }
 
-std::shared_ptr<mrpt::maps::CMultiMetricMap> readLayers(CArchive& archive) {
+template <typename Value>
+Value readValue(const Section& section, Value (*read)(ByteReader&)) {
+  return readSection(section, [&](const std::string& bytes) {
+    ByteReader in(bytes);
+    return read(in);
+  });
+}
+
+std::shared_ptr<mrpt::maps::CMultiMetricMap> readLayers(const std::string& bytes) {
+  mrpt::io::CMemoryStream stream;
+  stream.assignMemoryNotOwn(bytes.data(), bytes.size());
   auto layers = std::make_shared<mrpt::maps::CMultiMetricMap>();
-  archive.ReadObject(layers.get());
+  archiveFrom(stream).ReadObject(layers.get());
   return layers;
 }
 
-/// Takes one section over; those that are not known are left alone (a later minor addition).
-void take(const Section& section, StoredMap& stored, std::optional<slam::MapView>& still_world) {
+/// Applies one section; unknown ones are ignored, so that later versions may add some.
+void apply(const Section& section, StoredMap& stored, std::optional<slam::MapView>& static_map) {
   const std::string attachment = kAttachment;
   if (section.name == kConfiguration) {
     stored.configuration = section.bytes;
   } else if (section.name == kCamera) {
-    stored.camera = readSection(section, readCamera);
-  } else if (section.name == kStillWorld) {
-    still_world = readSection(section, readMapView);
+    stored.camera = readValue(section, readCamera);
+  } else if (section.name == kStaticMap) {
+    static_map = readValue(section, readMapView);
   } else if (section.name == kLayers) {
     stored.map = PerceptionMap(readSection(section, readLayers));
   } else if (section.name.rfind(attachment, 0) == 0) {
     stored.attachments[section.name.substr(attachment.size())] = section.bytes;
   }
+}
+
+/// Whether the static map can be derived from what slam saved.
+bool holdsSlamMap(const StoredMap& stored) {
+  return stored.camera && stored.attachments.count(kSlamAttachment) > 0;
 }
 
 }  // namespace
@@ -77,12 +97,12 @@ void saveMap(const std::string& path, const StoredMap& stored) {
   std::vector<Section> sections;
   sections.push_back({kConfiguration, kSectionVersion, stored.configuration});
   if (stored.camera) {
-    sections.push_back(sectionOf(kCamera, [&](CArchive& out) { write(out, *stored.camera); }));
+    sections.push_back(sectionOf(kCamera, *stored.camera));
   }
-  sections.push_back(
-      sectionOf(kStillWorld, [&](CArchive& out) { write(out, *stored.map.stillWorld()); }));
-  sections.push_back(
-      sectionOf(kLayers, [&](CArchive& out) { out.WriteObject(stored.map.layers()); }));
+  if (!holdsSlamMap(stored)) {
+    sections.push_back(sectionOf(kStaticMap, *stored.map.stillWorld()));
+  }
+  sections.push_back(layersWithoutLandmarks(stored.map));
   for (const auto& [name, bytes] : stored.attachments) {
     sections.push_back({kAttachment + name, kSectionVersion, bytes});
   }
@@ -92,10 +112,14 @@ void saveMap(const std::string& path, const StoredMap& stored) {
 StoredMap loadMap(const std::string& path) {
   try {
     StoredMap stored;
-    std::optional<slam::MapView> still_world;
-    for (const auto& section : readCheckedFile(path)) take(section, stored, still_world);
-    if (!still_world) throw InputError("it lacks the section 'still_world'");
-    stored.map.update(std::move(*still_world));
+    std::optional<slam::MapView> static_map;
+    for (const auto& section : readCheckedFile(path)) apply(section, stored, static_map);
+    if (holdsSlamMap(stored)) {
+      static_map =
+          slam::savedMapView(stored.attachments[kSlamAttachment], stored.camera->T_robot_cam);
+    }
+    if (!static_map) throw InputError("it lacks the section 'static_map'");
+    stored.map.update(std::move(*static_map));
     return stored;
   } catch (const InputError& error) {
     throw InputError(path + ": not a map that can be read: " + error.what());

@@ -35,11 +35,13 @@ std::string CMovingObjectsMap::asString() const {
   return "Moving objects map with " + std::to_string(tracks_.size()) + " tracks.";
 }
 
-std::uint8_t CMovingObjectsMap::serializeGetVersion() const { return 0; }
+std::uint8_t CMovingObjectsMap::serializeGetVersion() const { return 1; }
 
 void CMovingObjectsMap::serializeTo(CArchive& out) const {
-  out << time_ << static_cast<std::uint64_t>(tracks_.size());
-  for (const auto& track : tracks_) map::write(out, track);
+  ByteWriter tracks;
+  tracks.count(tracks_.size());
+  for (const auto& track : tracks_) map::write(tracks, track);
+  out << time_ << tracks.bytes;
   out << insertionOptions.show_tentative << insertionOptions.show_labels
       << insertionOptions.show_predictions << insertionOptions.show_uncertainty;
   out << genericMapParams;
@@ -47,11 +49,11 @@ void CMovingObjectsMap::serializeTo(CArchive& out) const {
 
 void CMovingObjectsMap::serializeFrom(CArchive& in, std::uint8_t serial_version) {
   switch (serial_version) {
-    case 0: {
-      in >> time_;
-      const auto count = in.ReadAs<std::uint64_t>();
-      tracks_.clear();
-      for (std::uint64_t i = 0; i < count; ++i) tracks_.push_back(map::readTrack(in));
+    case 1: {
+      std::string bytes;
+      in >> time_ >> bytes;
+      ByteReader tracks(bytes);
+      tracks_ = tracks.list<Track>(map::readTrack);
       in >> insertionOptions.show_tentative >> insertionOptions.show_labels >>
           insertionOptions.show_predictions >> insertionOptions.show_uncertainty;
       in >> genericMapParams;

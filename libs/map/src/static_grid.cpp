@@ -1,11 +1,8 @@
 #include <headway/core/error.h>
 #include <headway/map/static_grid.h>
-#include <mrpt/io/CMemoryStream.h>
-#include <mrpt/serialization/CArchive.h>
 
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
 #include "evidence_grid.h"
 #include "stored_values.h"
@@ -14,13 +11,12 @@ namespace headway::map {
 namespace {
 
 constexpr double kMostCells = 25e6;
-constexpr double kHeadingStep = M_PI / 12.0;  ///< between directions whose looks are kept [rad]
-constexpr double kDrivenM = 5.0;              ///< farther apart, looks do not tell the way between
+constexpr double kHeadingStep = M_PI / 12.0;  ///< between directions whose scans are kept [rad]
+constexpr double kDrivenM = 5.0;              ///< farther apart, the way between scans is unknown
 constexpr double kSeenM = 30.0;               ///< round a place, about [m]
-constexpr double kMovedM = 0.05;              ///< a look moved less stays where it was
+constexpr double kMovedM = 0.05;              ///< a scan moved less stays where it was
 constexpr double kTurned = 0.003;             ///< [rad]
-constexpr std::uint8_t kVersion = 1;
-constexpr std::uint8_t kEnd = 0xE5;
+constexpr std::uint8_t kVersion = 2;
 
 bool moved(const Pose& from, const Pose& to) {
   return (to.translation() - from.translation()).norm() > kMovedM ||
@@ -65,99 +61,104 @@ void StaticGrid::add(const Pose& T_map_robot, GroundScan scan) {
       scan.free.push_back({before.cast<float>(), Eigen::Vector3f::Zero()});
     }
   }
-  Look look;
-  look.T_map_robot = T_map_robot;
-  look.scan = std::move(scan);
-  hangOnNearest(look);
-  auto& kept = looks_[place];
+  StoredScan stored;
+  stored.T_map_robot = T_map_robot;
+  stored.scan = std::move(scan);
+  attachToNearestKeyframe(stored);
+  auto& kept = scans_[place];
   if (!kept.scan.empty()) evidence_->remove(kept.scan, kept.T_map_robot);
-  kept = std::move(look);
+  kept = std::move(stored);
   enter(kept);
 }
 
-void StaticGrid::enter(const Look& look) {
-  places_.extend(look.T_map_robot.translation().head<2>());
+void StaticGrid::enter(const StoredScan& stored) {
+  places_.extend(stored.T_map_robot.translation().head<2>());
   const Eigen::Vector2d sides = places_.sizes().array() + 2.0 * kSeenM;
   const double before = resolution_m_;
   while (sides.prod() > kMostCells * resolution_m_ * resolution_m_) resolution_m_ *= 2.0;
   if (resolution_m_ == before) {
-    evidence_->add(look.scan, look.T_map_robot);
+    evidence_->add(stored.scan, stored.T_map_robot);
     return;
   }
   evidence_ = std::make_unique<EvidenceGrid>(resolution_m_);
-  for (const auto& [place, other] : looks_) evidence_->add(other.scan, other.T_map_robot);
+  for (const auto& [place, other] : scans_) evidence_->add(other.scan, other.T_map_robot);
 }
 
-void StaticGrid::hangOnNearest(Look& look) const {
+void StaticGrid::attachToNearestKeyframe(StoredScan& stored) const {
   double least = std::numeric_limits<double>::infinity();
   for (const auto& [id, T_map_keyframe] : keyframes_) {
     const double distance =
-        (T_map_keyframe.translation() - look.T_map_robot.translation()).squaredNorm();
+        (T_map_keyframe.translation() - stored.T_map_robot.translation()).squaredNorm();
     if (distance >= least) continue;
     least = distance;
-    look.anchor = id;
-    look.T_anchor_robot = T_map_keyframe.inverse() * look.T_map_robot;
+    stored.anchor = id;
+    stored.T_anchor_robot = T_map_keyframe.inverse() * stored.T_map_robot;
   }
 }
 
 void StaticGrid::follow(const std::vector<slam::KeyframeView>& keyframes) {
   keyframes_.clear();
   for (const auto& keyframe : keyframes) keyframes_[keyframe.id] = keyframe.T_map_robot;
-  for (auto& [place, look] : looks_) {
-    const auto anchor = keyframes_.find(look.anchor);
+  for (auto& [place, stored] : scans_) {
+    const auto anchor = keyframes_.find(stored.anchor);
     if (anchor == keyframes_.end()) {
-      hangOnNearest(look);
+      attachToNearestKeyframe(stored);
       continue;
     }
-    const Pose T_map_robot = anchor->second * look.T_anchor_robot;
-    if (!moved(look.T_map_robot, T_map_robot)) continue;
-    evidence_->remove(look.scan, look.T_map_robot);
-    look.T_map_robot = T_map_robot;
-    enter(look);
+    const Pose T_map_robot = anchor->second * stored.T_anchor_robot;
+    if (!moved(stored.T_map_robot, T_map_robot)) continue;
+    evidence_->remove(stored.scan, stored.T_map_robot);
+    stored.T_map_robot = T_map_robot;
+    enter(stored);
   }
 }
 
 mrpt::maps::COccupancyGridMap2D::Ptr StaticGrid::grid() const { return evidence_->grid(); }
 
 std::string StaticGrid::save() const {
-  mrpt::io::CMemoryStream stream;
-  auto archive = mrpt::serialization::archiveFrom(stream);
-  archive << kVersion << static_cast<std::uint64_t>(looks_.size());
-  for (const auto& [place, look] : looks_) {
-    for (const auto step : place) archive << step;
-    write(archive, look.T_map_robot);
-    archive << look.anchor.value;
-    write(archive, look.T_anchor_robot);
-    write(archive, look.scan);
+  ByteWriter out;
+  out.value(kVersion);
+  out.count(scans_.size());
+  for (const auto& [place, stored] : scans_) {
+    out.values(place);
+    write(out, stored.T_map_robot);
+    out.value(stored.anchor.value);
+    write(out, stored.T_anchor_robot);
+    write(out, stored.scan);
   }
-  archive << kEnd;
-  return {static_cast<const char*>(stream.getRawBufferData()), stream.getTotalBytesCount()};
+  return out.bytes;
 }
 
 void StaticGrid::load(const std::string& bytes) {
-  mrpt::io::CMemoryStream stream;
-  stream.assignMemoryNotOwn(bytes.data(), bytes.size());
-  auto archive = mrpt::serialization::archiveFrom(stream);
-  StaticGrid loaded(params_);
   try {
-    if (archive.ReadAs<std::uint8_t>() > kVersion) throw std::runtime_error("a newer version");
-    const auto count = archive.ReadAs<std::uint64_t>();
-    for (std::uint64_t i = 0; i < count; ++i) {
-      Place place{};
-      for (auto& step : place) archive >> step;
-      Look& look = loaded.looks_[place];
-      look.T_map_robot = readPose(archive);
-      archive >> look.anchor.value;
-      look.T_anchor_robot = readPose(archive);
-      look.scan = readGroundScan(archive);
-      if (!look.T_map_robot.matrix().allFinite()) throw std::runtime_error("no pose");
-      loaded.enter(look);
-    }
-    if (archive.ReadAs<std::uint8_t>() != kEnd) throw std::runtime_error("no end");
-  } catch (const std::exception&) {
-    throw InputError("its looks over the ground are damaged or of a newer version");
+    *this = loaded(bytes);
+  } catch (const InputError& error) {
+    throw InputError(std::string("its ground scans cannot be read: ") + error.what());
   }
-  *this = std::move(loaded);
+}
+
+StaticGrid StaticGrid::loaded(const std::string& bytes) const {
+  ByteReader in(bytes);
+  StaticGrid loaded(params_);
+  if (in.value<std::uint8_t>() != kVersion) {
+    throw InputError("they are of another version");
+  }
+  const auto count = in.value<std::uint64_t>();
+  for (std::uint64_t i = 0; i < count; ++i) {
+    Place place{};
+    in.values(place);
+    StoredScan& stored = loaded.scans_[place];
+    stored.T_map_robot = readPose(in);
+    stored.anchor.value = in.value<std::int64_t>();
+    stored.T_anchor_robot = readPose(in);
+    stored.scan = readGroundScan(in);
+    if (!stored.T_map_robot.matrix().allFinite()) {
+      throw InputError("damaged: one has no finite pose");
+    }
+    loaded.enter(stored);
+  }
+  if (!in.atEnd()) throw InputError("damaged: there are data after their end");
+  return loaded;
 }
 
 }  // namespace headway::map

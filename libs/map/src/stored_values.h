@@ -1,26 +1,26 @@
 #pragma once
 
+#include <headway/core/byte_archive.h>
 #include <headway/core/ground_scan.h>
 #include <headway/core/stereo_camera.h>
 #include <headway/core/track.h>
 #include <headway/slam/map_view.h>
-#include <mrpt/serialization/CArchive.h>
 
 namespace headway::map {
 
-// How our values stand in an MRPT archive: fixed-width little-endian numbers, counts before lists.
-// Readers throw std::exception where the archive ends early or holds what cannot be.
+// How values are stored in map files. Readers throw InputError where the bytes end early or hold
+// impossible values.
 
-void write(mrpt::serialization::CArchive& out, const Pose& pose);
-void write(mrpt::serialization::CArchive& out, const Track& track);
-void write(mrpt::serialization::CArchive& out, const StereoCamera& camera);
-void write(mrpt::serialization::CArchive& out, const slam::MapView& still_world);
-void write(mrpt::serialization::CArchive& out, const GroundScan& scan);
+void write(ByteWriter& out, const Pose& pose);
+void write(ByteWriter& out, const Track& track);
+void write(ByteWriter& out, const StereoCamera& camera);
+void write(ByteWriter& out, const slam::MapView& static_map);
+void write(ByteWriter& out, const GroundScan& scan);
 
-[[nodiscard]] Pose readPose(mrpt::serialization::CArchive& in);
-[[nodiscard]] Track readTrack(mrpt::serialization::CArchive& in);
-[[nodiscard]] StereoCamera readCamera(mrpt::serialization::CArchive& in);
-[[nodiscard]] slam::MapView readMapView(mrpt::serialization::CArchive& in);
-[[nodiscard]] GroundScan readGroundScan(mrpt::serialization::CArchive& in);
+[[nodiscard]] Pose readPose(ByteReader& in);
+[[nodiscard]] Track readTrack(ByteReader& in);
+[[nodiscard]] StereoCamera readCamera(ByteReader& in);
+[[nodiscard]] slam::MapView readMapView(ByteReader& in);
+[[nodiscard]] GroundScan readGroundScan(ByteReader& in);
 
 }  // namespace headway::map

@@ -4,9 +4,6 @@
 namespace headway::pipeline {
 namespace {
 
-constexpr char kSlamAttachment[] = "slam";  ///< what slam keeps in a map file
-constexpr char kGridAttachment[] = "grid";  ///< what the static grid keeps there
-
 template <typename Work>
 double millisecondsOf(const Work& work) {
   StageTimes times;
@@ -61,13 +58,13 @@ void Perception::resume(const map::StoredMap& stored) {
   if (slam_ == nullptr) {
     throw InputError("a map can only be taken up by a stereo camera, and here are poses alone");
   }
-  const auto slam_map = stored.attachments.find(kSlamAttachment);
+  const auto slam_map = stored.attachments.find(map::kSlamAttachment);
   if (slam_map == stored.attachments.end()) {
     throw InputError("it holds no landmarks that a camera could be localised by");
   }
   slam_->load(slam_map->second);
   map_.update(slam_->map());
-  const auto looks = stored.attachments.find(kGridAttachment);
+  const auto looks = stored.attachments.find(map::kGridAttachment);
   if (looks != stored.attachments.end()) {
     grid_.load(looks->second);
     if (const auto grid = grid_.grid()) map_.update(grid);
@@ -81,8 +78,8 @@ map::StoredMap Perception::stored() const {
   if (const auto grid = grid_.grid()) stored.map.update(grid);  // where the map is by now
   if (camera_ != nullptr) stored.camera = *camera_;
   if (slam_ != nullptr && given_poses_.empty()) {
-    stored.attachments[kSlamAttachment] = slam_->save();
-    stored.attachments[kGridAttachment] = grid_.save();
+    stored.attachments[map::kSlamAttachment] = slam_->save();
+    stored.attachments[map::kGridAttachment] = grid_.save();
   }
   return stored;
 }

@@ -1,5 +1,8 @@
 #include "make_map_view.h"
 
+#include <headway/slam/stereo_slam.h>
+
+#include "map_archive.h"
 #include "pose_covariance.h"
 
 namespace headway::slam {
@@ -26,6 +29,10 @@ MapView makeMapView(const SparseMap& map, const Pose& T_cam_robot) {
          keyframe.landmarks});
   }
   return view;
+}
+
+MapView savedMapView(const std::string& saved, const Pose& T_robot_cam) {
+  return makeMapView(unpackMap(saved, {}), T_robot_cam.inverse());
 }
 
 }  // namespace headway::slam

@@ -2,6 +2,7 @@
 
 #include <headway/core/stereo_camera.h>
 
+#include <optional>
 #include <string>
 
 #include "sparse_map.h"
@@ -15,9 +16,10 @@ namespace headway::slam {
 
 /// Reads what packMap wrote.
 ///
-/// @param camera  that is going to use the map
+/// @param camera  that is going to use the map; empty: any
 /// @throws InputError if the bytes are cut off, damaged, of another version, or the map was made
 ///         with another camera
-[[nodiscard]] SparseMap unpackMap(const std::string& bytes, const StereoCamera& camera);
+[[nodiscard]] SparseMap unpackMap(const std::string& bytes,
+                                  const std::optional<StereoCamera>& camera);
 
 }  // namespace headway::slam

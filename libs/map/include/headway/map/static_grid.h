@@ -16,21 +16,21 @@ namespace headway::map {
 
 class EvidenceGrid;
 
-/// How looks over the ground become a grid of free and occupied cells. Part of section [grid].
+/// How ground scans become a grid of free and occupied cells. Part of section [grid].
 struct StaticGridParams {
   double resolution_m = 0.2;  ///< side of a cell [m]
-  double spacing_m = 1.0;     ///< of the places whose looks are kept [m]
+  double spacing_m = 1.0;     ///< of the places whose scans are kept [m]
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "grid"); }  ///< @throws InputError
 };
 
-/// Where one can drive: the sum of all looks over the ground.
+/// Where the ground is free: the sum of all ground scans.
 ///
-/// Of each place and direction the last look is kept, so that what is kept grows with the area and
-/// not with time, and what has gone disappears when it is looked at again. Looks hang on the
-/// nearest keyframe: the grid follows every correction of the map. It depends on the looks and
-/// poses alone, not on how it came to them. Beyond 25 million cells it gets coarser.
+/// Of each place and direction the last scan is kept, so that memory grows with the area and not
+/// with time, and an obstacle that has left disappears when its place is scanned again. Scans are
+/// attached to the nearest keyframe: the grid follows every correction of the map. It depends on
+/// scans and poses alone, not on their order. Beyond 25 million cells it gets coarser.
 ///
 ///     StaticGrid grid(params);
 ///     grid.follow(slam.map().keyframes);    // after each keyframe
@@ -43,47 +43,48 @@ class StaticGrid {
   StaticGrid(StaticGrid&&) noexcept;
   StaticGrid& operator=(StaticGrid&&) noexcept;
 
-  /// Takes in what was seen from a place. The ground that the robot drove over since the look
-  /// before is free, if that was less than 5 m away.
+  /// Adds the scan of a place. The ground that the robot drove over since the scan before is free,
+  /// if that was less than 5 m away.
   void add(const Pose& T_map_robot, GroundScan scan);
 
-  /// Moves what was seen along with the keyframes.
+  /// Moves the scans along with the keyframes.
   void follow(const std::vector<slam::KeyframeView>& keyframes);
 
-  /// The grid as MRPT knows it; cells that nobody saw are 0.5. Null while nothing was seen.
+  /// The grid as an MRPT map; unseen cells are 0.5. Null while nothing was seen.
   [[nodiscard]] mrpt::maps::COccupancyGridMap2D::Ptr grid() const;
 
-  /// All looks, to go on from later.
+  /// All scans, for load().
   [[nodiscard]] std::string save() const;
-  /// Goes on from what save() gave; the resolution may be another.
+  /// Continues from the bytes of save(); the resolution may be another.
   /// @throws InputError if the bytes are not that
   void load(const std::string& bytes);
 
  private:
   /// Place and direction in steps: x, y and heading.
   using Place = std::array<std::int32_t, 3>;
-  struct Look {
+  struct StoredScan {
     Pose T_map_robot;
     KeyframeId anchor;  ///< not valid where there are no keyframes
     Pose T_anchor_robot = Pose::Identity();
     GroundScan scan;
   };
 
+  [[nodiscard]] StaticGrid loaded(const std::string& bytes) const;
   [[nodiscard]] Place placeOf(const Pose& T_map_robot) const;
-  void enter(const Look& look);
-  void hangOnNearest(Look& look) const;
+  void enter(const StoredScan& stored);
+  void attachToNearestKeyframe(StoredScan& stored) const;
 
   StaticGridParams params_;
   double resolution_m_;  ///< coarser than asked for where the map is vast
   std::unique_ptr<EvidenceGrid> evidence_;
-  std::map<Place, Look> looks_;
+  std::map<Place, StoredScan> scans_;
   Eigen::AlignedBox2d places_;  ///< bounds of where they were taken [m]
   std::map<KeyframeId, Pose> keyframes_;
   struct Passed {
     Place place;
     Pose T_map_robot;
   };
-  std::optional<Passed> last_;  ///< where the robot looked last
+  std::optional<Passed> last_;  ///< the last scan
   std::optional<Pose> before_;  ///< the last pose at another place than that
 };
 

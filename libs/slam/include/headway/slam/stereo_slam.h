@@ -96,4 +96,9 @@ class StereoSlam {
   std::unique_ptr<Implementation> implementation_;
 };
 
+/// The view of a map that StereoSlam::save() wrote.
+///
+/// @throws InputError if the bytes are cut off, damaged or of another version
+[[nodiscard]] MapView savedMapView(const std::string& saved, const Pose& T_robot_cam);
+
 }  // namespace headway::slam

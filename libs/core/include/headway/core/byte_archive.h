@@ -1,0 +1,109 @@
+#pragma once
+
+#include <headway/core/error.h>
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+namespace headway {
+
+/// Writes values one after the other, as little-endian numbers of fixed width: what headway's own
+/// files consist of. Arithmetic types only, so that their width is chosen where they are written.
+class ByteWriter {
+ public:
+  template <typename T>
+  void value(const T& x) {
+    static_assert(std::is_arithmetic_v<T>);
+    bytes.append(reinterpret_cast<const char*>(&x), sizeof(T));
+  }
+  template <typename T, std::size_t N>
+  void values(const std::array<T, N>& all) {
+    for (const T& x : all) value(x);
+  }
+  /// Column by column.
+  template <typename Derived>
+  void matrix(const Eigen::MatrixBase<Derived>& m) {
+    for (Eigen::Index i = 0; i < m.size(); ++i) value(m(i % m.rows(), i / m.rows()));
+  }
+  void count(std::size_t n) { value<std::uint64_t>(n); }
+  void text(std::string_view characters) {
+    count(characters.size());
+    bytes += characters;
+  }
+
+  std::string bytes;
+};
+
+/// Reads what ByteWriter wrote; the bytes must outlive it.
+///
+/// @throws InputError from each function where the bytes end early or hold an impossible value
+class ByteReader {
+ public:
+  explicit ByteReader(std::string_view bytes) : bytes_(bytes) {}
+
+  template <typename T>
+  T value() {
+    static_assert(std::is_arithmetic_v<T>);
+    T x;
+    std::memcpy(&x, take(sizeof(T)).data(), sizeof(T));
+    return x;
+  }
+  template <typename T>
+  T finiteValue() {
+    const T x = value<T>();
+    if (!std::isfinite(x)) throw InputError("damaged: a value is not finite");
+    return x;
+  }
+  template <typename T, std::size_t N>
+  void values(std::array<T, N>& all) {
+    for (T& x : all) x = value<T>();
+  }
+  template <typename Matrix>
+  Matrix matrix() {
+    Matrix m;
+    for (Eigen::Index i = 0; i < m.size(); ++i) {
+      m(i % m.rows(), i / m.rows()) = value<typename Matrix::Scalar>();
+    }
+    return m;
+  }
+  template <typename Matrix>
+  Matrix finiteMatrix() {
+    const Matrix m = matrix<Matrix>();
+    if (!m.allFinite()) throw InputError("damaged: a value is not finite");
+    return m;
+  }
+  template <typename Enum>
+  Enum enumerator(int count) {
+    const auto x = value<std::uint8_t>();
+    if (x >= count) throw InputError("damaged: a value of an enumeration that does not exist");
+    return static_cast<Enum>(x);
+  }
+  /// Items are not reserved: a wrong count ends at the end of the bytes, not of the memory.
+  template <typename Item, typename Read>
+  std::vector<Item> list(const Read& read) {
+    const auto n = value<std::uint64_t>();
+    std::vector<Item> items;
+    for (std::uint64_t i = 0; i < n; ++i) items.push_back(read(*this));
+    return items;
+  }
+  std::string_view take(std::uint64_t size) {
+    if (size > bytes_.size()) throw InputError("damaged: the data end early");
+    const auto taken = bytes_.substr(0, size);
+    bytes_.remove_prefix(size);
+    return taken;
+  }
+  std::string text() { return std::string(take(value<std::uint64_t>())); }
+  [[nodiscard]] bool atEnd() const { return bytes_.empty(); }
+
+ private:
+  std::string_view bytes_;
+};
+
+}  // namespace headway
