@@ -11,16 +11,16 @@ using Eigen::Vector2d;
 const map::BodyShape kCar{4.0, 2.0, false};
 const map::BodyShape kPerson{0.6, 0.4, true};
 
-PlaceDoubt doubtOf(double sigma_m) {
-  PlaceDoubt doubt;
-  doubt.covariance = sigma_m * sigma_m * Eigen::Matrix2d::Identity();
-  doubt.max_growth_m = 10.0;
-  return doubt;
+PlaceUncertainty doubtOf(double sigma_m) {
+  PlaceUncertainty uncertainty;
+  uncertainty.covariance = sigma_m * sigma_m * Eigen::Matrix2d::Identity();
+  uncertainty.max_growth_m = 10.0;
+  return uncertainty;
 }
 
-std::vector<Vector2d> outlineOf(const map::BodyShape& body, double yaw, const PlaceDoubt& doubt) {
+std::vector<Vector2d> outlineOf(const map::BodyShape& body, double yaw, const PlaceUncertainty& uncertainty) {
   std::vector<Vector2d> outline;
-  appendOutline(body, Vector2d(3.0, -1.0), yaw, doubt, 0.2, outline);
+  appendOutline(body, Vector2d(3.0, -1.0), yaw, uncertainty, 0.2, outline);
   return outline;
 }
 
@@ -54,7 +54,7 @@ TEST(BodyOutlineTest, GrowsWithTheDoubt) {
 }
 
 TEST(BodyOutlineTest, GrowsAlongTheCovarianceOnly) {
-  PlaceDoubt along_x = doubtOf(0.0);
+  PlaceUncertainty along_x = doubtOf(0.0);
   along_x.covariance(0, 0) = 1.0;
   double right = 0.0, top = 0.0;
   for (const auto& point : outlineOf(kCar, 0.0, along_x)) {
@@ -66,9 +66,9 @@ TEST(BodyOutlineTest, GrowsAlongTheCovarianceOnly) {
 }
 
 TEST(BodyOutlineTest, GrowsNoMoreThanAllowed) {
-  PlaceDoubt doubt = doubtOf(100.0);
-  doubt.max_growth_m = 0.4;
-  for (const auto& point : outlineOf(kPerson, 0.0, doubt)) {
+  PlaceUncertainty uncertainty = doubtOf(100.0);
+  uncertainty.max_growth_m = 0.4;
+  for (const auto& point : outlineOf(kPerson, 0.0, uncertainty)) {
     EXPECT_LE((point - Vector2d(3.0, -1.0)).norm(), kPerson.radius() + 0.4 + 1e-9);
   }
 }

@@ -66,7 +66,7 @@ TEST_F(PredictiveObstaclesTest, AddsTheMeetingPlaceInTheRobotsFrame) {
   map_.update(100.0, {meetingTrack()});
   ASSERT_TRUE(sense());
   EXPECT_TRUE(anyPointNear(2.0, 0.0, 0.5));
-  EXPECT_EQ(report_.movers, 1u);
+  EXPECT_EQ(report_.moving_objects, 1u);
   EXPECT_EQ(report_.points_added, points_.size());
 }
 

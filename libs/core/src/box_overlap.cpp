@@ -56,6 +56,7 @@ double intersection2d(const Box2d& a, const Box2d& b) {
 
 }  // namespace
 
+/// In double precision and without allocating; OpenCV's intersectConvexConvex computes in floats.
 double intersectionArea(const Footprint& a, const Footprint& b) {
   const double reach = std::hypot(a.length, a.width) + std::hypot(b.length, b.width);
   const Eigen::Vector2d offset = b.centre - a.centre;

@@ -10,13 +10,14 @@ namespace {
 using Eigen::Vector2d;
 
 /// The farthest point of the covariance ellipse along a normal, in the map's axes.
-Vector2d growth(const PlaceDoubt& doubt, const Vector2d& normal) {
-  const Vector2d carried = doubt.covariance * normal;
+Vector2d growth(const PlaceUncertainty& uncertainty, const Vector2d& normal) {
+  const Vector2d carried = uncertainty.covariance * normal;
   const double variance = normal.dot(carried);
-  if (!(variance > 0.0) || !(doubt.max_growth_m > 0.0)) return Vector2d::Zero();
-  const Vector2d offset = doubt.sigmas / std::sqrt(variance) * carried;
+  if (!(variance > 0.0) || !(uncertainty.max_growth_m > 0.0)) return Vector2d::Zero();
+  const Vector2d offset = uncertainty.sigmas / std::sqrt(variance) * carried;
   const double length = offset.norm();
-  return length > doubt.max_growth_m ? Vector2d(offset * (doubt.max_growth_m / length)) : offset;
+  return length > uncertainty.max_growth_m ? Vector2d(offset * (uncertainty.max_growth_m / length))
+                                           : offset;
 }
 
 /// Appends the way from one point to the next, without the first one.
@@ -30,7 +31,8 @@ void appendSegment(const Vector2d& from, const Vector2d& to, double spacing,
 }  // namespace
 
 void appendOutline(const map::BodyShape& body, const Vector2d& centre, double yaw,
-                   const PlaceDoubt& doubt, double spacing, std::vector<Vector2d>& out) {
+                   const PlaceUncertainty& uncertainty, double spacing,
+                   std::vector<Vector2d>& out) {
   const Eigen::Rotation2Dd turn(yaw);
   const double perimeter = 2.0 * M_PI * body.radius();
   const int normals = std::clamp(static_cast<int>(std::ceil(perimeter / spacing)), 8, 24);
@@ -39,7 +41,8 @@ void appendOutline(const map::BodyShape& body, const Vector2d& centre, double ya
     // Half a step off the axes, where a box's support point is not unique.
     const double angle = 2.0 * M_PI * (i + 0.5) / normals;
     const Vector2d normal(std::cos(angle), std::sin(angle));
-    const Vector2d point = centre + turn * body.supportPoint(normal) + growth(doubt, turn * normal);
+    const Vector2d point =
+        centre + turn * body.supportPoint(normal) + growth(uncertainty, turn * normal);
     if (i > 0) appendSegment(previous, point, spacing, out);
     previous = point;
   }

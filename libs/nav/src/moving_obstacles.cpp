@@ -7,7 +7,7 @@ namespace headway::nav {
 
 using Eigen::Vector2d;
 
-bool isMover(const Track& track) {
+bool isMovingObstacle(const Track& track) {
   return isMoving(track) && isShown(track) && track.position.allFinite() && track.size.allFinite();
 }
 
@@ -18,9 +18,9 @@ void MovingObstacles::update(const std::vector<Track>& tracks, const Vector2d& r
                              double age_s) {
   robot_ = robot;
   points_.clear();
-  movers_.clear();
+  present_.clear();
   for (const auto& track : tracks) {
-    if (isMover(track)) addTrack(track, age_s);
+    if (isMovingObstacle(track)) addTrack(track, age_s);
   }
 }
 
@@ -37,9 +37,9 @@ void MovingObstacles::addTrack(const Track& track, double age_s) {
     if (i == 0) {
       const double reach = std::hypot(0.5 * body.length_m + params_.body_margin_m,
                                       0.5 * body.width_m + params_.body_margin_m);
-      movers_.push_back({body, present.centre, present.yaw, present.when, reach});
+      present_.push_back({body, present.centre, present.yaw, present.when, reach});
     }
-    movers_.back().when.to_s = std::max(movers_.back().when.to_s, present.when.to_s);
+    present_.back().when.to_s = std::max(present_.back().when.to_s, present.when.to_s);
     for (const auto& place : places_) addOutline(track, body, place);
   }
 }
@@ -48,13 +48,13 @@ void MovingObstacles::addOutline(const Track& track, const map::BodyShape& body,
                                  const PredictedPlace& place) {
   const double distance = (place.centre - robot_).norm();
   if (!(distance <= params_.max_range_m)) return;
-  // Doubt must not swallow the robot: a planner that starts inside an obstacle finds no way out.
+  // The growth stays clear of the robot: a planner that starts inside an obstacle finds no path.
   const double clearance = std::max(0.0, distance - body.radius() - params_.robot.radius_m);
-  const PlaceDoubt doubt{place.covariance, params_.sigmas,
-                         std::min(params_.max_growth_m, clearance)};
-  if (!couldMeetBody(distance, body.radius() + doubt.max_growth_m, place.when)) return;
+  const PlaceUncertainty uncertainty{place.covariance, params_.sigmas,
+                                     std::min(params_.max_growth_m, clearance)};
+  if (!couldMeetBody(distance, body.radius() + uncertainty.max_growth_m, place.when)) return;
   outline_.clear();
-  appendOutline(body, place.centre, place.yaw, doubt, params_.outline_spacing_m, outline_);
+  appendOutline(body, place.centre, place.yaw, uncertainty, params_.outline_spacing_m, outline_);
   const double bottom = track.position.z() - 0.5 * track.size.z();
   for (const auto& point : outline_) {
     if (!couldMeet(point, place.when)) continue;
@@ -80,10 +80,11 @@ bool MovingObstacles::willBeGone(const Vector2d& sensed) const {
   if (params_.policy != ObstaclePolicy::kTimeGated) return false;
   const TimeSpan touched = gate_.touching((sensed - robot_).norm());
   bool gone = false;
-  for (const auto& mover : movers_) {
-    if ((sensed - mover.centre).squaredNorm() > mover.reach * mover.reach) continue;
-    if (!covers(mover.shape, mover.centre, mover.yaw, params_.body_margin_m, sensed)) continue;
-    if (touched.overlaps(mover.when)) return false;
+  for (const auto& obstacle : present_) {
+    if ((sensed - obstacle.centre).squaredNorm() > obstacle.reach * obstacle.reach) continue;
+    if (!covers(obstacle.shape, obstacle.centre, obstacle.yaw, params_.body_margin_m, sensed))
+      continue;
+    if (touched.overlaps(obstacle.when)) return false;
     gone = true;
   }
   return gone;

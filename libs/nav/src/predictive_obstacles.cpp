@@ -88,7 +88,7 @@ SenseStatus PredictiveObstacles::addPredictions(mrpt::maps::CSimplePointsMap& ob
   const auto robot = locate();
   if (!robot) return SenseStatus::kNoPose;
   moving_.update(layer.tracks(), robot->place, std::max(0.0, report_.map_age_s));
-  report_.movers = moving_.movers().size();
+  report_.moving_objects = moving_.present().size();
   removeGone(obstacles, *robot);
   insertPredicted(obstacles, *robot);
   return SenseStatus::kSafe;

@@ -50,7 +50,7 @@ void SpeedGovernor::foresee(const std::vector<Track>& tracks, const GroundState&
   future_count_ = 0;
   const double span_s = params_.governor.horizon_s;
   for (const auto& track : tracks) {
-    if (!isMover(track)) continue;
+    if (!isMovingObstacle(track)) continue;
     const double radius = map::bodyOf(track).radius();
     const double reach = span_s * (params_.robot.max_speed_mps + track.velocity.norm()) +
                          params_.robot.radius_m + radius;

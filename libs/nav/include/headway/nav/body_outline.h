@@ -6,14 +6,14 @@
 
 namespace headway::nav {
 
-/// How far a body must grow along each of its directions for the doubt about its place.
-struct PlaceDoubt {
+/// How far a body must grow along each of its directions for the uncertainty about its place.
+struct PlaceUncertainty {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of the centre [m^2]
   double sigmas = 1.0;
   double max_growth_m = 0.4;
 };
 
-/// Points along the edge of the body, grown by the doubt about its place.
+/// Points along the edge of the body, grown by the uncertainty about its place.
 ///
 /// The Minkowski sum of the body and the covariance ellipse: the point whose outward normal is n
 /// lies at the body's support point plus sigmas * C n / sqrt(n' C n), no farther than max_growth.
@@ -25,7 +25,8 @@ struct PlaceDoubt {
 /// @param spacing  largest distance between neighbours, roughly [m]
 /// @param out      points are appended to it, map frame
 void appendOutline(const map::BodyShape& body, const Eigen::Vector2d& centre, double yaw,
-                   const PlaceDoubt& doubt, double spacing, std::vector<Eigen::Vector2d>& out);
+                   const PlaceUncertainty& uncertainty, double spacing,
+                   std::vector<Eigen::Vector2d>& out);
 
 /// Whether a point lies in the body grown by a margin on all sides; as box, also for people.
 [[nodiscard]] bool covers(const map::BodyShape& body, const Eigen::Vector2d& centre, double yaw,

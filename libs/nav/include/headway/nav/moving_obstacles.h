@@ -11,7 +11,7 @@
 namespace headway::nav {
 
 /// Whether a track is believed, moves and is made of numbers.
-[[nodiscard]] bool isMover(const Track& track);
+[[nodiscard]] bool isMovingObstacle(const Track& track);
 
 /// A point that a planner must not drive through, map frame [m].
 struct ObstaclePoint {
@@ -43,7 +43,7 @@ class MovingObstacles {
   void update(const std::vector<Track>& tracks, const Eigen::Vector2d& robot, double age_s);
 
   [[nodiscard]] const std::vector<ObstaclePoint>& points() const { return points_; }
-  [[nodiscard]] const std::vector<PresentBody>& movers() const { return movers_; }
+  [[nodiscard]] const std::vector<PresentBody>& present() const { return present_; }
 
   /// Whether a sensed point (map frame [m]) belongs to bodies that will all have left it before the
   /// robot could touch it.
@@ -60,7 +60,7 @@ class MovingObstacles {
   TimeGate gate_;
   Eigen::Vector2d robot_ = Eigen::Vector2d::Zero();
   std::vector<ObstaclePoint> points_;
-  std::vector<PresentBody> movers_;
+  std::vector<PresentBody> present_;
   std::vector<PredictedPlace> places_;    ///< of the path in hand
   std::vector<Eigen::Vector2d> outline_;  ///< of the place in hand
 };

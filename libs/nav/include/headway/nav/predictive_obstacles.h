@@ -26,7 +26,7 @@ enum class SenseStatus {
 struct SenseReport {
   SenseStatus status = SenseStatus::kInnerFailed;
   double map_age_s = 0.0;          ///< meaningless unless the map was asked
-  std::size_t movers = 0;          ///< tracks that move and were considered
+  std::size_t moving_objects = 0;  ///< tracks that move and were considered
   std::size_t points_added = 0;    ///< of predicted places
   std::size_t points_removed = 0;  ///< of bodies that will have left
 };
@@ -35,8 +35,9 @@ struct SenseReport {
 ///
 /// Wraps the robot's own interface and forwards everything to it. senseObstacles() adds, in the
 /// robot's frame, the places where moving tracks may be when the robot could be there, and takes
-/// away the sensed points of movers that will have left before the robot can arrive. Sensing fails,
-/// and MRPT stops the robot, where the map is too old or the robot's place in it is not known.
+/// away the sensed points of moving objects that will have left before the robot can arrive.
+/// Sensing fails, and MRPT stops the robot, where the map is too old or the robot's place in it is
+/// not known.
 ///
 /// The map is read through a function that returns a snapshot, once a call and from the calling
 /// thread: whoever writes the map guards that copy. The robot wrapped must outlive this.
