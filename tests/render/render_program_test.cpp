@@ -224,7 +224,7 @@ TEST_F(RenderProgramTest, ReportsUsageErrors) {
     EXPECT_THAT(usage("a.png", std::string("--size ") + size), HasSubstr("--size")) << size;
   }
   EXPECT_THAT(usage("a.png", "--view side"), HasSubstr("'side'"));
-  EXPECT_THAT(usage("a.gif", ""), HasSubstr(".png, .jpg, .mp4, .3Dscene, .html"));
+  EXPECT_THAT(usage("a.gif", ""), HasSubstr(".png, .jpg, .mp4, .3Dscene or .html"));
   EXPECT_THAT(usage("a.mp4", "--frame 3"), HasSubstr("--frame"));
   EXPECT_THAT(usage("a.png", "--from-index 3"), HasSubstr("--from-index"));
   EXPECT_THAT(usage("a.mp4", "--from-index 3 --to-index 2"), HasSubstr("--to-index"));
