@@ -17,8 +17,12 @@ inline constexpr double kKitti06AteM = 0.031;    ///< KITTI odometry 06, frames 
 inline constexpr double kKitti01AteM = 0.78;     ///< KITTI odometry 01, frames 0-50 (0.521)
 inline constexpr double kEurocMh01AteM = 0.006;  ///< EuRoC MH_01, first 200 pairs (0.0039)
 
-/// Greatest distance between the poses of two drives in one map, at the same place [m].
-inline constexpr double kSharedFrameM = 0.10;
+// The same of two drives that share one map, judged as one path [m].
+inline constexpr double kStreetTwoDrivesAteM = 0.0215;  ///< (0.0143)
+inline constexpr double kKitti06TwoDrivesAteM = 0.043;  ///< (0.0287)
+
+/// Greatest distance between the poses of two drives in one map, at the same place [m] (0.0063).
+inline constexpr double kSharedFrameM = 0.0095;
 
 /// Tracks of the bundled street that are found moving and predicted, at least.
 inline constexpr std::size_t kStreetMovers = 4;
