@@ -101,7 +101,7 @@ void FrameWriters::write(const pipeline::PerceptionUpdate& update) {
   for (const auto& track : update.objects.tracks) {
     if (isShown(track)) writeTrack(update, track, T_sensor_map);
   }
-  writeSmoothed(update.objects.settled);
+  writeSmoothed(update.objects.finalised);
   for (const auto* file :
        {&trajectory_, &detections_, &tracks_, &smoothed_, &kitti_, &predictions_}) {
     file->check();

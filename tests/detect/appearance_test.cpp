@@ -43,62 +43,82 @@ std::vector<cv::Point> cellsIn(const cv::Rect& rectangle) {
   return cells;
 }
 
-Appearance looked() { return *appearanceOf(imageWith(kThing.tl()), cellsIn(kThing)); }
+constexpr int kReduce = 2;
 
-TEST(AppearanceTest, ShowsTheThingWithItsGapsClosed) {
-  const auto appearance = looked();
+AppearanceTemplate thing() { return *templateOf(imageWith(kThing.tl()), cellsIn(kThing), kReduce); }
+
+cv::Point2d centreOf(const AppearanceTemplate& appearance) {
+  return {appearance.mask.corner.x + 0.5 * appearance.mask.cells.cols,
+          appearance.mask.corner.y + 0.5 * appearance.mask.cells.rows};
+}
+
+TEST(AppearanceTest, MaskCoversTheObjectWithItsGapsClosed) {
+  const auto appearance = thing();
   EXPECT_GE(appearance.patch.cols, kThing.width - 1);
   EXPECT_EQ(appearance.patch.rows, kThing.height);
-  EXPECT_NEAR(cv::countNonZero(appearance.mask), kThing.area(), kThing.height + 20);
-  EXPECT_NEAR(appearance.middle.x, kThing.x + 0.5 * kThing.width, 1.0);
-  EXPECT_NEAR(appearance.middle.y, kThing.y + 0.5 * kThing.height, 1.0);
+  EXPECT_NEAR(cv::countNonZero(appearance.mask.cells), kThing.area(), kThing.height + 20);
+  EXPECT_NEAR(centreOf(appearance).x, kThing.x + 0.5 * kThing.width, 1.0);
+  EXPECT_NEAR(centreOf(appearance).y, kThing.y + 0.5 * kThing.height, 1.0);
 }
 
-TEST(AppearanceTest, FlatOrTinyThingsHaveNone) {
-  EXPECT_FALSE(appearanceOf(cv::Mat(kImage, CV_8U, cv::Scalar(90)), cellsIn(kThing)));
-  EXPECT_FALSE(appearanceOf(imageWith(kThing.tl()), cellsIn({90, 30, 4, 4})));
+TEST(ObjectMaskTest, HoldsTheCellsInTheirBoundingBox) {
+  const auto mask = maskOf({{7, 3}, {5, 4}}, kReduce);
+  ASSERT_NE(mask, nullptr);
+  EXPECT_EQ(mask->corner, cv::Point(5, 3));
+  EXPECT_EQ(mask->cells.size(), cv::Size(3, 2));
+  EXPECT_EQ(cv::countNonZero(mask->cells), 2);
+  EXPECT_NE(mask->cells.at<unsigned char>(0, 2), 0);
+  EXPECT_EQ(mask->reduce, kReduce);
+  EXPECT_EQ(maskOf({}, kReduce), nullptr);
 }
 
-TEST(AppearanceTest, IsFoundWhereItWent) {
-  const auto appearance = looked();
+TEST(AppearanceTest, FlatOrTinyObjectsHaveNoTemplate) {
+  EXPECT_FALSE(templateOf(cv::Mat(kImage, CV_8U, cv::Scalar(90)), cellsIn(kThing), kReduce));
+  EXPECT_FALSE(templateOf(imageWith(kThing.tl()), cellsIn({90, 30, 4, 4}), kReduce));
+}
+
+TEST(AppearanceTest, IsFoundWhereTheObjectMoved) {
+  const auto appearance = thing();
   const auto off =
-      seek(appearance, imageWith(kThing.tl() + cv::Point(5, -2)), appearance.middle, 1);
+      findTemplate(appearance, imageWith(kThing.tl() + cv::Point(5, -2)), centreOf(appearance), 1);
   ASSERT_TRUE(off);
   EXPECT_EQ(*off, cv::Point(5, -2));
 }
 
-TEST(AppearanceTest, IsFoundWhenItHasComeNearer) {
-  const auto appearance = looked();
+TEST(AppearanceTest, IsFoundEnlarged) {
+  const auto appearance = thing();
   const double scale = 1.25;
   const cv::Mat image = imageWith({90, 30}, scale);
   const cv::Point2d middle(90.0 + 0.5 * scale * kThing.width, 30.0 + 0.5 * scale * kThing.height);
-  const auto off = seek(appearance, image, middle + cv::Point2d(3.0, 0.0), scale);
+  const auto off = findTemplate(appearance, image, middle + cv::Point2d(3.0, 0.0), scale);
   ASSERT_TRUE(off);
   EXPECT_NEAR(off->x, -3, 1);
   EXPECT_NEAR(off->y, 0, 1);
 }
 
-TEST(AppearanceTest, IsNotSoughtMuchLargerOrSmaller) {
-  const auto appearance = looked();
+TEST(AppearanceTest, IsNotSearchedBeyondAFactorOfThreeInScale) {
+  const auto appearance = thing();
   for (const double scale : {1e-3, 0.3, 3.1, 1e3, std::nan("")}) {
-    EXPECT_FALSE(seek(appearance, imageWith(kThing.tl()), appearance.middle, scale)) << scale;
+    EXPECT_FALSE(findTemplate(appearance, imageWith(kThing.tl()), centreOf(appearance), scale))
+        << scale;
   }
 }
 
-TEST(AppearanceTest, IsFoundAtTheEdgeByWhatIsLeftOfIt) {
-  const auto appearance = looked();
+TEST(AppearanceTest, IsFoundAtTheEdgeOfTheImageByItsVisiblePart) {
+  const auto appearance = thing();
   const cv::Point2d shift(-kThing.x - 6.0, 0.0);  // half of it has left the image
-  const auto off = seek(appearance, imageWith({-6, 30}), appearance.middle + shift, 1.0);
+  const auto off = findTemplate(appearance, imageWith({-6, 30}), centreOf(appearance) + shift, 1.0);
   ASSERT_TRUE(off);
   EXPECT_NEAR(off->x, 0, 1);
   const cv::Point2d gone(-kThing.x - 20.0, 0.0);
-  EXPECT_FALSE(seek(appearance, textured(kImage, 1), appearance.middle + gone, 1.0));
+  EXPECT_FALSE(findTemplate(appearance, textured(kImage, 1), centreOf(appearance) + gone, 1.0));
 }
 
-TEST(AppearanceTest, IsNotFoundWhereSomethingElseIs) {
-  const auto appearance = looked();
-  EXPECT_FALSE(seek(appearance, textured(kImage, 1), appearance.middle, 1.0));
-  EXPECT_FALSE(seek(appearance, cv::Mat(kImage, CV_8U, cv::Scalar(0)), appearance.middle, 1.0));
+TEST(AppearanceTest, IsNotFoundInOtherTexture) {
+  const auto appearance = thing();
+  EXPECT_FALSE(findTemplate(appearance, textured(kImage, 1), centreOf(appearance), 1.0));
+  EXPECT_FALSE(
+      findTemplate(appearance, cv::Mat(kImage, CV_8U, cv::Scalar(0)), centreOf(appearance), 1.0));
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <headway/core/appearance.h>
 #include <headway/core/error.h>
 #include <headway/detect/detector_factory.h>
 #include <headway/detect/fusion.h>
@@ -50,6 +51,25 @@ TEST(FuseTest, AnObjectSeenTwiceIsReportedOnceWithAllThatIsKnown) {
   EXPECT_EQ(fused.items[0].velocity->value.z(), 9.0);
 }
 
+TEST(FuseTest, EvidenceOfAllSourcesIsKept) {
+  auto classified = seenAt(10, std::nullopt, ObjectClass::kCar);
+  classified.evidence.classifier = true;
+  auto moving = seenAt(14, 20.0, ObjectClass::kPedestrian);
+  moving.evidence.motion = true;
+  moving.searched_track = TrackId{4};
+  moving.mask = std::make_shared<const ObjectMask>();
+  moving.appearance = std::make_shared<const AppearanceTemplate>();
+  const auto fused = fuse({listOf({classified}), listOf({moving})});
+  ASSERT_EQ(fused.items.size(), 1u);
+  const Detection& item = fused.items[0];
+  EXPECT_TRUE(item.evidence.classifier && item.evidence.motion);
+  EXPECT_FALSE(item.evidence.flow || item.evidence.appearance);
+  EXPECT_EQ(item.object_class, ObjectClass::kCar);
+  EXPECT_EQ(item.searched_track, TrackId{4});
+  EXPECT_EQ(item.mask, moving.mask);
+  EXPECT_EQ(item.appearance, moving.appearance);
+}
+
 TEST(FuseTest, OverlappingBoxesFarApartInSpaceAreTwoObjects) {
   const auto fused = fuse({listOf({seenAt(10, 10.0, ObjectClass::kCar)}),
                            listOf({seenAt(12, 30.0, ObjectClass::kCar)})});
@@ -74,16 +94,13 @@ TEST(FuseTest, TwoHalvesOfOneObjectDoNotBecomeASecondOne) {
 }
 
 TEST(MakeDetectorTest, NamesWhatThereIs) {
-  auto camera = std::make_shared<StereoCamera>();
   try {
-    (void)makeDetector("radar", camera, DetectParams{});
+    (void)makeDetector("radar", DetectParams{});
     FAIL() << "no error";
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("stereo_motion, dnn, hog"), std::string::npos);
   }
-  for (const char* name : {"hog", "stereo_motion"}) {
-    EXPECT_NE(makeDetector(name, camera, DetectParams{}), nullptr);
-  }
+  EXPECT_NE(makeDetector("hog", DetectParams{}), nullptr);
 }
 
 }  // namespace

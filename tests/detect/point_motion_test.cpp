@@ -103,7 +103,7 @@ TEST(CameraPathTest, WithoutPointsThereIsNothingToRefineBy) {
 TEST(DisparityOffsetTest, IsFoundFromStillPointsAndOnlyFromThose) {
   Drive drive;
   std::vector<PointTrack> points;
-  std::vector<PointVerdict> verdicts;
+  std::vector<PointClass> classes;
   std::mt19937 random(5);
   std::uniform_real_distribution<double> place(-1.0, 1.0);
   for (int i = 0; i < 300; ++i) {
@@ -112,13 +112,13 @@ TEST(DisparityOffsetTest, IsFoundFromStillPointsAndOnlyFromThose) {
     point.sightings = drive.see(start, {0, 0, 0}, 0.2, -0.8);
     point.motion = fitMotion(point.sightings, drive.path, drive.camera, {}, 30.0);
     points.push_back(point);
-    verdicts.push_back(PointVerdict::kStill);
+    classes.push_back(PointClass::kStatic);
   }
   DisparityOffset offset;
-  for (int frame = 0; frame < 3; ++frame) offset.update(points, verdicts);
+  for (int frame = 0; frame < 3; ++frame) offset.update(points, classes);
   EXPECT_LT(offset.value(), -0.5);
   DisparityOffset untouched;
-  untouched.update(points, std::vector<PointVerdict>(points.size(), PointVerdict::kMismatch));
+  untouched.update(points, std::vector<PointClass>(points.size(), PointClass::kMismatch));
   EXPECT_EQ(untouched.value(), 0.0);
 }
 

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-#include "body_flow.h"
+#include "segment_flow.h"
 
 namespace headway::detect {
 namespace {
@@ -73,19 +73,19 @@ struct Look {
     return moving / static_cast<double>(known);
   }
 
-  [[nodiscard]] std::vector<UprightBlob> bodies(const ResidualFlow& by) const {
+  [[nodiscard]] std::vector<UprightSegment> segments(const ResidualFlow& by) const {
     const auto ground = stereo::findGround(disparity, *street.camera(), std::nullopt);
     EXPECT_TRUE(ground);
-    return bodiesByFlow(disparity, by, *street.camera(), *ground, 30.0);
+    return segmentsByFlow(disparity, by, *street.camera(), *ground, 30.0);
   }
 };
 
 /// The one whose middle lies within reach of a place; null if there is none.
-const UprightBlob* bodyAt(const std::vector<UprightBlob>& bodies, const Eigen::Vector3d& foot,
-                          const StereoCamera& camera) {
-  for (const auto& body : bodies) {
-    const Eigen::Vector3d off = *triangulate(body.uvd, camera) - foot;
-    if (std::abs(off.x()) < 0.4 && std::abs(off.z()) < 0.6) return &body;
+const UprightSegment* bodyAt(const std::vector<UprightSegment>& segments,
+                             const Eigen::Vector3d& foot, const StereoCamera& camera) {
+  for (const auto& segment : segments) {
+    const Eigen::Vector3d off = *triangulate(segment.uvd, camera) - foot;
+    if (std::abs(off.x()) < 0.4 && std::abs(off.z()) < 0.6) return &segment;
   }
   return nullptr;
 }
@@ -115,9 +115,9 @@ TEST(ResidualFlowTest, DoesNotTakeBrightnessForMotion) {
 TEST(BodiesByFlowTest, CutsOutAWalkerCloseToAWall) {
   const Look look({kWall, kWalker});
   const Eigen::Vector3d foot = look.street.placeInCamera(kWalker, 1);
-  EXPECT_FALSE(bodyAt(look.bodies({}), foot, *look.street.camera())) << "by disparities alone";
-  const auto bodies = look.bodies(look.flow);
-  const UprightBlob* walker = bodyAt(bodies, foot, *look.street.camera());
+  EXPECT_FALSE(bodyAt(look.segments({}), foot, *look.street.camera())) << "by disparities alone";
+  const auto segments = look.segments(look.flow);
+  const UprightSegment* walker = bodyAt(segments, foot, *look.street.camera());
   ASSERT_TRUE(walker);
   ASSERT_TRUE(walker->across);
   EXPECT_NEAR(walker->across->speed, kAcross.x(), 0.15);
@@ -126,9 +126,9 @@ TEST(BodiesByFlowTest, CutsOutAWalkerCloseToAWall) {
 
 TEST(BodiesByFlowTest, CutsNothingOutOfWhatStands) {
   const Look look({kWall, kStander});
-  for (const auto& body : look.bodies(look.flow)) {
-    if (!body.across) continue;
-    EXPECT_LT(std::abs(body.across->speed), 3.0 * body.across->sigma);
+  for (const auto& segment : look.segments(look.flow)) {
+    if (!segment.across) continue;
+    EXPECT_LT(std::abs(segment.across->speed), 3.0 * segment.across->sigma);
   }
 }
 

@@ -86,6 +86,30 @@ TEST(ConsistencyCheckTest, TakesTheDetectorsIdAsAHintOnly) {
   EXPECT_THAT(check.match({a, b}, {elsewhere}).pairs, IsEmpty()) << "never trusted";
 }
 
+TEST(ConsistencyCheckTest, TheSearchedTrackIsAHintOnly) {
+  const ConsistencyCheck check{ConsistencyParams()};
+  auto first = track(10, 0);
+  auto second = track(10.4, 0);
+  first.track = TrackId{0};
+  second.track = TrackId{1};
+  auto between = box(10.2, 0);
+  between.searched_track = TrackId{1};
+  EXPECT_THAT(check.match({first, second}, {between}).pairs, ElementsAre(Pair(1u, 0u)));
+  auto near_first = box(9.9, 0);
+  near_first.searched_track = TrackId{1};
+  EXPECT_THAT(check.match({first, second}, {near_first}).pairs, ElementsAre(Pair(0u, 0u)));
+}
+
+TEST(ConsistencyCheckTest, AGuessedClassIsCompatibleAtACost) {
+  const ConsistencyCheck check{ConsistencyParams()};
+  auto guessed = box(10, 0, ObjectClass::kPedestrian);
+  EXPECT_THAT(check.match({track(10, 0)}, {guessed}).pairs, IsEmpty());
+  guessed.evidence.motion = true;
+  EXPECT_THAT(check.match({track(10, 0)}, {guessed}).pairs, ElementsAre(Pair(0u, 0u)));
+  const auto walker = track(10.2, 0, ObjectClass::kPedestrian);
+  EXPECT_THAT(check.match({track(10, 0), walker}, {guessed}).pairs, ElementsAre(Pair(1u, 0u)));
+}
+
 TEST(ConsistencyCheckTest, KeepsTheSurestOfSeveralBoxes) {
   const ConsistencyCheck check{ConsistencyParams()};
   MeasuredBox sure = box(10, 0);

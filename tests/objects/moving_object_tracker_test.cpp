@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <headway/core/appearance.h>
 #include <headway/core/error.h>
 #include <headway/objects/moving_object_tracker.h>
 #include <headway/objects/predictor.h>
@@ -80,7 +81,7 @@ TEST(MovingObjectTrackerTest, ForgetsASingleFalseAlarm) {
   replay.frame({seenCar(10, 0)});
   for (int k = 0; k < 5; ++k) replay.frame({});
   EXPECT_THAT(replay.last.tracks, IsEmpty());
-  EXPECT_THAT(replay.settled, IsEmpty()) << "it never was a track";
+  EXPECT_THAT(replay.finalised, IsEmpty()) << "it never was a track";
 }
 
 TEST(MovingObjectTrackerTest, TracksAConstantVelocityWithoutLag) {
@@ -255,7 +256,7 @@ TEST(MovingObjectTrackerTest, GivesANewIdAfterTheTimeForFindingAgain) {
   for (int k = 0; k < 20; ++k) replay.frame({seenPerson(8, 0)});
   const TrackId id = replay.last.tracks.at(0).id;
   for (int k = 0; k < 15; ++k) replay.frame({});
-  EXPECT_EQ(replay.settled.size(), 20u) << "the whole track was handed out when it ended";
+  EXPECT_EQ(replay.finalised.size(), 20u) << "the whole track was handed out when it ended";
   for (int k = 0; k < 3; ++k) replay.frame({seenPerson(8, 0)});
   EXPECT_NE(replay.last.tracks.at(0).id, id);
 }
@@ -359,7 +360,7 @@ TEST(MovingObjectTrackerTest, TakesTenThousandBoxes) {
 TEST(MovingObjectTrackerTest, HandsOutEveryPlaceOfATrackOnce) {
   Replay replay;
   for (int k = 0; k < 50; ++k) replay.frame({seenCar(10 + 0.5 * k, 0)});
-  auto samples = replay.settled;
+  auto samples = replay.finalised;
   for (TrackSample& sample : replay.tracker().flush()) samples.push_back(std::move(sample));
   ASSERT_EQ(samples.size(), 50u);
   for (std::size_t k = 0; k < samples.size(); ++k) {
@@ -399,24 +400,105 @@ TEST(MovingObjectTrackerTest, SmoothsANoisyPath) {
   EXPECT_LT(std::sqrt(ours), 0.75 * std::sqrt(raw));
 }
 
-TEST(MovingObjectTrackerTest, KeepsTheMovingVerdictWithoutFlicker) {
+TEST(MovingObjectTrackerTest, ClassifiesMotionWithoutFlicker) {
   std::mt19937 random(9);
   std::normal_distribution<double> noise(0.0, 0.05);
   Replay replay;
-  std::vector<bool> verdicts;
+  std::vector<bool> states;
   double x = 10.0;
   for (int k = 0; k < 240; ++k) {
     const bool drives = k >= 80 && k < 160;
     x += drives ? 0.4 : 0.0;
     replay.frame({seenCar(x + noise(random), noise(random))});
-    verdicts.push_back(isMoving(replay.last.tracks.at(0)));
+    states.push_back(isMoving(replay.last.tracks.at(0)));
   }
-  EXPECT_FALSE(verdicts[70]);
-  EXPECT_TRUE(verdicts[100]);
-  EXPECT_FALSE(verdicts[190]);
+  EXPECT_FALSE(states[70]);
+  EXPECT_TRUE(states[100]);
+  EXPECT_FALSE(states[190]);
   int changes = 0;
-  for (std::size_t k = 1; k < verdicts.size(); ++k) changes += verdicts[k] != verdicts[k - 1];
+  for (std::size_t k = 1; k < states.size(); ++k) changes += states[k] != states[k - 1];
   EXPECT_EQ(changes, 2);
+}
+
+/// A walker as a motion detector reports him, on his way to the left at 1.5 m/s.
+Detection seenWalking(int frame) {
+  Detection walker = seenPerson(10.0, 1.5 * test::kFrame_s * frame);
+  walker.evidence.motion = true;
+  walker.velocity = MeasuredVelocity{{-1.5, 0.0, 0.0}, 0.04 * Eigen::Matrix3d::Identity()};
+  return walker;
+}
+
+TEST(MovingObjectTrackerTest, ExpectsWhatADetectorSawMove) {
+  Replay replay;
+  replay.frame({seenWalking(0), seenCar(20.0, 5.0)});
+  ASSERT_EQ(replay.last.expected.size(), 1u) << "nobody had evidence that the car moves";
+  const ExpectedObject& first = replay.last.expected[0];
+  EXPECT_EQ(first.track, replay.last.tracks[0].id);
+  EXPECT_EQ(first.observations, 1);
+  EXPECT_NEAR(first.velocity.value.y(), 1.5, 1e-9) << "in the map, as it was measured";
+  replay.frame({seenWalking(1)});
+  replay.frame({});
+  ASSERT_EQ(replay.last.expected.size(), 1u);
+  const ExpectedObject& later = replay.last.expected[0];
+  EXPECT_EQ(later.observations, 2);
+  EXPECT_NEAR(later.time, 0.2, 1e-9);
+  EXPECT_NEAR(later.last_observed, 0.1, 1e-9);
+  EXPECT_NEAR(later.last_motion, 0.1, 1e-9);
+  EXPECT_NEAR(later.position.y(), 0.3, 0.05) << "predicted to this frame";
+  EXPECT_NEAR(later.positionAt(0.4).y(), 0.6, 0.05);
+}
+
+TEST(MovingObjectTrackerTest, OnlyMotionRenewsTheEvidenceOfMotion) {
+  Replay replay;
+  replay.frame({seenWalking(0)});
+  Detection by_flow = seenWalking(1);
+  by_flow.evidence = {};
+  by_flow.evidence.flow = true;
+  by_flow.velocity->value.x() = -9.0;
+  replay.frame({by_flow});
+  ASSERT_EQ(replay.last.expected.size(), 1u);
+  EXPECT_NEAR(replay.last.expected[0].last_observed, 0.1, 1e-9);
+  EXPECT_NEAR(replay.last.expected[0].last_motion, 0.0, 1e-9);
+  EXPECT_NEAR(replay.last.expected[0].velocity.value.y(), 1.5, 1e-9);
+}
+
+TEST(MovingObjectTrackerTest, KeepsTheNewestTemplateButNotOneFoundByItself) {
+  const auto templateAt = [](Time time) {
+    AppearanceTemplate appearance;
+    appearance.time = time;
+    return std::make_shared<const AppearanceTemplate>(appearance);
+  };
+  const auto keptTime = [](const Replay& replay) {
+    const auto& appearance = replay.last.expected.at(0).appearance;
+    return appearance != nullptr ? appearance->time : -1.0;
+  };
+  Replay replay;
+  Detection walker = seenWalking(0);
+  walker.appearance = templateAt(0.0);
+  replay.frame({walker});
+  EXPECT_EQ(keptTime(replay), 0.0);
+  walker = seenWalking(1);
+  walker.appearance = templateAt(0.1);
+  replay.frame({walker});
+  EXPECT_EQ(keptTime(replay), 0.1);
+  walker = seenWalking(2);
+  walker.evidence = {};
+  walker.evidence.appearance = true;
+  replay.frame({walker});
+  EXPECT_EQ(keptTime(replay), 0.1) << "a match of the template brings no new one";
+  replay.frame({seenWalking(3)});
+  EXPECT_EQ(keptTime(replay), -1.0) << "too little contrast now";
+}
+
+TEST(MovingObjectTrackerTest, VotesOverGuessedClasses) {
+  Replay replay;
+  for (int k = 0; k < 6; ++k) {
+    Detection walker = seenWalking(k);
+    if (k == 2) walker.object_class = ObjectClass::kCar;
+    replay.frame({walker});
+    ASSERT_EQ(replay.last.tracks.size(), 1u) << "a guess starts no second track, frame " << k;
+    EXPECT_EQ(replay.last.tracks[0].object_class, ObjectClass::kPedestrian);
+  }
 }
 
 TEST(ObjectsParamsTest, DescribeEveryKeyOnceAndLoadWhatTheyPrint) {

@@ -54,7 +54,7 @@ class Replay {
     time_ = time + kFrame_s;
     for (const auto& [reason, count] : last.detections_dropped) dropped[reason] += count;
     used += last.detections_used;
-    settled.insert(settled.end(), last.settled.begin(), last.settled.end());
+    finalised.insert(finalised.end(), last.finalised.begin(), last.finalised.end());
     return last;
   }
 
@@ -64,7 +64,7 @@ class Replay {
   TrackUpdate last;
   DropCounts dropped;
   std::size_t used = 0;
-  std::vector<TrackSample> settled;
+  std::vector<TrackSample> finalised;
 
  private:
   MovingObjectTracker tracker_;

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
+#include <headway/pipeline/moving_regions.h>
 #include <headway/pipeline/perception.h>
 #include <headway_test/painted_street.h>
 
@@ -59,10 +60,9 @@ Detections recorded(const PaintedStreet& street, int index, std::vector<Detectio
   return detections;
 }
 
-/// All that the stage says of one frame.
-std::optional<Detections> look(DetectionStage& stage, const RecordedFrame& frame) {
-  stage.begin(frame);
-  return stage.finish(frame, frame.T_map_robot);
+/// All that the stage detects in one frame.
+FrameDetections detectAll(DetectionStage& stage, const RecordedFrame& frame) {
+  return stage.detectMotion(frame, frame.T_map_robot, stage.detectObjects(frame), {}, {});
 }
 
 TEST(DetectionStageTest, NamesAreChecked) {
@@ -88,7 +88,7 @@ TEST(DetectionStageTest, NoDetectorMakesNoUseOfRecordedBoxes) {
   DetectionStage stage(street.camera(), paramsFor("none"));
   auto frame = frameOf(street, 0);
   frame.detections = recorded(street, 0, {seen(kParked, street, 0)});
-  EXPECT_FALSE(look(stage, frame));
+  EXPECT_FALSE(detectAll(stage, frame).fused);
 }
 
 TEST(DetectionStageTest, LooksAtEveryNthFrameOnly) {
@@ -98,8 +98,9 @@ TEST(DetectionStageTest, LooksAtEveryNthFrameOnly) {
   DetectionStage stage(street.camera(), params);
   std::vector<bool> looked;
   for (int i = 0; i < 5; ++i) {
-    looked.push_back(look(stage, frameOf(street, i)).has_value());
-    EXPECT_EQ(looked.back(), stage.looked());
+    const auto found = detectAll(stage, frameOf(street, i));
+    looked.push_back(found.fused.has_value());
+    EXPECT_EQ(looked.back(), found.images_used);
   }
   EXPECT_EQ(looked, (std::vector<bool>{true, false, false, true, false}));
 }
@@ -107,13 +108,13 @@ TEST(DetectionStageTest, LooksAtEveryNthFrameOnly) {
 TEST(DetectionStageTest, ByItselfItStepsAsideForRecordedBoxes) {
   const PaintedStreet street({kMover, kParked});
   DetectionStage stage(street.camera(), paramsFor("auto"));
-  (void)look(stage, frameOf(street, 0));
-  EXPECT_TRUE(stage.looked()) << "nothing recorded so far";
+  EXPECT_TRUE(detectAll(stage, frameOf(street, 0)).images_used) << "nothing recorded so far";
   auto frame = frameOf(street, 1);
   frame.detections = recorded(street, 1, {});
-  EXPECT_TRUE(look(stage, frame));
-  EXPECT_FALSE(stage.looked());
-  EXPECT_FALSE(look(stage, frameOf(street, 2))) << "a frame without boxes coasts";
+  const auto found = detectAll(stage, frame);
+  EXPECT_TRUE(found.fused);
+  EXPECT_FALSE(found.images_used);
+  EXPECT_FALSE(detectAll(stage, frameOf(street, 2)).fused) << "a frame without boxes coasts";
 }
 
 TEST(DetectionStageTest, RecordedBoxesWithoutDepthGetIt) {
@@ -121,12 +122,12 @@ TEST(DetectionStageTest, RecordedBoxesWithoutDepthGetIt) {
   DetectionStage stage(street.camera(), paramsFor("recorded"));
   auto frame = frameOf(street, 0);
   frame.detections = recorded(street, 0, {seen(kParked, street, 0)});
-  const auto found = look(stage, frame);
-  ASSERT_TRUE(found && found->items.size() == 1u && found->items[0].box3d);
-  const Box3d& box = *found->items[0].box3d;
+  const auto found = detectAll(stage, frame);
+  ASSERT_TRUE(found.fused && found.fused->items.size() == 1u && found.fused->items[0].box3d);
+  const Box3d& box = *found.fused->items[0].box3d;
   EXPECT_NEAR(16.0, box.centre.z() - 0.5 * box.length, 0.8) << "its front is painted at 16 m";
   EXPECT_NEAR(3.5 / 16.0, box.centre.x() / box.centre.z(), 0.02);
-  EXPECT_TRUE(stage.looked());
+  EXPECT_TRUE(found.images_used);
 }
 
 TEST(DetectionStageTest, BoxesOfAnotherSensorAreTurnedToTheCamera) {
@@ -141,7 +142,7 @@ TEST(DetectionStageTest, BoxesOfAnotherSensorAreTurnedToTheCamera) {
   T_cam_sensor.linear() = expSo3({0.0, M_PI_2, 0.0});
   T_cam_sensor.translation().z() = -1.0;
   frame.detections->T_robot_sensor = street.camera()->T_robot_cam * T_cam_sensor;
-  const auto found = look(stage, frame);
+  const auto found = detectAll(stage, frame).fused;
   ASSERT_TRUE(found);
   EXPECT_TRUE(found->T_robot_sensor.isApprox(street.camera()->T_robot_cam));
   EXPECT_TRUE(found->items[0].box3d->centre.isApprox(Eigen::Vector3d(10.0, 0.0, -1.0), 1e-9));
@@ -155,9 +156,9 @@ TEST(DetectionStageTest, TwoSourcesOfOneObjectGiveOneDetection) {
   std::optional<Detections> one, fused;
   for (int i = 0; i < 10; ++i) {
     auto frame = frameOf(street, i);
-    one = look(alone, frame);
+    one = detectAll(alone, frame).fused;
     frame.detections = recorded(street, i, {seen(kMover, street, i), seen(kParked, street, i)});
-    fused = look(both, frame);
+    fused = detectAll(both, frame).fused;
   }
   ASSERT_TRUE(one && fused);
   EXPECT_EQ(1u, one->items.size());
@@ -168,11 +169,12 @@ TEST(DetectionStageTest, WhatMovedIsLeftOutOfTheNextFramesLandmarks) {
   const PaintedStreet street({kMover, kParked});
   DetectionStage stage(street.camera(), paramsFor("stereo_motion"));
   MovingRegions regions;
+  detect::MotionDetections motion;
   for (int i = 0; i < 10; ++i) {
     const auto frame = frameOf(street, i);
-    stage.begin(frame);
-    regions = stage.movingRegions(frame, {});
-    (void)stage.finish(frame, frame.T_map_robot);
+    const auto boxes = stage.detectObjects(frame);
+    regions = movingRegions(boxes.sources, {}, motion, frame.time, *street.camera());
+    motion = stage.detectMotion(frame, frame.T_map_robot, boxes, {}, motion).motion;
   }
   ASSERT_EQ(1u, regions.boxes.size());
   const Box2d truth = *seen(kMover, street, 9).box2d;
@@ -181,14 +183,14 @@ TEST(DetectionStageTest, WhatMovedIsLeftOutOfTheNextFramesLandmarks) {
   EXPECT_FALSE(regions.mask.empty());
 }
 
-TEST(DetectionStageTest, WhatDetectorsLeaveOutIsCountedOnce) {
+TEST(DetectionStageTest, UnusableFramesAreCounted) {
   const PaintedStreet street({});
   DetectionStage stage(street.camera(), paramsFor("stereo_motion"));
   auto frame = frameOf(street, 0);
   frame.stereo->left.setTo(0);
-  EXPECT_FALSE(look(stage, frame));
-  EXPECT_EQ((DropCounts{{"unusable_image", 1}}), stage.takeDropped());
-  EXPECT_TRUE(stage.takeDropped().empty());
+  const auto found = detectAll(stage, frame);
+  EXPECT_FALSE(found.fused);
+  EXPECT_EQ((DropCounts{{"unusable_image", 1}}), found.dropped);
 }
 
 TEST(PerceptionTest, ImagesAloneGiveTracksOfWhatMoves) {

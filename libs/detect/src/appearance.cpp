@@ -7,13 +7,13 @@
 namespace headway::detect {
 namespace {
 
-constexpr int kLeastCells = 30;
-constexpr double kLeastContrast = 6.0;  // standard deviation [grey levels]
-constexpr float kAlike = 0.5F;          // correlation; legs and what is behind them change
-constexpr int kReachAcross = 8;         // sought to either side [cells]
-constexpr int kReachUp = 4;             // and up and down [cells]
-constexpr double kMostScale = 3.0;      // farther or nearer by more it looks otherwise
-const cv::Size kGaps(5, 5);             // between cells that are closed [cells]
+constexpr int kMinCells = 30;
+constexpr double kMinContrast = 6.0;  // standard deviation [grey levels]
+constexpr float kAlike = 0.5F;        // correlation; legs and what is behind them change
+constexpr int kReachAcross = 8;       // sought to either side [cells]
+constexpr int kReachUp = 4;           // and up and down [cells]
+constexpr double kMaxScale = 3.0;     // farther or nearer by more it looks otherwise
+const cv::Size kGaps(5, 5);           // between cells that are closed [cells]
 
 cv::Mat resized(const cv::Mat& image, double scale, int interpolation) {
   cv::Mat result;
@@ -39,27 +39,37 @@ std::optional<cv::Point> bestOf(const cv::Mat& correlations) {
 
 }  // namespace
 
-std::optional<Appearance> appearanceOf(const cv::Mat& image, const std::vector<cv::Point>& cells) {
-  if (static_cast<int>(cells.size()) < kLeastCells) return std::nullopt;
+std::shared_ptr<const ObjectMask> maskOf(const std::vector<cv::Point>& cells, int reduce) {
+  if (cells.empty()) return nullptr;
   const cv::Rect box = cv::boundingRect(cells);
-  Appearance appearance;
+  auto mask = std::make_shared<ObjectMask>();
+  mask->corner = box.tl();
+  mask->cells = cv::Mat::zeros(box.size(), CV_8U);
+  for (const auto& cell : cells) mask->cells.at<unsigned char>(cell - box.tl()) = 255;
+  mask->reduce = reduce;
+  return mask;
+}
+
+std::optional<AppearanceTemplate> templateOf(const cv::Mat& image,
+                                             const std::vector<cv::Point>& cells, int reduce) {
+  if (static_cast<int>(cells.size()) < kMinCells) return std::nullopt;
+  const cv::Rect box = cv::boundingRect(cells);
+  AppearanceTemplate appearance;
   appearance.patch = image(box).clone();
-  appearance.middle = {box.x + 0.5 * box.width, box.y + 0.5 * box.height};
-  appearance.mask = cv::Mat(box.size(), CV_8U, cv::Scalar(0));
-  for (const auto& cell : cells) appearance.mask.at<unsigned char>(cell - box.tl()) = 255;
-  cv::morphologyEx(appearance.mask, appearance.mask, cv::MORPH_CLOSE,
-                   cv::getStructuringElement(cv::MORPH_RECT, kGaps));
+  appearance.mask = *maskOf(cells, reduce);
+  cv::Mat& mask = appearance.mask.cells;
+  cv::morphologyEx(mask, mask, cv::MORPH_CLOSE, cv::getStructuringElement(cv::MORPH_RECT, kGaps));
   cv::Scalar mean, deviation;
-  cv::meanStdDev(appearance.patch, mean, deviation, appearance.mask);
-  if (deviation[0] < kLeastContrast) return std::nullopt;
+  cv::meanStdDev(appearance.patch, mean, deviation, mask);
+  if (deviation[0] < kMinContrast) return std::nullopt;
   return appearance;
 }
 
-std::optional<cv::Point> seek(const Appearance& appearance, const cv::Mat& image,
-                              const cv::Point2d& expected, double scale) {
-  if (!(scale < kMostScale && scale > 1.0 / kMostScale)) return std::nullopt;
+std::optional<cv::Point> findTemplate(const AppearanceTemplate& appearance, const cv::Mat& image,
+                                      const cv::Point2d& expected, double scale) {
+  if (!(scale < kMaxScale && scale > 1.0 / kMaxScale)) return std::nullopt;
   const cv::Mat patch = resized(appearance.patch, scale, cv::INTER_LINEAR);
-  const cv::Mat mask = resized(appearance.mask, scale, cv::INTER_NEAREST);
+  const cv::Mat mask = resized(appearance.mask.cells, scale, cv::INTER_NEAREST);
   const cv::Point corner(cvRound(expected.x - 0.5 * patch.cols),
                          cvRound(expected.y - 0.5 * patch.rows));
   const cv::Rect whole({0, 0}, image.size());
@@ -69,7 +79,7 @@ std::optional<cv::Point> seek(const Appearance& appearance, const cv::Mat& image
                           whole;
   if (shown.empty()) return std::nullopt;
   const cv::Rect part(shown.tl() - corner, shown.size());
-  if (cv::countNonZero(mask(part)) < kLeastCells) return std::nullopt;
+  if (cv::countNonZero(mask(part)) < kMinCells) return std::nullopt;
   cv::Mat correlations;
   cv::matchTemplate(image(window), patch(part), correlations, cv::TM_CCOEFF_NORMED, mask(part));
   const auto best = bestOf(correlations);

@@ -1,33 +1,40 @@
 #pragma once
 
+#include <headway/core/appearance.h>
+
+#include <memory>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <vector>
 
 namespace headway::detect {
 
-/// How something looked in one frame: its own cells of the left image on the disparity grid.
-struct Appearance {
-  cv::Mat patch;       ///< 8-bit
-  cv::Mat mask;        ///< of the same size, 255 where the patch shows it
-  cv::Point2d middle;  ///< of the patch in that image [cells]
-};
-
-/// Cuts out how something looks.
+/// The mask of an object.
 ///
-/// @param image  left, on the disparity grid, 8-bit
-/// @param cells  that it covers; gaps between them are closed
-/// @return       nullopt for hardly any cells or hardly any contrast
-[[nodiscard]] std::optional<Appearance> appearanceOf(const cv::Mat& image,
-                                                     const std::vector<cv::Point>& cells);
+/// @param cells   of the disparity grid
+/// @param reduce  pixels to one cell, each way
+/// @return        null without cells
+[[nodiscard]] std::shared_ptr<const ObjectMask> maskOf(const std::vector<cv::Point>& cells,
+                                                       int reduce);
 
-/// Seeks what looks the same in another frame, by normalised correlation.
+/// Cuts the template of an object out of an image; its geometry and time are left to the caller.
 ///
-/// @param expected  middle of its patch there; parts outside the image are left out [cells]
-/// @param scale     its size there over its size when it was cut out
-/// @return          how far from the expected place it is; nullopt if nothing near looks like it,
-///                  or where its size must have changed threefold
-[[nodiscard]] std::optional<cv::Point> seek(const Appearance& appearance, const cv::Mat& image,
-                                            const cv::Point2d& expected, double scale);
+/// @param image   left, on the disparity grid, 8-bit
+/// @param cells   that show the object; gaps between them are closed
+/// @param reduce  pixels to one cell, each way
+/// @return        nullopt for too few cells or too little contrast to be found again
+[[nodiscard]] std::optional<AppearanceTemplate> templateOf(const cv::Mat& image,
+                                                           const std::vector<cv::Point>& cells,
+                                                           int reduce);
+
+/// Searches another frame for a template by normalised correlation.
+///
+/// @param expected  centre of the patch there; parts outside the image are left out [cells]
+/// @param scale     size of the object there over its size in the template
+/// @return          offset from the expected place [cells]; nullopt if nothing near it is similar,
+///                  or for scales beyond a factor of three
+[[nodiscard]] std::optional<cv::Point> findTemplate(const AppearanceTemplate& appearance,
+                                                    const cv::Mat& image,
+                                                    const cv::Point2d& expected, double scale);
 
 }  // namespace headway::detect

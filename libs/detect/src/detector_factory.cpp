@@ -23,15 +23,7 @@ const std::vector<std::string>& detectorNames() {
   return names;
 }
 
-std::unique_ptr<Detector> makeDetector(const std::string& name,
-                                       std::shared_ptr<const StereoCamera> camera,
-                                       const DetectParams& params,
-                                       std::shared_ptr<stereo::DisparityMatcher> matcher) {
-  if (name == "stereo_motion") {
-    if (matcher == nullptr) matcher = std::make_shared<stereo::DisparityMatcher>(params.disparity);
-    return std::make_unique<StereoMotion>(std::move(camera), params.stereo_motion,
-                                          std::move(matcher));
-  }
+std::unique_ptr<Detector> makeDetector(const std::string& name, const DetectParams& params) {
   if (name == "dnn") return std::make_unique<NetworkDetector>(params.network);
   if (name == "hog") return std::make_unique<PersonDetector>(params.person);
   std::string known;

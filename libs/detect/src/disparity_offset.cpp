@@ -12,12 +12,12 @@ constexpr double kMostOffset = 4.0;    // [px]
 }  // namespace
 
 void DisparityOffset::update(const std::vector<PointTrack>& points,
-                             const std::vector<PointVerdict>& verdicts) {
+                             const std::vector<PointClass>& classes) {
   double information = 0.0;
   double push = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto& point = points[i];
-    if (!point.motion || point.object >= 0 || verdicts[i] == PointVerdict::kMismatch) continue;
+    if (!point.motion || point.group >= 0 || classes[i] == PointClass::kMismatch) continue;
     const double weight = kIndependent / (1.0 + point.motion->stillFit());
     information += weight * point.motion->offset_information;
     push += weight * point.motion->offset_push;

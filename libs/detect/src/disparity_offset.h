@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "motion_verdict.h"
+#include "point_classification.h"
 
 namespace headway::detect {
 
@@ -14,7 +14,7 @@ namespace headway::detect {
 class DisparityOffset {
  public:
   /// Takes in the points of one frame, as fitted; moving and mismatched ones have no say.
-  void update(const std::vector<PointTrack>& points, const std::vector<PointVerdict>& verdicts);
+  void update(const std::vector<PointTrack>& points, const std::vector<PointClass>& classes);
 
   [[nodiscard]] double value() const { return value_; }  ///< measured less true disparity [px]
 

@@ -41,6 +41,13 @@ void complete(Detection& kept, const Detection& other) {
     kept.centre_covariance = other.centre_covariance;
   }
   if (!kept.velocity) kept.velocity = other.velocity;
+  if (!kept.searched_track) kept.searched_track = other.searched_track;
+  if (!kept.mask) kept.mask = other.mask;
+  if (!kept.appearance) kept.appearance = other.appearance;
+  kept.evidence.classifier = kept.evidence.classifier || other.evidence.classifier;
+  kept.evidence.motion = kept.evidence.motion || other.evidence.motion;
+  kept.evidence.flow = kept.evidence.flow || other.evidence.flow;
+  kept.evidence.appearance = kept.evidence.appearance || other.evidence.appearance;
   if (!kept.detector_id) kept.detector_id = other.detector_id;
 }
 

@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kHeadShare = 0.8;  // of the greatest height, from which cells are of a head
 constexpr double kGap = 0.15;       // between heads [m]
-constexpr int kLeastGap = 2;        // [cells]
-constexpr int kLeastHead = 4;       // [cells]
+constexpr int kMinGap = 2;          // [cells]
+constexpr int kMinHead = 4;         // [cells]
 
 // Cells of heads in each column of their bounding box.
 std::vector<int> headCells(const std::vector<cv::Point>& cells, const std::vector<double>& heights,
@@ -36,7 +36,7 @@ std::vector<double> headColumns(const std::vector<int>& count, int gap) {
       last = column;
       cells += count[column];
     }
-    if (cells >= kLeastHead) columns.push_back(0.5 * (first + last));
+    if (cells >= kMinHead) columns.push_back(0.5 * (first + last));
     first = last;
   }
   return columns;
@@ -49,7 +49,7 @@ std::vector<int> personOfCells(const std::vector<cv::Point>& cells,
   std::vector<int> persons(cells.size(), 0);
   if (cells.empty()) return persons;
   const cv::Rect box = cv::boundingRect(cells);
-  const int gap = std::max(kLeastGap, static_cast<int>(std::lround(kGap / metres_per_cell)));
+  const int gap = std::max(kMinGap, static_cast<int>(std::lround(kGap / metres_per_cell)));
   const auto heads = headColumns(headCells(cells, heights, box), gap);
   if (heads.size() < 2) return persons;
   for (std::size_t i = 0; i < cells.size(); ++i) {

@@ -5,10 +5,10 @@
 
 namespace headway::detect {
 
-/// Tells people who walk abreast apart.
+/// Splits people who walk abreast.
 ///
-/// Their bodies touch in the disparity image, their heads do not: every run of columns in which
-/// cells reach into the uppermost fifth of the thing is a head, and each cell goes to the nearest.
+/// They touch in the disparity image but for their heads: every run of columns with cells in the
+/// uppermost fifth of the height is a head, and each cell belongs to the nearest one.
 ///
 /// @param cells           connected, of nearly one disparity
 /// @param heights         of each above the ground [m]

@@ -19,10 +19,10 @@ bool moveTogether(const PointMotion& a, const PointMotion& b, double depth,
   const double sigma =
       std::sqrt(direction.dot((a.velocity_covariance + b.velocity_covariance) * direction));
   const double speed = 0.5 * (a.velocity.norm() + b.velocity.norm());
-  return size < std::max(params.speed_difference, params.speed_share * speed) + 2.0 * sigma;
+  return size < std::max(params.speed_difference, params.speed_ratio * speed) + 2.0 * sigma;
 }
 
-// Disjoint sets; the least index stands for its set.
+// Disjoint sets, each named by its least index. cv::partition would test every pair twice.
 class Sets {
  public:
   explicit Sets(std::size_t count) : parents_(count) {
@@ -60,12 +60,12 @@ void setVelocity(const std::vector<PointTrack>& points, const Eigen::Vector3d& u
 }  // namespace
 
 std::vector<MotionCluster> clusterMotion(const std::vector<PointTrack>& points,
-                                         const std::vector<PointVerdict>& verdicts,
+                                         const std::vector<PointClass>& classes,
                                          const CameraPath& path, const Eigen::Vector3d& up,
                                          const ClusterParams& params) {
   std::vector<std::size_t> moving;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (verdicts[i] == PointVerdict::kMoving) moving.push_back(i);
+    if (classes[i] == PointClass::kMoving) moving.push_back(i);
   }
   Sets sets(moving.size());
   for (std::size_t a = 0; a < moving.size(); ++a) {
@@ -88,20 +88,20 @@ std::vector<MotionCluster> clusterMotion(const std::vector<PointTrack>& points,
   return accepted;
 }
 
-double movingShare(const std::vector<PointTrack>& points, const std::vector<PointVerdict>& verdicts,
+double movingRatio(const std::vector<PointTrack>& points, const std::vector<PointClass>& classes,
                    const CameraPath& path, const Box2d& outline, double nearest, double farthest) {
   const double margin = 0.3 + 0.02 * farthest;
   double moving = 0.0;
   double still = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (verdicts[i] != PointVerdict::kMoving && verdicts[i] != PointVerdict::kStill) continue;
+    if (classes[i] != PointClass::kMoving && classes[i] != PointClass::kStatic) continue;
     const auto& uvd = points[i].sightings.back().uvd;
     const double depth = (path.T_cam_world(path.newest()) * points[i].motion->point).z();
     if (!outline.contains(uvd.x(), uvd.y()) || depth < nearest - margin ||
         depth > farthest + margin) {
       continue;
     }
-    (verdicts[i] == PointVerdict::kMoving ? moving : still) += 1.0;
+    (classes[i] == PointClass::kMoving ? moving : still) += 1.0;
   }
   return moving + still > 0.0 ? moving / (moving + still) : 1.0;
 }

@@ -149,10 +149,10 @@ NetworkDetector::NetworkDetector(const NetworkParams& params)
 
 NetworkDetector::~NetworkDetector() = default;
 
-std::optional<Detections> NetworkDetector::detect(const StereoFrame& frame,
-                                                  const std::optional<Pose>& /*T_map_robot*/) {
+Detections NetworkDetector::detect(const StereoFrame& frame) {
   Detections detections = emptyDetections(frame);
   detections.items = implementation_->look(frame);
+  for (auto& detection : detections.items) detection.evidence.classifier = true;
   return detections;
 }
 

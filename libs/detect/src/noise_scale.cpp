@@ -20,7 +20,7 @@ constexpr double kMost = 3.0;
 void NoiseScale::update(const std::vector<PointTrack>& points) {
   std::vector<double> fits;
   for (const auto& point : points) {
-    if (!point.motion || point.object >= 0 || point.motion->sightings < kLeastSightings) continue;
+    if (!point.motion || point.group >= 0 || point.motion->sightings < kLeastSightings) continue;
     fits.push_back(point.motion->stillFit());
   }
   if (fits.size() < kLeastPoints) return;

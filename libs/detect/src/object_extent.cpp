@@ -15,9 +15,9 @@ constexpr double kStep = 1.0;             // of disparity between neighbouring c
 constexpr double kStepShare = 0.04;       // or this share of it
 constexpr double kReach = 0.7;            // over the ground, from the nearest seed [m]
 constexpr double kReachPerMetre = 0.015;  // growth of the reach with depth [m/m]
-constexpr double kLeastHeight = 0.15;     // above ground [m]
-constexpr double kMostHeight = 3.8;       // [m]
-constexpr double kMostAfloat = 1.2;       // lowest part above ground, stereo noise aside [m]
+constexpr double kMinHeight = 0.15;       // above ground [m]
+constexpr double kMaxHeight = 3.8;        // [m]
+constexpr double kMaxAfloat = 1.2;        // lowest part above ground, stereo noise aside [m]
 constexpr double kTail = 0.03;            // of the cells left out at each end of an extent
 constexpr double kVehicleExtent = 1.35;   // a person is never this wide [m]
 constexpr double kFastestWalker = 3.2;    // [m/s]
@@ -63,7 +63,7 @@ class Growth {
     const auto point =
         triangulate({disparity_.pixelOf(place.x), disparity_.pixelOf(place.y), d}, camera_);
     const double height = ground_.heightOf(*point);
-    if (height < kLeastHeight || height > kMostHeight || !nearSeeds(*point)) return;
+    if (height < kMinHeight || height > kMaxHeight || !nearSeeds(*point)) return;
     seen.at<unsigned char>(place) = 1;
     cells_.push_back({place, *point});
   }
@@ -176,7 +176,7 @@ std::optional<ObjectExtent> extentOf(const std::vector<ObjectCell>& cells,
       rangeOf(cells, kTail, [&](const Cell& c) { return side.dot(c.point); }).size();
   const Range height =
       rangeOf(cells, kTail, [&](const Cell& c) { return floor.heightOf(c.point); });
-  if (height.least > kMostAfloat) return std::nullopt;
+  if (height.least > kMaxAfloat) return std::nullopt;
   const double top = height.most;
   // Stereo smears depth: of an extent along the ray less counts.
   const double depth = cells.front().point.z();

@@ -17,39 +17,40 @@ struct ObjectCell {
   Eigen::Vector3d point;  ///< camera frame [m]
 };
 
-/// What dense stereo shows of one object.
+/// Extent of one object by dense stereo.
 struct ObjectExtent {
-  Box2d box2d;                                        ///< [px]
-  Box3d box;                                          ///< camera frame
-  Eigen::Vector3d surface = Eigen::Vector3d::Zero();  ///< middle of what is seen, camera frame [m]
+  Box2d box2d;  ///< [px]
+  Box3d box;    ///< camera frame
+  Eigen::Vector3d surface =
+      Eigen::Vector3d::Zero();  ///< centre of the visible surface, camera frame [m]
   Eigen::Matrix3d centre_covariance = Eigen::Matrix3d::Identity();  ///< camera frame [m^2]
-  ObjectClass object_class = ObjectClass::kUnknown;                 ///< as size and speed suggest
+  ObjectClass object_class = ObjectClass::kUnknown;                 ///< guessed from size and speed
   std::vector<cv::Point> cells;                                     ///< of the disparity image
 };
 
-/// A ground half a metre below the lowest of some points, where none was found.
+/// A ground half a metre below the lowest of some points, for frames without a ground plane.
 [[nodiscard]] stereo::GroundPlane floorBelow(const std::vector<Eigen::Vector3d>& points,
                                              const StereoCamera& camera);
 
 /// Grows an object from a few of its points over the dense disparities.
 ///
-/// A neighbouring cell belongs to it that has nearly the same disparity, is off the ground, not
-/// too high, and near to the points over the ground.
+/// A neighbouring cell is added if it has nearly the same disparity, lies between two heights above
+/// the ground, and is near the points over the ground.
 ///
 /// @param seeds  points of the object in the camera frame [m]
-/// @return       empty if the seeds lie on nothing that has a disparity
+/// @return       empty if no seed has a disparity
 [[nodiscard]] std::vector<ObjectCell> growObject(const std::vector<Eigen::Vector3d>& seeds,
                                                  const stereo::DisparityImage& disparity,
                                                  const StereoCamera& camera,
                                                  const stereo::GroundPlane& ground);
 
-/// Puts a box around an object's cells.
+/// Fits a box to an object's cells.
 ///
-/// The box looks along the velocity; where only the object's near side is seen it extends behind
-/// it as far as objects of its kind do.
+/// The box is aligned with the velocity. Where only the near side is visible it is completed to the
+/// usual size of the class.
 ///
 /// @param velocity  over the ground, camera frame [m/s]
-/// @return          nullopt for hardly any cells, or if all of them float above the ground
+/// @return          nullopt for too few cells, or if all of them are above the ground
 [[nodiscard]] std::optional<ObjectExtent> extentOf(const std::vector<ObjectCell>& cells,
                                                    const Eigen::Vector3d& velocity,
                                                    const stereo::DisparityImage& disparity,

@@ -67,10 +67,10 @@ PersonDetector::PersonDetector(const PersonParams& params)
 
 PersonDetector::~PersonDetector() = default;
 
-std::optional<Detections> PersonDetector::detect(const StereoFrame& frame,
-                                                 const std::optional<Pose>& /*T_map_robot*/) {
+Detections PersonDetector::detect(const StereoFrame& frame) {
   Detections detections = emptyDetections(frame);
   detections.items = implementation_->look(frame.left);
+  for (auto& detection : detections.items) detection.evidence.classifier = true;
   return detections;
 }
 

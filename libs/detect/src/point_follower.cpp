@@ -71,7 +71,7 @@ Eigen::Vector3d PointFollower::expectedAt(const PointTrack& point, const CameraP
   const Sighting& last = point.sightings.back();
   const auto in_cam = triangulate(last.uvd, camera_);
   Eigen::Vector3d in_world = path.T_cam_world(last.frame).inverse() * *in_cam;
-  if (point.motion && point.object >= 0) {
+  if (point.motion && point.group >= 0) {
     in_world += (path.timeOf(path.newest()) - path.timeOf(last.frame)) * point.motion->velocity;
   }
   return project(path.T_cam_world(path.newest()) * in_world, camera_).value_or(last.uvd);

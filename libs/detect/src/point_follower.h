@@ -19,7 +19,7 @@ struct PointTrack {
   std::int64_t id = 0;              ///< ascending in order of creation
   std::vector<Sighting> sightings;  ///< oldest first
   std::optional<PointMotion> motion;
-  std::int64_t object = -1;  ///< of the moving object it last belonged to; -1: none
+  std::int64_t group = -1;  ///< of points on one moving object; -1: none, or static
 };
 
 /// Which points are followed.

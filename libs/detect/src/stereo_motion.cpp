@@ -1,3 +1,4 @@
+#include <headway/detect/detector.h>
 #include <headway/detect/stereo_motion.h>
 #include <headway/stereo/reduced_image.h>
 
@@ -5,34 +6,34 @@
 #include <cmath>
 #include <map>
 #include <opencv2/core.hpp>
+#include <set>
 #include <utility>
 
-#include "blob_follower.h"
-#include "body_flow.h"
+#include "appearance.h"
 #include "disparity_offset.h"
-#include "mover_finder.h"
-#include "mover_recognition.h"
+#include "moving_object_finder.h"
 #include "noise_scale.h"
-#include "object_identities.h"
 #include "point_follower.h"
-#include "regions_ahead.h"
 #include "residual_flow.h"
+#include "segment_flow.h"
+#include "segment_follower.h"
+#include "track_guided_detection.h"
 
 namespace headway::detect {
 namespace {
 
-constexpr double kLeastContrast = 4.0;  // standard deviation of a usable image [grey levels]
-constexpr double kLeastAgreeing = 0.3;  // share of still points that must fit the camera's motion
-constexpr int kFewPoints = 12;          // judged; with fewer nothing is said of the camera
-constexpr double kLongestGap = 3.0;     // of the window: after it everything is begun anew
-constexpr double kPointsOfSureObject = 6.0;
+constexpr double kMinContrast = 4.0;  // standard deviation of a usable image [grey levels]
+constexpr double kMinAgreeing = 0.3;  // ratio of static points that must fit the camera's motion
+constexpr int kFewPoints = 12;   // with fewer classified points the camera's motion is not checked
+constexpr double kMaxGap = 3.0;  // of the window: a longer gap resets everything
+constexpr double kSupportScale = 6.0;
 constexpr double kStartUp =
-    0.35;  // until then slight errors of pose and stereo pass for motion [s]
+    0.35;  // before it slight errors of pose and stereo look like motion [s]
 
 bool usable(const cv::Mat& image) {
   cv::Scalar mean, deviation;
   cv::meanStdDev(image, mean, deviation);
-  return deviation[0] > kLeastContrast;
+  return deviation[0] > kMinContrast;
 }
 
 stereo::DisparityImage withoutOffset(const stereo::DisparityImage& disparity, double offset) {
@@ -60,39 +61,40 @@ class StereoMotion::Implementation {
         path_(*camera_, std::hypot(params.sigma_px, 0.3)),
         follower_(*camera_, followerOf(params)),
         flow_meter_(*camera_),
-        blobs_(*camera_),
+        segments_(*camera_),
         finder_(*camera_, params) {}
 
-  /// @return  why there is nothing to say of this frame; null if there is
-  const char* look(const StereoFrame& frame, const std::optional<Pose>& T_map_robot) {
-    objects_.clear();
-    cells_.clear();
+  /// @return  why the frame cannot be used; null if it can
+  const char* process(const StereoFrame& frame, const std::optional<Pose>& T_map_robot,
+                      const std::vector<ExpectedObject>& expected) {
+    found_ = emptyDetections(frame);
     if (!usable(frame.left) || !usable(frame.right)) return "unusable_image";
     disparity_ = withoutOffset(matcher_->of(frame), offset_.value());
     image_ = stereo::reducedImage(frame.left, disparity_.reduce);
     ground_ = stereo::findGround(disparity_, *camera_, ground_);
     if (!T_map_robot) {
-      startAnew();
+      reset();
       return "no_pose";
     }
-    if (!path_.empty() &&
-        frame.time - path_.timeOf(path_.newest()) > kLongestGap * params_.window_s) {
-      startAnew();
+    if (!path_.empty() && frame.time - path_.timeOf(path_.newest()) > kMaxGap * params_.window_s) {
+      reset();
     }
-    const int number = path_.advance(frame.time, *T_map_robot * camera_->T_robot_cam);
+    T_map_cam_ = *T_map_robot * camera_->T_robot_cam;
+    const int number = path_.advance(frame.time, T_map_cam_);
     path_.forgetBefore(
         path_.firstSince(frame.time - std::max(params_.window_s, params_.segment_window_s)));
     follower_.setDisparityOffset(offset_.value());
     follower_.follow(frame, disparity_, path_);
-    const char* unsure = judge() ? nullptr : "camera_motion_unsure";
+    const char* unsure = classifyPoints() ? nullptr : "camera_motion_unsure";
     ResidualFlow flow = flow_meter_.measure(image_, disparity_, path_);
     if (unsure != nullptr) flow = {};
     if (ground_) {
-      blobs_.follow(bodiesByFlow(disparity_, flow, *camera_, *ground_, params_.max_segment_range_m),
-                    path_, up_);
+      segments_.follow(
+          segmentsByFlow(disparity_, flow, *camera_, *ground_, params_.max_segment_range_m), path_,
+          up_);
     }
     if (unsure == nullptr && frame.time - path_.timeOf(path_.oldest()) > kStartUp) {
-      reportMovers();
+      detectObjects(expected);
     }
     follower_.replenish(frame, disparity_, ground_, number);
     return unsure;
@@ -100,34 +102,36 @@ class StereoMotion::Implementation {
 
   std::size_t takeImplausible() { return finder_.takeImplausible(); }
 
-  [[nodiscard]] MovingRegions regions(Time at) const {
-    const double ahead = objects_.empty() ? 0.0 : at - path_.timeOf(path_.newest());
-    if (objects_.empty() || ahead > params_.window_s) return {};
-    return regionsAhead(objects_, cells_, disparity_.reduce, path_, *camera_, ahead);
+  /// Of the newest frame.
+  [[nodiscard]] MotionDetections result() const {
+    MotionDetections result;
+    result.detections = found_;
+    constexpr double kStep_s = 0.01;  // short, so that its turn is far from half a circle
+    const Pose motion = path_.expectedMotion(kStep_s);
+    result.camera_velocity = motion.translation() / kStep_s;
+    result.camera_turn_rate = logSo3(motion.linear()) / kStep_s;
+    result.max_ahead_s = params_.window_s;
+    return result;
   }
-
-  std::vector<MovingObject> objects_;
-  stereo::DisparityImage disparity_;
-  std::optional<stereo::GroundPlane> ground_;
 
  private:
-  void startAnew() {
+  void reset() {
     path_ = CameraPath(*camera_, std::hypot(params_.sigma_px, 0.3));
     follower_.clear();
-    blobs_.clear();
+    segments_.clear();
     flow_meter_.clear();
-    identities_.clear();
   }
 
-  /// Takes out the camera's motion and judges every point. @return false if that cannot be trusted
-  bool judge() {
-    std::vector<StillSighting> still;
+  /// Refines the camera's motion and classifies every point. @return whether that motion is
+  /// reliable
+  bool classifyPoints() {
+    std::vector<StillSighting> static_points;
     for (const auto& point : follower_.points()) {
-      if (point.object >= 0 || !point.motion) continue;
+      if (point.group >= 0 || !point.motion) continue;
       if (point.sightings.back().frame != path_.newest()) continue;
-      still.push_back({point.motion->still_point, point.sightings.back().uvd});
+      static_points.push_back({point.motion->still_point, point.sightings.back().uvd});
     }
-    const double agreeing = path_.refine(still);
+    const double agreeing = path_.refine(static_points);
     const SightingNoise noise{params_.sigma_px, params_.sigma_px, params_.sigma_disparity_px};
     auto& points = follower_.points();
     const int first = path_.firstSince(path_.timeOf(path_.newest()) - params_.window_s);
@@ -139,115 +143,116 @@ class StereoMotion::Implementation {
     up_ = path_.T_cam_world(path_.newest()).linear().transpose() *
           (ground_ ? ground_->up : stereo::mountedUp(*camera_));
     dropMismatches();
-    offset_.update(points, verdicts_);
-    const auto moving = std::count(verdicts_.begin(), verdicts_.end(), PointVerdict::kMoving);
-    const auto judged =
-        moving + std::count(verdicts_.begin(), verdicts_.end(), PointVerdict::kStill);
+    offset_.update(points, classes_);
+    const auto moving = std::count(classes_.begin(), classes_.end(), PointClass::kMoving);
+    const auto classified =
+        moving + std::count(classes_.begin(), classes_.end(), PointClass::kStatic);
     const bool flooded =
-        judged >= kFewPoints &&
-        static_cast<double>(moving) > params_.max_moving_ratio * static_cast<double>(judged);
-    const bool astray = static_cast<int>(still.size()) >= kFewPoints && agreeing < kLeastAgreeing;
+        classified >= kFewPoints &&
+        static_cast<double>(moving) > params_.max_moving_ratio * static_cast<double>(classified);
+    const bool astray =
+        static_cast<int>(static_points.size()) >= kFewPoints && agreeing < kMinAgreeing;
     return !flooded && !astray;
   }
 
   void dropMismatches() {
-    verdicts_.clear();
+    classes_.clear();
     std::vector<PointTrack> kept;
     for (auto& point : follower_.points()) {
-      const PointVerdict verdict = verdictOn(point, up_, verdictParamsOf(params_));
-      if (verdict == PointVerdict::kMismatch) continue;
-      if (verdict == PointVerdict::kStill) point.object = -1;
-      verdicts_.push_back(verdict);
+      const PointClass point_class = classifyPoint(point, up_, pointClassParams(params_));
+      if (point_class == PointClass::kMismatch) continue;
+      if (point_class == PointClass::kStatic) point.group = -1;
+      classes_.push_back(point_class);
       kept.push_back(std::move(point));
     }
     follower_.points() = std::move(kept);
   }
 
-  /// First what surely moves, then what is known from frames before.
-  void reportMovers() {
-    identities_.beginFrame(path_.timeOf(path_.newest()));
-    const LookedAt looked{path_,      image_,
-                          disparity_, ground_,
-                          up_,        follower_.points(),
-                          verdicts_,  noise_scale_.value()};
-    std::vector<Mover> movers = finder_.find(looked, blobs_.tracks());
-    std::size_t reported = 0;
-    const auto reportNew = [&] {
-      for (; reported < movers.size(); ++reported) report(movers[reported]);
-    };
-    reportNew();
-    recogniseBodies(looked, identities_.missing(), blobs_.tracks(), *camera_, movers);
-    reportNew();
-    recogniseLooks(looked, identities_.missing(), *camera_, movers);
-    reportNew();
+  /// By motion alone first, then expected objects by less evidence.
+  void detectObjects(const std::vector<ExpectedObject>& expected) {
+    const MotionFrame frame{path_,      image_,
+                            disparity_, ground_,
+                            up_,        follower_.points(),
+                            classes_,   noise_scale_.value()};
+    std::vector<MovingObject> objects = finder_.find(frame, segments_.tracks());
+    setGroups(objects);
+    const auto missing = withoutFound(searchedObjects(expected, path_, T_map_cam_), objects, path_);
+    detectByFlow(frame, missing, segments_.tracks(), *camera_, objects);
+    detectByAppearance(frame, missing, *camera_, objects);
+    for (const MovingObject& object : objects) report(object);
   }
 
-  /// Ids that the parts of a mover had before, the most frequent first.
-  [[nodiscard]] std::vector<std::int64_t> formerIds(const Mover& mover) const {
-    if (mover.known_as) return {*mover.known_as};
-    std::map<std::int64_t, int> votes;
-    for (const std::size_t i : mover.members) ++votes[follower_.points()[i].object];
-    for (const auto* body : mover.bodies) ++votes[body->track.object];
-    votes.erase(-1);
-    std::vector<std::int64_t> ids;
-    for (const auto& [id, count] : votes) ids.push_back(id);
-    std::stable_sort(ids.begin(), ids.end(), [&](auto a, auto b) { return votes[a] > votes[b]; });
-    return ids;
+  /// Each object is of the group that most of its parts were of in earlier frames, or a new one.
+  void setGroups(std::vector<MovingObject>& objects) {
+    std::set<std::int64_t> used = {-1};
+    for (auto& object : objects) {
+      std::map<std::int64_t, int> votes;
+      for (const std::size_t i : object.members) ++votes[follower_.points()[i].group];
+      for (const auto* segment : object.segments) ++votes[segment->track.group];
+      int most = 0;
+      for (const auto& [group, count] : votes) {
+        if (count <= most || used.count(group) > 0) continue;
+        object.group = group;
+        most = count;
+      }
+      if (most == 0) object.group = next_group_++;
+      used.insert(object.group);
+    }
   }
 
-  void remember(const Mover& mover, std::int64_t id) {
-    auto appearance = appearanceOf(image_, mover.extent.cells);
-    if (!appearance) return identities_.remember(id, std::nullopt);
-    const int newest = path_.newest();
-    identities_.remember(
-        id, MoverLook{std::move(*appearance), mover.extent, path_.T_cam_world(newest).inverse(),
-                      path_.timeOf(newest), mover.points});
+  [[nodiscard]] std::shared_ptr<const AppearanceTemplate> templateFor(
+      const MovingObject& object) const {
+    if (object.evidence.appearance) return nullptr;  // the track keeps the one it was found by
+    auto cut = templateOf(image_, object.extent.cells, disparity_.reduce);
+    if (!cut) return nullptr;
+    cut->time = path_.timeOf(path_.newest());
+    cut->T_map_camera = T_map_cam_;
+    cut->box2d = object.extent.box2d;
+    cut->box3d = object.extent.box;
+    cut->centre_covariance = object.extent.centre_covariance;
+    cut->surface = object.extent.surface;
+    cut->support = object.points;
+    return std::make_shared<const AppearanceTemplate>(std::move(*cut));
   }
 
-  void report(const Mover& mover) {
-    const Pose& T_cam_world = path_.T_cam_world(path_.newest());
-    const Eigen::Vector3d& centre = mover.extent.box.centre;
-    const ObjectIdentity& identity =
-        identities_.identify({formerIds(mover), T_cam_world.inverse() * centre, mover.velocity,
-                              recognitionGate(centre.z()), mover.extent.object_class,
-                              mover.evidence == MoverEvidence::kMotion});
-    for (const std::size_t i : mover.members) follower_.points()[i].object = identity.id;
-    for (auto* body : mover.bodies) body->track.object = identity.id;
-    if (mover.evidence != MoverEvidence::kLook) remember(mover, identity.id);
-    if (identity.sightings < params_.confirm_frames) return;
-    MovingObject object;
-    object.id = identity.id;
-    object.velocity = path_.R_map_world() * mover.velocity.value;
-    object.points = mover.points;
-    Detection& detection = object.detection;
-    if (params_.classify) detection.object_class = identity.objectClass();
-    detection.score = 1.0 - std::exp(-mover.points / kPointsOfSureObject);
-    detection.detector_id = identity.id;
-    detection.box2d = mover.extent.box2d;
-    detection.box3d = mover.extent.box;
-    detection.centre_covariance = mover.extent.centre_covariance;
-    detection.velocity = rotated(mover.velocity, T_cam_world.linear());
-    // All those frames tell of it, and each frame's report does so again.
-    detection.velocity->covariance *= path_.newest() - mover.first_frame + 1;
-    cells_.push_back(mover.extent.cells);
-    objects_.push_back(std::move(object));
+  void report(const MovingObject& object) {
+    for (const std::size_t i : object.members) follower_.points()[i].group = object.group;
+    for (auto* segment : object.segments) segment->track.group = object.group;
+    Detection detection;
+    detection.evidence = object.evidence;
+    detection.searched_track = object.searched_track;
+    if (object.group >= 0) detection.detector_id = object.group;
+    if (params_.classify) detection.object_class = object.extent.object_class;
+    detection.score = 1.0 - std::exp(-object.points / kSupportScale);
+    detection.box2d = object.extent.box2d;
+    detection.box3d = object.extent.box;
+    detection.centre_covariance = object.extent.centre_covariance;
+    detection.velocity = rotated(object.velocity, path_.T_cam_world(path_.newest()).linear());
+    // Each of the frames that the velocity was measured over reports it again.
+    detection.velocity->covariance *= path_.newest() - object.first_frame + 1;
+    detection.mask = maskOf(object.extent.cells, disparity_.reduce);
+    detection.appearance = templateFor(object);
+    found_.items.push_back(std::move(detection));
   }
 
   std::shared_ptr<const StereoCamera> camera_;
   StereoMotionParams params_;
+  Detections found_;  ///< in the newest frame
+  stereo::DisparityImage disparity_;
+  std::optional<stereo::GroundPlane> ground_;
   cv::Mat image_;  ///< left, on the disparity grid
   std::shared_ptr<stereo::DisparityMatcher> matcher_;
   CameraPath path_;
   PointFollower follower_;
   ResidualFlowMeter flow_meter_;
-  BlobFollower blobs_;
-  MoverFinder finder_;
+  SegmentFollower segments_;
+  MovingObjectFinder finder_;
   DisparityOffset offset_;
   NoiseScale noise_scale_;
-  std::vector<PointVerdict> verdicts_;             ///< one for each followed point
+  std::vector<PointClass> classes_;                ///< one for each followed point
   Eigen::Vector3d up_ = Eigen::Vector3d::UnitZ();  ///< of the ground, world of the path
-  ObjectIdentities identities_;
-  std::vector<std::vector<cv::Point>> cells_;  ///< of each object
+  std::int64_t next_group_ = 0;
+  Pose T_map_cam_ = Pose::Identity();  ///< of the newest frame, as given
 };
 
 StereoMotion::StereoMotion(std::shared_ptr<const StereoCamera> camera,
@@ -257,24 +262,21 @@ StereoMotion::StereoMotion(std::shared_ptr<const StereoCamera> camera,
                                                        std::move(matcher))) {}
 
 StereoMotion::~StereoMotion() = default;
+StereoMotion::StereoMotion(StereoMotion&&) noexcept = default;
 
-std::optional<Detections> StereoMotion::detect(const StereoFrame& frame,
-                                               const std::optional<Pose>& T_map_robot) {
-  const char* reason = implementation_->look(frame, T_map_robot);
-  drop("implausible_object", implementation_->takeImplausible());
-  if (reason != nullptr) {
-    drop(reason);
-    return std::nullopt;
+MotionDetections StereoMotion::detect(const StereoFrame& frame,
+                                      const std::optional<Pose>& T_map_robot,
+                                      const std::vector<ExpectedObject>& expected) {
+  const char* reason = implementation_->process(frame, T_map_robot, expected);
+  MotionDetections result;
+  if (reason == nullptr) {
+    result = implementation_->result();
+  } else {
+    ++result.dropped[reason];
   }
-  Detections detections = emptyDetections(frame);
-  for (const auto& object : implementation_->objects_) detections.items.push_back(object.detection);
-  return detections;
-}
-
-MovingRegions StereoMotion::movingRegions(Time at) const { return implementation_->regions(at); }
-const std::vector<MovingObject>& StereoMotion::objects() const { return implementation_->objects_; }
-const std::optional<stereo::GroundPlane>& StereoMotion::ground() const {
-  return implementation_->ground_;
+  const std::size_t implausible = implementation_->takeImplausible();
+  if (implausible > 0) result.dropped["implausible_object"] = implausible;
+  return result;
 }
 
 }  // namespace headway::detect

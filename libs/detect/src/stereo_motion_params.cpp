@@ -27,8 +27,6 @@ void StereoMotionParams::describe(Params::Section section) {
               "Threshold of a point's motion test, chi-square of 3 degrees of freedom");
   section.add("max_speed_mps", max_speed_mps, 1.0, 200.0, "m/s", "Maximum object speed");
   section.add("min_points", min_points, 2, 50, "", "Minimum points of an object");
-  section.add("confirm_frames", confirm_frames, 1, 10, "frames",
-              "Frames in which an object must be found before it is reported");
   section.add("max_point_distance_m", max_point_distance_m, 0.1, 10.0, "m",
               "Maximum ground distance between neighbouring points of one object");
   section.add("min_moving_ratio", min_moving_ratio, 0.0, 1.0, "",

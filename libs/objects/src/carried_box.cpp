@@ -4,8 +4,8 @@ namespace headway::objects {
 
 std::optional<Box2d> carriedBox(const Box2d& box, const Eigen::Vector3d& from,
                                 const Eigen::Vector3d& to, double height) {
-  constexpr double kLeastDepth_m = 0.1;
-  if (!(from.z() > kLeastDepth_m && to.z() > kLeastDepth_m && height > 0.0)) return std::nullopt;
+  constexpr double kMinDepth_m = 0.1;
+  if (!(from.z() > kMinDepth_m && to.z() > kMinDepth_m && height > 0.0)) return std::nullopt;
   const double focal_px = box.height() * from.z() / height;
   const double scale = from.z() / to.z();
   const double u =

@@ -7,10 +7,10 @@
 
 namespace headway::objects {
 
-/// Where the image box of an object goes as the object moves in front of the camera.
+/// Predicts the image box of an object that moved relative to the camera.
 ///
-/// No calibration is needed: an object of known height tells the focal length by the height of its
-/// own box, and the box shifts and grows as the pinhole model says.
+/// No calibration is needed: the object's height and that of its box give the focal length, and the
+/// pinhole model gives shift and scale.
 ///
 /// @param box     as seen when the object was at `from` [px]
 /// @param from    centre in the sensor's optical frame [m]

@@ -85,7 +85,9 @@ const MeasuredBox& DistinctBoxes::likeliest(std::size_t box, const ExpectedPlace
 
 std::optional<double> ConsistencyCheck::cost(const ExpectedPlace& track,
                                              const MeasuredBox& detection) const {
-  if (!compatible(track.object_class, detection.object_class)) return std::nullopt;
+  constexpr double kOtherGuess = 2.0;  // a guessed class is wrong about once in three times
+  const bool same_kind = compatible(track.object_class, detection.object_class);
+  if (!same_kind && !detection.classIsGuessed()) return std::nullopt;
   const Eigen::Vector3d offset = detection.position - track.position;
   if (offset.head<2>().squaredNorm() > params_.gate_max_m * params_.gate_max_m) return std::nullopt;
   const double blur = params_.gate_blur_m * params_.gate_blur_m;
@@ -101,9 +103,10 @@ std::optional<double> ConsistencyCheck::cost(const ExpectedPlace& track,
   const double gate = params_.gate_sigma * params_.gate_sigma;
   if (squared_distance > gate || vertical > gate) return std::nullopt;
   const double spread = 2.0 * M_PI * params_.new_object_density;
-  const double hint =
-      track.detector_id && track.detector_id == detection.detector_id ? params_.hint_bonus : 0.0;
-  return squared_distance + vertical + std::log(spread * spread * determinant) - hint;
+  const bool hinted = (track.detector_id && track.detector_id == detection.detector_id) ||
+                      detection.searched_track == track.track;
+  return squared_distance + vertical + std::log(spread * spread * determinant) -
+         (hinted ? params_.hint_bonus : 0.0) + (same_kind ? 0.0 : kOtherGuess);
 }
 
 Matches ConsistencyCheck::match(const std::vector<ExpectedPlace>& tracks,
@@ -116,12 +119,12 @@ Matches ConsistencyCheck::match(const std::vector<ExpectedPlace>& tracks,
       if (pair_cost) candidates.push_back({i, j, *pair_cost});
     });
   }
-  constexpr double kWorthNothing = 0.0;  // as likely a new object
+  constexpr double kNewObject = 0.0;  // cost of a detection that starts a track
   Matches matches;
   for (const CandidatePair& pair : takeObviousPairs(candidates)) {
     matches.pairs.emplace_back(pair.row, pair.column);
   }
-  for (const CandidatePair& pair : assignPairs(std::move(candidates), kWorthNothing)) {
+  for (const CandidatePair& pair : assignPairs(std::move(candidates), kNewObject)) {
     matches.pairs.emplace_back(pair.row, pair.column);
   }
   std::sort(matches.pairs.begin(), matches.pairs.end());

@@ -5,7 +5,7 @@
 
 namespace headway::objects {
 
-void FieldOfView::look(const Pose& T_map_sensor, const std::vector<MeasuredBox>& seen) {
+void FieldOfView::update(const Pose& T_map_sensor, const std::vector<MeasuredBox>& seen) {
   T_sensor_map_ = T_map_sensor.inverse();
   for (const MeasuredBox& box : seen) {
     const Eigen::Vector3d place = T_sensor_map_ * box.position;

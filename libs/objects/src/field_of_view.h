@@ -8,15 +8,15 @@
 
 namespace headway::objects {
 
-/// Where the detector can see anything at all, learnt from what it has seen.
+/// Field of view of the detector, estimated from the widest bearing of its detections.
 ///
-/// An object that leaves the view is not missing: nobody looked there.
+/// An object outside of it does not count as missed.
 class FieldOfView {
  public:
-  /// Takes in where the sensor is now and what it sees.
-  void look(const Pose& T_map_sensor, const std::vector<MeasuredBox>& seen);
+  /// Updates the pose of the sensor and widens the field of view to its detections.
+  void update(const Pose& T_map_sensor, const std::vector<MeasuredBox>& seen);
 
-  /// Whether a place in the map lies ahead, no farther aside than anything seen so far.
+  /// Whether a place in the map is in front, within the widest bearing so far.
   [[nodiscard]] bool covers(const Eigen::Vector3d& place) const;
 
   /// A place of the map in the sensor's optical frame [m].

@@ -4,11 +4,10 @@
 
 namespace headway::objects {
 
-/// Weighs over frames whether a track's front is its back.
+/// Accumulates evidence over frames for or against a track's heading being reversed.
 ///
-/// Every detection that faces the same way speaks for the heading, every one that faces the other
-/// way against it, and so does the path of a moving object. Only evidence gathered over frames
-/// turns a track; one flipped detection, or several in a row, do not.
+/// Each detection, and the path of a moving object, adds log-odds for or against the heading. A
+/// single flipped detection, or a few in a row, do not reverse a track.
 class HeadingEvidence {
  public:
   explicit HeadingEvidence(const HeadingParams& params);
@@ -23,7 +22,7 @@ class HeadingEvidence {
   /// @param cosine  of the angle between heading and velocity
   void addMotion(double cosine);
 
-  /// Whether the evidence wants the track turned round. If so it then speaks for the new heading.
+  /// Whether the track is to be reversed. If so the evidence is negated, for the new heading.
   [[nodiscard]] bool turnsRound();
 
  private:

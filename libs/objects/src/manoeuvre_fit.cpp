@@ -8,7 +8,7 @@
 namespace headway::objects {
 namespace {
 
-constexpr double kLeastSpeed = 0.3;  // slower, a turn rate means nothing [m/s]
+constexpr double kMinSpeed = 0.3;  // slower, a turn rate means nothing [m/s]
 
 // Weighted moments of the path about its newest place, and of time.
 struct Moments {
@@ -24,7 +24,7 @@ struct Moments {
       const double t = path[i].time - now.time;
       const double freshness = 1.0 + t * rate;
       if (freshness <= 0.0 && i + 2 < path.size()) break;  // the last step always counts
-      const double weight = std::max(freshness * freshness, kLeastWeight);
+      const double weight = std::max(freshness * freshness, kMinWeight);
       const double half_square = 0.5 * t * t;
       const Eigen::Vector2d offset = (path[i].position - now.position).head<2>();
       t1 += weight * t;
@@ -37,7 +37,7 @@ struct Moments {
   }
 
  private:
-  static constexpr double kLeastWeight = 1e-3;
+  static constexpr double kMinWeight = 1e-3;
 };
 
 double square(double x) { return x * x; }
@@ -95,7 +95,7 @@ Manoeuvre fitManoeuvre(const MotionHistory& history, const ManoeuvreParams& para
   const Eigen::Vector2d& d = result.direction;
   result.speed = moves * speed;
   result.acceleration = moves * acceleration.dot(d);
-  if (speed > kLeastSpeed) {
+  if (speed > kMinSpeed) {
     result.turn_rate = moves * (d.x() * acceleration.y() - d.y() * acceleration.x()) / speed;
   }
   return result;

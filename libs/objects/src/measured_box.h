@@ -26,6 +26,14 @@ struct MeasuredBox {
   std::optional<Box2d> box2d;                                ///< [px]
   Eigen::Vector3d seen_from = Eigen::Vector3d::UnitZ();      ///< centre, optical frame [m]
   std::optional<std::int64_t> detector_id;
+  DetectionEvidence evidence;
+  std::optional<TrackId> searched_track;
+  std::shared_ptr<const AppearanceTemplate> appearance;
+
+  /// Whether the class is a guess from size and speed, which may change from frame to frame.
+  [[nodiscard]] bool classIsGuessed() const {
+    return !evidence.classifier && (evidence.motion || evidence.flow || evidence.appearance);
+  }
 };
 
 }  // namespace headway::objects

@@ -16,8 +16,8 @@ struct MeasuredMotion {
   Eigen::Matrix2d covariance;  ///< [m^2/s^2]
 };
 
-/// Straight line through the places of the last `window_s` by weighted least squares, without the
-/// place that fits worst: one box that is off by more than it says makes no motion.
+/// Weighted least-squares line through the places of the last `window_s`, without the one with the
+/// greatest residual: a single outlier among the boxes must not look like motion.
 ///
 /// @return nullopt for fewer than three places
 [[nodiscard]] std::optional<MeasuredMotion> measuredMotion(

@@ -7,7 +7,7 @@
 namespace headway::objects {
 namespace {
 
-// Everything that tells two boxes apart, so that sorting forgets the order of arrival.
+// All fields, so that the sorted order does not depend on that of the detections.
 auto sortKey(const MeasuredBox& box) {
   const Box2d image = box.box2d.value_or(Box2d{});
   return std::make_tuple(box.position.x(), box.position.y(), box.position.z(), box.yaw,
@@ -79,6 +79,9 @@ MeasuredBox MeasurementModel::measured(const Pose& T_map_sensor, const Detection
   result.box2d = detection.box2d;
   result.seen_from = box.centre;
   result.detector_id = detection.detector_id;
+  result.evidence = detection.evidence;
+  result.searched_track = detection.searched_track;
+  result.appearance = detection.appearance;
   return result;
 }
 

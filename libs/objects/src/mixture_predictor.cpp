@@ -10,7 +10,7 @@ namespace {
 constexpr int kModes = 4;
 // How often each future was the nearest to what came, rounded.
 constexpr std::array<double, kModes> kProbabilities = {0.55, 0.25, 0.1, 0.1};
-constexpr double kLeastPositionSigma_m = 0.03;
+constexpr double kMinPositionSigma_m = 0.03;
 constexpr double kFastestTurn = 3.0;  // [rad/s]
 
 double square(double x) { return x * x; }
@@ -87,7 +87,7 @@ void MixturePredictor::predictInto(const MotionHistory& history,
 
 MixturePredictor::Spread MixturePredictor::commonSpread(const Eigen::Matrix2d& place,
                                                         const Eigen::Matrix2d& velocity) {
-  const Eigen::Matrix2d start = place + square(kLeastPositionSigma_m) * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d start = place + square(kMinPositionSigma_m) * Eigen::Matrix2d::Identity();
   Spread spread;
   for (int j = 0; j < kPredictionSamples; ++j) {
     spread[j] = start + square((j + 1) * kPredictionStep_s) * velocity;

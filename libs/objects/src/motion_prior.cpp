@@ -136,13 +136,13 @@ void MotionPriorProblem::solveStep(const std::vector<Eigen::Vector3d>& places, d
 
 MotionPriorProblem::Summary MotionPriorProblem::refine(std::vector<Eigen::Vector3d>& places,
                                                        int max_iterations, double settled_m) {
-  constexpr double kMostDamping = 1e6;
+  constexpr double kMaxDamping = 1e6;
   Summary summary;
   summary.initial_cost = summary.final_cost = cost(places);
   double damping = 1e-9;
   std::vector<Eigen::Vector3d> step(places.size());
   std::vector<Eigen::Vector3d> candidate(places.size());
-  while (summary.iterations < max_iterations && damping < kMostDamping) {
+  while (summary.iterations < max_iterations && damping < kMaxDamping) {
     ++summary.iterations;
     solveStep(places, damping, step);
     double farthest = 0.0;

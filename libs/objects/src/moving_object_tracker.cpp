@@ -6,10 +6,10 @@
 #include <optional>
 
 #include "consistency.h"
+#include "duplicate_tracks.h"
 #include "field_of_view.h"
 #include "measurement_model.h"
 #include "noise_scale.h"
-#include "rivals.h"
 #include "tracked_object.h"
 
 namespace headway::objects {
@@ -32,7 +32,7 @@ class MovingObjectTracker::Implementation {
     if (!runsForward(time)) return refuse(detections, std::move(update));
 
     const auto measured = measure(T_map_robot.value, detections, update);
-    view_.look(T_map_robot.value * detections.T_robot_sensor, measured.boxes);
+    view_.update(T_map_robot.value * detections.T_robot_sensor, measured.boxes);
     predictTo(time, update);
     const auto expected = expectedPlaces();
     const Matches matches = consistency_.match(expected, measured.boxes);  // Sec. III-C3
@@ -41,7 +41,7 @@ class MovingObjectTracker::Implementation {
     for (TrackedObject& object : objects_) {
       if (object.seenAt(time)) object.refine(time, smoother_);  // Sec. III-C1
     }
-    foretell(frame, time);  // Sec. III-B
+    predictAll(frame, time);  // Sec. III-B
     return publish(time, std::move(update));
   }
 
@@ -49,14 +49,14 @@ class MovingObjectTracker::Implementation {
     TrackUpdate update;
     if (runsForward(time)) {
       predictTo(time, update);
-      foretell(frame, time);
+      predictAll(frame, time);
     }
     return publish(time_.value_or(time), std::move(update));
   }
 
   std::vector<TrackSample> flush() {
     std::vector<TrackSample> samples;
-    for (TrackedObject& object : objects_) object.settle(0, time_.value_or(0.0), samples);
+    for (TrackedObject& object : objects_) object.finalise(0, time_.value_or(0.0), samples);
     objects_.clear();
     return samples;
   }
@@ -95,7 +95,7 @@ class MovingObjectTracker::Implementation {
         objects_.begin(), objects_.end(),
         [&](const TrackedObject& object) { return object.statusAt(time) != TrackStatus::kEnded; });
     std::for_each(ended, objects_.end(),
-                  [&](TrackedObject& object) { object.settle(0, time, update.settled); });
+                  [&](TrackedObject& object) { object.finalise(0, time, update.finalised); });
     objects_.erase(ended, objects_.end());
   }
 
@@ -130,7 +130,7 @@ class MovingObjectTracker::Implementation {
     }
   }
 
-  void foretell(std::size_t frame, Time time) {
+  void predictAll(std::size_t frame, Time time) {
     for (TrackedObject& object : objects_) {
       if (object.statusAt(time) == TrackStatus::kTentative) continue;
       object.historyAt(frame, time, history_);
@@ -142,10 +142,12 @@ class MovingObjectTracker::Implementation {
     const auto window = static_cast<std::size_t>(params_.smoothing.window) + 1;
     std::vector<const TrackedObject*> shown;
     for (TrackedObject& object : objects_) {
-      object.settle(window, time, update.settled);
+      object.finalise(window, time, update.finalised);
       if (isShown(object, time)) shown.push_back(&object);
+      if (auto expected = object.searchable(time)) update.expected.push_back(std::move(*expected));
     }
-    for (const TrackedObject* object : withoutRivals(shown, params_.consistency.rival_distance_m)) {
+    for (const TrackedObject* object :
+         suppressDuplicateTracks(shown, params_.consistency.rival_distance_m)) {
       Track& track = update.tracks.emplace_back(object->shownAt(time));
       track.box2d = object->imageBoxAt(time, view_.inSensor(object->position()));
       track.predictions = object->predictions;

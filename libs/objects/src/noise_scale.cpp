@@ -7,13 +7,13 @@ namespace headway::objects {
 
 void NoiseScale::learn(const ExpectedPlace& expected, const MeasuredBox& detection) {
   constexpr double kExpected = 2.0;  // mean of chi-squared with two degrees of freedom
-  constexpr double kSurprise = 6.0;  // what lies farther is an outlier: it counts no more
+  constexpr double kOutlier = 6.0;   // greater distances are clamped
   constexpr double kLeast = 0.7;
   constexpr double kMost = 4.0;
   const Eigen::Vector2d offset = (detection.position - expected.position).head<2>();
   const Eigen::Matrix2d S = expected.covariance + detection.covariance;
-  const double squared = std::min(kSurprise, offset.dot(S.inverse() * offset));
-  scale_ *= 1.0 + adaption_ * (squared / kExpected - 1.0);
+  const double squared = std::min(kOutlier, offset.dot(S.inverse() * offset));
+  scale_ *= 1.0 + adaptation_ * (squared / kExpected - 1.0);
   scale_ = std::clamp(scale_, kLeast, kMost);
 }
 

@@ -5,19 +5,18 @@
 
 namespace headway::objects {
 
-/// How much noisier (or better) a detector is than its configured noise, learnt as it is used.
+/// Online estimate of a detector's true noise over its configured noise.
 ///
-/// If the noise is right, the squared distance of a detection from its expected place, in units of
-/// what filter and detector together leave open, is 2 on average (it is chi-squared). Surprises
-/// raise the scale, good hits lower it, until that holds.
+/// With the right noise the squared Mahalanobis distance of a detection from its expected place is
+/// 2 on average (chi-squared). Greater distances raise the scale, smaller ones lower it.
 ///
 /// @see Bar-Shalom et al. 2001, "Estimation with applications to tracking and navigation", 5.4
 class NoiseScale {
  public:
-  /// @param adaption  share of a surprise that changes the scale; 0 keeps it at 1
-  explicit NoiseScale(double adaption) : adaption_(adaption) {}
+  /// @param adaptation  rate at which the scale follows the distances; 0 keeps it at 1
+  explicit NoiseScale(double adaptation) : adaptation_(adaptation) {}
 
-  /// Takes in how far a detection lies from where a grown track expected it.
+  /// Updates the scale by the distance of a detection from its expected place.
   void learn(const ExpectedPlace& expected, const MeasuredBox& detection);
 
   /// The box with its noise scaled.
@@ -27,7 +26,7 @@ class NoiseScale {
   [[nodiscard]] double value() const { return scale_; }
 
  private:
-  double adaption_;
+  double adaptation_;
   double scale_ = 1.0;
 };
 

@@ -6,12 +6,12 @@
 
 namespace headway::objects {
 
-/// Takes out the pairs that belong to a best assignment whatever the others do.
+/// Removes the pairs that belong to an optimal assignment whatever the others are.
 ///
 /// Leaving a row or a column unpaired costs 0. A pair is obvious if it costs no more than the best
 /// other pair of its row and the best other pair of its column together: were those chosen
 /// instead, exchanging them for it would not cost more. In a crowd that is tracked well nearly all
-/// pairs are obvious, and one large assignment falls into many small ones.
+/// pairs are obvious, which splits one large assignment into many small ones.
 ///
 /// @param candidates  each pair once; left with those that neither are obvious nor share a row or
 ///                    a column with one that is

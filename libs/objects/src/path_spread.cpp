@@ -25,11 +25,11 @@ DirectedSpread::DirectedSpread(const PathSpread& spread, const Eigen::Vector2d& 
 }
 
 PathSpread spreadOf(const MotionHistory& history, const ManoeuvreParams& params, double window_s) {
-  constexpr double kLeastPositionSigma_m = 0.05;
+  constexpr double kMinPositionSigma_m = 0.05;
   constexpr double kUnknownSpeed = 5.0;  // of an object seen once [m/s]
   PathSpread spread;
   const double sigma = meanSigma(history.position_covariance);
-  spread.position_sigma = std::max(sigma, kLeastPositionSigma_m);
+  spread.position_sigma = std::max(sigma, kMinPositionSigma_m);
   const double span = std::min(window_s, spanOf(history.path));
   const double velocity = span > 0.0 ? std::min(kUnknownSpeed, sigma / span) : kUnknownSpeed;
   spread.along_velocity = velocity;

@@ -43,15 +43,15 @@ class SpatialGrid {
   }
 
  private:
-  static constexpr std::int64_t kMostCells = std::int64_t{1} << 30;  ///< each way
+  static constexpr std::int64_t kMaxCells = std::int64_t{1} << 30;  ///< each way
 
   [[nodiscard]] std::int64_t cellOf(double coordinate) const {
     const double cell = std::floor(coordinate / cell_m_);
-    const double limit = static_cast<double>(kMostCells);
+    const double limit = static_cast<double>(kMaxCells);
     return static_cast<std::int64_t>(std::clamp(cell, -limit, limit));
   }
   static std::int64_t keyOf(std::int64_t column, std::int64_t row) {
-    return column * 4 * kMostCells + row;
+    return column * 4 * kMaxCells + row;
   }
 
   double cell_m_;

@@ -22,7 +22,7 @@ TrackedObject::TrackedObject(TrackId id, std::size_t frame, Time time, const Mea
       object_class_(first.object_class),
       filter_(first, params.filter),
       heading_(params.heading),
-      verdict_(params.verdict),
+      motion_class_(params.verdict),
       detector_id_(first.detector_id),
       box2d_(first.box2d),
       seen_from_(first.seen_from),
@@ -30,6 +30,7 @@ TrackedObject::TrackedObject(TrackId id, std::size_t frame, Time time, const Mea
       first_seen_(time),
       last_seen_(time) {
   voteClass(first);
+  keepEvidence(time, first);
   confirm();
   trajectory_.append(frame, time, first, first.position, first.yaw);
 }
@@ -41,6 +42,7 @@ void TrackedObject::update(std::size_t frame, Time time, const MeasuredBox& dete
   filter_.updateSize(detection.size);
   updateHeading(detection);
   voteClass(detection);
+  keepEvidence(time, detection);
   trajectory_.append(frame, time, detection, filter_.position(), filter_.yaw());
   score_sum_ += detection.score;
   if (detection.detector_id) detector_id_ = detection.detector_id;
@@ -50,6 +52,15 @@ void TrackedObject::update(std::size_t frame, Time time, const MeasuredBox& dete
   misses_ = 0;
   ++hits_;
   confirm();
+}
+
+// An object found by its appearance brings neither a new velocity nor a new template.
+void TrackedObject::keepEvidence(Time time, const MeasuredBox& detection) {
+  if (detection.evidence.motion) {
+    last_motion_ = time;
+    detected_velocity_ = detection.velocity;
+  }
+  if (detection.evidence.motion || detection.evidence.flow) appearance_ = detection.appearance;
 }
 
 void TrackedObject::confirm() {
@@ -62,7 +73,7 @@ void TrackedObject::confirm() {
 // Moving: filtered. Standing: the mean of the first measurements, and then left alone.
 void TrackedObject::updateHeading(const MeasuredBox& detection) {
   const double measured = heading_.unflipped(detection.yaw, filter_.yaw());
-  if (verdict_.moving()) {
+  if (motion_class_.moving()) {
     filter_.updateYaw(measured);
     const Eigen::Vector2d direction = unitOr(filter_.velocity().head<2>(), Eigen::Vector2d::Zero());
     heading_.addMotion(
@@ -79,6 +90,7 @@ void TrackedObject::updateHeading(const MeasuredBox& detection) {
 }
 
 void TrackedObject::voteClass(const MeasuredBox& detection) {
+  if (detection.evidence.appearance && detection.classIsGuessed()) return;  // this track's own
   class_votes_[static_cast<std::size_t>(detection.object_class)] += 1.0;
   const auto& current = class_votes_[static_cast<std::size_t>(object_class_)];
   const auto best = std::max_element(class_votes_.begin(), class_votes_.end());
@@ -87,18 +99,40 @@ void TrackedObject::voteClass(const MeasuredBox& detection) {
 
 void TrackedObject::refine(Time time, const TrajectorySmoother& smoother) {
   constexpr double kSpeedWindow_s = 1.0;
-  smoother.refine(trajectory_, filter_, group(), verdict_.standing());
+  smoother.refine(trajectory_, filter_, group(), motion_class_.standing());
   auto motion = measuredMotion(trajectory_.measurements, kSpeedWindow_s + kFrameJitter_s);
   if (velocity_measured_) motion = {filter_.velocity().head<2>(), filter_.velocityCovariance()};
   if (!motion) return;
   const Eigen::Vector2d along = unitOr(motion->velocity, Eigen::Vector2d::UnitX());
-  verdict_.update(time, motion->velocity.norm(), std::sqrt(along.dot(motion->covariance * along)),
-                  group());
+  motion_class_.update(time, motion->velocity.norm(),
+                       std::sqrt(along.dot(motion->covariance * along)), group());
 }
 
 ExpectedPlace TrackedObject::expected() const {
-  return {filter_.position(), filter_.positionCovariance(), filter_.verticalVariance(),
-          object_class_, detector_id_};
+  return {filter_.position(),
+          filter_.positionCovariance(),
+          filter_.verticalVariance(),
+          object_class_,
+          detector_id_,
+          id_};
+}
+
+std::optional<ExpectedObject> TrackedObject::searchable(Time time) const {
+  if (!last_motion_ || !detected_velocity_) return std::nullopt;
+  ExpectedObject object;
+  object.track = id_;
+  object.object_class = object_class_;
+  object.time = time;
+  object.position = filter_.position();
+  object.velocity.value << detected_velocity_->value, 0.0;
+  object.velocity.covariance.setZero();
+  object.velocity.covariance.topLeftCorner<2, 2>() = detected_velocity_->covariance;
+  object.observations = hits_;
+  object.detector_id = detector_id_;
+  object.last_observed = last_seen_;
+  object.last_motion = *last_motion_;
+  object.appearance = appearance_;
+  return object;
 }
 
 bool TrackedObject::grown() const { return hits_ >= params_.smoothing.grown_length; }
@@ -141,12 +175,12 @@ Track TrackedObject::shownAt(Time time) const {
   track.id = id_;
   track.object_class = object_class_;
   track.status = statusAt(time);
-  track.motion_state = verdict_.state();
+  track.motion_state = motion_class_.state();
   track.score = score();
   track.position = positionAt(time);
   track.velocity = filter_.velocity();
   track.yaw = filter_.yaw();
-  track.yaw_rate = verdict_.moving() ? filter_.yawRate() : 0.0;
+  track.yaw_rate = motion_class_.moving() ? filter_.yawRate() : 0.0;
   track.size = filter_.size();
   track.position_covariance.setZero();
   track.position_covariance.topLeftCorner<2, 2>() = filter_.positionCovariance();
@@ -162,13 +196,13 @@ std::optional<Box2d> TrackedObject::imageBoxAt(Time time, const Eigen::Vector3d&
   return carriedBox(*box2d_, seen_from_, place, filter_.size().z());
 }
 
-void TrackedObject::settle(std::size_t window, Time time, std::vector<TrackSample>& samples) {
+void TrackedObject::finalise(std::size_t window, Time time, std::vector<TrackSample>& samples) {
   const Track shown_now = shownAt(time);  // before its path is taken out
-  const std::vector<TrajectoryPoint> settled = trajectory_.settle(window);
+  const std::vector<TrajectoryPoint> finalised = trajectory_.finalise(window);
   if (!confirmed_) return;
-  for (std::size_t j = 0; j < settled.size(); ++j) {
-    const TrajectoryPoint& point = settled[j];
-    const TrajectoryPoint& next = j + 1 < settled.size()      ? settled[j + 1]
+  for (std::size_t j = 0; j < finalised.size(); ++j) {
+    const TrajectoryPoint& point = finalised[j];
+    const TrajectoryPoint& next = j + 1 < finalised.size()    ? finalised[j + 1]
                                   : !trajectory_.path.empty() ? trajectory_.path.front()
                                                               : point;
     TrackSample sample{point.frame, point.time, shown_now};

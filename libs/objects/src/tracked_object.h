@@ -1,5 +1,6 @@
 #pragma once
 
+#include <headway/core/expected_object.h>
 #include <headway/core/track.h>
 #include <headway/objects/objects_params.h>
 #include <headway/objects/predictor.h>
@@ -10,37 +11,42 @@
 #include "consistency.h"
 #include "heading_evidence.h"
 #include "kalman_filter.h"
-#include "motion_verdict.h"
+#include "motion_classifier.h"
 #include "trajectory.h"
 
 namespace headway::objects {
 
-/// One trajectory S_i with all that is known of its object.
+/// One trajectory S_i and the state of its object.
 class TrackedObject {
  public:
   TrackedObject(TrackId id, std::size_t frame, Time time, const MeasuredBox& first,
                 const ObjectsParams& params);
 
-  /// Carries the object on to the time of the next frame.
-  void predict(const Transition& transition) { filter_.predict(transition, verdict_.standing()); }
+  /// Predicts the state to the time of the next frame.
+  void predict(const Transition& transition) {
+    filter_.predict(transition, motion_class_.standing());
+  }
 
-  /// Takes in the detection that continues the track (Sec. III-C2).
+  /// Updates the state by the detection that continues the track (Sec. III-C2).
   void update(std::size_t frame, Time time, const MeasuredBox& detection);
 
-  /// Smooths the path after an update (Sec. III-C1) and judges whether the object moves.
+  /// Smooths the path after an update (Sec. III-C1) and classifies the object's motion.
   void refine(Time time, const TrajectorySmoother& smoother);
 
-  /// Not seen in a frame that was looked at.
+  /// Counts a frame without a detection of the object.
   void miss() {
     ++misses_;
     ++all_misses_;
   }
 
-  /// Where the next detection should be.
+  /// Predicted place of the next detection.
   [[nodiscard]] ExpectedPlace expected() const;
 
+  /// The object as a detector may search for it; nullopt if no detector had evidence that it moves.
+  [[nodiscard]] std::optional<ExpectedObject> searchable(Time time) const;
+
   [[nodiscard]] TrackStatus statusAt(Time time) const;
-  /// Whether the outside should see it: not when lost for long and only waiting to be re-found.
+  /// Whether it is published: not while unobserved for long and kept for re-detection alone.
   [[nodiscard]] bool shown(Time time) const;
   /// Whether it has been seen often enough for its expected place to be trusted.
   [[nodiscard]] bool grown() const;
@@ -50,25 +56,26 @@ class TrackedObject {
   /// Mean of its detections' scores; frames unseen, and a few before the first, count as 0.
   [[nodiscard]] double score() const;
 
-  /// What a predictor may know at `time`: the smoothed path, carried on where it was not seen.
+  /// Input of a predictor at `time`: the smoothed path, extrapolated where it was not observed.
   void historyAt(std::size_t frame, Time time, MotionHistory& history) const;
 
-  /// The object as shown to the outside, without its predictions.
+  /// The object as published, without its predictions.
   [[nodiscard]] Track shownAt(Time time) const;
 
-  /// Box in the image; where it was not seen, the last one carried on to where it should be now.
+  /// Box in the image; where it was not observed, predicted from the last one.
   ///
   /// @param place  of the object now, in the sensor's optical frame [m]
   [[nodiscard]] std::optional<Box2d> imageBoxAt(Time time, const Eigen::Vector3d& place) const;
 
-  /// Places that left the smoothing window, as samples.
-  void settle(std::size_t window, Time time, std::vector<TrackSample>& samples);
+  /// Appends the places that left the smoothing window.
+  void finalise(std::size_t window, Time time, std::vector<TrackSample>& samples);
 
   std::vector<PredictedPath> predictions;  ///< of this frame
 
  private:
   void updateHeading(const MeasuredBox& detection);
   void voteClass(const MeasuredBox& detection);
+  void keepEvidence(Time time, const MeasuredBox& detection);
   void confirm();
   [[nodiscard]] Eigen::Vector3d positionAt(Time time) const;
 
@@ -77,11 +84,14 @@ class TrackedObject {
   ObjectClass object_class_;
   KalmanFilter filter_;
   HeadingEvidence heading_;
-  MotionVerdict verdict_;
+  MotionClassifier motion_class_;
   bool velocity_measured_ = false;  ///< by the last detection
   Trajectory trajectory_;
   std::array<double, kObjectClassCount> class_votes_{};
   std::optional<std::int64_t> detector_id_;
+  std::optional<GroundVelocity> detected_velocity_;  ///< as last measured by a detector
+  std::optional<Time> last_motion_;  ///< when a detector last had evidence of motion
+  std::shared_ptr<const AppearanceTemplate> appearance_;
   std::optional<Box2d> box2d_;                            ///< as last seen
   Eigen::Vector3d seen_from_ = Eigen::Vector3d::UnitZ();  ///< where the object then was
   double standing_headings_ = 1.0;  ///< measurements in the heading of a standing object

@@ -14,13 +14,13 @@ void Trajectory::append(std::size_t frame, Time time, const MeasuredBox& measure
   ++length;
 }
 
-std::vector<TrajectoryPoint> Trajectory::settle(std::size_t window) {
+std::vector<TrajectoryPoint> Trajectory::finalise(std::size_t window) {
   if (path.size() <= window) return {};
   const auto count = static_cast<std::ptrdiff_t>(path.size() - window);
-  std::vector<TrajectoryPoint> settled(path.begin(), path.begin() + count);
+  std::vector<TrajectoryPoint> finalised(path.begin(), path.begin() + count);
   path.erase(path.begin(), path.begin() + count);
   measurements.erase(measurements.begin(), measurements.begin() + count);
-  return settled;
+  return finalised;
 }
 
 void TrajectorySmoother::refine(Trajectory& trajectory, const KalmanFilter& filter,

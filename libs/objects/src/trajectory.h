@@ -22,7 +22,7 @@ struct Trajectory {
               const Eigen::Vector3d& position, double yaw);
 
   /// Takes out the places that no later frame will change: all but the last `window`.
-  [[nodiscard]] std::vector<TrajectoryPoint> settle(std::size_t window);
+  [[nodiscard]] std::vector<TrajectoryPoint> finalise(std::size_t window);
 };
 
 /// Smooths trajectories: young ones with a moving average, grown ones with a motion prior.

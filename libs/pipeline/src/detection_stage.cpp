@@ -5,7 +5,7 @@
 #include <headway/pipeline/moving_regions.h>
 
 #include <algorithm>
-#include <opencv2/core.hpp>
+#include <chrono>
 #include <sstream>
 
 namespace headway::pipeline {
@@ -14,7 +14,7 @@ namespace {
 constexpr const char* kNone = "none";
 constexpr const char* kAuto = "auto";
 constexpr const char* kRecorded = "recorded";
-constexpr const char* kDefaultDetector = "stereo_motion";
+constexpr const char* kStereoMotion = "stereo_motion";
 
 std::vector<std::string> split(const std::string& names) {
   std::vector<std::string> result;
@@ -36,26 +36,22 @@ std::string choices() {
 /// The image detectors that `names` ask for.
 std::vector<std::string> imageDetectors(const std::string& names) {
   if (names == kNone) return {};
-  if (names == kAuto) return {kDefaultDetector};
+  if (names == kAuto) return {kStereoMotion};
   auto result = split(names);
   result.erase(std::remove(result.begin(), result.end(), kRecorded), result.end());
   return result;
+}
+
+using Clock = std::chrono::steady_clock;
+
+double millisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
 bool lacksDepth(const Detection& detection) { return detection.box2d && !detection.box3d; }
 
 bool lackDepth(const Detections& detections) {
   return std::any_of(detections.items.begin(), detections.items.end(), lacksDepth);
-}
-
-void append(MovingRegions more, MovingRegions& all) {
-  all.boxes.insert(all.boxes.end(), more.boxes.begin(), more.boxes.end());
-  all.unsure.insert(all.unsure.end(), more.unsure.begin(), more.unsure.end());
-  if (all.mask.empty()) {
-    all.mask = more.mask;
-  } else if (!more.mask.empty()) {
-    cv::bitwise_or(all.mask, more.mask, all.mask);
-  }
 }
 
 }  // namespace
@@ -109,57 +105,65 @@ DetectionStage::DetectionStage(std::shared_ptr<const StereoCamera> camera,
   }
   if (camera_ == nullptr) return;
   for (const auto& name : names) {
-    detectors_.push_back(detect::makeDetector(name, camera_, params.detect, matcher_));
+    if (name == kStereoMotion) {
+      stereo_motion_.emplace(camera_, params.detect.stereo_motion, matcher_);
+    } else {
+      detectors_.push_back(detect::makeDetector(name, params.detect));
+    }
   }
 }
 
 DetectionStage::~DetectionStage() = default;
 
-void DetectionStage::begin(const RecordedFrame& frame, bool scanned) {
-  found_.clear();
+ObjectDetections DetectionStage::detectObjects(const RecordedFrame& frame, bool ground_scanned) {
+  const auto start = Clock::now();
+  ObjectDetections boxes;
   if (use_recorded_ && frame.detections) {
-    found_.push_back(camera_ != nullptr ? inSensorFrame(*frame.detections, camera_->T_robot_cam)
-                                        : *frame.detections);
-    if (automatic_) detectors_.clear();
-  }
-  const bool has_turn = frames_++ % every_nth_frame_ == 0;
-  looking_ = has_turn && frame.stereo && !detectors_.empty();
-  if (looking_) ask(false, *frame.stereo, std::nullopt);
-  lifting_ = frame.stereo && std::any_of(found_.begin(), found_.end(), lackDepth);
-  const bool for_detector =
-      looking_ && std::any_of(detectors_.begin(), detectors_.end(),
-                              [](const auto& detector) { return detector->needsPose(); });
-  if (lifting_ || for_detector || scanned) matcher_->begin(*frame.stereo);  // while SLAM is at work
-}
-
-void DetectionStage::ask(bool with_pose, const StereoFrame& frame,
-                         const std::optional<Pose>& T_map_robot) {
-  for (const auto& detector : detectors_) {
-    if (detector->needsPose() != with_pose) continue;
-    if (auto detections = detector->detect(frame, T_map_robot)) {
-      found_.push_back(std::move(*detections));
+    boxes.sources.push_back(camera_ != nullptr
+                                ? inSensorFrame(*frame.detections, camera_->T_robot_cam)
+                                : *frame.detections);
+    for (auto& item : boxes.sources.back().items) item.evidence.classifier = true;
+    if (automatic_) {
+      detectors_.clear();
+      stereo_motion_.reset();
     }
   }
-}
-
-MovingRegions DetectionStage::movingRegions(const RecordedFrame& frame,
-                                            const std::vector<Track>& previous) const {
-  MovingRegions regions;
-  if (camera_ == nullptr) return regions;
-  for (const auto& detections : found_) {
-    append(pipeline::movingRegions(detections, previous, *camera_), regions);
+  const bool has_turn = frames_++ % every_nth_frame_ == 0;
+  boxes.detectors_run = has_turn && frame.stereo && (!detectors_.empty() || stereo_motion_);
+  if (boxes.detectors_run) {
+    for (const auto& detector : detectors_)
+      boxes.sources.push_back(detector->detect(*frame.stereo));
   }
-  for (const auto& detector : detectors_) append(detector->movingRegions(frame.time), regions);
-  return regions;
+  boxes.lifting =
+      frame.stereo && std::any_of(boxes.sources.begin(), boxes.sources.end(), lackDepth);
+  if (boxes.lifting || (boxes.detectors_run && stereo_motion_) || ground_scanned) {
+    matcher_->begin(*frame.stereo);  // while SLAM runs
+  }
+  boxes.elapsed_ms = millisecondsSince(start);
+  return boxes;
 }
 
-std::optional<Detections> DetectionStage::finish(const RecordedFrame& frame,
-                                                 const std::optional<Pose>& T_map_robot) {
-  if (looking_) ask(true, *frame.stereo, T_map_robot);
-  if (found_.empty()) return std::nullopt;
-  Detections all = detect::fuse(found_);
-  if (frame.stereo && T_map_robot && lackDepth(all)) lift(*frame.stereo, all);
-  return all;
+FrameDetections DetectionStage::detectMotion(const RecordedFrame& frame,
+                                             const std::optional<Pose>& T_map_robot,
+                                             const ObjectDetections& boxes,
+                                             const std::vector<ExpectedObject>& expected,
+                                             const detect::MotionDetections& previous) {
+  const auto start = Clock::now();
+  FrameDetections found;
+  found.images_used = boxes.detectors_run || boxes.lifting;
+  auto sources = boxes.sources;
+  if (stereo_motion_ && boxes.detectors_run) {
+    found.motion = stereo_motion_->detect(*frame.stereo, T_map_robot, expected);
+    found.dropped = found.motion.dropped;
+    if (found.motion.detections) sources.push_back(*found.motion.detections);
+  } else if (stereo_motion_) {
+    found.motion = previous;
+  }
+  if (!sources.empty()) found.fused = detect::fuse(sources);
+  const bool lacking = found.fused && lackDepth(*found.fused);
+  if (frame.stereo && T_map_robot && lacking) lift(*frame.stereo, *found.fused);
+  found.elapsed_ms = boxes.elapsed_ms + millisecondsSince(start);
+  return found;
 }
 
 void DetectionStage::lift(const StereoFrame& frame, Detections& detections) {
@@ -170,30 +174,18 @@ void DetectionStage::lift(const StereoFrame& frame, Detections& detections) {
 
 std::optional<GroundScan> DetectionStage::scanGround(const RecordedFrame& frame,
                                                      const Pose& T_map_robot,
+                                                     const FrameDetections& found,
                                                      const std::vector<Track>& tracks,
                                                      const detect::GroundScanParams& params) {
   const auto& disparity = matcher_->of(*frame.stereo);
-  // Sought again even where finish() sought it to lift boxes: begun from there it gets more exact.
+  // Searched again even where boxes were lifted: begun from there it gets more exact.
   ground_ = stereo::findGround(disparity, *camera_, ground_);
   if (!ground_) return std::nullopt;
-  auto moving = movingRegions(frame, tracks);
-  append(pipeline::movingRegions(tracks, T_map_robot, *camera_), moving);
+  std::vector<Detections> sources;
+  if (found.fused) sources.push_back(*found.fused);
+  auto moving = movingRegions(sources, tracks, found.motion, frame.time, *camera_);
+  append(movingRegions(tracks, T_map_robot, *camera_), moving);
   return detect::scanGround(disparity, *camera_, *ground_, moving, params);
-}
-
-DropCounts DetectionStage::takeDropped() {
-  DropCounts all;
-  for (const auto& detector : detectors_) {
-    for (const auto& [reason, count] : detector->dropped()) all[reason] += count;
-  }
-  DropCounts since;
-  for (const auto& [reason, count] : all) {
-    const auto before = dropped_before_.find(reason);
-    const std::size_t more = count - (before != dropped_before_.end() ? before->second : 0);
-    if (more > 0) since[reason] = more;
-  }
-  dropped_before_ = std::move(all);
-  return since;
 }
 
 }  // namespace headway::pipeline

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core.hpp>
 
 namespace headway::pipeline {
 namespace {
@@ -41,6 +42,28 @@ MovingRegions movingRegions(const Detections& detections, const std::vector<Trac
     }
   }
   return regions;
+}
+
+MovingRegions movingRegions(const std::vector<Detections>& sources,
+                            const std::vector<Track>& previous,
+                            const detect::MotionDetections& motion, Time at,
+                            const StereoCamera& camera) {
+  MovingRegions regions;
+  for (const auto& detections : sources) {
+    append(movingRegions(detections, previous, camera), regions);
+  }
+  append(motion.regionsAt(at, camera), regions);
+  return regions;
+}
+
+void append(const MovingRegions& more, MovingRegions& all) {
+  all.boxes.insert(all.boxes.end(), more.boxes.begin(), more.boxes.end());
+  all.unsure.insert(all.unsure.end(), more.unsure.begin(), more.unsure.end());
+  if (all.mask.empty()) {
+    all.mask = more.mask;
+  } else if (!more.mask.empty()) {
+    cv::bitwise_or(all.mask, more.mask, all.mask);
+  }
 }
 
 MovingRegions movingRegions(const std::vector<Track>& tracks, const Pose& T_map_robot,

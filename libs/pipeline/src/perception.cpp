@@ -1,16 +1,9 @@
 #include <headway/core/error.h>
+#include <headway/pipeline/moving_regions.h>
 #include <headway/pipeline/perception.h>
 
 namespace headway::pipeline {
 namespace {
-
-template <typename Work>
-double millisecondsOf(const Work& work) {
-  StageTimes times;
-  const auto watch = times.watch("work");
-  work();
-  return watch.elapsedMs();
-}
 
 std::optional<Pose> poseOf(const slam::SlamUpdate& camera) {
   if (camera.status != slam::TrackingStatus::kTracked) return std::nullopt;
@@ -86,30 +79,38 @@ map::StoredMap Perception::stored() const {
 
 PerceptionUpdate Perception::process(const RecordedFrame& frame) {
   const auto watch = times_.watch("frame");
+  const bool scan_ground = hasGridTurn(frame);
   PerceptionUpdate update;
   update.frame = frame.index;
   update.time = frame.time;
-  grid_turn_ = camera_ != nullptr && frame.stereo && grid_params_.every_nth_frame > 0 &&
-               grid_frames_++ % static_cast<std::size_t>(grid_params_.every_nth_frame) == 0;
-  const double before_ms = millisecondsOf([&] { detection_.begin(frame, grid_turn_); });
-  update.camera = localise(frame);
-  const double after_ms =
-      millisecondsOf([&] { update.detections = detection_.finish(frame, poseOf(update.camera)); });
-  if (detection_.looked()) times_.add("detect", before_ms + after_ms);
+  const auto boxes = detection_.detectObjects(frame, scan_ground);
+  update.camera = localise(frame, boxes);
+  found_ = detection_.detectMotion(frame, poseOf(update.camera), boxes, expected_, found_.motion);
+  if (found_.images_used) times_.add("detect", found_.elapsed_ms);
+  update.detections = found_.fused;
   update.objects = track(frame, update);
-  for (const auto& [reason, count] : detection_.takeDropped()) {
-    update.objects.detections_dropped[reason] += count;
-  }
   updateMap(update);
-  if (grid_turn_) updateGrid(frame, update);
+  if (scan_ground) updateGrid(frame, update);
   tracks_ = update.objects.tracks;
+  expected_ = update.objects.expected;
   return update;
 }
 
-slam::SlamUpdate Perception::localise(const RecordedFrame& frame) {
-  if (!frame.T_map_robot && frame.stereo && slam_ != nullptr && given_poses_.empty()) {
-    return slam_->process(*frame.stereo, detection_.movingRegions(frame, tracks_));
-  }
+bool Perception::hasGridTurn(const RecordedFrame& frame) {
+  const auto every_nth = static_cast<std::size_t>(grid_params_.every_nth_frame);
+  if (camera_ == nullptr || !frame.stereo || every_nth == 0) return false;
+  return grid_frames_++ % every_nth == 0;
+}
+
+slam::SlamUpdate Perception::localise(const RecordedFrame& frame, const ObjectDetections& boxes) {
+  const bool by_slam =
+      !frame.T_map_robot && frame.stereo && slam_ != nullptr && given_poses_.empty();
+  if (!by_slam) return useGivenPose(frame);
+  return slam_->process(*frame.stereo,
+                        movingRegions(boxes.sources, tracks_, found_.motion, frame.time, *camera_));
+}
+
+slam::SlamUpdate Perception::useGivenPose(const RecordedFrame& frame) {
   if (frame.T_map_robot && resumed_) {
     throw InputError("frame " + std::to_string(frame.index) +
                      " brings a pose of its own, which is not in the frame of the map taken up; "
@@ -130,24 +131,27 @@ slam::SlamUpdate Perception::localise(const RecordedFrame& frame) {
 
 objects::TrackUpdate Perception::track(const RecordedFrame& frame, const PerceptionUpdate& update) {
   const auto watch = times_.watch("objects");
-  if (update.detections && update.camera.status == slam::TrackingStatus::kTracked) {
-    return tracker_.update(frame.index, {frame.time, update.camera.T_map_robot},
-                           *update.detections);
+  objects::TrackUpdate tracked;
+  if (update.detections && poseOf(update.camera)) {
+    tracked =
+        tracker_.update(frame.index, {frame.time, update.camera.T_map_robot}, *update.detections);
+  } else {
+    tracked = tracker_.coast(frame.index, frame.time);
+    if (update.detections && !update.detections->items.empty()) {
+      tracked.detections_dropped["camera_lost"] += update.detections->items.size();
+    }
   }
-  auto coasted = tracker_.coast(frame.index, frame.time);
-  if (update.detections && !update.detections->items.empty()) {
-    coasted.detections_dropped["camera_lost"] += update.detections->items.size();
-  }
-  return coasted;
+  for (const auto& [reason, count] : found_.dropped) tracked.detections_dropped[reason] += count;
+  return tracked;
 }
 
 void Perception::updateMap(const PerceptionUpdate& update) {
   const auto watch = times_.watch("map_update");
-  if (update.camera.is_keyframe) takeStillWorld();
+  if (update.camera.is_keyframe) updateStaticMap();
   map_.update(update.time, update.objects.tracks);
 }
 
-void Perception::takeStillWorld() {
+void Perception::updateStaticMap() {
   map_.update(slam_->map());
   grid_.follow(map_.stillWorld()->keyframes);
 }
@@ -156,7 +160,8 @@ void Perception::updateGrid(const RecordedFrame& frame, const PerceptionUpdate& 
   const auto T_map_robot = poseOf(update.camera);
   if (!T_map_robot) return;
   const auto watch = times_.watch("grid");
-  auto scan = detection_.scanGround(frame, *T_map_robot, update.objects.tracks, grid_params_.scan);
+  auto scan =
+      detection_.scanGround(frame, *T_map_robot, found_, update.objects.tracks, grid_params_.scan);
   if (!scan) return;
   grid_.add(*T_map_robot, std::move(*scan));
   map_.update(grid_.grid());
@@ -165,7 +170,7 @@ void Perception::updateGrid(const RecordedFrame& frame, const PerceptionUpdate& 
 void Perception::finish() {
   if (slam_ == nullptr || !given_poses_.empty()) return;
   slam_->finish();
-  takeStillWorld();
+  updateStaticMap();
   if (const auto grid = grid_.grid()) map_.update(grid);
 }
 

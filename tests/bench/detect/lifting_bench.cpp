@@ -103,9 +103,8 @@ void measureEdges(const fs::path& folder, const std::string& model) {
   Errors errors;
   for (const auto& file : imagesOf(folder)) {
     const auto pair = headway::test::readKittiStereo(folder, file);
-    const auto found = network.detect(pair.frame, {});
-    if (!found) continue;
-    for (const auto& item : found->items) {
+    const auto found = network.detect(pair.frame);
+    for (const auto& item : found.items) {
       for (const auto& [box, disparity] : pair.cars) {
         if (headway::overlap2d(box, *item.box2d) < 0.4) continue;
         const double left = (item.box2d->left - box.left) / box.width();

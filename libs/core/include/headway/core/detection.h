@@ -1,9 +1,11 @@
 #pragma once
 
+#include <headway/core/ids.h>
 #include <headway/core/object_class.h>
 #include <headway/core/pose.h>
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -44,6 +46,17 @@ struct MeasuredVelocity {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< [m^2/s^2]
 };
 
+/// Kinds of evidence for an object in one frame; after fusion it may have several.
+struct DetectionEvidence {
+  bool classifier = false;  ///< a classifier of images, or a recorded box: it names the class
+  bool motion = false;      ///< only motion explains how it was seen over several frames
+  bool flow = false;        ///< it moves in the image as an expected object must
+  bool appearance = false;  ///< it looks like an expected object at the place of that
+};
+
+struct AppearanceTemplate;  // see <headway/core/appearance.h>
+struct ObjectMask;
+
 /// One object as a detector reports it in one frame: a 2D box, a 3D box, or both.
 struct Detection {
   ObjectClass object_class = ObjectClass::kUnknown;
@@ -53,6 +66,10 @@ struct Detection {
   std::optional<Box3d> box3d;               ///< sensor's optical frame
   std::optional<Eigen::Matrix3d> centre_covariance;  ///< of box3d->centre, optical frame [m^2]
   std::optional<MeasuredVelocity> velocity;          ///< along the optical frame's axes
+  DetectionEvidence evidence;
+  std::optional<TrackId> searched_track;   ///< that the detector was looking for: a hint only
+  std::shared_ptr<const ObjectMask> mask;  ///< null: the box alone
+  std::shared_ptr<const AppearanceTemplate> appearance;  ///< null: cannot be searched for
 };
 
 /// All detections of one detector in one frame; empty `items`: it ran and found nothing.

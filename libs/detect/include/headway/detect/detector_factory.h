@@ -26,17 +26,14 @@ struct DetectParams {
   void validate() const;  ///< @throws InputError
 };
 
-/// Names that makeDetector knows: "stereo_motion", "dnn", "hog".
+/// Names of all detectors: "stereo_motion", "dnn", "hog".
 [[nodiscard]] const std::vector<std::string>& detectorNames();
 
-/// Makes a detector by its name.
+/// Makes a detector that works on single frames.
 ///
-/// @param camera   of every frame to come
-/// @param matcher  that it shares with others; null: one of its own
-/// @throws         InputError for a name that is none of detectorNames(), or a model that cannot be
-///                 used
-[[nodiscard]] std::unique_ptr<Detector> makeDetector(
-    const std::string& name, std::shared_ptr<const StereoCamera> camera, const DetectParams& params,
-    std::shared_ptr<stereo::DisparityMatcher> matcher = nullptr);
+/// @param name  one of detectorNames() but "stereo_motion", which needs the camera's motion
+/// @throws      InputError for any other name, or a model that cannot be used
+[[nodiscard]] std::unique_ptr<Detector> makeDetector(const std::string& name,
+                                                     const DetectParams& params);
 
 }  // namespace headway::detect

@@ -42,8 +42,7 @@ class NetworkDetector : public Detector {
   explicit NetworkDetector(const NetworkParams& params);
   ~NetworkDetector() override;
 
-  [[nodiscard]] std::optional<Detections> detect(const StereoFrame& frame,
-                                                 const std::optional<Pose>& T_map_robot) override;
+  [[nodiscard]] Detections detect(const StereoFrame& frame) override;
 
  private:
   class Implementation;

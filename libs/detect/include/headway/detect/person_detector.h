@@ -26,8 +26,7 @@ class PersonDetector : public Detector {
   explicit PersonDetector(const PersonParams& params);
   ~PersonDetector() override;
 
-  [[nodiscard]] std::optional<Detections> detect(const StereoFrame& frame,
-                                                 const std::optional<Pose>& T_map_robot) override;
+  [[nodiscard]] Detections detect(const StereoFrame& frame) override;
 
  private:
   class Implementation;

@@ -1,12 +1,15 @@
 #pragma once
 
+#include <headway/core/detection.h>
+#include <headway/core/expected_object.h>
+#include <headway/core/moving_regions.h>
 #include <headway/core/params.h>
-#include <headway/detect/detector.h>
+#include <headway/core/stereo_frame.h>
+#include <headway/core/track.h>
 #include <headway/stereo/disparity_matcher.h>
-#include <headway/stereo/ground_plane.h>
 
-#include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace headway::detect {
@@ -26,7 +29,6 @@ struct StereoMotionParams {
   double min_speed_mps = 0.6;         ///< slower objects are static [m/s]
   double max_speed_mps = 60.0;        ///< of an object [m/s]
   int min_points = 3;                 ///< of an object
-  int confirm_frames = 1;             ///< in which an object was found before it is reported
   double max_point_distance_m = 1.0;  ///< between neighbours of one object, over the ground [m]
   double min_moving_ratio = 0.6;      ///< of the points within an object's outline [-]
   double max_segment_range_m = 30.0;  ///< of upright segments tracked as a whole [m]
@@ -38,12 +40,19 @@ struct StereoMotionParams {
   void validate() const { validateRanges(*this, "stereo_motion"); }  ///< @throws InputError
 };
 
-/// One thing that moves.
-struct MovingObject {
-  std::int64_t id = 0;  ///< kept while enough of its points are followed
-  Detection detection;  ///< 2D and 3D box, score, velocity, id
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< over the ground, map frame [m/s]
-  int points = 0;                                      ///< that moved together
+/// What moves in one frame.
+struct MotionDetections {
+  /// With 2D and 3D box, mask and velocity each; nullopt where the frame cannot be used, for a
+  /// reason that `dropped` counts.
+  std::optional<Detections> detections;
+  DropCounts dropped;  ///< frames that cannot be used and detections that are not plausible
+  Eigen::Vector3d camera_velocity = Eigen::Vector3d::Zero();   ///< of points seen from it [m/s]
+  Eigen::Vector3d camera_turn_rate = Eigen::Vector3d::Zero();  ///< of points seen from it [rad/s]
+  double max_ahead_s = 0.0;  ///< for which regionsAt() extrapolates [s]
+
+  /// Where these objects are in the image at another time if they and the camera keep their
+  /// velocities; empty more than `max_ahead_s` after the frame.
+  [[nodiscard]] MovingRegions regionsAt(Time at, const StereoCamera& camera) const;
 };
 
 /// Finds whatever moves, by geometry alone: no network, no weights, no classes.
@@ -57,23 +66,25 @@ struct MovingObject {
 /// are long, and a camera that sees still surroundings most of the time.
 ///
 /// @see  Franke et al. 2005, "6D-Vision"; Lenz et al. 2011, "Sparse scene flow segmentation"
-class StereoMotion : public Detector {
+class StereoMotion {
  public:
   /// @param camera   of every frame to come
   /// @param matcher  gives the disparities of the frames; others may use it too
   StereoMotion(std::shared_ptr<const StereoCamera> camera, const StereoMotionParams& params,
                std::shared_ptr<stereo::DisparityMatcher> matcher);
-  ~StereoMotion() override;
+  ~StereoMotion();
+  StereoMotion(StereoMotion&&) noexcept;
 
-  [[nodiscard]] bool needsPose() const override { return true; }
-  [[nodiscard]] std::optional<Detections> detect(const StereoFrame& frame,
-                                                 const std::optional<Pose>& T_map_robot) override;
-  [[nodiscard]] MovingRegions movingRegions(Time at) const override;
-
-  /// Objects found last, with their velocities.
-  [[nodiscard]] const std::vector<MovingObject>& objects() const;
-  /// Ground of the frame looked at last.
-  [[nodiscard]] const std::optional<stereo::GroundPlane>& ground() const;
+  /// Frames come in order of time.
+  ///
+  /// Objects that move are found by their motion alone, without tracks. Expected objects that were
+  /// not found so are searched for by less evidence: flow or appearance.
+  ///
+  /// @param T_map_robot  nullopt where the robot's pose is unknown: the frame cannot be used
+  /// @param expected     by the tracker, as of the frame before
+  [[nodiscard]] MotionDetections detect(const StereoFrame& frame,
+                                        const std::optional<Pose>& T_map_robot,
+                                        const std::vector<ExpectedObject>& expected = {});
 
  private:
   class Implementation;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <headway/core/detection.h>
+#include <headway/core/expected_object.h>
 #include <headway/core/track.h>
 #include <headway/objects/objects_params.h>
 
@@ -12,7 +13,9 @@ namespace headway::objects {
 /// What one frame's detections did to the tracks.
 struct TrackUpdate {
   std::vector<Track> tracks;         ///< tentative, confirmed and coasting ones; ascending ids
-  std::vector<TrackSample> settled;  ///< smoothed samples that no later frame will change
+  std::vector<TrackSample> finalised;  ///< smoothed samples that no later frame will change
+  /// Of all tracks that a detector saw move, those not shown included; ascending ids.
+  std::vector<ExpectedObject> expected;
   std::size_t detections_used = 0;
   DropCounts detections_dropped;  ///< left out in this frame, by reason
 };
@@ -38,7 +41,7 @@ class MovingObjectTracker {
   /// Carries the tracks on to a frame in which nobody looked for objects.
   [[nodiscard]] TrackUpdate coast(std::size_t frame, Time time);
 
-  /// The samples still inside the smoothing windows: the end of `settled`.
+  /// The samples still inside the smoothing windows: the end of `finalised`.
   [[nodiscard]] std::vector<TrackSample> flush();
 
  private:

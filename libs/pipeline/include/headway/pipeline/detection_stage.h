@@ -31,13 +31,32 @@ void checkDetectorNames(const std::string& names);
 /// Whether `names` make use of recorded boxes.
 [[nodiscard]] bool usesRecordedBoxes(const std::string& names);
 
-/// Brings together what every source says of a frame's objects, before and after the camera's
-/// pose is known.
+/// What needs no pose of the camera: recorded boxes and those of image detectors.
+struct ObjectDetections {
+  std::vector<Detections> sources;  ///< best informed first
+  bool detectors_run = false;       ///< on this frame, one in `every_nth_frame`
+  bool lifting = false;             ///< a box lacks its depth
+  double elapsed_ms = 0.0;          ///< spent on them [ms]
+};
+
+/// All detections of one frame.
+struct FrameDetections {
+  std::optional<Detections> fused;  ///< of all sources, without doubles, with depth; nullopt: none
+  detect::MotionDetections motion;  ///< of this frame, or of the last one searched for it
+  DropCounts dropped;               ///< by reason
+  bool images_used = false;         ///< by a detector, or for the depth of a box
+  double elapsed_ms = 0.0;          ///< spent on them, from the first step on [ms]
+};
+
+/// Detects objects in a frame from every source, in three steps around SLAM and the tracker. What
+/// one step finds is handed to the next as a value.
 ///
-///     stage.begin(frame);                                    // recorded boxes, networks
-///     auto camera = slam.process(*frame.stereo, stage.movingRegions(frame, tracks));
-///     auto detections = stage.finish(frame, camera.T_map_robot);   // stereo_motion, fusion, depth
-///     if (detections) tracker.update(index, pose, *detections);
+///     const auto boxes = stage.detectObjects(frame);
+///     const auto regions = movingRegions(boxes.sources, tracked.tracks, found.motion, time,
+///     camera); const auto pose = slam.process(*frame.stereo, regions); found =
+///     stage.detectMotion(frame, pose, boxes, tracked.expected, found.motion); tracked =
+///     tracker.update(index, pose, *found.fused); const auto scan = stage.scanGround(frame, pose,
+///     found, tracked.tracks, params);
 class DetectionStage {
  public:
   /// @param camera  null where there are no images: then only recorded boxes can be had
@@ -46,57 +65,48 @@ class DetectionStage {
   DetectionStage(std::shared_ptr<const StereoCamera> camera, const DetectionParams& params);
   ~DetectionStage();
 
-  /// Takes a frame's recorded boxes and asks the detectors that need no pose.
+  /// Collects a frame's recorded boxes and runs the detectors that need no pose. Stereo matching
+  /// starts in its own thread where a later step needs it.
   ///
-  /// @param scanned  whether scanGround() will be asked for this frame: matching starts at once
-  void begin(const RecordedFrame& frame, bool scanned = false);
+  /// @param ground_scanned  scanGround() will be called for this frame
+  [[nodiscard]] ObjectDetections detectObjects(const RecordedFrame& frame,
+                                               bool ground_scanned = false);
 
-  /// What may move in this frame: boxes found so far unless `previous` knows them to be still, and
-  /// what moved in the frame before, moved along.
-  ///
-  /// @param previous  tracks of the frame before
-  [[nodiscard]] MovingRegions movingRegions(const RecordedFrame& frame,
-                                            const std::vector<Track>& previous) const;
-
-  /// Asks the detectors that need the pose, and gives depth to boxes that have none.
+  /// Detects moving objects, fuses all sources, and lifts boxes that have no depth.
   ///
   /// @param T_map_robot  nullopt where the camera is lost
-  /// @return  all detections of the frame without doubles; nullopt if nobody looked at it
-  [[nodiscard]] std::optional<Detections> finish(const RecordedFrame& frame,
-                                                 const std::optional<Pose>& T_map_robot);
+  /// @param boxes        of this frame
+  /// @param expected     by the tracker, as of the frame before
+  /// @param previous     handed on where this frame is not searched for motion
+  [[nodiscard]] FrameDetections detectMotion(const RecordedFrame& frame,
+                                             const std::optional<Pose>& T_map_robot,
+                                             const ObjectDetections& boxes,
+                                             const std::vector<ExpectedObject>& expected,
+                                             const detect::MotionDetections& previous);
 
-  /// Looks over the ground of a frame that finish() has seen, without what moves in it.
+  /// Finds free ground and what stands on it, without what moves.
   ///
+  /// @param found   in this frame
   /// @param tracks  of this frame
-  /// @return        nullopt where the ground cannot be told (expected, not an error)
+  /// @return        nullopt where no ground is found (expected, not an error)
   [[nodiscard]] std::optional<GroundScan> scanGround(const RecordedFrame& frame,
                                                      const Pose& T_map_robot,
+                                                     const FrameDetections& found,
                                                      const std::vector<Track>& tracks,
                                                      const detect::GroundScanParams& params);
 
-  /// What the detectors left out since the last call, by reason.
-  [[nodiscard]] DropCounts takeDropped();
-
-  /// Whether this frame's images were looked at: by a detector, or for the depth of a box.
-  [[nodiscard]] bool looked() const { return looking_ || lifting_; }
-
  private:
-  void ask(bool with_pose, const StereoFrame& frame, const std::optional<Pose>& T_map_robot);
   void lift(const StereoFrame& frame, Detections& detections);
 
   std::shared_ptr<const StereoCamera> camera_;
   bool use_recorded_ = false;
-  bool automatic_ = false;  ///< detectors step aside once the recording brings boxes
+  bool automatic_ = false;  ///< detectors are switched off once the recording brings boxes
   int every_nth_frame_ = 1;
   std::shared_ptr<stereo::DisparityMatcher> matcher_;
   std::vector<std::unique_ptr<detect::Detector>> detectors_;
-
+  std::optional<detect::StereoMotion> stereo_motion_;
   int frames_ = 0;
-  bool looking_ = false;                       ///< the image detectors have their turn
-  bool lifting_ = false;                       ///< a recorded box lacks its depth
-  std::optional<stereo::GroundPlane> ground_;  ///< where it was looked for last
-  std::vector<Detections> found_;              ///< in this frame, best informed first
-  DropCounts dropped_before_;                  ///< of all detectors, as last taken
+  std::optional<stereo::GroundPlane> ground_;  ///< found last
 };
 
 }  // namespace headway::pipeline

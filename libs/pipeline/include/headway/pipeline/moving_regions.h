@@ -4,6 +4,7 @@
 #include <headway/core/moving_regions.h>
 #include <headway/core/stereo_camera.h>
 #include <headway/core/track.h>
+#include <headway/detect/stereo_motion.h>
 
 #include <optional>
 #include <vector>
@@ -21,6 +22,17 @@ namespace headway::pipeline {
 [[nodiscard]] MovingRegions movingRegions(const Detections& detections,
                                           const std::vector<Track>& previous,
                                           const StereoCamera& camera);
+
+/// The same for several sources, with what `motion` found moving, where that is by now.
+///
+/// @param at  of the detections [s]
+[[nodiscard]] MovingRegions movingRegions(const std::vector<Detections>& sources,
+                                          const std::vector<Track>& previous,
+                                          const detect::MotionDetections& motion, Time at,
+                                          const StereoCamera& camera);
+
+/// Adds regions of the same image.
+void append(const MovingRegions& more, MovingRegions& all);
 
 /// Where moving tracks are in the image now, those not seen in this frame, too.
 ///

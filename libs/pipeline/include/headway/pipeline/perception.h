@@ -104,10 +104,12 @@ class Perception {
   [[nodiscard]] StageTimes times() const;
 
  private:
-  slam::SlamUpdate localise(const RecordedFrame& frame);
+  [[nodiscard]] bool hasGridTurn(const RecordedFrame& frame);
+  slam::SlamUpdate localise(const RecordedFrame& frame, const ObjectDetections& boxes);
+  slam::SlamUpdate useGivenPose(const RecordedFrame& frame);
   objects::TrackUpdate track(const RecordedFrame& frame, const PerceptionUpdate& update);
   void updateMap(const PerceptionUpdate& update);
-  void takeStillWorld();
+  void updateStaticMap();
   void updateGrid(const RecordedFrame& frame, const PerceptionUpdate& update);
 
   std::shared_ptr<const StereoCamera> camera_;
@@ -117,10 +119,11 @@ class Perception {
   GridParams grid_params_;
   map::StaticGrid grid_;
   map::PerceptionMap map_;
-  bool grid_turn_ = false;                        ///< the grid looks at this frame
-  std::size_t grid_frames_ = 0;                   ///< that it could look at
+  std::size_t grid_frames_ = 0;                   ///< that could have been scanned
   bool resumed_ = false;                          ///< the map frame is a stored map's
+  FrameDetections found_;                         ///< in the newest frame
   std::vector<Track> tracks_;                     ///< of the previous frame
+  std::vector<ExpectedObject> expected_;          ///< as of the previous frame
   std::vector<slam::FrameEstimate> given_poses_;  ///< frames that came with their pose
   StageTimes times_;
 };

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <headway/core/expected_object.h>
+#include <headway/core/stereo_camera.h>
+
+#include <vector>
+
+#include "motion_frame.h"
+#include "moving_object.h"
+
+namespace headway::detect {
+
+/// An expected object as the newest frame of the camera path should show it.
+struct SearchedObject {
+  TrackId track;
+  ObjectClass object_class = ObjectClass::kUnknown;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< expected, world of the path [m]
+  MeasuredVelocity velocity;                           ///< world of the path
+  int observations = 0;
+  std::int64_t group = -1;                               ///< of the parts it had; -1: none
+  Time last_motion = 0.0;                                ///< [s]
+  Pose T_cam_then = Pose::Identity();                    ///< camera of the template seen from now
+  std::shared_ptr<const AppearanceTemplate> appearance;  ///< null: none
+};
+
+/// The expected objects that a frame is searched for: those with evidence of motion within the
+/// last second.
+///
+/// @param path        its newest frame is the searched one
+/// @param T_map_cam   pose of that frame as given
+[[nodiscard]] std::vector<SearchedObject> searchedObjects(
+    const std::vector<ExpectedObject>& expected, const CameraPath& path, const Pose& T_map_cam);
+
+/// The searched objects that no moving object explains: none is of the same group of points, and
+/// none is near the expected place. Each moving object explains one.
+[[nodiscard]] std::vector<SearchedObject> withoutFound(std::vector<SearchedObject> searched,
+                                                       const std::vector<MovingObject>& found,
+                                                       const CameraPath& path);
+
+/// Detects searched objects by the flow of segments.
+///
+/// That something moves must show in several frames, as long as it is followed. In a crowd what was
+/// followed is soon lost, but for an object that was found before less evidence will do: a segment
+/// near its expected place whose flow in this frame alone is that of its velocity.
+///
+/// @param segments  followed; the objects point into them
+/// @param found     in this frame already: what is part of one of them is left out; others are
+///                  appended
+void detectByFlow(const MotionFrame& frame, const std::vector<SearchedObject>& searched,
+                  std::vector<SegmentTrack>& segments, const StereoCamera& camera,
+                  std::vector<MovingObject>& found);
+
+/// Detects searched objects by their appearance templates where stereo does not show them: half
+/// hidden, or at the edge of the image that the other camera does not see.
+///
+/// An object that stopped is not reported as moving: the match must be nearer to the expected place
+/// than to the one where the object was seen last. Its distance is the expected one, the more
+/// uncertain the longer ago it was measured. Objects observed in fewer than three frames are not searched.
+///
+/// @param found  as above
+void detectByAppearance(const MotionFrame& frame, const std::vector<SearchedObject>& searched,
+                        const StereoCamera& camera, std::vector<MovingObject>& found);
+
+}  // namespace headway::detect

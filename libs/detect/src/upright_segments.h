@@ -1,0 +1,54 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "object_extent.h"
+
+namespace headway::detect {
+
+/// Speed of a segment across the line of sight, measured by the flow of one pair of frames.
+struct LateralSpeed {
+  double speed = 0.0;    ///< to the right [m/s]
+  double sigma = 0.0;    ///< [m/s]
+  double seconds = 0.0;  ///< between the frames
+};
+
+/// Connected cells of the disparity image of about a person's size, upright on the ground.
+struct UprightSegment {
+  Eigen::Vector3d uvd = Eigen::Vector3d::Zero();  ///< centre of its upper half [px]
+  double width_px = 0.0;                          ///< [px]
+  bool hidden = false;       ///< partly occluded, or cut by the edge of the image
+  bool cut_by_flow = false;  ///< separated from surroundings of the same depth by flow
+  std::vector<ObjectCell> cells;
+  std::optional<LateralSpeed> across;  ///< nullopt: flow not measured
+};
+
+/// Cells of a disparity image above the ground and below a person's height.
+struct StandingCells {
+  cv::Mat disparities;  ///< [px] 32-bit; 0 elsewhere
+  cv::Mat heights;      ///< above the ground [m] 64-bit; undefined elsewhere
+};
+
+/// @param range_m  maximum depth [m]
+[[nodiscard]] StandingCells standingCells(const stereo::DisparityImage& disparity,
+                                          const StereoCamera& camera,
+                                          const stereo::GroundPlane& ground, double range_m);
+
+/// Segments a disparity image into connected cells of nearly one disparity above the ground, 0.2 to
+/// 2 m wide and 0.9 to 2.4 m high. Segments with several heads are split.
+///
+/// @param range_m  maximum depth [m]
+[[nodiscard]] std::vector<UprightSegment> uprightSegments(const stereo::DisparityImage& disparity,
+                                                          const StereoCamera& camera,
+                                                          const stereo::GroundPlane& ground,
+                                                          double range_m);
+
+/// The same for given cells, all or some of those standing.
+///
+/// @param disparity  of the whole image, to recognise occluders
+[[nodiscard]] std::vector<UprightSegment> uprightSegments(const StandingCells& standing,
+                                                          const stereo::DisparityImage& disparity,
+                                                          const StereoCamera& camera);
+
+}  // namespace headway::detect

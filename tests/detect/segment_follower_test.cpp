@@ -1,0 +1,93 @@
+#include "segment_follower.h"
+
+#include <gtest/gtest.h>
+
+#include "drive.h"
+
+namespace headway::detect {
+namespace {
+
+constexpr int kFrames = 7;
+const Eigen::Vector3d kUp(0.0, -1.0, 0.0);
+
+/// A walker 12 m ahead who crosses at 1.4 m/s, seen by a camera that stands.
+UprightSegment walkerIn(int frame, double speed, const StereoCamera& camera) {
+  UprightSegment segment;
+  segment.uvd = *project({-0.5 + speed * test::kFrameStep * frame, 0.3, 12.0}, camera);
+  segment.width_px = frame % 2 == 0 ? 60.0 : 24.0;  // legs
+  segment.cells.push_back({{0, 0}, *triangulate(segment.uvd, camera)});
+  return segment;
+}
+
+struct Followed {
+  test::Drive drive;
+  SegmentFollower follower{drive.camera};
+
+  /// @param hidden  frame in which something stands before half of the walker
+  Followed(double speed, int hidden) {
+    for (int frame = 0; frame < kFrames; ++frame) {
+      drive.path.advance(test::kFrameStep * frame, Pose::Identity());
+      UprightSegment segment = walkerIn(frame, speed, drive.camera);
+      if (frame == hidden) {
+        segment.hidden = true;
+        segment.uvd.x() += 8.0;  // the middle of what is seen of him
+      }
+      follower.follow({segment}, drive.path, kUp);
+    }
+  }
+
+  [[nodiscard]] bool moves() { return SegmentFollower::moves(follower.tracks()[0], kUp, {}, 0.6); }
+};
+
+TEST(SegmentFollowerTest, TellsAWalkerFromAPostByTheirOutlines) {
+  Followed walker(1.4, -1);
+  ASSERT_EQ(walker.follower.tracks().size(), 1u);
+  EXPECT_TRUE(walker.moves());
+  EXPECT_NEAR(walker.follower.tracks()[0].track.motion->velocity.x(), 1.4, 0.2);
+  Followed post(0.0, -1);
+  EXPECT_FALSE(post.moves());
+}
+
+TEST(SegmentFollowerTest, GoesOnThroughAFrameInWhichSomethingHidesTheBody) {
+  Followed walker(1.4, 4);
+  ASSERT_EQ(walker.follower.tracks().size(), 1u);
+  const auto& track = walker.follower.tracks()[0];
+  EXPECT_EQ(track.track.sightings.size(), kFrames - 1u) << "all but the one that tells nothing";
+  EXPECT_EQ(track.last_frame, kFrames - 1);
+  EXPECT_TRUE(walker.moves());
+}
+
+TEST(SegmentFollowerTest, AnOutlineThatIsHiddenOnceDoesNotMakeAPostMove) {
+  Followed post(0.0, 4);
+  ASSERT_EQ(post.follower.tracks().size(), 1u);
+  EXPECT_FALSE(post.moves());
+}
+
+TEST(SegmentFollowerTest, StereosErrorsOfDistanceDoNotBreakATrack) {
+  // 24 m off an error of one pixel of disparity is 1.5 m along the line of sight.
+  for (const bool along : {true, false}) {
+    test::Drive drive;
+    SegmentFollower follower{drive.camera};
+    for (int frame = 0; frame < 2; ++frame) {
+      drive.path.advance(test::kFrameStep * frame, Pose::Identity());
+      Eigen::Vector3d place(-0.5, 0.3, 24.0);
+      (along ? place.z() : place.x()) += 1.4 * frame;
+      UprightSegment segment = walkerIn(frame, 0.0, drive.camera);
+      segment.uvd = *project(place, drive.camera);
+      follower.follow({segment}, drive.path, kUp);
+    }
+    EXPECT_EQ(follower.tracks().size(), along ? 1u : 2u);
+  }
+}
+
+TEST(SegmentFollowerTest, ABodyThatIsNotSeenAgainIsForgotten) {
+  Followed walker(1.4, -1);
+  for (int frame = kFrames; frame < kFrames + 5; ++frame) {
+    walker.drive.path.advance(test::kFrameStep * frame, Pose::Identity());
+    walker.follower.follow({}, walker.drive.path, kUp);
+  }
+  EXPECT_TRUE(walker.follower.tracks().empty());
+}
+
+}  // namespace
+}  // namespace headway::detect
