@@ -29,8 +29,7 @@ struct Outcome {
 };
 
 StereoMotion detectorFor(std::shared_ptr<const StereoCamera> camera) {
-  return {
-      std::move(camera), {}, std::make_shared<stereo::DisparityMatcher>(stereo::DisparityParams())};
+  return {std::move(camera), {}};
 }
 
 /// What is done to a frame before the detector sees it.
@@ -138,12 +137,13 @@ TEST(StereoMotionTest, AWrongPoseIsNotAFloodOfMovers) {
   }
   const PaintedStreet street(parked);
   StereoMotion detector = detectorFor(street.camera());
+  stereo::FrontEnd front_end{stereo::DisparityParams()};
   std::size_t found = 0;
   std::size_t unsure = 0;
   for (int i = 0; i < kFrames; ++i) {
     Pose pose = street.T_map_robot(i);
     pose.translation().y() += 0.4 * i;  // the robot is said to slide sideways at 4 m/s
-    const auto detected = detector.detect(street.frame(i), pose);
+    const auto detected = detector.detect(front_end.next(street.frame(i), 0.0), pose);
     if (detected.detections) found += detected.detections->items.size();
     unsure += detected.dropped.count("camera_motion_unsure");
   }
@@ -227,8 +227,7 @@ TEST(StereoMotionTest, RefusesParametersOutOfRange) {
   const auto camera = std::make_shared<StereoCamera>(test::smallCamera());
   DetectParams params;
   const auto makeStereoMotion = [&] {
-    StereoMotion(camera, params.stereo_motion,
-                 std::make_shared<stereo::DisparityMatcher>(params.disparity));
+    StereoMotion(camera, params.stereo_motion);
   };
   params.stereo_motion.min_speed_mps = -0.5;
   EXPECT_EQ("[stereo_motion] min_speed_mps: '-0.5' is out of range [m/s, 0.05 .. 20]",

@@ -60,9 +60,15 @@ Detections recorded(const PaintedStreet& street, int index, std::vector<Detectio
   return detections;
 }
 
+std::optional<stereo::FrameContext> contextOf(const RecordedFrame& frame) {
+  if (!frame.stereo) return std::nullopt;
+  return stereo::FrameContext(*frame.stereo);
+}
+
 /// All that the stage detects in one frame.
 FrameDetections detectAll(DetectionStage& stage, const RecordedFrame& frame) {
-  return stage.detectMotion(frame, frame.T_map_robot, stage.detectObjects(frame), {}, {});
+  return stage.detectMotion(frame, frame.T_map_robot, stage.detectObjects(frame, contextOf(frame)),
+                            {}, {});
 }
 
 TEST(DetectionStageTest, NamesAreChecked) {
@@ -172,7 +178,7 @@ TEST(DetectionStageTest, WhatMovedIsLeftOutOfTheNextFramesLandmarks) {
   detect::MotionDetections motion;
   for (int i = 0; i < 10; ++i) {
     const auto frame = frameOf(street, i);
-    const auto boxes = stage.detectObjects(frame);
+    const auto boxes = stage.detectObjects(frame, contextOf(frame));
     regions = movingRegions(boxes.sources, {}, motion, frame.time, *street.camera());
     motion = stage.detectMotion(frame, frame.T_map_robot, boxes, {}, motion).motion;
   }

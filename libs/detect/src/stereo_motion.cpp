@@ -1,6 +1,5 @@
 #include <headway/detect/detector.h>
 #include <headway/detect/stereo_motion.h>
-#include <headway/stereo/reduced_image.h>
 
 #include <algorithm>
 #include <cmath>
@@ -53,11 +52,9 @@ FollowerParams followerOf(const StereoMotionParams& params) {
 
 class StereoMotion::Implementation {
  public:
-  Implementation(std::shared_ptr<const StereoCamera> camera, const StereoMotionParams& params,
-                 std::shared_ptr<stereo::DisparityMatcher> matcher)
+  Implementation(std::shared_ptr<const StereoCamera> camera, const StereoMotionParams& params)
       : camera_(std::move(camera)),
         params_(params),
-        matcher_(std::move(matcher)),
         path_(*camera_, std::hypot(params.sigma_px, 0.3)),
         follower_(*camera_, followerOf(params)),
         flow_meter_(*camera_),
@@ -65,13 +62,14 @@ class StereoMotion::Implementation {
         finder_(*camera_, params) {}
 
   /// @return  why the frame cannot be used; null if it can
-  const char* process(const StereoFrame& frame, const std::optional<Pose>& T_map_robot,
+  const char* process(const stereo::FrameContext& context, const std::optional<Pose>& T_map_robot,
                       const std::vector<ExpectedObject>& expected) {
+    const StereoFrame& frame = context.frame();
     found_ = emptyDetections(frame);
     if (!usable(frame.left) || !usable(frame.right)) return "unusable_image";
-    disparity_ = withoutOffset(matcher_->of(frame), offset_.value());
-    image_ = stereo::reducedImage(frame.left, disparity_.reduce);
-    ground_ = stereo::findGround(disparity_, *camera_, ground_);
+    disparity_ = withoutOffset(context.disparity(), offset_.value());
+    image_ = context.reducedLeft();
+    ground_ = context.ground();
     if (!T_map_robot) {
       reset();
       return "no_pose";
@@ -83,7 +81,7 @@ class StereoMotion::Implementation {
     const int number = path_.advance(frame.time, T_map_cam_);
     path_.forgetBefore(
         path_.firstSince(frame.time - std::max(params_.window_s, params_.segment_window_s)));
-    follower_.setDisparityOffset(offset_.value());
+    follower_.setDisparityOffset(context.disparityOffset() + offset_.value());
     follower_.follow(frame, disparity_, path_);
     const char* unsure = classifyPoints() ? nullptr : "camera_motion_unsure";
     ResidualFlow flow = flow_meter_.measure(image_, disparity_, path_);
@@ -241,7 +239,6 @@ class StereoMotion::Implementation {
   stereo::DisparityImage disparity_;
   std::optional<stereo::GroundPlane> ground_;
   cv::Mat image_;  ///< left, on the disparity grid
-  std::shared_ptr<stereo::DisparityMatcher> matcher_;
   CameraPath path_;
   PointFollower follower_;
   ResidualFlowMeter flow_meter_;
@@ -256,18 +253,16 @@ class StereoMotion::Implementation {
 };
 
 StereoMotion::StereoMotion(std::shared_ptr<const StereoCamera> camera,
-                           const StereoMotionParams& params,
-                           std::shared_ptr<stereo::DisparityMatcher> matcher)
-    : implementation_(std::make_unique<Implementation>(std::move(camera), validated(params),
-                                                       std::move(matcher))) {}
+                           const StereoMotionParams& params)
+    : implementation_(std::make_unique<Implementation>(std::move(camera), validated(params))) {}
 
 StereoMotion::~StereoMotion() = default;
 StereoMotion::StereoMotion(StereoMotion&&) noexcept = default;
 
-MotionDetections StereoMotion::detect(const StereoFrame& frame,
+MotionDetections StereoMotion::detect(const stereo::FrameContext& context,
                                       const std::optional<Pose>& T_map_robot,
                                       const std::vector<ExpectedObject>& expected) {
-  const char* reason = implementation_->process(frame, T_map_robot, expected);
+  const char* reason = implementation_->process(context, T_map_robot, expected);
   MotionDetections result;
   if (reason == nullptr) {
     result = implementation_->result();

@@ -95,8 +95,7 @@ DetectionStage::DetectionStage(std::shared_ptr<const StereoCamera> camera,
     : camera_(std::move(camera)),
       use_recorded_(usesRecordedBoxes(params.detector)),
       automatic_(params.detector == kAuto),
-      every_nth_frame_(params.detect.every_nth_frame),
-      matcher_(std::make_shared<stereo::DisparityMatcher>(params.detect.disparity)) {
+      every_nth_frame_(params.detect.every_nth_frame) {
   params.validate();
   const auto names = imageDetectors(params.detector);
   if (camera_ == nullptr && !names.empty() && !automatic_) {
@@ -106,7 +105,7 @@ DetectionStage::DetectionStage(std::shared_ptr<const StereoCamera> camera,
   if (camera_ == nullptr) return;
   for (const auto& name : names) {
     if (name == kStereoMotion) {
-      stereo_motion_.emplace(camera_, params.detect.stereo_motion, matcher_);
+      stereo_motion_.emplace(camera_, params.detect.stereo_motion);
     } else {
       detectors_.push_back(detect::makeDetector(name, params.detect));
     }
@@ -115,9 +114,12 @@ DetectionStage::DetectionStage(std::shared_ptr<const StereoCamera> camera,
 
 DetectionStage::~DetectionStage() = default;
 
-ObjectDetections DetectionStage::detectObjects(const RecordedFrame& frame, bool ground_scanned) {
+ObjectDetections DetectionStage::detectObjects(const RecordedFrame& frame,
+                                               const std::optional<stereo::FrameContext>& context,
+                                               bool ground_scanned) {
   const auto start = Clock::now();
   ObjectDetections boxes;
+  boxes.context = context;
   if (use_recorded_ && frame.detections) {
     boxes.sources.push_back(camera_ != nullptr
                                 ? inSensorFrame(*frame.detections, camera_->T_robot_cam)
@@ -137,7 +139,7 @@ ObjectDetections DetectionStage::detectObjects(const RecordedFrame& frame, bool 
   boxes.lifting =
       frame.stereo && std::any_of(boxes.sources.begin(), boxes.sources.end(), lackDepth);
   if (boxes.lifting || (boxes.detectors_run && stereo_motion_) || ground_scanned) {
-    matcher_->begin(*frame.stereo);  // while SLAM runs
+    context->startMatching();  // while SLAM runs
   }
   boxes.elapsed_ms = millisecondsSince(start);
   return boxes;
@@ -150,10 +152,11 @@ FrameDetections DetectionStage::detectMotion(const RecordedFrame& frame,
                                              const detect::MotionDetections& previous) {
   const auto start = Clock::now();
   FrameDetections found;
+  found.context = boxes.context;
   found.images_used = boxes.detectors_run || boxes.lifting;
   auto sources = boxes.sources;
   if (stereo_motion_ && boxes.detectors_run) {
-    found.motion = stereo_motion_->detect(*frame.stereo, T_map_robot, expected);
+    found.motion = stereo_motion_->detect(*boxes.context, T_map_robot, expected);
     found.dropped = found.motion.dropped;
     if (found.motion.detections) sources.push_back(*found.motion.detections);
   } else if (stereo_motion_) {
@@ -161,15 +164,13 @@ FrameDetections DetectionStage::detectMotion(const RecordedFrame& frame,
   }
   if (!sources.empty()) found.fused = detect::fuse(sources);
   const bool lacking = found.fused && lackDepth(*found.fused);
-  if (frame.stereo && T_map_robot && lacking) lift(*frame.stereo, *found.fused);
+  if (frame.stereo && T_map_robot && lacking) {
+    const auto& context = *boxes.context;
+    detect::liftAll(*found.fused,
+                    detect::StereoLifter(camera_, context.disparity(), context.ground()));
+  }
   found.elapsed_ms = boxes.elapsed_ms + millisecondsSince(start);
   return found;
-}
-
-void DetectionStage::lift(const StereoFrame& frame, Detections& detections) {
-  const auto& disparity = matcher_->of(frame);
-  ground_ = stereo::findGround(disparity, *camera_, ground_);
-  detect::liftAll(detections, detect::StereoLifter(camera_, disparity, ground_));
 }
 
 std::optional<GroundScan> DetectionStage::scanGround(const RecordedFrame& frame,
@@ -177,15 +178,13 @@ std::optional<GroundScan> DetectionStage::scanGround(const RecordedFrame& frame,
                                                      const FrameDetections& found,
                                                      const std::vector<Track>& tracks,
                                                      const detect::GroundScanParams& params) {
-  const auto& disparity = matcher_->of(*frame.stereo);
-  // Searched again even where boxes were lifted: begun from there it gets more exact.
-  ground_ = stereo::findGround(disparity, *camera_, ground_);
-  if (!ground_) return std::nullopt;
+  const auto& context = *found.context;
+  if (!context.ground()) return std::nullopt;
   std::vector<Detections> sources;
   if (found.fused) sources.push_back(*found.fused);
   auto moving = movingRegions(sources, tracks, found.motion, frame.time, *camera_);
   append(movingRegions(tracks, T_map_robot, *camera_), moving);
-  return detect::scanGround(disparity, *camera_, *ground_, moving, params);
+  return detect::scanGround(context.disparity(), *camera_, *context.ground(), moving, params);
 }
 
 }  // namespace headway::pipeline

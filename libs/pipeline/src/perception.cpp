@@ -36,7 +36,8 @@ void PerceptionParams::validate() const {
 Perception::Perception(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params,
                        map::PerceptionMap map)
     : camera_(std::move(camera)),
-      detection_(camera_, validated(params).detection),
+      front_end_(validated(params).detection.detect.disparity),
+      detection_(camera_, params.detection),
       tracker_(params.objects),
       grid_params_(params.grid),
       grid_(params.grid.map),
@@ -83,7 +84,7 @@ PerceptionUpdate Perception::process(const RecordedFrame& frame) {
   PerceptionUpdate update;
   update.frame = frame.index;
   update.time = frame.time;
-  const auto boxes = detection_.detectObjects(frame, scan_ground);
+  const auto boxes = detection_.detectObjects(frame, contextOf(frame), scan_ground);
   update.camera = localise(frame, boxes);
   found_ = detection_.detectMotion(frame, poseOf(update.camera), boxes, expected_, found_.motion);
   if (found_.images_used) times_.add("detect", found_.elapsed_ms);
@@ -102,11 +103,16 @@ bool Perception::hasGridTurn(const RecordedFrame& frame) {
   return grid_frames_++ % every_nth == 0;
 }
 
+std::optional<stereo::FrameContext> Perception::contextOf(const RecordedFrame& frame) {
+  if (!frame.stereo) return std::nullopt;
+  return front_end_.next(*frame.stereo, 0.0);
+}
+
 slam::SlamUpdate Perception::localise(const RecordedFrame& frame, const ObjectDetections& boxes) {
   const bool by_slam =
       !frame.T_map_robot && frame.stereo && slam_ != nullptr && given_poses_.empty();
   if (!by_slam) return useGivenPose(frame);
-  return slam_->process(*frame.stereo,
+  return slam_->process(*boxes.context,
                         movingRegions(boxes.sources, tracks_, found_.motion, frame.time, *camera_));
 }
 

@@ -5,7 +5,7 @@
 #include <headway/detect/network_detector.h>
 #include <headway/detect/person_detector.h>
 #include <headway/detect/stereo_motion.h>
-#include <headway/stereo/disparity_matcher.h>
+#include <headway/stereo/frame_context.h>
 
 #include <memory>
 #include <string>

@@ -6,7 +6,7 @@
 #include <headway/core/params.h>
 #include <headway/core/stereo_frame.h>
 #include <headway/core/track.h>
-#include <headway/stereo/disparity_matcher.h>
+#include <headway/stereo/frame_context.h>
 
 #include <memory>
 #include <optional>
@@ -68,10 +68,8 @@ struct MotionDetections {
 /// @see  Franke et al. 2005, "6D-Vision"; Lenz et al. 2011, "Sparse scene flow segmentation"
 class StereoMotion {
  public:
-  /// @param camera   of every frame to come
-  /// @param matcher  gives the disparities of the frames; others may use it too
-  StereoMotion(std::shared_ptr<const StereoCamera> camera, const StereoMotionParams& params,
-               std::shared_ptr<stereo::DisparityMatcher> matcher);
+  /// @param camera  of every frame to come
+  StereoMotion(std::shared_ptr<const StereoCamera> camera, const StereoMotionParams& params);
   ~StereoMotion();
   StereoMotion(StereoMotion&&) noexcept;
 
@@ -82,7 +80,7 @@ class StereoMotion {
   ///
   /// @param T_map_robot  nullopt where the robot's pose is unknown: the frame cannot be used
   /// @param expected     by the tracker, as of the frame before
-  [[nodiscard]] MotionDetections detect(const StereoFrame& frame,
+  [[nodiscard]] MotionDetections detect(const stereo::FrameContext& context,
                                         const std::optional<Pose>& T_map_robot,
                                         const std::vector<ExpectedObject>& expected = {});
 

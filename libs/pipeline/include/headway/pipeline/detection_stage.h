@@ -6,6 +6,7 @@
 #include <headway/core/track.h>
 #include <headway/detect/detector_factory.h>
 #include <headway/detect/ground_scanner.h>
+#include <headway/stereo/frame_context.h>
 
 #include <memory>
 #include <optional>
@@ -33,14 +34,16 @@ void checkDetectorNames(const std::string& names);
 
 /// What needs no pose of the camera: recorded boxes and those of image detectors.
 struct ObjectDetections {
-  std::vector<Detections> sources;  ///< best informed first
-  bool detectors_run = false;       ///< on this frame, one in `every_nth_frame`
-  bool lifting = false;             ///< a box lacks its depth
-  double elapsed_ms = 0.0;          ///< spent on them [ms]
+  std::optional<stereo::FrameContext> context;  ///< of the frame; nullopt without images
+  std::vector<Detections> sources;              ///< best informed first
+  bool detectors_run = false;                   ///< on this frame, one in `every_nth_frame`
+  bool lifting = false;                         ///< a box lacks its depth
+  double elapsed_ms = 0.0;                      ///< spent on them [ms]
 };
 
 /// All detections of one frame.
 struct FrameDetections {
+  std::optional<stereo::FrameContext> context;  ///< of the frame; nullopt without images
   std::optional<Detections> fused;  ///< of all sources, without doubles, with depth; nullopt: none
   detect::MotionDetections motion;  ///< of this frame, or of the last one searched for it
   DropCounts dropped;               ///< by reason
@@ -51,9 +54,9 @@ struct FrameDetections {
 /// Detects objects in a frame from every source, in three steps around SLAM and the tracker. What
 /// one step finds is handed to the next as a value.
 ///
-///     const auto boxes = stage.detectObjects(frame);
+///     const auto boxes = stage.detectObjects(frame, context);
 ///     const auto regions = movingRegions(boxes.sources, tracked.tracks, found.motion, time,
-///     camera); const auto pose = slam.process(*frame.stereo, regions); found =
+///     camera); const auto pose = slam.process(*context, regions); found =
 ///     stage.detectMotion(frame, pose, boxes, tracked.expected, found.motion); tracked =
 ///     tracker.update(index, pose, *found.fused); const auto scan = stage.scanGround(frame, pose,
 ///     found, tracked.tracks, params);
@@ -68,8 +71,10 @@ class DetectionStage {
   /// Collects a frame's recorded boxes and runs the detectors that need no pose. Stereo matching
   /// starts in its own thread where a later step needs it.
   ///
+  /// @param context         of the frame; nullopt without images
   /// @param ground_scanned  scanGround() will be called for this frame
   [[nodiscard]] ObjectDetections detectObjects(const RecordedFrame& frame,
+                                               const std::optional<stereo::FrameContext>& context,
                                                bool ground_scanned = false);
 
   /// Detects moving objects, fuses all sources, and lifts boxes that have no depth.
@@ -96,17 +101,13 @@ class DetectionStage {
                                                      const detect::GroundScanParams& params);
 
  private:
-  void lift(const StereoFrame& frame, Detections& detections);
-
   std::shared_ptr<const StereoCamera> camera_;
   bool use_recorded_ = false;
   bool automatic_ = false;  ///< detectors are switched off once the recording brings boxes
   int every_nth_frame_ = 1;
-  std::shared_ptr<stereo::DisparityMatcher> matcher_;
   std::vector<std::unique_ptr<detect::Detector>> detectors_;
   std::optional<detect::StereoMotion> stereo_motion_;
   int frames_ = 0;
-  std::optional<stereo::GroundPlane> ground_;  ///< found last
 };
 
 }  // namespace headway::pipeline

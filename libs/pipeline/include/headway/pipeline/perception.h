@@ -105,6 +105,7 @@ class Perception {
 
  private:
   [[nodiscard]] bool hasGridTurn(const RecordedFrame& frame);
+  [[nodiscard]] std::optional<stereo::FrameContext> contextOf(const RecordedFrame& frame);
   slam::SlamUpdate localise(const RecordedFrame& frame, const ObjectDetections& boxes);
   slam::SlamUpdate useGivenPose(const RecordedFrame& frame);
   objects::TrackUpdate track(const RecordedFrame& frame, const PerceptionUpdate& update);
@@ -114,6 +115,7 @@ class Perception {
 
   std::shared_ptr<const StereoCamera> camera_;
   std::unique_ptr<slam::StereoSlam> slam_;  ///< null where there is no camera
+  stereo::FrontEnd front_end_;
   DetectionStage detection_;
   objects::MovingObjectTracker tracker_;
   GridParams grid_params_;
