@@ -226,16 +226,14 @@ TEST(StereoMotionTest, ABlackImageIsReportedAndPassedOver) {
 TEST(StereoMotionTest, RefusesParametersOutOfRange) {
   const auto camera = std::make_shared<StereoCamera>(test::smallCamera());
   DetectParams params;
-  const auto makeStereoMotion = [&] {
-    StereoMotion(camera, params.stereo_motion);
-  };
+  const auto makeStereoMotion = [&] { StereoMotion(camera, params.stereo_motion); };
   params.stereo_motion.min_speed_mps = -0.5;
   EXPECT_EQ("[stereo_motion] min_speed_mps: '-0.5' is out of range [m/s, 0.05 .. 20]",
             test::inputErrorOf([&] { makeStereoMotion(); }));
   params = {};
   params.disparity.reduce = 5;
   EXPECT_EQ("[disparity] reduce: '5' is out of range [1 .. 4]",
-            test::inputErrorOf([&] { makeStereoMotion(); }));
+            test::inputErrorOf([&] { stereo::FrontEnd{params.disparity}; }));
   params = {};
   params.person.scale_step = 1.0;
   EXPECT_EQ("[hog] scale_step: '1' is out of range [1.02 .. 2]",

@@ -36,6 +36,7 @@ bool usable(const cv::Mat& image) {
 }
 
 stereo::DisparityImage withoutOffset(const stereo::DisparityImage& disparity, double offset) {
+  if (offset == 0.0) return disparity;
   stereo::DisparityImage result{disparity.values.clone(), disparity.reduce};
   cv::subtract(disparity.values, offset, result.values, disparity.values > 0.0F);
   cv::max(result.values, 0.0F, result.values);
@@ -67,7 +68,7 @@ class StereoMotion::Implementation {
     const StereoFrame& frame = context.frame();
     found_ = emptyDetections(frame);
     if (!usable(frame.left) || !usable(frame.right)) return "unusable_image";
-    disparity_ = withoutOffset(context.disparity(), offset_.value());
+    disparity_ = withoutOffset(context.disparity(), offset_.value() - context.disparityOffset());
     image_ = context.reducedLeft();
     ground_ = context.ground();
     if (!T_map_robot) {
@@ -81,7 +82,7 @@ class StereoMotion::Implementation {
     const int number = path_.advance(frame.time, T_map_cam_);
     path_.forgetBefore(
         path_.firstSince(frame.time - std::max(params_.window_s, params_.segment_window_s)));
-    follower_.setDisparityOffset(context.disparityOffset() + offset_.value());
+    follower_.setDisparityOffset(offset_.value());
     follower_.follow(frame, disparity_, path_);
     const char* unsure = classifyPoints() ? nullptr : "camera_motion_unsure";
     ResidualFlow flow = flow_meter_.measure(image_, disparity_, path_);
@@ -98,6 +99,7 @@ class StereoMotion::Implementation {
     return unsure;
   }
 
+  [[nodiscard]] double disparityOffset() const { return offset_.value(); }
   std::size_t takeImplausible() { return finder_.takeImplausible(); }
 
   /// Of the newest frame.
@@ -269,6 +271,7 @@ MotionDetections StereoMotion::detect(const stereo::FrameContext& context,
   } else {
     ++result.dropped[reason];
   }
+  result.disparity_offset_px = implementation_->disparityOffset();
   const std::size_t implausible = implementation_->takeImplausible();
   if (implausible > 0) result.dropped["implausible_object"] = implausible;
   return result;

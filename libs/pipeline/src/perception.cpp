@@ -105,7 +105,7 @@ bool Perception::hasGridTurn(const RecordedFrame& frame) {
 
 std::optional<stereo::FrameContext> Perception::contextOf(const RecordedFrame& frame) {
   if (!frame.stereo) return std::nullopt;
-  return front_end_.next(*frame.stereo, 0.0);
+  return front_end_.next(*frame.stereo, found_.motion.disparity_offset_px);
 }
 
 slam::SlamUpdate Perception::localise(const RecordedFrame& frame, const ObjectDetections& boxes) {

@@ -94,6 +94,8 @@ const std::optional<GroundPlane>& FrameContext::ground() const {
 
 const std::optional<GroundPlane>& FrameContext::lastGround() const { return values_->ground; }
 
+FrontEnd::FrontEnd(const DisparityParams& params) : params_(validated(params)) {}
+
 FrameContext FrontEnd::next(const StereoFrame& frame, double disparity_offset_px) {
   FrameContext context(frame, params_, disparity_offset_px,
                        previous_ ? previous_->lastGround() : std::nullopt);

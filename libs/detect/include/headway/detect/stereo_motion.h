@@ -48,7 +48,8 @@ struct MotionDetections {
   DropCounts dropped;  ///< frames that cannot be used and detections that are not plausible
   Eigen::Vector3d camera_velocity = Eigen::Vector3d::Zero();   ///< of points seen from it [m/s]
   Eigen::Vector3d camera_turn_rate = Eigen::Vector3d::Zero();  ///< of points seen from it [rad/s]
-  double max_ahead_s = 0.0;  ///< for which regionsAt() extrapolates [s]
+  double disparity_offset_px = 0.0;  ///< measured less true disparity, estimated so far [px]
+  double max_ahead_s = 0.0;          ///< for which regionsAt() extrapolates [s]
 
   /// Where these objects are in the image at another time if they and the camera keep their
   /// velocities; empty more than `max_ahead_s` after the frame.

@@ -50,9 +50,9 @@ struct SlamUpdate {
 /// Localises a stereo camera and maps its static surroundings.
 ///
 /// The map frame is the robot's first pose (levelled where gravity is known). A camera that is lost
-/// is relocalised in the whole map at each frame; after slam.restart_after_frames lost frames in a row, or
-/// earlier in a new submap, a new submap is initialised at the predicted pose. Deterministic: the
-/// same frames and parameters give the same bytes, on any number of cores.
+/// is relocalised in the whole map at each frame; after slam.restart_after_frames lost frames in a
+/// row, or earlier in a new submap, a new submap is initialised at the predicted pose.
+/// Deterministic: the same frames and parameters give the same bytes, on any number of cores.
 ///
 ///     StereoSlam slam(source.camera(), params);
 ///     while (auto frame = source.next()) publish(slam.process(*frame->stereo, {}));

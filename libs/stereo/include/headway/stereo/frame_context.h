@@ -15,7 +15,7 @@ namespace headway::stereo {
 /// A handle: copies share the values. Which values are used, when, and whether matching was started
 /// ahead does not change any of them. For one calling thread.
 ///
-///     const FrameContext context = front_end.next(frame, slam.disparityOffset());
+///     const FrameContext context = front_end.next(frame, disparity_offset_px);
 ///     context.startMatching();                          // in its own thread
 ///     const auto pose = slam.process(context, {});      // meanwhile
 ///     const auto found = detector.detect(context, pose.T_map_robot);
@@ -60,11 +60,12 @@ class FrameContext {
 /// Makes the context of each frame from that of the frame before.
 class FrontEnd {
  public:
-  explicit FrontEnd(const DisparityParams& params) : params_(params) {}
+  /// @throws InputError for parameters out of range
+  explicit FrontEnd(const DisparityParams& params);
 
   /// Frames come in order of time.
   ///
-  /// @param disparity_offset_px  measured less true disparity, as SLAM estimates it
+  /// @param disparity_offset_px  measured less true disparity, as estimated so far
   [[nodiscard]] FrameContext next(const StereoFrame& frame, double disparity_offset_px);
 
  private:
