@@ -23,7 +23,7 @@ TEST(GrowObjectTest, CoversTheObjectAboveTheGround) {
   Grid grid;
   const auto cells = grid.draw(0.0, kDepth, 0.6, 0.0, 1.7);
   const auto object = grown(grid, seedAt(0.0, kDepth));
-  EXPECT_GT(object.size(), 0.85 * cells.size());
+  EXPECT_GT(object.size(), 0.85 * static_cast<double>(cells.size()));
   for (const auto& cell : object) EXPECT_GT(grid.ground.heightOf(cell.point), 0.15);
 }
 

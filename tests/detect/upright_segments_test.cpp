@@ -29,7 +29,7 @@ TEST(UprightSegmentsTest, APersonIsOne) {
   EXPECT_NEAR(centre.z(), kDepth, 0.05);
   EXPECT_NEAR(person.width_px * kDepth / grid.camera.fx, 0.6, 0.08);
   EXPECT_LT(person.cells.size(), cells.size()) << "feet are too near the ground to be told from it";
-  EXPECT_GT(person.cells.size(), 0.8 * cells.size());
+  EXPECT_GT(person.cells.size(), 0.8 * static_cast<double>(cells.size()));
   EXPECT_FALSE(person.hidden);
   EXPECT_FALSE(person.cut_by_flow);
   EXPECT_FALSE(person.across);

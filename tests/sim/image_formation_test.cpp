@@ -74,7 +74,9 @@ TEST(ImageFormationTest, BrightnessChangesSlowly) {
   double darkest = 255.0, brightest = 0.0, before = -1.0;
   for (std::size_t frame = 0; frame < 300; ++frame) {
     const double mean = cv::mean(exposed(params, evenGrey(100), frame, Side::kLeft))[0];
-    if (before >= 0.0) EXPECT_LT(std::abs(mean - before), 6.0) << frame;
+    if (before >= 0.0) {
+      EXPECT_LT(std::abs(mean - before), 6.0) << frame;
+    }
     before = mean;
     darkest = std::min(darkest, mean);
     brightest = std::max(brightest, mean);
