@@ -1,4 +1,4 @@
-// Only fronts of closed bodies are drawn: whoever looks at one from outside must meet a front
+// Only fronts of closed meshes are drawn: whoever looks at one from outside must meet a front
 // first.
 #include <gtest/gtest.h>
 #include <headway/core/random.h>
@@ -50,14 +50,14 @@ double frontShare(const Mesh& mesh, std::uint64_t seed) {
 }
 
 TEST(ClosedBodiesTest, VehiclesOfAllKinds) {
-  for (const MoverKind kind :
-       {MoverKind::kCar, MoverKind::kVan, MoverKind::kTruck, MoverKind::kBus}) {
+  for (const ActorKind kind :
+       {ActorKind::kCar, ActorKind::kVan, ActorKind::kTruck, ActorKind::kBus}) {
     for (int look = 0; look < 3; ++look) {
-      Mover mover;
-      mover.kind = kind;
-      mover.look = look;
-      mover.size = {4.5, 1.8, 1.6};
-      EXPECT_GT(frontShare(vehicleMesh(mover), 1), 0.995) << static_cast<int>(kind) << ' ' << look;
+      Actor actor;
+      actor.kind = kind;
+      actor.look = look;
+      actor.size = {4.5, 1.8, 1.6};
+      EXPECT_GT(frontShare(vehicleMesh(actor), 1), 0.995) << static_cast<int>(kind) << ' ' << look;
     }
   }
 }

@@ -1,4 +1,4 @@
-// Worlds in which movers cover a wished share of the image.
+// Worlds in which actors cover a wished share of the image.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <headway/core/error.h>
@@ -77,7 +77,7 @@ TEST(EscortTest, AShareBeyondWhatVehiclesCanCoverNamesItsKey) {
   }
 }
 
-TEST(MoversAtTheStartTest, StandBeforeTheCameraInTheFirstFrame) {
+TEST(ActorsAtTheStartTest, StandBeforeTheCameraInTheFirstFrame) {
   SimParams params = crowdedStreet(0.0, 5);
   params.traffic.vehicles = params.traffic.cyclists = params.traffic.pedestrians = 0;
   EXPECT_EQ(sharesOf(params).front(), 0.0);

@@ -58,7 +58,7 @@ TEST(LaneKeeperTest, ReachesTheSpeedItWishesAndKeepsIt) {
   const Route route = straightStreet();
   LaneKeeper lane(route, -1.75);
   DriverStyle style;
-  style.wish_mps = 9.0;
+  style.desired_speed_mps = 9.0;
   drive(lane, style, {}, 25.0);
   EXPECT_NEAR(lane.speed, 9.0, 0.3);
   EXPECT_LE(lane.speed, 9.0 + 1e-9);

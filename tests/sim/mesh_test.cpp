@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "body_depth.h"
-#include "body_projection.h"
-#include "covered_share.h"
+#include "covered_ratio.h"
 #include "house_mesh.h"
+#include "mesh_depth.h"
+#include "mesh_projection.h"
 #include "person_mesh.h"
 #include "shadow.h"
 #include "sky.h"
@@ -33,13 +33,13 @@ void expectUvInTheTexture(const Mesh& mesh) {
   }
 }
 
-Mover moverOf(MoverKind kind, int look = 0) {
+Actor actorOf(ActorKind kind, int look = 0) {
   Random random(3);
-  Mover mover;
-  mover.kind = kind;
-  mover.look = look;
-  mover.size = drawSize(kind, random);
-  return mover;
+  Actor actor;
+  actor.kind = kind;
+  actor.look = look;
+  actor.size = drawSize(kind, random);
+  return actor;
 }
 
 Mesh unitSquare() {
@@ -105,13 +105,13 @@ TEST(MeshTest, MovedTurnsBeforeItShifts) {
 
 TEST(MeshTest, AnEmptyMeshHasNoBox) { EXPECT_TRUE(boxCorners(Mesh()).empty()); }
 
-TEST(VehicleMeshTest, FillsTheMoversSize) {
-  for (const auto kind : {MoverKind::kCar, MoverKind::kVan, MoverKind::kTruck, MoverKind::kBus}) {
+TEST(VehicleMeshTest, FillsTheActorsSize) {
+  for (const auto kind : {ActorKind::kCar, ActorKind::kVan, ActorKind::kTruck, ActorKind::kBus}) {
     for (int look = 0; look < 3; ++look) {
-      const Mover mover = moverOf(kind, look);
-      const Mesh mesh = vehicleMesh(mover);
+      const Actor actor = actorOf(kind, look);
+      const Mesh mesh = vehicleMesh(actor);
       const auto box = extentOf(mesh);
-      EXPECT_LT((box.sizes().cast<double>() - mover.size).cwiseAbs().maxCoeff(), 0.08);
+      EXPECT_LT((box.sizes().cast<double>() - actor.size).cwiseAbs().maxCoeff(), 0.08);
       EXPECT_NEAR(box.min().z(), 0.0F, 0.03F) << "its wheels stand on the ground";
       expectUvInTheTexture(mesh);
     }
@@ -119,7 +119,7 @@ TEST(VehicleMeshTest, FillsTheMoversSize) {
 }
 
 TEST(VehicleShapeTest, OutlinesRunFromTheRearToTheFront) {
-  for (const auto kind : {MoverKind::kCar, MoverKind::kVan, MoverKind::kTruck, MoverKind::kBus}) {
+  for (const auto kind : {ActorKind::kCar, ActorKind::kVan, ActorKind::kTruck, ActorKind::kBus}) {
     for (int look = 0; look < 4; ++look) {
       const VehicleShape& shape = shapeOf(kind, look);
       ASSERT_GE(shape.outline.size(), 4u);
@@ -137,7 +137,7 @@ TEST(VehicleShapeTest, OutlinesRunFromTheRearToTheFront) {
 }
 
 TEST(PersonMeshTest, StandsOnTheGroundAtAnyPhaseOfItsGait) {
-  Mover person = moverOf(MoverKind::kPedestrian);
+  Actor person = actorOf(ActorKind::kPedestrian);
   person.speed = 1.4;
   for (double gait = 0.0; gait < 2.0 * M_PI; gait += 0.3) {
     person.gait = gait;
@@ -152,7 +152,7 @@ TEST(PersonMeshTest, StandsOnTheGroundAtAnyPhaseOfItsGait) {
 }
 
 TEST(PersonMeshTest, StepsLengthenWithSpeed) {
-  Mover person = moverOf(MoverKind::kPedestrian);
+  Actor person = actorOf(ActorKind::kPedestrian);
   const auto longestStep = [&](double speed) {
     person.speed = speed;
     float longest = 0.0F;
@@ -165,16 +165,16 @@ TEST(PersonMeshTest, StepsLengthenWithSpeed) {
   EXPECT_GT(longestStep(1.5), longestStep(0.0) + 0.2F);
 }
 
-TEST(MoverMeshTest, IsPlacedWithItsHeading) {
-  Mover car = moverOf(MoverKind::kCar);
+TEST(ActorMeshTest, IsPlacedWithItsHeading) {
+  Actor car = actorOf(ActorKind::kCar);
   car.position << 105.0, 20.0, 1.0;
   car.yaw = M_PI / 2;
-  const auto box = extentOf(moverMesh(car, {100.0, 20.0, 0.0}));
+  const auto box = extentOf(actorMesh(car, {100.0, 20.0, 0.0}));
   EXPECT_NEAR(box.center().x(), 5.0, 0.05);
   EXPECT_NEAR(box.center().y(), 0.0, 0.05);
   EXPECT_NEAR(box.min().z(), 1.0, 0.03);
   EXPECT_NEAR(box.sizes().y(), car.size.x(), 0.08) << "its length lies along y";
-  EXPECT_EQ(moverMeshes({car, car}, {0, 0, 0}).size(), 2u);
+  EXPECT_EQ(actorMeshes({car, car}, {0, 0, 0}).size(), 2u);
 }
 
 TEST(HouseMeshTest, StandsBesideItsFrontAndReachesItsRidge) {
@@ -202,8 +202,8 @@ TEST(ShadowTest, IsDarkInItsMiddleAndFadesToItsEdge) {
   EXPECT_EQ(spot.at<cv::Vec4b>(0, 0)[3], 0);
 }
 
-TEST(ShadowTest, LiesUnderItsMoverAndIsWider) {
-  Mover car = moverOf(MoverKind::kCar);
+TEST(ShadowTest, LiesUnderItsActorAndIsWider) {
+  Actor car = actorOf(ActorKind::kCar);
   car.position << 3.0, 4.0, 0.5;
   const auto box = extentOf(shadowMesh(car, {0, 0, 0}));
   EXPECT_NEAR(box.center().x(), 3.0, 1e-3);
@@ -221,18 +221,18 @@ TEST(SkyTest, SurroundsTheCamera) {
   EXPECT_NEAR(box.min().y(), -100.0F, 2.0F);
 }
 
-TEST(BodyProjectionTest, ProjectsCornersAndKeepsInverseDepth) {
-  const auto triangles = projectBody(wallAt(5.0F), Eigen::Isometry3f::Identity(), camera());
+TEST(MeshProjectionTest, ProjectsCornersAndKeepsInverseDepth) {
+  const auto triangles = projectMesh(wallAt(5.0F), Eigen::Isometry3f::Identity(), camera());
   ASSERT_EQ(triangles.size(), 2u);
   EXPECT_NEAR(triangles[0][0].x(), 159.5F - 40.0F, 1e-3F);
   EXPECT_NEAR(triangles[0][0].y(), 59.5F - 40.0F, 1e-3F);
   EXPECT_NEAR(triangles[0][0].z(), 0.2F, 1e-6F);
 }
 
-TEST(BodyProjectionTest, CutsAtTheNearPlane) {
+TEST(MeshProjectionTest, CutsAtTheNearPlane) {
   Mesh road;  // from behind the camera to 10 m ahead, 1 m below
   road.addQuad({-1, 1, 10}, {1, 1, 10}, {1, 1, -10}, {-1, 1, -10}, UvRect{});
-  const auto triangles = projectBody(road, Eigen::Isometry3f::Identity(), camera());
+  const auto triangles = projectMesh(road, Eigen::Isometry3f::Identity(), camera());
   ASSERT_GE(triangles.size(), 2u);
   for (const auto& triangle : triangles) {
     for (const auto& corner : triangle) {
@@ -240,24 +240,24 @@ TEST(BodyProjectionTest, CutsAtTheNearPlane) {
       EXPECT_LE(corner.z(), 1.0F / kNearPlane + 1e-4F);
     }
   }
-  EXPECT_TRUE(projectBody(wallAt(-2.0F), Eigen::Isometry3f::Identity(), camera()).empty());
+  EXPECT_TRUE(projectMesh(wallAt(-2.0F), Eigen::Isometry3f::Identity(), camera()).empty());
 }
 
-TEST(BodyDepthTest, IsTheDepthOfTheNearestFaceAndNothingBeside) {
-  BodyDepth depth({320, 120});
+TEST(MeshDepthTest, IsTheDepthOfTheNearestFaceAndNothingBeside) {
+  MeshDepth depth({320, 120});
   Mesh body = wallAt(8.0F);
   body.append(wallAt(5.0F));
-  const auto triangles = projectBody(body, Eigen::Isometry3f::Identity(), camera());
+  const auto triangles = projectMesh(body, Eigen::Isometry3f::Identity(), camera());
   const cv::Mat picture = depth.draw(triangles, {100, 10, 120, 100});
   EXPECT_NEAR(picture.at<float>(50, 60), 5.0F, 1e-3F);
-  EXPECT_EQ(picture.at<float>(50, 2), BodyDepth::kNothing);
+  EXPECT_EQ(picture.at<float>(50, 2), MeshDepth::kNothing);
 }
 
-TEST(BodyDepthTest, ATiltedFaceIsCorrectInPerspective) {
+TEST(MeshDepthTest, ATiltedFaceIsCorrectInPerspective) {
   Mesh road;
   road.addQuad({-50, 1, 40}, {50, 1, 40}, {50, 1, 2}, {-50, 1, 2}, UvRect{});
-  BodyDepth depth({320, 120});
-  const auto triangles = projectBody(road, Eigen::Isometry3f::Identity(), camera());
+  MeshDepth depth({320, 120});
+  const auto triangles = projectMesh(road, Eigen::Isometry3f::Identity(), camera());
   const cv::Mat picture = depth.draw(triangles, {0, 0, 320, 120});
   for (int v = 70; v < 118; v += 4) {
     EXPECT_NEAR(picture.at<float>(v, 160), 200.0 / (v - 59.5), 0.02 * 200.0 / (v - 59.5)) << v;
@@ -265,10 +265,10 @@ TEST(BodyDepthTest, ATiltedFaceIsCorrectInPerspective) {
 }
 
 TEST(CoveredShareTest, OfACarAheadIsThatOfItsRear) {
-  Mover car = moverOf(MoverKind::kCar);
+  Actor car = actorOf(ActorKind::kCar);
   car.size << 4.0, 1.8, 1.5;
   car.position << 10.0, 0.0, -0.75;
-  const double share = coveredShare({car}, Pose::Identity(), camera());
+  const double share = coveredRatio({car}, Pose::Identity(), camera());
   // Its rear at 8 m, a little less than a rectangle.
   const double rear = (200.0 / 8.0) * 1.8 * (200.0 / 8.0) * 1.5 / (320.0 * 120.0);
   EXPECT_LT(share, 1.1 * rear);
@@ -276,14 +276,14 @@ TEST(CoveredShareTest, OfACarAheadIsThatOfItsRear) {
 }
 
 TEST(CoveredShareTest, CountsOverlapOnceAndNothingBehind) {
-  Mover car = moverOf(MoverKind::kCar);
+  Actor car = actorOf(ActorKind::kCar);
   car.position << 12.0, 0.0, -1.0;
-  const double one = coveredShare({car}, Pose::Identity(), camera());
-  EXPECT_EQ(coveredShare({car, car}, Pose::Identity(), camera()), one);
-  Mover behind = car;
+  const double one = coveredRatio({car}, Pose::Identity(), camera());
+  EXPECT_EQ(coveredRatio({car, car}, Pose::Identity(), camera()), one);
+  Actor behind = car;
   behind.position.x() = -12.0;
-  EXPECT_EQ(coveredShare({behind}, Pose::Identity(), camera()), 0.0);
-  EXPECT_EQ(coveredShare({}, Pose::Identity(), camera()), 0.0);
+  EXPECT_EQ(coveredRatio({behind}, Pose::Identity(), camera()), 0.0);
+  EXPECT_EQ(coveredRatio({}, Pose::Identity(), camera()), 0.0);
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ double likeness(const SimFrame& frame, const SimFrame& other, const StereoCamera
   return cv::countNonZero(alike) / static_cast<double>(known);
 }
 
-TEST(SimulatorTest, APlaceThatIsPassedAgainLooksTheSameAwayFromMovers) {
+TEST(SimulatorTest, APlaceThatIsPassedAgainLooksTheSameAwayFromActors) {
   Simulator simulator(loop());
   const double lap = 0.5 * simulator.pathLength();
   std::vector<SimFrame> first;  // the first metres, to be passed again

@@ -3,7 +3,7 @@
 #include <headway/core/error.h>
 #include <headway/sim/sim_params.h>
 
-#include "mover.h"
+#include "actor.h"
 
 namespace headway::sim {
 namespace {
@@ -51,12 +51,12 @@ TEST(SimParamsTest, MoreVehiclesFitIntoALongerRange) {
             "");
 }
 
-TEST(MoverTest, SizesAreThoseOfItsKind) {
+TEST(ActorTest, SizesAreThoseOfItsKind) {
   Random random(2);
   for (int i = 0; i < 50; ++i) {
-    const auto car = drawSize(MoverKind::kCar, random);
-    const auto bus = drawSize(MoverKind::kBus, random);
-    const auto person = drawSize(MoverKind::kPedestrian, random);
+    const auto car = drawSize(ActorKind::kCar, random);
+    const auto bus = drawSize(ActorKind::kBus, random);
+    const auto person = drawSize(ActorKind::kPedestrian, random);
     EXPECT_GT(bus.x(), car.x());
     EXPECT_GT(car.x(), car.y());
     EXPECT_GT(person.z(), 1.5);
@@ -64,17 +64,17 @@ TEST(MoverTest, SizesAreThoseOfItsKind) {
   }
 }
 
-TEST(MoverTest, ClassesAreKittis) {
-  EXPECT_EQ(classOf(MoverKind::kBus), ObjectClass::kTruck);
-  EXPECT_EQ(classOf(MoverKind::kVan), ObjectClass::kVan);
-  EXPECT_EQ(classOf(MoverKind::kCyclist), ObjectClass::kCyclist);
+TEST(ActorTest, ClassesAreKittis) {
+  EXPECT_EQ(classOf(ActorKind::kBus), ObjectClass::kTruck);
+  EXPECT_EQ(classOf(ActorKind::kVan), ObjectClass::kVan);
+  EXPECT_EQ(classOf(ActorKind::kCyclist), ObjectClass::kCyclist);
 }
 
-TEST(MoverTest, ItsCentreIsHalfItsHeightAboveTheGround) {
-  Mover mover;
-  mover.position << 1.0, 2.0, 3.0;
-  mover.size << 4.0, 2.0, 1.6;
-  EXPECT_EQ(mover.centre(), Eigen::Vector3d(1.0, 2.0, 3.8));
+TEST(ActorTest, ItsCentreIsHalfItsHeightAboveTheGround) {
+  Actor actor;
+  actor.position << 1.0, 2.0, 3.0;
+  actor.size << 4.0, 2.0, 1.6;
+  EXPECT_EQ(actor.centre(), Eigen::Vector3d(1.0, 2.0, 3.8));
 }
 
 }  // namespace

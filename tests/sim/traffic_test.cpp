@@ -35,7 +35,7 @@ OnPath driven(const std::vector<Obstacle>& others, double seconds, double stop_s
 }
 
 TEST(DrivingTest, AFreeDriverKeepsTheSpeedItWishes) {
-  EXPECT_NEAR(driven({}, 25.0).speed, DriverStyle{}.wish_mps, 0.1);
+  EXPECT_NEAR(driven({}, 25.0).speed, DriverStyle{}.desired_speed_mps, 0.1);
 }
 
 TEST(DrivingTest, StopsBehindWhatStandsInItsLane) {
@@ -93,20 +93,20 @@ class StreetTest : public ::testing::Test {
   Route route = makeRoute(params.route, 0.0);
   RoadNetwork network{route, 75.0, 5};
   Traffic traffic{params, route, network, Lens(params.camera).ideal(), {11, 12, 13, 14}};
-  const std::vector<Mover>& vehicles = traffic.vehicles().movers();
-  const std::vector<Mover>& people = traffic.pedestrians().movers();
+  const std::vector<Actor>& vehicles = traffic.vehicles().actors();
+  const std::vector<Actor>& people = traffic.pedestrians().actors();
   const RobotDriver& robot = traffic.robot();
 };
 
 TEST_F(StreetTest, KeepsItsNumbersAndGivesNoIdTwice) {
   EXPECT_EQ(people.size(), 25U);
   EXPECT_GE(vehicles.size(), 10U);
-  std::map<std::int64_t, MoverKind> kinds;
+  std::map<std::int64_t, ActorKind> kinds;
   for (int i = 0; i < 600; ++i) {
     traffic.advance(0.05);
-    for (const Mover& mover : traffic.movers()) {
-      const auto known = kinds.emplace(mover.id, mover.kind).first;
-      EXPECT_EQ(known->second, mover.kind);
+    for (const Actor& actor : traffic.actors()) {
+      const auto known = kinds.emplace(actor.id, actor.kind).first;
+      EXPECT_EQ(known->second, actor.kind);
     }
   }
   EXPECT_GE(people.size(), 20U);
@@ -118,14 +118,14 @@ TEST_F(StreetTest, NobodyJumpsOrRunsAndNothingHitsTheRobot) {
   for (int i = 0; i < 800; ++i) {
     traffic.advance(0.05);
     const Eigen::Vector2d at = robot.T_world_robot().translation().head<2>();
-    for (const Mover& mover : traffic.movers()) {
-      const Eigen::Vector2d here = mover.position.head<2>();
-      const bool walks = mover.kind == MoverKind::kPedestrian;
-      const auto last = before.find(mover.id);
+    for (const Actor& actor : traffic.actors()) {
+      const Eigen::Vector2d here = actor.position.head<2>();
+      const bool walks = actor.kind == ActorKind::kPedestrian;
+      const auto last = before.find(actor.id);
       if (last != before.end()) {
         EXPECT_LT((here - last->second).norm(), 0.05 * (walks ? 4.0 : 15.0));
       }
-      before[mover.id] = here;
+      before[actor.id] = here;
       EXPECT_GT((here - at).norm(), walks ? 0.8 : 1.3) << "at step " << i;
     }
   }
@@ -160,9 +160,9 @@ TEST(JunctionsTest, VehiclesTurnOffToBothSides) {
   std::map<std::int64_t, std::pair<double, double>> headings;  // first and last
   for (int i = 0; i < 3000; ++i) {
     std::vector<Obstacle> for_robot;
-    for (const Mover& mover : vehicles.movers()) {
-      headings.emplace(mover.id, std::pair(mover.yaw, 0.0)).first->second.second = mover.yaw;
-      for_robot.push_back(obstacleFrom(mover));
+    for (const Actor& actor : vehicles.actors()) {
+      headings.emplace(actor.id, std::pair(actor.yaw, 0.0)).first->second.second = actor.yaw;
+      for_robot.push_back(obstacleFrom(actor));
     }
     vehicles.advance(0.05, robot.state(), {robot.state().body}, next_id);
     robot.advance(0.05, for_robot);
@@ -181,11 +181,11 @@ TEST_F(StreetTest, SomeoneCrossesAndSomeoneStops) {
   bool crossed = false, stopped = false;
   for (int i = 0; i < 800; ++i) {
     traffic.advance(0.05);
-    for (const Mover& mover : people) {
-      const auto place = route.street.project(mover.position.head<2>(), robot.state().s - 30.0,
+    for (const Actor& actor : people) {
+      const auto place = route.street.project(actor.position.head<2>(), robot.state().s - 30.0,
                                               robot.state().s + 120.0);
       crossed = crossed || std::abs(place.left) < 1.0;
-      stopped = stopped || mover.speed < 0.05;
+      stopped = stopped || actor.speed < 0.05;
     }
   }
   EXPECT_TRUE(crossed);

@@ -23,24 +23,24 @@ StereoCamera testCamera() {
   return camera;
 }
 
-Mover carAt(double x, double y) {
-  Mover car;
+Actor carAt(double x, double y) {
+  Actor car;
   car.id = 7;
   car.size = {4.2, 1.8, 1.5};
   car.position = {x, y, 0.0};
   return car;
 }
 
-/// Depth picture of the movers' rear faces.
-cv::Mat depthOf(const std::vector<Mover>& movers) {
+/// Depth picture of the actors' rear faces.
+cv::Mat depthOf(const std::vector<Actor>& actors) {
   cv::Mat depth(160, 320, CV_32F, cv::Scalar(0)), instances;
-  for (const Mover& mover : movers) {
-    const double near = mover.position.x() - 0.5 * mover.size.x();
+  for (const Actor& actor : actors) {
+    const double near = actor.position.x() - 0.5 * actor.size.x();
     for (int v = 0; v < depth.rows; ++v) {
       for (int u = 0; u < depth.cols; ++u) {
         const double y = -(u - 159.5) / 200.0 * near, z = 1.5 - (v - 79.5) / 200.0 * near;
-        if (std::abs(y - mover.position.y()) < 0.5 * mover.size.y() && z > 0 &&
-            z < mover.size.z()) {
+        if (std::abs(y - actor.position.y()) < 0.5 * actor.size.y() && z > 0 &&
+            z < actor.size.z()) {
           depth.at<float>(v, u) = static_cast<float>(near);
         }
       }
@@ -49,51 +49,51 @@ cv::Mat depthOf(const std::vector<Mover>& movers) {
   return depth;
 }
 
-std::vector<Sighting> sightingsOf(const std::vector<Mover>& movers, const cv::Mat& depth,
-                                  cv::Mat& instances) {
-  const auto bodies = moverMeshes(movers, Eigen::Vector3d::Zero());
-  return findSightings(Pose::Identity(), testCamera(), movers, bodies, depth, instances);
+std::vector<Observation> observationsOf(const std::vector<Actor>& actors, const cv::Mat& depth,
+                                        cv::Mat& instances) {
+  const auto meshes = actorMeshes(actors, Eigen::Vector3d::Zero());
+  return observeActors(Pose::Identity(), testCamera(), actors, meshes, depth, instances);
 }
 
 TEST(VisibilityTest, BoxSurroundsTheProjectedTruthBox) {
   cv::Mat instances;
-  const std::vector<Mover> movers{carAt(20.0, 1.0)};
-  const auto sightings = sightingsOf(movers, depthOf(movers), instances);
-  ASSERT_EQ(sightings.size(), 1U);
+  const std::vector<Actor> actors{carAt(20.0, 1.0)};
+  const auto observations = observationsOf(actors, depthOf(actors), instances);
+  ASSERT_EQ(observations.size(), 1U);
   // The rear face, 17.9 m away, spans y in [0.1, 1.9] and z in [0, 1.5].
-  const Box2d& box = sightings[0].box;
+  const Box2d& box = observations[0].box;
   EXPECT_NEAR(box.left, 159.5 - 200.0 * 1.9 / 17.9, 1.0);
   EXPECT_NEAR(box.right, 159.5 - 200.0 * 0.1 / 22.1, 1.0);
   EXPECT_NEAR(box.bottom, 79.5 + 200.0 * 1.5 / 17.9, 1.5);
-  EXPECT_NEAR(sightings[0].box3d.centre.z(), 20.0, 1e-9);
-  EXPECT_NEAR(sightings[0].box3d.yaw, -M_PI / 2, 1e-9);
-  EXPECT_DOUBLE_EQ(sightings[0].truncation, 0.0);
+  EXPECT_NEAR(observations[0].box3d.centre.z(), 20.0, 1e-9);
+  EXPECT_NEAR(observations[0].box3d.yaw, -M_PI / 2, 1e-9);
+  EXPECT_DOUBLE_EQ(observations[0].truncation, 0.0);
 }
 
 TEST(VisibilityTest, AWallInFrontHidesABody) {
   cv::Mat instances;
-  const std::vector<Mover> movers{carAt(20.0, 1.0)};
+  const std::vector<Actor> actors{carAt(20.0, 1.0)};
   const cv::Mat wall(160, 320, CV_32F, cv::Scalar(5.0));
-  const auto sightings = sightingsOf(movers, wall, instances);
-  ASSERT_EQ(sightings.size(), 1U);
-  EXPECT_DOUBLE_EQ(sightings[0].visible, 0.0);
+  const auto observations = observationsOf(actors, wall, instances);
+  ASSERT_EQ(observations.size(), 1U);
+  EXPECT_DOUBLE_EQ(observations[0].visible, 0.0);
   EXPECT_EQ(cv::countNonZero(instances), 0);
 }
 
 TEST(VisibilityTest, WhatIsBehindTheCameraOrBesideTheImageIsNotSeen) {
   cv::Mat instances;
   const cv::Mat depth(160, 320, CV_32F, cv::Scalar(0));
-  EXPECT_TRUE(sightingsOf({carAt(-10, 0), carAt(10, 40)}, depth, instances).empty());
+  EXPECT_TRUE(observationsOf({carAt(-10, 0), carAt(10, 40)}, depth, instances).empty());
 }
 
 TEST(VisibilityTest, ABodyAtTheEdgeIsTruncated) {
   cv::Mat instances;
-  const std::vector<Mover> movers{carAt(10.0, 7.0)};
+  const std::vector<Actor> actors{carAt(10.0, 7.0)};
   const cv::Mat depth(160, 320, CV_32F, cv::Scalar(0));
-  const auto sightings = sightingsOf(movers, depth, instances);
-  ASSERT_EQ(sightings.size(), 1U);
-  EXPECT_GT(sightings[0].truncation, 0.1);
-  EXPECT_GE(sightings[0].box.left, 0.0);
+  const auto observations = observationsOf(actors, depth, instances);
+  ASSERT_EQ(observations.size(), 1U);
+  EXPECT_GT(observations[0].truncation, 0.1);
+  EXPECT_GE(observations[0].box.left, 0.0);
 }
 
 DetectorParams withoutMistakes() {
@@ -105,16 +105,16 @@ DetectorParams withoutMistakes() {
   return params;
 }
 
-Sighting seenAt(double z, double visible) {
-  Sighting sighting;
-  sighting.box = {100, 50, 150, 110};
-  sighting.visible = visible;
-  sighting.visible_pixels = visible > 0 ? 500 : 0;
-  sighting.box3d.centre = {0.0, 0.5, z};
-  sighting.box3d.length = 4.2;
-  sighting.box3d.width = 1.8;
-  sighting.box3d.height = 1.5;
-  return sighting;
+Observation seenAt(double z, double visible) {
+  Observation observation;
+  observation.box = {100, 50, 150, 110};
+  observation.visible = visible;
+  observation.visible_pixels = visible > 0 ? 500 : 0;
+  observation.box3d.centre = {0.0, 0.5, z};
+  observation.box3d.length = 4.2;
+  observation.box3d.width = 1.8;
+  observation.box3d.height = 1.5;
+  return observation;
 }
 
 /// Share of 4000 looks in which a car is found.

@@ -26,7 +26,7 @@ double follow(double speed, double gap, double leader_speed, double wish,
 
 /// Speed at which the curves ahead can be taken.
 double curveSpeed(const OnPath& self, const Path& path, const DriverStyle& style) {
-  double speed = style.wish_mps;
+  double speed = style.desired_speed_mps;
   for (double ahead = 0.0; ahead <= 18.0; ahead += 3.0) {
     const double bend = std::abs(path.curvature(self.s + ahead));
     if (bend < 1e-4) continue;
@@ -66,14 +66,14 @@ Leader leaderFrom(const Obstacle& other, const OnPath& self, const Path& path) {
 
 }  // namespace
 
-Obstacle obstacleFrom(const Mover& mover) {
-  return {mover.id,
-          mover.position.head<2>(),
-          mover.velocity,
-          mover.yaw,
-          mover.size.x(),
-          mover.size.y(),
-          mover.kind == MoverKind::kPedestrian};
+Obstacle obstacleFrom(const Actor& actor) {
+  return {actor.id,
+          actor.position.head<2>(),
+          actor.velocity,
+          actor.yaw,
+          actor.size.x(),
+          actor.size.y(),
+          actor.kind == ActorKind::kPedestrian};
 }
 
 double drive(const OnPath& self, const Path& path, const DriverStyle& style,

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "mover.h"
+#include "actor.h"
 #include "path.h"
 
 namespace headway::sim {
@@ -19,14 +19,14 @@ struct Obstacle {
   bool on_foot = false;
 };
 
-[[nodiscard]] Obstacle obstacleFrom(const Mover& mover);
+[[nodiscard]] Obstacle obstacleFrom(const Actor& actor);
 
 /// How a driver drives. Typical values of city traffic.
 ///
 /// @see Treiber, Hennecke & Helbing 2000, "Congested traffic states in empirical observations and
 ///      microscopic simulations" (intelligent driver model)
 struct DriverStyle {
-  double wish_mps = 8.0;
+  double desired_speed_mps = 8.0;
   double acceleration = 1.4;       ///< [m/s^2]
   double comfortable_brake = 2.0;  ///< [m/s^2]
   double hardest_brake = 7.0;      ///< [m/s^2]

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "covered_share.h"
+#include "covered_ratio.h"
 #include "street_profile.h"
 
 namespace headway::sim {
@@ -32,8 +32,8 @@ Escort::Escort(const TrafficParams& params, const Route& route, const StereoCame
     arrange(robot);
     return covered(T_world_robot, {}) >= share;
   };
-  constexpr MoverKind kKinds[] = {MoverKind::kCar, MoverKind::kVan, MoverKind::kTruck,
-                                  MoverKind::kBus};
+  constexpr ActorKind kKinds[] = {ActorKind::kCar, ActorKind::kVan, ActorKind::kTruck,
+                                  ActorKind::kBus};
   const bool ahead_first = random_.chance(0.5);
   for (const bool ahead : {ahead_first, !ahead_first}) {
     if (covers(enough)) return;
@@ -42,11 +42,11 @@ Escort::Escort(const TrafficParams& params, const Route& route, const StereoCame
   }
   for (const double closest : {kCyclistClosest, kCyclistClosest + 2.6}) {
     if (covers(enough)) return;
-    recruit(MoverKind::kCyclist, -Profile::kCycling, closest, next_id);
+    recruit(ActorKind::kCyclist, -Profile::kCycling, closest, next_id);
   }
   for (const std::size_t i : {0U, 1U}) {
     if (covers(enough)) return;
-    dress(i, MoverKind::kBus);
+    dress(i, ActorKind::kBus);
   }
   if (covers(params.image_share)) return;
   throw InputError("[traffic] image_share: " + std::to_string(params.image_share) +
@@ -54,21 +54,21 @@ Escort::Escort(const TrafficParams& params, const Route& route, const StereoCame
                    std::to_string(covered(T_world_robot, {})) + ")");
 }
 
-void Escort::dress(std::size_t i, MoverKind kind) {
-  movers_[i].kind = kind;
-  movers_[i].size = drawSize(kind, random_);
-  members_[i].lane.length = movers_[i].size.x();
-  members_[i].lane.width = movers_[i].size.y();
+void Escort::dress(std::size_t i, ActorKind kind) {
+  actors_[i].kind = kind;
+  actors_[i].size = drawSize(kind, random_);
+  members_[i].lane.length = actors_[i].size.x();
+  members_[i].lane.width = actors_[i].size.y();
 }
 
-void Escort::recruit(MoverKind kind, double left, double closest_m, std::int64_t& next_id) {
+void Escort::recruit(ActorKind kind, double left, double closest_m, std::int64_t& next_id) {
   members_.push_back({LaneKeeper(route_, left), closest_m, random_.uniform(6.0, 11.0),
                       random_.uniform(0.0, 2.0 * M_PI)});
-  Mover mover;
-  mover.id = next_id++;
-  mover.look = random_.below(100000);
-  movers_.push_back(mover);
-  dress(movers_.size() - 1, kind);
+  Actor actor;
+  actor.id = next_id++;
+  actor.look = random_.below(100000);
+  actors_.push_back(actor);
+  dress(actors_.size() - 1, kind);
 }
 
 TrafficParams Escort::others() const {
@@ -89,12 +89,12 @@ double Escort::slot(const Member& member) const {
 void Escort::place(std::size_t i, double dt) {
   const LaneKeeper& lane = members_[i].lane;
   const PathPoint point = lane.place();
-  Mover& mover = movers_[i];
-  mover.position = point.position;
-  mover.yaw = point.yaw;
-  mover.speed = lane.speed;
-  mover.velocity = lane.speed * Eigen::Vector2d(std::cos(point.yaw), std::sin(point.yaw));
-  if (mover.kind == MoverKind::kCyclist) mover.gait += 1.3 * mover.speed * dt;
+  Actor& actor = actors_[i];
+  actor.position = point.position;
+  actor.yaw = point.yaw;
+  actor.speed = lane.speed;
+  actor.velocity = lane.speed * Eigen::Vector2d(std::cos(point.yaw), std::sin(point.yaw));
+  if (actor.kind == ActorKind::kCyclist) actor.gait += 1.3 * actor.speed * dt;
 }
 
 void Escort::arrange(const RobotState& robot) {
@@ -106,14 +106,14 @@ void Escort::arrange(const RobotState& robot) {
   }
 }
 
-double Escort::covered(const Pose& T_world_robot, const std::vector<Mover>& others) const {
-  std::vector<Mover> all = others;
-  all.insert(all.end(), movers_.begin(), movers_.end());
-  return coveredShare(all, T_world_robot, camera_);
+double Escort::covered(const Pose& T_world_robot, const std::vector<Actor>& others) const {
+  std::vector<Actor> all = others;
+  all.insert(all.end(), actors_.begin(), actors_.end());
+  return coveredRatio(all, T_world_robot, camera_);
 }
 
 void Escort::populate(const RobotState& robot, const Pose& T_world_robot,
-                      const std::vector<Mover>& others) {
+                      const std::vector<Actor>& others) {
   if (members_.empty()) return;
   double near = 1.0, far = kFarthestBack / kPassingClosest;
   for (int i = 0; i < 12; ++i) {  // bisection
@@ -126,18 +126,18 @@ void Escort::populate(const RobotState& robot, const Pose& T_world_robot,
 void Escort::advance(double dt, const RobotState& robot, const std::vector<Obstacle>& others) {
   time_s_ += dt;
   DriverStyle style;
-  style.wish_mps = 40.0;
+  style.desired_speed_mps = 40.0;
   style.lateral = 4.0;
   for (std::size_t i = 0; i < members_.size(); ++i) {
     LaneKeeper& lane = members_[i].lane;
     const double off = slot(members_[i]) - (lane.s - 0.5 * lane.length - robot.s);
     const double wanted = std::clamp(1.2 * off + 2.0 * (robot.speed - lane.speed), -6.0, 3.0);
-    lane.move(dt, std::min(wanted, lane.acceleration(style, others, movers_[i].id)));
+    lane.move(dt, std::min(wanted, lane.acceleration(style, others, actors_[i].id)));
     place(i, dt);
   }
 }
 
-void Escort::observe(const Pose& T_world_robot, const std::vector<Mover>& others) {
+void Escort::observe(const Pose& T_world_robot, const std::vector<Actor>& others) {
   if (members_.empty()) return;
   constexpr double kMemory = 30.0;  // images in which a debt is paid back
   constexpr double kEagerness = 0.15;

@@ -11,7 +11,7 @@
 
 namespace headway::sim {
 
-/// Vehicles that keep close to the robot, so that movers cover a given share of its images.
+/// Vehicles that keep close to the robot, so that actors cover a given share of its images.
 ///
 /// One drives ahead in the robot's lane, one passes on its left, two cyclists ride on its right;
 /// which of them come, and of what kind, is drawn: as many as the share needs. From then on one
@@ -32,13 +32,13 @@ class Escort {
   ///
   /// @param others  everybody else who moves
   void populate(const RobotState& robot, const Pose& T_world_robot,
-                const std::vector<Mover>& others);
+                const std::vector<Actor>& others);
   /// @param others  who may be in the way
   void advance(double dt, const RobotState& robot, const std::vector<Obstacle>& others);
   /// Takes note of what one image shows, and comes closer or stays back.
-  void observe(const Pose& T_world_robot, const std::vector<Mover>& others);
+  void observe(const Pose& T_world_robot, const std::vector<Actor>& others);
 
-  [[nodiscard]] const std::vector<Mover>& movers() const { return movers_; }
+  [[nodiscard]] const std::vector<Actor>& actors() const { return actors_; }
   /// The other traffic, with the lanes left to the escort.
   [[nodiscard]] TrafficParams others() const;
 
@@ -50,19 +50,19 @@ class Escort {
     double phase = 0.0;
   };
 
-  void recruit(MoverKind kind, double left, double closest_m, std::int64_t& next_id);
-  void dress(std::size_t i, MoverKind kind);
+  void recruit(ActorKind kind, double left, double closest_m, std::int64_t& next_id);
+  void dress(std::size_t i, ActorKind kind);
   void arrange(const RobotState& robot);
   [[nodiscard]] double slot(const Member& member) const;
-  [[nodiscard]] double covered(const Pose& T_world_robot, const std::vector<Mover>& others) const;
+  [[nodiscard]] double covered(const Pose& T_world_robot, const std::vector<Actor>& others) const;
   void place(std::size_t i, double dt);
 
   TrafficParams params_;
   const Route& route_;
   StereoCamera camera_;
   Random random_;
-  std::vector<Member> members_;  ///< same order as movers_
-  std::vector<Mover> movers_;
+  std::vector<Member> members_;  ///< same order as actors_
+  std::vector<Actor> actors_;
   double distance_ = 1.0;  ///< how far they stay back: 1 is as close as they come
   double time_s_ = 0.0;
   double images_ = 0.0;

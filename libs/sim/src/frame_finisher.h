@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
+#include "actor.h"
 #include "image_formation.h"
 #include "lens.h"
-#include "mover.h"
 #include "simulated_detector.h"
 
 namespace headway::sim {
@@ -18,8 +18,8 @@ struct DrawnFrame {
   SimFrame frame;       ///< without pictures and what is seen in them
   cv::Mat left, right;  ///< clean drawings
   cv::Mat depth;        ///< of the left one
-  std::vector<Mover> movers;
-  std::vector<Mesh> bodies;  ///< the movers' meshes, relative to the robot's position
+  std::vector<Actor> actors;
+  std::vector<Mesh> meshes;  ///< the actors' meshes, relative to the robot's position
   Pose T_world_robot = Pose::Identity();
   std::size_t trigger = 0;  ///< number among all that were taken
 };
@@ -38,7 +38,7 @@ class FrameFinisher {
 
  private:
   /// What is in the frame, and what a detector makes of it.
-  void judge(SimFrame& frame, const DrawnFrame& drawn);
+  void annotate(SimFrame& frame, const DrawnFrame& drawn);
 
   const Lens& lens_;
   double truth_range_m_;

@@ -28,7 +28,7 @@ struct MeshVertex {
 
 /// Textured triangles: three vertices each, clockwise where one looks at the front.
 ///
-/// Of closed bodies (houses, furniture) only fronts are drawn; of movers, whose limbs are open, and
+/// Of closed meshes (houses, furniture) only fronts are drawn; of actors, whose limbs are open, and
 /// of the ground, whose kerbs end, both faces are.
 struct Mesh {
   std::vector<std::array<MeshVertex, 3>> triangles;

@@ -5,7 +5,7 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
-#include "body_projection.h"
+#include "mesh_projection.h"
 
 namespace headway::sim {
 namespace {
@@ -36,6 +36,36 @@ std::vector<Vector3f> cutBlock(const Block& block, const Eigen::Isometry3f& T_ca
   std::copy_if(corners.begin(), corners.end(), std::back_inserter(points),
                [](const Vector3f& corner) { return corner.z() >= kNearPlane; });
   return points;
+}
+
+/// Rows that an outline spans at one place of a column.
+struct Rows {
+  float top = std::numeric_limits<float>::max(), bottom = -top;
+};
+
+/// Rows that a convex outline spans a little beside each column from `first` to `last`, on either
+/// side: those in common are filled.
+std::vector<std::array<Rows, 2>> columnSpans(const std::vector<cv::Point2f>& outline, int first,
+                                             int last) {
+  std::vector<std::array<Rows, 2>> spans(static_cast<std::size_t>(last - first + 1));
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    cv::Point2f a = outline[i], b = outline[(i + 1) % outline.size()];
+    if (a.x > b.x) std::swap(a, b);
+    if (b.x - a.x < 1e-6F) continue;
+    const int from = std::max(first, static_cast<int>(std::floor(std::max(a.x, -1.0F))));
+    const int to = static_cast<int>(std::ceil(std::min(b.x, static_cast<float>(last))));
+    for (int u = from; u <= std::min(to, last); ++u) {
+      for (const std::size_t side : {0U, 1U}) {
+        const float x = static_cast<float>(u) + (side == 0 ? -kMargin : kMargin);
+        if (x < a.x || x > b.x) continue;
+        const float v = a.y + (b.y - a.y) * (x - a.x) / (b.x - a.x);
+        Rows& rows = spans[static_cast<std::size_t>(u - first)][side];
+        rows.top = std::min(rows.top, v);
+        rows.bottom = std::max(rows.bottom, v);
+      }
+    }
+  }
+  return spans;
 }
 
 }  // namespace
@@ -75,29 +105,7 @@ void Occlusion::add(const Block& block, const Eigen::Vector3d& offset) {
       static_cast<int>(std::floor(std::min(right, static_cast<float>(camera_.width)) - kMargin)));
   if (first > last) return;
   cv::convexHull(corners, outline);
-  // The outline is convex: of the rows that it spans a little beside a column on either side, those
-  // in common are filled.
-  struct Rows {
-    float top = std::numeric_limits<float>::max(), bottom = -top;
-  };
-  std::vector<std::array<Rows, 2>> spans(static_cast<std::size_t>(last - first + 1));
-  for (std::size_t i = 0; i < outline.size(); ++i) {
-    cv::Point2f a = outline[i], b = outline[(i + 1) % outline.size()];
-    if (a.x > b.x) std::swap(a, b);
-    if (b.x - a.x < 1e-6F) continue;
-    const int from = std::max(first, static_cast<int>(std::floor(std::max(a.x, -1.0F))));
-    const int to = static_cast<int>(std::ceil(std::min(b.x, static_cast<float>(last))));
-    for (int u = from; u <= std::min(to, last); ++u) {
-      for (const std::size_t side : {0U, 1U}) {
-        const float x = static_cast<float>(u) + (side == 0 ? -kMargin : kMargin);
-        if (x < a.x || x > b.x) continue;
-        const float v = a.y + (b.y - a.y) * (x - a.x) / (b.x - a.x);
-        Rows& rows = spans[static_cast<std::size_t>(u - first)][side];
-        rows.top = std::min(rows.top, v);
-        rows.bottom = std::max(rows.bottom, v);
-      }
-    }
-  }
+  const auto spans = columnSpans(outline, first, last);
   for (int u = first; u <= last; ++u) {
     const auto& [before, after] = spans[static_cast<std::size_t>(u - first)];
     const Filled filled{std::max(before.top, after.top) + kMargin,

@@ -14,7 +14,7 @@ constexpr double kRelaxation = 0.5;      // Helbing & Molnar 1995, table: tau [s
 constexpr double kRepulsion = 2.1;       // V0 [m^2/s^2]
 constexpr double kRepulsionReach = 0.3;  // sigma [m]
 constexpr double kPatience = 20.0;       // at the kerb, then one walks on [s]
-constexpr double kPersonal = 0.45;       // two bodies side by side [m]
+constexpr double kPersonal = 0.45;       // two meshes side by side [m]
 
 }  // namespace
 
@@ -23,14 +23,14 @@ Pedestrians::Pedestrians(const TrafficParams& params, const Route& route,
     : params_(params), route_(route), network_(network), random_(seed) {}
 
 void Pedestrians::add(Person person, std::int64_t& next_id) {
-  Mover mover;
-  mover.id = next_id++;
-  mover.kind = MoverKind::kPedestrian;
-  mover.look = random_.below(100000);
-  mover.size = drawSize(mover.kind, random_);
-  mover.gait = random_.uniform(0.0, 2.0 * M_PI);
+  Actor actor;
+  actor.id = next_id++;
+  actor.kind = ActorKind::kPedestrian;
+  actor.look = random_.below(100000);
+  actor.size = drawSize(actor.kind, random_);
+  actor.gait = random_.uniform(0.0, 2.0 * M_PI);
   people_.push_back(person);
-  movers_.push_back(mover);
+  actors_.push_back(actor);
   place(people_.size() - 1, 0.0);
 }
 
@@ -44,7 +44,8 @@ void Pedestrians::spawnGroup(const RobotState& robot, bool anywhere, int at_most
   person.lane = (random_.chance(0.5) ? 1.0 : -1.0) * random_.uniform(7.35, 8.5);
   person.at.y() = person.lane;
   person.direction = random_.chance(0.5) ? 1.0 : -1.0;
-  person.wish_mps = std::clamp(params_.walking_speed_mps + 0.26 * random_.normal(), 0.6, 2.2);
+  person.desired_speed_mps =
+      std::clamp(params_.walking_speed_mps + 0.26 * random_.normal(), 0.6, 2.2);
   const bool in_group = at_most > 1 && random_.chance(params_.group_ratio);
   const int size = in_group ? std::min(at_most, 2 + random_.below(2)) : 1;
   const std::int64_t leader = next_id;
@@ -65,7 +66,8 @@ void Pedestrians::spawnBeforeCamera(const RobotState& robot, std::int64_t& next_
     person.at = {robot.s + random_.uniform(6.0, 18.0), random_.uniform(-6.0, 4.5)};
     person.lane = (random_.chance(0.5) ? 1.0 : -1.0) * random_.uniform(7.35, 8.5);
     person.direction = random_.chance(0.5) ? 1.0 : -1.0;
-    person.wish_mps = std::clamp(params_.walking_speed_mps + 0.26 * random_.normal(), 0.6, 2.2);
+    person.desired_speed_mps =
+        std::clamp(params_.walking_speed_mps + 0.26 * random_.normal(), 0.6, 2.2);
     person.state = State::kCrossing;
     add(person, next_id);
   }
@@ -81,8 +83,8 @@ void Pedestrians::populate(const RobotState& robot, std::int64_t& next_id) {
 }
 
 const Pedestrians::Person* Pedestrians::find(std::int64_t id) const {
-  for (std::size_t i = 0; i < movers_.size(); ++i) {
-    if (movers_[i].id == id) return &people_[i];
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    if (actors_[i].id == id) return &people_[i];
   }
   return nullptr;
 }
@@ -135,7 +137,7 @@ void Pedestrians::decide(Person& person, double dt, const std::vector<Obstacle>&
   }
 }
 
-Eigen::Vector2d Pedestrians::wishOf(const Person& person) const {
+Eigen::Vector2d Pedestrians::desiredVelocity(const Person& person) const {
   const double to_lane = person.lane - person.at.y();
   switch (person.state) {
     case State::kStanding:
@@ -146,12 +148,13 @@ Eigen::Vector2d Pedestrians::wishOf(const Person& person) const {
     }
     case State::kCrossing: {
       const double sign = to_lane > 0 ? 1.0 : -1.0;
-      return 1.15 * person.wish_mps * Eigen::Vector2d(0.15 * person.direction, sign).normalized();
+      return 1.15 * person.desired_speed_mps *
+             Eigen::Vector2d(0.15 * person.direction, sign).normalized();
     }
     case State::kWalking:
       break;
   }
-  return {person.direction * person.wish_mps, std::clamp(0.5 * to_lane, -0.5, 0.5)};
+  return {person.direction * person.desired_speed_mps, std::clamp(0.5 * to_lane, -0.5, 0.5)};
 }
 
 Eigen::Vector2d Pedestrians::repulsion(std::size_t i) const {
@@ -185,24 +188,24 @@ double Pedestrians::groundAt(const Person& person) const {
 
 void Pedestrians::place(std::size_t i, double dt) {
   const Person& person = people_[i];
-  Mover& mover = movers_[i];
+  Actor& actor = actors_[i];
   const PathPoint street = route_.street.at(person.at.x());
-  mover.position = route_.street.beside(person.at.x(), person.at.y());
-  mover.position.z() = groundAt(person);
+  actor.position = route_.street.beside(person.at.x(), person.at.y());
+  actor.position.z() = groundAt(person);
   const double c = std::cos(street.yaw), s = std::sin(street.yaw);
-  mover.velocity = {c * person.velocity.x() - s * person.velocity.y(),
+  actor.velocity = {c * person.velocity.x() - s * person.velocity.y(),
                     s * person.velocity.x() + c * person.velocity.y()};
-  mover.speed = mover.velocity.norm();
+  actor.speed = actor.velocity.norm();
   if (dt == 0.0) {
-    mover.yaw = street.yaw + (person.direction > 0 ? 0.0 : M_PI);
-  } else if (mover.speed > 0.25) {
-    const double wanted = std::atan2(mover.velocity.y(), mover.velocity.x());
-    const double turn = std::remainder(wanted - mover.yaw, 2.0 * M_PI);
-    mover.yaw += std::clamp(turn, -3.5 * dt, 3.5 * dt);
+    actor.yaw = street.yaw + (person.direction > 0 ? 0.0 : M_PI);
+  } else if (actor.speed > 0.25) {
+    const double wanted = std::atan2(actor.velocity.y(), actor.velocity.x());
+    const double turn = std::remainder(wanted - actor.yaw, 2.0 * M_PI);
+    actor.yaw += std::clamp(turn, -3.5 * dt, 3.5 * dt);
   }
-  mover.yaw = std::remainder(mover.yaw, 2.0 * M_PI);
+  actor.yaw = std::remainder(actor.yaw, 2.0 * M_PI);
   // One cycle is two steps: about 1.4 m at normal speed, less when slow.
-  mover.gait += 2.0 * M_PI * mover.speed * dt / (0.55 + 0.62 * std::max(0.3, mover.speed));
+  actor.gait += 2.0 * M_PI * actor.speed * dt / (0.55 + 0.62 * std::max(0.3, actor.speed));
 }
 
 void Pedestrians::retire(const RobotState& robot) {
@@ -210,7 +213,7 @@ void Pedestrians::retire(const RobotState& robot) {
     const double ahead = route_.ahead(robot.s, people_[i].at.x());
     if (ahead < -params_.range_behind_m || ahead > params_.range_ahead_m + 10.0) {
       people_.erase(people_.begin() + static_cast<long>(i));
-      movers_.erase(movers_.begin() + static_cast<long>(i));
+      actors_.erase(actors_.begin() + static_cast<long>(i));
     }
   }
 }
@@ -230,7 +233,7 @@ void Pedestrians::advance(double dt, const RobotState& robot, const std::vector<
       person.state = leader->state;
     } else {
       decide(person, dt, vehicles);
-      wish = wishOf(person);
+      wish = desiredVelocity(person);
     }
     forces.push_back((wish - person.velocity) / kRelaxation + repulsion(i));
   }

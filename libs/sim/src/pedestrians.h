@@ -22,7 +22,7 @@ class Pedestrians {
   /// @param vehicles  everything on wheels, the robot included
   void advance(double dt, const RobotState& robot, const std::vector<Obstacle>& vehicles,
                std::int64_t& next_id);
-  [[nodiscard]] const std::vector<Mover>& movers() const { return movers_; }
+  [[nodiscard]] const std::vector<Actor>& actors() const { return actors_; }
 
  private:
   enum class State { kWalking, kStanding, kWaiting, kCrossing };
@@ -32,7 +32,7 @@ class Pedestrians {
     Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< the same axes [m/s]
     double direction = 1.0;                              ///< along the street, +1 or -1
     double lane = 7.9;  ///< signed distance from the street's middle it likes [m]
-    double wish_mps = 1.34;
+    double desired_speed_mps = 1.34;
     double timer_s = 0.0;                              ///< left of standing
     std::int64_t leader = -1;                          ///< id of whom it walks with
     Eigen::Vector2d offset = Eigen::Vector2d::Zero();  ///< from the leader
@@ -43,7 +43,7 @@ class Pedestrians {
   void add(Person person, std::int64_t& next_id);
   void decide(Person& person, double dt, const std::vector<Obstacle>& vehicles);
   [[nodiscard]] bool mayCross(const Person& person, const std::vector<Obstacle>& vehicles) const;
-  [[nodiscard]] Eigen::Vector2d wishOf(const Person& person) const;
+  [[nodiscard]] Eigen::Vector2d desiredVelocity(const Person& person) const;
   [[nodiscard]] Eigen::Vector2d repulsion(std::size_t i) const;
   void place(std::size_t i, double dt);
   void retire(const RobotState& robot);
@@ -54,8 +54,8 @@ class Pedestrians {
   const Route& route_;
   const RoadNetwork& network_;
   Random random_;
-  std::vector<Person> people_;  ///< same order as movers_
-  std::vector<Mover> movers_;
+  std::vector<Person> people_;  ///< same order as actors_
+  std::vector<Actor> actors_;
 };
 
 }  // namespace headway::sim

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "mover_atlas.h"
+#include "actor_atlas.h"
 #include "vehicle_mesh.h"
 
 namespace headway::sim {
@@ -138,11 +138,11 @@ void addFrame(Mesh& mesh, const UvRect& uv) {
 
 }  // namespace
 
-Mesh personMesh(const Mover& mover) {
-  const PersonSkin skin = personSkin(mover.look);
-  const auto height = static_cast<float>(mover.size.z());
-  const auto phase = static_cast<float>(mover.gait);
-  const float amount = std::min(1.3F, static_cast<float>(mover.speed) / 1.35F);
+Mesh personMesh(const Actor& actor) {
+  const PersonSkin skin = personSkin(actor.look);
+  const auto height = static_cast<float>(actor.size.z());
+  const auto phase = static_cast<float>(actor.gait);
+  const float amount = std::min(1.3F, static_cast<float>(actor.speed) / 1.35F);
   const auto swing = [&](float at) {
     Swing s;
     s.hip = 0.06F * amount + 0.44F * amount * std::sin(at);
@@ -163,19 +163,19 @@ Mesh personMesh(const Mover& mover) {
   const Vector3f shoulders = hips + 0.265F * height * Vector3f(std::sin(lean), 0, std::cos(lean));
   addArm(mesh, shoulders + Vector3f(0, 0.135F * height, 0), height, left, skin);
   addArm(mesh, shoulders - Vector3f(0, 0.135F * height, 0), height, right, skin);
-  addTrunk(mesh, hips, height, lean, skin, mover.look % 3 == 0);
+  addTrunk(mesh, hips, height, lean, skin, actor.look % 3 == 0);
   return mesh;
 }
 
-Mesh cyclistMesh(const Mover& mover) {
-  const PersonSkin skin = personSkin(mover.look);
+Mesh cyclistMesh(const Actor& actor) {
+  const PersonSkin skin = personSkin(actor.look);
   constexpr float kRider = 1.62F;  // a leaning rider is lower than a standing one
   Mesh mesh;
   addWheel(mesh, -0.55F, 0.34F, skin.shoes);
   addWheel(mesh, 0.55F, 0.34F, skin.shoes);
   addFrame(mesh, skin.bag);
   const Vector3f hips(-0.22F, 0, 0.98F);
-  const auto phase = static_cast<float>(mover.gait);
+  const auto phase = static_cast<float>(actor.gait);
   for (const float side : {1.0F, -1.0F}) {
     const float at = phase + (side > 0 ? 0.0F : kPi);
     Swing s;
@@ -187,27 +187,27 @@ Mesh cyclistMesh(const Mover& mover) {
     const Vector3f shoulder = hips + 0.26F * kRider * Vector3f(std::sin(0.45F), 0, std::cos(0.45F));
     addArm(mesh, shoulder + Vector3f(0, side * 0.2F, 0), kRider, s, skin);
   }
-  addTrunk(mesh, hips, kRider, 0.4F, skin, mover.look % 3 == 0);
-  const float scale = static_cast<float>(mover.size.z()) / 1.7F;
+  addTrunk(mesh, hips, kRider, 0.4F, skin, actor.look % 3 == 0);
+  const float scale = static_cast<float>(actor.size.z()) / 1.7F;
   for (auto& triangle : mesh.triangles) {
     for (auto& vertex : triangle) vertex.position.z() *= scale;
   }
   return mesh;
 }
 
-Mesh moverMesh(const Mover& mover, const Eigen::Vector3d& origin) {
-  Mesh mesh = mover.kind == MoverKind::kPedestrian ? personMesh(mover)
-              : mover.kind == MoverKind::kCyclist  ? cyclistMesh(mover)
-                                                   : vehicleMesh(mover);
+Mesh actorMesh(const Actor& actor, const Eigen::Vector3d& origin) {
+  Mesh mesh = actor.kind == ActorKind::kPedestrian ? personMesh(actor)
+              : actor.kind == ActorKind::kCyclist  ? cyclistMesh(actor)
+                                                   : vehicleMesh(actor);
   const Eigen::Matrix3d turn =
-      Eigen::AngleAxisd(mover.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  return moved(std::move(mesh), turn.cast<float>(), (mover.position - origin).cast<float>());
+      Eigen::AngleAxisd(actor.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  return moved(std::move(mesh), turn.cast<float>(), (actor.position - origin).cast<float>());
 }
 
-std::vector<Mesh> moverMeshes(const std::vector<Mover>& movers, const Eigen::Vector3d& origin) {
+std::vector<Mesh> actorMeshes(const std::vector<Actor>& actors, const Eigen::Vector3d& origin) {
   std::vector<Mesh> meshes;
-  meshes.reserve(movers.size());
-  for (const Mover& mover : movers) meshes.push_back(moverMesh(mover, origin));
+  meshes.reserve(actors.size());
+  for (const Actor& actor : actors) meshes.push_back(actorMesh(actor, origin));
   return meshes;
 }
 

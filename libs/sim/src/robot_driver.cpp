@@ -16,7 +16,7 @@ RobotDriver::RobotDriver(const RouteParams& route_params, double ride_deg, bool 
       at_(route, route.robot_left),
       ride_rad_(ride_deg * M_PI / 180.0),
       random_(seed) {
-  style_.wish_mps = route_params.speed_mps;
+  style_.desired_speed_mps = route_params.speed_mps;
   style_.lateral = route_params.lateral_acceleration_mps2;
   if (close_up) {
     style_.headway_s = 0.4;

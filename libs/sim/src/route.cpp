@@ -12,12 +12,12 @@
 namespace headway::sim {
 namespace {
 
-constexpr double kStep = 0.5;         // [m]
-constexpr double kBefore = 60.0;      // street before the start [m]
-constexpr double kAfter = 200.0;      // street after the end [m]
-constexpr double kMostLength = 40e3;  // of the world's streets [m]
-constexpr double kMostGap = 10.0;     // between poses that one street joins [m]
-constexpr double kMostSlope = 0.35;   // San Francisco's steepest has 0.31
+constexpr double kStep = 0.5;        // [m]
+constexpr double kBefore = 60.0;     // street before the start [m]
+constexpr double kAfter = 200.0;     // street after the end [m]
+constexpr double kMaxLength = 40e3;  // of the world's streets [m]
+constexpr double kMaxGap = 10.0;     // between poses that one street joins [m]
+constexpr double kMaxSlope = 0.35;   // San Francisco's steepest has 0.31
 
 /// Curvature at every kStep of a shape such as "straight 60, left 40 90".
 std::vector<double> parseShape(const std::string& shape) {
@@ -161,7 +161,7 @@ void requireDrivable(const std::vector<Eigen::Vector3d>& points, const std::stri
   constexpr std::size_t kReach = 10;
   for (std::size_t i = kReach; i < points.size(); ++i) {
     const Eigen::Vector3d way = points[i] - points[i - kReach];
-    if (std::abs(way.z()) > kMostSlope * way.head<2>().norm() + 1.0) {
+    if (std::abs(way.z()) > kMaxSlope * way.head<2>().norm() + 1.0) {
       refuse(points[i], "leaves the ground: steeper than 35 %; are these camera poses, y down?");
     }
   }
@@ -175,7 +175,7 @@ std::vector<Eigen::Vector3d> readKittiPositions(const std::string& file) {
   for (const Pose& pose : io::readKittiPoses(file)) {
     ++row;
     const Eigen::Vector3d at = robotFromOptical() * pose.translation();
-    if (!at.allFinite() || (row > 1 && (at - last).norm() > kMostGap)) {
+    if (!at.allFinite() || (row > 1 && (at - last).norm() > kMaxGap)) {
       throw InputError("[route] file: " + file + ": row " + std::to_string(row) +
                        " leaves the path by more than 10 m; no street leads there");
     }
@@ -231,7 +231,7 @@ Route makeKitti(const RouteParams& params) {
 }
 
 Route withinWorld(Route route, const std::string& key) {
-  if (route.street.length() > kMostLength) {
+  if (route.street.length() > kMaxLength) {
     throw InputError("[route] " + key + ": the path leaves the world: it is " +
                      std::to_string(static_cast<long>(route.end_s - route.start_s)) +
                      " m long, and streets end after 40 km");

@@ -21,17 +21,17 @@ cv::Mat drawShadow() {
   return picture;
 }
 
-Mesh shadowMesh(const Mover& mover, const Eigen::Vector3d& origin) {
-  const bool walks = mover.kind == MoverKind::kPedestrian;
+Mesh shadowMesh(const Actor& actor, const Eigen::Vector3d& origin) {
+  const bool walks = actor.kind == ActorKind::kPedestrian;
   const double grow_l = walks ? 1.0 : 1.2, grow_w = walks ? 1.3 : 1.5;
   const Eigen::Vector3f foot =
-      (mover.position - origin + Eigen::Vector3d(0, 0, 0.025)).cast<float>();
-  const auto c = static_cast<float>(std::cos(mover.yaw)),
-             s = static_cast<float>(std::sin(mover.yaw));
+      (actor.position - origin + Eigen::Vector3d(0, 0, 0.025)).cast<float>();
+  const auto c = static_cast<float>(std::cos(actor.yaw)),
+             s = static_cast<float>(std::sin(actor.yaw));
   const Eigen::Vector3f ex =
-      static_cast<float>(0.5 * grow_l * mover.size.x()) * Eigen::Vector3f(c, s, 0);
+      static_cast<float>(0.5 * grow_l * actor.size.x()) * Eigen::Vector3f(c, s, 0);
   const Eigen::Vector3f ey =
-      static_cast<float>(0.5 * grow_w * mover.size.y()) * Eigen::Vector3f(-s, c, 0);
+      static_cast<float>(0.5 * grow_w * actor.size.y()) * Eigen::Vector3f(-s, c, 0);
   Mesh mesh;
   mesh.addQuad(foot + ex + ey, foot - ex + ey, foot - ex - ey, foot + ex - ey, UvRect{});
   return mesh;

@@ -16,16 +16,17 @@ SimulatedDetector::SimulatedDetector(const DetectorParams& params, const StereoC
                                      std::uint64_t seed)
     : params_(params), camera_(camera), random_(seed) {}
 
-bool SimulatedDetector::isMissed(const Mover& mover, const Sighting& sighting) {
-  const double z = sighting.box3d.centre.z();
-  if (z > params_.max_range_m || sighting.box.height() < params_.min_height_px) return true;
-  if (mover.parked && !params_.parked) return true;
+bool SimulatedDetector::isMissed(const Actor& actor, const Observation& observation) {
+  const double z = observation.box3d.centre.z();
+  if (z > params_.max_range_m || observation.box.height() < params_.min_height_px) return true;
+  if (actor.parked && !params_.parked) return true;
   // Of what leaves the image nothing is known, unless it still fills a good part of it.
-  const bool cut_off = sighting.truncation > 0.8 && sighting.box.width() * sighting.box.height() <
-                                                        kLarge * camera_.width * camera_.height;
-  if (sighting.visible_pixels == 0 || cut_off || z < kNearest) return true;
+  const bool cut_off =
+      observation.truncation > 0.8 &&
+      observation.box.width() * observation.box.height() < kLarge * camera_.width * camera_.height;
+  if (observation.visible_pixels == 0 || cut_off || z < kNearest) return true;
   const double far = z / params_.max_range_m;
-  const double hidden = 1.0 - sighting.visible;
+  const double hidden = 1.0 - observation.visible;
   const double in_view = params_.miss_near + (params_.miss_far - params_.miss_near) * far * far;
   const double missed = in_view + (params_.miss_occluded - in_view) * hidden * hidden;
   return random_.chance(std::clamp(missed, 0.0, 1.0));
@@ -42,19 +43,19 @@ DetectorNoise SimulatedDetector::noiseAt(double depth_m) const {
   return withCentreScaled(noise, std::max(1.0, depth_m / kFullAccuracy_m));
 }
 
-Detection SimulatedDetector::measure(const Mover& mover, const Sighting& sighting) {
+Detection SimulatedDetector::measure(const Actor& actor, const Observation& observation) {
   Detection detection;
-  detection.object_class = classOf(mover.kind);
-  const double z = sighting.box3d.centre.z();
+  detection.object_class = classOf(actor.kind);
+  const double z = observation.box3d.centre.z();
   detection.score = std::clamp(0.95 - 0.4 * z / params_.max_range_m -
-                                   0.35 * (1.0 - sighting.visible) + 0.07 * random_.normal(),
+                                   0.35 * (1.0 - observation.visible) + 0.07 * random_.normal(),
                                0.05, 1.0);
   const auto edge = [&](double value) { return value + params_.box_sigma_px * random_.normal(); };
-  detection.box2d = Box2d{edge(sighting.box.left), edge(sighting.box.top), edge(sighting.box.right),
-                          edge(sighting.box.bottom)};
+  detection.box2d = Box2d{edge(observation.box.left), edge(observation.box.top),
+                          edge(observation.box.right), edge(observation.box.bottom)};
   const DetectorNoise noise = noiseAt(z);
-  detection.box3d = measuredBox(sighting.box3d, noise, random_);
-  detection.centre_covariance = centreCovariance(sighting.box3d.centre, noise);
+  detection.box3d = measuredBox(observation.box3d, noise, random_);
+  detection.centre_covariance = centreCovariance(observation.box3d.centre, noise);
   finish(detection);
   return detection;
 }
@@ -98,22 +99,23 @@ void SimulatedDetector::finish(Detection& detection) const {
   }
 }
 
-Detections SimulatedDetector::detect(Time time, const std::vector<Mover>& movers,
-                                     const std::vector<Sighting>& sightings, const cv::Mat& depth) {
+Detections SimulatedDetector::detect(Time time, const std::vector<Actor>& actors,
+                                     const std::vector<Observation>& observations,
+                                     const cv::Mat& depth) {
   Detections detections;
   detections.time = time;
   detections.T_robot_sensor = camera_.T_robot_cam;
   detections.image_width = camera_.width;
   detections.image_height = camera_.height;
-  for (const Sighting& sighting : sightings) {
-    const Mover& mover = movers[sighting.mover];
-    if (isMissed(mover, sighting)) continue;
-    auto& id = detector_ids_[mover.id];
+  for (const Observation& observation : observations) {
+    const Actor& actor = actors[observation.actor];
+    if (isMissed(actor, observation)) continue;
+    auto& id = detector_ids_[actor.id];
     if (id == 0 || random_.chance(params_.id_switch_share)) id = next_id_++;
-    detections.items.push_back(measure(mover, sighting));
+    detections.items.push_back(measure(actor, observation));
     detections.items.back().detector_id = id;
     if (!random_.chance(params_.duplicate_share)) continue;
-    detections.items.push_back(measure(mover, sighting));
+    detections.items.push_back(measure(actor, observation));
     detections.items.back().score *= 0.6;
     detections.items.back().detector_id = next_id_++;
   }

@@ -20,12 +20,13 @@ class SimulatedDetector {
   SimulatedDetector(const DetectorParams& params, const StereoCamera& camera, std::uint64_t seed);
 
   /// @param depth  of the left picture; false boxes stand where it has surfaces [m]
-  [[nodiscard]] Detections detect(Time time, const std::vector<Mover>& movers,
-                                  const std::vector<Sighting>& sightings, const cv::Mat& depth);
+  [[nodiscard]] Detections detect(Time time, const std::vector<Actor>& actors,
+                                  const std::vector<Observation>& observations,
+                                  const cv::Mat& depth);
 
  private:
-  [[nodiscard]] bool isMissed(const Mover& mover, const Sighting& sighting);
-  [[nodiscard]] Detection measure(const Mover& mover, const Sighting& sighting);
+  [[nodiscard]] bool isMissed(const Actor& actor, const Observation& observation);
+  [[nodiscard]] Detection measure(const Actor& actor, const Observation& observation);
   [[nodiscard]] DetectorNoise noiseAt(double depth_m) const;
   [[nodiscard]] Detection falseAlarm(const cv::Mat& depth);
   void finish(Detection& detection) const;

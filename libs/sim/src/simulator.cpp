@@ -44,9 +44,9 @@ constexpr double kImuStep = 0.01;  // the same where an inertial sensor is recor
 }  // namespace
 
 /// Everything of one simulation, in the order in which a frame passes through it.
-class Simulator::Machine {
+class Simulator::Impl {
  public:
-  explicit Machine(const SimParams& params);
+  explicit Impl(const SimParams& params);
 
   [[nodiscard]] std::optional<SimFrame> next();
   [[nodiscard]] bool arrived() const { return traffic_.robot().arrived() && !finishing_.valid(); }
@@ -66,7 +66,7 @@ class Simulator::Machine {
   /// The next frame; nullopt after the last.
   [[nodiscard]] std::optional<DrawnFrame> drawNext();
   void draw(DrawnFrame& drawn);
-  [[nodiscard]] std::vector<Mover> moversInView();  ///< with the parked ones
+  [[nodiscard]] std::vector<Actor> actorsInView();  ///< with the parked ones
   /// The right camera in the left one, for one frame.
   [[nodiscard]] Pose bentRig(std::size_t frame) const;
   /// Finishes a frame in a thread of its own, behind the drawing of the next.
@@ -87,7 +87,7 @@ class Simulator::Machine {
   std::future<SimFrame> finishing_;  ///< the frame drawn last; uses the finisher
 };
 
-Simulator::Machine::Machine(const SimParams& params)
+Simulator::Impl::Impl(const SimParams& params)
     : params_(params),
       route_(makeRoute(params.route, params.world.hill_height_m)),
       world_(params.world, route_),
@@ -100,7 +100,7 @@ Simulator::Machine::Machine(const SimParams& params)
   observeMotion();
 }
 
-std::optional<SimFrame> Simulator::Machine::next() {
+std::optional<SimFrame> Simulator::Impl::next() {
   if (!finishing_.valid()) finishBehind(drawNext());
   if (!finishing_.valid()) return std::nullopt;
   auto drawn = drawNext();
@@ -109,7 +109,7 @@ std::optional<SimFrame> Simulator::Machine::next() {
   return frame;
 }
 
-std::optional<DrawnFrame> Simulator::Machine::drawNext() {
+std::optional<DrawnFrame> Simulator::Impl::drawNext() {
   if (frames_ >= static_cast<std::size_t>(params_.recording.frames)) return std::nullopt;
   const auto first = static_cast<std::size_t>(params_.recording.first_frame);
   while (triggers_ < first && waitForTrigger()) passUndrawn();
@@ -127,7 +127,7 @@ std::optional<DrawnFrame> Simulator::Machine::drawNext() {
   return drawn;
 }
 
-bool Simulator::Machine::waitForTrigger() {
+bool Simulator::Impl::waitForTrigger() {
   while (!traffic_.robot().arrived()) {
     const CameraClock::Beat beat = clock_.next();
     advance(beat.time_s - 0.5 * exposure() - now_s_);
@@ -139,20 +139,20 @@ bool Simulator::Machine::waitForTrigger() {
   return false;
 }
 
-void Simulator::Machine::passUndrawn() {
+void Simulator::Impl::passUndrawn() {
   for (int i = 1; i < params_.camera.blur_samples; ++i) advance(blurPause());
   (void)sensors_.takeImu();
 }
 
-double Simulator::Machine::exposure() const {
+double Simulator::Impl::exposure() const {
   return params_.camera.blur_samples > 1 ? params_.camera.exposure_s : 0.0;
 }
 
-double Simulator::Machine::blurPause() const {
+double Simulator::Impl::blurPause() const {
   return exposure() / std::max(1, params_.camera.blur_samples - 1);
 }
 
-void Simulator::Machine::advance(double seconds) {
+void Simulator::Impl::advance(double seconds) {
   if (seconds <= 0.0) return;
   const double longest = params_.camera.imu ? kImuStep : kStep;
   const int steps = static_cast<int>(std::ceil(seconds / longest - 1e-9));
@@ -164,26 +164,26 @@ void Simulator::Machine::advance(double seconds) {
   }
 }
 
-void Simulator::Machine::observeMotion() {
+void Simulator::Impl::observeMotion() {
   sensors_.observe(params_.recording.start_time_s + now_s_, robotPose());
 }
 
-void Simulator::Machine::draw(DrawnFrame& drawn) {
+void Simulator::Impl::draw(DrawnFrame& drawn) {
   const int samples = params_.camera.blur_samples;
   const Pose T_left_right = bentRig(triggers_);
   cv::Mat left_sum, right_sum;
   for (int i = 0; i < samples; ++i) {
     if (i > 0) advance(blurPause());
-    const auto movers = moversInView();
+    const auto actors = actorsInView();
     const bool is_middle = i == samples / 2;
     const Pose T_world_robot = robotPose();
-    auto bodies = moverMeshes(movers, T_world_robot.translation());
-    StereoDrawing drawing = rig_.draw(T_world_robot, T_left_right, movers, bodies, is_middle);
+    auto meshes = actorMeshes(actors, T_world_robot.translation());
+    StereoDrawing drawing = rig_.draw(T_world_robot, T_left_right, actors, meshes, is_middle);
     if (is_middle) {
       drawn.frame.time = params_.recording.start_time_s + now_s_;
       drawn.depth = drawing.depth;
-      drawn.movers = movers;
-      drawn.bodies = std::move(bodies);
+      drawn.actors = actors;
+      drawn.meshes = std::move(meshes);
       drawn.T_world_robot = T_world_robot;
     }
     if (samples == 1) {
@@ -201,23 +201,23 @@ void Simulator::Machine::draw(DrawnFrame& drawn) {
   right_sum.convertTo(drawn.right, CV_8UC3, 1.0 / samples);
 }
 
-std::vector<Mover> Simulator::Machine::moversInView() {
-  std::vector<Mover> movers = traffic_.movers();
+std::vector<Actor> Simulator::Impl::actorsInView() {
+  std::vector<Actor> actors = traffic_.actors();
   const auto parked = world_.parkedNear(robotPose().translation(), params_.world.view_distance_m);
-  movers.insert(movers.end(), parked.begin(), parked.end());
+  actors.insert(actors.end(), parked.begin(), parked.end());
   // With the room that a shadow takes, and the other camera's place.
   constexpr double kMargin = 2.0;  // [m]
   const ViewCone view = viewCone(lens_.drawn(), robotPose());
-  movers.erase(std::remove_if(movers.begin(), movers.end(),
-                              [&](const Mover& mover) {
-                                return !view.touches(mover.position.head<2>(),
-                                                     0.5 * mover.size.head<2>().norm() + kMargin);
+  actors.erase(std::remove_if(actors.begin(), actors.end(),
+                              [&](const Actor& actor) {
+                                return !view.touches(actor.position.head<2>(),
+                                                     0.5 * actor.size.head<2>().norm() + kMargin);
                               }),
-               movers.end());
-  return movers;
+               actors.end());
+  return actors;
 }
 
-Pose Simulator::Machine::bentRig(std::size_t frame) const {
+Pose Simulator::Impl::bentRig(std::size_t frame) const {
   Random random(seedOf({seedFor(kFlexSeed, params_), frame}));
   const double sigma = params_.calibration_error.flex_deg * M_PI / 180.0;
   const double x = random.normal(), y = random.normal(), z = random.normal();
@@ -226,7 +226,7 @@ Pose Simulator::Machine::bentRig(std::size_t frame) const {
   return T_left_right;
 }
 
-void Simulator::Machine::finishBehind(std::optional<DrawnFrame> drawn) {
+void Simulator::Impl::finishBehind(std::optional<DrawnFrame> drawn) {
   if (!drawn) return;
   finishing_ = std::async(std::launch::async, [this, drawn = std::move(*drawn)]() mutable {
     return finisher_.finish(std::move(drawn));
@@ -235,19 +235,19 @@ void Simulator::Machine::finishBehind(std::optional<DrawnFrame> drawn) {
 
 Simulator::Simulator(const SimParams& params) {
   params.validate();
-  machine_ = std::make_unique<Machine>(params);
+  impl_ = std::make_unique<Impl>(params);
 }
 
 Simulator::~Simulator() = default;
 
-std::optional<SimFrame> Simulator::next() { return machine_->next(); }
+std::optional<SimFrame> Simulator::next() { return impl_->next(); }
 
-bool Simulator::arrived() const { return machine_->arrived(); }
+bool Simulator::arrived() const { return impl_->arrived(); }
 
-const StereoCamera& Simulator::camera() const { return machine_->lens().ideal(); }
+const StereoCamera& Simulator::camera() const { return impl_->lens().ideal(); }
 
-io::RawStereoCamera Simulator::recordedCamera() const { return machine_->lens().recorded(); }
+io::RawStereoCamera Simulator::recordedCamera() const { return impl_->lens().recorded(); }
 
-double Simulator::pathLength() const { return machine_->pathLength(); }
+double Simulator::pathLength() const { return impl_->pathLength(); }
 
 }  // namespace headway::sim

@@ -2,7 +2,7 @@
 
 #include <mrpt/opengl/CFBORender.h>
 
-#include "eye_buffer.h"
+#include "render_target.h"
 #include "street_scene.h"
 
 namespace headway::sim {
@@ -14,9 +14,9 @@ int drawnWidth(int width) { return (width + 3) / 4 * 4; }
 }  // namespace
 
 /// A scene, and what two eyes see of it.
-class StereoRig::Eyes {
+class StereoRig::Renderer {
  public:
-  Eyes(const StereoCamera& camera, World& world);
+  Renderer(const StereoCamera& camera, World& world);
 
   [[nodiscard]] StreetScene& scene() { return scene_; }
   void drawLeft() { draw(camera_.T_robot_cam, left_); }
@@ -24,15 +24,15 @@ class StereoRig::Eyes {
   [[nodiscard]] StereoDrawing read(bool with_depth);
 
  private:
-  void draw(const Pose& T_robot_cam, EyeBuffer& eye);
+  void draw(const Pose& T_robot_cam, RenderTarget& eye);
 
   StereoCamera camera_;
   StreetScene scene_;
   mrpt::opengl::CFBORender context_;  ///< of OpenGL, off-screen
-  EyeBuffer left_, right_;
+  RenderTarget left_, right_;
 };
 
-StereoRig::Eyes::Eyes(const StereoCamera& camera, World& world)
+StereoRig::Renderer::Renderer(const StereoCamera& camera, World& world)
     : camera_(camera),
       scene_(camera, world),
       context_(static_cast<unsigned>(drawnWidth(camera.width)),
@@ -40,7 +40,7 @@ StereoRig::Eyes::Eyes(const StereoCamera& camera, World& world)
       left_(drawnWidth(camera.width), camera.height),
       right_(drawnWidth(camera.width), camera.height) {}
 
-void StereoRig::Eyes::draw(const Pose& T_robot_cam, EyeBuffer& eye) {
+void StereoRig::Renderer::draw(const Pose& T_robot_cam, RenderTarget& eye) {
   mrpt::img::TCamera lens;
   lens.ncols = static_cast<unsigned>(drawnWidth(camera_.width));
   lens.nrows = static_cast<unsigned>(camera_.height);
@@ -55,7 +55,7 @@ void StereoRig::Eyes::draw(const Pose& T_robot_cam, EyeBuffer& eye) {
   eye.draw(scene_.scene());
 }
 
-StereoDrawing StereoRig::Eyes::read(bool with_depth) {
+StereoDrawing StereoRig::Renderer::read(bool with_depth) {
   const cv::Size size(camera_.width, camera_.height);
   StereoDrawing drawing;
   drawing.left = left_.picture(size);
@@ -66,14 +66,14 @@ StereoDrawing StereoRig::Eyes::read(bool with_depth) {
 }
 
 StereoRig::StereoRig(const StereoCamera& camera, World& world)
-    : eyes_(std::make_unique<Eyes>(camera, world)) {}
+    : eyes_(std::make_unique<Renderer>(camera, world)) {}
 
 StereoRig::~StereoRig() = default;
 
 StereoDrawing StereoRig::draw(const Pose& T_world_robot, const Pose& T_left_right,
-                              const std::vector<Mover>& movers, const std::vector<Mesh>& bodies,
+                              const std::vector<Actor>& actors, const std::vector<Mesh>& meshes,
                               bool with_depth) {
-  eyes_->scene().arrange(T_world_robot, T_left_right, movers, bodies);
+  eyes_->scene().arrange(T_world_robot, T_left_right, actors, meshes);
   eyes_->drawLeft();
   eyes_->drawRight(T_left_right);
   return eyes_->read(with_depth);

@@ -6,8 +6,8 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "actor.h"
 #include "mesh.h"
-#include "mover.h"
 #include "world.h"
 
 namespace headway::sim {
@@ -19,7 +19,7 @@ struct StereoDrawing {
   cv::Mat depth;  ///< 32-bit, metres along the left camera's axis; 0 where there is only sky
 };
 
-/// Draws a world and its movers as an ideal stereo camera sees them, off-screen.
+/// Draws a world and its actors as an ideal stereo camera sees them, off-screen.
 ///
 /// Made and used in one thread. Everything is drawn relative to the robot, so pictures are as
 /// sharp far from the world's origin as near it.
@@ -32,16 +32,16 @@ class StereoRig {
   StereoRig& operator=(const StereoRig&) = delete;
 
   /// @param T_left_right  right optical frame in the left one
-  /// @param movers        those in view, with the parked ones
-  /// @param bodies        their meshes, relative to the robot's position
+  /// @param actors        those in view, with the parked ones
+  /// @param meshes        their meshes, relative to the robot's position
   /// @param with_depth    fill `depth`, too
   [[nodiscard]] StereoDrawing draw(const Pose& T_world_robot, const Pose& T_left_right,
-                                   const std::vector<Mover>& movers,
-                                   const std::vector<Mesh>& bodies, bool with_depth);
+                                   const std::vector<Actor>& actors,
+                                   const std::vector<Mesh>& meshes, bool with_depth);
 
  private:
-  class Eyes;
-  std::unique_ptr<Eyes> eyes_;
+  class Renderer;
+  std::unique_ptr<Renderer> eyes_;
 };
 
 }  // namespace headway::sim

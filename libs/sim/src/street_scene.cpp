@@ -3,20 +3,20 @@
 #include <algorithm>
 #include <cmath>
 
-#include "body_projection.h"
+#include "actor_atlas.h"
 #include "furniture.h"
 #include "ground_texture.h"
-#include "mover_atlas.h"
+#include "mesh_projection.h"
 #include "plain_mesh.h"
 #include "shadow.h"
 
 namespace headway::sim {
 namespace {
 
-constexpr float kFar = 320.0F;              // [m]
-constexpr std::size_t kMostSurfaces = 170;  // MRPT has 192 textures, a few are shared ones
+constexpr float kFar = 320.0F;             // [m]
+constexpr std::size_t kMaxSurfaces = 170;  // MRPT has 192 textures, a few are shared ones
 
-enum Purpose : std::uint64_t { kSkySeed = 201, kMeadowSeed, kFurnitureAtlasSeed, kMoverAtlasSeed };
+enum Purpose : std::uint64_t { kSkySeed = 201, kMeadowSeed, kFurnitureAtlasSeed, kActorAtlasSeed };
 
 }  // namespace
 
@@ -26,15 +26,15 @@ StreetScene::StreetScene(const StereoCamera& camera, World& world)
     return Random(seedOf({static_cast<std::uint64_t>(world.params().seed), purpose}));
   };
   Random sky = seed(kSkySeed), meadow = seed(kMeadowSeed), furniture = seed(kFurnitureAtlasSeed),
-         movers = seed(kMoverAtlasSeed);
+         actors = seed(kActorAtlasSeed);
   sky_ = add(drawSky(sky));
   const cv::Mat grass = drawMeadow(world.grain(), meadow);
   plain_ = add(grass);
   verges_ = add(grass);
   furniture_ = add(drawFurnitureAtlas(world.grain(), furniture));
-  const cv::Mat bodies = drawMoverAtlas(world.grain(), movers);
-  vehicles_ = add(bodies);
-  people_ = add(bodies);
+  const cv::Mat meshes = drawActorAtlas(world.grain(), actors);
+  vehicles_ = add(meshes);
+  people_ = add(meshes);
   shadows_ = add(drawShadow());
   for (const auto& closed : {furniture_, vehicles_}) closed->hideBacks();
   scene_.getViewport()->setViewportClipDistances(kNearPlane, kFar);
@@ -46,7 +46,7 @@ StreetScene::ObjectPtr StreetScene::add(const cv::Mat& picture) {
   return object;
 }
 
-void StreetScene::forgetHidden(const std::vector<StretchKey>& visible) {
+void StreetScene::removeHidden(const std::vector<StretchKey>& visible) {
   std::vector<StretchKey> hidden;
   std::size_t count = 0;
   for (auto& [key, objects] : surfaces_) {
@@ -55,7 +55,7 @@ void StreetScene::forgetHidden(const std::vector<StretchKey>& visible) {
     if (std::find(visible.begin(), visible.end(), key) == visible.end()) hidden.push_back(key);
   }
   for (const StretchKey& key : hidden) {
-    if (world_.built().count(key) != 0 && count <= kMostSurfaces / 2) continue;
+    if (world_.built().count(key) != 0 && count <= kMaxSurfaces / 2) continue;
     count -= surfaces_.at(key).size();
     for (auto& piece : surfaces_.at(key)) scene_.removeObject(piece.object);
     surfaces_.erase(key);
@@ -63,12 +63,12 @@ void StreetScene::forgetHidden(const std::vector<StretchKey>& visible) {
 }
 
 void StreetScene::showStretches(const std::vector<StretchKey>& visible) {
-  forgetHidden(visible);
+  removeHidden(visible);
   std::size_t shown = 0;
   for (const StretchKey& key : visible) {
     const StreetStretch& stretch = world_.stretch(key);
     shown += stretch.surfaces.size();
-    if (shown > kMostSurfaces) break;
+    if (shown > kMaxSurfaces) break;
     auto known = surfaces_.find(key);
     if (known == surfaces_.end()) {
       std::vector<Piece> pieces;
@@ -183,29 +183,29 @@ void StreetScene::placeAll(const Eigen::Vector3d& origin) {
   place(shadows_, origin, 0.0);
 }
 
-void StreetScene::placeMovers(const Eigen::Vector3d& origin, const std::vector<Mover>& movers,
-                              const std::vector<Mesh>& bodies) {
+void StreetScene::placeActors(const Eigen::Vector3d& origin, const std::vector<Actor>& actors,
+                              const std::vector<Mesh>& meshes) {
   std::vector<std::pair<double, std::size_t>> near_first;
-  for (std::size_t k = 0; k < movers.size(); ++k) {
-    near_first.emplace_back((movers[k].position - origin).norm(), k);
+  for (std::size_t k = 0; k < actors.size(); ++k) {
+    near_first.emplace_back((actors[k].position - origin).norm(), k);
   }
   std::sort(near_first.begin(), near_first.end());
   std::vector<const Mesh*> vehicles, people;
   for (const auto& [distance, k] : near_first) {
-    const MoverKind kind = movers[k].kind;
-    const bool wheels = kind != MoverKind::kPedestrian && kind != MoverKind::kCyclist;
-    if (!shows(boxCorners(bodies[k]), Eigen::Vector3d::Zero())) continue;
-    (wheels ? vehicles : people).push_back(&bodies[k]);
+    const ActorKind kind = actors[k].kind;
+    const bool wheels = kind != ActorKind::kPedestrian && kind != ActorKind::kCyclist;
+    if (!shows(boxCorners(meshes[k]), Eigen::Vector3d::Zero())) continue;
+    (wheels ? vehicles : people).push_back(&meshes[k]);
   }
   Mesh shadows;
-  for (const Mover& mover : movers) shadows.append(shadowMesh(mover, origin));
+  for (const Actor& actor : actors) shadows.append(shadowMesh(actor, origin));
   vehicles_->setMeshes(vehicles);
   people_->setMeshes(people);
   shadows_->setMesh(shadows);
 }
 
 void StreetScene::arrange(const Pose& T_world_robot, const Pose& T_left_right,
-                          const std::vector<Mover>& movers, const std::vector<Mesh>& bodies) {
+                          const std::vector<Actor>& actors, const std::vector<Mesh>& meshes) {
   const Eigen::Vector3d origin = T_world_robot.translation();
   const Eigen::Vector3d eye = (T_world_robot * camera_.T_robot_cam).translation();
   const auto visible = world_.inView(eye, viewCone(camera_, T_world_robot));
@@ -217,7 +217,7 @@ void StreetScene::arrange(const Pose& T_world_robot, const Pose& T_left_right,
   T_origin_robot_.translation().setZero();
   hideBehindHouses(visible, origin, T_left_right);
   placeStill(origin);
-  placeMovers(origin, movers, bodies);
+  placeActors(origin, actors, meshes);
   placeAll(origin);
 }
 

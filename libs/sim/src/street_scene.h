@@ -9,7 +9,7 @@
 #include <set>
 #include <vector>
 
-#include "mover.h"
+#include "actor.h"
 #include "occlusion.h"
 #include "sky.h"
 #include "textured_object.h"
@@ -20,7 +20,7 @@ namespace headway::sim {
 /// Radius of the drum that carries the sky's picture [m].
 inline constexpr float kSkyRadius = 300.0F;
 
-/// MRPT's scene of a world and its movers: surfaces by stretch, and one object each for what
+/// MRPT's scene of a world and its actors: surfaces by stretch, and one object each for what
 /// shares a picture.
 class StreetScene {
  public:
@@ -29,9 +29,9 @@ class StreetScene {
 
   /// Puts into the scene what either camera may see, relative to the robot's position.
   ///
-  /// @param bodies  the movers' meshes, relative to the robot's position
+  /// @param meshes  the actors' meshes, relative to the robot's position
   void arrange(const Pose& T_world_robot, const Pose& T_left_right,
-               const std::vector<Mover>& movers, const std::vector<Mesh>& bodies);
+               const std::vector<Actor>& actors, const std::vector<Mesh>& meshes);
 
   [[nodiscard]] mrpt::opengl::COpenGLScene& scene() { return scene_; }
   /// The robot in the frame that the scene is arranged in.
@@ -55,7 +55,7 @@ class StreetScene {
 
   ObjectPtr add(const cv::Mat& picture);
   /// Hides all surfaces, and gives up those out of view where textures grow scarce.
-  void forgetHidden(const std::vector<StretchKey>& visible);
+  void removeHidden(const std::vector<StretchKey>& visible);
   /// Hides what houses hide from both eyes.
   void hideBehindHouses(const std::vector<StretchKey>& visible, const Eigen::Vector3d& origin,
                         const Pose& T_left_right);
@@ -65,8 +65,8 @@ class StreetScene {
   [[nodiscard]] Mesh shown(const Mesh& mesh, const Eigen::Vector3d& offset) const;
   void showStretches(const std::vector<StretchKey>& visible);
   void placeStill(const Eigen::Vector3d& origin);
-  void placeMovers(const Eigen::Vector3d& origin, const std::vector<Mover>& movers,
-                   const std::vector<Mesh>& bodies);
+  void placeActors(const Eigen::Vector3d& origin, const std::vector<Actor>& actors,
+                   const std::vector<Mesh>& meshes);
   void rebuildShared(const std::vector<StretchKey>& visible);
   void placeAll(const Eigen::Vector3d& origin);
 

@@ -1,6 +1,7 @@
 #include "street_stretch.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "facade_texture.h"
@@ -39,11 +40,21 @@ struct StreetBuilder::Site {
   [[nodiscard]] Eigen::Vector3f local(double s, double left, double up) const {
     return (world(s, left) + Eigen::Vector3d(0, 0, up) - anchor).cast<float>();
   }
+  /// Cells of ground along the stretch.
+  [[nodiscard]] int groundSteps() const {
+    return std::max(1, static_cast<int>(std::lround(length / 2.0)));
+  }
   [[nodiscard]] float yaw(double s) const { return static_cast<float>(road.axis.at(s).yaw); }
   [[nodiscard]] bool drawn(double s) const {
     const auto i = static_cast<std::size_t>(std::max(0.0, s));
     return i < road.drawn.size() && road.drawn[i];
   }
+};
+
+/// A cell of the ground: number along the stretch; its two edges as (left, up, left, up) [m].
+struct StreetBuilder::GroundCell {
+  int step = 0;
+  std::array<double, 4> edges{};
 };
 
 StreetBuilder::StreetBuilder(const RoadNetwork& network, const WorldParams& params,
@@ -88,43 +99,46 @@ StreetStretch StreetBuilder::build(const StretchKey& key) const {
   return stretch;
 }
 
+void StreetBuilder::layCell(const Site& site, const GroundCell& cell, double reach,
+                            bool earlier_only, Mesh& mesh) const {
+  const int steps = site.groundSteps();
+  const double s0 = site.begin + site.length * cell.step / steps;
+  const double s1 = site.begin + site.length * (cell.step + 1) / steps;
+  const double s = 0.5 * (s0 + s1);
+  const auto [l0, up0, l1, up1] = cell.edges;
+  if (!site.drawn(s) || network_.nearOther(site.world(s, 0.5 * (l0 + l1)).head<2>(), reach,
+                                           site.key.road, s, earlier_only)) {
+    return;
+  }
+  // A kerb's face has no width seen from above: it shows a strip of the kerb stones.
+  const double painted1 = l0 == l1 ? l1 + (l1 > 0 ? 0.14 : -0.14) : l1;
+  const float v0 = groundTextureV(l0), v1 = groundTextureV(painted1);
+  mesh.addQuad(site.local(s0, l0, up0), site.local(s1, l0, up0), site.local(s1, l1, up1),
+               site.local(s0, l1, up1),
+               UvRect{static_cast<float>(cell.step) / static_cast<float>(steps), v0,
+                      static_cast<float>(cell.step + 1) / static_cast<float>(steps), v1});
+}
+
 void StreetBuilder::layGround(const Site& site, StreetStretch& stretch, Random& random) const {
   GroundMarks marks;
   marks.length_m = site.length;
   marks.crossing = random.chance(0.25);
   marks.crossing_at = random.uniform(0.3, 0.7);
   Surface surface{drawGround(marks, grain_, random), {}, {}};
-  const int steps = std::max(1, static_cast<int>(std::lround(site.length / 2.0)));
-  const auto cell = [&](int i, double l0, double up0, double l1, double up1, double reach,
-                        bool earlier_only) {
-    const double s0 = site.begin + site.length * i / steps;
-    const double s1 = site.begin + site.length * (i + 1) / steps;
-    const double s = 0.5 * (s0 + s1);
-    if (!site.drawn(s) || network_.nearOther(site.world(s, 0.5 * (l0 + l1)).head<2>(), reach,
-                                             site.key.road, s, earlier_only)) {
-      return;
-    }
-    // A kerb's face has no width seen from above: it shows a strip of the kerb stones.
-    const double painted1 = l0 == l1 ? l1 + (l1 > 0 ? 0.14 : -0.14) : l1;
-    const float v0 = groundTextureV(l0), v1 = groundTextureV(painted1);
-    surface.mesh.addQuad(site.local(s0, l0, up0), site.local(s1, l0, up0), site.local(s1, l1, up1),
-                         site.local(s0, l1, up1),
-                         UvRect{static_cast<float>(i) / static_cast<float>(steps), v0,
-                                static_cast<float>(i + 1) / static_cast<float>(steps), v1});
-  };
   constexpr double kLaneCells[] = {6.4, 3.2, 0.0, -3.2, -6.4};
+  constexpr double kUp = Profile::kKerbHeight, kReach = Profile::kCarriageway;
   // At a junction the cells of two carriageways overlap. Those of the later one lie a hair lower:
   // at the same height both would show through each other in patches.
   const double lane = site.key.road == 0 ? 0.0 : -0.005;
-  for (int i = 0; i < steps; ++i) {
+  for (int i = 0; i < site.groundSteps(); ++i) {
     for (int c = 0; c < 4; ++c) {
-      cell(i, kLaneCells[c], lane, kLaneCells[c + 1], lane, Profile::kCarriageway, true);
+      layCell(site, {i, {kLaneCells[c], lane, kLaneCells[c + 1], lane}}, kReach, true,
+              surface.mesh);
     }
     for (const double side : {1.0, -1.0}) {
       const double kerb = side * Profile::kCarriageway, edge = side * Profile::kEdge;
-      cell(i, kerb, lane, kerb, Profile::kKerbHeight, Profile::kCarriageway + 0.2, false);
-      cell(i, kerb, Profile::kKerbHeight, edge, Profile::kKerbHeight, Profile::kCarriageway + 0.4,
-           false);
+      layCell(site, {i, {kerb, lane, kerb, kUp}}, kReach + 0.2, false, surface.mesh);
+      layCell(site, {i, {kerb, kUp, edge, kUp}}, kReach + 0.4, false, surface.mesh);
     }
   }
   if (!surface.mesh.triangles.empty()) stretch.surfaces.push_back(std::move(surface));
@@ -242,14 +256,14 @@ void StreetBuilder::placeFurniture(const Site& site, StreetStretch& stretch, Ran
   }
 }
 
-std::vector<Mover> StreetBuilder::parked(const StretchKey& key) const {
+std::vector<Actor> StreetBuilder::parked(const StretchKey& key) const {
   constexpr double kBay = 5.5;
   constexpr std::int64_t kFirstParkedId = 100000;
   const Road& road = network_.roads()[key.road];
   Site site{key, road};
   site.begin = key.number * kStretch;
   Random random(stretchSeed(params_, key, kParkedSeed));
-  std::vector<Mover> vehicles;
+  std::vector<Actor> vehicles;
   int bay_number = 0;
   for (const double side : {1.0, -1.0}) {
     for (int bay = 0; bay < 4; ++bay, ++bay_number) {
@@ -259,8 +273,8 @@ std::vector<Mover> StreetBuilder::parked(const StretchKey& key) const {
           !isFree(site, s, side * Profile::kParking, 4.0)) {
         continue;
       }
-      Mover vehicle;
-      vehicle.kind = own.chance(0.12) ? MoverKind::kVan : MoverKind::kCar;
+      Actor vehicle;
+      vehicle.kind = own.chance(0.12) ? ActorKind::kVan : ActorKind::kCar;
       vehicle.id = kFirstParkedId + static_cast<std::int64_t>(key.road) * 16384 + key.number * 8 +
                    bay_number;
       vehicle.look = own.below(1000);

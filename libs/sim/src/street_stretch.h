@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
+#include "actor.h"
 #include "grain.h"
 #include "mesh.h"
-#include "mover.h"
 #include "occlusion.h"
 #include "road_network.h"
 
@@ -52,13 +52,18 @@ class StreetBuilder {
 
   [[nodiscard]] StreetStretch build(const StretchKey& key) const;
   /// Vehicles parked along the stretch. Ids are unique in the world.
-  [[nodiscard]] std::vector<Mover> parked(const StretchKey& key) const;
+  [[nodiscard]] std::vector<Actor> parked(const StretchKey& key) const;
   /// Middle of a stretch, and whether any of it is drawn.
   [[nodiscard]] Eigen::Vector3d middle(const StretchKey& key) const;
   [[nodiscard]] bool exists(const StretchKey& key) const;
 
  private:
   struct Site;
+  struct GroundCell;
+  /// @param reach         no cell where another street's middle is as near [m]
+  /// @param earlier_only  consider only streets that were laid before
+  void layCell(const Site& site, const GroundCell& cell, double reach, bool earlier_only,
+               Mesh& mesh) const;
   void layGround(const Site& site, StreetStretch& stretch, Random& random) const;
   void layVerges(const Site& site, StreetStretch& stretch) const;
   void buildHouses(const Site& site, double side, StreetStretch& stretch, Random& random) const;

@@ -25,7 +25,7 @@ class TexturedObject : public mrpt::opengl::CSetOfTexturedTriangles {
   /// Draws these triangles from now on.
   void setMeshes(const std::vector<const Mesh*>& meshes);
   void setMesh(const Mesh& mesh) { setMeshes({&mesh}); }
-  /// Draws fronts only: half of what closed bodies have, and nobody sees the other half.
+  /// Draws fronts only: half of what closed meshes have, and nobody sees the other half.
   void hideBacks() { hides_backs_ = true; }
   void initializeTextures() const override;
   void render(const RenderContext& context) const override;

@@ -3,10 +3,10 @@
 namespace headway::sim {
 namespace {
 
-std::vector<Obstacle> obstaclesFrom(const std::vector<Mover>& movers) {
+std::vector<Obstacle> obstaclesFrom(const std::vector<Actor>& actors) {
   std::vector<Obstacle> obstacles;
-  obstacles.reserve(movers.size());
-  for (const Mover& mover : movers) obstacles.push_back(obstacleFrom(mover));
+  obstacles.reserve(actors.size());
+  for (const Actor& actor : actors) obstacles.push_back(obstacleFrom(actor));
   return obstacles;
 }
 
@@ -32,12 +32,12 @@ Traffic::Traffic(const SimParams& params, const Route& route, const RoadNetwork&
 
 void Traffic::advance(double dt) {
   const RobotState robot = robot_.state();
-  const auto on_foot = obstaclesFrom(pedestrians_.movers());
-  const auto on_wheels = obstaclesFrom(vehicles_.movers());
+  const auto on_foot = obstaclesFrom(pedestrians_.actors());
+  const auto on_wheels = obstaclesFrom(vehicles_.actors());
   auto for_robot = on_foot;
   append(on_wheels, for_robot);
   escort_.advance(dt, robot, for_robot);
-  const auto escort = obstaclesFrom(escort_.movers());
+  const auto escort = obstaclesFrom(escort_.actors());
   append(escort, for_robot);
   auto for_vehicles = on_foot;
   for_vehicles.push_back(robot.body);
@@ -50,16 +50,16 @@ void Traffic::advance(double dt) {
   robot_.advance(dt, for_robot);
 }
 
-std::vector<Mover> Traffic::others() const {
-  std::vector<Mover> movers = vehicles_.movers();
-  append(pedestrians_.movers(), movers);
-  return movers;
+std::vector<Actor> Traffic::others() const {
+  std::vector<Actor> actors = vehicles_.actors();
+  append(pedestrians_.actors(), actors);
+  return actors;
 }
 
-std::vector<Mover> Traffic::movers() const {
-  std::vector<Mover> movers = others();
-  append(escort_.movers(), movers);
-  return movers;
+std::vector<Actor> Traffic::actors() const {
+  std::vector<Actor> actors = others();
+  append(escort_.actors(), actors);
+  return actors;
 }
 
 }  // namespace headway::sim

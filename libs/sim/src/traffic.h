@@ -31,17 +31,17 @@ class Traffic {
           const StereoCamera& camera, const TrafficSeeds& seeds);
 
   void advance(double dt);
-  /// The camera takes a frame: the escort sees how much of it movers cover.
+  /// The camera takes a frame: the escort sees how much of it actors cover.
   void observe() { escort_.observe(robot_.T_world_robot(), others()); }
 
   [[nodiscard]] const RobotDriver& robot() const { return robot_; }
   [[nodiscard]] const Vehicles& vehicles() const { return vehicles_; }
   [[nodiscard]] const Pedestrians& pedestrians() const { return pedestrians_; }
   /// All but the robot: vehicles, people, the escort.
-  [[nodiscard]] std::vector<Mover> movers() const;
+  [[nodiscard]] std::vector<Actor> actors() const;
 
  private:
-  [[nodiscard]] std::vector<Mover> others() const;  ///< but for the escort
+  [[nodiscard]] std::vector<Actor> others() const;  ///< but for the escort
 
   RobotDriver robot_;
   std::int64_t next_id_ = 0;

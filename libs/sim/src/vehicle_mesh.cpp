@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mover_atlas.h"
+#include "actor_atlas.h"
 #include "vehicle_shape.h"
 
 namespace headway::sim {
@@ -110,11 +110,11 @@ void addWheel(Mesh& mesh, const Body& body, const VehicleSkin& skin, double x_sh
 
 }  // namespace
 
-Mesh vehicleMesh(const Mover& mover) {
-  const VehicleShape& shape = shapeOf(mover.kind, mover.look);
-  const VehicleSkin skin = vehicleSkin(mover.kind, mover.look);
-  const Body body{shape, static_cast<float>(mover.size.x()), static_cast<float>(mover.size.y()),
-                  static_cast<float>(mover.size.z())};
+Mesh vehicleMesh(const Actor& actor) {
+  const VehicleShape& shape = shapeOf(actor.kind, actor.look);
+  const VehicleSkin skin = vehicleSkin(actor.kind, actor.look);
+  const Body body{shape, static_cast<float>(actor.size.x()), static_cast<float>(actor.size.y()),
+                  static_cast<float>(actor.size.z())};
   Mesh mesh;
   for (const float side : {1.0F, -1.0F}) {
     const Mesh flank = sideMesh(body, skin.side, side);

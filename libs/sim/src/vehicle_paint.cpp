@@ -9,14 +9,14 @@
 namespace headway::sim {
 namespace {
 
-cv::Scalar paintColour(MoverKind kind, Random& random) {
+cv::Scalar paintColour(ActorKind kind, Random& random) {
   static const std::vector<cv::Scalar> kCars = {{200, 200, 200}, {45, 45, 48},  {120, 120, 122},
                                                 {165, 165, 168}, {50, 45, 150}, {130, 75, 35},
                                                 {225, 225, 222}, {70, 90, 60},  {60, 100, 150},
                                                 {40, 60, 110},   {90, 80, 60},  {40, 150, 200}};
   static const std::vector<cv::Scalar> kBuses = {
       {40, 50, 190}, {60, 180, 220}, {170, 120, 40}, {70, 130, 60}};
-  const auto& colours = kind == MoverKind::kBus ? kBuses : kCars;
+  const auto& colours = kind == ActorKind::kBus ? kBuses : kCars;
   return colours[static_cast<std::size_t>(random.below(static_cast<int>(colours.size())))] *
          random.uniform(0.85, 1.1);
 }
@@ -154,19 +154,19 @@ void paintRear(cv::Mat rear, const cv::Scalar& colour, bool tall, Random& random
 }
 
 /// Bonnet, windscreen, roof, rear window along the outline's shares of the length.
-void paintTop(cv::Mat top, MoverKind kind, const cv::Scalar& colour) {
+void paintTop(cv::Mat top, ActorKind kind, const cv::Scalar& colour) {
   top.setTo(colour * 1.15);
   const auto columns = [&](double x0, double x1) {
     return top.colRange(static_cast<int>(x0 * 320), static_cast<int>(x1 * 320));
   };
-  if (kind == MoverKind::kCar) {
+  if (kind == ActorKind::kCar) {
     columns(0.56, 0.7).setTo(kGlass * 1.3);
     columns(0.08, 0.24).setTo(kGlass * 1.3);
     cv::line(top, {230, 20}, {300, 30}, colour * 0.8, 1, cv::LINE_AA);
     cv::line(top, {230, 108}, {300, 98}, colour * 0.8, 1, cv::LINE_AA);
-  } else if (kind == MoverKind::kVan) {
+  } else if (kind == ActorKind::kVan) {
     columns(0.73, 0.85).setTo(kGlass * 1.3);
-  } else if (kind == MoverKind::kTruck) {
+  } else if (kind == ActorKind::kTruck) {
     columns(0.0, 0.73).setTo(cv::Scalar::all(190));
     columns(0.93, 0.985).setTo(kGlass * 1.3);
   } else {
@@ -176,17 +176,17 @@ void paintTop(cv::Mat top, MoverKind kind, const cv::Scalar& colour) {
 
 }  // namespace
 
-void paintVehicle(cv::Mat cell, MoverKind kind, Random& random) {
+void paintVehicle(cv::Mat cell, ActorKind kind, Random& random) {
   const cv::Scalar colour = paintColour(kind, random);
   cv::Mat side = cell(kVehicleSide);
   paintBody(side, colour);
-  if (kind == MoverKind::kCar) {
+  if (kind == ActorKind::kCar) {
     paintCarSide(side, colour);
     paintWheels(side, 0.19, 0.8, 0.21);
-  } else if (kind == MoverKind::kVan) {
+  } else if (kind == ActorKind::kVan) {
     paintVanSide(side, colour, random);
     paintWheels(side, 0.19, 0.8, 0.145);
-  } else if (kind == MoverKind::kTruck) {
+  } else if (kind == ActorKind::kTruck) {
     paintTruckSide(side, random);
     paintWheels(side, 0.2, 0.86, 0.145);
   } else {
@@ -194,7 +194,7 @@ void paintVehicle(cv::Mat cell, MoverKind kind, Random& random) {
     paintWheels(side, 0.25, 0.78, 0.155);
   }
   paintTop(cell(kVehicleTop), kind, colour);
-  const bool tall = kind != MoverKind::kCar;
+  const bool tall = kind != ActorKind::kCar;
   paintFront(cell(kVehicleFront), colour, tall);
   paintRear(cell(kVehicleRear), colour, tall, random);
   cell(kVehicleDark).setTo(cv::Scalar::all(24));

@@ -4,7 +4,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "mover.h"
+#include "actor.h"
 
 namespace headway::sim {
 
@@ -19,6 +19,6 @@ inline const cv::Rect kVehicleRear{320, 128, 160, 128};
 inline const cv::Rect kVehicleDark{480, 0, 32, 256};
 
 /// Paints body, windows, lights, doors and wheels of one vehicle into its cell.
-void paintVehicle(cv::Mat cell, MoverKind kind, Random& random);
+void paintVehicle(cv::Mat cell, ActorKind kind, Random& random);
 
 }  // namespace headway::sim

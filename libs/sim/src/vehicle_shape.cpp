@@ -78,13 +78,13 @@ const VehicleShape kBus{{{0.0, 0.2},
 
 }  // namespace
 
-const VehicleShape& shapeOf(MoverKind kind, int look) {
+const VehicleShape& shapeOf(ActorKind kind, int look) {
   switch (kind) {
-    case MoverKind::kVan:
+    case ActorKind::kVan:
       return kVan;
-    case MoverKind::kTruck:
+    case ActorKind::kTruck:
       return kTruck;
-    case MoverKind::kBus:
+    case ActorKind::kBus:
       return kBus;
     default:
       return kCars[static_cast<std::size_t>(look % 3)];

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "mover.h"
+#include "actor.h"
 
 namespace headway::sim {
 
@@ -24,6 +24,6 @@ struct VehicleShape {
 };
 
 /// @param look  cars come as saloon, hatchback and estate
-[[nodiscard]] const VehicleShape& shapeOf(MoverKind kind, int look);
+[[nodiscard]] const VehicleShape& shapeOf(ActorKind kind, int look);
 
 }  // namespace headway::sim

@@ -27,8 +27,8 @@ std::vector<Eigen::Vector3d> lanePoints(const Path& street, double street_s, dou
   return points;
 }
 
-double laneOf(MoverKind kind, bool oncoming) {
-  const double right = kind == MoverKind::kCyclist ? Profile::kCycling : Profile::kLaneMiddle;
+double laneOf(ActorKind kind, bool oncoming) {
+  const double right = kind == ActorKind::kCyclist ? Profile::kCycling : Profile::kLaneMiddle;
   return oncoming ? right : -right;
 }
 
@@ -47,15 +47,15 @@ Vehicles::Vehicles(const TrafficParams& params, const Route& route, const RoadNe
                    std::uint64_t seed)
     : params_(params), route_(route), network_(network), random_(seed) {}
 
-MoverKind Vehicles::drawKind() {
+ActorKind Vehicles::drawKind() {
   const double draw = random_.uniform();
-  if (draw < params_.van_ratio) return MoverKind::kVan;
-  if (draw < params_.van_ratio + params_.truck_ratio) return MoverKind::kTruck;
-  if (draw < params_.van_ratio + params_.truck_ratio + params_.bus_ratio) return MoverKind::kBus;
-  return MoverKind::kCar;
+  if (draw < params_.van_ratio) return ActorKind::kVan;
+  if (draw < params_.van_ratio + params_.truck_ratio) return ActorKind::kTruck;
+  if (draw < params_.van_ratio + params_.truck_ratio + params_.bus_ratio) return ActorKind::kBus;
+  return ActorKind::kCar;
 }
 
-std::optional<Vehicles::Vehicle> Vehicles::along(MoverKind kind, double street_s, bool oncoming) {
+std::optional<Vehicles::Vehicle> Vehicles::along(ActorKind kind, double street_s, bool oncoming) {
   const double left = laneOf(kind, oncoming);
   const auto points = lanePoints(route_.street, street_s, left, oncoming, kPathReach);
   if (points.size() < 30) return std::nullopt;
@@ -82,7 +82,7 @@ void Vehicles::turnOff(Vehicle& vehicle, bool oncoming) {
   const double exit_after = to_left ? 9.0 : 11.0;    // it, on the cross street [m]
   const bool along_axis = to_left != oncoming;
   const double ahead = direction * route_.ahead(vehicle.street_s, chosen->main_s);
-  const double left = laneOf(MoverKind::kCar, oncoming);
+  const double left = laneOf(ActorKind::kCar, oncoming);
   auto points = lanePoints(route_.street, vehicle.street_s, left, oncoming, ahead - begin_before);
   std::vector<Eigen::Vector3d> exit;
   for (double d = exit_after; d <= chosen->junction_s - 1.0; d += 1.0) {
@@ -129,16 +129,16 @@ bool Vehicles::isFree(const Vehicle& vehicle, const RobotState& robot) const {
     return (other - at).norm() > 0.5 * (vehicle.place.length + length) + 5.0;
   };
   return clear(robot.body.position, robot.body.length + 6.0) &&
-         std::all_of(movers_.begin(), movers_.end(), [&](const Mover& mover) {
+         std::all_of(actors_.begin(), actors_.end(), [&](const Actor& actor) {
            // A vehicle in the opposite lane does not matter.
-           return std::cos(mover.yaw - vehicle.path->at(vehicle.place.s).yaw) < -0.5 ||
-                  clear(mover.position.head<2>(), mover.size.x());
+           return std::cos(actor.yaw - vehicle.path->at(vehicle.place.s).yaw) < -0.5 ||
+                  clear(actor.position.head<2>(), actor.size.x());
          });
 }
 
-void Vehicles::spawn(MoverKind kind, const RobotState& robot, bool anywhere,
+void Vehicles::spawn(ActorKind kind, const RobotState& robot, bool anywhere,
                      std::int64_t& next_id) {
-  const bool cyclist = kind == MoverKind::kCyclist;
+  const bool cyclist = kind == ActorKind::kCyclist;
   std::optional<Vehicle> vehicle;
   const bool oncoming = random_.chance(params_.oncoming_ratio);
   if (!cyclist && random_.chance(params_.crossing_ratio)) vehicle = crossing(robot, anywhere);
@@ -150,34 +150,34 @@ void Vehicles::spawn(MoverKind kind, const RobotState& robot, bool anywhere,
     if (vehicle && !cyclist && random_.chance(params_.turning_ratio)) turnOff(*vehicle, oncoming);
   }
   if (!vehicle) return;
-  Mover mover;
-  mover.kind = kind;
-  mover.look = random_.below(100000);
-  mover.size = drawSize(kind, random_);
-  vehicle->place.length = mover.size.x();
-  vehicle->place.width = mover.size.y();
+  Actor actor;
+  actor.kind = kind;
+  actor.look = random_.below(100000);
+  actor.size = drawSize(kind, random_);
+  vehicle->place.length = actor.size.x();
+  vehicle->place.width = actor.size.y();
   const double mean = cyclist ? 4.6 : params_.vehicle_speed_mps;
-  vehicle->style.wish_mps = std::max(1.5, mean * (1.0 + 0.15 * random_.normal()));
+  vehicle->style.desired_speed_mps = std::max(1.5, mean * (1.0 + 0.15 * random_.normal()));
   if (cyclist) vehicle->style.acceleration = 0.8;
-  if (kind == MoverKind::kTruck || kind == MoverKind::kBus) {
-    vehicle->style.wish_mps *= 0.85;
+  if (kind == ActorKind::kTruck || kind == ActorKind::kBus) {
+    vehicle->style.desired_speed_mps *= 0.85;
     vehicle->style.acceleration = 0.9;
   }
-  vehicle->place.speed = vehicle->style.wish_mps * (anywhere ? 0.8 : 0.95);
+  vehicle->place.speed = vehicle->style.desired_speed_mps * (anywhere ? 0.8 : 0.95);
   if (!isFree(*vehicle, robot)) return;
-  mover.id = next_id++;
+  actor.id = next_id++;
   vehicles_.push_back(*vehicle);
-  movers_.push_back(mover);
+  actors_.push_back(actor);
   place(vehicles_.size() - 1, 0.0);
 }
 
 void Vehicles::populate(const RobotState& robot, std::int64_t& next_id) {
   for (int tries = 0; tries < 40; ++tries) {
-    const auto cyclists = std::count_if(movers_.begin(), movers_.end(), [](const Mover& mover) {
-      return mover.kind == MoverKind::kCyclist;
+    const auto cyclists = std::count_if(actors_.begin(), actors_.end(), [](const Actor& actor) {
+      return actor.kind == ActorKind::kCyclist;
     });
-    if (cyclists < params_.cyclists) spawn(MoverKind::kCyclist, robot, true, next_id);
-    const auto driving = static_cast<long>(movers_.size()) - cyclists;
+    if (cyclists < params_.cyclists) spawn(ActorKind::kCyclist, robot, true, next_id);
+    const auto driving = static_cast<long>(actors_.size()) - cyclists;
     for (long missing = params_.vehicles - driving; missing > 0; --missing) {
       spawn(drawKind(), robot, true, next_id);
     }
@@ -205,17 +205,17 @@ bool Vehicles::gapFor(const Vehicle& vehicle, const RobotState& robot) const {
 
 void Vehicles::place(std::size_t i, double dt) {
   Vehicle& vehicle = vehicles_[i];
-  Mover& mover = movers_[i];
+  Actor& actor = actors_[i];
   const PathPoint point = vehicle.path->at(vehicle.place.s);
-  mover.position = point.position;
-  mover.yaw = point.yaw;
-  mover.speed = vehicle.place.speed;
-  mover.velocity = mover.speed * Eigen::Vector2d(std::cos(mover.yaw), std::sin(mover.yaw));
-  if (mover.kind == MoverKind::kCyclist) mover.gait += 1.3 * mover.speed * dt;
+  actor.position = point.position;
+  actor.yaw = point.yaw;
+  actor.speed = vehicle.place.speed;
+  actor.velocity = actor.speed * Eigen::Vector2d(std::cos(actor.yaw), std::sin(actor.yaw));
+  if (actor.kind == ActorKind::kCyclist) actor.gait += 1.3 * actor.speed * dt;
   if (vehicle.intent != Intent::kCross) {
     vehicle.street_s =
         route_.street
-            .project(mover.position.head<2>(), vehicle.street_s - 4.0, vehicle.street_s + 4.0)
+            .project(actor.position.head<2>(), vehicle.street_s - 4.0, vehicle.street_s + 4.0)
             .s;
   }
 }
@@ -228,7 +228,7 @@ void Vehicles::retire(const RobotState& robot) {
     const bool far = ahead > params_.range_ahead_m + 15.0 || ahead < -params_.range_behind_m;
     if (ended || far || vehicle.standing_s > 60.0) {
       vehicles_.erase(vehicles_.begin() + static_cast<long>(i));
-      movers_.erase(movers_.begin() + static_cast<long>(i));
+      actors_.erase(actors_.begin() + static_cast<long>(i));
     }
   }
 }
@@ -236,7 +236,7 @@ void Vehicles::retire(const RobotState& robot) {
 void Vehicles::advance(double dt, const RobotState& robot, const std::vector<Obstacle>& others,
                        std::int64_t& next_id) {
   std::vector<Obstacle> all = others;
-  for (const Mover& mover : movers_) all.push_back(obstacleFrom(mover));
+  for (const Actor& actor : actors_) all.push_back(obstacleFrom(actor));
   std::vector<double> accelerations;
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
     const Vehicle& vehicle = vehicles_[i];
@@ -245,7 +245,7 @@ void Vehicles::advance(double dt, const RobotState& robot, const std::vector<Obs
       stop = vehicle.yield_s;
     }
     accelerations.push_back(
-        drive(vehicle.place, *vehicle.path, vehicle.style, all, movers_[i].id, stop));
+        drive(vehicle.place, *vehicle.path, vehicle.style, all, actors_[i].id, stop));
   }
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
     OnPath& at = vehicles_[i].place;
@@ -255,11 +255,11 @@ void Vehicles::advance(double dt, const RobotState& robot, const std::vector<Obs
     place(i, dt);
   }
   retire(robot);
-  const auto cyclists = std::count_if(movers_.begin(), movers_.end(), [](const Mover& mover) {
-    return mover.kind == MoverKind::kCyclist;
+  const auto cyclists = std::count_if(actors_.begin(), actors_.end(), [](const Actor& actor) {
+    return actor.kind == ActorKind::kCyclist;
   });
-  if (cyclists < params_.cyclists) spawn(MoverKind::kCyclist, robot, false, next_id);
-  if (static_cast<long>(movers_.size()) - cyclists < params_.vehicles) {
+  if (cyclists < params_.cyclists) spawn(ActorKind::kCyclist, robot, false, next_id);
+  if (static_cast<long>(actors_.size()) - cyclists < params_.vehicles) {
     spawn(drawKind(), robot, false, next_id);
   }
 }

@@ -34,7 +34,7 @@ class Vehicles {
   /// @param others  everything that is in nobody's lane by intent: people, the robot
   void advance(double dt, const RobotState& robot, const std::vector<Obstacle>& others,
                std::int64_t& next_id);
-  [[nodiscard]] const std::vector<Mover>& movers() const { return movers_; }
+  [[nodiscard]] const std::vector<Actor>& actors() const { return actors_; }
 
  private:
   enum class Intent { kAlong, kOncoming, kCross };
@@ -51,8 +51,8 @@ class Vehicles {
     double standing_s = 0.0;  ///< time without moving [s]
   };
 
-  void spawn(MoverKind kind, const RobotState& robot, bool anywhere, std::int64_t& next_id);
-  [[nodiscard]] std::optional<Vehicle> along(MoverKind kind, double street_s, bool oncoming);
+  void spawn(ActorKind kind, const RobotState& robot, bool anywhere, std::int64_t& next_id);
+  [[nodiscard]] std::optional<Vehicle> along(ActorKind kind, double street_s, bool oncoming);
   [[nodiscard]] std::optional<Vehicle> crossing(const RobotState& robot, bool anywhere);
   void turnOff(Vehicle& vehicle, bool oncoming);
   [[nodiscard]] bool isFree(const Vehicle& vehicle, const RobotState& robot) const;
@@ -60,14 +60,14 @@ class Vehicles {
   [[nodiscard]] bool gapFor(const Vehicle& vehicle, const RobotState& robot) const;
   void place(std::size_t i, double dt);
   void retire(const RobotState& robot);
-  [[nodiscard]] MoverKind drawKind();
+  [[nodiscard]] ActorKind drawKind();
 
   TrafficParams params_;
   const Route& route_;
   const RoadNetwork& network_;
   Random random_;
-  std::vector<Vehicle> vehicles_;  ///< same order as movers_
-  std::vector<Mover> movers_;
+  std::vector<Vehicle> vehicles_;  ///< same order as actors_
+  std::vector<Actor> actors_;
 };
 
 }  // namespace headway::sim

@@ -6,15 +6,15 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "actor.h"
 #include "mesh.h"
-#include "mover.h"
 
 namespace headway::sim {
 
-/// What the left image shows of one mover.
-struct Sighting {
-  std::size_t mover = 0;    ///< index in the movers given
-  Box2d whole;              ///< around its whole drawn body, uncut [px]
+/// What the left image shows of one actor.
+struct Observation {
+  std::size_t actor = 0;    ///< index in the actors given
+  Box2d whole;              ///< around its whole drawn mesh, uncut [px]
   Box2d box;                ///< the same, cut at the image's edges [px]
   double truncation = 0.0;  ///< share of the uncut box outside the image
   double visible = 0.0;     ///< share of its pixels inside the image that nothing hides
@@ -22,22 +22,22 @@ struct Sighting {
   Box3d box3d;  ///< in the left camera's optical frame
 };
 
-/// Finds which pixels of a drawn picture belong to which mover.
+/// Finds which pixels of a drawn picture belong to which actor.
 ///
 /// Bodies are drawn a second time, into a depth image of each one alone, and compared with the
 /// picture's depth: a pixel is visible where the two agree.
 ///
-/// @param bodies         the movers' meshes, relative to the robot's position
+/// @param meshes         the actors' meshes, relative to the robot's position
 /// @param depth          of the left picture [m]
-/// @param instances      set to 16-bit mover index + 1 per pixel, 0 elsewhere
-/// @return               movers in front of the camera that reach into the image
-[[nodiscard]] std::vector<Sighting> findSightings(const Pose& T_world_robot,
-                                                  const StereoCamera& camera,
-                                                  const std::vector<Mover>& movers,
-                                                  const std::vector<Mesh>& bodies,
-                                                  const cv::Mat& depth, cv::Mat& instances);
+/// @param instances      set to 16-bit actor index + 1 per pixel, 0 elsewhere
+/// @return               actors in front of the camera that reach into the image
+[[nodiscard]] std::vector<Observation> observeActors(const Pose& T_world_robot,
+                                                     const StereoCamera& camera,
+                                                     const std::vector<Actor>& actors,
+                                                     const std::vector<Mesh>& meshes,
+                                                     const cv::Mat& depth, cv::Mat& instances);
 
-/// The mover's truth box in the left camera's optical frame.
-[[nodiscard]] Box3d opticalBox(const Mover& mover, const Pose& T_world_cam);
+/// The actor's truth box in the left camera's optical frame.
+[[nodiscard]] Box3d opticalBox(const Actor& actor, const Pose& T_world_cam);
 
 }  // namespace headway::sim

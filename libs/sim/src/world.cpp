@@ -75,9 +75,9 @@ std::vector<StretchKey> World::inView(const Eigen::Vector3d& eye, const ViewCone
 
 const StreetStretch& World::stretch(const StretchKey& key) const { return built_.at(key); }
 
-std::vector<Mover> World::parkedNear(const Eigen::Vector3d& place, double reach) {
-  std::vector<Mover> vehicles;
-  std::map<StretchKey, std::vector<Mover>> near;
+std::vector<Actor> World::parkedNear(const Eigen::Vector3d& place, double reach) {
+  std::vector<Actor> vehicles;
+  std::map<StretchKey, std::vector<Actor>> near;
   for (const Spot& spot : spotsNear(place, reach + kStretch)) {
     auto known = parked_.extract(spot.key);
     if (known.empty()) {
@@ -85,7 +85,7 @@ std::vector<Mover> World::parkedNear(const Eigen::Vector3d& place, double reach)
     } else {
       near.insert(std::move(known));
     }
-    for (const Mover& vehicle : near.at(spot.key)) {
+    for (const Actor& vehicle : near.at(spot.key)) {
       if ((vehicle.position - place).head<2>().norm() < reach) vehicles.push_back(vehicle);
     }
   }

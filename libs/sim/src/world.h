@@ -29,7 +29,7 @@ class World {
   /// Stretches that are built at present.
   [[nodiscard]] const std::map<StretchKey, StreetStretch>& built() const { return built_; }
   /// Vehicles parked within `reach` metres of a place.
-  [[nodiscard]] std::vector<Mover> parkedNear(const Eigen::Vector3d& place, double reach);
+  [[nodiscard]] std::vector<Actor> parkedNear(const Eigen::Vector3d& place, double reach);
 
   [[nodiscard]] const Grain& grain() const { return grain_; }
 
@@ -50,7 +50,7 @@ class World {
   StreetBuilder builder_;
   std::map<Cell, std::vector<Spot>> spots_;  ///< all stretches, by the cell of their middle
   std::map<StretchKey, StreetStretch> built_;
-  std::map<StretchKey, std::vector<Mover>> parked_;
+  std::map<StretchKey, std::vector<Actor>> parked_;
 };
 
 }  // namespace headway::sim

@@ -9,7 +9,7 @@ namespace headway::sim {
 
 /// What else is written beside a rawlog.
 struct RecordingOptions {
-  bool masks = false;  ///< truth/masks/NNNNNN.png: 255 where a mover (not a parked one) is seen
+  bool masks = false;  ///< truth/masks/NNNNNN.png: 255 where an actor (not a parked one) is seen
   bool depth = false;  ///< truth/depth/NNNNNN.png: 16-bit, depth * 256 [m], 0 unknown (KITTI's)
 };
 

@@ -40,7 +40,7 @@ struct WorldParams {
   void validate() const { validateRanges(*this, "world"); }  ///< @throws InputError
 };
 
-/// Who moves. Section [traffic]. Numbers are of movers near the robot at the same time.
+/// Who moves. Section [traffic]. Numbers are of actors near the robot at the same time.
 struct TrafficParams {
   int vehicles = 6;  ///< driving cars, vans, trucks and buses
   int cyclists = 1;
@@ -56,9 +56,9 @@ struct TrafficParams {
   double road_crossing_rate_hz = 0.02;  ///< how often a walker decides to cross the street
   double group_ratio = 0.35;            ///< of the pedestrians that walk in groups
   double stop_rate_hz = 0.02;           ///< how often a walker stops for a moment
-  int in_front_at_start = 0;            ///< movers right before the camera at the start
-  double image_share = 0.0;             ///< of the left image that movers cover; 0: as it comes
-  double range_ahead_m = 100.0;         ///< movers live up to here ahead of the robot
+  int in_front_at_start = 0;            ///< actors right before the camera at the start
+  double image_share = 0.0;             ///< of the left image that actors cover; 0: as it comes
+  double range_ahead_m = 100.0;         ///< actors live up to here ahead of the robot
   double range_behind_m = 25.0;
 
   void describe(Params::Section section);

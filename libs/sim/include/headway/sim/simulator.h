@@ -58,7 +58,7 @@ struct SimFrame {
 
 /// Pixels of the left image that show something that moves.
 ///
-/// @return  8-bit: 255 where a mover (not a parked one) is seen, 0 elsewhere
+/// @return  8-bit: 255 where an actor (not a parked one) is seen, 0 elsewhere
 [[nodiscard]] cv::Mat dynamicMask(const SimFrame& frame);
 
 /// A world in motion, seen by a stereo rig on a robot that drives through it.
@@ -93,8 +93,8 @@ class Simulator {
   [[nodiscard]] double pathLength() const;
 
  private:
-  class Machine;
-  std::unique_ptr<Machine> machine_;
+  class Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 /// KITTI's occlusion level of a visible share.

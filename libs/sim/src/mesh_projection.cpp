@@ -1,4 +1,4 @@
-#include "body_projection.h"
+#include "mesh_projection.h"
 
 namespace headway::sim {
 namespace {
@@ -26,7 +26,7 @@ class CutTriangle {
 
 }  // namespace
 
-std::vector<ImageTriangle> projectBody(const Mesh& body, const Eigen::Isometry3f& T_cam_body,
+std::vector<ImageTriangle> projectMesh(const Mesh& mesh, const Eigen::Isometry3f& T_cam_mesh,
                                        const StereoCamera& camera) {
   const auto project = [&](const Eigen::Vector3f& p) {
     return Eigen::Vector3f(
@@ -35,10 +35,10 @@ std::vector<ImageTriangle> projectBody(const Mesh& body, const Eigen::Isometry3f
         1.0F / p.z());
   };
   std::vector<ImageTriangle> result;
-  result.reserve(body.triangles.size());
-  for (const auto& triangle : body.triangles) {
-    const CutTriangle cut({T_cam_body * triangle[0].position, T_cam_body * triangle[1].position,
-                           T_cam_body * triangle[2].position});
+  result.reserve(mesh.triangles.size());
+  for (const auto& triangle : mesh.triangles) {
+    const CutTriangle cut({T_cam_mesh * triangle[0].position, T_cam_mesh * triangle[1].position,
+                           T_cam_mesh * triangle[2].position});
     for (std::size_t i = 2; i < cut.size(); ++i) {
       result.push_back({project(cut[0]), project(cut[i - 1]), project(cut[i])});
     }

@@ -1,5 +1,5 @@
 #define GL_GLEXT_PROTOTYPES
-#include "eye_buffer.h"
+#include "render_target.h"
 
 #include <GL/gl.h>
 #include <GL/glext.h>
@@ -7,11 +7,11 @@
 #include <opencv2/imgproc.hpp>
 
 namespace headway::sim {
-EyeBuffer::EyeBuffer(int width, int height) : width_(width), height_(height) {
+RenderTarget::RenderTarget(int width, int height) : width_(width), height_(height) {
   buffer_.create(static_cast<unsigned>(width), static_cast<unsigned>(height));
 }
 
-void EyeBuffer::draw(const mrpt::opengl::COpenGLScene& scene) {
+void RenderTarget::draw(const mrpt::opengl::COpenGLScene& scene) {
   const auto before = buffer_.bind();
   glViewport(0, 0, width_, height_);
   glEnable(GL_DEPTH_TEST);
@@ -23,7 +23,7 @@ void EyeBuffer::draw(const mrpt::opengl::COpenGLScene& scene) {
   mrpt::opengl::COpenGLFramebuffer::Bind(before);
 }
 
-cv::Mat EyeBuffer::read(unsigned format, unsigned type, int depth, const cv::Size& kept) {
+cv::Mat RenderTarget::read(unsigned format, unsigned type, int depth, const cv::Size& kept) {
   const auto before = buffer_.bind();
   cv::Mat& pixels = depth == CV_32S ? codes_ : pixels_;
   pixels.create(height_, width_, depth);
@@ -34,7 +34,7 @@ cv::Mat EyeBuffer::read(unsigned format, unsigned type, int depth, const cv::Siz
   return pixels(cv::Rect(0, height_ - kept.height, kept.width, kept.height));
 }
 
-cv::Mat EyeBuffer::picture(const cv::Size& kept) {
+cv::Mat RenderTarget::picture(const cv::Size& kept) {
   const cv::Mat pixels = read(GL_RGBA, GL_UNSIGNED_BYTE, CV_8UC4, kept);
   cv::Mat picture;
   cv::cvtColor(pixels, picture, cv::COLOR_RGBA2BGR);
@@ -42,7 +42,7 @@ cv::Mat EyeBuffer::picture(const cv::Size& kept) {
   return picture;
 }
 
-cv::Mat EyeBuffer::depth(const cv::Size& kept, float farthest) {
+cv::Mat RenderTarget::depth(const cv::Size& kept, float farthest) {
   const cv::Mat pixels = read(GL_DEPTH_STENCIL, GL_UNSIGNED_INT_24_8, CV_32S, kept);
   // Depths in the buffer are evenly spaced in 1/z, from 0 at the near plane to 2^24 - 1.
   const double nearest = 1.0 / near_;

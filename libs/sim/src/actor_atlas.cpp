@@ -1,4 +1,4 @@
-#include "mover_atlas.h"
+#include "actor_atlas.h"
 
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
@@ -22,13 +22,13 @@ struct Rows {
   int count;
 };
 
-Rows rowsOf(MoverKind kind) {
+Rows rowsOf(ActorKind kind) {
   switch (kind) {
-    case MoverKind::kVan:
+    case ActorKind::kVan:
       return {3, 1};
-    case MoverKind::kTruck:
+    case ActorKind::kTruck:
       return {4, 1};
-    case MoverKind::kBus:
+    case ActorKind::kBus:
       return {5, 1};
     default:
       return {0, 3};
@@ -126,7 +126,7 @@ void drawPerson(cv::Mat& atlas, int look, Random& random) {
 
 }  // namespace
 
-VehicleSkin vehicleSkin(MoverKind kind, int look) {
+VehicleSkin vehicleSkin(ActorKind kind, int look) {
   const Rows rows = rowsOf(kind);
   const int cell = look % (rows.count * kVehicleColumns);
   const cv::Point origin((cell % kVehicleColumns) * kVehicleCellWidth,
@@ -141,10 +141,10 @@ PersonSkin personSkin(int look) {
           inset(personPart(look, 0, 88, 64, 40)),  inset(personPart(look, 64, 88, 64, 40))};
 }
 
-cv::Mat drawMoverAtlas(const Grain& grain, Random& random) {
+cv::Mat drawActorAtlas(const Grain& grain, Random& random) {
   cv::Mat atlas(kAtlas, kAtlas, CV_8UC3, cv::Scalar::all(60));
-  for (const MoverKind kind :
-       {MoverKind::kCar, MoverKind::kVan, MoverKind::kTruck, MoverKind::kBus}) {
+  for (const ActorKind kind :
+       {ActorKind::kCar, ActorKind::kVan, ActorKind::kTruck, ActorKind::kBus}) {
     const Rows rows = rowsOf(kind);
     for (int cell = 0; cell < rows.count * kVehicleColumns; ++cell) {
       const cv::Rect place((cell % kVehicleColumns) * kVehicleCellWidth,

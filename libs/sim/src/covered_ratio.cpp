@@ -1,16 +1,16 @@
-#include "covered_share.h"
+#include "covered_ratio.h"
 
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "body_projection.h"
+#include "mesh_projection.h"
 #include "person_mesh.h"
 
 namespace headway::sim {
 namespace {
 
-constexpr double kWidth = 310.0;    // of the image in which the bodies are marked, or less [px]
+constexpr double kWidth = 310.0;    // of the image in which the meshes are marked, or less [px]
 constexpr double kFarthest = 70.0;  // what is farther covers next to nothing [m]
 
 StereoCamera reduced(StereoCamera camera) {
@@ -34,7 +34,7 @@ cv::Point fixedPoint(const Eigen::Vector3f& corner, int shift) {
 
 }  // namespace
 
-double coveredShare(const std::vector<Mover>& movers, const Pose& T_world_robot,
+double coveredRatio(const std::vector<Actor>& actors, const Pose& T_world_robot,
                     const StereoCamera& full) {
   constexpr int kShift = 4;  // binary digits behind the point
   const StereoCamera camera = reduced(full);
@@ -43,9 +43,9 @@ double coveredShare(const std::vector<Mover>& movers, const Pose& T_world_robot,
   T_origin_cam.translation() -= origin;
   const Eigen::Isometry3f T_cam_origin = T_origin_cam.inverse().cast<float>();
   cv::Mat marks = cv::Mat::zeros(camera.height, camera.width, CV_8U);
-  for (const Mover& mover : movers) {
-    if ((mover.position - origin).norm() > kFarthest) continue;
-    for (const auto& triangle : projectBody(moverMesh(mover, origin), T_cam_origin, camera)) {
+  for (const Actor& actor : actors) {
+    if ((actor.position - origin).norm() > kFarthest) continue;
+    for (const auto& triangle : projectMesh(actorMesh(actor, origin), T_cam_origin, camera)) {
       cv::Point corners[3];
       for (std::size_t i = 0; i < 3; ++i) corners[i] = fixedPoint(triangle[i], kShift);
       cv::fillConvexPoly(marks, corners, 3, cv::Scalar(255), cv::LINE_8, kShift);

@@ -9,15 +9,15 @@
 namespace headway::sim {
 
 /// Shapes that the simulator can draw.
-enum class MoverKind { kCar, kVan, kTruck, kBus, kCyclist, kPedestrian };
+enum class ActorKind { kCar, kVan, kTruck, kBus, kCyclist, kPedestrian };
 
 /// KITTI's class of a shape (a bus counts as Truck: KITTI has no word for it).
-[[nodiscard]] ObjectClass classOf(MoverKind kind);
+[[nodiscard]] ObjectClass classOf(ActorKind kind);
 
 /// One thing with a truth box, moving or parked, at one instant.
-struct Mover {
+struct Actor {
   std::int64_t id = -1;
-  MoverKind kind = MoverKind::kCar;
+  ActorKind kind = ActorKind::kCar;
   int look = 0;  ///< which picture of the atlas it wears, any number >= 0
   Eigen::Vector3d size = Eigen::Vector3d::Ones();  ///< length, width, height [m]
   Eigen::Vector3d position =
@@ -34,6 +34,6 @@ struct Mover {
 };
 
 /// A size drawn from what the kind measures in traffic.
-[[nodiscard]] Eigen::Vector3d drawSize(MoverKind kind, Random& random);
+[[nodiscard]] Eigen::Vector3d drawSize(ActorKind kind, Random& random);
 
 }  // namespace headway::sim

@@ -2,9 +2,9 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "actor.h"
 #include "grain.h"
 #include "mesh.h"
-#include "mover.h"
 
 namespace headway::sim {
 
@@ -19,10 +19,10 @@ struct PersonSkin {
   UvRect torso, trousers, skin, shoes, head, bag;
 };
 
-[[nodiscard]] VehicleSkin vehicleSkin(MoverKind kind, int look);
+[[nodiscard]] VehicleSkin vehicleSkin(ActorKind kind, int look);
 [[nodiscard]] PersonSkin personSkin(int look);
 
 /// One picture with the paint of all vehicles and the clothes of all people.
-[[nodiscard]] cv::Mat drawMoverAtlas(const Grain& grain, Random& random);
+[[nodiscard]] cv::Mat drawActorAtlas(const Grain& grain, Random& random);
 
 }  // namespace headway::sim

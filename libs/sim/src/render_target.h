@@ -12,10 +12,10 @@ namespace headway::sim {
 /// Drawing and reading are apart, so that a second eye can be set up while the first is drawn, and
 /// pixels are read in the driver's own format. Needs an OpenGL context that is current, in one
 /// thread, for as long as it lives.
-class EyeBuffer {
+class RenderTarget {
  public:
   /// @param width  a multiple of four
-  EyeBuffer(int width, int height);
+  RenderTarget(int width, int height);
 
   /// Begins to draw the scene as its main camera sees it; returns before that is done.
   void draw(const mrpt::opengl::COpenGLScene& scene);

@@ -1,18 +1,18 @@
-#include "body_depth.h"
+#include "mesh_depth.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace headway::sim {
 
-const cv::Mat& BodyDepth::draw(const std::vector<ImageTriangle>& body, const cv::Rect& area) {
+const cv::Mat& MeshDepth::draw(const std::vector<ImageTriangle>& mesh, const cv::Rect& area) {
   picture_ = buffer_(cv::Rect({}, area.size()));
   picture_.setTo(kNothing);
-  for (const ImageTriangle& triangle : body) drawTriangle(triangle, area);
+  for (const ImageTriangle& triangle : mesh) drawTriangle(triangle, area);
   return picture_;
 }
 
-void BodyDepth::drawTriangle(const ImageTriangle& corners, const cv::Rect& area) {
+void MeshDepth::drawTriangle(const ImageTriangle& corners, const cv::Rect& area) {
   const Eigen::Vector3f a = corners[0], b = corners[1], c = corners[2];
   const float twice_area = (b.x() - a.x()) * (c.y() - a.y()) - (c.x() - a.x()) * (b.y() - a.y());
   if (std::abs(twice_area) < 1e-6F) return;

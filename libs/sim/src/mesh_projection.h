@@ -15,9 +15,9 @@ using ImageTriangle = std::array<Eigen::Vector3f, 3>;
 /// Where nearer things begin not to be drawn [m].
 inline constexpr float kNearPlane = 0.3F;
 
-/// The body's triangles as the left camera sees them, cut at the near plane.
-[[nodiscard]] std::vector<ImageTriangle> projectBody(const Mesh& body,
-                                                     const Eigen::Isometry3f& T_cam_body,
+/// The mesh's triangles as the left camera sees them, cut at the near plane.
+[[nodiscard]] std::vector<ImageTriangle> projectMesh(const Mesh& mesh,
+                                                     const Eigen::Isometry3f& T_cam_mesh,
                                                      const StereoCamera& camera);
 
 }  // namespace headway::sim

@@ -4,14 +4,14 @@
 
 #include <vector>
 
-#include "mover.h"
+#include "actor.h"
 
 namespace headway::sim {
 
-/// Share of the left image that the bodies cover, as if nothing still stood before them.
+/// Share of the left image that the meshes cover, as if nothing still stood before them.
 ///
 /// Found without drawing, so that what moves never depends on what is drawn.
-[[nodiscard]] double coveredShare(const std::vector<Mover>& movers, const Pose& T_world_robot,
+[[nodiscard]] double coveredRatio(const std::vector<Actor>& actors, const Pose& T_world_robot,
                                   const StereoCamera& camera);
 
 }  // namespace headway::sim
