@@ -23,7 +23,7 @@ FinishedReplay replayOf(map::StoredMap stored) {
 /// Reads a map file without its replay: its keyframes and stored objects.
 FinishedReplay readMapAlone(const std::string& path) {
   FinishedReplay replay = replayOf(map::loadMap(path));
-  for (const auto& keyframe : replay.map.stillWorld()->keyframes) {
+  for (const auto& keyframe : replay.map.staticMap()->keyframes) {
     replay.frames.push_back({keyframe.frame, keyframe.time, keyframe.T_map_robot, {}});
   }
   if (replay.frames.empty()) replay.frames.emplace_back();

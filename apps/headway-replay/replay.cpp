@@ -235,7 +235,7 @@ void Replay::finish() {
 
 void Replay::summarise(const std::vector<slam::FrameEstimate>& trajectory) {
   countLostFrames(trajectory);
-  const auto static_map = perception_->map().stillWorld();
+  const auto static_map = perception_->map().staticMap();
   summary_.keyframes = static_map->keyframes.size();
   summary_.landmarks = static_map->landmarks.size();
   summary_.tracks_confirmed = seen_tracks_.size();
@@ -251,8 +251,8 @@ void Replay::writeMap(const std::vector<slam::FrameEstimate>& trajectory) {
   stored.configuration = configuration_;
   if (const auto grid = stored.map.staticGrid()) map::writeStaticGrid(folder_ / "map_grid", *grid);
   map::saveMap(folder_ / "map.headway", stored);
-  map::writeSimpleMap(folder_ / "map.simplemap", *stored.map.stillWorld());
-  map::writePly(folder_ / "map_points.ply", *stored.map.stillWorld());
+  map::writeSimpleMap(folder_ / "map.simplemap", *stored.map.staticMap());
+  map::writePly(folder_ / "map_points.ply", *stored.map.staticMap());
 }
 
 void Replay::warnIfNotRelocalised(const std::vector<slam::FrameEstimate>& trajectory) const {

@@ -43,11 +43,11 @@ inline Track exampleTrack(std::int64_t id, ObjectClass object_class,
   return track;
 }
 
-inline slam::MapView exampleStillWorld(int landmarks = 40) {
-  slam::MapView still_world;
+inline slam::MapView exampleStaticMap(int landmarks = 40) {
+  slam::MapView static_map;
   for (int i = 0; i < landmarks; ++i) {
-    still_world.landmarks.push_back({LandmarkId{2 * i}, Eigen::Vector3d(i, 0.5 * i - 3.0, 0.1 * i),
-                                     3 + i % 4, static_cast<std::uint8_t>(6 * i)});
+    static_map.landmarks.push_back({LandmarkId{2 * i}, Eigen::Vector3d(i, 0.5 * i - 3.0, 0.1 * i),
+                                    3 + i % 4, static_cast<std::uint8_t>(6 * i)});
   }
   for (int i = 0; i < 3; ++i) {
     slam::KeyframeView keyframe;
@@ -58,9 +58,9 @@ inline slam::MapView exampleStillWorld(int landmarks = 40) {
                            Eigen::AngleAxisd(0.2 * i, Eigen::Vector3d::UnitZ());
     keyframe.covariance = 0.01 * (i + 1) * PoseCovariance::Identity();
     for (int j = i; j < landmarks; j += 2) keyframe.landmarks.push_back(LandmarkId{2 * j});
-    still_world.keyframes.push_back(keyframe);
+    static_map.keyframes.push_back(keyframe);
   }
-  return still_world;
+  return static_map;
 }
 
 }  // namespace headway::map

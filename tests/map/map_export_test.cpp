@@ -17,7 +17,7 @@ namespace {
 
 TEST(WriteSimpleMapTest, HoldsKeyframesWithPosesCovariancesAndLandmarks) {
   const test::TemporaryFolder folder;
-  const auto world = exampleStillWorld();
+  const auto world = exampleStaticMap();
   writeSimpleMap(folder / "map.simplemap", world);
   mrpt::maps::CSimpleMap read;
   ASSERT_TRUE(read.loadFromFile(folder / "map.simplemap"));
@@ -36,7 +36,7 @@ TEST(WriteSimpleMapTest, HoldsKeyframesWithPosesCovariancesAndLandmarks) {
 
 TEST(WriteSimpleMapTest, GivesBackTheLandmarksWhenAPointMapIsBuiltFromIt) {
   const test::TemporaryFolder folder;
-  const auto world = exampleStillWorld();
+  const auto world = exampleStaticMap();
   writeSimpleMap(folder / "map.simplemap", world);
   mrpt::maps::CSimpleMap read;
   ASSERT_TRUE(read.loadFromFile(folder / "map.simplemap"));
@@ -55,7 +55,7 @@ TEST(WriteSimpleMapTest, GivesBackTheLandmarksWhenAPointMapIsBuiltFromIt) {
 
 TEST(WriteSimpleMapTest, LeavesOutLandmarksThatAreGone) {
   const test::TemporaryFolder folder;
-  auto world = exampleStillWorld();
+  auto world = exampleStaticMap();
   world.landmarks.clear();
   writeSimpleMap(folder / "map.simplemap", world);
   mrpt::maps::CSimpleMap read;
@@ -65,7 +65,7 @@ TEST(WriteSimpleMapTest, LeavesOutLandmarksThatAreGone) {
 
 TEST(WritePlyTest, IsReadByMrptWithPositionsAndGrey) {
   const test::TemporaryFolder folder;
-  const auto world = exampleStillWorld();
+  const auto world = exampleStaticMap();
   writePly(folder / "points.ply", world);
   mrpt::opengl::CPointCloudColoured cloud;
   ASSERT_TRUE(cloud.loadFromPlyFile(folder / "points.ply")) << cloud.getLoadPLYErrorString();

@@ -28,7 +28,7 @@ StereoCamera exampleCamera() {
 
 StoredMap exampleMap(int landmarks = 40) {
   StoredMap stored;
-  stored.map.update(exampleStillWorld(landmarks));
+  stored.map.update(exampleStaticMap(landmarks));
   stored.map.update(3.0, {exampleTrack(4, ObjectClass::kCyclist, {10, 2, 0.8}, 0.3)});
   stored.configuration = "[slam]\nmapping = true\n";
   stored.camera = exampleCamera();
@@ -43,9 +43,9 @@ StoredMap smallMap() {
   track.recent_path.resize(1);
   track.predictions.resize(1);
   track.predictions[0].points.resize(1);
-  auto still_world = *stored.map.stillWorld();
-  still_world.keyframes.resize(1);
-  stored.map.update(still_world);
+  auto static_map = *stored.map.staticMap();
+  static_map.keyframes.resize(1);
+  stored.map.update(static_map);
   stored.map.update(3.0, {track});
   return stored;
 }
@@ -85,7 +85,7 @@ TEST_F(MapFileTest, ComesBackAsItWas) {
   const StoredMap stored = exampleMap();
   (void)saved(stored);
   const StoredMap loaded = loadMap(path);
-  expectEqual(*loaded.map.stillWorld(), *stored.map.stillWorld());
+  expectEqual(*loaded.map.staticMap(), *stored.map.staticMap());
   ASSERT_EQ(loaded.map.movingObjects().tracks().size(), 1u);
   expectEqual(loaded.map.movingObjects().tracks()[0], stored.map.movingObjects().tracks()[0]);
   EXPECT_EQ(loaded.map.movingObjects().time(), 3.0);

@@ -42,7 +42,7 @@ std::vector<TimedPose> drive(const Vector2d& from, const Vector2d& velocity, dou
   return {{kNow, from, yaw}, {kNow + span_s, from + span_s * velocity, yaw}};
 }
 
-constexpr BodyShape kRobot{0.5, 0.4, false};
+constexpr FootprintShape kRobot{0.5, 0.4, false};
 
 TEST(ProbabilityInsideTest, IsWhatDrawingPointsGives) {
   const auto region = contactRegion({0.8, 0.5, false}, 0.4, {0.5, 0.7, true}, -1.1);
@@ -102,8 +102,8 @@ TEST(OccupancyAtTest, FollowsAMoverThroughTime) {
   const MapQuery ask = map.at(kNow);
   EXPECT_GT(ask.occupancyAt(2.0, -2.0, kNow).probability, 0.95);
   EXPECT_LT(ask.occupancyAt(2.0, -2.0, kNow + 2.0).probability, 0.05);
-  EXPECT_GT(ask.occupancyAt(2.0, 0.0, kNow + 2.0).moving, 0.95);
-  EXPECT_EQ(ask.occupancyAt(2.0, 0.0, kNow + 2.0).answer, Answer::kKnown);
+  EXPECT_GT(ask.occupancyAt(2.0, 0.0, kNow + 2.0).moving_probability, 0.95);
+  EXPECT_EQ(ask.occupancyAt(2.0, 0.0, kNow + 2.0).status, QueryStatus::kKnown);
 }
 
 TEST(OccupancyAtTest, IsLessSureOfAMoverWhoIsLessSurelyThere) {
@@ -111,7 +111,7 @@ TEST(OccupancyAtTest, IsLessSureOfAMoverWhoIsLessSurelyThere) {
     return mapWith({walkingTrack(1, {2.0, 0.0}, {0.0, 0.0}, sigma_m)})
         .at(kNow)
         .occupancyAt(2.0, 0.0, kNow)
-        .moving;
+        .moving_probability;
   };
   EXPECT_GT(at(0.05), at(0.2));
   EXPECT_GT(at(0.2), at(0.6));
@@ -126,40 +126,42 @@ TEST(OccupancyAtTest, SharesAMoverAmongHisFutures) {
   track.predictions[1].probability = 0.3;
   const auto map = mapWith({track});
   const MapQuery ask = map.at(kNow);
-  EXPECT_NEAR(ask.occupancyAt(2.0, 2.0, kNow + 2.0).moving, 0.7, 0.02);
-  EXPECT_NEAR(ask.occupancyAt(2.0, -2.0, kNow + 2.0).moving, 0.3, 0.02);
-  EXPECT_GT(ask.occupancyAt(2.0, 0.0, kNow).moving, 0.97) << "both start here";
+  EXPECT_NEAR(ask.occupancyAt(2.0, 2.0, kNow + 2.0).moving_probability, 0.7, 0.02);
+  EXPECT_NEAR(ask.occupancyAt(2.0, -2.0, kNow + 2.0).moving_probability, 0.3, 0.02);
+  EXPECT_GT(ask.occupancyAt(2.0, 0.0, kNow).moving_probability, 0.97) << "both start here";
 }
 
-TEST(OccupancyAtTest, KnowsTheStillWorldAndWhereItEnds) {
+TEST(OccupancyAtTest, KnowsTheStaticMapAndWhereItEnds) {
   const auto map = mapWith({});
   const MapQuery ask = map.at(kNow);
   EXPECT_LT(ask.occupancyAt(0.0, 0.0, kNow).probability, 0.05);
-  EXPECT_GT(ask.occupancyAt(8.0, 0.0, kNow + 1.0).still, 0.95);
-  EXPECT_EQ(ask.occupancyAt(12.0, 0.0, kNow).answer, Answer::kUnknownPlace) << "behind the wall";
-  EXPECT_EQ(ask.occupancyAt(1e6, 0.0, kNow).answer, Answer::kUnknownPlace) << "outside the map";
-  EXPECT_EQ(ask.occupancyAt(1e6, 0.0, kNow).still, 0.5);
+  EXPECT_GT(ask.occupancyAt(8.0, 0.0, kNow + 1.0).static_probability, 0.95);
+  EXPECT_EQ(ask.occupancyAt(12.0, 0.0, kNow).status, QueryStatus::kUnknownPlace)
+      << "behind the wall";
+  EXPECT_EQ(ask.occupancyAt(1e6, 0.0, kNow).status, QueryStatus::kUnknownPlace)
+      << "outside the map";
+  EXPECT_EQ(ask.occupancyAt(1e6, 0.0, kNow).static_probability, 0.5);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(ask.occupancyAt(nan, nan, kNow).answer, Answer::kUnknownPlace);
+  EXPECT_EQ(ask.occupancyAt(nan, nan, kNow).status, QueryStatus::kUnknownPlace);
 }
 
 TEST(MapQueryTest, TellsAStaleMapAnEmptyOneAndTimesBeyondPrediction) {
   const auto map = mapWith({walkingTrack(1, {2.0, 0.0}, {0.0, 1.0}, 0.1)});
-  EXPECT_EQ(map.at(kNow + 0.4).answer(), Answer::kKnown);
-  EXPECT_EQ(map.at(kNow + 0.6).answer(), Answer::kStaleMap);
-  EXPECT_EQ(map.at(kNow - 0.6).answer(), Answer::kStaleMap) << "it comes from the future";
-  EXPECT_EQ(map.at(kNow + 0.6).occupancyAt(0.0, 0.0, kNow + 0.6).answer, Answer::kStaleMap);
-  EXPECT_EQ(map.at(kNow + 0.6).obstaclesAt(kNow + 1.0).answer, Answer::kStaleMap);
-  EXPECT_EQ(map.at(kNow + 0.6).timeToCollision(kRobot, drive({0, 0}, {1, 0}, 1.0)).answer,
-            Answer::kStaleMap);
-  EXPECT_EQ(map.at(kNow).obstaclesAt(kNow + 3.5).answer, Answer::kUnknownTime);
-  EXPECT_EQ(map.at(kNow + 0.3).obstaclesAt(kNow).answer, Answer::kUnknownTime) << "the past";
+  EXPECT_EQ(map.at(kNow + 0.4).status(), QueryStatus::kKnown);
+  EXPECT_EQ(map.at(kNow + 0.6).status(), QueryStatus::kStaleMap);
+  EXPECT_EQ(map.at(kNow - 0.6).status(), QueryStatus::kStaleMap) << "it comes from the future";
+  EXPECT_EQ(map.at(kNow + 0.6).occupancyAt(0.0, 0.0, kNow + 0.6).status, QueryStatus::kStaleMap);
+  EXPECT_EQ(map.at(kNow + 0.6).obstaclesAt(kNow + 1.0).status, QueryStatus::kStaleMap);
+  EXPECT_EQ(map.at(kNow + 0.6).timeToCollision(kRobot, drive({0, 0}, {1, 0}, 1.0)).status,
+            QueryStatus::kStaleMap);
+  EXPECT_EQ(map.at(kNow).obstaclesAt(kNow + 3.5).status, QueryStatus::kUnknownTime);
+  EXPECT_EQ(map.at(kNow + 0.3).obstaclesAt(kNow).status, QueryStatus::kUnknownTime) << "the past";
   const PerceptionMap empty;
-  EXPECT_EQ(empty.at(kNow).answer(), Answer::kEmptyMap);
-  EXPECT_EQ(empty.at(kNow).tracksNear({0, 0}, 5.0, kNow).answer, Answer::kEmptyMap);
-  EXPECT_EQ(empty.at(kNow).timeToCollision(kRobot, drive({0, 0}, {1, 0}, 1.0)).answer,
-            Answer::kEmptyMap);
-  EXPECT_EQ(toString(Answer::kStaleMap), "stale_map");
+  EXPECT_EQ(empty.at(kNow).status(), QueryStatus::kEmptyMap);
+  EXPECT_EQ(empty.at(kNow).tracksNear({0, 0}, 5.0, kNow).status, QueryStatus::kEmptyMap);
+  EXPECT_EQ(empty.at(kNow).timeToCollision(kRobot, drive({0, 0}, {1, 0}, 1.0)).status,
+            QueryStatus::kEmptyMap);
+  EXPECT_EQ(toString(QueryStatus::kStaleMap), "stale_map");
 }
 
 TEST(ObstaclesAtTest, GivesEveryFutureWithItsDoubt) {
@@ -200,7 +202,7 @@ TEST(TimeToCollisionTest, IsWhenTheBodiesMeet) {
   // Both at 1 m/s towards (3, 0): its corner (0.25, 0.2) touches his circle 0.4 m before it.
   const auto map = mapWith({walkingTrack(1, {3.0, -3.0}, {0.0, 1.0}, 0.02)});
   const auto collision = map.at(kNow).timeToCollision(kRobot, drive({0, 0}, {1, 0}, 3.0));
-  EXPECT_EQ(collision.answer, Answer::kKnown);
+  EXPECT_EQ(collision.status, QueryStatus::kKnown);
   ASSERT_TRUE(collision.likely_s.has_value());
   EXPECT_NEAR(*collision.likely_s, 2.6, 0.1);
   EXPECT_LE(*collision.earliest_s, *collision.likely_s);
@@ -232,7 +234,7 @@ TEST(TimeToCollisionTest, MeetsTheWallAndTellsWhereTheMapEnds) {
   EXPECT_NEAR(wall.likely_s.value_or(9.0), 1.65, 0.21);
   EXPECT_FALSE(wall.with) << "the still world";
   const auto out = map.at(kNow).timeToCollision(kRobot, drive({0, 19}, {0, 1}, 2.5));
-  EXPECT_EQ(out.answer, Answer::kUnknownPlace);
+  EXPECT_EQ(out.status, QueryStatus::kUnknownPlace);
   EXPECT_NEAR(out.unknown_from_s.value_or(9.0), 0.8, 0.21);
   EXPECT_FALSE(out.earliest_s);
   const auto outside = map.at(kNow).timeToCollision(kRobot, drive({500, 0}, {1, 0}, 1.0));
@@ -242,11 +244,11 @@ TEST(TimeToCollisionTest, MeetsTheWallAndTellsWhereTheMapEnds) {
 TEST(TimeToCollisionTest, EndsWherePredictionsEndWhateverThePath) {
   const auto map = mapWith({walkingTrack(1, {3.0, -3.0}, {0.0, 1.0}, 0.02)});
   const auto lengthy = map.at(kNow).timeToCollision(kRobot, drive({0, 5}, {0.1, 0}, 1e9));
-  EXPECT_EQ(lengthy.answer, Answer::kUnknownTime);
+  EXPECT_EQ(lengthy.status, QueryStatus::kUnknownTime);
   EXPECT_NEAR(lengthy.unknown_from_s.value_or(0.0), 3.05, 1e-6);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto strange = map.at(kNow).timeToCollision(kRobot, {{nan, {nan, 0.0}, nan}});
-  EXPECT_NE(strange.answer, Answer::kKnown);
+  EXPECT_NE(strange.status, QueryStatus::kKnown);
   EXPECT_FALSE(map.at(kNow).timeToCollision(kRobot, {}).earliest_s);
 }
 

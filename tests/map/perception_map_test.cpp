@@ -48,7 +48,7 @@ class PerceptionMapIniTest : public ::testing::Test {
 TEST(PerceptionMapTest, HoldsLandmarksAndTracksInOneMultiMetricMap) {
   PerceptionMap map;
   EXPECT_TRUE(map.layers().isEmpty());
-  map.update(exampleStillWorld(25));
+  map.update(exampleStaticMap(25));
   map.update(3.0, {exampleTrack(4, ObjectClass::kCar, {10, 2, 0.8}, 0.3)});
   EXPECT_FALSE(map.layers().isEmpty());
   EXPECT_EQ(map.layers().mapByClass<mrpt::maps::CPointsMap>().get(), &map.landmarks());
@@ -65,10 +65,10 @@ TEST(PerceptionMapTest, HoldsLandmarksAndTracksInOneMultiMetricMap) {
 
 TEST(PerceptionMapTest, UpdatesReplaceWhatWasThere) {
   PerceptionMap map;
-  map.update(exampleStillWorld(25));
-  map.update(exampleStillWorld(7));
+  map.update(exampleStaticMap(25));
+  map.update(exampleStaticMap(7));
   EXPECT_EQ(map.landmarks().size(), 7u);
-  EXPECT_EQ(map.stillWorld()->landmarks.size(), 7u);
+  EXPECT_EQ(map.staticMap()->landmarks.size(), 7u);
   map.update(1.0, {exampleTrack(1, ObjectClass::kCar, {1, 2, 3}, 0.0)});
   map.update(2.0, {});
   EXPECT_TRUE(map.movingObjects().isEmpty());
@@ -77,16 +77,16 @@ TEST(PerceptionMapTest, UpdatesReplaceWhatWasThere) {
 
 TEST(PerceptionMapTest, CopiesAreSnapshotsThatLaterUpdatesLeaveAlone) {
   PerceptionMap map;
-  map.update(exampleStillWorld(25));
+  map.update(exampleStaticMap(25));
   map.update(1.0, {exampleTrack(1, ObjectClass::kCar, {1, 2, 3}, 0.0)});
   const PerceptionMap snapshot = map;
-  map.update(exampleStillWorld(3));
+  map.update(exampleStaticMap(3));
   map.update(2.0, {});
   EXPECT_EQ(snapshot.landmarks().size(), 25u);
   EXPECT_EQ(snapshot.layers().mapByClass<mrpt::maps::CPointsMap>()->size(), 25u);
   EXPECT_EQ(snapshot.movingObjects().time(), 1.0);
   EXPECT_EQ(snapshot.layers().mapByClass<CMovingObjectsMap>()->tracks().size(), 1u);
-  EXPECT_EQ(snapshot.stillWorld()->landmarks.size(), 25u);
+  EXPECT_EQ(snapshot.staticMap()->landmarks.size(), 25u);
 }
 
 TEST(PerceptionMapTest, TakesAStaticGridAsALayer) {
@@ -96,7 +96,7 @@ TEST(PerceptionMapTest, TakesAStaticGridAsALayer) {
   map.update(grid);
   EXPECT_EQ(map.staticGrid(), grid);
   const PerceptionMap snapshot = map;
-  map.update(exampleStillWorld(5));
+  map.update(exampleStaticMap(5));
   EXPECT_EQ(map.staticGrid(), grid);
   auto other = mrpt::maps::COccupancyGridMap2D::Create(-5.f, 5.f, -5.f, 5.f, 0.25f);
   map.update(other);
@@ -107,7 +107,7 @@ TEST(PerceptionMapTest, TakesAStaticGridAsALayer) {
 
 /// Three layers, all with something in them: a room of 8 m about the origin is the grid.
 PerceptionMap fullMap(PerceptionMap map = {}) {
-  map.update(exampleStillWorld(25));
+  map.update(exampleStaticMap(25));
   map.update(3.0, {exampleTrack(4, ObjectClass::kCar, {10, 2, 0.8}, 0.3)});
   auto grid = mrpt::maps::COccupancyGridMap2D::Create(-6.f, 6.f, -6.f, 6.f, 0.2f);
   for (float x = -4.f; x <= 4.f; x += 0.1f) {
@@ -148,7 +148,7 @@ TEST(PerceptionMapTest, IsDrawnWrittenAndStoredAsAnyMrptMap) {
   EXPECT_EQ(read.staticGrid()->getRawMap(), map.staticGrid()->getRawMap());
 }
 
-TEST(PerceptionMapTest, ScansAreLikelierWhereTheStillWorldExplainsThem) {
+TEST(PerceptionMapTest, ScansAreLikelierWhereTheStaticMapExplainsThem) {
   const auto map = fullMap();
   mrpt::obs::CObservation2DRangeScan scan;
   scan.aperture = 2.f * static_cast<float>(M_PI);
@@ -179,7 +179,7 @@ TEST_F(PerceptionMapIniTest, BuildsTheLayersThatItNames) {
       pathOf("[map]\ncolourPointsMap_count=1\noccupancyGrid_count=1\nmovingObjectsMap_count=1\n"));
   EXPECT_EQ(map.layers().maps.size(), 3u);
   EXPECT_NE(map.layers().mapByClass<mrpt::maps::COccupancyGridMap2D>(), nullptr);
-  map.update(exampleStillWorld(25));
+  map.update(exampleStaticMap(25));
   const auto* coloured = dynamic_cast<const mrpt::maps::CColouredPointsMap*>(&map.landmarks());
   ASSERT_NE(coloured, nullptr);
   float x, y, z, red, green, blue;

@@ -14,7 +14,7 @@ TEST(SharedMapTest, SnapshotsStayWhileTheMapGoesOn) {
   SharedMap shared;
   EXPECT_TRUE(shared.snapshot()->layers().isEmpty());
   PerceptionMap map;
-  map.update(exampleStillWorld(25));
+  map.update(exampleStaticMap(25));
   map.update(1.0, {exampleTrack(1, ObjectClass::kCar, {1, 2, 3}, 0.0)});
   shared.publish(map);
   const auto before = shared.snapshot();
@@ -24,7 +24,7 @@ TEST(SharedMapTest, SnapshotsStayWhileTheMapGoesOn) {
   EXPECT_EQ(before->movingObjects().tracks().size(), 1u);
   EXPECT_EQ(shared.snapshot()->movingObjects().time(), 2.0);
   shared.reset();
-  EXPECT_EQ(shared.snapshot()->at(2.0).answer(), Answer::kEmptyMap);
+  EXPECT_EQ(shared.snapshot()->at(2.0).status(), QueryStatus::kEmptyMap);
   EXPECT_EQ(before->landmarks().size(), 25u);
 }
 
@@ -35,7 +35,7 @@ TEST(SharedMapTest, ReadersFindWholeMapsWhileItIsWrittenAndReset) {
   std::thread writer([&] {
     PerceptionMap map;
     for (int k = 1; k <= 400; ++k) {
-      if (k % 10 == 0) map.update(exampleStillWorld(k));
+      if (k % 10 == 0) map.update(exampleStaticMap(k));
       std::vector<Track> tracks;
       for (int i = 0; i < k % 7; ++i) {
         tracks.push_back(exampleTrack(k, ObjectClass::kCar, {1.0 * k, 2.0, 0.75}, 0.0));
@@ -55,7 +55,7 @@ TEST(SharedMapTest, ReadersFindWholeMapsWhileItIsWrittenAndReset) {
       const auto map = shared.snapshot();
       const Time time = map->movingObjects().time();
       if (map->layers().isEmpty()) {
-        EXPECT_EQ(map->at(time).answer(), Answer::kEmptyMap);
+        EXPECT_EQ(map->at(time).status(), QueryStatus::kEmptyMap);
         continue;
       }
       EXPECT_GE(time, latest) << "maps come in order";
@@ -63,7 +63,7 @@ TEST(SharedMapTest, ReadersFindWholeMapsWhileItIsWrittenAndReset) {
       const int k = static_cast<int>(time);
       ASSERT_EQ(map->movingObjects().tracks().size(), static_cast<std::size_t>(k % 7));
       EXPECT_EQ(map->landmarks().size(), static_cast<std::size_t>(k / 10 * 10));
-      EXPECT_EQ(map->stillWorld()->landmarks.size(), map->landmarks().size());
+      EXPECT_EQ(map->staticMap()->landmarks.size(), map->landmarks().size());
       EXPECT_TRUE(k < 10 ||
                   map->landmarks().boundingBox().max.x == static_cast<float>(k / 10 * 10 - 1));
       for (const auto& track : map->movingObjects().tracks()) ASSERT_EQ(track.id, TrackId{k});

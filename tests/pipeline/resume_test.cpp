@@ -78,10 +78,10 @@ TEST_F(ResumeTest, ASecondDriveIsInTheFrameOfTheFirstAndMapsOn) {
   (void)mapOfDrive(0, 15);
   Perception second(hall_.camera(), params_);
   second.resume(map::loadMap(path_));
-  const std::size_t keyframes = second.map().stillWorld()->keyframes.size();
+  const std::size_t keyframes = second.map().staticMap()->keyframes.size();
   EXPECT_GT(keyframes, 0u) << "the loaded map is shown before the first frame";
   EXPECT_LT(drive(second, 8, 30), 0.05);
-  EXPECT_GT(second.map().stillWorld()->keyframes.size(), keyframes);
+  EXPECT_GT(second.map().staticMap()->keyframes.size(), keyframes);
 }
 
 TEST_F(ResumeTest, WithoutMappingTheMapStaysAsItIs) {
@@ -91,8 +91,8 @@ TEST_F(ResumeTest, WithoutMappingTheMapStaysAsItIs) {
   const auto stored = map::loadMap(path_);
   second.resume(stored);
   EXPECT_LT(drive(second, 2, 24), 0.05);
-  const auto& before = *stored.map.stillWorld();
-  const auto& after = *second.map().stillWorld();
+  const auto& before = *stored.map.staticMap();
+  const auto& after = *second.map().staticMap();
   ASSERT_EQ(before.landmarks.size(), after.landmarks.size());
   ASSERT_EQ(before.keyframes.size(), after.keyframes.size());
   for (std::size_t i = 0; i < after.landmarks.size(); ++i) {

@@ -76,7 +76,7 @@ TEST(StreetTest, LeavesEveryFileOfTheContract) {
   }
   EXPECT_EQ(2u, pictures);
   const auto stored = map::loadMap(run.file("map.headway"));
-  EXPECT_EQ(run.summary["landmarks"], stored.map.stillWorld()->landmarks.size());
+  EXPECT_EQ(run.summary["landmarks"], stored.map.staticMap()->landmarks.size());
   EXPECT_EQ(run.summary["frames"], io::readKittiPoses(run.file("trajectory_kitti.txt")).size());
 }
 

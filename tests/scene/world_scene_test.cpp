@@ -74,7 +74,7 @@ TEST(WorldSceneTest, RebuildsLandmarksOnlyForANewStaticMap) {
   const auto first = firstCloud();
   map.update(11.0, {});
   EXPECT_EQ(firstCloud(), first);
-  map.update(slam::MapView(*map.stillWorld()));
+  map.update(slam::MapView(*map.staticMap()));
   EXPECT_NE(firstCloud(), first);
 }
 
@@ -93,7 +93,7 @@ TEST(WorldSceneTest, ContainsAllNearVisibleLandmarksAndASampleOfTheOthers) {
   }
   EXPECT_LT(drawn.size(), map.landmarks().size());
   std::size_t near = 0;
-  for (const auto& landmark : map.stillWorld()->landmarks) {
+  for (const auto& landmark : map.staticMap()->landmarks) {
     const auto pixel = render::project(landmark.position, view);
     const bool in_picture = pixel && pixel->x() > 0 && pixel->x() < 640 && pixel->y() > 0 &&
                             pixel->y() < 360 && landmark.position.x() < 59.0;

@@ -35,7 +35,7 @@ void addGroup(std::vector<stereo::PoseConstraint>& constraints, int count, doubl
 
 double distance(const Pose& a, const Pose& b) { return (a.translation() - b.translation()).norm(); }
 
-TEST(RigidMotionsTest, OneStillWorldIsOneMotion) {
+TEST(RigidMotionsTest, StaticSceneIsOneMotion) {
   std::vector<stereo::PoseConstraint> constraints;
   const Pose moved = shifted(0.0, 0.0, 0.8);
   addGroup(constraints, 120, 0.0, 1240.0, 6.0, 60.0, moved);
@@ -45,7 +45,7 @@ TEST(RigidMotionsTest, OneStillWorldIsOneMotion) {
   EXPECT_GT(motions.front().members, 115);
 }
 
-TEST(RigidMotionsTest, TheStillWorldExtendsFartherThanAMoverWithMoreLandmarks) {
+TEST(RigidMotionsTest, StaticSceneExtendsFartherThanMovingObjectWithMoreLandmarks) {
   std::vector<stereo::PoseConstraint> constraints;
   const Pose moved = shifted(0.0, 0.0, 0.8);
   const Pose as_if = shifted(0.5, 0.0, 0.2);  // the camera's motion if the mover stood still

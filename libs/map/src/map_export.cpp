@@ -44,11 +44,11 @@ mrpt::obs::CObservation3DRangeScan::Ptr scanOf(const slam::KeyframeView& keyfram
 
 }  // namespace
 
-void writeSimpleMap(const std::string& path, const slam::MapView& still_world) {
+void writeSimpleMap(const std::string& path, const slam::MapView& static_map) {
   PositionById positions;
-  for (const auto& landmark : still_world.landmarks) positions[landmark.id] = landmark.position;
+  for (const auto& landmark : static_map.landmarks) positions[landmark.id] = landmark.position;
   mrpt::maps::CSimpleMap simple_map;
-  for (const auto& keyframe : still_world.keyframes) {
+  for (const auto& keyframe : static_map.keyframes) {
     auto frame = mrpt::obs::CSensoryFrame::Create();
     frame->insert(scanOf(keyframe, positions));
     simple_map.insert(toMrptPdf(keyframe.T_map_robot, keyframe.covariance), *frame);
@@ -57,14 +57,14 @@ void writeSimpleMap(const std::string& path, const slam::MapView& still_world) {
 }
 
 /// MRPT's saveToPlyFile leaves out the colours and adds an empty list of faces.
-void writePly(const std::string& path, const slam::MapView& still_world) {
+void writePly(const std::string& path, const slam::MapView& static_map) {
   std::ofstream file(path, std::ios::binary);
   file << "ply\nformat binary_little_endian 1.0\ncomment landmarks of headway, map frame, metres\n"
-       << "element vertex " << still_world.landmarks.size()
+       << "element vertex " << static_map.landmarks.size()
        << "\nproperty float x\nproperty float y\nproperty float z\nproperty float intensity\n"
        << "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
   ByteWriter vertices;
-  for (const auto& landmark : still_world.landmarks) {
+  for (const auto& landmark : static_map.landmarks) {
     vertices.matrix(landmark.position.cast<float>());
     vertices.value(static_cast<float>(landmark.intensity) / 255.f);
     for (int channel = 0; channel < 3; ++channel) vertices.value(landmark.intensity);

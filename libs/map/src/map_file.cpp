@@ -100,7 +100,7 @@ void saveMap(const std::string& path, const StoredMap& stored) {
     sections.push_back(sectionOf(kCamera, *stored.camera));
   }
   if (!holdsSlamMap(stored)) {
-    sections.push_back(sectionOf(kStaticMap, *stored.map.stillWorld()));
+    sections.push_back(sectionOf(kStaticMap, *stored.map.staticMap()));
   }
   sections.push_back(layersWithoutLandmarks(stored.map));
   for (const auto& [name, bytes] : stored.attachments) {

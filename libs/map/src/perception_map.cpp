@@ -45,10 +45,10 @@ void requireKnownKinds(const mrpt::config::CConfigFileBase& file, const std::str
 }
 
 /// Replaces all points of a layer; kinds without colour leave the grey value out.
-void insertLandmarks(const slam::MapView& still_world, CPointsMap& points) {
+void insertLandmarks(const slam::MapView& static_map, CPointsMap& points) {
   points.clear();
-  points.reserve(still_world.landmarks.size());
-  for (const auto& landmark : still_world.landmarks) {
+  points.reserve(static_map.landmarks.size());
+  for (const auto& landmark : static_map.landmarks) {
     const float grey = static_cast<float>(landmark.intensity) / 255.f;
     const Eigen::Vector3f p = landmark.position.cast<float>();
     points.insertPointRGB(p.x(), p.y(), p.z(), grey, grey, grey);
@@ -71,7 +71,7 @@ PerceptionMap::PerceptionMap(std::shared_ptr<CMultiMetricMap> layers)
     : layers_(layers),
       landmarks_(layers->mapByClass<CPointsMap>()),
       moving_objects_(layers->mapByClass<CMovingObjectsMap>()),
-      still_world_(std::make_shared<slam::MapView>()) {
+      static_map_(std::make_shared<slam::MapView>()) {
   if (landmarks_ == nullptr) throw InputError("the map has no layer of points (pointsMap)");
   if (moving_objects_ == nullptr) throw InputError("the map has no layer movingObjectsMap");
 }
@@ -104,12 +104,12 @@ void PerceptionMap::replaceLayer(const std::shared_ptr<const Layer>& old_layer,
   layers_ = layers;
 }
 
-void PerceptionMap::update(slam::MapView still_world) {
+void PerceptionMap::update(slam::MapView static_map) {
   auto landmarks = copyOf(*landmarks_);
-  insertLandmarks(still_world, *landmarks);
+  insertLandmarks(static_map, *landmarks);
   replaceLayer<CPointsMap>(landmarks_, landmarks);
   landmarks_ = landmarks;
-  still_world_ = std::make_shared<slam::MapView>(std::move(still_world));
+  static_map_ = std::make_shared<slam::MapView>(std::move(static_map));
 }
 
 void PerceptionMap::update(Time time, std::vector<Track> tracks) {

@@ -25,7 +25,7 @@ void MovingObstacles::update(const std::vector<Track>& tracks, const Vector2d& r
 }
 
 void MovingObstacles::addTrack(const Track& track, double age_s) {
-  const map::BodyShape body = map::bodyOf(track);
+  const map::FootprintShape body = map::footprintOf(track);
   const double horizon_s = params_.policy == ObstaclePolicy::kTimeGated
                                ? std::min(params_.steer_horizon_s, params_.horizon_s)
                                : params_.horizon_s;
@@ -44,7 +44,7 @@ void MovingObstacles::addTrack(const Track& track, double age_s) {
   }
 }
 
-void MovingObstacles::addOutline(const Track& track, const map::BodyShape& body,
+void MovingObstacles::addOutline(const Track& track, const map::FootprintShape& body,
                                  const PredictedPlace& place) {
   const double distance = (place.centre - robot_).norm();
   if (!(distance <= params_.max_range_m)) return;

@@ -51,7 +51,7 @@ void SpeedGovernor::foresee(const std::vector<Track>& tracks, const GroundState&
   const double span_s = params_.governor.horizon_s;
   for (const auto& track : tracks) {
     if (!isMovingObstacle(track)) continue;
-    const double radius = map::bodyOf(track).radius();
+    const double radius = map::footprintOf(track).radius();
     const double reach = span_s * (params_.robot.max_speed_mps + track.velocity.norm()) +
                          params_.robot.radius_m + radius;
     if (!((track.position.head<2>() - robot.place).norm() < reach + 1.0)) continue;

@@ -159,7 +159,7 @@ void Perception::updateMap(const PerceptionUpdate& update) {
 
 void Perception::updateStaticMap() {
   map_.update(slam_->map());
-  grid_.follow(map_.stillWorld()->keyframes);
+  grid_.follow(map_.staticMap()->keyframes);
 }
 
 void Perception::updateGrid(const RecordedFrame& frame, const PerceptionUpdate& update) {

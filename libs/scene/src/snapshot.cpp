@@ -33,7 +33,7 @@ cv::Mat drawThroughCamera(const SnapshotOptions& options, const SnapshotInput& i
   cv::Mat part = picture(rect);
   Canvas image(part, canvas);
   if (input.image.empty()) {
-    drawLandmarksOver(image, view, *input.map.stillWorld());
+    drawLandmarksOver(image, view, *input.map.staticMap());
   } else {
     canvas.image(input.image, rect);
   }

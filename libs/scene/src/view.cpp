@@ -44,7 +44,7 @@ double groundHeight(const SnapshotInput& input) {
   }
   if (heights.size() >= kMinBoxes) return percentileOf(heights, 0.5);
   heights.clear();
-  for (const auto& landmark : input.map.stillWorld()->landmarks) {
+  for (const auto& landmark : input.map.staticMap()->landmarks) {
     if (isNear(landmark.position, input)) heights.push_back(landmark.position.z());
   }
   if (heights.size() >= kMinLandmarks) return percentileOf(heights, kGroundPercentile);

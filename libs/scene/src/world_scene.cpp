@@ -131,7 +131,7 @@ void setDrawOrder(DrawOrder order, mrpt::opengl::CRenderizable& object, int offs
 
 mrpt::opengl::COpenGLScene WorldScene::build(const SnapshotInput& input, double ground_z,
                                              const render::PinholeView* view) {
-  landmarks_.update(input.map.stillWorld(), ground_z, point_size_);
+  landmarks_.update(input.map.staticMap(), ground_z, point_size_);
   auto landmarks = mrpt::opengl::CSetOfObjects::Create();
   landmarks->setName("landmarks");
   if (view != nullptr) {

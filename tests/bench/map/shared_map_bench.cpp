@@ -70,7 +70,7 @@ int main() {
   map::PerceptionMap map;
   std::vector<double> publish_ms, update_ms;
   for (int i = 0; i < kUpdates; ++i) {
-    if (i % kUpdatesBetweenKeyframes == 0) map.update(map::exampleStillWorld(100000));
+    if (i % kUpdatesBetweenKeyframes == 0) map.update(map::exampleStaticMap(100000));
     auto tracks = manyTracks(i);
     auto start = Clock::now();
     map.update(0.001 * i, std::move(tracks));

@@ -35,12 +35,12 @@ struct Lap {
 };
 
 void printRow(std::size_t frames, const Lap& lap, const pipeline::Perception& perception) {
-  const auto& still_world = *perception.map().stillWorld();
+  const auto& static_map = *perception.map().staticMap();
   const double map_mb =
       static_cast<double>(perception.stored().attachments.at("slam").size()) / 1e6;
   std::printf("| %zu | %zu | %zu | %zu | %zu | %zu | %.1f | %.0f | %.1f | %.1f |\n", frames,
-              lap.lost, lap.loops, lap.keyframes_made, still_world.keyframes.size(),
-              still_world.landmarks.size(), map_mb, residentMb(), percentile(lap.frame_ms, 0.5),
+              lap.lost, lap.loops, lap.keyframes_made, static_map.keyframes.size(),
+              static_map.landmarks.size(), map_mb, residentMb(), percentile(lap.frame_ms, 0.5),
               percentile(lap.frame_ms, 0.95));
   std::fflush(stdout);
 }

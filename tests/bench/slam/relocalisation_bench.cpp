@@ -85,9 +85,9 @@ MappedPlace mapPlace(const Request& request, const pipeline::PerceptionParams& s
   while (auto frame = source.next()) {
     static_cast<void>(perception.process(*frame));
   }
-  const auto& still_world = *perception.map().stillWorld();
-  std::printf("map: %zu keyframes, %zu landmarks\n", still_world.keyframes.size(),
-              still_world.landmarks.size());
+  const auto& static_map = *perception.map().staticMap();
+  std::printf("map: %zu keyframes, %zu landmarks\n", static_map.keyframes.size(),
+              static_map.landmarks.size());
   return {perception.stored().attachments.at("slam"), perception.trajectory(),
           truthOf(request.map)};
 }

@@ -54,9 +54,9 @@ int measure(int argc, const char* const* argv) {
     ++frames;
   }
   if (yardstick.samples().empty()) throw InputError(input + ": holds no stereo images");
-  const auto& still_world = *perception.map().stillWorld();
+  const auto& static_map = *perception.map().staticMap();
   std::printf("%zu frames, %zu lost, %zu keyframes, %zu landmarks\n", frames, lost,
-              still_world.keyframes.size(), still_world.landmarks.size());
+              static_map.keyframes.size(), static_map.landmarks.size());
   if (const auto error = errorOf(perception.trajectory(), io::readTruth(input).poses)) {
     std::printf("ATE RMSE %.4f m over %.1f m\n", error->ate_m.rmse, error->path_m);
   }

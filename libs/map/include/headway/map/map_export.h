@@ -10,12 +10,12 @@ namespace headway::map {
 /// it sees as a CObservation3DRangeScan of points alone (label `landmarks`, robot frame).
 ///
 /// @throws InputError if the file cannot be written
-void writeSimpleMap(const std::string& path, const slam::MapView& still_world);
+void writeSimpleMap(const std::string& path, const slam::MapView& static_map);
 
 /// Writes the landmarks as a binary PLY point cloud: x, y, z [m] in the map frame, and grey as
 /// intensity 0 to 1 (which MRPT reads) and as red, green, blue (which others read).
 ///
 /// @throws InputError if the file cannot be written
-void writePly(const std::string& path, const slam::MapView& still_world);
+void writePly(const std::string& path, const slam::MapView& static_map);
 
 }  // namespace headway::map

@@ -45,7 +45,7 @@ class PerceptionMap {
   explicit PerceptionMap(std::shared_ptr<mrpt::maps::CMultiMetricMap> layers);
 
   /// Replaces the still world. Costs about 1 ms for 100,000 landmarks.
-  void update(slam::MapView still_world);
+  void update(slam::MapView static_map);
 
   /// Replaces what moves.
   void update(Time time, std::vector<Track> tracks);
@@ -68,8 +68,8 @@ class PerceptionMap {
   }
 
   /// Landmarks with ids and grey values, and keyframes; never null.
-  [[nodiscard]] const std::shared_ptr<const slam::MapView>& stillWorld() const {
-    return still_world_;
+  [[nodiscard]] const std::shared_ptr<const slam::MapView>& staticMap() const {
+    return static_map_;
   }
 
  private:
@@ -80,7 +80,7 @@ class PerceptionMap {
   std::shared_ptr<const mrpt::maps::CMultiMetricMap> layers_;
   std::shared_ptr<const mrpt::maps::CPointsMap> landmarks_;  ///< one of layers_
   std::shared_ptr<const CMovingObjectsMap> moving_objects_;  ///< one of layers_
-  std::shared_ptr<const slam::MapView> still_world_;
+  std::shared_ptr<const slam::MapView> static_map_;
 };
 
 }  // namespace headway::map

@@ -2,7 +2,7 @@
 
 #include <headway/core/pose.h>
 #include <headway/core/track.h>
-#include <headway/nav/body_outline.h>
+#include <headway/nav/footprint_outline.h>
 #include <headway/nav/predicted_places.h>
 #include <headway/nav/predictive_obstacles_params.h>
 
@@ -22,7 +22,7 @@ struct ObstaclePoint {
 
 /// A body where it is now.
 struct PresentBody {
-  map::BodyShape shape;
+  map::FootprintShape shape;
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< map frame [m]
   double yaw = 0.0;                                  ///< [rad]
   TimeSpan when;                                     ///< how long it stays there
@@ -51,7 +51,7 @@ class MovingObstacles {
 
  private:
   void addTrack(const Track& track, double age_s);
-  void addOutline(const Track& track, const map::BodyShape& body, const PredictedPlace& place);
+  void addOutline(const Track& track, const map::FootprintShape& body, const PredictedPlace& place);
   /// Whether any point of a disc could be met; spares looking at its outline where none can.
   [[nodiscard]] bool couldMeetBody(double distance, double radius, const TimeSpan& when) const;
   [[nodiscard]] bool couldMeet(const Eigen::Vector2d& point, const TimeSpan& when) const;

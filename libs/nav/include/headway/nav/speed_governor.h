@@ -1,7 +1,7 @@
 #pragma once
 
 #include <headway/core/track.h>
-#include <headway/map/body_shape.h>
+#include <headway/map/footprint_shape.h>
 #include <headway/nav/predictive_obstacles_params.h>
 
 #include <vector>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <headway/map/body_shape.h>
+#include <headway/map/footprint_shape.h>
 
 #include <vector>
 
@@ -24,12 +24,12 @@ struct PlaceUncertainty {
 /// @param yaw      of the body's front [rad]
 /// @param spacing  largest distance between neighbours, roughly [m]
 /// @param out      points are appended to it, map frame
-void appendOutline(const map::BodyShape& body, const Eigen::Vector2d& centre, double yaw,
+void appendOutline(const map::FootprintShape& body, const Eigen::Vector2d& centre, double yaw,
                    const PlaceUncertainty& uncertainty, double spacing,
                    std::vector<Eigen::Vector2d>& out);
 
 /// Whether a point lies in the body grown by a margin on all sides; as box, also for people.
-[[nodiscard]] bool covers(const map::BodyShape& body, const Eigen::Vector2d& centre, double yaw,
-                          double margin, const Eigen::Vector2d& point);
+[[nodiscard]] bool covers(const map::FootprintShape& body, const Eigen::Vector2d& centre,
+                          double yaw, double margin, const Eigen::Vector2d& point);
 
 }  // namespace headway::nav

@@ -1,5 +1,5 @@
 #include <gtest/gtest.h>
-#include <headway/nav/body_outline.h>
+#include <headway/nav/footprint_outline.h>
 
 #include <Eigen/Geometry>
 
@@ -8,8 +8,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-const map::BodyShape kCar{4.0, 2.0, false};
-const map::BodyShape kPerson{0.6, 0.4, true};
+const map::FootprintShape kCar{4.0, 2.0, false};
+const map::FootprintShape kPerson{0.6, 0.4, true};
 
 PlaceUncertainty doubtOf(double sigma_m) {
   PlaceUncertainty uncertainty;
@@ -18,13 +18,14 @@ PlaceUncertainty doubtOf(double sigma_m) {
   return uncertainty;
 }
 
-std::vector<Vector2d> outlineOf(const map::BodyShape& body, double yaw, const PlaceUncertainty& uncertainty) {
+std::vector<Vector2d> outlineOf(const map::FootprintShape& body, double yaw,
+                                const PlaceUncertainty& uncertainty) {
   std::vector<Vector2d> outline;
   appendOutline(body, Vector2d(3.0, -1.0), yaw, uncertainty, 0.2, outline);
   return outline;
 }
 
-TEST(BodyOutlineTest, OfACertainCarRunsAlongItsEdges) {
+TEST(FootprintOutlineTest, OfACertainCarRunsAlongItsEdges) {
   for (const auto& point : outlineOf(kCar, 0.0, doubtOf(0.0))) {
     const Vector2d local = (point - Vector2d(3.0, -1.0)).cwiseAbs();
     const bool on_end = std::abs(local.x() - 2.0) < 1e-9 && local.y() <= 1.0 + 1e-9;
@@ -33,14 +34,14 @@ TEST(BodyOutlineTest, OfACertainCarRunsAlongItsEdges) {
   }
 }
 
-TEST(BodyOutlineTest, NeighboursAreCloseEnoughForNothingToSlipThrough) {
+TEST(FootprintOutlineTest, NeighboursAreCloseEnoughForNothingToSlipThrough) {
   const auto outline = outlineOf(kCar, 0.4, doubtOf(0.3));
   for (std::size_t i = 0; i < outline.size(); ++i) {
     EXPECT_LE((outline[i] - outline[(i + 1) % outline.size()]).norm(), 0.3 + 1e-9);
   }
 }
 
-TEST(BodyOutlineTest, GrowsWithTheDoubt) {
+TEST(FootprintOutlineTest, GrowsWithTheDoubt) {
   const auto certain = outlineOf(kPerson, 0.3, doubtOf(0.0));
   const auto doubtful = outlineOf(kPerson, 0.3, doubtOf(0.25));
   const auto farthest = [](const std::vector<Vector2d>& outline) {
@@ -53,7 +54,7 @@ TEST(BodyOutlineTest, GrowsWithTheDoubt) {
   EXPECT_NEAR(farthest(doubtful), farthest(certain) + 0.25, 0.02);
 }
 
-TEST(BodyOutlineTest, GrowsAlongTheCovarianceOnly) {
+TEST(FootprintOutlineTest, GrowsAlongTheCovarianceOnly) {
   PlaceUncertainty along_x = doubtOf(0.0);
   along_x.covariance(0, 0) = 1.0;
   double right = 0.0, top = 0.0;
@@ -65,7 +66,7 @@ TEST(BodyOutlineTest, GrowsAlongTheCovarianceOnly) {
   EXPECT_NEAR(top, 1.0, 1e-9);
 }
 
-TEST(BodyOutlineTest, GrowsNoMoreThanAllowed) {
+TEST(FootprintOutlineTest, GrowsNoMoreThanAllowed) {
   PlaceUncertainty uncertainty = doubtOf(100.0);
   uncertainty.max_growth_m = 0.4;
   for (const auto& point : outlineOf(kPerson, 0.0, uncertainty)) {
@@ -73,7 +74,7 @@ TEST(BodyOutlineTest, GrowsNoMoreThanAllowed) {
   }
 }
 
-TEST(BodyOutlineTest, TurnsWithTheBody) {
+TEST(FootprintOutlineTest, TurnsWithTheBody) {
   const auto straight = outlineOf(kCar, 0.0, doubtOf(0.1));
   const auto turned = outlineOf(kCar, 0.7, doubtOf(0.1));
   ASSERT_EQ(straight.size(), turned.size());
@@ -84,22 +85,22 @@ TEST(BodyOutlineTest, TurnsWithTheBody) {
   }
 }
 
-TEST(BodyOutlineTest, CoversWhatLiesInTheMarginOnly) {
+TEST(FootprintOutlineTest, CoversWhatLiesInTheMarginOnly) {
   const Vector2d centre(1.0, 1.0);
   EXPECT_TRUE(covers(kCar, centre, M_PI / 2.0, 0.1, {1.0, 3.05}));
   EXPECT_FALSE(covers(kCar, centre, M_PI / 2.0, 0.1, {1.0, 3.15}));
   EXPECT_FALSE(covers(kCar, centre, M_PI / 2.0, 0.1, {3.0, 1.0}));
 }
 
-TEST(BodyOutlineTest, PeopleAreRoundAndCarsAreNot) {
+TEST(FootprintOutlineTest, PeopleAreRoundAndCarsAreNot) {
   Track track;
   track.size = {4.0, 2.0, 1.5};
   track.object_class = ObjectClass::kCar;
-  EXPECT_FALSE(map::bodyOf(track).round);
-  EXPECT_NEAR(map::bodyOf(track).radius(), std::sqrt(5.0), 1e-12);
+  EXPECT_FALSE(map::footprintOf(track).round);
+  EXPECT_NEAR(map::footprintOf(track).radius(), std::sqrt(5.0), 1e-12);
   track.object_class = ObjectClass::kPedestrian;
-  EXPECT_TRUE(map::bodyOf(track).round);
-  EXPECT_DOUBLE_EQ(map::bodyOf(track).radius(), 2.0);
+  EXPECT_TRUE(map::footprintOf(track).round);
+  EXPECT_DOUBLE_EQ(map::footprintOf(track).radius(), 2.0);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include <headway/map/body_shape.h>
+#include <headway/map/footprint_shape.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -37,11 +37,11 @@ Chord chordAt(const std::vector<Vector2d>& polygon, double x) {
 
 }  // namespace
 
-double BodyShape::radius() const {
+double FootprintShape::radius() const {
   return round ? 0.5 * std::max(length_m, width_m) : 0.5 * std::hypot(length_m, width_m);
 }
 
-Vector2d BodyShape::supportPoint(const Vector2d& normal) const {
+Vector2d FootprintShape::supportPoint(const Vector2d& normal) const {
   const Vector2d half(0.5 * length_m, 0.5 * width_m);
   if (!round) return {std::copysign(half.x(), normal.x()), std::copysign(half.y(), normal.y())};
   const Vector2d scaled = half.cwiseProduct(normal);
@@ -49,13 +49,13 @@ Vector2d BodyShape::supportPoint(const Vector2d& normal) const {
   return length > 0.0 ? Vector2d(half.cwiseProduct(scaled) / length) : Vector2d::Zero();
 }
 
-BodyShape bodyOf(const Track& track) {
+FootprintShape footprintOf(const Track& track) {
   const bool person = track.object_class == ObjectClass::kPedestrian ||
                       track.object_class == ObjectClass::kPersonSitting;
   return {track.size.x(), track.size.y(), person};
 }
 
-std::vector<Vector2d> contactRegion(const BodyShape& a, double yaw_a, const BodyShape& b,
+std::vector<Vector2d> contactRegion(const FootprintShape& a, double yaw_a, const FootprintShape& b,
                                     double yaw_b) {
   const Eigen::Rotation2Dd turn_a(yaw_a), turn_b(yaw_b);
   std::vector<Vector2d> corners;

@@ -7,7 +7,7 @@
 namespace headway::map {
 
 /// The ground a body covers: a box or, for people, the ellipse inside it. All zero: a point.
-struct BodyShape {
+struct FootprintShape {
   double length_m = 0.0;
   double width_m = 0.0;
   bool round = false;
@@ -20,7 +20,7 @@ struct BodyShape {
 };
 
 /// People are round, everything else is a box.
-[[nodiscard]] BodyShape bodyOf(const Track& track);
+[[nodiscard]] FootprintShape footprintOf(const Track& track);
 
 /// The places of b's centre, relative to a's, at which the two bodies overlap.
 ///
@@ -28,8 +28,8 @@ struct BodyShape {
 /// 0.5 % too small.
 ///
 /// @param yaw_a, yaw_b  of the bodies' fronts, and of the result: map axes [rad]
-[[nodiscard]] std::vector<Eigen::Vector2d> contactRegion(const BodyShape& a, double yaw_a,
-                                                         const BodyShape& b, double yaw_b);
+[[nodiscard]] std::vector<Eigen::Vector2d> contactRegion(const FootprintShape& a, double yaw_a,
+                                                         const FootprintShape& b, double yaw_b);
 
 /// The probability that a normally distributed point lies in a convex polygon, to about 1 %.
 ///

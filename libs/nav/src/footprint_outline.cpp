@@ -1,4 +1,4 @@
-#include <headway/nav/body_outline.h>
+#include <headway/nav/footprint_outline.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -30,7 +30,7 @@ void appendSegment(const Vector2d& from, const Vector2d& to, double spacing,
 
 }  // namespace
 
-void appendOutline(const map::BodyShape& body, const Vector2d& centre, double yaw,
+void appendOutline(const map::FootprintShape& body, const Vector2d& centre, double yaw,
                    const PlaceUncertainty& uncertainty, double spacing,
                    std::vector<Vector2d>& out) {
   const Eigen::Rotation2Dd turn(yaw);
@@ -48,7 +48,7 @@ void appendOutline(const map::BodyShape& body, const Vector2d& centre, double ya
   }
 }
 
-bool covers(const map::BodyShape& body, const Vector2d& centre, double yaw, double margin,
+bool covers(const map::FootprintShape& body, const Vector2d& centre, double yaw, double margin,
             const Vector2d& point) {
   const Vector2d local = Eigen::Rotation2Dd(-yaw) * (point - centre);
   return std::abs(local.x()) <= 0.5 * body.length_m + margin &&
