@@ -207,11 +207,11 @@ TEST(TrackGuidedDetectionTest, AHiddenObjectIsNotDetected) {
   EXPECT_TRUE(Scene(std::nullopt).byAppearance().empty());
 }
 
-TEST(TrackGuidedDetectionTest, AnObjectObservedTwiceIsNotSearchedByItsTemplate) {
+TEST(TrackGuidedDetectionTest, AnObjectObservedOnceIsNotSearchedByItsTemplate) {
   Scene scene(wentOn());
-  scene.walker.observations = 2;
+  scene.walker.observations = 1;
   EXPECT_TRUE(scene.byAppearance().empty());
-  scene.walker.observations = 3;
+  scene.walker.observations = 2;
   EXPECT_EQ(scene.byAppearance().size(), 1u);
   scene.walker.appearance.reset();
   EXPECT_TRUE(scene.byAppearance().empty());

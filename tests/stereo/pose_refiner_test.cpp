@@ -104,6 +104,29 @@ TEST(RefinePoseTest, KeepsTheTrackOfAWrongStereoMatch) {
   EXPECT_FALSE(constraints[5].stereo_inlier);
 }
 
+TEST(RefinePoseTest, AJointLossDiscountsTheDisparitiesOfPointsThatMove) {
+  // Near the optical axis only disparities tell how far the camera moved along it. Every third
+  // point moves across the view by 8 sigmas and along it by 2.
+  PosePrior prior{truePose(), PoseCovariance::Zero()};
+  prior.information.diagonal() << 1e9, 1e9, 0.0, 1e9, 1e9, 1e9;
+  const auto errorWith = [&](RobustLoss loss) {
+    std::vector<PoseConstraint> constraints;
+    for (PoseConstraint& constraint : world(6000, 0.0, 4)) {
+      const Eigen::Vector2d off = constraint.measurement.uv - Eigen::Vector2d(320.0, 240.0);
+      if (off.norm() > 30.0) continue;
+      if (constraints.size() % 3 == 0) {
+        constraint.measurement.uv.x() += 0.8;
+        constraint.measurement.disparity += 0.2;
+      }
+      constraints.push_back(constraint);
+    }
+    const auto refined =
+        refinePose(truePose(), constraints, testCamera(), {2.0, 1, 8, loss}, &prior);
+    return refined ? errorOf(refined->T_map_cam).norm() : 1e9;
+  };
+  EXPECT_LT(errorWith(RobustLoss::kJoint), 0.3 * errorWith(RobustLoss::kSeparate));
+}
+
 TEST(RefinePoseTest, SaysNothingWhereThereIsTooLittle) {
   std::vector<PoseConstraint> none;
   EXPECT_FALSE(refinePose(Pose::Identity(), none, testCamera(), {}));

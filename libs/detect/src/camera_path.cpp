@@ -15,7 +15,7 @@ constexpr double kMostAcceleration = 25.0;   // of a vehicle [m/s^2]
 constexpr double kMostTurn = 10.0;           // [rad/s^2]
 constexpr int kIterations = 6;
 
-constexpr double kLossScale = 1.6;  // of the Cauchy loss on image and disparity, in sigmas
+constexpr double kLossScale = 2.0;  // of the joint Cauchy loss, in sigmas
 
 stereo::PosePrior priorAt(const Pose& T_world_cam, double factor) {
   stereo::Tangent sigmas;
@@ -61,7 +61,8 @@ double CameraPath::refine(const std::vector<StillSighting>& points) {
   const Pose given = T_cam_world.inverse(Eigen::Isometry);
   const auto prior = priorAt(given, guessed_ ? kGuessed : 1.0);
   const auto refined =
-      stereo::refinePose(given, constraints, camera_, {kLossScale, 1, kIterations}, &prior);
+      stereo::refinePose(given, constraints, camera_,
+                         {kLossScale, 1, kIterations, stereo::RobustLoss::kJoint}, &prior);
   if (!refined) return 0.0;
   T_cam_world = refined->T_map_cam.inverse(Eigen::Isometry);
   stereo::markInliers(refined->T_map_cam, constraints, camera_, 1.0);

@@ -23,11 +23,30 @@ struct NormalEquations {
 double cauchyCost(double squared, double scale2) { return scale2 * std::log1p(squared / scale2); }
 double cauchyWeight(double squared, double scale2) { return 1.0 / (1.0 + squared / scale2); }
 
+/// Cost of a residual and the weight of each of its coordinates.
+struct Robust {
+  double cost = 0.0;
+  Eigen::Vector3d weights;
+};
+
+Robust robust(const Eigen::Vector3d& residual, RobustLoss loss, double scale2) {
+  if (loss == RobustLoss::kJoint) {
+    const double squared = residual.squaredNorm();
+    return {cauchyCost(squared, scale2), Eigen::Vector3d::Constant(cauchyWeight(squared, scale2))};
+  }
+  const double image2 = residual.head<2>().squaredNorm();
+  const double disparity2 = residual.z() * residual.z();
+  const double weight = cauchyWeight(image2, scale2);
+  return {cauchyCost(image2, scale2) + cauchyCost(disparity2, scale2),
+          {weight, weight, cauchyWeight(disparity2, scale2)}};
+}
+
 /// What the pose is fitted to.
 struct Problem {
   const std::vector<PoseConstraint>& constraints;
   const StereoCamera& camera;
   const PosePrior* prior;  ///< or null
+  RobustLoss loss;
 };
 
 void addPrior(const PosePrior& prior, const Pose& T_map_cam, NormalEquations& sum) {
@@ -55,14 +74,12 @@ NormalEquations evaluate(const Pose& T_map_cam, const Problem& problem, double s
     Eigen::Matrix3d by_point;
     const Eigen::Vector3d residual = stereoResidual(point_cam, measurement, problem.camera,
                                                     with_derivatives ? &by_point : nullptr);
-    const double image2 = residual.head<2>().squaredNorm();
-    const double disparity2 = residual.z() * residual.z();
-    sum.cost += cauchyCost(image2, scale2) + cauchyCost(disparity2, scale2);
+    const Robust robust_residual = robust(residual, problem.loss, scale2);
+    sum.cost += robust_residual.cost;
     if (!with_derivatives) continue;
-    const Eigen::Vector3d weights(cauchyWeight(image2, scale2), cauchyWeight(image2, scale2),
-                                  cauchyWeight(disparity2, scale2));
     const Eigen::Matrix<double, 3, 6> jacobian = by_point * pointByPose(point_cam);
-    const Eigen::Matrix<double, 6, 3> weighted = jacobian.transpose() * weights.asDiagonal();
+    const Eigen::Matrix<double, 6, 3> weighted =
+        jacobian.transpose() * robust_residual.weights.asDiagonal();
     sum.matrix.noalias() += weighted * jacobian;
     sum.gradient.noalias() += weighted * residual;
   }
@@ -131,7 +148,7 @@ std::optional<RefinedPose> refinePose(const Pose& T_map_cam_guess,
                                       const PosePrior* prior) {
   const int min_constraints = prior != nullptr ? 0 : 4;
   if (static_cast<int>(constraints.size()) < min_constraints) return std::nullopt;
-  const Problem problem{constraints, camera, prior};
+  const Problem problem{constraints, camera, prior, options.loss};
   for (PoseConstraint& constraint : constraints)
     constraint.inlier = constraint.stereo_inlier = true;
   RefinedPose result;

@@ -32,11 +32,18 @@ struct PosePrior {
   PoseCovariance information = PoseCovariance::Zero();  ///< inverse covariance of its tangent
 };
 
-/// Schedule of the robust loss.
+/// What one weight of the robust loss is applied to.
+enum class RobustLoss {
+  kSeparate,  ///< image position and disparity apart: a wrong stereo match keeps a good track
+  kJoint,     ///< the whole measurement: a point that moves is wrong in all coordinates
+};
+
+/// Robust loss and its schedule.
 struct PoseRefinerOptions {
   double first_scale = 1.0;  ///< the Cauchy loss starts this many times wider than at its end
   int rounds = 3;            ///< each one halves the scale down to 1 and classifies inliers again
   int iterations = 6;        ///< Levenberg-Marquardt steps a round
+  RobustLoss loss = RobustLoss::kSeparate;
 };
 
 /// Sorts the constraints into inliers and outliers at a pose.
@@ -48,8 +55,7 @@ int markInliers(const Pose& T_map_cam, std::vector<PoseConstraint>& constraints,
 
 /// The pose that the measurements agree on best, from an initial pose.
 ///
-/// Levenberg-Marquardt with a Cauchy loss on image position and disparity apart, so that one wrong
-/// stereo match does not cost a good track. Marks inliers in the constraints.
+/// Levenberg-Marquardt with a Cauchy loss. Marks inliers in the constraints.
 ///
 /// @param prior  on the pose, or null; with one, any number of constraints is enough
 /// @return nullopt if fewer than 4 constraints fit without a prior, or the problem is degenerate
