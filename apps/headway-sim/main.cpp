@@ -3,6 +3,7 @@
 #include <headway/program/command_line.h>
 #include <headway/program/progress.h>
 #include <headway/sim/recording.h>
+#include <headway/sim/rigs.h>
 #include <headway/sim/simulator.h>
 
 #include <algorithm>
@@ -20,6 +21,7 @@ using namespace headway;
 /// Command-line options.
 struct Request {
   std::string output;
+  std::string rig;
   std::optional<std::size_t> seed, frames;
   bool overwrite = false;
   bool quiet = false;
@@ -69,10 +71,16 @@ class CoveredRatio {
 };
 
 /// Returns false if the program is done (--help and similar).
-bool parse(int argc, const char* const* argv, Request& request, Params& params) {
+bool parse(int argc, const char* const* argv, Request& request, sim::SimParams& settings,
+           Params& params) {
   program::CommandLine line("headway-sim", "Simulates a world into a stereo rawlog with truth.");
   line.parameters(params);
+  line.afterFiles([&] {
+    if (!request.rig.empty()) sim::applyRig(request.rig, settings.camera);
+  });
   line.option(request.output, 'o', "output", "OUT.rawlog", "Rawlog to write", true);
+  line.option(request.rig, 0, "rig", "NAME",
+              "Stereo rig instead of the world file's: car, robot, small; --set wins over it");
   line.option(request.seed, 0, "seed", "N", "Overrides [world] seed");
   line.option(request.frames, 0, "frames", "N", "Overrides [recording] frames");
   line.flag(request.options.masks, 0, "masks", "Also write masks of moving objects");
@@ -119,7 +127,7 @@ int simulate(int argc, const char* const* argv) {
   sim::SimParams settings;
   Params params;
   settings.describe(params);
-  if (!parse(argc, argv, request, params)) return program::kDone;
+  if (!parse(argc, argv, request, settings, params)) return program::kDone;
   std::ostringstream world_ini;
   params.print(world_ini);
   program::catchInterrupts();

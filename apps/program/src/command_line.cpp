@@ -161,6 +161,7 @@ bool CommandLine::parse(int argc, const char* const* argv) {
   verbosity_ = quiet_ ? mrpt::system::LVL_ERROR : level;
   if (params_ != nullptr) {
     for (const auto& path : arguments_->configs) params_->loadFile(path);
+    if (after_files_) after_files_();
     for (const auto& assignment : arguments_->assignments) params_->set(assignment);
   }
   if (arguments_->dump_config) {

@@ -18,7 +18,8 @@ StereoCamera idealCamera(const CameraParams& params) {
   camera.cx = 0.5 * (params.width - 1);
   camera.cy = 0.5 * (params.height - 1);
   camera.baseline_m = params.baseline_m;
-  camera.T_robot_cam = robotFromOptical();
+  const Eigen::AngleAxisd down(params.pitch_down_deg * M_PI / 180.0, Eigen::Vector3d::UnitY());
+  camera.T_robot_cam = down * robotFromOptical();
   camera.T_robot_cam.translation() =
       Eigen::Vector3d(params.mount_forward_m, 0.5 * params.baseline_m, params.mount_height_m);
   return camera;

@@ -81,6 +81,8 @@ void CameraParams::describe(Params::Section section) {
   section.add("baseline_m", baseline_m, 0.01, 2.0, "m", "Distance of the two cameras");
   section.add("mount_height_m", mount_height_m, 0.2, 4.0, "m", "Cameras above the ground");
   section.add("mount_forward_m", mount_forward_m, -5.0, 5.0, "m", "Cameras before the origin");
+  section.add("pitch_down_deg", pitch_down_deg, -45.0, 60.0, "deg",
+              "Optical axes below the horizontal");
   section.add("rate_hz", rate_hz, 0.5, 100.0, "Hz", "Pairs a second");
   section.add("ride_deg", ride_deg, 0.0, 5.0, "deg", "Pitching and rolling of the body");
   section.add("noise_grey", noise_grey, 0.0, 30.0, "grey levels", "Sensor noise");

@@ -8,6 +8,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace headway::program {
@@ -47,6 +48,8 @@ class CommandLine {
               const std::string& type, const std::string& meaning);
   /// Adds -c, --set, --dump-config and --expert; `params` must outlive parse().
   void parameters(Params& params);
+  /// Calls back when the configuration files are loaded, before --set is applied.
+  void afterFiles(std::function<void()> apply) { after_files_ = std::move(apply); }
 
   /// Reads the arguments into the targets, then the configuration into the parameters.
   ///
@@ -61,6 +64,7 @@ class CommandLine {
   struct Arguments;
   std::unique_ptr<Arguments> arguments_;
   Params* params_ = nullptr;
+  std::function<void()> after_files_;
   bool quiet_ = false;
   mrpt::system::VerbosityLevel verbosity_ = mrpt::system::LVL_INFO;
 };

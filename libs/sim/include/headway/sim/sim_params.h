@@ -73,6 +73,7 @@ struct CameraParams {
   double baseline_m = 0.54;
   double mount_height_m = 1.65;  ///< above the ground
   double mount_forward_m = 0.0;
+  double pitch_down_deg = 0.0;  ///< optical axes below the horizontal
   double rate_hz = 10.0;
   double ride_deg = 0.25;         ///< pitching and rolling of the body, standard deviation
   double noise_grey = 2.0;        ///< sensor noise, standard deviation [grey levels]
