@@ -13,7 +13,7 @@ constexpr float kAlike = 0.5F;        // correlation; legs and what is behind th
 constexpr int kReachAcross = 8;       // sought to either side [cells]
 constexpr int kReachUp = 4;           // and up and down [cells]
 constexpr double kMaxScale = 3.0;     // farther or nearer by more it looks otherwise
-const cv::Size kGaps(5, 5);           // between cells that are closed [cells]
+const cv::Size kMaskGaps(5, 5);           // between cells that are closed [cells]
 
 cv::Mat resized(const cv::Mat& image, double scale, int interpolation) {
   cv::Mat result;
@@ -58,7 +58,7 @@ std::optional<AppearanceTemplate> templateOf(const cv::Mat& image,
   appearance.patch = image(box).clone();
   appearance.mask = *maskOf(cells, reduce);
   cv::Mat& mask = appearance.mask.cells;
-  cv::morphologyEx(mask, mask, cv::MORPH_CLOSE, cv::getStructuringElement(cv::MORPH_RECT, kGaps));
+  cv::morphologyEx(mask, mask, cv::MORPH_CLOSE, cv::getStructuringElement(cv::MORPH_RECT, kMaskGaps));
   cv::Scalar mean, deviation;
   cv::meanStdDev(appearance.patch, mean, deviation, mask);
   if (deviation[0] < kMinContrast) return std::nullopt;

@@ -13,7 +13,7 @@ constexpr double kPriorRotation = 0.0035;    // [rad]
 constexpr double kGuessed = 10.0;            // times worse is a motion that was not given
 constexpr double kMostAcceleration = 25.0;   // of a vehicle [m/s^2]
 constexpr double kMostTurn = 10.0;           // [rad/s^2]
-constexpr int kIterations = 6;
+constexpr int kPoseIterations = 6;
 
 constexpr double kLossScale = 2.0;  // of the joint Cauchy loss, in sigmas
 
@@ -62,7 +62,7 @@ double CameraPath::refine(const std::vector<StillSighting>& points) {
   const auto prior = priorAt(given, guessed_ ? kGuessed : 1.0);
   const auto refined =
       stereo::refinePose(given, constraints, camera_,
-                         {kLossScale, 1, kIterations, stereo::RobustLoss::kJoint}, &prior);
+                         {kLossScale, 1, kPoseIterations, stereo::RobustLoss::kJoint}, &prior);
   if (!refined) return 0.0;
   T_cam_world = refined->T_map_cam.inverse(Eigen::Isometry);
   stereo::markInliers(refined->T_map_cam, constraints, camera_, 1.0);

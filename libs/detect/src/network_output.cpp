@@ -12,14 +12,14 @@ namespace {
 
 constexpr std::array<int, 3> kStrides = {8, 16, 32};
 
-struct Cell {
+struct GridCell {
   int column;
   int row;
   int stride;
 };
 
-std::vector<Cell> yoloxCells(int width, int height) {
-  std::vector<Cell> cells;
+std::vector<GridCell> yoloxCells(int width, int height) {
+  std::vector<GridCell> cells;
   for (const int stride : kStrides) {
     for (int row = 0; row < height / stride; ++row) {
       for (int column = 0; column < width / stride; ++column) {
@@ -31,7 +31,7 @@ std::vector<Cell> yoloxCells(int width, int height) {
 }
 
 // Centre and size in pixels of the network's input.
-cv::Vec4d inputBox(const float* row, const NetworkParams& params, const Cell* cell) {
+cv::Vec4d inputBox(const float* row, const NetworkParams& params, const GridCell* cell) {
   if (cell != nullptr) {
     const double stride = cell->stride;
     return {(static_cast<double>(row[0]) + cell->column) * stride,
@@ -57,7 +57,7 @@ std::vector<NetworkBox> decodeRows(const cv::Mat& rows, const NetworkParams& par
                                    const InputFit& fit) {
   const bool yolox = params.family == NetworkParams::Family::kYolox;
   const auto cells =
-      yolox ? yoloxCells(params.input_width_px, params.input_height_px) : std::vector<Cell>{};
+      yolox ? yoloxCells(params.input_width_px, params.input_height_px) : std::vector<GridCell>{};
   std::vector<NetworkBox> boxes;
   for (int i = 0; i < rows.rows; ++i) {
     const float* row = rows.ptr<float>(i);

@@ -16,7 +16,7 @@ constexpr std::size_t kMinKnown = 12;  // of a segment with measured flow
 constexpr double kCommonSigma = 0.3;   // error common to all cells of a segment [px]
 constexpr double kSurely = 4.0;        // sigmas from which a segment is moving for certain
 constexpr double kMaxClaimed = 0.5;    // ratio of cells that belong to another segment already
-const cv::Size kGaps(5, 5);            // between moving cells that are closed [cells]
+const cv::Size kFlowGaps(5, 5);            // between moving cells that are closed [cells]
 
 // Speed across the line of sight, to the right, of a flow [m/s].
 double acrossOf(double flow_px, double disparity, double seconds, const StereoCamera& camera) {
@@ -61,7 +61,7 @@ cv::Mat movingCells(const stereo::DisparityImage& disparity, const ResidualFlow&
                       acrossOf(residual, d[column], flow.seconds, camera) > kMinAcross;
     }
   }
-  cv::dilate(moving, moving, cv::getStructuringElement(cv::MORPH_RECT, kGaps));
+  cv::dilate(moving, moving, cv::getStructuringElement(cv::MORPH_RECT, kFlowGaps));
   moving.setTo(0, still);
   return moving;
 }

@@ -14,7 +14,7 @@ namespace headway::detect {
 namespace {
 
 constexpr double kTail = 4.0;  // squared distance at which a part has half its weight
-constexpr int kIterations = 5;
+constexpr int kFitIterations = 5;
 constexpr double kMedianLoss = 1.25;  // standard error of a median over that of a mean
 constexpr double kMinSpan = 0.25;     // of observations [s]
 
@@ -68,7 +68,7 @@ struct Pooled {
 
 Pooled pool(const std::vector<Part>& parts) {
   Pooled pooled;
-  for (int i = 0; i < kIterations; ++i) {
+  for (int i = 0; i < kFitIterations; ++i) {
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
     Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
     for (const auto& part : parts) {

@@ -19,8 +19,8 @@ constexpr double kFlowSigmas = 3.0;     // difference between a flow and the exp
 constexpr double kFlowRatio = 0.5;      // and ratio of it to the expected one
 constexpr int kMinObservations = 2;     // of an object that is searched by appearance
 constexpr double kMinDepth = 1.0;       // of a searched object [m]
-constexpr double kMinWidth = 4.0;       // of the box left inside the image [px]
-constexpr double kMinHeight = 8.0;      // [px]
+constexpr double kMinVisibleWidth = 4.0;       // of the box left inside the image [px]
+constexpr double kMinVisibleHeight = 8.0;      // [px]
 
 constexpr DetectionEvidence kByFlow{false, false, true, false};
 constexpr DetectionEvidence kByAppearance{false, false, false, true};
@@ -83,7 +83,7 @@ std::optional<Box2d> transformed(const Box2d& box, const Similarity& similarity,
   const Eigen::Vector2d min = similarity(box.left, box.top).cwiseMax(0.0);
   const Eigen::Vector2d max = similarity(box.right, box.bottom)
                                   .cwiseMin(Eigen::Vector2d(camera.width - 1, camera.height - 1));
-  if (max.x() - min.x() < kMinWidth || max.y() - min.y() < kMinHeight) return std::nullopt;
+  if (max.x() - min.x() < kMinVisibleWidth || max.y() - min.y() < kMinVisibleHeight) return std::nullopt;
   return Box2d{min.x(), min.y(), max.x(), max.y()};
 }
 

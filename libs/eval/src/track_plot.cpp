@@ -13,9 +13,9 @@ Points over(const std::vector<RecallPoint>& curve, double RecallPoint::*figure) 
   return points;
 }
 
-constexpr Colour kTruthColour{170, 205, 235};
+constexpr Colour kTrackTruthColour{170, 205, 235};
 constexpr Colour kRawColour{150, 150, 150};
-constexpr Colour kCameraColour{110, 110, 110};
+constexpr Colour kTrackCameraColour{110, 110, 110};
 
 Points seenFromAbove(const TrueObject& object) {
   Points points;
@@ -47,8 +47,8 @@ cv::Mat trackMapPlot(const TrackMap& map) {
   plot::Chart chart(
       {map.title, "x [m]", "y [m]", plot::rangeOf(all, 0), plot::rangeOf(all, 1), true});
   for (const auto& object : map.truth) {
-    for (const auto& segment : segments(object)) chart.line(segment, kTruthColour, 6.0);
-    chart.dot(object.path.front().position.head<2>(), kTruthColour, 4.0);
+    for (const auto& segment : segments(object)) chart.line(segment, kTrackTruthColour, 6.0);
+    chart.dot(object.path.front().position.head<2>(), kTrackTruthColour, 4.0);
   }
   for (const auto& object : map.raw) {
     for (const auto& point : seenFromAbove(object)) chart.dot(point, kRawColour, 1.2);
@@ -57,11 +57,11 @@ cv::Mat trackMapPlot(const TrackMap& map) {
     for (const auto& segment : segments(map.tracks[i]))
       chart.line(segment, plot::categoryColour(i), 1.6);
   }
-  chart.line(map.camera_path, kCameraColour, 1.6, plot::LineStyle::kDotted);
-  chart.legend("truth", kTruthColour);
+  chart.line(map.camera_path, kTrackCameraColour, 1.6, plot::LineStyle::kDotted);
+  chart.legend("truth", kTrackTruthColour);
   if (!map.raw.empty()) chart.legend("detector", kRawColour, plot::LineStyle::kDotted);
   chart.legend("tracks, one colour each", plot::categoryColour(0));
-  chart.legend("camera", kCameraColour, plot::LineStyle::kDotted);
+  chart.legend("camera", kTrackCameraColour, plot::LineStyle::kDotted);
   return chart.picture();
 }
 

@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 using Projection = Eigen::Matrix<double, 3, 4>;
 
-constexpr double kFramePeriod = 0.1;  // without times.txt [s]
+constexpr double kOdometryFramePeriod = 0.1;  // without times.txt [s]
 
 /// Frame number of an image named "000012.png"; nullopt for any other name.
 std::optional<std::size_t> frameNumber(const std::string& path) {
@@ -101,7 +101,7 @@ class KittiOdometry : public Dataset {
         continue;
       }
       frames_.push_back(
-          {number, kFramePeriod * static_cast<double>(number), left, right->second, std::nullopt});
+          {number, kOdometryFramePeriod * static_cast<double>(number), left, right->second, std::nullopt});
       rights.erase(right);
     }
     if (!rights.empty()) dropped_["unpaired_image"] += rights.size();

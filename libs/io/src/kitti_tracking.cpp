@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kFramePeriod = 0.1;  // [s]
+constexpr double kTrackingFramePeriod = 0.1;  // [s]
 
 const std::vector<std::pair<std::string, KittiBoxes>>& boxNames() {
   static const std::vector<std::pair<std::string, KittiBoxes>> names = {
@@ -62,7 +62,7 @@ class KittiTracking : public Dataset {
  private:
   using Frames = std::map<std::size_t, Detections>;
 
-  static Time timeOf(std::size_t index) { return kFramePeriod * static_cast<double>(index); }
+  static Time timeOf(std::size_t index) { return kTrackingFramePeriod * static_cast<double>(index); }
 
   /// Reads all boxes of the sequence, from one file or from one folder per class.
   Frames readBoxes(const fs::path& folder, const std::string& file, KittiBoxes boxes) {

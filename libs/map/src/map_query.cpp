@@ -14,7 +14,7 @@ using mrpt::maps::COccupancyGridMap2D;
 
 constexpr double kPathStep_s = 0.05;
 constexpr double kClockTolerance_s = 1e-6;
-constexpr double kReachSigmas = 5.0;
+constexpr double kQuerySigmas = 5.0;
 constexpr double kVelocityStep_s = 0.1;
 constexpr double kMinHeadingSpeed = 0.2;  ///< min. speed at which a path defines the heading [m/s]
 constexpr double kLikely = 0.5;
@@ -63,7 +63,7 @@ std::vector<Obstacle> obstaclesOf(const std::vector<Track>& tracks, double horiz
 double contactProbability(const FootprintShape& footprint, const Vector2d& place, double yaw,
                           const Obstacle& obstacle) {
   const double reach = footprint.radius() + obstacle.shape.radius() +
-                       kReachSigmas * std::sqrt(std::max(0.0, obstacle.covariance.trace()));
+                       kQuerySigmas * std::sqrt(std::max(0.0, obstacle.covariance.trace()));
   const Vector2d offset = obstacle.centre - place;
   if (!(offset.norm() < reach)) return 0.0;
   return probabilityInside(contactRegion(footprint, yaw, obstacle.shape, obstacle.yaw), offset,

@@ -1,6 +1,7 @@
 #include "kalman_filter.h"
 
 #include <headway/core/pose.h>
+#include <headway/core/statistics.h>
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -13,8 +14,6 @@ namespace {
 constexpr double kVerticalShare = 0.2;     // of horizontal accelerations that go up or down
 constexpr double kTurnAcceleration = 0.5;  // typical [rad/s^2]
 constexpr double kInitialTurnRate = 0.3;   // typical [rad/s]
-
-double square(double x) { return x * x; }
 
 KalmanFilter::Chain startingAt(double value, double variance, double rate_sigma,
                                double acceleration_sigma) {

@@ -1,5 +1,7 @@
 #include "manoeuvre_fit.h"
 
+#include <headway/core/statistics.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -39,8 +41,6 @@ struct Moments {
  private:
   static constexpr double kMinWeight = 1e-3;
 };
-
-double square(double x) { return x * x; }
 
 // The fit along one axis.
 struct AxisFit {

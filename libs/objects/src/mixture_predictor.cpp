@@ -1,5 +1,7 @@
 #include "mixture_predictor.h"
 
+#include <headway/core/statistics.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,8 +14,6 @@ constexpr int kModes = 4;
 constexpr std::array<double, kModes> kProbabilities = {0.55, 0.25, 0.1, 0.1};
 constexpr double kMinPositionSigma_m = 0.03;
 constexpr double kFastestTurn = 3.0;  // [rad/s]
-
-double square(double x) { return x * x; }
 
 // The direction turned by a small angle: by series, exact to 3e-7 at the fastest turn.
 Eigen::Vector2d turnedBy(const Eigen::Vector2d& direction, double angle) {

@@ -1,17 +1,13 @@
 #include "path_spread.h"
 
+#include <headway/core/statistics.h>
+
 #include <algorithm>
 
 #include "mean_sigma.h"
 #include "recent_motion.h"
 
 namespace headway::objects {
-namespace {
-
-double square(double x) { return x * x; }
-
-}  // namespace
-
 DirectedSpread::DirectedSpread(const PathSpread& spread, const Eigen::Vector2d& direction) {
   const double c = direction.x();
   const double s = direction.y();

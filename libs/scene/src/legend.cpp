@@ -7,8 +7,8 @@
 namespace headway::scene {
 namespace {
 
-constexpr double kTextPoints = 11.0;
-constexpr double kMargin = 18.0;
+constexpr double kEntryPoints = 11.0;
+constexpr double kLegendMargin = 18.0;
 constexpr double kRowHeight = 21.0;
 constexpr double kSwatch = 22.0;
 constexpr double kGap = 10.0;  ///< between swatch and text
@@ -41,7 +41,7 @@ void Legend::drawEntry(Canvas& canvas, const Entry& entry, cv::Point left_middle
                   entry.colour);
   }
   canvas.text(entry.text, {left_middle.x + swatch + canvas.px(kGap), left_middle.y + canvas.px(5)},
-              kTextPoints, kTextColour);
+              kEntryPoints, kTextColour);
 }
 
 void Legend::draw(Canvas& canvas, const SnapshotInput& input, Layout layout) {
@@ -51,11 +51,11 @@ void Legend::draw(Canvas& canvas, const SnapshotInput& input, Layout layout) {
   int total = 0;
   for (const auto& entry : shown) {
     widths.push_back(canvas.px(kSwatch + 2.0 * kGap) +
-                     canvas.textSize(entry.text, kTextPoints).width);
+                     canvas.textSize(entry.text, kEntryPoints).width);
     total += widths.back() + canvas.px(kGap);
   }
   const bool row = layout == Layout::kRow;
-  const int margin = canvas.px(kMargin);
+  const int margin = canvas.px(kLegendMargin);
   const int height = canvas.px(kRowHeight) * (row ? 1 : static_cast<int>(shown.size()));
   const int width = row ? total : *std::max_element(widths.begin(), widths.end());
   cv::Point at(margin, canvas.size().height - margin - height);

@@ -4,6 +4,8 @@
 
 namespace headway {
 
+[[nodiscard]] constexpr double square(double x) { return x * x; }
+
 /// Value below which the ratio `fraction` of the samples lies (nearest rank); 0 if there are none.
 [[nodiscard]] double percentile(std::vector<double> samples, double fraction);
 
