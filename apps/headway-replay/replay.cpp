@@ -98,8 +98,10 @@ Replay::Replay(const Options& options, const pipeline::PerceptionParams& percept
   }
   summary_.calibration = source_.calibration();
   if (summary_.calibration && !options_.quiet) printCalibration(*summary_.calibration);
+  summary_.rig = perception_->rig();
+  if (summary_.rig && !options_.quiet) std::puts(stereo::describe(*summary_.rig).c_str());
   if (camera_ != nullptr) io::writeCalibration(folder_ / "calibration.yaml", *camera_);
-  writeRunRecord(folder_ / "replay.json", options_, params);
+  writeRunRecord(folder_ / "replay.json", options_, params, summary_.rig);
 }
 
 void Replay::run() {

@@ -37,6 +37,19 @@ Json calibrationJson(const std::optional<io::CalibrationReport>& report) {
           {"rectified_here", report->rectified_here}};
 }
 
+Json rigJson(const std::optional<stereo::RigCapability>& rig) {
+  if (!rig) return nullptr;
+  return {{"baseline_m", rig->baseline_m},
+          {"camera_height_m", rig->camera_height_m},
+          {"camera_height_known", rig->camera_height_known},
+          {"nearest_m", rig->nearest_m},
+          {"min_obstacle_height_m", rig->min_obstacle_height_m},
+          {"obstacles_from_m", rig->obstacles_from_m},
+          {"obstacles_to_m", rig->obstacles_to_m},
+          {"people_to_m", rig->people_to_m},
+          {"vehicles_to_m", rig->vehicles_to_m}};
+}
+
 Json stagesJson(const StageTimes& stages) {
   Json json = Json::object();
   for (const auto& [stage, times] : stages.summary()) {
@@ -89,8 +102,8 @@ double peakMemoryMb() {
   return 0.0;
 }
 
-void writeRunRecord(const std::filesystem::path& path, const Options& options,
-                    const Params& params) {
+void writeRunRecord(const std::filesystem::path& path, const Options& options, const Params& params,
+                    const std::optional<stereo::RigCapability>& rig) {
   Json json;
   json["version"] = kVersion;
   json["input"] = {{"rawlog", pathJson(options.input)},
@@ -101,6 +114,7 @@ void writeRunRecord(const std::filesystem::path& path, const Options& options,
                      {"from_index", indexJson(options.from_index)},
                      {"to_index", indexJson(options.to_index)},
                      {"snapshots", options.snapshots}};
+  json["rig"] = rigJson(rig);
   json["configuration"] = Json(params.values());
   OutputFile file(path);
   file.stream() << json.dump(2) << '\n';
@@ -133,6 +147,7 @@ void writeSummary(const std::filesystem::path& path, const Summary& summary) {
   json["detections_used"] = summary.detections_used;
   json["detections_dropped"] = Json(summary.detections_dropped);
   json["calibration"] = calibrationJson(summary.calibration);
+  json["rig"] = rigJson(summary.rig);
   json["observations_skipped"] = Json(summary.observations_skipped);
   json["ended_early"] = summary.ended_early ? Json(*summary.ended_early) : Json();
   json["version"] = kVersion;

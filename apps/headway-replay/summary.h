@@ -4,6 +4,7 @@
 #include <headway/core/stage_times.h>
 #include <headway/core/track.h>
 #include <headway/io/rawlog_source.h>
+#include <headway/stereo/rig_capability.h>
 
 #include <cstddef>
 #include <filesystem>
@@ -36,6 +37,7 @@ struct Summary {
   std::size_t detections_used = 0;
   DropCounts detections_dropped;
   std::optional<io::CalibrationReport> calibration;
+  std::optional<stereo::RigCapability> rig;
   std::map<std::string, std::size_t> observations_skipped;
   std::optional<std::string> ended_early;  ///< reason if the rawlog was not read completely
   int seed = 0;
@@ -47,9 +49,9 @@ struct Summary {
 /// Peak resident memory of this process [MB].
 [[nodiscard]] double peakMemoryMb();
 
-/// Writes replay.json: input, options and configuration of the run.
+/// Writes replay.json: input, options and configuration of the run, and what its rig can see.
 void writeRunRecord(const std::filesystem::path& path, const Options& options,
-                    const Params& params);
+                    const Params& params, const std::optional<stereo::RigCapability>& rig);
 
 /// Writes summary.json.
 void writeSummary(const std::filesystem::path& path, const Summary& summary);

@@ -12,6 +12,13 @@ namespace {
 
 constexpr double kHeight = 1.6;  // of the camera [m]
 
+/// Independent of what the test camera, whose disparities have no noise, is capable of.
+GroundScanParams withReach(double reach_m) {
+  GroundScanParams params;
+  params.reach_m = reach_m;
+  return params;
+}
+
 StereoCamera testCamera() {
   StereoCamera camera;
   camera.width = 620;
@@ -71,7 +78,7 @@ stereo::DisparityImage imageOf(const std::vector<Plate>& plates, double pitch = 
 }
 
 GroundScan scanOf(const stereo::DisparityImage& image, const MovingRegions& moving = {},
-                  const GroundScanParams& params = {}) {
+                  const GroundScanParams& params = withReach(20.0)) {
   const auto camera = testCamera();
   const auto ground = stereo::findGround(image, camera, std::nullopt);
   EXPECT_TRUE(ground);
@@ -179,11 +186,20 @@ TEST(ScanGroundTest, LeavesOutWhatMovesAndMayMove) {
 }
 
 TEST(ScanGroundTest, LeavesOutWhatIsTooUncertain) {
-  GroundScanParams params;
+  GroundScanParams params = withReach(20.0);
   params.max_error_m = 0.1;
   const auto scan = scanOf(imageOf({{14.0, -1.0, 1.0, 0.0, 1.5}}), {}, params);
   EXPECT_TRUE(scan.obstacles.empty());
   EXPECT_FALSE(isFree(scan, 15.0, 0.0)) << "it ends the ray all the same";
+}
+
+TEST(ScanGroundTest, TheReachIsThatOfTheRigUnlessItIsGiven) {
+  const auto rig = GroundScanParams().capabilityOf(testCamera());
+  EXPECT_EQ(rig.min_obstacle_height_m, 0.3);
+  const auto scan = scanOf(imageOf({}), {}, {});
+  EXPECT_TRUE(isFree(scan, 0.8 * rig.obstacles_to_m, 0.0));
+  EXPECT_FALSE(isFree(scan, rig.obstacles_to_m + 0.1, 0.0));
+  EXPECT_EQ(withReach(7.0).capabilityOf(testCamera()).obstacles_to_m, 7.0);
 }
 
 TEST(GroundScanParamsTest, AreDescribedWithRanges) {
@@ -192,7 +208,7 @@ TEST(GroundScanParamsTest, AreDescribedWithRanges) {
   values.describe(params.section("grid"));
   params.set("grid.reach=12");
   EXPECT_EQ(values.reach_m, 12.0);
-  EXPECT_THROW(params.set("grid.min_obstacle_height_m=0"), InputError);
+  EXPECT_THROW(params.set("grid.min_obstacle_height_m=-0.1"), InputError);
 }
 
 TEST(GroundScanParamsTest, RefuseValuesOutOfRangeAndFormerKeys) {

@@ -100,7 +100,16 @@ TEST_F(ResumeTest, WithoutMappingTheMapStaysAsItIs) {
   }
 }
 
+TEST_F(ResumeTest, AGroundScanThatSeesNothingLeavesTheMapWithoutGrid) {
+  params_.grid.scan.reach_m = 0.5;
+  Perception perception(hall_.camera(), params_);
+  EXPECT_LT(drive(perception, 0, 3), 0.05);
+  EXPECT_EQ(1u, perception.times().summary().at("grid").count);
+  EXPECT_EQ(nullptr, perception.map().staticGrid());
+}
+
 TEST_F(ResumeTest, FreeAndOccupiedGroundIsPartOfTheMapAndIsTakenUpAgain) {
+  params_.grid.scan.reach_m = 20.0;  // the wall at the end of the hall is beyond the rig's own
   const auto expectHall = [](const map::PerceptionMap& map) {
     const auto grid = map.staticGrid();
     ASSERT_NE(nullptr, grid);

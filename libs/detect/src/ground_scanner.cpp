@@ -173,10 +173,11 @@ class ColumnScanner {
 
 void GroundScanParams::describe(Params::Section section) {
   auto user = section.user();
-  user.add("reach", reach_m, 2.0, 100.0, "m",
-           "Maximum distance of free and occupied cells from the camera; shorter is faster");
-  user.add("min_obstacle_height_m", min_obstacle_height_m, 0.2, 2.0, "m",
-           "Height above ground from which the robot cannot drive over an obstacle");
+  user.add("reach", reach_m, 0.0, 100.0, "m",
+           "Maximum distance of free and occupied cells from the camera; 0: derived from the rig");
+  user.add("min_obstacle_height_m", min_obstacle_height_m, 0.0, 2.0, "m",
+           "Height above ground from which the robot cannot drive over an obstacle; 0: 0.12 m for "
+           "a camera mounted below 1 m, else 0.3 m");
   user.add("max_obstacle_height_m", max_obstacle_height_m, 0.3, 10.0, "m",
            "Height above ground from which the robot can drive under an obstacle");
   section.add("sigma_disparity_px", sigma_disparity_px, 0.05, 5.0, "px",
@@ -189,13 +190,28 @@ void GroundScanParams::describe(Params::Section section) {
                    {"most_error", "max_error_m"}});
 }
 
+stereo::RigCapability GroundScanParams::capabilityOf(const StereoCamera& camera) const {
+  auto rig = stereo::rigCapability(camera, {min_obstacle_height_m, sigma_disparity_px});
+  if (reach_m > 0.0) rig.obstacles_to_m = reach_m;
+  return rig;
+}
+
+GroundScanParams GroundScanParams::forRig(const stereo::RigCapability& rig) const {
+  GroundScanParams params = *this;
+  params.reach_m = rig.obstacles_to_m;
+  params.min_obstacle_height_m = rig.min_obstacle_height_m;
+  return params;
+}
+
 GroundScan scanGround(const stereo::DisparityImage& disparity, const StereoCamera& camera,
                       const stereo::GroundPlane& ground, const MovingRegions& moving,
                       const GroundScanParams& params) {
   GroundScan scan;
   if (ground.up.y() > kMostTilt) return scan;
   const cv::Mat left_out = leftOut(moving, disparity);
-  ColumnScanner scanner(disparity, camera, ground, params);
+  const auto rig = params.capabilityOf(camera);
+  const GroundScanParams for_rig = params.forRig(rig);
+  ColumnScanner scanner(disparity, camera, ground, for_rig);
   for (int column = 0; column < disparity.values.cols; ++column) {
     scanner.scan(column, left_out, scan);
   }

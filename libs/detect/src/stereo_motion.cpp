@@ -1,5 +1,6 @@
 #include <headway/detect/detector.h>
 #include <headway/detect/stereo_motion.h>
+#include <headway/stereo/rig_capability.h>
 
 #include <algorithm>
 #include <cmath>
@@ -43,6 +44,14 @@ stereo::DisparityImage withoutOffset(const stereo::DisparityImage& disparity, do
   return result;
 }
 
+/// Replaces ranges that are 0 by those of the rig.
+StereoMotionParams forRig(StereoMotionParams params, const StereoCamera& camera) {
+  const auto rig = stereo::rigCapability(camera);
+  if (params.max_range_m <= 0.0) params.max_range_m = rig.vehicles_to_m;
+  if (params.max_segment_range_m <= 0.0) params.max_segment_range_m = 1.5 * rig.people_to_m;
+  return params;
+}
+
 FollowerParams followerOf(const StereoMotionParams& params) {
   return {
       params.max_points,  params.spacing_px,   std::max(params.window_s, params.segment_window_s),
@@ -55,12 +64,12 @@ class StereoMotion::Implementation {
  public:
   Implementation(std::shared_ptr<const StereoCamera> camera, const StereoMotionParams& params)
       : camera_(std::move(camera)),
-        params_(params),
+        params_(forRig(params, *camera_)),
         path_(*camera_, std::hypot(params.sigma_px, 0.3)),
-        follower_(*camera_, followerOf(params)),
+        follower_(*camera_, followerOf(params_)),
         flow_meter_(*camera_),
         segments_(*camera_),
-        finder_(*camera_, params) {}
+        finder_(*camera_, params_) {}
 
   /// @return  why the frame cannot be used; null if it can
   const char* process(const stereo::FrameContext& context, const std::optional<Pose>& T_map_robot,

@@ -4,8 +4,8 @@ namespace headway::detect {
 
 void StereoMotionParams::describe(Params::Section section) {
   auto user = section.user();
-  user.add("max_range_m", max_range_m, 2.0, 200.0, "m",
-           "Maximum distance of moving objects; beyond, stereo depth must still be usable");
+  user.add("max_range_m", max_range_m, 0.0, 200.0, "m",
+           "Maximum distance of moving objects; 0: derived from the rig");
   user.add("min_height_m", min_height_m, 0.0, 5.0, "m",
            "Minimum height above ground of points on objects; greater on rough ground");
   user.add("min_speed_mps", min_speed_mps, 0.05, 20.0, "m/s",
@@ -31,8 +31,9 @@ void StereoMotionParams::describe(Params::Section section) {
               "Maximum ground distance between neighbouring points of one object");
   section.add("min_moving_ratio", min_moving_ratio, 0.0, 1.0, "",
               "Minimum ratio of moving points within an object's outline");
-  section.add("max_segment_range_m", max_segment_range_m, 2.0, 100.0, "m",
-              "Maximum distance at which upright segments are tracked as a whole");
+  section.add("max_segment_range_m", max_segment_range_m, 0.0, 100.0, "m",
+              "Maximum distance at which upright segments are tracked as a whole; 0: derived "
+              "from the rig");
   section.add("segment_significance", segment_significance, 5.0, 1000.0, "",
               "Threshold of a segment's motion test, chi-square of 2 degrees of freedom");
   section.add("max_moving_ratio", max_moving_ratio, 0.1, 1.0, "",

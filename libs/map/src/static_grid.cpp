@@ -28,15 +28,17 @@ bool moved(const Pose& from, const Pose& to) {
 void StaticGridParams::describe(Params::Section section) {
   section.user().add("resolution", resolution_m, 0.05, 2.0, "m",
                      "Side of a grid cell; the planner's resolution");
-  section.add("spacing_m", spacing_m, 0.1, 10.0, "m",
-              "Distance between places of which a ground scan is stored");
+  section.add("spacing_m", spacing_m, 0.0, 10.0, "m",
+              "Distance between places of which a ground scan is stored; 0: derived from the rig");
   section.renamed({{"spacing", "spacing_m"}});
 }
 
 StaticGrid::StaticGrid(const StaticGridParams& params)
     : params_(validated(params)),
       resolution_m_(params.resolution_m),
-      evidence_(std::make_unique<EvidenceGrid>(params.resolution_m)) {}
+      evidence_(std::make_unique<EvidenceGrid>(params.resolution_m)) {
+  if (params_.spacing_m <= 0.0) params_.spacing_m = 1.0;
+}
 
 StaticGrid::~StaticGrid() = default;
 StaticGrid::StaticGrid(StaticGrid&&) noexcept = default;

@@ -2,12 +2,38 @@
 #include <headway/pipeline/moving_regions.h>
 #include <headway/pipeline/perception.h>
 
+#include <algorithm>
+
 namespace headway::pipeline {
 namespace {
 
 std::optional<Pose> poseOf(const slam::SlamUpdate& camera) {
   if (camera.status != slam::TrackingStatus::kTracked) return std::nullopt;
   return camera.T_map_robot;
+}
+
+/// What the camera can see, with the configured values in place of derived ones.
+std::optional<stereo::RigCapability> rigOf(const StereoCamera* camera,
+                                           const PerceptionParams& params) {
+  if (camera == nullptr) return std::nullopt;
+  auto rig = params.grid.scan.capabilityOf(*camera);
+  const auto& detect = params.detection.detect;
+  if (detect.disparity.nearest_m > 0.0) {
+    rig.nearest_m = detect.disparity.nearest_m;
+    rig.obstacles_from_m = std::max(rig.obstacles_from_m, rig.nearest_m);
+  }
+  if (detect.stereo_motion.max_range_m > 0.0) rig.vehicles_to_m = detect.stereo_motion.max_range_m;
+  return rig;
+}
+
+/// Grid parameters without values to be derived.
+GridParams gridFor(const std::optional<stereo::RigCapability>& rig, GridParams params) {
+  if (!rig) return params;
+  params.scan = params.scan.forRig(*rig);
+  if (params.map.spacing_m <= 0.0) {
+    params.map.spacing_m = std::clamp(rig->obstacles_to_m / 20.0, 0.2, 1.0);
+  }
+  return params;
 }
 
 }  // namespace
@@ -39,8 +65,9 @@ Perception::Perception(std::shared_ptr<const StereoCamera> camera, const Percept
       front_end_(validated(params).detection.detect.disparity),
       detection_(camera_, params.detection),
       tracker_(params.objects),
-      grid_params_(params.grid),
-      grid_(params.grid.map),
+      rig_(rigOf(camera_.get(), params)),
+      grid_params_(gridFor(rig_, params.grid)),
+      grid_(grid_params_.map),
       map_(std::move(map)) {
   if (!params.slam.mapping) grid_params_.every_nth_frame = 0;
   if (camera_ != nullptr) slam_ = std::make_unique<slam::StereoSlam>(camera_, params.slam);
@@ -170,7 +197,8 @@ void Perception::updateGrid(const RecordedFrame& frame, const PerceptionUpdate& 
       detection_.scanGround(frame, *T_map_robot, found_, update.objects.tracks, grid_params_.scan);
   if (!scan) return;
   grid_.add(*T_map_robot, std::move(*scan));
-  map_.update(grid_.grid());
+  // A scan may see nothing, such as behind a truck in the first frame.
+  if (const auto grid = grid_.grid()) map_.update(grid);
 }
 
 void Perception::finish() {

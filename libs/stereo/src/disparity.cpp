@@ -1,5 +1,6 @@
 #include <headway/stereo/disparity.h>
 #include <headway/stereo/reduced_image.h>
+#include <headway/stereo/rig_capability.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +14,10 @@ constexpr int kSubpixels = 16;  // OpenCV's fixed-point disparities
 
 // Disparities to search, a multiple of 16 that leaves half of the picture to match; 0: too narrow.
 int searchRange(const StereoCamera& camera, const DisparityParams& params, int width) {
-  const double nearest = camera.fx * camera.baseline_m / params.nearest_m / params.reduce;
-  const int wanted = (static_cast<int>(std::ceil(nearest)) + 15) / 16 * 16;
+  const double nearest_m =
+      params.nearest_m > 0.0 ? params.nearest_m : rigCapability(camera).nearest_m;
+  const double largest = camera.fx * camera.baseline_m / nearest_m / params.reduce;
+  const int wanted = (static_cast<int>(std::ceil(largest)) + 15) / 16 * 16;
   return std::min(wanted, (width / 2) / 16 * 16);
 }
 
@@ -56,8 +59,8 @@ void DisparityParams::describe(Params::Section section) {
   auto user = section.user();
   user.add("method", method, {{"blocks", Method::kBlocks}, {"semi_global", Method::kSemiGlobal}},
            "Dense stereo matching; semi_global is denser and five times slower");
-  user.add("nearest_m", nearest_m, 0.3, 50.0, "m",
-           "Minimum depth matched; smaller for a robot among people, and slower");
+  user.add("nearest_m", nearest_m, 0.0, 50.0, "m",
+           "Minimum depth matched; smaller is slower; 0: derived from the rig");
   section.add("reduce", reduce, 1, 4, "", "Factor by which images are reduced before matching");
   section.add("block_px", block_px, 5, 31, "px", "Side of a block in the reduced image, made odd");
   section.add("uniqueness_percent", uniqueness_percent, 0, 50, "%",

@@ -1,4 +1,5 @@
 #include <headway/stereo/ground_plane.h>
+#include <headway/stereo/rig_capability.h>
 
 #include <Eigen/Eigenvalues>
 #include <random>
@@ -7,28 +8,43 @@
 namespace headway::stereo {
 namespace {
 
-constexpr double kNear = 3.0;  // points of the ground are sought from here [m]
-constexpr double kFar = 25.0;  // to here [m]
-constexpr int kStep = 4;       // cells from sample to sample
+constexpr int kStep = 4;  // cells from sample to sample
 constexpr int kTrials = 80;
 constexpr double kMostTiltCosine = 0.985;  // 10 degrees
-constexpr double kLowest = 0.2;            // camera above ground [m]
+constexpr double kLowest = 0.2;            // camera above ground, unless mounted lower [m]
 constexpr double kHighest = 4.0;           // [m]
 constexpr double kLeastShare = 0.15;       // of the points that must lie on the plane
 
 using Points = std::vector<Eigen::Vector3d>;
 
+/// Limits of the search for a rig; those of a car's are the reference.
+struct SearchLimits {
+  explicit SearchLimits(const StereoCamera& camera) {
+    const auto rig = rigCapability(camera);
+    near_m = rig.nearest_m;
+    far_m = rig.ground_to_m;
+    if (rig.camera_height_known) min_height_m = std::min(kLowest, 0.5 * rig.camera_height_m);
+    const double scale = std::min(1.0, far_m / 25.0);
+    min_area_m2 = 0.2 * scale * scale;
+  }
+  double near_m;                  ///< minimum depth of points of the ground
+  double far_m;                   ///< maximum depth of points of the ground
+  double min_height_m = kLowest;  ///< of the camera above the ground
+  double min_area_m2;             ///< of the parallelogram of three sampled points
+};
+
 // How far off the plane a point of the ground may be: stereo noise grows with depth.
 double toleranceAt(double depth) { return 0.03 + 0.006 * depth; }
 
-Points pointsBelowHorizon(const DisparityImage& disparity, const StereoCamera& camera) {
+Points pointsBelowHorizon(const DisparityImage& disparity, const StereoCamera& camera,
+                          const SearchLimits& limits) {
   Points points;
   const double fb = camera.fx * camera.baseline_m;
   for (int row = std::max(0, disparity.cellOf(camera.cy)); row < disparity.values.rows;
        row += kStep) {
     for (int column = 0; column < disparity.values.cols; column += kStep) {
       const double d = disparity.values.at<float>(row, column);
-      if (d < fb / kFar || d > fb / kNear) continue;
+      if (d < fb / limits.far_m || d > fb / limits.near_m) continue;
       const double z = fb / d;
       points.emplace_back(z * (disparity.pixelOf(column) - camera.cx) / camera.fx,
                           z * (disparity.pixelOf(row) - camera.cy) / camera.fy, z);
@@ -37,8 +53,8 @@ Points pointsBelowHorizon(const DisparityImage& disparity, const StereoCamera& c
   return points;
 }
 
-bool plausible(const GroundPlane& plane, const Eigen::Vector3d& expected_up) {
-  return plane.up.dot(expected_up) > kMostTiltCosine && plane.camera_height > kLowest &&
+bool plausible(const GroundPlane& plane, const Eigen::Vector3d& expected_up, double min_height) {
+  return plane.up.dot(expected_up) > kMostTiltCosine && plane.camera_height > min_height &&
          plane.camera_height < kHighest;
 }
 
@@ -61,7 +77,8 @@ GroundPlane planeThrough(const Eigen::Vector3d& point, Eigen::Vector3d normal,
   return {normal, -normal.dot(point)};
 }
 
-GroundPlane refined(GroundPlane plane, const Points& points, const Eigen::Vector3d& expected_up) {
+GroundPlane refined(GroundPlane plane, const Points& points, const Eigen::Vector3d& expected_up,
+                    double min_height) {
   for (int i = 0; i < 2; ++i) {
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
@@ -79,7 +96,7 @@ GroundPlane refined(GroundPlane plane, const Points& points, const Eigen::Vector
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(squares / count -
                                                               mean * mean.transpose());
     const auto next = planeThrough(mean, axes.eigenvectors().col(0), expected_up);
-    if (!plausible(next, expected_up)) return plane;
+    if (!plausible(next, expected_up, min_height)) return plane;
     plane = next;
   }
   return plane;
@@ -93,7 +110,8 @@ Eigen::Vector3d mountedUp(const StereoCamera& camera) {
 
 std::optional<GroundPlane> findGround(const DisparityImage& disparity, const StereoCamera& camera,
                                       const std::optional<GroundPlane>& previous) {
-  const Points points = pointsBelowHorizon(disparity, camera);
+  const SearchLimits limits(camera);
+  const Points points = pointsBelowHorizon(disparity, camera, limits);
   if (points.size() < 50) return std::nullopt;
   const Eigen::Vector3d expected_up = mountedUp(camera);
   GroundPlane best = previous.value_or(GroundPlane{expected_up, 0.0});
@@ -103,16 +121,16 @@ std::optional<GroundPlane> findGround(const DisparityImage& disparity, const Ste
   for (int trial = 0; trial < kTrials; ++trial) {
     const Eigen::Vector3d a = draw(), b = draw(), c = draw();
     const Eigen::Vector3d normal = (b - a).cross(c - a);
-    if (normal.norm() < 0.2) continue;
+    if (normal.norm() < limits.min_area_m2) continue;
     const auto plane = planeThrough(a, normal, expected_up);
-    if (!plausible(plane, expected_up)) continue;
+    if (!plausible(plane, expected_up, limits.min_height_m)) continue;
     const double plane_score = score(plane, points);
     if (plane_score <= best_score) continue;
     best = plane;
     best_score = plane_score;
   }
   if (best_score < kLeastShare * static_cast<double>(points.size())) return std::nullopt;
-  return refined(best, points, expected_up);
+  return refined(best, points, expected_up, limits.min_height_m);
 }
 
 }  // namespace headway::stereo

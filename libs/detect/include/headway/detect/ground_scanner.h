@@ -5,18 +5,23 @@
 #include <headway/core/params.h>
 #include <headway/stereo/disparity.h>
 #include <headway/stereo/ground_plane.h>
+#include <headway/stereo/rig_capability.h>
 
 namespace headway::detect {
 
 /// What an obstacle is, and the accuracy of its distance. Part of section [grid].
 struct GroundScanParams {
-  double reach_m = 20.0;               ///< maximum distance [m]
-  double min_obstacle_height_m = 0.3;  ///< above ground [m]
+  double reach_m = 0.0;                ///< maximum distance; 0: of the rig [m]
+  double min_obstacle_height_m = 0.0;  ///< above ground; 0: of the rig [m]
   double max_obstacle_height_m = 2.0;  ///< above ground [m]
   double sigma_disparity_px = 0.4;     ///< noise of an obstacle's disparity [px]
   double max_error_m = 0.6;            ///< maximum uncertainty of an obstacle's distance [m]
 
   void describe(Params::Section section);
+  /// Capability of a rig for these obstacles; an own reach replaces the rig's.
+  [[nodiscard]] stereo::RigCapability capabilityOf(const StereoCamera& camera) const;
+  /// Parameters without 0.
+  [[nodiscard]] GroundScanParams forRig(const stereo::RigCapability& rig) const;
   void validate() const { validateRanges(*this, "grid"); }  ///< @throws InputError
 };
 

@@ -20,7 +20,7 @@ struct StereoMotionParams {
   int spacing_px = 8;                 ///< between points [px]
   double window_s = 0.6;              ///< time window of a point's observations [s]
   double segment_window_s = 1.0;      ///< time window of a segment's observations [s]
-  double max_range_m = 50.0;          ///< of tracked points [m]
+  double max_range_m = 0.0;           ///< of tracked points; 0: RigCapability::vehicles_to_m [m]
   double min_height_m = 0.2;          ///< above ground, of points on objects [m]
   double max_height_m = 3.5;          ///< above ground, of points on objects [m]
   double sigma_px = 0.4;              ///< noise of an image position, each way [px]
@@ -31,7 +31,7 @@ struct StereoMotionParams {
   int min_points = 3;                 ///< of an object
   double max_point_distance_m = 1.0;  ///< between neighbours of one object, over the ground [m]
   double min_moving_ratio = 0.6;      ///< of the points within an object's outline [-]
-  double max_segment_range_m = 30.0;  ///< of upright segments tracked as a whole [m]
+  double max_segment_range_m = 0.0;   ///< of upright segments; 0: 1.5 people_to_m of the rig [m]
   double segment_significance = 15.0;  ///< of its motion, chi-square, 2 degrees of freedom [-]
   double max_moving_ratio = 0.4;  ///< of all points; above, the camera's motion is rejected [-]
   bool classify = true;           ///< by size and speed; else every object is Unknown

@@ -19,7 +19,7 @@ class EvidenceGrid;
 /// How ground scans become a grid of free and occupied cells. Part of section [grid].
 struct StaticGridParams {
   double resolution_m = 0.2;  ///< side of a cell [m]
-  double spacing_m = 1.0;     ///< of the places whose scans are kept [m]
+  double spacing_m = 0.0;     ///< of the places whose scans are kept; 0: 1 m [m]
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "grid"); }  ///< @throws InputError

@@ -7,6 +7,7 @@
 #include <headway/objects/moving_object_tracker.h>
 #include <headway/pipeline/detection_stage.h>
 #include <headway/slam/stereo_slam.h>
+#include <headway/stereo/rig_capability.h>
 
 #include <memory>
 #include <optional>
@@ -85,6 +86,10 @@ class Perception {
   /// @throws InputError if a frame brings its own pose to a resumed map
   [[nodiscard]] PerceptionUpdate process(const RecordedFrame& frame);
 
+  /// What the rig can see, with the parameters that replace derived values; nullopt without a
+  /// camera.
+  [[nodiscard]] const std::optional<stereo::RigCapability>& rig() const { return rig_; }
+
   /// The one map: landmarks, keyframes, free and occupied ground, and moving objects, as after the
   /// last frame.
   [[nodiscard]] const map::PerceptionMap& map() const { return map_; }
@@ -118,6 +123,7 @@ class Perception {
   stereo::FrontEnd front_end_;
   DetectionStage detection_;
   objects::MovingObjectTracker tracker_;
+  std::optional<stereo::RigCapability> rig_;
   GridParams grid_params_;
   map::StaticGrid grid_;
   map::PerceptionMap map_;

@@ -13,7 +13,7 @@ struct DisparityParams {
 
   Method method = Method::kBlocks;
   int reduce = 2;              ///< images are matched at 1/reduce of their size [-]
-  double nearest_m = 3.0;      ///< minimum depth matched [m]
+  double nearest_m = 0.0;      ///< minimum depth matched; 0: RigCapability::nearest_m [m]
   int block_px = 7;            ///< side of a block in the reduced image, made odd [px]
   int uniqueness_percent = 0;  ///< margin of the best match over the second best [%]
   int min_speckle_px = 40;     ///< minimum area of a connected region, reduced image [px]

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <headway/core/stereo_camera.h>
+
+#include <string>
+
+namespace headway::stereo {
+
+/// Assumptions that a calibration does not contain.
+struct RigAssumptions {
+  double min_obstacle_height_m = 0.0;  ///< 0: 0.12 for a camera mounted below 1 m, else 0.3 [m]
+  double sigma_disparity_px = 0.4;     ///< noise of one disparity [px]
+  double rate_hz = 10.0;               ///< frames per second [Hz]
+};
+
+/// Distances at which a stereo rig detects things, derived from its calibration and mounting.
+///
+/// Parameters in metres that depend on the rig have the default 0, which stands for a value of this
+/// struct. Rounded to 0.1 m (below 1 m), 0.5 m
+/// (below 10 m), 1 m (below 20 m) and 5 m. With f the focal length, b the baseline, H the camera's
+/// height, h the obstacle's height and s the noise of a disparity:
+///
+///     depth error                  z^2 s / (f b)
+///     nearest matched depth        max(z0 / 2, 5 f b / width); z0: nearest ground in the image
+///     ground                       z^2 s / (f b) <= 0.65 m
+///     obstacles                    x0 (1 - h / H) up to the least of; x0: distance of that ground
+///       height in the image          f h / z >= 10 px
+///       contrast against the ground  f b h / (H z) >= 7.5 s
+///       depth error                  z^2 s / (f b) <= 0.45 m
+///     motion at a speed v          v >= 3 sigma_v; sigma_v = z^2 s / (f b) sqrt(12 / n) / T
+///
+/// v is 1.4 m/s for people and 9 m/s for vehicles, T = 1 s and n the number of frames in it.
+///
+/// @see  Gallup et al. 2008, "Variable baseline/resolution stereo" (depth error); doc/rigs.md
+struct RigCapability {
+  double baseline_m = 0.0;             ///< [m]
+  double focal_baseline = 0.0;         ///< f b [px m]
+  double camera_height_m = 0.0;        ///< above the ground [m]
+  bool camera_height_known = false;    ///< false: the mounting has no height, 1.65 m are assumed
+  double sigma_disparity_px = 0.0;     ///< as assumed [px]
+  double min_obstacle_height_m = 0.0;  ///< of the obstacles below [m]
+  double nearest_m = 0.0;              ///< minimum depth matched [m]
+  double ground_to_m = 0.0;            ///< ground is searched from nearest_m to here [m]
+  double obstacles_from_m = 0.0;       ///< obstacles of the minimum height are visible from here
+  double obstacles_to_m = 0.0;         ///< to here [m]
+  double people_to_m = 0.0;            ///< walking people are told from standing ones to here [m]
+  double vehicles_to_m = 0.0;          ///< moving vehicles from parked ones to here [m]
+
+  /// Standard deviation of a depth [m].
+  [[nodiscard]] double depthSigma(double depth_m) const;
+};
+
+/// @param camera  validated
+[[nodiscard]] RigCapability rigCapability(const StereoCamera& camera,
+                                          const RigAssumptions& assumptions = {});
+
+/// One line for users, without a line end.
+[[nodiscard]] std::string describe(const RigCapability& rig);
+
+}  // namespace headway::stereo

@@ -1,0 +1,118 @@
+#include <headway/stereo/rig_capability.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace headway::stereo {
+namespace {
+
+constexpr double kMinKnownHeight_m = 0.05;  // a lower origin is the camera itself, not the ground
+constexpr double kAssumedHeight_m = 1.65;   // of a camera without known mounting
+constexpr double kLowMount_m = 1.0;         // below it the robot is small
+constexpr double kLowObstacle_m = 0.12;     // default obstacle height of a small robot
+constexpr double kHighObstacle_m = 0.3;     // and of a car
+constexpr double kMaxDisparityRatio = 0.2;  // of the image width
+constexpr double kMinObstaclePx = 10.0;     // height of an obstacle in the image
+constexpr double kMinContrastSigmas = 7.5;  // of an obstacle's top against the ground behind it
+constexpr double kMaxDepthSigma_m = 0.45;   // of an obstacle
+constexpr double kMaxGroundSigma_m = 0.65;  // depth error of a point of the ground
+constexpr double kMotionSigmas = 3.0;       // significance of a speed
+constexpr double kMotionWindow_s = 1.0;     // in which it is measured
+constexpr double kWalkingSpeed_mps = 1.4;   // Bohannon 1997
+constexpr double kVehicleSpeed_mps = 9.0;   // urban traffic
+constexpr double kPreferredRatio = 0.5;     // of the nearest visible ground: the top of an obstacle
+                                            // half as high as the camera leaves the image there
+
+double rounded(double value) {
+  const double step = value < 0.95 ? 0.1 : value < 9.75 ? 0.5 : value < 19.5 ? 1.0 : 5.0;
+  return std::max(0.1, step * std::round(value / step));
+}
+
+/// Where the ground enters the image at its lower edge [m]; infinite if it does not.
+struct NearestGround {
+  double depth_m = std::numeric_limits<double>::infinity();     ///< along the optical axis
+  double distance_m = std::numeric_limits<double>::infinity();  ///< over the ground
+};
+
+NearestGround nearestGround(const StereoCamera& camera, double height) {
+  const Eigen::Vector3d edge =
+      camera.T_robot_cam.linear() * ray({camera.cx, camera.height - 1.0}, camera);
+  if (!(edge.z() < 0.0)) return {};
+  const double depth = height / -edge.z();
+  return {depth, depth * edge.head<2>().norm()};
+}
+
+/// Depth at which the depth error has a size.
+double depthOfSigma(const RigCapability& rig, double sigma_m) {
+  return std::sqrt(sigma_m * rig.focal_baseline / rig.sigma_disparity_px);
+}
+
+/// Depth up to which a constant speed is significant.
+double motionReach(const RigCapability& rig, double speed, double rate_hz) {
+  const double frames = std::max(2.0, kMotionWindow_s * rate_hz);
+  const double max_depth_sigma = speed * kMotionWindow_s / kMotionSigmas / std::sqrt(12.0 / frames);
+  return depthOfSigma(rig, max_depth_sigma);
+}
+
+double obstacleReach(const RigCapability& rig, double focal) {
+  const double h = rig.min_obstacle_height_m;
+  const double by_size = focal * h / kMinObstaclePx;
+  const double by_contrast =
+      rig.focal_baseline * h / rig.camera_height_m / (kMinContrastSigmas * rig.sigma_disparity_px);
+  return std::min({by_size, by_contrast, depthOfSigma(rig, kMaxDepthSigma_m)});
+}
+
+}  // namespace
+
+double RigCapability::depthSigma(double depth_m) const {
+  return sigma_disparity_px * depth_m * depth_m / focal_baseline;
+}
+
+RigCapability rigCapability(const StereoCamera& camera, const RigAssumptions& assumptions) {
+  RigCapability rig;
+  rig.baseline_m = camera.baseline_m;
+  rig.focal_baseline = camera.fx * camera.baseline_m;
+  rig.sigma_disparity_px = assumptions.sigma_disparity_px;
+  const double mounted = camera.T_robot_cam.translation().z();
+  rig.camera_height_known = mounted >= kMinKnownHeight_m;
+  rig.camera_height_m = rig.camera_height_known ? mounted : kAssumedHeight_m;
+  rig.min_obstacle_height_m = assumptions.min_obstacle_height_m;
+  if (rig.min_obstacle_height_m <= 0.0) {
+    rig.min_obstacle_height_m =
+        rig.camera_height_m < kLowMount_m ? kLowObstacle_m : kHighObstacle_m;
+  }
+  const double by_disparity = rig.focal_baseline / (kMaxDisparityRatio * camera.width);
+  const NearestGround ground = nearestGround(camera, rig.camera_height_m);
+  const bool ground_in_view = std::isfinite(ground.depth_m);
+  rig.nearest_m = rounded(ground_in_view ? std::max(kPreferredRatio * ground.depth_m, by_disparity)
+                                         : by_disparity);
+  const double hidden = std::min(1.0, rig.min_obstacle_height_m / rig.camera_height_m);
+  rig.obstacles_from_m = std::max(
+      rig.nearest_m, rounded(ground_in_view ? ground.distance_m * (1.0 - hidden) : by_disparity));
+  rig.ground_to_m = rounded(depthOfSigma(rig, kMaxGroundSigma_m));
+  rig.obstacles_to_m = rounded(obstacleReach(rig, camera.fy));
+  rig.people_to_m = rounded(motionReach(rig, kWalkingSpeed_mps, assumptions.rate_hz));
+  rig.vehicles_to_m = rounded(motionReach(rig, kVehicleSpeed_mps, assumptions.rate_hz));
+  return rig;
+}
+
+std::string describe(const RigCapability& rig) {
+  const auto text = [](const char* format, auto... values) {
+    char buffer[160];
+    std::snprintf(buffer, sizeof buffer, format, values...);
+    return std::string(buffer);
+  };
+  const bool sees_obstacles = rig.obstacles_from_m < rig.obstacles_to_m;
+  return text("rig: baseline %.2f m, camera %.2f m above the ground%s, matched from %.1f m; ",
+              rig.baseline_m, rig.camera_height_m, rig.camera_height_known ? "" : " (assumed)",
+              rig.nearest_m) +
+         (sees_obstacles ? text("obstacles of %.2f m at %.1f to %.1f m", rig.min_obstacle_height_m,
+                                rig.obstacles_from_m, rig.obstacles_to_m)
+                         : text("no obstacles of %.2f m", rig.min_obstacle_height_m)) +
+         text(", people's motion to %.1f m, vehicles' to %.0f m", rig.people_to_m,
+              rig.vehicles_to_m);
+}
+
+}  // namespace headway::stereo

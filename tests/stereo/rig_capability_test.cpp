@@ -1,0 +1,133 @@
+#include <gmock/gmock.h>
+#include <headway/stereo/rig_capability.h>
+#include <headway_test/paths.h>
+
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+
+namespace headway::stereo {
+namespace {
+
+struct Mounting {
+  double height_m;
+  double pitch_deg;  ///< down
+};
+
+StereoCamera cameraOf(int width, int height, double focal, double baseline, Mounting mounting) {
+  StereoCamera camera;
+  camera.width = width;
+  camera.height = height;
+  camera.fx = camera.fy = focal;
+  camera.cx = 0.5 * (width - 1);
+  camera.cy = 0.5 * (height - 1);
+  camera.baseline_m = baseline;
+  camera.T_robot_cam =
+      Eigen::Translation3d(0.0, 0.0, mounting.height_m) *
+      Eigen::AngleAxisd(mounting.pitch_deg * M_PI / 180.0, Eigen::Vector3d::UnitY()) *
+      robotFromOptical();
+  return camera;
+}
+
+const StereoCamera kCar = cameraOf(1241, 376, 718.0, 0.54, {1.65, 0.0});
+const StereoCamera kRobot = cameraOf(1280, 720, 700.0, 0.12, {0.5, 10.0});
+const StereoCamera kSmall = cameraOf(640, 480, 450.0, 0.05, {0.3, 0.0});
+
+TEST(RigCapabilityTest, TheCarHasTheRangesItWasTunedTo) {
+  const auto rig = rigCapability(kCar);
+  EXPECT_DOUBLE_EQ(rig.min_obstacle_height_m, 0.3);
+  EXPECT_DOUBLE_EQ(rig.nearest_m, 3.0);
+  EXPECT_DOUBLE_EQ(rig.ground_to_m, 25.0);
+  EXPECT_DOUBLE_EQ(rig.obstacles_to_m, 20.0);
+  EXPECT_DOUBLE_EQ(rig.people_to_m, 20.0);
+  EXPECT_DOUBLE_EQ(rig.vehicles_to_m, 50.0);
+}
+
+TEST(RigCapabilityTest, KittiCamerasWithoutKnownMountingHaveThoseOfTheCar) {
+  for (const auto& camera : {cameraOf(1226, 370, 707.09, 0.5371, {0.0, 0.0}),
+                             cameraOf(1242, 375, 721.54, 0.5327, {0.0, 0.0})}) {
+    const auto rig = rigCapability(camera);
+    EXPECT_FALSE(rig.camera_height_known);
+    EXPECT_DOUBLE_EQ(rig.nearest_m, 3.0);
+    EXPECT_DOUBLE_EQ(rig.ground_to_m, 25.0);
+    EXPECT_DOUBLE_EQ(rig.obstacles_to_m, 20.0);
+    EXPECT_DOUBLE_EQ(rig.people_to_m, 20.0);
+    EXPECT_DOUBLE_EQ(rig.vehicles_to_m, 50.0);
+  }
+}
+
+TEST(RigCapabilityTest, SmallRigsKeepTheirPromises) {
+  const auto robot = rigCapability(kRobot);
+  EXPECT_DOUBLE_EQ(robot.min_obstacle_height_m, 0.12);
+  EXPECT_LE(robot.obstacles_from_m, 0.5);
+  EXPECT_GE(robot.obstacles_to_m, 6.0);
+  EXPECT_GE(robot.people_to_m, 7.0);
+  const auto small = rigCapability(kSmall);
+  EXPECT_DOUBLE_EQ(small.min_obstacle_height_m, 0.12);
+  EXPECT_LE(small.obstacles_from_m, 0.4);
+  EXPECT_GE(small.obstacles_to_m, 3.0);
+  EXPECT_GE(small.people_to_m, 3.5);
+}
+
+TEST(RigCapabilityTest, HigherObstaclesAreSeenFartherAndLessNoiseReachesFarther) {
+  RigAssumptions high;
+  high.min_obstacle_height_m = 0.3;
+  EXPECT_GT(rigCapability(kRobot, high).obstacles_to_m, rigCapability(kRobot).obstacles_to_m);
+  RigAssumptions precise;
+  precise.sigma_disparity_px = 0.2;
+  EXPECT_GT(rigCapability(kSmall, precise).people_to_m, rigCapability(kSmall).people_to_m);
+}
+
+TEST(RigCapabilityTest, TheDepthErrorGrowsWithTheSquareOfTheDepth) {
+  const auto rig = rigCapability(kRobot);
+  EXPECT_NEAR(rig.depthSigma(6.0), 0.4 * 36.0 / 84.0, 1e-12);
+}
+
+TEST(RigCapabilityTest, ACameraThatLooksUpIsLimitedByTheDisparitiesAlone) {
+  const auto rig = rigCapability(cameraOf(1280, 720, 700.0, 0.12, {0.5, -60.0}));
+  EXPECT_NEAR(rig.nearest_m, 84.0 / 256.0, 0.05);
+}
+
+TEST(RigCapabilityTest, IsDescribedInOneLine) {
+  EXPECT_EQ(describe(rigCapability(kSmall)),
+            "rig: baseline 0.05 m, camera 0.30 m above the ground, matched from 0.3 m; obstacles "
+            "of 0.12 m at 0.3 to 3.0 m, people's motion to 5.0 m, vehicles' to 12 m");
+  EXPECT_THAT(describe(rigCapability(cameraOf(640, 480, 450.0, 0.05, {0.0, 0.0}))),
+              testing::HasSubstr("1.65 m above the ground (assumed)"));
+}
+
+/// The table of doc/rigs.md.
+std::string table() {
+  std::string text =
+      "| baseline | image | focal length | camera height | matched from | obstacles | people's "
+      "motion | vehicles' motion |\n| --- | --- | --- | --- | --- | --- | --- | --- |\n";
+  for (const double baseline : {0.05, 0.12, 0.25, 0.54}) {
+    for (const auto& like : {kSmall, kRobot, kCar}) {
+      auto camera = like;
+      camera.baseline_m = baseline;
+      const auto rig = rigCapability(camera);
+      char row[240];
+      std::snprintf(row, sizeof row, "| %.2f m | %d×%d | %.0f px | %.2f m | %.1f m | ", baseline,
+                    camera.width, camera.height, camera.fx, rig.camera_height_m, rig.nearest_m);
+      text += row;
+      std::snprintf(row, sizeof row, "%.2f m high, ", rig.min_obstacle_height_m);
+      text += row;
+      std::snprintf(row, sizeof row, "%.1f to %.1f m", rig.obstacles_from_m, rig.obstacles_to_m);
+      text += rig.obstacles_from_m < rig.obstacles_to_m ? row : "none";
+      std::snprintf(row, sizeof row, " | to %.1f m | to %.0f m |\n", rig.people_to_m,
+                    rig.vehicles_to_m);
+      text += row;
+    }
+  }
+  return text;
+}
+
+TEST(RigCapabilityTest, TheTableInTheDocumentationIsComputedByThisCode) {
+  std::ifstream file(HEADWAY_SOURCE_DIR "/doc/rigs.md");
+  std::stringstream page;
+  page << file.rdbuf();
+  EXPECT_NE(page.str().find(table()), std::string::npos) << "expected in doc/rigs.md:\n" << table();
+}
+
+}  // namespace
+}  // namespace headway::stereo
