@@ -51,7 +51,7 @@ std::set<int> filmedTrials(const std::string& list) {
   return trials;
 }
 
-/// Refuses before the work what would be refused after it.
+/// Checks all output files before the work starts.
 void requireWritable(const Options& options) {
   if (!options.json.empty()) program::requireWritable(options.json, options.overwrite);
   if (options.video.empty()) return;
@@ -68,11 +68,39 @@ void writeJson(const std::string& path, const std::vector<PolicyFigures>& figure
   if (!file) throw InputError(path + ": cannot be written; is the folder there?");
 }
 
+/// Runs one trial with each policy.
+///
+/// @param record  keep the planning steps, for pictures
+/// @return        one record for each policy
+std::vector<TrialRecord> runTrial(const std::vector<std::unique_ptr<TrialRunner>>& runners,
+                                  std::vector<PolicyTrials>& policies, std::uint64_t seed,
+                                  bool record) {
+  std::vector<TrialRecord> records;
+  for (std::size_t p = 0; p < policies.size(); ++p) {
+    TrialRecord& trial = records.emplace_back();
+    TrialObserver observer;
+    if (record) observer = [&](const TrialMoment& moment) { trial.moments.push_back(moment); };
+    trial.result = runners[p]->run(seed, observer);
+    trial.policy = nameOf(policies[p].policy);
+    policies[p].trials.push_back(trial.result);
+  }
+  return records;
+}
+
+void report(const Options& options, const std::vector<PolicyTrials>& policies,
+            const std::vector<std::string>& written) {
+  const auto figures = figuresOf(policies);
+  if (!options.quiet) {
+    print(std::cout, figures);
+    for (const auto& file : written) std::cout << "wrote " << file << '\n';
+  }
+  if (!options.json.empty()) writeJson(options.json, figures);
+}
+
 int runAll(const Options& options, TrialSetup setup) {
-  const auto chosen = chosenPolicies(options.policy);
   std::vector<PolicyTrials> policies;
   std::vector<std::unique_ptr<TrialRunner>> runners;
-  for (const auto policy : chosen) {
+  for (const auto policy : chosenPolicies(options.policy)) {
     policies.push_back({policy, {}});
     setup.nav.policy = policy;
     runners.push_back(std::make_unique<TrialRunner>(setup));
@@ -84,17 +112,7 @@ int runAll(const Options& options, TrialSetup setup) {
   for (int i = 0; i < options.trials && !program::interrupted(); ++i) {
     const auto seed = static_cast<std::uint64_t>(options.seed + i);
     const bool film = !options.video.empty() && filmed.count(i + 1) > 0;
-    std::vector<TrialRecord> records;
-    for (std::size_t p = 0; p < policies.size(); ++p) {
-      PolicyTrials& policy = policies[p];
-      TrialRecord record;
-      TrialObserver observer;
-      if (film) observer = [&](const TrialMoment& moment) { record.moments.push_back(moment); };
-      record.result = runners[p]->run(seed, observer);
-      record.policy = nameOf(policy.policy);
-      policy.trials.push_back(record.result);
-      if (film) records.push_back(std::move(record));
-    }
+    const auto records = runTrial(runners, policies, seed, film);
     if (film) {
       for (const auto& file :
            writeRecording(records, setup.world.robot, options.seed + i, options.video)) {
@@ -104,12 +122,7 @@ int runAll(const Options& options, TrialSetup setup) {
     progress.update(static_cast<std::size_t>(i + 1), (i + 1.0) / options.trials);
   }
   progress.finish();
-  const auto figures = figuresOf(policies);
-  if (!options.quiet) print(std::cout, figures);
-  if (!options.quiet) {
-    for (const auto& file : written) std::cout << "wrote " << file << '\n';
-  }
-  if (!options.json.empty()) writeJson(options.json, figures);
+  report(options, policies, written);
   return program::kDone;
 }
 
@@ -128,7 +141,8 @@ int main(int argc, char** argv) {
     program::CommandLine line("headway-nav", "Drives a simulated robot among people.");
     line.option(options.trials, 0, "trials", "N", "Number of trials");
     line.option(options.policy, 0, "policy", "NAME|all", "static, sweep, time_gated or all");
-    line.option(options.seed, 0, "seed", "S", "Of the first trial; each next one has one more");
+    line.option(options.seed, 0, "seed", "S",
+                "Seed of the first trial; it increases by one per trial");
     line.option(options.json, 0, "json", "FILE", "Write the figures as JSON");
     line.option(options.video, 0, "video", "DIR", "Write videos and top views of filmed trials");
     line.option(options.filmed, 0, "film", "N,N,...", "Trials to be filmed, from 1; default 1");
@@ -136,14 +150,14 @@ int main(int argc, char** argv) {
     line.parameters(params);
     if (!line.parse(argc, argv)) return program::kDone;
     options.quiet = line.quiet();
-    if (options.trials < 1) throw program::UsageError("--trials: there must be one at least");
+    if (options.trials < 1) throw program::UsageError("--trials: must be at least 1");
     if (options.seed < 0) throw program::UsageError("--seed: must not be negative");
     app::requireWritable(options);
-    // The gate must know the robot that drives.
+    // The predictive obstacles need the parameters of the simulated robot.
     setup.nav.robot.radius_m = setup.world.robot.radius();
     setup.nav.robot.length_m = setup.world.robot.length_m;
     setup.nav.robot.width_m = setup.world.robot.width_m;
-    setup.nav.robot.max_speed_mps = setup.world.robot.top_speed;
+    setup.nav.robot.max_speed_mps = setup.world.robot.max_speed_mps;
     setup.nav.governor.lag_s = setup.world.robot.lag_s;
     return app::runAll(options, setup);
   });

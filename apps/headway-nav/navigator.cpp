@@ -71,8 +71,8 @@ void writePaths(std::ostream& out, int index, const RobotParams& robot, const st
       << prefix << "resolution = 0.05\n"
       << prefix << "refDistance = ${REACH}\n"
       << prefix << "num_paths = 121\n"
-      << prefix << "v_max_mps = " << robot.top_speed << '\n'
-      << prefix << "w_max_dps = " << robot.top_turn_dps << '\n'
+      << prefix << "v_max_mps = " << robot.max_speed_mps << '\n'
+      << prefix << "w_max_dps = " << robot.max_turn_dps << '\n'
       << shape;
 }
 
@@ -102,8 +102,8 @@ mrpt::config::CConfigFileMemory configuration(const RobotParams& robot) {
   std::ostringstream out;
   out << "@define REACH " << robot.planning_reach_m << '\n' << kMethod;
   out << "[CAbstractPTGBasedReactive]\n"
-      << "robotMax_V_mps = " << robot.top_speed << '\n'
-      << "robotMax_W_degps = " << robot.top_turn_dps << '\n'
+      << "robotMax_V_mps = " << robot.max_speed_mps << '\n'
+      << "robotMax_W_degps = " << robot.max_turn_dps << '\n'
       << "holonomic_method = " << kHolonomicMethod << '\n'
       << "motion_decider_method = CMultiObjMotionOpt_Scalarization\n"
       << "ref_distance = ${REACH}\n"

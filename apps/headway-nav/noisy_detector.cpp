@@ -56,16 +56,16 @@ Detections NoisyDetector::detect(const sim::Crowd& crowd, const mrpt::math::TPos
     if (place.norm() > params_.detection_range_m || place.norm() < 0.1) continue;
     const double bearing_deg = std::abs(std::atan2(place.y(), place.x())) / kDegree;
     if (bearing_deg > 0.5 * params_.field_of_view_deg) continue;
-    if (isHidden(crowd, robot, person) || random_.chance(params_.miss_share)) continue;
+    if (isHidden(crowd, robot, person) || random_.chance(params_.miss_probability)) continue;
     const Vector2d velocity = person.velocity();
     const double heading = std::atan2(velocity.y(), velocity.x()) - robot.phi;
     detections.items.push_back(measured(place, heading, person.radius));
-    if (!random_.chance(params_.double_share)) continue;
+    if (!random_.chance(params_.duplicate_probability)) continue;
     const double ahead = kDuplicateSigma_m * random_.normal();
     const double aside = kDuplicateSigma_m * random_.normal();
     detections.items.push_back(measured(place + Vector2d(ahead, aside), heading, person.radius));
   }
-  if (random_.chance(params_.false_share)) {
+  if (random_.chance(params_.false_alarm_probability)) {
     const double bearing = random_.uniform(-M_PI, M_PI);
     const double range = random_.uniform(1.0, params_.detection_range_m);
     const Vector2d place = Eigen::Rotation2Dd(bearing) * Vector2d(range, 0.0);
@@ -77,11 +77,11 @@ Detections NoisyDetector::detect(const sim::Crowd& crowd, const mrpt::math::TPos
 DetectorNoise NoisyDetector::noiseOf(double distance_m, double width_m) const {
   DetectorNoise noise;
   noise.along_sigma_m = params_.along_sigma_m + params_.along_sigma_per_m * distance_m;
-  noise.across_sigma_m = params_.across_share * noise.along_sigma_m;
+  noise.across_sigma_m = params_.across_ratio * noise.along_sigma_m;
   noise.vertical_variance_ratio = 1.0;
   noise.size_sigma_ratio = params_.size_sigma_m / width_m;
   noise.yaw_sigma_rad = params_.yaw_sigma_deg * kDegree;
-  noise.flip_probability = params_.flip_share;
+  noise.flip_probability = params_.flip_probability;
   return noise;
 }
 

@@ -108,7 +108,7 @@ class TrialRunner::Trial {
   Trial(Machine& machine, std::uint64_t seed)
       : machine_(machine),
         world_(machine.setup.world),
-        crowd_(world_.people, {world_.robot.goal_m, world_.robot.top_speed}, 3 * seed),
+        crowd_(world_.people, {world_.robot.goal_m, world_.robot.max_speed_mps}, 3 * seed),
         detector_(world_.sensors, 3 * seed + 1),
         tracker_(machine.setup.objects) {
     machine_.robot.start(crowd_, RangeScanner(world_.sensors, 3 * seed + 2));

@@ -20,7 +20,7 @@ for world in city-01:101 city-01:7 city-02:102 city-03:103 city-03:8 street:9; d
 done
 
 echo "stereo_motion on simulated worlds: ${worlds[*]##*/}"
-$bench/bench_movers "${worlds[@]}"
+$bench/bench_moving_objects "${worlds[@]}"
 echo
 echo "Lifting of perfect 2D boxes on the same worlds, up to 30 m"
 $bench/bench_lifting simulated "${worlds[@]}"
@@ -30,7 +30,7 @@ echo
 echo "Surface depth of real cars, KITTI stereo 2015"
 $bench/bench_lifting kitti "$HEADWAY_DATA/kitti_stereo_2015/training"
 echo
-echo "Edges of YOLOX-nano's boxes of these cars, in shares of their width"
+echo "Edges of YOLOX-nano's boxes of these cars, relative to their width"
 $bench/bench_lifting edges "$HEADWAY_DATA/kitti_stereo_2015/training" \
   "$HEADWAY_DATA/models/yolox_nano.onnx"
 

@@ -2,9 +2,9 @@
 #include <headway/core/appearance.h>
 #include <headway/detect/detector_factory.h>
 #include <headway/detect/stereo_motion.h>
+#include <headway_test/degraded_images.h>
 #include <headway_test/input_error.h>
 #include <headway_test/painted_street.h>
-#include <headway_test/spoilt_images.h>
 #include <headway_test/textured_world.h>
 
 #include <functional>

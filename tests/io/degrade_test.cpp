@@ -26,7 +26,7 @@ Detections manyBoxes(double depth, double score = 1.0) {
 DegradeParams nothing() {
   DegradeParams params;
   params.position_sigma_m = 0.0;
-  params.drop_probability = params.double_probability = params.flip_probability = 0.0;
+  params.drop_probability = params.duplicate_probability = params.flip_probability = 0.0;
   return params;
 }
 
@@ -63,7 +63,7 @@ TEST(DegradeTest, DropsDuplicatesAndFlipsAtTheGivenRates) {
               static_cast<double>(Degrader(params).degrade(manyBoxes(20)).items.size()),
               0.01 * kBoxes);
   params = nothing();
-  params.double_probability = 0.1;
+  params.duplicate_probability = 0.1;
   const auto doubled = Degrader(params).degrade(manyBoxes(20));
   EXPECT_NEAR(1.1 * kBoxes, static_cast<double>(doubled.items.size()), 0.01 * kBoxes);
   std::size_t without_id = 0;

@@ -7,7 +7,8 @@
 
 namespace headway::map {
 
-/// A believed, moving track with a past and two futures; every field differs from its default.
+/// A confirmed, moving track with a history and two predictions; every field differs from its
+/// default.
 inline Track exampleTrack(std::int64_t id, ObjectClass object_class,
                           const Eigen::Vector3d& position, double yaw) {
   Track track;

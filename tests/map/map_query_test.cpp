@@ -97,16 +97,16 @@ TEST(SamplePathTest, GoesThroughItsPointsAndBeyondThem) {
   EXPECT_NEAR(samplePath(track, {}, 2.0).centre.x(), 1.0, 1e-12);
 }
 
-TEST(OccupancyAtTest, FollowsAMoverThroughTime) {
+TEST(OccupancyAtTest, FollowsAMovingObjectOverTime) {
   const auto map = mapWith({walkingTrack(1, {2.0, -2.0}, {0.0, 1.0}, 0.05)});
-  const MapQuery ask = map.at(kNow);
-  EXPECT_GT(ask.occupancyAt(2.0, -2.0, kNow).probability, 0.95);
-  EXPECT_LT(ask.occupancyAt(2.0, -2.0, kNow + 2.0).probability, 0.05);
-  EXPECT_GT(ask.occupancyAt(2.0, 0.0, kNow + 2.0).moving_probability, 0.95);
-  EXPECT_EQ(ask.occupancyAt(2.0, 0.0, kNow + 2.0).status, QueryStatus::kKnown);
+  const MapQuery query = map.at(kNow);
+  EXPECT_GT(query.occupancyAt(2.0, -2.0, kNow).probability, 0.95);
+  EXPECT_LT(query.occupancyAt(2.0, -2.0, kNow + 2.0).probability, 0.05);
+  EXPECT_GT(query.occupancyAt(2.0, 0.0, kNow + 2.0).moving_probability, 0.95);
+  EXPECT_EQ(query.occupancyAt(2.0, 0.0, kNow + 2.0).status, QueryStatus::kKnown);
 }
 
-TEST(OccupancyAtTest, IsLessSureOfAMoverWhoIsLessSurelyThere) {
+TEST(OccupancyAtTest, DecreasesWithTheUncertaintyOfTheObject) {
   const auto at = [](double sigma_m) {
     return mapWith({walkingTrack(1, {2.0, 0.0}, {0.0, 0.0}, sigma_m)})
         .at(kNow)
@@ -119,30 +119,30 @@ TEST(OccupancyAtTest, IsLessSureOfAMoverWhoIsLessSurelyThere) {
   EXPECT_NEAR(at(0.2), 1.0 - std::exp(-0.25 * 0.25 / (2.0 * 0.04)), 0.01);
 }
 
-TEST(OccupancyAtTest, SharesAMoverAmongHisFutures) {
+TEST(OccupancyAtTest, WeighsThePredictedPathsOfAnObject) {
   Track track = walkingTrack(1, {2.0, 0.0}, {0.0, 1.0}, 0.05);
   track.predictions.push_back(walkingTrack(1, {2.0, 0.0}, {0.0, -1.0}, 0.05).predictions.front());
   track.predictions[0].probability = 0.7;
   track.predictions[1].probability = 0.3;
   const auto map = mapWith({track});
-  const MapQuery ask = map.at(kNow);
-  EXPECT_NEAR(ask.occupancyAt(2.0, 2.0, kNow + 2.0).moving_probability, 0.7, 0.02);
-  EXPECT_NEAR(ask.occupancyAt(2.0, -2.0, kNow + 2.0).moving_probability, 0.3, 0.02);
-  EXPECT_GT(ask.occupancyAt(2.0, 0.0, kNow).moving_probability, 0.97) << "both start here";
+  const MapQuery query = map.at(kNow);
+  EXPECT_NEAR(query.occupancyAt(2.0, 2.0, kNow + 2.0).moving_probability, 0.7, 0.02);
+  EXPECT_NEAR(query.occupancyAt(2.0, -2.0, kNow + 2.0).moving_probability, 0.3, 0.02);
+  EXPECT_GT(query.occupancyAt(2.0, 0.0, kNow).moving_probability, 0.97) << "both start here";
 }
 
 TEST(OccupancyAtTest, KnowsTheStaticMapAndWhereItEnds) {
   const auto map = mapWith({});
-  const MapQuery ask = map.at(kNow);
-  EXPECT_LT(ask.occupancyAt(0.0, 0.0, kNow).probability, 0.05);
-  EXPECT_GT(ask.occupancyAt(8.0, 0.0, kNow + 1.0).static_probability, 0.95);
-  EXPECT_EQ(ask.occupancyAt(12.0, 0.0, kNow).status, QueryStatus::kUnknownPlace)
+  const MapQuery query = map.at(kNow);
+  EXPECT_LT(query.occupancyAt(0.0, 0.0, kNow).probability, 0.05);
+  EXPECT_GT(query.occupancyAt(8.0, 0.0, kNow + 1.0).static_probability, 0.95);
+  EXPECT_EQ(query.occupancyAt(12.0, 0.0, kNow).status, QueryStatus::kUnknownPlace)
       << "behind the wall";
-  EXPECT_EQ(ask.occupancyAt(1e6, 0.0, kNow).status, QueryStatus::kUnknownPlace)
+  EXPECT_EQ(query.occupancyAt(1e6, 0.0, kNow).status, QueryStatus::kUnknownPlace)
       << "outside the map";
-  EXPECT_EQ(ask.occupancyAt(1e6, 0.0, kNow).static_probability, 0.5);
+  EXPECT_EQ(query.occupancyAt(1e6, 0.0, kNow).static_probability, 0.5);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(ask.occupancyAt(nan, nan, kNow).status, QueryStatus::kUnknownPlace);
+  EXPECT_EQ(query.occupancyAt(nan, nan, kNow).status, QueryStatus::kUnknownPlace);
 }
 
 TEST(MapQueryTest, TellsAStaleMapAnEmptyOneAndTimesBeyondPrediction) {
@@ -164,7 +164,7 @@ TEST(MapQueryTest, TellsAStaleMapAnEmptyOneAndTimesBeyondPrediction) {
   EXPECT_EQ(toString(QueryStatus::kStaleMap), "stale_map");
 }
 
-TEST(ObstaclesAtTest, GivesEveryFutureWithItsDoubt) {
+TEST(ObstaclesAtTest, GivesEveryPredictedPathWithItsCovariance) {
   Track track = walkingTrack(7, {2.0, 0.0}, {0.0, 1.0}, 0.2);
   track.predictions.push_back(walkingTrack(7, {2.0, 0.0}, {1.0, 0.0}, 0.3).predictions.front());
   track.predictions[0].probability = 0.7;
@@ -211,14 +211,14 @@ TEST(TimeToCollisionTest, IsWhenTheBodiesMeet) {
   EXPECT_FALSE(collision.unknown_from_s);
 }
 
-TEST(TimeToCollisionTest, IsNoneWhereTheMoverHasPassed) {
+TEST(TimeToCollisionTest, IsNoneWhereTheObjectHasPassed) {
   const auto map = mapWith({walkingTrack(1, {3.0, -1.0}, {0.0, 1.0}, 0.02)});
   const auto collision = map.at(kNow).timeToCollision(kRobot, drive({0, 0}, {1, 0}, 3.0));
   EXPECT_FALSE(collision.earliest_s);
   EXPECT_LT(collision.probability, 0.05);
 }
 
-TEST(TimeToCollisionTest, DoubtMakesItEarlierAndLessSure) {
+TEST(TimeToCollisionTest, UncertaintyMakesItEarlierAndLessProbable) {
   const auto at = [](double sigma_m) {
     return mapWith({walkingTrack(1, {3.0, -3.0}, {0.0, 1.0}, sigma_m)})
         .at(kNow)
@@ -232,7 +232,7 @@ TEST(TimeToCollisionTest, MeetsTheWallAndTellsWhereTheMapEnds) {
   const auto map = mapWith({});
   const auto wall = map.at(kNow).timeToCollision(kRobot, drive({6, 0}, {1, 0}, 2.5));
   EXPECT_NEAR(wall.likely_s.value_or(9.0), 1.65, 0.21);
-  EXPECT_FALSE(wall.with) << "the still world";
+  EXPECT_FALSE(wall.with) << "the static map";
   const auto out = map.at(kNow).timeToCollision(kRobot, drive({0, 19}, {0, 1}, 2.5));
   EXPECT_EQ(out.status, QueryStatus::kUnknownPlace);
   EXPECT_NEAR(out.unknown_from_s.value_or(9.0), 0.8, 0.21);

@@ -20,9 +20,9 @@ Pose poseAt(double x, double y, double yaw = 0.0) {
 }
 
 /// What is seen of a wall at x = 10.1 m in the map, with a gap over |y| < 1 m through which one
-/// sees 15 m far; a mover stands before it if it has a place.
+/// sees 15 m far; a moving object is in front of it if given.
 GroundScan wallSeenFrom(const Pose& T_map_robot,
-                        const std::optional<Eigen::Vector2d>& mover = std::nullopt) {
+                        const std::optional<Eigen::Vector2d>& moving_object = std::nullopt) {
   GroundScan scan;
   const Pose T_robot_map = T_map_robot.inverse();
   const Eigen::Vector2d eye = T_map_robot.translation().head<2>();
@@ -35,9 +35,9 @@ GroundScan wallSeenFrom(const Pose& T_map_robot,
     double range = (10.1 - eye.x()) / along.x();
     bool stands = std::abs(eye.y() + range * along.y()) > 1.0;
     if (!stands) range = 15.0;
-    if (mover) {
-      const double at = along.dot(*mover - eye);
-      if ((eye + at * along - *mover).norm() < 0.4 && at < range) {
+    if (moving_object) {
+      const double at = along.dot(*moving_object - eye);
+      if ((eye + at * along - *moving_object).norm() < 0.4 && at < range) {
         range = at;
         stands = true;
       }
@@ -97,11 +97,11 @@ TEST(StaticGridTest, RaysFreeWhatIsBeforeTheirEndAndLeaveWhatIsBehindUnknown) {
   EXPECT_GT(grid->getPos(1.1f, 0.1f), 0.55f) << "the robot's own way, which no ray reaches";
 }
 
-TEST(StaticGridTest, WhatAMoverLeavesBehindIsClearedByLaterLooks) {
+TEST(StaticGridTest, CellsOfAMovingObjectAreClearedByLaterScans) {
   StaticGrid grid({});
   const auto poses = driveForward();
   grid.add(poses[0], wallSeenFrom(poses[0], Eigen::Vector2d(7.1, 1.1)));
-  EXPECT_LT(grid.grid()->getPos(7.1f, 1.1f), 0.4f) << "nobody knew that it moves";
+  EXPECT_LT(grid.grid()->getPos(7.1f, 1.1f), 0.4f) << "not known to be moving";
   for (std::size_t i = 1; i < poses.size(); ++i) grid.add(poses[i], wallSeenFrom(poses[i]));
   EXPECT_GT(grid.grid()->getPos(7.1f, 1.1f), 0.65f);
 }
@@ -168,7 +168,7 @@ TEST(StaticGridTest, IsNoneWhileNothingWasSeen) {
   StaticGrid grid({});
   EXPECT_EQ(grid.grid(), nullptr);
   grid.add(poseAt(0.0, 0.0), {});
-  EXPECT_EQ(grid.grid(), nullptr) << "a first look that saw nothing";
+  EXPECT_EQ(grid.grid(), nullptr) << "a first scan without returns";
 }
 
 TEST(StaticGridTest, IsCoarserWhereTheMapIsVast) {
@@ -194,7 +194,7 @@ TEST(StaticGridTest, GoesOnFromWhatWasSaved) {
   EXPECT_EQ(differences(cellsOf(*second.grid()), cellsOf(*first.grid())), 0);
   EXPECT_EQ(second.save(), bytes);
   second.follow({keyframeAt(3, poseAt(2.0, 0.0) * poses[0])});
-  EXPECT_LT(second.grid()->getPos(12.1f, 3.0f), 0.1f) << "still hangs on its keyframe";
+  EXPECT_LT(second.grid()->getPos(12.1f, 3.0f), 0.1f) << "still anchored to its keyframe";
 }
 
 TEST(StaticGridTest, RefusesDamagedBytesAndKeepsWhatItHas) {

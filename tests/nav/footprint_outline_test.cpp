@@ -11,22 +11,22 @@ using Eigen::Vector2d;
 const map::FootprintShape kCar{4.0, 2.0, false};
 const map::FootprintShape kPerson{0.6, 0.4, true};
 
-PlaceUncertainty doubtOf(double sigma_m) {
+PlaceUncertainty uncertaintyOf(double sigma_m) {
   PlaceUncertainty uncertainty;
   uncertainty.covariance = sigma_m * sigma_m * Eigen::Matrix2d::Identity();
   uncertainty.max_growth_m = 10.0;
   return uncertainty;
 }
 
-std::vector<Vector2d> outlineOf(const map::FootprintShape& body, double yaw,
+std::vector<Vector2d> outlineOf(const map::FootprintShape& footprint, double yaw,
                                 const PlaceUncertainty& uncertainty) {
   std::vector<Vector2d> outline;
-  appendOutline(body, Vector2d(3.0, -1.0), yaw, uncertainty, 0.2, outline);
+  appendOutline(footprint, Vector2d(3.0, -1.0), yaw, uncertainty, 0.2, outline);
   return outline;
 }
 
 TEST(FootprintOutlineTest, OfACertainCarRunsAlongItsEdges) {
-  for (const auto& point : outlineOf(kCar, 0.0, doubtOf(0.0))) {
+  for (const auto& point : outlineOf(kCar, 0.0, uncertaintyOf(0.0))) {
     const Vector2d local = (point - Vector2d(3.0, -1.0)).cwiseAbs();
     const bool on_end = std::abs(local.x() - 2.0) < 1e-9 && local.y() <= 1.0 + 1e-9;
     const bool on_side = std::abs(local.y() - 1.0) < 1e-9 && local.x() <= 2.0 + 1e-9;
@@ -35,15 +35,15 @@ TEST(FootprintOutlineTest, OfACertainCarRunsAlongItsEdges) {
 }
 
 TEST(FootprintOutlineTest, NeighboursAreCloseEnoughForNothingToSlipThrough) {
-  const auto outline = outlineOf(kCar, 0.4, doubtOf(0.3));
+  const auto outline = outlineOf(kCar, 0.4, uncertaintyOf(0.3));
   for (std::size_t i = 0; i < outline.size(); ++i) {
     EXPECT_LE((outline[i] - outline[(i + 1) % outline.size()]).norm(), 0.3 + 1e-9);
   }
 }
 
-TEST(FootprintOutlineTest, GrowsWithTheDoubt) {
-  const auto certain = outlineOf(kPerson, 0.3, doubtOf(0.0));
-  const auto doubtful = outlineOf(kPerson, 0.3, doubtOf(0.25));
+TEST(FootprintOutlineTest, GrowsWithTheUncertainty) {
+  const auto certain = outlineOf(kPerson, 0.3, uncertaintyOf(0.0));
+  const auto uncertain = outlineOf(kPerson, 0.3, uncertaintyOf(0.25));
   const auto farthest = [](const std::vector<Vector2d>& outline) {
     double radius = 0.0;
     for (const auto& point : outline) {
@@ -51,11 +51,11 @@ TEST(FootprintOutlineTest, GrowsWithTheDoubt) {
     }
     return radius;
   };
-  EXPECT_NEAR(farthest(doubtful), farthest(certain) + 0.25, 0.02);
+  EXPECT_NEAR(farthest(uncertain), farthest(certain) + 0.25, 0.02);
 }
 
 TEST(FootprintOutlineTest, GrowsAlongTheCovarianceOnly) {
-  PlaceUncertainty along_x = doubtOf(0.0);
+  PlaceUncertainty along_x = uncertaintyOf(0.0);
   along_x.covariance(0, 0) = 1.0;
   double right = 0.0, top = 0.0;
   for (const auto& point : outlineOf(kCar, 0.0, along_x)) {
@@ -67,16 +67,16 @@ TEST(FootprintOutlineTest, GrowsAlongTheCovarianceOnly) {
 }
 
 TEST(FootprintOutlineTest, GrowsNoMoreThanAllowed) {
-  PlaceUncertainty uncertainty = doubtOf(100.0);
+  PlaceUncertainty uncertainty = uncertaintyOf(100.0);
   uncertainty.max_growth_m = 0.4;
   for (const auto& point : outlineOf(kPerson, 0.0, uncertainty)) {
     EXPECT_LE((point - Vector2d(3.0, -1.0)).norm(), kPerson.radius() + 0.4 + 1e-9);
   }
 }
 
-TEST(FootprintOutlineTest, TurnsWithTheBody) {
-  const auto straight = outlineOf(kCar, 0.0, doubtOf(0.1));
-  const auto turned = outlineOf(kCar, 0.7, doubtOf(0.1));
+TEST(FootprintOutlineTest, RotatesWithTheFootprint) {
+  const auto straight = outlineOf(kCar, 0.0, uncertaintyOf(0.1));
+  const auto turned = outlineOf(kCar, 0.7, uncertaintyOf(0.1));
   ASSERT_EQ(straight.size(), turned.size());
   const Vector2d centre(3.0, -1.0);
   for (std::size_t i = 0; i < straight.size(); ++i) {

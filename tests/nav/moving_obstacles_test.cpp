@@ -34,18 +34,18 @@ bool anyNear(const std::vector<ObstaclePoint>& points, const Vector2d& place, do
   return false;
 }
 
-TEST(MovingObstaclesTest, ACrossingMoverWhoWillBeGoneIsNoObstacleWhereHeIs) {
+TEST(MovingObstaclesTest, ACrossingObjectThatLeavesInTimeIsNoObstacleAtItsPosition) {
   const Track crossing = walkingTrack(1, {2.5, 0.0}, {0.0, 1.5});
   EXPECT_FALSE(anyNear(pointsOf({crossing}, ObstaclePolicy::kTimeGated), {2.5, 0.0}, 0.4));
   EXPECT_TRUE(anyNear(pointsOf({crossing}, ObstaclePolicy::kSweep), {2.5, 0.0}, 0.4));
 }
 
-TEST(MovingObstaclesTest, AMoverWhoWillMeetTheRobotIsOneWhereTheyMeet) {
+TEST(MovingObstaclesTest, AnObjectThatWillMeetTheRobotIsAnObstacleAtTheMeetingPoint) {
   const Track meeting = walkingTrack(1, {2.0, -2.0}, {0.0, 1.0});
   EXPECT_TRUE(anyNear(pointsOf({meeting}, ObstaclePolicy::kTimeGated), {2.0, 0.0}, 0.4));
 }
 
-TEST(MovingObstaclesTest, AMoverWhoComesTooLateIsNone) {
+TEST(MovingObstaclesTest, AnObjectThatArrivesTooLateIsNoObstacle) {
   const Track late = walkingTrack(1, {0.6, -3.0}, {0.0, 1.0});
   EXPECT_FALSE(anyNear(pointsOf({late}, ObstaclePolicy::kTimeGated), {0.6, 0.0}, 0.3));
   EXPECT_TRUE(anyNear(pointsOf({late}, ObstaclePolicy::kSweep), {0.6, 0.0}, 0.3));
@@ -98,13 +98,13 @@ TEST(MovingObstaclesTest, ImprobablePathsAreLeftOut) {
 }
 
 TEST(MovingObstaclesTest, StandingTentativeAndEndedTracksAreLeftToTheSensors) {
-  Track still = walkingTrack(1, {2.0, -2.0}, {0.0, 1.0});
-  still.motion_state = MotionState::kStatic;
+  Track standing = walkingTrack(1, {2.0, -2.0}, {0.0, 1.0});
+  standing.motion_state = MotionState::kStatic;
   Track tentative = walkingTrack(2, {2.0, -2.0}, {0.0, 1.0});
   tentative.status = TrackStatus::kTentative;
   Track ended = walkingTrack(3, {2.0, -2.0}, {0.0, 1.0});
   ended.status = TrackStatus::kEnded;
-  EXPECT_TRUE(pointsOf({still, tentative, ended}, ObstaclePolicy::kSweep).empty());
+  EXPECT_TRUE(pointsOf({standing, tentative, ended}, ObstaclePolicy::kSweep).empty());
 }
 
 TEST(MovingObstaclesTest, NoPointLiesUnderTheRobot) {
@@ -129,11 +129,11 @@ TEST(MovingObstaclesTest, SensedPointsGoOnlyWithBodiesThatLeave) {
   MovingObstacles moving(paramsOf(ObstaclePolicy::kTimeGated));
   const Track leaving = walkingTrack(1, {2.5, 0.0}, {0.0, 1.5});
   moving.update({leaving}, Vector2d::Zero(), 0.0);
-  EXPECT_TRUE(moving.willBeGone({2.3, 0.0}));
-  EXPECT_FALSE(moving.willBeGone({2.5, 1.5})) << "that is not he";
+  EXPECT_TRUE(moving.leavesInTime({2.3, 0.0}));
+  EXPECT_FALSE(moving.leavesInTime({2.5, 1.5})) << "that is not he";
   const Track staying = walkingTrack(2, {2.5, 0.1}, {0.01, 0.0});
   moving.update({leaving, staying}, Vector2d::Zero(), 0.0);
-  EXPECT_FALSE(moving.willBeGone({2.3, 0.0})) << "somebody else stays there";
+  EXPECT_FALSE(moving.leavesInTime({2.3, 0.0})) << "another object stays there";
 }
 
 TEST(MovingObstaclesTest, AreTheSameEachTime) {

@@ -27,14 +27,14 @@ TEST(PredictedPlacesTest, LieOnThePathAndLeaveNoInstantOut) {
   }
 }
 
-TEST(PredictedPlacesTest, OfAnOldMapBeginWhereTheBodyIsNow) {
+TEST(PredictedPlacesTest, OfAnOldMapBeginAtTheCurrentPosition) {
   const auto places = placesOf(walkingTrack(1, {2.0, 0.0}, {0.0, 1.0}), 0.45);
   EXPECT_NEAR(places.front().centre.y(), 0.45, 1e-9);
   EXPECT_DOUBLE_EQ(places.front().when.from_s, 0.0);
   EXPECT_NEAR(places.back().when.to_s, 2.55, 1e-9);
 }
 
-TEST(PredictedPlacesTest, ABodyThatStaysIsThereForEver) {
+TEST(PredictedPlacesTest, AStaticObjectHasAnUnlimitedTimeSpan) {
   const auto places = placesOf(walkingTrack(1, {2.0, 0.0}, {0.01, 0.0}), 0.0);
   ASSERT_EQ(places.size(), 1u);
   EXPECT_EQ(places.front().when.to_s, std::numeric_limits<double>::infinity());

@@ -12,13 +12,13 @@
 namespace headway::nav {
 namespace {
 
-using test::walkingTrack;
 using mrpt::maps::CSimplePointsMap;
+using test::walkingTrack;
 
 class PredictiveObstaclesTest : public testing::Test {
  protected:
   PredictiveObstaclesTest() {
-    wheels_.setCurrentGTPose({10.0, 5.0, M_PI / 2.0});  // looks along the map's y
+    wheels_.setCurrentGTPose({10.0, 5.0, M_PI / 2.0});  // faces along the map's y
     map_.update(100.0, {});
     now_ = 100.1;
   }
@@ -36,7 +36,7 @@ class PredictiveObstaclesTest : public testing::Test {
     return safe;
   }
 
-  /// Somebody who crosses the robot's way from its right and meets it 2 m ahead.
+  /// A person who crosses the robot's path from the right and meets it 2 m ahead.
   [[nodiscard]] static Track meetingTrack() { return walkingTrack(1, {12.0, 7.0}, {-1.0, 0.0}); }
 
   static mrpt::kinematics::CVehicleVelCmd_DiffDriven fullSpeed() {
@@ -85,7 +85,7 @@ TEST_F(PredictiveObstaclesTest, HasPointsAtAllHeightsOfABody) {
   EXPECT_TRUE(low && high);
 }
 
-TEST_F(PredictiveObstaclesTest, TakesAwayAMoverWhoWillHaveLeft) {
+TEST_F(PredictiveObstaclesTest, RemovesPointsOfAnObjectThatLeavesInTime) {
   robot_.sensed = {{3.0, 0.0}, {3.0, -2.0}};
   map_.update(100.0, {walkingTrack(1, {10.0, 8.25}, {1.5, 0.0})});
   ASSERT_TRUE(sense());
@@ -162,28 +162,28 @@ TEST_F(PredictiveObstaclesTest, HandsOnWhatIsNotSensing) {
   EXPECT_NEAR(obstacles.getNavigationTime(), robot_.getNavigationTime(), 1e-12);
 }
 
-TEST_F(PredictiveObstaclesTest, SlowsACommandWhereSomebodyWouldBeMet) {
+TEST_F(PredictiveObstaclesTest, SlowsACommandThatWouldCauseAContact) {
   PredictiveObstaclesParams params;
   PredictiveObstacles obstacles(
       robot_, [this] { return map_; }, params, [this] { return now_; });
   obstacles.changeSpeeds(fullSpeed());
-  EXPECT_EQ(obstacles.lastShare(), 1.0);
+  EXPECT_EQ(obstacles.lastSpeedRatio(), 1.0);
   map_.update(100.0, {walkingTrack(1, {11.5, 6.5}, {-1.0, 0.0}, 0.1)});
-  obstacles.changeSpeedsNOP();  // the same command, looked at again
-  EXPECT_LT(obstacles.lastShare(), 1.0);
+  obstacles.changeSpeedsNOP();  // evaluates the same command again
+  EXPECT_LT(obstacles.lastSpeedRatio(), 1.0);
   map_.update(100.0, {});
   obstacles.changeSpeedsNOP();
-  EXPECT_EQ(obstacles.lastShare(), 1.0) << "nobody is there any more";
+  EXPECT_EQ(obstacles.lastSpeedRatio(), 1.0) << "the path is free";
   wheels_.simulateOneTimeStep(3.0);
   EXPECT_NEAR(wheels_.getCurrentGTVelLocal().vx, 1.0, 0.05) << "the command went on as it was";
 }
 
-TEST_F(PredictiveObstaclesTest, HoldsTheRobotWhereNobodyKnowsWhoIsWhere) {
+TEST_F(PredictiveObstaclesTest, StopsTheRobotIfTheMapIsStale) {
   PredictiveObstacles obstacles(
       robot_, [this] { return map_; }, {}, [this] { return now_; });
   now_ = 101.0;
   obstacles.changeSpeeds(fullSpeed());
-  EXPECT_EQ(obstacles.lastShare(), 0.0);
+  EXPECT_EQ(obstacles.lastSpeedRatio(), 0.0);
   wheels_.simulateOneTimeStep(3.0);
   EXPECT_NEAR(wheels_.getCurrentGTVelLocal().vx, 0.0, 0.05);
 }
@@ -195,13 +195,13 @@ TEST_F(PredictiveObstaclesTest, LeavesTheSpeedAloneWhereItIsToldTo) {
   PredictiveObstacles ungoverned(
       robot_, [this] { return map_; }, params, [this] { return now_; });
   ungoverned.changeSpeeds(fullSpeed());
-  EXPECT_EQ(ungoverned.lastShare(), 1.0);
+  EXPECT_EQ(ungoverned.lastSpeedRatio(), 1.0);
   params.governor.enabled = true;
   params.policy = ObstaclePolicy::kStatic;
   PredictiveObstacles of_now(
       robot_, [this] { return map_; }, params, [this] { return now_; });
   of_now.changeSpeeds(fullSpeed());
-  EXPECT_EQ(of_now.lastShare(), 1.0);
+  EXPECT_EQ(of_now.lastSpeedRatio(), 1.0);
 }
 
 TEST_F(PredictiveObstaclesTest, ReadsSnapshotsWhileAnotherThreadWritesTheMap) {

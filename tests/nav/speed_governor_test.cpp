@@ -28,33 +28,33 @@ GroundState driving() {
   return robot;
 }
 
-double shareAmong(const std::vector<Track>& tracks, double age_s = 0.0) {
+double speedRatioAmong(const std::vector<Track>& tracks, double age_s = 0.0) {
   SpeedGovernor governor(params());
-  return governor.share(kAhead, driving(), tracks, age_s);
+  return governor.speedRatio(kAhead, driving(), tracks, age_s);
 }
 
 TEST(SpeedGovernorTest, LeavesTheSpeedWhereNobodyIsMet) {
-  EXPECT_EQ(shareAmong({}), 1.0);
-  EXPECT_EQ(shareAmong({walkingTrack(1, {5.0, 5.0}, {0.0, 1.0})}), 1.0) << "he walks away";
-  EXPECT_EQ(shareAmong({walkingTrack(1, {60.0, 0.0}, {0.0, 1.0})}), 1.0) << "he is far";
+  EXPECT_EQ(speedRatioAmong({}), 1.0);
+  EXPECT_EQ(speedRatioAmong({walkingTrack(1, {5.0, 5.0}, {0.0, 1.0})}), 1.0) << "he walks away";
+  EXPECT_EQ(speedRatioAmong({walkingTrack(1, {60.0, 0.0}, {0.0, 1.0})}), 1.0) << "he is far";
 }
 
-TEST(SpeedGovernorTest, SlowsForSomebodyWhoCrossesAtTheSameTime) {
-  const double share = shareAmong({walkingTrack(1, {1.5, -1.5}, {0.0, 1.0}, 0.1)});
-  EXPECT_LT(share, 0.8);
+TEST(SpeedGovernorTest, SlowsForAPersonCrossingAtTheSameTime) {
+  const double ratio = speedRatioAmong({walkingTrack(1, {1.5, -1.5}, {0.0, 1.0}, 0.1)});
+  EXPECT_LT(ratio, 0.8);
 }
 
-TEST(SpeedGovernorTest, DoesNotSlowForSomebodyWhoHasCrossedByThen) {
-  EXPECT_EQ(shareAmong({walkingTrack(1, {2.0, 0.3}, {0.0, 1.2}, 0.1)}), 1.0);
+TEST(SpeedGovernorTest, DoesNotSlowForAPersonWhoHasCrossed) {
+  EXPECT_EQ(speedRatioAmong({walkingTrack(1, {2.0, 0.3}, {0.0, 1.2}, 0.1)}), 1.0);
 }
 
-TEST(SpeedGovernorTest, DoesNotSlowInFrontOfSomebodyWhoWouldThenMeetIt) {
-  // He crosses just behind the robot as it is; slower, it would still be there.
-  EXPECT_EQ(shareAmong({walkingTrack(1, {0.2, -1.3}, {0.0, 1.0}, 0.1)}), 1.0);
+TEST(SpeedGovernorTest, DoesNotSlowWhereThatWouldCauseAContact) {
+  // The person crosses just behind the robot at its full speed.
+  EXPECT_EQ(speedRatioAmong({walkingTrack(1, {0.2, -1.3}, {0.0, 1.0}, 0.1)}), 1.0);
 }
 
-TEST(SpeedGovernorTest, StopsShortOfSomebodyWhoWalksInItsWay) {
-  EXPECT_LE(shareAmong({walkingTrack(1, {0.9, 0.0}, {0.0, 0.05}, 0.1)}), 0.2);
+TEST(SpeedGovernorTest, StopsBeforeAPersonOnItsPath) {
+  EXPECT_LE(speedRatioAmong({walkingTrack(1, {0.9, 0.0}, {0.0, 0.05}, 0.1)}), 0.2);
 }
 
 TEST(SpeedGovernorTest, SlowsLessForAnImprobableFuture) {
@@ -63,7 +63,7 @@ TEST(SpeedGovernorTest, SlowsLessForAnImprobableFuture) {
   const auto at = [&](double crosses) {
     track.predictions[0].probability = crosses;
     track.predictions[1].probability = 1.0 - crosses;
-    return shareAmong({track});
+    return speedRatioAmong({track});
   };
   EXPECT_LT(at(0.9), 1.0);
   EXPECT_EQ(at(0.01), 1.0);
@@ -71,27 +71,27 @@ TEST(SpeedGovernorTest, SlowsLessForAnImprobableFuture) {
 
 TEST(SpeedGovernorTest, CarriesAnOldMapOn) {
   const Track track = walkingTrack(1, {1.5, -2.0}, {0.0, 1.0}, 0.1);
-  EXPECT_LT(shareAmong({track}, 0.5), 1.0);
-  EXPECT_LT(shareAmong({track}, 0.5), shareAmong({track}, -2.0) + 1e-9);
+  EXPECT_LT(speedRatioAmong({track}, 0.5), 1.0);
+  EXPECT_LT(speedRatioAmong({track}, 0.5), speedRatioAmong({track}, -2.0) + 1e-9);
 }
 
 TEST(SpeedGovernorTest, LeavesOutTentativeStandingAndBrokenTracks) {
-  Track still = walkingTrack(1, {0.9, 0.0}, {0.0, 0.05});
-  still.motion_state = MotionState::kStatic;
+  Track standing = walkingTrack(1, {0.9, 0.0}, {0.0, 0.05});
+  standing.motion_state = MotionState::kStatic;
   Track tentative = walkingTrack(2, {0.9, 0.0}, {0.0, 0.05});
   tentative.status = TrackStatus::kTentative;
   Track broken = walkingTrack(3, {0.9, 0.0}, {0.0, 0.05});
   broken.position.x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(shareAmong({still, tentative, broken}), 1.0);
+  EXPECT_EQ(speedRatioAmong({standing, tentative, broken}), 1.0);
 }
 
 TEST(SpeedGovernorTest, IsTheSameEachTime) {
   SpeedGovernor governor(params());
   const std::vector<Track> tracks = {walkingTrack(1, {1.5, -1.5}, {0.0, 1.0}, 0.2),
                                      walkingTrack(2, {2.0, 1.8}, {0.0, -1.1}, 0.2)};
-  const double first = governor.share(kAhead, driving(), tracks, 0.0);
-  static_cast<void>(governor.share(kAhead, driving(), {}, 0.0));
-  EXPECT_EQ(governor.share(kAhead, driving(), tracks, 0.0), first);
+  const double first = governor.speedRatio(kAhead, driving(), tracks, 0.0);
+  static_cast<void>(governor.speedRatio(kAhead, driving(), {}, 0.0));
+  EXPECT_EQ(governor.speedRatio(kAhead, driving(), tracks, 0.0), first);
 }
 
 TEST(SpeedGovernorTest, RefusesParametersOutOfRange) {

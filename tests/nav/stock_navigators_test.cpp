@@ -39,27 +39,27 @@ class Drive {
     navigator_.navigate(&request);
   }
 
-  /// Drives for up to 40 s; somebody waits on the way for the first 8 s if asked for.
-  void run(bool somebody_in_the_way, double map_stops_at_s = 1e9) {
+  /// Drives for up to 40 s; if asked for, a person blocks the path for the first 8 s.
+  void run(bool person_in_the_way, double map_stops_at_s = 1e9) {
     for (int step = 0; step < 200; ++step) {
       const double now = wheels_.getTime();
-      if (now < map_stops_at_s) map_.update(now, tracksAt(now, somebody_in_the_way));
+      if (now < map_stops_at_s) map_.update(now, tracksAt(now, person_in_the_way));
       navigator_.navigationStep();
       if (navigator_.getCurrentState() != CAbstractNavigator::NAVIGATING) return;
       wheels_.simulateOneTimeStep(0.2);
       const auto& pose = wheels_.getCurrentGTPose();
-      farthest_aside = std::max(farthest_aside, std::abs(pose.y));
+      max_lateral_offset = std::max(max_lateral_offset, std::abs(pose.y));
     }
   }
 
   [[nodiscard]] auto state() const { return navigator_.getCurrentState(); }
   [[nodiscard]] bool stands() { return std::abs(wheels_.getV()) < 1e-3; }
 
-  double farthest_aside = 0.0;
+  double max_lateral_offset = 0.0;
 
  private:
-  static std::vector<Track> tracksAt(double now, bool somebody) {
-    if (!somebody || now > 8.0) return {};
+  static std::vector<Track> tracksAt(double now, bool person) {
+    if (!person || now > 8.0) return {};
     return {walkingTrack(1, {3.0, 0.1}, {-0.01, 0.0})};
   }
 
@@ -83,7 +83,8 @@ void expectToDrive(const std::string& configuration) {
   Drive<Navigator> blocked_drive(configuration);
   blocked_drive.run(true);
   EXPECT_EQ(blocked_drive.state(), CAbstractNavigator::IDLE) << "at the goal";
-  EXPECT_GT(blocked_drive.farthest_aside, free_drive.farthest_aside + 0.2) << "it goes round";
+  EXPECT_GT(blocked_drive.max_lateral_offset, free_drive.max_lateral_offset + 0.2)
+      << "it goes round";
 
   Drive<Navigator> stale_drive(configuration);
   stale_drive.run(false, 2.0);

@@ -11,7 +11,7 @@ TrialSetup setupOf(nav::ObstaclePolicy policy, int people) {
   setup.world.people.count = people;
   setup.nav.policy = policy;
   setup.nav.robot.radius_m = setup.world.robot.radius();
-  setup.nav.robot.max_speed_mps = setup.world.robot.top_speed;
+  setup.nav.robot.max_speed_mps = setup.world.robot.max_speed_mps;
   return setup;
 }
 
@@ -23,7 +23,7 @@ void expectSame(const TrialResult& a, const TrialResult& b) {
   EXPECT_EQ(a.step_us.size(), b.step_us.size());
 }
 
-TEST(TrialTest, ReachesItsGoalWhereNobodyIs) {
+TEST(TrialTest, ReachesItsGoalWithoutPeople) {
   TrialRunner runner(setupOf(nav::ObstaclePolicy::kTimeGated, 0));
   const auto result = runner.run(1);
   EXPECT_TRUE(result.goal_reached);
@@ -57,7 +57,7 @@ TEST(TrialTest, PeopleWalkTheSameWhateverTheRobotDoes) {
   for (std::size_t i = 0; i < one.size(); ++i) EXPECT_EQ(one[i].position, other[i].position);
 }
 
-TEST(TrialTest, ClearanceIsMeasuredFromBodyToBody) {
+TEST(TrialTest, ClearanceIsMeasuredBetweenFootprints) {
   RobotParams robot;
   robot.length_m = 1.0;
   robot.width_m = 0.5;

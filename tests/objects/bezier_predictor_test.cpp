@@ -33,9 +33,9 @@ TEST(BezierCurveTest, IsWalkedAtConstantSpeed) {
     const BezierCurve curve(start, control, end);
     const double length = lengthUpTo(start, control, end, 1.0);
     EXPECT_NEAR(curve.length(), length, 2e-3 * length) << "bend " << bend;
-    for (const double share : {0.1, 0.5, 0.9}) {
-      const double walked = lengthUpTo(start, control, end, curve.parameterAt(share));
-      EXPECT_NEAR(walked / length, share, 4e-3) << "bend " << bend;
+    for (const double fraction : {0.1, 0.5, 0.9}) {
+      const double walked = lengthUpTo(start, control, end, curve.parameterAt(fraction));
+      EXPECT_NEAR(walked / length, fraction, 4e-3) << "bend " << bend;
     }
     EXPECT_LT((curve.at(0.0) - start).norm(), 1e-9);
     EXPECT_LT((curve.at(1.0) - end).norm(), 1e-9);

@@ -72,7 +72,7 @@ TEST(ConsistencyCheckTest, LooksAtTheClassAndTheHeight) {
 
 TEST(ConsistencyCheckTest, TakesTheDetectorsIdAsAHintOnly) {
   ConsistencyParams params;
-  params.hint_bonus = 3.0;
+  params.detector_id_bonus = 3.0;
   const ConsistencyCheck check(params);
   ExpectedPlace a = track(10, 0.3);
   ExpectedPlace b = track(10, -0.3);

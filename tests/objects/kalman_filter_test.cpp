@@ -62,14 +62,14 @@ TEST(KalmanFilterTest, IsTheFullFilterInBlocks) {
   Eigen::Matrix<double, 6, 6> F = Eigen::Matrix<double, 6, 6>::Zero();
   F.topLeftCorner<3, 3>() = F.bottomRightCorner<3, 3>() = step.F;
   Eigen::Matrix<double, 6, 6> Q = Eigen::Matrix<double, 6, 6>::Zero();
-  const double sigma = params.acceleration_sigma.of(ObjectClass::kCar);
+  const double sigma = params.acceleration_sigma_mps2.of(ObjectClass::kCar);
   Q.topLeftCorner<3, 3>() = Q.bottomRightCorner<3, 3>() = sigma * sigma * step.Q;
   Eigen::Matrix<double, 2, 6> H = Eigen::Matrix<double, 2, 6>::Zero();
   H(0, 0) = H(1, 3) = 1.0;
 
   Eigen::Matrix<double, 6, 1> mean;
   mean << 1.0, 0.0, 0.0, 2.0, 0.0, 0.0;
-  const double speed = params.initial_speed_sigma.of(ObjectClass::kCar);
+  const double speed = params.initial_speed_sigma_mps.of(ObjectClass::kCar);
   Eigen::Matrix<double, 6, 6> P = Eigen::Matrix<double, 6, 6>::Zero();
   P.diagonal() << 0.09, speed * speed, sigma * sigma, 0.04, speed * speed, sigma * sigma;
   P(0, 3) = P(3, 0) = 0.03;

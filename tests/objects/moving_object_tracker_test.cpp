@@ -240,7 +240,7 @@ TEST(MovingObjectTrackerTest, ShowsTheSurerOfTwoKindsInOnePlace) {
 
 TEST(MovingObjectTrackerTest, ScoresATrackByTheMeanOverItsLife) {
   ObjectsParams params;
-  params.lifecycle.score_prior = 5.0;
+  params.lifecycle.score_prior_frames = 5.0;
   Replay replay(params);
   for (int k = 0; k < 10; ++k) replay.frame({test::seen(ObjectClass::kCar, {10, 0, 0}, 0, 3.0)});
   EXPECT_NEAR(replay.last.tracks.at(0).score, 30.0 / 15.0, 1e-12);
@@ -387,7 +387,7 @@ TEST(MovingObjectTrackerTest, SmoothsANoisyPath) {
   double ours = 0.0;
   ObjectsParams params;
   params.filter.position_sigma_m = 0.3;
-  params.filter.across_share = 1.0;
+  params.filter.across_sigma_ratio = 1.0;
   Replay replay(params);
   for (int k = 0; k < 200; ++k) {
     const Eigen::Vector2d truth(10 + 0.12 * k, 4 * std::sin(0.03 * k));
@@ -527,11 +527,11 @@ TEST(ObjectsParamsTest, OutOfRangeAreRefusedByTheTracker) {
   EXPECT_EQ("", errorOf([](ObjectsParams&) {}));
   EXPECT_EQ("[objects] max_range_m: '0' is out of range [m, 1 .. 10000]",
             errorOf([](ObjectsParams& p) { p.consistency.max_range_m = 0.0; }));
-  EXPECT_THAT(errorOf([](ObjectsParams& p) { p.filter.acceleration_sigma.cyclist = -1.0; }),
+  EXPECT_THAT(errorOf([](ObjectsParams& p) { p.filter.acceleration_sigma_mps2.cyclist = -1.0; }),
               StartsWith("[objects] cyclist_filter_acceleration_mps2: '-1'"));
   EXPECT_THAT(errorOf([nan](ObjectsParams& p) { p.heading.flip_probability = nan; }),
               StartsWith("[objects] flip_probability: 'nan'"));
-  EXPECT_THAT(errorOf([](ObjectsParams& p) { p.smoothing.window = 1; }),
+  EXPECT_THAT(errorOf([](ObjectsParams& p) { p.smoothing.window_frames = 1; }),
               StartsWith("[objects] window_frames: '1'"));
   EXPECT_THAT(errorOf([](ObjectsParams& p) { p.lifecycle.confirm_hits = 0; }),
               StartsWith("[objects] confirm_hits: '0'"));

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 #include <headway/pipeline/perception.h>
+#include <headway_test/degraded_images.h>
 #include <headway_test/painted_street.h>
-#include <headway_test/spoilt_images.h>
 
 #include <set>
 

@@ -48,7 +48,7 @@ TEST(StreetTest, MoversAreTrackedAndPredicted) {
   for (const auto& row : io::readPredictionCsv(run.file("predictions.csv"))) {
     if (moving.count(row.id) != 0 && row.point.horizon_s > 2.95) predicted.insert(row.id);
   }
-  EXPECT_GE(predicted.size(), test::kStreetMovers);
+  EXPECT_GE(predicted.size(), test::kStreetMovingObjects);
   EXPECT_EQ(run.summary["tracks_moving"], moving.size());
 }
 
@@ -57,7 +57,7 @@ TEST(StreetTest, EveryTrackHasOneScore) {
   for (const auto& row : io::readKittiRows(streetRun().file("tracks_kitti.txt"))) {
     scores[row.id].insert(row.score);
   }
-  EXPECT_GE(scores.size(), test::kStreetMovers);
+  EXPECT_GE(scores.size(), test::kStreetMovingObjects);
   for (const auto& [id, of_track] : scores) EXPECT_EQ(1u, of_track.size()) << "track " << id;
 }
 

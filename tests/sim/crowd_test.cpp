@@ -15,7 +15,7 @@ PeopleParams steadyPeople(Scenario scenario, int count = 4) {
   PeopleParams params;
   params.scenario = scenario;
   params.count = count;
-  params.wander_sigma_deg = params.speed_sigma = 0.0;
+  params.wander_sigma_deg = params.speed_sigma_ratio = 0.0;
   params.timing_sigma_s = params.angle_sigma_deg = 0.0;
   return params;
 }
@@ -78,7 +78,7 @@ TEST(CrowdTest, GroupsWalkAbreast) {
 TEST(CrowdTest, WanderingKeepsItsSpread) {
   PeopleParams params = steadyPeople(Scenario::kOncoming, 50);
   params.wander_sigma_deg = 8.0;
-  params.speed_sigma = 0.1;
+  params.speed_sigma_ratio = 0.1;
   Crowd crowd(params, kCourse, 3);
   for (double t = 0.0; t < 10.0; t += kStep_s) crowd.walk(kStep_s, kFarAway);
   double headings = 0.0, speeds = 0.0;
@@ -97,7 +97,7 @@ TEST(CrowdTest, WanderingKeepsItsSpread) {
 TEST(CrowdTest, WhoYieldsKeepsAwayFromTheRobotAndOthersDoNot) {
   const auto nearest = [](double yielding) {
     PeopleParams params = steadyPeople(Scenario::kOncoming, 1);
-    params.yielding_share = yielding;
+    params.yielding_fraction = yielding;
     Crowd crowd(params, kCourse, 3);
     const Eigen::Vector2d robot(6.0, crowd.people()[0].position.y() + 0.05);
     double distance = 1e9;

@@ -100,8 +100,8 @@ DetectorParams withoutMistakes() {
   DetectorParams params;
   params.position_sigma_m = params.depth_sigma_m = params.size_sigma = params.yaw_sigma_rad = 0.0;
   params.box_sigma_px = params.miss_near = params.miss_far = params.miss_occluded = 0.0;
-  params.duplicate_share = params.false_per_frame = params.flip_share = 0.0;
-  params.id_switch_share = 0.0;
+  params.duplicate_probability = params.false_per_frame = params.flip_probability = 0.0;
+  params.id_switch_probability = 0.0;
   return params;
 }
 
@@ -174,10 +174,10 @@ TEST(SimulatedDetectorTest, NoiseAlongTheRayGrowsWithDepth) {
 
 TEST(SimulatedDetectorTest, FlipsDoublesAndFalseBoxesComeAsOftenAsAsked) {
   DetectorParams params = withoutMistakes();
-  params.flip_share = 0.25;
-  params.duplicate_share = 0.4;
+  params.flip_probability = 0.25;
+  params.duplicate_probability = 0.4;
   params.false_per_frame = 1.5;
-  params.id_switch_share = 0.1;
+  params.id_switch_probability = 0.1;
   SimulatedDetector detector(params, testCamera(), 9);
   const cv::Mat depth(160, 320, CV_32F, cv::Scalar(20.0));
   int boxes = 0, flips = 0, switches = 0;

@@ -6,20 +6,24 @@ namespace headway::io {
 
 void DegradeParams::describe(Params::Section section) {
   section.add("seed", seed, 0, 2147483647, "", "Seed of the random numbers");
-  section.add("min_score", min_score, -1e9, 1e9, "", "Boxes at or below this score are left out");
+  section.add("min_score", min_score, -1e9, 1e9, "", "Boxes at or below this score are removed");
   section.add("position_sigma_m", position_sigma_m, 0.0, 100.0, "m",
               "Noise of the position along the viewing ray, up to depth_scale_m away");
   section.add("depth_scale_m", depth_scale_m, 0.1, 1e6, "m",
               "Depth beyond which the noise grows in proportion to it");
-  section.add("across_share", across_share, 0.0, 10.0, "",
-              "Noise across the ray, as a share of that along it");
-  section.add("drop_probability", drop_probability, 0.0, 1.0, "", "Share of boxes left out");
-  section.add("double_probability", double_probability, 0.0, 1.0, "",
-              "Share of the remaining boxes that come twice");
-  section.add("double_sigma_m", double_sigma_m, 0.0, 100.0, "m",
-              "Distance between such a box and its double, in each direction");
+  section.add("across_ratio", across_ratio, 0.0, 10.0, "",
+              "Ratio of the noise across the ray to that along it");
+  section.add("drop_probability", drop_probability, 0.0, 1.0, "",
+              "Probability that a box is removed");
+  section.add("duplicate_probability", duplicate_probability, 0.0, 1.0, "",
+              "Probability that a remaining box is duplicated");
+  section.add("duplicate_sigma_m", duplicate_sigma_m, 0.0, 100.0, "m",
+              "Standard deviation of the duplicate's offset, in each direction");
   section.add("flip_probability", flip_probability, 0.0, 1.0, "",
-              "Share of boxes whose heading is turned by 180 degrees");
+              "Probability that a box's heading is turned by 180 degrees");
+  section.renamed({{"across_share", "across_ratio"},
+                   {"double_probability", "duplicate_probability"},
+                   {"double_sigma_m", "duplicate_sigma_m"}});
 }
 
 Degrader::Degrader(const DegradeParams& params)
@@ -33,10 +37,10 @@ Detections Degrader::degrade(const Detections& detections) {
     if (random_.chance(params_.drop_probability)) continue;
     if (detection.box3d) detection.box3d = degraded(*detection.box3d);
     result.items.push_back(detection);
-    if (!random_.chance(params_.double_probability)) continue;
+    if (!random_.chance(params_.duplicate_probability)) continue;
     if (detection.box3d) {
-      detection.box3d->centre.x() += params_.double_sigma_m * random_.normal();
-      detection.box3d->centre.z() += params_.double_sigma_m * random_.normal();
+      detection.box3d->centre.x() += params_.duplicate_sigma_m * random_.normal();
+      detection.box3d->centre.z() += params_.duplicate_sigma_m * random_.normal();
     }
     detection.detector_id.reset();
     result.items.push_back(detection);
@@ -44,11 +48,11 @@ Detections Degrader::degrade(const Detections& detections) {
   return result;
 }
 
-/// Heights stay as they are: trackers are judged on the ground plane (x, z).
+/// Heights are not changed, since trackers are evaluated on the ground plane (x, z).
 Box3d Degrader::degraded(const Box3d& box) {
   DetectorNoise noise;
   noise.along_sigma_m = params_.position_sigma_m;
-  noise.across_sigma_m = params_.across_share * params_.position_sigma_m;
+  noise.across_sigma_m = params_.across_ratio * params_.position_sigma_m;
   noise.flip_probability = params_.flip_probability;
   const double growth = std::max(1.0, box.centre.z() / params_.depth_scale_m);
   Box3d result = measuredBox(box, withCentreScaled(noise, growth), random_);

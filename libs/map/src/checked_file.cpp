@@ -72,6 +72,44 @@ std::string contentsOf(const std::string& path) {
   return contents.str();
 }
 
+struct Header {
+  std::uint32_t version = 0;
+  std::uint64_t packed_size = 0;
+  std::uint64_t plain_size = 0;
+  std::uint32_t packed_checksum = 0;
+};
+
+void requireKnownVersion(std::uint32_t version) {
+  const std::string found = "format version " + std::to_string(version);
+  const std::string known = std::to_string(kFormatVersion);
+  if (version < kFormatVersion) {
+    throw InputError("of " + found + ", and this program reads " + known +
+                     "; replay its rawlog again to make a new one");
+  }
+  if (version > kFormatVersion) {
+    throw InputError("of " + found + ", newer than " + known +
+                     " which this program knows; update headway");
+  }
+}
+
+Header parseHeader(std::string_view whole) {
+  if (whole.substr(0, kMagic.size()) != kMagic.substr(0, whole.size()) || whole.empty()) {
+    throw InputError("not a headway map");
+  }
+  if (whole.size() < kHeaderSize) throw InputError("truncated: it ends within its header");
+  ByteReader reader(whole.substr(kMagic.size(), kHeaderSize - kMagic.size()));
+  Header header;
+  header.version = reader.value<std::uint32_t>();
+  header.packed_size = reader.value<std::uint64_t>();
+  header.plain_size = reader.value<std::uint64_t>();
+  header.packed_checksum = reader.value<std::uint32_t>();
+  if (reader.value<std::uint32_t>() != checksum(whole.substr(0, kHeaderSize - 4))) {
+    throw InputError("damaged: the checksum of its header does not match");
+  }
+  requireKnownVersion(header.version);
+  return header;
+}
+
 }  // namespace
 
 void writeCheckedFile(const std::string& path, const std::vector<Section>& sections) {
@@ -92,38 +130,18 @@ void writeCheckedFile(const std::string& path, const std::vector<Section>& secti
 
 std::vector<Section> readCheckedFile(const std::string& path) {
   const std::string contents = contentsOf(path);
-  const std::string_view whole(contents);
-  if (whole.substr(0, kMagic.size()) != kMagic.substr(0, whole.size()) || whole.empty()) {
-    throw InputError("not a headway map");
-  }
-  if (whole.size() < kHeaderSize) throw InputError("truncated: it ends within its header");
-  ByteReader header(whole.substr(kMagic.size(), kHeaderSize - kMagic.size()));
-  const auto version = header.value<std::uint32_t>();
-  const auto packed_size = header.value<std::uint64_t>();
-  const auto plain_size = header.value<std::uint64_t>();
-  const auto packed_checksum = header.value<std::uint32_t>();
-  if (header.value<std::uint32_t>() != checksum(whole.substr(0, kHeaderSize - 4))) {
-    throw InputError("damaged: the checksum of its header does not match");
-  }
-  if (version < kFormatVersion) {
-    throw InputError("of format version " + std::to_string(version) + ", and this program reads " +
-                     std::to_string(kFormatVersion) +
-                     "; replay its rawlog again to make a new one");
-  }
-  if (version > kFormatVersion) {
-    throw InputError("of format version " + std::to_string(version) + ", newer than " +
-                     std::to_string(kFormatVersion) + " which this program knows; update headway");
-  }
-  const auto packed = whole.substr(kHeaderSize);
-  if (packed.size() < packed_size) {
+  const Header header = parseHeader(contents);
+  const auto packed = std::string_view(contents).substr(kHeaderSize);
+  if (packed.size() < header.packed_size) {
     throw InputError("truncated: " + std::to_string(packed.size()) + " of " +
-                     std::to_string(packed_size) + " bytes are there");
+                     std::to_string(header.packed_size) + " bytes are there");
   }
-  if (packed.size() > packed_size || plain_size > kLargestCompression * (packed_size + 1) ||
-      checksum(packed) != packed_checksum) {
+  if (packed.size() > header.packed_size ||
+      header.plain_size > kLargestCompression * (header.packed_size + 1) ||
+      checksum(packed) != header.packed_checksum) {
     throw InputError("damaged: its checksum does not match");
   }
-  const std::string plain = decompressed(packed, plain_size);
+  const std::string plain = decompressed(packed, header.plain_size);
   std::vector<Section> sections;
   for (ByteReader in(plain); !in.atEnd();) {
     Section section;

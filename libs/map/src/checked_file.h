@@ -6,15 +6,15 @@
 
 namespace headway::map {
 
-/// A named piece of a checked file.
+/// A named section of a checked file.
 struct Section {
   std::string name;
   std::uint32_t version = 1;  ///< of the contents
   std::string bytes;
 };
 
-/// Writes sections to a file that is compressed and checksummed, in one step: beside its final
-/// name first, then renamed.
+/// Writes sections to a compressed file with checksums, atomically: to a temporary file, which is
+/// then renamed.
 ///
 /// Layout, little-endian: 8 bytes magic, u32 format version, u64 compressed size, u64 plain size,
 /// u32 CRC-32 of the compressed bytes, u32 CRC-32 of all the above; then the zlib-compressed
@@ -23,10 +23,10 @@ struct Section {
 /// @throws InputError if it cannot be written
 void writeCheckedFile(const std::string& path, const std::vector<Section>& sections);
 
-/// Reads what writeCheckedFile wrote.
+/// Reads a file of writeCheckedFile().
 ///
-/// @throws InputError (without the path) saying whether it is missing, foreign, truncated, damaged
-///         or of a newer format
+/// @throws InputError (without the path) stating whether it is missing, not a map, truncated,
+///         damaged or of another format version
 [[nodiscard]] std::vector<Section> readCheckedFile(const std::string& path);
 
 }  // namespace headway::map

@@ -16,9 +16,9 @@ double ContactSum::total() {
 }
 
 void ContactSum::closeTrack() {
-  if (of_track_ > greatest_) {
-    greatest_ = of_track_;
-    most_ = current_;
+  if (of_track_ > max_probability_) {
+    max_probability_ = of_track_;
+    most_probable_ = current_;
   }
   none_ *= 1.0 - std::min(1.0, of_track_);
   of_track_ = 0.0;

@@ -10,12 +10,12 @@ namespace {
 
 using mrpt::maps::COccupancyGridMap2D;
 
-constexpr double kUnit = 16.0;      // of evidence to one of log-odds, as in MRPT's cells
-constexpr double kHit = 0.85;       // log-odds of something that stands, seen from near
-constexpr double kLeastHit = 0.25;  // and from far, where its cell is less certain
-constexpr std::int32_t kFree = 6;   // evidence of free ground
-constexpr std::int32_t kMost = 72;  // that a cell shows
-constexpr int kMarginCells = 64;    // by which the grid grows at least
+constexpr double kUnit = 16.0;             // of evidence to one of log-odds, as in MRPT's cells
+constexpr double kHit = 0.85;              // log-odds of something that stands, seen from near
+constexpr double kMinHit = 0.25;           // and from far, where its cell is less certain
+constexpr std::int32_t kFree = 6;          // evidence of free ground
+constexpr std::int32_t kMaxEvidence = 72;  // that a cell shows
+constexpr int kMarginCells = 64;           // by which the grid grows at least
 
 /// What one look says, over the cells about it.
 class Window {
@@ -67,7 +67,7 @@ class Window {
     }
   }
   void hit(const Eigen::Vector2d& foot, double certainty) {
-    const double weight = std::clamp(kHit * certainty, kLeastHit, kHit);
+    const double weight = std::clamp(kHit * certainty, kMinHit, kHit);
     auto& cell = at(foot);
     cell = std::max(cell, static_cast<std::int32_t>(std::lround(kUnit * weight)));
   }
@@ -77,17 +77,18 @@ class Window {
   std::vector<Eigen::Vector2d> feet_;
 };
 
-/// As MRPT's cell has it: of being free, and no surer than kMost.
+/// As MRPT's cell has it: of being free, and no surer than kMaxEvidence.
 COccupancyGridMap2D::cellType shownFor(std::int32_t evidence) {
   static const auto table = [] {
     std::vector<COccupancyGridMap2D::cellType> cells;
-    for (std::int32_t value = -kMost; value <= kMost; ++value) {
+    for (std::int32_t value = -kMaxEvidence; value <= kMaxEvidence; ++value) {
       cells.push_back(
           COccupancyGridMap2D::p2l(static_cast<float>(1.0 / (1.0 + std::exp(value / kUnit)))));
     }
     return cells;
   }();
-  return table[static_cast<std::size_t>(std::clamp(evidence, -kMost, kMost) + kMost)];
+  return table[static_cast<std::size_t>(std::clamp(evidence, -kMaxEvidence, kMaxEvidence) +
+                                        kMaxEvidence)];
 }
 
 }  // namespace

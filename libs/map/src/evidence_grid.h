@@ -9,12 +9,11 @@
 
 namespace headway::map {
 
-/// Adds up what looks over the ground say of each cell: for something that stands there, or for
-/// free ground.
+/// Sum of the evidence of ground scans for each cell: occupied or free.
 ///
-/// A look counts once for a cell, and what stands outweighs what is free. Sums are whole numbers,
-/// so that removing a look with the pose it was added at undoes it exactly and the order of looks
-/// does not matter. Grows as needed.
+/// A scan counts once per cell, as occupied if it has both kinds of evidence. Sums are integers, so
+/// that removing a scan with the pose of its addition is exact and the order of scans does not
+/// matter. Grows as needed.
 ///
 /// @see  Moravec & Elfes 1985, "High resolution maps from wide angle sonar", for the addition
 class EvidenceGrid {
@@ -24,7 +23,7 @@ class EvidenceGrid {
   void add(const GroundScan& scan, const Pose& T_map_robot) { enter(scan, T_map_robot, 1); }
   void remove(const GroundScan& scan, const Pose& T_map_robot) { enter(scan, T_map_robot, -1); }
 
-  /// As MRPT knows it; a cell of which nothing is known is 0.5. Null while there are no cells.
+  /// As an MRPT map; unobserved cells are 0.5. Null without cells.
   [[nodiscard]] mrpt::maps::COccupancyGridMap2D::Ptr grid() const;
 
  private:
@@ -36,8 +35,8 @@ class EvidenceGrid {
   int bottom_ = 0;  ///< of the first row
   int columns_ = 0;
   int rows_ = 0;
-  std::vector<std::int32_t> evidence_;  ///< log-odds of something standing, in 1/16
-  std::vector<mrpt::maps::COccupancyGridMap2D::cellType> shown_;  ///< the same, as MRPT has it
+  std::vector<std::int32_t> evidence_;  ///< log-odds of being occupied, in 1/16
+  std::vector<mrpt::maps::COccupancyGridMap2D::cellType> shown_;  ///< the same in MRPT's representation
 };
 
 }  // namespace headway::map

@@ -12,7 +12,7 @@ using Eigen::Vector2d;
 constexpr int kNormals = 32;
 constexpr int kSlices = 32;
 constexpr double kReachSigmas = 5.0;
-constexpr double kLeastVariance = 1e-4;  ///< [m^2]
+constexpr double kMinVariance = 1e-4;  ///< [m^2]
 
 double normalCdf(double value) { return 0.5 * std::erfc(-value / std::sqrt(2.0)); }
 
@@ -71,11 +71,11 @@ std::vector<Vector2d> contactRegion(const FootprintShape& a, double yaw_a, const
 double probabilityInside(const std::vector<Vector2d>& polygon, const Vector2d& mean,
                          const Eigen::Matrix2d& covariance) {
   if (polygon.size() < 3) return 0.0;
-  const double variance_x = std::max(covariance(0, 0), kLeastVariance);
+  const double variance_x = std::max(covariance(0, 0), kMinVariance);
   const double sigma_x = std::sqrt(variance_x);
   const double slope = covariance(0, 1) / variance_x;
   const double sigma_y =
-      std::sqrt(std::max(covariance(1, 1) - slope * covariance(0, 1), kLeastVariance));
+      std::sqrt(std::max(covariance(1, 1) - slope * covariance(0, 1), kMinVariance));
   double left = 1e300, right = -1e300;
   for (const auto& corner : polygon) {
     left = std::min(left, corner.x());

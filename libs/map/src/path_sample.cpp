@@ -30,9 +30,9 @@ PathSample samplePath(const Track& track, const PredictedPath& path, double hori
   const bool beyond = after == points.end();
   const auto next = static_cast<std::size_t>(after - points.begin()) + (beyond ? 0 : 1);
   const Dated b = pointOf(track, path, next), a = pointOf(track, path, next - 1);
-  const double share = (horizon_s - a.horizon_s) / (b.horizon_s - a.horizon_s);
-  PathSample sample{a.sample.centre + share * (b.sample.centre - a.sample.centre),
-                    a.sample.covariance + share * (b.sample.covariance - a.sample.covariance)};
+  const double fraction = (horizon_s - a.horizon_s) / (b.horizon_s - a.horizon_s);
+  PathSample sample{a.sample.centre + fraction * (b.sample.centre - a.sample.centre),
+                    a.sample.covariance + fraction * (b.sample.covariance - a.sample.covariance)};
   if (beyond) {
     const double growth = horizon_s / b.horizon_s;
     sample.covariance = growth * growth * b.sample.covariance;

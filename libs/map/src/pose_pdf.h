@@ -5,11 +5,11 @@
 
 namespace headway::map {
 
-/// A pose with covariance as MRPT has it: over (x, y, z, yaw, pitch, roll), all in the map frame.
+/// A pose with covariance in MRPT's parameters (x, y, z, yaw, pitch, roll), in the map frame.
 ///
-/// Ours perturbs on the right, T exp(xi); to first order a turn w seen from the body changes the
-/// angles by the inverse of MRPT's Euler rates. Near pitch = +-90 deg those grow without bound, as
-/// the angles themselves lose their meaning there.
+/// headway's perturbation is on the right, T exp(xi); to first order a rotation in the robot's axes
+/// changes the angles by the inverse of MRPT's Euler rates. These are unbounded near pitch =
+/// +-90 deg, where the angles are not defined.
 [[nodiscard]] mrpt::poses::CPose3DPDFGaussian toMrptPdf(const Pose& T_map_robot,
                                                         const PoseCovariance& covariance);
 

@@ -10,7 +10,7 @@
 namespace headway::map {
 namespace {
 
-constexpr double kMostCells = 25e6;
+constexpr double kMaxCells = 25e6;
 constexpr double kHeadingStep = M_PI / 12.0;  ///< between directions whose scans are kept [rad]
 constexpr double kDrivenM = 5.0;              ///< farther apart, the way between scans is unknown
 constexpr double kSeenM = 30.0;               ///< round a place, about [m]
@@ -77,7 +77,7 @@ void StaticGrid::enter(const StoredScan& stored) {
   places_.extend(stored.T_map_robot.translation().head<2>());
   const Eigen::Vector2d sides = places_.sizes().array() + 2.0 * kSeenM;
   const double before = resolution_m_;
-  while (sides.prod() > kMostCells * resolution_m_ * resolution_m_) resolution_m_ *= 2.0;
+  while (sides.prod() > kMaxCells * resolution_m_ * resolution_m_) resolution_m_ *= 2.0;
   if (resolution_m_ == before) {
     evidence_->add(stored.scan, stored.T_map_robot);
     return;

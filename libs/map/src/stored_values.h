@@ -8,8 +8,8 @@
 
 namespace headway::map {
 
-// How values are stored in map files. Readers throw InputError where the bytes end early or hold
-// impossible values.
+// Serialisation of values in map files. Readers throw InputError if the bytes end early or contain
+// invalid values.
 
 void write(ByteWriter& out, const Pose& pose);
 void write(ByteWriter& out, const Track& track);

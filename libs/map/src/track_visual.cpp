@@ -16,7 +16,7 @@ namespace {
 constexpr double kDashM = 0.8;
 constexpr double kGapM = 0.5;
 constexpr double kShortestPathM = 0.5;  ///< a prediction that stays within this is no path
-constexpr double kLeastProbability = 0.05;
+constexpr double kMinProbability = 0.05;
 
 /// Heights above the ground [m], so that flat bands do not fight for the same depth.
 constexpr double kUncertaintyHeight = 0.03;
@@ -144,7 +144,7 @@ void insertPaths(const std::vector<const Track*>& tracks,
     if (!isMoving(*track)) continue;  // what stands has neither past nor future worth a line
     appendTrail(*track, *trails);
     for (const auto& prediction : track->predictions) {
-      if (prediction.probability < kLeastProbability ||
+      if (prediction.probability < kMinProbability ||
           lengthOf(groundPath(*track, prediction)) < kShortestPathM) {
         continue;
       }

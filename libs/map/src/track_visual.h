@@ -8,8 +8,8 @@ class CSetOfObjects;
 
 namespace headway::map {
 
-/// Adds the 3D objects that show tracks, one object a kind and not one a track (drawing costs by
-/// the object): `uncertainty`, `predictions`, `trails`, `faces`, `edges_<class>`, `labels`.
+/// Adds the 3D objects that show tracks, one per kind and not one per track, since drawing time
+/// depends on the number of objects: `uncertainty`, `predictions`, `trails`, `faces`, `edges_<class>`, `labels`.
 void insertTrackVisual(const std::vector<Track>& tracks,
                        const CMovingObjectsMap::TInsertionOptions& options,
                        mrpt::opengl::CSetOfObjects& out);

@@ -30,11 +30,11 @@ void appendSegment(const Vector2d& from, const Vector2d& to, double spacing,
 
 }  // namespace
 
-void appendOutline(const map::FootprintShape& body, const Vector2d& centre, double yaw,
+void appendOutline(const map::FootprintShape& footprint, const Vector2d& centre, double yaw,
                    const PlaceUncertainty& uncertainty, double spacing,
                    std::vector<Vector2d>& out) {
   const Eigen::Rotation2Dd turn(yaw);
-  const double perimeter = 2.0 * M_PI * body.radius();
+  const double perimeter = 2.0 * M_PI * footprint.radius();
   const int normals = std::clamp(static_cast<int>(std::ceil(perimeter / spacing)), 8, 24);
   Vector2d previous = Vector2d::Zero();
   for (int i = 0; i <= normals; ++i) {
@@ -42,17 +42,17 @@ void appendOutline(const map::FootprintShape& body, const Vector2d& centre, doub
     const double angle = 2.0 * M_PI * (i + 0.5) / normals;
     const Vector2d normal(std::cos(angle), std::sin(angle));
     const Vector2d point =
-        centre + turn * body.supportPoint(normal) + growth(uncertainty, turn * normal);
+        centre + turn * footprint.supportPoint(normal) + growth(uncertainty, turn * normal);
     if (i > 0) appendSegment(previous, point, spacing, out);
     previous = point;
   }
 }
 
-bool covers(const map::FootprintShape& body, const Vector2d& centre, double yaw, double margin,
+bool covers(const map::FootprintShape& footprint, const Vector2d& centre, double yaw, double margin,
             const Vector2d& point) {
   const Vector2d local = Eigen::Rotation2Dd(-yaw) * (point - centre);
-  return std::abs(local.x()) <= 0.5 * body.length_m + margin &&
-         std::abs(local.y()) <= 0.5 * body.width_m + margin;
+  return std::abs(local.x()) <= 0.5 * footprint.length_m + margin &&
+         std::abs(local.y()) <= 0.5 * footprint.width_m + margin;
 }
 
 }  // namespace headway::nav

@@ -18,14 +18,14 @@ void MovingObstacles::update(const std::vector<Track>& tracks, const Vector2d& r
                              double age_s) {
   robot_ = robot;
   points_.clear();
-  present_.clear();
+  current_.clear();
   for (const auto& track : tracks) {
     if (isMovingObstacle(track)) addTrack(track, age_s);
   }
 }
 
 void MovingObstacles::addTrack(const Track& track, double age_s) {
-  const map::FootprintShape body = map::footprintOf(track);
+  const map::FootprintShape footprint = map::footprintOf(track);
   const double horizon_s = params_.policy == ObstaclePolicy::kTimeGated
                                ? std::min(params_.steer_horizon_s, params_.horizon_s)
                                : params_.horizon_s;
@@ -35,54 +35,55 @@ void MovingObstacles::addTrack(const Track& track, double age_s) {
     predictPlaces(track, path, age_s, horizon_s, params_.place_spacing_m, places_);
     const auto& present = places_.front();
     if (i == 0) {
-      const double reach = std::hypot(0.5 * body.length_m + params_.body_margin_m,
-                                      0.5 * body.width_m + params_.body_margin_m);
-      present_.push_back({body, present.centre, present.yaw, present.when, reach});
+      const double reach = std::hypot(0.5 * footprint.length_m + params_.object_margin_m,
+                                      0.5 * footprint.width_m + params_.object_margin_m);
+      current_.push_back({footprint, present.centre, present.yaw, present.when, reach});
     }
-    present_.back().when.to_s = std::max(present_.back().when.to_s, present.when.to_s);
-    for (const auto& place : places_) addOutline(track, body, place);
+    current_.back().when.to_s = std::max(current_.back().when.to_s, present.when.to_s);
+    for (const auto& place : places_) addOutline(track, footprint, place);
   }
 }
 
-void MovingObstacles::addOutline(const Track& track, const map::FootprintShape& body,
+void MovingObstacles::addOutline(const Track& track, const map::FootprintShape& footprint,
                                  const PredictedPlace& place) {
   const double distance = (place.centre - robot_).norm();
   if (!(distance <= params_.max_range_m)) return;
   // The growth stays clear of the robot: a planner that starts inside an obstacle finds no path.
-  const double clearance = std::max(0.0, distance - body.radius() - params_.robot.radius_m);
+  const double clearance = std::max(0.0, distance - footprint.radius() - params_.robot.radius_m);
   const PlaceUncertainty uncertainty{place.covariance, params_.sigmas,
                                      std::min(params_.max_growth_m, clearance)};
-  if (!couldMeetBody(distance, body.radius() + uncertainty.max_growth_m, place.when)) return;
+  if (!couldReachDisc(distance, footprint.radius() + uncertainty.max_growth_m, place.when)) return;
   outline_.clear();
-  appendOutline(body, place.centre, place.yaw, uncertainty, params_.outline_spacing_m, outline_);
+  appendOutline(footprint, place.centre, place.yaw, uncertainty, params_.outline_spacing_m,
+                outline_);
   const double bottom = track.position.z() - 0.5 * track.size.z();
   for (const auto& point : outline_) {
-    if (!couldMeet(point, place.when)) continue;
+    if (!couldReach(point, place.when)) continue;
     points_.push_back({point, bottom, bottom + track.size.z()});
   }
 }
 
-bool MovingObstacles::couldMeetBody(double distance, double radius, const TimeSpan& when) const {
+bool MovingObstacles::couldReachDisc(double distance, double radius, const TimeSpan& when) const {
   if (params_.policy == ObstaclePolicy::kSweep) return true;
   const TimeSpan touched{gate_.touching(distance - radius).from_s,
                          gate_.touching(distance + radius).to_s};
   return touched.overlaps(when);
 }
 
-bool MovingObstacles::couldMeet(const Vector2d& point, const TimeSpan& when) const {
+bool MovingObstacles::couldReach(const Vector2d& point, const TimeSpan& when) const {
   const double distance = (point - robot_).norm();
   if (!(distance > params_.robot.radius_m)) return false;  // the robot is there already
   if (params_.policy == ObstaclePolicy::kSweep) return true;
   return gate_.touching(distance).overlaps(when);
 }
 
-bool MovingObstacles::willBeGone(const Vector2d& sensed) const {
+bool MovingObstacles::leavesInTime(const Vector2d& sensed) const {
   if (params_.policy != ObstaclePolicy::kTimeGated) return false;
   const TimeSpan touched = gate_.touching((sensed - robot_).norm());
   bool gone = false;
-  for (const auto& obstacle : present_) {
+  for (const auto& obstacle : current_) {
     if ((sensed - obstacle.centre).squaredNorm() > obstacle.reach * obstacle.reach) continue;
-    if (!covers(obstacle.shape, obstacle.centre, obstacle.yaw, params_.body_margin_m, sensed))
+    if (!covers(obstacle.shape, obstacle.centre, obstacle.yaw, params_.object_margin_m, sensed))
       continue;
     if (touched.overlaps(obstacle.when)) return false;
     gone = true;

@@ -12,7 +12,7 @@ namespace {
 using Eigen::Vector2d;
 using mrpt::kinematics::CVehicleVelCmd;
 
-/// MRPT 2.5.8's own way of copying a command aborts: its base calls a method that is not there yet.
+/// MRPT 2.5.8's duplicate() of a command aborts in a pure virtual method of its base class.
 CVehicleVelCmd::Ptr copyOf(const CVehicleVelCmd& command) {
   const auto object = command.GetRuntimeClass()->createObject();
   const auto copy =
@@ -24,7 +24,7 @@ CVehicleVelCmd::Ptr copyOf(const CVehicleVelCmd& command) {
   return copy;
 }
 
-/// Kinds of robots are told by their commands; nullopt for one that is not known.
+/// The motion that a command of a differential or holonomic robot causes; else nullopt.
 std::optional<GroundTwist> twistOf(const CVehicleVelCmd& command) {
   using mrpt::kinematics::CVehicleVelCmd_DiffDriven;
   using mrpt::kinematics::CVehicleVelCmd_Holo;
@@ -88,8 +88,8 @@ SenseStatus PredictiveObstacles::addPredictions(mrpt::maps::CSimplePointsMap& ob
   const auto robot = locate();
   if (!robot) return SenseStatus::kNoPose;
   moving_.update(layer.tracks(), robot->place, std::max(0.0, report_.map_age_s));
-  report_.moving_objects = moving_.present().size();
-  removeGone(obstacles, *robot);
+  report_.moving_objects = moving_.current().size();
+  removeLeaving(obstacles, *robot);
   insertPredicted(obstacles, *robot);
   return SenseStatus::kSafe;
 }
@@ -102,27 +102,27 @@ std::optional<GroundState> PredictiveObstacles::locate() {
   if (!robot_.getCurrentPoseAndSpeeds(pose, velocity, timestamp, odometry, frame_id)) return {};
   const bool is_number = std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.phi);
   if (!is_number || frame_id != params_.map_frame) return {};
-  velocity.rotate(-pose.phi);  // from the map's axes to the robot's own
+  velocity.rotate(-pose.phi);  // from the map's axes to the robot's
   return GroundState{{pose.x, pose.y}, pose.phi, {velocity.vx, velocity.vy, velocity.omega}};
 }
 
 bool PredictiveObstacles::changeSpeeds(const CVehicleVelCmd& command) {
   command_ = copyOf(command);
-  share_ = admissibleShare(command);
-  if (share_ >= 1.0) return robot_.changeSpeeds(command);
+  speed_ratio_ = admissibleSpeedRatio(command);
+  if (speed_ratio_ >= 1.0) return robot_.changeSpeeds(command);
   const auto slowed = copyOf(command);
-  slowed->cmdVel_scale(share_);
+  slowed->cmdVel_scale(speed_ratio_);
   return robot_.changeSpeeds(*slowed);
 }
 
 bool PredictiveObstacles::changeSpeedsNOP() {
-  if (command_ == nullptr || (share_ >= 1.0 && admissibleShare(*command_) >= 1.0)) {
+  if (command_ == nullptr || (speed_ratio_ >= 1.0 && admissibleSpeedRatio(*command_) >= 1.0)) {
     return robot_.changeSpeedsNOP();
   }
   return changeSpeeds(*CVehicleVelCmd::Ptr(command_));
 }
 
-double PredictiveObstacles::admissibleShare(const CVehicleVelCmd& command) {
+double PredictiveObstacles::admissibleSpeedRatio(const CVehicleVelCmd& command) {
   if (!params_.governor.enabled || params_.policy != ObstaclePolicy::kTimeGated) return 1.0;
   const auto twist = twistOf(command);
   const auto robot = locate();
@@ -130,12 +130,12 @@ double PredictiveObstacles::admissibleShare(const CVehicleVelCmd& command) {
   const map::PerceptionMap snapshot = map_();
   const CMovingObjectsMap& layer = snapshot.movingObjects();
   const double age_s = clock_() - layer.time();
-  if (!(std::abs(age_s) <= params_.max_age_s)) return 0.0;  // nobody knows who is where
-  return governor_.share(*twist, *robot, layer.tracks(), std::max(0.0, age_s));
+  if (!(std::abs(age_s) <= params_.max_age_s)) return 0.0;  // positions of objects are unknown
+  return governor_.speedRatio(*twist, *robot, layer.tracks(), std::max(0.0, age_s));
 }
 
-void PredictiveObstacles::removeGone(mrpt::maps::CSimplePointsMap& obstacles,
-                                     const GroundState& robot) {
+void PredictiveObstacles::removeLeaving(mrpt::maps::CSimplePointsMap& obstacles,
+                                        const GroundState& robot) {
   const auto& xs = obstacles.getPointsBufferRef_x();
   const auto& ys = obstacles.getPointsBufferRef_y();
   const double c = std::cos(robot.yaw);
@@ -144,7 +144,7 @@ void PredictiveObstacles::removeGone(mrpt::maps::CSimplePointsMap& obstacles,
   for (std::size_t i = 0; i < xs.size(); ++i) {
     const double x = xs[i];
     const double y = ys[i];
-    gone[i] = moving_.willBeGone(robot.place + Vector2d(c * x - s * y, s * x + c * y));
+    gone[i] = moving_.leavesInTime(robot.place + Vector2d(c * x - s * y, s * x + c * y));
     if (gone[i]) ++report_.points_removed;
   }
   if (report_.points_removed > 0) obstacles.applyDeletionMask(gone);

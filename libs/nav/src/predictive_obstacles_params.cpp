@@ -58,7 +58,7 @@ void PredictiveObstaclesParams::describe(Params::Section section) {
   section.add("sigmas", sigmas, 0.0, 5.0, "",
               "Standard deviations of its position by which an outline grows");
   section.add("max_growth_m", max_growth_m, 0.0, 5.0, "m", "Maximum growth of an outline");
-  section.add("body_margin_m", body_margin_m, 0.0, 2.0, "m",
+  section.add("object_margin_m", object_margin_m, 0.0, 2.0, "m",
               "Distance from a moving object within which sensed points belong to it");
   section.add("place_spacing_m", place_spacing_m, 0.05, 2.0, "m",
               "Distance between predicted positions of one object");
@@ -67,6 +67,7 @@ void PredictiveObstaclesParams::describe(Params::Section section) {
   section.add("layer_spacing_m", layer_spacing_m, 0.1, 10.0, "m",
               "Distance between the heights at which an outline has points");
   section.add("max_range_m", max_range_m, 1.0, 200.0, "m", "Maximum distance from the robot");
+  section.renamed({{"body_margin_m", "object_margin_m"}});
   robot.describe(section);
   governor.describe(section);
 }

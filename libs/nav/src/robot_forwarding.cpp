@@ -1,4 +1,4 @@
-// The part of PredictiveObstacles that hands on what it is asked to the wrapped robot.
+// The calls that PredictiveObstacles forwards to the wrapped robot.
 
 #include <headway/nav/predictive_obstacles.h>
 

@@ -13,11 +13,11 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kStep_s = 0.1;
-constexpr int kShares = 10;            ///< of the commanded speed, besides standing
-constexpr double kTurnMemory_s = 1.0;  ///< a planner that turns now will not turn for ever
-constexpr double kLeastSigma_m = 0.05;
+constexpr int kSpeedSteps = 10;        ///< steps of the speed ratio
+constexpr double kTurnMemory_s = 1.0;  ///< decay time of the commanded turn rate
+constexpr double kMinSigma_m = 0.05;
 constexpr double kFarSigmas = 4.0;
-constexpr double kStandsBelow = 0.02;  ///< [m/s]
+constexpr double kStandstill_mps = 0.02;  ///< [m/s]
 
 /// The probability that a standard normal value is above x.
 double above(double x) { return 0.5 * std::erfc(x / std::sqrt(2.0)); }
@@ -28,25 +28,25 @@ SpeedGovernor::SpeedGovernor(const PredictiveObstaclesParams& params)
     : params_(validated(params)),
       steps_(static_cast<std::size_t>(std::lround(params.governor.horizon_s / kStep_s))) {}
 
-double SpeedGovernor::share(const GroundTwist& command, const GroundState& robot,
-                            const std::vector<Track>& tracks, double age_s) {
-  foresee(tracks, robot, age_s);
+double SpeedGovernor::speedRatio(const GroundTwist& command, const GroundState& robot,
+                                 const std::vector<Track>& tracks, double age_s) {
+  predictFutures(tracks, robot, age_s);
   if (future_count_ == 0) return 1.0;
-  double best_share = 1.0;
-  double least_cost = std::numeric_limits<double>::infinity();
-  for (int i = kShares; i >= 0; --i) {
-    const double share = static_cast<double>(i) / kShares;
-    drive(command, share, robot);
-    const double cost = params_.governor.contact_cost * contactProbability() + (1.0 - share);
-    if (cost >= least_cost) continue;
-    least_cost = cost;
-    best_share = share;
+  double best_ratio = 1.0;
+  double min_cost = std::numeric_limits<double>::infinity();
+  for (int i = kSpeedSteps; i >= 0; --i) {
+    const double ratio = static_cast<double>(i) / kSpeedSteps;
+    drive(command, ratio, robot);
+    const double cost = params_.governor.contact_cost * contactProbability() + (1.0 - ratio);
+    if (cost >= min_cost) continue;
+    min_cost = cost;
+    best_ratio = ratio;
   }
-  return best_share;
+  return best_ratio;
 }
 
-void SpeedGovernor::foresee(const std::vector<Track>& tracks, const GroundState& robot,
-                            double age_s) {
+void SpeedGovernor::predictFutures(const std::vector<Track>& tracks, const GroundState& robot,
+                                   double age_s) {
   future_count_ = 0;
   const double span_s = params_.governor.horizon_s;
   for (const auto& track : tracks) {
@@ -73,21 +73,21 @@ void SpeedGovernor::foresee(const std::vector<Track>& tracks, const GroundState&
   }
 }
 
-void SpeedGovernor::drive(const GroundTwist& command, double share, const GroundState& from) {
+void SpeedGovernor::drive(const GroundTwist& command, double ratio, const GroundState& from) {
   driven_.resize(steps_);
   GroundState state = from;
   const double keep = std::exp(-kStep_s / std::max(1e-3, params_.governor.lag_s));
   const double keep_turn = std::exp(-kStep_s / kTurnMemory_s);
-  double turn = share * command.turn;
+  double turn = ratio * command.turn;
   for (auto& moment : driven_) {
-    const auto obey = [keep](double wanted, double& value) {
+    const auto approach = [keep](double wanted, double& value) {
       const double before = value;
       value = wanted + keep * (value - wanted);
       return 0.5 * (before + value);
     };
-    const double forward = obey(share * command.forward, state.twist.forward);
-    const double sideways = obey(share * command.sideways, state.twist.sideways);
-    const double middle_yaw = state.yaw + 0.5 * kStep_s * obey(turn, state.twist.turn);
+    const double forward = approach(ratio * command.forward, state.twist.forward);
+    const double sideways = approach(ratio * command.sideways, state.twist.sideways);
+    const double middle_yaw = state.yaw + 0.5 * kStep_s * approach(turn, state.twist.turn);
     state.yaw = 2.0 * middle_yaw - state.yaw;
     const double c = std::cos(middle_yaw), s = std::sin(middle_yaw);
     state.place += kStep_s * Vector2d(c * forward - s * sideways, s * forward + c * sideways);
@@ -112,7 +112,7 @@ double SpeedGovernor::contactProbability(const Future& future) const {
     const GroundState& robot = driven_[i];
     const Vector2d offset = future.places[i] - robot.place;
     const double far = params_.robot.radius_m + future.radius;
-    const double spread = kLeastSigma_m * kLeastSigma_m + future.variances[i].trace();
+    const double spread = kMinSigma_m * kMinSigma_m + future.variances[i].trace();
     const double beyond = offset.norm() - far;
     if (beyond > 0.0 && beyond * beyond > kFarSigmas * kFarSigmas * spread) continue;
     const double c = std::cos(robot.yaw), s = std::sin(robot.yaw);
@@ -122,10 +122,10 @@ double SpeedGovernor::contactProbability(const Future& future) const {
     const double inside = std::min(0.0, (local - half).maxCoeff());
     const double gap = outside.norm() + inside - future.radius - params_.governor.margin_m;
     const Vector2d towards = offset.normalized();
-    const double sigma = std::sqrt(kLeastSigma_m * kLeastSigma_m +
+    const double sigma = std::sqrt(kMinSigma_m * kMinSigma_m +
                                    std::max(0.0, towards.dot(future.variances[i] * towards)));
-    const bool stands = std::abs(robot.twist.forward) < kStandsBelow &&
-                        std::abs(robot.twist.sideways) < kStandsBelow;
+    const bool stands = std::abs(robot.twist.forward) < kStandstill_mps &&
+                        std::abs(robot.twist.sideways) < kStandstill_mps;
     const double weight =
         (stands ? params_.governor.standing_ratio : 1.0) *
         std::exp(-static_cast<double>(i + 1) * kStep_s / params_.governor.patience_s);

@@ -13,7 +13,7 @@ constexpr std::array<double, 5> kWeights = {0.118463442528095, 0.239314335249683
                                             0.239314335249683, 0.118463442528095};
 // Where the parametric speed varies more than this, a polynomial cannot follow its inverse.
 constexpr double kSteadySpeedRatio = 0.75;
-// Shorter curves are walked as if they were straight [m].
+// Shorter curves are treated as straight [m].
 constexpr double kNegligible_m = 0.01;
 
 }  // namespace
@@ -24,19 +24,19 @@ BezierCurve::BezierCurve(const Eigen::Vector2d& start, const Eigen::Vector2d& co
   const double a = 4.0 * quadratic_.squaredNorm();
   const double b = 4.0 * linear_.dot(quadratic_);
   const double c = linear_.squaredNorm();
-  const double slowest_t = a > 0.0 ? std::clamp(-b / (2.0 * a), 0.0, 1.0) : 0.0;
-  const double slowest = c + slowest_t * (b + slowest_t * a);  // squared speeds
+  const double min_speed_t = a > 0.0 ? std::clamp(-b / (2.0 * a), 0.0, 1.0) : 0.0;
+  const double min_speed = c + min_speed_t * (b + min_speed_t * a);  // squared speeds
   const double fastest = std::max(c, a + b + c);
   if (fastest < kNegligible_m * kNegligible_m) {
     length_ = (end - start).norm();
-  } else if (slowest > kSteadySpeedRatio * kSteadySpeedRatio * fastest) {
+  } else if (min_speed > kSteadySpeedRatio * kSteadySpeedRatio * fastest) {
     fitInverse();
   } else {
     tabulate();
   }
 }
 
-// Quintic Hermite interpolation of the parameter as a function of the share of the arc length:
+// Quintic Hermite interpolation of the parameter as a function of the fraction of the arc length:
 // value, first and second derivative agree at both ends.
 void BezierCurve::fitInverse() {
   for (std::size_t i = 0; i < kNodes.size(); ++i) length_ += kWeights[i] * speedAt(kNodes[i]);
@@ -65,16 +65,16 @@ void BezierCurve::tabulate() {
     speed = next_speed;
   }
   if (length_ <= 0.0) return;
-  for (double& share : table_) share /= length_;
+  for (double& fraction : table_) fraction /= length_;
 }
 
-double BezierCurve::tabulatedParameterAt(double share) const {
-  if (length_ <= 0.0) return share;
-  const auto above = std::upper_bound(table_.begin() + 1, table_.end() - 1, share);
+double BezierCurve::tabulatedParameterAt(double fraction) const {
+  if (length_ <= 0.0) return fraction;
+  const auto above = std::upper_bound(table_.begin() + 1, table_.end() - 1, fraction);
   const double cell = static_cast<double>(above - table_.begin()) - 1.0;
   const double low = *(above - 1);
   const double width = *above - low;
-  return (cell + (width > 0.0 ? (share - low) / width : 0.0)) / kTableSize;
+  return (cell + (width > 0.0 ? (fraction - low) / width : 0.0)) / kTableSize;
 }
 
 }  // namespace headway::objects

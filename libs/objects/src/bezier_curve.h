@@ -5,9 +5,9 @@
 
 namespace headway::objects {
 
-/// Quadratic Bezier curve on the ground plane, eq. (4) of the paper, walked at constant speed.
+/// Quadratic Bezier curve on the ground plane, eq. (4) of the paper, at constant speed.
 ///
-/// The curve's own parameter is not time: at() takes the share of the arc length instead.
+/// at() takes the fraction of the arc length, not the curve's own parameter.
 class BezierCurve {
  public:
   /// @param start, control, end  [m]
@@ -17,31 +17,32 @@ class BezierCurve {
   /// Arc length [m].
   [[nodiscard]] double length() const { return length_; }
 
-  /// Place after one share of the arc length, 0 ... 1.
-  [[nodiscard]] Eigen::Vector2d at(double share) const {
-    const double t = parameterAt(share);
+  /// Point at a fraction of the arc length, 0 ... 1 [m].
+  [[nodiscard]] Eigen::Vector2d at(double fraction) const {
+    const double t = parameterAt(fraction);
     return start_ + t * (linear_ + t * quadratic_);
   }
 
   /// Derivative with respect to the curve's parameter there: along the path, not of unit length.
-  [[nodiscard]] Eigen::Vector2d tangentAt(double share) const {
-    return linear_ + 2.0 * parameterAt(share) * quadratic_;
+  [[nodiscard]] Eigen::Vector2d tangentAt(double fraction) const {
+    return linear_ + 2.0 * parameterAt(fraction) * quadratic_;
   }
 
-  /// The curve's parameter at one share of the arc length.
-  [[nodiscard]] double parameterAt(double share) const {
+  /// The curve's parameter at a fraction of the arc length.
+  [[nodiscard]] double parameterAt(double fraction) const {
     if (!tabulated_) {
       const auto& c = inverse_;
-      return share * (c[0] + share * (c[1] + share * (c[2] + share * (c[3] + share * c[4]))));
+      return fraction *
+             (c[0] + fraction * (c[1] + fraction * (c[2] + fraction * (c[3] + fraction * c[4]))));
     }
-    return tabulatedParameterAt(share);
+    return tabulatedParameterAt(fraction);
   }
 
  private:
   static constexpr int kTableSize = 32;
 
   [[nodiscard]] double speedAt(double t) const { return (linear_ + 2.0 * t * quadratic_).norm(); }
-  [[nodiscard]] double tabulatedParameterAt(double share) const;
+  [[nodiscard]] double tabulatedParameterAt(double fraction) const;
   void fitInverse();
   void tabulate();
 
@@ -51,8 +52,8 @@ class BezierCurve {
   double length_ = 0.0;
   bool tabulated_ = false;
   std::array<double, 5> inverse_ = {1.0, 0.0, 0.0, 0.0,
-                                    0.0};     ///< parameter from share, degree 1 up
-  std::array<double, kTableSize + 1> table_;  ///< share of the arc length at t = i / kTableSize
+                                    0.0};     ///< of the parameter as a polynomial of the fraction, from degree 1
+  std::array<double, kTableSize + 1> table_;  ///< fraction of the arc length at t = i / kTableSize
 };
 
 }  // namespace headway::objects

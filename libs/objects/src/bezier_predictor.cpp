@@ -33,19 +33,19 @@ double chordOfArc(double arc_length, double alpha) {
   return alpha < kNearlyStraight ? arc_length : arc_length * std::sin(alpha) / alpha;
 }
 
-// V_h: the path's tangent, turned a little to the detected heading where the two agree.
+// V_h: weighted mean of the path's tangent and the detected heading, if the two agree.
 Eigen::Vector2d BezierPredictor::headDirection(const MotionHistory& history) const {
   const TrajectoryPoint& now = history.path.back();
   const TrajectoryPoint& before = history.path[history.path.size() - 2];
   const Eigen::Vector2d detected(std::cos(now.yaw), std::sin(now.yaw));
   if (ablation_.detected_heading) return detected;
   const Eigen::Vector2d tangent = unitOr((now.position - before.position).head<2>(), detected);
-  if (tangent.dot(detected) < least_cosine_) return tangent;
+  if (tangent.dot(detected) < min_cosine_) return tangent;
   return unitOr(params_.paper.tangent_weight * tangent + params_.paper.heading_weight * detected,
                 tangent);
 }
 
-// V_p: the recent direction, turned on by as much as it turned from the older one.
+// V_p: the recent direction, extrapolated by its change from the older one.
 Eigen::Vector2d BezierPredictor::predictionDirection(const MotionHistory& history,
                                                      const Eigen::Vector2d& fallback) const {
   const double spacing = std::min(params_.paper.spacing_s, 0.5 * spanOf(history.path));

@@ -10,17 +10,17 @@ namespace headway::objects {
 /// (Sec. III-B), and its ablations of Table II.
 class BezierPredictor : public Predictor {
  public:
-  /// What an ablation leaves out.
+  /// Parts that an ablation replaces.
   struct Ablation {
-    bool distance_is_length = false;  ///< DM: d_se = |C_p| whatever the angle
-    bool detected_heading = false;    ///< HD: V_h is the detected heading alone
+    bool distance_is_length = false;  ///< DM: d_se = |C_p| for every angle
+    bool detected_heading = false;    ///< HD: V_h is the detected heading only
     bool instant_speed = false;       ///< SV: the speed of the last step, not smoothed
   };
 
   BezierPredictor(const PredictorParams& params, const Ablation& ablation)
       : params_(params),
         ablation_(ablation),
-        least_cosine_(std::cos(params.paper.heading_limit_rad)) {}
+        min_cosine_(std::cos(params.paper.heading_limit_rad)) {}
 
   void predictInto(const MotionHistory& history, std::vector<PredictedPath>& paths) const override;
 
@@ -32,16 +32,16 @@ class BezierPredictor : public Predictor {
 
   PredictorParams params_;
   Ablation ablation_;
-  double least_cosine_;  ///< of the angle tau_theta
+  double min_cosine_;  ///< of the angle tau_theta
 };
 
 /// Speed smoothed over the last `samples` steps, eq. (1) with j = k-h ... k-1 [m/s].
 [[nodiscard]] double smoothedSpeed(const std::vector<TrajectoryPoint>& path, int samples,
                                    const PaperPredictorParams& params);
 
-/// d_se of an arc of one length whose chord leaves its tangent by alpha, eq. (3) [m].
+/// d_se of an arc whose chord is at the angle alpha to its tangent, eq. (3) [m].
 ///
-/// Eq. (3) is |C| sin(alpha) / alpha, which goes over into |C|, eq. (2), as alpha goes to zero.
+/// Eq. (3) is |C| sin(alpha) / alpha, with the limit |C|, eq. (2), for alpha = 0.
 [[nodiscard]] double chordOfArc(double arc_length, double alpha);
 
 }  // namespace headway::objects

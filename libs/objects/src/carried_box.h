@@ -9,14 +9,14 @@ namespace headway::objects {
 
 /// Predicts the image box of an object that moved relative to the camera.
 ///
-/// No calibration is needed: the object's height and that of its box give the focal length, and the
-/// pinhole model gives shift and scale.
+/// Needs no calibration: the focal length follows from the heights of the object and of its box,
+/// shift and scale from the pinhole model.
 ///
-/// @param box     as seen when the object was at `from` [px]
+/// @param box     of the object at `from` [px]
 /// @param from    centre in the sensor's optical frame [m]
 /// @param to      centre now, same frame [m]
 /// @param height  of the object [m]
-/// @return        nullopt where the object is no longer in front of the camera
+/// @return        nullopt if the object is not in front of the camera
 [[nodiscard]] std::optional<Box2d> carriedBox(const Box2d& box, const Eigen::Vector3d& from,
                                               const Eigen::Vector3d& to, double height);
 

@@ -37,10 +37,10 @@ bool compatible(ObjectClass a, ObjectClass b) {
 
 bool ConsistencyCheck::sameObject(const MeasuredBox& a, const MeasuredBox& b) const {
   if (!compatible(a.object_class, b.object_class)) return false;
-  const double near = params_.duplicate_distance * std::min(a.size.y(), b.size.y());
+  const double near = params_.duplicate_distance_ratio * std::min(a.size.y(), b.size.y());
   if ((a.position - b.position).squaredNorm() < near * near) return true;
-  if (overlap(a, b) > params_.duplicate_overlap_3d) return true;
-  return a.box2d && b.box2d && overlap2d(*a.box2d, *b.box2d) > params_.duplicate_overlap_2d;
+  if (overlap(a, b) > params_.duplicate_iou_3d) return true;
+  return a.box2d && b.box2d && overlap2d(*a.box2d, *b.box2d) > params_.duplicate_iou_2d;
 }
 
 DistinctBoxes ConsistencyCheck::withoutDuplicates(std::vector<MeasuredBox> boxes) const {
@@ -48,9 +48,9 @@ DistinctBoxes ConsistencyCheck::withoutDuplicates(std::vector<MeasuredBox> boxes
   std::iota(by_score.begin(), by_score.end(), std::size_t{0});
   std::stable_sort(by_score.begin(), by_score.end(),
                    [&](std::size_t a, std::size_t b) { return boxes[a].score > boxes[b].score; });
-  const SpatialGrid grid(boxes, params_.gate_max_m);
+  const SpatialGrid grid(boxes, params_.max_gate_m);
   constexpr std::size_t kUndecided = std::numeric_limits<std::size_t>::max();
-  std::vector<std::size_t> same_as(boxes.size(), kUndecided);  // itself where it is kept
+  std::vector<std::size_t> same_as(boxes.size(), kUndecided);  // itself if it is kept
   for (const std::size_t i : by_score) {
     std::size_t first = i;
     grid.visitNear(boxes[i].position.head<2>(), [&](std::size_t j) {
@@ -85,11 +85,11 @@ const MeasuredBox& DistinctBoxes::likeliest(std::size_t box, const ExpectedPlace
 
 std::optional<double> ConsistencyCheck::cost(const ExpectedPlace& track,
                                              const MeasuredBox& detection) const {
-  constexpr double kOtherGuess = 2.0;  // a guessed class is wrong about once in three times
+  constexpr double kProvisionalClassCost = 2.0;  // a provisional class is wrong in 1 of 3 cases
   const bool same_kind = compatible(track.object_class, detection.object_class);
-  if (!same_kind && !detection.classIsGuessed()) return std::nullopt;
+  if (!same_kind && !detection.classIsProvisional()) return std::nullopt;
   const Eigen::Vector3d offset = detection.position - track.position;
-  if (offset.head<2>().squaredNorm() > params_.gate_max_m * params_.gate_max_m) return std::nullopt;
+  if (offset.head<2>().squaredNorm() > params_.max_gate_m * params_.max_gate_m) return std::nullopt;
   const double blur = params_.gate_blur_m * params_.gate_blur_m;
   const Eigen::Matrix2d S =
       track.covariance + detection.covariance + blur * Eigen::Matrix2d::Identity();
@@ -102,16 +102,16 @@ std::optional<double> ConsistencyCheck::cost(const ExpectedPlace& track,
       offset.z() * offset.z() / (track.vertical_variance + detection.vertical_variance + blur);
   const double gate = params_.gate_sigma * params_.gate_sigma;
   if (squared_distance > gate || vertical > gate) return std::nullopt;
-  const double spread = 2.0 * M_PI * params_.new_object_density;
+  const double spread = 2.0 * M_PI * params_.new_object_density_per_m2;
   const bool hinted = (track.detector_id && track.detector_id == detection.detector_id) ||
                       detection.searched_track == track.track;
   return squared_distance + vertical + std::log(spread * spread * determinant) -
-         (hinted ? params_.hint_bonus : 0.0) + (same_kind ? 0.0 : kOtherGuess);
+         (hinted ? params_.detector_id_bonus : 0.0) + (same_kind ? 0.0 : kProvisionalClassCost);
 }
 
 Matches ConsistencyCheck::match(const std::vector<ExpectedPlace>& tracks,
                                 const std::vector<MeasuredBox>& detections) const {
-  const SpatialGrid grid(detections, params_.gate_max_m);
+  const SpatialGrid grid(detections, params_.max_gate_m);
   std::vector<CandidatePair> candidates;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     grid.visitNear(tracks[i].position.head<2>(), [&](std::size_t j) {

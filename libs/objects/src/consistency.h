@@ -21,10 +21,10 @@ struct ExpectedPlace {
   TrackId track;
 };
 
-/// Which detection continues which track.
+/// Assignment of detections to tracks.
 struct Matches {
   std::vector<std::pair<std::size_t, std::size_t>> pairs;  ///< (track, detection), by track
-  std::vector<std::size_t> unmatched_detections;           ///< seen for the first time
+  std::vector<std::size_t> unmatched_detections;           ///< each of a new object
 };
 
 /// One box for each object, and their duplicates.
@@ -32,7 +32,7 @@ struct DistinctBoxes {
   std::vector<MeasuredBox> boxes;
   std::vector<std::pair<std::size_t, MeasuredBox>> duplicates;  ///< index in `boxes`, duplicate
 
-  /// Of a box and its duplicates, the one nearest to where a track expects it.
+  /// Of a box and its duplicates, the one nearest to the track's prediction.
   [[nodiscard]] const MeasuredBox& likeliest(std::size_t box, const ExpectedPlace& track) const;
 };
 
@@ -48,7 +48,7 @@ class ConsistencyCheck {
  public:
   explicit ConsistencyCheck(const ConsistencyParams& params) : params_(params) {}
 
-  /// Keeps the box with the best score of those that describe one object.
+  /// Keeps the box with the best score of each object.
   [[nodiscard]] DistinctBoxes withoutDuplicates(std::vector<MeasuredBox> boxes) const;
 
   [[nodiscard]] Matches match(const std::vector<ExpectedPlace>& tracks,

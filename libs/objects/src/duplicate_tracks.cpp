@@ -7,7 +7,7 @@
 namespace headway::objects {
 namespace {
 
-/// A track as far as it decides which of two is kept; equal scores: the lesser id.
+/// Order of preference of tracks: by score, then by the lower id.
 struct Candidate {
   Eigen::Vector3d position;
   MotionGroup group;

@@ -8,25 +8,25 @@
 
 namespace headway::objects {
 
-/// Field of view of the detector, estimated from the widest bearing of its detections.
+/// Field of view of the detector, estimated from the largest bearing of its detections.
 ///
-/// An object outside of it does not count as missed.
+/// An undetected object outside of it is not a missed detection.
 class FieldOfView {
  public:
   /// Updates the pose of the sensor and widens the field of view to its detections.
   void update(const Pose& T_map_sensor, const std::vector<MeasuredBox>& seen);
 
-  /// Whether a place in the map is in front, within the widest bearing so far.
+  /// Whether a position in the map is in front, within the largest bearing so far.
   [[nodiscard]] bool covers(const Eigen::Vector3d& place) const;
 
-  /// A place of the map in the sensor's optical frame [m].
+  /// A position of the map in the sensor's optical frame [m].
   [[nodiscard]] Eigen::Vector3d inSensor(const Eigen::Vector3d& place) const {
     return T_sensor_map_ * place;
   }
 
  private:
   Pose T_sensor_map_ = Pose::Identity();
-  double widest_ = 0.0;  ///< tangent of the largest bearing seen
+  double widest_ = 0.0;  ///< tangent of the largest bearing so far
 };
 
 }  // namespace headway::objects

@@ -8,7 +8,7 @@
 namespace headway::objects {
 namespace {
 
-// log-odds that one detection brings
+// log-odds of one detection
 double weightOf(const HeadingParams& params) {
   return std::log((1.0 - params.flip_probability) / params.flip_probability);
 }
@@ -25,19 +25,20 @@ double HeadingEvidence::unflipped(double measured, double yaw) {
 }
 
 void HeadingEvidence::addMotion(double cosine) {
-  constexpr double kSideways = 0.5;  // motion farther than 60 degrees off says nothing
+  constexpr double kSideways = 0.5;  // motion more than 60 degrees off is no evidence
   if (std::abs(cosine) < kSideways) return;
   add(std::copysign(weightOf(params_), cosine));
 }
 
 bool HeadingEvidence::turnsRound() {
-  if (log_odds_ > -params_.evidence_to_turn) return false;
+  if (log_odds_ > -params_.flip_log_odds) return false;
   log_odds_ = -log_odds_;
   return true;
 }
 
 void HeadingEvidence::add(double log_odds) {
-  log_odds_ = std::clamp(log_odds_ + log_odds, -params_.evidence_limit, params_.evidence_limit);
+  log_odds_ =
+      std::clamp(log_odds_ + log_odds, -params_.max_flip_log_odds, params_.max_flip_log_odds);
 }
 
 }  // namespace headway::objects

@@ -12,12 +12,12 @@ class HeadingEvidence {
  public:
   explicit HeadingEvidence(const HeadingParams& params);
 
-  /// The measured heading or its opposite, whichever lies nearer to `yaw` [rad].
+  /// The measured heading or its opposite, whichever is nearer to `yaw` [rad].
   ///
-  /// Counts which of the two it was.
+  /// Adds the result to the evidence.
   [[nodiscard]] double unflipped(double measured, double yaw);
 
-  /// Counts the direction of motion for or against the heading.
+  /// Adds the direction of motion to the evidence.
   ///
   /// @param cosine  of the angle between heading and velocity
   void addMotion(double cosine);
@@ -29,7 +29,7 @@ class HeadingEvidence {
   void add(double log_odds);
 
   HeadingParams params_;
-  double log_odds_;  ///< that the heading is right
+  double log_odds_;  ///< that the heading is correct
 };
 
 }  // namespace headway::objects

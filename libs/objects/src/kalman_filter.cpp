@@ -11,22 +11,22 @@
 namespace headway::objects {
 namespace {
 
-constexpr double kVerticalShare = 0.2;     // of horizontal accelerations that go up or down
+constexpr double kVerticalRatio = 0.2;     // of vertical to horizontal accelerations
 constexpr double kTurnAcceleration = 0.5;  // typical [rad/s^2]
 constexpr double kInitialTurnRate = 0.3;   // typical [rad/s]
 
 KalmanFilter::Chain startingAt(double value, double variance, double rate_sigma,
-                               double acceleration_sigma) {
+                               double acceleration_sigma_mps2) {
   KalmanFilter::Chain chain;
   chain.mean(0) = value;
-  chain.covariance.diagonal() << variance, square(rate_sigma), square(acceleration_sigma);
+  chain.covariance.diagonal() << variance, square(rate_sigma), square(acceleration_sigma_mps2);
   return chain;
 }
 
 }  // namespace
 
 Transition::Transition(double dt_s, double time_s) {
-  // What a unit push of the acceleration has become after u seconds.
+  // Response to a unit impulse of the acceleration after u seconds.
   const auto response = [&](double u) {
     const double x = u / time_s;
     const double fade = std::exp(-x);
@@ -62,15 +62,15 @@ void KalmanFilter::Chain::update(double measured, double variance) {
 }
 
 KalmanFilter::KalmanFilter(const MeasuredBox& first, const FilterParams& params)
-    : params_(params), acceleration_sigma_(params.acceleration_sigma.of(first.object_class)) {
-  const double speed = params.initial_speed_sigma.of(first.object_class);
+    : params_(params), acceleration_sigma_(params.acceleration_sigma_mps2.of(first.object_class)) {
+  const double speed = params.initial_speed_sigma_mps.of(first.object_class);
   const Eigen::Vector3d& p = first.position;
   x_ = startingAt(p.x(), first.covariance(0, 0), speed, acceleration_sigma_);
   y_ = startingAt(p.y(), first.covariance(1, 1), speed, acceleration_sigma_);
   cross_xy_(0, 0) = first.covariance(0, 1);
   if (first.velocity) updateVelocity(*first.velocity);
-  z_ = startingAt(p.z(), first.vertical_variance, kVerticalShare * speed,
-                  kVerticalShare * acceleration_sigma_);
+  z_ = startingAt(p.z(), first.vertical_variance, kVerticalRatio * speed,
+                  kVerticalRatio * acceleration_sigma_);
   yaw_ = startingAt(first.yaw, square(params.yaw_sigma_rad), kInitialTurnRate, kTurnAcceleration);
   length_ = startingAt(first.size.x(), square(params.size_sigma_m), 0.0, 0.0);
   width_ = startingAt(first.size.y(), square(params.size_sigma_m), 0.0, 0.0);
@@ -78,22 +78,22 @@ KalmanFilter::KalmanFilter(const MeasuredBox& first, const FilterParams& params)
 }
 
 void KalmanFilter::predict(const Transition& transition, bool standing) {
-  const double sigma = (standing ? params_.standing_share : 1.0) * acceleration_sigma_;
+  const double sigma = (standing ? params_.standing_acceleration_ratio : 1.0) * acceleration_sigma_;
   x_.predict(transition, sigma);
   y_.predict(transition, sigma);
   cross_xy_ = transition.F * cross_xy_ * transition.F.transpose();
-  z_.predict(transition, kVerticalShare * sigma);
+  z_.predict(transition, kVerticalRatio * sigma);
   yaw_.predict(transition, kTurnAcceleration);
   yaw_.mean(0) = wrapAngle(yaw_.mean(0));
 }
 
-// The 6-state block: x and y (or their rates) measured at once, with their noise ellipse.
+// The 6-state block: joint measurement of x and y (or their rates) with their covariance.
 void KalmanFilter::updatePlanar(int derivative, const Eigen::Vector2d& measured,
                                 const Eigen::Matrix2d& covariance) {
   const int d = derivative;
   const Eigen::Matrix2d weight = (planar(d) + covariance).inverse();
   const Eigen::Vector2d innovation = measured - Eigen::Vector2d(x_.mean(d), y_.mean(d));
-  Eigen::Matrix<double, 3, 2> column_x;  // covariance of x's chain with what was measured
+  Eigen::Matrix<double, 3, 2> column_x;  // covariance of x's chain with the measurement
   Eigen::Matrix<double, 3, 2> column_y;
   column_x << x_.covariance.col(d), cross_xy_.col(d);
   column_y << cross_xy_.row(d).transpose(), y_.covariance.col(d);
@@ -115,10 +115,10 @@ void KalmanFilter::updateVelocity(const GroundVelocity& measured) {
   updatePlanar(1, measured.value, measured.covariance);
 }
 
-// A size does not change: its chains have no rate, and once known well they are left alone.
+// Sizes are constant: their chains have no rate and are not updated after convergence.
 void KalmanFilter::updateSize(const Eigen::Vector3d& size) {
   const double variance = square(params_.size_sigma_m);
-  if (length_.covariance(0, 0) < square(params_.size_settled_m)) return;
+  if (length_.covariance(0, 0) < square(params_.size_converged_m)) return;
   length_.update(size.x(), variance);
   width_.update(size.y(), variance);
   ++sizes_seen_;

@@ -8,10 +8,10 @@
 
 namespace headway::objects {
 
-/// How a quantity, its rate and its acceleration go on over one time step (Singer's model).
+/// Transition of a quantity, its rate and its acceleration over one time step (Singer's model).
 ///
-/// The acceleration fades with a correlation time and is driven by noise; with it the rate settles
-/// instead of running away over long gaps.
+/// The acceleration decays with a correlation time and is driven by noise, so that the rate remains
+/// bounded over long gaps.
 ///
 /// @see Singer 1970, "Estimating optimal tracking filter performance"; Bar-Shalom et al. 2001, 6.2
 struct Transition {
@@ -26,10 +26,10 @@ struct Transition {
 /// The paper's linear filter of 18 states: six measured quantities, each with its rate and its
 /// acceleration (Sec. III-C2).
 ///
-/// The six are the place x, y, z [m], the heading yaw [rad], and the footprint's length and width
-/// [m]; the height, which no motion touches, is averaged beside them. All are in the map frame.
-/// x and y share one noise ellipse and are filtered together; nothing couples the others, so the
-/// 18x18 covariance falls into one block of 6x6 and four of 3x3, and is kept as these.
+/// The six are the position x, y, z [m], the heading yaw [rad], and the footprint's length and width
+/// [m]; the height, independent of motion, is averaged separately. All are in the map frame. x and
+/// y have correlated noise and are filtered together; the others are independent, so that the
+/// 18x18 covariance consists of one block of 6x6 and four of 3x3, and is stored as these.
 class KalmanFilter {
  public:
   /// One quantity (value, rate, acceleration) with its covariance.
@@ -43,21 +43,21 @@ class KalmanFilter {
 
   KalmanFilter(const MeasuredBox& first, const FilterParams& params);
 
-  /// Carries the state on by one step.
+  /// Predicts the state by one step.
   ///
-  /// @param standing  the object is known to stand: it hardly accelerates
+  /// @param standing  the object is classified as static: small accelerations
   void predict(const Transition& transition, bool standing);
 
-  /// Takes in a measured place, velocity and footprint.
+  /// Updates the state by a measured position, velocity and footprint.
   void updatePlace(const MeasuredBox& measured);
   void updateVelocity(const GroundVelocity& measured);
   void updateSize(const Eigen::Vector3d& size);
 
-  /// Takes in a heading; `measured` must lie within half a turn of yaw().
+  /// Updates the state by a heading; `measured` must be within pi of yaw() [rad].
   void updateYaw(double measured);
-  /// Heading of a standing object: the mean of `count` measurements so far, and no turning.
+  /// Heading of a static object: the mean of `count` measurements so far, without turn rate.
   void averageYaw(double measured, double count);
-  /// The other way round: what was taken for the front is the back.
+  /// Reverses the heading by 180 degrees.
   void turnRound();
 
   [[nodiscard]] Eigen::Vector3d position() const { return {x_.mean(0), y_.mean(0), z_.mean(0)}; }

@@ -10,9 +10,9 @@
 namespace headway::objects {
 namespace {
 
-constexpr double kMinSpeed = 0.3;  // slower, a turn rate means nothing [m/s]
+constexpr double kMinSpeed = 0.3;  // min. speed for a turn rate [m/s]
 
-// Weighted moments of the path about its newest place, and of time.
+// Weighted moments of the path about its newest position, and of time.
 struct Moments {
   double t1 = 0.0;                      // of v
   double t2 = 0.0, t3 = 0.0, t4 = 0.0;  // of v * v, v * a and a * a in the normal equations
@@ -25,7 +25,7 @@ struct Moments {
     for (std::size_t i = path.size() - 1; i-- > 0;) {
       const double t = path[i].time - now.time;
       const double freshness = 1.0 + t * rate;
-      if (freshness <= 0.0 && i + 2 < path.size()) break;  // the last step always counts
+      if (freshness <= 0.0 && i + 2 < path.size()) break;  // the last step is always used
       const double weight = std::max(freshness * freshness, kMinWeight);
       const double half_square = 0.5 * t * t;
       const Eigen::Vector2d offset = (path[i].position - now.position).head<2>();
@@ -49,11 +49,11 @@ struct AxisFit {
   double variance = 0.0;      // of the velocity, from the noise of the places before and the prior
   double gain = 0.0;          // by which an error of the newest place becomes one of velocity [1/s]
 
-  // `noise` is the variance of a place; the prior is what is typical of speed and acceleration.
+  // `noise` is the variance of a place; the prior is given by typical speed and acceleration.
   AxisFit(const Moments& m, double dt1, double dt2, double noise, double speed,
-          double typical_acceleration) {
+          double typical_acceleration_mps2) {
     const double a = m.t2 + noise / square(speed);
-    const double c = m.t4 + noise / square(typical_acceleration);
+    const double c = m.t4 + noise / square(typical_acceleration_mps2);
     const double determinant = a * c - m.t3 * m.t3;
     velocity = (c * dt1 - m.t3 * dt2) / determinant;
     acceleration = (a * dt2 - m.t3 * dt1) / determinant;
@@ -71,12 +71,12 @@ Manoeuvre fitManoeuvre(const MotionHistory& history, const ManoeuvreParams& para
   const Eigen::Vector2d left(-ahead.y(), ahead.x());
   const Eigen::Matrix2d& places = history.position_covariance;
   const double noise = square(params.path_noise_m) + 0.5 * places.trace();
-  const auto fit = [&](const Eigen::Vector2d& axis, double typical_acceleration) {
-    return AxisFit(m, m.dt1.dot(axis), m.dt2.dot(axis), noise, params.typical_speed,
-                   typical_acceleration);
+  const auto fit = [&](const Eigen::Vector2d& axis, double typical_acceleration_mps2) {
+    return AxisFit(m, m.dt1.dot(axis), m.dt2.dot(axis), noise, params.typical_speed_mps,
+                   typical_acceleration_mps2);
   };
-  const AxisFit along = fit(ahead, params.typical_acceleration);
-  const AxisFit across = fit(left, params.typical_turn);
+  const AxisFit along = fit(ahead, params.typical_acceleration_mps2);
+  const AxisFit across = fit(left, params.typical_lateral_mps2);
   const Eigen::Vector2d velocity = along.velocity * ahead + across.velocity * left;
   const Eigen::Vector2d acceleration = along.acceleration * ahead + across.acceleration * left;
 
@@ -91,7 +91,7 @@ Manoeuvre fitManoeuvre(const MotionHistory& history, const ManoeuvreParams& para
   const double speed = velocity.norm();
   result.direction = unitOr(velocity, ahead);
   const double fourth = square(square(speed));
-  const double moves = fourth / (fourth + square(square(params.standing_speed)));
+  const double moves = fourth / (fourth + square(square(params.standing_speed_mps)));
   const Eigen::Vector2d& d = result.direction;
   result.speed = moves * speed;
   result.acceleration = moves * acceleration.dot(d);

@@ -6,7 +6,7 @@
 
 namespace headway::objects {
 
-/// How an object moves now, read off its recent path.
+/// Current motion of an object, estimated from its recent path.
 struct Manoeuvre {
   Eigen::Vector2d direction = Eigen::Vector2d::UnitX();           ///< of the velocity, unit length
   double speed = 0.0;                                             ///< [m/s]
@@ -15,15 +15,15 @@ struct Manoeuvre {
   Eigen::Matrix2d velocity_covariance = Eigen::Matrix2d::Zero();  ///< [m^2/s^2]
 };
 
-/// Fits a parabola through the newest place to the path before it.
+/// Fits a parabola through the newest position to the path before it.
 ///
-/// Least squares with weights that fall off with age, and with what is typical of the class as a
-/// prior: accelerations and turns are believed as far as they stand out of the noise. Slow motion
-/// counts as less than it looks, since it may be noise of an object that stands. The covariance of
-/// the velocity tells how short or noisy the path is: an error of the newest place, through which
-/// the parabola goes, tilts all of it; those of the places before and the prior come on top.
+/// Least squares with weights that decrease with age, and with typical values of the class as a
+/// prior, which limits accelerations and turns to those significant against the noise. Low speeds
+/// are reduced, since they may be noise of a static object. The covariance of the velocity contains
+/// the error of the newest position, which rotates the parabola that passes through it, the errors
+/// of the earlier positions, and the prior.
 ///
-/// @param history  one place at least
+/// @param history  at least one position
 [[nodiscard]] Manoeuvre fitManoeuvre(const MotionHistory& history, const ManoeuvreParams& params);
 
 }  // namespace headway::objects

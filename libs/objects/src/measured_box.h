@@ -13,14 +13,14 @@ struct GroundVelocity {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< [m^2/s^2]
 };
 
-/// A detection brought to the map frame, with its noise.
+/// A detection in the map frame, with its noise.
 struct MeasuredBox {
   ObjectClass object_class = ObjectClass::kUnknown;
   double score = 0.0;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();        ///< centre, map frame [m]
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< of (x, y), map frame [m^2]
   double vertical_variance = 1.0;                            ///< of z, map frame [m^2]
-  std::optional<GroundVelocity> velocity;                    ///< where the detector measured it
+  std::optional<GroundVelocity> velocity;                    ///< if the detector measured it
   double yaw = 0.0;                                          ///< of the front about map z [rad]
   Eigen::Vector3d size = Eigen::Vector3d::Ones();            ///< (length, width, height) [m]
   std::optional<Box2d> box2d;                                ///< [px]
@@ -30,8 +30,8 @@ struct MeasuredBox {
   std::optional<TrackId> searched_track;
   std::shared_ptr<const AppearanceTemplate> appearance;
 
-  /// Whether the class is a guess from size and speed, which may change from frame to frame.
-  [[nodiscard]] bool classIsGuessed() const {
+  /// Whether the class is derived from size and speed, so that it may change between frames.
+  [[nodiscard]] bool classIsProvisional() const {
     return !evidence.classifier && (evidence.motion || evidence.flow || evidence.appearance);
   }
 };

@@ -6,7 +6,7 @@
 namespace headway::objects {
 namespace {
 
-/// Sums of the normal equations of a straight line; places can be taken out again.
+/// Sums of the normal equations of a straight line; positions can be removed again.
 struct LineFit {
   Eigen::Matrix2d weight = Eigen::Matrix2d::Zero();
   Eigen::Matrix2d time = Eigen::Matrix2d::Zero();

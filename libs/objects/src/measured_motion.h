@@ -10,14 +10,14 @@
 
 namespace headway::objects {
 
-/// Velocity on the ground plane that the measured places of an object show.
+/// Velocity on the ground plane from the measured positions of an object.
 struct MeasuredMotion {
   Eigen::Vector2d velocity;    ///< [m/s]
   Eigen::Matrix2d covariance;  ///< [m^2/s^2]
 };
 
-/// Weighted least-squares line through the places of the last `window_s`, without the one with the
-/// greatest residual: a single outlier among the boxes must not look like motion.
+/// Weighted least-squares line through the positions of the last `window_s`, without the one of the
+/// largest residual, so that a single outlier does not appear as motion.
 ///
 /// @return nullopt for fewer than three places
 [[nodiscard]] std::optional<MeasuredMotion> measuredMotion(

@@ -89,11 +89,12 @@ MeasuredBox MeasurementModel::measured(const Pose& T_map_sensor, const Detection
 Eigen::Matrix3d MeasurementModel::centreCovariance(const Detection& detection) const {
   const Eigen::Vector3d& centre = detection.box3d->centre;
   const double along = noise_.position_sigma_m + noise_.position_sigma_per_m * centre.norm();
-  const double across = noise_.across_share * along;
+  const double across = noise_.across_sigma_ratio * along;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   if (detection.centre_covariance) {
     covariance = *detection.centre_covariance;
-    covariance.diagonal().array() += noise_.least_position_sigma_m * noise_.least_position_sigma_m;
+    covariance.diagonal().array() +=
+        noise_.additional_position_sigma_m * noise_.additional_position_sigma_m;
     return covariance;
   }
   const Eigen::Vector3d ray = Eigen::Vector3d(centre.x(), 0.0, centre.z()).normalized();

@@ -10,7 +10,7 @@
 
 namespace headway::objects {
 
-/// Brings detections from the sensor's frame to the map, and says how well they are measured.
+/// Transforms detections from the sensor's frame to the map and assigns their noise.
 ///
 /// Reasons to drop a detection: low_score, unknown_class, no_3d_box, nan_box, zero_size,
 /// behind_camera, too_far.
@@ -26,7 +26,7 @@ class MeasurementModel {
                                                DropCounts& dropped) const;
 
  private:
-  /// Why a detection cannot be used; nullptr if it can.
+  /// Reason why a detection cannot be used; nullptr if it can.
   [[nodiscard]] const char* reasonToDrop(const Detection& detection) const;
   [[nodiscard]] MeasuredBox measured(const Pose& T_map_sensor, const Detection& detection) const;
   [[nodiscard]] Eigen::Matrix3d centreCovariance(const Detection& detection) const;

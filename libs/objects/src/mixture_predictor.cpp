@@ -10,10 +10,10 @@ namespace headway::objects {
 namespace {
 
 constexpr int kModes = 4;
-// How often each future was the nearest to what came, rounded.
+// Frequency at which each path was the nearest to the true one, rounded.
 constexpr std::array<double, kModes> kProbabilities = {0.55, 0.25, 0.1, 0.1};
 constexpr double kMinPositionSigma_m = 0.03;
-constexpr double kFastestTurn = 3.0;  // [rad/s]
+constexpr double kMaxTurnRate = 3.0;  // [rad/s]
 
 // The direction turned by a small angle: by series, exact to 3e-7 at the fastest turn.
 Eigen::Vector2d turnedBy(const Eigen::Vector2d& direction, double angle) {
@@ -50,8 +50,8 @@ MixturePredictor::Tables MixturePredictor::tabulate(const ManoeuvreParams& param
     tables.gained[j] = params.acceleration_fade_s * (t - faded(t, params.acceleration_fade_s));
     tables.turned[j] = middle - turned;
     turned = middle;
-    tables.along[j] = square(params.acceleration_sigma * 0.5 * t * t);
-    tables.across[j] = square(params.lateral_sigma * 0.5 * t * t);
+    tables.along[j] = square(params.acceleration_sigma_mps2 * 0.5 * t * t);
+    tables.across[j] = square(params.lateral_sigma_mps2 * 0.5 * t * t);
   }
   return tables;
 }
@@ -67,13 +67,13 @@ void MixturePredictor::predictInto(const MotionHistory& history,
   const ManoeuvreParams& params = params_.of(history.object_class);
   const Tables& tables = tables_.of(history.object_class);
   const Manoeuvre now = fitManoeuvre(history, params);
-  const double moves = square(now.speed) / (square(now.speed) + square(params.cruising_speed));
+  const double moves = square(now.speed) / (square(now.speed) + square(params.cruising_speed_mps));
   const auto common = commonSpread(history.position_covariance, now.velocity_covariance);
 
-  const double turn_rate = std::clamp(now.turn_rate, -kFastestTurn, kFastestTurn);
+  const double turn_rate = std::clamp(now.turn_rate, -kMaxTurnRate, kMaxTurnRate);
   const Course turning = course(tables, now.direction, turn_rate, common, moves);
   const Course straight = course(tables, now.direction, 0.0, common, moves);
-  const double other = moves * params.other_acceleration;
+  const double other = moves * params.alternative_mps2;
   paths.resize(kModes);
   walk(history, tables, turning, now.speed, now.acceleration, paths[0]);
   walk(history, tables, straight, now.speed, 0.0, paths[1]);

@@ -12,7 +12,7 @@ namespace headway::objects {
 /// a lower speed.
 class MotionClassifier {
  public:
-  explicit MotionClassifier(const MotionVerdictParams& params) : params_(params) {}
+  explicit MotionClassifier(const MotionClassParams& params) : params_(params) {}
 
   /// @param speed        [m/s]
   /// @param speed_sigma  its standard deviation [m/s]
@@ -27,10 +27,10 @@ class MotionClassifier {
   }
 
  private:
-  MotionVerdictParams params_;
+  MotionClassParams params_;
   bool moving_ = false;
   bool sure_ = false;
-  Time last_fast_ = 0.0;  ///< when it last was faster than still_speed
+  Time last_fast_ = 0.0;  ///< when it last was faster than static_speed_mps
 };
 
 }  // namespace headway::objects

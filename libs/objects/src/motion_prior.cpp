@@ -87,44 +87,47 @@ std::vector<Eigen::Vector3d> MotionPriorProblem::gradient(
   return gradient;
 }
 
-void MotionPriorProblem::solveStep(const std::vector<Eigen::Vector3d>& places, double damping,
-                                   std::vector<Eigen::Vector3d>& step) {
-  const std::size_t n = places.size();
-  horizontal_.reset(n);
-  vertical_.reset(n);
+void MotionPriorProblem::addMeasurements(const std::vector<Eigen::Vector3d>& places) {
   const auto slope = gradient(places);
-  for (std::size_t j = 0; j < n; ++j) {
+  for (std::size_t j = 0; j < places.size(); ++j) {
     const PlaceMeasurement& m = measurements_[j];
     const double squared = squaredResidual(j, places[j]);
     const double weight = huberWeight(squared, outlier_sigma_);
     horizontal_.diagonal[j] = weight * m.information;
     vertical_.diagonal[j](0) = weight * m.vertical_information;
-    if (weight < 1.0) {  // Huber's loss is straight along the residual: no curvature that way
+    if (weight <
+        1.0) {  // Huber's loss is linear along the residual: no curvature in that direction
       const Eigen::Vector2d pull = m.information * (places[j] - m.measured).head<2>();
       horizontal_.diagonal[j] -= weight / squared * pull * pull.transpose();
     }
     horizontal_.right[j] = -slope[j].head<2>();
     vertical_.right[j](0) = -slope[j].z();
   }
+}
+
+void MotionPriorProblem::addPrior() {
+  const auto add = [](auto& system, int band, std::size_t j, double value) {
+    auto& blocks = band == 0 ? system.diagonal : band == 1 ? system.first : system.second;
+    blocks[j].diagonal().array() += value;
+  };
   for (const PriorTerm& term : terms_) {
-    const auto add = [&](auto& blocks, std::size_t j, double value) {
-      blocks[j].diagonal().array() += value;
-    };
     for (int a = 0; a < term.count; ++a) {
       for (int b = a; b < term.count; ++b) {
         const double value = term.weight * term.coefficients(a) * term.coefficients(b);
-        const std::size_t j = term.first + a;
-        add(b == a       ? horizontal_.diagonal
-            : b == a + 1 ? horizontal_.first
-                         : horizontal_.second,
-            j, value);
-        add(b == a       ? vertical_.diagonal
-            : b == a + 1 ? vertical_.first
-                         : vertical_.second,
-            j, value);
+        add(horizontal_, b - a, term.first + a, value);
+        add(vertical_, b - a, term.first + a, value);
       }
     }
   }
+}
+
+void MotionPriorProblem::solveStep(const std::vector<Eigen::Vector3d>& places, double damping,
+                                   std::vector<Eigen::Vector3d>& step) {
+  const std::size_t n = places.size();
+  horizontal_.reset(n);
+  vertical_.reset(n);
+  addMeasurements(places);
+  addPrior();
   for (std::size_t j = 0; j < n; ++j) {
     horizontal_.diagonal[j].diagonal() *= 1.0 + damping;
     vertical_.diagonal[j] *= 1.0 + damping;
@@ -135,7 +138,7 @@ void MotionPriorProblem::solveStep(const std::vector<Eigen::Vector3d>& places, d
 }
 
 MotionPriorProblem::Summary MotionPriorProblem::refine(std::vector<Eigen::Vector3d>& places,
-                                                       int max_iterations, double settled_m) {
+                                                       int max_iterations, double tolerance_m) {
   constexpr double kMaxDamping = 1e6;
   Summary summary;
   summary.initial_cost = summary.final_cost = cost(places);
@@ -159,7 +162,7 @@ MotionPriorProblem::Summary MotionPriorProblem::refine(std::vector<Eigen::Vector
     places.swap(candidate);
     summary.final_cost = candidate_cost;
     damping *= 0.1;
-    if (farthest <= settled_m * settled_m) break;
+    if (farthest <= tolerance_m * tolerance_m) break;
   }
   return summary;
 }

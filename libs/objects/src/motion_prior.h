@@ -10,7 +10,7 @@
 
 namespace headway::objects {
 
-/// A place as measured, with what the measurement is worth.
+/// A measured position with its information.
 struct PlaceMeasurement {
   Time time = 0.0;                                            ///< [s]
   Eigen::Vector3d measured = Eigen::Vector3d::Zero();         ///< map frame [m]
@@ -18,27 +18,30 @@ struct PlaceMeasurement {
   double vertical_information = 1.0;                          ///< of z [1/m^2]
 };
 
-/// Which prior holds a path together, and how tightly.
+/// Kind and weight of the prior.
 struct PriorStiffness {
   MotionPriorKind kind = MotionPriorKind::kLeastForce;
   double weight = 1.0;         ///< least_kinetic: r [1/(m^2/s)]; least_force: [1/(m^2/s^3)]
   double outlier_sigma = 3.0;  ///< residual from which Huber's loss is linear [-]
 };
 
-/// The smoothing problem of Sec. III-C1: places near their measurements on a path of little cost.
+/// The smoothing problem of Sec. III-C1: measured positions and a prior of the motion.
 ///
 ///     minimise  sum_j rho(|P_j - z_j|^2_Sigma) / 2  +  prior(P)
 ///     least_kinetic:  sum_j  w/2 (|P_j+1 - P_j| / (dt_j + eps))^2 dt_j           eq. (5)
 ///     least_force:    sum_j  w/2 |a_j|^2 (dt_j-1 + dt_j) / 2,  a_j the second difference
 ///
-/// The paper's eq. (5) has no data term, and then its minimum is all places in one; its eqs. (6)
-/// and (7) are not the derivative of (5). Here the data term is added and the derivative is the
-/// true one: +- w dP / dt. rho is Huber's loss, so that one bad box bends the path little.
+/// The paper's eq. (5) has no data term, so that all places coincide at its minimum; its eqs. (6)
+/// and (7) are not the derivative of (5). Here the data term is added, and the derivative is
+/// +- w dP / dt. rho is Huber's loss, which limits the effect of an outlier.
+///
+/// Levenberg-Marquardt is hand-written because Ceres' TinySolver solves a dense system, cubic in
+/// the length of the window, and has no robust loss.
 ///
 /// @see Vo et al. 2016, "Spatiotemporal bundle adjustment for dynamic 3D reconstruction"
 class MotionPriorProblem {
  public:
-  /// @param measurements  two at least, times increasing; must outlive the problem
+  /// @param measurements  at least two, times increasing; must outlive the problem
   MotionPriorProblem(const std::vector<PlaceMeasurement>& measurements,
                      const PriorStiffness& stiffness);
 
@@ -57,11 +60,11 @@ class MotionPriorProblem {
 
   /// Levenberg-Marquardt from `places`, which it overwrites with the minimum.
   ///
-  /// @param settled_m  ends when no place moves farther in one step [m]
-  Summary refine(std::vector<Eigen::Vector3d>& places, int max_iterations, double settled_m);
+  /// @param tolerance_m  converged when no place moves farther in one step [m]
+  Summary refine(std::vector<Eigen::Vector3d>& places, int max_iterations, double tolerance_m);
 
  private:
-  /// One linear form of neighbouring places whose square is a term of the prior.
+  /// A linear form of neighbouring places whose square is a term of the prior.
   struct PriorTerm {
     std::size_t first = 0;  ///< index of the earliest place in it
     int count = 0;          ///< of places in it: 2 or 3
@@ -74,6 +77,10 @@ class MotionPriorProblem {
   [[nodiscard]] double squaredResidual(std::size_t j, const Eigen::Vector3d& place) const;
   [[nodiscard]] Eigen::Vector3d formOf(const PriorTerm& term,
                                        const std::vector<Eigen::Vector3d>& places) const;
+  /// Writes the measurements' Hessian and negative gradient, the prior's gradient included.
+  void addMeasurements(const std::vector<Eigen::Vector3d>& places);
+  /// Adds the prior's Hessian.
+  void addPrior();
   /// Solves (H + damping diag H) step = -gradient.
   void solveStep(const std::vector<Eigen::Vector3d>& places, double damping,
                  std::vector<Eigen::Vector3d>& step);

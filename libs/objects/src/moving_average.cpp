@@ -25,13 +25,13 @@ Eigen::Vector3d movingAverage(const std::vector<PlaceMeasurement>& measurements,
 
 Eigen::Vector3d gaussianAverage(const std::vector<PlaceMeasurement>& measurements, double sigma_s,
                                 const Eigen::Vector3d& velocity) {
-  constexpr double kFarthest = 4.0;  // standard deviations: what lies beyond weighs nothing
+  constexpr double kMaxSigmas = 4.0;  // standard deviations: beyond, the weight is zero
   const Time now = measurements.back().time;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double weights = 0.0;
   for (auto place = measurements.rbegin(); place != measurements.rend(); ++place) {
     const double age = (now - place->time) / sigma_s;
-    if (age > kFarthest) break;
+    if (age > kMaxSigmas) break;
     const double weight = std::exp(-0.5 * age * age);
     sum += weight * carriedOn(*place, now, velocity);
     weights += weight;

@@ -22,7 +22,7 @@ class MovingObjectTracker::Implementation {
         consistency_(params.consistency),
         smoother_(params.smoothing),
         predictor_(makePredictor(params.predictor, params.prediction)),
-        noise_(params.filter.noise_adaption) {}
+        noise_(params.filter.noise_adaptation) {}
 
   // Algorithm 1 of the paper, one frame F_k.
   TrackUpdate update(std::size_t frame, const Stamped<Pose>& T_map_robot,
@@ -85,7 +85,7 @@ class MovingObjectTracker::Implementation {
     return measured;
   }
 
-  // Carries every track on to the time of F_k; those lost for too long end.
+  // Predicts every track to the time of F_k; those without detection for too long end.
   void predictTo(Time time, TrackUpdate& update) {
     const double dt = time_ ? time - *time_ : 0.0;
     const Transition transition(dt, params_.filter.acceleration_time_s);
@@ -111,7 +111,7 @@ class MovingObjectTracker::Implementation {
     for (const auto& [track, detection] : matches.pairs) {
       const MeasuredBox& box = measured.likeliest(detection, expected[track]);
       objects_[track].update(frame, time, box);
-      if (objects_[track].grown()) noise_.learn(expected[track], box);
+      if (objects_[track].mature()) noise_.learn(expected[track], box);
     }
     for (TrackedObject& object : objects_) {
       if (!object.seenAt(time)) object.miss();
@@ -139,7 +139,7 @@ class MovingObjectTracker::Implementation {
   }
 
   TrackUpdate publish(Time time, TrackUpdate update) {
-    const auto window = static_cast<std::size_t>(params_.smoothing.window) + 1;
+    const auto window = static_cast<std::size_t>(params_.smoothing.window_frames) + 1;
     std::vector<const TrackedObject*> shown;
     for (TrackedObject& object : objects_) {
       object.finalise(window, time, update.finalised);
@@ -147,7 +147,7 @@ class MovingObjectTracker::Implementation {
       if (auto expected = object.searchable(time)) update.expected.push_back(std::move(*expected));
     }
     for (const TrackedObject* object :
-         suppressDuplicateTracks(shown, params_.consistency.rival_distance_m)) {
+         suppressDuplicateTracks(shown, params_.consistency.duplicate_track_distance_m)) {
       Track& track = update.tracks.emplace_back(object->shownAt(time));
       track.box2d = object->imageBoxAt(time, view_.inSensor(object->position()));
       track.predictions = object->predictions;
@@ -167,7 +167,7 @@ class MovingObjectTracker::Implementation {
   std::vector<TrackedObject> objects_;  ///< ascending ids
   FieldOfView view_;
   NoiseScale noise_;
-  MotionHistory history_;     ///< room for one history, used again and again
+  MotionHistory history_;     ///< buffer of one history
   std::optional<Time> time_;  ///< of the last frame
   std::int64_t next_id_ = 0;
 };

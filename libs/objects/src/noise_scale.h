@@ -5,10 +5,10 @@
 
 namespace headway::objects {
 
-/// Online estimate of a detector's true noise over its configured noise.
+/// Online estimate of the ratio of a detector's true noise to its configured noise.
 ///
-/// With the right noise the squared Mahalanobis distance of a detection from its expected place is
-/// 2 on average (chi-squared). Greater distances raise the scale, smaller ones lower it.
+/// With correct noise the mean squared Mahalanobis distance of a detection from its prediction is 2
+/// (chi-squared). Larger distances increase the scale, smaller ones decrease it.
 ///
 /// @see Bar-Shalom et al. 2001, "Estimation with applications to tracking and navigation", 5.4
 class NoiseScale {
@@ -16,7 +16,7 @@ class NoiseScale {
   /// @param adaptation  rate at which the scale follows the distances; 0 keeps it at 1
   explicit NoiseScale(double adaptation) : adaptation_(adaptation) {}
 
-  /// Updates the scale by the distance of a detection from its expected place.
+  /// Updates the scale by the distance of a detection from its prediction.
   void learn(const ExpectedPlace& expected, const MeasuredBox& detection);
 
   /// The box with its noise scaled.

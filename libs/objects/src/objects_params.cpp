@@ -18,6 +18,19 @@ void renamedPerClass(Params::Section& section, const std::string& key, const std
   }
 }
 
+void describePriors(SmoothingParams& params, Params::Section& section) {
+  addPerClass(section, "kinetic_weight_kg", params.kinetic_weight_kg, 0.0, 1e6, "kg",
+              "r: stiffness of the least-kinetic prior");
+  section.add("kinetic_scale_per_joule", params.kinetic_scale_per_joule, 0.0, 1e3, "1/J",
+              "Weight of kinetic energy relative to the measurements");
+  addPerClass(section, "force_sigma_mps2", params.force_sigma_mps2, 0.001, 100.0, "m/s^2",
+              "Standard deviation of accelerations in the least-force prior");
+  section.add("force_standing_ratio", params.force_standing_ratio, 0.001, 1.0, "",
+              "Ratio of that acceleration for a stationary object");
+  section.add("force_time_s", params.force_time_s, 0.001, 100.0, "s",
+              "Correlation time of such an acceleration");
+}
+
 }  // namespace
 
 void ConsistencyParams::describe(Params::Section section) {
@@ -30,21 +43,21 @@ void ConsistencyParams::describe(Params::Section section) {
            "Track detections of unknown class; false if only known classes matter");
   section.add("gate_sigma", gate_sigma, 0.5, 20.0, "standard deviations",
               "Radius of the gate around a predicted position");
-  section.add("new_object_density_per_m2", new_object_density, 1e-9, 1e3, "1/m^2",
+  section.add("new_object_density_per_m2", new_object_density_per_m2, 1e-9, 1e3, "1/m^2",
               "Density of new objects and false alarms, which a match's likelihood must exceed");
   section.add("gate_blur_m", gate_blur_m, 0.0, 10.0, "m",
               "Standard deviation added to every predicted position");
-  section.add("max_gate_m", gate_max_m, 0.1, 100.0, "m", "Maximum radius of the gate");
-  section.add("duplicate_distance_ratio", duplicate_distance, 0.0, 2.0, "widths",
+  section.add("max_gate_m", max_gate_m, 0.1, 100.0, "m", "Maximum radius of the gate");
+  section.add("duplicate_distance_ratio", duplicate_distance_ratio, 0.0, 2.0, "widths",
               "Distance of centres below which boxes are one object");
-  section.add("duplicate_iou_3d", duplicate_overlap_3d, 0.0, 1.0, "IoU",
+  section.add("duplicate_iou_3d", duplicate_iou_3d, 0.0, 1.0, "IoU",
               "Overlap above which 3D boxes are one object");
-  section.add("duplicate_iou_2d", duplicate_overlap_2d, 0.0, 1.0, "IoU",
+  section.add("duplicate_iou_2d", duplicate_iou_2d, 0.0, 1.0, "IoU",
               "Overlap above which 2D boxes are one object");
-  section.add("duplicate_track_distance_m", rival_distance_m, 0.0, 10.0, "m",
+  section.add("duplicate_track_distance_m", duplicate_track_distance_m, 0.0, 10.0, "m",
               "Distance below which tracks of different classes are one object, of which the one "
               "with the highest score is shown");
-  section.add("detector_id_bonus", hint_bonus, 0.0, 100.0, "",
+  section.add("detector_id_bonus", detector_id_bonus, 0.0, 100.0, "",
               "Reduction of a match's cost where the detector's own identity agrees");
   section.renamed({{"max_range", "max_range_m"},
                    {"new_object_density", "new_object_density_per_m2"},
@@ -58,11 +71,11 @@ void ConsistencyParams::describe(Params::Section section) {
 }
 
 void FilterParams::describe(Params::Section section) {
-  addPerClass(section, "filter_acceleration_mps2", acceleration_sigma, 0.01, 100.0, "m/s^2",
+  addPerClass(section, "filter_acceleration_mps2", acceleration_sigma_mps2, 0.01, 100.0, "m/s^2",
               "Standard deviation of accelerations in the Kalman filter");
-  addPerClass(section, "initial_speed_mps", initial_speed_sigma, 0.01, 100.0, "m/s",
+  addPerClass(section, "initial_speed_mps", initial_speed_sigma_mps, 0.01, 100.0, "m/s",
               "Standard deviation of a new object's speed");
-  section.add("standing_acceleration_ratio", standing_share, 0.0, 1.0, "",
+  section.add("standing_acceleration_ratio", standing_acceleration_ratio, 0.0, 1.0, "",
               "Ratio of that acceleration for a stationary object");
   section.add("acceleration_time_s", acceleration_time_s, 0.01, 100.0, "s",
               "Correlation time of an acceleration");
@@ -70,17 +83,17 @@ void FilterParams::describe(Params::Section section) {
               "Noise of a measured centre along the ray, at no distance");
   section.add("position_sigma_per_m", position_sigma_per_m, 0.0, 1.0, "m/m",
               "Growth of that noise with depth");
-  section.add("across_sigma_ratio", across_share, 0.01, 10.0, "",
+  section.add("across_sigma_ratio", across_sigma_ratio, 0.01, 10.0, "",
               "Ratio of the noise across the ray to that along it");
   section.add("vertical_sigma_m", vertical_sigma_m, 0.001, 10.0, "m", "Noise of a measured z");
-  section.add("additional_position_sigma_m", least_position_sigma_m, 0.0, 10.0, "m",
+  section.add("additional_position_sigma_m", additional_position_sigma_m, 0.0, 10.0, "m",
               "Noise added to the covariance that a detector reports");
-  section.add("noise_adaptation", noise_adaption, 0.0, 1.0, "",
+  section.add("noise_adaptation", noise_adaptation, 0.0, 1.0, "",
               "Gain by which innovations change the assumed noise; 0 keeps it as configured");
   section.add("yaw_sigma_rad", yaw_sigma_rad, 0.001, 3.0, "rad", "Noise of a measured heading");
   section.add("size_sigma_m", size_sigma_m, 0.001, 10.0, "m",
               "Noise of a measured length, width and height");
-  section.add("size_converged_m", size_settled_m, 0.001, 10.0, "m",
+  section.add("size_converged_m", size_converged_m, 0.001, 10.0, "m",
               "Uncertainty of a size below which it is no longer updated");
   renamedPerClass(section, "filter_acceleration", "filter_acceleration_mps2");
   renamedPerClass(section, "initial_speed", "initial_speed_mps");
@@ -99,25 +112,25 @@ void FilterParams::describe(Params::Section section) {
 void HeadingParams::describe(Params::Section section) {
   section.add("flip_probability", flip_probability, 0.0001, 0.4999, "",
               "Probability that a detector confuses front and back");
-  section.add("flip_log_odds", evidence_to_turn, 0.0, 100.0, "log-odds",
+  section.add("flip_log_odds", flip_log_odds, 0.0, 100.0, "log-odds",
               "Evidence from which a track's heading is reversed");
-  section.add("max_flip_log_odds", evidence_limit, 0.0, 1000.0, "log-odds",
+  section.add("max_flip_log_odds", max_flip_log_odds, 0.0, 1000.0, "log-odds",
               "Limit of the accumulated evidence");
-  section.add("heading_converged_frames", settle_frames, 1.0, 1000.0, "frames",
+  section.add("heading_converged_frames", converged_frames, 1.0, 1000.0, "frames",
               "Measurements after which the heading of a stationary object is fixed");
   section.renamed({{"flip_evidence", "flip_log_odds"},
                    {"flip_evidence_limit", "max_flip_log_odds"},
                    {"heading_settle_frames", "heading_converged_frames"}});
 }
 
-void MotionVerdictParams::describe(Params::Section section) {
-  addPerClass(section, "moving_speed_mps", moving_speed, 0.0, 50.0, "m/s",
+void MotionClassParams::describe(Params::Section section) {
+  addPerClass(section, "moving_speed_mps", moving_speed_mps, 0.0, 50.0, "m/s",
               "Speed above which an object is moving");
-  addPerClass(section, "static_speed_mps", still_speed, 0.0, 50.0, "m/s",
+  addPerClass(section, "static_speed_mps", static_speed_mps, 0.0, 50.0, "m/s",
               "Speed below which an object may be static");
   section.add("moving_significance", significance, 0.0, 100.0, "standard deviations",
               "Speed over its uncertainty above which an object is moving");
-  section.add("static_time_s", still_time_s, 0.0, 100.0, "s",
+  section.add("static_time_s", static_time_s, 0.0, 100.0, "s",
               "Time below static_speed_mps after which an object is static");
   renamedPerClass(section, "moving_speed", "moving_speed_mps");
   renamedPerClass(section, "still_speed", "static_speed_mps");
@@ -130,24 +143,16 @@ void SmoothingParams::describe(Params::Section section) {
                       {"least_force", MotionPriorKind::kLeastForce}},
                      "Prior that smooths trajectories: the paper's least_kinetic lags behind "
                      "moving objects, least_force does not");
-  section.add("mature_frames", grown_length, 2, 1000, "frames",
+  section.add("mature_frames", mature_frames, 2, 1000, "frames",
               "tau_KF: length of a track from which the motion prior smooths it");
   section.add("filter_weight", filter_weight, 0.0, 1.0, "",
               "w_k: weight of the filter for shorter tracks");
   section.add("average_weight", average_weight, 0.0, 1.0, "",
               "w_n: weight of the moving average for shorter tracks");
-  section.add("average_frames", average_points, 1, 100, "frames", "n of the moving average");
-  section.add("window_frames", window, 3, 200, "frames", "h: frames that the motion prior smooths");
-  addPerClass(section, "kinetic_weight_kg", kinetic_weight, 0.0, 1e6, "kg",
-              "r: stiffness of the least-kinetic prior");
-  section.add("kinetic_scale_per_joule", kinetic_scale, 0.0, 1e3, "1/J",
-              "Weight of kinetic energy relative to the measurements");
-  addPerClass(section, "force_sigma_mps2", force_sigma, 0.001, 100.0, "m/s^2",
-              "Standard deviation of accelerations in the least-force prior");
-  section.add("force_standing_ratio", force_standing_share, 0.001, 1.0, "",
-              "Ratio of that acceleration for a stationary object");
-  section.add("force_time_s", force_time_s, 0.001, 100.0, "s",
-              "Correlation time of such an acceleration");
+  section.add("average_frames", average_frames, 1, 100, "frames", "n of the moving average");
+  section.add("window_frames", window_frames, 3, 200, "frames",
+              "h: frames that the motion prior smooths");
+  describePriors(*this, section);
   section.add("outlier_sigma", outlier_sigma, 0.1, 1000.0, "standard deviations",
               "Residual beyond which a measured position is down-weighted (Huber)");
   section.add("gaussian_smoothing", gaussian_smoothing,
@@ -155,7 +160,7 @@ void SmoothingParams::describe(Params::Section section) {
   section.add("gaussian_sigma_s", gaussian_sigma_s, 0.001, 10.0, "s", "Width of that smoothing");
   section.add("max_smoother_iterations", max_iterations, 1, 1000, "",
               "Maximum iterations of Levenberg-Marquardt");
-  section.add("smoother_tolerance_m", settled_m, 1e-12, 1.0, "m",
+  section.add("smoother_tolerance_m", tolerance_m, 1e-12, 1.0, "m",
               "Change of positions below which Levenberg-Marquardt has converged");
   renamedPerClass(section, "kinetic_weight", "kinetic_weight_kg");
   renamedPerClass(section, "force_sigma", "force_sigma_mps2");
@@ -185,13 +190,13 @@ void LifecycleParams::describe(Params::Section section) {
               "Detections that confirm a track regardless of the sum of their scores");
   section.add("start_score", start_score, -1e6, 1e6, "detector's scale",
               "Minimum score of a detection that starts a track");
-  section.add("score_prior_frames", score_prior, 0.0, 1000.0, "frames",
+  section.add("score_prior_frames", score_prior_frames, 0.0, 1000.0, "frames",
               "Frames of score 0 in every track's mean score, which lowers that of short tracks");
-  section.add("max_coast_ratio", coast_share, 0.0, 1000.0, "",
+  section.add("max_coast_ratio", max_coast_ratio, 0.0, 1000.0, "",
               "Maximum ratio of frames without to frames with detection of a shown track");
-  section.add("max_coast_sigma_m", coast_sigma_m, 0.0, 100.0, "m",
+  section.add("max_coast_sigma_m", max_coast_sigma_m, 0.0, 100.0, "m",
               "Maximum position uncertainty of a track shown without detection");
-  addPerClass(section, "min_coast_score", coast_score, -1e6, 1e6, "detector's scale",
+  addPerClass(section, "min_coast_score", min_coast_score, -1e6, 1e6, "detector's scale",
               "Minimum score of a track shown without detection");
   section.add("tentative_time_s", tentative_time_s, 0.0, 100.0, "s",
               "Time without detection after which a tentative track ends");
@@ -219,7 +224,7 @@ void ObjectsParams::describe(Params::Section section) {
   consistency.describe(section);
   filter.describe(section);
   heading.describe(section);
-  verdict.describe(section);
+  motion_class.describe(section);
   smoothing.describe(section);
   lifecycle.describe(section);
   prediction.describe(section);

@@ -5,7 +5,7 @@
 namespace headway::objects {
 namespace {
 
-// The two least costs of one row or column, unpaired (0) among them.
+// The two lowest costs of one row or column, including that of no assignment (0).
 struct Least {
   double first = 0.0;
   double second = 0.0;
@@ -18,7 +18,7 @@ struct Least {
       second = std::min(second, cost);
     }
   }
-  /// The least cost without one of the costs added.
+  /// The lowest cost without one of the added costs.
   [[nodiscard]] double without(double cost) const { return cost <= first ? second : first; }
 };
 

@@ -30,8 +30,8 @@ PathSpread spreadOf(const MotionHistory& history, const ManoeuvreParams& params,
   const double velocity = span > 0.0 ? std::min(kUnknownSpeed, sigma / span) : kUnknownSpeed;
   spread.along_velocity = velocity;
   spread.across_velocity = velocity;
-  spread.along_acceleration = params.acceleration_sigma;
-  spread.across_acceleration = params.lateral_sigma;
+  spread.along_acceleration = params.acceleration_sigma_mps2;
+  spread.across_acceleration = params.lateral_sigma_mps2;
   return spread;
 }
 

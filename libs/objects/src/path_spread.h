@@ -6,7 +6,7 @@
 
 namespace headway::objects {
 
-/// How the uncertainty of a foretold place grows: an error of place, of velocity and of
+/// Growth of the uncertainty of a predicted position: errors of position, of velocity and of
 /// acceleration, along the path and across it.
 struct PathSpread {
   double position_sigma = 0.0;       ///< [m]
@@ -32,15 +32,15 @@ class DirectedSpread {
   Eigen::Matrix2d start_, velocity_, acceleration_;
 };
 
-/// The spread of a predictor that reads velocities off `window_s` of the history.
+/// The spread of a predictor that estimates velocities from `window_s` of the history.
 [[nodiscard]] PathSpread spreadOf(const MotionHistory& history, const ManoeuvreParams& params,
                                   double window_s);
 
-/// Leaves one path in `paths`: the object stays where it is. None if the history is empty.
+/// Sets `paths` to one path at constant position; to none if the history is empty.
 void writeStanding(const MotionHistory& history, const PathSpread& spread,
                    std::vector<PredictedPath>& paths);
 
-/// Makes `paths` hold one path of kPredictionSamples samples with their horizons and z set.
+/// Sets `paths` to one path of kPredictionSamples samples with horizons and z.
 PredictedPath& singlePath(const MotionHistory& history, std::vector<PredictedPath>& paths);
 
 }  // namespace headway::objects

@@ -32,24 +32,24 @@ void ManoeuvreParams::describe(Params::Section section, const std::string& prefi
               "Age beyond which positions have no weight in the fit of the motion");
   section.add(prefix + "path_noise_m", path_noise_m, 0.001, 10.0, "m",
               "Deviation of exactly known paths from a parabola");
-  section.add(prefix + "typical_speed_mps", typical_speed, 0.01, 1000.0, "m/s",
+  section.add(prefix + "typical_speed_mps", typical_speed_mps, 0.01, 1000.0, "m/s",
               "Prior of the speed, for short paths");
-  section.add(prefix + "typical_acceleration_mps2", typical_acceleration, 1e-3, 100.0, "m/s^2",
+  section.add(prefix + "typical_acceleration_mps2", typical_acceleration_mps2, 1e-3, 100.0, "m/s^2",
               "Prior of the acceleration along the path");
-  section.add(prefix + "typical_lateral_mps2", typical_turn, 1e-3, 100.0, "m/s^2",
+  section.add(prefix + "typical_lateral_mps2", typical_lateral_mps2, 1e-3, 100.0, "m/s^2",
               "Prior of the acceleration across the path");
   section.add(prefix + "acceleration_fade_s", acceleration_fade_s, 0.05, 1000.0, "s",
               "Decay time of an acceleration");
   section.add(prefix + "turn_fade_s", turn_fade_s, 0.05, 1000.0, "s", "Decay time of a turn");
-  section.add(prefix + "standing_speed_mps", standing_speed, 0.001, 10.0, "m/s",
+  section.add(prefix + "standing_speed_mps", standing_speed_mps, 0.001, 10.0, "m/s",
               "Speed below which motion may be noise of a stationary object");
-  section.add(prefix + "cruising_speed_mps", cruising_speed, 0.001, 50.0, "m/s",
+  section.add(prefix + "cruising_speed_mps", cruising_speed_mps, 0.001, 50.0, "m/s",
               "Speed above which an object manoeuvres freely");
-  section.add(prefix + "alternative_mps2", other_acceleration, 0.0, 20.0, "m/s^2",
+  section.add(prefix + "alternative_mps2", alternative_mps2, 0.0, 20.0, "m/s^2",
               "Acceleration of the faster and of the slower alternative");
-  section.add(prefix + "acceleration_sigma_mps2", acceleration_sigma, 0.0, 20.0, "m/s^2",
+  section.add(prefix + "acceleration_sigma_mps2", acceleration_sigma_mps2, 0.0, 20.0, "m/s^2",
               "Unpredicted acceleration along the path");
-  section.add(prefix + "lateral_sigma_mps2", lateral_sigma, 0.0, 20.0, "m/s^2",
+  section.add(prefix + "lateral_sigma_mps2", lateral_sigma_mps2, 0.0, 20.0, "m/s^2",
               "Unpredicted acceleration across the path");
   section.renamed({{prefix + "memory", prefix + "memory_s"},
                    {prefix + "path_noise", prefix + "path_noise_m"},

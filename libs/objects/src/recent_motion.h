@@ -10,7 +10,7 @@ namespace headway::objects {
 /// Displacements shorter than this have no direction [m].
 inline constexpr double kNoDirection_m = 1e-6;
 
-/// Place on the ground plane at one past time, between the samples by straight lines.
+/// Position on the ground plane at a past time, linearly interpolated.
 ///
 /// Before the first sample: the first sample.
 ///
@@ -21,7 +21,7 @@ inline constexpr double kNoDirection_m = 1e-6;
 /// Time from the first sample to the last [s]; 0 for fewer than two.
 [[nodiscard]] double spanOf(const std::vector<TrajectoryPoint>& path);
 
-/// Mean velocity over the last `window_s`, or over the whole path where it is shorter.
+/// Mean velocity over the last `window_s`, or over the whole path if it is shorter.
 ///
 /// @return velocity on the ground plane [m/s]; zero for fewer than two samples
 [[nodiscard]] Eigen::Vector2d recentVelocity(const std::vector<TrajectoryPoint>& path,

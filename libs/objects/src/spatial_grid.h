@@ -9,14 +9,14 @@
 
 namespace headway::objects {
 
-/// Places on the ground plane sorted into square cells, to find those near a place.
+/// Positions on the ground plane sorted into square cells, for neighbour queries.
 ///
-/// A query looks at nine cells, so its cost depends on how crowded they are and not on how many
-/// places there are in all.
+/// A query visits nine cells, so that its cost depends on the local density and not on the total
+/// number of positions.
 class SpatialGrid {
  public:
   /// @param places   anything with a `position` in the map frame
-  /// @param cell_m   edge of a cell; queries may reach as far
+  /// @param cell_m   edge of a cell, the radius of queries
   template <typename Placed>
   SpatialGrid(const std::vector<Placed>& places, double cell_m) : cell_m_(cell_m) {
     entries_.reserve(places.size());
@@ -27,14 +27,14 @@ class SpatialGrid {
     std::sort(entries_.begin(), entries_.end());
   }
 
-  /// Calls `visit(index)` for every place in the cell of `position` and its eight neighbours:
-  /// for all places within `cell_m`, and some beyond.
+  /// Calls `visit(index)` for every position in the cell of `position` and its eight neighbours:
+  /// for all positions within `cell_m`, and some beyond.
   template <typename Visit>
   void visitNear(const Eigen::Vector2d& position, Visit visit) const {
     const std::int64_t column = cellOf(position.x());
     const std::int64_t row = cellOf(position.y());
     for (std::int64_t i = column - 1; i <= column + 1; ++i) {
-      // Cells of one column lie beside each other in the order of keys.
+      // Cells of one column have consecutive keys.
       const std::int64_t last = keyOf(i, row + 1);
       auto entry = std::lower_bound(entries_.begin(), entries_.end(),
                                     std::pair<std::int64_t, std::size_t>{keyOf(i, row - 1), 0});

@@ -12,7 +12,7 @@ namespace {
 
 // Turn rate from the mean velocities over the last window and the one before it [rad/s].
 double recentTurnRate(const std::vector<TrajectoryPoint>& path, double window_s) {
-  constexpr double kStanding_mps = 0.3;  // slower, directions are noise
+  constexpr double kStanding_mps = 0.3;  // below, directions are noise
   const double window = std::min(window_s, 0.5 * spanOf(path));
   if (window <= 0.0) return 0.0;
   const Time now = path.back().time;
@@ -26,7 +26,7 @@ double recentTurnRate(const std::vector<TrajectoryPoint>& path, double window_s)
   return std::atan2(cross, older.dot(recent)) / window;
 }
 
-// The parabola nearest to four places one spacing apart, the last of them now.
+// Least-squares parabola of four positions one spacing apart, the last of them current.
 class Parabola {
  public:
   Parabola(const std::vector<TrajectoryPoint>& path, double spacing_s) : spacing_s_(spacing_s) {
@@ -39,7 +39,7 @@ class Parabola {
     slope_ = (3.0 * (p0 - p3) + (p1 - p2)) / 10.0;
     bend_ = (p0 - p1 - p2 + p3) / 4.0;
   }
-  /// From the place now to the place at one time [m].
+  /// Displacement from the current position at one time [m].
   [[nodiscard]] Eigen::Vector2d advance(double time_s) const {
     const double u = time_s / spacing_s_;
     return u * (slope_ + (u + 3.0) * bend_);
@@ -73,7 +73,7 @@ void ConstantTurnPredictor::predictInto(const MotionHistory& history,
   if (history.path.size() < 2) return writeStanding(history, spread, paths);
   const double window = std::min(params_.velocity_window_s, spanOf(history.path));
   const double turn_rate = recentTurnRate(history.path, params_.velocity_window_s);
-  // The mean velocity of a window points where the object looked in the window's middle.
+  // The mean velocity of a window has the object's heading at the middle of the window.
   const Eigen::Vector2d velocity = Eigen::Rotation2Dd(0.5 * window * turn_rate) *
                                    recentVelocity(history.path, params_.velocity_window_s);
   const DirectedSpread directed(spread, unitOr(velocity, Eigen::Vector2d::UnitX()));
@@ -85,8 +85,8 @@ void ConstantTurnPredictor::predictInto(const MotionHistory& history,
     const double angle = turn_rate * t;
     const bool straight = std::abs(turn_rate) < kStraight;
     const double ahead = straight ? t : std::sin(angle) / turn_rate;
-    const double aside = straight ? 0.0 : (1.0 - std::cos(angle)) / turn_rate;
-    point.position.head<2>() = start + ahead * velocity + aside * sideways;
+    const double lateral = straight ? 0.0 : (1.0 - std::cos(angle)) / turn_rate;
+    point.position.head<2>() = start + ahead * velocity + lateral * sideways;
     point.covariance = directed.covariance(t);
   }
 }

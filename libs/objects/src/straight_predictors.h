@@ -4,7 +4,7 @@
 
 namespace headway::objects {
 
-/// Straight on with the mean velocity of the last moments.
+/// Straight motion with the mean velocity of the last window.
 class ConstantVelocityPredictor : public Predictor {
  public:
   explicit ConstantVelocityPredictor(const PredictorParams& params) : params_(params) {}
@@ -14,7 +14,7 @@ class ConstantVelocityPredictor : public Predictor {
   PredictorParams params_;
 };
 
-/// On a circle: constant speed and constant turn rate (CTRV).
+/// Circular motion: constant speed and constant turn rate (CTRV).
 ///
 /// The turn rate comes from the velocities over the last two windows.
 class ConstantTurnPredictor : public Predictor {
@@ -26,8 +26,8 @@ class ConstantTurnPredictor : public Predictor {
   PredictorParams params_;
 };
 
-/// The paper's baseline: a parabola fitted to four past places five frames apart, drawn out so that
-/// its end lies d_se from the object (Sec. IV-A).
+/// The paper's baseline: a parabola fitted to four past positions five frames apart, extended until
+/// its end is at distance d_se from the object (Sec. IV-A).
 class PolynomialPredictor : public Predictor {
  public:
   explicit PolynomialPredictor(const PredictorParams& params) : params_(params) {}

@@ -22,7 +22,7 @@ TrackedObject::TrackedObject(TrackId id, std::size_t frame, Time time, const Mea
       object_class_(first.object_class),
       filter_(first, params.filter),
       heading_(params.heading),
-      motion_class_(params.verdict),
+      motion_class_(params.motion_class),
       detector_id_(first.detector_id),
       box2d_(first.box2d),
       seen_from_(first.seen_from),
@@ -54,7 +54,7 @@ void TrackedObject::update(std::size_t frame, Time time, const MeasuredBox& dete
   confirm();
 }
 
-// An object found by its appearance brings neither a new velocity nor a new template.
+// A detection by appearance has neither a new velocity nor a new template.
 void TrackedObject::keepEvidence(Time time, const MeasuredBox& detection) {
   if (detection.evidence.motion) {
     last_motion_ = time;
@@ -70,7 +70,7 @@ void TrackedObject::confirm() {
   confirmed_ = confirmed_ || sure || hits_ >= life.confirm_anyway_hits;
 }
 
-// Moving: filtered. Standing: the mean of the first measurements, and then left alone.
+// Moving: filtered. Static: the mean of the first measurements, then constant.
 void TrackedObject::updateHeading(const MeasuredBox& detection) {
   const double measured = heading_.unflipped(detection.yaw, filter_.yaw());
   if (motion_class_.moving()) {
@@ -78,8 +78,8 @@ void TrackedObject::updateHeading(const MeasuredBox& detection) {
     const Eigen::Vector2d direction = unitOr(filter_.velocity().head<2>(), Eigen::Vector2d::Zero());
     heading_.addMotion(
         direction.dot(Eigen::Vector2d(std::cos(filter_.yaw()), std::sin(filter_.yaw()))));
-    standing_headings_ = 0.5 * params_.heading.settle_frames;
-  } else if (standing_headings_ < params_.heading.settle_frames) {
+    standing_headings_ = 0.5 * params_.heading.converged_frames;
+  } else if (standing_headings_ < params_.heading.converged_frames) {
     standing_headings_ += 1.0;
     filter_.averageYaw(measured, standing_headings_);
   }
@@ -90,7 +90,7 @@ void TrackedObject::updateHeading(const MeasuredBox& detection) {
 }
 
 void TrackedObject::voteClass(const MeasuredBox& detection) {
-  if (detection.evidence.appearance && detection.classIsGuessed()) return;  // this track's own
+  if (detection.evidence.appearance && detection.classIsProvisional()) return;  // the class is this track's own
   class_votes_[static_cast<std::size_t>(detection.object_class)] += 1.0;
   const auto& current = class_votes_[static_cast<std::size_t>(object_class_)];
   const auto best = std::max_element(class_votes_.begin(), class_votes_.end());
@@ -135,10 +135,10 @@ std::optional<ExpectedObject> TrackedObject::searchable(Time time) const {
   return object;
 }
 
-bool TrackedObject::grown() const { return hits_ >= params_.smoothing.grown_length; }
+bool TrackedObject::mature() const { return hits_ >= params_.smoothing.mature_frames; }
 
 double TrackedObject::score() const {
-  return score_sum_ / (hits_ + all_misses_ + params_.lifecycle.score_prior);
+  return score_sum_ / (hits_ + all_misses_ + params_.lifecycle.score_prior_frames);
 }
 
 TrackStatus TrackedObject::statusAt(Time time) const {
@@ -155,8 +155,9 @@ bool TrackedObject::shown(Time time) const {
   const LifecycleParams& life = params_.lifecycle;
   if (seenAt(time) || !confirmed_) return true;
   return time - last_seen_ <= life.coast_time_s + kFrameJitter_s &&
-         misses_ <= life.coast_share * hits_ && score() >= life.coast_score.of(object_class_) &&
-         meanSigma(filter_.positionCovariance()) <= life.coast_sigma_m;
+         misses_ <= life.max_coast_ratio * hits_ &&
+         score() >= life.min_coast_score.of(object_class_) &&
+         meanSigma(filter_.positionCovariance()) <= life.max_coast_sigma_m;
 }
 
 Eigen::Vector3d TrackedObject::positionAt(Time time) const {
@@ -197,7 +198,7 @@ std::optional<Box2d> TrackedObject::imageBoxAt(Time time, const Eigen::Vector3d&
 }
 
 void TrackedObject::finalise(std::size_t window, Time time, std::vector<TrackSample>& samples) {
-  const Track shown_now = shownAt(time);  // before its path is taken out
+  const Track shown_now = shownAt(time);  // before its path is removed
   const std::vector<TrajectoryPoint> finalised = trajectory_.finalise(window);
   if (!confirmed_) return;
   for (std::size_t j = 0; j < finalised.size(); ++j) {

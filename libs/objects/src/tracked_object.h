@@ -42,27 +42,27 @@ class TrackedObject {
   /// Predicted place of the next detection.
   [[nodiscard]] ExpectedPlace expected() const;
 
-  /// The object as a detector may search for it; nullopt if no detector had evidence that it moves.
+  /// The object for detectors to search for; nullopt without a detector's evidence of motion.
   [[nodiscard]] std::optional<ExpectedObject> searchable(Time time) const;
 
   [[nodiscard]] TrackStatus statusAt(Time time) const;
-  /// Whether it is published: not while unobserved for long and kept for re-detection alone.
+  /// Whether it is published; not after a long time without detection, until it is re-detected.
   [[nodiscard]] bool shown(Time time) const;
-  /// Whether it has been seen often enough for its expected place to be trusted.
-  [[nodiscard]] bool grown() const;
+  /// Whether it has enough detections for a reliable prediction.
+  [[nodiscard]] bool mature() const;
   [[nodiscard]] MotionGroup group() const { return motionGroupOf(object_class_); }
   [[nodiscard]] bool seenAt(Time time) const { return last_seen_ == time; }
   [[nodiscard]] Eigen::Vector3d position() const { return filter_.position(); }
-  /// Mean of its detections' scores; frames unseen, and a few before the first, count as 0.
+  /// Mean of its detections' scores, with 0 for frames without detection and a few before the first.
   [[nodiscard]] double score() const;
 
-  /// Input of a predictor at `time`: the smoothed path, extrapolated where it was not observed.
+  /// Input of a predictor at `time`: the smoothed path, extrapolated if it was not observed.
   void historyAt(std::size_t frame, Time time, MotionHistory& history) const;
 
   /// The object as published, without its predictions.
   [[nodiscard]] Track shownAt(Time time) const;
 
-  /// Box in the image; where it was not observed, predicted from the last one.
+  /// Box in the image, predicted from the last one if it was not observed.
   ///
   /// @param place  of the object now, in the sensor's optical frame [m]
   [[nodiscard]] std::optional<Box2d> imageBoxAt(Time time, const Eigen::Vector3d& place) const;
@@ -92,12 +92,12 @@ class TrackedObject {
   std::optional<GroundVelocity> detected_velocity_;  ///< as last measured by a detector
   std::optional<Time> last_motion_;  ///< when a detector last had evidence of motion
   std::shared_ptr<const AppearanceTemplate> appearance_;
-  std::optional<Box2d> box2d_;                            ///< as last seen
-  Eigen::Vector3d seen_from_ = Eigen::Vector3d::UnitZ();  ///< where the object then was
-  double standing_headings_ = 1.0;  ///< measurements in the heading of a standing object
+  std::optional<Box2d> box2d_;                            ///< as last observed
+  Eigen::Vector3d seen_from_ = Eigen::Vector3d::UnitZ();  ///< the object's position at that time
+  double standing_headings_ = 1.0;  ///< number of measurements in the heading of a static object
   double score_sum_ = 0.0;
   int hits_ = 1;
-  int misses_ = 0;  ///< in a row
+  int misses_ = 0;  ///< consecutive
   int all_misses_ = 0;
   bool confirmed_ = false;
   Time first_seen_;

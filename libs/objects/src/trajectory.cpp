@@ -26,16 +26,16 @@ std::vector<TrajectoryPoint> Trajectory::finalise(std::size_t window) {
 void TrajectorySmoother::refine(Trajectory& trajectory, const KalmanFilter& filter,
                                 MotionGroup group, bool standing) const {
   if (params_.gaussian_smoothing) blurNewest(trajectory, filter.velocity());
-  if (trajectory.length < static_cast<std::size_t>(params_.grown_length)) {
-    blendYoung(trajectory, filter);
+  if (trajectory.length < static_cast<std::size_t>(params_.mature_frames)) {
+    blendWithFilter(trajectory, filter);
   } else {
     optimizeGrown(trajectory, stiffnessOf(group, standing));
   }
 }
 
-void TrajectorySmoother::blendYoung(Trajectory& trajectory, const KalmanFilter& filter) const {
+void TrajectorySmoother::blendWithFilter(Trajectory& trajectory, const KalmanFilter& filter) const {
   const Eigen::Vector3d average =
-      movingAverage(trajectory.measurements, params_.average_points, filter.velocity());
+      movingAverage(trajectory.measurements, params_.average_frames, filter.velocity());
   const double w_k = params_.filter_weight;
   const double w_n = params_.average_weight;
   trajectory.path.back().position = (w_k * filter.position() + w_n * average) / (w_k + w_n);
@@ -47,7 +47,7 @@ void TrajectorySmoother::optimizeGrown(Trajectory& trajectory,
   places.reserve(trajectory.path.size());
   for (const TrajectoryPoint& point : trajectory.path) places.push_back(point.position);
   MotionPriorProblem problem(trajectory.measurements, stiffness);
-  problem.refine(places, params_.max_iterations, params_.settled_m);
+  problem.refine(places, params_.max_iterations, params_.tolerance_m);
   for (std::size_t j = 0; j < places.size(); ++j) trajectory.path[j].position = places[j];
 }
 
@@ -61,10 +61,10 @@ PriorStiffness TrajectorySmoother::stiffnessOf(MotionGroup group, bool standing)
   stiffness.kind = params_.motion_prior;
   stiffness.outlier_sigma = params_.outlier_sigma;
   if (params_.motion_prior == MotionPriorKind::kLeastKinetic) {
-    stiffness.weight = params_.kinetic_scale * params_.kinetic_weight.of(group);
+    stiffness.weight = params_.kinetic_scale_per_joule * params_.kinetic_weight_kg.of(group);
   } else {
-    const double share = standing ? params_.force_standing_share : 1.0;
-    const double sigma = share * params_.force_sigma.of(group);
+    const double fraction = standing ? params_.force_standing_ratio : 1.0;
+    const double sigma = fraction * params_.force_sigma_mps2.of(group);
     stiffness.weight = 1.0 / (sigma * sigma * params_.force_time_s);
   }
   return stiffness;

@@ -34,22 +34,26 @@ const std::vector<std::pair<std::string, Scenario>>& scenarios() {
 void PeopleParams::describe(Params::Section section) {
   section.add("scenario", scenario, scenarios(), "How people walk");
   section.add("count", count, 0, 100, "", "People (or groups) in a trial");
-  section.add("radius_m", radius_m, 0.05, 1.0, "m", "Radius of a body");
-  section.add("slow_speed", slow_speed, 0.1, 5.0, "m/s", "Slowest preferred speed");
-  section.add("fast_speed", fast_speed, 0.1, 5.0, "m/s", "Fastest preferred speed");
+  section.add("radius_m", radius_m, 0.05, 1.0, "m", "Radius of a person");
+  section.add("min_speed_mps", min_speed_mps, 0.1, 5.0, "m/s", "Minimum preferred speed");
+  section.add("max_speed_mps", max_speed_mps, 0.1, 5.0, "m/s", "Maximum preferred speed");
   section.add("timing_sigma_s", timing_sigma_s, 0.0, 10.0, "s",
-              "How well crossing people are timed to meet the robot");
+              "Standard deviation of the times at which crossing people meet the robot");
   section.add("angle_sigma_deg", angle_sigma_deg, 0.0, 60.0, "deg",
-              "Spread of crossing ways about square");
+              "Standard deviation of crossing directions about the perpendicular");
   section.add("wander_sigma_deg", wander_sigma_deg, 0.0, 60.0, "deg",
-              "Spread of a heading about the preferred one");
-  section.add("speed_sigma", speed_sigma, 0.0, 0.5, "-",
-              "Spread of a speed, as a share of the preferred one");
+              "Standard deviation of a heading about the preferred one");
+  section.add("speed_sigma_ratio", speed_sigma_ratio, 0.0, 0.5, "-",
+              "Standard deviation of a speed, relative to the preferred one");
   section.add("wander_time_s", wander_time_s, 0.1, 60.0, "s",
-              "Time in which heading and speed change");
-  section.add("yielding_share", yielding_share, 0.0, 1.0, "-",
-              "Share of people who give way to the robot; the others do not look");
-  section.add("pillars", pillars, 0, 100, "", "Pillars that stand beside the straight way");
+              "Correlation time of heading and speed");
+  section.add("yielding_fraction", yielding_fraction, 0.0, 1.0, "-",
+              "Fraction of people who give way to the robot; the others ignore it");
+  section.add("pillars", pillars, 0, 100, "", "Pillars beside the straight path");
+  section.renamed({{"slow_speed", "min_speed_mps"},
+                   {"fast_speed", "max_speed_mps"},
+                   {"speed_sigma", "speed_sigma_ratio"},
+                   {"yielding_share", "yielding_fraction"}});
 }
 
 Vector2d Person::velocity() const {
@@ -101,7 +105,7 @@ void Crowd::placeCrossing(int index, int abreast, const RobotCourse& course) {
   const double side = uniform(0.0, 1.0) < 0.5 ? -1.0 : 1.0;
   Person person;
   person.heading = side * M_PI / 2.0 + normal(params_.angle_sigma_deg * kDegree);
-  person.speed = uniform(params_.slow_speed, params_.fast_speed);
+  person.speed = uniform(params_.min_speed_mps, params_.max_speed_mps);
   const double time = std::max(1.0, robot_there_s + normal(params_.timing_sigma_s));
   person.position = meeting - time * person.speed * direction(person.heading);
   for (int i = 0; i < abreast; ++i) {
@@ -115,7 +119,7 @@ void Crowd::placeAlong(int index, bool oncoming, const RobotCourse& course) {
   const double pace = oncoming ? 1.0 : 0.6;
   Person person;
   person.heading = oncoming ? M_PI : 0.0;
-  person.speed = pace * uniform(params_.slow_speed, std::min(params_.fast_speed, 1.2));
+  person.speed = pace * uniform(params_.min_speed_mps, std::min(params_.max_speed_mps, 1.2));
   const double spacing = course.goal_m / (params_.count + 1.0);
   const double x = oncoming ? course.goal_m + index * 2.0 * spacing : 1.5 + index * spacing;
   person.position = {x, normal(0.3)};
@@ -128,7 +132,7 @@ void Crowd::walk(double dt_s, const Vector2d& robot) {
   const double renew = std::sqrt(1.0 - keep * keep);
   for (auto& person : people_) {
     const double turn = normal(params_.wander_sigma_deg * kDegree);
-    const double hurry = normal(params_.speed_sigma);
+    const double hurry = normal(params_.speed_sigma_ratio);
     person.heading_off = keep * person.heading_off + renew * turn;
     person.speed_off = keep * person.speed_off + renew * hurry;
     Vector2d velocity = person.velocity();
@@ -147,7 +151,7 @@ double Crowd::uniform(double from, double to) {
 
 void Crowd::add(Person person) {
   person.radius = params_.radius_m;
-  person.yields = uniform(0.0, 1.0) < params_.yielding_share;
+  person.yields = uniform(0.0, 1.0) < params_.yielding_fraction;
   people_.push_back(person);
 }
 

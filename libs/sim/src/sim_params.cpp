@@ -121,19 +121,25 @@ void DetectorParams::describe(Params::Section section) {
               "Noise across the ray at 20 m, grows with depth");
   section.add("depth_sigma_m", depth_sigma_m, 0.0, 10.0, "m",
               "Noise along the ray at 20 m, grows with depth");
-  section.add("size_sigma", size_sigma, 0.0, 0.5, "", "Noise of the size, share");
+  section.add("size_sigma", size_sigma, 0.0, 0.5, "", "Noise of the size, relative to it");
   section.add("yaw_sigma_rad", yaw_sigma_rad, 0.0, 3.0, "rad", "Noise of the heading");
   section.add("box_sigma_px", box_sigma_px, 0.0, 50.0, "px", "Noise of the 2D edges");
   section.add("miss_near", miss_near, 0.0, 1.0, "", "Missed when near and in full view");
   section.add("miss_far", miss_far, 0.0, 1.0, "", "Missed at max_range_m");
   section.add("miss_occluded", miss_occluded, 0.0, 1.0, "", "Missed when hardly visible");
-  section.add("duplicate_share", duplicate_share, 0.0, 1.0, "", "Detected twice");
+  section.add("duplicate_probability", duplicate_probability, 0.0, 1.0, "",
+              "Probability that a box is detected twice");
   section.add("false_per_frame", false_per_frame, 0.0, 100.0, "", "Boxes without an object");
-  section.add("flip_share", flip_share, 0.0, 1.0, "", "Headings turned by 180 degrees");
-  section.add("id_switch_share", id_switch_share, 0.0, 1.0, "", "Ids changed in a frame");
+  section.add("flip_probability", flip_probability, 0.0, 1.0, "",
+              "Probability that a heading is turned by 180 degrees");
+  section.add("id_switch_probability", id_switch_probability, 0.0, 1.0, "",
+              "Probability that an id changes in a frame");
   section.add("boxes_2d", boxes_2d, "Give 2D boxes");
   section.add("boxes_3d", boxes_3d, "Give 3D boxes");
   section.add("parked", parked, "Detect parked vehicles, too");
+  section.renamed({{"duplicate_share", "duplicate_probability"},
+                   {"flip_share", "flip_probability"},
+                   {"id_switch_share", "id_switch_probability"}});
 }
 
 void RecordingParams::describe(Params::Section section) {

@@ -39,7 +39,7 @@ DetectorNoise SimulatedDetector::noiseAt(double depth_m) const {
   noise.vertical_variance_ratio = 0.16;
   noise.size_sigma_ratio = params_.size_sigma;
   noise.yaw_sigma_rad = params_.yaw_sigma_rad;
-  noise.flip_probability = params_.flip_share;
+  noise.flip_probability = params_.flip_probability;
   return withCentreScaled(noise, std::max(1.0, depth_m / kFullAccuracy_m));
 }
 
@@ -111,10 +111,10 @@ Detections SimulatedDetector::detect(Time time, const std::vector<Actor>& actors
     const Actor& actor = actors[observation.actor];
     if (isMissed(actor, observation)) continue;
     auto& id = detector_ids_[actor.id];
-    if (id == 0 || random_.chance(params_.id_switch_share)) id = next_id_++;
+    if (id == 0 || random_.chance(params_.id_switch_probability)) id = next_id_++;
     detections.items.push_back(measure(actor, observation));
     detections.items.back().detector_id = id;
-    if (!random_.chance(params_.duplicate_share)) continue;
+    if (!random_.chance(params_.duplicate_probability)) continue;
     detections.items.push_back(measure(actor, observation));
     detections.items.back().score *= 0.6;
     detections.items.back().detector_id = next_id_++;

@@ -1,4 +1,4 @@
-// What the grid of free and occupied ground costs: 600 looks along 1.2 km, 600 rays each.
+// Cost of the occupancy grid: 600 scans along 1.2 km, 600 rays each.
 
 #include <headway/map/static_grid.h>
 
@@ -65,7 +65,7 @@ int main() {
   }
   const auto last = grid.grid();
   std::printf("%u x %u cells\n", last->getSizeX(), last->getSizeY());
-  report("a look added", add_ms);
+  report("a scan added", add_ms);
   report("the grid as MRPT's layer", grid_ms);
   report("600 keyframes followed, none of them moved", still_ms);
   report("600 keyframes followed, all moved by a loop", moved_ms);

@@ -1,14 +1,16 @@
-// What the moving-object layer costs: each predictor for one object, the whole layer for n objects
-// (with the exponent of its growth), and the whole layer on KITTI's sequences where HEADWAY_DATA
-// names the folder that holds kitti_tracking/.
+// Cost of the moving-object layer: each predictor for one object, the whole layer for n objects
+// (with the exponent of its growth), the solver of the smoother against Eigen's sparse one, and the
+// whole layer on KITTI's sequences if HEADWAY_DATA names the folder of kitti_tracking/.
 //
 //     HEADWAY_DATA=DATA bench_objects [--benchmark_filter=predict|wholeLayer|kittiTracking]
 
+#include <banded_system.h>
 #include <benchmark/benchmark.h>
 #include <headway/io/dataset.h>
 #include <headway/objects/moving_object_tracker.h>
 #include <headway/objects/predictor.h>
 
+#include <Eigen/SparseCholesky>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -68,6 +70,63 @@ std::vector<Detection> crowd(int count, double time, std::mt19937& random) {
   }
   return items;
 }
+
+/// The smoother's system for a window of 20 frames: diagonally dominant blocks of 2 x 2.
+BandedSystem<2> smootherSystem() {
+  BandedSystem<2> system;
+  system.reset(21);
+  for (std::size_t i = 0; i < system.diagonal.size(); ++i) {
+    system.diagonal[i] << 9.0, 0.5, 0.5, 8.0;
+    system.first[i] << -2.0, 0.1, 0.1, -2.0;
+    system.second[i] << 0.5, 0.0, 0.0, 0.5;
+    system.right[i] << 1.0, -1.0;
+  }
+  return system;
+}
+
+void bandedSolve(benchmark::State& state) {
+  const auto system = smootherSystem();
+  BandedSystem<2> work;
+  for (auto _ : state) {
+    work = system;
+    work.solve();
+    benchmark::DoNotOptimize(work.right.data());
+  }
+}
+BENCHMARK(bandedSolve);
+
+/// The same system with Eigen's sparse solver, the symbolic analysis done once.
+void sparseSolve(benchmark::State& state) {
+  const auto system = smootherSystem();
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto add = [&entries](std::size_t row, std::size_t column, const Eigen::Matrix2d& block) {
+    for (int r = 0; r < 2; ++r) {
+      for (int c = 0; c < 2; ++c) {
+        entries.emplace_back(static_cast<int>(2 * row) + r, static_cast<int>(2 * column) + c,
+                             block(r, c));
+      }
+    }
+  };
+  const std::size_t n = system.diagonal.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    add(i, i, system.diagonal[i]);
+    if (i + 1 < n) add(i + 1, i, system.first[i]);
+    if (i + 2 < n) add(i + 2, i, system.second[i]);
+  }
+  Eigen::SparseMatrix<double> matrix(2 * static_cast<Eigen::Index>(n),
+                                     2 * static_cast<Eigen::Index>(n));
+  const Eigen::VectorXd right = Eigen::VectorXd::Ones(matrix.rows());
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver;
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  solver.analyzePattern(matrix);
+  for (auto _ : state) {
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    solver.factorize(matrix);
+    Eigen::VectorXd solution = solver.solve(right);
+    benchmark::DoNotOptimize(solution.data());
+  }
+}
+BENCHMARK(sparseSolve);
 
 double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -1,9 +1,9 @@
-// How fast a world is drawn and written, beside a yardstick that makes figures of different
+// Speed at which a world is rendered and written, with a reference workload that makes figures of different
 // machines comparable.
 //
 //     bench_drawing -c WORLD.ini -o OUT.rawlog [--set section.key=value ...]
 //
-// Frames go the way they go in headway-sim: one is written while the next is drawn. The yardstick
+// Frames go the way they go in headway-sim: one is written while the next is drawn. The reference
 // is OpenCV's ORB, detect and compute with 2,000 features in one thread, on both images of every
 // tenth pair, measured between the frames. The first frame builds the world and does not count.
 
@@ -20,7 +20,7 @@
 #include <sstream>
 #include <thread>
 
-#include "../yardstick.h"
+#include "../reference_workload.h"
 
 namespace {
 
@@ -49,7 +49,7 @@ int measure(int argc, const char* const* argv) {
   while (frame) {
     if (count % 10 == 0) {
       std::this_thread::sleep_for(kFinished);
-      bench::measureYardstick(frame->left, frame->right, times);
+      bench::measureReferenceWorkload(frame->left, frame->right, times);
     }
     objects += frame->objects.size();
     ++count;
@@ -73,10 +73,10 @@ int measure(int argc, const char* const* argv) {
     std::printf("%-10s median %7.2f ms   p95 %7.2f ms   max %7.2f ms\n", stage.c_str(),
                 of.median_ms, of.p95_ms, of.max_ms);
   }
-  std::printf("%zu pairs, %.1f objects each: %.1f pairs/s, processor / yardstick %.2f\n", count,
+  std::printf("%zu pairs, %.1f objects each: %.1f pairs/s, processor / reference %.2f\n", count,
               static_cast<double>(objects) / static_cast<double>(count),
               1e3 / summary.at("pair").median_ms,
-              summary.at("processor").median_ms / summary.at("yardstick").median_ms);
+              summary.at("processor").median_ms / summary.at("reference").median_ms);
   return program::kDone;
 }
 

@@ -1,4 +1,4 @@
-// What a frame costs in a small and in a large world that look the same from where the robot is.
+// Cost of a frame in a small and in a large world with the same surroundings of the robot.
 //   bench_world_size [FRAMES]
 // The streets begin alike; the large ones go on for 30 km. Pictures are small, so that the cost of
 // looking around shows beside that of drawing. Times are of the processor, all threads together.

@@ -1,9 +1,9 @@
-// What each stage of localising and mapping costs on one rawlog, beside a yardstick that makes
+// Cost of each stage of localisation and mapping on one rawlog, with a reference workload that makes
 // figures of different machines comparable.
 //
 //     bench_slam -i IN.rawlog [--set slam.key=value ...]
 //
-// The yardstick is OpenCV's ORB, detect and compute with 2,000 features, on both images of each
+// The reference is OpenCV's ORB, detect and compute with 2,000 features, on both images of each
 // pair, measured frame by frame between the frames. Everything runs in one thread.
 
 #include <headway/core/error.h>
@@ -12,7 +12,7 @@
 #include <cstdio>
 #include <opencv2/core/utility.hpp>
 
-#include "../yardstick.h"
+#include "../reference_workload.h"
 #include "slam_bench_line.h"
 
 namespace {
@@ -25,9 +25,9 @@ void printTimes(const StageTimes& times) {
     std::printf("%-12s median %7.2f ms   p95 %7.2f ms   max %7.2f ms\n", stage.c_str(),
                 of.median_ms, of.p95_ms, of.max_ms);
   }
-  const double yardstick = summary.at("yardstick").median_ms;
+  const double reference = summary.at("reference").median_ms;
   for (const char* stage : {"slam_track", "frame"}) {
-    std::printf("%s / yardstick %.2f\n", stage, summary.at(stage).median_ms / yardstick);
+    std::printf("%s / reference %.2f\n", stage, summary.at(stage).median_ms / reference);
   }
 }
 
@@ -40,7 +40,7 @@ int measure(int argc, const char* const* argv) {
   cv::setNumThreads(1);
   io::RawlogSource source(input, {});
   pipeline::Perception perception(source.camera(), setup.settings);
-  StageTimes yardstick;
+  StageTimes reference;
   double processor_ms = 0.0;
   std::size_t frames = 0;
   std::size_t lost = 0;
@@ -49,11 +49,11 @@ int measure(int argc, const char* const* argv) {
     const auto update = perception.process(*frame);
     processor_ms += 1e3 * (processorSeconds() - before);
     if (frame->stereo)
-      bench::measureYardstick(frame->stereo->left, frame->stereo->right, yardstick);
+      bench::measureReferenceWorkload(frame->stereo->left, frame->stereo->right, reference);
     lost += update.camera.status == slam::TrackingStatus::kLost ? 1 : 0;
     ++frames;
   }
-  if (yardstick.samples().empty()) throw InputError(input + ": holds no stereo images");
+  if (reference.samples().empty()) throw InputError(input + ": holds no stereo images");
   const auto& static_map = *perception.map().staticMap();
   std::printf("%zu frames, %zu lost, %zu keyframes, %zu landmarks\n", frames, lost,
               static_map.keyframes.size(), static_map.landmarks.size());
@@ -61,7 +61,7 @@ int measure(int argc, const char* const* argv) {
     std::printf("ATE RMSE %.4f m over %.1f m\n", error->ate_m.rmse, error->path_m);
   }
   StageTimes times = perception.times();
-  times.merge(yardstick);
+  times.merge(reference);
   printTimes(times);
   std::printf("processor %.2f ms a frame\n", processor_ms / static_cast<double>(frames));
   return program::kDone;

@@ -1,4 +1,4 @@
-// What the benchmarks of slam share: their command line and how they judge a path.
+// Common parts of the benchmarks of slam: command line and evaluation of a path.
 #pragma once
 
 #include <headway/eval/trajectory_error.h>
@@ -12,7 +12,7 @@
 
 namespace headway {
 
-/// A command line with the pipeline's parameters; boxes are not looked for unless asked for.
+/// A command line with the pipeline's parameters; detectors are off unless requested.
 struct SlamBenchLine {
   SlamBenchLine(const std::string& program, const std::string& summary) : line(program, summary) {
     settings.detection.detector = "none";

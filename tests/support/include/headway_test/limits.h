@@ -25,7 +25,7 @@ inline constexpr double kKitti06TwoDrivesAteM = 0.043;  ///< (0.0287)
 inline constexpr double kSharedFrameM = 0.0095;
 
 /// Tracks of the bundled street that are found moving and predicted, at least.
-inline constexpr std::size_t kStreetMovers = 4;
+inline constexpr std::size_t kStreetMovingObjects = 4;
 
 // stereo_motion on KITTI odometry, with the true poses [objects in a frame, summed].
 inline constexpr int kKitti06FalseObjects = 6;   ///< on static things, frames 0-50 (6)

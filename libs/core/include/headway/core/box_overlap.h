@@ -6,7 +6,7 @@
 
 namespace headway {
 
-/// Ground area of a box: a rectangle in a plane.
+/// Footprint of a box: a rectangle in a plane.
 struct Footprint {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< [m]
   double length = 0.0;                               ///< along the front's direction [m]

@@ -14,8 +14,8 @@
 
 namespace headway {
 
-/// Writes values one after the other, as little-endian numbers of fixed width: what headway's own
-/// files consist of. Arithmetic types only, so that their width is chosen where they are written.
+/// Appends values to a byte string as little-endian numbers of fixed width, for headway's own file
+/// formats. Accepts arithmetic types only, so that the caller chooses the width.
 class ByteWriter {
  public:
   template <typename T>
@@ -27,7 +27,7 @@ class ByteWriter {
   void values(const std::array<T, N>& all) {
     for (const T& x : all) value(x);
   }
-  /// Column by column.
+  /// In column-major order.
   template <typename Derived>
   void matrix(const Eigen::MatrixBase<Derived>& m) {
     for (Eigen::Index i = 0; i < m.size(); ++i) value(m(i % m.rows(), i / m.rows()));
@@ -41,9 +41,9 @@ class ByteWriter {
   std::string bytes;
 };
 
-/// Reads what ByteWriter wrote; the bytes must outlive it.
+/// Reads the bytes of a ByteWriter; they must outlive the reader.
 ///
-/// @throws InputError from each function where the bytes end early or hold an impossible value
+/// @throws InputError in each function if the bytes end early or contain an invalid value
 class ByteReader {
  public:
   explicit ByteReader(std::string_view bytes) : bytes_(bytes) {}
@@ -85,7 +85,7 @@ class ByteReader {
     if (x >= count) throw InputError("damaged: a value of an enumeration that does not exist");
     return static_cast<Enum>(x);
   }
-  /// Items are not reserved: a wrong count ends at the end of the bytes, not of the memory.
+  /// Without reserve(), so that a damaged count fails at the end of the bytes, not of the memory.
   template <typename Item, typename Read>
   std::vector<Item> list(const Read& read) {
     const auto n = value<std::uint64_t>();

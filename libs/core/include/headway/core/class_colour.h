@@ -16,8 +16,8 @@ struct Colour {
 
 /// The colour of each class, the same in 3D scenes, pictures, plots and the report.
 ///
-/// Told apart on dark and on light ground, and by the common kinds of colour blindness; green is
-/// left to the predictions (kPredictionColour).
+/// Distinguishable on dark and light backgrounds and with the common kinds of colour blindness;
+/// green is reserved for predictions (kPredictionColour).
 [[nodiscard]] constexpr Colour colourOf(ObjectClass object_class) {
   constexpr std::array<Colour, kObjectClassCount> kColours = {{
       {176, 182, 192},  // Unknown         light grey
@@ -33,10 +33,10 @@ struct Colour {
   return kColours[static_cast<std::size_t>(object_class)];
 }
 
-/// Of predicted paths, whatever the class.
+/// Of predicted paths of every class.
 inline constexpr Colour kPredictionColour{64, 222, 104};
 
-/// Of the true paths and boxes where truth is shown.
+/// Of true paths and boxes.
 inline constexpr Colour kTruthColour{240, 240, 240};
 
 }  // namespace headway

@@ -39,7 +39,7 @@ struct Box3d {
 
 /// Velocity of an object over the ground, as measured by a detector.
 ///
-/// Successive measurements count as independent: a detector that measures over several frames must
+/// Successive measurements are treated as independent: a detector that uses several frames must
 /// enlarge the covariance accordingly.
 struct MeasuredVelocity {
   Eigen::Vector3d value = Eigen::Vector3d::Zero();  ///< of the object, not of the camera [m/s]
@@ -48,10 +48,10 @@ struct MeasuredVelocity {
 
 /// Kinds of evidence for an object in one frame; after fusion it may have several.
 struct DetectionEvidence {
-  bool classifier = false;  ///< a classifier of images, or a recorded box: it names the class
-  bool motion = false;      ///< only motion explains how it was seen over several frames
-  bool flow = false;        ///< it moves in the image as an expected object must
-  bool appearance = false;  ///< it looks like an expected object at the place of that
+  bool classifier = false;  ///< an image classifier or a recorded box: the class is known
+  bool motion = false;      ///< measurements over several frames are explained by motion only
+  bool flow = false;        ///< its image motion is that of an expected object
+  bool appearance = false;  ///< it matches the template of an expected object
 };
 
 struct AppearanceTemplate;  // see <headway/core/appearance.h>
@@ -60,28 +60,28 @@ struct ObjectMask;
 /// One object as a detector reports it in one frame: a 2D box, a 3D box, or both.
 struct Detection {
   ObjectClass object_class = ObjectClass::kUnknown;
-  double score = 1.0;                       ///< the detector's own scale: greater is more certain
-  std::optional<std::int64_t> detector_id;  ///< of the detector's own tracking: a hint only
+  double score = 1.0;                       ///< the detector's own scale, higher is better
+  std::optional<std::int64_t> detector_id;  ///< of the detector's own tracking, not binding
   std::optional<Box2d> box2d;               ///< [px], image as recorded
   std::optional<Box3d> box3d;               ///< sensor's optical frame
   std::optional<Eigen::Matrix3d> centre_covariance;  ///< of box3d->centre, optical frame [m^2]
   std::optional<MeasuredVelocity> velocity;          ///< along the optical frame's axes
   DetectionEvidence evidence;
-  std::optional<TrackId> searched_track;   ///< that the detector was looking for: a hint only
-  std::shared_ptr<const ObjectMask> mask;  ///< null: the box alone
-  std::shared_ptr<const AppearanceTemplate> appearance;  ///< null: cannot be searched for
+  std::optional<TrackId> searched_track;   ///< for which the detector searched, not binding
+  std::shared_ptr<const ObjectMask> mask;  ///< null: no mask
+  std::shared_ptr<const AppearanceTemplate> appearance;  ///< null: no template
 };
 
-/// All detections of one detector in one frame; empty `items`: it ran and found nothing.
+/// All detections of one detector in one frame; `items` is empty if nothing was detected.
 struct Detections {
-  Time time = 0.0;                           ///< of the image they were found in [s]
+  Time time = 0.0;                           ///< of the image [s]
   Pose T_robot_sensor = robotFromOptical();  ///< the optical frame of the 3D boxes
   int image_width = 0;                       ///< of the image of the 2D boxes [px], 0 unknown
   int image_height = 0;                      ///< [px], 0 unknown
   std::vector<Detection> items;
 };
 
-/// The box of an upright object seen from an optical frame.
+/// The box of an upright object in an optical frame.
 ///
 /// @param centre           of its volume, in a frame whose z axis points up [m]
 /// @param size             (length, width, height) [m]

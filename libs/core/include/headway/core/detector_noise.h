@@ -5,8 +5,8 @@
 
 namespace headway {
 
-/// Errors of a detector that measures 3D boxes: the one model behind simulated detections, degraded
-/// recordings and navigation trials. Sigmas are standard deviations of Gaussian errors.
+/// Errors of a detector of 3D boxes, for simulated detections, degraded recordings and navigation
+/// trials. Sigmas are standard deviations of Gaussian errors.
 ///
 /// @see Hu et al. 2022, "Monocular quasi-dense 3D object tracking" (QD-3DT), the kind of detector
 ///      that it emulates
@@ -25,8 +25,8 @@ struct DetectorNoise {
 
 /// A box as the detector measures it.
 ///
-/// Draws the same number of random numbers whatever the sigmas are, so that changing one of them
-/// leaves the other errors as they were. Sizes stay between 0.6 and 1.5 times the true ones.
+/// The number of random numbers drawn does not depend on the sigmas, so that changing one of them
+/// does not change the other errors. Sizes are limited to 0.6 to 1.5 times the true ones.
 ///
 /// @param truth  in the sensor's optical frame
 [[nodiscard]] Box3d measuredBox(const Box3d& truth, const DetectorNoise& noise, Random& random);

@@ -4,11 +4,11 @@
 
 namespace headway {
 
-/// The input or the environment is at fault: a file, a rawlog, a calibration, a parameter.
+/// Invalid input or environment: a file, a rawlog, a calibration, a parameter.
 ///
-/// what() is one line that names what is wrong, where (file, place in it, key, value, unit) and
-/// what to do. Programs print it and end with status 1. A programmer's fault is an assertion
-/// instead, and an estimate that fails is a status in its result.
+/// what() is one line that states the error, its location (file, position, key, value, unit) and
+/// the remedy. Programs print it and exit with status 1. Programming errors are assertions, and a
+/// failed estimate is a status in its result.
 class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -7,14 +7,14 @@ namespace headway {
 
 /// Free ground and obstacles seen in one frame.
 ///
-/// Positions are on the ground, in the robot's frame [m]. What is in neither list was not seen.
+/// Positions are on the ground, in the robot's frame [m]. Ground in neither list is unobserved.
 struct GroundScan {
   /// A straight segment of ground without obstacles.
   struct Free {
     Eigen::Vector3f from;
     Eigen::Vector3f to;
   };
-  /// The foot of an obstacle.
+  /// The foot point of an obstacle.
   struct Obstacle {
     Eigen::Vector3f foot;
     float sigma_m;  ///< of its distance

@@ -7,11 +7,11 @@
 
 namespace headway {
 
-/// Regions of a left image on moving objects: no landmark is taken from them.
+/// Regions of a left image on moving objects, excluded from the landmarks.
 struct MovingRegions {
   std::vector<Box2d> boxes;   ///< [px], left rectified image
   std::vector<Box2d> unsure;  ///< of movable objects that may be static [px]
-  cv::Mat mask;               ///< 8-bit, non-zero on moving objects; empty: boxes alone
+  cv::Mat mask;               ///< 8-bit, non-zero on moving objects; empty: boxes only
 };
 
 }  // namespace headway

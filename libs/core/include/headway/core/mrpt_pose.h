@@ -21,7 +21,7 @@ namespace headway {
   return {toMrptQuaternion(pose), t.x(), t.y(), t.z()};
 }
 
-/// The same, as stereo observations hold their cameras' poses.
+/// The same as a CPose3DQuat, the type of camera poses in stereo observations.
 [[nodiscard]] inline mrpt::poses::CPose3DQuat toMrptQuat(const Pose& pose) {
   const auto& t = pose.translation();
   return {t.x(), t.y(), t.z(), toMrptQuaternion(pose)};

@@ -9,18 +9,18 @@
 
 namespace headway {
 
-/// The parameters of a program: named, with unit, range and meaning, readable from .ini files.
+/// Registry of a program's parameters: name, unit, range and meaning; loaded from .ini files.
 ///
 /// A parameter struct binds its fields once, in describe(); loading, validating and printing all
-/// follow from that declaration. The bound fields must outlive the registry. Laws: what print()
-/// writes, loadFile() accepts and leaves every value as it was; an unknown section or key, a value
-/// that does not parse or lies out of range changes nothing and throws.
+/// follow from that declaration. The bound fields must outlive the registry. Laws: loadFile() of
+/// the output of print() changes no value; an unknown section or key, or a value that does not
+/// parse or is out of range, changes nothing and throws.
 ///
 ///     struct MatchParams {
 ///       int max_disparity_px = 200;
 ///       void describe(Params::Section section) {
 ///         section.add("max_disparity_px", max_disparity_px, 16, 512, "px", "Maximum disparity");
-///         section.renamed({{"most_disparity", "max_disparity_px"}});
+///         section.renamed({{"disparity_limit", "max_disparity_px"}});
 ///       }
 ///       void validate() const { validateRanges(*this, "slam"); }
 ///     };
@@ -36,7 +36,7 @@ class Params {
     kAll,     ///< the user keys of all sections, then the expert keys
   };
 
-  /// Where one struct binds its fields. Several structs may share a section.
+  /// Binds the fields of one struct. Several structs may use the same section.
   class Section {
    public:
     /// The same section; keys added through the result are user keys, the others expert keys.
@@ -54,7 +54,7 @@ class Params {
     void add(const std::string& key, Enum& field,
              const std::vector<std::pair<std::string, Enum>>& choices, const std::string& meaning);
 
-    /// Pairs (former key, present key): the former is refused by an error that names the present.
+    /// Pairs (former key, current key): the former is refused with an error that names the current.
     void renamed(const std::vector<std::pair<std::string, std::string>>& keys);
 
    private:
@@ -83,7 +83,7 @@ class Params {
   /// @throws InputError naming section and key for what is unknown or out of range
   void set(const std::string& assignment);
 
-  /// Checks the present values of the bound fields.
+  /// Checks the current values of the bound fields.
   ///
   /// @throws InputError naming section, key, value and range of the first that is out of range
   void validate() const;
@@ -96,7 +96,7 @@ class Params {
   /// Every value as text: section -> key -> value.
   [[nodiscard]] std::map<std::string, std::map<std::string, std::string>> values() const;
 
-  /// Writes parameters with their present value, unit, range and meaning, as an .ini file.
+  /// Writes parameters with their current value, unit, range and meaning, as an .ini file.
   void print(std::ostream& out, Keys keys = Keys::kAll) const;
 
  private:
@@ -108,7 +108,7 @@ class Params {
     std::function<void()> check;  ///< throws InputError("reason"); empty: any value is valid
     bool is_user = false;
   };
-  using Renamed = std::map<std::string, std::string>;  ///< former key -> present key
+  using Renamed = std::map<std::string, std::string>;  ///< former key -> current key
 
   void insert(const Section& section, Entry entry);
   void assign(const std::string& section, const std::string& key, const std::string& value) const;
@@ -120,8 +120,8 @@ class Params {
   std::map<std::string, Renamed> renamed_;
 };
 
-/// Checks a struct that was filled in code against the ranges that its describe() declares: what
-/// the validate() of every XxxParams calls, and with it every constructor that takes the struct.
+/// Checks a struct that was filled in code against the ranges declared in its describe(). Called by
+/// validate() of every XxxParams, and so by every constructor that takes such a struct.
 ///
 /// @throws InputError naming section, key, value and range, as for a value from a file
 template <typename Struct>

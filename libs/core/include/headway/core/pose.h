@@ -6,7 +6,7 @@ namespace headway {
 
 /// Seconds since the Unix epoch (or since the start of a recording without absolute time).
 ///
-/// A double keeps a present-day time to 0.24 µs, finer than any camera's clock.
+/// The resolution of a double is 0.24 µs for current Unix times, finer than any camera's clock.
 using Time = double;
 
 /// Rigid motion; a variable `T_a_b` maps points of frame b into frame a.
@@ -14,11 +14,11 @@ using Pose = Eigen::Isometry3d;
 
 /// 6x6 covariance of a pose, in the order (translation [m], rotation [rad]).
 ///
-/// The perturbation acts on the right: T = T_mean * exp(xi), so both parts are seen from the
+/// The perturbation acts on the right: T = T_mean * exp(xi), so both parts are in the axes of the
 /// frame whose pose it is.
 using PoseCovariance = Eigen::Matrix<double, 6, 6>;
 
-/// A value and the time it holds for.
+/// A value and its time [s].
 template <typename T>
 struct Stamped {
   Time time = 0.0;
@@ -40,16 +40,16 @@ struct Stamped {
 /// Unit quaternion of a pose's rotation.
 [[nodiscard]] Eigen::Quaterniond quaternionOf(const Pose& pose);
 
-/// The pose with its rotation made orthonormal again (long chains of products drift).
+/// The pose with its rotation re-orthonormalised, against drift in long chains of products.
 [[nodiscard]] Pose normalized(const Pose& pose);
 
 /// Yaw of a pose's x axis about the z axis of the frame it is given in [rad], in (-pi, pi].
 [[nodiscard]] double yawOf(const Pose& pose);
 
-/// The angle brought into (-pi, pi] [rad].
+/// The equivalent angle in (-pi, pi] [rad].
 [[nodiscard]] double wrapAngle(double angle);
 
-/// Turn from optical axes (x right, y down, z forward) to a robot's (x forward, y left, z up).
+/// Rotation from optical axes (x right, y down, z forward) to a robot's (x forward, y left, z up).
 [[nodiscard]] Pose robotFromOptical();
 
 }  // namespace headway

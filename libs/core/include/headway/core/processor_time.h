@@ -2,7 +2,7 @@
 
 namespace headway {
 
-/// Processor time that this process has used, all its threads together [s].
+/// Processor time of this process, sum of all threads [s].
 [[nodiscard]] double processorSeconds();
 
 }  // namespace headway

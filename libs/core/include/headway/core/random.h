@@ -5,10 +5,10 @@
 
 namespace headway {
 
-/// Seed of one part of a simulation, made from the seed of the whole and the part's own numbers.
+/// Seed of one part of a simulation, derived from the global seed and the part's own numbers.
 ///
-/// Parts whose numbers differ get unrelated seeds, so a street does not depend on which street
-/// was drawn before it.
+/// Different numbers give unrelated seeds, so that one part does not depend on the parts generated
+/// before it.
 [[nodiscard]] std::uint64_t seedOf(std::initializer_list<std::uint64_t> numbers);
 
 /// Pseudo-random numbers that are the same on every machine (the standard's distributions differ

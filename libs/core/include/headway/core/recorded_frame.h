@@ -9,12 +9,12 @@ namespace headway {
 
 /// One frame of a recording: a stereo pair and the data recorded with it.
 struct RecordedFrame {
-  std::size_t index = 0;  ///< of the stereo frame (of the pose, where no images are), from 0
+  std::size_t index = 0;  ///< of the stereo frame (of the pose, if there are no images), from 0
   Time time = 0.0;        ///< [s]
-  std::optional<StereoFrame> stereo;     ///< empty: the recording holds poses and boxes alone
+  std::optional<StereoFrame> stereo;     ///< empty: the recording has poses and boxes only
   std::optional<Detections> detections;  ///< empty: no detector ran on this frame
   std::optional<Pose> T_map_robot;       ///< to be used instead of visual SLAM
-  double rectify_ms = 0.0;  ///< spent on making the decoded pair rectified and grey [ms]
+  double rectify_ms = 0.0;  ///< time for rectification and conversion to grey [ms]
 };
 
 }  // namespace headway

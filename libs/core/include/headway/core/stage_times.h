@@ -7,16 +7,16 @@
 
 namespace headway {
 
-/// Milliseconds that each named stage took, one entry a frame.
+/// Durations of named stages [ms], one sample per frame.
 ///
-/// Not for sharing between threads: each runner thread has its own and they are merged.
+/// Not thread-safe: each thread has its own instance, and merge() combines them.
 ///
 ///     StageTimes times;
 ///     { auto watch = times.watch("slam_track");  track(frame); }
 ///     times.summary().at("slam_track").median_ms;
 class StageTimes {
  public:
-  /// Adds the time from its making to its end to one stage.
+  /// Adds the time from its construction to its destruction to one stage.
   class Watch {
    public:
     Watch(StageTimes& owner, std::string stage)

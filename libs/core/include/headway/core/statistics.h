@@ -6,10 +6,10 @@ namespace headway {
 
 [[nodiscard]] constexpr double square(double x) { return x * x; }
 
-/// Value below which the ratio `fraction` of the samples lies (nearest rank); 0 if there are none.
+/// Percentile of the samples by nearest rank, `fraction` in [0, 1]; 0 if there are none.
 [[nodiscard]] double percentile(std::vector<double> samples, double fraction);
 
-/// Median of the sorted samples, the upper of the two where their number is even; 0 if there are
+/// Median of the samples in any order, the upper one of an even number; 0 if there are
 /// none.
 [[nodiscard]] double median(std::vector<double> samples);
 

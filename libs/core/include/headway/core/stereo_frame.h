@@ -10,16 +10,16 @@
 
 namespace headway {
 
-/// The robot's motion since the previous frame, by other sensors.
+/// The robot's motion since the previous frame, from other sensors.
 struct MotionPrior {
   std::optional<Pose> T_previous_current;            ///< wheel odometry: robot now in robot before
   std::optional<Eigen::Matrix3d> R_previous_current; ///< gyroscope: turn of the robot frame
   std::optional<Eigen::Vector3d> up_robot;           ///< unit vector against gravity, robot frame
 };
 
-/// One rectified, dated and calibrated stereo pair.
+/// One rectified stereo pair with time and calibration.
 ///
-/// Images share their pixels with the producer's and must not be written to.
+/// Images share their memory with the producer's and must not be modified.
 struct StereoFrame {
   std::size_t index = 0;                       ///< of the stereo frame in its rawlog, from 0
   Time time = 0.0;                             ///< [s]

@@ -43,8 +43,8 @@ struct PredictedPoint {
 
 /// One predicted path. A track's paths are ordered from the most probable down.
 struct PredictedPath {
-  int mode = 0;              ///< number of the hypothesis, stable while the predictor keeps it
-  double probability = 1.0;  ///< of all the paths of one track they sum to 1
+  int mode = 0;              ///< number of the hypothesis, constant over frames
+  double probability = 1.0;  ///< sums to 1 over the paths of one track
   std::vector<PredictedPoint> points;  ///< horizons 0.1 s, 0.2 s, ... 3.0 s
 };
 
@@ -56,7 +56,7 @@ struct TrajectoryPoint {
   double yaw = 0.0;                                    ///< of the front about map z [rad]
 };
 
-/// One moving object as known at one frame. A value without references.
+/// State of one tracked object in one frame. A value without references.
 struct Track {
   TrackId id;
   ObjectClass object_class = ObjectClass::kUnknown;
@@ -71,7 +71,7 @@ struct Track {
   Eigen::Vector3d size = Eigen::Vector3d::Zero();      ///< (length, width, height) [m]
   Eigen::Matrix3d position_covariance = Eigen::Matrix3d::Identity();  ///< map frame [m^2]
 
-  std::optional<Box2d> box2d;                ///< as last seen, carried on to now [px]
+  std::optional<Box2d> box2d;                ///< as last observed, predicted to this frame [px]
   Time first_seen = 0.0;                     ///< [s]
   Time last_seen = 0.0;                      ///< [s]
   std::vector<TrajectoryPoint> recent_path;  ///< the smoothed window, oldest first
@@ -84,14 +84,14 @@ struct Track {
 /// Whether the track is classified as moving.
 [[nodiscard]] bool isMoving(const Track& track);
 
-/// A track as it stood at one frame: one row of `tracks.csv`.
+/// State of a track in one frame: one row of `tracks.csv`.
 struct TrackSample {
   std::size_t frame = 0;
   Time time = 0.0;  ///< [s]
   Track track;
 };
 
-/// Number of detections left out, by reason ("nan_box", "behind_camera", ...).
+/// Number of excluded detections by reason ("nan_box", "behind_camera", ...).
 using DropCounts = std::map<std::string, std::size_t>;
 
 }  // namespace headway

@@ -6,28 +6,28 @@
 
 namespace headway::map {
 
-/// How the probabilities of contacts with several tracks, each with several futures, add up: the
-/// futures of one track exclude each other, the tracks are independent.
+/// Combines the probabilities of contacts with several tracks, each with several predicted paths:
+/// the paths of one track exclude each other, the tracks are independent.
 class ContactSum {
  public:
-  /// Adds one future; those of one track come together.
+  /// Adds one predicted path; the paths of one track must be added consecutively.
   ///
-  /// @param of_future   probability of the future
-  /// @param of_contact  that it is touched if that future comes
+  /// @param of_future   probability of the path
+  /// @param of_contact  probability of a contact, given the path
   void add(TrackId track, double of_future, double of_contact);
 
-  /// That at least one track is touched.
+  /// Probability of a contact with at least one track.
   double total();
 
-  /// The track most likely touched, of those that total() or a later track closed.
-  [[nodiscard]] std::optional<TrackId> mostProbable() const { return most_; }
+  /// The track of the most probable contact, after total().
+  [[nodiscard]] std::optional<TrackId> mostProbable() const { return most_probable_; }
 
  private:
   void closeTrack();
 
-  std::optional<TrackId> current_, most_;
+  std::optional<TrackId> current_, most_probable_;
   double of_track_ = 0.0;
-  double greatest_ = 0.0;
+  double max_probability_ = 0.0;
   double none_ = 1.0;
 };
 

@@ -6,14 +6,14 @@
 
 namespace headway::map {
 
-/// Writes an MRPT `.simplemap`: for each keyframe its pose with covariance, and the landmarks that
-/// it sees as a CObservation3DRangeScan of points alone (label `landmarks`, robot frame).
+/// Writes an MRPT `.simplemap`: for each keyframe its pose with covariance and its visible
+/// landmarks as points of a CObservation3DRangeScan (label `landmarks`, robot frame).
 ///
 /// @throws InputError if the file cannot be written
 void writeSimpleMap(const std::string& path, const slam::MapView& static_map);
 
 /// Writes the landmarks as a binary PLY point cloud: x, y, z [m] in the map frame, and grey as
-/// intensity 0 to 1 (which MRPT reads) and as red, green, blue (which others read).
+/// intensity 0 to 1 (for MRPT) and as red, green, blue (for other programs).
 ///
 /// @throws InputError if the file cannot be written
 void writePly(const std::string& path, const slam::MapView& static_map);

@@ -7,11 +7,11 @@
 
 namespace headway {
 
-/// What moves in the world, as an MRPT metric map: the tracks at one time, with predictions.
+/// Moving objects as an MRPT metric map: the tracks at one time, with predictions.
 ///
-/// The second layer of the one shared map, beside the landmarks. It is filled by the tracker and
-/// not by inserting observations, so insertObservation() refuses all of them. In an .ini of a
-/// multi-metric map it is called `movingObjectsMap`:
+/// The layer of PerceptionMap beside the landmarks. It is set from the tracker's output, not by
+/// inserting observations, so that insertObservation() refuses all of them. Its name in an .ini of
+/// a multi-metric map is `movingObjectsMap`:
 ///
 ///     [map]
 ///     pointsMap_count        = 1
@@ -22,9 +22,9 @@ class CMovingObjectsMap : public mrpt::maps::CMetricMap {
   DEFINE_SERIALIZABLE(CMovingObjectsMap, headway)
 
  public:
-  /// How getVisualizationInto() shows the tracks.
+  /// Options of getVisualizationInto().
   struct TInsertionOptions : public mrpt::config::CLoadableOptions {
-    bool show_tentative = false;   ///< also tracks that are not believed yet
+    bool show_tentative = false;   ///< also tentative tracks
     bool show_labels = true;       ///< class and id above each box, as 3D text
     bool show_predictions = true;  ///< predicted paths as green dashes
     bool show_uncertainty = true;  ///< bands around predictions, one standard deviation wide
@@ -37,7 +37,7 @@ class CMovingObjectsMap : public mrpt::maps::CMetricMap {
 
   CMovingObjectsMap() = default;
 
-  /// Replaces all that is known by the tracks at one time.
+  /// Replaces the contents by the tracks at one time [s].
   void setTracks(Time time, std::vector<Track> tracks);
 
   [[nodiscard]] Time time() const { return time_; }
@@ -45,7 +45,7 @@ class CMovingObjectsMap : public mrpt::maps::CMetricMap {
 
   [[nodiscard]] bool isEmpty() const override { return tracks_.empty(); }
   [[nodiscard]] std::string asString() const override;
-  /// Boxes coloured by class, past paths, predictions and labels; nothing where the map's
+  /// Boxes coloured by class, past paths, predictions and labels; nothing if
   /// genericMapParams.enableSaveAs3DObject is off.
   void getVisualizationInto(mrpt::opengl::CSetOfObjects& out) const override;
   /// Writes `<prefix>_moving_objects.3Dscene` and `<prefix>_moving_objects.txt`.

@@ -4,16 +4,16 @@
 
 namespace headway::map {
 
-/// Where a body may be at one time, if it follows one of its predicted paths.
+/// Position of an object at one time along one of its predicted paths.
 struct PathSample {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();      ///< map frame [m]
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of the centre [m^2]
 };
 
-/// A predicted path at any time: between its points in proportion, the track itself at time zero.
+/// Interpolates a predicted path linearly between its points, and the track itself at time zero.
 ///
-/// Beyond its last point it goes straight on, its spread growing with time as it did until there.
-/// A path without points stays where the track is.
+/// Beyond its last point the path is extrapolated straight, with a covariance that grows at the
+/// same rate. A path without points remains at the track's position.
 ///
 /// @param horizon_s  from the track's time; negative counts as zero [s]
 [[nodiscard]] PathSample samplePath(const Track& track, const PredictedPath& path,

@@ -15,23 +15,23 @@ namespace headway::map {
 
 class MapQuery;
 
-/// The one map: the still world and what moves in it, as layers of one MRPT multi-metric map.
+/// The map: static layers and moving objects as layers of one MRPT multi-metric map.
 ///
-/// A value whose copies are cheap: layers are replaced by update(), never changed in place, so a
-/// copy is a snapshot that later updates do not touch. Copies may be read in other threads, but one
-/// object is not for two threads at once while one of them updates it: see SharedMap.
+/// A value that is cheap to copy: update() replaces layers and never modifies them, so that a copy
+/// is a snapshot. Copies may be read in other threads; one object must not be accessed while
+/// another thread updates it, see SharedMap.
 ///
 ///     PerceptionMap map;
 ///     map.update(slam.map());                      // after a keyframe
 ///     map.update(frame.time, tracks);              // every frame
 ///     planner.use(map.layers());                   // any MRPT code
-///     if (map.at(now).occupancyAt(x, y, now + 1.0).probability > 0.2) goRound();
+///     if (map.at(now).occupancyAt(x, y, now + 1.0).probability > 0.2) replan();
 class PerceptionMap {
  public:
   /// A landmark layer (CSimplePointsMap) and a moving-object layer.
   PerceptionMap();
 
-  /// The layers that an .ini names, as for any MRPT multi-metric map.
+  /// Layers as configured in an .ini, as for any MRPT multi-metric map.
   ///
   /// @param section  the section with the `..._count` keys
   /// @throws InputError if the file cannot be read, names an unknown kind of map, or lacks a point
@@ -39,21 +39,21 @@ class PerceptionMap {
   [[nodiscard]] static PerceptionMap fromIni(const std::string& path,
                                              const std::string& section = "map");
 
-  /// Takes over layers made elsewhere, such as those of a map file.
+  /// Uses existing layers, such as those of a map file.
   ///
   /// @throws InputError if there is no point map or no CMovingObjectsMap among them
   explicit PerceptionMap(std::shared_ptr<mrpt::maps::CMultiMetricMap> layers);
 
-  /// Replaces the still world. Costs about 1 ms for 100,000 landmarks.
+  /// Replaces landmarks and keyframes. Takes about 1 ms for 100,000 landmarks.
   void update(slam::MapView static_map);
 
-  /// Replaces what moves.
+  /// Replaces the moving objects. @param time  of the tracks [s]
   void update(Time time, std::vector<Track> tracks);
 
-  /// Replaces the static grid, or adds it as a layer (see buildStaticGrid); never null.
+  /// Replaces the occupancy grid, or adds it as a layer (see StaticGrid). Must not be null.
   void update(const mrpt::maps::COccupancyGridMap2D::Ptr& static_grid);
 
-  /// Asks what is where at times to come; include map_query.h.
+  /// Queries of the map at current and future times; include map_query.h.
   ///
   /// @param now  in the map's clock [s]
   [[nodiscard]] MapQuery at(Time now) const;
@@ -62,7 +62,7 @@ class PerceptionMap {
   [[nodiscard]] const mrpt::maps::CPointsMap& landmarks() const { return *landmarks_; }
   [[nodiscard]] const CMovingObjectsMap& movingObjects() const { return *moving_objects_; }
 
-  /// The grid of free and occupied cells; null where the map has no such layer.
+  /// The occupancy grid; null if the map has no such layer.
   [[nodiscard]] mrpt::maps::COccupancyGridMap2D::ConstPtr staticGrid() const {
     return layers_->mapByClass<mrpt::maps::COccupancyGridMap2D>();
   }

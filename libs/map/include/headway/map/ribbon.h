@@ -12,13 +12,13 @@ class CSetOfTriangles;
 
 namespace headway::map {
 
-/// Opacity at a share 0 to 1 of the way along a ribbon; 0 to 255.
+/// Opacity (0 to 255) at a fraction (0 to 1) of a ribbon's length.
 using Fade = std::function<double(double)>;
 
 /// Half the width of a ribbon at its points [m].
 using HalfWidths = std::vector<double>;
 
-/// Adds a flat level band along a polyline: a line whose width is in metres, not in pixels.
+/// Adds a horizontal band along a polyline, with its width in metres.
 ///
 /// @param half_widths  one for each point; the band is mitred at bends
 /// @throws             nothing; fewer than two points add nothing

@@ -9,24 +9,24 @@
 
 namespace headway::map {
 
-/// The map that perception writes while others read it: a planner, a viewer, a logger.
+/// The map, written by perception while other threads read it: planner, viewer, logger.
 ///
-/// One thread publishes whole maps, any number take snapshots that nobody changes. A map is
-/// published into a place that no reader is sent to, so the writer does not wait for readers, not
-/// even for one that was suspended while it took a snapshot. A reader never finds an older map
-/// than it found before.
+/// One thread publishes maps, any number of threads take immutable snapshots. A map is published
+/// into a slot that no reader is directed to, so that the writer does not wait for readers, not
+/// even for one that was suspended while taking a snapshot. Successive snapshots in one thread
+/// never go back in time.
 ///
 ///     shared.publish(map);                       // perception, after each frame
 ///     const auto map = shared.snapshot();        // planner, any thread
-///     const auto ask = map->at(now);
+///     const auto query = map->at(now);
 class SharedMap {
  public:
   SharedMap();
 
-  /// Makes a map the current one. Copies a few pointers. For one thread at a time.
+  /// Replaces the current map. Copies a few pointers. To be called by one thread at a time.
   void publish(const PerceptionMap& map);
 
-  /// Back to an empty map, which queries answer as such. Snapshots stay as they are.
+  /// Publishes an empty map, for which queries return kEmptyMap. Snapshots do not change.
   void reset() { publish(PerceptionMap()); }
 
   /// The current map; never null, never changed.
@@ -39,7 +39,7 @@ class SharedMap {
   };
 
   std::array<Place, 4> places_;
-  std::atomic<std::size_t> current_{0};  ///< where readers are sent; set by the writer alone
+  std::atomic<std::size_t> current_{0};  ///< slot that readers use; set by the writer only
 };
 
 }  // namespace headway::map

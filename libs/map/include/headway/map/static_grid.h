@@ -16,21 +16,21 @@ namespace headway::map {
 
 class EvidenceGrid;
 
-/// How ground scans become a grid of free and occupied cells. Part of section [grid].
+/// Parameters of the occupancy grid. Part of section [grid].
 struct StaticGridParams {
   double resolution_m = 0.2;  ///< side of a cell [m]
-  double spacing_m = 0.0;     ///< of the places whose scans are kept; 0: 1 m [m]
+  double spacing_m = 0.0;     ///< between the places whose scans are stored; 0: 1 m [m]
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "grid"); }  ///< @throws InputError
 };
 
-/// Where the ground is free: the sum of all ground scans.
+/// Occupancy grid of free ground and obstacles: the sum of ground scans.
 ///
-/// Of each place and direction the last scan is kept, so that memory grows with the area and not
+/// The last scan of each place and direction is stored, so that memory grows with the area and not
 /// with time, and an obstacle that has left disappears when its place is scanned again. Scans are
 /// attached to the nearest keyframe: the grid follows every correction of the map. It depends on
-/// scans and poses alone, not on their order. Beyond 25 million cells it gets coarser.
+/// scans and poses only, not on their order. Above 25 million cells the resolution is reduced.
 ///
 ///     StaticGrid grid(params);
 ///     grid.follow(slam.map().keyframes);    // after each keyframe
@@ -43,20 +43,20 @@ class StaticGrid {
   StaticGrid(StaticGrid&&) noexcept;
   StaticGrid& operator=(StaticGrid&&) noexcept;
 
-  /// Adds the scan of a place. The ground that the robot drove over since the scan before is free,
-  /// if that was less than 5 m away.
+  /// Adds a scan. The ground that the robot drove over since the previous scan is free if the two
+  /// are less than 5 m apart.
   void add(const Pose& T_map_robot, GroundScan scan);
 
-  /// Moves the scans along with the keyframes.
+  /// Updates the poses of the scans after a change of the keyframes.
   void follow(const std::vector<slam::KeyframeView>& keyframes);
 
-  /// The grid as an MRPT map; unseen cells are 0.5. Null while nothing was seen.
+  /// The grid as an MRPT map; unobserved cells are 0.5. Null without observations.
   [[nodiscard]] mrpt::maps::COccupancyGridMap2D::Ptr grid() const;
 
   /// All scans, for load().
   [[nodiscard]] std::string save() const;
-  /// Continues from the bytes of save(); the resolution may be another.
-  /// @throws InputError if the bytes are not that
+  /// Restores the result of save(); the resolution may differ.
+  /// @throws InputError if the bytes are invalid
   void load(const std::string& bytes);
 
  private:
@@ -64,7 +64,7 @@ class StaticGrid {
   using Place = std::array<std::int32_t, 3>;
   struct StoredScan {
     Pose T_map_robot;
-    KeyframeId anchor;  ///< not valid where there are no keyframes
+    KeyframeId anchor;  ///< invalid if there are no keyframes
     Pose T_anchor_robot = Pose::Identity();
     GroundScan scan;
   };
@@ -75,17 +75,17 @@ class StaticGrid {
   void attachToNearestKeyframe(StoredScan& stored) const;
 
   StaticGridParams params_;
-  double resolution_m_;  ///< coarser than asked for where the map is vast
+  double resolution_m_;  ///< may be coarser than the parameter, see above
   std::unique_ptr<EvidenceGrid> evidence_;
   std::map<Place, StoredScan> scans_;
-  Eigen::AlignedBox2d places_;  ///< bounds of where they were taken [m]
+  Eigen::AlignedBox2d places_;  ///< bounds of their positions [m]
   std::map<KeyframeId, Pose> keyframes_;
   struct Passed {
     Place place;
     Pose T_map_robot;
   };
   std::optional<Passed> last_;  ///< the last scan
-  std::optional<Pose> before_;  ///< the last pose at another place than that
+  std::optional<Pose> before_;  ///< the last pose at another place
 };
 
 /// Writes `<prefix>.gridmap.gz` (MRPT), and `<prefix>.png` with `<prefix>.yaml` (map servers).

@@ -7,22 +7,23 @@
 
 namespace headway::nav {
 
-/// Where a body may be, and when.
+/// A predicted position of an object, with the time span for which it is valid.
 struct PredictedPlace {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();      ///< map frame [m]
-  double yaw = 0.0;                                      ///< along its way [rad]
+  double yaw = 0.0;                                      ///< direction of motion [rad]
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of the centre [m^2]
-  TimeSpan when;                                         ///< from now on
+  TimeSpan when;                                         ///< relative to now
 };
 
-/// Places of one predicted path from now on, the present one first, `spacing` apart.
+/// Samples one predicted path from now on, the current place first, at a distance of spacing_m.
 ///
-/// Neighbouring places share time, so that no instant falls between them. Only one place, of a
-/// body that stays, is open-ended: it is occupied for ever.
+/// The time spans of neighbouring places overlap, so that every instant is covered. If there is
+/// one place only, of a static object, its time span is unlimited.
 ///
-/// @param age_s      how long ago the track was like this: the path is entered so far in [s]
-/// @param horizon_s  the path is left here, counted from the track's time [s]
-/// @param out        overwritten; its memory is used again
+/// @param age_s      age of the track: sampling starts at this horizon of the path [s]
+/// @param horizon_s  sampling ends at this horizon of the path [s]
+/// @param spacing_m  minimum distance of neighbouring places
+/// @param out        overwritten; its memory is reused
 void predictPlaces(const Track& track, const PredictedPath& path, double age_s, double horizon_s,
                    double spacing_m, std::vector<PredictedPlace>& out);
 

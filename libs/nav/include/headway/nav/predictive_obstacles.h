@@ -11,65 +11,66 @@
 
 namespace headway::nav {
 
-/// How one call of senseObstacles() ended.
+/// Outcome of one call of senseObstacles().
 enum class SenseStatus {
-  kSafe,         ///< the obstacles can be trusted
+  kSafe,         ///< the obstacles are valid
   kInnerFailed,  ///< the wrapped robot could not sense
-  kNoPose,       ///< the wrapped robot does not know where it is, or not in the map's frame
-  kStaleMap,     ///< the map is older than max_age_s, was never filled, or is from the future
+  kNoPose,       ///< the wrapped robot has no pose, or none in the map's frame
+  kStaleMap,     ///< the map is older than max_age_s, empty, or its time is in the future
 };
 
 /// "safe", "inner_failed", "no_pose", "stale_map".
 [[nodiscard]] std::string_view toString(SenseStatus status);
 
-/// What one call of senseObstacles() did.
+/// Statistics of one call of senseObstacles().
 struct SenseReport {
   SenseStatus status = SenseStatus::kInnerFailed;
-  double map_age_s = 0.0;          ///< meaningless unless the map was asked
-  std::size_t moving_objects = 0;  ///< tracks that move and were considered
-  std::size_t points_added = 0;    ///< of predicted places
-  std::size_t points_removed = 0;  ///< of bodies that will have left
+  double map_age_s = 0.0;          ///< 0 if the map was not read
+  std::size_t moving_objects = 0;  ///< moving tracks that were considered
+  std::size_t points_added = 0;    ///< at predicted places
+  std::size_t points_removed = 0;  ///< of objects that leave in time
 };
 
-/// Gives any MRPT navigator obstacles that know the future.
+/// Adds predicted obstacles to the sensing of any MRPT navigator.
 ///
-/// Wraps the robot's own interface and forwards everything to it. senseObstacles() adds, in the
-/// robot's frame, the places where moving tracks may be when the robot could be there, and takes
-/// away the sensed points of moving objects that will have left before the robot can arrive.
-/// Sensing fails, and MRPT stops the robot, where the map is too old or the robot's place in it is
-/// not known.
+/// Wraps the robot's own interface and forwards all calls to it. senseObstacles() adds, in the
+/// robot's frame, the predicted places of moving tracks at the times at which the robot could be
+/// there, and removes the sensed points of moving objects that leave before the robot arrives.
+/// Sensing fails, and MRPT stops the robot, if the map is too old or the robot's pose is unknown.
 ///
-/// The map is read through a function that returns a snapshot, once a call and from the calling
-/// thread: whoever writes the map guards that copy. The robot wrapped must outlive this.
+/// The map is read through a function that returns a snapshot, once per call and in the calling
+/// thread; the function must be safe against concurrent writers. The wrapped robot must outlive
+/// this object.
 ///
-///     headway::nav::PredictiveObstacles seeing(robot, [&] { return perception.map(); }, params);
-///     mrpt::nav::CReactiveNavigationSystem navigator(seeing);
+///     headway::nav::PredictiveObstacles predictive(robot, [&] { return perception.map(); },
+///     params); mrpt::nav::CReactiveNavigationSystem navigator(predictive);
 class PredictiveObstacles : public mrpt::nav::CRobot2NavInterface {
  public:
   using MapSource = std::function<map::PerceptionMap()>;
   using Clock = std::function<Time()>;
 
-  /// @param clock  tells the time in which the map is dated; empty: mrpt::Clock
+  /// @param clock  returns the current time in the map's clock [s]; empty: mrpt::Clock
+  /// @throws       InputError if a parameter is out of range
   PredictiveObstacles(mrpt::nav::CRobot2NavInterface& robot, MapSource map,
                       const PredictiveObstaclesParams& params, Clock clock = {});
 
-  /// @return false if the obstacles cannot be trusted; lastReport() says why
+  /// @return false if the obstacles are invalid; lastReport() holds the reason
   bool senseObstacles(mrpt::maps::CSimplePointsMap& obstacles,
                       mrpt::system::TTimeStamp& timestamp) override;
 
-  /// What the last call of senseObstacles() did. For the thread that calls it.
+  /// Statistics of the last senseObstacles(), for the thread that calls it.
   [[nodiscard]] const SenseReport& lastReport() const { return report_; }
 
-  /// Hands the command on, slowed as SpeedGovernor says (policy kTimeGated). A command of a kind
-  /// that is neither differential nor holonomic goes on as it is.
+  /// Forwards the command, scaled by SpeedGovernor (policy kTimeGated). Commands of robots that are
+  /// neither differential nor holonomic are forwarded unchanged.
   bool changeSpeeds(const mrpt::kinematics::CVehicleVelCmd& command) override;
-  /// Looks at the command under way again.
+  /// Evaluates the current command again and forwards it.
   bool changeSpeedsNOP() override;
 
-  /// Share of the last command that was driven, 0 to 1.
-  [[nodiscard]] double lastShare() const { return share_; }
+  /// Ratio of the forwarded to the last commanded speed, 0 to 1.
+  [[nodiscard]] double lastSpeedRatio() const { return speed_ratio_; }
 
-  // All the rest goes to the wrapped robot.
+  // Forwarded to the wrapped robot.
   bool getCurrentPoseAndSpeeds(mrpt::math::TPose2D& pose, mrpt::math::TTwist2D& velocity,
                                mrpt::system::TTimeStamp& timestamp, mrpt::math::TPose2D& odometry,
                                std::string& frame_id) override;
@@ -91,11 +92,11 @@ class PredictiveObstacles : public mrpt::nav::CRobot2NavInterface {
   void resetNavigationTimer() override;
 
  private:
-  /// The robot's pose in the map's frame; nullopt where it does not know it.
+  /// The robot's pose in the map's frame; nullopt if unknown.
   [[nodiscard]] std::optional<GroundState> locate();
-  [[nodiscard]] double admissibleShare(const mrpt::kinematics::CVehicleVelCmd& command);
+  [[nodiscard]] double admissibleSpeedRatio(const mrpt::kinematics::CVehicleVelCmd& command);
   [[nodiscard]] SenseStatus addPredictions(mrpt::maps::CSimplePointsMap& obstacles);
-  void removeGone(mrpt::maps::CSimplePointsMap& obstacles, const GroundState& robot);
+  void removeLeaving(mrpt::maps::CSimplePointsMap& obstacles, const GroundState& robot);
   void insertPredicted(mrpt::maps::CSimplePointsMap& obstacles, const GroundState& robot);
 
   mrpt::nav::CRobot2NavInterface& robot_;
@@ -105,8 +106,8 @@ class PredictiveObstacles : public mrpt::nav::CRobot2NavInterface {
   MovingObstacles moving_;
   SpeedGovernor governor_;
   SenseReport report_;
-  mrpt::kinematics::CVehicleVelCmd::Ptr command_;  ///< the planner's last one; null: stopped
-  double share_ = 1.0;                             ///< of it that is driven
+  mrpt::kinematics::CVehicleVelCmd::Ptr command_;  ///< the planner's last command; null: stopped
+  double speed_ratio_ = 1.0;                       ///< of it that is forwarded
 };
 
 }  // namespace headway::nav

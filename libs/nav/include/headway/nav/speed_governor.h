@@ -15,55 +15,55 @@ struct GroundTwist {
   double turn = 0.0;      ///< counter-clockwise [rad/s]
 };
 
-/// The robot at one moment.
+/// State of the robot at one time.
 struct GroundState {
-  Eigen::Vector2d place = Eigen::Vector2d::Zero();  ///< map frame [m]
+  Eigen::Vector2d place = Eigen::Vector2d::Zero();  ///< position, map frame [m]
   double yaw = 0.0;                                 ///< [rad]
   GroundTwist twist;
 };
 
-/// How much of its planner's commanded speed the robot may drive among what moves.
+/// Scales the planner's commanded speed so that contacts with moving objects are avoided.
 ///
-/// A reactive planner knows where to pass, not when: it thinks that obstacles stand. The governor
-/// looks along the commanded arc at several shares of its speed. For each it works out how
-/// probable a contact with any of the tracks is, at its worst moment, and takes the share of least
-/// expected cost
+/// A reactive planner treats obstacles as static. The governor evaluates several ratios of the
+/// commanded speed: for each it predicts the robot's path, computes the highest probability of a
+/// contact with any of the tracks, and selects the ratio of minimum expected cost
 ///
-///     cost(share) = contact_cost * P(contact | share) + (1 - share)
+///     cost(ratio) = contact_cost * P(contact | ratio) + (1 - ratio)
 ///
-/// so it slows to let somebody pass, and drives on where slowing would be worse. What lies farther
-/// ahead counts less: there is time to decide again.
+/// so that the robot slows down to give way, and continues where slowing down would be worse. The
+/// cost of a contact decays with the time until it, since later steps can still avoid it.
 ///
 /// @see  path-velocity decomposition: Kant & Zucker, IJRR 1986
 class SpeedGovernor {
  public:
+  /// @throws InputError if a parameter is out of range
   explicit SpeedGovernor(const PredictiveObstaclesParams& params);
 
-  /// @param age_s  how long ago the tracks were like this [s]
-  /// @return       share of the command, 0 to 1; of equal ones the greatest
-  [[nodiscard]] double share(const GroundTwist& command, const GroundState& robot,
-                             const std::vector<Track>& tracks, double age_s);
+  /// @param age_s  age of the tracks [s]
+  /// @return       ratio of the commanded speed, 0 to 1; the highest of equal cost
+  [[nodiscard]] double speedRatio(const GroundTwist& command, const GroundState& robot,
+                                  const std::vector<Track>& tracks, double age_s);
 
  private:
-  /// Where a body may be, moment by moment, if it follows one of its paths.
+  /// Positions of an object over time along one of its predicted paths.
   struct Future {
     TrackId track;
     double probability = 1.0;
-    double radius = 0.0;                     ///< of the body [m]
+    double radius = 0.0;                     ///< of its footprint [m]
     std::vector<Eigen::Vector2d> places;     ///< [m]
     std::vector<Eigen::Matrix2d> variances;  ///< [m^2]
   };
 
-  void foresee(const std::vector<Track>& tracks, const GroundState& robot, double age_s);
-  void drive(const GroundTwist& command, double share, const GroundState& from);
+  void predictFutures(const std::vector<Track>& tracks, const GroundState& robot, double age_s);
+  void drive(const GroundTwist& command, double ratio, const GroundState& from);
   [[nodiscard]] double contactProbability() const;
   [[nodiscard]] double contactProbability(const Future& future) const;
 
   PredictiveObstaclesParams params_;
   std::size_t steps_;
-  std::vector<Future> futures_;  ///< by track; only the first future_count_ count
+  std::vector<Future> futures_;  ///< by track; buffer of which future_count_ are valid
   std::size_t future_count_ = 0;
-  std::vector<GroundState> driven_;  ///< moment by moment, at the share in hand
+  std::vector<GroundState> driven_;  ///< predicted states, one per time step
 };
 
 }  // namespace headway::nav

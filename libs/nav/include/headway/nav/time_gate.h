@@ -4,7 +4,7 @@
 
 namespace headway::nav {
 
-/// A span of time from now on [s].
+/// A span of time, relative to now [s].
 struct TimeSpan {
   double from_s = 0.0;
   double to_s = 0.0;
@@ -14,15 +14,14 @@ struct TimeSpan {
   }
 };
 
-/// When the robot could touch a point that is somewhere.
+/// Time span in which the robot could touch a point.
 ///
-/// The robot drives straight there, at any speed from its slowest to its maximum speed: it touches
-/// the point at the earliest after the free way between them at maximum speed, and has passed it at
-/// the latest after the way beyond it at the slowest. Laws: a farther point is touched later; a
-/// wider range of speeds, or more slack, gives a longer span; a point under the robot is touched
-/// now.
-///
-/// Bodies need no more than points: two bodies that meet touch first with points of their edges.
+/// The robot is assumed to drive straight to the point at any speed between its lowest and its
+/// maximum speed: it touches the point at the earliest after the free distance at maximum speed,
+/// and has passed it at the latest after the distance beyond it at the lowest speed. Laws: a
+/// farther point is touched later; a wider range of speeds, or more slack, gives a longer span; a
+/// point under the robot is touched now. Points suffice, because two shapes first touch at points
+/// of their edges.
 class TimeGate {
  public:
   /// @throws InputError if a parameter is out of range

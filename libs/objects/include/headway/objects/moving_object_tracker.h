@@ -10,38 +10,44 @@
 
 namespace headway::objects {
 
-/// What one frame's detections did to the tracks.
+/// The tracks after one frame.
 struct TrackUpdate {
-  std::vector<Track> tracks;         ///< tentative, confirmed and coasting ones; ascending ids
+  std::vector<Track> tracks;           ///< tentative, confirmed and coasting ones; ascending ids
   std::vector<TrackSample> finalised;  ///< smoothed samples that no later frame will change
-  /// Of all tracks that a detector saw move, those not shown included; ascending ids.
+  /// Predictions for detectors, of all tracks for which a detector had evidence of motion;
+  /// ascending ids.
   std::vector<ExpectedObject> expected;
   std::size_t detections_used = 0;
-  DropCounts detections_dropped;  ///< left out in this frame, by reason
+  DropCounts detections_dropped;  ///< not used in this frame, by reason
 };
 
-/// Tracks, smooths and predicts everything that moves: the paper's Algorithm 1.
+/// Tracks, smooths and predicts moving objects: the paper's Algorithm 1.
 ///
-/// Deterministic, independent of the order in which a frame lists its detections.
+/// Deterministic, and independent of the order of a frame's detections.
 ///
 ///     MovingObjectTracker tracker(params);
 ///     TrackUpdate update = tracker.update(frame.index, {frame.time, T_map_robot}, detections);
 class MovingObjectTracker {
  public:
+  /// @throws InputError if a parameter is out of range
   explicit MovingObjectTracker(const ObjectsParams& params);
   ~MovingObjectTracker();
 
-  /// Continues, starts and ends tracks with the detections of one frame.
+  /// Updates, starts and ends tracks with the detections of one frame.
   ///
   /// A frame whose time does not increase changes nothing; its detections are counted as dropped
   /// for "time_backwards". Detections without a 3D box are dropped for "no_3d_box".
+  ///
+  /// @param frame        index that the tracks' samples carry
+  /// @param T_map_robot  pose and time [s] of the frame
+  /// @param detections   boxes in the axes of their sensor
   [[nodiscard]] TrackUpdate update(std::size_t frame, const Stamped<Pose>& T_map_robot,
                                    const Detections& detections);
 
-  /// Carries the tracks on to a frame in which nobody looked for objects.
+  /// Predicts the tracks to a frame without detection.
   [[nodiscard]] TrackUpdate coast(std::size_t frame, Time time);
 
-  /// The samples still inside the smoothing windows: the end of `finalised`.
+  /// The samples still inside the smoothing windows, to be appended to all `finalised` ones.
   [[nodiscard]] std::vector<TrackSample> flush();
 
  private:

@@ -6,110 +6,109 @@
 
 namespace headway::objects {
 
-/// Which detections are believed, and which of them are the same object (Sec. III-C3).
+/// Selection of detections and their assignment to tracks (Sec. III-C3).
 struct ConsistencyParams {
-  double min_score = -1000.0;        ///< detections below are left out [detector's scale]
-  double max_range_m = 200.0;        ///< detections farther away are left out [m]
-  bool track_unknown = true;         ///< track detections of unknown class too
-  double gate_sigma = 4.0;           ///< radius of the gate, in standard deviations [-]
-  double new_object_density = 0.01;  ///< new objects and false alarms in a place [1/m^2]
-  double gate_blur_m = 0.3;          ///< added to the spread of every expected place [m]
-  double gate_max_m = 8.0;           ///< largest radius of the gate [m]
-  double duplicate_distance =
-      0.35;  ///< centres nearer than this share of the width: one object [-]
-  double duplicate_overlap_3d = 0.4;  ///< 3D boxes overlapping more (IoU): one object [-]
-  double duplicate_overlap_2d = 0.8;  ///< 2D boxes overlapping more (IoU): one object [-]
-  double rival_distance_m = 0.5;  ///< nearer tracks of other kinds: only the surest is shown [m]
-  double hint_bonus = 1.0;        ///< taken off the cost where the detector's id agrees [-]
+  double min_score = -1000.0;               ///< of a detection that is used [detector's scale]
+  double max_range_m = 200.0;               ///< of a detection that is used [m]
+  bool track_unknown = true;                ///< also detections of unknown class
+  double gate_sigma = 4.0;                  ///< radius of the gate [standard deviations]
+  double new_object_density_per_m2 = 0.01;  ///< density of new objects and false alarms [1/m^2]
+  double gate_blur_m = 0.3;                 ///< sigma added to every predicted position [m]
+  double max_gate_m = 8.0;                  ///< maximum radius of the gate [m]
+  double duplicate_distance_ratio = 0.35;   ///< of centres, over the width: below, one object [-]
+  double duplicate_iou_3d = 0.4;            ///< overlap of 3D boxes: above, one object [-]
+  double duplicate_iou_2d = 0.8;            ///< overlap of 2D boxes: above, one object [-]
+  double duplicate_track_distance_m = 0.5;  ///< nearer tracks of two classes: the best is shown [m]
+  double detector_id_bonus = 1.0;           ///< cost reduction if the detector's id agrees [-]
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "objects"); }  ///< @throws InputError
 };
 
-/// How objects move and how well they are measured (Sec. III-C2).
+/// Motion model and measurement noise of the Kalman filter (Sec. III-C2).
 struct FilterParams {
-  PerClass<double> acceleration_sigma = {1.0, 0.8, 0.5};    ///< manoeuvres [m/s^2]
-  PerClass<double> initial_speed_sigma = {10.0, 5.0, 1.5};  ///< of a new object [m/s]
-  double standing_share = 0.3;           ///< of the acceleration, for an object that stands [-]
-  double acceleration_time_s = 1.0;      ///< correlation time of an acceleration [s]
-  double position_sigma_m = 0.12;        ///< of a measured centre, near [m]
-  double position_sigma_per_m = 0.006;   ///< growth with depth, along the ray [m/m]
-  double across_share = 0.5;             ///< noise across the ray, share of that along it [-]
-  double vertical_sigma_m = 0.1;         ///< of a measured height above ground [m]
-  double least_position_sigma_m = 0.05;  ///< added to what a detector claims of itself [m]
-  double yaw_sigma_rad = 0.15;           ///< of a measured heading [rad]
-  double noise_adaption = 0.02;          ///< share of a surprise that changes the noise scale [-]
-  double size_sigma_m = 0.2;             ///< of a measured length, width or height [m]
-  double size_settled_m = 0.05;          ///< a size known this well is kept [m]
+  PerClass<double> acceleration_sigma_mps2 = {1.0, 0.8, 0.5};   ///< of manoeuvres [m/s^2]
+  PerClass<double> initial_speed_sigma_mps = {10.0, 5.0, 1.5};  ///< of a new object [m/s]
+  double standing_acceleration_ratio = 0.3;   ///< of that acceleration, for a static object [-]
+  double acceleration_time_s = 1.0;           ///< correlation time of an acceleration [s]
+  double position_sigma_m = 0.12;             ///< of a measured centre at zero range [m]
+  double position_sigma_per_m = 0.006;        ///< growth with depth, along the ray [m/m]
+  double across_sigma_ratio = 0.5;            ///< noise across the ray over that along it [-]
+  double vertical_sigma_m = 0.1;              ///< of a measured height above ground [m]
+  double additional_position_sigma_m = 0.05;  ///< added to a detector's own covariance [m]
+  double yaw_sigma_rad = 0.15;                ///< of a measured heading [rad]
+  double noise_adaptation = 0.02;             ///< gain from innovations to the noise scale [-]
+  double size_sigma_m = 0.2;                  ///< of a measured length, width or height [m]
+  double size_converged_m = 0.05;             ///< sigma of a size below which it is fixed [m]
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "objects"); }  ///< @throws InputError
 };
 
-/// Which way an object faces, from evidence over frames.
+/// Estimation of the heading from evidence accumulated over frames.
 struct HeadingParams {
-  double flip_probability = 0.08;  ///< that a detector confuses front and back [-]
-  double evidence_to_turn = 6.0;   ///< log-odds needed to turn a track round [-]
-  double evidence_limit = 20.0;    ///< log-odds at which evidence saturates [-]
-  double settle_frames = 10.0;     ///< measurements that fix the heading of a standing object
+  double flip_probability = 0.08;   ///< that a detector confuses front and back [-]
+  double flip_log_odds = 6.0;       ///< evidence that reverses a track's heading [log-odds]
+  double max_flip_log_odds = 20.0;  ///< limit of the accumulated evidence [log-odds]
+  double converged_frames = 10.0;   ///< measurements that fix a static object's heading [frames]
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "objects"); }  ///< @throws InputError
 };
 
-/// What says that an object moves.
-struct MotionVerdictParams {
-  PerClass<double> moving_speed = {0.8, 0.6, 0.4};  ///< moving above [m/s]
-  PerClass<double> still_speed = {0.4, 0.3, 0.2};   ///< standing below [m/s]
-  double significance = 3.0;  ///< speed over its standard deviation to call it moving [-]
-  double still_time_s = 0.5;  ///< time below still_speed before an object stands [s]
+/// Classification of tracks as moving or static.
+struct MotionClassParams {
+  PerClass<double> moving_speed_mps = {0.8, 0.6, 0.4};  ///< moving above [m/s]
+  PerClass<double> static_speed_mps = {0.4, 0.3, 0.2};  ///< static below [m/s]
+  double significance = 3.0;   ///< minimum speed of a moving object [standard deviations]
+  double static_time_s = 0.5;  ///< time below static_speed_mps until an object is static [s]
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "objects"); }  ///< @throws InputError
 };
 
-/// Priors that smooth a grown track (Sec. III-C1).
+/// Priors that smooth a mature track (Sec. III-C1).
 enum class MotionPriorKind {
-  kLeastKinetic,  ///< eq. (5): squared velocities; pulls towards the past
+  kLeastKinetic,  ///< eq. (5): squared velocities; biased towards past positions
   kLeastForce,    ///< squared accelerations: no lag at constant velocity
 };
 
-/// How tracks are smoothed (Sec. III-C1 and III-C2).
+/// Smoothing of trajectories (Sec. III-C1 and III-C2).
 struct SmoothingParams {
   MotionPriorKind motion_prior = MotionPriorKind::kLeastForce;
-  int grown_length = 7;         ///< tau_KF: tracks at least this long are grown
-  double filter_weight = 0.5;   ///< w_k, of the filter for young tracks [-]
-  double average_weight = 0.5;  ///< w_n, of the moving average for young tracks [-]
-  int average_points = 3;       ///< n of the moving average
-  int window = 20;              ///< h, frames that the motion prior smooths
-  PerClass<double> kinetic_weight = {1900.0, 500.0, 80.0};  ///< r, as the paper sets it [kg]
-  double kinetic_scale = 1e-3;  ///< from r to a weight against measurements [1/J]
-  PerClass<double> force_sigma = {1.5, 1.2, 0.8};  ///< typical acceleration [m/s^2]
-  double force_standing_share = 0.2;               ///< of that, for an object that stands [-]
-  double force_time_s = 0.3;        ///< time over which such an acceleration lasts [s]
-  double outlier_sigma = 3.0;       ///< residual beyond which a place counts less (Huber) [-]
-  bool gaussian_smoothing = false;  ///< blur each new place over its predecessors, as in the paper
-  double gaussian_sigma_s = 0.1;    ///< width of that blur [s]
-  int max_iterations = 10;          ///< of Levenberg-Marquardt
-  double settled_m = 0.001;         ///< it ends when no place moves farther [m]
+  int mature_frames = 7;        ///< tau_KF: minimum length of a mature track [frames]
+  double filter_weight = 0.5;   ///< w_k, of the filter for shorter tracks [-]
+  double average_weight = 0.5;  ///< w_n, of the moving average for shorter tracks [-]
+  int average_frames = 3;       ///< n of the moving average [frames]
+  int window_frames = 20;       ///< h, smoothed by the motion prior [frames]
+  PerClass<double> kinetic_weight_kg = {1900.0, 500.0, 80.0};  ///< r of the paper [kg]
+  double kinetic_scale_per_joule = 1e-3;  ///< weight of kinetic energy against measurements [1/J]
+  PerClass<double> force_sigma_mps2 = {1.5, 1.2, 0.8};  ///< typical acceleration [m/s^2]
+  double force_standing_ratio = 0.2;  ///< of that acceleration, for a static object [-]
+  double force_time_s = 0.3;          ///< correlation time of such an acceleration [s]
+  double outlier_sigma = 3.0;         ///< residual from which the Huber loss is linear [-]
+  bool gaussian_smoothing = false;    ///< smooth each new position over its predecessors (paper)
+  double gaussian_sigma_s = 0.1;      ///< width of that smoothing [s]
+  int max_iterations = 10;            ///< of Levenberg-Marquardt
+  double tolerance_m = 0.001;         ///< change of positions below which it has converged [m]
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "objects"); }  ///< @throws InputError
 };
 
-/// Birth, life and end of tracks.
+/// Confirmation, coasting and deletion of tracks.
 struct LifecycleParams {
-  int confirm_hits = 2;  ///< detections that a confirmed track must have had
-  PerClass<double> confirm_score = {-2.0, 2.0, 2.0};  ///< that their scores must add up to [-]
-  int confirm_anyway_hits = 6;  ///< detections that confirm a track whatever they scored
-  double start_score = -1.0;    ///< less sure detections start no track [detector's scale]
-  double score_prior = 5.0;     ///< frames of score 0 that every track starts with
-  double coast_share = 1.0;     ///< frames unseen that each frame seen allows [-]
-  double coast_sigma_m = 0.6;   ///< and only while its place is known this well [m]
-  PerClass<double> coast_score = {0.1, 0.5, 0.4};  ///< and only if it scores this [detector's]
-  double tentative_time_s = 0.35;                  ///< a tentative track unseen for longer ends [s]
-  double coast_time_s = 0.4;    ///< a confirmed track unseen for longer is no longer shown [s]
-  double retrack_time_s = 1.5;  ///< and unseen for longer than this it ends for good [s]
+  int confirm_hits = 2;                               ///< minimum detections of a confirmed track
+  PerClass<double> confirm_score = {-2.0, 2.0, 2.0};  ///< minimum sum of their scores [-]
+  int confirm_anyway_hits = 6;      ///< detections that confirm a track of any score
+  double start_score = -1.0;        ///< of a detection that starts a track [detector's scale]
+  double score_prior_frames = 5.0;  ///< frames of score 0 in every track's mean score
+  double max_coast_ratio = 1.0;     ///< frames without over frames with detection, if shown [-]
+  double max_coast_sigma_m = 0.6;   ///< position uncertainty of a shown, coasting track [m]
+  PerClass<double> min_coast_score = {0.1, 0.5, 0.4};  ///< of such a track [detector's scale]
+  double tentative_time_s = 0.35;  ///< without detection until a tentative track ends [s]
+  double coast_time_s = 0.4;       ///< without detection until a confirmed track is hidden [s]
+  double retrack_time_s = 1.5;     ///< without detection until a confirmed track ends [s]
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "objects"); }  ///< @throws InputError
@@ -122,7 +121,7 @@ struct ObjectsParams {
   ConsistencyParams consistency;
   FilterParams filter;
   HeadingParams heading;
-  MotionVerdictParams verdict;
+  MotionClassParams motion_class;
   SmoothingParams smoothing;
   LifecycleParams lifecycle;
 

@@ -4,7 +4,7 @@
 
 namespace headway::objects {
 
-/// Classes that move alike share their physical parameters.
+/// Classes with common motion parameters.
 enum class MotionGroup { kVehicle, kCyclist, kPedestrian, kOther };
 
 /// Number of enumerators of MotionGroup.
@@ -30,7 +30,7 @@ inline constexpr int kMotionGroupCount = 4;
   return MotionGroup::kOther;
 }
 
-/// One value for each motion group; what is neither vehicle nor person moves like a cyclist.
+/// One value per motion group; kOther uses the cyclists' value.
 template <typename T>
 struct PerClass {
   T vehicle;

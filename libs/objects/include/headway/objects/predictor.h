@@ -16,21 +16,21 @@ inline constexpr double kPredictionStep_s = 0.1;
 /// Samples of a prediction: 3 s ahead, the horizon of the paper.
 inline constexpr int kPredictionSamples = 30;
 
-/// What a predictor is told: where one object was, and what it is.
+/// Input of a predictor: the past path and the class of one object.
 struct MotionHistory {
   ObjectClass object_class = ObjectClass::kUnknown;
-  /// Past places, oldest first; the last one is now. Times must increase; `frame` is not read.
+  /// Past positions in the map frame, oldest first, the last one current; times must increase.
   std::vector<TrajectoryPoint> path;
-  /// Of each place's noise, over the ground [m^2]; zero if the places are exact.
+  /// Noise of each position on the ground plane [m^2]; zero for exact positions.
   Eigen::Matrix2d position_covariance = Eigen::Matrix2d::Zero();
 };
 
-/// Foretells the path of one object over the next 3 s.
+/// Predicts the path of one object over the next 3 s.
 ///
-/// Every predictor obeys these laws: sample j lies at the horizon (j+1) * 0.1 s; z is held; the
-/// covariance never shrinks with the horizon; probabilities sum to one and fall from path to path;
-/// no history gives no path, a history of one place gives a path that stays there; turning and
-/// shifting the history turns and shifts the prediction.
+/// Laws of every predictor: sample j has the horizon (j+1) * 0.1 s; z is constant; the covariance
+/// does not decrease with the horizon; probabilities sum to one and do not increase from path to
+/// path; an empty history gives no path, a history of one position a constant path; a rigid motion
+/// of the history moves the prediction likewise.
 ///
 ///     auto predictor = makePredictor(PredictorKind::kPaper, PredictorParams());
 ///     std::vector<PredictedPath> paths = predictor->predict(history);
@@ -38,7 +38,7 @@ class Predictor {
  public:
   virtual ~Predictor() = default;
 
-  /// Writes the paths into `paths`, using again the memory it holds.
+  /// Writes the paths into `paths`, reusing its memory.
   virtual void predictInto(const MotionHistory& history,
                            std::vector<PredictedPath>& paths) const = 0;
 

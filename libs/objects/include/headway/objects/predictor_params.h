@@ -7,16 +7,16 @@
 
 namespace headway::objects {
 
-/// The predictors to choose from.
+/// The available predictors.
 enum class PredictorKind {
   kPaper,             ///< heading-based Bezier curve (Sec. III-B)
-  kPaperDm,           ///< its ablation DM: the end always lies |C_p| away
+  kPaperDm,           ///< its ablation DM: the end point at distance |C_p|
   kPaperHd,           ///< its ablation HD: heading from the detector alone
   kPaperSv,           ///< its ablation SV: speed of the last frame, not smoothed
   kPolynomial,        ///< the paper's baseline: a curve through four past places
-  kConstantVelocity,  ///< straight on with the velocity of the last half second
+  kConstantVelocity,  ///< straight, with the velocity of the last half second
   kConstantTurn,      ///< constant speed and turn rate
-  kMixture,           ///< what the object does now and may do instead, weighted
+  kMixture,           ///< present motion and its alternatives, weighted
 };
 
 /// How the paper's predictor reads a track (Sec. III-B and IV-A).
@@ -36,25 +36,25 @@ struct PaperPredictorParams {
   void validate() const { validateRanges(*this, "objects"); }  ///< @throws InputError
 };
 
-/// How one class of objects moves: all that the mixture predictor knows of the world.
+/// Motion model of one class of objects in the mixture predictor.
 struct ManoeuvreParams {
-  double memory_s = 2.0;               ///< age at which a place says nothing of the present [s]
-  double path_noise_m = 0.1;           ///< by which even exact paths leave a parabola [m]
-  double typical_speed = 10.0;         ///< in any direction: a prior [m/s]
-  double typical_acceleration = 0.45;  ///< along the path: a prior [m/s^2]
-  double typical_turn = 0.75;          ///< acceleration across the path: a prior [m/s^2]
-  double acceleration_fade_s = 5.0;    ///< time in which an acceleration fades [s]
-  double turn_fade_s = 20.0;           ///< time in which a turn fades [s]
-  double standing_speed = 0.5;         ///< slower motion may be noise of a standing object [m/s]
-  double cruising_speed = 1.0;         ///< faster, an object manoeuvres freely [m/s]
-  double other_acceleration = 1.5;     ///< of the slower and the faster alternative [m/s^2]
-  double acceleration_sigma = 1.0;     ///< unforeseen acceleration along the path [m/s^2]
-  double lateral_sigma = 0.5;          ///< unforeseen acceleration across the path [m/s^2]
+  double memory_s = 2.0;            ///< age from which a position has no weight in the fit [s]
+  double path_noise_m = 0.1;        ///< deviation of an exact path from a parabola [m]
+  double typical_speed_mps = 10.0;  ///< prior of the speed, any direction [m/s]
+  double typical_acceleration_mps2 = 0.45;  ///< prior of the acceleration along the path [m/s^2]
+  double typical_lateral_mps2 = 0.75;       ///< prior of the acceleration across it [m/s^2]
+  double acceleration_fade_s = 5.0;         ///< decay time of an acceleration [s]
+  double turn_fade_s = 20.0;                ///< decay time of a turn [s]
+  double standing_speed_mps = 0.5;          ///< below, motion may be noise of a static object [m/s]
+  double cruising_speed_mps = 1.0;          ///< above, an object manoeuvres freely [m/s]
+  double alternative_mps2 = 1.5;            ///< of the faster and the slower alternative [m/s^2]
+  double acceleration_sigma_mps2 = 1.0;     ///< unpredicted acceleration along the path [m/s^2]
+  double lateral_sigma_mps2 = 0.5;          ///< unpredicted acceleration across the path [m/s^2]
 
   void describe(Params::Section section, const std::string& prefix);
 };
 
-/// Everything that the predictors can be told.
+/// Parameters of all predictors.
 struct PredictorParams {
   PaperPredictorParams paper;
   double velocity_window_s = 0.5;  ///< of constant_velocity and constant_turn [s]

@@ -15,10 +15,10 @@
 
 namespace headway::pipeline {
 
-/// Where detections come from. Sections [detect], [disparity], [stereo_motion], [dnn] and [hog].
+/// Sources of detections. Sections [detect], [disparity], [stereo_motion], [dnn] and [hog].
 struct DetectionParams {
   /// "none", "auto", or names joined by "+": "recorded" and those of detect::detectorNames().
-  /// "auto" is stereo_motion until the recording brings boxes of its own, and those from then on.
+  /// "auto" is stereo_motion until the first recorded boxes, then the recorded boxes only.
   std::string detector = "auto";
   detect::DetectParams detect;
 
@@ -26,33 +26,33 @@ struct DetectionParams {
   void validate() const;  ///< @throws InputError
 };
 
-/// Throws InputError, saying what there is, unless `names` can stand for DetectionParams::detector.
+/// Throws InputError with the available names unless `names` is valid for DetectionParams::detector.
 void checkDetectorNames(const std::string& names);
 
-/// Whether `names` make use of recorded boxes.
+/// Whether `names` include recorded boxes.
 [[nodiscard]] bool usesRecordedBoxes(const std::string& names);
 
-/// What needs no pose of the camera: recorded boxes and those of image detectors.
+/// Detections that do not depend on the camera's pose: recorded boxes and image detectors'.
 struct ObjectDetections {
   std::optional<stereo::FrameContext> context;  ///< of the frame; nullopt without images
-  std::vector<Detections> sources;              ///< best informed first
+  std::vector<Detections> sources;              ///< by descending quality of their information
   bool detectors_run = false;                   ///< on this frame, one in `every_nth_frame`
-  bool lifting = false;                         ///< a box lacks its depth
-  double elapsed_ms = 0.0;                      ///< spent on them [ms]
+  bool lifting = false;                         ///< a box without depth has to be lifted
+  double elapsed_ms = 0.0;                      ///< time of these steps [ms]
 };
 
 /// All detections of one frame.
 struct FrameDetections {
   std::optional<stereo::FrameContext> context;  ///< of the frame; nullopt without images
-  std::optional<Detections> fused;  ///< of all sources, without doubles, with depth; nullopt: none
-  detect::MotionDetections motion;  ///< of this frame, or of the last one searched for it
+  std::optional<Detections> fused;  ///< of all sources, without duplicates, with depth; nullopt: none
+  detect::MotionDetections motion;  ///< of this frame, or of the last evaluated one
   DropCounts dropped;               ///< by reason
-  bool images_used = false;         ///< by a detector, or for the depth of a box
-  double elapsed_ms = 0.0;          ///< spent on them, from the first step on [ms]
+  bool images_used = false;         ///< by a detector or for lifting
+  double elapsed_ms = 0.0;          ///< time of all steps so far [ms]
 };
 
-/// Detects objects in a frame from every source, in three steps around SLAM and the tracker. What
-/// one step finds is handed to the next as a value.
+/// Detects objects in a frame from every source, in three steps around SLAM and the tracker. The
+/// result of each step is passed to the next one as a value.
 ///
 ///     const auto boxes = stage.detectObjects(frame, context);
 ///     const auto regions = movingRegions(boxes.sources, tracked.tracks, found.motion, time,
@@ -62,14 +62,14 @@ struct FrameDetections {
 ///     found, tracked.tracks, params);
 class DetectionStage {
  public:
-  /// @param camera  null where there are no images: then only recorded boxes can be had
-  /// @throws InputError for detectors that are not known, need images where there are none, or
-  ///                    lack a model that fits
+  /// @param camera  null without images: then only recorded boxes are available
+  /// @throws InputError for detectors that are unknown, need images that do not exist, or have no
+  ///                    suitable model
   DetectionStage(std::shared_ptr<const StereoCamera> camera, const DetectionParams& params);
   ~DetectionStage();
 
   /// Collects a frame's recorded boxes and runs the detectors that need no pose. Stereo matching
-  /// starts in its own thread where a later step needs it.
+  /// starts in its own thread if a later step needs it.
   ///
   /// @param context         of the frame; nullopt without images
   /// @param ground_scanned  scanGround() will be called for this frame
@@ -79,21 +79,21 @@ class DetectionStage {
 
   /// Detects moving objects, fuses all sources, and lifts boxes that have no depth.
   ///
-  /// @param T_map_robot  nullopt where the camera is lost
+  /// @param T_map_robot  nullopt if the camera is lost
   /// @param boxes        of this frame
-  /// @param expected     by the tracker, as of the frame before
-  /// @param previous     handed on where this frame is not searched for motion
+  /// @param expected     objects, by the tracker after the previous frame
+  /// @param previous     result for a frame that is not evaluated for motion
   [[nodiscard]] FrameDetections detectMotion(const RecordedFrame& frame,
                                              const std::optional<Pose>& T_map_robot,
                                              const ObjectDetections& boxes,
                                              const std::vector<ExpectedObject>& expected,
                                              const detect::MotionDetections& previous);
 
-  /// Finds free ground and what stands on it, without what moves.
+  /// Scans free ground and obstacles, without moving objects.
   ///
   /// @param found   in this frame
   /// @param tracks  of this frame
-  /// @return        nullopt where no ground is found (expected, not an error)
+  /// @return        nullopt if no ground is found (expected, not an error)
   [[nodiscard]] std::optional<GroundScan> scanGround(const RecordedFrame& frame,
                                                      const Pose& T_map_robot,
                                                      const FrameDetections& found,
@@ -103,7 +103,7 @@ class DetectionStage {
  private:
   std::shared_ptr<const StereoCamera> camera_;
   bool use_recorded_ = false;
-  bool automatic_ = false;  ///< detectors are switched off once the recording brings boxes
+  bool automatic_ = false;  ///< detectors are disabled after the first recorded boxes
   int every_nth_frame_ = 1;
   std::vector<std::unique_ptr<detect::Detector>> detectors_;
   std::optional<detect::StereoMotion> stereo_motion_;

@@ -8,25 +8,25 @@
 
 namespace headway::pipeline {
 
-/// Where frames come from: the next one, or nullopt at the end. May throw.
+/// Returns the next frame, or nullopt at the end. May throw.
 using FrameReader = std::function<std::optional<RecordedFrame>()>;
 
-/// Hands frames on: every one of them, or only those that are not late.
+/// Source of frames for the pipeline: every frame, or in real time with dropped frames.
 class FrameFeed {
  public:
   virtual ~FrameFeed() = default;
-  /// The next frame; nullopt at the end. Rethrows what the reader threw.
+  /// The next frame; nullopt at the end. Rethrows exceptions of the reader.
   [[nodiscard]] virtual std::optional<RecordedFrame> next() = 0;
-  /// Frames read and not handed on, because the pipeline was busy.
+  /// Number of frames dropped because the pipeline was busy.
   [[nodiscard]] virtual std::size_t dropped() const = 0;
 };
 
-/// Every frame, read when it is asked for: the offline way, deterministic.
+/// Every frame, read on demand: offline and deterministic.
 [[nodiscard]] std::unique_ptr<FrameFeed> makeOfflineFeed(FrameReader reader);
 
-/// Frames as a live camera would give them: a thread of its own reads them at `factor` times the
-/// recorded rate into a queue of `capacity`; a frame that finds the queue full pushes the oldest
-/// out, and that is counted. The reader runs in that thread alone.
+/// Frames at the rate of a live camera: a separate thread reads them at `factor` times the recorded
+/// rate into a queue of `capacity`; if the queue is full, its oldest frame is dropped and counted.
+/// The reader is called in that thread only.
 ///
 /// @param factor    > 0; 1 is the recorded rate
 /// @param capacity  >= 1

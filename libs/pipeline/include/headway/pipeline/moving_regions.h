@@ -11,21 +11,21 @@
 
 namespace headway::pipeline {
 
-/// Boxes of this frame that move or may move, for SLAM to leave out.
+/// Boxes of moving or possibly moving objects in this frame, to be excluded by SLAM.
 ///
-/// A detection goes by the confirmed track that was seen where it is now (IoU >= 0.3) in the
-/// previous frame: found moving, it leaves the map; known to stand, as a parked car, it stays.
-/// Whatever is new, unknown, or not yet known to stand is unsure.
+/// A detection is classified by the confirmed track at its position in the previous frame (IoU >=
+/// 0.3): excluded if moving, kept in the map if static, such as a parked car. Detections without
+/// such a track, or with an unclassified one, are unsure.
 ///
 /// @param detections  of this frame
-/// @param previous    tracks of the previous frame, with the boxes they were seen in
+/// @param previous    tracks of the previous frame, with their image boxes
 [[nodiscard]] MovingRegions movingRegions(const Detections& detections,
                                           const std::vector<Track>& previous,
                                           const StereoCamera& camera);
 
-/// The same for several sources, with what `motion` found moving, where that is by now.
+/// The same for several sources, and the moving objects of `motion` at their current positions.
 ///
-/// @param at  of the detections [s]
+/// @param at  time of the detections [s]
 [[nodiscard]] MovingRegions movingRegions(const std::vector<Detections>& sources,
                                           const std::vector<Track>& previous,
                                           const detect::MotionDetections& motion, Time at,
@@ -34,7 +34,7 @@ namespace headway::pipeline {
 /// Adds regions of the same image.
 void append(const MovingRegions& more, MovingRegions& all);
 
-/// Where moving tracks are in the image now, those not seen in this frame, too.
+/// Image regions of moving tracks, including those not observed in this frame.
 ///
 /// @param tracks  of this frame
 [[nodiscard]] MovingRegions movingRegions(const std::vector<Track>& tracks, const Pose& T_map_robot,

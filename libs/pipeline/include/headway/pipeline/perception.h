@@ -15,9 +15,9 @@
 
 namespace headway::pipeline {
 
-/// How the still world becomes a grid of free and occupied cells. Section [grid].
+/// Occupancy grid from ground scans. Section [grid].
 struct GridParams {
-  int every_nth_frame = 3;  ///< one frame in so many is looked at; 0: no grid
+  int every_nth_frame = 3;  ///< interval of scanned frames; 0: no grid
   detect::GroundScanParams scan;
   map::StaticGridParams map;
 
@@ -25,7 +25,7 @@ struct GridParams {
   void validate() const { validateRanges(*this, "grid"); }  ///< @throws InputError
 };
 
-/// Parameters of everything that the pipeline runs.
+/// Parameters of the whole pipeline.
 struct PerceptionParams {
   slam::SlamParams slam;
   DetectionParams detection;
@@ -37,20 +37,19 @@ struct PerceptionParams {
   void validate() const;  ///< @throws InputError
 };
 
-/// What one frame said: where the robot is and what moves around it.
+/// Result of one frame: the pose of the robot and the tracks.
 struct PerceptionUpdate {
   std::size_t frame = 0;
   Time time = 0.0;                       ///< [s]
   slam::SlamUpdate camera;               ///< status, T_map_robot and its covariance
-  std::optional<Detections> detections;  ///< of all sources; nullopt: nobody looked
-  objects::TrackUpdate objects;          ///< with all that was dropped, by reason
+  std::optional<Detections> detections;  ///< of all sources; nullopt: no detector ran
+  objects::TrackUpdate objects;          ///< with the dropped detections by reason
 };
 
-/// The whole of headway on one page: frame -> detectors -> slam -> detectors -> objects -> the one
-/// map.
+/// The complete pipeline: frame -> detectors -> slam -> detectors -> objects -> map.
 ///
-/// Synchronous and deterministic: same frames and parameters, same results. A robot program and
-/// the replay run this same class.
+/// Synchronous and deterministic: same frames and parameters, same results. Robot programs and the
+/// replay use this class alike.
 ///
 ///     Perception perception(source.camera(), params);
 ///     while (auto frame = source.next()) {
@@ -59,53 +58,53 @@ struct PerceptionUpdate {
 ///     }
 class Perception {
  public:
-  /// @param camera  of every stereo frame to come; null where only poses and boxes are given
-  /// @param map     whose layers are filled, such as one described by an .ini
-  /// @throws InputError for detectors that are not known or lack what they need
+  /// @param camera  of all stereo frames; null if only poses and boxes are given
+  /// @param map     with the layers to fill, such as one configured by an .ini
+  /// @throws InputError for unknown or unusable detectors and parameters out of range
   Perception(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params,
              map::PerceptionMap map = {});
   ~Perception();
 
-  /// Goes on in a stored map, before the first frame: the camera counts as lost until it is
-  /// recognised there; then its poses are in the stored map's frame, and with slam.mapping the map
-  /// grows on. What moved when the map was stored is not taken over.
+  /// Continues in a stored map, before the first frame: the camera counts as lost until it is
+  /// re-localised; then its poses are in the stored map's frame, and with slam.mapping the map is
+  /// extended. Stored moving objects are not loaded.
   ///
-  /// @throws InputError if there is no camera here, or the map holds nothing to be recognised by,
-  ///         is damaged, of another version or of another camera
+  /// @throws InputError if there is no camera, or if the map has no places for re-localisation, is
+  ///         damaged, of another version or of another camera
   void resume(const map::StoredMap& stored);
 
-  /// The map as a file keeps it, all that resume() needs included; without configuration.
+  /// The map as stored in a file, with the data for resume(), without configuration.
   [[nodiscard]] map::StoredMap stored() const;
 
-  /// Takes one frame in. Frames come in order of time.
+  /// Processes one frame. Times must increase.
   ///
-  /// With a recorded pose SLAM is not run. While the camera is lost, tracks are carried on by
-  /// their predictions and the frame's detections are dropped as "camera_lost".
+  /// With a recorded pose SLAM is not run. While the camera is lost, tracks are predicted and the
+  /// frame's detections are dropped as "camera_lost".
   /// A frame with neither images nor pose counts as lost.
   ///
-  /// @throws InputError if a frame brings its own pose to a resumed map
+  /// @throws InputError if a frame has a recorded pose and the map was resumed
   [[nodiscard]] PerceptionUpdate process(const RecordedFrame& frame);
 
-  /// What the rig can see, with the parameters that replace derived values; nullopt without a
+  /// Capability of the rig, with the parameters that replace derived values; nullopt without
   /// camera.
   [[nodiscard]] const std::optional<stereo::RigCapability>& rig() const { return rig_; }
 
-  /// The one map: landmarks, keyframes, free and occupied ground, and moving objects, as after the
-  /// last frame.
+  /// The map after the last frame: landmarks, keyframes, occupancy grid and moving
+  /// objects.
   [[nodiscard]] const map::PerceptionMap& map() const { return map_; }
 
-  /// Every frame so far, as corrected since.
+  /// All frames so far, with their latest corrections.
   [[nodiscard]] std::vector<slam::FrameEstimate> trajectory() const;
 
-  /// Takes in what still runs beside the tracking; call after the last frame, before map,
-  /// trajectory or stored map are read for good. Without threads there is nothing to wait for.
+  /// Waits for background threads and applies their results; call after the last frame, before the
+  /// final map and trajectory are read. Without threads it returns at once.
   void finish();
 
-  /// The samples that the tracker still smooths; call once, after the last frame.
+  /// The samples still in the smoothing windows; call once, after the last frame.
   [[nodiscard]] std::vector<TrackSample> flush() { return tracker_.flush(); }
 
-  /// Milliseconds by stage: "slam_track", "slam_map", "detect" (of frames whose images were
-  /// looked at), "objects", "grid" (of frames that it looked at), "map_update", "frame".
+  /// Milliseconds by stage: "slam_track", "slam_map", "detect" (of frames with image-based
+  /// detection), "objects", "grid" (of scanned frames), "map_update", "frame".
   [[nodiscard]] StageTimes times() const;
 
  private:
@@ -119,7 +118,7 @@ class Perception {
   void updateGrid(const RecordedFrame& frame, const PerceptionUpdate& update);
 
   std::shared_ptr<const StereoCamera> camera_;
-  std::unique_ptr<slam::StereoSlam> slam_;  ///< null where there is no camera
+  std::unique_ptr<slam::StereoSlam> slam_;  ///< null without camera
   stereo::FrontEnd front_end_;
   DetectionStage detection_;
   objects::MovingObjectTracker tracker_;
@@ -127,12 +126,12 @@ class Perception {
   GridParams grid_params_;
   map::StaticGrid grid_;
   map::PerceptionMap map_;
-  std::size_t grid_frames_ = 0;                   ///< that could have been scanned
+  std::size_t grid_frames_ = 0;                   ///< frames eligible for a scan
   bool resumed_ = false;                          ///< the map frame is a stored map's
   FrameDetections found_;                         ///< in the newest frame
   std::vector<Track> tracks_;                     ///< of the previous frame
   std::vector<ExpectedObject> expected_;          ///< as of the previous frame
-  std::vector<slam::FrameEstimate> given_poses_;  ///< frames that came with their pose
+  std::vector<slam::FrameEstimate> given_poses_;  ///< frames with recorded pose
   StageTimes times_;
 };
 

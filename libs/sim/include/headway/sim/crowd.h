@@ -26,17 +26,18 @@ enum class Scenario {
 /// The people, section "people".
 struct PeopleParams {
   Scenario scenario = Scenario::kCrossing;
-  int count = 3;                  ///< in a trial
-  double radius_m = 0.25;         ///< of a body
-  double slow_speed = 0.8;        ///< slowest preferred speed [m/s]
-  double fast_speed = 1.5;        ///< fastest [m/s]
-  double timing_sigma_s = 1.5;    ///< how well they are timed to meet the robot [s]
-  double angle_sigma_deg = 20.0;  ///< of the way they cross, about square [deg]
-  double wander_sigma_deg = 8.0;  ///< of the heading about the preferred one [deg]
-  double speed_sigma = 0.1;       ///< of the speed, as a share of the preferred one [-]
-  double wander_time_s = 1.5;     ///< time in which heading and speed change [s]
-  double yielding_share = 0.0;    ///< people who give way to the robot; the rest do not look [-]
-  int pillars = 0;                ///< that stand about, away from the straight way
+  int count = 3;                   ///< in a trial
+  double radius_m = 0.25;          ///< of a body
+  double min_speed_mps = 0.8;      ///< minimum preferred speed [m/s]
+  double max_speed_mps = 1.5;      ///< maximum preferred speed [m/s]
+  double timing_sigma_s = 1.5;     ///< how well they are timed to meet the robot [s]
+  double angle_sigma_deg = 20.0;   ///< of the way they cross, about square [deg]
+  double wander_sigma_deg = 8.0;   ///< of the heading about the preferred one [deg]
+  double speed_sigma_ratio = 0.1;  ///< of the speed, relative to the preferred one [-]
+  double wander_time_s = 1.5;      ///< time in which heading and speed change [s]
+  double yielding_fraction =
+      0.0;          ///< of the people give way to the robot, the others ignore it [-]
+  int pillars = 0;  ///< that stand about, away from the straight way
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "people"); }  ///< @throws InputError

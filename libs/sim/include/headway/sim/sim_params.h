@@ -124,10 +124,10 @@ struct DetectorParams {
   double miss_near = 0.03;     ///< share missed when near and in full view
   double miss_far = 0.35;      ///< share missed at max_range_m, in full view
   double miss_occluded = 0.9;  ///< share missed when hardly anything is visible
-  double duplicate_share = 0.05;
+  double duplicate_probability = 0.05;
   double false_per_frame = 0.15;
-  double flip_share = 0.03;       ///< headings turned by 180 degrees
-  double id_switch_share = 0.01;  ///< tracks that get a new id in a frame
+  double flip_probability = 0.03;       ///< headings turned by 180 degrees
+  double id_switch_probability = 0.01;  ///< tracks that get a new id in a frame
   bool boxes_2d = true;
   bool boxes_3d = true;
   bool parked = true;  ///< parked vehicles are detected, too

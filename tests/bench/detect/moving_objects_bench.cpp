@@ -1,13 +1,13 @@
-// How much of what moves a detector finds in simulated worlds, from images alone.
+// Recall and precision of a detector of moving objects in simulated worlds, from images alone.
 //
 //     headway-sim -c WORLD.ini -o WORLD.rawlog
-//     bench_movers WORLD.rawlog... [frames=FIRST-LAST] [section.key=value ...]
+//     bench_moving_objects WORLD.rawlog... [frames=FIRST-LAST] [section.key=value ...]
 //
-// The whole pipeline runs on the images (SLAM's own poses), by default with stereo_motion. Asked
-// for are the true objects within 25 m that move faster than 0.8 m/s and are at least half
-// visible, in every frame. A report counts as one of them if it lies within 1 m plus half the
-// object's length, one report to an object. A report within 25 m on nothing that moves (0.3 m/s),
-// or a second one on the same object, is false.
+// The whole pipeline runs on the images (SLAM's own poses), by default with stereo_motion. The
+// reference is, in every frame, the true objects within 25 m that move faster than 0.8 m/s and are
+// at least half visible. A detection is correct if its centre is within 1 m plus half the object's
+// length, one detection per object. A detection within 25 m without an object faster than 0.3 m/s,
+// or a second one of the same object, is false.
 
 #include <headway/core/assignment.h>
 #include <headway/core/error.h>
@@ -30,7 +30,7 @@ using headway::ObjectClass;
 
 constexpr double kRange = 25.0;
 constexpr double kSpeed = 0.8;
-constexpr double kStill = 0.3;
+constexpr double kStatic_mps = 0.3;
 constexpr double kVisible = 0.5;
 constexpr double kNear = 1.0;
 
@@ -43,7 +43,7 @@ struct Truth {
   double speed = 0.0;
   double visible = 0.0;
 
-  [[nodiscard]] bool askedFor() const {
+  [[nodiscard]] bool isEvaluated() const {
     return place.norm() < kRange && speed > kSpeed && visible >= kVisible;
   }
 };
@@ -94,7 +94,7 @@ Places movingTracksOf(const headway::pipeline::PerceptionUpdate& update,
   return places;
 }
 
-struct Share {
+struct Ratio {
   int found = 0;
   int all = 0;
   void add(bool hit) {
@@ -106,54 +106,54 @@ struct Share {
 
 class Score {
  public:
-  void judge(const std::vector<Truth>& truth, const Places& reports) {
+  void evaluate(const std::vector<Truth>& truth, const Places& detections) {
     std::vector<headway::CandidatePair> candidates;
     for (std::size_t t = 0; t < truth.size(); ++t) {
-      for (std::size_t r = 0; r < reports.size(); ++r) {
-        const double off = (truth[t].place - reports[r]).norm();
-        const bool moves = truth[t].speed > kStill;
+      for (std::size_t r = 0; r < detections.size(); ++r) {
+        const double off = (truth[t].place - detections[r]).norm();
+        const bool moves = truth[t].speed > kStatic_mps;
         if (moves && off < kNear + 0.5 * truth[t].length) candidates.push_back({t, r, off});
       }
     }
     std::set<std::size_t> hit;
-    std::vector<bool> right(reports.size(), false);
+    std::vector<bool> right(detections.size(), false);
     for (const auto& pair : headway::assignPairs(std::move(candidates))) {
       hit.insert(pair.row);
       right[pair.column] = true;
     }
-    for (std::size_t r = 0; r < reports.size(); ++r) {
-      if (reports[r].norm() < kRange) precision_.add(right[r]);
+    for (std::size_t r = 0; r < detections.size(); ++r) {
+      if (detections[r].norm() < kRange) precision_.add(right[r]);
     }
     for (std::size_t t = 0; t < truth.size(); ++t) {
-      if (truth[t].askedFor()) count(truth[t], hit.count(t) > 0);
+      if (truth[t].isEvaluated()) count(truth[t], hit.count(t) > 0);
     }
   }
 
   void endWorld() {
-    for (const auto& [id, share] : movers_) {
-      mostly_.add(share.percent() >= 50.0);
-      ever_.add(share.found > 0);
+    for (const auto& [id, ratio] : objects_) {
+      mostly_.add(ratio.percent() >= 50.0);
+      ever_.add(ratio.found > 0);
     }
-    movers_.clear();
+    objects_.clear();
   }
 
   void print(const char* what) const {
     std::printf(
-        "\n%s: recall %.1f %% of %d sightings, precision %.1f %% of %d reports; of %d "
-        "movers %.0f %% found in half of their sightings, %.0f %% at all\n",
+        "\n%s: recall %.1f %% of %d observations, precision %.1f %% of %d detections; of %d "
+        "objects %.0f %% found in half of their observations, %.0f %% at all\n",
         what, recall_.percent(), recall_.all, precision_.percent(), precision_.all, mostly_.all,
         mostly_.percent(), ever_.percent());
-    for (const auto& [group, share] : groups_) {
-      std::printf("  %-28s %5.1f %% of %d\n", group.c_str(), share.percent(), share.all);
+    for (const auto& [group, ratio] : groups_) {
+      std::printf("  %-28s %5.1f %% of %d\n", group.c_str(), ratio.percent(), ratio.all);
     }
   }
 
  private:
   void count(const Truth& truth, bool hit) {
     recall_.add(hit);
-    auto& mover = movers_[truth.id];
-    const int age = mover.all;
-    mover.add(hit);
+    auto& object = objects_[truth.id];
+    const int age = object.all;
+    object.add(hit);
     const double range = truth.place.norm();
     groups_["class " + std::string(toString(truth.object_class))].add(hit);
     groups_[range < 10   ? "range  0-10 m"
@@ -161,9 +161,9 @@ class Score {
             : range < 20 ? "range 15-20 m"
                          : "range 20-25 m"]
         .add(hit);
-    groups_[age < 5    ? "sighting 1-5"
-            : age < 15 ? "sighting 6-15"
-                       : "sighting 16 and later"]
+    groups_[age < 5    ? "observation 1-5"
+            : age < 15 ? "observation 6-15"
+                       : "observation 16 and later"]
         .add(hit);
     groups_[truth.speed < 1.5 ? "speed 0.8-1.5 m/s"
             : truth.speed < 3 ? "speed 1.5-3 m/s"
@@ -172,9 +172,9 @@ class Score {
     groups_[truth.visible < 0.75 ? "visible 50-75 %" : "visible 75-100 %"].add(hit);
   }
 
-  Share recall_, precision_, mostly_, ever_;
-  std::map<std::string, Share> groups_;
-  std::map<std::int64_t, Share> movers_;  ///< of the present world
+  Ratio recall_, precision_, mostly_, ever_;
+  std::map<std::string, Ratio> groups_;
+  std::map<std::int64_t, Ratio> objects_;  ///< of the current world
 };
 
 void runWorld(const std::string& rawlog, const headway::io::RawlogSourceOptions& options,
@@ -184,13 +184,13 @@ void runWorld(const std::string& rawlog, const headway::io::RawlogSourceOptions&
   headway::pipeline::Perception perception(source.camera(), params);
   headway::DropCounts dropped;
   while (auto frame = source.next()) {
-    frame->detections.reset();  // those are the simulated detector's
+    frame->detections.reset();  // of the simulated detector
     const auto update = perception.process(*frame);
     for (const auto& [reason, count] : update.objects.detections_dropped) dropped[reason] += count;
     const auto found = truth.find(frame->index);
     const auto objects = found != truth.end() ? found->second : std::vector<Truth>();
-    detections.judge(objects, detectionsOf(update));
-    tracks.judge(objects, movingTracksOf(update, source.camera()->T_robot_cam));
+    detections.evaluate(objects, detectionsOf(update));
+    tracks.evaluate(objects, movingTracksOf(update, source.camera()->T_robot_cam));
   }
   detections.endWorld();
   tracks.endWorld();
@@ -223,7 +223,7 @@ int main(int argc, char** argv) {
     }
     for (const auto& rawlog : rawlogs) runWorld(rawlog, options, params, detections, tracks);
   } catch (const headway::InputError& error) {
-    std::fprintf(stderr, "bench_movers: %s\n", error.what());
+    std::fprintf(stderr, "bench_moving_objects: %s\n", error.what());
     return 1;
   }
   detections.print("detections");

@@ -1,6 +1,6 @@
-// How well one recording is tracked when it is spoilt: frames left out, blur, noise, darkness.
+// Tracking of one recording after degradation: frames removed, blur, noise, darkness.
 //
-//     bench_spoilt -i IN.rawlog [--only WORDS] [--set slam.key=value ...]
+//     bench_degraded -i IN.rawlog [--only WORDS] [--set slam.key=value ...]
 //
 // A row for each way of spoiling it: frames tracked, and the error of their path. The whole
 // recording is kept in memory.
@@ -80,10 +80,10 @@ Drive noisy(const Drive& drive, double sigma) {
   });
 }
 
-/// Little light: a share of the contrast is left, and the noise of the sensor.
-Drive dark(const Drive& drive, double share) {
-  return changed(drive, [share](cv::Mat& image, std::size_t frame, bool right) {
-    image.convertTo(image, CV_8U, share, 10.0);
+/// Little light: reduced contrast, with the noise of the sensor.
+Drive dark(const Drive& drive, double contrast) {
+  return changed(drive, [contrast](cv::Mat& image, std::size_t frame, bool right) {
+    image.convertTo(image, CV_8U, contrast, 10.0);
     addNoise(image, 2.0, 2 * frame + (right ? 1 : 0));
   });
 }
@@ -124,7 +124,7 @@ void printRow(const char* name, const Drive& drive, const pipeline::PerceptionPa
 
 int measure(int argc, const char* const* argv) {
   std::string input, only;
-  SlamBenchLine bench("bench_spoilt", "Tracks a recording that is spoilt in many ways.");
+  SlamBenchLine bench("bench_degraded", "Tracks a recording that is degraded in many ways.");
   bench.line.option(input, 'i', "input", "IN.rawlog", "rawlog with stereo images", true);
   bench.line.option(only, 0, "only", "WORDS", "of the ways, those whose name holds these words");
   if (!bench.line.parse(argc, argv)) return program::kDone;
@@ -166,5 +166,5 @@ int measure(int argc, const char* const* argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return headway::program::run("bench_spoilt", [&] { return measure(argc, argv); });
+  return headway::program::run("bench_degraded", [&] { return measure(argc, argv); });
 }

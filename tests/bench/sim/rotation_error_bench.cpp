@@ -1,11 +1,10 @@
-// How well pose files agree with the images about the camera's rotation from frame to frame.
-//   bench_rotation_witness RAWLOG POSES_KITTI.txt...
-// Far corners are followed from each left image to the next by optical flow and measured in depth
-// by the right image; the poses say where they should appear. What is left over, as a small
-// rotation fitted to all corners, is how far the poses' rotation is off, to within what optical
-// flow can tell. Prints a row for each file: RMS over all pairs of frames, about the camera's axes
-// x (pitch), y (yaw) and z (roll); and by how much of the way each file moves to the right, down
-// and forward of where the first one moves, on average over kSpan frames.
+// Error of pose files in the camera's rotation from frame to frame, measured in the images.
+//   bench_rotation_error RAWLOG POSES_KITTI.txt...
+// Distant corners are tracked from each left image to the next by optical flow, with depth from the
+// right image. The rotation fitted to their residuals against the poses' predictions is the poses'
+// error, up to the noise of optical flow. Prints a row for each file: RMS over all pairs of frames,
+// about the camera's axes x (pitch), y (yaw) and z (roll), and the mean difference of its motion to
+// that of the first file, to the right, down and forward, relative to the path over kSpan frames.
 #include <headway/io/rawlog_source.h>
 #include <headway/io/trajectory_file.h>
 
@@ -23,11 +22,11 @@ namespace {
 using namespace headway;
 
 constexpr int kCorners = 1500;
-constexpr double kNearest = 25.0;    // [m]: nearer ones say more about translation
-constexpr double kFarthest = 150.0;  // [m]: farther ones have no depth
-constexpr double kBackAgain = 0.3;   // [px] that flow forth and back may differ
+constexpr double kMinDepth_m = 25.0;    // nearer ones mainly depend on translation
+constexpr double kMaxDepth_m = 150.0;  // farther ones have no depth
+constexpr double kMaxRoundTrip_px = 0.3;   // difference of forward and backward flow
 constexpr double kRowError = 1.0;    // [px] between left and right
-constexpr std::size_t kFewest = 40;
+constexpr std::size_t kMinCorners = 40;
 constexpr std::size_t kSpan = 5;  // frames
 
 struct Corner {
@@ -35,7 +34,7 @@ struct Corner {
   Eigen::Vector2d seen;   ///< in the second frame [px]
 };
 
-/// Points followed forth and back; those that did not come back are nullopt.
+/// Points tracked forward and backward; nullopt where the two disagree.
 std::vector<std::optional<cv::Point2f>> followed(const cv::Mat& from, const cv::Mat& to,
                                                  const std::vector<cv::Point2f>& points) {
   std::vector<cv::Point2f> there, back;
@@ -48,7 +47,7 @@ std::vector<std::optional<cv::Point2f>> followed(const cv::Mat& from, const cv::
   std::vector<std::optional<cv::Point2f>> result(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const bool returned =
-        forth_ok[i] != 0 && back_ok[i] != 0 && cv::norm(back[i] - points[i]) < kBackAgain;
+        forth_ok[i] != 0 && back_ok[i] != 0 && cv::norm(back[i] - points[i]) < kMaxRoundTrip_px;
     if (returned) result[i] = there[i];
   }
   return result;
@@ -66,7 +65,7 @@ std::vector<Corner> farCorners(const StereoFrame& now, const StereoFrame& next) 
     if (!right[i] || !later[i] || std::abs(right[i]->y - points[i].y) > kRowError) continue;
     const double disparity = points[i].x - right[i]->x;
     const double depth = disparity > 0.0 ? camera.fx * camera.baseline_m / disparity : 1e9;
-    if (depth < kNearest || depth > kFarthest) continue;
+    if (depth < kMinDepth_m || depth > kMaxDepth_m) continue;
     const Eigen::Vector3d ray((points[i].x - camera.cx) / camera.fx,
                               (points[i].y - camera.cy) / camera.fy, 1.0);
     corners.push_back({depth * ray, {later[i]->x, later[i]->y}});
@@ -99,7 +98,7 @@ std::optional<Eigen::Vector3d> rotationLeft(const std::vector<Corner>& corners,
       information += weight * jacobian.transpose() * jacobian;
       slope += weight * jacobian.transpose() * residual;
     }
-    if (used < kFewest) return std::nullopt;
+    if (used < kMinCorners) return std::nullopt;
     off += information.ldlt().solve(slope);
   }
   return off;
@@ -110,7 +109,7 @@ struct Sum {
   int pairs = 0;
 };
 
-/// Mean difference of the ways, in the camera's axes, as a share of the way.
+/// Mean difference of the motions, in the camera's axes, relative to the path.
 Eigen::Vector3d offCourse(const std::vector<Pose>& poses, const std::vector<Pose>& truth) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double count = 0.0;
@@ -164,7 +163,7 @@ void report(const std::string& rawlog, const std::vector<std::string>& files) {
 
 int main(int argc, char** argv) {
   if (argc < 3) {
-    std::fprintf(stderr, "bench_rotation_witness RAWLOG POSES_KITTI.txt...\n");
+    std::fprintf(stderr, "bench_rotation_error RAWLOG POSES_KITTI.txt...\n");
     return 2;
   }
   try {

@@ -8,16 +8,16 @@
 
 namespace headway::bench {
 
-/// Adds the stage "yardstick": OpenCV's ORB, detect and compute with 2,000 features, on both images
+/// Adds the stage "reference": OpenCV's ORB, detect and compute with 2,000 features, on both images
 /// in one thread.
-inline void measureYardstick(const cv::Mat& left, const cv::Mat& right, StageTimes& times) {
+inline void measureReferenceWorkload(const cv::Mat& left, const cv::Mat& right, StageTimes& times) {
   static const auto orb = cv::ORB::create(2000);
   const int threads = cv::getNumThreads();
   cv::setNumThreads(1);
   std::vector<cv::KeyPoint> keypoints;
   cv::Mat descriptors;
   {
-    const auto watch = times.watch("yardstick");
+    const auto watch = times.watch("reference");
     orb->detectAndCompute(left, cv::noArray(), keypoints, descriptors);
     orb->detectAndCompute(right, cv::noArray(), keypoints, descriptors);
   }
