@@ -13,10 +13,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDepthUnit = 256.0;  ///< KITTI depth maps: 256 units per metre
-constexpr double kReach_m = 40.0;     ///< beyond this range a pixel covers more than a cell
-constexpr double kGround_m = 0.15;    ///< maximum height of ground and kerbs
-constexpr int kMinPixels = 2;         ///< over all frames; rejects mixed pixels at depth edges
+constexpr double kDepthUnit = 256.0;      ///< KITTI depth maps: 256 units per metre
+constexpr double kReach_m = 40.0;         ///< beyond this range a pixel covers more than a cell
+constexpr double kGround_m = 0.15;        ///< maximum height of ground and kerbs
+constexpr double kHeightMargin_m = 0.01;  ///< surfaces this close to the asked height are undecided
+constexpr double kAheadFrom_m = 0.5;
+constexpr double kAheadTo_m = 3.0;
+constexpr int kMinPixels = 2;  ///< over all frames; rejects mixed pixels at depth edges
 constexpr double kSweptMargin_m = 0.2;
 
 fs::path numbered(const fs::path& folder, std::size_t frame) {
@@ -38,14 +41,19 @@ cv::Mat readImage(const fs::path& path, const StereoCamera& camera) {
 
 /// Number of pixels on the ground and on obstacles in each cell.
 struct PixelCounts {
-  explicit PixelCounts(std::size_t cells) : ground(cells, 0), obstacle(cells, 0) {}
+  explicit PixelCounts(std::size_t cells)
+      : ground(cells, 0), obstacle(cells, 0), in_reach(cells, 0), ahead(cells, 0), drop(cells, 0) {}
   std::vector<int> ground;
   std::vector<int> obstacle;
+  std::vector<int> in_reach;  ///< of the obstacle
+  std::vector<int> ahead;     ///< of the obstacle
+  std::vector<int> drop;
 };
 
 void countPixels(const cv::Mat& depth, const cv::Mat& moving, const StereoCamera& camera,
                  const Pose& T_map_robot, const eval::GridCells& grid,
-                 const ObstacleHeights& heights, PixelCounts& counts) {
+                 const ObstacleHeights& heights, const ObstacleReach& reach, PixelCounts& counts) {
+  const double ground = std::min(kGround_m, heights.min_m - kHeightMargin_m);
   for (int v = 0; v < depth.rows; ++v) {
     for (int u = 0; u < depth.cols; ++u) {
       const double z = depth.at<std::uint16_t>(v, u) / kDepthUnit;
@@ -57,8 +65,12 @@ void countPixels(const cv::Mat& depth, const cv::Mat& moving, const StereoCamera
       if (!cell) continue;
       // Simulated ground is level, while the robot pitches and rolls: heights are taken in the map.
       const double height = in_map.z() - T_map_robot.translation().z();
-      if (height < kGround_m) ++counts.ground[*cell];
-      if (height >= heights.min_m && height <= heights.max_m) ++counts.obstacle[*cell];
+      if (height <= -heights.min_m) ++counts.drop[*cell];
+      if (height < ground && height > -heights.min_m) ++counts.ground[*cell];
+      if (height < heights.min_m + kHeightMargin_m || height > heights.max_m) continue;
+      ++counts.obstacle[*cell];
+      if (z >= reach.from_m && z <= reach.to_m) ++counts.in_reach[*cell];
+      if (z >= kAheadFrom_m && z <= kAheadTo_m) ++counts.ahead[*cell];
     }
   }
 }
@@ -81,19 +93,24 @@ void markSwept(const Track& object, const eval::GridCells& grid, std::vector<std
 }  // namespace
 
 GridTruth gridTruth(const fs::path& folder, const StereoCamera& camera, const eval::GridCells& grid,
-                    const ObstacleHeights& heights) {
-  GridTruth truth{grid, std::vector<std::uint8_t>(grid.states.size(), 0)};
+                    const ObstacleHeights& heights, const ObstacleReach& reach) {
+  const std::vector<std::uint8_t> none(grid.states.size(), 0);
+  GridTruth truth{grid, none, none, none, none};
   const auto poses = io::readTum((folder / "trajectory.tum").string());
   PixelCounts counts(grid.states.size());
   for (std::size_t frame = 0; frame < poses.size(); ++frame) {
     countPixels(readImage(numbered(folder / "depth", frame), camera),
                 readImage(numbered(folder / "masks", frame), camera), camera, poses[frame].value,
-                grid, heights, counts);
+                grid, heights, reach, counts);
   }
   for (std::size_t i = 0; i < grid.states.size(); ++i) {
     truth.cells.states[i] = counts.obstacle[i] >= kMinPixels ? eval::CellState::kOccupied
                             : counts.ground[i] >= kMinPixels ? eval::CellState::kFree
                                                              : eval::CellState::kUnknown;
+    truth.in_reach[i] = counts.in_reach[i] >= kMinPixels;
+    truth.ahead[i] = counts.ahead[i] >= kMinPixels;
+    // A pit's wall is no obstacle of its own; what reaches above the ground is.
+    truth.drops[i] = counts.drop[i] >= kMinPixels && counts.obstacle[i] < kMinPixels;
   }
   for (const auto& sample : io::readTrackCsv((folder / "objects.csv").string())) {
     if (isMoving(sample.track)) markSwept(sample.track, grid, truth.swept);

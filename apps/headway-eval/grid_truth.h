@@ -14,21 +14,32 @@ struct ObstacleHeights {
   double max_m = 2.0;
 };
 
+/// Depths between which the rig claims to see obstacles [m].
+struct ObstacleReach {
+  double from_m = 0.0;
+  double to_m = 40.0;
+};
+
 /// True state of the cells of a grid.
 struct GridTruth {
   eval::GridCells cells;
-  std::vector<std::uint8_t> swept;  ///< 1: a moving object covered the cell at some time
+  std::vector<std::uint8_t> swept;     ///< 1: a moving object covered the cell at some time
+  std::vector<std::uint8_t> in_reach;  ///< 1: an obstacle in the cell was visible within the reach
+  std::vector<std::uint8_t> ahead;     ///< 1: it was visible at a depth of 0.5 to 3 m
+  std::vector<std::uint8_t> drops;     ///< 1: the floor is lower than the ground by min_m or more
 };
 
 /// Computes the true occupancy from the truth folder of a simulated rawlog: true depth images,
 /// masks of moving objects and true poses. A cell is occupied if a static surface at an obstacle's
-/// height is visible in it, free if only ground is.
+/// height is visible in it, free if only ground is, unknown if a surface within 1 cm of the minimum
+/// height is and no higher one.
 ///
 /// @param folder  NAME.truth with depth/, masks/, trajectory.tum and objects.csv
 /// @param camera  camera of the depth images, mounted on the robot
 /// @param grid    defines the cells; its states are not used
 /// @throws InputError if a file is missing or its size differs from the camera's
 [[nodiscard]] GridTruth gridTruth(const std::filesystem::path& folder, const StereoCamera& camera,
-                                  const eval::GridCells& grid, const ObstacleHeights& heights);
+                                  const eval::GridCells& grid, const ObstacleHeights& heights,
+                                  const ObstacleReach& reach);
 
 }  // namespace headway::app

@@ -30,6 +30,27 @@ TEST(GridCellsTest, FindTheCellOfAPosition) {
   EXPECT_FALSE(grid.at({1.1, 2.1}));
 }
 
+TEST(VisibleObstaclesTest, CountWhatIsJudgedFoundAndCalledFreeWithNothingBeside) {
+  const auto truth = gridOf({"ooff", "ffff", "ooff", "ffff", "fffo"});
+  const auto estimate = gridOf({"offf", "ffff", "fff?", "ffff", "f??o"});
+  std::vector<std::uint8_t> visible(20, 1);
+  auto obstacles = visibleObstacles(truth, estimate, visible);
+  EXPECT_EQ(obstacles.occupied, 5u);
+  EXPECT_EQ(obstacles.judged, 5u);
+  EXPECT_EQ(obstacles.found, 2u);
+  EXPECT_EQ(obstacles.free_alone, 2u) << "the second cell of the first row is beside a found one";
+  visible.assign(20, 0);
+  visible[19] = 1;
+  obstacles = visibleObstacles(truth, estimate, visible);
+  EXPECT_EQ(obstacles.judgedRatio(), 1.0);
+  EXPECT_EQ(obstacles.foundRatio(), 1.0);
+  EXPECT_EQ(visibleObstacles(truth, estimate, std::vector<std::uint8_t>(20, 0)).foundRatio(),
+            std::nullopt);
+  EXPECT_EQ(markedFree(estimate, visible), 0u);
+  visible[8] = 1;
+  EXPECT_EQ(markedFree(estimate, visible), 1u);
+}
+
 TEST(GridErrorTest, IsZeroForTheTruth) {
   const auto truth = gridOf({"ffof", "f?of", "ffff"});
   const auto error = gridError(truth, truth, kUntrodden);

@@ -44,6 +44,12 @@ std::optional<std::size_t> GridCells::at(const Eigen::Vector2d& position) const 
          static_cast<std::size_t>(column);
 }
 
+std::optional<double> VisibleObstacles::judgedRatio() const { return ratioOf(judged, occupied); }
+std::optional<double> VisibleObstacles::foundRatio() const { return ratioOf(found, judged); }
+std::optional<double> VisibleObstacles::freeAloneRatio() const {
+  return ratioOf(free_alone, judged);
+}
+
 std::optional<double> GridError::correctRatio() const { return ratioOf(correct, compared); }
 std::optional<double> GridError::occupiedRecall() const { return ratioOf(found, occupied); }
 std::optional<double> GridError::occupiedPrecision() const {
@@ -84,6 +90,37 @@ GridError gridError(const GridCells& truth, const GridCells& estimate,
     if (swept[i] != 0 && !near) ++error.ghosts;
   }
   return error;
+}
+
+VisibleObstacles visibleObstacles(const GridCells& truth, const GridCells& estimate,
+                                  const std::vector<std::uint8_t>& visible) {
+  if (truth.states.size() != estimate.states.size() || truth.states.size() != visible.size()) {
+    throw std::invalid_argument("visibleObstacles: the grids have different sizes");
+  }
+  VisibleObstacles result;
+  for (std::size_t i = 0; i < truth.states.size(); ++i) {
+    if (truth.states[i] != CellState::kOccupied || visible[i] == 0) continue;
+    ++result.occupied;
+    if (estimate.states[i] == CellState::kUnknown) continue;
+    ++result.judged;
+    if (estimate.states[i] == CellState::kOccupied) {
+      ++result.found;
+    } else if (!hasOccupiedNeighbour(estimate, i)) {
+      ++result.free_alone;
+    }
+  }
+  return result;
+}
+
+std::size_t markedFree(const GridCells& estimate, const std::vector<std::uint8_t>& marked) {
+  if (estimate.states.size() != marked.size()) {
+    throw std::invalid_argument("markedFree: the grids have different sizes");
+  }
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < marked.size(); ++i) {
+    if (marked[i] != 0 && estimate.states[i] == CellState::kFree) ++count;
+  }
+  return count;
 }
 
 }  // namespace headway::eval

@@ -26,6 +26,18 @@ struct GridCells {
   [[nodiscard]] std::optional<std::size_t> at(const Eigen::Vector2d& position) const;
 };
 
+/// Obstacles among the cells of a grid that were visible under a condition, such as a distance.
+struct VisibleObstacles {
+  std::size_t occupied = 0;    ///< truly occupied cells
+  std::size_t judged = 0;      ///< of these, estimated as free or occupied
+  std::size_t found = 0;       ///< of the judged, estimated as occupied
+  std::size_t free_alone = 0;  ///< of the judged, estimated as free without an occupied cell beside
+
+  [[nodiscard]] std::optional<double> judgedRatio() const;     ///< of occupied; nullopt if none
+  [[nodiscard]] std::optional<double> foundRatio() const;      ///< of judged; nullopt if none
+  [[nodiscard]] std::optional<double> freeAloneRatio() const;  ///< of judged; nullopt if none
+};
+
 /// Comparison of an estimated occupancy grid with its truth.
 ///
 /// Only cells observed in the estimate whose truth is known are compared, cell by cell and without
@@ -56,5 +68,16 @@ struct GridError {
 /// @throws std::invalid_argument if the sizes differ
 [[nodiscard]] GridError gridError(const GridCells& truth, const GridCells& estimate,
                                   const std::vector<std::uint8_t>& swept);
+
+/// @param visible  1 for each cell to be counted, else 0; one per cell
+/// @throws std::invalid_argument if the sizes differ
+[[nodiscard]] VisibleObstacles visibleObstacles(const GridCells& truth, const GridCells& estimate,
+                                                const std::vector<std::uint8_t>& visible);
+
+/// Marked cells that are estimated as free.
+///
+/// @throws std::invalid_argument if the sizes differ
+[[nodiscard]] std::size_t markedFree(const GridCells& estimate,
+                                     const std::vector<std::uint8_t>& marked);
 
 }  // namespace headway::eval
