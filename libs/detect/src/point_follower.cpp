@@ -2,69 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/video/tracking.hpp>
 
 #include "interest_points.h"
 
 namespace headway::detect {
 namespace {
 
-const cv::Size kWindow(9, 9);
-constexpr int kLevels = 3;                 // above the full image
-constexpr double kMostWayBackError = 0.7;  // between a point and where the way back ends [px]
-constexpr double kMostRowError = 1.0;      // between the rows in left and right image [px]
-constexpr double kMostDenseError = 2.0;    // between point and dense disparity [px]
-constexpr double kLeastDisparity = 1.0;    // [px]
-constexpr float kMostGreyError = 18.0F;    // mean difference of the windows [grey levels]
-constexpr double kLost = -1.0;
-
-const cv::TermCriteria kStop(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 20, 0.02);
-
-struct Flow {
-  std::vector<cv::Point2f> places;
-  std::vector<unsigned char> found;
-};
-
-const cv::Point2f kNowhere(-1.0F, -1.0F);
-
-// Moves points from one picture to another, starting from where they are thought to be.
-Flow flow(const std::vector<cv::Mat>& from, const std::vector<cv::Mat>& to,
-          const std::vector<cv::Point2f>& points, std::vector<cv::Point2f> guesses, int levels) {
-  Flow result;
-  result.places = std::move(guesses);
-  std::vector<float> errors;
-  cv::calcOpticalFlowPyrLK(from, to, points, result.places, result.found, errors, kWindow, levels,
-                           kStop, cv::OPTFLOW_USE_INITIAL_FLOW, 1e-3);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (errors[i] > kMostGreyError) result.found[i] = 0;
-  }
-  return result;
-}
-
-// Finds points in the next image; kNowhere for those that are not found, or elsewhere on the way
-// back.
-std::vector<cv::Point2f> followed(const std::vector<cv::Mat>& before,
-                                  const std::vector<cv::Mat>& after,
-                                  const std::vector<cv::Point2f>& points,
-                                  const std::vector<cv::Point2f>& guesses) {
-  if (points.empty()) return {};
-  Flow there = flow(before, after, points, guesses, kLevels);
-  const Flow back = flow(after, before, there.places, points, 1);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const cv::Point2f off = back.places[i] - points[i];
-    const bool returned = back.found[i] != 0 && std::hypot(off.x, off.y) < kMostWayBackError;
-    if (there.found[i] == 0 || !returned) there.places[i] = kNowhere;
-  }
-  return std::move(there.places);
-}
+constexpr stereo::PointTrackingOptions kTracking{9, 3, 18.0, 0.7};
+constexpr stereo::PointTrackingOptions kMatching{9, 1, 18.0, 0.0};  // left to right image
+constexpr double kMaxRowError = 1.0;    // between the rows in left and right image [px]
+constexpr double kMaxDenseError = 2.0;  // between point and dense disparity [px]
+constexpr double kMinDisparity = 1.0;   // [px]
 
 }  // namespace
 
 void PointFollower::clear() {
   points_.clear();
-  left_before_.clear();
-  left_.clear();
-  right_.clear();
+  left_before_ = left_ = right_ = {};
 }
 
 Eigen::Vector3d PointFollower::expectedAt(const PointTrack& point, const CameraPath& path) const {
@@ -77,84 +31,88 @@ Eigen::Vector3d PointFollower::expectedAt(const PointTrack& point, const CameraP
   return project(path.T_cam_world(path.newest()) * in_world, camera_).value_or(last.uvd);
 }
 
-void PointFollower::follow(const StereoFrame& frame, const stereo::DisparityImage& disparity,
-                           const CameraPath& path) {
-  std::swap(left_before_, left_);
-  cv::buildOpticalFlowPyramid(frame.left, left_, kWindow, kLevels);
-  cv::buildOpticalFlowPyramid(frame.right, right_, kWindow, 1, false);
+void PointFollower::follow(const stereo::FrameContext& context,
+                           const stereo::DisparityImage& disparity, const CameraPath& path) {
+  left_before_ = std::move(left_);
+  left_ = context.left();
+  right_ = context.right();
   if (left_before_.empty() || points_.empty()) return;
 
-  std::vector<cv::Point2f> before;
-  std::vector<cv::Point2f> guesses;
-  std::vector<double> expected_disparities;
+  std::vector<Eigen::Vector2d> before;
+  std::vector<Eigen::Vector2d> predicted;
+  std::vector<double> disparities;
   for (const auto& point : points_) {
-    const auto& uvd = point.sightings.back().uvd;
     const Eigen::Vector3d expected = expectedAt(point, path);
-    before.emplace_back(static_cast<float>(uvd.x()), static_cast<float>(uvd.y()));
-    guesses.emplace_back(static_cast<float>(expected.x()), static_cast<float>(expected.y()));
-    expected_disparities.push_back(expected.z());
+    before.emplace_back(point.sightings.back().uvd.head<2>());
+    predicted.emplace_back(expected.head<2>());
+    disparities.push_back(expected.z());
   }
-  auto places = followed(left_before_, left_, before, guesses);
-  seekWhereTheyWere(before, places);
-  keepFound(places, disparitiesOf(places, expected_disparities, disparity), path);
+  auto positions = stereo::trackPoints(left_before_, left_, before, predicted, kTracking);
+  retryWithoutMotion(before, positions);
+  keepFound(positions, disparitiesOf(positions, disparities, disparity), path);
 }
 
-// What moves along with the camera is far from where a still world would put it.
-void PointFollower::seekWhereTheyWere(const std::vector<cv::Point2f>& before,
-                                      std::vector<cv::Point2f>& places) const {
+// An object that moves along with the camera is far from where a static point would be.
+void PointFollower::retryWithoutMotion(const std::vector<Eigen::Vector2d>& before,
+                                       std::vector<stereo::TrackedPosition>& positions) const {
   std::vector<std::size_t> lost;
-  std::vector<cv::Point2f> from;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    if (places[i] != kNowhere) continue;
+  std::vector<Eigen::Vector2d> from;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    if (positions[i]) continue;
     lost.push_back(i);
     from.push_back(before[i]);
   }
-  const auto found = followed(left_before_, left_, from, from);
-  for (std::size_t i = 0; i < lost.size(); ++i) places[lost[i]] = found[i];
+  const auto found = stereo::trackPoints(left_before_, left_, from, from, kTracking);
+  for (std::size_t i = 0; i < lost.size(); ++i) positions[lost[i]] = found[i];
 }
 
-std::vector<double> PointFollower::disparitiesOf(const std::vector<cv::Point2f>& places,
-                                                 const std::vector<double>& guesses,
-                                                 const stereo::DisparityImage& disparity) const {
-  std::vector<double> result(places.size(), kLost);
-  if (places.empty()) return result;
-  std::vector<double> dense(places.size());
-  std::vector<cv::Point2f> right_guesses;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    dense[i] = disparity.at(places[i].x, places[i].y);
-    const double guess = dense[i] > 0.0 ? dense[i] : guesses[i];
-    right_guesses.emplace_back(places[i].x - static_cast<float>(guess + offset_), places[i].y);
+std::vector<std::optional<double>> PointFollower::disparitiesOf(
+    const std::vector<stereo::TrackedPosition>& positions, const std::vector<double>& predicted,
+    const stereo::DisparityImage& disparity) const {
+  std::vector<std::size_t> indices;
+  std::vector<Eigen::Vector2d> left;
+  std::vector<Eigen::Vector2d> right;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    if (!positions[i]) continue;
+    const Eigen::Vector2d& uv = *positions[i];
+    const double dense = disparity.at(uv.x(), uv.y());
+    indices.push_back(i);
+    left.push_back(uv);
+    right.emplace_back(uv.x() - (dense > 0.0 ? dense : predicted[i]) - offset_, uv.y());
   }
-  const Flow right = flow(left_, right_, places, right_guesses, 1);
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const double d = places[i].x - right.places[i].x - offset_;
-    const bool level = std::abs(places[i].y - right.places[i].y) < kMostRowError;
-    const bool agrees = dense[i] <= 0.0 || std::abs(d - dense[i]) < kMostDenseError;
-    if (right.found[i] != 0 && places[i].x >= 0.0F && level && agrees && d > kLeastDisparity) {
-      result[i] = d;
-    }
+  const auto matches = stereo::trackPoints(left_, right_, left, right, kMatching);
+  std::vector<std::optional<double>> result(positions.size());
+  for (std::size_t k = 0; k < matches.size(); ++k) {
+    if (!matches[k]) continue;
+    const double d = left[k].x() - matches[k]->x() - offset_;
+    const double dense = disparity.at(left[k].x(), left[k].y());
+    const bool same_row = std::abs(left[k].y() - matches[k]->y()) < kMaxRowError;
+    const bool agrees = dense <= 0.0 || std::abs(d - dense) < kMaxDenseError;
+    if (same_row && agrees && d > kMinDisparity) result[indices[k]] = d;
   }
   return result;
 }
 
-void PointFollower::keepFound(const std::vector<cv::Point2f>& places,
-                              const std::vector<double>& disparities, const CameraPath& path) {
+void PointFollower::keepFound(const std::vector<stereo::TrackedPosition>& positions,
+                              const std::vector<std::optional<double>>& disparities,
+                              const CameraPath& path) {
   std::vector<PointTrack> kept;
   kept.reserve(points_.size());
   const Time now = path.timeOf(path.newest());
+  const auto isOld = [&](const Sighting& sighting) {
+    return sighting.frame < path.oldest() ||
+           path.timeOf(sighting.frame) < now - params_.window_s - 1e-6;
+  };
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    const cv::Point2f& place = places[i];
-    const bool inside = place.x >= 0.0F && place.y >= 0.0F && place.x < camera_.width - 1.0 &&
-                        place.y < camera_.height - 1.0;
-    if (!inside || disparities[i] == kLost) continue;
+    if (!positions[i] || !disparities[i]) continue;
+    const Eigen::Vector2d& uv = *positions[i];
+    const bool inside = uv.x() >= 0.0 && uv.y() >= 0.0 && uv.x() < camera_.width - 1.0 &&
+                        uv.y() < camera_.height - 1.0;
+    if (!inside) continue;
     PointTrack point = std::move(points_[i]);
-    point.sightings.push_back({path.newest(), {place.x, place.y, disparities[i]}});
-    const auto old = [&](const Sighting& sighting) {
-      return sighting.frame < path.oldest() ||
-             path.timeOf(sighting.frame) < now - params_.window_s - 1e-6;
-    };
+    point.sightings.push_back({path.newest(), {uv.x(), uv.y(), *disparities[i]}});
     point.sightings.erase(point.sightings.begin(),
-                          std::find_if_not(point.sightings.begin(), point.sightings.end(), old));
+                          std::find_if_not(point.sightings.begin(), point.sightings.end(), isOld));
     kept.push_back(std::move(point));
   }
   points_ = std::move(kept);
@@ -172,15 +130,19 @@ void PointFollower::replenish(const StereoFrame& frame, const stereo::DisparityI
   const InterestZone zone{params_.range_m, params_.least_height_m, params_.most_height_m};
   const auto chosen = interestPoints(frame.left, disparity, camera_, ground, zone, taken,
                                      params_.spacing_px, wanted);
-  std::vector<double> guesses;
-  guesses.reserve(chosen.size());
-  for (const auto& place : chosen) guesses.push_back(disparity.at(place.x, place.y));
-  const auto disparities = disparitiesOf(chosen, guesses, disparity);
-  for (std::size_t i = 0; i < chosen.size(); ++i) {
-    if (disparities[i] == kLost) continue;
+  std::vector<stereo::TrackedPosition> positions;
+  std::vector<double> dense;
+  for (const auto& place : chosen) {
+    positions.emplace_back(Eigen::Vector2d(place.x, place.y));
+    dense.push_back(disparity.at(place.x, place.y));
+  }
+  const auto disparities = disparitiesOf(positions, dense, disparity);
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    if (!disparities[i]) continue;
     PointTrack point;
     point.id = next_id_++;
-    point.sightings.push_back({frame_number, {chosen[i].x, chosen[i].y, disparities[i]}});
+    point.sightings.push_back(
+        {frame_number, {positions[i]->x(), positions[i]->y(), *disparities[i]}});
     points_.push_back(std::move(point));
   }
 }

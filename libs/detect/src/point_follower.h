@@ -1,8 +1,8 @@
 #pragma once
 
 #include <headway/core/stereo_frame.h>
-#include <headway/stereo/disparity.h>
-#include <headway/stereo/ground_plane.h>
+#include <headway/stereo/frame_context.h>
+#include <headway/stereo/point_tracking.h>
 
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
@@ -49,7 +49,7 @@ class PointFollower {
   void setDisparityOffset(double offset) { offset_ = offset; }
 
   /// Finds the points of the frame before in this one; `path` has been advanced to it.
-  void follow(const StereoFrame& frame, const stereo::DisparityImage& disparity,
+  void follow(const stereo::FrameContext& context, const stereo::DisparityImage& disparity,
               const CameraPath& path);
 
   /// Begins new points in this frame, where there are too few.
@@ -61,23 +61,22 @@ class PointFollower {
   void clear();
 
  private:
-  using Pyramid = std::vector<cv::Mat>;
-
   [[nodiscard]] Eigen::Vector3d expectedAt(const PointTrack& point, const CameraPath& path) const;
-  void seekWhereTheyWere(const std::vector<cv::Point2f>& before,
-                         std::vector<cv::Point2f>& places) const;
-  void keepFound(const std::vector<cv::Point2f>& places, const std::vector<double>& disparities,
-                 const CameraPath& path);
-  [[nodiscard]] std::vector<double> disparitiesOf(const std::vector<cv::Point2f>& places,
-                                                  const std::vector<double>& guesses,
-                                                  const stereo::DisparityImage& disparity) const;
+  void retryWithoutMotion(const std::vector<Eigen::Vector2d>& before,
+                          std::vector<stereo::TrackedPosition>& positions) const;
+  void keepFound(const std::vector<stereo::TrackedPosition>& positions,
+                 const std::vector<std::optional<double>>& disparities, const CameraPath& path);
+  /// @param predicted  disparities, where the dense ones tell nothing
+  [[nodiscard]] std::vector<std::optional<double>> disparitiesOf(
+      const std::vector<stereo::TrackedPosition>& positions, const std::vector<double>& predicted,
+      const stereo::DisparityImage& disparity) const;
 
   StereoCamera camera_;
   FollowerParams params_;
   std::vector<PointTrack> points_;
-  Pyramid left_before_;
-  Pyramid left_;
-  Pyramid right_;
+  stereo::ImagePyramid left_before_;
+  stereo::ImagePyramid left_;
+  stereo::ImagePyramid right_;
   std::int64_t next_id_ = 0;
   double offset_ = 0.0;
 };

@@ -215,7 +215,7 @@ ResidualFlow ResidualFlowMeter::measure(const cv::Mat& image,
                                         const stereo::DisparityImage& disparity,
                                         const CameraPath& path) {
   const cv::Mat before = before_;
-  before_ = image.clone();
+  before_ = image;
   ResidualFlow flow;
   if (before.empty() || path.newest() == path.oldest()) return flow;
   const int newest = path.newest();

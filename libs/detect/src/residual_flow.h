@@ -32,7 +32,7 @@ class ResidualFlowMeter {
 
   /// Measures from the frame handed in before to this one, the newest of the path.
   ///
-  /// @param image  left, on the disparity grid, 8-bit
+  /// @param image  left, on the disparity grid, 8-bit; shared, must not be changed afterwards
   /// @return       empty for the first frame
   [[nodiscard]] ResidualFlow measure(const cv::Mat& image, const stereo::DisparityImage& disparity,
                                      const CameraPath& path);

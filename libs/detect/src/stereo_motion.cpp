@@ -92,7 +92,7 @@ class StereoMotion::Implementation {
     path_.forgetBefore(
         path_.firstSince(frame.time - std::max(params_.window_s, params_.segment_window_s)));
     follower_.setDisparityOffset(offset_.value());
-    follower_.follow(frame, disparity_, path_);
+    follower_.follow(context, disparity_, path_);
     const char* unsure = classifyPoints() ? nullptr : "camera_motion_unsure";
     ResidualFlow flow = flow_meter_.measure(image_, disparity_, path_);
     if (unsure != nullptr) flow = {};

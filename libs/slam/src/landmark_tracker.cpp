@@ -1,5 +1,7 @@
 #include "landmark_tracker.h"
 
+#include <headway/stereo/point_tracking.h>
+
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -7,7 +9,8 @@
 namespace headway::slam {
 namespace {
 
-constexpr int kFinestFollowed = 1;  ///< level at which following ends
+constexpr int kTrackedLevel = 1;  ///< pyramid level whose noise tracked landmarks have
+constexpr stereo::PointTrackingOptions kTracking{15, 3, 25.0, 0.0};
 
 /// The turn and stretch from one pixel of the view to pixels of the reference, both at level 0,
 /// for a small plane that faces the reference camera.
@@ -20,25 +23,6 @@ Eigen::Matrix2d referenceFromView(const Eigen::Vector3d& point_ref, const Pose& 
   plane.col(1) /= camera.fy;
   const Eigen::Matrix2d view_from_reference = projection * plane;
   return view_from_reference.inverse();
-}
-
-/// Coarse to fine: where the patch around `uv` of one pyramid is in another.
-std::optional<Eigen::Vector2d> followPatch(const stereo::ImagePyramid& from,
-                                           const stereo::ImagePyramid& to,
-                                           const Eigen::Vector2d& uv, Eigen::Vector2d predicted) {
-  constexpr double kMinZncc = 0.6;
-  const int coarsest = std::min(from.count(), to.count()) - 1;
-  std::optional<stereo::Alignment> found;
-  for (int level = coarsest; level >= std::min(kFinestFollowed, coarsest); --level) {
-    const double scale = 1 << level;
-    const auto patch = stereo::cutPatch(from.levels[level], uv / scale);
-    if (!patch) continue;
-    found =
-        stereo::align(*patch, to.levels[level], predicted / scale, stereo::AlignmentAxes::kBoth, 8);
-    if (found && found->zncc > kMinZncc) predicted = scale * found->uv;
-  }
-  if (!found || !found->converged || found->zncc < kMinZncc) return std::nullopt;
-  return predicted;
 }
 
 }  // namespace
@@ -68,19 +52,28 @@ std::vector<TrackedLandmark> LandmarkTracker::follow(const TrackingFrame& previo
                                                      const Pose& T_map_cam,
                                                      const SparseMap& map) const {
   const Pose T_cam_map = T_map_cam.inverse(Eigen::Isometry);
-  std::vector<TrackedLandmark> followed;
-  for (const TrackedLandmark& before : tracked) {
-    const Landmark* landmark = map.find(before.id);
+  std::vector<LandmarkId> ids;
+  std::vector<Eigen::Vector2d> before;
+  std::vector<Eigen::Vector2d> predicted;
+  for (const TrackedLandmark& seen : tracked) {
+    const Landmark* landmark = map.find(seen.id);
     if (landmark == nullptr) continue;
     const auto uvd = project(T_cam_map * landmark->position, camera_);
     if (!uvd) continue;
-    const auto uv = followPatch(previous.left, current.left, before.measurement.uv, uvd->head<2>());
-    if (!uv || isExcluded(current.excluded, *uv)) continue;
+    ids.push_back(landmark->id);
+    before.push_back(seen.measurement.uv);
+    predicted.emplace_back(uvd->head<2>());
+  }
+  const auto positions =
+      stereo::trackPoints(previous.left, current.left, before, predicted, kTracking);
+  std::vector<TrackedLandmark> followed;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (!positions[i] || isExcluded(current.excluded, *positions[i])) continue;
     TrackedLandmark result;
-    result.id = landmark->id;
-    result.level = kFinestFollowed;
-    result.measurement.uv = *uv;
-    result.measurement.sigma_px = params_.sigma_px * (1 << kFinestFollowed);
+    result.id = ids[i];
+    result.level = kTrackedLevel;
+    result.measurement.uv = *positions[i];
+    result.measurement.sigma_px = params_.sigma_px * (1 << kTrackedLevel);
     followed.push_back(result);
   }
   return followed;

@@ -10,8 +10,8 @@ namespace {
 
 constexpr int kPyramidLevels = 4;
 
-ImagePyramid stretchedPyramid(const cv::Mat& image) {
-  return buildPyramid(stretched(image, stretchFor(image)), kPyramidLevels);
+ImagePyramid stretchedPyramid(const cv::Mat& image, Gradients gradients) {
+  return buildPyramid(stretched(image, stretchFor(image)), kPyramidLevels, gradients);
 }
 
 void subtractOffset(double offset_px, DisparityImage& disparity) {
@@ -50,12 +50,16 @@ FrameContext::FrameContext(const StereoFrame& frame, const DisparityParams& para
 const StereoFrame& FrameContext::frame() const { return values_->frame; }
 
 const ImagePyramid& FrameContext::left() const {
-  if (values_->left.empty()) values_->left = stretchedPyramid(values_->frame.left);
+  if (values_->left.empty()) {
+    values_->left = stretchedPyramid(values_->frame.left, Gradients::kAll);
+  }
   return values_->left;
 }
 
 const ImagePyramid& FrameContext::right() const {
-  if (values_->right.empty()) values_->right = stretchedPyramid(values_->frame.right);
+  if (values_->right.empty()) {
+    values_->right = stretchedPyramid(values_->frame.right, Gradients::kNone);
+  }
   return values_->right;
 }
 

@@ -1,19 +1,26 @@
 #include <headway/stereo/image_pyramid.h>
 
-#include <opencv2/imgproc.hpp>
+#include <algorithm>
+#include <opencv2/video/tracking.hpp>
 
 namespace headway::stereo {
 
-ImagePyramid buildPyramid(const cv::Mat& image, int count) {
+ImagePyramid buildPyramid(const cv::Mat& image, int count, Gradients gradients) {
   constexpr int kMinSize = 32;
+  int levels = 1;
+  for (int size = std::min(image.cols, image.rows); levels < count && size >= 2 * kMinSize;
+       size = (size + 1) / 2) {
+    ++levels;
+  }
+  const bool with_gradients = gradients == Gradients::kAll;
+  std::vector<cv::Mat> mats;
+  cv::buildOpticalFlowPyramid(image, mats, {kMaxTrackingWindow, kMaxTrackingWindow}, levels - 1,
+                              with_gradients, cv::BORDER_REFLECT_101, cv::BORDER_CONSTANT, false);
   ImagePyramid pyramid;
-  pyramid.levels.push_back(image);
-  for (int level = 1; level < count; ++level) {
-    const cv::Mat& finer = pyramid.levels.back();
-    if (finer.cols < 2 * kMinSize || finer.rows < 2 * kMinSize) break;
-    cv::Mat coarser;
-    cv::pyrDown(finer, coarser);
-    pyramid.levels.push_back(coarser);
+  const std::size_t step = with_gradients ? 2 : 1;
+  for (std::size_t i = 0; i < mats.size(); i += step) {
+    pyramid.levels.push_back(mats[i]);
+    if (with_gradients) pyramid.gradients.push_back(mats[i + 1]);
   }
   return pyramid;
 }
