@@ -12,7 +12,7 @@ namespace {
 constexpr double kGoalRadius_m = 0.4;
 constexpr const char* kHolonomicMethod = "CHolonomicFullEval";
 
-/// What does not depend on the robot.
+/// Settings that do not depend on the robot.
 constexpr const char* kMethod = R"(
 [CAbstractNavigator]
 dist_to_target_for_sending_event = 0
@@ -63,7 +63,7 @@ scores_to_normalize =
 scalar_score_formula = ptg_priority_score*(0.3*target_distance + 0.5*collision_free_distance_score + 8.0*euclidean_nearness + 0.1*hysteresis_score + 0.2*path_index_near_target)
 )";
 
-/// One family of paths: arcs (C) or turns on the way (alpha).
+/// One family of paths: arcs (C) or turns during motion (alpha).
 void writePaths(std::ostream& out, int index, const RobotParams& robot, const std::string& kind,
                 const std::string& shape) {
   const std::string prefix = "PTG" + std::to_string(index) + "_";
@@ -76,7 +76,7 @@ void writePaths(std::ostream& out, int index, const RobotParams& robot, const st
       << shape;
 }
 
-/// A folder for the tables that MRPT writes while it computes them; gone with them.
+/// A temporary folder for the tables that MRPT writes during their computation.
 class ScratchFolder {
  public:
   ScratchFolder() {
@@ -137,7 +137,7 @@ mrpt::config::CConfigFileMemory configuration(const RobotParams& robot) {
 Navigator::Navigator(mrpt::nav::CRobot2NavInterface& robot, const RobotParams& params)
     : CReactiveNavigationSystem(robot, false), settings_(configuration(params)) {
   setMinLoggingLevel(mrpt::system::LVL_ERROR);
-  // Its report of timings would go to standard output.
+  // Its report of timings is on standard output.
   m_timlog_delays.enable(false);
   m_timlog_delays.setMinLoggingLevel(mrpt::system::LVL_ERROR);
   loadConfigFile(settings_);
@@ -149,10 +149,10 @@ Navigator::Navigator(mrpt::nav::CRobot2NavInterface& robot, const RobotParams& p
 void Navigator::startAfresh(const RobotParams& robot) {
   resetNavError();
   cancel();
-  navigationStep();  // notes that it has ended: else the next way would count as the same one
+  navigationStep();  // registers the end: else the next path continues the same navigation
   m_latestPoses.clear();
   m_latestOdomPoses.clear();
-  setHolonomicMethod(kHolonomicMethod, settings_);  // a new one: it remembers directions
+  setHolonomicMethod(kHolonomicMethod, settings_);  // a new one, because it stores directions
   TNavigationParams request;
   request.target.target_coords = {robot.goal_m, 0.0, 0.0};
   request.target.targetAllowedDistance = static_cast<float>(kGoalRadius_m);

@@ -7,16 +7,16 @@
 
 namespace headway::app {
 
-/// MRPT's reactive navigator, silent and able to begin each trial afresh.
+/// MRPT's reactive navigator without log output, reset for each trial.
 ///
-/// Its settings are those of MRPT's reactive2d_config.ini but for the robot's shape and speeds, and
-/// for the filter of obstacles, which is off: it takes away what moves between two scans.
+/// The settings are those of MRPT's reactive2d_config.ini except for the robot's shape and speeds,
+/// and the obstacle filter, which is off because it removes objects that move between two scans.
 class Navigator : public mrpt::nav::CReactiveNavigationSystem {
  public:
-  /// Computes the tables of paths, which takes a moment.
+  /// Computes the tables of paths, which takes about a second.
   Navigator(mrpt::nav::CRobot2NavInterface& robot, const RobotParams& params);
 
-  /// Forgets what it did before and sets out for the goal straight ahead of the start.
+  /// Resets the state and starts towards the goal straight ahead of the start.
   void startAfresh(const RobotParams& robot);
 
  private:

@@ -11,7 +11,7 @@ constexpr double kPersonHeight_m = 1.7;
 constexpr double kDuplicateSigma_m = 0.5;  ///< of a duplicate, along each axis
 constexpr double kDegree = M_PI / 180.0;
 
-/// Whether a disc lies across the sight from the robot to a place, both in the robot's frame.
+/// Whether a disc occludes a position from the robot, both in the robot's frame.
 bool hides(const Vector2d& disc, double radius, const Vector2d& place) {
   const double distance = place.norm();
   const Vector2d ray = place / distance;
@@ -62,8 +62,8 @@ Detections NoisyDetector::detect(const sim::Crowd& crowd, const mrpt::math::TPos
     detections.items.push_back(measured(place, heading, person.radius));
     if (!random_.chance(params_.duplicate_probability)) continue;
     const double ahead = kDuplicateSigma_m * random_.normal();
-    const double aside = kDuplicateSigma_m * random_.normal();
-    detections.items.push_back(measured(place + Vector2d(ahead, aside), heading, person.radius));
+    const double lateral = kDuplicateSigma_m * random_.normal();
+    detections.items.push_back(measured(place + Vector2d(ahead, lateral), heading, person.radius));
   }
   if (random_.chance(params_.false_alarm_probability)) {
     const double bearing = random_.uniform(-M_PI, M_PI);

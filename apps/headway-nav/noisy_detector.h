@@ -14,7 +14,7 @@ class NoisyDetector {
  public:
   NoisyDetector(const SensorParams& params, std::uint64_t seed);
 
-  /// Boxes of the people whom no other person and no pillar hides.
+  /// Boxes of the people not occluded by other people or pillars.
   [[nodiscard]] Detections detect(const sim::Crowd& crowd, const mrpt::math::TPose2D& robot,
                                   Time time);
 

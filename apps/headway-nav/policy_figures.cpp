@@ -10,7 +10,7 @@
 namespace headway::app {
 namespace {
 
-/// Which trials all policies finish.
+/// The trials that all policies finish.
 std::vector<bool> finishedByAll(const std::vector<PolicyTrials>& policies) {
   std::vector<bool> finished;
   for (const auto& policy : policies) {

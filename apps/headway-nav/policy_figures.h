@@ -15,13 +15,13 @@ struct PolicyTrials {
   std::vector<TrialResult> trials;
 };
 
-/// What they say together.
+/// Figures of all trials of one policy.
 struct PolicyFigures {
   std::string policy;
   std::size_t trials = 0;
-  std::size_t collisions = 0;  ///< trials in which a body and the moving robot overlapped
+  std::size_t collisions = 0;  ///< trials in which a person and the moving robot overlapped
   std::vector<std::uint64_t> collision_seeds;  ///< of those trials
-  std::size_t walked_into = 0;      ///< others in which somebody walked into the standing robot
+  std::size_t walked_into = 0;  ///< other trials in which a person walked into the robot at rest
   std::size_t pillars_touched = 0;  ///< trials
   std::size_t goals_reached = 0;
   std::vector<std::uint64_t> unfinished_seeds;  ///< of the other trials
@@ -32,7 +32,7 @@ struct PolicyFigures {
   double sense_us_median = 0.0;
 };
 
-/// A policy as command lines spell it.
+/// Name of a policy in command lines.
 [[nodiscard]] std::string nameOf(nav::ObstaclePolicy policy);
 
 /// One row a policy.
@@ -41,7 +41,7 @@ struct PolicyFigures {
 /// Policy -> figures, under the keys that scripts rely on.
 [[nodiscard]] nlohmann::ordered_json toJson(const std::vector<PolicyFigures>& figures);
 
-/// A table for people.
+/// Prints a table.
 void print(std::ostream& out, const std::vector<PolicyFigures>& figures);
 
 }  // namespace headway::app

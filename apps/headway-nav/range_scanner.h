@@ -10,7 +10,7 @@
 
 namespace headway::app {
 
-/// A scanner all round, one ray a degree: the points of now.
+/// A range scanner of 360 degrees, one ray per degree.
 class RangeScanner {
  public:
   RangeScanner(const SensorParams& params, std::uint64_t seed);

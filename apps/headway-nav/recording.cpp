@@ -36,7 +36,7 @@ std::vector<std::string> writeRecording(const std::vector<TrialRecord>& records,
   const int count = static_cast<int>((endOf(records) + 1.0) * kPicturesPerSecond);
   const cv::Size size = drawMoment(records, robot, 0.0).size();
   program::VideoOutput video(name + ".mp4", kPicturesPerSecond, size, true,
-                             [](const std::string&) {});  // what is returned says it
+                             [](const std::string&) {});  // the returned path shows it
   for (int i = 0; i < count; ++i) video.add(drawMoment(records, robot, i / kPicturesPerSecond));
   video.finish();
   return {name + ".png", video.path()};

@@ -10,8 +10,8 @@ namespace headway::app {
 /// Path of a trial's files without their endings: `FOLDER/trial_NNNN`.
 [[nodiscard]] std::string recordingName(const std::string& folder, int seed);
 
-/// Writes `FOLDER/trial_NNNN.mp4` and `FOLDER/trial_NNNN.png` of one trial, all policies beside
-/// each other. Where no encoder is to be had, the video is a folder of numbered pictures.
+/// Writes `FOLDER/trial_NNNN.mp4` and `FOLDER/trial_NNNN.png` of one trial, all policies side
+/// by side. Without an encoder, the video is a folder of numbered pictures.
 ///
 /// @return          the files written
 /// @throws InputError if the folder cannot be written

@@ -8,7 +8,7 @@
 
 namespace headway::app {
 
-/// MRPT's simulated robot with a scanner on it, set anew for each trial.
+/// MRPT's simulated robot with a range scanner, reset for each trial.
 class ScanningRobot : public mrpt::nav::CRobot2NavInterfaceForSimulator_DiffDriven {
  public:
   explicit ScanningRobot(const RobotParams& params);
@@ -22,10 +22,10 @@ class ScanningRobot : public mrpt::nav::CRobot2NavInterfaceForSimulator_DiffDriv
   void moveOn(double dt_s) { wheels_.simulateOneTimeStep(dt_s); }
 
   [[nodiscard]] const mrpt::math::TPose2D& pose() const { return wheels_.getCurrentGTPose(); }
-  /// Whether it drives or turns faster than a robot that stands.
+  /// Whether it drives or turns.
   [[nodiscard]] bool moves();
 
-  /// Processor time of the last scan, which a real scanner would not take [us].
+  /// Processor time of simulating the last scan [us].
   [[nodiscard]] double scanTime_us() const { return scan_us_; }
 
   // Events that MRPT would report on standard output.

@@ -19,7 +19,7 @@ const cv::Scalar kPaper(250, 250, 250), kInk(60, 50, 45), kFaint(215, 215, 215);
 const cv::Scalar kRobot(170, 95, 30), kPerson(40, 130, 235), kPillar(140, 140, 140);
 const cv::Scalar kPrediction(80, 165, 70), kObstacle(60, 60, 215), kContact(40, 40, 220);
 
-/// One trial's part of a picture.
+/// Panel of one trial in a picture.
 class Panel {
  public:
   Panel(cv::Mat image, const RobotParams& robot)
@@ -82,7 +82,7 @@ class Panel {
     cv::line(image_, {0, kTitle}, {image_.cols, kTitle}, kFaint, 1);
   }
 
-  /// Whether a place lies in the drawn world.
+  /// Whether a position is in the drawn area.
   [[nodiscard]] bool shows(const Vector2d& place) const {
     const cv::Point p = at(place);
     return p.y >> kShift > kTitle && p.y >> kShift < kHeight - kLegend && p.x > 0 &&
@@ -92,7 +92,7 @@ class Panel {
   [[nodiscard]] double pixelsPerMetre() const { return pixels_per_m_; }
 
  private:
-  /// Pixel of a place, with kShift bits of fraction: x upwards, y to the left.
+  /// Pixel of a position, with kShift bits of fraction: x upwards, y to the left.
   [[nodiscard]] cv::Point at(const Vector2d& place) const {
     const double u = 0.5 * image_.cols - place.y() * pixels_per_m_;
     const double v = kHeight - kLegend - (place.x() + 1.0) * pixels_per_m_;
@@ -111,7 +111,7 @@ void label(cv::Mat& image, int& x, const std::string& words) {
   x += cv::getTextSize(words, cv::FONT_HERSHEY_SIMPLEX, 0.48, 1, &baseline).width + 26;
 }
 
-/// What the marks mean, a scale bar and what else is to be said.
+/// Legend, scale bar and notes.
 void drawLegend(cv::Mat& image, double pixels_per_m, const std::string& note) {
   cv::rectangle(image, {0, kHeight - kLegend, image.cols, kLegend}, kPaper, cv::FILLED);
   cv::line(image, {0, kHeight - kLegend}, {image.cols, kHeight - kLegend}, kFaint, 1);
@@ -203,7 +203,7 @@ void drawRecordAt(Panel& panel, const TrialRecord& record, double time_s) {
   if (last + 1 == record.moments.size() && record.result.goal_reached) {
     state = secondsText("at the goal after ", moment.time_s);
   }
-  if (contact) state += ", touched somebody";
+  if (contact) state += ", touched a person";
   panel.title(record.policy, state, contact);
 }
 

@@ -8,19 +8,19 @@
 
 namespace headway::app {
 
-/// One trial as it was, for pictures.
+/// Record of one trial, for pictures.
 struct TrialRecord {
   std::string policy;
   std::vector<TrialMoment> moments;
   TrialResult result;
 };
 
-/// The moment at one time of each record, side by side; a record that has ended stays at its end.
+/// The moment at one time of each record, side by side; a record that has ended shows its last one.
 /// The robot drives upwards.
 [[nodiscard]] cv::Mat drawMoment(const std::vector<TrialRecord>& records, const RobotParams& robot,
                                  double time_s);
 
-/// Each record as a whole: where the robot and everybody was, second by second.
+/// Each record as a whole: robot and people at every second.
 [[nodiscard]] cv::Mat drawWhole(const std::vector<TrialRecord>& records, const RobotParams& robot);
 
 }  // namespace headway::app

@@ -22,7 +22,7 @@ using mrpt::nav::CAbstractNavigator;
 constexpr double kEpoch_s = 1.7e9;  ///< MRPT's clock at the start of the first trial
 constexpr double kStep_s = 0.01;    ///< of the world
 
-/// Runs MRPT's clock by hand while it lives, each life later than the one before.
+/// Controls MRPT's clock during its lifetime; each instance starts later than the previous one.
 class SimulatedClock {
  public:
   SimulatedClock() : start_s_(next_start_s) {
@@ -42,13 +42,13 @@ class SimulatedClock {
   }
 
  private:
-  // Inside a navigator, poses of an earlier trial must not lie in the future.
+  // Poses of an earlier trial in the navigator must not be in the future.
   static inline double next_start_s = kEpoch_s;
   double start_s_;
   double time_s_ = 0.0;
 };
 
-/// Keeps what the planner was given, and how long that took.
+/// Records the obstacles given to the planner, and their processor time.
 class WatchedObstacles : public nav::PredictiveObstacles {
  public:
   using PredictiveObstacles::PredictiveObstacles;
@@ -82,7 +82,7 @@ std::vector<Vector2d> inMap(const CSimplePointsMap& points, const TPose2D& robot
 
 }  // namespace
 
-/// What is made once: the robot and its navigator, whose tables are costly.
+/// Created once: the robot and its navigator, whose tables are expensive.
 class TrialRunner::Machine {
  public:
   explicit Machine(const TrialSetup& with)
@@ -102,7 +102,7 @@ class TrialRunner::Machine {
   Navigator navigator;
 };
 
-/// One trial under way.
+/// A running trial.
 class TrialRunner::Trial {
  public:
   Trial(Machine& machine, std::uint64_t seed)
@@ -157,7 +157,7 @@ class TrialRunner::Trial {
     contact_ = false;
     const auto state = machine_.navigator.getCurrentState();
     if (state == CAbstractNavigator::IDLE) result_.goal_reached = true;
-    if (state == CAbstractNavigator::NAV_ERROR) {  // as a robot's program would: try again
+    if (state == CAbstractNavigator::NAV_ERROR) {  // retries, like a robot's program
       machine_.navigator.startAfresh(world_.robot);
     }
   }

@@ -15,12 +15,12 @@ mkdir -p "$out"
 # record SHARE SEED: a street, once
 record() {
   local rawlog=$out/share_$1_$2.rawlog
-  local movers=(--set traffic.image_share="$1")
+  local traffic=(--set traffic.image_share="$1")
   [ "$1" != 0 ] ||
-    movers=(--set traffic.vehicles=0 --set traffic.cyclists=0 --set traffic.pedestrians=0)
+    traffic=(--set traffic.vehicles=0 --set traffic.cyclists=0 --set traffic.pedestrians=0)
   [ -f "$rawlog" ] || $bin/headway-sim -q --seed "$2" --frames $frames \
     --set "route.shape=straight 40, left 60 35, straight 30, right 50 40, straight 100" \
-    --set recording.storage=external_jpeg --set camera.colour=false "${movers[@]}" -o "$rawlog"
+    --set recording.storage=external_jpeg --set camera.colour=false "${traffic[@]}" -o "$rawlog"
 }
 
 # error SHARE SEED MODE: ATE RMSE [m]
@@ -39,7 +39,7 @@ median() {
 }
 
 for seed in $seeds; do for share in 0 0.1 0.3 0.5; do record $share "$seed"; done; done
-echo "| movers fill | none, m | both, m | both, times that without movers |"
+echo "| moving objects cover | none, m | both, m | both, ratio to that without |"
 echo "| --- | --- | --- | --- |"
 still=$(median 0 both)
 for share in 0 0.1 0.3 0.5; do

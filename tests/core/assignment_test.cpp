@@ -92,7 +92,7 @@ TEST(AssignmentTest, LeavingAloneIsChosenWhereItIsCheaper) {
 
 TEST(AssignmentTest, EmptyGivesEmpty) { EXPECT_THAT(assignPairs({}), testing::IsEmpty()); }
 
-TEST(AssignmentTest, OfAPairListedTwiceTheCheaperCounts) {
+TEST(AssignmentTest, OfAPairListedTwiceTheLowerCostIsUsed) {
   const auto chosen = assignPairs({{2, 5, 3.0}, {2, 5, 1.0}});
   ASSERT_EQ(1u, chosen.size());
   EXPECT_EQ(1.0, chosen[0].cost);

@@ -24,7 +24,7 @@ bool covers(const Footprint& f, const Eigen::Vector2d& point) {
   return std::abs(along) <= 0.5 * f.length && std::abs(across) <= 0.5 * f.width;
 }
 
-TEST(BoxOverlapTest, ImageBoxesWorkedOutByHand) {
+TEST(BoxOverlapTest, ImageBoxesMatchHandComputedValues) {
   EXPECT_DOUBLE_EQ(1.0, overlap2d({0, 0, 2, 2}, {0, 0, 2, 2}));
   EXPECT_DOUBLE_EQ(1.0 / 7.0, overlap2d({0, 0, 2, 2}, {1, 1, 3, 3}));
   EXPECT_DOUBLE_EQ(0.0, overlap2d({0, 0, 2, 2}, {2, 0, 4, 2}));
@@ -33,7 +33,7 @@ TEST(BoxOverlapTest, ImageBoxesWorkedOutByHand) {
   EXPECT_DOUBLE_EQ(0.0, ratioInside({1, 1, 1, 1}, {0, 0, 2, 2}));
 }
 
-TEST(BoxOverlapTest, UprightBoxesWorkedOutByHand) {
+TEST(BoxOverlapTest, UprightBoxesMatchHandComputedValues) {
   EXPECT_NEAR(1.0, overlap3d(boxAt(0, 0, 0), boxAt(0, 0, 0)), 1e-12);
   EXPECT_NEAR(1.0 / 3.0, overlap3d(boxAt(0, 0, 0), boxAt(2, 0, 0)), 1e-12);
   EXPECT_NEAR(1.0 / 3.0, overlap3d(boxAt(0, 0, 0), boxAt(0, 0.75, 0)), 1e-12);
@@ -53,7 +53,7 @@ TEST(BoxOverlapTest, YawTurnsTheFrontTowardsMinusZ) {
   EXPECT_EQ(0.0, overlap3d(turned, probe));
 }
 
-TEST(BoxOverlapTest, AreaAgreesWithCountingPoints) {
+TEST(BoxOverlapTest, AreaMatchesMonteCarlo) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   for (int repeat = 0; repeat < 30; ++repeat) {
@@ -74,7 +74,7 @@ TEST(BoxOverlapTest, AreaAgreesWithCountingPoints) {
   }
 }
 
-TEST(BoxOverlapTest, WhatIsNotFiniteMeetsNothing) {
+TEST(BoxOverlapTest, NonFiniteBoxesDoNotOverlap) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(0.0, overlap3d(boxAt(nan, 0, 0), boxAt(0, 0, 0)));
   EXPECT_EQ(0.0, overlap2d({nan, 0, 2, 2}, {0, 0, 2, 2}));

@@ -8,7 +8,7 @@ namespace {
 
 enum class Colour { kRed, kGreen };
 
-TEST(ByteArchiveTest, ReadsBackWhatWasWritten) {
+TEST(ByteArchiveTest, RoundTrips) {
   ByteWriter out;
   out.value<std::int32_t>(-7);
   out.value(2.5);
@@ -36,7 +36,7 @@ TEST(ByteArchiveTest, NumbersAreLittleEndian) {
   EXPECT_EQ(out.bytes, "\x04\x03\x02\x01");
 }
 
-TEST(ByteArchiveTest, WhatIsCutOffAnywhereIsRefused) {
+TEST(ByteArchiveTest, TruncationAtAnyByteIsRefused) {
   ByteWriter out;
   out.count(3);
   for (const double x : {1.0, 2.0, 3.0}) out.value(x);
@@ -49,7 +49,7 @@ TEST(ByteArchiveTest, WhatIsCutOffAnywhereIsRefused) {
   }
 }
 
-TEST(ByteArchiveTest, AGreatCountEndsAtTheEndOfTheBytes) {
+TEST(ByteArchiveTest, ALargeCountFailsAtTheEndOfTheBytes) {
   ByteWriter out;
   out.count(std::numeric_limits<std::size_t>::max());
   ByteReader in(out.bytes), text(out.bytes);
@@ -57,7 +57,7 @@ TEST(ByteArchiveTest, AGreatCountEndsAtTheEndOfTheBytes) {
   EXPECT_THROW(static_cast<void>(text.text()), InputError);
 }
 
-TEST(ByteArchiveTest, RefusesWhatIsNotFiniteOrNoEnumerator) {
+TEST(ByteArchiveTest, RefusesNonFiniteValuesAndUnknownEnumerators) {
   ByteWriter out;
   out.value(std::numeric_limits<double>::quiet_NaN());
   ByteReader number(out.bytes), matrix(out.bytes), unchecked(out.bytes);

@@ -25,7 +25,7 @@ TEST(OpticalBoxTest, ItsFrontIsTheObjectsFront) {
   EXPECT_TRUE(front.isApprox(Eigen::Vector3d(std::cos(yaw), std::sin(yaw), 0.0), 1e-12));
 }
 
-TEST(IsFiniteTest, AsksEveryNumberOfABox) {
+TEST(IsFiniteTest, ChecksEveryNumberOfABox) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinite = std::numeric_limits<double>::infinity();
   EXPECT_TRUE(isFinite(Box2d{1.0, 2.0, 3.0, 4.0}));

@@ -29,7 +29,7 @@ TEST(DetectorNoiseTest, WithoutNoiseMeasuresTheTruth) {
   EXPECT_EQ(box.yaw, kTruth.yaw);
 }
 
-TEST(DetectorNoiseTest, CentresScatterAsTheirCovarianceSays) {
+TEST(DetectorNoiseTest, CentresMatchTheirCovariance) {
   Random random(2);
   const int count = 20000;
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
@@ -59,7 +59,7 @@ TEST(DetectorNoiseTest, SizesStayWithinTheirBounds) {
   }
 }
 
-TEST(DetectorNoiseTest, FlipsHeadingsAsOftenAsAsked) {
+TEST(DetectorNoiseTest, FlipsHeadingsWithTheGivenProbability) {
   Random random(4);
   DetectorNoise noise;
   noise.flip_probability = 0.25;

@@ -59,7 +59,7 @@ TEST_F(ParamsTest, LoadsEveryKindOfValueAndIgnoresComments) {
   EXPECT_EQ(Colour::kRed, values.colour);
 }
 
-TEST_F(ParamsTest, WhatItPrintsItLoadsUnchanged) {
+TEST_F(ParamsTest, LoadsItsOutputUnchanged) {
   values.ratio = 1.0 / 3.0;
   std::ostringstream text;
   params.print(text);
@@ -72,7 +72,7 @@ TEST_F(ParamsTest, WhatItPrintsItLoadsUnchanged) {
   EXPECT_THAT(text.str(), ::testing::HasSubstr("Frames waited [frames, 1 .. 10]"));
 }
 
-TEST_F(ParamsTest, NamesFileSectionAndKeyOfWhatIsWrong) {
+TEST_F(ParamsTest, ErrorsNameFileSectionAndKey) {
   using ::testing::AllOf;
   using ::testing::HasSubstr;
   EXPECT_THAT(errorOfLoading("[example]\nration=1\n"),

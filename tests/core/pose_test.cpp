@@ -48,7 +48,7 @@ TEST(ExpSo3Test, GivesRotations) {
   }
 }
 
-TEST(ExpSo3Test, LeavesItsAxisAndTurnsByItsAngle) {
+TEST(ExpSo3Test, KeepsItsAxisAndRotatesByItsAngle) {
   for (const Vector3d& omega : rotationVectors()) {
     const Matrix3d rotation = expSo3(omega);
     EXPECT_TRUE((rotation * omega - omega).isZero(1e-14)) << omega.transpose();
@@ -79,7 +79,7 @@ TEST(LogSo3Test, InvertsExpUpToHalfATurn) {
   }
 }
 
-TEST(LogSo3Test, TakesTheShorterWay) {
+TEST(LogSo3Test, UsesTheShorterRotation) {
   const Vector3d omega(0.0, 0.0, 1.5 * M_PI);
   EXPECT_TRUE(logSo3(expSo3(omega)).isApprox(Vector3d(0.0, 0.0, -0.5 * M_PI), 1e-12));
   EXPECT_NEAR(M_PI, logSo3(expSo3({M_PI, 0.0, 0.0})).norm(), 1e-7);

@@ -10,7 +10,7 @@ TEST(TrackTest, StartsWithoutMotionClassification) {
   EXPECT_FALSE(isMoving(track));
 }
 
-TEST(TrackTest, OnlyMovingCountsAsMoving) {
+TEST(TrackTest, OnlyTheMovingStateIsMoving) {
   Track track;
   track.motion_state = MotionState::kMoving;
   EXPECT_TRUE(isMoving(track));

@@ -70,14 +70,14 @@ TEST_F(GridCommandTest, WritesTableJsonAndPicture) {
 }
 
 TEST_F(GridCommandTest, NamesADamagedGrid) {
-  const std::string spoilt = copyOfReplay();
-  std::ofstream(spoilt + "/map_grid.gridmap.gz") << "no grid";
-  const auto result = grid(at("w.truth"), spoilt);
+  const std::string damaged = copyOfReplay();
+  std::ofstream(damaged + "/map_grid.gridmap.gz") << "no grid";
+  const auto result = grid(at("w.truth"), damaged);
   EXPECT_EQ(1, result.status);
   EXPECT_THAT(result.error, HasSubstr("map_grid.gridmap.gz: is not a readable occupancy grid"));
 
-  fs::remove(spoilt + "/map_grid.gridmap.gz");
-  EXPECT_THAT(grid(at("w.truth"), spoilt).error,
+  fs::remove(damaged + "/map_grid.gridmap.gz");
+  EXPECT_THAT(grid(at("w.truth"), damaged).error,
               HasSubstr("is this the output folder of a replay?"));
   EXPECT_THAT(grid(at("w.truth"), folder_ / "none").error, HasSubstr("none"));
 }

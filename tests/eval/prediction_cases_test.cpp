@@ -49,7 +49,7 @@ TEST(TrueObjectTest, InterpolatesBetweenFrames) {
 }
 
 TEST(TrueObjectTest, TransformsLabelsToTheMap) {
-  // A car 10 m ahead of a camera that drives forward and looks along the map's x axis.
+  // A car 10 m ahead of a camera that drives forward and faces along the map's x axis.
   std::vector<LabelledFrame> frames(2);
   std::vector<Stamped<Pose>> T_map_cam;
   for (std::size_t k = 0; k < 2; ++k) {

@@ -9,7 +9,7 @@
 namespace headway::eval {
 namespace {
 
-/// A path along x at `speed`, moved aside by `offset`, with a round covariance.
+/// A path along x at `speed`, shifted by `offset`, with a round covariance.
 PredictedPath pathAt(double speed, double offset, double variance = 1.0, double probability = 1.0) {
   PredictedPath path;
   path.probability = probability;

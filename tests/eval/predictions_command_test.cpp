@@ -31,12 +31,12 @@ std::string tumPoses(int frames) {
   return rows.str();
 }
 
-/// The car's future as it will be, `aside` metres to the left, foretold at one frame.
-std::string predictionRows(int frame, double aside, int horizons = 30) {
+/// The car's true future, shifted by `lateral` metres to the left, predicted at one frame.
+std::string predictionRows(int frame, double lateral, int horizons = 30) {
   std::ostringstream rows;
   for (int j = 1; j <= horizons; ++j) {
     rows << frame << "," << 50 + 0.1 * frame << ",9,Car,0,1," << 0.1 * j << ","
-         << 10 + 0.5 * (frame + j) << "," << -2 + aside << ",-0.8,1,0,1\n";
+         << 10 + 0.5 * (frame + j) << "," << -2 + lateral << ",-0.8,1,0,1\n";
   }
   return rows.str();
 }

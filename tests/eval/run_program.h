@@ -11,7 +11,7 @@
 
 namespace headway::eval {
 
-/// What a program said and how it ended.
+/// Output and exit status of a program.
 struct ProgramRun {
   int status = -1;
   std::string out;

@@ -6,7 +6,7 @@
 namespace headway::eval {
 namespace {
 
-/// Image box in lane `lane`, moved aside by `shift` of its 50 px: overlap (50 - s) / (50 + s).
+/// Image box in lane `lane`, shifted by `shift` of its 50 px: overlap (50 - s) / (50 + s).
 LabelledBox box2dAt(std::int64_t id, int lane, double shift = 0.0, double height = 50.0,
                     ObjectClass object_class = ObjectClass::kCar) {
   LabelledBox box;

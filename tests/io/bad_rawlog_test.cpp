@@ -174,7 +174,7 @@ TEST_F(BadRawlogTest, SurvivesFlippedBytes) {
   EXPECT_GT(read, 40u);
 }
 
-/// A rawlog with an object of a class that nobody knows between two stereo pairs.
+/// A rawlog with an object of an unknown class between two stereo pairs.
 std::string withUnknownClass(const std::string& path, bool in_sensory_frame) {
   const auto objects = [&](int i) -> mrpt::serialization::CSerializable::Ptr {
     if (!in_sensory_frame) return test::wallObservation(i, test::frameTime(i));

@@ -140,7 +140,7 @@ TEST_F(DatasetTest, KittiTrackingJoinsPosesBoxesAndTruth) {
   EXPECT_THROW((void)openKittiTracking(root_, "0002", KittiBoxes::kLabels), InputError);
 }
 
-/// A drone whose body x points up and z forward; cameras look along body z.
+/// A drone whose body x points up and z forward; cameras face body z.
 void writeEurocSensors(const std::function<void(const std::string&, const std::string&)>& write) {
   for (const auto& [camera, y] : {std::pair("cam0", "0.0"), std::pair("cam1", "0.1")}) {
     write(std::string("mav0/") + camera + "/sensor.yaml",
@@ -180,7 +180,7 @@ TEST_F(DatasetTest, EurocIsReadWithTheRobotLookingForward) {
   EXPECT_NEAR(0.1, camera->T_left_right.translation().x(), 1e-12);
   EXPECT_EQ(-0.1, camera->left.distortion[0]);
   EXPECT_EQ(101.0, camera->right.fy);
-  // The camera looks along the robot's x, its right is the robot's -y; the lever arm of 0.5 m along
+  // The camera faces the robot's x, its right is the robot's -y; the lever arm of 0.5 m along
   // body x is upwards.
   EXPECT_TRUE(camera->T_robot_left.linear().isApprox(robotFromOptical().linear(), 1e-12));
   EXPECT_TRUE(camera->T_robot_left.translation().isApprox(Eigen::Vector3d(0, 0, 0.5), 1e-12));

@@ -26,7 +26,7 @@ TEST(MotionPriorTest, OdometryIsRelativeToThePreviousFrame) {
   MotionPriorBuilder builder;
   builder.addOdometry(1.0, along(5.0, M_PI / 2));
   Pose moved = along(5.0, M_PI / 2);
-  moved.translation().y() = 1.0;  // one metre ahead of a robot that looks along y
+  moved.translation().y() = 1.0;  // one metre ahead of a robot that faces y
   builder.addOdometry(1.1, moved);
   const auto prior = builder.between(1.0, 1.1).T_previous_current;
   ASSERT_TRUE(prior);

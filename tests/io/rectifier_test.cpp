@@ -89,7 +89,7 @@ TEST(RectifierTest, AnyDeviationCountsAsNotRectified) {
   EXPECT_TRUE(with([](auto& c) { c.T_left_right.linear() = expSo3({0, 0, 1e-7}); }));
 }
 
-/// The law of the rectifier: a point in space appears where its camera says, in both images.
+/// Law of the rectifier: a point in space is at its projection in both images.
 TEST(RectifierTest, PointsAreAtTheirRectifiedProjection) {
   const RawStereoCamera raw = crookedPair();
   const Rectifier rectifier(raw);

@@ -34,7 +34,7 @@ void recordWalls(const std::string& path, std::size_t frames,
 [[nodiscard]] std::vector<RecordedFrame> framesOf(const std::string& path,
                                                   const RawlogSourceOptions& options = {});
 
-/// What an InputError says; "no error" if there is none.
+/// Message of an InputError; "no error" if there is none.
 template <typename Action>
 [[nodiscard]] std::string errorOf(const Action& action);
 

@@ -83,7 +83,7 @@ TEST(WritePlyTest, HoldsNoPointsWhereThereAreNone) {
   EXPECT_TRUE(std::filesystem::exists(folder / "points.ply"));
 }
 
-TEST(MapExportTest, SaysWhereItCannotWrite) {
+TEST(MapExportTest, NamesThePathThatCannotBeWritten) {
   EXPECT_THROW(writePly("/nonexistent/points.ply", {}), InputError);
   EXPECT_THROW(writeSimpleMap("/nonexistent/map.simplemap", {}), InputError);
 }

@@ -81,7 +81,7 @@ class MapFileTest : public ::testing::Test {
   std::string path = folder / "map.headway";
 };
 
-TEST_F(MapFileTest, ComesBackAsItWas) {
+TEST_F(MapFileTest, RoundTrips) {
   const StoredMap stored = exampleMap();
   (void)saved(stored);
   const StoredMap loaded = loadMap(path);
@@ -189,7 +189,7 @@ TEST_F(MapFileTest, ASectionThatEndsEarlyOrIsMissingIsNamed) {
   EXPECT_THAT(errorOfLoading(bytesOf(path)), ::testing::HasSubstr("'static_map'"));
 }
 
-TEST_F(MapFileTest, LeavesNothingBehindWhereItCannotWrite) {
+TEST_F(MapFileTest, LeavesNoFileAfterAFailedWrite) {
   EXPECT_THROW(saveMap((folder / "no") / "such" / "map.headway", exampleMap(4)), InputError);
   saveMap(path, exampleMap(4));
   const auto before = bytesOf(path);

@@ -44,7 +44,7 @@ std::vector<TimedPose> drive(const Vector2d& from, const Vector2d& velocity, dou
 
 constexpr FootprintShape kRobot{0.5, 0.4, false};
 
-TEST(ProbabilityInsideTest, IsWhatDrawingPointsGives) {
+TEST(ProbabilityInsideTest, MatchesMonteCarlo) {
   const auto region = contactRegion({0.8, 0.5, false}, 0.4, {0.5, 0.7, true}, -1.1);
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
@@ -86,7 +86,7 @@ TEST(ContactRegionTest, HoldsTheSumOfTwoBoxes) {
   EXPECT_NEAR(width, 0.75, 1e-12);
 }
 
-TEST(SamplePathTest, GoesThroughItsPointsAndBeyondThem) {
+TEST(SamplePathTest, InterpolatesAndExtrapolates) {
   const Track track = walkingTrack(1, {1.0, 2.0}, {1.0, 0.0}, 0.2);
   const auto& path = track.predictions.front();
   EXPECT_NEAR(samplePath(track, path, -1.0).centre.x(), 1.0, 1e-12);
@@ -131,7 +131,7 @@ TEST(OccupancyAtTest, WeighsThePredictedPathsOfAnObject) {
   EXPECT_GT(query.occupancyAt(2.0, 0.0, kNow).moving_probability, 0.97) << "both start here";
 }
 
-TEST(OccupancyAtTest, KnowsTheStaticMapAndWhereItEnds) {
+TEST(OccupancyAtTest, CoversTheStaticMapOnly) {
   const auto map = mapWith({});
   const MapQuery query = map.at(kNow);
   EXPECT_LT(query.occupancyAt(0.0, 0.0, kNow).probability, 0.05);
@@ -145,7 +145,7 @@ TEST(OccupancyAtTest, KnowsTheStaticMapAndWhereItEnds) {
   EXPECT_EQ(query.occupancyAt(nan, nan, kNow).status, QueryStatus::kUnknownPlace);
 }
 
-TEST(MapQueryTest, TellsAStaleMapAnEmptyOneAndTimesBeyondPrediction) {
+TEST(MapQueryTest, DistinguishesStaleAndEmptyMapsAndUnknownTimes) {
   const auto map = mapWith({walkingTrack(1, {2.0, 0.0}, {0.0, 1.0}, 0.1)});
   EXPECT_EQ(map.at(kNow + 0.4).status(), QueryStatus::kKnown);
   EXPECT_EQ(map.at(kNow + 0.6).status(), QueryStatus::kStaleMap);
@@ -185,7 +185,7 @@ TEST(ObstaclesAtTest, GivesEveryPredictedPathWithItsCovariance) {
   EXPECT_NEAR(obstacles.items[2].centre.x(), -4.0, 1e-9);
 }
 
-TEST(TracksNearTest, AreThoseWhoWillBeNearNearestFirst) {
+TEST(TracksNearTest, AreSortedByFutureDistance) {
   const auto map = mapWith({walkingTrack(1, {4.0, 0.0}, {0.0, 0.0}, 0.2),
                             walkingTrack(2, {0.0, -3.0}, {0.0, 1.0}, 0.1),
                             walkingTrack(3, {15.0, 0.0}, {0.0, 0.0}, 0.1)});
@@ -228,7 +228,7 @@ TEST(TimeToCollisionTest, UncertaintyMakesItEarlierAndLessProbable) {
   EXPECT_LT(at(0.5).probability, at(0.05).probability);
 }
 
-TEST(TimeToCollisionTest, MeetsTheWallAndTellsWhereTheMapEnds) {
+TEST(TimeToCollisionTest, FindsTheWallAndTheEndOfTheMap) {
   const auto map = mapWith({});
   const auto wall = map.at(kNow).timeToCollision(kRobot, drive({6, 0}, {1, 0}, 2.5));
   EXPECT_NEAR(wall.likely_s.value_or(9.0), 1.65, 0.21);

@@ -32,13 +32,13 @@ std::set<std::string> namesIn(const mrpt::opengl::CSetOfObjects& objects) {
   return names;
 }
 
-TEST(MovingObjectsMapTest, IsKnownToMrptByItsName) {
+TEST(MovingObjectsMapTest, IsRegisteredWithMrpt) {
   const auto object = mrpt::rtti::classFactory("headway::CMovingObjectsMap");
   ASSERT_NE(object, nullptr);
   EXPECT_NE(dynamic_cast<const CMovingObjectsMap*>(object.get()), nullptr);
 }
 
-TEST(MovingObjectsMapTest, ComesBackFromAnArchiveAsItWas) {
+TEST(MovingObjectsMapTest, RoundTripsThroughAnArchive) {
   CMovingObjectsMap map = exampleMap();
   map.insertionOptions.show_labels = false;
   map.genericMapParams.enableObservationInsertion = false;
@@ -68,7 +68,7 @@ TEST(MovingObjectsMapTest, RefusesAnArchiveOfANewerVersion) {
   EXPECT_THROW(map.readAs(archive, 200), std::exception);
 }
 
-TEST(MovingObjectsMapTest, IsEmptyUntilTracksComeAndAfterClear) {
+TEST(MovingObjectsMapTest, IsEmptyInitiallyAndAfterClear) {
   CMovingObjectsMap map;
   EXPECT_TRUE(map.isEmpty());
   map = exampleMap();
@@ -77,7 +77,7 @@ TEST(MovingObjectsMapTest, IsEmptyUntilTracksComeAndAfterClear) {
   EXPECT_TRUE(map.isEmpty());
 }
 
-TEST(MovingObjectsMapTest, TakesNoObservations) {
+TEST(MovingObjectsMapTest, RefusesObservations) {
   CMovingObjectsMap map;
   mrpt::obs::CObservationOdometry observation;
   EXPECT_FALSE(map.insertObservation(observation));
@@ -110,7 +110,7 @@ TEST(MovingObjectsMapTest, ShowsBoxesTrailsPredictionsAndLabels) {
                                    "edges_Pedestrian", "labels"}));
 }
 
-TEST(MovingObjectsMapTest, LeavesOutWhatItsOptionsSwitchOff) {
+TEST(MovingObjectsMapTest, OmitsDisabledParts) {
   CMovingObjectsMap map = exampleMap();
   map.insertionOptions.show_labels = false;
   mrpt::opengl::CSetOfObjects objects;
@@ -122,7 +122,7 @@ TEST(MovingObjectsMapTest, LeavesOutWhatItsOptionsSwitchOff) {
   EXPECT_EQ(nothing.size(), 0u);
 }
 
-TEST(MovingObjectsMapTest, ShowsTentativeTracksOnlyWhenAsked) {
+TEST(MovingObjectsMapTest, ShowsTentativeTracksOnlyIfEnabled) {
   CMovingObjectsMap map;
   auto track = map::exampleTrack(1, ObjectClass::kCar, {1, 2, 3}, 0.0);
   track.status = TrackStatus::kTentative;

@@ -63,7 +63,7 @@ TEST(PerceptionMapTest, HoldsLandmarksAndTracksInOneMultiMetricMap) {
   EXPECT_EQ(map.movingObjects().tracks().size(), 1u);
 }
 
-TEST(PerceptionMapTest, UpdatesReplaceWhatWasThere) {
+TEST(PerceptionMapTest, UpdatesReplaceTheContents) {
   PerceptionMap map;
   map.update(exampleStaticMap(25));
   map.update(exampleStaticMap(7));
@@ -89,7 +89,7 @@ TEST(PerceptionMapTest, CopiesAreSnapshotsThatLaterUpdatesLeaveAlone) {
   EXPECT_EQ(snapshot.staticMap()->landmarks.size(), 25u);
 }
 
-TEST(PerceptionMapTest, TakesAStaticGridAsALayer) {
+TEST(PerceptionMapTest, AddsAStaticGridAsALayer) {
   PerceptionMap map;
   EXPECT_EQ(map.staticGrid(), nullptr);
   auto grid = mrpt::maps::COccupancyGridMap2D::Create(-5.f, 5.f, -5.f, 5.f, 0.5f);
@@ -162,7 +162,7 @@ TEST(PerceptionMapTest, ScansAreLikelierWhereTheStaticMapExplainsThem) {
   };
   EXPECT_GT(at(1.0, 0.5), at(1.6, 0.5));
   EXPECT_GT(at(1.0, 0.5), at(-1.0, -2.0));
-  EXPECT_FALSE(map.movingObjects().isEmpty()) << "what moves takes no part in it";
+  EXPECT_FALSE(map.movingObjects().isEmpty()) << "moving objects are not affected";
 }
 
 TEST(PerceptionMapTest, RefusesLayersWithoutLandmarksOrMovingObjects) {
@@ -188,7 +188,7 @@ TEST_F(PerceptionMapIniTest, BuildsTheLayersThatItNames) {
   EXPECT_FLOAT_EQ(blue, 60.f / 255.f);
 }
 
-TEST_F(PerceptionMapIniTest, WhatItAsksOfTheGridHoldsForEveryGridThatComes) {
+TEST_F(PerceptionMapIniTest, GridOptionsApplyToEveryLaterGrid) {
   const auto map = fullMap(PerceptionMap::fromIni(
       pathOf("[map]\npointsMap_count=1\noccupancyGrid_count=1\nmovingObjectsMap_count=1\n"
              "[map_occupancyGrid_00_creationOpts]\nenableSaveAs3DObject=false\n"
@@ -201,7 +201,7 @@ TEST_F(PerceptionMapIniTest, WhatItAsksOfTheGridHoldsForEveryGridThatComes) {
   EXPECT_EQ(map.staticGrid()->likelihoodOptions.LF_decimation, 7u);
 }
 
-TEST_F(PerceptionMapIniTest, SaysWhatIsWrong) {
+TEST_F(PerceptionMapIniTest, ErrorsStateTheReason) {
   EXPECT_THAT(errorOf("[map]\npointsMap_count=1\n"), ::testing::HasSubstr("movingObjectsMap"));
   EXPECT_THAT(errorOf("[map]\nmovingObjectsMap_count=1\n"), ::testing::HasSubstr("pointsMap"));
   EXPECT_THAT(errorOf("[map]\npointsMap_count=1\nmovingObjectMap_count=1\n"),

@@ -25,7 +25,7 @@ TEST(MrptPoseTest, ConvertsThereAndBack) {
   EXPECT_TRUE(fromMrpt(toMrpt(examplePose())).isApprox(examplePose(), 1e-12));
 }
 
-TEST(MrptPoseTest, AgreesOnWhereAPointGoes) {
+TEST(MrptPoseTest, TransformsPointsAlike) {
   const Eigen::Vector3d point(0.5, 2.0, -1.0);
   const auto composed = toMrpt(examplePose()).composePoint(mrpt::math::TPoint3D(0.5, 2.0, -1.0));
   const Eigen::Vector3d ours = examplePose() * point;
@@ -62,7 +62,7 @@ TEST(ToMrptPdfTest, MapsCovarianceAsNumericDifferentiationDoes) {
   }
 }
 
-TEST(ToMrptPdfTest, StaysFiniteLookingStraightUp) {
+TEST(ToMrptPdfTest, IsFiniteForAVerticalPitch) {
   Pose pose = Pose::Identity();
   pose.linear() = expSo3({0.0, -1.5707963267948966, 0.0});
   const auto pdf = toMrptPdf(pose, PoseCovariance::Identity());

@@ -10,7 +10,7 @@
 namespace headway::map {
 namespace {
 
-TEST(SharedMapTest, SnapshotsStayWhileTheMapGoesOn) {
+TEST(SharedMapTest, SnapshotsDoNotChangeWithTheMap) {
   SharedMap shared;
   EXPECT_TRUE(shared.snapshot()->layers().isEmpty());
   PerceptionMap map;
@@ -28,7 +28,7 @@ TEST(SharedMapTest, SnapshotsStayWhileTheMapGoesOn) {
   EXPECT_EQ(before->landmarks().size(), 25u);
 }
 
-TEST(SharedMapTest, ReadersFindWholeMapsWhileItIsWrittenAndReset) {
+TEST(SharedMapTest, ReadersGetCompleteMapsDuringWrites) {
   SharedMap shared;
   std::atomic<bool> done{false};
   // Frame k has k % 7 tracks and, since the last keyframe, as many landmarks as its tens.

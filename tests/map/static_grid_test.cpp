@@ -87,7 +87,7 @@ int differences(const std::vector<float>& a, const std::vector<float>& b) {
   return count;
 }
 
-TEST(StaticGridTest, RaysFreeWhatIsBeforeTheirEndAndLeaveWhatIsBehindUnknown) {
+TEST(StaticGridTest, RaysFreeTheCellsBeforeTheirEndOnly) {
   const auto grid = drivePast(driveForward()).grid();
   ASSERT_NE(grid, nullptr);
   EXPECT_LT(grid->getPos(10.1f, 3.0f), 0.1f) << "the wall";
@@ -106,7 +106,7 @@ TEST(StaticGridTest, CellsOfAMovingObjectAreClearedByLaterScans) {
   EXPECT_GT(grid.grid()->getPos(7.1f, 1.1f), 0.65f);
 }
 
-TEST(StaticGridTest, TheLastLookFromAPlaceCountsSoThatAStandingRobotSeesWhatLeaves) {
+TEST(StaticGridTest, TheLastScanOfAPlaceReplacesTheOthers) {
   StaticGrid grid({});
   const Pose stand = poseAt(0.3, 0.3);
   for (int i = 0; i < 50; ++i) grid.add(stand, wallSeenFrom(stand, Eigen::Vector2d(7.1, 1.1)));
@@ -134,7 +134,7 @@ TEST(StaticGridTest, FollowsTheKeyframes) {
   EXPECT_EQ(differences(cellsOf(*grid.grid()), cellsOf(*drivePast(poses).grid())), 0);
 }
 
-TEST(StaticGridTest, KeepsWhatHangsOnAKeyframeThatIsRemoved) {
+TEST(StaticGridTest, KeepsTheScansOfARemovedKeyframe) {
   const auto poses = driveForward();
   StaticGrid grid({});
   grid.follow({keyframeAt(3, poses[0]), keyframeAt(7, poses[6])});
@@ -148,7 +148,7 @@ TEST(StaticGridTest, KeepsWhatHangsOnAKeyframeThatIsRemoved) {
   EXPECT_GT(grid.grid()->getPos(10.1f, 3.0f), 0.5f);
 }
 
-TEST(StaticGridTest, DoesNotDependOnTheOrderOfLooks) {
+TEST(StaticGridTest, DoesNotDependOnTheOrderOfScans) {
   auto poses = driveForward();
   StaticGrid forward({}), backward({});
   for (const auto& pose : poses) forward.add(pose, wallSeenFrom(pose));
@@ -164,7 +164,7 @@ TEST(StaticGridTest, DoesNotDependOnTheOrderOfLooks) {
   EXPECT_EQ(a->getPos(7.1f, 2.1f), b->getPos(7.1f, 2.1f));
 }
 
-TEST(StaticGridTest, IsNoneWhileNothingWasSeen) {
+TEST(StaticGridTest, IsNullWithoutObservations) {
   StaticGrid grid({});
   EXPECT_EQ(grid.grid(), nullptr);
   grid.add(poseAt(0.0, 0.0), {});
@@ -182,7 +182,7 @@ TEST(StaticGridTest, IsCoarserWhereTheMapIsVast) {
   EXPECT_LT(vast->getPos(1510.1f, 1503.0f), 0.45f);
 }
 
-TEST(StaticGridTest, GoesOnFromWhatWasSaved) {
+TEST(StaticGridTest, ContinuesFromSavedBytes) {
   const auto poses = driveForward();
   StaticGrid first({});
   first.follow({keyframeAt(3, poses[0])});
@@ -197,7 +197,7 @@ TEST(StaticGridTest, GoesOnFromWhatWasSaved) {
   EXPECT_LT(second.grid()->getPos(12.1f, 3.0f), 0.1f) << "still anchored to its keyframe";
 }
 
-TEST(StaticGridTest, RefusesDamagedBytesAndKeepsWhatItHas) {
+TEST(StaticGridTest, RefusesDamagedBytesUnchanged) {
   StaticGrid grid = drivePast(driveForward());
   const std::string bytes = grid.save();
   const auto before = grid.grid()->getRawMap();
@@ -211,7 +211,7 @@ TEST(StaticGridTest, RefusesDamagedBytesAndKeepsWhatItHas) {
   EXPECT_EQ(grid.grid()->getRawMap(), before);
 }
 
-TEST(WriteStaticGridTest, WritesWhatMrptAndMapServersRead) {
+TEST(WriteStaticGridTest, IsReadableByMrptAndMapServers) {
   const test::TemporaryFolder folder;
   const auto grid = drivePast(driveForward()).grid();
   writeStaticGrid(folder / "map_grid", *grid);
@@ -238,7 +238,7 @@ TEST(WriteStaticGridTest, WritesWhatMrptAndMapServersRead) {
               ::testing::HasSubstr("image: map_grid.png\nresolution: 0.2\norigin: ["));
 }
 
-TEST(WriteStaticGridTest, SaysWhereItCannotWrite) {
+TEST(WriteStaticGridTest, NamesThePathThatCannotBeWritten) {
   EXPECT_THROW(writeStaticGrid("/nonexistent/grid", COccupancyGridMap2D()), InputError);
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 const std::vector<Eigen::Vector3d> kTenMetres = {{0, 0, 0}, {4, 0, 0}, {4, 6, 0}};
 
-TEST(BoxCornersTest, FrontLeftBottomComesFirst) {
+TEST(BoxCornersTest, FrontLeftBottomIsFirst) {
   Track track;
   track.position = {10.0, 5.0, 1.0};
   track.size = {4.0, 2.0, 1.5};
@@ -76,7 +76,7 @@ TEST(DashesOfTest, AreNoneWhereThereIsNoWay) {
   EXPECT_TRUE(dashesOf({{1, 1, 1}, {1, 1, 1}}, 1.0, 1.0).empty());
 }
 
-TEST(AppendRibbonTest, IsAsWideAsAskedAndLevel) {
+TEST(AppendRibbonTest, HasTheGivenWidthAndIsLevel) {
   mrpt::opengl::CSetOfTriangles triangles;
   appendRibbon({{0, 0, 1}, {3, 0, 1}}, 0.5, kPredictionColour, 200.0, triangles);
   ASSERT_EQ(triangles.getTrianglesCount(), 2u);

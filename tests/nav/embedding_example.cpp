@@ -4,7 +4,7 @@
 #include <headway/nav/predictive_obstacles.h>
 #include <mrpt/nav/reactive/CReactiveNavigationSystem.h>
 
-/// Drives the robot to a goal, among what the map says moves. `robot` is your own interface;
+/// Drives the robot to a goal, among moving objects. `robot` is your own interface;
 /// perception, in its own thread, does `map.publish(perception.map())` after each frame.
 bool driveTo(const mrpt::math::TPose2D& goal, mrpt::nav::CRobot2NavInterface& robot,
              const headway::map::SharedMap& map, const mrpt::config::CConfigFileBase& settings,

@@ -34,7 +34,7 @@ TEST(FootprintOutlineTest, OfACertainCarRunsAlongItsEdges) {
   }
 }
 
-TEST(FootprintOutlineTest, NeighboursAreCloseEnoughForNothingToSlipThrough) {
+TEST(FootprintOutlineTest, NeighboursAreWithinTheSpacing) {
   const auto outline = outlineOf(kCar, 0.4, uncertaintyOf(0.3));
   for (std::size_t i = 0; i < outline.size(); ++i) {
     EXPECT_LE((outline[i] - outline[(i + 1) % outline.size()]).norm(), 0.3 + 1e-9);
@@ -66,7 +66,7 @@ TEST(FootprintOutlineTest, GrowsAlongTheCovarianceOnly) {
   EXPECT_NEAR(top, 1.0, 1e-9);
 }
 
-TEST(FootprintOutlineTest, GrowsNoMoreThanAllowed) {
+TEST(FootprintOutlineTest, GrowsUpToTheLimit) {
   PlaceUncertainty uncertainty = uncertaintyOf(100.0);
   uncertainty.max_growth_m = 0.4;
   for (const auto& point : outlineOf(kPerson, 0.0, uncertainty)) {
@@ -85,7 +85,7 @@ TEST(FootprintOutlineTest, RotatesWithTheFootprint) {
   }
 }
 
-TEST(FootprintOutlineTest, CoversWhatLiesInTheMarginOnly) {
+TEST(FootprintOutlineTest, CoversTheMarginOnly) {
   const Vector2d centre(1.0, 1.0);
   EXPECT_TRUE(covers(kCar, centre, M_PI / 2.0, 0.1, {1.0, 3.05}));
   EXPECT_FALSE(covers(kCar, centre, M_PI / 2.0, 0.1, {1.0, 3.15}));

@@ -61,7 +61,7 @@ TEST(MovingObstaclesTest, PlacesBeyondTheSteeringHorizonAreNone) {
   EXPECT_TRUE(anyNear(moving.points(), {1.0, 0.0}, 0.4)) << "he is there after 1 s";
 }
 
-TEST(MovingObstaclesTest, TheGateOnlyTakesAway) {
+TEST(MovingObstaclesTest, TheGateOnlyRemovesPoints) {
   const Track track = walkingTrack(1, {2.0, -2.0}, {0.2, 1.0}, 0.1);
   const auto gated = pointsOf({track}, ObstaclePolicy::kTimeGated);
   const auto swept = pointsOf({track}, ObstaclePolicy::kSweep);
@@ -81,7 +81,7 @@ TEST(MovingObstaclesTest, CovarianceWidensThem) {
   EXPECT_NEAR(width(0.3), width(0.0) + 0.3, 0.05);
 }
 
-TEST(MovingObstaclesTest, TheOldMapIsCarriedOnToNow) {
+TEST(MovingObstaclesTest, AnOldMapIsPredictedToNow) {
   const Track track = walkingTrack(1, {4.0, -3.0}, {0.0, 1.0});
   EXPECT_TRUE(anyNear(pointsOf({track}, ObstaclePolicy::kSweep, 0.0), {4.0, -3.25}, 0.15));
   EXPECT_FALSE(anyNear(pointsOf({track}, ObstaclePolicy::kSweep, 0.5), {4.0, -3.25}, 0.15));
@@ -97,7 +97,7 @@ TEST(MovingObstaclesTest, ImprobablePathsAreLeftOut) {
   EXPECT_TRUE(anyNear(pointsOf({track}, ObstaclePolicy::kSweep), {6.0, -3.0}, 0.5));
 }
 
-TEST(MovingObstaclesTest, StandingTentativeAndEndedTracksAreLeftToTheSensors) {
+TEST(MovingObstaclesTest, StaticTentativeAndEndedTracksAreIgnored) {
   Track standing = walkingTrack(1, {2.0, -2.0}, {0.0, 1.0});
   standing.motion_state = MotionState::kStatic;
   Track tentative = walkingTrack(2, {2.0, -2.0}, {0.0, 1.0});
@@ -107,7 +107,7 @@ TEST(MovingObstaclesTest, StandingTentativeAndEndedTracksAreLeftToTheSensors) {
   EXPECT_TRUE(pointsOf({standing, tentative, ended}, ObstaclePolicy::kSweep).empty());
 }
 
-TEST(MovingObstaclesTest, NoPointLiesUnderTheRobot) {
+TEST(MovingObstaclesTest, NoPointIsUnderTheRobot) {
   const Track over_it = walkingTrack(1, {0.0, -1.0}, {0.0, 1.0}, 0.5);
   for (const auto& point : pointsOf({over_it}, ObstaclePolicy::kSweep)) {
     EXPECT_GT(point.place.norm(), 0.3);

@@ -30,7 +30,7 @@ TEST(NavProgramTest, WritesFiguresPicturesAndAVideo) {
               std::filesystem::exists(video + "/trial_0006_frames/000000.png"));
 }
 
-TEST(NavProgramTest, SaysWhatIsWrongWithItsArguments) {
+TEST(NavProgramTest, ErrorsNameTheArgument) {
   EXPECT_EQ(runProcess(program("headway-nav") + " --policy hope").status, 2);
   EXPECT_EQ(runProcess(program("headway-nav") + " --trials 0").status, 2);
   EXPECT_EQ(runProcess(program("headway-nav") + " --video v --film x").status, 2);

@@ -29,7 +29,7 @@ TEST(PolicyFiguresTest, TimesAreOfTrialsThatAllPoliciesFinish) {
   EXPECT_DOUBLE_EQ(figures[0].step_us_median, 5.0);
 }
 
-TEST(PolicyFiguresTest, WalkedIntoIsCountedApartFromCollisions) {
+TEST(PolicyFiguresTest, WalkedIntoIsSeparateFromCollisions) {
   TrialResult hit = resultOf(true, 10.0, 0.0);
   hit.collided = true;
   hit.walked_into = true;

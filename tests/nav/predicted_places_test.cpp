@@ -55,7 +55,7 @@ TEST(PredictedPlacesTest, OfAPathWithoutPointsAreThePresentOne) {
   EXPECT_EQ(places.front().centre, Eigen::Vector2d(2.0, 1.0));
 }
 
-TEST(PredictedPlacesTest, OlderThanThePredictionStandAtItsEnd) {
+TEST(PredictedPlacesTest, OlderThanThePredictionAreAtItsEnd) {
   const auto places = placesOf(walkingTrack(1, {2.0, 0.0}, {0.0, 1.0}), 7.0);
   ASSERT_EQ(places.size(), 1u);
   EXPECT_NEAR(places.front().centre.y(), 3.0, 1e-9);

@@ -123,7 +123,7 @@ TEST_F(PredictiveObstaclesTest, AStaleMapIsUnsafe) {
   EXPECT_NEAR(report_.map_age_s, 0.6, 1e-9);
 }
 
-TEST_F(PredictiveObstaclesTest, AMapThatWasNeverFilledOrComesFromTheFutureIsUnsafe) {
+TEST_F(PredictiveObstaclesTest, AnEmptyMapOrOneOfTheFutureIsUnsafe) {
   map_ = map::PerceptionMap();
   EXPECT_FALSE(sense());
   EXPECT_EQ(report_.status, SenseStatus::kStaleMap);
@@ -152,7 +152,7 @@ TEST_F(PredictiveObstaclesTest, ARobotThatCannotSenseIsUnsafe) {
   EXPECT_EQ(report_.status, SenseStatus::kInnerFailed);
 }
 
-TEST_F(PredictiveObstaclesTest, HandsOnWhatIsNotSensing) {
+TEST_F(PredictiveObstaclesTest, ForwardsAllOtherCalls) {
   PredictiveObstacles obstacles(robot_, [this] { return map_; }, {});
   obstacles.changeSpeeds(mrpt::kinematics::CVehicleVelCmd_DiffDriven());
   obstacles.stop(true);

@@ -9,7 +9,7 @@
 
 namespace headway::nav {
 
-/// A robot whose senses say what the test says.
+/// A robot whose sensor data are set by the test.
 class ScriptedRobot : public mrpt::nav::CRobot2NavInterfaceForSimulator_DiffDriven {
  public:
   explicit ScriptedRobot(mrpt::kinematics::CVehicleSimul_DiffDriven& wheels)

@@ -33,7 +33,7 @@ double speedRatioAmong(const std::vector<Track>& tracks, double age_s = 0.0) {
   return governor.speedRatio(kAhead, driving(), tracks, age_s);
 }
 
-TEST(SpeedGovernorTest, LeavesTheSpeedWhereNobodyIsMet) {
+TEST(SpeedGovernorTest, KeepsTheSpeedWithoutContacts) {
   EXPECT_EQ(speedRatioAmong({}), 1.0);
   EXPECT_EQ(speedRatioAmong({walkingTrack(1, {5.0, 5.0}, {0.0, 1.0})}), 1.0) << "he walks away";
   EXPECT_EQ(speedRatioAmong({walkingTrack(1, {60.0, 0.0}, {0.0, 1.0})}), 1.0) << "he is far";
@@ -69,13 +69,13 @@ TEST(SpeedGovernorTest, SlowsLessForAnImprobableFuture) {
   EXPECT_EQ(at(0.01), 1.0);
 }
 
-TEST(SpeedGovernorTest, CarriesAnOldMapOn) {
+TEST(SpeedGovernorTest, PredictsAnOldMapToNow) {
   const Track track = walkingTrack(1, {1.5, -2.0}, {0.0, 1.0}, 0.1);
   EXPECT_LT(speedRatioAmong({track}, 0.5), 1.0);
   EXPECT_LT(speedRatioAmong({track}, 0.5), speedRatioAmong({track}, -2.0) + 1e-9);
 }
 
-TEST(SpeedGovernorTest, LeavesOutTentativeStandingAndBrokenTracks) {
+TEST(SpeedGovernorTest, IgnoresTentativeStaticAndInvalidTracks) {
   Track standing = walkingTrack(1, {0.9, 0.0}, {0.0, 0.05});
   standing.motion_state = MotionState::kStatic;
   Track tentative = walkingTrack(2, {0.9, 0.0}, {0.0, 0.05});

@@ -105,13 +105,13 @@ TEST(BezierPredictorTest, IsHardlyMovedByAWrongHeadingAndItsAblationHdIs) {
   EXPECT_GT(moved_hd, 0.4);
 }
 
-TEST(BezierPredictorTest, LeavesOutAHeadingThatLooksBack) {
+TEST(BezierPredictorTest, IgnoresABackwardHeading) {
   const auto paths = predictTurning({}, M_PI);
   const auto straight = predictTurning({});
   EXPECT_LT((paths.front().points[9].position - straight.front().points[9].position).norm(), 0.2);
 }
 
-TEST(BezierPredictorTest, TakesTheSpeedOfTheLastStepInItsAblationSv) {
+TEST(BezierPredictorTest, AblationSvUsesTheSpeedOfTheLastStep) {
   const auto path = history([](double t) { return Eigen::Vector2d(4.0 * t + t * t, 0.0); });
   BezierPredictor::Ablation sv;
   sv.instant_speed = true;

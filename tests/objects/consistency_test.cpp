@@ -39,7 +39,7 @@ TEST(CompatibleTest, KeepsGroupsApart) {
   EXPECT_TRUE(compatible(ObjectClass::kUnknown, ObjectClass::kPedestrian));
 }
 
-TEST(ConsistencyCheckTest, ContinuesWhatLiesInsideTheGate) {
+TEST(ConsistencyCheckTest, MatchesDetectionsInsideTheGate) {
   const ConsistencyCheck check{ConsistencyParams()};
   const auto near = check.match({track(10, 0)}, {box(10.3, 0.2)});
   EXPECT_THAT(near.pairs, ElementsAre(Pair(0u, 0u)));
@@ -49,20 +49,20 @@ TEST(ConsistencyCheckTest, ContinuesWhatLiesInsideTheGate) {
   EXPECT_THAT(far.unmatched_detections, ElementsAre(0u));
 }
 
-TEST(ConsistencyCheckTest, GivesADetectionToTheTrackWhoseCentreIsNearest) {
+TEST(ConsistencyCheckTest, MatchesADetectionToTheNearestTrack) {
   const ConsistencyCheck check{ConsistencyParams()};
   const auto matches = check.match({track(10, 0), track(10.8, 0)}, {box(10.7, 0)});
   EXPECT_THAT(matches.pairs, ElementsAre(Pair(1u, 0u)));
 }
 
-TEST(ConsistencyCheckTest, SharesDetectionsOutForTheBestOfAll) {
+TEST(ConsistencyCheckTest, MinimisesTheTotalCost) {
   const ConsistencyCheck check{ConsistencyParams()};
   // The nearest pair (track 1, box 0) would leave track 0 with nothing.
   const auto matches = check.match({track(10, 0), track(10.5, 0)}, {box(10.4, 0), box(10.9, 0)});
   EXPECT_THAT(matches.pairs, ElementsAre(Pair(0u, 0u), Pair(1u, 1u)));
 }
 
-TEST(ConsistencyCheckTest, LooksAtTheClassAndTheHeight) {
+TEST(ConsistencyCheckTest, UsesClassAndHeight) {
   const ConsistencyCheck check{ConsistencyParams()};
   EXPECT_THAT(check.match({track(10, 0)}, {box(10, 0, ObjectClass::kPedestrian)}).pairs, IsEmpty());
   MeasuredBox above = box(10, 0);
@@ -70,7 +70,7 @@ TEST(ConsistencyCheckTest, LooksAtTheClassAndTheHeight) {
   EXPECT_THAT(check.match({track(10, 0)}, {above}).pairs, IsEmpty());
 }
 
-TEST(ConsistencyCheckTest, TakesTheDetectorsIdAsAHintOnly) {
+TEST(ConsistencyCheckTest, TheDetectorsIdIsAHintOnly) {
   ConsistencyParams params;
   params.detector_id_bonus = 3.0;
   const ConsistencyCheck check(params);
@@ -83,7 +83,7 @@ TEST(ConsistencyCheckTest, TakesTheDetectorsIdAsAHintOnly) {
   EXPECT_THAT(check.match({a, b}, {between}).pairs, ElementsAre(Pair(1u, 0u)));
   MeasuredBox elsewhere = box(20, 0);
   elsewhere.detector_id = 7;
-  EXPECT_THAT(check.match({a, b}, {elsewhere}).pairs, IsEmpty()) << "never trusted";
+  EXPECT_THAT(check.match({a, b}, {elsewhere}).pairs, IsEmpty()) << "too far";
 }
 
 TEST(ConsistencyCheckTest, TheSearchedTrackIsAHintOnly) {
@@ -100,17 +100,17 @@ TEST(ConsistencyCheckTest, TheSearchedTrackIsAHintOnly) {
   EXPECT_THAT(check.match({first, second}, {near_first}).pairs, ElementsAre(Pair(0u, 0u)));
 }
 
-TEST(ConsistencyCheckTest, AGuessedClassIsCompatibleAtACost) {
+TEST(ConsistencyCheckTest, AProvisionalClassIsCompatibleAtACost) {
   const ConsistencyCheck check{ConsistencyParams()};
-  auto guessed = box(10, 0, ObjectClass::kPedestrian);
-  EXPECT_THAT(check.match({track(10, 0)}, {guessed}).pairs, IsEmpty());
-  guessed.evidence.motion = true;
-  EXPECT_THAT(check.match({track(10, 0)}, {guessed}).pairs, ElementsAre(Pair(0u, 0u)));
+  auto provisional = box(10, 0, ObjectClass::kPedestrian);
+  EXPECT_THAT(check.match({track(10, 0)}, {provisional}).pairs, IsEmpty());
+  provisional.evidence.motion = true;
+  EXPECT_THAT(check.match({track(10, 0)}, {provisional}).pairs, ElementsAre(Pair(0u, 0u)));
   const auto walker = track(10.2, 0, ObjectClass::kPedestrian);
-  EXPECT_THAT(check.match({track(10, 0), walker}, {guessed}).pairs, ElementsAre(Pair(1u, 0u)));
+  EXPECT_THAT(check.match({track(10, 0), walker}, {provisional}).pairs, ElementsAre(Pair(1u, 0u)));
 }
 
-TEST(ConsistencyCheckTest, KeepsTheSurestOfSeveralBoxes) {
+TEST(ConsistencyCheckTest, KeepsTheBoxWithTheBestScore) {
   const ConsistencyCheck check{ConsistencyParams()};
   MeasuredBox sure = box(10, 0);
   MeasuredBox twin = box(10.4, 0.1);
@@ -123,7 +123,7 @@ TEST(ConsistencyCheckTest, KeepsTheSurestOfSeveralBoxes) {
   EXPECT_EQ(distinct.duplicates[0].second.score, 0.4);
 }
 
-TEST(DistinctBoxesTest, OffersATrackTheBoxThatLiesNearest) {
+TEST(DistinctBoxesTest, ReturnsTheBoxNearestToTheTrack) {
   const ConsistencyCheck check{ConsistencyParams()};
   MeasuredBox sure = box(10, 0);
   sure.score = 0.9;
@@ -134,7 +134,7 @@ TEST(DistinctBoxesTest, OffersATrackTheBoxThatLiesNearest) {
   EXPECT_EQ(distinct.likeliest(1, track(10.4, 2.5)).position.x(), 10.0) << "another object's";
 }
 
-TEST(MovingAverageTest, IsTheMeanOfAStandingObject) {
+TEST(MovingAverageTest, IsTheMeanForAStaticObject) {
   std::vector<PlaceMeasurement> places(4);
   for (int i = 0; i < 4; ++i) {
     places[i].time = 0.1 * i;

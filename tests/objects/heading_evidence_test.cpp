@@ -47,7 +47,7 @@ TEST(HeadingEvidenceTest, RecoversFromAWrongFirstHeading) {
 
 TEST(HeadingEvidenceTest, ListensToTheDirectionOfMotion) {
   HeadingEvidence evidence{HeadingParams()};
-  for (int k = 0; k < 4; ++k) evidence.addMotion(0.2);  // sideways says nothing
+  for (int k = 0; k < 4; ++k) evidence.addMotion(0.2);  // sideways motion is no evidence
   EXPECT_FALSE(evidence.turnsRound());
   for (int k = 0; k < 4; ++k) evidence.addMotion(-0.99);
   EXPECT_TRUE(evidence.turnsRound());

@@ -29,7 +29,7 @@ TEST(TransitionTest, OfTwoStepsIsThatOfBothTogether) {
   }
 }
 
-TEST(TransitionTest, OfNoTimeChangesNothing) {
+TEST(TransitionTest, IsTheIdentityForZeroTime) {
   const Transition still(0.0, 1.0);
   EXPECT_EQ(still.F, Eigen::Matrix3d::Identity());
   EXPECT_EQ(still.Q.norm(), 0.0);
@@ -99,7 +99,7 @@ TEST(KalmanFilterTest, StartsAtAMeasuredVelocity) {
   EXPECT_LT(filter.velocityCovariance()(0, 0), 0.04);
 }
 
-TEST(KalmanFilterTest, WeighsAMeasuredVelocityAgainstWhatItKnows) {
+TEST(KalmanFilterTest, WeighsAMeasuredVelocityByItsCovariance) {
   MeasuredBox box = boxAt(0.0, 0.0);
   box.velocity = GroundVelocity{{10.0, 0.0}, Eigen::Matrix2d::Identity()};
   KalmanFilter filter(box, FilterParams());
@@ -124,13 +124,13 @@ TEST(KalmanFilterTest, TurnsOnThroughHalfATurn) {
   EXPECT_NEAR(filter.yawRate(), 0.5, 0.1);
 }
 
-TEST(KalmanFilterTest, KeepsASizeOnceItIsKnown) {
+TEST(KalmanFilterTest, DoesNotChangeAConvergedSize) {
   KalmanFilter filter(boxAt(0, 0), FilterParams());
   for (int k = 0; k < 40; ++k) filter.updateSize({4.0 + (k % 2 == 0 ? 0.2 : -0.2), 1.7, 1.5});
-  const Eigen::Vector3d settled = filter.size();
-  EXPECT_NEAR(settled.x(), 4.0, 0.05);
+  const Eigen::Vector3d converged = filter.size();
+  EXPECT_NEAR(converged.x(), 4.0, 0.05);
   for (int k = 0; k < 40; ++k) filter.updateSize({2.0, 1.0, 1.0});  // half hidden
-  EXPECT_EQ(filter.size(), settled);
+  EXPECT_EQ(filter.size(), converged);
 }
 
 }  // namespace

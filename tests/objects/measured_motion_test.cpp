@@ -23,7 +23,7 @@ TEST(MeasuredMotionTest, ExactPlacesGiveTheirVelocity) {
 }
 
 TEST(MeasuredMotionTest, CovarianceIsThatOfTheVelocitiesFound) {
-  // Leaving the worst place out makes the others look a little better than they are.
+  // Without the worst position the residuals of the others are slightly too small.
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0.0, kSigma);
   double squares = 0.0;
@@ -48,7 +48,7 @@ TEST(MeasuredMotionTest, OnePlaceThatIsFarOffMakesNoMotion) {
   EXPECT_NEAR(0.0, motion->velocity.norm(), 1e-9);
 }
 
-TEST(MeasuredMotionTest, OnlyTheWindowCounts) {
+TEST(MeasuredMotionTest, UsesTheWindowOnly) {
   std::vector<PlaceMeasurement> places;
   for (int k = 0; k < 10; ++k) places.push_back(placeAt(0.1 * k, 5.0 * k, 0.0));
   for (int k = 10; k < 20; ++k) places.push_back(placeAt(0.1 * k, 50.0, 0.0));

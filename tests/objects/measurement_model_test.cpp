@@ -44,17 +44,17 @@ TEST(MeasurementModelTest, BringsABoxToTheMap) {
   EXPECT_THAT(outcome.dropped, IsEmpty());
 }
 
-TEST(MeasurementModelTest, TrustsFarBoxesLessAndTheirDepthLeast) {
+TEST(MeasurementModelTest, NoiseGrowsWithDepthAndMostAlongTheRay) {
   const auto near = measure({seenCar(5.0, 0.0)}).boxes.at(0);
   const auto far = measure({seenCar(60.0, 0.0)}).boxes.at(0);
   EXPECT_GT(far.covariance(0, 0), 4.0 * near.covariance(0, 0)) << "x runs along the ray";
   EXPECT_GT(far.covariance(0, 0), 2.0 * far.covariance(1, 1));
   EXPECT_NEAR(far.covariance(0, 1), 0.0, 1e-12);
-  const auto aside = measure({seenCar(20.0, 20.0)}).boxes.at(0);
-  EXPECT_GT(aside.covariance(0, 1), 0.0) << "the ellipse points along the ray";
+  const auto lateral = measure({seenCar(20.0, 20.0)}).boxes.at(0);
+  EXPECT_GT(lateral.covariance(0, 1), 0.0) << "the ellipse points along the ray";
 }
 
-TEST(MeasurementModelTest, BelievesTheCovarianceThatADetectorGives) {
+TEST(MeasurementModelTest, UsesTheCovarianceOfTheDetector) {
   Detection car = seenCar(10.0, 0.0);
   car.centre_covariance = Eigen::Vector3d(0.01, 0.02, 4.0).asDiagonal();  // optical axes
   const auto box = measure({car}).boxes.at(0);
@@ -69,13 +69,13 @@ TEST(MeasurementModelTest, TurnsAVelocityIntoTheMap) {
   Detection car = seenCar(10.0, 0.0);
   car.velocity = MeasuredVelocity{{0.0, 0.0, 8.0}, Eigen::Vector3d(0.1, 0.2, 0.9).asDiagonal()};
   const auto velocity = measure({car}, {}, T_map_robot).boxes.at(0).velocity;
-  ASSERT_TRUE(velocity) << "away from the camera, which looks along the map's y";
+  ASSERT_TRUE(velocity) << "away from the camera, which faces along the map's y";
   EXPECT_LT((velocity->value - Eigen::Vector2d(0.0, 8.0)).norm(), 1e-9);
   EXPECT_NEAR(velocity->covariance(1, 1), 0.9, 1e-9);
   EXPECT_NEAR(velocity->covariance(0, 0), 0.1, 1e-9);
 }
 
-TEST(MeasurementModelTest, ForgetsTheOrderOfArrival) {
+TEST(MeasurementModelTest, DoesNotDependOnTheOrderOfDetections) {
   std::vector<Detection> items;
   for (int i = 0; i < 20; ++i) items.push_back(seenCar(5.0 + (i * 7) % 20, (i * 3) % 11));
   const auto one = measure(items);
@@ -145,7 +145,7 @@ TEST(MeasurementModelTest, CountsLowScores) {
   EXPECT_THAT(measure({unsure}, selection).dropped, ElementsAre(Pair("low_score", 1u)));
 }
 
-TEST(MeasurementModelTest, CountsUnknownClassesWhereTheyAreNotWanted) {
+TEST(MeasurementModelTest, CountsUnknownClassesIfDisabled) {
   Detection thing = seenCar(10.0, 0.0);
   thing.object_class = ObjectClass::kUnknown;
   EXPECT_EQ(measure({thing}).boxes.size(), 1u);

@@ -153,7 +153,7 @@ std::vector<Eigen::Vector3d> solvedByCeres(const Case& walk, const PriorStiffnes
   return places;
 }
 
-TEST_P(EveryPriorTest, FindsTheMinimumThatCeresFinds) {
+TEST_P(EveryPriorTest, HasTheMinimumOfCeres) {
   for (const unsigned seed : {3u, 4u, 5u}) {
     Case walk = noisyWalk(21, seed);
     const auto reference = solvedByCeres(walk, stiffness(GetParam()));

@@ -37,20 +37,20 @@ TEST(MovingObjectTrackerTest, ConfirmsATrackAfterEnoughDetections) {
   EXPECT_EQ(replay.used, 3u);
 }
 
-TEST(MovingObjectTrackerTest, ConfirmsByWhatTheScoresAddUpTo) {
+TEST(MovingObjectTrackerTest, ConfirmsByTheSumOfScores) {
   ObjectsParams params;
   params.lifecycle.confirm_hits = 2;
   params.lifecycle.confirm_score.vehicle = 2.0;
   params.lifecycle.confirm_anyway_hits = 10;
   Replay replay(params);
-  Detection sure = seenCar(10, 0);
-  Detection doubtful = seenCar(10, 8);
-  sure.score = 5.0;
-  doubtful.score = 0.3;
+  Detection certain = seenCar(10, 0);
+  Detection uncertain = seenCar(10, 8);
+  certain.score = 5.0;
+  uncertain.score = 0.3;
   for (int k = 1; k <= 10; ++k) {
-    replay.frame({sure, doubtful});
-    const std::size_t believed = k < 2 ? 0 : k < 7 ? 1 : 2;  // 7 * 0.3 > 2
-    EXPECT_EQ(confirmed(replay.last).size(), believed) << "frame " << k;
+    replay.frame({certain, uncertain});
+    const std::size_t expected = k < 2 ? 0 : k < 7 ? 1 : 2;  // 7 * 0.3 > 2
+    EXPECT_EQ(confirmed(replay.last).size(), expected) << "frame " << k;
   }
 }
 
@@ -73,10 +73,10 @@ TEST(MovingObjectTrackerTest, DoesNotShowALostObjectThatLeftTheView) {
   Replay replay;
   for (int k = 0; k < 20; ++k) replay.frame({seenCar(14 - 0.7 * k, 3)});  // it passes by
   replay.frame({});
-  EXPECT_THAT(replay.last.tracks, IsEmpty()) << "beside the robot nobody can see it";
+  EXPECT_THAT(replay.last.tracks, IsEmpty()) << "beside the robot, outside the field of view";
 }
 
-TEST(MovingObjectTrackerTest, ForgetsASingleFalseAlarm) {
+TEST(MovingObjectTrackerTest, RemovesASingleFalseAlarm) {
   Replay replay;
   replay.frame({seenCar(10, 0)});
   for (int k = 0; k < 5; ++k) replay.frame({});
@@ -103,20 +103,20 @@ TEST(MovingObjectTrackerTest, LagsWithTheLeastKineticPriorOfThePaper) {
   EXPECT_LT(replay.last.tracks.at(0).position.x(), 5.0 + 0.8 * 59 - 0.01);
 }
 
-TEST(MovingObjectTrackerTest, NeverTurnsAStandingObject) {
+TEST(MovingObjectTrackerTest, DoesNotRotateAStaticObject) {
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0.0, 0.15);
   std::bernoulli_distribution flipped(0.05);
   Replay replay;
-  std::optional<double> settled_yaw;
+  std::optional<double> converged_yaw;
   for (int k = 0; k < 300; ++k) {
     const double yaw = 0.5 + noise(random) + (flipped(random) ? M_PI : 0.0);
     replay.frame({seenCar(12 + noise(random), 3 + noise(random), yaw)});
     const Track& track = replay.last.tracks.at(0);
     EXPECT_FALSE(isMoving(track)) << "frame " << k;
     EXPECT_LT(std::abs(wrapAngle(track.yaw - 0.5)), 0.5);
-    if (k == 20) settled_yaw = track.yaw;
-    EXPECT_EQ(track.yaw, k > 20 ? *settled_yaw : track.yaw) << "frozen, frame " << k;
+    if (k == 20) converged_yaw = track.yaw;
+    EXPECT_EQ(track.yaw, k > 20 ? *converged_yaw : track.yaw) << "frozen, frame " << k;
     EXPECT_EQ(track.yaw_rate, 0.0);
   }
 }
@@ -132,7 +132,7 @@ TEST(MovingObjectTrackerTest, IsNotTurnedByFlippedDetections) {
   }
 }
 
-TEST(MovingObjectTrackerTest, LearnsItsFrontFromItsPath) {
+TEST(MovingObjectTrackerTest, EstimatesTheFrontFromThePath) {
   Replay replay;
   for (int k = 0; k < 30; ++k) replay.frame({seenCar(5 + 0.7 * k, 0, k < 2 ? M_PI : 0.0)});
   EXPECT_LT(std::abs(replay.last.tracks.at(0).yaw), 0.1);
@@ -161,7 +161,7 @@ TEST(MovingObjectTrackerTest, IsIndependentOfTheOrderOfDetections) {
   }
 }
 
-TEST(MovingObjectTrackerTest, FindsALostObjectAgainUnderItsOldId) {
+TEST(MovingObjectTrackerTest, RedetectsALostObjectWithItsId) {
   ObjectsParams params;
   params.lifecycle.retrack_time_s = 3.0;
   Replay replay(params);
@@ -188,7 +188,7 @@ TEST(MovingObjectTrackerTest, CoastsAlongWhileAnObjectIsHiddenForAMoment) {
   }
 }
 
-TEST(MovingObjectTrackerTest, CarriesTheImageBoxOfACoastingTrackOn) {
+TEST(MovingObjectTrackerTest, PredictsTheImageBoxOfACoastingTrack) {
   Replay replay;
   const auto seenWithBox = [](double x) {  // by a camera of 700 px focal length, centre (600, 200)
     Detection car = seenCar(x, -2);
@@ -198,9 +198,9 @@ TEST(MovingObjectTrackerTest, CarriesTheImageBoxOfACoastingTrackOn) {
         Box2d{u - 2 * height_px, 200 - 0.5 * height_px, u + 2 * height_px, 200 + 0.5 * height_px};
     return car;
   };
-  const Detection aside = seenCar(10, 6);  // it tells how far aside the detector can see
-  for (int k = 0; k < 20; ++k) replay.frame({seenWithBox(30 - 0.5 * k), aside});
-  replay.frame({aside});
+  const Detection lateral = seenCar(10, 6);  // widens the field of view
+  for (int k = 0; k < 20; ++k) replay.frame({seenWithBox(30 - 0.5 * k), lateral});
+  replay.frame({lateral});
   ASSERT_EQ(replay.last.tracks.size(), 2u);
   const bool first_coasts = replay.last.tracks[0].status == TrackStatus::kCoasting;
   const Track& track = replay.last.tracks[first_coasts ? 0 : 1];
@@ -212,7 +212,7 @@ TEST(MovingObjectTrackerTest, CarriesTheImageBoxOfACoastingTrackOn) {
   EXPECT_NEAR(track.box2d->height(), expected.height(), 0.5);
 }
 
-TEST(MovingObjectTrackerTest, CarriesNoUnsureTrackOn) {
+TEST(MovingObjectTrackerTest, DoesNotCoastAnUncertainTrack) {
   for (const double score : {-0.2, 5.0}) {
     Replay replay;
     for (int k = 0; k < 20; ++k) {
@@ -224,7 +224,7 @@ TEST(MovingObjectTrackerTest, CarriesNoUnsureTrackOn) {
   }
 }
 
-TEST(MovingObjectTrackerTest, ShowsTheSurerOfTwoKindsInOnePlace) {
+TEST(MovingObjectTrackerTest, ShowsTheBestScoredOfTwoClassesAtOnePosition) {
   Replay replay;
   for (int k = 0; k < 10; ++k) {
     replay.frame({test::seen(ObjectClass::kPedestrian, {10, 0, 0}, 0.0, 2.0),
@@ -249,7 +249,7 @@ TEST(MovingObjectTrackerTest, ScoresATrackByTheMeanOverItsLife) {
   EXPECT_NEAR(replay.last.tracks.at(0).score, 33.0 / 17.0, 1e-12) << "the frame unseen counts";
 }
 
-TEST(MovingObjectTrackerTest, GivesANewIdAfterTheTimeForFindingAgain) {
+TEST(MovingObjectTrackerTest, AssignsANewIdAfterTheRetrackTime) {
   ObjectsParams params;
   params.lifecycle.retrack_time_s = 1.0;
   Replay replay(params);
@@ -293,7 +293,7 @@ TEST(MovingObjectTrackerTest, MergesDetectionsOfOneObject) {
   EXPECT_EQ(replay.used, 20u);
 }
 
-TEST(MovingObjectTrackerTest, MergesDetectionsThatShareTheirImageBox) {
+TEST(MovingObjectTrackerTest, MergesDetectionsOfOneImageBox) {
   Replay replay;
   Detection one = seenCar(20, 0);
   Detection deeper = seenCar(26, 0);
@@ -309,7 +309,7 @@ TEST(MovingObjectTrackerTest, KeepsAPersonAndACarApart) {
   EXPECT_EQ(confirmed(replay.last).size(), 2u);
 }
 
-TEST(MovingObjectTrackerTest, RefusesTimeThatDoesNotRun) {
+TEST(MovingObjectTrackerTest, RefusesTimesThatDoNotIncrease) {
   Replay replay;
   for (int k = 0; k < 5; ++k) replay.frame({seenCar(10, 0)});
   const Time now = replay.time() - kFrame_s;
@@ -336,7 +336,7 @@ TEST(MovingObjectTrackerTest, LivesThroughGapsOfTime) {
   }
 }
 
-TEST(MovingObjectTrackerTest, CountsWhatItCannotUseAndGoesOn) {
+TEST(MovingObjectTrackerTest, CountsUnusableDetections) {
   Replay replay;
   Detection broken = seenCar(10, 0);
   broken.box3d->centre.x() = std::numeric_limits<double>::quiet_NaN();
@@ -345,7 +345,7 @@ TEST(MovingObjectTrackerTest, CountsWhatItCannotUseAndGoesOn) {
   EXPECT_EQ(confirmed(replay.last).size(), 1u);
 }
 
-TEST(MovingObjectTrackerTest, TakesTenThousandBoxes) {
+TEST(MovingObjectTrackerTest, ProcessesTenThousandBoxes) {
   std::vector<Detection> items;
   for (int i = 0; i < 10000; ++i) items.push_back(seenPerson(2 + 1.1 * (i % 100), 1.1 * (i / 100)));
   ObjectsParams params;
@@ -357,7 +357,7 @@ TEST(MovingObjectTrackerTest, TakesTenThousandBoxes) {
   EXPECT_THAT(replay.dropped, IsEmpty());
 }
 
-TEST(MovingObjectTrackerTest, HandsOutEveryPlaceOfATrackOnce) {
+TEST(MovingObjectTrackerTest, ReturnsEveryPositionOfATrackOnce) {
   Replay replay;
   for (int k = 0; k < 50; ++k) replay.frame({seenCar(10 + 0.5 * k, 0)});
   auto samples = replay.finalised;
@@ -371,7 +371,7 @@ TEST(MovingObjectTrackerTest, HandsOutEveryPlaceOfATrackOnce) {
   EXPECT_THAT(replay.tracker().flush(), IsEmpty());
 }
 
-TEST(MovingObjectTrackerTest, CarriesTracksThroughFramesWithoutALook) {
+TEST(MovingObjectTrackerTest, PredictsTracksInFramesWithoutDetection) {
   Replay replay;
   for (int k = 0; k < 20; ++k) replay.frame({seenCar(10 + 1.0 * k, 0)});
   const TrackUpdate coasted = replay.tracker().coast(20, replay.time());
@@ -428,10 +428,10 @@ Detection seenWalking(int frame) {
   return walker;
 }
 
-TEST(MovingObjectTrackerTest, ExpectsWhatADetectorSawMove) {
+TEST(MovingObjectTrackerTest, ExpectsObjectsWithEvidenceOfMotion) {
   Replay replay;
   replay.frame({seenWalking(0), seenCar(20.0, 5.0)});
-  ASSERT_EQ(replay.last.expected.size(), 1u) << "nobody had evidence that the car moves";
+  ASSERT_EQ(replay.last.expected.size(), 1u) << "no evidence that the car moves";
   const ExpectedObject& first = replay.last.expected[0];
   EXPECT_EQ(first.track, replay.last.tracks[0].id);
   EXPECT_EQ(first.observations, 1);
@@ -490,18 +490,19 @@ TEST(MovingObjectTrackerTest, KeepsTheNewestTemplateButNotOneFoundByItself) {
   EXPECT_EQ(keptTime(replay), -1.0) << "too little contrast now";
 }
 
-TEST(MovingObjectTrackerTest, VotesOverGuessedClasses) {
+TEST(MovingObjectTrackerTest, VotesOverProvisionalClasses) {
   Replay replay;
   for (int k = 0; k < 6; ++k) {
     Detection walker = seenWalking(k);
     if (k == 2) walker.object_class = ObjectClass::kCar;
     replay.frame({walker});
-    ASSERT_EQ(replay.last.tracks.size(), 1u) << "a guess starts no second track, frame " << k;
+    ASSERT_EQ(replay.last.tracks.size(), 1u)
+        << "a provisional class starts no second track, frame " << k;
     EXPECT_EQ(replay.last.tracks[0].object_class, ObjectClass::kPedestrian);
   }
 }
 
-TEST(ObjectsParamsTest, DescribeEveryKeyOnceAndLoadWhatTheyPrint) {
+TEST(ObjectsParamsTest, DescribeEveryKeyOnceAndLoadTheirOutput) {
   ObjectsParams params;
   Params registry;
   params.describe(registry.section("objects"));

@@ -23,7 +23,7 @@ double learntFrom(double factor, double adaption) {
   return scale.value();
 }
 
-TEST(NoiseScaleTest, FindsHowNoisyADetectorIs) {
+TEST(NoiseScaleTest, ConvergesToTheDetectorsNoise) {
   EXPECT_NEAR(learntFrom(1.0, 0.005), 1.0, 0.15);
   EXPECT_NEAR(learntFrom(2.5, 0.005), 2.5, 0.4);
 }

@@ -40,7 +40,7 @@ TEST(ObviousPairsTest, AreNotThoseThatSomethingElseMayBeat) {
   EXPECT_EQ(candidates.size(), 3u);
 }
 
-TEST(ObviousPairsTest, AreNeverWorseThanNoPair) {
+TEST(ObviousPairsTest, CostAtMostZero) {
   std::vector<CandidatePair> candidates = {{0, 0, 2.0}, {1, 1, -1.0}};
   const auto obvious = takeObviousPairs(candidates);
   ASSERT_EQ(obvious.size(), 1u);

@@ -90,7 +90,7 @@ TEST_P(EveryPredictorTest, IsLessSureFartherAhead) {
   }
 }
 
-TEST_P(EveryPredictorTest, LeavesAStandingObjectWhereItStands) {
+TEST_P(EveryPredictorTest, KeepsAStaticObjectAtItsPosition) {
   const auto paths = predict(history([](double) { return Eigen::Vector2d(4.0, 5.0); }));
   ASSERT_FALSE(paths.empty());
   for (const PredictedPoint& point : paths.front().points) {
@@ -124,20 +124,20 @@ TEST_P(EveryPredictorTest, TurnsAndShiftsWithItsHistory) {
   }
 }
 
-TEST_P(EveryPredictorTest, DoesNotMindHowLittleItKnows) {
+TEST_P(EveryPredictorTest, AcceptsShortHistories) {
   EXPECT_TRUE(predict({}).empty());
   const auto path = straightAt(2.0);
   for (std::size_t length = 1; length < path.size(); ++length) {
-    const std::vector<TrajectoryPoint> young(path.end() - static_cast<std::ptrdiff_t>(length),
-                                             path.end());
-    const auto paths = predict(young);
+    const std::vector<TrajectoryPoint> recent(path.end() - static_cast<std::ptrdiff_t>(length),
+                                              path.end());
+    const auto paths = predict(recent);
     ASSERT_FALSE(paths.empty());
     const double expected = length == 1 ? 3.0 : 9.0;
     EXPECT_NEAR(placeIn(paths.front(), kHorizon_s).x(), expected, 0.4) << length << " places";
   }
 }
 
-TEST_P(EveryPredictorTest, GivesFiniteAnswersForUnevenTimes) {
+TEST_P(EveryPredictorTest, IsFiniteForUnevenTimes) {
   auto path = history([](double t) { return Eigen::Vector2d(3.0 * t, std::sin(t)); });
   path.front().time = -60.0;
   path[18].time = -1e-6;
@@ -196,9 +196,9 @@ TEST(MixtureTest, StopsAndDoesNotReverse) {
   EXPECT_LT(before, 2.0) << "constant velocity would say 3 m";
 }
 
-TEST(MixtureTest, GoesBackwardsWithAReversingCar) {
+TEST(MixtureTest, FollowsAReversingCarBackwards) {
   auto path = history([](double t) { return Eigen::Vector2d(-1.5 * t, 0.0); });
-  for (TrajectoryPoint& point : path) point.yaw = 0.0;  // it looks along +x
+  for (TrajectoryPoint& point : path) point.yaw = 0.0;  // it faces +x
   const auto paths =
       makePredictor(PredictorKind::kMixture, PredictorParams())->predict({ObjectClass::kCar, path});
   EXPECT_NEAR(placeIn(paths.front(), 3.0).x(), -4.5, 0.5);
@@ -229,7 +229,7 @@ TEST(MixturePredictorTest, IsLessSureInTheDirectionInWhichTheHistoryIsNoisy) {
   }
 }
 
-TEST(MixturePredictorTest, IsLessSureOfWhatItHasNotWatchedForLong) {
+TEST(MixturePredictorTest, IsLessCertainForShortHistories) {
   double before = 0.0;
   for (const double span : {2.0, 1.0, 0.5, 0.2, 0.0}) {
     MotionHistory known = drivingAlongX(span);

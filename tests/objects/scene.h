@@ -72,7 +72,7 @@ class Replay {
   Time time_ = 0.0;
 };
 
-/// The tracks that the outside believes: confirmed ones.
+/// The confirmed tracks.
 inline std::vector<Track> confirmed(const TrackUpdate& update) {
   std::vector<Track> tracks;
   for (const Track& track : update.tracks) {
@@ -81,7 +81,7 @@ inline std::vector<Track> confirmed(const TrackUpdate& update) {
   return tracks;
 }
 
-/// The history of an object that moves as `place(t)` says, 2 s at 10 Hz, now at t = 0.
+/// The history of an object at the positions `place(t)`, 2 s at 10 Hz, current at t = 0.
 template <typename Place>
 std::vector<TrajectoryPoint> history(Place place, double span_s = 2.0, double step_s = 0.1) {
   std::vector<TrajectoryPoint> path;

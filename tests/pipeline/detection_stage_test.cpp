@@ -14,7 +14,7 @@ using test::PaintedStreet;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-const PaintedBox kMover{{-3.0, 1.6, 17.0}, 1.8, 1.5, {2.5, 0.0, 4.0}, 11};
+const PaintedBox kMoving{{-3.0, 1.6, 17.0}, 1.8, 1.5, {2.5, 0.0, 4.0}, 11};
 const PaintedBox kParked{{3.5, 1.6, 16.0}, 1.8, 1.5, {0.0, 0.0, 0.0}, 12};
 
 DetectionParams paramsFor(const std::string& detector) {
@@ -97,22 +97,22 @@ TEST(DetectionStageTest, NoDetectorMakesNoUseOfRecordedBoxes) {
   EXPECT_FALSE(detectAll(stage, frame).fused);
 }
 
-TEST(DetectionStageTest, LooksAtEveryNthFrameOnly) {
+TEST(DetectionStageTest, EvaluatesEveryNthFrameOnly) {
   const PaintedStreet street({});
   auto params = paramsFor("hog");
   params.detect.every_nth_frame = 3;
   DetectionStage stage(street.camera(), params);
-  std::vector<bool> looked;
+  std::vector<bool> evaluated;
   for (int i = 0; i < 5; ++i) {
     const auto found = detectAll(stage, frameOf(street, i));
-    looked.push_back(found.fused.has_value());
-    EXPECT_EQ(looked.back(), found.images_used);
+    evaluated.push_back(found.fused.has_value());
+    EXPECT_EQ(evaluated.back(), found.images_used);
   }
-  EXPECT_EQ(looked, (std::vector<bool>{true, false, false, true, false}));
+  EXPECT_EQ(evaluated, (std::vector<bool>{true, false, false, true, false}));
 }
 
-TEST(DetectionStageTest, ByItselfItStepsAsideForRecordedBoxes) {
-  const PaintedStreet street({kMover, kParked});
+TEST(DetectionStageTest, AutoPrefersRecordedBoxes) {
+  const PaintedStreet street({kMoving, kParked});
   DetectionStage stage(street.camera(), paramsFor("auto"));
   EXPECT_TRUE(detectAll(stage, frameOf(street, 0)).images_used) << "nothing recorded so far";
   auto frame = frameOf(street, 1);
@@ -152,27 +152,27 @@ TEST(DetectionStageTest, BoxesOfAnotherSensorAreTurnedToTheCamera) {
   ASSERT_TRUE(found);
   EXPECT_TRUE(found->T_robot_sensor.isApprox(street.camera()->T_robot_cam));
   EXPECT_TRUE(found->items[0].box3d->centre.isApprox(Eigen::Vector3d(10.0, 0.0, -1.0), 1e-9));
-  EXPECT_NEAR(M_PI_2, found->items[0].box3d->yaw, 1e-9) << "its front looked along the sensor's x";
+  EXPECT_NEAR(M_PI_2, found->items[0].box3d->yaw, 1e-9) << "its front faced along the sensor's x";
 }
 
 TEST(DetectionStageTest, TwoSourcesOfOneObjectGiveOneDetection) {
-  const PaintedStreet street({kMover, kParked});
+  const PaintedStreet street({kMoving, kParked});
   DetectionStage alone(street.camera(), paramsFor("stereo_motion"));
   DetectionStage both(street.camera(), paramsFor("recorded+stereo_motion"));
   std::optional<Detections> one, fused;
   for (int i = 0; i < 10; ++i) {
     auto frame = frameOf(street, i);
     one = detectAll(alone, frame).fused;
-    frame.detections = recorded(street, i, {seen(kMover, street, i), seen(kParked, street, i)});
+    frame.detections = recorded(street, i, {seen(kMoving, street, i), seen(kParked, street, i)});
     fused = detectAll(both, frame).fused;
   }
   ASSERT_TRUE(one && fused);
   EXPECT_EQ(1u, one->items.size());
-  EXPECT_EQ(2u, fused->items.size()) << "the mover once, the parked car once";
+  EXPECT_EQ(2u, fused->items.size()) << "each car once";
 }
 
-TEST(DetectionStageTest, WhatMovedIsLeftOutOfTheNextFramesLandmarks) {
-  const PaintedStreet street({kMover, kParked});
+TEST(DetectionStageTest, MovingRegionsAreExcludedFromTheNextFramesLandmarks) {
+  const PaintedStreet street({kMoving, kParked});
   DetectionStage stage(street.camera(), paramsFor("stereo_motion"));
   MovingRegions regions;
   detect::MotionDetections motion;
@@ -183,7 +183,7 @@ TEST(DetectionStageTest, WhatMovedIsLeftOutOfTheNextFramesLandmarks) {
     motion = stage.detectMotion(frame, frame.T_map_robot, boxes, {}, motion).motion;
   }
   ASSERT_EQ(1u, regions.boxes.size());
-  const Box2d truth = *seen(kMover, street, 9).box2d;
+  const Box2d truth = *seen(kMoving, street, 9).box2d;
   EXPECT_NEAR(truth.left, regions.boxes[0].left, 8.0);
   EXPECT_NEAR(truth.right, regions.boxes[0].right, 8.0);
   EXPECT_FALSE(regions.mask.empty());
@@ -199,8 +199,8 @@ TEST(DetectionStageTest, UnusableFramesAreCounted) {
   EXPECT_EQ((DropCounts{{"unusable_image", 1}}), found.dropped);
 }
 
-TEST(PerceptionTest, ImagesAloneGiveTracksOfWhatMoves) {
-  const PaintedStreet street({kMover, kParked});
+TEST(PerceptionTest, ImagesAloneGiveTracksOfMovingObjects) {
+  const PaintedStreet street({kMoving, kParked});
   PerceptionParams params;
   params.detection.detector = "stereo_motion";
   Perception perception(street.camera(), params);
@@ -215,7 +215,7 @@ TEST(PerceptionTest, ImagesAloneGiveTracksOfWhatMoves) {
   ASSERT_EQ(1u, moving.size());
   ASSERT_EQ(1u, update.objects.tracks.size());
   const Track& track = update.objects.tracks.front();
-  const Eigen::Vector3d place = street.placeInCamera(kMover, 13);
+  const Eigen::Vector3d place = street.placeInCamera(kMoving, 13);
   const Eigen::Vector3d found = street.T_map_robot(13).inverse() * track.position;
   EXPECT_NEAR(place.z(), found.x(), 3.0) << "its front; the box reaches behind it";
   EXPECT_NEAR(-place.x(), found.y(), 1.0);

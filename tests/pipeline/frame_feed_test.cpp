@@ -28,7 +28,7 @@ std::vector<std::size_t> drain(FrameFeed& feed, double busy_s) {
   return indices;
 }
 
-TEST(FrameFeedTest, OfflineHandsEveryFrameOn) {
+TEST(FrameFeedTest, OfflineReturnsEveryFrame) {
   const auto feed = makeOfflineFeed(readerOf(5, 0.1));
   EXPECT_EQ((std::vector<std::size_t>{0, 1, 2, 3, 4}), drain(*feed, 0.0));
   EXPECT_EQ(0u, feed->dropped());
@@ -50,7 +50,7 @@ TEST(FrameFeedTest, RealtimeDoesNotRunAheadOfTheRecording) {
   EXPECT_GE(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(40));
 }
 
-TEST(FrameFeedTest, WhatTheReaderThrowsComesOutAfterTheFramesBeforeIt) {
+TEST(FrameFeedTest, ExceptionsOfTheReaderFollowItsLastFrame) {
   auto inner = readerOf(3, 0.0);
   const auto feed = makeRealtimeFeed(
       [inner]() mutable {
@@ -65,7 +65,7 @@ TEST(FrameFeedTest, WhatTheReaderThrowsComesOutAfterTheFramesBeforeIt) {
   EXPECT_THROW((void)feed->next(), std::runtime_error);
 }
 
-TEST(FrameFeedTest, ClosesWhileFramesAreStillToCome) {
+TEST(FrameFeedTest, ClosesBeforeTheEndOfTheInput) {
   const auto feed = makeRealtimeFeed(readerOf(1000, 10.0), 1.0);
   EXPECT_TRUE(feed->next());
 }

@@ -22,7 +22,7 @@ Track trackIn(const Box2d& box, TrackStatus status, MotionState motion_state) {
   return track;
 }
 
-TEST(MovingRegionsTest, TracksDecideWhatMovesAndWhatStays) {
+TEST(MovingRegionsTest, TracksClassifyTheBoxes) {
   const Box2d box{100, 50, 200, 150};
   Detections detections;
   detections.items = {detectionIn(box)};
@@ -62,7 +62,7 @@ TEST(MovingRegionsTest, A3dBoxAloneIsProjected) {
   EXPECT_NEAR(120.0 + 400.0 * 0.75 / 9.0, regions.unsure[0].bottom, 1e-9);
 }
 
-TEST(MovingRegionsTest, MovingTracksAreWhereTheyAreSeenAndWhereTheyAreKnownToBe) {
+TEST(MovingRegionsTest, MovingTracksAreAtTheirObservedOrPredictedBoxes) {
   Track track;
   track.motion_state = MotionState::kMoving;
   track.status = TrackStatus::kCoasting;
@@ -84,7 +84,7 @@ TEST(MovingRegionsTest, MovingTracksAreWhereTheyAreSeenAndWhereTheyAreKnownToBe)
   EXPECT_TRUE(movingRegions(std::vector<Track>{track}, robot, kCamera).boxes.empty());
 }
 
-TEST(MovingRegionsTest, BoxesThatSayNothingAreLeftOut) {
+TEST(MovingRegionsTest, InvalidBoxesAreIgnored) {
   Detection behind;
   behind.box3d = Box3d{{0, 0, -10}, 4.0, 2.0, 1.5, 0.0};
   Detections detections;

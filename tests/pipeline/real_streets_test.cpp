@@ -16,7 +16,7 @@ namespace {
 struct FoundObject {
   Eigen::Vector3d place;     ///< in the camera's first frame [m]
   Eigen::Vector3d velocity;  ///< along the axes of that [m/s]
-  double aside;              ///< of the camera, to the right [m]
+  double lateral;            ///< of the camera, to the right [m]
 };
 
 std::vector<FoundObject> objectsOf(const std::filesystem::path& data, const std::string& name) {
@@ -52,7 +52,7 @@ TEST(RealStreetsTest, OnAStreetOfParkedCarsOnlyTheOncomingOnesMove) {
   // else stands: false detections are few, and not so many in one place as confirm a track.
   std::vector<Eigen::Vector3d> mistaken;
   for (const auto& object : objectsOf(data, "06")) {
-    const bool comes = object.aside < -10.0 && object.velocity.z() < -5.0;
+    const bool comes = object.lateral < -10.0 && object.velocity.z() < -5.0;
     if (comes) continue;
     const auto near = std::count_if(mistaken.begin(), mistaken.end(), [&](const auto& place) {
       return (place - object.place).norm() < 2.0;

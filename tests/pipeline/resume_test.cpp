@@ -57,7 +57,7 @@ class ResumeTest : public ::testing::Test {
     std::ofstream(path_, std::ios::binary) << bytes;
   }
 
-  /// What loading the file and resuming in it says; empty if it works.
+  /// Error of loading the file and resuming in it; empty without an error.
   [[nodiscard]] std::string errorOfResuming(const StereoCamera& camera) const {
     try {
       Perception perception(std::make_shared<StereoCamera>(camera), params_);
@@ -100,7 +100,7 @@ TEST_F(ResumeTest, WithoutMappingTheMapStaysAsItIs) {
   }
 }
 
-TEST_F(ResumeTest, AGroundScanThatSeesNothingLeavesTheMapWithoutGrid) {
+TEST_F(ResumeTest, AnEmptyGroundScanLeavesTheMapWithoutGrid) {
   params_.grid.scan.reach_m = 0.5;
   Perception perception(hall_.camera(), params_);
   EXPECT_LT(drive(perception, 0, 3), 0.05);
@@ -135,7 +135,7 @@ TEST_F(ResumeTest, FreeAndOccupiedGroundIsPartOfTheMapAndIsTakenUpAgain) {
   EXPECT_EQ(nullptr, without.map().staticGrid());
 }
 
-TEST_F(ResumeTest, ADamagedGridIsAnErrorThatSaysSo) {
+TEST_F(ResumeTest, ADamagedGridIsReported) {
   (void)mapOfDrive(0, 1);
   auto stored = map::loadMap(path_);
   stored.attachments.at("grid").resize(20);
@@ -183,7 +183,7 @@ TEST_F(ResumeTest, AMapOfAnotherCameraIsAnErrorThatNamesBoth) {
   EXPECT_THAT(errorOfResuming(other), HasSubstr("baseline 0.2400 m"));
 }
 
-TEST_F(ResumeTest, AMapOfAnotherVersionIsAnErrorThatSaysSo) {
+TEST_F(ResumeTest, AMapOfAnotherVersionIsReported) {
   (void)mapOfDrive(0, 1);
   auto stored = map::loadMap(path_);
   stored.attachments.at("slam")[4] = 99;

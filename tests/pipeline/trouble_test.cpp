@@ -1,6 +1,6 @@
-// Images as they are in bad weather and with bad cameras, through the whole pipeline with the
-// poses of its own SLAM: less may be found, and what is left out is counted; never are there many
-// tracks of what is not there.
+// Degraded images (weather, camera faults) through the whole pipeline with the poses of its own
+// SLAM: fewer objects may be detected, and unused data is counted, but there must not be many
+// false tracks.
 
 #include <gtest/gtest.h>
 #include <headway/pipeline/perception.h>
@@ -22,7 +22,7 @@ constexpr int kBlackFrame = 8;
 const std::vector<PaintedBox> kStillStreet = {{{3.5, 1.6, 16.0}, 1.8, 1.5, {0.0, 0.0, 0.0}, 12},
                                               {{-4.5, 1.6, 22.0}, 0.5, 1.7, {0.0, 0.0, 0.0}, 13},
                                               {{-6.0, 1.6, 18.0}, 2.2, 1.8, {0.0, 0.0, 0.0}, 14}};
-const PaintedBox kMover{{-2.0, 1.6, 17.0}, 1.8, 1.5, {2.5, 0.0, 4.0}, 11};
+const PaintedBox kMoving{{-2.0, 1.6, 17.0}, 1.8, 1.5, {2.5, 0.0, 4.0}, 11};
 
 struct Outcome {
   std::set<TrackId> moving_tracks;  ///< confirmed ones found moving at some time
@@ -57,15 +57,15 @@ Outcome run(const PaintedStreet& street, const Trouble& trouble) {
 
 class InTroubleTest : public testing::TestWithParam<int> {};
 
-TEST_P(InTroubleTest, AStillStreetStaysStill) {
+TEST_P(InTroubleTest, AStaticStreetHasNoMovingObjects) {
   EXPECT_LE(run(PaintedStreet(kStillStreet), test::troubles(kBlackFrame)[GetParam()])
                 .moving_tracks.size(),
             1u);
 }
 
-TEST_P(InTroubleTest, OneMoverIsNotAFlood) {
+TEST_P(InTroubleTest, OneMovingObjectIsNotAFlood) {
   auto boxes = kStillStreet;
-  boxes.push_back(kMover);
+  boxes.push_back(kMoving);
   EXPECT_LE(run(PaintedStreet(boxes), test::troubles(kBlackFrame)[GetParam()]).moving_tracks.size(),
             2u);
 }
@@ -74,7 +74,7 @@ INSTANTIATE_TEST_SUITE_P(Troubles, InTroubleTest, testing::Range(0, 5), [](const
   return std::string(test::troubles(kBlackFrame)[index.param].name);
 });
 
-TEST(TroubleTest, ABlackImageIsReportedAndThenItGoesOn) {
+TEST(TroubleTest, ContinuesAfterABlackImage) {
   const auto outcome = run(PaintedStreet(kStillStreet), test::troubles(kBlackFrame)[3]);
   EXPECT_EQ(1u, outcome.dropped.at("unusable_image"));
   EXPECT_LE(outcome.lost, 2);

@@ -64,7 +64,7 @@ TEST_F(BadInputTest, GoodInputIsGood) {
 
 TEST_F(BadInputTest, MissingRawlog) { EXPECT_THAT(errorLine(replayIt()), HasSubstr("in.rawlog")); }
 
-TEST_F(BadInputTest, TruncatedRawlogKeepsWhatCameBefore) {
+TEST_F(BadInputTest, TruncatedRawlogKeepsTheFramesBefore) {
   test::writePlainRawlog(rawlog);
   std::filesystem::resize_file(rawlog, std::filesystem::file_size(rawlog) * 2 / 3);
   const auto run = replayIt();
@@ -138,7 +138,7 @@ TEST_F(BadInputTest, LeftAndRightImageSwapped) {
   EXPECT_THAT(errorLine(replayIt()), HasSubstr("swapped"));
 }
 
-TEST_F(BadInputTest, BoxesThatCannotBeAreCountedByReason) {
+TEST_F(BadInputTest, ImpossibleBoxesAreCountedByReason) {
   auto nan = test::plainDetection();
   nan.box3d->centre.x() = std::numeric_limits<double>::quiet_NaN();
   auto behind = test::plainDetection();
@@ -248,7 +248,7 @@ TEST_F(BadInputTest, ADetectorWithoutItsModelEndsBeforeTheReplay) {
 TEST_F(BadInputTest, WrongUseEndsWithStatus2) {
   EXPECT_EQ(2, replayIt("--no-such-option").process.status);
   EXPECT_EQ(2, replayIt("--realtime -1").process.status);
-  EXPECT_EQ(2, replayIt("--detector nobody").process.status);
+  EXPECT_EQ(2, replayIt("--detector unknown").process.status);
 }
 
 }  // namespace

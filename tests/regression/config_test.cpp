@@ -15,7 +15,7 @@ std::string dumped(const std::string& options) {
   return dump.output;
 }
 
-TEST(ConfigTest, ShippedFilesAreWhatTheReplayPrints) {
+TEST(ConfigTest, ShippedFilesEqualTheReplaysOutput) {
   EXPECT_TRUE(test::contentsOf(kUserKeys) == dumped(""))
       << "config/headway.ini is made by: headway-replay --dump-config > config/headway.ini";
   EXPECT_TRUE(test::contentsOf(kUserKeys) + test::contentsOf(kExpertKeys) == dumped("--expert"))
@@ -37,7 +37,7 @@ TEST(ConfigTest, AUserFacesAboutThirtyKeys) {
   EXPECT_LE(keys, 36u);
 }
 
-TEST(ConfigTest, EveryProgramKnowsHelpAndVersion) {
+TEST(ConfigTest, EveryProgramHasHelpAndVersion) {
   for (const char* name : {"headway-import", "headway-export", "headway-replay", "headway-render",
                            "headway-sim", "headway-eval"}) {
     EXPECT_EQ(0, test::runProcess(test::program(name) + " --help").status) << name;

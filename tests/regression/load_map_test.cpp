@@ -59,7 +59,7 @@ TwoDrives replayInTwo(const std::string& rawlog, const test::TemporaryFolder& fo
   return drives;
 }
 
-TEST(LoadMapTest, TwoDrivesThroughTheStreetShareOneFrameAndOneMap) {
+TEST(LoadMapTest, TwoDrivesThroughTheStreetHaveOneFrameAndOneMap) {
   const test::TemporaryFolder folder;
   const auto drives = replayInTwo(kStreet, folder, 30, 60);
   EXPECT_EQ(0, drives.second.summary["frames_lost"]);
@@ -86,7 +86,7 @@ TEST(LoadMapTest, WithoutMappingTheCameraIsLocalisedAndTheMapStays) {
               test::contentsOf(second.file("map_points.ply")));
 }
 
-TEST(LoadMapTest, TwoPartsOfARealStreetShareOneFrame) {
+TEST(LoadMapTest, TwoPartsOfARealStreetHaveOneFrame) {
   HEADWAY_REQUIRE_DATA(data);
   const test::TemporaryFolder folder;
   const auto rawlog = folder / "in.rawlog";
@@ -141,7 +141,7 @@ TEST_F(UnusableMapTest, OfAnotherCamera) {
   EXPECT_THAT(errorLine(kStreet), HasSubstr("another camera"));
 }
 
-TEST_F(UnusableMapTest, OfAnotherPlaceLeavesEveryFrameLostAndSaysSo) {
+TEST_F(UnusableMapTest, OfAnotherPlaceLeavesEveryFrameLostWithAMessage) {
   const auto elsewhere = folder_ / "elsewhere.rawlog";
   {
     io::RawlogSink sink(elsewhere, io::ImageStorage::kEmbedded);

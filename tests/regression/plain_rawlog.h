@@ -19,7 +19,7 @@ inline StereoCamera plainCamera() {
   return camera;
 }
 
-/// A stereo pair that looks at a wall of random texture at 4 m, moved sideways by `shift_px`.
+/// A stereo pair in front of a wall of random texture at 4 m, moved sideways by `shift_px`.
 struct PlainPair {
   cv::Mat left;
   cv::Mat right;

@@ -44,7 +44,7 @@ TEST(ReportPageTest, FitsALaptopAndAPhoneWithoutANetwork) {
   }
 }
 
-TEST(ReportPageTest, TheLayoutOfAWidePageIsSeen) {
+TEST(ReportPageTest, DetectsAWidePage) {
   if (!hasBrowser()) GTEST_SKIP() << "chromium is not installed";
   const test::TemporaryFolder folder;
   std::ofstream(folder / "report.html") << "<body style='margin:0'><div style='width:700px'>wide";

@@ -38,7 +38,7 @@ TEST(StreetTest, EveryFrameIsTrackedAndClose) {
                      test::kStreetAteM);
 }
 
-TEST(StreetTest, MoversAreTrackedAndPredicted) {
+TEST(StreetTest, MovingObjectsAreTrackedAndPredicted) {
   const auto& run = streetRun();
   std::set<TrackId> moving;
   for (const auto& row : io::readTrackCsv(run.file("tracks.csv"))) {

@@ -112,8 +112,8 @@ const Corner* bestMatch(const Corner& corner, const std::vector<Corner>& candida
   const auto [best_score, best] = *std::max_element(
       scores.begin(), scores.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   if (best_score < kMinCorrelation) return nullptr;
-  for (const auto& [score, rival] : scores) {
-    if (!areNeighbours(*rival, *best) && best_score - score < kDistinctness) return nullptr;
+  for (const auto& [score, other] : scores) {
+    if (!areNeighbours(*other, *best) && best_score - score < kDistinctness) return nullptr;
   }
   return best;
 }

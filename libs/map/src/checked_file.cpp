@@ -38,7 +38,7 @@ std::string decompressed(std::string_view packed, std::uint64_t plain_size) {
   } catch (const std::exception&) {
     throw InputError("damaged: cannot be decompressed");
   }
-  if (actual != plain_size) throw InputError("damaged: it holds less than it says");
+  if (actual != plain_size) throw InputError("damaged: fewer data than its header states");
   return plain;
 }
 
@@ -88,7 +88,7 @@ void requireKnownVersion(std::uint32_t version) {
   }
   if (version > kFormatVersion) {
     throw InputError("of " + found + ", newer than " + known +
-                     " which this program knows; update headway");
+                     " which this program supports; update headway");
   }
 }
 

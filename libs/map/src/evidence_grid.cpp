@@ -10,14 +10,14 @@ namespace {
 
 using mrpt::maps::COccupancyGridMap2D;
 
-constexpr double kUnit = 16.0;             // of evidence to one of log-odds, as in MRPT's cells
-constexpr double kHit = 0.85;              // log-odds of something that stands, seen from near
-constexpr double kMinHit = 0.25;           // and from far, where its cell is less certain
+constexpr double kUnit = 16.0;             // evidence per unit of log-odds, as in MRPT's cells
+constexpr double kHit = 0.85;              // log-odds of a near obstacle
+constexpr double kMinHit = 0.25;           // log-odds of a distant one, of uncertain cell
 constexpr std::int32_t kFree = 6;          // evidence of free ground
-constexpr std::int32_t kMaxEvidence = 72;  // that a cell shows
-constexpr int kMarginCells = 64;           // by which the grid grows at least
+constexpr std::int32_t kMaxEvidence = 72;  // limit of a cell's output
+constexpr int kMarginCells = 64;           // minimum growth of the grid
 
-/// What one look says, over the cells about it.
+/// Evidence of one scan for the cells around it.
 class Window {
  public:
   Window(const GroundScan& scan, const Pose& T_map_robot, double resolution)
@@ -53,7 +53,7 @@ class Window {
   [[nodiscard]] int cellOf(double metres) const {
     return static_cast<int>(std::floor(metres / resolution_));
   }
-  /// Places between two ends may be rounded to beyond them: they stay inside.
+  /// Clamped, because positions between two ends may be rounded to a cell beyond them.
   std::int32_t& at(const Eigen::Vector2d& place) {
     const int column = std::clamp(cellOf(place.x()) - left, 0, columns - 1);
     const int row = std::clamp(cellOf(place.y()) - bottom, 0, rows - 1);
@@ -77,7 +77,7 @@ class Window {
   std::vector<Eigen::Vector2d> feet_;
 };
 
-/// As MRPT's cell has it: of being free, and no surer than kMaxEvidence.
+/// MRPT's cell: log-odds of being free, limited to kMaxEvidence.
 COccupancyGridMap2D::cellType shownFor(std::int32_t evidence) {
   static const auto table = [] {
     std::vector<COccupancyGridMap2D::cellType> cells;

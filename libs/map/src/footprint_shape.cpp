@@ -16,7 +16,7 @@ constexpr double kMinVariance = 1e-4;  ///< [m^2]
 
 double normalCdf(double value) { return 0.5 * std::erfc(-value / std::sqrt(2.0)); }
 
-/// Where the line of one abscissa runs inside a convex polygon; low > high: nowhere.
+/// Interval of a vertical line inside a convex polygon; empty if low > high.
 struct Chord {
   double low = 1e300;
   double high = -1e300;
@@ -84,7 +84,7 @@ double probabilityInside(const std::vector<Vector2d>& polygon, const Vector2d& m
   const double from = std::max(left, mean.x() - kReachSigmas * sigma_x);
   const double to = std::min(right, mean.x() + kReachSigmas * sigma_x);
   if (!(from < to)) return 0.0;
-  // In slices along x, each weighed exactly: the rest of y given x is normal again.
+  // Sum over slices along x; within a slice y given x is normally distributed.
   const double step = (to - from) / kSlices;
   double sum = 0.0;
   for (int i = 0; i < kSlices; ++i) {

@@ -17,8 +17,8 @@ namespace {
 
 using PositionById = std::unordered_map<LandmarkId, Eigen::Vector3d>;
 
-/// A range scan that holds points alone. The plainer CObservationPointCloud will not do: when MRPT
-/// before 2.11 builds a map from it, it leaves the robot's pose out.
+/// A range scan with points only. CObservationPointCloud is not used, because MRPT before 2.11
+/// ignores the robot's pose when it builds a map from it.
 mrpt::obs::CObservation3DRangeScan::Ptr scanOf(const slam::KeyframeView& keyframe,
                                                const PositionById& positions) {
   const Pose T_robot_map = keyframe.T_map_robot.inverse();
@@ -31,7 +31,7 @@ mrpt::obs::CObservation3DRangeScan::Ptr scanOf(const slam::KeyframeView& keyfram
   std::size_t count = 0;
   for (const auto id : keyframe.landmarks) {
     const auto position = positions.find(id);
-    if (position == positions.end()) continue;  // culled since the keyframe saw it
+    if (position == positions.end()) continue;  // culled since then
     const Eigen::Vector3f p = (T_robot_map * position->second).cast<float>();
     scan->points3D_x[count] = p.x();
     scan->points3D_y[count] = p.y();
@@ -56,7 +56,7 @@ void writeSimpleMap(const std::string& path, const slam::MapView& static_map) {
   if (!simple_map.saveToFile(path)) throw InputError(path + ": cannot be written");
 }
 
-/// MRPT's saveToPlyFile leaves out the colours and adds an empty list of faces.
+/// Hand-written because MRPT's saveToPlyFile omits colours and adds an empty list of faces.
 void writePly(const std::string& path, const slam::MapView& static_map) {
   std::ofstream file(path, std::ios::binary);
   file << "ply\nformat binary_little_endian 1.0\ncomment landmarks of headway, map frame, metres\n"

@@ -18,7 +18,7 @@ constexpr char kStaticMap[] = "static_map";
 constexpr char kLayers[] = "layers";
 constexpr char kAttachment[] = "attachment:";
 
-/// Version of each section's contents; a section of a newer one cannot be read.
+/// Version of each section's contents; newer sections cannot be read.
 constexpr std::uint32_t kSectionVersion = 1;
 
 template <typename Value>
@@ -28,8 +28,8 @@ Section sectionOf(const std::string& name, const Value& value) {
   return {name, kSectionVersion, out.bytes};
 }
 
-/// The layers are MRPT objects, which MRPT serialises. Their landmarks are a copy of the static
-/// map, so they are left out and filled in on loading.
+/// The layers are serialised by MRPT, without their landmarks, which are a copy of the static map
+/// and are restored on loading.
 Section layersWithoutLandmarks(PerceptionMap map) {
   map.update(slam::MapView());
   mrpt::io::CMemoryStream stream;
@@ -43,7 +43,7 @@ template <typename Read>
 auto readSection(const Section& section, const Read& read) {
   if (section.version > kSectionVersion) {
     throw InputError("its section '" + section.name +
-                     "' is of a newer version than this program knows");
+                     "' is of a newer version than this program supports");
   }
   try {
     return read(section.bytes);
@@ -86,7 +86,7 @@ void apply(const Section& section, StoredMap& stored, std::optional<slam::MapVie
   }
 }
 
-/// Whether the static map can be derived from what slam saved.
+/// Whether the static map can be derived from SLAM's attachment.
 bool holdsSlamMap(const StoredMap& stored) {
   return stored.camera && stored.attachments.count(kSlamAttachment) > 0;
 }

@@ -173,7 +173,7 @@ NearTracks MapQuery::tracksNear(const Vector2d& place, double radius_m, Time tim
   near.status = statusAt(time);
   std::optional<TrackId> last;
   for (const auto& obstacle : obstaclesAt(time).items) {
-    if (last && *last == obstacle.id) continue;  // a less probable future
+    if (last && *last == obstacle.id) continue;  // a less probable path
     last = obstacle.id;
     const Vector2d local = Eigen::Rotation2Dd(-obstacle.yaw) * (place - obstacle.centre);
     const FootprintShape& footprint = obstacle.shape;

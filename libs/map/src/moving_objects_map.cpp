@@ -12,10 +12,10 @@
 
 using headway::CMovingObjectsMap;
 
-// Known to multi-metric maps by either of these names ...
+// Registered for multi-metric maps under both names ...
 MAP_DEFINITION_REGISTER("headway::CMovingObjectsMap,movingObjectsMap", headway::CMovingObjectsMap)
 
-// ... and to everything that is serialised by its class name.
+// ... and for serialisation under its class name.
 MRPT_INITIALIZER(registerMovingObjectsMap) {
   mrpt::rtti::registerClass(CLASS_ID(headway::CMovingObjectsMap));
 }

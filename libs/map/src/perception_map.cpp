@@ -26,7 +26,7 @@ bool endsWith(const std::string& text, const std::string& ending) {
          text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
 }
 
-/// MRPT before 2.11.3 says nothing of a kind of map that it does not know.
+/// MRPT before 2.11.3 does not report unknown kinds of maps.
 void requireKnownKinds(const mrpt::config::CConfigFileBase& file, const std::string& path,
                        const std::string& section) {
   const std::string ending = "_count";
@@ -44,7 +44,7 @@ void requireKnownKinds(const mrpt::config::CConfigFileBase& file, const std::str
   }
 }
 
-/// Replaces all points of a layer; kinds without colour leave the grey value out.
+/// Replaces all points of a layer; layers without colour ignore the grey value.
 void insertLandmarks(const slam::MapView& static_map, CPointsMap& points) {
   points.clear();
   points.reserve(static_map.landmarks.size());
@@ -53,7 +53,7 @@ void insertLandmarks(const slam::MapView& static_map, CPointsMap& points) {
     const Eigen::Vector3f p = landmark.position.cast<float>();
     points.insertPointRGB(p.x(), p.y(), p.z(), grey, grey, grey);
   }
-  // MRPT works these out when first asked: here, not in two readers' threads at once.
+  // MRPT computes these lazily: done here, because two readers must not do it concurrently.
   static_cast<void>(points.boundingBox());
   static_cast<void>(points.getLargestDistanceFromOrigin());
 }
@@ -124,7 +124,7 @@ void PerceptionMap::update(Time time, std::vector<Track> tracks) {
 void PerceptionMap::update(const mrpt::maps::COccupancyGridMap2D::Ptr& static_grid) {
   ASSERTMSG_(static_grid != nullptr, "a map without a grid keeps the one it has");
   const auto old_grid = staticGrid();
-  if (old_grid != nullptr) {  // what an .ini asked of this layer holds for its next contents
+  if (old_grid != nullptr) {  // the options of an .ini apply to later contents, too
     static_grid->genericMapParams = old_grid->genericMapParams;
     static_grid->insertionOptions = old_grid->insertionOptions;
     static_grid->likelihoodOptions = old_grid->likelihoodOptions;

@@ -8,8 +8,8 @@
 namespace headway::map {
 namespace {
 
-/// d(yaw, pitch, roll) / d(turn in the body frame), rotation = Rz(yaw) Ry(pitch) Rx(roll).
-/// @see Diebel 2006, "Representing Attitude", eq. 78 for this order of turns
+/// d(yaw, pitch, roll) / d(rotation in body axes), rotation = Rz(yaw) Ry(pitch) Rx(roll).
+/// @see Diebel 2006, "Representing Attitude", eq. 78 for this order of rotations
 Eigen::Matrix3d eulerRates(double pitch, double roll) {
   const double cos_pitch =
       std::copysign(std::max(std::abs(std::cos(pitch)), 1e-6), std::cos(pitch));

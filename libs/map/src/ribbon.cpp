@@ -6,7 +6,7 @@
 namespace headway::map {
 namespace {
 
-/// Level normals of a polyline: at each point that of the way from its last neighbour to its next.
+/// Horizontal normals of a polyline, at each point of the line between its two neighbours.
 std::vector<Eigen::Vector3d> levelNormals(const std::vector<Eigen::Vector3d>& polyline) {
   std::vector<Eigen::Vector3d> normals(polyline.size(), Eigen::Vector3d::UnitY());
   for (std::size_t i = 0; i < polyline.size(); ++i) {

@@ -11,12 +11,12 @@ void SharedMap::publish(const PerceptionMap& map) {
     const std::size_t free = (current + i) % places_.size();
     if (free == current) continue;
     std::unique_lock lock(places_[free].mutex, std::try_to_lock);
-    if (!lock) continue;  // a reader was sent there long ago and is still at it
+    if (!lock) continue;  // a slow reader still holds this slot
     places_[free].map.swap(next);
     current_ = free;
     break;
   }
-  // The map that was there before is freed here, with no lock held.
+  // The previous map of the slot is freed here, without a lock.
 }
 
 std::shared_ptr<const PerceptionMap> SharedMap::snapshot() const {

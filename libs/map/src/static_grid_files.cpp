@@ -10,7 +10,7 @@
 namespace headway::map {
 namespace {
 
-// Map servers call a cell free below 0.196 and occupied above 0.65 of darkness.
+// Thresholds of map servers: free below 0.196, occupied above 0.65 of darkness.
 constexpr float kFree = 0.804f;
 constexpr float kOccupied = 0.35f;
 constexpr std::uint8_t kFreeGrey = 254, kUnknownGrey = 205, kOccupiedGrey = 0;

@@ -50,7 +50,7 @@ std::vector<std::vector<Eigen::Vector3d>> dashesOf(const std::vector<Eigen::Vect
                                                    double dash, double gap) {
   std::vector<std::vector<Eigen::Vector3d>> dashes;
   bool drawing = false;
-  double left_to_switch = 0.0;  // the first piece of way starts a dash
+  double left_to_switch = 0.0;  // the path starts with a dash
   for (std::size_t i = 1; i < polyline.size(); ++i) {
     Eigen::Vector3d from = polyline[i - 1];
     double remaining = (polyline[i] - from).norm();

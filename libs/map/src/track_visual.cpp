@@ -18,7 +18,7 @@ constexpr double kGapM = 0.5;
 constexpr double kShortestPathM = 0.5;  ///< a prediction that stays within this is no path
 constexpr double kMinProbability = 0.05;
 
-/// Heights above the ground [m], so that flat bands do not fight for the same depth.
+/// Heights above the ground [m], so that flat bands do not have the same depth.
 constexpr double kUncertaintyHeight = 0.03;
 constexpr double kTrailHeight = 0.05;
 constexpr double kPredictionHeight = 0.07;
@@ -89,7 +89,7 @@ void appendDashes(const Track& track, const PredictedPath& prediction,
   }
 }
 
-/// A band as wide as one standard deviation to each side, across the way.
+/// A band of one standard deviation to each side, across the path.
 void appendUncertainty(const Track& track, const PredictedPath& prediction,
                        mrpt::opengl::CSetOfTriangles& out) {
   const auto path = raised(groundPath(track, prediction), kUncertaintyHeight);
@@ -141,7 +141,7 @@ void insertPaths(const std::vector<const Track*>& tracks,
   auto predictions = newTriangles("predictions");
   auto trails = newTriangles("trails");
   for (const Track* track : tracks) {
-    if (!isMoving(*track)) continue;  // what stands has neither past nor future worth a line
+    if (!isMoving(*track)) continue;  // static objects have neither trail nor prediction
     appendTrail(*track, *trails);
     for (const auto& prediction : track->predictions) {
       if (prediction.probability < kMinProbability ||

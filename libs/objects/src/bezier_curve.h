@@ -51,8 +51,9 @@ class BezierCurve {
   Eigen::Vector2d quadratic_;
   double length_ = 0.0;
   bool tabulated_ = false;
-  std::array<double, 5> inverse_ = {1.0, 0.0, 0.0, 0.0,
-                                    0.0};     ///< of the parameter as a polynomial of the fraction, from degree 1
+  std::array<double, 5> inverse_ = {
+      1.0, 0.0, 0.0, 0.0,
+      0.0};  ///< of the parameter as a polynomial of the fraction, from degree 1
   std::array<double, kTableSize + 1> table_;  ///< fraction of the arc length at t = i / kTableSize
 };
 

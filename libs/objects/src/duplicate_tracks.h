@@ -8,8 +8,8 @@ namespace headway::objects {
 
 /// Suppresses all but the best-scored of tracks of different classes at the same position.
 ///
-/// A detector may detect one person both as a pedestrian and as a cyclist, and each detection starts
-/// a separate track.
+/// A detector may detect one person both as a pedestrian and as a cyclist, and each detection
+/// starts a separate track.
 ///
 /// @param tracks      in ascending order of ids
 /// @param distance_m  below which centres are one position; 0 keeps all [m]

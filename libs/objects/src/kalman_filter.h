@@ -26,9 +26,9 @@ struct Transition {
 /// The paper's linear filter of 18 states: six measured quantities, each with its rate and its
 /// acceleration (Sec. III-C2).
 ///
-/// The six are the position x, y, z [m], the heading yaw [rad], and the footprint's length and width
-/// [m]; the height, independent of motion, is averaged separately. All are in the map frame. x and
-/// y have correlated noise and are filtered together; the others are independent, so that the
+/// The six are the position x, y, z [m], the heading yaw [rad], and the footprint's length and
+/// width [m]; the height, independent of motion, is averaged separately. All are in the map frame.
+/// x and y have correlated noise and are filtered together; the others are independent, so that the
 /// 18x18 covariance consists of one block of 6x6 and four of 3x3, and is stored as these.
 class KalmanFilter {
  public:

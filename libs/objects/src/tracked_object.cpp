@@ -90,7 +90,8 @@ void TrackedObject::updateHeading(const MeasuredBox& detection) {
 }
 
 void TrackedObject::voteClass(const MeasuredBox& detection) {
-  if (detection.evidence.appearance && detection.classIsProvisional()) return;  // the class is this track's own
+  if (detection.evidence.appearance && detection.classIsProvisional())
+    return;  // the class is this track's own
   class_votes_[static_cast<std::size_t>(detection.object_class)] += 1.0;
   const auto& current = class_votes_[static_cast<std::size_t>(object_class_)];
   const auto best = std::max_element(class_votes_.begin(), class_votes_.end());

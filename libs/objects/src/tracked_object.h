@@ -53,7 +53,8 @@ class TrackedObject {
   [[nodiscard]] MotionGroup group() const { return motionGroupOf(object_class_); }
   [[nodiscard]] bool seenAt(Time time) const { return last_seen_ == time; }
   [[nodiscard]] Eigen::Vector3d position() const { return filter_.position(); }
-  /// Mean of its detections' scores, with 0 for frames without detection and a few before the first.
+  /// Mean of its detections' scores, with 0 for frames without detection and a few before the
+  /// first.
   [[nodiscard]] double score() const;
 
   /// Input of a predictor at `time`: the smoothed path, extrapolated if it was not observed.

@@ -33,7 +33,7 @@ std::string choices() {
   return text + "; several joined by +";
 }
 
-/// The image detectors that `names` ask for.
+/// The image detectors among `names`.
 std::vector<std::string> imageDetectors(const std::string& names) {
   if (names == kNone) return {};
   if (names == kAuto) return {kStereoMotion};

@@ -99,12 +99,12 @@ class RealtimeFeed : public FrameFeed {
   std::size_t capacity_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<RecordedFrame> queue_;  // guarded by mutex_, as is all that follows
+  std::deque<RecordedFrame> queue_;  // guarded by mutex_, like the members below
   std::size_t dropped_ = 0;
   bool stopping_ = false;
   bool finished_ = false;
   std::exception_ptr error_;
-  std::thread thread_;  // last: starts when all else is there
+  std::thread thread_;  // last member, so that it starts after the others
 };
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kSameObjectIou = 0.3;
 
-/// The confirmed track that was seen where the box is now; null if there is none.
+/// The confirmed track at the box's position; null if there is none.
 const Track* trackOf(const Box2d& box, const std::vector<Track>& previous) {
   const Track* best = nullptr;
   double best_iou = kSameObjectIou;

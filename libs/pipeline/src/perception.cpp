@@ -85,9 +85,9 @@ void Perception::resume(const map::StoredMap& stored) {
   }
   slam_->load(slam_map->second);
   map_.update(slam_->map());
-  const auto looks = stored.attachments.find(map::kGridAttachment);
-  if (looks != stored.attachments.end()) {
-    grid_.load(looks->second);
+  const auto scans = stored.attachments.find(map::kGridAttachment);
+  if (scans != stored.attachments.end()) {
+    grid_.load(scans->second);
     if (const auto grid = grid_.grid()) map_.update(grid);
   }
   resumed_ = true;
@@ -96,7 +96,7 @@ void Perception::resume(const map::StoredMap& stored) {
 map::StoredMap Perception::stored() const {
   map::StoredMap stored;
   stored.map = map_;
-  if (const auto grid = grid_.grid()) stored.map.update(grid);  // where the map is by now
+  if (const auto grid = grid_.grid()) stored.map.update(grid);  // with the latest corrections
   if (camera_ != nullptr) stored.camera = *camera_;
   if (slam_ != nullptr && given_poses_.empty()) {
     stored.attachments[map::kSlamAttachment] = slam_->save();

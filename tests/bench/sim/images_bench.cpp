@@ -16,7 +16,7 @@ namespace {
 
 using namespace headway;
 
-constexpr int kEvery = 10;  // frames: neighbours look alike
+constexpr int kEvery = 10;  // frames: neighbouring ones are similar
 constexpr int kDisparities = 128;
 constexpr int kBlock = 5;
 constexpr double kBad = 3.0;  // [px]

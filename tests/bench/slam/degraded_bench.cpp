@@ -51,7 +51,7 @@ Drive backwards(const Drive& drive) {
   return result;
 }
 
-/// Every image changed by itself; `change` knows the frame's number and whether it is the right
+/// Every image changed separately; `change` receives the frame's number and whether it is the right
 /// one.
 Drive changed(const Drive& drive,
               const std::function<void(cv::Mat& image, std::size_t frame, bool right)>& change) {

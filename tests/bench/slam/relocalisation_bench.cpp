@@ -104,7 +104,7 @@ std::vector<std::size_t> drawStarts(std::size_t from, std::size_t end, const Req
   return starts;
 }
 
-/// A camera that knows nothing but a stored map.
+/// A camera that starts in a stored map.
 struct RestartedCamera {
   Start start;
   std::unique_ptr<slam::StereoSlam> slam;

@@ -24,7 +24,7 @@ inline void rain(int seed, cv::Mat& image) {
   }
 }
 
-/// Exposure that jumps, blur, rain, one black image, and cameras that do not look together.
+/// Exposure that jumps, blur, rain, one black image, and cameras with converging axes.
 ///
 /// @param black_frame  index of the frame whose left image is black
 inline std::vector<Trouble> troubles(int black_frame) {

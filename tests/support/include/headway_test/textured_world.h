@@ -166,7 +166,7 @@ class TexturedWorld {
   std::vector<cv::Mat> mipmaps_;
 };
 
-/// A small rectified pair that looks along the robot's x axis.
+/// A small rectified pair that faces along the robot's x axis.
 inline StereoCamera smallCamera() {
   StereoCamera camera;
   camera.width = 320;

@@ -6,7 +6,7 @@
 
 namespace headway::test {
 
-/// A believed pedestrian who walks straight on.
+/// A confirmed pedestrian who walks straight on.
 inline Track walkingTrack(std::int64_t id, const Eigen::Vector2d& place,
                           const Eigen::Vector2d& velocity, double sigma_m = 0.0) {
   Track track;

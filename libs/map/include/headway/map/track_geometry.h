@@ -37,7 +37,7 @@ inline constexpr std::array<std::pair<int, int>, 12> kBoxEdges = {{{0, 1},
 /// Length of a polyline [m].
 [[nodiscard]] double lengthOf(const std::vector<Eigen::Vector3d>& polyline);
 
-/// The pieces of a polyline that are dashes: `dash` [m] drawn, `gap` [m] left out, and so on.
+/// The dashes of a polyline: `dash` [m] drawn and `gap` [m] omitted alternately.
 [[nodiscard]] std::vector<std::vector<Eigen::Vector3d>> dashesOf(
     const std::vector<Eigen::Vector3d>& polyline, double dash, double gap);
 

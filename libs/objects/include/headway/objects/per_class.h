@@ -10,7 +10,7 @@ enum class MotionGroup { kVehicle, kCyclist, kPedestrian, kOther };
 /// Number of enumerators of MotionGroup.
 inline constexpr int kMotionGroupCount = 4;
 
-/// Vehicles as isVehicle() says; Pedestrian and Person_sitting; Cyclist; Misc and Unknown.
+/// Vehicles as defined by isVehicle(); Pedestrian and Person_sitting; Cyclist; Misc and Unknown.
 [[nodiscard]] constexpr MotionGroup motionGroupOf(ObjectClass object_class) {
   switch (object_class) {
     case ObjectClass::kCar:

@@ -23,7 +23,7 @@ enum class PredictorKind {
 struct PaperPredictorParams {
   double tangent_weight = 0.9;                      ///< w1, of the path's direction in V_h [-]
   double heading_weight = 0.1;                      ///< w2, of the detected heading in V_h [-]
-  double heading_limit_rad = 1.5707963267948966;    ///< tau_theta: heading left out beyond [rad]
+  double heading_limit_rad = 1.5707963267948966;    ///< tau_theta: limit of a used heading [rad]
   double straight_limit_rad = 0.17453292519943295;  ///< tau_alpha: a path is straight below [rad]
   double recent_weight = 2.0;                       ///< w3, of the recent direction in V_p [-]
   double older_weight = -1.0;                       ///< w4, of the older direction in V_p [-]
