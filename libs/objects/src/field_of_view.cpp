@@ -9,13 +9,13 @@ void FieldOfView::update(const Pose& T_map_sensor, const std::vector<MeasuredBox
   T_sensor_map_ = T_map_sensor.inverse();
   for (const MeasuredBox& box : seen) {
     const Eigen::Vector3d place = T_sensor_map_ * box.position;
-    if (place.z() > 0.0) widest_ = std::max(widest_, std::abs(place.x()) / place.z());
+    if (place.z() > 0.0) max_tangent_ = std::max(max_tangent_, std::abs(place.x()) / place.z());
   }
 }
 
 bool FieldOfView::covers(const Eigen::Vector3d& place) const {
   const Eigen::Vector3d seen = T_sensor_map_ * place;
-  return seen.z() > 0.0 && std::abs(seen.x()) <= widest_ * seen.z();
+  return seen.z() > 0.0 && std::abs(seen.x()) <= max_tangent_ * seen.z();
 }
 
 }  // namespace headway::objects

@@ -26,7 +26,7 @@ class FieldOfView {
 
  private:
   Pose T_sensor_map_ = Pose::Identity();
-  double widest_ = 0.0;  ///< tangent of the largest bearing so far
+  double max_tangent_ = 0.0;  ///< tangent of the largest bearing so far
 };
 
 }  // namespace headway::objects

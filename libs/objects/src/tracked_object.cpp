@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "carried_box.h"
 #include "mean_sigma.h"
 #include "measured_motion.h"
+#include "predicted_box.h"
 #include "recent_motion.h"
 
 namespace headway::objects {
@@ -195,7 +195,7 @@ Track TrackedObject::shownAt(Time time) const {
 
 std::optional<Box2d> TrackedObject::imageBoxAt(Time time, const Eigen::Vector3d& place) const {
   if (seenAt(time) || !box2d_) return box2d_;
-  return carriedBox(*box2d_, seen_from_, place, filter_.size().z());
+  return predictedBox(*box2d_, seen_from_, place, filter_.size().z());
 }
 
 void TrackedObject::finalise(std::size_t window, Time time, std::vector<TrackSample>& samples) {

@@ -1,9 +1,9 @@
-#include "carried_box.h"
+#include "predicted_box.h"
 
 namespace headway::objects {
 
-std::optional<Box2d> carriedBox(const Box2d& box, const Eigen::Vector3d& from,
-                                const Eigen::Vector3d& to, double height) {
+std::optional<Box2d> predictedBox(const Box2d& box, const Eigen::Vector3d& from,
+                                  const Eigen::Vector3d& to, double height) {
   constexpr double kMinDepth_m = 0.1;
   if (!(from.z() > kMinDepth_m && to.z() > kMinDepth_m && height > 0.0)) return std::nullopt;
   const double focal_px = box.height() * from.z() / height;

@@ -17,7 +17,7 @@ namespace headway::objects {
 /// @param to      centre now, same frame [m]
 /// @param height  of the object [m]
 /// @return        nullopt if the object is not in front of the camera
-[[nodiscard]] std::optional<Box2d> carriedBox(const Box2d& box, const Eigen::Vector3d& from,
+[[nodiscard]] std::optional<Box2d> predictedBox(const Box2d& box, const Eigen::Vector3d& from,
                                               const Eigen::Vector3d& to, double height);
 
 }  // namespace headway::objects
