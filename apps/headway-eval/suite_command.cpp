@@ -87,18 +87,20 @@ std::vector<std::string> worldFiles(const std::string& path) {
 class Suite {
  public:
   explicit Suite(const Options& options)
-      : options_(options), progress_("suite", options.quiet), worlds_(worldFiles(options.worlds)) {
+      : options_(options),
+        progress_("suite", options.quiet),
+        worlds_(worldSources(worldFiles(options.worlds))) {
     max_frames_ = options.frames;
     if (options.quick) max_frames_ = kQuickFrames;
-    for (const auto& ini : worlds_) {
-      const std::size_t frames = framesOf(ini);
-      total_ += (1 + rejections().size()) * std::min(frames, max_frames_.value_or(frames));
+    for (const auto& source : worlds_) {
+      const std::size_t frames = framesOf(source);
+      total_ += (1 + rejectionsFor(source).size()) * std::min(frames, max_frames_.value_or(frames));
     }
   }
 
   [[nodiscard]] std::vector<SuiteEntry> run() {
-    for (const auto& ini : worlds_) {
-      if (!program::interrupted()) evaluateWorld(ini);
+    for (const auto& source : worlds_) {
+      if (!program::interrupted()) evaluateWorld(source);
     }
     closeGroup("all worlds");
     if (options_.kitti.empty()) return std::move(entries_);
@@ -114,7 +116,13 @@ class Suite {
   }
 
  private:
-  void evaluateWorld(const std::string& ini) {
+  /// Kinds of rejection that a world is replayed with; `both` is the last.
+  static std::vector<Rejection> rejectionsFor(const WorldSource& source) {
+    if (source.all_rejections) return rejections();
+    return {rejections().back()};
+  }
+
+  void evaluateWorld(const WorldSource& source) {
     const FrameDone done = [this] {
       const std::lock_guard lock(progress_mutex_);
       ++done_;
@@ -122,13 +130,14 @@ class Suite {
       return !program::interrupted();
     };
     std::optional<World> existing;
-    if (options_.reuse) existing = existingWorld(ini, options_.folder, max_frames_);
+    if (options_.reuse) existing = existingWorld(source, options_.folder, max_frames_);
     const World world =
-        existing ? *existing : simulateWorld(ini, options_.folder, max_frames_, done);
+        existing ? *existing : simulateWorld(source, options_.folder, max_frames_, done);
     if (existing) done_ += world.frames;
-    std::vector<pipeline::PerceptionParams> params(rejections().size(), options_.perception);
+    const auto kinds = rejectionsFor(source);
+    std::vector<pipeline::PerceptionParams> params(kinds.size(), options_.perception);
     for (std::size_t i = 0; i < params.size(); ++i) {
-      params[i].slam.dynamic_rejection = rejections()[i].value;
+      params[i].slam.dynamic_rejection = kinds[i].value;
     }
     std::vector<WorldRun> runs;
     if (!program::interrupted()) runs = runWorld(world, params, done);
@@ -139,7 +148,7 @@ class Suite {
     addObjects(runs.back().objects, options_.perception.objects);
     for (std::size_t i = 0; i < runs.size(); ++i) {
       entries_.back().camera.emplace_back(
-          rejections()[i].name,
+          kinds[i].name,
           CameraFigures{world.frames, world.frames_wanted, runs[i].lost, runs[i].error});
     }
   }
@@ -183,7 +192,7 @@ class Suite {
   const Options& options_;
   program::Progress progress_;
   std::mutex progress_mutex_;
-  std::vector<std::string> worlds_;
+  std::vector<WorldSource> worlds_;
   std::optional<std::size_t> max_frames_;
   std::size_t total_ = 0;
   std::size_t done_ = 0;

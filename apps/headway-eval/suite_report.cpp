@@ -4,6 +4,7 @@
 #include <headway/objects/predictor.h>
 #include <headway/plot/chart.h>
 
+#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -27,6 +28,13 @@ std::string ateText(const CameraFigures& figures) {
       fixedText(ate.rmse, 3) + " / " + fixedText(ate.mean, 3) + " / " + fixedText(ate.sd, 3);
   if (figures.lost > 0) text += " (" + std::to_string(figures.lost) + " lost)";
   return text;
+}
+
+/// Figures of one kind of rejection; null if the recording was not replayed with it.
+const CameraFigures* figuresOf(const SuiteEntry& entry, const std::string& rejection) {
+  const auto found = std::find_if(entry.camera.begin(), entry.camera.end(),
+                                  [&](const auto& figures) { return figures.first == rejection; });
+  return found == entry.camera.end() ? nullptr : &found->second;
 }
 
 std::string percent(std::optional<double> ratio) { return plot::percentText(ratio, 1); }
@@ -56,12 +64,12 @@ cv::Mat cameraPlot(const std::vector<SuiteEntry>& entries) {
   }
   auto chart =
       barChart("Camera position, RMSE by rejection of moving objects", "ATE RMSE [m]", with_images);
-  for (std::size_t i = 0; i < rejections().size(); ++i) {
-    plot::BarSeries series{rejections()[i].name, {}};
+  for (const auto& rejection : rejections()) {
+    plot::BarSeries series{rejection.name, {}};
     for (const auto& entry : with_images) {
-      const bool known = i < entry.camera.size() && entry.camera[i].second.error.has_value();
-      series.values.push_back(known ? entry.camera[i].second.error->ate_m.rmse
-                                    : valueOrNan(std::nullopt));
+      const auto* figures = figuresOf(entry, rejection.name);
+      series.values.push_back(figures != nullptr && figures->error ? figures->error->ate_m.rmse
+                                                                   : valueOrNan(std::nullopt));
     }
     chart.series.push_back(series);
   }
@@ -130,8 +138,9 @@ TextTable cameraTable(const std::vector<SuiteEntry>& entries) {
   for (const auto& entry : entries) {
     if (entry.camera.empty()) continue;
     table.push_back({entry.name, framesText(entry.camera.front().second)});
-    for (std::size_t i = 0; i < rejections().size(); ++i) {
-      table.back().push_back(i < entry.camera.size() ? ateText(entry.camera[i].second) : "—");
+    for (const auto& rejection : rejections()) {
+      const auto* figures = figuresOf(entry, rejection.name);
+      table.back().push_back(figures != nullptr ? ateText(*figures) : "—");
     }
   }
   return table;

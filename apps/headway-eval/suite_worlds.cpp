@@ -5,6 +5,7 @@
 #include <headway/io/rawlog_source.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/sim/recording.h>
+#include <headway/sim/rigs.h>
 #include <headway/sim/simulator.h>
 
 #include <algorithm>
@@ -26,9 +27,10 @@ constexpr double kSameTime_s = 0.02;
 
 /// A world's parameters and the registry they are bound to.
 struct WorldSettings {
-  explicit WorldSettings(const std::string& ini, std::optional<std::size_t> max_frames = {}) {
+  explicit WorldSettings(const WorldSource& source, std::optional<std::size_t> max_frames = {}) {
     values.describe(params);
-    params.loadFile(ini);
+    params.loadFile(source.ini);
+    if (!source.rig.empty()) sim::applyRig(source.rig, values.camera);
     auto& frames = values.recording.frames;
     if (max_frames) frames = std::min(frames, static_cast<int>(*max_frames));
   }
@@ -46,11 +48,12 @@ struct WorldSettings {
 };
 
 /// File names of a world in `folder`, before it is simulated.
-World plannedWorld(const WorldSettings& settings, const std::string& ini,
+World plannedWorld(const WorldSettings& settings, const WorldSource& source,
                    const std::string& folder) {
   World world;
   world.frames_wanted = static_cast<std::size_t>(settings.values.recording.frames);
-  world.name = fs::path(ini).stem();
+  world.name = fs::path(source.ini).stem();
+  if (!source.rig.empty()) world.name += "-" + source.rig;
   world.rawlog = (fs::path(folder) / (world.name + ".rawlog")).string();
   world.truth_folder = sim::truthFolder(world.rawlog);
   return world;
@@ -94,14 +97,27 @@ WorldRun runOnce(const World& world, const pipeline::PerceptionParams& params,
 
 }  // namespace
 
-std::size_t framesOf(const std::string& ini) {
-  return static_cast<std::size_t>(WorldSettings(ini).values.recording.frames);
+std::vector<WorldSource> worldSources(const std::vector<std::string>& files) {
+  std::vector<WorldSource> sources;
+  for (const std::string& file : files) {
+    const WorldSource own{file, "", true};
+    if (WorldSettings(own).values.world.kind == sim::WorldParams::Kind::kStreet) {
+      sources.push_back(own);
+      continue;
+    }
+    for (const std::string rig : {"robot", "small"}) sources.push_back({file, rig, false});
+  }
+  return sources;
 }
 
-World simulateWorld(const std::string& ini, const std::string& folder,
+std::size_t framesOf(const WorldSource& source) {
+  return static_cast<std::size_t>(WorldSettings(source).values.recording.frames);
+}
+
+World simulateWorld(const WorldSource& source, const std::string& folder,
                     std::optional<std::size_t> max_frames, const FrameDone& done) {
-  WorldSettings settings(ini, max_frames);
-  World world = plannedWorld(settings, ini, folder);
+  WorldSettings settings(source, max_frames);
+  World world = plannedWorld(settings, source, folder);
   sim::Simulator simulator(settings.values);
   sim::Recording recording(world.rawlog, settings.values.recording, {}, simulator.camera(),
                            simulator.recordedCamera(), settings.text());
@@ -117,10 +133,10 @@ World simulateWorld(const std::string& ini, const std::string& folder,
   return world;
 }
 
-std::optional<World> existingWorld(const std::string& ini, const std::string& folder,
+std::optional<World> existingWorld(const WorldSource& source, const std::string& folder,
                                    std::optional<std::size_t> max_frames) {
-  WorldSettings settings(ini, max_frames);
-  World world = plannedWorld(settings, ini, folder);
+  WorldSettings settings(source, max_frames);
+  World world = plannedWorld(settings, source, folder);
   std::ifstream world_ini(fs::path(world.truth_folder) / "world.ini");
   std::ostringstream text;
   text << world_ini.rdbuf();

@@ -22,6 +22,19 @@ struct ObjectRecording {
   std::vector<eval::LabelledFrame> labels;  ///< by frame index
 };
 
+/// A world to simulate, with the rig of its file or with another.
+struct WorldSource {
+  std::string ini;
+  std::string rig;             ///< a name of sim::rigNames(); empty: the file's own
+  bool all_rejections = true;  ///< false: only dynamic_rejection = both
+};
+
+/// The worlds of some files. Streets have the file's own rig; hall, campus and warehouse come once
+/// with `robot` and once with `small`.
+///
+/// @throws InputError naming file and key of an error in a file
+[[nodiscard]] std::vector<WorldSource> worldSources(const std::vector<std::string>& files);
+
 /// A simulated recording on disk.
 struct World {
   std::string name;
@@ -34,21 +47,22 @@ struct World {
 /// Called after each frame, possibly by several threads at once; returning false stops the work.
 using FrameDone = std::function<bool()>;
 
-/// Simulates the world of an .ini file into a rawlog with truth.
+/// Simulates a world into a rawlog with truth.
 ///
 /// @param max_frames  maximum number of frames
 /// @throws InputError naming file and key of an error in the .ini
-[[nodiscard]] World simulateWorld(const std::string& ini, const std::string& folder,
+[[nodiscard]] World simulateWorld(const WorldSource& source, const std::string& folder,
                                   std::optional<std::size_t> max_frames, const FrameDone& done);
 
 /// An earlier recording of the world in `folder`, simulated with the same parameters.
 ///
 /// @return nullopt if there is none, or if its parameters differ
-[[nodiscard]] std::optional<World> existingWorld(const std::string& ini, const std::string& folder,
+[[nodiscard]] std::optional<World> existingWorld(const WorldSource& source,
+                                                 const std::string& folder,
                                                  std::optional<std::size_t> max_frames);
 
 /// Number of frames requested by a world's .ini.
-[[nodiscard]] std::size_t framesOf(const std::string& ini);
+[[nodiscard]] std::size_t framesOf(const WorldSource& source);
 
 /// Result of a run over a world.
 struct WorldRun {

@@ -48,6 +48,21 @@ TEST_F(SuiteCommandTest, SimulatesReplaysAndPrintsThreeTables) {
   EXPECT_THAT(again.error, HasSubstr("exists already"));
 }
 
+TEST_F(SuiteCommandTest, ARobotsWorldIsARowForEachRig) {
+  const std::string json = folder_ / "s.json";
+  const auto result = runEval("suite -q --frames 3 --worlds " +
+                              world("[world]\nkind = hall\n[route]\nspeed_mps = 0.9\n") + " -o " +
+                              std::string(folder_ / "out") + " --json " + json);
+  ASSERT_EQ(0, result.status) << result.error;
+  const auto figures = nlohmann::json::parse(contentOf(json));
+  for (const char* name : {"tiny-robot", "tiny-small"}) {
+    ASSERT_TRUE(figures.contains(name)) << name;
+    EXPECT_TRUE(figures[name]["camera"].contains("both"));
+    EXPECT_FALSE(figures[name]["camera"].contains("none"));
+  }
+  EXPECT_FALSE(figures.contains("tiny"));
+}
+
 TEST_F(SuiteCommandTest, ReusesARecordingOfTheSameWorld) {
   const std::string out = folder_ / "out";
   const std::string suite = " -q --worlds " + world() + " -o " + out + " --reuse";

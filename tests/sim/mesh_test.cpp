@@ -8,6 +8,7 @@
 #include "house_mesh.h"
 #include "mesh_depth.h"
 #include "mesh_projection.h"
+#include "actor_mesh.h"
 #include "person_mesh.h"
 #include "shadow.h"
 #include "sky.h"

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 #include <headway/core/error.h>
 
+#include <algorithm>
+#include <cmath>
 #include <opencv2/calib3d.hpp>
 
 #include "lens.h"
@@ -50,6 +52,29 @@ TEST(MotionSensorsTest, MeasureTurningAndTheWayDriven) {
   const double r = kSpeed / kRate;
   EXPECT_NEAR(odometry->yaw, kRate * 5.0, 0.1);
   EXPECT_NEAR(odometry->x, r * std::sin(kRate * 5.0), 1.5);
+}
+
+TEST(MotionSensorsTest, BrakingIsMeasuredWhenItHappensInTheRobotsOwnAxes) {
+  MotionSensors sensors(3);
+  constexpr double kBrake = 3.0, kTop = 1.5, kYaw = 1.2;
+  const auto speed = [&](double t) { return std::clamp(kTop - kBrake * (t - 1.0), 0.0, kTop); };
+  double way = 0.0;
+  for (int i = 0; i <= 200; ++i) {
+    const double t = 0.01 * i;
+    way += 0.01 * speed(t - 0.005);
+    Pose pose = Pose::Identity();
+    pose.linear() = expSo3({0, 0, kYaw});
+    pose.translation() = way * Eigen::Vector3d(std::cos(kYaw), std::sin(kYaw), 0.0);
+    sensors.observe(t, pose);
+  }
+  for (const auto& sample : sensors.takeImu()) {
+    const bool braking = sample.time > 1.02 && sample.time < 1.48;
+    const bool steady = sample.time < 0.98 || sample.time > 1.52;
+    if (braking) EXPECT_NEAR(sample.acceleration.x(), -kBrake, 0.5) << sample.time;
+    if (steady) EXPECT_NEAR(sample.acceleration.x(), 0.0, 0.5) << sample.time;
+    EXPECT_NEAR(sample.acceleration.y(), 0.0, 0.5);
+    EXPECT_NEAR(sample.acceleration.z(), 9.81, 0.5);
+  }
 }
 
 TEST(LensTest, WithoutDistortionNothingChanges) {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
-#include "person_mesh.h"
+#include "actor_mesh.h"
 #include "simulated_detector.h"
 
 namespace headway::sim {

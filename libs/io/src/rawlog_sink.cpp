@@ -4,6 +4,7 @@
 #include <headway/io/mrpt_time.h>
 #include <headway/io/rawlog_sink.h>
 #include <mrpt/img/CImage.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationRobotPose.h>
@@ -237,6 +238,23 @@ void RawlogSink::writeImu(Time time, const Eigen::Vector3d& angular_velocity,
   observation.set(IMU_X_ACC, acceleration.x());
   observation.set(IMU_Y_ACC, acceleration.y());
   observation.set(IMU_Z_ACC, acceleration.z());
+  writer_->write(observation);
+}
+
+void RawlogSink::writeLaser(const RecordedScan& scan, const std::string& label) {
+  mrpt::obs::CObservation2DRangeScan observation;
+  observation.timestamp = mrptTime(scan.time);
+  observation.sensorLabel = label;
+  observation.sensorPose = toMrpt(scan.T_robot_laser);
+  observation.aperture = static_cast<float>(scan.aperture_rad);
+  observation.rightToLeft = true;
+  observation.maxRange = static_cast<float>(scan.max_range_m);
+  observation.stdError = static_cast<float>(scan.sigma_m);
+  observation.resizeScan(scan.ranges.size());
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    observation.setScanRange(i, scan.ranges[i]);
+    observation.setScanRangeValidity(i, scan.ranges[i] > 0.0F);
+  }
   writer_->write(observation);
 }
 

@@ -17,8 +17,22 @@ ObjectClass classOf(ActorKind kind) {
       return ObjectClass::kCyclist;
     case ActorKind::kPedestrian:
       return ObjectClass::kPedestrian;
+    case ActorKind::kSeatedPerson:
+      return ObjectClass::kPersonSitting;
+    case ActorKind::kForklift:
+    case ActorKind::kDeliveryRobot:
+    case ActorKind::kBicycle:
+      return ObjectClass::kMisc;
   }
   return ObjectClass::kUnknown;
+}
+
+bool isClosed(ActorKind kind) {
+  return kind != ActorKind::kCyclist && kind != ActorKind::kBicycle && !isPerson(kind);
+}
+
+bool isPerson(ActorKind kind) {
+  return kind == ActorKind::kPedestrian || kind == ActorKind::kSeatedPerson;
 }
 
 Eigen::Vector3d drawSize(ActorKind kind, Random& random) {
@@ -35,6 +49,14 @@ Eigen::Vector3d drawSize(ActorKind kind, Random& random) {
       return {1.8, 0.6, random.uniform(1.68, 1.85)};
     case ActorKind::kPedestrian:
       return {0.8, 0.6, random.uniform(1.55, 1.92)};
+    case ActorKind::kSeatedPerson:
+      return {0.9, 0.55, random.uniform(1.22, 1.4)};
+    case ActorKind::kForklift:
+      return {3.2, 1.15, 2.15};
+    case ActorKind::kBicycle:
+      return {1.8, 0.56, 0.98};
+    case ActorKind::kDeliveryRobot:
+      return {0.7, 0.55, random.uniform(0.6, 0.75)};
   }
   return Eigen::Vector3d::Ones();
 }

@@ -9,10 +9,26 @@
 namespace headway::sim {
 
 /// Shapes that the simulator can draw.
-enum class ActorKind { kCar, kVan, kTruck, kBus, kCyclist, kPedestrian };
+enum class ActorKind {
+  kCar,
+  kVan,
+  kTruck,
+  kBus,
+  kCyclist,
+  kPedestrian,
+  kSeatedPerson,
+  kForklift,
+  kDeliveryRobot,
+  kBicycle
+};
 
 /// KITTI's class of a shape (a bus counts as Truck: KITTI has no word for it).
 [[nodiscard]] ObjectClass classOf(ActorKind kind);
+
+/// Whether its mesh is closed, so that only fronts can be seen.
+[[nodiscard]] bool isClosed(ActorKind kind);
+/// Whether it is a person on foot or seated.
+[[nodiscard]] bool isPerson(ActorKind kind);
 
 /// One thing with a truth box, moving or parked, at one instant.
 struct Actor {

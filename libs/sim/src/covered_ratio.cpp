@@ -4,8 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "actor_mesh.h"
 #include "mesh_projection.h"
-#include "person_mesh.h"
 
 namespace headway::sim {
 namespace {

@@ -67,13 +67,8 @@ Leader leaderFrom(const Obstacle& other, const OnPath& self, const Path& path) {
 }  // namespace
 
 Obstacle obstacleFrom(const Actor& actor) {
-  return {actor.id,
-          actor.position.head<2>(),
-          actor.velocity,
-          actor.yaw,
-          actor.size.x(),
-          actor.size.y(),
-          actor.kind == ActorKind::kPedestrian};
+  return {actor.id,       actor.position.head<2>(), actor.velocity,      actor.yaw,
+          actor.size.x(), actor.size.y(),           isPerson(actor.kind)};
 }
 
 double drive(const OnPath& self, const Path& path, const DriverStyle& style,

@@ -55,6 +55,11 @@ FrameFinisher::FrameFinisher(const SimParams& params, const Lens& lens, std::uin
 void FrameFinisher::annotate(SimFrame& frame, const DrawnFrame& drawn) {
   if (!T_map_world_) T_map_world_ = drawn.T_world_robot.inverse();
   frame.T_map_robot = *T_map_world_ * drawn.T_world_robot;
+  for (Drop& drop : frame.drops) {
+    for (Eigen::Vector2d& corner : drop.outline) {
+      corner = (*T_map_world_ * Eigen::Vector3d(corner.x(), corner.y(), 0.0)).head<2>();
+    }
+  }
   auto observations = observeActors(drawn.T_world_robot, lens_.drawn(), drawn.actors, drawn.meshes,
                                     drawn.depth, frame.instances);
   observations.erase(

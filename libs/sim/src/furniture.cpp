@@ -195,6 +195,18 @@ void addTree(Mesh& mesh, const Vector3f& foot, Random& random) {
   }
 }
 
+void addShrub(Mesh& mesh, const Vector3f& foot, float height, Random& random) {
+  const int green = random.below(4);
+  for (int i = 0; i < 4; ++i) {
+    const auto ratio = static_cast<float>(random.uniform(0.25, 0.75));
+    const Vector3f centre =
+        foot + Vector3f(static_cast<float>(0.08 * random.normal()),
+                        static_cast<float>(0.08 * random.normal()), ratio * height);
+    addTube(mesh, foot, centre, 0.012F, 0.01F, inAtlas(kBark), 4);
+    addLeafBall(mesh, centre, {0.3F * height, 0.3F * height, 0.32F * height}, green, random);
+  }
+}
+
 void addLamp(Mesh& mesh, const Vector3f& foot, float yaw, Random& random) {
   const auto height = static_cast<float>(random.uniform(5.5, 6.5));
   const Vector3f top = foot + Vector3f(0, 0, height);

@@ -14,6 +14,8 @@ namespace headway::sim {
 
 /// Trunk and an irregular crown of opaque leaf masses (see-through leaves would spoil the depth).
 void addTree(Mesh& mesh, const Eigen::Vector3f& foot, Random& random);
+/// Leaf masses without a trunk.
+void addShrub(Mesh& mesh, const Eigen::Vector3f& foot, float height, Random& random);
 /// Street lamp whose arm reaches to the direction `yaw`.
 void addLamp(Mesh& mesh, const Eigen::Vector3f& foot, float yaw, Random& random);
 /// Traffic sign facing against `yaw`.

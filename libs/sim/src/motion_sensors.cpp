@@ -41,22 +41,26 @@ void MotionSensors::observe(Time time, const Pose& T_world_robot) {
     const double dt = time - last_->time;
     const Pose T_previous_now = last_->value.inverse() * T_world_robot;
     integrateWheels(T_previous_now);
-    const Eigen::Vector3d velocity =
-        (T_world_robot.translation() - last_->value.translation()) / dt;
-    if (velocity_) {
-      const Eigen::Vector3d force =
-          (velocity - *velocity_) / dt + Eigen::Vector3d(0.0, 0.0, kGravity);
-      ImuSample sample;
-      sample.time = time;
-      sample.angular_velocity =
-          logSo3(T_previous_now.linear()) / dt + gyro_bias_ + noise(kGyroSigma);
-      sample.acceleration = T_world_robot.linear().transpose() * force + accelerometer_bias_ +
-                            noise(kAccelerometerSigma);
-      imu_.push_back(sample);
-    }
-    velocity_ = velocity;
+    const Step step{dt, logSo3(T_previous_now.linear()) / dt,
+                    (T_world_robot.translation() - last_->value.translation()) / dt};
+    if (step_) imu_.push_back(sampleBetween(*step_, step));
+    step_ = step;
   }
   last_ = {time, T_world_robot};
+}
+
+ImuSample MotionSensors::sampleBetween(const Step& before, const Step& after) {
+  // Central differences: what is true at the pose between the two steps, in its own axes.
+  const double dt = 0.5 * (before.duration_s + after.duration_s);
+  const Eigen::Vector3d force =
+      (after.velocity - before.velocity) / dt + Eigen::Vector3d(0.0, 0.0, kGravity);
+  ImuSample sample;
+  sample.time = last_->time;
+  sample.angular_velocity =
+      0.5 * (before.angular_velocity + after.angular_velocity) + gyro_bias_ + noise(kGyroSigma);
+  sample.acceleration =
+      last_->value.linear().transpose() * force + accelerometer_bias_ + noise(kAccelerometerSigma);
+  return sample;
 }
 
 std::vector<ImuSample> MotionSensors::takeImu() { return std::exchange(imu_, {}); }

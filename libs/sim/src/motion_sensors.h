@@ -19,12 +19,19 @@ class MotionSensors {
   /// The robot's pose at the end of each step of the motion; times increase.
   void observe(Time time, const Pose& T_world_robot);
 
-  /// Samples since last taken, one for each step once two steps are known.
+  /// Samples since last taken, one for each pose between two steps.
   [[nodiscard]] std::vector<ImuSample> takeImu();
   /// Where the wheels say the robot is; nullopt before the first step.
   [[nodiscard]] std::optional<OdometrySample> odometry() const { return odometry_; }
 
  private:
+  struct Step {
+    double duration_s = 0.0;
+    Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< robot frame [rad/s]
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< world [m/s]
+  };
+  /// What an inertial sensor measures at the last pose, between two steps.
+  [[nodiscard]] ImuSample sampleBetween(const Step& before, const Step& after);
   [[nodiscard]] Eigen::Vector3d noise(double sigma);
   void integrateWheels(const Pose& T_previous_now);
 
@@ -32,7 +39,7 @@ class MotionSensors {
   Eigen::Vector3d gyro_bias_, accelerometer_bias_;
   double wheel_scale_;
   std::optional<Stamped<Pose>> last_;
-  std::optional<Eigen::Vector3d> velocity_;  ///< over the last step, world [m/s]
+  std::optional<Step> step_;  ///< the last one
   std::vector<ImuSample> imu_;
   std::optional<OdometrySample> odometry_;
 };

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "actor_atlas.h"
-#include "vehicle_mesh.h"
 
 namespace headway::sim {
 namespace {
@@ -167,13 +166,40 @@ Mesh personMesh(const Actor& actor) {
   return mesh;
 }
 
-Mesh cyclistMesh(const Actor& actor) {
-  const PersonSkin skin = personSkin(actor.look);
-  constexpr float kRider = 1.62F;  // a leaning rider is lower than a standing one
+Mesh bicycleMesh(int look) {
+  const PersonSkin skin = personSkin(look);
   Mesh mesh;
   addWheel(mesh, -0.55F, 0.34F, skin.shoes);
   addWheel(mesh, 0.55F, 0.34F, skin.shoes);
   addFrame(mesh, skin.bag);
+  return mesh;
+}
+
+Mesh seatedMesh(const Actor& actor) {
+  const PersonSkin skin = personSkin(actor.look);
+  constexpr float kSeat = 0.5F;  // hips above the ground [m]
+  // From hips to the top of the head it is 0.47 of the stature.
+  const float height = (static_cast<float>(actor.size.z()) - kSeat) / 0.47F;
+  const Vector3f hips(-0.2F, 0, kSeat);
+  Mesh mesh;
+  for (const float side : {1.0F, -1.0F}) {
+    Swing s;
+    s.hip = 1.45F;
+    s.knee = 1.45F;
+    addLeg(mesh, hips + Vector3f(0, side * 0.055F * height, 0), height, s, skin);
+    s.shoulder = 0.35F;
+    s.elbow = 0.9F;
+    const Vector3f shoulder = hips + Vector3f(0, side * 0.135F * height, 0.265F * height);
+    addArm(mesh, shoulder, height, s, skin);
+  }
+  addTrunk(mesh, hips, height, -0.05F, skin, false);
+  return mesh;
+}
+
+Mesh cyclistMesh(const Actor& actor) {
+  const PersonSkin skin = personSkin(actor.look);
+  constexpr float kRider = 1.62F;  // a leaning rider is lower than a standing one
+  Mesh mesh = bicycleMesh(actor.look);
   const Vector3f hips(-0.22F, 0, 0.98F);
   const auto phase = static_cast<float>(actor.gait);
   for (const float side : {1.0F, -1.0F}) {
@@ -193,22 +219,6 @@ Mesh cyclistMesh(const Actor& actor) {
     for (auto& vertex : triangle) vertex.position.z() *= scale;
   }
   return mesh;
-}
-
-Mesh actorMesh(const Actor& actor, const Eigen::Vector3d& origin) {
-  Mesh mesh = actor.kind == ActorKind::kPedestrian ? personMesh(actor)
-              : actor.kind == ActorKind::kCyclist  ? cyclistMesh(actor)
-                                                   : vehicleMesh(actor);
-  const Eigen::Matrix3d turn =
-      Eigen::AngleAxisd(actor.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  return moved(std::move(mesh), turn.cast<float>(), (actor.position - origin).cast<float>());
-}
-
-std::vector<Mesh> actorMeshes(const std::vector<Actor>& actors, const Eigen::Vector3d& origin) {
-  std::vector<Mesh> meshes;
-  meshes.reserve(actors.size());
-  for (const Actor& actor : actors) meshes.push_back(actorMesh(actor, origin));
-  return meshes;
 }
 
 }  // namespace headway::sim

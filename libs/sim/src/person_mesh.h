@@ -1,7 +1,5 @@
 #pragma once
 
-#include <vector>
-
 #include "actor.h"
 #include "mesh.h"
 
@@ -17,9 +15,10 @@ namespace headway::sim {
 /// A cyclist: bicycle and pedalling rider, origin on the ground below the middle.
 [[nodiscard]] Mesh cyclistMesh(const Actor& actor);
 
-/// The mesh of any actor, placed in the world relative to `origin`.
-[[nodiscard]] Mesh actorMesh(const Actor& actor, const Eigen::Vector3d& origin);
-[[nodiscard]] std::vector<Mesh> actorMeshes(const std::vector<Actor>& actors,
-                                            const Eigen::Vector3d& origin);
+/// A person on a chair, x forward, z up, origin on the ground below the knees' middle [m].
+[[nodiscard]] Mesh seatedMesh(const Actor& actor);
+
+/// A bicycle alone, origin on the ground below the middle.
+[[nodiscard]] Mesh bicycleMesh(int look);
 
 }  // namespace headway::sim

@@ -98,6 +98,17 @@ void writeObjectRow(std::ostream& out, const SimFrame& frame, const TruthObject&
   out << '\n';
 }
 
+/// One row for each corner of each drop's outline.
+void writeDrops(const std::string& path, const std::vector<Drop>& drops) {
+  auto out = openText(path);
+  out << "drop,x,y,depth_m\n" << std::fixed << std::setprecision(4);
+  for (std::size_t i = 0; i < drops.size(); ++i) {
+    for (const Eigen::Vector2d& corner : drops[i].outline) {
+      out << i << ',' << corner.x() << ',' << corner.y() << ',' << drops[i].depth_m << '\n';
+    }
+  }
+}
+
 }  // namespace
 
 class Recording::Files {
@@ -130,6 +141,12 @@ class Recording::Files {
       sink_.writeOdometry(frame.odometry->time, frame.odometry->x, frame.odometry->y,
                           frame.odometry->yaw);
     }
+    if (frame.laser) {
+      const LaserScan& scan = *frame.laser;
+      sink_.writeLaser({scan.time, scan.T_robot_laser, scan.aperture_rad, scan.max_range_m,
+                        scan.sigma_m, scan.ranges});
+    }
+    if (!frame.drops.empty()) writeDrops(folder_ + "/drops.csv", frame.drops);
     sink_.writeStereo(frame.time, frame.left, frame.right, recorded_);
     sink_.writeDetections("detections", frame.detections);
     sink_.writePose("truth_pose", frame.time, frame.T_map_robot);

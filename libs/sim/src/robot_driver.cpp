@@ -28,21 +28,11 @@ RobotDriver::RobotDriver(const RouteParams& route_params, double ride_deg, bool 
   at_.width = 1.8;
 }
 
-void RobotDriver::ride(double dt, Wobble& wobble) {
-  // A damped spring shaken by the road; stationary deviation `ride_rad_`.
-  constexpr double kStiffness = 2.0 * M_PI * 1.2, kDamping = 0.35;  // [1/s], [-]
-  const double shake = ride_rad_ * std::sqrt(4.0 * kDamping * std::pow(kStiffness, 3) / dt) *
-                       std::min(1.0, at_.speed / 5.0);
-  const double acceleration = -kStiffness * kStiffness * wobble.angle -
-                              2.0 * kDamping * kStiffness * wobble.rate + shake * random_.normal();
-  wobble.rate += dt * acceleration;
-  wobble.angle += dt * wobble.rate;
-}
-
 void RobotDriver::advance(double dt, const std::vector<Obstacle>& others) {
   at_.move(dt, at_.acceleration(style_, others, kRobotId));
-  ride(dt, pitch_);
-  ride(dt, roll_);
+  const double motion = std::min(1.0, at_.speed / 5.0);
+  pitch_.advance(dt, ride_rad_, motion, 0.0, random_);
+  roll_.advance(dt, ride_rad_, motion, 0.0, random_);
 }
 
 Pose RobotDriver::T_world_robot() const {

@@ -4,6 +4,7 @@
 #include <headway/core/random.h>
 
 #include "lane_keeper.h"
+#include "suspension.h"
 #include "vehicles.h"
 
 namespace headway::sim {
@@ -18,6 +19,8 @@ class RobotDriver {
               std::uint64_t seed);
 
   void advance(double dt, const std::vector<Obstacle>& others);
+  /// Takes away its speed.
+  void halt() { at_.speed = 0.0; }
   [[nodiscard]] RobotState state() const;
   /// Robot frame (on the ground below the cameras) in the world.
   [[nodiscard]] Pose T_world_robot() const;
@@ -25,17 +28,12 @@ class RobotDriver {
   [[nodiscard]] bool arrived() const { return at_.s >= route_.end_s - 0.5; }
 
  private:
-  struct Wobble {  ///< one axis of the body's spring
-    double angle = 0.0, rate = 0.0;
-  };
-  void ride(double dt, Wobble& wobble);
-
   const Route& route_;
   DriverStyle style_;
   LaneKeeper at_;
   double ride_rad_;
   Random random_;
-  Wobble pitch_, roll_;
+  Suspension pitch_, roll_;
 };
 
 }  // namespace headway::sim

@@ -22,7 +22,7 @@ cv::Mat drawShadow() {
 }
 
 Mesh shadowMesh(const Actor& actor, const Eigen::Vector3d& origin) {
-  const bool walks = actor.kind == ActorKind::kPedestrian;
+  const bool walks = isPerson(actor.kind);
   const double grow_l = walks ? 1.0 : 1.2, grow_w = walks ? 1.3 : 1.5;
   const Eigen::Vector3f foot =
       (actor.position - origin + Eigen::Vector3d(0, 0, 0.025)).cast<float>();

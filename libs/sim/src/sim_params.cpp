@@ -25,6 +25,13 @@ void RouteParams::describe(Params::Section section) {
 }
 
 void WorldParams::describe(Params::Section section) {
+  section.add("kind", kind,
+              {{"street", Kind::kStreet},
+               {"hall", Kind::kHall},
+               {"campus", Kind::kCampus},
+               {"warehouse", Kind::kWarehouse}},
+              "Streets of a town, or a place for robots; hall, campus and warehouse use no other "
+              "key of [route] than speed_mps");
   section.add("seed", seed, 0, 1000000000, "", "Another seed, another world");
   section.add("view_distance_m", view_distance_m, 30.0, 280.0, "m", "Nothing farther is drawn");
   section.add("cross_street_every_m", cross_street_every_m, 0.0, 10000.0, "m",
@@ -61,6 +68,10 @@ void TrafficParams::describe(Params::Section section) {
   section.add("image_share", image_share, 0.0, 0.6, "",
               "Mean ratio of the left image that moving objects cover, from the first frame on: "
               "a few vehicles stay close to the robot, instead of the others; 0: no control");
+  section.add("idle_people", idle_people, 0, 100, "",
+              "People who sit or stand about in hall, campus or warehouse");
+  section.add("encounter_ratio", encounter_ratio, 0.0, 1.0, "",
+              "Of the walkers' ways in hall, campus or warehouse, those that meet the robot");
   section.add("range_ahead_m", range_ahead_m, 20.0, 250.0, "m",
               "Distance ahead of the robot within which objects move");
   section.add("range_behind_m", range_behind_m, 5.0, 100.0, "m",
@@ -72,6 +83,27 @@ void TrafficParams::describe(Params::Section section) {
                    {"crossing_share", "crossing_ratio"},
                    {"turning_share", "turning_ratio"},
                    {"group_share", "group_ratio"}});
+}
+
+void RobotParams::describe(Params::Section section) {
+  section.add("standing", standing, "The robot never moves");
+  section.add("turn_rate_dps", turn_rate_dps, 10.0, 180.0, "deg/s", "Maximum, on the spot");
+  section.add("acceleration_mps2", acceleration_mps2, 0.1, 5.0, "m/s^2", "At the start");
+  section.add("brake_mps2", brake_mps2, 0.3, 8.0, "m/s^2", "Hard braking");
+  section.add("sudden_stop_rate_hz", sudden_stop_rate_hz, 0.0, 1.0, "1/s",
+              "Rate at which the robot brakes hard without cause");
+}
+
+void LaserParams::describe(Params::Section section) {
+  section.add("enabled", enabled, "Record a 2D laser scanner, one scan with each stereo frame");
+  section.add("aperture_deg", aperture_deg, 10.0, 360.0, "deg", "About the forward axis");
+  section.add("rays", rays, 10, 5000, "", "Of a scan");
+  section.add("min_range_m", min_range_m, 0.0, 5.0, "m", "Nothing nearer is measured");
+  section.add("max_range_m", max_range_m, 1.0, 100.0, "m", "Nothing farther is measured");
+  section.add("sigma_m", sigma_m, 0.0, 1.0, "m", "Noise of a range, standard deviation");
+  section.add("miss_ratio", miss_ratio, 0.0, 1.0, "", "Of the rays, without return");
+  section.add("height_m", height_m, 0.03, 3.0, "m", "Above the ground");
+  section.add("forward_m", forward_m, -5.0, 5.0, "m", "Before the robot's origin");
 }
 
 void CameraParams::describe(Params::Section section) {
@@ -160,7 +192,9 @@ void SimParams::describe(Params& params) {
   route.describe(params.section("route").user());
   world.describe(params.section("world").user());
   traffic.describe(params.section("traffic").user());
+  robot.describe(params.section("robot").user());
   camera.describe(params.section("camera").user());
+  laser.describe(params.section("laser").user());
   calibration_error.describe(params.section("calibration_error").user());
   detector.describe(params.section("detector").user());
   recording.describe(params.section("recording").user());

@@ -5,37 +5,30 @@
 #include <cmath>
 #include <future>
 
+#include "actor_mesh.h"
 #include "camera_clock.h"
+#include "environment.h"
 #include "frame_finisher.h"
+#include "laser_scanner.h"
 #include "lens.h"
 #include "motion_sensors.h"
-#include "person_mesh.h"
 #include "stereo_rig.h"
-#include "traffic.h"
-#include "world.h"
+#include "view_cone.h"
 
 namespace headway::sim {
 namespace {
 
 enum Purpose : std::uint64_t {
-  kVehicleSeed = 301,
-  kPedestrianSeed,
-  kRobotSeed,
-  kImageSeed,
+  kImageSeed = 304,
   kDetectorSeed,
   kClockSeed,
   kSensorSeed,
-  kEscortSeed,
-  kFlexSeed
+  kFlexSeed = 309,
+  kLaserSeed
 };
 
 std::uint64_t seedFor(Purpose purpose, const SimParams& params) {
   return seedOf({static_cast<std::uint64_t>(params.world.seed), purpose});
-}
-
-TrafficSeeds trafficSeeds(const SimParams& params) {
-  return {seedFor(kVehicleSeed, params), seedFor(kPedestrianSeed, params),
-          seedFor(kRobotSeed, params), seedFor(kEscortSeed, params)};
 }
 
 constexpr double kStep = 0.05;     // longest step of the motion [s]
@@ -49,13 +42,13 @@ class Simulator::Impl {
   explicit Impl(const SimParams& params);
 
   [[nodiscard]] std::optional<SimFrame> next();
-  [[nodiscard]] bool arrived() const { return traffic_.robot().arrived() && !finishing_.valid(); }
+  [[nodiscard]] bool arrived() const { return environment_->arrived() && !finishing_.valid(); }
   [[nodiscard]] const Lens& lens() const { return lens_; }
-  [[nodiscard]] double pathLength() const { return route_.end_s - route_.start_s; }
+  [[nodiscard]] double pathLength() const { return environment_->pathLength(); }
 
  private:
   /// Robot in the world.
-  [[nodiscard]] Pose robotPose() const { return traffic_.robot().T_world_robot(); }
+  [[nodiscard]] Pose robotPose() const { return environment_->T_world_robot(); }
   void advance(double seconds);
   void observeMotion();
   /// Lets time pass until the camera takes a frame; false at the end of the path.
@@ -67,19 +60,19 @@ class Simulator::Impl {
   [[nodiscard]] std::optional<DrawnFrame> drawNext();
   void draw(DrawnFrame& drawn);
   [[nodiscard]] std::vector<Actor> actorsInView();  ///< with the parked ones
+  [[nodiscard]] LaserScan scanLaser();
   /// The right camera in the left one, for one frame.
   [[nodiscard]] Pose bentRig(std::size_t frame) const;
   /// Finishes a frame in a thread of its own, behind the drawing of the next.
   void finishBehind(std::optional<DrawnFrame> drawn);
 
   SimParams params_;
-  Route route_;
-  World world_;
   Lens lens_;
+  std::unique_ptr<Environment> environment_;
   StereoRig rig_;
-  Traffic traffic_;
   FrameFinisher finisher_;
   MotionSensors sensors_;
+  LaserScanner laser_;
   CameraClock clock_;
   std::size_t triggers_ = 0;         ///< frames taken so far, undrawn ones included
   std::size_t frames_ = 0;           ///< frames drawn for the caller
@@ -89,13 +82,12 @@ class Simulator::Impl {
 
 Simulator::Impl::Impl(const SimParams& params)
     : params_(params),
-      route_(makeRoute(params.route, params.world.hill_height_m)),
-      world_(params.world, route_),
       lens_(params.camera, params.calibration_error),
-      rig_(lens_.drawn(), world_),
-      traffic_(params, route_, world_.network(), lens_.ideal(), trafficSeeds(params)),
+      environment_(makeEnvironment(params, lens_.ideal())),
+      rig_(lens_.drawn(), environment_->makeScene(lens_.drawn())),
       finisher_(params, lens_, seedFor(kImageSeed, params), seedFor(kDetectorSeed, params)),
       sensors_(seedFor(kSensorSeed, params)),
+      laser_(params.laser, seedFor(kLaserSeed, params)),
       clock_(params.camera, seedFor(kClockSeed, params)) {
   observeMotion();
 }
@@ -124,16 +116,18 @@ std::optional<DrawnFrame> Simulator::Impl::drawNext() {
   drawn.trigger = triggers_ - 1;
   if (params_.camera.imu) drawn.frame.imu = sensors_.takeImu();
   if (params_.camera.odometry) drawn.frame.odometry = sensors_.odometry();
+  if (params_.laser.enabled) drawn.frame.laser = scanLaser();
+  if (drawn.frame.index == 0) drawn.frame.drops = environment_->drops();
   return drawn;
 }
 
 bool Simulator::Impl::waitForTrigger() {
-  while (!traffic_.robot().arrived()) {
+  while (!environment_->arrived()) {
     const CameraClock::Beat beat = clock_.next();
     advance(beat.time_s - 0.5 * exposure() - now_s_);
     if (beat.lost) continue;
     ++triggers_;
-    traffic_.observe();
+    environment_->observe();
     return true;
   }
   return false;
@@ -158,7 +152,7 @@ void Simulator::Impl::advance(double seconds) {
   const int steps = static_cast<int>(std::ceil(seconds / longest - 1e-9));
   const double begin = now_s_;
   for (int i = 0; i < steps; ++i) {
-    traffic_.advance(seconds / steps);
+    environment_->advance(seconds / steps);
     now_s_ = begin + seconds * (i + 1) / steps;
     observeMotion();
   }
@@ -202,9 +196,7 @@ void Simulator::Impl::draw(DrawnFrame& drawn) {
 }
 
 std::vector<Actor> Simulator::Impl::actorsInView() {
-  std::vector<Actor> actors = traffic_.actors();
-  const auto parked = world_.parkedNear(robotPose().translation(), params_.world.view_distance_m);
-  actors.insert(actors.end(), parked.begin(), parked.end());
+  std::vector<Actor> actors = environment_->actors(params_.world.view_distance_m);
   // With the room that a shadow takes, and the other camera's place.
   constexpr double kMargin = 2.0;  // [m]
   const ViewCone view = viewCone(lens_.drawn(), robotPose());
@@ -215,6 +207,13 @@ std::vector<Actor> Simulator::Impl::actorsInView() {
                               }),
                actors.end());
   return actors;
+}
+
+LaserScan Simulator::Impl::scanLaser() {
+  const double reach = params_.laser.max_range_m;
+  const auto meshes = actorMeshes(environment_->actors(reach), robotPose().translation());
+  return laser_.scan(params_.recording.start_time_s + now_s_, robotPose(),
+                     environment_->staticMeshes(reach), meshes);
 }
 
 Pose Simulator::Impl::bentRig(std::size_t frame) const {

@@ -2,8 +2,9 @@
 
 #include <mrpt/opengl/CFBORender.h>
 
+#include <utility>
+
 #include "render_target.h"
-#include "street_scene.h"
 
 namespace headway::sim {
 namespace {
@@ -16,9 +17,9 @@ int drawnWidth(int width) { return (width + 3) / 4 * 4; }
 /// A scene, and what two eyes see of it.
 class StereoRig::Renderer {
  public:
-  Renderer(const StereoCamera& camera, World& world);
+  Renderer(const StereoCamera& camera, std::unique_ptr<Scene> scene);
 
-  [[nodiscard]] StreetScene& scene() { return scene_; }
+  [[nodiscard]] Scene& scene() { return *scene_; }
   void drawLeft() { draw(camera_.T_robot_cam, left_); }
   void drawRight(const Pose& T_left_right) { draw(camera_.T_robot_cam * T_left_right, right_); }
   [[nodiscard]] StereoDrawing read(bool with_depth);
@@ -27,14 +28,14 @@ class StereoRig::Renderer {
   void draw(const Pose& T_robot_cam, RenderTarget& eye);
 
   StereoCamera camera_;
-  StreetScene scene_;
+  std::unique_ptr<Scene> scene_;
   mrpt::opengl::CFBORender context_;  ///< of OpenGL, off-screen
   RenderTarget left_, right_;
 };
 
-StereoRig::Renderer::Renderer(const StereoCamera& camera, World& world)
+StereoRig::Renderer::Renderer(const StereoCamera& camera, std::unique_ptr<Scene> scene)
     : camera_(camera),
-      scene_(camera, world),
+      scene_(std::move(scene)),
       context_(static_cast<unsigned>(drawnWidth(camera.width)),
                static_cast<unsigned>(camera.height)),
       left_(drawnWidth(camera.width), camera.height),
@@ -49,10 +50,10 @@ void StereoRig::Renderer::draw(const Pose& T_robot_cam, RenderTarget& eye) {
   mrpt::opengl::CCamera camera;
   camera.set6DOFMode(true);
   camera.setProjectiveFromPinhole(lens);
-  const Pose T_origin_cam = scene_.T_origin_robot() * T_robot_cam;
+  const Pose T_origin_cam = scene_->T_origin_robot() * T_robot_cam;
   camera.setPose(mrpt::poses::CPose3D(mrpt::math::CMatrixDouble44(T_origin_cam.matrix())));
-  scene_.scene().getViewport()->getCamera() = camera;
-  eye.draw(scene_.scene());
+  scene_->scene().getViewport()->getCamera() = camera;
+  eye.draw(scene_->scene());
 }
 
 StereoDrawing StereoRig::Renderer::read(bool with_depth) {
@@ -65,8 +66,8 @@ StereoDrawing StereoRig::Renderer::read(bool with_depth) {
   return drawing;
 }
 
-StereoRig::StereoRig(const StereoCamera& camera, World& world)
-    : eyes_(std::make_unique<Renderer>(camera, world)) {}
+StereoRig::StereoRig(const StereoCamera& camera, std::unique_ptr<Scene> scene)
+    : eyes_(std::make_unique<Renderer>(camera, std::move(scene))) {}
 
 StereoRig::~StereoRig() = default;
 

@@ -8,7 +8,7 @@
 
 #include "actor.h"
 #include "mesh.h"
-#include "world.h"
+#include "scene.h"
 
 namespace headway::sim {
 
@@ -26,7 +26,7 @@ struct StereoDrawing {
 class StereoRig {
  public:
   /// @param camera  geometry of both drawn cameras; any width
-  StereoRig(const StereoCamera& camera, World& world);
+  StereoRig(const StereoCamera& camera, std::unique_ptr<Scene> scene);
   ~StereoRig();
   StereoRig(const StereoRig&) = delete;
   StereoRig& operator=(const StereoRig&) = delete;

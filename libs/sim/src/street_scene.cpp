@@ -3,17 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "actor_atlas.h"
 #include "furniture.h"
 #include "ground_texture.h"
 #include "mesh_projection.h"
 #include "plain_mesh.h"
-#include "shadow.h"
 
 namespace headway::sim {
 namespace {
 
-constexpr float kFar = 320.0F;             // [m]
 constexpr std::size_t kMaxSurfaces = 170;  // MRPT has 192 textures, a few are shared ones
 
 enum Purpose : std::uint64_t { kSkySeed = 201, kMeadowSeed, kFurnitureAtlasSeed, kActorAtlasSeed };
@@ -32,12 +29,9 @@ StreetScene::StreetScene(const StereoCamera& camera, World& world)
   plain_ = add(grass);
   verges_ = add(grass);
   furniture_ = add(drawFurnitureAtlas(world.grain(), furniture));
-  const cv::Mat meshes = drawActorAtlas(world.grain(), actors);
-  vehicles_ = add(meshes);
-  people_ = add(meshes);
-  shadows_ = add(drawShadow());
-  for (const auto& closed : {furniture_, vehicles_}) closed->hideBacks();
-  scene_.getViewport()->setViewportClipDistances(kNearPlane, kFar);
+  furniture_->hideBacks();
+  actors_.emplace(scene_, world.grain(), actors);
+  scene_.getViewport()->setViewportClipDistances(kNearPlane, kFarPlane);
 }
 
 StreetScene::ObjectPtr StreetScene::add(const cv::Mat& picture) {
@@ -160,17 +154,10 @@ void StreetScene::placeStill(const Eigen::Vector3d& origin) {
 }
 
 void StreetScene::placeAll(const Eigen::Vector3d& origin) {
-  // MRPT draws from far to near, by a point that each object names. What is opaque names points
-  // far ahead, in reverse: near things are drawn first and spare the shading of what they hide.
-  // Shadows come last of all, over the finished ground.
-  const auto place = [&](const ObjectPtr& object, const Eigen::Vector3d& anchor, double turn) {
-    const Eigen::Vector3d at = anchor - origin;
-    object->setLocation(at.x(), at.y(), at.z());
-    const Eigen::Vector3f point = (T_origin_robot_.linear().col(0) * turn - at).cast<float>();
-    object->setLocalRepresentativePoint({point.x(), point.y(), point.z()});
+  const Eigen::Vector3d forward = T_origin_robot_.linear().col(0);
+  const auto place = [&](const ObjectPtr& object, const Eigen::Vector3d& anchor, double order) {
+    object->placeAt(anchor - origin, forward, order);
   };
-  place(vehicles_, origin, 6000.0);
-  place(people_, origin, 5900.0);
   place(furniture_, shared_anchor_, 5500.0);
   for (const auto& [key, pieces] : surfaces_) {
     const Eigen::Vector3d& anchor = world_.stretch(key).anchor;
@@ -180,28 +167,7 @@ void StreetScene::placeAll(const Eigen::Vector3d& origin) {
   place(verges_, shared_anchor_, 4000.0);
   place(plain_, plain_anchor_, 3900.0);
   place(sky_, origin, 3800.0);
-  place(shadows_, origin, 0.0);
-}
-
-void StreetScene::placeActors(const Eigen::Vector3d& origin, const std::vector<Actor>& actors,
-                              const std::vector<Mesh>& meshes) {
-  std::vector<std::pair<double, std::size_t>> near_first;
-  for (std::size_t k = 0; k < actors.size(); ++k) {
-    near_first.emplace_back((actors[k].position - origin).norm(), k);
-  }
-  std::sort(near_first.begin(), near_first.end());
-  std::vector<const Mesh*> vehicles, people;
-  for (const auto& [distance, k] : near_first) {
-    const ActorKind kind = actors[k].kind;
-    const bool wheels = kind != ActorKind::kPedestrian && kind != ActorKind::kCyclist;
-    if (!shows(boxCorners(meshes[k]), Eigen::Vector3d::Zero())) continue;
-    (wheels ? vehicles : people).push_back(&meshes[k]);
-  }
-  Mesh shadows;
-  for (const Actor& actor : actors) shadows.append(shadowMesh(actor, origin));
-  vehicles_->setMeshes(vehicles);
-  people_->setMeshes(people);
-  shadows_->setMesh(shadows);
+  actors_->place(forward);
 }
 
 void StreetScene::arrange(const Pose& T_world_robot, const Pose& T_left_right,
@@ -217,7 +183,8 @@ void StreetScene::arrange(const Pose& T_world_robot, const Pose& T_left_right,
   T_origin_robot_.translation().setZero();
   hideBehindHouses(visible, origin, T_left_right);
   placeStill(origin);
-  placeActors(origin, actors, meshes);
+  actors_->show(actors, meshes, origin,
+                [&](const Mesh& mesh) { return shows(boxCorners(mesh), Eigen::Vector3d::Zero()); });
   placeAll(origin);
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <headway/core/stereo_camera.h>
-#include <mrpt/opengl/COpenGLScene.h>
 
 #include <map>
 #include <opencv2/core/mat.hpp>
@@ -9,33 +8,24 @@
 #include <set>
 #include <vector>
 
-#include "actor.h"
+#include "actor_layer.h"
 #include "occlusion.h"
+#include "scene.h"
 #include "sky.h"
 #include "textured_object.h"
 #include "world.h"
 
 namespace headway::sim {
 
-/// Radius of the drum that carries the sky's picture [m].
-inline constexpr float kSkyRadius = 300.0F;
-
 /// MRPT's scene of a world and its actors: surfaces by stretch, and one object each for what
 /// shares a picture.
-class StreetScene {
+class StreetScene : public Scene {
  public:
   /// @param camera  left camera without distortion; the right one sees as far
   StreetScene(const StereoCamera& camera, World& world);
 
-  /// Puts into the scene what either camera may see, relative to the robot's position.
-  ///
-  /// @param meshes  the actors' meshes, relative to the robot's position
   void arrange(const Pose& T_world_robot, const Pose& T_left_right,
-               const std::vector<Actor>& actors, const std::vector<Mesh>& meshes);
-
-  [[nodiscard]] mrpt::opengl::COpenGLScene& scene() { return scene_; }
-  /// The robot in the frame that the scene is arranged in.
-  [[nodiscard]] const Pose& T_origin_robot() const { return T_origin_robot_; }
+               const std::vector<Actor>& actors, const std::vector<Mesh>& meshes) override;
 
  private:
   using ObjectPtr = TexturedObject::Ptr;
@@ -65,18 +55,16 @@ class StreetScene {
   [[nodiscard]] Mesh shown(const Mesh& mesh, const Eigen::Vector3d& offset) const;
   void showStretches(const std::vector<StretchKey>& visible);
   void placeStill(const Eigen::Vector3d& origin);
-  void placeActors(const Eigen::Vector3d& origin, const std::vector<Actor>& actors,
-                   const std::vector<Mesh>& meshes);
   void rebuildShared(const std::vector<StretchKey>& visible);
   void placeAll(const Eigen::Vector3d& origin);
 
   StereoCamera camera_;
   World& world_;
-  mrpt::opengl::COpenGLScene scene_;
   std::map<StretchKey, std::vector<Piece>> surfaces_;
   std::vector<Occlusion> eyes_;  ///< what houses hide, now, from the left and from the right one
   std::set<StretchKey> shown_;
-  ObjectPtr sky_, plain_, verges_, furniture_, vehicles_, people_, shadows_;
+  ObjectPtr sky_, plain_, verges_, furniture_;
+  std::optional<ActorLayer> actors_;
   Eigen::Vector3d shared_anchor_ = Eigen::Vector3d::Zero();
   std::optional<Eigen::Vector2i> plain_cell_;
   Eigen::Vector3d plain_anchor_ = Eigen::Vector3d::Zero();
@@ -84,7 +72,6 @@ class StreetScene {
   std::optional<std::vector<bool>> items_shown_;  ///< which of them are in furniture_
   Mesh verges_mesh_, plain_mesh_;                 ///< whole
   const Mesh sky_mesh_ = skyMesh(kSkyRadius);
-  Pose T_origin_robot_ = Pose::Identity();
 };
 
 }  // namespace headway::sim

@@ -46,6 +46,13 @@ void TexturedObject::setMeshes(const std::vector<const Mesh*>& meshes) {
   CRenderizable::notifyChange();
 }
 
+void TexturedObject::placeAt(const Eigen::Vector3d& at, const Eigen::Vector3d& forward,
+                             double order) {
+  setLocation(at.x(), at.y(), at.z());
+  const Eigen::Vector3f point = (forward * order - at).cast<float>();
+  setLocalRepresentativePoint({point.x(), point.y(), point.z()});
+}
+
 void TexturedObject::render(const RenderContext& context) const {
   if (hides_backs_) {
     glFrontFace(GL_CW);

@@ -27,6 +27,14 @@ class TexturedObject : public mrpt::opengl::CSetOfTexturedTriangles {
   void setMesh(const Mesh& mesh) { setMeshes({&mesh}); }
   /// Draws fronts only: half of what closed meshes have, and nobody sees the other half.
   void hideBacks() { hides_backs_ = true; }
+  /// Where the meshes are, and when they are drawn: MRPT draws from far to near, by a point that
+  /// each object names. What is opaque names points far ahead, in reverse: near things are drawn
+  /// first and spare the shading of what they hide.
+  ///
+  /// @param at       in the scene's frame [m]
+  /// @param forward  unit vector of the viewing direction
+  /// @param order    the greater, the earlier it is drawn
+  void placeAt(const Eigen::Vector3d& at, const Eigen::Vector3d& forward, double order);
   void initializeTextures() const override;
   void render(const RenderContext& context) const override;
 

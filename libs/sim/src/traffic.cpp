@@ -19,12 +19,14 @@ void append(const std::vector<Item>& more, std::vector<Item>& all) {
 
 Traffic::Traffic(const SimParams& params, const Route& route, const RoadNetwork& network,
                  const StereoCamera& camera, const TrafficSeeds& seeds)
-    : robot_(params.route, params.camera.ride_deg, params.traffic.image_share > 0.0, route,
+    : standing_(params.robot.standing),
+      robot_(params.route, params.camera.ride_deg, params.traffic.image_share > 0.0, route,
              seeds.robot),
       escort_(params.traffic, route, camera, seeds.escort, robot_.state(), robot_.T_world_robot(),
               next_id_),
       vehicles_(escort_.others(), route, network, seeds.vehicles),
       pedestrians_(params.traffic, route, network, seeds.pedestrians) {
+  if (standing_) robot_.halt();
   vehicles_.populate(robot_.state(), next_id_);
   pedestrians_.populate(robot_.state(), next_id_);
   escort_.populate(robot_.state(), robot_.T_world_robot(), others());
@@ -47,7 +49,7 @@ void Traffic::advance(double dt) {
   append(escort, for_pedestrians);
   pedestrians_.advance(dt, robot, for_pedestrians, next_id_);
   vehicles_.advance(dt, robot, for_vehicles, next_id_);
-  robot_.advance(dt, for_robot);
+  if (!standing_) robot_.advance(dt, for_robot);
 }
 
 std::vector<Actor> Traffic::others() const {

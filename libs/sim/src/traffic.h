@@ -43,6 +43,7 @@ class Traffic {
  private:
   [[nodiscard]] std::vector<Actor> others() const;  ///< but for the escort
 
+  bool standing_;
   RobotDriver robot_;
   std::int64_t next_id_ = 0;
   Escort escort_;

@@ -7,6 +7,7 @@
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <string>
+#include <vector>
 
 namespace headway::io {
 
@@ -33,6 +34,16 @@ struct RawStereoCamera {
   RawCamera right;
   Pose T_robot_left = robotFromOptical();  ///< left optical frame on the robot
   Pose T_left_right = Pose::Identity();    ///< right optical frame in the left one
+};
+
+/// A 2D laser scan to record.
+struct RecordedScan {
+  Time time = 0.0;
+  Pose T_robot_laser = Pose::Identity();  ///< x forward, scanning in its xy plane
+  double aperture_rad = 0.0;              ///< from the first ray, at the right, to the last
+  double max_range_m = 0.0;
+  double sigma_m = 0.0;       ///< standard deviation of the ranges
+  std::vector<float> ranges;  ///< [m]; 0 where nothing was measured
 };
 
 /// A rectified camera in recorded form.
@@ -67,6 +78,7 @@ class RawlogSink {
   /// Inertial sample in the robot frame.
   void writeImu(Time time, const Eigen::Vector3d& angular_velocity,  // [rad/s]
                 const Eigen::Vector3d& acceleration);                // [m/s^2], including gravity
+  void writeLaser(const RecordedScan& scan, const std::string& label = "laser");
   /// Flushes and closes. @throws InputError on a write error.
   void close();
 

@@ -26,6 +26,9 @@ struct RouteParams {
 
 /// What stands along the streets. Section [world].
 struct WorldParams {
+  enum class Kind { kStreet, kHall, kCampus, kWarehouse };
+
+  Kind kind = Kind::kStreet;
   int seed = 1;
   double view_distance_m = 140.0;      ///< nothing farther is drawn
   double cross_street_every_m = 75.0;  ///< 0: none
@@ -58,11 +61,44 @@ struct TrafficParams {
   double stop_rate_hz = 0.02;           ///< how often a walker stops for a moment
   int in_front_at_start = 0;            ///< actors right before the camera at the start
   double image_share = 0.0;             ///< of the left image that actors cover; 0: as it comes
+  int idle_people = 0;                  ///< of hall, campus, warehouse: they sit or stand about
+  double encounter_ratio = 0.35;        ///< of their walkers' ways, those that meet the robot
   double range_ahead_m = 100.0;         ///< actors live up to here ahead of the robot
   double range_behind_m = 25.0;
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "traffic"); }  ///< @throws InputError
+};
+
+/// How a robot moves through hall, campus and warehouse. Section [robot].
+///
+/// It drives from place to place along straight lines and turns on the spot between them; its top
+/// speed is [route] speed_mps.
+struct RobotParams {
+  bool standing = false;              ///< it never moves; in streets, too
+  double turn_rate_dps = 90.0;        ///< maximum, on the spot [deg/s]
+  double acceleration_mps2 = 1.0;     ///< [m/s^2]
+  double brake_mps2 = 3.0;            ///< hard braking: before people, and without cause [m/s^2]
+  double sudden_stop_rate_hz = 0.04;  ///< how often it brakes hard without cause
+
+  void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "robot"); }  ///< @throws InputError
+};
+
+/// A 2D laser scanner near the ground, one scan with each stereo frame. Section [laser].
+struct LaserParams {
+  bool enabled = false;
+  double aperture_deg = 270.0;  ///< about the robot's forward axis
+  int rays = 541;
+  double min_range_m = 0.2;
+  double max_range_m = 10.0;
+  double sigma_m = 0.015;     ///< of a range
+  double miss_ratio = 0.005;  ///< of the rays, without return
+  double height_m = 0.18;     ///< above the ground
+  double forward_m = 0.1;
+
+  void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "laser"); }  ///< @throws InputError
 };
 
 /// The stereo rig and what it does to the picture. Section [camera].
@@ -156,7 +192,9 @@ struct SimParams {
   RouteParams route;
   WorldParams world;
   TrafficParams traffic;
+  RobotParams robot;
   CameraParams camera;
+  LaserParams laser;
   CalibrationErrorParams calibration_error;
   DetectorParams detector;
   RecordingParams recording;

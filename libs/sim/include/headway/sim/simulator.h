@@ -41,6 +41,22 @@ struct OdometrySample {
   double x = 0.0, y = 0.0, yaw = 0.0;  ///< [m], [m], [rad]
 };
 
+/// One scan of a 2D laser scanner, at the time of a stereo frame.
+struct LaserScan {
+  Time time = 0.0;
+  Pose T_robot_laser = Pose::Identity();  ///< x forward, scanning in its xy plane
+  double aperture_rad = 0.0;              ///< from the first ray, at the right, to the last
+  double max_range_m = 0.0;
+  double sigma_m = 0.0;       ///< standard deviation of the ranges
+  std::vector<float> ranges;  ///< [m]; 0 where nothing was measured
+};
+
+/// Ground that lies so much lower than its surroundings that a robot must not drive over its edge.
+struct Drop {
+  std::vector<Eigen::Vector2d> outline;  ///< convex, counterclockwise [m]
+  double depth_m = 0.0;                  ///< below the surrounding ground
+};
+
 /// One simulated stereo frame with all that is true of it.
 struct SimFrame {
   std::size_t index = 0;
@@ -54,6 +70,8 @@ struct SimFrame {
   Detections detections;
   std::vector<ImuSample> imu;  ///< since the frame before, if recorded
   std::optional<OdometrySample> odometry;
+  std::optional<LaserScan> laser;
+  std::vector<Drop> drops;  ///< of the whole world, map frame; with the first frame alone
 };
 
 /// Pixels of the left image that show something that moves.
@@ -89,7 +107,7 @@ class Simulator {
   [[nodiscard]] const StereoCamera& camera() const;
   /// The pair as recorded, with its distortion.
   [[nodiscard]] io::RawStereoCamera recordedCamera() const;
-  /// Length of the path [m].
+  /// Length of the path [m]; 0 if it never ends.
   [[nodiscard]] double pathLength() const;
 
  private:

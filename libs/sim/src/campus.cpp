@@ -1,0 +1,221 @@
+#include <cmath>
+
+#include "furniture.h"
+#include "house_mesh.h"
+#include "site_furniture.h"
+
+namespace headway::sim {
+namespace {
+
+constexpr double kWest = -6.0, kEast = 46.0;       // ends of the promenade [m]
+constexpr double kPromenade = 3.0;                 // half its width
+constexpr double kCycleWay = 5.4;                  // its outer edge
+constexpr double kLawn = 17.0;                     // northern edge of the lawns
+constexpr double kPavement = -5.2, kRoad = -11.6;  // edges of the roadway
+constexpr double kSouth = -14.0;                   // front of the southern houses
+constexpr double kKerb = 0.12;                     // height of the kerbs
+
+/// A promenade with a cycle way between lawns and a road, with houses around.
+class CampusPlan {
+ public:
+  CampusPlan(Site& site, const Grain& grain, std::uint64_t seed)
+      : builder_(site), site_(site), grain_(grain), random_(seed) {}
+
+  void build() {
+    site_.outdoors = true;
+    site_.area = rectangle(kWest, kPavement, kEast, kLawn);
+    layGround();
+    layRoad();
+    buildStairs();
+    plantLawns();
+    furnishPromenade();
+    buildHouses();
+    addPlaces();
+  }
+
+ private:
+  void layGround();
+  void layRoad();
+  void buildStairs();
+  void plantLawns();
+  void plantHedge(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
+  void furnishPromenade();
+  void buildHouses();
+  void addHouse(const Eigen::Vector2d& foot, double yaw, double width);
+  void addPlaces();
+  /// Middle of the crossing path that leads through the lawns to the nth house.
+  [[nodiscard]] double crossing(int n) const { return kWest + 9.0 + 14.0 * n; }
+
+  SiteBuilder builder_;
+  Site& site_;
+  const Grain& grain_;
+  Random random_;
+  Eigen::AlignedBox2d stairs_;
+};
+
+void CampusPlan::layGround() {
+  const double at = crossing(1) + random_.uniform(3.0, 5.0);
+  stairs_ = rectangle(at, 7.2, at + 3.4, 9.2);
+  builder_.floor(rectangle(kWest, -kPromenade, kEast, kPromenade), 0.0, Material::kPaving);
+  builder_.floor(rectangle(kWest, kPromenade, kEast, kCycleWay), 0.0, Material::kAsphalt);
+  for (const double y : {kPromenade + 0.08, kCycleWay - 0.08}) {
+    builder_.ornament({{0.5 * (kWest + kEast), y}, 0.0, {kEast - kWest, 0.1, 0.004}, 0.0},
+                      Material::kWhitePaint);
+  }
+  builder_.floor(rectangle(kWest, kPavement, kEast, -kPromenade), 0.0, Material::kConcrete);
+  std::vector<Eigen::AlignedBox2d> holes = {stairs_.intersection(site_.area)};
+  const auto apron = rectangle(stairs_.min().x() - 2.2, kCycleWay, stairs_.max().x() + 0.6, 10.0);
+  holes.push_back(apron);
+  for (int n = 0; n < 4; ++n) {
+    const auto path = rectangle(crossing(n) - 1.2, kCycleWay, crossing(n) + 1.2, kLawn);
+    builder_.floor(path, 0.0, Material::kPaving, {apron});
+    holes.push_back(path);
+  }
+  builder_.floor(apron, 0.0, Material::kPaving, {stairs_});
+  builder_.floor(rectangle(kWest, kCycleWay, kEast, kLawn), 0.0, Material::kGrass, holes);
+}
+
+void CampusPlan::layRoad() {
+  builder_.floor(rectangle(kWest - 30.0, kRoad, kEast + 30.0, kPavement), -kKerb,
+                 Material::kAsphalt);
+  builder_.floor(rectangle(kWest - 30.0, kSouth - 4.0, kEast + 30.0, kRoad), 0.0,
+                 Material::kPaving);
+  for (double x = kWest - 30.0; x < kEast + 30.0; x += 1.0) {
+    for (const double y : {kPavement - 0.07, kRoad + 0.07}) {
+      builder_.ornament({{x + 0.5, y}, 0.0, {0.985, 0.14, kKerb + 0.01}, -kKerb}, Material::kSteel);
+    }
+  }
+  for (double x = kWest - 28.0; x < kEast + 28.0; x += 6.0) {
+    builder_.ornament({{x, 0.5 * (kRoad + kPavement)}, 0.0, {3.0, 0.12, 0.004}, -kKerb},
+                      Material::kWhitePaint);
+  }
+  // Railings keep people off the road, but for gaps.
+  for (double x = kWest + 1.0; x < kEast - 7.0; x += 9.0) {
+    if (random_.chance(0.6)) {
+      builder_.railing({x, kPavement + 0.35}, {x + 6.5, kPavement + 0.35}, Material::kSteel);
+    }
+  }
+}
+
+void CampusPlan::buildStairs() {
+  builder_.pit(stairs_, 2.0, Material::kConcrete);
+  builder_.stairsDown(stairs_, 2.0, true, Material::kConcrete);
+  const Eigen::Vector2d low = stairs_.min(), high = stairs_.max();
+  builder_.railing(low, {high.x(), low.y()}, Material::kBlueSteel);
+  builder_.railing({low.x(), high.y()}, high, Material::kBlueSteel);
+  builder_.railing({high.x(), low.y()}, high, Material::kBlueSteel);
+}
+
+void CampusPlan::plantHedge(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  const Eigen::Vector2f a = from.cast<float>(), b = to.cast<float>();
+  Random own(random_.bits());
+  addHedge(site_.furniture, {a.x(), a.y(), 0.0F}, {b.x(), b.y(), 0.0F}, own);
+  const Eigen::Vector2d along = to - from;
+  builder_.block({0.5 * (from + to), {along.norm(), 0.75}, std::atan2(along.y(), along.x())});
+}
+
+void CampusPlan::plantLawns() {
+  for (int n = -1; n < 4; ++n) {
+    const double x0 = n < 0 ? kWest : crossing(n) + 1.2;
+    const double x1 = n == 3 ? kEast : crossing(n + 1) - 1.2;
+    const bool has_stairs = x0 < stairs_.center().x() && stairs_.center().x() < x1;
+    for (double x = x0 + 0.6; x + 2.4 < x1 && !has_stairs; x += 3.0) {
+      if (random_.chance(0.65)) plantHedge({x, kCycleWay + 0.6}, {x + 2.4, kCycleWay + 0.6});
+    }
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector2d at(random_.uniform(x0 + 0.8, x1 - 0.8),
+                               random_.uniform(11.0, kLawn - 1.5));
+      addTree(site_.furniture, {static_cast<float>(at.x()), static_cast<float>(at.y()), 0.0F},
+              random_);
+      builder_.block({at, {0.5, 0.5}, 0.0});
+    }
+  }
+}
+
+void CampusPlan::furnishPromenade() {
+  for (double x = kWest + 4.0; x < kEast - 4.0; x += random_.uniform(6.0, 9.0)) {
+    const double y = random_.chance(0.5) ? -kPromenade + 0.1 : kPromenade - 0.6;
+    switch (random_.below(4)) {
+      case 0:
+        addBench(builder_, {{x, y}, y < 0.0 ? M_PI / 2 : -M_PI / 2});
+        break;
+      case 1:
+        addBicycleStand(builder_, {{x, -4.0}, 0.0}, 3 + random_.below(4), random_);
+        break;
+      case 2:
+        addPlant(builder_, {x, y}, random_);
+        addPlant(builder_, {x + 0.8, y}, random_);
+        break;
+      default:
+        addLamp(site_.furniture, {static_cast<float>(x), static_cast<float>(y), 0.0F},
+                y < 0.0 ? 1.57F : -1.57F, random_);
+        builder_.block({{x, y}, {0.3, 0.3}, 0.0});
+        site_.spots.push_back({{x + 0.8, y}, y < 0.0 ? M_PI / 2 : -M_PI / 2});
+    }
+  }
+  for (double y = -kPromenade + 0.5; y < kPromenade; y += 1.5) {  // bollards at the ends
+    for (const double x : {kWest + 0.6, kEast - 0.6}) {
+      builder_.box({{x, y}, 0.0, {0.14, 0.14, 0.9}, 0.0}, Material::kOrangeSteel);
+    }
+  }
+}
+
+void CampusPlan::addHouse(const Eigen::Vector2d& foot, double yaw, double width) {
+  HousePlan plan;
+  plan.facade.width_m = width;
+  plan.facade.side_m = random_.uniform(8.0, 12.0);
+  plan.facade.height_m = random_.uniform(7.0, 14.0);
+  plan.facade.shop = random_.chance(0.3);
+  plan.ridge_m = random_.chance(0.4) ? random_.uniform(1.5, 3.0) : 0.0;
+  Random own(random_.bits());
+  const Eigen::Vector3f at(static_cast<float>(foot.x()), static_cast<float>(foot.y()), -0.3F);
+  site_.facades.push_back(
+      {drawFacade(plan.facade, grain_, own), houseMesh(plan, at, static_cast<float>(yaw))});
+}
+
+void CampusPlan::buildHouses() {
+  for (double x = kWest - 12.0; x < kEast + 12.0;) {
+    const double north = random_.uniform(9.0, 13.0);
+    addHouse({x + 0.5 * north, kLawn + 0.3}, 0.0, north - 0.02);
+    addHouse({x + 0.5 * north, kSouth}, M_PI, north - 0.02);
+    x += north;
+  }
+  for (const auto& [x, yaw] : {std::pair{kWest - 10.0, M_PI / 2}, {kEast + 10.0, -M_PI / 2}}) {
+    addHouse({x, 0.4 * kLawn}, yaw, 14.0);
+  }
+}
+
+void CampusPlan::addPlaces() {
+  const double middle = kWest + random_.uniform(10.0, 16.0);
+  site_.robot_stops.push_back({middle, 0.0});
+  for (double x = kWest + 3.0; x < kEast - 2.0; x += 5.0) {
+    site_.robot_stops.push_back({x, random_.uniform(-1.2, 1.2)});
+    site_.destinations.push_back({x, random_.uniform(-1.8, 1.8)});
+  }
+  for (int n = 0; n < 4; ++n) {
+    site_.robot_stops.push_back({crossing(n), 8.0});
+    site_.destinations.push_back({crossing(n), kLawn - 1.0});
+  }
+  site_.robot_stops.push_back({stairs_.min().x() - 1.2, 8.2});
+  const double near = kPromenade + 0.65, far = kCycleWay - 0.65;
+  VehicleLoop cycle{ActorKind::kCyclist, {}, 4.0};
+  for (double x = kWest + 2.0; x <= kEast - 2.0; x += 2.0) cycle.points.push_back({x, near, 0.0});
+  for (double x = kEast - 2.0; x >= kWest + 2.0; x -= 2.0) cycle.points.push_back({x, far, 0.0});
+  site_.loops.push_back(cycle);
+  VehicleLoop delivery{ActorKind::kDeliveryRobot, {}, 1.5};
+  for (double x = kWest + 3.0; x <= kEast - 3.0; x += 2.0) {
+    delivery.points.push_back({x, -1.7, 0.0});
+  }
+  for (double x = kEast - 3.0; x >= kWest + 3.0; x -= 2.0) delivery.points.push_back({x, 1.7, 0.0});
+  site_.loops.push_back(delivery);
+}
+
+}  // namespace
+
+Site makeCampus(const Grain& grain, std::uint64_t seed) {
+  Site site;
+  CampusPlan(site, grain, seed).build();
+  return site;
+}
+
+}  // namespace headway::sim

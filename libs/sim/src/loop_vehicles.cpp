@@ -1,0 +1,70 @@
+#include "loop_vehicles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace headway::sim {
+
+LoopVehicles::LoopVehicles(const TrafficParams& params, const Site& site, std::uint64_t seed,
+                           std::int64_t& next_id)
+    : random_(seed) {
+  for (const bool cyclists : {true, false}) {
+    std::vector<const VehicleLoop*> loops;
+    for (const VehicleLoop& loop : site.loops) {
+      if ((loop.kind == ActorKind::kCyclist) == cyclists) loops.push_back(&loop);
+    }
+    const int count = cyclists ? params.cyclists : params.vehicles;
+    const double first = random_.uniform();
+    for (int i = 0; i < count && !loops.empty(); ++i) {
+      add(*loops[static_cast<std::size_t>(i) % loops.size()],
+          first + static_cast<double>(i) / count, next_id);
+    }
+  }
+}
+
+void LoopVehicles::add(const VehicleLoop& loop, double ratio, std::int64_t& next_id) {
+  Vehicle vehicle{Path(loop.points, true), {}, {}};
+  Actor actor;
+  actor.id = next_id++;
+  actor.kind = loop.kind;
+  actor.look = random_.below(100000);
+  actor.size = drawSize(loop.kind, random_);
+  vehicle.at.s = ratio * vehicle.path.length();
+  vehicle.at.length = actor.size.x();
+  vehicle.at.width = actor.size.y();
+  vehicle.style.desired_speed_mps = loop.speed_mps * random_.uniform(0.85, 1.15);
+  vehicle.style.standstill_m = 1.2;
+  vehicle.style.headway_s = 0.8;
+  vehicle.style.lateral = 1.2;
+  vehicle.at.speed = 0.7 * vehicle.style.desired_speed_mps;
+  vehicles_.push_back(vehicle);
+  actors_.push_back(actor);
+  place(vehicles_.size() - 1, 0.0);
+}
+
+void LoopVehicles::place(std::size_t i, double dt) {
+  const Vehicle& vehicle = vehicles_[i];
+  Actor& actor = actors_[i];
+  const PathPoint point = vehicle.path.at(vehicle.at.s);
+  actor.position = point.position;
+  actor.yaw = point.yaw;
+  actor.speed = vehicle.at.speed;
+  actor.velocity = actor.speed * Eigen::Vector2d(std::cos(actor.yaw), std::sin(actor.yaw));
+  if (actor.kind == ActorKind::kCyclist) actor.gait += 1.3 * actor.speed * dt;
+}
+
+void LoopVehicles::advance(double dt, const std::vector<Obstacle>& others) {
+  std::vector<Obstacle> all = others;
+  for (const Actor& actor : actors_) all.push_back(obstacleFrom(actor));
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    Vehicle& vehicle = vehicles_[i];
+    const double acceleration = drive(vehicle.at, vehicle.path, vehicle.style, all, actors_[i].id,
+                                      std::numeric_limits<double>::infinity());
+    vehicle.at.speed = std::max(0.0, vehicle.at.speed + acceleration * dt);
+    vehicle.at.s += vehicle.at.speed * dt;
+    place(i, dt);
+  }
+}
+
+}  // namespace headway::sim

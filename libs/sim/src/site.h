@@ -1,0 +1,75 @@
+#pragma once
+
+#include <headway/sim/simulator.h>
+
+#include <Eigen/Geometry>
+#include <map>
+#include <vector>
+
+#include "actor.h"
+#include "material.h"
+#include "mesh.h"
+
+namespace headway::sim {
+
+/// A rectangle on the ground, turned by yaw.
+struct Footprint {
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< world [m]
+  Eigen::Vector2d size = Eigen::Vector2d::Ones();    ///< along yaw and across it [m]
+  double yaw = 0.0;                                  ///< [rad]
+};
+
+/// Where somebody sits or stands, and where they face.
+struct Spot {
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< world [m]
+  double yaw = 0.0;                                    ///< [rad]
+  bool seat = false;
+};
+
+/// A strip across the floor that wheels bump over, such as the threshold of a door.
+struct Threshold {
+  Footprint strip;         ///< size: along the way over it, and its length
+  double height_m = 0.01;  ///< above the floor
+};
+
+/// A closed line that vehicles of one kind go round.
+struct VehicleLoop {
+  ActorKind kind = ActorKind::kForklift;
+  std::vector<Eigen::Vector3d> points;  ///< closed, without the first repeated [m]
+  double speed_mps = 1.5;
+};
+
+/// A surface with a picture of its own.
+struct PicturedMesh {
+  cv::Mat picture;  ///< BGR
+  Mesh mesh;
+};
+
+/// One place that robots work in: its static geometry, and where everybody can be.
+///
+/// Robot and people move on the floor at height 0. All of it is in the world frame.
+struct Site {
+  std::map<Material, Mesh> surfaces;  ///< texture coordinates in pictures; they repeat
+  std::vector<PicturedMesh> facades;  ///< houses
+  Mesh furniture;                     ///< trees and the like, in the furniture atlas
+  bool outdoors = false;              ///< a meadow lies around it
+  Eigen::AlignedBox2d area;           ///< nobody leaves it
+  std::vector<Footprint> obstacles;   ///< that nobody can enter: walls, furniture, drops
+  std::vector<Drop> drops;
+  std::vector<Threshold> thresholds;
+  std::vector<Eigen::Vector2d> destinations;  ///< of people
+  std::vector<Spot> spots;                    ///< of idle people
+  std::vector<Eigen::Vector2d> robot_stops;   ///< places that the robot drives to; it starts at
+                                              ///< the first
+  std::vector<VehicleLoop> loops;
+  std::vector<Spot> bicycles;  ///< parked
+};
+
+/// An office floor: corridor, rooms with furniture, windows, a lobby with stairs down.
+[[nodiscard]] Site makeHall(const Grain& grain, std::uint64_t seed);
+/// Outdoor paths with kerbs, hedges, railings and bicycles between houses; stairs down.
+[[nodiscard]] Site makeCampus(const Grain& grain, std::uint64_t seed);
+/// Racks with pallets, painted aisles, forklifts, a loading dock.
+[[nodiscard]] Site makeWarehouse(const Grain& grain, std::uint64_t seed);
+
+}  // namespace headway::sim

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "environment.h"
+#include "loop_vehicles.h"
+#include "walkers.h"
+
+namespace headway::sim {
+
+/// A site with a robot, people and vehicles.
+class SiteEnvironment : public Environment {
+ public:
+  explicit SiteEnvironment(const SimParams& params);
+
+  void advance(double dt) override;
+  [[nodiscard]] Pose T_world_robot() const override { return robot_.T_world_robot(); }
+  [[nodiscard]] bool arrived() const override { return false; }
+  [[nodiscard]] double pathLength() const override { return 0.0; }
+  [[nodiscard]] std::vector<Actor> actors(double reach) override;
+  [[nodiscard]] std::vector<PlacedMesh> staticMeshes(double reach) override;
+  [[nodiscard]] std::vector<Drop> drops() const override { return site_.drops; }
+  [[nodiscard]] std::unique_ptr<Scene> makeScene(const StereoCamera& camera) override;
+
+  [[nodiscard]] const Site& site() const { return site_; }
+  [[nodiscard]] const NavigationGrid& grid() const { return grid_; }
+
+ private:
+  std::uint64_t seed_;
+  Grain grain_;
+  Site site_;
+  NavigationGrid grid_;
+  WheeledRobot robot_;
+  std::int64_t next_id_ = 0;
+  LoopVehicles vehicles_;
+  Walkers walkers_;
+  std::vector<Actor> bicycles_;
+};
+
+}  // namespace headway::sim

@@ -1,0 +1,207 @@
+#include "site_furniture.h"
+
+#include <cmath>
+
+#include "furniture.h"
+
+namespace headway::sim {
+namespace {
+
+Eigen::Vector2d placed(const Spot& at, double along, double left) {
+  const Eigen::Vector2d ex(std::cos(at.yaw), std::sin(at.yaw));
+  return at.position + along * ex + left * Eigen::Vector2d(-ex.y(), ex.x());
+}
+
+Spot spotAt(const Spot& at, double along, double left, double turn, bool seat) {
+  return {placed(at, along, left), at.yaw + turn, seat};
+}
+
+void addLegs(SiteBuilder& builder, const Spot& at, const Eigen::Vector2d& size, double height,
+             Material material) {
+  for (const double x : {-0.5, 0.5}) {
+    for (const double y : {-0.5, 0.5}) {
+      const Eigen::Vector2d place = Eigen::Vector2d(x, y).cwiseProduct(size);
+      builder.ornament({placed(at, place.x(), place.y()), at.yaw, {0.05, 0.05, height}, 0.0},
+                       material);
+    }
+  }
+}
+
+}  // namespace
+
+void addChair(SiteBuilder& builder, const Spot& at, Random& random) {
+  const Material seat = random.chance(0.6) ? Material::kFabric : Material::kBlackPlastic;
+  builder.ornament({at.position, at.yaw, {0.06, 0.06, 0.4}, 0.06}, Material::kSteel);
+  builder.ornament({at.position, at.yaw, {0.55, 0.07, 0.06}, 0.03}, Material::kBlackPlastic);
+  builder.ornament({at.position, at.yaw, {0.07, 0.55, 0.06}, 0.03}, Material::kBlackPlastic);
+  builder.part(at, {0, 0}, {0.46, 0.46, 0.07}, 0.42, seat);
+  builder.part(at, {-0.22, 0}, {0.05, 0.42, 0.5}, 0.5, seat);
+  builder.site().spots.push_back(spotAt(at, 0.2, 0.0, 0.0, true));
+}
+
+void addDesk(SiteBuilder& builder, const Spot& at, Random& random) {
+  const Material top = random.chance(0.5) ? Material::kWood : Material::kWhitePaint;
+  builder.part(at, {0, 0}, {0.8, 1.6, 0.04}, 0.7, top);
+  addLegs(builder, at, {0.7, 1.5}, 0.7, Material::kSteel);
+  builder.part(at, {0.1, 0.5}, {0.6, 0.4, 0.6}, 0.04, Material::kSteel);
+  for (int i = 0; i < 1 + random.below(2); ++i) {
+    const double left = -0.35 + 0.6 * i;
+    builder.ornament({placed(at, 0.2, left), at.yaw, {0.16, 0.2, 0.12}, 0.74},
+                     Material::kBlackPlastic);
+    builder.ornament({placed(at, 0.2, left), at.yaw, {0.03, 0.54, 0.34}, 0.84}, Material::kScreen);
+    builder.ornament({placed(at, 0.217, left), at.yaw, {0.01, 0.54, 0.34}, 0.84},
+                     Material::kBlackPlastic);
+  }
+  builder.ornament({placed(at, -0.12, -0.2), at.yaw, {0.15, 0.42, 0.02}, 0.74},
+                   Material::kBlackPlastic);
+  if (random.chance(0.7)) {
+    builder.ornament({placed(at, 0.0, 0.55), at.yaw + 0.2, {0.3, 0.21, 0.06}, 0.74},
+                     Material::kBooks);
+  }
+  addChair(builder, spotAt(at, -0.72, random.uniform(-0.2, 0.2), 0.0, true), random);
+}
+
+void addMeetingTable(SiteBuilder& builder, const Spot& at, int chairs_a_side, Random& random) {
+  const double length = 0.8 * chairs_a_side + 0.2;
+  builder.part(at, {0, 0}, {length, 1.1, 0.05}, 0.7, Material::kWood);
+  addLegs(builder, at, {length - 0.2, 0.9}, 0.7, Material::kBlackPlastic);
+  for (int i = 0; i < chairs_a_side; ++i) {
+    const double along = (i + 0.5) * 0.8 - 0.4 * chairs_a_side;
+    for (const double side : {1.0, -1.0}) {
+      if (random.chance(0.1)) continue;
+      addChair(builder, spotAt(at, along, side * random.uniform(0.72, 0.9), -side * M_PI / 2, true),
+               random);
+    }
+  }
+}
+
+void addSofa(SiteBuilder& builder, const Spot& at) {
+  builder.part(at, {0, 0}, {0.8, 1.9, 0.38}, 0.06, Material::kFabric);
+  builder.part(at, {-0.32, 0}, {0.18, 1.9, 0.4}, 0.44, Material::kFabric);
+  for (const double side : {1.0, -1.0}) {
+    builder.part(at, {0.0, side * 0.88}, {0.8, 0.16, 0.2}, 0.44, Material::kFabric);
+    builder.site().spots.push_back(spotAt(at, 0.35, side * 0.42, 0.0, true));
+  }
+}
+
+void addCupboard(SiteBuilder& builder, const Spot& at, Random& random) {
+  const double height = random.uniform(1.6, 2.1);
+  if (random.chance(0.6)) {
+    builder.part(at, {-0.02, 0}, {0.34, 1.0, height}, 0.0, Material::kDarkWood);
+    builder.ornament({placed(at, 0.16, 0.0), at.yaw, {0.02, 0.94, height - 0.1}, 0.06},
+                     Material::kBooks);
+  } else {
+    builder.part(at, {0, 0}, {0.42, 1.0, height}, 0.0, Material::kSteel);
+    builder.ornament({at.position, at.yaw, {0.44, 0.012, height - 0.1}, 0.05},
+                     Material::kBlackPlastic);
+    builder.ornament({placed(at, 0.215, 0.12), at.yaw, {0.03, 0.03, 0.16}, 0.9},
+                     Material::kBlackPlastic);
+  }
+}
+
+void addPlant(SiteBuilder& builder, const Eigen::Vector2d& at, Random& random) {
+  builder.box({at, random.uniform(0.0, 1.5), {0.36, 0.36, 0.36}, 0.0}, Material::kWhitePaint);
+  builder.ornament({at, 0.0, {0.3, 0.3, 0.01}, 0.36}, Material::kSoil);
+  const auto height = static_cast<float>(random.uniform(0.5, 1.1));
+  addShrub(builder.site().furniture,
+           {static_cast<float>(at.x()), static_cast<float>(at.y()), 0.36F}, height, random);
+}
+
+void addNotice(SiteBuilder& builder, const Spot& at, Random& random) {
+  const double width = random.uniform(0.3, 0.9), height = random.uniform(0.4, 0.9);
+  builder.ornament({at.position, at.yaw, {0.02, width, height}, random.uniform(1.1, 1.4)},
+                   Material::kNotices);
+}
+
+void addSocket(SiteBuilder& builder, const Spot& at) {
+  for (const double up : {0.28, 1.02}) {
+    builder.ornament({at.position, at.yaw, {0.024, 0.16, 0.085}, up}, Material::kSteel);
+    for (const double y : {-0.04, 0.04}) {
+      builder.ornament({placed(at, 0.003, y), at.yaw, {0.024, 0.035, 0.035}, up + 0.025},
+                       Material::kBlackPlastic);
+    }
+  }
+}
+
+void addRadiator(SiteBuilder& builder, const Spot& at) {
+  builder.part(at, {0, 0}, {0.1, 1.2, 0.55}, 0.14, Material::kWhitePaint);
+  for (double y = -0.55; y < 0.6; y += 0.1) {
+    builder.ornament({placed(at, 0.055, y), at.yaw, {0.02, 0.05, 0.5}, 0.16}, Material::kSteel);
+  }
+}
+
+void addBench(SiteBuilder& builder, const Spot& at) {
+  for (const double x : {-0.15, 0.0, 0.15}) {
+    builder.part(at, {x, 0}, {0.12, 1.8, 0.04}, 0.42, Material::kPallet);
+  }
+  builder.part(at, {-0.26, 0}, {0.04, 1.8, 0.14}, 0.62, Material::kPallet);
+  for (const double y : {-0.75, 0.75}) {
+    builder.part(at, {-0.02, y}, {0.45, 0.08, 0.42}, 0.0, Material::kSteel);
+    builder.part(at, {-0.26, y}, {0.04, 0.06, 0.36}, 0.42, Material::kSteel);
+  }
+  for (const double y : {-0.4, 0.4}) {
+    builder.site().spots.push_back(spotAt(at, 0.25, y, 0.0, true));
+  }
+}
+
+void addBicycleStand(SiteBuilder& builder, const Spot& at, int bicycles, Random& random) {
+  for (int i = 0; i < bicycles; ++i) {
+    const double along = 0.75 * (i - 0.5 * (bicycles - 1));
+    for (const double y : {-0.35, 0.35}) {
+      builder.ornament({placed(at, along + 0.18, y), at.yaw, {0.05, 0.05, 0.8}, 0.0},
+                       Material::kSteel);
+    }
+    builder.ornament({placed(at, along + 0.18, 0), at.yaw, {0.05, 0.75, 0.05}, 0.78},
+                     Material::kSteel);
+    if (random.chance(0.75)) {
+      builder.site().bicycles.push_back(
+          spotAt(at, along, random.uniform(-0.15, 0.15), M_PI / 2 + 0.06 * random.normal(), false));
+    }
+  }
+  builder.block({at.position, {0.75 * bicycles, 1.9}, at.yaw});
+}
+
+void addPallet(SiteBuilder& builder, const Spot& at, double base_m, Random& random) {
+  for (const double y : {-0.36, 0.0, 0.36}) {
+    builder.part(at, {0, y}, {1.2, 0.1, 0.1}, base_m, Material::kPallet);
+  }
+  builder.part(at, {0, 0}, {1.2, 0.82, 0.03}, base_m + 0.1, Material::kPallet);
+  if (random.chance(0.12)) return;
+  const double height = random.uniform(0.45, 1.15);
+  if (random.chance(0.7)) {
+    builder.part(at, {0, 0}, {1.12, 0.76, height}, base_m + 0.13, Material::kCardboard);
+    return;
+  }
+  const Material drum = random.chance(0.5) ? Material::kBlueSteel : Material::kBlackPlastic;
+  for (const double x : {-0.29, 0.29}) {
+    builder.part(at, {x, 0}, {0.54, 0.7, 0.8 * height}, base_m + 0.13, drum);
+  }
+}
+
+void addRackBay(SiteBuilder& builder, const Spot& at, Random& random) {
+  constexpr double kBay = 2.7, kDepth = 1.1, kHeight = 4.4;
+  for (const double x : {-0.5 * kBay, 0.5 * kBay}) {
+    for (const double y : {-0.5, 0.5}) {
+      builder.part(at, {x, y * kDepth}, {0.09, 0.09, kHeight}, 0.0, Material::kBlueSteel);
+    }
+    for (double z = 0.4; z < kHeight; z += 0.8) {
+      builder.ornament({placed(at, x, 0), at.yaw, {0.04, kDepth, 0.05}, z}, Material::kBlueSteel);
+    }
+  }
+  for (const double level : {0.0, 1.5, 3.0}) {
+    const double up = level > 0.0 ? level + 0.12 : 0.0;
+    for (const double y : {-0.5, 0.5}) {
+      if (level == 0.0) break;
+      builder.ornament({placed(at, 0, y * kDepth), at.yaw, {kBay, 0.05, 0.12}, level},
+                       Material::kOrangeSteel);
+    }
+    for (const double x : {-0.66, 0.66}) {
+      if (random.chance(0.12)) continue;
+      addPallet(builder, spotAt(at, x, random.uniform(-0.05, 0.05), 0.02 * random.normal(), false),
+                up, random);
+    }
+  }
+  builder.block({at.position, {kBay, kDepth}, at.yaw});
+}
+
+}  // namespace headway::sim

@@ -1,0 +1,125 @@
+#include "site_scene.h"
+
+#include <array>
+#include <cmath>
+
+#include "furniture.h"
+#include "ground_texture.h"
+#include "mesh_projection.h"
+#include "shadow.h"
+#include "sky.h"
+
+namespace headway::sim {
+namespace {
+
+enum Purpose : std::uint64_t { kSkySeed = 401, kMaterialSeed, kMeadowSeed, kAtlasSeed, kActorSeed };
+
+/// Which of three brightnesses a triangle has by the way it faces: floors, walls along y, the rest.
+std::size_t shadeOf(const std::array<MeshVertex, 3>& triangle) {
+  const Eigen::Vector3f normal = (triangle[1].position - triangle[0].position)
+                                     .cross(triangle[2].position - triangle[0].position)
+                                     .cwiseAbs();
+  if (normal.z() > std::max(normal.x(), normal.y())) return 0;
+  return normal.x() > normal.y() ? 1 : 2;
+}
+
+constexpr std::array<double, 3> kShades = {1.0, 0.92, 0.8};
+
+/// A wide plain a little below the ground.
+Mesh plain(const Site& site) {
+  constexpr float kBelow = -0.25F, kReach = 150.0F, kPicture = 16.0F;
+  const Eigen::Vector2f middle = site.area.center().cast<float>();
+  Mesh mesh;
+  for (float x = -kReach; x < kReach; x += 30.0F) {
+    for (float y = -kReach; y < kReach; y += 30.0F) {
+      const auto at = [&](float dx, float dy) {
+        return Eigen::Vector3f(middle.x() + x + dx, middle.y() + y + dy, kBelow);
+      };
+      mesh.addQuad(at(0, 30), at(30, 30), at(30, 0), at(0, 0),
+                   {0, 0, 30.0F / kPicture, 30.0F / kPicture});
+    }
+  }
+  return mesh;
+}
+
+}  // namespace
+
+SiteScene::SiteScene(const Site& site, const Grain& grain, std::uint64_t seed) {
+  const auto random = [&](std::uint64_t purpose, std::uint64_t item = 0) {
+    return Random(seedOf({seed, purpose, item}));
+  };
+  for (const auto& [material, mesh] : site.surfaces) {
+    Random own = random(kMaterialSeed, static_cast<std::uint64_t>(material));
+    addShaded(drawMaterial(material, grain, own), mesh);
+  }
+  for (const PicturedMesh& facade : site.facades)
+    objects_.push_back(add(facade.picture, facade.mesh));
+  Random atlas = random(kAtlasSeed), meadow = random(kMeadowSeed), sky = random(kSkySeed),
+         people = random(kActorSeed);
+  if (!site.furniture.triangles.empty()) {
+    objects_.push_back(add(drawFurnitureAtlas(grain, atlas), site.furniture));
+  }
+  objects_.push_back(add(drawMeadow(grain, meadow), plain(site)));
+  sky_ = add(drawSky(sky), skyMesh(kSkyRadius));
+  shadows_ = add(drawShadow(), contactShadows(site));
+  actors_.emplace(scene_, grain, people);
+  scene_.getViewport()->setViewportClipDistances(kNearPlane, kFarPlane);
+}
+
+TexturedObject::Ptr SiteScene::add(const cv::Mat& picture, const Mesh& mesh) {
+  auto object = std::make_shared<TexturedObject>(picture);
+  object->setMesh(mesh);
+  scene_.insert(object);
+  return object;
+}
+
+void SiteScene::addShaded(const cv::Mat& picture, const Mesh& mesh) {
+  std::array<Mesh, kShades.size()> parts;
+  for (const auto& triangle : mesh.triangles)
+    parts[shadeOf(triangle)].triangles.push_back(triangle);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (parts[i].triangles.empty()) continue;
+    cv::Mat shaded;
+    picture.convertTo(shaded, -1, kShades[i]);
+    objects_.push_back(add(shaded, parts[i]));
+  }
+}
+
+Mesh SiteScene::contactShadows(const Site& site) {
+  // Each a hair above the one before: at the same height they would show through each other.
+  constexpr float kLowest = 0.004F, kStep = 1e-5F;
+  float height = kLowest;
+  constexpr double kSpread = 0.16;  // [m]
+  Mesh mesh;
+  for (const Footprint& footprint : site.obstacles) {
+    const Eigen::Vector2d along(std::cos(footprint.yaw), std::sin(footprint.yaw));
+    const Eigen::Vector2f ex = ((0.5 * footprint.size.x() + kSpread) * along).cast<float>();
+    const Eigen::Vector2f ey =
+        ((0.5 * footprint.size.y() + kSpread) * Eigen::Vector2d(-along.y(), along.x()))
+            .cast<float>();
+    const Eigen::Vector2f middle = footprint.centre.cast<float>();
+    const auto at = [&](float x, float y) {
+      const Eigen::Vector2f corner = middle + x * ex + y * ey;
+      return Eigen::Vector3f(corner.x(), corner.y(), height);
+    };
+    mesh.addQuad(at(1, 1), at(-1, 1), at(-1, -1), at(1, -1), UvRect{});
+    height += kStep;
+  }
+  return mesh;
+}
+
+void SiteScene::arrange(const Pose& T_world_robot, const Pose& /*T_left_right*/,
+                        const std::vector<Actor>& actors, const std::vector<Mesh>& meshes) {
+  const Eigen::Vector3d origin = T_world_robot.translation();
+  T_origin_robot_ = T_world_robot;
+  T_origin_robot_.translation().setZero();
+  const Eigen::Vector3d forward = T_origin_robot_.linear().col(0);
+  actors_->show(actors, meshes, origin, [](const Mesh&) { return true; });
+  double order = 5000.0;
+  for (const auto& object : objects_) object->placeAt(-origin, forward, order -= 1.0);
+  sky_->placeAt(Eigen::Vector3d::Zero(), forward, 3800.0);
+  shadows_->placeAt(-origin, forward, 1.0);
+  actors_->place(forward);
+}
+
+}  // namespace headway::sim
