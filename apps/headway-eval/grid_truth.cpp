@@ -6,7 +6,11 @@
 
 #include <cmath>
 #include <cstdio>
+#include <fstream>
+#include <map>
 #include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <utility>
 
 namespace headway::app {
 namespace {
@@ -90,6 +94,50 @@ void markSwept(const Track& object, const eval::GridCells& grid, std::vector<std
   }
 }
 
+/// Outlines of drops.csv, by number; empty if there is no such file.
+std::map<int, std::vector<Eigen::Vector2d>> readDrops(const fs::path& path) {
+  std::map<int, std::vector<Eigen::Vector2d>> outlines;
+  std::ifstream file(path);
+  std::string row;
+  std::getline(file, row);  // header
+  for (int line = 2; std::getline(file, row); ++line) {
+    int drop = 0;
+    double x = 0.0, y = 0.0;
+    if (std::sscanf(row.c_str(), "%d,%lf,%lf", &drop, &x, &y) != 3) {
+      throw InputError(path.string() + ":" + std::to_string(line) + ": is not drop,x,y,depth_m");
+    }
+    outlines[drop].emplace_back(x, y);
+  }
+  return outlines;
+}
+
+/// Whether a point lies to the left of all edges of a counterclockwise outline.
+bool isInside(const Eigen::Vector2d& point, const std::vector<Eigen::Vector2d>& outline) {
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Eigen::Vector2d edge = outline[(i + 1) % outline.size()] - outline[i];
+    const Eigen::Vector2d to = point - outline[i];
+    if (edge.x() * to.y() - edge.y() * to.x() < 0.0) return false;
+  }
+  return true;
+}
+
+/// Marks the cells that lie in a drop with all four corners.
+void markDrops(const fs::path& path, const eval::GridCells& grid,
+               std::vector<std::uint8_t>& drops) {
+  for (const auto& [number, outline] : readDrops(path)) {
+    for (std::size_t i = 0; i < drops.size(); ++i) {
+      const auto columns = static_cast<std::size_t>(grid.columns);
+      bool whole = true;
+      for (const auto& [x, y] : {std::pair{0, 0}, {1, 0}, {0, 1}, {1, 1}}) {
+        const Eigen::Vector2d corner(static_cast<double>(i % columns) + x,
+                                     static_cast<double>(i / columns) + y);
+        whole = whole && isInside(grid.origin + grid.resolution_m * corner, outline);
+      }
+      if (whole) drops[i] = 1;
+    }
+  }
+}
+
 }  // namespace
 
 GridTruth gridTruth(const fs::path& folder, const StereoCamera& camera, const eval::GridCells& grid,
@@ -112,6 +160,7 @@ GridTruth gridTruth(const fs::path& folder, const StereoCamera& camera, const ev
     // A pit's wall is no obstacle of its own; what reaches above the ground is.
     truth.drops[i] = counts.drop[i] >= kMinPixels && counts.obstacle[i] < kMinPixels;
   }
+  markDrops(folder / "drops.csv", grid, truth.drops);
   for (const auto& sample : io::readTrackCsv((folder / "objects.csv").string())) {
     if (isMoving(sample.track)) markSwept(sample.track, grid, truth.swept);
   }
