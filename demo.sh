@@ -1,6 +1,6 @@
 #!/bin/bash
-# From a clean Debian 12 to pictures: installs what is missing, builds, replays the bundled street,
-# and compares the trajectory with the truth.
+# From a clean Debian 12 to pictures: installs what is missing, builds, replays the bundled street and
+# the bundled hall, and compares the trajectories with the truth.
 set -euo pipefail
 cd "$(dirname "$0")"
 source libs/cmake/setup.sh
@@ -8,13 +8,18 @@ install_packages
 build_preset release headway-replay headway-render headway-eval
 bin=build/release/bin
 
-out=out/street
-$bin/headway-replay -i rawlogs/street.rawlog -o $out -w
-$bin/headway-render -i $out -o $out/top.png --view top -w
-$bin/headway-eval trajectory --truth rawlogs/street.truth/trajectory.tum \
-  --estimate $out/trajectory.tum --plot $out/trajectory.png -w
+for name in street hall; do
+  out=out/$name
+  $bin/headway-replay -i rawlogs/$name.rawlog -o $out -w
+  $bin/headway-render -i $out -o $out/top.png --view top -w
+  $bin/headway-eval trajectory --truth rawlogs/$name.truth/trajectory.tum \
+    --estimate $out/trajectory.tum --plot $out/trajectory.png -w
+done
 
-echo
-echo "pictures:   $(ls $out/snapshots/*.png | tr '\n' ' ')$out/top.png $out/trajectory.png"
-echo "trajectory: $out/trajectory.tum   tracks: $out/tracks.csv   map: $out/map.headway"
-[ ! -f $out/report.html ] || echo "report:     $out/report.html"
+for name in street hall; do
+  out=out/$name
+  echo
+  echo "pictures:   $(ls $out/snapshots/*.png | tr '\n' ' ')$out/top.png $out/trajectory.png"
+  echo "trajectory: $out/trajectory.tum   tracks: $out/tracks.csv   map: $out/map.headway"
+  [ ! -f $out/report.html ] || echo "report:     $out/report.html"
+done

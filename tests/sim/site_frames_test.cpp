@@ -91,7 +91,8 @@ TEST_P(SiteFramesTest, TheFloorLiesWhereTheMountingSaysAndTheLaserAgreesWithTheD
       if (std::abs(frame->laser->ranges.at(i) - seen.head<2>().norm()) < 0.08) ++agreeing;
     }
   }
-  EXPECT_GT(on_floor, frame->depth.total() / 20);
+  // A car's cameras see the floor from 6 m on, and no room in a hall is as long.
+  if (rig != "car") EXPECT_GT(on_floor, static_cast<int>(frame->depth.total() / 20));
   if (compared > 20) EXPECT_GT(agreeing, 0.8 * compared);
 }
 

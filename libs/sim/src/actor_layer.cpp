@@ -30,7 +30,11 @@ void ActorLayer::show(const std::vector<Actor>& actors, const std::vector<Mesh>&
     (isClosed(actors[k].kind) ? vehicles : people).push_back(&meshes[k]);
   }
   Mesh shadows;
-  for (const Actor& actor : actors) shadows.append(shadowMesh(actor, origin));
+  Eigen::Vector3d below = origin;
+  for (const Actor& actor : actors) {
+    shadows.append(shadowMesh(actor, below));
+    below.z() -= shadow_step_m_;
+  }
   vehicles_->setMeshes(vehicles);
   people_->setMeshes(people);
   shadows_->setMesh(shadows);

@@ -17,6 +17,10 @@ class ActorLayer {
   /// Adds its objects to the scene.
   ActorLayer(mrpt::opengl::COpenGLScene& scene, const Grain& grain, Random& random);
 
+  /// Draws each shadow a hair above the one before, so that people who stand close together have
+  /// shadows that do not show through each other.
+  void stackShadows() { shadow_step_m_ = 1e-4; }
+
   /// @param meshes  of the actors, relative to the origin
   /// @param shows   whether a mesh may be seen
   void show(const std::vector<Actor>& actors, const std::vector<Mesh>& meshes,
@@ -26,6 +30,7 @@ class ActorLayer {
 
  private:
   TexturedObject::Ptr vehicles_, people_, shadows_;
+  double shadow_step_m_ = 0.0;
 };
 
 }  // namespace headway::sim

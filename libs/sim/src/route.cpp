@@ -170,7 +170,7 @@ void requireDrivable(const std::vector<Eigen::Vector3d>& points, const std::stri
 /// Robot positions of a KITTI path, where it moved by at least a metre.
 std::vector<Eigen::Vector3d> readKittiPositions(const std::string& file) {
   std::vector<Eigen::Vector3d> positions;
-  Eigen::Vector3d last;
+  Eigen::Vector3d last = Eigen::Vector3d::Zero();
   std::size_t row = 0;
   for (const Pose& pose : io::readKittiPoses(file)) {
     ++row;

@@ -1,7 +1,9 @@
 #include "site_scene.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include "furniture.h"
 #include "ground_texture.h"
@@ -25,18 +27,48 @@ std::size_t shadeOf(const std::array<MeshVertex, 3>& triangle) {
 
 constexpr std::array<double, 3> kShades = {1.0, 0.92, 0.8};
 
-/// A wide plain a little below the ground.
+/// The upright rectangle around a drop's outline.
+Eigen::AlignedBox2d boundsOf(const Drop& drop) {
+  Eigen::AlignedBox2d bounds;
+  for (const Eigen::Vector2d& corner : drop.outline) bounds.extend(corner);
+  return bounds;
+}
+
+/// Whether a footprint keeps people out of a drop; nothing stands there.
+bool isPit(const Footprint& footprint, const Site& site) {
+  return std::any_of(site.drops.begin(), site.drops.end(), [&](const Drop& drop) {
+    return boundsOf(drop).center().isApprox(footprint.centre, 1e-9);
+  });
+}
+
+/// A wide plain a little below the ground, with holes for what is deeper.
 Mesh plain(const Site& site) {
-  constexpr float kBelow = -0.25F, kReach = 150.0F, kPicture = 16.0F;
-  const Eigen::Vector2f middle = site.area.center().cast<float>();
+  constexpr double kHeight = -0.25, kReach = 150.0, kTile = 30.0, kPicture = 16.0;  // [m]
+  std::set<double> xs, ys;
+  for (double d = -kReach; d <= kReach; d += kTile) {
+    xs.insert(d);
+    ys.insert(d);
+  }
+  for (const Drop& drop : site.drops) {
+    const auto bounds = boundsOf(drop);
+    xs.insert({bounds.min().x(), bounds.max().x()});
+    ys.insert({bounds.min().y(), bounds.max().y()});
+  }
   Mesh mesh;
-  for (float x = -kReach; x < kReach; x += 30.0F) {
-    for (float y = -kReach; y < kReach; y += 30.0F) {
-      const auto at = [&](float dx, float dy) {
-        return Eigen::Vector3f(middle.x() + x + dx, middle.y() + y + dy, kBelow);
-      };
-      mesh.addQuad(at(0, 30), at(30, 30), at(30, 0), at(0, 0),
-                   {0, 0, 30.0F / kPicture, 30.0F / kPicture});
+  const auto vertex = [&](double x, double y) {
+    return MeshVertex{Eigen::Vector3d(x, y, kHeight).cast<float>(),
+                      Eigen::Vector2d(x / kPicture, y / kPicture).cast<float>()};
+  };
+  for (auto x = xs.begin(); std::next(x) != xs.end(); ++x) {
+    for (auto y = ys.begin(); std::next(y) != ys.end(); ++y) {
+      const double x1 = *std::next(x), y1 = *std::next(y);
+      const Eigen::Vector2d middle(0.5 * (*x + x1), 0.5 * (*y + y1));
+      if (std::any_of(site.drops.begin(), site.drops.end(),
+                      [&](const Drop& drop) { return boundsOf(drop).contains(middle); })) {
+        continue;
+      }
+      mesh.addTriangle(vertex(*x, y1), vertex(x1, y1), vertex(x1, *y));
+      mesh.addTriangle(vertex(*x, y1), vertex(x1, *y), vertex(*x, *y));
     }
   }
   return mesh;
@@ -63,6 +95,7 @@ SiteScene::SiteScene(const Site& site, const Grain& grain, std::uint64_t seed) {
   sky_ = add(drawSky(sky), skyMesh(kSkyRadius));
   shadows_ = add(drawShadow(), contactShadows(site));
   actors_.emplace(scene_, grain, people);
+  actors_->stackShadows();
   scene_.getViewport()->setViewportClipDistances(kNearPlane, kFarPlane);
 }
 
@@ -92,6 +125,7 @@ Mesh SiteScene::contactShadows(const Site& site) {
   constexpr double kSpread = 0.16;  // [m]
   Mesh mesh;
   for (const Footprint& footprint : site.obstacles) {
+    if (isPit(footprint, site)) continue;
     const Eigen::Vector2d along(std::cos(footprint.yaw), std::sin(footprint.yaw));
     const Eigen::Vector2f ex = ((0.5 * footprint.size.x() + kSpread) * along).cast<float>();
     const Eigen::Vector2f ey =
