@@ -19,7 +19,8 @@ TEST(MotionPriorTest, IsEmptyWithoutSamples) {
   const MotionPrior prior = builder.between(1.0, 1.1);
   EXPECT_FALSE(prior.T_previous_current);
   EXPECT_FALSE(prior.R_previous_current);
-  EXPECT_FALSE(prior.up_robot);
+  EXPECT_FALSE(prior.velocity_increment);
+  EXPECT_FALSE(prior.specific_force);
 }
 
 TEST(MotionPriorTest, OdometryIsRelativeToThePreviousFrame) {
@@ -71,19 +72,44 @@ TEST(MotionPriorTest, AGapInTheGyroscopeGivesNoRotation) {
   EXPECT_FALSE(builder.between(0.005, 0.305).R_previous_current);
 }
 
-TEST(MotionPriorTest, VerticalDirectionRequiresLowAcceleration) {
-  const auto upWith = [](double acceleration_norm) {
-    MotionPriorBuilder builder;
-    for (int i = 0; i < 10; ++i) {
-      builder.addInertial({0.01 * i, std::nullopt,
-                           Eigen::Vector3d(acceleration_norm * Eigen::Vector3d(0.6, 0, 0.8))});
-    }
-    return builder.between(std::nullopt, 0.1).up_robot;
-  };
-  ASSERT_TRUE(upWith(9.8));
-  EXPECT_TRUE(upWith(9.8)->isApprox(Eigen::Vector3d(0.6, 0, 0.8), 1e-12));
-  EXPECT_FALSE(upWith(12.0));
-  EXPECT_FALSE(upWith(0.0));
+TEST(MotionPriorTest, SpecificForceIsTheMeanAroundTheFrame) {
+  MotionPriorBuilder builder;
+  const Eigen::Vector3d force(6.0, 0.0, 8.0);
+  for (int i = 0; i < 10; ++i) {
+    const double sign = i % 2 == 0 ? 1.0 : -1.0;
+    builder.addInertial({0.01 * i, std::nullopt, Eigen::Vector3d((1.0 + 0.1 * sign) * force)});
+  }
+  const auto mean = builder.between(std::nullopt, 0.1).specific_force;
+  ASSERT_TRUE(mean);
+  EXPECT_TRUE(mean->isApprox(force, 1e-12));
+  EXPECT_FALSE(builder.between(std::nullopt, 1.0).specific_force);
+}
+
+TEST(MotionPriorTest, VelocityIncrementFollowsTheTurn) {
+  // A force along the robot's x axis while it turns at a constant rate: sin and cos integrate.
+  MotionPriorBuilder builder;
+  const double rate = 1.5;
+  for (int i = 0; i <= 200; ++i) {
+    builder.addInertial({0.001 * i, Eigen::Vector3d(0, 0, rate), Eigen::Vector3d(2, 0, 9.81)});
+  }
+  const auto increment = builder.between(0.05, 0.15).velocity_increment;
+  ASSERT_TRUE(increment);
+  const double angle = rate * 0.1;
+  const Eigen::Vector3d expected(2.0 * std::sin(angle) / rate, 2.0 * (1.0 - std::cos(angle)) / rate,
+                                 0.981);
+  EXPECT_LT((*increment - expected).norm(), 1e-6);
+}
+
+TEST(MotionPriorTest, VelocityIncrementNeedsBothSensorsThroughout) {
+  MotionPriorBuilder without_gyroscope, gap;
+  for (const double time : {0.0, 0.01, 0.3, 0.31}) {
+    gap.addInertial({time, Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(0, 0, 9.81)});
+  }
+  for (int i = 0; i <= 30; ++i) {
+    without_gyroscope.addInertial({0.01 * i, std::nullopt, Eigen::Vector3d(0, 0, 9.81)});
+  }
+  EXPECT_FALSE(gap.between(0.005, 0.305).velocity_increment);
+  EXPECT_FALSE(without_gyroscope.between(0.1, 0.2).velocity_increment);
 }
 
 TEST(MotionPriorTest, DiscardingKeepsTheSamplesOfLaterFrames) {
@@ -100,9 +126,11 @@ TEST(MotionPriorTest, DiscardingKeepsTheSamplesOfLaterFrames) {
   }
   const auto a = builder.between(4.8, 4.9);
   const auto b = discarding.between(4.8, 4.9);
-  ASSERT_TRUE(b.T_previous_current && b.R_previous_current && b.up_robot);
+  ASSERT_TRUE(b.T_previous_current && b.R_previous_current && b.specific_force &&
+              b.velocity_increment);
   EXPECT_EQ(a.T_previous_current->matrix(), b.T_previous_current->matrix());
   EXPECT_EQ(*a.R_previous_current, *b.R_previous_current);
+  EXPECT_EQ(*a.velocity_increment, *b.velocity_increment);
   EXPECT_FALSE(discarding.between(0.5, 0.6).T_previous_current);
 }
 

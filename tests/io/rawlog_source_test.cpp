@@ -302,7 +302,23 @@ TEST_F(RawlogSourceTest, SkipsAndCountsOdometryThatIsNotFinite) {
   EXPECT_THAT(source.skipped(), ElementsAre(Pair("bad_odometry", 1u)));
 }
 
-TEST_F(RawlogSourceTest, InertialSamplesGiveRotationAndVertical) {
+TEST_F(RawlogSourceTest, CountsInertialSamplesThatAreNotFinite) {
+  const Eigen::Vector3d nan = Eigen::Vector3d::Constant(std::nan(""));
+  {
+    RawlogSink sink(path_, ImageStorage::kEmbedded);
+    for (int i = 0; i < 3; ++i) {
+      sink.writeImu(test::frameTime(static_cast<std::size_t>(i)), nan, nan);
+      writeWall(sink, static_cast<std::size_t>(i));
+    }
+  }
+  RawlogSource source(path_, {});
+  for (const auto& frame : test::framesOf(source)) {
+    EXPECT_FALSE(frame.stereo->motion_prior.specific_force);
+  }
+  EXPECT_THAT(source.skipped(), ElementsAre(Pair("bad_imu", 3u)));
+}
+
+TEST_F(RawlogSourceTest, InertialSamplesGiveRotationAndForce) {
   const Eigen::Vector3d omega(0.0, 0.0, 0.5);
   const Eigen::Vector3d gravity(0.0, 9.81 * std::sin(0.1), 9.81 * std::cos(0.1));
   {
@@ -315,8 +331,8 @@ TEST_F(RawlogSourceTest, InertialSamplesGiveRotationAndVertical) {
   const auto frames = test::framesOf(path_);
   for (std::size_t i = 0; i + 1 < frames.size(); ++i) {
     const auto& prior = frames[i].stereo->motion_prior;
-    ASSERT_TRUE(prior.up_robot) << i;
-    EXPECT_TRUE(prior.up_robot->isApprox(gravity.normalized(), 1e-6));
+    ASSERT_TRUE(prior.specific_force) << i;
+    EXPECT_TRUE(prior.specific_force->isApprox(gravity, 1e-6));
     if (i == 0) continue;
     ASSERT_TRUE(prior.R_previous_current) << i;
     EXPECT_TRUE(prior.R_previous_current->isApprox(expSo3(0.1 * omega), 1e-6));

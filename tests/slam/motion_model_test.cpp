@@ -26,20 +26,23 @@ MotionModel moving() {
   return model;
 }
 
-TEST(MotionModelTest, BeginsLevelWhereGravityIsKnown) {
-  StereoFrame frame = frameAt(1.0);
-  frame.motion_prior.up_robot = Eigen::Vector3d(0.1, -0.2, 1.0).normalized();
-  SlamParams params;
-  MotionModel model(robotFromOptical(), params);
-  model.initialise(frame);
+TEST(MotionModelTest, BeginsLevelWithYawZero) {
+  const Eigen::Vector3d up = Eigen::Vector3d(0.1, -0.2, 1.0).normalized();
+  MotionModel model(robotFromOptical(), SlamParams{});
+  model.initialise(1.0, up);
   const Pose T_map_robot = model.last() * robotFromOptical().inverse();
-  const Eigen::Vector3d up_map = T_map_robot.linear() * *frame.motion_prior.up_robot;
-  EXPECT_LT((up_map - Eigen::Vector3d::UnitZ()).norm(), 1e-9);
+  EXPECT_LT((T_map_robot.linear() * up - Eigen::Vector3d::UnitZ()).norm(), 1e-9);
   EXPECT_NEAR(yawOf(T_map_robot), 0.0, 1e-9);
-  params.use_imu = false;
-  MotionModel without_imu(robotFromOptical(), params);
-  without_imu.initialise(frame);
-  EXPECT_TRUE(without_imu.last().isApprox(robotFromOptical(), 1e-12));
+  model.initialise(1.0, Eigen::Vector3d::UnitZ());
+  EXPECT_EQ(model.last().matrix(), robotFromOptical().matrix());
+}
+
+TEST(MotionModelTest, DisabledGyroscopeDoesNotTurnThePrediction) {
+  StereoFrame frame = frameAt(1.2);
+  frame.motion_prior.R_previous_current = expSo3({0.0, 0.0, 0.3});
+  MotionModel model = moving();
+  model.disableImu();
+  EXPECT_TRUE(model.predict(frame).isApprox(step() * step(), 1e-9));
 }
 
 TEST(MotionModelTest, GoesOnAtConstantVelocity) {

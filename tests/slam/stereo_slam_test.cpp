@@ -209,16 +209,35 @@ TEST(StereoSlamTest, RefusesImagesThatAreNotTheCameras) {
   EXPECT_THROW(static_cast<void>(slam.process(frame, {})), InputError);
 }
 
-TEST(StereoSlamTest, LevelsTheMapByGravity) {
+TEST(StereoSlamTest, LevelsTheMapOnceGravityIsObservable) {
   const auto world = room();
-  StereoSlam slam(world.camera(), SlamParams{});
-  StereoFrame frame = world.frame(0, 0.0, Pose::Identity());
-  frame.motion_prior.up_robot = Eigen::Vector3d(0.1, -0.2, 1.0).normalized();
-  const auto update = slam.process(frame, {});
-  EXPECT_LT((update.T_map_robot.linear() * *frame.motion_prior.up_robot - Eigen::Vector3d::UnitZ())
-                .norm(),
-            1e-9);
-  EXPECT_NEAR(yawOf(update.T_map_robot), 0.0, 1e-9);
+  const Eigen::Vector3d up = Eigen::Vector3d(0.05, -0.1, 1.0).normalized();
+  const auto tiltWith = [&](bool use_imu) {
+    SlamParams params;
+    params.use_imu = use_imu;
+    StereoSlam slam(world.camera(), params);
+    SlamUpdate update;
+    const auto velocityAt = [&](int i) {
+      return Eigen::Vector3d(5.0 * (onPath(i + 1).translation() - onPath(i - 1).translation()));
+    };
+    for (int i = 0; i < 12; ++i) {
+      StereoFrame frame = world.frame(i, 0.1 * i, onPath(i));
+      frame.motion_prior.specific_force = 9.80665 * up;
+      const Pose T_previous_first = onPath(i - 1).inverse();
+      frame.motion_prior.R_previous_current = (T_previous_first * onPath(i)).linear();
+      const Eigen::Vector3d increment = velocityAt(i) - velocityAt(i - 1) + 0.1 * 9.80665 * up;
+      frame.motion_prior.velocity_increment = T_previous_first.linear() * increment;
+      update = slam.process(frame, {});
+      if (i == 0) {
+        EXPECT_TRUE(update.T_map_robot.isApprox(Pose::Identity(), 1e-9));
+      }
+    }
+    const Pose first = slam.trajectory().front().T_map_robot;
+    EXPECT_LT(first.translation().norm(), 1e-6);
+    return std::acos((first.linear() * up).z());
+  };
+  EXPECT_GT(tiltWith(false), 0.1);
+  EXPECT_LT(tiltWith(true), 0.02);
 }
 
 TEST(StereoSlamTest, WithoutMappingAnEmptyMapStaysEmpty) {

@@ -13,7 +13,7 @@ namespace {
 
 using mrpt::obs::CObservation;
 
-/// The inertial sample transformed to the robot frame.
+/// The inertial sample transformed to the robot frame, without what is missing or not finite.
 InertialSample sampleFrom(const mrpt::obs::CObservationIMU& imu) {
   using namespace mrpt::obs;  // names of the IMU's fields
   const Eigen::Matrix3d R_robot_sensor = fromMrpt(imu.sensorPose).linear();
@@ -73,7 +73,12 @@ void FrameCollector::addPose(Time time, const Pose& T_map_robot) {
 
 void FrameCollector::addMotion(const CObservation& observation) {
   if (const auto* imu = dynamic_cast<const mrpt::obs::CObservationIMU*>(&observation)) {
-    prior_.addInertial(sampleFrom(*imu));
+    const InertialSample sample = sampleFrom(*imu);
+    if (sample.angular_velocity || sample.acceleration) {
+      prior_.addInertial(sample);
+    } else {
+      ++skipped_["bad_imu"];
+    }
     return;
   }
   const auto& odometry = dynamic_cast<const mrpt::obs::CObservationOdometry&>(observation);

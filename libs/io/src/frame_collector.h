@@ -19,7 +19,8 @@ namespace headway::io {
 /// Without a camera, each pose is a frame.
 class FrameCollector {
  public:
-  /// @param skipped  counts "bad_odometry", "bad_pose", observations of other cameras by class
+  /// @param skipped  counts "bad_odometry", "bad_imu", "bad_pose", observations of other cameras by
+  /// class
   ///                 name, and the counts of StereoPairing and FrameAssembler
   FrameCollector(const CameraChoice& camera, const RawlogSourceOptions& options,
                  std::map<std::string, std::size_t>& skipped)

@@ -8,11 +8,9 @@
 namespace headway::io {
 namespace {
 
-constexpr double kGravity = 9.80665;        // [m/s^2]
-constexpr double kMaxAcceleration = 0.5;    // deviation from gravity [m/s^2]
-constexpr double kGravityWindow = 0.25;     // before the frame [s]
-constexpr double kGravityLookAhead = 0.05;  // after the frame [s]
-constexpr std::size_t kMinGravitySamples = 3;
+constexpr double kForceBefore = 0.25;  // window of the mean specific force: before the frame [s]
+constexpr double kForceAfter = 0.05;   // after the frame [s]
+constexpr std::size_t kMinForceSamples = 3;
 constexpr double kMaxOdometryGap = 1.0;  // between samples [s]
 constexpr double kMaxInertialGap = 0.1;  // between samples [s]
 constexpr double kKept = 1.0;            // before the latest frame [s]
@@ -52,8 +50,9 @@ MotionPrior MotionPriorBuilder::between(std::optional<Time> previous, Time curre
       prior.T_previous_current = T_odom_previous->inverse() * *T_odom_current;
     }
     prior.R_previous_current = rotationBetween(*previous, current);
+    prior.velocity_increment = velocityIncrement(*previous, current);
   }
-  prior.up_robot = upAt(current);
+  prior.specific_force = specificForceAt(current);
   return prior;
 }
 
@@ -88,17 +87,42 @@ std::optional<Eigen::Matrix3d> MotionPriorBuilder::rotationBetween(Time previous
   return turn;
 }
 
-std::optional<Eigen::Vector3d> MotionPriorBuilder::upAt(Time time) const {
+std::optional<Eigen::Vector3d> MotionPriorBuilder::velocityIncrement(Time previous,
+                                                                     Time current) const {
+  auto force = valueAt(acceleration_, previous);
+  const auto force_end = valueAt(acceleration_, current);
+  if (!force || !force_end) return std::nullopt;
+  Eigen::Matrix3d R_previous_sample = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d increment = Eigen::Vector3d::Zero();
+  Time time = previous;
+  const auto integrate = [&](Time to, const Eigen::Vector3d& force_to) {
+    const auto turn = rotationBetween(time, to);
+    if (!turn || to - time > kMaxInertialGap) return false;
+    const Eigen::Vector3d before = R_previous_sample * *force;
+    R_previous_sample *= *turn;
+    increment += 0.5 * (to - time) * (before + R_previous_sample * force_to);  // trapezoid rule
+    time = to;
+    force = force_to;
+    return true;
+  };
+  for (auto sample = firstFrom(acceleration_, previous);
+       sample != acceleration_.end() && sample->time < current; ++sample) {
+    if (!integrate(sample->time, sample->value)) return std::nullopt;
+  }
+  if (!integrate(current, *force_end)) return std::nullopt;
+  return increment;
+}
+
+std::optional<Eigen::Vector3d> MotionPriorBuilder::specificForceAt(Time time) const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   std::size_t count = 0;
-  for (auto sample = firstFrom(acceleration_, time - kGravityWindow);
-       sample != acceleration_.end() && sample->time <= time + kGravityLookAhead; ++sample) {
-    if (std::abs(sample->value.norm() - kGravity) > kMaxAcceleration) return std::nullopt;
+  for (auto sample = firstFrom(acceleration_, time - kForceBefore);
+       sample != acceleration_.end() && sample->time <= time + kForceAfter; ++sample) {
     sum += sample->value;
     ++count;
   }
-  if (count < kMinGravitySamples || sum.norm() == 0.0) return std::nullopt;
-  return Eigen::Vector3d(sum.normalized());
+  if (count < kMinForceSamples) return std::nullopt;
+  return Eigen::Vector3d(sum / static_cast<double>(count));
 }
 
 }  // namespace headway::io

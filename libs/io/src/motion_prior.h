@@ -16,16 +16,15 @@ struct InertialSample {
 
 /// Computes motion priors between frames from wheel odometry and inertial samples.
 ///
-/// Odometry is interpolated at the frames' times, the gyroscope is integrated between them, and the
-/// mean acceleration gives the vertical direction while the robot accelerates little. Without
-/// extrapolation: quantities that are not covered by samples remain empty.
+/// Odometry is interpolated at the frames' times; gyroscope and accelerometer are integrated
+/// between them. Without extrapolation: quantities that are not covered by samples remain empty.
 class MotionPriorBuilder {
  public:
   /// @param T_odom_robot  robot in the odometry's frame, in time order
   void addOdometry(Time time, const Pose& T_odom_robot);
   void addInertial(const InertialSample& sample);
 
-  /// Motion from the previous frame; without a previous frame only the vertical direction.
+  /// Motion from the previous frame; without a previous frame only the specific force.
   [[nodiscard]] MotionPrior between(std::optional<Time> previous, Time current) const;
 
   /// Removes samples that later frames do not need.
@@ -33,7 +32,8 @@ class MotionPriorBuilder {
 
  private:
   [[nodiscard]] std::optional<Eigen::Matrix3d> rotationBetween(Time previous, Time current) const;
-  [[nodiscard]] std::optional<Eigen::Vector3d> upAt(Time time) const;
+  [[nodiscard]] std::optional<Eigen::Vector3d> velocityIncrement(Time previous, Time current) const;
+  [[nodiscard]] std::optional<Eigen::Vector3d> specificForceAt(Time time) const;
 
   std::deque<Stamped<Pose>> odometry_;
   std::deque<Stamped<Eigen::Vector3d>> angular_velocity_;

@@ -19,12 +19,10 @@ Eigen::Matrix3d levelled(const Eigen::Vector3d& up_robot) {
 
 }  // namespace
 
-void MotionModel::initialise(const StereoFrame& frame) {
+void MotionModel::initialise(Time time, const Eigen::Vector3d& up_robot) {
   Pose T_map_robot = Pose::Identity();
-  if (params_.use_imu && frame.motion_prior.up_robot) {
-    T_map_robot.linear() = levelled(*frame.motion_prior.up_robot);
-  }
-  reset(frame.time, T_map_robot * T_robot_cam_);
+  T_map_robot.linear() = levelled(up_robot);
+  reset(time, T_map_robot * T_robot_cam_);
 }
 
 Pose MotionModel::predict(const StereoFrame& frame) const {

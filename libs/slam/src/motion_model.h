@@ -14,8 +14,12 @@ class MotionModel {
   MotionModel(const Pose& T_robot_cam, const SlamParams& params)
       : T_robot_cam_(T_robot_cam), params_(params) {}
 
-  /// Starts at the first frame of a map: the robot is its origin, level where gravity is known.
-  void initialise(const StereoFrame& frame);
+  /// Starts at the first frame of a map: the robot is its origin, its yaw is zero.
+  ///
+  /// @param up_robot  unit vector against gravity, robot frame
+  void initialise(Time time, const Eigen::Vector3d& up_robot);
+  /// From now on without the gyroscope, which is wrong.
+  void disableImu() { params_.use_imu = false; }
   /// Predicted camera pose at a frame; the last pose where the motion is unknown.
   [[nodiscard]] Pose predict(const StereoFrame& frame) const;
   /// The last pose known (identity before the first one).

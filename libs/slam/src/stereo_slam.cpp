@@ -6,6 +6,7 @@
 #include "anchored_trajectory.h"
 #include "bundle_adjuster.h"
 #include "frame_tracker.h"
+#include "inertial_alignment.h"
 #include "local_mapper.h"
 #include "loop_closer.h"
 #include "make_map_view.h"
@@ -44,7 +45,10 @@ class StereoSlam::Implementation {
   [[nodiscard]] const StageTimes& times() const { return times_; }
 
  private:
-  std::optional<TrackedPose> track(const StereoFrame& frame, const TrackingFrame& current);
+  std::optional<TrackedPose> track(const stereo::FrameContext& context,
+                                   const TrackingFrame& current);
+  void initialiseMotion(const stereo::FrameContext& context);
+  void levelMap(const StereoFrame& frame, const Stamped<Pose>& previous, const Pose& T_map_cam);
   SlamUpdate accept(const TrackingFrame& current, TrackedPose& tracked);
   SlamUpdate handleLost(const StereoFrame& frame, const TrackingFrame& current);
   bool initialise(const TrackingFrame& current);
@@ -62,6 +66,7 @@ class StereoSlam::Implementation {
   LocalMapper mapper_;
   LoopCloser loops_;
   MotionModel motion_;
+  InertialAlignment inertial_;
   SparseMap map_;
   AnchoredTrajectory trajectory_;
   StageTimes times_;
@@ -84,10 +89,19 @@ SlamUpdate StereoSlam::Implementation::process(const stereo::FrameContext& conte
   {
     const auto watch = times_.watch("slam_track");
     current = makeTrackingFrame(context, moving, *camera_, params_.dynamic_rejection);
-    tracked = track(frame, current);
+    tracked = track(context, current);
   }
   const auto watch = times_.watch("slam_map");
+  const Stamped<Pose> previous{previous_.time, motion_.last()};
+  const bool tracked_twice = tracked && lost_in_a_row_ == 0;
+  const Pose T_map_cam = tracked ? tracked->T_map_cam : Pose::Identity();
   SlamUpdate update = tracked ? accept(current, *tracked) : handleLost(frame, current);
+  if (tracked_twice) {
+    levelMap(frame, previous, T_map_cam);
+  } else {
+    inertial_.interrupt();
+  }
+  update.imu = inertial_.status();
   update.T_map_robot = normalized(motion_.last() * T_cam_robot_);
   update.covariance = composedCovariance(covariance_, T_cam_robot_, PoseCovariance::Zero());
   const bool is_tracked = update.status == TrackingStatus::kTracked;
@@ -97,10 +111,11 @@ SlamUpdate StereoSlam::Implementation::process(const stereo::FrameContext& conte
 }
 
 /// Tracks from the last pose, or else relocalises in the whole map.
-std::optional<TrackedPose> StereoSlam::Implementation::track(const StereoFrame& frame,
+std::optional<TrackedPose> StereoSlam::Implementation::track(const stereo::FrameContext& context,
                                                              const TrackingFrame& current) {
+  const StereoFrame& frame = context.frame();
   if (!reference_) {
-    motion_.initialise(frame);
+    initialiseMotion(context);
     if (map_.keyframes().empty()) return std::nullopt;
   }
   const std::vector<Pose> initial_poses{motion_.predict(frame), motion_.last()};
@@ -113,6 +128,41 @@ std::optional<TrackedPose> StereoSlam::Implementation::track(const StereoFrame& 
   setReferenceKeyframe(recognised);
   active_submap_.relocaliseAt(recognised);
   return tracked;
+}
+
+/// The robot's first pose: upright as it is mounted, or as gravity tells where it is not.
+void StereoSlam::Implementation::initialiseMotion(const stereo::FrameContext& context) {
+  const StereoFrame& frame = context.frame();
+  Eigen::Vector3d up_robot = Eigen::Vector3d::UnitZ();
+  if (params_.use_imu) {
+    const auto up_ground = [&]() -> std::optional<Eigen::Vector3d> {
+      if (!context.ground()) return std::nullopt;
+      return Eigen::Vector3d(camera_->T_robot_cam.linear() * context.ground()->up);
+    };
+    up_robot = inertial_.initialUp(frame.motion_prior, up_ground);
+  }
+  motion_.initialise(frame.time, up_robot);
+}
+
+/// Turns the map about its origin where gravity shows that it is not level.
+void StereoSlam::Implementation::levelMap(const StereoFrame& frame, const Stamped<Pose>& previous,
+                                          const Pose& T_map_cam) {
+  if (!params_.use_imu) return;
+  const Pose T_previous_current = previous.value.inverse(Eigen::Isometry) * T_map_cam;
+  const InertialStep step{frame.time - previous.time, previous.value * T_cam_robot_,
+                          camera_->T_robot_cam * T_previous_current * T_cam_robot_,
+                          Eigen::Vector3d::Zero()};
+  const auto rotation = inertial_.add(step, frame.motion_prior);
+  if (inertial_.isLeftOut()) motion_.disableImu();
+  if (!rotation || !params_.mapping) return;
+  const Pose turn(*rotation);
+  adjuster_.abandon();
+  std::map<KeyframeId, Pose> turned;
+  for (const auto& [id, keyframe] : map_.keyframes()) {
+    turned[id] = normalized(turn * keyframe.T_map_cam);
+  }
+  applyCorrection(turned, map_);
+  motion_.correct(normalized(turn * motion_.last()));
 }
 
 /// The camera is tracked: choose its reference keyframe or insert a new one.

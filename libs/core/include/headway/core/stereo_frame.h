@@ -12,9 +12,13 @@ namespace headway {
 
 /// The robot's motion since the previous frame, from other sensors.
 struct MotionPrior {
-  std::optional<Pose> T_previous_current;            ///< wheel odometry: robot now in robot before
-  std::optional<Eigen::Matrix3d> R_previous_current; ///< gyroscope: turn of the robot frame
-  std::optional<Eigen::Vector3d> up_robot;           ///< unit vector against gravity, robot frame
+  std::optional<Pose> T_previous_current;             ///< wheel odometry: robot now in robot before
+  std::optional<Eigen::Matrix3d> R_previous_current;  ///< gyroscope: turn of the robot frame
+  /// Accelerometer: integral of the specific force between both frames, turned by the gyroscope
+  /// into the robot frame of the previous one [m/s] (Forster et al. 2017, eq. 33, without bias).
+  std::optional<Eigen::Vector3d> velocity_increment;
+  /// Mean specific force around this frame, robot frame: +g upwards at rest [m/s^2].
+  std::optional<Eigen::Vector3d> specific_force;
 };
 
 /// One rectified stereo pair with time and calibration.

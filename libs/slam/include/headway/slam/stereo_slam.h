@@ -17,6 +17,14 @@ enum class TrackingStatus {
   kLost,     ///< it does not: pose and covariance are those of the motion model
 };
 
+/// What becomes of the inertial sensor.
+enum class ImuStatus {
+  kAbsent,                    ///< no samples around the frames so far
+  kUsed,                      ///< it predicts turns and levels the map
+  kGyroscopeContradicts,      ///< left out: its turns are not the camera's
+  kAccelerometerContradicts,  ///< left out: its forces are not those of the camera's motion
+};
+
 /// Outcome of a loop candidate.
 enum class LoopOutcome {
   kClosed,         ///< the map was corrected
@@ -42,6 +50,7 @@ struct SlamUpdate {
   Pose T_map_robot = Pose::Identity();
   PoseCovariance covariance = PoseCovariance::Identity();  ///< of T_map_robot
   bool is_keyframe = false;
+  ImuStatus imu = ImuStatus::kAbsent;
   int features = 0;                ///< keypoints in the left image
   int inliers = 0;                 ///< landmarks that the pose rests on
   std::vector<LoopAttempt> loops;  ///< candidates of a new keyframe, in order
@@ -49,7 +58,8 @@ struct SlamUpdate {
 
 /// Localises a stereo camera and maps its static surroundings.
 ///
-/// The map frame is the robot's first pose (levelled where gravity is known). A camera that is lost
+/// The map frame is the robot's first pose, levelled as soon as an inertial sensor shows that the
+/// robot did not stand upright. A camera that is lost
 /// is relocalised in the whole map at each frame; after slam.restart_after_frames lost frames in a
 /// row, or earlier in a new submap, a new submap is initialised at the predicted pose.
 /// Deterministic: the same frames and parameters give the same bytes, on any number of cores.
