@@ -133,15 +133,12 @@ std::optional<TrackedPose> StereoSlam::Implementation::track(const stereo::Frame
 /// The robot's first pose: upright as it is mounted, or as gravity tells where it is not.
 void StereoSlam::Implementation::initialiseMotion(const stereo::FrameContext& context) {
   const StereoFrame& frame = context.frame();
-  Eigen::Vector3d up_robot = Eigen::Vector3d::UnitZ();
-  if (params_.use_imu) {
-    const auto up_ground = [&]() -> std::optional<Eigen::Vector3d> {
-      if (!context.ground()) return std::nullopt;
-      return Eigen::Vector3d(camera_->T_robot_cam.linear() * context.ground()->up);
-    };
-    up_robot = inertial_.initialUp(frame.motion_prior, up_ground);
-  }
-  motion_.initialise(frame.time, up_robot);
+  if (!params_.use_imu) return motion_.initialise(frame.time, Eigen::Vector3d::UnitZ());
+  const auto up_ground = [&]() -> std::optional<Eigen::Vector3d> {
+    if (!context.ground()) return std::nullopt;
+    return Eigen::Vector3d(camera_->T_robot_cam.linear() * context.ground()->up);
+  };
+  motion_.initialise(frame.time, inertial_.initialUp(frame.motion_prior, up_ground));
 }
 
 /// Turns the map about its origin where gravity shows that it is not level.
@@ -157,11 +154,9 @@ void StereoSlam::Implementation::levelMap(const StereoFrame& frame, const Stampe
   if (!rotation || !params_.mapping) return;
   const Pose turn(*rotation);
   adjuster_.abandon();
-  std::map<KeyframeId, Pose> turned;
-  for (const auto& [id, keyframe] : map_.keyframes()) {
-    turned[id] = normalized(turn * keyframe.T_map_cam);
-  }
-  applyCorrection(turned, map_);
+  std::map<KeyframeId, Pose> poses;
+  for (const auto& [id, key] : map_.keyframes()) poses[id] = normalized(turn * key.T_map_cam);
+  applyCorrection(poses, map_);
   motion_.correct(normalized(turn * motion_.last()));
 }
 
