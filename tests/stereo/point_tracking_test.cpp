@@ -79,6 +79,21 @@ TEST(TrackPointsTest, FindsNothingWithoutTextureOrInAnotherImage) {
   EXPECT_LE(found, static_cast<int>(points.size() / 8));
 }
 
+TEST(TrackPointsTest, ExposuresMayDiffer) {
+  const cv::Mat image = texture();
+  cv::Mat darker;
+  shifted(image, 3.0, 2.0).convertTo(darker, CV_8U, 0.5, 12.0);
+  const auto points = gridOfPoints();
+  const auto tracked = trackPoints(pyramidOf(image), pyramidOf(darker), points, points, {});
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!tracked[i]) continue;
+    ++found;
+    EXPECT_LT((*tracked[i] - points[i] - Eigen::Vector2d(3.0, 2.0)).norm(), 0.15);
+  }
+  EXPECT_GE(found, points.size() - 4);
+}
+
 TEST(TrackPointsTest, NoPointsAreNoError) {
   const auto pyramid = pyramidOf(texture());
   EXPECT_TRUE(trackPoints(pyramid, pyramid, {}, {}, {}).empty());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core.hpp>
 #include <opencv2/video/tracking.hpp>
 
 namespace headway::stereo {
@@ -29,6 +30,30 @@ std::vector<cv::Mat> opticalFlowPyramid(const ImagePyramid& pyramid) {
   for (int level = 0; level < pyramid.count(); ++level) {
     result.push_back(pyramid.levels[level]);
     result.push_back(pyramid.gradients[level]);
+  }
+  return result;
+}
+
+/// The pyramid with the mean and contrast of another, as exposures differ in time and between
+/// cameras; without gradients. The pyramid itself where both are similar.
+ImagePyramid withBrightnessOf(const ImagePyramid& reference, const ImagePyramid& pyramid) {
+  constexpr double kSimilarGain = 0.1;
+  constexpr double kSimilarMean = 8.0;  // [grey values]
+  cv::Scalar mean, deviation, reference_mean, reference_deviation;
+  cv::meanStdDev(reference.levels.back(), reference_mean, reference_deviation);
+  cv::meanStdDev(pyramid.levels.back(), mean, deviation);
+  const double gain = std::clamp(reference_deviation[0] / std::max(deviation[0], 1.0), 0.2, 5.0);
+  const bool similar =
+      std::abs(gain - 1.0) < kSimilarGain && std::abs(reference_mean[0] - mean[0]) < kSimilarMean;
+  if (similar) return pyramid;
+  ImagePyramid result;
+  for (const cv::Mat& level : pyramid.levels) {
+    constexpr int kPad = kMaxTrackingWindow;
+    cv::Mat padded = level;
+    padded.adjustROI(kPad, kPad, kPad, kPad);
+    cv::Mat converted;
+    padded.convertTo(converted, CV_8U, gain, reference_mean[0] - gain * mean[0]);
+    result.levels.push_back(converted(cv::Rect({kPad, kPad}, level.size())));
   }
   return result;
 }
@@ -73,8 +98,9 @@ std::vector<TrackedPosition> trackPoints(const ImagePyramid& from, const ImagePy
   if (points.empty()) return tracked;
   const Pixels start = pointsFrom(points);
   Pixels there = pointsFrom(predicted);
-  auto found = flow(from, to, start, options, there);
-  if (options.max_return_error > 0.0) trackBack(from, to, start, there, options, found);
+  const ImagePyramid matched = withBrightnessOf(from, to);
+  auto found = flow(from, matched, start, options, there);
+  if (options.max_return_error > 0.0) trackBack(from, matched, start, there, options, found);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (found[i] != 0) tracked[i].emplace(there[i].x, there[i].y);
   }

@@ -21,10 +21,11 @@ struct PointTrackingOptions {
 
 /// Tracks points from one image to another by their surroundings, coarse to fine.
 ///
-/// The result does not depend on the number of threads.
+/// Images of different exposure are adapted to each other first. The result does not depend on the
+/// number of threads.
 ///
 /// @param from       with gradients
-/// @param to         with gradients if points are tracked back
+/// @param to         with gradients, for speed, if points are tracked back
 /// @param points     [px], level 0
 /// @param predicted  their positions in the other image, one each
 /// @see  Lucas & Kanade 1981; Bouguet 2001 (pyramids)
