@@ -8,20 +8,20 @@
 namespace headway::detect {
 namespace {
 
-constexpr double kGround = 0.15;      // what is lower is ground, what is higher may stand [m]
-constexpr double kUpright = 0.25;     // height that must be seen at one distance [m]
-constexpr double kSeenShare = 0.6;    // of that height: texture may be missing
-constexpr int kLeastRows = 3;         // and at least so many rows
-constexpr double kLeastRise = 0.12;   // [m] from the lowest to the highest of it,
-constexpr double kSteepest = 0.12;    // and more than a ramp rises over "one distance"
-constexpr double kDepth = 0.25;       // "one distance" [m]
-constexpr double kDisparity = 1.5;    // or this much of disparity, which matching is off by [px]
-constexpr int kMarginCells = 2;       // block matching widens things by half a block
-constexpr double kMostTilt = -0.3;    // of "up" along the columns: they must look over the ground
-constexpr double kBeyondReach = 1.3;  // what stands so far out still ends a ray
-// Ground on either side of a gap, nothing upright in it: so high a thing without any edge, its own
-// outline included, is not believed to stand there [m].
-constexpr double kBridged = 0.8;
+// Ratios of the minimum height of an obstacle.
+constexpr double kGroundRatio = 0.5;  // lower points are ground, higher ones may be an obstacle
+constexpr double kUprightRatio = 0.25 / 0.3;  // height that must be matched at one distance,
+constexpr double kMatchedRatio = 0.6;         // of that height: texture may be missing
+constexpr double kMinRiseRatio = 0.4;         // from its lowest to its highest point
+
+constexpr int kMinRows = 3;              // of an obstacle
+constexpr double kMaxSlope = 0.12;       // of a ramp
+constexpr double kDepth = 0.25;          // "one distance" [m]
+constexpr double kDisparity = 1.5;       // or this difference of disparities [px]
+constexpr int kMarginCells = 2;          // block matching widens objects by half a block
+constexpr double kMaxUpY = -0.3;         // of "up" in the camera: columns must cross the ground
+constexpr double kBeyondReach = 1.3;     // an obstacle up to here ends a column
+constexpr double kContrastSigmas = 3.0;  // between ground and an obstacle that would hide it
 
 // Cells of the disparity image to leave out.
 cv::Mat leftOut(const MovingRegions& moving, const stereo::DisparityImage& disparity) {
@@ -62,7 +62,8 @@ class ColumnScanner {
         camera_(camera),
         ground_(ground),
         params_(params),
-        fb_(camera.fx * camera.baseline_m) {}
+        fb_(camera.fx * camera.baseline_m),
+        ground_height_(kGroundRatio * params.min_obstacle_height_m) {}
 
   void scan(int column, const cv::Mat& left_out, GroundScan& scan) {
     read(column, left_out);
@@ -89,8 +90,8 @@ class ColumnScanner {
       const double y = (disparity_.pixelOf(row) - camera_.cy) / camera_.fy;
       const double depth = fb_ / d;
       const double height = ground_.heightOf(Eigen::Vector3d(x, y, 1.0) * depth);
-      if (height > params_.max_obstacle_height_m || height < -kGround) continue;
-      if (height >= kGround) {
+      if (height > params_.max_obstacle_height_m || height < -ground_height_) continue;
+      if (height >= ground_height_) {
         upright_.push_back({d, height});
       } else {
         ground_seen_.push_back(depth);
@@ -108,8 +109,9 @@ class ColumnScanner {
       const double depth = fb_ / d;
       const double least = d - std::max(kDisparity, d * kDepth / (depth + kDepth));
       while (last < upright_.size() && upright_[last].disparity >= least) ++last;
-      const double rows = kUpright * camera_.fy / disparity_.reduce / depth;
-      if (static_cast<double>(last - first) < std::max(1.0 * kLeastRows, kSeenShare * rows)) {
+      const double rows =
+          kUprightRatio * params_.min_obstacle_height_m * camera_.fy / disparity_.reduce / depth;
+      if (static_cast<double>(last - first) < std::max(1.0 * kMinRows, kMatchedRatio * rows)) {
         continue;
       }
       double sum = 0.0;
@@ -120,32 +122,39 @@ class ColumnScanner {
         top = std::max(top, upright_[i].height);
         bottom = std::min(bottom, upright_[i].height);
       }
-      const double rise = std::max(kLeastRise, kSteepest * (fb_ / least - depth));
+      const double rise = std::max(kMinRiseRatio * params_.min_obstacle_height_m,
+                                   kMaxSlope * (fb_ / least - depth));
       if (top < params_.min_obstacle_height_m || top - bottom < rise) continue;
       return sum / static_cast<double>(last - first);
     }
     return std::nullopt;
   }
 
+  /// Ground on which an obstacle of the minimum height would have been noticed: it would hide
+  /// ground that was matched behind it, at a disparity that differs from its own.
   std::vector<Interval> freeBefore(double depth) {
     std::sort(ground_seen_.begin(), ground_seen_.end());
     const double end = std::min(depth, params_.reach_m);
-    const double bridged =
-        std::max(params_.min_obstacle_height_m, std::min(kBridged, 0.5 * ground_.camera_height));
     std::vector<Interval> pieces;
     for (const double seen : ground_seen_) {
-      const bool goes_on = !pieces.empty() && pieces.back().to >= hiddenFrom(seen, bridged);
-      if (!goes_on) pieces.push_back({hiddenFrom(seen, params_.min_obstacle_height_m), seen});
-      pieces.back().to = std::min(seen, end);
-      if (seen >= end) break;
+      const double from = hiddenFrom(seen);
+      const double to = std::min(distinctBefore(seen), end);
+      if (from >= end) break;
+      if (from >= to) continue;
+      if (pieces.empty() || pieces.back().to < from) pieces.push_back({from, to});
+      pieces.back().to = std::max(pieces.back().to, to);
     }
-    if (!pieces.empty() && pieces.back().from >= pieces.back().to) pieces.pop_back();
     return pieces;
   }
 
-  /// Nothing that is so high stands between the depth returned and the one at which ground is seen.
-  [[nodiscard]] double hiddenFrom(double seen, double height) const {
-    return seen * (1.0 - std::min(1.0, height / ground_.camera_height));
+  /// An obstacle of the minimum height hides the ground seen at a depth if it stands from here on.
+  [[nodiscard]] double hiddenFrom(double seen) const {
+    return seen * (1.0 - std::min(1.0, params_.min_obstacle_height_m / ground_.camera_height));
+  }
+
+  /// An obstacle up to here has another disparity than the ground at a depth.
+  [[nodiscard]] double distinctBefore(double seen) const {
+    return fb_ / (fb_ / seen + kContrastSigmas * params_.sigma_disparity_px);
   }
 
   [[nodiscard]] double sigmaAt(double depth) const {
@@ -165,6 +174,7 @@ class ColumnScanner {
   const stereo::GroundPlane& ground_;
   const GroundScanParams& params_;
   double fb_;
+  double ground_height_;             ///< lower points are ground [m]
   std::vector<Upright> upright_;     ///< of the column read
   std::vector<double> ground_seen_;  ///< depths, of the column read [m]
 };
@@ -207,7 +217,7 @@ GroundScan scanGround(const stereo::DisparityImage& disparity, const StereoCamer
                       const stereo::GroundPlane& ground, const MovingRegions& moving,
                       const GroundScanParams& params) {
   GroundScan scan;
-  if (ground.up.y() > kMostTilt) return scan;
+  if (ground.up.y() > kMaxUpY) return scan;
   const cv::Mat left_out = leftOut(moving, disparity);
   const auto rig = params.capabilityOf(camera);
   const GroundScanParams for_rig = params.forRig(rig);
