@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
+#include <headway/map/map_query.h>
 #include <headway/pipeline/perception.h>
 #include <headway_test/folders.h>
 #include <headway_test/process.h>
@@ -102,10 +103,28 @@ TEST_F(ResumeTest, WithoutMappingTheMapStaysAsItIs) {
 
 TEST_F(ResumeTest, AnEmptyGroundScanLeavesTheMapWithoutGrid) {
   params_.grid.scan.reach_m = 0.5;
+  params_.robot = {0.0, 0.0};
   Perception perception(hall_.camera(), params_);
   EXPECT_LT(drive(perception, 0, 3), 0.05);
   EXPECT_EQ(1u, perception.times().summary().at("grid").count);
   EXPECT_EQ(nullptr, perception.map().staticGrid());
+}
+
+TEST_F(ResumeTest, TheGroundUnderTheRobotIsKnownFromTheFirstFrameOn) {
+  params_.grid.scan.reach_m = 0.5;
+  params_.robot = {4.5, 1.8};
+  const map::FootprintShape footprint{4.5, 1.8, false};
+  Perception perception(hall_.camera(), params_);
+  for (std::size_t step = 0; step < 4; ++step) {
+    const auto update = perception.process(frameAt(step, static_cast<double>(step)));
+    const Pose& at = update.camera.T_map_robot;
+    const auto collision =
+        perception.map()
+            .at(update.time)
+            .timeToCollision(footprint, {{update.time, at.translation().head<2>(), yawOf(at)}});
+    EXPECT_EQ(map::toString(collision.status), "known") << step;
+    EXPECT_FALSE(collision.earliest_s) << step;
+  }
 }
 
 TEST_F(ResumeTest, FreeAndOccupiedGroundIsPartOfTheMapAndIsTakenUpAgain) {

@@ -20,9 +20,12 @@ constexpr int kMarginCells = 64;           // minimum growth of the grid
 /// Evidence of one scan for the cells around it.
 class Window {
  public:
-  Window(const GroundScan& scan, const Pose& T_map_robot, double resolution)
+  Window(const GroundScan& scan, const Pose& T_map_robot, const RobotFootprint& footprint,
+         double resolution)
       : resolution_(resolution) {
     Eigen::AlignedBox2d bounds;
+    const auto covered = placesUnder(footprint, T_map_robot);
+    for (const auto& place : covered) bounds.extend(place);
     for (const auto& piece : scan.free) {
       ends_.push_back(placeOf(piece.from, T_map_robot));
       ends_.push_back(placeOf(piece.to, T_map_robot));
@@ -38,6 +41,7 @@ class Window {
     rows = cellOf(bounds.max().y()) - bottom + 1;
     evidence.assign(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), 0);
     for (std::size_t i = 0; i + 1 < ends_.size(); i += 2) free(ends_[i], ends_[i + 1]);
+    for (const auto& place : covered) at(place) = -kFree;
     for (std::size_t i = 0; i < feet_.size(); ++i) {
       hit(feet_[i], resolution_ / static_cast<double>(scan.obstacles[i].sigma_m));
     }
@@ -49,6 +53,22 @@ class Window {
  private:
   static Eigen::Vector2d placeOf(const Eigen::Vector3f& place, const Pose& T_map_robot) {
     return (T_map_robot * place.cast<double>()).head<2>();
+  }
+  /// Positions in every cell that the footprint meets; it is enlarged by half a cell for those that
+  /// it only touches.
+  [[nodiscard]] std::vector<Eigen::Vector2d> placesUnder(const RobotFootprint& footprint,
+                                                         const Pose& T_map_robot) const {
+    std::vector<Eigen::Vector2d> places;
+    if (footprint.empty()) return places;
+    const double step = 0.25 * resolution_;
+    const double half_length = 0.5 * (footprint.length_m + resolution_);
+    const double half_width = 0.5 * (footprint.width_m + resolution_);
+    for (double x = -half_length; x <= half_length; x += step) {
+      for (double y = -half_width; y <= half_width; y += step) {
+        places.emplace_back((T_map_robot * Eigen::Vector3d(x, y, 0.0)).head<2>());
+      }
+    }
+    return places;
   }
   [[nodiscard]] int cellOf(double metres) const {
     return static_cast<int>(std::floor(metres / resolution_));
@@ -128,8 +148,8 @@ void EvidenceGrid::growTo(int left, int bottom, int right, int top) {
 }
 
 void EvidenceGrid::enter(const GroundScan& scan, const Pose& T_map_robot, int sign) {
-  if (scan.empty()) return;
-  const Window window(scan, T_map_robot, resolution_);
+  if (scan.empty() && footprint_.empty()) return;
+  const Window window(scan, T_map_robot, footprint_, resolution_);
   growTo(window.left, window.bottom, window.left + window.columns, window.bottom + window.rows);
   for (int row = 0; row < window.rows; ++row) {
     const auto* from = window.evidence.data() + static_cast<std::ptrdiff_t>(row) * window.columns;

@@ -2,6 +2,7 @@
 
 #include <headway/core/ground_scan.h>
 #include <headway/core/pose.h>
+#include <headway/map/static_grid.h>
 #include <mrpt/maps/COccupancyGridMap2D.h>
 
 #include <cstdint>
@@ -18,7 +19,9 @@ namespace headway::map {
 /// @see  Moravec & Elfes 1985, "High resolution maps from wide angle sonar", for the addition
 class EvidenceGrid {
  public:
-  explicit EvidenceGrid(double resolution_m) : resolution_(resolution_m) {}
+  /// @param footprint  free at every pose from which a scan is added
+  explicit EvidenceGrid(double resolution_m, const RobotFootprint& footprint = {})
+      : resolution_(resolution_m), footprint_(footprint) {}
 
   void add(const GroundScan& scan, const Pose& T_map_robot) { enter(scan, T_map_robot, 1); }
   void remove(const GroundScan& scan, const Pose& T_map_robot) { enter(scan, T_map_robot, -1); }
@@ -31,12 +34,14 @@ class EvidenceGrid {
   void growTo(int left, int bottom, int right, int top);
 
   double resolution_;
+  RobotFootprint footprint_;
   int left_ = 0;    ///< of the first column, in cells from the map's origin
   int bottom_ = 0;  ///< of the first row
   int columns_ = 0;
   int rows_ = 0;
   std::vector<std::int32_t> evidence_;  ///< log-odds of being occupied, in 1/16
-  std::vector<mrpt::maps::COccupancyGridMap2D::cellType> shown_;  ///< the same in MRPT's representation
+  std::vector<mrpt::maps::COccupancyGridMap2D::cellType>
+      shown_;  ///< the same in MRPT's representation
 };
 
 }  // namespace headway::map

@@ -25,6 +25,12 @@ bool moved(const Pose& from, const Pose& to) {
 
 }  // namespace
 
+void RobotFootprint::describe(Params::Section section) {
+  section.add("length_m", length_m, 0.0, 30.0, "m",
+              "Length of the robot about its origin; the ground under it is free");
+  section.add("width_m", width_m, 0.0, 30.0, "m", "Width of the robot about its origin");
+}
+
 void StaticGridParams::describe(Params::Section section) {
   section.user().add("resolution", resolution_m, 0.05, 2.0, "m",
                      "Side of a grid cell; the planner's resolution");
@@ -36,7 +42,7 @@ void StaticGridParams::describe(Params::Section section) {
 StaticGrid::StaticGrid(const StaticGridParams& params)
     : params_(validated(params)),
       resolution_m_(params.resolution_m),
-      evidence_(std::make_unique<EvidenceGrid>(params.resolution_m)) {
+      evidence_(std::make_unique<EvidenceGrid>(params.resolution_m, params.footprint)) {
   if (params_.spacing_m <= 0.0) params_.spacing_m = 1.0;
 }
 
@@ -67,8 +73,9 @@ void StaticGrid::add(const Pose& T_map_robot, GroundScan scan) {
   stored.T_map_robot = T_map_robot;
   stored.scan = std::move(scan);
   attachToNearestKeyframe(stored);
+  const bool is_stored = scans_.count(place) > 0;
   auto& kept = scans_[place];
-  if (!kept.scan.empty()) evidence_->remove(kept.scan, kept.T_map_robot);
+  if (is_stored) evidence_->remove(kept.scan, kept.T_map_robot);
   kept = std::move(stored);
   enter(kept);
 }
@@ -82,8 +89,15 @@ void StaticGrid::enter(const StoredScan& stored) {
     evidence_->add(stored.scan, stored.T_map_robot);
     return;
   }
-  evidence_ = std::make_unique<EvidenceGrid>(resolution_m_);
+  evidence_ = std::make_unique<EvidenceGrid>(resolution_m_, params_.footprint);
+  if (standing_) evidence_->add({}, *standing_);
   for (const auto& [place, other] : scans_) evidence_->add(other.scan, other.T_map_robot);
+}
+
+void StaticGrid::standAt(const Pose& T_map_robot) {
+  if (standing_) evidence_->remove({}, *standing_);
+  standing_ = T_map_robot;
+  evidence_->add({}, T_map_robot);
 }
 
 void StaticGrid::attachToNearestKeyframe(StoredScan& stored) const {

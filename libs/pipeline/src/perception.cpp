@@ -27,7 +27,10 @@ std::optional<stereo::RigCapability> rigOf(const StereoCamera* camera,
 }
 
 /// Grid parameters without values to be derived.
-GridParams gridFor(const std::optional<stereo::RigCapability>& rig, GridParams params) {
+GridParams gridFor(const std::optional<stereo::RigCapability>& rig,
+                   const PerceptionParams& all_params) {
+  GridParams params = all_params.grid;
+  params.map.footprint = all_params.robot;
   if (!rig) return params;
   params.scan = params.scan.forRig(*rig);
   if (params.map.spacing_m <= 0.0) {
@@ -50,6 +53,7 @@ void PerceptionParams::describe(Params& params) {
   detection.describe(params);
   objects.describe(params.section("objects"));
   grid.describe(params.section("grid"));
+  robot.describe(params.section("robot").user());
 }
 
 void PerceptionParams::validate() const {
@@ -57,6 +61,7 @@ void PerceptionParams::validate() const {
   detection.validate();
   objects.validate();
   grid.validate();
+  robot.validate();
 }
 
 Perception::Perception(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params,
@@ -66,7 +71,7 @@ Perception::Perception(std::shared_ptr<const StereoCamera> camera, const Percept
       detection_(camera_, params.detection),
       tracker_(params.objects),
       rig_(rigOf(camera_.get(), params)),
-      grid_params_(gridFor(rig_, params.grid)),
+      grid_params_(gridFor(rig_, params)),
       grid_(grid_params_.map),
       map_(std::move(map)) {
   if (!params.slam.mapping) grid_params_.every_nth_frame = 0;
@@ -118,7 +123,7 @@ PerceptionUpdate Perception::process(const RecordedFrame& frame) {
   update.detections = found_.fused;
   update.objects = track(frame, update);
   updateMap(update);
-  if (scan_ground) updateGrid(frame, update);
+  updateGrid(frame, update, scan_ground);
   tracks_ = update.objects.tracks;
   expected_ = update.objects.expected;
   return update;
@@ -189,14 +194,19 @@ void Perception::updateStaticMap() {
   grid_.follow(map_.staticMap()->keyframes);
 }
 
-void Perception::updateGrid(const RecordedFrame& frame, const PerceptionUpdate& update) {
+void Perception::updateGrid(const RecordedFrame& frame, const PerceptionUpdate& update,
+                            bool scan_ground) {
   const auto T_map_robot = poseOf(update.camera);
-  if (!T_map_robot) return;
-  const auto watch = times_.watch("grid");
-  auto scan =
-      detection_.scanGround(frame, *T_map_robot, found_, update.objects.tracks, grid_params_.scan);
-  if (!scan) return;
-  grid_.add(*T_map_robot, std::move(*scan));
+  if (!T_map_robot || !frame.stereo || camera_ == nullptr || grid_params_.every_nth_frame == 0) {
+    return;
+  }
+  if (scan_ground) {
+    const auto watch = times_.watch("grid");
+    auto scan = detection_.scanGround(frame, *T_map_robot, found_, update.objects.tracks,
+                                      grid_params_.scan);
+    if (scan) grid_.add(*T_map_robot, std::move(*scan));
+  }
+  grid_.standAt(*T_map_robot);
   // A scan may see nothing, such as behind a truck in the first frame.
   if (const auto grid = grid_.grid()) map_.update(grid);
 }

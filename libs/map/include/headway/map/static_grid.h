@@ -16,10 +16,21 @@ namespace headway::map {
 
 class EvidenceGrid;
 
+/// Ground that the robot covers, a rectangle about its origin. Section [robot].
+struct RobotFootprint {
+  double length_m = 0.0;  ///< 0: no ground is known by the robot's presence [m]
+  double width_m = 0.0;   ///< [m]
+
+  [[nodiscard]] bool empty() const { return length_m <= 0.0 || width_m <= 0.0; }
+  void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "robot"); }  ///< @throws InputError
+};
+
 /// Parameters of the occupancy grid. Part of section [grid].
 struct StaticGridParams {
   double resolution_m = 0.2;  ///< side of a cell [m]
   double spacing_m = 0.0;     ///< between the places whose scans are stored; 0: 1 m [m]
+  RobotFootprint footprint;   ///< free wherever the robot was; not a key of [grid]
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "grid"); }  ///< @throws InputError
@@ -46,6 +57,9 @@ class StaticGrid {
   /// Adds a scan. The ground that the robot drove over since the previous scan is free if the two
   /// are less than 5 m apart.
   void add(const Pose& T_map_robot, GroundScan scan);
+
+  /// Enters the footprint at the newest pose, in place of the one before.
+  void standAt(const Pose& T_map_robot);
 
   /// Updates the poses of the scans after a change of the keyframes.
   void follow(const std::vector<slam::KeyframeView>& keyframes);
@@ -84,8 +98,9 @@ class StaticGrid {
     Place place;
     Pose T_map_robot;
   };
-  std::optional<Passed> last_;  ///< the last scan
-  std::optional<Pose> before_;  ///< the last pose at another place
+  std::optional<Passed> last_;    ///< the last scan
+  std::optional<Pose> standing_;  ///< argument of the last standAt()
+  std::optional<Pose> before_;    ///< the last pose at another place
 };
 
 /// Writes `<prefix>.gridmap.gz` (MRPT), and `<prefix>.png` with `<prefix>.yaml` (map servers).

@@ -31,6 +31,7 @@ struct PerceptionParams {
   DetectionParams detection;
   objects::ObjectsParams objects;
   GridParams grid;
+  map::RobotFootprint robot{0.5, 0.4};
 
   /// Binds sections [slam], [detect] with those of the detectors, [objects] and [grid].
   void describe(Params& params);
@@ -115,7 +116,7 @@ class Perception {
   objects::TrackUpdate track(const RecordedFrame& frame, const PerceptionUpdate& update);
   void updateMap(const PerceptionUpdate& update);
   void updateStaticMap();
-  void updateGrid(const RecordedFrame& frame, const PerceptionUpdate& update);
+  void updateGrid(const RecordedFrame& frame, const PerceptionUpdate& update, bool scan_ground);
 
   std::shared_ptr<const StereoCamera> camera_;
   std::unique_ptr<slam::StereoSlam> slam_;  ///< null without camera
