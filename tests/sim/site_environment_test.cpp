@@ -143,6 +143,21 @@ TEST_P(SiteEnvironmentTest, HasADropBesideWhichTheRobotStays) {
   }
 }
 
+TEST_P(SiteEnvironmentTest, WithSomeSeedsTheRobotStartsBesideADrop) {
+  int beside = 0;
+  for (int seed = 1; seed <= 8; ++seed) {
+    SiteEnvironment place(busy(GetParam(), seed));
+    const Eigen::Vector2d robot = place.T_world_robot().translation().head<2>();
+    for (const Drop& drop : place.drops()) {
+      Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+      for (const auto& corner : drop.outline) middle += corner / 4.0;
+      beside += (middle - robot).norm() < 4.5 ? 1 : 0;
+    }
+  }
+  EXPECT_GE(beside, 2);
+  EXPECT_LE(beside, 7);
+}
+
 TEST_P(SiteEnvironmentTest, ManyLayoutsLetTheRobotMove) {
   for (int seed = 20; seed < 32; ++seed) {
     SimParams params = busy(GetParam(), seed);

@@ -1,5 +1,9 @@
 #include "site_environment.h"
 
+#include <algorithm>
+#include <limits>
+#include <utility>
+
 #include "site_scene.h"
 #include "street_environment.h"
 
@@ -12,8 +16,33 @@ enum Purpose : std::uint64_t {
   kRobotSeed,
   kVehicleSeed,
   kPeopleSeed,
-  kBicycleSeed
+  kBicycleSeed,
+  kStartSeed
 };
+
+/// Distance of a stop to the middle of the nearest drop [m].
+double distanceToDrop(const Eigen::Vector2d& stop, const std::vector<Drop>& drops) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Drop& drop : drops) {
+    Eigen::AlignedBox2d bounds;
+    for (const Eigen::Vector2d& corner : drop.outline) bounds.extend(corner);
+    nearest = std::min(nearest, (bounds.center() - stop).norm());
+  }
+  return nearest;
+}
+
+/// With half of the seeds the robot starts beside a drop, which it would otherwise seldom see.
+Site withStart(Site site, std::uint64_t seed) {
+  Random random(seed);
+  if (random.chance(0.5)) return site;
+  auto& stops = site.robot_stops;
+  const auto nearest = std::min_element(
+      stops.begin(), stops.end(), [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+        return distanceToDrop(a, site.drops) < distanceToDrop(b, site.drops);
+      });
+  std::iter_swap(stops.begin(), nearest);
+  return site;
+}
 
 Site makeSite(WorldParams::Kind kind, const Grain& grain, std::uint64_t seed) {
   switch (kind) {
@@ -40,7 +69,8 @@ std::vector<Obstacle> obstaclesFrom(const std::vector<Actor>& actors) {
 SiteEnvironment::SiteEnvironment(const SimParams& params)
     : seed_(static_cast<std::uint64_t>(params.world.seed)),
       grain_(seedOf({seed_, kGrainSeed})),
-      site_(makeSite(params.world.kind, grain_, seedOf({seed_, kLayoutSeed}))),
+      site_(withStart(makeSite(params.world.kind, grain_, seedOf({seed_, kLayoutSeed})),
+                      seedOf({seed_, kStartSeed}))),
       grid_(site_),
       robot_(params, site_, grid_, seedOf({seed_, kRobotSeed})),
       vehicles_(params.traffic, site_, seedOf({seed_, kVehicleSeed}), next_id_),

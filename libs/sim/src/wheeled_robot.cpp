@@ -42,12 +42,13 @@ WheeledRobot::WheeledRobot(const SimParams& params, const Site& site, const Navi
 }
 
 void WheeledRobot::chooseStop() {
-  for (int tries = 0; tries < 60; ++tries) {
+  constexpr int kNearTries = 60;  // then any stop will do
+  for (int tries = 0; tries < 2 * kNearTries; ++tries) {
     const auto& stops = site_.robot_stops;
     const Eigen::Vector2d stop =
         stops[static_cast<std::size_t>(random_.below(static_cast<int>(stops.size())))];
     const double distance = (stop - position_).norm();
-    if (distance < 2.5 || distance > 8.0) continue;
+    if (distance < 2.5 || (distance > 8.0 && tries < kNearTries)) continue;
     way_ = grid_.path(position_, stop, kRadius);
     if (!way_.empty()) return;
   }
