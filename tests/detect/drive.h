@@ -27,10 +27,10 @@ struct Drive {
   CameraPath path{camera, 0.5};
   std::mt19937 random{3};
 
-  std::vector<Sighting> see(const Eigen::Vector3d& start, const Eigen::Vector3d& velocity,
-                            double noise_px, double offset_px = 0.0, double speed = 10.0) {
+  std::vector<Observation> see(const Eigen::Vector3d& start, const Eigen::Vector3d& velocity,
+                               double noise_px, double offset_px = 0.0, double speed = 10.0) {
     std::normal_distribution<double> noise(0.0, noise_px);
-    std::vector<Sighting> sightings;
+    std::vector<Observation> observations;
     for (int i = 0; i < 7; ++i) {
       Pose T_map_cam = Pose::Identity();
       T_map_cam.translation().z() = speed * kFrameStep * i;
@@ -39,9 +39,9 @@ struct Drive {
       Eigen::Vector3d uvd = *project(T_map_cam.inverse() * point, camera);
       for (int k = 0; k < 3; ++k) uvd[k] += noise(random);
       uvd.z() += offset_px;
-      sightings.push_back({i, uvd});
+      observations.push_back({i, uvd});
     }
-    return sightings;
+    return observations;
   }
 };
 

@@ -25,12 +25,12 @@ struct Points {
            PointClass point_class = PointClass::kMoving, double sigma = 0.1) {
     PointTrack track;
     track.id = static_cast<std::int64_t>(tracks.size());
-    track.sightings.push_back({0, *project(place, camera)});
+    track.observations.push_back({0, *project(place, camera)});
     PointMotion motion;
-    motion.point = motion.still_point = place;
+    motion.point = motion.static_point = place;
     motion.velocity = velocity;
     motion.velocity_covariance = sigma * sigma * Eigen::Matrix3d::Identity();
-    motion.sightings = 5;
+    motion.observations = 5;
     track.motion = motion;
     tracks.push_back(track);
     classes.push_back(point_class);

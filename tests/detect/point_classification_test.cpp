@@ -9,13 +9,13 @@ const Eigen::Vector3d kUp(0.0, -1.0, 0.0);
 constexpr int kSightings = 6;
 
 /// A point whose fits have the given squared errors to a degree of freedom.
-PointTrack fitted(const Eigen::Vector3d& velocity, double still_fit, double moving_fit,
+PointTrack fitted(const Eigen::Vector3d& velocity, double static_fit, double moving_fit,
                   double sigma = 0.1) {
   PointMotion motion;
-  motion.sightings = kSightings;
+  motion.observations = kSightings;
   motion.velocity = velocity;
   motion.velocity_covariance = sigma * sigma * Eigen::Matrix3d::Identity();
-  motion.still_error = still_fit * 3.0 * (kSightings - 1);
+  motion.static_error = static_fit * 3.0 * (kSightings - 1);
   motion.moving_error = moving_fit * (3.0 * (kSightings - 2) + 1.0);
   PointTrack track;
   track.motion = motion;
@@ -39,7 +39,7 @@ TEST(ClassifyPointTest, WhatNeitherExplainsIsAMismatch) {
 TEST(ClassifyPointTest, WithoutAFitOrWithFewObservationsItIsUnknown) {
   EXPECT_EQ(classOf(PointTrack()), PointClass::kUnknown);
   PointTrack seen_twice = fitted({1.5, 0.0, 0.0}, 30.0, 0.5);
-  seen_twice.motion->sightings = 2;
+  seen_twice.motion->observations = 2;
   EXPECT_EQ(classOf(seen_twice), PointClass::kUnknown);
 }
 

@@ -4,7 +4,6 @@
 
 #include <random>
 
-#include "disparity_offset.h"
 #include "drive.h"
 
 namespace headway::detect {
@@ -18,8 +17,8 @@ TEST(FitMotionTest, RecoversAVelocityWithinItsOwnUncertainty) {
   const Eigen::Vector3d velocity(1.0, 0.0, -3.0);
   int within = 0;
   for (int i = 0; i < 100; ++i) {
-    const auto sightings = drive.see({3, 0, 22}, velocity, 0.4);
-    const auto motion = fitMotion(sightings, drive.path, drive.camera, {}, 30.0);
+    const auto observations = drive.see({3, 0, 22}, velocity, 0.4);
+    const auto motion = fitMotion(observations, drive.path, drive.camera, {}, 30.0);
     ASSERT_TRUE(motion);
     const Eigen::Vector3d off = motion->velocity - velocity;
     if (off.dot(motion->velocity_covariance.inverse() * off) < 7.81) ++within;  // 95 %
@@ -35,7 +34,7 @@ TEST(FitMotionTest, AStillPointsLikelihoodRatioIsChiSquare) {
     const auto motion =
         fitMotion(drive.see({-4, 0, 18}, {0, 0, 0}, 0.4), drive.path, drive.camera, {}, 30.0);
     ASSERT_TRUE(motion);
-    const double gain = motion->still_error - motion->moving_error;
+    const double gain = motion->static_error - motion->moving_error;
     sum += gain;
     if (gain > 30.0) ++beyond;
   }
@@ -45,10 +44,10 @@ TEST(FitMotionTest, AStillPointsLikelihoodRatioIsChiSquare) {
 
 TEST(FitMotionTest, SaysNothingOfASinglePlaceOrBehindTheCamera) {
   Drive drive;
-  auto sightings = drive.see({0, 0, 20}, {0, 0, 0}, 0.0);
-  EXPECT_FALSE(fitMotion({sightings.back()}, drive.path, drive.camera, {}, 30.0));
-  sightings.back().uvd.z() = -1.0;
-  EXPECT_FALSE(fitMotion(sightings, drive.path, drive.camera, {}, 30.0));
+  auto observations = drive.see({0, 0, 20}, {0, 0, 0}, 0.0);
+  EXPECT_FALSE(fitMotion({observations.back()}, drive.path, drive.camera, {}, 30.0));
+  observations.back().uvd.z() = -1.0;
+  EXPECT_FALSE(fitMotion(observations, drive.path, drive.camera, {}, 30.0));
 }
 
 TEST(CameraPathTest, RefiningUndoesASmallTurn) {
@@ -58,7 +57,7 @@ TEST(CameraPathTest, RefiningUndoesASmallTurn) {
   Pose turned = Pose::Identity();
   turned.linear() = expSo3({0.0, 0.002, 0.0});
   path.advance(0.1, turned);  // the camera has not turned at all
-  std::vector<StillSighting> points;
+  std::vector<StaticObservation> points;
   for (int i = 0; i < 60; ++i) {
     const Eigen::Vector3d point(-10 + i % 10 * 2.0, -1 + i % 3, 12 + i % 7 * 4.0);
     points.push_back({point, *project(point, camera)});
@@ -100,26 +99,21 @@ TEST(CameraPathTest, WithoutPointsThereIsNothingToRefineBy) {
   EXPECT_TRUE(path.T_cam_world(0).isApprox(Pose::Identity()));
 }
 
-TEST(DisparityOffsetTest, IsFoundFromStillPointsAndOnlyFromThose) {
+TEST(FitMotionTest, StaticPointsTellTheDisparitiesOffset) {
   Drive drive;
-  std::vector<PointTrack> points;
-  std::vector<PointClass> classes;
+  std::vector<stereo::OffsetEvidence> evidence;
   std::mt19937 random(5);
   std::uniform_real_distribution<double> place(-1.0, 1.0);
   for (int i = 0; i < 300; ++i) {
-    PointTrack point;
     const Eigen::Vector3d start(8 * place(random), place(random), 25 + 12 * place(random));
-    point.sightings = drive.see(start, {0, 0, 0}, 0.2, -0.8);
-    point.motion = fitMotion(point.sightings, drive.path, drive.camera, {}, 30.0);
-    points.push_back(point);
-    classes.push_back(PointClass::kStatic);
+    const auto motion =
+        fitMotion(drive.see(start, {0, 0, 0}, 0.2, -0.8), drive.path, drive.camera, {}, 30.0);
+    ASSERT_TRUE(motion);
+    evidence.push_back(motion->offsetEvidence());
   }
-  DisparityOffset offset;
-  for (int frame = 0; frame < 3; ++frame) offset.update(points, classes);
+  stereo::DisparityOffset offset;
+  for (int frame = 0; frame < 3; ++frame) offset.update(evidence);
   EXPECT_LT(offset.value(), -0.5);
-  DisparityOffset untouched;
-  untouched.update(points, std::vector<PointClass>(points.size(), PointClass::kMismatch));
-  EXPECT_EQ(untouched.value(), 0.0);
 }
 
 }  // namespace

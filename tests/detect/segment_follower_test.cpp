@@ -52,7 +52,7 @@ TEST(SegmentFollowerTest, GoesOnThroughAFrameInWhichSomethingHidesTheBody) {
   Followed walker(1.4, 4);
   ASSERT_EQ(walker.follower.tracks().size(), 1u);
   const auto& track = walker.follower.tracks()[0];
-  EXPECT_EQ(track.track.sightings.size(), kFrames - 1u) << "all but the one that tells nothing";
+  EXPECT_EQ(track.track.observations.size(), kFrames - 1u) << "all but the one that tells nothing";
   EXPECT_EQ(track.last_frame, kFrames - 1);
   EXPECT_TRUE(walker.moves());
 }

@@ -28,9 +28,10 @@ struct Scene {
     for (int i = 0; i < count; ++i) {
       const Eigen::Vector3d place = now + Eigen::Vector3d(0.06 * (i % 8), 0.2 * (i / 8 % 4), 0.0);
       PointTrack point;
-      point.sightings = drive.see(place - 0.6 * velocity, velocity, 0.4, 0.0, 5.0);
-      for (auto& sighting : point.sightings) sighting.uvd.z() += drift_px * sighting.frame / 6.0;
-      const auto& uvd = point.sightings.back().uvd;
+      point.observations = drive.see(place - 0.6 * velocity, velocity, 0.4, 0.0, 5.0);
+      for (auto& observation : point.observations)
+        observation.uvd.z() += drift_px * observation.frame / 6.0;
+      const auto& uvd = point.observations.back().uvd;
       const cv::Point cell(disparity.cellOf(uvd.x()), disparity.cellOf(uvd.y()));
       segment.cells.push_back({cell, *triangulate(uvd, drive.camera)});
       points.push_back(std::move(point));
@@ -51,8 +52,9 @@ TEST(SegmentMotionTest, PartsThatTellLittleTellMuchTogether) {
   const Scene scene(away, 24);
   int sure = 0;
   for (const auto& point : scene.points) {
-    const auto motion = fitMotion(point.sightings, scene.drive.path, scene.drive.camera, {}, 3.0);
-    sure += motion->still_error - motion->moving_error > 25.0 ? 1 : 0;
+    const auto motion =
+        fitMotion(point.observations, scene.drive.path, scene.drive.camera, {}, 3.0);
+    sure += motion->static_error - motion->moving_error > 25.0 ? 1 : 0;
   }
   EXPECT_LT(sure, 12) << "hardly a point alone";
   const auto together = scene.motion();
@@ -128,8 +130,8 @@ TEST(NoiseScaleTest, IsThatOfTheImages) {
     Drive drive;
     std::vector<PointTrack> points(60);
     for (auto& point : points) {
-      point.sightings = drive.see({-3, 0, 18}, {0, 0, 0}, noise);
-      point.motion = fitMotion(point.sightings, drive.path, drive.camera, {}, 30.0);
+      point.observations = drive.see({-3, 0, 18}, {0, 0, 0}, noise);
+      point.motion = fitMotion(point.observations, drive.path, drive.camera, {}, 30.0);
     }
     NoiseScale scale;
     for (int frame = 0; frame < 30; ++frame) scale.update(points);

@@ -38,11 +38,14 @@ using Spoil = std::function<void(int, StereoFrame&)>;
 Outcome run(const PaintedStreet& street, const PaintedBox* object, const Spoil& spoil,
             double right_late_s = 0.0) {
   StereoMotion detector = detectorFor(street.camera());
+  stereo::DisparityOffset offset;
   Outcome outcome;
   for (int i = 0; i < kFrames; ++i) {
     StereoFrame frame = street.frame(i, right_late_s);
     if (spoil) spoil(i, frame);
-    const auto found = detector.detect(frame, street.T_map_robot(i)).detections;
+    const auto detected = detector.detect({frame, {}, offset.value(), {}}, street.T_map_robot(i));
+    offset.update(detected.static_points);
+    const auto& found = detected.detections;
     if (!found) {
       ++outcome.refused;
       continue;
@@ -138,12 +141,14 @@ TEST(StereoMotionTest, AWrongPoseIsNotAFloodOfMovers) {
   const PaintedStreet street(parked);
   StereoMotion detector = detectorFor(street.camera());
   stereo::FrontEnd front_end{stereo::DisparityParams()};
+  stereo::DisparityOffset offset;
   std::size_t found = 0;
   std::size_t unsure = 0;
   for (int i = 0; i < kFrames; ++i) {
     Pose pose = street.T_map_robot(i);
     pose.translation().y() += 0.4 * i;  // the robot is said to slide sideways at 4 m/s
-    const auto detected = detector.detect(front_end.next(street.frame(i), 0.0), pose);
+    const auto detected = detector.detect(front_end.next(street.frame(i), offset.value()), pose);
+    offset.update(detected.static_points);
     if (detected.detections) found += detected.detections->items.size();
     unsure += detected.dropped.count("camera_motion_unsure");
   }

@@ -8,12 +8,12 @@ namespace headway::detect {
 namespace {
 
 constexpr int kMinCells = 30;
-constexpr double kMinContrast = 6.0;  // standard deviation [grey levels]
-constexpr float kAlike = 0.5F;        // correlation; legs and what is behind them change
-constexpr int kReachAcross = 8;       // sought to either side [cells]
-constexpr int kReachUp = 4;           // and up and down [cells]
-constexpr double kMaxScale = 3.0;     // farther or nearer by more it looks otherwise
-const cv::Size kMaskGaps(5, 5);           // between cells that are closed [cells]
+constexpr double kMinContrast = 6.0;     // standard deviation [grey levels]
+constexpr float kMinCorrelation = 0.5F;  // correlation; legs and what is behind them change
+constexpr int kReachAcross = 8;          // sought to either side [cells]
+constexpr int kReachUp = 4;              // and up and down [cells]
+constexpr double kMaxScale = 3.0;        // farther or nearer by more it looks otherwise
+const cv::Size kMaskGaps(5, 5);          // between cells that are closed [cells]
 
 cv::Mat resized(const cv::Mat& image, double scale, int interpolation) {
   cv::Mat result;
@@ -24,13 +24,13 @@ cv::Mat resized(const cv::Mat& image, double scale, int interpolation) {
 // The place of the best match; nullopt if it is not alike.
 std::optional<cv::Point> bestOf(const cv::Mat& correlations) {
   std::optional<cv::Point> best;
-  float most = kAlike;
+  float max = kMinCorrelation;
   for (int row = 0; row < correlations.rows; ++row) {
     for (int column = 0; column < correlations.cols; ++column) {
       const float correlation = correlations.at<float>(row, column);
-      // Where the image is flat it is not defined, whatever OpenCV divides there.
-      if (!(correlation >= most) || correlation > 1.01F) continue;
-      most = correlation;
+      // Not defined without contrast, where OpenCV divides by zero.
+      if (!(correlation >= max) || correlation > 1.01F) continue;
+      max = correlation;
       best = cv::Point(column, row);
     }
   }
@@ -58,7 +58,8 @@ std::optional<AppearanceTemplate> templateOf(const cv::Mat& image,
   appearance.patch = image(box).clone();
   appearance.mask = *maskOf(cells, reduce);
   cv::Mat& mask = appearance.mask.cells;
-  cv::morphologyEx(mask, mask, cv::MORPH_CLOSE, cv::getStructuringElement(cv::MORPH_RECT, kMaskGaps));
+  cv::morphologyEx(mask, mask, cv::MORPH_CLOSE,
+                   cv::getStructuringElement(cv::MORPH_RECT, kMaskGaps));
   cv::Scalar mean, deviation;
   cv::meanStdDev(appearance.patch, mean, deviation, mask);
   if (deviation[0] < kMinContrast) return std::nullopt;

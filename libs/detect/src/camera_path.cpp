@@ -10,9 +10,9 @@ namespace {
 
 constexpr double kPriorTranslation = 0.004;  // of the motion given, frame to frame [m]
 constexpr double kPriorRotation = 0.0035;    // [rad]
-constexpr double kGuessed = 10.0;            // times worse is a motion that was not given
-constexpr double kMostAcceleration = 25.0;   // of a vehicle [m/s^2]
-constexpr double kMostTurn = 10.0;           // [rad/s^2]
+constexpr double kPredictedFactor = 10.0;    // times the errors of a predicted motion
+constexpr double kMaxAcceleration = 25.0;    // of a vehicle [m/s^2]
+constexpr double kMaxTurn = 10.0;            // [rad/s^2]
 constexpr int kPoseIterations = 6;
 
 constexpr double kLossScale = 2.0;  // of the joint Cauchy loss, in sigmas
@@ -29,8 +29,8 @@ stereo::PosePrior priorAt(const Pose& T_world_cam, double factor) {
 bool isJump(const Pose& motion, const Pose& expected, double seconds) {
   const Pose off = motion * expected.inverse();
   const double squared = seconds * seconds;
-  return (motion.translation() - expected.translation()).norm() > kMostAcceleration * squared ||
-         logSo3(off.linear()).norm() > kMostTurn * squared;
+  return (motion.translation() - expected.translation()).norm() > kMaxAcceleration * squared ||
+         logSo3(off.linear()).norm() > kMaxTurn * squared;
 }
 
 }  // namespace
@@ -40,8 +40,8 @@ int CameraPath::advance(Time time, const Pose& T_map_cam) {
   if (!frames_.empty()) {
     Pose motion = T_map_cam.inverse() * T_map_cam_;
     const double seconds = time - frames_.back().time;
-    guessed_ = frames_.size() > 1 && isJump(motion, expectedMotion(seconds), seconds);
-    if (guessed_) motion = expectedMotion(seconds);
+    predicted_ = frames_.size() > 1 && isJump(motion, expectedMotion(seconds), seconds);
+    if (predicted_) motion = expectedMotion(seconds);
     T_cam_world = motion * frames_.back().T_cam_world;
   }
   frames_.push_back({time, normalized(T_cam_world)});
@@ -49,17 +49,17 @@ int CameraPath::advance(Time time, const Pose& T_map_cam) {
   return newest();
 }
 
-double CameraPath::refine(const std::vector<StillSighting>& points) {
+double CameraPath::refine(const std::vector<StaticObservation>& points) {
   if (points.empty() || frames_.empty()) return 1.0;
   Pose& T_cam_world = frames_.back().T_cam_world;
   std::vector<stereo::PoseConstraint> constraints;
   constraints.reserve(points.size());
-  for (const StillSighting& seen : points) {
+  for (const StaticObservation& seen : points) {
     constraints.push_back(
         {seen.point, {seen.uvd.head<2>(), seen.uvd.z(), true, sigma_px_, sigma_px_}, true, true});
   }
   const Pose given = T_cam_world.inverse(Eigen::Isometry);
-  const auto prior = priorAt(given, guessed_ ? kGuessed : 1.0);
+  const auto prior = priorAt(given, predicted_ ? kPredictedFactor : 1.0);
   const auto refined =
       stereo::refinePose(given, constraints, camera_,
                          {kLossScale, 1, kPoseIterations, stereo::RobustLoss::kJoint}, &prior);
@@ -72,7 +72,7 @@ double CameraPath::refine(const std::vector<StillSighting>& points) {
   return static_cast<double>(agreeing) / static_cast<double>(points.size());
 }
 
-void CameraPath::forgetBefore(int first_kept) {
+void CameraPath::removeBefore(int first_kept) {
   while (first_ < first_kept && frames_.size() > 1) {
     frames_.pop_front();
     ++first_;

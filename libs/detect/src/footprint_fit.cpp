@@ -76,21 +76,21 @@ struct Rectangle {
 
   // Slopes of the outermost rays that touch it.
   [[nodiscard]] std::pair<double, double> outline() const {
-    double least = std::numeric_limits<double>::infinity();
-    double most = -least;
+    double min = std::numeric_limits<double>::infinity();
+    double max = -min;
     for (const int i : {-1, 1}) {
       for (const int j : {-1, 1}) {
         const Eigen::Vector2d corner = centre + i * half.x() * along + j * half.y() * across();
         const double slope = corner.x() / std::max(0.3, corner.y());
-        least = std::min(least, slope);
-        most = std::max(most, slope);
+        min = std::min(min, slope);
+        max = std::max(max, slope);
       }
     }
-    return {least, most};
+    return {min, max};
   }
 };
 
-// The image box's left and right edge as rays; those cut by the image say nothing.
+// The image box's left and right edge as rays; edges cut by the image are not used.
 struct Edges {
   Edges(const Box2d& box, double edge_sigma, const StereoCamera& camera)
       : left((box.left - camera.cx) / camera.fx),
@@ -105,19 +105,19 @@ struct Edges {
 
   // Moves the rectangle sideways to where its outline fits best.
   void align(Rectangle& rectangle) const {
-    const auto [least, most] = rectangle.outline();
+    const auto [min, max] = rectangle.outline();
     const bool both = left_seen == right_seen;
-    const double off = both        ? 0.5 * (left + right - least - most)
-                       : left_seen ? left - least
-                                   : right - most;
+    const double off = both        ? 0.5 * (left + right - min - max)
+                       : left_seen ? left - min
+                                   : right - max;
     rectangle.centre.x() += off * rectangle.centre.y();
   }
 
   [[nodiscard]] double error(const Rectangle& rectangle) const {
     if (!left_seen || !right_seen) return 0.0;
-    const auto [least, most] = rectangle.outline();
+    const auto [min, max] = rectangle.outline();
     const double width = right - left;
-    const double off = (most - least - width) / std::hypot(1.4 * sigma, kSizeSpread * width);
+    const double off = (max - min - width) / std::hypot(1.4 * sigma, kSizeSpread * width);
     return off * off;
   }
 };
@@ -146,6 +146,26 @@ double columnError(const Rectangle& rectangle, const std::vector<Column>& column
   return total * std::min(1.0, kColumnsThatCount / std::max(1.0, count));
 }
 
+/// The rectangle of a heading behind the visible surface, moved to where columns and edges fit
+/// best.
+Rectangle placed(double yaw, const Eigen::Vector2d& size, double depth, const Edges& edges,
+                 const std::vector<Column>& columns) {
+  const double middle = 0.5 * (edges.left + edges.right);
+  Rectangle rectangle;
+  rectangle.along = {std::cos(yaw), -std::sin(yaw)};
+  rectangle.half = 0.5 * size;
+  const Eigen::Vector2d sight = Eigen::Vector2d(middle, 1.0).normalized();
+  const double behind =
+      std::min(rectangle.half.x() / std::max(1e-9, std::abs(rectangle.along.dot(sight))),
+               rectangle.half.y() / std::max(1e-9, std::abs(rectangle.across().dot(sight))));
+  rectangle.centre = (depth + behind) * Eigen::Vector2d(middle, 1.0);
+  for (int pass = 0; pass < 3; ++pass) {
+    edges.align(rectangle);
+    rectangle.centre *= 1.0 + medianOffset(rectangle, columns) / rectangle.centre.y();
+  }
+  return rectangle;
+}
+
 }  // namespace
 
 FittedFootprint fitFootprint(const Box2d& box, double edge_sigma, const Eigen::Vector2d& size,
@@ -156,25 +176,13 @@ FittedFootprint fitFootprint(const Box2d& box, double edge_sigma, const Eigen::V
   const double depth = fb / surface.disparity;
   const auto columns = columnsOf(samples, depth, size.norm(), camera);
   const Edges edges(box, edge_sigma, camera);
-  const double middle = 0.5 * (edges.left + edges.right);
 
   std::array<double, kHeadings> errors{};
   std::array<Rectangle, kHeadings> rectangles;
   for (int i = 0; i < kHeadings; ++i) {
     const double yaw = -kPi * i / kHeadings;  // front away from the camera: z >= 0
-    Rectangle& rectangle = rectangles[i];
-    rectangle.along = {std::cos(yaw), -std::sin(yaw)};
-    rectangle.half = 0.5 * size;
-    const Eigen::Vector2d sight = Eigen::Vector2d(middle, 1.0).normalized();
-    const double behind =
-        std::min(rectangle.half.x() / std::max(1e-9, std::abs(rectangle.along.dot(sight))),
-                 rectangle.half.y() / std::max(1e-9, std::abs(rectangle.across().dot(sight))));
-    rectangle.centre = (depth + behind) * Eigen::Vector2d(middle, 1.0);
-    for (int pass = 0; pass < 3; ++pass) {
-      edges.align(rectangle);
-      rectangle.centre *= 1.0 + medianOffset(rectangle, columns) / rectangle.centre.y();
-    }
-    errors[i] = edges.error(rectangle) + columnError(rectangle, columns, fb);
+    rectangles[i] = placed(yaw, size, depth, edges, columns);
+    errors[i] = edges.error(rectangles[i]) + columnError(rectangles[i], columns, fb);
   }
 
   const int best =

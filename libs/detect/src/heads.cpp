@@ -7,7 +7,7 @@
 namespace headway::detect {
 namespace {
 
-constexpr double kHeadShare = 0.8;  // of the greatest height, from which cells are of a head
+constexpr double kHeadRatio = 0.8;  // of the greatest height, from which cells are of a head
 constexpr double kGap = 0.15;       // between heads [m]
 constexpr int kMinGap = 2;          // [cells]
 constexpr int kMinHead = 4;         // [cells]
@@ -15,10 +15,10 @@ constexpr int kMinHead = 4;         // [cells]
 // Cells of heads in each column of their bounding box.
 std::vector<int> headCells(const std::vector<cv::Point>& cells, const std::vector<double>& heights,
                            const cv::Rect& box) {
-  const double least = kHeadShare * *std::max_element(heights.begin(), heights.end());
+  const double min_height = kHeadRatio * *std::max_element(heights.begin(), heights.end());
   std::vector<int> count(box.width, 0);
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (heights[i] > least) ++count[cells[i].x - box.x];
+    if (heights[i] > min_height) ++count[cells[i].x - box.x];
   }
   return count;
 }

@@ -11,11 +11,11 @@ namespace {
 
 constexpr int kReduce = 2;
 constexpr int kBorder = 8;               // from the image's edges [px]
-constexpr float kLeastStrength = 2e-4F;  // smaller eigenvalue, of an image scaled to 0 ... 1
+constexpr float kMinStrength = 2e-4F;    // smaller eigenvalue, of an image scaled to 0 ... 1
 constexpr float kOfPeople = 8.0F;        // corners where people may be count so much stronger
 constexpr double kHead = 2.0;            // above ground, [m]
 constexpr double kNear = 28.0;           // and distance of those [m]
-constexpr double kShareElsewhere = 0.1;  // of the points, outside of the zone
+constexpr double kElsewhereRatio = 0.1;  // of the points, outside of the zone
 
 struct Corner {
   float strength = 0.0F;
@@ -29,7 +29,7 @@ bool inZone(const cv::Point2f& place, double disparity, const StereoCamera& came
   if (point->z() > zone.range_m) return false;
   if (!ground) return true;
   const double height = ground->heightOf(*point);
-  return height > zone.least_height_m && height < zone.most_height_m;
+  return height > zone.min_height_m && height < zone.max_height_m;
 }
 
 // Strongest pixel of a square of the reduced image.
@@ -45,6 +45,31 @@ Corner strongestIn(const cv::Mat& strength, const cv::Rect& square) {
     }
   }
   return best;
+}
+
+// The strongest corner of each free square, with more weight where people may be.
+std::vector<Corner> cornersIn(const cv::Mat& strength, const cv::Mat& occupied, int side,
+                              const stereo::DisparityImage& disparity, const StereoCamera& camera,
+                              const std::optional<stereo::GroundPlane>& ground,
+                              const InterestZone& zone) {
+  std::vector<Corner> corners;
+  const int border = (kBorder / kReduce + side - 1) / side * side;  // whole squares
+  for (int row = border; row + side + border < strength.rows; row += side) {
+    for (int column = border; column + side + border < strength.cols; column += side) {
+      if (occupied.at<unsigned char>(row / side, column / side) != 0) continue;
+      Corner corner = strongestIn(strength, {column, row, side, side});
+      if (corner.strength * kOfPeople < kMinStrength) continue;
+      const double d = disparity.at(corner.place.x, corner.place.y);
+      if (d <= 0.0) continue;
+      if (inZone(corner.place, d, camera, ground, {kNear, zone.min_height_m, kHead})) {
+        corner.strength *= kOfPeople;
+      }
+      if (corner.strength < kMinStrength) continue;
+      corner.in_zone = inZone(corner.place, d, camera, ground, zone);
+      corners.push_back(corner);
+    }
+  }
+  return corners;
 }
 
 }  // namespace
@@ -63,26 +88,10 @@ std::vector<cv::Point2f> interestPoints(
     const int column = static_cast<int>(place.x) / kReduce / side;
     occupied.at<unsigned char>(row, column) = 1;
   }
-  std::vector<Corner> corners;
-  const int border = (kBorder / kReduce + side - 1) / side * side;  // whole squares
-  for (int row = border; row + side + border < strength.rows; row += side) {
-    for (int column = border; column + side + border < strength.cols; column += side) {
-      if (occupied.at<unsigned char>(row / side, column / side) != 0) continue;
-      Corner corner = strongestIn(strength, {column, row, side, side});
-      if (corner.strength * kOfPeople < kLeastStrength) continue;
-      const double d = disparity.at(corner.place.x, corner.place.y);
-      if (d <= 0.0) continue;
-      if (inZone(corner.place, d, camera, ground, {kNear, zone.least_height_m, kHead})) {
-        corner.strength *= kOfPeople;
-      }
-      if (corner.strength < kLeastStrength) continue;
-      corner.in_zone = inZone(corner.place, d, camera, ground, zone);
-      corners.push_back(corner);
-    }
-  }
+  auto corners = cornersIn(strength, occupied, side, disparity, camera, ground, zone);
   std::stable_sort(corners.begin(), corners.end(),
                    [](const Corner& a, const Corner& b) { return a.strength > b.strength; });
-  auto elsewhere = static_cast<int>(kShareElsewhere * wanted);
+  auto elsewhere = static_cast<int>(kElsewhereRatio * wanted);
   auto in_zone = wanted - elsewhere;
   std::vector<cv::Point2f> chosen;
   for (const auto& corner : corners) {

@@ -12,16 +12,16 @@ namespace headway::detect {
 
 /// Where objects could be.
 struct InterestZone {
-  double range_m = 50.0;        ///< depth [m]
-  double least_height_m = 0.2;  ///< above ground [m]
-  double most_height_m = 3.5;   ///< [m]
+  double range_m = 50.0;      ///< depth [m]
+  double min_height_m = 0.2;  ///< above ground [m]
+  double max_height_m = 3.5;  ///< [m]
 };
 
-/// The best corners to follow, at most one to a square of `spacing_px`, strongest first.
+/// The best corners to track, at most one to a square of `spacing_px`, strongest first.
 ///
-/// Corners that may be on a person (below 2 m, within 28 m) go before others, of which trees have
-/// the strongest. Nine tenths lie in the zone; the rest anywhere that has a disparity. Squares that
-/// hold one of the points `taken` are left alone. Without a ground plane heights are not looked at.
+/// Corners that may be on a person (below 2 m, within 28 m) are preferred to others, of which trees
+/// have the strongest. Nine tenths lie in the zone; the rest anywhere with a disparity. Squares
+/// that hold one of the points `taken` are skipped. Without a ground plane heights are not tested.
 ///
 /// @see  Shi & Tomasi 1994: the smaller eigenvalue, here in an image reduced to a half
 [[nodiscard]] std::vector<cv::Point2f> interestPoints(

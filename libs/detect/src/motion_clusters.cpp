@@ -22,7 +22,7 @@ bool moveTogether(const PointMotion& a, const PointMotion& b, double depth,
   return size < std::max(params.speed_difference, params.speed_ratio * speed) + 2.0 * sigma;
 }
 
-// Disjoint sets, each named by its least index. cv::partition would test every pair twice.
+// Disjoint sets, each named by its lowest index. cv::partition would test every pair twice.
 class Sets {
  public:
   explicit Sets(std::size_t count) : parents_(count) {
@@ -81,7 +81,7 @@ std::vector<MotionCluster> clusterMotion(const std::vector<PointTrack>& points,
   }
   std::vector<MotionCluster> accepted;
   for (auto& cluster : clusters) {
-    if (static_cast<int>(cluster.members.size()) < params.least_points) continue;
+    if (static_cast<int>(cluster.members.size()) < params.min_points) continue;
     setVelocity(points, up, cluster);
     accepted.push_back(std::move(cluster));
   }
@@ -92,18 +92,18 @@ double movingRatio(const std::vector<PointTrack>& points, const std::vector<Poin
                    const CameraPath& path, const Box2d& outline, double nearest, double farthest) {
   const double margin = 0.3 + 0.02 * farthest;
   double moving = 0.0;
-  double still = 0.0;
+  double static_points = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (classes[i] != PointClass::kMoving && classes[i] != PointClass::kStatic) continue;
-    const auto& uvd = points[i].sightings.back().uvd;
+    const auto& uvd = points[i].observations.back().uvd;
     const double depth = (path.T_cam_world(path.newest()) * points[i].motion->point).z();
     if (!outline.contains(uvd.x(), uvd.y()) || depth < nearest - margin ||
         depth > farthest + margin) {
       continue;
     }
-    (classes[i] == PointClass::kMoving ? moving : still) += 1.0;
+    (classes[i] == PointClass::kMoving ? moving : static_points) += 1.0;
   }
-  return moving + still > 0.0 ? moving / (moving + still) : 1.0;
+  return moving + static_points > 0.0 ? moving / (moving + static_points) : 1.0;
 }
 
 }  // namespace headway::detect

@@ -21,11 +21,11 @@ struct ClusterParams {
   double reach_per_m = 0.02;      ///< growth of the reach with depth [m/m]
   double speed_difference = 1.0;  ///< and if their velocities differ by less [m/s]
   double speed_ratio = 0.2;       ///< or by this ratio of the speed [-]
-  int least_points = 3;
+  int min_points = 3;
 };
 
 /// Joins moving points that are near to each other on the ground and move alike; smaller clusters
-/// than `least_points` are left out.
+/// than `min_points` are left out.
 ///
 /// @param classes  one for each point
 /// @param up        unit normal of the ground, in the world of the path

@@ -26,7 +26,6 @@ struct MovingObject {
 constexpr double kMinAcross = 0.3;  ///< of a segment detected by flow alone [m/s]
 
 /// Whether an extent overlaps an object in the image at its depth, or on the ground.
-/// is and at its depth, or stands on the ground it covers.
 [[nodiscard]] bool isPartOf(const ObjectExtent& part, const MovingObject& object);
 
 /// Whether it is part of any of them.

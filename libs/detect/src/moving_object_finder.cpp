@@ -23,8 +23,8 @@ double sigmaAlong(const Eigen::Vector3d& vector, const Eigen::Matrix3d& covarian
 PointClassParams pointClassParams(const StereoMotionParams& params) {
   PointClassParams point_class;
   point_class.significance = params.significance;
-  point_class.least_speed = params.min_speed_mps;
-  point_class.most_speed = params.max_speed_mps;
+  point_class.min_speed = params.min_speed_mps;
+  point_class.max_speed = params.max_speed_mps;
   return point_class;
 }
 
@@ -41,7 +41,7 @@ std::size_t MovingObjectFinder::takeImplausible() { return std::exchange(implaus
 void MovingObjectFinder::addClusters(const MotionFrame& frame, std::vector<MovingObject>& objects) {
   ClusterParams params;
   params.reach_m = params_.max_point_distance_m;
-  params.least_points = params_.min_points;
+  params.min_points = params_.min_points;
   const Pose& T_cam_world = frame.path.T_cam_world(frame.path.newest());
   const int first =
       frame.path.firstSince(frame.path.timeOf(frame.path.newest()) - params_.window_s);
@@ -99,7 +99,7 @@ void MovingObjectFinder::addSegments(const MotionFrame& frame, std::vector<Segme
     object.velocity = *velocity;
     object.first_frame = frame.path.oldest();
     object.points =
-        static_cast<int>(std::max(segment.track.sightings.size(), segment.across.size()));
+        static_cast<int>(std::max(segment.track.observations.size(), segment.across.size()));
     object.segments = {&segment};
     objects.push_back(std::move(object));
   }
@@ -112,7 +112,7 @@ std::optional<MeasuredVelocity> MovingObjectFinder::velocityOf(const SegmentTrac
   params.noise_scale = frame.noise_scale;
   // A segment cut out by its flow needs flow in a second frame: the first one selected it.
   const bool chosen = segment.segment.cut_by_flow;
-  if (chosen && static_cast<int>(segment.across.size()) < params.least_flows) return std::nullopt;
+  if (chosen && static_cast<int>(segment.across.size()) < params.min_flows) return std::nullopt;
   const auto motion =
       segmentMotion(segment.segment, SegmentFollower::outlineMotion(segment), segment.across,
                     frame.points, frame.disparity, frame.path, camera_, frame.up, params);

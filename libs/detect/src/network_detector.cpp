@@ -82,7 +82,7 @@ class NetworkDetector::Implementation {
     (void)boxesIn(cv::Mat(64, 64, CV_8UC3, cv::Scalar::all(0)));
   }
 
-  std::vector<Detection> look(const StereoFrame& frame) {
+  std::vector<Detection> detect(const StereoFrame& frame) {
     cv::Mat image = frame.left_colour;
     if (image.empty()) cv::cvtColor(frame.left, image, cv::COLOR_GRAY2BGR);
     auto boxes = withoutOverlaps(boxesIn(image), params_.nms_iou);
@@ -151,7 +151,7 @@ NetworkDetector::~NetworkDetector() = default;
 
 Detections NetworkDetector::detect(const StereoFrame& frame) {
   Detections detections = emptyDetections(frame);
-  detections.items = implementation_->look(frame);
+  detections.items = implementation_->detect(frame);
   for (auto& detection : detections.items) detection.evidence.classifier = true;
   return detections;
 }

@@ -6,10 +6,10 @@
 
 namespace headway::detect {
 
-/// How much greater or smaller the errors of sightings are than assumed: images differ.
+/// Ratio of the errors of image observations to those assumed, which depends on the images.
 ///
-/// Taken from the points that are no part of anything that moves: the median of how well standing
-/// explains them, smoothed over the frames.
+/// The median fit of static points, smoothed over the frames. Not objects::NoiseScale, which scales
+/// the covariances of detections by a tracker's innovations.
 class NoiseScale {
  public:
   void update(const std::vector<PointTrack>& points);

@@ -12,7 +12,7 @@ namespace headway::detect {
 namespace {
 
 constexpr double kStep = 1.0;             // of disparity between neighbouring cells [px]
-constexpr double kStepShare = 0.04;       // or this share of it
+constexpr double kStepRatio = 0.04;       // or this ratio of it
 constexpr double kReach = 0.7;            // over the ground, from the nearest seed [m]
 constexpr double kReachPerMetre = 0.015;  // growth of the reach with depth [m/m]
 constexpr double kMinHeight = 0.15;       // above ground [m]
@@ -59,7 +59,7 @@ class Growth {
       return;
     }
     const float d = disparity_.values.at<float>(place);
-    if (d <= 0.0F || std::abs(d - from) > std::max(kStep, kStepShare * d)) return;
+    if (d <= 0.0F || std::abs(d - from) > std::max(kStep, kStepRatio * d)) return;
     const auto point =
         triangulate({disparity_.pixelOf(place.x), disparity_.pixelOf(place.y), d}, camera_);
     const double height = ground_.heightOf(*point);
@@ -83,9 +83,9 @@ class Growth {
 };
 
 struct Range {
-  double least = 0.0;
-  double most = 0.0;
-  [[nodiscard]] double size() const { return most - least; }
+  double min = 0.0;
+  double max = 0.0;
+  [[nodiscard]] double size() const { return max - min; }
 };
 
 template <typename Value>
@@ -98,8 +98,8 @@ Range rangeOf(const std::vector<Cell>& cells, double tail, Value value) {
   return {values[skip], values[values.size() - 1 - skip]};
 }
 
-// What a thing of this size and speed most probably is.
-ObjectClass guessClass(double extent, double height, double speed) {
+// Most probable class of an object of this size and speed.
+ObjectClass classBySize(double extent, double height, double speed) {
   if (extent > kVehicleExtent || speed > kFastestCyclist) {
     if (height > 2.6) return ObjectClass::kTruck;
     return height > 1.9 ? ObjectClass::kVan : ObjectClass::kCar;
@@ -110,12 +110,12 @@ ObjectClass guessClass(double extent, double height, double speed) {
 // Stretches the seen part of an extent to a usual one, away from the camera.
 Range completed(const Range& seen, double usual, double camera_side) {
   if (seen.size() >= usual) return seen;
-  const double mean = 0.5 * (seen.least + seen.most);
+  const double mean = 0.5 * (seen.min + seen.max);
   const double missing = usual - seen.size();
   // The side turned to the camera is seen; what is missing lies behind it, and where the camera
   // looks at the extent broadside it may be missing on both sides.
-  const double share = std::clamp(0.5 + (mean - camera_side) / usual, 0.0, 1.0);
-  return {seen.least - (1.0 - share) * missing, seen.most + share * missing};
+  const double behind = std::clamp(0.5 + (mean - camera_side) / usual, 0.0, 1.0);
+  return {seen.min - (1.0 - behind) * missing, seen.max + behind * missing};
 }
 
 Box3d boxAround(const std::vector<Cell>& cells, const Eigen::Vector3d& front,
@@ -128,14 +128,13 @@ Box3d boxAround(const std::vector<Cell>& cells, const Eigen::Vector3d& front,
       rangeOf(cells, kTail, [&](const Cell& c) { return ground.heightOf(c.point); });
   along = completed(along, usual.x(), 0.0);
   across = completed(across, usual.y(), 0.0);
-  const double top = std::max(height.most, 0.6 * usual.z());
+  const double top = std::max(height.max, 0.6 * usual.z());
   Box3d box;
   box.length = along.size();
   box.width = across.size();
   box.height = top;
   box.yaw = opticalYaw(front);
-  box.centre = 0.5 * (along.least + along.most) * front +
-               0.5 * (across.least + across.most) * side +
+  box.centre = 0.5 * (along.min + along.max) * front + 0.5 * (across.min + across.max) * side +
                (0.5 * top - ground.camera_height) * ground.up;
   return box;
 }
@@ -165,9 +164,9 @@ std::optional<ObjectExtent> extentOf(const std::vector<ObjectCell>& cells,
   const Range u = rangeOf(cells, 0.01, [&](const Cell& c) { return disparity.pixelOf(c.place.x); });
   const Range v = rangeOf(cells, 0.01, [&](const Cell& c) { return disparity.pixelOf(c.place.y); });
   const double half = 0.5 * disparity.reduce;
-  extent.box2d = {std::max(0.0, u.least - half), std::max(0.0, v.least - half),
-                  std::min(camera.width - 1.0, u.most + half),
-                  std::min(camera.height - 1.0, v.most + half)};
+  extent.box2d = {std::max(0.0, u.min - half), std::max(0.0, v.min - half),
+                  std::min(camera.width - 1.0, u.max + half),
+                  std::min(camera.height - 1.0, v.max + half)};
   const Eigen::Vector3d front = velocity.normalized();
   const Eigen::Vector3d side = floor.up.cross(front);
   const double length =
@@ -176,14 +175,14 @@ std::optional<ObjectExtent> extentOf(const std::vector<ObjectCell>& cells,
       rangeOf(cells, kTail, [&](const Cell& c) { return side.dot(c.point); }).size();
   const Range height =
       rangeOf(cells, kTail, [&](const Cell& c) { return floor.heightOf(c.point); });
-  if (height.least > kMaxAfloat) return std::nullopt;
-  const double top = height.most;
+  if (height.min > kMaxAfloat) return std::nullopt;
+  const double top = height.max;
   // Stereo smears depth: of an extent along the ray less counts.
   const double depth = cells.front().point.z();
   const double smear = 0.5 * depth * depth / (camera.fx * camera.baseline_m);
   const double seen =
       std::max(length - smear * std::abs(front.z()), width - smear * std::abs(side.z()));
-  extent.object_class = guessClass(seen, top, velocity.norm());
+  extent.object_class = classBySize(seen, top, velocity.norm());
   extent.box = boxAround(cells, front, floor, extent.object_class);
   const Eigen::Vector3d sight = extent.box.centre.normalized();
   const double across = kEdgeSigma * extent.box.centre.z() / camera.fx + 0.1;

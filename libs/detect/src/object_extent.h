@@ -24,7 +24,7 @@ struct ObjectExtent {
   Eigen::Vector3d surface =
       Eigen::Vector3d::Zero();  ///< centre of the visible surface, camera frame [m]
   Eigen::Matrix3d centre_covariance = Eigen::Matrix3d::Identity();  ///< camera frame [m^2]
-  ObjectClass object_class = ObjectClass::kUnknown;                 ///< guessed from size and speed
+  ObjectClass object_class = ObjectClass::kUnknown;                 ///< by size and speed
   std::vector<cv::Point> cells;                                     ///< of the disparity image
 };
 

@@ -39,7 +39,7 @@ class PersonDetector::Implementation {
     hog_.setSVMDetector(cv::HOGDescriptor::getDefaultPeopleDetector());
   }
 
-  [[nodiscard]] std::vector<Detection> look(const cv::Mat& grey) const {
+  [[nodiscard]] std::vector<Detection> detect(const cv::Mat& grey) const {
     cv::Mat image;
     cv::resize(grey, image, {}, params_.upscale, params_.upscale, cv::INTER_LINEAR);
     if (image.rows < hog_.winSize.height || image.cols < hog_.winSize.width) return {};
@@ -69,7 +69,7 @@ PersonDetector::~PersonDetector() = default;
 
 Detections PersonDetector::detect(const StereoFrame& frame) {
   Detections detections = emptyDetections(frame);
-  detections.items = implementation_->look(frame.left);
+  detections.items = implementation_->detect(frame.left);
   for (auto& detection : detections.items) detection.evidence.classifier = true;
   return detections;
 }

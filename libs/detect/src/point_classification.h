@@ -14,10 +14,10 @@ enum class PointClass {
 
 /// Parameters of classifyPoint().
 struct PointClassParams {
-  int least_sightings = 3;
+  int min_observations = 3;
   double significance = 30.0;  ///< likelihood ratio, chi-square with 3 degrees of freedom [-]
-  double least_speed = 0.6;    ///< over the ground [m/s]
-  double most_speed = 60.0;    ///< [m/s]
+  double min_speed = 0.6;      ///< over the ground [m/s]
+  double max_speed = 60.0;     ///< [m/s]
   double speed_sigmas = 3.0;   ///< speed over its standard deviation [-]
 };
 

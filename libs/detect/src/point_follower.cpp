@@ -22,7 +22,7 @@ void PointFollower::clear() {
 }
 
 Eigen::Vector3d PointFollower::expectedAt(const PointTrack& point, const CameraPath& path) const {
-  const Sighting& last = point.sightings.back();
+  const Observation& last = point.observations.back();
   const auto in_cam = triangulate(last.uvd, camera_);
   Eigen::Vector3d in_world = path.T_cam_world(last.frame).inverse() * *in_cam;
   if (point.motion && point.group >= 0) {
@@ -36,6 +36,7 @@ void PointFollower::follow(const stereo::FrameContext& context,
   left_before_ = std::move(left_);
   left_ = context.left();
   right_ = context.right();
+  offset_ = context.disparityOffset();
   if (left_before_.empty() || points_.empty()) return;
 
   std::vector<Eigen::Vector2d> before;
@@ -43,7 +44,7 @@ void PointFollower::follow(const stereo::FrameContext& context,
   std::vector<double> disparities;
   for (const auto& point : points_) {
     const Eigen::Vector3d expected = expectedAt(point, path);
-    before.emplace_back(point.sightings.back().uvd.head<2>());
+    before.emplace_back(point.observations.back().uvd.head<2>());
     predicted.emplace_back(expected.head<2>());
     disparities.push_back(expected.z());
   }
@@ -99,9 +100,9 @@ void PointFollower::keepFound(const std::vector<stereo::TrackedPosition>& positi
   std::vector<PointTrack> kept;
   kept.reserve(points_.size());
   const Time now = path.timeOf(path.newest());
-  const auto isOld = [&](const Sighting& sighting) {
-    return sighting.frame < path.oldest() ||
-           path.timeOf(sighting.frame) < now - params_.window_s - 1e-6;
+  const auto isOld = [&](const Observation& observation) {
+    return observation.frame < path.oldest() ||
+           path.timeOf(observation.frame) < now - params_.window_s - 1e-6;
   };
   for (std::size_t i = 0; i < points_.size(); ++i) {
     if (!positions[i] || !disparities[i]) continue;
@@ -110,9 +111,10 @@ void PointFollower::keepFound(const std::vector<stereo::TrackedPosition>& positi
                         uv.y() < camera_.height - 1.0;
     if (!inside) continue;
     PointTrack point = std::move(points_[i]);
-    point.sightings.push_back({path.newest(), {uv.x(), uv.y(), *disparities[i]}});
-    point.sightings.erase(point.sightings.begin(),
-                          std::find_if_not(point.sightings.begin(), point.sightings.end(), isOld));
+    point.observations.push_back({path.newest(), {uv.x(), uv.y(), *disparities[i]}});
+    point.observations.erase(
+        point.observations.begin(),
+        std::find_if_not(point.observations.begin(), point.observations.end(), isOld));
     kept.push_back(std::move(point));
   }
   points_ = std::move(kept);
@@ -123,11 +125,11 @@ void PointFollower::replenish(const StereoFrame& frame, const stereo::DisparityI
   if (left_.empty()) return;
   std::vector<cv::Point2f> taken;
   for (const auto& point : points_) {
-    const auto& uvd = point.sightings.back().uvd;
+    const auto& uvd = point.observations.back().uvd;
     taken.emplace_back(static_cast<float>(uvd.x()), static_cast<float>(uvd.y()));
   }
   const int wanted = params_.max_points - static_cast<int>(points_.size());
-  const InterestZone zone{params_.range_m, params_.least_height_m, params_.most_height_m};
+  const InterestZone zone{params_.range_m, params_.min_height_m, params_.max_height_m};
   const auto chosen = interestPoints(frame.left, disparity, camera_, ground, zone, taken,
                                      params_.spacing_px, wanted);
   std::vector<stereo::TrackedPosition> positions;
@@ -141,7 +143,7 @@ void PointFollower::replenish(const StereoFrame& frame, const stereo::DisparityI
     if (!disparities[i]) continue;
     PointTrack point;
     point.id = next_id_++;
-    point.sightings.push_back(
+    point.observations.push_back(
         {frame_number, {positions[i]->x(), positions[i]->y(), *disparities[i]}});
     points_.push_back(std::move(point));
   }

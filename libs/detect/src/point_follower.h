@@ -16,8 +16,8 @@ namespace headway::detect {
 
 /// A point of the image followed from frame to frame.
 struct PointTrack {
-  std::int64_t id = 0;              ///< ascending in order of creation
-  std::vector<Sighting> sightings;  ///< oldest first
+  std::int64_t id = 0;                    ///< ascending in order of creation
+  std::vector<Observation> observations;  ///< oldest first
   std::optional<PointMotion> motion;
   std::int64_t group = -1;  ///< of points on one moving object; -1: none, or static
 };
@@ -25,34 +25,32 @@ struct PointTrack {
 /// Which points are followed.
 struct FollowerParams {
   int max_points = 1200;
-  int spacing_px = 8;           ///< between points [px]
-  double window_s = 0.6;        ///< sightings older than this are forgotten [s]
-  double range_m = 50.0;        ///< points farther away are not begun [m]
-  double least_height_m = 0.2;  ///< above ground, of points that may belong to objects [m]
-  double most_height_m = 3.5;   ///< [m]
+  int spacing_px = 8;         ///< between points [px]
+  double window_s = 0.6;      ///< observations older than this are removed [s]
+  double range_m = 50.0;      ///< maximum depth of new points [m]
+  double min_height_m = 0.2;  ///< above ground, of points that may belong to objects [m]
+  double max_height_m = 3.5;  ///< [m]
 };
 
 /// Follows points of the left image through time and, in each frame, to the right image.
 ///
 /// Points are chosen where objects could be: between two heights above the ground and within
-/// range, one to a cell of a grid; a tenth of them anywhere, so that the camera's own motion stays
-/// in sight. They are sought where the world as known would put them, then where they were: so
-/// moves what the camera follows. A point ends that is not
-/// found, found elsewhere on the way back, or whose left and right image disagree.
+/// range, one to a cell of a grid; a tenth of them anywhere, to observe the camera's motion. They
+/// are searched where a static point would be, then at their previous position, as objects that
+/// move along with the camera are. A point ends if it is not found, does not return when tracked
+/// back, or if its left and right image disagree.
+///
 /// @see  Lucas & Kanade 1981, Bouguet 2001 (pyramids), Shi & Tomasi 1994 (choice)
 class PointFollower {
  public:
   PointFollower(const StereoCamera& camera, const FollowerParams& params)
       : camera_(camera), params_(params) {}
 
-  /// What disparities measured from now on are off by, to be taken off them [px].
-  void setDisparityOffset(double offset) { offset_ = offset; }
-
   /// Finds the points of the frame before in this one; `path` has been advanced to it.
   void follow(const stereo::FrameContext& context, const stereo::DisparityImage& disparity,
               const CameraPath& path);
 
-  /// Begins new points in this frame, where there are too few.
+  /// Adds new points up to the maximum.
   void replenish(const StereoFrame& frame, const stereo::DisparityImage& disparity,
                  const std::optional<stereo::GroundPlane>& ground, int frame_number);
 
@@ -66,7 +64,7 @@ class PointFollower {
                           std::vector<stereo::TrackedPosition>& positions) const;
   void keepFound(const std::vector<stereo::TrackedPosition>& positions,
                  const std::vector<std::optional<double>>& disparities, const CameraPath& path);
-  /// @param predicted  disparities, where the dense ones tell nothing
+  /// @param predicted  disparities, used where there is no dense one
   [[nodiscard]] std::vector<std::optional<double>> disparitiesOf(
       const std::vector<stereo::TrackedPosition>& positions, const std::vector<double>& predicted,
       const stereo::DisparityImage& disparity) const;
@@ -78,7 +76,7 @@ class PointFollower {
   stereo::ImagePyramid left_;
   stereo::ImagePyramid right_;
   std::int64_t next_id_ = 0;
-  double offset_ = 0.0;
+  double offset_ = 0.0;  ///< of the disparities measured in the newest frame [px]
 };
 
 }  // namespace headway::detect

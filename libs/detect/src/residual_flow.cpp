@@ -13,22 +13,22 @@
 namespace headway::detect {
 namespace {
 
-constexpr int kReach = 16;           // sought to either side [cells]
-constexpr int kBlock = 9;            // matched [cells]
-constexpr int kUniqueness = 10;      // how much better the best match must be [%]
-constexpr int kOverlap = 6;          // rows about a block; even, as OpenCV filters pairs of them
-constexpr int kLeastSpeckle = 20;    // smaller islands are dropped [cells]
-constexpr int kSpeckleRange = 2;     // between neighbours in an island
-constexpr int kSubpixels = 16;       // OpenCV's fixed-point disparities
-constexpr int kBorder = 2 * kReach;  // columns without which OpenCV matches nothing [cells]
-const cv::Size kSkirt(17, 5);        // around near things they keep their depth [cells]
+constexpr int kReach = 16;        // search range to either side [cells]
+constexpr int kBlock = 9;         // side of a matched block [cells]
+constexpr int kUniqueness = 10;   // margin of the best match over the second best [%]
+constexpr int kOverlap = 6;       // rows around a block; even, because OpenCV filters pairs of rows
+constexpr int kMinSpeckle = 20;   // smaller regions are removed [cells]
+constexpr int kSpeckleRange = 2;  // between neighbours in a region
+constexpr int kSubpixels = 16;    // OpenCV's fixed-point disparities
+constexpr int kBorder = 2 * kReach;      // columns that OpenCV leaves unmatched [cells]
+const cv::Size kMargin(17, 5);           // by which near objects are dilated [cells]
 constexpr double kSigmaDisparity = 0.4;  // [px]
-constexpr double kLeastSigma = 0.15;     // [px]
-constexpr double kTail = 1.0;            // residual from which a cell weighs half [px]
-constexpr int kEach = 3;                 // cell looked at for what all have in common
+constexpr double kMinSigma = 0.15;       // [px]
+constexpr double kTail = 1.0;            // residual at which a cell has half its weight [px]
+constexpr int kStride = 3;               // of the cells that estimate the common flow
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-// Fills a row's holes with the lesser of the disparities beside them: what is behind.
+// Fills a row's holes with the smaller of the disparities beside them, the background's.
 void fillRow(float* row, int columns) {
   float left = 0.0F;
   for (int begin = 0; begin < columns;) {
@@ -45,16 +45,15 @@ void fillRow(float* row, int columns) {
   }
 }
 
-// Disparities without holes, in which near things have a skirt: what moves is looked for in front
-// of what is still, and must not be torn at its own outline.
+// Disparities without holes, near objects dilated so that the warp does not tear at outlines.
 cv::Mat smoothed(const cv::Mat& disparities) {
   cv::Mat result;
-  cv::dilate(disparities, result, cv::getStructuringElement(cv::MORPH_RECT, kSkirt));
+  cv::dilate(disparities, result, cv::getStructuringElement(cv::MORPH_RECT, kMargin));
   for (int row = 0; row < result.rows; ++row) fillRow(result.ptr<float>(row), result.cols);
   return result;
 }
 
-// Does something with each row, in some threads: rows must not depend on each other.
+// Processes rows in several threads; rows must not depend on each other.
 template <class Work>
 void forEachRow(int rows, const Work& work) {
   cv::parallel_for_({0, rows}, [&](const cv::Range& some) {
@@ -62,10 +61,10 @@ void forEachRow(int rows, const Work& work) {
   });
 }
 
-// Where a row's still cells were in the frame before, by their disparities.
-class StillRow {
+// Positions of a row's static cells in the previous frame, by their disparities.
+class StaticRow {
  public:
-  StillRow(const Eigen::Matrix3f& turn, const Eigen::Vector3f& shift, int row, int reduce)
+  StaticRow(const Eigen::Matrix3f& turn, const Eigen::Vector3f& shift, int row, int reduce)
       : reduce_(static_cast<float>(reduce)),
         begin_(turn.col(1) * pixelOf(row) + turn.col(2)),
         step_(turn.col(0)),
@@ -87,17 +86,17 @@ class StillRow {
   Eigen::Vector3f begin_, step_, shift_;
 };
 
-// How a still world moves through the image from the frame before to this one.
-class StillWorld {
+// Image motion of a static scene from the previous frame to this one.
+class StaticScene {
  public:
-  StillWorld(const Pose& T_before_now, const StereoCamera& camera, int reduce) : reduce_(reduce) {
+  StaticScene(const Pose& T_before_now, const StereoCamera& camera, int reduce) : reduce_(reduce) {
     Eigen::Matrix3d K;
     K << camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0;
     turn_ = (K * T_before_now.linear() * K.inverse()).cast<float>();
     shift_ = (K * T_before_now.translation() / (camera.fx * camera.baseline_m)).cast<float>();
   }
 
-  [[nodiscard]] StillRow row(int row) const { return {turn_, shift_, row, reduce_}; }
+  [[nodiscard]] StaticRow row(int row) const { return {turn_, shift_, row, reduce_}; }
 
  private:
   int reduce_;
@@ -109,15 +108,15 @@ struct Warp {
   cv::Mat columns, rows;  ///< of the frame before, 32-bit, for each cell
 };
 
-Warp warpOf(const cv::Mat& disparities, const StillWorld& world) {
+Warp warpOf(const cv::Mat& disparities, const StaticScene& scene) {
   Warp warp{cv::Mat(disparities.size(), CV_32F), cv::Mat(disparities.size(), CV_32F)};
   forEachRow(disparities.rows, [&](int row) {
-    const StillRow still = world.row(row);
+    const StaticRow static_row = scene.row(row);
     const auto* d = disparities.ptr<float>(row);
     auto* columns = warp.columns.ptr<float>(row);
     auto* rows = warp.rows.ptr<float>(row);
     for (int column = 0; column < disparities.cols; ++column) {
-      const cv::Point2f there = still.before(column, d[column]);
+      const cv::Point2f there = static_row.before(column, d[column]);
       columns[column] = there.x;
       rows[column] = there.y;
     }
@@ -125,7 +124,7 @@ Warp warpOf(const cv::Mat& disparities, const StillWorld& world) {
   return warp;
 }
 
-// Fills in what is matched in some rows, just as if the whole images were matched.
+// Matches some rows with the same result as matching the whole images.
 void matchRows(const cv::Mat& now, const cv::Mat& warped, const cv::Range& rows, cv::Mat& matches) {
   auto matcher = cv::StereoBM::create(2 * kReach, kBlock);
   matcher->setMinDisparity(-kReach);
@@ -150,7 +149,7 @@ cv::Mat matchedColumns(const cv::Mat& now, const cv::Mat& warped) {
   const std::array<cv::Range, 2> halves{cv::Range(0, half), cv::Range(half, now.rows)};
   forEachRow(2, [&](int i) { matchRows(a, b, halves[i], matches); });
   constexpr int kNone = (-kReach - 1) * kSubpixels;
-  cv::filterSpeckles(matches, kNone, kLeastSpeckle, kSpeckleRange);
+  cv::filterSpeckles(matches, kNone, kMinSpeckle, kSpeckleRange);
   cv::Mat columns(now.size(), CV_32F);
   for (int row = 0; row < now.rows; ++row) {
     const short* match = matches.ptr<short>(row) + kBorder;
@@ -168,28 +167,30 @@ cv::Mat matchedColumns(const cv::Mat& now, const cv::Mat& warped) {
 float between(const float* row, int columns, float place) {
   const int first = cvFloor(place);
   if (first < 0 || first + 1 >= columns) return kUnknown;
-  const float share = place - static_cast<float>(first);
-  return (1.0F - share) * row[first] + share * row[first + 1];
+  const float fraction = place - static_cast<float>(first);
+  return (1.0F - fraction) * row[first] + fraction * row[first + 1];
 }
 
-// Takes off what the camera's motion left: a turn moves all cells alike, a shift by disparity.
-// @return  what is left of a still cell, standard deviation [px]
-double takeOffCommon(const cv::Mat& disparities, cv::Mat& columns) {
-  std::vector<Eigen::Vector3d> still;  // 1, disparity, residual
-  for (int row = 0; row < columns.rows; row += kEach) {
+// Subtracts the flow left by errors of the camera's motion: a rotation moves all cells alike, a
+// translation in proportion to their disparity.
+// @return  standard deviation of the remaining flow of static cells [px]
+double subtractCommonFlow(const cv::Mat& disparities, cv::Mat& columns) {
+  std::vector<Eigen::Vector3d> static_cells;  // 1, disparity, residual
+  for (int row = 0; row < columns.rows; row += kStride) {
     const auto* d = disparities.ptr<float>(row);
     const auto* residuals = columns.ptr<float>(row);
-    for (int column = 0; column < columns.cols; column += kEach) {
-      if (!std::isnan(residuals[column])) still.emplace_back(1.0, d[column], residuals[column]);
+    for (int column = 0; column < columns.cols; column += kStride) {
+      if (!std::isnan(residuals[column]))
+        static_cells.emplace_back(1.0, d[column], residuals[column]);
     }
   }
-  if (still.empty()) return kTail;
+  if (static_cells.empty()) return kTail;
   Eigen::Vector2d common = Eigen::Vector2d::Zero();
   const Eigen::Vector2d prior(1.0, 100.0);
   for (int iteration = 0; iteration < 4; ++iteration) {
     Eigen::Matrix2d A = prior.asDiagonal();
     Eigen::Vector2d b = Eigen::Vector2d::Zero();
-    for (const auto& cell : still) {
+    for (const auto& cell : static_cells) {
       const double off = (cell.z() - common.dot(cell.head<2>())) / kTail;
       const double weight = 1.0 / (1.0 + off * off);
       A += weight * cell.head<2>() * cell.head<2>().transpose();
@@ -198,7 +199,8 @@ double takeOffCommon(const cv::Mat& disparities, cv::Mat& columns) {
     common = A.inverse() * b;
   }
   std::vector<double> rest;
-  for (const auto& cell : still) rest.push_back(std::abs(cell.z() - common.dot(cell.head<2>())));
+  for (const auto& cell : static_cells)
+    rest.push_back(std::abs(cell.z() - common.dot(cell.head<2>())));
   for (int row = 0; row < columns.rows; ++row) {
     const auto* d = disparities.ptr<float>(row);
     auto* residuals = columns.ptr<float>(row);
@@ -206,7 +208,34 @@ double takeOffCommon(const cv::Mat& disparities, cv::Mat& columns) {
       residuals[column] -= static_cast<float>(common.x() + common.y() * d[column]);
     }
   }
-  return std::max(kLeastSigma, 1.4826 * median(rest));
+  return std::max(kMinSigma, 1.4826 * median(rest));
+}
+
+// Turns matched columns of the warped image into flow relative to static cells, with its error by
+// the disparity's [px].
+void subtractStaticFlow(const stereo::DisparityImage& disparity, const StaticScene& scene,
+                        const Warp& warp, ResidualFlow& flow) {
+  const auto scale = static_cast<float>(disparity.reduce);
+  const int columns = flow.columns.cols;
+  forEachRow(flow.columns.rows, [&](int row) {
+    const StaticRow static_row = scene.row(row);
+    const auto* d = disparity.values.ptr<float>(row);
+    const auto* warped_columns = warp.columns.ptr<float>(row);
+    auto* cells = flow.columns.ptr<float>(row);
+    auto* sigmas = flow.sigmas.ptr<float>(row);
+    std::vector<float> before(columns);
+    for (int column = 0; column < columns; ++column) {
+      before[column] = static_row.before(column, d[column]).x;
+      const float shifted = static_row.before(column, d[column] + float(kSigmaDisparity)).x;
+      sigmas[column] = scale * (shifted - before[column]);
+    }
+    for (int column = 0; column < columns; ++column) {
+      const bool known = d[column] > 0.0F && !std::isnan(cells[column]);
+      cells[column] =
+          known ? scale * (before[column] - between(warped_columns, columns, cells[column]))
+                : kUnknown;
+    }
+  });
 }
 
 }  // namespace
@@ -214,41 +243,21 @@ double takeOffCommon(const cv::Mat& disparities, cv::Mat& columns) {
 ResidualFlow ResidualFlowMeter::measure(const cv::Mat& image,
                                         const stereo::DisparityImage& disparity,
                                         const CameraPath& path) {
-  const cv::Mat before = before_;
+  const cv::Mat previous = before_;
   before_ = image;
   ResidualFlow flow;
-  if (before.empty() || path.newest() == path.oldest()) return flow;
+  if (previous.empty() || path.newest() == path.oldest()) return flow;
   const int newest = path.newest();
   flow.seconds = path.timeOf(newest) - path.timeOf(newest - 1);
-  const StillWorld world(path.T_cam_world(newest - 1) * path.T_cam_world(newest).inverse(), camera_,
-                         disparity.reduce);
-  const Warp warp = warpOf(smoothed(disparity.values), world);
+  const StaticScene scene(path.T_cam_world(newest - 1) * path.T_cam_world(newest).inverse(),
+                          camera_, disparity.reduce);
+  const Warp warp = warpOf(smoothed(disparity.values), scene);
   cv::Mat warped;
-  cv::remap(before, warped, warp.columns, warp.rows, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  cv::remap(previous, warped, warp.columns, warp.rows, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
   flow.columns = matchedColumns(before_, warped);
   flow.sigmas = cv::Mat(flow.columns.size(), CV_32F);
-  const auto scale = static_cast<float>(disparity.reduce);
-  const int columns = flow.columns.cols;
-  forEachRow(flow.columns.rows, [&](int row) {
-    const StillRow still_row = world.row(row);
-    const auto* d = disparity.values.ptr<float>(row);
-    const auto* warped_columns = warp.columns.ptr<float>(row);
-    auto* cells = flow.columns.ptr<float>(row);
-    auto* sigmas = flow.sigmas.ptr<float>(row);
-    std::vector<float> still(columns);
-    for (int column = 0; column < columns; ++column) {
-      still[column] = still_row.before(column, d[column]).x;
-      const float shifted = still_row.before(column, d[column] + float(kSigmaDisparity)).x;
-      sigmas[column] = scale * (shifted - still[column]);
-    }
-    for (int column = 0; column < columns; ++column) {
-      const bool known = d[column] > 0.0F && !std::isnan(cells[column]);
-      cells[column] =
-          known ? scale * (still[column] - between(warped_columns, columns, cells[column]))
-                : kUnknown;
-    }
-  });
-  const double noise = takeOffCommon(disparity.values, flow.columns);
+  subtractStaticFlow(disparity, scene, warp, flow);
+  const double noise = subtractCommonFlow(disparity.values, flow.columns);
   cv::multiply(flow.sigmas, flow.sigmas, flow.sigmas);
   cv::add(flow.sigmas, noise * noise, flow.sigmas);
   cv::sqrt(flow.sigmas, flow.sigmas);

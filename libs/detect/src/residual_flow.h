@@ -9,10 +9,10 @@
 
 namespace headway::detect {
 
-/// How far the image moved sideways between two frames beyond what the camera's motion explains.
+/// Flow along image rows between two frames, less the flow of a static scene.
 struct ResidualFlow {
   cv::Mat columns;       ///< for each disparity cell, to the right [px]; 32-bit, NaN where unknown
-  cv::Mat sigmas;        ///< of a still cell, by its depth and the camera's motion [px]; 32-bit
+  cv::Mat sigmas;        ///< of a static cell, by depth and camera motion [px]; 32-bit
   double seconds = 0.0;  ///< between the frames
 
   [[nodiscard]] bool empty() const { return columns.empty(); }
@@ -20,12 +20,12 @@ struct ResidualFlow {
 
 /// Measures residual flow densely.
 ///
-/// The frame before is warped to where a still world of the measured disparities would show it now.
-/// What stands then coincides, and what moves over the ground is, seen by a camera at eye level,
-/// displaced along its row, for people hardly move up and down. So the search for it is that of
-/// stereo: along rows, without a pyramid, whose coarse levels would give small things the motion
-/// of what is behind them. What all cells have in common, as errors of the camera's motion make it,
-/// is taken off; the rest of it is the noise.
+/// The previous frame is warped by the measured disparities and the camera's motion to the current
+/// view of a static scene. Static cells then coincide. Objects on the ground are displaced along
+/// rows, since they hardly move vertically, so the search is that of stereo matching: along rows
+/// and without a pyramid, whose coarse levels would give small objects the flow of the background.
+/// The flow common to all cells, an error of the camera's motion, is subtracted; the remaining
+/// scatter is the noise.
 class ResidualFlowMeter {
  public:
   explicit ResidualFlowMeter(const StereoCamera& camera) : camera_(camera) {}

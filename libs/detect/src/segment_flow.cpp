@@ -16,7 +16,7 @@ constexpr std::size_t kMinKnown = 12;  // of a segment with measured flow
 constexpr double kCommonSigma = 0.3;   // error common to all cells of a segment [px]
 constexpr double kSurely = 4.0;        // sigmas from which a segment is moving for certain
 constexpr double kMaxClaimed = 0.5;    // ratio of cells that belong to another segment already
-const cv::Size kFlowGaps(5, 5);            // between moving cells that are closed [cells]
+const cv::Size kFlowGaps(5, 5);        // between moving cells that are closed [cells]
 
 // Speed across the line of sight, to the right, of a flow [m/s].
 double acrossOf(double flow_px, double disparity, double seconds, const StereoCamera& camera) {
@@ -47,22 +47,22 @@ cv::Mat movingCells(const stereo::DisparityImage& disparity, const ResidualFlow&
                     const StereoCamera& camera, float side) {
   const cv::Size size = flow.columns.size();
   cv::Mat moving(size, CV_8U);
-  cv::Mat still(size, CV_8U);
+  cv::Mat fixed(size, CV_8U);
   for (int row = 0; row < size.height; ++row) {
     const auto* residuals = flow.columns.ptr<float>(row);
     const auto* sigmas = flow.sigmas.ptr<float>(row);
     const auto* d = disparity.values.ptr<float>(row);
     auto* moves = moving.ptr<unsigned char>(row);
-    auto* stands = still.ptr<unsigned char>(row);
+    auto* rests = fixed.ptr<unsigned char>(row);
     for (int column = 0; column < size.width; ++column) {
       const float residual = side * residuals[column];  // NaN: neither moving nor static
-      stands[column] = residual < kStaticSigmas * sigmas[column];
+      rests[column] = residual < kStaticSigmas * sigmas[column];
       moves[column] = residual > kMovingSigmas * sigmas[column] &&
                       acrossOf(residual, d[column], flow.seconds, camera) > kMinAcross;
     }
   }
   cv::dilate(moving, moving, cv::getStructuringElement(cv::MORPH_RECT, kFlowGaps));
-  moving.setTo(0, still);
+  moving.setTo(0, fixed);
   return moving;
 }
 

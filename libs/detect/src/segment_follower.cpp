@@ -18,13 +18,13 @@ constexpr double kEdgeRatio = 0.03;     // and ratio to its width
 constexpr double kDisparitySigma = 0.3;  // [px]
 constexpr double kRowSigma = 30.0;       // feet and heads are cut off at random [px]
 constexpr double kMaxSpeed = 8.0;        // of a segment [m/s]
-constexpr int kMinSightings = 4;
+constexpr int kMinObservations = 4;
 constexpr int kMaxMissed = 3;         // frames
 constexpr double kGoodFit = 3.0;      // squared error to a degree of freedom
 constexpr std::size_t kMaxFlows = 5;  // kept of a segment
 constexpr double kMinTravel = 0.3;    // within the window [m]
 
-SightingNoise noiseOf(const UprightSegment& segment) {
+ObservationNoise noiseOf(const UprightSegment& segment) {
   return {kEdge + kEdgeRatio * segment.width_px, kRowSigma, kDisparitySigma};
 }
 
@@ -35,7 +35,7 @@ Eigen::Vector3d placeOf(const UprightSegment& segment, const CameraPath& path,
 
 Eigen::Vector3d expectedPlace(const SegmentTrack& track, const CameraPath& path,
                               const Eigen::Vector3d& up) {
-  if (!track.track.motion || track.track.sightings.size() < 3) return track.last_place;
+  if (!track.track.motion || track.track.observations.size() < 3) return track.last_place;
   return track.last_place + (path.timeOf(path.newest()) - path.timeOf(track.last_frame)) *
                                 overGround(track.track.motion->velocity, up);
 }
@@ -96,21 +96,24 @@ void SegmentFollower::follow(std::vector<UprightSegment> segments, const CameraP
 
 void SegmentFollower::extend(SegmentTrack& track, UprightSegment segment,
                              const CameraPath& path) const {
-  auto& sightings = track.track.sightings;
-  const auto old = [&](const Sighting& sighting) { return sighting.frame < path.oldest(); };
-  sightings.erase(sightings.begin(), std::find_if_not(sightings.begin(), sightings.end(), old));
-  if (!segment.hidden) sightings.push_back({path.newest(), segment.uvd});
+  auto& observations = track.track.observations;
+  const auto old = [&](const Observation& observation) {
+    return observation.frame < path.oldest();
+  };
+  observations.erase(observations.begin(),
+                     std::find_if_not(observations.begin(), observations.end(), old));
+  if (!segment.hidden) observations.push_back({path.newest(), segment.uvd});
   if (segment.across) track.across.push_back(*segment.across);
   if (track.across.size() > kMaxFlows) track.across.pop_front();
   track.last_frame = path.newest();
   track.last_place = placeOf(segment, path, camera_);
-  track.track.motion = fitMotion(sightings, path, camera_, noiseOf(segment), 2.0);
+  track.track.motion = fitMotion(observations, path, camera_, noiseOf(segment), 2.0);
   track.segment = std::move(segment);
 }
 
 std::optional<PointMotion> SegmentFollower::outlineMotion(const SegmentTrack& track) {
   const auto& motion = track.track.motion;
-  if (!motion || motion->sightings < kMinSightings) return std::nullopt;
+  if (!motion || motion->observations < kMinObservations) return std::nullopt;
   return motion->movingFit() < kGoodFit ? motion : std::nullopt;
 }
 
@@ -118,8 +121,8 @@ bool SegmentFollower::moves(const SegmentTrack& track, const Eigen::Vector3d& up
                             const PointClassParams& params, double window_s) {
   if (!track.track.motion) return false;
   PointClassParams strict = params;
-  strict.least_sightings = kMinSightings;
-  strict.most_speed = kMaxSpeed;
+  strict.min_observations = kMinObservations;
+  strict.max_speed = kMaxSpeed;
   if (classifyPoint(track.track, up, strict) != PointClass::kMoving) return false;
   return overGround(track.track.motion->velocity, up).norm() * window_s > kMinTravel;
 }

@@ -112,15 +112,15 @@ void addPoints(const UprightSegment& segment, const std::vector<PointTrack>& poi
   for (const auto& cell : segment.cells) inside.at<unsigned char>(cell.place) = 1;
   const Time now = path.timeOf(path.newest());
   for (const auto& point : points) {
-    const auto& uvd = point.sightings.back().uvd;
+    const auto& uvd = point.observations.back().uvd;
     const cv::Point cell(disparity.cellOf(uvd.x()), disparity.cellOf(uvd.y()));
     const bool here =
         cv::Rect({0, 0}, inside.size()).contains(cell) && inside.at<unsigned char>(cell) != 0;
-    if (!here || static_cast<int>(point.sightings.size()) < params.least_sightings) continue;
-    const double seconds = now - path.timeOf(point.sightings.front().frame);
+    if (!here || static_cast<int>(point.observations.size()) < params.min_observations) continue;
+    const double seconds = now - path.timeOf(point.observations.front().frame);
     if (seconds < kMinSpan) continue;
     const auto motion =
-        fitMotion(point.sightings, path, camera, SightingNoise(), params.speed_prior);
+        fitMotion(point.observations, path, camera, ObservationNoise(), params.speed_prior);
     if (!motion) continue;
     const double scale = std::max(params.noise_scale, std::sqrt(motion->movingFit()));
     all.add(partOf(*motion, axes, scale), seconds);
@@ -134,7 +134,7 @@ Eigen::Matrix2d covarianceOf(const Pooled& pooled, const UprightSegment& segment
   const double depth = camera.fx * camera.baseline_m / segment.uvd.z();
   const double along = params.common_disparity_px * depth / segment.uvd.z() / span;
   const double across = params.common_px * depth / camera.fx / span;
-  const double slip = params.common_share * speedOf(path);
+  const double slip = params.common_ratio * speedOf(path);
   Eigen::Matrix2d covariance = pooled.information.inverse();
   covariance.diagonal() +=
       Eigen::Vector2d(along * along + slip * slip, across * across + slip * slip);
@@ -152,14 +152,14 @@ std::optional<SegmentMotion> segmentMotion(
   Parts all;
   addPoints(segment, points, disparity, path, camera, axes, params, all);
   if (outline) all.add(partOf(*outline, axes, 1.0), kMinSpan);
-  const bool flows = static_cast<int>(across.size()) >= params.least_flows;
+  const bool flows = static_cast<int>(across.size()) >= params.min_flows;
   if (flows) {
     const Eigen::Vector3d right = path.T_cam_world(path.newest()).linear().row(0);
     double seconds = 0.0;
     for (const auto& flow : across) seconds += flow.seconds;
     all.add(partOf(across, axes, right, params.speed_prior), seconds);
   }
-  if (static_cast<int>(all.parts.size()) < params.least_parts && !flows) return std::nullopt;
+  if (static_cast<int>(all.parts.size()) < params.min_parts && !flows) return std::nullopt;
 
   const Pooled pooled = pool(all.parts);
   const Eigen::Matrix2d covariance = covarianceOf(pooled, segment, all.span, path, camera, params);

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "appearance.h"
-#include "disparity_offset.h"
 #include "moving_object_finder.h"
 #include "noise_scale.h"
 #include "point_follower.h"
@@ -27,21 +26,12 @@ constexpr double kMinAgreeing = 0.3;  // ratio of static points that must fit th
 constexpr int kFewPoints = 12;   // with fewer classified points the camera's motion is not checked
 constexpr double kMaxGap = 3.0;  // of the window: a longer gap resets everything
 constexpr double kSupportScale = 6.0;
-constexpr double kStartUp =
-    0.35;  // before it slight errors of pose and stereo look like motion [s]
+constexpr double kStartUp = 0.35;  // before it small errors of pose and stereo resemble motion [s]
 
 bool usable(const cv::Mat& image) {
   cv::Scalar mean, deviation;
   cv::meanStdDev(image, mean, deviation);
   return deviation[0] > kMinContrast;
-}
-
-stereo::DisparityImage withoutOffset(const stereo::DisparityImage& disparity, double offset) {
-  if (offset == 0.0) return disparity;
-  stereo::DisparityImage result{disparity.values.clone(), disparity.reduce};
-  cv::subtract(disparity.values, offset, result.values, disparity.values > 0.0F);
-  cv::max(result.values, 0.0F, result.values);
-  return result;
 }
 
 /// Replaces ranges that are 0 by those of the rig.
@@ -52,10 +42,9 @@ StereoMotionParams forRig(StereoMotionParams params, const StereoCamera& camera)
   return params;
 }
 
-FollowerParams followerOf(const StereoMotionParams& params) {
-  return {
-      params.max_points,  params.spacing_px,   std::max(params.window_s, params.segment_window_s),
-      params.max_range_m, params.min_height_m, params.max_height_m};
+FollowerParams followerParams(const StereoMotionParams& params, double window_s) {
+  return {params.max_points,  params.spacing_px,   window_s,
+          params.max_range_m, params.min_height_m, params.max_height_m};
 }
 
 }  // namespace
@@ -66,7 +55,8 @@ class StereoMotion::Implementation {
       : camera_(std::move(camera)),
         params_(forRig(params, *camera_)),
         path_(*camera_, std::hypot(params.sigma_px, 0.3)),
-        follower_(*camera_, followerOf(params_)),
+        window_s_(std::max(params_.window_s, params_.segment_window_s)),
+        follower_(*camera_, followerParams(params_, window_s_)),
         flow_meter_(*camera_),
         segments_(*camera_),
         finder_(*camera_, params_) {}
@@ -76,8 +66,9 @@ class StereoMotion::Implementation {
                       const std::vector<ExpectedObject>& expected) {
     const StereoFrame& frame = context.frame();
     found_ = emptyDetections(frame);
+    offset_evidence_.clear();
     if (!usable(frame.left) || !usable(frame.right)) return "unusable_image";
-    disparity_ = withoutOffset(context.disparity(), offset_.value() - context.disparityOffset());
+    disparity_ = context.disparity();
     image_ = context.reducedLeft();
     ground_ = context.ground();
     if (!T_map_robot) {
@@ -89,9 +80,7 @@ class StereoMotion::Implementation {
     }
     T_map_cam_ = *T_map_robot * camera_->T_robot_cam;
     const int number = path_.advance(frame.time, T_map_cam_);
-    path_.forgetBefore(
-        path_.firstSince(frame.time - std::max(params_.window_s, params_.segment_window_s)));
-    follower_.setDisparityOffset(offset_.value());
+    path_.removeBefore(path_.firstSince(frame.time - window_s_));
     follower_.follow(context, disparity_, path_);
     const char* unsure = classifyPoints() ? nullptr : "camera_motion_unsure";
     ResidualFlow flow = flow_meter_.measure(image_, disparity_, path_);
@@ -108,7 +97,10 @@ class StereoMotion::Implementation {
     return unsure;
   }
 
-  [[nodiscard]] double disparityOffset() const { return offset_.value(); }
+  /// Of the newest frame.
+  [[nodiscard]] const std::vector<stereo::OffsetEvidence>& offsetEvidence() const {
+    return offset_evidence_;
+  }
   std::size_t takeImplausible() { return finder_.takeImplausible(); }
 
   /// Of the newest frame.
@@ -134,25 +126,29 @@ class StereoMotion::Implementation {
   /// Refines the camera's motion and classifies every point. @return whether that motion is
   /// reliable
   bool classifyPoints() {
-    std::vector<StillSighting> static_points;
+    std::vector<StaticObservation> static_points;
     for (const auto& point : follower_.points()) {
       if (point.group >= 0 || !point.motion) continue;
-      if (point.sightings.back().frame != path_.newest()) continue;
-      static_points.push_back({point.motion->still_point, point.sightings.back().uvd});
+      if (point.observations.back().frame != path_.newest()) continue;
+      static_points.push_back({point.motion->static_point, point.observations.back().uvd});
     }
     const double agreeing = path_.refine(static_points);
-    const SightingNoise noise{params_.sigma_px, params_.sigma_px, params_.sigma_disparity_px};
+    const ObservationNoise noise{params_.sigma_px, params_.sigma_px, params_.sigma_disparity_px};
     auto& points = follower_.points();
     const int first = path_.firstSince(path_.timeOf(path_.newest()) - params_.window_s);
     for (auto& point : points) {
-      point.motion = fitMotion(since(first, point.sightings), path_, *camera_, noise,
+      point.motion = fitMotion(since(first, point.observations), path_, *camera_, noise,
                                params_.max_speed_mps / 2.0);
     }
     noise_scale_.update(points);
     up_ = path_.T_cam_world(path_.newest()).linear().transpose() *
           (ground_ ? ground_->up : stereo::mountedUp(*camera_));
     dropMismatches();
-    offset_.update(points, classes_);
+    for (const auto& point : points) {
+      if (point.motion && point.group < 0) {
+        offset_evidence_.push_back(point.motion->offsetEvidence());
+      }
+    }
     const auto moving = std::count(classes_.begin(), classes_.end(), PointClass::kMoving);
     const auto classified =
         moving + std::count(classes_.begin(), classes_.end(), PointClass::kStatic);
@@ -191,20 +187,21 @@ class StereoMotion::Implementation {
     for (const MovingObject& object : objects) report(object);
   }
 
-  /// Each object is of the group that most of its parts were of in earlier frames, or a new one.
+  /// Assigns each object to the group of most of its points and segments in earlier frames, or to a
+  /// new one.
   void setGroups(std::vector<MovingObject>& objects) {
     std::set<std::int64_t> used = {-1};
     for (auto& object : objects) {
       std::map<std::int64_t, int> votes;
       for (const std::size_t i : object.members) ++votes[follower_.points()[i].group];
       for (const auto* segment : object.segments) ++votes[segment->track.group];
-      int most = 0;
+      int max_count = 0;
       for (const auto& [group, count] : votes) {
-        if (count <= most || used.count(group) > 0) continue;
+        if (count <= max_count || used.count(group) > 0) continue;
         object.group = group;
-        most = count;
+        max_count = count;
       }
-      if (most == 0) object.group = next_group_++;
+      if (max_count == 0) object.group = next_group_++;
       used.insert(object.group);
     }
   }
@@ -251,14 +248,15 @@ class StereoMotion::Implementation {
   std::optional<stereo::GroundPlane> ground_;
   cv::Mat image_;  ///< left, on the disparity grid
   CameraPath path_;
+  double window_s_;  ///< of observations, of points and of segments [s]
   PointFollower follower_;
   ResidualFlowMeter flow_meter_;
   SegmentFollower segments_;
   MovingObjectFinder finder_;
-  DisparityOffset offset_;
   NoiseScale noise_scale_;
-  std::vector<PointClass> classes_;                ///< one for each followed point
-  Eigen::Vector3d up_ = Eigen::Vector3d::UnitZ();  ///< of the ground, world of the path
+  std::vector<PointClass> classes_;                      ///< one for each followed point
+  std::vector<stereo::OffsetEvidence> offset_evidence_;  ///< of the newest frame
+  Eigen::Vector3d up_ = Eigen::Vector3d::UnitZ();        ///< of the ground, world of the path
   std::int64_t next_group_ = 0;
   Pose T_map_cam_ = Pose::Identity();  ///< of the newest frame, as given
 };
@@ -280,7 +278,7 @@ MotionDetections StereoMotion::detect(const stereo::FrameContext& context,
   } else {
     ++result.dropped[reason];
   }
-  result.disparity_offset_px = implementation_->disparityOffset();
+  result.static_points = implementation_->offsetEvidence();
   const std::size_t implausible = implementation_->takeImplausible();
   if (implausible > 0) result.dropped["implausible_object"] = implausible;
   return result;

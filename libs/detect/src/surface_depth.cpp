@@ -9,37 +9,37 @@ namespace {
 
 constexpr double kMargin = 0.05;        // of the box's width and height left out at each edge
 constexpr double kGroundHeight = 0.15;  // lower than this above the ground is ground [m]
-constexpr double kLeastWeight = 4.0;    // of the samples that make a mode, in cells
+constexpr double kMinWeight = 4.0;      // of the samples that make a mode, in cells
 constexpr double kStereoSigma = 0.3;    // of one surface's disparity, common to its cells [px]
 constexpr double kBoxSigma = 2.0;       // of the box's edges [px]
 constexpr double kShapeSpread = 0.08;   // of projected height over true height: poses, tilt
-constexpr double kPriorFloor = 0.05;    // what a mode that contradicts the size still counts
+constexpr double kPriorFloor = 0.05;    // weight of a mode that contradicts the size
 constexpr double kGridStep = 1.015;     // from one disparity tried to the next
 
 // Disparities this near to each other are one surface [px].
 double bandwidthAt(double disparity) { return std::max(0.6, 0.035 * disparity); }
 
 // Disparity at which an object of the class would be as high as the box, with its error.
-struct SizeWitness {
+struct SizePrior {
   double disparity = 0.0;  // [px]
-  double spread = 0.0;     // share of it
+  double spread = 0.0;     // ratio to it
 };
 
-std::optional<SizeWitness> sizeWitness(const Box2d& box, ObjectClass object_class,
-                                       const StereoCamera& camera) {
+std::optional<SizePrior> sizePrior(const Box2d& box, ObjectClass object_class,
+                                   const StereoCamera& camera) {
   const auto known = classSize(object_class);
   const bool cut = box.top < 1.5 || box.bottom > camera.height - 2.5;
   if (!known || cut || !(box.height() > 4.0)) return std::nullopt;
   const double depth = camera.fy * known->size.z() / box.height();
   const double edges = kBoxSigma / box.height();
-  return SizeWitness{
+  return SizePrior{
       camera.fx * camera.baseline_m / depth,
       std::sqrt(known->spread * known->spread + kShapeSpread * kShapeSpread + edges * edges)};
 }
 
-double agreement(const std::optional<SizeWitness>& witness, double disparity) {
-  if (!witness) return 1.0;
-  const double off = std::log(disparity / witness->disparity) / (1.5 * witness->spread);
+double agreement(const std::optional<SizePrior>& prior, double disparity) {
+  if (!prior) return 1.0;
+  const double off = std::log(disparity / prior->disparity) / (1.5 * prior->spread);
   return kPriorFloor + (1.0 - kPriorFloor) * std::exp(-0.5 * off * off);
 }
 
@@ -65,14 +65,14 @@ double weightNear(const std::vector<Weighted>& sorted, double disparity) {
 
 // The disparity of the winning mode; nullopt if none has enough samples.
 std::optional<double> modeOf(const std::vector<Weighted>& sorted,
-                             const std::optional<SizeWitness>& witness) {
+                             const std::optional<SizePrior>& prior) {
   double best = 0.0;
   double best_score = 0.0;
   for (double d = sorted.front().disparity; d <= sorted.back().disparity * kGridStep;
        d *= kGridStep) {
     const double weight = weightNear(sorted, d);
-    const double score = weight * agreement(witness, d);
-    if (weight < kLeastWeight || score <= best_score) continue;
+    const double score = weight * agreement(prior, d);
+    if (weight < kMinWeight || score <= best_score) continue;
     best = d;
     best_score = score;
   }
@@ -133,7 +133,7 @@ std::vector<DisparitySample> samplesInside(const Box2d& box,
 std::optional<SurfaceDepth> surfaceDepth(const Box2d& box, ObjectClass object_class,
                                          const std::vector<DisparitySample>& samples,
                                          const StereoCamera& camera) {
-  const auto witness = sizeWitness(box, object_class, camera);
+  const auto prior = sizePrior(box, object_class, camera);
   std::vector<Weighted> sorted;
   sorted.reserve(samples.size());
   for (const auto& sample : samples) {
@@ -142,9 +142,9 @@ std::optional<SurfaceDepth> surfaceDepth(const Box2d& box, ObjectClass object_cl
   std::sort(sorted.begin(), sorted.end(), [](const Weighted& a, const Weighted& b) {
     return std::tie(a.disparity, a.weight) < std::tie(b.disparity, b.weight);
   });
-  const auto mode = sorted.empty() ? std::nullopt : modeOf(sorted, witness);
-  if (!mode && !witness) return std::nullopt;
-  if (!mode) return SurfaceDepth{witness->disparity, witness->disparity * witness->spread, 0};
+  const auto mode = sorted.empty() ? std::nullopt : modeOf(sorted, prior);
+  if (!mode && !prior) return std::nullopt;
+  if (!mode) return SurfaceDepth{prior->disparity, prior->disparity * prior->spread, 0};
   return surfaceAt(*mode, sorted);
 }
 

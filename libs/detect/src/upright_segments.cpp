@@ -40,13 +40,13 @@ Patch takeConnected(cv::Mat& image, const cv::Point& first) {
   const cv::Rect inside({0, 0}, image.size());
   for (std::size_t next = 0; next < patch.places.size(); ++next) {
     const float d = patch.disparities[next];
-    const double most = std::max(kStep, kStepRatio * d);
+    const double max_step = std::max(kStep, kStepRatio * d);
     for (const auto& step :
          {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)}) {
       const cv::Point place = patch.places[next] + step;
       if (!inside.contains(place)) continue;
       const float other = image.at<float>(place);
-      if (other <= 0.0F || std::abs(other - d) > most) continue;
+      if (other <= 0.0F || std::abs(other - d) > max_step) continue;
       image.at<float>(place) = 0.0F;
       patch.places.push_back(place);
       patch.disparities.push_back(other);
@@ -146,7 +146,7 @@ std::optional<UprightSegment> segmentOf(const Patch& patch, const stereo::Dispar
 StandingCells standingCells(const stereo::DisparityImage& disparity, const StereoCamera& camera,
                             const stereo::GroundPlane& ground, double range_m) {
   const double fb = camera.fx * camera.baseline_m;
-  const float least = static_cast<float>(fb / range_m);
+  const float min_disparity = static_cast<float>(fb / range_m);
   const cv::Size size = disparity.values.size();
   StandingCells cells{cv::Mat(size, CV_32F, cv::Scalar(0)), cv::Mat(size, CV_64F)};
   std::vector<double> across(size.width);
@@ -160,7 +160,7 @@ StandingCells standingCells(const stereo::DisparityImage& disparity, const Stere
     auto* heights = cells.heights.ptr<double>(row);
     for (int column = 0; column < size.width; ++column) {
       const float d = disparities[column];
-      if (d < least) continue;
+      if (d < min_disparity) continue;
       heights[column] = ground.heightOf(Eigen::Vector3d(across[column], down, 1.0) * (fb / d));
       if (heights[column] > kFoot && heights[column] < kHead) standing[column] = d;
     }

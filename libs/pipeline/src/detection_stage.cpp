@@ -161,6 +161,7 @@ FrameDetections DetectionStage::detectMotion(const RecordedFrame& frame,
     if (found.motion.detections) sources.push_back(*found.motion.detections);
   } else if (stereo_motion_) {
     found.motion = previous;
+    found.motion.static_points.clear();
   }
   if (!sources.empty()) found.fused = detect::fuse(sources);
   const bool lacking = found.fused && lackDepth(*found.fused);

@@ -119,6 +119,7 @@ PerceptionUpdate Perception::process(const RecordedFrame& frame) {
   const auto boxes = detection_.detectObjects(frame, contextOf(frame), scan_ground);
   update.camera = localise(frame, boxes);
   found_ = detection_.detectMotion(frame, poseOf(update.camera), boxes, expected_, found_.motion);
+  if (!isLocalisedBySlam(frame)) offset_at_given_poses_.update(found_.motion.static_points);
   if (found_.images_used) times_.add("detect", found_.elapsed_ms);
   update.detections = found_.fused;
   update.objects = track(frame, update);
@@ -137,13 +138,19 @@ bool Perception::hasGridTurn(const RecordedFrame& frame) {
 
 std::optional<stereo::FrameContext> Perception::contextOf(const RecordedFrame& frame) {
   if (!frame.stereo) return std::nullopt;
-  return front_end_.next(*frame.stereo, found_.motion.disparity_offset_px);
+  return front_end_.next(*frame.stereo, disparityOffset(frame));
+}
+
+bool Perception::isLocalisedBySlam(const RecordedFrame& frame) const {
+  return !frame.T_map_robot && frame.stereo && slam_ != nullptr && given_poses_.empty();
+}
+
+double Perception::disparityOffset(const RecordedFrame& frame) const {
+  return isLocalisedBySlam(frame) ? slam_->disparityOffset() : offset_at_given_poses_.value();
 }
 
 slam::SlamUpdate Perception::localise(const RecordedFrame& frame, const ObjectDetections& boxes) {
-  const bool by_slam =
-      !frame.T_map_robot && frame.stereo && slam_ != nullptr && given_poses_.empty();
-  if (!by_slam) return useGivenPose(frame);
+  if (!isLocalisedBySlam(frame)) return useGivenPose(frame);
   return slam_->process(*boxes.context,
                         movingRegions(boxes.sources, tracks_, found_.motion, frame.time, *camera_));
 }

@@ -100,10 +100,10 @@ bool FrameTracker::isStatic(const Landmark& landmark) const {
 /// long, so they are never verified, however much of the image they cover.
 std::vector<bool> FrameTracker::staticMask(const std::vector<TrackedLandmark>& landmarks,
                                            const SparseMap& map) const {
-  std::vector<bool> proved;
-  proved.reserve(landmarks.size());
-  for (const TrackedLandmark& seen : landmarks) proved.push_back(isStatic(*map.find(seen.id)));
-  return proved;
+  std::vector<bool> verified;
+  verified.reserve(landmarks.size());
+  for (const TrackedLandmark& seen : landmarks) verified.push_back(isStatic(*map.find(seen.id)));
+  return verified;
 }
 
 /// Verified static landmarks first, then others, each spread evenly; all landmarks where few are
@@ -111,18 +111,18 @@ std::vector<bool> FrameTracker::staticMask(const std::vector<TrackedLandmark>& l
 std::vector<TrackedLandmark> FrameTracker::selectLandmarksToFollow(
     const std::vector<TrackedLandmark>& seen_before, bool new_map, const SparseMap& map) const {
   constexpr std::size_t kEnough = 160;
-  std::vector<TrackedLandmark> proved, others, chosen;
+  std::vector<TrackedLandmark> verified, others, chosen;
   for (const TrackedLandmark& seen : seen_before) {
     const Landmark* landmark = map.find(seen.id);
     if (landmark == nullptr) continue;
-    (isStatic(*landmark) ? proved : others).push_back(seen);
+    (isStatic(*landmark) ? verified : others).push_back(seen);
   }
-  const bool few = proved.size() < 2 * static_cast<std::size_t>(params_.min_inliers);
-  const std::size_t most = new_map || few ? seen_before.size() : kEnough;
-  for (const auto* group : {&proved, &others}) {
-    const std::size_t room = most - chosen.size();
+  const bool few = verified.size() < 2 * static_cast<std::size_t>(params_.min_inliers);
+  const std::size_t max = new_map || few ? seen_before.size() : kEnough;
+  for (const auto* group : {&verified, &others}) {
+    const std::size_t room = max - chosen.size();
     const std::size_t stride = 1 + group->size() / (room + 1);
-    for (std::size_t i = 0; i < group->size() && chosen.size() < most; i += stride) {
+    for (std::size_t i = 0; i < group->size() && chosen.size() < max; i += stride) {
       chosen.push_back((*group)[i]);
     }
   }
@@ -161,7 +161,7 @@ std::optional<FrameTracker::CoarsePose> FrameTracker::coarsePoseByRigidMotions(
   constexpr double kAlone = 0.8;  ///< minimum ratio of the landmarks for the only motion
   const auto candidates = outsideSuspectRegions(followed, current);
   const auto constraints = constraintsOf(candidates, map);
-  const auto proved =
+  const auto verified =
       new_map ? std::vector<bool>(candidates.size(), false) : staticMask(candidates, map);
   std::vector<Pose> initial_poses{predicted};
   auto all = constraints;
@@ -169,7 +169,7 @@ std::optional<FrameTracker::CoarsePose> FrameTracker::coarsePoseByRigidMotions(
     initial_poses.push_back(refined->T_map_cam);
   }
   const auto motions = rigidMotions(constraints, camera_, initial_poses, params_.min_inliers / 2);
-  const RigidMotion* best = cameraMotion(motions, constraints, proved, camera_);
+  const RigidMotion* best = cameraMotion(motions, constraints, verified, camera_);
   if (best == nullptr) return std::nullopt;
   CoarsePose result{best->T_map_cam, {}};
   const bool alone = best->members > kAlone * static_cast<double>(candidates.size());

@@ -137,14 +137,20 @@ std::optional<TrackedLandmark> LandmarkTracker::measureOne(const TrackingFrame& 
   result.id = landmark.id;
   result.level = level;
   result.patch_scale = stretch * to_reference;
-  result.measurement.uv = scale * found->uv;
-  result.measurement.sigma_px = params_.sigma_px * scale;
-  const auto disparity =
-      matcher_.refine(current.left, current.right, result.measurement.uv, candidate.uvd.z(), level);
-  result.measurement.stereo = disparity.has_value();
-  result.measurement.disparity = disparity.value_or(0.0);
-  result.measurement.sigma_disparity_px = params_.sigma_disparity_px * scale;
+  result.measurement = stereoMeasurement(current, scale * found->uv, candidate.uvd.z(), level);
   return result;
+}
+
+/// The measurement of a landmark found in the left image, with its disparity where it matches.
+stereo::StereoMeasurement LandmarkTracker::stereoMeasurement(const TrackingFrame& current,
+                                                             const Eigen::Vector2d& uv,
+                                                             double expected_disparity,
+                                                             int level) const {
+  const double scale = 1 << level;
+  const auto disparity =
+      matcher_.refine(current.left, current.right, uv, expected_disparity, level);
+  return {uv, disparity.value_or(0.0), disparity.has_value(), params_.sigma_px * scale,
+          params_.sigma_disparity_px * scale};
 }
 
 std::vector<TrackedLandmark> LandmarkTracker::measure(const TrackingFrame& current,

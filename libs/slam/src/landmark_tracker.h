@@ -60,6 +60,11 @@ class LandmarkTracker {
                                                           const Candidate& candidate,
                                                           const SparseMap& map) const;
 
+  [[nodiscard]] stereo::StereoMeasurement stereoMeasurement(const TrackingFrame& current,
+                                                            const Eigen::Vector2d& uv,
+                                                            double expected_disparity,
+                                                            int level) const;
+
   StereoCamera camera_;
   SlamParams params_;
   FeatureGrid grid_;

@@ -21,8 +21,8 @@ bool isLike(const SharedView& view, std::size_t landmarks, const SlamParams& par
 std::optional<KeyframeId> referenceOf(const std::vector<TrackedLandmark>& landmarks,
                                       KeyframeId before, const SlamParams& params, int image_width,
                                       const SparseMap& map) {
-  const SharedView still = sharedView(before, landmarks, map);
-  if (isLike(still, static_cast<std::size_t>(still.landmarks), params, image_width, map)) {
+  const SharedView shared = sharedView(before, landmarks, map);
+  if (isLike(shared, static_cast<std::size_t>(shared.landmarks), params, image_width, map)) {
     return before;
   }
   const KeyframeId window = map.firstOfNewest(params.mapping ? params.window : 0);

@@ -23,15 +23,15 @@ std::optional<SharedView> nearestView(const std::vector<TrackedLandmark>& tracke
                                       const SparseMap& map,
                                       const std::function<bool(KeyframeId)>& wanted) {
   std::map<KeyframeId, int> shared;
-  int most = 0;
+  int max = 0;
   for (const TrackedLandmark& seen : tracked) {
     for (const LandmarkObservation& observation : map.find(seen.id)->observations) {
-      most = std::max(most, ++shared[observation.keyframe]);
+      max = std::max(max, ++shared[observation.keyframe]);
     }
   }
   std::optional<SharedView> nearest;
   for (const auto& [id, landmarks] : shared) {
-    if (2 * landmarks < most || !wanted(id)) continue;
+    if (2 * landmarks < max || !wanted(id)) continue;
     const SharedView view = sharedView(id, tracked, map);
     if (!nearest || view.flow_px < nearest->flow_px) nearest = view;
   }

@@ -1,6 +1,28 @@
 #include <headway/slam/slam_params.h>
 
 namespace headway::slam {
+namespace {
+
+void describeExpertKeys(SlamParams& params, Params::Section& section) {
+  section.add("min_zncc", params.min_zncc, 0.3, 0.99, "", "Minimum correlation of a matched patch");
+  section.add("sigma_px", params.sigma_px, 0.05, 5.0, "px", "Noise of a landmark's image position");
+  section.add("sigma_disparity_px", params.sigma_disparity_px, 0.05, 5.0, "px",
+              "Noise of a disparity");
+  section.add("max_disparity_ratio", params.max_disparity_ratio, 0.05, 0.9, "of image width",
+              "Maximum disparity searched");
+  section.add("min_inliers", params.min_inliers, 6, 200, "", "Minimum inlier landmarks of a pose");
+  section.add("keyframe_overlap", params.keyframe_overlap, 0.1, 1.0, "",
+              "Ratio of the last keyframe's landmarks in view below which a keyframe is made");
+  section.add("keyframe_flow_ratio", params.keyframe_flow_ratio, 0.005, 1.0, "of image width",
+              "Median image motion since the last keyframe above which a keyframe is made");
+  section.add("window", params.window, 2, 50, "keyframes", "Keyframes in local bundle adjustment");
+  section.add("max_ba_iterations", params.max_ba_iterations, 1, 100, "",
+              "Maximum iterations of local bundle adjustment");
+  section.add("restart_after_frames", params.restart_after_frames, 1, 100000, "frames",
+              "Consecutive lost frames after which a new submap is initialised");
+}
+
+}  // namespace
 
 void SlamParams::describe(Params::Section section) {
   auto user = section.user();
@@ -23,21 +45,7 @@ void SlamParams::describe(Params::Section section) {
            "Landmarks measured in each frame; more are more accurate and slower");
   user.add("loop_closing", loop_closing,
            "Recognise places seen before and correct the map; false saves time on open paths");
-  section.add("min_zncc", min_zncc, 0.3, 0.99, "", "Minimum correlation of a matched patch");
-  section.add("sigma_px", sigma_px, 0.05, 5.0, "px", "Noise of a landmark's image position");
-  section.add("sigma_disparity_px", sigma_disparity_px, 0.05, 5.0, "px", "Noise of a disparity");
-  section.add("max_disparity_ratio", max_disparity_ratio, 0.05, 0.9, "of image width",
-              "Maximum disparity searched");
-  section.add("min_inliers", min_inliers, 6, 200, "", "Minimum inlier landmarks of a pose");
-  section.add("keyframe_overlap", keyframe_overlap, 0.1, 1.0, "",
-              "Ratio of the last keyframe's landmarks in view below which a keyframe is made");
-  section.add("keyframe_flow_ratio", keyframe_flow_ratio, 0.005, 1.0, "of image width",
-              "Median image motion since the last keyframe above which a keyframe is made");
-  section.add("window", window, 2, 50, "keyframes", "Keyframes in local bundle adjustment");
-  section.add("max_ba_iterations", max_ba_iterations, 1, 100, "",
-              "Maximum iterations of local bundle adjustment");
-  section.add("restart_after_frames", restart_after_frames, 1, 100000, "frames",
-              "Consecutive lost frames after which a new submap is initialised");
+  describeExpertKeys(*this, section);
   section.renamed({{"max_disparity_share", "max_disparity_ratio"},
                    {"keyframe_flow", "keyframe_flow_ratio"},
                    {"ba_iterations", "max_ba_iterations"},

@@ -7,12 +7,12 @@ namespace headway::stereo {
 
 ContrastStretch stretchFor(const cv::Mat& image) {
   constexpr double kFullContrast = 40.0;  ///< standard deviation in good light [grey values]
-  constexpr double kMostGain = 6.0;       ///< the camera's noise grows with the contrast
+  constexpr double kMaxGain = 6.0;        ///< the camera's noise grows with the contrast
   constexpr double kMiddle = 128.0;
   cv::Scalar mean, deviation;
   cv::meanStdDev(image, mean, deviation);
   if (deviation[0] >= kFullContrast) return {};
-  const double gain = std::min(kFullContrast / std::max(deviation[0], 1e-3), kMostGain);
+  const double gain = std::min(kFullContrast / std::max(deviation[0], 1e-3), kMaxGain);
   return {gain, kMiddle - gain * mean[0]};
 }
 

@@ -30,10 +30,10 @@ cv::Mat widened(const cv::Mat& image, int columns) {
 // Leaves 0 where nothing was matched, or something left of the right image.
 void dropMatchesOutside(DisparityImage& disparity) {
   for (int column = 0; column < disparity.values.cols; ++column) {
-    const auto most = static_cast<float>(disparity.pixelOf(column));
+    const auto max = static_cast<float>(disparity.pixelOf(column));
     for (int row = 0; row < disparity.values.rows; ++row) {
       float& d = disparity.values.at<float>(row, column);
-      if (d < 0.0F || d > most) d = 0.0F;
+      if (d < 0.0F || d > max) d = 0.0F;
     }
   }
 }

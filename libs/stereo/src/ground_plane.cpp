@@ -10,10 +10,10 @@ namespace {
 
 constexpr int kStep = 4;  // cells from sample to sample
 constexpr int kTrials = 80;
-constexpr double kMostTiltCosine = 0.985;  // 10 degrees
-constexpr double kLowest = 0.2;            // camera above ground, unless mounted lower [m]
-constexpr double kHighest = 4.0;           // [m]
-constexpr double kLeastShare = 0.15;       // of the points that must lie on the plane
+constexpr double kMaxTiltCosine = 0.985;  // 10 degrees
+constexpr double kLowest = 0.2;           // camera above ground, unless mounted lower [m]
+constexpr double kHighest = 4.0;          // [m]
+constexpr double kMinRatio = 0.15;        // of the points that must lie on the plane
 
 using Points = std::vector<Eigen::Vector3d>;
 
@@ -33,7 +33,7 @@ struct SearchLimits {
   double min_area_m2;             ///< of the parallelogram of three sampled points
 };
 
-// How far off the plane a point of the ground may be: stereo noise grows with depth.
+// Maximum distance of ground points from the plane; stereo noise grows with depth.
 double toleranceAt(double depth) { return 0.03 + 0.006 * depth; }
 
 Points pointsBelowHorizon(const DisparityImage& disparity, const StereoCamera& camera,
@@ -54,11 +54,11 @@ Points pointsBelowHorizon(const DisparityImage& disparity, const StereoCamera& c
 }
 
 bool plausible(const GroundPlane& plane, const Eigen::Vector3d& expected_up, double min_height) {
-  return plane.up.dot(expected_up) > kMostTiltCosine && plane.camera_height > min_height &&
+  return plane.up.dot(expected_up) > kMaxTiltCosine && plane.camera_height > min_height &&
          plane.camera_height < kHighest;
 }
 
-// Points on the plane, less those below it: nothing is under the ground.
+// Points on the plane, less those below it, since nothing is visible below the ground.
 double score(const GroundPlane& plane, const Points& points) {
   double total = 0.0;
   for (const auto& point : points) {
@@ -129,7 +129,7 @@ std::optional<GroundPlane> findGround(const DisparityImage& disparity, const Ste
     best = plane;
     best_score = plane_score;
   }
-  if (best_score < kLeastShare * static_cast<double>(points.size())) return std::nullopt;
+  if (best_score < kMinRatio * static_cast<double>(points.size())) return std::nullopt;
   return refined(best, points, expected_up, limits.min_height_m);
 }
 

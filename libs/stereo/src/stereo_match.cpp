@@ -29,7 +29,7 @@ int blockCost(const cv::Mat& a, int ua, const cv::Mat& b, int ub, int v) {
   return kBlockArea * squares - sum * sum;
 }
 
-/// Column in [first, last] of `b` that looks most like column u of `a`; nullopt if not unique.
+/// Column in [first, last] of `b` most similar to column u of `a`; nullopt if not unique.
 std::optional<int> bestColumn(const cv::Mat& a, int u, const cv::Mat& b, int first, int last,
                               int v) {
   constexpr double kUniqueness = 0.8;  ///< best cost / best cost elsewhere, at most

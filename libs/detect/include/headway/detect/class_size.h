@@ -10,7 +10,7 @@ namespace headway::detect {
 /// How large objects of a class usually are.
 struct ClassSize {
   Eigen::Vector3d size = Eigen::Vector3d::Ones();  ///< (length, width, height) [m]
-  double spread = 0.1;  ///< standard deviation of the height, share of it [-]
+  double spread = 0.1;  ///< standard deviation of the height, ratio to it [-]
 };
 
 /// What is known of a class's size; nullopt for Unknown and Misc, which may be anything.

@@ -15,7 +15,7 @@ namespace headway::detect {
 
 /// Parameters of every detector.
 struct DetectParams {
-  int every_nth_frame = 1;  ///< one frame in so many is looked at; tracks coast between
+  int every_nth_frame = 1;  ///< period of detection; tracks coast between
   stereo::DisparityParams disparity;
   StereoMotionParams stereo_motion;
   NetworkParams network;

@@ -9,7 +9,7 @@ namespace headway::detect {
 /// When two detectors mean the same object.
 struct FusionParams {
   double same_iou = 0.4;         ///< of the 2D boxes [-]
-  double same_inside = 0.7;      ///< or share of one 2D box inside the other [-]
+  double same_inside = 0.7;      ///< or ratio of one 2D box inside the other [-]
   double same_distance_m = 1.5;  ///< between the centres over the ground, where both have any [m]
 };
 

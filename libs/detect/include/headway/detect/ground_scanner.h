@@ -25,12 +25,12 @@ struct GroundScanParams {
   void validate() const { validateRanges(*this, "grid"); }  ///< @throws InputError
 };
 
-/// Looks over the ground: a ray for each column of a disparity image.
+/// Scans the ground: a ray for each column of a disparity image.
 ///
-/// What stands is found by what is upright in a column: enough of it at one distance, so that a
-/// ramp is not taken for a wall. The nearest ends the ray. Before it the ground is free where it
-/// was seen itself, as far before that as the line of sight is lower than an obstacle, and over
-/// short gaps without texture. What is behind the end is unknown.
+/// Obstacles are detected by upright cells in a column, enough of them at one distance, so that a
+/// ramp is not an obstacle. The nearest ends the ray. The ground before it is free where it was
+/// observed, as far before that as the line of sight is lower than an obstacle, and over short gaps
+/// without texture. The area behind the end is unknown.
 ///
 /// @param ground   before the camera, in this image
 /// @param moving   left out, with what they hide; the unsure ones, too

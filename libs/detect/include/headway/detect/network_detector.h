@@ -8,7 +8,7 @@
 
 namespace headway::detect {
 
-/// A network that finds objects in single images, and how to read what it says. Section [dnn].
+/// A network that detects objects in single images, and the format of its output. Section [dnn].
 struct NetworkParams {
   enum class Family {
     kYolox,    ///< ONNX; one row a cell: centre and size to decode by cell and stride, then scores

@@ -35,8 +35,8 @@ class StereoLifter {
   StereoLifter(std::shared_ptr<const StereoCamera> camera, stereo::DisparityImage disparity,
                std::optional<stereo::GroundPlane> ground);
 
-  /// nullopt for a box that is not finite, hardly overlaps the image, or whose depth neither
-  /// stereo nor its class's size tells.
+  /// nullopt for a box that is not finite, hardly overlaps the image, or whose depth follows
+  /// neither from stereo nor from its class's size.
   [[nodiscard]] std::optional<LiftedBox> lift(const Box2d& box, ObjectClass object_class) const;
 
   /// Depth of the visible surface alone.

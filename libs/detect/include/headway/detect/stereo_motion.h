@@ -6,6 +6,7 @@
 #include <headway/core/params.h>
 #include <headway/core/stereo_frame.h>
 #include <headway/core/track.h>
+#include <headway/stereo/disparity_offset.h>
 #include <headway/stereo/frame_context.h>
 
 #include <memory>
@@ -40,7 +41,7 @@ struct StereoMotionParams {
   void validate() const { validateRanges(*this, "stereo_motion"); }  ///< @throws InputError
 };
 
-/// What moves in one frame.
+/// Moving objects of one frame.
 struct MotionDetections {
   /// With 2D and 3D box, mask and velocity each; nullopt where the frame cannot be used, for a
   /// reason that `dropped` counts.
@@ -48,23 +49,23 @@ struct MotionDetections {
   DropCounts dropped;  ///< frames that cannot be used and detections that are not plausible
   Eigen::Vector3d camera_velocity = Eigen::Vector3d::Zero();   ///< of points seen from it [m/s]
   Eigen::Vector3d camera_turn_rate = Eigen::Vector3d::Zero();  ///< of points seen from it [rad/s]
-  double disparity_offset_px = 0.0;  ///< measured less true disparity, estimated so far [px]
-  double max_ahead_s = 0.0;          ///< for which regionsAt() extrapolates [s]
+  std::vector<stereo::OffsetEvidence> static_points;  ///< on the disparities' offset, this frame
+  double max_ahead_s = 0.0;                           ///< for which regionsAt() extrapolates [s]
 
   /// Where these objects are in the image at another time if they and the camera keep their
   /// velocities; empty more than `max_ahead_s` after the frame.
   [[nodiscard]] MovingRegions regionsAt(Time at, const StereoCamera& camera) const;
 };
 
-/// Finds whatever moves, by geometry alone: no network, no weights, no classes.
+/// Detects moving objects by geometry alone, without a network, weights or classes.
 ///
-/// Corners are followed through time and across the stereo pair. With the camera's motion taken
-/// out, each is fitted twice to its sightings of the last half second, standing and moving; where
-/// only motion explains them, and neighbours on the ground move alike, there is an object. Dense
-/// disparities give its outline. Things of a person's size are followed as wholes, too, for people
-/// often show no corners: by their outline, and by how their dense flow differs from that of a
-/// still world seen from the moving camera. Needs a frame rate at which things move less than they
-/// are long, and a camera that sees still surroundings most of the time.
+/// Corners are tracked through time and matched between both cameras. With the camera's motion
+/// known, each is fitted twice to its observations of the last half second, as static and as
+/// moving; where only motion explains them, and neighbours on the ground move alike, there is an
+/// object. Dense disparities give its outline. Segments of a person's size are tracked as wholes,
+/// too, since people often show no corners: by their outline, and by the difference of their dense
+/// flow from that of a static scene. Requires a frame rate at which objects move by less than their
+/// length between frames, and a scene that is static for the most part.
 ///
 /// @see  Franke et al. 2005, "6D-Vision"; Lenz et al. 2011, "Sparse scene flow segmentation"
 class StereoMotion {

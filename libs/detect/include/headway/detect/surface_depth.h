@@ -14,7 +14,7 @@ namespace headway::detect {
 struct SurfaceDepth {
   double disparity = 0.0;  ///< of the visible surface [px]
   double sigma = 0.0;      ///< its standard deviation [px]
-  int cells = 0;           ///< that agree with it; 0: the box's height is the only witness
+  int cells = 0;           ///< that agree with it; 0: derived from the box's height alone
 };
 
 /// One stereo measurement inside a box.
@@ -33,8 +33,8 @@ struct DisparitySample {
 ///
 /// Background seen past the object or through its windows and occluders before it make modes of
 /// their own; the mode wins that has most measurements near the box's middle and agrees with the
-/// depth at which an object of the class would be as high as the box. Where stereo tells nothing,
-/// that height alone does, with its large error.
+/// depth at which an object of the class would be as high as the box. Without stereo
+/// measurements that height alone determines it, with its large error.
 ///
 /// @return  nullopt without enough measurements and without a known size (expected, not an error)
 [[nodiscard]] std::optional<SurfaceDepth> surfaceDepth(const Box2d& box, ObjectClass object_class,

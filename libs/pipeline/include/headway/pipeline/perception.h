@@ -111,6 +111,9 @@ class Perception {
  private:
   [[nodiscard]] bool hasGridTurn(const RecordedFrame& frame);
   [[nodiscard]] std::optional<stereo::FrameContext> contextOf(const RecordedFrame& frame);
+  [[nodiscard]] bool isLocalisedBySlam(const RecordedFrame& frame) const;
+  /// Measured less true disparity, as SLAM estimates it, or else as given poses show [px].
+  [[nodiscard]] double disparityOffset(const RecordedFrame& frame) const;
   slam::SlamUpdate localise(const RecordedFrame& frame, const ObjectDetections& boxes);
   slam::SlamUpdate useGivenPose(const RecordedFrame& frame);
   objects::TrackUpdate track(const RecordedFrame& frame, const PerceptionUpdate& update);
@@ -127,12 +130,13 @@ class Perception {
   GridParams grid_params_;
   map::StaticGrid grid_;
   map::PerceptionMap map_;
-  std::size_t grid_frames_ = 0;                   ///< frames eligible for a scan
-  bool resumed_ = false;                          ///< the map frame is a stored map's
-  FrameDetections found_;                         ///< in the newest frame
-  std::vector<Track> tracks_;                     ///< of the previous frame
-  std::vector<ExpectedObject> expected_;          ///< as of the previous frame
-  std::vector<slam::FrameEstimate> given_poses_;  ///< frames with recorded pose
+  std::size_t grid_frames_ = 0;                    ///< frames eligible for a scan
+  bool resumed_ = false;                           ///< the map frame is a stored map's
+  FrameDetections found_;                          ///< in the newest frame
+  std::vector<Track> tracks_;                      ///< of the previous frame
+  std::vector<ExpectedObject> expected_;           ///< as of the previous frame
+  std::vector<slam::FrameEstimate> given_poses_;   ///< frames with recorded pose
+  stereo::DisparityOffset offset_at_given_poses_;  ///< where SLAM does not estimate it
   StageTimes times_;
 };
 

@@ -34,7 +34,7 @@ struct DisparityImage {
   [[nodiscard]] int cellOf(double pixel) const;
   /// Disparity at a full-image pixel [px]; 0 where there is none or outside.
   [[nodiscard]] float at(double u, double v) const;
-  /// Share of the cells that hold a disparity, 0 to 1.
+  /// Ratio of the cells with a disparity, 0 to 1.
   [[nodiscard]] double coverage() const;
 };
 

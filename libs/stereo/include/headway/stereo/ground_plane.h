@@ -21,9 +21,9 @@ struct GroundPlane {
 /// Direction against gravity in the camera frame, as the camera is mounted on its robot.
 [[nodiscard]] Eigen::Vector3d mountedUp(const StereoCamera& camera);
 
-/// Finds the ground in a disparity image: the plane that carries most of the points near by, has
-/// hardly any below it, is tilted by less than 10 degrees against the mounting, and 0.2 ... 4 m below
-/// the camera (less for a camera mounted lower than 0.4 m). Sampled with a fixed seed.
+/// Finds the ground in a disparity image: the plane with most of the near points on it and
+/// hardly any below it, that is tilted by less than 10 degrees against the mounting, and 0.2 ... 4
+/// m below the camera (less for a camera mounted lower than 0.4 m). Sampled with a fixed seed.
 ///
 /// @param previous  plane of the frame before, tried first
 /// @return          nullopt where no plane carries enough points (expected, not an error)

@@ -21,7 +21,7 @@ class StereoMatcher {
   StereoMatcher(int max_disparity, double min_zncc)
       : max_disparity_(max_disparity), min_zncc_(min_zncc) {}
 
-  /// Disparity of a point of which nothing is known; nullopt if there is no clear match.
+  /// Disparity of a point without prediction; nullopt if there is no unique match.
   [[nodiscard]] std::optional<double> search(const ImagePyramid& left, const ImagePyramid& right,
                                              const Eigen::Vector2d& uv) const;
 

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+namespace headway::stereo {
+
+/// What the observations of one static point from known camera poses tell about the disparities'
+/// offset, with the point's position marginalised out.
+struct OffsetEvidence {
+  double information = 0.0;  ///< inverse variance [1/px^2]
+  double gradient = 0.0;     ///< information times the offset [1/px]
+  double fit = 1.0;          ///< squared error per degree of freedom, in sigmas squared
+};
+
+/// Estimates the offset of the disparities, measured less true, where camera poses are known.
+///
+/// Rectification that is off by a small angle, or images that were not taken at the same instant
+/// in a turn, shift all disparities alike: near and far points then contradict each other on the
+/// camera's speed. Estimated as a slow random walk. SLAM estimates poses and offset together, in
+/// its bundle adjustment; this is for recordings that contain poses.
+class DisparityOffset {
+ public:
+  /// @param static_points  of one frame; empty: no change
+  void update(const std::vector<OffsetEvidence>& static_points);
+
+  [[nodiscard]] double value() const { return value_; }  ///< measured less true disparity [px]
+
+ private:
+  double value_ = 0.0;
+  double variance_ = 0.25;  ///< [px^2]; rectified pairs are accurate to half a pixel
+};
+
+}  // namespace headway::stereo

@@ -1,0 +1,29 @@
+#include <headway/stereo/disparity_offset.h>
+
+#include <algorithm>
+
+namespace headway::stereo {
+namespace {
+
+constexpr double kWalk_px = 0.03;      ///< from frame to frame
+constexpr double kIndependent = 0.05;  ///< ratio of information: errors of neighbours correlate
+constexpr double kMaxOffset_px = 4.0;
+
+}  // namespace
+
+void DisparityOffset::update(const std::vector<OffsetEvidence>& static_points) {
+  if (static_points.empty()) return;
+  double information = 0.0;
+  double gradient = 0.0;
+  for (const OffsetEvidence& point : static_points) {
+    const double weight = kIndependent / (1.0 + point.fit);
+    information += weight * point.information;
+    gradient += weight * point.gradient;
+  }
+  variance_ += kWalk_px * kWalk_px;
+  const double posterior = 1.0 / (1.0 / variance_ + information);
+  value_ = std::clamp(value_ + posterior * gradient, -kMaxOffset_px, kMaxOffset_px);
+  variance_ = posterior;
+}
+
+}  // namespace headway::stereo
