@@ -98,9 +98,16 @@ std::vector<TrackedPosition> trackPoints(const ImagePyramid& from, const ImagePy
   if (points.empty()) return tracked;
   const Pixels start = pointsFrom(points);
   Pixels there = pointsFrom(predicted);
-  const ImagePyramid matched = withBrightnessOf(from, to);
-  auto found = flow(from, matched, start, options, there);
-  if (options.max_return_error > 0.0) trackBack(from, matched, start, there, options, found);
+  constexpr double kMinFound = 0.2;  // ratio of points; with fewer the exposure may have changed
+  ImagePyramid other = to;
+  auto found = flow(from, other, start, options, there);
+  const auto count = std::count_if(found.begin(), found.end(), [](auto one) { return one != 0; });
+  if (static_cast<double>(count) < kMinFound * static_cast<double>(points.size())) {
+    other = withBrightnessOf(from, to);
+    there = pointsFrom(predicted);
+    found = flow(from, other, start, options, there);
+  }
+  if (options.max_return_error > 0.0) trackBack(from, other, start, there, options, found);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (found[i] != 0) tracked[i].emplace(there[i].x, there[i].y);
   }

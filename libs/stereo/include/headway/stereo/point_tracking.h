@@ -21,7 +21,7 @@ struct PointTrackingOptions {
 
 /// Tracks points from one image to another by their surroundings, coarse to fine.
 ///
-/// Images of different exposure are adapted to each other first. The result does not depend on the
+/// Where few points are found, the exposures are adapted to each other and the search repeated. The result does not depend on the
 /// number of threads.
 ///
 /// @param from       with gradients
