@@ -21,8 +21,8 @@ struct PointTrackingOptions {
 
 /// Tracks points from one image to another by their surroundings, coarse to fine.
 ///
-/// Where few points are found, the exposures are adapted to each other and the search repeated. The result does not depend on the
-/// number of threads.
+/// Where few points are found, the exposures are adapted to each other and the search repeated. The
+/// result does not depend on the number of threads.
 ///
 /// @param from       with gradients
 /// @param to         with gradients, for speed, if points are tracked back
