@@ -43,8 +43,10 @@ endmacro()
 # headway_library(<name> SOURCES ... [PUBLIC ...] [PRIVATE ...]): target headway::<name> whose
 # public headers are libs/<name>/include/headway/<name>/*.h.
 # Third-party headers count as system headers, so only our own code is held to the warnings.
+# Sources are compiled in batches, because three quarters of their time goes into parsing the same
+# headers; OWN_UNITS: each on its own, where files have equal names in anonymous namespaces.
 function(headway_library name)
-  cmake_parse_arguments(LIBRARY "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(LIBRARY "OWN_UNITS" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   set(target headway_${name})
   add_library(${target} ${LIBRARY_SOURCES})
   add_library(headway::${name} ALIAS ${target})
@@ -62,6 +64,9 @@ function(headway_library name)
     PROPERTIES EXPORT_NAME ${name} DEFINE_SYMBOL "" INSTALL_RPATH "$ORIGIN"
                VERSION ${PROJECT_VERSION}
                SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  if(NOT LIBRARY_OWN_UNITS)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+  endif()
   if(BUILD_SHARED_LIBS AND NOT HEADWAY_SANITIZE)
     target_link_options(${target} PRIVATE -Wl,--no-undefined)
   endif()
@@ -106,6 +111,7 @@ function(headway_test name)
   add_executable(${target} ${TEST_SOURCES})
   target_link_libraries(${target} PRIVATE ${TEST_LIBRARIES} headway_test_support
                         GTest::gmock GTest::gtest_main headway_warnings)
+  target_precompile_headers(${target} REUSE_FROM headway_test_precompiled)
   if(TEST_PRIVATE_HEADERS)
     target_include_directories(${target} PRIVATE
                                ${PROJECT_SOURCE_DIR}/libs/${TEST_PRIVATE_HEADERS}/src)
