@@ -66,6 +66,8 @@ function(headway_library name)
                SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   if(NOT LIBRARY_OWN_UNITS)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    # A batch includes its sources, so their own local types look like a header's.
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   endif()
   if(BUILD_SHARED_LIBS AND NOT HEADWAY_SANITIZE)
     target_link_options(${target} PRIVATE -Wl,--no-undefined)

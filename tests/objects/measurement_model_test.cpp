@@ -104,7 +104,7 @@ TEST(MeasurementModelTest, CountsNotANumberAndInfinity) {
       }),
       with([](Detection& d) { d.centre_covariance = Eigen::Matrix3d::Constant(kNan); }),
       with([](Detection& d) {
-        d.velocity = MeasuredVelocity{{kNan, 0.0, 0.0}, {}};
+        d.velocity = MeasuredVelocity{{kNan, 0.0, 0.0}, Eigen::Matrix3d::Identity()};
       }),
   };
   const auto outcome = measure(items);

@@ -35,8 +35,11 @@ TEST(SpatialGridTest, VisitsEveryPositionWithinACellOnce) {
     for (std::size_t i = 0; i < places.size(); ++i) {
       const double distance = (places[i].position - centre.position).head<2>().norm();
       const auto visits = std::count(visited.begin(), visited.end(), i);
-      if (distance <= kCell_m) EXPECT_EQ(visits, 1) << i;
-      if (distance > 3.0 * kCell_m) EXPECT_EQ(visits, 0) << i;
+      if (distance <= kCell_m) {
+        EXPECT_EQ(visits, 1) << i;
+      } else if (distance > 3.0 * kCell_m) {
+        EXPECT_EQ(visits, 0) << i;
+      }
     }
   }
 }

@@ -70,8 +70,11 @@ TEST(MotionSensorsTest, BrakingIsMeasuredWhenItHappensInTheRobotsOwnAxes) {
   for (const auto& sample : sensors.takeImu()) {
     const bool braking = sample.time > 1.02 && sample.time < 1.48;
     const bool steady = sample.time < 0.98 || sample.time > 1.52;
-    if (braking) EXPECT_NEAR(sample.acceleration.x(), -kBrake, 0.5) << sample.time;
-    if (steady) EXPECT_NEAR(sample.acceleration.x(), 0.0, 0.5) << sample.time;
+    if (braking) {
+      EXPECT_NEAR(sample.acceleration.x(), -kBrake, 0.5) << sample.time;
+    } else if (steady) {
+      EXPECT_NEAR(sample.acceleration.x(), 0.0, 0.5) << sample.time;
+    }
     EXPECT_NEAR(sample.acceleration.y(), 0.0, 0.5);
     EXPECT_NEAR(sample.acceleration.z(), 9.81, 0.5);
   }

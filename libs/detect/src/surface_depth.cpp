@@ -7,7 +7,7 @@
 namespace headway::detect {
 namespace {
 
-constexpr double kMargin = 0.05;        // of the box's width and height left out at each edge
+constexpr double kBoxMargin = 0.05;        // of the box's width and height left out at each edge
 constexpr double kGroundHeight = 0.15;  // lower than this above the ground is ground [m]
 constexpr double kMinWeight = 4.0;      // of the samples that make a mode, in cells
 constexpr double kStereoSigma = 0.3;    // of one surface's disparity, common to its cells [px]
@@ -109,8 +109,8 @@ std::vector<DisparitySample> samplesInside(const Box2d& box,
                                            const StereoCamera& camera,
                                            const std::optional<stereo::GroundPlane>& ground) {
   std::vector<DisparitySample> samples;
-  const double side = kMargin * box.width();
-  const double end = kMargin * box.height();
+  const double side = kBoxMargin * box.width();
+  const double end = kBoxMargin * box.height();
   const int first_row = std::max(0, disparity.cellOf(box.top + end));
   const int last_row = std::min(disparity.values.rows - 1, disparity.cellOf(box.bottom - end));
   const int first_column = std::max(0, disparity.cellOf(box.left + side));

@@ -18,7 +18,7 @@ constexpr double kGatePerMetre = 0.02;  // growth with depth [m/m]
 constexpr double kFlowSigmas = 3.0;     // difference between a flow and the expected one
 constexpr double kFlowRatio = 0.5;      // and ratio of it to the expected one
 constexpr int kMinObservations = 2;     // of an object that is searched by appearance
-constexpr double kMinDepth = 1.0;       // of a searched object [m]
+constexpr double kMinTrackedDepth = 1.0;       // of a searched object [m]
 constexpr double kMinVisibleWidth = 4.0;       // of the box left inside the image [px]
 constexpr double kMinVisibleHeight = 8.0;      // [px]
 
@@ -117,7 +117,7 @@ std::optional<ExpectedView> expectedView(const SearchedObject& object, const Mot
   const double seconds = frame.path.timeOf(frame.path.newest()) - appearance.time;
   const Eigen::Vector3d stopped = object.T_cam_then * appearance.box3d.centre;
   const Eigen::Vector3d moving = stopped + T_cam_world.linear() * (seconds * object.velocity.value);
-  if (moving.z() < kMinDepth || stopped.z() < kMinDepth) return std::nullopt;
+  if (moving.z() < kMinTrackedDepth || stopped.z() < kMinTrackedDepth) return std::nullopt;
   const auto template_px = project(appearance.box3d.centre, camera);
   const auto stopped_px = project(stopped, camera);
   const auto moving_px = project(moving, camera);
