@@ -68,7 +68,7 @@ TEST(SiteBuilderTest, AWallHasADoorButIsClosedBelowAWindow) {
   EXPECT_TRUE(blocks(4.0));
 }
 
-TEST(SiteBuilderTest, APitIsADropThatNobodyEnters) {
+TEST(SiteBuilderTest, APitIsAnImpassableDrop) {
   Site site;
   SiteBuilder builder(site);
   builder.pit(rectangle(1, 1, 3, 2), 1.5, Material::kConcrete);

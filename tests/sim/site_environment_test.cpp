@@ -1,4 +1,4 @@
-// Laws of motion in hall, campus and warehouse: nobody passes through anything.
+// Laws of motion in hall, campus and warehouse: no object passes through another.
 #include "site_environment.h"
 
 #include <gtest/gtest.h>
@@ -79,7 +79,7 @@ Minute watch(const SimParams& params, double seconds) {
 
 class SiteEnvironmentTest : public ::testing::TestWithParam<Kind> {};
 
-TEST_P(SiteEnvironmentTest, NobodyPassesThroughWallsOrTheRobot) {
+TEST_P(SiteEnvironmentTest, PeoplePassThroughNeitherWallsNorTheRobot) {
   for (const int seed : {1, 2, 3}) {
     const Minute minute = watch(busy(GetParam(), seed), 60.0);
     EXPECT_GT(minute.person_clearance, 0.2) << "seed " << seed;
@@ -124,7 +124,7 @@ TEST_P(SiteEnvironmentTest, AStandingRobotNeverMoves) {
   EXPECT_EQ(place.T_world_robot().matrix(), first.matrix());
 }
 
-TEST_P(SiteEnvironmentTest, NobodyIsThereIfNobodyIsAskedFor) {
+TEST_P(SiteEnvironmentTest, HasNoPeopleIfNoneAreConfigured) {
   SimParams params = busy(GetParam(), 1);
   params.traffic.pedestrians = params.traffic.idle_people = 0;
   params.traffic.vehicles = params.traffic.cyclists = 0;

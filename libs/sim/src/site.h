@@ -53,8 +53,8 @@ struct Site {
   std::vector<PicturedMesh> facades;  ///< houses
   Mesh furniture;                     ///< trees and the like, in the furniture atlas
   bool outdoors = false;              ///< a meadow lies around it
-  Eigen::AlignedBox2d area;           ///< nobody leaves it
-  std::vector<Footprint> obstacles;   ///< that nobody can enter: walls, furniture, drops
+  Eigen::AlignedBox2d area;           ///< all motion stays inside
+  std::vector<Footprint> obstacles;   ///< impassable: walls, furniture, drops
   std::vector<Drop> drops;
   std::vector<Threshold> thresholds;
   std::vector<Eigen::Vector2d> destinations;  ///< of people

@@ -27,7 +27,7 @@ class SiteBuilder {
  public:
   explicit SiteBuilder(Site& site) : site_(site) {}
 
-  /// A box that nobody can enter if it reaches into the room that people and robots take.
+  /// A box, impassable if it reaches into the room that people and robots take.
   void box(const BoxShape& shape, Material material);
   /// The same without blocking anybody: lamps, posters, paint, what stands on furniture.
   void ornament(const BoxShape& shape, Material material);
@@ -43,7 +43,7 @@ class SiteBuilder {
   /// A wall around openings, with skirting boards and window frames.
   void wall(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double height_m,
             Material material, const std::vector<Opening>& openings = {});
-  /// A pit that nobody enters, recorded as a drop, with walls and a bottom.
+  /// An impassable pit, recorded as a drop, with walls and a bottom.
   void pit(const Eigen::AlignedBox2d& area, double depth_m, Material material);
   /// Steps down into a pit along +x or -x; the pit's floor is not theirs.
   void stairsDown(const Eigen::AlignedBox2d& area, double depth_m, bool towards_positive_x,

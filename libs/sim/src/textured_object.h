@@ -25,7 +25,7 @@ class TexturedObject : public mrpt::opengl::CSetOfTexturedTriangles {
   /// Draws these triangles from now on.
   void setMeshes(const std::vector<const Mesh*>& meshes);
   void setMesh(const Mesh& mesh) { setMeshes({&mesh}); }
-  /// Draws fronts only: half of what closed meshes have, and nobody sees the other half.
+  /// Draws fronts only: half of what closed meshes have; the other half is never visible.
   void hideBacks() { hides_backs_ = true; }
   /// Where the meshes are, and when they are drawn: MRPT draws from far to near, by a point that
   /// each object names. What is opaque names points far ahead, in reverse: near things are drawn
