@@ -82,7 +82,7 @@ struct Drive {
       T_map_previous = Pose(levelled) * T_map_previous;
       Pose step = turned;
       step.translation() += noise(0.003);
-      if (const auto rotation = alignment.add({kDt, T_map_previous, step, {}}, prior)) {
+      if (const auto rotation = alignment.add({kDt, T_map_previous, step}, prior)) {
         levelled = *rotation * levelled;
         ++turns;
       }

@@ -29,13 +29,13 @@ GravityEstimator::GravityEstimator(double sigma_tilt_rad) : innovation_(kExpecte
   covariance_ = sigmas.cwiseAbs2().asDiagonal();
 }
 
-void GravityEstimator::add(const InertialStep& step) {
-  update(step);
-  predict(step);
+void GravityEstimator::add(const CameraStep& step, const Eigen::Vector3d& velocity_increment) {
+  update(step, velocity_increment);
+  predict(step, velocity_increment);
 }
 
 /// The camera's mean velocity over the step: the initial one and half of its change.
-void GravityEstimator::update(const InertialStep& step) {
+void GravityEstimator::update(const CameraStep& step, const Eigen::Vector3d& velocity_increment) {
   constexpr double kWindow = 20.0;       // frames in the mean innovation
   constexpr double kMaxCounted = 100.0;  // one jump of the camera is no contradiction
   constexpr double kOutlier = 3.0 * kExpectedInnovation;
@@ -45,7 +45,7 @@ void GravityEstimator::update(const InertialStep& step) {
   H << -0.5 * dt * R_robot_map, -0.5 * dt * Eigen::Matrix3d::Identity(),
       Eigen::Matrix3d::Identity();
   const Eigen::Vector3d moved = step.T_previous_current.translation();
-  const Eigen::Vector3d innovation = moved / dt - 0.5 * step.velocity_increment - H * state_;
+  const Eigen::Vector3d innovation = moved / dt - 0.5 * velocity_increment - H * state_;
   const double sigma = (kStepSigma + kStepSigmaRatio * moved.norm()) / dt;
   const Eigen::Matrix3d predicted = H * covariance_ * H.transpose();
   Eigen::Matrix3d noise = sigma * sigma * Eigen::Matrix3d::Identity();
@@ -60,7 +60,7 @@ void GravityEstimator::update(const InertialStep& step) {
   covariance_ = kept * covariance_ * kept.transpose() + gain * noise * gain.transpose();
 }
 
-void GravityEstimator::predict(const InertialStep& step) {
+void GravityEstimator::predict(const CameraStep& step, const Eigen::Vector3d& velocity_increment) {
   const double dt = step.seconds;
   const Eigen::Matrix3d R_robot_map = step.T_map_previous.linear().transpose();
   const Eigen::Matrix3d R_current_previous = step.T_previous_current.linear().transpose();
@@ -69,7 +69,7 @@ void GravityEstimator::predict(const InertialStep& step) {
   F.block<3, 3>(6, 3) = -dt * R_current_previous;
   F.block<3, 3>(6, 6) = R_current_previous;
   state_ = F * state_;
-  state_.tail<3>() += R_current_previous * step.velocity_increment;
+  state_.tail<3>() += R_current_previous * velocity_increment;
   covariance_ = F * covariance_ * F.transpose();
   const double rate = logSo3(step.T_previous_current.linear()).norm() / dt;
   const double lever = kLeverArm * rate * rate * dt;  // centripetal

@@ -4,12 +4,11 @@
 
 namespace headway::slam {
 
-/// One step between two tracked frames, as the camera and the inertial sensor measured it.
-struct InertialStep {
-  double seconds = 0.0;                                          ///< > 0 [s]
-  Pose T_map_previous = Pose::Identity();                        ///< robot
-  Pose T_previous_current = Pose::Identity();                    ///< robot, by the camera
-  Eigen::Vector3d velocity_increment = Eigen::Vector3d::Zero();  ///< see MotionPrior [m/s]
+/// The camera's motion between two tracked frames.
+struct CameraStep {
+  double seconds = 0.0;                        ///< > 0 [s]
+  Pose T_map_previous = Pose::Identity();      ///< robot
+  Pose T_previous_current = Pose::Identity();  ///< robot, by the camera
 };
 
 /// Estimates gravity in the map from the accelerometer and the camera's own motion.
@@ -26,7 +25,8 @@ class GravityEstimator {
   /// @param sigma_tilt_rad  of the map's z axis against the vertical, before the first step
   explicit GravityEstimator(double sigma_tilt_rad);
 
-  void add(const InertialStep& step);
+  /// @param velocity_increment  by the accelerometer, as in MotionPrior [m/s]
+  void add(const CameraStep& step, const Eigen::Vector3d& velocity_increment);
   /// The camera was lost: its velocity is unknown again.
   void resetVelocity();
   /// The map was turned: T_map_robot became rotation * T_map_robot.
@@ -44,8 +44,8 @@ class GravityEstimator {
  private:
   using State = Eigen::Matrix<double, 9, 1>;  ///< specific force of rest, bias, velocity
   using Covariance = Eigen::Matrix<double, 9, 9>;
-  void update(const InertialStep& step);
-  void predict(const InertialStep& step);
+  void update(const CameraStep& step, const Eigen::Vector3d& velocity_increment);
+  void predict(const CameraStep& step, const Eigen::Vector3d& velocity_increment);
   [[nodiscard]] Eigen::Matrix2d tiltCovariance() const;
 
   State state_ = State::Zero();

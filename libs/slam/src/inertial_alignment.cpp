@@ -61,7 +61,8 @@ Eigen::Vector3d InertialAlignment::initialUp(
   return prior.specific_force->normalized();
 }
 
-std::optional<Eigen::Matrix3d> InertialAlignment::add(InertialStep step, const MotionPrior& prior) {
+std::optional<Eigen::Matrix3d> InertialAlignment::add(const CameraStep& step,
+                                                      const MotionPrior& prior) {
   if (isLeftOut() || step.seconds <= 0.0) return std::nullopt;
   if (prior.R_previous_current) {
     status_ = ImuStatus::kUsed;
@@ -72,8 +73,7 @@ std::optional<Eigen::Matrix3d> InertialAlignment::add(InertialStep step, const M
     gravity_.resetVelocity();
     return std::nullopt;
   }
-  step.velocity_increment = *prior.velocity_increment;
-  gravity_.add(step);
+  gravity_.add(step, *prior.velocity_increment);
   observed_s_ += step.seconds;
   if (gravity_.isContradictory()) return leaveOut(ImuStatus::kAccelerometerContradicts);
   if (observed_s_ > kLevelling || !isTilted()) return std::nullopt;

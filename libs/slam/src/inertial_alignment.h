@@ -38,9 +38,9 @@ class InertialAlignment {
 
   /// Takes a tracked frame after a tracked one.
   ///
-  /// @param step  with poses in the map; its velocity increment is taken from `prior`
   /// @return      rotation that levels the map; nullopt while it is level
-  [[nodiscard]] std::optional<Eigen::Matrix3d> add(InertialStep step, const MotionPrior& prior);
+  [[nodiscard]] std::optional<Eigen::Matrix3d> add(const CameraStep& step,
+                                                   const MotionPrior& prior);
 
   /// The camera was lost.
   void interrupt() { gravity_.resetVelocity(); }

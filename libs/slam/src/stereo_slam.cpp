@@ -146,9 +146,8 @@ void StereoSlam::Implementation::levelMap(const StereoFrame& frame, const Stampe
                                           const Pose& T_map_cam) {
   if (!params_.use_imu) return;
   const Pose T_previous_current = previous.value.inverse(Eigen::Isometry) * T_map_cam;
-  const InertialStep step{frame.time - previous.time, previous.value * T_cam_robot_,
-                          camera_->T_robot_cam * T_previous_current * T_cam_robot_,
-                          Eigen::Vector3d::Zero()};
+  const CameraStep step{frame.time - previous.time, previous.value * T_cam_robot_,
+                        camera_->T_robot_cam * T_previous_current * T_cam_robot_};
   const auto rotation = inertial_.add(step, frame.motion_prior);
   if (inertial_.isLeftOut()) motion_.disableImu();
   if (!rotation || !params_.mapping) return;
