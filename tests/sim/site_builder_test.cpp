@@ -76,7 +76,8 @@ TEST(SiteBuilderTest, APitIsAnImpassableDrop) {
   ASSERT_EQ(site.drops.size(), 1U);
   EXPECT_EQ(site.drops[0].depth_m, 1.5);
   EXPECT_EQ(site.drops[0].outline.size(), 4U);
-  EXPECT_EQ(site.obstacles.size(), 1U);
+  EXPECT_EQ(site.edges.size(), 1U);
+  EXPECT_TRUE(site.obstacles.empty());  // nothing stands there that would darken the floor
   const auto box = extent(site.surfaces.at(Material::kConcrete));
   EXPECT_NEAR(box.min().z(), -1.5F, 1e-5F);
   EXPECT_LE(box.max().z(), 1e-5F);  // nothing stands above the floor

@@ -1,19 +1,22 @@
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "furniture.h"
 #include "house_mesh.h"
+#include "kerb.h"
 #include "site_furniture.h"
 
 namespace headway::sim {
 namespace {
 
-constexpr double kWest = -6.0, kEast = 46.0;       // ends of the promenade [m]
-constexpr double kPromenade = 3.0;                 // half its width
-constexpr double kCycleWay = 5.4;                  // its outer edge
-constexpr double kLawn = 17.0;                     // northern edge of the lawns
-constexpr double kPavement = -5.2, kRoad = -11.6;  // edges of the roadway
-constexpr double kSouth = -14.0;                   // front of the southern houses
-constexpr double kKerb = 0.12;                     // height of the kerbs
+constexpr double kWest = -6.0, kEast = 46.0;      // ends of the promenade [m]
+constexpr double kPromenade = 3.0;                // half its width
+constexpr double kCycleWay = 5.4;                 // its outer edge
+constexpr double kLawn = 17.0;                    // northern edge of the lawns
+constexpr double kPavement = -5.2, kRoad = -9.4;  // edges of the roadway
+constexpr double kSouth = -12.6;                  // front of the southern houses
+constexpr double kKerb = 0.1;                     // height of the kerbs
 
 /// A promenade with a cycle way between lawns and a road, with houses around.
 class CampusPlan {
@@ -23,7 +26,7 @@ class CampusPlan {
 
   void build() {
     site_.outdoors = true;
-    site_.area = rectangle(kWest, kPavement, kEast, kLawn);
+    site_.area = rectangle(kWest, kSouth, kEast, kLawn);
     layGround();
     layRoad();
     buildStairs();
@@ -36,6 +39,8 @@ class CampusPlan {
  private:
   void layGround();
   void layRoad();
+  /// The place itself, or the nearest one that leaves a bicycle stand's room beside the ramps.
+  [[nodiscard]] static double besideRamp(double x);
   void buildStairs();
   void plantLawns();
   void plantHedge(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
@@ -45,6 +50,15 @@ class CampusPlan {
   void addPlaces();
   /// Middle of the crossing path that leads through the lawns to the nth house.
   [[nodiscard]] double crossing(int n) const { return kWest + 9.0 + 14.0 * n; }
+  /// The kerb on one side of the road; its ramps are in the gaps between railings.
+  [[nodiscard]] static Kerb kerb(bool north) {
+    return {north ? kPavement : kRoad,
+            north ? 1.0 : -1.0,
+            kKerb,
+            kWest - 30.0,
+            kEast + 30.0,
+            {kWest + 8.75, kWest + 26.75, kWest + 44.75}};
+  }
 
   SiteBuilder builder_;
   Site& site_;
@@ -62,7 +76,8 @@ void CampusPlan::layGround() {
     builder_.ornament({{0.5 * (kWest + kEast), y}, 0.0, {kEast - kWest, 0.1, 0.004}, 0.0},
                       Material::kWhitePaint);
   }
-  builder_.floor(rectangle(kWest, kPavement, kEast, -kPromenade), 0.0, Material::kConcrete);
+  builder_.floor(rectangle(kWest, kPavement, kEast, -kPromenade), 0.0, Material::kConcrete,
+                 kerb(true).rampAreas());
   std::vector<Eigen::AlignedBox2d> holes = {stairs_.intersection(site_.area)};
   const auto apron = rectangle(stairs_.min().x() - 2.2, kCycleWay, stairs_.max().x() + 0.6, 10.0);
   holes.push_back(apron);
@@ -76,15 +91,15 @@ void CampusPlan::layGround() {
 }
 
 void CampusPlan::layRoad() {
-  builder_.floor(rectangle(kWest - 30.0, kRoad, kEast + 30.0, kPavement), -kKerb,
+  const double west = kWest - 30.0, east = kEast + 30.0;
+  builder_.slope({{west, kPavement, -kKerb},
+                  {east, kPavement, -kKerb},
+                  {east, kRoad, -kKerb},
+                  {west, kRoad, -kKerb}},
                  Material::kAsphalt);
-  builder_.floor(rectangle(kWest - 30.0, kSouth - 4.0, kEast + 30.0, kRoad), 0.0,
-                 Material::kPaving);
-  for (double x = kWest - 30.0; x < kEast + 30.0; x += 1.0) {
-    for (const double y : {kPavement - 0.07, kRoad + 0.07}) {
-      builder_.ornament({{x + 0.5, y}, 0.0, {0.985, 0.14, kKerb + 0.01}, -kKerb}, Material::kSteel);
-    }
-  }
+  builder_.floor(rectangle(west, kSouth - 4.0, east, kRoad), 0.0, Material::kPaving,
+                 kerb(false).rampAreas());
+  for (const bool north : {true, false}) addKerb(builder_, kerb(north));
   for (double x = kWest - 28.0; x < kEast + 28.0; x += 6.0) {
     builder_.ornament({{x, 0.5 * (kRoad + kPavement)}, 0.0, {3.0, 0.12, 0.004}, -kKerb},
                       Material::kWhitePaint);
@@ -132,6 +147,14 @@ void CampusPlan::plantLawns() {
   }
 }
 
+double CampusPlan::besideRamp(double x) {
+  constexpr double kRoom = 4.2;  // [m]
+  for (const double ramp : kerb(true).ramps) {
+    if (std::abs(x - ramp) < kRoom) return x < ramp ? ramp - kRoom : ramp + kRoom;
+  }
+  return x;
+}
+
 void CampusPlan::furnishPromenade() {
   for (double x = kWest + 4.0; x < kEast - 4.0; x += random_.uniform(6.0, 9.0)) {
     const double y = random_.chance(0.5) ? -kPromenade + 0.1 : kPromenade - 0.6;
@@ -140,7 +163,7 @@ void CampusPlan::furnishPromenade() {
         addBench(builder_, {{x, y}, y < 0.0 ? M_PI / 2 : -M_PI / 2});
         break;
       case 1:
-        addBicycleStand(builder_, {{x, -4.0}, 0.0}, 3 + random_.below(4), random_);
+        addBicycleStand(builder_, {{besideRamp(x), -4.0}, 0.0}, 3 + random_.below(4), random_);
         break;
       case 2:
         addPlant(builder_, {x, y}, random_);
@@ -186,6 +209,14 @@ void CampusPlan::buildHouses() {
 }
 
 void CampusPlan::addPlaces() {
+  // The robot starts beside the road and crosses it before long.
+  const double south = kRoad - Kerb::kRun - 0.55;
+  for (const double x : kerb(false).ramps) {
+    site_.robot_stops.push_back({x - 1.5, south});
+    site_.robot_stops.push_back({x + 1.5, south});
+    site_.robot_stops.push_back({x, kPavement + Kerb::kRun + 0.25});
+    site_.destinations.push_back({x + 0.4, south});
+  }
   const double middle = kWest + random_.uniform(10.0, 16.0);
   site_.robot_stops.push_back({middle, 0.0});
   for (double x = kWest + 3.0; x < kEast - 2.0; x += 5.0) {

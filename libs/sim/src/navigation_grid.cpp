@@ -19,6 +19,7 @@ NavigationGrid::NavigationGrid(const Site& site) : origin_(site.area.min()) {
                cv::Scalar(255));
   constexpr int kShift = 4;  // binary digits behind the point
   std::vector<Footprint> obstacles = site.obstacles;
+  obstacles.insert(obstacles.end(), site.edges.begin(), site.edges.end());
   for (const Spot& spot : site.spots) {  // who stands there does not give way
     if (!spot.seat) obstacles.push_back({spot.position, {0.4, 0.4}, spot.yaw});
   }

@@ -3,6 +3,7 @@
 #include <headway/sim/simulator.h>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <map>
 #include <vector>
 
@@ -47,27 +48,36 @@ struct PicturedMesh {
 
 /// One place that robots work in: its static geometry, and where everybody can be.
 ///
-/// Robot and people move on the floor at height 0. All of it is in the world frame.
+/// The floor is at height 0 but for `ground`. All of it is in the world frame.
 struct Site {
   std::map<Material, Mesh> surfaces;  ///< texture coordinates in pictures; they repeat
   std::vector<PicturedMesh> facades;  ///< houses
   Mesh furniture;                     ///< trees and the like, in the furniture atlas
   bool outdoors = false;              ///< a meadow lies around it
   Eigen::AlignedBox2d area;           ///< all motion stays inside
-  std::vector<Footprint> obstacles;   ///< impassable: walls, furniture, drops
+  std::vector<Footprint> obstacles;   ///< impassable: walls, furniture
+  std::vector<Footprint> edges;       ///< impassable, with nothing on the floor: drops, kerbs
   std::vector<Drop> drops;
   std::vector<Threshold> thresholds;
-  std::vector<Eigen::Vector2d> destinations;  ///< of people
-  std::vector<Spot> spots;                    ///< of idle people
-  std::vector<Eigen::Vector2d> robot_stops;   ///< places that the robot drives to; it starts at
-                                              ///< the first
+  std::vector<std::array<Eigen::Vector3d, 3>> ground;  ///< triangles of roadways and ramps [m]
+  std::vector<Eigen::Vector2d> destinations;           ///< of people
+  std::vector<Spot> spots;                             ///< of idle people
+  std::vector<Eigen::Vector2d> robot_stops;  ///< places that the robot drives to; it starts at
+                                             ///< the first
   std::vector<VehicleLoop> loops;
   std::vector<Spot> bicycles;  ///< parked
 };
 
+/// Height of the ground, without thresholds [m].
+[[nodiscard]] double groundHeight(const Site& site, const Eigen::Vector2d& at);
+
+/// Height of a wheel that rolls over ground and thresholds [m].
+[[nodiscard]] double wheelHeight(const Site& site, const Eigen::Vector2d& at);
+
 /// An office floor: corridor, rooms with furniture, windows, a lobby with stairs down.
 [[nodiscard]] Site makeHall(const Grain& grain, std::uint64_t seed);
-/// Outdoor paths with kerbs, hedges, railings and bicycles between houses; stairs down.
+/// Outdoor paths with hedges, railings and bicycles between houses; stairs down; a roadway between
+/// kerbs that are lowered to ramps here and there.
 [[nodiscard]] Site makeCampus(const Grain& grain, std::uint64_t seed);
 /// Racks with pallets, painted aisles, forklifts, a loading dock.
 [[nodiscard]] Site makeWarehouse(const Grain& grain, std::uint64_t seed);

@@ -98,6 +98,19 @@ void SiteBuilder::floor(const Eigen::AlignedBox2d& area, double height_m, Materi
   }
 }
 
+void SiteBuilder::slope(const std::vector<Eigen::Vector3d>& outline, Material material) {
+  const double size = pictureSize(material);
+  const auto vertex = [&](const Eigen::Vector3d& at) {
+    return MeshVertex{at.cast<float>(),
+                      Eigen::Vector2d(at.x(), -at.y()).cast<float>() / static_cast<float>(size)};
+  };
+  for (std::size_t i = 1; i + 1 < outline.size(); ++i) {
+    site_.ground.push_back({outline[0], outline[i], outline[i + 1]});
+    site_.surfaces[material].addTriangle(vertex(outline[0]), vertex(outline[i]),
+                                         vertex(outline[i + 1]));
+  }
+}
+
 void SiteBuilder::ceiling(const Eigen::AlignedBox2d& area, double height_m, Material material) {
   floor(area, height_m, material);
 }
@@ -159,7 +172,7 @@ void SiteBuilder::pit(const Eigen::AlignedBox2d& area, double depth_m, Material 
     quad({raised(a, 0.0), raised(b, 0.0), raised(b, -depth_m), raised(a, -depth_m)},
          raised((b - a).normalized(), 0.0), down, material);
   }
-  block({middle, size, 0.0});
+  barEdge({middle, size, 0.0});
   site_.drops.push_back({{corners.begin(), corners.end()}, depth_m});
 }
 

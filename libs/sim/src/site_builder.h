@@ -38,6 +38,9 @@ class SiteBuilder {
   /// Level ground over a rectangle, with rectangular holes.
   void floor(const Eigen::AlignedBox2d& area, double height_m, Material material,
              const std::vector<Eigen::AlignedBox2d>& holes = {});
+  /// Ground that is not at height 0: recorded, and drawn with its outline convex and clockwise from
+  /// above.
+  void slope(const std::vector<Eigen::Vector3d>& outline, Material material);
   /// The underside of a ceiling.
   void ceiling(const Eigen::AlignedBox2d& area, double height_m, Material material);
   /// A wall around openings, with skirting boards and window frames.
@@ -54,6 +57,8 @@ class SiteBuilder {
   void threshold(const Eigen::Vector2d& centre, double yaw, double length_m, double height_m);
   void block(const Footprint& footprint) { site_.obstacles.push_back(footprint); }
 
+  /// An edge that nobody passes though nothing stands there.
+  void barEdge(const Footprint& footprint) { site_.edges.push_back(footprint); }
   [[nodiscard]] Site& site() { return site_; }
 
  private:

@@ -34,13 +34,6 @@ Eigen::AlignedBox2d boundsOf(const Drop& drop) {
   return bounds;
 }
 
-/// Whether a footprint keeps people out of a drop; nothing stands there.
-bool isPit(const Footprint& footprint, const Site& site) {
-  return std::any_of(site.drops.begin(), site.drops.end(), [&](const Drop& drop) {
-    return boundsOf(drop).center().isApprox(footprint.centre, 1e-9);
-  });
-}
-
 /// A wide plain a little below the ground, with holes for what is deeper.
 Mesh plain(const Site& site) {
   constexpr double kHeight = -0.25, kReach = 150.0, kTile = 30.0, kPicture = 16.0;  // [m]
@@ -125,7 +118,6 @@ Mesh SiteScene::contactShadows(const Site& site) {
   constexpr double kSpread = 0.16;  // [m]
   Mesh mesh;
   for (const Footprint& footprint : site.obstacles) {
-    if (isPit(footprint, site)) continue;
     const Eigen::Vector2d along(std::cos(footprint.yaw), std::sin(footprint.yaw));
     const Eigen::Vector2f ex = ((0.5 * footprint.size.x() + kSpread) * along).cast<float>();
     const Eigen::Vector2f ey =

@@ -181,7 +181,7 @@ void Walkers::move(Person& person, double dt, const Obstacle& robot) const {
 void Walkers::place(std::size_t i, double dt) {
   const Person& person = people_[i];
   Actor& actor = actors_[i];
-  actor.position = Eigen::Vector3d(person.at.x(), person.at.y(), 0.0);
+  actor.position = Eigen::Vector3d(person.at.x(), person.at.y(), groundHeight(site_, person.at));
   actor.velocity = person.velocity;
   actor.speed = person.velocity.norm();
   if (actor.speed > 0.15) {

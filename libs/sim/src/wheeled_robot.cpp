@@ -14,6 +14,7 @@ constexpr double kTurnAcceleration = 5.0;  // [rad/s^2]
 constexpr double kComfortableBrake = 1.0;  // before corners [m/s^2]
 constexpr double kNod = 0.004;             // pitch for each m/s^2 [rad]
 constexpr double kHalfWheelbase = 0.17;    // [m]
+constexpr double kHalfTrack = 0.15;        // [m]
 constexpr double kPatience = 4.0;          // then it looks for another way [s]
 constexpr double kCorridor = 0.4;          // half width of the ground that must be free [m]
 
@@ -140,32 +141,20 @@ void WheeledRobot::advance(double dt, const std::vector<Obstacle>& others) {
   roll_.advance(dt, ride_rad_, motion, 0.0, random_);
 }
 
-double WheeledRobot::floorAt(const Eigen::Vector2d& at) const {
-  constexpr double kRamp = 0.06;  // of a wheel that climbs a step [m]
-  double height = 0.0;
-  for (const Threshold& threshold : site_.thresholds) {
-    const Footprint& strip = threshold.strip;
-    const Eigen::Vector2d ex(std::cos(strip.yaw), std::sin(strip.yaw));
-    const Eigen::Vector2d to = at - strip.centre;
-    const double across = std::abs(ex.x() * to.y() - ex.y() * to.x());
-    const double beyond = std::abs(to.dot(ex)) - 0.5 * strip.size.x();
-    if (across > 0.5 * strip.size.y() || beyond > kRamp) continue;
-    const double ratio = std::clamp(1.0 - beyond / kRamp, 0.0, 1.0);
-    height = std::max(height, threshold.height_m * 0.5 * (1.0 - std::cos(M_PI * ratio)));
-  }
-  return height;
-}
-
 Pose WheeledRobot::T_world_robot() const {
   const Eigen::Vector2d forward(std::cos(yaw_), std::sin(yaw_));
-  const double front = floorAt(position_ + kHalfWheelbase * forward);
-  const double rear = floorAt(position_ - kHalfWheelbase * forward);
+  const Eigen::Vector2d left(-forward.y(), forward.x());
+  const double front = wheelHeight(site_, position_ + kHalfWheelbase * forward);
+  const double rear = wheelHeight(site_, position_ - kHalfWheelbase * forward);
   Pose pose = Pose::Identity();
   pose.translation() = Eigen::Vector3d(position_.x(), position_.y(), 0.5 * (front + rear));
   const double climb = std::atan2(front - rear, 2.0 * kHalfWheelbase);
+  const double bank = std::atan2(groundHeight(site_, position_ + kHalfTrack * left) -
+                                     groundHeight(site_, position_ - kHalfTrack * left),
+                                 2.0 * kHalfTrack);
   pose.linear() = (Eigen::AngleAxisd(yaw_, Eigen::Vector3d::UnitZ()) *
                    Eigen::AngleAxisd(pitch_.angle - climb, Eigen::Vector3d::UnitY()) *
-                   Eigen::AngleAxisd(roll_.angle, Eigen::Vector3d::UnitX()))
+                   Eigen::AngleAxisd(roll_.angle + bank, Eigen::Vector3d::UnitX()))
                       .toRotationMatrix();
   return pose;
 }

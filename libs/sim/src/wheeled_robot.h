@@ -44,7 +44,6 @@ class WheeledRobot {
   [[nodiscard]] Command command(double dt);
   [[nodiscard]] Command drive(double distance, double turn) const;
   [[nodiscard]] bool mustStop(const std::vector<Obstacle>& others) const;
-  [[nodiscard]] double floorAt(const Eigen::Vector2d& at) const;
 
   RouteParams route_;
   RobotParams params_;
