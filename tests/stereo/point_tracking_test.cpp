@@ -94,6 +94,37 @@ TEST(TrackPointsTest, ExposuresMayDiffer) {
   EXPECT_GE(found, points.size() - 4);
 }
 
+TEST(TrackPointsTest, CorrelationRejectsOtherSurroundings) {
+  const cv::Mat image = texture();
+  cv::Mat other;
+  cv::flip(image, other, -1);
+  const auto points = gridOfPoints();
+  PointTrackingOptions options{15, 1, 255.0, 0.0};
+  const auto count = [&] {
+    std::size_t found = 0;
+    for (const auto& one : trackPoints(pyramidOf(image), pyramidOf(other), points, points, options))
+      found += one ? 1 : 0;
+    return found;
+  };
+  EXPECT_GT(count(), points.size() / 2);
+  options.min_zncc = 0.9;
+  EXPECT_LT(count(), points.size() / 20);
+}
+
+TEST(TrackMissingTest, KeepsWhatWasFoundAndTracksTheOthers) {
+  const cv::Mat image = texture();
+  const auto from = pyramidOf(image);
+  const auto to = pyramidOf(shifted(image, 40.0, 0.0));
+  const std::vector<Eigen::Vector2d> points = {{80.0, 80.0}, {120.0, 140.0}};
+  const std::vector<Eigen::Vector2d> predicted = {{120.0, 80.0}, {160.0, 140.0}};
+  const Eigen::Vector2d kept(1.0, 2.0);
+  std::vector<TrackedPosition> tracked = {kept, std::nullopt};
+  trackMissing(from, to, points, predicted, {9, 1, 18.0, 0.7}, tracked);
+  ASSERT_TRUE(tracked[0] && tracked[1]);
+  EXPECT_EQ(*tracked[0], kept);
+  EXPECT_LT((*tracked[1] - predicted[1]).norm(), 0.15);
+}
+
 TEST(TrackPointsTest, NoPointsAreNoError) {
   const auto pyramid = pyramidOf(texture());
   EXPECT_TRUE(trackPoints(pyramid, pyramid, {}, {}, {}).empty());

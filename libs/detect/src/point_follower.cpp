@@ -49,22 +49,9 @@ void PointFollower::follow(const stereo::FrameContext& context,
     disparities.push_back(expected.z());
   }
   auto positions = stereo::trackPoints(left_before_, left_, before, predicted, kTracking);
-  retryWithoutMotion(before, positions);
+  // An object that moves along with the camera is far from where a static point would be.
+  stereo::trackMissing(left_before_, left_, before, before, kTracking, positions);
   keepFound(positions, disparitiesOf(positions, disparities, disparity), path);
-}
-
-// An object that moves along with the camera is far from where a static point would be.
-void PointFollower::retryWithoutMotion(const std::vector<Eigen::Vector2d>& before,
-                                       std::vector<stereo::TrackedPosition>& positions) const {
-  std::vector<std::size_t> lost;
-  std::vector<Eigen::Vector2d> from;
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    if (positions[i]) continue;
-    lost.push_back(i);
-    from.push_back(before[i]);
-  }
-  const auto found = stereo::trackPoints(left_before_, left_, from, from, kTracking);
-  for (std::size_t i = 0; i < lost.size(); ++i) positions[lost[i]] = found[i];
 }
 
 std::vector<std::optional<double>> PointFollower::disparitiesOf(

@@ -60,8 +60,6 @@ class PointFollower {
 
  private:
   [[nodiscard]] Eigen::Vector3d expectedAt(const PointTrack& point, const CameraPath& path) const;
-  void retryWithoutMotion(const std::vector<Eigen::Vector2d>& before,
-                          std::vector<stereo::TrackedPosition>& positions) const;
   void keepFound(const std::vector<stereo::TrackedPosition>& positions,
                  const std::vector<std::optional<double>>& disparities, const CameraPath& path);
   /// @param predicted  disparities, used where there is no dense one

@@ -10,7 +10,10 @@ namespace headway::slam {
 namespace {
 
 constexpr int kTrackedLevel = 1;  ///< pyramid level whose noise tracked landmarks have
-constexpr stereo::PointTrackingOptions kTracking{15, 3, 25.0, 0.0};
+/// The motion model predicts most positions well; starting at a coarse level could then lead to a
+/// similar structure nearby, so that is left to points that are not found.
+constexpr stereo::PointTrackingOptions kNearPrediction{15, 1, 25.0, 0.0, 0.6};
+constexpr stereo::PointTrackingOptions kCoarseToFine{15, 3, 25.0, 0.0, 0.6};
 
 /// The turn and stretch from one pixel of the view to pixels of the reference, both at level 0,
 /// for a small plane that faces the reference camera.
@@ -64,8 +67,9 @@ std::vector<TrackedLandmark> LandmarkTracker::follow(const TrackingFrame& previo
     before.push_back(seen.measurement.uv);
     predicted.emplace_back(uvd->head<2>());
   }
-  const auto positions =
-      stereo::trackPoints(previous.left, current.left, before, predicted, kTracking);
+  auto positions =
+      stereo::trackPoints(previous.left, current.left, before, predicted, kNearPrediction);
+  stereo::trackMissing(previous.left, current.left, before, predicted, kCoarseToFine, positions);
   std::vector<TrackedLandmark> followed;
   for (std::size_t i = 0; i < ids.size(); ++i) {
     if (!positions[i] || isExcluded(current.excluded, *positions[i])) continue;

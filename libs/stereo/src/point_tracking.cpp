@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
 namespace headway::stereo {
@@ -35,8 +36,9 @@ std::vector<cv::Mat> opticalFlowPyramid(const ImagePyramid& pyramid) {
 }
 
 /// The pyramid with the mean and contrast of another, as exposures differ in time and between
-/// cameras; without gradients. The pyramid itself where both are similar.
-ImagePyramid withBrightnessOf(const ImagePyramid& reference, const ImagePyramid& pyramid) {
+/// cameras; without gradients. Nullopt where both are similar.
+std::optional<ImagePyramid> withBrightnessOf(const ImagePyramid& reference,
+                                             const ImagePyramid& pyramid) {
   constexpr double kSimilarGain = 0.1;
   constexpr double kSimilarMean = 8.0;  // [grey values]
   cv::Scalar mean, deviation, reference_mean, reference_deviation;
@@ -45,7 +47,7 @@ ImagePyramid withBrightnessOf(const ImagePyramid& reference, const ImagePyramid&
   const double gain = std::clamp(reference_deviation[0] / std::max(deviation[0], 1.0), 0.2, 5.0);
   const bool similar =
       std::abs(gain - 1.0) < kSimilarGain && std::abs(reference_mean[0] - mean[0]) < kSimilarMean;
-  if (similar) return pyramid;
+  if (similar) return std::nullopt;
   ImagePyramid result;
   for (const cv::Mat& level : pyramid.levels) {
     constexpr int kPad = kMaxTrackingWindow;
@@ -74,6 +76,15 @@ std::vector<unsigned char> flow(const ImagePyramid& from, const ImagePyramid& to
   return found;
 }
 
+double correlation(const cv::Mat& a, const cv::Point2f& at_a, const cv::Mat& b,
+                   const cv::Point2f& at_b, int window_px) {
+  cv::Mat window_a, window_b, result;
+  cv::getRectSubPix(a, {window_px, window_px}, at_a, window_a, CV_32F);
+  cv::getRectSubPix(b, {window_px, window_px}, at_b, window_b, CV_32F);
+  cv::matchTemplate(window_a, window_b, result, cv::TM_CCOEFF_NORMED);
+  return result.at<float>(0, 0);
+}
+
 /// Clears `found` of the points that do not return to where they came from.
 void trackBack(const ImagePyramid& from, const ImagePyramid& to, const Pixels& points,
                const Pixels& positions, PointTrackingOptions options,
@@ -88,30 +99,61 @@ void trackBack(const ImagePyramid& from, const ImagePyramid& to, const Pixels& p
   }
 }
 
+/// Positions of points after all tests.
+std::vector<TrackedPosition> search(const ImagePyramid& from, const ImagePyramid& to,
+                                    const Pixels& points,
+                                    const std::vector<Eigen::Vector2d>& predicted,
+                                    const PointTrackingOptions& options) {
+  Pixels there = pointsFrom(predicted);
+  auto found = flow(from, to, points, options, there);
+  if (options.max_return_error > 0.0) trackBack(from, to, points, there, options, found);
+  std::vector<TrackedPosition> tracked(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (found[i] == 0) continue;
+    if (options.min_zncc > -1.0 && correlation(from.levels[0], points[i], to.levels[0], there[i],
+                                               options.window_px) < options.min_zncc) {
+      continue;
+    }
+    tracked[i].emplace(there[i].x, there[i].y);
+  }
+  return tracked;
+}
+
+std::ptrdiff_t countFound(const std::vector<TrackedPosition>& tracked) {
+  return std::count_if(tracked.begin(), tracked.end(), [](const auto& one) { return !!one; });
+}
+
 }  // namespace
 
 std::vector<TrackedPosition> trackPoints(const ImagePyramid& from, const ImagePyramid& to,
                                          const std::vector<Eigen::Vector2d>& points,
                                          const std::vector<Eigen::Vector2d>& predicted,
                                          const PointTrackingOptions& options) {
-  std::vector<TrackedPosition> tracked(points.size());
-  if (points.empty()) return tracked;
+  if (points.empty()) return {};
   const Pixels start = pointsFrom(points);
-  Pixels there = pointsFrom(predicted);
-  constexpr double kMinFound = 0.2;  // ratio of points; with fewer the exposure may have changed
-  ImagePyramid other = to;
-  auto found = flow(from, other, start, options, there);
-  const auto count = std::count_if(found.begin(), found.end(), [](auto one) { return one != 0; });
-  if (static_cast<double>(count) < kMinFound * static_cast<double>(points.size())) {
-    other = withBrightnessOf(from, to);
-    there = pointsFrom(predicted);
-    found = flow(from, other, start, options, there);
+  auto tracked = search(from, to, start, predicted, options);
+  if (2 * countFound(tracked) >= static_cast<std::ptrdiff_t>(points.size())) return tracked;
+  const auto adapted = withBrightnessOf(from, to);
+  if (!adapted) return tracked;
+  auto retried = search(from, *adapted, start, predicted, options);
+  return countFound(retried) > countFound(tracked) ? retried : tracked;
+}
+
+void trackMissing(const ImagePyramid& from, const ImagePyramid& to,
+                  const std::vector<Eigen::Vector2d>& points,
+                  const std::vector<Eigen::Vector2d>& predicted,
+                  const PointTrackingOptions& options, std::vector<TrackedPosition>& tracked) {
+  std::vector<std::size_t> missing;
+  std::vector<Eigen::Vector2d> missing_points;
+  std::vector<Eigen::Vector2d> missing_predicted;
+  for (std::size_t i = 0; i < tracked.size(); ++i) {
+    if (tracked[i]) continue;
+    missing.push_back(i);
+    missing_points.push_back(points[i]);
+    missing_predicted.push_back(predicted[i]);
   }
-  if (options.max_return_error > 0.0) trackBack(from, other, start, there, options, found);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (found[i] != 0) tracked[i].emplace(there[i].x, there[i].y);
-  }
-  return tracked;
+  const auto found = trackPoints(from, to, missing_points, missing_predicted, options);
+  for (std::size_t i = 0; i < missing.size(); ++i) tracked[missing[i]] = found[i];
 }
 
 }  // namespace headway::stereo
