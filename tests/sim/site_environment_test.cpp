@@ -115,6 +115,39 @@ TEST_P(SiteEnvironmentTest, SameSeedSameMotionAnotherSeedAnother) {
   EXPECT_NE(pose.matrix(), after(6).first.matrix());
 }
 
+TEST_P(SiteEnvironmentTest, VehiclesGoOnPastPeopleWhoSitOrStand) {
+  for (const int seed : {1, 2, 3}) {
+    SimParams params = busy(GetParam(), seed);
+    params.traffic.pedestrians = 0;
+    params.traffic.idle_people = 100;
+    SiteEnvironment place(params);
+    std::map<std::int64_t, double> ways;
+    for (double t = 0.0; t < 60.0; t += kStep) {
+      place.advance(kStep);
+      for (const Actor& actor : place.actors(100.0)) {
+        if (!actor.parked && !isPerson(actor.kind)) ways[actor.id] += actor.speed * kStep;
+      }
+    }
+    for (const auto& [id, way] : ways) EXPECT_GT(way, 25.0) << "seed " << seed << ", id " << id;
+  }
+}
+
+TEST_P(SiteEnvironmentTest, TrueVelocitiesAreThoseOfTheMotion) {
+  SiteEnvironment place(busy(GetParam(), 1));
+  std::map<std::int64_t, Eigen::Vector3d> before;
+  for (double t = 0.0; t < 20.0; t += kStep) {
+    place.advance(kStep);
+    for (const Actor& actor : place.actors(100.0)) {
+      const auto last = before.find(actor.id);
+      if (last != before.end()) {
+        const Eigen::Vector2d moved = (actor.position - last->second).head<2>() / kStep;
+        EXPECT_LT((moved - actor.velocity).norm(), 0.08 * moved.norm() + 1e-6) << actor.id;
+      }
+      before[actor.id] = actor.position;
+    }
+  }
+}
+
 TEST_P(SiteEnvironmentTest, AStandingRobotNeverMoves) {
   SimParams params = busy(GetParam(), 1);
   params.robot.standing = true;

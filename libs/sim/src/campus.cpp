@@ -228,16 +228,19 @@ void CampusPlan::addPlaces() {
     site_.destinations.push_back({crossing(n), kLawn - 1.0});
   }
   site_.robot_stops.push_back({stairs_.min().x() - 1.2, 8.2});
-  const double near = kPromenade + 0.65, far = kCycleWay - 0.65;
+  // Who sits on a bench or stands by a lamp holds up neither cyclists nor delivery robots.
+  const double near = kPromenade + 0.8, far = kCycleWay - 0.65, delivery_lane = 0.6;
   VehicleLoop cycle{ActorKind::kCyclist, {}, 4.0};
   for (double x = kWest + 2.0; x <= kEast - 2.0; x += 2.0) cycle.points.push_back({x, near, 0.0});
   for (double x = kEast - 2.0; x >= kWest + 2.0; x -= 2.0) cycle.points.push_back({x, far, 0.0});
   site_.loops.push_back(cycle);
   VehicleLoop delivery{ActorKind::kDeliveryRobot, {}, 1.5};
   for (double x = kWest + 3.0; x <= kEast - 3.0; x += 2.0) {
-    delivery.points.push_back({x, -1.7, 0.0});
+    delivery.points.push_back({x, -delivery_lane, 0.0});
   }
-  for (double x = kEast - 3.0; x >= kWest + 3.0; x -= 2.0) delivery.points.push_back({x, 1.7, 0.0});
+  for (double x = kEast - 3.0; x >= kWest + 3.0; x -= 2.0) {
+    delivery.points.push_back({x, delivery_lane, 0.0});
+  }
   site_.loops.push_back(delivery);
 }
 

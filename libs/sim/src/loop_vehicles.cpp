@@ -47,9 +47,11 @@ void LoopVehicles::place(std::size_t i, double dt) {
   const Vehicle& vehicle = vehicles_[i];
   Actor& actor = actors_[i];
   const PathPoint point = vehicle.path.at(vehicle.at.s);
+  // At corners the path is shorter than its parameter: the velocity is that of the motion.
+  const Eigen::Vector3d step = point.position - actor.position;
   actor.position = point.position;
   actor.yaw = point.yaw;
-  actor.speed = vehicle.at.speed;
+  actor.speed = dt > 0.0 ? step.norm() / dt : vehicle.at.speed;
   actor.velocity = actor.speed * Eigen::Vector2d(std::cos(actor.yaw), std::sin(actor.yaw));
   if (actor.kind == ActorKind::kCyclist) actor.gait += 1.3 * actor.speed * dt;
 }

@@ -132,7 +132,13 @@ void WarehousePlan::layStaging() {
   builder_.threshold({racks_from_ - 1.4, 0.5 * rows_end_}, 0.0, rows_end_ - 1.0, 0.012);
   builder_.threshold({0.5 * kLength, rows_end_ + 0.7}, M_PI / 2, 20.0, 0.01);
   for (const double x : {0.28 * kLength, 0.72 * kLength}) {
-    site_.spots.push_back({{x, rows_end_ + 2.3}, random_.uniform(-M_PI, M_PI)});
+    // Beside the forklifts' way, which would else wait behind them.
+    Eigen::Vector2d at(x, rows_end_ + 3.4);
+    const auto taken = [&](const Footprint& pallet) {
+      return (pallet.centre - at).norm() < 1.4 && pallet.size.maxCoeff() < 1.5;
+    };
+    while (std::any_of(site_.obstacles.begin(), site_.obstacles.end(), taken)) at.x() += 0.4;
+    site_.spots.push_back({at, random_.uniform(-M_PI, M_PI)});
     addNotice(builder_, {{0.07, 2.0 + 0.2 * x}, 0.0}, random_);
   }
 }
