@@ -18,13 +18,15 @@
 namespace headway::replay {
 namespace {
 
-io::RawlogSourceOptions sourceOptions(const Options& options, const slam::SlamParams& slam) {
+io::RawlogSourceOptions sourceOptions(const Options& options,
+                                      const pipeline::PerceptionParams& params) {
   io::RawlogSourceOptions result;
   result.sensor_label = options.sensor_label;
   result.from_index = options.from_index.value_or(0);
   result.to_index = options.to_index;
-  result.use_odometry = slam.use_odometry;
-  result.use_imu = slam.use_imu;
+  result.use_odometry = params.slam.use_odometry;
+  result.use_imu = params.slam.use_imu;
+  result.use_laser = params.laser.use && params.grid.every_nth_frame > 0;
   return result;
 }
 
@@ -87,7 +89,7 @@ Replay::Replay(const Options& options, const pipeline::PerceptionParams& percept
                const Params& params)
     : options_(options),
       configuration_(textOf(params)),
-      source_(options.input, sourceOptions(options, perception_params.slam)),
+      source_(options.input, sourceOptions(options, perception_params)),
       camera_(source_.camera()),
       perception_(makePerception(options, camera_, perceptionParams(options, perception_params))),
       folder_(prepareOutputFolder(options.output, options.overwrite)),
@@ -243,6 +245,7 @@ void Replay::summarise(const std::vector<slam::FrameEstimate>& trajectory) {
   summary_.tracks_confirmed = seen_tracks_.size();
   for (const auto& [id, moving] : seen_tracks_) summary_.tracks_moving += moving ? 1 : 0;
   summary_.stages.merge(perception_->times());
+  summary_.laser = perception_->laserCounts();
   summary_.observations_skipped = source_.skipped();
   summary_.total_s = secondsSinceProcessStart();
 }

@@ -148,6 +148,7 @@ void writeSummary(const std::filesystem::path& path, const Summary& summary) {
   json["detections_dropped"] = Json(summary.detections_dropped);
   json["calibration"] = calibrationJson(summary.calibration);
   json["rig"] = rigJson(summary.rig);
+  json["laser"] = Json(summary.laser);
   json["observations_skipped"] = Json(summary.observations_skipped);
   json["ended_early"] = summary.ended_early ? Json(*summary.ended_early) : Json();
   json["version"] = kVersion;
@@ -170,6 +171,9 @@ void printSummary(const Summary& summary) {
       "after %.2f s\n",
       percentile(summary.frame_ms, 0.5), percentile(summary.frame_ms, 0.95),
       perFrame(summary.cpu_ms, summary.frame_ms.size()), peakMemoryMb(), summary.start_up_s);
+  if (!summary.laser.empty()) {
+    std::printf("laser: %s\n", countsText(summary.laser).c_str());
+  }
   if (!summary.observations_skipped.empty()) {
     std::printf("skipped observations: %s\n", countsText(summary.observations_skipped).c_str());
   }

@@ -38,6 +38,7 @@ struct Summary {
   DropCounts detections_dropped;
   std::optional<io::CalibrationReport> calibration;
   std::optional<stereo::RigCapability> rig;
+  std::map<std::string, std::size_t> laser;  ///< scans by use, and ends of beams
   std::map<std::string, std::size_t> observations_skipped;
   std::optional<std::string> ended_early;  ///< reason if the rawlog was not read completely
   int seed = 0;
@@ -50,8 +51,8 @@ struct Summary {
 [[nodiscard]] double peakMemoryMb();
 
 /// Writes replay.json: input, options and configuration of the run, and what its rig can see.
-void writeRunRecord(const std::filesystem::path& path, const Options& options,
-                    const Params& params, const std::optional<stereo::RigCapability>& rig);
+void writeRunRecord(const std::filesystem::path& path, const Options& options, const Params& params,
+                    const std::optional<stereo::RigCapability>& rig);
 
 /// Writes summary.json.
 void writeSummary(const std::filesystem::path& path, const Summary& summary);

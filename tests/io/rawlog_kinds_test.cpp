@@ -10,6 +10,8 @@
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CSensoryFrame.h>
 
+#include <cmath>
+
 #include "foreign_recording.h"
 #include "synthetic_recording.h"
 
@@ -52,6 +54,79 @@ mrpt::obs::CActionCollection::Ptr movement(double forward) {
   auto actions = mrpt::obs::CActionCollection::Create();
   actions->insert(action);
   return actions;
+}
+
+mrpt::obs::CObservation2DRangeScan::Ptr laserScan(Time time, const std::string& label = "laser") {
+  auto scan = mrpt::obs::CObservation2DRangeScan::Create();
+  scan->timestamp = mrptTime(time);
+  scan->sensorLabel = label;
+  scan->sensorPose = mrpt::poses::CPose3D(0.1, 0.0, 0.2, M_PI / 2.0, 0.0, 0.0);
+  scan->aperture = static_cast<float>(M_PI);
+  scan->maxRange = 10.0F;
+  scan->stdError = 0.01F;
+  const std::vector<float> ranges = {1.0F, 2.0F, 3.0F, 10.0F, 4.0F};  // one at the limit
+  scan->resizeScan(ranges.size());
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    scan->setScanRange(i, ranges[i]);
+    scan->setScanRangeValidity(i, i != 1);
+  }
+  return scan;
+}
+
+void expectLaserScan(const RecordedFrame& frame) {
+  ASSERT_EQ(1u, frame.laser_scans.size());
+  const LaserScan& scan = frame.laser_scans.front();
+  EXPECT_EQ("laser", scan.label);
+  EXPECT_NEAR(0.2, scan.T_robot_laser.translation().z(), 1e-6);
+  ASSERT_EQ(3u, scan.ends.size());
+  EXPECT_NEAR(0.0, (scan.ends[0] - Eigen::Vector2f(0.0F, -1.0F)).norm(), 1e-5) << "the right";
+  EXPECT_NEAR(0.0, (scan.ends[1] - Eigen::Vector2f(3.0F, 0.0F)).norm(), 1e-5);
+  EXPECT_NEAR(0.0, (scan.ends[2] - Eigen::Vector2f(0.0F, 4.0F)).norm(), 1e-5) << "the left";
+}
+
+TEST_F(RawlogKindsTest, ReadsLaserScansOfAllKindsOfRawlogs) {
+  RawlogSourceOptions options;
+  options.use_laser = true;
+  Objects alone, sensory, with_actions;
+  for (int i = 0; i < 3; ++i) {
+    const auto image = test::wallObservation(i, test::frameTime(i), "stereo");
+    const auto scan = laserScan(test::frameTime(i) + 0.02);
+    alone.push_back(image);
+    alone.push_back(scan);
+    auto frame = mrpt::obs::CSensoryFrame::Create();
+    frame->insert(image);
+    frame->insert(scan);
+    sensory.push_back(frame);
+    with_actions.push_back(movement(0.1));
+    with_actions.push_back(frame);
+  }
+  for (const auto& objects : {alone, sensory, with_actions}) {
+    auto source = opened(objects, options);
+    const auto frames = test::framesOf(source);
+    ASSERT_EQ(3u, frames.size());
+    for (const auto& frame : frames) expectLaserScan(frame);
+    EXPECT_TRUE(source.skipped().empty());
+  }
+}
+
+TEST_F(RawlogKindsTest, CountsLaserScansThatAreNotUsed) {
+  RawlogSourceOptions options;
+  options.use_laser = true;
+  Objects objects = walls(2);
+  auto no_ranges = laserScan(test::frameTime(0));
+  for (std::size_t i = 0; i < 5; ++i) no_ranges->setScanRangeValidity(i, false);
+  auto no_pose = laserScan(test::frameTime(0));
+  no_pose->sensorPose = mrpt::poses::CPose3D(NAN, 0.0, 0.0, 0.0, 0.0, 0.0);
+  objects.insert(objects.begin(), {no_ranges, no_pose, laserScan(test::frameTime(0) - 0.03),
+                                   laserScan(test::frameTime(0) - 0.01)});
+  auto source = opened(objects, options);
+  EXPECT_EQ(1u, test::framesOf(source).at(0).laser_scans.size());
+  EXPECT_THAT(source.skipped(),
+              ElementsAre(Pair("laser_bad_pose", 1), Pair("laser_between_frames", 1),
+                          Pair("laser_no_ranges", 1)));
+  auto without = opened(objects);
+  EXPECT_TRUE(test::framesOf(without).at(0).laser_scans.empty());
+  EXPECT_EQ(4u, without.skipped().at("CObservation2DRangeScan"));
 }
 
 TEST_F(RawlogKindsTest, ReadsPlainLikeCompressedFiles) {

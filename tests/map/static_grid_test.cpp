@@ -117,6 +117,77 @@ TEST(StaticGridTest, TheLastScanOfAPlaceReplacesTheOthers) {
   EXPECT_LT(grid.save().size(), 2 * kept) << "what is kept grows with the area, not with time";
 }
 
+/// A laser's view of the wall at x = 10.1 m in the map, 0.2 m high, over the gap as well.
+void addLaserWall(const Pose& T_map_robot, GroundScan& scan) {
+  const Pose T_robot_map = T_map_robot.inverse();
+  for (double y = -3.0; y < 3.0; y += 0.05) {
+    const Eigen::Vector3f foot = (T_robot_map * Eigen::Vector3d(10.1, y, 0.0)).cast<float>();
+    scan.laser_obstacles.push_back({foot, 0.02F});
+    scan.laser_passed.push_back({Eigen::Vector3f::Zero(), 0.99F * foot});
+  }
+}
+
+TEST(StaticGridTest, WhatEitherSensorSeesIsNeverErasedByTheOtherOfTheSameTime) {
+  StaticGrid grid({});
+  for (const auto& pose : driveForward()) {
+    GroundScan scan = wallSeenFrom(pose, Eigen::Vector2d(7.1, 1.1));  // which the laser overlooks
+    addLaserWall(pose, scan);
+    grid.add(pose, scan);
+  }
+  EXPECT_LT(grid.grid()->getPos(10.1f, 0.1f), 0.2f) << "in the gap where stereo sees free ground";
+  EXPECT_LT(grid.grid()->getPos(7.1f, 1.1f), 0.3f) << "the beams pass over it";
+}
+
+TEST(StaticGridTest, BeamsOfALaserRemoveItsObstaclesButMakeNothingFree) {
+  StaticGrid grid({});
+  const auto unknown = COccupancyGridMap2D::l2p(0);
+  const auto poses = driveForward();
+  GroundScan person;
+  person.laser_obstacles.push_back({{5.1F, 0.0F, 0.0F}, 0.02F});
+  grid.add(poses[0], person);
+  const auto place = [&] { return poses[0] * Eigen::Vector3d(5.1, 0.0, 0.0); };
+  const auto cell = [&] {
+    return grid.grid()->getPos(static_cast<float>(place().x()), static_cast<float>(place().y()));
+  };
+  EXPECT_LT(cell(), 0.35f);
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    GroundScan passed;
+    const Eigen::Vector3d foot = poses[i].inverse() * place();
+    passed.laser_passed.push_back({Eigen::Vector3f::Zero(), (1.5 * foot).cast<float>()});
+    grid.add(poses[i], passed);
+  }
+  EXPECT_FLOAT_EQ(cell(), unknown) << "low obstacles and drops may be there";
+}
+
+TEST(StaticGridTest, LaserScansFollowTheKeyframesAndAreStored) {
+  StaticGrid grid({});
+  const Pose pose = poseAt(0.3, 0.3);
+  grid.follow({keyframeAt(1, pose)});
+  GroundScan scan = wallSeenFrom(pose);
+  addLaserWall(pose, scan);
+  grid.add(pose, scan);
+  StaticGrid loaded({});
+  loaded.load(grid.save());
+  EXPECT_EQ(0, differences(cellsOf(*grid.grid()), cellsOf(*loaded.grid())));
+
+  grid.follow({keyframeAt(1, poseAt(2.3, 0.3))});
+  EXPECT_LT(grid.grid()->getPos(12.1f, 0.1f), 0.35f);
+  EXPECT_GT(grid.grid()->getPos(10.1f, 0.1f), 0.5f) << "taken back where it was before";
+  grid.follow({keyframeAt(1, pose)});
+  EXPECT_EQ(0, differences(cellsOf(*grid.grid()), cellsOf(*loaded.grid())));
+}
+
+TEST(StaticGridTest, AScanOfALaserAloneDoesNotReplaceOneOfStereo) {
+  StaticGrid grid({});
+  const Pose pose = poseAt(0.3, 0.3);
+  grid.add(pose, wallSeenFrom(pose, Eigen::Vector2d(7.1, 1.1)));
+  const auto before = cellsOf(*grid.grid());
+  GroundScan laser;
+  addLaserWall(pose, laser);
+  grid.add(pose, laser);
+  EXPECT_EQ(0, differences(before, cellsOf(*grid.grid())));
+}
+
 TEST(StaticGridTest, FollowsTheKeyframes) {
   const auto poses = driveForward();
   StaticGrid grid({});

@@ -70,6 +70,22 @@ TEST_F(PredictiveObstaclesTest, AddsTheMeetingPlaceInTheRobotsFrame) {
   EXPECT_EQ(report_.points_added, points_.size());
 }
 
+TEST_F(PredictiveObstaclesTest, AddsOccupiedCellsOfTheGrid) {
+  auto grid = mrpt::maps::COccupancyGridMap2D::Create(0.0f, 20.0f, 0.0f, 20.0f, 0.2f);
+  grid->setPos(10.1f, 7.1f, 0.1f);   // 2.1 m ahead
+  grid->setPos(10.1f, 5.1f, 0.1f);   // where the robot is
+  grid->setPos(12.1f, 5.1f, 0.45f);  // not certain
+  map_.update(grid);
+  ASSERT_TRUE(sense());
+  EXPECT_TRUE(anyPointNear(2.1, -0.1, 0.05));
+  EXPECT_FALSE(anyPointNear(0.1, -0.1, 0.3));
+  EXPECT_FALSE(anyPointNear(0.1, -2.1, 0.3));
+  EXPECT_EQ(report_.static_points, points_.size());
+  points_.clear();
+  ASSERT_TRUE(sense(ObstaclePolicy::kStatic));
+  EXPECT_EQ(0u, points_.size()) << "the map is not read";
+}
+
 TEST_F(PredictiveObstaclesTest, HasPointsAtAllHeightsOfABody) {
   map_.update(100.0, {meetingTrack()});
   ASSERT_TRUE(sense());

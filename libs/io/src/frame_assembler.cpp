@@ -7,6 +7,7 @@
 namespace headway::io {
 namespace {
 
+constexpr const char* kUnmatchedLaser = "laser_between_frames";
 constexpr double kHalfIntervalOfOneFrame = 0.05;  // without a second frame [s]
 
 }  // namespace
@@ -31,6 +32,10 @@ std::optional<PendingFrame> FrameAssembler::take() {
     const auto pose = takeNearest(poses_, frame.time, half_interval, "unmatched_pose");
     if (pose) frame.T_map_robot = pose->value;
   }
+  for (auto& [label, scans] : laser_scans_) {
+    auto scan = takeNearest(scans, frame.time, half_interval, kUnmatchedLaser);
+    if (scan) frame.laser_scans.push_back(std::move(*scan));
+  }
   last_taken_ = frame.time;
   return frame;
 }
@@ -39,8 +44,12 @@ void FrameAssembler::finish() {
   if (!frames_.empty()) return;
   if (!detections_.empty()) skipped_["unmatched_detections"] += detections_.size();
   if (!poses_.empty()) skipped_["unmatched_pose"] += poses_.size();
+  for (const auto& [label, scans] : laser_scans_) {
+    if (!scans.empty()) skipped_[kUnmatchedLaser] += scans.size();
+  }
   detections_.clear();
   poses_.clear();
+  laser_scans_.clear();
 }
 
 /// Half of the shorter interval to the previous and the next frame, so that boxes and poses of lost

@@ -1,11 +1,14 @@
 #pragma once
 
 #include <headway/core/detection.h>
+#include <headway/core/laser_scan.h>
 
 #include <deque>
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "stereo_pairing.h"
 
@@ -18,17 +21,20 @@ struct PendingFrame {
   std::optional<RecordedPair> pair;  ///< empty: the frame is a pose
   std::optional<Detections> detections;
   std::optional<Pose> T_map_robot;
+  std::vector<LaserScan> laser_scans;
 };
 
-/// Assigns boxes and poses to the nearest frame in time, at most half a frame interval away.
+/// Assigns boxes, poses and laser scans to the nearest frame in time, at most half a frame interval
+/// away.
 ///
 /// Frames are numbered from 0 and returned in order, once `read_ahead` later frames are known, so
 /// that boxes and poses recorded late, even after the next image, are assigned. Frames whose time
-/// does not increase are dropped but keep their index. Unassigned boxes and poses are counted.
+/// does not increase are dropped but keep their index. Unassigned items are counted.
 class FrameAssembler {
  public:
   /// @param read_ahead  number of later frames known before a frame is returned
-  /// @param skipped     counts "time_backwards", "unmatched_detections", "unmatched_pose"
+  /// @param skipped     counts "time_backwards", "unmatched_detections", "unmatched_pose",
+  ///                    "laser_between_frames"
   FrameAssembler(std::size_t read_ahead, std::map<std::string, std::size_t>& skipped)
       : read_ahead_(read_ahead), skipped_(skipped) {}
 
@@ -37,13 +43,16 @@ class FrameAssembler {
   void addDetections(Detections detections) { detections_.push_back(std::move(detections)); }
   void addPose(Time time, const Pose& T_map_robot) { poses_.push_back({time, T_map_robot}); }
 
+  /// @param scan  of each laser (label), the scan nearest to a frame is assigned to it
+  void addLaserScan(LaserScan scan) { laser_scans_[scan.label].push_back(std::move(scan)); }
+
   /// Whether take() can return a frame before the end of the recording.
   [[nodiscard]] bool isReady() const { return frames_.size() > read_ahead_; }
 
   /// The next frame; nullopt if there is none. Before isReady(), only at the recording's end.
   [[nodiscard]] std::optional<PendingFrame> take();
 
-  /// Counts the boxes and poses that remain unassigned at the end.
+  /// Counts the items that remain unassigned at the end.
   void finish();
 
  private:
@@ -60,6 +69,7 @@ class FrameAssembler {
   std::deque<PendingFrame> frames_;
   std::deque<Detections> detections_;
   std::deque<Stamped<Pose>> poses_;
+  std::map<std::string, std::deque<LaserScan>> laser_scans_;  ///< by label
 };
 
 }  // namespace headway::io

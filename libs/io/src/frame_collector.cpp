@@ -5,6 +5,8 @@
 #include <headway/io/mrpt_time.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 
+#include <cmath>
+
 #include "observation_stream.h"
 #include "useful_observations.h"
 
@@ -28,6 +30,23 @@ InertialSample sampleFrom(const mrpt::obs::CObservationIMU& imu) {
           vector(IMU_X_ACC, IMU_Y_ACC, IMU_Z_ACC)};
 }
 
+/// Ends of the beams with a valid range, in the laser's frame.
+std::vector<Eigen::Vector2f> beamEnds(const mrpt::obs::CObservation2DRangeScan& scan) {
+  std::vector<Eigen::Vector2f> ends;
+  const std::size_t count = scan.getScanSize();
+  if (!std::isfinite(scan.aperture) || count < 2) return ends;
+  const float step = scan.aperture / static_cast<float>(count - 1);
+  for (std::size_t i = 0; i < count; ++i) {
+    const float range = scan.getScanRange(i);
+    // A range at the limit is recorded by some drivers where nothing was met.
+    if (!scan.getScanRangeValidity(i) || !(range > 0.0F) || !(range < scan.maxRange)) continue;
+    const float from_right = static_cast<float>(i) * step - 0.5F * scan.aperture;
+    const float angle = scan.rightToLeft ? from_right : -from_right;
+    ends.emplace_back(range * std::cos(angle), range * std::sin(angle));
+  }
+  return ends;
+}
+
 }  // namespace
 
 void FrameCollector::add(const CObservation::Ptr& observation) {
@@ -41,6 +60,8 @@ void FrameCollector::add(const CObservation::Ptr& observation) {
     addPose(timeFrom(recorded.timestamp), fromMrpt(recorded.pose.mean));
   } else if (isMotion(*observation) && has_camera_) {
     addMotion(*observation);
+  } else if (isLaser(*observation) && has_camera_) {
+    addLaser(dynamic_cast<const mrpt::obs::CObservation2DRangeScan&>(*observation));
   } else {
     ++skipped_[shortClassName(*observation)];
   }
@@ -87,6 +108,22 @@ void FrameCollector::addMotion(const CObservation& observation) {
     prior_.addOdometry(timeFrom(odometry.timestamp), T_odom_robot);
   } else {
     ++skipped_["bad_odometry"];
+  }
+}
+
+void FrameCollector::addLaser(const mrpt::obs::CObservation2DRangeScan& observation) {
+  LaserScan scan;
+  scan.label = observation.sensorLabel;
+  scan.time = timeFrom(observation.timestamp);
+  scan.T_robot_laser = fromMrpt(observation.sensorPose);
+  if (observation.stdError > 0.0F) scan.sigma_m = static_cast<double>(observation.stdError);
+  scan.ends = beamEnds(observation);
+  if (!scan.T_robot_laser.matrix().allFinite()) {
+    ++skipped_["laser_bad_pose"];
+  } else if (scan.ends.empty()) {
+    ++skipped_["laser_no_ranges"];
+  } else {
+    assembler_.addLaserScan(std::move(scan));
   }
 }
 

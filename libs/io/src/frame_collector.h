@@ -2,6 +2,7 @@
 
 #include <headway/core/stereo_frame.h>
 #include <headway/io/rawlog_source.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
 
 #include <map>
 #include <optional>
@@ -19,9 +20,9 @@ namespace headway::io {
 /// Without a camera, each pose is a frame.
 class FrameCollector {
  public:
-  /// @param skipped  counts "bad_odometry", "bad_imu", "bad_pose", observations of other cameras by
-  /// class
-  ///                 name, and the counts of StereoPairing and FrameAssembler
+  /// @param skipped  counts "bad_odometry", "bad_imu", "bad_pose", "laser_bad_pose",
+  ///                 "laser_no_ranges", observations of other cameras by class name, and the
+  ///                 counts of StereoPairing and FrameAssembler
   FrameCollector(const CameraChoice& camera, const RawlogSourceOptions& options,
                  std::map<std::string, std::size_t>& skipped)
       : has_camera_(camera.kind != CameraChoice::Kind::kNone),
@@ -49,6 +50,7 @@ class FrameCollector {
   void addPair(RecordedPair pair);
   void addPose(Time time, const Pose& T_map_robot);
   void addMotion(const mrpt::obs::CObservation& observation);
+  void addLaser(const mrpt::obs::CObservation2DRangeScan& observation);
 
   bool has_camera_;
   std::map<std::string, std::size_t>& skipped_;

@@ -99,6 +99,7 @@ class RawlogSource::Reader {
     frame.time = pending.time;
     frame.T_map_robot = pending.T_map_robot;
     frame.detections = std::move(pending.detections);
+    frame.laser_scans = std::move(pending.laser_scans);
     if (!pending.pair) return frame;
     auto images = std::exchange(first_pair_, std::nullopt);
     if (!images) images = decoder_.decode(*pending.pair);

@@ -16,6 +16,7 @@ using mrpt::obs::CObservation;
 // Maximum numbers of observations stored until the camera is determined.
 constexpr std::size_t kMaxImages = 16;
 constexpr std::size_t kMaxMotions = 2000;
+constexpr std::size_t kMaxLaserScans = 50;
 
 }  // namespace
 
@@ -59,6 +60,7 @@ CObservation::Ptr UsefulObservations::read() {
 
 bool UsefulObservations::isUseful(const CObservation& observation) const {
   return isImage(observation) || isRecordedPose(observation) || isRecordedDetections(observation) ||
+         (options_.use_laser && isLaser(observation)) ||
          (options_.use_imu && isKind<mrpt::obs::CObservationIMU>(observation)) ||
          (options_.use_odometry && isKind<mrpt::obs::CObservationOdometry>(observation));
 }
@@ -68,6 +70,7 @@ void UsefulObservations::keep(const CObservation::Ptr& observation) {
   kept_.push_back(observation);
   if (isImage(*observation)) keepLast(kMaxImages, isImage);
   if (isMotion(*observation)) keepLast(kMaxMotions, isMotion);
+  if (isLaser(*observation)) keepLast(kMaxLaserScans, isLaser);
 }
 
 /// Drops the first observation of a kind if there are more than `max_count`.

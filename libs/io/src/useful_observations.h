@@ -2,6 +2,7 @@
 
 #include <headway/io/rawlog_source.h>
 #include <mrpt/obs/CObservation.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationImage.h>
 #include <mrpt/obs/CObservationOdometry.h>
@@ -26,7 +27,7 @@ class UsefulObservations {
       : reader_(std::move(reader)), options_(options), skipped_(skipped) {}
 
   /// Reads until the camera is determined. The observations read are returned by next(); if they
-  /// are many, only the latest images and motions, and the others are counted.
+  /// are many, only the latest images, motions and scans, and the others are counted.
   ///
   /// @throws InputError as CameraProbe::choose(), with the reason if the recording is truncated
   [[nodiscard]] CameraChoice findCamera();
@@ -81,6 +82,10 @@ template <typename Kind>
 [[nodiscard]] inline bool isMotion(const mrpt::obs::CObservation& observation) {
   return isKind<mrpt::obs::CObservationOdometry>(observation) ||
          isKind<mrpt::obs::CObservationIMU>(observation);
+}
+
+[[nodiscard]] inline bool isLaser(const mrpt::obs::CObservation& observation) {
+  return isKind<mrpt::obs::CObservation2DRangeScan>(observation);
 }
 
 }  // namespace headway::io

@@ -14,6 +14,7 @@ constexpr double kUnit = 16.0;             // evidence per unit of log-odds, as 
 constexpr double kHit = 0.85;              // log-odds of a near obstacle
 constexpr double kMinHit = 0.25;           // log-odds of a distant one, of uncertain cell
 constexpr std::int32_t kFree = 6;          // evidence of free ground
+constexpr std::int32_t kLaserHit = 14;     // evidence of an obstacle of a laser, as kHit
 constexpr std::int32_t kMaxEvidence = 72;  // limit of a cell's output
 constexpr int kMarginCells = 64;           // minimum growth of the grid
 
@@ -26,33 +27,56 @@ class Window {
     Eigen::AlignedBox2d bounds;
     const auto covered = placesUnder(footprint, T_map_robot);
     for (const auto& place : covered) bounds.extend(place);
-    for (const auto& piece : scan.free) {
-      ends_.push_back(placeOf(piece.from, T_map_robot));
-      ends_.push_back(placeOf(piece.to, T_map_robot));
-      bounds.extend(ends_[ends_.size() - 2]).extend(ends_.back());
-    }
-    for (const auto& obstacle : scan.obstacles) {
-      feet_.push_back(placeOf(obstacle.foot, T_map_robot));
-      bounds.extend(feet_.back());
-    }
+    const auto free = segments(scan.free, T_map_robot, bounds);
+    const auto passed = segments(scan.laser_passed, T_map_robot, bounds);
+    const auto obstacles = feet(scan.obstacles, T_map_robot, bounds);
+    const auto laser_obstacles = feet(scan.laser_obstacles, T_map_robot, bounds);
     left = cellOf(bounds.min().x());
     bottom = cellOf(bounds.min().y());
     columns = cellOf(bounds.max().x()) - left + 1;
     rows = cellOf(bounds.max().y()) - bottom + 1;
     evidence.assign(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), 0);
-    for (std::size_t i = 0; i + 1 < ends_.size(); i += 2) free(ends_[i], ends_[i + 1]);
-    for (const auto& place : covered) at(place) = -kFree;
-    for (std::size_t i = 0; i < feet_.size(); ++i) {
-      hit(feet_[i], resolution_ / static_cast<double>(scan.obstacles[i].sigma_m));
+    enterFree(free, evidence);
+    for (const auto& place : covered) evidence[at(place)] = -kFree;
+    for (std::size_t i = 0; i < obstacles.size(); ++i) hit(obstacles[i], scan.obstacles[i]);
+    if (!scan.hasLaser()) return;
+    laser.assign(evidence.size(), 0);
+    enterFree(passed, laser);
+    for (const auto& foot : laser_obstacles) {
+      laser[at(foot)] = kLaserHit;
+      evidence[at(foot)] = std::max(evidence[at(foot)], 0);
     }
   }
 
   int left, bottom, columns, rows;
   std::vector<std::int32_t> evidence;
+  std::vector<std::int32_t> laser;  ///< empty without laser
 
  private:
+  using Segment = std::pair<Eigen::Vector2d, Eigen::Vector2d>;
+
   static Eigen::Vector2d placeOf(const Eigen::Vector3f& place, const Pose& T_map_robot) {
     return (T_map_robot * place.cast<double>()).head<2>();
+  }
+  static std::vector<Segment> segments(const std::vector<GroundScan::Free>& pieces,
+                                       const Pose& T_map_robot, Eigen::AlignedBox2d& bounds) {
+    std::vector<Segment> result;
+    result.reserve(pieces.size());
+    for (const auto& piece : pieces) {
+      result.push_back({placeOf(piece.from, T_map_robot), placeOf(piece.to, T_map_robot)});
+      bounds.extend(result.back().first).extend(result.back().second);
+    }
+    return result;
+  }
+  static std::vector<Eigen::Vector2d> feet(const std::vector<GroundScan::Obstacle>& obstacles,
+                                           const Pose& T_map_robot, Eigen::AlignedBox2d& bounds) {
+    std::vector<Eigen::Vector2d> result;
+    result.reserve(obstacles.size());
+    for (const auto& obstacle : obstacles) {
+      result.push_back(placeOf(obstacle.foot, T_map_robot));
+      bounds.extend(result.back());
+    }
+    return result;
   }
   /// Positions in every cell that the footprint meets; it is enlarged by half a cell for those that
   /// it only touches.
@@ -74,27 +98,29 @@ class Window {
     return static_cast<int>(std::floor(metres / resolution_));
   }
   /// Clamped, because positions between two ends may be rounded to a cell beyond them.
-  std::int32_t& at(const Eigen::Vector2d& place) {
+  [[nodiscard]] std::size_t at(const Eigen::Vector2d& place) const {
     const int column = std::clamp(cellOf(place.x()) - left, 0, columns - 1);
     const int row = std::clamp(cellOf(place.y()) - bottom, 0, rows - 1);
-    return evidence[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
-                    static_cast<std::size_t>(column)];
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+           static_cast<std::size_t>(column);
   }
-  void free(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
-    const int steps = static_cast<int>(std::ceil(2.0 * (to - from).norm() / resolution_));
-    for (int i = 0; i <= steps; ++i) {
-      at(from + (steps == 0 ? 0.0 : static_cast<double>(i) / steps) * (to - from)) = -kFree;
+  void enterFree(const std::vector<Segment>& pieces, std::vector<std::int32_t>& cells) const {
+    for (const auto& [from, to] : pieces) {
+      const int steps = static_cast<int>(std::ceil(2.0 * (to - from).norm() / resolution_));
+      for (int i = 0; i <= steps; ++i) {
+        cells[at(from + (steps == 0 ? 0.0 : static_cast<double>(i) / steps) * (to - from))] =
+            -kFree;
+      }
     }
   }
-  void hit(const Eigen::Vector2d& foot, double certainty) {
+  void hit(const Eigen::Vector2d& foot, const GroundScan::Obstacle& obstacle) {
+    const double certainty = resolution_ / static_cast<double>(obstacle.sigma_m);
     const double weight = std::clamp(kHit * certainty, kMinHit, kHit);
-    auto& cell = at(foot);
+    auto& cell = evidence[at(foot)];
     cell = std::max(cell, static_cast<std::int32_t>(std::lround(kUnit * weight)));
   }
 
   double resolution_;
-  std::vector<Eigen::Vector2d> ends_;  ///< of free pieces, two by two
-  std::vector<Eigen::Vector2d> feet_;
 };
 
 /// MRPT's cell: log-odds of being free, limited to kMaxEvidence.
@@ -140,6 +166,7 @@ void EvidenceGrid::growTo(int left, int bottom, int right, int top) {
     }
   };
   grow(evidence_, std::int32_t{0});
+  grow(laser_, std::int32_t{0});
   grow(shown_, shownFor(0));
   left_ = left;
   bottom_ = bottom;
@@ -156,11 +183,17 @@ void EvidenceGrid::enter(const GroundScan& scan, const Pose& T_map_robot, int si
     const auto first = static_cast<std::size_t>(row + window.bottom - bottom_) *
                            static_cast<std::size_t>(columns_) +
                        static_cast<std::size_t>(window.left - left_);
+    const auto* laser =
+        window.laser.empty()
+            ? nullptr
+            : window.laser.data() + static_cast<std::ptrdiff_t>(row) * window.columns;
     for (std::size_t column = 0; column < static_cast<std::size_t>(window.columns); ++column) {
-      if (from[column] == 0) continue;
-      std::int32_t& evidence = evidence_[first + column];
-      evidence += sign * from[column];
-      shown_[first + column] = shownFor(evidence);
+      const std::int32_t by_laser = laser == nullptr ? 0 : laser[column];
+      if (from[column] == 0 && by_laser == 0) continue;
+      const std::size_t cell = first + column;
+      evidence_[cell] += sign * from[column];
+      laser_[cell] += sign * by_laser;
+      shown_[cell] = shownFor(evidence_[cell] + std::max(laser_[cell], 0));
     }
   }
 }

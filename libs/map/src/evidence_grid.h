@@ -12,9 +12,10 @@ namespace headway::map {
 
 /// Sum of the evidence of ground scans for each cell: occupied or free.
 ///
-/// A scan counts once per cell, as occupied if it has both kinds of evidence. Sums are integers, so
-/// that removing a scan with the pose of its addition is exact and the order of scans does not
-/// matter. Grows as needed.
+/// A scan counts once per cell, as occupied if it has both kinds of evidence, by stereo or laser.
+/// The sum of lasers is kept apart and only counts where it is positive, so that beams remove the
+/// obstacles of lasers but make no ground free. Sums are integers, so that removing a scan with
+/// the pose of its addition is exact and the order of scans does not matter. Grows as needed.
 ///
 /// @see  Moravec & Elfes 1985, "High resolution maps from wide angle sonar", for the addition
 class EvidenceGrid {
@@ -40,6 +41,7 @@ class EvidenceGrid {
   int columns_ = 0;
   int rows_ = 0;
   std::vector<std::int32_t> evidence_;  ///< log-odds of being occupied, in 1/16
+  std::vector<std::int32_t> laser_;     ///< the same of lasers
   std::vector<mrpt::maps::COccupancyGridMap2D::cellType>
       shown_;  ///< the same in MRPT's representation
 };

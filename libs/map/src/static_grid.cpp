@@ -1,6 +1,7 @@
 #include <headway/core/error.h>
 #include <headway/map/static_grid.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -16,7 +17,9 @@ constexpr double kDrivenM = 5.0;              ///< farther apart, the way betwee
 constexpr double kSeenM = 30.0;               ///< round a place, about [m]
 constexpr double kMovedM = 0.05;              ///< a scan moved less stays where it was
 constexpr double kTurned = 0.003;             ///< [rad]
+// Versions of save(): a grid without laser scans is stored as before there were any.
 constexpr std::uint8_t kVersion = 2;
+constexpr std::uint8_t kLaserVersion = 3;
 
 bool moved(const Pose& from, const Pose& to) {
   return (to.translation() - from.translation()).norm() > kMovedM ||
@@ -61,6 +64,11 @@ StaticGrid::Place StaticGrid::placeOf(const Pose& T_map_robot) const {
 
 void StaticGrid::add(const Pose& T_map_robot, GroundScan scan) {
   const Place place = placeOf(T_map_robot);
+  const auto same_place = scans_.find(place);
+  const bool laser_only = scan.hasLaser() && !scan.hasStereo();
+  if (laser_only && same_place != scans_.end() && same_place->second.scan.hasStereo()) {
+    return;  // obstacles that no laser sees remain
+  }
   if (last_ && last_->place != place) before_ = last_->T_map_robot;
   last_ = Passed{place, T_map_robot};
   if (before_) {
@@ -73,7 +81,7 @@ void StaticGrid::add(const Pose& T_map_robot, GroundScan scan) {
   stored.T_map_robot = T_map_robot;
   stored.scan = std::move(scan);
   attachToNearestKeyframe(stored);
-  const bool is_stored = scans_.count(place) > 0;
+  const bool is_stored = same_place != scans_.end();
   auto& kept = scans_[place];
   if (is_stored) evidence_->remove(kept.scan, kept.T_map_robot);
   kept = std::move(stored);
@@ -133,14 +141,16 @@ mrpt::maps::COccupancyGridMap2D::Ptr StaticGrid::grid() const { return evidence_
 
 std::string StaticGrid::save() const {
   ByteWriter out;
-  out.value(kVersion);
+  const bool with_laser = std::any_of(scans_.begin(), scans_.end(),
+                                      [](const auto& item) { return item.second.scan.hasLaser(); });
+  out.value(with_laser ? kLaserVersion : kVersion);
   out.count(scans_.size());
   for (const auto& [place, stored] : scans_) {
     out.values(place);
     write(out, stored.T_map_robot);
     out.value(stored.anchor.value);
     write(out, stored.T_anchor_robot);
-    write(out, stored.scan);
+    write(out, stored.scan, with_laser);
   }
   return out.bytes;
 }
@@ -156,7 +166,8 @@ void StaticGrid::load(const std::string& bytes) {
 StaticGrid StaticGrid::loaded(const std::string& bytes) const {
   ByteReader in(bytes);
   StaticGrid loaded(params_);
-  if (in.value<std::uint8_t>() != kVersion) {
+  const auto version = in.value<std::uint8_t>();
+  if (version != kVersion && version != kLaserVersion) {
     throw InputError("they are of another version");
   }
   const auto count = in.value<std::uint64_t>();
@@ -167,7 +178,7 @@ StaticGrid StaticGrid::loaded(const std::string& bytes) const {
     stored.T_map_robot = readPose(in);
     stored.anchor.value = in.value<std::int64_t>();
     stored.T_anchor_robot = readPose(in);
-    stored.scan = readGroundScan(in);
+    stored.scan = readGroundScan(in, version == kLaserVersion);
     if (!stored.T_map_robot.matrix().allFinite()) {
       throw InputError("damaged: one has no finite pose");
     }

@@ -194,29 +194,55 @@ slam::MapView readMapView(ByteReader& in) {
   return static_map;
 }
 
-void write(ByteWriter& out, const GroundScan& scan) {
-  out.count(scan.free.size());
-  for (const auto& piece : scan.free) {
+namespace {
+
+void write(ByteWriter& out, const std::vector<GroundScan::Free>& pieces) {
+  out.count(pieces.size());
+  for (const auto& piece : pieces) {
     write(out, piece.from);
     write(out, piece.to);
   }
-  out.count(scan.obstacles.size());
-  for (const auto& obstacle : scan.obstacles) {
+}
+
+void write(ByteWriter& out, const std::vector<GroundScan::Obstacle>& obstacles) {
+  out.count(obstacles.size());
+  for (const auto& obstacle : obstacles) {
     write(out, obstacle.foot);
     out.value(obstacle.sigma_m);
   }
 }
 
-GroundScan readGroundScan(ByteReader& in) {
-  GroundScan scan;
-  scan.free = in.list<GroundScan::Free>([](ByteReader& archive) {
+std::vector<GroundScan::Free> readSegments(ByteReader& in) {
+  return in.list<GroundScan::Free>([](ByteReader& archive) {
     const Eigen::Vector3f from = readPlace(archive);
     return GroundScan::Free{from, readPlace(archive)};
   });
-  scan.obstacles = in.list<GroundScan::Obstacle>([](ByteReader& archive) {
+}
+
+std::vector<GroundScan::Obstacle> readObstacles(ByteReader& in) {
+  return in.list<GroundScan::Obstacle>([](ByteReader& archive) {
     const Eigen::Vector3f foot = readPlace(archive);
     return GroundScan::Obstacle{foot, archive.value<float>()};
   });
+}
+
+}  // namespace
+
+void write(ByteWriter& out, const GroundScan& scan, bool with_laser) {
+  write(out, scan.free);
+  write(out, scan.obstacles);
+  if (!with_laser) return;
+  write(out, scan.laser_obstacles);
+  write(out, scan.laser_passed);
+}
+
+GroundScan readGroundScan(ByteReader& in, bool with_laser) {
+  GroundScan scan;
+  scan.free = readSegments(in);
+  scan.obstacles = readObstacles(in);
+  if (!with_laser) return scan;
+  scan.laser_obstacles = readObstacles(in);
+  scan.laser_passed = readSegments(in);
   return scan;
 }
 

@@ -15,12 +15,12 @@ void write(ByteWriter& out, const Pose& pose);
 void write(ByteWriter& out, const Track& track);
 void write(ByteWriter& out, const StereoCamera& camera);
 void write(ByteWriter& out, const slam::MapView& static_map);
-void write(ByteWriter& out, const GroundScan& scan);
+void write(ByteWriter& out, const GroundScan& scan, bool with_laser);
 
 [[nodiscard]] Pose readPose(ByteReader& in);
 [[nodiscard]] Track readTrack(ByteReader& in);
 [[nodiscard]] StereoCamera readCamera(ByteReader& in);
 [[nodiscard]] slam::MapView readMapView(ByteReader& in);
-[[nodiscard]] GroundScan readGroundScan(ByteReader& in);
+[[nodiscard]] GroundScan readGroundScan(ByteReader& in, bool with_laser);
 
 }  // namespace headway::map

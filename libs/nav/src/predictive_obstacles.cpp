@@ -4,6 +4,7 @@
 #include <mrpt/kinematics/CVehicleVelCmd_Holo.h>
 #include <mrpt/maps/CSimplePointsMap.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace headway::nav {
@@ -11,6 +12,9 @@ namespace {
 
 using Eigen::Vector2d;
 using mrpt::kinematics::CVehicleVelCmd;
+
+constexpr float kOccupiedBelow = 0.35f;  // probability of a cell to be free
+constexpr double kStaticHeight = 1.8;    // of points in its occupied cells [m]
 
 /// MRPT 2.5.8's duplicate() of a command aborts in a pure virtual method of its base class.
 CVehicleVelCmd::Ptr copyOf(const CVehicleVelCmd& command) {
@@ -91,6 +95,8 @@ SenseStatus PredictiveObstacles::addPredictions(mrpt::maps::CSimplePointsMap& ob
   report_.moving_objects = moving_.current().size();
   removeLeaving(obstacles, *robot);
   insertPredicted(obstacles, *robot);
+  const auto grid = snapshot.staticGrid();
+  if (params_.use_static_grid && grid) insertStatic(obstacles, *robot, *grid);
   return SenseStatus::kSafe;
 }
 
@@ -152,21 +158,50 @@ void PredictiveObstacles::removeLeaving(mrpt::maps::CSimplePointsMap& obstacles,
 
 void PredictiveObstacles::insertPredicted(mrpt::maps::CSimplePointsMap& obstacles,
                                           const GroundState& robot) {
-  const double c = std::cos(robot.yaw);
-  const double s = std::sin(robot.yaw);
   for (const auto& point : moving_.points()) {
-    const Vector2d offset = point.place - robot.place;
-    const auto x = static_cast<float>(c * offset.x() + s * offset.y());
-    const auto y = static_cast<float>(c * offset.y() - s * offset.x());
-    const double height = point.top - point.bottom;
-    const int layers = std::max(1, static_cast<int>(std::ceil(height / params_.layer_spacing_m)));
-    for (int i = 0; i < layers; ++i) {
-      const double z = point.bottom + height * (i + 0.5) / layers;
-      obstacles.insertPointFast(x, y, static_cast<float>(z));
-      ++report_.points_added;
+    report_.points_added += insertUpright(obstacles, robot, point.place, {point.bottom, point.top});
+  }
+  obstacles.mark_as_modified();
+}
+
+void PredictiveObstacles::insertStatic(mrpt::maps::CSimplePointsMap& obstacles,
+                                       const GroundState& robot,
+                                       const mrpt::maps::COccupancyGridMap2D& grid) {
+  const double range = params_.max_range_m;
+  const int left = std::max(0, grid.x2idx(static_cast<float>(robot.place.x() - range)));
+  const int bottom = std::max(0, grid.y2idx(static_cast<float>(robot.place.y() - range)));
+  const int right = std::min(static_cast<int>(grid.getSizeX()) - 1,
+                             grid.x2idx(static_cast<float>(robot.place.x() + range)));
+  const int top = std::min(static_cast<int>(grid.getSizeY()) - 1,
+                           grid.y2idx(static_cast<float>(robot.place.y() + range)));
+  for (int row = bottom; row <= top; ++row) {
+    for (int column = left; column <= right; ++column) {
+      if (grid.getCell(column, row) > kOccupiedBelow) continue;
+      const Vector2d place(static_cast<double>(grid.idx2x(column)),
+                           static_cast<double>(grid.idx2y(row)));
+      const double distance = (place - robot.place).norm();
+      if (distance < params_.robot.radius_m || distance > range) continue;
+      report_.static_points += insertUpright(obstacles, robot, place, {0.0, kStaticHeight});
     }
   }
   obstacles.mark_as_modified();
+}
+
+std::size_t PredictiveObstacles::insertUpright(mrpt::maps::CSimplePointsMap& obstacles,
+                                               const GroundState& robot, const Vector2d& place,
+                                               const Extent& heights) const {
+  const double c = std::cos(robot.yaw);
+  const double s = std::sin(robot.yaw);
+  const Vector2d offset = place - robot.place;
+  const auto x = static_cast<float>(c * offset.x() + s * offset.y());
+  const auto y = static_cast<float>(c * offset.y() - s * offset.x());
+  const double height = heights.top - heights.bottom;
+  const int layers = std::max(1, static_cast<int>(std::ceil(height / params_.layer_spacing_m)));
+  for (int i = 0; i < layers; ++i) {
+    obstacles.insertPointFast(x, y,
+                              static_cast<float>(heights.bottom + height * (i + 0.5) / layers));
+  }
+  return static_cast<std::size_t>(layers);
 }
 
 }  // namespace headway::nav

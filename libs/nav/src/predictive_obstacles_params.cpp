@@ -66,6 +66,8 @@ void PredictiveObstaclesParams::describe(Params::Section section) {
               "Distance between points of one outline");
   section.add("layer_spacing_m", layer_spacing_m, 0.1, 10.0, "m",
               "Distance between the heights at which an outline has points");
+  section.add("use_static_grid", use_static_grid,
+              "Occupied cells of the map's grid are obstacles, too");
   section.add("max_range_m", max_range_m, 1.0, 200.0, "m", "Maximum distance from the robot");
   section.renamed({{"body_margin_m", "object_margin_m"}});
   robot.describe(section);

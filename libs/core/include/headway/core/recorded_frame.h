@@ -1,9 +1,11 @@
 #pragma once
 
 #include <headway/core/detection.h>
+#include <headway/core/laser_scan.h>
 #include <headway/core/stereo_frame.h>
 
 #include <optional>
+#include <vector>
 
 namespace headway {
 
@@ -14,7 +16,8 @@ struct RecordedFrame {
   std::optional<StereoFrame> stereo;     ///< empty: the recording has poses and boxes only
   std::optional<Detections> detections;  ///< empty: no detector ran on this frame
   std::optional<Pose> T_map_robot;       ///< to be used instead of visual SLAM
-  double rectify_ms = 0.0;  ///< time for rectification and conversion to grey [ms]
+  std::vector<LaserScan> laser_scans;    ///< near this time, at most one of each laser
+  double rectify_ms = 0.0;               ///< time for rectification and conversion to grey [ms]
 };
 
 }  // namespace headway

@@ -18,6 +18,7 @@ struct RawlogSourceOptions {
   std::optional<std::size_t> to_index;  ///< last stereo frame returned (inclusive)
   bool use_odometry = true;             ///< use wheel odometry as motion prior
   bool use_imu = true;                  ///< use gyroscope and gravity as motion prior
+  bool use_laser = false;               ///< return 2D laser scans with the frames
   /// Number of later frames read before a frame is returned, so that boxes and poses recorded late
   /// are assigned. 0 for live operation with boxes that arrive before their images.
   std::size_t read_ahead = 2;
@@ -41,7 +42,8 @@ struct CalibrationReport {
 /// Supports observation-only and sensory-frame rawlogs, gz or plain, images embedded or external
 /// (`X_Images/`), `CObservationStereoImages` or two `CObservationImage` labels paired by time,
 /// rectified or not. One observation is in memory at a time; frames are read ahead so that boxes
-/// and poses recorded after their images, even after the next image, are assigned to them. With
+/// and poses recorded after their images, even after the next image, are assigned to them. Of each
+/// 2D laser, the scan nearest in time is assigned, at most half a frame interval away. With
 /// images that are rectified here, 2D boxes of the left image are rectified too; 3D boxes remain in
 /// their sensor's frame. Observations labelled `truth_*` are never returned. Unusable observations
 /// are skipped and counted.
@@ -81,7 +83,7 @@ class RawlogSource {
   [[nodiscard]] const std::optional<CalibrationReport>& calibration() const;
 
   /// Number of skipped observations by class name or reason ("CObservation2DRangeScan",
-  /// "missing_image", "time_backwards", "unknown_class", ...).
+  /// "missing_image", "time_backwards", "unknown_class", "laser_no_ranges", ...).
   [[nodiscard]] const std::map<std::string, std::size_t>& skipped() const;
 
   /// Reason and position of a premature end; nullopt otherwise. Frames before it are valid.

@@ -54,8 +54,9 @@ class StaticGrid {
   StaticGrid(StaticGrid&&) noexcept;
   StaticGrid& operator=(StaticGrid&&) noexcept;
 
-  /// Adds a scan. The ground that the robot drove over since the previous scan is free if the two
-  /// are less than 5 m apart.
+  /// Adds a scan in place of the last one from the same place and direction; one without stereo
+  /// does not replace one with it, because a laser passes over low obstacles. The ground that the
+  /// robot drove over since the previous scan is free if the two are less than 5 m apart.
   void add(const Pose& T_map_robot, GroundScan scan);
 
   /// Enters the footprint at the newest pose, in place of the one before.

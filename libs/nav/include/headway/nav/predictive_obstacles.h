@@ -28,6 +28,7 @@ struct SenseReport {
   double map_age_s = 0.0;          ///< 0 if the map was not read
   std::size_t moving_objects = 0;  ///< moving tracks that were considered
   std::size_t points_added = 0;    ///< at predicted places
+  std::size_t static_points = 0;   ///< in occupied cells of the map's grid
   std::size_t points_removed = 0;  ///< of objects that leave in time
 };
 
@@ -35,7 +36,8 @@ struct SenseReport {
 ///
 /// Wraps the robot's own interface and forwards all calls to it. senseObstacles() adds, in the
 /// robot's frame, the predicted places of moving tracks at the times at which the robot could be
-/// there, and removes the sensed points of moving objects that leave before the robot arrives.
+/// there, and removes the sensed points of moving objects that leave before the robot arrives. It
+/// also adds the occupied cells of the map's grid, obstacles that the robot's sensors may not see.
 /// Sensing fails, and MRPT stops the robot, if the map is too old or the robot's pose is unknown.
 ///
 /// The map is read through a function that returns a snapshot, once per call and in the calling
@@ -98,6 +100,16 @@ class PredictiveObstacles : public mrpt::nav::CRobot2NavInterface {
   [[nodiscard]] SenseStatus addPredictions(mrpt::maps::CSimplePointsMap& obstacles);
   void removeLeaving(mrpt::maps::CSimplePointsMap& obstacles, const GroundState& robot);
   void insertPredicted(mrpt::maps::CSimplePointsMap& obstacles, const GroundState& robot);
+  void insertStatic(mrpt::maps::CSimplePointsMap& obstacles, const GroundState& robot,
+                    const mrpt::maps::COccupancyGridMap2D& grid);
+
+  struct Extent {
+    double bottom;  ///< above ground [m]
+    double top;
+  };
+  /// Inserts points above a place of the map. @return  their number
+  std::size_t insertUpright(mrpt::maps::CSimplePointsMap& obstacles, const GroundState& robot,
+                            const Eigen::Vector2d& place, const Extent& heights) const;
 
   mrpt::nav::CRobot2NavInterface& robot_;
   MapSource map_;

@@ -61,6 +61,7 @@ struct PredictiveObstaclesParams {
   double outline_spacing_m = 0.2;  ///< between points of one outline [m]
   double layer_spacing_m = 0.6;    ///< between the heights of points, for 3D robots [m]
   double max_range_m = 12.0;       ///< of places from the robot [m]
+  bool use_static_grid = true;     ///< occupied cells of the map's grid are obstacles, too
   RobotMotionParams robot;
   GovernorParams governor;
 

@@ -6,6 +6,7 @@
 #include <headway/map/static_grid.h>
 #include <headway/objects/moving_object_tracker.h>
 #include <headway/pipeline/detection_stage.h>
+#include <headway/pipeline/laser_evidence.h>
 #include <headway/slam/stereo_slam.h>
 #include <headway/stereo/rig_capability.h>
 
@@ -31,9 +32,11 @@ struct PerceptionParams {
   DetectionParams detection;
   objects::ObjectsParams objects;
   GridParams grid;
+  LaserParams laser;
   map::RobotFootprint robot{0.5, 0.4};
 
-  /// Binds sections [slam], [detect] with those of the detectors, [objects] and [grid].
+  /// Binds sections [slam], [detect] with those of the detectors, [objects], [grid], [laser] and
+  /// [robot].
   void describe(Params& params);
   void validate() const;  ///< @throws InputError
 };
@@ -90,6 +93,10 @@ class Perception {
   /// camera.
   [[nodiscard]] const std::optional<stereo::RigCapability>& rig() const { return rig_; }
 
+  /// Laser scans by use ("used", "camera_lost", "ground_unknown", "between_ground_scans") and ends
+  /// of their beams (see addLaserScans()); empty without a laser.
+  [[nodiscard]] const std::map<std::string, std::size_t>& laserCounts() const;
+
   /// The map after the last frame: landmarks, keyframes, occupancy grid and moving
   /// objects.
   [[nodiscard]] const map::PerceptionMap& map() const { return map_; }
@@ -120,6 +127,11 @@ class Perception {
   void updateMap(const PerceptionUpdate& update);
   void updateStaticMap();
   void updateGrid(const RecordedFrame& frame, const PerceptionUpdate& update, bool scan_ground);
+  /// Adds the frame's laser scans to the ground scan, or counts why they are not used.
+  void addLaser(const RecordedFrame& frame, const PerceptionUpdate& update, bool scan_ground,
+                std::optional<GroundScan>& scan);
+  /// The ground of this image; without one, as the camera is mounted; nullopt if that is unknown.
+  [[nodiscard]] std::optional<RobotGround> groundOf(const FrameDetections& found) const;
 
   std::shared_ptr<const StereoCamera> camera_;
   std::unique_ptr<slam::StereoSlam> slam_;  ///< null without camera
@@ -128,9 +140,12 @@ class Perception {
   objects::MovingObjectTracker tracker_;
   std::optional<stereo::RigCapability> rig_;
   GridParams grid_params_;
+  LaserParams laser_params_;
   map::StaticGrid grid_;
   map::PerceptionMap map_;
-  std::size_t grid_frames_ = 0;                    ///< frames eligible for a scan
+  std::size_t grid_frames_ = 0;  ///< frames eligible for a scan
+  std::map<std::string, std::size_t> laser_counts_;
+  std::optional<Stamped<Pose>> last_pose_;         ///< in the newest tracked frame
   bool resumed_ = false;                           ///< the map frame is a stored map's
   FrameDetections found_;                          ///< in the newest frame
   std::vector<Track> tracks_;                      ///< of the previous frame
