@@ -101,7 +101,7 @@ TEST(StandingCellsTest, AreBetweenGroundAndHeadAndWithinRange) {
   for (const auto& cell : grid.inSpace(cells)) {
     const double height = grid.ground.heightOf(cell.point);
     const bool stands = standing.disparities.at<float>(cell.place) > 0.0F;
-    EXPECT_EQ(stands, height > 0.25 && height < 2.4) << height;
+    EXPECT_EQ(stands, height > 0.15 && height < 2.4) << height;
     EXPECT_NEAR(standing.heights.at<double>(cell.place), height, 1e-4);
   }
   const auto near = standingCells(grid.disparity, grid.camera, grid.ground, kDepth - 1.0);

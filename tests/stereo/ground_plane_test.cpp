@@ -52,5 +52,32 @@ TEST(FindGroundTest, AWallIsNoGround) {
   EXPECT_FALSE(findGround(wall, camera, std::nullopt));
 }
 
+/// The rig of a camera mounted level above the ground.
+RigCapability rigAt(double height) {
+  auto camera = testCamera();
+  camera.T_robot_cam = Eigen::Translation3d(0.0, 0.0, height) * robotFromOptical();
+  return rigCapability(camera);
+}
+
+TEST(GroundPlaneTest, HalfOfTheLowestObstacleIsGround) {
+  const auto car = groundPlane(rigAt(1.6), -Eigen::Vector3d::UnitY(), 1.6);
+  EXPECT_DOUBLE_EQ(car.clearance(5.0), 0.15);
+  EXPECT_TRUE(car.isGround({0.0, 1.6 - 0.14, 5.0}));
+  EXPECT_FALSE(car.isGround({0.0, 1.6 - 0.16, 5.0}));
+  EXPECT_TRUE(car.isGround({0.0, 1.6 + 1.0, 5.0})) << "below the plane";
+  EXPECT_DOUBLE_EQ(groundPlane(rigAt(0.5), -Eigen::Vector3d::UnitY(), 0.5).clearance(5.0), 0.06);
+}
+
+TEST(GroundPlaneTest, FarGroundIsAsHighAsItsNoise) {
+  const double height = 1.6;
+  const auto rig = rigAt(height);
+  const auto plane = groundPlane(rig, -Eigen::Vector3d::UnitY(), height);
+  const double depth = 60.0;
+  const double descent = height / depth;  // of the ray, per metre of depth
+  EXPECT_GE(plane.heightSigma(depth), rig.depthSigma(depth) * descent);
+  EXPECT_GT(plane.clearance(depth), plane.clearance_m);
+  EXPECT_DOUBLE_EQ(plane.clearance(depth), 3.0 * plane.heightSigma(depth));
+}
+
 }  // namespace
 }  // namespace headway::stereo

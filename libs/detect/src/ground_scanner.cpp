@@ -9,7 +9,6 @@ namespace headway::detect {
 namespace {
 
 // Ratios of the minimum height of an obstacle.
-constexpr double kGroundRatio = 0.5;  // lower points are ground, higher ones may be an obstacle
 constexpr double kUprightRatio = 0.25 / 0.3;  // height that must be matched at one distance,
 constexpr double kMatchedRatio = 0.6;         // of that height: texture may be missing
 constexpr double kMinRiseRatio = 0.4;         // from its lowest to its highest point
@@ -62,8 +61,7 @@ class ColumnScanner {
         camera_(camera),
         ground_(ground),
         params_(params),
-        fb_(camera.fx * camera.baseline_m),
-        ground_height_(kGroundRatio * params.min_obstacle_height_m) {}
+        fb_(camera.fx * camera.baseline_m) {}
 
   void scan(int column, const cv::Mat& left_out, GroundScan& scan) {
     read(column, left_out);
@@ -90,8 +88,9 @@ class ColumnScanner {
       const double y = (disparity_.pixelOf(row) - camera_.cy) / camera_.fy;
       const double depth = fb_ / d;
       const double height = ground_.heightOf(Eigen::Vector3d(x, y, 1.0) * depth);
-      if (height > params_.max_obstacle_height_m || height < -ground_height_) continue;
-      if (height >= ground_height_) {
+      const double clearance = ground_.clearance(depth);
+      if (height > params_.max_obstacle_height_m || height < -clearance) continue;
+      if (height > clearance) {
         upright_.push_back({d, height});
       } else {
         ground_seen_.push_back(depth);
@@ -174,7 +173,6 @@ class ColumnScanner {
   const stereo::GroundPlane& ground_;
   const GroundScanParams& params_;
   double fb_;
-  double ground_height_;             ///< lower points are ground [m]
   std::vector<Upright> upright_;     ///< of the column read
   std::vector<double> ground_seen_;  ///< depths, of the column read [m]
 };
@@ -221,7 +219,8 @@ GroundScan scanGround(const stereo::DisparityImage& disparity, const StereoCamer
   const cv::Mat left_out = leftOut(moving, disparity);
   const auto rig = params.capabilityOf(camera);
   const GroundScanParams for_rig = params.forRig(rig);
-  ColumnScanner scanner(disparity, camera, ground, for_rig);
+  const auto plane = stereo::groundPlane(rig, ground.up, ground.camera_height);
+  ColumnScanner scanner(disparity, camera, plane, for_rig);
   for (int column = 0; column < disparity.values.cols; ++column) {
     scanner.scan(column, left_out, scan);
   }

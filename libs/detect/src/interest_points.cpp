@@ -28,8 +28,7 @@ bool inZone(const cv::Point2f& place, double disparity, const StereoCamera& came
   const auto point = triangulate({place.x, place.y, disparity}, camera);
   if (point->z() > zone.range_m) return false;
   if (!ground) return true;
-  const double height = ground->heightOf(*point);
-  return height > zone.min_height_m && height < zone.max_height_m;
+  return !ground->isGround(*point) && ground->heightOf(*point) < zone.max_height_m;
 }
 
 // Strongest pixel of a square of the reduced image.
@@ -61,7 +60,7 @@ std::vector<Corner> cornersIn(const cv::Mat& strength, const cv::Mat& occupied, 
       if (corner.strength * kOfPeople < kMinStrength) continue;
       const double d = disparity.at(corner.place.x, corner.place.y);
       if (d <= 0.0) continue;
-      if (inZone(corner.place, d, camera, ground, {kNear, zone.min_height_m, kHead})) {
+      if (inZone(corner.place, d, camera, ground, {kNear, kHead})) {
         corner.strength *= kOfPeople;
       }
       if (corner.strength < kMinStrength) continue;

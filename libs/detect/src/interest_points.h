@@ -10,11 +10,10 @@
 
 namespace headway::detect {
 
-/// Where objects could be.
+/// Where objects could be, above the ground.
 struct InterestZone {
   double range_m = 50.0;      ///< depth [m]
-  double min_height_m = 0.2;  ///< above ground [m]
-  double max_height_m = 3.5;  ///< [m]
+  double max_height_m = 3.5;  ///< above ground [m]
 };
 
 /// The best corners to track, at most one to a square of `spacing_px`, strongest first.

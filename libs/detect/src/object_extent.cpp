@@ -15,8 +15,7 @@ constexpr double kStep = 1.0;             // of disparity between neighbouring c
 constexpr double kStepRatio = 0.04;       // or this ratio of it
 constexpr double kReach = 0.7;            // over the ground, from the nearest seed [m]
 constexpr double kReachPerMetre = 0.015;  // growth of the reach with depth [m/m]
-constexpr double kMinHeight = 0.15;       // above ground [m]
-constexpr double kMaxHeight = 3.8;        // [m]
+constexpr double kMaxHeight = 3.8;        // above ground [m]
 constexpr double kMaxAfloat = 1.2;        // lowest part above ground, stereo noise aside [m]
 constexpr double kTail = 0.03;            // of the cells left out at each end of an extent
 constexpr double kVehicleExtent = 1.35;   // a person is never this wide [m]
@@ -62,8 +61,8 @@ class Growth {
     if (d <= 0.0F || std::abs(d - from) > std::max(kStep, kStepRatio * d)) return;
     const auto point =
         triangulate({disparity_.pixelOf(place.x), disparity_.pixelOf(place.y), d}, camera_);
-    const double height = ground_.heightOf(*point);
-    if (height < kMinHeight || height > kMaxHeight || !nearSeeds(*point)) return;
+    if (ground_.isGround(*point) || ground_.heightOf(*point) > kMaxHeight) return;
+    if (!nearSeeds(*point)) return;
     seen.at<unsigned char>(place) = 1;
     cells_.push_back({place, *point});
   }
@@ -146,7 +145,7 @@ stereo::GroundPlane floorBelow(const std::vector<Eigen::Vector3d>& points,
   const Eigen::Vector3d up = stereo::mountedUp(camera);
   double lowest = std::numeric_limits<double>::infinity();
   for (const auto& point : points) lowest = std::min(lowest, up.dot(point));
-  return {up, 0.5 - lowest};
+  return stereo::groundPlane(stereo::rigCapability(camera), up, 0.5 - lowest);
 }
 
 std::vector<ObjectCell> growObject(const std::vector<Eigen::Vector3d>& seeds,

@@ -28,13 +28,12 @@ struct FollowerParams {
   int spacing_px = 8;         ///< between points [px]
   double window_s = 0.6;      ///< observations older than this are removed [s]
   double range_m = 50.0;      ///< maximum depth of new points [m]
-  double min_height_m = 0.2;  ///< above ground, of points that may belong to objects [m]
-  double max_height_m = 3.5;  ///< [m]
+  double max_height_m = 3.5;  ///< above ground, of points that may belong to objects [m]
 };
 
 /// Follows points of the left image through time and, in each frame, to the right image.
 ///
-/// Points are chosen where objects could be: between two heights above the ground and within
+/// Points are chosen where objects could be: above the ground, not too high, and within
 /// range, one to a cell of a grid; a tenth of them anywhere, to observe the camera's motion. They
 /// are searched where a static point would be, then at their previous position, as objects that
 /// move along with the camera are. A point ends if it is not found, does not return when tracked

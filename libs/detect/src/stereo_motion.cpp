@@ -43,8 +43,7 @@ StereoMotionParams forRig(StereoMotionParams params, const StereoCamera& camera)
 }
 
 FollowerParams followerParams(const StereoMotionParams& params, double window_s) {
-  return {params.max_points,  params.spacing_px,   window_s,
-          params.max_range_m, params.min_height_m, params.max_height_m};
+  return {params.max_points, params.spacing_px, window_s, params.max_range_m, params.max_height_m};
 }
 
 }  // namespace
@@ -71,6 +70,7 @@ class StereoMotion::Implementation {
     disparity_ = context.disparity();
     image_ = context.reducedLeft();
     ground_ = context.ground();
+    if (ground_ && params_.min_height_m > 0.0) ground_->clearance_m = params_.min_height_m;
     if (!T_map_robot) {
       reset();
       return "no_pose";

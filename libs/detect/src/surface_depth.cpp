@@ -7,14 +7,13 @@
 namespace headway::detect {
 namespace {
 
-constexpr double kBoxMargin = 0.05;        // of the box's width and height left out at each edge
-constexpr double kGroundHeight = 0.15;  // lower than this above the ground is ground [m]
-constexpr double kMinWeight = 4.0;      // of the samples that make a mode, in cells
-constexpr double kStereoSigma = 0.3;    // of one surface's disparity, common to its cells [px]
-constexpr double kBoxSigma = 2.0;       // of the box's edges [px]
-constexpr double kShapeSpread = 0.08;   // of projected height over true height: poses, tilt
-constexpr double kPriorFloor = 0.05;    // weight of a mode that contradicts the size
-constexpr double kGridStep = 1.015;     // from one disparity tried to the next
+constexpr double kBoxMargin = 0.05;    // of the box's width and height left out at each edge
+constexpr double kMinWeight = 4.0;     // of the samples that make a mode, in cells
+constexpr double kStereoSigma = 0.3;   // of one surface's disparity, common to its cells [px]
+constexpr double kBoxSigma = 2.0;      // of the box's edges [px]
+constexpr double kShapeSpread = 0.08;  // of projected height over true height: poses, tilt
+constexpr double kPriorFloor = 0.05;   // weight of a mode that contradicts the size
+constexpr double kGridStep = 1.015;    // from one disparity tried to the next
 
 // Disparities this near to each other are one surface [px].
 double bandwidthAt(double disparity) { return std::max(0.6, 0.035 * disparity); }
@@ -121,8 +120,7 @@ std::vector<DisparitySample> samplesInside(const Box2d& box,
       if (!(d > 0.5)) continue;
       const DisparitySample sample{disparity.pixelOf(column), disparity.pixelOf(row), d};
       if (ground) {
-        const auto point = triangulate({sample.u, sample.v, d}, camera);
-        if (ground->heightOf(*point) < kGroundHeight + 0.004 * point->z()) continue;
+        if (ground->isGround(*triangulate({sample.u, sample.v, d}, camera))) continue;
       }
       samples.push_back(sample);
     }

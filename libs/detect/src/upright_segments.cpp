@@ -13,7 +13,6 @@ namespace {
 
 constexpr double kStep = 0.5;        // of disparity between neighbouring cells [px]
 constexpr double kStepRatio = 0.02;  // or this ratio of it
-constexpr double kFoot = 0.25;       // lower cells are ground [m]
 constexpr double kHead = 2.4;        // higher cells are not a person's [m]
 constexpr double kMinTop = 0.9;      // [m]
 constexpr double kMaxFloat = 0.9;    // of the lowest part [m]
@@ -161,8 +160,11 @@ StandingCells standingCells(const stereo::DisparityImage& disparity, const Stere
     for (int column = 0; column < size.width; ++column) {
       const float d = disparities[column];
       if (d < min_disparity) continue;
-      heights[column] = ground.heightOf(Eigen::Vector3d(across[column], down, 1.0) * (fb / d));
-      if (heights[column] > kFoot && heights[column] < kHead) standing[column] = d;
+      const double depth = fb / d;
+      heights[column] = ground.heightOf(Eigen::Vector3d(across[column], down, 1.0) * depth);
+      if (heights[column] > ground.clearance(depth) && heights[column] < kHead) {
+        standing[column] = d;
+      }
     }
   }
   return cells;

@@ -14,7 +14,8 @@ using PoseBlock = Eigen::Matrix<double, 7, 1>;
 /// Poses move by T * exp(xi), xi = (translation, rotation).
 ///
 /// Residuals give their derivatives by xi in the first six of the seven columns, so that the
-/// derivative of this manifold is a plain unit matrix.
+/// derivative of this manifold is a plain unit matrix. Ceres' ProductManifold of a quaternion and a
+/// vector would need derivatives by seven ambient coordinates and multiply each by a full Jacobian.
 class PoseManifold final : public ceres::Manifold {
  public:
   [[nodiscard]] int AmbientSize() const override { return 7; }

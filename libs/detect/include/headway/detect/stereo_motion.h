@@ -22,7 +22,7 @@ struct StereoMotionParams {
   double window_s = 0.6;              ///< time window of a point's observations [s]
   double segment_window_s = 1.0;      ///< time window of a segment's observations [s]
   double max_range_m = 0.0;           ///< of tracked points; 0: RigCapability::vehicles_to_m [m]
-  double min_height_m = 0.2;          ///< above ground, of points on objects [m]
+  double min_height_m = 0.0;          ///< of points on objects; 0: GroundPlane::clearance_m [m]
   double max_height_m = 3.5;          ///< above ground, of points on objects [m]
   double sigma_px = 0.4;              ///< noise of an image position, each way [px]
   double sigma_disparity_px = 0.4;    ///< [px]

@@ -2,21 +2,49 @@
 
 #include <headway/core/stereo_camera.h>
 #include <headway/stereo/disparity.h>
+#include <headway/stereo/rig_capability.h>
 
+#include <algorithm>
 #include <optional>
 
 namespace headway::stereo {
 
 /// The ground before the camera, as a plane in the camera frame.
+///
+/// Defines what is ground for the search of the plane, the grid, the detection of moving objects
+/// and the lifting of boxes: what is not higher than half of the lowest obstacle, or than the
+/// noise. A matched point of the ground has three errors of its height: the roughness of the
+/// ground, the tilt of the plane, and the depth error z^2 s / (f b), which a ray that descends by H
+/// / z turns into z s H / (f b).
 struct GroundPlane {
   Eigen::Vector3d up = -Eigen::Vector3d::UnitY();  ///< unit normal, away from the ground
   double camera_height = 0.0;                      ///< of the camera above it [m]
+  double sigma_per_m = 0.0024;  ///< errors of a height by disparity and tilt, per depth [m/m]
+  double clearance_m = 0.15;    ///< minimum height of what is not ground, noise aside [m]
 
   /// Height of a point above the ground [m].
   [[nodiscard]] double heightOf(const Eigen::Vector3d& point) const {
     return up.dot(point) + camera_height;
   }
+  /// Standard deviation of the height of a matched point of the ground [m].
+  [[nodiscard]] double heightSigma(double depth) const;
+  /// Maximum distance of matched points of the ground from the plane: three sigmas [m].
+  [[nodiscard]] double tolerance(double depth) const { return 3.0 * heightSigma(depth); }
+  /// Height from which a point at a depth is not ground [m].
+  [[nodiscard]] double clearance(double depth) const {
+    return std::max(clearance_m, tolerance(depth));
+  }
+  /// Whether a point is on the ground or below it.
+  [[nodiscard]] bool isGround(const Eigen::Vector3d& point) const {
+    return heightOf(point) <= clearance(point.z());
+  }
 };
+
+/// The plane with the noise and the clearance of a rig: half of its minimum obstacle height.
+///
+/// @param up  unit normal, camera frame
+[[nodiscard]] GroundPlane groundPlane(const RigCapability& rig, const Eigen::Vector3d& up,
+                                      double camera_height);
 
 /// Direction against gravity in the camera frame, as the camera is mounted on its robot.
 [[nodiscard]] Eigen::Vector3d mountedUp(const StereoCamera& camera);
