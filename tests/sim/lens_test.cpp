@@ -1,84 +1,16 @@
+#include "lens.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <headway/core/error.h>
 
-#include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
-
-#include "lens.h"
-#include "motion_sensors.h"
 
 namespace headway::sim {
 namespace {
 
 using ::testing::HasSubstr;
-
-TEST(MotionSensorsTest, AStandingRobotFeelsGravityAlone) {
-  MotionSensors sensors(1);
-  for (int i = 0; i < 400; ++i) sensors.observe(0.01 * i, Pose::Identity());
-  Eigen::Vector3d force = Eigen::Vector3d::Zero(), turn = Eigen::Vector3d::Zero();
-  const auto samples = sensors.takeImu();
-  for (const auto& sample : samples) {
-    force += sample.acceleration / static_cast<double>(samples.size());
-    turn += sample.angular_velocity / static_cast<double>(samples.size());
-  }
-  EXPECT_LT((force - Eigen::Vector3d(0, 0, 9.81)).norm(), 0.5);  // biases
-  EXPECT_LT(turn.norm(), 0.02);
-  EXPECT_TRUE(sensors.takeImu().empty());
-}
-
-TEST(MotionSensorsTest, MeasureTurningAndTheWayDriven) {
-  MotionSensors sensors(2);
-  constexpr double kRate = 0.3, kSpeed = 5.0;  // a circle of 16.7 m
-  for (int i = 0; i <= 500; ++i) {
-    const double t = 0.01 * i, yaw = kRate * t, r = kSpeed / kRate;
-    Pose pose = Pose::Identity();
-    pose.linear() = expSo3({0, 0, yaw});
-    pose.translation() = Eigen::Vector3d(r * std::sin(yaw), r * (1 - std::cos(yaw)), 0);
-    sensors.observe(t, pose);
-  }
-  Eigen::Vector3d force = Eigen::Vector3d::Zero(), turn = Eigen::Vector3d::Zero();
-  const auto samples = sensors.takeImu();
-  ASSERT_EQ(samples.size(), 499U);
-  for (const auto& sample : samples) {
-    force += sample.acceleration / 499.0;
-    turn += sample.angular_velocity / 499.0;
-  }
-  EXPECT_NEAR(turn.z(), kRate, 0.02);
-  EXPECT_NEAR(force.y(), kRate * kSpeed, 0.4);
-  const auto odometry = sensors.odometry();
-  ASSERT_TRUE(odometry);
-  const double r = kSpeed / kRate;
-  EXPECT_NEAR(odometry->yaw, kRate * 5.0, 0.1);
-  EXPECT_NEAR(odometry->x, r * std::sin(kRate * 5.0), 1.5);
-}
-
-TEST(MotionSensorsTest, BrakingIsMeasuredWhenItHappensInTheRobotsOwnAxes) {
-  MotionSensors sensors(3);
-  constexpr double kBrake = 3.0, kTop = 1.5, kYaw = 1.2;
-  const auto speed = [&](double t) { return std::clamp(kTop - kBrake * (t - 1.0), 0.0, kTop); };
-  double way = 0.0;
-  for (int i = 0; i <= 200; ++i) {
-    const double t = 0.01 * i;
-    way += 0.01 * speed(t - 0.005);
-    Pose pose = Pose::Identity();
-    pose.linear() = expSo3({0, 0, kYaw});
-    pose.translation() = way * Eigen::Vector3d(std::cos(kYaw), std::sin(kYaw), 0.0);
-    sensors.observe(t, pose);
-  }
-  for (const auto& sample : sensors.takeImu()) {
-    const bool braking = sample.time > 1.02 && sample.time < 1.48;
-    const bool steady = sample.time < 0.98 || sample.time > 1.52;
-    if (braking) {
-      EXPECT_NEAR(sample.acceleration.x(), -kBrake, 0.5) << sample.time;
-    } else if (steady) {
-      EXPECT_NEAR(sample.acceleration.x(), 0.0, 0.5) << sample.time;
-    }
-    EXPECT_NEAR(sample.acceleration.y(), 0.0, 0.5);
-    EXPECT_NEAR(sample.acceleration.z(), 9.81, 0.5);
-  }
-}
 
 TEST(LensTest, WithoutDistortionNothingChanges) {
   const Lens lens{CameraParams{}};
