@@ -5,10 +5,10 @@
 
 #include <string>
 
+#include "actor_mesh.h"
 #include "furniture.h"
 #include "house_mesh.h"
 #include "ray.h"
-#include "vehicle_mesh.h"
 
 namespace headway::sim {
 namespace {

@@ -7,7 +7,6 @@
 #include <opencv2/core.hpp>
 
 #include "actor_mesh.h"
-#include "mesh_depth.h"
 #include "mesh_projection.h"
 
 namespace headway::sim {

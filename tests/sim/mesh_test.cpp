@@ -4,15 +4,12 @@
 
 #include <cmath>
 
+#include "actor_mesh.h"
 #include "covered_ratio.h"
 #include "house_mesh.h"
-#include "mesh_depth.h"
 #include "mesh_projection.h"
-#include "actor_mesh.h"
-#include "person_mesh.h"
 #include "shadow.h"
 #include "sky.h"
-#include "vehicle_mesh.h"
 #include "vehicle_shape.h"
 
 namespace headway::sim {

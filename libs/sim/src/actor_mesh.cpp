@@ -3,10 +3,6 @@
 #include <Eigen/Geometry>
 #include <utility>
 
-#include "machine_mesh.h"
-#include "person_mesh.h"
-#include "vehicle_mesh.h"
-
 namespace headway::sim {
 namespace {
 

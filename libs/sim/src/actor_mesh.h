@@ -12,4 +12,32 @@ namespace headway::sim {
 [[nodiscard]] std::vector<Mesh> actorMeshes(const std::vector<Actor>& actors,
                                             const Eigen::Vector3d& origin);
 
+/// A car, van, truck or bus, x forward, z up, origin on the ground below its middle [m].
+///
+/// Its extent is the actor's size: outline extruded over the width, leaning inwards above the belt.
+[[nodiscard]] Mesh vehicleMesh(const Actor& actor);
+
+/// A walking (or standing) person, x forward, z up, origin on the ground below the hips [m].
+///
+/// Hips, knees, shoulders and elbows swing with actor.gait; how far depends on actor.speed.
+/// @see Winter 1991, "The Biomechanics and Motor Control of Human Gait": hip about +-25 degrees
+///      and knee up to 60 degrees at normal speed
+[[nodiscard]] Mesh personMesh(const Actor& actor);
+
+/// A cyclist: bicycle and pedalling rider, origin on the ground below the middle.
+[[nodiscard]] Mesh cyclistMesh(const Actor& actor);
+
+/// A person on a chair, x forward, z up, origin on the ground below the knees' middle [m].
+[[nodiscard]] Mesh seatedMesh(const Actor& actor);
+
+/// A bicycle alone, origin on the ground below the middle.
+[[nodiscard]] Mesh bicycleMesh(int look);
+
+/// A counterbalanced forklift with a driver's cage, x forward, z up, origin on the ground below its
+/// middle [m]. Its extent, forks included, is the actor's size.
+[[nodiscard]] Mesh forkliftMesh(const Actor& actor);
+
+/// A small six-wheeled delivery robot with a flag.
+[[nodiscard]] Mesh deliveryRobotMesh(const Actor& actor);
+
 }  // namespace headway::sim

@@ -3,6 +3,7 @@
 #include <headway/core/random.h>
 #include <headway/sim/sim_params.h>
 
+#include <algorithm>
 #include <cstdint>
 
 namespace headway::sim {
@@ -19,7 +20,13 @@ class CameraClock {
 
   CameraClock(const CameraParams& params, std::uint64_t seed) : params_(params), random_(seed) {}
 
-  [[nodiscard]] Beat next();
+  [[nodiscard]] Beat next() {
+    const double sigma = params_.jitter_s;
+    const double jitter = std::clamp(sigma * random_.normal(), -3.0 * sigma, 3.0 * sigma);
+    const auto beat = static_cast<double>(beats_++);
+    if (beat == 0.0) return {};
+    return {beat / params_.rate_hz + jitter, random_.chance(params_.drop_ratio)};
+  }
 
  private:
   CameraParams params_;

@@ -1,4 +1,4 @@
-#include "machine_mesh.h"
+#include "actor_mesh.h"
 
 #include "actor_atlas.h"
 

@@ -1,4 +1,4 @@
-#include "person_mesh.h"
+#include "actor_mesh.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "vehicle_mesh.h"
+#include "actor_mesh.h"
 
 #include <algorithm>
 #include <cmath>

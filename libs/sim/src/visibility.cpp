@@ -5,7 +5,6 @@
 #include <limits>
 #include <optional>
 
-#include "mesh_depth.h"
 #include "mesh_projection.h"
 
 namespace headway::sim {
