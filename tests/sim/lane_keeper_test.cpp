@@ -54,7 +54,7 @@ TEST(LaneKeeperTest, CoversGroundAtItsSpeedInEachLaneOfACurve) {
   }
 }
 
-TEST(LaneKeeperTest, ReachesTheSpeedItWishesAndKeepsIt) {
+TEST(LaneKeeperTest, ReachesItsDesiredSpeedAndKeepsIt) {
   const Route route = straightStreet();
   LaneKeeper lane(route, -1.75);
   DriverStyle style;

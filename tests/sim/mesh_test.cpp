@@ -262,7 +262,7 @@ TEST(MeshDepthTest, ATiltedFaceIsCorrectInPerspective) {
   }
 }
 
-TEST(CoveredShareTest, OfACarAheadIsThatOfItsRear) {
+TEST(CoveredRatioTest, OfACarAheadIsThatOfItsRear) {
   Actor car = actorOf(ActorKind::kCar);
   car.size << 4.0, 1.8, 1.5;
   car.position << 10.0, 0.0, -0.75;
@@ -273,7 +273,7 @@ TEST(CoveredShareTest, OfACarAheadIsThatOfItsRear) {
   EXPECT_GT(share, 0.6 * rear);
 }
 
-TEST(CoveredShareTest, CountsOverlapOnceAndNothingBehind) {
+TEST(CoveredRatioTest, CountsOverlapOnceAndNothingBehind) {
   Actor car = actorOf(ActorKind::kCar);
   car.position << 12.0, 0.0, -1.0;
   const double one = coveredRatio({car}, Pose::Identity(), camera());

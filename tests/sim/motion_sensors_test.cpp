@@ -210,7 +210,7 @@ TEST(SuspensionTest, ComesToRestAtTheAngleItIsPulledTo) {
   EXPECT_LT(overshoot, 0.03);
 }
 
-TEST(MotionSensorsTest, AStandingRobotFeelsGravityAlone) {
+TEST(MotionSensorsTest, AStandingRobotMeasuresGravityAlone) {
   MotionSensors sensors(1);
   for (int i = 0; i < 400; ++i) sensors.observe(0.01 * i, Pose::Identity());
   Eigen::Vector3d force = Eigen::Vector3d::Zero(), turn = Eigen::Vector3d::Zero();

@@ -100,7 +100,7 @@ TEST(RobotDriverTest, KeepsLessDistanceWhenAskedTo) {
     car.width = 1.8;
     for (int i = 0; i < 2000; ++i) driver.advance(kStep_s, {car});
     EXPECT_LT(driver.state().speed, 0.1);
-    return (car.position - driver.state().body.position).norm();
+    return (car.position - driver.state().obstacle.position).norm();
   };
   EXPECT_LT(gapBehindAStandingCar(true), gapBehindAStandingCar(false) - 0.3);
 }

@@ -317,7 +317,7 @@ TEST(SimulatorTest, AtTheEndOfThePathFramesEndAndItSaysSo) {
   }
 }
 
-TEST(SimulatorTest, ImpossibleKnobsNameTheirKey) {
+TEST(SimulatorTest, ImpossibleParametersNameTheirKey) {
   const auto errorOf = [](const std::function<void(SimParams&)>& spoil) -> std::string {
     SimParams params;
     spoil(params);

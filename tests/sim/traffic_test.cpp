@@ -34,7 +34,7 @@ OnPath driven(const std::vector<Obstacle>& others, double seconds, double stop_s
   return self;
 }
 
-TEST(DrivingTest, AFreeDriverKeepsTheSpeedItWishes) {
+TEST(DrivingTest, AFreeDriverKeepsItsDesiredSpeed) {
   EXPECT_NEAR(driven({}, 25.0).speed, DriverStyle{}.desired_speed_mps, 0.1);
 }
 
@@ -113,7 +113,7 @@ TEST_F(StreetTest, KeepsItsNumbersAndGivesNoIdTwice) {
   EXPECT_GT(kinds.size(), 39U);  // the robot moved on: others came
 }
 
-TEST_F(StreetTest, NobodyJumpsOrRunsAndNothingHitsTheRobot) {
+TEST_F(StreetTest, PeopleNeitherJumpNorRunAndNothingHitsTheRobot) {
   std::map<std::int64_t, Eigen::Vector2d> before;
   for (int i = 0; i < 800; ++i) {
     traffic.advance(0.05);
@@ -164,7 +164,7 @@ TEST(JunctionsTest, VehiclesTurnOffToBothSides) {
       headings.emplace(actor.id, std::pair(actor.yaw, 0.0)).first->second.second = actor.yaw;
       for_robot.push_back(obstacleFrom(actor));
     }
-    vehicles.advance(0.05, robot.state(), {robot.state().body}, next_id);
+    vehicles.advance(0.05, robot.state(), {robot.state().obstacle}, next_id);
     robot.advance(0.05, for_robot);
   }
   int left = 0, right = 0;

@@ -70,7 +70,7 @@ TEST(VisibilityTest, BoxSurroundsTheProjectedTruthBox) {
   EXPECT_DOUBLE_EQ(observations[0].truncation, 0.0);
 }
 
-TEST(VisibilityTest, AWallInFrontHidesABody) {
+TEST(VisibilityTest, AWallInFrontHidesAnActor) {
   cv::Mat instances;
   const std::vector<Actor> actors{carAt(20.0, 1.0)};
   const cv::Mat wall(160, 320, CV_32F, cv::Scalar(5.0));
@@ -86,7 +86,7 @@ TEST(VisibilityTest, WhatIsBehindTheCameraOrBesideTheImageIsNotSeen) {
   EXPECT_TRUE(observationsOf({carAt(-10, 0), carAt(10, 40)}, depth, instances).empty());
 }
 
-TEST(VisibilityTest, ABodyAtTheEdgeIsTruncated) {
+TEST(VisibilityTest, AnActorAtTheEdgeIsTruncated) {
   cv::Mat instances;
   const std::vector<Actor> actors{carAt(10.0, 7.0)};
   const cv::Mat depth(160, 320, CV_32F, cv::Scalar(0));
@@ -117,8 +117,8 @@ Observation seenAt(double z, double visible) {
   return observation;
 }
 
-/// Share of 4000 looks in which a car is found.
-double foundShare(const DetectorParams& params, double z, double visible) {
+/// Ratio of 4000 images in which a car is found.
+double foundRatio(const DetectorParams& params, double z, double visible) {
   SimulatedDetector detector(params, testCamera(), 3);
   const cv::Mat depth(160, 320, CV_32F, cv::Scalar(20.0));
   int found = 0;
@@ -149,12 +149,12 @@ TEST(SimulatedDetectorTest, MissesGrowWithDepthAndOcclusion) {
   params.miss_far = 0.5;
   params.miss_occluded = 1.0;
   params.max_range_m = 60.0;
-  const double near = foundShare(params, 8.0, 1.0), far = foundShare(params, 55.0, 1.0);
+  const double near = foundRatio(params, 8.0, 1.0), far = foundRatio(params, 55.0, 1.0);
   EXPECT_NEAR(near, 0.95, 0.03);
   EXPECT_NEAR(far, 0.55, 0.06);
-  EXPECT_LT(foundShare(params, 8.0, 0.2), near - 0.4);
-  EXPECT_DOUBLE_EQ(foundShare(params, 61.0, 1.0), 0.0);
-  EXPECT_DOUBLE_EQ(foundShare(params, 8.0, 0.0), 0.0);
+  EXPECT_LT(foundRatio(params, 8.0, 0.2), near - 0.4);
+  EXPECT_DOUBLE_EQ(foundRatio(params, 61.0, 1.0), 0.0);
+  EXPECT_DOUBLE_EQ(foundRatio(params, 8.0, 0.0), 0.0);
 }
 
 TEST(SimulatedDetectorTest, NoiseAlongTheRayGrowsWithDepth) {

@@ -100,7 +100,7 @@ TEST(WalkersTest, SpeedsSpreadAboutTheMeanAskedFor) {
   EXPECT_LT(std::sqrt(square), 0.45);
 }
 
-TEST(WalkersTest, NobodyAcceleratesLikeAThing) {
+TEST(WalkersTest, AccelerationsAreThoseOfPeople) {
   Floor floor;
   floor.make();
   std::vector<Eigen::Vector2d> before;

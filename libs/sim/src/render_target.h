@@ -7,9 +7,9 @@
 
 namespace headway::sim {
 
-/// What one eye sees, drawn off-screen.
+/// The image of one camera, drawn off-screen.
 ///
-/// Drawing and reading are apart, so that a second eye can be set up while the first is drawn, and
+/// Drawing and reading are apart, so that a second image can be set up while the first is drawn, and
 /// pixels are read in the driver's own format. Needs an OpenGL context that is current, in one
 /// thread, for as long as it lives.
 class RenderTarget {

@@ -55,12 +55,12 @@ RobotState RobotDriver::state() const {
   state.s = at_.s;
   state.speed = at_.speed;
   const PathPoint place = at_.place();
-  state.body.id = kRobotId;
-  state.body.position = place.position.head<2>();
-  state.body.yaw = place.yaw;
-  state.body.velocity = at_.speed * Eigen::Vector2d(std::cos(place.yaw), std::sin(place.yaw));
-  state.body.length = at_.length;
-  state.body.width = at_.width;
+  state.obstacle.id = kRobotId;
+  state.obstacle.position = place.position.head<2>();
+  state.obstacle.yaw = place.yaw;
+  state.obstacle.velocity = at_.speed * Eigen::Vector2d(std::cos(place.yaw), std::sin(place.yaw));
+  state.obstacle.length = at_.length;
+  state.obstacle.width = at_.width;
   return state;
 }
 

@@ -116,7 +116,7 @@ void CameraParams::describe(Params::Section section) {
   section.add("pitch_down_deg", pitch_down_deg, -45.0, 60.0, "deg",
               "Optical axes below the horizontal");
   section.add("rate_hz", rate_hz, 0.5, 100.0, "Hz", "Pairs a second");
-  section.add("ride_deg", ride_deg, 0.0, 5.0, "deg", "Pitching and rolling of the body");
+  section.add("ride_deg", ride_deg, 0.0, 5.0, "deg", "Pitching and rolling of the robot");
   section.add("noise_grey", noise_grey, 0.0, 30.0, "grey levels", "Sensor noise");
   section.add("gain_difference", gain_difference, -0.5, 0.5, "", "Right image brighter by this");
   section.add("vignetting", vignetting, 0.0, 0.9, "", "Loss of light in the corners");

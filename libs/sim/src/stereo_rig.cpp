@@ -14,7 +14,7 @@ int drawnWidth(int width) { return (width + 3) / 4 * 4; }
 
 }  // namespace
 
-/// A scene, and what two eyes see of it.
+/// A scene and the images of its two cameras.
 class StereoRig::Renderer {
  public:
   Renderer(const StereoCamera& camera, std::unique_ptr<Scene> scene);
@@ -25,7 +25,7 @@ class StereoRig::Renderer {
   [[nodiscard]] StereoDrawing read(bool with_depth);
 
  private:
-  void draw(const Pose& T_robot_cam, RenderTarget& eye);
+  void draw(const Pose& T_robot_cam, RenderTarget& target);
 
   StereoCamera camera_;
   std::unique_ptr<Scene> scene_;
@@ -41,7 +41,7 @@ StereoRig::Renderer::Renderer(const StereoCamera& camera, std::unique_ptr<Scene>
       left_(drawnWidth(camera.width), camera.height),
       right_(drawnWidth(camera.width), camera.height) {}
 
-void StereoRig::Renderer::draw(const Pose& T_robot_cam, RenderTarget& eye) {
+void StereoRig::Renderer::draw(const Pose& T_robot_cam, RenderTarget& target) {
   mrpt::img::TCamera lens;
   lens.ncols = static_cast<unsigned>(drawnWidth(camera_.width));
   lens.nrows = static_cast<unsigned>(camera_.height);
@@ -53,7 +53,7 @@ void StereoRig::Renderer::draw(const Pose& T_robot_cam, RenderTarget& eye) {
   const Pose T_origin_cam = scene_->T_origin_robot() * T_robot_cam;
   camera.setPose(mrpt::poses::CPose3D(mrpt::math::CMatrixDouble44(T_origin_cam.matrix())));
   scene_->scene().getViewport()->getCamera() = camera;
-  eye.draw(scene_->scene());
+  target.draw(scene_->scene());
 }
 
 StereoDrawing StereoRig::Renderer::read(bool with_depth) {
@@ -67,17 +67,17 @@ StereoDrawing StereoRig::Renderer::read(bool with_depth) {
 }
 
 StereoRig::StereoRig(const StereoCamera& camera, std::unique_ptr<Scene> scene)
-    : eyes_(std::make_unique<Renderer>(camera, std::move(scene))) {}
+    : renderer_(std::make_unique<Renderer>(camera, std::move(scene))) {}
 
 StereoRig::~StereoRig() = default;
 
 StereoDrawing StereoRig::draw(const Pose& T_world_robot, const Pose& T_left_right,
                               const std::vector<Actor>& actors, const std::vector<Mesh>& meshes,
                               bool with_depth) {
-  eyes_->scene().arrange(T_world_robot, T_left_right, actors, meshes);
-  eyes_->drawLeft();
-  eyes_->drawRight(T_left_right);
-  return eyes_->read(with_depth);
+  renderer_->scene().arrange(T_world_robot, T_left_right, actors, meshes);
+  renderer_->drawLeft();
+  renderer_->drawRight(T_left_right);
+  return renderer_->read(with_depth);
 }
 
 }  // namespace headway::sim

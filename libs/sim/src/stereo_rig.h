@@ -41,7 +41,7 @@ class StereoRig {
 
  private:
   class Renderer;
-  std::unique_ptr<Renderer> eyes_;
+  std::unique_ptr<Renderer> renderer_;
 };
 
 }  // namespace headway::sim

@@ -80,7 +80,7 @@ void StreetScene::showStretches(const std::vector<StretchKey>& visible) {
 void StreetScene::hideBehindHouses(const std::vector<StretchKey>& visible,
                                    const Eigen::Vector3d& origin, const Pose& T_left_right) {
   const Pose T_origin_left = T_origin_robot_ * camera_.T_robot_cam;
-  eyes_ = {Occlusion(camera_, T_origin_left.inverse()),
+  occlusions_ = {Occlusion(camera_, T_origin_left.inverse()),
            Occlusion(camera_, (T_origin_left * T_left_right).inverse())};
   const auto forAllShown = [&](const auto& visit) {
     for (const StretchKey& key : visible) {
@@ -94,7 +94,7 @@ void StreetScene::hideBehindHouses(const std::vector<StretchKey>& visible,
   };
   forAllShown([&](const Piece& piece, const Eigen::Vector3d& offset) {
     if (!piece.block) return;
-    for (Occlusion& eye : eyes_) eye.add(*piece.block, offset);
+    for (Occlusion& eye : occlusions_) eye.add(*piece.block, offset);
   });
   forAllShown([&](Piece& piece, const Eigen::Vector3d& offset) {
     piece.object->setVisibility(shows(piece.around, offset));
@@ -103,7 +103,7 @@ void StreetScene::hideBehindHouses(const std::vector<StretchKey>& visible,
 
 bool StreetScene::shows(const std::vector<Eigen::Vector3f>& around,
                         const Eigen::Vector3d& offset) const {
-  return std::any_of(eyes_.begin(), eyes_.end(),
+  return std::any_of(occlusions_.begin(), occlusions_.end(),
                      [&](const Occlusion& eye) { return !eye.hides(around, offset); });
 }
 

@@ -46,7 +46,7 @@ class StreetScene : public Scene {
   ObjectPtr add(const cv::Mat& picture);
   /// Hides all surfaces, and gives up those out of view where textures grow scarce.
   void removeHidden(const std::vector<StretchKey>& visible);
-  /// Hides what houses hide from both eyes.
+  /// Removes what houses hide in both images.
   void hideBehindHouses(const std::vector<StretchKey>& visible, const Eigen::Vector3d& origin,
                         const Pose& T_left_right);
   [[nodiscard]] bool shows(const std::vector<Eigen::Vector3f>& around,
@@ -61,7 +61,7 @@ class StreetScene : public Scene {
   StereoCamera camera_;
   World& world_;
   std::map<StretchKey, std::vector<Piece>> surfaces_;
-  std::vector<Occlusion> eyes_;  ///< what houses hide, now, from the left and from the right one
+  std::vector<Occlusion> occlusions_;  ///< by houses, in the left and in the right image
   std::set<StretchKey> shown_;
   ObjectPtr sky_, plain_, verges_, furniture_;
   std::optional<ActorLayer> actors_;

@@ -42,9 +42,9 @@ void Traffic::advance(double dt) {
   const auto escort = obstaclesFrom(escort_.actors());
   append(escort, for_robot);
   auto for_vehicles = on_foot;
-  for_vehicles.push_back(robot.body);
+  for_vehicles.push_back(robot.obstacle);
   append(escort, for_vehicles);
-  std::vector<Obstacle> for_pedestrians{robot.body};
+  std::vector<Obstacle> for_pedestrians{robot.obstacle};
   append(on_wheels, for_pedestrians);
   append(escort, for_pedestrians);
   pedestrians_.advance(dt, robot, for_pedestrians, next_id_);

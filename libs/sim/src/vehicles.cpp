@@ -128,7 +128,7 @@ bool Vehicles::isFree(const Vehicle& vehicle, const RobotState& robot) const {
   const auto clear = [&](const Eigen::Vector2d& other, double length) {
     return (other - at).norm() > 0.5 * (vehicle.place.length + length) + 5.0;
   };
-  return clear(robot.body.position, robot.body.length + 6.0) &&
+  return clear(robot.obstacle.position, robot.obstacle.length + 6.0) &&
          std::all_of(actors_.begin(), actors_.end(), [&](const Actor& actor) {
            // A vehicle in the opposite lane does not matter.
            return std::cos(actor.yaw - vehicle.path->at(vehicle.place.s).yaw) < -0.5 ||

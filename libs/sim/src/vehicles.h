@@ -16,7 +16,7 @@ namespace headway::sim {
 struct RobotState {
   double s = 0.0;      ///< along the route's street [m]
   double speed = 0.0;  ///< [m/s]
-  Obstacle body;       ///< what others see of it
+  Obstacle obstacle;   ///< as the other vehicles and people avoid it
 };
 
 /// Cars, vans, trucks, buses and cyclists near the robot: they keep to lanes, follow each other,

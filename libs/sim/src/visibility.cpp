@@ -37,10 +37,10 @@ void compare(const cv::Mat& mesh, const cv::Rect& area, const cv::Mat& depth, st
     const auto* seen = depth.ptr<float>(v + area.y) + area.x;
     auto* marks = instances.ptr<std::uint16_t>(v + area.y) + area.x;
     for (int u = 0; u < area.width; ++u) {
-      const bool is_body = alone[u] != MeshDepth::kNothing;
+      const bool is_mesh = alone[u] != MeshDepth::kNothing;
       const bool is_seen =
-          is_body & (seen[u] > 0.0F) & (std::abs(seen[u] - alone[u]) <= tolerance(alone[u]));
-      all += static_cast<int>(is_body);
+          is_mesh & (seen[u] > 0.0F) & (std::abs(seen[u] - alone[u]) <= tolerance(alone[u]));
+      all += static_cast<int>(is_mesh);
       visible += static_cast<int>(is_seen);
       marks[u] = is_seen ? label : marks[u];
     }

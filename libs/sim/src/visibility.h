@@ -24,7 +24,7 @@ struct Observation {
 
 /// Finds which pixels of a drawn picture belong to which actor.
 ///
-/// Bodies are drawn a second time, into a depth image of each one alone, and compared with the
+/// Meshes are drawn a second time, into a depth image of each one alone, and compared with the
 /// picture's depth: a pixel is visible where the two agree.
 ///
 /// @param meshes         the actors' meshes, relative to the robot's position

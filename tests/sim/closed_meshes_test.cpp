@@ -13,8 +13,8 @@
 namespace headway::sim {
 namespace {
 
-/// Share of rays from around that meet the body at a front first, of those that meet it at all.
-double frontShare(const Mesh& mesh, std::uint64_t seed) {
+/// Ratio of rays from around that meet the mesh at a front first, of those that meet it at all.
+double frontRatio(const Mesh& mesh, std::uint64_t seed) {
   Eigen::AlignedBox3d box;
   for (const auto& triangle : mesh.triangles) {
     for (const auto& vertex : triangle) box.extend(vertex.position.cast<double>());
@@ -49,7 +49,7 @@ double frontShare(const Mesh& mesh, std::uint64_t seed) {
   return static_cast<double>(fronts) / met;
 }
 
-TEST(ClosedBodiesTest, VehiclesOfAllKinds) {
+TEST(ClosedMeshesTest, VehiclesOfAllKinds) {
   for (const ActorKind kind :
        {ActorKind::kCar, ActorKind::kVan, ActorKind::kTruck, ActorKind::kBus}) {
     for (int look = 0; look < 3; ++look) {
@@ -57,12 +57,12 @@ TEST(ClosedBodiesTest, VehiclesOfAllKinds) {
       actor.kind = kind;
       actor.look = look;
       actor.size = {4.5, 1.8, 1.6};
-      EXPECT_GT(frontShare(vehicleMesh(actor), 1), 0.995) << static_cast<int>(kind) << ' ' << look;
+      EXPECT_GT(frontRatio(vehicleMesh(actor), 1), 0.995) << static_cast<int>(kind) << ' ' << look;
     }
   }
 }
 
-TEST(ClosedBodiesTest, HousesWithFlatAndWithPitchedRoofs) {
+TEST(ClosedMeshesTest, HousesWithFlatAndWithPitchedRoofs) {
   for (const double ridge : {0.0, 2.5}) {
     HousePlan plan;
     plan.ridge_m = ridge;
@@ -70,11 +70,11 @@ TEST(ClosedBodiesTest, HousesWithFlatAndWithPitchedRoofs) {
     Mesh house = houseMesh(plan, Eigen::Vector3f(3, -2, 0), 0.4F);
     const Block block = houseBlock(plan, Eigen::Vector3f(3, -2, 0), 0.4F);
     house.addQuad(block[0], block[1], block[2], block[3], UvRect{});
-    EXPECT_EQ(1.0, frontShare(house, 2)) << ridge;
+    EXPECT_EQ(1.0, frontRatio(house, 2)) << ridge;
   }
 }
 
-TEST(ClosedBodiesTest, TreesLampsThingsAndHedges) {
+TEST(ClosedMeshesTest, TreesLampsThingsAndHedges) {
   for (std::uint64_t seed = 1; seed < 9; ++seed) {
     Random random(seed);
     Mesh tree, lamp, thing, hedge;
@@ -82,15 +82,15 @@ TEST(ClosedBodiesTest, TreesLampsThingsAndHedges) {
     addLamp(lamp, Eigen::Vector3f::Zero(), 0.3F, random);
     addSmallThing(thing, Eigen::Vector3f::Zero(), 0.3F, random);
     addHedge(hedge, Eigen::Vector3f::Zero(), Eigen::Vector3f(5, 1, 0), random);
-    EXPECT_EQ(1.0, frontShare(tree, seed));
-    EXPECT_EQ(1.0, frontShare(thing, seed));
-    EXPECT_EQ(1.0, frontShare(hedge, seed));
+    EXPECT_EQ(1.0, frontRatio(tree, seed));
+    EXPECT_EQ(1.0, frontRatio(thing, seed));
+    EXPECT_EQ(1.0, frontRatio(hedge, seed));
   }
 }
 
-TEST(ClosedBodiesTest, ATurnedBodyShowsItsBacks) {
+TEST(ClosedMeshesTest, ATurnedOverMeshShowsItsBacks) {
   HousePlan plan;
-  EXPECT_LT(frontShare(turnedOver(houseMesh(plan, Eigen::Vector3f::Zero(), 0.0F)), 3), 0.5);
+  EXPECT_LT(frontRatio(turnedOver(houseMesh(plan, Eigen::Vector3f::Zero(), 0.0F)), 3), 0.5);
 }
 
 }  // namespace
