@@ -15,6 +15,8 @@
 #include <iostream>
 #include <sstream>
 
+#include "messages.h"
+
 namespace headway::replay {
 namespace {
 
@@ -43,14 +45,6 @@ std::string textOf(const Params& params) {
   return text.str();
 }
 
-void printCalibration(const io::CalibrationReport& report) {
-  std::printf(
-      "calibration: baseline %.4f m, focal length %.2f px%s; vertical disparity %.2f px, "
-      "median disparity %.1f px (%zu matches)\n",
-      report.baseline_m, report.focal_px, report.rectified_here ? " (rectified here)" : "",
-      report.vertical_disparity_px, report.median_disparity_px, report.matches);
-}
-
 /// Creates the pipeline with the map of --load-map, if given.
 std::unique_ptr<pipeline::Perception> makePerception(
     const Options& options, const std::shared_ptr<const StereoCamera>& camera,
@@ -64,23 +58,6 @@ std::unique_ptr<pipeline::Perception> makePerception(
     throw InputError(options.load_map + ": cannot be continued: " + error.what());
   }
   return perception;
-}
-
-/// One log line: outcome, measured and required values.
-std::string describe(std::size_t frame, const slam::LoopAttempt& loop) {
-  const char* outcome = "closed";
-  if (loop.outcome == slam::LoopOutcome::kNotRecognised) outcome = "not recognised";
-  if (loop.outcome == slam::LoopOutcome::kTooFewInliers) outcome = "rejected: too few inliers";
-  if (loop.outcome == slam::LoopOutcome::kTooFarOff) outcome = "rejected: offset too large";
-  char text[200];
-  std::snprintf(text, sizeof text, "frame %zu: loop to keyframe %lld %s: inliers %d, required %d",
-                frame, static_cast<long long>(loop.candidate.value), outcome, loop.inliers,
-                loop.inliers_needed);
-  if (loop.offset_allowed_m == 0.0) return text;
-  char offset[100];
-  std::snprintf(offset, sizeof offset, "; offset %.2f m, allowed %.2f m", loop.offset_m,
-                loop.offset_allowed_m);
-  return std::string(text) + offset;
 }
 
 }  // namespace
@@ -113,14 +90,17 @@ void Replay::run() {
   } catch (...) {
     failure = std::current_exception();
   }
+  collectWarnings(last_frame_, true);
   if (source_.truncation()) summary_.ended_early = *source_.truncation();
   if (program::interrupted()) summary_.ended_early = "interrupted";
+  if (failure) summary_.ended_early = textOf(failure);
   try {
     finish();
   } catch (...) {
     if (!failure) throw;
   }
   if (failure) std::rethrow_exception(failure);
+  requireTrackedFrames();
   if (source_.truncation()) {
     throw InputError(*source_.truncation() + "; the part before was processed and written to " +
                      folder_.string());
@@ -163,13 +143,24 @@ void Replay::process(const RecordedFrame& frame, double progress) {
   const double cpu_before = processorSeconds();
   StageTimes span;
   const auto watch = span.watch("frame");
-  const auto update = perception_->process(frame);
+  const auto update = processed(frame);
   summary_.frame_ms.push_back(watch.elapsedMs() + frame.rectify_ms);
   summary_.cpu_ms += 1e3 * (processorSeconds() - cpu_before) + frame.rectify_ms;
 
+  last_frame_ = frame.index;
   count(frame, update);
+  collectWarnings(frame.index, false);
   writers_.write(update);
   snapshots_.add(*perception_, update, frame, progress);
+}
+
+pipeline::PerceptionUpdate Replay::processed(const RecordedFrame& frame) {
+  try {
+    return perception_->process(frame);
+  } catch (const InputError& error) {
+    throw InputError(options_.input + ", frame " + std::to_string(frame.index) + ": " +
+                     error.what());
+  }
 }
 
 void Replay::count(const RecordedFrame& frame, const pipeline::PerceptionUpdate& update) {
@@ -188,6 +179,33 @@ void Replay::count(const RecordedFrame& frame, const pipeline::PerceptionUpdate&
       ever_moving = ever_moving || isMoving(track);
     }
   }
+}
+
+void Replay::collectWarnings(std::size_t frame, bool reader_has_stopped) {
+  Warnings warnings = perception_->warnings();
+  // In real time, another thread writes the counts until the end.
+  if (reader_has_stopped || options_.realtime <= 0.0) {
+    const auto bad_samples = source_.skipped().find("bad_imu");
+    if (bad_samples != source_.skipped().end()) {
+      const auto before = summary_.warnings.find("imu_samples");
+      addWarning("imu_samples",
+                 before == summary_.warnings.end() ? frame : before->second.first_frame,
+                 "inertial samples without finite values are left out; check the sensor's driver",
+                 warnings, bad_samples->second);
+    }
+  }
+  for (const auto& [name, warning] : warnings) {
+    if (summary_.warnings.count(name) > 0) continue;
+    warn("frame " + std::to_string(warning.first_frame) + ": " + warning.text);
+  }
+  summary_.warnings = std::move(warnings);
+}
+
+void Replay::requireTrackedFrames() const {
+  if (summary_.frames == 0 || summary_.frames_tracked > 0 || program::interrupted()) return;
+  if (!options_.load_map.empty()) return;  // see warnIfNotRelocalised()
+  throw InputError(options_.input + ": none of " + std::to_string(summary_.frames) +
+                   " frames was tracked: " + causeOfNoTracking(summary_.calibration));
 }
 
 void Replay::countLostFrames(const std::vector<slam::FrameEstimate>& trajectory) {

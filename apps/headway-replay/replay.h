@@ -46,8 +46,12 @@ class Replay {
   [[nodiscard]] std::unique_ptr<pipeline::FrameFeed> makeFeed();
   void processAll();
   void process(const RecordedFrame& frame, double progress);
+  [[nodiscard]] pipeline::PerceptionUpdate processed(const RecordedFrame& frame);
   void applySideDetections(RecordedFrame& frame) const;
   void count(const RecordedFrame& frame, const pipeline::PerceptionUpdate& update);
+  /// Prints each warning once, when it occurs first.
+  void collectWarnings(std::size_t frame, bool reader_has_stopped);
+  void requireTrackedFrames() const;
   void countLostFrames(const std::vector<slam::FrameEstimate>& trajectory);
   void finish();
   void summarise(const std::vector<slam::FrameEstimate>& trajectory);
@@ -65,6 +69,7 @@ class Replay {
   FrameWriters writers_;
   Snapshots snapshots_;
   Summary summary_;
+  std::size_t last_frame_ = 0;  ///< index of the newest frame
   std::atomic<double> progress_{0.0};
   std::map<TrackId, bool> seen_tracks_;  ///< confirmed tracks -> moving at some time
 };

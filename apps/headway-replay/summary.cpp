@@ -50,6 +50,15 @@ Json rigJson(const std::optional<stereo::RigCapability>& rig) {
           {"vehicles_to_m", rig->vehicles_to_m}};
 }
 
+Json warningsJson(const Warnings& warnings) {
+  Json json = Json::object();
+  for (const auto& [name, warning] : warnings) {
+    json[name] = {
+        {"count", warning.count}, {"first_frame", warning.first_frame}, {"text", warning.text}};
+  }
+  return json;
+}
+
 Json stagesJson(const StageTimes& stages) {
   Json json = Json::object();
   for (const auto& [stage, times] : stages.summary()) {
@@ -148,6 +157,7 @@ void writeSummary(const std::filesystem::path& path, const Summary& summary) {
   json["detections_dropped"] = Json(summary.detections_dropped);
   json["calibration"] = calibrationJson(summary.calibration);
   json["rig"] = rigJson(summary.rig);
+  json["warnings"] = warningsJson(summary.warnings);
   json["laser"] = Json(summary.laser);
   json["observations_skipped"] = Json(summary.observations_skipped);
   json["ended_early"] = summary.ended_early ? Json(*summary.ended_early) : Json();

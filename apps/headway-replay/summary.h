@@ -3,6 +3,7 @@
 #include <headway/core/params.h>
 #include <headway/core/stage_times.h>
 #include <headway/core/track.h>
+#include <headway/core/warnings.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/stereo/rig_capability.h>
 
@@ -38,6 +39,7 @@ struct Summary {
   DropCounts detections_dropped;
   std::optional<io::CalibrationReport> calibration;
   std::optional<stereo::RigCapability> rig;
+  Warnings warnings;
   std::map<std::string, std::size_t> laser;  ///< scans by use, and ends of beams
   std::map<std::string, std::size_t> observations_skipped;
   std::optional<std::string> ended_early;  ///< reason if the rawlog was not read completely

@@ -165,9 +165,11 @@ CalibrationReport measureCalibration(const cv::Mat& left, const cv::Mat& right,
 
 void requireNotSwapped(const CalibrationReport& report) {
   if (report.matches < kMinMatches || report.median_disparity_px > kSwappedDisparity) return;
-  throw InputError("stereo calibration: the median disparity of " + std::to_string(report.matches) +
-                   " matches is " + std::to_string(report.median_disparity_px) +
-                   " px; it must be positive: left and right images are swapped");
+  throw InputError(
+      "stereo calibration: the median disparity of " + std::to_string(report.matches) +
+      " matches is " + std::to_string(report.median_disparity_px) +
+      " px; it must be positive: left and right images are swapped; exchange them, for two "
+      "cameras by --sensor-label RIGHT,LEFT");
 }
 
 }  // namespace headway::io

@@ -3,6 +3,8 @@
 #include <headway/core/error.h>
 
 #include <array>
+#include <cstdio>
+#include <opencv2/core.hpp>
 #include <utility>
 
 #include "image_files.h"
@@ -10,6 +12,31 @@
 
 namespace headway::io {
 namespace {
+
+constexpr double kMaxBaselineM = 5.0;
+constexpr std::size_t kComparedPairs = 5;
+constexpr std::size_t kMinMatchesSwapped = 40;
+constexpr double kMaxVerticalDisparity = 0.8;  // of a good calibration [px]
+constexpr double kMinContrast = 3.0;           // standard deviation of grey levels
+
+/// A baseline of metres belongs to no robot: it is recorded in another unit.
+void requireBaselineInMetres(const StereoCamera& camera) {
+  if (camera.baseline_m <= kMaxBaselineM) return;
+  const double metres = camera.baseline_m * (camera.baseline_m < 50.0 ? 1e-2 : 1e-3);
+  std::array<char, 240> text{};
+  std::snprintf(text.data(), text.size(),
+                "stereo calibration: the baseline is %.6g m, which is in %s; write %.6g m in "
+                "rightCameraPose",
+                camera.baseline_m, camera.baseline_m < 50.0 ? "centimetres" : "millimetres",
+                metres);
+  throw InputError(text.data());
+}
+
+bool isTextured(const cv::Mat& image) {
+  cv::Mat mean, deviation;
+  cv::meanStdDev(image, mean, deviation);
+  return deviation.at<double>(0) > kMinContrast;
+}
 
 std::string sizeText(int width, int height) {
   return std::to_string(width) + "x" + std::to_string(height);
@@ -46,10 +73,45 @@ void FrameDecoder::calibrate(const RecordedPair& pair, const DecodedPair& images
   }
   rectifier_.emplace(raw);
   camera_ = std::make_shared<const StereoCamera>(rectifier_->camera());
+  requireBaselineInMetres(*camera_);
   const StereoFrame frame = stereoFrame(images);
   report_ = measureCalibration(frame.left, frame.right, *camera_);
   report_->rectified_here = !rectifier_->passesThrough();
   requireNotSwapped(*report_);
+  requireBetterThanSwapped(images);
+}
+
+/// Images that are rectified here do not match at all if they are swapped.
+void FrameDecoder::requireBetterThanSwapped(const DecodedPair& images) const {
+  if (!report_->rectified_here || report_->vertical_disparity_px < kMaxVerticalDisparity) return;
+  const auto swapped =
+      measureCalibration(rectifier_->rectify(Rectifier::kLeft, greyOf(images.right)),
+                         rectifier_->rectify(Rectifier::kRight, greyOf(images.left)), *camera_);
+  if (swapped.matches < kMinMatchesSwapped || swapped.matches < 2 * report_->matches ||
+      swapped.median_disparity_px < 1.0 ||
+      swapped.vertical_disparity_px > 0.5 * report_->vertical_disparity_px) {
+    return;
+  }
+  throw InputError("stereo calibration: " + std::to_string(swapped.matches) +
+                   " points match if left and right images are swapped, " +
+                   std::to_string(report_->matches) +
+                   " as recorded: left and right images are swapped; exchange them, for two "
+                   "cameras by --sensor-label RIGHT,LEFT");
+}
+
+void FrameDecoder::requireTwoCameras(const DecodedPair& images) {
+  if (identical_pairs_ >= kComparedPairs || are_two_cameras_) return;
+  if (!isTextured(images.left)) return;
+  const bool same_type = images.left.type() == images.right.type();
+  if (!same_type || cv::norm(images.left, images.right, cv::NORM_INF) > 0.0) {
+    are_two_cameras_ = true;
+    return;
+  }
+  if (++identical_pairs_ < kComparedPairs) return;
+  throw InputError("stereo images: left and right are identical in the first " +
+                   std::to_string(kComparedPairs) +
+                   " pairs: the same camera was recorded twice; record the right camera, or select "
+                   "two labels by --sensor-label LEFT,RIGHT");
 }
 
 StereoFrame FrameDecoder::stereoFrame(const DecodedPair& images) const {

@@ -36,6 +36,11 @@ class FrameDecoder {
   /// @throws InputError if the calibration is invalid
   void calibrate(const RecordedPair& pair, const DecodedPair& images);
 
+  /// Compares left and right in the first pairs with texture.
+  ///
+  /// @throws InputError if they are identical
+  void requireTwoCameras(const DecodedPair& images);
+
   /// The rectified images. Requires calibrate().
   [[nodiscard]] StereoFrame stereoFrame(const DecodedPair& images) const;
   /// The rectified right image in colour; empty if it is grey.
@@ -49,11 +54,15 @@ class FrameDecoder {
   [[nodiscard]] const std::optional<CalibrationReport>& report() const { return report_; }
 
  private:
+  void requireBetterThanSwapped(const DecodedPair& images) const;
+
   std::string image_folder_;
   std::map<std::string, std::size_t>& skipped_;
   std::optional<Rectifier> rectifier_;
   std::shared_ptr<const StereoCamera> camera_;
   std::optional<CalibrationReport> report_;
+  std::size_t identical_pairs_ = 0;
+  bool are_two_cameras_ = false;
 };
 
 }  // namespace headway::io

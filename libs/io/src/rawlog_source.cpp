@@ -105,6 +105,11 @@ class RawlogSource::Reader {
     if (!images) images = decoder_.decode(*pending.pair);
     if (!images) return std::nullopt;
     last_pair_ = *images;
+    try {
+      decoder_.requireTwoCameras(*images);
+    } catch (const InputError& error) {
+      throw InputError(name_ + ": " + error.what());
+    }
     const auto start = std::chrono::steady_clock::now();
     frame.stereo = decoder_.stereoFrame(*images);
     frame.rectify_ms =

@@ -78,6 +78,7 @@ Perception::Perception(std::shared_ptr<const StereoCamera> camera, const Percept
       grid_(grid_params_.map),
       map_(std::move(map)) {
   if (!params.slam.mapping) grid_params_.every_nth_frame = 0;
+  if (camera_ != nullptr) mount_check_.emplace(*camera_);
   if (camera_ != nullptr) slam_ = std::make_unique<slam::StereoSlam>(camera_, params.slam);
 }
 
@@ -126,10 +127,13 @@ PerceptionUpdate Perception::process(const RecordedFrame& frame) {
   if (found_.images_used) times_.add("detect", found_.elapsed_ms);
   update.detections = found_.fused;
   update.objects = track(frame, update);
+  checkInput(frame, update, scan_ground);
   updateMap(update);
   updateGrid(frame, update, scan_ground);
   tracks_ = update.objects.tracks;
   expected_ = update.objects.expected;
+  last_pose_.reset();
+  if (const auto pose = poseOf(update.camera)) last_pose_ = Stamped<Pose>{frame.time, *pose};
   return update;
 }
 
@@ -203,66 +207,6 @@ void Perception::updateStaticMap() {
   map_.update(slam_->map());
   grid_.follow(map_.staticMap()->keyframes);
 }
-
-void Perception::updateGrid(const RecordedFrame& frame, const PerceptionUpdate& update,
-                            bool scan_ground) {
-  const auto T_map_robot = poseOf(update.camera);
-  std::optional<GroundScan> scan;
-  if (!T_map_robot || !frame.stereo || camera_ == nullptr || grid_params_.every_nth_frame == 0) {
-    addLaser(frame, update, false, scan);
-    return;
-  }
-  if (scan_ground) {
-    const auto watch = times_.watch("grid");
-    scan = detection_.scanGround(frame, *T_map_robot, found_, update.objects.tracks,
-                                 grid_params_.scan);
-    addLaser(frame, update, true, scan);
-    if (scan) grid_.add(*T_map_robot, std::move(*scan));
-  } else {
-    addLaser(frame, update, false, scan);
-  }
-  last_pose_ = Stamped<Pose>{frame.time, *T_map_robot};
-  grid_.standAt(*T_map_robot);
-  // A scan may see nothing, such as behind a truck in the first frame.
-  if (const auto grid = grid_.grid()) map_.update(grid);
-}
-
-void Perception::addLaser(const RecordedFrame& frame, const PerceptionUpdate& update,
-                          bool scan_ground, std::optional<GroundScan>& scan) {
-  if (frame.laser_scans.empty() || !laser_params_.use) return;
-  const auto T_map_robot = poseOf(update.camera);
-  const auto leave_out = [&](const char* reason) {
-    laser_counts_[reason] += frame.laser_scans.size();
-  };
-  if (!T_map_robot) return leave_out("camera_lost");
-  if (!scan_ground) return leave_out("between_ground_scans");
-  const auto ground = groundOf(found_);
-  if (!ground) return leave_out("ground_unknown");
-  LaserScene scene;
-  scene.time = frame.time;
-  scene.T_map_robot = *T_map_robot;
-  scene.before = last_pose_;
-  scene.ground = *ground;
-  scene.camera = camera_->T_robot_cam.translation();
-  scene.min_obstacle_height_m = grid_params_.scan.min_obstacle_height_m;
-  scene.max_obstacle_height_m = grid_params_.scan.max_obstacle_height_m;
-  scene.footprint = grid_params_.map.footprint;
-  if (!scan) scan.emplace();
-  addLaserScans(frame.laser_scans, scene, update.objects.tracks, laser_params_, *scan,
-                laser_counts_);
-}
-
-std::optional<RobotGround> Perception::groundOf(const FrameDetections& found) const {
-  const auto& plane = found.context ? found.context->ground() : std::nullopt;
-  if (!plane) {
-    if (!rig_ || !rig_->camera_height_known) return std::nullopt;
-    return RobotGround{};
-  }
-  const Eigen::Vector3d up = camera_->T_robot_cam.linear() * plane->up;
-  return RobotGround{up, plane->camera_height - up.dot(camera_->T_robot_cam.translation())};
-}
-
-const std::map<std::string, std::size_t>& Perception::laserCounts() const { return laser_counts_; }
 
 void Perception::finish() {
   if (slam_ == nullptr || !given_poses_.empty()) return;

@@ -97,6 +97,12 @@ std::string warnings(const ReplayFolder& folder) {
     html += "<p class=\"warning\">The replay ended early: " + escaped(ended->get<std::string>()) +
             "</p>";
   }
+  const Json all = folder.summary.value("warnings", Json::object());
+  for (const auto& [name, warning] : all.items()) {
+    html += "<p class=\"warning\">From frame " + grouped(countAt(warning, "first_frame")) + ", " +
+            grouped(countAt(warning, "count")) +
+            " times: " + escaped(warning.value("text", std::string(name))) + "</p>";
+  }
   const std::size_t lost = countAt(folder.summary, "frames_lost");
   if (lost > 0) {
     std::string list;
@@ -107,7 +113,8 @@ std::string warnings(const ReplayFolder& folder) {
       }
       list += (list.empty() ? "" : ", ") + frame.dump();
     }
-    html += "<p class=\"warning\">Camera lost in " + grouped(lost) + " frames: " + escaped(list) + "</p>";
+    html += "<p class=\"warning\">Camera lost in " + grouped(lost) + " frames: " + escaped(list) +
+            "</p>";
   }
   return html;
 }

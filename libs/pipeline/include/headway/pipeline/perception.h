@@ -7,6 +7,7 @@
 #include <headway/objects/moving_object_tracker.h>
 #include <headway/pipeline/detection_stage.h>
 #include <headway/pipeline/laser_evidence.h>
+#include <headway/pipeline/mount_check.h>
 #include <headway/slam/stereo_slam.h>
 #include <headway/stereo/rig_capability.h>
 
@@ -86,12 +87,17 @@ class Perception {
   /// frame's detections are dropped as "camera_lost".
   /// A frame with neither images nor pose counts as lost.
   ///
-  /// @throws InputError if a frame has a recorded pose and the map was resumed
+  /// @throws InputError if a frame has a recorded pose and the map was resumed, or if the images
+  ///         show that the camera's pose on the robot or its baseline is wrong (see MountCheck)
   [[nodiscard]] PerceptionUpdate process(const RecordedFrame& frame);
 
   /// Capability of the rig, with the parameters that replace derived values; nullopt without
   /// camera.
   [[nodiscard]] const std::optional<stereo::RigCapability>& rig() const { return rig_; }
+
+  /// Conditions of the input that degrade the results: "imu_accelerometer" and "imu_gyroscope"
+  /// (left out, they contradict the camera), "odometry_scale".
+  [[nodiscard]] const Warnings& warnings() const;
 
   /// Laser scans by use ("used", "camera_lost", "ground_unknown", "between_ground_scans") and ends
   /// of their beams (see addLaserScans()); empty without a laser.
@@ -130,6 +136,8 @@ class Perception {
   /// Adds the frame's laser scans to the ground scan, or counts why they are not used.
   void addLaser(const RecordedFrame& frame, const PerceptionUpdate& update, bool scan_ground,
                 std::optional<GroundScan>& scan);
+  /// Compares mounting and sensors with the images.
+  void checkInput(const RecordedFrame& frame, const PerceptionUpdate& update, bool scan_ground);
   /// The ground of this image; without one, as the camera is mounted; nullopt if that is unknown.
   [[nodiscard]] std::optional<RobotGround> groundOf(const FrameDetections& found) const;
 
@@ -143,7 +151,9 @@ class Perception {
   LaserParams laser_params_;
   map::StaticGrid grid_;
   map::PerceptionMap map_;
-  std::size_t grid_frames_ = 0;  ///< frames eligible for a scan
+  std::size_t grid_frames_ = 0;            ///< frames eligible for a scan
+  std::optional<MountCheck> mount_check_;  ///< with a camera
+  Warnings warnings_;
   std::map<std::string, std::size_t> laser_counts_;
   std::optional<Stamped<Pose>> last_pose_;         ///< in the newest tracked frame
   bool resumed_ = false;                           ///< the map frame is a stored map's

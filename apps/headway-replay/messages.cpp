@@ -1,0 +1,67 @@
+#include "messages.h"
+
+#include <cmath>
+#include <cstdio>
+
+namespace headway::replay {
+namespace {
+
+// Explanations of a recording without tracked frames.
+constexpr std::size_t kMinMatches = 20;        // of points between the first images
+constexpr double kMaxVerticalDisparity = 2.0;  // [px]
+constexpr double kMinDisparity = 0.1;          // [px]
+
+}  // namespace
+
+void printCalibration(const io::CalibrationReport& report) {
+  std::printf(
+      "calibration: baseline %.4f m, focal length %.2f px%s; vertical disparity %.2f px, "
+      "median disparity %.1f px (%zu matches)\n",
+      report.baseline_m, report.focal_px, report.rectified_here ? " (rectified here)" : "",
+      report.vertical_disparity_px, report.median_disparity_px, report.matches);
+}
+
+std::string describe(std::size_t frame, const slam::LoopAttempt& loop) {
+  const char* outcome = "closed";
+  if (loop.outcome == slam::LoopOutcome::kNotRecognised) outcome = "not recognised";
+  if (loop.outcome == slam::LoopOutcome::kTooFewInliers) outcome = "rejected: too few inliers";
+  if (loop.outcome == slam::LoopOutcome::kTooFarOff) outcome = "rejected: offset too large";
+  char text[200];
+  std::snprintf(text, sizeof text, "frame %zu: loop to keyframe %lld %s: inliers %d, required %d",
+                frame, static_cast<long long>(loop.candidate.value), outcome, loop.inliers,
+                loop.inliers_needed);
+  if (loop.offset_allowed_m == 0.0) return text;
+  char offset[100];
+  std::snprintf(offset, sizeof offset, "; offset %.2f m, allowed %.2f m", loop.offset_m,
+                loop.offset_allowed_m);
+  return std::string(text) + offset;
+}
+
+std::string causeOfNoTracking(const std::optional<io::CalibrationReport>& calibration) {
+  std::string cause = "too few points of the images were tracked";
+  if (calibration && calibration->matches < kMinMatches) {
+    cause = "only " + std::to_string(calibration->matches) +
+            " points of the first left image were found in the right one; check focus, exposure "
+            "and lens covers, and that both images are of one stereo pair";
+  } else if (calibration && calibration->vertical_disparity_px > kMaxVerticalDisparity) {
+    cause = "the rows of the images differ by " +
+            std::to_string(calibration->vertical_disparity_px) + " px; calibrate the cameras";
+  } else if (calibration && std::abs(calibration->median_disparity_px) < kMinDisparity) {
+    cause =
+        "left and right images show the same, at a disparity of 0 px; check that the right "
+        "camera was recorded";
+  }
+  return cause;
+}
+
+std::string textOf(const std::exception_ptr& failure) {
+  try {
+    std::rethrow_exception(failure);
+  } catch (const std::exception& error) {
+    return error.what();
+  } catch (...) {
+    return "unknown error";
+  }
+}
+
+}  // namespace headway::replay

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <headway/io/rawlog_source.h>
+#include <headway/slam/stereo_slam.h>
+
+#include <exception>
+#include <optional>
+#include <string>
+
+namespace headway::replay {
+
+/// Prints the calibration's consistency with the images to standard output.
+void printCalibration(const io::CalibrationReport& report);
+
+/// One log line: outcome, measured and required values.
+[[nodiscard]] std::string describe(std::size_t frame, const slam::LoopAttempt& loop);
+
+/// Why no frame of a recording was tracked, as far as the first pair shows it.
+[[nodiscard]] std::string causeOfNoTracking(
+    const std::optional<io::CalibrationReport>& calibration);
+
+/// The message of an exception that is in flight.
+[[nodiscard]] std::string textOf(const std::exception_ptr& failure);
+
+}  // namespace headway::replay

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <headway/core/stereo_camera.h>
+#include <headway/core/warnings.h>
+#include <headway/stereo/frame_context.h>
+
+#include <optional>
+
+namespace headway::pipeline {
+
+/// Recognises a wrong pose of the camera on the robot, or a wrong scale, from the first images.
+///
+/// The ground decides: it is searched as the camera is said to be mounted. Found once, at the
+/// mounted height, it confirms the mounting, and nothing more is computed. Otherwise it is searched
+/// as it would appear if the pose lacked the optical turn (x right, y down, z forward), or if the
+/// camera were upside-down. Where the mounted height is known, planes at another height, such as a
+/// ceiling, are not taken for the ground.
+class MountCheck {
+ public:
+  explicit MountCheck(const StereoCamera& camera) : camera_(camera) {}
+
+  /// Takes the ground and the disparities of one frame.
+  ///
+  /// @throws InputError that states the error and the pose to write
+  void addImage(const stereo::FrameContext& context);
+
+  /// Takes the robot's motion since the previous frame, and warns of a speed that differs from
+  /// odometry's by a factor.
+  ///
+  /// @throws InputError if the camera's motion is so much longer that the unit of the baseline is
+  ///         wrong
+  void addMotion(const Pose& by_camera, const std::optional<Pose>& by_odometry, std::size_t frame,
+                 Warnings& warnings);
+
+  /// Whether addImage() has nothing more to find.
+  [[nodiscard]] bool isDecided() const { return decided_; }
+
+ private:
+  [[nodiscard]] bool showsGround(const stereo::DisparityImage& disparity,
+                                 const StereoCamera& camera) const;
+  [[nodiscard]] bool isAtMountedHeight(const stereo::GroundPlane& ground) const;
+  void testOpticalTurn(const stereo::DisparityImage& disparity);
+  void testUpsideDown(const stereo::DisparityImage& disparity);
+
+  StereoCamera camera_;
+  bool decided_ = false;
+  int images_ = 0;        ///< in which the ground was not found
+  int without_turn_ = 0;  ///< with ground if the pose lacks the optical turn
+  int upside_down_ = 0;   ///< with ground if the camera is upside-down
+  double path_m_ = 0.0;   ///< of the camera, where odometry is known
+  double odometry_m_ = 0.0;
+};
+
+}  // namespace headway::pipeline

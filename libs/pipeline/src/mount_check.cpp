@@ -1,0 +1,154 @@
+#include <headway/core/error.h>
+#include <headway/pipeline/mount_check.h>
+#include <headway/stereo/ground_plane.h>
+#include <headway/stereo/rig_capability.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <opencv2/core.hpp>
+#include <string>
+
+namespace headway::pipeline {
+namespace {
+
+constexpr int kMaxImages = 8;              // without ground, after which the check ends
+constexpr int kMinWithoutTurn = 3;         // of them that show the error
+constexpr int kMinUpsideDown = 7;          // more, because a ceiling may look like ground
+constexpr double kVertical = 0.7;          // component of the optical axis along the robot's z
+constexpr double kUprightComponent = 0.7;  // of "up" along the image's columns
+constexpr double kMaxHeightError = 0.35;   // of the camera's height, relative
+constexpr double kMinOdometryM = 2.0;      // path that is compared
+constexpr double kMaxSpeedRatio = 30.0;    // camera to odometry: the unit is wrong
+constexpr double kWarnedSpeedRatio = 3.0;  // and its inverse
+constexpr double kDegrees = 180.0 / M_PI;
+
+std::string formatted(const char* format, double value) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), format, value);
+  return text.data();
+}
+
+/// A pose as MRPT writes it: x y z [m], yaw pitch roll [deg].
+std::string poseText(const Pose& pose) {
+  const Eigen::Matrix3d R = pose.linear();
+  const double pitch = std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0)));
+  const double yaw = std::atan2(R(1, 0), R(0, 0));
+  const double roll = std::atan2(R(2, 1), R(2, 2));
+  std::string text = "[";
+  for (int i = 0; i < 3; ++i) text += formatted("%.3f ", pose.translation()[i]);
+  text += formatted("%.1f ", yaw * kDegrees) + formatted("%.1f ", pitch * kDegrees);
+  return text + formatted("%.1f]", roll * kDegrees) + " (x y z [m] yaw pitch roll [deg])";
+}
+
+Pose turned(const Pose& T_robot_cam, const Eigen::Matrix3d& R_cam_other) {
+  Pose result = T_robot_cam;
+  result.linear() = T_robot_cam.linear() * R_cam_other;
+  return result;
+}
+
+Pose upsideDown(const Pose& T_robot_cam) {
+  return turned(T_robot_cam, Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()).toRotationMatrix());
+}
+
+/// The disparity image of the camera turned by 180 degrees about its optical axis.
+stereo::DisparityImage flipped(const stereo::DisparityImage& disparity, StereoCamera& camera) {
+  stereo::DisparityImage result;
+  result.reduce = disparity.reduce;
+  cv::flip(disparity.values, result.values, -1);
+  camera.cx = disparity.pixelOf(0) + disparity.pixelOf(disparity.values.cols - 1) - camera.cx;
+  camera.cy = disparity.pixelOf(0) + disparity.pixelOf(disparity.values.rows - 1) - camera.cy;
+  return result;
+}
+
+}  // namespace
+
+bool MountCheck::isAtMountedHeight(const stereo::GroundPlane& ground) const {
+  const auto rig = stereo::rigCapability(camera_);
+  return !rig.camera_height_known || std::abs(ground.camera_height - rig.camera_height_m) <
+                                         kMaxHeightError * rig.camera_height_m;
+}
+
+bool MountCheck::showsGround(const stereo::DisparityImage& disparity,
+                             const StereoCamera& camera) const {
+  const auto ground = stereo::findGround(disparity, camera, std::nullopt);
+  return ground && isAtMountedHeight(*ground);
+}
+
+void MountCheck::addImage(const stereo::FrameContext& context) {
+  if (decided_) return;
+  if (context.ground() && isAtMountedHeight(*context.ground())) {
+    decided_ = true;
+    return;
+  }
+  ++images_;
+  if (std::abs(camera_.T_robot_cam.linear()(2, 2)) > kVertical) {
+    testOpticalTurn(context.disparity());
+  } else {
+    testUpsideDown(context.disparity());
+  }
+  decided_ = decided_ || images_ == kMaxImages;
+}
+
+void MountCheck::testOpticalTurn(const stereo::DisparityImage& disparity) {
+  StereoCamera with_turn = camera_;
+  with_turn.T_robot_cam = turned(camera_.T_robot_cam, robotFromOptical().linear());
+  if (showsGround(disparity, with_turn)) ++without_turn_;
+  if (without_turn_ < kMinWithoutTurn) return;
+  const bool up = camera_.T_robot_cam.linear()(2, 2) > 0.0;
+  throw InputError("camera pose: by cameraPose = " + poseText(camera_.T_robot_cam) +
+                   " the camera looks straight " + (up ? "up" : "down") +
+                   ", but its images show the ground ahead: the pose lacks the turn to optical "
+                   "axes (x right, y down, z forward); write cameraPose = " +
+                   poseText(with_turn.T_robot_cam));
+}
+
+void MountCheck::testUpsideDown(const stereo::DisparityImage& disparity) {
+  const double up_y = stereo::mountedUp(camera_).y();
+  if (std::abs(up_y) < kUprightComponent) return;
+  const bool said_upright = up_y < 0.0;
+  StereoCamera turned_camera = camera_;
+  turned_camera.T_robot_cam = upsideDown(camera_.T_robot_cam);
+  StereoCamera flipped_camera = said_upright ? camera_ : turned_camera;
+  const stereo::DisparityImage flipped_image = flipped(disparity, flipped_camera);
+  if (!said_upright && showsGround(flipped_image, flipped_camera)) {
+    decided_ = true;
+    return;
+  }
+  const bool contrary = said_upright ? showsGround(flipped_image, flipped_camera)
+                                     : showsGround(disparity, turned_camera);
+  if (contrary) ++upside_down_;
+  if (upside_down_ < kMinUpsideDown) return;
+  throw InputError(std::string("camera pose: the images show the ground ") +
+                   (said_upright ? "above" : "below") +
+                   " the camera, but by cameraPose = " + poseText(camera_.T_robot_cam) + " it is " +
+                   (said_upright ? "upright" : "upside-down") +
+                   ": turn it about its optical axis; write cameraPose = " +
+                   poseText(turned_camera.T_robot_cam));
+}
+
+void MountCheck::addMotion(const Pose& by_camera, const std::optional<Pose>& by_odometry,
+                           std::size_t frame, Warnings& warnings) {
+  if (!by_odometry || odometry_m_ >= kMinOdometryM) return;
+  path_m_ += by_camera.translation().norm();
+  odometry_m_ += by_odometry->translation().norm();
+  if (odometry_m_ < kMinOdometryM) return;
+  const double ratio = path_m_ / odometry_m_;
+  const std::string compared = "the camera moved " + formatted("%.3g", path_m_) +
+                               " m where odometry measured " + formatted("%.3g", odometry_m_) +
+                               " m: ";
+  const std::string baseline = formatted("%.6g", camera_.baseline_m);
+  if (ratio > kMaxSpeedRatio) {
+    throw InputError("stereo calibration: " + compared + "the baseline of " + baseline +
+                     " m is too long, as if in another unit; write " +
+                     formatted("%.3g", camera_.baseline_m / ratio) + " m");
+  }
+  if (ratio > kWarnedSpeedRatio || ratio < 1.0 / kWarnedSpeedRatio) {
+    addWarning(
+        "odometry_scale", frame,
+        compared + "check the baseline (" + baseline + " m), and odometry's unit and wheel slip",
+        warnings);
+  }
+}
+
+}  // namespace headway::pipeline

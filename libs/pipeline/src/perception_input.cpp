@@ -1,0 +1,96 @@
+// The parts of Perception that compare its input with the images: mounting, sensors, grid.
+#include <headway/pipeline/perception.h>
+
+namespace headway::pipeline {
+namespace {
+
+bool isTracked(const PerceptionUpdate& update) {
+  return update.camera.status == slam::TrackingStatus::kTracked;
+}
+
+}  // namespace
+
+void Perception::checkInput(const RecordedFrame& frame, const PerceptionUpdate& update,
+                            bool scan_ground) {
+  if (!isLocalisedBySlam(frame)) return;
+  if (scan_ground) mount_check_->addImage(*found_.context);
+  if (isTracked(update) && last_pose_ && update.camera.loops.empty()) {
+    mount_check_->addMotion(last_pose_->value.inverse() * update.camera.T_map_robot,
+                            frame.stereo->motion_prior.T_previous_current, frame.index, warnings_);
+  }
+  if (update.camera.imu == slam::ImuStatus::kGyroscopeContradicts) {
+    addWarning(
+        "imu_gyroscope", frame.index,
+        "the inertial sensor is left out: its gyroscope does not measure the camera's turns; "
+        "check its axes (sensorPose), the camera's (cameraPose), and its unit (rad/s)",
+        warnings_);
+  } else if (update.camera.imu == slam::ImuStatus::kAccelerometerContradicts) {
+    addWarning("imu_accelerometer", frame.index,
+               "the inertial sensor is left out: its accelerometer does not measure gravity and "
+               "the camera's motion; check its axes (sensorPose) and unit (m/s^2, with gravity)",
+               warnings_);
+  }
+}
+
+const Warnings& Perception::warnings() const { return warnings_; }
+
+void Perception::updateGrid(const RecordedFrame& frame, const PerceptionUpdate& update,
+                            bool scan_ground) {
+  const Pose& T_map_robot = update.camera.T_map_robot;
+  std::optional<GroundScan> scan;
+  if (!isTracked(update) || !frame.stereo || camera_ == nullptr ||
+      grid_params_.every_nth_frame == 0) {
+    addLaser(frame, update, false, scan);
+    return;
+  }
+  if (scan_ground) {
+    const auto watch = times_.watch("grid");
+    scan =
+        detection_.scanGround(frame, T_map_robot, found_, update.objects.tracks, grid_params_.scan);
+    addLaser(frame, update, true, scan);
+    if (scan) grid_.add(T_map_robot, std::move(*scan));
+  } else {
+    addLaser(frame, update, false, scan);
+  }
+  grid_.standAt(T_map_robot);
+  // A scan may see nothing, such as behind a truck in the first frame.
+  if (const auto grid = grid_.grid()) map_.update(grid);
+}
+
+void Perception::addLaser(const RecordedFrame& frame, const PerceptionUpdate& update,
+                          bool scan_ground, std::optional<GroundScan>& scan) {
+  if (frame.laser_scans.empty() || !laser_params_.use) return;
+  const auto leave_out = [&](const char* reason) {
+    laser_counts_[reason] += frame.laser_scans.size();
+  };
+  if (!isTracked(update)) return leave_out("camera_lost");
+  if (!scan_ground) return leave_out("between_ground_scans");
+  const auto ground = groundOf(found_);
+  if (!ground) return leave_out("ground_unknown");
+  LaserScene scene;
+  scene.time = frame.time;
+  scene.T_map_robot = update.camera.T_map_robot;
+  if (update.camera.loops.empty()) scene.before = last_pose_;
+  scene.ground = *ground;
+  scene.camera = camera_->T_robot_cam.translation();
+  scene.min_obstacle_height_m = grid_params_.scan.min_obstacle_height_m;
+  scene.max_obstacle_height_m = grid_params_.scan.max_obstacle_height_m;
+  scene.footprint = grid_params_.map.footprint;
+  if (!scan) scan.emplace();
+  addLaserScans(frame.laser_scans, scene, update.objects.tracks, laser_params_, *scan,
+                laser_counts_);
+}
+
+std::optional<RobotGround> Perception::groundOf(const FrameDetections& found) const {
+  const auto& plane = found.context ? found.context->ground() : std::nullopt;
+  if (!plane) {
+    if (!rig_ || !rig_->camera_height_known) return std::nullopt;
+    return RobotGround{};
+  }
+  const Eigen::Vector3d up = camera_->T_robot_cam.linear() * plane->up;
+  return RobotGround{up, plane->camera_height - up.dot(camera_->T_robot_cam.translation())};
+}
+
+const std::map<std::string, std::size_t>& Perception::laserCounts() const { return laser_counts_; }
+
+}  // namespace headway::pipeline

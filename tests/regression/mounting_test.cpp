@@ -1,0 +1,148 @@
+// Mistakes of mounting and calibration, made in good recordings: each must be named.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/core.hpp>
+
+#include "edited_rawlog.h"
+#include "replay_run.h"
+
+namespace headway {
+namespace {
+
+using mrpt::obs::CObservationIMU;
+using mrpt::obs::CObservationStereoImages;
+using mrpt::poses::CPose3D;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+/// The bundled recordings: a street seen from a car, a hall seen from a small robot.
+class MountingTest : public ::testing::TestWithParam<std::string> {
+ protected:
+  test::ReplayRun replayWith(const test::RawlogEdit& edit) {
+    test::editRawlog(std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/" + GetParam() + ".rawlog",
+                     rawlog(), edit);
+    return test::replay(rawlog(), folder_ / "out", "-q --snapshots 0");
+  }
+  test::ReplayRun replayWith(const std::function<void(CObservationStereoImages&)>& edit) {
+    test::RawlogEdit all;
+    all.stereo = edit;
+    return replayWith(all);
+  }
+  void expectOneLine(const test::ReplayRun& run, const ::testing::Matcher<std::string>& line) {
+    EXPECT_EQ(1, run.process.status) << run.process.output;
+    EXPECT_EQ(1, std::count(run.process.output.begin(), run.process.output.end(), '\n'));
+    EXPECT_THAT(run.process.output, AllOf(HasSubstr("in.rawlog"), line));
+  }
+  [[nodiscard]] std::string rawlog() const { return (folder_ / "in.rawlog").string(); }
+
+  test::TemporaryFolder folder_;
+};
+
+void turnCamera(CObservationStereoImages& stereo, const CPose3D& turn) {
+  stereo.cameraPose = mrpt::poses::CPose3DQuat(CPose3D(stereo.cameraPose) + turn);
+}
+
+TEST_P(MountingTest, GoodRecordingsHaveNoWarning) {
+  const auto run = replayWith(test::RawlogEdit{});
+  EXPECT_EQ(0, run.process.status) << run.process.output;
+  EXPECT_EQ("", run.process.output);
+  EXPECT_TRUE(run.summary["warnings"].empty()) << run.summary["warnings"];
+}
+
+TEST_P(MountingTest, AxesWithoutTheOpticalTurn) {
+  const CPose3D optical(0, 0, 0, -M_PI / 2, 0, -M_PI / 2);
+  const auto run = replayWith(
+      [&](CObservationStereoImages& stereo) { turnCamera(stereo, CPose3D() - optical); });
+  expectOneLine(run, AllOf(HasSubstr("optical axes"), HasSubstr("write cameraPose = ["),
+                           HasSubstr("-90.0 ")));
+}
+
+TEST_P(MountingTest, UpsideDown) {
+  const auto run = replayWith(
+      [&](CObservationStereoImages& stereo) { turnCamera(stereo, CPose3D(0, 0, 0, M_PI, 0, 0)); });
+  expectOneLine(run, AllOf(HasSubstr("upside-down"), HasSubstr("write cameraPose = [")));
+}
+
+TEST_P(MountingTest, ImagesUpsideDown) {
+  const auto run = replayWith([&](CObservationStereoImages& stereo) {
+    for (auto* image : {&stereo.imageLeft, &stereo.imageRight}) {
+      image->flipVertical();
+      image->flipHorizontal();
+    }
+    std::swap(stereo.imageLeft, stereo.imageRight);  // as a rig turned about its viewing direction
+    for (auto* camera : {&stereo.leftCamera, &stereo.rightCamera}) {
+      camera->cx(camera->ncols - 1 - camera->cx());
+      camera->cy(camera->nrows - 1 - camera->cy());
+    }
+  });
+  expectOneLine(run, AllOf(HasSubstr("ground above"), HasSubstr("write cameraPose = [")));
+}
+
+TEST_P(MountingTest, LeftAndRightSwapped) {
+  const auto run = replayWith(
+      [](CObservationStereoImages& stereo) { std::swap(stereo.imageLeft, stereo.imageRight); });
+  expectOneLine(run, HasSubstr("left and right images are swapped; exchange them"));
+}
+
+TEST_P(MountingTest, BaselineInMillimetres) {
+  const auto run = replayWith([](CObservationStereoImages& stereo) {
+    stereo.rightCameraPose.x(1000.0 * stereo.rightCameraPose.x());
+  });
+  expectOneLine(run, AllOf(HasSubstr("millimetres"), HasSubstr("write 0.")));
+}
+
+TEST_P(MountingTest, TheLeftImageTwice) {
+  const auto run =
+      replayWith([](CObservationStereoImages& stereo) { stereo.imageRight = stereo.imageLeft; });
+  expectOneLine(run, HasSubstr("identical"));
+}
+
+TEST_P(MountingTest, RecordingsOfNothing) {
+  const auto run = replayWith([](CObservationStereoImages& stereo) {
+    for (auto* image : {&stereo.imageLeft, &stereo.imageRight}) {
+      image->asCvMat<cv::Mat>(mrpt::img::SHALLOW_COPY).setTo(cv::Scalar::all(40));
+    }
+  });
+  expectOneLine(run, AllOf(HasSubstr("frames was tracked"), HasSubstr("lens covers")));
+}
+
+INSTANTIATE_TEST_SUITE_P(Bundled, MountingTest, ::testing::Values("street", "hall"),
+                         [](const auto& parameter) { return parameter.param; });
+
+using InertialMistakes = MountingTest;
+
+TEST_P(InertialMistakes, AreSaidAndLeftOut) {
+  test::RawlogEdit edit;
+  edit.max_pairs = 120;
+  edit.imu = [](CObservationIMU& imu) {
+    imu.set(mrpt::obs::IMU_X_ACC, 0.0);
+    imu.set(mrpt::obs::IMU_Y_ACC, 0.0);
+    imu.set(mrpt::obs::IMU_Z_ACC, 0.0);
+  };
+  const auto constant = replayWith(edit);
+  EXPECT_EQ(0, constant.process.status);
+  EXPECT_THAT(constant.process.output, HasSubstr("the inertial sensor is left out"));
+  EXPECT_GT(constant.summary["warnings"]["imu_accelerometer"]["count"], 0);
+  EXPECT_THAT(test::contentsOf(constant.file("report.html")),
+              HasSubstr("the inertial sensor is left out"));
+}
+
+TEST_P(InertialMistakes, SamplesWithoutValuesAreSaid) {
+  test::RawlogEdit edit;
+  edit.imu = [](CObservationIMU& imu) {
+    for (auto& value : imu.rawMeasurements) value = std::numeric_limits<double>::quiet_NaN();
+  };
+  const auto run = replayWith(edit);
+  EXPECT_EQ(0, run.process.status);
+  EXPECT_THAT(run.process.output, HasSubstr("inertial samples without finite values"));
+  EXPECT_GT(run.summary["warnings"]["imu_samples"]["count"], 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Bundled, InertialMistakes, ::testing::Values("hall"),
+                         [](const auto& parameter) { return parameter.param; });
+
+}  // namespace
+}  // namespace headway
