@@ -74,7 +74,7 @@ TEST(DecodeRowsTest, YoloxPutsBoxesByCellAndStride) {
   EXPECT_NEAR(boxes[0].box.bottom, 2.0 * (20.0 + 8.0), 1e-4);
 }
 
-TEST(DecodeRowsTest, DarknetGivesSharesOfTheInput) {
+TEST(DecodeRowsTest, DarknetGivesRatiosOfTheInput) {
   NetworkParams params;
   params.family = NetworkParams::Family::kDarknet;
   params.input_width_px = params.input_height_px = 320;

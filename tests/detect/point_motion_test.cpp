@@ -99,7 +99,7 @@ TEST(CameraPathTest, WithoutPointsThereIsNothingToRefineBy) {
   EXPECT_TRUE(path.T_cam_world(0).isApprox(Pose::Identity()));
 }
 
-TEST(FitMotionTest, StaticPointsTellTheDisparitiesOffset) {
+TEST(FitMotionTest, StaticPointsDetermineTheDisparitiesOffset) {
   Drive drive;
   std::vector<stereo::OffsetEvidence> evidence;
   std::mt19937 random(5);

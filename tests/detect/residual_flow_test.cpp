@@ -112,7 +112,7 @@ TEST(ResidualFlowTest, DoesNotTakeBrightnessForMotion) {
   EXPECT_NEAR(median(look.flowsOn(kWalker)), 340.0 * 0.13 / depth, 0.4);
 }
 
-TEST(BodiesByFlowTest, CutsOutAWalkerCloseToAWall) {
+TEST(SegmentsByResidualFlowTest, CutsOutAWalkerCloseToAWall) {
   const Look look({kWall, kWalker});
   const Eigen::Vector3d foot = look.street.placeInCamera(kWalker, 1);
   EXPECT_FALSE(bodyAt(look.segments({}), foot, *look.street.camera())) << "by disparities alone";
@@ -124,7 +124,7 @@ TEST(BodiesByFlowTest, CutsOutAWalkerCloseToAWall) {
   EXPECT_LT(walker->across->sigma, 0.15);
 }
 
-TEST(BodiesByFlowTest, CutsNothingOutOfWhatStands) {
+TEST(SegmentsByResidualFlowTest, CutsNothingOutOfWhatStands) {
   const Look look({kWall, kStander});
   for (const auto& segment : look.segments(look.flow)) {
     if (!segment.across) continue;

@@ -39,7 +39,7 @@ struct Followed {
   [[nodiscard]] bool moves() { return SegmentFollower::moves(follower.tracks()[0], kUp, {}, 0.6); }
 };
 
-TEST(SegmentFollowerTest, TellsAWalkerFromAPostByTheirOutlines) {
+TEST(SegmentFollowerTest, DistinguishesAWalkerFromAPostByTheirOutlines) {
   Followed walker(1.4, -1);
   ASSERT_EQ(walker.follower.tracks().size(), 1u);
   EXPECT_TRUE(walker.moves());
@@ -48,7 +48,7 @@ TEST(SegmentFollowerTest, TellsAWalkerFromAPostByTheirOutlines) {
   EXPECT_FALSE(post.moves());
 }
 
-TEST(SegmentFollowerTest, GoesOnThroughAFrameInWhichSomethingHidesTheBody) {
+TEST(SegmentFollowerTest, GoesOnThroughAFrameInWhichTheSegmentIsHidden) {
   Followed walker(1.4, 4);
   ASSERT_EQ(walker.follower.tracks().size(), 1u);
   const auto& track = walker.follower.tracks()[0];
@@ -80,7 +80,7 @@ TEST(SegmentFollowerTest, StereosErrorsOfDistanceDoNotBreakATrack) {
   }
 }
 
-TEST(SegmentFollowerTest, ABodyThatIsNotSeenAgainIsForgotten) {
+TEST(SegmentFollowerTest, ASegmentThatIsNotObservedAgainIsRemoved) {
   Followed walker(1.4, -1);
   for (int frame = kFrames; frame < kFrames + 5; ++frame) {
     walker.drive.path.advance(test::kFrameStep * frame, Pose::Identity());

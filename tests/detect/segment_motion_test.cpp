@@ -47,7 +47,7 @@ struct Scene {
   }
 };
 
-TEST(SegmentMotionTest, PartsThatTellLittleTellMuchTogether) {
+TEST(SegmentMotionTest, WeakMeasurementsAddUp) {
   const Eigen::Vector3d away(0.0, 0.0, 1.4);
   const Scene scene(away, 24);
   int sure = 0;
@@ -71,7 +71,7 @@ TEST(SegmentMotionTest, AcrossTheLineOfSightItIsPlain) {
   EXPECT_NEAR(together->velocity.x(), 1.2, 0.15);
 }
 
-TEST(SegmentMotionTest, AStillBodyStands) {
+TEST(SegmentMotionTest, AStaticSegmentStands) {
   for (const int count : {4, 12, 40}) {
     const auto together = Scene({0.0, 0.0, 0.0}, count).motion();
     ASSERT_TRUE(together);
@@ -88,7 +88,7 @@ TEST(SegmentMotionTest, ErrorsCommonToAllPartsAreNoEvidence) {
 
 TEST(SegmentMotionTest, AFewPartsSayNothing) { EXPECT_FALSE(Scene({1.2, 0.0, 0.0}, 2).motion()); }
 
-TEST(SegmentMotionTest, ItsFlowAloneTellsHowItMovesAcross) {
+TEST(SegmentMotionTest, ItsFlowAloneMeasuresItsMotionAcross) {
   Scene bare({0.0, 0.0, 0.0}, 1);
   bare.points.clear();
   const LateralSpeed flow{-1.1, 0.12, 0.1};
@@ -102,7 +102,7 @@ TEST(SegmentMotionTest, ItsFlowAloneTellsHowItMovesAcross) {
       << "of what it does along the line of sight it is silent";
 }
 
-TEST(SegmentMotionTest, TheFasterTheCameraTheMoreMustABodyMove) {
+TEST(SegmentMotionTest, TheFasterTheCameraTheMoreMustASegmentMove) {
   const LateralSpeed flow{-0.3, 0.02, 0.1};
   const Eigen::Vector3d still = Eigen::Vector3d::Zero();
   double evidence[2];

@@ -88,7 +88,7 @@ TEST(StereoLifterTest, ACarSeenFromBehindReachesAwayFromTheCamera) {
   EXPECT_NEAR(lifted->box.height, 1.52, 0.05);
 }
 
-TEST(StereoLifterTest, WithoutStereoTheHeightTellsTheDepthButLessSurely) {
+TEST(StereoLifterTest, WithoutStereoTheHeightGivesTheDepthLessAccurately) {
   const auto camera = testCamera();
   const Box2d box{300, 80, 315, 80 + 1.74 * 360.0 / 20.0};
   stereo::DisparityImage nothing = wall(10.0, *camera);

@@ -64,7 +64,7 @@ Outcome run(const PaintedStreet& street, const PaintedBox* object, const Spoil& 
   return outcome;
 }
 
-TEST(StereoMotionTest, FindsTheMoverAndNothingElse) {
+TEST(StereoMotionTest, FindsTheMovingObjectAndNothingElse) {
   const PaintedStreet street({kMoving, kParked, kPost});
   const auto outcome = run(street, &kMoving, {});
   EXPECT_GE(outcome.frames_with_mover, 6);
@@ -80,7 +80,7 @@ MotionDetections lastOf(const PaintedStreet& street) {
   return last;
 }
 
-TEST(StereoMotionTest, MeasuresVelocityAndPlaceOfTheMover) {
+TEST(StereoMotionTest, MeasuresVelocityAndPlaceOfTheMovingObject) {
   const PaintedStreet street({kMoving, kParked});
   const auto found = lastOf(street).detections;
   ASSERT_TRUE(found && found->items.size() == 1u);
@@ -98,7 +98,7 @@ TEST(StereoMotionTest, MeasuresVelocityAndPlaceOfTheMover) {
   EXPECT_GT(cv::countNonZero(object.mask->cells), 50);
 }
 
-TEST(StereoMotionTest, ForeseesWhereItsRegionsWillBe) {
+TEST(StereoMotionTest, PredictsItsRegions) {
   const PaintedStreet street({kMoving, kParked});
   const auto motion = lastOf(street);
   const auto here = motion.regionsAt(street.timeOf(kFrames - 1), *street.camera());
@@ -118,7 +118,7 @@ TEST(StereoMotionTest, ForeseesWhereItsRegionsWillBe) {
   EXPECT_TRUE(late.boxes.empty());
 }
 
-TEST(StereoMotionTest, AStillSceneHasNoMovers) {
+TEST(StereoMotionTest, AStaticSceneHasNoMovingObjects) {
   const PaintedStreet street({kParked, kPost});
   const auto outcome = run(street, nullptr, {});
   EXPECT_EQ(outcome.elsewhere, 0);
@@ -133,7 +133,7 @@ TEST(StereoMotionTest, WithoutAPoseTheFrameIsDropped) {
   EXPECT_TRUE(found.regionsAt(street.timeOf(0), *street.camera()).boxes.empty());
 }
 
-TEST(StereoMotionTest, AWrongPoseIsNotAFloodOfMovers) {
+TEST(StereoMotionTest, AWrongPoseGivesFewDetections) {
   std::vector<PaintedBox> parked;
   for (int i = 0; i < 7; ++i) {
     parked.push_back({{-9.0 + 3.0 * i, 1.6, 13.0 + i}, 2.2, 1.8, {0, 0, 0}, 20u + i});
@@ -194,7 +194,7 @@ TEST(StereoMotionTest, TheNumberOfThreadsDoesNotMatter) {
   EXPECT_EQ(places[0], places[1]);
 }
 
-// --- Trouble: found less, perhaps; never a flood of what is not there. ---
+// --- Degraded input: fewer detections, few false ones. ---
 
 constexpr int kBlackFrame = 6;
 constexpr int kMinWithMover[] = {0, 3, 3, 4, 4};  // frames in which it is found, by trouble
@@ -207,7 +207,7 @@ TEST_P(InTroubleTest, AStillSceneStaysStill) {
   EXPECT_LE(run(street, nullptr, trouble.spoil, trouble.right_late_s).elsewhere, 1);
 }
 
-TEST_P(InTroubleTest, TheMoverIsTheOnlyThingFound) {
+TEST_P(InTroubleTest, OnlyTheMovingObjectIsFound) {
   const auto trouble = test::troubles(kBlackFrame)[GetParam()];
   const PaintedStreet street({kMoving, kParked, kPost});
   const auto outcome = run(street, &kMoving, trouble.spoil, trouble.right_late_s);

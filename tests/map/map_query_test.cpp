@@ -198,7 +198,7 @@ TEST(TracksNearTest, AreSortedByFutureDistance) {
   EXPECT_EQ(later.items.front().distance_m, 0.0) << "he stands on the place";
 }
 
-TEST(TimeToCollisionTest, IsWhenTheBodiesMeet) {
+TEST(TimeToCollisionTest, IsWhenTheFootprintsMeet) {
   // Both at 1 m/s towards (3, 0): its corner (0.25, 0.2) touches his circle 0.4 m before it.
   const auto map = mapWith({walkingTrack(1, {3.0, -3.0}, {0.0, 1.0}, 0.02)});
   const auto collision = map.at(kNow).timeToCollision(kRobot, drive({0, 0}, {1, 0}, 3.0));

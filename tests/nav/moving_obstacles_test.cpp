@@ -125,7 +125,7 @@ TEST(MovingObstaclesTest, NumbersThatAreNoneMakeNoPoints) {
   }
 }
 
-TEST(MovingObstaclesTest, SensedPointsGoOnlyWithBodiesThatLeave) {
+TEST(MovingObstaclesTest, SensedPointsGoOnlyWithObjectsThatLeave) {
   MovingObstacles moving(paramsOf(ObstaclePolicy::kTimeGated));
   const Track leaving = walkingTrack(1, {2.5, 0.0}, {0.0, 1.5});
   moving.update({leaving}, Vector2d::Zero(), 0.0);

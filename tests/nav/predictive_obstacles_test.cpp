@@ -86,7 +86,7 @@ TEST_F(PredictiveObstaclesTest, AddsOccupiedCellsOfTheGrid) {
   EXPECT_EQ(0u, points_.size()) << "the map is not read";
 }
 
-TEST_F(PredictiveObstaclesTest, HasPointsAtAllHeightsOfABody) {
+TEST_F(PredictiveObstaclesTest, HasPointsAtAllHeightsOfAnObject) {
   map_.update(100.0, {meetingTrack()});
   ASSERT_TRUE(sense());
   bool low = false, high = false;

@@ -35,7 +35,7 @@ TEST(TransitionTest, IsTheIdentityForZeroTime) {
   EXPECT_EQ(still.Q.norm(), 0.0);
 }
 
-TEST(TransitionTest, LetsARateSettleOverALongGap) {
+TEST(TransitionTest, LetsARateConvergeOverALongGap) {
   const Transition gap(60.0, 1.0);
   EXPECT_NEAR(gap.F(0, 2), 59.0, 1e-6) << "an acceleration of 1 brings 1 m/s, not 60";
   EXPECT_TRUE(gap.Q.allFinite());

@@ -63,7 +63,7 @@ TEST_P(InTroubleTest, AStaticStreetHasNoMovingObjects) {
             1u);
 }
 
-TEST_P(InTroubleTest, OneMovingObjectIsNotAFlood) {
+TEST_P(InTroubleTest, OneMovingObjectGivesAtMostTwoMovingTracks) {
   auto boxes = kStillStreet;
   boxes.push_back(kMoving);
   EXPECT_LE(run(PaintedStreet(boxes), test::troubles(kBlackFrame)[GetParam()]).moving_tracks.size(),

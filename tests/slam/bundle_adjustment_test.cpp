@@ -122,7 +122,7 @@ TEST(AdjustBundleTest, LeavesKeyframesOutsideWhereTheyAre) {
   EXPECT_EQ(world.map.keyframe(world.keyframes[1]).T_map_cam.matrix(), before.matrix());
 }
 
-TEST(AdjustBundleTest, ForgetsWhatDoesNotFit) {
+TEST(AdjustBundleTest, RemovesObservationsThatDoNotFit) {
   World world = makeWorld(6, 0.0);
   LandmarkId wrong;
   for (const auto& [id, landmark] : world.map.landmarks()) {
@@ -218,7 +218,7 @@ TEST(BundleAdjusterTest, TakesOverFromTheBackgroundWhatItWouldHaveDoneAtOnce) {
   }
 }
 
-TEST(BundleAdjusterTest, ForgetsWhatIsAbandoned) {
+TEST(BundleAdjusterTest, DiscardsAbandonedSolves) {
   World world = makeWorld(6, 0.0);
   disturb(world);
   const Pose before = world.map.keyframe(world.keyframes[3]).T_map_cam;

@@ -134,7 +134,7 @@ TEST(InertialAlignmentTest, FindsASlopeAfterASecondWhateverTheMotion) {
   }
 }
 
-TEST(InertialAlignmentTest, TurningTellsTheBiasFromATilt) {
+TEST(InertialAlignmentTest, TurningSeparatesTheBiasFromATilt) {
   Course course;
   course.bias = {0.15, -0.1, 0.1};
   Drive run = started();

@@ -84,7 +84,7 @@ TEST(LoopCloserTest, FindsTheBeginningAgainAndPullsThePathTogether) {
 
 /// The camera is covered while it is driven round the first corners, so that the map is begun anew
 /// at a place and in a direction that are mere guesses.
-TEST(LoopCloserTest, JoinsPartsOfTheMapWhereOneSeesTheOther) {
+TEST(LoopCloserTest, MergesSubmapsWhereOneObservesTheOther) {
   constexpr int kJoinedBy = 122;
   SlamParams params;
   params.restart_after_frames = 5;

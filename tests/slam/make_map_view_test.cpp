@@ -27,7 +27,7 @@ TEST(MakeMapViewTest, KeyframesAreWhereTheRobotWas) {
   EXPECT_NEAR(view.keyframes[0].covariance(1, 1), 0.04, 1e-12) << "0.1 rad at 2 m";
 }
 
-TEST(MakeMapViewTest, LandmarksTellTheirGreyValueAndWhoSeesThem) {
+TEST(MakeMapViewTest, LandmarksHaveTheirGreyValueAndTheirObservers) {
   SparseMap map;
   const KeyframeId a = map.addKeyframe(0, 0.0, Pose::Identity()).id;
   const KeyframeId b = map.addKeyframe(1, 0.1, Pose::Identity()).id;

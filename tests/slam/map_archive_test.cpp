@@ -109,7 +109,7 @@ class SavedHallTest : public testing::Test {
 };
 
 /// A camera that is put down 20 times, at random places of the way and a little beside it.
-TEST_F(SavedHallTest, TellsWhereACameraStartsAgain) {
+TEST_F(SavedHallTest, RelocalisesACameraThatStartsAgain) {
   constexpr int kStarts = 20;
   constexpr int kFramesAStart = 5;
   std::mt19937 random(3);

@@ -71,13 +71,13 @@ TEST_F(CullingTest, AKeyframeWithLandmarksOfItsOwnStays) {
   EXPECT_EQ(redundantKeyframe(crowd.back(), kWindow, map_), std::nullopt);
 }
 
-TEST_F(CullingTest, AKeyframeThatSeesLandmarksFromNearestStays) {
+TEST_F(CullingTest, AKeyframeThatObservesLandmarksFromNearestStays) {
   const auto crowd = addCrowd(5);
   map_.keyframe(crowd[1]).T_map_cam.translation().z() = 6.0;
   EXPECT_EQ(redundantKeyframe(crowd.back(), kWindow, map_), std::nullopt);
 }
 
-TEST_F(CullingTest, TheHeirSharesMostLandmarks) {
+TEST_F(CullingTest, TheReplacementKeyframeSharesMostLandmarks) {
   const KeyframeId first = addKeyframe(0.0);
   const KeyframeId other = addKeyframe(1.0);
   const KeyframeId leaving = addKeyframe(2.0);
@@ -86,7 +86,7 @@ TEST_F(CullingTest, TheHeirSharesMostLandmarks) {
   EXPECT_EQ(replacementKeyframe(leaving, map_), other);
 }
 
-TEST_F(CullingTest, LandmarksOfARemovedKeyframeKeepTheirLooks) {
+TEST_F(CullingTest, LandmarksOfARemovedKeyframeKeepTheirAppearance) {
   const KeyframeId a = addKeyframe(0.0);
   const KeyframeId b = addKeyframe(1.0);
   const KeyframeId c = addKeyframe(3.0);

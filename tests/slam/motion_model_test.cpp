@@ -50,12 +50,12 @@ TEST(MotionModelTest, GoesOnAtConstantVelocity) {
   EXPECT_TRUE(moving().predict(frameAt(1.2)).isApprox(expected, 1e-9));
 }
 
-TEST(MotionModelTest, StandsAfterAGapItKnowsNothingOf) {
+TEST(MotionModelTest, StaysAtTheLastPoseAfterALongGap) {
   EXPECT_TRUE(moving().predict(frameAt(100.0)).isApprox(step(), 1e-12));
   EXPECT_TRUE(moving().predict(frameAt(0.5)).isApprox(step(), 1e-12));
 }
 
-TEST(MotionModelTest, BelievesOdometryMore) {
+TEST(MotionModelTest, OdometryReplacesTheConstantVelocity) {
   StereoFrame frame = frameAt(1.2);
   Pose forward = Pose::Identity();
   forward.translation() << 2.0, 0.0, 0.0;  // robot axes: along the optical z axis

@@ -52,7 +52,7 @@ double errorWith(const Mover& mover, DynamicRejection mode, double room_length =
 
 class MovingWorldTest : public testing::TestWithParam<double> {};
 
-TEST_P(MovingWorldTest, AMoverThatComesInDoesNotMoveTheCamera) {
+TEST_P(MovingWorldTest, AMovingObjectThatEntersDoesNotMoveTheCamera) {
   const Mover mover{GetParam(), 8};
   EXPECT_LT(errorWith(mover, DynamicRejection::kGeometric), 0.02);
 }
@@ -62,7 +62,7 @@ INSTANTIATE_TEST_SUITE_P(ShareOfTheImage, MovingWorldTest,
 
 class MovingWorldFromTheStartTest : public testing::TestWithParam<double> {};
 
-TEST_P(MovingWorldFromTheStartTest, WhatExtendsFarthestIsTakenForStill) {
+TEST_P(MovingWorldFromTheStartTest, WhatExtendsFarthestIsTakenAsStatic) {
   const Mover mover{GetParam(), 0, {0.1, -0.15, 0.0}};
   EXPECT_LT(errorWith(mover, DynamicRejection::kGeometric, 40.0), 0.03);
   EXPECT_GT(errorWith(mover, DynamicRejection::kNone, 40.0), 0.1);

@@ -69,7 +69,7 @@ TEST(PlaceIndexTest, PrefersThePlaceToAKeyframeWithMoreWordsOfItsOwn) {
   EXPECT_LT(index.query(asked, 1, any).at(0).keyframe.value, 8);
 }
 
-TEST(PlaceIndexTest, ForgetsWhatIsRemoved) {
+TEST(PlaceIndexTest, DoesNotReturnWhatIsRemoved) {
   PlaceIndex index;
   index.add(KeyframeId{1}, place(1));
   index.remove(KeyframeId{1});
@@ -77,7 +77,7 @@ TEST(PlaceIndexTest, ForgetsWhatIsRemoved) {
   EXPECT_TRUE(index.query(place(1), 5, any).empty());
 }
 
-TEST(PlaceIndexTest, KnowsNothingOfPointsWithoutDescriptor) {
+TEST(PlaceIndexTest, IgnoresPointsWithoutDescriptor) {
   PlaceIndex index;
   index.add(KeyframeId{1}, std::vector<Descriptor>(20));
   EXPECT_TRUE(index.query(std::vector<Descriptor>(20), 5, any).empty());

@@ -73,7 +73,7 @@ TEST(RigidMotionsTest, WhatAgreesOnNothingIsNoMotion) {
   EXPECT_TRUE(rigidMotions({}, kCamera, {Pose::Identity()}, 10).empty());
 }
 
-TEST(CameraMotionTest, IsThatOfWhatHasProvedStillWhereBothExtendAlike) {
+TEST(CameraMotionTest, IsThatOfVerifiedStaticLandmarksWhereBothExtendAlike) {
   std::vector<stereo::PoseConstraint> constraints;
   const Pose moved = shifted(0.0, 0.0, 0.8), as_if = shifted(0.5, 0.0, 0.2);
   addGroup(constraints, 60, 0.0, 600.0, 6.0, 20.0, moved);

@@ -44,7 +44,7 @@ TEST_F(SparseMapTest, NeighboursShareMostLandmarks) {
               ElementsAre(keyframes_[0], keyframes_[1], keyframes_[2]));
 }
 
-TEST_F(SparseMapTest, ForgettingTheLastObservationRemovesTheLandmark) {
+TEST_F(SparseMapTest, RemovingTheLastObservationRemovesTheLandmark) {
   map_.removeObservation(keyframes_[2], landmarks_[2]);
   EXPECT_EQ(map_.find(landmarks_[2]), nullptr);
   EXPECT_THAT(map_.keyframe(keyframes_[2]).landmarks, ElementsAre(landmarks_[0]));

@@ -249,7 +249,7 @@ TEST(StereoSlamTest, WithoutMappingAnEmptyMapStaysEmpty) {
   EXPECT_TRUE(slam.map().landmarks.empty());
 }
 
-TEST(StereoSlamTest, SeesInTheDark) {
+TEST(StereoSlamTest, TracksInDarkImages) {
   test::TexturedWorld world(test::smallCamera());
   world.addRoom(12.0, 8.0, 4.0);
   StereoSlam slam(world.camera(), SlamParams{});

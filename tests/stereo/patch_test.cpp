@@ -74,7 +74,7 @@ TEST(CutPatchTest, IsEmptyAtTheBorder) {
   EXPECT_FALSE(cutPatch(pattern({0.0, 0.0}), {80.0, 118.0}));
 }
 
-TEST(WarpPatchTest, LooksAsTheOtherViewDoes) {
+TEST(WarpPatchTest, EqualsTheOtherView) {
   const auto reference = cutReference(pattern({0.0, 0.0}), {80.3, 60.8});
   const double stretch = 1.3;  // the view is nearer: one of its pixels is 1 / 1.3 of a reference's
   const auto patch = warpPatch(reference, Eigen::Matrix2d::Identity() / stretch);

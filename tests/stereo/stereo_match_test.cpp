@@ -43,7 +43,7 @@ TEST(StereoMatcherTest, FindsDisparitiesToATenthOfAPixel) {
   }
 }
 
-TEST(StereoMatcherTest, RefinesANearbyGuess) {
+TEST(StereoMatcherTest, RefinesANearbyInitialValue) {
   const Wall wall(2.7);
   const auto disparity = StereoMatcher(100, 0.8).refine(wall.left, wall.right, {160.0, 120.0},
                                                         wall.disparity + 1.5, 0);
