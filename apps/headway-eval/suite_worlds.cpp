@@ -90,7 +90,9 @@ WorldRun runOnce(const World& world, const pipeline::PerceptionParams& params,
     if (!done()) break;
   }
   run.error = errorOf(world, perception.trajectory());
-  run.objects.labels = readLabels(world.truth_folder + "/label_02.txt");
+  // An empty file is the truth of a place in which no object came into view.
+  const std::string labels = world.truth_folder + "/label_02.txt";
+  if (fs::file_size(labels) > 0) run.objects.labels = readLabels(labels);
   run.objects.labels.resize(std::min(run.objects.labels.size(), run.objects.frames.size()));
   return run;
 }

@@ -63,6 +63,28 @@ TEST_F(SuiteCommandTest, ARobotsWorldIsARowForEachRig) {
   EXPECT_FALSE(figures.contains("tiny"));
 }
 
+TEST_F(SuiteCommandTest, EveryWorldForRobotsIsEvaluatedEvenWhereNoObjectIsVisible) {
+  const auto worlds = folder_ / "worlds";
+  std::filesystem::create_directories(worlds);
+  for (const std::string kind : {"hall", "campus", "warehouse"}) {
+    std::ofstream(worlds / (kind + ".ini"))
+        << "[world]\nkind = " << kind << "\n[route]\nspeed_mps = 0.9\n"
+        << "[traffic]\nvehicles = 0\ncyclists = 0\npedestrians = 0\nidle_people = 0\n";
+  }
+  const std::string json = folder_ / "s.json";
+  const auto result = runEval("suite -q --frames 2 --worlds " + worlds.string() + " -o " +
+                              std::string(folder_ / "out") + " --json " + json);
+  ASSERT_EQ(0, result.status) << result.error;
+  const auto figures = nlohmann::json::parse(contentOf(json));
+  for (const std::string kind : {"hall", "campus", "warehouse"}) {
+    for (const std::string rig : {"robot", "small"}) {
+      ASSERT_TRUE(figures.contains(kind + "-" + rig));
+      EXPECT_EQ(1U, figures[kind + "-" + rig]["camera"].size()) << "`both` alone";
+      EXPECT_TRUE(figures[kind + "-" + rig]["camera"].contains("both"));
+    }
+  }
+}
+
 TEST_F(SuiteCommandTest, ReusesARecordingOfTheSameWorld) {
   const std::string out = folder_ / "out";
   const std::string suite = " -q --worlds " + world() + " -o " + out + " --reuse";
