@@ -9,7 +9,9 @@
 #include <fstream>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <string>
+#include <unordered_map>
 #include <utility>
 
 namespace headway::app {
@@ -23,7 +25,9 @@ constexpr double kGround_m = 0.15;        ///< maximum height of ground and kerb
 constexpr double kHeightMargin_m = 0.01;  ///< surfaces this close to the asked height are undecided
 constexpr double kAheadFrom_m = 0.5;
 constexpr double kAheadTo_m = 3.0;
-constexpr int kMinPixels = 2;  ///< over all frames; rejects mixed pixels at depth edges
+constexpr int kMinPixels = 2;      ///< over all frames; rejects mixed pixels at depth edges
+constexpr int kVisiblePixels = 49;  ///< of an obstacle in one frame: a quarter of a matched block
+constexpr int kOutline_px = 2;      ///< width of a moving object's outline that its mask may miss
 constexpr double kSweptMargin_m = 0.2;
 
 fs::path numbered(const fs::path& folder, std::size_t frame) {
@@ -49,8 +53,8 @@ struct PixelCounts {
       : ground(cells, 0), obstacle(cells, 0), in_reach(cells, 0), ahead(cells, 0), drop(cells, 0) {}
   std::vector<int> ground;
   std::vector<int> obstacle;
-  std::vector<int> in_reach;  ///< of the obstacle
-  std::vector<int> ahead;     ///< of the obstacle
+  std::vector<int> in_reach;  ///< of the obstacle, most in one frame
+  std::vector<int> ahead;     ///< of the obstacle, most in one frame
   std::vector<int> drop;
 };
 
@@ -58,6 +62,8 @@ void countPixels(const cv::Mat& depth, const cv::Mat& moving, const StereoCamera
                  const Pose& T_map_robot, const eval::GridCells& grid,
                  const ObstacleHeights& heights, const ObstacleReach& reach, PixelCounts& counts) {
   const double ground = std::min(kGround_m, heights.min_m - kHeightMargin_m);
+  std::unordered_map<std::size_t, int> in_reach;
+  std::unordered_map<std::size_t, int> ahead;
   for (int v = 0; v < depth.rows; ++v) {
     for (int u = 0; u < depth.cols; ++u) {
       const double z = depth.at<std::uint16_t>(v, u) / kDepthUnit;
@@ -73,10 +79,13 @@ void countPixels(const cv::Mat& depth, const cv::Mat& moving, const StereoCamera
       if (height < ground && height > -heights.min_m) ++counts.ground[*cell];
       if (height < heights.min_m + kHeightMargin_m || height > heights.max_m) continue;
       ++counts.obstacle[*cell];
-      if (z >= reach.from_m && z <= reach.to_m) ++counts.in_reach[*cell];
-      if (z >= kAheadFrom_m && z <= kAheadTo_m) ++counts.ahead[*cell];
+      if (u < camera.fx * camera.baseline_m / z) continue;  // outside of the right image
+      if (z >= reach.from_m && z <= reach.to_m) ++in_reach[*cell];
+      if (z >= kAheadFrom_m && z <= kAheadTo_m) ++ahead[*cell];
     }
   }
+  for (const auto& [cell, n] : in_reach) counts.in_reach[cell] = std::max(counts.in_reach[cell], n);
+  for (const auto& [cell, n] : ahead) counts.ahead[cell] = std::max(counts.ahead[cell], n);
 }
 
 /// Marks the cells covered by the box of a moving object.
@@ -146,27 +155,26 @@ GridTruth gridTruth(const fs::path& folder, const StereoCamera& camera, const ev
   GridTruth truth{grid, none, none, none, none};
   const auto poses = io::readTum((folder / "trajectory.tum").string());
   PixelCounts counts(grid.states.size());
+  constexpr int kSide = 2 * kOutline_px + 1;
+  const cv::Mat outline = cv::getStructuringElement(cv::MORPH_RECT, {kSide, kSide});
   for (std::size_t frame = 0; frame < poses.size(); ++frame) {
-    countPixels(readImage(numbered(folder / "depth", frame), camera),
-                readImage(numbered(folder / "masks", frame), camera), camera, poses[frame].value,
-                grid, heights, reach, counts);
+    cv::Mat moving = readImage(numbered(folder / "masks", frame), camera);
+    cv::dilate(moving, moving, outline);
+    countPixels(readImage(numbered(folder / "depth", frame), camera), moving, camera,
+                poses[frame].value, grid, heights, reach, counts);
   }
   for (std::size_t i = 0; i < grid.states.size(); ++i) {
     truth.cells.states[i] = counts.obstacle[i] >= kMinPixels ? eval::CellState::kOccupied
                             : counts.ground[i] >= kMinPixels ? eval::CellState::kFree
                                                              : eval::CellState::kUnknown;
-    truth.in_reach[i] = counts.in_reach[i] >= kMinPixels;
-    truth.ahead[i] = counts.ahead[i] >= kMinPixels;
+    truth.in_reach[i] = counts.in_reach[i] >= kVisiblePixels;
+    truth.ahead[i] = counts.ahead[i] >= kVisiblePixels;
     // A pit's wall is no obstacle of its own; what reaches above the ground is.
     truth.drops[i] = counts.drop[i] >= kMinPixels && counts.obstacle[i] < kMinPixels;
   }
   markDrops(folder / "drops.csv", grid, truth.drops);
   for (const auto& sample : io::readTrackCsv((folder / "objects.csv").string())) {
     if (isMoving(sample.track)) markSwept(sample.track, grid, truth.swept);
-  }
-  // Masks miss pixels at a moving object's outline; nothing static stands where it passed.
-  for (std::size_t i = 0; i < grid.states.size(); ++i) {
-    if (truth.swept[i] != 0) truth.in_reach[i] = truth.ahead[i] = 0;
   }
   return truth;
 }

@@ -33,7 +33,8 @@ struct GridTruth {
 /// Computes the true occupancy from the truth folder of a simulated rawlog: true depth images,
 /// masks of moving objects and true poses. A cell is occupied if a static surface at an obstacle's
 /// height is visible in it, free if only ground is, unknown if a surface within 1 cm of the minimum
-/// height is and no higher one.
+/// height is and no higher one. An obstacle counts as visible where both cameras see it, with 49
+/// pixels in one frame of the left one: a quarter of a block that is matched.
 ///
 /// @param folder  NAME.truth with depth/, masks/, trajectory.tum, objects.csv and, if there are
 ///                drops, drops.csv

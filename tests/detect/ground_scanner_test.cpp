@@ -151,6 +151,32 @@ TEST(ScanGroundTest, ARampIsNoWall) {
   EXPECT_GT(obstaclesBetween(scanOf(imageOf({}, 0.0, step)), 7.8, 8.3), 100);
 }
 
+TEST(ScanGroundTest, ATableIsAnObstacleThoughNothingStands) {
+  std::vector<Plate> top;
+  for (double depth = 5.0; depth < 5.8; depth += 0.02) top.push_back({depth, -1.0, 1.0, 0.7, 0.72});
+  const auto scan = scanOf(imageOf(top));
+  EXPECT_GT(obstaclesBetween(scan, 4.9, 5.9), 50);
+  EXPECT_FALSE(isFree(scan, 5.4, 0.0));
+  EXPECT_TRUE(isFree(scan, 5.4, 2.0)) << "beside it";
+}
+
+TEST(ScanGroundTest, WhatIsAsHighAsAnObstacleIsOneBehindAnObstacle) {
+  const auto kerb = [](double z) { return z < 8.0 ? 0.0 : 0.35; };
+  const auto scan = scanOf(imageOf({}, 0.0, kerb));
+  EXPECT_GT(obstaclesBetween(scan, 7.8, 8.3), 100);
+  EXPECT_GT(obstaclesBetween(scan, 9.0, 12.0), 100);
+  EXPECT_FALSE(isFree(scan, 10.0, 0.0));
+}
+
+TEST(ScanGroundTest, ADropEndsFreeGround) {
+  const auto pit = [](double z) { return z < 8.0 || z > 12.0 ? 0.0 : -1.0; };
+  const auto scan = scanOf(imageOf({}, 0.0, pit));
+  EXPECT_TRUE(isFree(scan, 7.5, 0.0));
+  for (double x = 8.2; x < 20.0; x += 0.5) EXPECT_FALSE(isFree(scan, x, 0.0)) << x;
+  const auto slope = [](double z) { return z < 8.0 ? 0.0 : -0.08 * (z - 8.0); };
+  EXPECT_TRUE(isFree(scanOf(imageOf({}, 0.0, slope)), 9.0, 0.0)) << "a ramp down is no drop";
+}
+
 TEST(ScanGroundTest, NothingIsFreedWhereALongGapWithoutTextureMayHideSomething) {
   stereo::DisparityImage image = imageOf({});
   const auto camera = testCamera();

@@ -27,10 +27,11 @@ struct GroundScanParams {
 
 /// Scans the ground: a ray for each column of a disparity image.
 ///
-/// Obstacles are detected by upright cells in a column, enough of them at one distance, so that a
-/// ramp is not an obstacle. The nearest ends the ray. The ground before it is free where it was
-/// observed, as far before that as the line of sight is lower than an obstacle, and over short gaps
-/// without texture. The area behind the end is unknown.
+/// The nearest obstacle of a column is what stands upright at one distance, or what is higher than
+/// a ramp could be at its distance, such as the top of a table; behind it, every surface as high as
+/// an obstacle is one. Ground is free where it was matched and an obstacle in front of it would
+/// have been noticed, up to the nearest obstacle or drop; gaps without texture are bridged up to
+/// 1.5 times the height of the camera. Everything else is unknown.
 ///
 /// @param ground   before the camera, in this image
 /// @param moving   left out, with what they hide; the unsure ones, too

@@ -1,0 +1,225 @@
+#include "column_scanner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace headway::detect {
+namespace {
+
+// Ratios of the minimum height of an obstacle.
+constexpr double kUprightRatio = 0.25 / 0.3;  // height that must be matched at one distance,
+constexpr double kMatchedRatio = 0.6;         // of that height: texture may be missing
+constexpr double kMinRiseRatio = 0.4;         // from its lowest to its highest point
+
+constexpr int kMinRows = 3;              // of an obstacle, a drop or free ground
+constexpr double kMaxSlope = 0.12;       // of a ramp
+constexpr double kDepth = 0.25;          // "one distance" [m]
+constexpr double kDisparity = 1.5;       // or this difference of disparities [px]
+constexpr double kDistinctSigmas = 2.0;  // between depths of one obstacle that are kept apart
+constexpr double kBeyondReach = 1.3;     // an obstacle up to here ends a column
+constexpr double kContrastSigmas = 3.0;  // between ground and an obstacle that would hide it
+// Ground without texture is free where it is shorter than this. A drop as long could not be told
+// from it; shorter ones are bridged by a robot, whose length is about its camera's height.
+constexpr double kMaxGapRatio = 1.5;  // of the camera's height,
+constexpr double kMaxGapRows = 3.0;   // or of the distance between neighbouring rows
+
+}  // namespace
+
+ColumnScanner::ColumnScanner(const stereo::DisparityImage& disparity, const StereoCamera& camera,
+                             const stereo::GroundPlane& ground, const GroundScanParams& params)
+    : disparity_(disparity),
+      camera_(camera),
+      ground_(ground),
+      params_(params),
+      fb_(camera.fx * camera.baseline_m) {}
+
+void ColumnScanner::scan(int column, const cv::Mat& left_out, GroundScan& scan) {
+  read(column, left_out);
+  const auto obstacles = obstacleDepths();
+  double free_to = std::min(params_.reach_m, dropFrom());
+  if (!obstacles.empty()) {
+    free_to = std::min(free_to, obstacles.front() - sigmaAt(obstacles.front()));
+  }
+  for (const auto& piece : freeBefore(free_to)) {
+    scan.free.push_back({placeAt(column, piece.from), placeAt(column, piece.to)});
+  }
+  for (const double depth : obstacles) {
+    if (depth > params_.reach_m || sigmaAt(depth) > params_.max_error_m) break;
+    scan.obstacles.push_back({placeAt(column, depth), static_cast<float>(sigmaAt(depth))});
+  }
+}
+
+void ColumnScanner::read(int column, const cv::Mat& left_out) {
+  raised_.clear();
+  surface_.clear();
+  const double x = (disparity_.pixelOf(column) - camera_.cx) / camera_.fx;
+  const double least = fb_ / (kBeyondReach * params_.reach_m);
+  for (int row = 0; row < disparity_.values.rows; ++row) {
+    const double d = disparity_.values.at<float>(row, column);
+    if (d < least || left_out.at<std::uint8_t>(row, column) != 0) continue;
+    const double y = (disparity_.pixelOf(row) - camera_.cy) / camera_.fy;
+    const double depth = fb_ / d;
+    const double height = ground_.heightOf(Eigen::Vector3d(x, y, 1.0) * depth);
+    if (height > params_.max_obstacle_height_m) continue;
+    if (height > ground_.clearance(depth)) {
+      raised_.push_back({d, height});
+    } else {
+      surface_.push_back({depth, height});
+    }
+  }
+  std::sort(raised_.begin(), raised_.end(),
+            [](const Raised& a, const Raised& b) { return a.disparity > b.disparity; });
+  std::sort(surface_.begin(), surface_.end(),
+            [](const Surface& a, const Surface& b) { return a.depth < b.depth; });
+}
+
+/// Depths of what the robot can drive neither over nor under, in ascending order [m].
+///
+/// The nearest stands upright or is higher than a ramp could be, such as the top of a table. Behind
+/// it, whatever is as high as an obstacle is one: it could only be reached through the nearest.
+std::vector<double> ColumnScanner::obstacleDepths() const {
+  std::vector<double> depths;
+  std::size_t last = 0;
+  for (std::size_t first = 0; first < raised_.size();) {
+    const double d = raised_[first].disparity;
+    const double depth = fb_ / d;
+    const double farthest = d - std::max(kDisparity, d * kDepth / (depth + kDepth));
+    while (last < raised_.size() && raised_[last].disparity >= farthest) ++last;
+    if (isUpright(first, last, fb_ / farthest - depth) ||
+        isElevated(first, last, !depths.empty())) {
+      addDepths(first, last, depths);
+      first = last;
+    } else {
+      ++first;
+    }
+  }
+  return depths;
+}
+
+/// Whether points at one distance stand.
+/// @param extent  of that distance [m]
+bool ColumnScanner::isUpright(std::size_t first, std::size_t last, double extent) const {
+  const double depth = fb_ / raised_[first].disparity;
+  const double rows =
+      kUprightRatio * params_.min_obstacle_height_m * camera_.fy / disparity_.reduce / depth;
+  if (static_cast<double>(last - first) < std::max(1.0 * kMinRows, kMatchedRatio * rows)) {
+    return false;
+  }
+  double top = 0.0;
+  double bottom = params_.max_obstacle_height_m;
+  for (std::size_t i = first; i < last; ++i) {
+    top = std::max(top, raised_[i].height);
+    bottom = std::min(bottom, raised_[i].height);
+  }
+  const double rise = std::max(kMinRiseRatio * params_.min_obstacle_height_m, kMaxSlope * extent);
+  return top >= params_.min_obstacle_height_m && top - bottom >= rise;
+}
+
+/// Whether points at one distance have at least a height: enough rows, or behind an obstacle as
+/// many as a horizontal surface would show.
+bool ColumnScanner::isElevated(std::size_t first, std::size_t last, bool behind) const {
+  const double near = raised_[first].disparity / fb_;
+  const double ramp = behind ? 0.0 : kMaxSlope / near;
+  const double height = std::max(ramp, params_.min_obstacle_height_m);
+  const double far = raised_[last - 1].disparity / fb_;
+  const double below = std::abs(ground_.camera_height - height);
+  const double horizontal = camera_.fy / disparity_.reduce * below * (near - far);
+  int rows = 0;
+  for (std::size_t i = first; i < last; ++i) rows += raised_[i].height >= height ? 1 : 0;
+  const double needed =
+      behind ? std::clamp(kMatchedRatio * horizontal, 1.0, 1.0 * kMinRows) : kMinRows;
+  return rows >= needed;
+}
+
+/// Appends the means of the points at one distance, apart where they differ significantly.
+void ColumnScanner::addDepths(std::size_t first, std::size_t last,
+                              std::vector<double>& depths) const {
+  const double step = kDistinctSigmas * params_.sigma_disparity_px;
+  const std::size_t before = depths.size();
+  for (std::size_t i = first; i < last;) {
+    double sum = 0.0;
+    std::size_t end = i;
+    for (; end < last && raised_[i].disparity - raised_[end].disparity < step; ++end) {
+      sum += raised_[end].disparity;
+    }
+    const auto rows = static_cast<double>(end - i);
+    if (rows >= kMinRows) depths.push_back(fb_ * rows / sum);
+    i = end;
+  }
+  if (depths.size() == before) depths.push_back(fb_ / raised_[(first + last) / 2].disparity);
+}
+
+/// Depth of the last ground before a drop, behind which the surface is lower than an obstacle is
+/// high and than a ramp could lead down; infinite where there is none [m].
+double ColumnScanner::dropFrom() const {
+  Surface edge{0.0, 0.0};
+  int rows = 0;
+  for (const auto& point : surface_) {
+    if (isGround(point)) {
+      edge = point;
+      rows = 0;
+    } else if (point.height <= -params_.min_obstacle_height_m &&
+               edge.height - point.height > kMaxSlope * (point.depth - edge.depth) &&
+               ++rows >= kMinRows) {
+      return edge.depth;
+    }
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+/// Ground on which an obstacle of the minimum height would have been noticed: it would hide ground
+/// that was matched behind it, at a disparity that differs from its own.
+std::vector<ColumnScanner::Interval> ColumnScanner::freeBefore(double depth) const {
+  std::vector<Interval> pieces;
+  int rows = 0;  // of the last piece
+  double last = -std::numeric_limits<double>::infinity();
+  const auto dropUnsupported = [&] {
+    if (!pieces.empty() && rows < kMinRows) pieces.pop_back();
+  };
+  for (const auto& point : surface_) {
+    if (!isGround(point)) continue;
+    const double seen = point.depth;
+    const double row = seen * seen / (camera_.fy * ground_.camera_height) * disparity_.reduce;
+    const double max_gap = std::max(kMaxGapRatio * ground_.camera_height, kMaxGapRows * row);
+    const double from =
+        std::max(hiddenFrom(seen), seen - last <= max_gap ? distinctBefore(last) : seen);
+    const double to = std::min(distinctBefore(seen), depth);
+    last = seen;
+    if (from >= depth) break;
+    if (from >= to) continue;
+    if (pieces.empty() || pieces.back().to < from) {
+      dropUnsupported();
+      pieces.push_back({from, to});
+      rows = 0;
+    }
+    ++rows;
+    pieces.back().to = std::max(pieces.back().to, to);
+  }
+  dropUnsupported();
+  return pieces;
+}
+
+/// An obstacle of the minimum height hides the ground seen at a depth if it stands from here on.
+double ColumnScanner::hiddenFrom(double seen) const {
+  return seen * (1.0 - std::min(1.0, params_.min_obstacle_height_m / ground_.camera_height));
+}
+
+/// An obstacle up to here has another disparity than the ground at a depth.
+double ColumnScanner::distinctBefore(double seen) const {
+  return fb_ / (fb_ / seen + kContrastSigmas * params_.sigma_disparity_px);
+}
+
+double ColumnScanner::sigmaAt(double depth) const {
+  return params_.sigma_disparity_px * depth * depth / fb_;
+}
+
+/// Where the column's plane of sight meets the ground at a depth, in the robot's frame.
+Eigen::Vector3f ColumnScanner::placeAt(int column, double depth) const {
+  const double x = depth * (disparity_.pixelOf(column) - camera_.cx) / camera_.fx;
+  const double y =
+      -(ground_.camera_height + ground_.up.x() * x + ground_.up.z() * depth) / ground_.up.y();
+  return (camera_.T_robot_cam * Eigen::Vector3d(x, y, depth)).cast<float>();
+}
+
+}  // namespace headway::detect

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <headway/core/ground_scan.h>
+#include <headway/detect/ground_scanner.h>
+
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+namespace headway::detect {
+
+/// Scans the columns of a disparity image for free ground and obstacles, see scanGround().
+class ColumnScanner {
+ public:
+  /// @param params  without 0; all arguments must outlive the scanner
+  ColumnScanner(const stereo::DisparityImage& disparity, const StereoCamera& camera,
+                const stereo::GroundPlane& ground, const GroundScanParams& params);
+
+  /// Adds what a column shows.
+  /// @param left_out  nonzero where cells of the disparity image are not used
+  void scan(int column, const cv::Mat& left_out, GroundScan& scan);
+
+ private:
+  /// A point that may be part of an obstacle.
+  struct Raised {
+    double disparity;
+    double height;  ///< [m]
+  };
+  /// A point of the ground, or below it [m].
+  struct Surface {
+    double depth;
+    double height;
+  };
+  /// Depths between which the ground of a column is free [m].
+  struct Interval {
+    double from;
+    double to;
+  };
+
+  void read(int column, const cv::Mat& left_out);
+  [[nodiscard]] std::vector<double> obstacleDepths() const;
+  [[nodiscard]] bool isUpright(std::size_t first, std::size_t last, double extent) const;
+  [[nodiscard]] bool isElevated(std::size_t first, std::size_t last, bool behind) const;
+  void addDepths(std::size_t first, std::size_t last, std::vector<double>& depths) const;
+  [[nodiscard]] double dropFrom() const;
+  [[nodiscard]] std::vector<Interval> freeBefore(double depth) const;
+
+  [[nodiscard]] bool isGround(const Surface& point) const {
+    return point.height >= -ground_.clearance(point.depth);
+  }
+  [[nodiscard]] double hiddenFrom(double seen) const;
+  [[nodiscard]] double distinctBefore(double seen) const;
+  [[nodiscard]] double sigmaAt(double depth) const;
+  [[nodiscard]] Eigen::Vector3f placeAt(int column, double depth) const;
+
+  const stereo::DisparityImage& disparity_;
+  const StereoCamera& camera_;
+  const stereo::GroundPlane& ground_;
+  const GroundScanParams& params_;
+  double fb_;
+  std::vector<Raised> raised_;    ///< of the column read, nearest first
+  std::vector<Surface> surface_;  ///< of the column read, nearest first
+};
+
+}  // namespace headway::detect
