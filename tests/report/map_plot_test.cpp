@@ -1,7 +1,9 @@
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
+#include <headway_test/folders.h>
 
 #include <cmath>
+#include <opencv2/imgcodecs.hpp>
 
 #include "sections.h"
 
@@ -19,6 +21,19 @@ ReplayFolder straightReplay() {
   ReplayFolder folder;
   for (int i = 0; i < 50; ++i) folder.trajectory.push_back(at(100.0 + 0.1 * i, 1.0 * i, 0.0));
   return folder;
+}
+
+TEST(MapPlotTest, DrawsTheGridInPlace) {
+  headway::test::TemporaryFolder folder;
+  cv::Mat grid(20, 40, CV_8U, cv::Scalar(205));
+  ASSERT_TRUE(cv::imwrite((folder / "map_grid.png").string(), grid));
+  ReplayFolder replay = straightReplay();
+  GridFile file{(folder / "map_grid.png").string(), 0.5, {0.0, -5.0}};
+  replay.grid = file;
+  const std::string svg = mapPlot(replay, {});
+  EXPECT_THAT(svg, HasSubstr("width=\"40\" height=\"20\" transform=\"matrix("));
+  EXPECT_THAT(svg, HasSubstr("data:image/png;base64,"));
+  EXPECT_LT(svg.find("class=\"grid\""), svg.find("class=\"robot\"")) << "below the path";
 }
 
 TEST(MapPlotTest, DrawsPathLandmarksTracksAndScaleBar) {

@@ -38,7 +38,7 @@ render::PinholeView forwardView() {
 cv::Mat labelled(const std::vector<Track>& tracks) {
   cv::Mat picture = background();
   Canvas canvas(picture);
-  drawLabels(canvas, forwardView(), tracks);
+  drawLabels(canvas, forwardView(), tracks, 1.0);
   return picture;
 }
 

@@ -109,15 +109,48 @@ TEST(ExternalViewTest, OrbitReturnsAfter360Frames) {
   EXPECT_GT((eyeAt(20) - eyeAt(200)).norm(), 70.0) << "opposite after half a revolution";
 }
 
+TEST(SceneScaleTest, FollowsTheReachOfTheRig) {
+  const map::PerceptionMap map;
+  SnapshotInput input{map, 0, 0.0};
+  EXPECT_EQ(sceneScale(input), 1.0) << "without a camera";
+  StereoCamera car;
+  car.width = 1241;
+  car.height = 376;
+  car.fx = car.fy = 707.0;
+  car.cx = 620.0;
+  car.cy = 188.0;
+  car.baseline_m = 0.54;
+  car.T_robot_cam.translation().z() = 1.65;
+  input.camera = std::make_shared<const StereoCamera>(car);
+  EXPECT_EQ(sceneScale(input), 1.0);
+  StereoCamera small = car;
+  small.baseline_m = 0.05;
+  small.T_robot_cam.translation().z() = 0.3;
+  input.camera = std::make_shared<const StereoCamera>(small);
+  const double scale = sceneScale(input);
+  EXPECT_GE(scale, 0.2);
+  EXPECT_LT(scale, 0.4);
+  SnapshotOptions options;
+  options.view = View::kTop;
+  EXPECT_NEAR(externalView(options, input, 0.0).T_map_camera.translation().z(), 95.0 * scale, 1e-6);
+}
+
+TEST(SceneScaleTest, GridLinesHaveRoundSpacings) {
+  EXPECT_DOUBLE_EQ(gridSpacing(1.0), 10.0);
+  EXPECT_DOUBLE_EQ(gridSpacing(0.99), 5.0);
+  EXPECT_DOUBLE_EQ(gridSpacing(0.33), 2.0);
+  EXPECT_DOUBLE_EQ(gridSpacing(0.28), 2.0);
+}
+
 TEST(FrustumEdgesTest, StartAtTheCameraAndEndInItsImageCorners) {
   const auto camera = streetCamera();
   const Pose T_map_robot(Eigen::Translation3d(3, 4, 0.5));
-  const auto edges = frustumEdges(camera, T_map_robot);
+  const auto edges = frustumEdges(camera, T_map_robot, 0.5);
   const Pose T_cam_map = (T_map_robot * camera.T_robot_cam).inverse();
   for (std::size_t i = 4; i < 8; ++i) {
     EXPECT_LT((T_cam_map * edges[i].first).norm(), 1e-9);
     const Eigen::Vector3d corner = T_cam_map * edges[i].second;
-    EXPECT_NEAR(corner.z(), 1.8, 1e-9);
+    EXPECT_NEAR(corner.z(), 0.9, 1e-9);
     const auto pixel = headway::project(corner, camera);
     ASSERT_TRUE(pixel);
     EXPECT_NEAR(std::min(pixel->x(), camera.width - pixel->x()), 0.0, 1e-6);

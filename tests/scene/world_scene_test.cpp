@@ -6,8 +6,10 @@
 #include <mrpt/opengl/CPointCloudColoured.h>
 #include <mrpt/opengl/CSetOfLines.h>
 #include <mrpt/opengl/CSetOfObjects.h>
+#include <mrpt/opengl/CTexturedPlane.h>
 
 #include "example_street.h"
+#include "view.h"
 
 namespace headway::scene {
 namespace {
@@ -44,6 +46,27 @@ TEST(WorldSceneTest, ContainsAllParts) {
                            "edges_Pedestrian", "edges_Cyclist", "edges_Truck", "labels"}) {
     EXPECT_NE(moving->getByName(name), nullptr) << name;
   }
+}
+
+TEST(WorldSceneTest, ShowsTheOccupancyGridBelowEverythingElse) {
+  auto map = streetMap();
+  map.update(mrpt::maps::COccupancyGridMap2D::Create(-500.f, 500.f, -10.f, 20.f, 0.5f));
+  const auto input = streetInput(map);
+  const auto planeIn = [&](const render::PinholeView* view) {
+    auto scene = WorldScene(SceneUse::kPicture, 2.f).build(input, 0.0, view);
+    return std::dynamic_pointer_cast<mrpt::opengl::CTexturedPlane>(scene.getByName("occupancy"));
+  };
+  const SnapshotOptions options;
+  const auto view = externalView(options, input, 0.0);
+  const auto plane = planeIn(&view);
+  ASSERT_NE(plane, nullptr);
+  float x_min = 0.f, x_max = 0.f, y_min = 0.f, y_max = 0.f;
+  plane->getPlaneCorners(x_min, x_max, y_min, y_max);
+  EXPECT_LT(x_max - x_min, 130.f) << "what a picture shows";
+  EXPECT_FLOAT_EQ(y_min, -10.f);
+  EXPECT_FLOAT_EQ(y_max, 20.f);
+  EXPECT_LT(plane->getPoseZ(), 0.0);
+  EXPECT_NE(planeIn(nullptr), nullptr);
 }
 
 TEST(WorldSceneTest, OmitsMissingParts) {

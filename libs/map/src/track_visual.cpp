@@ -23,7 +23,9 @@ constexpr double kUncertaintyHeight = 0.03;
 constexpr double kTrailHeight = 0.05;
 constexpr double kPredictionHeight = 0.07;
 
-double bandWidth(const Track& track) { return isVehicle(track.object_class) ? 0.30 : 0.16; }
+double bandWidth(const Track& track, double scale) {
+  return std::sqrt(scale) * (isVehicle(track.object_class) ? 0.30 : 0.16);
+}
 
 std::vector<Eigen::Vector3d> raised(std::vector<Eigen::Vector3d> polyline, double height) {
   for (auto& point : polyline) point.z() += height;
@@ -73,27 +75,27 @@ void appendEdges(const Track& track, mrpt::opengl::CSetOfLines& out) {
   }
 }
 
-void appendTrail(const Track& track, mrpt::opengl::CSetOfTriangles& out) {
+void appendTrail(const Track& track, double scale, mrpt::opengl::CSetOfTriangles& out) {
   const auto trail = raised(groundTrail(track), kTrailHeight);
   appendRibbon(
-      trail, HalfWidths(trail.size(), 0.5 * bandWidth(track)), colourOf(track.object_class),
+      trail, HalfWidths(trail.size(), 0.5 * bandWidth(track, scale)), colourOf(track.object_class),
       [](double along) { return 40.0 + 190.0 * along; }, out);
 }
 
-void appendDashes(const Track& track, const PredictedPath& prediction,
+void appendDashes(const Track& track, const PredictedPath& prediction, double scale,
                   mrpt::opengl::CSetOfTriangles& out) {
   const auto path = raised(groundPath(track, prediction), kPredictionHeight);
   const double opacity = 90.0 + 165.0 * prediction.probability;
-  for (const auto& dash : dashesOf(path, kDashM, kGapM)) {
-    appendRibbon(dash, 1.2 * bandWidth(track), kPredictionColour, opacity, out);
+  for (const auto& dash : dashesOf(path, scale * kDashM, scale * kGapM)) {
+    appendRibbon(dash, 1.2 * bandWidth(track, scale), kPredictionColour, opacity, out);
   }
 }
 
 /// A band of one standard deviation to each side, across the path.
-void appendUncertainty(const Track& track, const PredictedPath& prediction,
+void appendUncertainty(const Track& track, const PredictedPath& prediction, double scale,
                        mrpt::opengl::CSetOfTriangles& out) {
   const auto path = raised(groundPath(track, prediction), kUncertaintyHeight);
-  HalfWidths half_widths{0.5 * bandWidth(track)};
+  HalfWidths half_widths{0.5 * bandWidth(track, scale)};
   for (std::size_t i = 1; i < path.size(); ++i) {
     const Eigen::Vector2d way = (path[i] - path[i - 1]).head<2>();
     Eigen::Vector2d normal = Eigen::Vector2d::UnitY();
@@ -135,21 +137,21 @@ std::vector<const Track*> shownTracks(const std::vector<Track>& tracks, bool sho
 }
 
 void insertPaths(const std::vector<const Track*>& tracks,
-                 const CMovingObjectsMap::TInsertionOptions& options,
+                 const CMovingObjectsMap::TInsertionOptions& options, double scale,
                  mrpt::opengl::CSetOfObjects& out) {
   auto uncertainty = newTriangles("uncertainty");
   auto predictions = newTriangles("predictions");
   auto trails = newTriangles("trails");
   for (const Track* track : tracks) {
     if (!isMoving(*track)) continue;  // static objects have neither trail nor prediction
-    appendTrail(*track, *trails);
+    appendTrail(*track, scale, *trails);
     for (const auto& prediction : track->predictions) {
       if (prediction.probability < kMinProbability ||
           lengthOf(groundPath(*track, prediction)) < kShortestPathM) {
         continue;
       }
-      if (options.show_uncertainty) appendUncertainty(*track, prediction, *uncertainty);
-      if (options.show_predictions) appendDashes(*track, prediction, *predictions);
+      if (options.show_uncertainty) appendUncertainty(*track, prediction, scale, *uncertainty);
+      if (options.show_predictions) appendDashes(*track, prediction, scale, *predictions);
     }
   }
   out.insert(uncertainty);
@@ -176,11 +178,11 @@ void insertEdges(const std::vector<const Track*>& tracks, mrpt::opengl::CSetOfOb
 }  // namespace
 
 void insertTrackVisual(const std::vector<Track>& tracks,
-                       const CMovingObjectsMap::TInsertionOptions& options,
+                       const CMovingObjectsMap::TInsertionOptions& options, double scale,
                        mrpt::opengl::CSetOfObjects& out) {
   const auto shown = shownTracks(tracks, options.show_tentative);
   if (shown.empty()) return;
-  insertPaths(shown, options, out);
+  insertPaths(shown, options, scale, out);
   auto faces = newTriangles("faces");
   for (const Track* track : shown) appendFaces(*track, *faces);
   out.insert(faces);

@@ -9,9 +9,12 @@ class CSetOfObjects;
 namespace headway::map {
 
 /// Adds the 3D objects that show tracks, one per kind and not one per track, since drawing time
-/// depends on the number of objects: `uncertainty`, `predictions`, `trails`, `faces`, `edges_<class>`, `labels`.
+/// depends on the number of objects: `uncertainty`, `predictions`, `trails`, `faces`,
+/// `edges_<class>`, `labels`.
+///
+/// @param scale  of widths of paths and lengths of dashes; 1 for streets
 void insertTrackVisual(const std::vector<Track>& tracks,
-                       const CMovingObjectsMap::TInsertionOptions& options,
+                       const CMovingObjectsMap::TInsertionOptions& options, double scale,
                        mrpt::opengl::CSetOfObjects& out);
 
 }  // namespace headway::map

@@ -9,6 +9,13 @@
 #include <opencv2/imgproc.hpp>
 
 namespace headway::report {
+namespace {
+
+// Grey levels of a map server's picture: 254 free, 205 unknown, 0 occupied.
+constexpr int kFreeAbove = 230;
+constexpr int kOccupiedBelow = 100;
+
+}  // namespace
 
 std::string escaped(const std::string& text) {
   std::string result;
@@ -84,6 +91,17 @@ std::string pictureUri(const std::filesystem::path& path, int max_width) {
   std::vector<std::uint8_t> bytes;
   cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, 88});
   return "data:image/jpeg;base64," + base64(bytes);
+}
+
+GridPicture gridPicture(const std::filesystem::path& path) {
+  const cv::Mat grey = cv::imread(path.string(), cv::IMREAD_GRAYSCALE);
+  if (grey.empty()) throw InputError(path.string() + ": is not a readable picture");
+  cv::Mat picture(grey.size(), CV_8UC4, cv::Scalar::all(0));
+  picture.setTo(cv::Scalar(132, 168, 96, 110), grey > kFreeAbove);
+  picture.setTo(cv::Scalar(72, 92, 226, 235), grey < kOccupiedBelow);
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".png", picture, bytes);
+  return {"data:image/png;base64," + base64(bytes), grey.cols, grey.rows};
 }
 
 }  // namespace headway::report

@@ -33,4 +33,15 @@ namespace headway::report {
 /// @throws InputError if the picture cannot be read
 [[nodiscard]] std::string pictureUri(const std::filesystem::path& path, int max_width);
 
+/// The grid of a map server (grey picture: 254 free, 205 unknown, 0 occupied) as a PNG data URI in
+/// the page's colours, unknown cells transparent; and its size [px].
+///
+/// @throws InputError if the picture cannot be read
+struct GridPicture {
+  std::string uri;
+  int width = 0;
+  int height = 0;
+};
+[[nodiscard]] GridPicture gridPicture(const std::filesystem::path& path);
+
 }  // namespace headway::report

@@ -13,7 +13,9 @@ namespace {
 
 constexpr double kWidth = 1000.0;
 constexpr double kMinHeight = 420.0, kMaxHeight = 900.0;
-constexpr double kMarginM = 18.0;            ///< around the path
+constexpr double kMaxMarginM = 18.0;  ///< around the path
+constexpr double kMinMarginM = 3.0;
+constexpr double kMarginRatio = 0.35;        ///< of the path's extent
 constexpr double kMaxTrackDistanceM = 60.0;  ///< from the path, of tracks inside the plot
 constexpr double kHeadingBaseM = 3.0;        ///< distance over which the heading is determined
 constexpr double kSameTimeS = 0.05;
@@ -68,7 +70,9 @@ Eigen::AlignedBox2d boundsOf(const ReplayFolder& folder) {
       }
     }
   }
-  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(kMarginM);
+  const double wanted = kMarginRatio * path.sizes().maxCoeff();
+  const Eigen::Vector2d margin =
+      Eigen::Vector2d::Constant(std::clamp(wanted, kMinMarginM, kMaxMarginM));
   return {shown.min() - margin, shown.max() + margin};
 }
 
@@ -88,6 +92,27 @@ std::string landmarkDots(const std::vector<Eigen::Vector3f>& landmarks, const Pl
     if (frame.contains(point)) d += "M" + coordinates(point) + "h0";
   }
   return d.empty() ? "" : "<path class=\"dots\" d=\"" + d + "\"/>";
+}
+
+/// The occupancy grid below everything else, its pixels mapped to the plot by an affine transform.
+std::string occupancy(const std::optional<GridFile>& grid, const PlotFrame& frame) {
+  if (!grid) return "";
+  const GridPicture picture = gridPicture(grid->picture);
+  const auto placeOf = [&](double column, double row) {
+    return frame.toPlot(grid->origin +
+                        grid->resolution_m * Eigen::Vector2d(column, picture.height - row));
+  };
+  const Eigen::Vector2d corner = placeOf(0.0, 0.0);
+  const Eigen::Vector2d right = placeOf(1.0, 0.0) - corner;
+  const Eigen::Vector2d down = placeOf(0.0, 1.0) - corner;
+  std::string transform = "matrix(";
+  for (const Eigen::Vector2d& part : {right, down, corner}) {
+    transform += fixed(part.x(), 4) + " " + fixed(part.y(), 4) + " ";
+  }
+  transform.back() = ')';
+  return "<image class=\"grid\" width=\"" + std::to_string(picture.width) + "\" height=\"" +
+         std::to_string(picture.height) + "\" transform=\"" + transform + "\" href=\"" +
+         picture.uri + "\"/>";
 }
 
 bool isEverMoving(const TrackHistory& history) {
@@ -134,7 +159,7 @@ std::string mapPlot(const ReplayFolder& folder, const TruthLayer& truth) {
   const PlotFrame frame(boundsOf(folder));
   std::string svg = "<svg class=\"map\" viewBox=\"0 0 1000 " + fixed(frame.height(), 0) +
                     "\" role=\"img\" aria-label=\"Plan view of the map\">" +
-                    landmarkDots(folder.landmarks, frame);
+                    occupancy(folder.grid, frame) + landmarkDots(folder.landmarks, frame);
   for (const auto& history : truth.objects) {
     if (isEverMoving(history)) {
       svg += "<path class=\"truthtrack\" d=\"" + polyline(history.points, frame) + "\"/>";

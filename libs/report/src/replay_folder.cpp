@@ -5,6 +5,8 @@
 #include <headway/io/trajectory_file.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <map>
@@ -65,6 +67,27 @@ std::vector<fs::path> picturesIn(const fs::path& folder) {
   return pictures;
 }
 
+/// Reads the description that headway-replay writes beside the picture of the grid.
+std::optional<GridFile> readGrid(const fs::path& path) {
+  std::ifstream file(path);
+  if (!file) return std::nullopt;
+  GridFile grid;
+  for (std::string line; std::getline(file, line);) {
+    const auto value = line.substr(std::min(line.size(), line.find(':') + 1));
+    if (line.rfind("image:", 0) == 0) {
+      grid.picture = path.parent_path() / value.substr(value.find_first_not_of(' '));
+    } else if (line.rfind("resolution:", 0) == 0) {
+      grid.resolution_m = std::atof(value.c_str());
+    } else if (line.rfind("origin:", 0) == 0) {
+      std::sscanf(value.c_str(), " [%lf, %lf", &grid.origin.x(), &grid.origin.y());
+    }
+  }
+  if (!(grid.resolution_m > 0.0) || !fs::exists(grid.picture)) {
+    throw InputError(path.string() + ": names no picture or no resolution");
+  }
+  return grid;
+}
+
 }  // namespace
 
 std::vector<TrackHistory> readTracks(const fs::path& path) {
@@ -120,6 +143,7 @@ ReplayFolder readReplayFolder(const fs::path& path) {
   if (fs::exists(path / "map_points.ply")) {
     folder.landmarks = readPoints(path / "map_points.ply", kMaxLandmarks);
   }
+  folder.grid = readGrid(path / "map_grid.yaml");
   folder.snapshots = picturesIn(path / "snapshots");
   return folder;
 }

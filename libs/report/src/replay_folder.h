@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <vector>
 
 namespace headway::report {
@@ -27,6 +28,13 @@ struct TrackHistory {
   std::vector<TrackPoint> points;  ///< at least one
 };
 
+/// The occupancy grid as written for map servers.
+struct GridFile {
+  std::filesystem::path picture;
+  double resolution_m = 0.0;                         ///< side of a cell [m]
+  Eigen::Vector2d origin = Eigen::Vector2d::Zero();  ///< lower left corner, map frame [m]
+};
+
 /// The files of a finished replay that the report shows.
 struct ReplayFolder {
   std::filesystem::path path;
@@ -35,6 +43,7 @@ struct ReplayFolder {
   std::vector<Stamped<Pose>> trajectory;         ///< robot in map
   std::vector<TrackHistory> tracks;              ///< by first time, then id
   std::vector<Eigen::Vector3f> landmarks;        ///< a sample, map frame [m]
+  std::optional<GridFile> grid;                  ///< map_grid.yaml; nullopt without a grid
   std::vector<std::filesystem::path> snapshots;  ///< by name
 };
 

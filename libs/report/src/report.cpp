@@ -31,7 +31,7 @@ std::string mapSection(const ReplayFolder& folder, const TruthLayer& truth) {
   if (plot.empty()) return "";
   return section(
       "map", "Map",
-      "Plan view of the robot's path, the landmarks and the paths of moving objects. Dots "
+      "Plan view of the robot's path, the landmarks, free ground (green) and obstacles (red), and the paths of moving objects. Dots "
       "are static objects.",
       plot + classLegend(folder, !truth.trajectory.empty()));
 }

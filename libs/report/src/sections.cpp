@@ -97,11 +97,13 @@ std::string warnings(const ReplayFolder& folder) {
     html += "<p class=\"warning\">The replay ended early: " + escaped(ended->get<std::string>()) +
             "</p>";
   }
-  const Json all = folder.summary.value("warnings", Json::object());
-  for (const auto& [name, warning] : all.items()) {
-    html += "<p class=\"warning\">From frame " + grouped(countAt(warning, "first_frame")) + ", " +
-            grouped(countAt(warning, "count")) +
-            " times: " + escaped(warning.value("text", std::string(name))) + "</p>";
+  const auto found = folder.summary.find("warnings");
+  if (found != folder.summary.end() && found->is_object()) {
+    for (const auto& [name, warning] : found->items()) {
+      html += "<p class=\"warning\">From frame " + grouped(countAt(warning, "first_frame")) + ", " +
+              grouped(countAt(warning, "count")) +
+              " times: " + escaped(warning.value("text", std::string(name))) + "</p>";
+    }
   }
   const std::size_t lost = countAt(folder.summary, "frames_lost");
   if (lost > 0) {

@@ -23,6 +23,7 @@ header .warning{background:var(--warn);color:var(--warntext);border-radius:8px;p
 .tile span{color:var(--dim);font-size:.85rem}.tile .name{font-size:.8rem}
 svg{display:block;width:100%}
 .map{height:auto;border-radius:8px;background:var(--ground)}
+.grid{image-rendering:pixelated}
 .dots{stroke:var(--dots);stroke-width:2.4;stroke-linecap:round;fill:none}
 .robot,.truth,.track,.truthtrack{fill:none;stroke-linejoin:round;stroke-linecap:round}
 .track{stroke-width:3;stroke-opacity:.85}.truthtrack{stroke:var(--truth);stroke-width:1.4;stroke-opacity:.5;stroke-dasharray:3 5}

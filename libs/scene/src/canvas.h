@@ -12,9 +12,11 @@ namespace headway::scene {
 // Colours of everything but object classes, which are in headway/core/class_colour.h.
 inline constexpr Colour kBackgroundColour{15, 19, 27};
 inline constexpr Colour kGridColour{40, 48, 62};
-inline constexpr Colour kLowColour{110, 150, 200};   ///< landmarks at ground level
-inline constexpr Colour kHighColour{244, 214, 170};  ///< landmarks 6 m above the ground
-inline constexpr Colour kPathColour{255, 209, 71};   ///< path, robot and camera
+inline constexpr Colour kFreeColour{52, 96, 84};       ///< free cells of the occupancy grid
+inline constexpr Colour kOccupiedColour{226, 92, 72};  ///< occupied cells
+inline constexpr Colour kLowColour{110, 150, 200};     ///< landmarks at ground level
+inline constexpr Colour kHighColour{244, 214, 170};    ///< landmarks 6 m above the ground
+inline constexpr Colour kPathColour{255, 209, 71};     ///< path, robot and camera
 inline constexpr Colour kTextColour{232, 236, 242};
 inline constexpr Colour kDimTextColour{150, 160, 175};
 

@@ -12,14 +12,16 @@ namespace headway::scene {
 namespace {
 
 constexpr double kCellSizeM = 30.0;
+constexpr double kHighM = 6.0;              ///< of the highest tint above the ground, at scale 1
 constexpr std::size_t kSubsampling = 3;     ///< factor between levels
 constexpr double kAreaPerPoint_px2 = 16.0;  ///< about twice the area of a point
 
 /// Image intensity, brightened for the dark background and tinted by height: blue (low) to sand
 /// (high).
-mrpt::img::TColor colourOf(const slam::LandmarkView& landmark, double ground_z) {
+mrpt::img::TColor colourOf(const slam::LandmarkView& landmark, double ground_z, double scale) {
   const double brightness = 0.55 + 0.45 * landmark.intensity / 255.0;
-  const double height = std::clamp((landmark.position.z() - ground_z) / 6.0, 0.0, 1.0);
+  const double height =
+      std::clamp((landmark.position.z() - ground_z) / (kHighM * std::max(0.4, scale)), 0.0, 1.0);
   const auto mix = [&](std::uint8_t low, std::uint8_t high) {
     return static_cast<std::uint8_t>(brightness * (low + height * (high - low)));
   };
@@ -63,7 +65,7 @@ double pointCapacity(const Eigen::AlignedBox3d& bounds, const render::PinholeVie
 }  // namespace
 
 void LandmarkClouds::update(const std::shared_ptr<const slam::MapView>& static_map, double ground_z,
-                            float point_size) {
+                            double scale, float point_size) {
   if (current_map_ == static_map) return;
   current_map_ = static_map;
   cells_.clear();
@@ -75,7 +77,7 @@ void LandmarkClouds::update(const std::shared_ptr<const slam::MapView>& static_m
       for (auto& cloud : cell.levels) cloud = newCloud(point_size);
     }
     cell.bounds.extend(position);
-    const auto colour = colourOf(landmark, ground_z);
+    const auto colour = colourOf(landmark, ground_z, scale);
     const Eigen::Vector3f p = position.cast<float>();
     const mrpt::math::TPointXYZfRGBAu8 point(p.x(), p.y(), p.z(), colour.R, colour.G, colour.B,
                                              colour.A);

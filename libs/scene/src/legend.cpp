@@ -25,7 +25,13 @@ std::vector<Legend::Entry> Legend::entries(const SnapshotInput& input, Layout la
     if (seen_[i]) result.push_back({std::string(toString(object_class)), colourOf(object_class)});
   }
   if (!result.empty()) result.push_back({"prediction, 3 s", kPredictionColour, true});
-  if (layout == Layout::kColumn) result.push_back({"robot", kPathColour});
+  if (layout == Layout::kColumn) {
+    result.push_back({"robot", kPathColour});
+    if (input.map.staticGrid() != nullptr) {
+      result.push_back({"free ground", kFreeColour});
+      result.push_back({"obstacle", kOccupiedColour});
+    }
+  }
   if (!input.true_path.empty() || !input.true_objects.empty()) {
     result.push_back({"truth", kTruthColour});
   }

@@ -82,12 +82,14 @@ double speedOf(const std::vector<Stamped<Pose>>& path) {
 
 }  // namespace
 
-void drawLabels(Canvas& canvas, const render::PinholeView& view, const std::vector<Track>& tracks) {
+void drawLabels(Canvas& canvas, const render::PinholeView& view, const std::vector<Track>& tracks,
+                double scale) {
   const Eigen::Vector3d eye = view.T_map_camera.translation();
   std::vector<cv::Rect> occupied;
   for (const Track* track : nearestFirst(tracks, eye)) {
     const auto top = topOf(*track, view);
-    const double max_distance = kMaxLabelDistanceM + std::abs(eye.z() - track->position.z());
+    const double max_distance =
+        kMaxLabelDistanceM * scale + std::abs(eye.z() - track->position.z());
     if (!top || (track->position - eye).norm() > max_distance) continue;
     if (!cv::Rect({0, 0}, canvas.size()).contains(*top)) continue;
     const std::string label = labelOf(*track);
@@ -135,8 +137,8 @@ void drawScaleBar(Canvas& canvas, double metres_per_pixel) {
   canvas.text(text, {right.x - width, right.y - canvas.px(11)}, kTextPoints, kTextColour);
 }
 
-void drawGridNote(Canvas& canvas) {
-  const std::string text = "grid 10 m";
+void drawGridNote(Canvas& canvas, double spacing_m) {
+  const std::string text = formatted("grid %g m", spacing_m);
   const cv::Size size = canvas.textSize(text, kTextPoints);
   const int margin = canvas.px(kMargin);
   canvas.text(text, {canvas.size().width - margin - size.width, canvas.size().height - margin},
@@ -154,7 +156,7 @@ void drawInset(Canvas& canvas, const SnapshotInput& input) {
   cv::Mat part = canvas.picture()(rect);
   Canvas inset(part, canvas, 0.55);
   drawTracksOver(inset, cameraView(*input.camera, input.T_map_robot, rect.size()),
-                 input.map.movingObjects().tracks());
+                 input.map.movingObjects().tracks(), sceneScale(input));
   canvas.outline(rect, kDimTextColour);
 }
 

@@ -17,8 +17,9 @@ namespace headway::scene {
 /// Draws boxes, past paths and predictions over a camera image.
 ///
 /// @param canvas  of the image, with the aspect ratio of `view`
+/// @param scale   of the scene, see sceneScale()
 void drawTracksOver(Canvas& canvas, const render::PinholeView& view,
-                    const std::vector<Track>& tracks);
+                    const std::vector<Track>& tracks, double scale);
 
 /// Draws landmarks as dots, as a substitute for a missing camera image.
 void drawLandmarksOver(Canvas& canvas, const render::PinholeView& view,
@@ -33,11 +34,12 @@ void drawTrueBoxes(Canvas& canvas, const render::PinholeView& view,
 
 /// Draws the camera's viewing frustum.
 void drawFrustum(Canvas& canvas, const render::PinholeView& view, const StereoCamera& camera,
-                 const Pose& T_map_robot);
+                 const Pose& T_map_robot, double scale);
 
 /// Writes class, id and speed above each box, nearest first; labels that would overlap others are
 /// omitted.
-void drawLabels(Canvas& canvas, const render::PinholeView& view, const std::vector<Track>& tracks);
+void drawLabels(Canvas& canvas, const render::PinholeView& view, const std::vector<Track>& tracks,
+                double scale);
 
 /// Writes frame, elapsed time, speed and number of tracks in the top left corner.
 void drawCaption(Canvas& canvas, const SnapshotInput& input);
@@ -48,7 +50,7 @@ void drawCaption(Canvas& canvas, const SnapshotInput& input);
 void drawScaleBar(Canvas& canvas, double metres_per_pixel);
 
 /// Writes the grid spacing in the bottom right corner, for perspective views.
-void drawGridNote(Canvas& canvas);
+void drawGridNote(Canvas& canvas, double spacing_m);
 
 /// Draws the camera image with the tracks in the top right corner; no effect without an image.
 void drawInset(Canvas& canvas, const SnapshotInput& input);

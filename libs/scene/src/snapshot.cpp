@@ -37,9 +37,9 @@ cv::Mat drawThroughCamera(const SnapshotOptions& options, const SnapshotInput& i
   } else {
     canvas.image(input.image, rect);
   }
-  drawTracksOver(image, view, input.map.movingObjects().tracks());
+  drawTracksOver(image, view, input.map.movingObjects().tracks(), sceneScale(input));
   drawTrueBoxes(image, view, input.true_objects);
-  drawLabels(image, view, input.map.movingObjects().tracks());
+  drawLabels(image, view, input.map.movingObjects().tracks(), sceneScale(input));
   drawCaption(canvas, input);
   legend.draw(canvas, input, Legend::Layout::kRow);
   return picture;
@@ -67,13 +67,14 @@ class SnapshotRenderer::Implementation {
   cv::Mat draw(const SnapshotInput& input) {
     if (options_.view == View::kCamera) return drawThroughCamera(options_, input, legend_);
     const double ground_z = groundHeight(input);
+    const double scale = sceneScale(input);
     const auto view = externalView(options_, input, ground_z);
     cv::Mat picture = renderer_->draw(world_.build(input, ground_z, &view), view);
     Canvas canvas(picture);
     drawBoxes(canvas, view, input.map.movingObjects().tracks());
     drawTrueBoxes(canvas, view, input.true_objects);
-    if (input.camera != nullptr) drawFrustum(canvas, view, *input.camera, input.T_map_robot);
-    drawLabels(canvas, view, input.map.movingObjects().tracks());
+    if (input.camera != nullptr) drawFrustum(canvas, view, *input.camera, input.T_map_robot, scale);
+    drawLabels(canvas, view, input.map.movingObjects().tracks(), scale);
     drawInset(canvas, input);
     drawCaption(canvas, input);
     legend_.draw(canvas, input, Legend::Layout::kColumn);
@@ -81,7 +82,7 @@ class SnapshotRenderer::Implementation {
       const double height = view.T_map_camera.translation().z() - ground_z;
       drawScaleBar(canvas, height / view.fx);
     } else {
-      drawGridNote(canvas);
+      drawGridNote(canvas, gridSpacing(scale));
     }
     return picture;
   }

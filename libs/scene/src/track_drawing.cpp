@@ -16,7 +16,10 @@ constexpr double kDashLengthM = 0.8;
 constexpr double kDashGapM = 0.5;
 constexpr double kMinPathLengthM = 0.5;
 
-double bandWidth(const Track& track) { return isVehicle(track.object_class) ? 0.30 : 0.16; }
+/// Narrower at close range, where a band would hide what it passes.
+double bandWidth(const Track& track, double scale) {
+  return std::sqrt(scale) * (isVehicle(track.object_class) ? 0.30 : 0.16);
+}
 
 /// Fills a horizontal band along a polyline; segments behind the camera are omitted.
 void drawBand(Canvas& canvas, const render::PinholeView& view,
@@ -44,8 +47,8 @@ void drawBand(Canvas& canvas, const render::PinholeView& view,
   drawBand(canvas, view, polyline, map::HalfWidths(polyline.size(), 0.5 * width), colour);
 }
 
-map::HalfWidths oneSigma(const Track& track, const PredictedPath& prediction) {
-  map::HalfWidths half_widths{0.5 * bandWidth(track)};
+map::HalfWidths oneSigma(const Track& track, const PredictedPath& prediction, double scale) {
+  map::HalfWidths half_widths{0.5 * bandWidth(track, scale)};
   for (const auto& point : prediction.points) {
     half_widths.push_back(std::sqrt(std::max(0.0, 0.5 * point.covariance.trace())));
   }
@@ -107,24 +110,24 @@ std::vector<const Track*> shownTracks(const std::vector<Track>& tracks) {
 }
 
 void drawTracksOver(Canvas& canvas, const render::PinholeView& view,
-                    const std::vector<Track>& tracks) {
+                    const std::vector<Track>& tracks, double scale) {
   const auto shown = shownTracks(tracks);
   blended(canvas, kFillOpacity, [&](Canvas& layer) {
     forEachPath(shown, [&](const Track& track, const PredictedPath& prediction, const auto& path) {
-      drawBand(layer, view, path, oneSigma(track, prediction), kPredictionColour);
+      drawBand(layer, view, path, oneSigma(track, prediction, scale), kPredictionColour);
     });
     for (const Track* track : shown) drawFrontFace(layer, view, *track);
   });
   blended(canvas, kPathOpacity, [&](Canvas& layer) {
     for (const Track* track : shown) {
       if (isMoving(*track)) {
-        drawBand(layer, view, map::groundTrail(*track), 0.4 * bandWidth(*track),
+        drawBand(layer, view, map::groundTrail(*track), 0.4 * bandWidth(*track, scale),
                  colourOf(track->object_class));
       }
     }
     forEachPath(shown, [&](const Track& track, const PredictedPath&, const auto& path) {
-      for (const auto& dash : map::dashesOf(path, kDashLengthM, kDashGapM)) {
-        drawBand(layer, view, dash, 1.2 * bandWidth(track), kPredictionColour);
+      for (const auto& dash : map::dashesOf(path, scale * kDashLengthM, scale * kDashGapM)) {
+        drawBand(layer, view, dash, 1.2 * bandWidth(track, scale), kPredictionColour);
       }
     });
   });
@@ -156,8 +159,8 @@ void drawTrueBoxes(Canvas& canvas, const render::PinholeView& view,
 }
 
 void drawFrustum(Canvas& canvas, const render::PinholeView& view, const StereoCamera& camera,
-                 const Pose& T_map_robot) {
-  for (const auto& [from, to] : frustumEdges(camera, T_map_robot)) {
+                 const Pose& T_map_robot, double scale) {
+  for (const auto& [from, to] : frustumEdges(camera, T_map_robot, scale)) {
     drawSegment(canvas, view, from, to, 1.6, kPathColour);
   }
 }

@@ -1,5 +1,7 @@
 #include "view.h"
 
+#include <headway/stereo/rig_capability.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -15,13 +17,18 @@ constexpr double kOrbitHeightM = 20.0;
 constexpr double kFramesPerTurn = 360.0;
 constexpr double kFarM = 400.0;
 
+constexpr double kFrustumDepthM = 1.8;
+constexpr double kReachOfScaleOne = 20.0;
+constexpr double kMinScale = 0.28;
+constexpr double kGridSpacingM = 10.0;
+
 constexpr double kNearM = 40.0;
 constexpr std::size_t kMinBoxes = 3;
 constexpr std::size_t kMinLandmarks = 50;
 constexpr double kGroundPercentile = 0.08;  ///< of the landmark heights
 
 bool isNear(const Eigen::Vector3d& point, const SnapshotInput& input) {
-  return (point - input.T_map_robot.translation()).head<2>().norm() < kNearM;
+  return (point - input.T_map_robot.translation()).head<2>().norm() < kNearM * sceneScale(input);
 }
 
 double percentileOf(std::vector<double>& values, double ratio) {
@@ -34,6 +41,19 @@ double percentileOf(std::vector<double>& values, double ratio) {
 Eigen::Vector3d levelDirection(double yaw) { return {std::cos(yaw), std::sin(yaw), 0.0}; }
 
 }  // namespace
+
+double sceneScale(const SnapshotInput& input) {
+  if (input.camera == nullptr) return 1.0;
+  return std::clamp(stereo::rigCapability(*input.camera).obstacles_to_m / kReachOfScaleOne,
+                    kMinScale, 1.0);
+}
+
+double gridSpacing(double scale) {
+  const double wanted = kGridSpacingM * scale;
+  const double power = std::pow(10.0, std::floor(std::log10(wanted) + 1e-9));
+  const double digit = wanted / power + 1e-9;
+  return power * (digit >= 5.0 ? 5.0 : digit >= 2.0 ? 2.0 : 1.0);
+}
 
 double groundHeight(const SnapshotInput& input) {
   std::vector<double> heights;
@@ -53,6 +73,7 @@ double groundHeight(const SnapshotInput& input) {
 
 render::PinholeView externalView(const SnapshotOptions& options, const SnapshotInput& input,
                                  double ground_z) {
+  const double scale = sceneScale(input);
   const Eigen::Vector3d forward = levelDirection(yawOf(input.T_map_robot));
   Eigen::Vector3d foot = input.T_map_robot.translation();
   foot.z() = ground_z;
@@ -63,18 +84,19 @@ render::PinholeView externalView(const SnapshotOptions& options, const SnapshotI
   };
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
   if (options.view == View::kTop) {
-    const Eigen::Vector3d centre = foot + 16.0 * forward;
-    return makeExternalView(kTopFov, render::lookAt(centre + kTopHeightM * up, centre, forward));
+    const Eigen::Vector3d centre = foot + 16.0 * scale * forward;
+    return makeExternalView(kTopFov,
+                            render::lookAt(centre + kTopHeightM * scale * up, centre, forward));
   }
   if (options.view == View::kOrbit) {
     const double angle = 2.0 * kPi * static_cast<double>(input.frame) / kFramesPerTurn;
-    const Eigen::Vector3d centre = foot + 8.0 * forward;
+    const Eigen::Vector3d centre = foot + 8.0 * scale * forward;
     const Eigen::Vector3d eye =
-        centre + kOrbitRadiusM * levelDirection(angle + 0.75 * kPi) + kOrbitHeightM * up;
+        centre + scale * (kOrbitRadiusM * levelDirection(angle + 0.75 * kPi) + kOrbitHeightM * up);
     return makeExternalView(kFollowFov, render::lookAt(eye, centre));
   }
-  return makeExternalView(kFollowFov,
-                          render::lookAt(foot - 11.0 * forward + 7.5 * up, foot + 15.0 * forward));
+  return makeExternalView(kFollowFov, render::lookAt(foot + scale * (7.5 * up - 11.0 * forward),
+                                                     foot + 15.0 * scale * forward));
 }
 
 render::PinholeView cameraView(const StereoCamera& camera, const Pose& T_map_robot,
@@ -101,11 +123,12 @@ cv::Rect fittedInto(const cv::Size& image, const cv::Size& picture) {
   return {(picture.width - width) / 2, (picture.height - height) / 2, width, height};
 }
 
-std::array<Edge, 8> frustumEdges(const StereoCamera& camera, const Pose& T_map_robot) {
-  constexpr double kDepthM = 1.8;
+std::array<Edge, 8> frustumEdges(const StereoCamera& camera, const Pose& T_map_robot,
+                                 double scale) {
+  const double depth = kFrustumDepthM * scale;
   const Pose T_map_cam = T_map_robot * camera.T_robot_cam;
   const auto corner = [&](double u, double v) {
-    return Eigen::Vector3d(T_map_cam * (kDepthM * ray({u, v}, camera)));
+    return Eigen::Vector3d(T_map_cam * (depth * ray({u, v}, camera)));
   };
   const std::array<Eigen::Vector3d, 4> corners = {corner(0, 0), corner(camera.width, 0),
                                                   corner(camera.width, camera.height),

@@ -18,7 +18,7 @@ class CSetOfObjects;
 namespace headway::scene {
 
 /// Drawing order of the objects in a 3D scene.
-enum class DrawOrder { kGrid, kLandmarks, kTruth, kPath, kRobot, kMovingObjects };
+enum class DrawOrder { kOccupancy, kGrid, kLandmarks, kTruth, kPath, kRobot, kMovingObjects };
 
 /// Sets the drawing order of an object. MRPT draws from far to near by one representative point
 /// per object; these points are placed far below the scene, so that flat and translucent objects
@@ -32,7 +32,7 @@ void setDrawOrder(DrawOrder order, mrpt::opengl::CRenderizable& object, int offs
 class LandmarkClouds {
  public:
   /// Builds the points of a static map unless they are up to date.
-  void update(const std::shared_ptr<const slam::MapView>& static_map, double ground_z,
+  void update(const std::shared_ptr<const slam::MapView>& static_map, double ground_z, double scale,
               float point_size);
 
   /// Inserts all points.
@@ -64,7 +64,7 @@ class WorldScene {
   /// @param point_size  of landmarks in the rendered picture [px]
   WorldScene(SceneUse use, float point_size) : use_(use), point_size_(point_size) {}
 
-  /// Object names: `ground_grid`, `landmarks`, `true_path`, `camera_path`, `robot`,
+  /// Object names: `occupancy`, `ground_grid`, `landmarks`, `true_path`, `camera_path`, `robot`,
   /// `moving_objects`, and in a file `true_objects`, `camera`.
   ///
   /// @param view  of the picture, to omit landmarks outside it; nullptr: all landmarks

@@ -34,6 +34,9 @@ class CMovingObjectsMap : public mrpt::maps::CMetricMap {
     void dumpToTextStream(std::ostream& out) const override;
   };
   TInsertionOptions insertionOptions;
+  /// Of the widths of paths and the lengths of dashes in a visualisation; 1 for streets. Not
+  /// stored.
+  double line_scale = 1.0;
 
   CMovingObjectsMap() = default;
 
