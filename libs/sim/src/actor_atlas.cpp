@@ -38,10 +38,10 @@ Rows rowsOf(ActorKind kind) {
 /// A rectangle of the atlas, a little inside its edges so that neighbours do not bleed in.
 UvRect inset(const cv::Rect& rect) {
   constexpr float kMargin = 1.5F;
-  const auto share = [](float pixels) { return pixels / static_cast<float>(kAtlas); };
-  return {share(static_cast<float>(rect.x) + kMargin), share(static_cast<float>(rect.y) + kMargin),
-          share(static_cast<float>(rect.x + rect.width) - kMargin),
-          share(static_cast<float>(rect.y + rect.height) - kMargin)};
+  const auto ratio = [](float pixels) { return pixels / static_cast<float>(kAtlas); };
+  return {ratio(static_cast<float>(rect.x) + kMargin), ratio(static_cast<float>(rect.y) + kMargin),
+          ratio(static_cast<float>(rect.x + rect.width) - kMargin),
+          ratio(static_cast<float>(rect.y + rect.height) - kMargin)};
 }
 
 cv::Rect personPart(int look, int x, int y, int width, int height) {

@@ -8,7 +8,7 @@
 
 namespace headway::sim {
 
-/// Share of the left image that the meshes cover, as if nothing still stood before them.
+/// Ratio of the left image that the meshes cover, as if nothing static stood before them.
 ///
 /// Found without drawing, so that what moves never depends on what is drawn.
 [[nodiscard]] double coveredRatio(const std::vector<Actor>& actors, const Pose& T_world_robot,

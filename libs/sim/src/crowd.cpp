@@ -99,8 +99,8 @@ void Crowd::placePeople(Scenario scenario, const RobotCourse& course) {
 
 /// People who reach the robot's straight way about when a robot at full speed does.
 void Crowd::placeCrossing(int index, int abreast, const RobotCourse& course) {
-  const double share = (index + 1.0) / (params_.count + 1.0);
-  const Vector2d meeting((share + uniform(-0.08, 0.08)) * course.goal_m, 0.0);
+  const double ratio = (index + 1.0) / (params_.count + 1.0);
+  const Vector2d meeting((ratio + uniform(-0.08, 0.08)) * course.goal_m, 0.0);
   const double robot_there_s = meeting.x() / course.top_speed_mps + 0.5;
   const double side = uniform(0.0, 1.0) < 0.5 ? -1.0 : 1.0;
   Person person;

@@ -10,9 +10,9 @@ namespace {
 constexpr double kLook = 50.0;  // drivers look this far ahead [m]
 
 /// Intelligent driver model, eq. 1-3: free road, and approach to a leader.
-double follow(double speed, double gap, double leader_speed, double wish,
+double follow(double speed, double gap, double leader_speed, double desired,
               const DriverStyle& style) {
-  const double free = 1.0 - std::pow(speed / std::max(0.1, wish), 4.0);
+  const double free = 1.0 - std::pow(speed / std::max(0.1, desired), 4.0);
   if (!std::isfinite(gap)) return style.acceleration * free;
   const double closing = speed - leader_speed;
   const double wanted =
@@ -74,20 +74,20 @@ Obstacle obstacleFrom(const Actor& actor) {
 double drive(const OnPath& self, const Path& path, const DriverStyle& style,
              const std::vector<Obstacle>& others, std::int64_t own_id, double stop_s) {
   const Eigen::Vector2d here = path.at(self.s).position.head<2>();
-  const double wish = curveSpeed(self, path, style);
+  const double desired = curveSpeed(self, path, style);
   double acceleration =
-      follow(self.speed, std::numeric_limits<double>::infinity(), 0.0, wish, style);
+      follow(self.speed, std::numeric_limits<double>::infinity(), 0.0, desired, style);
   for (const Obstacle& other : others) {
     if (other.id == own_id || (other.position - here).squaredNorm() > kLook * kLook) continue;
     const Leader leader = leaderFrom(other, self, path);
     if (!std::isfinite(leader.gap)) continue;
     acceleration =
-        std::min(acceleration, follow(self.speed, leader.gap, leader.speed, wish, style));
+        std::min(acceleration, follow(self.speed, leader.gap, leader.speed, desired, style));
   }
   if (std::isfinite(stop_s) && stop_s > self.s) {
-    acceleration =
-        std::min(acceleration,
-                 follow(self.speed, stop_s - self.s - 0.5 * self.length + 1.5, 0.0, wish, style));
+    acceleration = std::min(
+        acceleration,
+        follow(self.speed, stop_s - self.s - 0.5 * self.length + 1.5, 0.0, desired, style));
   }
   return std::clamp(acceleration, -style.hardest_brake, style.acceleration);
 }

@@ -28,9 +28,9 @@ Escort::Escort(const TrafficParams& params, const Route& route, const StereoCame
   if (params.image_share == 0.0) return;
   // Room to come closer when the robot sees little of them for a while.
   const double enough = std::min(1.25 * params.image_share, params.image_share + 0.08);
-  const auto covers = [&](double share) {
+  const auto covers = [&](double ratio) {
     arrange(robot);
-    return covered(T_world_robot, {}) >= share;
+    return covered(T_world_robot, {}) >= ratio;
   };
   constexpr ActorKind kKinds[] = {ActorKind::kCar, ActorKind::kVan, ActorKind::kTruck,
                                   ActorKind::kBus};

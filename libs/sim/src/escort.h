@@ -11,24 +11,24 @@
 
 namespace headway::sim {
 
-/// Vehicles that keep close to the robot, so that actors cover a given share of its images.
+/// Vehicles that keep close to the robot, so that actors cover a given ratio of its images.
 ///
 /// One drives ahead in the robot's lane, one passes on its left, two cyclists ride on its right;
-/// which of them come, and of what kind, is drawn: as many as the share needs. From then on one
-/// number governs them, how far they stay back, and it follows the share covered so far. They
+/// which of them come, and of what kind, is drawn: as many as the ratio needs. From then on one
+/// number governs them, how far they stay back, and it follows the ratio covered so far. They
 /// surge and fall back a little, each in its own rhythm, and brake for who is before them.
 class Escort {
  public:
   /// Nobody comes if TrafficParams::image_share is zero.
   ///
-  /// @param camera  in whose left image the share is meant
+  /// @param camera  in whose left image the ratio is meant
   /// The route must outlive the object.
   /// @throws InputError naming the key if they cannot cover as much as that
   Escort(const TrafficParams& params, const Route& route, const StereoCamera& camera,
          std::uint64_t seed, const RobotState& robot, const Pose& T_world_robot,
          std::int64_t& next_id);
 
-  /// Takes places from which the first image has its share already.
+  /// Takes places from which the first image has its ratio already.
   ///
   /// @param others  everybody else who moves
   void populate(const RobotState& robot, const Pose& T_world_robot,

@@ -24,7 +24,7 @@ struct DrawnFrame {
   std::size_t trigger = 0;  ///< number among all that were taken
 };
 
-/// Finishes frames that were drawn: looks for the objects in them, detects them, and does to the
+/// Finishes frames that were drawn: finds the objects in them, detects them, and does to the
 /// pictures what a sensor does.
 ///
 /// Frames are finished one after another in their order.

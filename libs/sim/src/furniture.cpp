@@ -22,9 +22,9 @@ const cv::Rect kSigns{0, 768, 1024, 128};   // eight signs
 const cv::Rect kThings{0, 896, 1024, 128};  // eight surfaces of small things
 
 UvRect inAtlas(const cv::Rect& rect) {
-  const auto share = [](int pixels) { return static_cast<float>(pixels) / kAtlas; };
-  return {share(rect.x + 2), share(rect.y + 2), share(rect.x + rect.width - 2),
-          share(rect.y + rect.height - 2)};
+  const auto ratio = [](int pixels) { return static_cast<float>(pixels) / kAtlas; };
+  return {ratio(rect.x + 2), ratio(rect.y + 2), ratio(rect.x + rect.width - 2),
+          ratio(rect.y + rect.height - 2)};
 }
 
 UvRect eighth(const cv::Rect& strip, int which) {

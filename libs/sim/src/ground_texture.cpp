@@ -25,12 +25,12 @@ class GroundCanvas {
     cv::rectangle(picture_, at(a0, left0), at(a1, left1), colour, cv::FILLED);
   }
   void blend(double a0, double left0, double a1, double left1, const cv::Scalar& colour,
-             double share) {
+             double ratio) {
     const cv::Rect area =
         cv::Rect(at(a0, left0), at(a1, left1)) & cv::Rect(0, 0, picture_.cols, picture_.rows);
     if (area.empty()) return;
     cv::Mat part = picture_(area);
-    cv::addWeighted(part, 1.0 - share, cv::Mat(part.size(), part.type(), colour), share, 0, part);
+    cv::addWeighted(part, 1.0 - ratio, cv::Mat(part.size(), part.type(), colour), ratio, 0, part);
   }
   cv::Mat& picture() { return picture_; }
 

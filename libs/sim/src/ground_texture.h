@@ -11,12 +11,12 @@ struct GroundMarks {
   double length_m = 24.0;
   bool centre_line = true;
   bool crossing = false;     ///< zebra crossing in the middle of the stretch
-  double crossing_at = 0.5;  ///< share of the length
+  double crossing_at = 0.5;  ///< ratio of the length
 };
 
 inline constexpr int kGroundTexture = 1024;  ///< width and height [px]
 
-/// Share of the texture's height at `left` metres from the street's middle (left is up).
+/// Ratio of the texture's height at `left` metres from the street's middle (left is up).
 [[nodiscard]] float groundTextureV(double left);
 
 /// Picture of a stretch of street from above: u along the street, v from its left to its right.

@@ -21,9 +21,9 @@ ImageFormation::ImageFormation(const CameraParams& params, int width, int height
     const double cx = 0.5 * (width - 1), cy = 0.5 * (height - 1), r2 = cx * cx + cy * cy;
     for (int v = 0; v < height; ++v) {
       for (int u = 0; u < width; ++u) {
-        const double share =
+        const double ratio =
             1.0 - params.vignetting * ((u - cx) * (u - cx) + (v - cy) * (v - cy)) / r2;
-        light_.at<cv::Vec3b>(v, u) = cv::Vec3b::all(cv::saturate_cast<uchar>(255.0 * share));
+        light_.at<cv::Vec3b>(v, u) = cv::Vec3b::all(cv::saturate_cast<uchar>(255.0 * ratio));
       }
     }
   }

@@ -22,7 +22,7 @@ class ImageFormation {
  private:
   CameraParams params_;
   std::uint64_t seed_;
-  cv::Mat light_;  ///< share of light that arrives at each pixel, 255 = all; empty: everywhere all
+  cv::Mat light_;  ///< ratio of light that arrives at each pixel, 255 = all; empty: everywhere all
   cv::Mat noise_;  ///< a sheet of noise larger than the image, 8-bit, mean 128
 };
 

@@ -10,12 +10,12 @@ LaneKeeper::LaneKeeper(const Route& route, double left)
 
 double LaneKeeper::alongLane() {
   const Eigen::Vector2d here = route_.street.beside(s, left_).head<2>();
-  double guess = s, reach = 0.1 * s + 40.0;
+  double expected = s, reach = 0.1 * s + 40.0;
   if (found_) {
-    guess = found_->second + s - found_->first;
+    expected = found_->second + s - found_->first;
     reach = 20.0;
   }
-  const double lane_s = lane_.project(here, guess - reach, guess + reach).s;
+  const double lane_s = lane_.project(here, expected - reach, expected + reach).s;
   found_.emplace(s, lane_s);
   return lane_s;
 }

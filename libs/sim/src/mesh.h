@@ -7,11 +7,11 @@
 
 namespace headway::sim {
 
-/// A rectangle of a texture, in shares of its width and height (v grows downwards).
+/// A rectangle of a texture, in ratios of its width and height (v grows downwards).
 struct UvRect {
   float u0 = 0.0F, v0 = 0.0F, u1 = 1.0F, v1 = 1.0F;
 
-  /// Point of the rectangle at the shares (x, y) of its own width and height.
+  /// Point of the rectangle at the ratios (x, y) of its own width and height.
   [[nodiscard]] Eigen::Vector2f at(float x, float y) const {
     return {u0 + (u1 - u0) * x, v0 + (v1 - v0) * y};
   }
@@ -23,7 +23,7 @@ struct UvRect {
 
 struct MeshVertex {
   Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< [m]
-  Eigen::Vector2f uv = Eigen::Vector2f::Zero();        ///< texture shares, v downwards
+  Eigen::Vector2f uv = Eigen::Vector2f::Zero();        ///< texture ratios, v downwards
 };
 
 /// Textured triangles: three vertices each, clockwise where one looks at the front.

@@ -15,8 +15,8 @@ class CutTriangle {
       const Eigen::Vector3f &from = corners[i], &to = corners[(i + 1) % 3];
       if (from.z() >= kNearPlane) points_[count_++] = from;
       if ((from.z() >= kNearPlane) == (to.z() >= kNearPlane)) continue;
-      const float share = (kNearPlane - from.z()) / (to.z() - from.z());
-      points_[count_++] = from + share * (to - from);
+      const float ratio = (kNearPlane - from.z()) / (to.z() - from.z());
+      points_[count_++] = from + ratio * (to - from);
     }
   }
   [[nodiscard]] std::size_t size() const { return count_; }

@@ -13,7 +13,7 @@ using Block = std::array<Eigen::Vector3f, 8>;
 
 /// What blocks of masonry hide from one camera.
 ///
-/// Each column of pixels remembers from which row to which row a block fills it, and how far the
+/// Each column of pixels stores from which row to which row a block fills it, and how far the
 /// block reaches. Errs on the side of what is seen: what it calls hidden shows in no pixel.
 ///
 ///     Occlusion occlusion(camera, T_cam_origin);

@@ -224,18 +224,18 @@ void Pedestrians::advance(double dt, const RobotState& robot, const std::vector<
   for (std::size_t i = 0; i < people_.size(); ++i) {
     Person& person = people_[i];
     const Person* leader = person.leader >= 0 ? find(person.leader) : nullptr;
-    Eigen::Vector2d wish;
+    Eigen::Vector2d desired;
     if (leader != nullptr) {
-      wish = leader->velocity + 0.9 * (leader->at + person.offset - person.at);
-      if (wish.norm() > 2.2) wish *= 2.2 / wish.norm();
+      desired = leader->velocity + 0.9 * (leader->at + person.offset - person.at);
+      if (desired.norm() > 2.2) desired *= 2.2 / desired.norm();
       person.lane = leader->lane + person.offset.y();
       person.direction = leader->direction;
       person.state = leader->state;
     } else {
       decide(person, dt, vehicles);
-      wish = desiredVelocity(person);
+      desired = desiredVelocity(person);
     }
-    forces.push_back((wish - person.velocity) / kRelaxation + repulsion(i));
+    forces.push_back((desired - person.velocity) / kRelaxation + repulsion(i));
   }
   for (std::size_t i = 0; i < people_.size(); ++i) {
     people_[i].velocity += dt * forces[i];

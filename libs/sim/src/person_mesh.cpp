@@ -1,11 +1,10 @@
-#include "actor_mesh.h"
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "actor_atlas.h"
+#include "actor_mesh.h"
 
 namespace headway::sim {
 namespace {
@@ -80,8 +79,8 @@ void addArm(Mesh& mesh, const Vector3f& shoulder, float height, const Swing& swi
 /// Torso from hips to neck and head, leaning forward by an angle.
 void addTrunk(Mesh& mesh, const Vector3f& hips, float height, float lean, const PersonSkin& skin,
               bool bag) {
-  const auto up = [&](float share) {
-    return Vector3f(hips + share * height * Vector3f(std::sin(lean), 0, std::cos(lean)));
+  const auto up = [&](float ratio) {
+    return Vector3f(hips + ratio * height * Vector3f(std::sin(lean), 0, std::cos(lean)));
   };
   const auto axes = [&](float across, float along) {
     return Eigen::Vector2f(across * height, along * height);

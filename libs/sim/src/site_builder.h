@@ -57,7 +57,7 @@ class SiteBuilder {
   void threshold(const Eigen::Vector2d& centre, double yaw, double length_m, double height_m);
   void block(const Footprint& footprint) { site_.obstacles.push_back(footprint); }
 
-  /// An edge that nobody passes though nothing stands there.
+  /// An impassable edge at which nothing stands on the floor.
   void barEdge(const Footprint& footprint) { site_.edges.push_back(footprint); }
   [[nodiscard]] Site& site() { return site_; }
 

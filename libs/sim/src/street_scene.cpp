@@ -81,7 +81,7 @@ void StreetScene::hideBehindHouses(const std::vector<StretchKey>& visible,
                                    const Eigen::Vector3d& origin, const Pose& T_left_right) {
   const Pose T_origin_left = T_origin_robot_ * camera_.T_robot_cam;
   occlusions_ = {Occlusion(camera_, T_origin_left.inverse()),
-           Occlusion(camera_, (T_origin_left * T_left_right).inverse())};
+                 Occlusion(camera_, (T_origin_left * T_left_right).inverse())};
   const auto forAllShown = [&](const auto& visit) {
     for (const StretchKey& key : visible) {
       const auto pieces = surfaces_.find(key);
@@ -94,7 +94,7 @@ void StreetScene::hideBehindHouses(const std::vector<StretchKey>& visible,
   };
   forAllShown([&](const Piece& piece, const Eigen::Vector3d& offset) {
     if (!piece.block) return;
-    for (Occlusion& eye : occlusions_) eye.add(*piece.block, offset);
+    for (Occlusion& occlusion : occlusions_) occlusion.add(*piece.block, offset);
   });
   forAllShown([&](Piece& piece, const Eigen::Vector3d& offset) {
     piece.object->setVisibility(shows(piece.around, offset));
@@ -104,7 +104,7 @@ void StreetScene::hideBehindHouses(const std::vector<StretchKey>& visible,
 bool StreetScene::shows(const std::vector<Eigen::Vector3f>& around,
                         const Eigen::Vector3d& offset) const {
   return std::any_of(occlusions_.begin(), occlusions_.end(),
-                     [&](const Occlusion& eye) { return !eye.hides(around, offset); });
+                     [&](const Occlusion& occlusion) { return !occlusion.hides(around, offset); });
 }
 
 Mesh StreetScene::shown(const Mesh& mesh, const Eigen::Vector3d& offset) const {

@@ -18,7 +18,7 @@
 namespace headway::sim {
 
 /// MRPT's scene of a world and its actors: surfaces by stretch, and one object each for what
-/// shares a picture.
+/// has a common picture.
 class StreetScene : public Scene {
  public:
   /// @param camera  left camera without distortion; the right one sees as far

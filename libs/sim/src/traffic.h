@@ -25,7 +25,7 @@ class Traffic {
  public:
   /// Route and network must outlive the object.
   ///
-  /// @param camera  in whose left image the escort covers its share
+  /// @param camera  in whose left image the escort covers its ratio
   /// @throws InputError as Escort
   Traffic(const SimParams& params, const Route& route, const RoadNetwork& network,
           const StereoCamera& camera, const TrafficSeeds& seeds);

@@ -1,9 +1,8 @@
-#include "actor_mesh.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "actor_atlas.h"
+#include "actor_mesh.h"
 #include "vehicle_shape.h"
 
 namespace headway::sim {
@@ -11,16 +10,16 @@ namespace {
 
 using Eigen::Vector3f;
 
-/// Turns shares of length, width and height into metres.
+/// Turns ratios of length, width and height into metres.
 struct Body {
   const VehicleShape& shape;
   float length, width, height;
 
-  [[nodiscard]] float x(double share) const { return (static_cast<float>(share) - 0.5F) * length; }
-  [[nodiscard]] float z(double share) const { return static_cast<float>(share) * height; }
-  /// Half width at a height share: full up to the belt, leaning in above it.
-  [[nodiscard]] float halfWidth(double share) const {
-    const double above = std::max(0.0, (share - shape.belt) / (1.0 - shape.belt));
+  [[nodiscard]] float x(double ratio) const { return (static_cast<float>(ratio) - 0.5F) * length; }
+  [[nodiscard]] float z(double ratio) const { return static_cast<float>(ratio) * height; }
+  /// Half width at a height ratio: full up to the belt, leaning in above it.
+  [[nodiscard]] float halfWidth(double ratio) const {
+    const double above = std::max(0.0, (ratio - shape.belt) / (1.0 - shape.belt));
     return 0.5F * width * static_cast<float>(1.0 - (1.0 - shape.lean) * above);
   }
   [[nodiscard]] Vector3f at(double x_share, double z_share, float side) const {

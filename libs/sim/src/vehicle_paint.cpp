@@ -153,7 +153,7 @@ void paintRear(cv::Mat rear, const cv::Scalar& colour, bool tall, Random& random
   cv::rectangle(rear, {0, 108}, {159, 127}, cv::Scalar::all(35), cv::FILLED);
 }
 
-/// Bonnet, windscreen, roof, rear window along the outline's shares of the length.
+/// Bonnet, windscreen, roof, rear window along the outline's ratios of the length.
 void paintTop(cv::Mat top, ActorKind kind, const cv::Scalar& colour) {
   top.setTo(colour * 1.15);
   const auto columns = [&](double x0, double x1) {

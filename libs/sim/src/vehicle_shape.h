@@ -6,7 +6,7 @@
 
 namespace headway::sim {
 
-/// Outline of a vehicle's side: shares of its length (from the rear) and of its height.
+/// Outline of a vehicle's side: ratios of its length (from the rear) and of its height.
 struct OutlinePoint {
   double x = 0.0;
   double z = 0.0;
@@ -15,10 +15,10 @@ struct OutlinePoint {
 /// What makes a vehicle of one kind: outline of its top, and where its wheels are.
 struct VehicleShape {
   std::vector<OutlinePoint> outline;  ///< from the rear to the front
-  double floor = 0.18;                ///< lower edge of the body, share of the height
+  double floor = 0.18;                ///< lower edge of the body, ratio of the height
   double belt = 0.6;                  ///< below it the body is straight, above it leans inwards
-  double lean = 0.8;                  ///< width at the top, share of the full width
-  double rear_wheel = 0.19;           ///< share of the length
+  double lean = 0.8;                  ///< width at the top, ratio of the full width
+  double rear_wheel = 0.19;           ///< ratio of the length
   double front_wheel = 0.8;
   double wheel_radius_m = 0.32;
 };

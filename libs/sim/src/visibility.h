@@ -16,8 +16,8 @@ struct Observation {
   std::size_t actor = 0;    ///< index in the actors given
   Box2d whole;              ///< around its whole drawn mesh, uncut [px]
   Box2d box;                ///< the same, cut at the image's edges [px]
-  double truncation = 0.0;  ///< share of the uncut box outside the image
-  double visible = 0.0;     ///< share of its pixels inside the image that nothing hides
+  double truncation = 0.0;  ///< ratio of the uncut box outside the image
+  double visible = 0.0;     ///< ratio of its pixels inside the image that nothing hides
   int visible_pixels = 0;
   Box3d box3d;  ///< in the left camera's optical frame
 };

@@ -15,7 +15,7 @@ constexpr double kComfortableBrake = 1.0;  // before corners [m/s^2]
 constexpr double kNod = 0.004;             // pitch for each m/s^2 [rad]
 constexpr double kHalfWheelbase = 0.17;    // [m]
 constexpr double kHalfTrack = 0.15;        // [m]
-constexpr double kPatience = 4.0;          // then it looks for another way [s]
+constexpr double kPatience = 4.0;          // then it plans another way [s]
 constexpr double kCorridor = 0.4;          // half width of the ground that must be free [m]
 
 double towards(double value, double target, double most_change) {

@@ -9,7 +9,7 @@ namespace {
 enum Purpose : std::uint64_t { kGrainSeed = 101, kCrossStreetSeed };
 
 constexpr double kReach = 0.75 * kStretch;  // radius of a stretch with its houses, roughly [m]
-constexpr double kKeepBeyond = 60.0;        // stretches this far out of view are forgotten [m]
+constexpr double kKeepBeyond = 60.0;        // stretches this far out of view are removed [m]
 constexpr double kCell = 64.0;              // of the lookup [m]
 
 }  // namespace
@@ -65,10 +65,10 @@ std::vector<StretchKey> World::inView(const Eigen::Vector3d& eye, const ViewCone
     visible.push_back(key);
     if (built_.count(key) == 0) built_.emplace(key, builder_.build(key));
   }
-  const double forget = params_.view_distance_m + kKeepBeyond;
+  const double keep_within = params_.view_distance_m + kKeepBeyond;
   for (auto it = built_.begin(); it != built_.end();) {
     const double distance = (it->second.anchor - eye).head<2>().norm();
-    it = distance > forget ? built_.erase(it) : std::next(it);
+    it = distance > keep_within ? built_.erase(it) : std::next(it);
   }
   return visible;
 }
@@ -89,7 +89,7 @@ std::vector<Actor> World::parkedNear(const Eigen::Vector3d& place, double reach)
       if ((vehicle.position - place).head<2>().norm() < reach) vehicles.push_back(vehicle);
     }
   }
-  parked_ = std::move(near);  // what is out of reach is forgotten
+  parked_ = std::move(near);  // what is out of reach is removed
   return vehicles;
 }
 

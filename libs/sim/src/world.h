@@ -11,7 +11,7 @@
 
 namespace headway::sim {
 
-/// The still part of a world: streets with everything along them, built as they come into view.
+/// The static part of a world: streets with everything along them, built as they come into view.
 ///
 /// What a place looks like depends on the seed alone, not on when or how often it is built. What is
 /// looked up, built and kept grows with what is in view, not with the length of the streets.

@@ -55,7 +55,7 @@ struct Person {
   double heading = 0.0;                                ///< preferred [rad]
   double speed = 1.0;                                  ///< preferred [m/s]
   double heading_off = 0.0;                            ///< present, from the preferred one [rad]
-  double speed_off = 0.0;                              ///< present, share of the preferred one
+  double speed_off = 0.0;                              ///< present, ratio of the preferred one
   double radius = 0.25;                                ///< [m]
   bool yields = false;                                 ///< gives way to the robot
 

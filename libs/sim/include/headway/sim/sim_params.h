@@ -113,9 +113,9 @@ struct CameraParams {
   double rate_hz = 10.0;
   double ride_deg = 0.25;         ///< pitching and rolling of the body, standard deviation
   double noise_grey = 2.0;        ///< sensor noise, standard deviation [grey levels]
-  double gain_difference = 0.02;  ///< right image brighter than left by this share
+  double gain_difference = 0.02;  ///< right image brighter than left by this ratio
   double vignetting = 0.1;        ///< loss of light in the corners
-  double exposure_change = 0.0;   ///< slow change of brightness, share
+  double exposure_change = 0.0;   ///< slow change of brightness, ratio
   int blur_samples = 1;           ///< drawings averaged over the exposure; 1: no motion blur
   double exposure_s = 0.01;
   double k1 = 0.0;  ///< radial distortion; any non-zero: raw images are recorded
@@ -137,8 +137,8 @@ struct CameraParams {
 /// @see Kreso & Segvic 2015, "Improving the egomotion estimation by correcting the calibration
 ///      bias": what is left over after KITTI's calibration, and what it does to odometry
 struct CalibrationErrorParams {
-  double focal_ratio = 0.0;      ///< true focal length above the recorded one by this share
-  double baseline_ratio = 0.0;   ///< true baseline above the recorded one by this share
+  double focal_ratio = 0.0;      ///< true focal length above the recorded one by this ratio
+  double baseline_ratio = 0.0;   ///< true baseline above the recorded one by this ratio
   double right_roll_deg = 0.0;   ///< right camera turned about its viewing direction
   double right_pitch_deg = 0.0;  ///< right camera turned up
   double right_yaw_deg = 0.0;    ///< right camera turned to its right
@@ -148,18 +148,18 @@ struct CalibrationErrorParams {
   void validate() const { validateRanges(*this, "calibration_error"); }  ///< @throws InputError
 };
 
-/// A network that looks at the images, as far as its mistakes go. Section [detector].
+/// Errors of a detection network on the images. Section [detector].
 struct DetectorParams {
   double max_range_m = 70.0;
   double min_height_px = 12.0;
   double position_sigma_m = 0.15;  ///< across the ray at 20 m and nearer; grows with depth
   double depth_sigma_m = 0.35;     ///< along the ray at 20 m and nearer; grows with depth
-  double size_sigma = 0.05;        ///< share of length, width and height
+  double size_sigma = 0.05;        ///< ratio of length, width and height
   double yaw_sigma_rad = 0.08;
   double box_sigma_px = 1.5;   ///< of the 2D box's edges
-  double miss_near = 0.03;     ///< share missed when near and in full view
-  double miss_far = 0.35;      ///< share missed at max_range_m, in full view
-  double miss_occluded = 0.9;  ///< share missed when hardly anything is visible
+  double miss_near = 0.03;     ///< ratio missed when near and in full view
+  double miss_far = 0.35;      ///< ratio missed at max_range_m, in full view
+  double miss_occluded = 0.9;  ///< ratio missed when hardly anything is visible
   double duplicate_probability = 0.05;
   double false_per_frame = 0.15;
   double flip_probability = 0.03;       ///< headings turned by 180 degrees

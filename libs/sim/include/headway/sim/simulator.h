@@ -19,8 +19,8 @@ struct TruthObject {
   bool parked = false;
   Box3d box3d;              ///< rectified left camera's optical frame
   Box2d box2d;              ///< around the drawn body, cut at the edges [px], image as recorded
-  double truncation = 0.0;  ///< share of the uncut box outside the image
-  double visible = 0.0;     ///< share of its pixels in the image that nothing hides
+  double truncation = 0.0;  ///< ratio of the uncut box outside the image
+  double visible = 0.0;     ///< ratio of its pixels in the image that nothing hides
   int occlusion = 0;        ///< KITTI's: 0 visible, 1 partly, 2 largely hidden, 3 all but gone
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< box centre, map frame [m]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< map frame [m/s]
@@ -115,7 +115,7 @@ class Simulator {
   std::unique_ptr<Impl> impl_;
 };
 
-/// KITTI's occlusion level of a visible share.
+/// KITTI's occlusion level of a visible ratio.
 [[nodiscard]] int occlusionLevel(double visible);
 
 }  // namespace headway::sim
