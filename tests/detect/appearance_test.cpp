@@ -121,5 +121,17 @@ TEST(AppearanceTest, IsNotFoundInOtherTexture) {
       findTemplate(appearance, cv::Mat(kImage, CV_8U, cv::Scalar(0)), centreOf(appearance), 1.0));
 }
 
+TEST(RepeatsAlongRowsTest, ACorrugatedSheetDoes) {
+  cv::Mat image(kImage, CV_8U);
+  for (int column = 0; column < image.cols; ++column) {
+    image.col(column).setTo(128.0 + 80.0 * std::sin(0.6 * column));
+  }
+  EXPECT_TRUE(repeatsAlongRows(image, cellsIn(kThing)));
+}
+
+TEST(RepeatsAlongRowsTest, APersonDoesNot) {
+  EXPECT_FALSE(repeatsAlongRows(imageWith(kThing.tl()), cellsIn(kThing)));
+}
+
 }  // namespace
 }  // namespace headway::detect

@@ -14,6 +14,9 @@ constexpr int kReachAcross = 8;          // sought to either side [cells]
 constexpr int kReachUp = 4;              // and up and down [cells]
 constexpr double kMaxScale = 3.0;        // farther or nearer by more it looks otherwise
 const cv::Size kMaskGaps(5, 5);          // between cells that are closed [cells]
+constexpr int kMaxPeriod = 32;           // of a repeated image [cells]
+constexpr double kRepeated = 0.75;       // correlation with itself at a period
+constexpr double kRepeatedRise = 0.5;    // and above that at shorter shifts
 
 cv::Mat resized(const cv::Mat& image, double scale, int interpolation) {
   cv::Mat result;
@@ -37,7 +40,38 @@ std::optional<cv::Point> bestOf(const cv::Mat& correlations) {
   return best;
 }
 
+// Normalised correlation of some cells with those shifted along the rows; 0 with few inside.
+double shiftedCorrelation(const cv::Mat& image, const std::vector<cv::Point>& cells, int shift) {
+  double n = 0.0, sum_a = 0.0, sum_b = 0.0, sum_aa = 0.0, sum_bb = 0.0, sum_ab = 0.0;
+  for (const auto& cell : cells) {
+    if (cell.x + shift < 0 || cell.x + shift >= image.cols) continue;
+    const double a = image.at<unsigned char>(cell);
+    const double b = image.at<unsigned char>(cell.y, cell.x + shift);
+    n += 1.0;
+    sum_a += a;
+    sum_b += b;
+    sum_aa += a * a;
+    sum_bb += b * b;
+    sum_ab += a * b;
+  }
+  if (n < kMinCells) return 0.0;
+  const double squares = (sum_aa - sum_a * sum_a / n) * (sum_bb - sum_b * sum_b / n);
+  return squares > 0.0 ? (sum_ab - sum_a * sum_b / n) / std::sqrt(squares) : 0.0;
+}
+
 }  // namespace
+
+bool repeatsAlongRows(const cv::Mat& image, const std::vector<cv::Point>& cells) {
+  for (const int side : {1, -1}) {
+    double min = 1.0;
+    for (int shift = 1; shift <= kMaxPeriod; ++shift) {
+      const double correlation = shiftedCorrelation(image, cells, side * shift);
+      min = std::min(min, correlation);
+      if (correlation > kRepeated && correlation > min + kRepeatedRise) return true;
+    }
+  }
+  return false;
+}
 
 std::shared_ptr<const ObjectMask> maskOf(const std::vector<cv::Point>& cells, int reduce) {
   if (cells.empty()) return nullptr;

@@ -27,6 +27,13 @@ namespace headway::detect {
                                                            const std::vector<cv::Point>& cells,
                                                            int reduce);
 
+/// Whether the image of an object repeats along its rows, as corrugated sheets, shelves and
+/// railings do: neither disparities nor flow along rows are unambiguous there.
+///
+/// @param image  left, on the disparity grid, 8-bit
+/// @param cells  that show the object
+[[nodiscard]] bool repeatsAlongRows(const cv::Mat& image, const std::vector<cv::Point>& cells);
+
 /// Searches another frame for a template by normalised correlation.
 ///
 /// @param expected  centre of the patch there; parts outside the image are left out [cells]

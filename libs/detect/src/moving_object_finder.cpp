@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "appearance.h"
 #include "motion_clusters.h"
 #include "over_ground.h"
 #include "segment_motion.h"
@@ -57,6 +58,10 @@ void MovingObjectFinder::addClusters(const MotionFrame& frame, std::vector<Movin
     auto extent = plausibleExtent(growObject(seeds, frame.disparity, camera_, floor),
                                   cluster.velocity, floor, params_.min_moving_ratio, frame);
     if (!extent) continue;
+    if (repeatsAlongRows(frame.image, extent->cells)) {
+      ++implausible_;
+      continue;
+    }
     const auto known =
         std::find_if(objects.begin(), objects.end(), [&](const MovingObject& object) {
           return isAsFast(cluster.velocity, object.velocity.value) && isPartOf(*extent, object);
@@ -85,6 +90,10 @@ void MovingObjectFinder::addSegments(const MotionFrame& frame, std::vector<Segme
     auto extent =
         plausibleExtent(segment.segment.cells, velocity->value, *frame.ground, 0.0, frame);
     if (!extent) continue;
+    if (repeatsAlongRows(frame.image, extent->cells)) {
+      ++implausible_;
+      continue;
+    }
     const auto known =
         std::find_if(objects.begin(), objects.end(), [&](const MovingObject& object) {
           return isPartOf(*extent, object) && !isOpposite(velocity->value, object.velocity.value);

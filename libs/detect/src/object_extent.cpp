@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "over_ground.h"
 
@@ -17,6 +18,11 @@ constexpr double kReach = 0.7;            // over the ground, from the nearest s
 constexpr double kReachPerMetre = 0.015;  // growth of the reach with depth [m/m]
 constexpr double kMaxHeight = 3.8;        // above ground [m]
 constexpr double kMaxAfloat = 1.2;        // lowest part above ground, stereo noise aside [m]
+constexpr double kMinAfloat = 0.35;       // of something that the view below it is tested of [m]
+constexpr double kMaxSeenBelow = 0.5;     // ratio of columns with farther things below
+constexpr int kSearchBelow = 12;          // for them [cells]
+constexpr double kFarther = 1.5;          // disparity by which they are farther [px]
+constexpr double kFartherRatio = 0.1;     // or this ratio of it
 constexpr double kTail = 0.03;            // of the cells left out at each end of an extent
 constexpr double kVehicleExtent = 1.35;   // a person is never this wide [m]
 constexpr double kFastestWalker = 3.2;    // [m/s]
@@ -97,6 +103,29 @@ Range rangeOf(const std::vector<Cell>& cells, double tail, Value value) {
   return {values[skip], values[values.size() - 1 - skip]};
 }
 
+// Ratio of the columns of cells below which something farther is visible: nothing hides the lower
+// part of what stands on the ground there, so their disparities are wrong.
+double seenBelow(const std::vector<Cell>& cells, const stereo::DisparityImage& disparity) {
+  std::map<int, int> lowest;  // row by column
+  for (const auto& cell : cells) {
+    int& row = lowest.try_emplace(cell.place.x, cell.place.y).first->second;
+    row = std::max(row, cell.place.y);
+  }
+  double seen = 0.0;
+  for (const auto& [column, row] : lowest) {
+    const float d = disparity.values.at<float>(row, column);
+    const double farther = d - std::max(kFarther, kFartherRatio * d);
+    const int end = std::min(disparity.values.rows, row + kSearchBelow);
+    for (int below = row + 1; below < end; ++below) {
+      const float other = disparity.values.at<float>(below, column);
+      if (other <= 0.0F || other >= farther) continue;
+      seen += 1.0;
+      break;
+    }
+  }
+  return seen / static_cast<double>(lowest.size());
+}
+
 // Most probable class of an object of this size and speed.
 ObjectClass classBySize(double extent, double height, double speed) {
   if (extent > kVehicleExtent || speed > kFastestCyclist) {
@@ -175,6 +204,7 @@ std::optional<ObjectExtent> extentOf(const std::vector<ObjectCell>& cells,
   const Range height =
       rangeOf(cells, kTail, [&](const Cell& c) { return floor.heightOf(c.point); });
   if (height.min > kMaxAfloat) return std::nullopt;
+  if (height.min > kMinAfloat && seenBelow(cells, disparity) > kMaxSeenBelow) return std::nullopt;
   const double top = height.max;
   // Stereo smears depth: of an extent along the ray less counts.
   const double depth = cells.front().point.z();

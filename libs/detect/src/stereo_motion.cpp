@@ -26,6 +26,7 @@ constexpr double kMinAgreeing = 0.3;  // ratio of static points that must fit th
 constexpr int kFewPoints = 12;   // with fewer classified points the camera's motion is not checked
 constexpr double kMaxGap = 3.0;  // of the window: a longer gap resets everything
 constexpr double kSupportScale = 6.0;
+constexpr double kFootRatio = 4.0 / 3.0;  // of the ground's clearance: block matching smears feet
 constexpr double kStartUp = 0.35;  // before it small errors of pose and stereo resemble motion [s]
 
 bool usable(const cv::Mat& image) {
@@ -70,7 +71,10 @@ class StereoMotion::Implementation {
     disparity_ = context.disparity();
     image_ = context.reducedLeft();
     ground_ = context.ground();
-    if (ground_ && params_.min_height_m > 0.0) ground_->clearance_m = params_.min_height_m;
+    if (ground_) {
+      ground_->clearance_m =
+          params_.min_height_m > 0.0 ? params_.min_height_m : kFootRatio * ground_->clearance_m;
+    }
     if (!T_map_robot) {
       reset();
       return "no_pose";

@@ -37,10 +37,10 @@ void StereoMotionParams::describe(Params::Section section) {
   auto user = section.user();
   user.add("max_range_m", max_range_m, 0.0, 200.0, "m",
            "Maximum distance of moving objects; 0: derived from the rig");
-  user.add(
-      "min_height_m", min_height_m, 0.0, 5.0, "m",
-      "Minimum height above ground of points on objects, greater on rough ground; 0: half of the "
-      "rig's minimum obstacle height");
+  user.add("min_height_m", min_height_m, 0.0, 5.0, "m",
+           "Minimum height above ground of points on objects, greater on rough ground; 0: two "
+           "thirds of the "
+           "rig's minimum obstacle height");
   user.add("min_speed_mps", min_speed_mps, 0.05, 20.0, "m/s",
            "Speed below which an object is static; smaller finds slower people and more false "
            "objects");

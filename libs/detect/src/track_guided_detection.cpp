@@ -12,15 +12,17 @@
 namespace headway::detect {
 namespace {
 
-constexpr double kSearchTime = 1.0;     // after the last evidence of motion [s]
-constexpr double kGate = 0.8;           // between an object and its expected place [m]
-constexpr double kGatePerMetre = 0.02;  // growth with depth [m/m]
-constexpr double kFlowSigmas = 3.0;     // difference between a flow and the expected one
-constexpr double kFlowRatio = 0.5;      // and ratio of it to the expected one
-constexpr int kMinObservations = 2;     // of an object that is searched by appearance
-constexpr double kMinTrackedDepth = 1.0;       // of a searched object [m]
-constexpr double kMinVisibleWidth = 4.0;       // of the box left inside the image [px]
-constexpr double kMinVisibleHeight = 8.0;      // [px]
+constexpr double kSearchTime = 1.0;      // after the last evidence of motion [s]
+constexpr double kGate = 0.8;            // between an object and its expected place [m]
+constexpr double kGatePerMetre = 0.02;   // growth with depth [m/m]
+constexpr double kFlowSigmas = 3.0;      // difference between a flow and the expected one
+constexpr double kFlowRatio = 0.5;       // and ratio of it to the expected one
+constexpr int kMinObservations = 2;      // of an object that is searched by appearance
+constexpr double kMinDistinct = 2.0;     // between where it would be had it stopped and not [cells]
+constexpr double kIndistinctTime = 0.7;  // in which it is searched though these coincide [s]
+constexpr double kMinTrackedDepth = 1.0;   // of a searched object [m]
+constexpr double kMinVisibleWidth = 4.0;   // of the box left inside the image [px]
+constexpr double kMinVisibleHeight = 8.0;  // [px]
 
 constexpr DetectionEvidence kByFlow{false, false, true, false};
 constexpr DetectionEvidence kByAppearance{false, false, false, true};
@@ -83,7 +85,8 @@ std::optional<Box2d> transformed(const Box2d& box, const Similarity& similarity,
   const Eigen::Vector2d min = similarity(box.left, box.top).cwiseMax(0.0);
   const Eigen::Vector2d max = similarity(box.right, box.bottom)
                                   .cwiseMin(Eigen::Vector2d(camera.width - 1, camera.height - 1));
-  if (max.x() - min.x() < kMinVisibleWidth || max.y() - min.y() < kMinVisibleHeight) return std::nullopt;
+  if (max.x() - min.x() < kMinVisibleWidth || max.y() - min.y() < kMinVisibleHeight)
+    return std::nullopt;
   return Box2d{min.x(), min.y(), max.x(), max.y()};
 }
 
@@ -140,6 +143,10 @@ std::optional<Eigen::Vector2d> foundOffset(const SearchedObject& object, const E
   if (!offset) return std::nullopt;
   const double from_stopped = offset->x - (view.stopped_px.x() - view.moving_px.x()) / reduce;
   if (std::abs(offset->x) > std::abs(from_stopped) + 0.5) return std::nullopt;
+  const double seconds = frame.path.timeOf(frame.path.newest()) - object.last_motion;
+  const bool distinct = (view.stopped_px - view.moving_px).norm() > kMinDistinct * reduce ||
+                        seconds < kIndistinctTime;
+  if (!distinct) return std::nullopt;
   return reduce * Eigen::Vector2d(offset->x, offset->y);
 }
 

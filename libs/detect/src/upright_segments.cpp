@@ -14,7 +14,8 @@ namespace {
 constexpr double kStep = 0.5;        // of disparity between neighbouring cells [px]
 constexpr double kStepRatio = 0.02;  // or this ratio of it
 constexpr double kHead = 2.4;        // higher cells are not a person's [m]
-constexpr double kMinTop = 0.9;      // [m]
+constexpr double kMinTop = 0.9;      // [m], unless the image cuts it
+constexpr int kImageEdge = 6;        // rows below the upper edge without disparities [cells]
 constexpr double kMaxFloat = 0.9;    // of the lowest part [m]
 constexpr double kMinWidth = 0.2;    // [m]
 constexpr double kMaxWidth = 2.0;    // a cyclist from the side [m]
@@ -121,8 +122,9 @@ std::optional<UprightSegment> segmentOf(const Patch& patch, const stereo::Dispar
   const auto [lowest, highest] = std::minmax_element(patch.heights.begin(), patch.heights.end());
   // A segment that reaches the maximum height continues above it: a trunk, a pole, a wall.
   const bool cut = *highest > kHead - 0.1;
-  if (cut || *highest < kMinTop || *lowest > kMaxFloat) return std::nullopt;
   const cv::Rect box = cv::boundingRect(patch.places);
+  const bool low = *highest < kMinTop && box.y > kImageEdge;
+  if (cut || low || *lowest > kMaxFloat) return std::nullopt;
   const double d = median({patch.disparities.begin(), patch.disparities.end()});
   const double metres_per_px = camera.baseline_m / d;  // z / f
   const double width = box.width * disparity.reduce * metres_per_px;
