@@ -12,7 +12,7 @@ constexpr double kUprightRatio = 0.25 / 0.3;  // height that must be matched at 
 constexpr double kMatchedRatio = 0.6;         // of that height: texture may be missing
 constexpr double kMinRiseRatio = 0.4;         // from its lowest to its highest point
 
-constexpr int kMinRows = 3;              // of an obstacle, a drop or free ground
+constexpr int kMinRows = 3;              // of an obstacle or a drop
 constexpr double kMaxSlope = 0.12;       // of a ramp
 constexpr double kDepth = 0.25;          // "one distance" [m]
 constexpr double kDisparity = 1.5;       // or this difference of disparities [px]
@@ -172,11 +172,7 @@ double ColumnScanner::dropFrom() const {
 /// that was matched behind it, at a disparity that differs from its own.
 std::vector<ColumnScanner::Interval> ColumnScanner::freeBefore(double depth) const {
   std::vector<Interval> pieces;
-  int rows = 0;  // of the last piece
   double last = -std::numeric_limits<double>::infinity();
-  const auto dropUnsupported = [&] {
-    if (!pieces.empty() && rows < kMinRows) pieces.pop_back();
-  };
   for (const auto& point : surface_) {
     if (!isGround(point)) continue;
     const double seen = point.depth;
@@ -188,15 +184,9 @@ std::vector<ColumnScanner::Interval> ColumnScanner::freeBefore(double depth) con
     last = seen;
     if (from >= depth) break;
     if (from >= to) continue;
-    if (pieces.empty() || pieces.back().to < from) {
-      dropUnsupported();
-      pieces.push_back({from, to});
-      rows = 0;
-    }
-    ++rows;
+    if (pieces.empty() || pieces.back().to < from) pieces.push_back({from, to});
     pieces.back().to = std::max(pieces.back().to, to);
   }
-  dropUnsupported();
   return pieces;
 }
 

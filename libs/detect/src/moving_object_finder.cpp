@@ -43,9 +43,9 @@ void MovingObjectFinder::addClusters(const MotionFrame& frame, std::vector<Movin
   ClusterParams params;
   params.reach_m = params_.max_point_distance_m;
   params.min_points = params_.min_points;
-  const Pose& T_cam_world = frame.path.T_cam_world(frame.path.newest());
-  const int first =
-      frame.path.firstSince(frame.path.timeOf(frame.path.newest()) - params_.window_s);
+  const int now = frame.path.newest();
+  const Pose& T_cam_world = frame.path.T_cam_world(now);
+  const int first = frame.path.firstSince(frame.path.timeOf(now) - params_.window_s);
   for (const auto& cluster :
        clusterMotion(frame.points, frame.classes, frame.path, frame.up, params)) {
     const double sigma = sigmaAlong(cluster.velocity, cluster.velocity_covariance);

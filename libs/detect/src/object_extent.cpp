@@ -205,13 +205,12 @@ std::optional<ObjectExtent> extentOf(const std::vector<ObjectCell>& cells,
       rangeOf(cells, kTail, [&](const Cell& c) { return floor.heightOf(c.point); });
   if (height.min > kMaxAfloat) return std::nullopt;
   if (height.min > kMinAfloat && seenBelow(cells, disparity) > kMaxSeenBelow) return std::nullopt;
-  const double top = height.max;
   // Stereo smears depth: of an extent along the ray less counts.
   const double depth = cells.front().point.z();
   const double smear = 0.5 * depth * depth / (camera.fx * camera.baseline_m);
   const double seen =
       std::max(length - smear * std::abs(front.z()), width - smear * std::abs(side.z()));
-  extent.object_class = classBySize(seen, top, velocity.norm());
+  extent.object_class = classBySize(seen, height.max, velocity.norm());
   extent.box = boxAround(cells, front, floor, extent.object_class);
   const Eigen::Vector3d sight = extent.box.centre.normalized();
   const double across = kEdgeSigma * extent.box.centre.z() / camera.fx + 0.1;
