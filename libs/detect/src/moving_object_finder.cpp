@@ -44,7 +44,6 @@ void MovingObjectFinder::addClusters(const MotionFrame& frame, std::vector<Movin
   params.reach_m = params_.max_point_distance_m;
   params.min_points = params_.min_points;
   const int now = frame.path.newest();
-  const Pose& T_cam_world = frame.path.T_cam_world(now);
   const int first = frame.path.firstSince(frame.path.timeOf(now) - params_.window_s);
   for (const auto& cluster :
        clusterMotion(frame.points, frame.classes, frame.path, frame.up, params)) {
@@ -52,7 +51,7 @@ void MovingObjectFinder::addClusters(const MotionFrame& frame, std::vector<Movin
     if (cluster.velocity.norm() < params_.min_speed_mps + 2.0 * sigma) continue;
     std::vector<Eigen::Vector3d> seeds;
     for (const std::size_t i : cluster.members) {
-      seeds.push_back(T_cam_world * frame.points[i].motion->point);
+      seeds.push_back(frame.path.T_cam_world(now) * frame.points[i].motion->point);
     }
     const stereo::GroundPlane floor = frame.ground.value_or(floorBelow(seeds, camera_));
     auto extent = plausibleExtent(growObject(seeds, frame.disparity, camera_, floor),

@@ -30,7 +30,7 @@ struct SegmentMotionParams {
   double noise_scale = 1.0;     ///< true errors of observations over those assumed [-]
   double speed_prior = 3.0;     ///< standard deviation of a segment's speed [m/s]
   double common_px = 0.3;       ///< drift of the camera's direction over the observations [px]
-  double common_ratio = 0.015;  ///< errors of calibration and motion, of the camera's speed [-]
+  double common_ratio = 0.01; ///< errors of calibration and motion, of the camera's speed [-]
   double common_disparity_px = 0.2;  ///< drift of a segment's disparity over them [px]
 };
 
