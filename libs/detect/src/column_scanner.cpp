@@ -23,6 +23,9 @@ constexpr double kContrastSigmas = 3.0;  // between ground and an obstacle that 
 // from it; shorter ones are bridged by a robot, whose length is about its camera's height.
 constexpr double kMaxGapRatio = 1.5;  // of the camera's height,
 constexpr double kMaxGapRows = 3.0;   // or of the distance between neighbouring rows
+// Robots meet stairs and docks, whose far rim looks like ground behind a gap. Cameras from this
+// height on are those of cars: roads have no open drops, but asphalt hardly any texture.
+constexpr double kRoadCamera = 1.0;  // [m]
 
 }  // namespace
 
@@ -150,22 +153,27 @@ void ColumnScanner::addDepths(std::size_t first, std::size_t last,
   if (depths.size() == before) depths.push_back(fb_ / raised_[(first + last) / 2].disparity);
 }
 
-/// Depth of the last ground before a drop, behind which the surface is lower than an obstacle is
-/// high and than a ramp could lead down; infinite where there is none [m].
+/// Depth of the last ground before a drop; infinite where there is none [m].
+///
+/// A point below the ground by an obstacle's height proves that there is no ground where its ray
+/// would meet it. It belongs to a drop unless a ramp could lead down to it.
 double ColumnScanner::dropFrom() const {
-  Surface edge{0.0, 0.0};
-  int rows = 0;
+  std::vector<double> edges;
+  const double height = ground_.camera_height;
   for (const auto& point : surface_) {
-    if (isGround(point)) {
-      edge = point;
-      rows = 0;
-    } else if (point.height <= -params_.min_obstacle_height_m &&
-               edge.height - point.height > kMaxSlope * (point.depth - edge.depth) &&
-               ++rows >= kMinRows) {
-      return edge.depth;
+    if (point.height > -params_.min_obstacle_height_m) continue;
+    const double missing = point.depth * height / (height - point.height);
+    Surface edge{0.0, 0.0};
+    for (const auto& before : surface_) {
+      if (before.depth > missing) break;
+      if (isGround(before)) edge = before;
     }
+    const double slope = (edge.height - point.height) / (point.depth - edge.depth);
+    if (slope > kMaxSlope) edges.push_back(edge.depth);
   }
-  return std::numeric_limits<double>::infinity();
+  if (edges.size() < kMinRows) return std::numeric_limits<double>::infinity();
+  std::nth_element(edges.begin(), edges.begin() + kMinRows - 1, edges.end());
+  return edges[kMinRows - 1];
 }
 
 /// Ground on which an obstacle of the minimum height would have been noticed: it would hide ground
@@ -178,8 +186,9 @@ std::vector<ColumnScanner::Interval> ColumnScanner::freeBefore(double depth) con
     const double seen = point.depth;
     const double row = seen * seen / (camera_.fy * ground_.camera_height) * disparity_.reduce;
     const double max_gap = std::max(kMaxGapRatio * ground_.camera_height, kMaxGapRows * row);
+    const double unjoined = ground_.camera_height < kRoadCamera ? seen : seen - max_gap;
     const double from =
-        std::max(hiddenFrom(seen), seen - last <= max_gap ? distinctBefore(last) : seen);
+        std::max(hiddenFrom(seen), seen - last <= max_gap ? distinctBefore(last) : unjoined);
     const double to = std::min(distinctBefore(seen), depth);
     last = seen;
     if (from >= depth) break;
