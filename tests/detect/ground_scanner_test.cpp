@@ -19,7 +19,7 @@ GroundScanParams withReach(double reach_m) {
   return params;
 }
 
-StereoCamera testCamera() {
+StereoCamera testCamera(double height = kHeight) {
   StereoCamera camera;
   camera.width = 620;
   camera.height = 240;
@@ -27,7 +27,7 @@ StereoCamera testCamera() {
   camera.cx = 309.5;
   camera.cy = 100.0;
   camera.baseline_m = 0.54;
-  camera.T_robot_cam = Eigen::Translation3d(0.0, 0.0, kHeight) * robotFromOptical();
+  camera.T_robot_cam = Eigen::Translation3d(0.0, 0.0, height) * robotFromOptical();
   return camera;
 }
 
@@ -42,7 +42,8 @@ struct Plate {
 
 /// What the camera, pitched down by an angle, sees of level ground and plates on it.
 stereo::DisparityImage imageOf(const std::vector<Plate>& plates, double pitch = 0.0,
-                               const std::function<double(double)>& ground = {}) {
+                               const std::function<double(double)>& ground = {},
+                               double camera_height = kHeight) {
   const StereoCamera camera = testCamera();
   stereo::DisparityImage image;
   image.reduce = 2;
@@ -54,10 +55,10 @@ stereo::DisparityImage imageOf(const std::vector<Plate>& plates, double pitch = 
     const double forward = std::cos(pitch) - y * std::sin(pitch);
     for (int column = 0; column < image.values.cols; ++column) {
       const double right = (image.pixelOf(column) - camera.cx) / camera.fx;
-      double nearest = down > 0.0 ? kHeight / down : std::numeric_limits<double>::infinity();
+      double nearest = down > 0.0 ? camera_height / down : std::numeric_limits<double>::infinity();
       if (ground) {
         for (double z = 3.0; z < 30.0; z += 0.05) {
-          if (kHeight - down / forward * z <= ground(z)) {
+          if (camera_height - down / forward * z <= ground(z)) {
             nearest = z / forward;
             break;
           }
@@ -65,7 +66,7 @@ stereo::DisparityImage imageOf(const std::vector<Plate>& plates, double pitch = 
       }
       for (const auto& plate : plates) {
         const double z = plate.depth / forward;
-        const double height = kHeight - down * z;
+        const double height = camera_height - down * z;
         if (right * z < plate.left || right * z > plate.right) continue;
         if (height >= plate.bottom && height <= plate.top) nearest = std::min(nearest, z);
       }
@@ -175,6 +176,42 @@ TEST(ScanGroundTest, ADropEndsFreeGround) {
   for (double x = 8.2; x < 20.0; x += 0.5) EXPECT_FALSE(isFree(scan, x, 0.0)) << x;
   const auto slope = [](double z) { return z < 8.0 ? 0.0 : -0.08 * (z - 8.0); };
   EXPECT_TRUE(isFree(scanOf(imageOf({}, 0.0, slope)), 9.0, 0.0)) << "a ramp down is no drop";
+}
+
+/// What a robot's camera 0.5 m above the ground scans; rows between two depths are not matched.
+GroundScan robotScan(double unmatched_from, double unmatched_to) {
+  constexpr double kRobotHeight = 0.5;
+  const auto camera = testCamera(kRobotHeight);
+  auto image = imageOf({}, 0.0, {}, kRobotHeight);
+  const auto rowAt = [&](double depth) {
+    return image.cellOf(camera.cy + camera.fy * kRobotHeight / depth);
+  };
+  if (unmatched_to > 0.0) {
+    image.values.rowRange(rowAt(unmatched_to), rowAt(unmatched_from)).setTo(0.0F);
+  }
+  const auto ground = stereo::findGround(image, camera, std::nullopt);
+  EXPECT_TRUE(ground);
+  GroundScanParams params = withReach(6.0);
+  params.min_obstacle_height_m = 0.12;
+  return ground ? scanGround(image, camera, *ground, {}, params) : GroundScan{};
+}
+
+TEST(ScanGroundTest, ARobotDoesNotTakeTheFarRimOfAGapForGroundInTheGap) {
+  const auto whole = robotScan(0.0, 0.0);
+  EXPECT_TRUE(isFree(whole, 2.0, 0.0));
+  EXPECT_TRUE(isFree(whole, 3.5, 0.0));
+  const auto gap = robotScan(1.8, 4.0);
+  EXPECT_TRUE(isFree(gap, 1.5, 0.0));
+  for (double x = 2.0; x < 3.9; x += 0.1) EXPECT_FALSE(isFree(gap, x, 0.0)) << x;
+  EXPECT_TRUE(isFree(gap, 4.5, 0.0)) << "matched again";
+}
+
+TEST(ScanGroundTest, ACameraThatLooksStraightDownScansNothing) {
+  stereo::GroundPlane ground;
+  ground.up = -Eigen::Vector3d::UnitZ();
+  ground.camera_height = kHeight;
+  const auto scan = scanGround(imageOf({}), testCamera(), ground, {}, withReach(20.0));
+  EXPECT_TRUE(scan.empty());
 }
 
 TEST(ScanGroundTest, NothingIsFreedWhereALongGapWithoutTextureMayHideSomething) {
