@@ -55,7 +55,8 @@ void ColumnScanner::scan(int column, const cv::Mat& left_out, GroundScan& scan) 
 
 void ColumnScanner::read(int column, const cv::Mat& left_out) {
   raised_.clear();
-  surface_.clear();
+  seen_ground_.clear();
+  below_.clear();
   const double x = (disparity_.pixelOf(column) - camera_.cx) / camera_.fx;
   const double least = fb_ / (kBeyondReach * params_.reach_m);
   for (int row = 0; row < disparity_.values.rows; ++row) {
@@ -65,15 +66,18 @@ void ColumnScanner::read(int column, const cv::Mat& left_out) {
     const double depth = fb_ / d;
     const double height = ground_.heightOf(Eigen::Vector3d(x, y, 1.0) * depth);
     if (height > params_.max_obstacle_height_m) continue;
-    if (height > ground_.clearance(depth)) {
+    const double clearance = ground_.clearance(depth);
+    if (height > clearance) {
       raised_.push_back({d, height});
+    } else if (height >= -clearance) {
+      seen_ground_.push_back({depth, height});
     } else {
-      surface_.push_back({depth, height});
+      below_.push_back({depth, height});
     }
   }
   std::sort(raised_.begin(), raised_.end(),
             [](const Raised& a, const Raised& b) { return a.disparity > b.disparity; });
-  std::sort(surface_.begin(), surface_.end(),
+  std::sort(seen_ground_.begin(), seen_ground_.end(),
             [](const Surface& a, const Surface& b) { return a.depth < b.depth; });
 }
 
@@ -160,14 +164,13 @@ void ColumnScanner::addDepths(std::size_t first, std::size_t last,
 double ColumnScanner::dropFrom() const {
   std::vector<double> edges;
   const double height = ground_.camera_height;
-  for (const auto& point : surface_) {
+  for (const auto& point : below_) {
     if (point.height > -params_.min_obstacle_height_m) continue;
     const double missing = point.depth * height / (height - point.height);
-    Surface edge{0.0, 0.0};
-    for (const auto& before : surface_) {
-      if (before.depth > missing) break;
-      if (isGround(before)) edge = before;
-    }
+    const auto after =
+        std::upper_bound(seen_ground_.begin(), seen_ground_.end(), missing,
+                         [](double depth, const Surface& ground) { return depth < ground.depth; });
+    const Surface edge = after == seen_ground_.begin() ? Surface{0.0, 0.0} : *(after - 1);
     const double slope = (edge.height - point.height) / (point.depth - edge.depth);
     if (slope > kMaxSlope) edges.push_back(edge.depth);
   }
@@ -181,8 +184,7 @@ double ColumnScanner::dropFrom() const {
 std::vector<ColumnScanner::Interval> ColumnScanner::freeBefore(double depth) const {
   std::vector<Interval> pieces;
   double last = -std::numeric_limits<double>::infinity();
-  for (const auto& point : surface_) {
-    if (!isGround(point)) continue;
+  for (const auto& point : seen_ground_) {
     const double seen = point.depth;
     const double row = seen * seen / (camera_.fy * ground_.camera_height) * disparity_.reduce;
     const double max_gap = std::max(kMaxGapRatio * ground_.camera_height, kMaxGapRows * row);

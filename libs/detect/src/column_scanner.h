@@ -44,9 +44,6 @@ class ColumnScanner {
   [[nodiscard]] double dropFrom() const;
   [[nodiscard]] std::vector<Interval> freeBefore(double depth) const;
 
-  [[nodiscard]] bool isGround(const Surface& point) const {
-    return point.height >= -ground_.clearance(point.depth);
-  }
   [[nodiscard]] double hiddenFrom(double seen) const;
   [[nodiscard]] double distinctBefore(double seen) const;
   [[nodiscard]] double sigmaAt(double depth) const;
@@ -57,8 +54,10 @@ class ColumnScanner {
   const stereo::GroundPlane& ground_;
   const GroundScanParams& params_;
   double fb_;
-  std::vector<Raised> raised_;    ///< of the column read, nearest first
-  std::vector<Surface> surface_;  ///< of the column read, nearest first
+  // Points of the column read, by their heights; what is raised and the ground nearest first.
+  std::vector<Raised> raised_;
+  std::vector<Surface> seen_ground_;
+  std::vector<Surface> below_;
 };
 
 }  // namespace headway::detect

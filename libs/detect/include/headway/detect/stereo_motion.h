@@ -17,14 +17,14 @@ namespace headway::detect {
 
 /// Section [stereo_motion].
 struct StereoMotionParams {
-  int max_points = 1200;              ///< tracked at a time
-  int spacing_px = 8;                 ///< between points [px]
-  double window_s = 0.6;              ///< time window of a point's observations [s]
-  double segment_window_s = 1.0;      ///< time window of a segment's observations [s]
-  double max_range_m = 0.0;           ///< of tracked points; 0: RigCapability::vehicles_to_m [m]
-  double min_height_m = 0.0;          ///< of points on objects; 0: GroundPlane::clearance_m [m]
-  double max_height_m = 3.5;          ///< above ground, of points on objects [m]
-  double sigma_px = 0.4;              ///< noise of an image position, each way [px]
+  int max_points = 1200;          ///< tracked at a time
+  int spacing_px = 8;             ///< between points [px]
+  double window_s = 0.6;          ///< time window of a point's observations [s]
+  double segment_window_s = 1.0;  ///< time window of a segment's observations [s]
+  double max_range_m = 0.0;       ///< of tracked points; 0: RigCapability::vehicles_to_m [m]
+  double min_height_m = 0.0;      ///< of points on objects; 0: 4/3 of GroundPlane::clearance_m [m]
+  double max_height_m = 3.5;      ///< above ground, of points on objects [m]
+  double sigma_px = 0.4;          ///< noise of an image position, each way [px]
   double sigma_disparity_px = 0.4;    ///< [px]
   double significance = 30.0;         ///< of a point's motion, chi-square, 3 degrees of freedom [-]
   double min_speed_mps = 0.6;         ///< slower objects are static [m/s]
