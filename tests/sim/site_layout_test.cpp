@@ -125,7 +125,7 @@ TEST_P(SiteLayoutTest, DropsAreConvexCounterclockwiseAndDeeperThanAStep) {
         EXPECT_GT(a.x() * b.y() - a.y() * b.x(), 0.0) << "turns left at every corner";
       }
       EXPECT_TRUE(site.area.contains(boundsOf(drop)));
-      EXPECT_EQ(grid.clearance(boundsOf(drop).center()), 0.0) << "nobody walks into it";
+      EXPECT_EQ(grid.clearance(boundsOf(drop).center()), 0.0) << "closed to walkers";
     }
   }
 }

@@ -109,7 +109,7 @@ TEST(WalkersTest, AccelerationsAreThoseOfPeople) {
     floor.advance();
     for (std::size_t k = 0; k < before.size(); ++k) {
       const Eigen::Vector2d change = floor.people()[k].velocity - before[k];
-      // Who is held up stops at once; nobody starts faster than 2.5 m/s^2.
+      // A blocked walker stops at once; walkers start with at most 2.5 m/s^2.
       const double gain = floor.people()[k].velocity.norm() - before[k].norm();
       EXPECT_LE(gain, 2.5 * kStep + 1e-9);
       if (change.norm() > 2.5 * kStep + 1e-9) {
