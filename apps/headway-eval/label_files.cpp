@@ -90,12 +90,6 @@ std::map<std::size_t, Detections> rawDetections(const std::string& file) {
   return frames;
 }
 
-/// KITTI tracking labels spell Person_sitting as Person.
-io::KittiRow withDetectionSpelling(io::KittiRow row) {
-  if (row.type == "Person") row.type = "Person_sitting";
-  return row;
-}
-
 }  // namespace
 
 PairedFiles pairedFiles(const std::string& truth, const std::string& estimate) {
@@ -135,8 +129,7 @@ std::vector<eval::LabelledFrame> readLabels(const std::string& path) {
   std::vector<eval::LabelledFrame> frames;
   const auto rows = io::readKittiRows(path);
   if (rows.empty()) throw InputError(path + ": contains no labels");
-  for (const auto& given : rows) {
-    const auto row = withDetectionSpelling(given);
+  for (const auto& row : rows) {
     auto& frame = frameAt(frames, row.frame, path);
     const auto detection = io::detectionFrom(row);
     if (row.type == "DontCare") frame.dont_care.push_back(row.box2d);

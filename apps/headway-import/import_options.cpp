@@ -8,6 +8,21 @@ namespace {
 
 using program::CommandLine;
 
+constexpr const char* kDefaultBoxes = "det3d_pointrcnn";
+
+/// What a dataset's folder contains.
+std::string folderDescription(const std::string& dataset) {
+  if (dataset == "euroc") return "Folder that contains mav0/";
+  if (dataset == "kitti-tracking") return "Folder that contains training/";
+  if (dataset == "kitti-raw") return "Folder that contains the days, such as 2011_09_26/";
+  return "Folder that contains sequences/";
+}
+
+void addOxtsPath(CommandLine& line, ImportOptions& options) {
+  line.option(options.oxts_path, 0, "oxts-path", "positions|velocities",
+              "True path: OXTS positions (default), or its velocities integrated");
+}
+
 void addDatasetOptions(CommandLine& line, ImportOptions& options) {
   if (options.dataset == "images") {
     line.option(options.left, 0, "left", "DIR", "Folder of left images", true);
@@ -16,17 +31,21 @@ void addDatasetOptions(CommandLine& line, ImportOptions& options) {
                 "Calibration of the pair (doc/formats.md)", true);
     return;
   }
-  const bool is_euroc = options.dataset == "euroc";
-  line.positional(options.folder, "DIR",
-                  is_euroc                              ? "Folder that contains mav0/"
-                  : options.dataset == "kitti-tracking" ? "Folder that contains training/"
-                                                        : "Folder that contains sequences/");
-  if (is_euroc) return;
-  line.option(options.sequence, 0, "sequence", "NAME", "Sequence, such as 06 or 0001", true);
-  if (options.dataset == "kitti-tracking") {
-    line.option(options.boxes, 0, "boxes", "NAME",
-                "Boxes to use: label_02, det3d_pointrcnn (default) or det2d_rrc");
+  line.positional(options.folder, "DIR", folderDescription(options.dataset));
+  if (options.dataset == "euroc") return;
+  if (options.dataset == "kitti-raw") {
+    line.option(options.drive, 0, "drive", "NAME", "Drive, such as 2011_09_26_drive_0005_sync",
+                true);
+    addOxtsPath(line, options);
+    return;
   }
+  line.option(options.sequence, 0, "sequence", "NAME", "Sequence, such as 06 or 0001", true);
+  if (options.dataset != "kitti-tracking") return;
+  line.option(options.boxes, 0, "boxes", "NAME",
+              "Boxes to use: label_02, det3d_pointrcnn (default without --images) or det2d_rrc");
+  line.option(options.drive, 0, "images", "DRIVE",
+              "Folder of the sequence's raw drive: images with labels, without poses");
+  addOxtsPath(line, options);
 }
 
 /// The argument of `--degrade`, which is read before the command line so that --set overrides it.
@@ -40,12 +59,43 @@ std::string degradeFile(int argc, const char** argv) {
   return "";
 }
 
+void addCommonOptions(CommandLine& line, ImportOptions& options) {
+  const bool has_drive = options.dataset == "kitti-raw" || options.dataset == "kitti-tracking";
+  line.option(options.output, 'o', "output", "OUT.rawlog", "Rawlog to write", true);
+  line.flag(options.overwrite, 'w', "overwrite", "Overwrite an existing output");
+  line.option(options.detections, 0, "detections", "FILE",
+              "Boxes that replace those of the dataset (doc/formats.md)");
+  line.option(
+      options.poses, 0, "poses", has_drive ? "FILE|oxts" : "FILE",
+      std::string("Poses to use instead of visual SLAM: TUM (robot) or KITTI (left camera)") +
+          (has_drive ? ", or the path of the raw drive's OXTS" : ""));
+  line.option(options.from_index, 0, "from-index", "N", "Index of the first frame");
+  line.option(options.to_index, 0, "to-index", "N", "Index of the last frame");
+  line.flag(options.external_images, 0, "external-images",
+            "Store images as PNG files in NAME_Images/");
+}
+
+/// Checks options that depend on each other, and completes their defaults.
+void finish(ImportOptions& options) {
+  const bool has_images = !options.drive.empty();
+  if (options.dataset == "kitti-tracking" && !has_images && options.boxes.empty()) {
+    options.boxes = kDefaultBoxes;
+  }
+  if (options.degrade && options.boxes.empty() && options.detections.empty()) {
+    throw program::UsageError("--degrade requires --detections for this dataset");
+  }
+  if (options.poses == "oxts" && has_images) {
+    options.use_oxts_poses = true;
+    options.poses.clear();
+  }
+}
+
 }  // namespace
 
 std::optional<ImportOptions> parseOptions(int argc, const char** argv) {
   ImportOptions options;
-  options.dataset =
-      program::takeSubcommand(argc, argv, {"kitti-odometry", "kitti-tracking", "euroc", "images"});
+  options.dataset = program::takeSubcommand(
+      argc, argv, {"kitti-odometry", "kitti-raw", "kitti-tracking", "euroc", "images"});
   io::DegradeParams degrade;
   Params params;
   degrade.describe(params.section("degrade").user());
@@ -54,31 +104,29 @@ std::optional<ImportOptions> parseOptions(int argc, const char** argv) {
 
   CommandLine line("headway-import " + options.dataset, "Converts a dataset to a rawlog.");
   addDatasetOptions(line, options);
-  line.option(options.output, 'o', "output", "OUT.rawlog", "Rawlog to write", true);
-  line.flag(options.overwrite, 'w', "overwrite", "Overwrite an existing output");
-  line.option(options.detections, 0, "detections", "FILE",
-              "Boxes that replace those of the dataset (doc/formats.md)");
-  line.option(options.poses, 0, "poses", "FILE",
-              "Poses to use instead of visual SLAM: TUM (robot) or KITTI (left camera)");
+  addCommonOptions(line, options);
   line.option(degrade_file, 0, "degrade", "FILE.ini",
               "Add noise, misses, duplicates and reversed headings to the boxes");
-  line.option(options.from_index, 0, "from-index", "N", "Index of the first frame");
-  line.option(options.to_index, 0, "to-index", "N", "Index of the last frame");
-  line.flag(options.external_images, 0, "external-images",
-            "Store images as PNG files in NAME_Images/");
   line.parameters(params);
   if (!line.parse(argc, argv)) return std::nullopt;
   options.quiet = line.quiet();
   if (!degrade_file.empty()) options.degrade = degrade;
-  if (options.degrade && options.dataset != "kitti-tracking" && options.detections.empty()) {
-    throw program::UsageError("--degrade requires --detections for this dataset");
-  }
+  finish(options);
   return options;
 }
 
 std::unique_ptr<io::Dataset> openDataset(const ImportOptions& options) {
   if (options.dataset == "kitti-odometry") {
     return io::openKittiOdometry(options.folder, options.sequence);
+  }
+  if (options.dataset == "kitti-raw") {
+    return io::openKittiRaw(options.folder, options.drive, io::oxtsPathFrom(options.oxts_path));
+  }
+  if (options.dataset == "kitti-tracking" && !options.drive.empty()) {
+    std::optional<io::KittiBoxes> boxes;
+    if (!options.boxes.empty()) boxes = io::kittiBoxesFrom(options.boxes);
+    return io::openKittiTracking(options.folder, options.sequence, boxes, options.drive,
+                                 io::oxtsPathFrom(options.oxts_path));
   }
   if (options.dataset == "kitti-tracking") {
     return io::openKittiTracking(options.folder, options.sequence,

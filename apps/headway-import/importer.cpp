@@ -16,9 +16,12 @@ class SideFiles {
  public:
   SideFiles(const io::Dataset& dataset, const ImportOptions& options,
             std::map<std::string, std::size_t>& dropped)
-      : camera_(dataset.camera()) {
+      : camera_(dataset.camera()), use_truth_(options.use_oxts_poses) {
     if (!options.detections.empty()) {
       detections_ = io::readDetections(options.detections, dropped);
+    }
+    if (use_truth_ && dataset.gnss().empty()) {
+      throw InputError("--poses oxts: the drive contains no OXTS data (folder oxts)");
     }
     if (!options.poses.empty()) {
       poses_ = io::PoseFile(options.poses, camera_ ? camera_->T_robot_left : robotFromOptical());
@@ -28,6 +31,7 @@ class SideFiles {
 
   void applyTo(io::DatasetFrame& frame, std::size_t index) {
     if (detections_) frame.detections = detectionsAt(index, frame.time);
+    if (use_truth_) frame.T_map_robot = frame.truth_T_map_robot;
     if (poses_) frame.T_map_robot = poses_->at(index, frame.time);
     if (degrader_ && frame.detections) frame.detections = degrader_->degrade(*frame.detections);
   }
@@ -49,6 +53,7 @@ class SideFiles {
   std::optional<io::RawStereoCamera> camera_;
   std::optional<std::map<std::size_t, Detections>> detections_;
   std::optional<io::PoseFile> poses_;
+  bool use_truth_ = false;
   std::optional<io::Degrader> degrader_;
 };
 
@@ -62,6 +67,31 @@ void write(io::RawlogSink& sink, const io::DatasetFrame& frame,
   }
   if (frame.truth_objects) sink.writeDetections("truth_objects", *frame.truth_objects);
 }
+
+/// Writes inertial and GNSS samples in order of time.
+class SensorWriter {
+ public:
+  explicit SensorWriter(const io::Dataset& dataset)
+      : inertial_(dataset.inertial()), gnss_(dataset.gnss()) {}
+
+  /// Writes the samples up to a time that are not written yet.
+  void writeUntil(Time time, io::RawlogSink& sink) {
+    for (; next_inertial_ < inertial_.size() && inertial_[next_inertial_].time <= time;
+         ++next_inertial_) {
+      const auto& sample = inertial_[next_inertial_];
+      sink.writeImu(sample.time, sample.angular_velocity, sample.acceleration);
+    }
+    for (; next_gnss_ < gnss_.size() && gnss_[next_gnss_].time <= time; ++next_gnss_) {
+      sink.writeGnss(gnss_[next_gnss_]);
+    }
+  }
+
+ private:
+  std::vector<io::DatasetInertial> inertial_;
+  std::vector<io::RecordedGnss> gnss_;
+  std::size_t next_inertial_ = 0;
+  std::size_t next_gnss_ = 0;
+};
 
 }  // namespace
 
@@ -78,16 +108,12 @@ ImportSummary importDataset(const io::Dataset& dataset, const ImportOptions& opt
   const auto storage =
       options.external_images ? io::ImageStorage::kExternalPng : io::ImageStorage::kEmbeddedRaw;
   io::RawlogSink sink(options.output, storage);
-  const auto inertial = dataset.inertial();
-  auto next_inertial = inertial.begin();
+  SensorWriter sensors(dataset);
   program::Progress progress("frames", options.quiet);
   for (std::size_t index = first; index < end && !summary.interrupted; ++index) {
     io::DatasetFrame frame = dataset.frame(index);
     side_files.applyTo(frame, index);
-    for (; next_inertial != inertial.end() && next_inertial->time <= frame.time; ++next_inertial) {
-      sink.writeImu(next_inertial->time, next_inertial->angular_velocity,
-                    next_inertial->acceleration);
-    }
+    sensors.writeUntil(frame.time, sink);
     write(sink, frame, dataset.camera());
     ++summary.frames;
     progress.update(summary.frames,

@@ -15,7 +15,9 @@ struct ImportOptions {
   std::string dataset;  ///< the sub-command
   std::string folder;
   std::string sequence;
-  std::string boxes = "det3d_pointrcnn";
+  std::string drive;  ///< kitti-raw: its name; kitti-tracking: its folder, empty without images
+  std::string boxes;  ///< empty: the default
+  std::string oxts_path = "positions";
   std::string left;
   std::string right;
   std::string calibration;
@@ -23,8 +25,9 @@ struct ImportOptions {
   std::string output;
   bool overwrite = false;
   bool external_images = false;
-  std::string detections;  ///< side file; empty: boxes or poses of the dataset
-  std::string poses;       ///< side file; empty: boxes or poses of the dataset
+  std::string detections;       ///< side file; empty: boxes or poses of the dataset
+  std::string poses;            ///< side file; empty: boxes or poses of the dataset
+  bool use_oxts_poses = false;  ///< the true path of the raw drive as `pose`
   std::optional<io::DegradeParams> degrade;
   std::optional<std::size_t> from_index;
   std::optional<std::size_t> to_index;

@@ -230,6 +230,51 @@ TEST_F(ImportExportTest, KittiTrackingGivesPosesAndBoxes) {
   EXPECT_TRUE(truth.poses.empty());
 }
 
+TEST_F(ImportExportTest, KittiRawGivesImagesTruthAndSensors) {
+  EXPECT_EQ(0, import("kitti-raw --help").status);
+  EXPECT_EQ(2, import("kitti-raw /x -o y.rawlog").status);  // no drive
+  HEADWAY_REQUIRE_DATA(data);
+  const std::string call = "kitti-raw " + (data / "kitti_raw").string() +
+                           " --drive 2011_09_26_drive_0005_sync --to-index 5 -w -o " +
+                           at("x.rawlog");
+  const auto result = import(call);
+  ASSERT_EQ(0, result.status) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("6 frames"));
+  EXPECT_THAT(result.output, HasSubstr("skipped tracklet_outside_image 14"));
+  RawlogSource source(at("x.rawlog"), {});
+  const auto frames = test::framesOf(source);
+  ASSERT_EQ(6u, frames.size());
+  EXPECT_TRUE(frames[0].stereo);
+  EXPECT_FALSE(frames[0].T_map_robot);                    // SLAM runs
+  EXPECT_EQ(5u, source.skipped().at("CObservationGPS"));  // the sixth is later than the last frame
+  EXPECT_NEAR(0.537, source.camera()->baseline_m, 1e-3);
+  const auto truth = readTruth(at("x.rawlog"));
+  ASSERT_EQ(6u, truth.poses.size());
+  EXPECT_EQ(6u, truth.objects.size());
+  ASSERT_EQ(0, import(call + " -q --poses oxts --oxts-path velocities").status);
+  const auto with_poses = test::framesOf(at("x.rawlog"));
+  ASSERT_TRUE(with_poses[5].T_map_robot);
+  EXPECT_NEAR(truth.poses[5].value.translation().x(), with_poses[5].T_map_robot->translation().x(),
+              0.3);
+  EXPECT_THAT(import(call + " --oxts-path speed").output, HasSubstr("known are positions"));
+}
+
+TEST_F(ImportExportTest, KittiTrackingWithImagesGivesNoPoses) {
+  HEADWAY_REQUIRE_DATA(data);
+  const std::string drive = (data / "kitti_raw/2011_09_26/2011_09_26_drive_0005_sync").string();
+  const std::string call = "kitti-tracking " + (data / "kitti_tracking").string() +
+                           " --sequence 0000 --to-index 3 -q -w -o " + at("x.rawlog");
+  ASSERT_EQ(0, import(call + " --images " + drive).status);
+  const auto frames = test::framesOf(at("x.rawlog"));
+  ASSERT_EQ(4u, frames.size());
+  EXPECT_TRUE(frames[3].stereo);
+  EXPECT_FALSE(frames[3].T_map_robot);
+  EXPECT_FALSE(frames[3].detections);
+  EXPECT_EQ(4u, readTruth(at("x.rawlog")).poses.size());
+  ASSERT_EQ(0, import(call + " --boxes label_02 --images " + drive).status);
+  EXPECT_EQ(3u, test::framesOf(at("x.rawlog"))[3].detections->items.size());
+}
+
 TEST_F(ImportExportTest, CtrlCLeavesAReadableRawlog) {
   HEADWAY_REQUIRE_DATA(data);
   const auto result = test::runProcess(

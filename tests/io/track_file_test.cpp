@@ -51,6 +51,12 @@ TEST_F(TrackFileTest, KittiLabelsAreReadFieldByField) {
   EXPECT_EQ("DontCare", rows[1].type);
 }
 
+TEST_F(TrackFileTest, PersonInLabelsIsASittingPerson) {
+  const auto found = detections("p.txt", "0 4 Person 0 0 0 1 2 3 4 1.3 0.6 0.8 1 1.7 9 0\n");
+  EXPECT_TRUE(dropped_.empty());
+  EXPECT_EQ(ObjectClass::kPersonSitting, found.at(0).items.at(0).object_class);
+}
+
 TEST_F(TrackFileTest, DetectionsSurviveTheRoundTrip) {
   Detection whole;
   whole.object_class = ObjectClass::kVan;

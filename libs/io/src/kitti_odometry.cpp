@@ -3,51 +3,17 @@
 #include <headway/io/trajectory_file.h>
 
 #include <filesystem>
-#include <set>
 
 #include "image_files.h"
+#include "kitti_files.h"
 #include "text_rows.h"
 
 namespace headway::io {
 namespace {
 
 namespace fs = std::filesystem;
-using Projection = Eigen::Matrix<double, 3, 4>;
 
 constexpr double kOdometryFramePeriod = 0.1;  // without times.txt [s]
-
-/// Frame number of an image named "000012.png"; nullopt for any other name.
-std::optional<std::size_t> frameNumber(const std::string& path) {
-  const std::string stem = fs::path(path).stem().string();
-  if (stem.empty() || stem.size() > 9 || stem.find_first_not_of("0123456789") != stem.npos) {
-    return std::nullopt;
-  }
-  return std::stoul(stem);
-}
-
-std::map<std::size_t, std::string> numberedImages(const fs::path& folder) {
-  std::map<std::size_t, std::string> images;
-  for (const auto& path : imagesIn(folder.string())) {
-    if (const auto number = frameNumber(path)) images[*number] = path;
-  }
-  return images;
-}
-
-RawCamera lensOf(const Projection& P, const cv::Mat& image) {
-  RawCamera lens;
-  lens.width = image.cols;
-  lens.height = image.rows;
-  lens.fx = P(0, 0);
-  lens.fy = P(1, 1);
-  lens.cx = P(0, 2);
-  lens.cy = P(1, 2);
-  return lens;
-}
-
-/// Centre of a camera with projection K [I | t] in rectified camera 0.
-Eigen::Vector3d centreOf(const Projection& P) {
-  return -P.leftCols<3>().partialPivLu().solve(P.col(3));
-}
 
 class KittiOdometry : public Dataset {
  public:
@@ -92,22 +58,10 @@ class KittiOdometry : public Dataset {
   };
 
   void findFrames(const char* left_folder, const char* right_folder) {
-    const auto lefts = numberedImages(folder_ / left_folder);
-    auto rights = numberedImages(folder_ / right_folder);
-    for (const auto& [number, left] : lefts) {
-      const auto right = rights.find(number);
-      if (right == rights.end()) {
-        ++dropped_["unpaired_image"];
-        continue;
-      }
-      frames_.push_back(
-          {number, kOdometryFramePeriod * static_cast<double>(number), left, right->second, std::nullopt});
-      rights.erase(right);
-    }
-    if (!rights.empty()) dropped_["unpaired_image"] += rights.size();
-    if (frames_.empty()) {
-      throw InputError(folder_.string() + ": no image is both in " + left_folder + " and in " +
-                       right_folder);
+    for (auto& [number, left, right] :
+         kittiImagePairs(folder_, left_folder, right_folder, dropped_)) {
+      const Time time = kOdometryFramePeriod * static_cast<double>(number);
+      frames_.push_back({number, time, std::move(left), std::move(right), std::nullopt});
     }
   }
 
@@ -119,12 +73,8 @@ class KittiOdometry : public Dataset {
     if (left == projections.end() || right == projections.end()) {
       throw InputError(path + ": no line '" + left_name + ":' or '" + right_name + ":'");
     }
-    camera_.left = lensOf(left->second, requireImage(frames_.front().left));
-    camera_.right = lensOf(right->second, requireImage(frames_.front().right));
-    // Rectified by definition, although the colour cameras deviate by millimetres.
-    const Eigen::Vector3d centre = centreOf(left->second);
-    camera_.T_left_right.translation().x() = centreOf(right->second).x() - centre.x();
-    camera_.T_robot_left = robotFromOptical() * Eigen::Translation3d(centre);
+    camera_ = kittiCamera(left->second, requireImage(frames_.front().left).size(), right->second,
+                          requireImage(frames_.front().right).size());
   }
 
   void readFrameTimes() {

@@ -17,6 +17,8 @@ std::string labelColumns(const KittiRow& row) {
       row.rotation_y);
 }
 
+constexpr const char* kSittingInLabels = "Person";  // of the tracking benchmark
+
 bool hasBox2d(const KittiRow& row) {
   return !(row.box2d.left == row.box2d.right && row.box2d.top == row.box2d.bottom);
 }
@@ -35,7 +37,7 @@ KittiRow kittiRow(const TextRows& rows) {
   KittiRow row;
   row.frame = rows.index(0);
   row.id = rows.integer(1);
-  row.type = rows.fields()[2];
+  row.type = rows.fields()[2] == kSittingInLabels ? "Person_sitting" : rows.fields()[2];
   row.truncation = rows.number(3);
   row.occlusion = static_cast<int>(rows.integer(4));
   row.alpha = rows.number(5);

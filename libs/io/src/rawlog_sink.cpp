@@ -5,6 +5,7 @@
 #include <headway/io/rawlog_sink.h>
 #include <mrpt/img/CImage.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservationGPS.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationRobotPose.h>
@@ -13,6 +14,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
@@ -23,6 +25,8 @@ namespace headway::io {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr double kMetresPerSecondPerKnot = 1852.0 / 3600.0;
 
 /// Enables JPEG compression of embedded colour images during its lifetime; MRPT's setting is
 /// global.
@@ -238,6 +242,30 @@ void RawlogSink::writeImu(Time time, const Eigen::Vector3d& angular_velocity,
   observation.set(IMU_X_ACC, acceleration.x());
   observation.set(IMU_Y_ACC, acceleration.y());
   observation.set(IMU_Z_ACC, acceleration.z());
+  writer_->write(observation);
+}
+
+void RawlogSink::writeGnss(const RecordedGnss& sample) {
+  mrpt::obs::CObservationGPS observation;
+  observation.timestamp = mrptTime(sample.time);
+  observation.sensorLabel = "gnss";
+  observation.sensorPose = toMrpt(sample.T_robot_antenna);
+  mrpt::obs::gnss::Message_NMEA_GGA position;
+  position.fields.latitude_degrees = sample.latitude_deg;
+  position.fields.longitude_degrees = sample.longitude_deg;
+  position.fields.altitude_meters = sample.altitude_m;
+  position.fields.fix_quality = 1;
+  position.fields.satellitesUsed = static_cast<uint32_t>(std::max(sample.satellites, 0));
+  observation.setMsg(position);
+  mrpt::obs::gnss::Message_NMEA_RMC motion;
+  motion.fields.validity_char = 'A';
+  motion.fields.latitude_degrees = sample.latitude_deg;
+  motion.fields.longitude_degrees = sample.longitude_deg;
+  const auto& v = sample.velocity;
+  motion.fields.speed_knots = std::hypot(v.x(), v.y()) / kMetresPerSecondPerKnot;
+  const double course = std::atan2(v.x(), v.y()) * 180.0 / M_PI;  // clockwise from north
+  motion.fields.direction_degrees = course < 0.0 ? course + 360.0 : course;
+  observation.setMsg(motion);
   writer_->write(observation);
 }
 

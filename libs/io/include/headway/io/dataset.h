@@ -41,6 +41,8 @@ class Dataset {
   [[nodiscard]] virtual std::optional<RawStereoCamera> camera() const = 0;
   /// In time order; empty if not recorded.
   [[nodiscard]] virtual std::vector<DatasetInertial> inertial() const { return {}; }
+  /// In time order; empty if not recorded.
+  [[nodiscard]] virtual std::vector<RecordedGnss> gnss() const { return {}; }
   /// Number of items ignored when opening, by reason.
   [[nodiscard]] virtual std::map<std::string, std::size_t> dropped() const { return {}; }
 };
@@ -82,6 +84,28 @@ class Dataset {
 [[nodiscard]] std::unique_ptr<Dataset> openKittiOdometry(const std::string& folder,
                                                          const std::string& sequence);
 
+/// Source of the true path of a KITTI raw drive.
+enum class OxtsPath {
+  kPositions,   ///< positions of the GNSS and inertial unit; locally they deviate by up to 0.5 m
+  kVelocities,  ///< its integrated velocities, without those jumps
+};
+
+/// Parses "positions" or "velocities". @throws InputError for other names
+[[nodiscard]] OxtsPath oxtsPathFrom(const std::string& name);
+
+/// Opens a rectified ("sync") drive of the KITTI raw data.
+///
+/// Reads `FOLDER/DATE/DRIVE/{image_00,image_01}/{data,timestamps.txt}` and
+/// `FOLDER/DATE/calib_{cam_to_cam,velo_to_cam,imu_to_velo}.txt`, DATE being the first 10 characters
+/// of DRIVE; if present, `oxts` (true poses at the images' times, GNSS and inertial samples) and
+/// `tracklet_labels.xml` (true objects, in rectified camera 0). Images of the two cameras are
+/// paired by their numbers. The robot frame is at camera 0; the map is level, its origin and
+/// heading are those of the first frame.
+///
+/// @throws InputError naming the file that is missing or malformed
+[[nodiscard]] std::unique_ptr<Dataset> openKittiRaw(const std::string& folder,
+                                                    const std::string& drive, OxtsPath path);
+
 /// Source of the boxes of a KITTI tracking sequence.
 enum class KittiBoxes {
   kLabels,       ///< `label_02`: ground truth
@@ -103,6 +127,21 @@ enum class KittiBoxes {
 [[nodiscard]] std::unique_ptr<Dataset> openKittiTracking(const std::string& folder,
                                                          const std::string& sequence,
                                                          KittiBoxes boxes);
+
+/// Opens a sequence of the KITTI tracking benchmark with the images of its raw drive.
+///
+/// The frames are those of the drive, as openKittiRaw() reads it, with `truth_pose` and without
+/// `pose`; labels and boxes belong to the image of their number. 2D boxes of labels and boxes with
+/// a 3D box are moved from camera 2's image to that of camera 0.
+///
+/// @param drive  folder of the drive, in the folder with its calibration
+/// @param boxes  nullopt: no `detections`
+/// @throws InputError as openKittiRaw(), or if the drive's camera is not that of
+///         `training/calib/SEQUENCE.txt`, or an image is missing before the last one
+[[nodiscard]] std::unique_ptr<Dataset> openKittiTracking(const std::string& folder,
+                                                         const std::string& sequence,
+                                                         std::optional<KittiBoxes> boxes,
+                                                         const std::string& drive, OxtsPath path);
 
 /// The matrices of a KITTI calibration file ("P0: " and 12 numbers, row-major), by name.
 ///

@@ -46,6 +46,17 @@ struct RecordedScan {
   std::vector<float> ranges;  ///< [m]; 0 where nothing was measured
 };
 
+/// A position and velocity of a satellite receiver to record.
+struct RecordedGnss {
+  Time time = 0.0;
+  Pose T_robot_antenna = Pose::Identity();
+  double latitude_deg = 0.0;   ///< WGS 84, north positive
+  double longitude_deg = 0.0;  ///< WGS 84, east positive
+  double altitude_m = 0.0;
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< east, north, up [m/s]
+  int satellites = 0;
+};
+
 /// A rectified camera in recorded form.
 [[nodiscard]] RawStereoCamera rawFrom(const StereoCamera& camera);
 
@@ -78,6 +89,8 @@ class RawlogSink {
   /// Inertial sample in the robot frame.
   void writeImu(Time time, const Eigen::Vector3d& angular_velocity,  // [rad/s]
                 const Eigen::Vector3d& acceleration);                // [m/s^2], including gravity
+  /// NMEA messages GGA (position) and RMC (speed and course).
+  void writeGnss(const RecordedGnss& sample);
   void writeLaser(const RecordedScan& scan, const std::string& label = "laser");
   /// Flushes and closes. @throws InputError on a write error.
   void close();

@@ -14,7 +14,7 @@ namespace headway::io {
 struct KittiRow {
   std::size_t frame = 0;
   std::int64_t id = -1;
-  std::string type;                                ///< KITTI's spelling, including "DontCare"
+  std::string type;  ///< KITTI's spelling, including "DontCare"; "Person" becomes "Person_sitting"
   double truncation = 0.0;                         ///< -1 if not given
   int occlusion = 0;                               ///< 0 .. 3, -1 if not given
   double alpha = -10.0;                            ///< observation angle [rad]
