@@ -57,7 +57,7 @@ stereo::DisparityImage imageOf(const std::vector<Plate>& plates, double pitch = 
       const double right = (image.pixelOf(column) - camera.cx) / camera.fx;
       double nearest = down > 0.0 ? camera_height / down : std::numeric_limits<double>::infinity();
       if (ground) {
-        for (double z = 3.0; z < 30.0; z += 0.05) {
+        for (double z = 1.0; z < 30.0; z += 0.05) {
           if (camera_height - down / forward * z <= ground(z)) {
             nearest = z / forward;
             break;
@@ -178,9 +178,22 @@ TEST(ScanGroundTest, ADropEndsFreeGround) {
   EXPECT_TRUE(isFree(scanOf(imageOf({}, 0.0, slope)), 9.0, 0.0)) << "a ramp down is no drop";
 }
 
-/// What a robot's camera 0.5 m above the ground scans; rows between two depths are not matched.
-GroundScan robotScan(double unmatched_from, double unmatched_to) {
-  constexpr double kRobotHeight = 0.5;
+constexpr double kRobotHeight = 0.5;  // of the camera [m]
+
+/// Scan of an image from a camera at a height above known ground.
+GroundScan scanFrom(double height, const stereo::DisparityImage& image,
+                    double sigma_disparity_px = 0.4) {
+  const auto camera = testCamera(height);
+  const auto ground =
+      stereo::groundPlane(stereo::rigCapability(camera), stereo::mountedUp(camera), height);
+  GroundScanParams params = withReach(6.0);
+  params.min_obstacle_height_m = 0.12;
+  params.sigma_disparity_px = sigma_disparity_px;
+  return scanGround(image, camera, ground, {}, params);
+}
+
+/// What a robot's camera scans on level ground; rows between two depths are not matched.
+GroundScan robotScan(double unmatched_from, double unmatched_to, double sigma_disparity_px = 0.4) {
   const auto camera = testCamera(kRobotHeight);
   auto image = imageOf({}, 0.0, {}, kRobotHeight);
   const auto rowAt = [&](double depth) {
@@ -189,11 +202,7 @@ GroundScan robotScan(double unmatched_from, double unmatched_to) {
   if (unmatched_to > 0.0) {
     image.values.rowRange(rowAt(unmatched_to), rowAt(unmatched_from)).setTo(0.0F);
   }
-  const auto ground = stereo::findGround(image, camera, std::nullopt);
-  EXPECT_TRUE(ground);
-  GroundScanParams params = withReach(6.0);
-  params.min_obstacle_height_m = 0.12;
-  return ground ? scanGround(image, camera, *ground, {}, params) : GroundScan{};
+  return scanFrom(kRobotHeight, image, sigma_disparity_px);
 }
 
 TEST(ScanGroundTest, ARobotDoesNotTakeTheFarRimOfAGapForGroundInTheGap) {
@@ -204,6 +213,21 @@ TEST(ScanGroundTest, ARobotDoesNotTakeTheFarRimOfAGapForGroundInTheGap) {
   EXPECT_TRUE(isFree(gap, 1.5, 0.0));
   for (double x = 2.0; x < 3.9; x += 0.1) EXPECT_FALSE(isFree(gap, x, 0.0)) << x;
   EXPECT_TRUE(isFree(gap, 4.5, 0.0)) << "matched again";
+}
+
+TEST(ScanGroundTest, TheFarRimOfAGapFreesNothingBeforeItWhereDisparitiesAreNoisy) {
+  const auto gap = robotScan(1.8, 4.0, 2.0);
+  EXPECT_TRUE(isFree(gap, 1.5, 0.0));
+  for (double x = 2.0; x < 4.2; x += 0.1) EXPECT_FALSE(isFree(gap, x, 0.0)) << x;
+}
+
+TEST(ScanGroundTest, ADropIsAnObstacleToARobotButNotToACar) {
+  const auto pit = [](double z) { return z < 2.5 || z > 6.0 ? 0.0 : -1.0; };
+  const auto scan = scanFrom(kRobotHeight, imageOf({}, 0.0, pit, kRobotHeight));
+  EXPECT_TRUE(isFree(scan, 2.0, 0.0));
+  EXPECT_GT(obstaclesBetween(scan, 2.3, 3.1), 100);
+  for (double x = 2.5; x < 6.0; x += 0.1) EXPECT_FALSE(isFree(scan, x, 0.0)) << x;
+  EXPECT_TRUE(scanFrom(kHeight, imageOf({}, 0.0, pit)).obstacles.empty());
 }
 
 TEST(ScanGroundTest, ACameraThatLooksStraightDownScansNothing) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace headway::detect {
 namespace {
@@ -40,12 +41,20 @@ ColumnScanner::ColumnScanner(const stereo::DisparityImage& disparity, const Ster
 void ColumnScanner::scan(int column, const cv::Mat& left_out, GroundScan& scan) {
   read(column, left_out);
   const auto obstacles = obstacleDepths();
-  double free_to = std::min(params_.reach_m, dropFrom());
+  const auto drop = findDrop();
+  double free_to = drop ? std::min(params_.reach_m, drop->from) : params_.reach_m;
   if (!obstacles.empty()) {
     free_to = std::min(free_to, obstacles.front() - sigmaAt(obstacles.front()));
   }
   for (const auto& piece : freeBefore(free_to)) {
     scan.free.push_back({placeAt(column, piece.from), placeAt(column, piece.to)});
+  }
+  if (drop && ground_.camera_height < kRoadCamera && drop->to <= params_.reach_m) {
+    const auto sigma = static_cast<float>(sigmaAt(drop->to));
+    scan.obstacles.push_back({placeAt(column, drop->to), sigma});
+    if (drop->to - drop->from < kMaxGapRatio * ground_.camera_height) {
+      scan.obstacles.push_back({placeAt(column, drop->from), sigma});
+    }
   }
   for (const double depth : obstacles) {
     if (depth > params_.reach_m || sigmaAt(depth) > params_.max_error_m) break;
@@ -71,7 +80,7 @@ void ColumnScanner::read(int column, const cv::Mat& left_out) {
       raised_.push_back({d, height});
     } else if (height >= -clearance) {
       seen_ground_.push_back({depth, height});
-    } else {
+    } else if (height <= -params_.min_obstacle_height_m) {
       below_.push_back({depth, height});
     }
   }
@@ -157,40 +166,47 @@ void ColumnScanner::addDepths(std::size_t first, std::size_t last,
   if (depths.size() == before) depths.push_back(fb_ / raised_[(first + last) / 2].disparity);
 }
 
-/// Depth of the last ground before a drop; infinite where there is none [m].
+/// The nearest drop.
 ///
 /// A point below the ground by an obstacle's height proves that there is no ground where its ray
 /// would meet it. It belongs to a drop unless a ramp could lead down to it.
-double ColumnScanner::dropFrom() const {
-  std::vector<double> edges;
+std::optional<ColumnScanner::Interval> ColumnScanner::findDrop() const {
+  std::vector<Interval> rims;  // from the last ground to where it is missing
   const double height = ground_.camera_height;
   for (const auto& point : below_) {
-    if (point.height > -params_.min_obstacle_height_m) continue;
     const double missing = point.depth * height / (height - point.height);
     const auto after =
         std::upper_bound(seen_ground_.begin(), seen_ground_.end(), missing,
                          [](double depth, const Surface& ground) { return depth < ground.depth; });
     const Surface edge = after == seen_ground_.begin() ? Surface{0.0, 0.0} : *(after - 1);
     const double slope = (edge.height - point.height) / (point.depth - edge.depth);
-    if (slope > kMaxSlope) edges.push_back(edge.depth);
+    if (slope > kMaxSlope) rims.push_back({edge.depth, missing});
   }
-  if (edges.size() < kMinRows) return std::numeric_limits<double>::infinity();
-  std::nth_element(edges.begin(), edges.begin() + kMinRows - 1, edges.end());
-  return edges[kMinRows - 1];
+  if (rims.size() < kMinRows) return std::nullopt;
+  const auto third = rims.begin() + kMinRows - 1;
+  std::nth_element(rims.begin(), third, rims.end(), [](const Interval& a, const Interval& b) {
+    return std::pair(a.from, a.to) < std::pair(b.from, b.to);
+  });
+  return *third;
 }
 
 /// Ground on which an obstacle of the minimum height would have been noticed: it would hide ground
-/// that was matched behind it, at a disparity that differs from its own.
+/// that was matched behind it, at a disparity that differs from its own. Ground seen across a gap
+/// shows that no obstacle stands in the gap, but not that there is ground.
 std::vector<ColumnScanner::Interval> ColumnScanner::freeBefore(double depth) const {
   std::vector<Interval> pieces;
   double last = -std::numeric_limits<double>::infinity();
+  double ground_from = 0.0;  // of the stretch without a gap
   for (const auto& point : seen_ground_) {
     const double seen = point.depth;
     const double row = seen * seen / (camera_.fy * ground_.camera_height) * disparity_.reduce;
     const double max_gap = std::max(kMaxGapRatio * ground_.camera_height, kMaxGapRows * row);
-    const double unjoined = ground_.camera_height < kRoadCamera ? seen : seen - max_gap;
+    const bool joined = seen - last <= max_gap;
+    if (!joined) {
+      ground_from = ground_.camera_height < kRoadCamera ? distinctBehind(seen) : seen - max_gap;
+    }
     const double from =
-        std::max(hiddenFrom(seen), seen - last <= max_gap ? distinctBefore(last) : unjoined);
+        std::max({hiddenFrom(seen), ground_from, joined ? distinctBefore(last) : 0.0});
     const double to = std::min(distinctBefore(seen), depth);
     last = seen;
     if (from >= depth) break;
@@ -209,6 +225,12 @@ double ColumnScanner::hiddenFrom(double seen) const {
 /// An obstacle up to here has another disparity than the ground at a depth.
 double ColumnScanner::distinctBefore(double seen) const {
   return fb_ / (fb_ / seen + kContrastSigmas * params_.sigma_disparity_px);
+}
+
+/// Ground from here on has another disparity than the ground at a depth.
+double ColumnScanner::distinctBehind(double seen) const {
+  const double disparity = fb_ / seen - kContrastSigmas * params_.sigma_disparity_px;
+  return disparity > 0.0 ? fb_ / disparity : std::numeric_limits<double>::infinity();
 }
 
 double ColumnScanner::sigmaAt(double depth) const {

@@ -4,6 +4,7 @@
 #include <headway/detect/ground_scanner.h>
 
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <vector>
 
 namespace headway::detect {
@@ -41,11 +42,12 @@ class ColumnScanner {
   [[nodiscard]] bool isUpright(std::size_t first, std::size_t last, double extent) const;
   [[nodiscard]] bool isElevated(std::size_t first, std::size_t last, bool behind) const;
   void addDepths(std::size_t first, std::size_t last, std::vector<double>& depths) const;
-  [[nodiscard]] double dropFrom() const;
+  [[nodiscard]] std::optional<Interval> findDrop() const;
   [[nodiscard]] std::vector<Interval> freeBefore(double depth) const;
 
   [[nodiscard]] double hiddenFrom(double seen) const;
   [[nodiscard]] double distinctBefore(double seen) const;
+  [[nodiscard]] double distinctBehind(double seen) const;
   [[nodiscard]] double sigmaAt(double depth) const;
   [[nodiscard]] Eigen::Vector3f placeAt(int column, double depth) const;
 

@@ -31,8 +31,9 @@ struct GroundScanParams {
 /// a ramp could be at its distance, such as the top of a table; behind it, every surface as high as
 /// an obstacle is one. Ground is free where it was matched and an obstacle in front of it would
 /// have been noticed, up to the nearest obstacle or drop; gaps without texture are bridged up to
-/// 1.5 times the height of the camera. A camera 1 m high or more is a car's: there, the end of a
-/// longer gap counts as free, too, as roads have no open drops. Everything else is unknown.
+/// 1.5 times the height of the camera. The rim of a drop is an obstacle. A camera 1 m high or more
+/// is a car's: there, the end of a longer gap counts as free, too, and rims are not entered, as
+/// roads have no open drops. Everything else is unknown.
 ///
 /// @param ground   before the camera, in this image
 /// @param moving   left out, with what they hide; the unsure ones, too
