@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
         {"trajectory", app::runTrajectory},
         {"tracks", app::runTracks},
         {"predictions", app::runPredictions},
+        {"movers", app::runMovers},
         {"grid", app::runGrid},
         {"suite", app::runSuite}};
     std::vector<std::string> names;

@@ -6,6 +6,8 @@
 
 namespace headway::eval {
 
+struct MovingObjectError;
+struct ObjectMotionErrors;
 struct PredictionErrors;
 struct TrackErrors;
 struct TrajectoryError;
@@ -14,12 +16,19 @@ struct TrajectoryError;
 [[nodiscard]] nlohmann::ordered_json toJson(const TrajectoryError& error);
 [[nodiscard]] nlohmann::ordered_json toJson(const TrackErrors& errors);
 [[nodiscard]] nlohmann::ordered_json toJson(const PredictionErrors& errors);
+[[nodiscard]] nlohmann::ordered_json toJson(const MovingObjectError& error);
+[[nodiscard]] nlohmann::ordered_json toJson(const ObjectMotionErrors& errors);
 
 /// One row per figure: name, value, unit.
 [[nodiscard]] plot::TextTable tableOf(const TrajectoryError& error);
 /// One row per class and one for all classes; ratios in percent.
 [[nodiscard]] plot::TextTable tableOf(const PredictionErrors& errors);
 [[nodiscard]] plot::TextTable tableOf(const TrackErrors& errors);
+
+/// One row for all labels, and one per class, range and occlusion.
+[[nodiscard]] plot::TextTable tableOf(const MovingObjectError& error);
+/// One row per object, and one for their means.
+[[nodiscard]] plot::TextTable tableOf(const ObjectMotionErrors& errors);
 
 /// Position errors of raw detections and of the tracks estimated from them, one row per class.
 [[nodiscard]] plot::TextTable positionTable(const TrackErrors& raw, const TrackErrors& tracks);

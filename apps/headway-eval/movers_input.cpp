@@ -1,0 +1,152 @@
+#include "movers_input.h"
+
+#include <headway/core/error.h>
+#include <headway/io/calibration_file.h>
+#include <headway/io/rawlog_source.h>
+#include <headway/io/track_file.h>
+#include <headway/io/trajectory_file.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "camera_poses.h"
+#include "label_files.h"
+
+namespace headway::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kSameTime_s = 1e-3;
+constexpr double kNearestDepth_m = 0.1;  // corners of boxes nearer than this are not projected
+
+/// Image box of a track's 3D box; nullopt if its centre is behind the camera.
+std::optional<Box2d> imageBox(const Track& track, const Pose& T_cam_map,
+                              const io::RawCamera& lens) {
+  if ((T_cam_map * track.position).z() < kNearestDepth_m) return std::nullopt;
+  Box2d box{1e9, 1e9, -1e9, -1e9};
+  const Eigen::AngleAxisd turn(track.yaw, Eigen::Vector3d::UnitZ());
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d sign((corner & 1) != 0 ? 0.5 : -0.5, (corner & 2) != 0 ? 0.5 : -0.5,
+                               (corner & 4) != 0 ? 0.5 : -0.5);
+    const Eigen::Vector3d point =
+        T_cam_map * (track.position + turn * sign.cwiseProduct(track.size));
+    if (point.z() < kNearestDepth_m) continue;
+    const double u = lens.fx * point.x() / point.z() + lens.cx;
+    const double v = lens.fy * point.y() / point.z() + lens.cy;
+    box.left = std::min(box.left, u);
+    box.right = std::max(box.right, u);
+    box.top = std::min(box.top, v);
+    box.bottom = std::max(box.bottom, v);
+  }
+  return box;
+}
+
+const Pose& poseAtTime(const std::vector<Stamped<Pose>>& trajectory, Time time,
+                       const std::string& path) {
+  const auto found = std::lower_bound(trajectory.begin(), trajectory.end(), time - kSameTime_s,
+                                      [](const auto& pose, Time t) { return pose.time < t; });
+  if (found == trajectory.end() || found->time > time + kSameTime_s) {
+    throw InputError(path + ": contains no pose of time " + std::to_string(time) +
+                     ", at which there are tracks");
+  }
+  return found->value;
+}
+
+/// Adds the rows of a tracks file, and the camera poses of their frames.
+void readRows(const fs::path& replay, const std::string& file, eval::MovingObjectInput& input) {
+  const auto calibration = io::readRawCalibration((replay / "calibration.yaml").string());
+  const std::string online = (replay / "trajectory_online.tum").string();
+  const auto trajectory = io::readTum(online);
+  input.image_width = calibration.left.width;
+  input.image_height = calibration.left.height;
+  for (const auto& sample : io::readTrackCsv((replay / file).string())) {
+    const auto& track = sample.track;
+    const Pose T_map_cam = poseAtTime(trajectory, sample.time, online) * calibration.T_robot_left;
+    input.T_map_cam[sample.frame] = T_map_cam;
+    eval::TrackRow row;
+    row.frame = sample.frame;
+    row.id = track.id.value;
+    row.object_class = track.object_class;
+    row.moving = isMoving(track);
+    row.coasting = track.status == TrackStatus::kCoasting;
+    row.centre = T_map_cam.inverse() * track.position;
+    row.box2d = imageBox(track, T_map_cam.inverse(), calibration.left);
+    row.T_map_object.linear() =
+        Eigen::AngleAxisd(track.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    row.T_map_object.translation() = track.position;
+    row.velocity = track.velocity;
+    input.rows.push_back(row);
+  }
+}
+
+std::size_t firstFrame(const fs::path& replay) {
+  const std::string path = (replay / "replay.json").string();
+  std::ifstream file(path);
+  if (!file) throw InputError(path + ": cannot be opened; is this the folder of a replay?");
+  const auto json = nlohmann::json::parse(file, nullptr, false);
+  if (!json.is_object()) throw InputError(path + ": is not a JSON object");
+  const auto options = json.value("options", nlohmann::json::object());
+  const auto from = options.find("from_index");
+  return from != options.end() && from->is_number_unsigned() ? from->get<std::size_t>() : 0;
+}
+
+/// Times of frames whose poses have none: those of the replay, if it tracked every frame.
+void setTimes(const fs::path& replay, eval::MovingObjectInput& input) {
+  const auto trajectory = io::readTum((replay / "trajectory_online.tum").string());
+  const std::size_t frames = input.end_frame - input.first_frame;
+  if (trajectory.size() != frames || frames == 0) return;
+  for (std::size_t k = 0; k < input.T_world_cam.size(); ++k) {
+    const auto offset = static_cast<double>(k) - static_cast<double>(input.first_frame);
+    if (k >= input.first_frame && k < input.end_frame) {
+      input.T_world_cam[k].time = trajectory[k - input.first_frame].time;
+    } else if (k < input.first_frame) {
+      input.T_world_cam[k].time = trajectory.front().time + kNominalFrameInterval_s * offset;
+    } else {
+      input.T_world_cam[k].time =
+          trajectory.back().time +
+          kNominalFrameInterval_s * (offset - static_cast<double>(frames) + 1.0);
+    }
+  }
+}
+
+void readTruePoses(const std::string& path, const fs::path& replay, const Pose& T_robot_cam,
+                   eval::MovingObjectInput& input) {
+  if (fs::path(path).extension() == ".rawlog") {
+    input.T_world_cam = io::readTruth(path).poses;
+    for (auto& pose : input.T_world_cam) pose.value = pose.value * T_robot_cam;
+    if (input.T_world_cam.empty()) throw InputError(path + ": contains no true poses");
+    return;
+  }
+  input.T_world_cam = readCameraPoses(path, T_robot_cam);
+  if (poseFormatOf(path) == PoseFormat::kKitti) setTimes(replay, input);
+}
+
+}  // namespace
+
+eval::MovingObjectInput readMoversInput(const std::string& labels, const std::string& poses,
+                                        const std::string& replay) {
+  eval::MovingObjectInput input;
+  const fs::path folder = replay;
+  input.labels = readLabels(labels);
+  input.first_frame = firstFrame(folder);
+  input.end_frame =
+      input.first_frame + io::readKittiPoses((folder / "trajectory_kitti.txt").string()).size();
+  const auto calibration = io::readRawCalibration((folder / "calibration.yaml").string());
+  readTruePoses(poses, folder, calibration.T_robot_left, input);
+  readRows(folder, "tracks.csv", input);
+  return input;
+}
+
+eval::MovingObjectInput withSmoothedRows(const eval::MovingObjectInput& input,
+                                         const std::string& replay) {
+  auto smoothed = input;
+  smoothed.rows.clear();
+  readRows(replay, "tracks_smoothed.csv", smoothed);
+  return smoothed;
+}
+
+}  // namespace headway::app

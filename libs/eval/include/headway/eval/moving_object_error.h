@@ -1,0 +1,110 @@
+#pragma once
+
+#include <headway/eval/labelled_frames.h>
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace headway::eval {
+
+/// One row of a tracker's output, in the camera frame of its frame.
+struct TrackRow {
+  std::size_t frame = 0;
+  std::int64_t id = -1;
+  ObjectClass object_class = ObjectClass::kUnknown;
+  bool moving = false;
+  bool coasting = false;                               ///< predicted, not observed in this frame
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();    ///< box centre, optical frame [m]
+  std::optional<Box2d> box2d;                          ///< of the box; nullopt behind the camera
+  Pose T_map_object = Pose::Identity();                ///< pose in the tracker's map
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< tracker's map [m/s]
+};
+
+/// Truth and estimate of one recording.
+struct MovingObjectInput {
+  std::vector<LabelledFrame> labels;       ///< truth and DontCare regions by frame
+  std::vector<Stamped<Pose>> T_world_cam;  ///< true pose of the labels' camera by frame
+  std::vector<TrackRow> rows;
+  std::map<std::size_t, Pose> T_map_cam;  ///< estimated camera by frame, at tracked frames
+  std::size_t first_frame = 0;            ///< evaluated frames: first_frame .. end_frame - 1
+  std::size_t end_frame = 0;
+  int image_width = 0;   ///< [px]
+  int image_height = 0;  ///< [px]
+};
+
+struct MovingObjectParams {
+  double moving_mps = 1.0;          ///< labels faster than this move
+  double right_mps = 0.5;           ///< a moving row is right near labels faster than this
+  double half_window_s = 0.5;       ///< a label's speed is its mean over this time before and after
+  double min_window_s = 0.25;       ///< labelled time below which a label's speed is unknown
+  double max_distance_m = 2.0;      ///< of a row from its label on the ground
+  double max_distance_ratio = 0.1;  ///< or this ratio of the label's range, if greater
+  double dont_care_ratio = 0.5;     ///< rows with a greater area ratio in DontCare are ignored
+  bool with_coasting = false;       ///< also count rows of tracks not observed in the frame
+};
+
+/// Recall of moving labels and precision of moving rows.
+struct MovingCounts {
+  std::size_t labels = 0;          ///< moving labels
+  std::size_t found = 0;           ///< with a moving row near them
+  std::size_t found_as_class = 0;  ///< with one of their class (Van counts as Car)
+  std::size_t rows = 0;            ///< moving rows that are not ignored
+  std::size_t right = 0;           ///< near a moving label
+  std::size_t right_as_class = 0;  ///< near one of their class
+
+  [[nodiscard]] std::optional<double> recall() const;
+  [[nodiscard]] std::optional<double> recallAsClass() const;
+  [[nodiscard]] std::optional<double> precision() const;
+  [[nodiscard]] std::optional<double> precisionAsClass() const;
+};
+
+/// A track with rows that are classified as moving.
+struct MovingTrack {
+  std::int64_t id = -1;
+  ObjectClass object_class = ObjectClass::kUnknown;  ///< of its latest moving row
+  std::size_t first_frame = 0, last_frame = 0;
+  std::size_t rows = 0;   ///< moving rows that are not ignored
+  std::size_t wrong = 0;  ///< of these
+
+  /// At least half of its rows are wrong.
+  [[nodiscard]] bool isFalse() const { return rows > 0 && 2 * wrong >= rows; }
+};
+
+/// A moving label matched with a row of the tracker, one to one.
+struct MovingMatch {
+  std::size_t frame = 0;
+  std::int64_t object = -1;
+  std::int64_t track = -1;
+};
+
+struct MovingObjectError {
+  std::size_t frames = 0;
+  MovingCounts all;
+  MovingCounts within_40m;
+  std::map<std::string, MovingCounts> classes;    ///< labels by their class, rows by theirs
+  std::map<std::string, MovingCounts> ranges;     ///< "00-10", "10-20", "20-40", "40-" [m]
+  std::map<std::string, MovingCounts> occlusion;  ///< labels alone; KITTI's 0 to 3
+  std::vector<MovingTrack> tracks;                ///< by id
+  std::size_t false_tracks = 0;
+  std::size_t duplicate_rows = 0;              ///< right, but another row is matched to the label
+  std::map<std::string, std::size_t> ignored;  ///< moving rows by reason
+  std::vector<MovingMatch> matches;            ///< by frame
+
+  /// nullopt without frames.
+  [[nodiscard]] std::optional<double> falseTracksPer100Frames() const;
+};
+
+/// Evaluates which moving objects a tracker finds, and what it takes for one.
+///
+/// A label is found if a moving row is within the maximum distance of it, on the ground (x and z of
+/// the camera). Moving rows that are near no label faster than `right_mps` are wrong, unless they
+/// are ignored: in a DontCare region, with the centre outside the image, or near a label of unknown
+/// speed. Labels of lost frames count as not found.
+///
+/// @throws InputError if a labelled frame has no true pose
+[[nodiscard]] MovingObjectError movingObjectError(const MovingObjectInput& input,
+                                                  const MovingObjectParams& params);
+
+}  // namespace headway::eval

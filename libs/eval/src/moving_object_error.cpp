@@ -1,0 +1,247 @@
+#include <headway/core/assignment.h>
+#include <headway/core/box_overlap.h>
+#include <headway/core/error.h>
+#include <headway/eval/moving_object_error.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace headway::eval {
+namespace {
+
+constexpr double kTimeTolerance_s = 1e-3;
+
+/// A labelled object in one frame.
+struct SpeedLabel {
+  const LabelledBox* box = nullptr;
+  std::optional<double> speed_mps;  ///< nullopt: labelled too briefly
+  double range_m = 0.0;
+};
+
+/// A moving row and the labels near it.
+struct RowEvaluation {
+  const TrackRow* row = nullptr;
+  bool right = false;
+  bool right_as_class = false;
+  std::string ignored;  ///< reason; empty: counted
+};
+
+double groundRange(const Eigen::Vector3d& centre) { return std::hypot(centre.x(), centre.z()); }
+
+double groundDistance(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return groundRange(a - b);
+}
+
+bool sameClass(ObjectClass a, ObjectClass b) {
+  const auto merged = [](ObjectClass c) { return c == ObjectClass::kVan ? ObjectClass::kCar : c; };
+  return merged(a) == merged(b);
+}
+
+std::string rangeName(double range) {
+  if (range < 10.0) return "00-10";
+  if (range < 20.0) return "10-20";
+  return range < 40.0 ? "20-40" : "40-";
+}
+
+/// Mean speed around a point of a path; nullopt if too little of it is labelled.
+std::optional<double> speedAt(const TrueObject& object, Time time,
+                              const MovingObjectParams& params) {
+  const TrajectoryPoint* first = nullptr;
+  const TrajectoryPoint* last = nullptr;
+  for (const auto& point : object.path) {
+    if (std::abs(point.time - time) > params.half_window_s + kTimeTolerance_s) continue;
+    if (first == nullptr) first = &point;
+    last = &point;
+  }
+  if (first == nullptr || last->time - first->time < params.min_window_s - kTimeTolerance_s) return {};
+  return (last->position - first->position).head<2>().norm() / (last->time - first->time);
+}
+
+class MovingObjectEvaluation {
+ public:
+  MovingObjectEvaluation(const MovingObjectInput& input, const MovingObjectParams& params)
+      : input_(input), params_(params) {
+    auto labels = input.labels;
+    labels.resize(std::min(labels.size(), std::max(input.end_frame, input.T_world_cam.size())));
+    for (auto& object : trueObjects(labels, input.T_world_cam)) {
+      objects_.emplace(object.id, std::move(object));
+    }
+    for (const auto& row : input.rows) {
+      const bool counts = row.moving && (params.with_coasting || !row.coasting);
+      if (counts) rows_[row.frame].push_back(&row);
+    }
+  }
+
+  MovingObjectError evaluate() {
+    for (std::size_t k = input_.first_frame; k < input_.end_frame; ++k) evaluateFrame(k);
+    for (const auto& [id, track] : tracks_) {
+      result_.tracks.push_back(track);
+      if (track.isFalse()) ++result_.false_tracks;
+    }
+    return std::move(result_);
+  }
+
+ private:
+  bool isNear(const TrackRow& row, const SpeedLabel& label) const {
+    const double gate =
+        std::max(params_.max_distance_m, params_.max_distance_ratio * label.range_m);
+    return groundDistance(row.centre, label.box->box3d->centre) <= gate;
+  }
+
+  std::vector<SpeedLabel> labelsOf(std::size_t frame) const {
+    std::vector<SpeedLabel> labels;
+    if (frame >= input_.labels.size()) return labels;
+    for (const auto& box : input_.labels[frame].truth) {
+      if (!box.box3d) continue;
+      const Time time = input_.T_world_cam[frame].time;
+      labels.push_back(
+          {&box, speedAt(objects_.at(box.id), time, params_), groundRange(box.box3d->centre)});
+    }
+    return labels;
+  }
+
+  void evaluateFrame(std::size_t frame) {
+    ++result_.frames;
+    const auto labels = labelsOf(frame);
+    std::vector<RowEvaluation> rows;
+    for (const auto* row : rows_[frame]) rows.push_back(evaluated(*row, labels));
+    for (const auto& label : labels) {
+      if (label.speed_mps && *label.speed_mps > params_.moving_mps) countLabel(label, rows);
+    }
+    for (const auto& row : rows) countRow(row);
+    match(frame, labels, rows);
+  }
+
+  RowEvaluation evaluated(const TrackRow& row, const std::vector<SpeedLabel>& labels) const {
+    RowEvaluation result{&row, false, false, ""};
+    bool speed_unknown = false;
+    for (const auto& label : labels) {
+      if (!isNear(row, label)) continue;
+      if (!label.speed_mps) speed_unknown = true;
+      if (!label.speed_mps || *label.speed_mps <= params_.right_mps) continue;
+      result.right = true;
+      if (sameClass(row.object_class, label.box->object_class)) result.right_as_class = true;
+    }
+    if (result.right) return result;
+    if (isOutsideImage(row)) result.ignored = "outside_image";
+    if (isInDontCare(row)) result.ignored = "dont_care";
+    if (speed_unknown) result.ignored = "unknown_speed";
+    return result;
+  }
+
+  bool isOutsideImage(const TrackRow& row) const {
+    if (!row.box2d) return true;
+    const double u = 0.5 * (row.box2d->left + row.box2d->right);
+    const double v = 0.5 * (row.box2d->top + row.box2d->bottom);
+    return u < 0.0 || v < 0.0 || u > input_.image_width - 1 || v > input_.image_height - 1;
+  }
+
+  bool isInDontCare(const TrackRow& row) const {
+    if (row.frame >= input_.labels.size() || !row.box2d) return false;
+    const auto& regions = input_.labels[row.frame].dont_care;
+    return std::any_of(regions.begin(), regions.end(), [&](const Box2d& region) {
+      return ratioInside(*row.box2d, region) > params_.dont_care_ratio;
+    });
+  }
+
+  void countLabel(const SpeedLabel& label, const std::vector<RowEvaluation>& rows) {
+    bool found = false;
+    bool found_as_class = false;
+    for (const auto& row : rows) {
+      if (!isNear(*row.row, label)) continue;
+      found = true;
+      if (sameClass(row.row->object_class, label.box->object_class)) found_as_class = true;
+    }
+    const auto add = [&](MovingCounts& counts) {
+      ++counts.labels;
+      if (found) ++counts.found;
+      if (found_as_class) ++counts.found_as_class;
+    };
+    add(result_.all);
+    if (label.range_m <= 40.0) add(result_.within_40m);
+    add(result_.classes[std::string(toString(label.box->object_class))]);
+    add(result_.ranges[rangeName(label.range_m)]);
+    add(result_.occlusion[std::to_string(label.box->occlusion)]);
+  }
+
+  void countRow(const RowEvaluation& row) {
+    auto& track = tracks_[row.row->id];
+    if (track.id < 0) track.first_frame = row.row->frame;
+    track.id = row.row->id;
+    track.object_class = row.row->object_class;
+    track.last_frame = row.row->frame;
+    if (!row.ignored.empty()) {
+      ++result_.ignored[row.ignored];
+      return;
+    }
+    ++track.rows;
+    if (!row.right) ++track.wrong;
+    const auto add = [&](MovingCounts& counts) {
+      ++counts.rows;
+      if (row.right) ++counts.right;
+      if (row.right_as_class) ++counts.right_as_class;
+    };
+    const double range = groundRange(row.row->centre);
+    add(result_.all);
+    if (range <= 40.0) add(result_.within_40m);
+    add(result_.classes[std::string(toString(row.row->object_class))]);
+    add(result_.ranges[rangeName(range)]);
+  }
+
+  /// Pairs moving labels with rows one to one, at minimum distance.
+  void match(std::size_t frame, const std::vector<SpeedLabel>& labels,
+             const std::vector<RowEvaluation>& rows) {
+    std::vector<CandidatePair> candidates;
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      if (!labels[i].speed_mps || *labels[i].speed_mps <= params_.right_mps) continue;
+      for (std::size_t j = 0; j < rows.size(); ++j) {
+        if (!isNear(*rows[j].row, labels[i])) continue;
+        candidates.push_back(
+            {i, j, groundDistance(rows[j].row->centre, labels[i].box->box3d->centre)});
+      }
+    }
+    const auto pairs = assignPairs(std::move(candidates));
+    const auto right = static_cast<std::size_t>(
+        std::count_if(rows.begin(), rows.end(), [](const auto& row) { return row.right; }));
+    result_.duplicate_rows += right - pairs.size();
+    for (const auto& pair : pairs) {
+      if (*labels[pair.row].speed_mps <= params_.moving_mps) continue;
+      result_.matches.push_back({frame, labels[pair.row].box->id, rows[pair.column].row->id});
+    }
+  }
+
+  const MovingObjectInput& input_;
+  const MovingObjectParams& params_;
+  std::map<std::int64_t, TrueObject> objects_;
+  std::map<std::size_t, std::vector<const TrackRow*>> rows_;
+  std::map<std::int64_t, MovingTrack> tracks_;
+  MovingObjectError result_;
+};
+
+std::optional<double> fractionOf(std::size_t part, std::size_t whole) {
+  if (whole == 0) return std::nullopt;
+  return static_cast<double>(part) / static_cast<double>(whole);
+}
+
+}  // namespace
+
+std::optional<double> MovingCounts::recall() const { return fractionOf(found, labels); }
+std::optional<double> MovingCounts::recallAsClass() const {
+  return fractionOf(found_as_class, labels);
+}
+std::optional<double> MovingCounts::precision() const { return fractionOf(right, rows); }
+std::optional<double> MovingCounts::precisionAsClass() const {
+  return fractionOf(right_as_class, rows);
+}
+
+std::optional<double> MovingObjectError::falseTracksPer100Frames() const {
+  if (frames == 0) return std::nullopt;
+  return 100.0 * static_cast<double>(false_tracks) / static_cast<double>(frames);
+}
+
+MovingObjectError movingObjectError(const MovingObjectInput& input,
+                                    const MovingObjectParams& params) {
+  return MovingObjectEvaluation(input, params).evaluate();
+}
+
+}  // namespace headway::eval
