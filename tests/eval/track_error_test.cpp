@@ -2,6 +2,7 @@
 #include <headway/eval/track_error.h>
 
 #include <cmath>
+#include <functional>
 
 namespace headway::eval {
 namespace {
@@ -65,15 +66,43 @@ TEST(TrackErrorTest, PerfectTracksArePerfectInEveryFigure) {
 TEST(TrackErrorTest, AGapAndANewIdentityAreOneFragmentationAndOneSwitch) {
   auto sequence = sequenceOf(10);
   for (std::size_t k = 0; k < 10; ++k) {
-    sequence.frames[k].truth = {box2dAt(1, 0)};
-    if (k != 4) sequence.frames[k].estimates = {box2dAt(k < 4 ? 1 : 2, 0)};
+    sequence.frames[k].truth = {box2dAt(1, 0), box2dAt(2, 3)};
+    sequence.frames[k].estimates = {box2dAt(8, 3)};
+    if (k != 4) sequence.frames[k].estimates.push_back(box2dAt(k < 4 ? 1 : 2, 0));
   }
   const auto error = evaluateCars(sequence);
-  EXPECT_EQ(9u, error.tp);
+  EXPECT_EQ(19u, error.tp);
   EXPECT_EQ(1u, error.fn);
   EXPECT_EQ(1u, error.idsw);
   EXPECT_EQ(1u, error.frag);
-  EXPECT_NEAR(1.0 - 2.0 / 10.0, error.mota.value(), 1e-12);
+  EXPECT_NEAR(1.0 - 2.0 / 20.0, error.mota.value(), 1e-12);
+}
+
+/// Two objects with a track each; the first is changed in frames 4 and 5.
+std::size_t fragmentationsOf(const std::function<void(LabelledFrame&)>& change) {
+  auto sequence = sequenceOf(10);
+  for (std::size_t k = 0; k < 10; ++k) {
+    sequence.frames[k].truth = {box2dAt(1, 0), box2dAt(2, 3)};
+    sequence.frames[k].estimates = {box2dAt(1, 0), box2dAt(2, 3)};
+    if (k == 4 || k == 5) change(sequence.frames[k]);
+  }
+  return evaluateCars(sequence).frag;
+}
+
+TEST(TrackErrorTest, FragmentationsAreCountedAsTrackEvalDoes) {
+  EXPECT_EQ(1u,
+            fragmentationsOf([](auto& frame) { frame.estimates.erase(frame.estimates.begin()); }));
+  EXPECT_EQ(1u, fragmentationsOf([](auto& frame) { frame.truth.erase(frame.truth.begin()); }));
+  EXPECT_EQ(1u, fragmentationsOf([](auto& frame) { frame.truth[0].occlusion = 3; }));
+  // Frames without any estimate, or without any truth that counts, are passed over.
+  EXPECT_EQ(0u, fragmentationsOf([](auto& frame) { frame.estimates.clear(); }));
+  EXPECT_EQ(0u, fragmentationsOf([](auto& frame) { frame.truth.clear(); }));
+  EXPECT_EQ(0u, fragmentationsOf([](auto& frame) {
+              for (auto& truth : frame.truth) truth.occlusion = 3;
+            }));
+  // The only estimate is small and unmatched, so it does not count.
+  EXPECT_EQ(0u,
+            fragmentationsOf([](auto& frame) { frame.estimates = {box2dAt(9, 6, 0.0, 20.0)}; }));
 }
 
 TEST(TrackErrorTest, MissesAtTheEndsAreNoFragmentation) {

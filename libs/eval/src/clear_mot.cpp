@@ -9,35 +9,75 @@ namespace {
 
 constexpr int kRecalls = 40;
 
-/// Match history of one true object.
-struct History {
-  int last_track = FrameMatches::kNone;  ///< of its latest match
-  bool interrupted = false;
-};
+/// Track of a true object's latest match, or kNone.
+using LatestTracks = std::vector<int>;
 
-void countTruth(const TrueBox& truth, int estimated_track, History& history, ClearCounts& counts) {
+void countTruth(const TrueBox& truth, int estimated_track, int& latest_track, ClearCounts& counts) {
   if (truth.ignored) {
-    history = {};
+    latest_track = FrameMatches::kNone;
     return;
   }
   if (estimated_track == FrameMatches::kNone) {
     ++counts.fn;
-    history.interrupted = true;
     return;
   }
-  const bool matched_before = history.last_track != FrameMatches::kNone;
-  if (matched_before && history.last_track != estimated_track) ++counts.idsw;
-  if (matched_before && history.interrupted) ++counts.frag;
-  history = {estimated_track, false};
+  if (latest_track != FrameMatches::kNone && latest_track != estimated_track) ++counts.idsw;
+  latest_track = estimated_track;
 }
 
-void countFrame(const ClassFrame& frame, const FrameMatches& matches,
-                std::vector<History>& histories, ClearCounts& counts) {
+/// Counts fragmentations as TrackEval does: the times that a true object is matched after a frame
+/// in which it was not (unmatched, ignored or not labelled), without the first.
+///
+/// Frames without truth, or without estimates, that are not ignored are passed over.
+class FragmentCounter {
+ public:
+  explicit FragmentCounter(const ClassSequence& sequence)
+      : matched_(static_cast<std::size_t>(sequence.true_tracks), false), ever_matched_(matched_) {}
+
+  [[nodiscard]] std::size_t count(const ClassFrame& frame, const FrameMatches& matches) {
+    if (!hasTruth(frame) || !hasEstimates(frame, matches)) return 0;
+    std::size_t fragmentations = 0;
+    std::vector<bool> matched(matched_.size(), false);
+    for (std::size_t i = 0; i < frame.truth.size(); ++i) {
+      if (frame.truth[i].ignored || matches.estimate_of[i] == FrameMatches::kNone) continue;
+      const auto track = static_cast<std::size_t>(frame.truth[i].track);
+      if (!matched_[track] && ever_matched_[track]) ++fragmentations;
+      ever_matched_[track] = true;
+      matched[track] = true;
+    }
+    matched_ = std::move(matched);
+    return fragmentations;
+  }
+
+ private:
+  static bool hasTruth(const ClassFrame& frame) {
+    return std::any_of(frame.truth.begin(), frame.truth.end(),
+                       [](const TrueBox& truth) { return !truth.ignored; });
+  }
+
+  static bool hasEstimates(const ClassFrame& frame, const FrameMatches& matches) {
+    for (std::size_t j = 0; j < frame.estimates.size(); ++j) {
+      const int i = matches.truth_of[j];
+      if (i == FrameMatches::kExcluded) continue;
+      const bool is_ignored = i == FrameMatches::kNone
+                                  ? frame.estimates[j].ignored_if_unmatched
+                                  : frame.truth[static_cast<std::size_t>(i)].ignored;
+      if (!is_ignored) return true;
+    }
+    return false;
+  }
+
+  std::vector<bool> matched_;  ///< in the latest frame that was not passed over
+  std::vector<bool> ever_matched_;
+};
+
+void countFrame(const ClassFrame& frame, const FrameMatches& matches, LatestTracks& latest_tracks,
+                ClearCounts& counts) {
   for (std::size_t i = 0; i < frame.truth.size(); ++i) {
     const int j = matches.estimate_of[i];
     const bool matched = j != FrameMatches::kNone;
     const int track = matched ? frame.estimates[static_cast<std::size_t>(j)].track : j;
-    countTruth(frame.truth[i], track, histories[static_cast<std::size_t>(frame.truth[i].track)],
+    countTruth(frame.truth[i], track, latest_tracks[static_cast<std::size_t>(frame.truth[i].track)],
                counts);
     if (!matched || frame.truth[i].ignored) continue;
     ++counts.tp;
@@ -89,9 +129,12 @@ ClearCounts clearCounts(const std::vector<ClassSequence>& sequences, double min_
   ClearCounts counts;
   for (const auto& sequence : sequences) {
     FrameMatcher matcher(sequence, min_overlap, score_threshold);
-    std::vector<History> histories(static_cast<std::size_t>(sequence.true_tracks));
+    LatestTracks latest_tracks(static_cast<std::size_t>(sequence.true_tracks), FrameMatches::kNone);
+    FragmentCounter fragments(sequence);
     for (const auto& frame : sequence.frames) {
-      countFrame(frame, matcher.match(frame), histories, counts);
+      const auto matches = matcher.match(frame);
+      countFrame(frame, matches, latest_tracks, counts);
+      counts.frag += fragments.count(frame, matches);
     }
   }
   return counts;

@@ -49,7 +49,7 @@ struct TrackError {
   std::optional<double> score_threshold;
   std::size_t tp = 0, fp = 0, fn = 0;
   std::size_t idsw = 0;        ///< identity switches: truth matched with another track than before
-  std::size_t frag = 0;        ///< fragmentations: truth matched again after an interruption
+  std::size_t frag = 0;        ///< fragmentations: truth matched again after frames without match
   std::optional<double> mota;  ///< 1 - (fn + fp + idsw) / truth_boxes
   std::optional<double> motp;  ///< mean overlap of matches, 0..1
   std::optional<double> hota, deta, assa;  ///< 0..1, mean over overlaps 0.05 .. 0.95
@@ -66,11 +66,13 @@ struct TrackErrors {
 ///
 /// Van is a neighbouring class of Car, and Person_sitting of Pedestrian: estimates matched with a
 /// neighbouring class or with ignored truth count neither as true nor as false positives. The
-/// identity history of a true object restarts after frames in which it is ignored.
+/// identity history of a true object restarts after frames in which it is ignored. Fragmentations
+/// are counted as TrackEval does: frames in which the truth is ignored or not labelled interrupt it
+/// too, frames without any truth or without any estimate do not.
 ///
 /// @see Bernardin & Stiefelhagen 2008, "Evaluating multiple object tracking performance: the CLEAR
 ///      MOT metrics", Sec. 2.1 (matches of the previous frame are kept while valid, the rest is
-///      assigned at minimum cost); Milan et al. 2016, "MOT16", Sec. 4.1.4 (fragmentations);
+///      assigned at minimum cost); Luiten & Hoffhues 2020, "TrackEval" (fragmentations);
 ///      Weng et al. 2020, "3D multi-object tracking: a baseline and new evaluation metrics",
 ///      Sec. IV (sAMOTA, AMOTA over 40 recalls, scores averaged over tracks); Luiten et al. 2021,
 ///      "HOTA: a higher order metric", Secs. 5-6; Geiger et al. 2012 (ignored labels)
