@@ -13,8 +13,8 @@ namespace headway::test {
 
 // RMSE of the camera's positions after rigid alignment [m].
 inline constexpr double kStreetAteM = 0.031;     ///< rawlogs/street.rawlog (0.0209)
-inline constexpr double kKitti06AteM = 0.031;    ///< KITTI odometry 06, frames 0-50 (0.0209)
-inline constexpr double kKitti01AteM = 0.78;     ///< KITTI odometry 01, frames 0-50 (0.521)
+inline constexpr double kKitti06AteM = 0.027;    ///< KITTI odometry 06, frames 0-50 (0.0180)
+inline constexpr double kKitti01AteM = 0.51;     ///< KITTI odometry 01, frames 0-50 (0.339)
 inline constexpr double kEurocMh01AteM = 0.006;  ///< EuRoC MH_01, first 200 pairs (0.0039)
 
 // The same of two drives that share one map, judged as one path [m].

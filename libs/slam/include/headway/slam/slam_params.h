@@ -28,7 +28,7 @@ struct SlamParams {
 
   double keyframe_overlap = 0.7;      ///< min. ratio of the last keyframe's landmarks in view [-]
   double keyframe_flow_ratio = 0.06;  ///< max. median image motion since it [ratio of the width]
-  int window = 8;                     ///< keyframes in local bundle adjustment
+  int window = 24;                    ///< keyframes in local bundle adjustment
   int max_ba_iterations = 6;          ///< of local bundle adjustment
   bool loop_closing = true;           ///< recognise places seen before and correct the map
   int restart_after_frames = 20;      ///< lost frames after which a new submap is initialised

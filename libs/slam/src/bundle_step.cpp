@@ -1,0 +1,268 @@
+#include "bundle_step.h"
+
+#include <headway/stereo/pose_tangent.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "motion_factor.h"
+
+namespace headway::slam {
+namespace {
+
+constexpr double kHuber = 2.0;        ///< residual above which the loss is linear [sigma]
+constexpr double kOffsetSigma = 0.5;  ///< rectification is accurate to about this much [px]
+constexpr double kOffsetWalk = 0.05;  ///< change of the offset between two adjustments [px]
+
+using Matrix63 = Eigen::Matrix<double, 6, 3>;
+
+/// Huber's loss of a squared residual.
+double huber(double squared) {
+  return squared <= kHuber * kHuber ? squared : 2.0 * kHuber * std::sqrt(squared) - kHuber * kHuber;
+}
+
+/// Weight of a squared residual, the derivative of Huber's loss.
+double huberWeight(double squared) {
+  return squared <= kHuber * kHuber ? 1.0 : kHuber / std::sqrt(squared);
+}
+
+/// Levenberg's damping of one diagonal element.
+double damping(double diagonal, double radius) { return std::max(diagonal, 1e-6) / radius; }
+
+stereo::StereoMeasurement withoutOffset(stereo::StereoMeasurement measurement, double offset_px) {
+  measurement.disparity -= offset_px;
+  return measurement;
+}
+
+std::vector<Pose> inverses(const std::vector<Pose>& poses) {
+  std::vector<Pose> result;
+  result.reserve(poses.size());
+  for (const Pose& pose : poses) result.push_back(pose.inverse(Eigen::Isometry));
+  return result;
+}
+
+}  // namespace
+
+double costOf(const BundleProblem& problem, const StereoCamera& camera, double previous_offset) {
+  const auto cameras = inverses(problem.poses);
+  double sum = std::pow(problem.disparity_offset_px / kOffsetSigma, 2) +
+               std::pow((problem.disparity_offset_px - previous_offset) / kOffsetWalk, 2);
+  std::size_t next = 0;
+  for (const BundleProblem::Point& point : problem.points) {
+    for (; next < point.observations_end; ++next) {
+      const auto& [pose, measurement] = problem.observations[next];
+      const Pose& T_cam_map = cameras[static_cast<std::size_t>(pose)];
+      const Eigen::Vector3d point_cam = T_cam_map * point.position;
+      if (point_cam.z() < kMinObservedDepth) return std::numeric_limits<double>::infinity();
+      const auto corrected = withoutOffset(measurement, problem.disparity_offset_px);
+      sum += huber(stereo::stereoResidual(point_cam, corrected, camera, nullptr).squaredNorm());
+    }
+  }
+  for (const BundleProblem::Motion& motion : problem.motions) {
+    sum += motionLoss(motion, problem.poses, camera.T_robot_cam);
+  }
+  return 0.5 * sum;
+}
+
+BundleStep::BundleStep(const BundleProblem& problem, const StereoCamera& camera,
+                       double previous_offset)
+    : problem_(problem),
+      camera_(camera),
+      previous_offset_(previous_offset),
+      free_(freeIndices(problem)),
+      system_(countFree(free_), coupledPoses(problem, free_)),
+      by_point_(problem.observations.size()),
+      points_(problem.points.size()) {}
+
+std::vector<int> BundleStep::freeIndices(const BundleProblem& problem) {
+  std::vector<int> free(problem.poses.size(), -1);
+  int next = 0;
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    if (!problem.is_fixed[i]) free[i] = next++;
+  }
+  return free;
+}
+
+int BundleStep::countFree(const std::vector<int>& free) {
+  return static_cast<int>(std::count_if(free.begin(), free.end(), [](int i) { return i >= 0; }));
+}
+
+/// Free poses that observe a point together or are joined by a motion; all pairs of few poses.
+std::vector<std::pair<int, int>> BundleStep::coupledPoses(const BundleProblem& problem,
+                                                          const std::vector<int>& free) {
+  std::vector<std::pair<int, int>> coupled;
+  const int count = countFree(free);
+  for (int i = 0; count <= ReducedSystem::kDense && i < count; ++i) {
+    for (int j = i + 1; j < count; ++j) coupled.emplace_back(i, j);
+  }
+  if (count <= ReducedSystem::kDense) return coupled;
+  const auto add = [&](int a, int b) {
+    const int i = free[static_cast<std::size_t>(a)];
+    const int j = free[static_cast<std::size_t>(b)];
+    if (i >= 0 && j >= 0) coupled.emplace_back(i, j);
+  };
+  std::size_t first = 0;
+  for (const BundleProblem::Point& point : problem.points) {
+    for (std::size_t i = first; i < point.observations_end; ++i) {
+      for (std::size_t j = i + 1; j < point.observations_end; ++j) {
+        add(problem.observations[i].pose, problem.observations[j].pose);
+      }
+    }
+    first = point.observations_end;
+  }
+  for (const BundleProblem::Motion& motion : problem.motions) add(motion.a, motion.b);
+  return coupled;
+}
+
+bool BundleStep::compute(double radius) {
+  setZero();
+  addOffsetPrior();
+  for (const BundleProblem::Motion& motion : problem_.motions) addMotion(motion);
+  for (std::size_t point = 0; point < points_.size(); ++point) {
+    PointBlock& block = points_[point] = PointBlock();
+    for (std::size_t i = begin(point); i < problem_.points[point].observations_end; ++i) {
+      linearise(i, problem_.points[point].position, block);
+    }
+    eliminate(point, radius);
+  }
+  dampPoses(radius);
+  if (!system_.solve(step_, step_offset_)) return false;
+  substituteBack();
+  return true;
+}
+
+void BundleStep::setZero() {
+  T_cam_map_ = inverses(problem_.poses);
+  system_.setZero();
+  right_.setZero(6 * system_.poses());
+  diagonal_.setZero(6 * system_.poses());
+  right_offset_ = diagonal_offset_ = 0.0;
+}
+
+void BundleStep::addOffsetPrior() {
+  const double offset = problem_.disparity_offset_px;
+  const double absolute = 1.0 / (kOffsetSigma * kOffsetSigma);
+  const double relative = 1.0 / (kOffsetWalk * kOffsetWalk);
+  diagonal_offset_ += absolute + relative;
+  right_offset_ -= offset * absolute + (offset - previous_offset_) * relative;
+}
+
+void BundleStep::addMotion(const BundleProblem::Motion& motion) {
+  const MotionTerms terms = linearised(motion, problem_.poses, camera_.T_robot_cam);
+  const int a = freeIndex(motion.a);
+  const int b = freeIndex(motion.b);
+  const auto addPose = [&](int i, const ReducedSystem::Block& by_pose) {
+    if (i < 0) return;
+    const ReducedSystem::Block information = by_pose.transpose() * by_pose;
+    system_.block(i, i) += information;
+    diagonal_.segment<6>(6 * i) += information.diagonal();
+    right_.segment<6>(6 * i) -= by_pose.transpose() * terms.residual;
+  };
+  addPose(a, terms.by_a);
+  addPose(b, terms.by_b);
+  if (a >= 0 && b >= 0) system_.block(a, b) += terms.by_a.transpose() * terms.by_b;
+}
+
+/// Adds one observation to the blocks of its pose, its point and the offset.
+void BundleStep::linearise(std::size_t observation, const Eigen::Vector3d& position,
+                           PointBlock& block) {
+  const auto& [pose, measurement] = problem_.observations[observation];
+  const Pose& T_cam_map = T_cam_map_[static_cast<std::size_t>(pose)];
+  const Eigen::Vector3d point_cam = T_cam_map * position;
+  Eigen::Matrix3d by_point_cam;
+  Eigen::Vector3d residual = stereo::stereoResidual(
+      point_cam, withoutOffset(measurement, problem_.disparity_offset_px), camera_, &by_point_cam);
+  const double root = std::sqrt(huberWeight(residual.squaredNorm()));
+  residual *= root;
+  by_point_cam *= root;
+  const double by_offset = measurement.stereo ? root / measurement.sigma_disparity_px : 0.0;
+  const Eigen::Matrix3d by_point = by_point_cam * T_cam_map.linear();
+  block.inverse.noalias() += by_point.transpose() * by_point;
+  block.right.noalias() -= by_point.transpose() * residual;
+  block.by_offset += by_offset * by_point.row(2).transpose();
+  diagonal_offset_ += by_offset * by_offset;
+  right_offset_ -= by_offset * residual.z();
+  const int i = freeIndex(pose);
+  if (i < 0) return;
+  const Eigen::Matrix<double, 3, 6> by_pose = by_point_cam * stereo::pointByPose(point_cam);
+  ReducedSystem::Block information;
+  information.noalias() = by_pose.transpose() * by_pose;
+  system_.block(i, i) += information;
+  system_.border(i) += by_offset * by_pose.row(2).transpose();
+  diagonal_.segment<6>(6 * i) += information.diagonal();
+  right_.segment<6>(6 * i).noalias() -= by_pose.transpose() * residual;
+  by_point_[observation].noalias() = by_pose.transpose() * by_point;
+}
+
+/// Damps a point's block, inverts it and takes the point out of the system (Schur complement).
+void BundleStep::eliminate(std::size_t point, double radius) {
+  PointBlock& block = points_[point];
+  for (int i = 0; i < 3; ++i) {
+    block.damping[i] = damping(block.inverse(i, i), radius);
+    block.inverse(i, i) += block.damping[i];
+  }
+  block.inverse = block.inverse.llt().solve(Eigen::Matrix3d::Identity()).eval();
+  const Eigen::Vector3d mean = block.inverse * block.right;
+  const std::size_t end = problem_.points[point].observations_end;
+  for (std::size_t first = begin(point); first < end; ++first) {
+    const int i = freeIndex(problem_.observations[first].pose);
+    if (i < 0) continue;
+    Matrix63 gain;
+    gain.noalias() = by_point_[first] * block.inverse;
+    system_.right(i).noalias() -= by_point_[first] * mean;
+    system_.border(i).noalias() -= gain * block.by_offset;
+    for (std::size_t second = first; second < end; ++second) {
+      const int j = freeIndex(problem_.observations[second].pose);
+      if (j >= 0) system_.block(i, j).noalias() -= gain * by_point_[second].transpose();
+    }
+  }
+  system_.corner -= block.by_offset.dot(block.inverse * block.by_offset);
+  system_.right_corner -= block.by_offset.dot(mean);
+}
+
+void BundleStep::dampPoses(double radius) {
+  damping_.resize(diagonal_.size());
+  for (Eigen::Index k = 0; k < diagonal_.size(); ++k) damping_[k] = damping(diagonal_[k], radius);
+  for (int i = 0; i < system_.poses(); ++i) {
+    system_.block(i, i).diagonal() += damping_.segment<6>(6 * i);
+    system_.right(i) += right_.segment<6>(6 * i);
+  }
+  damping_offset_ = damping(diagonal_offset_, radius);
+  system_.corner += diagonal_offset_ + damping_offset_;
+  system_.right_corner += right_offset_;
+}
+
+void BundleStep::substituteBack() {
+  for (std::size_t point = 0; point < points_.size(); ++point) {
+    PointBlock& block = points_[point];
+    Eigen::Vector3d right = block.right - step_offset_ * block.by_offset;
+    for (std::size_t i = begin(point); i < problem_.points[point].observations_end; ++i) {
+      const int pose = freeIndex(problem_.observations[i].pose);
+      if (pose < 0) continue;
+      right.noalias() -= by_point_[i].transpose() * step_.segment<6>(6 * pose);
+    }
+    block.step = block.inverse * right;
+  }
+}
+
+double BundleStep::predictedDecrease() const {
+  double decrease = step_.dot(right_ + damping_.cwiseProduct(step_)) +
+                    step_offset_ * (right_offset_ + damping_offset_ * step_offset_);
+  for (const PointBlock& block : points_) {
+    decrease += block.step.dot(block.right + block.damping.cwiseProduct(block.step));
+  }
+  return 0.5 * decrease;
+}
+
+void BundleStep::applyTo(BundleProblem& problem) const {
+  for (std::size_t i = 0; i < problem.poses.size(); ++i) {
+    if (free_[i] < 0) continue;
+    problem.poses[i] = stereo::retract(problem.poses[i], step_.segment<6>(6 * free_[i]));
+  }
+  for (std::size_t i = 0; i < points_.size(); ++i) problem.points[i].position += points_[i].step;
+  problem.disparity_offset_px += step_offset_;
+}
+
+}  // namespace headway::slam
