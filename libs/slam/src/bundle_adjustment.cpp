@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "bundle_solver.h"
+#include "keyframe_odometry.h"
 
 namespace headway::slam {
 namespace {
@@ -25,6 +26,7 @@ class DetachedBundle::Implementation {
     problem_.disparity_offset_px = map.disparityOffset();
     collectPoses(map);
     collectPoints(map);
+    collectMotions(map);
   }
 
   void solve(int max_iterations) {
@@ -81,6 +83,20 @@ class DetachedBundle::Implementation {
         problem_.observations.push_back({indexOf(observation.keyframe), observation.measurement});
       }
       problem_.points.push_back({landmark.position, problem_.observations.size()});
+    }
+  }
+
+  /// Wheel odometry between keyframes that take part, unless neither can move.
+  void collectMotions(const SparseMap& map) {
+    for (std::size_t i = 0; i < pose_ids_.size(); ++i) {
+      const auto& odometry = map.keyframe(pose_ids_[i]).odometry;
+      if (!odometry || !std::binary_search(pose_ids_.begin(), pose_ids_.end(), odometry->from)) {
+        continue;
+      }
+      const int from = indexOf(odometry->from);
+      if (problem_.is_fixed[i] && problem_.is_fixed[static_cast<std::size_t>(from)]) continue;
+      problem_.motions.push_back(
+          {from, static_cast<int>(i), odometry->T_from_this, sigmaOf(*odometry)});
     }
   }
 

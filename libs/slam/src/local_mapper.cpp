@@ -17,14 +17,17 @@ LocalMapper::LocalMapper(const StereoCamera& camera, const SlamParams& params,
       params_(params),
       adjuster_(adjuster),
       grid_(camera.width, camera.height, params.features),
-      matcher_(static_cast<int>(params.max_disparity_ratio * camera.width), params.min_zncc) {}
+      matcher_(static_cast<int>(params.max_disparity_ratio * camera.width), params.min_zncc),
+      odometry_(params.use_odometry) {}
 
 KeyframeId LocalMapper::insert(const TrackingFrame& frame, const Pose& T_map_cam,
                                const PoseCovariance& covariance,
-                               std::vector<TrackedLandmark>& tracked, SparseMap& map) const {
+                               std::vector<TrackedLandmark>& tracked, SparseMap& map) {
   Keyframe& keyframe = map.addKeyframe(frame.index, frame.time, T_map_cam);
   keyframe.covariance = covariance;
+  keyframe.odometry = odometry_.link();
   const KeyframeId id = keyframe.id;
+  odometry_.restartAt(id);
   linkTracked(frame, id, tracked, map);
   addLandmarks(frame, id, tracked, map);
   describeNew(frame, id, tracked, map);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bundle_adjuster.h"
+#include "keyframe_odometry.h"
 #include "keypoints.h"
 #include "landmark_tracker.h"
 #include "sparse_map.h"
@@ -25,7 +26,10 @@ class LocalMapper {
   /// @return         id of the keyframe, whose pose is the corrected one of the frame
   KeyframeId insert(const TrackingFrame& frame, const Pose& T_map_cam,
                     const PoseCovariance& covariance, std::vector<TrackedLandmark>& tracked,
-                    SparseMap& map) const;
+                    SparseMap& map);
+
+  /// Adds the motion since the frame before to the odometry that the next keyframe gets.
+  void addOdometry(const MotionPrior& prior) { odometry_.add(prior); }
 
  private:
   void linkTracked(const TrackingFrame& frame, KeyframeId keyframe,
@@ -40,6 +44,7 @@ class LocalMapper {
   BundleAdjuster& adjuster_;
   FeatureGrid grid_;
   stereo::StereoMatcher matcher_;
+  KeyframeOdometry odometry_;  ///< since the last keyframe
 };
 
 }  // namespace headway::slam

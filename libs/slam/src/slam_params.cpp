@@ -36,8 +36,10 @@ void SlamParams::describe(Params::Section section) {
            "a static scene");
   user.add("mapping", mapping,
            "Extend the map; false localises in a loaded map without changing it");
-  user.add("use_odometry", use_odometry,
-           "Predict the next pose by recorded wheel odometry; false if the wheels slip");
+  user.add(
+      "use_odometry", use_odometry,
+      "Predict the next pose by recorded wheel odometry and adjust the map to it; false if the "
+      "wheels slip most of the time");
   user.add("use_imu", use_imu,
            "Predict the next rotation by the recorded gyroscope and level the map by gravity; "
            "false if the IMU is not calibrated to the camera");

@@ -20,6 +20,11 @@ void eraseSorted(std::vector<Id>& ids, Id id) {
 
 }  // namespace
 
+OdometryLink composed(const OdometryLink& first, const OdometryLink& second) {
+  return {first.from, normalized(Pose(first.T_from_this * second.T_from_this)),
+          first.path_m + second.path_m, first.turn_rad + second.turn_rad};
+}
+
 SparseMap::SparseMap(const std::vector<Keyframe>& keyframes,
                      const std::vector<Landmark>& landmarks) {
   for (const Keyframe& keyframe : keyframes) {
@@ -104,7 +109,20 @@ void SparseMap::removeKeyframe(KeyframeId keyframe) {
     if (landmark.reference == keyframe) reassignReference(landmark);
     removeObservation(keyframe, id);
   }
+  bridgeOdometry(keyframes_.at(keyframe));
   keyframes_.erase(keyframe);
+}
+
+void SparseMap::bridgeOdometry(const Keyframe& removed) {
+  const auto next = keyframes_.upper_bound(removed.id);
+  if (next == keyframes_.end()) return;
+  auto& odometry = next->second.odometry;
+  if (!odometry || odometry->from != removed.id) return;
+  if (removed.odometry) {
+    odometry = composed(*removed.odometry, *odometry);
+  } else {
+    odometry.reset();
+  }
 }
 
 void SparseMap::reassignReference(Landmark& landmark) {

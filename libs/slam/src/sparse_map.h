@@ -6,6 +6,7 @@
 #include <headway/stereo/pose_refiner.h>
 
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "descriptor.h"
@@ -34,6 +35,17 @@ struct Landmark {
   int found = 0;   ///< frames in which it was found
 };
 
+/// Wheel odometry from an earlier keyframe to this one.
+struct OdometryLink {
+  KeyframeId from;
+  Pose T_from_this = Pose::Identity();  ///< robot frames
+  double path_m = 0.0;                  ///< length of the path in between
+  double turn_rad = 0.0;                ///< sum of the turns in between, all positive
+};
+
+/// The link over both, one after the other.
+[[nodiscard]] OdometryLink composed(const OdometryLink& first, const OdometryLink& second);
+
 /// A frame that the map is built on.
 struct Keyframe {
   KeyframeId id;
@@ -42,6 +54,7 @@ struct Keyframe {
   Pose T_map_cam = Pose::Identity();
   PoseCovariance covariance = PoseCovariance::Zero();  ///< of T_map_cam
   std::vector<LandmarkId> landmarks;                   ///< seen in it, ascending
+  std::optional<OdometryLink> odometry;                ///< not stored in map files
 };
 
 /// Owns landmarks and keyframes and keeps their links consistent.
@@ -103,6 +116,8 @@ class SparseMap {
 
  private:
   void link(const Landmark& landmark);
+  /// The odometry of the keyframe that follows a removed one begins where the removed one's began.
+  void bridgeOdometry(const Keyframe& removed);
   /// Makes the nearest other keyframe that sees the landmark its reference, if there is one.
   void reassignReference(Landmark& landmark);
 

@@ -88,6 +88,7 @@ SlamUpdate StereoSlam::Implementation::process(const stereo::FrameContext& conte
   std::optional<TrackedPose> tracked;
   {
     const auto watch = times_.watch("slam_track");
+    mapper_.addOdometry(frame.motion_prior);
     current = makeTrackingFrame(context, moving, *camera_, params_.dynamic_rejection);
     tracked = track(context, current);
   }

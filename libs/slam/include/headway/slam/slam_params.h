@@ -16,7 +16,7 @@ enum class DynamicRejection {
 struct SlamParams {
   DynamicRejection dynamic_rejection = DynamicRejection::kBoth;
   bool mapping = true;       ///< false: localise only, the map stays as it is
-  bool use_odometry = true;  ///< wheel odometry predicts the next pose where recorded
+  bool use_odometry = true;  ///< wheel odometry predicts the next pose and joins keyframes
   bool use_imu = true;       ///< gyroscope predicts the next turn, gravity levels the map
 
   int features = 600;                ///< landmarks measured in each frame
