@@ -143,6 +143,26 @@ TEST(StreetStretchTest, NothingIsBuiltWhereNothingIsAskedFor) {
   }
 }
 
+TEST(StreetStretchTest, FencesStandAtThePavementsOuterEdgeAndChangeNothingElse) {
+  Town town(3, 0.0);
+  const StreetBuilder without(*town.network, town.params, town.grain);
+  town.params.fence_ratio = 1.0;
+  const StreetBuilder builder(*town.network, town.params, town.grain);
+  std::size_t fences = 0;
+  for (const StretchKey& key : town.keys(0)) {
+    const StreetStretch stretch = builder.build(key), plain = without.build(key);
+    ASSERT_EQ(plain.surfaces.size(), stretch.surfaces.size());
+    for (std::size_t i = plain.furniture.size(); i < stretch.furniture.size(); ++i, ++fences) {
+      for (const auto& at : verticesOf(stretch.furniture[i], stretch.anchor)) {
+        EXPECT_NEAR(Profile::kEdge, std::abs(at.y()), 0.2);
+        EXPECT_LT(at.z(), 1.5);
+        EXPECT_GT(at.z(), 0.0);
+      }
+    }
+  }
+  EXPECT_GT(fences, 8U);
+}
+
 TEST(StreetStretchTest, AStretchDependsOnSeedAndKeyAlone) {
   const Town town(4), again(4), other(5);
   const auto sizeOf = [](const StreetStretch& stretch) {

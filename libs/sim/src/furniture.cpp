@@ -265,4 +265,21 @@ void addHedge(Mesh& mesh, const Vector3f& from, const Vector3f& to, Random& rand
          inAtlas(stone ? kStone : kHedge).part(start, 0, start + part, 1));
 }
 
+void addFence(Mesh& mesh, const Vector3f& from, const Vector3f& to, Random& random) {
+  const float length = (to - from).norm();
+  const Vector3f along = (to - from) / length;
+  const float yaw = std::atan2(along.y(), along.x());
+  const bool pickets = random.chance(0.5);
+  const auto height = static_cast<float>(random.uniform(0.9, 1.3));
+  const float spacing = pickets ? 0.17F : 0.13F;
+  const Vector3f bar = pickets ? Vector3f(0.09F, 0.02F, height) : Vector3f(0.025F, 0.025F, height);
+  const UvRect uv = inAtlas(pickets ? kBark : kMetal);
+  for (float s = 0.5F * spacing; s < length; s += spacing) {
+    addBox(mesh, from + s * along, yaw, bar, uv.part(0, 0, 0.2F, 1));
+  }
+  for (const float up : {0.2F, 0.85F}) {
+    addBox(mesh, 0.5F * (from + to) + Vector3f(0, 0, up * height), yaw, {length, 0.03F, 0.06F}, uv);
+  }
+}
+
 }  // namespace headway::sim

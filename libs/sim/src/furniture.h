@@ -25,4 +25,7 @@ void addSmallThing(Mesh& mesh, const Eigen::Vector3f& foot, float yaw, Random& r
 /// Hedge or garden wall between two points.
 void addHedge(Mesh& mesh, const Eigen::Vector3f& from, const Eigen::Vector3f& to, Random& random);
 
+/// Picket fence or railing between two points: upright bars on two rails.
+void addFence(Mesh& mesh, const Eigen::Vector3f& from, const Eigen::Vector3f& to, Random& random);
+
 }  // namespace headway::sim

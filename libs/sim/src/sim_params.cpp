@@ -42,6 +42,8 @@ void WorldParams::describe(Params::Section section) {
   section.add("tree_every_m", tree_every_m, 0.0, 1000.0, "m", "Trees along each side; 0: none");
   section.add("parked_ratio", parked_ratio, 0.0, 1.0, "", "Ratio of the parking bays taken");
   section.add("hill_height_m", hill_height_m, 0.0, 20.0, "m", "Rise and fall of the ground");
+  section.add("fence_ratio", fence_ratio, 0.0, 1.0, "",
+              "Ratio of a street's frontage with picket fences or railings");
   section.renamed({{"house_share", "house_ratio"}, {"parked_share", "parked_ratio"}});
 }
 

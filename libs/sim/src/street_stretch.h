@@ -67,6 +67,7 @@ class StreetBuilder {
   void layGround(const Site& site, StreetStretch& stretch, Random& random) const;
   void layVerges(const Site& site, StreetStretch& stretch) const;
   void buildHouses(const Site& site, double side, StreetStretch& stretch, Random& random) const;
+  void placeFences(const Site& site, StreetStretch& stretch) const;
   void placeFurniture(const Site& site, StreetStretch& stretch, Random& random) const;
   [[nodiscard]] bool isFree(const Site& site, double s, double left, double margin) const;
 

@@ -38,6 +38,7 @@ struct WorldParams {
   double tree_every_m = 14.0;  ///< along one side; 0: none
   double parked_ratio = 0.45;  ///< of the parking bays
   double hill_height_m = 0.0;  ///< rise and fall of lane and loop routes
+  double fence_ratio = 0.0;    ///< of the frontage with picket fences or railings before it
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "world"); }  ///< @throws InputError
