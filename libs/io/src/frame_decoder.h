@@ -23,7 +23,7 @@ struct DecodedPair {
 class FrameDecoder {
  public:
   /// @param image_folder  folder of external images
-  /// @param skipped       counts "missing_image", "broken_image", "image_size"
+  /// @param skipped       counts the reasons of pixelsOf() and "image_size"
   FrameDecoder(std::string image_folder, std::map<std::string, std::size_t>& skipped)
       : image_folder_(std::move(image_folder)), skipped_(skipped) {}
 

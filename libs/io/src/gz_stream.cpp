@@ -13,7 +13,8 @@ namespace headway::io {
 namespace {
 
 constexpr unsigned kBufferBytes = 1 << 17;
-constexpr std::size_t kChunkBytes = 1 << 30;  // gzread and gzwrite count with int
+constexpr std::size_t kChunkBytes = 1 << 30;  // gzwrite counts with int
+constexpr std::size_t kReadBytes = 1 << 17;
 
 /// Rejects compressed formats that zlib would return as plain data.
 void requireKnownCompression(const std::string& path) {
@@ -90,25 +91,44 @@ GzInput::~GzInput() {
   if (file_ != nullptr) gzclose(file_);
 }
 
-size_t GzInput::Read(void* buffer, size_t count) {
-  auto* bytes = static_cast<char*>(buffer);
-  std::size_t done = std::min(count, unread_.size() - unread_taken_);
-  std::memcpy(bytes, unread_.data() + unread_taken_, done);
-  unread_taken_ += done;
-  while (done < count) {
-    const auto chunk = static_cast<unsigned>(std::min(count - done, kChunkBytes));
-    const int got = gzread(file_, bytes + done, chunk);
-    if (got <= 0) break;
-    done += static_cast<std::size_t>(got);
-    position_ += static_cast<uint64_t>(got);
-  }
-  last_was_short_ = done < count;
-  return done;
+std::string_view GzInput::peek(std::size_t count) {
+  if (filled_ - read_ < count && !at_end_) fill(count);
+  return {buffer_.data() + read_, std::min(count, filled_ - read_)};
 }
 
-void GzInput::unread(const std::string& bytes) {
-  unread_ = bytes + unread_.substr(unread_taken_);
-  unread_taken_ = 0;
+void GzInput::take(std::size_t count) { read_ += std::min(count, filled_ - read_); }
+
+void GzInput::goTo(std::uint64_t position) {
+  ASSERT_(position >= origin_ + mark_ && position <= origin_ + filled_);
+  read_ = static_cast<std::size_t>(position - origin_);
+}
+
+std::string_view GzInput::at(std::uint64_t position, std::size_t count) const {
+  ASSERT_(position >= origin_ && position + count <= origin_ + filled_);
+  return {buffer_.data() + static_cast<std::size_t>(position - origin_), count};
+}
+
+/// Reads until `count` bytes follow, or the file ends.
+void GzInput::fill(std::size_t count) {
+  const std::size_t kept = std::min(mark_, read_);
+  if (kept > 0) {
+    std::memmove(buffer_.data(), buffer_.data() + kept, filled_ - kept);
+    origin_ += kept;
+    mark_ -= kept;
+    read_ -= kept;
+    filled_ -= kept;
+  }
+  while (filled_ - read_ < count) {
+    const std::size_t chunk =
+        std::min(std::max({count - (filled_ - read_), kReadBytes}), std::max(filled_, kReadBytes));
+    if (buffer_.size() < filled_ + chunk) buffer_.resize(filled_ + chunk);
+    const int got = gzread(file_, buffer_.data() + filled_, static_cast<unsigned>(chunk));
+    if (got <= 0) {
+      at_end_ = true;
+      return;
+    }
+    filled_ += static_cast<std::size_t>(got);
+  }
 }
 
 std::string GzInput::compressionError() const {
@@ -120,14 +140,6 @@ std::string GzInput::compressionError() const {
 double GzInput::progress() const {
   const auto offset = std::max<z_off_t>(0, gzoffset(file_));
   return std::min(1.0, static_cast<double>(offset) / static_cast<double>(file_size_));
-}
-
-size_t GzInput::Write(const void* /*buffer*/, size_t /*count*/) {
-  THROW_EXCEPTION("GzInput cannot be written");
-}
-
-uint64_t GzInput::Seek(int64_t /*offset*/, TSeekOrigin /*origin*/) {
-  THROW_EXCEPTION("GzInput has no random access");
 }
 
 }  // namespace headway::io

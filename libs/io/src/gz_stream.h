@@ -3,7 +3,10 @@
 #include <mrpt/io/CStream.h>
 #include <zlib.h>
 
+#include <cstdint>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace headway::io {
 
@@ -34,41 +37,50 @@ class GzOutput : public mrpt::io::CStream {
   bool has_failed_ = false;
 };
 
-/// Input stream of a gz-compressed or plain file, with access to zlib's error and the position,
-/// which MRPT's CFileGZInputStream does not provide.
-class GzInput : public mrpt::io::CStream {
+/// Input of a gz-compressed or plain file, from which bytes can be looked at before they are taken
+/// and to which a reader can return after a failure.
+///
+/// The buffer grows only with bytes that the file has supplied, so that a length in a broken file
+/// allocates no more than twice of what the file contains.
+class GzInput {
  public:
   /// @throws InputError if the file cannot be opened, is empty or has another compression
   explicit GzInput(const std::string& path);
-  ~GzInput() override;
+  ~GzInput();
   GzInput(const GzInput&) = delete;
   GzInput& operator=(const GzInput&) = delete;
 
-  /// Returns fewer bytes than requested only at the end of the file or on an error.
-  size_t Read(void* buffer, size_t count) override;
-  /// Returns bytes to the stream, to be read again.
-  void unread(const std::string& bytes);
+  /// The next bytes, without taking them; fewer than `count` only at the end of the file or on an
+  /// error. Valid until the next call.
+  [[nodiscard]] std::string_view peek(std::size_t count);
+  /// Takes bytes that peek() has returned.
+  void take(std::size_t count);
 
-  /// Whether the last Read() returned fewer bytes than requested.
-  [[nodiscard]] bool lastWasShort() const { return last_was_short_; }
+  /// Keeps all bytes from here on, for goTo() and at().
+  void mark() { mark_ = read_; }
+  /// Continues at a position between the mark and the last byte looked at.
+  void goTo(std::uint64_t position);
+  /// Bytes between the mark and the last byte looked at. Valid until the next peek().
+  [[nodiscard]] std::string_view at(std::uint64_t position, std::size_t count) const;
+
+  /// Number of uncompressed bytes taken so far.
+  [[nodiscard]] std::uint64_t position() const { return origin_ + read_; }
   /// zlib's error message; empty if there is none.
   [[nodiscard]] std::string compressionError() const;
-  /// Number of uncompressed bytes read so far.
-  uint64_t getPosition() const override { return position_ - (unread_.size() - unread_taken_); }
   /// Ratio of the file read so far, 0 to 1.
   [[nodiscard]] double progress() const;
 
-  size_t Write(const void* buffer, size_t count) override;
-  uint64_t Seek(int64_t offset, TSeekOrigin origin) override;
-  uint64_t getTotalBytesCount() const override { return file_size_; }
-
  private:
+  void fill(std::size_t count);
+
   std::string path_;
-  uint64_t file_size_ = 0;
-  uint64_t position_ = 0;
-  std::string unread_;            ///< bytes returned to the stream
-  std::size_t unread_taken_ = 0;  ///< of these, read again
-  bool last_was_short_ = false;
+  std::uint64_t file_size_ = 0;
+  std::vector<char> buffer_;
+  std::uint64_t origin_ = 0;  ///< position of the first byte of the buffer
+  std::size_t mark_ = 0;      ///< in the buffer, as the following
+  std::size_t read_ = 0;
+  std::size_t filled_ = 0;
+  bool at_end_ = false;
   gzFile file_ = nullptr;
 };
 

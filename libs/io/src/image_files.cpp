@@ -5,12 +5,11 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <set>
 #include <vector>
 
+#include "image_decoding.h"
 #include "text_rows.h"
 
 namespace headway::io {
@@ -18,12 +17,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// 8-bit grey or BGR image without transparency; empty for other types.
-cv::Mat withoutTransparency(const cv::Mat& image) {
-  if (image.type() == CV_8UC1 || image.type() == CV_8UC3) return image;
-  cv::Mat result;
-  if (image.type() == CV_8UC4) cv::cvtColor(image, result, cv::COLOR_BGRA2BGR);
-  return result;
+constexpr std::uintmax_t kMaxFileBytes = 1 << 28;  // of an image, more than any within the limits
+
+/// Whether `path` lies in `folder` when all links are followed.
+bool isInside(const fs::path& folder, const fs::path& path) {
+  std::error_code ignored;
+  const fs::path root = fs::weakly_canonical(folder, ignored);
+  const fs::path target = fs::weakly_canonical(path, ignored);
+  return !root.empty() &&
+         std::mismatch(root.begin(), root.end(), target.begin(), target.end()).first == root.end();
 }
 
 }  // namespace
@@ -40,14 +42,14 @@ std::string imageFolderOf(const std::string& rawlog) {
 }
 
 cv::Mat loadImage(const std::string& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return {};
+  const auto size = fs::file_size(path, error);
+  if (error || size == 0 || size > kMaxFileBytes) return {};
+  std::string bytes(static_cast<std::size_t>(size), '\0');
   std::ifstream file(path, std::ios::binary);
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
-  if (bytes.empty()) return {};
-  try {
-    return withoutTransparency(cv::imdecode(bytes, cv::IMREAD_UNCHANGED));
-  } catch (const cv::Exception&) {
-    return {};
-  }
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  return file ? decodeImage(bytes) : cv::Mat();
 }
 
 std::variant<cv::Mat, std::string> pixelsOf(const mrpt::img::CImage& image,
@@ -56,10 +58,13 @@ std::variant<cv::Mat, std::string> pixelsOf(const mrpt::img::CImage& image,
   if (image.isExternallyStored()) {
     const fs::path path = fs::path(image_folder) / image.getExternalStorageFile();
     std::error_code ignored;
+    if (!isInside(image_folder, path)) return std::string("image_outside_folder");
     if (!fs::is_regular_file(path, ignored)) return std::string("missing_image");
     pixels = loadImage(path.string());
   } else if (!image.isEmpty()) {
-    pixels = withoutTransparency(image.asCvMatRef());
+    pixels = image.asCvMatRef();
+    if (pixels.type() == CV_8UC4) cv::cvtColor(pixels, pixels, cv::COLOR_BGRA2BGR);
+    if (pixels.type() != CV_8UC1 && pixels.type() != CV_8UC3) pixels.release();
   }
   if (pixels.empty()) return std::string("broken_image");
   return pixels;

@@ -11,7 +11,7 @@
 namespace headway::io {
 
 /// Pixels of a recorded image, 8-bit grey or BGR, or the reason of a failure ("missing_image",
-/// "broken_image").
+/// "broken_image", "image_outside_folder": its name leads out of the folder).
 ///
 /// @param image_folder  folder of external images; MRPT's global folder is not used
 [[nodiscard]] std::variant<cv::Mat, std::string> pixelsOf(const mrpt::img::CImage& image,
@@ -20,8 +20,7 @@ namespace headway::io {
 /// Folder of a rawlog's external images: `X_Images` for `X.rawlog`, or `Images` in its folder.
 [[nodiscard]] std::string imageFolderOf(const std::string& rawlog);
 
-/// An image file as 8-bit grey or BGR, without transparency; empty if it is missing, broken or of
-/// another type (such as 16 bit).
+/// An image file as decodeImage() returns it; empty if it is missing or broken.
 [[nodiscard]] cv::Mat loadImage(const std::string& path);
 
 /// Converts an 8-bit BGR image to grey; grey images are returned unchanged.

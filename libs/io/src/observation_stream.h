@@ -9,11 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "gz_stream.h"
-
-namespace mrpt::obs {
-class CActionCollection;
-}
+#include "object_reader.h"
 
 namespace headway::io {
 
@@ -31,13 +27,15 @@ class ObservationReader {
 
 /// Reads the observations of a rawlog of either kind.
 ///
-/// Sensory frames are split into their observations; movements of action collections are returned
-/// as `CObservationOdometry`, accumulated and with the time of the next observation. Objects of
-/// unknown classes and versions are skipped up to the next observation header, and counted. At most
-/// one object is in memory.
+/// Sensory frames and action collections are entered, however deeply they are nested, and their
+/// objects returned one by one; movements are returned as `CObservationOdometry`, accumulated and
+/// with the time of the next observation. Objects of other classes, of unknown versions, and broken
+/// ones are skipped up to the next header of an observation, and counted. At most one object is in
+/// memory.
 class ObservationStream : public ObservationReader {
  public:
-  /// @param skipped  counts skipped objects, by class name without namespace
+  /// @param skipped  counts skipped objects by class name without namespace, those that cannot be
+  ///                 read as "unreadable_<class>", and bytes between objects as "broken_header"
   /// @throws InputError if the file cannot be opened or is not a rawlog
   ObservationStream(const std::string& path, std::map<std::string, std::size_t>& skipped);
 
@@ -51,35 +49,26 @@ class ObservationStream : public ObservationReader {
   [[nodiscard]] double progress() const override { return input_.progress(); }
 
  private:
-  struct Header {
-    std::string bytes;       ///< as in the file, without the version
-    std::string class_name;  ///< with namespace
-  };
-
-  /// Numbers of objects of one class and version that could and could not be read.
-  struct Readability {
-    std::size_t read = 0;
-    std::size_t failed = 0;
-  };
-
-  std::optional<Header> readHeader();
-  bool enterSensoryFrame();
-  bool isUnreadable(const Header& header);
-  void readObject(const Header& header);
-  void addMovement(const mrpt::obs::CActionCollection& actions);
+  std::optional<std::string> readClassName();
+  std::nullopt_t endOfFile();
+  void readObject(const std::string& class_name);
+  bool readValues(const std::string& name);
+  void enterContainer(const std::string& name, ObjectReader& in);
+  void addMovement(const mrpt::poses::CPose2D& increment);
   void deliver(const mrpt::obs::CObservation::Ptr& observation);
-  void skipToNextObservation();
+  void count(const std::string& reason);
+  bool skipToNextObservation();
   void truncate(const std::string& reason);
 
   std::string path_;
   std::map<std::string, std::size_t>& skipped_;
   GzInput input_;
+  std::uint64_t header_position_ = 0;  ///< of the object being read
   bool at_end_ = false;
-  bool in_sensory_frame_ = false;
-  bool has_skipped_ = false;  ///< the remainder of an unknown object may follow
+  std::size_t open_containers_ = 0;  ///< whose end marks have not been read
+  bool has_skipped_ = false;         ///< the remainder of a skipped object may follow
+  std::size_t objects_since_skip_ = 2;
   std::size_t observations_ = 0;
-  std::map<std::string, Readability> readability_;  ///< by class name and version byte
-  Readability* reading_ = nullptr;                  ///< of the object being read
   std::deque<mrpt::obs::CObservation::Ptr> ready_;
   mrpt::poses::CPose2D odometry_;  ///< sum of the movements of actions
   bool odometry_is_new_ = false;   ///< not yet returned with an observation
@@ -99,8 +88,7 @@ class LiveObservations : public ObservationReader {
   std::optional<std::string> none_;
 };
 
-/// Class name without namespace: "mrpt::obs::CObservationImage" gives "CObservationImage".
-[[nodiscard]] std::string shortClassName(const std::string& name);
+/// Class name of an object without namespace.
 [[nodiscard]] std::string shortClassName(const mrpt::rtti::CObject& object);
 
 }  // namespace headway::io

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <string_view>
+
+namespace headway::io {
+
+/// Limits of images in files, known before any memory is allocated: 4096 x 4096 pixels in all.
+inline constexpr int kMaxImagePixels = 1 << 24;
+inline constexpr int kMaxImageSide = 1 << 15;
+
+/// An encoded image (JPEG, PNG, BMP, PNM or TIFF) as 8-bit grey or BGR without transparency.
+///
+/// Empty if it is broken, larger than the limits, or of another format or depth. A JPEG is broken
+/// if libjpeg warns about it: its pixels are then partly invented.
+[[nodiscard]] cv::Mat decodeImage(std::string_view bytes);
+
+}  // namespace headway::io
