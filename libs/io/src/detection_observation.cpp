@@ -5,6 +5,9 @@
 #include <mrpt/serialization/CArchive.h>
 #include <mrpt/serialization/optional_serialization.h>
 
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <ostream>
 
@@ -56,8 +59,8 @@ void writeOptional(CArchive& out, const std::optional<T>& value) {
 
 template <typename T>
 void readOptional(CArchive& in, std::optional<T>& value) {
-  bool has_value = false;
-  in >> has_value;
+  // Not read as bool: a broken file contains bytes that are neither 0 nor 1.
+  const bool has_value = in.ReadAs<std::uint8_t>() != 0;
   value.reset();
   if (has_value) read(in, value.emplace());
 }
@@ -165,6 +168,40 @@ CObservationObjectDetections::Ptr observationFrom(const std::string& label,
   return observation;
 }
 
+namespace {
+
+constexpr double kMaxCoordinate =
+    1e6;                              // of boxes and scores: beyond all images and sensors [px, m]
+constexpr double kMaxVariance = 1e6;  // of a box's centre [m^2]
+
+/// Whether numbers are too large for a box; those that are not finite are left to the tracker's
+/// input, which counts them.
+bool isFar(std::initializer_list<double> values) {
+  return std::any_of(values.begin(), values.end(),
+                     [](double value) { return std::abs(value) > kMaxCoordinate; });
+}
+
+bool isPlausible(const CObservationObjectDetections::Item& item) {
+  const auto& a = item.box2d;
+  const auto& b = item.box3d;
+  return std::isfinite(item.score) && !isFar({item.score}) &&
+         !(a && isFar({a->left, a->top, a->right, a->bottom})) &&
+         !(b && isFar({b->centre.x(), b->centre.y(), b->centre.z(), b->length, b->width, b->height,
+                       b->yaw}));
+}
+
+/// Whether it is positive semi-definite, up to rounding, and of a possible size.
+bool isCovariance(const Eigen::Matrix3d& matrix) {
+  if (!matrix.allFinite() || matrix.diagonal().minCoeff() < 0.0 ||
+      matrix.cwiseAbs().maxCoeff() > kMaxVariance) {
+    return false;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrix, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues().minCoeff() >= -1e-6 * solver.eigenvalues().maxCoeff();
+}
+
+}  // namespace
+
 Detections detectionsFrom(const CObservationObjectDetections& observation,
                           std::map<std::string, std::size_t>& dropped) {
   Detections detections;
@@ -178,6 +215,10 @@ Detections detectionsFrom(const CObservationObjectDetections& observation,
       ++dropped["unknown_class"];
       continue;
     }
+    if (!isPlausible(item)) {
+      ++dropped["implausible_box"];
+      continue;
+    }
     Detection detection;
     detection.object_class = *object_class;
     detection.score = item.score;
@@ -185,6 +226,10 @@ Detections detectionsFrom(const CObservationObjectDetections& observation,
     detection.box2d = item.box2d;
     detection.box3d = item.box3d;
     detection.centre_covariance = item.centre_covariance;
+    if (item.centre_covariance && !isCovariance(*item.centre_covariance)) {
+      ++dropped["bad_covariance"];
+      detection.centre_covariance.reset();
+    }
     detections.items.push_back(std::move(detection));
   }
   return detections;

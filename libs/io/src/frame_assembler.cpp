@@ -3,17 +3,41 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace headway::io {
 namespace {
 
 constexpr const char* kUnmatchedLaser = "laser_between_frames";
+constexpr double kMaxUnconfirmedGap = 10.0;       // between two frames [s]
 constexpr double kHalfIntervalOfOneFrame = 0.05;  // without a second frame [s]
 
 }  // namespace
 
 void FrameAssembler::addFrame(PendingFrame frame) {
   frame.index = next_index_++;
+  if (auto ahead = std::exchange(ahead_, std::nullopt)) {
+    if (frame.time > ahead->time) {
+      append(std::move(*ahead));
+    } else {
+      ++skipped_["time_outlier"];
+    }
+  }
+  const bool is_first_ahead =
+      frames_.size() == 1 && !last_taken_ && frames_[0].time - frame.time > kMaxUnconfirmedGap;
+  if (is_first_ahead) {
+    ++skipped_["time_outlier"];
+    frames_.clear();
+    last_added_.reset();
+  }
+  if (last_added_ && frame.time - *last_added_ > kMaxUnconfirmedGap) {
+    ahead_ = std::move(frame);
+  } else {
+    append(std::move(frame));
+  }
+}
+
+void FrameAssembler::append(PendingFrame frame) {
   if (last_added_ && !(frame.time > *last_added_)) {
     ++skipped_["time_backwards"];
     return;
@@ -42,6 +66,7 @@ std::optional<PendingFrame> FrameAssembler::take() {
 
 void FrameAssembler::finish() {
   if (!frames_.empty()) return;
+  if (std::exchange(ahead_, std::nullopt)) ++skipped_["time_outlier"];
   if (!detections_.empty()) skipped_["unmatched_detections"] += detections_.size();
   if (!poses_.empty()) skipped_["unmatched_pose"] += poses_.size();
   for (const auto& [label, scans] : laser_scans_) {

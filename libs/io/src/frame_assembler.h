@@ -29,12 +29,13 @@ struct PendingFrame {
 ///
 /// Frames are numbered from 0 and returned in order, once `read_ahead` later frames are known, so
 /// that boxes and poses recorded late, even after the next image, are assigned. Frames whose time
-/// does not increase are dropped but keep their index. Unassigned items are counted.
+/// does not increase are dropped but keep their index; so is a frame whose time is more than 10 s
+/// ahead, unless the next frame confirms it. Unassigned items are counted.
 class FrameAssembler {
  public:
   /// @param read_ahead  number of later frames known before a frame is returned
-  /// @param skipped     counts "time_backwards", "unmatched_detections", "unmatched_pose",
-  ///                    "laser_between_frames"
+  /// @param skipped     counts "time_backwards", "time_outlier", "unmatched_detections",
+  ///                    "unmatched_pose", "laser_between_frames"
   FrameAssembler(std::size_t read_ahead, std::map<std::string, std::size_t>& skipped)
       : read_ahead_(read_ahead), skipped_(skipped) {}
 
@@ -56,6 +57,7 @@ class FrameAssembler {
   void finish();
 
  private:
+  void append(PendingFrame frame);
   [[nodiscard]] double halfInterval(Time time) const;
   template <typename Item>
   std::optional<Item> takeNearest(std::deque<Item>& items, Time time, double half_interval,
@@ -67,6 +69,7 @@ class FrameAssembler {
   std::optional<Time> last_added_;
   std::optional<Time> last_taken_;
   std::deque<PendingFrame> frames_;
+  std::optional<PendingFrame> ahead_;  ///< its time is not yet confirmed
   std::deque<Detections> detections_;
   std::deque<Stamped<Pose>> poses_;
   std::map<std::string, std::deque<LaserScan>> laser_scans_;  ///< by label

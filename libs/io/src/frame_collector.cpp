@@ -15,15 +15,32 @@ namespace {
 
 using mrpt::obs::CObservation;
 
+constexpr double kMaxPositionM = 1e7;      // of a robot in its map, which may be a UTM zone's
+constexpr double kMaxPoseJumpM = 100.0;    // between two recorded poses, besides:
+constexpr double kMaxSpeed = 100.0;        // of a robot [m/s]
+constexpr double kMaxSensorOffsetM = 1e3;  // of a sensor on its robot
+constexpr double kMaxInertialValue = 1e4;  // [m/s^2, rad/s]
+constexpr double kMaxLaserRangeM = 1e4;
+constexpr double kMaxRotationError = 1e-3;
+
+/// Whether it is a rigid motion, and not farther than this.
+bool isPose(const Pose& pose, double max_distance_m) {
+  const Eigen::Matrix3d turn = pose.linear();
+  return pose.matrix().allFinite() && pose.translation().cwiseAbs().maxCoeff() <= max_distance_m &&
+         (turn * turn.transpose()).isIdentity(kMaxRotationError) && turn.determinant() > 0.0;
+}
+
 /// The inertial sample transformed to the robot frame, without what is missing or not finite.
 InertialSample sampleFrom(const mrpt::obs::CObservationIMU& imu) {
   using namespace mrpt::obs;  // names of the IMU's fields
-  const Eigen::Matrix3d R_robot_sensor = fromMrpt(imu.sensorPose).linear();
+  const Pose T_robot_sensor = fromMrpt(imu.sensorPose);
+  if (!isPose(T_robot_sensor, kMaxSensorOffsetM)) return {timeFrom(imu.timestamp), {}, {}};
+  const Eigen::Matrix3d R_robot_sensor = T_robot_sensor.linear();
   const auto vector = [&](TIMUDataIndex x, TIMUDataIndex y,
                           TIMUDataIndex z) -> std::optional<Eigen::Vector3d> {
     if (!imu.has(x) || !imu.has(y) || !imu.has(z)) return std::nullopt;
     const Eigen::Vector3d value(imu.get(x), imu.get(y), imu.get(z));
-    if (!value.allFinite()) return std::nullopt;
+    if (!(value.cwiseAbs().maxCoeff() <= kMaxInertialValue)) return std::nullopt;
     return Eigen::Vector3d(R_robot_sensor * value);
   };
   return {timeFrom(imu.timestamp), vector(IMU_WX, IMU_WY, IMU_WZ),
@@ -39,7 +56,10 @@ std::vector<Eigen::Vector2f> beamEnds(const mrpt::obs::CObservation2DRangeScan& 
   for (std::size_t i = 0; i < count; ++i) {
     const float range = scan.getScanRange(i);
     // A range at the limit is recorded by some drivers where nothing was met.
-    if (!scan.getScanRangeValidity(i) || !(range > 0.0F) || !(range < scan.maxRange)) continue;
+    if (!scan.getScanRangeValidity(i) || !(range > 0.0F) || !(range < scan.maxRange) ||
+        range > kMaxLaserRangeM) {
+      continue;
+    }
     const float from_right = static_cast<float>(i) * step - 0.5F * scan.aperture;
     const float angle = scan.rightToLeft ? from_right : -from_right;
     ends.emplace_back(range * std::cos(angle), range * std::sin(angle));
@@ -54,7 +74,11 @@ void FrameCollector::add(const CObservation::Ptr& observation) {
     if (auto pair = pairing_.add(observation)) addPair(std::move(*pair));
   } else if (isRecordedDetections(*observation)) {
     const auto& recorded = dynamic_cast<const CObservationObjectDetections&>(*observation);
-    assembler_.addDetections(detectionsFrom(recorded, skipped_));
+    if (isPose(fromMrpt(recorded.sensor_pose), kMaxSensorOffsetM)) {
+      assembler_.addDetections(detectionsFrom(recorded, skipped_));
+    } else {
+      ++skipped_["bad_detections_pose"];
+    }
   } else if (isRecordedPose(*observation)) {
     const auto& recorded = dynamic_cast<const mrpt::obs::CObservationRobotPose&>(*observation);
     addPose(timeFrom(recorded.timestamp), fromMrpt(recorded.pose.mean));
@@ -80,8 +104,10 @@ void FrameCollector::addPair(RecordedPair pair) {
 }
 
 void FrameCollector::addPose(Time time, const Pose& T_map_robot) {
-  if (!T_map_robot.matrix().allFinite()) {
+  if (!isPose(T_map_robot, kMaxPositionM)) {
     ++skipped_["bad_pose"];
+  } else if (!isReachable(time, T_map_robot)) {
+    ++skipped_["pose_jump"];
   } else if (has_camera_) {
     assembler_.addPose(time, T_map_robot);
   } else {
@@ -90,6 +116,20 @@ void FrameCollector::addPose(Time time, const Pose& T_map_robot) {
     frame.T_map_robot = T_map_robot;
     assembler_.addFrame(std::move(frame));
   }
+}
+
+/// Whether the robot can have moved there from the last recorded pose. A second pose there shows
+/// that the map has changed.
+bool FrameCollector::isReachable(Time time, const Pose& T_map_robot) {
+  const auto from = [&](const std::optional<Stamped<Pose>>& pose) {
+    if (!pose) return false;
+    const double distance = (T_map_robot.translation() - pose->value.translation()).norm();
+    return distance < kMaxPoseJumpM + kMaxSpeed * std::abs(time - pose->time);
+  };
+  const bool is_reachable = !last_pose_ || from(last_pose_) || from(distant_pose_);
+  distant_pose_.reset();
+  (is_reachable ? last_pose_ : distant_pose_) = Stamped<Pose>{time, T_map_robot};
+  return is_reachable;
 }
 
 void FrameCollector::addMotion(const CObservation& observation) {
@@ -104,7 +144,7 @@ void FrameCollector::addMotion(const CObservation& observation) {
   }
   const auto& odometry = dynamic_cast<const mrpt::obs::CObservationOdometry&>(observation);
   const Pose T_odom_robot = fromMrpt(mrpt::poses::CPose3D(odometry.odometry));
-  if (T_odom_robot.matrix().allFinite()) {
+  if (isPose(T_odom_robot, kMaxPositionM)) {
     prior_.addOdometry(timeFrom(odometry.timestamp), T_odom_robot);
   } else {
     ++skipped_["bad_odometry"];
@@ -118,7 +158,7 @@ void FrameCollector::addLaser(const mrpt::obs::CObservation2DRangeScan& observat
   scan.T_robot_laser = fromMrpt(observation.sensorPose);
   if (observation.stdError > 0.0F) scan.sigma_m = static_cast<double>(observation.stdError);
   scan.ends = beamEnds(observation);
-  if (!scan.T_robot_laser.matrix().allFinite()) {
+  if (!isPose(scan.T_robot_laser, kMaxSensorOffsetM)) {
     ++skipped_["laser_bad_pose"];
   } else if (scan.ends.empty()) {
     ++skipped_["laser_no_ranges"];

@@ -20,9 +20,10 @@ namespace headway::io {
 /// Without a camera, each pose is a frame.
 class FrameCollector {
  public:
-  /// @param skipped  counts "bad_odometry", "bad_imu", "bad_pose", "laser_bad_pose",
-  ///                 "laser_no_ranges", observations of other cameras by class name, and the
-  ///                 counts of StereoPairing and FrameAssembler
+  /// @param skipped  counts "bad_odometry", "bad_imu", "bad_pose", "pose_jump",
+  /// "bad_detections_pose",
+  ///                 "laser_bad_pose", "laser_no_ranges", observations of other cameras by class
+  ///                 name, and the counts of StereoPairing and FrameAssembler
   FrameCollector(const CameraChoice& camera, const RawlogSourceOptions& options,
                  std::map<std::string, std::size_t>& skipped)
       : has_camera_(camera.kind != CameraChoice::Kind::kNone),
@@ -48,6 +49,7 @@ class FrameCollector {
 
  private:
   void addPair(RecordedPair pair);
+  [[nodiscard]] bool isReachable(Time time, const Pose& T_map_robot);
   void addPose(Time time, const Pose& T_map_robot);
   void addMotion(const mrpt::obs::CObservation& observation);
   void addLaser(const mrpt::obs::CObservation2DRangeScan& observation);
@@ -57,6 +59,8 @@ class FrameCollector {
   StereoPairing pairing_;
   FrameAssembler assembler_;
   MotionPriorBuilder prior_;
+  std::optional<Stamped<Pose>> last_pose_;     ///< recorded and used
+  std::optional<Stamped<Pose>> distant_pose_;  ///< the last one, if it was too far from the former
 };
 
 }  // namespace headway::io

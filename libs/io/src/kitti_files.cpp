@@ -81,7 +81,7 @@ std::map<std::string, std::vector<double>> readKittiCalibration(const std::strin
   TextRows rows(path);
   while (rows.next()) {
     const std::string name = rows.fields()[0];
-    if (name.back() != ':' || rows.size() < 2) continue;
+    if (name.empty() || name.back() != ':' || rows.size() < 2) continue;
     std::vector<double> numbers;
     for (std::size_t i = 1; i < rows.size(); ++i) {
       if (const auto number = parseNumber(rows.fields()[i])) numbers.push_back(*number);

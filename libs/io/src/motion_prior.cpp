@@ -11,12 +11,19 @@ namespace {
 constexpr double kForceBefore = 0.25;  // window of the mean specific force: before the frame [s]
 constexpr double kForceAfter = 0.05;   // after the frame [s]
 constexpr std::size_t kMinForceSamples = 3;
-constexpr double kMaxOdometryGap = 1.0;  // between samples [s]
-constexpr double kMaxInertialGap = 0.1;  // between samples [s]
-constexpr double kKept = 1.0;            // before the latest frame [s]
+constexpr double kMaxOdometryGap = 1.0;      // between samples [s]
+constexpr double kMaxInertialGap = 0.1;      // between samples [s]
+constexpr double kKept = 1.0;                // before the latest frame [s]
+constexpr double kMaxSampleGap = 10.0;  // between samples [s]
 
 template <typename T>
 void addInOrder(std::deque<Stamped<T>>& samples, Time time, const T& value) {
+  // A sample far ahead of its predecessor is an outlier if the next one continues the latter.
+  const Time before = samples.size() > 1 ? samples[samples.size() - 2].time : time - kKept;
+  if (!samples.empty() && time < samples.back().time && time > before &&
+      samples.back().time - std::max(before, time) > kMaxSampleGap) {
+    samples.pop_back();
+  }
   if (samples.empty() || time > samples.back().time) samples.push_back({time, value});
 }
 

@@ -1,5 +1,7 @@
 #include "object_reader.h"
 
+#include <mrpt/system/datetime.h>
+
 #include <algorithm>
 
 namespace headway::io {
@@ -37,7 +39,8 @@ bool ObjectReader::flag() {
 }
 
 mrpt::Clock::time_point ObjectReader::time() {
-  return mrpt::Clock::time_point(mrpt::Clock::duration(value<std::int64_t>()));
+  const auto ticks = value<std::int64_t>();
+  return ticks > 0 ? mrpt::Clock::time_point(mrpt::Clock::duration(ticks)) : INVALID_TIMESTAMP;
 }
 
 std::string ObjectReader::text() {

@@ -48,6 +48,7 @@ class ObjectReader {
 
   /// A bool. @throws BrokenObject if it is neither 0 nor 1
   [[nodiscard]] bool flag();
+  /// INVALID_TIMESTAMP if it is before the clock's epoch.
   [[nodiscard]] mrpt::Clock::time_point time();
   /// @throws BrokenObject if it is longer than labels and file names are
   [[nodiscard]] std::string text();

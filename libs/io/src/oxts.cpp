@@ -37,9 +37,9 @@ OxtsPacket readPacket(const std::string& path) {
   packet.roll = rows.number(3);
   packet.pitch = rows.number(4);
   packet.yaw = rows.number(5);
-  packet.velocity << rows.number(7), rows.number(6), rows.number(10);  // ve, vn, vu
-  packet.acceleration << rows.number(11), rows.number(12), rows.number(13);
-  packet.angular_velocity << rows.number(17), rows.number(18), rows.number(19);
+  packet.velocity = {rows.number(7), rows.number(6), rows.number(10)};  // ve, vn, vu
+  packet.acceleration = {rows.number(11), rows.number(12), rows.number(13)};
+  packet.angular_velocity = {rows.number(17), rows.number(18), rows.number(19)};
   packet.satellites = static_cast<int>(rows.integer(26));
   return packet;
 }

@@ -70,12 +70,20 @@ class RawlogSource::Reader {
 
   /// Reads frames until one has images or is a pose.
   void findFirstFrame() {
+    std::optional<RecordedPair> broken;  // the calibration of a pair
+    std::optional<DecodedPair> broken_images;
     while (auto pending = takePending()) {
-      if (!pending->pair || (first_pair_ = decoder_.decode(*pending->pair))) {
-        first_ = std::move(pending);
-        return;
+      if (pending->pair && !(first_pair_ = decoder_.decode(*pending->pair))) continue;
+      if (pending->pair && !hasFiniteCalibration(*pending->pair)) {
+        ++skipped_["bad_calibration"];
+        broken = std::move(pending->pair);
+        broken_images = std::exchange(first_pair_, std::nullopt);
+        continue;
       }
+      first_ = std::move(pending);
+      return;
     }
+    if (broken) decoder_.calibrate(*broken, *broken_images);  // fails with the reason
     throw InputError("no usable frame" + skippedText() + "; external images are expected in " +
                      decoder_.imageFolder());
   }

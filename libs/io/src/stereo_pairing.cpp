@@ -73,6 +73,17 @@ RawStereoCamera rawCameraOf(const RecordedPair& pair) {
   return raw;
 }
 
+bool hasFiniteCalibration(const RecordedPair& pair) {
+  for (const auto* camera : {&pair.left_camera, &pair.right_camera}) {
+    const bool is_finite = std::isfinite(camera->fx()) && std::isfinite(camera->fy()) &&
+                           std::isfinite(camera->cx()) && std::isfinite(camera->cy()) &&
+                           std::all_of(camera->dist.begin(), camera->dist.end(),
+                                       [](double k) { return std::isfinite(k); });
+    if (!is_finite) return false;
+  }
+  return pair.T_robot_left.matrix().allFinite() && pair.T_left_right.matrix().allFinite();
+}
+
 bool StereoPairing::accepts(const mrpt::obs::CObservation& observation) const {
   const auto& label = observation.sensorLabel;
   switch (choice_.kind) {

@@ -32,6 +32,9 @@ struct RecordedPair {
 /// @throws InputError if a lens model is not OpenCV's with five coefficients
 [[nodiscard]] RawStereoCamera rawCameraOf(const RecordedPair& pair);
 
+/// Whether all numbers of the calibration are finite.
+[[nodiscard]] bool hasFiniteCalibration(const RecordedPair& pair);
+
 /// Selects the observations of a stereo camera and pairs single images by time.
 class StereoPairing {
  public:

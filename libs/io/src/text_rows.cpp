@@ -2,7 +2,6 @@
 
 #include <headway/core/error.h>
 
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdarg>
@@ -128,12 +127,16 @@ std::optional<double> parseNumber(const std::string& text) {
 }
 
 std::string formatted(const char* format, ...) {
-  std::array<char, 1024> buffer{};
-  va_list arguments;
-  va_start(arguments, format);
-  const int length = std::vsnprintf(buffer.data(), buffer.size(), format, arguments);
-  va_end(arguments);
-  return {buffer.data(), std::min(static_cast<std::size_t>(length), buffer.size() - 1)};
+  std::string text(256, '\0');
+  while (true) {
+    va_list arguments;
+    va_start(arguments, format);
+    const int length = std::vsnprintf(text.data(), text.size(), format, arguments);
+    va_end(arguments);
+    const bool is_whole = static_cast<std::size_t>(length) < text.size();
+    text.resize(static_cast<std::size_t>(length) + (is_whole ? 0 : 1));
+    if (is_whole) return text;
+  }
 }
 
 std::ofstream openForWriting(const std::string& path) {

@@ -106,7 +106,9 @@ std::vector<PredictionRow> readPredictionCsv(const std::string& path) {
     row.probability = number("probability");
     row.point.horizon_s = number("horizon_s");
     row.point.position = {number("x"), number("y"), number("z")};
-    row.point.covariance << number("cov_xx"), number("cov_xy"), number("cov_xy"), number("cov_yy");
+    row.point.covariance(0, 0) = number("cov_xx");
+    row.point.covariance(0, 1) = row.point.covariance(1, 0) = number("cov_xy");
+    row.point.covariance(1, 1) = number("cov_yy");
     result.push_back(row);
   }
   return result;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 
 #include "text_rows.h"
 
@@ -17,12 +18,56 @@ std::string firstLineOf(const std::exception& error) {
   return text.substr(0, text.find('\n'));
 }
 
+constexpr std::size_t kMaxBytes = 1 << 20;
+constexpr int kMaxDepth = 32;  // of nested lists; libfyaml recurses
+
+std::string contentOf(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string content(kMaxBytes + 1, '\0');
+  file.read(content.data(), static_cast<std::streamsize>(content.size()));
+  content.resize(static_cast<std::size_t>(file.gcount()));
+  return content;
+}
+
+/// Why libfyaml must not be given a text; empty if it may be. It does not return from a directive
+/// with a byte that is not printable, and recurses into lists without limit.
+std::string unsafeBecause(const std::string& content) {
+  if (content.size() > kMaxBytes) return "it is larger than 1 MB";
+  int brackets = 0;
+  int indicators = 0;  // since the last other character
+  for (std::size_t at = 0; at < content.size(); ++at) {
+    const char c = content[at];
+    const bool is_control =
+        static_cast<unsigned char>(c) < ' ' && c != '\n' && c != '\t' && c != '\r';
+    if (is_control || c == '\x7F') return "it contains a control character";
+    if (c == '%' && (at == 0 || content[at - 1] == '\n')) {
+      const std::string line = content.substr(at, content.find('\n', at) - at);
+      const bool is_text = std::all_of(line.begin(), line.end(), [](char one) {
+        return (one >= ' ' && one <= '~') || one == '\t' || one == '\r';
+      });
+      if (!is_text) return "a directive contains a byte that is not ASCII";
+    }
+    if (c == '[' || c == '{') ++brackets;
+    if ((c == ']' || c == '}') && brackets > 0) --brackets;
+    if (c == '-' || c == '?' || c == ':') ++indicators;
+    if (c != '-' && c != '?' && c != ':' && c != ' ' && c != '\t' && c != '\n' && c != '\r') {
+      indicators = 0;
+    }
+    if (brackets > kMaxDepth || indicators > 10 * kMaxDepth)
+      return "its lists are nested too deeply";
+  }
+  return "";
+}
+
 }  // namespace
 
 YamlFile::YamlFile(const std::string& path) : path_(path) {
   if (!std::filesystem::is_regular_file(path)) fail("does not exist");
+  const std::string content = contentOf(path);
+  const std::string reason = unsafeBecause(content);
+  if (!reason.empty()) fail("is not read: " + reason);
   try {
-    root_ = mrpt::containers::yaml::FromFile(path);
+    root_ = mrpt::containers::yaml::FromText(content);
   } catch (const std::exception& error) {
     fail("is not a YAML file: " + firstLineOf(error));
   }

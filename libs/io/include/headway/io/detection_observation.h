@@ -56,7 +56,9 @@ void registerClasses();
 [[nodiscard]] CObservationObjectDetections::Ptr observationFrom(const std::string& label,
                                                                 const Detections& detections);
 
-/// @param dropped  counts items of unknown classes ("unknown_class")
+/// @param dropped  counts items of unknown classes ("unknown_class"), items with numbers that no box
+///                 has ("implausible_box"), and covariances that are none ("bad_covariance"), whose
+///                 items are returned without them
 [[nodiscard]] Detections detectionsFrom(const CObservationObjectDetections& observation,
                                         std::map<std::string, std::size_t>& dropped);
 
