@@ -18,25 +18,28 @@ constexpr double kMaxSlope = 0.12;       // of a ramp
 constexpr double kDepth = 0.25;          // "one distance" [m]
 constexpr double kDisparity = 1.5;       // or this difference of disparities [px]
 constexpr double kDistinctSigmas = 2.0;  // between depths of one obstacle that are kept apart
-constexpr double kBeyondReach = 1.3;     // an obstacle up to here ends a column
+constexpr double kBeyondReach = 1.3;     // of the reach: an obstacle up to here ends a column
 constexpr double kContrastSigmas = 3.0;  // between ground and an obstacle that would hide it
 // Ground without texture is free where it is shorter than this. A drop as long could not be told
 // from it; shorter ones are bridged by a robot, whose length is about its camera's height.
 constexpr double kMaxGapRatio = 1.5;  // of the camera's height,
 constexpr double kMaxGapRows = 3.0;   // or of the distance between neighbouring rows
-// Robots meet stairs and docks, whose far rim looks like ground behind a gap. Cameras from this
-// height on are those of cars: roads have no open drops, but asphalt hardly any texture.
-constexpr double kRoadCamera = 1.0;  // [m]
 
 }  // namespace
 
 ColumnScanner::ColumnScanner(const stereo::DisparityImage& disparity, const StereoCamera& camera,
-                             const stereo::GroundPlane& ground, const GroundScanParams& params)
+                             const stereo::GroundPlane& ground, const stereo::RigCapability& rig,
+                             const GroundScanParams& params)
     : disparity_(disparity),
       camera_(camera),
       ground_(ground),
       params_(params),
-      fb_(camera.fx * camera.baseline_m) {}
+      fb_(camera.fx * camera.baseline_m),
+      meets_drops_(rig.meets_drops),
+      matched_to_m_(kBeyondReach * params.reach_m),
+      obstacles_to_m_(rig.meets_drops
+                          ? std::clamp(rig.high_obstacles_to_m, params.reach_m, matched_to_m_)
+                          : params.reach_m) {}
 
 void ColumnScanner::scan(int column, const cv::Mat& left_out, GroundScan& scan) {
   read(column, left_out);
@@ -49,7 +52,7 @@ void ColumnScanner::scan(int column, const cv::Mat& left_out, GroundScan& scan) 
   for (const auto& piece : freeBefore(free_to)) {
     scan.free.push_back({placeAt(column, piece.from), placeAt(column, piece.to)});
   }
-  if (drop && ground_.camera_height < kRoadCamera && drop->to <= params_.reach_m) {
+  if (drop && meets_drops_ && drop->to <= params_.reach_m) {
     const auto sigma = static_cast<float>(sigmaAt(drop->to));
     scan.obstacles.push_back({placeAt(column, drop->to), sigma});
     if (drop->to - drop->from < kMaxGapRatio * ground_.camera_height) {
@@ -57,7 +60,7 @@ void ColumnScanner::scan(int column, const cv::Mat& left_out, GroundScan& scan) 
     }
   }
   for (const double depth : obstacles) {
-    if (depth > params_.reach_m || sigmaAt(depth) > params_.max_error_m) break;
+    if (depth > obstacles_to_m_ || sigmaAt(depth) > params_.max_error_m) break;
     scan.obstacles.push_back({placeAt(column, depth), static_cast<float>(sigmaAt(depth))});
   }
 }
@@ -67,7 +70,7 @@ void ColumnScanner::read(int column, const cv::Mat& left_out) {
   seen_ground_.clear();
   below_.clear();
   const double x = (disparity_.pixelOf(column) - camera_.cx) / camera_.fx;
-  const double least = fb_ / (kBeyondReach * params_.reach_m);
+  const double least = fb_ / matched_to_m_;
   for (int row = 0; row < disparity_.values.rows; ++row) {
     const double d = disparity_.values.at<float>(row, column);
     if (d < least || left_out.at<std::uint8_t>(row, column) != 0) continue;
@@ -202,8 +205,10 @@ std::vector<ColumnScanner::Interval> ColumnScanner::freeBefore(double depth) con
     const double row = seen * seen / (camera_.fy * ground_.camera_height) * disparity_.reduce;
     const double max_gap = std::max(kMaxGapRatio * ground_.camera_height, kMaxGapRows * row);
     const bool joined = seen - last <= max_gap;
+    // A far rim looks like ground behind a gap. Roads have no drops, but asphalt hardly any
+    // texture.
     if (!joined) {
-      ground_from = ground_.camera_height < kRoadCamera ? distinctBehind(seen) : seen - max_gap;
+      ground_from = meets_drops_ ? distinctBehind(seen) : seen - max_gap;
     }
     const double from =
         std::max({hiddenFrom(seen), ground_from, joined ? distinctBefore(last) : 0.0});

@@ -2,6 +2,7 @@
 
 #include <headway/core/ground_scan.h>
 #include <headway/detect/ground_scanner.h>
+#include <headway/stereo/rig_capability.h>
 
 #include <opencv2/core/mat.hpp>
 #include <optional>
@@ -14,7 +15,8 @@ class ColumnScanner {
  public:
   /// @param params  without 0; all arguments must outlive the scanner
   ColumnScanner(const stereo::DisparityImage& disparity, const StereoCamera& camera,
-                const stereo::GroundPlane& ground, const GroundScanParams& params);
+                const stereo::GroundPlane& ground, const stereo::RigCapability& rig,
+                const GroundScanParams& params);
 
   /// Adds what a column shows.
   /// @param left_out  nonzero where cells of the disparity image are not used
@@ -56,6 +58,9 @@ class ColumnScanner {
   const stereo::GroundPlane& ground_;
   const GroundScanParams& params_;
   double fb_;
+  bool meets_drops_;
+  double matched_to_m_;    ///< an obstacle up to here ends a column
+  double obstacles_to_m_;  ///< and is entered up to here
   // Points of the column read, by their heights; what is raised and the ground nearest first.
   std::vector<Raised> raised_;
   std::vector<Surface> seen_ground_;

@@ -34,7 +34,8 @@ cv::Mat leftOut(const MovingRegions& moving, const stereo::DisparityImage& dispa
 void GroundScanParams::describe(Params::Section section) {
   auto user = section.user();
   user.add("reach", reach_m, 0.0, 100.0, "m",
-           "Maximum distance of free and occupied cells from the camera; 0: derived from the rig");
+           "Maximum distance of free cells and of obstacles of the minimum height from the camera; "
+           "a robot's grid has higher ones up to 1.3 times as far; 0: derived from the rig");
   user.add("min_obstacle_height_m", min_obstacle_height_m, 0.0, 2.0, "m",
            "Height above ground from which the robot cannot drive over an obstacle; 0: 0.12 m for "
            "a camera mounted below 1 m, else 0.3 m");
@@ -72,7 +73,7 @@ GroundScan scanGround(const stereo::DisparityImage& disparity, const StereoCamer
   const auto rig = params.capabilityOf(camera);
   const GroundScanParams for_rig = params.forRig(rig);
   const auto plane = stereo::groundPlane(rig, ground.up, ground.camera_height);
-  ColumnScanner scanner(disparity, camera, plane, for_rig);
+  ColumnScanner scanner(disparity, camera, plane, rig, for_rig);
   for (int column = 0; column < disparity.values.cols; ++column) {
     scanner.scan(column, left_out, scan);
   }

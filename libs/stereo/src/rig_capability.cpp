@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kMinKnownHeight_m = 0.05;  // a lower origin is the camera itself, not the ground
 constexpr double kAssumedHeight_m = 1.65;   // of a camera without known mounting
-constexpr double kLowMount_m = 1.0;         // below it the robot is small
+constexpr double kLowMount_m = 1.0;         // below it a robot's, else a car's
 constexpr double kLowObstacle_m = 0.12;     // default obstacle height of a small robot
 constexpr double kHighObstacle_m = 0.3;     // and of a car
 constexpr double kMaxDisparityRatio = 0.2;  // of the image width
@@ -78,10 +78,10 @@ RigCapability rigCapability(const StereoCamera& camera, const RigAssumptions& as
   const double mounted = camera.T_robot_cam.translation().z();
   rig.camera_height_known = mounted >= kMinKnownHeight_m;
   rig.camera_height_m = rig.camera_height_known ? mounted : kAssumedHeight_m;
+  rig.meets_drops = rig.camera_height_m < kLowMount_m;
   rig.min_obstacle_height_m = assumptions.min_obstacle_height_m;
   if (rig.min_obstacle_height_m <= 0.0) {
-    rig.min_obstacle_height_m =
-        rig.camera_height_m < kLowMount_m ? kLowObstacle_m : kHighObstacle_m;
+    rig.min_obstacle_height_m = rig.meets_drops ? kLowObstacle_m : kHighObstacle_m;
   }
   const double by_disparity = rig.focal_baseline / (kMaxDisparityRatio * camera.width);
   const NearestGround ground = nearestGround(camera, rig.camera_height_m);
@@ -93,6 +93,7 @@ RigCapability rigCapability(const StereoCamera& camera, const RigAssumptions& as
       rig.nearest_m, rounded(ground_in_view ? ground.distance_m * (1.0 - hidden) : by_disparity));
   rig.ground_to_m = rounded(depthOfSigma(rig, kMaxGroundSigma_m));
   rig.obstacles_to_m = rounded(obstacleReach(rig, camera.fy));
+  rig.high_obstacles_to_m = rounded(depthOfSigma(rig, kMaxDepthSigma_m));
   rig.people_to_m = rounded(motionReach(rig, kWalkingSpeed_mps, assumptions.rate_hz));
   rig.vehicles_to_m = rounded(motionReach(rig, kVehicleSpeed_mps, assumptions.rate_hz));
   return rig;

@@ -11,7 +11,7 @@ namespace headway::detect {
 
 /// What an obstacle is, and the accuracy of its distance. Part of section [grid].
 struct GroundScanParams {
-  double reach_m = 0.0;                ///< maximum distance; 0: of the rig [m]
+  double reach_m = 0.0;                ///< of free ground and low obstacles; 0: of the rig [m]
   double min_obstacle_height_m = 0.0;  ///< above ground; 0: of the rig [m]
   double max_obstacle_height_m = 2.0;  ///< above ground [m]
   double sigma_disparity_px = 0.4;     ///< noise of an obstacle's disparity [px]
@@ -33,7 +33,8 @@ struct GroundScanParams {
 /// have been noticed, up to the nearest obstacle or drop; gaps without texture are bridged up to
 /// 1.5 times the height of the camera. The rim of a drop is an obstacle. A camera 1 m high or more
 /// is a car's: there, the end of a longer gap counts as free, too, and rims are not entered, as
-/// roads have no open drops. Everything else is unknown.
+/// roads have no open drops. Everything else is unknown. For robots, higher obstacles are entered
+/// beyond the reach, as far as the depth error allows, at most 1.3 times of it.
 ///
 /// @param ground   before the camera, in this image
 /// @param moving   left out, with what they hide; the unsure ones, too

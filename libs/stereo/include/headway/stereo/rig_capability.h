@@ -43,6 +43,8 @@ struct RigCapability {
   double ground_to_m = 0.0;            ///< ground is searched from nearest_m to here [m]
   double obstacles_from_m = 0.0;       ///< obstacles of the minimum height are visible from here
   double obstacles_to_m = 0.0;         ///< to here [m]
+  double high_obstacles_to_m = 0.0;    ///< to here if they are higher: the depth error limits [m]
+  bool meets_drops = false;            ///< mounted below 1 m: robots meet stairs, cars do not
   double people_to_m = 0.0;            ///< walking people are told from standing ones to here [m]
   double vehicles_to_m = 0.0;          ///< moving vehicles from parked ones to here [m]
 
