@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <headway/map/map_query.h>
 #include <headway/map/path_sample.h>
+#include <headway/map/static_grid.h>
 #include <headway_test/input_error.h>
 #include <headway_test/walking_track.h>
 
@@ -239,6 +240,32 @@ TEST(TimeToCollisionTest, FindsTheWallAndTheEndOfTheMap) {
   EXPECT_FALSE(out.earliest_s);
   const auto outside = map.at(kNow).timeToCollision(kRobot, drive({500, 0}, {1, 0}, 1.0));
   EXPECT_EQ(outside.unknown_from_s, 0.0) << "a robot outside the map";
+}
+
+TEST(TimeToCollisionTest, FindsAnObstacleThatOnlyALaserScanSaw) {
+  const auto collisionWith = [](std::vector<GroundScan::Obstacle> laser_obstacles) {
+    GroundScan scan;
+    for (float y = -1.0F; y <= 1.0F; y += 0.1F) scan.free.push_back({{-1, y, 0}, {5, y, 0}});
+    scan.laser_obstacles = std::move(laser_obstacles);
+    StaticGrid grid({});
+    // One scan of stereo is not significant; places 1 m apart are.
+    for (const double x : {0.0, 1.1}) {
+      Pose T_map_robot = Pose::Identity();
+      T_map_robot.translation().x() = x;
+      auto there = scan;
+      for (auto& obstacle : there.laser_obstacles) obstacle.foot.x() -= static_cast<float>(x);
+      grid.add(T_map_robot, there);
+    }
+    PerceptionMap map;
+    map.update(grid.grid());
+    map.update(kNow, {});
+    return map.at(kNow).timeToCollision(kRobot, drive({0, 0}, {1, 0}, 3.0));
+  };
+  const auto collision = collisionWith({{{3.1F, 0.0F, 0.0F}, 0.02F}});
+  EXPECT_EQ(collision.status, QueryStatus::kKnown);
+  EXPECT_NEAR(collision.likely_s.value_or(9.0), 2.75, 0.21);
+  EXPECT_FALSE(collision.with) << "the static map";
+  EXPECT_FALSE(collisionWith({}).earliest_s) << "stereo saw free ground there";
 }
 
 TEST(TimeToCollisionTest, EndsWherePredictionsEndWhateverThePath) {
