@@ -132,6 +132,20 @@ TEST(ImuTest, UnevenStepsAreNoAcceleration) {
   }
 }
 
+TEST(OdometryTest, SlippingWheelsTurnTwiceAsFast) {
+  const auto xAfter = [](double slip_ratio) {
+    MotionSensors sensors(3, slip_ratio);
+    for (int i = 0; i <= 1000; ++i) {
+      Pose pose = Pose::Identity();
+      pose.translation().x() = 0.01 * i;
+      sensors.observe(i * kStep, pose);
+    }
+    return sensors.odometry()->x;
+  };
+  EXPECT_NEAR(xAfter(0.25) / xAfter(0.0), 1.25, 0.02);
+  EXPECT_NEAR(xAfter(1.0) / xAfter(0.0), 2.0, 0.02);
+}
+
 TEST(OdometryTest, ScaleAndHeadingDriftAsMuchAsDocumented) {
   constexpr double kWay = 40.0;  // [m], straight on
   std::vector<Eigen::Vector3d> errors;

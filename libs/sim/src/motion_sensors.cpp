@@ -11,10 +11,13 @@ constexpr double kGyroSigma = 0.002, kGyroBias = 0.003;                  // [rad
 constexpr double kAccelerometerSigma = 0.05, kAccelerometerBias = 0.08;  // [m/s^2]
 constexpr double kWheelScale = 0.005;
 constexpr double kHeadingSigma = 0.0032;  // [rad/sqrt(m)]
+constexpr double kSlipPeriod = 2.0;       // [s]
+constexpr double kSlipSpeed = 2.0;        // of slipping wheels, times the robot's
 
 }  // namespace
 
-MotionSensors::MotionSensors(std::uint64_t seed) : random_(seed) {
+MotionSensors::MotionSensors(std::uint64_t seed, double slip_ratio)
+    : random_(seed), slip_ratio_(slip_ratio) {
   gyro_bias_ = noise(kGyroBias);
   accelerometer_bias_ = noise(kAccelerometerBias);
   wheel_scale_ = 1.0 + kWheelScale * random_.normal();
@@ -25,8 +28,9 @@ Eigen::Vector3d MotionSensors::noise(double sigma) {
   return sigma * Eigen::Vector3d(x, y, z);
 }
 
-void MotionSensors::integrateWheels(const Pose& T_previous_now) {
-  const double way = T_previous_now.translation().x() * wheel_scale_;
+void MotionSensors::integrateWheels(Time time, const Pose& T_previous_now) {
+  const bool slips = std::fmod(time, kSlipPeriod) >= (1.0 - slip_ratio_) * kSlipPeriod;
+  const double way = T_previous_now.translation().x() * wheel_scale_ * (slips ? kSlipSpeed : 1.0);
   const double turn =
       yawOf(T_previous_now) + kHeadingSigma * std::sqrt(std::abs(way)) * random_.normal();
   odometry_->x += way * std::cos(odometry_->yaw + 0.5 * turn);
@@ -40,7 +44,7 @@ void MotionSensors::observe(Time time, const Pose& T_world_robot) {
   if (last_) {
     const double dt = time - last_->time;
     const Pose T_previous_now = last_->value.inverse() * T_world_robot;
-    integrateWheels(T_previous_now);
+    integrateWheels(time, T_previous_now);
     const Step step{dt, logSo3(T_previous_now.linear()) / dt,
                     (T_world_robot.translation() - last_->value.translation()) / dt};
     if (step_) imu_.push_back(sampleBetween(*step_, step));

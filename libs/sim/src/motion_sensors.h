@@ -14,7 +14,8 @@ namespace headway::sim {
 /// of a few times that) and of a car's odometry (0.5 % of scale, 0.01 rad of heading per 10 m).
 class MotionSensors {
  public:
-  explicit MotionSensors(std::uint64_t seed);
+  /// @param slip_ratio  of the time, in which the wheels turn twice as fast as the robot moves
+  explicit MotionSensors(std::uint64_t seed, double slip_ratio = 0.0);
 
   /// The robot's pose at the end of each step of the motion; times increase.
   void observe(Time time, const Pose& T_world_robot);
@@ -33,11 +34,12 @@ class MotionSensors {
   /// What an inertial sensor measures at the last pose, between two steps.
   [[nodiscard]] ImuSample sampleBetween(const Step& before, const Step& after);
   [[nodiscard]] Eigen::Vector3d noise(double sigma);
-  void integrateWheels(const Pose& T_previous_now);
+  void integrateWheels(Time time, const Pose& T_previous_now);
 
   Random random_;
   Eigen::Vector3d gyro_bias_, accelerometer_bias_;
   double wheel_scale_;
+  double slip_ratio_;
   std::optional<Stamped<Pose>> last_;
   std::optional<Step> step_;  ///< the last one
   std::vector<ImuSample> imu_;

@@ -130,6 +130,8 @@ void CameraParams::describe(Params::Section section) {
   section.add("drop_ratio", drop_ratio, 0.0, 0.9, "", "Frames lost");
   section.add("jitter_s", jitter_s, 0.0, 0.05, "s", "Irregularity of the frames' times");
   section.add("odometry", odometry, "Record wheel odometry");
+  section.add("wheel_slip_ratio", wheel_slip_ratio, 0.0, 1.0, "",
+              "Ratio of the time in which the wheels turn twice as fast as the robot moves");
   section.add("imu", imu, "Record an inertial sensor at 100 Hz");
   section.add("colour", colour, "Colour images; false: grey");
   section.renamed({{"drop_share", "drop_ratio"}});

@@ -86,7 +86,7 @@ Simulator::Impl::Impl(const SimParams& params)
       environment_(makeEnvironment(params, lens_.ideal())),
       rig_(lens_.drawn(), environment_->makeScene(lens_.drawn())),
       finisher_(params, lens_, seedFor(kImageSeed, params), seedFor(kDetectorSeed, params)),
-      sensors_(seedFor(kSensorSeed, params)),
+      sensors_(seedFor(kSensorSeed, params), params.camera.wheel_slip_ratio),
       laser_(params.laser, seedFor(kLaserSeed, params)),
       clock_(params.camera, seedFor(kClockSeed, params)) {
   observeMotion();

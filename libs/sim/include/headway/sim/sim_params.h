@@ -121,10 +121,11 @@ struct CameraParams {
   double exposure_s = 0.01;
   double k1 = 0.0;  ///< radial distortion; any non-zero: raw images are recorded
   double k2 = 0.0;
-  double drop_ratio = 0.0;  ///< of the frames, lost
-  double jitter_s = 0.0;    ///< standard deviation of the frames' times
-  bool odometry = false;    ///< record wheel odometry
-  bool imu = false;         ///< record an inertial sensor, 100 Hz
+  double drop_ratio = 0.0;        ///< of the frames, lost
+  double jitter_s = 0.0;          ///< standard deviation of the frames' times
+  bool odometry = false;          ///< record wheel odometry
+  double wheel_slip_ratio = 0.0;  ///< of the time, the wheels turn twice as fast as the robot moves
+  bool imu = false;               ///< record an inertial sensor, 100 Hz
   bool colour = true;
 
   void describe(Params::Section section);
