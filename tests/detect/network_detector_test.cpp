@@ -42,6 +42,19 @@ TEST(NetworkDetectorTest, SaysThatAFileIsNoModel) {
   EXPECT_THAT(errorOf(params), testing::HasSubstr("layout is not set"));
 }
 
+TEST(NetworkDetectorTest, RefusesALayoutByWhoseNumbersOpencvWouldDivide) {
+  test::TemporaryFolder folder;
+  NetworkParams params;
+  params.family = NetworkParams::Family::kDarknet;
+  params.model = folder / "net.weights";
+  params.layout = folder / "net.cfg";
+  std::ofstream(params.model) << std::string(100, '\0');
+  for (const std::string line : {"stride = 0", "groups=0", "width=-1", "filters=999999999"}) {
+    std::ofstream(params.layout) << "[net]\nheight=32\n# comment\n" << line << "\n";
+    EXPECT_THAT(errorOf(params), testing::HasSubstr("net.cfg:4: " + line.substr(0, 5)));
+  }
+}
+
 TEST(NetworkDetectorTest, SaysWhatOutputWasExpected) {
   HEADWAY_REQUIRE_DATA(data);
   NetworkParams params;

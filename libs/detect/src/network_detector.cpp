@@ -2,15 +2,20 @@
 #include <headway/detect/network_detector.h>
 
 #include <algorithm>
+#include <cctype>
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <opencv2/dnn.hpp>
 #include <opencv2/imgproc.hpp>
+#include <set>
 
 #include "network_output.h"
 
 namespace headway::detect {
 namespace {
 
+constexpr long kMaxLayoutNumber = 16384;
 constexpr int kBoxColumns = 5;  // centre, size, objectness
 
 [[noreturn]] void fail(const std::string& what) { throw InputError("[dnn] " + what); }
@@ -25,10 +30,34 @@ void requireFile(const std::string& key, const std::string& path, const std::str
   }
 }
 
+/// Requires the numbers of a Darknet .cfg by which OpenCV divides or allocates to be possible.
+void requireLayout(const std::string& path) {
+  static const std::set<std::string> positive = {"width", "height", "channels", "filters",
+                                                 "size",  "stride", "groups",   "classes",
+                                                 "num",   "output"};
+  std::ifstream file(path);
+  std::string line;
+  for (int number = 1; std::getline(file, line); ++number) {
+    line.erase(std::remove_if(line.begin(), line.end(),
+                              [](unsigned char c) { return std::isspace(c) != 0; }),
+               line.end());
+    const auto equals = line.find('=');
+    if (line[0] == '#' || equals == std::string::npos) continue;
+    if (positive.count(line.substr(0, equals)) == 0) continue;
+    const long value = std::strtol(line.c_str() + equals + 1, nullptr, 10);
+    if (value >= 1 && value <= kMaxLayoutNumber) continue;
+    fail("layout = " + path + ":" + std::to_string(number) + ": " + line.substr(0, 80) +
+         " is not from 1 to " + std::to_string(kMaxLayoutNumber));
+  }
+}
+
 cv::dnn::Net load(const NetworkParams& params) {
   const bool darknet = params.family == NetworkParams::Family::kDarknet;
   requireFile("model", params.model, darknet ? "a Darknet .weights file" : "an ONNX model (YOLOX)");
-  if (darknet) requireFile("layout", params.layout, "the Darknet .cfg file of the weights");
+  if (darknet) {
+    requireFile("layout", params.layout, "the Darknet .cfg file of the weights");
+    requireLayout(params.layout);
+  }
   try {
     return darknet ? cv::dnn::readNetFromDarknet(params.layout, params.model)
                    : cv::dnn::readNetFromONNX(params.model);
