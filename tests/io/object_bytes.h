@@ -36,6 +36,9 @@ template <typename... Values>
 /// `image` as a CImage with an embedded JPEG.
 [[nodiscard]] std::string jpegImageBytes(const cv::Mat& image);
 
+/// Writes the content of a rawlog as a seed for tests/fuzz if HEADWAY_FUZZ_SEEDS names a folder.
+void keepAsSeed(const std::string& content);
+
 /// A CObservationStereoImages with these images and the calibration of smallCamera().
 [[nodiscard]] std::string stereoBytes(int frame, const std::string& left, const std::string& right);
 

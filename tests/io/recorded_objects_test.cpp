@@ -36,6 +36,7 @@ class RecordedObjectsTest : public ::testing::Test {
   /// The only observation in a rawlog of these bytes; null if it cannot be read.
   CObservation::Ptr readFrom(const std::string& bytes) {
     test::writeContent(path_, bytes);
+    test::keepAsSeed(bytes);
     std::map<std::string, std::size_t> skipped;
     ObservationStream stream(path_, skipped);
     auto result = stream.next();

@@ -112,6 +112,33 @@ TEST_F(BadInputTest, MissingExternalImageIsACountedSkip) {
   expectAllFramesOnDisk(run, test::kPlainFrames - 1);
 }
 
+TEST_F(BadInputTest, ABrokenJpegIsACountedSkip) {
+  {
+    io::RawlogSink sink(rawlog, io::ImageStorage::kEmbedded);
+    for (int frame = 0; frame < test::kPlainFrames; ++frame) {
+      auto pair = test::plainPair(frame);
+      for (cv::Mat* image : {&pair.left, &pair.right})
+        cv::cvtColor(*image, *image, cv::COLOR_GRAY2BGR);
+      sink.writeStereo(test::plainTime(frame), pair.left, pair.right,
+                       io::rawFrom(test::plainCamera()));
+    }
+    sink.close();
+  }
+  const auto plain = folder / "plain";
+  ASSERT_EQ(0, test::runProcess("gzip -dc " + rawlog + " > " + plain.string()).status);
+  std::string bytes = test::contentsOf(plain);
+  auto at = bytes.find("\xFF\xC4");  // Huffman tables, without which libjpeg cannot go on
+  for (std::size_t middle = bytes.size() / 2; at < middle; at = bytes.find("\xFF\xC4", at + 1)) {
+  }
+  ASSERT_NE(std::string::npos, at);
+  bytes[at + 4] = '\x7F';
+  std::ofstream(rawlog, std::ios::binary) << bytes;
+  const auto run = replayIt();
+  EXPECT_EQ(0, run.process.status) << run.process.output;
+  EXPECT_EQ(1, run.summary["observations_skipped"]["broken_image"]);
+  expectAllFramesOnDisk(run, test::kPlainFrames - 1);
+}
+
 TEST_F(BadInputTest, ZeroBaseline) {
   auto camera = io::rawFrom(test::plainCamera());
   camera.T_left_right.translation().setZero();

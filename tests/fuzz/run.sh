@@ -1,0 +1,22 @@
+#!/bin/bash
+# Runs each libFuzzer target for some minutes from its seed corpus. Inputs that crash, take over
+# 10 s or more than 512 MB are written to build/fuzz/found and end the script with status 1.
+#
+#     tests/fuzz/run.sh MINUTES
+#
+# The seeds are written by the tests: HEADWAY_FUZZ_SEEDS=tests/fuzz/corpus/rawlog_stream test_io
+set -eu
+cd "$(dirname "$0")/../.."
+seconds=$((${1:?minutes} * 60))
+cmake --preset fuzz > /dev/null
+cmake --build --preset fuzz
+mkdir -p build/fuzz/found
+status=0
+for seeds in tests/fuzz/corpus/*; do
+  name=$(basename "$seeds")
+  mkdir -p "build/fuzz/corpus/$name"
+  "$(find build/fuzz -name "fuzz_$name" -type f)" -max_total_time="$seconds" -max_len=20000 \
+    -timeout=10 -rss_limit_mb=512 -print_final_stats=1 -artifact_prefix="build/fuzz/found/$name-" \
+    "build/fuzz/corpus/$name" "$seeds" || status=1
+done
+exit $status
