@@ -93,7 +93,21 @@ TEST(RigCapabilityTest, IsDescribedInOneLine) {
             "rig: baseline 0.05 m, camera 0.30 m above the ground, matched from 0.3 m; obstacles "
             "of 0.12 m at 0.3 to 3.0 m, people's motion to 5.0 m, vehicles' to 12 m");
   EXPECT_THAT(describe(rigCapability(cameraOf(640, 480, 450.0, 0.05, {0.0, 0.0}))),
-              testing::HasSubstr("1.65 m above the ground (assumed)"));
+              testing::HasSubstr("1.65 m above the ground (assumed: no promise of free ground)"));
+}
+
+TEST(RigCapabilityTest, WithoutAMountingHeightTheReachOfObstaclesFollowsFromDisparities) {
+  const auto drone = rigCapability(cameraOf(752, 480, 458.0, 0.11, {0.0, 0.0}));
+  EXPECT_FALSE(drone.camera_height_known);
+  EXPECT_DOUBLE_EQ(drone.obstacles_to_m, 7.5);
+}
+
+TEST(RigCapabilityTest, ARobotSeesHighObstaclesFartherThanLowOnesAndMeetsDrops) {
+  const auto robot = rigCapability(kRobot);
+  EXPECT_DOUBLE_EQ(robot.high_obstacles_to_m, 9.5);
+  EXPECT_GT(robot.high_obstacles_to_m, robot.obstacles_to_m);
+  EXPECT_TRUE(robot.meets_drops);
+  EXPECT_FALSE(rigCapability(kCar).meets_drops);
 }
 
 /// The table of doc/rigs.md.

@@ -59,9 +59,11 @@ double motionReach(const RigCapability& rig, double speed, double rate_hz) {
 double obstacleReach(const RigCapability& rig, double focal) {
   const double h = rig.min_obstacle_height_m;
   const double by_size = focal * h / kMinObstaclePx;
+  const double by_depth = depthOfSigma(rig, kMaxDepthSigma_m);
+  if (!rig.camera_height_known) return std::min(by_size, by_depth);
   const double by_contrast =
       rig.focal_baseline * h / rig.camera_height_m / (kMinContrastSigmas * rig.sigma_disparity_px);
-  return std::min({by_size, by_contrast, depthOfSigma(rig, kMaxDepthSigma_m)});
+  return std::min({by_size, by_contrast, by_depth});
 }
 
 }  // namespace
@@ -107,7 +109,8 @@ std::string describe(const RigCapability& rig) {
   };
   const bool sees_obstacles = rig.obstacles_from_m < rig.obstacles_to_m;
   return text("rig: baseline %.2f m, camera %.2f m above the ground%s, matched from %.1f m; ",
-              rig.baseline_m, rig.camera_height_m, rig.camera_height_known ? "" : " (assumed)",
+              rig.baseline_m, rig.camera_height_m,
+              rig.camera_height_known ? "" : " (assumed: no promise of free ground)",
               rig.nearest_m) +
          (sees_obstacles ? text("obstacles of %.2f m at %.1f to %.1f m", rig.min_obstacle_height_m,
                                 rig.obstacles_from_m, rig.obstacles_to_m)
