@@ -17,9 +17,7 @@ ReducedSystem::ReducedSystem(int poses, std::vector<std::pair<int, int>> coupled
   }
   blocks_.resize(coupled.size());
   setZero();
-  if (poses_ <= kDense) return;
-  fillSparse();
-  sparse_solver_.analyzePattern(sparse_);
+  if (poses_ > kDense) sparse_ = BlockCholesky(columns_);
 }
 
 void ReducedSystem::setZero() {
@@ -50,25 +48,6 @@ void ReducedSystem::fillDense() {
   }
 }
 
-void ReducedSystem::fillSparse() {
-  std::vector<Eigen::Triplet<double>> elements;
-  elements.reserve(36 * blocks_.size());
-  auto next = blocks_.begin();
-  for (int i = 0; i < poses_; ++i) {
-    for (const int j : columns_[static_cast<std::size_t>(i)]) {
-      const Block& block = *next++;
-      for (int column = 0; column < 6; ++column) {
-        const int rows = i == j ? column + 1 : 6;
-        for (int row = 0; row < rows; ++row) {
-          elements.emplace_back(6 * i + row, 6 * j + column, block(row, column));
-        }
-      }
-    }
-  }
-  sparse_.resize(6 * poses_, 6 * poses_);
-  sparse_.setFromTriplets(elements.begin(), elements.end());
-}
-
 bool ReducedSystem::solve(Eigen::VectorXd& step, double& step_corner) {
   Eigen::MatrixXd columns(6 * poses_, 2);
   columns << right_, border_;
@@ -78,10 +57,8 @@ bool ReducedSystem::solve(Eigen::VectorXd& step, double& step_corner) {
     if (solver.info() != Eigen::Success) return false;
     solver.solveInPlace(columns);
   } else if (poses_ > 0) {
-    fillSparse();
-    sparse_solver_.factorize(sparse_);
-    if (sparse_solver_.info() != Eigen::Success) return false;
-    columns = sparse_solver_.solve(columns).eval();
+    if (!sparse_.factorise(blocks_)) return false;
+    sparse_.solveInPlace(columns);
   }
   const double pivot = corner - border_.dot(columns.col(1));
   if (!(pivot > 0.0)) return false;

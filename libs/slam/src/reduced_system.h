@@ -1,9 +1,10 @@
 #pragma once
 
 #include <Eigen/Cholesky>
-#include <Eigen/SparseCholesky>
 #include <utility>
 #include <vector>
+
+#include "block_cholesky.h"
 
 namespace headway::slam {
 
@@ -14,7 +15,7 @@ namespace headway::slam {
 /// so that it does not fill the sparse factor.
 class ReducedSystem {
  public:
-  using Block = Eigen::Matrix<double, 6, 6>;
+  using Block = BlockCholesky::Block;
   static constexpr int kDense = 100;  ///< poses up to which a dense decomposition is faster
 
   /// @param poses    their number
@@ -43,7 +44,6 @@ class ReducedSystem {
 
  private:
   void fillDense();
-  void fillSparse();
 
   int poses_ = 0;
   std::vector<std::vector<int>> columns_;  ///< of each row of blocks: from the diagonal, ascending
@@ -52,8 +52,7 @@ class ReducedSystem {
   Eigen::VectorXd right_;
   Eigen::VectorXd border_;
   Eigen::MatrixXd dense_;
-  Eigen::SparseMatrix<double> sparse_;  ///< upper triangle
-  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Upper> sparse_solver_;
+  BlockCholesky sparse_;
 };
 
 }  // namespace headway::slam
