@@ -7,15 +7,17 @@
 namespace headway::slam {
 namespace {
 
-constexpr double kGravity = 9.80665;         // [m/s^2]
-constexpr double kGravitySigma = 0.03;       // over the Earth's surface [m/s^2]
-constexpr double kBiasSigma = 0.1;           // of a MEMS accelerometer [m/s^2]
-constexpr double kBiasWalk = 0.002;          // [m/s^2/sqrt(s)]
-constexpr double kForceNoise = 0.05;         // white noise with vibration [m/s^2/sqrt(Hz)]
-constexpr double kLeverArm = 0.3;            // of the sensor from the robot's origin, unknown [m]
-constexpr double kVelocitySigma = 30.0;      // before the first step [m/s]
-constexpr double kStepSigma = 0.004;         // of the camera's motion between two frames [m]
-constexpr double kStepSigmaRatio = 0.01;     // of its length
+constexpr double kGravity = 9.80665;     // [m/s^2]
+constexpr double kGravitySigma = 0.03;   // over the Earth's surface [m/s^2]
+constexpr double kBiasSigma = 0.1;       // of a MEMS accelerometer [m/s^2]
+constexpr double kBiasWalk = 0.002;      // [m/s^2/sqrt(s)]
+constexpr double kForceNoise = 0.05;     // white noise with vibration [m/s^2/sqrt(Hz)]
+constexpr double kLeverArm = 0.3;        // of the sensor from the robot's origin, unknown [m]
+constexpr double kVelocitySigma = 30.0;  // before the first step [m/s]
+// Errors of the landmarks' depths are common to the points of a frame, so that its pose is less
+// accurate than its residuals show, most of all with a short baseline.
+constexpr double kCommonErrors = 3.0;
+constexpr double kStepSigmaRatio = 0.01;     // of the step's length
 constexpr double kExpectedInnovation = 3.0;  // degrees of freedom
 
 }  // namespace
@@ -46,7 +48,7 @@ void GravityEstimator::update(const CameraStep& step, const Eigen::Vector3d& vel
       Eigen::Matrix3d::Identity();
   const Eigen::Vector3d moved = step.T_previous_current.translation();
   const Eigen::Vector3d innovation = moved / dt - 0.5 * velocity_increment - H * state_;
-  const double sigma = (kStepSigma + kStepSigmaRatio * moved.norm()) / dt;
+  const double sigma = (kCommonErrors * step.sigma_m + kStepSigmaRatio * moved.norm()) / dt;
   const Eigen::Matrix3d predicted = H * covariance_ * H.transpose();
   Eigen::Matrix3d noise = sigma * sigma * Eigen::Matrix3d::Identity();
   const Eigen::Matrix3d S = predicted + noise;

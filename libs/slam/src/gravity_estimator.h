@@ -9,6 +9,7 @@ struct CameraStep {
   double seconds = 0.0;                        ///< > 0 [s]
   Pose T_map_previous = Pose::Identity();      ///< robot
   Pose T_previous_current = Pose::Identity();  ///< robot, by the camera
+  double sigma_m = 0.0;  ///< of its translation, per axis, given the landmarks [m]
 };
 
 /// Estimates gravity in the map from the accelerometer and the camera's own motion.

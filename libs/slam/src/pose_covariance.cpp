@@ -1,5 +1,7 @@
 #include "pose_covariance.h"
 
+#include <cmath>
+
 namespace headway::slam {
 
 PoseCovariance composedCovariance(const PoseCovariance& of_ab, const Pose& T_b_c,
@@ -11,6 +13,10 @@ PoseCovariance composedCovariance(const PoseCovariance& of_ab, const Pose& T_b_c
   adjoint.topRightCorner<3, 3>() = -R * crossMatrix(t);
   adjoint.bottomRightCorner<3, 3>() = R;
   return adjoint * of_ab * adjoint.transpose() + of_bc;
+}
+
+double positionSigma(const PoseCovariance& covariance) {
+  return std::sqrt(covariance.topLeftCorner<3, 3>().trace() / 3.0);
 }
 
 }  // namespace headway::slam

@@ -11,4 +11,7 @@ namespace headway::slam {
 [[nodiscard]] PoseCovariance composedCovariance(const PoseCovariance& of_ab, const Pose& T_b_c,
                                                 const PoseCovariance& of_bc);
 
+/// Standard deviation of a position, mean of the axes [m].
+[[nodiscard]] double positionSigma(const PoseCovariance& covariance);
+
 }  // namespace headway::slam

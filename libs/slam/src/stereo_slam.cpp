@@ -48,7 +48,8 @@ class StereoSlam::Implementation {
   std::optional<TrackedPose> track(const stereo::FrameContext& context,
                                    const TrackingFrame& current);
   void initialiseMotion(const stereo::FrameContext& context);
-  void levelMap(const StereoFrame& frame, const Stamped<Pose>& previous, const Pose& T_map_cam);
+  void levelMap(const StereoFrame& frame, const Stamped<Pose>& previous, const Pose& T_map_cam,
+                double sigma_m);
   SlamUpdate accept(const TrackingFrame& current, TrackedPose& tracked);
   SlamUpdate handleLost(const StereoFrame& frame, const TrackingFrame& current);
   bool initialise(const TrackingFrame& current);
@@ -76,6 +77,7 @@ class StereoSlam::Implementation {
   std::optional<KeyframeId> reference_;                 ///< keyframe that it belongs to
   std::vector<LandmarkId> local_landmarks_;             ///< those around that keyframe
   PoseCovariance covariance_ = PoseCovariance::Zero();  ///< of the last camera pose
+  double previous_sigma_m_ = 0.0;                       ///< of its position in the local map
   ActiveSubmap active_submap_;
   int lost_in_a_row_ = 0;
 };
@@ -96,12 +98,14 @@ SlamUpdate StereoSlam::Implementation::process(const stereo::FrameContext& conte
   const Stamped<Pose> previous{previous_.time, motion_.last()};
   const bool tracked_twice = tracked && lost_in_a_row_ == 0;
   const Pose T_map_cam = tracked ? tracked->T_map_cam : Pose::Identity();
+  const double sigma_m = tracked ? positionSigma(tracked->covariance) : 0.0;
   SlamUpdate update = tracked ? accept(current, *tracked) : handleLost(frame, current);
   if (tracked_twice) {
-    levelMap(frame, previous, T_map_cam);
+    levelMap(frame, previous, T_map_cam, std::hypot(sigma_m, previous_sigma_m_));
   } else {
     inertial_.interrupt();
   }
+  previous_sigma_m_ = sigma_m;
   update.imu = inertial_.status();
   update.T_map_robot = normalized(motion_.last() * T_cam_robot_);
   update.covariance = composedCovariance(covariance_, T_cam_robot_, PoseCovariance::Zero());
@@ -143,12 +147,14 @@ void StereoSlam::Implementation::initialiseMotion(const stereo::FrameContext& co
 }
 
 /// Turns the map about its origin where gravity shows that it is not level.
+///
+/// @param sigma_m  of the camera's motion between both frames
 void StereoSlam::Implementation::levelMap(const StereoFrame& frame, const Stamped<Pose>& previous,
-                                          const Pose& T_map_cam) {
+                                          const Pose& T_map_cam, double sigma_m) {
   if (!params_.use_imu) return;
   const Pose T_previous_current = previous.value.inverse(Eigen::Isometry) * T_map_cam;
   const CameraStep step{frame.time - previous.time, previous.value * T_cam_robot_,
-                        camera_->T_robot_cam * T_previous_current * T_cam_robot_};
+                        camera_->T_robot_cam * T_previous_current * T_cam_robot_, sigma_m};
   const auto rotation = inertial_.add(step, frame.motion_prior);
   if (inertial_.isLeftOut()) motion_.disableImu();
   if (!rotation || !params_.mapping) return;
@@ -283,17 +289,11 @@ SlamUpdate StereoSlam::process(const stereo::FrameContext& frame, const MovingRe
 }
 
 std::string StereoSlam::save() const { return implementation_->save(); }
-
 void StereoSlam::load(const std::string& bytes) { implementation_->load(bytes); }
-
 double StereoSlam::disparityOffset() const { return implementation_->disparityOffset(); }
-
 MapView StereoSlam::map() const { return implementation_->map(); }
-
 std::vector<FrameEstimate> StereoSlam::trajectory() const { return implementation_->trajectory(); }
-
 void StereoSlam::finish() { implementation_->finish(); }
-
 const StageTimes& StereoSlam::times() const { return implementation_->times(); }
 
 }  // namespace headway::slam
