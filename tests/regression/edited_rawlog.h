@@ -19,6 +19,8 @@ struct RawlogEdit {
   std::function<void(mrpt::obs::CObservationStereoImages&)> stereo;
   /// Adds inertial samples, each at rest before it is changed.
   std::function<void(mrpt::obs::CObservationIMU&)> imu;
+  std::function<void(mrpt::obs::CObservationIMU&)>
+      recorded_imu;    ///< changes those of the recording
   int max_pairs = 60;  ///< of the copy
 };
 
@@ -41,6 +43,8 @@ inline void editRawlog(const std::string& from, const std::string& to, const Raw
       ++pairs;
       if (edit.stereo) edit.stereo(*stereo);
     }
+    auto* recorded_imu = dynamic_cast<mrpt::obs::CObservationIMU*>(object.get());
+    if (recorded_imu != nullptr && edit.recorded_imu) edit.recorded_imu(*recorded_imu);
     target << *object;
     if (dynamic_cast<mrpt::obs::CObservationStereoImages*>(object.get()) == nullptr || !edit.imu) {
       continue;

@@ -1,7 +1,10 @@
 // Mistakes of mounting and calibration, made in good recordings: each must be named.
 #include <gmock/gmock.h>
+#include <headway/eval/trajectory_error.h>
+#include <headway/io/trajectory_file.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <opencv2/core.hpp>
@@ -114,6 +117,25 @@ INSTANTIATE_TEST_SUITE_P(Bundled, MountingTest, ::testing::Values("street", "hal
 
 using InertialMistakes = MountingTest;
 
+class WrongInertialAxes : public ::testing::Test {
+ protected:
+  [[nodiscard]] std::string recorded() const { return (folder_ / "recorded.rawlog").string(); }
+  [[nodiscard]] std::string rawlog() const { return (folder_ / "in.rawlog").string(); }
+  /// Between the positions of both paths, without alignment [m].
+  static double largestDistance(const test::ReplayRun& a, const test::ReplayRun& b) {
+    const auto pairs = eval::pairByTime(io::readTum(a.file("trajectory.tum")),
+                                        io::readTum(b.file("trajectory.tum")), 0.001);
+    EXPECT_EQ(60u, pairs.pairs.size());
+    double largest = 0.0;
+    for (const auto& pair : pairs.pairs) {
+      largest = std::max(largest, (pair.truth.translation() - pair.estimate.translation()).norm());
+    }
+    return largest;
+  }
+
+  test::TemporaryFolder folder_;
+};
+
 TEST_P(InertialMistakes, AreSaidAndLeftOut) {
   test::RawlogEdit edit;
   edit.max_pairs = 120;
@@ -139,6 +161,39 @@ TEST_P(InertialMistakes, SamplesWithoutValuesAreSaid) {
   EXPECT_EQ(0, run.process.status);
   EXPECT_THAT(run.process.output, HasSubstr("inertial samples without finite values"));
   EXPECT_GT(run.summary["warnings"]["imu_samples"]["count"], 0);
+}
+
+/// Axes of many depth cameras' inertial sensors (x right, y down, z forward), written as the
+/// robot's.
+void swapAxes(CObservationIMU& imu) {
+  for (const auto& [x, y, z] :
+       {std::array{mrpt::obs::IMU_WX, mrpt::obs::IMU_WY, mrpt::obs::IMU_WZ},
+        std::array{mrpt::obs::IMU_X_ACC, mrpt::obs::IMU_Y_ACC, mrpt::obs::IMU_Z_ACC}}) {
+    const std::array<double, 3> value{imu.get(x), imu.get(y), imu.get(z)};
+    imu.set(x, -value[1]);
+    imu.set(y, -value[2]);
+    imu.set(z, value[0]);
+  }
+}
+
+TEST_F(WrongInertialAxes, AreSaidAndLeftOut) {
+  ASSERT_EQ(0, test::runProcess(test::program("headway-sim") + " -q -c " + HEADWAY_SOURCE_DIR +
+                                "/config/worlds/hall.ini --rig small --seed 5 --frames 60 "
+                                "--set camera.imu=true --set recording.storage=embedded -o " +
+                                recorded())
+                   .status);
+  const auto good = test::replay(recorded(), folder_ / "good", "-q --snapshots 0");
+  EXPECT_TRUE(good.summary["warnings"].empty()) << good.summary["warnings"];
+  test::RawlogEdit edit;
+  edit.recorded_imu = swapAxes;
+  test::editRawlog(recorded(), rawlog(), edit);
+  const auto wrong = test::replay(rawlog(), folder_ / "wrong", "-q --snapshots 0");
+  EXPECT_EQ(0, wrong.process.status) << wrong.process.output;
+  EXPECT_THAT(wrong.process.output, AllOf(HasSubstr("the inertial sensor is left out"),
+                                          HasSubstr("check its axes (sensorPose)")));
+  const auto without =
+      test::replay(rawlog(), folder_ / "without", "-q --snapshots 0 --set slam.use_imu=false");
+  EXPECT_LT(largestDistance(wrong, without), 0.02);
 }
 
 INSTANTIATE_TEST_SUITE_P(Bundled, InertialMistakes, ::testing::Values("hall"),

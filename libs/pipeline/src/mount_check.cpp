@@ -15,6 +15,10 @@ namespace {
 constexpr int kMaxImages = 8;              // without ground, after which the check ends
 constexpr int kMinWithoutTurn = 3;         // of them that show the error
 constexpr int kMinUpsideDown = 7;          // more, because a ceiling may look like ground
+constexpr double kMinTurnRad = 0.01;       // between two frames; less is noise and bias
+constexpr double kMinTurnsRad = 0.5;       // sum of the compared turns
+constexpr double kContrary = 0.6;          // difference to turn where the axes are wrong
+constexpr double kEqual = 0.25;            // where they are right
 constexpr double kVertical = 0.7;          // component of the optical axis along the robot's z
 constexpr double kUprightComponent = 0.7;  // of "up" along the image's columns
 constexpr double kMaxHeightError = 0.35;   // of the camera's height, relative
@@ -78,7 +82,7 @@ bool MountCheck::showsGround(const stereo::DisparityImage& disparity,
 void MountCheck::addImage(const stereo::FrameContext& context) {
   if (decided_) return;
   if (context.ground() && isAtMountedHeight(*context.ground())) {
-    decided_ = true;
+    decided_ = decided_by_turns_ = true;
     return;
   }
   ++images_;
@@ -96,11 +100,34 @@ void MountCheck::testOpticalTurn(const stereo::DisparityImage& disparity) {
   if (showsGround(disparity, with_turn)) ++without_turn_;
   if (without_turn_ < kMinWithoutTurn) return;
   const bool up = camera_.T_robot_cam.linear()(2, 2) > 0.0;
-  throw InputError("camera pose: by cameraPose = " + poseText(camera_.T_robot_cam) +
-                   " the camera looks straight " + (up ? "up" : "down") +
-                   ", but its images show the ground ahead: the pose lacks the turn to optical "
-                   "axes (x right, y down, z forward); write cameraPose = " +
-                   poseText(with_turn.T_robot_cam));
+  throwWithoutTurn(std::string("the camera looks straight ") + (up ? "up" : "down") +
+                   ", but its images show the ground ahead");
+}
+
+void MountCheck::throwWithoutTurn(const std::string& evidence) const {
+  throw InputError("camera pose: by cameraPose = " + poseText(camera_.T_robot_cam) + " " +
+                   evidence +
+                   ": the pose lacks the turn to optical axes (x right, y down, z "
+                   "forward); write cameraPose = " +
+                   poseText(turned(camera_.T_robot_cam, robotFromOptical().linear())));
+}
+
+void MountCheck::addTurn(const Eigen::Matrix3d& by_camera, const Eigen::Matrix3d& by_gyroscope) {
+  const Eigen::Vector3d measured = logSo3(by_gyroscope);
+  if (decided_by_turns_ || measured.norm() < kMinTurnRad) return;
+  const Eigen::Matrix3d R = camera_.T_robot_cam.linear();
+  const Eigen::Vector3d turn = logSo3(by_camera);
+  turned_rad_ += measured.norm();
+  difference_rad_ += (turn - measured).norm();
+  difference_turned_rad_ +=
+      (R * robotFromOptical().linear() * R.transpose() * turn - measured).norm();
+  if (turned_rad_ < kMinTurnsRad) return;
+  decided_by_turns_ = true;
+  if (difference_rad_ > kContrary * turned_rad_ && difference_turned_rad_ < kEqual * turned_rad_) {
+    throwWithoutTurn(
+        "its turns contradict the gyroscope's (if it is right, correct the inertial sensor's "
+        "sensorPose, or leave that out by slam.use_imu=false)");
+  }
 }
 
 void MountCheck::testUpsideDown(const stereo::DisparityImage& disparity) {

@@ -15,8 +15,12 @@ void Perception::checkInput(const RecordedFrame& frame, const PerceptionUpdate& 
   if (!isLocalisedBySlam(frame)) return;
   if (scan_ground) mount_check_->addImage(*found_.context);
   if (isTracked(update) && last_pose_ && update.camera.loops.empty()) {
-    mount_check_->addMotion(last_pose_->value.inverse() * update.camera.T_map_robot,
-                            frame.stereo->motion_prior.T_previous_current, frame.index, warnings_);
+    const Pose by_camera = last_pose_->value.inverse() * update.camera.T_map_robot;
+    const MotionPrior& prior = frame.stereo->motion_prior;
+    if (prior.R_previous_current) {
+      mount_check_->addTurn(by_camera.linear(), *prior.R_previous_current);
+    }
+    mount_check_->addMotion(by_camera, prior.T_previous_current, frame.index, warnings_);
   }
   if (update.camera.imu == slam::ImuStatus::kGyroscopeContradicts) {
     addWarning(

@@ -5,6 +5,7 @@
 #include <headway/stereo/frame_context.h>
 
 #include <optional>
+#include <string>
 
 namespace headway::pipeline {
 
@@ -14,7 +15,8 @@ namespace headway::pipeline {
 /// mounted height, it confirms the mounting, and nothing more is computed. Otherwise it is searched
 /// as it would appear if the pose lacked the optical turn (x right, y down, z forward), or if the
 /// camera were upside-down. Where the mounted height is known, planes at another height, such as a
-/// ceiling, are not taken for the ground.
+/// ceiling, are not taken for the ground. Where no ground is seen, as from a drone, the gyroscope's
+/// turns tell a missing optical turn: it permutes the axes of the camera's turns.
 class MountCheck {
  public:
   explicit MountCheck(const StereoCamera& camera) : camera_(camera) {}
@@ -23,6 +25,12 @@ class MountCheck {
   ///
   /// @throws InputError that states the error and the pose to write
   void addImage(const stereo::FrameContext& context);
+
+  /// Takes the robot's turn since the previous frame, in the robot frame. Ignored once the ground
+  /// confirmed the mounting.
+  ///
+  /// @throws InputError as addImage()
+  void addTurn(const Eigen::Matrix3d& by_camera, const Eigen::Matrix3d& by_gyroscope);
 
   /// Takes the robot's motion since the previous frame, and warns of a speed that differs from
   /// odometry's by a factor.
@@ -41,13 +49,18 @@ class MountCheck {
   [[nodiscard]] bool isAtMountedHeight(const stereo::GroundPlane& ground) const;
   void testOpticalTurn(const stereo::DisparityImage& disparity);
   void testUpsideDown(const stereo::DisparityImage& disparity);
+  [[noreturn]] void throwWithoutTurn(const std::string& evidence) const;
 
   StereoCamera camera_;
   bool decided_ = false;
-  int images_ = 0;        ///< in which the ground was not found
-  int without_turn_ = 0;  ///< with ground if the pose lacks the optical turn
-  int upside_down_ = 0;   ///< with ground if the camera is upside-down
-  double path_m_ = 0.0;   ///< of the camera, where odometry is known
+  bool decided_by_turns_ = false;
+  int images_ = 0;                      ///< in which the ground was not found
+  int without_turn_ = 0;                ///< with ground if the pose lacks the optical turn
+  int upside_down_ = 0;                 ///< with ground if the camera is upside-down
+  double turned_rad_ = 0.0;             ///< by the gyroscope; sum of the angles
+  double difference_rad_ = 0.0;         ///< of the camera's turns from it, by the pose as written
+  double difference_turned_rad_ = 0.0;  ///< by the pose with the optical turn
+  double path_m_ = 0.0;                 ///< of the camera, where odometry is known
   double odometry_m_ = 0.0;
 };
 
