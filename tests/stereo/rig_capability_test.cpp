@@ -110,6 +110,25 @@ TEST(RigCapabilityTest, ARobotSeesHighObstaclesFartherThanLowOnesAndMeetsDrops) 
   EXPECT_FALSE(rigCapability(kCar).meets_drops);
 }
 
+TEST(RigCapabilityTest, ConfiguredValuesReplaceDerivedOnes) {
+  const auto derived = rigCapability(kRobot);
+  EXPECT_DOUBLE_EQ(derived.segments_to_m, 1.5 * derived.people_to_m);
+  EXPECT_DOUBLE_EQ(derived.grid_spacing_m, derived.obstacles_to_m / 20.0);
+  RigAssumptions configured;
+  configured.nearest_m = 0.7;
+  configured.obstacles_to_m = 4.1;
+  configured.vehicles_to_m = 33.0;
+  configured.segments_to_m = 8.0;
+  configured.grid_spacing_m = 0.5;
+  const auto rig = rigCapability(kRobot, configured);
+  EXPECT_EQ(rig.nearest_m, 0.7);
+  EXPECT_GE(rig.obstacles_from_m, 0.7);
+  EXPECT_EQ(rig.obstacles_to_m, 4.1);
+  EXPECT_EQ(rig.vehicles_to_m, 33.0);
+  EXPECT_EQ(rig.segments_to_m, 8.0);
+  EXPECT_EQ(rig.grid_spacing_m, 0.5);
+}
+
 /// The table of doc/rigs.md.
 std::string table() {
   std::string text =

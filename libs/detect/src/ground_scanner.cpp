@@ -52,9 +52,11 @@ void GroundScanParams::describe(Params::Section section) {
 }
 
 stereo::RigCapability GroundScanParams::capabilityOf(const StereoCamera& camera) const {
-  auto rig = stereo::rigCapability(camera, {min_obstacle_height_m, sigma_disparity_px});
-  if (reach_m > 0.0) rig.obstacles_to_m = reach_m;
-  return rig;
+  stereo::RigAssumptions configured;
+  configured.min_obstacle_height_m = min_obstacle_height_m;
+  configured.sigma_disparity_px = sigma_disparity_px;
+  configured.obstacles_to_m = reach_m;
+  return stereo::rigCapability(camera, configured);
 }
 
 GroundScanParams GroundScanParams::forRig(const stereo::RigCapability& rig) const {

@@ -37,9 +37,12 @@ bool usable(const cv::Mat& image) {
 
 /// Replaces ranges that are 0 by those of the rig.
 StereoMotionParams forRig(StereoMotionParams params, const StereoCamera& camera) {
-  const auto rig = stereo::rigCapability(camera);
-  if (params.max_range_m <= 0.0) params.max_range_m = rig.vehicles_to_m;
-  if (params.max_segment_range_m <= 0.0) params.max_segment_range_m = 1.5 * rig.people_to_m;
+  stereo::RigAssumptions configured;
+  configured.vehicles_to_m = params.max_range_m;
+  configured.segments_to_m = params.max_segment_range_m;
+  const auto rig = stereo::rigCapability(camera, configured);
+  params.max_range_m = rig.vehicles_to_m;
+  params.max_segment_range_m = rig.segments_to_m;
   return params;
 }
 

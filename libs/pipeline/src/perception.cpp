@@ -16,14 +16,17 @@ std::optional<Pose> poseOf(const slam::SlamUpdate& camera) {
 std::optional<stereo::RigCapability> rigOf(const StereoCamera* camera,
                                            const PerceptionParams& params) {
   if (camera == nullptr) return std::nullopt;
-  auto rig = params.grid.scan.capabilityOf(*camera);
+  const auto& scan = params.grid.scan;
   const auto& detect = params.detection.detect;
-  if (detect.disparity.nearest_m > 0.0) {
-    rig.nearest_m = detect.disparity.nearest_m;
-    rig.obstacles_from_m = std::max(rig.obstacles_from_m, rig.nearest_m);
-  }
-  if (detect.stereo_motion.max_range_m > 0.0) rig.vehicles_to_m = detect.stereo_motion.max_range_m;
-  return rig;
+  stereo::RigAssumptions configured;
+  configured.min_obstacle_height_m = scan.min_obstacle_height_m;
+  configured.sigma_disparity_px = scan.sigma_disparity_px;
+  configured.nearest_m = detect.disparity.nearest_m;
+  configured.obstacles_to_m = scan.reach_m;
+  configured.vehicles_to_m = detect.stereo_motion.max_range_m;
+  configured.segments_to_m = detect.stereo_motion.max_segment_range_m;
+  configured.grid_spacing_m = params.grid.map.spacing_m;
+  return stereo::rigCapability(*camera, configured);
 }
 
 /// Grid parameters without values to be derived.
@@ -33,9 +36,7 @@ GridParams gridFor(const std::optional<stereo::RigCapability>& rig,
   params.map.footprint = all_params.robot;
   if (!rig) return params;
   params.scan = params.scan.forRig(*rig);
-  if (params.map.spacing_m <= 0.0) {
-    params.map.spacing_m = std::clamp(rig->obstacles_to_m / 20.0, 0.2, 1.0);
-  }
+  params.map.spacing_m = rig->grid_spacing_m;
   return params;
 }
 

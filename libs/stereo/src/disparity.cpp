@@ -14,8 +14,9 @@ constexpr int kSubpixels = 16;  // OpenCV's fixed-point disparities
 
 // Disparities to search, a multiple of 16 that leaves half of the picture to match; 0: too narrow.
 int searchRange(const StereoCamera& camera, const DisparityParams& params, int width) {
-  const double nearest_m =
-      params.nearest_m > 0.0 ? params.nearest_m : rigCapability(camera).nearest_m;
+  RigAssumptions configured;
+  configured.nearest_m = params.nearest_m;
+  const double nearest_m = rigCapability(camera, configured).nearest_m;
   const double largest = camera.fx * camera.baseline_m / nearest_m / params.reduce;
   const int wanted = (static_cast<int>(std::ceil(largest)) + 15) / 16 * 16;
   return std::min(wanted, (width / 2) / 16 * 16);

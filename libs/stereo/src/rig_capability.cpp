@@ -22,6 +22,7 @@ constexpr double kMotionSigmas = 3.0;       // significance of a speed
 constexpr double kMotionWindow_s = 1.0;     // in which it is measured
 constexpr double kWalkingSpeed_mps = 1.4;   // Bohannon 1997
 constexpr double kVehicleSpeed_mps = 9.0;   // urban traffic
+constexpr double kSegmentsRatio = 1.5;      // beyond people's motion only lateral motion is seen
 constexpr double kPreferredRatio = 0.5;     // of the nearest visible ground: the top of an obstacle
                                             // half as high as the camera leaves the image there
 
@@ -66,6 +67,11 @@ double obstacleReach(const RigCapability& rig, double focal) {
   return std::min({by_size, by_contrast, by_depth});
 }
 
+/// A configured value, or the derived one where it is 0.
+double valueOr(double configured, double derived) {
+  return configured > 0.0 ? configured : derived;
+}
+
 }  // namespace
 
 double RigCapability::depthSigma(double depth_m) const {
@@ -88,16 +94,21 @@ RigCapability rigCapability(const StereoCamera& camera, const RigAssumptions& as
   const double by_disparity = rig.focal_baseline / (kMaxDisparityRatio * camera.width);
   const NearestGround ground = nearestGround(camera, rig.camera_height_m);
   const bool ground_in_view = std::isfinite(ground.depth_m);
-  rig.nearest_m = rounded(ground_in_view ? std::max(kPreferredRatio * ground.depth_m, by_disparity)
-                                         : by_disparity);
+  const double nearest =
+      ground_in_view ? std::max(kPreferredRatio * ground.depth_m, by_disparity) : by_disparity;
+  rig.nearest_m = valueOr(assumptions.nearest_m, rounded(nearest));
   const double hidden = std::min(1.0, rig.min_obstacle_height_m / rig.camera_height_m);
   rig.obstacles_from_m = std::max(
       rig.nearest_m, rounded(ground_in_view ? ground.distance_m * (1.0 - hidden) : by_disparity));
   rig.ground_to_m = rounded(depthOfSigma(rig, kMaxGroundSigma_m));
-  rig.obstacles_to_m = rounded(obstacleReach(rig, camera.fy));
+  rig.obstacles_to_m = valueOr(assumptions.obstacles_to_m, rounded(obstacleReach(rig, camera.fy)));
   rig.high_obstacles_to_m = rounded(depthOfSigma(rig, kMaxDepthSigma_m));
   rig.people_to_m = rounded(motionReach(rig, kWalkingSpeed_mps, assumptions.rate_hz));
-  rig.vehicles_to_m = rounded(motionReach(rig, kVehicleSpeed_mps, assumptions.rate_hz));
+  rig.vehicles_to_m = valueOr(assumptions.vehicles_to_m,
+                              rounded(motionReach(rig, kVehicleSpeed_mps, assumptions.rate_hz)));
+  rig.segments_to_m = valueOr(assumptions.segments_to_m, kSegmentsRatio * rig.people_to_m);
+  rig.grid_spacing_m =
+      valueOr(assumptions.grid_spacing_m, std::clamp(rig.obstacles_to_m / 20.0, 0.2, 1.0));
   return rig;
 }
 

@@ -11,21 +11,27 @@ struct RigAssumptions {
   double min_obstacle_height_m = 0.0;  ///< 0: 0.12 for a camera mounted below 1 m, else 0.3 [m]
   double sigma_disparity_px = 0.4;     ///< noise of one disparity [px]
   double rate_hz = 10.0;               ///< frames per second [Hz]
+  // Configured values, which replace those of RigCapability; 0: derived.
+  double nearest_m = 0.0;
+  double obstacles_to_m = 0.0;
+  double vehicles_to_m = 0.0;
+  double segments_to_m = 0.0;
+  double grid_spacing_m = 0.0;
 };
 
 /// Distances at which a stereo rig detects things, derived from its calibration and mounting.
 ///
 /// Parameters in metres that depend on the rig have the default 0, which stands for a value of this
-/// struct. Rounded to 0.1 m (below 1 m), 0.5 m
-/// (below 10 m), 1 m (below 20 m) and 5 m. With f the focal length, b the baseline, H the camera's
-/// height, h the obstacle's height and s the noise of a disparity:
+/// struct. Rounded to 0.1 m (below 1 m), 0.5 m (below 10 m), 1 m (below 20 m) and 5 m. With f the
+/// focal length, b the baseline, H the camera's height, h the obstacle's height and s the noise of
+/// a disparity:
 ///
 ///     depth error                  z^2 s / (f b)
 ///     nearest matched depth        max(z0 / 2, 5 f b / width); z0: nearest ground in the image
 ///     ground                       z^2 s / (f b) <= 0.65 m
 ///     obstacles                    x0 (1 - h / H) up to the least of; x0: distance of that ground
 ///       height in the image          f h / z >= 10 px
-///       contrast against the ground  f b h / (H z) >= 7.5 s
+///       contrast against the ground  f b h / (H z) >= 7.5 s; not used where H is unknown
 ///       depth error                  z^2 s / (f b) <= 0.45 m
 ///     motion at a speed v          v >= 3 sigma_v; sigma_v = z^2 s / (f b) sqrt(12 / n) / T
 ///
@@ -47,11 +53,15 @@ struct RigCapability {
   bool meets_drops = false;            ///< mounted below 1 m: robots meet stairs, cars do not
   double people_to_m = 0.0;            ///< walking people are told from standing ones to here [m]
   double vehicles_to_m = 0.0;          ///< moving vehicles from parked ones to here [m]
+  double segments_to_m = 0.0;          ///< upright segments are tracked to here: 1.5 people_to_m
+  double grid_spacing_m = 0.0;         ///< of ground scans: obstacles_to_m / 20, 0.2 to 1 m
 
   /// Standard deviation of a depth [m].
   [[nodiscard]] double depthSigma(double depth_m) const;
 };
 
+/// The one place where parameters with the value 0 get that of the rig.
+///
 /// @param camera  validated
 [[nodiscard]] RigCapability rigCapability(const StereoCamera& camera,
                                           const RigAssumptions& assumptions = {});
