@@ -112,7 +112,7 @@ TEST(ScanGroundTest, LevelGroundIsFreeAsFarAsItReaches) {
   EXPECT_TRUE(isFree(scan, 6.0, 0.0));
   EXPECT_TRUE(isFree(scan, 15.0, 3.0));
   EXPECT_FALSE(isFree(scan, 21.0, 0.0)) << "beyond the reach";
-  EXPECT_FALSE(isFree(scan, 2.0, 0.0)) << "below the picture nobody saw it";
+  EXPECT_FALSE(isFree(scan, 2.0, 0.0)) << "below the image, unobserved";
 }
 
 TEST(ScanGroundTest, TheNearestUprightThingEndsTheRay) {

@@ -28,7 +28,7 @@ class ImportExportTest : public ::testing::Test {
   test::ProcessResult exported(const std::string& arguments) {
     return test::runProcess(std::string(HEADWAY_BIN_DIR) + "/headway-export " + arguments);
   }
-  /// Folders of walls, grey or in colour, and their calibration, as headway-import images wants.
+  /// Folders of walls, grey or in colour, and their calibration, as headway-import images expects.
   std::string imageFolders(int frames, bool colour = false) {
     fs::create_directories(folder_ / "l");
     fs::create_directories(folder_ / "r");

@@ -25,26 +25,26 @@ GroundScan wallSeenFrom(const Pose& T_map_robot,
                         const std::optional<Eigen::Vector2d>& moving_object = std::nullopt) {
   GroundScan scan;
   const Pose T_robot_map = T_map_robot.inverse();
-  const Eigen::Vector2d eye = T_map_robot.translation().head<2>();
+  const Eigen::Vector2d origin = T_map_robot.translation().head<2>();
   const auto inRobot = [&](const Eigen::Vector2d& place) {
     return Eigen::Vector3f(
         (T_robot_map * Eigen::Vector3d(place.x(), place.y(), 0.0)).cast<float>());
   };
   for (double angle = -0.6; angle <= 0.6; angle += 0.005) {
     const Eigen::Vector2d along(std::cos(angle), std::sin(angle));
-    double range = (10.1 - eye.x()) / along.x();
-    bool stands = std::abs(eye.y() + range * along.y()) > 1.0;
+    double range = (10.1 - origin.x()) / along.x();
+    bool stands = std::abs(origin.y() + range * along.y()) > 1.0;
     if (!stands) range = 15.0;
     if (moving_object) {
-      const double at = along.dot(*moving_object - eye);
-      if ((eye + at * along - *moving_object).norm() < 0.4 && at < range) {
+      const double at = along.dot(*moving_object - origin);
+      if ((origin + at * along - *moving_object).norm() < 0.4 && at < range) {
         range = at;
         stands = true;
       }
     }
     const double free_to = stands ? range - 0.3 : range;
-    scan.free.push_back({inRobot(eye + 3.0 * along), inRobot(eye + free_to * along)});
-    if (stands) scan.obstacles.push_back({inRobot(eye + range * along), 0.1f});
+    scan.free.push_back({inRobot(origin + 3.0 * along), inRobot(origin + free_to * along)});
+    if (stands) scan.obstacles.push_back({inRobot(origin + range * along), 0.1f});
   }
   return scan;
 }

@@ -5,9 +5,9 @@ namespace headway::render {
 namespace {
 
 TEST(LookAtTest, CentresTheTargetWithUpUpwards) {
-  const Eigen::Vector3d eye(3.0, -2.0, 5.0);
+  const Eigen::Vector3d viewpoint(3.0, -2.0, 5.0);
   const Eigen::Vector3d target(10.0, 4.0, 1.0);
-  const auto view = makeView(640, 480, 1.0, lookAt(eye, target));
+  const auto view = makeView(640, 480, 1.0, lookAt(viewpoint, target));
   const auto middle = project(target, view);
   ASSERT_TRUE(middle);
   EXPECT_NEAR(middle->x(), 319.5, 1e-9);

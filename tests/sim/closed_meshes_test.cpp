@@ -66,7 +66,7 @@ TEST(ClosedMeshesTest, HousesWithFlatAndWithPitchedRoofs) {
   for (const double ridge : {0.0, 2.5}) {
     HousePlan plan;
     plan.ridge_m = ridge;
-    // Nobody sees a house from below.
+    // A house is never seen from below.
     Mesh house = houseMesh(plan, Eigen::Vector3f(3, -2, 0), 0.4F);
     const Block block = houseBlock(plan, Eigen::Vector3f(3, -2, 0), 0.4F);
     house.addQuad(block[0], block[1], block[2], block[3], UvRect{});

@@ -1,4 +1,4 @@
-// Worlds in which actors cover a wished share of the image.
+// Worlds in which actors cover a requested ratio of the image.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <headway/core/error.h>
@@ -62,7 +62,7 @@ TEST(EscortTest, DrivesAlongWithTheRobotAndIsTheSameForTheSameSeed) {
     last = std::move(frame);
   }
   ASSERT_TRUE(last);
-  EXPECT_GT(last->T_map_robot.translation().norm(), 8.0);  // nobody blocks the road
+  EXPECT_GT(last->T_map_robot.translation().norm(), 8.0);  // the road is not blocked
 }
 
 TEST(EscortTest, AShareBeyondWhatVehiclesCanCoverNamesItsKey) {

@@ -16,7 +16,7 @@ SimParams loop() {
   params.route.laps = 2;
   params.route.speed_mps = 12.0;
   params.route.lateral_acceleration_mps2 = 4.0;
-  params.world.view_distance_m = 30.0;  // the far side of the loop is forgotten and built again
+  params.world.view_distance_m = 30.0;  // the far side of the loop is removed and built again
   params.traffic.vehicles = 2;
   params.camera.width = 320;
   params.camera.height = 120;

@@ -86,7 +86,7 @@ TEST_P(SiteLayoutTest, PeopleReachEveryDestination) {
       EXPECT_TRUE(site.area.contains(place));
       reached += grid.path(site.robot_stops.front(), place, kPerson).empty() ? 0 : 1;
     }
-    // Furniture drawn at random may cover one or another; whoever wants to go there goes elsewhere.
+    // Furniture placed at random may cover some destinations; people then choose another.
     EXPECT_GE(reached, 0.85 * static_cast<double>(site.destinations.size())) << seed;
   }
 }

@@ -154,10 +154,10 @@ TEST_P(StereoRigTest, DepthIsThatOfEachPixelsRayOnAFloor) {
 }
 
 TEST_P(StereoRigTest, WhatIsNearerHidesWhatIsBehind) {
-  const Eigen::Vector3d eye = camera.T_robot_cam.translation();
+  const Eigen::Vector3d viewpoint = camera.T_robot_cam.translation();
   const Eigen::Vector3d ahead = camera.T_robot_cam.linear().col(2);
-  scene->add(square(eye + 5.0 * ahead, 0.8), kRed);
-  scene->add(square(eye + 8.0 * ahead, 0.8), kBlue);
+  scene->add(square(viewpoint + 5.0 * ahead, 0.8), kRed);
+  scene->add(square(viewpoint + 8.0 * ahead, 0.8), kBlue);
   const StereoDrawing drawing = draw(Pose::Identity(), rightCamera(camera));
   const auto pixel = drawing.left.at<cv::Vec3b>(110, 150);
   EXPECT_GT(pixel[2], 200);

@@ -245,22 +245,22 @@ TEST(WorldTest, WhatIsInViewComesNearestFirstAndOnlyAhead) {
   const Town town(1);
   World world(town.params, *town.route);
   ViewCone ahead;
-  ahead.eye = {100.0, 0.0};
+  ahead.viewpoint = {100.0, 0.0};
   ahead.half_width = 0.6;
-  const Eigen::Vector3d eye(100.0, 0.0, 1.5);
-  const auto visible = world.inView(eye, ahead);
+  const Eigen::Vector3d viewpoint(100.0, 0.0, 1.5);
+  const auto visible = world.inView(viewpoint, ahead);
   ASSERT_GT(visible.size(), 4U);
   double before = 0.0;
   for (const StretchKey& key : visible) {
-    const double distance = (world.stretch(key).anchor - eye).norm();
+    const double distance = (world.stretch(key).anchor - viewpoint).norm();
     EXPECT_GE(distance, before - 1e-9);
     EXPECT_LT(distance, town.params.view_distance_m + 1.0);
-    EXPECT_GT(world.stretch(key).anchor.x(), eye.x() - kStretch);
+    EXPECT_GT(world.stretch(key).anchor.x(), viewpoint.x() - kStretch);
     before = distance;
   }
   ViewCone all_around = ahead;
   all_around.half_width = M_PI;
-  EXPECT_GT(world.inView(eye, all_around).size(), visible.size());
+  EXPECT_GT(world.inView(viewpoint, all_around).size(), visible.size());
 }
 
 TEST(WorldTest, WhatIsLeftFarBehindIsGivenUp) {
@@ -269,7 +269,7 @@ TEST(WorldTest, WhatIsLeftFarBehindIsGivenUp) {
   ViewCone all_around;
   (void)world.inView({0, 0, 1.5}, all_around);
   const std::size_t near_start = world.built().size();
-  all_around.eye = {300.0, 0.0};
+  all_around.viewpoint = {300.0, 0.0};
   (void)world.inView({300, 0, 1.5}, all_around);
   EXPECT_LT(world.built().size(), 2 * near_start);
   for (const auto& [key, stretch] : world.built()) {
@@ -295,13 +295,13 @@ TEST(WorldTest, ParkedVehiclesNearAPlaceAreTheSameWheneverAsked) {
 
 TEST(ViewConeTest, TouchesWhatReachesIntoIt) {
   ViewCone cone;
-  cone.eye = {1.0, 2.0};
+  cone.viewpoint = {1.0, 2.0};
   cone.heading = M_PI / 2;
   cone.half_width = M_PI / 6;
   EXPECT_TRUE(cone.touches({1.0, 12.0}, 0.1));
   EXPECT_FALSE(cone.touches({11.0, 2.0}, 0.1));
   EXPECT_FALSE(cone.touches({1.0, -8.0}, 0.1));
-  EXPECT_TRUE(cone.touches({1.0, 1.0}, 1.5)) << "the eye is inside the disc";
+  EXPECT_TRUE(cone.touches({1.0, 1.0}, 1.5)) << "the viewpoint is inside the disc";
   // On the edge of the cone, 10 m away: a disc reaches in as far as its radius.
   const Eigen::Vector2d beside(1.0 + 10.0 * std::sin(M_PI / 6 + 0.1),
                                2.0 + 10.0 * std::cos(M_PI / 6 + 0.1));

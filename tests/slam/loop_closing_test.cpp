@@ -82,8 +82,8 @@ TEST(LoopCloserTest, FindsTheBeginningAgainAndPullsThePathTogether) {
   EXPECT_LT(closed.rmse_m, 0.7 * open.rmse_m);
 }
 
-/// The camera is covered while it is driven round the first corners, so that the map is begun anew
-/// at a place and in a direction that are mere guesses.
+/// The camera is covered while it is driven round the first corners, so that a new submap is
+/// initialised with an arbitrary pose.
 TEST(LoopCloserTest, MergesSubmapsWhereOneObservesTheOther) {
   constexpr int kJoinedBy = 122;
   SlamParams params;

@@ -81,7 +81,7 @@ TEST_F(CullingTest, TheReplacementKeyframeSharesMostLandmarks) {
   const KeyframeId first = addKeyframe(0.0);
   const KeyframeId other = addKeyframe(1.0);
   const KeyframeId leaving = addKeyframe(2.0);
-  EXPECT_EQ(replacementKeyframe(leaving, map_), first) << "nobody shares any";
+  EXPECT_EQ(replacementKeyframe(leaving, map_), first) << "no keyframe shares any landmark";
   addLandmark(leaving, {other});
   EXPECT_EQ(replacementKeyframe(leaving, map_), other);
 }

@@ -16,14 +16,15 @@ PinholeView makeView(int width, int height, double horizontal_fov, const Pose& T
   return view;
 }
 
-Pose lookAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target, const Eigen::Vector3d& up) {
-  const Eigen::Vector3d forward = (target - eye).normalized();
+Pose lookAt(const Eigen::Vector3d& viewpoint, const Eigen::Vector3d& target,
+            const Eigen::Vector3d& up) {
+  const Eigen::Vector3d forward = (target - viewpoint).normalized();
   const Eigen::Vector3d right = forward.cross(up).normalized();
   Pose T_map_camera = Pose::Identity();
   T_map_camera.linear().col(0) = right;
   T_map_camera.linear().col(1) = forward.cross(right);
   T_map_camera.linear().col(2) = forward;
-  T_map_camera.translation() = eye;
+  T_map_camera.translation() = viewpoint;
   return T_map_camera;
 }
 

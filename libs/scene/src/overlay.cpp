@@ -62,10 +62,10 @@ std::optional<cv::Rect> freeRect(cv::Rect rect, const std::vector<cv::Rect>& occ
 
 /// The shown tracks in ascending distance from the viewpoint.
 std::vector<const Track*> nearestFirst(const std::vector<Track>& tracks,
-                                       const Eigen::Vector3d& eye) {
+                                       const Eigen::Vector3d& viewpoint) {
   auto shown = shownTracks(tracks);
   std::stable_sort(shown.begin(), shown.end(), [&](const Track* a, const Track* b) {
-    return (a->position - eye).norm() < (b->position - eye).norm();
+    return (a->position - viewpoint).norm() < (b->position - viewpoint).norm();
   });
   return shown;
 }
@@ -84,13 +84,13 @@ double speedOf(const std::vector<Stamped<Pose>>& path) {
 
 void drawLabels(Canvas& canvas, const render::PinholeView& view, const std::vector<Track>& tracks,
                 double scale) {
-  const Eigen::Vector3d eye = view.T_map_camera.translation();
+  const Eigen::Vector3d viewpoint = view.T_map_camera.translation();
   std::vector<cv::Rect> occupied;
-  for (const Track* track : nearestFirst(tracks, eye)) {
+  for (const Track* track : nearestFirst(tracks, viewpoint)) {
     const auto top = topOf(*track, view);
     const double max_distance =
-        kMaxLabelDistanceM * scale + std::abs(eye.z() - track->position.z());
-    if (!top || (track->position - eye).norm() > max_distance) continue;
+        kMaxLabelDistanceM * scale + std::abs(viewpoint.z() - track->position.z());
+    if (!top || (track->position - viewpoint).norm() > max_distance) continue;
     if (!cv::Rect({0, 0}, canvas.size()).contains(*top)) continue;
     const std::string label = labelOf(*track);
     const cv::Size size = canvas.textSize(label, kLabelPoints);

@@ -91,9 +91,9 @@ render::PinholeView externalView(const SnapshotOptions& options, const SnapshotI
   if (options.view == View::kOrbit) {
     const double angle = 2.0 * kPi * static_cast<double>(input.frame) / kFramesPerTurn;
     const Eigen::Vector3d centre = foot + 8.0 * scale * forward;
-    const Eigen::Vector3d eye =
+    const Eigen::Vector3d viewpoint =
         centre + scale * (kOrbitRadiusM * levelDirection(angle + 0.75 * kPi) + kOrbitHeightM * up);
-    return makeExternalView(kFollowFov, render::lookAt(eye, centre));
+    return makeExternalView(kFollowFov, render::lookAt(viewpoint, centre));
   }
   return makeExternalView(kFollowFov, render::lookAt(foot + scale * (7.5 * up - 11.0 * forward),
                                                      foot + 15.0 * scale * forward));

@@ -13,10 +13,10 @@ namespace {
 
 using Profile = StreetProfile;
 
-constexpr double kAheadClosest = 6.5;    // camera to the rear of who drives ahead [m]
-constexpr double kPassingClosest = 3.0;  // camera to the rear of who passes [m]
+constexpr double kAheadClosest = 6.5;    // camera to the rear of a vehicle ahead [m]
+constexpr double kPassingClosest = 3.0;  // camera to the rear of a passing vehicle [m]
 constexpr double kCyclistClosest = 4.5;  // camera to the nearer cyclist [m]
-constexpr double kFarthestBack = 28.0;   // nobody falls back farther [m]
+constexpr double kFarthestBack = 28.0;   // largest distance behind [m]
 constexpr double kSurge = 0.12;          // of the distance, to and fro
 
 }  // namespace

@@ -16,10 +16,10 @@ namespace headway::sim {
 /// One drives ahead in the robot's lane, one passes on its left, two cyclists ride on its right;
 /// which of them come, and of what kind, is drawn: as many as the ratio needs. From then on one
 /// number governs them, how far they stay back, and it follows the ratio covered so far. They
-/// surge and fall back a little, each in its own rhythm, and brake for who is before them.
+/// surge and fall back a little, each at its own period, and brake for what is ahead of them.
 class Escort {
  public:
-  /// Nobody comes if TrafficParams::image_share is zero.
+  /// No vehicles are made if TrafficParams::image_share is zero.
   ///
   /// @param camera  in whose left image the ratio is meant
   /// The route must outlive the object.

@@ -31,7 +31,7 @@ std::vector<Actor> StreetEnvironment::actors(double reach) {
 std::vector<PlacedMesh> StreetEnvironment::staticMeshes(double reach) {
   const Eigen::Vector3d robot = T_world_robot().translation();
   ViewCone all_around;
-  all_around.eye = robot.head<2>();
+  all_around.viewpoint = robot.head<2>();
   std::vector<PlacedMesh> meshes;
   for (const StretchKey& key : world_.inView(robot, all_around)) {
     const StreetStretch& stretch = world_.stretch(key);

@@ -173,8 +173,8 @@ void StreetScene::placeAll(const Eigen::Vector3d& origin) {
 void StreetScene::arrange(const Pose& T_world_robot, const Pose& T_left_right,
                           const std::vector<Actor>& actors, const std::vector<Mesh>& meshes) {
   const Eigen::Vector3d origin = T_world_robot.translation();
-  const Eigen::Vector3d eye = (T_world_robot * camera_.T_robot_cam).translation();
-  const auto visible = world_.inView(eye, viewCone(camera_, T_world_robot));
+  const Eigen::Vector3d viewpoint = (T_world_robot * camera_.T_robot_cam).translation();
+  const auto visible = world_.inView(viewpoint, viewCone(camera_, T_world_robot));
   showStretches(visible);
   const std::set<StretchKey> now(visible.begin(), visible.end());
   if (now != shown_ && !visible.empty()) rebuildShared(visible);

@@ -31,7 +31,7 @@ class Vehicles {
 
   /// Fills the range around the robot.
   void populate(const RobotState& robot, std::int64_t& next_id);
-  /// @param others  everything that is in nobody's lane by intent: people, the robot
+  /// @param others  obstacles that follow no lane: people, the robot
   void advance(double dt, const RobotState& robot, const std::vector<Obstacle>& others,
                std::int64_t& next_id);
   [[nodiscard]] const std::vector<Actor>& actors() const { return actors_; }
@@ -56,7 +56,7 @@ class Vehicles {
   [[nodiscard]] std::optional<Vehicle> crossing(const RobotState& robot, bool anywhere);
   void turnOff(Vehicle& vehicle, bool oncoming);
   [[nodiscard]] bool isFree(const Vehicle& vehicle, const RobotState& robot) const;
-  /// Whether nobody comes to whom it must yield.
+  /// Whether no vehicle approaches that has the right of way.
   [[nodiscard]] bool gapFor(const Vehicle& vehicle, const RobotState& robot) const;
   void place(std::size_t i, double dt);
   void retire(const RobotState& robot);

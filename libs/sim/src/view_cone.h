@@ -9,13 +9,13 @@ namespace headway::sim {
 
 /// What a camera can see of the ground plan: all within an angle of its viewing direction.
 struct ViewCone {
-  Eigen::Vector2d eye = Eigen::Vector2d::Zero();  ///< world [m]
-  double heading = 0.0;                           ///< about world z [rad]
-  double half_width = M_PI;                       ///< half the horizontal field of view [rad]
+  Eigen::Vector2d viewpoint = Eigen::Vector2d::Zero();  ///< world [m]
+  double heading = 0.0;                                 ///< about world z [rad]
+  double half_width = M_PI;                             ///< half the horizontal field of view [rad]
 
   /// Whether any of a disc is seen.
   [[nodiscard]] bool touches(const Eigen::Vector2d& middle, double radius) const {
-    const Eigen::Vector2d offset = middle - eye;
+    const Eigen::Vector2d offset = middle - viewpoint;
     const double distance = offset.norm();
     if (distance <= radius) return true;
     const double off_axis =
@@ -26,8 +26,9 @@ struct ViewCone {
 
 /// What a camera on the robot sees, and a little more.
 [[nodiscard]] inline ViewCone viewCone(const StereoCamera& camera, const Pose& T_world_robot) {
-  const Eigen::Vector3d eye = (T_world_robot * camera.T_robot_cam).translation();
-  return {eye.head<2>(), yawOf(T_world_robot), std::atan(0.5 * camera.width / camera.fx) + 0.02};
+  const Eigen::Vector3d viewpoint = (T_world_robot * camera.T_robot_cam).translation();
+  return {viewpoint.head<2>(), yawOf(T_world_robot),
+          std::atan(0.5 * camera.width / camera.fx) + 0.02};
 }
 
 }  // namespace headway::sim

@@ -174,8 +174,8 @@ void Walkers::move(Person& person, double dt, const Obstacle& robot) const {
     break;
   }
   person.velocity = (person.at - before) / dt;
-  const bool wants = person.pause_s <= 0.0 && !person.idle;
-  person.stuck_s = wants && person.velocity.norm() < 0.1 ? person.stuck_s + dt : 0.0;
+  const bool walking = person.pause_s <= 0.0 && !person.idle;
+  person.stuck_s = walking && person.velocity.norm() < 0.1 ? person.stuck_s + dt : 0.0;
 }
 
 void Walkers::place(std::size_t i, double dt) {

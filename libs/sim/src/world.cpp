@@ -53,11 +53,11 @@ std::vector<World::Spot> World::spotsNear(const Eigen::Vector3d& place, double r
   return near;
 }
 
-std::vector<StretchKey> World::inView(const Eigen::Vector3d& eye, const ViewCone& view) {
+std::vector<StretchKey> World::inView(const Eigen::Vector3d& viewpoint, const ViewCone& view) {
   std::vector<std::pair<double, StretchKey>> by_distance;
-  for (const Spot& spot : spotsNear(eye, params_.view_distance_m)) {
+  for (const Spot& spot : spotsNear(viewpoint, params_.view_distance_m)) {
     if (!view.touches(spot.middle.head<2>(), kReach)) continue;
-    by_distance.emplace_back((spot.middle - eye).norm(), spot.key);
+    by_distance.emplace_back((spot.middle - viewpoint).norm(), spot.key);
   }
   std::sort(by_distance.begin(), by_distance.end());
   std::vector<StretchKey> visible;
@@ -67,7 +67,7 @@ std::vector<StretchKey> World::inView(const Eigen::Vector3d& eye, const ViewCone
   }
   const double keep_within = params_.view_distance_m + kKeepBeyond;
   for (auto it = built_.begin(); it != built_.end();) {
-    const double distance = (it->second.anchor - eye).head<2>().norm();
+    const double distance = (it->second.anchor - viewpoint).head<2>().norm();
     it = distance > keep_within ? built_.erase(it) : std::next(it);
   }
   return visible;

@@ -23,7 +23,8 @@ class World {
   [[nodiscard]] const WorldParams& params() const { return params_; }
 
   /// Stretches within view of a camera, the nearest first; builds what is missing.
-  [[nodiscard]] std::vector<StretchKey> inView(const Eigen::Vector3d& eye, const ViewCone& view);
+  [[nodiscard]] std::vector<StretchKey> inView(const Eigen::Vector3d& viewpoint,
+                                               const ViewCone& view);
   /// A stretch that inView() named last time or the time before.
   [[nodiscard]] const StreetStretch& stretch(const StretchKey& key) const;
   /// Stretches that are built at present.

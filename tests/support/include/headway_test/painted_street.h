@@ -83,40 +83,40 @@ class PaintedStreet {
     return 0.5 * noise(x / 0.12, y / 0.12, paint) + 0.5 * noise(x / 0.5, y / 0.5, paint + 7);
   }
 
-  [[nodiscard]] cv::Mat picture(double time, double eye_x) const {
+  [[nodiscard]] cv::Mat picture(double time, double camera_x) const {
     cv::Mat image(camera_->height, camera_->width, CV_8U);
-    const Eigen::Vector3d eye(eye_x, 0.0, kSpeed * time);
+    const Eigen::Vector3d origin(camera_x, 0.0, kSpeed * time);
     for (int v = 0; v < image.rows; ++v) {
       for (int u = 0; u < image.cols; ++u) {
         const Eigen::Vector3d ray((u - camera_->cx) / camera_->fx, (v - camera_->cy) / camera_->fy,
                                   1.0);
         image.at<unsigned char>(v, u) =
-            cv::saturate_cast<unsigned char>(40 + 170 * seen(eye, ray, time));
+            cv::saturate_cast<unsigned char>(40 + 170 * seen(origin, ray, time));
       }
     }
     return image;
   }
 
-  [[nodiscard]] double seen(const Eigen::Vector3d& eye, const Eigen::Vector3d& ray,
+  [[nodiscard]] double seen(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray,
                             double time) const {
     // The nearest surface first, and only that is painted.
-    double nearest = kWall - eye.z();
+    double nearest = kWall - origin.z();
     const bool on_ground = ray.y() > 1e-9 && kCameraHeight / ray.y() < nearest;
     if (on_ground) nearest = kCameraHeight / ray.y();
     const PaintedBox* box_seen = nullptr;
     Eigen::Vector3d on_box = Eigen::Vector3d::Zero();
     for (const auto& box : boxes_) {
       const Eigen::Vector3d foot = box.foot + time * box.velocity;
-      const double depth = foot.z() - eye.z();
+      const double depth = foot.z() - origin.z();
       if (depth <= 0.1 || depth >= nearest) continue;
-      const Eigen::Vector3d off = eye + depth * ray - foot;
+      const Eigen::Vector3d off = origin + depth * ray - foot;
       if (std::abs(off.x()) > 0.5 * box.width || off.y() > 0.0 || off.y() < -box.height) continue;
       nearest = depth;
       box_seen = &box;
       on_box = off;
     }
     if (box_seen != nullptr) return paintAt(on_box.x(), on_box.y(), box_seen->paint);
-    const Eigen::Vector3d place = eye + nearest * ray;
+    const Eigen::Vector3d place = origin + nearest * ray;
     if (on_ground) return 0.5 + 0.3 * (paintAt(place.x(), place.z(), 91) - 0.5);
     return paintAt(place.x() / 3, place.y() / 3, 90);
   }

@@ -21,7 +21,7 @@ struct NetworkParams {
   int input_width_px = 416;    ///< of the network [px], a multiple of 32
   int input_height_px = 416;   ///< [px], a multiple of 32
   double scale = 1.0;          ///< grey values are multiplied by this
-  bool swap_red_blue = false;  ///< the network wants RGB
+  bool swap_red_blue = false;  ///< the network expects RGB
   bool letterbox = true;       ///< keep the image's proportions, fill with `letterbox_grey`
   int letterbox_grey = 114;
   std::string classes = "coco";  ///< what its classes mean: "coco", or KITTI names by comma

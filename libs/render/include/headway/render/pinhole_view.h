@@ -24,10 +24,10 @@ struct PinholeView {
 [[nodiscard]] PinholeView makeView(int width, int height, double horizontal_fov,
                                    const Pose& T_map_camera);
 
-/// Pose of a camera at `eye` directed at `target`, with `up` upwards in its picture.
+/// Pose of a camera at `viewpoint` directed at `target`, with `up` upwards in its picture.
 ///
 /// @param up  not parallel to the viewing direction
-[[nodiscard]] Pose lookAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target,
+[[nodiscard]] Pose lookAt(const Eigen::Vector3d& viewpoint, const Eigen::Vector3d& target,
                           const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ());
 
 /// Projects a point of the map [px].

@@ -70,7 +70,7 @@ struct Pillar {
 
 /// What moves and what stands in one trial; the robot starts at the origin along x.
 ///
-/// The same seed gives the same people, whatever the robot does, as long as nobody yields.
+/// The same seed gives the same people, whatever the robot does, unless people yield to it.
 class Crowd {
  public:
   Crowd(const PeopleParams& people, const RobotCourse& course, std::uint64_t seed);
