@@ -155,7 +155,7 @@ TEST_F(KittiRawTest, SensorSamplesAreInTheRobotFrame) {
   EXPECT_NEAR(kStart_s + 0.12, dataset->inertial()[1].time, 1e-6);
   EXPECT_TRUE(dataset->inertial()[1].acceleration.isApprox(Eigen::Vector3d(0.1, 0.2, 9.8), 1e-9));
   ASSERT_EQ(4u, dataset->gnss().size());
-  const auto& sample = dataset->gnss()[1];
+  const auto sample = dataset->gnss()[1];
   EXPECT_NEAR(8.4, sample.longitude_deg, 1e-12);
   EXPECT_EQ(9, sample.satellites);
   EXPECT_TRUE(sample.velocity.isApprox(Eigen::Vector3d(0.0, 12.0, 0.0), 1e-12));
