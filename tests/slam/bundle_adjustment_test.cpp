@@ -8,20 +8,10 @@
 #include <thread>
 
 #include "bundle_adjuster.h"
+#include "test_camera.h"
 
 namespace headway::slam {
 namespace {
-
-StereoCamera testCamera() {
-  StereoCamera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.fx = camera.fy = 500.0;
-  camera.cx = 320.0;
-  camera.cy = 240.0;
-  camera.baseline_m = 0.5;
-  return camera;
-}
 
 struct World {
   SparseMap map;

@@ -8,18 +8,13 @@
 
 #include "bundle_step.h"
 #include "motion_factor.h"
+#include "test_camera.h"
 
 namespace headway::slam {
 namespace {
 
 StereoCamera solverCamera() {
-  StereoCamera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.fx = camera.fy = 500.0;
-  camera.cx = 320.0;
-  camera.cy = 240.0;
-  camera.baseline_m = 0.5;
+  StereoCamera camera = testCamera();
   camera.T_robot_cam.linear() = expSo3({-1.2, 0.1, -1.3});
   camera.T_robot_cam.translation() << 0.3, -0.1, 0.8;
   return camera;

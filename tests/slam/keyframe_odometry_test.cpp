@@ -5,6 +5,7 @@
 #include <random>
 
 #include "bundle_adjustment.h"
+#include "test_camera.h"
 
 namespace headway::slam {
 namespace {
@@ -78,13 +79,7 @@ TEST(KeyframeOdometryTest, IsBridgedWhereAKeyframeIsRemoved) {
 
 /// Error of the last of six keyframes, which sees few landmarks badly [m].
 double errorWithPoorVision(const std::optional<OdometryLink>& odometry) {
-  StereoCamera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.fx = camera.fy = 500.0;
-  camera.cx = 320.0;
-  camera.cy = 240.0;
-  camera.baseline_m = 0.5;
+  StereoCamera camera = testCamera();
   camera.T_robot_cam.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   SparseMap map;
   std::vector<KeyframeId> ids;
