@@ -3,7 +3,6 @@
 
 #include <set>
 
-#include "image_files.h"
 #include "kitti_raw_drive.h"
 #include "kitti_tracklets.h"
 
@@ -31,11 +30,7 @@ class KittiRaw : public Dataset {
 
   DatasetFrame frame(std::size_t index) const override {
     const auto& recorded = drive_.frames.at(index);
-    DatasetFrame frame;
-    frame.time = recorded.time;
-    frame.left = requireImage(recorded.images.left);
-    frame.right = requireImage(recorded.images.right);
-    frame.truth_T_map_robot = recorded.truth_T_map_robot;
+    DatasetFrame frame = recorded.load();
     if (!tracklets_) return frame;
     const auto objects = tracklets_->find(recorded.images.number);
     frame.truth_objects = objects == tracklets_->end() ? Detections{} : objects->second;

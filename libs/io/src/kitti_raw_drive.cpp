@@ -110,6 +110,15 @@ void addSensors(const std::vector<OxtsPacket>& packets, const Pose& T_robot_imu,
 
 }  // namespace
 
+DatasetFrame KittiRawDrive::Frame::load() const {
+  DatasetFrame frame;
+  frame.time = time;
+  frame.left = requireImage(images.left);
+  frame.right = requireImage(images.right);
+  frame.truth_T_map_robot = truth_T_map_robot;
+  return frame;
+}
+
 KittiRawDrive readKittiRawDrive(const fs::path& folder, OxtsPath path) {
   if (!fs::is_directory(folder)) throw InputError(folder.string() + ": is not a folder");
   const fs::path given = folder.filename().empty() ? folder.parent_path() : folder;

@@ -18,6 +18,9 @@ struct KittiRawDrive {
     Time time = 0.0;  ///< of the left image
     KittiImagePair images;
     std::optional<Pose> truth_T_map_robot;
+
+    /// Time, pixels and true pose. @throws InputError naming an image that cannot be read
+    [[nodiscard]] DatasetFrame load() const;
   };
   std::vector<Frame> frames;
   RawStereoCamera camera;

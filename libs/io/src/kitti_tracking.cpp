@@ -5,7 +5,6 @@
 
 #include <filesystem>
 
-#include "image_files.h"
 #include "kitti_raw_drive.h"
 
 namespace headway::io {
@@ -165,11 +164,7 @@ class KittiTrackingImages : public Dataset {
 
   DatasetFrame frame(std::size_t index) const override {
     const auto& recorded = drive_.frames.at(index);
-    DatasetFrame frame;
-    frame.time = recorded.time;
-    frame.left = requireImage(recorded.images.left);
-    frame.right = requireImage(recorded.images.right);
-    frame.truth_T_map_robot = recorded.truth_T_map_robot;
+    DatasetFrame frame = recorded.load();
     frame.truth_objects = boxesAt(truth_, index, frame.time);
     if (detections_) frame.detections = boxesAt(*detections_, index, frame.time);
     return frame;
