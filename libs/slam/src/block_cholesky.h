@@ -10,7 +10,7 @@ namespace headway::slam {
 /// Cholesky decomposition of a sparse symmetric matrix of 6x6 blocks.
 ///
 /// Eigen's SimplicialLLT works on scalars. With blocks the inner loop is a product of small dense
-/// matrices, which is about seven times as fast for a map of 800 keyframes.
+/// matrices (doc/lab/slam.md, "Loops", compares the times for 791 keyframes).
 ///
 /// @see Davis 2006, "Direct Methods for Sparse Linear Systems", chapter 4 (symbolic analysis);
 ///      Amestoy, Davis & Duff 1996 (approximate minimum degree ordering)

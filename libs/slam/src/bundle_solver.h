@@ -49,8 +49,8 @@ struct BundleSolution {
 /// Minimises the reprojection errors by Levenberg-Marquardt with a Huber loss.
 ///
 /// Each point is eliminated by its 3x3 block (Schur complement), which leaves a system of the free
-/// poses and of the disparities' offset. All blocks have fixed sizes: Ceres 2.1 has no kernels for
-/// residuals of 3 with poses of 6 and takes three to four times as long.
+/// poses and of the disparities' offset. All blocks have fixed sizes: for residuals of 3 with poses
+/// of 6, Ceres 2.1 falls back to dynamic ones (doc/lab/slam.md compares the times).
 ///
 /// @param stop  cancels the solve after its present iteration, with an unusable solution
 /// @see Triggs et al. 2000, "Bundle adjustment: a modern synthesis", sec. 6;
