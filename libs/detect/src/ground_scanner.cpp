@@ -51,12 +51,16 @@ void GroundScanParams::describe(Params::Section section) {
                    {"most_error", "max_error_m"}});
 }
 
+stereo::RigAssumptions GroundScanParams::configured() const {
+  stereo::RigAssumptions result;
+  result.min_obstacle_height_m = min_obstacle_height_m;
+  result.sigma_disparity_px = sigma_disparity_px;
+  result.obstacles_to_m = reach_m;
+  return result;
+}
+
 stereo::RigCapability GroundScanParams::capabilityOf(const StereoCamera& camera) const {
-  stereo::RigAssumptions configured;
-  configured.min_obstacle_height_m = min_obstacle_height_m;
-  configured.sigma_disparity_px = sigma_disparity_px;
-  configured.obstacles_to_m = reach_m;
-  return stereo::rigCapability(camera, configured);
+  return stereo::rigCapability(camera, configured());
 }
 
 GroundScanParams GroundScanParams::forRig(const stereo::RigCapability& rig) const {

@@ -16,13 +16,9 @@ std::optional<Pose> poseOf(const slam::SlamUpdate& camera) {
 std::optional<stereo::RigCapability> rigOf(const StereoCamera* camera,
                                            const PerceptionParams& params) {
   if (camera == nullptr) return std::nullopt;
-  const auto& scan = params.grid.scan;
   const auto& detect = params.detection.detect;
-  stereo::RigAssumptions configured;
-  configured.min_obstacle_height_m = scan.min_obstacle_height_m;
-  configured.sigma_disparity_px = scan.sigma_disparity_px;
+  auto configured = params.grid.scan.configured();
   configured.nearest_m = detect.disparity.nearest_m;
-  configured.obstacles_to_m = scan.reach_m;
   configured.vehicles_to_m = detect.stereo_motion.max_range_m;
   configured.segments_to_m = detect.stereo_motion.max_segment_range_m;
   configured.grid_spacing_m = params.grid.map.spacing_m;

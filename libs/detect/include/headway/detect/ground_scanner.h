@@ -18,6 +18,8 @@ struct GroundScanParams {
   double max_error_m = 0.6;            ///< maximum uncertainty of an obstacle's distance [m]
 
   void describe(Params::Section section);
+  /// These values, as they replace those of the rig.
+  [[nodiscard]] stereo::RigAssumptions configured() const;
   /// Capability of a rig for these obstacles; an own reach replaces the rig's.
   [[nodiscard]] stereo::RigCapability capabilityOf(const StereoCamera& camera) const;
   /// Parameters without 0.
