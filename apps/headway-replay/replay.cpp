@@ -273,9 +273,9 @@ void Replay::writeMap(const std::vector<slam::FrameEstimate>& trajectory) {
   map::StoredMap stored = perception_->stored();
   stored.configuration = configuration_;
   if (const auto grid = stored.map.staticGrid()) map::writeStaticGrid(folder_ / "map_grid", *grid);
-  map::saveMap(folder_ / "map.headway", stored);
   map::writeSimpleMap(folder_ / "map.simplemap", *stored.map.staticMap());
   map::writePly(folder_ / "map_points.ply", *stored.map.staticMap());
+  map::saveMap(folder_ / "map.headway", std::move(stored));
 }
 
 void Replay::warnIfNotRelocalised(const std::vector<slam::FrameEstimate>& trajectory) const {

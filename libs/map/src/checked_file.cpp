@@ -2,12 +2,12 @@
 
 #include <headway/core/byte_archive.h>
 #include <headway/core/error.h>
-#include <mrpt/io/zip.h>
-#include <mrpt/system/crc.h>
 
 #include <filesystem>
 #include <fstream>
-#include <sstream>
+#include <utility>
+
+#include "zlib_stream.h"
 
 namespace headway::map {
 namespace {
@@ -17,59 +17,57 @@ constexpr std::uint32_t kFormatVersion = 2;
 constexpr std::size_t kHeaderSize = 8 + 4 + 8 + 8 + 4 + 4;
 constexpr std::uint64_t kLargestCompression = 1100;  ///< zlib's is 1032
 
-std::uint32_t checksum(std::string_view bytes) {
-  return mrpt::system::compute_CRC32(reinterpret_cast<const std::uint8_t*>(bytes.data()),
-                                     bytes.size());
-}
-
-/// @param plain  is not changed; MRPT's signature lacks the const
-std::string compressed(std::string& plain) {
-  std::vector<unsigned char> out;
-  mrpt::io::zip::compress(plain.data(), plain.size(), out);
-  return {out.begin(), out.end()};
-}
-
-std::string decompressed(std::string_view packed, std::uint64_t plain_size) {
-  std::string plain(plain_size, '\0');
-  std::size_t actual = 0;
-  try {
-    mrpt::io::zip::decompress(const_cast<char*>(packed.data()), packed.size(), plain.data(),
-                              plain.size(), actual);
-  } catch (const std::exception&) {
-    throw InputError("damaged: cannot be decompressed");
-  }
-  if (actual != plain_size) throw InputError("damaged: fewer data than its header states");
-  return plain;
-}
-
-std::string headerOf(const std::string& packed, std::size_t plain_size) {
+std::string headerOf(const ZlibWriter& data) {
   ByteWriter header;
   header.bytes = kMagic;
   header.value(kFormatVersion);
-  header.count(packed.size());
-  header.count(plain_size);
-  header.value(checksum(packed));
+  header.count(data.packedSize());
+  header.count(data.plainSize());
+  header.value(data.packedChecksum());
   header.value(checksum(header.bytes));
-  return header.bytes;
+  return std::move(header.bytes);
 }
 
-std::string plainOf(const std::vector<Section>& sections) {
-  ByteWriter plain;
-  for (const auto& section : sections) {
-    plain.value(static_cast<std::uint32_t>(section.name.size()));
-    plain.bytes += section.name;
-    plain.value(section.version);
-    plain.text(section.bytes);
-  }
-  return plain.bytes;
+void writeSection(ZlibWriter& out, const Section& section) {
+  ByteWriter head;
+  head.value(static_cast<std::uint32_t>(section.name.size()));
+  head.bytes += section.name;
+  head.value(section.version);
+  head.count(section.bytes.size());
+  out.write(head.bytes);
+  out.write(section.bytes);
+}
+
+/// Header and data; the header is written last, when the sizes are known.
+void writeSections(std::ostream& file, const std::vector<Section>& sections) {
+  file << std::string(kHeaderSize, '\0');
+  ZlibWriter data(file);
+  for (const auto& section : sections) writeSection(data, section);
+  data.finish();
+  file.seekp(0);
+  file << headerOf(data);
+}
+
+template <typename T>
+T readValue(ZlibReader& in) {
+  return ByteReader(in.take(sizeof(T))).value<T>();
+}
+
+Section nextSection(ZlibReader& in) {
+  Section section;
+  section.name = in.take(readValue<std::uint32_t>(in));
+  section.version = readValue<std::uint32_t>(in);
+  section.bytes = in.take(readValue<std::uint64_t>(in));
+  return section;
 }
 
 std::string contentsOf(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file || !std::filesystem::is_regular_file(path)) throw InputError("no such file");
-  std::ostringstream contents;
-  contents << file.rdbuf();
-  return contents.str();
+  std::string contents(std::filesystem::file_size(path), '\0');
+  file.read(contents.data(), static_cast<std::streamsize>(contents.size()));
+  contents.resize(static_cast<std::size_t>(file.gcount()));
+  return contents;
 }
 
 struct Header {
@@ -113,11 +111,9 @@ Header parseHeader(std::string_view whole) {
 }  // namespace
 
 void writeCheckedFile(const std::string& path, const std::vector<Section>& sections) {
-  std::string plain = plainOf(sections);
-  const std::string packed = compressed(plain);
   const std::string partial = path + ".part";
   std::ofstream file(partial, std::ios::binary | std::ios::trunc);
-  file << headerOf(packed, plain.size()) << packed;
+  writeSections(file, sections);
   file.close();
   std::error_code error;
   if (file) std::filesystem::rename(partial, path, error);
@@ -141,15 +137,8 @@ std::vector<Section> readCheckedFile(const std::string& path) {
       checksum(packed) != header.packed_checksum) {
     throw InputError("damaged: its checksum does not match");
   }
-  const std::string plain = decompressed(packed, header.plain_size);
   std::vector<Section> sections;
-  for (ByteReader in(plain); !in.atEnd();) {
-    Section section;
-    section.name = in.take(in.value<std::uint32_t>());
-    section.version = in.value<std::uint32_t>();
-    section.bytes = in.text();
-    sections.push_back(std::move(section));
-  }
+  for (ZlibReader in(packed, header.plain_size); !in.atEnd();) sections.push_back(nextSection(in));
   return sections;
 }
 

@@ -4,6 +4,8 @@
 #include <mrpt/io/CMemoryStream.h>
 #include <mrpt/serialization/CArchive.h>
 
+#include <utility>
+
 #include "checked_file.h"
 #include "stored_values.h"
 
@@ -25,7 +27,7 @@ template <typename Value>
 Section sectionOf(const std::string& name, const Value& value) {
   ByteWriter out;
   write(out, value);
-  return {name, kSectionVersion, out.bytes};
+  return {name, kSectionVersion, std::move(out.bytes)};
 }
 
 /// The layers are serialised by MRPT, without their landmarks, which are a copy of the static map
@@ -71,10 +73,10 @@ std::shared_ptr<mrpt::maps::CMultiMetricMap> readLayers(const std::string& bytes
 }
 
 /// Applies one section; unknown ones are ignored, so that later versions may add some.
-void apply(const Section& section, StoredMap& stored, std::optional<slam::MapView>& static_map) {
+void apply(Section&& section, StoredMap& stored, std::optional<slam::MapView>& static_map) {
   const std::string attachment = kAttachment;
   if (section.name == kConfiguration) {
-    stored.configuration = section.bytes;
+    stored.configuration = std::move(section.bytes);
   } else if (section.name == kCamera) {
     stored.camera = readValue(section, readCamera);
   } else if (section.name == kStaticMap) {
@@ -82,7 +84,7 @@ void apply(const Section& section, StoredMap& stored, std::optional<slam::MapVie
   } else if (section.name == kLayers) {
     stored.map = PerceptionMap(readSection(section, readLayers));
   } else if (section.name.rfind(attachment, 0) == 0) {
-    stored.attachments[section.name.substr(attachment.size())] = section.bytes;
+    stored.attachments[section.name.substr(attachment.size())] = std::move(section.bytes);
   }
 }
 
@@ -93,9 +95,9 @@ bool holdsSlamMap(const StoredMap& stored) {
 
 }  // namespace
 
-void saveMap(const std::string& path, const StoredMap& stored) {
+void saveMap(const std::string& path, StoredMap stored) {
   std::vector<Section> sections;
-  sections.push_back({kConfiguration, kSectionVersion, stored.configuration});
+  sections.push_back({kConfiguration, kSectionVersion, std::move(stored.configuration)});
   if (stored.camera) {
     sections.push_back(sectionOf(kCamera, *stored.camera));
   }
@@ -103,8 +105,8 @@ void saveMap(const std::string& path, const StoredMap& stored) {
     sections.push_back(sectionOf(kStaticMap, *stored.map.staticMap()));
   }
   sections.push_back(layersWithoutLandmarks(stored.map));
-  for (const auto& [name, bytes] : stored.attachments) {
-    sections.push_back({kAttachment + name, kSectionVersion, bytes});
+  for (auto& [name, bytes] : stored.attachments) {
+    sections.push_back({kAttachment + name, kSectionVersion, std::move(bytes)});
   }
   writeCheckedFile(path, sections);
 }
@@ -113,7 +115,7 @@ StoredMap loadMap(const std::string& path) {
   try {
     StoredMap stored;
     std::optional<slam::MapView> static_map;
-    for (const auto& section : readCheckedFile(path)) apply(section, stored, static_map);
+    for (auto& section : readCheckedFile(path)) apply(std::move(section), stored, static_map);
     if (holdsSlamMap(stored)) {
       static_map =
           slam::savedMapView(stored.attachments[kSlamAttachment], stored.camera->T_robot_cam);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "evidence_grid.h"
 #include "stored_values.h"
@@ -152,7 +153,7 @@ std::string StaticGrid::save() const {
     write(out, stored.T_anchor_robot);
     write(out, stored.scan, with_laser);
   }
-  return out.bytes;
+  return std::move(out.bytes);
 }
 
 void StaticGrid::load(const std::string& bytes) {

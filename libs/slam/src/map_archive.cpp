@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 namespace headway::slam {
 namespace {
@@ -133,10 +134,20 @@ Landmark readLandmark(ByteReader& in) {
   return landmark;
 }
 
+/// At least what the map takes as bytes, so that a string of this capacity never grows.
+std::size_t bytesInMemory(const SparseMap& map) {
+  std::size_t bytes = 4096 + map.keyframes().size() * sizeof(Keyframe);
+  for (const auto& [id, landmark] : map.landmarks()) {
+    bytes += sizeof landmark + landmark.observations.size() * sizeof(LandmarkObservation);
+  }
+  return bytes;
+}
+
 }  // namespace
 
 std::string packMap(const SparseMap& map, const StereoCamera& camera) {
   ByteWriter out;
+  out.bytes.reserve(bytesInMemory(map));
   out.value(kMagic);
   out.value(kVersion);
   write(out, camera);
@@ -145,7 +156,7 @@ std::string packMap(const SparseMap& map, const StereoCamera& camera) {
   for (const auto& [id, keyframe] : map.keyframes()) write(out, keyframe);
   out.count(map.landmarks().size());
   for (const auto& [id, landmark] : map.landmarks()) write(out, landmark);
-  return out.bytes;
+  return std::move(out.bytes);
 }
 
 SparseMap unpackMap(const std::string& bytes, const std::optional<StereoCamera>& camera) {

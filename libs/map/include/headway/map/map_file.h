@@ -28,10 +28,10 @@ struct StoredMap {
 /// Writes a map file: versioned, compressed and checksummed.
 ///
 /// Written to a temporary file first and then renamed, so that a file of that name is always
-/// complete. Same contents, same bytes.
+/// complete. Same contents, same bytes. A map that is handed over (std::move) is not copied.
 ///
 /// @throws InputError if it cannot be written
-void saveMap(const std::string& path, const StoredMap& stored);
+void saveMap(const std::string& path, StoredMap stored);
 
 /// Reads a map file written by saveMap.
 ///
