@@ -48,6 +48,20 @@ TEST(WorldSceneTest, ContainsAllParts) {
   }
 }
 
+TEST(WorldSceneTest, PicturesOfTwoSizesShowTheSameLandmarks) {
+  const auto map = streetMap();
+  const auto input = streetInput(map);
+  const auto pointsAt = [&](int width, int height) {
+    SnapshotOptions options;
+    options.width = width;
+    options.height = height;
+    const auto view = externalView(options, input, 0.0);
+    auto scene = WorldScene(SceneUse::kPicture, 2.f).build(input, 0.0, &view);
+    return pointsIn(scene);
+  };
+  EXPECT_EQ(pointsAt(1280, 720), pointsAt(3840, 2160));
+}
+
 TEST(WorldSceneTest, ShowsTheOccupancyGridBelowEverythingElse) {
   auto map = streetMap();
   map.update(mrpt::maps::COccupancyGridMap2D::Create(-500.f, 500.f, -10.f, 20.f, 0.5f));

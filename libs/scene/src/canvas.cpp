@@ -25,9 +25,11 @@ int thicknessOf(double font_scale) {
 
 }  // namespace
 
-Canvas::Canvas(cv::Mat& picture)
-    : picture_(picture),
-      scale_(std::max(0.5, std::min(picture.rows / 720.0, picture.cols / 960.0))) {}
+double pixelsPerPoint(const cv::Size& picture) {
+  return std::max(0.5, std::min(picture.height / 720.0, picture.width / 960.0));
+}
+
+Canvas::Canvas(cv::Mat& picture) : picture_(picture), scale_(pixelsPerPoint(picture.size())) {}
 
 int Canvas::px(double points) const {
   return std::max(1, static_cast<int>(std::lround(points * scale_)));

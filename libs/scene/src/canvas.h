@@ -20,7 +20,10 @@ inline constexpr Colour kPathColour{255, 209, 71};     ///< path, robot and came
 inline constexpr Colour kTextColour{232, 236, 242};
 inline constexpr Colour kDimTextColour{150, 160, 175};
 
-/// Draws text, panels and lines on a picture, with sizes in points: 1/720 of the picture's height.
+/// Pixels of one point, 1/720 of a picture's height; less in narrow pictures, at least 0.5.
+[[nodiscard]] double pixelsPerPoint(const cv::Size& picture);
+
+/// Draws text, panels and lines on a picture, with sizes in points.
 class Canvas {
  public:
   /// @param picture  8-bit BGR; must outlive the canvas

@@ -12,9 +12,10 @@ namespace headway::scene {
 namespace {
 
 constexpr double kCellSizeM = 30.0;
-constexpr double kHighM = 6.0;              ///< of the highest tint above the ground, at scale 1
-constexpr std::size_t kSubsampling = 3;     ///< factor between levels
-constexpr double kAreaPerPoint_px2 = 16.0;  ///< about twice the area of a point
+constexpr double kHighM = 6.0;           ///< of the highest tint above the ground, at scale 1
+constexpr std::size_t kSubsampling = 3;  ///< factor between levels
+constexpr double kDotWidth = 2.6;        ///< [points]
+constexpr double kDotSpacing = 4.0;      ///< of dots that can be told apart [points]
 
 /// Image intensity, brightened for the dark background and tinted by height: blue (low) to sand
 /// (high).
@@ -49,7 +50,7 @@ bool mayBeVisible(const Eigen::AlignedBox3d& bounds, const render::PinholeView& 
          std::abs(centre.y()) <= centre.z() * tan_y + radius * std::sqrt(1.0 + tan_y * tan_y);
 }
 
-/// Number of points that the projection of the box can resolve; infinite if a corner is behind the
+/// Number of dots that the projection of the box can resolve; infinite if a corner is behind the
 /// camera.
 double pointCapacity(const Eigen::AlignedBox3d& bounds, const render::PinholeView& view) {
   Eigen::AlignedBox2d covered;
@@ -59,10 +60,15 @@ double pointCapacity(const Eigen::AlignedBox3d& bounds, const render::PinholeVie
     if (!pixel) return std::numeric_limits<double>::infinity();
     covered.extend(*pixel);
   }
-  return covered.volume() / kAreaPerPoint_px2;
+  const double spacing_px = kDotSpacing / kDotWidth * landmarkWidth({view.width, view.height});
+  return covered.volume() / (spacing_px * spacing_px);
 }
 
 }  // namespace
+
+double landmarkWidth(const cv::Size& picture) {
+  return kDotWidth * std::max(1.0, pixelsPerPoint(picture));
+}
 
 void LandmarkClouds::update(const std::shared_ptr<const slam::MapView>& static_map, double ground_z,
                             double scale, float point_size) {

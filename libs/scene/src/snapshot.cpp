@@ -45,6 +45,11 @@ cv::Mat drawThroughCamera(const SnapshotOptions& options, const SnapshotInput& i
   return picture;
 }
 
+/// Width of a landmark's dot in the rendered picture, before it is reduced [px].
+float renderedDot(const SnapshotOptions& options) {
+  return static_cast<float>(landmarkWidth({options.width, options.height}) * options.supersampling);
+}
+
 }  // namespace
 
 std::optional<View> viewFrom(std::string_view name) {
@@ -58,8 +63,7 @@ std::optional<View> viewFrom(std::string_view name) {
 class SnapshotRenderer::Implementation {
  public:
   explicit Implementation(const SnapshotOptions& options)
-      : options_(options),
-        world_(SceneUse::kPicture, 2.6f * static_cast<float>(options.supersampling)) {
+      : options_(options), world_(SceneUse::kPicture, renderedDot(options)) {
     if (options.view == View::kCamera) return;
     renderer_.emplace(options.width, options.height, options.supersampling);
   }

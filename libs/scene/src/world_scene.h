@@ -27,6 +27,9 @@ enum class DrawOrder { kOccupancy, kGrid, kLandmarks, kTruth, kPath, kRobot, kMo
 /// @param offset  position within the objects of the same order
 void setDrawOrder(DrawOrder order, mrpt::opengl::CRenderizable& object, int offset = 0);
 
+/// Width of a landmark's dot: 2.6 points, and no less in pixels, so that it can be seen [px].
+[[nodiscard]] double landmarkWidth(const cv::Size& picture);
+
 /// Landmarks as coloured points in square cells, so that a picture draws only the visible cells and
 /// no more points than it can resolve: drawing takes about 0.4 us per point.
 class LandmarkClouds {
