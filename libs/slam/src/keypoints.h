@@ -15,6 +15,7 @@ struct Keypoint {
 /// Square cells that spread features over an image.
 class FeatureGrid {
  public:
+  FeatureGrid() = default;
   /// About `cells` square cells on an image of this size [px].
   FeatureGrid(int width, int height, int cells);
 
@@ -25,7 +26,7 @@ class FeatureGrid {
  private:
   int width_ = 0;
   int height_ = 0;
-  int size_ = 0;  ///< side of a cell [px]
+  int size_ = 1;  ///< side of a cell [px]
   int columns_ = 0;
   int rows_ = 0;
 };

@@ -46,7 +46,6 @@ struct LandmarkTracker::Candidate {
 LandmarkTracker::LandmarkTracker(const StereoCamera& camera, const SlamParams& params)
     : camera_(camera),
       params_(params),
-      grid_(camera.width, camera.height, params.features),
       matcher_(static_cast<int>(params.max_disparity_ratio * camera.width), params.min_zncc) {}
 
 std::vector<TrackedLandmark> LandmarkTracker::follow(const TrackingFrame& previous,
@@ -98,7 +97,7 @@ std::vector<LandmarkTracker::Candidate> LandmarkTracker::candidatesByCell(
         uvd->y() >= camera_.height || isExcluded(current.excluded, uvd->head<2>())) {
       continue;
     }
-    in_view.push_back({grid_.cellOf(uvd->head<2>()), landmark, *uvd});
+    in_view.push_back({current.grid.cellOf(uvd->head<2>()), landmark, *uvd});
   }
   std::sort(in_view.begin(), in_view.end(), [](const Candidate& a, const Candidate& b) {
     if (a.cell != b.cell) return a.cell < b.cell;

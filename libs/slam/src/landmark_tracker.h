@@ -67,7 +67,6 @@ class LandmarkTracker {
 
   StereoCamera camera_;
   SlamParams params_;
-  FeatureGrid grid_;
   stereo::StereoMatcher matcher_;
 };
 

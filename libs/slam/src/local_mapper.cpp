@@ -16,7 +16,6 @@ LocalMapper::LocalMapper(const StereoCamera& camera, const SlamParams& params,
     : camera_(camera),
       params_(params),
       adjuster_(adjuster),
-      grid_(camera.width, camera.height, params.features),
       matcher_(static_cast<int>(params.max_disparity_ratio * camera.width), params.min_zncc),
       odometry_(params.use_odometry) {}
 
@@ -56,11 +55,11 @@ void LocalMapper::linkTracked(const TrackingFrame& frame, KeyframeId keyframe,
 
 void LocalMapper::addLandmarks(const TrackingFrame& frame, KeyframeId keyframe,
                                std::vector<TrackedLandmark>& tracked, SparseMap& map) const {
-  std::vector<bool> occupied(grid_.count(), false);
-  for (const auto& seen : tracked) occupied[grid_.cellOf(seen.measurement.uv)] = true;
+  std::vector<bool> occupied(frame.grid.count(), false);
+  for (const auto& seen : tracked) occupied[frame.grid.cellOf(seen.measurement.uv)] = true;
   const Pose T_map_cam = map.keyframe(keyframe).T_map_cam;
   const cv::Mat& image = frame.left.levels.front();
-  for (const Keypoint& keypoint : detectKeypoints(image, grid_, occupied, frame.excluded)) {
+  for (const Keypoint& keypoint : detectKeypoints(image, frame.grid, occupied, frame.excluded)) {
     const auto disparity = matcher_.search(frame.left, frame.right, keypoint.uv);
     if (!disparity) continue;
     const Eigen::Vector3d uvd(keypoint.uv.x(), keypoint.uv.y(), *disparity - map.disparityOffset());

@@ -42,7 +42,6 @@ class LocalMapper {
   StereoCamera camera_;
   SlamParams params_;
   BundleAdjuster& adjuster_;
-  FeatureGrid grid_;
   stereo::StereoMatcher matcher_;
   KeyframeOdometry odometry_;  ///< since the last keyframe
 };

@@ -91,7 +91,7 @@ SlamUpdate StereoSlam::Implementation::process(const stereo::FrameContext& conte
   {
     const auto watch = times_.watch("slam_track");
     mapper_.addOdometry(frame.motion_prior);
-    current = makeTrackingFrame(context, moving, *camera_, params_.dynamic_rejection);
+    current = makeTrackingFrame(context, moving, *camera_, params_);
     tracked = track(context, current);
   }
   const auto watch = times_.watch("slam_map");

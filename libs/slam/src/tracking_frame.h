@@ -4,6 +4,8 @@
 #include <headway/slam/slam_params.h>
 #include <headway/stereo/frame_context.h>
 
+#include "keypoints.h"
+
 namespace headway::slam {
 
 /// One frame, prepared for tracking.
@@ -14,6 +16,7 @@ struct TrackingFrame {
   stereo::ImagePyramid right;
   cv::Mat excluded;  ///< 8-bit, non-zero where nothing may be measured; may be empty
   cv::Mat suspect;   ///< 8-bit, non-zero where landmarks must be verified first; may be empty
+  FeatureGrid grid;  ///< about params.features cells outside of the excluded regions
 };
 
 /// Pyramids of both images, contrast-stretched in poor light, and the masks.
@@ -22,6 +25,6 @@ struct TrackingFrame {
 ///         is not
 [[nodiscard]] TrackingFrame makeTrackingFrame(const stereo::FrameContext& context,
                                               const MovingRegions& moving,
-                                              const StereoCamera& camera, DynamicRejection mode);
+                                              const StereoCamera& camera, const SlamParams& params);
 
 }  // namespace headway::slam
