@@ -124,13 +124,30 @@ TEST(KalmanFilterTest, TurnsOnThroughHalfATurn) {
   EXPECT_NEAR(filter.yawRate(), 0.5, 0.1);
 }
 
+MeasuredBox ofSize(const Eigen::Vector3d& size, double sigma_m = 0.2) {
+  MeasuredBox box = boxAt(0, 0);
+  box.size = size;
+  box.size_sigma_m = sigma_m;
+  return box;
+}
+
 TEST(KalmanFilterTest, DoesNotChangeAConvergedSize) {
   KalmanFilter filter(boxAt(0, 0), FilterParams());
-  for (int k = 0; k < 40; ++k) filter.updateSize({4.0 + (k % 2 == 0 ? 0.2 : -0.2), 1.7, 1.5});
+  for (int k = 0; k < 40; ++k)
+    filter.updateSize(ofSize({4.0 + (k % 2 == 0 ? 0.2 : -0.2), 1.7, 1.5}));
   const Eigen::Vector3d converged = filter.size();
   EXPECT_NEAR(converged.x(), 4.0, 0.05);
-  for (int k = 0; k < 40; ++k) filter.updateSize({2.0, 1.0, 1.0});  // half hidden
+  for (int k = 0; k < 40; ++k) filter.updateSize(ofSize({2.0, 1.0, 1.0}));  // half hidden
   EXPECT_EQ(filter.size(), converged);
+}
+
+TEST(KalmanFilterTest, BetterViewsChangeAConvergedSize) {
+  KalmanFilter filter(ofSize({3.5, 1.5, 1.3}, 0.6), FilterParams());
+  for (int k = 0; k < 100; ++k) filter.updateSize(ofSize({3.5, 1.5, 1.3}, 0.6));  // far away
+  for (int k = 0; k < 40; ++k) filter.updateSize(ofSize({4.2, 1.8, 1.6}, 0.2));   // near
+  EXPECT_NEAR(filter.size().x(), 4.2, 0.1);
+  EXPECT_NEAR(filter.size().y(), 1.8, 0.05);
+  EXPECT_NEAR(filter.size().z(), 1.6, 0.05);
 }
 
 }  // namespace

@@ -72,9 +72,11 @@ KalmanFilter::KalmanFilter(const MeasuredBox& first, const FilterParams& params)
   z_ = startingAt(p.z(), first.vertical_variance, kVerticalRatio * speed,
                   kVerticalRatio * acceleration_sigma_);
   yaw_ = startingAt(first.yaw, square(params.yaw_sigma_rad), kInitialTurnRate, kTurnAcceleration);
-  length_ = startingAt(first.size.x(), square(params.size_sigma_m), 0.0, 0.0);
-  width_ = startingAt(first.size.y(), square(params.size_sigma_m), 0.0, 0.0);
+  const double size_variance = square(first.size_sigma_m);
+  length_ = startingAt(first.size.x(), size_variance, 0.0, 0.0);
+  width_ = startingAt(first.size.y(), size_variance, 0.0, 0.0);
   height_ = first.size.z();
+  height_weight_ = 1.0 / size_variance;
 }
 
 void KalmanFilter::predict(const Transition& transition, bool standing) {
@@ -115,14 +117,15 @@ void KalmanFilter::updateVelocity(const GroundVelocity& measured) {
   updatePlanar(1, measured.value, measured.covariance);
 }
 
-// Sizes are constant: their chains have no rate and are not updated after convergence.
-void KalmanFilter::updateSize(const Eigen::Vector3d& size) {
-  const double variance = square(params_.size_sigma_m);
-  if (length_.covariance(0, 0) < square(params_.size_converged_m)) return;
-  length_.update(size.x(), variance);
-  width_.update(size.y(), variance);
-  ++sizes_seen_;
-  height_ += (size.z() - height_) / sizes_seen_;
+// Sizes are constant: their chains have no rate. Views that are not better than those before do not
+// change a converged size, because an object that is more and more hidden seems smaller.
+void KalmanFilter::updateSize(const MeasuredBox& measured) {
+  const double variance = square(measured.size_sigma_m);
+  if (length_.covariance(0, 0) < square(params_.size_converged_ratio) * variance) return;
+  length_.update(measured.size.x(), variance);
+  width_.update(measured.size.y(), variance);
+  height_weight_ += 1.0 / variance;
+  height_ += (measured.size.z() - height_) / (variance * height_weight_);
 }
 
 void KalmanFilter::updateYaw(double measured) {

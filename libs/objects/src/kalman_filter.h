@@ -51,7 +51,7 @@ class KalmanFilter {
   /// Updates the state by a measured position, velocity and footprint.
   void updatePlace(const MeasuredBox& measured);
   void updateVelocity(const GroundVelocity& measured);
-  void updateSize(const Eigen::Vector3d& size);
+  void updateSize(const MeasuredBox& measured);
 
   /// Updates the state by a heading; `measured` must be within pi of yaw() [rad].
   void updateYaw(double measured);
@@ -80,7 +80,7 @@ class KalmanFilter {
   Eigen::Matrix3d cross_xy_ = Eigen::Matrix3d::Zero();
   Chain z_, yaw_, length_, width_;
   double height_;
-  int sizes_seen_ = 1;
+  double height_weight_;  ///< sum of the inverse variances of the heights averaged [1/m^2]
 };
 
 }  // namespace headway::objects

@@ -23,6 +23,7 @@ struct MeasuredBox {
   std::optional<GroundVelocity> velocity;                    ///< if the detector measured it
   double yaw = 0.0;                                          ///< of the front about map z [rad]
   Eigen::Vector3d size = Eigen::Vector3d::Ones();            ///< (length, width, height) [m]
+  double size_sigma_m = 0.2;                                 ///< noise of each of them [m]
   std::optional<Box2d> box2d;                                ///< [px]
   Eigen::Vector3d seen_from = Eigen::Vector3d::UnitZ();      ///< centre, optical frame [m]
   std::optional<std::int64_t> detector_id;

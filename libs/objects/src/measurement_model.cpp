@@ -76,6 +76,7 @@ MeasuredBox MeasurementModel::measured(const Pose& T_map_sensor, const Detection
   }
   result.yaw = wrapAngle(std::atan2(front.y(), front.x()));
   result.size = {box.length, box.width, box.height};
+  result.size_sigma_m = noise_.size_sigma_m * sigmaAlong(box) / noise_.position_sigma_m;
   result.box2d = detection.box2d;
   result.seen_from = box.centre;
   result.detector_id = detection.detector_id;
@@ -85,10 +86,14 @@ MeasuredBox MeasurementModel::measured(const Pose& T_map_sensor, const Detection
   return result;
 }
 
+double MeasurementModel::sigmaAlong(const Box3d& box) const {
+  return noise_.position_sigma_m + noise_.position_sigma_per_m * box.centre.norm();
+}
+
 // The detector's own covariance, else noise that grows with depth: largest along the ray.
 Eigen::Matrix3d MeasurementModel::centreCovariance(const Detection& detection) const {
   const Eigen::Vector3d& centre = detection.box3d->centre;
-  const double along = noise_.position_sigma_m + noise_.position_sigma_per_m * centre.norm();
+  const double along = sigmaAlong(*detection.box3d);
   const double across = noise_.across_sigma_ratio * along;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   if (detection.centre_covariance) {

@@ -10,6 +10,7 @@
 #include "field_of_view.h"
 #include "measurement_model.h"
 #include "noise_scale.h"
+#include "score_quality.h"
 #include "tracked_object.h"
 
 namespace headway::objects {
@@ -74,9 +75,10 @@ class MovingObjectTracker::Implementation {
   }
 
   DistinctBoxes measure(const Pose& T_map_robot, const Detections& detections,
-                        TrackUpdate& update) const {
+                        TrackUpdate& update) {
     auto boxes = measurement_.toMap(T_map_robot, detections, update.detections_dropped);
-    for (MeasuredBox& box : boxes) box = noise_.scaled(std::move(box));
+    for (const MeasuredBox& box : boxes) quality_.learn(box);
+    for (MeasuredBox& box : boxes) box = quality_.scaled(noise_.scaled(std::move(box)));
     auto measured = consistency_.withoutDuplicates(std::move(boxes));
     if (!measured.duplicates.empty()) {
       update.detections_dropped["duplicate"] = measured.duplicates.size();
@@ -167,6 +169,7 @@ class MovingObjectTracker::Implementation {
   std::vector<TrackedObject> objects_;  ///< ascending ids
   FieldOfView view_;
   NoiseScale noise_;
+  ScoreQuality quality_;
   MotionHistory history_;     ///< buffer of one history
   std::optional<Time> time_;  ///< of the last frame
   std::int64_t next_id_ = 0;

@@ -92,9 +92,11 @@ void FilterParams::describe(Params::Section section) {
               "Gain by which innovations change the assumed noise; 0 keeps it as configured");
   section.add("yaw_sigma_rad", yaw_sigma_rad, 0.001, 3.0, "rad", "Noise of a measured heading");
   section.add("size_sigma_m", size_sigma_m, 0.001, 10.0, "m",
-              "Noise of a measured length, width and height");
-  section.add("size_converged_m", size_converged_m, 0.001, 10.0, "m",
-              "Uncertainty of a size below which it is no longer updated");
+              "Noise of a measured length, width and height, at no distance");
+  section.add(
+      "size_converged_ratio", size_converged_ratio, 0.001, 1.0, "",
+      "Uncertainty of a size, relative to the noise of a measured one, below which it is no "
+      "longer updated; 0.16 after 39 equally good views");
   renamedPerClass(section, "filter_acceleration", "filter_acceleration_mps2");
   renamedPerClass(section, "initial_speed", "initial_speed_mps");
   section.renamed({{"standing_share", "standing_acceleration_ratio"},
@@ -106,7 +108,8 @@ void FilterParams::describe(Params::Section section) {
                    {"noise_adaption", "noise_adaptation"},
                    {"yaw_sigma", "yaw_sigma_rad"},
                    {"size_sigma", "size_sigma_m"},
-                   {"size_settled", "size_converged_m"}});
+                   {"size_settled", "size_converged_ratio"},
+                   {"size_converged_m", "size_converged_ratio"}});
 }
 
 void HeadingParams::describe(Params::Section section) {

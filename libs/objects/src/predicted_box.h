@@ -18,6 +18,6 @@ namespace headway::objects {
 /// @param height  of the object [m]
 /// @return        nullopt if the object is not in front of the camera
 [[nodiscard]] std::optional<Box2d> predictedBox(const Box2d& box, const Eigen::Vector3d& from,
-                                              const Eigen::Vector3d& to, double height);
+                                                const Eigen::Vector3d& to, double height);
 
 }  // namespace headway::objects

@@ -39,7 +39,7 @@ void TrackedObject::update(std::size_t frame, Time time, const MeasuredBox& dete
   filter_.updatePlace(detection);
   velocity_measured_ = detection.velocity.has_value();
   if (detection.velocity) filter_.updateVelocity(*detection.velocity);
-  filter_.updateSize(detection.size);
+  filter_.updateSize(detection);
   updateHeading(detection);
   voteClass(detection);
   keepEvidence(time, detection);

@@ -38,8 +38,8 @@ struct FilterParams {
   double additional_position_sigma_m = 0.05;  ///< added to a detector's own covariance [m]
   double yaw_sigma_rad = 0.15;                ///< of a measured heading [rad]
   double noise_adaptation = 0.02;             ///< gain from innovations to the noise scale [-]
-  double size_sigma_m = 0.2;                  ///< of a measured length, width or height [m]
-  double size_converged_m = 0.05;             ///< sigma of a size below which it is fixed [m]
+  double size_sigma_m = 0.2;           ///< of a measured length, width or height at zero range [m]
+  double size_converged_ratio = 0.16;  ///< sigma of a size over that of a measurement: below, fixed
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "objects"); }  ///< @throws InputError
