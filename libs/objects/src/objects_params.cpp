@@ -93,10 +93,8 @@ void FilterParams::describe(Params::Section section) {
   section.add("yaw_sigma_rad", yaw_sigma_rad, 0.001, 3.0, "rad", "Noise of a measured heading");
   section.add("size_sigma_m", size_sigma_m, 0.001, 10.0, "m",
               "Noise of a measured length, width and height, at no distance");
-  section.add(
-      "size_converged_ratio", size_converged_ratio, 0.001, 1.0, "",
-      "Uncertainty of a size, relative to the noise of a measured one, below which it is no "
-      "longer updated; 0.16 after 39 equally good views");
+  section.add("size_converged_ratio", size_converged_ratio, 0.001, 1.0, "",
+              "Uncertainty of a size over the noise of a measured one: below, it is not updated");
   renamedPerClass(section, "filter_acceleration", "filter_acceleration_mps2");
   renamedPerClass(section, "initial_speed", "initial_speed_mps");
   section.renamed({{"standing_share", "standing_acceleration_ratio"},
