@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
-#include <iterator>
+#include <utility>
 
 #include "bundle_solver.h"
 #include "keyframe_odometry.h"
@@ -12,9 +12,35 @@ namespace {
 
 constexpr double kGate = 11.34;  ///< chi-square, 3 degrees of freedom, 99 %
 
-/// Removes outlier observations; returns their number.
-int removeOutliers(SparseMap& map, const std::vector<KeyframeId>& keyframes,
-                   const StereoCamera& camera);
+/// Positions of ids in an ascending list. Fast for ids that follow each other, as those of the
+/// keyframes that observe a landmark mostly do.
+class IdPositions {
+ public:
+  explicit IdPositions(const std::vector<KeyframeId>& ids) : ids_(ids) {}
+
+  /// @param id  one of the list
+  std::size_t operator()(KeyframeId id) {
+    if (next_ >= ids_.size() || ids_[next_] != id) {
+      const auto at = std::lower_bound(ids_.begin(), ids_.end(), id);
+      next_ = static_cast<std::size_t>(at - ids_.begin());
+    }
+    return next_++;
+  }
+
+ private:
+  const std::vector<KeyframeId>& ids_;
+  std::size_t next_ = 0;
+};
+
+/// Whether a measurement contradicts the pose and the position.
+bool isOutlier(const Pose& T_cam_map, const Eigen::Vector3d& position,
+               stereo::StereoMeasurement measurement, double disparity_offset_px,
+               const StereoCamera& camera) {
+  const Eigen::Vector3d point_cam = T_cam_map * position;
+  if (point_cam.z() < kMinObservedDepth) return true;
+  measurement.disparity -= disparity_offset_px;
+  return stereo::stereoResidual(point_cam, measurement, camera, nullptr).squaredNorm() > kGate;
+}
 
 }  // namespace
 
@@ -31,6 +57,7 @@ class DetachedBundle::Implementation {
 
   void solve(int max_iterations) {
     if (!point_ids_.empty()) solution_ = solveBundle(problem_, camera_, max_iterations, stop_);
+    if (!stop_) findOutliers();
   }
 
   void stop() { stop_ = true; }
@@ -46,29 +73,44 @@ class DetachedBundle::Implementation {
       summary.correction = normalized(Pose(newestPose(map) * before.inverse(Eigen::Isometry)));
       moveNewerKeyframes(map, summary.correction);
     }
-    std::vector<KeyframeId> left;
-    std::copy_if(free_.begin(), free_.end(), std::back_inserter(left),
-                 [&](KeyframeId id) { return map.keyframes().count(id) > 0; });
-    summary.outliers = removeOutliers(map, left, camera_);
+    summary.outliers = removeOutliers(map);
     return summary;
   }
 
  private:
+  using Outlier = std::pair<KeyframeId, LandmarkId>;
+
   /// Keyframes that share landmarks with the free ones take part, those that are not free fixed.
   void collectPoses(const SparseMap& map) {
-    for (const LandmarkId id : map.seenBy(free_)) {
-      const Landmark& landmark = *map.find(id);
-      if (landmark.observations.size() < 2) continue;
-      point_ids_.push_back(id);
+    std::vector<KeyframeId> all;
+    for (const auto& [id, keyframe] : map.keyframes()) all.push_back(id);
+    IdPositions position_of(all);
+    std::vector<bool> takes_part(all.size(), false);
+    std::size_t observations = 0;
+    const auto add = [&](const Landmark& landmark) {
+      if (landmark.observations.size() < 2) return;
+      point_ids_.push_back(landmark.id);
+      observations += landmark.observations.size();
       for (const auto& observation : landmark.observations) {
-        pose_ids_.push_back(observation.keyframe);
+        takes_part[position_of(observation.keyframe)] = true;
       }
+    };
+    if (free_.size() == map.keyframes().size()) {
+      for (const auto& [id, landmark] : map.landmarks()) add(landmark);
+    } else {
+      for (const LandmarkId id : map.seenBy(free_)) add(*map.find(id));
     }
-    std::sort(pose_ids_.begin(), pose_ids_.end());
-    pose_ids_.erase(std::unique(pose_ids_.begin(), pose_ids_.end()), pose_ids_.end());
+    for (std::size_t at = 0; at < all.size(); ++at) {
+      if (takes_part[at]) pose_ids_.push_back(all[at]);
+    }
+    problem_.observations.reserve(observations);
+    setPoses(map);
+  }
+
+  void setPoses(const SparseMap& map) {
     bool anchored = false;
     for (const KeyframeId id : pose_ids_) {
-      const bool is_fixed = !std::binary_search(free_.begin(), free_.end(), id);
+      const bool is_fixed = !isFree(id);
       problem_.poses.push_back(map.keyframe(id).T_map_cam);
       problem_.is_fixed.push_back(is_fixed);
       anchored = anchored || is_fixed;
@@ -77,10 +119,15 @@ class DetachedBundle::Implementation {
   }
 
   void collectPoints(const SparseMap& map) {
+    problem_.points.reserve(point_ids_.size());
+    IdPositions index_of(pose_ids_);
+    auto next = map.landmarks().begin();  // ids ascend, and often all take part
     for (const LandmarkId id : point_ids_) {
-      const Landmark& landmark = *map.find(id);
+      next = next->first == id ? next : map.landmarks().find(id);
+      const Landmark& landmark = (next++)->second;
       for (const auto& observation : landmark.observations) {
-        problem_.observations.push_back({indexOf(observation.keyframe), observation.measurement});
+        problem_.observations.push_back(
+            {static_cast<int>(index_of(observation.keyframe)), observation.measurement});
       }
       problem_.points.push_back({landmark.position, problem_.observations.size()});
     }
@@ -138,6 +185,64 @@ class DetachedBundle::Implementation {
     }
   }
 
+  [[nodiscard]] bool isFree(KeyframeId id) const {
+    return std::binary_search(free_.begin(), free_.end(), id);
+  }
+
+  /// Observations by free keyframes that contradict the solution.
+  void findOutliers() {
+    std::vector<Pose> T_cam_map;
+    for (const Pose& pose : problem_.poses) T_cam_map.push_back(pose.inverse(Eigen::Isometry));
+    std::vector<bool> is_free;
+    for (const KeyframeId id : pose_ids_) is_free.push_back(isFree(id));
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < problem_.points.size(); ++i) {
+      for (; at < problem_.points[i].observations_end; ++at) {
+        const auto& [pose, measurement] = problem_.observations[at];
+        const auto p = static_cast<std::size_t>(pose);
+        if (is_free[p] && isOutlier(T_cam_map[p], problem_.points[i].position, measurement,
+                                    problem_.disparity_offset_px, camera_)) {
+          outliers_.emplace_back(pose_ids_[p], point_ids_[i]);
+        }
+      }
+    }
+  }
+
+  /// Adds landmarks that one keyframe alone observes, a free one, if they contradict its pose: they
+  /// take no part, and do not move with it.
+  void addSingleOutliers(const SparseMap& map, std::vector<Outlier>& outliers) const {
+    const auto test = [&](const Landmark& landmark) {
+      if (landmark.observations.size() != 1) return;
+      const auto& [id, measurement] = landmark.observations.front();
+      if (isFree(id) && isOutlier(map.keyframe(id).T_map_cam.inverse(Eigen::Isometry),
+                                  landmark.position, measurement, map.disparityOffset(), camera_)) {
+        outliers.emplace_back(id, landmark.id);
+      }
+    };
+    if (2 * free_.size() > map.keyframes().size()) {
+      for (const auto& [id, landmark] : map.landmarks()) test(landmark);
+      return;
+    }
+    for (const KeyframeId id : free_) {
+      const auto keyframe = map.keyframes().find(id);
+      if (keyframe == map.keyframes().end()) continue;
+      for (const LandmarkId landmark : keyframe->second.landmarks) test(*map.find(landmark));
+    }
+  }
+
+  /// Removes outlier observations; returns their number.
+  int removeOutliers(SparseMap& map) const {
+    auto outliers = outliers_;
+    addSingleOutliers(map, outliers);
+    std::sort(outliers.begin(), outliers.end());
+    for (const auto& [keyframe, landmark] : outliers) {
+      if (map.find(landmark) != nullptr && map.keyframes().count(keyframe) > 0) {
+        map.removeObservation(keyframe, landmark);
+      }
+    }
+    return static_cast<int>(outliers.size());
+  }
+
   [[nodiscard]] int indexOf(KeyframeId id) const {
     const auto at = std::lower_bound(pose_ids_.begin(), pose_ids_.end(), id);
     return static_cast<int>(at - pose_ids_.begin());
@@ -150,36 +255,8 @@ class DetachedBundle::Implementation {
   std::vector<KeyframeId> pose_ids_;   ///< of the problem's poses, ascending
   std::vector<LandmarkId> point_ids_;  ///< of its points, ascending
   BundleProblem problem_;
+  std::vector<Outlier> outliers_;  ///< of the solution
 };
-
-namespace {
-
-int removeOutliers(SparseMap& map, const std::vector<KeyframeId>& keyframes,
-                   const StereoCamera& camera) {
-  std::vector<std::pair<KeyframeId, LandmarkId>> outliers;
-  for (const KeyframeId id : keyframes) {
-    const Keyframe& keyframe = map.keyframe(id);
-    const Pose T_cam_map = keyframe.T_map_cam.inverse(Eigen::Isometry);
-    for (const LandmarkId landmark_id : keyframe.landmarks) {
-      const Landmark& landmark = *map.find(landmark_id);
-      const auto observation =
-          std::find_if(landmark.observations.begin(), landmark.observations.end(),
-                       [id](const LandmarkObservation& o) { return o.keyframe == id; });
-      const Eigen::Vector3d point_cam = T_cam_map * landmark.position;
-      const auto measurement = map.corrected(observation->measurement);
-      if (point_cam.z() < kMinObservedDepth ||
-          stereo::stereoResidual(point_cam, measurement, camera, nullptr).squaredNorm() > kGate) {
-        outliers.emplace_back(id, landmark_id);
-      }
-    }
-  }
-  for (const auto& [keyframe, landmark] : outliers) {
-    if (map.find(landmark) != nullptr) map.removeObservation(keyframe, landmark);
-  }
-  return static_cast<int>(outliers.size());
-}
-
-}  // namespace
 
 DetachedBundle::DetachedBundle(const SparseMap& map, const std::vector<KeyframeId>& free,
                                const StereoCamera& camera)
