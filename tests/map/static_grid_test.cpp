@@ -205,6 +205,49 @@ TEST(StaticGridTest, FollowsTheKeyframes) {
   EXPECT_EQ(differences(cellsOf(*grid.grid()), cellsOf(*drivePast(poses).grid())), 0);
 }
 
+TEST(StaticGridTest, FollowsTheKeyframesInPartsWithTheSameResult) {
+  const auto poses = driveForward();
+  const auto drive = [&] {
+    StaticGrid grid({});
+    grid.follow({keyframeAt(3, poses[0]), keyframeAt(7, poses[6])});
+    for (const auto& pose : poses) grid.add(pose, wallSeenFrom(pose));
+    return grid;
+  };
+  const Pose correction = poseAt(2.0, -1.0, 0.1);
+  const std::vector corrected{keyframeAt(3, correction * poses[0]),
+                              keyframeAt(7, correction * poses[6])};
+  StaticGrid at_once = drive();
+  at_once.follow(corrected);
+  StaticGrid in_parts = drive();
+  const auto expected = cellsOf(*at_once.grid());
+  in_parts.follow(corrected, 1);
+  EXPECT_GT(differences(cellsOf(*in_parts.grid()), expected), 0);
+  for (std::size_t i = 0; i < poses.size(); ++i) in_parts.followMore(1);
+  EXPECT_EQ(differences(cellsOf(*in_parts.grid()), expected), 0);
+}
+
+TEST(StaticGridTest, PublishedMapsNeverChangeAndUnusedOnesAreBroughtUpToDate) {
+  const auto poses = driveForward();
+  StaticGrid grid({});
+  std::vector<Pose> driven;
+  COccupancyGridMap2D::ConstPtr kept;
+  std::vector<float> kept_cells;
+  for (int i = 0; i < 40; ++i) {
+    driven.push_back(poseAt(0.3 * (i % 20), 0.1 * (i / 20), 0.01 * i));
+    grid.add(driven.back(), wallSeenFrom(driven.back()));
+    const auto published = grid.grid();
+    if (i % 13 == 0) {
+      if (kept != nullptr) {
+        EXPECT_EQ(differences(cellsOf(*kept), kept_cells), 0) << i;
+      }
+      kept = published;
+      kept_cells = cellsOf(*kept);
+    }
+    EXPECT_NE(published, i % 13 == 0 ? nullptr : kept);
+    EXPECT_EQ(differences(cellsOf(*published), cellsOf(*drivePast(driven).grid())), 0) << i;
+  }
+}
+
 TEST(StaticGridTest, KeepsTheScansOfARemovedKeyframe) {
   const auto poses = driveForward();
   StaticGrid grid({});

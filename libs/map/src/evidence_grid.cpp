@@ -2,7 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace headway::map {
@@ -17,6 +19,7 @@ constexpr std::int32_t kFree = 6;          // evidence of free ground
 constexpr std::int32_t kLaserHit = 14;     // evidence of an obstacle of a laser, as kHit
 constexpr std::int32_t kMaxEvidence = 72;  // limit of a cell's output
 constexpr int kMarginCells = 64;           // minimum growth of the grid
+constexpr std::size_t kMaxPublished = 8;   // maps to be published again
 
 /// Evidence of one scan for the cells around it.
 class Window {
@@ -137,7 +140,35 @@ COccupancyGridMap2D::cellType shownFor(std::int32_t evidence) {
                                         kMaxEvidence)];
 }
 
+/// Columns and rows from `min` to before `end`; empty if there are none.
+struct Rectangle {
+  Eigen::Vector2i min = Eigen::Vector2i::Constant(std::numeric_limits<int>::max());
+  Eigen::Vector2i end = Eigen::Vector2i::Constant(std::numeric_limits<int>::lowest());
+
+  void extend(const Eigen::Vector2i& other_min, const Eigen::Vector2i& other_end) {
+    min = min.cwiseMin(other_min);
+    end = end.cwiseMax(other_end);
+  }
+};
+
+/// A grid whose likelihood field is computed anew after a change of cells.
+class ChangedGrid : public COccupancyGridMap2D {
+ public:
+  void cellsHaveChanged() { m_likelihoodCacheOutDated = true; }
+};
+
 }  // namespace
+
+/// A published map and the cells that have changed since.
+struct EvidenceGrid::Published {
+  ChangedGrid grid;
+  Rectangle outdated;
+  std::atomic<bool> in_use{true};  ///< released by the last user, in any thread
+};
+
+EvidenceGrid::EvidenceGrid(double resolution_m, const RobotFootprint& footprint)
+    : resolution_(resolution_m), footprint_(footprint) {}
+EvidenceGrid::~EvidenceGrid() = default;
 
 void EvidenceGrid::growTo(int left, int bottom, int right, int top) {
   const bool inside =
@@ -172,12 +203,17 @@ void EvidenceGrid::growTo(int left, int bottom, int right, int top) {
   bottom_ = bottom;
   columns_ = right - left;
   rows_ = top - bottom;
+  published_.clear();  // maps in use belong to their users
 }
 
 void EvidenceGrid::enter(const GroundScan& scan, const Pose& T_map_robot, int sign) {
   if (scan.empty() && footprint_.empty()) return;
   const Window window(scan, T_map_robot, footprint_, resolution_);
   growTo(window.left, window.bottom, window.left + window.columns, window.bottom + window.rows);
+  const Eigen::Vector2i min(window.left - left_, window.bottom - bottom_);
+  for (const auto& map : published_) {
+    map->outdated.extend(min, min + Eigen::Vector2i(window.columns, window.rows));
+  }
   for (int row = 0; row < window.rows; ++row) {
     const auto* from = window.evidence.data() + static_cast<std::ptrdiff_t>(row) * window.columns;
     const auto first = static_cast<std::size_t>(row + window.bottom - bottom_) *
@@ -198,17 +234,33 @@ void EvidenceGrid::enter(const GroundScan& scan, const Pose& T_map_robot, int si
   }
 }
 
+std::shared_ptr<EvidenceGrid::Published> EvidenceGrid::unusedMap() const {
+  for (const auto& map : published_) {
+    if (!map->in_use.load(std::memory_order_acquire)) return map;
+  }
+  auto map = std::make_shared<Published>();
+  const auto edge = [&](int cells) { return static_cast<float>(cells * resolution_); };
+  map->grid.setSize(edge(left_), edge(left_ + columns_), edge(bottom_), edge(bottom_ + rows_),
+                    static_cast<float>(resolution_), 0.5f);
+  map->outdated.extend({0, 0}, {columns_, rows_});
+  if (published_.size() < kMaxPublished) published_.push_back(map);
+  return map;
+}
+
 COccupancyGridMap2D::Ptr EvidenceGrid::grid() const {
   if (columns_ == 0) return nullptr;
-  auto grid = COccupancyGridMap2D::Create();
-  const auto edge = [&](int cells) { return static_cast<float>(cells * resolution_); };
-  grid->setSize(edge(left_), edge(left_ + columns_), edge(bottom_), edge(bottom_ + rows_),
-                static_cast<float>(resolution_), 0.5f);
-  for (int row = 0; row < rows_; ++row) {
-    const auto from = shown_.begin() + static_cast<std::ptrdiff_t>(row) * columns_;
-    std::copy(from, from + columns_, grid->getRow(row));
+  const auto map = unusedMap();
+  const Rectangle changed = std::exchange(map->outdated, {});
+  for (int row = changed.min.y(); row < changed.end.y(); ++row) {
+    const auto from =
+        shown_.begin() + static_cast<std::ptrdiff_t>(row) * columns_ + changed.min.x();
+    std::copy(from, from + (changed.end.x() - changed.min.x()),
+              map->grid.getRow(row) + changed.min.x());
   }
-  return grid;
+  map->grid.cellsHaveChanged();
+  map->in_use.store(true, std::memory_order_relaxed);
+  return {&map->grid,
+          [map](COccupancyGridMap2D*) { map->in_use.store(false, std::memory_order_release); }};
 }
 
 }  // namespace headway::map

@@ -6,6 +6,7 @@
 #include <mrpt/maps/COccupancyGridMap2D.h>
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace headway::map {
@@ -21,18 +22,24 @@ namespace headway::map {
 class EvidenceGrid {
  public:
   /// @param footprint  free at every pose from which a scan is added
-  explicit EvidenceGrid(double resolution_m, const RobotFootprint& footprint = {})
-      : resolution_(resolution_m), footprint_(footprint) {}
+  explicit EvidenceGrid(double resolution_m, const RobotFootprint& footprint = {});
+  ~EvidenceGrid();
 
   void add(const GroundScan& scan, const Pose& T_map_robot) { enter(scan, T_map_robot, 1); }
   void remove(const GroundScan& scan, const Pose& T_map_robot) { enter(scan, T_map_robot, -1); }
 
   /// As an MRPT map; unobserved cells are 0.5. Null without cells.
+  ///
+  /// Maps that nobody uses any more are published again with the cells that changed since, so that
+  /// the cost depends on the changes and not on the area. Maps in use are never changed. To be
+  /// called by one thread at a time; the map may be released in any thread.
   [[nodiscard]] mrpt::maps::COccupancyGridMap2D::Ptr grid() const;
 
  private:
+  struct Published;
   void enter(const GroundScan& scan, const Pose& T_map_robot, int sign);
   void growTo(int left, int bottom, int right, int top);
+  [[nodiscard]] std::shared_ptr<Published> unusedMap() const;
 
   double resolution_;
   RobotFootprint footprint_;
@@ -44,6 +51,7 @@ class EvidenceGrid {
   std::vector<std::int32_t> laser_;     ///< the same of lasers
   std::vector<mrpt::maps::COccupancyGridMap2D::cellType>
       shown_;  ///< the same in MRPT's representation
+  mutable std::vector<std::shared_ptr<Published>> published_;  ///< maps of the present size
 };
 
 }  // namespace headway::map

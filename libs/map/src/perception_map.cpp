@@ -73,6 +73,9 @@ PerceptionMap::PerceptionMap(std::shared_ptr<CMultiMetricMap> layers)
       moving_objects_(layers->mapByClass<CMovingObjectsMap>()),
       static_map_(std::make_shared<slam::MapView>()) {
   if (landmarks_ == nullptr) throw InputError("the map has no layer of points (pointsMap)");
+  auto no_landmarks = copyOf(*landmarks_);
+  no_landmarks->clear();
+  no_landmarks_ = no_landmarks;
   if (moving_objects_ == nullptr) throw InputError("the map has no layer movingObjectsMap");
 }
 
@@ -105,7 +108,7 @@ void PerceptionMap::replaceLayer(const std::shared_ptr<const Layer>& old_layer,
 }
 
 void PerceptionMap::update(slam::MapView static_map) {
-  auto landmarks = copyOf(*landmarks_);
+  auto landmarks = copyOf(*no_landmarks_);
   insertLandmarks(static_map, *landmarks);
   replaceLayer<CPointsMap>(landmarks_, landmarks);
   landmarks_ = landmarks;

@@ -121,20 +121,52 @@ void StaticGrid::attachToNearestKeyframe(StoredScan& stored) const {
   }
 }
 
-void StaticGrid::follow(const std::vector<slam::KeyframeView>& keyframes) {
+void StaticGrid::setKeyframes(const std::vector<slam::KeyframeView>& keyframes) {
   keyframes_.clear();
   for (const auto& keyframe : keyframes) keyframes_[keyframe.id] = keyframe.T_map_robot;
+}
+
+std::optional<Pose> StaticGrid::movedPose(StoredScan& stored) const {
+  const auto anchor = keyframes_.find(stored.anchor);
+  if (anchor == keyframes_.end()) {
+    attachToNearestKeyframe(stored);
+    return std::nullopt;
+  }
+  const Pose T_map_robot = anchor->second * stored.T_anchor_robot;
+  if (!moved(stored.T_map_robot, T_map_robot)) return std::nullopt;
+  return T_map_robot;
+}
+
+void StaticGrid::move(StoredScan& stored, const Pose& T_map_robot) {
+  evidence_->remove(stored.scan, stored.T_map_robot);
+  stored.T_map_robot = T_map_robot;
+  enter(stored);
+}
+
+void StaticGrid::follow(const std::vector<slam::KeyframeView>& keyframes) {
+  setKeyframes(keyframes);
   for (auto& [place, stored] : scans_) {
-    const auto anchor = keyframes_.find(stored.anchor);
-    if (anchor == keyframes_.end()) {
-      attachToNearestKeyframe(stored);
-      continue;
-    }
-    const Pose T_map_robot = anchor->second * stored.T_anchor_robot;
-    if (!moved(stored.T_map_robot, T_map_robot)) continue;
-    evidence_->remove(stored.scan, stored.T_map_robot);
-    stored.T_map_robot = T_map_robot;
-    enter(stored);
+    if (const auto T_map_robot = movedPose(stored)) move(stored, *T_map_robot);
+  }
+}
+
+void StaticGrid::follow(const std::vector<slam::KeyframeView>& keyframes, std::size_t max_scans) {
+  setKeyframes(keyframes);
+  to_move_.clear();
+  for (auto& [place, stored] : scans_) {
+    if (movedPose(stored)) to_move_.push_back(place);
+  }
+  std::sort(to_move_.begin(), to_move_.end(), [this](const Place& a, const Place& b) {
+    return std::pair(scans_.at(a).anchor, a) < std::pair(scans_.at(b).anchor, b);
+  });
+  followMore(max_scans);
+}
+
+void StaticGrid::followMore(std::size_t max_scans) {
+  for (std::size_t count = 0; count < max_scans && !to_move_.empty(); ++count) {
+    StoredScan& stored = scans_.at(to_move_.back());  // scans are replaced, never removed
+    to_move_.pop_back();
+    if (const auto T_map_robot = movedPose(stored)) move(stored, *T_map_robot);
   }
 }
 

@@ -78,8 +78,9 @@ class PerceptionMap {
                     const std::shared_ptr<Layer>& new_layer);
 
   std::shared_ptr<const mrpt::maps::CMultiMetricMap> layers_;
-  std::shared_ptr<const mrpt::maps::CPointsMap> landmarks_;  ///< one of layers_
-  std::shared_ptr<const CMovingObjectsMap> moving_objects_;  ///< one of layers_
+  std::shared_ptr<const mrpt::maps::CPointsMap> landmarks_;     ///< one of layers_
+  std::shared_ptr<const mrpt::maps::CPointsMap> no_landmarks_;  ///< its class and options
+  std::shared_ptr<const CMovingObjectsMap> moving_objects_;     ///< one of layers_
   std::shared_ptr<const slam::MapView> static_map_;
 };
 

@@ -65,6 +65,11 @@ class StaticGrid {
   /// Updates the poses of the scans after a change of the keyframes.
   void follow(const std::vector<slam::KeyframeView>& keyframes);
 
+  /// The same in parts, so that a correction of the whole map delays no frame: moves `max_scans`,
+  /// those of the newest keyframes first. followMore() moves the next ones.
+  void follow(const std::vector<slam::KeyframeView>& keyframes, std::size_t max_scans);
+  void followMore(std::size_t max_scans);
+
   /// The grid as an MRPT map; unobserved cells are 0.5. Null without observations.
   [[nodiscard]] mrpt::maps::COccupancyGridMap2D::Ptr grid() const;
 
@@ -87,6 +92,10 @@ class StaticGrid {
   [[nodiscard]] StaticGrid loaded(const std::string& bytes) const;
   [[nodiscard]] Place placeOf(const Pose& T_map_robot) const;
   void enter(const StoredScan& stored);
+  void setKeyframes(const std::vector<slam::KeyframeView>& keyframes);
+  /// Pose by the anchor's present pose; nullopt if it has hardly changed.
+  [[nodiscard]] std::optional<Pose> movedPose(StoredScan& stored) const;
+  void move(StoredScan& stored, const Pose& T_map_robot);
   void attachToNearestKeyframe(StoredScan& stored) const;
 
   StaticGridParams params_;
@@ -95,6 +104,7 @@ class StaticGrid {
   std::map<Place, StoredScan> scans_;
   Eigen::AlignedBox2d places_;  ///< bounds of their positions [m]
   std::map<KeyframeId, Pose> keyframes_;
+  std::vector<Place> to_move_;  ///< places whose scans are to be moved, the next one last
   struct Passed {
     Place place;
     Pose T_map_robot;
