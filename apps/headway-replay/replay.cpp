@@ -32,11 +32,9 @@ io::RawlogSourceOptions sourceOptions(const Options& options,
   return result;
 }
 
-/// In real time, bundle adjustment runs in the background.
 pipeline::PerceptionParams perceptionParams(const Options& options,
-                                            pipeline::PerceptionParams params) {
-  params.slam.adjust_in_background = options.realtime > 0.0;
-  return params;
+                                            const pipeline::PerceptionParams& params) {
+  return options.realtime > 0.0 ? pipeline::PerceptionParams::live(params) : params;
 }
 
 std::string textOf(const Params& params) {

@@ -7,6 +7,8 @@
 namespace headway::pipeline {
 namespace {
 
+constexpr std::size_t kScansMovedPerFrame = 20;  ///< of the grid in live operation; about 10 ms
+
 std::optional<Pose> poseOf(const slam::SlamUpdate& camera) {
   if (camera.status != slam::TrackingStatus::kTracked) return std::nullopt;
   return camera.T_map_robot;
@@ -54,6 +56,11 @@ void PerceptionParams::describe(Params& params) {
   robot.describe(params.section("robot").user());
 }
 
+PerceptionParams PerceptionParams::live(PerceptionParams params) {
+  params.slam.adjust_in_background = true;
+  return params;
+}
+
 void PerceptionParams::validate() const {
   slam.validate();
   detection.validate();
@@ -72,6 +79,7 @@ Perception::Perception(std::shared_ptr<const StereoCamera> camera, const Percept
       rig_(rigOf(camera_.get(), params)),
       grid_params_(gridFor(rig_, params)),
       laser_params_(params.laser),
+      is_live_(params.slam.adjust_in_background),
       grid_(grid_params_.map),
       map_(std::move(map)) {
   if (!params.slam.mapping) grid_params_.every_nth_frame = 0;
@@ -196,19 +204,28 @@ objects::TrackUpdate Perception::track(const RecordedFrame& frame, const Percept
 
 void Perception::updateMap(const PerceptionUpdate& update) {
   const auto watch = times_.watch("map_update");
-  if (update.camera.is_keyframe) updateStaticMap();
+  if (update.camera.is_keyframe || update.camera.map_corrected) {
+    updateStaticMap();
+  } else {
+    grid_.followMore(kScansMovedPerFrame);
+  }
   map_.update(update.time, update.objects.tracks);
 }
 
 void Perception::updateStaticMap() {
   map_.update(slam_->map());
-  grid_.follow(map_.staticMap()->keyframes);
+  if (is_live_) {
+    grid_.follow(map_.staticMap()->keyframes, kScansMovedPerFrame);
+  } else {
+    grid_.follow(map_.staticMap()->keyframes);
+  }
 }
 
 void Perception::finish() {
   if (slam_ == nullptr || !given_poses_.empty()) return;
   slam_->finish();
-  updateStaticMap();
+  map_.update(slam_->map());
+  grid_.follow(map_.staticMap()->keyframes);
   if (const auto grid = grid_.grid()) map_.update(grid);
 }
 

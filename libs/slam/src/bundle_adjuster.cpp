@@ -15,7 +15,7 @@ void BundleAdjuster::adjust(SparseMap& map, const std::vector<KeyframeId>& free,
     adjustBundle(map, free, camera_, max_iterations);
     return;
   }
-  if (job_ != nullptr) return;
+  if (job_ != nullptr || held_) return;
   job_ = std::make_unique<Job>(map, free, camera_);
   job_->solved = std::async(std::launch::async, [bundle = &job_->bundle, max_iterations] {
     bundle->solve(max_iterations);

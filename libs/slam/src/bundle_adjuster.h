@@ -25,6 +25,9 @@ class BundleAdjuster {
   /// left out: the next keyframe's covers most of it.
   void adjust(SparseMap& map, const std::vector<KeyframeId>& free, int max_iterations);
 
+  /// While held, background adjustments are left out, because the map must not move.
+  void hold(bool held) { held_ = held; }
+
   /// Cancels the running adjustment, because the map has changed.
   void abandon();
 
@@ -48,6 +51,7 @@ class BundleAdjuster {
 
   StereoCamera camera_;
   bool in_background_ = false;
+  bool held_ = false;
   std::unique_ptr<Job> job_;
   std::vector<std::unique_ptr<Job>> abandoned_;  ///< cancelled, still in their last iteration
 };

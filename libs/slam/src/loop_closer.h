@@ -4,23 +4,46 @@
 #include <headway/slam/slam_params.h>
 #include <headway/slam/stereo_slam.h>
 
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "bundle_adjuster.h"
+#include "descriptor.h"
 #include "frame_tracker.h"
+#include "loop_correction.h"
 #include "place_index.h"
-#include "pose_graph.h"
 #include "sparse_map.h"
 
 namespace headway::slam {
 
+/// An old keyframe that may show the same place as the newest one, with what it is verified by.
+struct LoopCandidate {
+  LoopAttempt attempt;
+  Pose T_map_newest = Pose::Identity();  ///< camera
+  Pose T_map_old = Pose::Identity();     ///< camera
+  std::vector<LandmarkId> among;  ///< landmarks of the old keyframe's surroundings, ascending
+  double offset_allowed_m = 0.0;  ///< maximum drift between both
+};
+
+/// Result of the background search that ended before a frame.
+struct LoopProgress {
+  std::vector<LoopAttempt> attempts;  ///< candidates with their outcomes
+  std::optional<Pose> correction;     ///< motion of the newest keyframe, if the map was corrected
+};
+
 /// Detects loops and relocalises lost cameras, and corrects the map at loops.
+///
+/// close() does all of it at once. search() and advance() do it beside the tracking: descriptors,
+/// verification and pose graph run in another thread, on copies, and take several frames; only the
+/// tracking thread reads and changes the map, between two frames.
 class LoopCloser {
  public:
   /// @param adjuster  must outlive the closer
-  LoopCloser(const StereoCamera& camera, const SlamParams& params, BundleAdjuster& adjuster)
-      : camera_(camera), params_(params), adjuster_(adjuster), tracker_(camera, params) {}
+  LoopCloser(const StereoCamera& camera, const SlamParams& params, BundleAdjuster& adjuster);
+  ~LoopCloser();
+  LoopCloser(const LoopCloser&) = delete;
+  LoopCloser& operator=(const LoopCloser&) = delete;
 
   /// Makes a keyframe findable (again).
   void index(KeyframeId keyframe, const SparseMap& map);
@@ -43,32 +66,54 @@ class LoopCloser {
   [[nodiscard]] std::vector<LoopAttempt> close(const TrackingFrame& frame, KeyframeId newest,
                                                SparseMap& map) const;
 
+  /// Starts the same in the background, unless a search is running.
+  void search(const TrackingFrame& frame, KeyframeId newest, const SparseMap& map);
+
+  /// close(), or search() if the parameters demand background operation.
+  std::vector<LoopAttempt> closeOrSearch(const TrackingFrame& frame, KeyframeId newest,
+                                         SparseMap& map);
+
+  /// Continues the running search if its present step is done; to be called before each frame.
+  [[nodiscard]] LoopProgress advance(SparseMap& map);
+
+  /// Waits for the running search and applies its result.
+  [[nodiscard]] LoopProgress finish(SparseMap& map);
+
+  /// Cancels the running search, because the map has moved.
+  void abandon();
+
  private:
+  static constexpr int kCorners = 1000;  ///< of a frame that is to be recognised
+  static constexpr int kSpacing = 3;     ///< keyframes between two searches for a loop
+  struct Search;
+
+  [[nodiscard]] static std::vector<DescribedPoint> describe(const TrackingFrame& frame);
   /// Old keyframes within drift distance of the newest one or of unknown distance, ascending.
   [[nodiscard]] std::vector<KeyframeId> findLoopCandidates(KeyframeId newest,
                                                            const SparseMap& map) const;
-  /// The new keyframe's pose as the candidate's surroundings see it, if they pass every test;
-  /// says in `attempt` which was passed last, with what was needed and what there was.
-  [[nodiscard]] std::optional<TrackedPose> verify(const TrackingFrame& frame,
-                                                  const std::vector<DescribedPoint>& points,
-                                                  LoopAttempt& attempt, SparseMap& map) const;
-  void measureOffset(const TrackedPose& seen_from, const SparseMap& map,
-                     LoopAttempt& attempt) const;
-  void correct(KeyframeId newest, KeyframeId old, const TrackedPose& seen_from,
-               SparseMap& map) const;
+  /// The keyframes that share most descriptors, best first.
+  [[nodiscard]] std::vector<KeyframeId> mostAlike(const std::vector<DescribedPoint>& points,
+                                                  const std::vector<KeyframeId>& among) const;
+  [[nodiscard]] LoopCandidate candidateOf(KeyframeId newest, KeyframeId old,
+                                          const SparseMap& map) const;
+  [[nodiscard]] double allowedOffset(KeyframeId newest, KeyframeId old, const SparseMap& map) const;
+  /// The loop, if the candidate passes every test; its attempt states the last test with the
+  /// required and the measured value. Uses no members that change.
+  [[nodiscard]] std::optional<ClosedLoop> verify(const TrackingFrame& frame,
+                                                 const std::vector<DescribedPoint>& points,
+                                                 LoopCandidate& candidate, SparseMap& map) const;
+  void adjustAll(const ClosedLoop& loop, SparseMap& map) const;
+  [[nodiscard]] bool verifyNext(const SparseMap& map);
+  void startCorrection(const SparseMap& map);
+  [[nodiscard]] Pose correct(SparseMap& map);
+  void endSearch();
 
   StereoCamera camera_;
   SlamParams params_;
   BundleAdjuster& adjuster_;
   FrameTracker tracker_;
   PlaceIndex index_;
+  std::unique_ptr<Search> search_;  ///< last, because its thread uses the other members
 };
-
-/// Replaces the keyframes' poses and moves landmarks with their reference keyframes.
-void applyCorrection(const std::map<KeyframeId, Pose>& corrected, SparseMap& map);
-
-/// Edges of the map as it is: from each keyframe to the one before (a weak one, where both share
-/// nothing because the camera was lost between them) and to those that share many landmarks.
-[[nodiscard]] std::vector<PoseGraphEdge> edgesOf(const SparseMap& map);
 
 }  // namespace headway::slam

@@ -3,6 +3,7 @@
 #include <headway/core/error.h>
 
 #include <algorithm>
+#include <iterator>
 
 namespace headway::slam {
 namespace {
@@ -81,7 +82,10 @@ Landmark& SparseMap::addLandmark(const Eigen::Vector3d& position, KeyframeId ref
 
 void SparseMap::observe(KeyframeId keyframe, LandmarkId landmark,
                         const stereo::StereoMeasurement& measurement) {
-  landmarks_.at(landmark).observations.push_back({keyframe, measurement});
+  auto& observations = landmarks_.at(landmark).observations;
+  auto after = observations.end();  // a loop is observed by a keyframe that is not the newest
+  while (after != observations.begin() && keyframe < std::prev(after)->keyframe) --after;
+  observations.insert(after, {keyframe, measurement});
   insertSorted(keyframes_.at(keyframe).landmarks, landmark);
 }
 
@@ -159,6 +163,23 @@ std::vector<KeyframeId> SparseMap::neighbourhood(KeyframeId of, int count) const
   for (const LandmarkId id : keyframes_.at(of).landmarks) {
     for (const auto& observation : landmarks_.at(id).observations) ++shared[observation.keyframe];
   }
+  return mostShared(of, std::move(shared), count);
+}
+
+SparseMap SparseMap::landmarksOnly(const std::vector<LandmarkId>& landmarks) const {
+  SparseMap copy;
+  copy.disparity_offset_px_ = disparity_offset_px_;
+  for (const LandmarkId id : landmarks) {
+    const Landmark& landmark = landmarks_.at(id);
+    copy.landmarks_.emplace_hint(copy.landmarks_.end(), id, landmark);
+    Keyframe& reference = copy.keyframes_[landmark.reference];
+    reference.id = landmark.reference;
+    reference.T_map_cam = keyframes_.at(landmark.reference).T_map_cam;
+  }
+  return copy;
+}
+
+std::vector<KeyframeId> mostShared(KeyframeId of, std::map<KeyframeId, int> shared, int count) {
   shared.erase(of);
   std::vector<std::pair<int, KeyframeId>> ranked;
   for (const auto& [id, landmarks] : shared) ranked.emplace_back(-landmarks, id);

@@ -57,6 +57,13 @@ struct Keyframe {
   std::optional<OdometryLink> odometry;                ///< not stored in map files
 };
 
+/// A keyframe and those that share most landmarks with it.
+///
+/// @param shared  number of landmarks that each keyframe shares with it
+/// @return        at most `count` ids, ascending
+[[nodiscard]] std::vector<KeyframeId> mostShared(KeyframeId of, std::map<KeyframeId, int> shared,
+                                                 int count);
+
 /// Owns landmarks and keyframes and keeps their links consistent.
 ///
 /// Invariant: a keyframe lists a landmark exactly if the landmark has an observation of it; a
@@ -95,6 +102,9 @@ class SparseMap {
   [[nodiscard]] std::vector<KeyframeId> neighbourhood(KeyframeId of, int count) const;
   /// The first of the `count` newest keyframes (of all, where there are fewer); invalid if none.
   [[nodiscard]] KeyframeId firstOfNewest(int count) const;
+  /// Copies of landmarks with the poses of their reference keyframes, for measuring them in another
+  /// thread. Its keyframes list no landmarks, so that it can be neither extended nor culled.
+  [[nodiscard]] SparseMap landmarksOnly(const std::vector<LandmarkId>& landmarks) const;
   /// Landmarks seen by any of the keyframes, ascending.
   [[nodiscard]] std::vector<LandmarkId> seenBy(const std::vector<KeyframeId>& keyframes) const;
 

@@ -15,7 +15,6 @@
 #include "motion_model.h"
 #include "pose_covariance.h"
 #include "reference_choice.h"
-#include "sparse_map.h"
 #include "tracking_frame.h"
 
 namespace headway::slam {
@@ -34,7 +33,10 @@ class StereoSlam::Implementation {
         motion_(camera_->T_robot_cam, params) {}
 
   SlamUpdate process(const stereo::FrameContext& context, const MovingRegions& moving);
-  void finish() { applyCorrectionToMotion(adjuster_.finish(map_)); }
+  void finish() {
+    applyCorrectionToMotion(loops_.finish(map_).correction);
+    applyCorrectionToMotion(adjuster_.finish(map_));
+  }
   void load(const std::string& bytes);
   [[nodiscard]] std::string save() const { return packMap(map_, *camera_); }
   [[nodiscard]] double disparityOffset() const { return map_.disparityOffset(); }
@@ -85,6 +87,8 @@ class StereoSlam::Implementation {
 SlamUpdate StereoSlam::Implementation::process(const stereo::FrameContext& context,
                                                const MovingRegions& moving) {
   applyCorrectionToMotion(adjuster_.applyFinished(map_));
+  LoopProgress searched = loops_.advance(map_);
+  applyCorrectionToMotion(searched.correction);
   const StereoFrame& frame = context.frame();
   TrackingFrame current;
   std::optional<TrackedPose> tracked;
@@ -107,6 +111,8 @@ SlamUpdate StereoSlam::Implementation::process(const stereo::FrameContext& conte
   }
   previous_sigma_m_ = sigma_m;
   update.imu = inertial_.status();
+  update.map_corrected = searched.correction.has_value();
+  if (!searched.attempts.empty()) update.loops = std::move(searched.attempts);
   update.T_map_robot = normalized(motion_.last() * T_cam_robot_);
   update.covariance = composedCovariance(covariance_, T_cam_robot_, PoseCovariance::Zero());
   const bool is_tracked = update.status == TrackingStatus::kTracked;
@@ -118,12 +124,11 @@ SlamUpdate StereoSlam::Implementation::process(const stereo::FrameContext& conte
 /// Tracks from the last pose, or else relocalises in the whole map.
 std::optional<TrackedPose> StereoSlam::Implementation::track(const stereo::FrameContext& context,
                                                              const TrackingFrame& current) {
-  const StereoFrame& frame = context.frame();
   if (!reference_) {
     initialiseMotion(context);
     if (map_.keyframes().empty()) return std::nullopt;
   }
-  const std::vector<Pose> initial_poses{motion_.predict(frame), motion_.last()};
+  const std::vector<Pose> initial_poses{motion_.predict(context.frame()), motion_.last()};
   auto tracked = tracker_.track(previous_, seen_before_, current, initial_poses, local_landmarks_,
                                 active_submap_.isNew(), map_);
   if (tracked) return tracked;
@@ -160,6 +165,7 @@ void StereoSlam::Implementation::levelMap(const StereoFrame& frame, const Stampe
   if (!rotation || !params_.mapping) return;
   const Pose turn(*rotation);
   adjuster_.abandon();
+  loops_.abandon();
   std::map<KeyframeId, Pose> poses;
   for (const auto& [id, key] : map_.keyframes()) poses[id] = normalized(turn * key.T_map_cam);
   applyCorrection(poses, map_);
@@ -206,8 +212,7 @@ SlamUpdate StereoSlam::Implementation::handleLost(const StereoFrame& frame,
   }
   const bool is_over =
       reference_ && lost_in_a_row_ > active_submap_.maxLostFrames(params_.restart_after_frames);
-  const bool wanted = map_.keyframes().empty() || is_over;
-  if (params_.mapping && wanted && initialise(current)) {
+  if (params_.mapping && (is_over || map_.keyframes().empty()) && initialise(current)) {
     lost_in_a_row_ = 0;
     update.status = TrackingStatus::kTracked;
     update.is_keyframe = true;
@@ -239,7 +244,7 @@ void StereoSlam::Implementation::makeKeyframe(const TrackingFrame& current, Trac
   const KeyframeId id =
       mapper_.insert(current, tracked.T_map_cam, covariance_, tracked.landmarks, map_);
   loops_.index(id, map_);
-  if (params_.loop_closing) update.loops = loops_.close(current, id, map_);
+  if (params_.loop_closing) update.loops = loops_.closeOrSearch(current, id, map_);
   motion_.correct(map_.keyframe(id).T_map_cam);
   while (const auto redundant = redundantKeyframe(id, params_.window, map_)) {
     remove(*redundant, replacementKeyframe(*redundant, map_));
@@ -255,11 +260,8 @@ void StereoSlam::Implementation::setReferenceKeyframe(KeyframeId keyframe) {
 
 /// Removes an abandoned submap, the keyframes from `first` up to `end`, its replacement.
 void StereoSlam::Implementation::removeSubmap(KeyframeId first, KeyframeId end) {
-  std::vector<KeyframeId> part;
-  for (const auto& [id, keyframe] : map_.keyframes()) {
-    if (!(id < first) && id < end) part.push_back(id);
-  }
-  for (const KeyframeId id : part) remove(id, end);
+  auto at = map_.keyframes().lower_bound(first);
+  while (at != map_.keyframes().end() && at->first < end) remove((at++)->first, end);
 }
 
 /// Removes a keyframe; the frames anchored to it are reassigned to another.
@@ -287,7 +289,6 @@ StereoSlam::~StereoSlam() = default;
 SlamUpdate StereoSlam::process(const stereo::FrameContext& frame, const MovingRegions& moving) {
   return implementation_->process(frame, moving);
 }
-
 std::string StereoSlam::save() const { return implementation_->save(); }
 void StereoSlam::load(const std::string& bytes) { implementation_->load(bytes); }
 double StereoSlam::disparityOffset() const { return implementation_->disparityOffset(); }

@@ -36,6 +36,12 @@ struct PerceptionParams {
   LaserParams laser;
   map::RobotFootprint robot{0.5, 0.4};
 
+  /// For live operation: bundle adjustment, loop search and pose graph run beside the tracking, so
+  /// that results depend on timing.
+  [[nodiscard]] static PerceptionParams live() { return live(PerceptionParams()); }
+  /// The same with other parameters.
+  [[nodiscard]] static PerceptionParams live(PerceptionParams params);
+
   /// Binds sections [slam], [detect] with those of the detectors, [objects], [grid], [laser] and
   /// [robot].
   void describe(Params& params);
@@ -149,6 +155,7 @@ class Perception {
   std::optional<stereo::RigCapability> rig_;
   GridParams grid_params_;
   LaserParams laser_params_;
+  bool is_live_ = false;  ///< no frame may be delayed by a correction of the whole map
   map::StaticGrid grid_;
   map::PerceptionMap map_;
   std::size_t grid_frames_ = 0;            ///< frames eligible for a scan

@@ -33,8 +33,8 @@ struct SlamParams {
   bool loop_closing = true;           ///< recognise places seen before and correct the map
   int restart_after_frames = 20;      ///< lost frames after which a new submap is initialised
 
-  /// Runs bundle adjustment in a thread of its own, so that results depend on timing. Not a key of
-  /// configurations: the real-time runner sets it.
+  /// Runs bundle adjustment, the search for loops and the pose graph in threads of their own, so that
+  /// results depend on timing. Not a key of configurations: live operation sets it.
   bool adjust_in_background = false;
 
   void describe(Params::Section section);

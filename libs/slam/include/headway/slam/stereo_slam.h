@@ -53,7 +53,9 @@ struct SlamUpdate {
   ImuStatus imu = ImuStatus::kAbsent;
   int features = 0;                ///< keypoints in the left image
   int inliers = 0;                 ///< landmarks that the pose rests on
-  std::vector<LoopAttempt> loops;  ///< candidates of a new keyframe, in order
+  std::vector<LoopAttempt> loops;  ///< candidates of a new keyframe, in order; in live operation
+                                   ///< those of an earlier one whose search has ended
+  bool map_corrected = false;      ///< a loop found in the background moved the map before the frame
 };
 
 /// Localises a stereo camera and maps its static surroundings.
@@ -94,7 +96,7 @@ class StereoSlam {
   /// @throws InputError if the bytes are cut off, damaged, of another version or of another camera
   void load(const std::string& bytes);
 
-  /// Waits for a running background adjustment and applies it, at the end of a recording. More
+  /// Waits for a running background search for loops and adjustment and applies both, at the end of a recording. More
   /// frames may follow.
   void finish();
 

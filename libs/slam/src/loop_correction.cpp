@@ -1,0 +1,115 @@
+#include "loop_correction.h"
+
+#include <algorithm>
+#include <unordered_map>
+
+namespace headway::slam {
+namespace {
+
+PoseGraphEdge edgeBetween(const Keyframe& a, const Keyframe& b) {
+  constexpr double kSigmaFloorM = 0.005;
+  constexpr double kSigmaPerM = 0.01;
+  constexpr double kSigmaFloorRad = 0.0005;
+  constexpr double kSigmaRadPerM = 0.0005;
+  PoseGraphEdge edge;
+  edge.a = a.id;
+  edge.b = b.id;
+  edge.T_a_b = a.T_map_cam.inverse(Eigen::Isometry) * b.T_map_cam;
+  const double length = edge.T_a_b.translation().norm();
+  edge.sigma_m = kSigmaFloorM + kSigmaPerM * length;
+  edge.sigma_rad = kSigmaFloorRad + kSigmaRadPerM * length;
+  return edge;
+}
+
+/// Constrains a submap that shares no landmarks with the rest; any other edge outweighs it.
+PoseGraphEdge weakEdgeBetween(const Keyframe& a, const Keyframe& b) {
+  PoseGraphEdge edge = edgeBetween(a, b);
+  edge.sigma_m = 100.0;
+  edge.sigma_rad = 10.0;
+  return edge;
+}
+
+/// The keyframes that observe each landmark.
+class Observers {
+ public:
+  explicit Observers(const std::map<KeyframeId, Keyframe>& keyframes) {
+    for (const auto& [id, keyframe] : keyframes) {
+      for (const LandmarkId landmark : keyframe.landmarks) observers_[landmark].push_back(id);
+    }
+  }
+
+  /// As SparseMap::neighbourhood().
+  [[nodiscard]] std::vector<KeyframeId> neighbourhood(const Keyframe& of, int count) const {
+    std::map<KeyframeId, int> shared;
+    for (const LandmarkId id : of.landmarks) {
+      for (const KeyframeId keyframe : observers_.at(id)) ++shared[keyframe];
+    }
+    return mostShared(of.id, std::move(shared), count);
+  }
+
+ private:
+  std::unordered_map<LandmarkId, std::vector<KeyframeId>> observers_;
+};
+
+}  // namespace
+
+bool shareNoLandmarks(const Keyframe& a, const Keyframe& b) {
+  auto at_a = a.landmarks.begin();
+  auto at_b = b.landmarks.begin();
+  while (at_a != a.landmarks.end() && at_b != b.landmarks.end()) {
+    if (*at_a == *at_b) return false;
+    *at_a < *at_b ? ++at_a : ++at_b;
+  }
+  return true;
+}
+
+std::vector<PoseGraphEdge> edgesOf(const std::map<KeyframeId, Keyframe>& keyframes) {
+  constexpr int kNeighbours = 5;
+  const Observers observers(keyframes);
+  std::vector<PoseGraphEdge> edges;
+  const Keyframe* before = nullptr;
+  for (const auto& [id, keyframe] : keyframes) {
+    if (before != nullptr) {
+      edges.push_back(shareNoLandmarks(*before, keyframe) ? weakEdgeBetween(*before, keyframe)
+                                                          : edgeBetween(*before, keyframe));
+    }
+    for (const KeyframeId other : observers.neighbourhood(keyframe, kNeighbours)) {
+      if (other < id && (before == nullptr || other != before->id)) {
+        edges.push_back(edgeBetween(keyframes.at(other), keyframe));
+      }
+    }
+    before = &keyframe;
+  }
+  return edges;
+}
+
+std::map<KeyframeId, Pose> posesWithLoop(const std::map<KeyframeId, Keyframe>& keyframes,
+                                         const ClosedLoop& loop) {
+  auto edges = edgesOf(keyframes);
+  PoseGraphEdge closing = edgeBetween(keyframes.at(loop.old), keyframes.at(loop.newest));
+  closing.T_a_b = loop.T_old_newest;
+  edges.push_back(closing);
+  std::map<KeyframeId, Pose> poses;
+  for (const auto& [id, keyframe] : keyframes) poses[id] = keyframe.T_map_cam;
+  return optimisePoseGraph(poses, edges);
+}
+
+void applyCorrection(const std::map<KeyframeId, Pose>& corrected, SparseMap& map) {
+  for (const auto& [id, landmark] : map.landmarks()) {
+    const Pose& before = map.keyframe(landmark.reference).T_map_cam;
+    map.find(id)->position =
+        corrected.at(landmark.reference) * (before.inverse(Eigen::Isometry) * landmark.position);
+  }
+  for (const auto& [id, pose] : corrected) map.keyframe(id).T_map_cam = pose;
+}
+
+void observeLoop(const ClosedLoop& loop, SparseMap& map) {
+  const std::vector<LandmarkId> seen = map.keyframe(loop.newest).landmarks;
+  for (const TrackedLandmark& landmark : loop.landmarks) {
+    if (map.find(landmark.id) == nullptr) continue;
+    if (std::binary_search(seen.begin(), seen.end(), landmark.id)) continue;
+    map.observe(loop.newest, landmark.id, landmark.measurement);
+  }
+}
+
+}  // namespace headway::slam

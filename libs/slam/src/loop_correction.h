@@ -1,0 +1,39 @@
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "landmark_tracker.h"
+#include "pose_graph.h"
+#include "sparse_map.h"
+
+namespace headway::slam {
+
+/// A verified loop: the newest keyframe as an old one's surroundings see it.
+struct ClosedLoop {
+  KeyframeId newest;
+  KeyframeId old;
+  Pose T_old_newest = Pose::Identity();  ///< cameras
+  std::vector<TrackedLandmark>
+      landmarks;  ///< of the old one's surroundings, measured in the newest
+};
+
+/// Whether two consecutive keyframes share no landmark: the camera was lost between them, so their
+/// relative pose is only predicted.
+[[nodiscard]] bool shareNoLandmarks(const Keyframe& a, const Keyframe& b);
+
+/// Edges of the map as it is: from each keyframe to the one before (a weak one, where both share
+/// nothing because the camera was lost between them) and to those that share many landmarks.
+[[nodiscard]] std::vector<PoseGraphEdge> edgesOf(const std::map<KeyframeId, Keyframe>& keyframes);
+
+/// Poses of all keyframes after the loop was distributed over the pose graph.
+[[nodiscard]] std::map<KeyframeId, Pose> posesWithLoop(
+    const std::map<KeyframeId, Keyframe>& keyframes, const ClosedLoop& loop);
+
+/// Replaces the keyframes' poses and moves landmarks with their reference keyframes.
+void applyCorrection(const std::map<KeyframeId, Pose>& corrected, SparseMap& map);
+
+/// Adds the loop's measurements to the newest keyframe, which must be in the map.
+void observeLoop(const ClosedLoop& loop, SparseMap& map);
+
+}  // namespace headway::slam
