@@ -64,6 +64,24 @@ std::optional<PendingFrame> FrameAssembler::take() {
   return frame;
 }
 
+std::size_t FrameAssembler::items() const {
+  std::size_t count = detections_.size() + poses_.size();
+  for (const auto& [label, scans] : laser_scans_) count += scans.size();
+  return count;
+}
+
+void FrameAssembler::limitItems(std::size_t max_count) {
+  const auto limit = [&](auto& items, const char* unmatched) {
+    while (items.size() > max_count) {
+      items.pop_front();
+      ++skipped_[unmatched];
+    }
+  };
+  limit(detections_, "unmatched_detections");
+  limit(poses_, "unmatched_pose");
+  for (auto& [label, scans] : laser_scans_) limit(scans, kUnmatchedLaser);
+}
+
 void FrameAssembler::finish() {
   if (!frames_.empty()) return;
   if (std::exchange(ahead_, std::nullopt)) ++skipped_["time_outlier"];

@@ -18,6 +18,7 @@ namespace headway::io {
 struct PendingFrame {
   std::size_t index = 0;
   Time time = 0.0;
+  double arrival_s = 0.0;            ///< when it was complete, by a live source's clock [s]
   std::optional<RecordedPair> pair;  ///< empty: the frame is a pose
   std::optional<Detections> detections;
   std::optional<Pose> T_map_robot;
@@ -48,7 +49,17 @@ class FrameAssembler {
   void addLaserScan(LaserScan scan) { laser_scans_[scan.label].push_back(std::move(scan)); }
 
   /// Whether take() can return a frame before the end of the recording.
-  [[nodiscard]] bool isReady() const { return frames_.size() > read_ahead_; }
+  [[nodiscard]] bool isReady() const { return ready() > 0; }
+  /// Number of frames that take() can return before the end of the recording.
+  [[nodiscard]] std::size_t ready() const {
+    return frames_.size() > read_ahead_ ? frames_.size() - read_ahead_ : 0;
+  }
+  /// Number of frames stored, with those read ahead.
+  [[nodiscard]] std::size_t frames() const { return frames_.size() + (ahead_ ? 1 : 0); }
+  /// Number of boxes (by image), poses and laser scans stored.
+  [[nodiscard]] std::size_t items() const;
+  /// Removes and counts the oldest of the boxes, poses, and scans of a laser above this number.
+  void limitItems(std::size_t max_count);
 
   /// The next frame; nullopt if there is none. Before isReady(), only at the recording's end.
   [[nodiscard]] std::optional<PendingFrame> take();

@@ -69,9 +69,9 @@ std::vector<Eigen::Vector2f> beamEnds(const mrpt::obs::CObservation2DRangeScan& 
 
 }  // namespace
 
-void FrameCollector::add(const CObservation::Ptr& observation) {
+void FrameCollector::add(const CObservation::Ptr& observation, double arrival_s) {
   if (pairing_.accepts(*observation)) {
-    if (auto pair = pairing_.add(observation)) addPair(std::move(*pair));
+    if (auto pair = pairing_.add(observation)) addPair(std::move(*pair), arrival_s);
   } else if (isRecordedDetections(*observation)) {
     const auto& recorded = dynamic_cast<const CObservationObjectDetections&>(*observation);
     if (isPose(fromMrpt(recorded.sensor_pose), kMaxSensorOffsetM)) {
@@ -81,7 +81,7 @@ void FrameCollector::add(const CObservation::Ptr& observation) {
     }
   } else if (isRecordedPose(*observation)) {
     const auto& recorded = dynamic_cast<const mrpt::obs::CObservationRobotPose&>(*observation);
-    addPose(timeFrom(recorded.timestamp), fromMrpt(recorded.pose.mean));
+    addPose(timeFrom(recorded.timestamp), fromMrpt(recorded.pose.mean), arrival_s);
   } else if (isMotion(*observation) && has_camera_) {
     addMotion(*observation);
   } else if (isLaser(*observation) && has_camera_) {
@@ -96,14 +96,15 @@ void FrameCollector::finish() {
   assembler_.finish();
 }
 
-void FrameCollector::addPair(RecordedPair pair) {
+void FrameCollector::addPair(RecordedPair pair, double arrival_s) {
   PendingFrame frame;
+  frame.arrival_s = arrival_s;
   frame.time = pair.time;
   frame.pair = std::move(pair);
   assembler_.addFrame(std::move(frame));
 }
 
-void FrameCollector::addPose(Time time, const Pose& T_map_robot) {
+void FrameCollector::addPose(Time time, const Pose& T_map_robot, double arrival_s) {
   if (!isPose(T_map_robot, kMaxPositionM)) {
     ++skipped_["bad_pose"];
   } else if (!isReachable(time, T_map_robot)) {
@@ -112,6 +113,7 @@ void FrameCollector::addPose(Time time, const Pose& T_map_robot) {
     assembler_.addPose(time, T_map_robot);
   } else {
     PendingFrame frame;
+    frame.arrival_s = arrival_s;
     frame.time = time;
     frame.T_map_robot = T_map_robot;
     assembler_.addFrame(std::move(frame));

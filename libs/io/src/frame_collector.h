@@ -31,12 +31,25 @@ class FrameCollector {
         pairing_(camera, options.pair_tolerance_s, skipped),
         assembler_(options.read_ahead, skipped) {}
 
-  void add(const mrpt::obs::CObservation::Ptr& observation);
+  /// @param arrival_s  time of arrival by a live source's clock, for the frame it completes [s]
+  void add(const mrpt::obs::CObservation::Ptr& observation, double arrival_s = 0.0);
   /// Counts unassigned observations at the end.
   void finish();
 
   /// Whether take() can return a frame before the end of the recording.
   [[nodiscard]] bool isReady() const { return assembler_.isReady(); }
+  /// Number of frames that take() can return before the end of the recording.
+  [[nodiscard]] std::size_t ready() const { return assembler_.ready(); }
+  /// Number of frames; of boxes, poses and scans; of motion samples that are stored.
+  [[nodiscard]] std::size_t frames() const { return assembler_.frames(); }
+  [[nodiscard]] std::size_t items() const { return assembler_.items(); }
+  [[nodiscard]] std::size_t samples() const { return prior_.samples(); }
+  /// Removes the oldest samples of each motion sensor, and boxes, poses and scans of each laser,
+  /// above these numbers.
+  void limit(std::size_t max_samples, std::size_t max_items) {
+    prior_.limitSamples(max_samples);
+    assembler_.limitItems(max_items);
+  }
   /// The next frame; nullopt if there is none. Before isReady(), only at the recording's end.
   [[nodiscard]] std::optional<PendingFrame> take() { return assembler_.take(); }
 
@@ -44,13 +57,15 @@ class FrameCollector {
   [[nodiscard]] MotionPrior motionBetween(std::optional<Time> previous, Time current) const {
     return prior_.between(previous, current);
   }
+  /// Prolongs the motion sensors' last samples to a time, see MotionPriorBuilder.
+  void extrapolateMotion(Time to, double max_s) { prior_.extrapolate(to, max_s); }
   /// Removes samples that are not needed for motions starting at or after this time.
   void discardMotionBefore(Time time) { prior_.discardBefore(time); }
 
  private:
-  void addPair(RecordedPair pair);
+  void addPair(RecordedPair pair, double arrival_s);
   [[nodiscard]] bool isReachable(Time time, const Pose& T_map_robot);
-  void addPose(Time time, const Pose& T_map_robot);
+  void addPose(Time time, const Pose& T_map_robot, double arrival_s);
   void addMotion(const mrpt::obs::CObservation& observation);
   void addLaser(const mrpt::obs::CObservation2DRangeScan& observation);
 

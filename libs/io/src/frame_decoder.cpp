@@ -3,6 +3,7 @@
 #include <headway/core/error.h>
 
 #include <array>
+#include <chrono>
 #include <cstdio>
 #include <opencv2/core.hpp>
 #include <utility>
@@ -122,6 +123,28 @@ StereoFrame FrameDecoder::stereoFrame(const DecodedPair& images) const {
     frame.left_colour = rectifier_->rectify(Rectifier::kLeft, images.left);
   }
   frame.camera = camera_;
+  return frame;
+}
+
+RecordedFrame FrameDecoder::frameOf(PendingFrame pending) {
+  RecordedFrame frame;
+  frame.index = pending.index;
+  frame.time = pending.time;
+  frame.T_map_robot = pending.T_map_robot;
+  frame.detections = std::move(pending.detections);
+  frame.laser_scans = std::move(pending.laser_scans);
+  return frame;
+}
+
+RecordedFrame FrameDecoder::frameOf(PendingFrame pending, const DecodedPair& images) const {
+  RecordedFrame frame = frameOf(std::move(pending));
+  const auto start = std::chrono::steady_clock::now();
+  frame.stereo = stereoFrame(images);
+  frame.rectify_ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  frame.stereo->index = frame.index;
+  frame.stereo->time = frame.time;
+  if (frame.detections) rectifyBoxes(*frame.detections);
   return frame;
 }
 

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "frame_assembler.h"
 #include "rectifier.h"
 #include "stereo_pairing.h"
 
@@ -45,6 +46,10 @@ class FrameDecoder {
   [[nodiscard]] StereoFrame stereoFrame(const DecodedPair& images) const;
   /// The rectified right image in colour; empty if it is grey.
   [[nodiscard]] cv::Mat rightColour(const DecodedPair& images) const;
+  /// The frame without motion prior; `images` are those of its pair. Requires calibrate().
+  [[nodiscard]] RecordedFrame frameOf(PendingFrame pending, const DecodedPair& images) const;
+  /// A frame that is a pose.
+  [[nodiscard]] static RecordedFrame frameOf(PendingFrame pending);
   /// Rectifies boxes of the recorded image; boxes of images of other sizes are not changed.
   void rectifyBoxes(Detections& detections) const;
 

@@ -11,10 +11,11 @@ namespace {
 constexpr double kForceBefore = 0.25;  // window of the mean specific force: before the frame [s]
 constexpr double kForceAfter = 0.05;   // after the frame [s]
 constexpr std::size_t kMinForceSamples = 3;
-constexpr double kMaxOdometryGap = 1.0;      // between samples [s]
-constexpr double kMaxInertialGap = 0.1;      // between samples [s]
-constexpr double kKept = 1.0;                // before the latest frame [s]
-constexpr double kMaxSampleGap = 10.0;  // between samples [s]
+constexpr double kMaxOdometryGap = 1.0;    // between samples [s]
+constexpr double kMaxInertialGap = 0.1;    // between samples [s]
+constexpr double kKept = 1.0;              // before the latest frame [s]
+constexpr double kMaxOdometryRatio = 5.0;  // of an extrapolation to the samples' interval
+constexpr double kMaxSampleGap = 10.0;     // between samples [s]
 
 template <typename T>
 void addInOrder(std::deque<Stamped<T>>& samples, Time time, const T& value) {
@@ -61,6 +62,34 @@ MotionPrior MotionPriorBuilder::between(std::optional<Time> previous, Time curre
   }
   prior.specific_force = specificForceAt(current);
   return prior;
+}
+
+void MotionPriorBuilder::extrapolate(Time time, double max_s) {
+  const auto lags = [&](const auto& samples) {
+    return !samples.empty() && samples.back().time < time && time - samples.back().time <= max_s;
+  };
+  if (lags(angular_velocity_)) angular_velocity_.push_back({time, angular_velocity_.back().value});
+  if (lags(acceleration_)) acceleration_.push_back({time, acceleration_.back().value});
+  if (!lags(odometry_) || odometry_.size() < 2) return;
+  const auto& [last_time, last] = odometry_.back();
+  const auto& [before_time, before] = odometry_[odometry_.size() - 2];
+  const double ratio = (time - last_time) / (last_time - before_time);
+  if (ratio > kMaxOdometryRatio) return;
+  const Pose step = before.inverse() * last;
+  const Eigen::AngleAxisd turn(step.linear());
+  Pose ahead = Pose::Identity();
+  ahead.translation() = ratio * step.translation();
+  ahead.linear() = Eigen::AngleAxisd(ratio * turn.angle(), turn.axis()).toRotationMatrix();
+  odometry_.push_back({time, last * ahead});
+}
+
+void MotionPriorBuilder::limitSamples(std::size_t max_count) {
+  const auto limit = [max_count](auto& samples) {
+    while (samples.size() > max_count) samples.pop_front();
+  };
+  limit(odometry_);
+  limit(angular_velocity_);
+  limit(acceleration_);
 }
 
 void MotionPriorBuilder::discardBefore(Time time) {

@@ -17,7 +17,7 @@ struct InertialSample {
 /// Computes motion priors between frames from wheel odometry and inertial samples.
 ///
 /// Odometry is interpolated at the frames' times; gyroscope and accelerometer are integrated
-/// between them. Without extrapolation: quantities that are not covered by samples remain empty.
+/// between them. Quantities that are not covered by samples remain empty.
 class MotionPriorBuilder {
  public:
   /// @param T_odom_robot  robot in the odometry's frame, in time order
@@ -27,8 +27,19 @@ class MotionPriorBuilder {
   /// Motion from the previous frame; without a previous frame only the specific force.
   [[nodiscard]] MotionPrior between(std::optional<Time> previous, Time current) const;
 
+  /// Adds a sample at `time` to each sensor whose last sample is older by at most `max_s`: the last
+  /// inertial values; the odometry's pose at the speed of its last two samples. For live frames,
+  /// which are processed before the sensors' next samples arrive.
+  void extrapolate(Time time, double max_s);
+
   /// Removes samples that later frames do not need.
   void discardBefore(Time time);
+  /// Removes the oldest samples of each sensor above this number.
+  void limitSamples(std::size_t max_count);
+  /// Number of stored samples of all sensors.
+  [[nodiscard]] std::size_t samples() const {
+    return odometry_.size() + angular_velocity_.size() + acceleration_.size();
+  }
 
  private:
   [[nodiscard]] std::optional<Eigen::Matrix3d> rotationBetween(Time previous, Time current) const;

@@ -5,7 +5,6 @@
 #include <headway/io/rawlog_source.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 
-#include <chrono>
 #include <utility>
 
 #include "frame_collector.h"
@@ -102,13 +101,7 @@ class RawlogSource::Reader {
 
   /// The frame with its images; nullopt if they are unusable.
   std::optional<RecordedFrame> complete(PendingFrame& pending) {
-    RecordedFrame frame;
-    frame.index = pending.index;
-    frame.time = pending.time;
-    frame.T_map_robot = pending.T_map_robot;
-    frame.detections = std::move(pending.detections);
-    frame.laser_scans = std::move(pending.laser_scans);
-    if (!pending.pair) return frame;
+    if (!pending.pair) return FrameDecoder::frameOf(std::move(pending));
     auto images = std::exchange(first_pair_, std::nullopt);
     if (!images) images = decoder_.decode(*pending.pair);
     if (!images) return std::nullopt;
@@ -118,16 +111,10 @@ class RawlogSource::Reader {
     } catch (const InputError& error) {
       throw InputError(name_ + ": " + error.what());
     }
-    const auto start = std::chrono::steady_clock::now();
-    frame.stereo = decoder_.stereoFrame(*images);
-    frame.rectify_ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    frame.stereo->index = pending.index;
-    frame.stereo->time = pending.time;
-    frame.stereo->motion_prior = collector_->motionBetween(last_time_, pending.time);
-    collector_->discardMotionBefore(pending.time);
-    last_time_ = pending.time;
-    if (frame.detections) decoder_.rectifyBoxes(*frame.detections);
+    RecordedFrame frame = decoder_.frameOf(std::move(pending), *images);
+    frame.stereo->motion_prior = collector_->motionBetween(last_time_, frame.time);
+    collector_->discardMotionBefore(frame.time);
+    last_time_ = frame.time;
     return frame;
   }
 

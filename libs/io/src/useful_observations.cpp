@@ -21,15 +21,23 @@ constexpr std::size_t kMaxLaserScans = 50;
 }  // namespace
 
 CameraChoice UsefulObservations::findCamera() {
-  CameraProbe probe(options_.sensor_label);
-  while (!probe.isDecided()) {
+  (void)readForCamera();
+  return chooseCamera();
+}
+
+bool UsefulObservations::readForCamera() {
+  while (!probe_.isDecided()) {
     const auto observation = read();
-    if (!observation) break;
-    probe.add(*observation);
+    if (!observation) return false;
+    probe_.add(*observation);
     keep(observation);
   }
+  return true;
+}
+
+CameraChoice UsefulObservations::chooseCamera() const {
   try {
-    return probe.choose(skipped_);
+    return probe_.choose(skipped_);
   } catch (const InputError& error) {
     if (!truncation()) throw;
     throw InputError(error.what() + ("; " + *truncation()));

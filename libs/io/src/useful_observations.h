@@ -24,13 +24,23 @@ class UsefulObservations {
   /// @param skipped  counts "truth", "no_time", and other observations by class name
   UsefulObservations(std::unique_ptr<ObservationReader> reader, const RawlogSourceOptions& options,
                      std::map<std::string, std::size_t>& skipped)
-      : reader_(std::move(reader)), options_(options), skipped_(skipped) {}
+      : reader_(std::move(reader)),
+        options_(options),
+        skipped_(skipped),
+        probe_(options.sensor_label) {}
 
   /// Reads until the camera is determined. The observations read are returned by next(); if they
   /// are many, only the latest images, motions and scans, and the others are counted.
   ///
   /// @throws InputError as CameraProbe::choose(), with the reason if the recording is truncated
   [[nodiscard]] CameraChoice findCamera();
+
+  /// Reads on until the camera is determined or the reader has no observation at present.
+  ///
+  /// @return whether chooseCamera() is final
+  [[nodiscard]] bool readForCamera();
+  /// The camera by the observations read so far. @throws InputError as findCamera()
+  [[nodiscard]] CameraChoice chooseCamera() const;
 
   /// The next observation; null at the end.
   [[nodiscard]] mrpt::obs::CObservation::Ptr next();
@@ -49,6 +59,7 @@ class UsefulObservations {
   std::unique_ptr<ObservationReader> reader_;
   RawlogSourceOptions options_;
   std::map<std::string, std::size_t>& skipped_;
+  CameraProbe probe_;
   std::deque<mrpt::obs::CObservation::Ptr> kept_;  ///< read by findCamera(), for next()
 };
 

@@ -1,8 +1,7 @@
 // A robot's program: sensors push observations; poses, tracks and the map come out.
-#include <headway/io/rawlog_source.h>
+#include <headway/io/live_source.h>
 #include <headway/map/map_query.h>
-#include <headway/map/shared_map.h>
-#include <headway/pipeline/perception.h>
+#include <headway/pipeline/live_runner.h>
 
 #include <cstdio>
 #include <thread>
@@ -10,25 +9,27 @@
 #include "sensors.h"  // stands for the robot's drivers: calls back with each CObservation
 
 int main(int, char** argv) {
-  headway::io::ObservationQueue queue;
-  headway::map::SharedMap shared;  // for planners and viewers, in any thread
+  headway::io::LiveSourceOptions options;
+  options.observations.read_ahead = 1;  // this robot's boxes come after their images
+  headway::io::LiveSource source(options);
   std::thread drivers([&] {
-    runSensors(argv[1], [&](auto observation) { queue.push(observation); });
-    queue.close();
+    runSensors(argv[1], [&](auto observation) { source.push(observation); });
+    source.close();
   });
-  headway::io::RawlogSourceOptions options;
-  options.read_ahead = 1;  // this robot's boxes come after their images
-  headway::io::RawlogSource source(queue, options);
-  headway::pipeline::Perception perception(source.camera(), {});
-  while (auto frame = source.next()) {
-    const auto update = perception.process(*frame);
-    shared.publish(perception.map());
+  headway::map::SharedMap shared;  // for planners and viewers, in any thread
+  headway::pipeline::Perception perception(source.camera(),
+                                           headway::pipeline::PerceptionParams::live());
+  headway::pipeline::LiveRunner runner([&] { return source.next(); }, perception, shared);
+  while (const auto live = runner.next()) {
+    const auto& update = live->perception;
     const auto place = update.camera.T_map_robot.translation();
     const auto map = shared.snapshot();
-    const auto near = map->at(frame->time).tracksNear(place.head<2>(), 20.0, frame->time + 1.0);
+    const auto near = map->at(update.time).tracksNear(place.head<2>(), 20.0, update.time + 1.0);
     std::printf("frame %zu: robot at %.2f %.2f, %zu landmarks, %zu tracks, %zu near in 1 s\n",
-                frame->index, place.x(), place.y(), map->landmarks().size(),
+                update.frame, place.x(), place.y(), map->landmarks().size(),
                 update.objects.tracks.size(), near.items.size());
+    std::printf("  %.0f ms after its images, %zu frames dropped so far\n", 1e3 * live->latency_s(),
+                source.dropped());
   }
   drivers.join();
 }

@@ -1,4 +1,5 @@
-// Sensors of a robot that is not there: its observations come from a rawlog, 40 stereo pairs.
+// Sensors of a robot that is not there: its observations come from a rawlog, 40 stereo pairs at
+// 10 Hz.
 #pragma once
 
 #include <headway/io/detection_observation.h>
@@ -20,7 +21,7 @@ inline void runSensors(const char* rawlog,
     const auto observation = std::dynamic_pointer_cast<mrpt::obs::CObservation>(object);
     if (std::dynamic_pointer_cast<mrpt::obs::CObservationStereoImages>(object)) {
       ++pairs;
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }
     if (observation) callback(observation);
   }

@@ -25,12 +25,13 @@ class FrameFeed {
 [[nodiscard]] std::unique_ptr<FrameFeed> makeOfflineFeed(FrameReader reader);
 
 /// Frames at the rate of a live camera: a separate thread reads them at `factor` times the recorded
-/// rate into a queue of `capacity`; if the queue is full, its oldest frame is dropped and counted.
-/// The reader is called in that thread only.
+/// rate into a queue of `capacity`; if the queue is full, its oldest frame is dropped and counted,
+/// so that with a capacity of 1 the newest frame is always returned next. The reader is called in
+/// that thread only.
 ///
 /// @param factor    > 0; 1 is the recorded rate
 /// @param capacity  >= 1
 [[nodiscard]] std::unique_ptr<FrameFeed> makeRealtimeFeed(FrameReader reader, double factor,
-                                                          std::size_t capacity = 2);
+                                                          std::size_t capacity = 1);
 
 }  // namespace headway::pipeline
