@@ -118,7 +118,7 @@ TEST(KalmanFilterTest, TurnsOnThroughHalfATurn) {
   for (int k = 0; k < 40; ++k) {
     yaw = wrapAngle(yaw + 0.05);
     filter.predict(step, false);
-    filter.updateYaw(yaw);
+    filter.updateYaw(yaw, 0.15);
   }
   EXPECT_NEAR(wrapAngle(filter.yaw() - yaw), 0.0, 0.05);
   EXPECT_NEAR(filter.yawRate(), 0.5, 0.1);

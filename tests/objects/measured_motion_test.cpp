@@ -10,7 +10,7 @@ namespace {
 constexpr double kSigma = 0.2;  // of a place [m]
 
 PlaceMeasurement placeAt(Time time, double x, double y) {
-  return {time, {x, y, 0.0}, Eigen::Matrix2d::Identity() / (kSigma * kSigma), 1.0};
+  return {time, {x, y, 0.0}, Eigen::Matrix2d::Identity() / (kSigma * kSigma), 1.0, {}};
 }
 
 TEST(MeasuredMotionTest, ExactPlacesGiveTheirVelocity) {

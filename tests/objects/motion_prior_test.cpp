@@ -41,15 +41,30 @@ PriorStiffness stiffness(MotionPriorKind kind) {
   return {kind, kind == MotionPriorKind::kLeastKinetic ? 1.9 : 2.0, 2.0};
 }
 
+/// The same walk with measured velocities, one of them an outlier.
+Case walkWithVelocities(std::size_t length, unsigned seed) {
+  Case walk = noisyWalk(length, seed);
+  for (std::size_t j = 0; j < length; j += 2) {
+    auto& m = walk.measurements[j];
+    const Eigen::Rotation2Dd turn(0.4 * static_cast<double>(j));
+    StepVelocity velocity;
+    velocity.value = {3.0 + 0.1 * static_cast<double>(j % 5), std::cos(m.time)};
+    if (j == 6) velocity.value.x() -= 5.0;
+    velocity.covariance = turn.toRotationMatrix() * Eigen::Vector2d(0.04, 0.3).asDiagonal() *
+                          turn.toRotationMatrix().transpose();
+    m.velocity = velocity;
+  }
+  return walk;
+}
+
 class EveryPriorTest : public ::testing::TestWithParam<MotionPriorKind> {};
 
 INSTANTIATE_TEST_SUITE_P(Named, EveryPriorTest,
                          ::testing::Values(MotionPriorKind::kLeastKinetic,
                                            MotionPriorKind::kLeastForce));
 
-TEST_P(EveryPriorTest, HasTheGradientOfItsCost) {
-  const Case walk = noisyWalk(12, 1);
-  const MotionPriorProblem problem(walk.measurements, stiffness(GetParam()));
+void expectGradientOfTheCost(const Case& walk, MotionPriorKind kind) {
+  const MotionPriorProblem problem(walk.measurements, stiffness(kind));
   const auto gradient = problem.gradient(walk.start);
   constexpr double kStep = 1e-6;
   for (std::size_t j = 0; j < walk.start.size(); ++j) {
@@ -64,9 +79,14 @@ TEST_P(EveryPriorTest, HasTheGradientOfItsCost) {
   }
 }
 
+TEST_P(EveryPriorTest, HasTheGradientOfItsCost) {
+  expectGradientOfTheCost(noisyWalk(12, 1), GetParam());
+  expectGradientOfTheCost(walkWithVelocities(12, 1), GetParam());
+}
+
 TEST_P(EveryPriorTest, EndsWhereNoPlaceCanBeBettered) {
   for (const std::size_t length : {2u, 3u, 4u, 21u, 100u}) {
-    Case walk = noisyWalk(length, 2);
+    Case walk = length % 2 == 0 ? walkWithVelocities(length, 2) : noisyWalk(length, 2);
     MotionPriorProblem problem(walk.measurements, stiffness(GetParam()));
     const auto summary = problem.refine(walk.start, 1000, 1e-7);
     EXPECT_LE(summary.final_cost, summary.initial_cost);
@@ -182,6 +202,30 @@ TEST(LeastKineticTest, PullsTheNewestPlaceTowardsThePast) {
   MotionPriorProblem problem(walk.measurements, stiffness(MotionPriorKind::kLeastKinetic));
   problem.refine(walk.start, 50, 1e-9);
   EXPECT_LT(walk.start.back().x(), walk.measurements.back().measured.x() - 0.01);
+}
+
+/// A vehicle at 4 m/s of which less and less is seen: its measured centre falls behind.
+std::vector<Eigen::Vector3d> smoothedBehindAnEdge(bool with_velocities) {
+  std::vector<PlaceMeasurement> measurements(20);
+  std::vector<Eigen::Vector3d> places;
+  for (std::size_t j = 0; j < measurements.size(); ++j) {
+    PlaceMeasurement& m = measurements[j];
+    m.time = 0.1 * static_cast<double>(j);
+    const double hidden = j < 14 ? 0.0 : 0.2 * static_cast<double>(j - 13);
+    m.measured = {4.0 * m.time - hidden, 0.0, 0.0};
+    m.information = Eigen::Matrix2d::Identity() / 0.09;
+    if (with_velocities) m.velocity = {{4.0, 0.0}, 0.01 * Eigen::Matrix2d::Identity()};
+    places.push_back(m.measured);
+  }
+  PriorStiffness prior = stiffness(MotionPriorKind::kLeastForce);
+  MotionPriorProblem(measurements, prior).refine(places, 100, 1e-6);
+  return places;
+}
+
+TEST(MotionPriorTest, MeasuredVelocitiesKeepAPathWhosePositionsFallBehind) {
+  const double truth = 4.0 * 1.9;
+  EXPECT_LT(smoothedBehindAnEdge(false).back().x(), truth - 0.7);
+  EXPECT_NEAR(smoothedBehindAnEdge(true).back().x(), truth, 0.35);
 }
 
 }  // namespace

@@ -188,6 +188,23 @@ TEST(MovingObjectTrackerTest, CoastsAlongWhileAnObjectIsHiddenForAMoment) {
   }
 }
 
+TEST(MovingObjectTrackerTest, ATrackThatCoastsStartsWhereItWasShown) {
+  Replay replay;
+  std::mt19937 random(4);
+  std::normal_distribution<double> noise(0.0, 0.4);
+  double x = 10.0;
+  for (int k = 0; k < 20; ++k) {
+    x += 6.0 * kFrame_s;
+    replay.frame({seenCar(x + noise(random), noise(random))});
+  }
+  ASSERT_EQ(replay.last.tracks.size(), 1u);
+  const Track seen = replay.last.tracks[0];
+  const Track coasting = replay.frame({}).tracks.at(0);
+  ASSERT_EQ(coasting.status, TrackStatus::kCoasting);
+  const Eigen::Vector3d step = coasting.position - seen.position;
+  EXPECT_LT((step - kFrame_s * seen.velocity).norm(), 0.02);
+}
+
 TEST(MovingObjectTrackerTest, PredictsTheImageBoxOfACoastingTrack) {
   Replay replay;
   const auto seenWithBox = [](double x) {  // by a camera of 700 px focal length, centre (600, 200)

@@ -71,7 +71,7 @@ KalmanFilter::KalmanFilter(const MeasuredBox& first, const FilterParams& params)
   if (first.velocity) updateVelocity(*first.velocity);
   z_ = startingAt(p.z(), first.vertical_variance, kVerticalRatio * speed,
                   kVerticalRatio * acceleration_sigma_);
-  yaw_ = startingAt(first.yaw, square(params.yaw_sigma_rad), kInitialTurnRate, kTurnAcceleration);
+  yaw_ = startingAt(first.yaw, square(first.yaw_sigma_rad), kInitialTurnRate, kTurnAcceleration);
   const double size_variance = square(first.size_sigma_m);
   length_ = startingAt(first.size.x(), size_variance, 0.0, 0.0);
   width_ = startingAt(first.size.y(), size_variance, 0.0, 0.0);
@@ -128,9 +128,9 @@ void KalmanFilter::updateSize(const MeasuredBox& measured) {
   height_ += (measured.size.z() - height_) / (variance * height_weight_);
 }
 
-void KalmanFilter::updateYaw(double measured) {
+void KalmanFilter::updateYaw(double measured, double sigma_rad) {
   const double nearest = yaw_.mean(0) + wrapAngle(measured - yaw_.mean(0));
-  yaw_.update(nearest, square(params_.yaw_sigma_rad));
+  yaw_.update(nearest, square(sigma_rad));
   yaw_.mean(0) = wrapAngle(yaw_.mean(0));
 }
 

@@ -54,7 +54,7 @@ class KalmanFilter {
   void updateSize(const MeasuredBox& measured);
 
   /// Updates the state by a heading; `measured` must be within pi of yaw() [rad].
-  void updateYaw(double measured);
+  void updateYaw(double measured, double sigma_rad);
   /// Heading of a static object: the mean of `count` measurements so far, without turn rate.
   void averageYaw(double measured, double count);
   /// Reverses the heading by 180 degrees.

@@ -22,6 +22,7 @@ struct MeasuredBox {
   double vertical_variance = 1.0;                            ///< of z, map frame [m^2]
   std::optional<GroundVelocity> velocity;                    ///< if the detector measured it
   double yaw = 0.0;                                          ///< of the front about map z [rad]
+  double yaw_sigma_rad = 0.15;                               ///< its noise
   Eigen::Vector3d size = Eigen::Vector3d::Ones();            ///< (length, width, height) [m]
   double size_sigma_m = 0.2;                                 ///< noise of each of them [m]
   std::optional<Box2d> box2d;                                ///< [px]

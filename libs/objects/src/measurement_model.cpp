@@ -75,6 +75,7 @@ MeasuredBox MeasurementModel::measured(const Pose& T_map_sensor, const Detection
     result.velocity = {velocity.value.head<2>(), velocity.covariance.topLeftCorner<2, 2>()};
   }
   result.yaw = wrapAngle(std::atan2(front.y(), front.x()));
+  result.yaw_sigma_rad = yawSigma(result);
   result.size = {box.length, box.width, box.height};
   result.size_sigma_m = noise_.size_sigma_m * sigmaAlong(box) / noise_.position_sigma_m;
   result.box2d = detection.box2d;
@@ -84,6 +85,14 @@ MeasuredBox MeasurementModel::measured(const Pose& T_map_sensor, const Detection
   result.searched_track = detection.searched_track;
   result.appearance = detection.appearance;
   return result;
+}
+
+// A detector that measures velocities takes the heading from them.
+double MeasurementModel::yawSigma(const MeasuredBox& box) const {
+  if (!box.velocity) return noise_.yaw_sigma_rad;
+  const Eigen::Vector2d across(-std::sin(box.yaw), std::cos(box.yaw));
+  const double sigma = std::sqrt(across.dot(box.velocity->covariance * across));
+  return std::hypot(noise_.yaw_sigma_rad, std::atan2(sigma, box.velocity->value.norm()));
 }
 
 double MeasurementModel::sigmaAlong(const Box3d& box) const {

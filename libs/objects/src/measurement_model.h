@@ -29,6 +29,8 @@ class MeasurementModel {
   /// Reason why a detection cannot be used; nullptr if it can.
   [[nodiscard]] const char* reasonToDrop(const Detection& detection) const;
   [[nodiscard]] MeasuredBox measured(const Pose& T_map_sensor, const Detection& detection) const;
+  /// Noise of the heading [rad].
+  [[nodiscard]] double yawSigma(const MeasuredBox& box) const;
   /// Noise of the centre along the viewing ray [m].
   [[nodiscard]] double sigmaAlong(const Box3d& box) const;
   [[nodiscard]] Eigen::Matrix3d centreCovariance(const Detection& detection) const;

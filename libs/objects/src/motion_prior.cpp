@@ -1,5 +1,6 @@
 #include "motion_prior.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -25,7 +26,29 @@ MotionPriorProblem::MotionPriorProblem(const std::vector<PlaceMeasurement>& meas
     addKineticTerms(stiffness.weight);
   } else {
     addForceTerms(stiffness.weight);
+    addSteps(stiffness.acceleration_mps2);
   }
+}
+
+void MotionPriorProblem::addSteps(double acceleration_mps2) {
+  for (std::size_t j = 1; j < measurements_.size(); ++j) {
+    if (!measurements_[j].velocity) continue;
+    const StepVelocity& velocity = *measurements_[j].velocity;
+    const double dt = measurements_[j].time - measurements_[j - 1].time;
+    const double change = 0.5 * acceleration_mps2 * dt;
+    const Eigen::Matrix2d covariance =
+        velocity.covariance + change * change * Eigen::Matrix2d::Identity();
+    steps_.push_back({j, dt * velocity.value, covariance.inverse() / (dt * dt)});
+  }
+}
+
+Eigen::Vector2d MotionPriorProblem::stepError(const Step& step,
+                                              const std::vector<Eigen::Vector3d>& places) const {
+  return (places[step.to] - places[step.to - 1]).head<2>() - step.measured;
+}
+
+double MotionPriorProblem::stepWeight(const Step& step, const Eigen::Vector2d& error) const {
+  return huberWeight(error.dot(step.information * error), outlier_sigma_);
 }
 
 void MotionPriorProblem::addKineticTerms(double weight) {
@@ -67,6 +90,10 @@ double MotionPriorProblem::cost(const std::vector<Eigen::Vector3d>& places) cons
     twice += huber(squaredResidual(j, places[j]), outlier_sigma_);
   }
   for (const PriorTerm& term : terms_) twice += term.weight * formOf(term, places).squaredNorm();
+  for (const Step& step : steps_) {
+    const Eigen::Vector2d error = stepError(step, places);
+    twice += huber(error.dot(step.information * error), outlier_sigma_);
+  }
   return 0.5 * twice;
 }
 
@@ -83,6 +110,12 @@ std::vector<Eigen::Vector3d> MotionPriorProblem::gradient(
   for (const PriorTerm& term : terms_) {
     const Eigen::Vector3d pull = term.weight * formOf(term, places);
     for (int i = 0; i < term.count; ++i) gradient[term.first + i] += term.coefficients(i) * pull;
+  }
+  for (const Step& step : steps_) {
+    const Eigen::Vector2d error = stepError(step, places);
+    const Eigen::Vector2d pull = stepWeight(step, error) * step.information * error;
+    gradient[step.to].head<2>() += pull;
+    gradient[step.to - 1].head<2>() -= pull;
   }
   return gradient;
 }
@@ -121,6 +154,16 @@ void MotionPriorProblem::addPrior() {
   }
 }
 
+// Gauss-Newton: the weight of an outlier is taken as constant.
+void MotionPriorProblem::addStepCurvature(const std::vector<Eigen::Vector3d>& places) {
+  for (const Step& step : steps_) {
+    const Eigen::Matrix2d curvature = stepWeight(step, stepError(step, places)) * step.information;
+    horizontal_.diagonal[step.to] += curvature;
+    horizontal_.diagonal[step.to - 1] += curvature;
+    horizontal_.first[step.to - 1] -= curvature;
+  }
+}
+
 void MotionPriorProblem::solveStep(const std::vector<Eigen::Vector3d>& places, double damping,
                                    std::vector<Eigen::Vector3d>& step) {
   const std::size_t n = places.size();
@@ -128,6 +171,7 @@ void MotionPriorProblem::solveStep(const std::vector<Eigen::Vector3d>& places, d
   vertical_.reset(n);
   addMeasurements(places);
   addPrior();
+  addStepCurvature(places);
   for (std::size_t j = 0; j < n; ++j) {
     horizontal_.diagonal[j].diagonal() *= 1.0 + damping;
     vertical_.diagonal[j] *= 1.0 + damping;

@@ -4,11 +4,18 @@
 #include <headway/objects/objects_params.h>
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "banded_system.h"
 
 namespace headway::objects {
+
+/// A velocity measured over the step that ends at a position.
+struct StepVelocity {
+  Eigen::Vector2d value = Eigen::Vector2d::Zero();           ///< (x, y), map frame [m/s]
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< [m^2/s^2]
+};
 
 /// A measured position with its information.
 struct PlaceMeasurement {
@@ -16,6 +23,7 @@ struct PlaceMeasurement {
   Eigen::Vector3d measured = Eigen::Vector3d::Zero();         ///< map frame [m]
   Eigen::Matrix2d information = Eigen::Matrix2d::Identity();  ///< of (x, y) [1/m^2]
   double vertical_information = 1.0;                          ///< of z [1/m^2]
+  std::optional<StepVelocity> velocity;                       ///< if the detector measured it
 };
 
 /// Kind and weight of the prior.
@@ -23,13 +31,17 @@ struct PriorStiffness {
   MotionPriorKind kind = MotionPriorKind::kLeastForce;
   double weight = 1.0;         ///< least_kinetic: r [1/(m^2/s)]; least_force: [1/(m^2/s^3)]
   double outlier_sigma = 3.0;  ///< residual from which Huber's loss is linear [-]
+  /// Typical acceleration, by which a measured velocity may differ from the mean of a step;
+  /// least_force only [m/s^2].
+  double acceleration_mps2 = 1.0;
 };
 
 /// The smoothing problem of Sec. III-C1: measured positions and a prior of the motion.
 ///
 ///     minimise  sum_j rho(|P_j - z_j|^2_Sigma) / 2  +  prior(P)
 ///     least_kinetic:  sum_j  w/2 (|P_j+1 - P_j| / (dt_j + eps))^2 dt_j           eq. (5)
-///     least_force:    sum_j  w/2 |a_j|^2 (dt_j-1 + dt_j) / 2,  a_j the second difference
+///     least_force:    sum_j  w/2 |a_j|^2 (dt_j-1 + dt_j) / 2,  a_j the second difference,
+///                     + sum_j  rho(|(P_j - P_j-1) / dt_j - v_j|^2_Sigma) / 2  for measured v_j
 ///
 /// The paper's eq. (5) has no data term, so that all places coincide at its minimum; its eqs. (6)
 /// and (7) are not the derivative of (5). Here the data term is added, and the derivative is
@@ -72,6 +84,19 @@ class MotionPriorProblem {
     double weight = 0.0;
   };
 
+  /// A measured velocity as the length of the step that it belongs to.
+  struct Step {
+    std::size_t to = 0;                                         ///< index of the place at its end
+    Eigen::Vector2d measured = Eigen::Vector2d::Zero();         ///< [m]
+    Eigen::Matrix2d information = Eigen::Matrix2d::Identity();  ///< [1/m^2]
+  };
+
+  void addSteps(double acceleration_mps2);
+  [[nodiscard]] Eigen::Vector2d stepError(const Step& step,
+                                          const std::vector<Eigen::Vector3d>& places) const;
+  [[nodiscard]] double stepWeight(const Step& step, const Eigen::Vector2d& error) const;
+  /// Adds the measured steps' Hessian.
+  void addStepCurvature(const std::vector<Eigen::Vector3d>& places);
   void addKineticTerms(double weight);
   void addForceTerms(double weight);
   [[nodiscard]] double squaredResidual(std::size_t j, const Eigen::Vector3d& place) const;
@@ -88,6 +113,7 @@ class MotionPriorProblem {
   const std::vector<PlaceMeasurement>& measurements_;
   double outlier_sigma_;
   std::vector<PriorTerm> terms_;
+  std::vector<Step> steps_;
   BandedSystem<2> horizontal_;
   BandedSystem<1> vertical_;
 };

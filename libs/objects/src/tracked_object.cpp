@@ -74,7 +74,7 @@ void TrackedObject::confirm() {
 void TrackedObject::updateHeading(const MeasuredBox& detection) {
   const double measured = heading_.unflipped(detection.yaw, filter_.yaw());
   if (motion_class_.moving()) {
-    filter_.updateYaw(measured);
+    filter_.updateYaw(measured, detection.yaw_sigma_rad);
     const Eigen::Vector2d direction = unitOr(filter_.velocity().head<2>(), Eigen::Vector2d::Zero());
     heading_.addMotion(
         direction.dot(Eigen::Vector2d(std::cos(filter_.yaw()), std::sin(filter_.yaw()))));
@@ -101,6 +101,7 @@ void TrackedObject::voteClass(const MeasuredBox& detection) {
 void TrackedObject::refine(Time time, const TrajectorySmoother& smoother) {
   constexpr double kSpeedWindow_s = 1.0;
   smoother.refine(trajectory_, filter_, group(), motion_class_.standing());
+  smoothed_offset_ = trajectory_.path.back().position - filter_.position();
   auto motion = measuredMotion(trajectory_.measurements, kSpeedWindow_s + kFrameJitter_s);
   if (velocity_measured_) motion = {filter_.velocity().head<2>(), filter_.velocityCovariance()};
   if (!motion) return;
@@ -161,15 +162,16 @@ bool TrackedObject::shown(Time time) const {
          meanSigma(filter_.positionCovariance()) <= life.max_coast_sigma_m;
 }
 
+// An object that is not seen continues from the smoothed path, so that its position has no step.
 Eigen::Vector3d TrackedObject::positionAt(Time time) const {
-  return seenAt(time) ? trajectory_.path.back().position : filter_.position();
+  return seenAt(time) ? trajectory_.path.back().position : filter_.position() + smoothed_offset_;
 }
 
 void TrackedObject::historyAt(std::size_t frame, Time time, MotionHistory& history) const {
   history.object_class = object_class_;
   history.path = trajectory_.path;
   history.position_covariance = filter_.positionCovariance();
-  if (!seenAt(time)) history.path.push_back({frame, time, filter_.position(), filter_.yaw()});
+  if (!seenAt(time)) history.path.push_back({frame, time, positionAt(time), filter_.yaw()});
 }
 
 Track TrackedObject::shownAt(Time time) const {

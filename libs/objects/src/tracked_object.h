@@ -88,6 +88,7 @@ class TrackedObject {
   MotionClassifier motion_class_;
   bool velocity_measured_ = false;  ///< by the last detection
   Trajectory trajectory_;
+  Eigen::Vector3d smoothed_offset_ = Eigen::Vector3d::Zero();  ///< of the path's end to the filter
   std::array<double, kObjectClassCount> class_votes_{};
   std::optional<std::int64_t> detector_id_;
   std::optional<GroundVelocity> detected_velocity_;  ///< as last measured by a detector

@@ -9,8 +9,10 @@ namespace headway::objects {
 void Trajectory::append(std::size_t frame, Time time, const MeasuredBox& measured,
                         const Eigen::Vector3d& position, double yaw) {
   path.push_back({frame, time, position, yaw});
-  measurements.push_back(
-      {time, measured.position, measured.covariance.inverse(), 1.0 / measured.vertical_variance});
+  PlaceMeasurement place{
+      time, measured.position, measured.covariance.inverse(), 1.0 / measured.vertical_variance, {}};
+  if (measured.velocity) place.velocity = {measured.velocity->value, measured.velocity->covariance};
+  measurements.push_back(place);
   ++length;
 }
 
@@ -66,6 +68,7 @@ PriorStiffness TrajectorySmoother::stiffnessOf(MotionGroup group, bool standing)
     const double fraction = standing ? params_.force_standing_ratio : 1.0;
     const double sigma = fraction * params_.force_sigma_mps2.of(group);
     stiffness.weight = 1.0 / (sigma * sigma * params_.force_time_s);
+    stiffness.acceleration_mps2 = sigma;
   }
   return stiffness;
 }
