@@ -62,10 +62,17 @@ std::unique_ptr<pipeline::Perception> makePerception(
 
 Replay::Replay(const Options& options, const pipeline::PerceptionParams& perception_params,
                const Params& params)
+    : Replay(options,
+             std::make_unique<RawlogInput>(options.input, sourceOptions(options, perception_params),
+                                           options.realtime),
+             perception_params, params) {}
+
+Replay::Replay(const Options& options, std::unique_ptr<FrameInput> input,
+               const pipeline::PerceptionParams& perception_params, const Params& params)
     : options_(options),
       configuration_(textOf(params)),
-      source_(options.input, sourceOptions(options, perception_params)),
-      camera_(source_.camera()),
+      source_(std::move(input)),
+      camera_(source_->camera()),
       perception_(makePerception(options, camera_, perceptionParams(options, perception_params))),
       folder_(prepareOutputFolder(options.output, options.overwrite)),
       writers_(folder_, camera_),
@@ -73,7 +80,7 @@ Replay::Replay(const Options& options, const pipeline::PerceptionParams& percept
   if (!options.detections.empty()) {
     side_detections_ = io::readDetections(options.detections, summary_.detections_dropped);
   }
-  summary_.calibration = source_.calibration();
+  summary_.calibration = source_->calibration();
   if (summary_.calibration && !options_.quiet) printCalibration(*summary_.calibration);
   summary_.rig = perception_->rig();
   if (summary_.rig && !options_.quiet) std::puts(stereo::describe(*summary_.rig).c_str());
@@ -89,7 +96,7 @@ void Replay::run() {
     failure = std::current_exception();
   }
   collectWarnings(last_frame_, true);
-  if (source_.truncation()) summary_.ended_early = *source_.truncation();
+  if (source_->truncation()) summary_.ended_early = source_->truncation();
   if (program::interrupted()) summary_.ended_early = "interrupted";
   if (failure) summary_.ended_early = textOf(failure);
   try {
@@ -99,33 +106,23 @@ void Replay::run() {
   }
   if (failure) std::rethrow_exception(failure);
   requireTrackedFrames();
-  if (source_.truncation()) {
-    throw InputError(*source_.truncation() + "; the part before was processed and written to " +
+  if (source_->truncation()) {
+    throw InputError(*source_->truncation() + "; the part before was processed and written to " +
                      folder_.string());
   }
 }
 
-std::unique_ptr<pipeline::FrameFeed> Replay::makeFeed() {
-  auto reader = [this] {
-    auto frame = source_.next();
-    progress_ = source_.progress();
-    return frame;
-  };
-  return options_.realtime > 0.0 ? pipeline::makeRealtimeFeed(reader, options_.realtime)
-                                 : pipeline::makeOfflineFeed(reader);
-}
-
 void Replay::processAll() {
-  program::Progress progress("replay", options_.quiet);
-  const auto feed = makeFeed();
+  program::Progress progress("replay", options_.quiet || on_frame_ != nullptr);
+  const auto feed = source_->makeFeed();
   while (!program::interrupted()) {
     auto frame = feed->next();
     summary_.frames_dropped_late = feed->dropped();
     if (!frame) break;
     if (summary_.frame_ms.empty()) summary_.start_up_s = secondsSinceProcessStart();
     applySideDetections(*frame);
-    process(*frame, progress_);
-    progress.update(summary_.frame_ms.size(), progress_);
+    process(*frame, source_->progress());
+    progress.update(summary_.frame_ms.size(), source_->progress());
   }
 }
 
@@ -150,13 +147,14 @@ void Replay::process(const RecordedFrame& frame, double progress) {
   collectWarnings(frame.index, false);
   writers_.write(update);
   snapshots_.add(*perception_, update, frame, progress);
+  if (on_frame_) on_frame_(frame, update);
 }
 
 pipeline::PerceptionUpdate Replay::processed(const RecordedFrame& frame) {
   try {
     return perception_->process(frame);
   } catch (const InputError& error) {
-    throw InputError(options_.input + ", frame " + std::to_string(frame.index) + ": " +
+    throw InputError(source_->name() + ", frame " + std::to_string(frame.index) + ": " +
                      error.what());
   }
 }
@@ -181,10 +179,10 @@ void Replay::count(const RecordedFrame& frame, const pipeline::PerceptionUpdate&
 
 void Replay::collectWarnings(std::size_t frame, bool reader_has_stopped) {
   Warnings warnings = perception_->warnings();
-  // In real time, another thread writes the counts until the end.
-  if (reader_has_stopped || options_.realtime <= 0.0) {
-    const auto bad_samples = source_.skipped().find("bad_imu");
-    if (bad_samples != source_.skipped().end()) {
+  const auto skipped = reader_has_stopped ? source_->skipped() : source_->skippedNow();
+  if (skipped) {
+    const auto bad_samples = skipped->find("bad_imu");
+    if (bad_samples != skipped->end()) {
       const auto before = summary_.warnings.find("imu_samples");
       addWarning("imu_samples",
                  before == summary_.warnings.end() ? frame : before->second.first_frame,
@@ -202,7 +200,7 @@ void Replay::collectWarnings(std::size_t frame, bool reader_has_stopped) {
 void Replay::requireTrackedFrames() const {
   if (summary_.frames == 0 || summary_.frames_tracked > 0 || program::interrupted()) return;
   if (!options_.load_map.empty()) return;  // see warnIfNotRelocalised()
-  throw InputError(options_.input + ": none of " + std::to_string(summary_.frames) +
+  throw InputError(source_->name() + ": none of " + std::to_string(summary_.frames) +
                    " frames was tracked: " + causeOfNoTracking(summary_.calibration));
 }
 
@@ -262,7 +260,7 @@ void Replay::summarise(const std::vector<slam::FrameEstimate>& trajectory) {
   for (const auto& [id, moving] : seen_tracks_) summary_.tracks_moving += moving ? 1 : 0;
   summary_.stages.merge(perception_->times());
   summary_.laser = perception_->laserCounts();
-  summary_.observations_skipped = source_.skipped();
+  summary_.observations_skipped = source_->skipped();
   summary_.total_s = secondsSinceProcessStart();
 }
 

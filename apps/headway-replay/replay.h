@@ -1,16 +1,15 @@
 #pragma once
 
-#include <headway/io/rawlog_source.h>
-#include <headway/pipeline/frame_feed.h>
 #include <headway/pipeline/perception.h>
 
-#include <atomic>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "frame_input.h"
 #include "frame_writers.h"
 #include "options.h"
 #include "snapshots.h"
@@ -34,6 +33,17 @@ class Replay {
   Replay(const Options& options, const pipeline::PerceptionParams& perception_params,
          const Params& params);
 
+  /// The same for another input, such as live sensors; options.input is for replay.json alone.
+  ///
+  /// @param input  not null
+  Replay(const Options& options, std::unique_ptr<FrameInput> input,
+         const pipeline::PerceptionParams& perception_params, const Params& params);
+
+  /// Calls back after each frame, when its results are written; instead of a progress line.
+  using FrameCallback =
+      std::function<void(const RecordedFrame&, const pipeline::PerceptionUpdate&)>;
+  void onFrame(FrameCallback callback) { on_frame_ = std::move(callback); }
+
   /// Processes all frames. @throws InputError after writing the results computed so far
   void run();
 
@@ -43,7 +53,6 @@ class Replay {
   }
 
  private:
-  [[nodiscard]] std::unique_ptr<pipeline::FrameFeed> makeFeed();
   void processAll();
   void process(const RecordedFrame& frame, double progress);
   [[nodiscard]] pipeline::PerceptionUpdate processed(const RecordedFrame& frame);
@@ -61,7 +70,7 @@ class Replay {
 
   Options options_;
   std::string configuration_;  ///< as .ini text
-  io::RawlogSource source_;
+  std::unique_ptr<FrameInput> source_;
   std::shared_ptr<const StereoCamera> camera_;
   std::unique_ptr<pipeline::Perception> perception_;
   std::map<std::size_t, Detections> side_detections_;
@@ -70,7 +79,7 @@ class Replay {
   Snapshots snapshots_;
   Summary summary_;
   std::size_t last_frame_ = 0;  ///< index of the newest frame
-  std::atomic<double> progress_{0.0};
+  FrameCallback on_frame_;
   std::map<TrackId, bool> seen_tracks_;  ///< confirmed tracks -> moving at some time
 };
 

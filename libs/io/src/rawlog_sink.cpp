@@ -2,6 +2,7 @@
 #include <headway/core/mrpt_pose.h>
 #include <headway/io/detection_observation.h>
 #include <headway/io/mrpt_time.h>
+#include <headway/io/observation_calibration.h>
 #include <headway/io/rawlog_sink.h>
 #include <mrpt/img/CImage.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
@@ -49,19 +50,6 @@ class JpegSerialization {
   bool was_disabled_;
   int old_quality_;
 };
-
-mrpt::img::TCamera mrptCamera(const RawCamera& camera, const std::string& name) {
-  mrpt::img::TCamera result;
-  result.ncols = static_cast<uint32_t>(camera.width);
-  result.nrows = static_cast<uint32_t>(camera.height);
-  result.cameraName = name;
-  result.setIntrinsicParamsFromValues(camera.fx, camera.fy, camera.cx, camera.cy);
-  const auto& d = camera.distortion;
-  if (std::any_of(d.begin(), d.end(), [](double k) { return k != 0.0; })) {
-    result.setDistortionPlumbBob(d[0], d[1], d[2], d[3], d[4]);
-  }
-  return result;
-}
 
 /// The label with characters replaced that are invalid in file names.
 std::string fileNameOf(std::string label) {
@@ -202,10 +190,7 @@ void RawlogSink::writeStereo(Time time, const cv::Mat& left, const cv::Mat& righ
   observation.imageLeft = writer_->stored(left, label, "left");
   observation.imageRight = writer_->stored(right, label, "right");
   observation.hasImageRight = true;
-  observation.leftCamera = mrptCamera(camera.left, "left");
-  observation.rightCamera = mrptCamera(camera.right, "right");
-  observation.cameraPose = toMrptQuat(camera.T_robot_left);
-  observation.rightCameraPose = toMrptQuat(camera.T_left_right);
+  setCalibration(camera, observation);
   writer_->write(observation);
   writer_->countPair();
 }

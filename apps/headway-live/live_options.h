@@ -1,0 +1,26 @@
+#pragma once
+
+#include <headway/program/command_line.h>
+
+#include <string>
+
+#include "options.h"
+
+namespace headway::live {
+
+/// Command-line options of a live run.
+struct LiveOptions {
+  replay::Options run;      ///< output, map to load and so on, as of a replay
+  std::string sensors;      ///< .ini file of rawlog-grabber
+  std::string calibration;  ///< file that replaces the drivers' calibration; empty: none
+  std::string record;       ///< rawlog to write; empty: none
+  double pair_tolerance_s = 0.01;
+};
+
+/// Adds the options to a command line.
+void describe(LiveOptions& options, program::CommandLine& line);
+
+/// @throws UsageError if options are invalid or contradict each other
+void check(const LiveOptions& options);
+
+}  // namespace headway::live

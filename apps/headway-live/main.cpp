@@ -1,0 +1,143 @@
+// headway-live: the cameras and sensors of a robot to trajectory, tracks, predictions and map.
+#include <headway/core/error.h>
+#include <headway/drivers/observation_recorder.h>
+#include <headway/drivers/sensor_group.h>
+#include <headway/io/calibration_file.h>
+#include <headway/io/live_source.h>
+#include <headway/io/observation_calibration.h>
+#include <headway/program/progress.h>
+#include <mrpt/config/CConfigFile.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "live_options.h"
+#include "replay.h"
+#include "status_line.h"
+
+namespace {
+
+using namespace headway;
+using mrpt::obs::CObservation;
+
+io::LiveSourceOptions sourceOptions(const live::LiveOptions& options,
+                                    const pipeline::PerceptionParams& params) {
+  io::LiveSourceOptions result;
+  result.observations.sensor_label = options.run.sensor_label;
+  result.observations.pair_tolerance_s = options.pair_tolerance_s;
+  result.observations.use_odometry = params.slam.use_odometry;
+  result.observations.use_imu = params.slam.use_imu;
+  result.observations.use_laser = params.laser.use && params.grid.every_nth_frame > 0;
+  return result;
+}
+
+/// Sets the calibration of images, of two cameras by their labels LEFT,RIGHT.
+void calibrate(const io::RawStereoCamera& camera, const std::string& labels,
+               CObservation& observation) {
+  if (auto* stereo = dynamic_cast<mrpt::obs::CObservationStereoImages*>(&observation)) {
+    io::setCalibration(camera, *stereo);
+  } else if (auto* image = dynamic_cast<mrpt::obs::CObservationImage*>(&observation)) {
+    const auto comma = labels.find(',');
+    const std::string& label = image->sensorLabel;
+    if (comma == std::string::npos) return;
+    const bool is_left = label == labels.substr(0, comma);
+    if (is_left || label == labels.substr(comma + 1)) io::setCalibration(camera, is_left, *image);
+  }
+}
+
+mrpt::config::CConfigFile readSensors(const std::string& path) {
+  if (!std::filesystem::is_regular_file(path)) {
+    throw InputError(path + ": no such file of sensors");
+  }
+  return mrpt::config::CConfigFile(path);
+}
+
+void warn(const std::string& text) { std::cerr << "headway-live: " << text << std::endl; }
+
+std::unique_ptr<drivers::SensorGroup> makeSensors(
+    const std::string& path, drivers::SensorGroup::ObservationCallback deliver) {
+  try {
+    return std::make_unique<drivers::SensorGroup>(readSensors(path), std::move(deliver), warn);
+  } catch (const InputError& error) {
+    const std::string reason = error.what();
+    throw InputError(reason.rfind(path, 0) == 0 ? reason : path + ": " + reason);
+  }
+}
+
+/// Waits for the first images; false if the program was interrupted before.
+bool waitForCamera(io::LiveSource& source) {
+  try {
+    (void)source.camera();
+    return true;
+  } catch (const InputError&) {
+    if (!program::interrupted()) throw;
+    warn("interrupted before the first stereo pair");
+    return false;
+  }
+}
+
+void finish(const std::string& path, drivers::ObservationRecorder& recorder) {
+  recorder.close();
+  if (recorder.dropped() == 0) return;
+  warn(path + ": lacks " + std::to_string(recorder.dropped()) +
+       " observations, because the disk was slower than the sensors");
+}
+
+/// Runs sensors and pipeline until they are interrupted.
+void run(const live::LiveOptions& options, bool quiet, const pipeline::PerceptionParams& params,
+         const Params& all_params) {
+  std::optional<io::RawStereoCamera> calibration;
+  if (!options.calibration.empty()) calibration = io::readRawCalibration(options.calibration);
+  std::optional<drivers::ObservationRecorder> recorder;
+  if (!options.record.empty()) recorder.emplace(options.record);
+  io::LiveSource source(sourceOptions(options, params));
+  const auto deliver = [&](const CObservation::Ptr& observation) {
+    if (calibration) calibrate(*calibration, options.run.sensor_label, *observation);
+    if (recorder) recorder->write(observation);
+    source.push(observation);
+  };
+  const auto sensors = makeSensors(options.sensors, deliver);
+  live::StatusLine status(quiet, [&source] {
+    if (program::interrupted()) source.close();
+  });
+  sensors->start();
+  if (!waitForCamera(source)) return;
+  auto input = std::make_unique<replay::LiveInput>(source);
+  const replay::LiveInput& live = *input;
+  replay::Replay pipeline(options.run, std::move(input), params, all_params);
+  pipeline.onFrame([&](const RecordedFrame&, const pipeline::PerceptionUpdate& update) {
+    status.update(update, monotonicSeconds() - live.arrival_s(), source.dropped());
+  });
+  pipeline.run();
+  sensors->stop();
+  if (recorder) finish(options.record, *recorder);
+  if (!quiet) replay::printSummary(pipeline.summary());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return program::run("headway-live", [&] {
+    live::LiveOptions options;
+    pipeline::PerceptionParams params;
+    Params all_params;
+    params.describe(all_params);
+    program::CommandLine line(
+        "headway-live",
+        "Runs the pipeline on a robot's sensors until Ctrl-C: localises the camera, maps the "
+        "static environment, tracks and predicts moving objects, and writes OUTDIR as it goes.");
+    live::describe(options, line);
+    line.parameters(all_params);
+    if (!line.parse(argc, argv)) return program::kDone;
+    options.run.quiet = line.quiet();
+    options.run.input = options.record;
+    live::check(options);
+    if (!options.run.detector.empty()) params.detection.detector = options.run.detector;
+    program::catchInterrupts();
+    run(options, line.quiet(), pipeline::PerceptionParams::live(params), all_params);
+    return program::kDone;
+  });
+}

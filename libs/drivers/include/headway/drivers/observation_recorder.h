@@ -1,0 +1,36 @@
+#pragma once
+
+#include <mrpt/obs/CObservation.h>
+
+#include <cstddef>
+#include <memory>
+#include <string>
+
+namespace headway::drivers {
+
+/// Writes live observations to a rawlog in a thread of its own.
+///
+/// If the disk is slower than the sensors, observations above `max_waiting` are dropped and
+/// counted; the rawlog then lacks them.
+class ObservationRecorder {
+ public:
+  /// @throws InputError if the file cannot be written
+  explicit ObservationRecorder(const std::string& path, std::size_t max_waiting = 200);
+  ~ObservationRecorder();
+  ObservationRecorder(const ObservationRecorder&) = delete;
+  ObservationRecorder& operator=(const ObservationRecorder&) = delete;
+
+  /// Adds an observation, which must not be changed afterwards. Callable by any thread.
+  void write(const mrpt::obs::CObservation::Ptr& observation);
+
+  /// Writes what is waiting and closes the file. @throws InputError on a write error
+  void close();
+
+  [[nodiscard]] std::size_t dropped() const;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace headway::drivers

@@ -1,0 +1,109 @@
+#include <headway/core/error.h>
+#include <headway/drivers/observation_recorder.h>
+#include <mrpt/io/CFileGZOutputStream.h>
+#include <mrpt/serialization/CArchive.h>
+
+#include <cerrno>
+#include <condition_variable>
+#include <cstring>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+namespace headway::drivers {
+
+class ObservationRecorder::Implementation {
+ public:
+  Implementation(const std::string& path, std::size_t max_waiting)
+      : path_(path), max_waiting_(max_waiting) {
+    if (!file_.open(path, kCompression)) {
+      throw InputError(path + ": cannot be written: " + std::strerror(errno));
+    }
+    thread_ = std::thread([this] { writeAll(); });
+  }
+
+  ~Implementation() { end(); }
+
+  void write(const mrpt::obs::CObservation::Ptr& observation) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (ending_ || has_failed_) return;
+      if (waiting_.size() >= max_waiting_) {
+        ++dropped_;
+        return;
+      }
+      waiting_.push_back(observation);
+    }
+    changed_.notify_one();
+  }
+
+  void close() {
+    end();
+    file_.close();
+    if (has_failed_) throw InputError(path_ + ": write error; check the disk space");
+  }
+
+  std::size_t dropped() const {
+    const std::lock_guard lock(mutex_);
+    return dropped_;
+  }
+
+ private:
+  void end() {
+    {
+      const std::lock_guard lock(mutex_);
+      ending_ = true;
+    }
+    changed_.notify_one();
+    if (thread_.joinable()) thread_.join();
+  }
+
+  mrpt::obs::CObservation::Ptr next() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return ending_ || !waiting_.empty(); });
+    if (waiting_.empty()) return nullptr;
+    auto observation = waiting_.front();
+    waiting_.pop_front();
+    return observation;
+  }
+
+  void writeAll() {
+    try {
+      auto archive = mrpt::serialization::archiveFrom(file_);
+      while (const auto observation = next()) archive << *observation;
+    } catch (const std::exception&) {
+      const std::lock_guard lock(mutex_);
+      has_failed_ = true;
+    }
+  }
+
+  static constexpr int kCompression =
+      1;  ///< of zlib; higher ones cost more than a frame's interval
+
+  std::string path_;
+  mrpt::io::CFileGZOutputStream file_;  ///< used by the thread, and after its end
+  std::size_t max_waiting_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<mrpt::obs::CObservation::Ptr> waiting_;  // guarded by mutex_, like the members below
+  std::size_t dropped_ = 0;
+  bool ending_ = false;
+  bool has_failed_ = false;
+  std::thread thread_;
+};
+
+ObservationRecorder::ObservationRecorder(const std::string& path, std::size_t max_waiting)
+    : implementation_(std::make_unique<Implementation>(path, max_waiting)) {}
+
+ObservationRecorder::~ObservationRecorder() = default;
+
+void ObservationRecorder::write(const mrpt::obs::CObservation::Ptr& observation) {
+  implementation_->write(observation);
+}
+
+void ObservationRecorder::close() { implementation_->close(); }
+
+std::size_t ObservationRecorder::dropped() const { return implementation_->dropped(); }
+
+}  // namespace headway::drivers
