@@ -12,6 +12,7 @@ bool isTracked(const PerceptionUpdate& update) {
 
 void Perception::checkInput(const RecordedFrame& frame, const PerceptionUpdate& update,
                             bool scan_ground) {
+  if (frame.stereo) camera_check_.add(*frame.stereo, warnings_);
   if (!isLocalisedBySlam(frame)) return;
   if (scan_ground) mount_check_->addImage(*found_.context);
   if (isTracked(update) && last_pose_ && update.camera.loops.empty()) {

@@ -5,6 +5,7 @@
 #include <headway/map/map_file.h>
 #include <headway/map/static_grid.h>
 #include <headway/objects/moving_object_tracker.h>
+#include <headway/pipeline/camera_check.h>
 #include <headway/pipeline/detection_stage.h>
 #include <headway/pipeline/laser_evidence.h>
 #include <headway/pipeline/mount_check.h>
@@ -102,7 +103,7 @@ class Perception {
   [[nodiscard]] const std::optional<stereo::RigCapability>& rig() const { return rig_; }
 
   /// Conditions of the input that degrade the results: "imu_accelerometer" and "imu_gyroscope"
-  /// (left out, they contradict the camera), "odometry_scale".
+  /// (left out, they contradict the camera), "odometry_scale", "camera_frozen", "camera_dark".
   [[nodiscard]] const Warnings& warnings() const;
 
   /// Laser scans by use ("used", "camera_lost", "ground_unknown", "between_ground_scans") and ends
@@ -160,6 +161,7 @@ class Perception {
   map::PerceptionMap map_;
   std::size_t grid_frames_ = 0;            ///< frames eligible for a scan
   std::optional<MountCheck> mount_check_;  ///< with a camera
+  CameraCheck camera_check_;
   Warnings warnings_;
   std::map<std::string, std::size_t> laser_counts_;
   std::optional<Stamped<Pose>> last_pose_;         ///< in the newest tracked frame
