@@ -19,6 +19,7 @@ constexpr std::int32_t kFree = 6;          // evidence of free ground
 constexpr std::int32_t kLaserHit = 14;     // evidence of an obstacle of a laser, as kHit
 constexpr std::int32_t kMaxEvidence = 72;  // limit of a cell's output
 constexpr int kMarginCells = 64;           // minimum growth of the grid
+constexpr int kMaxReserve = 512;           // growth of the arrays beyond that
 constexpr std::size_t kMaxPublished = 8;   // maps to be published again
 
 /// Evidence of one scan for the cells around it.
@@ -184,26 +185,51 @@ void EvidenceGrid::growTo(int left, int bottom, int right, int top) {
     right = std::max(right, left_ + columns_);
     top = std::max(top, bottom_ + rows_);
   }
-  const auto grow = [&](auto& cells, auto empty) {
-    auto old = std::exchange(cells, {});
-    cells.assign(static_cast<std::size_t>(right - left) * static_cast<std::size_t>(top - bottom),
-                 empty);
-    for (int row = 0; row < rows_; ++row) {
-      const auto from = old.begin() + static_cast<std::ptrdiff_t>(row) * columns_;
-      std::copy(from, from + columns_,
-                cells.begin() +
-                    static_cast<std::ptrdiff_t>(row + bottom_ - bottom) * (right - left) +
-                    (left_ - left));
-    }
-  };
-  grow(evidence_, std::int32_t{0});
-  grow(laser_, std::int32_t{0});
-  grow(shown_, shownFor(0));
   left_ = left;
   bottom_ = bottom;
   columns_ = right - left;
   rows_ = top - bottom;
   published_.clear();  // maps in use belong to their users
+  growStorage();
+}
+
+/// Makes the arrays hold the grid. They grow by up to half of its size, so that a robot that drives
+/// on does not copy the whole grid every few metres.
+void EvidenceGrid::growStorage() {
+  const Area needed{left_, bottom_, columns_, rows_};
+  if (needed.left >= stored_.left && needed.bottom >= stored_.bottom &&
+      needed.left + needed.columns <= stored_.left + stored_.columns &&
+      needed.bottom + needed.rows <= stored_.bottom + stored_.rows) {
+    return;
+  }
+  const Area old = stored_;
+  stored_ = needed;
+  if (old.columns > 0) {
+    const int wide = std::min(needed.columns / 2, kMaxReserve);
+    const int high = std::min(needed.rows / 2, kMaxReserve);
+    if (needed.left < old.left) stored_.left -= wide;
+    if (needed.bottom < old.bottom) stored_.bottom -= high;
+    const bool to_right = needed.left + needed.columns > old.left + old.columns;
+    const bool to_top = needed.bottom + needed.rows > old.bottom + old.rows;
+    const int right = to_right ? needed.left + needed.columns + wide : old.left + old.columns;
+    const int top = to_top ? needed.bottom + needed.rows + high : old.bottom + old.rows;
+    stored_.left = std::min(stored_.left, old.left);
+    stored_.bottom = std::min(stored_.bottom, old.bottom);
+    stored_.columns = right - stored_.left;
+    stored_.rows = top - stored_.bottom;
+  }
+  const auto grow = [&](auto& cells, auto empty) {
+    const auto before = std::exchange(cells, {});
+    cells.assign(static_cast<std::size_t>(stored_.columns) * static_cast<std::size_t>(stored_.rows),
+                 empty);
+    for (int row = 0; row < old.rows; ++row) {
+      const auto from = before.begin() + static_cast<std::ptrdiff_t>(row) * old.columns;
+      std::copy(from, from + old.columns, cells.begin() + indexOf(old.left, row + old.bottom));
+    }
+  };
+  grow(evidence_, std::int32_t{0});
+  grow(laser_, std::int32_t{0});
+  grow(shown_, shownFor(0));
 }
 
 void EvidenceGrid::enter(const GroundScan& scan, const Pose& T_map_robot, int sign) {
@@ -216,9 +242,7 @@ void EvidenceGrid::enter(const GroundScan& scan, const Pose& T_map_robot, int si
   }
   for (int row = 0; row < window.rows; ++row) {
     const auto* from = window.evidence.data() + static_cast<std::ptrdiff_t>(row) * window.columns;
-    const auto first = static_cast<std::size_t>(row + window.bottom - bottom_) *
-                           static_cast<std::size_t>(columns_) +
-                       static_cast<std::size_t>(window.left - left_);
+    const auto first = static_cast<std::size_t>(indexOf(window.left, row + window.bottom));
     const auto* laser =
         window.laser.empty()
             ? nullptr
@@ -252,8 +276,7 @@ COccupancyGridMap2D::Ptr EvidenceGrid::grid() const {
   const auto map = unusedMap();
   const Rectangle changed = std::exchange(map->outdated, {});
   for (int row = changed.min.y(); row < changed.end.y(); ++row) {
-    const auto from =
-        shown_.begin() + static_cast<std::ptrdiff_t>(row) * columns_ + changed.min.x();
+    const auto from = shown_.begin() + indexOf(left_ + changed.min.x(), bottom_ + row);
     std::copy(from, from + (changed.end.x() - changed.min.x()),
               map->grid.getRow(row) + changed.min.x());
   }

@@ -39,6 +39,12 @@ class EvidenceGrid {
   struct Published;
   void enter(const GroundScan& scan, const Pose& T_map_robot, int sign);
   void growTo(int left, int bottom, int right, int top);
+  void growStorage();
+  /// Of a cell in the arrays; row and column from the map's origin.
+  [[nodiscard]] std::ptrdiff_t indexOf(int column, int row) const {
+    return static_cast<std::ptrdiff_t>(row - stored_.bottom) * stored_.columns +
+           (column - stored_.left);
+  }
   [[nodiscard]] std::shared_ptr<Published> unusedMap() const;
 
   double resolution_;
@@ -47,6 +53,10 @@ class EvidenceGrid {
   int bottom_ = 0;  ///< of the first row
   int columns_ = 0;
   int rows_ = 0;
+  struct Area {
+    int left = 0, bottom = 0, columns = 0, rows = 0;
+  };
+  Area stored_;                         ///< of the arrays; contains the grid
   std::vector<std::int32_t> evidence_;  ///< log-odds of being occupied, in 1/16
   std::vector<std::int32_t> laser_;     ///< the same of lasers
   std::vector<mrpt::maps::COccupancyGridMap2D::cellType>
