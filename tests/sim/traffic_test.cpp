@@ -131,6 +131,37 @@ TEST_F(StreetTest, PeopleNeitherJumpNorRunAndNothingHitsTheRobot) {
   }
 }
 
+TEST(BendTest, PeoplesVelocityIsThatOfTheirMotion) {
+  SimParams params;
+  params.traffic.vehicles = 0;
+  params.traffic.pedestrians = 30;
+  params.route.kind = RouteParams::Kind::kLoop;
+  params.route.loop_length_m = 44.0;
+  params.route.loop_width_m = 40.0;
+  params.route.corner_radius_m = 12.0;
+  const Route route = makeRoute(params.route, 0.0);
+  const RoadNetwork network{route, 0.0, 5};
+  Traffic traffic{params, route, network, Lens(params.camera).ideal(), {11, 12, 13, 14}};
+  constexpr double kStep_s = 0.05;
+  std::map<std::int64_t, Eigen::Vector2d> before;
+  int steps = 0, off = 0;
+  for (int i = 0; i < 200; ++i) {
+    traffic.advance(kStep_s);
+    for (const Actor& person : traffic.pedestrians().actors()) {
+      const Eigen::Vector2d here = person.position.head<2>();
+      const auto last = before.find(person.id);
+      if (last != before.end() && person.velocity.norm() > 0.5) {
+        ++steps;
+        const Eigen::Vector2d moved = (here - last->second) / kStep_s;
+        off += (moved - person.velocity).norm() > 0.2 * person.velocity.norm() ? 1 : 0;
+      }
+      before[person.id] = here;
+    }
+  }
+  EXPECT_GT(steps, 1000);
+  EXPECT_LT(off, 0.02 * steps);
+}
+
 TEST_F(StreetTest, VehiclesDoNotDriveThroughEachOther) {
   int overlaps = 0;
   for (int i = 0; i < 800; ++i) {

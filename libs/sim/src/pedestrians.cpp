@@ -193,8 +193,13 @@ void Pedestrians::place(std::size_t i, double dt) {
   actor.position = route_.street.beside(person.at.x(), person.at.y());
   actor.position.z() = groundAt(person);
   const double c = std::cos(street.yaw), s = std::sin(street.yaw);
-  actor.velocity = {c * person.velocity.x() - s * person.velocity.y(),
-                    s * person.velocity.x() + c * person.velocity.y()};
+  // Beside a bend the way is longer or shorter than the street's.
+  constexpr double kReach = 0.1;  // [m]
+  const double turn = std::remainder(route_.street.at(person.at.x() + kReach).yaw -
+                                         route_.street.at(person.at.x() - kReach).yaw,
+                                     2.0 * M_PI);
+  const double along = (1.0 - person.at.y() * turn / (2.0 * kReach)) * person.velocity.x();
+  actor.velocity = {c * along - s * person.velocity.y(), s * along + c * person.velocity.y()};
   actor.speed = actor.velocity.norm();
   if (dt == 0.0) {
     actor.yaw = street.yaw + (person.direction > 0 ? 0.0 : M_PI);
