@@ -1,7 +1,8 @@
 // Recall and precision of a detector of moving objects in simulated worlds, from images alone.
 //
 //     headway-sim -c WORLD.ini -o WORLD.rawlog
-//     bench_moving_objects WORLD.rawlog... [range=rig] [frames=FIRST-LAST] [section.key=value ...]
+//     bench_moving_objects WORLD.rawlog... [range=rig] [list] [frames=FIRST-LAST]
+//                          [section.key=value ...]
 //
 // The whole pipeline runs on the images (SLAM's own poses), by default with stereo_motion. The
 // reference is, in every frame, the true objects within 25 m that move faster than 0.8 m/s and are
@@ -9,6 +10,7 @@
 // length, one detection per object. A detection within 25 m without an object faster than 0.3 m/s,
 // or a second one of the same object, is false. With range=rig the reference is what the rig
 // promises: objects faster than 0.5 m/s from 0.5 m to the rig's reach for people or vehicles.
+// `list` prints a line for each observation: missed and found objects, and false detections.
 
 #include <headway/core/assignment.h>
 #include <headway/core/error.h>
@@ -96,7 +98,9 @@ TruthByFrame readTruth(const std::filesystem::path& folder) {
 struct Reported {
   Eigen::Vector2d place = Eigen::Vector2d::Zero();  ///< right and forward of the camera [m]
   ObjectClass object_class = ObjectClass::kUnknown;
-  double speed = 0.0;  ///< [m/s]
+  double speed = 0.0;                   ///< [m/s]
+  headway::Box2d box2d;                 ///< of detections [px]
+  headway::DetectionEvidence evidence;  ///< of detections
 };
 using Places = std::vector<Reported>;
 
@@ -107,7 +111,9 @@ Places detectionsOf(const headway::pipeline::PerceptionUpdate& update) {
     if (!item.box3d) continue;
     places.push_back({{item.box3d->centre.x(), item.box3d->centre.z()},
                       item.object_class,
-                      item.velocity ? item.velocity->value.norm() : 0.0});
+                      item.velocity ? item.velocity->value.norm() : 0.0,
+                      item.box2d.value_or(headway::Box2d()),
+                      item.evidence});
   }
   return places;
 }
@@ -120,7 +126,7 @@ Places movingTracksOf(const headway::pipeline::PerceptionUpdate& update,
     if (track.status != headway::TrackStatus::kConfirmed || !isMoving(track)) continue;
     const Eigen::Vector3d centre = T_cam_map * track.position;
     places.push_back(
-        {{centre.x(), centre.z()}, track.object_class, track.velocity.head<2>().norm()});
+        {{centre.x(), centre.z()}, track.object_class, track.velocity.head<2>().norm(), {}, {}});
   }
   return places;
 }
@@ -141,10 +147,45 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
+/// A line for each evaluated object and each false detection.
+class Listing {
+ public:
+  explicit Listing(const char* what) : what_(what) {}
+
+  void object(std::size_t frame, const Truth& truth, const Reported* found) const {
+    std::printf("%s %zu %s object %lld %s at %.2f %.2f m, %.2f m/s, visible %.2f", what_, frame,
+                found != nullptr ? "found" : "missed", static_cast<long long>(truth.id),
+                std::string(toString(truth.object_class)).c_str(), truth.place.x(), truth.place.y(),
+                truth.speed, truth.visible);
+    if (found != nullptr) {
+      std::printf(", measured %.2f m/s at %.2f %.2f m%s", found->speed, found->place.x(),
+                  found->place.y(), by(*found));
+    }
+    std::printf("\n");
+  }
+  void wrong(std::size_t frame, const Reported& report, bool turning) const {
+    const headway::Box2d& box = report.box2d;
+    std::printf("%s %zu false %s at %.2f %.2f m, %.2f m/s, box %.0f %.0f %.0f %.0f%s%s\n", what_,
+                frame, std::string(toString(report.object_class)).c_str(), report.place.x(),
+                report.place.y(), report.speed, box.left, box.top, box.right, box.bottom,
+                by(report), turning ? ", turning" : "");
+  }
+
+ private:
+  static const char* by(const Reported& report) {
+    return report.evidence.motion       ? ", by motion"
+           : report.evidence.flow       ? ", by flow"
+           : report.evidence.appearance ? ", by appearance"
+                                        : "";
+  }
+  const char* what_;
+};
+
 class Score {
  public:
-  void evaluate(const std::vector<Truth>& truth, const Places& detections, const Limits& limits,
-                bool turning) {
+  /// @param listing  null: nothing is printed
+  void evaluate(std::size_t frame, const Listing* listing, const std::vector<Truth>& truth,
+                const Places& detections, const Limits& limits, bool turning) {
     std::vector<headway::CandidatePair> candidates;
     for (std::size_t t = 0; t < truth.size(); ++t) {
       for (std::size_t r = 0; r < detections.size(); ++r) {
@@ -153,10 +194,10 @@ class Score {
         if (moves && off < kNear + 0.5 * truth[t].length) candidates.push_back({t, r, off});
       }
     }
-    std::set<std::size_t> hit;
+    std::map<std::size_t, const Reported*> hit;
     std::vector<bool> right(detections.size(), false);
     for (const auto& pair : headway::assignPairs(std::move(candidates))) {
-      hit.insert(pair.row);
+      hit[pair.row] = &detections[pair.column];
       right[pair.column] = true;
       if (truth[pair.row].isEvaluated(limits)) {
         speed_errors_.push_back(std::abs(detections[pair.column].speed - truth[pair.row].speed));
@@ -168,9 +209,12 @@ class Score {
       if (range >= limits.rangeOf(detections[r].object_class)) continue;
       precision_.add(right[r]);
       false_while_turning_ += turning && !right[r] ? 1 : 0;
+      if (listing != nullptr && !right[r]) listing->wrong(frame, detections[r], turning);
     }
     for (std::size_t t = 0; t < truth.size(); ++t) {
-      if (truth[t].isEvaluated(limits)) count(truth[t], hit.count(t) > 0);
+      if (!truth[t].isEvaluated(limits)) continue;
+      count(truth[t], hit.count(t) > 0);
+      if (listing != nullptr) listing->object(frame, truth[t], hit[t]);
     }
   }
 
@@ -251,12 +295,13 @@ class TurnDetector {
 };
 
 void runWorld(const std::string& rawlog, const headway::io::RawlogSourceOptions& options,
-              const headway::pipeline::PerceptionParams& params, bool range_of_rig,
+              const headway::pipeline::PerceptionParams& params, bool range_of_rig, bool list,
               Score& detections, Score& tracks) {
   const auto truth = readTruth(std::filesystem::path(rawlog).replace_extension(".truth"));
   headway::io::RawlogSource source(rawlog, options);
   headway::pipeline::Perception perception(source.camera(), params);
   const Limits limits = range_of_rig ? limitsOf(*perception.rig()) : Limits();
+  const Listing detection_list("detection"), track_list("track");
   TurnDetector turns;
   headway::DropCounts dropped;
   while (auto frame = source.next()) {
@@ -266,8 +311,10 @@ void runWorld(const std::string& rawlog, const headway::io::RawlogSourceOptions&
     const auto found = truth.find(frame->index);
     const auto objects = found != truth.end() ? found->second : std::vector<Truth>();
     const bool turning = turns.isTurning(update.time, update.camera.T_map_robot);
-    detections.evaluate(objects, detectionsOf(update), limits, turning);
-    tracks.evaluate(objects, movingTracksOf(update, source.camera()->T_robot_cam), limits, turning);
+    detections.evaluate(frame->index, list ? &detection_list : nullptr, objects,
+                        detectionsOf(update), limits, turning);
+    tracks.evaluate(frame->index, list ? &track_list : nullptr, objects,
+                    movingTracksOf(update, source.camera()->T_robot_cam), limits, turning);
   }
   detections.endWorld();
   tracks.endWorld();
@@ -285,7 +332,7 @@ int main(int argc, char** argv) {
   params.describe(registry);
   Score detections, tracks;
   headway::io::RawlogSourceOptions options;
-  bool range_of_rig = false;
+  bool range_of_rig = false, list = false;
   try {
     std::vector<std::string> rawlogs;
     for (int i = 1; i < argc; ++i) {
@@ -295,6 +342,8 @@ int main(int argc, char** argv) {
         options.to_index = last;
       } else if (argument == "range=rig") {
         range_of_rig = true;
+      } else if (argument == "list") {
+        list = true;
       } else if (argument.find('=') != std::string::npos) {
         registry.set(argument);
       } else {
@@ -302,7 +351,7 @@ int main(int argc, char** argv) {
       }
     }
     for (const auto& rawlog : rawlogs) {
-      runWorld(rawlog, options, params, range_of_rig, detections, tracks);
+      runWorld(rawlog, options, params, range_of_rig, list, detections, tracks);
     }
   } catch (const headway::InputError& error) {
     std::fprintf(stderr, "bench_moving_objects: %s\n", error.what());
