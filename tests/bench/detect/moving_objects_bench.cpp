@@ -9,7 +9,8 @@
 // at least half visible. A detection is correct if its centre is within 1 m plus half the object's
 // length, one detection per object. A detection within 25 m without an object faster than 0.3 m/s,
 // or a second one of the same object, is false. With range=rig the reference is what the rig
-// promises: objects faster than 0.5 m/s from 0.5 m to the rig's reach for people or vehicles.
+// promises: objects faster than 0.5 m/s from 0.5 m to the rig's reach for people or vehicles, whose
+// centre is inside the image from left to right: the ratio in the truth is that of the part inside.
 // `list` prints a line for each observation: missed and found objects, and false detections.
 
 #include <headway/core/assignment.h>
@@ -44,6 +45,8 @@ struct Limits {
   double people_range = 25.0;   ///< [m]
   double vehicle_range = 25.0;  ///< [m]
   double min_speed = 0.8;       ///< [m/s]
+  double max_left = 1e9;        ///< of centres, tangent of the angle to the optical axis
+  double max_right = 1e9;
 
   [[nodiscard]] double rangeOf(ObjectClass object_class) const {
     const bool vehicle = object_class == ObjectClass::kCar || object_class == ObjectClass::kVan ||
@@ -52,8 +55,9 @@ struct Limits {
   }
 };
 
-Limits limitsOf(const headway::stereo::RigCapability& rig) {
-  return {0.5, rig.people_to_m, rig.vehicles_to_m, 0.5};
+Limits limitsOf(const headway::stereo::RigCapability& rig, const headway::StereoCamera& camera) {
+  return {0.5, rig.people_to_m,       rig.vehicles_to_m,
+          0.5, camera.cx / camera.fx, (camera.width - 1.0 - camera.cx) / camera.fx};
 }
 
 /// A true object in one frame.
@@ -68,7 +72,8 @@ struct Truth {
   [[nodiscard]] bool isEvaluated(const Limits& limits) const {
     const double range = place.norm();
     return range >= limits.min_range && range < limits.rangeOf(object_class) &&
-           speed > limits.min_speed && visible >= kVisible;
+           speed > limits.min_speed && visible >= kVisible &&
+           place.x() > -limits.max_left * place.y() && place.x() < limits.max_right * place.y();
   }
 };
 
@@ -300,7 +305,7 @@ void runWorld(const std::string& rawlog, const headway::io::RawlogSourceOptions&
   const auto truth = readTruth(std::filesystem::path(rawlog).replace_extension(".truth"));
   headway::io::RawlogSource source(rawlog, options);
   headway::pipeline::Perception perception(source.camera(), params);
-  const Limits limits = range_of_rig ? limitsOf(*perception.rig()) : Limits();
+  const Limits limits = range_of_rig ? limitsOf(*perception.rig(), *source.camera()) : Limits();
   const Listing detection_list("detection"), track_list("track");
   TurnDetector turns;
   headway::DropCounts dropped;
