@@ -6,6 +6,7 @@
 #include <headway_test/painted_street.h>
 
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 #include "segment_flow.h"
 
@@ -110,6 +111,56 @@ TEST(ResidualFlowTest, DoesNotTakeBrightnessForMotion) {
   const Look look({kWall, kWalker}, 0.75);
   const double depth = look.street.placeInCamera(kWalker, 1).z();
   EXPECT_NEAR(median(look.flowsOn(kWalker)), 340.0 * 0.13 / depth, 0.4);
+}
+
+/// A textured image on the disparity grid, and an object in front of it.
+struct NearObject {
+  StereoCamera camera = [] {
+    StereoCamera robot;
+    robot.width = 1280;
+    robot.height = 720;
+    robot.fx = robot.fy = 700.0;
+    robot.cx = 639.5;
+    robot.cy = 359.5;
+    robot.baseline_m = 0.12;
+    return robot;
+  }();
+  stereo::DisparityImage disparity;
+  cv::Mat image;
+
+  explicit NearObject(int column, float near_disparity) {
+    cv::RNG random(7);
+    image = cv::Mat(360, 640, CV_8U);
+    random.fill(image, cv::RNG::UNIFORM, 60, 200);
+    cv::Mat paint(200, 100, CV_8U);
+    random.fill(paint, cv::RNG::UNIFORM, 60, 200);
+    const cv::Rect place(column, 80, paint.cols, paint.rows);
+    paint.copyTo(image(place));
+    cv::GaussianBlur(image, image, {0, 0}, 3.0);
+    disparity.reduce = 2;
+    disparity.values = cv::Mat(image.size(), CV_32F, cv::Scalar(7.0F));
+    disparity.values(place).setTo(near_disparity);
+  }
+};
+
+TEST(ResidualFlowTest, OfNearWalkersExceedsTheSearchRangeOfTheGrid) {
+  constexpr int kBefore = 250, kNow = 274;  // 1.44 m/s at 1.4 m [cells]
+  const NearObject before(kBefore, 60.0F), now(kNow, 60.0F);
+  CameraPath path(now.camera, 0.5);
+  ResidualFlowMeter meter(now.camera);
+  path.advance(0.0, Pose::Identity());
+  EXPECT_TRUE(meter.measure(before.image, before.disparity, path).empty());
+  path.advance(1.0 / 15.0, Pose::Identity());
+  const ResidualFlow flow = meter.measure(now.image, now.disparity, path);
+  std::vector<double> flows;
+  for (int row = 100; row < 260; ++row) {
+    for (int column = kNow + 20; column < kNow + 80; ++column) {
+      const float residual = flow.columns.at<float>(row, column);
+      if (!std::isnan(residual)) flows.push_back(residual);
+    }
+  }
+  ASSERT_GT(flows.size(), 4000u);
+  EXPECT_NEAR(median(flows), 2.0 * (kNow - kBefore), 2.0);
 }
 
 TEST(SegmentsByResidualFlowTest, CutsOutAWalkerCloseToAWall) {

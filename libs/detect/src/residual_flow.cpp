@@ -1,6 +1,7 @@
 #include "residual_flow.h"
 
 #include <headway/core/statistics.h>
+#include <headway/stereo/reduced_image.h>
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -9,6 +10,8 @@
 #include <limits>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "static_scene.h"
 
 namespace headway::detect {
 namespace {
@@ -21,108 +24,14 @@ constexpr int kMinSpeckle = 20;   // smaller regions are removed [cells]
 constexpr int kSpeckleRange = 2;  // between neighbours in a region
 constexpr int kSubpixels = 16;    // OpenCV's fixed-point disparities
 constexpr int kBorder = 2 * kReach;      // columns that OpenCV leaves unmatched [cells]
-const cv::Size kMargin(17, 5);           // by which near objects are dilated [cells]
 constexpr double kSigmaDisparity = 0.4;  // [px]
 constexpr double kMinSigma = 0.15;       // [px]
 constexpr double kTail = 1.0;            // residual at which a cell has half its weight [px]
 constexpr int kStride = 3;               // of the cells that estimate the common flow
+constexpr double kFastWalk_mps = 2.0;    // across the line of sight, of a walker
+constexpr int kMaxCoarse = 4;            // reduction of the images for near walkers
+constexpr int kMinNear = 20;             // cells of one who is measured
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
-
-// Fills a row's holes with the smaller of the disparities beside them, the background's.
-void fillRow(float* row, int columns) {
-  float left = 0.0F;
-  for (int begin = 0; begin < columns;) {
-    if (row[begin] > 0.0F) {
-      left = row[begin++];
-      continue;
-    }
-    int end = begin;
-    while (end < columns && row[end] <= 0.0F) ++end;
-    const float right = end < columns ? row[end] : left;
-    const float fill = left > 0.0F ? std::min(left, right) : right;
-    std::fill(row + begin, row + end, fill);
-    begin = end;
-  }
-}
-
-// Disparities without holes, near objects dilated so that the warp does not tear at outlines.
-cv::Mat smoothed(const cv::Mat& disparities) {
-  cv::Mat result;
-  cv::dilate(disparities, result, cv::getStructuringElement(cv::MORPH_RECT, kMargin));
-  for (int row = 0; row < result.rows; ++row) fillRow(result.ptr<float>(row), result.cols);
-  return result;
-}
-
-// Processes rows in several threads; rows must not depend on each other.
-template <class Work>
-void forEachRow(int rows, const Work& work) {
-  cv::parallel_for_({0, rows}, [&](const cv::Range& some) {
-    for (int row = some.start; row < some.end; ++row) work(row);
-  });
-}
-
-// Positions of a row's static cells in the previous frame, by their disparities.
-class StaticRow {
- public:
-  StaticRow(const Eigen::Matrix3f& turn, const Eigen::Vector3f& shift, int row, int reduce)
-      : reduce_(static_cast<float>(reduce)),
-        begin_(turn.col(1) * pixelOf(row) + turn.col(2)),
-        step_(turn.col(0)),
-        shift_(shift) {}
-
-  // Column and row of the grid.
-  [[nodiscard]] cv::Point2f before(int column, float disparity) const {
-    const Eigen::Vector3f there = step_ * pixelOf(column) + begin_ + shift_ * disparity;
-    return {cellOf(there.x() / there.z()), cellOf(there.y() / there.z())};
-  }
-
- private:
-  [[nodiscard]] float pixelOf(int cell) const {
-    return (static_cast<float>(cell) + 0.5F) * reduce_ - 0.5F;
-  }
-  [[nodiscard]] float cellOf(float pixel) const { return (pixel + 0.5F) / reduce_ - 0.5F; }
-
-  float reduce_;
-  Eigen::Vector3f begin_, step_, shift_;
-};
-
-// Image motion of a static scene from the previous frame to this one.
-class StaticScene {
- public:
-  StaticScene(const Pose& T_before_now, const StereoCamera& camera, int reduce) : reduce_(reduce) {
-    Eigen::Matrix3d K;
-    K << camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0;
-    turn_ = (K * T_before_now.linear() * K.inverse()).cast<float>();
-    shift_ = (K * T_before_now.translation() / (camera.fx * camera.baseline_m)).cast<float>();
-  }
-
-  [[nodiscard]] StaticRow row(int row) const { return {turn_, shift_, row, reduce_}; }
-
- private:
-  int reduce_;
-  Eigen::Matrix3f turn_;
-  Eigen::Vector3f shift_;
-};
-
-struct Warp {
-  cv::Mat columns, rows;  ///< of the frame before, 32-bit, for each cell
-};
-
-Warp warpOf(const cv::Mat& disparities, const StaticScene& scene) {
-  Warp warp{cv::Mat(disparities.size(), CV_32F), cv::Mat(disparities.size(), CV_32F)};
-  forEachRow(disparities.rows, [&](int row) {
-    const StaticRow static_row = scene.row(row);
-    const auto* d = disparities.ptr<float>(row);
-    auto* columns = warp.columns.ptr<float>(row);
-    auto* rows = warp.rows.ptr<float>(row);
-    for (int column = 0; column < disparities.cols; ++column) {
-      const cv::Point2f there = static_row.before(column, d[column]);
-      columns[column] = there.x;
-      rows[column] = there.y;
-    }
-  });
-  return warp;
-}
 
 // Matches some rows with the same result as matching the whole images.
 void matchRows(const cv::Mat& now, const cv::Mat& warped, const cv::Range& rows, cv::Mat& matches) {
@@ -238,29 +147,84 @@ void subtractStaticFlow(const stereo::DisparityImage& disparity, const StaticSce
   });
 }
 
-}  // namespace
-
-ResidualFlow ResidualFlowMeter::measure(const cv::Mat& image,
-                                        const stereo::DisparityImage& disparity,
-                                        const CameraPath& path) {
-  const cv::Mat previous = before_;
-  before_ = image;
+// Flow at the resolution of the disparities, up to the search range.
+ResidualFlow flowOf(const cv::Mat& previous, const cv::Mat& image,
+                    const stereo::DisparityImage& disparity, const Pose& T_before_now,
+                    const StereoCamera& camera) {
   ResidualFlow flow;
-  if (previous.empty() || path.newest() == path.oldest()) return flow;
-  const int newest = path.newest();
-  flow.seconds = path.timeOf(newest) - path.timeOf(newest - 1);
-  const StaticScene scene(path.T_cam_world(newest - 1) * path.T_cam_world(newest).inverse(),
-                          camera_, disparity.reduce);
-  const Warp warp = warpOf(smoothed(disparity.values), scene);
+  const StaticScene scene(T_before_now, camera, disparity.reduce);
+  const Warp warp = warpOf(disparity.values, scene);
   cv::Mat warped;
   cv::remap(previous, warped, warp.columns, warp.rows, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-  flow.columns = matchedColumns(before_, warped);
+  flow.columns = matchedColumns(image, warped);
   flow.sigmas = cv::Mat(flow.columns.size(), CV_32F);
   subtractStaticFlow(disparity, scene, warp, flow);
   const double noise = subtractCommonFlow(disparity.values, flow.columns);
   cv::multiply(flow.sigmas, flow.sigmas, flow.sigmas);
   cv::add(flow.sigmas, noise * noise, flow.sigmas);
   cv::sqrt(flow.sigmas, flow.sigmas);
+  return flow;
+}
+
+// Half the resolution, with the nearest of each four disparities.
+stereo::DisparityImage halved(const stereo::DisparityImage& fine) {
+  stereo::DisparityImage half;
+  half.reduce = 2 * fine.reduce;
+  half.values = cv::Mat(fine.values.rows / 2, fine.values.cols / 2, CV_32F);
+  for (int row = 0; row < half.values.rows; ++row) {
+    const auto* upper = fine.values.ptr<float>(2 * row);
+    const auto* lower = fine.values.ptr<float>(2 * row + 1);
+    auto* values = half.values.ptr<float>(row);
+    for (int column = 0; column < half.values.cols; ++column) {
+      const int c = 2 * column;
+      values[column] = std::max({upper[c], upper[c + 1], lower[c], lower[c + 1]});
+    }
+  }
+  return half;
+}
+
+// Disparity of a walker who moves by the search range between the frames.
+double maxDisparity(int reduce, double seconds, const StereoCamera& camera) {
+  return kReach * reduce * camera.baseline_m / (kFastWalk_mps * seconds);
+}
+
+// Takes the flow of cells with a greater disparity from a coarser flow.
+void replaceNear(const ResidualFlow& coarse, int factor, const cv::Mat& disparities,
+                 double max_disparity, ResidualFlow& flow) {
+  for (int row = 0; row < factor * coarse.columns.rows; ++row) {
+    const auto* d = disparities.ptr<float>(row);
+    for (int column = 0; column < factor * coarse.columns.cols; ++column) {
+      if (d[column] <= max_disparity) continue;
+      flow.columns.at<float>(row, column) = coarse.columns.at<float>(row / factor, column / factor);
+      flow.sigmas.at<float>(row, column) = coarse.sigmas.at<float>(row / factor, column / factor);
+    }
+  }
+}
+
+}  // namespace
+
+ResidualFlow ResidualFlowMeter::measure(const cv::Mat& image,
+                                        const stereo::DisparityImage& disparity,
+                                        const CameraPath& path) {
+  cv::Mat previous = before_;
+  before_ = image;
+  if (previous.empty() || path.newest() == path.oldest()) return {};
+  const int newest = path.newest();
+  const double seconds = path.timeOf(newest) - path.timeOf(newest - 1);
+  const Pose T_before_now = path.T_cam_world(newest - 1) * path.T_cam_world(newest).inverse();
+  ResidualFlow flow = flowOf(previous, image, disparity, T_before_now, camera_);
+  flow.seconds = seconds;
+  cv::Mat now = image;
+  stereo::DisparityImage coarse = disparity;
+  for (int factor = 2; factor <= kMaxCoarse; factor *= 2) {
+    const double max_disparity = maxDisparity(coarse.reduce, seconds, camera_);
+    if (cv::countNonZero(coarse.values > max_disparity) < kMinNear) break;
+    coarse = halved(coarse);
+    previous = stereo::reducedImage(previous, 2);
+    now = stereo::reducedImage(now, 2);
+    const ResidualFlow near = flowOf(previous, now, coarse, T_before_now, camera_);
+    replaceNear(near, factor, disparity.values, max_disparity, flow);
+  }
   return flow;
 }
 
