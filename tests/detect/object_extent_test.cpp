@@ -95,6 +95,33 @@ TEST(ExtentOfTest, SizeAndSpeedSuggestTheClass) {
   EXPECT_EQ(extentIn(truck, 3.0, 0.2, 3.2, kRight)->object_class, ObjectClass::kTruck);
 }
 
+TEST(ExtentOfTest, ErrorsOfTheDepthDoNotMakeAPersonAVehicle) {
+  for (const double depth : {12.0, 25.0}) {
+    Grid grid;
+    auto cells = grid.inSpace(grid.draw(0.0, depth, 0.6, 0.2, 1.7));
+    for (auto& cell : cells) {
+      const double error = cell.place.y % 2 == 0 ? 0.8 : -0.8;  // two sigmas [px]
+      const double d = grid.disparity.values.at<float>(cell.place) + error;
+      cell.point = *triangulate(
+          {grid.disparity.pixelOf(cell.place.x), grid.disparity.pixelOf(cell.place.y), d},
+          grid.camera);
+    }
+    for (const Eigen::Vector3d& velocity : {kRight, Eigen::Vector3d(0.0, 0.0, 1.5)}) {
+      const auto extent = extentOf(cells, velocity, grid.disparity, grid.camera, grid.ground);
+      ASSERT_TRUE(extent);
+      EXPECT_EQ(extent->object_class, ObjectClass::kPedestrian) << "at " << depth << " m";
+    }
+  }
+}
+
+TEST(ExtentOfTest, WhatFloatsBeforeVisibleGroundHasNone) {
+  Grid grid;
+  const auto cells = grid.inSpace(grid.draw(0.0, 6.0, 0.6, 0.6, 1.2));
+  EXPECT_TRUE(extentOf(cells, kRight, grid.disparity, grid.camera, grid.ground));
+  grid.draw(0.0, 7.0, 3.0, 0.0, 0.1);  // the ground, seen where a lower part should be
+  EXPECT_FALSE(extentOf(cells, kRight, grid.disparity, grid.camera, grid.ground));
+}
+
 TEST(ExtentOfTest, ACarSeenFromBehindIsCompletedToItsUsualLength) {
   Grid grid;
   const auto extent = extentIn(grid, 1.7, 0.2, 1.5, {0.0, 0.0, 12.0});

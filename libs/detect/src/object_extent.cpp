@@ -20,7 +20,6 @@ constexpr double kMaxHeight = 3.8;        // above ground [m]
 constexpr double kMaxAfloat = 1.2;        // lowest part above ground, stereo noise aside [m]
 constexpr double kMinAfloat = 0.35;       // of something that the view below it is tested of [m]
 constexpr double kMaxSeenBelow = 0.5;     // ratio of columns with farther things below
-constexpr int kSearchBelow = 12;          // for them [cells]
 constexpr double kFarther = 1.5;          // disparity by which they are farther [px]
 constexpr double kFartherRatio = 0.1;     // or this ratio of it
 constexpr double kTail = 0.03;            // of the cells left out at each end of an extent
@@ -28,6 +27,11 @@ constexpr double kVehicleExtent = 1.35;   // a person is never this wide [m]
 constexpr double kFastestWalker = 3.2;    // [m/s]
 constexpr double kFastestCyclist = 10.0;  // [m/s]
 constexpr double kEdgeSigma = 3.0;        // of an extent's edge in the image [px]
+// Neighbours within a step of disparity join an object, in front of it and behind.
+constexpr double kDisparitySpread = 2.0 * kStep;  // [px]
+constexpr double kDisparitySigma = 0.4;           // [px]
+// Where three sigmas of a depth exceed a vehicle's extent, only extents across the sight are known.
+constexpr double kDepthSigmas = 3.0;
 
 using Cell = ObjectCell;
 
@@ -103,19 +107,22 @@ Range rangeOf(const std::vector<Cell>& cells, double tail, Value value) {
   return {values[skip], values[values.size() - 1 - skip]};
 }
 
-// Ratio of the columns of cells below which something farther is visible: nothing hides the lower
-// part of what stands on the ground there, so their disparities are wrong.
-double seenBelow(const std::vector<Cell>& cells, const stereo::DisparityImage& disparity) {
-  std::map<int, int> lowest;  // row by column
+// Ratio of the columns of cells below which, down to the ground, something farther is visible:
+// nothing hides the lower part of what stands on the ground there, so their disparities are wrong.
+double seenBelow(const std::vector<Cell>& cells, const stereo::DisparityImage& disparity,
+                 const StereoCamera& camera, const stereo::GroundPlane& floor) {
+  std::map<int, const Cell*> lowest;  // by column
   for (const auto& cell : cells) {
-    int& row = lowest.try_emplace(cell.place.x, cell.place.y).first->second;
-    row = std::max(row, cell.place.y);
+    const Cell*& low = lowest.try_emplace(cell.place.x, &cell).first->second;
+    if (cell.place.y > low->place.y) low = &cell;
   }
   double seen = 0.0;
-  for (const auto& [column, row] : lowest) {
+  for (const auto& [column, cell] : lowest) {
+    const int row = cell->place.y;
     const float d = disparity.values.at<float>(row, column);
     const double farther = d - std::max(kFarther, kFartherRatio * d);
-    const int end = std::min(disparity.values.rows, row + kSearchBelow);
+    const auto foot = project(cell->point - floor.heightOf(cell->point) * floor.up, camera);
+    const int end = foot ? std::min(disparity.values.rows, disparity.cellOf(foot->y())) : row;
     for (int below = row + 1; below < end; ++below) {
       const float other = disparity.values.at<float>(below, column);
       if (other <= 0.0F || other >= farther) continue;
@@ -124,6 +131,23 @@ double seenBelow(const std::vector<Cell>& cells, const stereo::DisparityImage& d
     }
   }
   return seen / static_cast<double>(lowest.size());
+}
+
+// Larger extent over the ground, as far as it does not follow from errors of the depth [m].
+//
+// @param per_px  change of the depth by a pixel of disparity [m/px]
+double knownExtent(const std::vector<Cell>& cells, const Eigen::Vector3d& middle,
+                   const Eigen::Vector3d& front, double per_px, const stereo::GroundPlane& ground) {
+  const auto extentAlong = [&](const Eigen::Vector3d& axis) {
+    return rangeOf(cells, kTail, [&](const Cell& c) { return axis.dot(c.point); }).size();
+  };
+  if (kDepthSigmas * kDisparitySigma * per_px > kVehicleExtent) {
+    return extentAlong(ground.up.cross(middle).normalized());
+  }
+  const Eigen::Vector3d side = ground.up.cross(front);
+  const double smear = kDisparitySpread * per_px;
+  return std::max(extentAlong(front) - smear * std::abs(front.z()),
+                  extentAlong(side) - smear * std::abs(side.z()));
 }
 
 // Most probable class of an object of this size and speed.
@@ -196,31 +220,25 @@ std::optional<ObjectExtent> extentOf(const std::vector<ObjectCell>& cells,
                   std::min(camera.width - 1.0, u.max + half),
                   std::min(camera.height - 1.0, v.max + half)};
   const Eigen::Vector3d front = velocity.normalized();
-  const Eigen::Vector3d side = floor.up.cross(front);
-  const double length =
-      rangeOf(cells, kTail, [&](const Cell& c) { return front.dot(c.point); }).size();
-  const double width =
-      rangeOf(cells, kTail, [&](const Cell& c) { return side.dot(c.point); }).size();
   const Range height =
       rangeOf(cells, kTail, [&](const Cell& c) { return floor.heightOf(c.point); });
   if (height.min > kMaxAfloat) return std::nullopt;
-  if (height.min > kMinAfloat && seenBelow(cells, disparity) > kMaxSeenBelow) return std::nullopt;
-  // Stereo smears depth: of an extent along the ray less counts.
-  const double depth = cells.front().point.z();
-  const double smear = 0.5 * depth * depth / (camera.fx * camera.baseline_m);
-  const double seen =
-      std::max(length - smear * std::abs(front.z()), width - smear * std::abs(side.z()));
-  extent.object_class = classBySize(seen, height.max, velocity.norm());
-  extent.box = boxAround(cells, front, floor, extent.object_class);
-  const Eigen::Vector3d sight = extent.box.centre.normalized();
-  const double across = kEdgeSigma * extent.box.centre.z() / camera.fx + 0.1;
-  const double along = std::hypot(across, 0.3 * smear * 2.0 + 0.1 * extent.box.length);
-  extent.centre_covariance = across * across * Eigen::Matrix3d::Identity() +
-                             (along * along - across * across) * sight * sight.transpose();
+  if (height.min > kMinAfloat && seenBelow(cells, disparity, camera, floor) > kMaxSeenBelow)
+    return std::nullopt;
   for (const auto& cell : cells) {
     extent.cells.push_back(cell.place);
     extent.surface += cell.point / static_cast<double>(cells.size());
   }
+  const double depth = extent.surface.z();
+  const double per_px = depth * depth / (camera.fx * camera.baseline_m);
+  const double seen = knownExtent(cells, extent.surface, front, per_px, floor);
+  extent.object_class = classBySize(seen, height.max, velocity.norm());
+  extent.box = boxAround(cells, front, floor, extent.object_class);
+  const Eigen::Vector3d sight = extent.box.centre.normalized();
+  const double across = kEdgeSigma * extent.box.centre.z() / camera.fx + 0.1;
+  const double along = std::hypot(across, 0.3 * per_px + 0.1 * extent.box.length);
+  extent.centre_covariance = across * across * Eigen::Matrix3d::Identity() +
+                             (along * along - across * across) * sight * sight.transpose();
   return extent;
 }
 
