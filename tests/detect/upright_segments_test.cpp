@@ -73,6 +73,23 @@ TEST(UprightSegmentsTest, TwoHeadsAreTwo) {
   EXPECT_LT(segments[0].uvd.x(), segments[1].uvd.x());
 }
 
+TEST(UprightSegmentsTest, LegsCutByTheUpperEdgeOfTheImageAreSegments) {
+  Grid grid;
+  grid.ground.camera_height = 0.5;
+  grid.draw(-0.12, 1.0, 0.14, 0.0, 0.9);
+  grid.draw(0.12, 1.0, 0.14, 0.0, 0.9);
+  EXPECT_EQ(segmentsIn(grid).size(), 2u);
+}
+
+TEST(UprightSegmentsTest, PartsCutByTheUpperEdgeOfTheImageAreNoHeads) {
+  Grid grid;
+  grid.ground.camera_height = 0.5;
+  grid.draw(0.0, 1.0, 0.6, 0.0, 0.6);  // a skirt, and arms at both sides
+  grid.draw(-0.25, 1.0, 0.1, 0.6, 0.9);
+  grid.draw(0.25, 1.0, 0.1, 0.6, 0.9);
+  EXPECT_EQ(segmentsIn(grid).size(), 1u);
+}
+
 TEST(UprightSegmentsTest, WhatANearerObjectBordersIsOccluded) {
   Grid grid;
   grid.draw(1.0, kDepth, 0.6, 0.0, 1.7);

@@ -11,14 +11,15 @@
 namespace headway::detect {
 namespace {
 
-constexpr double kStep = 0.5;        // of disparity between neighbouring cells [px]
-constexpr double kStepRatio = 0.02;  // or this ratio of it
-constexpr double kHead = 2.4;        // higher cells are not a person's [m]
-constexpr double kMinTop = 0.9;      // [m], unless the image cuts it
-constexpr int kImageEdge = 6;        // rows below the upper edge without disparities [cells]
-constexpr double kMaxFloat = 0.9;    // of the lowest part [m]
-constexpr double kMinWidth = 0.2;    // [m]
-constexpr double kMaxWidth = 2.0;    // a cyclist from the side [m]
+constexpr double kStep = 0.5;         // of disparity between neighbouring cells [px]
+constexpr double kStepRatio = 0.02;   // or this ratio of it
+constexpr double kHead = 2.4;         // higher cells are not a person's [m]
+constexpr double kMinTop = 0.9;       // [m], unless the image cuts it
+constexpr int kImageEdge = 6;         // rows below the upper edge without disparities [cells]
+constexpr double kMaxFloat = 0.9;     // of the lowest part [m]
+constexpr double kMinWidth = 0.2;     // [m]
+constexpr double kMinLegWidth = 0.1;  // where the upper edge of the image leaves legs alone [m]
+constexpr double kMaxWidth = 2.0;     // a cyclist from the side [m]
 constexpr std::size_t kMinCells = 20;
 constexpr double kNearer = 2.0;       // disparity by which an occluder is nearer [px]
 constexpr double kHiddenRows = 0.25;  // ratio of rows with an occluder beside them
@@ -87,6 +88,8 @@ bool isHidden(const Cells& cells, double segment_disparity, const cv::Rect& box,
 
 std::vector<Patch> byPerson(Patch&& patch, const stereo::DisparityImage& disparity,
                             const StereoCamera& camera) {
+  // Where the upper edge of the image cuts the heads off, the highest cells are not of heads.
+  if (cv::boundingRect(patch.places).y <= kImageEdge) return {std::move(patch)};
   const double d = median({patch.disparities.begin(), patch.disparities.end()});
   const auto persons =
       personOfCells(patch.places, patch.heights, disparity.reduce * camera.baseline_m / d);
@@ -123,12 +126,14 @@ std::optional<UprightSegment> segmentOf(const Patch& patch, const stereo::Dispar
   // A segment that reaches the maximum height continues above it: a trunk, a pole, a wall.
   const bool cut = *highest > kHead - 0.1;
   const cv::Rect box = cv::boundingRect(patch.places);
-  const bool low = *highest < kMinTop && box.y > kImageEdge;
+  const bool cut_by_image = box.y <= kImageEdge;
+  const bool low = *highest < kMinTop && !cut_by_image;
   if (cut || low || *lowest > kMaxFloat) return std::nullopt;
   const double d = median({patch.disparities.begin(), patch.disparities.end()});
   const double metres_per_px = camera.baseline_m / d;  // z / f
   const double width = box.width * disparity.reduce * metres_per_px;
-  if (width < kMinWidth || width > kMaxWidth) return std::nullopt;
+  const bool legs = *highest < kMinTop && cut_by_image;
+  if (width < (legs ? kMinLegWidth : kMinWidth) || width > kMaxWidth) return std::nullopt;
   std::vector<double> columns;
   for (const auto& place : patch.places) {
     if (place.y <= box.y + box.height / 2) columns.push_back(disparity.pixelOf(place.x));
