@@ -116,7 +116,7 @@ void PointFollower::replenish(const StereoFrame& frame, const stereo::DisparityI
     taken.emplace_back(static_cast<float>(uvd.x()), static_cast<float>(uvd.y()));
   }
   const int wanted = params_.max_points - static_cast<int>(points_.size());
-  const InterestZone zone{params_.range_m, params_.max_height_m};
+  const InterestZone zone{params_.range_m, params_.max_height_m, params_.people_m};
   const auto chosen = interestPoints(frame.left, disparity, camera_, ground, zone, taken,
                                      params_.spacing_px, wanted);
   std::vector<stereo::TrackedPosition> positions;

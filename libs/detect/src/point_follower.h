@@ -29,6 +29,7 @@ struct FollowerParams {
   double window_s = 0.6;      ///< observations older than this are removed [s]
   double range_m = 50.0;      ///< maximum depth of new points [m]
   double max_height_m = 3.5;  ///< above ground, of points that may belong to objects [m]
+  double people_m = 28.0;     ///< depth to which points on people are preferred [m]
 };
 
 /// Follows points of the left image through time and, in each frame, to the right image.

@@ -27,6 +27,9 @@ constexpr int kFewPoints = 12;   // with fewer classified points the camera's mo
 constexpr double kMaxGap = 3.0;  // of the window: a longer gap resets everything
 constexpr double kSupportScale = 6.0;
 constexpr double kFootRatio = 4.0 / 3.0;  // of the ground's clearance: block matching smears feet
+// Range of points on people over that of their motion along the line of sight: beyond, only motion
+// across it is significant.
+constexpr double kPeopleRatio = 1.4;
 constexpr double kStartUp = 0.35;  // before it small errors of pose and stereo resemble motion [s]
 
 bool usable(const cv::Mat& image) {
@@ -46,8 +49,10 @@ StereoMotionParams forRig(StereoMotionParams params, const StereoCamera& camera)
   return params;
 }
 
-FollowerParams followerParams(const StereoMotionParams& params, double window_s) {
-  return {params.max_points, params.spacing_px, window_s, params.max_range_m, params.max_height_m};
+FollowerParams followerParams(const StereoMotionParams& params, double window_s,
+                              double people_to_m) {
+  return {params.max_points,  params.spacing_px,   window_s,
+          params.max_range_m, params.max_height_m, kPeopleRatio * people_to_m};
 }
 
 }  // namespace
@@ -59,7 +64,8 @@ class StereoMotion::Implementation {
         params_(forRig(params, *camera_)),
         path_(*camera_, std::hypot(params.sigma_px, 0.3)),
         window_s_(std::max(params_.window_s, params_.segment_window_s)),
-        follower_(*camera_, followerParams(params_, window_s_)),
+        follower_(*camera_,
+                  followerParams(params_, window_s_, stereo::rigCapability(*camera_).people_to_m)),
         flow_meter_(*camera_),
         segments_(*camera_),
         finder_(*camera_, params_) {}
