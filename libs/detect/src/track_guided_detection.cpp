@@ -20,8 +20,8 @@ constexpr double kFlowRatio = 0.5;       // and ratio of it to the expected one
 constexpr int kMinObservations = 2;      // of an object that is searched by appearance
 constexpr double kMinDistinct = 2.0;     // between where it would be had it stopped and not [cells]
 constexpr double kIndistinctTime = 0.7;  // in which it is searched though these coincide [s]
-constexpr double kMinTrackedDepth = 1.0;   // of a searched object [m]
-constexpr double kMinVisibleWidth = 4.0;   // of the box left inside the image [px]
+constexpr double kMinTrackedDepth = 0.3;   // of a searched object: the nearest any rig matches [m]
+constexpr double kMinVisibleRatio = 0.25;  // of the box left inside the image, of its width
 constexpr double kMinVisibleHeight = 8.0;  // [px]
 
 constexpr DetectionEvidence kByFlow{false, false, true, false};
@@ -85,7 +85,8 @@ std::optional<Box2d> transformed(const Box2d& box, const Similarity& similarity,
   const Eigen::Vector2d min = similarity(box.left, box.top).cwiseMax(0.0);
   const Eigen::Vector2d max = similarity(box.right, box.bottom)
                                   .cwiseMin(Eigen::Vector2d(camera.width - 1, camera.height - 1));
-  if (max.x() - min.x() < kMinVisibleWidth || max.y() - min.y() < kMinVisibleHeight)
+  const double width = similarity(box.right, 0.0).x() - similarity(box.left, 0.0).x();
+  if (max.x() - min.x() < kMinVisibleRatio * width || max.y() - min.y() < kMinVisibleHeight)
     return std::nullopt;
   return Box2d{min.x(), min.y(), max.x(), max.y()};
 }
