@@ -45,8 +45,9 @@ struct Limits {
   double people_range = 25.0;   ///< [m]
   double vehicle_range = 25.0;  ///< [m]
   double min_speed = 0.8;       ///< [m/s]
-  double max_left = 1e9;        ///< of centres, tangent of the angle to the optical axis
-  double max_right = 1e9;
+  /// Of centres to the left and right, tangent of the angle to the optical axis; 0: not tested.
+  double max_left = 0.0;
+  double max_right = 0.0;
 
   [[nodiscard]] double rangeOf(ObjectClass object_class) const {
     const bool vehicle = object_class == ObjectClass::kCar || object_class == ObjectClass::kVan ||
@@ -73,7 +74,8 @@ struct Truth {
     const double range = place.norm();
     return range >= limits.min_range && range < limits.rangeOf(object_class) &&
            speed > limits.min_speed && visible >= kVisible &&
-           place.x() > -limits.max_left * place.y() && place.x() < limits.max_right * place.y();
+           (limits.max_left <= 0.0 ||
+            (place.x() > -limits.max_left * place.y() && place.x() < limits.max_right * place.y()));
   }
 };
 
