@@ -242,5 +242,32 @@ TEST(SiteImuTest, StartsTurnsAndBrakesAreFeltAsTheyAre) {
   EXPECT_NEAR(start, params.robot.acceleration_mps2, 0.6);
 }
 
+/// Whether the robot's middle lies in the footprint of a vehicle.
+bool isInsideAVehicle(SiteEnvironment& place) {
+  const Eigen::Vector2d robot = place.T_world_robot().translation().head<2>();
+  for (const Actor& actor : place.actors(20.0)) {
+    if (actor.parked || actor.kind == ActorKind::kPedestrian) continue;
+    const Eigen::Vector2d offset =
+        Eigen::Rotation2Dd(-actor.yaw) * (robot - actor.position.head<2>());
+    if (std::abs(offset.x()) < 0.5 * actor.size.x() && std::abs(offset.y()) < 0.5 * actor.size.y())
+      return true;
+  }
+  return false;
+}
+
+TEST(SiteEnvironmentTest, NoVehicleDrivesThroughTheRobot) {
+  for (const Kind kind : {Kind::kWarehouse, Kind::kCampus}) {
+    for (const int seed : {3, 12, 14}) {
+      SiteEnvironment place(busy(kind, seed));
+      int frames_inside = isInsideAVehicle(place) ? 1 : 0;
+      for (int k = 0; k < 150; ++k) {
+        place.advance(kStep);
+        frames_inside += isInsideAVehicle(place) ? 1 : 0;
+      }
+      EXPECT_EQ(frames_inside, 0) << "world " << static_cast<int>(kind) << ", seed " << seed;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace headway::sim

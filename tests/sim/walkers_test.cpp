@@ -13,6 +13,9 @@
 namespace headway::sim {
 namespace {
 
+/// A robot too far away to matter.
+const Obstacle kNoRobot{-1, {1e4, 1e4}, {0.0, 0.0}, 0.0, 1.0, 1.0, false};
+
 constexpr double kStep = 0.02;  // [s]
 
 /// A floor of 16 m x 12 m with destinations at its corners and a robot that stands in the middle.
@@ -257,7 +260,7 @@ struct Loops {
 
 TEST(LoopVehiclesTest, EachKindKeepsToItsLoopInTheNumbersAskedFor) {
   Loops loops(2, 3);
-  const LoopVehicles vehicles(loops.params, loops.site, 5, loops.next_id);
+  const LoopVehicles vehicles(loops.params, loops.site, kNoRobot, 5, loops.next_id);
   const auto count = [&](ActorKind kind) {
     return std::count_if(vehicles.actors().begin(), vehicles.actors().end(),
                          [&](const Actor& actor) { return actor.kind == kind; });
@@ -269,7 +272,7 @@ TEST(LoopVehiclesTest, EachKindKeepsToItsLoopInTheNumbersAskedFor) {
 
 TEST(LoopVehiclesTest, GoRoundNearTheirSpeedAndFaceTheirWay) {
   Loops loops(1);
-  LoopVehicles vehicles(loops.params, loops.site, 5, loops.next_id);
+  LoopVehicles vehicles(loops.params, loops.site, kNoRobot, 5, loops.next_id);
   Eigen::Vector3d before = vehicles.actors()[0].position;
   double way = 0.0, fastest = 0.0;
   for (int i = 0; i < 3000; ++i) {
@@ -290,7 +293,7 @@ TEST(LoopVehiclesTest, GoRoundNearTheirSpeedAndFaceTheirWay) {
 
 TEST(LoopVehiclesTest, BrakeForWhoStandsInTheirWay) {
   Loops loops(1);
-  LoopVehicles vehicles(loops.params, loops.site, 5, loops.next_id);
+  LoopVehicles vehicles(loops.params, loops.site, kNoRobot, 5, loops.next_id);
   Obstacle person;
   person.id = 77;
   person.position = {10.0, 0.0};
@@ -308,7 +311,7 @@ TEST(LoopVehiclesTest, BrakeForWhoStandsInTheirWay) {
 
 TEST(LoopVehiclesTest, SpreadRoundTheLoopAndDoNotRunIntoEachOther) {
   Loops loops(3);
-  LoopVehicles vehicles(loops.params, loops.site, 6, loops.next_id);
+  LoopVehicles vehicles(loops.params, loops.site, kNoRobot, 6, loops.next_id);
   for (int i = 0; i < 3000; ++i) {
     vehicles.advance(kStep, {});
     for (std::size_t a = 0; a < 3; ++a) {

@@ -6,8 +6,23 @@
 
 namespace headway::sim {
 
-LoopVehicles::LoopVehicles(const TrafficParams& params, const Site& site, std::uint64_t seed,
-                           std::int64_t& next_id)
+namespace {
+
+/// The first place from `s` on from which a vehicle can brake for the robot; `s` if there is none.
+double startClearOf(const Obstacle& robot, const Path& path, double s, double vehicle_length_m) {
+  constexpr double kStep_m = 0.5, kBraking_m = 2.5;
+  const double needed = 0.5 * (vehicle_length_m + robot.length) + kBraking_m;
+  for (double ahead = 0.0; ahead < path.length(); ahead += kStep_m) {
+    const double start = std::fmod(s + ahead, path.length());
+    if ((path.at(start).position.head<2>() - robot.position).norm() > needed) return start;
+  }
+  return s;
+}
+
+}  // namespace
+
+LoopVehicles::LoopVehicles(const TrafficParams& params, const Site& site, const Obstacle& robot,
+                           std::uint64_t seed, std::int64_t& next_id)
     : random_(seed) {
   for (const bool cyclists : {true, false}) {
     std::vector<const VehicleLoop*> loops;
@@ -18,19 +33,20 @@ LoopVehicles::LoopVehicles(const TrafficParams& params, const Site& site, std::u
     const double first = random_.uniform();
     for (int i = 0; i < count && !loops.empty(); ++i) {
       add(*loops[static_cast<std::size_t>(i) % loops.size()],
-          first + static_cast<double>(i) / count, next_id);
+          first + static_cast<double>(i) / count, robot, next_id);
     }
   }
 }
 
-void LoopVehicles::add(const VehicleLoop& loop, double ratio, std::int64_t& next_id) {
+void LoopVehicles::add(const VehicleLoop& loop, double ratio, const Obstacle& robot,
+                       std::int64_t& next_id) {
   Vehicle vehicle{Path(loop.points, true), {}, {}};
   Actor actor;
   actor.id = next_id++;
   actor.kind = loop.kind;
   actor.look = random_.below(100000);
   actor.size = drawSize(loop.kind, random_);
-  vehicle.at.s = ratio * vehicle.path.length();
+  vehicle.at.s = startClearOf(robot, vehicle.path, ratio * vehicle.path.length(), actor.size.x());
   vehicle.at.length = actor.size.x();
   vehicle.at.width = actor.size.y();
   vehicle.style.desired_speed_mps = loop.speed_mps * random_.uniform(0.85, 1.15);

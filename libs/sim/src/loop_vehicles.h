@@ -14,14 +14,15 @@ namespace headway::sim {
 /// everybody in their way.
 class LoopVehicles {
  public:
-  LoopVehicles(const TrafficParams& params, const Site& site, std::uint64_t seed,
-               std::int64_t& next_id);
+  /// Vehicles spread over the loops, each far enough from the robot to brake for it.
+  LoopVehicles(const TrafficParams& params, const Site& site, const Obstacle& robot,
+               std::uint64_t seed, std::int64_t& next_id);
 
   void advance(double dt, const std::vector<Obstacle>& others);
   [[nodiscard]] const std::vector<Actor>& actors() const { return actors_; }
 
  private:
-  void add(const VehicleLoop& loop, double ratio, std::int64_t& next_id);
+  void add(const VehicleLoop& loop, double ratio, const Obstacle& robot, std::int64_t& next_id);
   void place(std::size_t i, double dt);
 
   struct Vehicle {

@@ -73,7 +73,7 @@ SiteEnvironment::SiteEnvironment(const SimParams& params)
                       seedOf({seed_, kStartSeed}))),
       grid_(site_),
       robot_(params, site_, grid_, seedOf({seed_, kRobotSeed})),
-      vehicles_(params.traffic, site_, seedOf({seed_, kVehicleSeed}), next_id_),
+      vehicles_(params.traffic, site_, robot_.obstacle(), seedOf({seed_, kVehicleSeed}), next_id_),
       walkers_(params.traffic, site_, grid_, seedOf({seed_, kPeopleSeed})) {
   walkers_.populate(robot_, next_id_);
   Random random(seedOf({seed_, kBicycleSeed}));
