@@ -27,9 +27,8 @@ constexpr double kVehicleExtent = 1.35;   // a person is never this wide [m]
 constexpr double kFastestWalker = 3.2;    // [m/s]
 constexpr double kFastestCyclist = 10.0;  // [m/s]
 constexpr double kEdgeSigma = 3.0;        // of an extent's edge in the image [px]
-// Neighbours within a step of disparity join an object, in front of it and behind.
-constexpr double kDisparitySpread = 2.0 * kStep;  // [px]
-constexpr double kDisparitySigma = 0.4;           // [px]
+constexpr double kDisparitySpread = 0.5;  // of one surface: its extent along the sight [px]
+constexpr double kDisparitySigma = 0.4;   // [px]
 // Where three sigmas of a depth exceed a vehicle's extent, only extents across the sight are known.
 constexpr double kDepthSigmas = 3.0;
 

@@ -195,10 +195,10 @@ void Pedestrians::place(std::size_t i, double dt) {
   const double c = std::cos(street.yaw), s = std::sin(street.yaw);
   // Beside a bend the way is longer or shorter than the street's.
   constexpr double kReach = 0.1;  // [m]
-  const double turn = std::remainder(route_.street.at(person.at.x() + kReach).yaw -
-                                         route_.street.at(person.at.x() - kReach).yaw,
-                                     2.0 * M_PI);
-  const double along = (1.0 - person.at.y() * turn / (2.0 * kReach)) * person.velocity.x();
+  const double bend = std::remainder(
+      route_.street.at(person.at.x() + kReach).yaw - route_.street.at(person.at.x() - kReach).yaw,
+      2.0 * M_PI);
+  const double along = (1.0 - person.at.y() * bend / (2.0 * kReach)) * person.velocity.x();
   actor.velocity = {c * along - s * person.velocity.y(), s * along + c * person.velocity.y()};
   actor.speed = actor.velocity.norm();
   if (dt == 0.0) {
