@@ -42,6 +42,18 @@ TEST(CameraCheckTest, OneRepeatedImageOfTwoIsNotAFrozenCamera) {
   EXPECT_TRUE(warnings.empty());
 }
 
+TEST(CameraCheckTest, ImagesWithoutStructureAreNotAFrozenCamera) {
+  CameraCheck check;
+  Warnings warnings;
+  for (std::size_t i = 0; i < 3; ++i) {
+    auto frame = frameOf(i, 100.0, 1);
+    frame.left.setTo(40);
+    frame.right.setTo(40);
+    check.add(frame, warnings);
+  }
+  EXPECT_TRUE(warnings.empty());
+}
+
 TEST(CameraCheckTest, ACoveredLensIsDarkAndDuskIsNot) {
   CameraCheck check;
   Warnings warnings;

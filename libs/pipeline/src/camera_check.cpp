@@ -7,9 +7,9 @@
 namespace headway::pipeline {
 namespace {
 
-constexpr int kRowStep = 16;           ///< distance of the compared rows [px]
-constexpr double kDarkGrey = 16.0;     ///< mean grey level below which an image is dark
-constexpr double kDarkContrast = 2.0;  ///< standard deviation of its grey levels
+constexpr int kRowStep = 16;          ///< distance of the compared rows [px]
+constexpr double kDarkGrey = 16.0;    ///< mean grey level below which an image is dark
+constexpr double kMinContrast = 2.0;  ///< below, images without structure are alike in any case
 
 bool isSame(const cv::Mat& a, const cv::Mat& b) {
   if (a.empty() || a.size() != b.size() || a.data == b.data) return false;
@@ -19,27 +19,33 @@ bool isSame(const cv::Mat& a, const cv::Mat& b) {
   return true;
 }
 
-bool isDark(const cv::Mat& image) {
+struct Light {
+  double grey = 0.0;      ///< mean grey level
+  double contrast = 0.0;  ///< largest standard deviation of a row's grey levels
+};
+
+Light lightOf(const cv::Mat& image) {
   cv::Mat mean, deviation;
-  double sum = 0.0;
-  double contrast = 0.0;
-  int rows = 0;
-  for (int row = 0; row < image.rows; row += kRowStep, ++rows) {
+  Light light;
+  const int rows = (image.rows + kRowStep - 1) / kRowStep;
+  for (int row = 0; row < image.rows; row += kRowStep) {
     cv::meanStdDev(image.row(row), mean, deviation);
-    sum += mean.at<double>(0);
-    contrast = std::max(contrast, deviation.at<double>(0));
+    light.grey += mean.at<double>(0) / rows;
+    light.contrast = std::max(light.contrast, deviation.at<double>(0));
   }
-  return rows > 0 && sum / rows < kDarkGrey && contrast < kDarkContrast;
+  return light;
 }
 
 }  // namespace
 
 void CameraCheck::add(const StereoFrame& frame, Warnings& warnings) {
-  if (isDark(frame.left)) {
+  const Light light = lightOf(frame.left);
+  const bool has_structure = light.contrast >= kMinContrast;
+  if (!has_structure && light.grey < kDarkGrey) {
     addWarning("camera_dark", frame.index,
                "the left image is dark and without structure; check lens cover, exposure and light",
                warnings);
-  } else if (isSame(left_, frame.left) && isSame(right_, frame.right)) {
+  } else if (has_structure && isSame(left_, frame.left) && isSame(right_, frame.right)) {
     addWarning("camera_frozen", frame.index,
                "the camera delivers the same images again, so that the robot seems to stand still; "
                "check its cable and its driver",

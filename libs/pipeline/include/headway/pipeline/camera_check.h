@@ -13,8 +13,8 @@ namespace headway::pipeline {
 /// distance are compared, so that the cost is negligible.
 class CameraCheck {
  public:
-  /// Adds "camera_dark" if the left image contains no structure and hardly any light, and otherwise
-  /// "camera_frozen" if both images equal those of the frame before.
+  /// Adds "camera_dark" if the left image contains no structure and hardly any light, and
+  /// "camera_frozen" if it contains structure and both images equal those of the frame before.
   void add(const StereoFrame& frame, Warnings& warnings);
 
  private:
