@@ -47,7 +47,7 @@ Case walkWithVelocities(std::size_t length, unsigned seed) {
   for (std::size_t j = 0; j < length; j += 2) {
     auto& m = walk.measurements[j];
     const Eigen::Rotation2Dd turn(0.4 * static_cast<double>(j));
-    StepVelocity velocity;
+    GroundVelocity velocity;
     velocity.value = {3.0 + 0.1 * static_cast<double>(j % 5), std::cos(m.time)};
     if (j == 6) velocity.value.x() -= 5.0;
     velocity.covariance = turn.toRotationMatrix() * Eigen::Vector2d(0.04, 0.3).asDiagonal() *

@@ -30,8 +30,8 @@ class EvidenceGrid {
 
   /// As an MRPT map; unobserved cells are 0.5. Null without cells.
   ///
-  /// Maps that nobody uses any more are published again with the cells that changed since, so that
-  /// the cost depends on the changes and not on the area. Maps in use are never changed. To be
+  /// Maps without references elsewhere are published again with the cells that changed since, so
+  /// that the cost depends on the changes and not on the area. Maps in use are never changed. To be
   /// called by one thread at a time; the map may be released in any thread.
   [[nodiscard]] mrpt::maps::COccupancyGridMap2D::Ptr grid() const;
 

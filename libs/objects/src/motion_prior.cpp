@@ -33,7 +33,7 @@ MotionPriorProblem::MotionPriorProblem(const std::vector<PlaceMeasurement>& meas
 void MotionPriorProblem::addSteps(double acceleration_mps2) {
   for (std::size_t j = 1; j < measurements_.size(); ++j) {
     if (!measurements_[j].velocity) continue;
-    const StepVelocity& velocity = *measurements_[j].velocity;
+    const GroundVelocity& velocity = *measurements_[j].velocity;
     const double dt = measurements_[j].time - measurements_[j - 1].time;
     const double change = 0.5 * acceleration_mps2 * dt;
     const Eigen::Matrix2d covariance =

@@ -8,14 +8,9 @@
 #include <vector>
 
 #include "banded_system.h"
+#include "measured_box.h"
 
 namespace headway::objects {
-
-/// A velocity measured over the step that ends at a position.
-struct StepVelocity {
-  Eigen::Vector2d value = Eigen::Vector2d::Zero();           ///< (x, y), map frame [m/s]
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< [m^2/s^2]
-};
 
 /// A measured position with its information.
 struct PlaceMeasurement {
@@ -23,7 +18,7 @@ struct PlaceMeasurement {
   Eigen::Vector3d measured = Eigen::Vector3d::Zero();         ///< map frame [m]
   Eigen::Matrix2d information = Eigen::Matrix2d::Identity();  ///< of (x, y) [1/m^2]
   double vertical_information = 1.0;                          ///< of z [1/m^2]
-  std::optional<StepVelocity> velocity;                       ///< if the detector measured it
+  std::optional<GroundVelocity> velocity;  ///< of the step that ends here, if measured
 };
 
 /// Kind and weight of the prior.

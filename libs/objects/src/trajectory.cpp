@@ -9,10 +9,8 @@ namespace headway::objects {
 void Trajectory::append(std::size_t frame, Time time, const MeasuredBox& measured,
                         const Eigen::Vector3d& position, double yaw) {
   path.push_back({frame, time, position, yaw});
-  PlaceMeasurement place{
-      time, measured.position, measured.covariance.inverse(), 1.0 / measured.vertical_variance, {}};
-  if (measured.velocity) place.velocity = {measured.velocity->value, measured.velocity->covariance};
-  measurements.push_back(place);
+  measurements.push_back({time, measured.position, measured.covariance.inverse(),
+                          1.0 / measured.vertical_variance, measured.velocity});
   ++length;
 }
 
