@@ -114,6 +114,23 @@ TEST(ExtentOfTest, ErrorsOfTheDepthDoNotMakeAPersonAVehicle) {
   }
 }
 
+TEST(ExtentOfTest, ASmallRigDoesNotMakeAPersonWhoComesCloserAVehicle) {
+  Grid grid;
+  grid.camera.baseline_m = 0.12;
+  const double depth = 8.5;
+  auto cells = grid.inSpace(grid.draw(0.0, depth, 0.6, 0.2, 1.7));
+  for (auto& cell : cells) {
+    const double error = (cell.place.y % 3 - 1) * 1.1;  // three sigmas [px]
+    const double d = grid.disparity.values.at<float>(cell.place) + error;
+    cell.point = *triangulate(
+        {grid.disparity.pixelOf(cell.place.x), grid.disparity.pixelOf(cell.place.y), d},
+        grid.camera);
+  }
+  const auto extent = extentOf(cells, {0.0, 0.0, -2.0}, grid.disparity, grid.camera, grid.ground);
+  ASSERT_TRUE(extent);
+  EXPECT_EQ(extent->object_class, ObjectClass::kPedestrian);
+}
+
 TEST(ExtentOfTest, WhatFloatsBeforeVisibleGroundHasNone) {
   Grid grid;
   const auto cells = grid.inSpace(grid.draw(0.0, 6.0, 0.6, 0.6, 1.2));

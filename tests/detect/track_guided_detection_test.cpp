@@ -207,6 +207,18 @@ TEST(TrackGuidedDetectionTest, AHiddenObjectIsNotDetected) {
   EXPECT_TRUE(Scene(std::nullopt).byAppearance().empty());
 }
 
+TEST(TrackGuidedDetectionTest, ATemplateWhereStereoSeesSomethingFartherIsNotDetected) {
+  for (const double depth_ratio : {0.7, 1.0, 1.3}) {
+    Scene scene(wentOn());
+    const double d = project(depth_ratio * wentOn(), scene.camera)->z();
+    for (const auto& cell : scene.now.cells()) {
+      scene.disparity.values.at<float>(cell) = static_cast<float>(d);
+    }
+    EXPECT_EQ(scene.byAppearance().size(), depth_ratio > 1.0 ? 0u : 1u)
+        << depth_ratio << ": what is nearer may hide a part of him";
+  }
+}
+
 TEST(TrackGuidedDetectionTest, AnObjectObservedOnceIsNotSearchedByItsTemplate) {
   Scene scene(wentOn());
   scene.walker.observations = 1;

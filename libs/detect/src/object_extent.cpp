@@ -27,7 +27,7 @@ constexpr double kVehicleExtent = 1.35;   // a person is never this wide [m]
 constexpr double kFastestWalker = 3.2;    // [m/s]
 constexpr double kFastestCyclist = 10.0;  // [m/s]
 constexpr double kEdgeSigma = 3.0;        // of an extent's edge in the image [px]
-constexpr double kDisparitySpread = 0.5;  // of one surface: its extent along the sight [px]
+constexpr double kDisparitySpread = 2.0;  // by noise, of one surface between the tails [px]
 constexpr double kDisparitySigma = 0.4;   // [px]
 // Where three sigmas of a depth exceed a vehicle's extent, only extents across the sight are known.
 constexpr double kDepthSigmas = 3.0;
@@ -132,7 +132,8 @@ double seenBelow(const std::vector<Cell>& cells, const stereo::DisparityImage& d
   return seen / static_cast<double>(lowest.size());
 }
 
-// Larger extent over the ground, as far as it does not follow from errors of the depth [m].
+// Larger extent over the ground, as far as it does not follow from errors of the depth, whose
+// spread adds to the true one in squares [m].
 //
 // @param per_px  change of the depth by a pixel of disparity [m/px]
 double knownExtent(const std::vector<Cell>& cells, const Eigen::Vector3d& middle,
@@ -144,9 +145,12 @@ double knownExtent(const std::vector<Cell>& cells, const Eigen::Vector3d& middle
     return extentAlong(ground.up.cross(middle).normalized());
   }
   const Eigen::Vector3d side = ground.up.cross(front);
-  const double smear = kDisparitySpread * per_px;
-  return std::max(extentAlong(front) - smear * std::abs(front.z()),
-                  extentAlong(side) - smear * std::abs(side.z()));
+  const auto knownAlong = [&](const Eigen::Vector3d& axis) {
+    const double extent = extentAlong(axis);
+    const double noise = kDisparitySpread * per_px * axis.z();
+    return std::sqrt(std::max(0.0, extent * extent - noise * noise));
+  };
+  return std::max(knownAlong(front), knownAlong(side));
 }
 
 // Most probable class of an object of this size and speed.

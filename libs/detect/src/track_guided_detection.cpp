@@ -23,6 +23,8 @@ constexpr double kIndistinctTime = 0.7;  // in which it is searched though these
 constexpr double kMinTrackedDepth = 0.3;   // of a searched object: the nearest any rig matches [m]
 constexpr double kMinVisibleRatio = 0.25;  // of the box left inside the image, of its width
 constexpr double kMinVisibleHeight = 8.0;  // [px]
+constexpr double kDepthTolerance = 1.2;    // of its disparity, towards farther [px]
+constexpr double kDepthToleranceRatio = 0.1;  // or this ratio of it
 
 constexpr DetectionEvidence kByFlow{false, false, true, false};
 constexpr DetectionEvidence kByAppearance{false, false, false, true};
@@ -151,6 +153,21 @@ std::optional<Eigen::Vector2d> foundOffset(const SearchedObject& object, const E
   return reduce * Eigen::Vector2d(offset->x, offset->y);
 }
 
+// Whether stereo sees something else at the cells: most of them have a disparity, and it is that of
+// something farther than expected. Something nearer may hide a part of the object.
+bool isSeenFarther(const std::vector<cv::Point>& cells, double expected_disparity,
+                   const stereo::DisparityImage& disparity) {
+  std::vector<float> values;
+  for (const auto& cell : cells) {
+    const float d = disparity.values.at<float>(cell);
+    if (d > 0.0F) values.push_back(d);
+  }
+  if (values.empty() || 2 * values.size() < cells.size()) return false;
+  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+  return expected_disparity - values[values.size() / 2] >
+         std::max(kDepthTolerance, kDepthToleranceRatio * expected_disparity);
+}
+
 std::optional<ObjectExtent> extentByAppearance(const SearchedObject& object,
                                                const MotionFrame& frame,
                                                const StereoCamera& camera) {
@@ -176,6 +193,8 @@ std::optional<ObjectExtent> extentByAppearance(const SearchedObject& object,
       R * appearance.centre_covariance * R.transpose() +
       seconds * seconds * R_cam_world * object.velocity.covariance * R_cam_world.transpose();
   extent.cells = transformedCells(appearance.mask, found, frame.disparity);
+  const double expected_disparity = camera.fx * camera.baseline_m / extent.surface.z();
+  if (isSeenFarther(extent.cells, expected_disparity, frame.disparity)) return std::nullopt;
   return extent;
 }
 

@@ -55,7 +55,8 @@ void detectByFlow(const MotionFrame& frame, const std::vector<SearchedObject>& s
 ///
 /// An object that stopped is not reported as moving: the match must be nearer to the expected place
 /// than to the one where the object was seen last. Its distance is the expected one, the more
-/// uncertain the longer ago it was measured. Objects observed in a single frame are not searched.
+/// uncertain the longer ago it was measured; where stereo shows something farther, it is not
+/// detected. Objects observed in a single frame are not searched.
 ///
 /// @param found  as above
 void detectByAppearance(const MotionFrame& frame, const std::vector<SearchedObject>& searched,
