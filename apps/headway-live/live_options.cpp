@@ -10,6 +10,8 @@ void describe(LiveOptions& options, program::CommandLine& line) {
   line.option(options.sensors, 0, "sensors", "SENSORS.ini",
               "Sensors to grab, in the format of MRPT's rawlog-grabber", true);
   line.option(options.run.output, 'o', "output", "OUTDIR", "Folder for all results", true);
+  line.option(options.plugins, 0, "load-plugins", "LIB.so,...",
+              "Shared libraries with further classes of CGenericSensor");
   line.option(options.calibration, 0, "calibration", "FILE",
               "calibration.yaml that replaces the cameras' calibration and poses");
   line.option(options.record, 0, "record", "OUT.rawlog", "Rawlog of all observations to write");

@@ -12,6 +12,7 @@ namespace headway::live {
 struct LiveOptions {
   replay::Options run;      ///< output, map to load and so on, as of a replay
   std::string sensors;      ///< .ini file of rawlog-grabber
+  std::string plugins;      ///< shared libraries with drivers, separated by commas
   std::string calibration;  ///< file that replaces the drivers' calibration; empty: none
   std::string record;       ///< rawlog to write; empty: none
   double pair_tolerance_s = 0.01;

@@ -7,12 +7,14 @@
 #include <headway/io/observation_calibration.h>
 #include <headway/program/progress.h>
 #include <mrpt/config/CConfigFile.h>
+#include <mrpt/system/os.h>
 
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <sstream>
 
 #include "live_options.h"
 #include "replay.h"
@@ -67,16 +69,33 @@ std::unique_ptr<drivers::SensorGroup> makeSensors(
   }
 }
 
+void loadPlugins(const std::string& libraries) {
+  std::string error;
+  if (!libraries.empty() && !mrpt::system::loadPluginModules(libraries, error)) {
+    throw InputError("--load-plugins " + libraries + ": " + error);
+  }
+}
+
+/// Why there is no stereo pair yet, as far as it is known.
+std::string describeWait(const io::LiveSource& source, double pair_tolerance_s) {
+  const auto skipped = source.skipped();
+  const auto unpaired = skipped.find("unpaired_image");
+  if (unpaired == skipped.end()) return "";
+  std::ostringstream text;
+  text << "; " << unpaired->second << " images have no partner of the other camera within "
+       << pair_tolerance_s << " s (--pair-tolerance)";
+  return text.str();
+}
+
 /// Waits for the first images; false if the program was interrupted before.
-bool waitForCamera(io::LiveSource& source) {
+bool waitForCamera(io::LiveSource& source, double pair_tolerance_s) {
   try {
-    (void)source.camera();
-    return true;
+    if (source.camera() != nullptr || !program::interrupted()) return true;
   } catch (const InputError&) {
     if (!program::interrupted()) throw;
-    warn("interrupted before the first stereo pair");
-    return false;
   }
+  warn("interrupted before the first stereo pair" + describeWait(source, pair_tolerance_s));
+  return false;
 }
 
 void finish(const std::string& path, drivers::ObservationRecorder& recorder) {
@@ -89,6 +108,7 @@ void finish(const std::string& path, drivers::ObservationRecorder& recorder) {
 /// Runs sensors and pipeline until they are interrupted.
 void run(const live::LiveOptions& options, bool quiet, const pipeline::PerceptionParams& params,
          const Params& all_params) {
+  loadPlugins(options.plugins);
   std::optional<io::RawStereoCamera> calibration;
   if (!options.calibration.empty()) calibration = io::readRawCalibration(options.calibration);
   std::optional<drivers::ObservationRecorder> recorder;
@@ -100,11 +120,13 @@ void run(const live::LiveOptions& options, bool quiet, const pipeline::Perceptio
     source.push(observation);
   };
   const auto sensors = makeSensors(options.sensors, deliver);
-  live::StatusLine status(quiet, [&source] {
+  const auto poll = [&source] {
     if (program::interrupted()) source.close();
-  });
+  };
+  const auto wait = [&] { return describeWait(source, options.pair_tolerance_s); };
+  live::StatusLine status(quiet, poll, wait);
   sensors->start();
-  if (!waitForCamera(source)) return;
+  if (!waitForCamera(source, options.pair_tolerance_s)) return;
   auto input = std::make_unique<replay::LiveInput>(source);
   const replay::LiveInput& live = *input;
   replay::Replay pipeline(options.run, std::move(input), params, all_params);

@@ -9,8 +9,8 @@
 
 namespace headway::live {
 
-StatusLine::StatusLine(bool quiet, std::function<void()> poll)
-    : quiet_(quiet), poll_(std::move(poll)), thread_([this] { run(); }) {}
+StatusLine::StatusLine(bool quiet, std::function<void()> poll, std::function<std::string()> wait)
+    : quiet_(quiet), poll_(std::move(poll)), wait_(std::move(wait)), thread_([this] { run(); }) {}
 
 StatusLine::~StatusLine() {
   stopping_ = true;
@@ -43,7 +43,7 @@ void StatusLine::run() {
 
 std::string StatusLine::text() {
   const std::lock_guard lock(mutex_);
-  if (!last_) return "waiting for images";
+  if (!last_) return "waiting for images" + wait_();
   const Pose& T_map_robot = last_->camera.T_map_robot;
   const auto& place = T_map_robot.translation();
   const auto is_confirmed = [](const Track& track) {

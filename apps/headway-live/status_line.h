@@ -19,7 +19,8 @@ class StatusLine {
  public:
   /// @param quiet  prints nothing
   /// @param poll   called by the thread
-  StatusLine(bool quiet, std::function<void()> poll);
+  /// @param wait   text appended while there has been no frame, called by the thread
+  StatusLine(bool quiet, std::function<void()> poll, std::function<std::string()> wait);
   ~StatusLine();
   StatusLine(const StatusLine&) = delete;
   StatusLine& operator=(const StatusLine&) = delete;
@@ -33,6 +34,7 @@ class StatusLine {
 
   bool quiet_;
   std::function<void()> poll_;
+  std::function<std::string()> wait_;
   std::mutex mutex_;
   std::optional<pipeline::PerceptionUpdate> last_;  // guarded by mutex_, like the members below
   double max_latency_s_ = 0.0;                      ///< since the last line

@@ -3,8 +3,14 @@
 #include <headway_test/folders.h>
 #include <headway_test/process.h>
 
+#include <chrono>
+#include <csignal>
+#include <filesystem>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <regex>
+#include <thread>
 
 namespace headway::drivers {
 namespace {
@@ -19,10 +25,46 @@ class LiveProgramTest : public ::testing::Test {
     return path;
   }
 
-  /// Runs headway-live and ends it by SIGTERM after so many seconds.
-  test::ProcessResult live(const std::string& arguments, int seconds) {
-    return test::runProcess("timeout --preserve-status -s TERM " + std::to_string(seconds) + " " +
-                            test::program("headway-live") + " " + arguments);
+  using Condition = std::function<bool(const std::string& output)>;
+
+  /// Runs headway-live until its output meets the condition, 60 s at most, and ends it by SIGTERM;
+  /// or to its own end.
+  test::ProcessResult live(const std::string& arguments, const Condition& is_enough) {
+    const std::string out = folder_ / "live.txt";
+    const std::string end = folder_ / "live.status";
+    std::filesystem::remove(end);
+    const std::string pid = folder_ / "live.pid";
+    (void)test::runProcess("( " + test::program("headway-live") + " " + arguments + " >" + out +
+                           " 2>&1 & echo $! >" + pid + "; wait $!; echo $? >" + end +
+                           " ) >/dev/null 2>&1 & sleep 0.2");
+    const int process = std::stoi(test::contentsOf(pid));
+    const auto wait = [&](const Condition& is_met) {
+      for (int i = 0; i < 600 && test::contentsOf(end).empty(); ++i) {
+        if (is_met(test::contentsOf(out))) return;
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      }
+    };
+    wait(is_enough);
+    if (test::contentsOf(end).empty()) kill(process, SIGTERM);
+    wait([](const std::string&) { return false; });
+    const std::string status = test::contentsOf(end);
+    return {status.empty() ? -1 : std::stoi(status), test::contentsOf(out)};
+  }
+
+  /// Frames while tracking, by the status lines.
+  static int trackedFrames(const std::string& output) {
+    static const std::regex line("tracked .* ([0-9]+) frames/s");
+    int frames = 0;
+    for (std::sregex_iterator match(output.begin(), output.end(), line), end; match != end;
+         ++match) {
+      frames += std::stoi((*match)[1]);
+    }
+    return frames;
+  }
+
+  /// After so many tracked frames.
+  static Condition frames(int count) {
+    return [count](const std::string& output) { return trackedFrames(output) >= count; };
   }
 
   test::TemporaryFolder folder_;
@@ -38,7 +80,7 @@ TEST_F(LiveProgramTest, RunsRecordsAndEndsCleanly) {
       "pose_z = 1.65\npose_yaw = -90\npose_roll = -90\n");
   const std::string out = folder_ / "out";
   const std::string recorded = folder_ / "live.rawlog";
-  const auto run = live("--sensors " + ini + " -o " + out + " --record " + recorded, 9);
+  const auto run = live("--sensors " + ini + " -o " + out + " --record " + recorded, frames(12));
   EXPECT_EQ(run.status, 0) << run.output;
   EXPECT_THAT(run.output, HasSubstr("latency"));
   EXPECT_THAT(run.output, HasSubstr("tracked"));
@@ -54,13 +96,101 @@ TEST_F(LiveProgramTest, RunsRecordsAndEndsCleanly) {
   EXPECT_EQ(replay.status, 0) << replay.output;
 }
 
+/// The robot of rawlogs/hall.rawlog by the drivers of the plug-in.
+class LiveRobotTest : public LiveProgramTest {
+ protected:
+  static std::string section(const std::string& name, const std::string& keys) {
+    const std::string hall = std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/hall";
+    return "[" + name + "]\ndriver = RobotSensor\nprocess_rate = 50\nsensorLabel = " + name +
+           "\ntrajectory = " + hall + ".truth/trajectory.tum\nrawlog_file = " + hall + ".rawlog\n" +
+           keys;
+  }
+
+  /// That of rawlogs/hall.rawlog, which the drivers do not know.
+  std::string calibration() {
+    const std::string path = folder_ / "calibration.yaml";
+    std::ofstream(path) << "image_size: [640, 480]\nleft: [450, 450, 319.5, 239.5]\n"
+                           "baseline_m: 0.05\nT_robot_cam: [0, -0.08715574, 0.9961947, 0.1, "
+                           "-1, 0, 0, 0.025, 0, -0.9961947, -0.08715574, 0.3]\n";
+    return path;
+  }
+
+  test::ProcessResult live(const std::string& ini, const std::string& arguments,
+                           const Condition& is_enough) {
+    return LiveProgramTest::live(
+        "--sensors " + sensors(ini) + " --load-plugins " + HEADWAY_BIN_DIR +
+            "/libheadway_robot_sensors.so --calibration " + calibration() + " " + arguments,
+        is_enough);
+  }
+
+  nlohmann::json summary(const std::string& folder) {
+    return nlohmann::json::parse(test::contentsOf(folder_ / (folder + "/summary.json")));
+  }
+};
+
+TEST_F(LiveRobotTest, TwoCamerasPairByTimeWithinTheTolerance) {
+  const std::string two =
+      section("LEFT", "kind = left\n") + section("RIGHT", "kind = right\nlate_s = 0.004\n");
+  const std::string labels = "--sensor-label LEFT,RIGHT -o ";
+  const auto run = live(two, labels + (folder_ / "out").string(), frames(12));
+  EXPECT_EQ(run.status, 0) << run.output;
+  EXPECT_GE(summary("out").at("frames_tracked").get<int>(), 10) << run.output;
+  EXPECT_NEAR(summary("out").at("calibration").at("baseline_m").get<double>(), 0.05, 1e-6);
+
+  const auto strict = live(
+      two, labels + (folder_ / "strict").string() + " --pair-tolerance 0.002",
+      [](const std::string& output) { return output.find("no partner") != std::string::npos; });
+  EXPECT_EQ(strict.status, 0) << strict.output;
+  EXPECT_THAT(strict.output, HasSubstr("no partner of the other camera within 0.002 s"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "strict"));
+}
+
+TEST_F(LiveRobotTest, AllSensorsAreUsedRecordedAndStartedAgain) {
+  const std::string all = section("LEFT", "kind = left\n") + section("RIGHT", "kind = right\n") +
+                          section("WHEELS", "kind = odometry\n") + section("IMU", "kind = imu\n") +
+                          section("LASER", "kind = laser\nunplug_after = 20\n");
+  const std::string out = folder_ / "out";
+  const std::string recorded = folder_ / "live.rawlog";
+  const auto run =
+      live(all, "--sensor-label LEFT,RIGHT --record " + recorded + " -o " + out,
+           [](const std::string& output) {
+             return output.find("plug") != std::string::npos && trackedFrames(output) >= 40;
+           });
+  EXPECT_EQ(run.status, 0) << run.output;
+  EXPECT_THAT(run.output, HasSubstr("sensor [LASER]: the plug was pulled; it is started again"));
+  EXPECT_GE(summary("out").at("frames_tracked").get<int>(), 10) << run.output;
+  EXPECT_GE(summary("out").at("laser").at("used").get<int>(), 5) << run.output;
+
+  const auto replay =
+      test::runProcess(test::program("headway-replay") + " -q -i " + recorded + " -o " +
+                       (folder_ / "again").string() + " --snapshots 0 --to-index 60");
+  EXPECT_EQ(replay.status, 0) << replay.output;
+  EXPECT_GE(summary("again").at("laser").at("used").get<int>(), 10);
+  EXPECT_EQ(summary("again").at("observations_skipped").count("CObservationIMU"), 0u);
+
+  const auto resumed =
+      live(all,
+           "--sensor-label LEFT,RIGHT --load-map " + out +
+               "/map.headway --set slam.mapping=false -o " + (folder_ / "resumed").string(),
+           frames(6));
+  EXPECT_EQ(resumed.status, 0) << resumed.output;
+  EXPECT_GE(summary("resumed").at("frames_tracked").get<int>(), 5) << resumed.output;
+}
+
+TEST_F(LiveRobotTest, APluginThatCannotBeLoadedIsNamed) {
+  const auto run = LiveProgramTest::live(
+      "--sensors x --load-plugins /no/such.so -o " + (folder_ / "out").string(), frames(1));
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.output, HasSubstr("/no/such.so"));
+}
+
 TEST_F(LiveProgramTest, NamesWhatIsWrongWithTheSensors) {
-  const auto missing = live("--sensors /no/such.ini -o " + (folder_ / "out").string(), 20);
+  const auto missing = live("--sensors /no/such.ini -o " + (folder_ / "out").string(), frames(1));
   EXPECT_EQ(missing.status, 1);
   EXPECT_THAT(missing.output, HasSubstr("/no/such.ini"));
   const auto unknown = live("--sensors " + sensors("[CAM]\ndriver = CNoSuchSensor\n") + " -o " +
                                 (folder_ / "out").string(),
-                            20);
+                            frames(1));
   EXPECT_EQ(unknown.status, 1);
   EXPECT_THAT(unknown.output, HasSubstr("[CAM] driver = CNoSuchSensor"));
 }
