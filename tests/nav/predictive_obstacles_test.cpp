@@ -4,10 +4,44 @@
 #include <mrpt/kinematics/CVehicleVelCmd_DiffDriven.h>
 
 #include <atomic>
+#include <functional>
+#include <limits>
 #include <mutex>
+#include <stdexcept>
 #include <thread>
 
 #include "scripted_robot.h"
+
+namespace headway::nav {
+
+/// A command of a kind that the governor does not know.
+class RudderCommand : public mrpt::kinematics::CVehicleVelCmd {
+  DEFINE_SERIALIZABLE(RudderCommand, headway::nav)
+
+ public:
+  size_t getVelCmdLength() const override { return 1; }
+  std::string getVelCmdDescription(int /*index*/) const override { return "power"; }
+  double getVelCmdElement(int /*index*/) const override { return power; }
+  void setVelCmdElement(int /*index*/, double value) override { power = value; }
+  bool isStopCmd() const override { return power == 0.0; }
+  void setToStop() override { power = 0.0; }
+  void cmdVel_scale(double scale) override { power *= scale; }
+  double cmdVel_limits(const CVehicleVelCmd& /*before*/, double /*beta*/,
+                       const TVelCmdParams& /*params*/) override {
+    return 1.0;
+  }
+
+  double power = 1.0;
+};
+
+uint8_t RudderCommand::serializeGetVersion() const { return 0; }
+void RudderCommand::serializeTo(mrpt::serialization::CArchive& /*out*/) const {}
+void RudderCommand::serializeFrom(mrpt::serialization::CArchive& /*in*/, uint8_t /*version*/) {}
+
+}  // namespace headway::nav
+
+using mrpt::kinematics::CVehicleVelCmd;
+IMPLEMENTS_SERIALIZABLE(RudderCommand, CVehicleVelCmd, headway::nav)
 
 namespace headway::nav {
 namespace {
@@ -202,6 +236,101 @@ TEST_F(PredictiveObstaclesTest, StopsTheRobotIfTheMapIsStale) {
   EXPECT_EQ(obstacles.lastSpeedRatio(), 0.0);
   wheels_.simulateOneTimeStep(3.0);
   EXPECT_NEAR(wheels_.getCurrentGTVelLocal().vx, 0.0, 0.05);
+}
+
+/// A robot that remembers its last command.
+class ObedientRobot : public ScriptedRobot {
+ public:
+  using ScriptedRobot::ScriptedRobot;
+  bool changeSpeeds(const mrpt::kinematics::CVehicleVelCmd& command) override {
+    is_stopped = command.isStopCmd();
+    return true;
+  }
+  bool is_stopped = false;
+};
+
+class FailSafeTest : public PredictiveObstaclesTest {
+ protected:
+  /// Whether a command reaches the robot as a stop.
+  bool stops(const mrpt::kinematics::CVehicleVelCmd& command, ObstaclePolicy policy,
+             bool governed = true) {
+    PredictiveObstaclesParams params;
+    params.policy = policy;
+    params.governor.enabled = governed;
+    PredictiveObstacles obstacles(
+        robot_, [this] { return source_(); }, params, [this] { return now_; });
+    obstacles.setMinLoggingLevel(mrpt::system::LVL_ERROR);
+    obstacles.logging_enable_console_output = false;
+    obstacles.changeSpeeds(command);
+    return robot_.is_stopped;
+  }
+
+  /// With every policy that reads the map, governed or not.
+  bool stopsAlways() {
+    for (const auto policy : {ObstaclePolicy::kSweep, ObstaclePolicy::kTimeGated}) {
+      for (const bool governed : {true, false}) {
+        if (!stops(fullSpeed(), policy, governed)) return false;
+      }
+    }
+    return true;
+  }
+
+  ObedientRobot robot_{wheels_};
+  std::function<map::PerceptionMap()> source_ = [this] { return map_; };
+};
+
+TEST_F(FailSafeTest, DrivesWhileAllIsKnown) {
+  EXPECT_FALSE(stops(fullSpeed(), ObstaclePolicy::kTimeGated));
+  EXPECT_FALSE(stops(fullSpeed(), ObstaclePolicy::kSweep));
+}
+
+TEST_F(FailSafeTest, AnUnknownPoseOrSpeedStopsTheRobot) {
+  robot_.knows_pose = false;
+  EXPECT_TRUE(stopsAlways());
+  robot_.knows_pose = true;
+  robot_.pose_is_nan = true;
+  EXPECT_TRUE(stopsAlways());
+  robot_.pose_is_nan = false;
+  robot_.frame = "odom";
+  EXPECT_TRUE(stopsAlways());
+}
+
+TEST_F(FailSafeTest, AStaleMapOrOneThatCannotBeReadStopsTheRobot) {
+  now_ = 101.0;
+  EXPECT_TRUE(stopsAlways());
+  now_ = 99.0;
+  EXPECT_TRUE(stopsAlways()) << "the clock went back";
+  now_ = 100.1;
+  EXPECT_FALSE(stopsAlways());
+  map_ = map::PerceptionMap();
+  EXPECT_TRUE(stopsAlways()) << "as published after an exception in perception";
+  source_ = []() -> map::PerceptionMap { throw std::runtime_error("broken"); };
+  EXPECT_TRUE(stopsAlways());
+}
+
+TEST_F(FailSafeTest, AnUnknownCommandStopsTheRobot) {
+  auto command = fullSpeed();
+  command.ang_vel = std::numeric_limits<double>::quiet_NaN();
+  for (const auto policy :
+       {ObstaclePolicy::kStatic, ObstaclePolicy::kSweep, ObstaclePolicy::kTimeGated}) {
+    EXPECT_TRUE(stops(command, policy));
+    EXPECT_TRUE(stops(command, policy, false));
+  }
+}
+
+TEST_F(FailSafeTest, ACommandOfUnknownKindStopsTheRobotUnlessItIsNotGoverned) {
+  EXPECT_TRUE(stops(RudderCommand(), ObstaclePolicy::kTimeGated));
+  EXPECT_FALSE(stops(RudderCommand(), ObstaclePolicy::kTimeGated, false));
+}
+
+TEST_F(FailSafeTest, ObstaclesOfAMapThatCannotBeReadAreUnsafe) {
+  PredictiveObstacles obstacles(
+      robot_, []() -> map::PerceptionMap { throw std::runtime_error("broken"); }, {},
+      [this] { return now_; });
+  obstacles.logging_enable_console_output = false;
+  mrpt::system::TTimeStamp timestamp;
+  EXPECT_FALSE(obstacles.senseObstacles(points_, timestamp));
+  EXPECT_EQ(obstacles.lastReport().status, SenseStatus::kStaleMap);
 }
 
 TEST_F(PredictiveObstaclesTest, LeavesTheSpeedAloneWhereItIsToldTo) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 
 namespace headway::nav {
 namespace {
@@ -40,6 +41,13 @@ std::optional<GroundTwist> twistOf(const CVehicleVelCmd& command) {
                        holonomic->vel * std::sin(holonomic->dir_local), holonomic->rot_speed};
   }
   return std::nullopt;
+}
+
+bool isFinite(const CVehicleVelCmd& command) {
+  for (std::size_t i = 0; i < command.getVelCmdLength(); ++i) {
+    if (!std::isfinite(command.getVelCmdElement(static_cast<int>(i)))) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -84,8 +92,9 @@ bool PredictiveObstacles::senseObstacles(mrpt::maps::CSimplePointsMap& obstacles
 }
 
 SenseStatus PredictiveObstacles::addPredictions(mrpt::maps::CSimplePointsMap& obstacles) {
-  const map::PerceptionMap snapshot = map_();
-  const CMovingObjectsMap& layer = snapshot.movingObjects();
+  const auto snapshot = readMap();
+  if (!snapshot) return SenseStatus::kStaleMap;
+  const CMovingObjectsMap& layer = snapshot->movingObjects();
   report_.map_age_s = clock_() - layer.time();
   if (!(std::abs(report_.map_age_s) <= params_.max_age_s)) return SenseStatus::kStaleMap;
 
@@ -95,7 +104,7 @@ SenseStatus PredictiveObstacles::addPredictions(mrpt::maps::CSimplePointsMap& ob
   report_.moving_objects = moving_.current().size();
   removeLeaving(obstacles, *robot);
   insertPredicted(obstacles, *robot);
-  const auto grid = snapshot.staticGrid();
+  const auto grid = snapshot->staticGrid();
   if (params_.use_static_grid && grid) insertStatic(obstacles, *robot, *grid);
   return SenseStatus::kSafe;
 }
@@ -106,10 +115,22 @@ std::optional<GroundState> PredictiveObstacles::locate() {
   mrpt::system::TTimeStamp timestamp;
   std::string frame_id = params_.map_frame;
   if (!robot_.getCurrentPoseAndSpeeds(pose, velocity, timestamp, odometry, frame_id)) return {};
-  const bool is_number = std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.phi);
-  if (!is_number || frame_id != params_.map_frame) return {};
+  bool is_finite = std::isfinite(velocity.vx) && std::isfinite(velocity.vy);
+  for (const double value : {pose.x, pose.y, pose.phi, velocity.omega}) {
+    is_finite = is_finite && std::isfinite(value);
+  }
+  if (!is_finite || frame_id != params_.map_frame) return {};
   velocity.rotate(-pose.phi);  // from the map's axes to the robot's
   return GroundState{{pose.x, pose.y}, pose.phi, {velocity.vx, velocity.vy, velocity.omega}};
+}
+
+std::optional<map::PerceptionMap> PredictiveObstacles::readMap() {
+  try {
+    return map_();
+  } catch (const std::exception& error) {  // the robot must stop, whatever failed in perception
+    MRPT_LOG_THROTTLE_ERROR_FMT(1.0, "the map cannot be read: %s", error.what());
+    return std::nullopt;
+  }
 }
 
 bool PredictiveObstacles::changeSpeeds(const CVehicleVelCmd& command) {
@@ -117,7 +138,11 @@ bool PredictiveObstacles::changeSpeeds(const CVehicleVelCmd& command) {
   speed_ratio_ = admissibleSpeedRatio(command);
   if (speed_ratio_ >= 1.0) return robot_.changeSpeeds(command);
   const auto slowed = copyOf(command);
-  slowed->cmdVel_scale(speed_ratio_);
+  if (speed_ratio_ > 0.0) {
+    slowed->cmdVel_scale(speed_ratio_);
+  } else {
+    slowed->setToStop();  // the command may not be finite
+  }
   return robot_.changeSpeeds(*slowed);
 }
 
@@ -129,14 +154,22 @@ bool PredictiveObstacles::changeSpeedsNOP() {
 }
 
 double PredictiveObstacles::admissibleSpeedRatio(const CVehicleVelCmd& command) {
-  if (!params_.governor.enabled || params_.policy != ObstaclePolicy::kTimeGated) return 1.0;
-  const auto twist = twistOf(command);
+  if (!isFinite(command)) return 0.0;
+  if (params_.policy == ObstaclePolicy::kStatic) return 1.0;
   const auto robot = locate();
-  if (!twist || !robot) return 1.0;
-  const map::PerceptionMap snapshot = map_();
-  const CMovingObjectsMap& layer = snapshot.movingObjects();
+  const auto snapshot = readMap();
+  if (!robot || !snapshot) return 0.0;
+  const CMovingObjectsMap& layer = snapshot->movingObjects();
   const double age_s = clock_() - layer.time();
   if (!(std::abs(age_s) <= params_.max_age_s)) return 0.0;  // positions of objects are unknown
+  if (!params_.governor.enabled || params_.policy != ObstaclePolicy::kTimeGated) return 1.0;
+  const auto twist = twistOf(command);
+  if (!twist) {
+    MRPT_LOG_THROTTLE_ERROR(1.0,
+                            "the motion that the command causes is unknown, so that the robot is "
+                            "stopped; govern_speed = false forwards such commands");
+    return 0.0;
+  }
   return governor_.speedRatio(*twist, *robot, layer.tracks(), std::max(0.0, age_s));
 }
 

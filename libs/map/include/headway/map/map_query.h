@@ -86,6 +86,11 @@ struct Collision {
   std::optional<double> worst_s;                ///< time of the highest probability
   std::optional<TrackId> with;                  ///< at the worst time; none: the static grid
   std::optional<double> unknown_from_s;         ///< first time without a known status
+
+  /// Whether the whole path is known to be free of contacts; the condition for driving on.
+  [[nodiscard]] bool isFree() const {
+    return status == QueryStatus::kKnown && !earliest_s && !unknown_from_s;
+  }
 };
 
 /// Queries of one snapshot of the map, at one time, about points and times in the future.
@@ -95,7 +100,7 @@ struct Collision {
 /// ownership of the snapshot and may be used in any thread.
 ///
 ///     const MapQuery query = shared_map.snapshot().at(now);
-///     if (query.timeToCollision(footprint, plan).earliest_s) brake();
+///     if (!query.timeToCollision(footprint, plan).isFree()) brake();
 class MapQuery {
  public:
   /// @param now  in the map's clock [s]

@@ -16,7 +16,7 @@ enum class SenseStatus {
   kSafe,         ///< the obstacles are valid
   kInnerFailed,  ///< the wrapped robot could not sense
   kNoPose,       ///< the wrapped robot has no pose, or none in the map's frame
-  kStaleMap,     ///< the map is older than max_age_s, empty, or its time is in the future
+  kStaleMap,     ///< the map is older than max_age_s, empty, dated in the future, or not readable
 };
 
 /// "safe", "inner_failed", "no_pose", "stale_map".
@@ -41,7 +41,8 @@ struct SenseReport {
 /// Sensing fails, and MRPT stops the robot, if the map is too old or the robot's pose is unknown.
 ///
 /// The map is read through a function that returns a snapshot, once per call and in the calling
-/// thread; the function must be safe against concurrent writers. The wrapped robot must outlive
+/// thread; the function must be safe against concurrent writers. If it throws, the map counts as
+/// stale. The wrapped robot must outlive
 /// this object.
 ///
 ///     headway::nav::PredictiveObstacles predictive(robot, [&] { return perception.map(); },
@@ -63,8 +64,11 @@ class PredictiveObstacles : public mrpt::nav::CRobot2NavInterface {
   /// Statistics of the last senseObstacles(), for the thread that calls it.
   [[nodiscard]] const SenseReport& lastReport() const { return report_; }
 
-  /// Forwards the command, scaled by SpeedGovernor (policy kTimeGated). Commands of robots that are
-  /// neither differential nor holonomic are forwarded unchanged.
+  /// Forwards the command, scaled by SpeedGovernor (policy kTimeGated), or a stop.
+  ///
+  /// A stop if the command is not finite; with a policy that reads the map, if the map cannot be
+  /// read or is too old, or the robot's pose in it is unknown; and with the governor, if the robot
+  /// is neither differential nor holonomic, so that the commanded motion is unknown.
   bool changeSpeeds(const mrpt::kinematics::CVehicleVelCmd& command) override;
   /// Evaluates the current command again and forwards it.
   bool changeSpeedsNOP() override;
@@ -94,6 +98,8 @@ class PredictiveObstacles : public mrpt::nav::CRobot2NavInterface {
   void resetNavigationTimer() override;
 
  private:
+  /// The map; nullopt, and logged, if its source throws.
+  [[nodiscard]] std::optional<map::PerceptionMap> readMap();
   /// The robot's pose in the map's frame; nullopt if unknown.
   [[nodiscard]] std::optional<GroundState> locate();
   [[nodiscard]] double admissibleSpeedRatio(const mrpt::kinematics::CVehicleVelCmd& command);
