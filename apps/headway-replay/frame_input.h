@@ -29,6 +29,8 @@ class FrameInput {
   [[nodiscard]] virtual std::optional<std::map<std::string, std::size_t>> skippedNow() const = 0;
   /// The same once there is no feed any more.
   [[nodiscard]] virtual std::map<std::string, std::size_t> skipped() const = 0;
+  /// Sensors with other clocks; callable when skippedNow() is not empty, and without a feed.
+  [[nodiscard]] virtual Warnings warnings() const = 0;
   /// Reason of a premature end; nullopt otherwise.
   [[nodiscard]] virtual std::optional<std::string> truncation() const = 0;
 };
@@ -63,6 +65,7 @@ class RawlogInput : public FrameInput {
   [[nodiscard]] std::map<std::string, std::size_t> skipped() const override {
     return source_.skipped();
   }
+  [[nodiscard]] Warnings warnings() const override { return source_.warnings(); }
   [[nodiscard]] std::optional<std::string> truncation() const override {
     return source_.truncation();
   }
@@ -95,6 +98,7 @@ class LiveInput : public FrameInput {
   [[nodiscard]] std::map<std::string, std::size_t> skipped() const override {
     return source_.skipped();
   }
+  [[nodiscard]] Warnings warnings() const override { return source_.warnings(); }
   [[nodiscard]] std::optional<std::string> truncation() const override { return std::nullopt; }
 
   /// Arrival of the newest frame returned, by monotonicSeconds().

@@ -181,6 +181,7 @@ void Replay::collectWarnings(std::size_t frame, bool reader_has_stopped) {
   Warnings warnings = perception_->warnings();
   const auto skipped = reader_has_stopped ? source_->skipped() : source_->skippedNow();
   if (skipped) {
+    warnings.merge(source_->warnings());
     const auto bad_samples = skipped->find("bad_imu");
     if (bad_samples != skipped->end()) {
       const auto before = summary_.warnings.find("imu_samples");

@@ -223,5 +223,42 @@ TEST(PerceptionTest, ImagesAloneGiveTracksOfMovingObjects) {
   EXPECT_EQ(14u, perception.times().summary().at("detect").count);
 }
 
+TEST(DetectionStageTest, ImagesReplaceRecordedBoxesThatStopUntilTheyReturn) {
+  const PaintedStreet street({kMoving, kParked});
+  DetectionParams params = paramsFor("auto");
+  params.recorded_timeout_s = 0.35;
+  DetectionStage stage(street.camera(), params);
+  const auto step = [&](int index, bool has_boxes) {
+    RecordedFrame frame = frameOf(street, index);
+    if (has_boxes) frame.detections = recorded(street, index, {});
+    const auto boxes = stage.detectObjects(frame, contextOf(frame));
+    (void)stage.detectMotion(frame, frame.T_map_robot, boxes, {}, {});
+    return boxes;
+  };
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(step(i, true).detectors_run, false);
+  for (int i = 3; i < 6; ++i) EXPECT_FALSE(step(i, false).recorded_missing) << i;
+  for (int i = 6; i < 9; ++i) {
+    const auto boxes = step(i, false);
+    EXPECT_TRUE(boxes.recorded_missing && boxes.detectors_run) << i;
+  }
+  const auto returned = step(9, true);
+  EXPECT_FALSE(returned.recorded_missing || returned.detectors_run);
+  EXPECT_FALSE(step(10, false).detectors_run);
+}
+
+TEST(DetectionStageTest, OnlyAutoReplacesRecordedBoxes) {
+  const PaintedStreet street({kMoving});
+  DetectionParams params = paramsFor("recorded");
+  params.recorded_timeout_s = 0.1;
+  DetectionStage stage(street.camera(), params);
+  RecordedFrame frame = frameOf(street, 0);
+  frame.detections = recorded(street, 0, {});
+  (void)stage.detectObjects(frame, contextOf(frame));
+  frame = frameOf(street, 5);
+  const auto boxes = stage.detectObjects(frame, contextOf(frame));
+  EXPECT_TRUE(boxes.recorded_missing);
+  EXPECT_FALSE(boxes.detectors_run);
+}
+
 }  // namespace
 }  // namespace headway::pipeline

@@ -80,5 +80,43 @@ TEST(TroubleTest, ContinuesAfterABlackImage) {
   EXPECT_LE(outcome.lost, 2);
 }
 
+/// Runs a street whose clock is set by `step_s` before frame kSetFrame.
+void runWithClockSet(double step_s, const std::string& warning) {
+  constexpr int kSetFrame = 10;
+  auto boxes = kStillStreet;
+  boxes.push_back(kMoving);
+  const PaintedStreet street(boxes);
+  PerceptionParams params;
+  params.detection.detector = "stereo_motion";
+  Perception perception(street.camera(), params);
+  std::set<TrackId> before, after;
+  for (int i = 0; i < 2 * kSetFrame + 4; ++i) {
+    RecordedFrame frame;
+    frame.index = static_cast<std::size_t>(i);
+    frame.time = street.timeOf(i) + (i < kSetFrame ? 0.0 : step_s);
+    frame.stereo = street.frame(i);
+    frame.stereo->time = frame.time;
+    const auto update = perception.process(frame);
+    EXPECT_EQ(slam::TrackingStatus::kTracked, update.camera.status) << i;
+    EXPECT_EQ(frame.time, perception.map().movingObjects().time());
+    for (const auto& track : update.objects.tracks) {
+      (i < kSetFrame ? before : after).insert(track.id);
+    }
+  }
+  EXPECT_EQ(1u, perception.warnings().at(warning).count);
+  EXPECT_EQ(static_cast<std::size_t>(kSetFrame), perception.warnings().at(warning).first_frame);
+  EXPECT_FALSE(before.empty());
+  EXPECT_FALSE(after.empty());
+  for (const auto& id : after) EXPECT_EQ(0u, before.count(id)) << "tracks start anew";
+}
+
+TEST(TroubleTest, GoesOnAfterTheClockIsSetBack) { runWithClockSet(-3600.0, "clock_set_back"); }
+
+TEST(TroubleTest, GoesOnAfterTheClockIsSetBackByOneSecond) {
+  runWithClockSet(-1.0, "clock_set_back");
+}
+
+TEST(TroubleTest, GoesOnAfterTheClockIsSetAhead) { runWithClockSet(3600.0, "clock_jumps_ahead"); }
+
 }  // namespace
 }  // namespace headway::pipeline

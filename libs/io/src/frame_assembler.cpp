@@ -10,15 +10,17 @@ namespace {
 
 constexpr const char* kUnmatchedLaser = "laser_between_frames";
 constexpr double kMaxUnconfirmedGap = 10.0;       // between two frames [s]
+constexpr double kMaxItemLead = 1.0;              // of an item before its frame [s]
+constexpr int kSetBackFrames = 3;                 // that confirm that a clock was set back
 constexpr double kHalfIntervalOfOneFrame = 0.05;  // without a second frame [s]
 
 }  // namespace
 
-void FrameAssembler::addFrame(PendingFrame frame) {
+bool FrameAssembler::addFrame(PendingFrame frame) {
   frame.index = next_index_++;
   if (auto ahead = std::exchange(ahead_, std::nullopt)) {
     if (frame.time > ahead->time) {
-      append(std::move(*ahead));
+      (void)append(std::move(*ahead));
     } else {
       ++skipped_["time_outlier"];
     }
@@ -32,18 +34,48 @@ void FrameAssembler::addFrame(PendingFrame frame) {
   }
   if (last_added_ && frame.time - *last_added_ > kMaxUnconfirmedGap) {
     ahead_ = std::move(frame);
-  } else {
-    append(std::move(frame));
+    return false;
   }
+  return append(std::move(frame));
 }
 
-void FrameAssembler::append(PendingFrame frame) {
-  if (last_added_ && !(frame.time > *last_added_)) {
+bool FrameAssembler::append(PendingFrame frame) {
+  const bool is_backward = last_added_ && !(frame.time > *last_added_);
+  if (!is_backward) {
+    last_backward_.reset();
+  } else if (!isSetBack(frame.time)) {
     ++skipped_["time_backwards"];
-    return;
+    return false;
+  } else {
+    removeItemsAfter(frame.time);
   }
   last_added_ = frame.time;
   frames_.push_back(std::move(frame));
+  return is_backward;
+}
+
+/// Whether frames with times before the last one continue each other.
+bool FrameAssembler::isSetBack(Time time) {
+  const bool continues =
+      last_backward_ && time > *last_backward_ && time - *last_backward_ < kMaxUnconfirmedGap;
+  backward_frames_ = continues ? backward_frames_ + 1 : 1;
+  last_backward_ = time;
+  if (backward_frames_ < kSetBackFrames) return false;
+  last_backward_.reset();
+  return true;
+}
+
+/// Removes boxes, poses and scans of the time before a clock was set back to this one.
+void FrameAssembler::removeItemsAfter(Time time) {
+  const auto remove = [&](auto& items, const char* unmatched) {
+    const auto is_later = [&](const auto& item) { return item.time > time + kMaxItemLead; };
+    const auto end = std::remove_if(items.begin(), items.end(), is_later);
+    if (end != items.end()) skipped_[unmatched] += static_cast<std::size_t>(items.end() - end);
+    items.erase(end, items.end());
+  };
+  remove(detections_, "unmatched_detections");
+  remove(poses_, "unmatched_pose");
+  for (auto& [label, scans] : laser_scans_) remove(scans, kUnmatchedLaser);
 }
 
 std::optional<PendingFrame> FrameAssembler::take() {
@@ -99,8 +131,11 @@ void FrameAssembler::finish() {
 /// frames are not assigned across a gap.
 double FrameAssembler::halfInterval(Time time) const {
   double interval = std::numeric_limits<double>::infinity();
-  if (last_taken_) interval = std::min(interval, time - *last_taken_);
-  if (!frames_.empty()) interval = std::min(interval, frames_.front().time - time);
+  const auto include = [&interval](double seconds) {
+    if (seconds > 0.0) interval = std::min(interval, seconds);  // else the clock was set back
+  };
+  if (last_taken_) include(time - *last_taken_);
+  if (!frames_.empty()) include(frames_.front().time - time);
   return std::isfinite(interval) ? 0.5 * interval : kHalfIntervalOfOneFrame;
 }
 

@@ -30,7 +30,8 @@ struct PendingFrame {
 ///
 /// Frames are numbered from 0 and returned in order, once `read_ahead` later frames are known, so
 /// that boxes and poses recorded late, even after the next image, are assigned. Frames whose time
-/// does not increase are dropped but keep their index; so is a frame whose time is more than 10 s
+/// does not increase are dropped but keep their index, unless the third of them in succession shows
+/// that the clock was set back; so is a frame whose time is more than 10 s
 /// ahead, unless the next frame confirms it. Unassigned items are counted.
 class FrameAssembler {
  public:
@@ -41,7 +42,10 @@ class FrameAssembler {
       : read_ahead_(read_ahead), skipped_(skipped) {}
 
   /// @param frame  without index and detections, and without pose if it has a pair
-  void addFrame(PendingFrame frame);
+  /// @return       whether it shows that the clock was set back
+  bool addFrame(PendingFrame frame);
+  /// Index of the next frame that is added.
+  [[nodiscard]] std::size_t nextIndex() const { return next_index_; }
   void addDetections(Detections detections) { detections_.push_back(std::move(detections)); }
   void addPose(Time time, const Pose& T_map_robot) { poses_.push_back({time, T_map_robot}); }
 
@@ -68,7 +72,9 @@ class FrameAssembler {
   void finish();
 
  private:
-  void append(PendingFrame frame);
+  bool append(PendingFrame frame);
+  [[nodiscard]] bool isSetBack(Time time);
+  void removeItemsAfter(Time time);
   [[nodiscard]] double halfInterval(Time time) const;
   template <typename Item>
   std::optional<Item> takeNearest(std::deque<Item>& items, Time time, double half_interval,
@@ -79,6 +85,8 @@ class FrameAssembler {
   std::size_t next_index_ = 0;
   std::optional<Time> last_added_;
   std::optional<Time> last_taken_;
+  std::optional<Time> last_backward_;  ///< of the newest frame, if its time did not increase
+  int backward_frames_ = 0;            ///< that increased in succession, after the last one added
   std::deque<PendingFrame> frames_;
   std::optional<PendingFrame> ahead_;  ///< its time is not yet confirmed
   std::deque<Detections> detections_;

@@ -70,6 +70,7 @@ std::vector<Eigen::Vector2f> beamEnds(const mrpt::obs::CObservation2DRangeScan& 
 }  // namespace
 
 void FrameCollector::add(const CObservation::Ptr& observation, double arrival_s) {
+  compareClocks(*observation);
   if (pairing_.accepts(*observation)) {
     if (auto pair = pairing_.add(observation)) addPair(std::move(*pair), arrival_s);
   } else if (isRecordedDetections(*observation)) {
@@ -91,6 +92,16 @@ void FrameCollector::add(const CObservation::Ptr& observation, double arrival_s)
   }
 }
 
+void FrameCollector::compareClocks(const CObservation& observation) {
+  const Time time = timeFrom(observation.timestamp);
+  if (isImage(observation) && observation.sensorLabel == left_label_) {
+    clocks_.addImage(assembler_.nextIndex(), time, warnings_);
+  } else if (!isImage(observation) || pairing_.accepts(observation)) {
+    const auto& label = observation.sensorLabel;
+    clocks_.addSample(label.empty() ? shortClassName(observation) : label, time);
+  }
+}
+
 void FrameCollector::finish() {
   pairing_.finish();
   assembler_.finish();
@@ -101,7 +112,8 @@ void FrameCollector::addPair(RecordedPair pair, double arrival_s) {
   frame.arrival_s = arrival_s;
   frame.time = pair.time;
   frame.pair = std::move(pair);
-  assembler_.addFrame(std::move(frame));
+  // Samples of the time before do not continue those of a clock that was set back.
+  if (assembler_.addFrame(std::move(frame))) prior_ = MotionPriorBuilder();
 }
 
 void FrameCollector::addPose(Time time, const Pose& T_map_robot, double arrival_s) {
@@ -116,7 +128,7 @@ void FrameCollector::addPose(Time time, const Pose& T_map_robot, double arrival_
     frame.arrival_s = arrival_s;
     frame.time = time;
     frame.T_map_robot = T_map_robot;
-    assembler_.addFrame(std::move(frame));
+    (void)assembler_.addFrame(std::move(frame));
   }
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "camera_choice.h"
+#include "clock_check.h"
 #include "frame_assembler.h"
 #include "motion_prior.h"
 #include "stereo_pairing.h"
@@ -27,6 +28,7 @@ class FrameCollector {
   FrameCollector(const CameraChoice& camera, const RawlogSourceOptions& options,
                  std::map<std::string, std::size_t>& skipped)
       : has_camera_(camera.kind != CameraChoice::Kind::kNone),
+        left_label_(camera.labels[0]),
         skipped_(skipped),
         pairing_(camera, options.pair_tolerance_s, skipped),
         assembler_(options.read_ahead, skipped) {}
@@ -59,10 +61,13 @@ class FrameCollector {
   }
   /// Prolongs the motion sensors' last samples to a time, see MotionPriorBuilder.
   void extrapolateMotion(Time to, double max_s) { prior_.extrapolate(to, max_s); }
+  /// Sensors with clocks of their own, see ClockCheck.
+  [[nodiscard]] const Warnings& warnings() const { return warnings_; }
   /// Removes samples that are not needed for motions starting at or after this time.
   void discardMotionBefore(Time time) { prior_.discardBefore(time); }
 
  private:
+  void compareClocks(const mrpt::obs::CObservation& observation);
   void addPair(RecordedPair pair, double arrival_s);
   [[nodiscard]] bool isReachable(Time time, const Pose& T_map_robot);
   void addPose(Time time, const Pose& T_map_robot, double arrival_s);
@@ -70,10 +75,13 @@ class FrameCollector {
   void addLaser(const mrpt::obs::CObservation2DRangeScan& observation);
 
   bool has_camera_;
+  std::string left_label_;
   std::map<std::string, std::size_t>& skipped_;
   StereoPairing pairing_;
   FrameAssembler assembler_;
   MotionPriorBuilder prior_;
+  ClockCheck clocks_;
+  Warnings warnings_;
   std::optional<Stamped<Pose>> last_pose_;     ///< recorded and used
   std::optional<Stamped<Pose>> distant_pose_;  ///< the last one, if it was too far from the former
 };

@@ -129,6 +129,11 @@ class LiveSource::Implementation {
     return all;
   }
 
+  Warnings warnings() const {
+    const std::lock_guard lock(mutex_);
+    return collector_ ? collector_->warnings() : Warnings();
+  }
+
   const std::optional<CalibrationReport>& calibration() const { return decoder_.report(); }
 
  private:
@@ -244,6 +249,8 @@ LiveQueues LiveSource::queues() const { return implementation_->queues(); }
 const std::optional<CalibrationReport>& LiveSource::calibration() const {
   return implementation_->calibration();
 }
+
+Warnings LiveSource::warnings() const { return implementation_->warnings(); }
 
 std::map<std::string, std::size_t> LiveSource::skipped() const {
   return implementation_->skipped();

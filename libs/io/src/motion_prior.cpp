@@ -51,7 +51,7 @@ void MotionPriorBuilder::addInertial(const InertialSample& sample) {
 
 MotionPrior MotionPriorBuilder::between(std::optional<Time> previous, Time current) const {
   MotionPrior prior;
-  if (previous) {
+  if (previous && *previous < current) {  // else the clock was set back
     const auto T_odom_previous = poseAt(odometry_, *previous, kMaxOdometryGap);
     const auto T_odom_current = poseAt(odometry_, current, kMaxOdometryGap);
     if (T_odom_previous && T_odom_current) {

@@ -52,6 +52,7 @@ class RawlogSource::Reader {
   std::shared_ptr<const StereoCamera> camera() const { return decoder_.camera(); }
   const std::optional<CalibrationReport>& calibration() const { return decoder_.report(); }
   const std::map<std::string, std::size_t>& skipped() const { return skipped_; }
+  const Warnings& warnings() const { return collector_->warnings(); }
   const std::optional<std::string>& truncation() const { return observations_.truncation(); }
   double progress() const { return observations_.progress(); }
 
@@ -159,6 +160,8 @@ const std::optional<CalibrationReport>& RawlogSource::calibration() const {
 const std::map<std::string, std::size_t>& RawlogSource::skipped() const {
   return reader_->skipped();
 }
+
+const Warnings& RawlogSource::warnings() const { return reader_->warnings(); }
 
 const std::optional<std::string>& RawlogSource::truncation() const { return reader_->truncation(); }
 

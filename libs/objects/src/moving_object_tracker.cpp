@@ -62,6 +62,12 @@ class MovingObjectTracker::Implementation {
     return samples;
   }
 
+  std::vector<TrackSample> restart() {
+    auto samples = flush();
+    time_.reset();
+    return samples;
+  }
+
  private:
   [[nodiscard]] bool runsForward(Time time) const {
     return std::isfinite(time) && (!time_ || time > *time_);
@@ -190,5 +196,7 @@ TrackUpdate MovingObjectTracker::coast(std::size_t frame, Time time) {
 }
 
 std::vector<TrackSample> MovingObjectTracker::flush() { return implementation_->flush(); }
+
+std::vector<TrackSample> MovingObjectTracker::restart() { return implementation_->restart(); }
 
 }  // namespace headway::objects

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <sstream>
 
 namespace headway::pipeline {
@@ -61,6 +62,9 @@ void DetectionParams::describe(Params& params) {
       "detector", detector,
       "Source of detections: auto (stereo_motion unless boxes are recorded), none, recorded, "
       "stereo_motion, dnn, hog, or several joined by +");
+  params.section("detect").user().add(
+      "recorded_timeout_s", recorded_timeout_s, 0.1, 1e4, "s",
+      "Time without recorded boxes after which stereo_motion runs until they return (auto)");
   detect.describe(params);
 }
 
@@ -93,6 +97,8 @@ bool usesRecordedBoxes(const std::string& names) {
 DetectionStage::DetectionStage(std::shared_ptr<const StereoCamera> camera,
                                const DetectionParams& params)
     : camera_(std::move(camera)),
+      stereo_motion_params_(params.detect.stereo_motion),
+      recorded_timeout_s_(params.recorded_timeout_s),
       use_recorded_(usesRecordedBoxes(params.detector)),
       automatic_(params.detector == kAuto),
       every_nth_frame_(params.detect.every_nth_frame) {
@@ -114,22 +120,34 @@ DetectionStage::DetectionStage(std::shared_ptr<const StereoCamera> camera,
 
 DetectionStage::~DetectionStage() = default;
 
+void DetectionStage::addRecorded(const RecordedFrame& frame, ObjectDetections& boxes) {
+  if (frame.detections) {
+    boxes.sources.push_back(camera_ != nullptr
+                                ? inSensorFrame(*frame.detections, camera_->T_robot_cam)
+                                : *frame.detections);
+    for (auto& item : boxes.sources.back().items) item.evidence.classifier = true;
+    last_recorded_ = frame.time;
+    if (automatic_) stereo_motion_.reset();
+  } else if (last_recorded_ && frame.time - *last_recorded_ > recorded_timeout_s_) {
+    boxes.recorded_missing = true;
+    if (automatic_ && camera_ != nullptr && !stereo_motion_) {
+      stereo_motion_.emplace(camera_, stereo_motion_params_);
+    }
+  }
+}
+
+void DetectionStage::restart() {
+  if (last_recorded_) last_recorded_ = -std::numeric_limits<double>::infinity();
+  if (stereo_motion_) stereo_motion_.emplace(camera_, stereo_motion_params_);
+}
+
 ObjectDetections DetectionStage::detectObjects(const RecordedFrame& frame,
                                                const std::optional<stereo::FrameContext>& context,
                                                bool ground_scanned) {
   const auto start = Clock::now();
   ObjectDetections boxes;
   boxes.context = context;
-  if (use_recorded_ && frame.detections) {
-    boxes.sources.push_back(camera_ != nullptr
-                                ? inSensorFrame(*frame.detections, camera_->T_robot_cam)
-                                : *frame.detections);
-    for (auto& item : boxes.sources.back().items) item.evidence.classifier = true;
-    if (automatic_) {
-      detectors_.clear();
-      stereo_motion_.reset();
-    }
-  }
+  if (use_recorded_) addRecorded(frame, boxes);
   const bool has_turn = frames_++ % every_nth_frame_ == 0;
   boxes.detectors_run = has_turn && frame.stereo && (!detectors_.empty() || stereo_motion_);
   if (boxes.detectors_run) {

@@ -125,6 +125,7 @@ PerceptionUpdate Perception::process(const RecordedFrame& frame) {
   PerceptionUpdate update;
   update.frame = frame.index;
   update.time = frame.time;
+  auto ended = followClock(frame);
   const auto boxes = detection_.detectObjects(frame, contextOf(frame), scan_ground);
   update.camera = localise(frame, boxes);
   found_ = detection_.detectMotion(frame, poseOf(update.camera), boxes, expected_, found_.motion);
@@ -132,6 +133,9 @@ PerceptionUpdate Perception::process(const RecordedFrame& frame) {
   if (found_.images_used) times_.add("detect", found_.elapsed_ms);
   update.detections = found_.fused;
   update.objects = track(frame, update);
+  ended.insert(ended.end(), update.objects.finalised.begin(), update.objects.finalised.end());
+  update.objects.finalised = std::move(ended);
+  warnAboutBoxes(frame, boxes);
   checkInput(frame, update, scan_ground);
   updateMap(update);
   updateGrid(frame, update, scan_ground);

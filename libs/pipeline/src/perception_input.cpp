@@ -1,14 +1,53 @@
 // The parts of Perception that compare its input with the images: mounting, sensors, grid.
 #include <headway/pipeline/perception.h>
 
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <utility>
+
 namespace headway::pipeline {
 namespace {
+
+constexpr double kMaxTimeStep = 10.0;  ///< between frames, without a warning [s]
 
 bool isTracked(const PerceptionUpdate& update) {
   return update.camera.status == slam::TrackingStatus::kTracked;
 }
 
 }  // namespace
+
+std::vector<TrackSample> Perception::followClock(const RecordedFrame& frame) {
+  const auto before = std::exchange(last_time_, frame.time);
+  if (!before || (frame.time > *before && frame.time - *before < kMaxTimeStep)) return {};
+  char amount[32];
+  std::snprintf(amount, sizeof amount, "%.3f s", std::abs(frame.time - *before));
+  if (frame.time > *before) {
+    addWarning("clock_jumps_ahead", frame.index,
+               std::string("the images' time jumps ahead by ") + amount +
+                   ": the camera paused, or its clock was set",
+               warnings_);
+    return {};
+  }
+  addWarning("clock_set_back", frame.index,
+             std::string("the images' time goes back by ") + amount +
+                 ", so that all tracks end; let the clock be slewed instead of set (chrony, PTP)",
+             warnings_);
+  detection_.restart();
+  found_ = {};
+  tracks_.clear();
+  expected_.clear();
+  last_pose_.reset();
+  return tracker_.restart();
+}
+
+void Perception::warnAboutBoxes(const RecordedFrame& frame, const ObjectDetections& boxes) {
+  if (!boxes.recorded_missing) return;
+  addWarning("recorded_boxes_missing", frame.index,
+             "no boxes have come for longer than detect.recorded_timeout_s; with detect.detector = "
+             "auto, stereo_motion detects until they return; check the detector's program",
+             warnings_);
+}
 
 void Perception::checkInput(const RecordedFrame& frame, const PerceptionUpdate& update,
                             bool scan_ground) {

@@ -84,6 +84,9 @@ class LiveSource {
   /// Number of unused observations by class name or reason, see RawlogSource.
   [[nodiscard]] std::map<std::string, std::size_t> skipped() const;
 
+  /// Sensors with other clocks, see RawlogSource.
+  [[nodiscard]] Warnings warnings() const;
+
  private:
   class Implementation;
   std::unique_ptr<Implementation> implementation_;

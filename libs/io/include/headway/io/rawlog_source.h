@@ -1,6 +1,7 @@
 #pragma once
 
 #include <headway/core/recorded_frame.h>
+#include <headway/core/warnings.h>
 #include <headway/io/observation_queue.h>
 
 #include <map>
@@ -67,8 +68,9 @@ class RawlogSource {
   RawlogSource(RawlogSource&&) noexcept;
   RawlogSource& operator=(RawlogSource&&) noexcept;
 
-  /// The next frame, in time order; nullopt at the end (see truncation()).
+  /// The next frame; nullopt at the end (see truncation()).
   ///
+  /// Times increase, unless the clock was set back, which three frames in succession have to show.
   /// Frames whose image is missing or broken, or whose time does not increase, are skipped and
   /// counted in skipped() but keep their index.
   [[nodiscard]] std::optional<RecordedFrame> next();
@@ -85,6 +87,9 @@ class RawlogSource {
   /// Number of skipped observations by class name or reason ("CObservation2DRangeScan",
   /// "missing_image", "time_backwards", "unknown_class", "laser_no_ranges", ...).
   [[nodiscard]] const std::map<std::string, std::size_t>& skipped() const;
+
+  /// Sensors whose times are of another clock than the images': "clocks_differ_LABEL".
+  [[nodiscard]] const Warnings& warnings() const;
 
   /// Reason and position of a premature end; nullopt otherwise. Frames before it are valid.
   [[nodiscard]] const std::optional<std::string>& truncation() const;

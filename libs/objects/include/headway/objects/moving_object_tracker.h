@@ -50,6 +50,11 @@ class MovingObjectTracker {
   /// The samples still inside the smoothing windows, to be appended to all `finalised` ones.
   [[nodiscard]] std::vector<TrackSample> flush();
 
+  /// Ends all tracks, so that the next frame may have an earlier time.
+  ///
+  /// @return as flush()
+  [[nodiscard]] std::vector<TrackSample> restart();
+
  private:
   class Implementation;
   std::unique_ptr<Implementation> implementation_;

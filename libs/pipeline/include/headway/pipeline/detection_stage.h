@@ -18,15 +18,20 @@ namespace headway::pipeline {
 /// Sources of detections. Sections [detect], [disparity], [stereo_motion], [dnn] and [hog].
 struct DetectionParams {
   /// "none", "auto", or names joined by "+": "recorded" and those of detect::detectorNames().
-  /// "auto" is stereo_motion until the first recorded boxes, then the recorded boxes only.
+  /// "auto" is stereo_motion until the first recorded boxes, and while they are missing; otherwise
+  /// the recorded boxes only.
   std::string detector = "auto";
+  /// Time without recorded boxes after which they count as missing; with "auto", stereo_motion runs
+  /// until they return [s].
+  double recorded_timeout_s = 2.0;
   detect::DetectParams detect;
 
   void describe(Params& params);
   void validate() const;  ///< @throws InputError
 };
 
-/// Throws InputError with the available names unless `names` is valid for DetectionParams::detector.
+/// Throws InputError with the available names unless `names` is valid for
+/// DetectionParams::detector.
 void checkDetectorNames(const std::string& names);
 
 /// Whether `names` include recorded boxes.
@@ -37,6 +42,7 @@ struct ObjectDetections {
   std::optional<stereo::FrameContext> context;  ///< of the frame; nullopt without images
   std::vector<Detections> sources;              ///< by descending quality of their information
   bool detectors_run = false;                   ///< on this frame, one in `every_nth_frame`
+  bool recorded_missing = false;                ///< for longer than `recorded_timeout_s`
   bool lifting = false;                         ///< a box without depth has to be lifted
   double elapsed_ms = 0.0;                      ///< time of these steps [ms]
 };
@@ -44,7 +50,8 @@ struct ObjectDetections {
 /// All detections of one frame.
 struct FrameDetections {
   std::optional<stereo::FrameContext> context;  ///< of the frame; nullopt without images
-  std::optional<Detections> fused;  ///< of all sources, without duplicates, with depth; nullopt: none
+  std::optional<Detections>
+      fused;  ///< of all sources, without duplicates, with depth; nullopt: none
   detect::MotionDetections motion;  ///< of this frame, or of the last evaluated one
   DropCounts dropped;               ///< by reason
   bool images_used = false;         ///< by a detector or for lifting
@@ -89,6 +96,9 @@ class DetectionStage {
                                              const std::vector<ExpectedObject>& expected,
                                              const detect::MotionDetections& previous);
 
+  /// Discards what refers to earlier frames: the clock was set back.
+  void restart();
+
   /// Scans free ground and obstacles, without moving objects.
   ///
   /// @param found   in this frame
@@ -101,9 +111,14 @@ class DetectionStage {
                                                      const detect::GroundScanParams& params);
 
  private:
+  void addRecorded(const RecordedFrame& frame, ObjectDetections& boxes);
+
   std::shared_ptr<const StereoCamera> camera_;
+  detect::StereoMotionParams stereo_motion_params_;
+  double recorded_timeout_s_ = 0.0;
+  std::optional<Time> last_recorded_;  ///< of the newest recorded boxes
   bool use_recorded_ = false;
-  bool automatic_ = false;  ///< detectors are disabled after the first recorded boxes
+  bool automatic_ = false;  ///< stereo_motion runs only without recorded boxes
   int every_nth_frame_ = 1;
   std::vector<std::unique_ptr<detect::Detector>> detectors_;
   std::optional<detect::StereoMotion> stereo_motion_;

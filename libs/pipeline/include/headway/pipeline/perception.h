@@ -88,7 +88,8 @@ class Perception {
   /// The map as stored in a file, with the data for resume(), without configuration.
   [[nodiscard]] map::StoredMap stored() const;
 
-  /// Processes one frame. Times must increase.
+  /// Processes one frame. Times increase; an earlier time than the last frame's means that the
+  /// clock was set back, and ends all tracks.
   ///
   /// With a recorded pose SLAM is not run. While the camera is lost, tracks are predicted and the
   /// frame's detections are dropped as "camera_lost".
@@ -103,7 +104,8 @@ class Perception {
   [[nodiscard]] const std::optional<stereo::RigCapability>& rig() const { return rig_; }
 
   /// Conditions of the input that degrade the results: "imu_accelerometer" and "imu_gyroscope"
-  /// (left out, they contradict the camera), "odometry_scale", "camera_frozen", "camera_dark".
+  /// (left out, they contradict the camera), "odometry_scale", "camera_frozen", "camera_dark",
+  /// "clock_set_back", "clock_jumps_ahead", "recorded_boxes_missing".
   [[nodiscard]] const Warnings& warnings() const;
 
   /// Laser scans by use ("used", "camera_lost", "ground_unknown", "between_ground_scans") and ends
@@ -136,6 +138,8 @@ class Perception {
   [[nodiscard]] double disparityOffset(const RecordedFrame& frame) const;
   slam::SlamUpdate localise(const RecordedFrame& frame, const ObjectDetections& boxes);
   slam::SlamUpdate useGivenPose(const RecordedFrame& frame);
+  /// Removes what refers to the times before, if the clock was set back. @return ended tracks
+  std::vector<TrackSample> followClock(const RecordedFrame& frame);
   objects::TrackUpdate track(const RecordedFrame& frame, const PerceptionUpdate& update);
   void updateMap(const PerceptionUpdate& update);
   void updateStaticMap();
@@ -143,6 +147,7 @@ class Perception {
   /// Adds the frame's laser scans to the ground scan, or counts why they are not used.
   void addLaser(const RecordedFrame& frame, const PerceptionUpdate& update, bool scan_ground,
                 std::optional<GroundScan>& scan);
+  void warnAboutBoxes(const RecordedFrame& frame, const ObjectDetections& boxes);
   /// Compares mounting and sensors with the images.
   void checkInput(const RecordedFrame& frame, const PerceptionUpdate& update, bool scan_ground);
   /// The ground of this image; without one, as the camera is mounted; nullopt if that is unknown.
@@ -164,6 +169,7 @@ class Perception {
   CameraCheck camera_check_;
   Warnings warnings_;
   std::map<std::string, std::size_t> laser_counts_;
+  std::optional<Time> last_time_;                  ///< of the newest frame
   std::optional<Stamped<Pose>> last_pose_;         ///< in the newest tracked frame
   bool resumed_ = false;                           ///< the map frame is a stored map's
   FrameDetections found_;                          ///< in the newest frame
