@@ -64,10 +64,14 @@ TEST(GrowObjectTest, IsEmptyWithoutADisparityAtItsSeeds) {
   EXPECT_TRUE(grown(grid, {0.0, 0.0, -5.0}).empty()) << "behind the camera";
 }
 
+MeasuredVelocity known(const Eigen::Vector3d& velocity, double sigma = 0.1) {
+  return {velocity, sigma * sigma * Eigen::Matrix3d::Identity()};
+}
+
 std::optional<ObjectExtent> extentIn(Grid& grid, double width, double bottom, double top,
                                      const Eigen::Vector3d& velocity) {
   const auto cells = grid.inSpace(grid.draw(0.0, kDepth, width, bottom, top));
-  return extentOf(cells, velocity, grid.disparity, grid.camera, grid.ground);
+  return extentOf(cells, known(velocity), grid.disparity, grid.camera, grid.ground);
 }
 
 TEST(ExtentOfTest, AWalkersBoxStandsOnTheGroundAlongHisVelocity) {
@@ -107,7 +111,8 @@ TEST(ExtentOfTest, ErrorsOfTheDepthDoNotMakeAPersonAVehicle) {
           grid.camera);
     }
     for (const Eigen::Vector3d& velocity : {kRight, Eigen::Vector3d(0.0, 0.0, 1.5)}) {
-      const auto extent = extentOf(cells, velocity, grid.disparity, grid.camera, grid.ground);
+      const auto extent =
+          extentOf(cells, known(velocity), grid.disparity, grid.camera, grid.ground);
       ASSERT_TRUE(extent);
       EXPECT_EQ(extent->object_class, ObjectClass::kPedestrian) << "at " << depth << " m";
     }
@@ -126,17 +131,29 @@ TEST(ExtentOfTest, ASmallRigDoesNotMakeAPersonWhoComesCloserAVehicle) {
         {grid.disparity.pixelOf(cell.place.x), grid.disparity.pixelOf(cell.place.y), d},
         grid.camera);
   }
-  const auto extent = extentOf(cells, {0.0, 0.0, -2.0}, grid.disparity, grid.camera, grid.ground);
+  const auto extent =
+      extentOf(cells, known({0.0, 0.0, -2.0}), grid.disparity, grid.camera, grid.ground);
   ASSERT_TRUE(extent);
   EXPECT_EQ(extent->object_class, ObjectClass::kPedestrian);
+}
+
+TEST(ExtentOfTest, AnUncertainSpeedDoesNotMakeAPersonAVehicle) {
+  Grid grid;
+  const auto cells = grid.inSpace(grid.draw(0.0, kDepth, 0.6, 0.2, 1.7));
+  for (const double sigma : {0.5, 4.0}) {
+    const auto extent =
+        extentOf(cells, known({0.0, 0.0, 12.0}, sigma), grid.disparity, grid.camera, grid.ground);
+    ASSERT_TRUE(extent);
+    EXPECT_EQ(extent->object_class == ObjectClass::kCar, sigma < 1.0);
+  }
 }
 
 TEST(ExtentOfTest, WhatFloatsBeforeVisibleGroundHasNone) {
   Grid grid;
   const auto cells = grid.inSpace(grid.draw(0.0, 6.0, 0.6, 0.6, 1.2));
-  EXPECT_TRUE(extentOf(cells, kRight, grid.disparity, grid.camera, grid.ground));
+  EXPECT_TRUE(extentOf(cells, known(kRight), grid.disparity, grid.camera, grid.ground));
   grid.draw(0.0, 7.0, 3.0, 0.0, 0.1);  // the ground, seen where a lower part should be
-  EXPECT_FALSE(extentOf(cells, kRight, grid.disparity, grid.camera, grid.ground));
+  EXPECT_FALSE(extentOf(cells, known(kRight), grid.disparity, grid.camera, grid.ground));
 }
 
 TEST(ExtentOfTest, ACarSeenFromBehindIsCompletedToItsUsualLength) {
@@ -152,8 +169,8 @@ TEST(ExtentOfTest, ACarSeenFromBehindIsCompletedToItsUsualLength) {
 TEST(ExtentOfTest, TooFewCellsAndWhatFloatsHaveNone) {
   Grid grid;
   const auto cells = grid.inSpace(grid.draw(0.0, kDepth, 0.6, 0.0, 1.7));
-  EXPECT_FALSE(extentOf({cells.begin(), cells.begin() + 3}, kRight, grid.disparity, grid.camera,
-                        grid.ground));
+  EXPECT_FALSE(extentOf({cells.begin(), cells.begin() + 3}, known(kRight), grid.disparity,
+                        grid.camera, grid.ground));
   Grid sign;
   EXPECT_FALSE(extentIn(sign, 0.6, 1.5, 2.3, kRight));
 }

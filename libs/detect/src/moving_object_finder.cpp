@@ -55,7 +55,8 @@ void MovingObjectFinder::addClusters(const MotionFrame& frame, std::vector<Movin
     }
     const stereo::GroundPlane floor = frame.ground.value_or(floorBelow(seeds, camera_));
     auto extent = plausibleExtent(growObject(seeds, frame.disparity, camera_, floor),
-                                  cluster.velocity, floor, params_.min_moving_ratio, frame);
+                                  {cluster.velocity, cluster.velocity_covariance}, floor,
+                                  params_.min_moving_ratio, frame);
     if (!extent) continue;
     if (repeatsAlongRows(frame.image, extent->cells)) {
       ++implausible_;
@@ -86,8 +87,7 @@ void MovingObjectFinder::addSegments(const MotionFrame& frame, std::vector<Segme
     if (segment.last_frame != frame.path.newest()) continue;
     const auto velocity = velocityOf(segment, frame);
     if (!velocity) continue;
-    auto extent =
-        plausibleExtent(segment.segment.cells, velocity->value, *frame.ground, 0.0, frame);
+    auto extent = plausibleExtent(segment.segment.cells, *velocity, *frame.ground, 0.0, frame);
     if (!extent) continue;
     if (repeatsAlongRows(frame.image, extent->cells)) {
       ++implausible_;
@@ -144,10 +144,11 @@ std::optional<MeasuredVelocity> MovingObjectFinder::velocityOf(const SegmentTrac
 
 // The box around the cells, if enough of the points inside it are moving.
 std::optional<ObjectExtent> MovingObjectFinder::plausibleExtent(
-    const std::vector<ObjectCell>& cells, const Eigen::Vector3d& velocity,
+    const std::vector<ObjectCell>& cells, const MeasuredVelocity& velocity,
     const stereo::GroundPlane& floor, double min_ratio, const MotionFrame& frame) {
   const Pose& T_cam_world = frame.path.T_cam_world(frame.path.newest());
-  auto extent = extentOf(cells, T_cam_world.linear() * velocity, frame.disparity, camera_, floor);
+  auto extent =
+      extentOf(cells, rotated(velocity, T_cam_world.linear()), frame.disparity, camera_, floor);
   if (extent) {
     const auto [nearest, farthest] = std::minmax_element(
         cells.begin(), cells.end(), [](auto& a, auto& b) { return a.point.z() < b.point.z(); });

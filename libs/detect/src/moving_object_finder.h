@@ -34,7 +34,7 @@ class MovingObjectFinder {
   [[nodiscard]] std::optional<MeasuredVelocity> velocityOf(const SegmentTrack& segment,
                                                            const MotionFrame& frame) const;
   [[nodiscard]] std::optional<ObjectExtent> plausibleExtent(const std::vector<ObjectCell>& cells,
-                                                            const Eigen::Vector3d& velocity,
+                                                            const MeasuredVelocity& velocity,
                                                             const stereo::GroundPlane& floor,
                                                             double min_ratio,
                                                             const MotionFrame& frame);

@@ -26,6 +26,7 @@ constexpr double kTail = 0.03;            // of the cells left out at each end o
 constexpr double kVehicleExtent = 1.35;   // a person is never this wide [m]
 constexpr double kFastestWalker = 3.2;    // [m/s]
 constexpr double kFastestCyclist = 10.0;  // [m/s]
+constexpr double kSpeedSigmas = 2.0;      // by which a vehicle must be faster
 constexpr double kEdgeSigma = 3.0;        // of an extent's edge in the image [px]
 constexpr double kDisparitySpread = 2.0;  // by noise, of one surface between the tails [px]
 constexpr double kDisparitySigma = 0.4;   // [px]
@@ -154,8 +155,10 @@ double knownExtent(const std::vector<Cell>& cells, const Eigen::Vector3d& middle
 }
 
 // Most probable class of an object of this size and speed.
-ObjectClass classBySize(double extent, double height, double speed) {
-  if (extent > kVehicleExtent || speed > kFastestCyclist) {
+ObjectClass classBySize(double extent, double height, const MeasuredVelocity& velocity) {
+  const double speed = velocity.value.norm();
+  const double sigma = sigmaAlong(velocity.value, velocity.covariance);
+  if (extent > kVehicleExtent || speed - kSpeedSigmas * sigma > kFastestCyclist) {
     if (height > 2.6) return ObjectClass::kTruck;
     return height > 1.9 ? ObjectClass::kVan : ObjectClass::kCar;
   }
@@ -211,7 +214,7 @@ std::vector<ObjectCell> growObject(const std::vector<Eigen::Vector3d>& seeds,
 }
 
 std::optional<ObjectExtent> extentOf(const std::vector<ObjectCell>& cells,
-                                     const Eigen::Vector3d& velocity,
+                                     const MeasuredVelocity& velocity,
                                      const stereo::DisparityImage& disparity,
                                      const StereoCamera& camera, const stereo::GroundPlane& floor) {
   if (cells.size() < 4) return std::nullopt;
@@ -222,7 +225,7 @@ std::optional<ObjectExtent> extentOf(const std::vector<ObjectCell>& cells,
   extent.box2d = {std::max(0.0, u.min - half), std::max(0.0, v.min - half),
                   std::min(camera.width - 1.0, u.max + half),
                   std::min(camera.height - 1.0, v.max + half)};
-  const Eigen::Vector3d front = velocity.normalized();
+  const Eigen::Vector3d front = velocity.value.normalized();
   const Range height =
       rangeOf(cells, kTail, [&](const Cell& c) { return floor.heightOf(c.point); });
   if (height.min > kMaxAfloat) return std::nullopt;
@@ -235,7 +238,7 @@ std::optional<ObjectExtent> extentOf(const std::vector<ObjectCell>& cells,
   const double depth = extent.surface.z();
   const double per_px = depth * depth / (camera.fx * camera.baseline_m);
   const double seen = knownExtent(cells, extent.surface, front, per_px, floor);
-  extent.object_class = classBySize(seen, height.max, velocity.norm());
+  extent.object_class = classBySize(seen, height.max, velocity);
   extent.box = boxAround(cells, front, floor, extent.object_class);
   const Eigen::Vector3d sight = extent.box.centre.normalized();
   const double across = kEdgeSigma * extent.box.centre.z() / camera.fx + 0.1;

@@ -47,12 +47,12 @@ struct ObjectExtent {
 /// Fits a box to an object's cells.
 ///
 /// The box is aligned with the velocity. Where only the near side is visible it is completed to the
-/// usual size of the class.
+/// usual size of the class. Only a speed beyond its uncertainty makes a narrow object a vehicle.
 ///
 /// @param velocity  over the ground, camera frame [m/s]
 /// @return          nullopt for too few cells, or if all of them are above the ground
 [[nodiscard]] std::optional<ObjectExtent> extentOf(const std::vector<ObjectCell>& cells,
-                                                   const Eigen::Vector3d& velocity,
+                                                   const MeasuredVelocity& velocity,
                                                    const stereo::DisparityImage& disparity,
                                                    const StereoCamera& camera,
                                                    const stereo::GroundPlane& ground);

@@ -153,8 +153,7 @@ std::optional<Eigen::Vector2d> foundOffset(const SearchedObject& object, const E
   return reduce * Eigen::Vector2d(offset->x, offset->y);
 }
 
-// Whether stereo sees something else at the cells: most of them have a disparity, and it is that of
-// something farther than expected. Something nearer may hide a part of the object.
+// Whether most of the cells show something farther. What is nearer may hide a part of the object.
 bool isSeenFarther(const std::vector<cv::Point>& cells, double expected_disparity,
                    const stereo::DisparityImage& disparity) {
   std::vector<float> values;
@@ -193,8 +192,8 @@ std::optional<ObjectExtent> extentByAppearance(const SearchedObject& object,
       R * appearance.centre_covariance * R.transpose() +
       seconds * seconds * R_cam_world * object.velocity.covariance * R_cam_world.transpose();
   extent.cells = transformedCells(appearance.mask, found, frame.disparity);
-  const double expected_disparity = camera.fx * camera.baseline_m / extent.surface.z();
-  if (isSeenFarther(extent.cells, expected_disparity, frame.disparity)) return std::nullopt;
+  const double disparity = camera.fx * camera.baseline_m / extent.surface.z();
+  if (isSeenFarther(extent.cells, disparity, frame.disparity)) return std::nullopt;
   return extent;
 }
 
@@ -273,7 +272,7 @@ void detectByFlow(const MotionFrame& frame, const std::vector<SearchedObject>& s
   for (const auto& object : searched) {
     SegmentTrack* segment = segmentOf(object, frame, segments, found);
     if (segment == nullptr) continue;
-    auto extent = extentOf(segment->segment.cells, T_cam_world.linear() * object.velocity.value,
+    auto extent = extentOf(segment->segment.cells, rotated(object.velocity, T_cam_world.linear()),
                            frame.disparity, camera, *frame.ground);
     if (!extent || isPartOfAny(*extent, found)) continue;
     MovingObject result = detected(object, std::move(*extent), kByFlow, frame);
