@@ -21,6 +21,11 @@ void describe(LiveOptions& options, program::CommandLine& line) {
               "Stereo camera to use if there are several; LEFT,RIGHT for two cameras");
   line.option(options.pair_tolerance_s, 0, "pair-tolerance", "SECONDS",
               "Maximum difference of time of the images of two cameras; default 0.01");
+  line.option(
+      options.show_port, 0, "show", "PORT",
+      "Serve a page at http://127.0.0.1:PORT that shows images, map and health; 0: any port");
+  line.option(options.show_address, 0, "show-address", "ADDRESS",
+              "Address to serve the page on instead; its URL then contains a secret token");
   line.option(options.run.detector, 0, "detector", "NAME",
               "Source of boxes; default: detect.detector of the configuration");
   line.flag(options.run.overwrite, 'w', "overwrite", "Overwrite existing results");
@@ -37,6 +42,12 @@ void check(const LiveOptions& options) {
     } catch (const InputError& error) {
       throw UsageError(std::string("--detector: ") + error.what());
     }
+  }
+  if (options.show_port && *options.show_port > 65535) {
+    throw UsageError("--show: ports are 0 to 65535");
+  }
+  if (!options.show_port && options.show_address != LiveOptions().show_address) {
+    throw UsageError("--show-address has no effect without --show");
   }
   if (!options.record.empty()) program::requireWritable(options.record, options.run.overwrite);
 }

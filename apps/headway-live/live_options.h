@@ -2,6 +2,8 @@
 
 #include <headway/program/command_line.h>
 
+#include <cstddef>
+#include <optional>
 #include <string>
 
 #include "options.h"
@@ -15,6 +17,8 @@ struct LiveOptions {
   std::string plugins;      ///< shared libraries with drivers, separated by commas
   std::string calibration;  ///< file that replaces the drivers' calibration; empty: none
   std::string record;       ///< rawlog to write; empty: none
+  std::optional<std::size_t> show_port;  ///< of the page; nullopt: none
+  std::string show_address = "127.0.0.1";
   double pair_tolerance_s = 0.01;
 };
 

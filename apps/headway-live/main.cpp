@@ -17,6 +17,7 @@
 #include <sstream>
 
 #include "live_options.h"
+#include "live_page.h"
 #include "replay.h"
 #include "status_line.h"
 
@@ -105,6 +106,28 @@ void finish(const std::string& path, drivers::ObservationRecorder& recorder) {
        " observations, because the disk was slower than the sensors");
 }
 
+std::unique_ptr<live::LivePage> makePage(const live::LiveOptions& options) {
+  if (!options.show_port) return nullptr;
+  auto page = std::make_unique<live::LivePage>(
+      live::LivePageOptions{static_cast<int>(*options.show_port), options.show_address});
+  std::printf("page: %s\n", page->url().c_str());
+  std::fflush(stdout);
+  return page;
+}
+
+live::LiveView viewOf(const RecordedFrame& frame, const pipeline::PerceptionUpdate& update,
+                      const replay::Replay& run, const drivers::SensorGroup& sensors) {
+  live::LiveView view;
+  view.frame = frame;
+  view.update = update;
+  view.map = run.perception().map();
+  view.process_s = 1e-3 * run.summary().frame_ms.back();
+  view.frames = run.summary().frame_ms.size();
+  view.sensors = sensors.status();
+  view.warnings = run.summary().warnings;
+  return view;
+}
+
 /// Runs sensors and pipeline until they are interrupted.
 void run(const live::LiveOptions& options, bool quiet, const pipeline::PerceptionParams& params,
          const Params& all_params) {
@@ -119,6 +142,7 @@ void run(const live::LiveOptions& options, bool quiet, const pipeline::Perceptio
     if (recorder) recorder->write(observation);
     source.push(observation);
   };
+  const auto page = makePage(options);
   const auto sensors = makeSensors(options.sensors, deliver);
   const auto poll = [&source] {
     if (program::interrupted()) source.close();
@@ -130,8 +154,14 @@ void run(const live::LiveOptions& options, bool quiet, const pipeline::Perceptio
   auto input = std::make_unique<replay::LiveInput>(source);
   const replay::LiveInput& live = *input;
   replay::Replay pipeline(options.run, std::move(input), params, all_params);
-  pipeline.onFrame([&](const RecordedFrame&, const pipeline::PerceptionUpdate& update) {
-    status.update(update, monotonicSeconds() - live.arrival_s(), source.dropped());
+  pipeline.onFrame([&](const RecordedFrame& frame, const pipeline::PerceptionUpdate& update) {
+    const double latency_s = monotonicSeconds() - live.arrival_s();
+    status.update(update, latency_s, source.dropped());
+    if (page == nullptr) return;
+    auto view = viewOf(frame, update, pipeline, *sensors);
+    view.latency_s = latency_s;
+    view.dropped = source.dropped();
+    page->show(std::move(view));
   });
   pipeline.run();
   sensors->stop();

@@ -48,6 +48,7 @@ class Replay {
   void run();
 
   [[nodiscard]] const Summary& summary() const { return summary_; }
+  [[nodiscard]] const pipeline::Perception& perception() const { return *perception_; }
   [[nodiscard]] const std::vector<std::filesystem::path>& pictures() const {
     return snapshots_.written();
   }

@@ -1,0 +1,230 @@
+#include "live_page.h"
+
+#include <headway/core/error.h>
+#include <httplib.h>
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <random>
+#include <thread>
+
+#include "live_view_json.h"
+#include "page_files.h"
+
+namespace headway::live {
+namespace {
+
+using httplib::Request;
+using httplib::Response;
+
+constexpr int kMaxPages = 4;              // open at a time; each holds a thread
+constexpr int kThreads = 12 + kMaxPages;  // browsers keep several connections
+constexpr int kForbidden = 403, kBusy = 503;
+constexpr auto kEventInterval = std::chrono::milliseconds(100);
+constexpr auto kKeepAlive = std::chrono::seconds(1);  // after which a gone browser is noticed
+constexpr const char* kCookie = "headway_token";
+constexpr const char* kLocal = "127.0.0.1";
+
+std::string randomToken() {
+  std::random_device random;
+  std::array<char, 33> text{};
+  for (std::size_t i = 0; i < 4; ++i) std::snprintf(text.data() + 8 * i, 9, "%08x", random());
+  return text.data();
+}
+
+/// Compares without revealing by its duration where the first difference is.
+bool isEqual(const std::string& a, const std::string& b) {
+  unsigned char difference = a.size() == b.size() ? 0 : 1;
+  for (std::size_t i = 0; i < a.size() && i < b.size(); ++i) {
+    difference = static_cast<unsigned char>(difference | (a[i] ^ b[i]));
+  }
+  return difference == 0;
+}
+
+std::string cookieOf(const Request& request) {
+  const std::string all = "; " + request.get_header_value("Cookie");
+  const std::string name = std::string("; ") + kCookie + "=";
+  const auto begin = all.find(name);
+  if (begin == std::string::npos) return {};
+  return all.substr(begin + name.size(), all.find(';', begin + name.size()) - begin - name.size());
+}
+
+httplib::Headers securityHeaders() {
+  return {{"Content-Security-Policy",
+           "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
+           "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"},
+          {"X-Content-Type-Options", "nosniff"},
+          {"Referrer-Policy", "no-referrer"},
+          {"Cross-Origin-Resource-Policy", "same-origin"},
+          {"Cache-Control", "no-store"}};
+}
+
+}  // namespace
+
+class LivePage::Implementation {
+ public:
+  explicit Implementation(const LivePageOptions& options)
+      : address_(options.address), token_(options.address == kLocal ? "" : randomToken()) {
+    server_.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
+    // httplib's default, SO_REUSEPORT, would share the port with other programs.
+    server_.set_socket_options([](socket_t socket) {
+      const int on = 1;
+      setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    });
+    server_.set_default_headers(securityHeaders());
+    server_.set_pre_routing_handler(
+        [this](const Request& request, Response& response) { return admit(request, response); });
+    addRoutes();
+    port_ = options.port == 0 ? server_.bind_to_any_port(address_) : options.port;
+    const bool is_bound = options.port == 0 ? port_ > 0 : server_.bind_to_port(address_, port_);
+    if (!is_bound) {
+      throw InputError("--show: " + address_ + ":" + std::to_string(options.port) +
+                       " cannot be served; the port is taken, or no interface has this address");
+    }
+    url_ = "http://" + address_ + ":" + std::to_string(port_) + "/" +
+           (token_.empty() ? "" : "?token=" + token_);
+    thread_ = std::thread([this] { server_.listen_after_bind(); });
+    while (!server_.is_running()) std::this_thread::yield();
+  }
+
+  ~Implementation() {
+    {
+      const std::lock_guard lock(mutex_);
+      is_ending_ = true;
+    }
+    changed_.notify_all();
+    server_.stop();
+    thread_.join();
+  }
+
+  const std::string& url() const { return url_; }
+
+  void show(LiveView view) {
+    auto next = std::make_shared<const LiveView>(std::move(view));
+    {
+      const std::lock_guard lock(mutex_);
+      if (next->update.camera.status == slam::TrackingStatus::kTracked) {
+        path_.add(next->update.camera.T_map_robot);
+      }
+      const auto grid = next->map.staticGrid();
+      if (!view_ || grid != view_->map.staticGrid()) ++grid_version_;
+      view_.swap(next);
+      ++views_;
+    }
+    changed_.notify_all();
+  }
+
+ private:
+  using Result = httplib::Server::HandlerResponse;
+
+  Result admit(const Request& request, Response& response) const {
+    const auto host = request.get_header_value("Host");
+    const std::string port = ":" + std::to_string(port_);
+    const bool is_known =
+        host == address_ + port || (address_ == kLocal && host == "localhost" + port);
+    const auto given =
+        request.has_param("token") ? request.get_param_value("token") : cookieOf(request);
+    if (is_known && (token_.empty() || isEqual(given, token_))) return Result::Unhandled;
+    response.status = kForbidden;
+    response.set_content("forbidden: open the address that headway-live prints\n", "text/plain");
+    return Result::Handled;
+  }
+
+  void addRoutes() {
+    server_.Get("/", [this](const Request&, Response& response) {
+      if (!token_.empty()) {
+        response.set_header("Set-Cookie", std::string(kCookie) + "=" + token_ +
+                                              "; HttpOnly; SameSite=Strict; Path=/");
+      }
+      response.set_content(kPageHtml, "text/html; charset=utf-8");
+    });
+    server_.Get("/page.css", [](const Request&, Response& response) {
+      response.set_content(kPageCss, "text/css");
+    });
+    server_.Get("/page.js", [](const Request&, Response& response) {
+      response.set_content(kPageScript, "text/javascript; charset=utf-8");
+    });
+    server_.Get("/image.jpg", [this](const Request&, Response& response) {
+      const auto view = current();
+      sendPicture(view ? jpegOf(view->frame) : "", "image/jpeg", response);
+    });
+    server_.Get("/grid.png", [this](const Request&, Response& response) {
+      const auto view = current();
+      sendPicture(view ? pngOf(view->map) : "", "image/png", response);
+    });
+    server_.Get("/events", [this](const Request&, Response& response) { sendEvents(response); });
+  }
+
+  static void sendPicture(const std::string& bytes, const char* type, Response& response) {
+    if (bytes.empty()) {
+      response.status = 404;
+      return;
+    }
+    response.set_content(bytes, type);
+  }
+
+  void sendEvents(Response& response) {
+    if (pages_.fetch_add(1) >= kMaxPages) {
+      --pages_;
+      response.status = kBusy;
+      return;
+    }
+    auto sent = std::make_shared<std::size_t>(0);
+    response.set_chunked_content_provider(
+        "text/event-stream",
+        [this, sent](std::size_t, httplib::DataSink& sink) {
+          const std::string text = nextEvent(*sent);
+          return !text.empty() && sink.write(text.data(), text.size());
+        },
+        [this](bool) { --pages_; });
+  }
+
+  /// The next event after view number `sent`, or a comment if there is none; empty at the end.
+  std::string nextEvent(std::size_t& sent) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, kEventInterval, [this] { return is_ending_; });
+    changed_.wait_for(lock, kKeepAlive, [&] { return is_ending_ || views_ > sent; });
+    if (is_ending_) return {};
+    if (views_ == sent) return ":\n\n";
+    sent = views_;
+    const auto view = view_;
+    const DrivenPath path = path_;
+    const std::size_t grid_version = grid_version_;
+    lock.unlock();
+    return "data: " + jsonOf(*view, path, grid_version) + "\n\n";
+  }
+
+  std::shared_ptr<const LiveView> current() const {
+    const std::lock_guard lock(mutex_);
+    return view_;
+  }
+
+  const std::string address_;
+  const std::string token_;  ///< empty: not needed
+  int port_ = 0;
+  std::string url_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::shared_ptr<const LiveView> view_;  // guarded by mutex_, like the members below
+  DrivenPath path_;
+  std::size_t grid_version_ = 0;
+  std::size_t views_ = 0;
+  bool is_ending_ = false;
+  std::atomic<int> pages_{0};  ///< open event streams
+  httplib::Server server_;
+  std::thread thread_;
+};
+
+LivePage::LivePage(const LivePageOptions& options)
+    : implementation_(std::make_unique<Implementation>(options)) {}
+
+LivePage::~LivePage() = default;
+
+const std::string& LivePage::url() const { return implementation_->url(); }
+
+void LivePage::show(LiveView view) { implementation_->show(std::move(view)); }
+
+}  // namespace headway::live

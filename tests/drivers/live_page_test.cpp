@@ -1,0 +1,202 @@
+// The page of headway-live: its requests, and what a browser makes of it.
+#include "live_page.h"
+
+#include <gmock/gmock.h>
+#include <headway/core/error.h>
+#include <headway_test/folders.h>
+#include <headway_test/process.h>
+#include <headway_test/walking_track.h>
+#include <httplib.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <thread>
+
+namespace headway::live {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+/// A frame with a walking person, a grid, a failed sensor and a warning with a tag.
+LiveView exampleView(std::size_t frame) {
+  LiveView view;
+  view.frame.index = frame;
+  view.frame.stereo.emplace();
+  view.frame.stereo->left = cv::Mat(60, 80, CV_8U, cv::Scalar(90));
+  view.update.frame = frame;
+  view.update.time = 10.0 + 0.1 * static_cast<double>(frame);
+  view.update.camera.status = slam::TrackingStatus::kTracked;
+  view.update.camera.T_map_robot.translation().x() = static_cast<double>(frame);
+  auto track = test::walkingTrack(7, {4.0, 1.0}, {0.0, 1.2});
+  track.box2d = Box2d{10, 20, 30, 50};
+  view.update.objects.tracks = {track};
+  auto grid = mrpt::maps::COccupancyGridMap2D::Create(-2.0F, 2.0F, -1.0F, 1.0F, 0.1F);
+  grid->setPos(0.05F, 0.05F, 0.1F);
+  view.map.update(grid);
+  view.latency_s = 0.045;
+  view.frames = frame + 1;
+  drivers::SensorStatus sensor;
+  sensor.name = "LASER";
+  sensor.error = "the plug was pulled";
+  view.sensors = {sensor};
+  addWarning("x", frame, "<script>alert(1)</script>", view.warnings);
+  return view;
+}
+
+class LivePageTest : public ::testing::Test {
+ protected:
+  static int portOf(const LivePage& page) {
+    const auto& url = page.url();
+    return std::stoi(url.substr(url.rfind(':') + 1));
+  }
+
+  /// The first event of the stream.
+  static std::string firstEvent(httplib::Client& client) {
+    std::string text;
+    (void)client.Get("/events", [&](const char* data, std::size_t size) {
+      text.append(data, size);
+      return text.find("data:") == std::string::npos || text.find("\n\n") == std::string::npos;
+    });
+    return text;
+  }
+};
+
+TEST_F(LivePageTest, ServesThePageWithAStrictPolicyAndNothingFromElsewhere) {
+  LivePage page({});
+  EXPECT_THAT(page.url(), StartsWith("http://127.0.0.1:"));
+  httplib::Client client("127.0.0.1", portOf(page));
+  for (const char* path : {"/", "/page.js", "/page.css"}) {
+    const auto response = client.Get(path);
+    ASSERT_TRUE(response) << path;
+    EXPECT_EQ(200, response->status);
+    EXPECT_THAT(response->get_header_value("Content-Security-Policy"),
+                HasSubstr("default-src 'none'; script-src 'self'; style-src 'self'"));
+    EXPECT_EQ("nosniff", response->get_header_value("X-Content-Type-Options"));
+    EXPECT_THAT(response->body, Not(HasSubstr("http://")));
+    EXPECT_THAT(response->body, Not(HasSubstr("https://")));
+    EXPECT_THAT(response->body, Not(HasSubstr("innerHTML")));
+  }
+  EXPECT_EQ(404, client.Get("/image.jpg")->status) << "there is no frame yet";
+  EXPECT_EQ(404, client.Get("/../../etc/passwd")->status);
+}
+
+TEST_F(LivePageTest, EventsAndPicturesShowTheNewestView) {
+  LivePage page({});
+  page.show(exampleView(3));
+  page.show(exampleView(4));
+  httplib::Client client("127.0.0.1", portOf(page));
+  const std::string event = firstEvent(client);
+  const auto json = nlohmann::json::parse(event.substr(event.find('{')));
+  EXPECT_EQ(4, json["frame"]);
+  EXPECT_EQ("tracked", json["status"]);
+  EXPECT_EQ(45.0, json["latency_ms"]);
+  EXPECT_EQ(2u, json["path"].size());
+  EXPECT_EQ(7, json["tracks"][0]["id"]);
+  EXPECT_EQ(20.0, json["tracks"][0]["box"][1]);
+  EXPECT_FALSE(json["tracks"][0]["paths"][0]["points"].empty());
+  EXPECT_EQ("the plug was pulled", json["sensors"][0]["error"]);
+  const auto image = client.Get("/image.jpg");
+  const std::vector<char> jpeg(image->body.begin(), image->body.end());
+  EXPECT_EQ(cv::Size(80, 60), cv::imdecode(jpeg, cv::IMREAD_GRAYSCALE).size());
+  const auto grid = client.Get("/grid.png");
+  const std::vector<char> png(grid->body.begin(), grid->body.end());
+  const cv::Mat cells = cv::imdecode(png, cv::IMREAD_UNCHANGED);
+  EXPECT_EQ(4, cells.channels());
+  EXPECT_EQ(1, cv::countNonZero(cv::Mat(cells.reshape(1, cells.rows * cells.cols).col(3))));
+}
+
+TEST_F(LivePageTest, OtherHostNamesAreRejected) {
+  LivePage page({});
+  httplib::Client client("127.0.0.1", portOf(page));
+  EXPECT_EQ(403,
+            client.Get("/", {{"Host", "evil.example:" + std::to_string(portOf(page))}})->status);
+  EXPECT_EQ(200, client.Get("/", {{"Host", "localhost:" + std::to_string(portOf(page))}})->status);
+}
+
+TEST_F(LivePageTest, AnotherAddressNeedsTheToken) {
+  LivePage page({0, "127.0.0.2"});
+  const auto token_at = page.url().find("?token=");
+  ASSERT_NE(std::string::npos, token_at) << page.url();
+  const std::string query = page.url().substr(token_at);
+  httplib::Client client("127.0.0.2", portOf(page));
+  for (const char* path : {"/", "/page.js", "/events", "/image.jpg", "/?token=0"}) {
+    EXPECT_EQ(403, client.Get(path)->status) << path;
+  }
+  const auto opened = client.Get("/" + query);
+  ASSERT_EQ(200, opened->status);
+  const std::string cookie = opened->get_header_value("Set-Cookie");
+  EXPECT_THAT(cookie, HasSubstr("HttpOnly; SameSite=Strict"));
+  EXPECT_EQ(200, client.Get("/page.js", {{"Cookie", cookie.substr(0, cookie.find(';'))}})->status);
+  EXPECT_EQ(query.size(), std::string("?token=").size() + 32);
+  LivePage other({0, "127.0.0.2"});
+  EXPECT_EQ(std::string::npos, other.url().find(query)) << "tokens differ";
+}
+
+TEST_F(LivePageTest, ATakenPortAndAnUnknownAddressAreErrors) {
+  LivePage page({});
+  EXPECT_THROW(LivePage({portOf(page)}), InputError);
+  EXPECT_THROW(LivePage({0, "203.0.113.7"}), InputError);
+}
+
+TEST_F(LivePageTest, EndsWhileABrowserListens) {
+  auto page = std::make_unique<LivePage>(LivePageOptions());
+  page->show(exampleView(0));
+  httplib::Client client("127.0.0.1", portOf(*page));
+  std::string text;
+  std::thread ending;
+  (void)client.Get("/events", [&](const char* data, std::size_t size) {
+    text.append(data, size);
+    if (!ending.joinable()) ending = std::thread([&] { page.reset(); });
+    return true;
+  });
+  ending.join();
+  EXPECT_THAT(text, HasSubstr("data:"));
+}
+
+/// Chromium without a window, ended by the destructor.
+class Browser {
+ public:
+  explicit Browser(const std::string& url) {
+    const std::string pid = folder_ / "pid";
+    (void)test::runProcess("chromium --headless=new --no-sandbox --disable-gpu --user-data-dir=" +
+                           (folder_ / "profile").string() + " --remote-debugging-port=0 '" + url +
+                           "' >" + (folder_ / "output").string() + " 2>&1 & echo $! >" + pid);
+    process_ = std::stoi(test::contentsOf(pid));
+  }
+  ~Browser() { (void)test::runProcess("kill " + std::to_string(process_) + "; sleep 0.5"); }
+
+  /// Waits until the page's title, which the script sets after drawing, has this text.
+  [[nodiscard]] std::string waitForTitle(const std::string& text) const {
+    std::string titles;
+    for (int i = 0; i < 300; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      const std::string port = test::contentsOf(folder_ / "profile/DevToolsActivePort");
+      if (port.find('\n') == std::string::npos) continue;
+      const auto pages = httplib::Client("127.0.0.1", std::stoi(port)).Get("/json/list");
+      titles = pages ? pages->body : "";
+      if (titles.find(text) != std::string::npos) break;
+    }
+    return titles;
+  }
+  [[nodiscard]] std::string output() const { return test::contentsOf(folder_ / "output"); }
+
+ private:
+  test::TemporaryFolder folder_;
+  int process_ = 0;
+};
+
+TEST_F(LivePageTest, ChromiumDrawsTheNewestFrame) {
+  LivePage page({});
+  page.show(exampleView(3));
+  const Browser browser(page.url());
+  EXPECT_THAT(browser.waitForTitle("tracked, frame 3"), HasSubstr("tracked, frame 3"));
+  page.show(exampleView(4));
+  EXPECT_THAT(browser.waitForTitle("tracked, frame 4"), HasSubstr("tracked, frame 4"));
+  EXPECT_THAT(browser.output(), Not(HasSubstr("Content Security Policy")));
+}
+
+}  // namespace
+}  // namespace headway::live
