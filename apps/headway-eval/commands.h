@@ -6,6 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <opencv2/core/mat.hpp>
 #include <string>
+#include <vector>
 
 namespace headway::app {
 
@@ -23,8 +24,9 @@ class Outputs {
   /// Adds the options --json, --plot and -w.
   void describe(program::CommandLine& line);
 
-  /// @throws InputError if a file exists and -w is not given
-  void requireWritable() const;
+  /// @param inputs  files that are read
+  /// @throws InputError if a file exists and -w is not given, or is an input
+  void requireWritable(const std::vector<std::string>& inputs) const;
 
   /// Computes and writes only the requested files.
   ///

@@ -1,9 +1,9 @@
-#include <headway/core/error.h>
+#include <headway/core/output_file.h>
 
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <vector>
 
 #include "commands.h"
 
@@ -15,29 +15,22 @@ void Outputs::describe(program::CommandLine& line) {
   line.flag(overwrite_, 'w', "overwrite", "Overwrite existing files");
 }
 
-void Outputs::requireWritable() const {
+void Outputs::requireWritable(const std::vector<std::string>& inputs) const {
   if (!plot_.empty() && std::filesystem::path(plot_).extension() != ".png") {
     throw program::UsageError("--plot: '" + plot_ + "' must end in .png");
   }
   for (const auto& path : {json_, plot_}) {
-    if (!path.empty()) program::requireWritable(path, overwrite_);
+    if (!path.empty()) program::requireWritable(path, overwrite_, inputs);
   }
 }
 
 void Outputs::write(const std::function<nlohmann::ordered_json()>& figures,
                     const std::function<cv::Mat()>& plot) const {
-  if (!json_.empty()) {
-    std::ofstream file(json_);
-    file << figures().dump(2) << std::endl;
-    if (!file) throw InputError(json_ + ": cannot be written; does its folder exist?");
-  }
+  if (!json_.empty()) writeFile(json_, figures().dump(2) + "\n");
   if (plot_.empty()) return;
   std::vector<unsigned char> png;
   cv::imencode(".png", plot(), png);
-  std::ofstream file(plot_, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
-  file.flush();
-  if (!file) throw InputError(plot_ + ": cannot be written; does its folder exist?");
+  writeFile(plot_, {reinterpret_cast<const char*>(png.data()), png.size()});
 }
 
 }  // namespace headway::app

@@ -46,7 +46,8 @@ bool parse(Options& options, int argc, const char** argv) {
     throw program::UsageError("exactly one of --estimate and --predictor is required");
   }
   options.quiet = line.quiet();
-  options.outputs.requireWritable();
+  options.outputs.requireWritable(
+      {options.files.labels, options.files.poses, options.files.estimate, options.files.extrinsic});
   return true;
 }
 

@@ -1,10 +1,10 @@
 #include <headway/core/error.h>
+#include <headway/core/output_file.h>
 #include <headway/io/degrade.h>
 #include <headway/program/progress.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -64,7 +64,7 @@ bool parse(Options& options, int argc, const char** argv) {
     throw program::UsageError("--worlds none requires --kitti DIR");
   }
   options.quiet = line.quiet();
-  options.outputs.requireWritable();
+  options.outputs.requireWritable({});
   program::requireWritable(options.folder, options.outputs.overwrite() || options.reuse);
   return true;
 }
@@ -210,11 +210,9 @@ int runSuite(int argc, const char** argv) {
   Suite suite(options);
   fs::create_directories(options.folder);
   const auto entries = suite.run();
-  const auto report = fs::path(options.folder) / "suite.md";
-  std::ofstream file(report);
-  writeSuite(file, entries);
-  file.flush();
-  if (!file) throw InputError(report.string() + ": cannot be written");
+  OutputFile file(fs::path(options.folder) / "suite.md");
+  writeSuite(file.stream(), entries);
+  file.commit();
   if (!options.quiet) writeSuite(std::cout, entries);
   options.outputs.write([&] { return suiteFigures(entries); }, [&] { return suitePlot(entries); });
   return program::kDone;

@@ -85,7 +85,7 @@ bool parse(Options& options, int argc, const char** argv) {
   if (!line.parse(argc, argv)) return false;
   if (overlap != -1.0) options.min_overlap = overlap;
   options.quiet = line.quiet();
-  options.outputs.requireWritable();
+  options.outputs.requireWritable({options.truth, options.estimate});
   return true;
 }
 

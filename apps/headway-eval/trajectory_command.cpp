@@ -108,7 +108,7 @@ bool parse(Options& options, int argc, const char** argv) {
   options.outputs.describe(line);
   if (!line.parse(argc, argv)) return false;
   options.quiet = line.quiet();
-  options.outputs.requireWritable();
+  options.outputs.requireWritable({options.truth, options.estimate});
   return true;
 }
 

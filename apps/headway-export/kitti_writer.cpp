@@ -6,6 +6,8 @@
 #include <array>
 #include <cstdio>
 #include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
 
 namespace headway::exporting {
 namespace {
@@ -23,17 +25,6 @@ void makeFolder(const std::filesystem::path& folder) {
   if (error) throw InputError(folder.string() + ": cannot be created: " + error.message());
 }
 
-std::ofstream openFor(const std::filesystem::path& path) {
-  std::ofstream file(path, std::ios::binary);
-  if (!file) throw InputError(path.string() + ": cannot be written");
-  return file;
-}
-
-void close(std::ofstream& file, const std::filesystem::path& path) {
-  file.close();
-  if (!file) throw InputError(path.string() + ": not written completely; check the disk space");
-}
-
 /// One line of calib.txt: K [I | (offset, 0, 0)], row-major.
 std::string projectionLine(const char* name, const StereoCamera& camera, double offset) {
   return formatted("%s: %.12e 0 %.12e %.12e 0 %.12e %.12e 0 0 0 1 0\n", name, camera.fx, camera.cx,
@@ -42,28 +33,33 @@ std::string projectionLine(const char* name, const StereoCamera& camera, double 
 
 }  // namespace
 
-KittiWriter::KittiWriter(const std::filesystem::path& folder) : folder_(folder) {
-  makeFolder(folder_);
-  times_ = openFor(folder_ / "times.txt");
+bool isExported(const std::filesystem::path& file) {
+  const std::string folder = file.parent_path().string();
+  if (folder.empty()) return file == "times.txt" || file == "calib.txt" || file == "poses.txt";
+  const std::string number = file.stem().string();
+  return folder.size() == 7 && folder.rfind("image_", 0) == 0 && file.extension() == ".png" &&
+         number.size() >= 6 && number.find_first_not_of("0123456789") == std::string::npos;
 }
+
+KittiWriter::KittiWriter(const std::filesystem::path& folder)
+    : folder_(folder), times_(folder / "times.txt") {}
 
 void KittiWriter::write(const StereoFrame& frame, const cv::Mat& right_colour) {
   writeImage("image_0", frame.left);
   writeImage("image_1", frame.right);
   if (!frame.left_colour.empty()) writeImage("image_2", frame.left_colour);
   if (!right_colour.empty()) writeImage("image_3", right_colour);
-  times_ << formatted("%.9f\n", frame.time);
+  times_.stream() << formatted("%.9f\n", frame.time);
+  times_.endRows();
   ++size_;
 }
 
 void KittiWriter::finish(const StereoCamera& camera) {
-  close(times_, folder_ / "times.txt");
-  const std::filesystem::path path = folder_ / "calib.txt";
+  times_.close();
   const double offset = -camera.fx * camera.baseline_m;
-  auto file = openFor(path);
-  file << projectionLine("P0", camera, 0.0) << projectionLine("P1", camera, offset)
-       << projectionLine("P2", camera, 0.0) << projectionLine("P3", camera, offset);
-  close(file, path);
+  writeFile(folder_ / "calib.txt",
+            projectionLine("P0", camera, 0.0) + projectionLine("P1", camera, offset) +
+                projectionLine("P2", camera, 0.0) + projectionLine("P3", camera, offset));
 }
 
 void KittiWriter::writeTruth(const std::vector<Pose>& T_map_robot,
@@ -81,10 +77,7 @@ void KittiWriter::writeImage(const char* folder, const cv::Mat& image) const {
   const auto path = folder_ / folder / formatted("%06zu.png", size_);
   std::vector<unsigned char> bytes;
   cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, 1});
-  auto file = openFor(path);
-  file.write(reinterpret_cast<const char*>(bytes.data()),
-             static_cast<std::streamsize>(bytes.size()));
-  close(file, path);
+  writeFile(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace headway::exporting

@@ -1,12 +1,15 @@
 #pragma once
 
+#include <headway/core/output_file.h>
 #include <headway/core/stereo_frame.h>
 
 #include <filesystem>
-#include <fstream>
 #include <vector>
 
 namespace headway::exporting {
+
+/// Whether a file is one that KittiWriter writes, by its path in the folder.
+[[nodiscard]] bool isExported(const std::filesystem::path& file);
 
 /// Writes stereo frames as a KITTI odometry sequence: `image_0/`, `image_1/` rectified grey,
 /// `image_2/`, `image_3/` the same in colour if available, `times.txt`, `calib.txt`, and
@@ -14,7 +17,7 @@ namespace headway::exporting {
 /// Images are PNG, thus lossless.
 class KittiWriter {
  public:
-  /// @throws InputError if the folder cannot be created
+  /// @throws InputError if the folder cannot be written
   explicit KittiWriter(const std::filesystem::path& folder);
 
   /// @param right_colour  empty if the images are grey
@@ -33,7 +36,7 @@ class KittiWriter {
   void writeImage(const char* folder, const cv::Mat& image) const;
 
   std::filesystem::path folder_;
-  std::ofstream times_;
+  GrowingFile times_;
   std::size_t size_ = 0;
 };
 

@@ -1,7 +1,9 @@
 // headway-export: converts a rawlog to a dataset for other systems.
 #include <headway/core/error.h>
+#include <headway/core/printable.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/program/command_line.h>
+#include <headway/program/output_folder.h>
 #include <headway/program/progress.h>
 
 #include <algorithm>
@@ -65,7 +67,7 @@ void report(const ExportOptions& options, const KittiWriter& writer, const io::R
             << (has_truth ? "with" : "without") << " poses.txt"
             << (program::interrupted() ? ", interrupted" : "");
   for (const auto& [reason, count] : source.skipped()) {
-    std::cout << ", skipped " << reason << " " << count;
+    std::cout << ", skipped " << printable(reason) << " " << count;
   }
   std::cout << std::endl;
 }
@@ -73,11 +75,12 @@ void report(const ExportOptions& options, const KittiWriter& writer, const io::R
 int runExport(int argc, const char** argv) {
   ExportOptions options;
   if (!parse(argc, argv, options)) return program::kDone;
+  program::catchInterrupts();
   io::RawlogSource source(options.input, options.source);
   if (!source.camera()) throw InputError(options.input + ": contains no stereo images");
   program::requireWritable(options.output, options.overwrite);
-  program::catchInterrupts();
-  KittiWriter writer(options.output);
+  program::OutputFolder folder(options.output, options.overwrite, {options.input}, isExported);
+  KittiWriter writer(folder.path());
   std::vector<Time> times;
   {
     program::Progress progress("frames", options.quiet);
@@ -92,7 +95,10 @@ int runExport(int argc, const char** argv) {
   writer.finish(*source.camera());
   const auto truth = truthAt(times, options.input);
   if (!truth.empty()) writer.writeTruth(truth, *source.camera());
-  if (source.truncation()) std::cerr << "headway-export: " << *source.truncation() << std::endl;
+  folder.publish();
+  if (source.truncation()) {
+    std::cerr << "headway-export: " << printable(*source.truncation()) << std::endl;
+  }
   if (!options.quiet) report(options, writer, source, !truth.empty());
   return program::kDone;
 }

@@ -1,4 +1,5 @@
 // headway-import: converts a dataset to a rawlog.
+#include <headway/core/printable.h>
 #include <headway/program/command_line.h>
 #include <headway/program/progress.h>
 
@@ -13,7 +14,7 @@ void report(const ImportOptions& options, const ImportSummary& summary) {
   std::cout << options.output << ": " << summary.frames << " frames"
             << (summary.interrupted ? ", interrupted" : "");
   for (const auto& [reason, count] : summary.dropped) {
-    std::cout << ", skipped " << reason << " " << count;
+    std::cout << ", skipped " << printable(reason) << " " << count;
   }
   std::cout << std::endl;
 }
@@ -21,9 +22,10 @@ void report(const ImportOptions& options, const ImportSummary& summary) {
 int runImport(int argc, const char** argv) {
   const auto options = parseOptions(argc, argv);
   if (!options) return program::kDone;
-  program::requireWritable(options->output, options->overwrite);
-  program::catchInterrupts();
+  program::requireWritable(options->output, options->overwrite,
+                           {options->detections, options->poses});
   const auto dataset = openDataset(*options);
+  program::catchInterrupts();
   const auto summary = importDataset(*dataset, *options);
   if (!options->quiet) report(*options, summary);
   return program::kDone;

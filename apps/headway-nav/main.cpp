@@ -1,8 +1,7 @@
-#include <headway/core/error.h>
+#include <headway/core/output_file.h>
 #include <headway/program/command_line.h>
 #include <headway/program/progress.h>
 
-#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -63,9 +62,7 @@ void requireWritable(const Options& options) {
 }
 
 void writeJson(const std::string& path, const std::vector<PolicyFigures>& figures) {
-  std::ofstream file(path);
-  file << toJson(figures).dump(2) << std::endl;
-  if (!file) throw InputError(path + ": cannot be written; is the folder there?");
+  writeFile(path, toJson(figures).dump(2) + "\n");
 }
 
 /// Runs one trial with each policy.

@@ -118,12 +118,12 @@ void drawVideo(const Options& options, const FinishedReplay& replay, Truth truth
 }  // namespace
 
 void render(const Options& options) {
-  program::requireWritable(options.output, options.overwrite);
+  program::requireWritable(options.output, options.overwrite, {options.input});
   const Note note = [&](const std::string& text) {
     if (!options.quiet) std::cerr << "headway-render: " << text << '\n';
   };
   if (options.kind == OutputKind::kReport) {
-    program::writeTruthReport(options.input, options.truth, options.output, note);
+    program::writeTruthReport(options.input, options.truth, options.output, "", note);
     return;
   }
   const FinishedReplay replay = readReplay(options.input, note);

@@ -44,27 +44,22 @@ io::KittiRow kittiRow(std::size_t frame, const Track& track, const Pose& T_senso
 /// @throws InputError naming the file if it cannot be read or written
 void rescoreKittiResults(const std::filesystem::path& file,
                          const std::map<std::int64_t, double>& scores) {
-  auto rescored = file;
-  rescored += ".new";
-  {
-    std::ifstream old_rows(file);
-    OutputFile new_rows(rescored);
-    new_rows.stream() << std::fixed << std::setprecision(6);
-    for (std::string row; std::getline(old_rows, row);) {
-      std::istringstream fields(row);
-      std::int64_t frame = 0;
-      std::int64_t id = 0;
-      fields >> frame >> id;
-      const auto score = scores.find(id);
-      if (score == scores.end()) {
-        new_rows.stream() << row << '\n';
-      } else {
-        new_rows.stream() << row.substr(0, row.rfind(' ') + 1) << score->second << '\n';
-      }
+  std::ifstream old_rows(file);
+  OutputFile new_rows(file);
+  new_rows.stream() << std::fixed << std::setprecision(6);
+  for (std::string row; std::getline(old_rows, row);) {
+    std::istringstream fields(row);
+    std::int64_t frame = 0;
+    std::int64_t id = 0;
+    fields >> frame >> id;
+    const auto score = scores.find(id);
+    if (score == scores.end()) {
+      new_rows.stream() << row << '\n';
+    } else {
+      new_rows.stream() << row.substr(0, row.rfind(' ') + 1) << score->second << '\n';
     }
-    new_rows.flush();
   }
-  std::filesystem::rename(rescored, file);
+  new_rows.commit();
 }
 
 }  // namespace
@@ -102,9 +97,8 @@ void FrameWriters::write(const pipeline::PerceptionUpdate& update) {
     if (isShown(track)) writeTrack(update, track, T_sensor_map);
   }
   writeSmoothed(update.objects.finalised);
-  for (const auto* file :
-       {&trajectory_, &detections_, &tracks_, &smoothed_, &kitti_, &predictions_}) {
-    file->check();
+  for (auto* file : {&trajectory_, &detections_, &tracks_, &smoothed_, &kitti_, &predictions_}) {
+    file->endRows();
   }
 }
 
@@ -129,10 +123,10 @@ void FrameWriters::writeSmoothed(const std::vector<TrackSample>& samples) {
 }
 
 void FrameWriters::finish() {
-  std::exception_ptr failure;  // the first failure; the other files are flushed nevertheless
+  std::exception_ptr failure;  // the first failure; the other files are ended nevertheless
   for (auto* file : {&trajectory_, &detections_, &tracks_, &smoothed_, &kitti_, &predictions_}) {
     try {
-      file->flush();
+      file->close();
     } catch (...) {
       if (!failure) failure = std::current_exception();
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <headway/core/output_file.h>
 #include <headway/core/stereo_camera.h>
 #include <headway/core/track.h>
 #include <headway/pipeline/perception.h>
@@ -10,11 +11,9 @@
 #include <optional>
 #include <vector>
 
-#include "output_folder.h"
-
 namespace headway::replay {
 
-/// Writes the results of each frame immediately, so that they are complete after an early end:
+/// Writes the results of each frame at once, so that a killed run lacks at most its last second:
 /// trajectory_online.tum, detections.csv, tracks.csv, tracks_smoothed.csv, tracks_kitti.txt,
 /// predictions.csv.
 class FrameWriters {
@@ -25,7 +24,7 @@ class FrameWriters {
   /// @throws InputError naming the file that could not be written
   void write(const pipeline::PerceptionUpdate& update);
   void writeSmoothed(const std::vector<TrackSample>& samples);
-  /// Flushes all files and sets the scores of tracks_kitti.txt to the tracks' final scores.
+  /// Ends all files and sets the scores of tracks_kitti.txt to the tracks' final scores.
   ///
   /// @throws InputError naming the file that could not be written
   void finish();
@@ -35,13 +34,13 @@ class FrameWriters {
                   const Pose& T_sensor_map);
 
   std::shared_ptr<const StereoCamera> camera_;
-  OutputFile trajectory_;
-  OutputFile detections_;
-  OutputFile tracks_;
-  OutputFile smoothed_;
+  GrowingFile trajectory_;
+  GrowingFile detections_;
+  GrowingFile tracks_;
+  GrowingFile smoothed_;
   std::filesystem::path kitti_path_;
-  OutputFile kitti_;
-  OutputFile predictions_;
+  GrowingFile kitti_;
+  GrowingFile predictions_;
   std::map<std::int64_t, double> scores_;  ///< track id -> latest score
 };
 

@@ -1,21 +1,19 @@
 #include "replay.h"
 
 #include <headway/core/error.h>
+#include <headway/core/printable.h>
 #include <headway/core/processor_time.h>
 #include <headway/io/calibration_file.h>
 #include <headway/io/track_file.h>
-#include <headway/map/map_export.h>
 #include <headway/map/map_file.h>
-#include <headway/map/static_grid.h>
 #include <headway/program/progress.h>
-#include <headway/program/truth_report.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <iostream>
 #include <sstream>
 
 #include "messages.h"
+#include "results.h"
 
 namespace headway::replay {
 namespace {
@@ -35,6 +33,10 @@ io::RawlogSourceOptions sourceOptions(const Options& options,
 pipeline::PerceptionParams perceptionParams(const Options& options,
                                             const pipeline::PerceptionParams& params) {
   return options.realtime > 0.0 ? pipeline::PerceptionParams::live(params) : params;
+}
+
+std::vector<std::string> inputsOf(const Options& options) {
+  return {options.input, options.detections, options.load_map};
 }
 
 std::string textOf(const Params& params) {
@@ -74,9 +76,10 @@ Replay::Replay(const Options& options, std::unique_ptr<FrameInput> input,
       source_(std::move(input)),
       camera_(source_->camera()),
       perception_(makePerception(options, camera_, perceptionParams(options, perception_params))),
-      folder_(prepareOutputFolder(options.output, options.overwrite)),
-      writers_(folder_, camera_),
-      snapshots_(folder_, options.snapshots, [this](const std::string& text) { warn(text); }) {
+      folder_(options.output, options.overwrite, inputsOf(options), isResult),
+      writers_(folder_.path(), camera_),
+      snapshots_(folder_.path(), options.snapshots,
+                 [this](const std::string& text) { warn(text); }) {
   if (!options.detections.empty()) {
     side_detections_ = io::readDetections(options.detections, summary_.detections_dropped);
   }
@@ -84,8 +87,8 @@ Replay::Replay(const Options& options, std::unique_ptr<FrameInput> input,
   if (summary_.calibration && !options_.quiet) printCalibration(*summary_.calibration);
   summary_.rig = perception_->rig();
   if (summary_.rig && !options_.quiet) std::puts(stereo::describe(*summary_.rig).c_str());
-  if (camera_ != nullptr) io::writeCalibration(folder_ / "calibration.yaml", *camera_);
-  writeRunRecord(folder_ / "replay.json", options_, params, summary_.rig);
+  if (camera_ != nullptr) io::writeCalibration(folder_.path() / "calibration.yaml", *camera_);
+  writeRunRecord(folder_.path() / "replay.json", options_, params, summary_.rig);
 }
 
 void Replay::run() {
@@ -102,14 +105,28 @@ void Replay::run() {
   try {
     finish();
   } catch (...) {
-    if (!failure) throw;
+    if (!failure) failure = std::current_exception();
+  }
+  if (failure && folder_.hasOldResults()) {
+    throw InputError(textOf(failure) + "; the old results in " + folder_.published().string() +
+                     " remain, the new ones up to frame " + std::to_string(last_frame_) +
+                     " are in " + folder_.path().string());
   }
   if (failure) std::rethrow_exception(failure);
+  folder_.publish();
   requireTrackedFrames();
   if (source_->truncation()) {
     throw InputError(*source_->truncation() + "; the part before was processed and written to " +
-                     folder_.string());
+                     folder_.published().string());
   }
+}
+
+std::vector<std::filesystem::path> Replay::pictures() const {
+  std::vector<std::filesystem::path> pictures;
+  for (const auto& name : snapshots_.written()) {
+    pictures.push_back(folder_.published() / "snapshots" / name);
+  }
+  return pictures;
 }
 
 void Replay::processAll() {
@@ -205,87 +222,8 @@ void Replay::requireTrackedFrames() const {
                    " frames was tracked: " + causeOfNoTracking(summary_.calibration));
 }
 
-void Replay::countLostFrames(const std::vector<slam::FrameEstimate>& trajectory) {
-  if (trajectory.empty()) return;
-  std::size_t next = trajectory.front().frame;
-  for (const auto& estimate : trajectory) {
-    while (next < estimate.frame) summary_.lost_frames.push_back(next++);
-    if (!estimate.tracked) summary_.lost_frames.push_back(estimate.frame);
-    if (estimate.tracked) ++summary_.frames_tracked;
-    ++next;
-  }
-  summary_.frames = next - trajectory.front().frame;
-}
-
-void Replay::finish() {
-  perception_->finish();
-  const auto trajectory = perception_->trajectory();
-  std::exception_ptr failure;  // the first failure; the other files are written nevertheless
-  const auto attempt = [&failure](const auto& step) {
-    try {
-      step();
-    } catch (...) {
-      if (!failure) failure = std::current_exception();
-    }
-  };
-  attempt([&] {
-    writers_.writeSmoothed(perception_->flush());
-    writers_.finish();
-  });
-  attempt([&] {
-    writeTrajectories(folder_, trajectory,
-                      camera_ != nullptr ? camera_->T_robot_cam : robotFromOptical());
-  });
-  attempt([&] { writeMap(trajectory); });
-  warnIfNotRelocalised(trajectory);
-  attempt([&] { snapshots_.finish(*perception_); });
-  attempt([&] {
-    summarise(trajectory);
-    writeSummary(folder_ / "summary.json", summary_);
-  });
-  if (!failure) {  // the report is made from the written files
-    attempt([&] {
-      program::writeTruthReport(folder_, options_.truth, {},
-                                [this](const std::string& text) { warn(text); });
-    });
-  }
-  if (failure) std::rethrow_exception(failure);
-}
-
-void Replay::summarise(const std::vector<slam::FrameEstimate>& trajectory) {
-  countLostFrames(trajectory);
-  const auto static_map = perception_->map().staticMap();
-  summary_.keyframes = static_map->keyframes.size();
-  summary_.landmarks = static_map->landmarks.size();
-  summary_.tracks_confirmed = seen_tracks_.size();
-  for (const auto& [id, moving] : seen_tracks_) summary_.tracks_moving += moving ? 1 : 0;
-  summary_.stages.merge(perception_->times());
-  summary_.laser = perception_->laserCounts();
-  summary_.observations_skipped = source_->skipped();
-  summary_.total_s = secondsSinceProcessStart();
-}
-
-void Replay::writeMap(const std::vector<slam::FrameEstimate>& trajectory) {
-  if (trajectory.empty()) return;
-  map::StoredMap stored = perception_->stored();
-  stored.configuration = configuration_;
-  if (const auto grid = stored.map.staticGrid()) map::writeStaticGrid(folder_ / "map_grid", *grid);
-  map::writeSimpleMap(folder_ / "map.simplemap", *stored.map.staticMap());
-  map::writePly(folder_ / "map_points.ply", *stored.map.staticMap());
-  map::saveMap(folder_ / "map.headway", std::move(stored));
-}
-
-void Replay::warnIfNotRelocalised(const std::vector<slam::FrameEstimate>& trajectory) const {
-  const auto tracked = [](const slam::FrameEstimate& estimate) { return estimate.tracked; };
-  if (options_.load_map.empty() || std::any_of(trajectory.begin(), trajectory.end(), tracked)) {
-    return;
-  }
-  warn("no frame was re-localised in " + options_.load_map +
-       ", which may be a map of another place; its landmarks and keyframes are unchanged");
-}
-
 void Replay::warn(const std::string& text) const {
-  std::cerr << "headway-replay: " << text << std::endl;
+  std::cerr << "headway-replay: " << printable(text) << std::endl;
 }
 
 }  // namespace headway::replay

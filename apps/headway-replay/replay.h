@@ -1,6 +1,7 @@
 #pragma once
 
 #include <headway/pipeline/perception.h>
+#include <headway/program/output_folder.h>
 
 #include <filesystem>
 #include <functional>
@@ -19,8 +20,9 @@ namespace headway::replay {
 
 /// Processes a rawlog and writes a folder of results.
 ///
-/// The results computed so far are written however the run ends: end of the rawlog, Ctrl-C, a
-/// truncated file or a full disk.
+/// The results computed so far are written however the run ends: end of the rawlog, Ctrl-C, or a
+/// truncated file. Old results in the folder remain until the new ones are complete, and after an
+/// error such as a full disk.
 ///
 ///     Replay replay(options, perception_params, params);
 ///     replay.run();
@@ -49,9 +51,8 @@ class Replay {
 
   [[nodiscard]] const Summary& summary() const { return summary_; }
   [[nodiscard]] const pipeline::Perception& perception() const { return *perception_; }
-  [[nodiscard]] const std::vector<std::filesystem::path>& pictures() const {
-    return snapshots_.written();
-  }
+  /// Pictures in the folder of results.
+  [[nodiscard]] std::vector<std::filesystem::path> pictures() const;
 
  private:
   void processAll();
@@ -75,7 +76,7 @@ class Replay {
   std::shared_ptr<const StereoCamera> camera_;
   std::unique_ptr<pipeline::Perception> perception_;
   std::map<std::size_t, Detections> side_detections_;
-  std::filesystem::path folder_;
+  program::OutputFolder folder_;
   FrameWriters writers_;
   Snapshots snapshots_;
   Summary summary_;

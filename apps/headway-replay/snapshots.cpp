@@ -1,10 +1,9 @@
 #include "snapshots.h"
 
-#include <headway/core/error.h>
+#include <headway/program/picture_files.h>
 #include <headway/render/offscreen_renderer.h>
 
 #include <cstdio>
-#include <opencv2/imgcodecs.hpp>
 
 namespace headway::replay {
 
@@ -53,10 +52,8 @@ void Snapshots::draw(const pipeline::Perception& perception) {
   char name[16];
   std::snprintf(name, sizeof name, "%06zu.png", last_->index);
   const auto path = folder_ / "snapshots" / name;
-  if (!cv::imwrite(path.string(), renderer_->draw(input(perception)))) {
-    throw InputError(path.string() + ": the picture cannot be written; check the disk space");
-  }
-  written_.push_back(path);
+  program::writePicture(path.string(), renderer_->draw(input(perception)));
+  written_.emplace_back(name);
 }
 
 void Snapshots::finish(const pipeline::Perception& perception) {

@@ -29,7 +29,7 @@ class Snapshots {
   /// Writes scene.3Dscene of the latest frame.
   void finish(const pipeline::Perception& perception);
 
-  /// Pictures written so far.
+  /// Names of the pictures written so far, in `snapshots/`.
   [[nodiscard]] const std::vector<std::filesystem::path>& written() const { return written_; }
 
  private:

@@ -1,5 +1,7 @@
 #include "summary.h"
 
+#include <headway/core/output_file.h>
+#include <headway/core/printable.h>
 #include <headway/core/statistics.h>
 #include <headway/core/version.h>
 #include <unistd.h>
@@ -10,8 +12,6 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
-
-#include "output_folder.h"
 
 namespace headway::replay {
 namespace {
@@ -71,10 +71,15 @@ double perFrame(double total, std::size_t frames) {
   return frames == 0 ? 0.0 : total / static_cast<double>(frames);
 }
 
+/// Names of files need not be UTF-8; what is not is replaced.
+std::string textOf(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
 std::string countsText(const std::map<std::string, std::size_t>& counts) {
   std::string text;
   for (const auto& [reason, count] : counts) {
-    text += (text.empty() ? "" : ", ") + reason + " " + std::to_string(count);
+    text += (text.empty() ? "" : ", ") + printable(reason) + " " + std::to_string(count);
   }
   return text;
 }
@@ -125,9 +130,7 @@ void writeRunRecord(const std::filesystem::path& path, const Options& options, c
                      {"snapshots", options.snapshots}};
   json["rig"] = rigJson(rig);
   json["configuration"] = Json(params.values());
-  OutputFile file(path);
-  file.stream() << json.dump(2) << '\n';
-  file.flush();
+  writeFile(path, textOf(json));
 }
 
 void writeSummary(const std::filesystem::path& path, const Summary& summary) {
@@ -163,9 +166,7 @@ void writeSummary(const std::filesystem::path& path, const Summary& summary) {
   json["ended_early"] = summary.ended_early ? Json(*summary.ended_early) : Json();
   json["version"] = kVersion;
   json["seed"] = summary.seed;
-  OutputFile file(path);
-  file.stream() << json.dump(2) << '\n';
-  file.flush();
+  writeFile(path, textOf(json));
 }
 
 void printSummary(const Summary& summary) {

@@ -130,8 +130,8 @@ int simulate(int argc, const char* const* argv) {
   if (!parse(argc, argv, request, settings, params)) return program::kDone;
   std::ostringstream world_ini;
   params.print(world_ini);
-  program::catchInterrupts();
   sim::Simulator simulator(settings);
+  program::catchInterrupts();
   CoveredRatio covered;
   const std::size_t done = record(simulator, settings, request, world_ini.str(), covered);
   if (!request.quiet) {

@@ -280,9 +280,8 @@ TEST_F(ImportExportTest, CtrlCLeavesAReadableRawlog) {
   const auto result = test::runProcess(
       std::string(HEADWAY_BIN_DIR) + "/headway-import euroc " +
       (data / "euroc/MH_01_easy").string() + " -o " + at("x.rawlog") +
-      " & program=$!; until [ -s " + at("x.rawlog.part") + " ] || [ -e " + at("x.rawlog") +
+      " & program=$!; until [ -s " + at(".partial-$program-x.rawlog") + " ] || [ -e " + at("x.rawlog") +
       " ]; do sleep 0.01; done; kill -INT $program; wait $program");
-  EXPECT_EQ(0, result.status);
   ASSERT_TRUE(fs::exists(folder_ / "x.rawlog")) << result.output;
   RawlogSource source(at("x.rawlog"), {});
   const auto frames = test::framesOf(source).size();
@@ -290,6 +289,7 @@ TEST_F(ImportExportTest, CtrlCLeavesAReadableRawlog) {
   EXPECT_FALSE(source.truncation());
   EXPECT_THAT(result.output, HasSubstr(std::to_string(frames) + " frames"));
   if (frames < 200) {  // else it was done already
+    EXPECT_EQ(130, result.status);
     EXPECT_THAT(result.output, HasSubstr("interrupted"));
   }
 }

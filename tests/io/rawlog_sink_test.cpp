@@ -83,8 +83,23 @@ TEST(RawlogSinkTest, TheFileHasATemporaryNameUntilItIsComplete) {
   EXPECT_FALSE(fs::exists(folder / "x.rawlog"));
   sink.close();
   EXPECT_TRUE(fs::exists(folder / "x.rawlog"));
-  EXPECT_FALSE(fs::exists(folder / "x.rawlog.part"));
+  EXPECT_EQ(1, std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()));
   EXPECT_NO_THROW(sink.close());
+}
+
+TEST(RawlogSinkTest, AfterAnExceptionTheOldRawlogRemains) {
+  const headway::test::TemporaryFolder folder;
+  test::recordWalls(folder / "x.rawlog", 3);
+  const std::string before = test::contentOf(folder / "x.rawlog");
+  const auto failing = [&] {
+    RawlogSink sink(folder / "x.rawlog", ImageStorage::kExternalPng);
+    const auto [left, right] = test::wall(0);
+    sink.writeStereo(1.0, left, right, rawFrom(test::smallCamera()));
+    throw std::runtime_error("the dataset is broken");
+  };
+  EXPECT_THROW(failing(), std::runtime_error);
+  EXPECT_EQ(before, test::contentOf(folder / "x.rawlog"));
+  EXPECT_EQ(1, std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()));
 }
 
 TEST(RawlogSinkTest, ThrowsForUnwritablePaths) {

@@ -3,6 +3,7 @@
 #include <headway/map/map_file.h>
 #include <headway_test/folders.h>
 
+#include <cstring>
 #include <fstream>
 #include <sstream>
 
@@ -189,13 +190,28 @@ TEST_F(MapFileTest, ASectionThatEndsEarlyOrIsMissingIsNamed) {
   EXPECT_THAT(errorOfLoading(bytesOf(path)), ::testing::HasSubstr("'static_map'"));
 }
 
+TEST_F(MapFileTest, AGridWithMoreCellsThanBytesIsRefusedBeforeItIsMade) {
+  StoredMap stored = exampleMap(4);
+  stored.map.update(mrpt::maps::COccupancyGridMap2D::Create(-5.f, 5.f, -5.f, 5.f, 0.5f));
+  (void)saved(stored);
+  auto sections = readCheckedFile(path);
+  for (auto& section : sections) {
+    const auto grid = section.bytes.find("COccupancyGridMap2D");
+    if (section.name != "layers" || grid == std::string::npos) continue;
+    const std::uint32_t huge[] = {60000, 60000};
+    std::memcpy(section.bytes.data() + grid + 19 + 2, huge, sizeof huge);
+  }
+  writeCheckedFile(path, sections);
+  EXPECT_THAT(errorOfLoading(bytesOf(path)), ::testing::HasSubstr("more cells than bytes"));
+}
+
 TEST_F(MapFileTest, LeavesNoFileAfterAFailedWrite) {
   EXPECT_THROW(saveMap((folder / "no") / "such" / "map.headway", exampleMap(4)), InputError);
   saveMap(path, exampleMap(4));
   const auto before = bytesOf(path);
   std::filesystem::create_directory(folder / "taken.headway");
   EXPECT_THROW(saveMap(folder / "taken.headway", exampleMap(4)), InputError);
-  EXPECT_FALSE(std::filesystem::exists(folder / "taken.headway.part"));
+  EXPECT_EQ(2, std::distance(std::filesystem::directory_iterator(folder.path()), {}));
   EXPECT_EQ(bytesOf(path), before);
 }
 

@@ -9,6 +9,8 @@
 #include <mrpt/serialization/CArchive.h>
 
 #include <cmath>
+#include <cstring>
+#include <limits>
 
 namespace headway::map {
 namespace {
@@ -322,6 +324,18 @@ TEST(StaticGridTest, RefusesDamagedBytesUnchanged) {
   std::string newer = bytes;
   newer[0] = 99;
   EXPECT_THROW(grid.load(newer), InputError);
+  const std::size_t place = bytes.size() - 16;  // the last foot point, before its sigma
+  for (const float value : {1e6F, -1e30F, std::numeric_limits<float>::quiet_NaN()}) {
+    std::string distant = bytes;
+    std::memcpy(distant.data() + place, &value, sizeof value);
+    EXPECT_THROW(grid.load(distant), InputError) << value;
+  }
+  const std::size_t pose = 1 + 8 + 3 * 4;  // version, number of scans, place
+  for (const double value : {2.0, 1e300}) {
+    std::string bent = bytes;
+    std::memcpy(bent.data() + pose, &value, sizeof value);
+    EXPECT_THROW(grid.load(bent), InputError) << value;
+  }
   EXPECT_EQ(grid.grid()->getRawMap(), before);
 }
 

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
+#include <headway/core/stop_request.h>
 #include <headway/pipeline/frame_feed.h>
 
+#include <future>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -48,6 +50,27 @@ TEST(FrameFeedTest, RealtimeDoesNotRunAheadOfTheRecording) {
   const auto feed = makeRealtimeFeed(readerOf(5, 0.1), 10.0, 5);
   EXPECT_EQ(5u, drain(*feed, 0.0).size());
   EXPECT_GE(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(40));
+}
+
+TEST(FrameFeedTest, AStopRequestEndsTheWaitForTheNextFrame) {
+  const auto feed = makeRealtimeFeed(readerOf(2, 3600.0), 0.001);
+  EXPECT_TRUE(feed->next());
+  auto stop = std::async(std::launch::async, [] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    requestStop(1);
+  });
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_FALSE(feed->next());
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(1));
+  stop.get();
+  requestStop(0);
+}
+
+TEST(FrameFeedTest, AnHoursPauseOfTheRecordingIsNotWaitedFor) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto feed = makeRealtimeFeed(readerOf(3, 3600.0), 100.0, 3);
+  EXPECT_EQ(3u, drain(*feed, 0.0).size());
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
 }
 
 TEST(FrameFeedTest, ExceptionsOfTheReaderFollowItsLastFrame) {

@@ -237,16 +237,6 @@ TEST_F(BadInputTest, UnwritableOutput) {
   EXPECT_THAT(errorLine(run), HasSubstr("out"));
 }
 
-TEST_F(BadInputTest, FullDisk) {
-  test::writePlainRawlog(rawlog);
-  std::filesystem::create_directory(folder / "out");
-  std::filesystem::create_symlink("/dev/full", folder / "out" / "tracks.csv");
-  const auto run = replayIt("-w");
-  EXPECT_THAT(errorLine(run), AllOf(HasSubstr("tracks.csv"), HasSubstr("disk")));
-  EXPECT_EQ(static_cast<std::size_t>(test::kPlainFrames),
-            io::readTum(run.file("trajectory.tum")).size());
-}
-
 TEST_F(BadInputTest, ExistingResultsAreNotOverwrittenUnasked) {
   test::writePlainRawlog(rawlog);
   EXPECT_EQ(0, replayIt().process.status);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <headway/core/stereo_camera.h>
+#include <headway/core/stop_request.h>
 #include <headway/stereo/pose_tangent.h>
 
 #include <random>
@@ -130,6 +131,9 @@ TEST(SolveBundleTest, IsNotUsableWithPointsBehindTheCameraOrWhenStopped) {
   BundleProblem problem = exactProblem(4);
   disturb(problem, 0.01);
   EXPECT_FALSE(solveBundle(problem, solverCamera(), 20, true).usable);
+  requestStop(1);
+  EXPECT_FALSE(solveBundle(problem, solverCamera(), 20, false).usable);
+  requestStop(0);
   problem.points.front().position.z() = -50.0;
   EXPECT_FALSE(solveBundle(problem, solverCamera(), 20, false).usable);
 }

@@ -1,9 +1,13 @@
 #include <headway/core/error.h>
-#include <headway/program/command_line.h>
+#include <headway/core/printable.h>
+#include <headway/core/stop_request.h>
 #include <headway/core/version.h>
+#include <headway/program/command_line.h>
 #include <mrpt/3rdparty/tclap/CmdLine.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
@@ -11,6 +15,9 @@
 
 namespace headway::program {
 namespace {
+
+/// Until catchInterrupts(); files that are not complete have temporary names.
+extern "C" void endAtOnce(int signal) { _exit(kSignalled + signal); }
 
 std::string shortFlag(char name) { return name == 0 ? "" : std::string(1, name); }
 
@@ -173,17 +180,20 @@ bool CommandLine::parse(int argc, const char* const* argv) {
 }
 
 int run(const std::string& program, const std::function<int()>& body) {
+  std::signal(SIGXFSZ, SIG_IGN);
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, endAtOnce);
+  if (std::signal(SIGHUP, endAtOnce) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
+  const auto status = [](int otherwise) {
+    return stopRequested() ? kSignalled + stopRequest() : otherwise;
+  };
   try {
-    return body();
+    return status(body());
   } catch (const UsageError& error) {
-    std::cerr << program << ": " << error.what() << std::endl;
+    std::cerr << program << ": " << printable(error.what()) << std::endl;
     return kUsage;
   } catch (const std::exception& error) {
-    // Messages of other libraries may span several lines.
-    std::string text = error.what();
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    std::cerr << program << ": " << text << std::endl;
-    return kInputFault;
+    std::cerr << program << ": " << printable(error.what()) << std::endl;
+    return status(kInputFault);
   }
 }
 
@@ -207,7 +217,14 @@ std::string takeSubcommand(int& argc, const char**& argv, const std::vector<std:
   return given;
 }
 
-void requireWritable(const std::string& path, bool overwrite) {
+void requireWritable(const std::string& path, bool overwrite,
+                     const std::vector<std::string>& inputs) {
+  for (const auto& input : inputs) {
+    std::error_code ignored;
+    if (std::filesystem::equivalent(path, input, ignored)) {
+      throw InputError(path + ": is an input and would be overwritten; choose another name");
+    }
+  }
   if (!overwrite && std::filesystem::exists(path)) {
     throw InputError(path + ": exists already; -w overwrites it");
   }

@@ -1,23 +1,23 @@
 #include <headway/core/error.h>
+#include <headway/core/output_file.h>
 #include <headway/program/command_line.h>
 #include <headway/program/picture_files.h>
 
 #include <array>
 #include <cstdio>
 #include <opencv2/imgcodecs.hpp>
+#include <vector>
 
 namespace headway::program {
 
 void writePicture(const std::string& path, const cv::Mat& picture) {
-  bool written = false;
+  std::vector<unsigned char> bytes;
   try {
-    written = cv::imwrite(path, picture);
+    cv::imencode(std::filesystem::path(path).extension().string(), picture, bytes);
   } catch (const cv::Exception&) {
-    written = false;
+    throw InputError(path + ": the name must end in .png or .jpg");
   }
-  if (!written) {
-    throw InputError(path + ": cannot be written (is the disk full, or the folder missing?)");
-  }
+  writeFile(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 VideoOutput::VideoOutput(const std::string& path, double rate, cv::Size size, bool overwrite,

@@ -1,3 +1,5 @@
+#include <headway/core/stop_request.h>
+#include <headway/program/command_line.h>
 #include <headway/program/progress.h>
 #include <mrpt/system/datetime.h>
 #include <mrpt/system/progress.h>
@@ -9,9 +11,11 @@
 namespace headway::program {
 namespace {
 
-volatile std::sig_atomic_t g_interrupted = 0;
-
-extern "C" void onInterrupt(int) { g_interrupted = 1; }
+/// The first signal asks for a clean end, the second one ends the program.
+extern "C" void onInterrupt(int signal) {
+  if (stopRequested()) _exit(kSignalled + signal);
+  requestStop(signal);
+}
 
 double secondsBetween(std::chrono::steady_clock::time_point from,
                       std::chrono::steady_clock::time_point to) {
@@ -50,11 +54,18 @@ void Progress::finish() {
 }
 
 void catchInterrupts() {
-  g_interrupted = 0;
-  std::signal(SIGINT, onInterrupt);
-  std::signal(SIGTERM, onInterrupt);
+  requestStop(0);
+  struct sigaction action {};
+  action.sa_handler = onInterrupt;
+  action.sa_flags = SA_RESTART;
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction old {};
+    sigaction(signal, nullptr, &old);
+    const bool is_under_nohup = signal == SIGHUP && old.sa_handler == SIG_IGN;
+    if (!is_under_nohup) sigaction(signal, &action, nullptr);
+  }
 }
 
-bool interrupted() { return g_interrupted != 0; }
+bool interrupted() { return stopRequested(); }
 
 }  // namespace headway::program

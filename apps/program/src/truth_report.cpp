@@ -44,10 +44,11 @@ std::vector<report::Figure> errorsOf(const std::filesystem::path&, const std::fi
 }  // namespace
 
 void writeTruthReport(const std::filesystem::path& replay, const std::filesystem::path& truth,
-                      const std::filesystem::path& output,
+                      const std::filesystem::path& output, const std::string& title,
                       const std::function<void(const std::string&)>& note) {
   report::ReportOptions page;
   page.output = output;
+  page.title = title;
   page.truth = truth;
   if (!truth.empty()) {
     try {

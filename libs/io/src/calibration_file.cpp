@@ -1,4 +1,5 @@
 #include <headway/core/error.h>
+#include <headway/core/output_file.h>
 #include <headway/io/calibration_file.h>
 
 #include "rectifier.h"
@@ -39,8 +40,8 @@ std::string poseText(const Pose& pose) {
 void writeCalibration(const std::string& path, const StereoCamera& camera) {
   const std::string lens =
       formatted("[%.17g, %.17g, %.17g, %.17g]", camera.fx, camera.fy, camera.cx, camera.cy);
-  auto file = openForWriting(path);
-  file
+  OutputFile file(path);
+  file.stream()
       << "# Rectified stereo camera: rows of left and right coincide.\n"
       << formatted("image_size: [%d, %d]  # width, height [px]\n", camera.width, camera.height)
       << "left: " << lens << "  # fx, fy, cx, cy [px]; (0, 0) is the centre of the first pixel\n"
@@ -48,7 +49,7 @@ void writeCalibration(const std::string& path, const StereoCamera& camera) {
       << formatted("baseline_m: %.17g\n", camera.baseline_m)
       << "# Left camera (x right, y down, z forward) on the robot (x forward, y left, z up), 3x4.\n"
       << "T_robot_cam: " << poseText(camera.T_robot_cam) << "\n";
-  closeWritten(file, path);
+  file.commit();
 }
 
 RawStereoCamera readRawCalibration(const std::string& path,

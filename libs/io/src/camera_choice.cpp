@@ -1,6 +1,7 @@
 #include "camera_choice.h"
 
 #include <headway/core/error.h>
+#include <headway/core/printable.h>
 #include <mrpt/obs/CObservationImage.h>
 #include <mrpt/obs/CObservationStereoImages.h>
 
@@ -11,17 +12,6 @@ namespace {
 
 // Number of poses without any image after which a rawlog is taken to contain only poses.
 constexpr std::size_t kPosesWithoutImages = 1000;
-
-/// A label for the terminal, without control characters such as those of escape sequences.
-std::string printable(std::string label) {
-  for (std::size_t i = 0; i < label.size(); ++i) {
-    const auto c = static_cast<unsigned char>(label[i]);
-    const bool follows_utf8_lead = i > 0 && static_cast<unsigned char>(label[i - 1]) > 0xC2;
-    const bool is_c1 = c >= 0x80 && c < 0xA0 && !follows_utf8_lead;  // U+0080 to U+009F
-    if (c < ' ' || c == 0x7F || is_c1) label[i] = '?';
-  }
-  return label;
-}
 
 template <typename Map>
 std::string keysOf(const Map& map) {

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 namespace headway::io {
 namespace {
@@ -29,9 +30,10 @@ void requireKnownCompression(const std::string& path) {
 
 }  // namespace
 
-GzOutput::GzOutput(const std::string& path) : path_(path), file_(gzopen(path.c_str(), "wb1")) {
+GzOutput::GzOutput(const std::string& path, std::string name)
+    : name_(std::move(name)), file_(gzopen(path.c_str(), "wb1")) {
   if (file_ == nullptr) {
-    throw InputError(path + ": cannot be written; check that its folder exists and is writable");
+    throw InputError(name_ + ": cannot be written; check that its folder exists and is writable");
   }
   gzbuffer(file_, kBufferBytes);
 }
@@ -57,7 +59,7 @@ void GzOutput::close() {
   const int status = gzclose(file_);
   file_ = nullptr;
   if (status != Z_OK) {
-    throw InputError(path_ + ": not written completely; check the disk space");
+    throw InputError(name_ + ": not written completely; check the disk space");
   }
 }
 

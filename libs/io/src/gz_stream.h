@@ -14,8 +14,9 @@ namespace headway::io {
 /// CFileGZOutputStream ignores.
 class GzOutput : public mrpt::io::CStream {
  public:
+  /// @param name  of the file in messages
   /// @throws InputError if the file cannot be written
-  explicit GzOutput(const std::string& path);
+  GzOutput(const std::string& path, std::string name);
   ~GzOutput() override;
   GzOutput(const GzOutput&) = delete;
   GzOutput& operator=(const GzOutput&) = delete;
@@ -32,7 +33,7 @@ class GzOutput : public mrpt::io::CStream {
   uint64_t getPosition() const override;
 
  private:
-  std::string path_;
+  std::string name_;
   gzFile file_;
   bool has_failed_ = false;
 };

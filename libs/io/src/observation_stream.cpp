@@ -1,6 +1,7 @@
 #include "observation_stream.h"
 
 #include <headway/core/error.h>
+#include <headway/core/stop_request.h>
 #include <headway/io/detection_observation.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/rtti/CObject.h>
@@ -86,7 +87,7 @@ ObservationStream::ObservationStream(const std::string& path,
 }
 
 mrpt::obs::CObservation::Ptr ObservationStream::next() {
-  while (ready_.empty() && !at_end_) {
+  while (ready_.empty() && !at_end_ && !stopRequested()) {
     const auto class_name = readClassName();
     if (class_name) readObject(*class_name);
   }
@@ -218,7 +219,7 @@ void ObservationStream::count(const std::string& reason) {
 bool ObservationStream::skipToNextObservation() {
   has_skipped_ = true;
   objects_since_skip_ = 0;
-  while (true) {
+  while (!stopRequested()) {
     input_.mark();
     const std::string_view window = input_.peek(kScanChunk);
     const auto at = findObservationHeader(window);
@@ -231,6 +232,7 @@ bool ObservationStream::skipToNextObservation() {
     input_.take(is_end ? window.size() : window.size() - (kMaxNameLength + 1));
     if (is_end) return false;
   }
+  return false;
 }
 
 void ObservationStream::truncate(const std::string& reason) {

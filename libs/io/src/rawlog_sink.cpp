@@ -1,5 +1,7 @@
 #include <headway/core/error.h>
 #include <headway/core/mrpt_pose.h>
+#include <headway/core/output_file.h>
+#include <headway/core/replace_files.h>
 #include <headway/io/detection_observation.h>
 #include <headway/io/mrpt_time.h>
 #include <headway/io/observation_calibration.h>
@@ -12,11 +14,14 @@
 #include <mrpt/obs/CObservationRobotPose.h>
 #include <mrpt/obs/CObservationStereoImages.h>
 #include <mrpt/serialization/CArchive.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <exception>
 #include <filesystem>
+#include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
 #include "gz_stream.h"
@@ -59,12 +64,27 @@ std::string fileNameOf(std::string label) {
   return label;
 }
 
-/// Temporary name of a rawlog while it is written; devices such as /dev/full keep their name.
-std::string pathWhileWriting(const std::string& path) {
-  std::error_code ignored;
-  const bool is_special = fs::exists(path, ignored) && !fs::is_regular_file(path, ignored) &&
-                          !fs::is_directory(path, ignored);
-  return is_special ? path : path + ".part";
+/// Images beside a rawlog: LABEL_left_NNNNNN.png and the like.
+bool isStoredImage(const fs::path& file) {
+  const std::string name = file.stem().string();
+  const std::size_t end = name.size() < 7 ? 0 : name.size() - 7;
+  const bool is_numbered = end > 0 && name[end] == '_' &&
+                           name.find_first_not_of("0123456789", end + 1) == std::string::npos;
+  const std::string label = name.substr(0, end);
+  const auto ends_with = [&](std::string_view side) {
+    return label.size() >= side.size() &&
+           label.compare(label.size() - side.size(), side.size(), side) == 0;
+  };
+  const bool is_image = file.extension() == ".png" || file.extension() == ".jpg";
+  return is_image && is_numbered && (ends_with("_left") || ends_with("_right"));
+}
+
+void writeImage(const fs::path& path, const std::vector<unsigned char>& bytes) {
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (!file) throw InputError(path.string() + ": not written completely; check the disk space");
 }
 
 }  // namespace
@@ -87,28 +107,31 @@ class RawlogSink::Writer {
  public:
   Writer(const std::string& path, ImageStorage storage, int jpeg_quality)
       : path_(path),
-        path_while_writing_(pathWhileWriting(path)),
         storage_(storage),
         jpeg_quality_(jpeg_quality),
-        file_(path_while_writing_) {
+        file_(path),
+        content_(file_.temporaryPath().string(), path) {
     registerClasses();
     if (isExternal()) makeImageFolder();
   }
 
+  /// Completes the rawlog unless an exception is the reason.
   ~Writer() {
     try {
-      close();
+      if (std::uncaught_exceptions() == exceptions_) close();
     } catch (const std::exception&) {  // errors are reported by close()
     }
+    std::error_code ignored;
+    if (!images_while_writing_.empty()) fs::remove_all(images_while_writing_, ignored);
   }
 
   void write(const mrpt::obs::CObservation& observation) {
     const JpegSerialization jpeg(storage_ == ImageStorage::kEmbedded, jpeg_quality_);
-    auto archive = mrpt::serialization::archiveFrom(file_);
+    auto archive = mrpt::serialization::archiveFrom(content_);
     try {
       archive << observation;
     } catch (const std::exception&) {
-      if (!file_.hasFailed()) throw;
+      if (!content_.hasFailed()) throw;
       throw InputError(path_ + ": write error; check the disk space");
     }
   }
@@ -116,18 +139,9 @@ class RawlogSink::Writer {
   void close() {
     if (is_closed_) return;
     is_closed_ = true;
-    std::string failure;
-    try {
-      file_.close();
-    } catch (const InputError& error) {
-      failure = error.what();
-    }
-    if (path_ != path_while_writing_) {
-      std::error_code error;
-      fs::rename(path_while_writing_, path_, error);
-      if (error && failure.empty()) failure = path_ + ": cannot be written: " + error.message();
-    }
-    if (!failure.empty()) throw InputError(failure);
+    content_.close();
+    if (isExternal()) replaceFiles(images_while_writing_, image_folder_, isStoredImage);
+    file_.commit();
   }
 
   /// The image to store in the rawlog: embedded, or a reference to an external file.
@@ -140,11 +154,7 @@ class RawlogSink::Writer {
     cv::imencode(is_png ? ".png" : ".jpg", image, bytes,
                  is_png ? std::vector<int>{cv::IMWRITE_PNG_COMPRESSION, 1}
                         : std::vector<int>{cv::IMWRITE_JPEG_QUALITY, jpeg_quality_});
-    const std::string file_path = (image_folder_ / name).string();
-    auto file = openForWriting(file_path);
-    file.write(reinterpret_cast<const char*>(bytes.data()),
-               static_cast<std::streamsize>(bytes.size()));
-    closeWritten(file, file_path);
+    writeImage(images_while_writing_ / name, bytes);
     mrpt::img::CImage result;
     result.setExternalStorage(name);
     return result;
@@ -159,22 +169,28 @@ class RawlogSink::Writer {
 
   void makeImageFolder() {
     const fs::path path(path_);
-    image_folder_ = path.parent_path() / (path.stem().string() + "_Images");
-    std::error_code error;
-    fs::create_directories(image_folder_, error);
-    if (error) {
-      throw InputError(image_folder_.string() + ": cannot be made: " + error.message());
+    const std::string name = path.stem().string() + "_Images";
+    image_folder_ = path.parent_path() / name;
+    images_while_writing_ =
+        path.parent_path() / (".partial-" + std::to_string(getpid()) + "-" + name);
+    if (fs::exists(image_folder_) && !fs::is_directory(image_folder_)) {
+      throw InputError(image_folder_.string() + ": cannot be made: a file of that name exists");
     }
+    std::error_code error;
+    fs::create_directories(images_while_writing_, error);
+    if (error) throw InputError(image_folder_.string() + ": cannot be made: " + error.message());
   }
 
   std::string path_;
-  std::string path_while_writing_;
   ImageStorage storage_;
   int jpeg_quality_;
-  GzOutput file_;
+  OutputFile file_;
+  GzOutput content_;  ///< of file_
   fs::path image_folder_;
+  fs::path images_while_writing_;
   std::size_t pairs_ = 0;
   bool is_closed_ = false;
+  int exceptions_ = std::uncaught_exceptions();
 };
 
 RawlogSink::RawlogSink(const std::string& path, ImageStorage storage, int jpeg_quality)

@@ -139,19 +139,6 @@ std::string formatted(const char* format, ...) {
   }
 }
 
-std::ofstream openForWriting(const std::string& path) {
-  std::ofstream file(path, std::ios::binary);
-  if (!file) {
-    throw InputError(path + ": cannot be written; check that its folder exists and is writable");
-  }
-  return file;
-}
-
-void closeWritten(std::ofstream& file, const std::string& path) {
-  file.close();
-  if (!file) throw InputError(path + ": not written completely; check the disk space");
-}
-
 CsvColumns::CsvColumns(const TextRows& header, const std::string& required) : size_(header.size()) {
   for (std::size_t i = 0; i < header.size(); ++i) positions_.emplace(header.fields()[i], i);
   for (const auto& name : namesIn(required)) {

@@ -52,11 +52,6 @@ class TextRows {
 /// printf-style formatting, because streams depend on a locale.
 [[nodiscard]] std::string formatted(const char* format, ...) __attribute__((format(printf, 1, 2)));
 
-/// Opens a text file for writing. @throws InputError if it cannot be written
-[[nodiscard]] std::ofstream openForWriting(const std::string& path);
-/// Flushes and closes. @throws InputError on a write error such as a full disk
-void closeWritten(std::ofstream& file, const std::string& path);
-
 /// Positions of the named columns of a CSV file, in any order.
 class CsvColumns {
  public:

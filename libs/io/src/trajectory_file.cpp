@@ -1,4 +1,5 @@
 #include <headway/core/error.h>
+#include <headway/core/output_file.h>
 #include <headway/io/trajectory_file.h>
 
 #include <cmath>
@@ -65,9 +66,9 @@ void writeTumRow(std::ostream& out, const Stamped<Pose>& pose) {
 }
 
 void writeTum(const std::string& path, const std::vector<Stamped<Pose>>& trajectory) {
-  auto file = openForWriting(path);
-  for (const auto& pose : trajectory) writeTumRow(file, pose);
-  closeWritten(file, path);
+  OutputFile file(path);
+  for (const auto& pose : trajectory) writeTumRow(file.stream(), pose);
+  file.commit();
 }
 
 std::vector<Pose> readKittiPoses(const std::string& path) {
@@ -81,16 +82,16 @@ std::vector<Pose> readKittiPoses(const std::string& path) {
 }
 
 void writeKittiPoses(const std::string& path, const std::vector<Pose>& poses) {
-  auto file = openForWriting(path);
+  OutputFile file(path);
   for (const auto& pose : poses) {
     for (int row = 0; row < 3; ++row) {
       for (int column = 0; column < 4; ++column) {
-        file << formatted("%.12e", pose.matrix()(row, column))
-             << (row == 2 && column == 3 ? '\n' : ' ');
+        file.stream() << formatted("%.12e", pose.matrix()(row, column))
+                      << (row == 2 && column == 3 ? '\n' : ' ');
       }
     }
   }
-  closeWritten(file, path);
+  file.commit();
 }
 
 PoseFile::PoseFile(const std::string& path, const Pose& T_robot_cam) {

@@ -2,6 +2,7 @@
 
 #include <headway/core/byte_archive.h>
 #include <headway/core/error.h>
+#include <headway/core/output_file.h>
 
 #include <filesystem>
 #include <fstream>
@@ -111,17 +112,9 @@ Header parseHeader(std::string_view whole) {
 }  // namespace
 
 void writeCheckedFile(const std::string& path, const std::vector<Section>& sections) {
-  const std::string partial = path + ".part";
-  std::ofstream file(partial, std::ios::binary | std::ios::trunc);
-  writeSections(file, sections);
-  file.close();
-  std::error_code error;
-  if (file) std::filesystem::rename(partial, path, error);
-  if (!file || error) {
-    std::error_code ignored;
-    std::filesystem::remove(partial, ignored);
-    throw InputError(path + ": cannot be written (is the disk full, or the folder missing?)");
-  }
+  OutputFile file(path);
+  writeSections(file.stream(), sections);
+  file.commit();
 }
 
 std::vector<Section> readCheckedFile(const std::string& path) {

@@ -1,13 +1,13 @@
 #include <headway/core/byte_archive.h>
-#include <headway/core/error.h>
 #include <headway/core/mrpt_pose.h>
+#include <headway/core/output_file.h>
 #include <headway/map/map_export.h>
+#include <headway/map/object_file.h>
 #include <mrpt/core/Clock.h>
 #include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/poses/CPose3DPDFGaussian.h>
 
-#include <fstream>
 #include <unordered_map>
 
 #include "pose_pdf.h"
@@ -53,25 +53,25 @@ void writeSimpleMap(const std::string& path, const slam::MapView& static_map) {
     frame->insert(scanOf(keyframe, positions));
     simple_map.insert(toMrptPdf(keyframe.T_map_robot, keyframe.covariance), *frame);
   }
-  if (!simple_map.saveToFile(path)) throw InputError(path + ": cannot be written");
+  writeObject(path, simple_map);
 }
 
 /// Hand-written because MRPT's saveToPlyFile omits colours and adds an empty list of faces.
 void writePly(const std::string& path, const slam::MapView& static_map) {
-  std::ofstream file(path, std::ios::binary);
-  file << "ply\nformat binary_little_endian 1.0\ncomment landmarks of headway, map frame, metres\n"
-       << "element vertex " << static_map.landmarks.size()
-       << "\nproperty float x\nproperty float y\nproperty float z\nproperty float intensity\n"
-       << "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
+  OutputFile file(path);
+  file.stream()
+      << "ply\nformat binary_little_endian 1.0\ncomment landmarks of headway, map frame, metres\n"
+      << "element vertex " << static_map.landmarks.size()
+      << "\nproperty float x\nproperty float y\nproperty float z\nproperty float intensity\n"
+      << "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
   ByteWriter vertices;
   for (const auto& landmark : static_map.landmarks) {
     vertices.matrix(landmark.position.cast<float>());
     vertices.value(static_cast<float>(landmark.intensity) / 255.f);
     for (int channel = 0; channel < 3; ++channel) vertices.value(landmark.intensity);
   }
-  file << vertices.bytes;
-  file.close();
-  if (!file) throw InputError(path + ": cannot be written");
+  file.stream() << vertices.bytes;
+  file.commit();
 }
 
 }  // namespace headway::map

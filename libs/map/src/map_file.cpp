@@ -1,9 +1,11 @@
+#include <headway/core/byte_archive.h>
 #include <headway/core/error.h>
 #include <headway/map/map_file.h>
 #include <headway/slam/stereo_slam.h>
 #include <mrpt/io/CMemoryStream.h>
 #include <mrpt/serialization/CArchive.h>
 
+#include <string_view>
 #include <utility>
 
 #include "checked_file.h"
@@ -64,7 +66,25 @@ Value readValue(const Section& section, Value (*read)(ByteReader&)) {
   });
 }
 
+/// Refuses a grid with more cells than bytes, because MRPT allocates what its size asks for.
+/// COccupancyGridMap2D of MRPT 2.5.8 is stored as class name, u8 version, u8 bits of a cell, u32
+/// columns, u32 rows.
+void requireGridsWithin(std::string_view bytes) {
+  constexpr std::string_view kGrid = "COccupancyGridMap2D";
+  for (auto at = bytes.find(kGrid); at != bytes.npos; at = bytes.find(kGrid, at + 1)) {
+    const auto left = bytes.substr(at + kGrid.size());
+    if (left.size() < 10) return;
+    ByteReader in(left.substr(2));
+    const std::uint64_t columns = in.value<std::uint32_t>();
+    const std::uint64_t rows = in.value<std::uint32_t>();
+    if (rows > 0 && columns > left.size() / rows) {
+      throw InputError("damaged: a grid has more cells than bytes");
+    }
+  }
+}
+
 std::shared_ptr<mrpt::maps::CMultiMetricMap> readLayers(const std::string& bytes) {
+  requireGridsWithin(bytes);
   mrpt::io::CMemoryStream stream;
   stream.assignMemoryNotOwn(bytes.data(), bytes.size());
   auto layers = std::make_shared<mrpt::maps::CMultiMetricMap>();

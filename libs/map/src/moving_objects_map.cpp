@@ -1,11 +1,12 @@
-#include <headway/core/error.h>
+#include <headway/core/output_file.h>
 #include <headway/map/moving_objects_map.h>
+#include <headway/map/object_file.h>
 #include <mrpt/core/initializer.h>
 #include <mrpt/opengl/COpenGLScene.h>
 #include <mrpt/opengl/CSetOfObjects.h>
 #include <mrpt/serialization/CArchive.h>
 
-#include <fstream>
+#include <sstream>
 
 #include "stored_values.h"
 #include "track_visual.h"
@@ -73,10 +74,8 @@ void CMovingObjectsMap::saveMetricMapRepresentationToFile(const std::string& pre
   auto objects = mrpt::opengl::CSetOfObjects::Create();
   getVisualizationInto(*objects);
   scene.insert(objects);
-  if (!scene.saveToFile(prefix + "_moving_objects.3Dscene")) {
-    throw InputError(prefix + "_moving_objects.3Dscene: cannot be written");
-  }
-  std::ofstream text(prefix + "_moving_objects.txt");
+  map::writeObject(prefix + "_moving_objects.3Dscene", scene);
+  std::ostringstream text;
   text << "# time id class status x y z yaw vx vy vz length width height\n";
   text.precision(9);
   for (const auto& track : tracks_) {
@@ -84,8 +83,7 @@ void CMovingObjectsMap::saveMetricMapRepresentationToFile(const std::string& pre
          << ' ' << toString(track.status) << ' ' << track.position.transpose() << ' ' << track.yaw
          << ' ' << track.velocity.transpose() << ' ' << track.size.transpose() << '\n';
   }
-  text.close();
-  if (!text) throw InputError(prefix + "_moving_objects.txt: cannot be written");
+  writeFile(prefix + "_moving_objects.txt", text.str());
 }
 
 void CMovingObjectsMap::internal_clear() {

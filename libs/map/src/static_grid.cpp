@@ -13,6 +13,8 @@ namespace headway::map {
 namespace {
 
 constexpr double kMaxCells = 25e6;
+constexpr double kMaxPositionM = 1e7;  ///< in a map, which may be a UTM zone's
+constexpr double kMaxRotationError = 1e-3;
 constexpr double kHeadingStep = M_PI / 12.0;  ///< between directions whose scans are kept [rad]
 constexpr double kDrivenM = 5.0;              ///< farther apart, the way between scans is unknown
 constexpr double kSeenM = 30.0;               ///< round a place, about [m]
@@ -25,6 +27,13 @@ constexpr std::uint8_t kLaserVersion = 3;
 bool moved(const Pose& from, const Pose& to) {
   return (to.translation() - from.translation()).norm() > kMovedM ||
          Eigen::AngleAxisd(from.linear().transpose() * to.linear()).angle() > kTurned;
+}
+
+/// Whether it is a rigid motion within a map.
+bool isPlausible(const Pose& pose) {
+  const Eigen::Matrix3d turn = pose.linear();
+  return pose.matrix().allFinite() && pose.translation().cwiseAbs().maxCoeff() < kMaxPositionM &&
+         (turn * turn.transpose()).isIdentity(kMaxRotationError) && turn.determinant() > 0.0;
 }
 
 }  // namespace
@@ -212,8 +221,8 @@ StaticGrid StaticGrid::loaded(const std::string& bytes) const {
     stored.anchor.value = in.value<std::int64_t>();
     stored.T_anchor_robot = readPose(in);
     stored.scan = readGroundScan(in, version == kLaserVersion);
-    if (!stored.T_map_robot.matrix().allFinite()) {
-      throw InputError("damaged: one has no finite pose");
+    if (!isPlausible(stored.T_map_robot) || !isPlausible(stored.T_anchor_robot)) {
+      throw InputError("damaged: one has no pose");
     }
     loaded.enter(stored);
   }

@@ -1,11 +1,12 @@
-#include <headway/core/error.h>
+#include <headway/core/output_file.h>
+#include <headway/map/object_file.h>
 #include <headway/map/static_grid.h>
-#include <mrpt/img/CImage.h>
-#include <mrpt/io/CFileGZOutputStream.h>
-#include <mrpt/serialization/CArchive.h>
 
+#include <cstdint>
 #include <filesystem>
-#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+#include <vector>
 
 namespace headway::map {
 namespace {
@@ -23,32 +24,29 @@ std::uint8_t greyOf(float free_probability) {
 void writePicture(const std::string& path, const mrpt::maps::COccupancyGridMap2D& grid) {
   const int width = static_cast<int>(grid.getSizeX());
   const int height = static_cast<int>(grid.getSizeY());
-  mrpt::img::CImage picture(width, height, mrpt::img::CH_GRAY);
+  cv::Mat_<std::uint8_t> picture(height, width);
   for (int y = 0; y < height; ++y) {
-    auto* row = picture.ptrLine<std::uint8_t>(static_cast<unsigned>(height - 1 - y));
+    auto* row = picture[height - 1 - y];
     for (int x = 0; x < width; ++x) row[x] = greyOf(grid.getCell(x, y));
   }
-  if (!picture.saveToFile(path)) throw InputError(path + ": cannot be written");
+  std::vector<std::uint8_t> png;
+  cv::imencode(".png", picture, png);
+  writeFile(path, {reinterpret_cast<const char*>(png.data()), png.size()});
 }
 
 void writeDescription(const std::string& path, const std::string& picture,
                       const mrpt::maps::COccupancyGridMap2D& grid) {
-  std::ofstream file(path);
-  file << "image: " << picture << "\nresolution: " << grid.getResolution() << "\norigin: ["
+  std::ostringstream text;
+  text << "image: " << picture << "\nresolution: " << grid.getResolution() << "\norigin: ["
        << grid.getXMin() << ", " << grid.getYMin() << ", 0.0]\nnegate: 0\n"
        << "occupied_thresh: 0.65\nfree_thresh: 0.196\n";
-  file.close();
-  if (!file) throw InputError(path + ": cannot be written");
+  writeFile(path, text.str());
 }
 
 }  // namespace
 
 void writeStaticGrid(const std::string& prefix, const mrpt::maps::COccupancyGridMap2D& grid) {
-  const std::string path = prefix + ".gridmap.gz";
-  mrpt::io::CFileGZOutputStream stream;
-  if (!stream.open(path)) throw InputError(path + ": cannot be written");
-  mrpt::serialization::archiveFrom(stream) << grid;
-  stream.close();
+  writeObject(prefix + ".gridmap.gz", grid);
   writePicture(prefix + ".png", grid);
   writeDescription(prefix + ".yaml", std::filesystem::path(prefix).filename().string() + ".png",
                    grid);

@@ -3,6 +3,8 @@
 namespace headway::map {
 namespace {
 
+constexpr float kMaxScanM = 300.0F;
+
 void write(ByteWriter& out, const std::optional<Box2d>& box) {
   out.value(box.has_value());
   if (!box) return;
@@ -102,7 +104,14 @@ slam::KeyframeView readKeyframe(ByteReader& in) {
 
 void write(ByteWriter& out, const Eigen::Vector3f& place) { out.matrix(place); }
 
-Eigen::Vector3f readPlace(ByteReader& in) { return in.finiteMatrix<Eigen::Vector3f>(); }
+/// Of a ground scan; its distance decides on the memory that the grid takes.
+Eigen::Vector3f readPlace(ByteReader& in) {
+  const auto place = in.finiteMatrix<Eigen::Vector3f>();
+  if (place.cwiseAbs().maxCoeff() > kMaxScanM) {
+    throw InputError("damaged: a ground scan reaches farther than any sensor");
+  }
+  return place;
+}
 
 }  // namespace
 
@@ -222,7 +231,9 @@ std::vector<GroundScan::Free> readSegments(ByteReader& in) {
 std::vector<GroundScan::Obstacle> readObstacles(ByteReader& in) {
   return in.list<GroundScan::Obstacle>([](ByteReader& archive) {
     const Eigen::Vector3f foot = readPlace(archive);
-    return GroundScan::Obstacle{foot, archive.value<float>()};
+    const auto sigma_m = archive.finiteValue<float>();
+    if (!(sigma_m > 0.0F)) throw InputError("damaged: an obstacle has no positive sigma");
+    return GroundScan::Obstacle{foot, sigma_m};
   });
 }
 

@@ -12,6 +12,7 @@ namespace {
 
 /// Bytes handed to zlib at once; its counters have 32 bits.
 constexpr std::size_t kPiece = 1u << 20;
+constexpr int kMemoryLevel = 8;  // zlib's default
 
 Bytef* mutableBytes(std::string_view bytes) {
   return const_cast<Bytef*>(reinterpret_cast<const Bytef*>(bytes.data()));
@@ -35,8 +36,15 @@ std::uint32_t checksum(std::string_view bytes, std::uint32_t crc) {
   return crc;
 }
 
-ZlibWriter::ZlibWriter(std::ostream& out) : out_(out), stream_(std::make_unique<z_stream>()) {
-  if (deflateInit(stream_.get(), Z_DEFAULT_COMPRESSION) != Z_OK) throw std::bad_alloc();
+ZlibWriter::ZlibWriter(std::ostream& out, Format format)
+    : out_(out), stream_(std::make_unique<z_stream>()) {
+  const bool is_gz = format == Format::kGz;
+  const int level = is_gz ? Z_BEST_SPEED : Z_DEFAULT_COMPRESSION;  // as MRPT's gz files
+  const int window_bits = is_gz ? MAX_WBITS + 16 : MAX_WBITS;
+  if (deflateInit2(stream_.get(), level, Z_DEFLATED, window_bits, kMemoryLevel,
+                   Z_DEFAULT_STRATEGY) != Z_OK) {
+    throw std::bad_alloc();
+  }
 }
 
 ZlibWriter::~ZlibWriter() { deflateEnd(stream_.get()); }

@@ -17,7 +17,9 @@ namespace headway::map {
 /// the pieces.
 class ZlibWriter {
  public:
-  explicit ZlibWriter(std::ostream& out);
+  enum class Format { kZlib, kGz };
+
+  explicit ZlibWriter(std::ostream& out, Format format = Format::kZlib);
   ~ZlibWriter();
 
   void write(std::string_view bytes);

@@ -1,5 +1,7 @@
+#include <headway/core/stop_request.h>
 #include <headway/pipeline/frame_feed.h>
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -9,6 +11,9 @@
 
 namespace headway::pipeline {
 namespace {
+
+constexpr double kMaxGapS = 5.0;
+constexpr std::chrono::milliseconds kPollInterval(100);  // of a stop request
 
 class OfflineFeed : public FrameFeed {
  public:
@@ -39,7 +44,8 @@ class RealtimeFeed : public FrameFeed {
 
   std::optional<RecordedFrame> next() override {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return !queue_.empty() || finished_; });
+    while (queue_.empty() && !finished_ && !stopRequested()) changed_.wait_for(lock, kPollInterval);
+    if (stopRequested()) return std::nullopt;
     if (queue_.empty()) {
       if (error_) std::rethrow_exception(error_);
       return std::nullopt;
@@ -62,11 +68,15 @@ class RealtimeFeed : public FrameFeed {
     try {
       std::optional<Clock::time_point> start;
       Time first = 0.0;
+      Time last = 0.0;
       while (auto frame = reader_()) {
         if (!start) {
           start = Clock::now();
-          first = frame->time;
+          first = last = frame->time;
         }
+        // A pause of the recording is not waited for.
+        if (frame->time - last > kMaxGapS) first += frame->time - last - kMaxGapS;
+        last = frame->time;
         const std::chrono::duration<double> due((frame->time - first) / factor_);
         if (!hand(std::move(*frame), *start + std::chrono::duration_cast<Clock::duration>(due))) {
           break;
@@ -84,7 +94,11 @@ class RealtimeFeed : public FrameFeed {
   /// Queues a frame once it is due. @return false if the feed is being closed
   bool hand(RecordedFrame frame, Clock::time_point due) {
     std::unique_lock lock(mutex_);
-    if (changed_.wait_until(lock, due, [this] { return stopping_; })) return false;
+    while (Clock::now() < due) {
+      if (stopping_ || stopRequested()) return false;
+      changed_.wait_until(lock, std::min(due, Clock::now() + kPollInterval));
+    }
+    if (stopping_) return false;
     if (queue_.size() == capacity_) {
       queue_.pop_front();
       ++dropped_;

@@ -1,3 +1,4 @@
+#include <headway/core/output_file.h>
 #include <headway/render/video_file.h>
 
 extern "C" {
@@ -88,12 +89,13 @@ Owned<SwsContext> newConversion(cv::Size size) {
 
 class VideoFile::Encoder {
  public:
-  Encoder(std::string path, double rate, cv::Size size) : path_(std::move(path)), size_(size) {
+  Encoder(const std::string& path, double rate, cv::Size size)
+      : path_(path), size_(size), output_(path) {
     CV_Assert(rate > 0.0 && size.width > 0 && size.height > 0);
     CV_Assert(size.width % 2 == 0 && size.height % 2 == 0);
     av_log_set_level(AV_LOG_FATAL);  // errors are returned as values
     AVFormatContext* file = nullptr;
-    require(avformat_alloc_output_context2(&file, nullptr, "mp4", path_.c_str()));
+    require(avformat_alloc_output_context2(&file, nullptr, "mp4", output_.temporaryPath().c_str()));
     file_.reset(file);
     for (const auto& encoding : kEncodings) {
       codec_ = openEncoder(encoding, *file_->oformat, rate, size);
@@ -106,7 +108,7 @@ class VideoFile::Encoder {
     stream_->time_base = codec_->time_base;
     stream_->avg_frame_rate = codec_->framerate;
     require(avcodec_parameters_from_context(stream_->codecpar, codec_.get()));
-    require(avio_open(&file_->pb, path_.c_str(), AVIO_FLAG_WRITE));
+    require(avio_open(&file_->pb, output_.temporaryPath().c_str(), AVIO_FLAG_WRITE));
     AVDictionary* options = nullptr;
     av_dict_set(&options, "movflags", "faststart", 0);  // index at the start, for streaming
     const int failed = avformat_write_header(file_.get(), &options);
@@ -134,6 +136,7 @@ class VideoFile::Encoder {
     writePackets();
     require(av_write_trailer(file_.get()));
     require(avio_closep(&file_->pb));
+    output_.commit();
   }
 
  private:
@@ -159,6 +162,7 @@ class VideoFile::Encoder {
 
   std::string path_;
   cv::Size size_;
+  OutputFile output_;
   Owned<AVFormatContext> file_;
   Owned<AVCodecContext> codec_;
   AVStream* stream_ = nullptr;  ///< of file_

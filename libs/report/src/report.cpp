@@ -1,8 +1,7 @@
 #include <headway/core/error.h>
+#include <headway/core/output_file.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/report/report.h>
-
-#include <fstream>
 
 #include "html.h"
 #include "replay_folder.h"
@@ -29,11 +28,11 @@ TruthLayer readTruth(const ReplayFolder& folder, const fs::path& truth_folder) {
 std::string mapSection(const ReplayFolder& folder, const TruthLayer& truth) {
   const std::string plot = mapPlot(folder, truth);
   if (plot.empty()) return "";
-  return section(
-      "map", "Map",
-      "Plan view of the robot's path, the landmarks, free ground (green) and obstacles (red), and the paths of moving objects. Dots "
-      "are static objects.",
-      plot + classLegend(folder, !truth.trajectory.empty()));
+  return section("map", "Map",
+                 "Plan view of the robot's path, the landmarks, free ground (green) and obstacles "
+                 "(red), and the paths of moving objects. Dots "
+                 "are static objects.",
+                 plot + classLegend(folder, !truth.trajectory.empty()));
 }
 
 std::string tracksSection(const ReplayFolder& folder) {
@@ -58,7 +57,8 @@ std::string versionOf(const ReplayFolder& folder) {
 
 std::string pageOf(const ReplayFolder& folder, const ReportOptions& options) {
   const TruthLayer truth = readTruth(folder, options.truth);
-  const std::string title = escaped(folder.path.filename().string());
+  const std::string title =
+      escaped(options.title.empty() ? folder.path.filename().string() : options.title);
   return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
          "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"><title>" +
          title + " – headway</title><style>" + kStyle + "</style></head><body><main>\n" +
@@ -75,10 +75,7 @@ fs::path writeReport(const fs::path& folder_path, const ReportOptions& options) 
   const fs::path absolute = fs::weakly_canonical(folder_path);
   const std::string page = pageOf(readReplayFolder(absolute), options);
   const fs::path path = options.output.empty() ? folder_path / "report.html" : options.output;
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file << page;
-  file.close();
-  if (!file) throw InputError(path.string() + ": cannot be written");
+  writeFile(path, page);
   return path;
 }
 

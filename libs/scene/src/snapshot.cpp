@@ -1,4 +1,4 @@
-#include <headway/core/error.h>
+#include <headway/map/object_file.h>
 #include <headway/plot/colours.h>
 #include <headway/scene/snapshot.h>
 
@@ -109,7 +109,7 @@ cv::Mat SnapshotRenderer::draw(const SnapshotInput& input) { return implementati
 void saveScene(const std::string& path, const SnapshotInput& input) {
   WorldScene world(SceneUse::kFile, 2.f);
   auto scene = world.build(input, groundHeight(input));
-  if (!scene.saveToFile(path)) throw InputError(path + ": the scene cannot be written");
+  map::writeObject(path, scene);
 }
 
 }  // namespace headway::scene

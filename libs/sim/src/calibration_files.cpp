@@ -1,19 +1,12 @@
 #include "calibration_files.h"
 
-#include <headway/core/error.h>
+#include <headway/core/output_file.h>
 
-#include <fstream>
 #include <iomanip>
+#include <sstream>
 
 namespace headway::sim {
 namespace {
-
-std::ofstream openExact(const std::string& path) {
-  std::ofstream out(path);
-  if (!out) throw InputError(path + ": cannot be written");
-  out << std::setprecision(12);
-  return out;
-}
 
 /// The upper three rows, row by row.
 void writeRows(std::ostream& out, const Pose& pose, const char* separator) {
@@ -37,7 +30,8 @@ void writeLens(std::ostream& out, const std::string& name, const io::RawCamera& 
 }  // namespace
 
 void writeKittiCalibration(const std::string& path, const StereoCamera& camera) {
-  auto out = openExact(path);
+  std::ostringstream out;
+  out << std::setprecision(12);
   for (int i = 0; i < 4; ++i) {
     const double shift = i % 2 == 0 ? 0.0 : -camera.fx * camera.baseline_m;
     out << "P" << i << ": " << camera.fx << " 0 " << camera.cx << " " << shift << " 0 " << camera.fy
@@ -46,11 +40,13 @@ void writeKittiCalibration(const std::string& path, const StereoCamera& camera) 
   out << "R0_rect: 1 0 0 0 1 0 0 0 1\nTr_velo_to_cam: ";
   writeRows(out, camera.T_robot_cam.inverse(), " ");
   out << "\nTr_imu_to_velo: 1 0 0 0 0 1 0 0 0 0 1 0\n";
+  writeFile(path, out.str());
 }
 
 void writeYamlCalibration(const std::string& path, const StereoCamera& camera,
                           const io::RawStereoCamera& recorded) {
-  auto out = openExact(path);
+  std::ostringstream out;
+  out << std::setprecision(12);
   out << "# rectified pair; recorded lenses below (OpenCV's k1 k2 p1 p2 k3)\n"
       << "width: " << camera.width << "\nheight: " << camera.height << "\nfx: " << camera.fx
       << "\nfy: " << camera.fy << "\ncx: " << camera.cx << "\ncy: " << camera.cy
@@ -60,6 +56,7 @@ void writeYamlCalibration(const std::string& path, const StereoCamera& camera,
   out << "]\n";
   writeLens(out, "recorded_left", recorded.left);
   writeLens(out, "recorded_right", recorded.right);
+  writeFile(path, out.str());
 }
 
 }  // namespace headway::sim

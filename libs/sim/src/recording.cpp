@@ -1,4 +1,5 @@
 #include <headway/core/error.h>
+#include <headway/core/output_file.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/sim/recording.h>
@@ -6,9 +7,9 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iomanip>
 #include <opencv2/imgcodecs.hpp>
+#include <sstream>
 #include <vector>
 
 #include "calibration_files.h"
@@ -28,18 +29,20 @@ io::ImageStorage storageOf(RecordingParams::Storage storage) {
   return io::ImageStorage::kEmbedded;
 }
 
-std::ofstream openText(const std::string& path) {
-  std::ofstream out(path);
-  if (!out) throw InputError(path + ": cannot be written");
-  return out;
+/// Creates a folder unless it exists. @throws InputError if it cannot be created
+std::filesystem::path madeFolder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw InputError(folder + ": cannot be made: " + error.message());
+  return folder;
 }
 
 void writePicture(const std::string& folder, std::size_t index, const cv::Mat& picture) {
   char name[32];
   std::snprintf(name, sizeof name, "/%06zu.png", index);
-  if (!cv::imwrite(folder + name, picture)) {
-    throw InputError(folder + name + ": cannot be written (is the disk full?)");
-  }
+  std::vector<uchar> png;
+  cv::imencode(".png", picture, png);
+  writeFile(folder + name, {reinterpret_cast<const char*>(png.data()), png.size()});
 }
 
 cv::Mat kittiDepth(const cv::Mat& depth) {
@@ -100,13 +103,14 @@ void writeObjectRow(std::ostream& out, const SimFrame& frame, const TruthObject&
 
 /// One row for each corner of each drop's outline.
 void writeDrops(const std::string& path, const std::vector<Drop>& drops) {
-  auto out = openText(path);
+  std::ostringstream out;
   out << "drop,x,y,depth_m\n" << std::fixed << std::setprecision(4);
   for (std::size_t i = 0; i < drops.size(); ++i) {
     for (const Eigen::Vector2d& corner : drops[i].outline) {
       out << i << ',' << corner.x() << ',' << corner.y() << ',' << drops[i].depth_m << '\n';
     }
   }
+  writeFile(path, out.str());
 }
 
 }  // namespace
@@ -120,15 +124,13 @@ class Recording::Files {
         options_(options),
         camera_(camera),
         recorded_(recorded),
-        sink_(path, storageOf(params.storage), params.jpeg_quality) {
-    std::error_code error;
-    std::filesystem::create_directories(folder_, error);
-    if (options.masks) std::filesystem::create_directories(folder_ + "/masks", error);
-    if (options.depth) std::filesystem::create_directories(folder_ + "/depth", error);
-    labels_ = openText(folder_ + "/label_02.txt");
-    objects_ = openText(folder_ + "/objects.csv");
-    objects_ << io::trackCsvHeader() << ",visible\n";
-    openText(folder_ + "/world.ini") << world_ini;
+        sink_(path, storageOf(params.storage), params.jpeg_quality),
+        labels_(madeFolder(folder_) / "label_02.txt"),
+        objects_(std::filesystem::path(folder_) / "objects.csv") {
+    if (options.masks) madeFolder(folder_ + "/masks");
+    if (options.depth) madeFolder(folder_ + "/depth");
+    objects_.stream() << io::trackCsvHeader() << ",visible\n";
+    writeFile(folder_ + "/world.ini", world_ini);
     writeKittiCalibration(folder_ + "/calib.txt", camera);
     writeYamlCalibration(folder_ + "/calibration.yaml", camera, recorded);
   }
@@ -152,8 +154,8 @@ class Recording::Files {
     sink_.writePose("truth_pose", frame.time, frame.T_map_robot);
     sink_.writeDetections("truth_objects", truthDetections(frame));
     for (const TruthObject& object : frame.objects) {
-      io::writeKittiLabel(labels_, labelOf(frame, object), true);
-      writeObjectRow(objects_, frame, object);
+      io::writeKittiLabel(labels_.stream(), labelOf(frame, object), true);
+      writeObjectRow(objects_.stream(), frame, object);
     }
     if (options_.masks) writePicture(folder_ + "/masks", frame.index, dynamicMask(frame));
     if (options_.depth) writePicture(folder_ + "/depth", frame.index, kittiDepth(frame.depth));
@@ -161,7 +163,6 @@ class Recording::Files {
   }
 
   void close() {
-    sink_.close();
     io::writeTum(folder_ + "/trajectory.tum", trajectory_);
     std::vector<Pose> cameras;
     const Pose T_cam_robot = camera_.T_robot_cam.inverse();
@@ -170,10 +171,9 @@ class Recording::Files {
       cameras.push_back(T_cam_robot * T_first_robot * camera_.T_robot_cam);
     }
     io::writeKittiPoses(folder_ + "/poses_kitti.txt", cameras);
-    for (std::ofstream* out : {&labels_, &objects_}) {
-      out->flush();
-      if (!*out) throw InputError(folder_ + ": cannot be written to the end (is the disk full?)");
-    }
+    labels_.commit();
+    objects_.commit();
+    sink_.close();
   }
 
  private:
@@ -182,8 +182,8 @@ class Recording::Files {
   StereoCamera camera_;
   io::RawStereoCamera recorded_;
   io::RawlogSink sink_;
-  std::ofstream labels_;
-  std::ofstream objects_;
+  OutputFile labels_;
+  OutputFile objects_;
   std::vector<Stamped<Pose>> trajectory_;
 };
 

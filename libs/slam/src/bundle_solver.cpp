@@ -1,5 +1,7 @@
 #include "bundle_solver.h"
 
+#include <headway/core/stop_request.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -20,7 +22,8 @@ BundleSolution solveBundle(BundleProblem& problem, const StereoCamera& camera, i
   BundleProblem moved = problem;
   double radius = 1e4;  // of the trust region
   double shrink = 2.0;
-  for (; solution.iterations < max_iterations && !stop; ++solution.iterations) {
+  const auto is_stopped = [&] { return stop || stopRequested(); };
+  for (; solution.iterations < max_iterations && !is_stopped(); ++solution.iterations) {
     if (!step.compute(radius)) break;
     moved.poses = problem.poses;
     moved.points = problem.points;
@@ -41,7 +44,7 @@ BundleSolution solveBundle(BundleProblem& problem, const StereoCamera& camera, i
     }
     if (std::abs(decrease) <= kTolerance * cost) break;
   }
-  solution.usable = !stop;
+  solution.usable = !is_stopped();
   solution.final_cost = cost;
   return solution;
 }

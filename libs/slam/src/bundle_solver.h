@@ -52,7 +52,8 @@ struct BundleSolution {
 /// poses and of the disparities' offset. All blocks have fixed sizes: for residuals of 3 with poses
 /// of 6, Ceres 2.1 falls back to dynamic ones (doc/lab/slam.md compares the times).
 ///
-/// @param stop  cancels the solve after its present iteration, with an unusable solution
+/// @param stop  cancels the solve after its present iteration, with an unusable solution, as does
+///              requestStop()
 /// @see Triggs et al. 2000, "Bundle adjustment: a modern synthesis", sec. 6;
 ///      Agarwal et al. 2010, "Bundle adjustment in the large", sec. 3 (step control as in Ceres)
 [[nodiscard]] BundleSolution solveBundle(BundleProblem& problem, const StereoCamera& camera,

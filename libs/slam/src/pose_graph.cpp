@@ -1,6 +1,7 @@
 #include "pose_graph.h"
 
 #include <ceres/ceres.h>
+#include <headway/core/stop_request.h>
 #include <headway/stereo/pose_tangent.h>
 
 #include "pose_block.h"
@@ -31,6 +32,14 @@ class Edge final : public ceres::SizedCostFunction<6, 7, 7> {
 
  private:
   PoseGraphEdge edge_;
+};
+
+/// Ends the solver with the present solution.
+class EndOnStopRequest : public ceres::IterationCallback {
+ public:
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& /*summary*/) override {
+    return stopRequested() ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+  }
 };
 
 }  // namespace
@@ -81,6 +90,8 @@ std::map<KeyframeId, Pose> optimisePoseGraph(const std::map<KeyframeId, Pose>& p
   options.max_num_iterations = 30;
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
+  EndOnStopRequest end_on_stop_request;
+  options.callbacks.push_back(&end_on_stop_request);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   if (!summary.IsSolutionUsable()) return poses;

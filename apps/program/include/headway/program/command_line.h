@@ -72,9 +72,12 @@ class CommandLine {
 inline constexpr int kDone = 0;
 inline constexpr int kInputFault = 1;
 inline constexpr int kUsage = 2;
+inline constexpr int kSignalled = 128;  ///< plus the number of the signal, as shells report it
 
 /// Runs the main function of a program and reports exceptions as one line on standard error and as
-/// exit status: UsageError 2, other exceptions 1.
+/// exit status: UsageError 2, other exceptions 1. SIGINT, SIGTERM and SIGHUP end the program with
+/// kSignalled + signal: at once, or cleanly after catchInterrupts(). Writing beyond a limit of file
+/// size is an exception, as on a full disk.
 int run(const std::string& program, const std::function<int()>& body);
 
 /// Removes the first argument as sub-command.
@@ -83,7 +86,9 @@ int run(const std::string& program, const std::function<int()>& body);
 /// @throws UsageError listing the sub-commands if it is unknown
 std::string takeSubcommand(int& argc, const char**& argv, const std::vector<std::string>& known);
 
-/// @throws InputError if the path exists and may not be overwritten
-void requireWritable(const std::string& path, bool overwrite);
+/// @param inputs  files that are read, none of which is overwritten; empty names are ignored
+/// @throws InputError if the path exists and may not be overwritten, or is an input
+void requireWritable(const std::string& path, bool overwrite,
+                     const std::vector<std::string>& inputs = {});
 
 }  // namespace headway::program

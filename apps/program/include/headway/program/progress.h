@@ -31,10 +31,12 @@ class Progress {
   std::chrono::steady_clock::time_point last_shown_;
 };
 
-/// Converts Ctrl-C and SIGTERM to a flag, so that loops can end cleanly.
+/// Converts SIGINT (Ctrl-C), SIGTERM and SIGHUP to a stop request (core/stop_request.h), so that
+/// loops can end cleanly; a second signal ends the program at once. Under nohup, SIGHUP
+/// remains ignored.
 void catchInterrupts();
 
-/// Whether Ctrl-C or SIGTERM was received since catchInterrupts().
+/// Whether such a signal was received since catchInterrupts().
 [[nodiscard]] bool interrupted();
 
 }  // namespace headway::program

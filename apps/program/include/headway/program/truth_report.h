@@ -12,10 +12,11 @@ namespace headway::program {
 /// @param replay  folder of the replay
 /// @param truth   folder with trajectory.tum and optionally objects.csv; empty: none
 /// @param output  the page; empty: report.html in the replay's folder
+/// @param title   of the page; empty: the name of the replay's folder
 /// @param note    called with the reason if there are no errors
 /// @throws InputError if the truth is missing or the page cannot be written
 void writeTruthReport(const std::filesystem::path& replay, const std::filesystem::path& truth,
-                      const std::filesystem::path& output,
+                      const std::filesystem::path& output, const std::string& title,
                       const std::function<void(const std::string&)>& note);
 
 }  // namespace headway::program

@@ -62,8 +62,8 @@ struct RecordedGnss {
 
 /// Writes an observation-only rawlog, gz-compressed, in the order of the calls.
 ///
-/// The file has a temporary name until close() or the destructor; after an error, the observations
-/// written before remain readable.
+/// The file and its images have temporary names until close() or the destructor, and then replace
+/// older ones. After an exception the older ones remain.
 ///
 ///     RawlogSink sink("out.rawlog", ImageStorage::kEmbedded);
 ///     sink.writeStereo(time, left, right, rawFrom(camera));

@@ -68,7 +68,7 @@ class RawlogSource {
   RawlogSource(RawlogSource&&) noexcept;
   RawlogSource& operator=(RawlogSource&&) noexcept;
 
-  /// The next frame; nullopt at the end (see truncation()).
+  /// The next frame; nullopt at the end (see truncation()) and after requestStop().
   ///
   /// Times increase, unless the clock was set back, which three frames in succession have to show.
   /// Frames whose image is missing or broken, or whose time does not increase, are skipped and

@@ -27,7 +27,7 @@ class FrameFeed {
 /// Frames at the rate of a live camera: a separate thread reads them at `factor` times the recorded
 /// rate into a queue of `capacity`; if the queue is full, its oldest frame is dropped and counted,
 /// so that with a capacity of 1 the newest frame is always returned next. The reader is called in
-/// that thread only.
+/// that thread only. A pause of the recording lasts at most 5 s of it; requestStop() ends the feed.
 ///
 /// @param factor    > 0; 1 is the recorded rate
 /// @param capacity  >= 1

@@ -17,6 +17,7 @@ struct ReportOptions {
   std::vector<Figure> errors;    ///< against the truth, computed by the caller
   std::size_t max_pictures = 8;  ///< number of snapshots, evenly spaced over the replay
   std::filesystem::path output;  ///< empty: report.html in the replay's folder
+  std::string title;             ///< empty: the name of the replay's folder
 };
 
 /// Writes a report of a finished replay as one self-contained HTML page.

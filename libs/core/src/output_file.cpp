@@ -1,0 +1,163 @@
+#include <fcntl.h>
+#include <headway/core/error.h>
+#include <headway/core/output_file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <string>
+#include <utility>
+
+namespace headway {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::chrono::seconds kFlushInterval(1);
+constexpr std::size_t kMaxWaitingBytes = 1 << 20;
+constexpr std::size_t kPageBytes = 4096;
+
+[[noreturn]] void failToWrite(const fs::path& path, int error) {
+  throw InputError(path.string() + ": cannot be written: " + std::strerror(error));
+}
+
+/// The file that a path leads to: a symbolic link is kept, and its target is replaced.
+fs::path targetOf(const fs::path& path) {
+  std::error_code error;
+  const fs::path target = fs::is_symlink(path, error) ? fs::canonical(path, error) : path;
+  return error ? path : target;
+}
+
+bool isDevice(const fs::path& path) {
+  std::error_code ignored;
+  const auto type = fs::status(path, ignored).type();
+  return type == fs::file_type::character || type == fs::file_type::fifo ||
+         type == fs::file_type::block || type == fs::file_type::socket;
+}
+
+fs::path temporaryOf(const fs::path& path) {
+  if (isDevice(path)) return path;
+  const std::string name = path.filename().string();
+  return path.parent_path() / (".partial-" + std::to_string(getpid()) + "-" + name);
+}
+
+/// Length of the first rows that are written at once. A kill splits a write() between two pages of
+/// the file, so that the pieces are not longer than a page.
+std::size_t pieceLength(std::string_view rows) {
+  const auto end = rows.substr(0, kPageBytes).rfind('\n');
+  if (end != std::string_view::npos) return end + 1;
+  const auto end_of_long_row = rows.find('\n');
+  return end_of_long_row == std::string_view::npos ? rows.size() : end_of_long_row + 1;
+}
+
+/// Synchronises a file or folder with the disk; file systems that cannot are left out.
+void synchronise(const fs::path& path, int flags) {
+  const int file = open(path.c_str(), flags | O_CLOEXEC);
+  if (file < 0) failToWrite(path, errno);
+  const int error = fsync(file) == 0 ? 0 : errno;
+  ::close(file);
+  if (error != 0 && error != EINVAL && error != EROFS) failToWrite(path, error);
+}
+
+}  // namespace
+
+OutputFile::OutputFile(const fs::path& path)
+    : path_(targetOf(path)), temporary_(temporaryOf(path_)) {
+  if (fs::is_directory(path_)) throw InputError(path_.string() + ": is a folder, not a file");
+  if (!isDirect()) {
+    // Not followed if it is a link, and not shared with another program.
+    (void)unlink(temporary_.c_str());
+    const int file = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (file < 0) failToWrite(path_, errno);
+    ::close(file);
+  }
+  stream_.open(temporary_, std::ios::binary);
+  if (!stream_) failToWrite(path_, errno);
+}
+
+OutputFile::~OutputFile() {
+  if (!is_committed_ && !isDirect()) (void)unlink(temporary_.c_str());
+}
+
+void OutputFile::check() const {
+  if (!stream_) throw InputError(path_.string() + ": not written completely; check the disk space");
+}
+
+void OutputFile::commit() {
+  stream_.close();
+  check();
+  if (!isDirect()) {
+    synchronise(temporary_, O_RDONLY);
+    if (std::rename(temporary_.c_str(), path_.c_str()) != 0) failToWrite(path_, errno);
+    const fs::path folder = path_.parent_path();
+    synchronise(folder.empty() ? fs::path(".") : folder, O_RDONLY | O_DIRECTORY);
+  }
+  is_committed_ = true;
+}
+
+void writeFile(const fs::path& path, std::string_view bytes) {
+  OutputFile file(path);
+  file.stream().write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.commit();
+}
+
+GrowingFile::GrowingFile(const fs::path& path)
+    : path_(path),
+      file_(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0666)),
+      flushed_(std::chrono::steady_clock::now()) {
+  if (file_ < 0) failToWrite(path_, errno);
+}
+
+GrowingFile::~GrowingFile() {
+  if (file_ < 0) return;
+  try {
+    flush();
+  } catch (const std::exception&) {  // errors are reported by flush() and close()
+  }
+  if (file_ >= 0) ::close(file_);
+}
+
+void GrowingFile::endRows() {
+  const bool is_due = std::chrono::steady_clock::now() - flushed_ >= kFlushInterval;
+  if (is_due || rows_.tellp() > static_cast<std::streamoff>(kMaxWaitingBytes)) flush();
+}
+
+void GrowingFile::flush() {
+  flushed_ = std::chrono::steady_clock::now();
+  const std::string rows = rows_.str();
+  rows_.str("");
+  for (std::string_view left = rows; !left.empty();) {
+    const std::string_view piece = left.substr(0, pieceLength(left));
+    write(piece);
+    left.remove_prefix(piece.size());
+  }
+}
+
+/// Writes whole rows. A full disk takes a part of them, which is cut after its last whole row.
+void GrowingFile::write(std::string_view rows) {
+  if (file_ < 0) failToWrite(path_, EBADF);
+  ssize_t written = 0;
+  do written = ::write(file_, rows.data(), rows.size());
+  while (written < 0 && errno == EINTR);
+  if (written == static_cast<ssize_t>(rows.size())) return;
+  const int error = written < 0 ? errno : ENOSPC;
+  if (written > 0) {
+    const auto whole = rows.rfind('\n', static_cast<std::size_t>(written) - 1);
+    const off_t excess =
+        written - (whole == std::string_view::npos ? 0 : static_cast<off_t>(whole) + 1);
+    if (ftruncate(file_, lseek(file_, 0, SEEK_END) - excess) != 0) failToWrite(path_, errno);
+  }
+  failToWrite(path_, error);
+}
+
+void GrowingFile::close() {
+  flush();
+  const int file = std::exchange(file_, -1);
+  if (file < 0) return;
+  const int error = fsync(file) == 0 ? 0 : errno;
+  const bool is_closed = ::close(file) == 0;
+  if (error != 0 && error != EINVAL && error != EROFS) failToWrite(path_, error);
+  if (!is_closed) failToWrite(path_, errno);
+}
+
+}  // namespace headway

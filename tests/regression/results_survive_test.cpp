@@ -1,0 +1,243 @@
+// What happens to results when programs are ended, disks are full, or inputs are named as outputs.
+#include <gmock/gmock.h>
+#include <headway/io/track_file.h>
+#include <headway/io/trajectory_file.h>
+#include <headway/map/map_file.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <map>
+#include <thread>
+
+#include "plain_rawlog.h"
+#include "replay_run.h"
+
+namespace headway {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AnyOf;
+using testing::HasSubstr;
+using Clock = std::chrono::steady_clock;
+
+std::map<std::string, std::string> contentsIn(const fs::path& folder) {
+  std::map<std::string, std::string> contents;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_directory()) continue;
+    contents[entry.path().lexically_relative(folder)] = test::contentsOf(entry.path());
+  }
+  return contents;
+}
+
+void expectWholeRows(const fs::path& folder) {
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    const auto extension = entry.path().extension();
+    if (name.rfind(".partial-", 0) == 0) continue;
+    if (extension != ".csv" && extension != ".tum" && extension != ".txt") continue;
+    const std::string content = test::contentsOf(entry.path());
+    EXPECT_TRUE(content.empty() || content.back() == '\n') << entry.path();
+  }
+}
+
+class ResultsSurviveTest : public testing::Test {
+ protected:
+  ResultsSurviveTest() { test::writePlainRawlog(rawlog_); }
+
+  [[nodiscard]] test::ReplayRun replay(const std::string& options = "") const {
+    return test::replay(rawlog_, out_, "-q --snapshots 0 " + options);
+  }
+
+  /// Starts a program in this test's process group.
+  static pid_t start(std::vector<std::string> words) {
+    const pid_t child = fork();
+    if (child != 0) return child;
+    std::vector<char*> arguments;
+    for (auto& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    execv(arguments[0], arguments.data());
+    _exit(99);
+  }
+
+  [[nodiscard]] pid_t startReplay(std::vector<std::string> options) const {
+    options.insert(options.begin(), {test::program("headway-replay"), "-q", "--snapshots", "0",
+                                     "-i", rawlog_, "-o", out_.string()});
+    return start(options);
+  }
+
+  /// Sends a signal; returns the exit status and the time until the end [s].
+  static std::pair<int, double> end(pid_t child, int signal) {
+    const auto sent = Clock::now();
+    kill(child, signal);
+    int status = 0;
+    waitpid(child, &status, 0);
+    const double seconds = std::chrono::duration<double>(Clock::now() - sent).count();
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, seconds};
+  }
+
+  const test::TemporaryFolder folder_;
+  const std::string rawlog_ = folder_ / "in.rawlog";
+  const fs::path out_ = folder_ / "out";
+};
+
+TEST_F(ResultsSurviveTest, SignalsEndAReplayThatWaitsWithItsStatusAndWholeResults) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    fs::remove_all(out_);
+    const pid_t child = startReplay({"--realtime", "0.001"});  // a frame every 100 s
+    std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+    const auto [status, seconds] = end(child, signal);
+    EXPECT_EQ(128 + signal, status);
+    EXPECT_LT(seconds, 2.0);
+    EXPECT_EQ("interrupted",
+              nlohmann::json::parse(test::contentsOf(out_ / "summary.json"))["ended_early"]);
+    EXPECT_EQ(1u, io::readTum(out_ / "trajectory.tum").size());
+    EXPECT_NO_THROW((void)map::loadMap(out_ / "map.headway"));
+    EXPECT_FALSE(fs::exists(out_ / ".lock"));
+  }
+}
+
+TEST_F(ResultsSurviveTest, SignalsEndOtherProgramsWithTheirStatus) {
+  const std::string config = std::string(HEADWAY_SOURCE_DIR) + "/config/worlds/hall.ini";
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    const pid_t child =
+        start({test::program("headway-sim"), "-q", "-w", "-c", config, "-o", folder_ / "s.rawlog"});
+    std::this_thread::sleep_for(std::chrono::milliseconds(800));
+    const auto [status, seconds] = end(child, signal);
+    EXPECT_EQ(128 + signal, status);
+    EXPECT_LT(seconds, 4.0) << "2 s; twice that, because the tests share the processors";
+  }
+}
+
+TEST_F(ResultsSurviveTest, AKillLeavesWholeRowsAndASecondRunMayFollow) {
+  for (int run = 0; run < 8; ++run) {
+    fs::remove_all(out_);
+    const pid_t child = startReplay({"--realtime", "0.3"});
+    std::this_thread::sleep_for(std::chrono::milliseconds(250 + 300 * run));
+    end(child, SIGKILL);
+    if (fs::exists(out_)) expectWholeRows(out_);
+  }
+  EXPECT_TRUE(fs::exists(out_ / ".lock")) << "of the killed process";
+  EXPECT_EQ(0, replay("-w").process.status);
+}
+
+TEST_F(ResultsSurviveTest, AKillWhileReplacingLeavesTheOldResults) {
+  ASSERT_EQ(0, replay().process.status);
+  const auto before = contentsIn(out_);
+  const pid_t child = startReplay({"-w", "--realtime", "0.001"});
+  std::this_thread::sleep_for(std::chrono::milliseconds(1000));
+  end(child, SIGKILL);
+  auto after = contentsIn(out_);
+  for (const auto& [name, content] : before) EXPECT_EQ(content, after[name]) << name;
+}
+
+TEST_F(ResultsSurviveTest, NewResultsReplaceAllOldOnes) {
+  ASSERT_EQ(0, test::replay(rawlog_, out_, "-q --snapshots 2").process.status);
+  std::ofstream(out_ / "notes.txt") << "mine";
+  ASSERT_TRUE(fs::exists(out_ / "map_grid.png"));
+  ASSERT_EQ(0, replay("-w --set grid.every_nth_frame=0").process.status);
+  EXPECT_FALSE(fs::exists(out_ / "map_grid.png")) << "stale";
+  EXPECT_FALSE(fs::exists(out_ / "snapshots/000011.png")) << "stale";
+  EXPECT_TRUE(fs::exists(out_ / "summary.json"));
+  EXPECT_TRUE(fs::exists(out_ / "notes.txt"));
+  EXPECT_FALSE(fs::exists(out_ / "unfinished"));
+}
+
+TEST_F(ResultsSurviveTest, EveryFileOfAReplayIsKnownAsAResult) {
+  ASSERT_EQ(0, test::replay(rawlog_, out_, "-q --snapshots 2").process.status);
+  ASSERT_EQ(0, test::replay(rawlog_, out_, "-q -w --snapshots 0 --to-index 2").process.status);
+  const auto first = contentsIn(out_);
+  ASSERT_EQ(
+      0, test::replay(rawlog_, folder_ / "fresh", "-q --snapshots 0 --to-index 2").process.status);
+  for (const auto& [name, content] : first) {
+    EXPECT_TRUE(fs::exists(folder_ / ("fresh/" + name))) << name << " is stale";
+  }
+}
+
+TEST_F(ResultsSurviveTest, AFullDiskIsAnErrorAndLeavesTheOldResults) {
+  ASSERT_EQ(0, replay().process.status);
+  const auto before = contentsIn(out_);
+  const std::string command = test::program("headway-replay") + " -q -w --snapshots 0 -i " +
+                              rawlog_ + " -o " + out_.string();
+  for (const int kilobytes : {0, 1, 2, 4, 8, 16, 32, 64, 128, 256}) {
+    const auto run =
+        test::runProcess("bash -c 'ulimit -f " + std::to_string(kilobytes) + "; " + command + "'");
+    if (run.status == 0) break;  // enough for the largest file
+    EXPECT_EQ(1, run.status) << run.output;
+    EXPECT_EQ(1, std::count(run.output.begin(), run.output.end(), '\n')) << run.output;
+    EXPECT_THAT(run.output, AnyOf(HasSubstr("check the disk space"), HasSubstr("too large"),
+                                  HasSubstr("No space left")));
+    auto after = contentsIn(out_);
+    for (const auto& [name, content] : before) EXPECT_EQ(content, after[name]) << name;
+    expectWholeRows(out_);
+  }
+}
+
+TEST_F(ResultsSurviveTest, AnInputIsNeverAnOutput) {
+  ASSERT_EQ(0, replay().process.status);
+  const auto before = contentsIn(out_);
+  const auto detections = (out_ / "detections.csv").string();
+  for (const std::string options :
+       {"-w --detections " + detections, "-w --load-map " + (out_ / "map.headway").string()}) {
+    const auto run = replay(options);
+    EXPECT_EQ(1, run.process.status);
+    EXPECT_THAT(run.process.output, HasSubstr("is an input"));
+    EXPECT_EQ(before, contentsIn(out_));
+  }
+  const auto run = test::runProcess(test::program("headway-eval") + " trajectory --truth " +
+                                    (out_ / "trajectory.tum").string() + " --estimate " +
+                                    (out_ / "trajectory_online.tum").string() + " -w --json " +
+                                    (out_ / "trajectory.tum").string());
+  EXPECT_EQ(1, run.status);
+  EXPECT_THAT(run.output, HasSubstr("is an input"));
+  EXPECT_EQ(before, contentsIn(out_));
+}
+
+TEST_F(ResultsSurviveTest, ABadInputLeavesTheOldResults) {
+  ASSERT_EQ(0, replay().process.status);
+  const auto before = contentsIn(out_);
+  std::ofstream(folder_ / "bad.csv") << "no detections\n";
+  EXPECT_EQ(1, replay("-w --detections " + (folder_ / "bad.csv").string()).process.status);
+  auto after = contentsIn(out_);
+  for (const auto& [name, content] : before) EXPECT_EQ(content, after[name]) << name;
+}
+
+TEST_F(ResultsSurviveTest, AFailedImportLeavesTheOldRawlogAndItsImages) {
+  const fs::path images = folder_ / "images";
+  const auto import = [&](const std::string& options) {
+    return test::runProcess(test::program("headway-import") + " images -q --left " +
+                            (images / "left").string() + " --right " + (images / "right").string() +
+                            " --calibration " + (out_ / "calibration.yaml").string() + " -o " +
+                            (folder_ / "imported.rawlog").string() + " --external-images " +
+                            options);
+  };
+  ASSERT_EQ(0, replay().process.status);
+  ASSERT_EQ(0, test::runProcess(test::program("headway-export") + " kitti-odometry -q " + rawlog_ +
+                                " -o " + images.string())
+                   .status);
+  fs::rename(images / "image_0", images / "left");
+  fs::rename(images / "image_1", images / "right");
+  const auto first = import("");
+  ASSERT_EQ(0, first.status) << first.output;
+  const auto before = contentsIn(folder_ / "imported_Images");
+  const auto rawlog = test::contentsOf(folder_ / "imported.rawlog");
+  EXPECT_EQ(2u * test::kPlainFrames, before.size());
+  std::ofstream(images / "left/000005.png") << "broken";
+  EXPECT_EQ(1, import("-w").status);
+  EXPECT_EQ(before, contentsIn(folder_ / "imported_Images"));
+  EXPECT_EQ(rawlog, test::contentsOf(folder_ / "imported.rawlog"));
+  EXPECT_EQ(0, import("-w --to-index 3").status);
+  EXPECT_EQ(8u, contentsIn(folder_ / "imported_Images").size()) << "none of the old ones";
+}
+
+TEST_F(ResultsSurviveTest, TwoRunsIntoOneFolderAreRefused) {
+  const pid_t child = startReplay({"--realtime", "0.001"});
+  std::this_thread::sleep_for(std::chrono::milliseconds(1000));
+  const auto second = replay("-w");
+  EXPECT_EQ(1, second.process.status);
+  EXPECT_THAT(second.process.output, HasSubstr("process " + std::to_string(child)));
+  EXPECT_EQ(143, end(child, SIGTERM).first);
+}
+
+}  // namespace
+}  // namespace headway
