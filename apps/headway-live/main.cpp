@@ -184,7 +184,8 @@ int main(int argc, char** argv) {
     live::describe(options, line);
     line.parameters(all_params);
     if (!line.parse(argc, argv)) return program::kDone;
-    options.run.quiet = line.quiet();
+    options.run.quiet = line.quiet() || line.verbosity() > mrpt::system::LVL_INFO;
+    options.run.debug = line.verbosity() == mrpt::system::LVL_DEBUG;
     options.run.input = options.record;
     live::check(options);
     if (!options.run.detector.empty()) params.detection.detector = options.run.detector;

@@ -31,6 +31,8 @@ class FrameInput {
   [[nodiscard]] virtual std::map<std::string, std::size_t> skipped() const = 0;
   /// Sensors with other clocks; callable when skippedNow() is not empty, and without a feed.
   [[nodiscard]] virtual Warnings warnings() const = 0;
+  /// Whether frames are dropped that come too late.
+  [[nodiscard]] virtual bool dropsLateFrames() const = 0;
   /// Reason of a premature end; nullopt otherwise.
   [[nodiscard]] virtual std::optional<std::string> truncation() const = 0;
 };
@@ -58,6 +60,7 @@ class RawlogInput : public FrameInput {
                            : pipeline::makeOfflineFeed(reader);
   }
   [[nodiscard]] double progress() const override { return progress_; }
+  [[nodiscard]] bool dropsLateFrames() const override { return realtime_ > 0.0; }
   [[nodiscard]] std::optional<std::map<std::string, std::size_t>> skippedNow() const override {
     if (realtime_ > 0.0) return std::nullopt;
     return source_.skipped();
@@ -92,6 +95,7 @@ class LiveInput : public FrameInput {
     return std::make_unique<Feed>(*this);
   }
   [[nodiscard]] double progress() const override { return 0.0; }
+  [[nodiscard]] bool dropsLateFrames() const override { return true; }
   [[nodiscard]] std::optional<std::map<std::string, std::size_t>> skippedNow() const override {
     return source_.skipped();
   }

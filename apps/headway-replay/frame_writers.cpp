@@ -4,6 +4,7 @@
 #include <headway/io/trajectory_file.h>
 #include <headway/pipeline/moving_regions.h>
 
+#include <array>
 #include <cmath>
 #include <exception>
 #include <fstream>
@@ -62,18 +63,43 @@ void rescoreKittiResults(const std::filesystem::path& file,
   new_rows.commit();
 }
 
+constexpr std::array<const char*, 6> kPoseAxes = {"x", "y", "z", "roll", "pitch", "yaw"};
+
+/// The upper triangle of the covariance, row by row.
+void writeCovarianceHeader(std::ostream& out) {
+  out << "frame,time";
+  for (std::size_t i = 0; i < kPoseAxes.size(); ++i) {
+    for (std::size_t k = i; k < kPoseAxes.size(); ++k) {
+      out << ',' << kPoseAxes[i] << '_' << kPoseAxes[k];
+    }
+  }
+  out << '\n';
+}
+
+void writeCovariance(const pipeline::PerceptionUpdate& update, std::ostream& out) {
+  std::ostringstream row;
+  row << update.frame << ',' << std::fixed << std::setprecision(9) << update.time << std::scientific
+      << std::setprecision(6);
+  for (int i = 0; i < 6; ++i) {
+    for (int k = i; k < 6; ++k) row << ',' << update.camera.covariance(i, k);
+  }
+  out << row.str() << '\n';
+}
+
 }  // namespace
 
 FrameWriters::FrameWriters(const std::filesystem::path& folder,
                            std::shared_ptr<const StereoCamera> camera)
     : camera_(std::move(camera)),
       trajectory_(folder / "trajectory_online.tum"),
+      covariance_(folder / "trajectory_covariance.csv"),
       detections_(folder / "detections.csv"),
       tracks_(folder / "tracks.csv"),
       smoothed_(folder / "tracks_smoothed.csv"),
       kitti_path_(folder / "tracks_kitti.txt"),
       kitti_(kitti_path_),
       predictions_(folder / "predictions.csv") {
+  writeCovarianceHeader(covariance_.stream());
   detections_.stream() << io::detectionCsvHeader() << '\n';
   tracks_.stream() << io::trackCsvHeader() << '\n';
   smoothed_.stream() << io::trackCsvHeader() << '\n';
@@ -83,6 +109,7 @@ FrameWriters::FrameWriters(const std::filesystem::path& folder,
 void FrameWriters::write(const pipeline::PerceptionUpdate& update) {
   if (update.camera.status == slam::TrackingStatus::kTracked) {
     io::writeTumRow(trajectory_.stream(), {update.time, update.camera.T_map_robot});
+    writeCovariance(update, covariance_.stream());
   }
   if (update.detections) {
     for (const auto& detection : update.detections->items) {
@@ -97,7 +124,8 @@ void FrameWriters::write(const pipeline::PerceptionUpdate& update) {
     if (isShown(track)) writeTrack(update, track, T_sensor_map);
   }
   writeSmoothed(update.objects.finalised);
-  for (auto* file : {&trajectory_, &detections_, &tracks_, &smoothed_, &kitti_, &predictions_}) {
+  for (auto* file :
+       {&trajectory_, &covariance_, &detections_, &tracks_, &smoothed_, &kitti_, &predictions_}) {
     file->endRows();
   }
 }
@@ -124,7 +152,8 @@ void FrameWriters::writeSmoothed(const std::vector<TrackSample>& samples) {
 
 void FrameWriters::finish() {
   std::exception_ptr failure;  // the first failure; the other files are ended nevertheless
-  for (auto* file : {&trajectory_, &detections_, &tracks_, &smoothed_, &kitti_, &predictions_}) {
+  for (auto* file :
+       {&trajectory_, &covariance_, &detections_, &tracks_, &smoothed_, &kitti_, &predictions_}) {
     try {
       file->close();
     } catch (...) {

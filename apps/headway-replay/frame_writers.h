@@ -14,8 +14,8 @@
 namespace headway::replay {
 
 /// Writes the results of each frame at once, so that a killed run lacks at most its last second:
-/// trajectory_online.tum, detections.csv, tracks.csv, tracks_smoothed.csv, tracks_kitti.txt,
-/// predictions.csv.
+/// trajectory_online.tum, trajectory_covariance.csv, detections.csv, tracks.csv,
+/// tracks_smoothed.csv, tracks_kitti.txt, predictions.csv.
 class FrameWriters {
  public:
   /// @param camera  null if the rawlog contains only poses and boxes
@@ -35,6 +35,7 @@ class FrameWriters {
 
   std::shared_ptr<const StereoCamera> camera_;
   GrowingFile trajectory_;
+  GrowingFile covariance_;
   GrowingFile detections_;
   GrowingFile tracks_;
   GrowingFile smoothed_;

@@ -21,7 +21,8 @@ int main(int argc, char** argv) {
     headway::replay::describe(options, line);
     line.parameters(params);
     if (!line.parse(argc, argv)) return headway::program::kDone;
-    options.quiet = line.quiet();
+    options.quiet = line.quiet() || line.verbosity() > mrpt::system::LVL_INFO;
+    options.debug = line.verbosity() == mrpt::system::LVL_DEBUG;
     headway::replay::check(options);
     if (!options.detector.empty()) perception_params.detection.detector = options.detector;
 

@@ -21,22 +21,6 @@ void printCalibration(const io::CalibrationReport& report) {
       report.vertical_disparity_px, report.median_disparity_px, report.matches);
 }
 
-std::string describe(std::size_t frame, const slam::LoopAttempt& loop) {
-  const char* outcome = "closed";
-  if (loop.outcome == slam::LoopOutcome::kNotRecognised) outcome = "not recognised";
-  if (loop.outcome == slam::LoopOutcome::kTooFewInliers) outcome = "rejected: too few inliers";
-  if (loop.outcome == slam::LoopOutcome::kTooFarOff) outcome = "rejected: offset too large";
-  char text[200];
-  std::snprintf(text, sizeof text, "frame %zu: loop to keyframe %lld %s: inliers %d, required %d",
-                frame, static_cast<long long>(loop.candidate.value), outcome, loop.inliers,
-                loop.inliers_needed);
-  if (loop.offset_allowed_m == 0.0) return text;
-  char offset[100];
-  std::snprintf(offset, sizeof offset, "; offset %.2f m, allowed %.2f m", loop.offset_m,
-                loop.offset_allowed_m);
-  return std::string(text) + offset;
-}
-
 std::string causeOfNoTracking(const std::optional<io::CalibrationReport>& calibration) {
   std::string cause = "too few points of the images were tracked";
   if (calibration && calibration->matches < kMinMatches) {

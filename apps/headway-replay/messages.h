@@ -1,7 +1,6 @@
 #pragma once
 
 #include <headway/io/rawlog_source.h>
-#include <headway/slam/stereo_slam.h>
 
 #include <exception>
 #include <optional>
@@ -11,9 +10,6 @@ namespace headway::replay {
 
 /// Prints the calibration's consistency with the images to standard output.
 void printCalibration(const io::CalibrationReport& report);
-
-/// One log line: outcome, measured and required values.
-[[nodiscard]] std::string describe(std::size_t frame, const slam::LoopAttempt& loop);
 
 /// Why no frame of a recording was tracked, as far as the first pair shows it.
 [[nodiscard]] std::string causeOfNoTracking(

@@ -22,6 +22,7 @@ struct Options {
   int snapshots = 6;
   bool overwrite = false;
   bool quiet = false;
+  bool debug = false;  ///< print the decisions of each frame
 };
 
 /// Adds the options to a command line.

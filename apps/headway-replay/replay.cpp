@@ -10,6 +10,7 @@
 
 #include <cstdio>
 #include <iostream>
+#include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
 #include "messages.h"
@@ -80,6 +81,7 @@ Replay::Replay(const Options& options, std::unique_ptr<FrameInput> input,
       writers_(folder_.path(), camera_),
       snapshots_(folder_.path(), options.snapshots,
                  [this](const std::string& text) { warn(text); }) {
+  perception_->setLog([this](LogLevel level, const std::string& text) { log(level, text); });
   if (!options.detections.empty()) {
     side_detections_ = io::readDetections(options.detections, summary_.detections_dropped);
   }
@@ -163,6 +165,7 @@ void Replay::process(const RecordedFrame& frame, double progress) {
   count(frame, update);
   collectWarnings(frame.index, false);
   writers_.write(update);
+  keepLostImage(frame, update);
   snapshots_.add(*perception_, update, frame, progress);
   if (on_frame_) on_frame_(frame, update);
 }
@@ -184,7 +187,6 @@ void Replay::count(const RecordedFrame& frame, const pipeline::PerceptionUpdate&
   }
   for (const slam::LoopAttempt& attempt : update.camera.loops) {
     summary_.loops += attempt.outcome == slam::LoopOutcome::kClosed ? 1 : 0;
-    if (!options_.quiet) std::puts(describe(update.frame, attempt).c_str());
   }
   for (const auto& track : update.objects.tracks) {
     if (track.status == TrackStatus::kConfirmed) {
@@ -220,6 +222,22 @@ void Replay::requireTrackedFrames() const {
   if (!options_.load_map.empty()) return;  // see warnIfNotRelocalised()
   throw InputError(source_->name() + ": none of " + std::to_string(summary_.frames) +
                    " frames was tracked: " + causeOfNoTracking(summary_.calibration));
+}
+
+void Replay::log(LogLevel level, const std::string& text) const {
+  if (level == LogLevel::kInfo ? !options_.quiet : level == LogLevel::kDebug && options_.debug) {
+    std::puts(text.c_str());
+  }
+}
+
+void Replay::keepLostImage(const RecordedFrame& frame, const pipeline::PerceptionUpdate& update) {
+  const bool is_lost = update.camera.status == slam::TrackingStatus::kLost;
+  if (!is_lost || !frame.stereo || has_lost_image_) return;
+  has_lost_image_ = true;
+  const auto path = folder_.path() / "lost.jpg";
+  if (!cv::imwrite(path.string(), frame.stereo->left)) {
+    warn(path.string() + ": the picture cannot be written; check the disk space");
+  }
 }
 
 void Replay::warn(const std::string& text) const {

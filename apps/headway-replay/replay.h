@@ -69,6 +69,10 @@ class Replay {
   void writeMap(const std::vector<slam::FrameEstimate>& trajectory);
   void warnIfNotRelocalised(const std::vector<slam::FrameEstimate>& trajectory) const;
   void warn(const std::string& text) const;
+  /// Prints a message of the pipeline; warnings are printed by collectWarnings().
+  void log(LogLevel level, const std::string& text) const;
+  /// Writes the image of the first frame in which the camera is lost.
+  void keepLostImage(const RecordedFrame& frame, const pipeline::PerceptionUpdate& update);
 
   Options options_;
   std::string configuration_;  ///< as .ini text
@@ -81,6 +85,7 @@ class Replay {
   Snapshots snapshots_;
   Summary summary_;
   std::size_t last_frame_ = 0;  ///< index of the newest frame
+  bool has_lost_image_ = false;
   FrameCallback on_frame_;
   std::map<TrackId, bool> seen_tracks_;  ///< confirmed tracks -> moving at some time
 };

@@ -14,7 +14,8 @@ void Replay::countLostFrames(const std::vector<slam::FrameEstimate>& trajectory)
   if (trajectory.empty()) return;
   std::size_t next = trajectory.front().frame;
   for (const auto& estimate : trajectory) {
-    while (next < estimate.frame) summary_.lost_frames.push_back(next++);
+    auto& missing = source_->dropsLateFrames() ? summary_.late_frames : summary_.lost_frames;
+    while (next < estimate.frame) missing.push_back(next++);
     if (!estimate.tracked) summary_.lost_frames.push_back(estimate.frame);
     if (estimate.tracked) ++summary_.frames_tracked;
     ++next;

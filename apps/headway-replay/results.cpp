@@ -7,12 +7,27 @@ namespace headway::replay {
 namespace {
 
 const std::set<std::string>& resultNames() {
-  static const std::set<std::string> names = {
-      "calibration.yaml",    "detections.csv",       "map.headway",          "map.simplemap",
-      "map_grid.gridmap.gz", "map_grid.png",         "map_grid.yaml",        "map_points.ply",
-      "predictions.csv",     "replay.json",          "report.html",          "scene.3Dscene",
-      "summary.json",        "tracks.csv",           "tracks_kitti.txt",     "tracks_smoothed.csv",
-      "trajectory.tum",      "trajectory_kitti.txt", "trajectory_online.tum"};
+  static const std::set<std::string> names = {"calibration.yaml",
+                                              "detections.csv",
+                                              "lost.jpg",
+                                              "map.headway",
+                                              "map.simplemap",
+                                              "map_grid.gridmap.gz",
+                                              "map_grid.png",
+                                              "map_grid.yaml",
+                                              "map_points.ply",
+                                              "predictions.csv",
+                                              "replay.json",
+                                              "report.html",
+                                              "scene.3Dscene",
+                                              "summary.json",
+                                              "tracks.csv",
+                                              "tracks_kitti.txt",
+                                              "tracks_smoothed.csv",
+                                              "trajectory.tum",
+                                              "trajectory_covariance.csv",
+                                              "trajectory_kitti.txt",
+                                              "trajectory_online.tum"};
   return names;
 }
 

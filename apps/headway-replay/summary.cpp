@@ -139,6 +139,7 @@ void writeSummary(const std::filesystem::path& path, const Summary& summary) {
   json["frames_tracked"] = summary.frames_tracked;
   json["frames_lost"] = summary.lost_frames.size();
   json["lost_frames"] = summary.lost_frames;
+  json["late_frames"] = summary.late_frames;
   json["frames_dropped_late"] = summary.frames_dropped_late;
   json["keyframes"] = summary.keyframes;
   json["landmarks"] = summary.landmarks;
@@ -170,8 +171,9 @@ void writeSummary(const std::filesystem::path& path, const Summary& summary) {
 }
 
 void printSummary(const Summary& summary) {
-  std::printf("%zu of %zu frames tracked, %zu keyframes, %zu landmarks\n", summary.frames_tracked,
-              summary.frames, summary.keyframes, summary.landmarks);
+  std::printf("%zu of %zu frames tracked, %zu lost, %zu late, %zu keyframes, %zu landmarks\n",
+              summary.frames_tracked, summary.frames, summary.lost_frames.size(),
+              summary.late_frames.size(), summary.keyframes, summary.landmarks);
   std::printf("%zu tracks confirmed, %zu of them moving; %zu detections used",
               summary.tracks_confirmed, summary.tracks_moving, summary.detections_used);
   if (!summary.detections_dropped.empty()) {

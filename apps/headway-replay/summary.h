@@ -23,7 +23,8 @@ namespace headway::replay {
 struct Summary {
   std::size_t frames = 0;  ///< from the first frame's index to the last one's
   std::size_t frames_tracked = 0;
-  std::vector<std::size_t> lost_frames;  ///< lost, skipped or dropped
+  std::vector<std::size_t> lost_frames;  ///< lost or skipped
+  std::vector<std::size_t> late_frames;  ///< in real time: dropped, or skipped, between others
   std::size_t frames_dropped_late = 0;   ///< with --realtime
   std::size_t keyframes = 0;
   std::size_t landmarks = 0;

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 #include <headway_test/paths.h>
 
+#include <filesystem>
+
 #include "replay_run.h"
 
 namespace headway {
@@ -25,6 +27,17 @@ TEST(ConfigTest, ShippedFilesEqualTheReplaysOutput) {
 
 TEST(ConfigTest, ShippedFilesLoadAndChangeNothing) {
   EXPECT_TRUE(dumped("--expert") == dumped("--expert -c " + kUserKeys + " -c " + kExpertKeys));
+}
+
+TEST(ConfigTest, PresetsLoadAndChangeSomething) {
+  const std::filesystem::path presets = std::string(HEADWAY_SOURCE_DIR) + "/config/presets";
+  std::size_t files = 0;
+  for (const auto& preset : std::filesystem::directory_iterator(presets)) {
+    EXPECT_FALSE(dumped("--expert") == dumped("--expert -c " + preset.path().string()))
+        << preset.path();
+    ++files;
+  }
+  EXPECT_GE(files, 1u);
 }
 
 TEST(ConfigTest, AUserFacesAboutThirtyKeys) {

@@ -165,7 +165,10 @@ TEST(StreetTest, AtTheRecordedRateEveryFrameIsAccountedFor) {
       kStreet, folder / "out", "--snapshots 0 --realtime 4 --to-index 60 --detector stereo_motion");
   ASSERT_EQ(0, run.process.status) << run.process.output;
   EXPECT_EQ(61u, run.summary["frames_tracked"].get<std::size_t>() +
-                     run.summary["frames_lost"].get<std::size_t>());
+                     run.summary["frames_lost"].get<std::size_t>() +
+                     run.summary["late_frames"].size());
+  EXPECT_EQ(0, run.summary["frames_lost"]) << "late frames are no lost ones";
+  EXPECT_LE(run.summary["late_frames"].size(), run.summary["frames_dropped_late"]);
 }
 
 TEST(StreetTest, CtrlCLeavesFinishedReadableOutputs) {

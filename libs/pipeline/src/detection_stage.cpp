@@ -62,7 +62,7 @@ void DetectionParams::describe(Params& params) {
       "detector", detector,
       "Source of detections: auto (stereo_motion unless boxes are recorded), none, recorded, "
       "stereo_motion, dnn, hog, or several joined by +");
-  params.section("detect").user().add(
+  params.section("detect").add(
       "recorded_timeout_s", recorded_timeout_s, 0.1, 1e4, "s",
       "Time without recorded boxes after which stereo_motion runs until they return (auto)");
   detect.describe(params);

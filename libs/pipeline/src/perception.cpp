@@ -82,7 +82,8 @@ Perception::Perception(std::shared_ptr<const StereoCamera> camera, const Percept
       is_live_(params.slam.adjust_in_background),
       grid_(grid_params_.map),
       map_(std::move(map)) {
-  if (!params.slam.mapping) grid_params_.every_nth_frame = 0;
+  mapping_ = params.slam.mapping;
+  if (!mapping_) grid_params_.every_nth_frame = 0;
   if (camera_ != nullptr) mount_check_.emplace(*camera_);
   if (camera_ != nullptr) slam_ = std::make_unique<slam::StereoSlam>(camera_, params.slam);
 }
@@ -121,6 +122,9 @@ map::StoredMap Perception::stored() const {
 
 PerceptionUpdate Perception::process(const RecordedFrame& frame) {
   const auto watch = times_.watch("frame");
+  applyChange();
+  const Warnings warnings_before = log_ ? warnings_ : Warnings();
+  const map::PerceptionMap map_before = map_;
   const bool scan_ground = hasGridTurn(frame);
   PerceptionUpdate update;
   update.frame = frame.index;
@@ -128,6 +132,7 @@ PerceptionUpdate Perception::process(const RecordedFrame& frame) {
   auto ended = followClock(frame);
   const auto boxes = detection_.detectObjects(frame, contextOf(frame), scan_ground);
   update.camera = localise(frame, boxes);
+  logLocalisation(frame, update.camera);
   found_ = detection_.detectMotion(frame, poseOf(update.camera), boxes, expected_, found_.motion);
   if (!isLocalisedBySlam(frame)) offset_at_given_poses_.update(found_.motion.static_points);
   if (found_.images_used) times_.add("detect", found_.elapsed_ms);
@@ -143,6 +148,8 @@ PerceptionUpdate Perception::process(const RecordedFrame& frame) {
   expected_ = update.objects.expected;
   last_pose_.reset();
   if (const auto pose = poseOf(update.camera)) last_pose_ = Stamped<Pose>{frame.time, *pose};
+  logFrame(update, warnings_before);
+  callBack(update, map_before);
   return update;
 }
 

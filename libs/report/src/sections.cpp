@@ -13,6 +13,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kPictureWidth = 1280;
+constexpr int kLostImageWidth = 640;
 
 double numberAt(const Json& json, const std::string& key) {
   const auto value = json.find(key);
@@ -90,6 +91,15 @@ std::string recordedText(const ReplayFolder& folder, const char* key) {
   return value != input->end() && value->is_string() ? value->get<std::string>() : "";
 }
 
+/// The first image in which the camera was lost.
+std::string lostImage(const ReplayFolder& folder) {
+  const auto path = folder.path / "lost.jpg";
+  if (!std::filesystem::exists(path)) return "";
+  return "<figure><img alt=\"The first image in which the camera was lost\" src=\"" +
+         pictureUri(path, kLostImageWidth) +
+         "\"><figcaption>The first image in which the camera was lost</figcaption></figure>";
+}
+
 std::string warnings(const ReplayFolder& folder) {
   std::string html;
   const auto ended = folder.summary.find("ended_early");
@@ -116,7 +126,7 @@ std::string warnings(const ReplayFolder& folder) {
       list += (list.empty() ? "" : ", ") + frame.dump();
     }
     html += "<p class=\"warning\">Camera lost in " + grouped(lost) + " frames: " + escaped(list) +
-            "</p>";
+            "</p>" + lostImage(folder);
   }
   return html;
 }

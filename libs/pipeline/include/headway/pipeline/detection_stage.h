@@ -96,6 +96,12 @@ class DetectionStage {
                                              const std::vector<ExpectedObject>& expected,
                                              const detect::MotionDetections& previous);
 
+  /// Changes DetectParams::every_nth_frame and DetectionParams::recorded_timeout_s.
+  void change(int every_nth_frame, double recorded_timeout_s) {
+    every_nth_frame_ = every_nth_frame;
+    recorded_timeout_s_ = recorded_timeout_s;
+  }
+
   /// Discards what refers to earlier frames: the clock was set back.
   void restart();
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <headway/core/log.h>
 #include <headway/core/recorded_frame.h>
 #include <headway/core/stage_times.h>
 #include <headway/map/map_file.h>
@@ -8,11 +9,14 @@
 #include <headway/pipeline/camera_check.h>
 #include <headway/pipeline/detection_stage.h>
 #include <headway/pipeline/laser_evidence.h>
+#include <headway/pipeline/lost_diagnosis.h>
 #include <headway/pipeline/mount_check.h>
+#include <headway/pipeline/perception_host.h>
 #include <headway/slam/stereo_slam.h>
 #include <headway/stereo/rig_capability.h>
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -103,9 +107,22 @@ class Perception {
   /// camera.
   [[nodiscard]] const std::optional<stereo::RigCapability>& rig() const { return rig_; }
 
+  /// Sink of messages: warnings when they occur first, loops, relocalisation, and with kDebug the
+  /// decisions of each frame. Not to be called during process().
+  void setLog(LogSink sink);
+
+  /// Not to be called during process().
+  void setCallbacks(PerceptionCallbacks callbacks);
+
+  /// Changes parameters before the next frame; callable by any thread.
+  ///
+  /// @param params  all of them, in range
+  void change(const RuntimeParams& params);
+
   /// Conditions of the input that degrade the results: "imu_accelerometer" and "imu_gyroscope"
   /// (left out, they contradict the camera), "odometry_scale", "camera_frozen", "camera_dark",
-  /// "clock_set_back", "clock_jumps_ahead", "recorded_boxes_missing".
+  /// "clock_set_back", "clock_jumps_ahead", "recorded_boxes_missing", and "lost_" with a
+  /// LostReason.
   [[nodiscard]] const Warnings& warnings() const;
 
   /// Laser scans by use ("used", "camera_lost", "ground_unknown", "between_ground_scans") and ends
@@ -148,6 +165,11 @@ class Perception {
   void addLaser(const RecordedFrame& frame, const PerceptionUpdate& update, bool scan_ground,
                 std::optional<GroundScan>& scan);
   void warnAboutBoxes(const RecordedFrame& frame, const ObjectDetections& boxes);
+  void applyChange();
+  void log(LogLevel level, std::size_t frame, const std::string& text) const;
+  void logLocalisation(const RecordedFrame& frame, const slam::SlamUpdate& camera);
+  void logFrame(const PerceptionUpdate& update, const Warnings& before);
+  void callBack(const PerceptionUpdate& update, const map::PerceptionMap& before) const;
   /// Compares mounting and sensors with the images.
   void checkInput(const RecordedFrame& frame, const PerceptionUpdate& update, bool scan_ground);
   /// The ground of this image; without one, as the camera is mounted; nullopt if that is unknown.
@@ -168,6 +190,14 @@ class Perception {
   std::optional<MountCheck> mount_check_;  ///< with a camera
   CameraCheck camera_check_;
   Warnings warnings_;
+  LogSink log_;
+  PerceptionCallbacks callbacks_;
+  bool mapping_ = true;
+  std::mutex change_mutex_;
+  std::optional<RuntimeParams> change_;  ///< for the next frame; guarded by change_mutex_
+  LostDiagnosis lost_diagnosis_;
+  std::size_t lost_frames_ = 0;                              ///< in succession
+  Eigen::Vector3d last_position_ = Eigen::Vector3d::Zero();  ///< of the robot, or as predicted
   std::map<std::string, std::size_t> laser_counts_;
   std::optional<Time> last_time_;                  ///< of the newest frame
   std::optional<Stamped<Pose>> last_pose_;         ///< in the newest tracked frame

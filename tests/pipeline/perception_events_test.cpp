@@ -1,0 +1,154 @@
+// What a host program hears of the pipeline, and may change in it.
+#include <gmock/gmock.h>
+#include <headway/pipeline/perception.h>
+#include <headway_test/painted_street.h>
+
+#include <opencv2/imgproc.hpp>
+
+namespace headway::pipeline {
+namespace {
+
+using test::PaintedBox;
+using test::PaintedStreet;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+const std::vector<PaintedBox> kBoxes = {{{3.5, 1.6, 16.0}, 1.8, 1.5, {0.0, 0.0, 0.0}, 12},
+                                        {{-2.0, 1.6, 17.0}, 1.8, 1.5, {2.5, 0.0, 4.0}, 11}};
+
+class PerceptionEventsTest : public ::testing::Test {
+ protected:
+  PerceptionEventsTest() {
+    params_.detection.detector = "stereo_motion";
+    perception_ = std::make_unique<Perception>(street_.camera(), params_);
+    perception_->setLog(
+        [this](LogLevel level, const std::string& text) { messages_[level].push_back(text); });
+  }
+
+  /// Processes a frame whose images were changed.
+  PerceptionUpdate process(int i, const std::function<void(cv::Mat&)>& change = {}) {
+    RecordedFrame frame;
+    frame.index = static_cast<std::size_t>(i);
+    frame.time = street_.timeOf(i);
+    frame.stereo = street_.frame(i);
+    if (change) {
+      change(frame.stereo->left);
+      change(frame.stereo->right);
+    }
+    return perception_->process(frame);
+  }
+
+  /// The warning about a camera that is lost by such images.
+  std::string warningFor(const std::function<void(cv::Mat&)>& change) {
+    for (int i = 0; i < 6; ++i) (void)process(i);
+    for (int i = 6; i < 9; ++i) {
+      EXPECT_EQ(slam::TrackingStatus::kLost, process(i, change).camera.status);
+    }
+    for (const auto& [name, warning] : perception_->warnings()) {
+      if (name.rfind("lost_", 0) == 0) return name;
+    }
+    return "none";
+  }
+
+  PaintedStreet street_{kBoxes};
+  PerceptionParams params_;
+  std::unique_ptr<Perception> perception_;
+  std::map<LogLevel, std::vector<std::string>> messages_;
+};
+
+TEST_F(PerceptionEventsTest, ALossInTheDarkIsExplainedAndItsEndIsLogged) {
+  EXPECT_EQ("lost_too_dark", warningFor([](cv::Mat& image) { image.setTo(4); }));
+  EXPECT_THAT(messages_[LogLevel::kWarn], Contains(HasSubstr("frame 6: the camera is lost: the "
+                                                             "image is too dark; lengthen")));
+  EXPECT_EQ(slam::TrackingStatus::kTracked, process(9).camera.status);
+  EXPECT_THAT(messages_[LogLevel::kInfo],
+              Contains(HasSubstr("frame 9: localised again after 3 lost frames, ")));
+  EXPECT_THAT(messages_[LogLevel::kInfo].back(), HasSubstr(" m from keyframe "));
+  EXPECT_EQ(3u, perception_->warnings().at("lost_too_dark").count);
+}
+
+TEST_F(PerceptionEventsTest, ACoveredLensIsRecognised) {
+  EXPECT_EQ("lost_covered", warningFor([](cv::Mat& image) { image = image / 200 + 90; }));
+}
+
+TEST_F(PerceptionEventsTest, SurfacesWithoutTextureAreRecognised) {
+  EXPECT_EQ("lost_few_features", warningFor([](cv::Mat& image) {
+              image.setTo(80);
+              image.colRange(0, image.cols / 2).setTo(140);
+              cv::Mat noise(image.size(), CV_8U);
+              cv::RNG random(1);
+              random.fill(noise, cv::RNG::NORMAL, 8, 4);
+              image += noise;
+            }));
+}
+
+/// Reason by an image after ten frames of a street.
+LostReason reasonOf(const std::function<void(cv::Mat&)>& change) {
+  const PaintedStreet street(kBoxes);
+  LostDiagnosis diagnosis;
+  for (int i = 0; i < 10; ++i) diagnosis.addTracked(street.frame(i));
+  StereoFrame frame = street.frame(10);
+  change(frame.left);
+  return diagnosis.reasonOf(frame);
+}
+
+TEST(LostDiagnosisTest, BlurIsRecognisedByMotionOrFocus) {
+  EXPECT_EQ(LostReason::kBlurred,
+            reasonOf([](cv::Mat& image) { cv::blur(image, image, cv::Size(9, 9)); }));
+  EXPECT_EQ(LostReason::kBlurred,
+            reasonOf([](cv::Mat& image) { cv::blur(image, image, cv::Size(25, 3)); }));
+}
+
+TEST(LostDiagnosisTest, AUsableImageShowsAnotherView) {
+  EXPECT_EQ(LostReason::kMovedTooFast,
+            reasonOf([](cv::Mat& image) { cv::rotate(image, image, cv::ROTATE_180); }));
+  EXPECT_EQ(LostReason::kMovedTooFast, reasonOf([](cv::Mat& image) { image = image / 2; }))
+      << "less light alone is no blur";
+}
+
+TEST_F(PerceptionEventsTest, CallbacksBringPoseTracksAndMapOfEachFrame) {
+  std::vector<std::string> order;
+  PerceptionCallbacks callbacks;
+  callbacks.on_pose = [&](Time, const slam::SlamUpdate& camera) {
+    EXPECT_EQ(slam::TrackingStatus::kTracked, camera.status);
+    order.push_back("pose");
+  };
+  callbacks.on_tracks = [&](Time, const std::vector<Track>&) { order.push_back("tracks"); };
+  callbacks.on_map = [&](const map::PerceptionMap& map) {
+    EXPECT_GT(map.landmarks().size(), 0u);
+    order.push_back("map");
+  };
+  perception_->setCallbacks(callbacks);
+  (void)process(0);
+  EXPECT_THAT(order, ::testing::ElementsAre("pose", "tracks", "map"));
+  for (int i = 1; i < 6; ++i) (void)process(i);
+  EXPECT_EQ(6, std::count(order.begin(), order.end(), "pose"));
+  EXPECT_EQ(6, std::count(order.begin(), order.end(), "tracks"));
+}
+
+TEST_F(PerceptionEventsTest, EveryFrameIsLoggedForDebugging) {
+  (void)process(0);
+  ASSERT_FALSE(messages_[LogLevel::kDebug].empty());
+  EXPECT_THAT(messages_[LogLevel::kDebug].back(), HasSubstr("frame 0: tracked, "));
+  EXPECT_THAT(messages_[LogLevel::kDebug].back(), HasSubstr("keyframe"));
+}
+
+TEST_F(PerceptionEventsTest, ParametersChangeBeforeTheNextFrame) {
+  for (int i = 0; i < 6; ++i) (void)process(i);
+  const auto detected = [this] { return perception_->times().summary().at("detect").count; };
+  const auto scanned = [this] { return perception_->times().summary().at("grid").count; };
+  const auto detected_before = detected();
+  const auto scanned_before = scanned();
+  RuntimeParams params;
+  params.detect_every_nth_frame = 1000;
+  params.grid_every_nth_frame = 0;
+  perception_->change(params);
+  for (int i = 6; i < 10; ++i) (void)process(i);
+  EXPECT_EQ(detected_before, detected());
+  EXPECT_EQ(scanned_before, scanned());
+  params.detect_every_nth_frame = 0;
+  EXPECT_ANY_THROW(perception_->change(params));
+}
+
+}  // namespace
+}  // namespace headway::pipeline
