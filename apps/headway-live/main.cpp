@@ -1,5 +1,6 @@
 // headway-live: the cameras and sensors of a robot to trajectory, tracks, predictions and map.
 #include <headway/core/error.h>
+#include <headway/core/stop_request.h>
 #include <headway/drivers/observation_recorder.h>
 #include <headway/drivers/sensor_group.h>
 #include <headway/io/calibration_file.h>
@@ -191,6 +192,7 @@ int main(int argc, char** argv) {
     if (!options.run.detector.empty()) params.detection.detector = options.run.detector;
     program::catchInterrupts();
     run(options, line.quiet(), pipeline::PerceptionParams::live(params), all_params);
+    requestStop(0);  // a signal is the regular end, so that the exit status is 0
     return program::kDone;
   });
 }

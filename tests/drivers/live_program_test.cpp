@@ -154,7 +154,7 @@ TEST_F(LiveRobotTest, AllSensorsAreUsedRecordedAndStartedAgain) {
   const auto run =
       live(all, "--sensor-label LEFT,RIGHT --record " + recorded + " -o " + out,
            [](const std::string& output) {
-             return output.find("plug") != std::string::npos && trackedFrames(output) >= 40;
+             return output.find("plug") != std::string::npos && trackedFrames(output) >= 30;
            });
   EXPECT_EQ(run.status, 0) << run.output;
   EXPECT_THAT(run.output, HasSubstr("sensor [LASER]: the plug was pulled; it is started again"));

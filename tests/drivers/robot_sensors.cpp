@@ -124,7 +124,7 @@ class RobotSensor : public mrpt::hwdrivers::CGenericSensor {
   }
 
   static constexpr double kKept_s = 0.2;       ///< observations that a driver's buffer holds
-  static constexpr std::size_t kImages = 110;  ///< of the recording
+  static constexpr std::size_t kImages = 150;  ///< of the recording
 
   std::string kind_;
   std::string rawlog_;

@@ -1,6 +1,9 @@
 #include "sections.h"
 
 #include <gmock/gmock.h>
+#include <headway_test/folders.h>
+
+#include <opencv2/imgcodecs.hpp>
 
 namespace headway::report {
 namespace {
@@ -32,6 +35,18 @@ TEST(TitleBlockTest, AbbreviatesALongListOfLostFrames) {
   EXPECT_THAT(html, HasSubstr("500 frames: 1000, 1001"));
   EXPECT_THAT(html, HasSubstr("…"));
   EXPECT_LT(html.size(), 400u);
+}
+
+TEST(TitleBlockTest, ShowsTheImageInWhichTheCameraWasLost) {
+  const test::TemporaryFolder results;
+  ReplayFolder folder;
+  folder.path = results.path();
+  folder.summary["frames_lost"] = 3;
+  EXPECT_THAT(titleBlock(folder), Not(HasSubstr("<img")));
+  cv::imwrite(results / "lost.jpg", cv::Mat(40, 60, CV_8U, cv::Scalar(3)));
+  EXPECT_THAT(titleBlock(folder),
+              HasSubstr("<img alt=\"The first image in which the camera was lost\""));
+  EXPECT_THAT(titleBlock(folder), HasSubstr("src=\"data:image/jpeg;base64,"));
 }
 
 TEST(SummaryTilesTest, ShowsMissingFiguresAsDashes) {
