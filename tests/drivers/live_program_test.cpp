@@ -159,13 +159,14 @@ TEST_F(LiveRobotTest, AllSensorsAreUsedRecordedAndStartedAgain) {
   EXPECT_EQ(run.status, 0) << run.output;
   EXPECT_THAT(run.output, HasSubstr("sensor [LASER]: the plug was pulled; it is started again"));
   EXPECT_GE(summary("out").at("frames_tracked").get<int>(), 10) << run.output;
-  EXPECT_GE(summary("out").at("laser").at("used").get<int>(), 5) << run.output;
+  // Of the scans, those that came before their image and whose frame has a ground scan.
+  EXPECT_GE(summary("out").at("laser").at("used").get<int>(), 1) << run.output;
 
   const auto replay =
       test::runProcess(test::program("headway-replay") + " -q -i " + recorded + " -o " +
                        (folder_ / "again").string() + " --snapshots 0 --to-index 60");
   EXPECT_EQ(replay.status, 0) << replay.output;
-  EXPECT_GE(summary("again").at("laser").at("used").get<int>(), 10);
+  EXPECT_GE(summary("again").at("laser").at("used").get<int>(), 5);
   EXPECT_EQ(summary("again").at("observations_skipped").count("CObservationIMU"), 0u);
 
   const auto resumed =
