@@ -6,6 +6,7 @@
 namespace headway::live {
 
 void describe(LiveOptions& options, program::CommandLine& line) {
+  options.run.program = "headway-live";
   options.run.snapshots = 0;
   line.option(options.sensors, 0, "sensors", "SENSORS.ini",
               "Sensors to grab, in the format of MRPT's rawlog-grabber", true);

@@ -9,6 +9,7 @@ namespace headway::replay {
 
 /// Command-line options of a replay.
 struct Options {
+  std::string program = "headway-replay";  ///< name in messages
   std::string input;       ///< rawlog
   std::string output;      ///< folder
   std::string detections;  ///< side file of boxes; empty: recorded boxes

@@ -241,7 +241,7 @@ void Replay::keepLostImage(const RecordedFrame& frame, const pipeline::Perceptio
 }
 
 void Replay::warn(const std::string& text) const {
-  std::cerr << "headway-replay: " << printable(text) << std::endl;
+  std::cerr << options_.program << ": " << printable(text) << std::endl;
 }
 
 }  // namespace headway::replay
