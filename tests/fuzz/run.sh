@@ -7,7 +7,7 @@
 # The seeds are written by the tests: HEADWAY_FUZZ_SEEDS=tests/fuzz/corpus/rawlog_stream test_io
 set -eu
 cd "$(dirname "$0")/../.."
-seconds=$((${1:?minutes} * 60))
+seconds=$(awk "BEGIN { print int(60 * ${1:?minutes}) }")
 cmake --preset fuzz > /dev/null
 cmake --build --preset fuzz
 mkdir -p build/fuzz/found
