@@ -178,6 +178,7 @@ int main(int argc, char** argv) {
     pipeline::PerceptionParams params;
     Params all_params;
     params.describe(all_params);
+    replay::describeCheckpoints(options.run.checkpoint_s, all_params);
     program::CommandLine line(
         "headway-live",
         "Runs the pipeline on a robot's sensors until Ctrl-C: localises the camera, maps the "

@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
     headway::pipeline::PerceptionParams perception_params;
     headway::Params params;
     perception_params.describe(params);
+    headway::replay::describeCheckpoints(options.checkpoint_s, params);
 
     CommandLine line(
         "headway-replay",

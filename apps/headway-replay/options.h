@@ -21,6 +21,7 @@ struct Options {
   std::optional<std::size_t> from_index;
   std::optional<std::size_t> to_index;
   int snapshots = 6;
+  double checkpoint_s = 10.0;  ///< between checkpoints of map and trajectory; 0: none
   bool overwrite = false;
   bool quiet = false;
   bool debug = false;  ///< print the decisions of each frame

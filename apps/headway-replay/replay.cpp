@@ -6,11 +6,11 @@
 #include <headway/io/calibration_file.h>
 #include <headway/io/track_file.h>
 #include <headway/map/map_file.h>
+#include <headway/program/picture_files.h>
 #include <headway/program/progress.h>
 
 #include <cstdio>
 #include <iostream>
-#include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
 #include "messages.h"
@@ -79,6 +79,7 @@ Replay::Replay(const Options& options, std::unique_ptr<FrameInput> input,
       perception_(makePerception(options, camera_, perceptionParams(options, perception_params))),
       folder_(options.output, options.overwrite, inputsOf(options), isResult),
       writers_(folder_.path(), camera_),
+      checkpoint_(folder_.path(), options.checkpoint_s),
       snapshots_(folder_.path(), options.snapshots,
                  [this](const std::string& text) { warn(text); }) {
   perception_->setLog([this](LogLevel level, const std::string& text) { log(level, text); });
@@ -141,6 +142,7 @@ void Replay::processAll() {
     if (summary_.frame_ms.empty()) summary_.start_up_s = secondsSinceProcessStart();
     applySideDetections(*frame);
     process(*frame, source_->progress());
+    if (checkpoint_.isDue()) writeCheckpoint();
     progress.update(summary_.frame_ms.size(), source_->progress());
   }
 }
@@ -234,9 +236,10 @@ void Replay::keepLostImage(const RecordedFrame& frame, const pipeline::Perceptio
   const bool is_lost = update.camera.status == slam::TrackingStatus::kLost;
   if (!is_lost || !frame.stereo || has_lost_image_) return;
   has_lost_image_ = true;
-  const auto path = folder_.path() / "lost.jpg";
-  if (!cv::imwrite(path.string(), frame.stereo->left)) {
-    warn(path.string() + ": the picture cannot be written; check the disk space");
+  try {
+    program::writePicture(folder_.path() / "lost.jpg", frame.stereo->left);
+  } catch (const InputError& error) {
+    warn(error.what());
   }
 }
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "checkpoint.h"
 #include "frame_input.h"
 #include "frame_writers.h"
 #include "options.h"
@@ -63,9 +64,10 @@ class Replay {
   /// Prints each warning once, when it occurs first.
   void collectWarnings(std::size_t frame, bool reader_has_stopped);
   void requireTrackedFrames() const;
-  void countLostFrames(const std::vector<slam::FrameEstimate>& trajectory);
   void finish();
-  void summarise(const std::vector<slam::FrameEstimate>& trajectory);
+  [[nodiscard]] Summary summarised(const std::vector<slam::FrameEstimate>& trajectory) const;
+  void writeCheckpoint();
+  void endCheckpoint();
   void writeMap(const std::vector<slam::FrameEstimate>& trajectory);
   void warnIfNotRelocalised(const std::vector<slam::FrameEstimate>& trajectory) const;
   void warn(const std::string& text) const;
@@ -82,6 +84,7 @@ class Replay {
   std::map<std::size_t, Detections> side_detections_;
   program::OutputFolder folder_;
   FrameWriters writers_;
+  Checkpoint checkpoint_;
   Snapshots snapshots_;
   Summary summary_;
   std::size_t last_frame_ = 0;  ///< index of the newest frame

@@ -1,4 +1,4 @@
-// What a run leaves: the parts of Replay that are called at its end.
+// What a run leaves: the parts of Replay that write its results, at checkpoints and at its end.
 #include <headway/map/map_export.h>
 #include <headway/map/map_file.h>
 #include <headway/map/static_grid.h>
@@ -10,20 +10,22 @@
 
 namespace headway::replay {
 
-void Replay::countLostFrames(const std::vector<slam::FrameEstimate>& trajectory) {
+namespace {
+
+using Trajectory = std::vector<slam::FrameEstimate>;
+
+void countLostFrames(const Trajectory& trajectory, bool drops_late_frames, Summary& summary) {
   if (trajectory.empty()) return;
   std::size_t next = trajectory.front().frame;
   for (const auto& estimate : trajectory) {
-    auto& missing = source_->dropsLateFrames() ? summary_.late_frames : summary_.lost_frames;
+    auto& missing = drops_late_frames ? summary.late_frames : summary.lost_frames;
     while (next < estimate.frame) missing.push_back(next++);
-    if (!estimate.tracked) summary_.lost_frames.push_back(estimate.frame);
-    if (estimate.tracked) ++summary_.frames_tracked;
+    if (!estimate.tracked) summary.lost_frames.push_back(estimate.frame);
+    if (estimate.tracked) ++summary.frames_tracked;
     ++next;
   }
-  summary_.frames = next - trajectory.front().frame;
+  summary.frames = next - trajectory.front().frame;
 }
-
-namespace {
 
 std::string titleOf(const std::filesystem::path& folder) {
   return std::filesystem::weakly_canonical(folder).filename().string();
@@ -31,7 +33,26 @@ std::string titleOf(const std::filesystem::path& folder) {
 
 }  // namespace
 
+void Replay::writeCheckpoint() {
+  endCheckpoint();
+  CheckpointContents contents;
+  contents.trajectory = perception_->trajectory();
+  if (contents.trajectory.empty()) return;
+  if (camera_ != nullptr) contents.T_robot_cam = camera_->T_robot_cam;
+  contents.map = perception_->stored();
+  contents.map.configuration = configuration_;
+  contents.summary = summarised(contents.trajectory);
+  contents.summary.ended_early =
+      "killed after the checkpoint at frame " + std::to_string(last_frame_);
+  checkpoint_.write(std::move(contents));
+}
+
+void Replay::endCheckpoint() {
+  if (const auto failure = checkpoint_.finish()) warn("no checkpoint: " + *failure);
+}
+
 void Replay::finish() {
+  endCheckpoint();  // its files are replaced
   perception_->finish();
   const auto trajectory = perception_->trajectory();
   std::exception_ptr failure;  // the first failure; the other files are written nevertheless
@@ -54,7 +75,8 @@ void Replay::finish() {
   warnIfNotRelocalised(trajectory);
   attempt([&] { snapshots_.finish(*perception_); });
   attempt([&] {
-    summarise(trajectory);
+    summary_ = summarised(trajectory);
+    summary_.observations_skipped = source_->skipped();
     writeSummary(folder_.path() / "summary.json", summary_);
   });
   if (!failure) {  // the report is made from the written files
@@ -66,17 +88,19 @@ void Replay::finish() {
   if (failure) std::rethrow_exception(failure);
 }
 
-void Replay::summarise(const std::vector<slam::FrameEstimate>& trajectory) {
-  countLostFrames(trajectory);
+Summary Replay::summarised(const Trajectory& trajectory) const {
+  Summary summary = summary_;
+  countLostFrames(trajectory, source_->dropsLateFrames(), summary);
   const auto static_map = perception_->map().staticMap();
-  summary_.keyframes = static_map->keyframes.size();
-  summary_.landmarks = static_map->landmarks.size();
-  summary_.tracks_confirmed = seen_tracks_.size();
-  for (const auto& [id, moving] : seen_tracks_) summary_.tracks_moving += moving ? 1 : 0;
-  summary_.stages.merge(perception_->times());
-  summary_.laser = perception_->laserCounts();
-  summary_.observations_skipped = source_->skipped();
-  summary_.total_s = secondsSinceProcessStart();
+  summary.keyframes = static_map->keyframes.size();
+  summary.landmarks = static_map->landmarks.size();
+  summary.tracks_confirmed = seen_tracks_.size();
+  for (const auto& [id, moving] : seen_tracks_) summary.tracks_moving += moving ? 1 : 0;
+  summary.stages.merge(perception_->times());
+  summary.laser = perception_->laserCounts();
+  if (const auto skipped = source_->skippedNow()) summary.observations_skipped = *skipped;
+  summary.total_s = secondsSinceProcessStart();
+  return summary;
 }
 
 void Replay::writeMap(const std::vector<slam::FrameEstimate>& trajectory) {

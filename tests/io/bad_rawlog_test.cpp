@@ -278,6 +278,12 @@ TEST_F(BadRawlogTest, RefusesInvalidCalibrationsWithTheReason) {
   EXPECT_THAT(with([](auto& c) { c.left.width = c.right.width = 640; }),
               HasSubstr("for images of 640x120 px, but they have 160x120"));
   EXPECT_THAT(with([](auto& c) { c.right.width = 640; }), HasSubstr("differ in size"));
+  for (const double focal_px : {1e-3, 1e6}) {
+    EXPECT_THAT(with([&](auto& c) {
+                  for (auto* lens : {&c.left, &c.right}) lens->fx = lens->fy = focal_px;
+                }),
+                HasSubstr("no lens of a robot's camera"));
+  }
 }
 
 TEST_F(BadRawlogTest, DetectsSwappedImages) {

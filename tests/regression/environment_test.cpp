@@ -62,7 +62,7 @@ TEST_F(EnvironmentTest, NamesThatAreNotUtf8AreNoError) {
   fs::rename(rawlog_, name);
   const auto run = test::replay(name, out, "-q --snapshots 0");
   EXPECT_EQ(0, run.process.status) << run.process.output;
-  EXPECT_NO_THROW((void)nlohmann::json::parse(test::contentsOf(out + "/replay.json")));
+  EXPECT_TRUE(nlohmann::json::accept(test::contentsOf(out + "/replay.json")));
 }
 
 TEST_F(EnvironmentTest, NamesReachTheTerminalWithoutEscapeSequences) {

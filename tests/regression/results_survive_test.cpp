@@ -121,6 +121,26 @@ TEST_F(ResultsSurviveTest, AKillLeavesWholeRowsAndASecondRunMayFollow) {
   EXPECT_EQ(0, replay("-w").process.status);
 }
 
+TEST_F(ResultsSurviveTest, AKilledRunLeavesMapAndTrajectoryOfItsLastCheckpoint) {
+  const pid_t child = startReplay({"--realtime", "0.4", "--set", "output.checkpoint_s=0.2"});
+  std::this_thread::sleep_for(std::chrono::milliseconds(2500));
+  end(child, SIGKILL);
+  EXPECT_GE(io::readTum(out_ / "trajectory.tum").size(), 2u);
+  EXPECT_FALSE(map::loadMap(out_ / "map.headway").map.staticMap()->landmarks.empty());
+  const auto summary = nlohmann::json::parse(test::contentsOf(out_ / "summary.json"));
+  EXPECT_THAT(summary["ended_early"].get<std::string>(), HasSubstr("killed after the checkpoint"));
+  for (const char* output : {"picture.png", "report.html"}) {
+    const auto drawn = test::runProcess(test::program("headway-render") + " -q -i " +
+                                        out_.string() + " -o " + (folder_ / output).string());
+    EXPECT_EQ(0, drawn.status) << drawn.output;
+  }
+  const auto resumed =
+      test::replay(rawlog_, folder_ / "resumed",
+                   "-q --snapshots 0 --from-index 6 --load-map " + (out_ / "map.headway").string());
+  EXPECT_EQ(0, resumed.process.status) << resumed.process.output;
+  EXPECT_GT(resumed.summary["frames_tracked"], 4);
+}
+
 TEST_F(ResultsSurviveTest, AKillWhileReplacingLeavesTheOldResults) {
   ASSERT_EQ(0, replay().process.status);
   const auto before = contentsIn(out_);
@@ -177,7 +197,7 @@ TEST_F(ResultsSurviveTest, AnInputIsNeverAnOutput) {
   ASSERT_EQ(0, replay().process.status);
   const auto before = contentsIn(out_);
   const auto detections = (out_ / "detections.csv").string();
-  for (const std::string options :
+  for (const std::string& options :
        {"-w --detections " + detections, "-w --load-map " + (out_ / "map.headway").string()}) {
     const auto run = replay(options);
     EXPECT_EQ(1, run.process.status);

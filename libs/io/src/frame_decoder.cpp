@@ -15,6 +15,8 @@ namespace headway::io {
 namespace {
 
 constexpr double kMaxBaselineM = 5.0;
+constexpr double kMinFocalWidths = 0.1;  // of the image
+constexpr double kMaxFocalWidths = 30.0;
 constexpr std::size_t kComparedPairs = 5;
 constexpr std::size_t kMinMatchesSwapped = 40;
 constexpr double kMaxVerticalDisparity = 0.8;  // of a good calibration [px]
@@ -30,6 +32,18 @@ void requireBaselineInMetres(const StereoCamera& camera) {
                 "rightCameraPose",
                 camera.baseline_m, camera.baseline_m < 50.0 ? "centimetres" : "millimetres",
                 metres);
+  throw InputError(text.data());
+}
+
+/// Lenses of robots' cameras; rational and fisheye models are refused elsewhere.
+void requirePossibleLens(const StereoCamera& camera) {
+  const double widths = camera.fx / camera.width;
+  if (widths >= kMinFocalWidths && widths <= kMaxFocalWidths) return;
+  std::array<char, 240> text{};
+  std::snprintf(text.data(), text.size(),
+                "stereo calibration: the focal length is %.6g px in images of %d px; no lens of a "
+                "robot's camera has it: check the unit (pixels)",
+                camera.fx, camera.width);
   throw InputError(text.data());
 }
 
@@ -75,6 +89,7 @@ void FrameDecoder::calibrate(const RecordedPair& pair, const DecodedPair& images
   rectifier_.emplace(raw);
   camera_ = std::make_shared<const StereoCamera>(rectifier_->camera());
   requireBaselineInMetres(*camera_);
+  requirePossibleLens(*camera_);
   const StereoFrame frame = stereoFrame(images);
   report_ = measureCalibration(frame.left, frame.right, *camera_);
   report_->rectified_here = !rectifier_->passesThrough();

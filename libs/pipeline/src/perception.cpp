@@ -49,6 +49,8 @@ void GridParams::describe(Params::Section section) {
 
 void PerceptionParams::describe(Params& params) {
   slam.describe(params.section("slam"));
+  params.section("slam").add("max_speed", max_speed_mps, 1.0, 1000.0, "m/s",
+                             "Maximum speed of the robot; a warning names the first frame beyond");
   detection.describe(params);
   objects.describe(params.section("objects"));
   grid.describe(params.section("grid"));
@@ -79,6 +81,7 @@ Perception::Perception(std::shared_ptr<const StereoCamera> camera, const Percept
       rig_(rigOf(camera_.get(), params)),
       grid_params_(gridFor(rig_, params)),
       laser_params_(params.laser),
+      max_speed_mps_(params.max_speed_mps),
       is_live_(params.slam.adjust_in_background),
       grid_(grid_params_.map),
       map_(std::move(map)) {

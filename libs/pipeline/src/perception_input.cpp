@@ -49,9 +49,28 @@ void Perception::warnAboutBoxes(const RecordedFrame& frame, const ObjectDetectio
              warnings_);
 }
 
+void Perception::warnAboutSpeed(const RecordedFrame& frame, const PerceptionUpdate& update) {
+  if (!isTracked(update) || !last_pose_ || update.camera.map_corrected) return;
+  const double seconds = frame.time - last_pose_->time;
+  const double metres =
+      (update.camera.T_map_robot.translation() - last_pose_->value.translation()).norm();
+  if (!(seconds > 0.0) || metres <= max_speed_mps_ * seconds) return;
+  char speed[32];
+  std::snprintf(speed, sizeof speed, "%.3g m/s", metres / seconds);
+  addWarning("speed", frame.index,
+             std::string("the robot moves at ") + speed +
+                 ", faster than slam.max_speed; check the calibration's baseline and focal length, "
+                 "and the images' times",
+             warnings_);
+}
+
 void Perception::checkInput(const RecordedFrame& frame, const PerceptionUpdate& update,
                             bool scan_ground) {
-  if (frame.stereo) camera_check_.add(*frame.stereo, warnings_);
+  if (frame.stereo) {
+    camera_check_.add(*frame.stereo, warnings_);
+    stereo_check_.add(*frame.stereo, warnings_);
+  }
+  warnAboutSpeed(frame, update);
   if (!isLocalisedBySlam(frame)) return;
   if (scan_ground) mount_check_->addImage(*found_.context);
   if (isTracked(update) && last_pose_ && update.camera.loops.empty()) {

@@ -12,6 +12,7 @@
 #include <headway/pipeline/lost_diagnosis.h>
 #include <headway/pipeline/mount_check.h>
 #include <headway/pipeline/perception_host.h>
+#include <headway/pipeline/stereo_check.h>
 #include <headway/slam/stereo_slam.h>
 #include <headway/stereo/rig_capability.h>
 
@@ -40,6 +41,7 @@ struct PerceptionParams {
   GridParams grid;
   LaserParams laser;
   map::RobotFootprint robot{0.5, 0.4};
+  double max_speed_mps = 70.0;  ///< of the robot [m/s]; beyond it the poses cannot be right
 
   /// For live operation: bundle adjustment, loop search and pose graph run beside the tracking, so
   /// that results depend on timing.
@@ -121,8 +123,8 @@ class Perception {
 
   /// Conditions of the input that degrade the results: "imu_accelerometer" and "imu_gyroscope"
   /// (left out, they contradict the camera), "odometry_scale", "camera_frozen", "camera_dark",
-  /// "clock_set_back", "clock_jumps_ahead", "recorded_boxes_missing", and "lost_" with a
-  /// LostReason.
+  /// "vertical_offset", "images_not_simultaneous", "images_swapped", "speed", "clock_set_back",
+  /// "clock_jumps_ahead", "recorded_boxes_missing", and "lost_" with a LostReason.
   [[nodiscard]] const Warnings& warnings() const;
 
   /// Laser scans by use ("used", "camera_lost", "ground_unknown", "between_ground_scans") and ends
@@ -164,6 +166,7 @@ class Perception {
   /// Adds the frame's laser scans to the ground scan, or counts why they are not used.
   void addLaser(const RecordedFrame& frame, const PerceptionUpdate& update, bool scan_ground,
                 std::optional<GroundScan>& scan);
+  void warnAboutSpeed(const RecordedFrame& frame, const PerceptionUpdate& update);
   void warnAboutBoxes(const RecordedFrame& frame, const ObjectDetections& boxes);
   void applyChange();
   void log(LogLevel level, std::size_t frame, const std::string& text) const;
@@ -183,12 +186,14 @@ class Perception {
   std::optional<stereo::RigCapability> rig_;
   GridParams grid_params_;
   LaserParams laser_params_;
+  double max_speed_mps_;
   bool is_live_ = false;  ///< no frame may be delayed by a correction of the whole map
   map::StaticGrid grid_;
   map::PerceptionMap map_;
   std::size_t grid_frames_ = 0;            ///< frames eligible for a scan
   std::optional<MountCheck> mount_check_;  ///< with a camera
   CameraCheck camera_check_;
+  StereoCheck stereo_check_;
   Warnings warnings_;
   LogSink log_;
   PerceptionCallbacks callbacks_;

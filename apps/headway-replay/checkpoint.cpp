@@ -1,0 +1,58 @@
+#include "checkpoint.h"
+
+#include <headway/map/map_export.h>
+
+#include <exception>
+#include <utility>
+
+#include "frame_writers.h"
+
+namespace headway::replay {
+namespace {
+
+void writeContents(const std::filesystem::path& folder, CheckpointContents contents) {
+  writeTrajectories(folder, contents.trajectory, contents.T_robot_cam);
+  map::writePly(folder / "map_points.ply", *contents.map.map.staticMap());
+  map::saveMap(folder / "map.headway", std::move(contents.map));
+  writeSummary(folder / "summary.json", contents.summary);
+}
+
+}  // namespace
+
+void describeCheckpoints(double& interval_s, Params& params) {
+  params.section("output").add(
+      "checkpoint_s", interval_s, 0.0, 3600.0, "s",
+      "Time between checkpoints of map and trajectory, which a killed run leaves; 0: none");
+}
+
+Checkpoint::Checkpoint(std::filesystem::path folder, double interval_s)
+    : folder_(std::move(folder)), interval_(interval_s), last_(std::chrono::steady_clock::now()) {}
+
+Checkpoint::~Checkpoint() { (void)finish(); }
+
+bool Checkpoint::isDue() const {
+  if (interval_.count() <= 0.0 || std::chrono::steady_clock::now() - last_ < interval_)
+    return false;
+  return !writing_.valid() ||
+         writing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
+void Checkpoint::write(CheckpointContents contents) {
+  last_ = std::chrono::steady_clock::now();
+  writing_ =
+      std::async(std::launch::async, [folder = folder_, what = std::move(contents)]() mutable {
+        writeContents(folder, std::move(what));
+      });
+}
+
+std::optional<std::string> Checkpoint::finish() {
+  if (!writing_.valid()) return std::nullopt;
+  try {
+    writing_.get();
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return std::nullopt;
+}
+
+}  // namespace headway::replay

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <headway/core/params.h>
+#include <headway/map/map_file.h>
+#include <headway/slam/map_view.h>
+
+#include <chrono>
+#include <filesystem>
+#include <future>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "summary.h"
+
+namespace headway::replay {
+
+/// Binds the time between two checkpoints [s] to section [output].
+void describeCheckpoints(double& interval_s, Params& params);
+
+/// What a checkpoint contains: the results so far that are not written frame by frame.
+struct CheckpointContents {
+  std::vector<slam::FrameEstimate> trajectory;
+  Pose T_robot_cam = Pose::Identity();
+  map::StoredMap map;
+  Summary summary;
+};
+
+/// Writes map.headway, map_points.ply, trajectory.tum, trajectory_kitti.txt and summary.json while
+/// a run goes on, in a thread of its own, so that a killed run leaves them.
+class Checkpoint {
+ public:
+  /// @param interval_s  time between two checkpoints; 0: none
+  Checkpoint(std::filesystem::path folder, double interval_s);
+  ~Checkpoint();
+
+  /// Whether the interval has passed and the last checkpoint is written.
+  [[nodiscard]] bool isDue() const;
+  /// Starts to write.
+  void write(CheckpointContents contents);
+  /// Waits for the end of writing. @return why the latest checkpoint could not be written
+  std::optional<std::string> finish();
+
+ private:
+  std::filesystem::path folder_;
+  std::chrono::duration<double> interval_;
+  std::chrono::steady_clock::time_point last_;
+  std::future<void> writing_;
+};
+
+}  // namespace headway::replay

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <headway/core/stereo_frame.h>
+#include <headway/core/warnings.h>
+
+#include <optional>
+
+namespace headway::pipeline {
+
+/// Compares left and right images while a recording runs, twice a second: rows that differ, images
+/// of different times, and images that are swapped.
+///
+/// Corners of the left image are searched in a band of rows of the right one, at half the
+/// resolution. A condition is reported when it occurs in two comparisons in a row, so within 1 s.
+class StereoCheck {
+ public:
+  /// Adds "vertical_offset" if all rows differ alike, "images_not_simultaneous" if they differ by
+  /// place, as in images of a moving camera that were not taken at the same time, and
+  /// "images_swapped" if most points have a negative disparity.
+  void add(const StereoFrame& frame, Warnings& warnings);
+
+ private:
+  enum class Finding { kNone, kSwapped, kOffset, kScattered };
+  [[nodiscard]] static Finding compare(const StereoFrame& frame, double& rows_px);
+
+  std::optional<Time> last_;  ///< of the latest comparison
+  Finding finding_ = Finding::kNone;
+};
+
+}  // namespace headway::pipeline
