@@ -44,19 +44,18 @@ void MovingObjectFinder::addClusters(const MotionFrame& frame, std::vector<Movin
   params.reach_m = params_.max_point_distance_m;
   params.min_points = params_.min_points;
   const int now = frame.path.newest();
-  const int first = frame.path.firstSince(frame.path.timeOf(now) - params_.window_s);
+  const Pose& T_cam_world = frame.path.T_cam_world(now);
   for (const auto& cluster :
        clusterMotion(frame.points, frame.classes, frame.path, frame.up, params)) {
-    const double sigma = sigmaAlong(cluster.velocity, cluster.velocity_covariance);
-    if (cluster.velocity.norm() < params_.min_speed_mps + 2.0 * sigma) continue;
+    const MeasuredVelocity velocity{cluster.velocity, cluster.velocity_covariance};
+    const double sigma = sigmaAlong(velocity.value, velocity.covariance);
+    if (velocity.value.norm() < params_.min_speed_mps + 2.0 * sigma) continue;
     std::vector<Eigen::Vector3d> seeds;
-    for (const std::size_t i : cluster.members) {
-      seeds.push_back(frame.path.T_cam_world(now) * frame.points[i].motion->point);
-    }
+    for (const std::size_t i : cluster.members)
+      seeds.push_back(T_cam_world * frame.points[i].motion->point);
     const stereo::GroundPlane floor = frame.ground.value_or(floorBelow(seeds, camera_));
-    auto extent = plausibleExtent(growObject(seeds, frame.disparity, camera_, floor),
-                                  {cluster.velocity, cluster.velocity_covariance}, floor,
-                                  params_.min_moving_ratio, frame);
+    auto extent = plausibleExtent(growObject(seeds, frame.disparity, camera_, floor), velocity,
+                                  floor, params_.min_moving_ratio, frame);
     if (!extent) continue;
     if (repeatsAlongRows(frame.image, extent->cells)) {
       ++implausible_;
@@ -73,8 +72,8 @@ void MovingObjectFinder::addClusters(const MotionFrame& frame, std::vector<Movin
     MovingObject object;
     object.evidence.motion = true;
     object.extent = std::move(*extent);
-    object.velocity = {cluster.velocity, cluster.velocity_covariance};
-    object.first_frame = first;
+    object.velocity = velocity;
+    object.first_frame = frame.path.firstSince(frame.path.timeOf(now) - params_.window_s);
     object.points = static_cast<int>(cluster.members.size());
     object.members = cluster.members;
     objects.push_back(std::move(object));
