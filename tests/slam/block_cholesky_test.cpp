@@ -8,15 +8,39 @@
 namespace headway::slam {
 namespace {
 
-using Blocks = std::vector<BlockCholesky::Block, Eigen::aligned_allocator<BlockCholesky::Block>>;
-
 /// A positive definite matrix whose blocks couple neighbours and a few distant rows, as keyframes
-/// of a path with loops. Below the diagonal, the given blocks of the diagonal are not filled.
+/// of a path with loops.
 struct Matrix {
   std::vector<std::vector<int>> columns;
-  Blocks blocks;
   Eigen::MatrixXd dense;
+
+  /// Above the diagonal, the blocks of the diagonal are not filled.
+  void copyInto(BlockCholesky& solver) const {
+    solver.setZero();
+    for (int i = 0; i < static_cast<int>(columns.size()); ++i) {
+      for (const int j : columns[static_cast<std::size_t>(i)]) {
+        const int row = solver.place(i), column = solver.place(j);
+        BlockCholesky::Block block = dense.block<6, 6>(6 * i, 6 * j);
+        if (i == j) block.triangularView<Eigen::StrictlyUpper>().setConstant(99.0);
+        if (row >= column) {
+          solver.block(row, column) = block;
+        } else {
+          solver.block(column, row) = block.transpose();
+        }
+      }
+    }
+  }
 };
+
+/// Rows of six in the order of the solver, or back.
+Eigen::MatrixXd ordered(const Eigen::MatrixXd& rows, const BlockCholesky& solver, bool back) {
+  Eigen::MatrixXd result(rows.rows(), rows.cols());
+  for (int i = 0; 6 * i < rows.rows(); ++i) {
+    const int from = 6 * (back ? solver.place(i) : i), to = 6 * (back ? i : solver.place(i));
+    result.middleRows<6>(to) = rows.middleRows<6>(from);
+  }
+  return result;
+}
 
 Matrix pathWithLoops(int rows, unsigned seed) {
   std::mt19937 random(seed);
@@ -35,9 +59,7 @@ Matrix pathWithLoops(int rows, unsigned seed) {
       }
       matrix.dense.block<6, 6>(6 * i, 6 * j) = block;
       matrix.dense.block<6, 6>(6 * j, 6 * i) = block.transpose();
-      if (i == j) block.triangularView<Eigen::StrictlyLower>().setConstant(99.0);
       matrix.columns[static_cast<std::size_t>(i)].push_back(j);
-      matrix.blocks.push_back(block);
     }
   }
   return matrix;
@@ -49,9 +71,11 @@ TEST(BlockCholeskyTest, SolvesAsADenseDecomposition) {
     const Eigen::MatrixXd right = Eigen::MatrixXd::Random(6 * rows, 2);
     BlockCholesky solver(matrix.columns);
     for (int repeat = 0; repeat < 2; ++repeat) {
-      ASSERT_TRUE(solver.factorise(matrix.blocks)) << rows;
-      Eigen::MatrixXd solution = right;
+      matrix.copyInto(solver);
+      ASSERT_TRUE(solver.factorise()) << rows;
+      Eigen::MatrixXd solution = ordered(right, solver, false);
       solver.solveInPlace(solution);
+      solution = ordered(solution, solver, true);
       const Eigen::MatrixXd expected = matrix.dense.llt().solve(right);
       EXPECT_LT((solution - expected).norm(), 1e-12 * expected.norm()) << rows;
     }
@@ -60,9 +84,10 @@ TEST(BlockCholeskyTest, SolvesAsADenseDecomposition) {
 
 TEST(BlockCholeskyTest, RefusesAMatrixThatIsNotPositiveDefinite) {
   Matrix matrix = pathWithLoops(8, 3);
-  matrix.blocks.back()(2, 2) = -1e6;
+  matrix.dense.bottomRightCorner<4, 4>()(0, 0) = -1e6;
   BlockCholesky solver(matrix.columns);
-  EXPECT_FALSE(solver.factorise(matrix.blocks));
+  matrix.copyInto(solver);
+  EXPECT_FALSE(solver.factorise());
 }
 
 }  // namespace

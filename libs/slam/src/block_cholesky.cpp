@@ -40,19 +40,6 @@ BlockCholesky::BlockCholesky(const std::vector<std::vector<int>>& columns)
     }
   }
   analyse(below);
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    for (const int j : columns[i]) {
-      const int row = place_[i];
-      const int other = place_[static_cast<std::size_t>(j)];
-      const Column& column = columns_[static_cast<std::size_t>(std::min(row, other))];
-      const auto at =
-          std::lower_bound(column.rows.begin(), column.rows.end(), std::max(row, other));
-      const auto below_diagonal = static_cast<std::size_t>(at - column.rows.begin());
-      // The block of row i and column j is below the diagonal of the factor if it is transposed.
-      target_.emplace_back(row == other ? column.first : column.first + 1 + below_diagonal,
-                           row < other);
-    }
-  }
 }
 
 /// A column of the factor has the rows of its matrix column, and those of the columns whose first
@@ -78,19 +65,19 @@ void BlockCholesky::analyse(const std::vector<std::vector<int>>& below) {
   factor_.resize(next);
 }
 
-bool BlockCholesky::factorise(const std::vector<Block, Eigen::aligned_allocator<Block>>& blocks) {
-  std::fill(factor_.begin(), factor_.end(), Block::Zero());
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    const auto& [at, is_flipped] = target_[i];
-    if (is_flipped) {
-      factor_[at] = blocks[i].transpose();
-    } else {
-      factor_[at] = blocks[i];
-    }
-  }
+void BlockCholesky::setZero() { std::fill(factor_.begin(), factor_.end(), Block::Zero()); }
+
+BlockCholesky::Block& BlockCholesky::block(int row, int column) {
+  const Column& of = columns_[static_cast<std::size_t>(column)];
+  if (row == column) return factor_[of.first];
+  const auto at = std::lower_bound(of.rows.begin(), of.rows.end(), row);
+  return factor_[of.first + 1 + static_cast<std::size_t>(at - of.rows.begin())];
+}
+
+bool BlockCholesky::factorise() {
   for (const Column& column : columns_) {
     Block& diagonal = factor_[column.first];
-    const Eigen::LLT<Block, Eigen::Upper> decomposed(diagonal);
+    const Eigen::LLT<Block> decomposed(diagonal);
     if (decomposed.info() != Eigen::Success) return false;
     diagonal = decomposed.matrixL();
     for (std::size_t i = 1; i <= column.rows.size(); ++i) {
@@ -119,29 +106,22 @@ void BlockCholesky::update(const Column& column) {
 
 void BlockCholesky::solveInPlace(Eigen::MatrixXd& columns) const {
   const auto part = [](Eigen::MatrixXd& values, int i) { return values.middleRows<6>(6 * i); };
-  Eigen::MatrixXd ordered(columns.rows(), columns.cols());
-  for (std::size_t i = 0; i < place_.size(); ++i) {
-    part(ordered, place_[i]) = part(columns, static_cast<int>(i));
-  }
   const int count = static_cast<int>(columns_.size());
   for (int k = 0; k < count; ++k) {
     const Column& column = columns_[static_cast<std::size_t>(k)];
-    auto own = part(ordered, k);
+    auto own = part(columns, k);
     factor_[column.first].triangularView<Eigen::Lower>().solveInPlace(own);
     for (std::size_t i = 0; i < column.rows.size(); ++i) {
-      part(ordered, column.rows[i]) -= factor_[column.first + 1 + i] * own;
+      part(columns, column.rows[i]) -= factor_[column.first + 1 + i] * own;
     }
   }
   for (int k = count - 1; k >= 0; --k) {
     const Column& column = columns_[static_cast<std::size_t>(k)];
-    auto own = part(ordered, k);
+    auto own = part(columns, k);
     for (std::size_t i = 0; i < column.rows.size(); ++i) {
-      own -= factor_[column.first + 1 + i].transpose() * part(ordered, column.rows[i]);
+      own -= factor_[column.first + 1 + i].transpose() * part(columns, column.rows[i]);
     }
     factor_[column.first].triangularView<Eigen::Lower>().transpose().solveInPlace(own);
-  }
-  for (std::size_t i = 0; i < place_.size(); ++i) {
-    part(columns, static_cast<int>(i)) = part(ordered, place_[i]);
   }
 }
 

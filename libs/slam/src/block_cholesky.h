@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <Eigen/StdVector>
-#include <utility>
 #include <vector>
 
 namespace headway::slam {
@@ -24,17 +23,20 @@ class BlockCholesky {
   /// @param columns  of each row of blocks (i), the columns (j >= i) that are not zero, ascending
   explicit BlockCholesky(const std::vector<std::vector<int>>& columns);
 
-  /// Decomposes a matrix of the pattern given to the constructor.
-  ///
-  /// @param blocks  row by row, as `columns` names them
-  /// @return        false if the matrix is not positive definite
-  [[nodiscard]] bool factorise(const std::vector<Block, Eigen::aligned_allocator<Block>>& blocks);
+  /// Place of a row in the elimination order. All other functions name rows by their places.
+  [[nodiscard]] int place(int row) const { return place_[static_cast<std::size_t>(row)]; }
 
+  void setZero();
+  /// Block of a row and a column <= row that is not zero; of the diagonal's only the lower triangle
+  /// is used. The matrix is filled in after setZero() and replaced by its factor in factorise().
+  [[nodiscard]] Block& block(int row, int column);
+  /// Decomposes the matrix; false if it is not positive definite.
+  [[nodiscard]] bool factorise();
   /// Replaces right-hand sides by solutions. Requires factorise() to have succeeded.
   void solveInPlace(Eigen::MatrixXd& columns) const;
 
  private:
-  /// A column of the factor, in the elimination order.
+  /// A column of the factor.
   struct Column {
     std::vector<int> rows;  ///< below the diagonal, ascending
     std::size_t first = 0;  ///< index of the diagonal block in `factor_`; then those of `rows`
@@ -43,8 +45,6 @@ class BlockCholesky {
   void update(const Column& column);
 
   std::vector<int> place_;  ///< in the elimination order, of each row of the matrix
-  std::vector<std::pair<std::size_t, bool>>
-      target_;  ///< in `factor_`, of each given block; flipped
   std::vector<Column> columns_;
   std::vector<Block, Eigen::aligned_allocator<Block>> factor_;
 };

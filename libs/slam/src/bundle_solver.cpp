@@ -10,6 +10,28 @@
 
 namespace headway::slam {
 
+namespace {
+
+/// What a solve changes of a problem.
+struct State {
+  std::vector<Pose> poses;
+  std::vector<BundleProblem::Point> points;
+  double disparity_offset_px = 0.0;
+
+  void copyFrom(const BundleProblem& problem) {
+    poses = problem.poses;
+    points = problem.points;
+    disparity_offset_px = problem.disparity_offset_px;
+  }
+  void swapInto(BundleProblem& problem) {
+    std::swap(problem.poses, poses);
+    std::swap(problem.points, points);
+    problem.disparity_offset_px = disparity_offset_px;
+  }
+};
+
+}  // namespace
+
 BundleSolution solveBundle(BundleProblem& problem, const StereoCamera& camera, int max_iterations,
                            const std::atomic<bool>& stop) {
   constexpr double kMinGain = 1e-3;    ///< accepted ratio of actual to predicted decrease
@@ -19,26 +41,22 @@ BundleSolution solveBundle(BundleProblem& problem, const StereoCamera& camera, i
   double cost = solution.initial_cost = costOf(problem, camera, previous_offset);
   if (!std::isfinite(cost)) return solution;
   BundleStep step(problem, camera, previous_offset);
-  BundleProblem moved = problem;
+  State before;
   double radius = 1e4;  // of the trust region
   double shrink = 2.0;
   const auto is_stopped = [&] { return stop || stopRequested(); };
   for (; solution.iterations < max_iterations && !is_stopped(); ++solution.iterations) {
     if (!step.compute(radius)) break;
-    moved.poses = problem.poses;
-    moved.points = problem.points;
-    moved.disparity_offset_px = problem.disparity_offset_px;
-    step.applyTo(moved);
-    const double decrease = cost - costOf(moved, camera, previous_offset);
+    before.copyFrom(problem);
+    step.applyTo(problem);
+    const double decrease = cost - costOf(problem, camera, previous_offset);
     const double gain = decrease / step.predictedDecrease();
     if (gain > kMinGain) {
-      std::swap(problem.poses, moved.poses);
-      std::swap(problem.points, moved.points);
-      problem.disparity_offset_px = moved.disparity_offset_px;
       cost -= decrease;
       radius = std::min(1e16, radius / std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * gain - 1.0, 3)));
       shrink = 2.0;
     } else {
+      before.swapInto(problem);
       radius /= shrink;
       shrink *= 2.0;
     }

@@ -73,8 +73,9 @@ BundleStep::BundleStep(const BundleProblem& problem, const StereoCamera& camera,
       previous_offset_(previous_offset),
       free_(freeIndices(problem)),
       system_(countFree(free_), coupledPoses(problem, free_)),
-      by_point_(problem.observations.size()),
-      points_(problem.points.size()) {}
+      points_(problem.points.size()) {
+  for (int& index : free_) index = index < 0 ? index : system_.place(index);
+}
 
 std::vector<int> BundleStep::freeIndices(const BundleProblem& problem) {
   std::vector<int> free(problem.poses.size(), -1);
@@ -89,15 +90,11 @@ int BundleStep::countFree(const std::vector<int>& free) {
   return static_cast<int>(std::count_if(free.begin(), free.end(), [](int i) { return i >= 0; }));
 }
 
-/// Free poses that observe a point together or are joined by a motion; all pairs of few poses.
+/// Free poses that observe a point together or are joined by a motion; none for a dense system.
 std::vector<std::pair<int, int>> BundleStep::coupledPoses(const BundleProblem& problem,
                                                           const std::vector<int>& free) {
   std::vector<std::pair<int, int>> coupled;
-  const int count = countFree(free);
-  for (int i = 0; count <= ReducedSystem::kDense && i < count; ++i) {
-    for (int j = i + 1; j < count; ++j) coupled.emplace_back(i, j);
-  }
-  if (count <= ReducedSystem::kDense) return coupled;
+  if (countFree(free) <= ReducedSystem::kDense) return coupled;
   const auto add = [&](int a, int b) {
     const int i = free[static_cast<std::size_t>(a)];
     const int j = free[static_cast<std::size_t>(b)];
@@ -122,10 +119,11 @@ bool BundleStep::compute(double radius) {
   for (const BundleProblem::Motion& motion : problem_.motions) addMotion(motion);
   for (std::size_t point = 0; point < points_.size(); ++point) {
     PointBlock& block = points_[point] = PointBlock();
+    couplings_.clear();
     for (std::size_t i = begin(point); i < problem_.points[point].observations_end; ++i) {
-      linearise(i, problem_.points[point].position, block);
+      add(i, problem_.points[point].position, block);
     }
-    eliminate(point, radius);
+    eliminate(block, radius);
   }
   dampPoses(radius);
   if (!system_.solve(step_, step_offset_)) return false;
@@ -162,60 +160,73 @@ void BundleStep::addMotion(const BundleProblem::Motion& motion) {
   };
   addPose(a, terms.by_a);
   addPose(b, terms.by_b);
-  if (a >= 0 && b >= 0) system_.block(a, b) += terms.by_a.transpose() * terms.by_b;
+  if (a >= 0 && b >= 0) {
+    const ReducedSystem::Block by_both = terms.by_b.transpose() * terms.by_a;
+    if (b > a) {
+      system_.block(b, a) += by_both;
+    } else {
+      system_.block(a, b) += by_both.transpose();
+    }
+  }
+}
+
+BundleStep::ObservationTerms BundleStep::termsOf(std::size_t observation,
+                                                 const Eigen::Vector3d& position) const {
+  const auto& [pose, measurement] = problem_.observations[observation];
+  const Pose& T_cam_map = T_cam_map_[static_cast<std::size_t>(pose)];
+  ObservationTerms result;
+  result.point_cam = T_cam_map * position;
+  result.residual = stereo::stereoResidual(result.point_cam,
+                                           withoutOffset(measurement, problem_.disparity_offset_px),
+                                           camera_, &result.by_point_cam);
+  const double root = std::sqrt(huberWeight(result.residual.squaredNorm()));
+  result.residual *= root;
+  result.by_point_cam *= root;
+  result.by_point = result.by_point_cam * T_cam_map.linear();
+  result.by_offset = measurement.stereo ? root / measurement.sigma_disparity_px : 0.0;
+  return result;
 }
 
 /// Adds one observation to the blocks of its pose, its point and the offset.
-void BundleStep::linearise(std::size_t observation, const Eigen::Vector3d& position,
-                           PointBlock& block) {
-  const auto& [pose, measurement] = problem_.observations[observation];
-  const Pose& T_cam_map = T_cam_map_[static_cast<std::size_t>(pose)];
-  const Eigen::Vector3d point_cam = T_cam_map * position;
-  Eigen::Matrix3d by_point_cam;
-  Eigen::Vector3d residual = stereo::stereoResidual(
-      point_cam, withoutOffset(measurement, problem_.disparity_offset_px), camera_, &by_point_cam);
-  const double root = std::sqrt(huberWeight(residual.squaredNorm()));
-  residual *= root;
-  by_point_cam *= root;
-  const double by_offset = measurement.stereo ? root / measurement.sigma_disparity_px : 0.0;
-  const Eigen::Matrix3d by_point = by_point_cam * T_cam_map.linear();
-  block.inverse.noalias() += by_point.transpose() * by_point;
-  block.right.noalias() -= by_point.transpose() * residual;
-  block.by_offset += by_offset * by_point.row(2).transpose();
-  diagonal_offset_ += by_offset * by_offset;
-  right_offset_ -= by_offset * residual.z();
-  const int i = freeIndex(pose);
+void BundleStep::add(std::size_t observation, const Eigen::Vector3d& position, PointBlock& block) {
+  const ObservationTerms terms = termsOf(observation, position);
+  block.inverse.noalias() += terms.by_point.transpose() * terms.by_point;
+  block.right.noalias() -= terms.by_point.transpose() * terms.residual;
+  block.by_offset += terms.by_offset * terms.by_point.row(2).transpose();
+  diagonal_offset_ += terms.by_offset * terms.by_offset;
+  right_offset_ -= terms.by_offset * terms.residual.z();
+  const int i = freeIndex(problem_.observations[observation].pose);
   if (i < 0) return;
-  const Eigen::Matrix<double, 3, 6> by_pose = by_point_cam * stereo::pointByPose(point_cam);
+  const Eigen::Matrix<double, 3, 6> by_pose =
+      terms.by_point_cam * stereo::pointByPose(terms.point_cam);
   ReducedSystem::Block information;
   information.noalias() = by_pose.transpose() * by_pose;
   system_.block(i, i) += information;
-  system_.border(i) += by_offset * by_pose.row(2).transpose();
+  system_.border(i) += terms.by_offset * by_pose.row(2).transpose();
   diagonal_.segment<6>(6 * i) += information.diagonal();
-  right_.segment<6>(6 * i).noalias() -= by_pose.transpose() * residual;
-  by_point_[observation].noalias() = by_pose.transpose() * by_point;
+  right_.segment<6>(6 * i).noalias() -= by_pose.transpose() * terms.residual;
+  couplings_.push_back({i, by_pose.transpose() * terms.by_point});
 }
 
 /// Damps a point's block, inverts it and takes the point out of the system (Schur complement).
-void BundleStep::eliminate(std::size_t point, double radius) {
-  PointBlock& block = points_[point];
+void BundleStep::eliminate(PointBlock& block, double radius) {
   for (int i = 0; i < 3; ++i) {
     block.damping[i] = damping(block.inverse(i, i), radius);
     block.inverse(i, i) += block.damping[i];
   }
   block.inverse = block.inverse.llt().solve(Eigen::Matrix3d::Identity()).eval();
   const Eigen::Vector3d mean = block.inverse * block.right;
-  const std::size_t end = problem_.points[point].observations_end;
-  for (std::size_t first = begin(point); first < end; ++first) {
-    const int i = freeIndex(problem_.observations[first].pose);
-    if (i < 0) continue;
+  for (auto first = couplings_.begin(); first != couplings_.end(); ++first) {
     Matrix63 gain;
-    gain.noalias() = by_point_[first] * block.inverse;
-    system_.right(i).noalias() -= by_point_[first] * mean;
-    system_.border(i).noalias() -= gain * block.by_offset;
-    for (std::size_t second = first; second < end; ++second) {
-      const int j = freeIndex(problem_.observations[second].pose);
-      if (j >= 0) system_.block(i, j).noalias() -= gain * by_point_[second].transpose();
+    gain.noalias() = first->by_point * block.inverse;
+    system_.right(first->pose).noalias() -= first->by_point * mean;
+    system_.border(first->pose).noalias() -= gain * block.by_offset;
+    for (auto second = first; second != couplings_.end(); ++second) {
+      if (second->pose >= first->pose) {
+        system_.block(second->pose, first->pose).noalias() -= second->by_point * gain.transpose();
+      } else {
+        system_.block(first->pose, second->pose).noalias() -= gain * second->by_point.transpose();
+      }
     }
   }
   system_.corner -= block.by_offset.dot(block.inverse * block.by_offset);
@@ -241,7 +252,10 @@ void BundleStep::substituteBack() {
     for (std::size_t i = begin(point); i < problem_.points[point].observations_end; ++i) {
       const int pose = freeIndex(problem_.observations[i].pose);
       if (pose < 0) continue;
-      right.noalias() -= by_point_[i].transpose() * step_.segment<6>(6 * pose);
+      const ObservationTerms terms = termsOf(i, problem_.points[point].position);
+      const Eigen::Vector3d moved =
+          terms.by_point_cam * (stereo::pointByPose(terms.point_cam) * step_.segment<6>(6 * pose));
+      right.noalias() -= terms.by_point.transpose() * moved;
     }
     block.step = block.inverse * right;
   }

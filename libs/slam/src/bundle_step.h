@@ -27,7 +27,7 @@ class BundleStep {
   bool compute(double radius);
   /// Decrease of the cost that the linearised problem predicts for the step.
   [[nodiscard]] double predictedDecrease() const;
-  /// Moves a copy of the problem by the step.
+  /// Moves the problem by the step.
   void applyTo(BundleProblem& problem) const;
 
  private:
@@ -51,19 +51,33 @@ class BundleStep {
   void setZero();
   void addOffsetPrior();
   void addMotion(const BundleProblem::Motion& motion);
-  void linearise(std::size_t observation, const Eigen::Vector3d& position, PointBlock& block);
-  void eliminate(std::size_t point, double radius);
+  /// One observation's residual and its derivatives, weighted by the loss.
+  struct ObservationTerms {
+    Eigen::Vector3d point_cam;
+    Eigen::Vector3d residual;
+    Eigen::Matrix3d by_point_cam;
+    Eigen::Matrix3d by_point;
+    double by_offset;
+  };
+  /// An observation of the present point by a free pose.
+  struct Coupling {
+    int pose = 0;
+    Eigen::Matrix<double, 6, 3> by_point;  ///< block of its pose and its point
+  };
+  [[nodiscard]] ObservationTerms termsOf(std::size_t observation,
+                                         const Eigen::Vector3d& position) const;
+  void add(std::size_t observation, const Eigen::Vector3d& position, PointBlock& block);
+  void eliminate(PointBlock& block, double radius);
   void dampPoses(double radius);
   void substituteBack();
 
   const BundleProblem& problem_;
   const StereoCamera& camera_;
   double previous_offset_;
-  std::vector<int> free_;  ///< index among the free poses, of each pose; -1 if fixed
+  std::vector<int> free_;  ///< place in the system, of each pose; -1 if fixed
   ReducedSystem system_;
   std::vector<Pose> T_cam_map_;
-  std::vector<Eigen::Matrix<double, 6, 3>>
-      by_point_;  ///< of each observation: block of its pose and its point
+  std::vector<Coupling> couplings_;  ///< of the present point
   std::vector<PointBlock> points_;
   Eigen::VectorXd right_;     ///< of the poses, before points are eliminated
   Eigen::VectorXd diagonal_;  ///< likewise

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <iterator>
 #include <random>
+#include <utility>
 
 namespace headway::slam {
 namespace {
@@ -25,18 +25,18 @@ int distance(const Descriptor& a, const Descriptor& b) {
 
 }  // namespace
 
-PlaceIndex::PlaceIndex() {
+PlaceIndex::PlaceIndex() : heads_(static_cast<std::size_t>(kTables) << kBits, -1) {
   std::mt19937 random(20180731);
   for (auto& table : bits_) {
     for (int& bit : table) bit = static_cast<int>(random() % 256U);
   }
 }
 
-std::array<PlaceIndex::Word, PlaceIndex::kTables> PlaceIndex::wordsOf(
+std::array<std::size_t, PlaceIndex::kTables> PlaceIndex::wordsOf(
     const Descriptor& descriptor) const {
-  std::array<Word, kTables> words{};
+  std::array<std::size_t, kTables> words{};
   for (std::size_t table = 0; table < kTables; ++table) {
-    Word word = static_cast<Word>(table);
+    std::size_t word = table;
     for (const int bit : bits_[table]) {
       const unsigned byte = descriptor[static_cast<std::size_t>(bit / 8)];
       word = (word << 1U) | ((byte >> static_cast<unsigned>(bit % 8)) & 1U);
@@ -48,39 +48,55 @@ std::array<PlaceIndex::Word, PlaceIndex::kTables> PlaceIndex::wordsOf(
 
 void PlaceIndex::add(KeyframeId keyframe, const std::vector<Descriptor>& descriptors) {
   remove(keyframe);
-  auto& kept = descriptors_[keyframe];
-  std::copy_if(descriptors.begin(), descriptors.end(), std::back_inserter(kept),
-               [](const Descriptor& descriptor) { return descriptor != Descriptor{}; });
-  kept.shrink_to_fit();
-  for (const Descriptor& descriptor : kept) {
-    for (const Word word : wordsOf(descriptor)) seen_in_[word].push_back({keyframe, &descriptor});
+  entries_of_[keyframe];
+  for (const Descriptor& descriptor : descriptors) {
+    if (descriptor != Descriptor{}) add(keyframe, descriptor);
   }
 }
 
-void PlaceIndex::remove(KeyframeId keyframe) {
-  const auto known = descriptors_.find(keyframe);
-  if (known == descriptors_.end()) return;
-  for (const Descriptor& descriptor : known->second) {
-    for (const Word word : wordsOf(descriptor)) {
-      const auto list = seen_in_.find(word);
-      if (list == seen_in_.end()) continue;  // two descriptors shared the word
-      auto& entries = list->second;
-      entries.erase(std::remove_if(entries.begin(), entries.end(),
-                                   [&](const Entry& entry) { return entry.keyframe == keyframe; }),
-                    entries.end());
-      if (entries.empty()) seen_in_.erase(list);
-    }
+void PlaceIndex::add(KeyframeId keyframe, const Descriptor& descriptor) {
+  if (free_.empty()) {
+    free_.push_back(static_cast<std::int32_t>(entries_.size()));
+    entries_.emplace_back();
   }
-  descriptors_.erase(known);
+  const std::int32_t index = free_.back();
+  free_.pop_back();
+  Entry& entry = entries_[static_cast<std::size_t>(index)];
+  entry.descriptor = descriptor;
+  entry.keyframe = keyframe;
+  const auto words = wordsOf(descriptor);
+  for (std::size_t table = 0; table < kTables; ++table) {
+    entry.next[table] = std::exchange(heads_[words[table]], index);
+  }
+  entries_of_[keyframe].push_back(index);
+}
+
+void PlaceIndex::remove(KeyframeId keyframe) {
+  const auto known = entries_of_.find(keyframe);
+  if (known == entries_of_.end()) return;
+  for (const std::int32_t entry : known->second) remove(entry);
+  entries_of_.erase(known);
+}
+
+void PlaceIndex::remove(std::int32_t index) {
+  const Entry& entry = entries_[static_cast<std::size_t>(index)];
+  const auto words = wordsOf(entry.descriptor);
+  for (std::size_t table = 0; table < kTables; ++table) {
+    std::int32_t* link = &heads_[words[table]];
+    while (*link != index) link = &entries_[static_cast<std::size_t>(*link)].next[table];
+    *link = entry.next[table];
+  }
+  free_.push_back(index);
 }
 
 std::vector<KeyframeId> PlaceIndex::keyframesWith(const Descriptor& descriptor) const {
   std::vector<KeyframeId> keyframes;
-  for (const Word word : wordsOf(descriptor)) {
-    const auto list = seen_in_.find(word);
-    if (list == seen_in_.end()) continue;
-    for (const Entry& entry : list->second) {
-      if (distance(descriptor, *entry.descriptor) <= kNear) keyframes.push_back(entry.keyframe);
+  const auto words = wordsOf(descriptor);
+  for (std::size_t table = 0; table < kTables; ++table) {
+    for (std::int32_t index = heads_[words[table]]; index >= 0;) {
+      const Entry& entry = entries_[static_cast<std::size_t>(index)];
+      if (distance(descriptor, entry.descriptor) <= kNear) keyframes.push_back(entry.keyframe);
+      index = entry.next[table];
     }
   }
   std::sort(keyframes.begin(), keyframes.end());
@@ -94,7 +110,7 @@ std::vector<PlaceMatch> PlaceIndex::query(const std::vector<Descriptor>& descrip
   for (const Descriptor& descriptor : descriptors) {
     if (descriptor == Descriptor{}) continue;
     const auto keyframes = keyframesWith(descriptor);
-    const double weight = std::log1p(static_cast<double>(descriptors_.size()) /
+    const double weight = std::log1p(static_cast<double>(entries_of_.size()) /
                                      static_cast<double>(keyframes.size() + 1));
     for (const KeyframeId keyframe : keyframes) scores[keyframe] += weight;
   }

@@ -3,9 +3,10 @@
 #include <headway/core/ids.h>
 
 #include <array>
+#include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
-#include <unordered_map>
 #include <vector>
 
 #include "descriptor.h"
@@ -42,19 +43,25 @@ class PlaceIndex {
  private:
   static constexpr int kTables = 6;
   static constexpr int kBits = 16;
-  using Word = std::uint32_t;  ///< table and bits
-  /// One descriptor of one keyframe.
+  using Links = std::array<std::int32_t, kTables>;  ///< an index for each table; -1: none
+  /// One descriptor of one keyframe, in a list for each of its words.
   struct Entry {
+    Descriptor descriptor{};
     KeyframeId keyframe;
-    const Descriptor* descriptor = nullptr;  ///< one of descriptors_, which stay in place
+    Links next{};  ///< entry after this one in the list of its word
   };
-  [[nodiscard]] std::array<Word, kTables> wordsOf(const Descriptor& descriptor) const;
+  /// Index in heads_ of the descriptor's word in each table.
+  [[nodiscard]] std::array<std::size_t, kTables> wordsOf(const Descriptor& descriptor) const;
+  void add(KeyframeId keyframe, const Descriptor& descriptor);
+  void remove(std::int32_t entry);
   /// Keyframes that have seen (nearly) this descriptor, ascending.
   [[nodiscard]] std::vector<KeyframeId> keyframesWith(const Descriptor& descriptor) const;
 
   std::array<std::array<int, kBits>, kTables> bits_{};
-  std::unordered_map<Word, std::vector<Entry>> seen_in_;
-  std::map<KeyframeId, std::vector<Descriptor>> descriptors_;
+  std::vector<std::int32_t> heads_;  ///< first entry of each word's list; -1: none
+  std::deque<Entry> entries_;
+  std::vector<std::int32_t> free_;                              ///< entries to be used again
+  std::map<KeyframeId, std::vector<std::int32_t>> entries_of_;  ///< indices
 };
 
 }  // namespace headway::slam

@@ -10,22 +10,29 @@ namespace headway::slam {
 
 /// Normal equations of poses, in blocks of 6x6, and of one scalar that is coupled to all of them.
 ///
-/// Symmetric: only blocks on and above the diagonal are held. Few poses are solved by a dense
-/// Cholesky decomposition, many by a sparse one. The scalar is eliminated last (block elimination),
-/// so that it does not fill the sparse factor.
+/// Symmetric: only blocks on and below the diagonal are held. Few poses are solved by a dense
+/// Cholesky decomposition, many by a sparse one, which orders them. The scalar is eliminated last
+/// (block elimination), so that it does not fill the sparse factor.
 class ReducedSystem {
  public:
   using Block = BlockCholesky::Block;
   static constexpr int kDense = 100;  ///< poses up to which a dense decomposition is faster
 
   /// @param poses    their number
-  /// @param coupled  pairs of poses (i < j) whose block is not zero, in any order, repeats allowed
-  ReducedSystem(int poses, std::vector<std::pair<int, int>> coupled);
+  /// @param coupled  pairs of poses whose block is not zero, in any order, repeats allowed; of up
+  /// to
+  ///                 kDense poses all pairs are
+  ReducedSystem(int poses, const std::vector<std::pair<int, int>>& coupled);
 
   [[nodiscard]] int poses() const { return poses_; }
+  /// Place of a pose in the system. All other functions name poses by their places.
+  [[nodiscard]] int place(int pose) const { return isDense() ? pose : sparse_.place(pose); }
   void setZero();
-  /// Block of two coupled poses, i <= j; unlike pairs must have been named to the constructor.
-  [[nodiscard]] Block& block(int i, int j);
+  /// Block of two coupled poses, row >= column; unlike pairs must have been named to the
+  /// constructor.
+  [[nodiscard]] Block& block(int row, int column) {
+    return isDense() ? denseBlock(row, column) : sparse_.block(row, column);
+  }
   [[nodiscard]] Eigen::Ref<Eigen::Matrix<double, 6, 1>> right(int i) {
     return right_.segment<6>(6 * i);
   }
@@ -43,12 +50,14 @@ class ReducedSystem {
   [[nodiscard]] bool solve(Eigen::VectorXd& step, double& step_corner);
 
  private:
+  [[nodiscard]] bool isDense() const { return poses_ <= kDense; }
+  [[nodiscard]] Block& denseBlock(int row, int column) {
+    return blocks_[static_cast<std::size_t>(row * (row + 1) / 2 + column)];
+  }
   void fillDense();
 
   int poses_ = 0;
-  std::vector<std::vector<int>> columns_;  ///< of each row of blocks: from the diagonal, ascending
-  std::vector<std::size_t> first_block_;   ///< of each row
-  std::vector<Block, Eigen::aligned_allocator<Block>> blocks_;
+  std::vector<Block, Eigen::aligned_allocator<Block>> blocks_;  ///< of a dense system, row by row
   Eigen::VectorXd right_;
   Eigen::VectorXd border_;
   Eigen::MatrixXd dense_;
