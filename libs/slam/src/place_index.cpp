@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <opencv2/core/hal/hal.hpp>
 #include <random>
 #include <utility>
 
@@ -12,15 +12,7 @@ namespace {
 constexpr int kNear = 50;  ///< bits in which two views of one corner differ, at most
 
 int distance(const Descriptor& a, const Descriptor& b) {
-  int bits = 0;
-  for (std::size_t at = 0; at < a.size(); at += sizeof(std::uint64_t)) {
-    std::uint64_t x = 0;
-    std::uint64_t y = 0;
-    std::memcpy(&x, a.data() + at, sizeof x);
-    std::memcpy(&y, b.data() + at, sizeof y);
-    bits += __builtin_popcountll(x ^ y);
-  }
-  return bits;
+  return cv::hal::normHamming(a.data(), b.data(), static_cast<int>(a.size()));
 }
 
 }  // namespace
@@ -48,13 +40,22 @@ std::array<std::size_t, PlaceIndex::kTables> PlaceIndex::wordsOf(
 
 void PlaceIndex::add(KeyframeId keyframe, const std::vector<Descriptor>& descriptors) {
   remove(keyframe);
-  entries_of_[keyframe];
+  auto& own = entries_of_[keyframe];
   for (const Descriptor& descriptor : descriptors) {
-    if (descriptor != Descriptor{}) add(keyframe, descriptor);
+    if (descriptor == Descriptor{}) continue;
+    const std::int32_t entry = entryOf(descriptor);
+    entries_[static_cast<std::size_t>(entry)].keyframes.push_back(keyframe);
+    own.push_back(entry);
   }
 }
 
-void PlaceIndex::add(KeyframeId keyframe, const Descriptor& descriptor) {
+std::int32_t PlaceIndex::entryOf(const Descriptor& descriptor) {
+  const auto words = wordsOf(descriptor);
+  for (std::int32_t index = heads_[words[0]]; index >= 0;) {
+    const Entry& entry = entries_[static_cast<std::size_t>(index)];
+    if (entry.descriptor == descriptor) return index;
+    index = entry.next[0];
+  }
   if (free_.empty()) {
     free_.push_back(static_cast<std::int32_t>(entries_.size()));
     entries_.emplace_back();
@@ -63,18 +64,20 @@ void PlaceIndex::add(KeyframeId keyframe, const Descriptor& descriptor) {
   free_.pop_back();
   Entry& entry = entries_[static_cast<std::size_t>(index)];
   entry.descriptor = descriptor;
-  entry.keyframe = keyframe;
-  const auto words = wordsOf(descriptor);
   for (std::size_t table = 0; table < kTables; ++table) {
     entry.next[table] = std::exchange(heads_[words[table]], index);
   }
-  entries_of_[keyframe].push_back(index);
+  return index;
 }
 
 void PlaceIndex::remove(KeyframeId keyframe) {
   const auto known = entries_of_.find(keyframe);
   if (known == entries_of_.end()) return;
-  for (const std::int32_t entry : known->second) remove(entry);
+  for (const std::int32_t index : known->second) {
+    auto& keyframes = entries_[static_cast<std::size_t>(index)].keyframes;
+    keyframes.erase(std::find(keyframes.begin(), keyframes.end(), keyframe));
+    if (keyframes.empty()) remove(index);
+  }
   entries_of_.erase(known);
 }
 
@@ -95,7 +98,9 @@ std::vector<KeyframeId> PlaceIndex::keyframesWith(const Descriptor& descriptor) 
   for (std::size_t table = 0; table < kTables; ++table) {
     for (std::int32_t index = heads_[words[table]]; index >= 0;) {
       const Entry& entry = entries_[static_cast<std::size_t>(index)];
-      if (distance(descriptor, entry.descriptor) <= kNear) keyframes.push_back(entry.keyframe);
+      if (distance(descriptor, entry.descriptor) <= kNear) {
+        keyframes.insert(keyframes.end(), entry.keyframes.begin(), entry.keyframes.end());
+      }
       index = entry.next[table];
     }
   }

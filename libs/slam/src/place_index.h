@@ -44,15 +44,17 @@ class PlaceIndex {
   static constexpr int kTables = 6;
   static constexpr int kBits = 16;
   using Links = std::array<std::int32_t, kTables>;  ///< an index for each table; -1: none
-  /// One descriptor of one keyframe, in a list for each of its words.
+  /// A descriptor, in a list for each of its words. Keyframes that see one landmark share its
+  /// entry.
   struct Entry {
     Descriptor descriptor{};
-    KeyframeId keyframe;
-    Links next{};  ///< entry after this one in the list of its word
+    Links next{};                       ///< entry after this one in the list of its word
+    std::vector<KeyframeId> keyframes;  ///< with this descriptor
   };
   /// Index in heads_ of the descriptor's word in each table.
   [[nodiscard]] std::array<std::size_t, kTables> wordsOf(const Descriptor& descriptor) const;
-  void add(KeyframeId keyframe, const Descriptor& descriptor);
+  /// Entry of the descriptor, made if there is none.
+  [[nodiscard]] std::int32_t entryOf(const Descriptor& descriptor);
   void remove(std::int32_t entry);
   /// Keyframes that have seen (nearly) this descriptor, ascending.
   [[nodiscard]] std::vector<KeyframeId> keyframesWith(const Descriptor& descriptor) const;

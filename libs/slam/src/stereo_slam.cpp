@@ -59,6 +59,7 @@ class StereoSlam::Implementation {
   void setReferenceKeyframe(KeyframeId keyframe);
   void removeSubmap(KeyframeId first, KeyframeId end);
   void remove(KeyframeId keyframe, KeyframeId replacement);
+  LoopProgress takeBackgroundWork();
   void applyCorrectionToMotion(const std::optional<Pose>& correction);
 
   std::shared_ptr<const StereoCamera> camera_;
@@ -86,9 +87,7 @@ class StereoSlam::Implementation {
 
 SlamUpdate StereoSlam::Implementation::process(const stereo::FrameContext& context,
                                                const MovingRegions& moving) {
-  applyCorrectionToMotion(adjuster_.applyFinished(map_));
-  LoopProgress searched = loops_.advance(map_);
-  applyCorrectionToMotion(searched.correction);
+  LoopProgress searched = takeBackgroundWork();
   const StereoFrame& frame = context.frame();
   TrackingFrame current;
   std::optional<TrackedPose> tracked;
@@ -269,6 +268,15 @@ void StereoSlam::Implementation::remove(KeyframeId keyframe, KeyframeId replacem
   trajectory_.reassign(keyframe, replacement, map_);
   loops_.remove(keyframe);
   map_.removeKeyframe(keyframe);
+}
+
+/// Applies what finished in the background.
+LoopProgress StereoSlam::Implementation::takeBackgroundWork() {
+  const auto watch = times_.watch("slam_background");
+  applyCorrectionToMotion(adjuster_.applyFinished(map_));
+  LoopProgress searched = loops_.advance(map_);
+  applyCorrectionToMotion(searched.correction);
+  return searched;
 }
 
 /// Moves the camera with the newest keyframe after an adjustment.

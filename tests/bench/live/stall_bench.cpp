@@ -72,7 +72,7 @@ void print(const std::vector<FrameTime>& frames, const pipeline::Perception& per
   for (const std::size_t i : order) {
     std::printf("  frame %zu: %.1f ms%s, %zu loop candidates", frames[i].frame,
                 frames[i].processor_ms, frames[i].is_keyframe ? ", keyframe" : "", frames[i].loops);
-    for (const char* stage : {"slam_track", "slam_map", "map_update"}) {
+    for (const char* stage : {"slam_background", "slam_track", "slam_map", "map_update"}) {
       const auto of_stage = samples.find(stage);
       if (of_stage == samples.end() || of_stage->second.size() != frames.size()) continue;
       std::printf(", %s %.1f", stage, of_stage->second[i]);
