@@ -45,10 +45,11 @@ inline Track exampleTrack(std::int64_t id, ObjectClass object_class,
 }
 
 inline slam::MapView exampleStaticMap(int landmarks = 40) {
-  slam::MapView static_map;
+  std::vector<slam::LandmarkView> seen;
+  std::vector<slam::KeyframeView> keyframes;
   for (int i = 0; i < landmarks; ++i) {
-    static_map.landmarks.push_back({LandmarkId{2 * i}, Eigen::Vector3d(i, 0.5 * i - 3.0, 0.1 * i),
-                                    3 + i % 4, static_cast<std::uint8_t>(6 * i)});
+    seen.push_back({LandmarkId{2 * i}, Eigen::Vector3d(i, 0.5 * i - 3.0, 0.1 * i), 3 + i % 4,
+                    static_cast<std::uint8_t>(6 * i)});
   }
   for (int i = 0; i < 3; ++i) {
     slam::KeyframeView keyframe;
@@ -59,9 +60,9 @@ inline slam::MapView exampleStaticMap(int landmarks = 40) {
                            Eigen::AngleAxisd(0.2 * i, Eigen::Vector3d::UnitZ());
     keyframe.covariance = 0.01 * (i + 1) * PoseCovariance::Identity();
     for (int j = i; j < landmarks; j += 2) keyframe.landmarks.push_back(LandmarkId{2 * j});
-    static_map.keyframes.push_back(keyframe);
+    keyframes.push_back(keyframe);
   }
-  return static_map;
+  return {seen, keyframes};
 }
 
 }  // namespace headway::map

@@ -56,7 +56,7 @@ TEST(WriteSimpleMapTest, GivesBackTheLandmarksWhenAPointMapIsBuiltFromIt) {
 TEST(WriteSimpleMapTest, LeavesOutLandmarksThatAreGone) {
   const test::TemporaryFolder folder;
   auto world = exampleStaticMap();
-  world.landmarks.clear();
+  world.landmarks = {};
   writeSimpleMap(folder / "map.simplemap", world);
   mrpt::maps::CSimpleMap read;
   ASSERT_TRUE(read.loadFromFile(folder / "map.simplemap"));

@@ -45,7 +45,7 @@ StoredMap smallMap() {
   track.predictions.resize(1);
   track.predictions[0].points.resize(1);
   auto static_map = *stored.map.staticMap();
-  static_map.keyframes.resize(1);
+  static_map.keyframes = {slam::KeyframeView()};
   stored.map.update(static_map);
   stored.map.update(3.0, {track});
   return stored;

@@ -74,15 +74,15 @@ inline void writeReplayTracks(const std::filesystem::path& folder) {
 }
 
 inline map::StoredMap replayMap() {
-  slam::MapView static_map;
+  std::vector<slam::LandmarkView> landmarks;
   for (int i = 0; i < 400; ++i) {
-    static_map.landmarks.push_back(
+    landmarks.push_back(
         {LandmarkId{i}, {0.2 * i, i % 2 == 0 ? 6.0 : -6.0, -1.5 + 0.01 * i}, 4, 200});
   }
-  static_map.keyframes.push_back(
-      {KeyframeId{0}, 5, replayTime(5), replayPose(5), PoseCovariance::Zero(), {}});
+  const slam::KeyframeView keyframe{KeyframeId{0},          5, replayTime(5), replayPose(5),
+                                    PoseCovariance::Zero(), {}};
   map::StoredMap stored;
-  stored.map.update(static_map);
+  stored.map.update(slam::MapView{landmarks, {keyframe}});
   stored.map.update(replayTime(5), {replayTrack(5)});
   stored.camera = replayCamera();
   return stored;

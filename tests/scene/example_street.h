@@ -53,11 +53,11 @@ inline Track streetTrack(std::int64_t id, ObjectClass object_class, const Eigen:
 inline map::PerceptionMap streetMap() {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> along(-20.0, 110.0), height(0.0, 9.0), share(0.0, 1.0);
-  slam::MapView static_map;
+  std::vector<slam::LandmarkView> landmarks;
   const auto add = [&](double x, double y, double z) {
     const auto grey = static_cast<std::uint8_t>(40 + 200 * share(random));
-    static_map.landmarks.push_back(
-        {LandmarkId{static_cast<std::int64_t>(static_map.landmarks.size())}, {x, y, z}, 4, grey});
+    landmarks.push_back(
+        {LandmarkId{static_cast<std::int64_t>(landmarks.size())}, {x, y, z}, 4, grey});
   };
   for (int i = 0; i < 5000; ++i) {
     const double side = share(random) < 0.5 ? -1.0 : 1.0;
@@ -65,7 +65,7 @@ inline map::PerceptionMap streetMap() {
     if (i % 4 == 0) add(along(random), side * 10.0 * share(random), 0.03 * share(random));
   }
   map::PerceptionMap map;
-  map.update(static_map);
+  map.update(slam::MapView{landmarks, {}});
   map.update(10.0, {streetTrack(3, ObjectClass::kCar, {14.0, 2.6}, 3.14159, 8.0),
                     streetTrack(5, ObjectClass::kCar, {22.0, -2.2}, 0.0, 9.5),
                     streetTrack(6, ObjectClass::kCar, {12.0, -6.5}, 0.0, 0.0),

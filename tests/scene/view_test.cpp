@@ -19,12 +19,12 @@ TEST(GroundHeightTest, IsTheLowerFaceOfBoxes) {
 }
 
 TEST(GroundHeightTest, IsALowPercentileOfLandmarksWithFewBoxes) {
-  slam::MapView static_map;
+  std::vector<slam::LandmarkView> landmarks;
   for (int i = 0; i < 200; ++i) {
-    static_map.landmarks.push_back({LandmarkId{i}, {0.1 * i, 1.0, -1.65 + 0.05 * i}, 3, 100});
+    landmarks.push_back({LandmarkId{i}, {0.1 * i, 1.0, -1.65 + 0.05 * i}, 3, 100});
   }
   map::PerceptionMap map;
-  map.update(static_map);
+  map.update(slam::MapView{landmarks, {}});
   map.update(0.0, {streetTrack(1, ObjectClass::kCar, {5, 5}, 0.0, 0.0)});
   const double ground = groundHeight(inputAt(map, 0.0));
   EXPECT_GT(ground, -1.65);
@@ -32,12 +32,12 @@ TEST(GroundHeightTest, IsALowPercentileOfLandmarksWithFewBoxes) {
 }
 
 TEST(GroundHeightTest, UsesOnlyLandmarksAroundTheRobot) {
-  slam::MapView static_map;
+  std::vector<slam::LandmarkView> landmarks;
   for (int i = 0; i < 200; ++i) {
-    static_map.landmarks.push_back({LandmarkId{i}, {500.0 + i, 0.0, -30.0}, 3, 100});
+    landmarks.push_back({LandmarkId{i}, {500.0 + i, 0.0, -30.0}, 3, 100});
   }
   map::PerceptionMap map;
-  map.update(static_map);
+  map.update(slam::MapView{landmarks, {}});
   EXPECT_EQ(groundHeight(inputAt(map, 2.5)), 2.5);
 }
 

@@ -43,5 +43,66 @@ TEST(MakeMapViewTest, LandmarksHaveTheirGreyValueAndTheirObservers) {
   EXPECT_EQ(view.keyframes[1].landmarks, std::vector<LandmarkId>{landmark.id});
 }
 
+/// 200 keyframes with a landmark each.
+SparseMap longMap() {
+  SparseMap map;
+  for (int i = 0; i < 200; ++i) {
+    Pose pose = Pose::Identity();
+    pose.translation().z() = i;
+    map.addLandmark({0.0, 0.0, i + 5.0}, map.addKeyframe(i, 0.1 * i, pose).id, {});
+  }
+  return map;
+}
+
+TEST(MapViewMakerTest, SharesWhatDidNotChange) {
+  SparseMap map = longMap();
+  MapViewMaker maker(Pose::Identity());
+  const MapView before = maker.make(map);
+  map.find(LandmarkId{190})->position.x() = 1.0;
+  map.keyframe(KeyframeId{0}).T_map_cam.translation().x() = 2.0;
+  const MapView after = maker.make(map);
+  EXPECT_EQ(&after.landmarks[10], &before.landmarks[10]);
+  EXPECT_EQ(&after.keyframes[199], &before.keyframes[199]);
+  EXPECT_EQ(before.landmarks[190].position.x(), 0.0);
+  EXPECT_EQ(after.landmarks[190].position.x(), 1.0);
+  EXPECT_EQ(after.keyframes[0].T_map_robot.translation().x(), 2.0);
+}
+
+TEST(MapViewMakerTest, FollowsEveryChangeOfTheMap) {
+  SparseMap map = longMap();
+  MapViewMaker maker(Pose::Identity());
+  const auto expectAsMadeAnew = [&](const char* after) {
+    const MapView view = maker.make(map);
+    ASSERT_EQ(view.landmarks.size(), map.landmarks().size()) << after;
+    ASSERT_EQ(view.keyframes.size(), map.keyframes().size()) << after;
+    auto landmark = view.landmarks.begin();
+    for (const auto& [id, expected] : map.landmarks()) {
+      EXPECT_EQ(landmark->id, id) << after;
+      EXPECT_EQ(landmark->observations, static_cast<int>(expected.observations.size())) << after;
+      ++landmark;
+    }
+    auto keyframe = view.keyframes.begin();
+    for (const auto& [id, expected] : map.keyframes()) {
+      EXPECT_EQ(keyframe->id, id) << after;
+      EXPECT_EQ(keyframe->landmarks, expected.landmarks) << after;
+      ++keyframe;
+    }
+  };
+  expectAsMadeAnew("nothing");
+  map.observe(KeyframeId{70}, LandmarkId{3}, {});
+  expectAsMadeAnew("an observation");
+  map.removeObservation(KeyframeId{70}, LandmarkId{3});
+  expectAsMadeAnew("its removal");
+  for (int i = 64; i < 128; ++i) map.removeLandmark(LandmarkId{i});
+  expectAsMadeAnew("the removal of a whole group");
+  map.removeKeyframe(KeyframeId{5});
+  expectAsMadeAnew("the removal of a keyframe");
+  map.addKeyframe(200, 20.0, Pose::Identity());
+  expectAsMadeAnew("a new keyframe");
+  maker.reset();
+  map = longMap();
+  expectAsMadeAnew("another map");
+}
+
 }  // namespace
 }  // namespace headway::slam

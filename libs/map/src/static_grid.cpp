@@ -130,7 +130,7 @@ void StaticGrid::attachToNearestKeyframe(StoredScan& stored) const {
   }
 }
 
-void StaticGrid::setKeyframes(const std::vector<slam::KeyframeView>& keyframes) {
+void StaticGrid::setKeyframes(const SharedChunks<slam::KeyframeView>& keyframes) {
   keyframes_.clear();
   for (const auto& keyframe : keyframes) keyframes_[keyframe.id] = keyframe.T_map_robot;
 }
@@ -152,14 +152,14 @@ void StaticGrid::move(StoredScan& stored, const Pose& T_map_robot) {
   enter(stored);
 }
 
-void StaticGrid::follow(const std::vector<slam::KeyframeView>& keyframes) {
+void StaticGrid::follow(const SharedChunks<slam::KeyframeView>& keyframes) {
   setKeyframes(keyframes);
   for (auto& [place, stored] : scans_) {
     if (const auto T_map_robot = movedPose(stored)) move(stored, *T_map_robot);
   }
 }
 
-void StaticGrid::follow(const std::vector<slam::KeyframeView>& keyframes, std::size_t max_scans) {
+void StaticGrid::follow(const SharedChunks<slam::KeyframeView>& keyframes, std::size_t max_scans) {
   setKeyframes(keyframes);
   to_move_.clear();
   for (auto& [place, stored] : scans_) {

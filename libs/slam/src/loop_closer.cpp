@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
-#include <set>
+#include <numeric>
 
 #include "relocaliser.h"
 
@@ -28,6 +28,24 @@ std::vector<Descriptor> descriptorsOf(const std::vector<DescribedPoint>& points)
   return descriptors;
 }
 
+/// Disjoint sets of keyframes (union-find).
+class KeyframeGroups {
+ public:
+  explicit KeyframeGroups(KeyframeId last) : parent_(static_cast<std::size_t>(last.value) + 1) {
+    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+  }
+  /// A number that all keyframes of one set have in common.
+  [[nodiscard]] std::size_t of(KeyframeId id) {
+    auto at = static_cast<std::size_t>(id.value);
+    while (parent_[at] != at) at = parent_[at] = parent_[parent_[at]];
+    return at;
+  }
+  void join(KeyframeId a, KeyframeId b) { parent_[of(b)] = of(a); }
+
+ private:
+  std::vector<std::size_t> parent_;
+};
+
 /// Keyframes that no chain of shared landmarks connects to the newest one, so that their distance
 /// is unknown, ascending.
 std::vector<KeyframeId> unrelatedTo(KeyframeId newest, const SparseMap& map) {
@@ -36,20 +54,16 @@ std::vector<KeyframeId> unrelatedTo(KeyframeId newest, const SparseMap& map) {
     return shareNoLandmarks(a.second, b.second);
   };
   if (std::adjacent_find(keyframes.begin(), keyframes.end(), apart) == keyframes.end()) return {};
-  std::set<KeyframeId> related{newest};
-  std::vector<KeyframeId> open{newest};
-  while (!open.empty()) {
-    const Keyframe& keyframe = map.keyframe(open.back());
-    open.pop_back();
-    for (const LandmarkId id : keyframe.landmarks) {
-      for (const LandmarkObservation& observation : map.find(id)->observations) {
-        if (related.insert(observation.keyframe).second) open.push_back(observation.keyframe);
-      }
+  KeyframeGroups groups(keyframes.rbegin()->first);
+  for (const auto& [id, landmark] : map.landmarks()) {
+    const KeyframeId first = landmark.observations.front().keyframe;
+    for (const LandmarkObservation& other : landmark.observations) {
+      groups.join(first, other.keyframe);
     }
   }
   std::vector<KeyframeId> unrelated;
   for (const auto& [id, keyframe] : keyframes) {
-    if (related.count(id) == 0) unrelated.push_back(id);
+    if (groups.of(id) != groups.of(newest)) unrelated.push_back(id);
   }
   return unrelated;
 }

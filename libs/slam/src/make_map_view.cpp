@@ -14,21 +14,52 @@ std::uint8_t intensityOf(const stereo::ReferencePatch& patch) {
   return patch.pixels[centre.y() * stereo::ReferencePatch::kSize + centre.x()];
 }
 
+LandmarkView viewOf(const Landmark& landmark, const Pose& /*T_cam_robot*/) {
+  return {landmark.id, landmark.position, static_cast<int>(landmark.observations.size()),
+          intensityOf(landmark.patch)};
+}
+
+KeyframeView viewOf(const Keyframe& keyframe, const Pose& T_cam_robot) {
+  return {keyframe.id,
+          keyframe.frame,
+          keyframe.time,
+          normalized(keyframe.T_map_cam * T_cam_robot),
+          composedCovariance(keyframe.covariance, T_cam_robot, PoseCovariance::Zero()),
+          keyframe.landmarks};
+}
+
+/// Makes the chunks of changed groups anew, and puts all chunks together.
+template <typename Id, typename Element, typename View>
+SharedChunks<View> updated(
+    const std::map<Id, Element>& elements, const std::vector<std::int64_t>& changed,
+    const Pose& T_cam_robot,
+    std::map<std::int64_t, std::shared_ptr<const std::vector<View>>>& groups) {
+  for (const std::int64_t group : changed) {
+    auto chunk = std::make_shared<std::vector<View>>();
+    const auto end = elements.lower_bound(Id{(group + 1) * IdGroups::kSize});
+    for (auto at = elements.lower_bound(Id{group * IdGroups::kSize}); at != end; ++at) {
+      chunk->push_back(viewOf(at->second, T_cam_robot));
+    }
+    if (chunk->empty()) {
+      groups.erase(group);
+    } else {
+      groups[group] = std::move(chunk);
+    }
+  }
+  SharedChunks<View> all;
+  for (const auto& [group, chunk] : groups) all.append(chunk);
+  return all;
+}
+
 }  // namespace
 
-MapView makeMapView(const SparseMap& map, const Pose& T_cam_robot) {
-  MapView view;
-  for (const auto& [id, landmark] : map.landmarks()) {
-    view.landmarks.push_back({id, landmark.position, static_cast<int>(landmark.observations.size()),
-                              intensityOf(landmark.patch)});
-  }
-  for (const auto& [id, keyframe] : map.keyframes()) {
-    view.keyframes.push_back(
-        {id, keyframe.frame, keyframe.time, normalized(keyframe.T_map_cam * T_cam_robot),
-         composedCovariance(keyframe.covariance, T_cam_robot, PoseCovariance::Zero()),
-         keyframe.landmarks});
-  }
-  return view;
+MapView MapViewMaker::make(SparseMap& map) {
+  return {updated(map.landmarks(), map.takeChangedLandmarks(), T_cam_robot_, landmarks_),
+          updated(map.keyframes(), map.takeChangedKeyframes(), T_cam_robot_, keyframes_)};
+}
+
+MapView makeMapView(SparseMap map, const Pose& T_cam_robot) {
+  return MapViewMaker(T_cam_robot).make(map);
 }
 
 MapView savedMapView(const std::string& saved, const Pose& T_robot_cam) {

@@ -26,6 +26,15 @@ OdometryLink composed(const OdometryLink& first, const OdometryLink& second) {
           first.path_m + second.path_m, first.turn_rad + second.turn_rad};
 }
 
+std::vector<std::int64_t> IdGroups::take() {
+  std::vector<std::int64_t> groups;
+  for (std::size_t group = 0; group < has_.size(); ++group) {
+    if (has_[group]) groups.push_back(static_cast<std::int64_t>(group));
+  }
+  has_.assign(has_.size(), false);
+  return groups;
+}
+
 SparseMap::SparseMap(const std::vector<Keyframe>& keyframes,
                      const std::vector<Landmark>& landmarks) {
   for (const Keyframe& keyframe : keyframes) {
@@ -33,12 +42,14 @@ SparseMap::SparseMap(const std::vector<Keyframe>& keyframes,
       throw InputError("damaged: a keyframe's id is not valid or comes twice");
     }
     keyframes_.at(keyframe.id).landmarks.clear();
+    changed_keyframes_.add(keyframe.id.value);
     next_keyframe_ = std::max(next_keyframe_, keyframe.id.value + 1);
   }
   for (const Landmark& landmark : landmarks) {
     if (!landmark.id.valid() || !landmarks_.emplace(landmark.id, landmark).second) {
       throw InputError("damaged: a landmark's id is not valid or comes twice");
     }
+    changed_landmarks_.add(landmark.id.value);
     next_landmark_ = std::max(next_landmark_, landmark.id.value + 1);
     link(landmark);
   }
@@ -62,6 +73,7 @@ void SparseMap::link(const Landmark& landmark) {
 Keyframe& SparseMap::addKeyframe(std::size_t frame, Time time, const Pose& T_map_cam) {
   const KeyframeId id{next_keyframe_++};
   Keyframe& keyframe = keyframes_[id];
+  changed_keyframes_.add(id.value);
   keyframe.id = id;
   keyframe.frame = frame;
   keyframe.time = time;
@@ -82,34 +94,34 @@ Landmark& SparseMap::addLandmark(const Eigen::Vector3d& position, KeyframeId ref
 
 void SparseMap::observe(KeyframeId keyframe, LandmarkId landmark,
                         const stereo::StereoMeasurement& measurement) {
-  auto& observations = landmarks_.at(landmark).observations;
+  auto& observations = find(landmark)->observations;
   auto after = observations.end();  // a loop is observed by a keyframe that is not the newest
   while (after != observations.begin() && keyframe < std::prev(after)->keyframe) --after;
   observations.insert(after, {keyframe, measurement});
-  insertSorted(keyframes_.at(keyframe).landmarks, landmark);
+  insertSorted(this->keyframe(keyframe).landmarks, landmark);
 }
 
 void SparseMap::removeObservation(KeyframeId keyframe, LandmarkId landmark) {
-  Landmark& of = landmarks_.at(landmark);
+  Landmark& of = *find(landmark);
   auto& observations = of.observations;
   observations.erase(std::remove_if(observations.begin(), observations.end(),
                                     [&](const auto& o) { return o.keyframe == keyframe; }),
                      observations.end());
-  eraseSorted(keyframes_.at(keyframe).landmarks, landmark);
+  eraseSorted(this->keyframe(keyframe).landmarks, landmark);
   if (observations.empty() || of.reference == keyframe) removeLandmark(landmark);
 }
 
 void SparseMap::removeLandmark(LandmarkId landmark) {
-  for (const LandmarkObservation& observation : landmarks_.at(landmark).observations) {
-    eraseSorted(keyframes_.at(observation.keyframe).landmarks, landmark);
+  for (const LandmarkObservation& observation : find(landmark)->observations) {
+    eraseSorted(keyframe(observation.keyframe).landmarks, landmark);
   }
   landmarks_.erase(landmark);
 }
 
 void SparseMap::removeKeyframe(KeyframeId keyframe) {
-  const std::vector<LandmarkId> seen = keyframes_.at(keyframe).landmarks;
+  const std::vector<LandmarkId> seen = this->keyframe(keyframe).landmarks;
   for (const LandmarkId id : seen) {
-    Landmark& landmark = landmarks_.at(id);
+    Landmark& landmark = *find(id);
     if (landmark.reference == keyframe) reassignReference(landmark);
     removeObservation(keyframe, id);
   }
@@ -150,7 +162,9 @@ void SparseMap::reassignReference(Landmark& landmark) {
 
 Landmark* SparseMap::find(LandmarkId id) {
   const auto found = landmarks_.find(id);
-  return found == landmarks_.end() ? nullptr : &found->second;
+  if (found == landmarks_.end()) return nullptr;
+  changed_landmarks_.add(id.value);
+  return &found->second;
 }
 
 const Landmark* SparseMap::find(LandmarkId id) const {

@@ -64,6 +64,23 @@ struct Keyframe {
 [[nodiscard]] std::vector<KeyframeId> mostShared(KeyframeId of, std::map<KeyframeId, int> shared,
                                                  int count);
 
+/// A set of groups of consecutive ids.
+class IdGroups {
+ public:
+  static constexpr std::int64_t kSize = 64;  ///< ids of a group
+
+  void add(std::int64_t id) {
+    const auto group = static_cast<std::size_t>(id / kSize);
+    if (group >= has_.size()) has_.resize(group + 1, false);
+    has_[group] = true;
+  }
+  /// The groups, ascending; the set is empty afterwards.
+  [[nodiscard]] std::vector<std::int64_t> take();
+
+ private:
+  std::vector<bool> has_;
+};
+
 /// Owns landmarks and keyframes and keeps their links consistent.
 ///
 /// Invariant: a keyframe lists a landmark exactly if the landmark has an observation of it; a
@@ -91,9 +108,13 @@ class SparseMap {
   /// reference it was get the nearest keyframe that observes them.
   void removeKeyframe(KeyframeId keyframe);
 
+  /// What they give counts as changed.
   [[nodiscard]] Landmark* find(LandmarkId id);
   [[nodiscard]] const Landmark* find(LandmarkId id) const;
-  [[nodiscard]] Keyframe& keyframe(KeyframeId id) { return keyframes_.at(id); }
+  [[nodiscard]] Keyframe& keyframe(KeyframeId id) {
+    changed_keyframes_.add(id.value);
+    return keyframes_.at(id);
+  }
   [[nodiscard]] const Keyframe& keyframe(KeyframeId id) const { return keyframes_.at(id); }
 
   /// The newest keyframes and, of the older ones, those that share most landmarks with the newest.
@@ -121,6 +142,14 @@ class SparseMap {
     return measurement;
   }
 
+  /// Groups with landmarks and keyframes that changed since the last call, ascending.
+  [[nodiscard]] std::vector<std::int64_t> takeChangedLandmarks() {
+    return changed_landmarks_.take();
+  }
+  [[nodiscard]] std::vector<std::int64_t> takeChangedKeyframes() {
+    return changed_keyframes_.take();
+  }
+
   [[nodiscard]] const std::map<LandmarkId, Landmark>& landmarks() const { return landmarks_; }
   [[nodiscard]] const std::map<KeyframeId, Keyframe>& keyframes() const { return keyframes_; }
 
@@ -133,6 +162,8 @@ class SparseMap {
 
   std::map<LandmarkId, Landmark> landmarks_;
   std::map<KeyframeId, Keyframe> keyframes_;
+  IdGroups changed_landmarks_;
+  IdGroups changed_keyframes_;
   double disparity_offset_px_ = 0.0;
   std::int64_t next_landmark_ = 0;
   std::int64_t next_keyframe_ = 0;

@@ -30,7 +30,8 @@ class StereoSlam::Implementation {
         adjuster_(*camera_, params.adjust_in_background),
         mapper_(*camera_, params, adjuster_),
         loops_(*camera_, params, adjuster_),
-        motion_(camera_->T_robot_cam, params) {}
+        motion_(camera_->T_robot_cam, params),
+        views_(T_cam_robot_) {}
 
   SlamUpdate process(const stereo::FrameContext& context, const MovingRegions& moving);
   void finish() {
@@ -40,7 +41,7 @@ class StereoSlam::Implementation {
   void load(const std::string& bytes);
   [[nodiscard]] std::string save() const { return packMap(map_, *camera_); }
   [[nodiscard]] double disparityOffset() const { return map_.disparityOffset(); }
-  [[nodiscard]] MapView map() const { return makeMapView(map_, T_cam_robot_); }
+  [[nodiscard]] MapView map() { return views_.make(map_); }
   [[nodiscard]] std::vector<FrameEstimate> trajectory() const {
     return trajectory_.estimates(map_, T_cam_robot_);
   }
@@ -72,6 +73,7 @@ class StereoSlam::Implementation {
   MotionModel motion_;
   InertialAlignment inertial_;
   SparseMap map_;
+  MapViewMaker views_;
   AnchoredTrajectory trajectory_;
   StageTimes times_;
 
@@ -286,6 +288,7 @@ void StereoSlam::Implementation::applyCorrectionToMotion(const std::optional<Pos
 
 void StereoSlam::Implementation::load(const std::string& bytes) {
   map_ = unpackMap(bytes, *camera_);
+  views_.reset();
   for (const auto& [id, keyframe] : map_.keyframes()) loops_.index(id, map_);
 }
 
@@ -300,7 +303,7 @@ SlamUpdate StereoSlam::process(const stereo::FrameContext& frame, const MovingRe
 std::string StereoSlam::save() const { return implementation_->save(); }
 void StereoSlam::load(const std::string& bytes) { implementation_->load(bytes); }
 double StereoSlam::disparityOffset() const { return implementation_->disparityOffset(); }
-MapView StereoSlam::map() const { return implementation_->map(); }
+MapView StereoSlam::map() { return implementation_->map(); }
 std::vector<FrameEstimate> StereoSlam::trajectory() const { return implementation_->trajectory(); }
 void StereoSlam::finish() { implementation_->finish(); }
 const StageTimes& StereoSlam::times() const { return implementation_->times(); }

@@ -26,16 +26,16 @@ double millisecondsSince(Clock::time_point start) {
 slam::MapView street() {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> share(0.0, 1.0);
-  slam::MapView world;
+  std::vector<slam::LandmarkView> landmarks;
   for (int i = 0; i < 100000; ++i) {
     const double x = 300.0 * share(random);
     const double side = share(random) < 0.5 ? -9.0 : 9.0;
     const Eigen::Vector3d place = i % 3 == 0 ? Eigen::Vector3d(x, 18.0 * (share(random) - 0.5), 0.0)
                                              : Eigen::Vector3d(x, side, 8.0 * share(random));
-    world.landmarks.push_back(
+    landmarks.push_back(
         {LandmarkId{i}, place, 4, static_cast<std::uint8_t>(255.0 * share(random))});
   }
-  return world;
+  return {landmarks, {}};
 }
 
 std::vector<Track> traffic(double time) {

@@ -63,11 +63,11 @@ class StaticGrid {
   void standAt(const Pose& T_map_robot);
 
   /// Updates the poses of the scans after a change of the keyframes.
-  void follow(const std::vector<slam::KeyframeView>& keyframes);
+  void follow(const SharedChunks<slam::KeyframeView>& keyframes);
 
   /// The same in parts, so that a correction of the whole map delays no frame: moves `max_scans`,
   /// those of the newest keyframes first. followMore() moves the next ones.
-  void follow(const std::vector<slam::KeyframeView>& keyframes, std::size_t max_scans);
+  void follow(const SharedChunks<slam::KeyframeView>& keyframes, std::size_t max_scans);
   void followMore(std::size_t max_scans);
 
   /// The grid as an MRPT map; unobserved cells are 0.5. Null without observations.
@@ -92,7 +92,7 @@ class StaticGrid {
   [[nodiscard]] StaticGrid loaded(const std::string& bytes) const;
   [[nodiscard]] Place placeOf(const Pose& T_map_robot) const;
   void enter(const StoredScan& stored);
-  void setKeyframes(const std::vector<slam::KeyframeView>& keyframes);
+  void setKeyframes(const SharedChunks<slam::KeyframeView>& keyframes);
   /// Pose by the anchor's present pose; nullopt if it has hardly changed.
   [[nodiscard]] std::optional<Pose> movedPose(StoredScan& stored) const;
   void move(StoredScan& stored, const Pose& T_map_robot);

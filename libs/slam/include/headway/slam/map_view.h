@@ -2,6 +2,7 @@
 
 #include <headway/core/ids.h>
 #include <headway/core/pose.h>
+#include <headway/core/shared_chunks.h>
 
 #include <cstdint>
 #include <vector>
@@ -26,10 +27,10 @@ struct KeyframeView {
   std::vector<LandmarkId> landmarks;  ///< seen in it, ascending
 };
 
-/// A copy of the static map at one moment.
+/// The static map at one moment. Copies and later views share what did not change.
 struct MapView {
-  std::vector<LandmarkView> landmarks;  ///< ascending ids
-  std::vector<KeyframeView> keyframes;  ///< ascending ids
+  SharedChunks<LandmarkView> landmarks;  ///< ascending ids
+  SharedChunks<KeyframeView> keyframes;  ///< ascending ids
 };
 
 /// Pose of one frame after all corrections of the map so far.

@@ -81,8 +81,9 @@ class StereoSlam {
   /// Measured less true disparity, as estimated by bundle adjustment so far [px].
   [[nodiscard]] double disparityOffset() const;
 
-  /// Landmarks and keyframes as they are now.
-  [[nodiscard]] MapView map() const;
+  /// Landmarks and keyframes as they are now. What did not change since the last call is shared with
+  /// what it gave.
+  [[nodiscard]] MapView map();
 
   /// Every frame processed so far, anchored to its reference keyframe as corrected since.
   [[nodiscard]] std::vector<FrameEstimate> trajectory() const;
