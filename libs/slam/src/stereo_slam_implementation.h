@@ -1,0 +1,94 @@
+#pragma once
+
+#include <headway/core/stage_times.h>
+#include <headway/slam/stereo_slam.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "active_submap.h"
+#include "anchored_trajectory.h"
+#include "bundle_adjuster.h"
+#include "frame_tracker.h"
+#include "inertial_alignment.h"
+#include "local_mapper.h"
+#include "loop_closer.h"
+#include "make_map_view.h"
+#include "map_archive.h"
+#include "motion_model.h"
+#include "tracking_frame.h"
+
+namespace headway::slam {
+
+/// Processes a frame step by step and keeps the state between frames.
+class StereoSlam::Implementation {
+ public:
+  Implementation(std::shared_ptr<const StereoCamera> camera, const SlamParams& params)
+      : camera_(std::move(camera)),
+        T_cam_robot_(camera_->T_robot_cam.inverse(Eigen::Isometry)),
+        params_(params),
+        tracker_(*camera_, params),
+        adjuster_(*camera_, params.adjust_in_background),
+        mapper_(*camera_, params, adjuster_),
+        loops_(*camera_, params, adjuster_),
+        motion_(camera_->T_robot_cam, params),
+        views_(T_cam_robot_) {}
+
+  SlamUpdate process(const stereo::FrameContext& context, const MovingRegions& moving);
+  void finish() {
+    applyCorrectionToMotion(loops_.finish(map_).correction);
+    applyCorrectionToMotion(adjuster_.finish(map_));
+  }
+  void load(const std::string& bytes);
+  [[nodiscard]] std::string save() const { return packMap(map_, *camera_); }
+  [[nodiscard]] double disparityOffset() const { return map_.disparityOffset(); }
+  [[nodiscard]] MapView map() { return views_.make(map_); }
+  [[nodiscard]] std::vector<FrameEstimate> trajectory() const {
+    return trajectory_.estimates(map_, T_cam_robot_);
+  }
+  [[nodiscard]] const StageTimes& times() const { return times_; }
+
+ private:
+  std::optional<TrackedPose> track(const stereo::FrameContext& context,
+                                   const TrackingFrame& current);
+  void initialiseMotion(const stereo::FrameContext& context);
+  void levelMap(const StereoFrame& frame, const Stamped<Pose>& previous, const Pose& T_map_cam,
+                double sigma_m);
+  SlamUpdate accept(const TrackingFrame& current, TrackedPose& tracked);
+  SlamUpdate handleLost(const StereoFrame& frame, const TrackingFrame& current);
+  bool initialise(const TrackingFrame& current);
+  void makeKeyframe(const TrackingFrame& current, TrackedPose& tracked, SlamUpdate& update);
+  void setReferenceKeyframe(KeyframeId keyframe);
+  void removeSubmap(KeyframeId first, KeyframeId end);
+  void remove(KeyframeId keyframe, KeyframeId replacement);
+  LoopProgress takeBackgroundWork();
+  void applyCorrectionToMotion(const std::optional<Pose>& correction);
+
+  std::shared_ptr<const StereoCamera> camera_;
+  Pose T_cam_robot_;
+  SlamParams params_;
+  FrameTracker tracker_;
+  BundleAdjuster adjuster_;
+  LocalMapper mapper_;
+  LoopCloser loops_;
+  MotionModel motion_;
+  InertialAlignment inertial_;
+  SparseMap map_;
+  MapViewMaker views_;
+  AnchoredTrajectory trajectory_;
+  StageTimes times_;
+
+  TrackingFrame previous_;                              ///< the last one that was tracked
+  std::vector<TrackedLandmark> seen_before_;            ///< landmarks of that frame
+  std::optional<KeyframeId> reference_;                 ///< keyframe that it belongs to
+  std::vector<LandmarkId> local_landmarks_;             ///< those around that keyframe
+  PoseCovariance covariance_ = PoseCovariance::Zero();  ///< of the last camera pose
+  double previous_sigma_m_ = 0.0;                       ///< of its position in the local map
+  ActiveSubmap active_submap_;
+  int lost_in_a_row_ = 0;
+};
+
+}  // namespace headway::slam
