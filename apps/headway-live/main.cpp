@@ -122,8 +122,8 @@ live::LiveView viewOf(const RecordedFrame& frame, const pipeline::PerceptionUpda
   view.frame = frame;
   view.update = update;
   view.map = run.perception().map();
-  view.process_s = 1e-3 * run.summary().frame_ms.back();
-  view.frames = run.summary().frame_ms.size();
+  view.process_s = 1e-3 * run.summary().last_frame_ms;
+  view.frames = run.summary().frame_ms.count();
   view.sensors = sensors.status();
   view.warnings = run.summary().warnings;
   return view;

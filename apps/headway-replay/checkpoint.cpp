@@ -11,7 +11,11 @@ namespace headway::replay {
 namespace {
 
 void writeContents(const std::filesystem::path& folder, CheckpointContents contents) {
-  writeTrajectories(folder, contents.trajectory, contents.T_robot_cam);
+  if (!contents.trajectory.empty()) {
+    TrajectoryWriter writer(folder, contents.T_robot_cam);
+    for (const auto& estimate : contents.trajectory) writer.add(estimate);
+    writer.commit();
+  }
   map::writePly(folder / "map_points.ply", *contents.map.map.staticMap());
   map::saveMap(folder / "map.headway", std::move(contents.map));
   writeSummary(folder / "summary.json", contents.summary);

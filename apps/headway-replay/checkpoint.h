@@ -20,7 +20,7 @@ void describeCheckpoints(double& interval_s, Params& params);
 
 /// What a checkpoint contains: the results so far that are not written frame by frame.
 struct CheckpointContents {
-  std::vector<slam::FrameEstimate> trajectory;
+  std::vector<slam::FrameEstimate> trajectory;  ///< empty: too long to be copied
   Pose T_robot_cam = Pose::Identity();
   map::StoredMap map;
   Summary summary;

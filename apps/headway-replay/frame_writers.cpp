@@ -38,29 +38,36 @@ io::KittiRow kittiRow(std::size_t frame, const Track& track, const Pose& T_senso
   return row;
 }
 
-/// Replaces the score of every row of a KITTI tracking result by the final score of its track,
-/// because KITTI evaluates complete tracks; during the replay the file contains the current scores.
-///
-/// @param scores  track id -> score; rows of other tracks are not changed
-/// @throws InputError naming the file if it cannot be read or written
-void rescoreKittiResults(const std::filesystem::path& file,
-                         const std::map<std::int64_t, double>& scores) {
-  std::ifstream old_rows(file);
-  OutputFile new_rows(file);
-  new_rows.stream() << std::fixed << std::setprecision(6);
-  for (std::string row; std::getline(old_rows, row);) {
+/// Track and place of the score in a row of a KITTI tracking result.
+struct ScoredRow {
+  explicit ScoredRow(const std::string& row) : score_at(row.rfind(' ') + 1) {
     std::istringstream fields(row);
     std::int64_t frame = 0;
-    std::int64_t id = 0;
     fields >> frame >> id;
-    const auto score = scores.find(id);
-    if (score == scores.end()) {
-      new_rows.stream() << row << '\n';
-    } else {
-      new_rows.stream() << row.substr(0, row.rfind(' ') + 1) << score->second << '\n';
-    }
   }
-  new_rows.commit();
+  std::int64_t id = -1;
+  std::size_t score_at;
+};
+
+/// Replaces the score of every row of a KITTI tracking result by that of its track's last row,
+/// because KITTI evaluates complete tracks; during the replay the file contains the current scores.
+///
+/// @throws InputError naming the file if it cannot be read or written
+void rescoreKittiResults(const std::filesystem::path& file) {
+  std::map<std::int64_t, std::string> scores;
+  std::ifstream current(file);
+  for (std::string row; std::getline(current, row);) {
+    const ScoredRow scored(row);
+    scores[scored.id] = row.substr(scored.score_at);
+  }
+  current.clear();
+  current.seekg(0);
+  OutputFile final_rows(file);
+  for (std::string row; std::getline(current, row);) {
+    const ScoredRow scored(row);
+    final_rows.stream() << row.substr(0, scored.score_at) << scores[scored.id] << '\n';
+  }
+  final_rows.commit();
 }
 
 constexpr std::array<const char*, 6> kPoseAxes = {"x", "y", "z", "roll", "pitch", "yaw"};
@@ -134,7 +141,6 @@ void FrameWriters::writeTrack(const pipeline::PerceptionUpdate& update, const Tr
                               const Pose& T_sensor_map) {
   io::writeTrackCsv(tracks_.stream(), {update.frame, update.time, track});
   io::writeKittiResult(kitti_.stream(), kittiRow(update.frame, track, T_sensor_map, camera_.get()));
-  scores_[track.id.value] = track.score;
   for (const auto& path : track.predictions) {
     for (const auto& point : path.points) {
       io::writePredictionCsv(predictions_.stream(),
@@ -161,30 +167,32 @@ void FrameWriters::finish() {
     }
   }
   if (failure) std::rethrow_exception(failure);
-  rescoreKittiResults(kitti_path_, scores_);
+  rescoreKittiResults(kitti_path_);
 }
 
-void writeTrajectories(const std::filesystem::path& folder,
-                       const std::vector<slam::FrameEstimate>& trajectory,
-                       const Pose& T_robot_cam) {
-  std::vector<Stamped<Pose>> tracked;
-  for (const auto& estimate : trajectory) {
-    if (estimate.tracked) tracked.push_back({estimate.time, estimate.T_map_robot});
-  }
-  io::writeTum(folder / "trajectory.tum", tracked);
+TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& folder, const Pose& T_robot_cam)
+    : T_robot_cam_(T_robot_cam),
+      tum_(folder / "trajectory.tum"),
+      kitti_(folder / "trajectory_kitti.txt") {}
 
-  std::vector<Pose> camera_poses;
-  if (!tracked.empty()) {
-    const Pose T_first_map = (tracked.front().value * T_robot_cam).inverse();
-    Pose last = Pose::Identity();
-    for (const auto& estimate : trajectory) {
-      const std::size_t row = estimate.frame - trajectory.front().frame;
-      while (camera_poses.size() < row) camera_poses.push_back(last);
-      if (estimate.tracked) last = T_first_map * estimate.T_map_robot * T_robot_cam;
-      camera_poses.push_back(last);
-    }
+void TrajectoryWriter::add(const slam::FrameEstimate& estimate) {
+  if (!first_frame_) first_frame_ = estimate.frame;
+  if (estimate.tracked) {
+    io::writeTumRow(tum_.stream(), {estimate.time, estimate.T_map_robot});
+    if (!T_first_map_) T_first_map_ = (estimate.T_map_robot * T_robot_cam_).inverse();
   }
-  io::writeKittiPoses(folder / "trajectory_kitti.txt", camera_poses);
+  if (!T_first_map_) return;
+  for (; kitti_rows_ < estimate.frame - *first_frame_; ++kitti_rows_) {
+    io::writeKittiPoseRow(kitti_.stream(), last_);
+  }
+  if (estimate.tracked) last_ = *T_first_map_ * estimate.T_map_robot * T_robot_cam_;
+  io::writeKittiPoseRow(kitti_.stream(), last_);
+  ++kitti_rows_;
+}
+
+void TrajectoryWriter::commit() {
+  tum_.commit();
+  kitti_.commit();
 }
 
 }  // namespace headway::replay

@@ -6,7 +6,6 @@
 #include <headway/pipeline/perception.h>
 
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -42,16 +41,29 @@ class FrameWriters {
   std::filesystem::path kitti_path_;
   GrowingFile kitti_;
   GrowingFile predictions_;
-  std::map<std::int64_t, double> scores_;  ///< track id -> latest score
 };
 
 /// Writes trajectory.tum and trajectory_kitti.txt.
 ///
 /// trajectory_kitti.txt has a row for every frame from the first to the last; lost and skipped
 /// frames repeat the previous pose (the first pose before tracking starts).
-///
-/// @param T_robot_cam  pose of the left camera on the robot
-void writeTrajectories(const std::filesystem::path& folder,
-                       const std::vector<slam::FrameEstimate>& trajectory, const Pose& T_robot_cam);
+class TrajectoryWriter {
+ public:
+  /// @param T_robot_cam  pose of the left camera on the robot
+  /// @throws InputError if the files cannot be written
+  TrajectoryWriter(const std::filesystem::path& folder, const Pose& T_robot_cam);
+
+  /// Adds a frame, in order.
+  void add(const slam::FrameEstimate& estimate);
+  void commit();  ///< @throws InputError if the files could not be written to the end
+
+ private:
+  Pose T_robot_cam_;
+  OutputFile tum_, kitti_;
+  std::optional<std::size_t> first_frame_;
+  std::optional<Pose> T_first_map_;  ///< of the first tracked camera
+  Pose last_ = Pose::Identity();     ///< of the camera in the first one
+  std::size_t kitti_rows_ = 0;
+};
 
 }  // namespace headway::replay

@@ -10,12 +10,12 @@ namespace headway::replay {
 /// Command-line options of a replay.
 struct Options {
   std::string program = "headway-replay";  ///< name in messages
-  std::string input;       ///< rawlog
-  std::string output;      ///< folder
-  std::string detections;  ///< side file of boxes; empty: recorded boxes
-  std::string detector;    ///< pipeline::DetectionParams::detector; empty: as configured
-  std::string load_map;    ///< map file to continue; empty: new map
-  std::string truth;       ///< folder with the truth for the report; empty: none
+  std::string input;                       ///< rawlog
+  std::string output;                      ///< folder
+  std::string detections;                  ///< side file of boxes; empty: recorded boxes
+  std::string detector;  ///< pipeline::DetectionParams::detector; empty: as configured
+  std::string load_map;  ///< map file to continue; empty: new map
+  std::string truth;     ///< folder with the truth for the report; empty: none
   std::string sensor_label;
   double realtime = 0.0;  ///< factor of the recorded rate; 0: offline, every frame
   std::optional<std::size_t> from_index;

@@ -9,8 +9,10 @@
 #include <headway/program/picture_files.h>
 #include <headway/program/progress.h>
 
+#include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <iterator>
 #include <sstream>
 
 #include "messages.h"
@@ -39,6 +41,8 @@ pipeline::PerceptionParams perceptionParams(const Options& options,
 std::vector<std::string> inputsOf(const Options& options) {
   return {options.input, options.detections, options.load_map};
 }
+
+constexpr std::size_t kMaxSeenTracks = 1000;  // above which ended ones are discarded
 
 std::string textOf(const Params& params) {
   std::ostringstream text;
@@ -81,7 +85,8 @@ Replay::Replay(const Options& options, std::unique_ptr<FrameInput> input,
       writers_(folder_.path(), camera_),
       checkpoint_(folder_.path(), options.checkpoint_s),
       snapshots_(folder_.path(), options.snapshots,
-                 [this](const std::string& text) { warn(text); }) {
+                 [this](const std::string& text) { warn(text); }),
+      retrack_time_s_(perception_params.objects.lifecycle.retrack_time_s) {
   perception_->setLog([this](LogLevel level, const std::string& text) { log(level, text); });
   if (!options.detections.empty()) {
     side_detections_ = io::readDetections(options.detections, summary_.detections_dropped);
@@ -143,7 +148,7 @@ void Replay::processAll() {
     applySideDetections(*frame);
     process(*frame, source_->progress());
     if (checkpoint_.isDue()) writeCheckpoint();
-    progress.update(summary_.frame_ms.size(), source_->progress());
+    progress.update(summary_.frame_ms.count(), source_->progress());
   }
 }
 
@@ -160,7 +165,8 @@ void Replay::process(const RecordedFrame& frame, double progress) {
   StageTimes span;
   const auto watch = span.watch("frame");
   const auto update = processed(frame);
-  summary_.frame_ms.push_back(watch.elapsedMs() + frame.rectify_ms);
+  summary_.last_frame_ms = watch.elapsedMs() + frame.rectify_ms;
+  summary_.frame_ms.add(summary_.last_frame_ms);
   summary_.cpu_ms += 1e3 * (processorSeconds() - cpu_before) + frame.rectify_ms;
 
   last_frame_ = frame.index;
@@ -190,11 +196,33 @@ void Replay::count(const RecordedFrame& frame, const pipeline::PerceptionUpdate&
   for (const slam::LoopAttempt& attempt : update.camera.loops) {
     summary_.loops += attempt.outcome == slam::LoopOutcome::kClosed ? 1 : 0;
   }
+  countFrame(frame.index, update.camera.status == slam::TrackingStatus::kTracked);
+  countTracks(update);
+}
+
+void Replay::countFrame(std::size_t frame, bool is_tracked) {
+  if (!next_frame_) next_frame_ = frame;
+  FrameList& missing = source_->dropsLateFrames() ? summary_.late_frames : summary_.lost_frames;
+  for (; *next_frame_ < frame; ++*next_frame_, ++summary_.frames) missing.add(*next_frame_);
+  if (!is_tracked) summary_.lost_frames.add(frame);
+  summary_.frames_tracked += is_tracked ? 1 : 0;
+  ++*next_frame_;
+  ++summary_.frames;
+}
+
+void Replay::countTracks(const pipeline::PerceptionUpdate& update) {
   for (const auto& track : update.objects.tracks) {
-    if (track.status == TrackStatus::kConfirmed) {
-      bool& ever_moving = seen_tracks_[track.id];
-      ever_moving = ever_moving || isMoving(track);
-    }
+    if (track.status != TrackStatus::kConfirmed) continue;
+    const auto [seen, is_new] = seen_tracks_.try_emplace(track.id);
+    summary_.tracks_confirmed += is_new ? 1 : 0;
+    seen->second.last_seen = update.time;
+    seen->second.was_moving = seen->second.was_moving || isMoving(track);
+  }
+  if (seen_tracks_.size() < kMaxSeenTracks) return;
+  for (auto seen = seen_tracks_.begin(); seen != seen_tracks_.end();) {
+    const bool has_ended = std::abs(update.time - seen->second.last_seen) > retrack_time_s_;
+    summary_.tracks_moving += has_ended && seen->second.was_moving ? 1 : 0;
+    seen = has_ended ? seen_tracks_.erase(seen) : std::next(seen);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -56,20 +57,29 @@ class Replay {
   [[nodiscard]] std::vector<std::filesystem::path> pictures() const;
 
  private:
+  struct SeenTrack {
+    Time last_seen = 0.0;
+    bool was_moving = false;  ///< at some time
+  };
+
   void processAll();
   void process(const RecordedFrame& frame, double progress);
   [[nodiscard]] pipeline::PerceptionUpdate processed(const RecordedFrame& frame);
   void applySideDetections(RecordedFrame& frame) const;
   void count(const RecordedFrame& frame, const pipeline::PerceptionUpdate& update);
+  /// Counts a frame, and those that are missing before it.
+  void countFrame(std::size_t frame, bool is_tracked);
+  /// Counts a confirmed track once, and discards those that have ended.
+  void countTracks(const pipeline::PerceptionUpdate& update);
   /// Prints each warning once, when it occurs first.
   void collectWarnings(std::size_t frame, bool reader_has_stopped);
   void requireTrackedFrames() const;
   void finish();
-  [[nodiscard]] Summary summarised(const std::vector<slam::FrameEstimate>& trajectory) const;
+  [[nodiscard]] Summary summarised() const;
   void writeCheckpoint();
   void endCheckpoint();
-  void writeMap(const std::vector<slam::FrameEstimate>& trajectory);
-  void warnIfNotRelocalised(const std::vector<slam::FrameEstimate>& trajectory) const;
+  void writeMap();
+  void warnIfNotRelocalised() const;
   void warn(const std::string& text) const;
   /// Prints a message of the pipeline; warnings are printed by collectWarnings().
   void log(LogLevel level, const std::string& text) const;
@@ -90,7 +100,9 @@ class Replay {
   std::size_t last_frame_ = 0;  ///< index of the newest frame
   bool has_lost_image_ = false;
   FrameCallback on_frame_;
-  std::map<TrackId, bool> seen_tracks_;  ///< confirmed tracks -> moving at some time
+  double retrack_time_s_;
+  std::optional<std::size_t> next_frame_;     ///< after the newest one
+  std::map<TrackId, SeenTrack> seen_tracks_;  ///< confirmed tracks that may not have ended
 };
 
 }  // namespace headway::replay

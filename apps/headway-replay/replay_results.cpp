@@ -4,7 +4,7 @@
 #include <headway/map/static_grid.h>
 #include <headway/program/truth_report.h>
 
-#include <algorithm>
+#include <optional>
 
 #include "replay.h"
 
@@ -12,20 +12,7 @@ namespace headway::replay {
 
 namespace {
 
-using Trajectory = std::vector<slam::FrameEstimate>;
-
-void countLostFrames(const Trajectory& trajectory, bool drops_late_frames, Summary& summary) {
-  if (trajectory.empty()) return;
-  std::size_t next = trajectory.front().frame;
-  for (const auto& estimate : trajectory) {
-    auto& missing = drops_late_frames ? summary.late_frames : summary.lost_frames;
-    while (next < estimate.frame) missing.push_back(next++);
-    if (!estimate.tracked) summary.lost_frames.push_back(estimate.frame);
-    if (estimate.tracked) ++summary.frames_tracked;
-    ++next;
-  }
-  summary.frames = next - trajectory.front().frame;
-}
+constexpr std::size_t kMaxCheckpointFrames = 100000;  // of the trajectory
 
 std::string titleOf(const std::filesystem::path& folder) {
   return std::filesystem::weakly_canonical(folder).filename().string();
@@ -36,12 +23,13 @@ std::string titleOf(const std::filesystem::path& folder) {
 void Replay::writeCheckpoint() {
   endCheckpoint();
   CheckpointContents contents;
-  contents.trajectory = perception_->trajectory();
-  if (contents.trajectory.empty()) return;
+  if (summary_.frame_ms.count() <= kMaxCheckpointFrames) {
+    contents.trajectory = perception_->trajectory();
+  }
   if (camera_ != nullptr) contents.T_robot_cam = camera_->T_robot_cam;
   contents.map = perception_->stored();
   contents.map.configuration = configuration_;
-  contents.summary = summarised(contents.trajectory);
+  contents.summary = summarised();
   contents.summary.ended_early =
       "killed after the checkpoint at frame " + std::to_string(last_frame_);
   checkpoint_.write(std::move(contents));
@@ -54,7 +42,6 @@ void Replay::endCheckpoint() {
 void Replay::finish() {
   endCheckpoint();  // its files are replaced
   perception_->finish();
-  const auto trajectory = perception_->trajectory();
   std::exception_ptr failure;  // the first failure; the other files are written nevertheless
   const auto attempt = [&failure](const auto& step) {
     try {
@@ -68,14 +55,17 @@ void Replay::finish() {
     writers_.finish();
   });
   attempt([&] {
-    writeTrajectories(folder_.path(), trajectory,
-                      camera_ != nullptr ? camera_->T_robot_cam : robotFromOptical());
+    TrajectoryWriter writer(folder_.path(),
+                            camera_ != nullptr ? camera_->T_robot_cam : robotFromOptical());
+    perception_->visitTrajectory(
+        [&](const slam::FrameEstimate& estimate) { writer.add(estimate); });
+    writer.commit();
   });
-  attempt([&] { writeMap(trajectory); });
-  warnIfNotRelocalised(trajectory);
+  attempt([&] { writeMap(); });
+  warnIfNotRelocalised();
   attempt([&] { snapshots_.finish(*perception_); });
   attempt([&] {
-    summary_ = summarised(trajectory);
+    summary_ = summarised();
     summary_.observations_skipped = source_->skipped();
     writeSummary(folder_.path() / "summary.json", summary_);
   });
@@ -88,14 +78,12 @@ void Replay::finish() {
   if (failure) std::rethrow_exception(failure);
 }
 
-Summary Replay::summarised(const Trajectory& trajectory) const {
+Summary Replay::summarised() const {
   Summary summary = summary_;
-  countLostFrames(trajectory, source_->dropsLateFrames(), summary);
   const auto static_map = perception_->map().staticMap();
   summary.keyframes = static_map->keyframes.size();
   summary.landmarks = static_map->landmarks.size();
-  summary.tracks_confirmed = seen_tracks_.size();
-  for (const auto& [id, moving] : seen_tracks_) summary.tracks_moving += moving ? 1 : 0;
+  for (const auto& [id, seen] : seen_tracks_) summary.tracks_moving += seen.was_moving ? 1 : 0;
   summary.stages.merge(perception_->times());
   summary.laser = perception_->laserCounts();
   if (const auto skipped = source_->skippedNow()) summary.observations_skipped = *skipped;
@@ -103,8 +91,8 @@ Summary Replay::summarised(const Trajectory& trajectory) const {
   return summary;
 }
 
-void Replay::writeMap(const std::vector<slam::FrameEstimate>& trajectory) {
-  if (trajectory.empty()) return;
+void Replay::writeMap() {
+  if (summary_.frames == 0) return;
   map::StoredMap stored = perception_->stored();
   stored.configuration = configuration_;
   if (const auto grid = stored.map.staticGrid())
@@ -114,11 +102,8 @@ void Replay::writeMap(const std::vector<slam::FrameEstimate>& trajectory) {
   map::saveMap(folder_.path() / "map.headway", std::move(stored));
 }
 
-void Replay::warnIfNotRelocalised(const std::vector<slam::FrameEstimate>& trajectory) const {
-  const auto tracked = [](const slam::FrameEstimate& estimate) { return estimate.tracked; };
-  if (options_.load_map.empty() || std::any_of(trajectory.begin(), trajectory.end(), tracked)) {
-    return;
-  }
+void Replay::warnIfNotRelocalised() const {
+  if (options_.load_map.empty() || summary_.frames_tracked > 0) return;
   warn("no frame was re-localised in " + options_.load_map +
        ", which may be a map of another place; its landmarks and keyframes are unchanged");
 }

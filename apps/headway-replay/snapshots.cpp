@@ -6,6 +6,11 @@
 #include <cstdio>
 
 namespace headway::replay {
+namespace {
+
+constexpr std::size_t kMaxPathPoses = 20000;  // drawn
+
+}  // namespace
 
 Snapshots::Snapshots(std::filesystem::path folder, int count,
                      std::function<void(const std::string&)> warn)
@@ -15,11 +20,22 @@ void Snapshots::add(const pipeline::Perception& perception,
                     const pipeline::PerceptionUpdate& update, const RecordedFrame& frame,
                     double progress) {
   if (update.camera.status == slam::TrackingStatus::kTracked) {
-    path_.push_back({update.time, update.camera.T_map_robot});
+    addToPath({update.time, update.camera.T_map_robot});
   }
   last_ = frame;
   T_map_robot_ = update.camera.T_map_robot;
   if (isDue(progress)) draw(perception);
+}
+
+/// Keeps every second pose of a path that has become too long, and adds every second one from then
+/// on.
+void Snapshots::addToPath(const Stamped<Pose>& pose) {
+  if (tracked_++ % path_step_ != 0) return;
+  path_.push_back(pose);
+  if (path_.size() < kMaxPathPoses) return;
+  for (std::size_t i = 0; 2 * i < path_.size(); ++i) path_[i] = path_[2 * i];
+  path_.resize((path_.size() + 1) / 2);
+  path_step_ *= 2;
 }
 
 bool Snapshots::isDue(double progress) const {

@@ -33,6 +33,7 @@ class Snapshots {
   [[nodiscard]] const std::vector<std::filesystem::path>& written() const { return written_; }
 
  private:
+  void addToPath(const Stamped<Pose>& pose);
   [[nodiscard]] bool isDue(double progress) const;
   [[nodiscard]] scene::SnapshotInput input(const pipeline::Perception& perception) const;
   void draw(const pipeline::Perception& perception);
@@ -42,7 +43,9 @@ class Snapshots {
   std::function<void(const std::string&)> warn_;
   std::unique_ptr<scene::SnapshotRenderer> renderer_;  ///< created for the first picture
   std::vector<std::filesystem::path> written_;
-  std::vector<Stamped<Pose>> path_;
+  std::vector<Stamped<Pose>> path_;  ///< every path_step_-th tracked pose
+  std::size_t path_step_ = 1;
+  std::size_t tracked_ = 0;  ///< frames
   std::optional<RecordedFrame> last_;
   Pose T_map_robot_ = Pose::Identity();
 };

@@ -2,7 +2,6 @@
 
 #include <headway/core/output_file.h>
 #include <headway/core/printable.h>
-#include <headway/core/statistics.h>
 #include <headway/core/version.h>
 #include <unistd.h>
 
@@ -11,7 +10,6 @@
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <numeric>
 
 namespace headway::replay {
 namespace {
@@ -137,9 +135,9 @@ void writeSummary(const std::filesystem::path& path, const Summary& summary) {
   Json json;
   json["frames"] = summary.frames;
   json["frames_tracked"] = summary.frames_tracked;
-  json["frames_lost"] = summary.lost_frames.size();
-  json["lost_frames"] = summary.lost_frames;
-  json["late_frames"] = summary.late_frames;
+  json["frames_lost"] = summary.lost_frames.count;
+  json["lost_frames"] = summary.lost_frames.listed;
+  json["late_frames"] = summary.late_frames.listed;
   json["frames_dropped_late"] = summary.frames_dropped_late;
   json["keyframes"] = summary.keyframes;
   json["landmarks"] = summary.landmarks;
@@ -148,13 +146,11 @@ void writeSummary(const std::filesystem::path& path, const Summary& summary) {
   json["tracks_moving"] = summary.tracks_moving;
   json["start_up_s"] = summary.start_up_s;
   json["total_s"] = summary.total_s;
-  json["frame_ms_mean"] =
-      perFrame(std::accumulate(summary.frame_ms.begin(), summary.frame_ms.end(), 0.0),
-               summary.frame_ms.size());
-  json["frame_ms_median"] = percentile(summary.frame_ms, 0.5);
-  json["frame_ms_p95"] = percentile(summary.frame_ms, 0.95);
-  json["frame_ms_max"] = percentile(summary.frame_ms, 1.0);
-  json["cpu_ms_per_frame"] = perFrame(summary.cpu_ms, summary.frame_ms.size());
+  json["frame_ms_mean"] = summary.frame_ms.mean();
+  json["frame_ms_median"] = summary.frame_ms.percentile(0.5);
+  json["frame_ms_p95"] = summary.frame_ms.percentile(0.95);
+  json["frame_ms_max"] = summary.frame_ms.max();
+  json["cpu_ms_per_frame"] = perFrame(summary.cpu_ms, summary.frame_ms.count());
   json["stages_ms"] = stagesJson(summary.stages);
   json["peak_memory_mb"] = peakMemoryMb();
   json["detections_used"] = summary.detections_used;
@@ -172,8 +168,8 @@ void writeSummary(const std::filesystem::path& path, const Summary& summary) {
 
 void printSummary(const Summary& summary) {
   std::printf("%zu of %zu frames tracked, %zu lost, %zu late, %zu keyframes, %zu landmarks\n",
-              summary.frames_tracked, summary.frames, summary.lost_frames.size(),
-              summary.late_frames.size(), summary.keyframes, summary.landmarks);
+              summary.frames_tracked, summary.frames, summary.lost_frames.count,
+              summary.late_frames.count, summary.keyframes, summary.landmarks);
   std::printf("%zu tracks confirmed, %zu of them moving; %zu detections used",
               summary.tracks_confirmed, summary.tracks_moving, summary.detections_used);
   if (!summary.detections_dropped.empty()) {
@@ -182,8 +178,8 @@ void printSummary(const Summary& summary) {
   std::printf(
       "\n%.1f ms per frame (median), %.1f ms (95 %%); %.1f ms CPU; %.0f MB; first frame "
       "after %.2f s\n",
-      percentile(summary.frame_ms, 0.5), percentile(summary.frame_ms, 0.95),
-      perFrame(summary.cpu_ms, summary.frame_ms.size()), peakMemoryMb(), summary.start_up_s);
+      summary.frame_ms.percentile(0.5), summary.frame_ms.percentile(0.95),
+      perFrame(summary.cpu_ms, summary.frame_ms.count()), peakMemoryMb(), summary.start_up_s);
   if (!summary.laser.empty()) {
     std::printf("laser: %s\n", countsText(summary.laser).c_str());
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <headway/core/histogram.h>
 #include <headway/core/params.h>
 #include <headway/core/stage_times.h>
 #include <headway/core/track.h>
@@ -19,13 +20,23 @@
 
 namespace headway::replay {
 
+/// Numbers of frames, of which the first 100,000 are listed.
+struct FrameList {
+  std::size_t count = 0;
+  std::vector<std::size_t> listed;
+
+  void add(std::size_t frame) {
+    if (count++ < 100000) listed.push_back(frame);
+  }
+};
+
 /// Figures of one replay, written to summary.json.
 struct Summary {
   std::size_t frames = 0;  ///< from the first frame's index to the last one's
   std::size_t frames_tracked = 0;
-  std::vector<std::size_t> lost_frames;  ///< lost or skipped
-  std::vector<std::size_t> late_frames;  ///< in real time: dropped, or skipped, between others
-  std::size_t frames_dropped_late = 0;   ///< with --realtime
+  FrameList lost_frames;                ///< lost or skipped
+  FrameList late_frames;                ///< in real time: dropped, or skipped, between others
+  std::size_t frames_dropped_late = 0;  ///< with --realtime
   std::size_t keyframes = 0;
   std::size_t landmarks = 0;
   std::size_t loops = 0;
@@ -33,7 +44,8 @@ struct Summary {
   std::size_t tracks_moving = 0;  ///< confirmed tracks that were moving at some time
   double start_up_s = 0.0;
   double total_s = 0.0;
-  std::vector<double> frame_ms;
+  Histogram frame_ms;
+  double last_frame_ms = 0.0;
   double cpu_ms = 0.0;  ///< over all frames
   StageTimes stages;
   std::size_t detections_used = 0;

@@ -41,7 +41,9 @@ void writeAll(const fs::path& folder) {
   writers.write(update);
   writers.writeSmoothed({{0, 0.0, track}});
   writers.finish();
-  writeTrajectories(folder, {{0, 0.0, true, Pose::Identity()}}, Pose::Identity());
+  TrajectoryWriter trajectory(folder, Pose::Identity());
+  trajectory.add({0, 0.0, true, Pose::Identity()});
+  trajectory.commit();
   io::writeCalibration(folder / "calibration.yaml", *camera);
   writeRunRecord(folder / "replay.json", {}, {}, {});
   writeSummary(folder / "summary.json", {});

@@ -127,6 +127,8 @@ TEST(StereoSlamTest, TheMapOfAPlaceDoesNotGrowWithTime) {
   SlamParams params;
   params.features = 200;
   StereoSlam slam(world.camera(), params);
+  params.trajectory_in_memory = 5;
+  StereoSlam small(world.camera(), params);
   std::vector<std::size_t> keyframes, bytes;
   for (int i = 0; i < kLaps * kLap; ++i) {
     StereoFrame frame = frames[static_cast<std::size_t>(i % (2 * kLap))];
@@ -134,6 +136,7 @@ TEST(StereoSlamTest, TheMapOfAPlaceDoesNotGrowWithTime) {
     frame.time = 0.1 * i;
     const auto update = slam.process(frame, {});
     ASSERT_EQ(update.status, TrackingStatus::kTracked) << i;
+    (void)small.process(frame, {});
     const Pose truth = pose(i % (2 * kLap), i / kLap);
     EXPECT_LT((update.T_map_robot.translation() - truth.translation()).norm(), 0.03) << i;
     if ((i + 1) % kLap != 0) continue;
@@ -147,6 +150,13 @@ TEST(StereoSlamTest, TheMapOfAPlaceDoesNotGrowWithTime) {
     const int i = static_cast<int>(estimate.frame);
     const Pose truth = pose(i % (2 * kLap), i / kLap);
     EXPECT_LT((estimate.T_map_robot.translation() - truth.translation()).norm(), 0.03) << i;
+  }
+  const auto in_memory = slam.trajectory();
+  const auto in_file = small.trajectory();
+  ASSERT_EQ(in_memory.size(), in_file.size());
+  for (std::size_t i = 0; i < in_memory.size(); ++i) {
+    EXPECT_EQ(in_memory[i].frame, in_file[i].frame);
+    EXPECT_EQ(in_memory[i].T_map_robot.matrix(), in_file[i].T_map_robot.matrix()) << i;
   }
 }
 

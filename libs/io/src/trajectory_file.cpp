@@ -81,16 +81,18 @@ std::vector<Pose> readKittiPoses(const std::string& path) {
   return poses;
 }
 
-void writeKittiPoses(const std::string& path, const std::vector<Pose>& poses) {
-  OutputFile file(path);
-  for (const auto& pose : poses) {
-    for (int row = 0; row < 3; ++row) {
-      for (int column = 0; column < 4; ++column) {
-        file.stream() << formatted("%.12e", pose.matrix()(row, column))
-                      << (row == 2 && column == 3 ? '\n' : ' ');
-      }
+void writeKittiPoseRow(std::ostream& out, const Pose& pose) {
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      out << formatted("%.12e", pose.matrix()(row, column))
+          << (row == 2 && column == 3 ? '\n' : ' ');
     }
   }
+}
+
+void writeKittiPoses(const std::string& path, const std::vector<Pose>& poses) {
+  OutputFile file(path);
+  for (const auto& pose : poses) writeKittiPoseRow(file.stream(), pose);
   file.commit();
 }
 

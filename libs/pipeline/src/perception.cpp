@@ -84,7 +84,8 @@ Perception::Perception(std::shared_ptr<const StereoCamera> camera, const Percept
       max_speed_mps_(params.max_speed_mps),
       is_live_(params.slam.adjust_in_background),
       grid_(grid_params_.map),
-      map_(std::move(map)) {
+      map_(std::move(map)),
+      given_poses_(params.slam.trajectory_in_memory) {
   mapping_ = params.slam.mapping;
   if (!mapping_) grid_params_.every_nth_frame = 0;
   if (camera_ != nullptr) mount_check_.emplace(*camera_);
@@ -193,10 +194,10 @@ slam::SlamUpdate Perception::useGivenPose(const RecordedFrame& frame) {
     given.T_map_robot = *frame.T_map_robot;
     given.covariance.setZero();
   } else if (!given_poses_.empty()) {
-    given.T_map_robot = given_poses_.back().T_map_robot;
+    given.T_map_robot = poseFrom(given_poses_.back().T_map_robot);
   }
-  given_poses_.push_back(
-      {frame.index, frame.time, frame.T_map_robot.has_value(), given.T_map_robot});
+  given_poses_.append(
+      {frame.index, frame.time, headway::stored(given.T_map_robot), frame.T_map_robot.has_value()});
   return given;
 }
 
@@ -244,7 +245,17 @@ void Perception::finish() {
 }
 
 std::vector<slam::FrameEstimate> Perception::trajectory() const {
-  return slam_ != nullptr && given_poses_.empty() ? slam_->trajectory() : given_poses_;
+  std::vector<slam::FrameEstimate> all;
+  visitTrajectory([&](const slam::FrameEstimate& estimate) { all.push_back(estimate); });
+  return all;
+}
+
+void Perception::visitTrajectory(
+    const std::function<void(const slam::FrameEstimate&)>& callback) const {
+  if (slam_ != nullptr && given_poses_.empty()) return slam_->visitTrajectory(callback);
+  given_poses_.visit([&](const GivenPose& given) {
+    callback({given.frame, given.time, given.is_given, poseFrom(given.T_map_robot)});
+  });
 }
 
 StageTimes Perception::times() const {

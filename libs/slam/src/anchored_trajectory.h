@@ -1,17 +1,24 @@
 #pragma once
 
+#include <headway/core/record_log.h>
 #include <headway/slam/map_view.h>
 
+#include <functional>
 #include <optional>
-#include <vector>
 
 #include "sparse_map.h"
 
 namespace headway::slam {
 
 /// The pose of every frame, stored relative to a keyframe so that map corrections apply to it.
+///
+/// Memory is bounded: older frames are in a temporary file, with the keyframes of their time, and
+/// the reassignments since then are applied when the trajectory is read.
 class AnchoredTrajectory {
  public:
+  /// @param in_memory  frames that stay in memory
+  explicit AnchoredTrajectory(std::size_t in_memory) : frames_(in_memory), moved_(in_memory) {}
+
   /// Adds a frame, anchored to a keyframe if one exists yet.
   void add(std::size_t frame, Time time, bool tracked, const Pose& T_map_cam,
            const std::optional<KeyframeId>& reference, const SparseMap& map);
@@ -19,19 +26,25 @@ class AnchoredTrajectory {
   /// Anchors the frames of one keyframe to another; both must still be in the map.
   void reassign(KeyframeId from, KeyframeId to, const SparseMap& map);
 
-  /// Robot poses of all frames, in order, in the current map.
-  [[nodiscard]] std::vector<FrameEstimate> estimates(const SparseMap& map,
-                                                     const Pose& T_cam_robot) const;
+  /// Calls back with the robot poses of all frames, in order, in the current map.
+  void visit(const SparseMap& map, const Pose& T_cam_robot,
+             const std::function<void(const FrameEstimate&)>& callback) const;
 
  private:
   struct AnchoredPose {
-    std::size_t frame = 0;
-    Time time = 0.0;
-    bool tracked = false;
+    std::size_t frame;
+    Time time;
     KeyframeId reference;  ///< invalid before the first keyframe; the pose is then in the map frame
-    Pose T_reference_cam = Pose::Identity();
+    StoredPose T_reference_cam;
+    bool tracked;
   };
-  std::vector<AnchoredPose> poses_;
+  /// A keyframe that was removed while frames in the file were anchored to it.
+  struct Reassignment {
+    KeyframeId from, to;
+    StoredPose T_to_from;
+  };
+  RecordLog<AnchoredPose> frames_;
+  RecordLog<Reassignment> moved_;
 };
 
 }  // namespace headway::slam

@@ -224,7 +224,7 @@ std::string StereoSlam::save() const { return implementation_->save(); }
 void StereoSlam::load(const std::string& bytes) { implementation_->load(bytes); }
 double StereoSlam::disparityOffset() const { return implementation_->disparityOffset(); }
 MapView StereoSlam::map() { return implementation_->map(); }
-std::vector<FrameEstimate> StereoSlam::trajectory() const { return implementation_->trajectory(); }
+void StereoSlam::visitTrajectory(const FrameVisitor& visit) const { implementation_->visit(visit); }
 void StereoSlam::finish() { implementation_->finish(); }
 const StageTimes& StereoSlam::times() const { return implementation_->times(); }
 

@@ -35,7 +35,8 @@ class StereoSlam::Implementation {
         mapper_(*camera_, params, adjuster_),
         loops_(*camera_, params, adjuster_),
         motion_(camera_->T_robot_cam, params),
-        views_(T_cam_robot_) {}
+        views_(T_cam_robot_),
+        trajectory_(params.trajectory_in_memory) {}
 
   SlamUpdate process(const stereo::FrameContext& context, const MovingRegions& moving);
   void finish() {
@@ -46,9 +47,7 @@ class StereoSlam::Implementation {
   [[nodiscard]] std::string save() const { return packMap(map_, *camera_); }
   [[nodiscard]] double disparityOffset() const { return map_.disparityOffset(); }
   [[nodiscard]] MapView map() { return views_.make(map_); }
-  [[nodiscard]] std::vector<FrameEstimate> trajectory() const {
-    return trajectory_.estimates(map_, T_cam_robot_);
-  }
+  void visit(const FrameVisitor& visit) const { trajectory_.visit(map_, T_cam_robot_, visit); }
   [[nodiscard]] const StageTimes& times() const { return times_; }
 
  private:

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
+#include <iterator>
 
 namespace {
 
@@ -26,8 +27,22 @@ struct FrameTime {
   double ms = 0.0;
   double processor_ms = 0.0;  ///< of the calling thread
   bool is_keyframe = false;
-  std::size_t loops = 0;  ///< candidates tested
+  std::size_t loops = 0;         ///< candidates tested
+  std::vector<double> stage_ms;  ///< of kStages
 };
+
+constexpr const char* kStages[] = {"slam_background", "slam_track", "slam_map", "map_update"};
+
+/// Total times of kStages so far; differences of two calls are the times of the frames between.
+std::vector<double> totals(const pipeline::Perception& perception) {
+  const auto summary = perception.times().summary();
+  std::vector<double> result;
+  for (const char* stage : kStages) {
+    const auto found = summary.find(stage);
+    result.push_back(found == summary.end() ? 0.0 : found->second.total_ms);
+  }
+  return result;
+}
 
 double threadMilliseconds() {
   timespec now{};
@@ -60,8 +75,6 @@ void print(const std::vector<FrameTime>& frames, const pipeline::Perception& per
               frames.size(), dropped, map.keyframes.size(), map.landmarks.size());
   printTimes("wall time", frames, &FrameTime::ms);
   printTimes("processor time of the calling thread", frames, &FrameTime::processor_ms);
-  const StageTimes times = perception.times();
-  const auto& samples = times.samples();
   std::vector<std::size_t> order(frames.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -72,10 +85,8 @@ void print(const std::vector<FrameTime>& frames, const pipeline::Perception& per
   for (const std::size_t i : order) {
     std::printf("  frame %zu: %.1f ms%s, %zu loop candidates", frames[i].frame,
                 frames[i].processor_ms, frames[i].is_keyframe ? ", keyframe" : "", frames[i].loops);
-    for (const char* stage : {"slam_background", "slam_track", "slam_map", "map_update"}) {
-      const auto of_stage = samples.find(stage);
-      if (of_stage == samples.end() || of_stage->second.size() != frames.size()) continue;
-      std::printf(", %s %.1f", stage, of_stage->second[i]);
+    for (std::size_t s = 0; s < std::size(kStages); ++s) {
+      std::printf(", %s %.1f", kStages[s], frames[i].stage_ms[s]);
     }
     std::puts("");
   }
@@ -99,13 +110,22 @@ int run(int argc, const char* const* argv) {
                                    : pipeline::makeOfflineFeed(reader);
   std::vector<FrameTime> frames;
   std::size_t closed = 0;
+  std::vector<double> before_ms = totals(perception);
   while (const auto frame = feed->next()) {
     StageTimes span;
     const auto watch = span.watch("frame");
     const double before = threadMilliseconds();
     const auto update = perception.process(*frame);
-    frames.push_back({frame->index, watch.elapsedMs(), threadMilliseconds() - before,
-                      update.camera.is_keyframe, update.camera.loops.size()});
+    frames.push_back({frame->index,
+                      watch.elapsedMs(),
+                      threadMilliseconds() - before,
+                      update.camera.is_keyframe,
+                      update.camera.loops.size(),
+                      {}});
+    auto total = totals(perception);
+    auto& stage_ms = frames.back().stage_ms;
+    for (std::size_t s = 0; s < total.size(); ++s) stage_ms.push_back(total[s] - before_ms[s]);
+    before_ms = std::move(total);
     for (const auto& loop : update.camera.loops) {
       closed += loop.outcome == slam::LoopOutcome::kClosed ? 1 : 0;
     }

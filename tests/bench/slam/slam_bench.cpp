@@ -53,7 +53,7 @@ int measure(int argc, const char* const* argv) {
     lost += update.camera.status == slam::TrackingStatus::kLost ? 1 : 0;
     ++frames;
   }
-  if (reference.samples().empty()) throw InputError(input + ": holds no stereo images");
+  if (reference.empty()) throw InputError(input + ": holds no stereo images");
   const auto& static_map = *perception.map().staticMap();
   std::printf("%zu frames, %zu lost, %zu keyframes, %zu landmarks\n", frames, lost,
               static_map.keyframes.size(), static_map.landmarks.size());

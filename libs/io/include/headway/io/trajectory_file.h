@@ -25,7 +25,10 @@ void writeTum(const std::string& path, const std::vector<Stamped<Pose>>& traject
 /// @throws InputError naming file and line of an error
 [[nodiscard]] std::vector<Pose> readKittiPoses(const std::string& path);
 
-/// Writes 3x4 row-major poses, one per row (KITTI odometry).
+/// Writes one row, a 3x4 row-major pose (KITTI odometry).
+void writeKittiPoseRow(std::ostream& out, const Pose& pose);
+
+/// Writes one row per pose.
 void writeKittiPoses(const std::string& path, const std::vector<Pose>& poses);
 
 /// Robot poses of a side file, by time or by frame: TUM (`t x y z qx qy qz qw`, the robot's poses)

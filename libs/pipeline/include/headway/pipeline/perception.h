@@ -1,6 +1,7 @@
 #pragma once
 
 #include <headway/core/log.h>
+#include <headway/core/record_log.h>
 #include <headway/core/recorded_frame.h>
 #include <headway/core/stage_times.h>
 #include <headway/map/map_file.h>
@@ -16,6 +17,7 @@
 #include <headway/slam/stereo_slam.h>
 #include <headway/stereo/rig_capability.h>
 
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -53,6 +55,14 @@ struct PerceptionParams {
   /// [robot].
   void describe(Params& params);
   void validate() const;  ///< @throws InputError
+};
+
+/// A frame whose pose is not SLAM's, as part of the stored trajectory.
+struct GivenPose {
+  std::size_t frame;
+  Time time;
+  StoredPose T_map_robot;
+  bool is_given;  ///< false: the pose is the last one given
 };
 
 /// Result of one frame: the pose of the robot and the tracks.
@@ -138,6 +148,9 @@ class Perception {
   /// All frames so far, with their latest corrections.
   [[nodiscard]] std::vector<slam::FrameEstimate> trajectory() const;
 
+  /// The same one by one, for runs of days whose frames do not fit into memory.
+  void visitTrajectory(const std::function<void(const slam::FrameEstimate&)>& callback) const;
+
   /// Waits for background threads and applies their results; call after the last frame, before the
   /// final map and trajectory are read. Without threads it returns at once.
   void finish();
@@ -210,7 +223,7 @@ class Perception {
   FrameDetections found_;                          ///< in the newest frame
   std::vector<Track> tracks_;                      ///< of the previous frame
   std::vector<ExpectedObject> expected_;           ///< as of the previous frame
-  std::vector<slam::FrameEstimate> given_poses_;   ///< frames with recorded pose
+  RecordLog<GivenPose> given_poses_;               ///< frames with recorded pose
   stereo::DisparityOffset offset_at_given_poses_;  ///< where SLAM does not estimate it
   StageTimes times_;
 };

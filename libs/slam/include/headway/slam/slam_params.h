@@ -2,6 +2,8 @@
 
 #include <headway/core/params.h>
 
+#include <cstddef>
+
 namespace headway::slam {
 
 /// Which features count as moving and stay out of pose and map.
@@ -33,9 +35,13 @@ struct SlamParams {
   bool loop_closing = true;           ///< recognise places seen before and correct the map
   int restart_after_frames = 20;      ///< lost frames after which a new submap is initialised
 
-  /// Runs bundle adjustment, the search for loops and the pose graph in threads of their own, so that
-  /// results depend on timing. Not a key of configurations: live operation sets it.
+  /// Runs bundle adjustment, the search for loops and the pose graph in threads of their own, so
+  /// that results depend on timing. Not a key of configurations: live operation sets it.
   bool adjust_in_background = false;
+
+  /// Frames of the trajectory in memory; older ones are in a temporary file (see TemporaryFile).
+  /// Not a key of configurations, because no result depends on it.
+  std::size_t trajectory_in_memory = 10000;
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "slam"); }  ///< @throws InputError

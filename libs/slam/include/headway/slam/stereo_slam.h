@@ -6,6 +6,7 @@
 #include <headway/slam/slam_params.h>
 #include <headway/stereo/frame_context.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -55,7 +56,7 @@ struct SlamUpdate {
   int inliers = 0;                 ///< landmarks that the pose rests on
   std::vector<LoopAttempt> loops;  ///< candidates of a new keyframe, in order; in live operation
                                    ///< those of an earlier one whose search has ended
-  bool map_corrected = false;      ///< a loop found in the background moved the map before the frame
+  bool map_corrected = false;  ///< a loop found in the background moved the map before the frame
 };
 
 /// Localises a stereo camera and maps its static surroundings.
@@ -86,7 +87,15 @@ class StereoSlam {
   [[nodiscard]] MapView map();
 
   /// Every frame processed so far, anchored to its reference keyframe as corrected since.
-  [[nodiscard]] std::vector<FrameEstimate> trajectory() const;
+  [[nodiscard]] std::vector<FrameEstimate> trajectory() const {
+    std::vector<FrameEstimate> all;
+    visitTrajectory([&](const FrameEstimate& estimate) { all.push_back(estimate); });
+    return all;
+  }
+
+  /// The same one by one, for runs of days whose frames do not fit into memory.
+  using FrameVisitor = std::function<void(const FrameEstimate&)>;
+  void visitTrajectory(const FrameVisitor& visit) const;
 
   /// The whole map as bytes for load().
   [[nodiscard]] std::string save() const;
@@ -97,8 +106,8 @@ class StereoSlam {
   /// @throws InputError if the bytes are cut off, damaged, of another version or of another camera
   void load(const std::string& bytes);
 
-  /// Waits for a running background search for loops and adjustment and applies both, at the end of a recording. More
-  /// frames may follow.
+  /// Waits for a running background search for loops and adjustment and applies both, at the end of
+  /// a recording. More frames may follow.
   void finish();
 
   /// Milliseconds of "slam_track" (features to pose) and "slam_map" (the rest), a frame each.
