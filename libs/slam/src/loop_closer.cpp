@@ -31,18 +31,22 @@ std::vector<Descriptor> descriptorsOf(const std::vector<DescribedPoint>& points)
 /// Disjoint sets of keyframes (union-find).
 class KeyframeGroups {
  public:
-  explicit KeyframeGroups(KeyframeId last) : parent_(static_cast<std::size_t>(last.value) + 1) {
+  explicit KeyframeGroups(const std::map<KeyframeId, Keyframe>& keyframes)
+      : parent_(keyframes.size()) {
+    for (const auto& [id, keyframe] : keyframes) ids_.push_back(id);
     std::iota(parent_.begin(), parent_.end(), std::size_t{0});
   }
   /// A number that all keyframes of one set have in common.
   [[nodiscard]] std::size_t of(KeyframeId id) {
-    auto at = static_cast<std::size_t>(id.value);
+    auto at =
+        static_cast<std::size_t>(std::lower_bound(ids_.begin(), ids_.end(), id) - ids_.begin());
     while (parent_[at] != at) at = parent_[at] = parent_[parent_[at]];
     return at;
   }
   void join(KeyframeId a, KeyframeId b) { parent_[of(b)] = of(a); }
 
  private:
+  std::vector<KeyframeId> ids_;  ///< ascending
   std::vector<std::size_t> parent_;
 };
 
@@ -54,7 +58,7 @@ std::vector<KeyframeId> unrelatedTo(KeyframeId newest, const SparseMap& map) {
     return shareNoLandmarks(a.second, b.second);
   };
   if (std::adjacent_find(keyframes.begin(), keyframes.end(), apart) == keyframes.end()) return {};
-  KeyframeGroups groups(keyframes.rbegin()->first);
+  KeyframeGroups groups(keyframes);
   for (const auto& [id, landmark] : map.landmarks()) {
     const KeyframeId first = landmark.observations.front().keyframe;
     for (const LandmarkObservation& other : landmark.observations) {

@@ -36,8 +36,8 @@ SharedChunks<View> updated(
     std::map<std::int64_t, std::shared_ptr<const std::vector<View>>>& groups) {
   for (const std::int64_t group : changed) {
     auto chunk = std::make_shared<std::vector<View>>();
-    const auto end = elements.lower_bound(Id{(group + 1) * IdGroups::kSize});
-    for (auto at = elements.lower_bound(Id{group * IdGroups::kSize}); at != end; ++at) {
+    auto at = elements.lower_bound(Id{group * IdGroups::kSize});
+    for (; at != elements.end() && at->first.value / IdGroups::kSize == group; ++at) {
       chunk->push_back(viewOf(at->second, T_cam_robot));
     }
     if (chunk->empty()) {

@@ -27,11 +27,9 @@ OdometryLink composed(const OdometryLink& first, const OdometryLink& second) {
 }
 
 std::vector<std::int64_t> IdGroups::take() {
-  std::vector<std::int64_t> groups;
-  for (std::size_t group = 0; group < has_.size(); ++group) {
-    if (has_[group]) groups.push_back(static_cast<std::int64_t>(group));
-  }
-  has_.assign(has_.size(), false);
+  std::vector<std::int64_t> groups(groups_.begin(), groups_.end());
+  groups_.clear();
+  last_ = -1;
   return groups;
 }
 

@@ -7,6 +7,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "descriptor.h"
@@ -70,15 +71,17 @@ class IdGroups {
   static constexpr std::int64_t kSize = 64;  ///< ids of a group
 
   void add(std::int64_t id) {
-    const auto group = static_cast<std::size_t>(id / kSize);
-    if (group >= has_.size()) has_.resize(group + 1, false);
-    has_[group] = true;
+    const std::int64_t group = id / kSize;
+    if (group == last_) return;
+    groups_.insert(group);
+    last_ = group;
   }
   /// The groups, ascending; the set is empty afterwards.
   [[nodiscard]] std::vector<std::int64_t> take();
 
  private:
-  std::vector<bool> has_;
+  std::set<std::int64_t> groups_;
+  std::int64_t last_ = -1;  ///< added last, because neighbours are added together
 };
 
 /// Owns landmarks and keyframes and keeps their links consistent.
