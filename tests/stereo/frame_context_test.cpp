@@ -17,7 +17,8 @@ TEST(FrameContextTest, MatchingAheadDoesNotChangeTheDisparities) {
   const PaintedStreet street({});
   const FrameContext at_once(street.frame(0));
   const FrameContext ahead(street.frame(0));
-  ahead.startMatching();
+  WorkerThread worker;
+  ahead.startMatching(worker);
   EXPECT_TRUE(equal(at_once.disparity().values, ahead.disparity().values));
   EXPECT_GT(ahead.disparity().coverage(), 0.2);
 }

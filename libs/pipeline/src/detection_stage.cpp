@@ -157,7 +157,7 @@ ObjectDetections DetectionStage::detectObjects(const RecordedFrame& frame,
   boxes.lifting =
       frame.stereo && std::any_of(boxes.sources.begin(), boxes.sources.end(), lackDepth);
   if (boxes.lifting || (boxes.detectors_run && stereo_motion_) || ground_scanned) {
-    context->startMatching();  // while SLAM runs
+    context->startMatching(matcher_);  // while SLAM runs
   }
   boxes.elapsed_ms = millisecondsSince(start);
   return boxes;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <headway/core/stereo_camera.h>
+#include <headway/core/worker_thread.h>
 #include <headway/slam/slam_params.h>
 #include <headway/slam/stereo_slam.h>
 
@@ -113,7 +114,8 @@ class LoopCloser {
   BundleAdjuster& adjuster_;
   FrameTracker tracker_;
   PlaceIndex index_;
-  std::unique_ptr<Search> search_;  ///< last, because its thread uses the other members
+  std::unique_ptr<Search> search_;
+  WorkerThread worker_;  ///< last, because its work uses the other members
 };
 
 }  // namespace headway::slam

@@ -24,12 +24,14 @@ struct LoopCloser::Search {
   std::optional<ClosedLoop> loop;            ///< the verified one
   std::map<KeyframeId, Keyframe> keyframes;  ///< copies, of the whole map
   std::map<KeyframeId, Pose> corrected;
-  std::future<void> running;  ///< waits for its end when destroyed, so it is destroyed first
+  std::future<void> running;
+  WorkerThread& worker;
 
+  explicit Search(WorkerThread& in) : worker(in) {}
   template <typename Work>
   void start(Step next, Work work) {
     step = next;
-    running = std::async(std::launch::async, std::move(work));
+    running = worker.run(std::move(work));
   }
   [[nodiscard]] bool finished() const {
     return running.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
@@ -46,7 +48,7 @@ void LoopCloser::search(const TrackingFrame& frame, KeyframeId newest, const Spa
   if (search_ != nullptr || newest.value % kSpacing != 0) return;
   auto old = findLoopCandidates(newest, map);
   if (old.empty()) return;
-  search_ = std::make_unique<Search>();
+  search_ = std::make_unique<Search>(worker_);
   search_->frame = frame;
   search_->newest = newest;
   search_->old = std::move(old);

@@ -31,7 +31,7 @@ struct FrameContext::Values {
   ImagePyramid left, right;
   std::optional<DisparityImage> disparity;
   cv::Mat reduced_left;
-  std::future<DisparityImage> pending;  ///< waits for its thread when destroyed
+  std::future<DisparityImage> pending;
 };
 
 FrameContext::FrameContext(const StereoFrame& frame)
@@ -63,10 +63,9 @@ const ImagePyramid& FrameContext::right() const {
   return values_->right;
 }
 
-void FrameContext::startMatching() const {
+void FrameContext::startMatching(WorkerThread& worker) const {
   if (values_->disparity || values_->pending.valid()) return;
-  values_->pending = std::async(
-      std::launch::async,
+  values_->pending = worker.run(
       [frame = values_->frame, params = values_->params] { return denseDisparity(frame, params); });
 }
 

@@ -4,6 +4,7 @@
 #include <headway/core/params.h>
 #include <headway/core/recorded_frame.h>
 #include <headway/core/track.h>
+#include <headway/core/worker_thread.h>
 #include <headway/detect/detector_factory.h>
 #include <headway/detect/ground_scanner.h>
 #include <headway/stereo/frame_context.h>
@@ -129,6 +130,7 @@ class DetectionStage {
   std::vector<std::unique_ptr<detect::Detector>> detectors_;
   std::optional<detect::StereoMotion> stereo_motion_;
   int frames_ = 0;
+  WorkerThread matcher_;  ///< for stereo matching while SLAM runs
 };
 
 }  // namespace headway::pipeline

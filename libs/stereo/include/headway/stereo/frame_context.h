@@ -1,6 +1,7 @@
 #pragma once
 
 #include <headway/core/stereo_frame.h>
+#include <headway/core/worker_thread.h>
 #include <headway/stereo/disparity.h>
 #include <headway/stereo/ground_plane.h>
 #include <headway/stereo/image_pyramid.h>
@@ -16,7 +17,7 @@ namespace headway::stereo {
 /// ahead does not change any of them. For one calling thread.
 ///
 ///     const FrameContext context = front_end.next(frame, disparity_offset_px);
-///     context.startMatching();                          // in its own thread
+///     context.startMatching(worker);                    // in another thread
 ///     const auto pose = slam.process(context, {});      // meanwhile
 ///     const auto found = detector.detect(context, pose.T_map_robot);
 class FrameContext {
@@ -38,8 +39,8 @@ class FrameContext {
   [[nodiscard]] const ImagePyramid& left() const;
   [[nodiscard]] const ImagePyramid& right() const;
 
-  /// Starts stereo matching in a thread of its own.
-  void startMatching() const;
+  /// Starts stereo matching in another thread.
+  void startMatching(WorkerThread& worker) const;
   /// Dense disparities, corrected by the offset.
   [[nodiscard]] const DisparityImage& disparity() const;
   /// Left image on the grid of the disparities.

@@ -1,0 +1,37 @@
+#include <headway/core/worker_thread.h>
+
+namespace headway {
+
+WorkerThread::~WorkerThread() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ends_ = true;
+  }
+  changed_.notify_one();
+  if (thread_.joinable()) thread_.join();
+}
+
+void WorkerThread::add(std::function<void()> work) {
+  if (!thread_.joinable()) thread_ = std::thread([this] { loop(); });
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    waiting_.push_back(std::move(work));
+  }
+  changed_.notify_one();
+}
+
+void WorkerThread::loop() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [this] { return ends_ || !waiting_.empty(); });
+    if (waiting_.empty()) return;
+    auto work = std::move(waiting_.front());
+    waiting_.pop_front();
+    lock.unlock();
+    work();
+    work = nullptr;  // what it holds ends outside the lock
+    lock.lock();
+  }
+}
+
+}  // namespace headway
