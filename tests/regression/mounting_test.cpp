@@ -36,7 +36,8 @@ class MountingTest : public ::testing::TestWithParam<std::string> {
   }
   void expectOneLine(const test::ReplayRun& run, const ::testing::Matcher<std::string>& line) {
     EXPECT_EQ(1, run.process.status) << run.process.output;
-    EXPECT_EQ(1, std::count(run.process.output.begin(), run.process.output.end(), '\n'));
+    EXPECT_EQ(1, std::count(run.process.output.begin(), run.process.output.end(), '\n'))
+        << run.process.output;
     EXPECT_THAT(run.process.output, AllOf(HasSubstr("in.rawlog"), line));
   }
   [[nodiscard]] std::string rawlog() const { return (folder_ / "in.rawlog").string(); }

@@ -73,11 +73,14 @@ void Perception::log(LogLevel level, std::size_t frame, const std::string& text)
 void Perception::logLocalisation(const RecordedFrame& frame, const slam::SlamUpdate& camera) {
   const bool is_tracked = camera.status == slam::TrackingStatus::kTracked;
   if (!is_tracked && frame.stereo && isLocalisedBySlam(frame)) {
-    const LostReason reason = lost_diagnosis_.reasonOf(*frame.stereo);
-    addWarning(std::string("lost_") + toString(reason), frame.index,
-               "the camera is lost: " + explanationOf(reason), warnings_);
     ++lost_frames_;
+    if (was_tracked_ || resumed_) {  // otherwise it is not lost, but not localised so far
+      const LostReason reason = lost_diagnosis_.reasonOf(*frame.stereo);
+      addWarning(std::string("lost_") + toString(reason), frame.index,
+                 "the camera is lost: " + explanationOf(reason), warnings_);
+    }
   } else if (is_tracked) {
+    was_tracked_ = true;
     if (frame.stereo) lost_diagnosis_.addTracked(*frame.stereo);
     if (lost_frames_ > 0 && log_) {
       char offset[64];

@@ -214,6 +214,7 @@ class Perception {
   std::mutex change_mutex_;
   std::optional<RuntimeParams> change_;  ///< for the next frame; guarded by change_mutex_
   LostDiagnosis lost_diagnosis_;
+  bool was_tracked_ = false;                                 ///< in some frame
   std::size_t lost_frames_ = 0;                              ///< in succession
   Eigen::Vector3d last_position_ = Eigen::Vector3d::Zero();  ///< of the robot, or as predicted
   std::map<std::string, std::size_t> laser_counts_;
