@@ -59,12 +59,13 @@ TEST_F(GridCommandTest, WritesTableJsonAndPicture) {
   EXPECT_THAT(result.out, HasSubstr("of these, estimated as occupied (recall)"));
   EXPECT_THAT(contentOf(plot), testing::StartsWith("\x89PNG"));
   const auto figures = nlohmann::json::parse(contentOf(json));
-  EXPECT_GT(figures["compared"], 2000);
-  EXPECT_GE(figures["right_share"], 0.95);
-  EXPECT_GT(figures["occupied_recall"], 0.4);
-  EXPECT_GT(figures["occupied_precision"], 0.5);
-  EXPECT_LE(figures["ghosts"], 3);
-  EXPECT_EQ(figures["found"].get<int>() + figures["missed"].get<int>(), figures["occupied"]);
+  EXPECT_GT(figures.at("compared"), 2000);
+  EXPECT_GE(figures.at("right_ratio"), 0.95);
+  EXPECT_GT(figures.at("occupied_recall"), 0.4);
+  EXPECT_GT(figures.at("occupied_precision"), 0.5);
+  EXPECT_LE(figures.at("ghosts"), 3);
+  EXPECT_EQ(figures.at("found").get<int>() + figures.at("missed").get<int>(),
+            figures.at("occupied"));
 
   const auto again = grid(at("w.truth"), at("out"), "--json " + json);
   EXPECT_EQ(1, again.status);

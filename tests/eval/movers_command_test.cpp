@@ -65,18 +65,18 @@ TEST_F(MoversCommandTest, GivesTheDocumentedKeys) {
   ASSERT_EQ(0, result.status) << result.error;
   EXPECT_THAT(result.out, HasSubstr("track 2 (Pedestrian), frames 0 to 3: 4 of 4 moving rows"));
   const auto figures = json::parse(contentOf(at("m.json")));
-  EXPECT_EQ(kFrames, figures["frames"]);
-  EXPECT_NEAR(0.5, figures["all"]["recall"].get<double>(), 1e-9);
-  EXPECT_NEAR(10.0 / 14.0, figures["all"]["precision"].get<double>(), 1e-9);
-  EXPECT_NEAR(1.0, figures["classes"]["Car"]["precision_as_class"].get<double>(), 1e-9);
-  EXPECT_NEAR(0.0, figures["classes"]["Pedestrian"]["precision"].get<double>(), 1e-9);
-  EXPECT_EQ(20, figures["occlusion"]["1"]["labels"]);
-  EXPECT_EQ(2, figures["moving_tracks"]);
-  EXPECT_NEAR(5.0, figures["false_tracks_per_100_frames"].get<double>(), 1e-9);
-  EXPECT_EQ(1, figures["tracks"][0]["id"]);
+  EXPECT_EQ(kFrames, figures.at("frames"));
+  EXPECT_NEAR(0.5, figures.at("all").at("recall").get<double>(), 1e-9);
+  EXPECT_NEAR(10.0 / 14.0, figures.at("all").at("precision").get<double>(), 1e-9);
+  EXPECT_NEAR(1.0, figures.at("classes").at("Car").at("precision_as_class").get<double>(), 1e-9);
+  EXPECT_NEAR(0.0, figures.at("classes").at("Pedestrian").at("precision").get<double>(), 1e-9);
+  EXPECT_EQ(20, figures.at("occlusion").at("1").at("labels"));
+  EXPECT_EQ(2, figures.at("moving_tracks"));
+  EXPECT_NEAR(5.0, figures.at("false_tracks_per_100_frames").get<double>(), 1e-9);
+  EXPECT_EQ(1, figures.at("tracks")[0].at("id"));
   for (const char* motion : {"motion", "motion_velocity", "motion_smoothed"}) {
-    EXPECT_EQ(0, figures[motion]["frames"]) << motion;  // never found in two successive frames
-    EXPECT_TRUE(figures[motion]["translation_rmse_m"].is_null());
+    EXPECT_EQ(0, figures[motion].at("frames")) << motion;  // never found in two successive frames
+    EXPECT_TRUE(figures[motion].at("translation_rmse_m").is_null());
   }
   EXPECT_TRUE(figures.contains("with_coasting"));
   EXPECT_THAT(contentOf(at("m.png")), testing::StartsWith("\x89PNG"));
@@ -87,8 +87,8 @@ TEST_F(MoversCommandTest, OnlyTheFramesOfTheReplayAreEvaluated) {
   file("out/trajectory_kitti.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 0\n");
   ASSERT_EQ(0, run("-q --json " + at("m.json")).status);
   const auto figures = json::parse(contentOf(at("m.json")));
-  EXPECT_EQ(2, figures["frames"]);
-  EXPECT_EQ(0, figures["false_tracks"]);
+  EXPECT_EQ(2, figures.at("frames"));
+  EXPECT_EQ(0, figures.at("false_tracks"));
 }
 
 TEST_F(MoversCommandTest, ErrorsNameTheFile) {

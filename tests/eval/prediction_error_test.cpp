@@ -136,8 +136,8 @@ TEST(PredictionJsonTest, HasTheDocumentedKeys) {
                           "best_of_k_ade_m", "coverage_50_1s", "coverage_50_2s", "coverage_50_3s",
                           "coverage_90_1s", "coverage_90_2s", "coverage_90_3s", "coverage_95_1s",
                           "coverage_95_2s", "coverage_95_3s", "nees"}) {
-    EXPECT_TRUE(json["Car"].contains(key)) << key;
-    EXPECT_TRUE(json["all"].contains(key)) << key;
+    EXPECT_TRUE(json.at("Car").contains(key)) << key;
+    EXPECT_TRUE(json.at("all").contains(key)) << key;
   }
 }
 

@@ -69,10 +69,10 @@ TEST_F(PredictionsCommandTest, AReplaysPredictionsInTheMap) {
                                 std::string(folder_ / "p.png"));
     EXPECT_EQ(0, result.status) << result.error;
     const auto figures = json::parse(contentOf(out));
-    EXPECT_EQ(2, figures["Car"]["cases"]);
-    EXPECT_NEAR(0.5, figures["Car"]["ade_m"].get<double>(), 1e-6);
-    EXPECT_NEAR(0.25, figures["all"]["nees"].get<double>(), 1e-6);
-    EXPECT_EQ(2, figures["sequences"]["a"]["all"]["cases"]);
+    EXPECT_EQ(2, figures.at("Car").at("cases"));
+    EXPECT_NEAR(0.5, figures.at("Car").at("ade_m").get<double>(), 1e-6);
+    EXPECT_NEAR(0.25, figures.at("all").at("nees").get<double>(), 1e-6);
+    EXPECT_EQ(2, figures.at("sequences").at("a").at("all").at("cases"));
     EXPECT_THAT(result.out,
                 HasSubstr("1 predictions were not evaluated: the truth ends within 3 s"));
     EXPECT_THAT(result.out, HasSubstr("1 predictions were not evaluated: no object"));
@@ -89,14 +89,14 @@ TEST_F(PredictionsCommandTest, PredictorsOnExactHistories) {
   const auto one = run(folder_ / "l", folder_ / "p", "--predictor constant_velocity --json " + out);
   EXPECT_EQ(0, one.status) << one.error;
   auto figures = json::parse(contentOf(out));
-  EXPECT_EQ(15, figures["all"]["cases"]);
-  EXPECT_EQ(5, figures["sequences"]["0002"]["Car"]["cases"]);
-  EXPECT_NEAR(0.0, figures["all"]["ade_m"].get<double>(), 1e-6);
+  EXPECT_EQ(15, figures.at("all").at("cases"));
+  EXPECT_EQ(5, figures.at("sequences").at("0002").at("Car").at("cases"));
+  EXPECT_NEAR(0.0, figures.at("all").at("ade_m").get<double>(), 1e-6);
   const auto all = run(folder_ / "l", folder_ / "p", "--predictor all -w --json " + out);
   EXPECT_EQ(0, all.status) << all.error;
   figures = json::parse(contentOf(out));
-  EXPECT_EQ(15, figures["predictors"]["paper"]["all"]["cases"]);
-  EXPECT_EQ(15, figures["predictors"]["constant_velocity"]["Car"]["cases"]);
+  EXPECT_EQ(15, figures.at("predictors").at("paper").at("all").at("cases"));
+  EXPECT_EQ(15, figures.at("predictors").at("constant_velocity").at("Car").at("cases"));
   EXPECT_THAT(all.out, HasSubstr("ADE / FDE in m by sequence"));
 }
 
@@ -148,10 +148,10 @@ TEST_F(PredictionsCommandTest, RealSequencesHaveTheKnownCases) {
                    "--predictor constant_velocity --json " + out)
                    .status);
   const auto figures = json::parse(contentOf(out));
-  EXPECT_EQ(9849, figures["all"]["cases"]);
-  EXPECT_EQ(5925, figures["Car"]["cases"]);
-  EXPECT_EQ(2093, figures["Pedestrian"]["cases"]);
-  EXPECT_EQ(19u, figures["sequences"].size());
+  EXPECT_EQ(9849, figures.at("all").at("cases"));
+  EXPECT_EQ(5925, figures.at("Car").at("cases"));
+  EXPECT_EQ(2093, figures.at("Pedestrian").at("cases"));
+  EXPECT_EQ(19u, figures.at("sequences").size());
 }
 
 }  // namespace

@@ -36,10 +36,10 @@ TEST_F(SuiteCommandTest, SimulatesReplaysAndPrintsThreeTables) {
   EXPECT_EQ(result.out, contentOf(out + "/suite.md"));
   const auto figures = nlohmann::json::parse(contentOf(json));
   for (const char* rejection : {"none", "boxes", "geometric", "both"}) {
-    EXPECT_TRUE(figures["tiny"]["camera"][rejection].contains("frames_lost")) << rejection;
+    EXPECT_TRUE(figures.at("tiny").at("camera")[rejection].contains("frames_lost")) << rejection;
   }
-  EXPECT_TRUE(figures["tiny"]["objects"]["ours"]["all"].contains("rmse_m"));
-  EXPECT_TRUE(figures["tiny"]["predictions_on_truth"].contains("constant_velocity"));
+  EXPECT_TRUE(figures.at("tiny").at("objects").at("ours").at("all").contains("rmse_m"));
+  EXPECT_TRUE(figures.at("tiny").at("predictions_on_truth").contains("constant_velocity"));
   EXPECT_THAT(contentOf(folder_ / "s.png"), testing::StartsWith("\x89PNG"));
   EXPECT_TRUE(std::filesystem::exists(out + "/tiny.rawlog"));
 
@@ -57,8 +57,8 @@ TEST_F(SuiteCommandTest, ARobotsWorldIsARowForEachRig) {
   const auto figures = nlohmann::json::parse(contentOf(json));
   for (const char* name : {"tiny-robot", "tiny-small"}) {
     ASSERT_TRUE(figures.contains(name)) << name;
-    EXPECT_TRUE(figures[name]["camera"].contains("both"));
-    EXPECT_FALSE(figures[name]["camera"].contains("none"));
+    EXPECT_TRUE(figures[name].at("camera").contains("both"));
+    EXPECT_FALSE(figures[name].at("camera").contains("none"));
   }
   EXPECT_FALSE(figures.contains("tiny"));
 }
@@ -79,8 +79,8 @@ TEST_F(SuiteCommandTest, EveryWorldForRobotsIsEvaluatedEvenWhereNoObjectIsVisibl
   for (const std::string kind : {"hall", "campus", "warehouse"}) {
     for (const std::string rig : {"robot", "small"}) {
       ASSERT_TRUE(figures.contains(kind + "-" + rig));
-      EXPECT_EQ(1U, figures[kind + "-" + rig]["camera"].size()) << "`both` alone";
-      EXPECT_TRUE(figures[kind + "-" + rig]["camera"].contains("both"));
+      EXPECT_EQ(1U, figures[kind + "-" + rig].at("camera").size()) << "`both` alone";
+      EXPECT_TRUE(figures[kind + "-" + rig].at("camera").contains("both"));
     }
   }
 }

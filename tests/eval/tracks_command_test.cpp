@@ -49,7 +49,7 @@ TEST_F(TracksCommandTest, FilesAndFoldersGiveTheDocumentedKeys) {
   EXPECT_EQ(0, result.status) << result.error;
   EXPECT_THAT(result.out, HasSubstr("ignored: 0003"));
   const auto figures = json::parse(contentOf(out));
-  for (const auto& part : {figures, figures["sequences"]["0001"]}) {
+  for (const auto& part : {figures, figures.at("sequences").at("0001")}) {
     for (const char* name : {"Car", "Pedestrian", "Cyclist", "all"}) {
       for (const char* key : {"rmse_m", "precision", "recall", "f1", "mota", "motp", "idsw", "frag",
                               "hota", "deta", "assa", "samota", "amota"}) {
@@ -57,11 +57,11 @@ TEST_F(TracksCommandTest, FilesAndFoldersGiveTheDocumentedKeys) {
       }
     }
   }
-  EXPECT_NEAR(0.3, figures["Car"]["rmse_m"].get<double>(), 1e-9);
-  EXPECT_NEAR(0.75, figures["Car"]["mota"].get<double>(), 1e-9);
-  EXPECT_NEAR(1.0, figures["sequences"]["0001"]["Car"]["mota"].get<double>(), 1e-9);
-  EXPECT_NEAR(0.5, figures["sequences"]["0002"]["Car"]["mota"].get<double>(), 1e-9);
-  EXPECT_TRUE(figures["Cyclist"]["mota"].is_null());
+  EXPECT_NEAR(0.3, figures.at("Car").at("rmse_m").get<double>(), 1e-9);
+  EXPECT_NEAR(0.75, figures.at("Car").at("mota").get<double>(), 1e-9);
+  EXPECT_NEAR(1.0, figures.at("sequences").at("0001").at("Car").at("mota").get<double>(), 1e-9);
+  EXPECT_NEAR(0.5, figures.at("sequences").at("0002").at("Car").at("mota").get<double>(), 1e-9);
+  EXPECT_TRUE(figures.at("Cyclist").at("mota").is_null());
   EXPECT_THAT(contentOf(folder_ / "t.png"), testing::StartsWith("\x89PNG"));
 }
 
@@ -71,7 +71,7 @@ TEST_F(TracksCommandTest, ImageBoxesOnRequest) {
   const std::string out = folder_ / "t.json";
   EXPECT_EQ(0, run(truth, far_off, "--metric 2d --classes Car --json " + out).status);
   const auto figures = json::parse(contentOf(out));
-  EXPECT_NEAR(1.0, figures["Car"]["mota"].get<double>(), 1e-9);
+  EXPECT_NEAR(1.0, figures.at("Car").at("mota").get<double>(), 1e-9);
   EXPECT_FALSE(figures.contains("Cyclist"));
 }
 
@@ -81,8 +81,8 @@ TEST_F(TracksCommandTest, DetectionsWithoutIdsAreSeparateTracks) {
   const std::string out = folder_ / "t.json";
   EXPECT_EQ(0, run(truth, boxes, "--json " + out).status);
   const auto figures = json::parse(contentOf(out));
-  EXPECT_EQ(5, figures["Car"]["idsw"]);
-  EXPECT_NEAR(1.0, figures["Car"]["recall"].get<double>(), 1e-9);
+  EXPECT_EQ(5, figures.at("Car").at("idsw"));
+  EXPECT_NEAR(1.0, figures.at("Car").at("recall").get<double>(), 1e-9);
 }
 
 TEST_F(TracksCommandTest, EvaluatesRawDetectionsAndTracks) {
@@ -107,9 +107,9 @@ TEST_F(TracksCommandTest, EvaluatesRawDetectionsAndTracks) {
   EXPECT_THAT(result.out, HasSubstr("0.600 / 0.200"));
   EXPECT_THAT(result.out, HasSubstr("50.00 / 100.00"));
   const auto figures = json::parse(contentOf(out));
-  EXPECT_NEAR(0.6, figures["raw"]["Car"]["rmse_m"].get<double>(), 1e-6);
-  EXPECT_NEAR(0.5, figures["raw"]["Car"]["recall"].get<double>(), 1e-9);
-  EXPECT_TRUE(figures["raw"]["Car"]["mota"].is_null());
+  EXPECT_NEAR(0.6, figures.at("raw").at("Car").at("rmse_m").get<double>(), 1e-6);
+  EXPECT_NEAR(0.5, figures.at("raw").at("Car").at("recall").get<double>(), 1e-9);
+  EXPECT_TRUE(figures.at("raw").at("Car").at("mota").is_null());
   EXPECT_THAT(contentOf(folder_ / "t.png"), testing::StartsWith("\x89PNG"));
   const auto missing = run(folder_ / "truth", folder_ / "tracks",
                            "--raw " + std::string(folder_ / "poses") + "/none");
@@ -154,12 +154,12 @@ TEST_F(TracksCommandTest, RealLabelsAgainstThemselvesArePerfect) {
   const std::string out = folder_ / "t.json";
   EXPECT_EQ(0, run(labels, labels, "--json " + out).status);
   const auto figures = json::parse(contentOf(out));
-  EXPECT_EQ(19u, figures["sequences"].size());
+  EXPECT_EQ(19u, figures.at("sequences").size());
   for (const char* name : {"Car", "Pedestrian", "Cyclist", "all"}) {
-    EXPECT_EQ(0.0, figures[name]["rmse_m"].get<double>());
-    EXPECT_NEAR(1.0, figures[name]["samota"].get<double>(), 1e-9);
-    EXPECT_NEAR(1.0, figures[name]["hota"].get<double>(), 1e-9);
-    EXPECT_EQ(0, figures[name]["idsw"]);
+    EXPECT_EQ(0.0, figures[name].at("rmse_m").get<double>());
+    EXPECT_NEAR(1.0, figures[name].at("samota").get<double>(), 1e-9);
+    EXPECT_NEAR(1.0, figures[name].at("hota").get<double>(), 1e-9);
+    EXPECT_EQ(0, figures[name].at("idsw"));
   }
 }
 

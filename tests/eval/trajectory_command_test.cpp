@@ -48,7 +48,7 @@ TEST_F(TrajectoryCommandTest, WritesTableJsonAndPicture) {
   const auto aligned = run(truth, estimate, "--json " + json + " --plot " + plot);
   EXPECT_EQ(0, aligned.status) << aligned.error;
   EXPECT_THAT(aligned.out, HasSubstr("20 of 20"));
-  EXPECT_NEAR(0.0, nlohmann::json::parse(contentOf(json))["ate_rmse_m"].get<double>(), 1e-6);
+  EXPECT_NEAR(0.0, nlohmann::json::parse(contentOf(json)).at("ate_rmse_m").get<double>(), 1e-6);
   EXPECT_THAT(contentOf(plot), testing::StartsWith("\x89PNG"));
 
   const auto again = run(truth, estimate, "--json " + json);
@@ -58,7 +58,7 @@ TEST_F(TrajectoryCommandTest, WritesTableJsonAndPicture) {
   const auto raw = run(truth, estimate, "-q -w --align none --json " + json);
   EXPECT_EQ(0, raw.status);
   EXPECT_EQ("", raw.out);
-  EXPECT_NEAR(0.5, nlohmann::json::parse(contentOf(json))["ate_rmse_m"].get<double>(), 1e-6);
+  EXPECT_NEAR(0.5, nlohmann::json::parse(contentOf(json)).at("ate_rmse_m").get<double>(), 1e-6);
 }
 
 TEST_F(TrajectoryCommandTest, KittiPosesPairRowByRow) {
@@ -117,9 +117,9 @@ TEST_F(TrajectoryCommandTest, ReadsTheTruthOfARawlog) {
       run(rawlogs + "street.rawlog", rawlogs + "street.truth/trajectory.tum", "--json " + json);
   ASSERT_EQ(0, result.status) << result.error;
   const auto figures = nlohmann::json::parse(contentOf(json));
-  EXPECT_EQ(figures["frames"], figures["frames_matched"]);
-  EXPECT_LT(figures["ate_max_m"].get<double>(), 1e-4);
-  EXPECT_LT(figures["rpe_rot_rmse_deg"].get<double>(), 1e-2);
+  EXPECT_EQ(figures.at("frames"), figures.at("frames_matched"));
+  EXPECT_LT(figures.at("ate_max_m").get<double>(), 1e-4);
+  EXPECT_LT(figures.at("rpe_rot_rmse_deg").get<double>(), 1e-2);
   EXPECT_EQ(1, run(rawlogs + "street.rawlog", file("k.txt", kittiFile(30, 1.0))).status);
 }
 
@@ -129,8 +129,8 @@ TEST_F(TrajectoryCommandTest, RealTruthAgainstItselfHasNoError) {
   const std::string json = folder_ / "e.json";
   EXPECT_EQ(0, run(poses, poses, "--json " + json).status);
   const auto figures = nlohmann::json::parse(contentOf(json));
-  EXPECT_NEAR(694.7, figures["path_m"].get<double>(), 0.1);
-  EXPECT_NEAR(0.0, figures["kitti_trans_percent"].get<double>(), 1e-3);
+  EXPECT_NEAR(694.7, figures.at("path_m").get<double>(), 0.1);
+  EXPECT_NEAR(0.0, figures.at("kitti_trans_percent").get<double>(), 1e-3);
 }
 
 }  // namespace

@@ -206,8 +206,8 @@ TEST(TrajectoryJsonTest, HasTheDocumentedKeysAndNullIfUndefined) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
   EXPECT_TRUE(json["kitti_trans_percent"].is_null());
-  EXPECT_EQ(20, json["frames"]);
-  EXPECT_NEAR(19.0, json["path_m"].get<double>(), 1e-9);
+  EXPECT_EQ(20, json.at("frames"));
+  EXPECT_NEAR(19.0, json.at("path_m").get<double>(), 1e-9);
   const auto still = toJson(compare(straight(5, 0.0), straight(5, 0.0)));
   EXPECT_TRUE(still["path_ratio"].is_null());
 }

@@ -35,7 +35,7 @@ class BadInputTest : public ::testing::Test {
   }
 
   void expectAllFramesOnDisk(const test::ReplayRun& run, std::size_t frames) {
-    EXPECT_EQ(frames, run.summary["frames_tracked"]) << run.process.output;
+    EXPECT_EQ(frames, run.summary.at("frames_tracked")) << run.process.output;
     EXPECT_EQ(frames, io::readTum(run.file("trajectory.tum")).size());
     EXPECT_GT(test::contentsOf(run.file("map.headway")).size(), 0u);
   }
@@ -59,7 +59,7 @@ TEST_F(BadInputTest, GoodInputIsGood) {
   const auto run = replayIt();
   EXPECT_EQ(0, run.process.status) << run.process.output;
   expectAllFramesOnDisk(run, test::kPlainFrames);
-  EXPECT_EQ(test::kPlainFrames, run.summary["detections_used"]);
+  EXPECT_EQ(test::kPlainFrames, run.summary.at("detections_used"));
 }
 
 TEST_F(BadInputTest, MissingRawlog) { EXPECT_THAT(errorLine(replayIt()), HasSubstr("in.rawlog")); }
@@ -69,11 +69,11 @@ TEST_F(BadInputTest, TruncatedRawlogKeepsTheFramesBefore) {
   std::filesystem::resize_file(rawlog, std::filesystem::file_size(rawlog) * 2 / 3);
   const auto run = replayIt();
   EXPECT_THAT(errorLine(run), HasSubstr("in.rawlog"));
-  const std::size_t tracked = run.summary["frames_tracked"];
+  const std::size_t tracked = run.summary.at("frames_tracked");
   EXPECT_GE(tracked, 3u);
   EXPECT_LT(tracked, static_cast<std::size_t>(test::kPlainFrames));
   expectAllFramesOnDisk(run, tracked);
-  EXPECT_TRUE(run.summary["ended_early"].is_string());
+  EXPECT_TRUE(run.summary.at("ended_early").is_string());
 }
 
 TEST_F(BadInputTest, RandomBytes) {
@@ -107,8 +107,8 @@ TEST_F(BadInputTest, MissingExternalImageIsACountedSkip) {
   std::filesystem::remove(images[images.size() / 4]);
   const auto run = replayIt();
   EXPECT_EQ(0, run.process.status) << run.process.output;
-  EXPECT_EQ(1, run.summary["observations_skipped"]["missing_image"]);
-  EXPECT_EQ(1, run.summary["frames_lost"]);
+  EXPECT_EQ(1, run.summary.at("observations_skipped").at("missing_image"));
+  EXPECT_EQ(1, run.summary.at("frames_lost"));
   expectAllFramesOnDisk(run, test::kPlainFrames - 1);
 }
 
@@ -135,7 +135,7 @@ TEST_F(BadInputTest, ABrokenJpegIsACountedSkip) {
   std::ofstream(rawlog, std::ios::binary) << bytes;
   const auto run = replayIt();
   EXPECT_EQ(0, run.process.status) << run.process.output;
-  EXPECT_EQ(1, run.summary["observations_skipped"]["broken_image"]);
+  EXPECT_EQ(1, run.summary.at("observations_skipped").at("broken_image"));
   expectAllFramesOnDisk(run, test::kPlainFrames - 1);
 }
 
@@ -181,8 +181,8 @@ TEST_F(BadInputTest, ImpossibleBoxesAreCountedByReason) {
   }
   const auto run = replayIt();
   EXPECT_EQ(0, run.process.status) << run.process.output;
-  EXPECT_EQ(test::kPlainFrames, run.summary["detections_used"]);
-  const auto& dropped = run.summary["detections_dropped"];
+  EXPECT_EQ(test::kPlainFrames, run.summary.at("detections_used"));
+  const auto& dropped = run.summary.at("detections_dropped");
   EXPECT_EQ(test::kPlainFrames, dropped["nan_box"]) << dropped;
   EXPECT_EQ(test::kPlainFrames, dropped["behind_camera"]) << dropped;
   EXPECT_EQ(test::kPlainFrames, dropped["zero_size"]) << dropped;
@@ -198,7 +198,7 @@ TEST_F(BadInputTest, TimeRunningBackwardsIsACountedSkip) {
   }
   const auto run = replayIt();
   EXPECT_EQ(0, run.process.status) << run.process.output;
-  EXPECT_GE(run.summary["observations_skipped"]["time_backwards"], 2);
+  EXPECT_GE(run.summary.at("observations_skipped").at("time_backwards"), 2);
   expectAllFramesOnDisk(run, 6);
 }
 
@@ -220,14 +220,14 @@ TEST_F(BadInputTest, UnknownClassInTheRawlogIsACountedSkip) {
   EXPECT_EQ(0, run.process.status) << run.process.output;
   expectAllFramesOnDisk(run, test::kPlainFrames);
   std::size_t skipped = 0;
-  for (const auto& [reason, count] : run.summary["observations_skipped"].items()) {
+  for (const auto& [reason, count] : run.summary.at("observations_skipped").items()) {
     if (reason.find("CObservationOfSomethingElses") != std::string::npos) {
       skipped += count.get<std::size_t>();
     }
   }
   EXPECT_EQ(static_cast<std::size_t>(test::kPlainFrames), skipped)
-      << run.summary["observations_skipped"];
-  EXPECT_EQ(0, run.summary["detections_used"]);
+      << run.summary.at("observations_skipped");
+  EXPECT_EQ(0, run.summary.at("detections_used"));
 }
 
 TEST_F(BadInputTest, UnwritableOutput) {

@@ -17,16 +17,16 @@ TEST(LaserTest, ScansOfARecordingEnterTheGrid) {
 
   const auto with = test::replay(rawlog, folder / "with", "-q --snapshots 0");
   ASSERT_EQ(0, with.process.status) << with.process.output;
-  EXPECT_EQ(3, with.summary["laser"]["used"]) << "frames 0, 3 and 6";
-  EXPECT_EQ(5, with.summary["laser"]["between_ground_scans"]);
-  EXPECT_GT(with.summary["laser"]["obstacles"], 300);
-  EXPECT_FALSE(with.summary["observations_skipped"].contains("CObservation2DRangeScan"));
+  EXPECT_EQ(3, with.summary.at("laser").at("used")) << "frames 0, 3 and 6";
+  EXPECT_EQ(5, with.summary.at("laser").at("between_ground_scans"));
+  EXPECT_GT(with.summary.at("laser").at("obstacles"), 300);
+  EXPECT_FALSE(with.summary.at("observations_skipped").contains("CObservation2DRangeScan"));
 
   const auto without =
       test::replay(rawlog, folder / "without", "-q --snapshots 0 --set laser.use=false");
   ASSERT_EQ(0, without.process.status) << without.process.output;
   EXPECT_TRUE(without.summary["laser"].empty());
-  EXPECT_EQ(8, without.summary["observations_skipped"]["CObservation2DRangeScan"]);
+  EXPECT_EQ(8, without.summary.at("observations_skipped").at("CObservation2DRangeScan"));
   EXPECT_NE(test::contentsOf(with.file("map_grid.png")),
             test::contentsOf(without.file("map_grid.png")));
 }

@@ -62,8 +62,8 @@ TwoDrives replayInTwo(const std::string& rawlog, const test::TemporaryFolder& fo
 TEST(LoadMapTest, TwoDrivesThroughTheStreetHaveOneFrameAndOneMap) {
   const test::TemporaryFolder folder;
   const auto drives = replayInTwo(kStreet, folder, 30, 60);
-  EXPECT_EQ(0, drives.second.summary["frames_lost"]);
-  EXPECT_GT(drives.second.summary["keyframes"], drives.first.summary["keyframes"]);
+  EXPECT_EQ(0, drives.second.summary.at("frames_lost"));
+  EXPECT_GT(drives.second.summary.at("keyframes"), drives.first.summary.at("keyframes"));
   const auto truth = io::readTum(kTruth + "/trajectory.tum");
   test::expectWithin("ate_rmse_m", test::ateRmse(truth, drives.together()),
                      test::kStreetTwoDrivesAteM);
@@ -80,8 +80,8 @@ TEST(LoadMapTest, WithoutMappingTheCameraIsLocalisedAndTheMapStays) {
       "--load-map " +
           first.file("map.headway"));
   ASSERT_EQ(0, second.process.status) << second.process.output;
-  EXPECT_EQ(0, second.summary["frames_lost"]) << second.summary["lost_frames"];
-  EXPECT_EQ(first.summary["keyframes"], second.summary["keyframes"]);
+  EXPECT_EQ(0, second.summary.at("frames_lost")) << second.summary.at("lost_frames");
+  EXPECT_EQ(first.summary.at("keyframes"), second.summary.at("keyframes"));
   EXPECT_TRUE(test::contentsOf(first.file("map_points.ply")) ==
               test::contentsOf(second.file("map_points.ply")));
 }
@@ -95,7 +95,7 @@ TEST(LoadMapTest, TwoPartsOfARealStreetHaveOneFrame) {
                                          " --sequence 06 -q -o " + rawlog.string());
   ASSERT_EQ(0, imported.status) << imported.output;
   const auto drives = replayInTwo(rawlog, folder, 20, 32);
-  EXPECT_EQ(0, drives.second.summary["frames_lost"]) << drives.second.summary["lost_frames"];
+  EXPECT_EQ(0, drives.second.summary.at("frames_lost")) << drives.second.summary.at("lost_frames");
   test::expectWithin("ate_rmse_m", test::ateRmse(io::readTruth(rawlog).poses, drives.together()),
                      test::kKitti06TwoDrivesAteM);
   test::expectWithin("disagreement_m", drives.disagreement(), test::kSharedFrameM);
@@ -156,7 +156,7 @@ TEST_F(UnusableMapTest, OfAnotherPlaceLeavesEveryFrameLostWithAMessage) {
   }
   const auto run = test::replay(elsewhere, folder_ / "out", "-q --snapshots 0 --load-map " + map_);
   EXPECT_EQ(0, run.process.status);
-  EXPECT_EQ(4, run.summary["frames_lost"]);
+  EXPECT_EQ(4, run.summary.at("frames_lost"));
   EXPECT_THAT(run.process.output, HasSubstr("no frame was re-localised"));
 }
 

@@ -148,7 +148,7 @@ TEST_P(InertialMistakes, AreSaidAndLeftOut) {
   const auto constant = replayWith(edit);
   EXPECT_EQ(0, constant.process.status);
   EXPECT_THAT(constant.process.output, HasSubstr("the inertial sensor is left out"));
-  EXPECT_GT(constant.summary["warnings"]["imu_accelerometer"]["count"], 0);
+  EXPECT_GT(constant.summary.at("warnings").at("imu_accelerometer").at("count"), 0);
   EXPECT_THAT(test::contentsOf(constant.file("report.html")),
               HasSubstr("the inertial sensor is left out"));
 }
@@ -161,7 +161,7 @@ TEST_P(InertialMistakes, SamplesWithoutValuesAreSaid) {
   const auto run = replayWith(edit);
   EXPECT_EQ(0, run.process.status);
   EXPECT_THAT(run.process.output, HasSubstr("inertial samples without finite values"));
-  EXPECT_GT(run.summary["warnings"]["imu_samples"]["count"], 0);
+  EXPECT_GT(run.summary.at("warnings").at("imu_samples").at("count"), 0);
 }
 
 /// Axes of many depth cameras' inertial sensors (x right, y down, z forward), written as the

@@ -17,8 +17,8 @@ void expectTracked(const std::string& import_arguments, double ate_limit_m) {
   ASSERT_EQ(0, imported.status) << imported.output;
   const auto run = test::replay(rawlog, folder / "out");
   ASSERT_EQ(0, run.process.status) << run.process.output;
-  EXPECT_EQ(0, run.summary["frames_lost"]) << run.summary["lost_frames"];
-  EXPECT_EQ(run.summary["frames"], run.summary["frames_tracked"]);
+  EXPECT_EQ(0, run.summary.at("frames_lost")) << run.summary.at("lost_frames");
+  EXPECT_EQ(run.summary.at("frames"), run.summary.at("frames_tracked"));
   const double ate =
       test::ateRmse(io::readTruth(rawlog).poses, io::readTum(run.file("trajectory.tum")));
   test::expectWithin("ate_rmse_m", ate, ate_limit_m);
@@ -51,8 +51,8 @@ TEST(RealDataTest, KittiTrackingRunsTheObjectLayerAlone) {
   ASSERT_EQ(0, imported.status) << imported.output;
   const auto run = test::replay(rawlog, folder / "out");
   ASSERT_EQ(0, run.process.status) << run.process.output;
-  EXPECT_EQ(0, run.summary["frames_lost"]);
-  EXPECT_GT(run.summary["tracks_confirmed"], 0);
+  EXPECT_EQ(0, run.summary.at("frames_lost"));
+  EXPECT_GT(run.summary.at("tracks_confirmed"), 0);
   EXPECT_TRUE(run.summary["calibration"].is_null());
 }
 

@@ -90,7 +90,7 @@ TEST_F(ResultsSurviveTest, SignalsEndAReplayThatWaitsWithItsStatusAndWholeResult
     EXPECT_EQ(128 + signal, status);
     EXPECT_LT(seconds, 2.0);
     EXPECT_EQ("interrupted",
-              nlohmann::json::parse(test::contentsOf(out_ / "summary.json"))["ended_early"]);
+              nlohmann::json::parse(test::contentsOf(out_ / "summary.json")).at("ended_early"));
     EXPECT_EQ(1u, io::readTum(out_ / "trajectory.tum").size());
     EXPECT_NO_THROW((void)map::loadMap(out_ / "map.headway"));
     EXPECT_FALSE(fs::exists(out_ / ".lock"));
@@ -128,7 +128,8 @@ TEST_F(ResultsSurviveTest, AKilledRunLeavesMapAndTrajectoryOfItsLastCheckpoint) 
   EXPECT_GE(io::readTum(out_ / "trajectory.tum").size(), 2u);
   EXPECT_FALSE(map::loadMap(out_ / "map.headway").map.staticMap()->landmarks.empty());
   const auto summary = nlohmann::json::parse(test::contentsOf(out_ / "summary.json"));
-  EXPECT_THAT(summary["ended_early"].get<std::string>(), HasSubstr("killed after the checkpoint"));
+  EXPECT_THAT(summary.at("ended_early").get<std::string>(),
+              HasSubstr("killed after the checkpoint"));
   for (const char* output : {"picture.png", "report.html"}) {
     const auto drawn = test::runProcess(test::program("headway-render") + " -q -i " +
                                         out_.string() + " -o " + (folder_ / output).string());
@@ -138,7 +139,7 @@ TEST_F(ResultsSurviveTest, AKilledRunLeavesMapAndTrajectoryOfItsLastCheckpoint) 
       test::replay(rawlog_, folder_ / "resumed",
                    "-q --snapshots 0 --from-index 6 --load-map " + (out_ / "map.headway").string());
   EXPECT_EQ(0, resumed.process.status) << resumed.process.output;
-  EXPECT_GT(resumed.summary["frames_tracked"], 4);
+  EXPECT_GT(resumed.summary.at("frames_tracked"), 4);
 }
 
 TEST_F(ResultsSurviveTest, AKillWhileReplacingLeavesTheOldResults) {

@@ -29,9 +29,9 @@ const test::ReplayRun& streetRun() {
 TEST(StreetTest, EveryFrameIsTrackedAndClose) {
   const auto& run = streetRun();
   ASSERT_EQ(0, run.process.status) << run.process.output;
-  EXPECT_GE(run.summary["frames"], 100);
-  EXPECT_EQ(run.summary["frames"], run.summary["frames_tracked"]);
-  EXPECT_EQ(0, run.summary["frames_lost"]);
+  EXPECT_GE(run.summary.at("frames"), 100);
+  EXPECT_EQ(run.summary.at("frames"), run.summary.at("frames_tracked"));
+  EXPECT_EQ(0, run.summary.at("frames_lost"));
   test::expectWithin("ate_rmse_m",
                      test::ateRmse(io::readTum(kTruth + "/trajectory.tum"),
                                    io::readTum(run.file("trajectory.tum"))),
@@ -49,7 +49,7 @@ TEST(StreetTest, MovingObjectsAreTrackedAndPredicted) {
     if (moving.count(row.id) != 0 && row.point.horizon_s > 2.95) predicted.insert(row.id);
   }
   EXPECT_GE(predicted.size(), test::kStreetMovingObjects);
-  EXPECT_EQ(run.summary["tracks_moving"], moving.size());
+  EXPECT_EQ(run.summary.at("tracks_moving"), moving.size());
 }
 
 TEST(StreetTest, EveryTrackHasOneScore) {
@@ -76,8 +76,8 @@ TEST(StreetTest, LeavesEveryFileOfTheContract) {
   }
   EXPECT_EQ(2u, pictures);
   const auto stored = map::loadMap(run.file("map.headway"));
-  EXPECT_EQ(run.summary["landmarks"], stored.map.staticMap()->landmarks.size());
-  EXPECT_EQ(run.summary["frames"], io::readKittiPoses(run.file("trajectory_kitti.txt")).size());
+  EXPECT_EQ(run.summary.at("landmarks"), stored.map.staticMap()->landmarks.size());
+  EXPECT_EQ(run.summary.at("frames"), io::readKittiPoses(run.file("trajectory_kitti.txt")).size());
 }
 
 TEST(StreetTest, SummaryHasTheKeysThatScriptsRelyOn) {
@@ -96,11 +96,11 @@ TEST(StreetTest, SummaryHasTheKeysThatScriptsRelyOn) {
   }
   for (const char* key :
        {"baseline_m", "focal_px", "vertical_disparity_px", "median_disparity_px"}) {
-    EXPECT_TRUE(summary["calibration"].contains(key)) << key;
+    EXPECT_TRUE(summary.at("calibration").contains(key)) << key;
   }
-  EXPECT_TRUE(summary["stages_ms"]["slam_track"].contains("median"));
-  EXPECT_TRUE(summary["stages_ms"]["slam_track"].contains("p95"));
-  EXPECT_GT(summary["detections_used"], 100);
+  EXPECT_TRUE(summary.at("stages_ms").at("slam_track").contains("median"));
+  EXPECT_TRUE(summary.at("stages_ms").at("slam_track").contains("p95"));
+  EXPECT_GT(summary.at("detections_used"), 100);
 }
 
 TEST(StreetTest, TwoRunsGiveTheSameBytes) {
@@ -119,7 +119,7 @@ TEST(StreetTest, APartOfTheRawlogKeepsItsIndices) {
   const auto part =
       test::replay(kStreet, folder / "out", "--snapshots 0 --from-index 20 --to-index 49");
   ASSERT_EQ(0, part.process.status) << part.process.output;
-  EXPECT_EQ(30, part.summary["frames"]);
+  EXPECT_EQ(30, part.summary.at("frames"));
   for (const auto& row : io::readTrackCsv(part.file("tracks.csv"))) {
     EXPECT_GE(row.frame, 20u);
     EXPECT_LE(row.frame, 49u);
@@ -130,7 +130,7 @@ TEST(StreetTest, WithoutADetectorNothingIsTracked) {
   const test::TemporaryFolder folder;
   const auto run = test::replay(kStreet, folder / "out", "--snapshots 0 --detector none");
   ASSERT_EQ(0, run.process.status) << run.process.output;
-  EXPECT_EQ(0, run.summary["detections_used"]);
+  EXPECT_EQ(0, run.summary.at("detections_used"));
   EXPECT_TRUE(io::readTrackCsv(run.file("tracks.csv")).empty());
 }
 
@@ -139,8 +139,8 @@ TEST(StreetTest, TheImagesAloneGiveMovingTracksTwiceTheSame) {
   const std::string options = "--snapshots 0 --to-index 60 --detector stereo_motion";
   const auto run = test::replay(kStreet, folder / "out", options);
   ASSERT_EQ(0, run.process.status) << run.process.output;
-  EXPECT_GE(run.summary["tracks_moving"], 2);
-  EXPECT_TRUE(run.summary["stages_ms"].contains("detect"));
+  EXPECT_GE(run.summary.at("tracks_moving"), 2);
+  EXPECT_TRUE(run.summary.at("stages_ms").contains("detect"));
   const auto again = test::replay(kStreet, folder / "again", options);
   for (const char* name : {"detections.csv", "tracks.csv", "trajectory.tum"}) {
     EXPECT_TRUE(test::contentsOf(again.file(name)) == test::contentsOf(run.file(name))) << name;
@@ -154,9 +154,9 @@ TEST(StreetTest, DetectionsOfAReplayCanBeUsedAgain) {
       test::replay(kStreet, folder / "again",
                    "--snapshots 0 --to-index 40 --detections " + run.file("detections.csv"));
   ASSERT_EQ(0, again.process.status) << again.process.output;
-  EXPECT_GT(run.summary["detections_used"], 0);
-  EXPECT_EQ(run.summary["detections_used"], again.summary["detections_used"]);
-  EXPECT_EQ(run.summary["tracks_confirmed"], again.summary["tracks_confirmed"]);
+  EXPECT_GT(run.summary.at("detections_used"), 0);
+  EXPECT_EQ(run.summary.at("detections_used"), again.summary.at("detections_used"));
+  EXPECT_EQ(run.summary.at("tracks_confirmed"), again.summary.at("tracks_confirmed"));
 }
 
 TEST(StreetTest, AtTheRecordedRateEveryFrameIsAccountedFor) {
@@ -164,11 +164,11 @@ TEST(StreetTest, AtTheRecordedRateEveryFrameIsAccountedFor) {
   const auto run = test::replay(
       kStreet, folder / "out", "--snapshots 0 --realtime 4 --to-index 60 --detector stereo_motion");
   ASSERT_EQ(0, run.process.status) << run.process.output;
-  EXPECT_EQ(61u, run.summary["frames_tracked"].get<std::size_t>() +
-                     run.summary["frames_lost"].get<std::size_t>() +
-                     run.summary["late_frames"].size());
-  EXPECT_EQ(0, run.summary["frames_lost"]) << "late frames are no lost ones";
-  EXPECT_LE(run.summary["late_frames"].size(), run.summary["frames_dropped_late"]);
+  EXPECT_EQ(61u, run.summary.at("frames_tracked").get<std::size_t>() +
+                     run.summary.at("frames_lost").get<std::size_t>() +
+                     run.summary.at("late_frames").size());
+  EXPECT_EQ(0, run.summary.at("frames_lost")) << "late frames are no lost ones";
+  EXPECT_LE(run.summary.at("late_frames").size(), run.summary.at("frames_dropped_late"));
 }
 
 TEST(StreetTest, CtrlCLeavesFinishedReadableOutputs) {
@@ -183,10 +183,10 @@ TEST(StreetTest, CtrlCLeavesFinishedReadableOutputs) {
   while (kill(pid, 0) == 0) std::this_thread::sleep_for(std::chrono::milliseconds(50));
 
   const auto summary = nlohmann::json::parse(test::contentsOf(out / "summary.json"));
-  EXPECT_EQ("interrupted", summary["ended_early"]);
-  EXPECT_GT(summary["frames_tracked"], 3);
-  EXPECT_LT(summary["frames"], 100);
-  EXPECT_EQ(summary["frames_tracked"].get<std::size_t>(),
+  EXPECT_EQ("interrupted", summary.at("ended_early"));
+  EXPECT_GT(summary.at("frames_tracked"), 3);
+  EXPECT_LT(summary.at("frames"), 100);
+  EXPECT_EQ(summary.at("frames_tracked").get<std::size_t>(),
             io::readTum(out / "trajectory.tum").size());
   EXPECT_NO_THROW((void)map::loadMap(out / "map.headway"));
   EXPECT_NO_THROW((void)io::readTrackCsv(out / "tracks.csv"));

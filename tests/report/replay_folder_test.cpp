@@ -73,7 +73,7 @@ std::string row(double time, int id, const std::string& status, int moving, doub
 TEST_F(ReplayFolderTest, ReadsASummaryAlone) {
   write("summary.json", R"({"frames": 3})");
   const auto folder = readReplayFolder(folder_.path());
-  EXPECT_EQ(folder.summary["frames"], 3);
+  EXPECT_EQ(folder.summary.at("frames"), 3);
   EXPECT_TRUE(folder.record.is_null());
   EXPECT_TRUE(folder.trajectory.empty());
   EXPECT_TRUE(folder.tracks.empty());
