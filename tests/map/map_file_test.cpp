@@ -104,6 +104,18 @@ TEST_F(MapFileTest, RoundTrips) {
   EXPECT_EQ(loaded.camera->T_robot_cam.matrix(), exampleCamera().T_robot_cam.matrix());
 }
 
+TEST_F(MapFileTest, AttachmentsThatAreMadeWhileWritingGiveTheSameFile) {
+  StoredMap stored = exampleMap();
+  stored.attachments["slam"] = "landmarks";
+  stored.camera.reset();  // so that they are not read
+  const std::string whole = saved(stored);
+  stored.attachments.erase("slam");
+  stored.made_attachments["slam"] = [](const ByteSink& sink) {
+    for (const char* piece : {"land", "", "marks"}) sink(piece);
+  };
+  EXPECT_EQ(saved(stored), whole);
+}
+
 TEST_F(MapFileTest, HoldsAnEmptyMapWithoutCamera) {
   (void)saved(StoredMap());
   const StoredMap loaded = loadMap(path);

@@ -32,8 +32,10 @@ TEST(MakeMapViewTest, LandmarksHaveTheirGreyValueAndTheirObservers) {
   const KeyframeId a = map.addKeyframe(0, 0.0, Pose::Identity()).id;
   const KeyframeId b = map.addKeyframe(1, 0.1, Pose::Identity()).id;
   Landmark& landmark = map.addLandmark({1.0, 2.0, 9.0}, a, {});
-  landmark.patch.centre << 4.4F, 7.0F;
-  landmark.patch.pixels[7 * stereo::ReferencePatch::kSize + 4] = 77;
+  stereo::ReferencePatch patch;
+  patch.centre << 4.4F, 7.0F;
+  patch.pixels[7 * stereo::ReferencePatch::kSize + 4] = 77;
+  landmark.patch = std::make_shared<stereo::ReferencePatch>(patch);
   map.observe(b, landmark.id, {});
   const MapView view = makeMapView(map, Pose::Identity());
   ASSERT_EQ(view.landmarks.size(), 1U);

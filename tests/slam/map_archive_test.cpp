@@ -17,8 +17,10 @@ SparseMap smallMap() {
   const KeyframeId a = map.addKeyframe(3, 1.5, Pose::Identity()).id;
   const KeyframeId b = map.addKeyframe(9, 2.5, pose).id;
   Landmark& landmark = map.addLandmark({1.0, 2.0, 9.0}, a, {{10.5, 20.25}, 7.5, true, 0.5, 0.4});
-  landmark.patch.pixels[5] = 77;
-  landmark.patch.centre << 15.5F, 15.25F;
+  stereo::ReferencePatch patch;
+  patch.pixels[5] = 77;
+  patch.centre << 15.5F, 15.25F;
+  landmark.patch = std::make_shared<stereo::ReferencePatch>(patch);
   landmark.descriptor[31] = 200;
   landmark.agreed = 4;
   map.observe(b, landmark.id, {{11.5, 21.25}, 8.5, false, 0.5, 0.4});

@@ -29,18 +29,20 @@ std::string headerOf(const ZlibWriter& data) {
   return std::move(header.bytes);
 }
 
-void writeSection(ZlibWriter& out, const Section& section) {
+void writeSection(ZlibWriter& out, const SectionSource& section) {
+  std::size_t size = 0;
+  section.bytes([&size](std::string_view piece) { size += piece.size(); });
   ByteWriter head;
   head.value(static_cast<std::uint32_t>(section.name.size()));
   head.bytes += section.name;
   head.value(section.version);
-  head.count(section.bytes.size());
+  head.count(size);
   out.write(head.bytes);
-  out.write(section.bytes);
+  section.bytes([&out](std::string_view piece) { out.write(piece); });
 }
 
 /// Header and data; the header is written last, when the sizes are known.
-void writeSections(std::ostream& file, const std::vector<Section>& sections) {
+void writeSections(std::ostream& file, const std::vector<SectionSource>& sections) {
   file << std::string(kHeaderSize, '\0');
   ZlibWriter data(file);
   for (const auto& section : sections) writeSection(data, section);
@@ -111,10 +113,18 @@ Header parseHeader(std::string_view whole) {
 
 }  // namespace
 
-void writeCheckedFile(const std::string& path, const std::vector<Section>& sections) {
+void writeCheckedFile(const std::string& path, const std::vector<SectionSource>& sections) {
   OutputFile file(path);
   writeSections(file.stream(), sections);
   file.commit();
+}
+
+void writeCheckedFile(const std::string& path, const std::vector<Section>& sections) {
+  std::vector<SectionSource> sources;
+  for (const Section& section : sections) {
+    sources.push_back({section.name, section.version, sourceOf(section.bytes)});
+  }
+  writeCheckedFile(path, sources);
 }
 
 std::vector<Section> readCheckedFile(const std::string& path) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <headway/core/byte_archive.h>
+
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -13,6 +15,13 @@ struct Section {
   std::string bytes;
 };
 
+/// A section to be written.
+struct SectionSource {
+  std::string name;
+  std::uint32_t version = 1;
+  ByteSource bytes;  ///< called twice: for their number, then for themselves
+};
+
 /// Writes sections to a compressed file with checksums, atomically: to a temporary file, which is
 /// then renamed.
 ///
@@ -21,6 +30,9 @@ struct Section {
 /// sections, each u32 + name, u32 version, u64 + bytes.
 ///
 /// @throws InputError if it cannot be written
+void writeCheckedFile(const std::string& path, const std::vector<SectionSource>& sections);
+
+/// The same for sections in memory.
 void writeCheckedFile(const std::string& path, const std::vector<Section>& sections);
 
 /// Reads a file of writeCheckedFile().

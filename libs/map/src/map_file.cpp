@@ -26,21 +26,21 @@ constexpr char kAttachment[] = "attachment:";
 constexpr std::uint32_t kSectionVersion = 1;
 
 template <typename Value>
-Section sectionOf(const std::string& name, const Value& value) {
+SectionSource sectionOf(const std::string& name, const Value& value) {
   ByteWriter out;
   write(out, value);
-  return {name, kSectionVersion, std::move(out.bytes)};
+  return {name, kSectionVersion, sourceOf(std::move(out.bytes))};
 }
 
 /// The layers are serialised by MRPT, without their landmarks, which are a copy of the static map
 /// and are restored on loading.
-Section layersWithoutLandmarks(PerceptionMap map) {
+SectionSource layersWithoutLandmarks(PerceptionMap map) {
   map.update(slam::MapView());
   mrpt::io::CMemoryStream stream;
   archiveFrom(stream).WriteObject(map.layers());
   return {kLayers, kSectionVersion,
-          std::string(static_cast<const char*>(stream.getRawBufferData()),
-                      stream.getTotalBytesCount())};
+          sourceOf(std::string(static_cast<const char*>(stream.getRawBufferData()),
+                               stream.getTotalBytesCount()))};
 }
 
 template <typename Read>
@@ -110,14 +110,15 @@ void apply(Section&& section, StoredMap& stored, std::optional<slam::MapView>& s
 
 /// Whether the static map can be derived from SLAM's attachment.
 bool holdsSlamMap(const StoredMap& stored) {
-  return stored.camera && stored.attachments.count(kSlamAttachment) > 0;
+  return stored.camera && (stored.attachments.count(kSlamAttachment) > 0 ||
+                           stored.made_attachments.count(kSlamAttachment) > 0);
 }
 
 }  // namespace
 
 void saveMap(const std::string& path, StoredMap stored) {
-  std::vector<Section> sections;
-  sections.push_back({kConfiguration, kSectionVersion, std::move(stored.configuration)});
+  std::vector<SectionSource> sections;
+  sections.push_back({kConfiguration, kSectionVersion, sourceOf(std::move(stored.configuration))});
   if (stored.camera) {
     sections.push_back(sectionOf(kCamera, *stored.camera));
   }
@@ -125,7 +126,9 @@ void saveMap(const std::string& path, StoredMap stored) {
     sections.push_back(sectionOf(kStaticMap, *stored.map.staticMap()));
   }
   sections.push_back(layersWithoutLandmarks(stored.map));
-  for (auto& [name, bytes] : stored.attachments) {
+  auto attachments = std::move(stored.made_attachments);
+  for (auto& [name, bytes] : stored.attachments) attachments[name] = sourceOf(std::move(bytes));
+  for (auto& [name, bytes] : attachments) {
     sections.push_back({kAttachment + name, kSectionVersion, std::move(bytes)});
   }
   writeCheckedFile(path, sections);

@@ -118,7 +118,7 @@ map::StoredMap Perception::stored() const {
   if (const auto grid = grid_.grid()) stored.map.update(grid);  // with the latest corrections
   if (camera_ != nullptr) stored.camera = *camera_;
   if (slam_ != nullptr && given_poses_.empty()) {
-    stored.attachments[map::kSlamAttachment] = slam_->save();
+    stored.made_attachments[map::kSlamAttachment] = slam_->snapshot();
     stored.attachments[map::kGridAttachment] = grid_.save();
   }
   return stored;

@@ -95,6 +95,12 @@ std::vector<std::pair<int, int>> BundleStep::coupledPoses(const BundleProblem& p
                                                           const std::vector<int>& free) {
   std::vector<std::pair<int, int>> coupled;
   if (countFree(free) <= ReducedSystem::kDense) return coupled;
+  std::size_t limit = 1 << 17;  // neighbouring points repeat the same pairs
+  const auto removeRepeats = [&] {
+    std::sort(coupled.begin(), coupled.end());
+    coupled.erase(std::unique(coupled.begin(), coupled.end()), coupled.end());
+    limit = std::max(limit, 2 * coupled.size());
+  };
   const auto add = [&](int a, int b) {
     const int i = free[static_cast<std::size_t>(a)];
     const int j = free[static_cast<std::size_t>(b)];
@@ -108,6 +114,7 @@ std::vector<std::pair<int, int>> BundleStep::coupledPoses(const BundleProblem& p
       }
     }
     first = point.observations_end;
+    if (coupled.size() > limit) removeRepeats();
   }
   for (const BundleProblem::Motion& motion : problem.motions) add(motion.a, motion.b);
   return coupled;

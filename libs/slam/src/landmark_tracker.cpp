@@ -127,7 +127,7 @@ std::optional<TrackedLandmark> LandmarkTracker::measureOne(const TrackingFrame& 
                  current.left.count() - 1);
   const double scale = 1 << level;
   const double to_reference = scale / (1 << landmark.reference_level);
-  const auto patch = stereo::warpPatch(landmark.patch, warp * to_reference);
+  const auto patch = stereo::warpPatch(*landmark.patch, warp * to_reference);
   if (!patch) return std::nullopt;
   const Eigen::Vector2d expected = candidate.uvd.head<2>() / scale;
   const auto found =

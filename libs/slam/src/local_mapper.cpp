@@ -48,8 +48,8 @@ void LocalMapper::linkTracked(const TrackingFrame& frame, KeyframeId keyframe,
     landmark->reference = keyframe;
     landmark->reference_level = seen.level;
     landmark->T_reference_cut.setIdentity();
-    landmark->patch = stereo::cutReference(frame.left.levels[seen.level],
-                                           seen.measurement.uv / (1 << seen.level));
+    landmark->patch = std::make_shared<stereo::ReferencePatch>(stereo::cutReference(
+        frame.left.levels[seen.level], seen.measurement.uv / (1 << seen.level)));
   }
 }
 
@@ -69,7 +69,8 @@ void LocalMapper::addLandmarks(const TrackingFrame& frame, KeyframeId keyframe,
     seen.measurement = {keypoint.uv, *disparity, true, params_.sigma_px,
                         params_.sigma_disparity_px};
     Landmark& landmark = map.addLandmark(T_map_cam * *point_cam, keyframe, seen.measurement);
-    landmark.patch = stereo::cutReference(image, keypoint.uv);
+    landmark.patch =
+        std::make_shared<stereo::ReferencePatch>(stereo::cutReference(image, keypoint.uv));
     seen.id = landmark.id;
     tracked.push_back(seen);
   }

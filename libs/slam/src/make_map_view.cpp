@@ -16,7 +16,7 @@ std::uint8_t intensityOf(const stereo::ReferencePatch& patch) {
 
 LandmarkView viewOf(const Landmark& landmark, const Pose& /*T_cam_robot*/) {
   return {landmark.id, landmark.position, static_cast<int>(landmark.observations.size()),
-          intensityOf(landmark.patch)};
+          intensityOf(*landmark.patch)};
 }
 
 KeyframeView viewOf(const Keyframe& keyframe, const Pose& T_cam_robot) {

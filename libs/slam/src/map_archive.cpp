@@ -5,7 +5,10 @@
 
 #include <cmath>
 #include <cstdio>
+#include <memory>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 namespace headway::slam {
 namespace {
@@ -95,14 +98,36 @@ LandmarkObservation readObservation(ByteReader& in) {
   return observation;
 }
 
-void write(ByteWriter& out, const Landmark& landmark) {
+/// Bytes with gaps for the patches of landmarks.
+struct PackedMap {
+  struct Gap {
+    std::size_t at = 0;  ///< in the bytes
+    std::shared_ptr<const stereo::ReferencePatch> patch;
+  };
+  ByteWriter out;
+  std::vector<Gap> gaps;  ///< in order
+
+  void writeTo(const ByteSink& sink) const {
+    const std::string_view bytes = out.bytes;
+    std::size_t written = 0;
+    for (const auto& [at, patch] : gaps) {
+      sink(bytes.substr(written, at - written));
+      sink({reinterpret_cast<const char*>(patch->pixels.data()), patch->pixels.size()});
+      written = at;
+    }
+    sink(bytes.substr(written));
+  }
+};
+
+void write(PackedMap& packed, const Landmark& landmark) {
+  ByteWriter& out = packed.out;
   out.value(landmark.id.value);
   out.matrix(landmark.position);
   out.value(landmark.reference.value);
   out.value<std::int32_t>(landmark.reference_level);
   out.matrix(landmark.T_reference_cut.matrix());
-  out.values(landmark.patch.pixels);
-  out.matrix(landmark.patch.centre);
+  packed.gaps.push_back({out.bytes.size(), landmark.patch});
+  out.matrix(landmark.patch->centre);
   out.values(landmark.descriptor);
   for (const int count : {landmark.tried, landmark.found, landmark.agreed}) {
     out.value<std::int32_t>(count);
@@ -119,8 +144,9 @@ Landmark readLandmark(ByteReader& in) {
   landmark.reference.value = in.value<std::int64_t>();
   landmark.reference_level = in.value<std::int32_t>();
   landmark.T_reference_cut.matrix() = in.finiteMatrix<Eigen::Matrix4f>();
-  in.values(landmark.patch.pixels);
-  landmark.patch.centre = in.finiteMatrix<Eigen::Vector2f>();
+  auto patch = std::make_shared<stereo::ReferencePatch>();
+  in.values(patch->pixels);
+  patch->centre = in.finiteMatrix<Eigen::Vector2f>();
   in.values(landmark.descriptor);
   landmark.tried = in.value<std::int32_t>();
   landmark.found = in.value<std::int32_t>();
@@ -128,13 +154,14 @@ Landmark readLandmark(ByteReader& in) {
   landmark.observations = in.list<LandmarkObservation>(readObservation);
   const float last = stereo::ReferencePatch::kSize - 1;
   if (landmark.reference_level < 0 || landmark.reference_level > kMaxLevel ||
-      landmark.patch.centre.minCoeff() < 0.0F || landmark.patch.centre.maxCoeff() > last) {
+      patch->centre.minCoeff() < 0.0F || patch->centre.maxCoeff() > last) {
     throw InputError("damaged: a landmark's patch lies outside its range");
   }
+  landmark.patch = std::move(patch);
   return landmark;
 }
 
-/// At least what the map takes as bytes, so that a string of this capacity never grows.
+/// At least the number of bytes without patches, so that a string of this capacity never grows.
 std::size_t bytesInMemory(const SparseMap& map) {
   std::size_t bytes = 4096 + map.keyframes().size() * sizeof(Keyframe);
   for (const auto& [id, landmark] : map.landmarks()) {
@@ -145,9 +172,11 @@ std::size_t bytesInMemory(const SparseMap& map) {
 
 }  // namespace
 
-std::string packMap(const SparseMap& map, const StereoCamera& camera) {
-  ByteWriter out;
+ByteSource mapBytes(const SparseMap& map, const StereoCamera& camera) {
+  const auto packed = std::make_shared<PackedMap>();
+  ByteWriter& out = packed->out;
   out.bytes.reserve(bytesInMemory(map));
+  packed->gaps.reserve(map.landmarks().size());
   out.value(kMagic);
   out.value(kVersion);
   write(out, camera);
@@ -155,8 +184,12 @@ std::string packMap(const SparseMap& map, const StereoCamera& camera) {
   out.count(map.keyframes().size());
   for (const auto& [id, keyframe] : map.keyframes()) write(out, keyframe);
   out.count(map.landmarks().size());
-  for (const auto& [id, landmark] : map.landmarks()) write(out, landmark);
-  return std::move(out.bytes);
+  for (const auto& [id, landmark] : map.landmarks()) write(*packed, landmark);
+  return [packed](const ByteSink& sink) { packed->writeTo(sink); };
+}
+
+std::string packMap(const SparseMap& map, const StereoCamera& camera) {
+  return collected(mapBytes(map, camera));
 }
 
 SparseMap unpackMap(const std::string& bytes, const std::optional<StereoCamera>& camera) {

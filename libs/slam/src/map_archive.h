@@ -1,5 +1,6 @@
 #pragma once
 
+#include <headway/core/byte_archive.h>
 #include <headway/core/stereo_camera.h>
 
 #include <optional>
@@ -9,7 +10,11 @@
 
 namespace headway::slam {
 
-/// The whole map as bytes: version, camera, keyframes, landmarks with patches and descriptors.
+/// The whole map as bytes: version, camera, keyframes, landmarks with patches and descriptors. The
+/// patches, two thirds of them, are shared with the map and are only copied into the sink.
+[[nodiscard]] ByteSource mapBytes(const SparseMap& map, const StereoCamera& camera);
+
+/// The same in one string.
 ///
 /// Law: unpackMap(packMap(map)) has the same landmarks, keyframes and links, bit by bit.
 [[nodiscard]] std::string packMap(const SparseMap& map, const StereoCamera& camera);

@@ -21,6 +21,11 @@ void eraseSorted(std::vector<Id>& ids, Id id) {
 
 }  // namespace
 
+std::shared_ptr<const stereo::ReferencePatch> blankPatch() {
+  static const auto blank = std::make_shared<const stereo::ReferencePatch>();
+  return blank;
+}
+
 OdometryLink composed(const OdometryLink& first, const OdometryLink& second) {
   return {first.from, normalized(Pose(first.T_from_this * second.T_from_this)),
           first.path_m + second.path_m, first.turn_rad + second.turn_rad};

@@ -6,6 +6,7 @@
 #include <headway/stereo/pose_refiner.h>
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <vector>
@@ -20,7 +21,11 @@ struct LandmarkObservation {
   stereo::StereoMeasurement measurement;
 };
 
-/// A static point with its observations and appearance.
+/// A patch without contrast, of landmarks that have none yet.
+[[nodiscard]] std::shared_ptr<const stereo::ReferencePatch> blankPatch();
+
+/// A static point with its observations and appearance. Copies share the patch, which takes most of
+/// its memory and is replaced as a whole.
 struct Landmark {
   LandmarkId id;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< map frame [m]
@@ -28,7 +33,7 @@ struct Landmark {
   int reference_level = 0;                             ///< pyramid level that `patch` was cut from
   /// Camera that `patch` was cut from: the reference itself, unless that keyframe was removed.
   Eigen::Isometry3f T_reference_cut = Eigen::Isometry3f::Identity();
-  stereo::ReferencePatch patch;
+  std::shared_ptr<const stereo::ReferencePatch> patch = blankPatch();
   Descriptor descriptor{};  ///< cut where the patch was cut; all zero if too near to the border
   std::vector<LandmarkObservation> observations;  ///< in order of keyframes
   int tried = 0;                                  ///< frames in which it was searched for

@@ -221,6 +221,7 @@ SlamUpdate StereoSlam::process(const stereo::FrameContext& frame, const MovingRe
   return implementation_->process(frame, moving);
 }
 std::string StereoSlam::save() const { return implementation_->save(); }
+ByteSource StereoSlam::snapshot() const { return implementation_->snapshot(); }
 void StereoSlam::load(const std::string& bytes) { implementation_->load(bytes); }
 double StereoSlam::disparityOffset() const { return implementation_->disparityOffset(); }
 MapView StereoSlam::map() { return implementation_->map(); }

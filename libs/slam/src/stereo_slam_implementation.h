@@ -45,6 +45,7 @@ class StereoSlam::Implementation {
   }
   void load(const std::string& bytes);
   [[nodiscard]] std::string save() const { return packMap(map_, *camera_); }
+  [[nodiscard]] ByteSource snapshot() const { return mapBytes(map_, *camera_); }
   [[nodiscard]] double disparityOffset() const { return map_.disparityOffset(); }
   [[nodiscard]] MapView map() { return views_.make(map_); }
   void visit(const FrameVisitor& visit) const { trajectory_.visit(map_, T_cam_robot_, visit); }

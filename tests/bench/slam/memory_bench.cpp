@@ -37,7 +37,7 @@ struct Lap {
 void printRow(std::size_t frames, const Lap& lap, const pipeline::Perception& perception) {
   const auto& static_map = *perception.map().staticMap();
   const double map_mb =
-      static_cast<double>(perception.stored().attachments.at("slam").size()) / 1e6;
+      static_cast<double>(collected(perception.stored().made_attachments.at("slam")).size()) / 1e6;
   std::printf("| %zu | %zu | %zu | %zu | %zu | %zu | %.1f | %.0f | %.1f | %.1f |\n", frames,
               lap.lost, lap.loops, lap.keyframes_made, static_map.keyframes.size(),
               static_map.landmarks.size(), map_mb, residentMb(), percentile(lap.frame_ms, 0.5),

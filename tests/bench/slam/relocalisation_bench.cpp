@@ -88,7 +88,7 @@ MappedPlace mapPlace(const Request& request, const pipeline::PerceptionParams& s
   const auto& static_map = *perception.map().staticMap();
   std::printf("map: %zu keyframes, %zu landmarks\n", static_map.keyframes.size(),
               static_map.landmarks.size());
-  return {perception.stored().attachments.at("slam"), perception.trajectory(),
+  return {collected(perception.stored().made_attachments.at("slam")), perception.trajectory(),
           truthOf(request.map)};
 }
 

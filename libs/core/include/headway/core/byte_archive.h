@@ -7,12 +7,34 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace headway {
+
+/// Receives bytes piece by piece, in order.
+using ByteSink = std::function<void(std::string_view)>;
+
+/// Gives all its bytes to a sink, the same ones each time and in any thread.
+using ByteSource = std::function<void(const ByteSink&)>;
+
+/// The bytes of a source in one string.
+[[nodiscard]] inline std::string collected(const ByteSource& source) {
+  std::string bytes;
+  source([&bytes](std::string_view piece) { bytes += piece; });
+  return bytes;
+}
+
+/// A source of bytes that exist.
+[[nodiscard]] inline ByteSource sourceOf(std::string bytes) {
+  const auto held = std::make_shared<const std::string>(std::move(bytes));
+  return [held](const ByteSink& sink) { sink(*held); };
+}
 
 /// Appends values to a byte string as little-endian numbers of fixed width, for headway's own file
 /// formats. Accepts arithmetic types only, so that the caller chooses the width.
@@ -25,12 +47,16 @@ class ByteWriter {
   }
   template <typename T, std::size_t N>
   void values(const std::array<T, N>& all) {
-    for (const T& x : all) value(x);
+    static_assert(std::is_arithmetic_v<T>);
+    bytes.append(reinterpret_cast<const char*>(all.data()), sizeof all);
   }
   /// In column-major order.
   template <typename Derived>
   void matrix(const Eigen::MatrixBase<Derived>& m) {
-    for (Eigen::Index i = 0; i < m.size(); ++i) value(m(i % m.rows(), i / m.rows()));
+    const typename Derived::PlainObject plain = m;  // contiguous
+    static_assert(!Derived::PlainObject::IsRowMajor || Derived::IsVectorAtCompileTime);
+    bytes.append(reinterpret_cast<const char*>(plain.data()),
+                 sizeof(typename Derived::Scalar) * static_cast<std::size_t>(plain.size()));
   }
   void count(std::size_t n) { value<std::uint64_t>(n); }
   void text(std::string_view characters) {
@@ -63,14 +89,15 @@ class ByteReader {
   }
   template <typename T, std::size_t N>
   void values(std::array<T, N>& all) {
-    for (T& x : all) x = value<T>();
+    static_assert(std::is_arithmetic_v<T>);
+    std::memcpy(all.data(), take(sizeof all).data(), sizeof all);
   }
   template <typename Matrix>
   Matrix matrix() {
     Matrix m;
-    for (Eigen::Index i = 0; i < m.size(); ++i) {
-      m(i % m.rows(), i / m.rows()) = value<typename Matrix::Scalar>();
-    }
+    static_assert(!Matrix::IsRowMajor || Matrix::IsVectorAtCompileTime);
+    const std::size_t size = sizeof(typename Matrix::Scalar) * static_cast<std::size_t>(m.size());
+    std::memcpy(m.data(), take(size).data(), size);
     return m;
   }
   template <typename Matrix>

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <headway/core/byte_archive.h>
 #include <headway/core/stereo_camera.h>
 #include <headway/map/perception_map.h>
 
@@ -23,12 +24,15 @@ struct StoredMap {
   std::optional<StereoCamera> camera;  ///< empty if poses were given
   /// Sections of other libraries, by name: bytes that are stored and returned unchanged.
   std::map<std::string, std::string> attachments;
+  /// Attachments whose bytes are made while the file is written. Loading gives `attachments`.
+  std::map<std::string, ByteSource> made_attachments;
 };
 
 /// Writes a map file: versioned, compressed and checksummed.
 ///
 /// Written to a temporary file first and then renamed, so that a file of that name is always
-/// complete. Same contents, same bytes. A map that is handed over (std::move) is not copied.
+/// complete. Same contents, same bytes. A map that is handed over (std::move) is not copied, nor
+/// are the bytes of its made attachments ever in memory together.
 ///
 /// @throws InputError if it cannot be written
 void saveMap(const std::string& path, StoredMap stored);

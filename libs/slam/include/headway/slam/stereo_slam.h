@@ -1,5 +1,6 @@
 #pragma once
 
+#include <headway/core/byte_archive.h>
 #include <headway/core/moving_regions.h>
 #include <headway/core/stage_times.h>
 #include <headway/slam/map_view.h>
@@ -82,8 +83,8 @@ class StereoSlam {
   /// Measured less true disparity, as estimated by bundle adjustment so far [px].
   [[nodiscard]] double disparityOffset() const;
 
-  /// Landmarks and keyframes as they are now. What did not change since the last call is shared with
-  /// what it gave.
+  /// Landmarks and keyframes as they are now. What did not change since the last call is shared
+  /// with what it gave.
   [[nodiscard]] MapView map();
 
   /// Every frame processed so far, anchored to its reference keyframe as corrected since.
@@ -99,6 +100,10 @@ class StereoSlam {
 
   /// The whole map as bytes for load().
   [[nodiscard]] std::string save() const;
+
+  /// The same as the map is now, for any thread; the landmarks' patches, two thirds of the bytes,
+  /// are shared with the map.
+  [[nodiscard]] ByteSource snapshot() const;
 
   /// Loads a saved map, before the first frame. The camera counts as lost until it is relocalised
   /// in it; then it is tracked and, with slam.mapping, the map is extended.
