@@ -8,7 +8,9 @@ than 300 MB beyond a good run, and no NaN or inf in any text file. Exit status 1
 input is kept in the current folder. The same seed gives the same inputs.
 """
 import argparse
+import concurrent.futures
 import gzip
+import os
 import pathlib
 import random
 import re
@@ -18,6 +20,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import threading
 import zlib
 
 TIMEOUT_S = 60
@@ -114,6 +117,22 @@ def fault(status, output, folder, memory_limit_mb):
     return ""
 
 
+def attempt(replay, folder, bad, good_rawlog, memory_limit_mb):
+    """What is wrong with a run on a mutated file, with its last words; empty if nothing is."""
+    out = folder / (bad.stem + "_out")
+    command = ["-i", str(bad)]
+    if bad.suffix == ".headway":
+        command = ["-i", str(good_rawlog), "--load-map", str(bad)]
+    status, output = run(replay + command + ["-o", str(out)])
+    reason = fault(status, output, out, memory_limit_mb)
+    shutil.rmtree(out, ignore_errors=True)
+    if not reason:
+        bad.unlink()
+        return ""
+    shutil.move(bad, bad.name)
+    return f"{bad.name}: {reason}: {output[-300:].decode(errors='replace').strip()}"
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("bin_dir", type=pathlib.Path)
@@ -123,37 +142,40 @@ def main():
     options = parser.parse_args()
     replay = [str(options.bin_dir / "headway-replay"), "-q", "--snapshots", "0", "--to-index", "12"]
     dice = random.Random(options.seed)
-    faults = 0
-    with tempfile.TemporaryDirectory() as name:
+    with tempfile.TemporaryDirectory() as name, \
+            concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         folder = pathlib.Path(name)
         good = folder / "good"
         source = options.rawlog.read_bytes()
         plain = gzip.decompress(source) if source[:2] == b"\x1f\x8b" else source
         plain = plain[:6_000_000]
-        (folder / "good.rawlog").write_bytes(plain)
-        run(replay + ["-i", str(folder / "good.rawlog"), "-o", str(good)])
+        good_rawlog = folder / "good.rawlog"
+        good_rawlog.write_bytes(plain)
+        run(replay + ["-i", str(good_rawlog), "-o", str(good)])
         memory_limit_mb = peak_memory_mb() + EXTRA_MEMORY_MB
         good_map = (good / "map.headway").read_bytes()
+        faults = []
+
+        def collect(run_ended):
+            if run_ended.result():
+                faults.append(run_ended.result())
+                print(run_ended.result(), flush=True)
+
+        free = threading.Semaphore(2 * os.cpu_count())  # so that few inputs are on the disk
         for index in range(options.count):
-            out = folder / "out"
-            shutil.rmtree(out, ignore_errors=True)
-            if index % 4 == 3:
-                bad = folder / "bad.headway"
+            is_map = index % 4 == 3
+            bad = folder / f"mutated_{options.seed}_{index}{'.headway' if is_map else '.rawlog'}"
+            if is_map:
                 change = mutated if dice.randrange(4) == 0 else mutated_map
                 bad.write_bytes(change(good_map, dice))
-                command = ["-i", str(folder / "good.rawlog"), "--load-map", str(bad)]
             else:
-                bad = folder / "bad.rawlog"
                 bad.write_bytes(near_headers(plain, dice))
-                command = ["-i", str(bad)]
-            status, output = run(replay + command + ["-o", str(out)])
-            reason = fault(status, output, out, memory_limit_mb)
-            if reason:
-                faults += 1
-                kept = pathlib.Path(f"mutated_{options.seed}_{index}{bad.suffix}")
-                shutil.copy(bad, kept)
-                print(f"{kept}: {reason}: {output[-300:].decode(errors='replace').strip()}")
-    print(f"{options.count} mutated inputs, {faults} faults")
+            free.acquire()
+            run_ended = pool.submit(attempt, replay, folder, bad, good_rawlog, memory_limit_mb)
+            run_ended.add_done_callback(collect)
+            run_ended.add_done_callback(lambda _: free.release())
+        pool.shutdown()
+    print(f"{options.count} mutated inputs, {len(faults)} faults")
     return 1 if faults else 0
 
 
