@@ -12,14 +12,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kSameTimeS = 0.03;
+constexpr double kSameFrameS = 0.03;
 
 /// Transformation from the truth to the estimated map, from the first poses of equal time.
 Pose alignment(const std::string& path, const std::vector<Stamped<Pose>>& truth,
                const std::vector<ReplayFrame>& frames) {
   for (const auto& frame : frames) {
     for (const auto& pose : truth) {
-      if (std::abs(pose.time - frame.time) < kSameTimeS) {
+      if (std::abs(pose.time - frame.time) < kSameFrameS) {
         return frame.T_map_robot * pose.value.inverse();
       }
     }

@@ -65,9 +65,7 @@ function(headway_library name)
                VERSION ${PROJECT_VERSION}
                SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   if(NOT LIBRARY_OWN_UNITS)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
-    # A batch includes its sources, so their own local types look like a header's.
-    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+    headway_compile_in_batches(${target} 8)
   endif()
   if(BUILD_SHARED_LIBS AND NOT HEADWAY_SANITIZE)
     target_link_options(${target} PRIVATE -Wl,--no-undefined)
@@ -92,11 +90,23 @@ function(headway_export name)
   set_property(GLOBAL APPEND PROPERTY HEADWAY_LIBRARIES ${name})
 endfunction()
 
-# headway_program(<name> SOURCES ... LIBRARIES ...): an installed command-line program.
+# Compiles several sources at once, because the headers of MRPT, OpenCV and Eigen take most of the
+# time: what a file keeps to itself must have its own name within the target.
+function(headway_compile_in_batches target size)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${size})
+  # A batch includes its sources, so their own local types look like a header's.
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+endfunction()
+
+# headway_program(<name> SOURCES ... LIBRARIES ... [OWN_UNITS]): an installed command-line program.
+# OWN_UNITS compiles each source alone.
 function(headway_program name)
-  cmake_parse_arguments(PROGRAM "" "" "SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(PROGRAM "OWN_UNITS" "" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(${name} ${PROGRAM_SOURCES})
   target_link_libraries(${name} PRIVATE ${PROGRAM_LIBRARIES} headway_program headway_warnings)
+  if(NOT PROGRAM_OWN_UNITS)
+    headway_compile_in_batches(${name} 8)
+  endif()
   file(RELATIVE_PATH libraries /${CMAKE_INSTALL_BINDIR} /${CMAKE_INSTALL_LIBDIR})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin
                                            INSTALL_RPATH "$ORIGIN/${libraries}")
@@ -114,6 +124,7 @@ function(headway_test name)
   target_link_libraries(${target} PRIVATE ${TEST_LIBRARIES} headway_test_support
                         GTest::gmock GTest::gtest_main headway_warnings)
   target_precompile_headers(${target} REUSE_FROM headway_test_precompiled)
+  headway_compile_in_batches(${target} 6)
   if(TEST_PRIVATE_HEADERS)
     target_include_directories(${target} PRIVATE
                                ${PROJECT_SOURCE_DIR}/libs/${TEST_PRIVATE_HEADERS}/src)

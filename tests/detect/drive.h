@@ -6,9 +6,14 @@
 #include "camera_path.h"
 #include "point_motion.h"
 
+namespace headway::test {}
+
 namespace headway::detect::test {
 
+using namespace headway::test;
+
 constexpr double kFrameStep = 0.1;  ///< between frames [s]
+const Eigen::Vector3d kUp(0.0, -1.0, 0.0);  ///< of a level camera
 
 inline StereoCamera testCamera() {
   StereoCamera camera;

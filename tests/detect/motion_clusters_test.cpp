@@ -10,7 +10,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-const Eigen::Vector3d kUp(0.0, -1.0, 0.0);
+using test::kUp;
 
 /// Points in front of a camera that stands, each with its fitted motion and class.
 struct Points {

@@ -12,14 +12,14 @@ namespace headway::detect {
 namespace {
 
 constexpr Time kTime = 5.0;
-constexpr double kDepth = 10.0;
+constexpr double kObjectDepth = 10.0;
 const StereoCamera kCamera = test::testCamera();
 
 /// One object straight ahead, covered by a single cell of the disparity grid.
 MotionDetections oneObject(const Eigen::Vector3d& velocity = Eigen::Vector3d::Zero()) {
   Detection object;
   object.box2d = Box2d{600.0, 150.0, 640.0, 250.0};
-  object.box3d = Box3d{{0.0, 0.0, kDepth}, 0.7, 0.6, 1.7, 0.0};
+  object.box3d = Box3d{{0.0, 0.0, kObjectDepth}, 0.7, 0.6, 1.7, 0.0};
   object.velocity = MeasuredVelocity{velocity, Eigen::Matrix3d::Identity()};
   object.mask = maskOf({{310, 100}}, 2);
   MotionDetections motion;
@@ -43,7 +43,7 @@ TEST(RegionsAtTest, OfTheFrameItselfAreItsBoxesAndMasks) {
 
 TEST(RegionsAtTest, MoveWithTheObject) {
   const auto regions = oneObject({2.0, 0.0, 0.0}).regionsAt(kTime + 0.1, kCamera);
-  const double shift = 0.2 / kDepth * kCamera.fx;
+  const double shift = 0.2 / kObjectDepth * kCamera.fx;
   EXPECT_NEAR(regions.boxes[0].left, 600.0 + shift, 1e-6);
   EXPECT_NE(regions.mask.at<unsigned char>(200, 620 + cvRound(shift)), 0);
   EXPECT_EQ(regions.mask.at<unsigned char>(200, 618), 0);
@@ -53,7 +53,7 @@ TEST(RegionsAtTest, MoveAgainstTheCamera) {
   MotionDetections motion = oneObject();
   motion.camera_velocity = {-1.0, 0.0, 0.0};  // the camera moves right: points move left
   EXPECT_NEAR(motion.regionsAt(kTime + 0.1, kCamera).boxes[0].left,
-              600.0 - 0.1 / kDepth * kCamera.fx, 1e-6);
+              600.0 - 0.1 / kObjectDepth * kCamera.fx, 1e-6);
   motion = oneObject();
   motion.camera_turn_rate = {0.0, 0.2, 0.0};
   EXPECT_NEAR(motion.regionsAt(kTime + 0.1, kCamera).boxes[0].left,

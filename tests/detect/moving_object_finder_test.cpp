@@ -9,7 +9,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-const Eigen::Vector3d kAcross(2.0, 0.0, 0.0);  // [m/s]
+const Eigen::Vector3d kVelocityAcross(2.0, 0.0, 0.0);  // [m/s]
 
 /// A frame of a standing camera, with fitted points.
 struct Frame : test::Grid {
@@ -50,12 +50,12 @@ struct Frame : test::Grid {
 TEST(MovingObjectFinderTest, PointsThatMoveOnASurfaceAreAnObject) {
   Frame frame;
   frame.draw(0.0, 10.0, 1.6, 0.2, 1.5);
-  frame.addPoints(-0.2, 10.0, 4, PointClass::kMoving, kAcross);
+  frame.addPoints(-0.2, 10.0, 4, PointClass::kMoving, kVelocityAcross);
   const auto objects = frame.find();
   ASSERT_EQ(objects.size(), 1u);
   EXPECT_TRUE(objects[0].evidence.motion);
   EXPECT_THAT(objects[0].members, ElementsAre(0u, 1u, 2u, 3u));
-  EXPECT_LT((objects[0].velocity.value - kAcross).norm(), 1e-6);
+  EXPECT_LT((objects[0].velocity.value - kVelocityAcross).norm(), 1e-6);
   EXPECT_NEAR(objects[0].extent.surface.z(), 10.0, 0.5);
   EXPECT_EQ(frame.finder.takeImplausible(), 0u);
 }
@@ -64,13 +64,13 @@ TEST(MovingObjectFinderTest, WithoutAGroundPlaneTheFloorIsAssumedBelowThePoints)
   Frame frame;
   frame.plane.reset();
   frame.draw(0.0, 10.0, 1.6, 0.2, 1.5);
-  frame.addPoints(-0.2, 10.0, 4, PointClass::kMoving, kAcross);
+  frame.addPoints(-0.2, 10.0, 4, PointClass::kMoving, kVelocityAcross);
   EXPECT_EQ(frame.find().size(), 1u);
 }
 
 TEST(MovingObjectFinderTest, PointsWithoutASurfaceAreImplausibleAndCountedOnce) {
   Frame frame;
-  frame.addPoints(-0.2, 10.0, 4, PointClass::kMoving, kAcross);
+  frame.addPoints(-0.2, 10.0, 4, PointClass::kMoving, kVelocityAcross);
   EXPECT_TRUE(frame.find().empty());
   EXPECT_EQ(frame.finder.takeImplausible(), 1u);
   EXPECT_EQ(frame.finder.takeImplausible(), 0u);
@@ -87,7 +87,7 @@ TEST(MovingObjectFinderTest, SlowPointsAreStatic) {
 TEST(MovingObjectFinderTest, AMinorityOfMovingPointsOnASurfaceIsAMismatch) {
   Frame frame;
   frame.draw(0.0, 10.0, 1.6, 0.2, 1.5);
-  frame.addPoints(-0.2, 10.0, 4, PointClass::kMoving, kAcross);
+  frame.addPoints(-0.2, 10.0, 4, PointClass::kMoving, kVelocityAcross);
   frame.addPoints(-0.5, 10.0, 8, PointClass::kStatic);
   EXPECT_TRUE(frame.find().empty());
   EXPECT_EQ(frame.finder.takeImplausible(), 1u);
@@ -96,7 +96,7 @@ TEST(MovingObjectFinderTest, AMinorityOfMovingPointsOnASurfaceIsAMismatch) {
 TEST(MovingObjectFinderTest, TooFewPointsAreNoObject) {
   Frame frame;
   frame.draw(0.0, 10.0, 1.6, 0.2, 1.5);
-  frame.addPoints(-0.2, 10.0, 2, PointClass::kMoving, kAcross);
+  frame.addPoints(-0.2, 10.0, 2, PointClass::kMoving, kVelocityAcross);
   EXPECT_TRUE(frame.find().empty());
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 using test::Grid;
 
-constexpr double kDepth = 12.0;
+constexpr double kBodyDepth = 12.0;
 const Eigen::Vector3d kRight(1.5, 0.0, 0.0);  // a walker's velocity [m/s]
 
 std::vector<ObjectCell> grown(const Grid& grid, const Eigen::Vector3d& seed) {
@@ -21,37 +21,37 @@ Eigen::Vector3d seedAt(double x, double depth) { return {x, 0.65, depth}; }
 
 TEST(GrowObjectTest, CoversTheObjectAboveTheGround) {
   Grid grid;
-  const auto cells = grid.draw(0.0, kDepth, 0.6, 0.0, 1.7);
-  const auto object = grown(grid, seedAt(0.0, kDepth));
+  const auto cells = grid.draw(0.0, kBodyDepth, 0.6, 0.0, 1.7);
+  const auto object = grown(grid, seedAt(0.0, kBodyDepth));
   EXPECT_GT(object.size(), 0.85 * static_cast<double>(cells.size()));
   for (const auto& cell : object) EXPECT_GT(grid.ground.heightOf(cell.point), 0.15);
 }
 
 TEST(GrowObjectTest, StopsAtAStepOfDisparity) {
   Grid grid;
-  grid.draw(0.0, kDepth, 0.6, 0.0, 1.7);
-  grid.draw(0.6, kDepth + 3.0, 0.6, 0.0, 1.7);
-  for (const auto& cell : grown(grid, seedAt(0.0, kDepth))) {
-    EXPECT_NEAR(cell.point.z(), kDepth, 0.1);
+  grid.draw(0.0, kBodyDepth, 0.6, 0.0, 1.7);
+  grid.draw(0.6, kBodyDepth + 3.0, 0.6, 0.0, 1.7);
+  for (const auto& cell : grown(grid, seedAt(0.0, kBodyDepth))) {
+    EXPECT_NEAR(cell.point.z(), kBodyDepth, 0.1);
   }
 }
 
 TEST(GrowObjectTest, StopsFarFromItsSeeds) {
   Grid grid;
-  grid.draw(0.0, kDepth, 8.0, 0.0, 1.7);  // a wall
-  for (const auto& cell : grown(grid, seedAt(0.0, kDepth))) {
+  grid.draw(0.0, kBodyDepth, 8.0, 0.0, 1.7);  // a wall
+  for (const auto& cell : grown(grid, seedAt(0.0, kBodyDepth))) {
     EXPECT_LT(std::abs(cell.point.x()), 1.0);
   }
 }
 
 TEST(GrowObjectTest, BridgesAColumnWithoutDisparities) {
   Grid grid;
-  grid.draw(0.0, kDepth, 0.6, 0.0, 1.7);
+  grid.draw(0.0, kBodyDepth, 0.6, 0.0, 1.7);
   const int middle = grid.disparity.cellOf(grid.camera.cx);
   grid.disparity.values.col(middle + 2).setTo(0.0F);
   int left = 0;
   int right = 0;
-  for (const auto& cell : grown(grid, seedAt(0.0, kDepth))) {
+  for (const auto& cell : grown(grid, seedAt(0.0, kBodyDepth))) {
     ++(cell.place.x < middle + 2 ? left : right);
   }
   EXPECT_GT(left, 100);
@@ -60,7 +60,7 @@ TEST(GrowObjectTest, BridgesAColumnWithoutDisparities) {
 
 TEST(GrowObjectTest, IsEmptyWithoutADisparityAtItsSeeds) {
   const Grid grid;
-  EXPECT_TRUE(grown(grid, seedAt(0.0, kDepth)).empty());
+  EXPECT_TRUE(grown(grid, seedAt(0.0, kBodyDepth)).empty());
   EXPECT_TRUE(grown(grid, {0.0, 0.0, -5.0}).empty()) << "behind the camera";
 }
 
@@ -70,7 +70,7 @@ MeasuredVelocity known(const Eigen::Vector3d& velocity, double sigma = 0.1) {
 
 std::optional<ObjectExtent> extentIn(Grid& grid, double width, double bottom, double top,
                                      const Eigen::Vector3d& velocity) {
-  const auto cells = grid.inSpace(grid.draw(0.0, kDepth, width, bottom, top));
+  const auto cells = grid.inSpace(grid.draw(0.0, kBodyDepth, width, bottom, top));
   return extentOf(cells, known(velocity), grid.disparity, grid.camera, grid.ground);
 }
 
@@ -83,10 +83,10 @@ TEST(ExtentOfTest, AWalkersBoxStandsOnTheGroundAlongHisVelocity) {
   EXPECT_NEAR(extent->box.height, 1.7, 0.1);
   EXPECT_NEAR(grid.ground.heightOf(extent->box.centre), 0.5 * extent->box.height, 1e-6);
   EXPECT_NEAR(extent->box.centre.x(), 0.0, 0.1);
-  EXPECT_GE(extent->box.centre.z(), kDepth) << "completed behind the visible side";
-  EXPECT_NEAR(extent->surface.z(), kDepth, 0.05);
+  EXPECT_GE(extent->box.centre.z(), kBodyDepth) << "completed behind the visible side";
+  EXPECT_NEAR(extent->surface.z(), kBodyDepth, 0.05);
   const Box2d& box = extent->box2d;
-  EXPECT_NEAR(box.width() * kDepth / grid.camera.fx, 0.6, 0.1);
+  EXPECT_NEAR(box.width() * kBodyDepth / grid.camera.fx, 0.6, 0.1);
   EXPECT_GT(extent->centre_covariance(2, 2), extent->centre_covariance(0, 0));
 }
 
@@ -139,7 +139,7 @@ TEST(ExtentOfTest, ASmallRigDoesNotMakeAPersonWhoComesCloserAVehicle) {
 
 TEST(ExtentOfTest, AnUncertainSpeedDoesNotMakeAPersonAVehicle) {
   Grid grid;
-  const auto cells = grid.inSpace(grid.draw(0.0, kDepth, 0.6, 0.2, 1.7));
+  const auto cells = grid.inSpace(grid.draw(0.0, kBodyDepth, 0.6, 0.2, 1.7));
   for (const double sigma : {0.5, 4.0}) {
     const auto extent =
         extentOf(cells, known({0.0, 0.0, 12.0}, sigma), grid.disparity, grid.camera, grid.ground);
@@ -162,13 +162,13 @@ TEST(ExtentOfTest, ACarSeenFromBehindIsCompletedToItsUsualLength) {
   ASSERT_TRUE(extent);
   EXPECT_NEAR(extent->box.yaw, -M_PI_2, 1e-6);
   EXPECT_NEAR(extent->box.length, 4.0, 0.1);
-  EXPECT_NEAR(extent->box.centre.z(), kDepth + 2.0, 0.3);
+  EXPECT_NEAR(extent->box.centre.z(), kBodyDepth + 2.0, 0.3);
   EXPECT_NEAR(extent->box.width, 1.7, 0.15);
 }
 
 TEST(ExtentOfTest, TooFewCellsAndWhatFloatsHaveNone) {
   Grid grid;
-  const auto cells = grid.inSpace(grid.draw(0.0, kDepth, 0.6, 0.0, 1.7));
+  const auto cells = grid.inSpace(grid.draw(0.0, kBodyDepth, 0.6, 0.0, 1.7));
   EXPECT_FALSE(extentOf({cells.begin(), cells.begin() + 3}, known(kRight), grid.disparity,
                         grid.camera, grid.ground));
   Grid sign;

@@ -5,7 +5,7 @@
 namespace headway::detect {
 namespace {
 
-const Eigen::Vector3d kUp(0.0, -1.0, 0.0);
+const Eigen::Vector3d kUpward(0.0, -1.0, 0.0);
 constexpr int kSightings = 6;
 
 /// A point whose fits have the given squared errors to a degree of freedom.
@@ -22,7 +22,7 @@ PointTrack fitted(const Eigen::Vector3d& velocity, double static_fit, double mov
   return track;
 }
 
-PointClass classOf(const PointTrack& track) { return classifyPoint(track, kUp, {}); }
+PointClass classOf(const PointTrack& track) { return classifyPoint(track, kUpward, {}); }
 
 TEST(ClassifyPointTest, OnlyMotionExplainsAMovingPoint) {
   EXPECT_EQ(classOf(fitted({1.5, 0.0, 0.0}, 9.0, 1.0)), PointClass::kMoving);

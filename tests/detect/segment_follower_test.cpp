@@ -8,7 +8,7 @@ namespace headway::detect {
 namespace {
 
 constexpr int kFrames = 7;
-const Eigen::Vector3d kUp(0.0, -1.0, 0.0);
+using test::kUp;
 
 /// A walker 12 m ahead who crosses at 1.4 m/s, seen by a camera that stands.
 UprightSegment walkerIn(int frame, double speed, const StereoCamera& camera) {

@@ -10,7 +10,7 @@ namespace {
 
 using test::Drive;
 
-constexpr double kDepth = 14.0;  // of the segment in the last frame [m]
+constexpr double kLastDepth = 14.0;  // of the segment in the last frame [m]
 
 /// A segment half a metre wide with points on it, seen by a camera that drives at 5 m/s.
 struct Scene {
@@ -24,7 +24,7 @@ struct Scene {
     disparity.reduce = 2;
     disparity.values = cv::Mat(188, 620, CV_32F, cv::Scalar(0));
     const Eigen::Vector3d now =
-        Eigen::Vector3d(-0.2, 0.0, kDepth) + 5.0 * 0.6 * Eigen::Vector3d::UnitZ();
+        Eigen::Vector3d(-0.2, 0.0, kLastDepth) + 5.0 * 0.6 * Eigen::Vector3d::UnitZ();
     for (int i = 0; i < count; ++i) {
       const Eigen::Vector3d place = now + Eigen::Vector3d(0.06 * (i % 8), 0.2 * (i / 8 % 4), 0.0);
       PointTrack point;
@@ -36,7 +36,7 @@ struct Scene {
       segment.cells.push_back({cell, *triangulate(uvd, drive.camera)});
       points.push_back(std::move(point));
     }
-    segment.uvd = *project({0.0, 0.4, kDepth}, drive.camera);
+    segment.uvd = *project({0.0, 0.4, kLastDepth}, drive.camera);
   }
 
   [[nodiscard]] std::optional<SegmentMotion> motion(

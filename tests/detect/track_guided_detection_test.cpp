@@ -12,11 +12,11 @@ namespace headway::detect {
 namespace {
 
 constexpr int kReduce = 2;
-constexpr double kDepth = 12.0;  // of the walker [m]
-constexpr double kSpeed = 1.4;   // to the right [m/s]
-constexpr double kGone = 0.3;    // since the walker was found last [s]
+constexpr double kWalkerDepth = 12.0;  // of the walker [m]
+constexpr double kSpeed = 1.4;         // to the right [m/s]
+constexpr double kGone = 0.3;          // since the walker was found last [s]
 const cv::Size kGrid(620, 188);
-const Eigen::Vector3d kStart(-2.0, 0.8, kDepth);  // where that was, middle of the segment
+const Eigen::Vector3d kStart(-2.0, 0.8, kWalkerDepth);  // where that was, middle of the segment
 
 /// Image, on the grid, of a street with a walker whose middle is at a place.
 struct Picture {
@@ -308,7 +308,7 @@ TEST(TrackGuidedDetectionTest, WithoutGroundNoSegmentIsDetected) {
 TEST(TrackGuidedDetectionTest, WhatIsBehindTheCameraIsNotDetected) {
   Scene scene(wentOn());
   auto behind = *scene.walker.appearance;
-  behind.T_map_camera.translation().z() = -kDepth - 5.0;
+  behind.T_map_camera.translation().z() = -kWalkerDepth - 5.0;
   scene.walker.appearance = std::make_shared<const AppearanceTemplate>(behind);
   EXPECT_TRUE(scene.byAppearance().empty());
 }

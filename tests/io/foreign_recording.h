@@ -8,7 +8,11 @@
 #include <string>
 #include <vector>
 
+namespace headway::test {}
+
 namespace headway::io::test {
+
+using namespace headway::test;
 
 /// A rawlog as other programs write it: any objects, gz or plain.
 void writeObjects(const std::string& path,

@@ -7,7 +7,11 @@
 
 #include "synthetic_recording.h"
 
+namespace headway::test {}
+
 namespace headway::io::test {
+
+using namespace headway::test;
 
 /// Bytes of values as MRPT writes them.
 template <typename... Values>

@@ -2,7 +2,11 @@
 
 #include <string>
 
+namespace headway::test {}
+
 namespace headway::io::test {
+
+using namespace headway::test;
 
 struct ProcessResult {
   int status = -1;     ///< exit status

@@ -8,7 +8,11 @@
 #include <string>
 #include <vector>
 
+namespace headway::test {}
+
 namespace headway::io::test {
+
+using namespace headway::test;
 
 /// 160 x 120 px, f 100 px, baseline 0.2 m, 1 m above the robot's origin.
 [[nodiscard]] StereoCamera smallCamera();

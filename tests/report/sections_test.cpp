@@ -10,7 +10,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 TEST(TitleBlockTest, NamesRawlogAndDetectionsEscaped) {
   ReplayFolder folder;

@@ -8,7 +8,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-Stamped<Pose> at(Time time, double x, double y) {
+Stamped<Pose> poseAt(Time time, double x, double y) {
   return {time, Pose(Eigen::Translation3d(x, y, 0.0))};
 }
 
@@ -58,7 +58,7 @@ TEST(TimelineTest, IsEmptyWithoutTracks) {
 
 TEST(ActivityPlotsTest, ShowTheHighestSpeedAndNumberOfTracks) {
   ReplayFolder folder;
-  for (int i = 0; i < 40; ++i) folder.trajectory.push_back(at(0.1 * i, 0.5 * i, 0.0));
+  for (int i = 0; i < 40; ++i) folder.trajectory.push_back(poseAt(0.1 * i, 0.5 * i, 0.0));
   folder.tracks = {exampleTrack(1), exampleTrack(2)};
   const std::string html = activityPlots(folder);
   EXPECT_THAT(html, HasSubstr("max. 5.0\u202fm/s"));

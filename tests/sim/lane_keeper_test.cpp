@@ -7,7 +7,7 @@
 namespace headway::sim {
 namespace {
 
-constexpr double kStep_s = 0.1;
+constexpr double kControlStep_s = 0.1;
 
 Route straightStreet() {
   Route route{Path({{0, 0, 0}, {300, 0, 0}})};
@@ -28,8 +28,8 @@ Route roundStreet(double radius) {
 
 void drive(LaneKeeper& lane, const DriverStyle& style, const std::vector<Obstacle>& others,
            double seconds) {
-  for (double t = 0.0; t < seconds; t += kStep_s) {
-    lane.move(kStep_s, lane.acceleration(style, others, 1));
+  for (double t = 0.0; t < seconds; t += kControlStep_s) {
+    lane.move(kControlStep_s, lane.acceleration(style, others, 1));
   }
 }
 
@@ -38,7 +38,7 @@ TEST(LaneKeeperTest, KeepsItsDistanceFromTheMiddleOfTheStreet) {
   LaneKeeper lane(route, 3.0);
   lane.speed = 6.0;
   for (int i = 0; i < 200; ++i) {
-    lane.move(kStep_s, lane.acceleration({}, {}, 1));
+    lane.move(kControlStep_s, lane.acceleration({}, {}, 1));
     EXPECT_NEAR(lane.place().position.norm(), 37.0, 0.05) << "left of an anticlockwise circle";
   }
 }
@@ -49,7 +49,7 @@ TEST(LaneKeeperTest, CoversGroundAtItsSpeedInEachLaneOfACurve) {
     LaneKeeper lane(route, left);
     lane.speed = 5.0;
     const Eigen::Vector3d from = lane.place().position;
-    lane.move(kStep_s, 0.0);
+    lane.move(kControlStep_s, 0.0);
     EXPECT_NEAR((lane.place().position - from).norm(), 0.5, 0.01) << left;
   }
 }
@@ -69,7 +69,7 @@ TEST(LaneKeeperTest, NeverDrivesBackwards) {
   LaneKeeper lane(route, 0.0);
   lane.s = 10.0;
   lane.speed = 0.3;
-  lane.move(kStep_s, -7.0);
+  lane.move(kControlStep_s, -7.0);
   EXPECT_EQ(lane.speed, 0.0);
   EXPECT_EQ(lane.s, 10.0);
 }

@@ -11,7 +11,7 @@
 namespace headway::sim {
 namespace {
 
-constexpr double kStep = 0.01;  // [s]
+constexpr double kSensorStep = 0.01;  // [s]
 
 /// A robot that weaves over a hill, pitching and rolling, with analytic derivatives.
 struct Weaving {
@@ -42,7 +42,8 @@ struct Weaving {
 
 std::vector<ImuSample> samplesOf(std::uint64_t seed, double seconds) {
   MotionSensors sensors(seed);
-  for (int i = 0; i * kStep <= seconds; ++i) sensors.observe(i * kStep, Weaving::pose(i * kStep));
+  for (int i = 0; i * kSensorStep <= seconds; ++i)
+    sensors.observe(i * kSensorStep, Weaving::pose(i * kSensorStep));
   return sensors.takeImu();
 }
 
@@ -83,7 +84,7 @@ TEST(ImuTest, BiasesDifferFromSensorToSensorAndStayTheSameWithinOne) {
   std::vector<Eigen::Vector3d> turn_biases, force_biases;
   for (std::uint64_t seed = 1; seed <= 150; ++seed) {
     MotionSensors sensors(seed);
-    for (int i = 0; i < 62; ++i) sensors.observe(i * kStep, Pose::Identity());
+    for (int i = 0; i < 62; ++i) sensors.observe(i * kSensorStep, Pose::Identity());
     Eigen::Vector3d turn = Eigen::Vector3d::Zero(), force = -Eigen::Vector3d(0, 0, 9.81);
     const auto samples = sensors.takeImu();
     for (const ImuSample& sample : samples) {
@@ -138,7 +139,7 @@ TEST(OdometryTest, SlippingWheelsTurnTwiceAsFast) {
     for (int i = 0; i <= 1000; ++i) {
       Pose pose = Pose::Identity();
       pose.translation().x() = 0.01 * i;
-      sensors.observe(i * kStep, pose);
+      sensors.observe(i * kSensorStep, pose);
     }
     return sensors.odometry()->x;
   };
@@ -203,7 +204,7 @@ TEST(SuspensionTest, ShakesWithItsStandardDeviationAtFullSpeedAndNotAtAStandstil
     double square = 0.0;
     constexpr int kSteps = 60000;
     for (int i = 0; i < kSteps; ++i) {
-      axis.advance(kStep, 0.01, motion, 0.0, random);
+      axis.advance(kSensorStep, 0.01, motion, 0.0, random);
       square += axis.angle * axis.angle / kSteps;
     }
     EXPECT_NEAR(std::sqrt(square), 0.01 * motion, 0.15 * 0.01 * motion + 1e-12);
@@ -215,7 +216,7 @@ TEST(SuspensionTest, ComesToRestAtTheAngleItIsPulledTo) {
   Suspension axis;
   double overshoot = 0.0;
   for (int i = 0; i < 400; ++i) {
-    axis.advance(kStep, 0.01, 0.0, 0.02, random);
+    axis.advance(kSensorStep, 0.01, 0.0, 0.02, random);
     overshoot = std::max(overshoot, axis.angle);
   }
   EXPECT_NEAR(axis.angle, 0.02, 1e-5);

@@ -14,7 +14,7 @@ namespace {
 
 using Kind = WorldParams::Kind;
 
-constexpr double kStep = 0.02;  // [s]
+constexpr double kPeopleStep = 0.02;  // [s]
 
 SimParams busy(Kind kind, int seed) {
   SimParams params;
@@ -48,21 +48,21 @@ Minute watch(const SimParams& params, double seconds) {
   Minute minute;
   Pose last = place.T_world_robot();
   double speed = 0.0;
-  for (double t = 0.0; t < seconds; t += kStep) {
-    place.advance(kStep);
+  for (double t = 0.0; t < seconds; t += kPeopleStep) {
+    place.advance(kPeopleStep);
     const Pose now = place.T_world_robot();
     const Eigen::Vector2d robot = now.translation().head<2>();
     const double way = (robot - last.translation().head<2>()).norm();
     minute.path += way;
-    minute.brake = std::max(minute.brake, (speed - way / kStep) / kStep);
-    speed = way / kStep;
+    minute.brake = std::max(minute.brake, (speed - way / kPeopleStep) / kPeopleStep);
+    speed = way / kPeopleStep;
     minute.turn_rate =
-        std::max(minute.turn_rate, std::abs(wrapAngle(yawOf(now) - yawOf(last))) / kStep);
+        std::max(minute.turn_rate, std::abs(wrapAngle(yawOf(now) - yawOf(last))) / kPeopleStep);
     minute.robot_clearance = std::min(minute.robot_clearance, place.grid().clearance(robot));
     for (const Actor& actor : place.actors(100.0)) {
       if (actor.kind != ActorKind::kPedestrian) continue;
       const Eigen::Vector2d at = actor.position.head<2>();
-      minute.walked += actor.speed * kStep;
+      minute.walked += actor.speed * kPeopleStep;
       if ((at - robot).norm() < minute.nearest_person) {
         minute.nearest_person = (at - robot).norm();
         minute.nearest_walker_speed = actor.speed;
@@ -102,7 +102,7 @@ TEST_P(SiteEnvironmentTest, TheRobotTurnsOnTheSpotAsFastAsItMayAndBrakesHard) {
 TEST_P(SiteEnvironmentTest, SameSeedSameMotionAnotherSeedAnother) {
   const auto after = [&](int seed) {
     SiteEnvironment place(busy(GetParam(), seed));
-    for (int i = 0; i < 200; ++i) place.advance(kStep);
+    for (int i = 0; i < 200; ++i) place.advance(kPeopleStep);
     return std::pair{place.T_world_robot(), place.actors(100.0)};
   };
   const auto [pose, actors] = after(5);
@@ -122,10 +122,10 @@ TEST_P(SiteEnvironmentTest, VehiclesGoOnPastPeopleWhoSitOrStand) {
     params.traffic.idle_people = 100;
     SiteEnvironment place(params);
     std::map<std::int64_t, double> ways;
-    for (double t = 0.0; t < 60.0; t += kStep) {
-      place.advance(kStep);
+    for (double t = 0.0; t < 60.0; t += kPeopleStep) {
+      place.advance(kPeopleStep);
       for (const Actor& actor : place.actors(100.0)) {
-        if (!actor.parked && !isPerson(actor.kind)) ways[actor.id] += actor.speed * kStep;
+        if (!actor.parked && !isPerson(actor.kind)) ways[actor.id] += actor.speed * kPeopleStep;
       }
     }
     for (const auto& [id, way] : ways) EXPECT_GT(way, 25.0) << "seed " << seed << ", id " << id;
@@ -135,12 +135,12 @@ TEST_P(SiteEnvironmentTest, VehiclesGoOnPastPeopleWhoSitOrStand) {
 TEST_P(SiteEnvironmentTest, TrueVelocitiesAreThoseOfTheMotion) {
   SiteEnvironment place(busy(GetParam(), 1));
   std::map<std::int64_t, Eigen::Vector3d> before;
-  for (double t = 0.0; t < 20.0; t += kStep) {
-    place.advance(kStep);
+  for (double t = 0.0; t < 20.0; t += kPeopleStep) {
+    place.advance(kPeopleStep);
     for (const Actor& actor : place.actors(100.0)) {
       const auto last = before.find(actor.id);
       if (last != before.end()) {
-        const Eigen::Vector2d moved = (actor.position - last->second).head<2>() / kStep;
+        const Eigen::Vector2d moved = (actor.position - last->second).head<2>() / kPeopleStep;
         EXPECT_LT((moved - actor.velocity).norm(), 0.08 * moved.norm() + 1e-6) << actor.id;
       }
       before[actor.id] = actor.position;
@@ -153,7 +153,7 @@ TEST_P(SiteEnvironmentTest, AStandingRobotNeverMoves) {
   params.robot.standing = true;
   SiteEnvironment place(params);
   const Pose first = place.T_world_robot();
-  for (int i = 0; i < 200; ++i) place.advance(kStep);
+  for (int i = 0; i < 200; ++i) place.advance(kPeopleStep);
   EXPECT_EQ(place.T_world_robot().matrix(), first.matrix());
 }
 
@@ -261,7 +261,7 @@ TEST(SiteEnvironmentTest, NoVehicleDrivesThroughTheRobot) {
       SiteEnvironment place(busy(kind, seed));
       int frames_inside = isInsideAVehicle(place) ? 1 : 0;
       for (int k = 0; k < 150; ++k) {
-        place.advance(kStep);
+        place.advance(kPeopleStep);
         frames_inside += isInsideAVehicle(place) ? 1 : 0;
       }
       EXPECT_EQ(frames_inside, 0) << "world " << static_cast<int>(kind) << ", seed " << seed;

@@ -30,7 +30,7 @@ SimParams quartered(Kind kind, const std::string& rig) {
   return params;
 }
 
-std::vector<SimFrame> framesOf(const SimParams& params) {
+std::vector<SimFrame> drawnFrames(const SimParams& params) {
   Simulator simulator(params);
   std::vector<SimFrame> frames;
   while (auto frame = simulator.next()) frames.push_back(std::move(*frame));
@@ -42,7 +42,7 @@ class SiteFramesTest : public ::testing::TestWithParam<std::tuple<Kind, std::str
 TEST_P(SiteFramesTest, EveryPixelShowsSomethingAndSeedsGiveTheSameBytes) {
   const auto& [kind, rig] = GetParam();
   const SimParams params = quartered(kind, rig);
-  const auto frames = framesOf(params), again = framesOf(params);
+  const auto frames = drawnFrames(params), again = drawnFrames(params);
   ASSERT_EQ(frames.size(), 2U);
   for (std::size_t i = 0; i < frames.size(); ++i) {
     EXPECT_EQ(cv::norm(frames[i].left, again[i].left, cv::NORM_INF), 0.0);

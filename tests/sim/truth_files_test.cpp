@@ -40,7 +40,7 @@ std::vector<double> numbersIn(const std::string& line, char separator, std::size
   return numbers;
 }
 
-CameraParams smallCamera() {
+CameraParams truthCamera() {
   CameraParams params;
   params.width = 64;
   params.height = 64;
@@ -98,7 +98,7 @@ SimFrame frameAt(std::size_t index) {
 class TruthFilesTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    const Lens lens(smallCamera());
+    const Lens lens(truthCamera());
     Recording recording(rawlog, {}, {true, true}, lens.ideal(), lens.recorded(),
                         "[world]\nseed=3\n");
     for (std::size_t i = 0; i < 3; ++i) recording.write(frameAt(i));
@@ -214,7 +214,7 @@ TEST(TruthFolderTest, LiesBesideTheRawlog) {
 }
 
 TEST(RecordingErrorsTest, NameThePathThatCannotBeWritten) {
-  const Lens lens(smallCamera());
+  const Lens lens(truthCamera());
   EXPECT_THAT(test::inputErrorOf([&] {
                 Recording("/nowhere/a.rawlog", {}, {}, lens.ideal(), lens.recorded(), "");
               }),

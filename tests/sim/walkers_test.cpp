@@ -16,11 +16,11 @@ namespace {
 /// A robot too far away to matter.
 const Obstacle kNoRobot{-1, {1e4, 1e4}, {0.0, 0.0}, 0.0, 1.0, 1.0, false};
 
-constexpr double kStep = 0.02;  // [s]
+constexpr double kWalkStep = 0.02;  // [s]
 
 /// A floor of 16 m x 12 m with destinations at its corners and a robot that stands in the middle.
-struct Floor {
-  Floor() {
+struct WalkersFloor {
+  WalkersFloor() {
     site.area = rectangle(0, 0, 16, 12);
     site.robot_stops = {{8, 6}, {14, 6}};
     site.destinations = {{2, 2}, {14, 2}, {14, 10}, {2, 10}};
@@ -36,7 +36,7 @@ struct Floor {
     walkers = std::make_unique<Walkers>(params.traffic, site, *grid, seed);
     walkers->populate(*robot, next_id);
   }
-  void advance() { walkers->advance(kStep, *robot, {}); }
+  void advance() { walkers->advance(kWalkStep, *robot, {}); }
   [[nodiscard]] const std::vector<Actor>& people() const { return walkers->actors(); }
 
   Site site;
@@ -48,7 +48,7 @@ struct Floor {
 };
 
 TEST(WalkersTest, AsManyComeAsAskedForWithIdsOfTheirOwn) {
-  Floor floor;
+  WalkersFloor floor;
   floor.site.spots = {{{3, 6}, 0.0, true}, {{5, 9}, 1.0, false}, {{12, 3}, 0.0, true}};
   floor.params.traffic.idle_people = 2;
   floor.make();
@@ -62,7 +62,7 @@ TEST(WalkersTest, AsManyComeAsAskedForWithIdsOfTheirOwn) {
 }
 
 TEST(WalkersTest, OnlyAsManySitOrStandAboutAsThereArePlaces) {
-  Floor floor;
+  WalkersFloor floor;
   floor.site.spots = {{{3, 6}, 0.4, true}, {{5, 9}, 1.0, false}};
   floor.params.traffic.idle_people = 5;
   floor.params.traffic.pedestrians = 0;
@@ -81,7 +81,7 @@ TEST(WalkersTest, OnlyAsManySitOrStandAboutAsThereArePlaces) {
 }
 
 TEST(WalkersTest, SpeedsSpreadAboutTheMeanAskedFor) {
-  Floor floor;
+  WalkersFloor floor;
   floor.site.area = rectangle(0, 0, 40, 40);
   floor.site.destinations = {{3, 3}, {37, 3}, {37, 37}, {3, 37}, {20, 36}, {36, 20}};
   floor.params.traffic.pedestrians = 40;
@@ -104,7 +104,7 @@ TEST(WalkersTest, SpeedsSpreadAboutTheMeanAskedFor) {
 }
 
 TEST(WalkersTest, AccelerationsAreThoseOfPeople) {
-  Floor floor;
+  WalkersFloor floor;
   floor.make();
   std::vector<Eigen::Vector2d> before;
   for (const Actor& person : floor.people()) before.push_back(person.velocity);
@@ -114,8 +114,8 @@ TEST(WalkersTest, AccelerationsAreThoseOfPeople) {
       const Eigen::Vector2d change = floor.people()[k].velocity - before[k];
       // A blocked walker stops at once; walkers start with at most 2.5 m/s^2.
       const double gain = floor.people()[k].velocity.norm() - before[k].norm();
-      EXPECT_LE(gain, 2.5 * kStep + 1e-9);
-      if (change.norm() > 2.5 * kStep + 1e-9) {
+      EXPECT_LE(gain, 2.5 * kWalkStep + 1e-9);
+      if (change.norm() > 2.5 * kWalkStep + 1e-9) {
         EXPECT_LT(gain, 0.0);
       }
       before[k] = floor.people()[k].velocity;
@@ -124,7 +124,7 @@ TEST(WalkersTest, AccelerationsAreThoseOfPeople) {
 }
 
 TEST(WalkersTest, PassTheRobotAtTheirDistance) {
-  Floor floor;
+  WalkersFloor floor;
   floor.params.traffic.pedestrians = 10;
   floor.params.traffic.encounter_ratio = 0.8;
   floor.make();
@@ -140,7 +140,7 @@ TEST(WalkersTest, PassTheRobotAtTheirDistance) {
 }
 
 TEST(WalkersTest, DoNotWalkThroughEachOther) {
-  Floor floor;
+  WalkersFloor floor;
   floor.params.traffic.pedestrians = 12;
   floor.make();
   int overlaps = 0, pairs = 0;
@@ -158,7 +158,7 @@ TEST(WalkersTest, DoNotWalkThroughEachOther) {
 }
 
 TEST(WalkersTest, FaceTheWayTheyWalkAndStepWithTheirSpeed) {
-  Floor floor;
+  WalkersFloor floor;
   floor.params.traffic.pedestrians = 1;
   floor.make(3);
   double gait = floor.people()[0].gait, way = 0.0;
@@ -169,7 +169,7 @@ TEST(WalkersTest, FaceTheWayTheyWalkAndStepWithTheirSpeed) {
     const Actor& person = floor.people()[0];
     EXPECT_GE(person.gait, gait);
     gait = person.gait;
-    way += person.speed * kStep;
+    way += person.speed * kWalkStep;
     if (person.speed < 0.8) continue;
     ++walking;
     const double heading = std::atan2(person.velocity.y(), person.velocity.x());
@@ -180,7 +180,7 @@ TEST(WalkersTest, FaceTheWayTheyWalkAndStepWithTheirSpeed) {
 }
 
 TEST(WalkersTest, StopAsOftenAsAskedAndWaitForAWhile) {
-  Floor floor;
+  WalkersFloor floor;
   floor.params.traffic.pedestrians = 8;
   floor.params.traffic.stop_rate_hz = 0.2;
   floor.make();
@@ -188,8 +188,8 @@ TEST(WalkersTest, StopAsOftenAsAskedAndWaitForAWhile) {
   for (int i = 0; i < 3000; ++i) {
     floor.advance();
     for (const Actor& person : floor.people()) {
-      standing += person.speed < 0.05 ? kStep : 0.0;
-      total += kStep;
+      standing += person.speed < 0.05 ? kWalkStep : 0.0;
+      total += kWalkStep;
     }
   }
   // 2.5 s at every 5 s of walking, and up to 3 s at each destination.
@@ -198,7 +198,7 @@ TEST(WalkersTest, StopAsOftenAsAskedAndWaitForAWhile) {
 }
 
 TEST(WalkersTest, GoRoundAWallToTheOtherSide) {
-  Floor floor;
+  WalkersFloor floor;
   SiteBuilder(floor.site).wall({8, 2}, {8, 12}, 2.8, Material::kPlaster);
   floor.site.robot_stops = {{4, 1}, {12, 1}};
   floor.params.traffic.pedestrians = 5;
@@ -216,7 +216,7 @@ TEST(WalkersTest, GoRoundAWallToTheOtherSide) {
 }
 
 TEST(WalkersTest, StepAsideForAVehicle) {
-  Floor floor;
+  WalkersFloor floor;
   floor.params.traffic.pedestrians = 6;
   floor.make();
   Obstacle forklift;
@@ -226,7 +226,7 @@ TEST(WalkersTest, StepAsideForAVehicle) {
   forklift.width = 1.2;
   int inside = 0, near = 0;
   for (int i = 0; i < 4000; ++i) {
-    floor.walkers->advance(kStep, *floor.robot, {forklift});
+    floor.walkers->advance(kWalkStep, *floor.robot, {forklift});
     for (const Actor& person : floor.people()) {
       const double distance = (person.position.head<2>() - forklift.position).norm();
       inside += i > 200 && distance < 0.5 ? 1 : 0;
@@ -276,12 +276,13 @@ TEST(LoopVehiclesTest, GoRoundNearTheirSpeedAndFaceTheirWay) {
   Eigen::Vector3d before = vehicles.actors()[0].position;
   double way = 0.0, fastest = 0.0;
   for (int i = 0; i < 3000; ++i) {
-    vehicles.advance(kStep, {});
+    vehicles.advance(kWalkStep, {});
     const Actor& actor = vehicles.actors()[0];
     const Eigen::Vector3d step = actor.position - before;
     way += step.norm();
     fastest = std::max(fastest, actor.speed);
-    EXPECT_NEAR((step.head<2>() / kStep - actor.velocity).norm(), 0.0, 0.1 * actor.speed + 1e-9);
+    EXPECT_NEAR((step.head<2>() / kWalkStep - actor.velocity).norm(), 0.0,
+                0.1 * actor.speed + 1e-9);
     if (actor.speed > 0.5) {
       EXPECT_GT(step.head<2>().normalized().dot(actor.velocity.normalized()), 0.95);
     }
@@ -301,7 +302,7 @@ TEST(LoopVehiclesTest, BrakeForWhoStandsInTheirWay) {
   person.on_foot = true;
   double nearest = 1e9;
   for (int i = 0; i < 3000; ++i) {
-    vehicles.advance(kStep, {person});
+    vehicles.advance(kWalkStep, {person});
     nearest = std::min(nearest, (vehicles.actors()[0].position.head<2>() - person.position).norm());
   }
   EXPECT_LT(vehicles.actors()[0].speed, 0.1);
@@ -313,7 +314,7 @@ TEST(LoopVehiclesTest, SpreadRoundTheLoopAndDoNotRunIntoEachOther) {
   Loops loops(3);
   LoopVehicles vehicles(loops.params, loops.site, kNoRobot, 6, loops.next_id);
   for (int i = 0; i < 3000; ++i) {
-    vehicles.advance(kStep, {});
+    vehicles.advance(kWalkStep, {});
     for (std::size_t a = 0; a < 3; ++a) {
       for (std::size_t b = a + 1; b < 3; ++b) {
         EXPECT_GT((vehicles.actors()[a].position - vehicles.actors()[b].position).norm(), 2.5);

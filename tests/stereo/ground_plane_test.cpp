@@ -6,7 +6,7 @@
 namespace headway::stereo {
 namespace {
 
-StereoCamera testCamera() {
+StereoCamera streetCamera() {
   StereoCamera camera;
   camera.width = 620;
   camera.height = 240;
@@ -33,7 +33,7 @@ DisparityImage street(const StereoCamera& camera, double height, double pitch) {
 }
 
 TEST(FindGroundTest, FindsHeightAndPitchOfTheCamera) {
-  const auto camera = testCamera();
+  const auto camera = streetCamera();
   for (const double pitch : {-0.05, 0.0, 0.08}) {
     const auto ground = findGround(street(camera, 1.6, pitch), camera, std::nullopt);
     ASSERT_TRUE(ground);
@@ -44,7 +44,7 @@ TEST(FindGroundTest, FindsHeightAndPitchOfTheCamera) {
 }
 
 TEST(FindGroundTest, AWallIsNoGround) {
-  const auto camera = testCamera();
+  const auto camera = streetCamera();
   DisparityImage wall = street(camera, 1.6, 0.0);
   wall.values.setTo(camera.fx * camera.baseline_m / 10.0);
   EXPECT_FALSE(findGround(wall, camera, std::nullopt));
@@ -54,7 +54,7 @@ TEST(FindGroundTest, AWallIsNoGround) {
 
 /// The rig of a camera mounted level above the ground.
 RigCapability rigAt(double height) {
-  auto camera = testCamera();
+  auto camera = streetCamera();
   camera.T_robot_cam = Eigen::Translation3d(0.0, 0.0, height) * robotFromOptical();
   return rigCapability(camera);
 }
