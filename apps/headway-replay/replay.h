@@ -78,6 +78,7 @@ class Replay {
   [[nodiscard]] Summary summarised() const;
   void writeCheckpoint();
   void endCheckpoint();
+  void writeTrajectory();
   void writeMap();
   void warnIfNotRelocalised() const;
   void warn(const std::string& text) const;

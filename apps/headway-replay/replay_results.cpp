@@ -54,13 +54,7 @@ void Replay::finish() {
     writers_.writeSmoothed(perception_->flush());
     writers_.finish();
   });
-  attempt([&] {
-    TrajectoryWriter writer(folder_.path(),
-                            camera_ != nullptr ? camera_->T_robot_cam : robotFromOptical());
-    perception_->visitTrajectory(
-        [&](const slam::FrameEstimate& estimate) { writer.add(estimate); });
-    writer.commit();
-  });
+  attempt([&] { writeTrajectory(); });
   attempt([&] { writeMap(); });
   warnIfNotRelocalised();
   attempt([&] { snapshots_.finish(*perception_); });
@@ -89,6 +83,22 @@ Summary Replay::summarised() const {
   if (const auto skipped = source_->skippedNow()) summary.observations_skipped = *skipped;
   summary.total_s = secondsSinceProcessStart();
   return summary;
+}
+
+void Replay::writeTrajectory() {
+  TrajectoryWriter writer(folder_.path(),
+                          camera_ != nullptr ? camera_->T_robot_cam : robotFromOptical());
+  std::size_t written = 0;
+  perception_->visitTrajectory([&](const slam::FrameEstimate& estimate) {
+    writer.add(estimate);
+    ++written;
+  });
+  writer.commit();
+  const std::size_t processed = summary_.frame_ms.count();
+  if (written >= processed) return;
+  warn("trajectory.tum lacks " + std::to_string(processed - written) +
+       " frames, for which the disk of temporary files had no space; trajectory_online.tum has "
+       "them");
 }
 
 void Replay::writeMap() {
