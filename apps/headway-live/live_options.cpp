@@ -10,7 +10,7 @@ void describe(LiveOptions& options, program::CommandLine& line) {
   options.run.snapshots = 0;
   line.option(options.sensors, 0, "sensors", "SENSORS.ini",
               "Sensors to grab, in the format of MRPT's rawlog-grabber", true);
-  line.option(options.run.output, 'o', "output", "OUTDIR", "Folder for all results", true);
+  line.option(options.run.output, 'o', "output", "OUTDIR", "Folder for all results");
   line.option(options.plugins, 0, "load-plugins", "LIB.so,...",
               "Shared libraries with further classes of CGenericSensor");
   line.option(options.calibration, 0, "calibration", "FILE",
@@ -29,11 +29,21 @@ void describe(LiveOptions& options, program::CommandLine& line) {
               "Address to serve the page on instead; its URL then contains a secret token");
   line.option(options.run.detector, 0, "detector", "NAME",
               "Source of boxes; default: detect.detector of the configuration");
+  line.option(options.run.continued, 0, "continue", "OUTDIR",
+              "Continue a killed run after its last checkpoint, in its map and with its "
+              "configuration; instead of -o");
   line.flag(options.run.overwrite, 'w', "overwrite", "Overwrite existing results");
 }
 
 void check(const LiveOptions& options) {
   using program::UsageError;
+  if (options.run.continued.empty() && options.run.output.empty()) {
+    throw UsageError("-o/--output: is required (--help shows the options)");
+  }
+  if (!options.run.continued.empty() &&
+      (!options.run.output.empty() || !options.run.load_map.empty() || options.run.overwrite)) {
+    throw UsageError("--continue OUTDIR replaces -o, -w and --load-map");
+  }
   if (!(options.pair_tolerance_s >= 0.0)) {
     throw UsageError("--pair-tolerance must not be negative");
   }
@@ -50,7 +60,10 @@ void check(const LiveOptions& options) {
   if (!options.show_port && options.show_address != LiveOptions().show_address) {
     throw UsageError("--show-address has no effect without --show");
   }
-  if (!options.record.empty()) program::requireWritable(options.record, options.run.overwrite);
+  if (!options.record.empty()) {
+    program::requireWritable(options.record, options.run.overwrite,
+                             {options.sensors, options.calibration, options.run.load_map});
+  }
 }
 
 }  // namespace headway::live

@@ -1,5 +1,6 @@
 #include "checkpoint.h"
 
+#include <headway/core/output_file.h>
 #include <headway/map/map_export.h>
 
 #include <exception>
@@ -11,6 +12,7 @@ namespace headway::replay {
 namespace {
 
 void writeContents(const std::filesystem::path& folder, CheckpointContents contents) {
+  for (const auto& log : contents.logs) synchroniseFile(log);
   if (!contents.trajectory.empty()) {
     TrajectoryWriter writer(folder, contents.T_robot_cam);
     for (const auto& estimate : contents.trajectory) writer.add(estimate);
@@ -35,14 +37,19 @@ Checkpoint::Checkpoint(std::filesystem::path folder, double interval_s)
 Checkpoint::~Checkpoint() { (void)finish(); }
 
 bool Checkpoint::isDue() const {
-  if (interval_.count() <= 0.0 || std::chrono::steady_clock::now() - last_ < interval_)
-    return false;
+  constexpr double kMinRatio = 50.0;
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - last_;
+  const bool is_early = elapsed < interval_ || elapsed < kMinRatio * collecting_;
+  if (interval_.count() <= 0.0 || is_early) return false;
   return !writing_.valid() ||
          writing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
 }
 
-void Checkpoint::write(CheckpointContents contents) {
+void Checkpoint::write(const std::function<CheckpointContents()>& collect) {
+  const auto start = std::chrono::steady_clock::now();
+  auto contents = collect();
   last_ = std::chrono::steady_clock::now();
+  collecting_ = last_ - start;
   writing_ =
       std::async(std::launch::async, [folder = folder_, what = std::move(contents)]() mutable {
         writeContents(folder, std::move(what));

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <future>
 #include <optional>
 #include <string>
@@ -24,6 +25,7 @@ struct CheckpointContents {
   Pose T_robot_cam = Pose::Identity();
   map::StoredMap map;
   Summary summary;
+  std::vector<std::filesystem::path> logs;  ///< rows that the checkpoint refers to
 };
 
 /// Writes map.headway, map_points.ply, trajectory.tum, trajectory_kitti.txt and summary.json while
@@ -34,10 +36,11 @@ class Checkpoint {
   Checkpoint(std::filesystem::path folder, double interval_s);
   ~Checkpoint();
 
-  /// Whether the interval has passed and the last checkpoint is written.
+  /// Whether the interval has passed, the last checkpoint is written, and collecting its contents
+  /// took less than 2 % of the time since.
   [[nodiscard]] bool isDue() const;
-  /// Starts to write.
-  void write(CheckpointContents contents);
+  /// Starts to write what `collect` returns.
+  void write(const std::function<CheckpointContents()>& collect);
   /// Waits for the end of writing. @return why the latest checkpoint could not be written
   std::optional<std::string> finish();
 
@@ -45,6 +48,7 @@ class Checkpoint {
   std::filesystem::path folder_;
   std::chrono::duration<double> interval_;
   std::chrono::steady_clock::time_point last_;
+  std::chrono::duration<double> collecting_{0.0};  ///< duration of the last time
   std::future<void> writing_;
 };
 

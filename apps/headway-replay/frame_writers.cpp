@@ -93,24 +93,49 @@ void writeCovariance(const pipeline::PerceptionUpdate& update, std::ostream& out
   out << row.str() << '\n';
 }
 
+/// Rows of a file that are kept in a continued run; nullopt in a new one.
+std::optional<std::size_t> keptRows(const FrameWriters::RowCounts* kept, const std::string& name) {
+  if (kept == nullptr) return std::nullopt;
+  const auto rows = kept->find(name);
+  return rows == kept->end() ? 0 : rows->second;
+}
+
 }  // namespace
 
 FrameWriters::FrameWriters(const std::filesystem::path& folder,
-                           std::shared_ptr<const StereoCamera> camera)
+                           std::shared_ptr<const StereoCamera> camera, const RowCounts* kept)
     : camera_(std::move(camera)),
-      trajectory_(folder / "trajectory_online.tum"),
-      covariance_(folder / "trajectory_covariance.csv"),
-      detections_(folder / "detections.csv"),
-      tracks_(folder / "tracks.csv"),
-      smoothed_(folder / "tracks_smoothed.csv"),
+      trajectory_(folder / "trajectory_online.tum", keptRows(kept, "trajectory_online.tum")),
+      covariance_(folder / "trajectory_covariance.csv",
+                  keptRows(kept, "trajectory_covariance.csv")),
+      detections_(folder / "detections.csv", keptRows(kept, "detections.csv")),
+      tracks_(folder / "tracks.csv", keptRows(kept, "tracks.csv")),
+      smoothed_(folder / "tracks_smoothed.csv", keptRows(kept, "tracks_smoothed.csv")),
       kitti_path_(folder / "tracks_kitti.txt"),
-      kitti_(kitti_path_),
-      predictions_(folder / "predictions.csv") {
+      kitti_(kitti_path_, keptRows(kept, "tracks_kitti.txt")),
+      predictions_(folder / "predictions.csv", keptRows(kept, "predictions.csv")) {
+  if (kept != nullptr) return;
   writeCovarianceHeader(covariance_.stream());
   detections_.stream() << io::detectionCsvHeader() << '\n';
   tracks_.stream() << io::trackCsvHeader() << '\n';
   smoothed_.stream() << io::trackCsvHeader() << '\n';
   predictions_.stream() << io::predictionCsvHeader() << '\n';
+}
+
+std::map<std::string, GrowingFile*> FrameWriters::files() {
+  return {{"trajectory_online.tum", &trajectory_}, {"trajectory_covariance.csv", &covariance_},
+          {"detections.csv", &detections_},        {"tracks.csv", &tracks_},
+          {"tracks_smoothed.csv", &smoothed_},     {"tracks_kitti.txt", &kitti_},
+          {"predictions.csv", &predictions_}};
+}
+
+FrameWriters::RowCounts FrameWriters::rowCounts() {
+  RowCounts counts;
+  for (const auto& [name, file] : files()) {
+    file->flush();
+    counts[name] = file->rowCount();
+  }
+  return counts;
 }
 
 void FrameWriters::write(const pipeline::PerceptionUpdate& update) {
@@ -131,10 +156,7 @@ void FrameWriters::write(const pipeline::PerceptionUpdate& update) {
     if (isShown(track)) writeTrack(update, track, T_sensor_map);
   }
   writeSmoothed(update.objects.finalised);
-  for (auto* file :
-       {&trajectory_, &covariance_, &detections_, &tracks_, &smoothed_, &kitti_, &predictions_}) {
-    file->endRows();
-  }
+  for (const auto& [name, file] : files()) file->endRows();
 }
 
 void FrameWriters::writeTrack(const pipeline::PerceptionUpdate& update, const Track& track,
@@ -158,8 +180,7 @@ void FrameWriters::writeSmoothed(const std::vector<TrackSample>& samples) {
 
 void FrameWriters::finish() {
   std::exception_ptr failure;  // the first failure; the other files are ended nevertheless
-  for (auto* file :
-       {&trajectory_, &covariance_, &detections_, &tracks_, &smoothed_, &kitti_, &predictions_}) {
+  for (const auto& [name, file] : files()) {
     try {
       file->close();
     } catch (...) {

@@ -6,8 +6,10 @@
 #include <headway/pipeline/perception.h>
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace headway::replay {
@@ -17,12 +19,20 @@ namespace headway::replay {
 /// tracks_smoothed.csv, tracks_kitti.txt, predictions.csv.
 class FrameWriters {
  public:
+  using RowCounts = std::map<std::string, std::size_t>;  ///< by name of the file
+
   /// @param camera  null if the rawlog contains only poses and boxes
-  FrameWriters(const std::filesystem::path& folder, std::shared_ptr<const StereoCamera> camera);
+  /// @param kept    rows of the files of a run that is continued; null: new files
+  FrameWriters(const std::filesystem::path& folder, std::shared_ptr<const StereoCamera> camera,
+               const RowCounts* kept = nullptr);
 
   /// @throws InputError naming the file that could not be written
   void write(const pipeline::PerceptionUpdate& update);
   void writeSmoothed(const std::vector<TrackSample>& samples);
+  /// Hands all rows to the system and counts them.
+  ///
+  /// @throws InputError naming the file that could not be written
+  [[nodiscard]] RowCounts rowCounts();
   /// Ends all files and sets the scores of tracks_kitti.txt to the tracks' final scores.
   ///
   /// @throws InputError naming the file that could not be written
@@ -31,6 +41,9 @@ class FrameWriters {
  private:
   void writeTrack(const pipeline::PerceptionUpdate& update, const Track& track,
                   const Pose& T_sensor_map);
+
+  /// All files with their names.
+  [[nodiscard]] std::map<std::string, GrowingFile*> files();
 
   std::shared_ptr<const StereoCamera> camera_;
   GrowingFile trajectory_;

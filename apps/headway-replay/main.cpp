@@ -3,6 +3,7 @@
 
 #include <cstdio>
 
+#include "continuation.h"
 #include "replay.h"
 
 using headway::program::CommandLine;
@@ -25,6 +26,12 @@ int main(int argc, char** argv) {
     options.quiet = line.quiet() || line.verbosity() > mrpt::system::LVL_INFO;
     options.debug = line.verbosity() == mrpt::system::LVL_DEBUG;
     headway::replay::check(options);
+    if (!options.continued.empty()) {
+      if (line.hasConfiguration()) {
+        throw headway::program::UsageError("--continue: the configuration is that of the run");
+      }
+      headway::replay::continueRun(options.continued, options, params);
+    }
     if (!options.detector.empty()) perception_params.detection.detector = options.detector;
 
     headway::program::catchInterrupts();

@@ -8,8 +8,8 @@
 namespace headway::replay {
 
 void describe(Options& options, program::CommandLine& line) {
-  line.option(options.input, 'i', "input", "IN.rawlog", "Rawlog to replay", true);
-  line.option(options.output, 'o', "output", "OUTDIR", "Folder for all results", true);
+  line.option(options.input, 'i', "input", "IN.rawlog", "Rawlog to replay");
+  line.option(options.output, 'o', "output", "OUTDIR", "Folder for all results");
   line.option(options.detections, 0, "detections", "FILE",
               "Boxes per frame (KITTI or CSV) that replace the recorded ones");
   line.option(options.detector, 0, "detector", "NAME",
@@ -26,11 +26,36 @@ void describe(Options& options, program::CommandLine& line) {
   line.option(options.truth, 0, "truth", "DIR",
               "Folder with trajectory.tum and objects.csv to compare with in the report");
   line.option(options.snapshots, 0, "snapshots", "N", "Number of pictures of the map to draw");
+  line.option(options.continued, 0, "continue", "OUTDIR",
+              "Continue a killed run after its last checkpoint, with its input and configuration; "
+              "instead of -i and -o");
   line.flag(options.overwrite, 'w', "overwrite", "Overwrite the results in an existing folder");
 }
 
+namespace {
+
+void checkContinued(const Options& options) {
+  const bool has_others =
+      !options.input.empty() || !options.output.empty() || !options.detections.empty() ||
+      !options.detector.empty() || !options.load_map.empty() || !options.sensor_label.empty() ||
+      options.realtime != 0.0 || options.from_index || options.to_index || options.overwrite;
+  if (has_others) {
+    throw program::UsageError(
+        "--continue takes input, options and configuration from the run; only --truth can be "
+        "given");
+  }
+}
+
+}  // namespace
+
 void check(const Options& options) {
   using program::UsageError;
+  if (!options.continued.empty()) {
+    checkContinued(options);
+  } else if (options.input.empty() || options.output.empty()) {
+    throw UsageError(std::string(options.input.empty() ? "-i/--input" : "-o/--output") +
+                     ": is required (--help shows the options)");
+  }
   if (!options.detector.empty()) {
     try {
       pipeline::checkDetectorNames(options.detector);

@@ -2,10 +2,13 @@
 
 #include <headway/program/command_line.h>
 
+#include <memory>
 #include <optional>
 #include <string>
 
 namespace headway::replay {
+
+struct Continuation;  // see continuation.h
 
 /// Command-line options of a replay.
 struct Options {
@@ -23,6 +26,8 @@ struct Options {
   int snapshots = 6;
   double checkpoint_s = 10.0;  ///< between checkpoints of map and trajectory; 0: none
   bool overwrite = false;
+  std::string continued;  ///< folder of a killed run to continue; empty: a new run
+  std::shared_ptr<const Continuation> continuation;  ///< its last checkpoint; null: none
   bool quiet = false;
   bool debug = false;  ///< print the decisions of each frame
 };
@@ -30,7 +35,7 @@ struct Options {
 /// Adds the options to a command line.
 void describe(Options& options, program::CommandLine& line);
 
-/// @throws UsageError if options are invalid or contradict each other
+/// @throws UsageError if options are missing, invalid or contradict each other
 void check(const Options& options);
 
 }  // namespace headway::replay

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "checkpoint.h"
+#include "continuation.h"
 #include "frame_input.h"
 #include "frame_writers.h"
 #include "options.h"
@@ -57,11 +58,6 @@ class Replay {
   [[nodiscard]] std::vector<std::filesystem::path> pictures() const;
 
  private:
-  struct SeenTrack {
-    Time last_seen = 0.0;
-    bool was_moving = false;  ///< at some time
-  };
-
   void processAll();
   void process(const RecordedFrame& frame, double progress);
   [[nodiscard]] pipeline::PerceptionUpdate processed(const RecordedFrame& frame);
@@ -76,7 +72,12 @@ class Replay {
   void requireTrackedFrames() const;
   void finish();
   [[nodiscard]] Summary summarised() const;
+  void continueRun(const Continuation& continuation);
+  /// Processes a frame of a continued run again; false if it is a new one.
+  bool isRepeated(RecordedFrame& frame);
+  void addEarlierSkipped(Summary& summary) const;
   void writeCheckpoint();
+  [[nodiscard]] CheckpointContents checkpointContents();
   void endCheckpoint();
   void writeTrajectory();
   void writeMap();
@@ -102,8 +103,9 @@ class Replay {
   bool has_lost_image_ = false;
   FrameCallback on_frame_;
   double retrack_time_s_;
-  std::optional<std::size_t> next_frame_;     ///< after the newest one
-  std::map<TrackId, SeenTrack> seen_tracks_;  ///< confirmed tracks that may not have ended
+  std::optional<std::size_t> next_frame_;  ///< after the newest one
+  std::map<TrackId, ProgramState::SeenTrack>
+      seen_tracks_;  ///< confirmed tracks that may not have ended
 };
 
 }  // namespace headway::replay

@@ -4,8 +4,10 @@
 #include <headway/map/static_grid.h>
 #include <headway/program/truth_report.h>
 
+#include <algorithm>
 #include <optional>
 
+#include "continuation.h"
 #include "replay.h"
 
 namespace headway::replay {
@@ -22,6 +24,10 @@ std::string titleOf(const std::filesystem::path& folder) {
 
 void Replay::writeCheckpoint() {
   endCheckpoint();
+  checkpoint_.write([this] { return checkpointContents(); });
+}
+
+CheckpointContents Replay::checkpointContents() {
   CheckpointContents contents;
   if (summary_.frame_ms.count() <= kMaxCheckpointFrames) {
     contents.trajectory = perception_->trajectory();
@@ -32,7 +38,12 @@ void Replay::writeCheckpoint() {
   contents.summary = summarised();
   contents.summary.ended_early =
       "killed after the checkpoint at frame " + std::to_string(last_frame_);
-  checkpoint_.write(std::move(contents));
+  ProgramState state{contents.summary, next_frame_, seen_tracks_, writers_.rowCounts()};
+  state.summary.tracks_moving = summary_.tracks_moving;  // of tracks that have ended
+  for (const auto& [name, rows] : state.rows) contents.logs.push_back(folder_.path() / name);
+  contents.map.attachments[kProgramAttachment] = packed(state);
+  contents.map.attachments[kRunAttachment] = perception_->runState();
+  return contents;
 }
 
 void Replay::endCheckpoint() {
@@ -61,6 +72,7 @@ void Replay::finish() {
   attempt([&] {
     summary_ = summarised();
     summary_.observations_skipped = source_->skipped();
+    addEarlierSkipped(summary_);
     writeSummary(folder_.path() / "summary.json", summary_);
   });
   if (!failure) {  // the report is made from the written files
@@ -81,6 +93,7 @@ Summary Replay::summarised() const {
   summary.stages.merge(perception_->times());
   summary.laser = perception_->laserCounts();
   if (const auto skipped = source_->skippedNow()) summary.observations_skipped = *skipped;
+  addEarlierSkipped(summary);
   summary.total_s = secondsSinceProcessStart();
   return summary;
 }

@@ -3,6 +3,7 @@
 #include <headway/program/picture_files.h>
 #include <headway/render/offscreen_renderer.h>
 
+#include <algorithm>
 #include <cstdio>
 
 namespace headway::replay {
@@ -15,6 +16,16 @@ constexpr std::size_t kMaxPathPoses = 20000;  // drawn
 Snapshots::Snapshots(std::filesystem::path folder, int count,
                      std::function<void(const std::string&)> warn)
     : folder_(std::move(folder)), count_(count), warn_(std::move(warn)) {}
+
+void Snapshots::continueRun(const std::vector<Stamped<Pose>>& path) {
+  for (const auto& pose : path) addToPath(pose);
+  const auto pictures = folder_ / "snapshots";
+  if (!std::filesystem::is_directory(pictures)) return;
+  for (const auto& entry : std::filesystem::directory_iterator(pictures)) {
+    if (entry.path().extension() == ".png") written_.push_back(entry.path().filename());
+  }
+  std::sort(written_.begin(), written_.end());
+}
 
 void Snapshots::add(const pipeline::Perception& perception,
                     const pipeline::PerceptionUpdate& update, const RecordedFrame& frame,

@@ -20,6 +20,9 @@ class Snapshots {
  public:
   Snapshots(std::filesystem::path folder, int count, std::function<void(const std::string&)> warn);
 
+  /// Continues a run: keeps its pictures, and draws the way so far.
+  void continueRun(const std::vector<Stamped<Pose>>& path);
+
   /// Stores the frame and draws a picture if one is due.
   ///
   /// @param progress  ratio of the rawlog that is processed, 0 to 1

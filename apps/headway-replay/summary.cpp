@@ -161,6 +161,7 @@ void writeSummary(const std::filesystem::path& path, const Summary& summary) {
   json["laser"] = Json(summary.laser);
   json["observations_skipped"] = Json(summary.observations_skipped);
   json["ended_early"] = summary.ended_early ? Json(*summary.ended_early) : Json();
+  json["continued_after"] = summary.continued_after;
   json["version"] = kVersion;
   json["seed"] = summary.seed;
   writeFile(path, textOf(json));

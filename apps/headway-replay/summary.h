@@ -55,7 +55,8 @@ struct Summary {
   Warnings warnings;
   std::map<std::string, std::size_t> laser;  ///< scans by use, and ends of beams
   std::map<std::string, std::size_t> observations_skipped;
-  std::optional<std::string> ended_early;  ///< reason if the rawlog was not read completely
+  std::optional<std::string> ended_early;    ///< reason if the rawlog was not read completely
+  std::vector<std::size_t> continued_after;  ///< last frames before a kill, of a continued run
   int seed = 0;
 };
 

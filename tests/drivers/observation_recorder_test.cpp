@@ -2,6 +2,9 @@
 #include <headway/core/error.h>
 #include <headway/drivers/observation_recorder.h>
 #include <headway_test/folders.h>
+#include <headway_test/process.h>
+
+#include <fstream>
 
 #include "../io/foreign_recording.h"
 #include "../io/synthetic_recording.h"
@@ -21,6 +24,21 @@ TEST(ObservationRecorderTest, RecordsWhatItIsGiven) {
   const auto frames = io::test::framesOf(path);
   ASSERT_EQ(frames.size(), 5u);
   EXPECT_TRUE(io::test::sameImage(frames[4].stereo->left, io::test::wall(4).left));
+}
+
+TEST(ObservationRecorderTest, AnOlderFileRemainsUntilTheNewOneIsComplete) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder / "live.rawlog";
+  std::ofstream(path) << "older";
+  {
+    ObservationRecorder killed(path);
+    killed.write(io::test::wallObservation(0, io::test::frameTime(0)));
+  }
+  EXPECT_EQ(test::contentsOf(path), "older");
+  ObservationRecorder recorder(path);
+  recorder.write(io::test::wallObservation(0, io::test::frameTime(0)));
+  recorder.close();
+  EXPECT_EQ(io::test::framesOf(path).size(), 1u);
 }
 
 TEST(ObservationRecorderTest, NamesThePathThatCannotBeWritten) {

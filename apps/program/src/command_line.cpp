@@ -179,6 +179,10 @@ bool CommandLine::parse(int argc, const char* const* argv) {
   return true;
 }
 
+bool CommandLine::hasConfiguration() const {
+  return !arguments_->configs.empty() || !arguments_->assignments.empty();
+}
+
 int run(const std::string& program, const std::function<int()>& body) {
   std::signal(SIGXFSZ, SIG_IGN);
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, endAtOnce);

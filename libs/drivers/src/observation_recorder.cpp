@@ -1,4 +1,5 @@
 #include <headway/core/error.h>
+#include <headway/core/output_file.h>
 #include <headway/drivers/observation_recorder.h>
 #include <mrpt/io/CFileGZOutputStream.h>
 #include <mrpt/serialization/CArchive.h>
@@ -8,7 +9,9 @@
 #include <cstring>
 #include <deque>
 #include <exception>
+#include <filesystem>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 namespace headway::drivers {
@@ -17,7 +20,8 @@ class ObservationRecorder::Implementation {
  public:
   Implementation(const std::string& path, std::size_t max_waiting)
       : path_(path), max_waiting_(max_waiting) {
-    if (!file_.open(path, kCompression)) {
+    if (std::filesystem::is_regular_file(path)) replacement_.emplace(path);
+    if (!file_.open(replacement_ ? replacement_->temporaryPath().string() : path, kCompression)) {
       throw InputError(path + ": cannot be written: " + std::strerror(errno));
     }
     thread_ = std::thread([this] { writeAll(); });
@@ -42,6 +46,11 @@ class ObservationRecorder::Implementation {
     end();
     file_.close();
     if (has_failed_) throw InputError(path_ + ": write error; check the disk space");
+    if (replacement_) {
+      replacement_->commit();
+    } else {
+      synchroniseFile(path_);
+    }
   }
 
   std::size_t dropped() const {
@@ -82,7 +91,8 @@ class ObservationRecorder::Implementation {
       1;  ///< of zlib; higher ones cost more than a frame's interval
 
   std::string path_;
-  mrpt::io::CFileGZOutputStream file_;  ///< used by the thread, and after its end
+  std::optional<OutputFile> replacement_;  ///< of an older file
+  mrpt::io::CFileGZOutputStream file_;     ///< used by the thread, and after its end
   std::size_t max_waiting_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;

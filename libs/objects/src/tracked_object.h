@@ -39,6 +39,9 @@ class TrackedObject {
     ++all_misses_;
   }
 
+  [[nodiscard]] TrackId id() const { return id_; }
+  void setId(TrackId id) { id_ = id; }
+
   /// Predicted place of the next detection.
   [[nodiscard]] ExpectedPlace expected() const;
 

@@ -95,6 +95,11 @@ Perception::Perception(std::shared_ptr<const StereoCamera> camera, const Percept
 Perception::~Perception() = default;
 
 void Perception::resume(const map::StoredMap& stored) {
+  load(stored);
+  resumed_ = true;
+}
+
+void Perception::load(const map::StoredMap& stored) {
   if (slam_ == nullptr) {
     throw InputError("a map can only be taken up by a stereo camera, and here are poses alone");
   }
@@ -109,7 +114,6 @@ void Perception::resume(const map::StoredMap& stored) {
     grid_.load(scans->second);
     if (const auto grid = grid_.grid()) map_.update(grid);
   }
-  resumed_ = true;
 }
 
 map::StoredMap Perception::stored() const {
@@ -126,6 +130,7 @@ map::StoredMap Perception::stored() const {
 
 PerceptionUpdate Perception::process(const RecordedFrame& frame) {
   const auto watch = times_.watch("frame");
+  if (repeated_ && frame.index > repeated_->extent.last_frame) endRepetition();
   applyChange();
   const Warnings warnings_before = log_ ? warnings_ : Warnings();
   const map::PerceptionMap map_before = map_;
@@ -152,6 +157,7 @@ PerceptionUpdate Perception::process(const RecordedFrame& frame) {
   expected_ = update.objects.expected;
   last_pose_.reset();
   if (const auto pose = poseOf(update.camera)) last_pose_ = Stamped<Pose>{frame.time, *pose};
+  keepForRepetition(frame);
   logFrame(update, warnings_before);
   callBack(update, map_before);
   return update;
@@ -178,8 +184,8 @@ double Perception::disparityOffset(const RecordedFrame& frame) const {
 
 slam::SlamUpdate Perception::localise(const RecordedFrame& frame, const ObjectDetections& boxes) {
   if (!isLocalisedBySlam(frame)) return useGivenPose(frame);
-  return slam_->process(*boxes.context,
-                        movingRegions(boxes.sources, tracks_, found_.motion, frame.time, *camera_));
+  const auto moving = movingRegions(boxes.sources, tracks_, found_.motion, frame.time, *camera_);
+  return repeated_ ? slam_->repeat(*boxes.context, moving) : slam_->process(*boxes.context, moving);
 }
 
 slam::SlamUpdate Perception::useGivenPose(const RecordedFrame& frame) {
@@ -196,6 +202,7 @@ slam::SlamUpdate Perception::useGivenPose(const RecordedFrame& frame) {
   } else if (!given_poses_.empty()) {
     given.T_map_robot = poseFrom(given_poses_.back().T_map_robot);
   }
+  if (repeated_) return given;
   given_poses_.append(
       {frame.index, frame.time, headway::stored(given.T_map_robot), frame.T_map_robot.has_value()});
   return given;
@@ -237,6 +244,7 @@ void Perception::updateStaticMap() {
 }
 
 void Perception::finish() {
+  if (repeated_) endRepetition();
   if (slam_ == nullptr || !given_poses_.empty()) return;
   slam_->finish();
   map_.update(slam_->map());

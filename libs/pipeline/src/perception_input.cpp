@@ -99,6 +99,7 @@ const Warnings& Perception::warnings() const { return warnings_; }
 
 void Perception::updateGrid(const RecordedFrame& frame, const PerceptionUpdate& update,
                             bool scan_ground) {
+  if (repeated_) return;  // the scans of a repeated run are in the grid
   const Pose& T_map_robot = update.camera.T_map_robot;
   std::optional<GroundScan> scan;
   if (!isTracked(update) || !frame.stereo || camera_ == nullptr ||

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <headway/core/byte_archive.h>
 #include <headway/core/record_log.h>
 #include <headway/slam/map_view.h>
 
@@ -26,6 +27,25 @@ class AnchoredTrajectory {
   /// Anchors the frames of one keyframe to another; both must still be in the map.
   void reassign(KeyframeId from, KeyframeId to, const SparseMap& map);
 
+  /// The pose of a frame in the current map, of its camera.
+  struct Anchored {
+    Time time;
+    Pose T_map_cam;
+    KeyframeId reference;  ///< invalid before the first keyframe
+    bool tracked;
+  };
+  /// nullopt if the frame is not among the newest ones in memory.
+  [[nodiscard]] std::optional<Anchored> find(std::size_t frame, const SparseMap& map) const;
+  /// Index of the newest frame; nullopt before the first one.
+  [[nodiscard]] std::optional<std::size_t> lastFrame() const;
+
+  /// Writes about the newest `count` frames, anchored to keyframes of the map.
+  void write(std::size_t count, const SparseMap& map, ByteWriter& out) const;
+  /// Adds the frames that write() wrote to an empty trajectory.
+  ///
+  /// @throws InputError if they are damaged, not in order, or anchored to no keyframe of the map
+  void read(const SparseMap& map, ByteReader& in);
+
   /// Calls back with the robot poses of all frames, in order, in the current map.
   void visit(const SparseMap& map, const Pose& T_cam_robot,
              const std::function<void(const FrameEstimate&)>& callback) const;
@@ -43,6 +63,10 @@ class AnchoredTrajectory {
     KeyframeId from, to;
     StoredPose T_to_from;
   };
+  /// Calls back with about the newest `count` frames, anchored to keyframes of the map.
+  void visitAnchored(std::size_t count, const SparseMap& map,
+                     const std::function<void(const AnchoredPose&)>& callback) const;
+
   RecordLog<AnchoredPose> frames_;
   RecordLog<Reassignment> moved_;
 };

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <ostream>
 #include <sstream>
 #include <string_view>
@@ -46,6 +47,11 @@ class OutputFile {
 /// Writes a whole file from bytes. @throws InputError if that fails
 void writeFile(const std::filesystem::path& path, std::string_view bytes);
 
+/// Waits until a file's contents are on the disk; file systems that cannot tell are left out.
+///
+/// @throws InputError if that fails
+void synchroniseFile(const std::filesystem::path& path);
+
 /// A file of rows that grows while a program runs. After a kill it lacks at most the rows of the
 /// last second and ends with a whole row, unless the kill fell into the microseconds in which the
 /// system appends a row to two pages of the file.
@@ -55,8 +61,12 @@ void writeFile(const std::filesystem::path& path, std::string_view bytes);
 ///     file.endRows();
 class GrowingFile {
  public:
-  /// Creates the file, or empties it. @throws InputError if it cannot be written
-  explicit GrowingFile(const std::filesystem::path& path);
+  /// Creates the file, or empties it, or continues it after its first rows.
+  ///
+  /// @param kept_rows  of an existing file, whose other rows are removed; nullopt: a new file
+  /// @throws InputError if it cannot be written, or has fewer rows
+  explicit GrowingFile(const std::filesystem::path& path,
+                       std::optional<std::size_t> kept_rows = std::nullopt);
   ~GrowingFile();
   GrowingFile(const GrowingFile&) = delete;
   GrowingFile& operator=(const GrowingFile&) = delete;
@@ -70,6 +80,8 @@ class GrowingFile {
   void flush();
   /// Ends the file and synchronises it with the disk. @throws InputError as flush()
   void close();
+  /// Rows handed to the system so far, with the kept ones.
+  [[nodiscard]] std::size_t rowCount() const { return row_count_; }
 
  private:
   void write(std::string_view rows);
@@ -77,6 +89,7 @@ class GrowingFile {
   std::filesystem::path path_;
   int file_;  ///< descriptor; -1 when closed
   std::ostringstream rows_;
+  std::size_t row_count_;
   std::chrono::steady_clock::time_point flushed_;
 };
 

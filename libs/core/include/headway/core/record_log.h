@@ -2,10 +2,12 @@
 
 #include <headway/core/pose.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <deque>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace headway {
@@ -58,6 +60,7 @@ class RecordLog {
   [[nodiscard]] const Record& back() const { return recent_.back(); }
   /// Records in memory, oldest first.
   [[nodiscard]] std::deque<Record>& recent() { return recent_; }
+  [[nodiscard]] const std::deque<Record>& recent() const { return recent_; }
   /// Number of records in the file.
   [[nodiscard]] std::size_t filed() const { return file_.size() / sizeof(Record); }
   [[nodiscard]] std::size_t dropped() const { return dropped_; }
@@ -65,8 +68,16 @@ class RecordLog {
   /// Calls visit(record) with all records, oldest first, apart from unreadable ones.
   template <typename Visitor>
   void visit(Visitor&& visit) const {
+    visitNewest(filed() + recent_.size(), std::forward<Visitor>(visit));
+  }
+  /// The same with about the newest `count` records, at least those in memory.
+  template <typename Visitor>
+  void visitNewest(std::size_t count, Visitor&& visit) const {
     std::vector<Record> block(kBlock);
-    for (std::size_t at = 0; at < file_.size(); at += kBlock * sizeof(Record)) {
+    const std::size_t all = filed() + recent_.size();
+    const std::size_t left_out = all > count ? std::min(all - count, filed()) / kBlock : 0;
+    for (std::size_t at = left_out * kBlock * sizeof(Record); at < file_.size();
+         at += kBlock * sizeof(Record)) {
       if (!file_.read(at, block.data(), kBlock * sizeof(Record))) continue;
       for (const Record& record : block) visit(record);
     }

@@ -11,7 +11,8 @@ namespace headway::drivers {
 /// Writes live observations to a rawlog in a thread of its own.
 ///
 /// If the disk is slower than the sensors, observations above `max_waiting` are dropped and
-/// counted; the rawlog then lacks them.
+/// counted; the rawlog then lacks them. A new file grows under its name, so that a killed program
+/// leaves what it wrote; an older file of that name remains until the new one is complete.
 class ObservationRecorder {
  public:
   /// @throws InputError if the file cannot be written

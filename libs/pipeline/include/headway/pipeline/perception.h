@@ -13,10 +13,12 @@
 #include <headway/pipeline/lost_diagnosis.h>
 #include <headway/pipeline/mount_check.h>
 #include <headway/pipeline/perception_host.h>
+#include <headway/pipeline/run_state.h>
 #include <headway/pipeline/stereo_check.h>
 #include <headway/slam/stereo_slam.h>
 #include <headway/stereo/rig_capability.h>
 
+#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -104,6 +106,18 @@ class Perception {
   /// The map as stored in a file, with the data for resume(), without configuration.
   [[nodiscard]] map::StoredMap stored() const;
 
+  /// What a checkpoint of a run contains beside the map, as bytes for continueRun().
+  [[nodiscard]] std::string runState() const;
+
+  /// Continues a run, before the first frame. Its frames from RunExtent::repeat_from on should be
+  /// processed again: they get the poses of the run, change neither map nor trajectory, and restore
+  /// what detectors and tracks remember. Their updates are no new results. Tracks then have the ids
+  /// that they had, and frames with greater indices continue the run.
+  ///
+  /// @param stored  of the same moment as `run_state`
+  /// @throws InputError as resume()
+  void continueRun(const map::StoredMap& stored, const std::string& run_state);
+
   /// Processes one frame. Times increase; an earlier time than the last frame's means that the
   /// clock was set back, and ends all tracks.
   ///
@@ -163,6 +177,10 @@ class Perception {
   [[nodiscard]] StageTimes times() const;
 
  private:
+  void load(const map::StoredMap& stored);
+  /// Ends the repetition of a run that is continued, at its first new frame.
+  void endRepetition();
+  void keepForRepetition(const RecordedFrame& frame);
   [[nodiscard]] bool hasGridTurn(const RecordedFrame& frame);
   [[nodiscard]] std::optional<stereo::FrameContext> contextOf(const RecordedFrame& frame);
   [[nodiscard]] bool isLocalisedBySlam(const RecordedFrame& frame) const;
@@ -218,13 +236,15 @@ class Perception {
   std::size_t lost_frames_ = 0;                              ///< in succession
   Eigen::Vector3d last_position_ = Eigen::Vector3d::Zero();  ///< of the robot, or as predicted
   std::map<std::string, std::size_t> laser_counts_;
-  std::optional<Time> last_time_;                  ///< of the newest frame
-  std::optional<Stamped<Pose>> last_pose_;         ///< in the newest tracked frame
-  bool resumed_ = false;                           ///< the map frame is a stored map's
-  FrameDetections found_;                          ///< in the newest frame
-  std::vector<Track> tracks_;                      ///< of the previous frame
-  std::vector<ExpectedObject> expected_;           ///< as of the previous frame
-  RecordLog<GivenPose> given_poses_;               ///< frames with recorded pose
+  std::optional<Time> last_time_;                   ///< of the newest frame
+  std::optional<Stamped<Pose>> last_pose_;          ///< in the newest tracked frame
+  bool resumed_ = false;                            ///< the map frame is a stored map's
+  FrameDetections found_;                           ///< in the newest frame
+  std::vector<Track> tracks_;                       ///< of the previous frame
+  std::vector<ExpectedObject> expected_;            ///< as of the previous frame
+  RecordLog<GivenPose> given_poses_;                ///< frames with recorded pose
+  std::deque<Stamped<std::size_t>> recent_frames_;  ///< to repeat in a run that continues this one
+  std::optional<RunState> repeated_;  ///< end of the run that is repeated, until it is reached
   stereo::DisparityOffset offset_at_given_poses_;  ///< where SLAM does not estimate it
   StageTimes times_;
 };

@@ -111,6 +111,21 @@ class StereoSlam {
   /// @throws InputError if the bytes are cut off, damaged, of another version or of another camera
   void load(const std::string& bytes);
 
+  /// What continues a run beside the map of save(): trajectory and uncertainty, as bytes.
+  ///
+  /// @param max_frames  of the trajectory that are stored at least, the newest ones
+  [[nodiscard]] std::string saveRun(std::size_t max_frames) const;
+
+  /// Continues a run, after load(): its frames are part of the trajectory, and the camera is where
+  /// it was. The last frames of the run may be repeated before the first new one.
+  ///
+  /// @throws InputError if the bytes are cut off or damaged
+  void loadRun(const std::string& bytes);
+
+  /// Takes a frame of the run that was loaded again, with the pose that it got in the run, so that
+  /// the next frame can be tracked from it. Map and trajectory do not change.
+  [[nodiscard]] SlamUpdate repeat(const stereo::FrameContext& frame, const MovingRegions& moving);
+
   /// Waits for a running background search for loops and adjustment and applies both, at the end of
   /// a recording. More frames may follow.
   void finish();

@@ -1,0 +1,198 @@
+// The parts of Perception that store a run and continue it.
+#include <headway/core/byte_archive.h>
+#include <headway/core/error.h>
+#include <headway/pipeline/perception.h>
+
+#include <algorithm>
+#include <set>
+#include <tuple>
+#include <vector>
+
+namespace headway::pipeline {
+namespace {
+
+constexpr std::uint32_t kVersion = 1;
+constexpr std::size_t kMaxFrames = 500000;  // of the stored trajectory
+
+void write(const std::map<std::string, std::size_t>& counts, ByteWriter& out) {
+  out.count(counts.size());
+  for (const auto& [name, count] : counts) {
+    out.text(name);
+    out.count(count);
+  }
+}
+
+void write(const Warnings& warnings, ByteWriter& out) {
+  out.count(warnings.size());
+  for (const auto& [name, warning] : warnings) {
+    out.text(name);
+    out.count(warning.count);
+    out.count(warning.first_frame);
+    out.text(warning.text);
+  }
+}
+
+void write(const RunState& state, ByteWriter& out) {
+  out.value(kVersion);
+  out.count(state.extent.last_frame);
+  out.value(state.extent.last_time);
+  out.count(state.extent.repeat_from);
+  out.count(state.grid_frames);
+  out.value(state.next_track_id);
+  out.count(state.tracks.size());
+  for (const auto& [id, position] : state.tracks) {
+    out.value(id.value);
+    out.matrix(position);
+  }
+  write(state.warnings, out);
+  write(state.laser_counts, out);
+}
+
+RunExtent readExtent(ByteReader& in) {
+  const auto version = in.value<std::uint32_t>();
+  if (version != kVersion) {
+    throw InputError("the run in it is of version " + std::to_string(version) +
+                     ", this program reads version " + std::to_string(kVersion));
+  }
+  RunExtent extent;
+  extent.last_frame = in.value<std::uint64_t>();
+  extent.last_time = in.finiteValue<double>();
+  extent.repeat_from = in.value<std::uint64_t>();
+  if (extent.repeat_from > extent.last_frame) throw InputError("damaged: no frames to repeat");
+  return extent;
+}
+
+RunState readState(ByteReader& in) {
+  RunState state;
+  state.extent = readExtent(in);
+  state.grid_frames = in.value<std::uint64_t>();
+  state.next_track_id = in.value<std::int64_t>();
+  for (auto left = in.value<std::uint64_t>(); left > 0; --left) {
+    const TrackId id{in.value<std::int64_t>()};
+    if (!id.valid() || id.value >= state.next_track_id) {
+      throw InputError("damaged: a track has no valid id");
+    }
+    state.tracks[id] = in.finiteMatrix<Eigen::Vector3d>();
+  }
+  for (auto left = in.value<std::uint64_t>(); left > 0; --left) {
+    const std::string name = in.text();
+    Warning& warning = state.warnings[name];
+    warning.count = in.value<std::uint64_t>();
+    warning.first_frame = in.value<std::uint64_t>();
+    warning.text = in.text();
+  }
+  for (auto left = in.value<std::uint64_t>(); left > 0; --left) {
+    const std::string name = in.text();
+    state.laser_counts[name] = in.value<std::uint64_t>();
+  }
+  return state;
+}
+
+void write(const RecordLog<GivenPose>& poses, ByteWriter& out) {
+  ByteWriter records;
+  std::size_t count = 0;
+  poses.visitNewest(kMaxFrames, [&](const GivenPose& given) {
+    records.count(given.frame);
+    records.value(given.time);
+    records.values(given.T_map_robot.values);
+    records.value<std::uint8_t>(given.is_given ? 1 : 0);
+    ++count;
+  });
+  out.count(count);
+  out.bytes += records.bytes;
+}
+
+void read(ByteReader& in, RecordLog<GivenPose>& poses) {
+  for (auto left = in.value<std::uint64_t>(); left > 0; --left) {
+    GivenPose given{};
+    given.frame = in.value<std::uint64_t>();
+    given.time = in.finiteValue<double>();
+    for (double& x : given.T_map_robot.values) x = in.finiteValue<double>();
+    given.is_given = in.value<std::uint8_t>() != 0;
+    poses.append(given);
+  }
+}
+
+/// Ids of a repeated run's tracks in the run, by the id in the repetition: nearest pairs first.
+std::map<TrackId, TrackId> idsInRun(const std::map<TrackId, Eigen::Vector3d>& repeated,
+                                    const std::map<TrackId, Eigen::Vector3d>& in_run) {
+  constexpr double kMaxDistance = 2.0;  // [m]
+  std::vector<std::tuple<double, TrackId, TrackId>> pairs;
+  for (const auto& [a, position] : repeated) {
+    for (const auto& [b, position_in_run] : in_run) {
+      const double distance = (position - position_in_run).norm();
+      if (distance < kMaxDistance) pairs.emplace_back(distance, a, b);
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  std::map<TrackId, TrackId> ids;
+  std::set<TrackId> taken;
+  for (const auto& [distance, a, b] : pairs) {
+    if (ids.count(a) > 0 || !taken.insert(b).second) continue;
+    ids[a] = b;
+  }
+  return ids;
+}
+
+}  // namespace
+
+RunExtent extentOf(const std::string& run_state) {
+  ByteReader in(run_state);
+  return readExtent(in);
+}
+
+std::string Perception::runState() const {
+  RunState state;
+  if (!recent_frames_.empty()) {
+    const auto& last = recent_frames_.back();
+    state.extent = {last.value, last.time, recent_frames_.front().value};
+  }
+  state.grid_frames = grid_frames_;
+  state.next_track_id = tracker_.nextId();
+  state.tracks = tracker_.positions();
+  state.warnings = warnings_;
+  state.laser_counts = laser_counts_;
+  ByteWriter out;
+  write(state, out);
+  write(given_poses_, out);
+  out.text(slam_ != nullptr && given_poses_.empty() ? slam_->saveRun(kMaxFrames) : "");
+  return std::move(out.bytes);
+}
+
+void Perception::continueRun(const map::StoredMap& stored, const std::string& run_state) {
+  ByteReader in(run_state);
+  RunState state = readState(in);
+  read(in, given_poses_);
+  const std::string slam = in.text();
+  if (!in.atEnd()) throw InputError("damaged: there are data after the end of the run");
+  if (!slam.empty()) {
+    load(stored);
+    slam_->loadRun(slam);
+  }
+  repeated_ = std::move(state);
+}
+
+/// Detectors and tracks remember less than these frames.
+void Perception::keepForRepetition(const RecordedFrame& frame) {
+  constexpr std::size_t kMinFrames = 40;
+  constexpr double kMinTime = 10.0;  // [s]
+  if (!recent_frames_.empty() && frame.time <= recent_frames_.back().time) recent_frames_.clear();
+  recent_frames_.push_back({frame.time, frame.index});
+  while (recent_frames_.size() > kMinFrames &&
+         frame.time - recent_frames_.front().time > kMinTime) {
+    recent_frames_.pop_front();
+  }
+}
+
+void Perception::endRepetition() {
+  const auto ids =
+      tracker_.rename(idsInRun(tracker_.positions(), repeated_->tracks), repeated_->next_track_id);
+  for (Track& track : tracks_) track.id = ids.at(track.id);
+  for (ExpectedObject& object : expected_) object.track = ids.at(object.track);
+  warnings_ = std::move(repeated_->warnings);
+  laser_counts_ = std::move(repeated_->laser_counts);
+  grid_frames_ = repeated_->grid_frames;
+  repeated_.reset();
+}
+
+}  // namespace headway::pipeline
