@@ -41,6 +41,7 @@ bool parse(Options& options, int argc, const char** argv) {
 struct Results {
   eval::MovingObjectError error;
   eval::MovingObjectError with_coasting;
+  eval::LabelledObjectError labelled;
   eval::ObjectMotionErrors motion;
   eval::ObjectMotionErrors motion_velocity;
   eval::ObjectMotionErrors motion_smoothed;
@@ -50,6 +51,7 @@ Results evaluate(const eval::MovingObjectInput& input, const std::string& replay
   eval::MovingObjectParams params;
   Results results;
   results.error = eval::movingObjectError(input, params);
+  results.labelled = eval::labelledObjectError(input, params);
   params.with_coasting = true;
   results.with_coasting = eval::movingObjectError(input, params);
   const auto& matches = results.error.matches;
@@ -64,6 +66,7 @@ Results evaluate(const eval::MovingObjectInput& input, const std::string& replay
 nlohmann::ordered_json figures(const Results& results) {
   auto json = eval::toJson(results.error);
   json["with_coasting"] = eval::toJson(results.with_coasting);
+  json["labelled"] = eval::toJson(results.labelled);
   json["motion"] = eval::toJson(results.motion);
   json["motion_velocity"] = eval::toJson(results.motion_velocity);
   json["motion_smoothed"] = eval::toJson(results.motion_smoothed);
@@ -92,7 +95,8 @@ void report(const Results& results) {
   reportTracks(results.error);
   const auto& coasting = results.with_coasting.all;
   std::cout << "with coasting tracks: recall " << plot::percentText(coasting.recall(), 1)
-            << " %, precision " << plot::percentText(coasting.precision(), 1) << " %\n";
+            << " %, precision " << plot::percentText(coasting.precision(), 1) << " %\n\n";
+  plot::writeTable(std::cout, eval::tableOf(results.labelled));
   const auto motion = [](const std::string& title, const eval::ObjectMotionErrors& errors) {
     std::cout << "\n" << title << "\n\n";
     plot::writeTable(std::cout, eval::tableOf(errors));

@@ -60,6 +60,25 @@ struct Scene {
   MovingObjectInput input;
 };
 
+TEST(LabelledObjectErrorTest, CountsNearVisibleLabelsAndTheClassOfTheirTracks) {
+  Scene scene;
+  scene.addLabels(1, ObjectClass::kVan, 0.0, 15.0, 0.0);
+  scene.addLabels(2, ObjectClass::kCyclist, 6.0, 20.0, 0.0);
+  scene.addLabels(3, ObjectClass::kCar, 6.0, 35.0, 0.0);               // too far
+  scene.addLabels(4, ObjectClass::kCar, -6.0, 15.0, 0.0, kFrames, 2);  // too occluded
+  for (int k = 0; k < 15; ++k) scene.addRow(k, 7, ObjectClass::kCar, 0.5, 15.0).moving = false;
+  for (int k = 0; k < 10; ++k) scene.addRow(k, 8, ObjectClass::kPedestrian, 6.0, 20.5);
+  scene.addRow(11, 8, ObjectClass::kCyclist, 6.0, 20.5).coasting = true;
+  scene.addRow(12, 9, ObjectClass::kCar, 12.0, 20.0);  // of an object without label
+  const auto error = labelledObjectError(scene.input, {});
+  EXPECT_EQ(40u, error.all.labels);
+  EXPECT_EQ(25u, error.all.found);
+  EXPECT_EQ(15u, error.all.found_as_class) << "a van may be called a car";
+  EXPECT_NEAR(15.0 / 25.0, *error.all.classRatio(), 1e-12);
+  EXPECT_NEAR(0.5, *error.classes.at("Cyclist").recall(), 1e-12);
+  EXPECT_EQ(0u, error.classes.count("Car"));
+}
+
 TEST(MovingObjectErrorTest, CountsFoundLabelsByClassRangeAndOcclusion) {
   Scene scene;
   scene.addLabels(1, ObjectClass::kVan, 0.0, 15.0, 2.0, kFrames, 2);

@@ -82,6 +82,23 @@ OrderedJson toJson(const MovingObjectError& error) {
   return json;
 }
 
+OrderedJson toJson(const LabelledObjectError& error) {
+  const auto counts = [](const LabelledObjectCounts& c) {
+    return OrderedJson{{"recall", valueOrNull(c.recall())},
+                       {"class_ratio", valueOrNull(c.classRatio())},
+                       {"labels", c.labels},
+                       {"found", c.found},
+                       {"found_as_class", c.found_as_class}};
+  };
+  OrderedJson json;
+  json["max_range_m"] = error.max_range_m;
+  json["max_occlusion"] = error.max_occlusion;
+  json["all"] = counts(error.all);
+  json["classes"] = OrderedJson::object();
+  for (const auto& [name, of_class] : error.classes) json["classes"][name] = counts(of_class);
+  return json;
+}
+
 OrderedJson toJson(const ObjectMotionErrors& errors) {
   OrderedJson json;
   json["translation_rmse_m"] = valueOrNull(errors.translation_rmse_m);
@@ -110,6 +127,20 @@ plot::TextTable tableOf(const MovingObjectError& error) {
   for (const auto& [name, counts] : error.classes) addRow(table, name, counts);
   for (const auto& [name, counts] : error.ranges) addRow(table, name + " m", counts);
   for (const auto& [name, counts] : error.occlusion) addRow(table, "occlusion " + name, counts);
+  return table;
+}
+
+plot::TextTable tableOf(const LabelledObjectError& error) {
+  plot::TextTable table = {{"labels to " + plot::fixedText(error.max_range_m, 0) +
+                                " m, occlusion to " + std::to_string(error.max_occlusion),
+                            "recall %", "labels", "found", "class right %", "as class"}};
+  const auto add = [&](const std::string& name, const LabelledObjectCounts& counts) {
+    table.push_back({name, plot::percentText(counts.recall(), 1), std::to_string(counts.labels),
+                     std::to_string(counts.found), plot::percentText(counts.classRatio(), 1),
+                     std::to_string(counts.found_as_class)});
+  };
+  add("all", error.all);
+  for (const auto& [name, counts] : error.classes) add(name, counts);
   return table;
 }
 

@@ -6,6 +6,7 @@
 
 namespace headway::eval {
 
+struct LabelledObjectError;
 struct MovingObjectError;
 struct ObjectMotionErrors;
 struct PredictionErrors;
@@ -17,6 +18,7 @@ struct TrajectoryError;
 [[nodiscard]] nlohmann::ordered_json toJson(const TrackErrors& errors);
 [[nodiscard]] nlohmann::ordered_json toJson(const PredictionErrors& errors);
 [[nodiscard]] nlohmann::ordered_json toJson(const MovingObjectError& error);
+[[nodiscard]] nlohmann::ordered_json toJson(const LabelledObjectError& error);
 [[nodiscard]] nlohmann::ordered_json toJson(const ObjectMotionErrors& errors);
 
 /// One row per figure: name, value, unit.
@@ -27,6 +29,8 @@ struct TrajectoryError;
 
 /// One row for all labels, and one per class, range and occlusion.
 [[nodiscard]] plot::TextTable tableOf(const MovingObjectError& error);
+/// One row for all labels within the range and occlusion, and one per class.
+[[nodiscard]] plot::TextTable tableOf(const LabelledObjectError& error);
 /// One row per object, and one for their means.
 [[nodiscard]] plot::TextTable tableOf(const ObjectMotionErrors& errors);
 

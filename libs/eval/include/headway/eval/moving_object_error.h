@@ -96,6 +96,32 @@ struct MovingObjectError {
   [[nodiscard]] std::optional<double> falseTracksPer100Frames() const;
 };
 
+/// Labelled objects, moving or not, and the confirmed tracks near them.
+struct LabelledObjectCounts {
+  std::size_t labels = 0;
+  std::size_t found = 0;           ///< with a confirmed row of their own near them
+  std::size_t found_as_class = 0;  ///< with one of their class (Van counts as Car)
+
+  [[nodiscard]] std::optional<double> recall() const;
+  /// Ratio of found labels whose row has their class.
+  [[nodiscard]] std::optional<double> classRatio() const;
+};
+
+/// Labels that a detector should find: near and visible.
+struct LabelledObjectError {
+  double max_range_m = 30.0;
+  int max_occlusion = 1;  ///< KITTI's 0 to 3
+  LabelledObjectCounts all;
+  std::map<std::string, LabelledObjectCounts> classes;  ///< of the labels
+};
+
+/// Evaluates which labelled objects have a confirmed track, whether they move or not.
+///
+/// Labels and rows are paired one to one at minimum distance; rows of unlabelled objects are not
+/// counted, because data sets do not label every parked car.
+[[nodiscard]] LabelledObjectError labelledObjectError(const MovingObjectInput& input,
+                                                      const MovingObjectParams& params);
+
 /// Evaluates which moving objects a tracker finds, and what it takes for one.
 ///
 /// A label is found if a moving row is within the maximum distance of it, on the ground (x and z of
