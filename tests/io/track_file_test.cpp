@@ -148,6 +148,7 @@ TEST_F(TrackFileTest, TrackCsvSurvivesTheRoundTrip) {
   sample.track.yaw = -3.0;
   sample.track.size = {4, 2, 1.5};
   sample.track.position_covariance << 0.25, 0.0625, 0, 0.0625, 0.5, 0, 0, 0, 1;
+  sample.track.velocity_covariance << 0.5, -0.125, -0.125, 2.0;
   std::ostringstream text;
   text << trackCsvHeader() << "\n";
   writeTrackCsv(text, sample);
@@ -163,6 +164,7 @@ TEST_F(TrackFileTest, TrackCsvSurvivesTheRoundTrip) {
   EXPECT_EQ(sample.track.velocity, read[0].track.velocity);
   EXPECT_EQ(sample.track.size, read[0].track.size);
   EXPECT_EQ(sample.track.position_covariance, read[0].track.position_covariance);
+  EXPECT_EQ(sample.track.velocity_covariance, read[0].track.velocity_covariance);
 }
 
 TEST_F(TrackFileTest, TrackCsvMayHaveFurtherColumnsInAnyOrder) {
@@ -172,13 +174,14 @@ TEST_F(TrackFileTest, TrackCsvMayHaveFurtherColumnsInAnyOrder) {
               "vz,var_x,var_y,cov_xy\n0.5,1,0.1,2,Car,confirmed,0,1,2,3,0,4,5,6,0,0,0,1,1,0\n"));
   ASSERT_EQ(1u, read.size());
   EXPECT_EQ(3.0, read[0].track.position.z());
+  EXPECT_TRUE(read[0].track.velocity_covariance.isZero()) << "files of older versions";
 }
 
 TEST_F(TrackFileTest, TrackCsvErrorsNameFileAndLine) {
   const auto message = [&](const std::string& text) {
     return test::errorOf([&] { (void)readTrackCsv(written("t.csv", text)); });
   };
-  const std::string header = trackCsvHeader() + "\n";
+  const std::string header = objectCsvHeader() + "\n";
   EXPECT_THAT(message(""), HasSubstr("header line is missing"));
   EXPECT_THAT(message("frame,time\n"), HasSubstr("t.csv:1: column 'track_id' is missing"));
   EXPECT_THAT(message(header + "1,2\n"), HasSubstr("t.csv:2: has 2 fields"));

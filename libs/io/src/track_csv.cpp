@@ -41,34 +41,46 @@ TrackSample trackSample(const TextRows& rows, const CsvColumns& columns) {
   track.position_covariance(0, 0) = number("var_x");
   track.position_covariance(1, 1) = number("var_y");
   track.position_covariance(0, 1) = track.position_covariance(1, 0) = number("cov_xy");
+  const auto optional = [&](const char* name) {
+    const auto column = columns.find(name);
+    return column ? rows.number(*column) : 0.0;
+  };
+  track.velocity_covariance(0, 0) = optional("var_vx");
+  track.velocity_covariance(1, 1) = optional("var_vy");
+  track.velocity_covariance(0, 1) = track.velocity_covariance(1, 0) = optional("cov_vxvy");
   track.last_seen = sample.time;
   return sample;
 }
 
 }  // namespace
 
-std::string trackCsvHeader() {
+std::string objectCsvHeader() {
   return "frame,time,track_id,class,status,moving,x,y,z,yaw,length,width,height,vx,vy,vz,var_x,"
          "var_y,cov_xy";
 }
+
+std::string trackCsvHeader() { return objectCsvHeader() + ",var_vx,var_vy,cov_vxvy"; }
 
 void writeTrackCsv(std::ostream& out, const TrackSample& row) {
   const Track& track = row.track;
   out << formatted("%zu,%.9f,%lld,", row.frame, row.time, static_cast<long long>(track.id.value))
       << toString(track.object_class) << ',' << toString(track.status)
-      << formatted(",%d,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.9g,%.9g,%.9g\n",
-                   isMoving(track) ? 1 : 0, track.position.x(), track.position.y(),
-                   track.position.z(), track.yaw, track.size.x(), track.size.y(), track.size.z(),
-                   track.velocity.x(), track.velocity.y(), track.velocity.z(),
-                   track.position_covariance(0, 0), track.position_covariance(1, 1),
-                   track.position_covariance(0, 1));
+      << formatted(
+             ",%d,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.9g,%.9g,%.9g,"
+             "%.9g,%.9g,%.9g\n",
+             isMoving(track) ? 1 : 0, track.position.x(), track.position.y(), track.position.z(),
+             track.yaw, track.size.x(), track.size.y(), track.size.z(), track.velocity.x(),
+             track.velocity.y(), track.velocity.z(), track.position_covariance(0, 0),
+             track.position_covariance(1, 1), track.position_covariance(0, 1),
+             track.velocity_covariance(0, 0), track.velocity_covariance(1, 1),
+             track.velocity_covariance(0, 1));
 }
 
 std::vector<TrackSample> readTrackCsv(const std::string& path) {
   std::vector<TrackSample> samples;
   TextRows rows(path);
   if (!rows.next()) throw InputError(path + ": is empty; the header line is missing");
-  const CsvColumns columns(rows, trackCsvHeader());
+  const CsvColumns columns(rows, objectCsvHeader());
   while (rows.next()) {
     columns.requireComplete(rows);
     samples.push_back(trackSample(rows, columns));

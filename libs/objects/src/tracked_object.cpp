@@ -1,5 +1,6 @@
 #include "tracked_object.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -202,6 +203,8 @@ std::optional<Box2d> TrackedObject::imageBoxAt(Time time, const Eigen::Vector3d&
 
 void TrackedObject::finalise(std::size_t window, Time time, std::vector<TrackSample>& samples) {
   const Track shown_now = shownAt(time);  // before its path is removed
+  track.velocity_covariance = filter_.velocityCovariance();
+  if (!motion_class_.moving()) shrinkVelocity(track);
   const std::vector<TrajectoryPoint> finalised = trajectory_.finalise(window);
   if (!confirmed_) return;
   for (std::size_t j = 0; j < finalised.size(); ++j) {
@@ -214,6 +217,21 @@ void TrackedObject::finalise(std::size_t window, Time time, std::vector<TrackSam
     sample.track.position = point.position;
     sample.track.yaw = point.yaw;
     if (next.time > point.time) {
+// The estimate with a zero-mean prior, whose sigma is the speed from which such objects count as
+// moving. A velocity that contradicts the classification shows that its covariance is too small.
+void TrackedObject::shrinkVelocity(Track& track) const {
+  const double limit = params_.motion_class.moving_speed_mps.of(group());
+  const Eigen::Matrix2d prior = limit * limit * Eigen::Matrix2d::Identity();
+  const Eigen::Vector2d velocity = track.velocity.head<2>();
+  Eigen::Matrix2d covariance = track.velocity_covariance;
+  const double excess = velocity.dot((prior + covariance).inverse() * velocity);
+  covariance *= std::max(1.0, excess);
+  const Eigen::Matrix2d gain = prior * (prior + covariance).inverse();
+  track.velocity.head<2>() = gain * velocity;
+  track.velocity.z() *= 0.5 * gain.trace();
+  track.velocity_covariance = gain * covariance;
+}
+
       sample.track.velocity = (next.position - point.position) / (next.time - point.time);
     }
     sample.track.recent_path.clear();
@@ -222,3 +240,5 @@ void TrackedObject::finalise(std::size_t window, Time time, std::vector<TrackSam
 }
 
 }  // namespace headway::objects
+      sample.track.velocity_covariance = filter_.velocityCovariance();
+      if (!motion_class_.moving()) shrinkVelocity(sample.track);

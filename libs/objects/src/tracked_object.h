@@ -82,6 +82,8 @@ class TrackedObject {
   void keepEvidence(Time time, const MeasuredBox& detection);
   void confirm();
   [[nodiscard]] Eigen::Vector3d positionAt(Time time) const;
+  /// The velocity of a track that is not classified as moving.
+  void shrinkVelocity(Track& track) const;
 
   ObjectsParams params_;
   TrackId id_;

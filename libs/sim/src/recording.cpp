@@ -86,7 +86,7 @@ Detections truthDetections(const SimFrame& frame) {
   return truth;
 }
 
-/// `tracks.csv`'s columns and `visible`.
+/// The columns of io::objectCsvHeader() and `visible`.
 void writeObjectRow(std::ostream& out, const SimFrame& frame, const TruthObject& object) {
   const double speed = object.velocity.norm();
   out << frame.index << ',' << std::fixed << std::setprecision(6) << frame.time << ',' << object.id
@@ -129,7 +129,7 @@ class Recording::Files {
         objects_(std::filesystem::path(folder_) / "objects.csv") {
     if (options.masks) madeFolder(folder_ + "/masks");
     if (options.depth) madeFolder(folder_ + "/depth");
-    objects_.stream() << io::trackCsvHeader() << ",visible\n";
+    objects_.stream() << io::objectCsvHeader() << ",visible\n";
     writeFile(folder_ + "/world.ini", world_ini);
     writeKittiCalibration(folder_ + "/calib.txt", camera);
     writeYamlCalibration(folder_ + "/calibration.yaml", camera, recorded);

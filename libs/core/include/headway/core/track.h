@@ -43,8 +43,8 @@ struct PredictedPoint {
 
 /// One predicted path. A track's paths are ordered from the most probable down.
 struct PredictedPath {
-  int mode = 0;              ///< number of the hypothesis, constant over frames
-  double probability = 1.0;  ///< sums to 1 over the paths of one track
+  int mode = 0;                        ///< number of the hypothesis, constant over frames
+  double probability = 1.0;            ///< sums to 1 over the paths of one track
   std::vector<PredictedPoint> points;  ///< horizons 0.1 s, 0.2 s, ... 3.0 s
 };
 
@@ -70,6 +70,7 @@ struct Track {
   double yaw_rate = 0.0;                               ///< [rad/s]
   Eigen::Vector3d size = Eigen::Vector3d::Zero();      ///< (length, width, height) [m]
   Eigen::Matrix3d position_covariance = Eigen::Matrix3d::Identity();  ///< map frame [m^2]
+  Eigen::Matrix2d velocity_covariance = Eigen::Matrix2d::Identity();  ///< of (x, y) [m^2/s^2]
 
   std::optional<Box2d> box2d;                ///< as last observed, predicted to this frame [px]
   Time first_seen = 0.0;                     ///< [s]

@@ -36,9 +36,13 @@ void writeKittiLabel(std::ostream& out, const KittiRow& row, bool with_visible);
 /// The row's box as a detection (score and id kept); nullopt if its class is unknown.
 [[nodiscard]] std::optional<Detection> detectionFrom(const KittiRow& row);
 
-/// The header line of `tracks.csv` and `tracks_smoothed.csv`.
+/// The columns of a true object in `objects.csv`, without its `visible`.
+[[nodiscard]] std::string objectCsvHeader();
+/// The header line of `tracks.csv` and `tracks_smoothed.csv`: the same, and the covariance of the
+/// velocity.
 [[nodiscard]] std::string trackCsvHeader();
 void writeTrackCsv(std::ostream& out, const TrackSample& row);
+/// Reads either; without its columns a velocity's covariance is 0.
 [[nodiscard]] std::vector<TrackSample> readTrackCsv(const std::string& path);
 
 /// One row of `predictions.csv`.
