@@ -3,6 +3,7 @@
 
 #include <cstdio>
 
+#include "check_model.h"
 #include "continuation.h"
 #include "replay.h"
 
@@ -26,6 +27,8 @@ int main(int argc, char** argv) {
     options.quiet = line.quiet() || line.verbosity() > mrpt::system::LVL_INFO;
     options.debug = line.verbosity() == mrpt::system::LVL_DEBUG;
     headway::replay::check(options);
+    const auto& network = perception_params.detection.detect.network;
+    if (headway::replay::checkModel(options.check_model, network)) return headway::program::kDone;
     if (!options.continued.empty()) {
       if (line.hasConfiguration()) {
         throw headway::program::UsageError("--continue: the configuration is that of the run");

@@ -15,6 +15,8 @@ void describe(Options& options, program::CommandLine& line) {
   line.option(options.detector, 0, "detector", "NAME",
               "Source of boxes: auto, none, recorded (rawlog or --detections), stereo_motion, "
               "dnn, hog, or several joined by +; default: detect.detector of the configuration");
+  line.option(options.check_model, 0, "check-model", "FILE",
+              "Run this network on a bundled frame and print what it detects; no -i, no -o");
   line.option(options.sensor_label, 0, "sensor-label", "LABEL",
               "Stereo camera to use if the rawlog contains several");
   line.option(options.load_map, 0, "load-map", "FILE",
@@ -50,6 +52,10 @@ void checkContinued(const Options& options) {
 
 void check(const Options& options) {
   using program::UsageError;
+  if (!options.check_model.empty()) {
+    if (options.input.empty() && options.output.empty() && options.continued.empty()) return;
+    throw UsageError("--check-model runs on a bundled frame: leave out -i, -o and --continue");
+  }
   if (!options.continued.empty()) {
     checkContinued(options);
   } else if (options.input.empty() || options.output.empty()) {

@@ -114,7 +114,7 @@ Replay::Replay(const Options& options, std::unique_ptr<FrameInput> input,
   summary_.rig = perception_->rig();
   if (summary_.rig && !options_.quiet) std::puts(stereo::describe(*summary_.rig).c_str());
   if (camera_ != nullptr) io::writeCalibration(folder_.path() / "calibration.yaml", *camera_);
-  writeRunRecord(folder_.path() / "replay.json", options_, params, summary_.rig);
+  writeRecord(perception_params.detection, params);
 }
 
 void Replay::run() {

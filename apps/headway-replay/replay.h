@@ -70,6 +70,8 @@ class Replay {
   /// Prints each warning once, when it occurs first.
   void collectWarnings(std::size_t frame, bool reader_has_stopped);
   void requireTrackedFrames() const;
+  /// Writes replay.json, and says which network is used or how to get one.
+  void writeRecord(const pipeline::DetectionParams& detection, const Params& params);
   void finish();
   [[nodiscard]] Summary summarised() const;
   void continueRun(const Continuation& continuation);

@@ -1,4 +1,5 @@
 // What a run leaves: the parts of Replay that write its results, at checkpoints and at its end.
+#include <headway/core/printable.h>
 #include <headway/map/map_export.h>
 #include <headway/map/map_file.h>
 #include <headway/map/static_grid.h>
@@ -48,6 +49,18 @@ CheckpointContents Replay::checkpointContents() {
 
 void Replay::endCheckpoint() {
   if (const auto failure = checkpoint_.finish()) warn("no checkpoint: " + *failure);
+}
+
+void Replay::writeRecord(const pipeline::DetectionParams& detection, const Params& params) {
+  const std::string model = camera_ != nullptr ? pipeline::modelInUse(detection) : "";
+  writeRunRecord(folder_.path() / "replay.json", options_, params, summary_.rig, model);
+  if (camera_ != nullptr && model.empty() && pipeline::wouldUseModel(detection)) {
+    log(LogLevel::kInfo,
+        "detector: without a network (doc/detectors.md says where to get one; check it by "
+        "headway-replay --check-model FILE, use it by --set dnn.model=FILE or $HEADWAY_MODELS)");
+  } else if (!model.empty()) {
+    log(LogLevel::kInfo, "detector: network " + printable(model));
+  }
 }
 
 void Replay::finish() {

@@ -2,6 +2,7 @@
 
 #include <headway/core/output_file.h>
 #include <headway/core/printable.h>
+#include <headway/core/sha256.h>
 #include <headway/core/version.h>
 #include <unistd.h>
 
@@ -115,7 +116,8 @@ double peakMemoryMb() {
 }
 
 void writeRunRecord(const std::filesystem::path& path, const Options& options, const Params& params,
-                    const std::optional<stereo::RigCapability>& rig) {
+                    const std::optional<stereo::RigCapability>& rig,
+                    const std::string& detector_model) {
   Json json;
   json["version"] = kVersion;
   json["input"] = {{"rawlog", pathJson(options.input)},
@@ -127,6 +129,10 @@ void writeRunRecord(const std::filesystem::path& path, const Options& options, c
                      {"to_index", indexJson(options.to_index)},
                      {"snapshots", options.snapshots}};
   json["rig"] = rigJson(rig);
+  if (!detector_model.empty()) {
+    json["detector_model"] = {{"file", pathJson(detector_model)},
+                              {"sha256", sha256OfFile(detector_model)}};
+  }
   json["configuration"] = Json(params.values());
   writeFile(path, textOf(json));
 }

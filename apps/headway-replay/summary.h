@@ -66,9 +66,11 @@ struct Summary {
 /// Peak resident memory of this process [MB].
 [[nodiscard]] double peakMemoryMb();
 
-/// Writes replay.json: input, options and configuration of the run, and what its rig can see.
+/// Writes replay.json: input, options and configuration of the run, what its rig can see, and the
+/// file and SHA-256 of its network, if it has one.
 void writeRunRecord(const std::filesystem::path& path, const Options& options, const Params& params,
-                    const std::optional<stereo::RigCapability>& rig);
+                    const std::optional<stereo::RigCapability>& rig,
+                    const std::string& detector_model = "");
 
 /// Writes summary.json.
 void writeSummary(const std::filesystem::path& path, const Summary& summary);

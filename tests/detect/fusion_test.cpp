@@ -51,6 +51,19 @@ TEST(FuseTest, AnObjectSeenTwiceIsReportedOnceWithAllThatIsKnown) {
   EXPECT_EQ(fused.items[0].velocity->value.z(), 9.0);
 }
 
+TEST(FuseTest, APersonWhoMovesLikeACyclistIsOneIfAskedFor) {
+  auto person = seenAt(10, 20.0, ObjectClass::kPedestrian);
+  person.evidence.classifier = true;
+  auto moving = seenAt(14, 20.0, ObjectClass::kCyclist);
+  moving.evidence.motion = true;
+  EXPECT_EQ(fuse({listOf({person}), listOf({moving})}).items.at(0).object_class,
+            ObjectClass::kPedestrian);
+  FusionParams params;
+  params.rider_by_motion = true;
+  EXPECT_EQ(fuse({listOf({person}), listOf({moving})}, params).items.at(0).object_class,
+            ObjectClass::kCyclist);
+}
+
 TEST(FuseTest, EvidenceOfAllSourcesIsKept) {
   auto classified = seenAt(10, std::nullopt, ObjectClass::kCar);
   classified.evidence.classifier = true;

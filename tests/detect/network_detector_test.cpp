@@ -55,6 +55,25 @@ TEST(NetworkDetectorTest, RefusesALayoutByWhoseNumbersOpencvWouldDivide) {
   }
 }
 
+TEST(NetworkDetectorTest, TakesTheModelFromItsFolder) {
+  test::TemporaryFolder folder;
+  NetworkParams params;
+  ::setenv("HEADWAY_MODELS", (folder / "").c_str(), 1);
+  EXPECT_EQ("", findModel(params));
+  std::ofstream(folder / "other.onnx") << "of unknown input size";
+  EXPECT_EQ("", findModel(params));
+  std::ofstream(folder / "yolox_tiny.onnx") << "model";
+  EXPECT_EQ(folder / "yolox_tiny.onnx", findModel(params));
+  std::ofstream(folder / "yolox_nano.onnx") << "model";
+  EXPECT_EQ(folder / "yolox_nano.onnx", findModel(params));
+  params.model = "my.onnx";
+  EXPECT_EQ("my.onnx", findModel(params));
+  params.model.clear();
+  params.family = NetworkParams::Family::kDarknet;
+  EXPECT_EQ("", findModel(params)) << "a .cfg belongs to the weights";
+  ::unsetenv("HEADWAY_MODELS");
+}
+
 TEST(NetworkDetectorTest, SaysWhatOutputWasExpected) {
   HEADWAY_REQUIRE_DATA(data);
   NetworkParams params;
@@ -119,6 +138,16 @@ TEST(NetworkClassesTest, APersonOnABicycleIsOneCyclist) {
   EXPECT_EQ(detections[0].object_class, ObjectClass::kCyclist);
   EXPECT_EQ(detections[0].box2d->bottom, 150);
   EXPECT_EQ(detections[1].object_class, ObjectClass::kPedestrian);
+}
+
+TEST(NetworkClassesTest, AVanThatIsACarAndATruckIsOneVehicle) {
+  const auto classes = networkClasses("coco");
+  const Box2d van{100, 50, 200, 120};
+  const auto detections =
+      toDetections({{van, 0.8, 7}, {van, 0.7, 2}, {{110, 60, 140, 120}, 0.6, 0}}, classes);
+  ASSERT_EQ(detections.size(), 2u);
+  EXPECT_EQ(detections[0].object_class, ObjectClass::kTruck);
+  EXPECT_EQ(detections[1].object_class, ObjectClass::kPedestrian) << "beside it";
 }
 
 TEST(NetworkClassesTest, NamesAreKittisOthersAreLeftOut) {

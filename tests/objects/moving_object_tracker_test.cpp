@@ -519,6 +519,91 @@ TEST(MovingObjectTrackerTest, VotesOverProvisionalClasses) {
   }
 }
 
+/// The evidence of a frame that a network and a motion detector evaluated.
+Detection tested(Detection detection, bool by_network, bool by_motion) {
+  detection.evidence = {by_network, by_motion, false, false, true, true};
+  if (!by_motion) detection.velocity.reset();
+  return detection;
+}
+
+TEST(MovingObjectTrackerTest, ConfirmsABoxOfTheNetworkThatMovesAtOnce) {
+  Replay replay;
+  replay.frame({tested(seenWalking(0), true, true)});
+  EXPECT_EQ(confirmed(replay.last).size(), 1u);
+  Replay network_alone;
+  network_alone.frame({tested(seenWalking(0), true, false)});
+  EXPECT_TRUE(confirmed(network_alone.last).empty());
+}
+
+TEST(MovingObjectTrackerTest, MotionInWhichTheNetworkSeesNothingNeedsMoreEvidence) {
+  Replay both, motion_alone, without_network;
+  for (int k = 1; k <= 4; ++k) {
+    both.frame({tested(seenWalking(k), k == 1, true)});
+    motion_alone.frame({tested(seenWalking(k), false, true)});
+    without_network.frame({seenWalking(k)});
+    EXPECT_EQ(confirmed(both.last).size(), 1u) << k;
+    EXPECT_EQ(confirmed(without_network.last).size(), k < 2 ? 0u : 1u) << k;
+    EXPECT_EQ(confirmed(motion_alone.last).size(), k < 4 ? 0u : 1u) << k;
+  }
+}
+
+TEST(MovingObjectTrackerTest, ABoxWithoutMotionStands) {
+  const auto moves = [](bool is_tested) {
+    Replay replay;
+    bool moved = false;
+    for (int k = 0; k < 20; ++k) {
+      Detection box = seenPerson(10.0, 1.5 * kFrame_s * k);  // its lifted position drifts
+      box.evidence.classifier = true;
+      box.evidence.classifier_tested = box.evidence.motion_tested = is_tested;
+      moved = isMoving(replay.frame({box}).tracks.at(0)) || moved;
+    }
+    return moved;
+  };
+  EXPECT_TRUE(moves(false));
+  EXPECT_FALSE(moves(true));
+}
+
+TEST(MovingObjectTrackerTest, ABicycleSeenSometimesMakesACyclist) {
+  Replay replay;
+  for (int k = 0; k < 12; ++k) {
+    Detection rider = tested(seenWalking(k), true, true);
+    if (k % 3 == 0) rider.object_class = ObjectClass::kCyclist;
+    replay.frame({rider});
+    ASSERT_EQ(replay.last.tracks.size(), 1u);
+    EXPECT_EQ(replay.last.tracks[0].object_class, ObjectClass::kCyclist) << k;
+  }
+}
+
+TEST(MovingObjectTrackerTest, AFastPersonRidesAHiddenBicycle) {
+  Replay replay;
+  for (int k = 0; k < 5; ++k) {
+    Detection rider = tested(seenPerson(10.0, 4.5 * kFrame_s * k), true, true);
+    rider.velocity = MeasuredVelocity{{-4.5, 0.0, 0.0}, 0.04 * Eigen::Matrix3d::Identity()};
+    replay.frame({rider});
+    ASSERT_EQ(replay.last.tracks.size(), 1u);
+    EXPECT_EQ(replay.last.tracks[0].object_class, ObjectClass::kCyclist) << k;
+  }
+}
+
+TEST(MovingObjectTrackerTest, ShrinksTheVelocityOfAStaticTrack) {
+  Replay replay;
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0.0, 0.15);
+  int counted = 0;
+  for (int k = 0; k < 40; ++k) {
+    replay.frame({seenCar(30.0 + noise(random), 5.0 + noise(random))});
+    const Track& track = replay.last.tracks.at(0);
+    if (isMoving(track)) continue;
+    ++counted;
+    EXPECT_LT(track.velocity.norm(), 0.8) << "below the speed of moving objects, frame " << k;
+    const Eigen::Matrix2d& covariance = track.velocity_covariance;
+    EXPECT_TRUE(covariance.isApprox(covariance.transpose(), 1e-9));
+    EXPECT_GT(covariance.determinant(), 0.0);
+    EXPECT_LE(covariance(0, 0), 0.8 * 0.8) << "of the prior";
+  }
+  EXPECT_GT(counted, 30);
+}
+
 TEST(ObjectsParamsTest, DescribeEveryKeyOnceAndLoadTheirOutput) {
   ObjectsParams params;
   Params registry;

@@ -3,6 +3,7 @@
 #include <headway/pipeline/moving_regions.h>
 #include <headway/pipeline/perception.h>
 #include <headway_test/painted_street.h>
+#include <headway_test/folders.h>
 
 #include <set>
 
@@ -244,6 +245,40 @@ TEST(DetectionStageTest, ImagesReplaceRecordedBoxesThatStopUntilTheyReturn) {
   const auto returned = step(9, true);
   EXPECT_FALSE(returned.recorded_missing || returned.detectors_run);
   EXPECT_FALSE(step(10, false).detectors_run);
+}
+
+TEST(DetectionStageTest, AutoUsesANetworkIfThereIsAModel) {
+  const PaintedStreet street({kMoving});
+  DetectionParams params = paramsFor("auto");
+  EXPECT_TRUE(wouldUseModel(params));
+  EXPECT_EQ("", modelInUse(params)) << "HEADWAY_MODELS is not set for tests";
+  params.detect.network.model = "/nowhere/yolox_nano.onnx";
+  EXPECT_EQ("/nowhere/yolox_nano.onnx", modelInUse(params));
+  EXPECT_THROW(DetectionStage(street.camera(), params), InputError);
+  PerceptionParams all;
+  all.detection = params;
+  EXPECT_EQ(2, PerceptionParams::live(all).detection.detect.every_nth_frame);
+  EXPECT_FALSE(PerceptionParams::live(all).detection.detect.network.tiles);
+  EXPECT_EQ(1, PerceptionParams::live().detection.detect.every_nth_frame) << "without a model";
+  params.detector = "stereo_motion";
+  EXPECT_EQ("", modelInUse(params));
+  EXPECT_NO_THROW(DetectionStage(street.camera(), params));
+}
+
+TEST(DetectionStageTest, ARecordingsBoxesReplaceTheNetworkToo) {
+  HEADWAY_REQUIRE_DATA(data);
+  const PaintedStreet street({kMoving, kParked});
+  DetectionParams params = paramsFor("auto");
+  params.detect.network.model = data / "models" / "yolox_nano.onnx";
+  DetectionStage stage(street.camera(), params);
+  auto frame = frameOf(street, 0);
+  const auto alone = stage.detectObjects(frame, contextOf(frame));
+  EXPECT_TRUE(alone.detectors_run && alone.classified);
+  frame = frameOf(street, 1);
+  frame.detections = recorded(street, 1, {seen(kParked, street, 1)});
+  const auto with_boxes = stage.detectObjects(frame, contextOf(frame));
+  EXPECT_FALSE(with_boxes.detectors_run || with_boxes.classified);
+  EXPECT_EQ(1u, with_boxes.sources.size());
 }
 
 TEST(DetectionStageTest, OnlyAutoReplacesRecordedBoxes) {

@@ -33,7 +33,11 @@ double costOf(const Detection& a, const Detection& b) {
   return 1.0 - overlap + off;
 }
 
-void complete(Detection& kept, const Detection& other) {
+void complete(Detection& kept, const Detection& other, const FusionParams& params) {
+  if (params.rider_by_motion && kept.object_class == ObjectClass::kPedestrian &&
+      other.object_class == ObjectClass::kCyclist && other.evidence.motion) {
+    kept.object_class = ObjectClass::kCyclist;
+  }
   if (kept.object_class == ObjectClass::kUnknown) kept.object_class = other.object_class;
   if (!kept.box2d) kept.box2d = other.box2d;
   if (!kept.box3d) {
@@ -69,7 +73,7 @@ Detections fuse(const std::vector<Detections>& sources, const FusionParams& para
       }
     }
     for (const auto& pair : assignPairs(std::move(candidates))) {
-      complete(result.items[pair.row], more[pair.column]);
+      complete(result.items[pair.row], more[pair.column], params);
     }
     for (std::size_t j = 0; j < more.size(); ++j) {
       if (!doubled[j]) result.items.push_back(more[j]);

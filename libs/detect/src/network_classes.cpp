@@ -8,7 +8,8 @@
 namespace headway::detect {
 namespace {
 
-constexpr double kRiderOnBicycle = 0.3;  // share of a bicycle's box inside its rider's
+constexpr double kRiderOnBicycle = 0.3;  // ratio of a bicycle's box inside its rider's
+constexpr double kSameVehicle = 0.6;     // overlap of the boxes of one vehicle of two classes
 constexpr std::size_t kCocoClasses = 80;
 
 std::vector<NetworkClass> cocoClasses() {
@@ -26,6 +27,12 @@ std::vector<NetworkClass> cocoClasses() {
 Box2d around(const Box2d& a, const Box2d& b) {
   return {std::min(a.left, b.left), std::min(a.top, b.top), std::max(a.right, b.right),
           std::max(a.bottom, b.bottom)};
+}
+
+// Networks trained on COCO report a van as car and as truck.
+bool isSameVehicle(const Detection& a, const Detection& b) {
+  return isVehicle(a.object_class) && isVehicle(b.object_class) &&
+         overlap2d(*a.box2d, *b.box2d) > kSameVehicle;
 }
 
 // A rider's box reaches into the upper part of the bicycle's.
@@ -62,7 +69,9 @@ std::vector<Detection> toDetections(const std::vector<NetworkBox>& boxes,
     detection.object_class = *network_class.object_class;
     detection.score = box.score;
     detection.box2d = box.box;
-    detections.push_back(detection);
+    const bool known = std::any_of(detections.begin(), detections.end(),
+                                   [&](const auto& d) { return isSameVehicle(d, detection); });
+    if (!known) detections.push_back(detection);
   }
   for (const auto& box : boxes) {
     if (!classes.at(box.network_class).bicycle) continue;

@@ -27,7 +27,10 @@ struct NetworkBox {
   std::size_t network_class = 0;
 };
 
-/// Makes detections of a network's boxes: classes translated, riders joined with their bicycles.
+/// Makes detections of a network's boxes: classes translated, riders joined with their bicycles,
+/// and of two classes of one vehicle the one of greater score.
+///
+/// @param boxes  best first
 [[nodiscard]] std::vector<Detection> toDetections(const std::vector<NetworkBox>& boxes,
                                                   const std::vector<NetworkClass>& classes);
 

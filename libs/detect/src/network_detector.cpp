@@ -11,11 +11,13 @@
 #include <set>
 
 #include "network_output.h"
+#include "network_tiles.h"
 
 namespace headway::detect {
 namespace {
 
 constexpr long kMaxLayoutNumber = 16384;
+constexpr const char* kInstalledModels = "/usr/share/headway/models";
 constexpr int kBoxColumns = 5;  // centre, size, objectness
 
 [[noreturn]] void fail(const std::string& what) { throw InputError("[dnn] " + what); }
@@ -68,7 +70,25 @@ cv::dnn::Net load(const NetworkParams& params) {
   }
 }
 
+/// Parameters with the model's file.
+NetworkParams withModel(NetworkParams params) {
+  params.model = findModel(params);
+  return params;
+}
+
 }  // namespace
+
+std::string findModel(const NetworkParams& params) {
+  if (!params.model.empty() || params.family != NetworkParams::Family::kYolox) return params.model;
+  const char* folder = std::getenv("HEADWAY_MODELS");
+  for (const std::string path : {folder != nullptr ? folder : "", kInstalledModels}) {
+    for (const char* name : {"yolox_nano.onnx", "yolox_tiny.onnx"}) {
+      const auto file = std::filesystem::path(path) / name;
+      if (!path.empty() && std::filesystem::is_regular_file(file)) return file.string();
+    }
+  }
+  return "";
+}
 
 void NetworkParams::describe(Params::Section section) {
   auto user = section.user();
@@ -87,6 +107,8 @@ void NetworkParams::describe(Params::Section section) {
   section.add("scale", scale, 0.0, 10.0, "", "Factor of the grey levels 0 ... 255");
   section.add("swap_red_blue", swap_red_blue, "RGB input instead of BGR");
   section.add("letterbox", letterbox, "Keep the image's proportions and pad it with grey");
+  section.add("tiles", tiles,
+              "Run the network also on overlapping tiles of wide images, at its own scale");
   section.add("letterbox_grey", letterbox_grey, 0, 255, "", "Grey level of the letterbox padding");
   section.add("nms_iou", nms_iou, 0.0, 1.0, "IoU",
               "Non-maximum suppression: overlap from which the lower score of a class is dropped");
@@ -111,10 +133,12 @@ class NetworkDetector::Implementation {
     (void)boxesIn(cv::Mat(64, 64, CV_8UC3, cv::Scalar::all(0)));
   }
 
+  [[nodiscard]] const std::string& model() const { return params_.model; }
+
   std::vector<Detection> detect(const StereoFrame& frame) {
     cv::Mat image = frame.left_colour;
     if (image.empty()) cv::cvtColor(frame.left, image, cv::COLOR_GRAY2BGR);
-    auto boxes = withoutOverlaps(boxesIn(image), params_.nms_iou);
+    auto boxes = joinTiles(boxesOfTiles(image), image.cols, params_.nms_iou);
     for (auto& box : boxes) {
       box.box.left = std::clamp(box.box.left, 0.0, image.cols - 1.0);
       box.box.right = std::clamp(box.box.right, 0.0, image.cols - 1.0);
@@ -125,6 +149,24 @@ class NetworkDetector::Implementation {
   }
 
  private:
+  /// Boxes of the image as a whole, for large objects, and of its tiles, for small ones.
+  std::vector<TileBoxes> boxesOfTiles(const cv::Mat& image) {
+    const cv::Rect whole({0, 0}, image.size());
+    std::vector<TileBoxes> found = {{whole, boxesIn(image)}};
+    if (!params_.tiles) return found;
+    const auto tiles = tilesOf(image.size(), {params_.input_width_px, params_.input_height_px});
+    if (tiles.size() == 1) return found;
+    for (const cv::Rect& tile : tiles) {
+      auto boxes = boxesIn(image(tile));
+      for (NetworkBox& box : boxes) {
+        box.box.left += tile.x;
+        box.box.right += tile.x;
+      }
+      found.push_back({tile, std::move(boxes)});
+    }
+    return found;
+  }
+
   std::vector<NetworkBox> boxesIn(const cv::Mat& image) {
     const cv::Size size(params_.input_width_px, params_.input_height_px);
     InputFit fit{size.width / static_cast<double>(image.cols),
@@ -174,9 +216,11 @@ class NetworkDetector::Implementation {
 };
 
 NetworkDetector::NetworkDetector(const NetworkParams& params)
-    : implementation_(std::make_unique<Implementation>(validated(params))) {}
+    : implementation_(std::make_unique<Implementation>(withModel(validated(params)))) {}
 
 NetworkDetector::~NetworkDetector() = default;
+
+const std::string& NetworkDetector::model() const { return implementation_->model(); }
 
 Detections NetworkDetector::detect(const StereoFrame& frame) {
   Detections detections = emptyDetections(frame);

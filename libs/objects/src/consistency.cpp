@@ -27,6 +27,12 @@ double overlap(const MeasuredBox& a, const MeasuredBox& b) {
   return both / (a.size.prod() + b.size.prod() - both);
 }
 
+/// A network sees a rider as a person where the bicycle is hidden.
+bool isPerson(ObjectClass object_class) {
+  return object_class == ObjectClass::kPedestrian || object_class == ObjectClass::kCyclist ||
+         object_class == ObjectClass::kPersonSitting;
+}
+
 }  // namespace
 
 bool compatible(ObjectClass a, ObjectClass b) {
@@ -87,7 +93,9 @@ std::optional<double> ConsistencyCheck::cost(const ExpectedPlace& track,
                                              const MeasuredBox& detection) const {
   constexpr double kProvisionalClassCost = 2.0;  // a provisional class is wrong in 1 of 3 cases
   const bool same_kind = compatible(track.object_class, detection.object_class);
-  if (!same_kind && !detection.classIsProvisional()) return std::nullopt;
+  const bool may_ride = detection.evidence.classifier_tested && isPerson(track.object_class) &&
+                        isPerson(detection.object_class);
+  if (!same_kind && !may_ride && !detection.classIsProvisional()) return std::nullopt;
   const Eigen::Vector3d offset = detection.position - track.position;
   if (offset.head<2>().squaredNorm() > params_.max_gate_m * params_.max_gate_m) return std::nullopt;
   const double blur = params_.gate_blur_m * params_.gate_blur_m;

@@ -18,6 +18,9 @@ class MotionClassifier {
   /// @param speed_sigma  its standard deviation [m/s]
   void update(Time time, double speed, double speed_sigma, MotionGroup group);
 
+  /// A detector that would measure the object's motion found none.
+  void setStatic() { moving_ = false; }
+
   [[nodiscard]] bool moving() const { return moving_; }
   /// Whether its velocity is known well enough to call it static.
   [[nodiscard]] bool standing() const { return !moving_ && sure_; }

@@ -12,7 +12,11 @@
 namespace headway::objects {
 namespace {
 
-constexpr double kFrameJitter_s = 1e-6;  // times of frames are not exact
+constexpr int kUnclassifiedRatio = 2;  // of hits of a track in which no classifier sees an object
+constexpr double kRiderVotes = 3.0;    // a bicycle is often hidden, but seldom a false detection
+constexpr double kFastestWalk_mps = 3.5;  // faster persons ride, though their bicycle is hidden
+constexpr double kMotionMemory_s = 1.0;   // without evidence of motion until an object is static
+constexpr double kFrameJitter_s = 1e-6;   // times of frames are not exact
 
 }  // namespace
 
@@ -32,7 +36,7 @@ TrackedObject::TrackedObject(TrackId id, std::size_t frame, Time time, const Mea
       last_seen_(time) {
   voteClass(first);
   keepEvidence(time, first);
-  confirm();
+  confirm(first.evidence);
   trajectory_.append(frame, time, first, first.position, first.yaw);
 }
 
@@ -52,7 +56,7 @@ void TrackedObject::update(std::size_t frame, Time time, const MeasuredBox& dete
   last_seen_ = time;
   misses_ = 0;
   ++hits_;
-  confirm();
+  confirm(detection.evidence);
 }
 
 // A detection by appearance has neither a new velocity nor a new template.
@@ -61,13 +65,19 @@ void TrackedObject::keepEvidence(Time time, const MeasuredBox& detection) {
     last_motion_ = time;
     detected_velocity_ = detection.velocity;
   }
+  motion_tested_ = detection.evidence.motion_tested;
   if (detection.evidence.motion || detection.evidence.flow) appearance_ = detection.appearance;
 }
 
-void TrackedObject::confirm() {
+// A classifier's box that moves is an object at once; motion in which a classifier sees no object
+// needs more evidence.
+void TrackedObject::confirm(const DetectionEvidence& evidence) {
   const LifecycleParams& life = params_.lifecycle;
-  const bool sure =
-      hits_ >= life.confirm_hits && score_sum_ >= life.confirm_score.of(object_class_);
+  if (evidence.classifier_tested && !evidence.classifier) ++unclassified_hits_;
+  if (evidence.classifier_tested && evidence.classifier && evidence.motion) confirmed_ = true;
+  const int needed_hits =
+      (unclassified_hits_ == hits_ ? kUnclassifiedRatio : 1) * life.confirm_hits;
+  const bool sure = hits_ >= needed_hits && score_sum_ >= life.confirm_score.of(object_class_);
   confirmed_ = confirmed_ || sure || hits_ >= life.confirm_anyway_hits;
 }
 
@@ -93,7 +103,14 @@ void TrackedObject::updateHeading(const MeasuredBox& detection) {
 void TrackedObject::voteClass(const MeasuredBox& detection) {
   if (detection.evidence.appearance && detection.classIsProvisional())
     return;  // the class is this track's own
-  class_votes_[static_cast<std::size_t>(detection.object_class)] += 1.0;
+  const bool is_classified = detection.evidence.classifier && detection.evidence.classifier_tested;
+  const bool is_fast = detection.object_class == ObjectClass::kPedestrian &&
+                       detection.evidence.motion && detection.velocity &&
+                       detection.velocity->value.norm() > kFastestWalk_mps;
+  const ObjectClass seen =
+      is_classified && is_fast ? ObjectClass::kCyclist : detection.object_class;
+  const bool is_rider = is_classified && seen == ObjectClass::kCyclist;
+  class_votes_[static_cast<std::size_t>(seen)] += is_rider ? kRiderVotes : 1.0;
   const auto& current = class_votes_[static_cast<std::size_t>(object_class_)];
   const auto best = std::max_element(class_votes_.begin(), class_votes_.end());
   if (*best > current) object_class_ = static_cast<ObjectClass>(best - class_votes_.begin());
@@ -109,6 +126,8 @@ void TrackedObject::refine(Time time, const TrajectorySmoother& smoother) {
   const Eigen::Vector2d along = unitOr(motion->velocity, Eigen::Vector2d::UnitX());
   motion_class_.update(time, motion->velocity.norm(),
                        std::sqrt(along.dot(motion->covariance * along)), group());
+  const bool moved = last_motion_ && time - *last_motion_ < kMotionMemory_s;
+  if (motion_tested_ && !moved) motion_class_.setStatic();
 }
 
 ExpectedPlace TrackedObject::expected() const {
@@ -184,6 +203,8 @@ Track TrackedObject::shownAt(Time time) const {
   track.score = score();
   track.position = positionAt(time);
   track.velocity = filter_.velocity();
+  track.velocity_covariance = filter_.velocityCovariance();
+  if (!motion_class_.moving()) shrinkVelocity(track);
   track.yaw = filter_.yaw();
   track.yaw_rate = motion_class_.moving() ? filter_.yawRate() : 0.0;
   track.size = filter_.size();
@@ -196,27 +217,6 @@ Track TrackedObject::shownAt(Time time) const {
   return track;
 }
 
-std::optional<Box2d> TrackedObject::imageBoxAt(Time time, const Eigen::Vector3d& place) const {
-  if (seenAt(time) || !box2d_) return box2d_;
-  return predictedBox(*box2d_, seen_from_, place, filter_.size().z());
-}
-
-void TrackedObject::finalise(std::size_t window, Time time, std::vector<TrackSample>& samples) {
-  const Track shown_now = shownAt(time);  // before its path is removed
-  track.velocity_covariance = filter_.velocityCovariance();
-  if (!motion_class_.moving()) shrinkVelocity(track);
-  const std::vector<TrajectoryPoint> finalised = trajectory_.finalise(window);
-  if (!confirmed_) return;
-  for (std::size_t j = 0; j < finalised.size(); ++j) {
-    const TrajectoryPoint& point = finalised[j];
-    const TrajectoryPoint& next = j + 1 < finalised.size()    ? finalised[j + 1]
-                                  : !trajectory_.path.empty() ? trajectory_.path.front()
-                                                              : point;
-    TrackSample sample{point.frame, point.time, shown_now};
-    sample.track.status = TrackStatus::kConfirmed;
-    sample.track.position = point.position;
-    sample.track.yaw = point.yaw;
-    if (next.time > point.time) {
 // The estimate with a zero-mean prior, whose sigma is the speed from which such objects count as
 // moving. A velocity that contradicts the classification shows that its covariance is too small.
 void TrackedObject::shrinkVelocity(Track& track) const {
@@ -232,7 +232,28 @@ void TrackedObject::shrinkVelocity(Track& track) const {
   track.velocity_covariance = gain * covariance;
 }
 
+std::optional<Box2d> TrackedObject::imageBoxAt(Time time, const Eigen::Vector3d& place) const {
+  if (seenAt(time) || !box2d_) return box2d_;
+  return predictedBox(*box2d_, seen_from_, place, filter_.size().z());
+}
+
+void TrackedObject::finalise(std::size_t window, Time time, std::vector<TrackSample>& samples) {
+  const Track shown_now = shownAt(time);  // before its path is removed
+  const std::vector<TrajectoryPoint> finalised = trajectory_.finalise(window);
+  if (!confirmed_) return;
+  for (std::size_t j = 0; j < finalised.size(); ++j) {
+    const TrajectoryPoint& point = finalised[j];
+    const TrajectoryPoint& next = j + 1 < finalised.size()    ? finalised[j + 1]
+                                  : !trajectory_.path.empty() ? trajectory_.path.front()
+                                                              : point;
+    TrackSample sample{point.frame, point.time, shown_now};
+    sample.track.status = TrackStatus::kConfirmed;
+    sample.track.position = point.position;
+    sample.track.yaw = point.yaw;
+    if (next.time > point.time) {
       sample.track.velocity = (next.position - point.position) / (next.time - point.time);
+      sample.track.velocity_covariance = filter_.velocityCovariance();
+      if (!motion_class_.moving()) shrinkVelocity(sample.track);
     }
     sample.track.recent_path.clear();
     samples.push_back(std::move(sample));
@@ -240,5 +261,3 @@ void TrackedObject::shrinkVelocity(Track& track) const {
 }
 
 }  // namespace headway::objects
-      sample.track.velocity_covariance = filter_.velocityCovariance();
-      if (!motion_class_.moving()) shrinkVelocity(sample.track);

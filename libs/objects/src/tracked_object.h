@@ -80,7 +80,7 @@ class TrackedObject {
   void updateHeading(const MeasuredBox& detection);
   void voteClass(const MeasuredBox& detection);
   void keepEvidence(Time time, const MeasuredBox& detection);
-  void confirm();
+  void confirm(const DetectionEvidence& evidence);
   [[nodiscard]] Eigen::Vector3d positionAt(Time time) const;
   /// The velocity of a track that is not classified as moving.
   void shrinkVelocity(Track& track) const;
@@ -106,6 +106,8 @@ class TrackedObject {
   int hits_ = 1;
   int misses_ = 0;  ///< consecutive
   int all_misses_ = 0;
+  int unclassified_hits_ = 0;   ///< while a classifier saw no object there
+  bool motion_tested_ = false;  ///< in the last detection's frame
   bool confirmed_ = false;
   Time first_seen_;
   Time last_seen_;

@@ -16,6 +16,9 @@ constexpr const char* kNone = "none";
 constexpr const char* kAuto = "auto";
 constexpr const char* kRecorded = "recorded";
 constexpr const char* kStereoMotion = "stereo_motion";
+constexpr const char* kNetwork = "dnn";
+constexpr double kTestedDisparity_px = 8.0;  // from which motion along the line of sight shows
+constexpr double kMaxVanHeight_m = 2.75;     // of a van; trucks are higher
 
 std::vector<std::string> split(const std::string& names) {
   std::vector<std::string> result;
@@ -34,10 +37,14 @@ std::string choices() {
   return text + "; several joined by +";
 }
 
-/// The image detectors among `names`.
-std::vector<std::string> imageDetectors(const std::string& names) {
+/// The image detectors of a configuration.
+std::vector<std::string> imageDetectors(const DetectionParams& params) {
+  const std::string& names = params.detector;
+  if (names == kAuto) {
+    if (detect::findModel(params.detect.network).empty()) return {kStereoMotion};
+    return {kNetwork, kStereoMotion};
+  }
   if (names == kNone) return {};
-  if (names == kAuto) return {kStereoMotion};
   auto result = split(names);
   result.erase(std::remove(result.begin(), result.end(), kRecorded), result.end());
   return result;
@@ -51,6 +58,28 @@ double millisecondsSince(Clock::time_point start) {
 
 bool lacksDepth(const Detection& detection) { return detection.box2d && !detection.box3d; }
 
+/// Networks trained on COCO report vans as trucks: the height, by stereo, tells them apart.
+void correctTrucks(const StereoCamera& camera, const detect::StereoLifter& lifter,
+                   Detections& detections) {
+  for (Detection& item : detections.items) {
+    if (item.object_class != ObjectClass::kTruck || !item.box2d) continue;
+    const auto surface = lifter.surfaceOf(*item.box2d, ObjectClass::kVan);
+    if (!surface) continue;
+    const double depth = camera.fx * camera.baseline_m / surface->disparity;
+    const double height = depth * item.box2d->height() / camera.fy;
+    if (height < kMaxVanHeight_m) item.object_class = ObjectClass::kVan;
+  }
+}
+
+/// Records which detectors evaluated the frame of these detections.
+void setTested(bool by_motion, const StereoCamera& camera, Detections& detections) {
+  const double range = camera.fx * camera.baseline_m / kTestedDisparity_px;
+  for (Detection& item : detections.items) {
+    item.evidence.classifier_tested = true;
+    item.evidence.motion_tested = by_motion && item.box3d && item.box3d->centre.z() < range;
+  }
+}
+
 bool lackDepth(const Detections& detections) {
   return std::any_of(detections.items.begin(), detections.items.end(), lacksDepth);
 }
@@ -60,7 +89,8 @@ bool lackDepth(const Detections& detections) {
 void DetectionParams::describe(Params& params) {
   params.section("detect").user().add(
       "detector", detector,
-      "Source of detections: auto (stereo_motion unless boxes are recorded), none, recorded, "
+      "Source of detections: auto (unless boxes are recorded, stereo_motion, with dnn if there is "
+      "a model), none, recorded, "
       "stereo_motion, dnn, hog, or several joined by +");
   params.section("detect").add(
       "recorded_timeout_s", recorded_timeout_s, 0.1, 1e4, "s",
@@ -94,6 +124,12 @@ bool usesRecordedBoxes(const std::string& names) {
   return names == kAuto || contains(split(names), kRecorded);
 }
 
+std::string modelInUse(const DetectionParams& params) {
+  return contains(imageDetectors(params), kNetwork) ? detect::findModel(params.detect.network) : "";
+}
+
+bool wouldUseModel(const DetectionParams& params) { return params.detector == kAuto; }
+
 DetectionStage::DetectionStage(std::shared_ptr<const StereoCamera> camera,
                                const DetectionParams& params)
     : camera_(std::move(camera)),
@@ -103,7 +139,7 @@ DetectionStage::DetectionStage(std::shared_ptr<const StereoCamera> camera,
       automatic_(params.detector == kAuto),
       every_nth_frame_(params.detect.every_nth_frame) {
   params.validate();
-  const auto names = imageDetectors(params.detector);
+  const auto names = imageDetectors(params);
   if (camera_ == nullptr && !names.empty() && !automatic_) {
     throw InputError("[detect] detector = " + params.detector +
                      ": needs stereo images, and the recording holds none");
@@ -149,10 +185,13 @@ ObjectDetections DetectionStage::detectObjects(const RecordedFrame& frame,
   boxes.context = context;
   if (use_recorded_) addRecorded(frame, boxes);
   const bool has_turn = frames_++ % every_nth_frame_ == 0;
-  boxes.detectors_run = has_turn && frame.stereo && (!detectors_.empty() || stereo_motion_);
+  const bool has_detectors = stereo_motion_ || (!automatic_ && !detectors_.empty());
+  boxes.detectors_run = has_turn && frame.stereo && has_detectors;
   if (boxes.detectors_run) {
-    for (const auto& detector : detectors_)
-      boxes.sources.push_back(detector->detect(*frame.stereo));
+    boxes.classified = !detectors_.empty() && (!automatic_ || stereo_motion_);
+    for (const auto& detector : detectors_) {
+      if (boxes.classified) boxes.sources.push_back(detector->detect(*frame.stereo));
+    }
   }
   boxes.lifting =
       frame.stereo && std::any_of(boxes.sources.begin(), boxes.sources.end(), lackDepth);
@@ -181,12 +220,18 @@ FrameDetections DetectionStage::detectMotion(const RecordedFrame& frame,
     found.motion = previous;
     found.motion.static_points.clear();
   }
-  if (!sources.empty()) found.fused = detect::fuse(sources);
+  detect::FusionParams fusion;
+  fusion.rider_by_motion = boxes.classified;
+  if (!sources.empty()) found.fused = detect::fuse(sources, fusion);
   const bool lacking = found.fused && lackDepth(*found.fused);
   if (frame.stereo && T_map_robot && lacking) {
     const auto& context = *boxes.context;
-    detect::liftAll(*found.fused,
-                    detect::StereoLifter(camera_, context.disparity(), context.ground()));
+    const detect::StereoLifter lifter(camera_, context.disparity(), context.ground());
+    if (boxes.classified) correctTrucks(*camera_, lifter, *found.fused);
+    detect::liftAll(*found.fused, lifter);
+  }
+  if (boxes.classified && found.fused) {
+    setTested(found.motion.detections.has_value(), *camera_, *found.fused);
   }
   found.elapsed_ms = boxes.elapsed_ms + millisecondsSince(start);
   return found;

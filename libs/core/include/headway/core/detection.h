@@ -52,6 +52,8 @@ struct DetectionEvidence {
   bool motion = false;      ///< measurements over several frames are explained by motion only
   bool flow = false;        ///< its image motion is that of an expected object
   bool appearance = false;  ///< it matches the template of an expected object
+  bool classifier_tested = false;  ///< an image classifier evaluated this frame
+  bool motion_tested = false;      ///< motion of an object at this position would be measurable
 };
 
 struct AppearanceTemplate;  // see <headway/core/appearance.h>

@@ -24,6 +24,7 @@ struct NetworkParams {
   bool swap_red_blue = false;  ///< the network expects RGB
   bool letterbox = true;       ///< keep the image's proportions, fill with `letterbox_grey`
   int letterbox_grey = 114;
+  bool tiles = true;           ///< run also on overlapping tiles of wide images
   std::string classes = "coco";  ///< what its classes mean: "coco", or KITTI names by comma
   double min_score = 0.35;       ///< lower scores are left out [-]
   double nms_iou = 0.5;          ///< of two boxes that overlap more the better is kept [-]
@@ -32,7 +33,15 @@ struct NetworkParams {
   void validate() const;  ///< @throws InputError
 };
 
+/// File of the network's weights: `params.model`, or the first of yolox_nano.onnx and
+/// yolox_tiny.onnx in the folder `$HEADWAY_MODELS` or /usr/share/headway/models, if the other
+/// parameters are those of such a network.
+///
+/// @return  empty if there is none
+[[nodiscard]] std::string findModel(const NetworkParams& params);
+
 /// Finds objects by a network, through OpenCV's DNN module. 2D boxes; a StereoLifter adds depth.
+/// It runs on the image as a whole and on overlapping tiles of a wide one, whose boxes are joined.
 ///
 /// People on bicycles: a person whose box stands on a bicycle's is one Cyclist; a bicycle without
 /// a rider is left out, as nothing that moves by itself.
@@ -43,6 +52,9 @@ class NetworkDetector : public Detector {
   ~NetworkDetector() override;
 
   [[nodiscard]] Detections detect(const StereoFrame& frame) override;
+
+  /// The file in use.
+  [[nodiscard]] const std::string& model() const;
 
  private:
   class Implementation;

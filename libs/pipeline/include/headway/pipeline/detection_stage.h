@@ -19,8 +19,8 @@ namespace headway::pipeline {
 /// Sources of detections. Sections [detect], [disparity], [stereo_motion], [dnn] and [hog].
 struct DetectionParams {
   /// "none", "auto", or names joined by "+": "recorded" and those of detect::detectorNames().
-  /// "auto" is stereo_motion until the first recorded boxes, and while they are missing; otherwise
-  /// the recorded boxes only.
+  /// "auto" is stereo_motion, with dnn if detect::findModel() finds a model, until the first
+  /// recorded boxes, and while they are missing; otherwise the recorded boxes only.
   std::string detector = "auto";
   /// Time without recorded boxes after which they count as missing; with "auto", stereo_motion runs
   /// until they return [s].
@@ -38,11 +38,18 @@ void checkDetectorNames(const std::string& names);
 /// Whether `names` include recorded boxes.
 [[nodiscard]] bool usesRecordedBoxes(const std::string& names);
 
+/// File of the network that a run with images uses; empty: none.
+[[nodiscard]] std::string modelInUse(const DetectionParams& params);
+
+/// Whether a network would be used if a model were found: the detector is "auto".
+[[nodiscard]] bool wouldUseModel(const DetectionParams& params);
+
 /// Detections that do not depend on the camera's pose: recorded boxes and image detectors'.
 struct ObjectDetections {
   std::optional<stereo::FrameContext> context;  ///< of the frame; nullopt without images
   std::vector<Detections> sources;              ///< by descending quality of their information
   bool detectors_run = false;                   ///< on this frame, one in `every_nth_frame`
+  bool classified = false;                      ///< by a detector of classes, in this frame
   bool recorded_missing = false;                ///< for longer than `recorded_timeout_s`
   bool lifting = false;                         ///< a box without depth has to be lifted
   double elapsed_ms = 0.0;                      ///< time of these steps [ms]
@@ -125,7 +132,7 @@ class DetectionStage {
   double recorded_timeout_s_ = 0.0;
   std::optional<Time> last_recorded_;  ///< of the newest recorded boxes
   bool use_recorded_ = false;
-  bool automatic_ = false;  ///< stereo_motion runs only without recorded boxes
+  bool automatic_ = false;  ///< image detectors run only without recorded boxes
   int every_nth_frame_ = 1;
   std::vector<std::unique_ptr<detect::Detector>> detectors_;
   std::optional<detect::StereoMotion> stereo_motion_;

@@ -48,7 +48,8 @@ struct PerceptionParams {
   double max_speed_mps = 70.0;  ///< of the robot [m/s]; beyond it the poses cannot be right
 
   /// For live operation: bundle adjustment, loop search and pose graph run beside the tracking, so
-  /// that results depend on timing.
+  /// that results depend on timing. A network runs on the image as a whole, without tiles, and in
+  /// every second frame at most, so that two cores process 10 frames/s.
   [[nodiscard]] static PerceptionParams live() { return live(PerceptionParams()); }
   /// The same with other parameters.
   [[nodiscard]] static PerceptionParams live(PerceptionParams params);
