@@ -105,6 +105,7 @@ Summary Replay::summarised() const {
   for (const auto& [id, seen] : seen_tracks_) summary.tracks_moving += seen.was_moving ? 1 : 0;
   summary.stages.merge(perception_->times());
   summary.laser = perception_->laserCounts();
+  summary.rectification = perception_->rectification().value_or("");
   if (const auto skipped = source_->skippedNow()) summary.observations_skipped = *skipped;
   addEarlierSkipped(summary);
   summary.total_s = secondsSinceProcessStart();

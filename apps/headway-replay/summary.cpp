@@ -163,6 +163,7 @@ void writeSummary(const std::filesystem::path& path, const Summary& summary) {
   json["detections_dropped"] = Json(summary.detections_dropped);
   json["calibration"] = calibrationJson(summary.calibration);
   json["rig"] = rigJson(summary.rig);
+  if (!summary.rectification.empty()) json["rectification"] = summary.rectification;
   json["warnings"] = warningsJson(summary.warnings);
   json["laser"] = Json(summary.laser);
   json["observations_skipped"] = Json(summary.observations_skipped);
@@ -187,6 +188,7 @@ void printSummary(const Summary& summary) {
       "after %.2f s\n",
       summary.frame_ms.percentile(0.5), summary.frame_ms.percentile(0.95),
       perFrame(summary.cpu_ms, summary.frame_ms.count()), peakMemoryMb(), summary.start_up_s);
+  if (!summary.rectification.empty()) std::puts(summary.rectification.c_str());
   if (!summary.laser.empty()) {
     std::printf("laser: %s\n", countsText(summary.laser).c_str());
   }

@@ -52,6 +52,7 @@ struct Summary {
   DropCounts detections_dropped;
   std::optional<io::CalibrationReport> calibration;
   std::optional<stereo::RigCapability> rig;
+  std::string rectification;  ///< of the right camera, in one line; empty: unknown
   Warnings warnings;
   std::map<std::string, std::size_t> laser;  ///< scans by use, and ends of beams
   std::map<std::string, std::size_t> observations_skipped;

@@ -21,6 +21,12 @@ TEST(TitleBlockTest, NamesRawlogAndDetectionsEscaped) {
   EXPECT_THAT(html, Not(HasSubstr("warning")));
 }
 
+TEST(TitleBlockTest, SaysHowWellTheImagesAreRectified) {
+  ReplayFolder folder;
+  folder.summary["rectification"] = "rectification off by 0.31 +- 0.02 px";
+  EXPECT_THAT(titleBlock(folder), HasSubstr("rectification off by 0.31 +- 0.02 px"));
+}
+
 TEST(TitleBlockTest, UsesTheFolderNameWithoutARecord) {
   ReplayFolder folder;
   folder.path = "/results/run7";

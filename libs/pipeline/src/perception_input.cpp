@@ -64,6 +64,12 @@ void Perception::warnAboutSpeed(const RecordedFrame& frame, const PerceptionUpda
              warnings_);
 }
 
+std::optional<std::string> Perception::rectification() const {
+  const auto error = stereo_check_.rectification();
+  if (!error || camera_ == nullptr) return std::nullopt;
+  return stereo::describe(*error, *camera_);
+}
+
 void Perception::checkInput(const RecordedFrame& frame, const PerceptionUpdate& update,
                             bool scan_ground) {
   if (frame.stereo) {

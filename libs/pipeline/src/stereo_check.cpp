@@ -31,8 +31,8 @@ constexpr double kSwappedPx = -2.0;    // median disparity [px]
 constexpr double kMinAgreement = 0.7;  // ratio of points that agree on an offset
 
 struct Match {
+  stereo::RowMatch row;
   double disparity = 0.0;  ///< [px]
-  double rows = 0.0;       ///< row in the right image minus row in the left one [px]
 };
 
 /// Offset of the vertex of a parabola through three samples from the middle one.
@@ -60,8 +60,10 @@ bool match(const cv::Mat& left, const cv::Mat& right, const cv::Point& corner, M
   const auto score = [&](int du, int dv) { return scores.at<float>(at.y + dv, at.x + du); };
   result.disparity =
       kReduction * (patch.x - (band.x + at.x + vertex(score(-1, 0), score(0, 0), score(1, 0))));
-  result.rows =
+  result.row.rows =
       kReduction * (band.y + at.y + vertex(score(0, -1), score(0, 0), score(0, 1)) - patch.y);
+  result.row.right = {kReduction * corner.x - result.disparity,
+                      kReduction * corner.y + result.row.rows};
   cv::Mat others = scores;
   cv::rectangle(others, cv::Rect(at.x - 2, at.y - 2, 5, 5) & cv::Rect({0, 0}, scores.size()), 0.0,
                 cv::FILLED);
@@ -97,10 +99,15 @@ std::string textOf(const char* format, double value) {
 StereoCheck::Finding StereoCheck::compare(const StereoFrame& frame, double& rows_px) {
   const auto matches = matchesOf(frame);
   if (matches.size() < kMinMatches) return Finding::kNone;
+  if (estimator_) {
+    std::vector<stereo::RowMatch> rows_by_place;
+    for (const auto& one : matches) rows_by_place.push_back(one.row);
+    estimator_->add(rows_by_place);
+  }
   std::vector<double> disparities, rows, deviations;
   for (const auto& one : matches) {
     disparities.push_back(one.disparity);
-    rows.push_back(one.rows);
+    rows.push_back(one.row.rows);
   }
   const double offset = median(rows);
   for (const double row : rows) deviations.push_back(std::abs(row - offset));
@@ -115,9 +122,14 @@ StereoCheck::Finding StereoCheck::compare(const StereoFrame& frame, double& rows
   return std::abs(offset) > kMaxOffset && is_common ? Finding::kOffset : Finding::kNone;
 }
 
+std::optional<stereo::RectificationError> StereoCheck::rectification() const {
+  return estimator_ ? estimator_->error() : std::nullopt;
+}
+
 void StereoCheck::add(const StereoFrame& frame, Warnings& warnings) {
   if (last_ && std::abs(frame.time - *last_) < kIntervalS) return;
   last_ = frame.time;
+  if (!estimator_ && frame.camera != nullptr) estimator_.emplace(*frame.camera);
   double rows_px = 0.0;
   const Finding before = finding_;
   finding_ = compare(frame, rows_px);

@@ -146,6 +146,10 @@ std::string titleBlock(const ReplayFolder& folder) {
   std::string details = escaped(rawlog);
   const std::string detections = recordedText(folder, "detections");
   if (!detections.empty()) details += "<br>detections: " + escaped(detections);
+  const auto rectification = folder.summary.find("rectification");
+  if (rectification != folder.summary.end() && rectification->is_string()) {
+    details += "<br>" + escaped(rectification->get<std::string>());
+  }
   return "<header><h1>" + escaped(name) + "</h1><p>" + details + "</p>" + warnings(folder) +
          "</header>\n";
 }

@@ -152,6 +152,10 @@ class Perception {
   /// "clock_jumps_ahead", "recorded_boxes_missing", and "lost_" with a LostReason.
   [[nodiscard]] const Warnings& warnings() const;
 
+  /// Rotation of the right camera against its calibration, by the rows of the images so far, in one
+  /// line; nullopt with too few matches or without images.
+  [[nodiscard]] std::optional<std::string> rectification() const;
+
   /// Laser scans by use ("used", "camera_lost", "ground_unknown", "between_ground_scans") and ends
   /// of their beams (see addLaserScans()); empty without a laser.
   [[nodiscard]] const std::map<std::string, std::size_t>& laserCounts() const;

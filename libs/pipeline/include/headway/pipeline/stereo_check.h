@@ -2,6 +2,7 @@
 
 #include <headway/core/stereo_frame.h>
 #include <headway/core/warnings.h>
+#include <headway/stereo/rectification.h>
 
 #include <optional>
 
@@ -12,6 +13,7 @@ namespace headway::pipeline {
 ///
 /// Corners of the left image are searched in a band of rows of the right one, at half the
 /// resolution. A condition is reported when it occurs in two comparisons in a row, so within 1 s.
+/// The rotation of the right camera is estimated from the rows of all comparisons.
 class StereoCheck {
  public:
   /// Adds "vertical_offset" if all rows differ alike, "images_not_simultaneous" if they differ by
@@ -19,12 +21,16 @@ class StereoCheck {
   /// "images_swapped" if most points have a negative disparity.
   void add(const StereoFrame& frame, Warnings& warnings);
 
+  /// The right camera's rotation against its calibration; nullopt with too few matches so far.
+  [[nodiscard]] std::optional<stereo::RectificationError> rectification() const;
+
  private:
   enum class Finding { kNone, kSwapped, kOffset, kScattered };
-  [[nodiscard]] static Finding compare(const StereoFrame& frame, double& rows_px);
+  [[nodiscard]] Finding compare(const StereoFrame& frame, double& rows_px);
 
   std::optional<Time> last_;  ///< of the latest comparison
   Finding finding_ = Finding::kNone;
+  std::optional<stereo::RectificationEstimator> estimator_;  ///< after the first frame
 };
 
 }  // namespace headway::pipeline
