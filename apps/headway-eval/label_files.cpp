@@ -81,7 +81,7 @@ std::vector<std::string> rawFiles(const std::string& name, const std::string& pa
 
 std::map<std::size_t, Detections> rawDetections(const std::string& file) {
   std::map<std::string, std::size_t> dropped;
-  if (fs::path(file).extension() != ".rawlog") return io::readDetections(file, dropped);
+  if (!io::hasRawlogName(file)) return io::readDetections(file, dropped);
   std::map<std::size_t, Detections> frames;
   io::RawlogSource source(file, {});
   while (auto frame = source.next()) {

@@ -115,7 +115,7 @@ void setTimes(const fs::path& replay, eval::MovingObjectInput& input) {
 
 void readTruePoses(const std::string& path, const fs::path& replay, const Pose& T_robot_cam,
                    eval::MovingObjectInput& input) {
-  if (fs::path(path).extension() == ".rawlog") {
+  if (io::hasRawlogName(path)) {
     input.T_world_cam = io::readTruth(path).poses;
     for (auto& pose : input.T_world_cam) pose.value = pose.value * T_robot_cam;
     if (input.T_world_cam.empty()) throw InputError(path + ": contains no true poses");

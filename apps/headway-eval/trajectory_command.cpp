@@ -28,10 +28,6 @@ struct Options {
   Outputs outputs;
 };
 
-bool isRawlog(const std::string& path) {
-  return std::filesystem::path(path).extension() == ".rawlog";
-}
-
 PoseFormat formatFrom(const Options& options) {
   if (options.format == "tum") return PoseFormat::kTum;
   if (options.format == "kitti") return PoseFormat::kKitti;
@@ -63,7 +59,7 @@ std::vector<double> segmentLengthsFrom(const std::string& list) {
 }
 
 std::vector<Stamped<Pose>> readTimedTruth(const std::string& path) {
-  if (!isRawlog(path)) return io::readTum(path);
+  if (!io::hasRawlogName(path)) return io::readTum(path);
   auto truth = io::readTruth(path).poses;
   if (truth.empty()) throw InputError(path + ": contains no poses labelled truth_pose");
   return truth;
@@ -71,7 +67,7 @@ std::vector<Stamped<Pose>> readTimedTruth(const std::string& path) {
 
 eval::PosePairs readPairs(const Options& options, PoseFormat format) {
   if (format == PoseFormat::kKitti) {
-    if (isRawlog(options.truth) || poseFormatOf(options.truth) != PoseFormat::kKitti) {
+    if (io::hasRawlogName(options.truth) || poseFormatOf(options.truth) != PoseFormat::kKitti) {
       throw InputError(options.estimate +
                        ": KITTI poses have no times and require a true trajectory "
                        "in KITTI format; " +
@@ -80,7 +76,7 @@ eval::PosePairs readPairs(const Options& options, PoseFormat format) {
     return eval::pairByIndex(io::readKittiPoses(options.truth),
                              io::readKittiPoses(options.estimate));
   }
-  if (!isRawlog(options.truth) && poseFormatOf(options.truth) != PoseFormat::kTum) {
+  if (!io::hasRawlogName(options.truth) && poseFormatOf(options.truth) != PoseFormat::kTum) {
     throw InputError(options.truth +
                      ": KITTI poses have no times; compare them with an estimate "
                      "in KITTI format (trajectory_kitti.txt), or give the truth as TUM or rawlog");

@@ -55,7 +55,7 @@ TEST_F(BadRawlogTest, EmptyAndForeignFilesAreNotRawlogs) {
   EXPECT_THAT(errorOfContent("\x89PNG\r\n\x1a\n and more of it"), HasSubstr("is not a rawlog"));
   EXPECT_THAT(errorOfContent("\x1f\x8b broken gz"), HasSubstr("is not a rawlog"));
   EXPECT_THAT(errorOfContent(std::string("\x28\xB5\x2F\xFD", 4) + "rest"),
-              AllOf(HasSubstr("zstd"), HasSubstr("zstd -d")));
+              HasSubstr("is not a rawlog"));
 }
 
 TEST_F(BadRawlogTest, RefusesRandomBytes) {

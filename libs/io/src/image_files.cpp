@@ -1,6 +1,7 @@
 #include "image_files.h"
 
 #include <headway/core/error.h>
+#include <headway/io/rawlog_source.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -32,7 +33,7 @@ bool isInside(const fs::path& folder, const fs::path& path) {
 
 std::string imageFolderOf(const std::string& rawlog) {
   const fs::path folder = fs::path(rawlog).parent_path();
-  const std::string stem = fs::path(rawlog).stem().string();
+  const std::string stem = fs::path(rawlogStem(rawlog)).filename().string();
   std::error_code ignored;
   for (const std::string& name :
        {stem + "_Images", stem + "_images", stem + "_IMAGES", std::string("Images")}) {

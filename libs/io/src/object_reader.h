@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "gz_stream.h"
+#include "compressed_stream.h"
 
 namespace headway::io {
 
@@ -36,7 +36,7 @@ class UnexpectedEnd : public BrokenObject {
 class ObjectReader {
  public:
   /// @param input  its mark is where the object begins
-  explicit ObjectReader(GzInput& input) : input_(input) {}
+  explicit ObjectReader(CompressedInput& input) : input_(input) {}
 
   template <typename T>
   [[nodiscard]] T value() {
@@ -89,7 +89,7 @@ class ObjectReader {
   std::string_view take(std::size_t count);
   std::string className();
 
-  GzInput& input_;
+  CompressedInput& input_;
 };
 
 }  // namespace headway::io

@@ -62,7 +62,7 @@ class ObservationStream : public ObservationReader {
 
   std::string path_;
   std::map<std::string, std::size_t>& skipped_;
-  GzInput input_;
+  CompressedInput input_;
   std::uint64_t header_position_ = 0;  ///< of the object being read
   bool at_end_ = false;
   std::size_t open_containers_ = 0;  ///< whose end marks have not been read

@@ -6,6 +6,7 @@
 #include <headway/io/mrpt_time.h>
 #include <headway/io/observation_calibration.h>
 #include <headway/io/rawlog_sink.h>
+#include <headway/io/rawlog_source.h>
 #include <mrpt/img/CImage.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservationGPS.h>
@@ -24,7 +25,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
-#include "gz_stream.h"
+#include "compressed_stream.h"
 #include "text_rows.h"
 
 namespace headway::io {
@@ -169,7 +170,7 @@ class RawlogSink::Writer {
 
   void makeImageFolder() {
     const fs::path path(path_);
-    const std::string name = path.stem().string() + "_Images";
+    const std::string name = fs::path(rawlogStem(path_)).filename().string() + "_Images";
     image_folder_ = path.parent_path() / name;
     images_while_writing_ =
         path.parent_path() / (".partial-" + std::to_string(getpid()) + "-" + name);
@@ -185,7 +186,7 @@ class RawlogSink::Writer {
   ImageStorage storage_;
   int jpeg_quality_;
   OutputFile file_;
-  GzOutput content_;  ///< of file_
+  CompressedOutput content_;  ///< of file_
   fs::path image_folder_;
   fs::path images_while_writing_;
   std::size_t pairs_ = 0;

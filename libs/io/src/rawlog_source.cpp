@@ -5,6 +5,7 @@
 #include <headway/io/rawlog_source.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 
+#include <filesystem>
 #include <utility>
 
 #include "frame_collector.h"
@@ -166,6 +167,19 @@ const Warnings& RawlogSource::warnings() const { return reader_->warnings(); }
 const std::optional<std::string>& RawlogSource::truncation() const { return reader_->truncation(); }
 
 double RawlogSource::progress() const { return reader_->progress(); }
+
+bool hasRawlogName(const std::string& path) {
+  std::filesystem::path name(path);
+  if (name.extension() == ".gz" || name.extension() == ".zst") name.replace_extension();
+  return name.extension() == ".rawlog";
+}
+
+std::string rawlogStem(const std::string& path) {
+  std::filesystem::path name(path);
+  const bool is_compressed = name.extension() == ".gz" || name.extension() == ".zst";
+  if (is_compressed && hasRawlogName(path)) name.replace_extension();
+  return name.replace_extension().string();
+}
 
 RecordedTruth readTruth(const std::string& path) {
   RecordedTruth truth;

@@ -1,5 +1,6 @@
 #include <headway/core/error.h>
 #include <headway/core/output_file.h>
+#include <headway/io/rawlog_source.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/sim/recording.h>
@@ -199,9 +200,7 @@ void Recording::write(const SimFrame& frame) { files_->write(frame); }
 
 void Recording::close() { files_->close(); }
 
-std::string truthFolder(const std::string& rawlog) {
-  return std::filesystem::path(rawlog).replace_extension(".truth").string();
-}
+std::string truthFolder(const std::string& rawlog) { return io::rawlogStem(rawlog) + ".truth"; }
 
 double estimateMegabytes(const std::vector<SimFrame>& frames, const RecordingParams& params,
                          const RecordingOptions& options, std::size_t total) {

@@ -102,6 +102,12 @@ class RawlogSource {
   std::unique_ptr<Reader> reader_;
 };
 
+/// Whether a file is named as a rawlog: X.rawlog, X.rawlog.gz or X.rawlog.zst.
+[[nodiscard]] bool hasRawlogName(const std::string& path);
+
+/// The path without that ending: folders that belong to a rawlog are X_Images and X.truth.
+[[nodiscard]] std::string rawlogStem(const std::string& path);
+
 /// The truth in a rawlog: labels `truth_pose` and `truth_objects`.
 struct RecordedTruth {
   std::vector<Stamped<Pose>> poses;  ///< robot in map

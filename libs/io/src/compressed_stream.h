@@ -1,25 +1,27 @@
 #pragma once
 
 #include <mrpt/io/CStream.h>
-#include <zlib.h>
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "compression.h"
+
 namespace headway::io {
 
-/// Gz output stream that reports all write errors, including those of the final flush, which MRPT's
-/// CFileGZOutputStream ignores.
-class GzOutput : public mrpt::io::CStream {
+/// Compressed output stream that reports all write errors, including those of the final flush,
+/// which MRPT's CFileGZOutputStream ignores.
+class CompressedOutput : public mrpt::io::CStream {
  public:
-  /// @param name  of the file in messages
+  /// @param name  of the file in messages; it decides on the compression
   /// @throws InputError if the file cannot be written
-  GzOutput(const std::string& path, std::string name);
-  ~GzOutput() override;
-  GzOutput(const GzOutput&) = delete;
-  GzOutput& operator=(const GzOutput&) = delete;
+  CompressedOutput(const std::string& path, std::string name);
+  ~CompressedOutput() override = default;
+  CompressedOutput(const CompressedOutput&) = delete;
+  CompressedOutput& operator=(const CompressedOutput&) = delete;
 
   /// Returns fewer bytes than given only on a write error; hasFailed() is then true.
   size_t Write(const void* buffer, size_t count) override;
@@ -34,22 +36,23 @@ class GzOutput : public mrpt::io::CStream {
 
  private:
   std::string name_;
-  gzFile file_;
+  std::unique_ptr<Compressor> file_;
+  std::uint64_t written_ = 0;
   bool has_failed_ = false;
 };
 
-/// Input of a gz-compressed or plain file, from which bytes can be looked at before they are taken
+/// Input of a compressed or plain file, from which bytes can be looked at before they are taken
 /// and to which a reader can return after a failure.
 ///
 /// The buffer grows only with bytes that the file has supplied, so that a length in a broken file
 /// allocates no more than twice of what the file contains.
-class GzInput {
+class CompressedInput {
  public:
-  /// @throws InputError if the file cannot be opened, is empty or has another compression
-  explicit GzInput(const std::string& path);
-  ~GzInput();
-  GzInput(const GzInput&) = delete;
-  GzInput& operator=(const GzInput&) = delete;
+  /// @throws InputError if the file cannot be opened or is empty
+  explicit CompressedInput(const std::string& path);
+  ~CompressedInput() = default;
+  CompressedInput(const CompressedInput&) = delete;
+  CompressedInput& operator=(const CompressedInput&) = delete;
 
   /// The next bytes, without taking them; fewer than `count` only at the end of the file or on an
   /// error. Valid until the next call.
@@ -66,7 +69,7 @@ class GzInput {
 
   /// Number of uncompressed bytes taken so far.
   [[nodiscard]] std::uint64_t position() const { return origin_ + read_; }
-  /// zlib's error message; empty if there is none.
+  /// The decompressor's error message; empty if there is none.
   [[nodiscard]] std::string compressionError() const;
   /// Ratio of the file read so far, 0 to 1.
   [[nodiscard]] double progress() const;
@@ -82,7 +85,7 @@ class GzInput {
   std::size_t read_ = 0;
   std::size_t filled_ = 0;
   bool at_end_ = false;
-  gzFile file_ = nullptr;
+  std::unique_ptr<Decompressor> file_;
 };
 
 }  // namespace headway::io
