@@ -3,6 +3,7 @@
 #include <headway/core/error.h>
 #include <headway/core/mrpt_pose.h>
 #include <headway/io/calibration_file.h>
+#include <headway/io/dataset.h>
 #include <headway/io/detection_observation.h>
 #include <headway/io/mrpt_time.h>
 #include <headway/io/rawlog_source.h>
@@ -184,6 +185,9 @@ TEST_F(ImplausibleValuesTest, ARowWithoutANumberIsAnError) {
   EXPECT_THAT(test::errorOf([&] { (void)readPredictionCsv(path_); }), HasSubstr("not a number"));
   test::writeContent(path_, ",1,2\nP0: 1 2\n");
   EXPECT_EQ(1u, readKittiCalibration(path_).size());
+  test::writeContent(path_, ",1,2,3,4,5,6,7,8,9,10,11,12\n");
+  EXPECT_THAT(test::errorOf([&] { (void)readKittiProjections(path_); }),
+              HasSubstr("no line 'P0:'"));
 }
 
 }  // namespace
