@@ -12,6 +12,7 @@ namespace headway::stereo {
 namespace {
 
 constexpr std::size_t kEnoughMatches = 200;
+constexpr int kYaw = 1;  // of the angles
 constexpr int kReweightings = 5;
 constexpr double kRowSigma_px = 0.3;      // of a match
 constexpr double kIndependent = 0.25;     // ratio of information: the same points recur
@@ -80,7 +81,9 @@ std::optional<RectificationError> RectificationEstimator::error() const {
   error.sigmas = covariance.diagonal().cwiseSqrt();
   error.offset_px = camera_.fy * error.angles.x();
   error.offset_sigma_px = camera_.fy * error.sigmas.x();
-  error.rows_rms_px = rowsRms(error.angles, camera_);
+  Eigen::Vector3d without_yaw = error.angles;
+  without_yaw[kYaw] = 0.0;
+  error.rows_rms_px = rowsRms(without_yaw, camera_);
   return error;
 }
 
@@ -90,7 +93,8 @@ Eigen::Vector3d significantAngles(const RectificationError& error, const StereoC
     Eigen::Vector3d alone = Eigen::Vector3d::Zero();
     alone[axis] = error.angles[axis];
     const bool is_significant = std::abs(error.angles[axis]) > kSignificance * error.sigmas[axis];
-    if (!is_significant || rowsRms(alone, camera) < kVisibleRows_px) angles[axis] = 0.0;
+    if (axis == kYaw || !is_significant || rowsRms(alone, camera) < kVisibleRows_px)
+      angles[axis] = 0.0;
   }
   return angles;
 }
@@ -107,10 +111,10 @@ std::string describe(const RectificationError& error, const StereoCamera& camera
   }
   std::array<char, 300> text{};
   std::snprintf(text.data(), text.size(),
-                "rectification off by %.2f +- %.2f px (rows %.2f px RMS; pitch %.3f +- %.3f, yaw "
-                "%.3f +- %.3f, roll %.3f +- %.3f deg): ",
+                "rectification off by %.2f +- %.2f px (rows %.2f px RMS; pitch %.3f +- %.3f, roll "
+                "%.3f +- %.3f deg): ",
                 error.offset_px, error.offset_sigma_px, error.rows_rms_px, angles.x(), sigmas.x(),
-                angles.y(), sigmas.y(), angles.z(), sigmas.z());
+                angles.z(), sigmas.z());
   const std::string advice = " of the right camera; calibrate the cameras";
   return text.data() + (axes.empty() ? std::string("not significant") : axes + advice);
 }

@@ -22,7 +22,7 @@ struct RectificationError {
   Eigen::Vector3d sigmas = Eigen::Vector3d::Zero();  ///< [rad]
   double offset_px = 0.0;  ///< of the rows at the principal point, right minus left
   double offset_sigma_px = 0.0;
-  double rows_rms_px = 0.0;  ///< of the row differences that the angles cause, over the image
+  double rows_rms_px = 0.0;  ///< of the row differences that pitch and roll cause, over the image
 };
 
 /// Estimates the rotation of the right camera from the rows of stereo matches over many frames.
@@ -30,7 +30,8 @@ struct RectificationError {
 /// For a point at (x, y) in the right camera's normalised image, a small rotation (pitch, yaw,
 /// roll) shifts the row by f * (pitch * (1 + y^2) - yaw * x * y - roll * x). A translation along
 /// the rows is not told apart from pitch, which is exact for distant points. Rows tell yaw only by
-/// its second-order term in wide images.
+/// a second-order term that residual lens distortion has as well (0.4 degrees in KITTI's rectified
+/// images): it is estimated for the sake of the others and never significant.
 ///
 /// @see  Hartley & Zisserman 2004, Sec. 9.3; Dang, Hoffmann & Stiller 2009, "Continuous stereo
 ///       self-calibration by camera parameter tracking"
@@ -51,7 +52,8 @@ class RectificationEstimator {
   std::size_t matches_ = 0;
 };
 
-/// The angles that are significant and shift rows by a visible amount; 0 the others [rad].
+/// The angles of pitch and roll that are significant and shift rows by a visible amount; 0 the
+/// others [rad].
 [[nodiscard]] Eigen::Vector3d significantAngles(const RectificationError& error,
                                                 const StereoCamera& camera);
 
