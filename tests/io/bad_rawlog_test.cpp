@@ -237,7 +237,7 @@ TEST_F(BadRawlogTest, AnUnreadableLastObjectIsCountedAndNotATruncation) {
   RawlogSource source(path_, {});
   EXPECT_EQ(1u, test::framesOf(source).size());
   EXPECT_FALSE(source.truncation());
-  EXPECT_EQ(7u, source.skipped().at("unreadable_CObservationImage"));
+  EXPECT_EQ(7u, source.skipped().at("unreadable_CObservationImage_version_99"));
 }
 
 TEST_F(BadRawlogTest, SkipsAndCountsObjectsOfNewerVersionsAndUnusedClasses) {
@@ -251,9 +251,10 @@ TEST_F(BadRawlogTest, SkipsAndCountsObjectsOfNewerVersionsAndUnusedClasses) {
   RawlogSource source(path_, {});
   EXPECT_EQ(2u, test::framesOf(source).size());
   EXPECT_FALSE(source.truncation());
-  EXPECT_THAT(source.skipped(),
-              ::testing::ElementsAre(::testing::Pair("CObservationGPS", 1u),
-                                     ::testing::Pair("unreadable_CObservationImage", 1u)));
+  EXPECT_THAT(
+      source.skipped(),
+      ::testing::ElementsAre(::testing::Pair("CObservationGPS", 1u),
+                             ::testing::Pair("unreadable_CObservationImage_version_99", 1u)));
 }
 
 TEST_F(BadRawlogTest, RefusesInvalidCalibrationsWithTheReason) {

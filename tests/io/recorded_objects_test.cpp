@@ -140,6 +140,29 @@ TEST_F(RecordedObjectsTest, LaserScansOfAllVersions) {
   expectAsMrpt(objectBytes(name, 4, start + covariance + timed + bytesOf(0.2F)));
   expectAsMrpt(objectBytes(name, 5, start + covariance + timed + bytesOf(0.2F) + label));
   expectAsMrpt(objectBytes(name, 6, start + timed + bytesOf(0.2F) + label));
+  const std::string intensities = bytesOf(true, 5, 6);
+  const std::string version_7 = start + timed + bytesOf(0.2F) + label + intensities;
+  expectAsMrpt(objectBytes(name, 7, version_7));
+  // MRPT 3 adds the duration of the sweep, which MRPT 2.5.8 cannot read.
+  const auto version_8 = readFrom(objectBytes(name, 8, version_7 + bytesOf(0.025F)));
+  ASSERT_NE(nullptr, version_8);
+  EXPECT_TRUE(mrptBytes(*version_8) == mrptBytes(*readFrom(objectBytes(name, 7, version_7))));
+}
+
+TEST_F(RecordedObjectsTest, UnknownVersionsAreCountedByClassAndVersion) {
+  mrpt::obs::CObservationOdometry odometry;
+  odometry.sensorLabel = "odometry";
+  const std::string later = objectBytes("mrpt::obs::CObservationIMU", 9, mrptBytes(kPose));
+  const std::string image = objectBytes("mrpt::img::CImage", 12, std::string(40, '\1'));
+  test::writeContent(path_,
+                     later + test::stereoBytes(1, image, test::imageBytes()) + mrptBytes(odometry));
+  std::map<std::string, std::size_t> skipped;
+  ObservationStream stream(path_, skipped);
+  const auto read = stream.next();
+  ASSERT_NE(nullptr, read);
+  EXPECT_EQ("odometry", read->sensorLabel);
+  EXPECT_EQ(1u, skipped.count("unreadable_CObservationIMU_version_9"));
+  EXPECT_EQ(1u, skipped.count("unreadable_CObservationStereoImages_CImage_version_12"));
 }
 
 TEST_F(RecordedObjectsTest, RobotPosesOfAllVersions) {

@@ -65,7 +65,7 @@ std::uint8_t ObjectReader::enter(std::initializer_list<const char*> class_names)
 
 std::uint8_t ObjectReader::enter(const char* class_name, std::uint8_t max_version) {
   const std::uint8_t version = enter({class_name});
-  if (version > max_version) throw BrokenObject("an object has an unknown version");
+  if (version > max_version) throw UnknownVersion(class_name, version);
   return version;
 }
 

@@ -24,6 +24,15 @@ class UnexpectedEnd : public BrokenObject {
   UnexpectedEnd() : BrokenObject("the file ends within an object") {}
 };
 
+/// An object of a version that is not known: of a later MRPT, as a rule.
+class UnknownVersion : public BrokenObject {
+ public:
+  /// @param class_name  of an object within the observation; empty: the observation itself
+  UnknownVersion(const std::string& class_name, int version)
+      : BrokenObject((class_name.empty() ? "" : class_name + "_") + "version_" +
+                     std::to_string(version)) {}
+};
+
 /// Class name without namespace: "mrpt::obs::CObservationImage" gives "CObservationImage".
 [[nodiscard]] std::string shortClassName(const std::string& name);
 

@@ -156,6 +156,8 @@ void ObservationStream::readObject(const std::string& class_name) {
     const std::string reason = input_.compressionError();
     if (!skipToNextObservation()) return truncate(reason.empty() ? error.what() : reason);
     return count("unreadable_" + name);
+  } catch (const UnknownVersion& error) {
+    count("unreadable_" + name + "_" + error.what());
   } catch (const BrokenObject&) {
     count("unreadable_" + name);
   }

@@ -136,7 +136,7 @@ cv::Mat pixelsOf(const RecordedImage& image, std::string_view bytes) {
 RecordedImage readImage(ObjectReader& in) {
   RecordedImage image;
   const std::uint8_t version = in.enter({"CImage"});
-  if (version > 10 && version != 100) throw BrokenObject("an image has an unknown version");
+  if (version > 10 && version != 100) throw UnknownVersion("CImage", version);
   if (version >= 6 && in.flag()) {
     image.storage = Storage::kExternal;
     image.file = in.text();

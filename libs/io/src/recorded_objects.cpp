@@ -25,7 +25,7 @@ using Observation = mrpt::obs::CObservation::Ptr;
 
 Version versionUpTo(Version max_version, ObjectReader& in) {
   const auto version = in.value<Version>();
-  if (version > max_version) throw BrokenObject("an object has an unknown version");
+  if (version > max_version) throw UnknownVersion("", version);
   return version;
 }
 
@@ -163,7 +163,7 @@ void readBeams(Version version, mrpt::obs::CObservation2DRangeScan& scan, Object
 }
 
 Observation readLaserScan(ObjectReader& in) {
-  const Version version = versionUpTo(7, in);
+  const Version version = versionUpTo(8, in);  // 8: MRPT 3
   auto scan = mrpt::obs::CObservation2DRangeScan::Create();
   scan->aperture = in.value<float>();
   scan->rightToLeft = in.flag();
@@ -183,6 +183,7 @@ Observation readLaserScan(ObjectReader& in) {
     scan->setScanHasIntensity(true);
     for (std::size_t i = 0; i < intensities.size(); ++i) scan->setScanIntensity(i, intensities[i]);
   }
+  if (version >= 8) (void)in.value<float>();  // duration of the sweep
   in.leave();
   return scan;
 }

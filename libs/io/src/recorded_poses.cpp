@@ -55,7 +55,8 @@ mrpt::poses::CPose3DQuat readPoseQuat(ObjectReader& in) {
 
 /// The covariance follows the mean: its diagonal, then the upper triangle by rows.
 mrpt::poses::CPose3DPDFGaussian readPosePdf(ObjectReader& in) {
-  if (in.enter({"CPose3DPDFGaussian"}) != 1) throw BrokenObject("a pose has an unknown version");
+  const int version = in.enter({"CPose3DPDFGaussian"});
+  if (version != 1) throw UnknownVersion("CPose3DPDFGaussian", version);
   mrpt::poses::CPose3DPDFGaussian pdf;
   pdf.mean = readPose3D(in);
   for (int i = 0; i < 6; ++i) pdf.cov(i, i) = in.value<double>();
