@@ -110,19 +110,20 @@ TEST_F(CullingTest, LandmarksOfARemovedKeyframeKeepTheirAppearance) {
 
 /// A place that is passed again and again, a little differently each time.
 TEST(StereoSlamTest, TheMapOfAPlaceDoesNotGrowWithTime) {
-  constexpr int kLap = 40;
+  constexpr int kFramesOfLap = 40;
   constexpr int kLaps = 7;
   test::TexturedWorld world(test::smallCamera());
   world.addRoom(12.0, 8.0, 4.0);
   const auto pose = [](int i, int lap) {  // there and back
-    const double along = 0.5 - 0.5 * std::cos(2.0 * M_PI * i / kLap);
+    const double along = 0.5 - 0.5 * std::cos(2.0 * M_PI * i / kFramesOfLap);
     Pose T_map_robot = Pose::Identity();
     T_map_robot.translation() << 2.0 * along, 0.04 * (lap % 2) * std::sin(0.4 * i), 0.0;
     T_map_robot.linear() = expSo3({0.0, 0.0, 0.6 * along});
     return T_map_robot;
   };
   std::vector<StereoFrame> frames;
-  for (int i = 0; i < 2 * kLap; ++i) frames.push_back(world.frame(0, 0.0, pose(i, i / kLap)));
+  for (int i = 0; i < 2 * kFramesOfLap; ++i)
+    frames.push_back(world.frame(0, 0.0, pose(i, i / kFramesOfLap)));
 
   SlamParams params;
   params.features = 200;
@@ -130,25 +131,25 @@ TEST(StereoSlamTest, TheMapOfAPlaceDoesNotGrowWithTime) {
   params.trajectory_in_memory = 5;
   StereoSlam small(world.camera(), params);
   std::vector<std::size_t> keyframes, bytes;
-  for (int i = 0; i < kLaps * kLap; ++i) {
-    StereoFrame frame = frames[static_cast<std::size_t>(i % (2 * kLap))];
+  for (int i = 0; i < kLaps * kFramesOfLap; ++i) {
+    StereoFrame frame = frames[static_cast<std::size_t>(i % (2 * kFramesOfLap))];
     frame.index = static_cast<std::size_t>(i);
     frame.time = 0.1 * i;
     const auto update = slam.process(frame, {});
     ASSERT_EQ(update.status, TrackingStatus::kTracked) << i;
     (void)small.process(frame, {});
-    const Pose truth = pose(i % (2 * kLap), i / kLap);
+    const Pose truth = pose(i % (2 * kFramesOfLap), i / kFramesOfLap);
     EXPECT_LT((update.T_map_robot.translation() - truth.translation()).norm(), 0.03) << i;
-    if ((i + 1) % kLap != 0) continue;
+    if ((i + 1) % kFramesOfLap != 0) continue;
     keyframes.push_back(slam.map().keyframes.size());
     bytes.push_back(slam.save().size());
   }
   EXPECT_LE(keyframes[6], keyframes[2] + 2);
   EXPECT_LT(static_cast<double>(bytes[6]), 1.25 * static_cast<double>(bytes[2]));
-  ASSERT_EQ(slam.trajectory().size(), static_cast<std::size_t>(kLaps * kLap));
+  ASSERT_EQ(slam.trajectory().size(), static_cast<std::size_t>(kLaps * kFramesOfLap));
   for (const auto& estimate : slam.trajectory()) {  // also those whose keyframe was removed
     const int i = static_cast<int>(estimate.frame);
-    const Pose truth = pose(i % (2 * kLap), i / kLap);
+    const Pose truth = pose(i % (2 * kFramesOfLap), i / kFramesOfLap);
     EXPECT_LT((estimate.T_map_robot.translation() - truth.translation()).norm(), 0.03) << i;
   }
   const auto in_memory = slam.trajectory();
