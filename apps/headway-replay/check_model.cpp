@@ -2,7 +2,7 @@
 
 #include <headway/core/error.h>
 #include <headway/core/printable.h>
-#include <headway/core/sha256.h>
+#include <headway/detect/model_hash.h>
 
 #include <chrono>
 #include <cstdio>
@@ -53,7 +53,7 @@ bool checkModel(const std::string& file, detect::NetworkParams params) {
   const auto found = detector.detect(frame);
   const auto shown = printable(detector.model());
   std::printf("model: %s\nSHA-256: %s\nclasses: %s\n", shown.c_str(),
-              sha256OfFile(detector.model()).c_str(), printable(params.classes).c_str());
+              detect::sha256OfFile(detector.model()).c_str(), printable(params.classes).c_str());
   std::printf("frame: %d x %d px, in %.0f ms (best of %d)\n", frame.left.cols, frame.left.rows,
               bestTime(detector, frame), kTimedRuns);
   std::map<ObjectClass, int> counts;

@@ -12,8 +12,8 @@ namespace headway::replay {
 /// @param file    of the model; empty: does nothing
 /// @param params  of section [dnn]
 /// @return        whether a model was checked
-/// @throws InputError if the model cannot be used, or detects neither a car nor a pedestrian in the
-///         frame, which shows several of each
+/// @throws InputError if the model cannot be used, or does not detect both a car and a pedestrian
+///         in the frame, which shows several of each
 bool checkModel(const std::string& file, detect::NetworkParams params);
 
 }  // namespace headway::replay

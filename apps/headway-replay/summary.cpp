@@ -2,8 +2,8 @@
 
 #include <headway/core/output_file.h>
 #include <headway/core/printable.h>
-#include <headway/core/sha256.h>
 #include <headway/core/version.h>
+#include <headway/detect/model_hash.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -131,7 +131,7 @@ void writeRunRecord(const std::filesystem::path& path, const Options& options, c
   json["rig"] = rigJson(rig);
   if (!detector_model.empty()) {
     json["detector_model"] = {{"file", pathJson(detector_model)},
-                              {"sha256", sha256OfFile(detector_model)}};
+                              {"sha256", detect::sha256OfFile(detector_model)}};
   }
   json["configuration"] = Json(params.values());
   writeFile(path, textOf(json));

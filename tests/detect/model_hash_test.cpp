@@ -1,11 +1,11 @@
 #include <gtest/gtest.h>
 #include <headway/core/error.h>
-#include <headway/core/sha256.h>
+#include <headway/detect/model_hash.h>
 #include <headway_test/folders.h>
 
 #include <fstream>
 
-namespace headway {
+namespace headway::detect {
 namespace {
 
 std::string hashOf(const std::string& content) {
@@ -14,7 +14,7 @@ std::string hashOf(const std::string& content) {
   return sha256OfFile(folder / "file");
 }
 
-TEST(Sha256Test, AgreesWithTheStandardsExamples) {
+TEST(ModelHashTest, AgreesWithTheStandardsExamples) {
   EXPECT_EQ("e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855", hashOf(""));
   EXPECT_EQ("ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad", hashOf("abc"));
   EXPECT_EQ("248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1",
@@ -22,9 +22,9 @@ TEST(Sha256Test, AgreesWithTheStandardsExamples) {
       << "two blocks";
 }
 
-TEST(Sha256Test, NamesAFileThatCannotBeRead) {
+TEST(ModelHashTest, NamesAFileThatCannotBeRead) {
   EXPECT_THROW((void)sha256OfFile("/nowhere/model.onnx"), InputError);
 }
 
 }  // namespace
-}  // namespace headway
+}  // namespace headway::detect
