@@ -30,6 +30,26 @@ TEST(NetworkTilesTest, CoverAWideImageAndOverlap) {
   }
 }
 
+TEST(NetworkTilesTest, AreFewInAnyImage) {
+  for (const cv::Size size : {cv::Size(10000, 64), cv::Size(30000, 1), cv::Size(4000, 3)}) {
+    EXPECT_LE(tilesOf(size, {416, 416}).size(), 12u) << size;
+    EXPECT_EQ(size.width, tilesOf(size, {416, 416}).back().br().x) << size;
+  }
+}
+
+TEST(NetworkTilesTest, PartsInThreeTilesAreOneObject) {
+  const std::vector<TileBoxes> tiles = {
+      {{0, 0, 1000, 400}, {}},
+      {{0, 0, 400, 400}, {box(250, 399, 0.4)}},
+      {{300, 0, 400, 400}, {box(301, 699, 0.6)}},
+      {{600, 0, 400, 400}, {box(601, 800, 0.5)}},
+  };
+  const auto joined = joinTiles(tiles, 1000, kIou);
+  ASSERT_EQ(1u, joined.size());
+  EXPECT_EQ(250, joined.front().box.left);
+  EXPECT_EQ(800, joined.front().box.right);
+}
+
 TEST(NetworkTilesTest, LeaveOthersWhole) {
   EXPECT_EQ(1u, tilesOf({640, 480}, {416, 416}).size());
   EXPECT_EQ(1u, tilesOf({480, 640}, {416, 416}).size());

@@ -84,7 +84,8 @@ std::string findModel(const NetworkParams& params) {
   for (const std::string path : {folder != nullptr ? folder : "", kInstalledModels}) {
     for (const char* name : {"yolox_nano.onnx", "yolox_tiny.onnx"}) {
       const auto file = std::filesystem::path(path) / name;
-      if (!path.empty() && std::filesystem::is_regular_file(file)) return file.string();
+      std::error_code unreadable;
+      if (!path.empty() && std::filesystem::is_regular_file(file, unreadable)) return file.string();
     }
   }
   return "";

@@ -27,9 +27,7 @@ constexpr int kFewPoints = 12;   // with fewer classified points the camera's mo
 constexpr double kMaxGap = 3.0;  // of the window: a longer gap resets everything
 constexpr double kSupportScale = 6.0;
 constexpr double kFootRatio = 4.0 / 3.0;  // of the ground's clearance: block matching smears feet
-// Range of points on people over that of their motion along the line of sight: beyond, only motion
-// across it is significant.
-constexpr double kPeopleRatio = 1.4;
+constexpr double kPeopleRatio = 1.4;      // of ranges of people: motion across and along the ray
 constexpr double kStartUp = 0.35;  // before it small errors of pose and stereo resemble motion [s]
 
 bool usable(const cv::Mat& image) {
@@ -76,6 +74,7 @@ class StereoMotion::Implementation {
     const StereoFrame& frame = context.frame();
     found_ = emptyDetections(frame);
     offset_evidence_.clear();
+    tested_ = false;
     if (!usable(frame.left) || !usable(frame.right)) return "unusable_image";
     disparity_ = context.disparity();
     image_ = context.reducedLeft();
@@ -103,9 +102,8 @@ class StereoMotion::Implementation {
           segmentsByFlow(disparity_, flow, *camera_, *ground_, params_.max_segment_range_m), path_,
           up_);
     }
-    if (unsure == nullptr && frame.time - path_.timeOf(path_.oldest()) > kStartUp) {
-      detectObjects(expected);
-    }
+    tested_ = unsure == nullptr && frame.time - path_.timeOf(path_.oldest()) > kStartUp;
+    if (tested_) detectObjects(expected);
     follower_.replenish(frame, disparity_, ground_, number);
     return unsure;
   }
@@ -120,6 +118,7 @@ class StereoMotion::Implementation {
   [[nodiscard]] MotionDetections result() const {
     MotionDetections result;
     result.detections = found_;
+    result.tested = tested_;
     constexpr double kStep_s = 0.01;  // short, so that its turn is far from half a circle
     const Pose motion = path_.expectedMotion(kStep_s);
     result.camera_velocity = motion.translation() / kStep_s;
@@ -269,6 +268,7 @@ class StereoMotion::Implementation {
   NoiseScale noise_scale_;
   std::vector<PointClass> classes_;                      ///< one for each followed point
   std::vector<stereo::OffsetEvidence> offset_evidence_;  ///< of the newest frame
+  bool tested_ = false;                                  ///< for objects, the newest frame
   Eigen::Vector3d up_ = Eigen::Vector3d::UnitZ();        ///< of the ground, world of the path
   std::int64_t next_group_ = 0;
   Pose T_map_cam_ = Pose::Identity();  ///< of the newest frame, as given

@@ -140,6 +140,7 @@ DetectionStage::DetectionStage(std::shared_ptr<const StereoCamera> camera,
       every_nth_frame_(params.detect.every_nth_frame) {
   params.validate();
   const auto names = imageDetectors(params);
+  has_network_ = contains(names, kNetwork);
   if (camera_ == nullptr && !names.empty() && !automatic_) {
     throw InputError("[detect] detector = " + params.detector +
                      ": needs stereo images, and the recording holds none");
@@ -188,9 +189,10 @@ ObjectDetections DetectionStage::detectObjects(const RecordedFrame& frame,
   const bool has_detectors = stereo_motion_ || (!automatic_ && !detectors_.empty());
   boxes.detectors_run = has_turn && frame.stereo && has_detectors;
   if (boxes.detectors_run) {
-    boxes.classified = !detectors_.empty() && (!automatic_ || stereo_motion_);
+    const bool with_images = !automatic_ || stereo_motion_;
+    boxes.classified = has_network_ && with_images;
     for (const auto& detector : detectors_) {
-      if (boxes.classified) boxes.sources.push_back(detector->detect(*frame.stereo));
+      if (with_images) boxes.sources.push_back(detector->detect(*frame.stereo));
     }
   }
   boxes.lifting =
@@ -224,15 +226,14 @@ FrameDetections DetectionStage::detectMotion(const RecordedFrame& frame,
   fusion.rider_by_motion = boxes.classified;
   if (!sources.empty()) found.fused = detect::fuse(sources, fusion);
   const bool lacking = found.fused && lackDepth(*found.fused);
-  if (frame.stereo && T_map_robot && lacking) {
+  const bool may_correct = boxes.classified && found.fused;
+  if (frame.stereo && T_map_robot && (lacking || may_correct)) {
     const auto& context = *boxes.context;
     const detect::StereoLifter lifter(camera_, context.disparity(), context.ground());
-    if (boxes.classified) correctTrucks(*camera_, lifter, *found.fused);
-    detect::liftAll(*found.fused, lifter);
+    if (may_correct) correctTrucks(*camera_, lifter, *found.fused);
+    if (lacking) detect::liftAll(*found.fused, lifter);
   }
-  if (boxes.classified && found.fused) {
-    setTested(found.motion.detections.has_value(), *camera_, *found.fused);
-  }
+  if (may_correct) setTested(found.motion.tested, *camera_, *found.fused);
   found.elapsed_ms = boxes.elapsed_ms + millisecondsSince(start);
   return found;
 }

@@ -46,7 +46,8 @@ struct MotionDetections {
   /// With 2D and 3D box, mask and velocity each; nullopt where the frame cannot be used, for a
   /// reason that `dropped` counts.
   std::optional<Detections> detections;
-  DropCounts dropped;  ///< frames that cannot be used and detections that are not plausible
+  bool tested = false;  ///< objects were searched for; not so in the first frames after a reset
+  DropCounts dropped;   ///< frames that cannot be used and detections that are not plausible
   Eigen::Vector3d camera_velocity = Eigen::Vector3d::Zero();   ///< of points seen from it [m/s]
   Eigen::Vector3d camera_turn_rate = Eigen::Vector3d::Zero();  ///< of points seen from it [rad/s]
   std::vector<stereo::OffsetEvidence> static_points;  ///< on the disparities' offset, this frame

@@ -49,7 +49,7 @@ struct ObjectDetections {
   std::optional<stereo::FrameContext> context;  ///< of the frame; nullopt without images
   std::vector<Detections> sources;              ///< by descending quality of their information
   bool detectors_run = false;                   ///< on this frame, one in `every_nth_frame`
-  bool classified = false;                      ///< by a detector of classes, in this frame
+  bool classified = false;                      ///< by a network, in this frame
   bool recorded_missing = false;                ///< for longer than `recorded_timeout_s`
   bool lifting = false;                         ///< a box without depth has to be lifted
   double elapsed_ms = 0.0;                      ///< time of these steps [ms]
@@ -133,6 +133,7 @@ class DetectionStage {
   std::optional<Time> last_recorded_;  ///< of the newest recorded boxes
   bool use_recorded_ = false;
   bool automatic_ = false;  ///< image detectors run only without recorded boxes
+  bool has_network_ = false;
   int every_nth_frame_ = 1;
   std::vector<std::unique_ptr<detect::Detector>> detectors_;
   std::optional<detect::StereoMotion> stereo_motion_;
