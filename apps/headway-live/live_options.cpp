@@ -3,6 +3,8 @@
 #include <headway/core/error.h>
 #include <headway/pipeline/detection_stage.h>
 
+#include <filesystem>
+
 namespace headway::live {
 
 void describe(LiveOptions& options, program::CommandLine& line) {
@@ -61,6 +63,9 @@ void check(const LiveOptions& options) {
     throw UsageError("--show-address has no effect without --show");
   }
   if (!options.record.empty()) {
+    if (std::filesystem::path(options.record).extension() == ".zst") {
+      throw UsageError("--record: recordings are compressed by gzip; name it OUT.rawlog");
+    }
     program::requireWritable(options.record, options.run.overwrite,
                              {options.sensors, options.calibration, options.run.load_map});
   }

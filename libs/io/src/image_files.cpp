@@ -34,9 +34,11 @@ bool isInside(const fs::path& folder, const fs::path& path) {
 std::string imageFolderOf(const std::string& rawlog) {
   const fs::path folder = fs::path(rawlog).parent_path();
   const std::string stem = fs::path(rawlogStem(rawlog)).filename().string();
+  const std::string whole = fs::path(rawlog).stem().string();  // X.rawlog of X.rawlog.gz
   std::error_code ignored;
   for (const std::string& name :
-       {stem + "_Images", stem + "_images", stem + "_IMAGES", std::string("Images")}) {
+       {stem + "_Images", stem + "_images", stem + "_IMAGES", whole + "_Images", whole + "_images",
+        whole + "_IMAGES", std::string("Images")}) {
     if (fs::is_directory(folder / name, ignored)) return (folder / name).string();
   }
   return (folder / (stem + "_Images")).string();
