@@ -8,6 +8,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "trajectory_records.h"
+
 namespace headway::replay {
 namespace {
 
@@ -50,6 +52,9 @@ ProgramState unpacked(const std::string& text) {
     state.seen_tracks[TrackId{seen.at(0)}] = {seen.at(1), seen.at(2)};
   }
   state.rows = json.at("rows").get<std::map<std::string, std::size_t>>();
+  for (const char* name : {"trajectory_online.tum", kTrajectoryRecords}) {
+    if (state.rows.count(name) == 0) throw InputError(std::string("it has no rows of ") + name);
+  }
   return state;
 }
 
@@ -159,6 +164,11 @@ void continueRun(const fs::path& folder, Options& options, Params& params) {
     std::printf("%s: was killed before its first checkpoint, and starts again\n",
                 folder.string().c_str());
   }
+}
+
+slam::TrajectoryReader trajectoryOf(const Continuation& run) {
+  return readTrajectoryRecords(run.folder / kTrajectoryRecords,
+                               run.state.rows.at(kTrajectoryRecords));
 }
 
 std::vector<Stamped<Pose>> onlinePath(const fs::path& folder, std::size_t rows) {

@@ -2,6 +2,7 @@
 
 #include <headway/map/map_file.h>
 #include <headway/pipeline/run_state.h>
+#include <headway/slam/trajectory_record.h>
 
 #include <filesystem>
 #include <map>
@@ -52,6 +53,9 @@ struct Continuation {
 /// @param folder  output of the run, which becomes the output of this one
 /// @throws InputError if it contains no run, or one that has ended
 void continueRun(const std::filesystem::path& folder, Options& options, Params& params);
+
+/// The steps of the run's trajectory. @throws InputError if their file cannot be read
+[[nodiscard]] slam::TrajectoryReader trajectoryOf(const Continuation& run);
 
 /// Positions on the way so far, for pictures of the map.
 [[nodiscard]] std::vector<Stamped<Pose>> onlinePath(const std::filesystem::path& folder,

@@ -12,6 +12,8 @@
 #include <sstream>
 #include <string>
 
+#include "trajectory_records.h"
+
 namespace headway::replay {
 namespace {
 
@@ -113,7 +115,8 @@ FrameWriters::FrameWriters(const std::filesystem::path& folder,
       smoothed_(folder / "tracks_smoothed.csv", keptRows(kept, "tracks_smoothed.csv")),
       kitti_path_(folder / "tracks_kitti.txt"),
       kitti_(kitti_path_, keptRows(kept, "tracks_kitti.txt")),
-      predictions_(folder / "predictions.csv", keptRows(kept, "predictions.csv")) {
+      predictions_(folder / "predictions.csv", keptRows(kept, "predictions.csv")),
+      records_(folder / kTrajectoryRecords, keptRows(kept, kTrajectoryRecords)) {
   if (kept != nullptr) return;
   writeCovarianceHeader(covariance_.stream());
   detections_.stream() << io::detectionCsvHeader() << '\n';
@@ -126,7 +129,7 @@ std::map<std::string, GrowingFile*> FrameWriters::files() {
   return {{"trajectory_online.tum", &trajectory_}, {"trajectory_covariance.csv", &covariance_},
           {"detections.csv", &detections_},        {"tracks.csv", &tracks_},
           {"tracks_smoothed.csv", &smoothed_},     {"tracks_kitti.txt", &kitti_},
-          {"predictions.csv", &predictions_}};
+          {"predictions.csv", &predictions_},      {kTrajectoryRecords, &records_}};
 }
 
 FrameWriters::RowCounts FrameWriters::rowCounts() {
@@ -176,6 +179,10 @@ void FrameWriters::writeSmoothed(const std::vector<TrackSample>& samples) {
   for (const auto& sample : samples) {
     if (isShown(sample.track)) io::writeTrackCsv(smoothed_.stream(), sample);
   }
+}
+
+void FrameWriters::write(const slam::TrajectoryRecord& record) {
+  writeTrajectoryRecord(records_.stream(), record);
 }
 
 void FrameWriters::finish() {

@@ -16,7 +16,7 @@ namespace headway::replay {
 
 /// Writes the results of each frame at once, so that a killed run lacks at most its last second:
 /// trajectory_online.tum, trajectory_covariance.csv, detections.csv, tracks.csv,
-/// tracks_smoothed.csv, tracks_kitti.txt, predictions.csv.
+/// tracks_smoothed.csv, tracks_kitti.txt, predictions.csv, and the records of the trajectory.
 class FrameWriters {
  public:
   using RowCounts = std::map<std::string, std::size_t>;  ///< by name of the file
@@ -29,6 +29,8 @@ class FrameWriters {
   /// @throws InputError naming the file that could not be written
   void write(const pipeline::PerceptionUpdate& update);
   void writeSmoothed(const std::vector<TrackSample>& samples);
+  /// A step of the trajectory, for runs that continue this one.
+  void write(const slam::TrajectoryRecord& record);
   /// Hands all rows to the system and counts them.
   ///
   /// @throws InputError naming the file that could not be written
@@ -54,6 +56,7 @@ class FrameWriters {
   std::filesystem::path kitti_path_;
   GrowingFile kitti_;
   GrowingFile predictions_;
+  GrowingFile records_;  ///< of the trajectory
 };
 
 /// Writes trajectory.tum and trajectory_kitti.txt.

@@ -65,7 +65,7 @@ std::unique_ptr<pipeline::Perception> makePerception(
   auto perception = std::make_unique<pipeline::Perception>(camera, params);
   if (const auto& run = options.continuation) {
     try {
-      perception->continueRun(run->map, run->run);
+      perception->continueRun(run->map, run->run, trajectoryOf(*run));
     } catch (const InputError& error) {
       throw InputError(run->folder.string() + ": cannot be continued: " + error.what());
     }
@@ -105,6 +105,8 @@ Replay::Replay(const Options& options, std::unique_ptr<FrameInput> input,
                  [this](const std::string& text) { warn(text); }),
       retrack_time_s_(perception_params.objects.lifecycle.retrack_time_s) {
   perception_->setLog([this](LogLevel level, const std::string& text) { log(level, text); });
+  perception_->setTrajectoryLog(
+      [this](const slam::TrajectoryRecord& record) { writers_.write(record); });
   if (!options.detections.empty()) {
     side_detections_ = io::readDetections(options.detections, summary_.detections_dropped);
   }
@@ -147,24 +149,20 @@ void Replay::run() {
   }
 }
 
-std::vector<std::filesystem::path> Replay::pictures() const {
-  std::vector<std::filesystem::path> pictures;
-  for (const auto& name : snapshots_.written()) {
-    pictures.push_back(folder_.published() / "snapshots" / name);
-  }
-  return pictures;
-}
-
 void Replay::processAll() {
   program::Progress progress("replay", options_.quiet || on_frame_ != nullptr);
   const auto feed = source_->makeFeed();
+  std::size_t dropped_repeated = 0;  // frames that are only repeated
   while (!program::interrupted()) {
     auto frame = feed->next();
-    summary_.frames_dropped_late = feed->dropped();
+    summary_.frames_dropped_late = dropped_before_ + feed->dropped() - dropped_repeated;
     if (!frame) break;
     if (summary_.frame_ms.empty()) summary_.start_up_s = secondsSinceProcessStart();
     applySideDetections(*frame);
-    if (options_.continuation && isRepeated(*frame)) continue;
+    if (options_.continuation && isRepeated(*frame)) {
+      dropped_repeated = feed->dropped();
+      continue;
+    }
     process(*frame, source_->progress());
     if (checkpoint_.isDue()) writeCheckpoint();
     progress.update(summary_.frame_ms.count(), source_->progress());

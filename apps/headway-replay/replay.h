@@ -105,6 +105,7 @@ class Replay {
   bool has_lost_image_ = false;
   FrameCallback on_frame_;
   double retrack_time_s_;
+  std::size_t dropped_before_ = 0;         ///< frames that were late in a run that is continued
   std::optional<std::size_t> next_frame_;  ///< after the newest one
   std::map<TrackId, ProgramState::SeenTrack>
       seen_tracks_;  ///< confirmed tracks that may not have ended

@@ -11,6 +11,7 @@ void Replay::continueRun(const Continuation& continuation) {
   const ProgramState& state = continuation.state;
   summary_ = state.summary;
   summary_.continued_after.push_back(continuation.extent.last_frame);
+  dropped_before_ = summary_.frames_dropped_late;
   next_frame_ = state.next_frame;
   seen_tracks_ = state.seen_tracks;
   last_frame_ = continuation.extent.last_frame;
@@ -33,12 +34,13 @@ bool Replay::isRepeated(RecordedFrame& frame) {
   return true;
 }
 
-/// The part of a recording that was processed before a kill is only passed over.
+/// The part of a recording that was processed before a kill is only passed over, and its skipped
+/// observations are counted again; live ones are not.
 void Replay::addEarlierSkipped(Summary& summary) const {
   if (options_.continuation == nullptr) return;
   for (const auto& [reason, count] : options_.continuation->state.summary.observations_skipped) {
     auto& skipped = summary.observations_skipped[reason];
-    skipped = std::max(skipped, count);
+    skipped = source_->isLive() ? skipped + count : std::max(skipped, count);
   }
 }
 

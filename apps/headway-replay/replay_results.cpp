@@ -10,6 +10,7 @@
 
 #include "continuation.h"
 #include "replay.h"
+#include "trajectory_records.h"
 
 namespace headway::replay {
 
@@ -30,7 +31,7 @@ void Replay::writeCheckpoint() {
 
 CheckpointContents Replay::checkpointContents() {
   CheckpointContents contents;
-  if (summary_.frame_ms.count() <= kMaxCheckpointFrames) {
+  if (summary_.frames <= kMaxCheckpointFrames) {
     contents.trajectory = perception_->trajectory();
   }
   if (camera_ != nullptr) contents.T_robot_cam = camera_->T_robot_cam;
@@ -94,7 +95,17 @@ void Replay::finish() {
                                 [this](const std::string& text) { warn(text); });
     });
   }
+  std::error_code ignored;
+  std::filesystem::remove(folder_.path() / kTrajectoryRecords, ignored);  // of a killed run only
   if (failure) std::rethrow_exception(failure);
+}
+
+std::vector<std::filesystem::path> Replay::pictures() const {
+  std::vector<std::filesystem::path> pictures;
+  for (const auto& name : snapshots_.written()) {
+    pictures.push_back(folder_.published() / "snapshots" / name);
+  }
+  return pictures;
 }
 
 Summary Replay::summarised() const {

@@ -3,6 +3,8 @@
 #include <set>
 #include <string>
 
+#include "trajectory_records.h"
+
 namespace headway::replay {
 namespace {
 
@@ -27,7 +29,8 @@ const std::set<std::string>& resultNames() {
                                               "trajectory.tum",
                                               "trajectory_covariance.csv",
                                               "trajectory_kitti.txt",
-                                              "trajectory_online.tum"};
+                                              "trajectory_online.tum",
+                                              kTrajectoryRecords};
   return names;
 }
 

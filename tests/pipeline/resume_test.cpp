@@ -171,6 +171,14 @@ TEST_F(ResumeTest, AMapThatWasTakenUpAndStoredAtOnceIsTheSame) {
   EXPECT_EQ(stored.attachments, map::loadMap(path_).attachments);
 }
 
+TEST_F(ResumeTest, AMapIsTakenUpWithoutAFile) {
+  Perception first(hall_.camera(), params_);
+  EXPECT_LT(drive(first, 0, 6), 0.05);
+  Perception second(hall_.camera(), params_);
+  second.resume(first.stored());
+  EXPECT_LT(drive(second, 3, 6), 0.05);
+}
+
 TEST_F(ResumeTest, AFileThatIsCutOffAtAnyByteIsAnError) {
   params_.slam.features = 50;
   params_.grid.every_nth_frame = 0;  // so that the file is short

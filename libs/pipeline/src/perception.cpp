@@ -110,11 +110,15 @@ void Perception::load(const map::StoredMap& stored) {
   if (slam_ == nullptr) {
     throw InputError("a map can only be taken up by a stereo camera, and here are poses alone");
   }
-  const auto slam_map = stored.attachments.find(map::kSlamAttachment);
-  if (slam_map == stored.attachments.end()) {
+  const auto read = stored.attachments.find(map::kSlamAttachment);
+  const auto made = stored.made_attachments.find(map::kSlamAttachment);
+  if (read != stored.attachments.end()) {
+    slam_->load(read->second);
+  } else if (made != stored.made_attachments.end()) {
+    slam_->load(collected(made->second));
+  } else {
     throw InputError("it holds no landmarks that a camera could be localised by");
   }
-  slam_->load(slam_map->second);
   map_.update(slam_->map());
   const auto scans = stored.attachments.find(map::kGridAttachment);
   if (scans != stored.attachments.end()) {
@@ -210,8 +214,18 @@ slam::SlamUpdate Perception::useGivenPose(const RecordedFrame& frame) {
     given.T_map_robot = poseFrom(given_poses_.back().T_map_robot);
   }
   if (repeated_) return given;
-  given_poses_.append(
-      {frame.index, frame.time, headway::stored(given.T_map_robot), frame.T_map_robot.has_value()});
+  const GivenPose pose{frame.index, frame.time, headway::stored(given.T_map_robot),
+                       frame.T_map_robot.has_value()};
+  given_poses_.append(pose);
+  if (trajectory_log_) {
+    trajectory_log_({slam::TrajectoryRecord::Kind::kGiven,
+                     pose.frame,
+                     pose.time,
+                     pose.is_given,
+                     {},
+                     {},
+                     pose.T_map_robot});
+  }
   return given;
 }
 

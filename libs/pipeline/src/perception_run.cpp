@@ -11,8 +11,7 @@
 namespace headway::pipeline {
 namespace {
 
-constexpr std::uint32_t kVersion = 1;
-constexpr std::size_t kMaxFrames = 500000;  // of the stored trajectory
+constexpr std::uint32_t kVersion = 2;
 
 void write(const std::map<std::string, std::size_t>& counts, ByteWriter& out) {
   out.count(counts.size());
@@ -88,28 +87,11 @@ RunState readState(ByteReader& in) {
   return state;
 }
 
-void write(const RecordLog<GivenPose>& poses, ByteWriter& out) {
-  ByteWriter records;
-  std::size_t count = 0;
-  poses.visitNewest(kMaxFrames, [&](const GivenPose& given) {
-    records.count(given.frame);
-    records.value(given.time);
-    records.values(given.T_map_robot.values);
-    records.value<std::uint8_t>(given.is_given ? 1 : 0);
-    ++count;
-  });
-  out.count(count);
-  out.bytes += records.bytes;
-}
-
-void read(ByteReader& in, RecordLog<GivenPose>& poses) {
-  for (auto left = in.value<std::uint64_t>(); left > 0; --left) {
-    GivenPose given{};
-    given.frame = in.value<std::uint64_t>();
-    given.time = in.finiteValue<double>();
-    for (double& x : given.T_map_robot.values) x = in.finiteValue<double>();
-    given.is_given = in.value<std::uint8_t>() != 0;
-    poses.append(given);
+/// The frames whose poses were recorded.
+void restore(const slam::TrajectoryReader& next, RecordLog<GivenPose>& poses) {
+  while (const auto record = next()) {
+    if (record->kind != slam::TrajectoryRecord::Kind::kGiven) continue;
+    poses.append({record->frame, record->time, record->pose, record->tracked});
   }
 }
 
@@ -154,20 +136,31 @@ std::string Perception::runState() const {
   state.laser_counts = laser_counts_;
   ByteWriter out;
   write(state, out);
-  write(given_poses_, out);
-  out.text(slam_ != nullptr && given_poses_.empty() ? slam_->saveRun(kMaxFrames) : "");
+  const bool by_slam = slam_ != nullptr && given_poses_.empty();
+  out.text(by_slam ? slam_->saveRun() : "");
+  out.text(by_slam ? "" : grid_.save());  // the map of a run by SLAM contains it
   return std::move(out.bytes);
 }
 
-void Perception::continueRun(const map::StoredMap& stored, const std::string& run_state) {
+void Perception::setTrajectoryLog(const slam::TrajectoryLog& log) {
+  trajectory_log_ = log;
+  if (slam_ != nullptr) slam_->setTrajectoryLog(log);
+}
+
+void Perception::continueRun(const map::StoredMap& stored, const std::string& run_state,
+                             const slam::TrajectoryReader& trajectory) {
   ByteReader in(run_state);
   RunState state = readState(in);
-  read(in, given_poses_);
   const std::string slam = in.text();
+  const std::string grid = in.text();
   if (!in.atEnd()) throw InputError("damaged: there are data after the end of the run");
-  if (!slam.empty()) {
+  if (slam.empty()) {
+    restore(trajectory, given_poses_);
+    grid_.load(grid);
+    if (const auto loaded = grid_.grid()) map_.update(loaded);
+  } else {
     load(stored);
-    slam_->loadRun(slam);
+    slam_->loadRun(slam, trajectory);
   }
   repeated_ = std::move(state);
 }

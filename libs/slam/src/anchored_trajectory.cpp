@@ -4,8 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <unordered_map>
+#include <unordered_set>
 
 namespace headway::slam {
 
@@ -18,6 +17,15 @@ void AnchoredTrajectory::add(std::size_t frame, Time time, bool tracked, const P
         stored(map.keyframe(*reference).T_map_cam.inverse(Eigen::Isometry) * T_map_cam);
   }
   frames_.append(anchored);
+  if (log_) {
+    log_({TrajectoryRecord::Kind::kFrame,
+          frame,
+          time,
+          tracked,
+          {},
+          anchored.reference,
+          anchored.T_reference_cam});
+  }
 }
 
 void AnchoredTrajectory::reassign(KeyframeId from, KeyframeId to, const SparseMap& map) {
@@ -29,35 +37,37 @@ void AnchoredTrajectory::reassign(KeyframeId from, KeyframeId to, const SparseMa
     anchored.T_reference_cam = stored(T_to_from * poseFrom(anchored.T_reference_cam));
   }
   if (frames_.filed() > 0) moved_.append({from, to, stored(T_to_from)});
+  if (log_) log_({TrajectoryRecord::Kind::kMove, 0, 0.0, false, from, to, stored(T_to_from)});
 }
 
-void AnchoredTrajectory::visitAnchored(
-    std::size_t count, const SparseMap& map,
-    const std::function<void(const AnchoredPose&)>& callback) const {
-  std::unordered_map<KeyframeId, Reassignment> moved;  // ids of keyframes are not used again
+AnchoredTrajectory::Reassignments AnchoredTrajectory::reassignments() const {
+  Reassignments moved;  // ids of keyframes are not used again
   moved_.visit([&](const Reassignment& one) { moved[one.from] = one; });
-  frames_.visitNewest(count, [&](AnchoredPose anchored) {
-    if (!anchored.reference.valid()) return callback(anchored);
-    auto one = moved.find(anchored.reference);
-    if (one != moved.end()) {
-      Pose T_reference_cam = poseFrom(anchored.T_reference_cam);
-      for (; one != moved.end(); one = moved.find(anchored.reference)) {
-        T_reference_cam = poseFrom(one->second.T_to_from) * T_reference_cam;
-        anchored.reference = one->second.to;
-      }
-      anchored.T_reference_cam = stored(T_reference_cam);
-    }
-    // Without its keyframe, whose reassignment found no place on the disk, it is left out.
-    if (map.keyframes().count(anchored.reference) > 0) callback(anchored);
-  });
+  return moved;
+}
+
+void AnchoredTrajectory::follow(const Reassignments& moved, AnchoredPose& anchored) {
+  auto one = anchored.reference.valid() ? moved.find(anchored.reference) : moved.end();
+  if (one == moved.end()) return;
+  Pose T_reference_cam = poseFrom(anchored.T_reference_cam);
+  for (; one != moved.end(); one = moved.find(anchored.reference)) {
+    T_reference_cam = poseFrom(one->second.T_to_from) * T_reference_cam;
+    anchored.reference = one->second.to;
+  }
+  anchored.T_reference_cam = stored(T_reference_cam);
 }
 
 void AnchoredTrajectory::visit(const SparseMap& map, const Pose& T_cam_robot,
                                const std::function<void(const FrameEstimate&)>& callback) const {
-  visitAnchored(std::numeric_limits<std::size_t>::max(), map, [&](const AnchoredPose& anchored) {
+  const Reassignments moved = reassignments();
+  frames_.visit([&](AnchoredPose anchored) {
+    follow(moved, anchored);
     Pose T_map_cam = poseFrom(anchored.T_reference_cam);
     if (anchored.reference.valid()) {
-      T_map_cam = map.keyframe(anchored.reference).T_map_cam * T_map_cam;
+      // Without its keyframe, whose reassignment found no place on the disk, it is left out.
+      const auto keyframe = map.keyframes().find(anchored.reference);
+      if (keyframe == map.keyframes().end()) return;
+      T_map_cam = keyframe->second.T_map_cam * T_map_cam;
     }
     callback(
         {anchored.frame, anchored.time, anchored.tracked, normalized(T_map_cam * T_cam_robot)});
@@ -83,39 +93,29 @@ std::optional<std::size_t> AnchoredTrajectory::lastFrame() const {
   return frames_.back().frame;
 }
 
-void AnchoredTrajectory::write(std::size_t count, const SparseMap& map, ByteWriter& out) const {
-  ByteWriter frames;
-  std::size_t written = 0;
-  visitAnchored(count, map, [&](const AnchoredPose& anchored) {
-    frames.value<std::uint64_t>(anchored.frame);
-    frames.value(anchored.time);
-    frames.value(anchored.reference.value);
-    frames.values(anchored.T_reference_cam.values);
-    frames.value<std::uint8_t>(anchored.tracked ? 1 : 0);
-    ++written;
-  });
-  out.count(written);
-  out.bytes += frames.bytes;
-}
-
-void AnchoredTrajectory::read(const SparseMap& map, ByteReader& in) {
-  for (auto left = in.value<std::uint64_t>(); left > 0; --left) {
-    AnchoredPose anchored{};
-    anchored.frame = in.value<std::uint64_t>();
-    anchored.time = in.finiteValue<double>();
-    anchored.reference.value = in.value<std::int64_t>();
-    in.values(anchored.T_reference_cam.values);
-    anchored.tracked = in.value<std::uint8_t>() != 0;
-    const bool is_in_order = frames_.empty() || frames_.back().frame < anchored.frame;
-    const bool is_anchored =
-        !anchored.reference.valid() || map.keyframes().count(anchored.reference) > 0;
-    const auto& values = anchored.T_reference_cam.values;
-    const bool is_finite =
-        std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
-    if (!is_in_order || !is_anchored || !is_finite) {
-      throw InputError("damaged: a frame of the trajectory is not in order, or has no keyframe");
+void AnchoredTrajectory::restore(const TrajectoryReader& next, const SparseMap& map) {
+  const auto require = [](bool is_valid) {
+    if (!is_valid) throw InputError("damaged: the steps of the trajectory contradict each other");
+  };
+  std::unordered_set<KeyframeId> removed;
+  while (const auto record = next()) {
+    const auto& pose = record->pose.values;
+    require(std::all_of(pose.begin(), pose.end(), [](double x) { return std::isfinite(x); }));
+    require(removed.count(record->reference) == 0);
+    if (record->kind == TrajectoryRecord::Kind::kMove) {
+      require(record->reference.valid() && record->keyframe != record->reference);
+      require(removed.insert(record->keyframe).second);
+      moved_.append({record->keyframe, record->reference, record->pose});
+      continue;
     }
-    frames_.append(anchored);
+    require(record->kind == TrajectoryRecord::Kind::kFrame);
+    require(frames_.empty() || frames_.back().frame < record->frame);
+    frames_.append({record->frame, record->time, record->reference, record->pose, record->tracked});
+  }
+  const Reassignments moved = reassignments();
+  for (AnchoredPose& anchored : frames_.recent()) {
+    follow(moved, anchored);
+    require(!anchored.reference.valid() || map.keyframes().count(anchored.reference) > 0);
   }
 }
 

@@ -1,11 +1,13 @@
 #pragma once
 
-#include <headway/core/byte_archive.h>
 #include <headway/core/record_log.h>
 #include <headway/slam/map_view.h>
+#include <headway/slam/trajectory_record.h>
 
 #include <functional>
 #include <optional>
+#include <unordered_map>
+#include <utility>
 
 #include "sparse_map.h"
 
@@ -19,6 +21,9 @@ class AnchoredTrajectory {
  public:
   /// @param in_memory  frames that stay in memory
   explicit AnchoredTrajectory(std::size_t in_memory) : frames_(in_memory), moved_(in_memory) {}
+
+  /// Calls back with each step from now on, so that restore() can repeat them.
+  void setLog(TrajectoryLog log) { log_ = std::move(log); }
 
   /// Adds a frame, anchored to a keyframe if one exists yet.
   void add(std::size_t frame, Time time, bool tracked, const Pose& T_map_cam,
@@ -39,12 +44,11 @@ class AnchoredTrajectory {
   /// Index of the newest frame; nullopt before the first one.
   [[nodiscard]] std::optional<std::size_t> lastFrame() const;
 
-  /// Writes about the newest `count` frames, anchored to keyframes of the map.
-  void write(std::size_t count, const SparseMap& map, ByteWriter& out) const;
-  /// Adds the frames that write() wrote to an empty trajectory.
+  /// Repeats the steps of a run in an empty trajectory.
   ///
-  /// @throws InputError if they are damaged, not in order, or anchored to no keyframe of the map
-  void read(const SparseMap& map, ByteReader& in);
+  /// @throws InputError if they are damaged, not in order, or the newest frames are anchored to no
+  ///         keyframe of the map
+  void restore(const TrajectoryReader& next, const SparseMap& map);
 
   /// Calls back with the robot poses of all frames, in order, in the current map.
   void visit(const SparseMap& map, const Pose& T_cam_robot,
@@ -63,12 +67,15 @@ class AnchoredTrajectory {
     KeyframeId from, to;
     StoredPose T_to_from;
   };
-  /// Calls back with about the newest `count` frames, anchored to keyframes of the map.
-  void visitAnchored(std::size_t count, const SparseMap& map,
-                     const std::function<void(const AnchoredPose&)>& callback) const;
+  using Reassignments = std::unordered_map<KeyframeId, Reassignment>;
+
+  [[nodiscard]] Reassignments reassignments() const;
+  /// Follows reassignments to a keyframe that was not removed.
+  static void follow(const Reassignments& moved, AnchoredPose& anchored);
 
   RecordLog<AnchoredPose> frames_;
   RecordLog<Reassignment> moved_;
+  TrajectoryLog log_;
 };
 
 }  // namespace headway::slam

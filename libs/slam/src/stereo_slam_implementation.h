@@ -44,8 +44,9 @@ class StereoSlam::Implementation {
     applyCorrectionToMotion(adjuster_.finish(map_));
   }
   void load(const std::string& bytes);
-  [[nodiscard]] std::string saveRun(std::size_t max_frames) const;
-  void loadRun(const std::string& bytes);
+  void setTrajectoryLog(TrajectoryLog log) { trajectory_.setLog(std::move(log)); }
+  [[nodiscard]] std::string saveRun() const;
+  void loadRun(const std::string& bytes, const TrajectoryReader& trajectory);
   SlamUpdate repeat(const stereo::FrameContext& context, const MovingRegions& moving);
   [[nodiscard]] std::string save() const { return packMap(map_, *camera_); }
   [[nodiscard]] ByteSource snapshot() const { return mapBytes(map_, *camera_); }

@@ -8,20 +8,20 @@
 namespace headway::slam {
 namespace {
 
-constexpr std::uint32_t kRunVersion = 1;
+constexpr std::uint32_t kRunVersion = 2;
 constexpr std::size_t kMeasuredFrames = 2;  ///< at the end of a run, in which landmarks are tracked
 
 }  // namespace
 
-std::string StereoSlam::Implementation::saveRun(std::size_t max_frames) const {
+std::string StereoSlam::Implementation::saveRun() const {
   ByteWriter out;
   out.value(kRunVersion);
   out.matrix(covariance_);
-  trajectory_.write(max_frames, map_, out);
   return std::move(out.bytes);
 }
 
-void StereoSlam::Implementation::loadRun(const std::string& bytes) {
+void StereoSlam::Implementation::loadRun(const std::string& bytes,
+                                         const TrajectoryReader& trajectory) {
   ByteReader in(bytes);
   const auto version = in.value<std::uint32_t>();
   if (version != kRunVersion) {
@@ -29,8 +29,8 @@ void StereoSlam::Implementation::loadRun(const std::string& bytes) {
                      ", this program reads version " + std::to_string(kRunVersion));
   }
   covariance_ = in.finiteMatrix<PoseCovariance>();
-  trajectory_.read(map_, in);
   if (!in.atEnd()) throw InputError("damaged: there are data after the end of the run");
+  trajectory_.restore(trajectory, map_);
   const auto last = trajectory_.lastFrame();
   if (!last) return;
   const auto camera = trajectory_.find(*last, map_);
@@ -72,11 +72,15 @@ SlamUpdate StereoSlam::Implementation::repeat(const stereo::FrameContext& contex
   return update;
 }
 
-std::string StereoSlam::saveRun(std::size_t max_frames) const {
-  return implementation_->saveRun(max_frames);
+void StereoSlam::setTrajectoryLog(TrajectoryLog log) {
+  implementation_->setTrajectoryLog(std::move(log));
 }
 
-void StereoSlam::loadRun(const std::string& bytes) { implementation_->loadRun(bytes); }
+std::string StereoSlam::saveRun() const { return implementation_->saveRun(); }
+
+void StereoSlam::loadRun(const std::string& bytes, const TrajectoryReader& trajectory) {
+  implementation_->loadRun(bytes, trajectory);
+}
 
 SlamUpdate StereoSlam::repeat(const stereo::FrameContext& frame, const MovingRegions& moving) {
   return implementation_->repeat(frame, moving);

@@ -2,12 +2,10 @@
 
 #include <headway/core/pose.h>
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <deque>
 #include <type_traits>
-#include <utility>
 #include <vector>
 
 namespace headway {
@@ -68,16 +66,8 @@ class RecordLog {
   /// Calls visit(record) with all records, oldest first, apart from unreadable ones.
   template <typename Visitor>
   void visit(Visitor&& visit) const {
-    visitNewest(filed() + recent_.size(), std::forward<Visitor>(visit));
-  }
-  /// The same with about the newest `count` records, at least those in memory.
-  template <typename Visitor>
-  void visitNewest(std::size_t count, Visitor&& visit) const {
     std::vector<Record> block(kBlock);
-    const std::size_t all = filed() + recent_.size();
-    const std::size_t left_out = all > count ? std::min(all - count, filed()) / kBlock : 0;
-    for (std::size_t at = left_out * kBlock * sizeof(Record); at < file_.size();
-         at += kBlock * sizeof(Record)) {
+    for (std::size_t at = 0; at < file_.size(); at += kBlock * sizeof(Record)) {
       if (!file_.read(at, block.data(), kBlock * sizeof(Record))) continue;
       for (const Record& record : block) visit(record);
     }

@@ -107,6 +107,9 @@ class Perception {
   /// The map as stored in a file, with the data for resume(), without configuration.
   [[nodiscard]] map::StoredMap stored() const;
 
+  /// Calls back with each step of the trajectory from now on, which continueRun() repeats.
+  void setTrajectoryLog(const slam::TrajectoryLog& log);
+
   /// What a checkpoint of a run contains beside the map, as bytes for continueRun().
   [[nodiscard]] std::string runState() const;
 
@@ -115,9 +118,11 @@ class Perception {
   /// what detectors and tracks remember. Their updates are no new results. Tracks then have the ids
   /// that they had, and frames with greater indices continue the run.
   ///
-  /// @param stored  of the same moment as `run_state`
+  /// @param stored      of the same moment as `run_state`
+  /// @param trajectory  the steps of the trajectory up to that moment
   /// @throws InputError as resume()
-  void continueRun(const map::StoredMap& stored, const std::string& run_state);
+  void continueRun(const map::StoredMap& stored, const std::string& run_state,
+                   const slam::TrajectoryReader& trajectory);
 
   /// Processes one frame. Times increase; an earlier time than the last frame's means that the
   /// clock was set back, and ends all tracks.
@@ -248,6 +253,7 @@ class Perception {
   std::vector<Track> tracks_;                       ///< of the previous frame
   std::vector<ExpectedObject> expected_;            ///< as of the previous frame
   RecordLog<GivenPose> given_poses_;                ///< frames with recorded pose
+  slam::TrajectoryLog trajectory_log_;              ///< of these
   std::deque<Stamped<std::size_t>> recent_frames_;  ///< to repeat in a run that continues this one
   std::optional<RunState> repeated_;  ///< end of the run that is repeated, until it is reached
   stereo::DisparityOffset offset_at_given_poses_;  ///< where SLAM does not estimate it

@@ -5,6 +5,7 @@
 #include <headway/core/stage_times.h>
 #include <headway/slam/map_view.h>
 #include <headway/slam/slam_params.h>
+#include <headway/slam/trajectory_record.h>
 #include <headway/stereo/frame_context.h>
 
 #include <functional>
@@ -111,16 +112,19 @@ class StereoSlam {
   /// @throws InputError if the bytes are cut off, damaged, of another version or of another camera
   void load(const std::string& bytes);
 
-  /// What continues a run beside the map of save(): trajectory and uncertainty, as bytes.
-  ///
-  /// @param max_frames  of the trajectory that are stored at least, the newest ones
-  [[nodiscard]] std::string saveRun(std::size_t max_frames) const;
+  /// Calls back with each step of the trajectory from now on; with its records a run can be
+  /// continued.
+  void setTrajectoryLog(TrajectoryLog log);
+
+  /// What continues a run beside the map of save() and the records of its trajectory, as bytes.
+  [[nodiscard]] std::string saveRun() const;
 
   /// Continues a run, after load(): its frames are part of the trajectory, and the camera is where
   /// it was. The last frames of the run may be repeated before the first new one.
   ///
-  /// @throws InputError if the bytes are cut off or damaged
-  void loadRun(const std::string& bytes);
+  /// @param trajectory  its records up to the moment of save() and saveRun()
+  /// @throws InputError if bytes or records are cut off or damaged
+  void loadRun(const std::string& bytes, const TrajectoryReader& trajectory);
 
   /// Takes a frame of the run that was loaded again, with the pose that it got in the run, so that
   /// the next frame can be tracked from it. Map and trajectory do not change.
