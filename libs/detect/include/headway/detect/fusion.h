@@ -12,7 +12,7 @@ struct FusionParams {
   double same_inside = 0.7;      ///< or ratio of one 2D box inside the other [-]
   double same_distance_m = 1.5;  ///< between the centres over the ground, where both have any [m]
   /// A Pedestrian by a classifier that is a Cyclist by its motion is a Cyclist: a bicycle is easily
-  /// hidden, and nobody walks as fast.
+  /// hidden, and pedestrians are slower.
   bool rider_by_motion = false;
 };
 
