@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "label_matching.h"
+
 namespace headway::eval {
 namespace {
 
@@ -18,11 +20,6 @@ bool hasOccupiedNeighbour(const GridCells& grid, std::size_t index) {
     }
   }
   return false;
-}
-
-std::optional<double> ratioOf(std::size_t part, std::size_t whole) {
-  if (whole == 0) return std::nullopt;
-  return static_cast<double>(part) / static_cast<double>(whole);
 }
 
 }  // namespace

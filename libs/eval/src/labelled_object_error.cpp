@@ -4,32 +4,26 @@
 #include <algorithm>
 #include <cmath>
 
+#include "label_matching.h"
+
 namespace headway::eval {
 namespace {
-
-double onGround(const Eigen::Vector3d& vector) { return std::hypot(vector.x(), vector.z()); }
 
 ObjectClass withoutVans(ObjectClass object_class) {
   return object_class == ObjectClass::kVan ? ObjectClass::kCar : object_class;
 }
 
-std::optional<double> partOf(std::size_t part, std::size_t whole) {
-  if (whole == 0) return std::nullopt;
-  return static_cast<double>(part) / static_cast<double>(whole);
-}
-
 /// Pairs the labels of one frame with its rows.
 std::vector<CandidatePair> pairsOf(const std::vector<LabelledBox>& labels,
-                                  const std::vector<const TrackRow*>& rows,
-                                  const MovingObjectParams& params) {
+                                   const std::vector<const TrackRow*>& rows,
+                                   const MovingObjectParams& params) {
   std::vector<CandidatePair> candidates;
   for (std::size_t i = 0; i < labels.size(); ++i) {
     if (!labels[i].box3d) continue;
     const Eigen::Vector3d& centre = labels[i].box3d->centre;
-    const double gate =
-        std::max(params.max_distance_m, params.max_distance_ratio * onGround(centre));
+    const double gate = matchingDistance(params, groundRange(centre));
     for (std::size_t j = 0; j < rows.size(); ++j) {
-      const double distance = onGround(rows[j]->centre - centre);
+      const double distance = groundRange(rows[j]->centre - centre);
       if (distance <= gate) candidates.push_back({i, j, distance});
     }
   }
@@ -38,10 +32,10 @@ std::vector<CandidatePair> pairsOf(const std::vector<LabelledBox>& labels,
 
 }  // namespace
 
-std::optional<double> LabelledObjectCounts::recall() const { return partOf(found, labels); }
+std::optional<double> LabelledObjectCounts::recall() const { return ratioOf(found, labels); }
 
 std::optional<double> LabelledObjectCounts::classRatio() const {
-  return partOf(found_as_class, found);
+  return ratioOf(found_as_class, found);
 }
 
 LabelledObjectError labelledObjectError(const MovingObjectInput& input,
@@ -60,7 +54,7 @@ LabelledObjectError labelledObjectError(const MovingObjectInput& input,
     for (std::size_t i = 0; i < labels.size(); ++i) {
       const LabelledBox& label = labels[i];
       if (!label.box3d || label.occlusion > error.max_occlusion) continue;
-      if (onGround(label.box3d->centre) > error.max_range_m) continue;
+      if (groundRange(label.box3d->centre) > error.max_range_m) continue;
       const TrackRow* row = row_of[i];
       const bool as_class =
           row != nullptr && withoutVans(row->object_class) == withoutVans(label.object_class);

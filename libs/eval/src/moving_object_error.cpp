@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "label_matching.h"
+
 namespace headway::eval {
 namespace {
 
@@ -25,8 +27,6 @@ struct RowEvaluation {
   bool right_as_class = false;
   std::string ignored;  ///< reason; empty: counted
 };
-
-double groundRange(const Eigen::Vector3d& centre) { return std::hypot(centre.x(), centre.z()); }
 
 double groundDistance(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return groundRange(a - b);
@@ -53,7 +53,8 @@ std::optional<double> speedAt(const TrueObject& object, Time time,
     if (first == nullptr) first = &point;
     last = &point;
   }
-  if (first == nullptr || last->time - first->time < params.min_window_s - kTimeTolerance_s) return {};
+  if (first == nullptr || last->time - first->time < params.min_window_s - kTimeTolerance_s)
+    return {};
   return (last->position - first->position).head<2>().norm() / (last->time - first->time);
 }
 
@@ -83,9 +84,8 @@ class MovingObjectEvaluation {
 
  private:
   bool isNear(const TrackRow& row, const SpeedLabel& label) const {
-    const double gate =
-        std::max(params_.max_distance_m, params_.max_distance_ratio * label.range_m);
-    return groundDistance(row.centre, label.box->box3d->centre) <= gate;
+    return groundDistance(row.centre, label.box->box3d->centre) <=
+           matchingDistance(params_, label.range_m);
   }
 
   std::vector<SpeedLabel> labelsOf(std::size_t frame) const {
@@ -218,20 +218,15 @@ class MovingObjectEvaluation {
   MovingObjectError result_;
 };
 
-std::optional<double> fractionOf(std::size_t part, std::size_t whole) {
-  if (whole == 0) return std::nullopt;
-  return static_cast<double>(part) / static_cast<double>(whole);
-}
-
 }  // namespace
 
-std::optional<double> MovingCounts::recall() const { return fractionOf(found, labels); }
+std::optional<double> MovingCounts::recall() const { return ratioOf(found, labels); }
 std::optional<double> MovingCounts::recallAsClass() const {
-  return fractionOf(found_as_class, labels);
+  return ratioOf(found_as_class, labels);
 }
-std::optional<double> MovingCounts::precision() const { return fractionOf(right, rows); }
+std::optional<double> MovingCounts::precision() const { return ratioOf(right, rows); }
 std::optional<double> MovingCounts::precisionAsClass() const {
-  return fractionOf(right_as_class, rows);
+  return ratioOf(right_as_class, rows);
 }
 
 std::optional<double> MovingObjectError::falseTracksPer100Frames() const {
