@@ -7,17 +7,25 @@
 #include <utility>
 
 #include "frame_writers.h"
+#include "trajectory_records.h"
 
 namespace headway::replay {
 namespace {
 
+void writeTrajectory(const std::filesystem::path& folder, const CheckpointContents& contents) {
+  TrajectoryWriter writer(folder, contents.T_robot_cam);
+  slam::visitTrajectory(
+      [&] {
+        return readTrajectoryRecords(folder / kTrajectoryRecords, contents.trajectory_records);
+      },
+      *contents.map.map.staticMap(), contents.T_robot_cam,
+      [&](const slam::FrameEstimate& estimate) { writer.add(estimate); });
+  writer.commit();
+}
+
 void writeContents(const std::filesystem::path& folder, CheckpointContents contents) {
   for (const auto& log : contents.logs) synchroniseFile(log);
-  if (!contents.trajectory.empty()) {
-    TrajectoryWriter writer(folder, contents.T_robot_cam);
-    for (const auto& estimate : contents.trajectory) writer.add(estimate);
-    writer.commit();
-  }
+  writeTrajectory(folder, contents);
   map::writePly(folder / "map_points.ply", *contents.map.map.staticMap());
   map::saveMap(folder / "map.headway", std::move(contents.map));
   writeSummary(folder / "summary.json", contents.summary);

@@ -21,7 +21,7 @@ void describeCheckpoints(double& interval_s, Params& params);
 
 /// What a checkpoint contains: the results so far that are not written frame by frame.
 struct CheckpointContents {
-  std::vector<slam::FrameEstimate> trajectory;  ///< empty: too long to be copied
+  std::size_t trajectory_records = 0;  ///< of the run so far, in its file
   Pose T_robot_cam = Pose::Identity();
   map::StoredMap map;
   Summary summary;

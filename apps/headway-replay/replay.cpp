@@ -174,7 +174,11 @@ void Replay::applySideDetections(RecordedFrame& frame) const {
   const auto side = side_detections_.find(frame.index);
   frame.detections = side != side_detections_.end() ? side->second : Detections();
   frame.detections->time = frame.time;
-  frame.detections->T_robot_sensor = camera_ != nullptr ? camera_->T_robot_cam : robotFromOptical();
+  frame.detections->T_robot_sensor = robotFromCamera();
+}
+
+Pose Replay::robotFromCamera() const {
+  return camera_ != nullptr ? camera_->T_robot_cam : robotFromOptical();
 }
 
 void Replay::process(const RecordedFrame& frame, double progress) {

@@ -62,6 +62,7 @@ class Replay {
   void process(const RecordedFrame& frame, double progress);
   [[nodiscard]] pipeline::PerceptionUpdate processed(const RecordedFrame& frame);
   void applySideDetections(RecordedFrame& frame) const;
+  [[nodiscard]] Pose robotFromCamera() const;
   void count(const RecordedFrame& frame, const pipeline::PerceptionUpdate& update);
   /// Counts a frame, and those that are missing before it.
   void countFrame(std::size_t frame, bool is_tracked);

@@ -16,8 +16,6 @@ namespace headway::replay {
 
 namespace {
 
-constexpr std::size_t kMaxCheckpointFrames = 100000;  // of the trajectory
-
 std::string titleOf(const std::filesystem::path& folder) {
   return std::filesystem::weakly_canonical(folder).filename().string();
 }
@@ -31,10 +29,7 @@ void Replay::writeCheckpoint() {
 
 CheckpointContents Replay::checkpointContents() {
   CheckpointContents contents;
-  if (summary_.frames <= kMaxCheckpointFrames) {
-    contents.trajectory = perception_->trajectory();
-  }
-  if (camera_ != nullptr) contents.T_robot_cam = camera_->T_robot_cam;
+  contents.T_robot_cam = robotFromCamera();
   contents.map = perception_->stored();
   contents.map.configuration = configuration_;
   contents.summary = summarised();
@@ -43,6 +38,7 @@ CheckpointContents Replay::checkpointContents() {
   ProgramState state{contents.summary, next_frame_, seen_tracks_, writers_.rowCounts()};
   state.summary.tracks_moving = summary_.tracks_moving;  // of tracks that have ended
   for (const auto& [name, rows] : state.rows) contents.logs.push_back(folder_.path() / name);
+  contents.trajectory_records = state.rows.at(kTrajectoryRecords);
   contents.map.attachments[kProgramAttachment] = packed(state);
   contents.map.attachments[kRunAttachment] = perception_->runState();
   return contents;
@@ -124,8 +120,7 @@ Summary Replay::summarised() const {
 }
 
 void Replay::writeTrajectory() {
-  TrajectoryWriter writer(folder_.path(),
-                          camera_ != nullptr ? camera_->T_robot_cam : robotFromOptical());
+  TrajectoryWriter writer(folder_.path(), robotFromCamera());
   std::size_t written = 0;
   perception_->visitTrajectory([&](const slam::FrameEstimate& estimate) {
     writer.add(estimate);

@@ -102,6 +102,28 @@ TEST_F(ReplayFolderTest, ReadsTheTrajectoryWithoutComments) {
   EXPECT_EQ(trajectory[0].value.translation(), Eigen::Vector3d(2, -3, 4));
 }
 
+TEST_F(ReplayFolderTest, ThinsOutALongRunAndItsTracksAlike) {
+  constexpr std::size_t kRows = 120000;
+  std::string trajectory, tracks = kHeader;
+  for (std::size_t i = 0; i < kRows; ++i) {
+    trajectory +=
+        std::to_string(0.5 * static_cast<double>(i)) + " " + std::to_string(i) + " 0 0 0 0 0 1\n";
+    tracks += row(0.5 * static_cast<double>(i), static_cast<int>(i / 1000), "confirmed", 1, 5.0);
+  }
+  write("summary.json", "{}");
+  write("trajectory.tum", trajectory);
+  write("tracks.csv", tracks);
+  const auto folder = readReplayFolder(folder_.path());
+  constexpr std::size_t kStep = 4;  // of at most 50,000 poses
+  ASSERT_EQ(folder.trajectory.size(), kRows / kStep);
+  for (std::size_t i = 0; i < folder.trajectory.size(); ++i) {
+    ASSERT_EQ(folder.trajectory[i].time, 0.5 * static_cast<double>(kStep * i));
+  }
+  ASSERT_EQ(folder.tracks.size(), kRows / 1000);
+  for (const auto& track : folder.tracks) ASSERT_EQ(track.points.size(), 1000 / kStep);
+  EXPECT_EQ(folder.tracks[1].points[1].time, 0.5 * static_cast<double>(1000 + kStep));
+}
+
 TEST_F(ReplayFolderTest, ListsSnapshotsByNameAndIgnoresOtherFiles) {
   write("summary.json", "{}");
   std::filesystem::create_directories(folder_ / "snapshots");

@@ -5,6 +5,8 @@
 
 #include <vector>
 
+#include "make_map_view.h"
+
 namespace headway::slam {
 namespace {
 
@@ -85,6 +87,39 @@ TEST_F(AnchoredTrajectoryTest, ItsRecordsRestoreItInTheCorrectedMap) {
     ASSERT_TRUE(last);
     EXPECT_EQ(last->T_map_cam.matrix(), trajectory.find(kRunFrames - 1, map_)->T_map_cam.matrix());
   }
+}
+
+TEST_F(AnchoredTrajectoryTest, ItsRecordsAndAViewOfTheMapGiveAllPoses) {
+  AnchoredTrajectory trajectory(10);
+  run(trajectory);
+  for (const auto& [id, keyframe] : map_.keyframes()) {  // a later correction
+    map_.keyframe(id).T_map_cam = poseAlong(0.3) * keyframe.T_map_cam;
+  }
+  const Pose T_robot_cam = poseAlong(-0.7);
+  const Pose T_cam_robot = T_robot_cam.inverse(Eigen::Isometry);
+  std::vector<FrameEstimate> expected;
+  trajectory.visit(map_, T_cam_robot,
+                   [&](const FrameEstimate& estimate) { expected.push_back(estimate); });
+  records_.push_back({Kind::kGiven, kRunFrames, 7.0, true, {}, {}, stored(poseAlong(2.0))});
+  expected.push_back({kRunFrames, 7.0, true, poseAlong(2.0)});
+  std::size_t found = 0;
+  visitTrajectory([this] { return readerOf(records_); }, makeMapView(map_, T_cam_robot),
+                  T_robot_cam,
+                  [&](const FrameEstimate& estimate) {
+                    ASSERT_LT(found, expected.size());
+                    const FrameEstimate& other = expected[found++];
+                    EXPECT_EQ(estimate.frame, other.frame);
+                    EXPECT_EQ(estimate.time, other.time);
+                    EXPECT_EQ(estimate.tracked, other.tracked);
+                    EXPECT_TRUE(estimate.T_map_robot.isApprox(other.T_map_robot, 1e-12));
+                  });
+  EXPECT_EQ(found, expected.size());
+  map_.removeKeyframe(map_.keyframes().rbegin()->first);  // its frames have no pose any more
+  std::size_t left = 0;
+  visitTrajectory([this] { return readerOf(records_); }, makeMapView(map_, T_cam_robot),
+                  T_robot_cam, [&](const FrameEstimate&) { ++left; });
+  EXPECT_LT(left, found);
+  EXPECT_GT(left, found / 2);
 }
 
 TEST_F(AnchoredTrajectoryTest, RecordsThatContradictEachOtherAreRefused) {

@@ -76,15 +76,19 @@ void writeTrackCsv(std::ostream& out, const TrackSample& row) {
              track.velocity_covariance(0, 1));
 }
 
-std::vector<TrackSample> readTrackCsv(const std::string& path) {
-  std::vector<TrackSample> samples;
+void visitTrackCsv(const std::string& path, const std::function<void(const TrackSample&)>& visit) {
   TextRows rows(path);
   if (!rows.next()) throw InputError(path + ": is empty; the header line is missing");
   const CsvColumns columns(rows, objectCsvHeader());
   while (rows.next()) {
     columns.requireComplete(rows);
-    samples.push_back(trackSample(rows, columns));
+    visit(trackSample(rows, columns));
   }
+}
+
+std::vector<TrackSample> readTrackCsv(const std::string& path) {
+  std::vector<TrackSample> samples;
+  visitTrackCsv(path, [&](const TrackSample& sample) { samples.push_back(sample); });
   return samples;
 }
 

@@ -45,15 +45,19 @@ constexpr std::size_t kKittiColumns = 12;
 
 }  // namespace
 
-std::vector<Stamped<Pose>> readTum(const std::string& path) {
-  std::vector<Stamped<Pose>> trajectory;
+void visitTum(const std::string& path, const std::function<void(const Stamped<Pose>&)>& visit) {
   TextRows rows(path);
   while (rows.next()) {
     rows.requireSize(8, "a TUM row (t x y z qx qy qz qw)");
     const Time time = rows.number(0);
     if (!std::isfinite(time)) rows.fail("the time is not finite");
-    trajectory.push_back({time, poseFromTum(rows)});
+    visit({time, poseFromTum(rows)});
   }
+}
+
+std::vector<Stamped<Pose>> readTum(const std::string& path) {
+  std::vector<Stamped<Pose>> trajectory;
+  visitTum(path, [&](const Stamped<Pose>& pose) { trajectory.push_back(pose); });
   return trajectory;
 }
 

@@ -10,8 +10,10 @@
 #include <cstring>
 #include <fstream>
 #include <map>
+#include <set>
 #include <sstream>
 #include <string>
+#include <utility>
 
 namespace headway::report {
 namespace {
@@ -19,6 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxLandmarks = 6000;
+constexpr std::size_t kMaxPoses = 50000;  // of the trajectory, above which it is thinned out
 
 struct PlyHeader {
   std::size_t count = 0;
@@ -90,16 +93,32 @@ std::optional<GridFile> readGrid(const fs::path& path) {
 
 }  // namespace
 
-std::vector<TrackHistory> readTracks(const fs::path& path) {
+ThinnedPath readPath(const fs::path& path, std::size_t max_poses) {
+  ThinnedPath thinned;
+  auto& poses = thinned.poses;
+  std::size_t row = 0;
+  io::visitTum(path, [&](const Stamped<Pose>& pose) {
+    if (row++ % thinned.step != 0) return;
+    poses.push_back(pose);
+    if (poses.size() <= max_poses) return;
+    thinned.step *= 2;
+    for (std::size_t i = 0; 2 * i < poses.size(); ++i) poses[i] = poses[2 * i];
+    poses.resize((poses.size() + 1) / 2);
+  });
+  return thinned;
+}
+
+std::vector<TrackHistory> readTracks(const fs::path& path, const std::set<double>& times) {
   std::map<TrackId, TrackHistory> histories;
-  for (const auto& sample : io::readTrackCsv(path)) {
+  io::visitTrackCsv(path, [&](const TrackSample& sample) {
+    if (!times.empty() && times.count(sample.time) == 0) return;
     TrackHistory& history = histories[sample.track.id];
     history.id = sample.track.id.value;
     history.object_class = sample.track.object_class;
     history.points.push_back({sample.time, sample.track.position.x(), sample.track.position.y(),
                               sample.track.status != TrackStatus::kCoasting,
                               isMoving(sample.track)});
-  }
+  });
   std::vector<TrackHistory> result;
   for (auto& [id, history] : histories) {
     std::stable_sort(history.points.begin(), history.points.end(),
@@ -138,8 +157,15 @@ ReplayFolder readReplayFolder(const fs::path& path) {
   folder.path = path;
   folder.summary = readJson(path / "summary.json");
   if (fs::exists(path / "replay.json")) folder.record = readJson(path / "replay.json");
-  if (fs::exists(path / "trajectory.tum")) folder.trajectory = io::readTum(path / "trajectory.tum");
-  if (fs::exists(path / "tracks.csv")) folder.tracks = readTracks(path / "tracks.csv");
+  std::set<double> times;  // of the tracks' states that are shown; empty: all
+  if (fs::exists(path / "trajectory.tum")) {
+    ThinnedPath thinned = readPath(path / "trajectory.tum", kMaxPoses);
+    folder.trajectory = std::move(thinned.poses);
+    if (thinned.step > 1) {
+      for (const auto& pose : folder.trajectory) times.insert(pose.time);
+    }
+  }
+  if (fs::exists(path / "tracks.csv")) folder.tracks = readTracks(path / "tracks.csv", times);
   if (fs::exists(path / "map_points.ply")) {
     folder.landmarks = readPoints(path / "map_points.ply", kMaxLandmarks);
   }

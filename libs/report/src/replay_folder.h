@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <vector>
 
 namespace headway::report {
@@ -40,8 +41,8 @@ struct ReplayFolder {
   std::filesystem::path path;
   nlohmann::ordered_json summary;                ///< summary.json
   nlohmann::ordered_json record;                 ///< replay.json; null if missing
-  std::vector<Stamped<Pose>> trajectory;         ///< robot in map
-  std::vector<TrackHistory> tracks;              ///< by first time, then id
+  std::vector<Stamped<Pose>> trajectory;         ///< robot in map; of long runs a sample
+  std::vector<TrackHistory> tracks;              ///< at its times; by first time, then id
   std::vector<Eigen::Vector3f> landmarks;        ///< a sample, map frame [m]
   std::optional<GridFile> grid;                  ///< map_grid.yaml; nullopt without a grid
   std::vector<std::filesystem::path> snapshots;  ///< by name
@@ -52,10 +53,23 @@ struct ReplayFolder {
 /// @throws InputError if summary.json is missing or a file is malformed
 [[nodiscard]] ReplayFolder readReplayFolder(const std::filesystem::path& path);
 
-/// Reads the tracks of a file with the columns of `tracks.csv`.
+/// Every `step`-th pose of a trajectory.
+struct ThinnedPath {
+  std::vector<Stamped<Pose>> poses;
+  std::size_t step = 1;
+};
+
+/// Reads a trajectory of any length, thinned out to at most `max_poses`.
 ///
 /// @throws InputError naming file and line of an error
-[[nodiscard]] std::vector<TrackHistory> readTracks(const std::filesystem::path& path);
+[[nodiscard]] ThinnedPath readPath(const std::filesystem::path& path, std::size_t max_poses);
+
+/// Reads the tracks of a file with the columns of `tracks.csv`, of any length.
+///
+/// @param times  of the states that are read [s]; empty: all
+/// @throws InputError naming file and line of an error
+[[nodiscard]] std::vector<TrackHistory> readTracks(const std::filesystem::path& path,
+                                                   const std::set<double>& times = {});
 
 /// Reads the points of a binary little-endian PLY file whose vertices start with float x, y, z [m].
 ///

@@ -40,28 +40,17 @@ void AnchoredTrajectory::reassign(KeyframeId from, KeyframeId to, const SparseMa
   if (log_) log_({TrajectoryRecord::Kind::kMove, 0, 0.0, false, from, to, stored(T_to_from)});
 }
 
-AnchoredTrajectory::Reassignments AnchoredTrajectory::reassignments() const {
-  Reassignments moved;  // ids of keyframes are not used again
-  moved_.visit([&](const Reassignment& one) { moved[one.from] = one; });
+Reassignments AnchoredTrajectory::reassignments() const {
+  Reassignments moved;
+  moved_.visit([&](const Reassignment& one) { moved.add(one); });
   return moved;
-}
-
-void AnchoredTrajectory::follow(const Reassignments& moved, AnchoredPose& anchored) {
-  auto one = anchored.reference.valid() ? moved.find(anchored.reference) : moved.end();
-  if (one == moved.end()) return;
-  Pose T_reference_cam = poseFrom(anchored.T_reference_cam);
-  for (; one != moved.end(); one = moved.find(anchored.reference)) {
-    T_reference_cam = poseFrom(one->second.T_to_from) * T_reference_cam;
-    anchored.reference = one->second.to;
-  }
-  anchored.T_reference_cam = stored(T_reference_cam);
 }
 
 void AnchoredTrajectory::visit(const SparseMap& map, const Pose& T_cam_robot,
                                const std::function<void(const FrameEstimate&)>& callback) const {
   const Reassignments moved = reassignments();
   frames_.visit([&](AnchoredPose anchored) {
-    follow(moved, anchored);
+    moved.follow(anchored.reference, anchored.T_reference_cam);
     Pose T_map_cam = poseFrom(anchored.T_reference_cam);
     if (anchored.reference.valid()) {
       // Without its keyframe, whose reassignment found no place on the disk, it is left out.
@@ -114,7 +103,7 @@ void AnchoredTrajectory::restore(const TrajectoryReader& next, const SparseMap& 
   }
   const Reassignments moved = reassignments();
   for (AnchoredPose& anchored : frames_.recent()) {
-    follow(moved, anchored);
+    moved.follow(anchored.reference, anchored.T_reference_cam);
     require(!anchored.reference.valid() || map.keyframes().count(anchored.reference) > 0);
   }
 }

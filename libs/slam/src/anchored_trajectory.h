@@ -6,9 +6,9 @@
 
 #include <functional>
 #include <optional>
-#include <unordered_map>
 #include <utility>
 
+#include "reassignments.h"
 #include "sparse_map.h"
 
 namespace headway::slam {
@@ -62,19 +62,10 @@ class AnchoredTrajectory {
     StoredPose T_reference_cam;
     bool tracked;
   };
-  /// A keyframe that was removed while frames in the file were anchored to it.
-  struct Reassignment {
-    KeyframeId from, to;
-    StoredPose T_to_from;
-  };
-  using Reassignments = std::unordered_map<KeyframeId, Reassignment>;
-
   [[nodiscard]] Reassignments reassignments() const;
-  /// Follows reassignments to a keyframe that was not removed.
-  static void follow(const Reassignments& moved, AnchoredPose& anchored);
 
   RecordLog<AnchoredPose> frames_;
-  RecordLog<Reassignment> moved_;
+  RecordLog<Reassignment> moved_;  ///< while frames in the file were anchored to the keyframe
   TrajectoryLog log_;
 };
 

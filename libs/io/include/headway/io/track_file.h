@@ -4,6 +4,7 @@
 #include <headway/core/track.h>
 
 #include <fstream>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -44,6 +45,8 @@ void writeKittiLabel(std::ostream& out, const KittiRow& row, bool with_visible);
 void writeTrackCsv(std::ostream& out, const TrackSample& row);
 /// Reads either; without its columns a velocity's covariance is 0.
 [[nodiscard]] std::vector<TrackSample> readTrackCsv(const std::string& path);
+/// Reads either row by row, as long as it may be.
+void visitTrackCsv(const std::string& path, const std::function<void(const TrackSample&)>& visit);
 
 /// One row of `predictions.csv`.
 struct PredictionRow {

@@ -2,6 +2,7 @@
 
 #include <headway/core/pose.h>
 
+#include <functional>
 #include <optional>
 #include <ostream>
 #include <string>
@@ -13,6 +14,8 @@ namespace headway::io {
 ///
 /// @throws InputError naming file and line of an error
 [[nodiscard]] std::vector<Stamped<Pose>> readTum(const std::string& path);
+/// Reads them row by row, as long as the file may be.
+void visitTum(const std::string& path, const std::function<void(const Stamped<Pose>&)>& visit);
 
 /// Writes one row `t x y z qx qy qz qw`, all with 9 decimals, qw not negative.
 void writeTumRow(std::ostream& out, const Stamped<Pose>& pose);

@@ -2,6 +2,7 @@
 
 #include <headway/core/ids.h>
 #include <headway/core/record_log.h>
+#include <headway/slam/map_view.h>
 
 #include <cstddef>
 #include <functional>
@@ -30,5 +31,14 @@ using TrajectoryLog = std::function<void(const TrajectoryRecord&)>;
 
 /// Gives the records of a run one by one; nullopt after the last one.
 using TrajectoryReader = std::function<std::optional<TrajectoryRecord>()>;
+
+/// Calls back with the poses of all frames of a run, in order, at the moment of a map. Memory grows
+/// with the keyframes only.
+///
+/// @param records      gives the run's records up to that moment; each call begins with the first
+/// @param T_robot_cam  pose of the left camera on the robot
+void visitTrajectory(const std::function<TrajectoryReader()>& records, const MapView& map,
+                     const Pose& T_robot_cam,
+                     const std::function<void(const FrameEstimate&)>& callback);
 
 }  // namespace headway::slam
