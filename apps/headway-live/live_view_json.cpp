@@ -97,10 +97,9 @@ void DrivenPath::add(const Pose& T_map_robot) {
 std::string jsonOf(const LiveView& view, const DrivenPath& path, std::size_t grid_version) {
   const auto& camera = view.update.camera;
   const auto& place = camera.T_map_robot.translation();
-  const bool is_tracked = camera.status == slam::TrackingStatus::kTracked;
   Json json = {{"frame", view.update.frame},
                {"time", view.update.time},
-               {"status", is_tracked ? "tracked" : "lost"},
+               {"status", slam::toString(camera.status)},
                {"pose", {finite(place.x()), finite(place.y()), finite(yawOf(camera.T_map_robot))}},
                {"inliers", camera.inliers},
                {"latency_ms", 1e3 * view.latency_s},

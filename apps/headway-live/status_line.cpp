@@ -50,13 +50,12 @@ std::string StatusLine::text() {
     return track.status == TrackStatus::kConfirmed;
   };
   const auto& tracks = last_->objects.tracks;
-  const bool is_tracked = last_->camera.status == slam::TrackingStatus::kTracked;
   std::array<char, 240> line{};
   std::snprintf(line.data(), line.size(),
                 "frame %zu: x %.2f y %.2f m, yaw %.1f deg, %s (%d landmarks), %d tracks, %zu "
                 "frames/s, latency %.0f ms at most, %zu dropped",
                 last_->frame, place.x(), place.y(), yawOf(T_map_robot) * 180.0 / M_PI,
-                frames_ == 0 ? "no images" : (is_tracked ? "tracked" : "lost"),
+                frames_ == 0 ? "no images" : slam::toString(last_->camera.status),
                 last_->camera.inliers,
                 static_cast<int>(std::count_if(tracks.begin(), tracks.end(), is_confirmed)),
                 frames_, 1e3 * max_latency_s_, dropped_);

@@ -19,13 +19,13 @@ namespace fs = std::filesystem;
 constexpr double kSameTimeS = 1e-4;
 constexpr double kPastS = 4.0;
 
-/// Frames that were lost or late, and so have no row in the trajectory.
+/// Frames that were lost, unreliable or late, and so have no row in the trajectory.
 std::set<std::size_t> lostFrames(const fs::path& folder) {
   std::ifstream file(folder / "summary.json");
   const auto summary = nlohmann::json::parse(file, nullptr, false);
   std::set<std::size_t> lost;
   if (!summary.is_object()) return lost;
-  for (const char* key : {"lost_frames", "late_frames"}) {
+  for (const char* key : {"lost_frames", "unreliable_frames", "late_frames"}) {
     for (const auto& index : summary.value(key, nlohmann::json::array())) {
       if (index.is_number_unsigned()) lost.insert(index.get<std::size_t>());
     }

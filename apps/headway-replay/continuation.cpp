@@ -37,6 +37,7 @@ ProgramState unpacked(const std::string& text) {
   summary.frames = json.at("frames");
   summary.frames_tracked = json.at("frames_tracked");
   summary.lost_frames = listFrom(json.at("lost_frames"));
+  summary.unreliable_frames = listFrom(json.at("unreliable_frames"));
   summary.late_frames = listFrom(json.at("late_frames"));
   summary.frames_dropped_late = json.at("frames_dropped_late");
   summary.loops = json.at("loops");
@@ -136,6 +137,7 @@ std::string packed(const ProgramState& state) {
   const Json json = {{"frames", summary.frames},
                      {"frames_tracked", summary.frames_tracked},
                      {"lost_frames", listJson(summary.lost_frames)},
+                     {"unreliable_frames", listJson(summary.unreliable_frames)},
                      {"late_frames", listJson(summary.late_frames)},
                      {"frames_dropped_late", summary.frames_dropped_late},
                      {"loops", summary.loops},

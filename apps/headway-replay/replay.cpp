@@ -217,16 +217,17 @@ void Replay::count(const RecordedFrame& frame, const pipeline::PerceptionUpdate&
   for (const slam::LoopAttempt& attempt : update.camera.loops) {
     summary_.loops += attempt.outcome == slam::LoopOutcome::kClosed ? 1 : 0;
   }
-  countFrame(frame.index, update.camera.status == slam::TrackingStatus::kTracked);
+  countFrame(frame.index, update.camera.status);
   countTracks(update);
 }
 
-void Replay::countFrame(std::size_t frame, bool is_tracked) {
+void Replay::countFrame(std::size_t frame, slam::TrackingStatus status) {
   if (!next_frame_) next_frame_ = frame;
   FrameList& missing = source_->dropsLateFrames() ? summary_.late_frames : summary_.lost_frames;
   for (; *next_frame_ < frame; ++*next_frame_, ++summary_.frames) missing.add(*next_frame_);
-  if (!is_tracked) summary_.lost_frames.add(frame);
-  summary_.frames_tracked += is_tracked ? 1 : 0;
+  if (status == slam::TrackingStatus::kLost) summary_.lost_frames.add(frame);
+  if (status == slam::TrackingStatus::kUnreliable) summary_.unreliable_frames.add(frame);
+  summary_.frames_tracked += status == slam::TrackingStatus::kTracked ? 1 : 0;
   ++*next_frame_;
   ++summary_.frames;
 }

@@ -65,7 +65,7 @@ class Replay {
   [[nodiscard]] Pose robotFromCamera() const;
   void count(const RecordedFrame& frame, const pipeline::PerceptionUpdate& update);
   /// Counts a frame, and those that are missing before it.
-  void countFrame(std::size_t frame, bool is_tracked);
+  void countFrame(std::size_t frame, slam::TrackingStatus status);
   /// Counts a confirmed track once, and discards those that have ended.
   void countTracks(const pipeline::PerceptionUpdate& update);
   /// Prints each warning once, when it occurs first.

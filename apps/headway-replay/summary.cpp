@@ -143,6 +143,8 @@ void writeSummary(const std::filesystem::path& path, const Summary& summary) {
   json["frames_tracked"] = summary.frames_tracked;
   json["frames_lost"] = summary.lost_frames.count;
   json["lost_frames"] = summary.lost_frames.listed;
+  json["frames_unreliable"] = summary.unreliable_frames.count;
+  json["unreliable_frames"] = summary.unreliable_frames.listed;
   json["late_frames"] = summary.late_frames.listed;
   json["frames_dropped_late"] = summary.frames_dropped_late;
   json["keyframes"] = summary.keyframes;
@@ -175,9 +177,12 @@ void writeSummary(const std::filesystem::path& path, const Summary& summary) {
 }
 
 void printSummary(const Summary& summary) {
-  std::printf("%zu of %zu frames tracked, %zu lost, %zu late, %zu keyframes, %zu landmarks\n",
-              summary.frames_tracked, summary.frames, summary.lost_frames.count,
-              summary.late_frames.count, summary.keyframes, summary.landmarks);
+  std::printf(
+      "%zu of %zu frames tracked, %zu lost, %zu unreliable, %zu late, %zu keyframes, %zu "
+      "landmarks\n",
+      summary.frames_tracked, summary.frames, summary.lost_frames.count,
+      summary.unreliable_frames.count, summary.late_frames.count, summary.keyframes,
+      summary.landmarks);
   std::printf("%zu tracks confirmed, %zu of them moving; %zu detections used",
               summary.tracks_confirmed, summary.tracks_moving, summary.detections_used);
   if (!summary.detections_dropped.empty()) {

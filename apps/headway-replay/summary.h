@@ -35,6 +35,7 @@ struct Summary {
   std::size_t frames = 0;  ///< from the first frame's index to the last one's
   std::size_t frames_tracked = 0;
   FrameList lost_frames;                ///< lost or skipped
+  FrameList unreliable_frames;          ///< with a pose that something contradicts
   FrameList late_frames;                ///< in real time: dropped, or skipped, between others
   std::size_t frames_dropped_late = 0;  ///< with --realtime
   std::size_t keyframes = 0;

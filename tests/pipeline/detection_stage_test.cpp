@@ -2,8 +2,8 @@
 #include <headway/core/error.h>
 #include <headway/pipeline/moving_regions.h>
 #include <headway/pipeline/perception.h>
-#include <headway_test/painted_street.h>
 #include <headway_test/folders.h>
+#include <headway_test/painted_street.h>
 
 #include <set>
 

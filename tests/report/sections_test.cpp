@@ -43,6 +43,13 @@ TEST(TitleBlockTest, AbbreviatesALongListOfLostFrames) {
   EXPECT_LT(html.size(), 400u);
 }
 
+TEST(TitleBlockTest, NamesUnreliableFrames) {
+  ReplayFolder folder;
+  folder.summary["frames_unreliable"] = 2;
+  folder.summary["unreliable_frames"] = {7, 8};
+  EXPECT_THAT(titleBlock(folder), HasSubstr("pose unreliable in 2 frames: 7, 8<"));
+}
+
 TEST(TitleBlockTest, ShowsTheImageInWhichTheCameraWasLost) {
   const test::TemporaryFolder results;
   ReplayFolder folder;

@@ -38,21 +38,23 @@ Light lightOf(const cv::Mat& image) {
 
 }  // namespace
 
-void CameraCheck::add(const StereoFrame& frame, Warnings& warnings) {
+bool CameraCheck::add(const StereoFrame& frame, Warnings& warnings) {
   const Light light = lightOf(frame.left);
   const bool has_structure = light.contrast >= kMinContrast;
+  const bool is_frozen = has_structure && isSame(left_, frame.left) && isSame(right_, frame.right);
   if (!has_structure && light.grey < kDarkGrey) {
     addWarning("camera_dark", frame.index,
                "the left image is dark and without structure; check lens cover, exposure and light",
                warnings);
-  } else if (has_structure && isSame(left_, frame.left) && isSame(right_, frame.right)) {
+  } else if (is_frozen) {
     addWarning("camera_frozen", frame.index,
-               "the camera delivers the same images again, so that the robot seems to stand still; "
-               "check its cable and its driver",
+               "the camera delivers the same images again: the pose is unreliable unless wheel "
+               "odometry stands; check its cable and its driver",
                warnings);
   }
   left_ = frame.left;
   right_ = frame.right;
+  return is_frozen;
 }
 
 }  // namespace headway::pipeline

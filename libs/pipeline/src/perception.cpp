@@ -52,8 +52,6 @@ void GridParams::describe(Params::Section section) {
 
 void PerceptionParams::describe(Params& params) {
   slam.describe(params.section("slam"));
-  params.section("slam").add("max_speed", max_speed_mps, 1.0, 1000.0, "m/s",
-                             "Maximum speed of the robot; a warning names the first frame beyond");
   detection.describe(params);
   objects.describe(params.section("objects"));
   grid.describe(params.section("grid"));
@@ -88,7 +86,7 @@ Perception::Perception(std::shared_ptr<const StereoCamera> camera, const Percept
       rig_(rigOf(camera_.get(), params)),
       grid_params_(gridFor(rig_, params)),
       laser_params_(params.laser),
-      max_speed_mps_(params.max_speed_mps),
+      max_speed_mps_(params.slam.max_speed_mps),
       is_live_(params.slam.adjust_in_background),
       grid_(grid_params_.map),
       map_(std::move(map)),
@@ -150,6 +148,7 @@ PerceptionUpdate Perception::process(const RecordedFrame& frame) {
   update.frame = frame.index;
   update.time = frame.time;
   auto ended = followClock(frame);
+  checkImages(frame);
   const auto boxes = detection_.detectObjects(frame, contextOf(frame), scan_ground);
   update.camera = localise(frame, boxes);
   logLocalisation(frame, update.camera);
@@ -196,7 +195,8 @@ double Perception::disparityOffset(const RecordedFrame& frame) const {
 slam::SlamUpdate Perception::localise(const RecordedFrame& frame, const ObjectDetections& boxes) {
   if (!isLocalisedBySlam(frame)) return useGivenPose(frame);
   const auto moving = movingRegions(boxes.sources, tracks_, found_.motion, frame.time, *camera_);
-  return repeated_ ? slam_->repeat(*boxes.context, moving) : slam_->process(*boxes.context, moving);
+  if (repeated_) return slam_->repeat(*boxes.context, moving);
+  return slam_->process(*boxes.context, moving, images_);
 }
 
 slam::SlamUpdate Perception::useGivenPose(const RecordedFrame& frame) {

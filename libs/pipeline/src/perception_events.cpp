@@ -72,7 +72,8 @@ void Perception::log(LogLevel level, std::size_t frame, const std::string& text)
 
 void Perception::logLocalisation(const RecordedFrame& frame, const slam::SlamUpdate& camera) {
   const bool is_tracked = camera.status == slam::TrackingStatus::kTracked;
-  if (!is_tracked && frame.stereo && isLocalisedBySlam(frame)) {
+  const bool is_lost = camera.status == slam::TrackingStatus::kLost;
+  if (is_lost && frame.stereo && isLocalisedBySlam(frame)) {
     ++lost_frames_;
     if (was_tracked_ || resumed_) {  // otherwise it is not lost, but not localised so far
       const LostReason reason = lost_diagnosis_.reasonOf(*frame.stereo);
@@ -106,8 +107,8 @@ void Perception::logFrame(const PerceptionUpdate& update, const Warnings& before
   char text[200];
   std::snprintf(text, sizeof text,
                 "%s, %d landmarks%s; %zu boxes, %zu used; %zu tracks, %zu finalised samples",
-                update.camera.status == slam::TrackingStatus::kTracked ? "tracked" : "lost",
-                update.camera.inliers, update.camera.is_keyframe ? ", keyframe" : "",
+                slam::toString(update.camera.status), update.camera.inliers,
+                update.camera.is_keyframe ? ", keyframe" : "",
                 update.detections ? update.detections->items.size() : 0,
                 update.objects.detections_used, update.objects.tracks.size(),
                 update.objects.finalised.size());

@@ -49,8 +49,26 @@ void Perception::warnAboutBoxes(const RecordedFrame& frame, const ObjectDetectio
              warnings_);
 }
 
+void Perception::checkImages(const RecordedFrame& frame) {
+  images_ = slam::ImageEvidence::kNone;
+  if (!frame.stereo) return;
+  stereo_check_.add(*frame.stereo, warnings_);
+  if (stereo_check_.imagesContradict()) images_ = slam::ImageEvidence::kContradictory;
+  if (camera_check_.add(*frame.stereo, warnings_)) images_ = slam::ImageEvidence::kSeenBefore;
+}
+
+void Perception::warnAboutOdometry(const RecordedFrame& frame, const slam::SlamUpdate& camera) {
+  if (camera.doubt != slam::Doubt::kOdometry) return;
+  addWarning("odometry_contradicts", frame.index,
+             "camera and wheel odometry differ by more than 3 standard deviations over the last "
+             "second, so that the pose is unreliable: something large moves before the camera, or "
+             "the wheels slip; if they slip most of the time, set slam.use_odometry=false",
+             warnings_);
+}
+
 void Perception::warnAboutSpeed(const RecordedFrame& frame, const PerceptionUpdate& update) {
-  if (!isTracked(update) || !last_pose_ || update.camera.map_corrected) return;
+  const bool is_measured = isTracked(update) || update.camera.doubt == slam::Doubt::kSpeed;
+  if (!is_measured || !last_pose_ || update.camera.map_corrected) return;
   const double seconds = frame.time - last_pose_->time;
   const double metres =
       (update.camera.T_map_robot.translation() - last_pose_->value.translation()).norm();
@@ -72,11 +90,8 @@ std::optional<std::string> Perception::rectification() const {
 
 void Perception::checkInput(const RecordedFrame& frame, const PerceptionUpdate& update,
                             bool scan_ground) {
-  if (frame.stereo) {
-    camera_check_.add(*frame.stereo, warnings_);
-    stereo_check_.add(*frame.stereo, warnings_);
-  }
   warnAboutSpeed(frame, update);
+  warnAboutOdometry(frame, update.camera);
   if (!isLocalisedBySlam(frame)) return;
   if (scan_ground) mount_check_->addImage(*found_.context);
   if (isTracked(update) && last_pose_ && update.camera.loops.empty()) {

@@ -13,10 +13,11 @@ namespace headway::pipeline {
 namespace {
 
 constexpr double kIntervalS = 0.4;
+constexpr int kMaxWhole = 480;  // width of images that are not reduced to a half [px]
 // Of the reduced images:
-constexpr int kReduction = 2;
 constexpr int kMaxCorners = 80;
-constexpr int kCornerSpacing = 20;           // [px]
+constexpr double kMinSpacing = 8.0;  // of corners [px]
+constexpr double kMaxSpacing = 20.0;
 constexpr int kRadius = 5;                   // of patches [px]
 constexpr int kRows = 6;                     // searched above and below [px]
 constexpr int kNegative = 16;                // searched disparities below 0 [px]
@@ -42,7 +43,10 @@ double vertex(float before, float middle, float after) {
 }
 
 /// The distinct place of a corner of the left image in the right one; false if there is none.
-bool match(const cv::Mat& left, const cv::Mat& right, const cv::Point& corner, Match& result) {
+///
+/// @param reduction  of both images
+bool match(const cv::Mat& left, const cv::Mat& right, int reduction, const cv::Point& corner,
+           Match& result) {
   const int max_disparity = static_cast<int>(kMaxDisparityRatio * left.cols);
   const int side = 2 * kRadius + 1;
   const cv::Rect patch(corner.x - kRadius, corner.y - kRadius, side, side);
@@ -59,11 +63,11 @@ bool match(const cv::Mat& left, const cv::Mat& right, const cv::Point& corner, M
   if (best < kMinCorrelation || !is_inside) return false;
   const auto score = [&](int du, int dv) { return scores.at<float>(at.y + dv, at.x + du); };
   result.disparity =
-      kReduction * (patch.x - (band.x + at.x + vertex(score(-1, 0), score(0, 0), score(1, 0))));
+      reduction * (patch.x - (band.x + at.x + vertex(score(-1, 0), score(0, 0), score(1, 0))));
   result.row.rows =
-      kReduction * (band.y + at.y + vertex(score(0, -1), score(0, 0), score(0, 1)) - patch.y);
-  result.row.right = {kReduction * corner.x - result.disparity,
-                      kReduction * corner.y + result.row.rows};
+      reduction * (band.y + at.y + vertex(score(0, -1), score(0, 0), score(0, 1)) - patch.y);
+  result.row.right = {reduction * corner.x - result.disparity,
+                      reduction * corner.y + result.row.rows};
   cv::Mat others = scores;
   cv::rectangle(others, cv::Rect(at.x - 2, at.y - 2, 5, 5) & cv::Rect({0, 0}, scores.size()), 0.0,
                 cv::FILLED);
@@ -74,16 +78,21 @@ bool match(const cv::Mat& left, const cv::Mat& right, const cv::Point& corner, M
 
 std::vector<Match> matchesOf(const StereoFrame& frame) {
   cv::Mat left, right;
-  const double scale = 1.0 / kReduction;
+  const int reduction = frame.left.cols > kMaxWhole ? 2 : 1;
+  const double scale = 1.0 / reduction;
   cv::resize(frame.left, left, {}, scale, scale, cv::INTER_AREA);
   cv::resize(frame.right, right, {}, scale, scale, cv::INTER_AREA);
   std::vector<cv::Point2f> corners;
-  cv::goodFeaturesToTrack(left, corners, kMaxCorners, 0.02, kCornerSpacing);
+  constexpr double kPlaces = 3.0;  // for each corner
+  const double spacing = std::sqrt(static_cast<double>(left.total()) / (kPlaces * kMaxCorners));
+  cv::goodFeaturesToTrack(left, corners, kMaxCorners, 0.02,
+                          std::clamp(spacing, kMinSpacing, kMaxSpacing));
   std::vector<Match> matches;
   Match one;
   const cv::Rect inside(kRadius, kRadius, left.cols - 2 * kRadius, left.rows - 2 * kRadius);
   for (const cv::Point corner : corners) {
-    if (inside.contains(corner) && match(left, right, corner, one)) matches.push_back(one);
+    if (inside.contains(corner) && match(left, right, reduction, corner, one))
+      matches.push_back(one);
   }
   return matches;
 }
@@ -133,7 +142,8 @@ void StereoCheck::add(const StereoFrame& frame, Warnings& warnings) {
   double rows_px = 0.0;
   const Finding before = finding_;
   finding_ = compare(frame, rows_px);
-  if (finding_ == Finding::kNone || finding_ != before) return;
+  persists_ = finding_ != Finding::kNone && finding_ == before;
+  if (!persists_) return;
   if (finding_ == Finding::kSwapped) {
     addWarning("images_swapped", frame.index,
                "left and right images are swapped: most points have a negative disparity; check "

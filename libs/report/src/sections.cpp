@@ -100,6 +100,18 @@ std::string lostImage(const ReplayFolder& folder) {
          "\"><figcaption>The first image in which the camera was lost</figcaption></figure>";
 }
 
+/// The first frames of a list of the summary; empty if it has none.
+std::string framesText(const ReplayFolder& folder, const char* list) {
+  constexpr std::size_t kMaxLength = 160;
+  if (!folder.summary.is_object()) return "";
+  std::string text;
+  for (const auto& frame : folder.summary.value(list, Json::array())) {
+    if (text.size() > kMaxLength) return escaped(text + ", …");
+    text += (text.empty() ? "" : ", ") + frame.dump();
+  }
+  return escaped(text);
+}
+
 std::string warnings(const ReplayFolder& folder) {
   std::string html;
   const auto ended = folder.summary.find("ended_early");
@@ -121,18 +133,15 @@ std::string warnings(const ReplayFolder& folder) {
               " times: " + escaped(warning.value("text", std::string(name))) + "</p>";
     }
   }
+  const std::size_t unreliable = countAt(folder.summary, "frames_unreliable");
+  if (unreliable > 0) {
+    html += "<p class=\"warning\">Camera's pose unreliable in " + grouped(unreliable) +
+            " frames: " + framesText(folder, "unreliable_frames") + "</p>";
+  }
   const std::size_t lost = countAt(folder.summary, "frames_lost");
   if (lost > 0) {
-    std::string list;
-    for (const auto& frame : folder.summary.value("lost_frames", Json::array())) {
-      if (list.size() > 160) {
-        list += ", …";
-        break;
-      }
-      list += (list.empty() ? "" : ", ") + frame.dump();
-    }
-    html += "<p class=\"warning\">Camera lost in " + grouped(lost) + " frames: " + escaped(list) +
-            "</p>" + lostImage(folder);
+    html += "<p class=\"warning\">Camera lost in " + grouped(lost) +
+            " frames: " + framesText(folder, "lost_frames") + "</p>" + lostImage(folder);
   }
   return html;
 }

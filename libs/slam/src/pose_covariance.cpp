@@ -19,4 +19,8 @@ double positionSigma(const PoseCovariance& covariance) {
   return std::sqrt(covariance.topLeftCorner<3, 3>().trace() / 3.0);
 }
 
+double rotationSigma(const PoseCovariance& covariance) {
+  return std::sqrt(covariance.bottomRightCorner<3, 3>().trace() / 3.0);
+}
+
 }  // namespace headway::slam

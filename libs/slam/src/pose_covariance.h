@@ -14,4 +14,7 @@ namespace headway::slam {
 /// Standard deviation of a position, mean of the axes [m].
 [[nodiscard]] double positionSigma(const PoseCovariance& covariance);
 
+/// Standard deviation of a rotation, mean of the axes [rad].
+[[nodiscard]] double rotationSigma(const PoseCovariance& covariance);
+
 }  // namespace headway::slam

@@ -18,6 +18,9 @@ void describeExpertKeys(SlamParams& params, Params::Section& section) {
   section.add("window", params.window, 2, 50, "keyframes", "Keyframes in local bundle adjustment");
   section.add("max_ba_iterations", params.max_ba_iterations, 1, 100, "",
               "Maximum iterations of local bundle adjustment");
+  section.add("max_speed", params.max_speed_mps, 1.0, 1000.0, "m/s",
+              "Maximum speed of the robot; faster frames are unreliable, and a warning names the "
+              "first one");
   section.add("restart_after_frames", params.restart_after_frames, 1, 100000, "frames",
               "Consecutive lost frames after which a new submap is initialised");
 }

@@ -7,30 +7,34 @@
 
 namespace headway::slam {
 
+namespace {
+
+/// Whether the wheels did not move since the frame before.
+bool stands(const MotionPrior& prior) {
+  constexpr double kMaxMetres = 0.01;
+  constexpr double kMaxTurn = 0.005;  // [rad]
+  return prior.T_previous_current && prior.T_previous_current->translation().norm() < kMaxMetres &&
+         logSo3(prior.T_previous_current->linear()).norm() < kMaxTurn;
+}
+
+}  // namespace
+
 SlamUpdate StereoSlam::Implementation::process(const stereo::FrameContext& context,
-                                               const MovingRegions& moving) {
+                                               const MovingRegions& moving, ImageEvidence images) {
   LoopProgress searched = takeBackgroundWork();
   const StereoFrame& frame = context.frame();
+  const bool is_frozen =
+      images == ImageEvidence::kSeenBefore && !(params_.use_odometry && stands(frame.motion_prior));
   TrackingFrame current;
   std::optional<TrackedPose> tracked;
   {
     const auto watch = times_.watch("slam_track");
     mapper_.addOdometry(frame.motion_prior);
     current = makeTrackingFrame(context, moving, *camera_, params_);
-    tracked = track(context, current);
+    if (!is_frozen) tracked = track(context, current);
   }
   const auto watch = times_.watch("slam_map");
-  const Stamped<Pose> previous{previous_.time, motion_.last()};
-  const bool tracked_twice = tracked && lost_in_a_row_ == 0;
-  const Pose T_map_cam = tracked ? tracked->T_map_cam : Pose::Identity();
-  const double sigma_m = tracked ? positionSigma(tracked->covariance) : 0.0;
-  SlamUpdate update = tracked ? accept(current, *tracked) : handleLost(frame, current);
-  if (tracked_twice) {
-    levelMap(frame, previous, T_map_cam, std::hypot(sigma_m, previous_sigma_m_));
-  } else {
-    inertial_.interrupt();
-  }
-  previous_sigma_m_ = sigma_m;
+  SlamUpdate update = is_frozen ? passOver(frame) : localised(frame, current, tracked, images);
   update.imu = inertial_.status();
   update.map_corrected = searched.correction.has_value();
   if (!searched.attempts.empty()) update.loops = std::move(searched.attempts);
@@ -38,8 +42,45 @@ SlamUpdate StereoSlam::Implementation::process(const stereo::FrameContext& conte
   update.covariance = composedCovariance(covariance_, T_cam_robot_, PoseCovariance::Zero());
   const bool is_tracked = update.status == TrackingStatus::kTracked;
   trajectory_.add(current.index, current.time, is_tracked, motion_.last(), reference_, map_);
-  if (is_tracked) previous_ = std::move(current);
+  if (update.status == TrackingStatus::kLost || is_frozen) return update;
+  previous_ = std::move(current);
   return update;
+}
+
+/// Takes the pose that was tracked, if one was, and all that sets the motion before against it.
+SlamUpdate StereoSlam::Implementation::localised(const StereoFrame& frame,
+                                                 const TrackingFrame& current,
+                                                 std::optional<TrackedPose>& tracked,
+                                                 ImageEvidence images) {
+  const Stamped<Pose> previous{previous_.time, motion_.last()};
+  const bool tracked_twice = tracked && lost_in_a_row_ == 0;
+  const Pose T_map_cam = tracked ? tracked->T_map_cam : Pose::Identity();
+  const double sigma_m = tracked ? positionSigma(tracked->covariance) : 0.0;
+  SlamUpdate update = tracked ? accept(current, *tracked) : handleLost(frame, current);
+  if (tracked_twice) {
+    const Pose T_previous_current = previous.value.inverse(Eigen::Isometry) * T_map_cam;
+    const MeasuredStep step{frame.time, camera_->T_robot_cam * T_previous_current * T_cam_robot_,
+                            sigma_m, rotationSigma(tracked->covariance)};
+    update.doubt = doubtOf(step, frame.time - previous.time, frame.motion_prior);
+    levelMap(frame, previous, T_map_cam, std::hypot(sigma_m, previous_sigma_m_));
+  } else {
+    odometry_check_.restart();
+    inertial_.interrupt();
+  }
+  previous_sigma_m_ = sigma_m;
+  if (update.status != TrackingStatus::kTracked) return update;
+  if (images == ImageEvidence::kContradictory) update.doubt = Doubt::kImages;
+  if (update.doubt != Doubt::kNone) update.status = TrackingStatus::kUnreliable;
+  return update;
+}
+
+/// What contradicts a motion that was measured.
+Doubt StereoSlam::Implementation::doubtOf(const MeasuredStep& step, double seconds,
+                                          const MotionPrior& prior) {
+  const bool agrees = !params_.use_odometry || odometry_check_.add(step, prior);
+  const double metres = step.T_previous_current.translation().norm();
+  if (seconds > 0.0 && metres > params_.max_speed_mps * seconds) return Doubt::kSpeed;
+  return agrees ? Doubt::kNone : Doubt::kOdometry;
 }
 
 /// Tracks from the last pose, or else relocalises in the whole map.
@@ -121,16 +162,31 @@ SlamUpdate StereoSlam::Implementation::accept(const TrackingFrame& current, Trac
   return update;
 }
 
+/// The pose of a frame whose images say nothing is the predicted one.
+void StereoSlam::Implementation::coast(const StereoFrame& frame) {
+  constexpr double kGrowth = 0.01;  ///< variance that each such frame adds [m^2], [rad^2]
+  ++lost_in_a_row_;
+  if (!reference_) return;
+  motion_.coast(frame.time, motion_.predict(frame));
+  covariance_ += kGrowth * PoseCovariance::Identity();
+}
+
+/// The images were seen before, while the robot may move on.
+SlamUpdate StereoSlam::Implementation::passOver(const StereoFrame& frame) {
+  coast(frame);
+  odometry_check_.restart();
+  inertial_.interrupt();
+  SlamUpdate update;
+  update.status = TrackingStatus::kUnreliable;
+  update.doubt = Doubt::kFrozen;
+  return update;
+}
+
 /// The camera is lost: predict its pose, and initialise a new submap after a while.
 SlamUpdate StereoSlam::Implementation::handleLost(const StereoFrame& frame,
                                                   const TrackingFrame& current) {
-  constexpr double kGrowth = 0.01;  ///< variance that each lost frame adds [m^2], [rad^2]
   SlamUpdate update;
-  ++lost_in_a_row_;
-  if (reference_) {
-    motion_.coast(frame.time, motion_.predict(frame));
-    covariance_ += kGrowth * PoseCovariance::Identity();
-  }
+  coast(frame);
   const bool is_over =
       reference_ && lost_in_a_row_ > active_submap_.maxLostFrames(params_.restart_after_frames);
   if (params_.mapping && (is_over || map_.keyframes().empty()) && initialise(current)) {
@@ -212,13 +268,19 @@ void StereoSlam::Implementation::load(const std::string& bytes) {
   for (const auto& [id, keyframe] : map_.keyframes()) loops_.index(id, map_);
 }
 
+const char* toString(TrackingStatus status) {
+  if (status == TrackingStatus::kTracked) return "tracked";
+  return status == TrackingStatus::kUnreliable ? "unreliable" : "lost";
+}
+
 StereoSlam::StereoSlam(std::shared_ptr<const StereoCamera> camera, const SlamParams& params)
     : implementation_(std::make_unique<Implementation>(std::move(camera), validated(params))) {}
 
 StereoSlam::~StereoSlam() = default;
 
-SlamUpdate StereoSlam::process(const stereo::FrameContext& frame, const MovingRegions& moving) {
-  return implementation_->process(frame, moving);
+SlamUpdate StereoSlam::process(const stereo::FrameContext& frame, const MovingRegions& moving,
+                               ImageEvidence images) {
+  return implementation_->process(frame, moving, images);
 }
 std::string StereoSlam::save() const { return implementation_->save(); }
 ByteSource StereoSlam::snapshot() const { return implementation_->snapshot(); }

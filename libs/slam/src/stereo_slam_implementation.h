@@ -19,6 +19,7 @@
 #include "make_map_view.h"
 #include "map_archive.h"
 #include "motion_model.h"
+#include "odometry_check.h"
 #include "tracking_frame.h"
 
 namespace headway::slam {
@@ -38,7 +39,8 @@ class StereoSlam::Implementation {
         views_(T_cam_robot_),
         trajectory_(params.trajectory_in_memory) {}
 
-  SlamUpdate process(const stereo::FrameContext& context, const MovingRegions& moving);
+  SlamUpdate process(const stereo::FrameContext& context, const MovingRegions& moving,
+                     ImageEvidence images);
   void finish() {
     applyCorrectionToMotion(loops_.finish(map_).correction);
     applyCorrectionToMotion(adjuster_.finish(map_));
@@ -61,8 +63,13 @@ class StereoSlam::Implementation {
   void initialiseMotion(const stereo::FrameContext& context);
   void levelMap(const StereoFrame& frame, const Stamped<Pose>& previous, const Pose& T_map_cam,
                 double sigma_m);
+  SlamUpdate localised(const StereoFrame& frame, const TrackingFrame& current,
+                       std::optional<TrackedPose>& tracked, ImageEvidence images);
+  Doubt doubtOf(const MeasuredStep& step, double seconds, const MotionPrior& prior);
   SlamUpdate accept(const TrackingFrame& current, TrackedPose& tracked);
   SlamUpdate handleLost(const StereoFrame& frame, const TrackingFrame& current);
+  void coast(const StereoFrame& frame);
+  SlamUpdate passOver(const StereoFrame& frame);
   bool initialise(const TrackingFrame& current);
   void makeKeyframe(const TrackingFrame& current, TrackedPose& tracked, SlamUpdate& update);
   void setReferenceKeyframe(KeyframeId keyframe);
@@ -80,6 +87,7 @@ class StereoSlam::Implementation {
   LoopCloser loops_;
   MotionModel motion_;
   InertialAlignment inertial_;
+  OdometryCheck odometry_check_;
   SparseMap map_;
   MapViewMaker views_;
   AnchoredTrajectory trajectory_;

@@ -15,7 +15,9 @@ class CameraCheck {
  public:
   /// Adds "camera_dark" if the left image contains no structure and hardly any light, and
   /// "camera_frozen" if it contains structure and both images equal those of the frame before.
-  void add(const StereoFrame& frame, Warnings& warnings);
+  ///
+  /// @return whether the camera is frozen
+  bool add(const StereoFrame& frame, Warnings& warnings);
 
  private:
   cv::Mat left_;  ///< of the frame before; empty in the first

@@ -45,7 +45,6 @@ struct PerceptionParams {
   GridParams grid;
   LaserParams laser;
   map::RobotFootprint robot{0.5, 0.4};
-  double max_speed_mps = 70.0;  ///< of the robot [m/s]; beyond it the poses cannot be right
 
   /// For live operation: bundle adjustment, loop search and pose graph run beside the tracking, so
   /// that results depend on timing. A network runs on the image as a whole, without tiles, and in
@@ -208,12 +207,15 @@ class Perception {
   void addLaser(const RecordedFrame& frame, const PerceptionUpdate& update, bool scan_ground,
                 std::optional<GroundScan>& scan);
   void warnAboutSpeed(const RecordedFrame& frame, const PerceptionUpdate& update);
+  void warnAboutOdometry(const RecordedFrame& frame, const slam::SlamUpdate& camera);
   void warnAboutBoxes(const RecordedFrame& frame, const ObjectDetections& boxes);
   void applyChange();
   void log(LogLevel level, std::size_t frame, const std::string& text) const;
   void logLocalisation(const RecordedFrame& frame, const slam::SlamUpdate& camera);
   void logFrame(const PerceptionUpdate& update, const Warnings& before);
   void callBack(const PerceptionUpdate& update, const map::PerceptionMap& before) const;
+  /// Compares left and right images, and those of the frame before, before they are used.
+  void checkImages(const RecordedFrame& frame);
   /// Compares mounting and sensors with the images.
   void checkInput(const RecordedFrame& frame, const PerceptionUpdate& update, bool scan_ground);
   /// The ground of this image; without one, as the camera is mounted; nullopt if that is unknown.
@@ -227,7 +229,7 @@ class Perception {
   std::optional<stereo::RigCapability> rig_;
   GridParams grid_params_;
   LaserParams laser_params_;
-  double max_speed_mps_;
+  double max_speed_mps_;  ///< of the robot, for recorded poses
   bool is_live_ = false;  ///< no frame may be delayed by a correction of the whole map
   map::StaticGrid grid_;
   map::PerceptionMap map_;
@@ -235,6 +237,7 @@ class Perception {
   std::optional<MountCheck> mount_check_;  ///< with a camera
   CameraCheck camera_check_;
   StereoCheck stereo_check_;
+  slam::ImageEvidence images_ = slam::ImageEvidence::kNone;  ///< of the newest frame
   Warnings warnings_;
   LogSink log_;
   PerceptionCallbacks callbacks_;

@@ -17,9 +17,10 @@ enum class DynamicRejection {
 /// Parameters of the stereo SLAM, section [slam] of a configuration; ranges in describe().
 struct SlamParams {
   DynamicRejection dynamic_rejection = DynamicRejection::kBoth;
-  bool mapping = true;       ///< false: localise only, the map stays as it is
-  bool use_odometry = true;  ///< wheel odometry predicts the next pose and joins keyframes
-  bool use_imu = true;       ///< gyroscope predicts the next turn, gravity levels the map
+  bool mapping = true;          ///< false: localise only, the map stays as it is
+  bool use_odometry = true;     ///< wheel odometry predicts the next pose and joins keyframes
+  bool use_imu = true;          ///< gyroscope predicts the next turn, gravity levels the map
+  double max_speed_mps = 70.0;  ///< of the robot [m/s]; beyond it a pose cannot be right
 
   int features = 600;                ///< landmarks measured in each frame
   double min_zncc = 0.7;             ///< correlation of a matched patch [-]

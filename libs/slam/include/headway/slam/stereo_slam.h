@@ -16,8 +16,28 @@
 namespace headway::slam {
 
 enum class TrackingStatus {
-  kTracked,  ///< the pose rests on enough landmarks of this frame
-  kLost,     ///< it does not: pose and covariance are those of the motion model
+  kTracked,     ///< the pose rests on enough landmarks of this frame
+  kUnreliable,  ///< it must not be trusted, for the reason in SlamUpdate::doubt
+  kLost,        ///< it rests on too few: pose and covariance are those of the motion model
+};
+
+/// "tracked", "unreliable" or "lost".
+[[nodiscard]] const char* toString(TrackingStatus status);
+
+/// What is known about a frame's images before they are used.
+enum class ImageEvidence {
+  kNone,           ///< nothing is wrong with them
+  kContradictory,  ///< left and right do not fit each other
+  kSeenBefore,     ///< they are those of the frame before
+};
+
+/// Why a pose is unreliable.
+enum class Doubt {
+  kNone,
+  kImages,    ///< left and right images contradict each other
+  kFrozen,    ///< the same images again, and no odometry that stands: the pose is predicted
+  kOdometry,  ///< camera and wheels differ by more than 3 sigma over the last second
+  kSpeed,     ///< faster than slam.max_speed
 };
 
 /// What becomes of the inertial sensor.
@@ -50,6 +70,7 @@ struct LoopAttempt {
 /// Result of one frame.
 struct SlamUpdate {
   TrackingStatus status = TrackingStatus::kLost;
+  Doubt doubt = Doubt::kNone;  ///< of kUnreliable
   Pose T_map_robot = Pose::Identity();
   PoseCovariance covariance = PoseCovariance::Identity();  ///< of T_map_robot
   bool is_keyframe = false;
@@ -78,8 +99,12 @@ class StereoSlam {
 
   /// Localises one frame and extends the map from it. Frames come in order of time.
   ///
+  /// Images that were seen before tell nothing new. Where wheel odometry says that the robot stands
+  /// they confirm it; otherwise they are not used.
+  ///
   /// @throws InputError if the images or the mask are not of the camera's size
-  [[nodiscard]] SlamUpdate process(const stereo::FrameContext& frame, const MovingRegions& moving);
+  [[nodiscard]] SlamUpdate process(const stereo::FrameContext& frame, const MovingRegions& moving,
+                                   ImageEvidence images = ImageEvidence::kNone);
 
   /// Measured less true disparity, as estimated by bundle adjustment so far [px].
   [[nodiscard]] double disparityOffset() const;

@@ -1,0 +1,62 @@
+#include "odometry_check.h"
+
+#include <cmath>
+
+#include "keyframe_odometry.h"
+
+namespace headway::slam {
+namespace {
+
+constexpr double kWindowS = 1.0;
+constexpr double kMaxSigmas = 3.0;
+
+/// The wheels' motion from one moment to a later one, both summed up from the same start.
+OdometryLink between(const OdometryLink& first, const OdometryLink& second) {
+  return {{},
+          first.T_from_this.inverse(Eigen::Isometry) * second.T_from_this,
+          second.path_m - first.path_m,
+          second.turn_rad - first.turn_rad};
+}
+
+/// Standard deviations of the difference: (translation [m], rotation [rad]). A wrong direction
+/// displaces half of the path.
+Eigen::Matrix<double, 6, 1> differenceSigma(const OdometryLink& link, double position_sigma,
+                                            double rotation_sigma) {
+  Eigen::Matrix<double, 6, 1> sigma = sigmaOf(link);
+  const double sideways = 0.5 * link.path_m * sigma[5];
+  for (int i = 0; i < 3; ++i) {
+    sigma[i] = std::hypot(sigma[i], sideways, position_sigma);
+    sigma[i + 3] = std::hypot(sigma[i + 3], rotation_sigma);
+  }
+  return sigma;
+}
+
+}  // namespace
+
+bool OdometryCheck::add(const MeasuredStep& by_camera, const MotionPrior& prior) {
+  if (!prior.T_previous_current) {
+    restart();
+    return true;
+  }
+  if (window_.empty()) window_.emplace_back();
+  const Pose& step = *prior.T_previous_current;
+  const Moment& last = window_.back();
+  window_.push_back({by_camera.time,
+                     normalized(Pose(last.T_start_now * by_camera.T_previous_current)),
+                     composed(last.by_wheels,
+                              {{}, step, step.translation().norm(), logSo3(step.linear()).norm()}),
+                     by_camera.position_sigma, by_camera.rotation_sigma});
+  const Moment& now = window_.back();
+  while (window_.size() > 2 && now.time - window_[1].time >= kWindowS) window_.pop_front();
+  const Moment& start = window_.front();
+  const OdometryLink wheels = between(start.by_wheels, now.by_wheels);
+  const Pose camera = start.T_start_now.inverse(Eigen::Isometry) * now.T_start_now;
+  const Pose difference = wheels.T_from_this.inverse(Eigen::Isometry) * camera;
+  Eigen::Matrix<double, 6, 1> error;
+  error << difference.translation(), logSo3(difference.linear());
+  const auto sigma = differenceSigma(wheels, std::hypot(start.position_sigma, now.position_sigma),
+                                     std::hypot(start.rotation_sigma, now.rotation_sigma));
+  return (error.array().abs() <= kMaxSigmas * sigma.array()).all();
+}
+
+}  // namespace headway::slam

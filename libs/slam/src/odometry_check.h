@@ -1,0 +1,42 @@
+#pragma once
+
+#include <headway/core/stereo_frame.h>
+
+#include <deque>
+
+#include "sparse_map.h"
+
+namespace headway::slam {
+
+/// A camera's motion between two frames, as part of its comparison with wheel odometry.
+struct MeasuredStep {
+  Time time = 0.0;              ///< of its end [s]
+  Pose T_previous_current;      ///< of the robot
+  double position_sigma = 0.0;  ///< of the pose at its end, in the local map [m]
+  double rotation_sigma = 0.0;  ///< [rad]
+};
+
+/// Compares the camera's motion with wheel odometry over the last second.
+class OdometryCheck {
+ public:
+  /// Adds the motion between two frames that were both tracked.
+  ///
+  /// @return false if the motions differ by more than three standard deviations
+  bool add(const MeasuredStep& by_camera, const MotionPrior& prior);
+  /// The camera was lost, or odometry is missing: earlier motions do not count.
+  void restart() { window_.clear(); }
+
+ private:
+  /// Both motions from the start of the window to one moment.
+  struct Moment {
+    Time time = 0.0;
+    Pose T_start_now = Pose::Identity();  ///< by the camera
+    OdometryLink by_wheels;
+    double position_sigma = 0.0;
+    double rotation_sigma = 0.0;
+  };
+
+  std::deque<Moment> window_;
+};
+
+}  // namespace headway::slam

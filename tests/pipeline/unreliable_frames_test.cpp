@@ -1,0 +1,114 @@
+// What becomes of frames whose pose cannot be trusted.
+
+#include <gtest/gtest.h>
+#include <headway/pipeline/perception.h>
+#include <headway_test/textured_world.h>
+
+#include <utility>
+
+namespace headway::pipeline {
+namespace {
+
+using slam::TrackingStatus;
+
+/// A robot that drives through a hall past a pedestrian, with images that are wrong at times.
+class UnreliableFramesTest : public testing::Test {
+ protected:
+  UnreliableFramesTest() : hall_(test::smallCamera()) {
+    hall_.addRoom(12.0, 8.0, 4.0);
+    PerceptionParams params;
+    params.slam.features = 250;
+    perception_ = std::make_unique<Perception>(hall_.camera(), params);
+  }
+
+  static Pose onPath(double step) {
+    Pose pose = Pose::Identity();
+    pose.translation().x() = 0.05 * step - 2.0;
+    return pose;
+  }
+
+  /// The next frame as it should be.
+  RecordedFrame next() {
+    RecordedFrame frame;
+    frame.index = static_cast<std::size_t>(frames_++);
+    frame.time = 0.1 * static_cast<double>(frame.index);
+    frame.stereo = hall_.frame(frame.index, frame.time, onPath(static_cast<double>(frame.index)));
+    Detection pedestrian;
+    pedestrian.object_class = ObjectClass::kPedestrian;
+    pedestrian.score = 0.9;
+    pedestrian.box3d = Box3d{};
+    pedestrian.box3d->centre << 0.5, 0.0, 3.0;
+    pedestrian.box3d->length = 0.8;
+    pedestrian.box3d->width = 0.6;
+    pedestrian.box3d->height = 1.75;
+    frame.detections.emplace();
+    frame.detections->time = frame.time;
+    frame.detections->items.push_back(pedestrian);
+    return frame;
+  }
+
+  void drive(int frames) {
+    for (int i = 0; i < frames; ++i) {
+      ASSERT_EQ(perception_->process(next()).camera.status, TrackingStatus::kTracked) << frames_;
+    }
+  }
+
+  test::TexturedWorld hall_;
+  std::unique_ptr<Perception> perception_;
+
+ private:
+  int frames_ = 0;
+};
+
+TEST_F(UnreliableFramesTest, AFrozenCameraAddsNothingToTheMap) {
+  drive(12);
+  const RecordedFrame seen = next();
+  (void)perception_->process(seen);
+  const auto landmarks = perception_->map().staticMap()->landmarks.size();
+  for (int i = 0; i < 8; ++i) {
+    RecordedFrame frame = next();
+    frame.stereo->left = seen.stereo->left.clone();
+    frame.stereo->right = seen.stereo->right.clone();
+    const auto update = perception_->process(frame);
+    EXPECT_EQ(update.camera.status, TrackingStatus::kUnreliable);
+    EXPECT_EQ(update.objects.detections_dropped.at("camera_lost"), 1U);
+    for (const Track& track : update.objects.tracks) EXPECT_NE(track.last_seen, update.time);
+  }
+  EXPECT_EQ(perception_->map().staticMap()->landmarks.size(), landmarks);
+  EXPECT_EQ(perception_->warnings().at("camera_frozen").count, 8U);
+  const auto update = perception_->process(next());
+  EXPECT_EQ(update.camera.status, TrackingStatus::kTracked);
+  EXPECT_EQ(update.objects.detections_used, 1U);
+}
+
+TEST_F(UnreliableFramesTest, SwappedImagesAreUnreliableWithinASecond) {
+  drive(12);
+  int trusted = 0;
+  for (int i = 0; i < 15; ++i) {
+    RecordedFrame frame = next();
+    std::swap(frame.stereo->left, frame.stereo->right);
+    const auto update = perception_->process(frame);
+    trusted += i >= 10 && update.camera.status == TrackingStatus::kTracked ? 1 : 0;
+  }
+  EXPECT_EQ(trusted, 0);
+  EXPECT_EQ(perception_->warnings().count("images_swapped"), 1U);
+}
+
+TEST_F(UnreliableFramesTest, WheelsThatContradictTheCameraAreNamed) {
+  for (int i = 0; i < 12; ++i) {
+    RecordedFrame frame = next();
+    frame.stereo->motion_prior.T_previous_current = onPath(41.0);
+    const auto status = perception_->process(frame).camera.status;
+    EXPECT_EQ(status, TrackingStatus::kTracked) << i;
+  }
+  for (int i = 0; i < 5; ++i) {
+    RecordedFrame frame = next();
+    frame.stereo->motion_prior.T_previous_current = Pose::Identity();
+    const auto status = perception_->process(frame).camera.status;
+    EXPECT_EQ(status, i == 0 ? status : TrackingStatus::kUnreliable) << i;
+  }
+  EXPECT_EQ(perception_->warnings().count("odometry_contradicts"), 1U);
+}
+
+}  // namespace
+}  // namespace headway::pipeline
