@@ -276,6 +276,11 @@ TEST_F(BadRawlogTest, RefusesInvalidCalibrationsWithTheReason) {
   EXPECT_THAT(with([](auto& c) { c.left.fx = 0; }), HasSubstr("left focal length fx is 0"));
   EXPECT_THAT(with([](auto& c) { c.right.fy = -100; }), HasSubstr("right focal length fy"));
   EXPECT_THAT(with([](auto& c) { c.left.cx = NAN; }), HasSubstr("principal point"));
+  EXPECT_THAT(with([](auto& c) { c.left.cx = c.right.cx = 1e7; }), HasSubstr("far outside"));
+  EXPECT_THAT(with([](auto& c) { c.T_robot_left.translation().z() = 1650; }),
+              HasSubstr("check the unit (metres) of its pose"));
+  EXPECT_THAT(with([](auto& c) { c.T_left_right.translation().x() = 1e9; }),
+              HasSubstr("the baseline is 1e+09 m"));
   EXPECT_THAT(with([](auto& c) { c.left.width = c.right.width = 640; }),
               HasSubstr("for images of 640x120 px, but they have 160x120"));
   EXPECT_THAT(with([](auto& c) { c.right.width = 640; }), HasSubstr("differ in size"));

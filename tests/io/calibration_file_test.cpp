@@ -74,6 +74,11 @@ TEST(CalibrationFileTest, NamesTheError) {
   const std::string lens = "left: [80, 80, 50, 25]\n";
   EXPECT_THAT(messageFor(""), HasSubstr("c.yaml"));
   EXPECT_THAT(messageFor("[1, 2"), HasSubstr("YAML"));
+  for (const char* sides : {"1e30, 50", "0, 50", "100, 49.5", "100, .nan"}) {
+    EXPECT_THAT(messageFor("image_size: [" + std::string(sides) + "]\n" + lens + "baseline_m: 1\n"),
+                HasSubstr("'image_size'"))
+        << sides;
+  }
   EXPECT_THAT(messageFor(size), HasSubstr("key 'left' is missing"));
   EXPECT_THAT(messageFor(size + lens), HasSubstr("'baseline_m' and 'T_left_right'"));
   EXPECT_THAT(messageFor(size + lens + "baseline_m: 0\n"), HasSubstr("baseline is zero"));

@@ -218,6 +218,9 @@ TEST_F(KittiRawTest, ErrorsNameTheFile) {
   EXPECT_THAT(message(), HasSubstr("tracklet_labels.xml:5: </h> is not a number: 'x'"));
   writeTracklets("<item><objectType>Car</objectType><poses></poses></item>");
   EXPECT_THAT(message(), HasSubstr("the tracklet has no <h>"));
+  writeTracklets(
+      "<item><h>2</h><w>2</w><l>4</l><first_frame>1e30</first_frame><poses></poses></item>");
+  EXPECT_THAT(message(), HasSubstr("<first_frame> is no index of a frame"));
   write(inDrive("tracklet_labels.xml"), "<tracklets><item>");
   EXPECT_THAT(message(), HasSubstr("ends within a tracklet"));
   write(inDrive("tracklet_labels.xml"), "nothing");
@@ -226,6 +229,8 @@ TEST_F(KittiRawTest, ErrorsNameTheFile) {
   EXPECT_THAT(message(), HasSubstr("timestamps.txt: has 1 times, none for image 1"));
   write(inDrive("image_00/timestamps.txt"), "yesterday\n");
   EXPECT_THAT(message(), HasSubstr("timestamps.txt:1: is not a time"));
+  write("2011_09_26/calib_cam_to_cam.txt", kCameras + std::string("S_rect_00: 1e30 120\n"));
+  EXPECT_THAT(message(), HasSubstr("S_rect_00 is no size"));
   write("2011_09_26/calib_cam_to_cam.txt", "P_rect_00: 1 2 3\n");
   EXPECT_THAT(message(), HasSubstr("calib_cam_to_cam.txt: no line 'P_rect_00:' of 12 numbers"));
 }

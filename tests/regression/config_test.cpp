@@ -50,6 +50,18 @@ TEST(ConfigTest, AUserFacesAboutThirtyKeys) {
   EXPECT_LE(keys, 36u);
 }
 
+/// The parameters of the pipeline are tested in parameter_ends_test.cpp.
+TEST(ConfigTest, CheckpointsAtBothEndsOfTheirRangeRun) {
+  for (const char* interval : {"0", "3600"}) {
+    const test::TemporaryFolder folder;
+    const auto run = test::replay(
+        std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/street.rawlog", folder / "out",
+        "--snapshots 0 --to-index 3 --set output.checkpoint_s=" + std::string(interval));
+    EXPECT_EQ(0, run.process.status) << run.process.output;
+    EXPECT_EQ(4, run.summary.at("frames")) << interval;
+  }
+}
+
 TEST(ConfigTest, EveryProgramHasHelpAndVersion) {
   for (const char* name : {"headway-import", "headway-export", "headway-replay", "headway-render",
                            "headway-sim", "headway-eval"}) {

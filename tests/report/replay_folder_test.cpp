@@ -5,6 +5,7 @@
 #include <headway_test/folders.h>
 
 #include <fstream>
+#include <sstream>
 
 namespace headway::report {
 namespace {
@@ -52,6 +53,16 @@ TEST_F(PlyFileTest, RefusesTruncatedAndOtherFormats) {
   EXPECT_THROW((void)readPoints("/nonexistent.ply", 100), InputError);
 }
 
+TEST_F(PlyFileTest, ACountThatNoFileHoldsIsRefused) {
+  const auto path = cloud(5, 5);
+  std::stringstream content;
+  content << std::ifstream(path, std::ios::binary).rdbuf();
+  std::string text = content.str();
+  text.replace(text.find("vertex 5"), 8, "vertex 18446744073709551615");
+  std::ofstream(path, std::ios::binary) << text;
+  EXPECT_THROW((void)readPoints(path, 6000), InputError);
+}
+
 class ReplayFolderTest : public ::testing::Test {
  protected:
   void write(const std::string& name, const std::string& text) {
@@ -91,6 +102,27 @@ TEST_F(ReplayFolderTest, RefusesAFolderWithoutSummaryAndMalformedFiles) {
   write("replay.json", "{}");
   write("trajectory.tum", "1.5 rubbish\n");
   EXPECT_THROW((void)readReplayFolder(folder_.path()), InputError);
+}
+
+TEST_F(ReplayFolderTest, NestedJsonNeedsNoStack) {
+  constexpr std::size_t kDepth = 300000;
+  write("summary.json",
+        "{\"lost_frames\":" + std::string(kDepth, '[') + std::string(kDepth, ']') + "}");
+  EXPECT_THROW((void)readReplayFolder(folder_.path()), InputError);
+}
+
+TEST_F(ReplayFolderTest, ThePictureOfTheGridIsInTheFolder) {
+  write("summary.json", "{}");
+  const auto grid = [&](const std::string& image) {
+    write("map_grid.yaml", "image:" + image + "\nresolution: 0.2\norigin: [1, 2, 0]\n");
+    return readReplayFolder(folder_.path()).grid;
+  };
+  for (const char* image : {"", " ", " missing.png", " ..", " /"}) {
+    EXPECT_THROW((void)grid(image), InputError) << image;
+  }
+  write("map_grid.png", "");
+  EXPECT_EQ(folder_ / "map_grid.png", grid(" ../elsewhere/map_grid.png")->picture);
+  EXPECT_EQ(2.0, grid(" map_grid.png")->origin.y());
 }
 
 TEST_F(ReplayFolderTest, ReadsTheTrajectoryWithoutComments) {

@@ -174,5 +174,24 @@ TEST_F(ReportTest, RefusesIncompleteAndMalformedFolders) {
   EXPECT_THROW(writeReport(folder.path(), options), InputError);
 }
 
+TEST_F(ReportTest, EntriesThatNoReplayWritesAreAnError) {
+  const Json good = summary;
+  const std::vector<std::pair<std::string, Json>> entries = {
+      {"warnings", {{"speed", 3}}},
+      {"stages_ms", {{"detect", "slow"}}},
+      {"calibration", {{"matches", {1}}, {"rectified_here", 7}}}};
+  for (const auto& [key, value] : entries) {
+    summary = good;
+    summary[key] = value;
+    EXPECT_THROW((void)page(), InputError) << key;
+  }
+}
+
+TEST_F(ReportTest, CountsThatNoMachineReachesAreLimited) {
+  summary["landmarks"] = 1e300;
+  summary["observations_skipped"] = {{"many", 1e300}, {"negative", -3}};
+  EXPECT_THAT(page(), HasSubstr("1\u202f000\u202f000\u202f000\u202f000\u202f000<i> landmarks"));
+}
+
 }  // namespace
 }  // namespace headway::report

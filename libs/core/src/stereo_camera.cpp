@@ -1,11 +1,15 @@
 #include <headway/core/error.h>
 #include <headway/core/stereo_camera.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
 namespace headway {
 namespace {
+
+constexpr double kMaxCameraDistanceM = 100.0;  // from the robot's origin
+constexpr double kMaxCentreWidths = 10.0;      // distance of the principal point from the image
 
 void requirePositive(double value, const char* name, const char* unit) {
   if (!(std::isfinite(value) && value > 0.0)) {
@@ -22,11 +26,18 @@ void validate(const StereoCamera& camera) {
   requirePositive(camera.fx, "focal length fx", "px");
   requirePositive(camera.fy, "focal length fy", "px");
   requirePositive(camera.baseline_m, "baseline", "m");
-  if (!std::isfinite(camera.cx) || !std::isfinite(camera.cy)) {
-    throw InputError("stereo calibration: the principal point is not finite");
+  const double max_offset = kMaxCentreWidths * std::max(camera.width, camera.height);
+  if (!(std::abs(camera.cx) <= max_offset && std::abs(camera.cy) <= max_offset)) {
+    throw InputError("stereo calibration: the principal point (" + std::to_string(camera.cx) +
+                     ", " + std::to_string(camera.cy) + ") px is far outside the image");
   }
   if (!camera.T_robot_cam.matrix().allFinite()) {
     throw InputError("stereo calibration: the camera's pose on the robot is not finite");
+  }
+  const double distance_m = camera.T_robot_cam.translation().norm();
+  if (distance_m > kMaxCameraDistanceM) {
+    throw InputError("stereo calibration: the camera is " + std::to_string(distance_m) +
+                     " m from the robot's origin; check the unit (metres) of its pose");
   }
 }
 

@@ -9,12 +9,11 @@
 namespace headway::io {
 namespace {
 
-RawCamera lensFrom(const YamlFile& file, const std::string& key,
-                   const std::vector<double>& image_size) {
+RawCamera lensFrom(const YamlFile& file, const std::string& key, cv::Size image_size) {
   const auto values = file.numbers(key, 4, 9);
   RawCamera lens;
-  lens.width = static_cast<int>(image_size[0]);
-  lens.height = static_cast<int>(image_size[1]);
+  lens.width = image_size.width;
+  lens.height = image_size.height;
   lens.fx = values[0];
   lens.fy = values[1];
   lens.cx = values[2];
@@ -59,7 +58,7 @@ RawStereoCamera readRawCalibration(const std::string& path,
                                     "baseline_m", "T_left_right", "T_robot_cam"};
   known.insert(known.end(), also_known.begin(), also_known.end());
   file.requireOnly(known);
-  const auto image_size = file.numbers("image_size", 2, 2);
+  const auto image_size = file.imageSize("image_size");
   RawStereoCamera camera;
   camera.left = lensFrom(file, "left", image_size);
   camera.right = file.has("right") ? lensFrom(file, "right", image_size) : camera.left;

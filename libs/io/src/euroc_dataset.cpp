@@ -40,7 +40,7 @@ struct Camera {
 };
 
 RawCamera readLens(const YamlFile& file) {
-  const auto size = file.numbers("resolution", 2, 2);
+  const cv::Size size = file.imageSize("resolution");
   const auto intrinsics = file.numbers("intrinsics", 4, 4);
   const auto distortion = file.numbers("distortion_coefficients", 4, 5);
   for (const auto& [key, expected] :
@@ -51,8 +51,8 @@ RawCamera readLens(const YamlFile& file) {
     }
   }
   RawCamera lens;
-  lens.width = static_cast<int>(size[0]);
-  lens.height = static_cast<int>(size[1]);
+  lens.width = size.width;
+  lens.height = size.height;
   lens.fx = intrinsics[0];
   lens.fy = intrinsics[1];
   lens.cx = intrinsics[2];

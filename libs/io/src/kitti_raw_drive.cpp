@@ -2,6 +2,7 @@
 
 #include <headway/core/error.h>
 
+#include "image_decoding.h"
 #include "image_files.h"
 #include "oxts.h"
 
@@ -41,6 +42,9 @@ DayCalibration readDay(const fs::path& folder) {
   day.P_left = Eigen::Map<const RowMajor34>(matrix("P_rect_00", 12));
   day.P_right = Eigen::Map<const RowMajor34>(matrix("P_rect_01", 12));
   const double* size = matrix("S_rect_00", 2);
+  for (const double side : {size[0], size[1]}) {
+    if (!(side >= 1.0 && side <= kMaxImageSide)) throw InputError(path + ": S_rect_00 is no size");
+  }
   day.size = cv::Size(static_cast<int>(size[0]), static_cast<int>(size[1]));
   Pose T_rectified_cam = Pose::Identity();
   T_rectified_cam.linear() = Eigen::Map<const RowMajor33>(matrix("R_rect_00", 9));

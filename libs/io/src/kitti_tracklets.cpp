@@ -58,6 +58,7 @@ class XmlScanner {
 /// Values of one tracklet or of one of its poses, by tag.
 using Values = std::map<std::string, double>;
 
+constexpr double kMaxFrame = 1e9;
 constexpr double kTruncatedAtMost = 1.0;  // KITTI: 0 in image, 1 truncated, 2 outside, 3 behind
 
 class TrackletReader {
@@ -100,7 +101,9 @@ class TrackletReader {
     for (const char* name : {"h", "w", "l", "first_frame"}) {
       if (sizes.count(name) == 0) xml_.fail(std::string("the tracklet has no <") + name + ">");
     }
-    if (!(sizes.at("first_frame") >= 0.0)) xml_.fail("<first_frame> is negative");
+    if (!(sizes.at("first_frame") >= 0.0 && sizes.at("first_frame") <= kMaxFrame)) {
+      xml_.fail("<first_frame> is no index of a frame");
+    }
     auto frame = static_cast<std::size_t>(sizes.at("first_frame"));
     for (auto tag = nextTag(); tag != "/poses"; tag = nextTag()) {
       if (tag == "item") addPose(type, sizes, readPose(), frame++);

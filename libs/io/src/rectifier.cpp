@@ -95,6 +95,7 @@ Rectifier::Rectifier(const RawStereoCamera& raw) : raw_left_(raw.left) {
     camera_.cy = raw.left.cy;
     camera_.baseline_m = raw.T_left_right.translation().x();
     camera_.T_robot_cam = raw.T_robot_left;
+    headway::validate(camera_);
     return;
   }
   const Pose T_right_left = raw.T_left_right.inverse();

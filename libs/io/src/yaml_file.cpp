@@ -3,9 +3,11 @@
 #include <headway/core/error.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
+#include "image_decoding.h"
 #include "text_rows.h"
 
 namespace headway::io {
@@ -97,6 +99,16 @@ std::vector<double> YamlFile::numbers(const std::string& key, std::size_t min_si
          (max_size > min_size ? " to " + std::to_string(max_size) : std::string()));
   }
   return values;
+}
+
+cv::Size YamlFile::imageSize(const std::string& key) const {
+  const auto sides = numbers(key, 2, 2);
+  for (const double side : sides) {
+    if (!(side >= 1.0 && side <= kMaxImageSide) || side != std::floor(side)) {
+      fail("key '" + key + "' is no size of images [px]");
+    }
+  }
+  return {static_cast<int>(sides[0]), static_cast<int>(sides[1])};
 }
 
 std::string YamlFile::word(const std::string& key) const {

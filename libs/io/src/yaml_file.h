@@ -3,6 +3,7 @@
 #include <headway/core/pose.h>
 #include <mrpt/containers/yaml.h>
 
+#include <opencv2/core/types.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,6 +24,10 @@ class YamlFile {
   [[nodiscard]] std::vector<double> numbers(const std::string& key, std::size_t min_size,
                                             std::size_t max_size) const;
   [[nodiscard]] double number(const std::string& key) const { return numbers(key, 1, 1).front(); }
+  /// Width and height of images [px].
+  ///
+  /// @throws InputError if they are not whole, positive and below the limits of images
+  [[nodiscard]] cv::Size imageSize(const std::string& key) const;
   [[nodiscard]] std::string word(const std::string& key) const;
   /// A pose as 12 (3x4) or 16 (4x4) numbers, row-major; also below `key`'s own key "data".
   [[nodiscard]] Pose pose(const std::string& key) const;

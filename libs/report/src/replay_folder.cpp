@@ -53,9 +53,15 @@ PlyHeader readHeader(std::istream& file, const std::string& name) {
   return header;
 }
 
+/// Copies and prints of deeper values would exceed the stack.
 nlohmann::ordered_json readJson(const fs::path& path) {
+  constexpr int kMaxDepth = 32;
+  const auto limit = [&](int depth, auto, const auto&) {
+    if (depth > kMaxDepth) throw InputError(path.string() + ": is nested too deeply");
+    return true;
+  };
   std::ifstream file(path);
-  auto json = nlohmann::ordered_json::parse(file, nullptr, false);
+  auto json = nlohmann::ordered_json::parse(file, limit, false);
   if (!json.is_object()) throw InputError(path.string() + ": is not a JSON object");
   return json;
 }
@@ -78,14 +84,15 @@ std::optional<GridFile> readGrid(const fs::path& path) {
   for (std::string line; std::getline(file, line);) {
     const auto value = line.substr(std::min(line.size(), line.find(':') + 1));
     if (line.rfind("image:", 0) == 0) {
-      grid.picture = path.parent_path() / value.substr(value.find_first_not_of(' '));
+      const auto name = value.substr(std::min(value.size(), value.find_first_not_of(' ')));
+      grid.picture = path.parent_path() / fs::path(name).filename();
     } else if (line.rfind("resolution:", 0) == 0) {
       grid.resolution_m = std::atof(value.c_str());
     } else if (line.rfind("origin:", 0) == 0) {
       std::sscanf(value.c_str(), " [%lf, %lf", &grid.origin.x(), &grid.origin.y());
     }
   }
-  if (!(grid.resolution_m > 0.0) || !fs::exists(grid.picture)) {
+  if (!(grid.resolution_m > 0.0) || !fs::is_regular_file(grid.picture)) {
     throw InputError(path.string() + ": names no picture or no resolution");
   }
   return grid;
@@ -134,7 +141,8 @@ std::vector<TrackHistory> readTracks(const fs::path& path, const std::set<double
 std::vector<Eigen::Vector3f> readPoints(const std::filesystem::path& path, std::size_t max_points) {
   std::ifstream file(path, std::ios::binary);
   const PlyHeader header = readHeader(file, path.string());
-  const std::size_t step = max_points == 0 ? 1 : (header.count + max_points - 1) / max_points;
+  std::size_t step = 1;
+  if (max_points > 0 && header.count > max_points) step = (header.count - 1) / max_points + 1;
   std::vector<Eigen::Vector3f> points;
   std::vector<char> vertex(header.stride);
   for (std::size_t i = 0; i < header.count; ++i) {

@@ -69,11 +69,21 @@ std::string pageOf(const ReplayFolder& folder, const ReportOptions& options) {
          escaped(versionOf(folder)) + "</footer></main></body></html>\n";
 }
 
+std::string readPage(const fs::path& folder, const ReportOptions& options) {
+  const ReplayFolder replay = readReplayFolder(folder);
+  try {
+    return pageOf(replay, options);
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError((folder / "summary.json").string() +
+                     ": an entry is not what a replay writes: " + error.what());
+  }
+}
+
 }  // namespace
 
 fs::path writeReport(const fs::path& folder_path, const ReportOptions& options) {
   const fs::path absolute = fs::weakly_canonical(folder_path);
-  const std::string page = pageOf(readReplayFolder(absolute), options);
+  const std::string page = readPage(absolute, options);
   const fs::path path = options.output.empty() ? folder_path / "report.html" : options.output;
   writeFile(path, page);
   return path;

@@ -20,9 +20,13 @@ double numberAt(const Json& json, const std::string& key) {
   return value != json.end() && value->is_number() ? value->get<double>() : std::nan("");
 }
 
+std::size_t countOf(double value) {
+  constexpr double kMaxCount = 1e15;
+  return value > 0.0 ? static_cast<std::size_t>(std::min(value, kMaxCount)) : 0;
+}
+
 std::size_t countAt(const Json& json, const std::string& key) {
-  const double value = numberAt(json, key);
-  return std::isfinite(value) && value > 0.0 ? static_cast<std::size_t>(value) : 0;
+  return countOf(numberAt(json, key));
 }
 
 double pathLength(const std::vector<Stamped<Pose>>& path) {
@@ -78,7 +82,7 @@ std::string countsTable(const Json& counts) {
   std::string rows;
   for (const auto& [reason, count] : counts.items()) {
     if (!count.is_number()) continue;
-    rows += row(reason, grouped(count.get<std::size_t>()), meaningOf(reason));
+    rows += row(reason, grouped(countOf(count.get<double>())), meaningOf(reason));
   }
   return rows.empty() ? "<p>None.</p>" : table(rows);
 }
