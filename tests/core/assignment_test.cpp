@@ -126,6 +126,19 @@ TEST(AssignmentTest, ThousandsOfRowsThatHardlyMeet) {
   EXPECT_EQ(n, assignPairs(candidates).size());
 }
 
+/// A matrix of all rows and columns would need 13 GB.
+TEST(AssignmentTest, AChainOfManyRowsIsSolvedByItsCandidatesAlone) {
+  constexpr std::size_t kRows = 40000;
+  std::vector<CandidatePair> candidates;
+  for (std::size_t row = 0; row < kRows; ++row) {
+    candidates.push_back({row, row, -1.0});
+    candidates.push_back({row, row + 1, -1.2});
+  }
+  const auto pairs = assignPairs(candidates, 0.0);
+  ASSERT_EQ(kRows, pairs.size());
+  for (const auto& pair : pairs) EXPECT_EQ(pair.row + 1, pair.column);
+}
+
 TEST(AssignmentTest, CostThatIsNotFiniteThrows) {
   EXPECT_THROW((void)assignPairs({{0, 0, kInfinity}}), std::invalid_argument);
   EXPECT_THROW((void)assignPairs({{0, 0, std::nan("")}}), std::invalid_argument);

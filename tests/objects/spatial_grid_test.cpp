@@ -44,6 +44,23 @@ TEST(SpatialGridTest, VisitsEveryPositionWithinACellOnce) {
   }
 }
 
+TEST(SpatialGridTest, VisitsExactlyThePositionsWithinARadius) {
+  constexpr double kCell_m = 6.0;
+  const auto places = randomPlaces(300);
+  const SpatialGrid grid(places, kCell_m);
+  for (const auto& place : places) {
+    std::vector<std::size_t> visited, expected;
+    const Eigen::Vector2d position = place.position.head<2>();
+    grid.visitWithin(position, 0.6 * kCell_m, [&](std::size_t i) { visited.push_back(i); });
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const double distance = (places[i].position.head<2>() - position).norm();
+      if (distance <= 0.6 * kCell_m) expected.push_back(i);
+    }
+    std::sort(visited.begin(), visited.end());
+    EXPECT_EQ(expected, visited);
+  }
+}
+
 TEST(SpatialGridTest, VisitsFewerPositionsThanThereAre) {
   const auto places = randomPlaces(400);
   const SpatialGrid grid(places, 2.0);

@@ -1,162 +1,140 @@
 #include <headway/core/assignment.h>
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <numeric>
+#include <functional>
+#include <limits>
+#include <queue>
 #include <stdexcept>
 #include <tuple>
+#include <utility>
 
 namespace headway {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Gives every row of a dense cost matrix (rows <= columns) a column at the least total cost.
+/// Gives every row one of its candidate columns, or leaves it alone for a price, at the least total
+/// cost.
 ///
-/// Rows enter one by one, each along the shortest alternating path to a free column. Invariant:
-/// cost(i, j) - row_price(i) - column_price(j) >= 0, and = 0 for the pairs made so far.
-class DenseAssignment {
+/// Rows enter one by one, each along the shortest alternating path to a free column; each row has
+/// a column of its own, for being left alone. Invariant: cost(i, j) - row_price(i) -
+/// column_price(j) >= 0, and = 0 for the pairs made so far. Only candidates are visited, so that
+/// thousands of rows cost little where each has few.
+class SparseAssignment {
  public:
-  explicit DenseAssignment(const Eigen::MatrixXd& cost)
-      : cost_(cost),
-        row_of_(static_cast<std::size_t>(cost.cols()), kFree),
-        row_price_(static_cast<std::size_t>(cost.rows()), 0.0),
-        column_price_(row_of_.size(), 0.0) {
-    for (int row = 0; row < cost.rows(); ++row) enter(row);
+  /// @param candidates  sorted by row and column, each pair once
+  SparseAssignment(const std::vector<CandidatePair>& candidates, double price_of_no_pair)
+      : candidates_(candidates), price_of_no_pair_(price_of_no_pair) {
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      if (i == 0 || candidates[i].row != candidates[i - 1].row) first_.push_back(i);
+      columns_ = std::max(columns_, candidates[i].column + 1);
+    }
+    const std::size_t rows = first_.size();
+    first_.push_back(candidates.size());
+    row_of_.assign(columns_ + rows, kNone);
+    row_price_.assign(rows, 0.0);
+    column_price_.assign(columns_ + rows, 0.0);
+    distance_.assign(columns_ + rows, kInfinity);
+    before_.assign(columns_ + rows, kNone);
+    done_.assign(columns_ + rows, false);
+    for (std::size_t row = 0; row < rows; ++row) enter(row);
   }
 
-  /// Row of each column, kFree where there is none.
-  [[nodiscard]] const std::vector<int>& rowOfColumn() const { return row_of_; }
-
-  static constexpr int kFree = -1;
+  /// The chosen candidates, in their order.
+  [[nodiscard]] std::vector<CandidatePair> pairs() const {
+    std::vector<CandidatePair> pairs;
+    for (std::size_t row = 0; row + 1 < first_.size(); ++row) {
+      for (std::size_t i = first_[row]; i < first_[row + 1]; ++i) {
+        if (row_of_[candidates_[i].column] == row) pairs.push_back(candidates_[i]);
+      }
+    }
+    return pairs;
+  }
 
  private:
-  struct Search {
-    std::vector<double> distance;  ///< reduced length of the shortest path to each column
-    std::vector<int> before;       ///< column before it on that path
-    std::vector<bool> done;
-    std::vector<int> visited;  ///< columns done, nearest first
-  };
+  static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+  using Reached = std::pair<double, std::size_t>;  ///< length of the path to a column
+  using Queue = std::priority_queue<Reached, std::vector<Reached>, std::greater<>>;
 
-  void enter(int start) {
-    const std::size_t columns = row_of_.size();
-    Search search{std::vector<double>(columns, kInfinity),
-                  std::vector<int>(columns, kFree),
-                  std::vector<bool>(columns, false),
-                  {}};
+  void enter(std::size_t start) {
+    Queue queue;
+    std::vector<std::size_t> visited, seen;
     double reached = 0.0;
-    int column = kFree;
-    for (int row = start; row != kFree; row = row_of_[column]) {  // Dijkstra
-      relax(search, row, column, reached);
-      column = nearest(search);
-      reached = search.distance[column];
-      search.done[column] = true;
-      search.visited.push_back(column);
+    std::size_t column = kNone;
+    for (std::size_t row = start; row != kNone; row = row_of_[column]) {  // Dijkstra
+      relaxRow(row, column, reached, queue, seen);
+      while (queue.top().first > distance_[queue.top().second]) queue.pop();  // outdated
+      std::tie(reached, column) = queue.top();
+      queue.pop();
+      done_[column] = true;
+      visited.push_back(column);
     }
     row_price_[start] += reached;
-    for (const int j : search.visited) {
-      if (row_of_[j] != kFree) row_price_[row_of_[j]] += reached - search.distance[j];
-      column_price_[j] -= reached - search.distance[j];
+    for (const std::size_t j : visited) {
+      if (row_of_[j] != kNone) row_price_[row_of_[j]] += reached - distance_[j];
+      column_price_[j] -= reached - distance_[j];
     }
-    for (; search.before[column] != kFree; column = search.before[column]) {
-      row_of_[column] = row_of_[search.before[column]];
+    for (; before_[column] != kNone; column = before_[column]) {
+      row_of_[column] = row_of_[before_[column]];
     }
     row_of_[column] = start;
+    for (const std::size_t j : visited) done_[j] = false;
+    for (const std::size_t j : seen) distance_[j] = kInfinity;
   }
 
-  void relax(Search& search, int row, int from, double reached) const {
-    for (int j = 0; j < static_cast<int>(row_of_.size()); ++j) {
-      const double length = reached + cost_(row, j) - row_price_[row] - column_price_[j];
-      if (search.done[j] || !(length < search.distance[j])) continue;
-      search.distance[j] = length;
-      search.before[j] = from;
+  void relaxRow(std::size_t row, std::size_t from, double reached, Queue& queue,
+                std::vector<std::size_t>& seen) {
+    const auto relax = [&](std::size_t column, double cost) {
+      const double length = reached + cost - row_price_[row] - column_price_[column];
+      if (done_[column] || !(length < distance_[column])) return;
+      if (distance_[column] == kInfinity) seen.push_back(column);
+      distance_[column] = length;
+      before_[column] = from;
+      queue.emplace(length, column);
+    };
+    for (std::size_t i = first_[row]; i < first_[row + 1]; ++i) {
+      relax(candidates_[i].column, candidates_[i].cost);
     }
+    relax(columns_ + row, price_of_no_pair_);
   }
 
-  [[nodiscard]] int nearest(const Search& search) const {
-    int best = kFree;
-    for (int j = 0; j < static_cast<int>(row_of_.size()); ++j) {
-      if (search.done[j]) continue;
-      if (best == kFree || search.distance[j] < search.distance[best]) best = j;
-    }
-    return best;
-  }
-
-  const Eigen::MatrixXd& cost_;
-  std::vector<int> row_of_;
+  const std::vector<CandidatePair>& candidates_;
+  double price_of_no_pair_;
+  std::size_t columns_ = 0;         ///< of candidates; those of single rows follow
+  std::vector<std::size_t> first_;  ///< of a row's candidates
+  std::vector<std::size_t> row_of_;
   std::vector<double> row_price_;
   std::vector<double> column_price_;
+  std::vector<double> distance_;  ///< reduced length of the shortest path to each column
+  std::vector<bool> done_;
+  std::vector<std::size_t> before_;  ///< column before it on that path
 };
 
-std::size_t rootOf(std::vector<std::size_t>& parent, std::size_t node) {
-  while (parent[node] != node) node = parent[node] = parent[parent[node]];
-  return node;
-}
-
-/// Position of each different value in ascending order.
+/// Numbers the rows or columns that occur from 0 on.
 template <typename Member>
-std::map<std::size_t, int> numbered(const std::vector<CandidatePair>& candidates, Member member) {
-  std::map<std::size_t, int> number;
-  for (const auto& candidate : candidates) number.emplace(candidate.*member, 0);
-  int next = 0;
-  for (auto& [value, position] : number) position = next++;
-  return number;
+std::vector<std::size_t> renumber(std::vector<CandidatePair>& candidates, Member member) {
+  std::vector<std::size_t> numbers;
+  numbers.reserve(candidates.size());
+  for (const auto& candidate : candidates) numbers.push_back(candidate.*member);
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  for (auto& candidate : candidates) {
+    const auto number = std::lower_bound(numbers.begin(), numbers.end(), candidate.*member);
+    candidate.*member = static_cast<std::size_t>(number - numbers.begin());
+  }
+  return numbers;
 }
 
-/// Candidates in groups that share neither rows nor columns.
-std::vector<std::vector<CandidatePair>> grouped(const std::vector<CandidatePair>& candidates) {
-  const auto rows = numbered(candidates, &CandidatePair::row);
-  const auto columns = numbered(candidates, &CandidatePair::column);
-  std::vector<std::size_t> parent(rows.size() + columns.size());
-  std::iota(parent.begin(), parent.end(), std::size_t{0});
-  for (const auto& candidate : candidates) {
-    const std::size_t row = rootOf(parent, rows.at(candidate.row));
-    const std::size_t column = rootOf(parent, rows.size() + columns.at(candidate.column));
-    parent[std::max(row, column)] = std::min(row, column);
-  }
-  std::map<std::size_t, std::vector<CandidatePair>> groups;
-  for (const auto& candidate : candidates) {
-    groups[rootOf(parent, rows.at(candidate.row))].push_back(candidate);
-  }
-  std::vector<std::vector<CandidatePair>> result;
-  for (auto& [root, group] : groups) result.push_back(std::move(group));
-  return result;
-}
-
-/// What leaving a pair alone costs within a group: enough that more pairs are always cheaper,
-/// whatever the others then cost, unless the caller's price is lower.
-double priceOfNoPair(const std::vector<CandidatePair>& group, double pairs,
+/// What leaving a pair alone costs: enough that more pairs are always cheaper, whatever the others
+/// then cost, unless the caller's price is lower.
+double priceOfNoPair(const std::vector<CandidatePair>& candidates, double pairs,
                      double unassigned_cost) {
-  const auto [least, most] = std::minmax_element(
-      group.begin(), group.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+  const auto [least, most] =
+      std::minmax_element(candidates.begin(), candidates.end(),
+                          [](const auto& a, const auto& b) { return a.cost < b.cost; });
   const double spread = most->cost - least->cost;
   return std::min(unassigned_cost, most->cost + pairs * spread + std::abs(most->cost) + 1.0);
-}
-
-/// Solves one group that has no more rows than columns.
-std::vector<CandidatePair> solveGroup(const std::vector<CandidatePair>& group,
-                                      double unassigned_cost) {
-  const auto rows = numbered(group, &CandidatePair::row);
-  const auto columns = numbered(group, &CandidatePair::column);
-  Eigen::MatrixXd cost = Eigen::MatrixXd::Constant(
-      static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(columns.size()),
-      priceOfNoPair(group, static_cast<double>(rows.size()), unassigned_cost));
-  for (const auto& candidate : group) {
-    cost(rows.at(candidate.row), columns.at(candidate.column)) = candidate.cost;
-  }
-  const DenseAssignment solved(cost);
-  std::vector<CandidatePair> chosen;
-  for (const auto& candidate : group) {
-    const int row = solved.rowOfColumn()[columns.at(candidate.column)];
-    if (row == rows.at(candidate.row)) chosen.push_back(candidate);
-  }
-  return chosen;
-}
-
-void swapRowsAndColumns(std::vector<CandidatePair>& pairs) {
-  for (auto& pair : pairs) std::swap(pair.row, pair.column);
 }
 
 }  // namespace
@@ -179,16 +157,12 @@ std::vector<CandidatePair> assignPairs(std::vector<CandidatePair> candidates,
                    candidates.end());
   std::sort(candidates.begin(), candidates.end(), order);
   candidates.erase(std::unique(candidates.begin(), candidates.end(), same_pair), candidates.end());
-  std::vector<CandidatePair> chosen;
-  for (auto& group : grouped(candidates)) {
-    const bool tall = numbered(group, &CandidatePair::row).size() >
-                      numbered(group, &CandidatePair::column).size();
-    if (tall) swapRowsAndColumns(group);
-    auto pairs = solveGroup(group, unassigned_cost);
-    if (tall) swapRowsAndColumns(pairs);
-    chosen.insert(chosen.end(), pairs.begin(), pairs.end());
-  }
-  std::sort(chosen.begin(), chosen.end(), order);
+  if (candidates.empty()) return candidates;
+  const auto columns = renumber(candidates, &CandidatePair::column);
+  const auto rows = static_cast<double>(std::min(candidates.size(), columns.size()));
+  auto chosen =
+      SparseAssignment(candidates, priceOfNoPair(candidates, rows, unassigned_cost)).pairs();
+  for (auto& pair : chosen) pair.column = columns[pair.column];
   return chosen;
 }
 

@@ -17,6 +17,8 @@ namespace {
 
 // Volume of intersection over volume of union of two upright boxes in the map.
 double overlap(const MeasuredBox& a, const MeasuredBox& b) {
+  const double reach = 0.5 * (a.size.head<2>().sum() + b.size.head<2>().sum());  // at least
+  if ((a.position - b.position).head<2>().squaredNorm() > reach * reach) return 0.0;
   const double bottom =
       std::max(a.position.z() - 0.5 * a.size.z(), b.position.z() - 0.5 * b.size.z());
   const double top = std::min(a.position.z() + 0.5 * a.size.z(), b.position.z() + 0.5 * b.size.z());
@@ -117,12 +119,22 @@ std::optional<double> ConsistencyCheck::cost(const ExpectedPlace& track,
          (hinted ? params_.detector_id_bonus : 0.0) + (same_kind ? 0.0 : kProvisionalClassCost);
 }
 
+// The trace of a covariance is at least its largest eigenvalue.
+double ConsistencyCheck::maxGate(const ExpectedPlace& track, double variance) const {
+  constexpr double kMargin = 1.0 + 1e-6;
+  const double blur = params_.gate_blur_m * params_.gate_blur_m;
+  const double trace = track.covariance.trace() + variance + 2.0 * blur;
+  return std::min(params_.max_gate_m, kMargin * params_.gate_sigma * std::sqrt(trace));
+}
+
 Matches ConsistencyCheck::match(const std::vector<ExpectedPlace>& tracks,
                                 const std::vector<MeasuredBox>& detections) const {
   const SpatialGrid grid(detections, params_.max_gate_m);
+  double widest = 0.0;  // variance of a detection
+  for (const MeasuredBox& box : detections) widest = std::max(widest, box.covariance.trace());
   std::vector<CandidatePair> candidates;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
-    grid.visitNear(tracks[i].position.head<2>(), [&](std::size_t j) {
+    grid.visitWithin(tracks[i].position.head<2>(), maxGate(tracks[i], widest), [&](std::size_t j) {
       const auto pair_cost = cost(tracks[i], detections[j]);
       if (pair_cost) candidates.push_back({i, j, *pair_cost});
     });

@@ -55,6 +55,8 @@ class ConsistencyCheck {
                               const std::vector<MeasuredBox>& detections) const;
 
  private:
+  /// Distance beyond which no detection of such a variance matches a track [m].
+  [[nodiscard]] double maxGate(const ExpectedPlace& track, double variance) const;
   [[nodiscard]] bool sameObject(const MeasuredBox& a, const MeasuredBox& b) const;
   /// -2 log of the likelihood ratio against a new object; nullopt outside the gate.
   [[nodiscard]] std::optional<double> cost(const ExpectedPlace& track,

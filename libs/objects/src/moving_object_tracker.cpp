@@ -169,13 +169,16 @@ class MovingObjectTracker::Implementation {
   TrackUpdate publish(Time time, TrackUpdate update) {
     const auto window = static_cast<std::size_t>(params_.smoothing.window_frames) + 1;
     std::vector<const TrackedObject*> shown;
+    shown.reserve(objects_.size());
     for (TrackedObject& object : objects_) {
       object.finalise(window, time, update.finalised);
       if (isShown(object, time)) shown.push_back(&object);
       if (auto expected = object.searchable(time)) update.expected.push_back(std::move(*expected));
     }
-    for (const TrackedObject* object :
-         suppressDuplicateTracks(shown, params_.consistency.duplicate_track_distance_m)) {
+    const auto distinct =
+        suppressDuplicateTracks(shown, params_.consistency.duplicate_track_distance_m);
+    update.tracks.reserve(distinct.size());
+    for (const TrackedObject* object : distinct) {
       Track& track = update.tracks.emplace_back(object->shownAt(time));
       track.box2d = object->imageBoxAt(time, view_.inSensor(object->position()));
       track.predictions = object->predictions;

@@ -22,7 +22,7 @@ constexpr double kFrameJitter_s = 1e-6;   // times of frames are not exact
 
 TrackedObject::TrackedObject(TrackId id, std::size_t frame, Time time, const MeasuredBox& first,
                              const ObjectsParams& params)
-    : params_(params),
+    : params_(&params),
       id_(id),
       object_class_(first.object_class),
       filter_(first, params.filter),
@@ -72,7 +72,7 @@ void TrackedObject::keepEvidence(Time time, const MeasuredBox& detection) {
 // A classifier's box that moves is an object at once; motion in which a classifier sees no object
 // needs more evidence.
 void TrackedObject::confirm(const DetectionEvidence& evidence) {
-  const LifecycleParams& life = params_.lifecycle;
+  const LifecycleParams& life = params_->lifecycle;
   if (evidence.classifier_tested && !evidence.classifier) ++unclassified_hits_;
   if (evidence.classifier_tested && evidence.classifier && evidence.motion) confirmed_ = true;
   const int needed_hits =
@@ -89,8 +89,8 @@ void TrackedObject::updateHeading(const MeasuredBox& detection) {
     const Eigen::Vector2d direction = unitOr(filter_.velocity().head<2>(), Eigen::Vector2d::Zero());
     heading_.addMotion(
         direction.dot(Eigen::Vector2d(std::cos(filter_.yaw()), std::sin(filter_.yaw()))));
-    standing_headings_ = 0.5 * params_.heading.converged_frames;
-  } else if (standing_headings_ < params_.heading.converged_frames) {
+    standing_headings_ = 0.5 * params_->heading.converged_frames;
+  } else if (standing_headings_ < params_->heading.converged_frames) {
     standing_headings_ += 1.0;
     filter_.averageYaw(measured, standing_headings_);
   }
@@ -157,14 +157,14 @@ std::optional<ExpectedObject> TrackedObject::searchable(Time time) const {
   return object;
 }
 
-bool TrackedObject::mature() const { return hits_ >= params_.smoothing.mature_frames; }
+bool TrackedObject::mature() const { return hits_ >= params_->smoothing.mature_frames; }
 
 double TrackedObject::score() const {
-  return score_sum_ / (hits_ + all_misses_ + params_.lifecycle.score_prior_frames);
+  return score_sum_ / (hits_ + all_misses_ + params_->lifecycle.score_prior_frames);
 }
 
 TrackStatus TrackedObject::statusAt(Time time) const {
-  const LifecycleParams& life = params_.lifecycle;
+  const LifecycleParams& life = params_->lifecycle;
   const double unseen = time - last_seen_;
   if (!confirmed_) {
     return unseen > life.tentative_time_s ? TrackStatus::kEnded : TrackStatus::kTentative;
@@ -174,7 +174,7 @@ TrackStatus TrackedObject::statusAt(Time time) const {
 }
 
 bool TrackedObject::shown(Time time) const {
-  const LifecycleParams& life = params_.lifecycle;
+  const LifecycleParams& life = params_->lifecycle;
   if (seenAt(time) || !confirmed_) return true;
   return time - last_seen_ <= life.coast_time_s + kFrameJitter_s &&
          misses_ <= life.max_coast_ratio * hits_ &&
@@ -195,6 +195,12 @@ void TrackedObject::historyAt(std::size_t frame, Time time, MotionHistory& histo
 }
 
 Track TrackedObject::shownAt(Time time) const {
+  Track track = stateAt(time);
+  track.recent_path = trajectory_.path;
+  return track;
+}
+
+Track TrackedObject::stateAt(Time time) const {
   Track track;
   track.id = id_;
   track.object_class = object_class_;
@@ -213,14 +219,13 @@ Track TrackedObject::shownAt(Time time) const {
   track.position_covariance(2, 2) = filter_.verticalVariance();
   track.first_seen = first_seen_;
   track.last_seen = last_seen_;
-  track.recent_path = trajectory_.path;
   return track;
 }
 
 // The estimate with a zero-mean prior, whose sigma is the speed from which such objects count as
 // moving. A velocity that contradicts the classification shows that its covariance is too small.
 void TrackedObject::shrinkVelocity(Track& track) const {
-  const double limit = params_.motion_class.moving_speed_mps.of(group());
+  const double limit = params_->motion_class.moving_speed_mps.of(group());
   const Eigen::Matrix2d prior = limit * limit * Eigen::Matrix2d::Identity();
   const Eigen::Vector2d velocity = track.velocity.head<2>();
   Eigen::Matrix2d covariance = track.velocity_covariance;
@@ -238,9 +243,12 @@ std::optional<Box2d> TrackedObject::imageBoxAt(Time time, const Eigen::Vector3d&
 }
 
 void TrackedObject::finalise(std::size_t window, Time time, std::vector<TrackSample>& samples) {
-  const Track shown_now = shownAt(time);  // before its path is removed
+  if (!confirmed_) {
+    (void)trajectory_.finalise(window);
+    return;
+  }
+  const Track shown_now = stateAt(time);  // before its path is removed
   const std::vector<TrajectoryPoint> finalised = trajectory_.finalise(window);
-  if (!confirmed_) return;
   for (std::size_t j = 0; j < finalised.size(); ++j) {
     const TrajectoryPoint& point = finalised[j];
     const TrajectoryPoint& next = j + 1 < finalised.size()    ? finalised[j + 1]
@@ -255,7 +263,6 @@ void TrackedObject::finalise(std::size_t window, Time time, std::vector<TrackSam
       sample.track.velocity_covariance = filter_.velocityCovariance();
       if (!motion_class_.moving()) shrinkVelocity(sample.track);
     }
-    sample.track.recent_path.clear();
     samples.push_back(std::move(sample));
   }
 }

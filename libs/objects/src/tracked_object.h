@@ -19,6 +19,7 @@ namespace headway::objects {
 /// One trajectory S_i and the state of its object.
 class TrackedObject {
  public:
+  /// @param params  must outlive the object
   TrackedObject(TrackId id, std::size_t frame, Time time, const MeasuredBox& first,
                 const ObjectsParams& params);
 
@@ -77,6 +78,8 @@ class TrackedObject {
   std::vector<PredictedPath> predictions;  ///< of this frame
 
  private:
+  /// The object as published, without path and predictions.
+  [[nodiscard]] Track stateAt(Time time) const;
   void updateHeading(const MeasuredBox& detection);
   void voteClass(const MeasuredBox& detection);
   void keepEvidence(Time time, const MeasuredBox& detection);
@@ -85,7 +88,7 @@ class TrackedObject {
   /// The velocity of a track that is not classified as moving.
   void shrinkVelocity(Track& track) const;
 
-  ObjectsParams params_;
+  const ObjectsParams* params_;  ///< of the tracker; not null
   TrackId id_;
   ObjectClass object_class_;
   KalmanFilter filter_;

@@ -19,9 +19,8 @@ struct CandidatePair {
 /// largest assignment; a candidate with a cost of at least `unassigned_cost` is never selected. By
 /// default the number of pairs is maximal. Gated pairs must not be among the candidates.
 ///
-/// Candidates fall into groups that share no row and no column; each is solved on its own in
-/// O(rows^2 columns), so sparse problems of thousands of rows are fast. The order of the
-/// candidates does not matter; of a pair listed twice the lower cost is used.
+/// Shortest paths visit candidates only, so that sparse problems of thousands of rows are fast. The
+/// order of the candidates does not matter; of a pair listed twice the lower cost is used.
 ///
 /// @return  the selected candidates, by ascending row
 /// @throws  std::invalid_argument if a cost is not finite
