@@ -6,6 +6,7 @@
 #include <headway/io/calibration_file.h>
 #include <headway/io/live_source.h>
 #include <headway/io/observation_calibration.h>
+#include <headway/pipeline/load_shedder.h>
 #include <headway/program/progress.h>
 #include <mrpt/config/CConfigFile.h>
 #include <mrpt/system/os.h>
@@ -16,6 +17,7 @@
 #include <memory>
 #include <optional>
 #include <sstream>
+#include <utility>
 
 #include "continuation.h"
 #include "live_options.h"
@@ -130,6 +132,43 @@ live::LiveView viewOf(const RecordedFrame& frame, const pipeline::PerceptionUpda
   return view;
 }
 
+pipeline::RuntimeParams runtimeParams(const pipeline::PerceptionParams& params) {
+  pipeline::RuntimeParams result;
+  result.detect_every_nth_frame = params.detection.detect.every_nth_frame;
+  result.grid_every_nth_frame = params.grid.every_nth_frame;
+  result.recorded_timeout_s = params.detection.recorded_timeout_s;
+  return result;
+}
+
+/// Leaves work out while frames take longer than the sensor's interval.
+class LoadControl {
+ public:
+  LoadControl(replay::Replay& run, const pipeline::PerceptionParams& params)
+      : run_(run), shedder_(runtimeParams(params)) {}
+
+  /// Takes a processed frame. @param page_s  time of its page
+  void add(const RecordedFrame& frame, double page_s) {
+    const auto before = std::exchange(last_, Stamped<std::size_t>{frame.time, frame.index});
+    if (!before || frame.index <= before->value || !(frame.time > before->time)) return;
+    const double interval_s =
+        (frame.time - before->time) / static_cast<double>(frame.index - before->value);
+    const double process_s = 1e-3 * run_.summary().last_frame_ms + page_s;
+    const auto line = shedder_.add(monotonicSeconds(), process_s, interval_s);
+    if (!line) return;
+    run_.change(shedder_.params());
+    run_.warn("frame " + std::to_string(frame.index) + ": " + *line);
+  }
+  [[nodiscard]] bool hasPage() const {
+    return shedder_.level() == pipeline::LoadShedder::Level::kNothing;
+  }
+  [[nodiscard]] std::string description() const { return shedder_.description(); }
+
+ private:
+  replay::Replay& run_;
+  pipeline::LoadShedder shedder_;
+  std::optional<Stamped<std::size_t>> last_;  ///< index of the last frame
+};
+
 /// Runs sensors and pipeline until they are interrupted.
 void run(const live::LiveOptions& options, bool quiet, const pipeline::PerceptionParams& params,
          const Params& all_params) {
@@ -156,14 +195,19 @@ void run(const live::LiveOptions& options, bool quiet, const pipeline::Perceptio
   auto input = std::make_unique<replay::LiveInput>(source);
   const replay::LiveInput& live = *input;
   replay::Replay pipeline(options.run, std::move(input), params, all_params);
+  LoadControl load(pipeline, params);
+  double page_s = 0.0;  // of the last one
   pipeline.onFrame([&](const RecordedFrame& frame, const pipeline::PerceptionUpdate& update) {
-    const double latency_s = monotonicSeconds() - live.arrival_s();
-    status.update(update, latency_s, source.dropped());
-    if (page == nullptr) return;
+    const double now_s = monotonicSeconds();
+    const double latency_s = now_s - live.arrival_s();
+    load.add(frame, std::exchange(page_s, 0.0));
+    status.update(update, latency_s, source.dropped(), load.description());
+    if (page == nullptr || !load.hasPage()) return;
     auto view = viewOf(frame, update, pipeline, *sensors);
     view.latency_s = latency_s;
     view.dropped = source.dropped();
     page->show(std::move(view));
+    page_s = monotonicSeconds() - now_s;
   });
   pipeline.run();
   sensors->stop();

@@ -18,12 +18,13 @@ StatusLine::~StatusLine() {
 }
 
 void StatusLine::update(const pipeline::PerceptionUpdate& update, double latency_s,
-                        std::size_t dropped) {
+                        std::size_t dropped, const std::string& left_out) {
   const std::lock_guard lock(mutex_);
   last_ = update;
   max_latency_s_ = std::max(max_latency_s_, latency_s);
   ++frames_;
   dropped_ = dropped;
+  left_out_ = left_out;
 }
 
 void StatusLine::run() {
@@ -61,7 +62,7 @@ std::string StatusLine::text() {
                 frames_, 1e3 * max_latency_s_, dropped_);
   max_latency_s_ = 0.0;
   frames_ = 0;
-  return line.data();
+  return line.data() + (left_out_.empty() ? "" : "; " + left_out_);
 }
 
 }  // namespace headway::live

@@ -25,8 +25,12 @@ class StatusLine {
   StatusLine(const StatusLine&) = delete;
   StatusLine& operator=(const StatusLine&) = delete;
 
-  /// Results of a frame. @param dropped  frames so far
-  void update(const pipeline::PerceptionUpdate& update, double latency_s, std::size_t dropped);
+  /// Results of a frame.
+  ///
+  /// @param dropped   frames so far
+  /// @param left_out  because of the load; may be empty
+  void update(const pipeline::PerceptionUpdate& update, double latency_s, std::size_t dropped,
+              const std::string& left_out);
 
  private:
   void run();
@@ -40,6 +44,7 @@ class StatusLine {
   double max_latency_s_ = 0.0;                      ///< since the last line
   std::size_t frames_ = 0;                          ///< since the last line
   std::size_t dropped_ = 0;
+  std::string left_out_;
   std::atomic<bool> stopping_{false};
   std::thread thread_;  // last member, so that it starts after the others
 };

@@ -49,6 +49,11 @@ class Replay {
       std::function<void(const RecordedFrame&, const pipeline::PerceptionUpdate&)>;
   void onFrame(FrameCallback callback) { on_frame_ = std::move(callback); }
 
+  /// Changes parameters before the next frame.
+  void change(const pipeline::RuntimeParams& params) { perception_->change(params); }
+  /// Prints a warning that is no part of the summary.
+  void warn(const std::string& text) const;
+
   /// Processes all frames. @throws InputError after writing the results computed so far
   void run();
 
@@ -85,7 +90,6 @@ class Replay {
   void writeTrajectory();
   void writeMap();
   void warnIfNotRelocalised() const;
-  void warn(const std::string& text) const;
   /// Prints a message of the pipeline; warnings are printed by collectWarnings().
   void log(LogLevel level, const std::string& text) const;
   /// Writes the image of the first frame in which the camera is lost.

@@ -233,8 +233,11 @@ objects::TrackUpdate Perception::track(const RecordedFrame& frame, const Percept
   const auto watch = times_.watch("objects");
   objects::TrackUpdate tracked;
   if (update.detections && poseOf(update.camera)) {
-    tracked =
-        tracker_.update(frame.index, {frame.time, update.camera.T_map_robot}, *update.detections);
+    Detections near = *update.detections;
+    DropCounts far;
+    shedFar(near, far);
+    tracked = tracker_.update(frame.index, {frame.time, update.camera.T_map_robot}, near);
+    tracked.detections_dropped.merge(far);
   } else {
     tracked = tracker_.coast(frame.index, frame.time);
     if (update.detections && !update.detections->items.empty()) {

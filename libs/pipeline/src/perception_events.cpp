@@ -52,7 +52,7 @@ void Perception::setCallbacks(PerceptionCallbacks callbacks) { callbacks_ = std:
 
 void Perception::change(const RuntimeParams& params) {
   ASSERTMSG_(params.detect_every_nth_frame >= 1 && params.grid_every_nth_frame >= 0 &&
-                 params.recorded_timeout_s > 0.0,
+                 params.recorded_timeout_s > 0.0 && params.max_box_range_m > 0.0,
              "parameters at run time are out of range");
   const std::lock_guard lock(change_mutex_);
   change_ = params;
@@ -62,6 +62,7 @@ void Perception::applyChange() {
   const std::lock_guard lock(change_mutex_);
   if (!change_) return;
   detection_.change(change_->detect_every_nth_frame, change_->recorded_timeout_s);
+  max_box_range_m_ = change_->max_box_range_m;
   if (mapping_) grid_params_.every_nth_frame = change_->grid_every_nth_frame;
   change_.reset();
 }

@@ -1,6 +1,7 @@
 // The parts of Perception that compare its input with the images: mounting, sensors, grid.
 #include <headway/pipeline/perception.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -64,6 +65,16 @@ void Perception::warnAboutOdometry(const RecordedFrame& frame, const slam::SlamU
              "second, so that the pose is unreliable: something large moves before the camera, or "
              "the wheels slip; if they slip most of the time, set slam.use_odometry=false",
              warnings_);
+}
+
+void Perception::shedFar(Detections& detections, DropCounts& dropped) const {
+  if (std::isinf(max_box_range_m_)) return;
+  auto& items = detections.items;
+  const auto far = std::remove_if(items.begin(), items.end(), [&](const Detection& item) {
+    return item.box3d && item.box3d->centre.norm() > max_box_range_m_;
+  });
+  if (far != items.end()) dropped["load_shed"] = static_cast<std::size_t>(items.end() - far);
+  items.erase(far, items.end());
 }
 
 void Perception::warnAboutSpeed(const RecordedFrame& frame, const PerceptionUpdate& update) {

@@ -61,6 +61,7 @@ std::string meaningOf(const std::string& reason) {
       {"dont_care", "marked DontCare"},
       {"duplicate", "second box of the same object"},
       {"image_size", "image size differs from the calibration"},
+      {"load_shed", "far box left out because frames took too long"},
       {"low_score", "score below the threshold"},
       {"missing_image", "image file not found"},
       {"nan_box", "box with values that are not finite"},

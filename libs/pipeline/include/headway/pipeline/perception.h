@@ -199,6 +199,8 @@ class Perception {
   slam::SlamUpdate useGivenPose(const RecordedFrame& frame);
   /// Removes what refers to the times before, if the clock was set back. @return ended tracks
   std::vector<TrackSample> followClock(const RecordedFrame& frame);
+  /// Removes boxes that are too far, and counts them.
+  void shedFar(Detections& detections, DropCounts& dropped) const;
   objects::TrackUpdate track(const RecordedFrame& frame, const PerceptionUpdate& update);
   void updateMap(const PerceptionUpdate& update);
   void updateStaticMap();
@@ -230,6 +232,7 @@ class Perception {
   GridParams grid_params_;
   LaserParams laser_params_;
   double max_speed_mps_;  ///< of the robot, for recorded poses
+  double max_box_range_m_ = RuntimeParams().max_box_range_m;
   bool is_live_ = false;  ///< no frame may be delayed by a correction of the whole map
   map::StaticGrid grid_;
   map::PerceptionMap map_;

@@ -5,6 +5,7 @@
 #include <headway/slam/stereo_slam.h>
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -27,6 +28,8 @@ struct RuntimeParams {
   int detect_every_nth_frame = 1;   ///< detect.every_nth_frame, >= 1
   int grid_every_nth_frame = 3;     ///< grid.every_nth_frame, >= 0; 0 pauses the grid
   double recorded_timeout_s = 2.0;  ///< detect.recorded_timeout_s, > 0 [s]
+  /// Distance beyond which boxes are not tracked, but counted as "load_shed", > 0 [m].
+  double max_box_range_m = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace headway::pipeline
