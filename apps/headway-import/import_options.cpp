@@ -28,7 +28,9 @@ void addDatasetOptions(CommandLine& line, ImportOptions& options) {
     line.option(options.left, 0, "left", "DIR", "Folder of left images", true);
     line.option(options.right, 0, "right", "DIR", "Folder of right images", true);
     line.option(options.calibration, 0, "calibration", "FILE",
-                "Calibration of the pair (doc/formats.md)", true);
+                "Calibration of the pair: headway, MRPT, ROS, Kalibr, ORB-SLAM or OpenCV "
+                "(doc/formats.md); two files separated by a comma",
+                true);
     return;
   }
   line.positional(options.folder, "DIR", folderDescription(options.dataset));

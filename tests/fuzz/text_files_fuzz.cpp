@@ -36,8 +36,11 @@ void read(int reader, const std::string& path) {
     case 6:
       (void)io::readKittiRows(path);
       break;
-    default:
+    case 7:
       (void)io::readDetections(path, dropped);
+      break;
+    default:
+      (void)io::readStereoCalibration(path, {752, 480});
       break;
   }
 }
@@ -48,7 +51,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) return 0;
   const headway::test::MemoryFile file(data + 1, size - 1);
   try {
-    read(data[0] % 8, file.path());
+    read(data[0] % 9, file.path());
   } catch (const headway::InputError&) {  // expected of most inputs
   }
   return 0;

@@ -86,7 +86,7 @@ TEST(CalibrationFileTest, NamesTheError) {
   EXPECT_THAT(messageFor(size + lens + "baseline_m: one\n"), HasSubstr("not a number"));
   EXPECT_THAT(messageFor(size + lens + "baseline: 1\n"), HasSubstr("'baseline' is unknown"));
   EXPECT_THAT(messageFor(size + "left: [80, 80]\nbaseline_m: 1\n"),
-              HasSubstr("has 2 numbers, must be 4 to 9"));
+              HasSubstr("has 2 numbers, must be 4 to 12"));
   EXPECT_THAT(messageFor(size + "left: [0, 80, 50, 25]\nbaseline_m: 1\n"),
               HasSubstr("focal length fx"));
   EXPECT_THAT(messageFor(size + lens + "baseline_m: 1\nT_robot_cam: [2,0,0,0,0,2,0,0,0,0,2,0]\n"),

@@ -34,13 +34,42 @@ RawStereoCamera crookedPair() {
   return raw;
 }
 
-/// Pixel of a point in a lens' frame, by OpenCV's distortion model.
+/// The same pair behind fisheyes, or with the left one alone behind one.
+RawStereoCamera fisheyePair(bool both = true) {
+  RawStereoCamera raw = crookedPair();
+  raw.left.is_fisheye = true;
+  raw.left.distortion = {-0.012, 0.031, -0.028, 0.0067, 0.0};
+  raw.left.fx = raw.left.fy = 286.1;
+  if (!both) return raw;
+  raw.right.is_fisheye = true;
+  raw.right.distortion = {-0.009, 0.027, -0.025, 0.0059, 0.0};
+  raw.right.fx = raw.right.fy = 286.5;
+  return raw;
+}
+
+RawStereoCamera rationalPair() {
+  RawStereoCamera raw = crookedPair();
+  raw.left.distortion = {4.1, 1.7, 1e-4, -2e-4, 0.06};
+  raw.left.rational = {4.4, 2.9, 0.35};
+  raw.right.distortion = {3.9, 1.6, 1e-4, 1e-4, 0.05};
+  raw.right.rational = {4.2, 2.8, 0.33};
+  return raw;
+}
+
+/// Pixel of a point in a lens' frame, by OpenCV's distortion models.
 cv::Point2d distortedPixel(const RawCamera& lens, const Eigen::Vector3d& point) {
   const cv::Matx33d K(lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1);
-  const std::vector<double> distortion(lens.distortion.begin(), lens.distortion.end());
+  const std::vector<cv::Point3d> points = {{point.x(), point.y(), point.z()}};
+  std::vector<double> distortion(lens.distortion.begin(), lens.distortion.end());
   std::vector<cv::Point2d> pixels;
-  cv::projectPoints(std::vector<cv::Point3d>{{point.x(), point.y(), point.z()}}, cv::Vec3d(0, 0, 0),
-                    cv::Vec3d(0, 0, 0), K, distortion, pixels);
+  if (lens.is_fisheye) {
+    distortion.resize(4);
+    cv::fisheye::projectPoints(points, pixels, cv::Vec3d(0, 0, 0), cv::Vec3d(0, 0, 0), K,
+                               distortion);
+  } else {
+    distortion.insert(distortion.end(), lens.rational.begin(), lens.rational.end());
+    cv::projectPoints(points, cv::Vec3d(0, 0, 0), cv::Vec3d(0, 0, 0), K, distortion, pixels);
+  }
   return pixels.front();
 }
 
@@ -90,8 +119,7 @@ TEST(RectifierTest, AnyDeviationCountsAsNotRectified) {
 }
 
 /// Law of the rectifier: a point in space is at its projection in both images.
-TEST(RectifierTest, PointsAreAtTheirRectifiedProjection) {
-  const RawStereoCamera raw = crookedPair();
+void expectPointsAtTheirProjection(const RawStereoCamera& raw) {
   const Rectifier rectifier(raw);
   EXPECT_FALSE(rectifier.passesThrough());
   EXPECT_NEAR(raw.T_left_right.translation().norm(), rectifier.camera().baseline_m, 1e-12);
@@ -113,8 +141,21 @@ TEST(RectifierTest, PointsAreAtTheirRectifiedProjection) {
   }
 }
 
-TEST(RectifierTest, BoxesFollowTheImage) {
-  const RawStereoCamera raw = crookedPair();
+TEST(RectifierTest, PointsAreAtTheirRectifiedProjection) {
+  expectPointsAtTheirProjection(crookedPair());
+}
+
+TEST(RectifierTest, FisheyeAndRationalLensesAreRectified) {
+  expectPointsAtTheirProjection(fisheyePair());
+  expectPointsAtTheirProjection(fisheyePair(false));
+  expectPointsAtTheirProjection(rationalPair());
+  EXPECT_NEAR(286.3, Rectifier(fisheyePair()).camera().fx, 1e-9);
+  RawStereoCamera ideal = rawFrom(test::smallCamera());
+  ideal.left.is_fisheye = ideal.right.is_fisheye = true;
+  EXPECT_FALSE(isRectified(ideal)) << "even without coefficients, a fisheye is no pinhole";
+}
+
+void expectBoxesToFollow(const RawStereoCamera& raw) {
   const Rectifier rectifier(raw);
   const Eigen::Vector3d corner_a(-0.5, -0.3, 2), corner_b(0.4, 0.2, 2);
   const auto a = distortedPixel(raw.left, corner_a);
@@ -128,6 +169,12 @@ TEST(RectifierTest, BoxesFollowTheImage) {
   }
   EXPECT_LT(box.width(), 1.2 * (b.x - a.x));
   EXPECT_TRUE(std::isnan(rectifier.rectify(Box2d{NAN, 0, 1, 1}).left));
+}
+
+TEST(RectifierTest, BoxesFollowTheImage) {
+  expectBoxesToFollow(crookedPair());
+  expectBoxesToFollow(fisheyePair());
+  expectBoxesToFollow(rationalPair());
 }
 
 TEST(RectifierTest, SameRectificationEachTime) {

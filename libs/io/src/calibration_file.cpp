@@ -1,7 +1,11 @@
 #include <headway/core/error.h>
 #include <headway/core/output_file.h>
 #include <headway/io/calibration_file.h>
+#include <headway/io/camera_info.h>
 
+#include <filesystem>
+
+#include "foreign_calibration.h"
 #include "rectifier.h"
 #include "text_rows.h"
 #include "yaml_file.h"
@@ -9,8 +13,11 @@
 namespace headway::io {
 namespace {
 
-RawCamera lensFrom(const YamlFile& file, const std::string& key, cv::Size image_size) {
-  const auto values = file.numbers(key, 4, 9);
+constexpr double kMaxMountingM = 100.0;  // of a camera on a robot
+
+RawCamera ownLens(const YamlFile& file, const std::string& key, cv::Size image_size,
+                  bool is_fisheye) {
+  const auto values = file.numbers(key, 4, is_fisheye ? 8 : 12);
   RawCamera lens;
   lens.width = image_size.width;
   lens.height = image_size.height;
@@ -18,8 +25,43 @@ RawCamera lensFrom(const YamlFile& file, const std::string& key, cv::Size image_
   lens.fy = values[1];
   lens.cx = values[2];
   lens.cy = values[3];
-  for (std::size_t i = 4; i < values.size(); ++i) lens.distortion[i - 4] = values[i];
+  lens.is_fisheye = is_fisheye;
+  for (std::size_t i = 4; i < values.size(); ++i) {
+    const std::size_t k = i - 4;
+    (k < lens.distortion.size() ? lens.distortion[k] : lens.rational[k - 5]) = values[i];
+  }
+  requireLens(lens, file, key);
   return lens;
+}
+
+bool isFisheye(const YamlFile& file) {
+  if (!file.has("lens_model")) return false;
+  const std::string model = file.word("lens_model");
+  if (model != "fisheye" && model != "pinhole") {
+    file.fail("key 'lens_model' is '" + model + "', known are pinhole and fisheye");
+  }
+  return model == "fisheye";
+}
+
+/// As in the file of headway's own format, or of another program.
+void requireValid(const RawStereoCamera& camera, const std::string& path,
+                  const std::string& baseline_key) {
+  const auto refuse = [&path](const std::string& reason) {
+    throw InputError(path + ": " + reason);
+  };
+  const double baseline = camera.T_left_right.translation().norm();
+  const std::string fault = baselineFault(baseline);
+  if (!fault.empty()) refuse(baseline_key + ": " + formatted("%.6g", baseline) + ": " + fault);
+  if (camera.T_robot_left.translation().norm() > kMaxMountingM) {
+    refuse("T_robot_cam: the camera is " +
+           formatted("%.6g", camera.T_robot_left.translation().norm()) +
+           " away from the robot: in metres?");
+  }
+  try {
+    validate(camera);
+  } catch (const InputError& error) {
+    refuse(error.what());
+  }
 }
 
 std::string poseText(const Pose& pose) {
@@ -32,6 +74,18 @@ std::string poseText(const Pose& pose) {
     }
   }
   return text;
+}
+
+StereoCalibrationFile readOwn(const YamlFile& file) {
+  StereoCalibrationFile result;
+  result.format = "headway";
+  result.camera = readRawCalibration(file.path(), {"times", "frame_rate_hz"});
+  result.is_mounted = file.has("T_robot_cam");
+  if (file.has("times")) result.times = file.word("times");
+  if (!file.has("frame_rate_hz")) return result;
+  result.frame_rate = file.number("frame_rate_hz");
+  if (!(result.frame_rate > 0.0)) file.fail("key 'frame_rate_hz' must be positive");
+  return result;
 }
 
 }  // namespace
@@ -54,14 +108,15 @@ void writeCalibration(const std::string& path, const StereoCamera& camera) {
 RawStereoCamera readRawCalibration(const std::string& path,
                                    const std::vector<std::string>& also_known) {
   const YamlFile file(path);
-  std::vector<std::string> known = {"image_size", "left",         "right",
-                                    "baseline_m", "T_left_right", "T_robot_cam"};
+  std::vector<std::string> known = {"image_size",   "left",        "right",     "baseline_m",
+                                    "T_left_right", "T_robot_cam", "lens_model"};
   known.insert(known.end(), also_known.begin(), also_known.end());
   file.requireOnly(known);
   const auto image_size = file.imageSize("image_size");
   RawStereoCamera camera;
-  camera.left = lensFrom(file, "left", image_size);
-  camera.right = file.has("right") ? lensFrom(file, "right", image_size) : camera.left;
+  const bool is_fisheye = isFisheye(file);
+  camera.left = ownLens(file, "left", image_size, is_fisheye);
+  camera.right = file.has("right") ? ownLens(file, "right", image_size, is_fisheye) : camera.left;
   if (file.has("T_left_right") == file.has("baseline_m")) {
     file.fail("exactly one of the keys 'baseline_m' and 'T_left_right' is required");
   }
@@ -71,12 +126,34 @@ RawStereoCamera readRawCalibration(const std::string& path,
     camera.T_left_right = file.pose("T_left_right");
   }
   if (file.has("T_robot_cam")) camera.T_robot_left = file.pose("T_robot_cam");
-  try {
-    validate(camera);
-  } catch (const InputError& error) {
-    file.fail(error.what());
-  }
+  requireValid(camera, path, file.has("baseline_m") ? "baseline_m" : "T_left_right");
   return camera;
+}
+
+StereoCalibrationFile readStereoCalibration(const std::string& paths,
+                                            std::array<int, 2> image_size) {
+  const auto comma = std::filesystem::exists(paths) ? std::string::npos : paths.find(',');
+  const std::string path = paths.substr(0, comma);
+  std::optional<StereoCalibrationFile> result;
+  if (comma == std::string::npos) result = readMrptIni(path);
+  if (!result) {
+    std::vector<YamlFile> files = {YamlFile(path)};
+    if (comma != std::string::npos) files.emplace_back(paths.substr(comma + 1));
+    if (files.size() == 1 && files[0].has("left") && !files[0].has("cam0")) {
+      return readOwn(files[0]);
+    }
+    result = readCameraInfoPair(files);
+    if (!result) result = readKalibr(files);
+    if (!result) result = readOrbSlam(files);
+    if (!result) result = readOpenCv(files, image_size);
+  }
+  if (!result) {
+    throw InputError(path +
+                     ": is no stereo calibration that is known (headway, MRPT stereo .ini, ROS "
+                     "camera_info, Kalibr camchain, ORB-SLAM, OpenCV; doc/formats.md)");
+  }
+  requireValid(result->camera, paths, "baseline");
+  return *result;
 }
 
 StereoCamera readCalibration(const std::string& path) {

@@ -35,7 +35,7 @@ void requireBaselineInMetres(const StereoCamera& camera) {
   throw InputError(text.data());
 }
 
-/// Lenses of robots' cameras; rational and fisheye models are refused elsewhere.
+/// Lenses of robots' cameras.
 void requirePossibleLens(const StereoCamera& camera) {
   const double widths = camera.fx / camera.width;
   if (widths >= kMinFocalWidths && widths <= kMaxFocalWidths) return;

@@ -2,20 +2,20 @@
 #include <headway/io/calibration_file.h>
 #include <headway/io/dataset.h>
 
+#include <array>
 #include <filesystem>
 
 #include "image_files.h"
-#include "yaml_file.h"
 
 namespace headway::io {
 namespace {
 
 constexpr double kDefaultFrameRate = 10.0;  // [Hz]
 
-std::vector<Time> frameTimes(const std::string& calibration, std::size_t frames) {
-  const YamlFile file(calibration);
-  if (file.has("times")) {
-    const auto path = std::filesystem::path(calibration).parent_path() / file.word("times");
+std::vector<Time> frameTimes(const StereoCalibrationFile& calibration, const std::string& folder,
+                             std::size_t frames) {
+  if (!calibration.times.empty()) {
+    const auto path = std::filesystem::path(folder) / calibration.times;
     auto times = readTimes(path.string());
     if (times.size() < frames) {
       throw InputError(path.string() + ": has " + std::to_string(times.size()) + " times for " +
@@ -23,27 +23,34 @@ std::vector<Time> frameTimes(const std::string& calibration, std::size_t frames)
     }
     return times;
   }
-  const double rate = file.has("frame_rate_hz") ? file.number("frame_rate_hz") : kDefaultFrameRate;
-  if (!(rate > 0.0)) file.fail("key 'frame_rate_hz' must be positive");
+  const double rate = calibration.frame_rate > 0.0 ? calibration.frame_rate : kDefaultFrameRate;
   std::vector<Time> times;
   for (std::size_t i = 0; i < frames; ++i) times.push_back(static_cast<double>(i) / rate);
   return times;
+}
+
+/// Width and height of an image.
+std::array<int, 2> sizeOf(const std::string& path) {
+  const cv::Mat image = requireImage(path);
+  return {image.cols, image.rows};
 }
 
 class ImageFolders : public Dataset {
  public:
   ImageFolders(const std::string& left_folder, const std::string& right_folder,
                const std::string& calibration)
-      : camera_(readRawCalibration(calibration, {"times", "frame_rate_hz"})),
-        lefts_(imagesIn(left_folder)),
-        rights_(imagesIn(right_folder)) {
+      : lefts_(imagesIn(left_folder)), rights_(imagesIn(right_folder)) {
     if (lefts_.size() != rights_.size()) {
       throw InputError(left_folder + " contains " + std::to_string(lefts_.size()) + " images and " +
                        right_folder + " " + std::to_string(rights_.size()) +
                        "; both folders must contain the same number");
     }
     if (lefts_.empty()) throw InputError(left_folder + ": contains no images");
-    times_ = frameTimes(calibration, lefts_.size());
+    const auto file = readStereoCalibration(calibration, sizeOf(lefts_.front()));
+    camera_ = file.camera;
+    requireSizeOfImages(calibration);
+    const auto folder = std::filesystem::path(calibration).parent_path();
+    times_ = frameTimes(file, folder.string(), lefts_.size());
   }
 
   std::size_t size() const override { return lefts_.size(); }
@@ -59,6 +66,14 @@ class ImageFolders : public Dataset {
   std::optional<RawStereoCamera> camera() const override { return camera_; }
 
  private:
+  void requireSizeOfImages(const std::string& calibration) const {
+    const auto [width, height] = sizeOf(lefts_.front());
+    if (camera_.left.width == width && camera_.left.height == height) return;
+    throw InputError(calibration + ": is of images of " + std::to_string(camera_.left.width) + "x" +
+                     std::to_string(camera_.left.height) + " px, but " + lefts_.front() + " has " +
+                     std::to_string(width) + "x" + std::to_string(height));
+  }
+
   RawStereoCamera camera_;
   std::vector<std::string> lefts_;
   std::vector<std::string> rights_;

@@ -4,22 +4,24 @@
 #include <algorithm>
 
 namespace headway::io {
-namespace {
-
 mrpt::img::TCamera mrptCamera(const RawCamera& camera, const std::string& name) {
   mrpt::img::TCamera result;
   result.ncols = static_cast<uint32_t>(camera.width);
   result.nrows = static_cast<uint32_t>(camera.height);
   result.cameraName = name;
   result.setIntrinsicParamsFromValues(camera.fx, camera.fy, camera.cx, camera.cy);
+  const auto is_set = [](double k) { return k != 0.0; };
   const auto& d = camera.distortion;
-  if (std::any_of(d.begin(), d.end(), [](double k) { return k != 0.0; })) {
+  const auto& more = camera.rational;
+  if (camera.is_fisheye) {
+    result.setDistortionKannalaBrandt(d[0], d[1], d[2], d[3]);
+  } else if (std::any_of(d.begin(), d.end(), is_set) ||
+             std::any_of(more.begin(), more.end(), is_set)) {
     result.setDistortionPlumbBob(d[0], d[1], d[2], d[3], d[4]);
+    std::copy(more.begin(), more.end(), result.dist.begin() + d.size());
   }
   return result;
 }
-
-}  // namespace
 
 void setCalibration(const RawStereoCamera& camera,
                     mrpt::obs::CObservationStereoImages& observation) {

@@ -288,6 +288,8 @@ void RawlogSink::writeLaser(const RecordedScan& scan, const std::string& label) 
   writer_->write(observation);
 }
 
+void RawlogSink::write(const mrpt::obs::CObservation& observation) { writer_->write(observation); }
+
 void RawlogSink::close() { writer_->close(); }
 
 }  // namespace headway::io

@@ -16,8 +16,15 @@ constexpr double kParallelTolerance = 1e-5;
 constexpr double kMinBaseline = 1e-4;  // [m]
 constexpr int kPointsPerEdge = 5;
 
+bool isRational(const RawCamera& camera) {
+  return std::any_of(camera.rational.begin(), camera.rational.end(),
+                     [](double k) { return k != 0.0; });
+}
+
+/// A fisheye is none of a pinhole even if all its coefficients are zero.
 bool hasDistortion(const RawCamera& camera) {
-  return std::any_of(camera.distortion.begin(), camera.distortion.end(),
+  return camera.is_fisheye || isRational(camera) ||
+         std::any_of(camera.distortion.begin(), camera.distortion.end(),
                      [](double k) { return k != 0.0; });
 }
 
@@ -30,8 +37,73 @@ cv::Matx33d cameraMatrix(const RawCamera& camera) {
   return {camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1};
 }
 
+/// In OpenCV's order: 4 coefficients of a fisheye, 5, or 8 of a rational lens.
 cv::Mat distortionOf(const RawCamera& camera) {
-  return cv::Mat(std::vector<double>(camera.distortion.begin(), camera.distortion.end()), true);
+  std::vector<double> values(camera.distortion.begin(), camera.distortion.end());
+  if (camera.is_fisheye) {
+    values.resize(4);
+  } else if (isRational(camera)) {
+    values.insert(values.end(), camera.rational.begin(), camera.rational.end());
+  }
+  return cv::Mat(values, true);
+}
+
+/// Rotations and projections of a rectified pair, as cv::stereoRectify() returns them.
+struct Rectification {
+  std::array<cv::Mat, 2> R, P;
+};
+
+/// Of lenses that OpenCV's model of a pinhole describes.
+Rectification pinholeRectification(const RawStereoCamera& raw, const cv::Mat& turn,
+                                   const cv::Mat& shift) {
+  const cv::Size size(raw.left.width, raw.left.height);
+  Rectification result;
+  cv::Mat Q;
+  cv::stereoRectify(cameraMatrix(raw.left), distortionOf(raw.left), cameraMatrix(raw.right),
+                    distortionOf(raw.right), size, turn, shift, result.R[0], result.R[1],
+                    result.P[0], result.P[1], Q, cv::CALIB_ZERO_DISPARITY, 0.0, size);
+  return result;
+}
+
+/// Of pairs with a fisheye: the rotations depend on the poses alone. The focal length is that of
+/// the lenses, the principal point the centre of the image: the middle of the image keeps its
+/// resolution, and what a pinhole of this size cannot see is cut off.
+Rectification fisheyeRectification(const RawStereoCamera& raw, const cv::Mat& turn,
+                                   const cv::Mat& shift) {
+  const cv::Size size(raw.left.width, raw.left.height);
+  const double focal = 0.25 * (raw.left.fx + raw.left.fy + raw.right.fx + raw.right.fy);
+  const cv::Matx33d K(focal, 0, 0.5 * (size.width - 1), 0, focal, 0.5 * (size.height - 1), 0, 0, 1);
+  const cv::Mat none = cv::Mat::zeros(1, 5, CV_64F);
+  Rectification result;
+  cv::Mat Q;
+  cv::stereoRectify(K, none, K, none, size, turn, shift, result.R[0], result.R[1], result.P[0],
+                    result.P[1], Q, cv::CALIB_ZERO_DISPARITY, 0.0, size);
+  const cv::Matx34d P(focal, 0, K(0, 2), 0, 0, focal, K(1, 2), 0, 0, 0, 1, 0);
+  result.P = {cv::Mat(P), cv::Mat(P)};
+  return result;
+}
+
+void initMaps(const RawCamera& lens, const cv::Mat& R, const cv::Mat& P, const cv::Size& size,
+              std::array<cv::Mat, 2>& maps) {
+  if (lens.is_fisheye) {
+    cv::fisheye::initUndistortRectifyMap(cameraMatrix(lens), distortionOf(lens), R, P, size,
+                                         CV_16SC2, maps[0], maps[1]);
+  } else {
+    cv::initUndistortRectifyMap(cameraMatrix(lens), distortionOf(lens), R, P, size, CV_16SC2,
+                                maps[0], maps[1]);
+  }
+}
+
+/// Removes the distortion from pixels; those that no pinhole sees are far outside.
+std::vector<cv::Point2d> undistorted(const std::vector<cv::Point2d>& pixels, const RawCamera& lens,
+                                     const cv::Mat& R, const cv::Matx33d& P) {
+  std::vector<cv::Point2d> result;
+  if (lens.is_fisheye) {
+    cv::fisheye::undistortPoints(pixels, result, cameraMatrix(lens), distortionOf(lens), R, P);
+  } else {
+    cv::undistortPoints(pixels, result, cameraMatrix(lens), distortionOf(lens), R, P);
+  }
+  return result;
 }
 
 [[noreturn]] void refuse(const std::string& reason) {
@@ -51,6 +123,7 @@ void validateLens(const RawCamera& camera, const std::string& side) {
   for (const double k : camera.distortion) {
     require(std::isfinite(k), "distortion coefficient", k);
   }
+  for (const double k : camera.rational) require(std::isfinite(k), "distortion coefficient", k);
 }
 
 }  // namespace
@@ -104,14 +177,11 @@ Rectifier::Rectifier(const RawStereoCamera& raw) : raw_left_(raw.left) {
   cv::eigen2cv(Eigen::Vector3d(T_right_left.translation()), shift);
   const std::array<RawCamera, 2> lenses = {raw.left, raw.right};
   const cv::Size size(camera_.width, camera_.height);
-  std::array<cv::Mat, 2> R, P;
-  cv::Mat Q;
-  cv::stereoRectify(cameraMatrix(raw.left), distortionOf(raw.left), cameraMatrix(raw.right),
-                    distortionOf(raw.right), size, turn, shift, R[kLeft], R[kRight], P[kLeft],
-                    P[kRight], Q, cv::CALIB_ZERO_DISPARITY, 0.0, size);
+  const auto [R, P] = raw.left.is_fisheye || raw.right.is_fisheye
+                          ? fisheyeRectification(raw, turn, shift)
+                          : pinholeRectification(raw, turn, shift);
   for (const Side side : {kLeft, kRight}) {
-    cv::initUndistortRectifyMap(cameraMatrix(lenses[side]), distortionOf(lenses[side]), R[side],
-                                P[side], size, CV_16SC2, maps_[side][0], maps_[side][1]);
+    initMaps(lenses[side], R[side], P[side], size, maps_[side]);
   }
   camera_.fx = P[kLeft].at<double>(0, 0);
   camera_.fy = P[kLeft].at<double>(1, 1);
@@ -145,8 +215,7 @@ Box2d Rectifier::rectify(const Box2d& box) const {
   cv::Mat R;
   cv::eigen2cv(R_rectified_raw_, R);
   const cv::Matx33d P(camera_.fx, 0, camera_.cx, 0, camera_.fy, camera_.cy, 0, 0, 1);
-  std::vector<cv::Point2d> turned;
-  cv::undistortPoints(edge, turned, cameraMatrix(raw_left_), distortionOf(raw_left_), R, P);
+  const std::vector<cv::Point2d> turned = undistorted(edge, raw_left_, R, P);
   Box2d result{turned[0].x, turned[0].y, turned[0].x, turned[0].y};
   for (const auto& point : turned) {
     result.left = std::min(result.left, point.x);

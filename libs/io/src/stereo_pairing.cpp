@@ -1,6 +1,5 @@
 #include "stereo_pairing.h"
 
-#include <headway/core/error.h>
 #include <headway/core/mrpt_pose.h>
 #include <headway/io/mrpt_time.h>
 
@@ -12,18 +11,8 @@ namespace {
 
 constexpr std::size_t kMaxWaiting = 4;  // unpaired images of one side
 
-RawCamera rawCamera(const mrpt::img::TCamera& camera, const std::string& side) {
+RawCamera rawCamera(const mrpt::img::TCamera& camera) {
   using mrpt::img::DistortionModel;
-  if (camera.distortion == DistortionModel::kannala_brandt) {
-    throw InputError("stereo calibration: the " + side +
-                     " lens has the fisheye model (Kannala-Brandt), which is not supported; " +
-                     "rectify the images first");
-  }
-  if (std::any_of(camera.dist.begin() + 5, camera.dist.end(), [](double k) { return k != 0.0; })) {
-    throw InputError("stereo calibration: the " + side +
-                     " lens has the rational distortion model (k4 and more), which is not " +
-                     "supported; rectify the images first");
-  }
   RawCamera raw;
   raw.width = static_cast<int>(camera.ncols);
   raw.height = static_cast<int>(camera.nrows);
@@ -32,7 +21,12 @@ RawCamera rawCamera(const mrpt::img::TCamera& camera, const std::string& side) {
   raw.cx = camera.cx();
   raw.cy = camera.cy();
   if (camera.distortion == DistortionModel::plumb_bob) {
-    std::copy_n(camera.dist.begin(), raw.distortion.size(), raw.distortion.begin());
+    const auto rational = camera.dist.begin() + raw.distortion.size();
+    std::copy(camera.dist.begin(), rational, raw.distortion.begin());
+    std::copy(rational, camera.dist.end(), raw.rational.begin());
+  } else if (camera.distortion == DistortionModel::kannala_brandt) {
+    raw.is_fisheye = true;
+    raw.distortion = {camera.k1(), camera.k2(), camera.k3(), camera.k4(), 0.0};
   }
   return raw;
 }
@@ -66,8 +60,8 @@ RecordedPair pairOf(const mrpt::obs::CObservationImage& left,
 
 RawStereoCamera rawCameraOf(const RecordedPair& pair) {
   RawStereoCamera raw;
-  raw.left = rawCamera(pair.left_camera, "left");
-  raw.right = rawCamera(pair.right_camera, "right");
+  raw.left = rawCamera(pair.left_camera);
+  raw.right = rawCamera(pair.right_camera);
   raw.T_robot_left = pair.T_robot_left;
   raw.T_left_right = pair.T_left_right;
   return raw;

@@ -28,8 +28,6 @@ struct RecordedPair {
 };
 
 /// The pair's calibration.
-///
-/// @throws InputError if a lens model is not OpenCV's with five coefficients
 [[nodiscard]] RawStereoCamera rawCameraOf(const RecordedPair& pair);
 
 /// Whether all numbers of the calibration are finite.

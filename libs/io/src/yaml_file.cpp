@@ -61,11 +61,21 @@ std::string unsafeBecause(const std::string& content) {
   return "";
 }
 
+/// The text without what OpenCV's FileStorage adds to YAML: a directive that is none, and tags.
+std::string withoutOpenCvMarks(std::string content) {
+  if (content.rfind("%YAML:", 0) == 0) content.erase(0, content.find('\n'));
+  const std::string tag = "!!opencv-matrix";
+  for (auto at = content.find(tag); at != std::string::npos; at = content.find(tag, at)) {
+    content.replace(at, tag.size(), tag.size(), ' ');
+  }
+  return content;
+}
+
 }  // namespace
 
 YamlFile::YamlFile(const std::string& path) : path_(path) {
   if (!std::filesystem::is_regular_file(path)) fail("does not exist");
-  const std::string content = contentOf(path);
+  const std::string content = withoutOpenCvMarks(contentOf(path));
   const std::string reason = unsafeBecause(content);
   if (!reason.empty()) fail("is not read: " + reason);
   try {
@@ -78,23 +88,29 @@ YamlFile::YamlFile(const std::string& path) : path_(path) {
 
 std::vector<double> YamlFile::numbers(const std::string& key, std::size_t min_size,
                                       std::size_t max_size) const {
-  if (!root_.has(key)) fail("key '" + key + "' is missing");
+  if (!root_.has(key)) fail("key '" + prefix_ + key + "' is missing");
   std::vector<double> values;
   const auto add = [&](const mrpt::containers::yaml::node_t& node) {
     const auto value = node.isScalar() ? parseNumber(node.as<std::string>()) : std::nullopt;
-    if (!value) fail("key '" + key + "' contains a value that is not a number");
+    if (!value) fail("key '" + prefix_ + key + "' contains a value that is not a number");
     values.push_back(*value);
   };
   const mrpt::containers::yaml entry = root_[key];
   const mrpt::containers::yaml list =
       entry.isMap() && entry.has("data") ? mrpt::containers::yaml(entry["data"]) : entry;
   if (list.isSequence()) {
-    for (const auto& node : list.asSequence()) add(node);
+    for (const auto& node : list.asSequence()) {
+      if (!node.isSequence()) {
+        add(node);
+        continue;
+      }
+      for (const auto& number : node.asSequence()) add(number);
+    }
   } else {
     add(list.node());
   }
   if (values.size() < min_size || values.size() > max_size) {
-    fail("key '" + key + "' has " + std::to_string(values.size()) + " numbers, must be " +
+    fail("key '" + prefix_ + key + "' has " + std::to_string(values.size()) + " numbers, must be " +
          std::to_string(min_size) +
          (max_size > min_size ? " to " + std::to_string(max_size) : std::string()));
   }
@@ -111,10 +127,17 @@ cv::Size YamlFile::imageSize(const std::string& key) const {
   return {static_cast<int>(sides[0]), static_cast<int>(sides[1])};
 }
 
+YamlFile YamlFile::within(const std::string& key) const {
+  if (!root_.has(key)) fail("key '" + prefix_ + key + "' is missing");
+  mrpt::containers::yaml entry = root_[key];
+  if (!entry.isMap()) fail("key '" + prefix_ + key + "' has no keys of its own");
+  return YamlFile(path_, prefix_ + key + ".", std::move(entry));
+}
+
 std::string YamlFile::word(const std::string& key) const {
-  if (!root_.has(key)) fail("key '" + key + "' is missing");
+  if (!root_.has(key)) fail("key '" + prefix_ + key + "' is missing");
   const mrpt::containers::yaml entry = root_[key];
-  if (!entry.isScalar()) fail("key '" + key + "' is not a string");
+  if (!entry.isScalar()) fail("key '" + prefix_ + key + "' is not a string");
   return entry.node().as<std::string>();
 }
 
@@ -127,7 +150,7 @@ Pose YamlFile::pose(const std::string& key) const {
   const Eigen::Matrix3d turn = pose.linear();
   if (!pose.matrix().allFinite() || turn.determinant() < 0.0 ||
       !(turn * turn.transpose()).isIdentity(kRotationTolerance)) {
-    fail("key '" + key + "' is not a pose: its 3x3 part is not a rotation");
+    fail("key '" + prefix_ + key + "' is not a pose: its 3x3 part is not a rotation");
   }
   return pose;
 }
@@ -136,7 +159,7 @@ void YamlFile::requireOnly(const std::vector<std::string>& known) const {
   for (const auto& [key, value] : root_.asMap()) {
     const auto name = key.as<std::string>();
     if (std::find(known.begin(), known.end(), name) == known.end()) {
-      fail("key '" + name + "' is unknown");
+      fail("key '" + prefix_ + name + "' is unknown");
     }
   }
 }

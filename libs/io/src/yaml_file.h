@@ -6,6 +6,7 @@
 #include <opencv2/core/types.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace headway::io {
@@ -16,8 +17,13 @@ class YamlFile {
   /// @throws InputError if the file cannot be read or is not a YAML map
   explicit YamlFile(const std::string& path);
 
+  [[nodiscard]] const std::string& path() const { return path_; }
+  /// Of the keys in messages: "cam0." below the key cam0.
+  [[nodiscard]] const std::string& prefix() const { return prefix_; }
   [[nodiscard]] bool has(const std::string& key) const { return root_.has(key); }
-  /// A list of numbers, or one number.
+  /// The map below a key; messages name both keys. @throws InputError if there is none
+  [[nodiscard]] YamlFile within(const std::string& key) const;
+  /// A list of numbers, also by rows or below `key`'s own key "data", or one number.
   ///
   /// @param min_size, max_size  allowed length of the list
   /// @throws InputError if the key is missing, or is not such a list
@@ -37,7 +43,11 @@ class YamlFile {
   [[noreturn]] void fail(const std::string& reason) const;
 
  private:
+  YamlFile(std::string path, std::string prefix, mrpt::containers::yaml root)
+      : path_(std::move(path)), prefix_(std::move(prefix)), root_(std::move(root)) {}
+
   std::string path_;
+  std::string prefix_;  ///< of keys in messages
   mrpt::containers::yaml root_;
 };
 

@@ -67,7 +67,7 @@ class Dataset {
 /// both folders must have the same number. Times are given by the calibration file: `times`, a file
 /// in its folder with one time per line [s], or `frame_rate_hz` (default 10).
 ///
-/// @param calibration  see readRawCalibration()
+/// @param calibration  see readStereoCalibration()
 /// @throws InputError naming the file that is missing or inconsistent
 [[nodiscard]] std::unique_ptr<Dataset> openImageFolders(const std::string& left_folder,
                                                         const std::string& right_folder,

@@ -6,6 +6,9 @@
 
 namespace headway::io {
 
+/// The lens as MRPT stores it. A lens without distortion has the model `none`.
+[[nodiscard]] mrpt::img::TCamera mrptCamera(const RawCamera& camera, const std::string& name);
+
 /// Replaces calibration and poses of a stereo observation, and marks a right image as present.
 void setCalibration(const RawStereoCamera& camera,
                     mrpt::obs::CObservationStereoImages& observation);

@@ -9,6 +9,10 @@
 #include <string>
 #include <vector>
 
+namespace mrpt::obs {
+class CObservation;
+}
+
 namespace headway::io {
 
 /// Storage of images.
@@ -19,13 +23,14 @@ enum class ImageStorage {
   kExternalJpeg,  ///< in `X_Images/`, as JPEG
 };
 
-/// Lens of a recorded image: intrinsics and OpenCV's distortion (k1 k2 p1 p2 k3), zeros if
-/// rectified.
+/// Lens of a recorded image: intrinsics and OpenCV's distortion, zeros if rectified.
 struct RawCamera {
   int width = 0;                                  ///< [px]
   int height = 0;                                 ///< [px]
   double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  ///< [px]
-  std::array<double, 5> distortion{};
+  std::array<double, 5> distortion{};             ///< k1 k2 p1 p2 k3; of a fisheye k1 k2 k3 k4
+  std::array<double, 3> rational{};               ///< k4 k5 k6; not of a fisheye
+  bool is_fisheye = false;                        ///< Kannala-Brandt, OpenCV's fisheye
 };
 
 /// Stereo camera as recorded, not necessarily rectified.
@@ -92,6 +97,8 @@ class RawlogSink {
   /// NMEA messages GGA (position) and RMC (speed and course).
   void writeGnss(const RecordedGnss& sample);
   void writeLaser(const RecordedScan& scan, const std::string& label = "laser");
+  /// Any other observation, as it is: its images are stored inside the rawlog.
+  void write(const mrpt::obs::CObservation& observation);
   /// Flushes and closes. @throws InputError on a write error.
   void close();
 
