@@ -97,7 +97,7 @@ void finish(ImportOptions& options) {
 std::optional<ImportOptions> parseOptions(int argc, const char** argv) {
   ImportOptions options;
   options.dataset = program::takeSubcommand(
-      argc, argv, {"kitti-odometry", "kitti-raw", "kitti-tracking", "euroc", "images"});
+      argc, argv, {"kitti-odometry", "kitti-raw", "kitti-tracking", "euroc", "images", "rosbag"});
   io::DegradeParams degrade;
   Params params;
   degrade.describe(params.section("degrade").user());

@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "importer.h"
+#include "rosbag_command.h"
 
 namespace headway::import {
 namespace {
@@ -20,6 +21,7 @@ void report(const ImportOptions& options, const ImportSummary& summary) {
 }
 
 int runImport(int argc, const char** argv) {
+  if (argc > 1 && std::string(argv[1]) == "rosbag") return runRosbag(argc, argv);
   const auto options = parseOptions(argc, argv);
   if (!options) return program::kDone;
   program::requireWritable(options->output, options->overwrite,

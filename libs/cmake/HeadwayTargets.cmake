@@ -40,6 +40,37 @@ macro(headway_find_pkg name)
   endif()
 endmacro()
 
+# headway_find_optional_pkg(<name> <module>), headway_find_optional(<package> <target> <name>): what
+# a library can do without. HEADWAY_OPTIONAL lists the targets of what was found, and
+# HEADWAY_OPTIONAL_DEFINITIONS has HEADWAY_HAS_<name>=1 or 0.
+macro(headway_find_optional_pkg name module)
+  headway_find(PkgConfig PRIVATE)
+  pkg_check_modules(${name} QUIET IMPORTED_TARGET GLOBAL ${module})
+  headway_use_optional(${name} ${name}_FOUND PkgConfig::${name})
+  if(${name}_FOUND AND NOT BUILD_SHARED_LIBS)
+    string(APPEND _headway_dependencies
+           "pkg_check_modules(${name} REQUIRED IMPORTED_TARGET ${module})\n")
+  endif()
+endmacro()
+
+macro(headway_find_optional package target name)
+  find_package(${package} QUIET)
+  headway_use_optional(${name} ${package}_FOUND ${target})
+  if(${package}_FOUND AND NOT BUILD_SHARED_LIBS)
+    string(APPEND _headway_dependencies "find_dependency(${package})\n")
+  endif()
+endmacro()
+
+macro(headway_use_optional name found target)
+  if(${found})
+    list(APPEND HEADWAY_OPTIONAL ${target})
+    list(APPEND HEADWAY_OPTIONAL_DEFINITIONS HEADWAY_HAS_${name}=1)
+  else()
+    message(STATUS "${name} was not found: what needs it is left out")
+    list(APPEND HEADWAY_OPTIONAL_DEFINITIONS HEADWAY_HAS_${name}=0)
+  endif()
+endmacro()
+
 # headway_library(<name> SOURCES ... [PUBLIC ...] [PRIVATE ...]): target headway::<name> whose
 # public headers are libs/<name>/include/headway/<name>/*.h.
 # Third-party headers count as system headers, so only our own code is held to the warnings.

@@ -1,6 +1,7 @@
 // A broken object in a rawlog costs itself only, and is counted by reason.
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
+#include <headway/io/image_decoding.h>
 #include <headway/io/rawlog_source.h>
 #include <headway_test/folders.h>
 #include <sys/resource.h>
@@ -10,7 +11,6 @@
 #include <random>
 
 #include "foreign_recording.h"
-#include "image_decoding.h"
 #include "object_bytes.h"
 
 namespace headway::io {

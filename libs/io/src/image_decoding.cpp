@@ -1,4 +1,4 @@
-#include "image_decoding.h"
+#include <headway/io/image_decoding.h>
 
 #include <cctype>
 #include <csetjmp>
@@ -163,6 +163,20 @@ cv::Mat withoutTransparency(const cv::Mat& image) {
 }
 
 }  // namespace
+
+cv::Mat decodeDepthImage(std::string_view bytes) {
+  if (!beginsWith(bytes, "\x89PNG\r\n\x1a\n")) return {};
+  const ImageSize size = headerSize(bytes);
+  if (!isWithinLimits(size.width, size.height)) return {};
+  try {
+    const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1,
+                          const_cast<char*>(bytes.data()));
+    const cv::Mat image = cv::imdecode(encoded, cv::IMREAD_UNCHANGED);
+    return image.type() == CV_16UC1 ? image : cv::Mat();
+  } catch (const cv::Exception&) {
+    return {};
+  }
+}
 
 cv::Mat decodeImage(std::string_view bytes) {
   if (beginsWith(bytes, "\xFF\xD8\xFF")) return decodeJpeg(bytes);

@@ -1,6 +1,7 @@
 #include "image_files.h"
 
 #include <headway/core/error.h>
+#include <headway/io/image_decoding.h>
 #include <headway/io/rawlog_source.h>
 
 #include <algorithm>
@@ -10,7 +11,6 @@
 #include <set>
 #include <vector>
 
-#include "image_decoding.h"
 #include "text_rows.h"
 
 namespace headway::io {

@@ -1,10 +1,9 @@
 #include "recorded_image.h"
 
+#include <headway/io/image_decoding.h>
 #include <zlib.h>
 
 #include <opencv2/imgproc.hpp>
-
-#include "image_decoding.h"
 
 namespace headway::io {
 namespace {

@@ -15,4 +15,7 @@ inline constexpr int kMaxImageSide = 1 << 15;
 /// if libjpeg warns about it: its pixels are then partly invented.
 [[nodiscard]] cv::Mat decodeImage(std::string_view bytes);
 
+/// An encoded PNG with 16 bits and one channel; empty if it is broken or another one.
+[[nodiscard]] cv::Mat decodeDepthImage(std::string_view bytes);
+
 }  // namespace headway::io

@@ -1,0 +1,115 @@
+#include <headway/bags/bag_reader.h>
+#include <headway/core/error.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <utility>
+
+#include "mcap_bag.h"
+#include "ros1_bag.h"
+#include "sqlite_bag.h"
+
+namespace headway::bags {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The files of a recording that was split, one after the other.
+class SplitBag : public BagReader {
+ public:
+  explicit SplitBag(std::vector<std::string> paths) : paths_(std::move(paths)) {
+    for (const auto& path : paths_) {
+      const auto bag = openBag(path);
+      for (const BagTopic& topic : bag->topics())
+        topics_[indexOf(topic)].messages += topic.messages;
+    }
+  }
+
+  const std::vector<BagTopic>& topics() const override { return topics_; }
+  std::optional<std::string> truncation() const override { return truncation_; }
+  const std::map<std::string, std::size_t>& skipped() const override { return skipped_; }
+  double progress() const override {
+    const double whole = static_cast<double>(next_) - (bag_ ? 1.0 - bag_->progress() : 0.0);
+    return whole / static_cast<double>(paths_.size());
+  }
+
+  std::optional<BagMessage> next() override {
+    while (bag_ || next_ < paths_.size()) {
+      if (!bag_) bag_ = openBag(paths_[next_++]);
+      if (auto message = bag_->next()) {
+        message->topic = indexOf(bag_->topics()[message->topic]);
+        return message;
+      }
+      close();
+    }
+    return std::nullopt;
+  }
+
+ private:
+  void close() {
+    if (bag_->truncation()) truncation_ = paths_[next_ - 1] + " " + *bag_->truncation();
+    for (const auto& [reason, count] : bag_->skipped()) skipped_[reason] += count;
+    bag_.reset();
+  }
+
+  /// Of the same topic, which is added if it is new.
+  std::size_t indexOf(const BagTopic& topic) {
+    const auto same = std::find_if(topics_.begin(), topics_.end(), [&](const BagTopic& other) {
+      return other.name == topic.name && other.type == topic.type;
+    });
+    const auto index = static_cast<std::size_t>(same - topics_.begin());
+    if (same == topics_.end()) {
+      topics_.push_back(topic);
+      topics_.back().messages = 0;
+    }
+    return index;
+  }
+
+  std::vector<std::string> paths_;
+  std::size_t next_ = 0;
+  std::unique_ptr<BagReader> bag_;
+  std::vector<BagTopic> topics_;
+  std::optional<std::string> truncation_;
+  std::map<std::string, std::size_t> skipped_;
+};
+
+std::unique_ptr<BagReader> openFolder(const std::string& path) {
+  std::vector<std::string> files;
+  for (const auto& entry : fs::directory_iterator(path)) {
+    const auto ending = entry.path().extension();
+    if (ending == ".mcap" || ending == ".db3") files.push_back(entry.path().string());
+  }
+  std::sort(files.begin(), files.end());
+  if (files.empty()) {
+    throw InputError(path +
+                     ": contains no .mcap and no .db3 file; is it the folder of a ROS 2 bag?");
+  }
+  if (files.size() == 1) return openBag(files.front());
+  return std::make_unique<SplitBag>(files);
+}
+
+}  // namespace
+
+std::unique_ptr<BagReader> openBag(const std::string& path) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) return openFolder(path);
+  if (!fs::is_regular_file(path, ignored)) throw InputError(path + ": does not exist");
+  std::array<char, 16> first{};
+  std::ifstream file(path, std::ios::binary);
+  file.read(first.data(), first.size());
+  const std::string_view magic(first.data(), static_cast<std::size_t>(file.gcount()));
+  const auto begins_with = [magic](std::string_view start) {
+    return magic.substr(0, start.size()) == start;
+  };
+  if (begins_with("#ROSBAG")) return openRos1Bag(path);
+  if (begins_with(kMcapMagic)) return openMcapBag(path);
+  if (begins_with(std::string_view("SQLite format 3\0", 16))) return openSqliteBag(path);
+  if (begins_with("\x28\xB5\x2F\xFD")) {
+    throw InputError(path + ": is compressed as a whole; `zstd -d` decompresses it");
+  }
+  throw InputError(path + ": is no bag of ROS 1 (.bag) or ROS 2 (.mcap, .db3)");
+}
+
+}  // namespace headway::bags

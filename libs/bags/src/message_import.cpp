@@ -1,0 +1,216 @@
+#include "message_import.h"
+
+#include <headway/core/error.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "broken_data.h"
+#include "image_conversion.h"
+#include "observations.h"
+
+namespace headway::bags {
+namespace {
+
+constexpr double kStereoTolerance = 0.01;  // between left and right image, as in rawlogs [s]
+constexpr double kDepthTolerance = 0.02;   // between colour and depth [s]
+constexpr std::size_t kSampleBytes = 1000;
+
+bool isAmong(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+ConvertedImage convert(const BagTopic& topic, const BagMessage& message, bool is_depth,
+                       MessageHeader& header) {
+  if (topic.type == "sensor_msgs/CompressedImage") {
+    const auto image = decodeCompressedImage(message.content, topic.encoding);
+    header = image.header;
+    return is_depth ? depthFrom(image) : pictureFrom(image);
+  }
+  const auto image = decodeImageMessage(message.content, topic.encoding);
+  header = image.header;
+  return is_depth ? depthFrom(image) : pictureFrom(image);
+}
+
+std::size_t bytesOf(const cv::Mat& image) { return image.total() * image.elemSize(); }
+
+}  // namespace
+
+MessageImport::MessageImport(const BagImportOptions& options, const BagRig& rig,
+                             BagImportSummary& summary)
+    : options_(options),
+      rig_(rig),
+      summary_(summary),
+      is_stereo_(!options.topics.left.empty()),
+      pairing_(is_stereo_ ? kStereoTolerance : kDepthTolerance) {}
+
+void MessageImport::add(const BagTopic& topic, const BagMessage& message) {
+  const auto& topics = options_.topics;
+  try {
+    if (topic.name == (is_stereo_ ? topics.left : topics.color)) {
+      addImage(0, topic, message);
+    } else if (topic.name == (is_stereo_ ? topics.right : topics.depth)) {
+      addImage(1, topic, message);
+    } else if (isAmong(topics.imu, topic.name)) {
+      addImu(topic, message);
+    } else if (topic.name == topics.odometry) {
+      addOdometry(topic, message);
+    } else if (isAmong(topics.scans, topic.name)) {
+      addScan(topic, message);
+    } else if (topic.name == topics.gnss) {
+      addFix(topic, message);
+    }
+  } catch (const BrokenData&) {
+    ++summary_.dropped["unreadable_" + topic.type];
+  }
+}
+
+Time MessageImport::timeOf(const MessageHeader& header, const BagMessage& message) {
+  if (header.time_ns != 0) return static_cast<double>(header.time_ns) * 1e-9;
+  ++summary_.dropped["header_without_time"];  // its time alone: that of the recording is used
+  return static_cast<double>(message.received_ns) * 1e-9;
+}
+
+void MessageImport::addImage(std::size_t side, const BagTopic& topic, const BagMessage& message) {
+  const bool is_depth = !is_stereo_ && side == 1;
+  MessageHeader header;
+  auto converted = convert(topic, message, is_depth, header);
+  if (const auto* reason = std::get_if<std::string>(&converted)) {
+    ++summary_.dropped[*reason];
+    return;
+  }
+  const cv::Mat& image = std::get<cv::Mat>(converted);
+  if (is_stereo_) {
+    requireSize(image, topic.name, side == 0 ? rig_.stereo.left : rig_.stereo.right);
+  } else {
+    requireSize(image, topic.name, is_depth ? rig_.depth : rig_.color);
+  }
+  if (const auto pair = pairing_.add(side, {timeOf(header, message), image})) addPair(*pair);
+}
+
+void MessageImport::requireSize(const cv::Mat& image, const std::string& topic,
+                                const io::RawCamera& lens) const {
+  if (image.cols == lens.width && image.rows == lens.height) return;
+  throw InputError(topic + ": its images have " + std::to_string(image.cols) + "x" +
+                   std::to_string(image.rows) + " px, its calibration is for " +
+                   std::to_string(lens.width) + "x" + std::to_string(lens.height));
+}
+
+void MessageImport::addPair(const ImagePairing::Pair& pair) {
+  ++pairs_;
+  const cv::Mat first = pair[0].value;
+  const cv::Mat second = pair[1].value;
+  const Time time = pair[0].time;
+  TimeOrder::Event event;
+  event.time = time;
+  event.is_frame = true;
+  event.bytes = bytesOf(first) + bytesOf(second);
+  if (!is_stereo_) {
+    event.write = [first, second, time, &rig = rig_](io::RawlogSink& sink) {
+      sink.write(*depthObservation(first, second, time, rig));
+    };
+  } else if (first.channels() == second.channels()) {
+    event.write = [first, second, time, &rig = rig_](io::RawlogSink& sink) {
+      sink.writeStereo(time, first, second, rig.stereo);
+    };
+  } else {
+    ++summary_.dropped["colour_and_grey_pair"];
+    return;
+  }
+  order_.add(std::move(event));
+}
+
+const Pose* MessageImport::mountingOf(const std::string& topic) {
+  const auto found = rig_.T_robot_sensor.find(topic);
+  if (found != rig_.T_robot_sensor.end()) return &found->second;
+  const auto frame = rig_.frames.find(topic);
+  ++summary_.dropped["no_tf_of_frame_" + (frame == rig_.frames.end() ? "" : frame->second)];
+  return nullptr;
+}
+
+void MessageImport::addImu(const BagTopic& topic, const BagMessage& message) {
+  const ImuMessage imu = decodeImu(message.content, topic.encoding);
+  const Pose* mounting = mountingOf(topic.name);
+  if (mounting == nullptr) return;
+  if (!imu.angular_velocity.allFinite() || !imu.acceleration.allFinite()) {
+    ++summary_.dropped["imu_not_finite"];
+    return;
+  }
+  const Time time = timeOf(imu.header, message);
+  const auto observation = imuObservation(imu, time, *mounting);
+  ++summary_.written["inertial samples"];
+  order_.add({time, false, kSampleBytes,
+              [observation](io::RawlogSink& sink) { sink.write(*observation); }});
+}
+
+void MessageImport::addOdometry(const BagTopic& topic, const BagMessage& message) {
+  const OdometryMessage odometry = decodeOdometry(message.content, topic.encoding);
+  const auto T_child_base = rig_.transforms.between(odometry.child_frame, rig_.base_frame);
+  const Pose T_odom_base = odometry.T_odom_child * T_child_base.value_or(Pose::Identity());
+  const Time time = timeOf(odometry.header, message);
+  const Eigen::Vector3d place = T_odom_base.translation();
+  const double yaw = yawOf(T_odom_base);
+  ++summary_.written["odometry"];
+  order_.add({time, false, kSampleBytes, [time, place, yaw](io::RawlogSink& sink) {
+                sink.writeOdometry(time, place.x(), place.y(), yaw);
+              }});
+}
+
+void MessageImport::addScan(const BagTopic& topic, const BagMessage& message) {
+  const LaserScanMessage decoded = decodeLaserScan(message.content, topic.encoding);
+  const Pose* mounting = mountingOf(topic.name);
+  if (mounting == nullptr) return;
+  const Time time = timeOf(decoded.header, message);
+  const auto scan = scanFrom(decoded, time, *mounting);
+  if (!scan) {
+    ++summary_.dropped["broken_scan"];
+    return;
+  }
+  ++summary_.written["laser scans"];
+  const std::string label = topic.name;
+  order_.add({time, false, kSampleBytes + sizeof(float) * scan->ranges.size(),
+              [scan = *scan, label](io::RawlogSink& sink) { sink.writeLaser(scan, label); }});
+}
+
+void MessageImport::addFix(const BagTopic& topic, const BagMessage& message) {
+  const NavSatFixMessage fix = decodeNavSatFix(message.content, topic.encoding);
+  if (fix.status < 0) {
+    ++summary_.dropped["gnss_without_fix"];
+    return;
+  }
+  if (!(std::abs(fix.latitude_deg) <= 90.0) || !(std::abs(fix.longitude_deg) <= 180.0) ||
+      !std::isfinite(fix.altitude_m)) {
+    ++summary_.dropped["gnss_no_position"];
+    return;
+  }
+  const Pose* mounting = mountingOf(topic.name);
+  if (mounting == nullptr) return;
+  const Time time = timeOf(fix.header, message);
+  const auto observation = gnssObservation(fix, time, *mounting);
+  ++summary_.written["satellite positions"];
+  order_.add({time, false, kSampleBytes,
+              [observation](io::RawlogSink& sink) { sink.write(*observation); }});
+}
+
+void MessageImport::finish() {
+  if (pairing_.unpaired() > 0) summary_.dropped["unpaired_image"] += pairing_.unpaired();
+  if (pairs_ > 0) return;
+  const auto& topics = options_.topics;
+  const std::string both = (is_stereo_ ? topics.left : topics.color) + " and " +
+                           (is_stereo_ ? topics.right : topics.depth);
+  std::string reasons;
+  for (const auto& [reason, count] : summary_.dropped) {
+    reasons += (reasons.empty() ? "; skipped " : ", ") + reason + " " + std::to_string(count);
+  }
+  if (std::isfinite(pairing_.nearest())) {
+    throw InputError(
+        "the times of images of " + both + " differ by " +
+        std::to_string(static_cast<int>(std::lround(1e3 * pairing_.nearest()))) +
+        " ms or more, allowed are " +
+        std::to_string(static_cast<int>(1e3 * (is_stereo_ ? kStereoTolerance : kDepthTolerance))) +
+        " ms: the cameras must be triggered together" + reasons);
+  }
+  throw InputError("no pair of images of " + both + reasons);
+}
+
+}  // namespace headway::bags

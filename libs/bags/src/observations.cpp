@@ -1,0 +1,116 @@
+#include "observations.h"
+
+#include <headway/core/mrpt_pose.h>
+#include <headway/io/mrpt_time.h>
+#include <headway/io/observation_calibration.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace headway::bags {
+namespace {
+
+constexpr float kMetresPerUnit = 0.001F;  // of depth
+constexpr float kMaxDepthM = 65.535F;     // of 16 bits
+constexpr double kScanSigmaM = 0.01;      // LaserScan states none; MRPT's default
+constexpr std::size_t kMaxBeams = 100000;
+
+/// NMEA's quality of a fix of NavSatStatus: none, plain, satellite-based, ground-based corrections.
+std::uint8_t qualityOf(int status) {
+  if (status < 0) return 0;
+  if (status == 0) return 1;
+  return status == 1 ? 2 : 4;
+}
+
+}  // namespace
+
+mrpt::obs::CObservationIMU::Ptr imuObservation(const ImuMessage& message, Time time,
+                                               const Pose& T_robot_imu) {
+  using namespace mrpt::obs;  // names of the IMU's fields
+  auto observation = CObservationIMU::Create();
+  observation->timestamp = io::mrptTime(time);
+  observation->sensorLabel = "imu";
+  const Eigen::Vector3d rate = T_robot_imu.linear() * message.angular_velocity;
+  const Eigen::Vector3d acceleration = T_robot_imu.linear() * message.acceleration;
+  if (message.has_angular_velocity) {
+    observation->set(IMU_WX, rate.x());
+    observation->set(IMU_WY, rate.y());
+    observation->set(IMU_WZ, rate.z());
+  }
+  if (message.has_acceleration) {
+    observation->set(IMU_X_ACC, acceleration.x());
+    observation->set(IMU_Y_ACC, acceleration.y());
+    observation->set(IMU_Z_ACC, acceleration.z());
+  }
+  return observation;
+}
+
+mrpt::obs::CObservationGPS::Ptr gnssObservation(const NavSatFixMessage& message, Time time,
+                                                const Pose& T_robot_antenna) {
+  auto observation = mrpt::obs::CObservationGPS::Create();
+  observation->timestamp = io::mrptTime(time);
+  observation->sensorLabel = "gnss";
+  observation->sensorPose = toMrpt(T_robot_antenna);
+  mrpt::obs::gnss::Message_NMEA_GGA position;
+  position.fields.latitude_degrees = message.latitude_deg;
+  position.fields.longitude_degrees = message.longitude_deg;
+  position.fields.altitude_meters = message.altitude_m;
+  position.fields.fix_quality = qualityOf(message.status);
+  observation->setMsg(position);
+  return observation;
+}
+
+std::optional<io::RecordedScan> scanFrom(const LaserScanMessage& message, Time time,
+                                         const Pose& T_robot_laser) {
+  const double step = message.angle_increment;
+  const auto beams = message.ranges.size();
+  if (beams < 2 || beams > kMaxBeams || !std::isfinite(message.angle_min) || !std::isfinite(step) ||
+      step == 0.0 || !(message.range_max > 0.0F)) {
+    return std::nullopt;
+  }
+  const double aperture = std::abs(step) * static_cast<double>(beams - 1);
+  if (aperture > 2.1 * M_PI) return std::nullopt;
+  io::RecordedScan scan;
+  scan.time = time;
+  scan.aperture_rad = aperture;
+  scan.max_range_m = message.range_max;
+  scan.sigma_m = kScanSigmaM;
+  for (const float range : message.ranges) {
+    const bool is_measured = range >= message.range_min && range <= message.range_max;
+    scan.ranges.push_back(is_measured ? range : 0.0F);
+  }
+  if (step < 0.0) std::reverse(scan.ranges.begin(), scan.ranges.end());
+  const double middle = message.angle_min + 0.5 * step * static_cast<double>(beams - 1);
+  scan.T_robot_laser = T_robot_laser * Eigen::AngleAxisd(middle, Eigen::Vector3d::UnitZ());
+  return scan;
+}
+
+mrpt::obs::CObservation3DRangeScan::Ptr depthObservation(const cv::Mat& picture,
+                                                         const cv::Mat& depth, Time time,
+                                                         const BagRig& rig) {
+  auto observation = mrpt::obs::CObservation3DRangeScan::Create();
+  observation->timestamp = io::mrptTime(time);
+  observation->sensorLabel = "rgbd";
+  // MRPT's sensor has x forward; its intensity camera has optical axes.
+  const Pose T_robot_sensor = rig.T_robot_depth * robotFromOptical().inverse();
+  observation->sensorPose = toMrpt(T_robot_sensor);
+  observation->relativePoseIntensityWRTDepth =
+      toMrpt(Pose(T_robot_sensor.inverse() * rig.T_robot_color));
+  observation->cameraParams = io::mrptCamera(rig.depth, "depth");
+  observation->cameraParamsIntensity = io::mrptCamera(rig.color, "color");
+  observation->hasIntensityImage = true;
+  observation->intensityImage = mrpt::img::CImage(picture, mrpt::img::SHALLOW_COPY);
+  observation->hasRangeImage = true;
+  observation->range_is_depth = true;
+  observation->rangeUnits = kMetresPerUnit;
+  observation->maxRange = kMaxDepthM;
+  observation->rangeImage_setSize(depth.rows, depth.cols);
+  for (int row = 0; row < depth.rows; ++row) {
+    for (int column = 0; column < depth.cols; ++column) {
+      observation->rangeImage(row, column) = depth.at<std::uint16_t>(row, column);
+    }
+  }
+  return observation;
+}
+
+}  // namespace headway::bags

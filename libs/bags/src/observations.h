@@ -1,0 +1,39 @@
+#pragma once
+
+#include <headway/io/rawlog_sink.h>
+#include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/obs/CObservationGPS.h>
+#include <mrpt/obs/CObservationIMU.h>
+
+#include <opencv2/core/mat.hpp>
+#include <optional>
+
+#include "bag_rig.h"
+#include "messages.h"
+
+namespace headway::bags {
+
+// Messages as observations of MRPT. Poses are those of the message's frame on the robot.
+
+/// Samples in the axes of the robot.
+[[nodiscard]] mrpt::obs::CObservationIMU::Ptr imuObservation(const ImuMessage& message, Time time,
+                                                             const Pose& T_robot_imu);
+
+/// A position as NMEA GGA, without velocity; the altitude is above the ellipsoid.
+[[nodiscard]] mrpt::obs::CObservationGPS::Ptr gnssObservation(const NavSatFixMessage& message,
+                                                              Time time,
+                                                              const Pose& T_robot_antenna);
+
+/// A scan from right to left; nullopt if its angles or ranges are none.
+[[nodiscard]] std::optional<io::RecordedScan> scanFrom(const LaserScanMessage& message, Time time,
+                                                       const Pose& T_robot_laser);
+
+/// A picture with depth along the viewing direction, each with its own calibration.
+///
+/// @param depth  [mm], 0 where nothing was measured
+[[nodiscard]] mrpt::obs::CObservation3DRangeScan::Ptr depthObservation(const cv::Mat& picture,
+                                                                       const cv::Mat& depth,
+                                                                       Time time,
+                                                                       const BagRig& rig);
+
+}  // namespace headway::bags

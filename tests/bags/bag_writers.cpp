@@ -1,0 +1,93 @@
+#include "bag_writers.h"
+
+#include <headway_test/paths.h>
+#include <headway_test/process.h>
+
+#include <stdexcept>
+
+namespace headway::bags::test {
+namespace {
+
+const std::string kWriters = std::string(HEADWAY_SOURCE_DIR) + "/tests/bags/writers/";
+// Debian's Python, which has rosbag; another one may come first in the path.
+constexpr char kPython[] = "PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 ";
+
+bool succeeds(const std::string& command) {
+  return headway::test::runProcess("(" + command + ") 2>&1").status == 0;
+}
+
+/// Why npm's packages are not there; empty if they are. Installed by the first test that asks.
+const std::string& missingPackages() {
+  static const std::string missing = [] {
+    if (!succeeds("command -v node && command -v npm")) {
+      return std::string("node and npm are not installed; they write ROS 2 bags for this test");
+    }
+    const std::string folder = HEADWAY_NODE_DIR;
+    const std::string install = "cmp -s " + kWriters + "package.json installed.json || (cp " +
+                                kWriters +
+                                "package.json . && npm install --no-package-lock --no-audit "
+                                "--no-fund --silent && cp package.json installed.json)";
+    const bool is_installed = succeeds("mkdir -p " + folder + " && cd " + folder +
+                                       " && flock lock sh -c '" + install + "'");
+    return is_installed ? std::string()
+                        : std::string("npm cannot install the packages of tests/bags/writers");
+  }();
+  return missing;
+}
+
+std::string writeRos1(const BagFormat& format, const std::string& form, const std::string& path) {
+  if (!succeeds(std::string(kPython) + "-c 'import rosbag, sensor_msgs, nav_msgs, tf2_msgs'")) {
+    return "python3-rosbag and python3 messages are not installed; they write ROS 1 bags";
+  }
+  const std::string call = std::string(kPython) + kWriters + "write_ros1.py " + path + " " + form +
+                           " " + format.compression;
+  if (!succeeds(call)) throw std::runtime_error(call);
+  return "";
+}
+
+std::string writeRos2(const BagFormat& format, const std::string& form, const std::string& path) {
+  if (!missingPackages().empty()) return missingPackages();
+  const bool is_db3 = std::string(format.ending) == "db3";
+  const std::string written = is_db3 ? path + ".json" : path;
+  std::string call = "cd " HEADWAY_NODE_DIR " && " + std::string(kPython) + kWriters +
+                     "recording.py " + form + " | node " + kWriters + "write_ros2.mjs " + written +
+                     " " + format.compression;
+  if (is_db3) {
+    call += " && " + std::string(kPython) + kWriters + "write_db3.py " + path + " < " + written +
+            " && rm " + written;
+  }
+  if (!succeeds(call)) throw std::runtime_error(call);
+  return "";
+}
+
+}  // namespace
+
+std::string writeBag(const BagFormat& format, const std::string& form,
+                     const std::filesystem::path& path) {
+  const bool is_ros1 = std::string(format.ending) == "bag";
+  return is_ros1 ? writeRos1(format, form, path.string()) : writeRos2(format, form, path.string());
+}
+
+cv::Mat recordedPicture(int frame, int offset) {
+  cv::Mat image(48, 64, CV_8UC1);
+  for (int v = 0; v < image.rows; ++v) {
+    for (int u = 0; u < image.cols; ++u) {
+      image.at<std::uint8_t>(v, u) =
+          static_cast<std::uint8_t>((3 * u + 5 * v + 7 * frame + offset) % 256);
+    }
+  }
+  return image;
+}
+
+cv::Mat recordedDepth(int frame) {
+  cv::Mat depth(48, 64, CV_16UC1);
+  for (int v = 0; v < depth.rows; ++v) {
+    for (int u = 0; u < depth.cols; ++u) {
+      depth.at<std::uint16_t>(v, u) =
+          u < 4 && v < 4 ? 0 : static_cast<std::uint16_t>(1000 + 10 * u + v + 100 * frame);
+    }
+  }
+  return depth;
+}
+
+}  // namespace headway::bags::test

@@ -1,0 +1,7 @@
+// libFuzzer target of MCAP files, whose first bytes are given: no input may crash, hang or take
+// much memory.
+#include "bag_fuzz.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  return headway::test::fuzzBag(data, size, "x89MCAP0rn");
+}

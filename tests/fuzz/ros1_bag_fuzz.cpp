@@ -1,0 +1,7 @@
+// libFuzzer target of ROS 1 bags, whose first bytes are given: no input may crash, hang or take
+// much memory.
+#include "bag_fuzz.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  return headway::test::fuzzBag(data, size, "#ROSBAG V2.0n");
+}
