@@ -129,6 +129,10 @@ TEST_F(BagVariantsTest, SensorsAndFramesCanBeLeftOut) {
   EXPECT_THAT(result.output, HasSubstr("x.rawlog: 3 frames\n"));
   ASSERT_EQ(3u, allObservations().size());
   EXPECT_NEAR(test::kRecordedStart + 0.2, io::timeFrom(pairs()[0]->timestamp), 1e-6);
+  const auto part = import(at("b.bag") + " --from-index 2 --to-index 4 -w -o " + at("x.rawlog"));
+  const auto samples = observations<mrpt::obs::CObservationIMU>().size();
+  EXPECT_EQ(40u, samples) << "those between frame 1 and frame 5";
+  EXPECT_THAT(part.output, HasSubstr("3 frames, " + std::to_string(samples) + " inertial samples"));
 }
 
 TEST_F(BagVariantsTest, FilesOfASplitBagAreReadInOrder) {

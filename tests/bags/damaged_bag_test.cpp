@@ -85,6 +85,8 @@ using BrokenBagTest = test::BagTest;
 TEST_F(BrokenBagTest, ForeignFilesAreRefusedWithTheCause) {
   write(at("a.bag"), "#ROSBAG V1.2\n");
   EXPECT_THAT(import(at("a.bag") + " --list").output, HasSubstr("rosbag fix"));
+  write(at("a.bag"), "#ROSBAG V2.0\n");
+  EXPECT_THAT(import(at("a.bag") + " --list").output, HasSubstr("a.bag: is empty"));
   write(at("a.bag"), "rubbish");
   EXPECT_THAT(import(at("a.bag") + " --list").output, HasSubstr("is no bag of ROS 1"));
   write(at("a.db3.zstd"), "\x28\xB5\x2F\xFD");

@@ -3,5 +3,5 @@
 #include "bag_fuzz.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  return headway::test::fuzzBag(data, size, "x89MCAP0rn");
+  return headway::test::fuzzBag(data, size, "\x89MCAP0\r\n");
 }

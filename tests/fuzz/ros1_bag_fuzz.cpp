@@ -3,5 +3,5 @@
 #include "bag_fuzz.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  return headway::test::fuzzBag(data, size, "#ROSBAG V2.0n");
+  return headway::test::fuzzBag(data, size, "#ROSBAG V2.0\n");
 }

@@ -4,7 +4,8 @@
 #
 #     tests/fuzz/run.sh MINUTES
 #
-# The seeds are written by the tests: HEADWAY_FUZZ_SEEDS=tests/fuzz/corpus/rawlog_stream test_io
+# The seeds are written by the tests: HEADWAY_FUZZ_SEEDS=tests/fuzz/corpus/rawlog_stream test_io; those of bags by
+# bag_seeds.py.
 set -eu
 cd "$(dirname "$0")/../.."
 seconds=$(awk "BEGIN { print int(60 * ${1:?minutes}) }")
@@ -15,7 +16,7 @@ status=0
 for seeds in tests/fuzz/corpus/*; do
   name=$(basename "$seeds")
   mkdir -p "build/fuzz/corpus/$name"
-  "$(find build/fuzz -name "fuzz_$name" -type f)" -max_total_time="$seconds" -max_len=20000 \
+  "$(find build/fuzz -name "fuzz_$name" -type f)" -max_total_time="$seconds" -max_len=24000 \
     -timeout=10 -rss_limit_mb=512 -print_final_stats=1 -artifact_prefix="build/fuzz/found/$name-" \
     "build/fuzz/corpus/$name" "$seeds" || status=1
 done

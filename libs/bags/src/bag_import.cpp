@@ -16,13 +16,14 @@ class EventWriter {
 
   /// False after the last frame.
   [[nodiscard]] bool write(const TimeOrder::Event& event) {
-    if (event.is_frame && options_.last_frame && frame_ > *options_.last_frame) return false;
-    const bool is_before = frame_ < options_.first_frame;
-    if (!is_before) event.write(sink_);
-    if (event.is_frame) {
-      ++frame_;
-      if (!is_before) ++summary_.frames;
+    const bool is_frame = event.kind == nullptr;
+    if (is_frame && options_.last_frame && frame_ > *options_.last_frame) return false;
+    const bool is_selected = frame_ >= options_.first_frame;
+    if (is_selected) {
+      event.write(sink_);
+      ++(is_frame ? summary_.frames : summary_.written[event.kind]);
     }
+    if (is_frame) ++frame_;
     return true;
   }
 
@@ -52,7 +53,8 @@ BagImportSummary importBag(const std::string& path, const BagImportOptions& opti
       const auto event = import.next(at_end);
       if (!event) break;
       is_selected = writer.write(*event);
-      if (event->is_frame && !go_on(summary.frames, bag->progress())) summary.was_stopped = true;
+      if (event->kind == nullptr && !go_on(summary.frames, bag->progress()))
+        summary.was_stopped = true;
       if (summary.was_stopped) is_selected = false;
     }
   };

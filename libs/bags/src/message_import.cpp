@@ -103,7 +103,6 @@ void MessageImport::addPair(const ImagePairing::Pair& pair) {
   const Time time = pair[0].time;
   TimeOrder::Event event;
   event.time = time;
-  event.is_frame = true;
   event.bytes = bytesOf(first) + bytesOf(second);
   if (!is_stereo_) {
     event.write = [first, second, time, &rig = rig_](io::RawlogSink& sink) {
@@ -138,8 +137,7 @@ void MessageImport::addImu(const BagTopic& topic, const BagMessage& message) {
   }
   const Time time = timeOf(imu.header, message);
   const auto observation = imuObservation(imu, time, *mounting);
-  ++summary_.written["inertial samples"];
-  order_.add({time, false, kSampleBytes,
+  order_.add({time, "inertial samples", kSampleBytes,
               [observation](io::RawlogSink& sink) { sink.write(*observation); }});
 }
 
@@ -150,8 +148,7 @@ void MessageImport::addOdometry(const BagTopic& topic, const BagMessage& message
   const Time time = timeOf(odometry.header, message);
   const Eigen::Vector3d place = T_odom_base.translation();
   const double yaw = yawOf(T_odom_base);
-  ++summary_.written["odometry"];
-  order_.add({time, false, kSampleBytes, [time, place, yaw](io::RawlogSink& sink) {
+  order_.add({time, "odometry", kSampleBytes, [time, place, yaw](io::RawlogSink& sink) {
                 sink.writeOdometry(time, place.x(), place.y(), yaw);
               }});
 }
@@ -166,9 +163,8 @@ void MessageImport::addScan(const BagTopic& topic, const BagMessage& message) {
     ++summary_.dropped["broken_scan"];
     return;
   }
-  ++summary_.written["laser scans"];
   const std::string label = topic.name;
-  order_.add({time, false, kSampleBytes + sizeof(float) * scan->ranges.size(),
+  order_.add({time, "laser scans", kSampleBytes + sizeof(float) * scan->ranges.size(),
               [scan = *scan, label](io::RawlogSink& sink) { sink.writeLaser(scan, label); }});
 }
 
@@ -187,8 +183,7 @@ void MessageImport::addFix(const BagTopic& topic, const BagMessage& message) {
   if (mounting == nullptr) return;
   const Time time = timeOf(fix.header, message);
   const auto observation = gnssObservation(fix, time, *mounting);
-  ++summary_.written["satellite positions"];
-  order_.add({time, false, kSampleBytes,
+  order_.add({time, "satellite positions", kSampleBytes,
               [observation](io::RawlogSink& sink) { sink.write(*observation); }});
 }
 

@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::string_view kVersion = "#ROSBAG V2.0\n";
 constexpr std::uint32_t kMaxHeaderBytes = 1 << 20;
-constexpr std::uint8_t kMessageData = 0x02, kFileHeader = 0x03, kChunkRecord = 0x05, kChunkInfo = 0x06,
-                       kConnection = 0x07;
+constexpr std::uint8_t kMessageData = 0x02, kFileHeader = 0x03, kChunkRecord = 0x05,
+                       kChunkInfo = 0x06, kConnection = 0x07;
 
 /// Fields of a record's header: "name=value".
 class Fields {
@@ -109,7 +109,7 @@ class Ros1Bag : public BagReader {
 
   void readFileHeader() {
     const auto header = readHeader();
-    if (!header) throw InputError(file_.path() + ": " + *truncation_);
+    if (!header) throw InputError(file_.path() + ": " + truncation_.value_or("is empty"));
     try {
       if (header->operation() != kFileHeader) throw BrokenData("it has no file header");
       index_position_ = header->number<std::uint64_t>("index_pos");

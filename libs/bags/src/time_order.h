@@ -16,7 +16,7 @@ class TimeOrder {
  public:
   struct Event {
     Time time = 0.0;
-    bool is_frame = false;
+    const char* kind = nullptr;  ///< of what is counted when written; null: a frame
     std::size_t bytes = 0;
     std::function<void(io::RawlogSink&)> write;
   };

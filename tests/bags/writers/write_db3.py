@@ -2,10 +2,13 @@
 """Writes messages of write_ros2.mjs as a .db3 of rosbag2: write_db3.py OUT.db3 < MESSAGES"""
 import base64
 import json
+import os
 import sqlite3
 import sys
 
 database = sqlite3.connect(sys.argv[1])
+if "SMALL_RECORDING" in os.environ:
+    database.execute("PRAGMA page_size = 512")
 database.executescript("""
 CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL,
   serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL);
