@@ -1,8 +1,8 @@
 #include "kitti_raw_drive.h"
 
 #include <headway/core/error.h>
+#include <headway/io/image_decoding.h>
 
-#include "image_decoding.h"
 #include "image_files.h"
 #include "oxts.h"
 

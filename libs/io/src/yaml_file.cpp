@@ -1,13 +1,13 @@
 #include "yaml_file.h"
 
 #include <headway/core/error.h>
+#include <headway/io/image_decoding.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 
-#include "image_decoding.h"
 #include "text_rows.h"
 
 namespace headway::io {
