@@ -217,6 +217,24 @@ TEST_F(MapFileTest, AGridWithMoreCellsThanBytesIsRefusedBeforeItIsMade) {
   EXPECT_THAT(errorOfLoading(bytesOf(path)), ::testing::HasSubstr("more cells than bytes"));
 }
 
+TEST_F(MapFileTest, MoreLayersOrPointsThanBytesAreRefusedBeforeTheyAreMade) {
+  for (const std::string& name : {std::string("CMultiMetricMap"), std::string("PointsMap")}) {
+    (void)saved(exampleMap(4));
+    auto sections = readCheckedFile(path);
+    bool changed = false;
+    for (auto& section : sections) {
+      const auto at = section.bytes.find(name);
+      if (section.name != "layers" || at == std::string::npos) continue;
+      const std::uint32_t huge = 0x04040404;
+      std::memcpy(section.bytes.data() + at + name.size() + 1, &huge, sizeof huge);
+      changed = true;
+    }
+    ASSERT_TRUE(changed) << name;
+    writeCheckedFile(path, sections);
+    EXPECT_THAT(errorOfLoading(bytesOf(path)), ::testing::HasSubstr("more elements than bytes"));
+  }
+}
+
 TEST_F(MapFileTest, LeavesNoFileAfterAFailedWrite) {
   EXPECT_THROW(saveMap((folder / "no") / "such" / "map.headway", exampleMap(4)), InputError);
   saveMap(path, exampleMap(4));

@@ -83,8 +83,25 @@ void requireGridsWithin(std::string_view bytes) {
   }
 }
 
+/// The same for layers and points: class name, u8 version, u32 count.
+///
+/// @param bytes_of_one  element, at least
+void requireElementsWithin(std::string_view bytes, std::string_view name,
+                           std::size_t bytes_of_one) {
+  for (auto at = bytes.find(name); at != bytes.npos; at = bytes.find(name, at + 1)) {
+    const auto left = bytes.substr(at + name.size());
+    if (left.size() < 5) return;
+    ByteReader in(left.substr(1));
+    if (in.value<std::uint32_t>() > left.size() / bytes_of_one) {
+      throw InputError("damaged: a " + std::string(name) + " has more elements than bytes");
+    }
+  }
+}
+
 std::shared_ptr<mrpt::maps::CMultiMetricMap> readLayers(const std::string& bytes) {
   requireGridsWithin(bytes);
+  requireElementsWithin(bytes, "CMultiMetricMap", 3);
+  requireElementsWithin(bytes, "PointsMap", 3 * sizeof(float));
   mrpt::io::CMemoryStream stream;
   stream.assignMemoryNotOwn(bytes.data(), bytes.size());
   auto layers = std::make_shared<mrpt::maps::CMultiMetricMap>();
