@@ -2,12 +2,14 @@
 
 #include <headway/core/error.h>
 #include <headway/io/trajectory_file.h>
+#include <headway/program/output_folder.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "results.h"
 #include "trajectory_records.h"
 
 namespace headway::replay {
@@ -89,7 +91,7 @@ void takeRecord(const fs::path& path, Options& options, Params& params) {
     options.realtime = run.at("realtime");
     options.from_index = indexAt(run, "from_index");
     options.to_index = indexAt(run, "to_index");
-    options.snapshots = run.at("snapshots");
+    options.snapshots = run.at("snapshots").get<std::size_t>();
     for (const auto& [section, keys] : record.at("configuration").items()) {
       for (const auto& [key, value] : keys.items()) {
         std::string assignment = section;
@@ -155,6 +157,8 @@ std::string packed(const ProgramState& state) {
 
 void continueRun(const fs::path& folder, Options& options, Params& params) {
   if (!fs::is_directory(folder)) throw InputError(folder.string() + ": no such folder of a run");
+  // A run whose publication was killed has ended.
+  program::OutputFolder::completePublication(folder, isResult);
   const fs::path unfinished = folder / "unfinished";
   const fs::path run = fs::is_directory(unfinished) ? unfinished : folder;
   options.output = folder.string();

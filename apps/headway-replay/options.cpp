@@ -27,7 +27,8 @@ void describe(Options& options, program::CommandLine& line) {
   line.option(options.to_index, 0, "to-index", "N", "Index of the last stereo frame");
   line.option(options.truth, 0, "truth", "DIR",
               "Folder with trajectory.tum and objects.csv to compare with in the report");
-  line.option(options.snapshots, 0, "snapshots", "N", "Number of pictures of the map to draw");
+  line.option(options.snapshots, 0, "snapshots", "N",
+              "Number of pictures of the map to draw; default 6");
   line.option(options.continued, 0, "continue", "OUTDIR",
               "Continue a killed run after its last checkpoint, with its input and configuration; "
               "instead of -i and -o");
@@ -37,10 +38,11 @@ void describe(Options& options, program::CommandLine& line) {
 namespace {
 
 void checkContinued(const Options& options) {
-  const bool has_others =
-      !options.input.empty() || !options.output.empty() || !options.detections.empty() ||
-      !options.detector.empty() || !options.load_map.empty() || !options.sensor_label.empty() ||
-      options.realtime != 0.0 || options.from_index || options.to_index || options.overwrite;
+  const bool has_others = !options.input.empty() || !options.output.empty() ||
+                          !options.detections.empty() || !options.detector.empty() ||
+                          !options.load_map.empty() || !options.sensor_label.empty() ||
+                          options.realtime != 0.0 || options.from_index || options.to_index ||
+                          options.snapshots || options.overwrite;
   if (has_others) {
     throw program::UsageError(
         "--continue takes input, options and configuration from the run; only --truth can be "
@@ -77,7 +79,6 @@ void check(const Options& options) {
     throw InputError(options.truth + ": --truth requires a folder with trajectory.tum");
   }
   if (!(options.realtime >= 0.0)) throw UsageError("--realtime must not be negative");
-  if (options.snapshots < 0) throw UsageError("--snapshots must not be negative");
   if (options.from_index && options.to_index && *options.to_index < *options.from_index) {
     throw UsageError("--to-index is less than --from-index");
   }

@@ -24,14 +24,19 @@ struct Options {
   double realtime = 0.0;  ///< factor of the recorded rate; 0: offline, every frame
   std::optional<std::size_t> from_index;
   std::optional<std::size_t> to_index;
-  int snapshots = 6;
-  double checkpoint_s = 10.0;  ///< between checkpoints of map and trajectory; 0: none
+  std::optional<std::size_t> snapshots;  ///< pictures; see snapshotsOf()
+  double checkpoint_s = 10.0;            ///< between checkpoints of map and trajectory; 0: none
   bool overwrite = false;
   std::string continued;  ///< folder of a killed run to continue; empty: a new run
   std::shared_ptr<const Continuation> continuation;  ///< its last checkpoint; null: none
   bool quiet = false;
   bool debug = false;  ///< print the decisions of each frame
 };
+
+/// Number of pictures to draw.
+[[nodiscard]] inline std::size_t snapshotsOf(const Options& options) {
+  return options.snapshots.value_or(6);
+}
 
 /// Adds the options to a command line.
 void describe(Options& options, program::CommandLine& line);

@@ -101,7 +101,7 @@ Replay::Replay(const Options& options, std::unique_ptr<FrameInput> input,
       writers_(folder_.path(), camera_,
                options.continuation ? &options.continuation->state.rows : nullptr),
       checkpoint_(folder_.path(), options.checkpoint_s),
-      snapshots_(folder_.path(), options.snapshots,
+      snapshots_(folder_.path(), static_cast<int>(snapshotsOf(options)),
                  [this](const std::string& text) { warn(text); }),
       retrack_time_s_(perception_params.objects.lifecycle.retrack_time_s) {
   perception_->setLog([this](LogLevel level, const std::string& text) { log(level, text); });

@@ -127,7 +127,7 @@ void writeRunRecord(const std::filesystem::path& path, const Options& options, c
   json["options"] = {{"realtime", options.realtime},
                      {"from_index", indexJson(options.from_index)},
                      {"to_index", indexJson(options.to_index)},
-                     {"snapshots", options.snapshots}};
+                     {"snapshots", snapshotsOf(options)}};
   json["rig"] = rigJson(rig);
   if (!detector_model.empty()) {
     json["detector_model"] = {{"file", pathJson(detector_model)},

@@ -27,9 +27,10 @@ class LiveProgramTest : public ::testing::Test {
 
   using Condition = std::function<bool(const std::string& output)>;
 
-  /// Runs headway-live until its output meets the condition, 60 s at most, and ends it by SIGTERM;
-  /// or to its own end.
-  test::ProcessResult live(const std::string& arguments, const Condition& is_enough) {
+  /// Runs headway-live until its output meets the condition, 60 s at most, and ends it by a
+  /// signal; or to its own end.
+  test::ProcessResult live(const std::string& arguments, const Condition& is_enough,
+                           int signal = SIGTERM) {
     const std::string out = folder_ / "live.txt";
     const std::string end = folder_ / "live.status";
     std::filesystem::remove(end);
@@ -45,7 +46,7 @@ class LiveProgramTest : public ::testing::Test {
       }
     };
     wait(is_enough);
-    if (test::contentsOf(end).empty()) kill(process, SIGTERM);
+    if (test::contentsOf(end).empty()) kill(process, signal);
     wait([](const std::string&) { return false; });
     const std::string status = test::contentsOf(end);
     return {status.empty() ? -1 : std::stoi(status), test::contentsOf(out)};
@@ -94,6 +95,33 @@ TEST_F(LiveProgramTest, RunsRecordsAndEndsCleanly) {
   const auto replay = test::runProcess(test::program("headway-replay") + " -q -i " + recorded +
                                        " -o " + (folder_ / "again").string() + " --snapshots 0");
   EXPECT_EQ(replay.status, 0) << replay.output;
+}
+
+TEST_F(LiveProgramTest, AKilledRunIsContinuedInItsMap) {
+  const std::string ini = sensors(
+      "[CAM]\ndriver = CCameraSensor\ngrabber_type = rawlog\nrawlog_file = " +
+      std::string(HEADWAY_SOURCE_DIR) +
+      "/rawlogs/street.rawlog\nprocess_rate = 8\npose_z = 1.65\npose_yaw = -90\npose_roll = -90\n");
+  const std::string out = folder_ / "out";
+  const auto killed = live(
+      "--sensors " + ini + " -o " + out + " --set output.checkpoint_s=0.2",
+      [&](const std::string& output) {
+        return trackedFrames(output) >= 12 && std::filesystem::exists(out + "/map.headway");
+      },
+      SIGKILL);
+  EXPECT_EQ(128 + SIGKILL, killed.status) << killed.output;
+  const auto rows = test::contentsOf(out + "/trajectory_online.tum");
+  const auto run = live("--sensors " + ini + " --continue " + out, frames(8));
+  EXPECT_EQ(0, run.status) << run.output;
+  const auto summary = nlohmann::json::parse(test::contentsOf(out + "/summary.json"));
+  ASSERT_EQ(1u, summary.at("continued_after").size()) << run.output;
+  const auto before = summary.at("continued_after").at(0).get<std::size_t>();
+  EXPECT_GE(before, 1u);
+  EXPECT_GT(summary.at("frames").get<std::size_t>(), before + 8) << "those of both parts";
+  EXPECT_GE(summary.at("frames_tracked").get<int>(), 8) << "re-localised in its map";
+  const auto continued = test::contentsOf(out + "/trajectory_online.tum");
+  const auto first_row = rows.substr(0, rows.find('\n') + 1);
+  EXPECT_EQ(first_row, continued.substr(0, first_row.size())) << "rows before the kill remain";
 }
 
 /// The robot of rawlogs/hall.rawlog by the drivers of the plug-in.

@@ -1,8 +1,10 @@
 // Runs that are killed and continued, and runs that lack disk, descriptors, memory or permissions.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/map/map_file.h>
+#include <sys/file.h>
 #include <sys/mount.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -149,10 +151,47 @@ TEST_F(ContinueTest, ARunThatReplacesOldResultsIsContinuedAndPublished) {
   EXPECT_FALSE(fs::exists(out_ / "unfinished"));
 }
 
+/// Killed between the renaming of its folder and that of the last file.
+TEST_F(ContinueTest, ARunWhosePublicationWasKilledHasEndedAndIsPublished) {
+  ASSERT_EQ(0, test::replay(rawlog_, out_, "-q --snapshots 0 --to-index 3").process.status);
+  const auto whole = test::replay(rawlog_, folder_ / "whole", "-q --snapshots 0");
+  ASSERT_EQ(0, whole.process.status);
+  fs::rename(whole.folder, out_ / "complete");
+  fs::rename(out_ / "complete/tracks.csv", out_ / "tracks.csv");
+  const auto process = goOn();
+  EXPECT_EQ(1, process.status);
+  EXPECT_THAT(process.output, HasSubstr("the run has ended"));
+  EXPECT_EQ(test::kPlainFrames, summary()["frames"]);
+  EXPECT_EQ(whole.summary["frames"], summary()["frames"]);
+  EXPECT_FALSE(fs::exists(out_ / "complete"));
+}
+
+/// OUTDIR may be a link to a folder, such as on another disk.
+TEST_F(ContinueTest, LinkedFoldersAreWrittenContinuedAndLocked) {
+  fs::create_directory(folder_ / "disk");
+  fs::create_directory_symlink(folder_ / "disk", out_);
+  killAfterACheckpoint();
+  ASSERT_EQ(0, goOn().status);
+  EXPECT_EQ(test::kPlainFrames, summary()["frames"]);
+  killReplay(0, {"-w"}, "0.4", out_ / "unfinished/map.headway");
+  ASSERT_EQ(0, goOn().status);
+  EXPECT_TRUE(fs::is_symlink(out_));
+  EXPECT_FALSE(fs::exists(folder_ / "disk/unfinished"));
+  EXPECT_TRUE(fs::exists(folder_ / "disk/summary.json"));
+
+  const int lock = open((folder_ / "disk/.lock").c_str(), O_RDWR | O_CREAT, 0600);
+  ASSERT_EQ(0, flock(lock, LOCK_EX | LOCK_NB));
+  const auto second = test::replay(rawlog_, out_, "-q --snapshots 0 -w");
+  close(lock);
+  EXPECT_EQ(1, second.process.status);
+  EXPECT_THAT(second.process.output, HasSubstr("is writing its results there"));
+}
+
 TEST_F(ContinueTest, WhatCannotBeContinuedIsNamed) {
   EXPECT_THAT(goOn().output, HasSubstr("no such folder"));
   EXPECT_EQ(2, goOn("-i " + rawlog_).status);
   EXPECT_EQ(2, goOn("--set slam.window=5").status);
+  EXPECT_EQ(2, goOn("--snapshots 3").status);
   ASSERT_EQ(0, test::replay(rawlog_, out_, "-q --snapshots 0").process.status);
   const auto ended = goOn();
   EXPECT_EQ(1, ended.status);

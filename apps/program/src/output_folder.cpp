@@ -41,6 +41,12 @@ bool isSameFile(int file, const fs::path& path) {
          opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
 }
 
+/// A folder, and no link to one elsewhere.
+bool isRealFolder(const fs::path& path) {
+  std::error_code ignored;
+  return fs::symlink_status(path, ignored).type() == fs::file_type::directory;
+}
+
 std::string textIn(int file) {
   std::array<char, 32> text{};
   const auto length = pread(file, text.data(), text.size() - 1, 0);
@@ -68,7 +74,7 @@ OutputFolder::OutputFolder(fs::path folder, bool overwrite, const std::vector<st
   }
   lock();
   if (is_empty) return;
-  if (fs::is_directory(folder_ / kComplete)) {
+  if (isRealFolder(folder_ / kComplete)) {
     replaceFiles(folder_ / kComplete, folder_, is_result_);
   }
   path_ = folder_ / kUnfinished;
@@ -85,6 +91,12 @@ OutputFolder::OutputFolder(fs::path folder, fs::path run, IsResult is_result)
     const std::string name = entry.path().filename().string();
     if (name.rfind(".partial-", 0) == 0) fs::remove(entry.path(), ignored);
   }
+}
+
+void OutputFolder::completePublication(const fs::path& folder, const IsResult& is_result) {
+  if (!isRealFolder(folder / kComplete)) return;
+  const OutputFolder locked(folder, folder / kComplete, is_result);
+  replaceFiles(folder / kComplete, folder, is_result);
 }
 
 OutputFolder::~OutputFolder() {

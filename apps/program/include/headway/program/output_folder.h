@@ -38,6 +38,10 @@ class OutputFolder {
                                   IsResult is_result) {
     return OutputFolder(std::move(folder), std::move(run), std::move(is_result));
   }
+  /// Completes a publication that was killed, if there is one.
+  ///
+  /// @throws InputError if another process uses the folder, or if files cannot be replaced
+  static void completePublication(const std::filesystem::path& folder, const IsResult& is_result);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
