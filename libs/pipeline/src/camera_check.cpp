@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <cstring>
 #include <opencv2/core.hpp>
+#include <string>
+#include <utility>
 
 namespace headway::pipeline {
 namespace {
 
-constexpr int kRowStep = 16;          ///< distance of the compared rows [px]
-constexpr double kDarkGrey = 16.0;    ///< mean grey level below which an image is dark
-constexpr double kMinContrast = 2.0;  ///< below, images without structure are alike in any case
+constexpr int kRowStep = 16;           ///< distance of the compared rows [px]
+constexpr double kDarkGrey = 16.0;     ///< mean grey level below which an image is dark
+constexpr double kBrightGrey = 240.0;  ///< above which it is overexposed
+constexpr double kMinContrast = 2.0;   ///< below, images without structure are alike in any case
 
 bool isSame(const cv::Mat& a, const cv::Mat& b) {
   if (a.empty() || a.size() != b.size() || a.data == b.data) return false;
@@ -38,15 +41,35 @@ Light lightOf(const cv::Mat& image) {
 
 }  // namespace
 
+bool CameraCheck::warnOfExposure(const StereoFrame& frame, Warnings& warnings) {
+  bool has_structure = true;
+  for (const auto& [image, side] :
+       {std::pair(&frame.left, "left"), std::pair(&frame.right, "right")}) {
+    const Light light = lightOf(*image);
+    if (light.contrast >= kMinContrast) continue;
+    has_structure = false;
+    if (light.grey < kDarkGrey) {
+      addWarning("camera_dark", frame.index,
+                 std::string("the ") + side +
+                     " image is dark and without structure; check lens cover, exposure and light",
+                 warnings);
+      break;  // counted once a frame
+    }
+    if (light.grey > kBrightGrey) {
+      addWarning("camera_bright", frame.index,
+                 std::string("the ") + side +
+                     " image is overexposed and without structure; check exposure and glare",
+                 warnings);
+      break;
+    }
+  }
+  return has_structure;
+}
+
 bool CameraCheck::add(const StereoFrame& frame, Warnings& warnings) {
-  const Light light = lightOf(frame.left);
-  const bool has_structure = light.contrast >= kMinContrast;
+  const bool has_structure = warnOfExposure(frame, warnings);
   const bool is_frozen = has_structure && isSame(left_, frame.left) && isSame(right_, frame.right);
-  if (!has_structure && light.grey < kDarkGrey) {
-    addWarning("camera_dark", frame.index,
-               "the left image is dark and without structure; check lens cover, exposure and light",
-               warnings);
-  } else if (is_frozen) {
+  if (is_frozen) {
     addWarning("camera_frozen", frame.index,
                "the camera delivers the same images again: the pose is unreliable unless wheel "
                "odometry stands; check its cable and its driver",

@@ -26,10 +26,12 @@ constexpr double kMinCorrelation = 0.9;
 constexpr double kMinMargin = 0.05;  // of the correlation to the next best place
 // Of the images as they are:
 constexpr std::size_t kMinMatches = 20;
-constexpr double kMaxOffset = 1.5;     // median difference of rows [px]
-constexpr double kMaxScatter = 0.9;    // median deviation from it [px]
-constexpr double kSwappedPx = -2.0;    // median disparity [px]
-constexpr double kMinAgreement = 0.7;  // ratio of points that agree on an offset
+constexpr double kMaxOffset = 1.5;       // median difference of rows [px]
+constexpr double kMaxScatter = 0.9;      // median deviation from it [px]
+constexpr double kSwappedPx = -2.0;      // median disparity [px]
+constexpr std::size_t kMinSwapped = 12;  // matches, of which
+constexpr double kSwappedRatio = 0.8;    // so many have no point before the cameras
+constexpr double kMinAgreement = 0.7;    // ratio of points that agree on an offset
 
 struct Match {
   stereo::RowMatch row;
@@ -107,6 +109,12 @@ std::string textOf(const char* format, double value) {
 
 StereoCheck::Finding StereoCheck::compare(const StereoFrame& frame, double& rows_px) {
   const auto matches = matchesOf(frame);
+  const auto is_swapped = [](const Match& one) { return one.disparity < kSwappedPx; };
+  const auto swapped = std::count_if(matches.begin(), matches.end(), is_swapped);
+  if (matches.size() >= kMinSwapped &&
+      static_cast<double>(swapped) > kSwappedRatio * static_cast<double>(matches.size())) {
+    return Finding::kSwapped;
+  }
   if (matches.size() < kMinMatches) return Finding::kNone;
   if (estimator_) {
     std::vector<stereo::RowMatch> rows_by_place;

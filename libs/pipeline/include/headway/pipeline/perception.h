@@ -152,8 +152,9 @@ class Perception {
 
   /// Conditions of the input that degrade the results: "imu_accelerometer" and "imu_gyroscope"
   /// (left out, they contradict the camera), "odometry_scale", "camera_frozen", "camera_dark",
-  /// "vertical_offset", "images_not_simultaneous", "images_swapped", "speed", "clock_set_back",
-  /// "clock_jumps_ahead", "recorded_boxes_missing", and "lost_" with a LostReason.
+  /// "camera_bright", "vertical_offset", "images_not_simultaneous", "images_swapped", "speed",
+  /// "clock_set_back", "clock_jumps_ahead", "recorded_boxes_missing", and "lost_" with a
+  /// LostReason.
   [[nodiscard]] const Warnings& warnings() const;
 
   /// Rotation of the right camera against its calibration, by the rows of the images so far, in one
