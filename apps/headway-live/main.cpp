@@ -169,6 +169,28 @@ class LoadControl {
   std::optional<Stamped<std::size_t>> last_;  ///< index of the last frame
 };
 
+/// Shows each frame in the status line and, if there is one, on the page.
+replay::Replay::FrameCallback reporter(replay::Replay& run,
+                                       const pipeline::PerceptionParams& params,
+                                       const replay::LiveInput& live, const io::LiveSource& source,
+                                       const drivers::SensorGroup& sensors,
+                                       live::StatusLine& status, live::LivePage* page) {
+  auto load = std::make_shared<LoadControl>(run, params);
+  return [&, load, page, page_s = 0.0](const RecordedFrame& frame,
+                                       const pipeline::PerceptionUpdate& update) mutable {
+    const double now_s = monotonicSeconds();
+    const double latency_s = now_s - live.arrival_s();
+    load->add(frame, std::exchange(page_s, 0.0));
+    status.update(update, latency_s, source.dropped(), load->description());
+    if (page == nullptr || !load->hasPage()) return;
+    auto view = viewOf(frame, update, run, sensors);
+    view.latency_s = latency_s;
+    view.dropped = source.dropped();
+    page->show(std::move(view));
+    page_s = monotonicSeconds() - now_s;  // counts for the next frame
+  };
+}
+
 /// Runs sensors and pipeline until they are interrupted.
 void run(const live::LiveOptions& options, bool quiet, const pipeline::PerceptionParams& params,
          const Params& all_params) {
@@ -195,20 +217,7 @@ void run(const live::LiveOptions& options, bool quiet, const pipeline::Perceptio
   auto input = std::make_unique<replay::LiveInput>(source);
   const replay::LiveInput& live = *input;
   replay::Replay pipeline(options.run, std::move(input), params, all_params);
-  LoadControl load(pipeline, params);
-  double page_s = 0.0;  // of the last one
-  pipeline.onFrame([&](const RecordedFrame& frame, const pipeline::PerceptionUpdate& update) {
-    const double now_s = monotonicSeconds();
-    const double latency_s = now_s - live.arrival_s();
-    load.add(frame, std::exchange(page_s, 0.0));
-    status.update(update, latency_s, source.dropped(), load.description());
-    if (page == nullptr || !load.hasPage()) return;
-    auto view = viewOf(frame, update, pipeline, *sensors);
-    view.latency_s = latency_s;
-    view.dropped = source.dropped();
-    page->show(std::move(view));
-    page_s = monotonicSeconds() - now_s;
-  });
+  pipeline.onFrame(reporter(pipeline, params, live, source, *sensors, status, page.get()));
   pipeline.run();
   sensors->stop();
   if (recorder) finish(options.record, *recorder);

@@ -1,6 +1,7 @@
 // libFuzzer target of the readers of text files; the first byte selects one of them.
 #include <headway/core/error.h>
 #include <headway/io/calibration_file.h>
+#include <headway/io/dataset.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
 
@@ -8,6 +9,7 @@
 #include <cstdint>
 
 #include "memory_file.h"
+#include "yaml_leaks.h"
 
 namespace {
 
@@ -39,6 +41,12 @@ void read(int reader, const std::string& path) {
     case 7:
       (void)io::readDetections(path, dropped);
       break;
+    case 8:
+      (void)io::readKittiProjections(path);
+      break;
+    case 9:
+      (void)io::PoseFile(path, Pose::Identity()).at(1, 0.1);
+      break;
     default:
       (void)io::readStereoCalibration(path, {752, 480});
       break;
@@ -54,7 +62,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) return 0;
   const headway::test::MemoryFile file(data + 1, size - 1);
   try {
-    read(data[0] % 9, file.path());
+    read(data[0] % 11, file.path());
   } catch (const headway::InputError&) {  // expected of most inputs
   }
   return 0;
