@@ -1,10 +1,10 @@
 // libFuzzer target of encoded images: JPEG, PNG, BMP, PNM and TIFF.
+#include <headway/io/image_decoding.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <stdexcept>
-
-#include "image_decoding.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const cv::Mat image = headway::io::decodeImage({reinterpret_cast<const char*>(data), size});

@@ -164,6 +164,7 @@ TEST_F(ImplausibleValuesTest, YamlThatHangsOrCrashesItsReaderIsRefused) {
     return test::errorOf([&] { (void)readCalibration(path_); });
   };
   EXPECT_THAT(errorOfYaml("%\xFF\n"), HasSubstr("not ASCII"));
+  EXPECT_THAT(errorOfYaml("a: 1\r%,2:\xACs\n"), HasSubstr("not ASCII"));
   EXPECT_THAT(errorOfYaml("a: \x01\n"), HasSubstr("control character"));
   EXPECT_THAT(errorOfYaml(std::string(20000, '[')), HasSubstr("nested"));
   EXPECT_THAT(errorOfYaml("a: " + std::string(20000, '{')), HasSubstr("nested"));

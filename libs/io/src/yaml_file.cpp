@@ -42,7 +42,10 @@ std::string unsafeBecause(const std::string& content) {
     const bool is_control =
         static_cast<unsigned char>(c) < ' ' && c != '\n' && c != '\t' && c != '\r';
     if (is_control || c == '\x7F') return "it contains a control character";
-    if (c == '%' && (at == 0 || content[at - 1] == '\n')) {
+    // Carriage returns and breaks of Unicode end lines too.
+    const char before = at == 0 ? '\n' : content[at - 1];
+    const bool is_start = before == '\n' || before == '\r' || static_cast<signed char>(before) < 0;
+    if (c == '%' && is_start) {
       const std::string line = content.substr(at, content.find('\n', at) - at);
       const bool is_text = std::all_of(line.begin(), line.end(), [](char one) {
         return (one >= ' ' && one <= '~') || one == '\t' || one == '\r';
