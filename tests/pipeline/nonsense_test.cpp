@@ -146,7 +146,7 @@ INSTANTIATE_TEST_SUITE_P(Street, NonsenseTest, testing::Range<std::size_t>(0, 11
 /// Frames of the street with odometry that measures `step_m` in each, at most a second.
 Warnings warningsWith(double step_m, double max_speed_mps) {
   PerceptionParams params = quickParams();
-  params.max_speed_mps = max_speed_mps;
+  params.slam.max_speed_mps = max_speed_mps;
   Perception perception(street().front().stereo->camera, params);
   for (std::size_t i = 0; i <= kSecond; ++i) {
     RecordedFrame frame = street()[i];
