@@ -75,11 +75,12 @@ endmacro()
 # public headers are libs/<name>/include/headway/<name>/*.h.
 # Third-party headers count as system headers, so only our own code is held to the warnings.
 # Sources are compiled in batches, because three quarters of their time goes into parsing the same
-# headers; OWN_UNITS: each on its own, where files have equal names in anonymous namespaces.
+# headers; OWN_UNITS: those compiled alone, because they have names in anonymous namespaces that
+# other files have too.
 function(headway_library name)
-  cmake_parse_arguments(LIBRARY "OWN_UNITS" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(LIBRARY "" "" "SOURCES;OWN_UNITS;PUBLIC;PRIVATE" ${ARGN})
   set(target headway_${name})
-  add_library(${target} ${LIBRARY_SOURCES})
+  add_library(${target} ${LIBRARY_SOURCES} ${LIBRARY_OWN_UNITS})
   add_library(headway::${name} ALIAS ${target})
   target_include_directories(
     ${target}
@@ -95,9 +96,7 @@ function(headway_library name)
     PROPERTIES EXPORT_NAME ${name} DEFINE_SYMBOL "" INSTALL_RPATH "$ORIGIN"
                VERSION ${PROJECT_VERSION}
                SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
-  if(NOT LIBRARY_OWN_UNITS)
-    headway_compile_in_batches(${target} 8)
-  endif()
+  headway_compile_in_batches(${target} 8 ${LIBRARY_OWN_UNITS})
   if(BUILD_SHARED_LIBS AND NOT HEADWAY_SANITIZE)
     target_link_options(${target} PRIVATE -Wl,--no-undefined)
   endif()
@@ -122,22 +121,24 @@ function(headway_export name)
 endfunction()
 
 # Compiles several sources at once, because the headers of MRPT, OpenCV and Eigen take most of the
-# time: what a file keeps to itself must have its own name within the target.
+# time: what a file keeps to itself must have its own name within the target. Further arguments:
+# sources that are compiled alone.
 function(headway_compile_in_batches target size)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${size})
+  if(ARGN)
+    set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  endif()
   # A batch includes its sources, so their own local types look like a header's.
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
 endfunction()
 
-# headway_program(<name> SOURCES ... LIBRARIES ... [OWN_UNITS]): an installed command-line program.
-# OWN_UNITS compiles each source alone.
+# headway_program(<name> SOURCES ... LIBRARIES ... [OWN_UNITS ...]): an installed command-line
+# program. OWN_UNITS: as for libraries.
 function(headway_program name)
-  cmake_parse_arguments(PROGRAM "OWN_UNITS" "" "SOURCES;LIBRARIES" ${ARGN})
-  add_executable(${name} ${PROGRAM_SOURCES})
+  cmake_parse_arguments(PROGRAM "" "" "SOURCES;OWN_UNITS;LIBRARIES" ${ARGN})
+  add_executable(${name} ${PROGRAM_SOURCES} ${PROGRAM_OWN_UNITS})
   target_link_libraries(${name} PRIVATE ${PROGRAM_LIBRARIES} headway_program headway_warnings)
-  if(NOT PROGRAM_OWN_UNITS)
-    headway_compile_in_batches(${name} 8)
-  endif()
+  headway_compile_in_batches(${name} 8 ${PROGRAM_OWN_UNITS})
   file(RELATIVE_PATH libraries /${CMAKE_INSTALL_BINDIR} /${CMAKE_INSTALL_LIBDIR})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin
                                            INSTALL_RPATH "$ORIGIN/${libraries}")
