@@ -13,7 +13,16 @@ target_compile_options(headway_warnings INTERFACE -Wall -Wextra -Wpedantic -Wsha
 if(HEADWAY_SANITIZE)
   add_compile_options(-fsanitize=${HEADWAY_SANITIZE} -fno-omit-frame-pointer
                       -fno-sanitize-recover=all)
+  add_compile_definitions(_GLIBCXX_ASSERTIONS)
   add_link_options(-fsanitize=${HEADWAY_SANITIZE})
+else()
+  # Hardened: overflows of the stack and of buffers of known size end a program, and its tables of
+  # addresses are read-only. Debug builds check every access to a container too.
+  add_compile_options(-fstack-protector-strong)
+  add_compile_definitions($<IF:$<CONFIG:Debug>,_GLIBCXX_ASSERTIONS,_FORTIFY_SOURCE=2>)
+  add_link_options(-Wl,-z,relro,-z,now)
+  include(CheckPIESupported)
+  check_pie_supported()
 endif()
 
 # headway_find(<package> [PRIVATE] [COMPONENTS ...]): find_package() for the library that this
