@@ -95,28 +95,22 @@ void writeCovariance(const pipeline::PerceptionUpdate& update, std::ostream& out
   out << row.str() << '\n';
 }
 
-/// Rows of a file that are kept in a continued run; nullopt in a new one.
-std::optional<std::size_t> keptRows(const FrameWriters::RowCounts* kept, const std::string& name) {
-  if (kept == nullptr) return std::nullopt;
-  const auto rows = kept->find(name);
-  return rows == kept->end() ? 0 : rows->second;
-}
+constexpr char kKittiTracks[] = "tracks_kitti.txt";
 
 }  // namespace
 
 FrameWriters::FrameWriters(const std::filesystem::path& folder,
                            std::shared_ptr<const StereoCamera> camera, const RowCounts* kept)
     : camera_(std::move(camera)),
-      trajectory_(folder / "trajectory_online.tum", keptRows(kept, "trajectory_online.tum")),
-      covariance_(folder / "trajectory_covariance.csv",
-                  keptRows(kept, "trajectory_covariance.csv")),
-      detections_(folder / "detections.csv", keptRows(kept, "detections.csv")),
-      tracks_(folder / "tracks.csv", keptRows(kept, "tracks.csv")),
-      smoothed_(folder / "tracks_smoothed.csv", keptRows(kept, "tracks_smoothed.csv")),
-      kitti_path_(folder / "tracks_kitti.txt"),
-      kitti_(kitti_path_, keptRows(kept, "tracks_kitti.txt")),
-      predictions_(folder / "predictions.csv", keptRows(kept, "predictions.csv")),
-      records_(folder / kTrajectoryRecords, keptRows(kept, kTrajectoryRecords)) {
+      kitti_path_(folder / kKittiTracks),
+      trajectory_(open(folder, "trajectory_online.tum", kept)),
+      covariance_(open(folder, "trajectory_covariance.csv", kept)),
+      detections_(open(folder, "detections.csv", kept)),
+      tracks_(open(folder, "tracks.csv", kept)),
+      smoothed_(open(folder, "tracks_smoothed.csv", kept)),
+      kitti_(open(folder, kKittiTracks, kept)),
+      predictions_(open(folder, "predictions.csv", kept)),
+      records_(open(folder, kTrajectoryRecords, kept)) {
   if (kept != nullptr) return;
   writeCovarianceHeader(covariance_.stream());
   detections_.stream() << io::detectionCsvHeader() << '\n';
@@ -125,18 +119,21 @@ FrameWriters::FrameWriters(const std::filesystem::path& folder,
   predictions_.stream() << io::predictionCsvHeader() << '\n';
 }
 
-std::map<std::string, GrowingFile*> FrameWriters::files() {
-  return {{"trajectory_online.tum", &trajectory_}, {"trajectory_covariance.csv", &covariance_},
-          {"detections.csv", &detections_},        {"tracks.csv", &tracks_},
-          {"tracks_smoothed.csv", &smoothed_},     {"tracks_kitti.txt", &kitti_},
-          {"predictions.csv", &predictions_},      {kTrajectoryRecords, &records_}};
+GrowingFile& FrameWriters::open(const std::filesystem::path& folder, const std::string& name,
+                                const RowCounts* kept) {
+  std::optional<std::size_t> kept_rows;
+  if (kept != nullptr) {
+    const auto rows = kept->find(name);
+    kept_rows = rows == kept->end() ? 0 : rows->second;
+  }
+  return files_.try_emplace(name, folder / name, kept_rows).first->second;
 }
 
 FrameWriters::RowCounts FrameWriters::rowCounts() {
   RowCounts counts;
-  for (const auto& [name, file] : files()) {
-    file->flush();
-    counts[name] = file->rowCount();
+  for (auto& [name, file] : files_) {
+    file.flush();
+    counts[name] = file.rowCount();
   }
   return counts;
 }
@@ -159,7 +156,7 @@ void FrameWriters::write(const pipeline::PerceptionUpdate& update) {
     if (isShown(track)) writeTrack(update, track, T_sensor_map);
   }
   writeSmoothed(update.objects.finalised);
-  for (const auto& [name, file] : files()) file->endRows();
+  for (auto& [name, file] : files_) file.endRows();
 }
 
 void FrameWriters::writeTrack(const pipeline::PerceptionUpdate& update, const Track& track,
@@ -187,9 +184,9 @@ void FrameWriters::write(const slam::TrajectoryRecord& record) {
 
 void FrameWriters::finish() {
   std::exception_ptr failure;  // the first failure; the other files are ended nevertheless
-  for (const auto& [name, file] : files()) {
+  for (auto& [name, file] : files_) {
     try {
-      file->close();
+      file.close();
     } catch (...) {
       if (!failure) failure = std::current_exception();
     }

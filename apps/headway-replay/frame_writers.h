@@ -44,19 +44,21 @@ class FrameWriters {
   void writeTrack(const pipeline::PerceptionUpdate& update, const Track& track,
                   const Pose& T_sensor_map);
 
-  /// All files with their names.
-  [[nodiscard]] std::map<std::string, GrowingFile*> files();
+  /// Creates a file, or continues it after its kept rows.
+  GrowingFile& open(const std::filesystem::path& folder, const std::string& name,
+                    const RowCounts* kept);
 
   std::shared_ptr<const StereoCamera> camera_;
-  GrowingFile trajectory_;
-  GrowingFile covariance_;
-  GrowingFile detections_;
-  GrowingFile tracks_;
-  GrowingFile smoothed_;
   std::filesystem::path kitti_path_;
-  GrowingFile kitti_;
-  GrowingFile predictions_;
-  GrowingFile records_;  ///< of the trajectory
+  std::map<std::string, GrowingFile> files_;  ///< by name
+  GrowingFile& trajectory_;
+  GrowingFile& covariance_;
+  GrowingFile& detections_;
+  GrowingFile& tracks_;
+  GrowingFile& smoothed_;
+  GrowingFile& kitti_;
+  GrowingFile& predictions_;
+  GrowingFile& records_;  ///< of the trajectory
 };
 
 /// Writes trajectory.tum and trajectory_kitti.txt.
