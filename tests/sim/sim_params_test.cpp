@@ -73,7 +73,7 @@ TEST_P(KeyRangeTest, AValueBeyondItIsRefusedWithSectionKeyValueAndRange) {
   const std::string key =
       assignment.substr(section.size() + 1, assignment.find('=') - section.size() - 1);
   const std::string value = assignment.substr(assignment.find('=') + 1);
-  const std::string error = test::inputErrorOf([&] { params.set(assignment); });
+  const std::string error = test::inputErrorOf([&, &set = assignment] { params.set(set); });
   EXPECT_THAT(error, HasSubstr("[" + section + "]"));
   EXPECT_THAT(error, HasSubstr(key));
   EXPECT_THAT(error, HasSubstr("'" + value + "'"));
@@ -128,7 +128,7 @@ TEST(SimParamsTest, RenamedKeysAreRefusedWithTheirNewName) {
     SimParams settings;
     Params params;
     settings.describe(params);
-    EXPECT_THAT(test::inputErrorOf([&] { params.set(std::string(former) + "=0.5"); }),
+    EXPECT_THAT(test::inputErrorOf([&, &key = former] { params.set(std::string(key) + "=0.5"); }),
                 HasSubstr(current));
   }
 }
