@@ -78,10 +78,11 @@ class EveryBagFormat : public test::BagTest, public ::testing::WithParamInterfac
     const auto positions = observations<mrpt::obs::CObservationGPS>();
     ASSERT_EQ(11u, positions.size());
     const auto& gga = positions[0]->getMsgByClass<mrpt::obs::gnss::Message_NMEA_GGA>().fields;
-    EXPECT_EQ(52.5, gga.latitude_degrees);
-    EXPECT_EQ(13.25, gga.longitude_degrees);
-    EXPECT_EQ(80.0, gga.altitude_meters);
-    EXPECT_EQ(4, gga.fix_quality);
+    // Values, because references to the packed fields are not aligned.
+    EXPECT_EQ(52.5, double{gga.latitude_degrees});
+    EXPECT_EQ(13.25, double{gga.longitude_degrees});
+    EXPECT_EQ(80.0, double{gga.altitude_meters});
+    EXPECT_EQ(4, int{gga.fix_quality});
   }
 };
 

@@ -36,12 +36,14 @@ TEST(WireReaderTest, DoublesOfVersion2AreAlignedTo4) {
 }
 
 TEST(WireReaderTest, ReadsBigEndian) {
-  WireReader in(bytesOf({0, 0, 0, 0, 0, 0, 1, 2}), Encoding::kCdr);
+  const std::string bytes = bytesOf({0, 0, 0, 0, 0, 0, 1, 2});
+  WireReader in(bytes, Encoding::kCdr);
   EXPECT_EQ(258u, in.number<std::uint32_t>());
 }
 
 TEST(WireReaderTest, Ros1IsNeitherAlignedNorTerminated) {
-  WireReader in(bytesOf({7, 5, 0, 0, 0, 1, 0, 0, 0, 'a'}), Encoding::kRos1);
+  const std::string bytes = bytesOf({7, 5, 0, 0, 0, 1, 0, 0, 0, 'a'});
+  WireReader in(bytes, Encoding::kRos1);
   EXPECT_EQ(7, in.number<std::uint8_t>());
   EXPECT_EQ(5u, in.number<std::uint32_t>());
   EXPECT_EQ("a", in.text());

@@ -34,7 +34,7 @@ struct Drive {
 
   std::vector<Observation> see(const Eigen::Vector3d& start, const Eigen::Vector3d& velocity,
                                double noise_px, double offset_px = 0.0, double speed = 10.0) {
-    std::normal_distribution<double> noise(0.0, noise_px);
+    std::normal_distribution<double> noise;
     std::vector<Observation> observations;
     for (int i = 0; i < 7; ++i) {
       Pose T_map_cam = Pose::Identity();
@@ -42,7 +42,7 @@ struct Drive {
       if (path.newest() < i) path.advance(kFrameStep * i, T_map_cam);
       const Eigen::Vector3d point = start + kFrameStep * i * velocity;
       Eigen::Vector3d uvd = *project(T_map_cam.inverse() * point, camera);
-      for (int k = 0; k < 3; ++k) uvd[k] += noise(random);
+      for (int k = 0; k < 3; ++k) uvd[k] += noise_px * noise(random);
       uvd.z() += offset_px;
       observations.push_back({i, uvd});
     }

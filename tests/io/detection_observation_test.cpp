@@ -10,6 +10,14 @@
 #include "processes.h"
 #include "synthetic_recording.h"
 
+#ifdef __SANITIZE_ADDRESS__  // by GCC
+#define HEADWAY_SANITIZED
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)  // by clang
+#define HEADWAY_SANITIZED
+#endif
+#endif
+
 namespace headway::io {
 namespace {
 
@@ -106,7 +114,7 @@ TEST(DetectionObservationTest, HasADescription) {
 }
 
 TEST(DetectionPluginTest, RawlogEditReadsTheObservations) {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef HEADWAY_SANITIZED
   GTEST_SKIP() << "stock programs cannot load a plug-in built with a sanitizer";
 #endif
   if (!test::programExists("rawlog-edit")) GTEST_SKIP() << "rawlog-edit is not installed";

@@ -22,9 +22,9 @@ StereoCamera solverCamera() {
 }
 
 stereo::Tangent randomTangent(std::mt19937& random, double sigma) {
-  std::normal_distribution<double> noise(0.0, sigma);
+  std::normal_distribution<double> noise;
   stereo::Tangent xi;
-  for (double& value : xi) value = noise(random);
+  for (double& value : xi) value = sigma * noise(random);
   return xi;
 }
 

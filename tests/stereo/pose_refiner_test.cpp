@@ -31,7 +31,8 @@ std::vector<PoseConstraint> world(int count, double noise_px, int seed) {
   std::mt19937 random(static_cast<unsigned>(seed));
   std::uniform_real_distribution<double> column(0.0, camera.width), row(0.0, camera.height);
   std::uniform_real_distribution<double> depth(3.0, 40.0);
-  std::normal_distribution<double> noise(0.0, noise_px);
+  std::normal_distribution<double> normal;
+  const auto noise = [&](std::mt19937& source) { return noise_px * normal(source); };
   std::vector<PoseConstraint> constraints;
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector2d uv(column(random), row(random));

@@ -75,6 +75,8 @@ void drawFrame(cv::Mat& image, const cv::Rect& box, Colour colour) {
 
 void drawText(cv::Mat& image, const std::string& text, const cv::Point2d& anchor, double align,
               double scale, Colour colour) {
+  constexpr double kFar = 1e6;  // [px], far outside every image
+  if (!(std::abs(anchor.x) < kFar && std::abs(anchor.y) < kFar)) return;
   int baseline = 0;
   const auto box = sizeOf(text, scale, &baseline);
   const cv::Point origin(static_cast<int>(anchor.x - align * box.width),
