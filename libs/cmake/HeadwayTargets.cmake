@@ -13,7 +13,6 @@ target_compile_options(headway_warnings INTERFACE -Wall -Wextra -Wpedantic -Wsha
 if(HEADWAY_SANITIZE)
   add_compile_options(-fsanitize=${HEADWAY_SANITIZE} -fno-omit-frame-pointer
                       -fno-sanitize-recover=all)
-  add_compile_definitions(_GLIBCXX_ASSERTIONS)
   add_link_options(-fsanitize=${HEADWAY_SANITIZE})
 else()
   # Hardened: overflows of the stack and of buffers of known size end a program, and its tables of

@@ -110,7 +110,7 @@ TEST(SegmentMotionTest, TheFasterTheCameraTheMoreMustASegmentMove) {
     Scene scene(still, 1);
     scene.points.clear();
     scene.drive = Drive();
-    scene.drive.see(still, still, 0.1, 0.0, speed);
+    scene.drive.see({0.0, 0.0, 60.0}, still, 0.1, 0.0, speed);  // always before the camera
     evidence[speed > 1.0] = scene.motion({flow, flow, flow})->evidence;
   }
   EXPECT_GT(evidence[0], 15.0);
