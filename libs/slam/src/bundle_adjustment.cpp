@@ -50,8 +50,7 @@ class DetachedBundle::Implementation {
                  const StereoCamera& camera)
       : camera_(camera), free_(free) {
     problem_.disparity_offset_px = map.disparityOffset();
-    collectPoses(map);
-    collectPoints(map);
+    collectPoses(collectPoints(map), map);
     collectMotions(map);
   }
 
@@ -80,31 +79,51 @@ class DetachedBundle::Implementation {
  private:
   using Outlier = std::pair<KeyframeId, LandmarkId>;
 
-  /// Keyframes that share landmarks with the free ones take part, those that are not free fixed.
-  void collectPoses(const SparseMap& map) {
+  /// The landmarks that a free keyframe and another one see, with all their measurements.
+  ///
+  /// @return  the keyframes of the map, ascending; the observations name poses by places in it
+  std::vector<KeyframeId> collectPoints(const SparseMap& map) {
     std::vector<KeyframeId> all;
-    for (const auto& [id, keyframe] : map.keyframes()) all.push_back(id);
+    std::size_t seen = 0;
+    for (const auto& [id, keyframe] : map.keyframes()) {
+      all.push_back(id);
+      seen += keyframe.landmarks.size();
+    }
     IdPositions position_of(all);
-    std::vector<bool> takes_part(all.size(), false);
-    std::size_t observations = 0;
     const auto add = [&](const Landmark& landmark) {
       if (landmark.observations.size() < 2) return;
-      point_ids_.push_back(landmark.id);
-      observations += landmark.observations.size();
-      for (const auto& observation : landmark.observations) {
-        takes_part[position_of(observation.keyframe)] = true;
+      for (const auto& [keyframe, measurement] : landmark.observations) {
+        problem_.observations.push_back({static_cast<int>(position_of(keyframe)), measurement});
       }
+      point_ids_.push_back(landmark.id);
+      problem_.points.push_back({landmark.position, problem_.observations.size()});
     };
-    if (free_.size() == map.keyframes().size()) {
+    if (free_.size() == all.size()) {
+      problem_.observations.reserve(seen);
+      problem_.points.reserve(map.landmarks().size());
       for (const auto& [id, landmark] : map.landmarks()) add(landmark);
     } else {
       for (const LandmarkId id : map.seenBy(free_)) add(*map.find(id));
     }
-    for (std::size_t at = 0; at < all.size(); ++at) {
-      if (takes_part[at]) pose_ids_.push_back(all[at]);
+    return all;
+  }
+
+  /// Keyframes with an observation take part, those that are not free fixed.
+  void collectPoses(const std::vector<KeyframeId>& all, const SparseMap& map) {
+    std::vector<int> pose_of(all.size(), 0);
+    for (const auto& observation : problem_.observations) {
+      pose_of[static_cast<std::size_t>(observation.pose)] = 1;
     }
-    problem_.observations.reserve(observations);
+    for (std::size_t at = 0; at < all.size(); ++at) {
+      if (pose_of[at] == 0) continue;
+      pose_of[at] = static_cast<int>(pose_ids_.size());
+      pose_ids_.push_back(all[at]);
+    }
     setPoses(map);
+    if (pose_ids_.size() == all.size()) return;
+    for (auto& observation : problem_.observations) {
+      observation.pose = pose_of[static_cast<std::size_t>(observation.pose)];
+    }
   }
 
   void setPoses(const SparseMap& map) {
@@ -116,21 +135,6 @@ class DetachedBundle::Implementation {
       anchored = anchored || is_fixed;
     }
     if (!anchored && !pose_ids_.empty()) problem_.is_fixed.front() = true;
-  }
-
-  void collectPoints(const SparseMap& map) {
-    problem_.points.reserve(point_ids_.size());
-    IdPositions index_of(pose_ids_);
-    auto next = map.landmarks().begin();  // ids ascend, and often all take part
-    for (const LandmarkId id : point_ids_) {
-      next = next->first == id ? next : map.landmarks().find(id);
-      const Landmark& landmark = (next++)->second;
-      for (const auto& observation : landmark.observations) {
-        problem_.observations.push_back(
-            {static_cast<int>(index_of(observation.keyframe)), observation.measurement});
-      }
-      problem_.points.push_back({landmark.position, problem_.observations.size()});
-    }
   }
 
   /// Wheel odometry between keyframes that take part, unless neither can move.
