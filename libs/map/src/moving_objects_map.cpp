@@ -1,7 +1,6 @@
 #include <headway/core/output_file.h>
 #include <headway/map/moving_objects_map.h>
 #include <headway/map/object_file.h>
-#include <mrpt/core/initializer.h>
 #include <mrpt/opengl/COpenGLScene.h>
 #include <mrpt/opengl/CSetOfObjects.h>
 #include <mrpt/serialization/CArchive.h>
@@ -16,14 +15,19 @@ using headway::CMovingObjectsMap;
 // Registered for multi-metric maps under both names ...
 MAP_DEFINITION_REGISTER("headway::CMovingObjectsMap,movingObjectsMap", headway::CMovingObjectsMap)
 
-// ... and for serialisation under its class name.
-MRPT_INITIALIZER(registerMovingObjectsMap) {
-  mrpt::rtti::registerClass(CLASS_ID(headway::CMovingObjectsMap));
-}
-
 namespace headway {
 
 IMPLEMENTS_SERIALIZABLE(CMovingObjectsMap, CMetricMap, headway)
+
+namespace {
+
+// ... and for serialisation under its class name, which some compilers fill in at start-up: after
+// it, not by MRPT_INITIALIZER, which may run before.
+struct MovingObjectsMapRegistration {
+  MovingObjectsMapRegistration() { mrpt::rtti::registerClass(CLASS_ID(CMovingObjectsMap)); }
+} const moving_objects_map_registration;
+
+}  // namespace
 
 using mrpt::serialization::CArchive;
 
