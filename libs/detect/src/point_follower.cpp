@@ -18,7 +18,8 @@ constexpr double kMinDisparity = 1.0;   // [px]
 
 void PointFollower::clear() {
   points_.clear();
-  left_before_ = left_ = right_ = {};
+  left_before_ = left_ = {};
+  right_ = {};
 }
 
 Eigen::Vector3d PointFollower::expectedAt(const PointTrack& point, const CameraPath& path) const {
@@ -57,6 +58,7 @@ void PointFollower::follow(const stereo::FrameContext& context,
 std::vector<std::optional<double>> PointFollower::disparitiesOf(
     const std::vector<stereo::TrackedPosition>& positions, const std::vector<double>& predicted,
     const stereo::DisparityImage& disparity) const {
+  if (right_.isDepth()) return givenDisparities(positions);
   std::vector<std::size_t> indices;
   std::vector<Eigen::Vector2d> left;
   std::vector<Eigen::Vector2d> right;
@@ -68,7 +70,7 @@ std::vector<std::optional<double>> PointFollower::disparitiesOf(
     left.push_back(uv);
     right.emplace_back(uv.x() - (dense > 0.0 ? dense : predicted[i]) - offset_, uv.y());
   }
-  const auto matches = stereo::trackPoints(left_, right_, left, right, kMatching);
+  const auto matches = stereo::trackPoints(left_, right_.image, left, right, kMatching);
   std::vector<std::optional<double>> result(positions.size());
   for (std::size_t k = 0; k < matches.size(); ++k) {
     if (!matches[k]) continue;
@@ -77,6 +79,17 @@ std::vector<std::optional<double>> PointFollower::disparitiesOf(
     const bool same_row = std::abs(left[k].y() - matches[k]->y()) < kMaxRowError;
     const bool agrees = dense <= 0.0 || std::abs(d - dense) < kMaxDenseError;
     if (same_row && agrees && d > kMinDisparity) result[indices[k]] = d;
+  }
+  return result;
+}
+
+std::vector<std::optional<double>> PointFollower::givenDisparities(
+    const std::vector<stereo::TrackedPosition>& positions) const {
+  std::vector<std::optional<double>> result(positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    if (!positions[i]) continue;
+    const auto given = stereo::givenDisparity(right_.disparities, *positions[i]);
+    if (given && *given - offset_ > kMinDisparity) result[i] = *given - offset_;
   }
   return result;
 }

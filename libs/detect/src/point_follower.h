@@ -66,13 +66,16 @@ class PointFollower {
   [[nodiscard]] std::vector<std::optional<double>> disparitiesOf(
       const std::vector<stereo::TrackedPosition>& positions, const std::vector<double>& predicted,
       const stereo::DisparityImage& disparity) const;
+  /// The same of a depth camera.
+  [[nodiscard]] std::vector<std::optional<double>> givenDisparities(
+      const std::vector<stereo::TrackedPosition>& positions) const;
 
   StereoCamera camera_;
   FollowerParams params_;
   std::vector<PointTrack> points_;
   stereo::ImagePyramid left_before_;
   stereo::ImagePyramid left_;
-  stereo::ImagePyramid right_;
+  stereo::SecondView right_;
   std::int64_t next_id_ = 0;
   double offset_ = 0.0;  ///< of the disparities measured in the newest frame [px]
 };

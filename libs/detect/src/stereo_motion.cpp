@@ -75,7 +75,8 @@ class StereoMotion::Implementation {
     found_ = emptyDetections(frame);
     offset_evidence_.clear();
     tested_ = false;
-    if (!usable(frame.left) || !usable(frame.right)) return "unusable_image";
+    const bool is_pair = frame.disparity.empty();
+    if (!usable(frame.left) || (is_pair && !usable(frame.right))) return "unusable_image";
     disparity_ = context.disparity();
     image_ = context.reducedLeft();
     ground_ = context.ground();
@@ -199,8 +200,7 @@ class StereoMotion::Implementation {
     for (const MovingObject& object : objects) report(object);
   }
 
-  /// Assigns each object to the group of most of its points and segments in earlier frames, or to a
-  /// new one.
+  /// Assigns each object to the earlier group of most of its points and segments, or to a new one.
   void setGroups(std::vector<MovingObject>& objects) {
     std::set<std::int64_t> used = {-1};
     for (auto& object : objects) {

@@ -45,6 +45,7 @@ bool CameraCheck::warnOfExposure(const StereoFrame& frame, Warnings& warnings) {
   bool has_structure = true;
   for (const auto& [image, side] :
        {std::pair(&frame.left, "left"), std::pair(&frame.right, "right")}) {
+    if (image->empty()) continue;  // of a depth camera
     const Light light = lightOf(*image);
     if (light.contrast >= kMinContrast) continue;
     has_structure = false;
@@ -68,7 +69,8 @@ bool CameraCheck::warnOfExposure(const StereoFrame& frame, Warnings& warnings) {
 
 bool CameraCheck::add(const StereoFrame& frame, Warnings& warnings) {
   const bool has_structure = warnOfExposure(frame, warnings);
-  const bool is_frozen = has_structure && isSame(left_, frame.left) && isSame(right_, frame.right);
+  const bool is_frozen = has_structure && isSame(left_, frame.left) &&
+                         (frame.right.empty() || isSame(right_, frame.right));
   if (is_frozen) {
     addWarning("camera_frozen", frame.index,
                "the camera delivers the same images again: the pose is unreliable unless wheel "

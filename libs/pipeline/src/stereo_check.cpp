@@ -144,6 +144,7 @@ std::optional<stereo::RectificationError> StereoCheck::rectification() const {
 }
 
 void StereoCheck::add(const StereoFrame& frame, Warnings& warnings) {
+  if (frame.right.empty()) return;  // of a depth camera
   if (last_ && std::abs(frame.time - *last_) < kIntervalS) return;
   last_ = frame.time;
   if (!estimator_ && frame.camera != nullptr) estimator_.emplace(*frame.camera);

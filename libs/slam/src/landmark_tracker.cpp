@@ -152,8 +152,9 @@ stereo::StereoMeasurement LandmarkTracker::stereoMeasurement(const TrackingFrame
   const double scale = 1 << level;
   const auto disparity =
       matcher_.refine(current.left, current.right, uv, expected_disparity, level);
+  const double disparity_scale = current.right.isDepth() ? 1.0 : scale;
   return {uv, disparity.value_or(0.0), disparity.has_value(), params_.sigma_px * scale,
-          params_.sigma_disparity_px * scale};
+          params_.sigma_disparity_px * disparity_scale};
 }
 
 std::vector<TrackedLandmark> LandmarkTracker::measure(const TrackingFrame& current,

@@ -15,8 +15,10 @@ namespace headway::slam {
 namespace {
 
 void requireImages(const StereoFrame& frame, const StereoCamera& camera) {
-  for (const cv::Mat* image : {&frame.left, &frame.right}) {
-    if (image->type() == CV_8UC1 && image->cols == camera.width && image->rows == camera.height) {
+  const bool is_depth = !frame.disparity.empty();
+  for (const cv::Mat* image : {&frame.left, is_depth ? &frame.disparity : &frame.right}) {
+    const int type = image == &frame.disparity ? CV_32FC1 : CV_8UC1;
+    if (image->type() == type && image->cols == camera.width && image->rows == camera.height) {
       continue;
     }
     throw InputError("stereo frame " + std::to_string(frame.index) + ": an image is " +

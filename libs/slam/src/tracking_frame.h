@@ -13,7 +13,7 @@ struct TrackingFrame {
   std::size_t index = 0;
   Time time = 0.0;  ///< [s]
   stereo::ImagePyramid left;
-  stereo::ImagePyramid right;
+  stereo::SecondView right;
   cv::Mat excluded;  ///< 8-bit, non-zero where nothing may be measured; may be empty
   cv::Mat suspect;   ///< 8-bit, non-zero where landmarks must be verified first; may be empty
   FeatureGrid grid;  ///< about params.features cells outside of the excluded regions

@@ -10,7 +10,11 @@
 namespace headway::stereo {
 namespace {
 
-constexpr int kSubpixels = 16;  // OpenCV's fixed-point disparities
+constexpr int kSubpixels = 16;    // OpenCV's fixed-point disparities
+constexpr int kSpeckleRange = 2;  // between neighbours in a region [px of the reduced image]
+// Between the pixels of one surface within a cell:
+constexpr float kSurfaceStep = 2.0F;        // [px]
+constexpr float kSurfaceStepRatio = 0.02F;  // or this ratio of the disparity
 
 // Disparities to search, a multiple of 16 that leaves half of the picture to match; 0: too narrow.
 int searchRange(const StereoCamera& camera, const DisparityParams& params, int width) {
@@ -54,6 +58,54 @@ cv::Ptr<cv::StereoMatcher> makeMatcher(const DisparityParams& params, int range)
   return matcher;
 }
 
+/// Mean of a cell's nearest surface; 0 if less than a half of the cell has disparities.
+float cellValue(const cv::Mat& cell) {
+  float nearest = 0.0F;
+  int known = 0;
+  for (int row = 0; row < cell.rows; ++row) {
+    for (const auto* d = cell.ptr<float>(row); d != cell.ptr<float>(row) + cell.cols; ++d) {
+      nearest = std::max(nearest, *d);
+      known += *d > 0.0F ? 1 : 0;
+    }
+  }
+  if (2 * known < static_cast<int>(cell.total())) return 0.0F;
+  const float least = nearest - std::max(kSurfaceStep, kSurfaceStepRatio * nearest);
+  float sum = 0.0F;
+  int count = 0;
+  for (int row = 0; row < cell.rows; ++row) {
+    for (const auto* d = cell.ptr<float>(row); d != cell.ptr<float>(row) + cell.cols; ++d) {
+      if (*d < least || *d <= 0.0F) continue;
+      sum += *d;
+      ++count;
+    }
+  }
+  return count > 0 ? sum / static_cast<float>(count) : 0.0F;
+}
+
+/// Removes small regions, as stereo matching does: a depth camera's are as often wrong.
+void removeSpeckles(int min_area, DisparityImage& disparity) {
+  cv::Mat fixed;
+  disparity.values.convertTo(fixed, CV_16S, static_cast<double>(kSubpixels) / disparity.reduce);
+  cv::filterSpeckles(fixed, 0, min_area, kSpeckleRange * kSubpixels);
+  disparity.values.setTo(0.0F, fixed == 0);
+}
+
+/// The disparities that a depth camera gives, on the grid of matched ones.
+DisparityImage givenDisparities(const StereoFrame& frame, const DisparityParams& params) {
+  DisparityImage result;
+  const int reduce = result.reduce = params.reduce;
+  const cv::Mat& given = frame.disparity;
+  result.values = cv::Mat(given.rows / reduce, given.cols / reduce, CV_32F, cv::Scalar(0));
+  for (int row = 0; row < result.values.rows; ++row) {
+    for (int column = 0; column < result.values.cols; ++column) {
+      result.values.at<float>(row, column) =
+          cellValue(given(cv::Rect(reduce * column, reduce * row, reduce, reduce)));
+    }
+  }
+  if (params.min_speckle_px > 0) removeSpeckles(params.min_speckle_px, result);
+  return result;
+}
+
 }  // namespace
 
 void DisparityParams::describe(Params::Section section) {
@@ -88,6 +140,7 @@ double DisparityImage::coverage() const {
 }
 
 DisparityImage denseDisparity(const StereoFrame& frame, const DisparityParams& params) {
+  if (!frame.disparity.empty()) return givenDisparities(frame, params);
   DisparityImage result;
   result.reduce = params.reduce;
   const cv::Mat left = reducedImage(frame.left, params.reduce);
@@ -97,7 +150,7 @@ DisparityImage denseDisparity(const StereoFrame& frame, const DisparityParams& p
   if (range < 16 || left.rows <= 2 * params.block_px) return result;
   auto matcher = makeMatcher(params, range);
   matcher->setDisp12MaxDiff(1);
-  matcher->setSpeckleRange(2);
+  matcher->setSpeckleRange(kSpeckleRange);
   matcher->setSpeckleWindowSize(params.min_speckle_px);
   // OpenCV leaves the first `range` columns unmatched: they are given as many more to their left.
   cv::Mat fixed;

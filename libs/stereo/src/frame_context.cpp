@@ -28,7 +28,8 @@ struct FrameContext::Values {
   double disparity_offset_px = 0.0;
   std::optional<GroundPlane> ground;  ///< of the frame before until it is found in this one
   bool ground_searched = false;
-  ImagePyramid left, right;
+  ImagePyramid left;
+  SecondView right;
   std::optional<DisparityImage> disparity;
   cv::Mat reduced_left;
   std::future<DisparityImage> pending;
@@ -56,9 +57,11 @@ const ImagePyramid& FrameContext::left() const {
   return values_->left;
 }
 
-const ImagePyramid& FrameContext::right() const {
-  if (values_->right.empty()) {
-    values_->right = stretchedPyramid(values_->frame.right, Gradients::kNone);
+const SecondView& FrameContext::right() const {
+  if (!values_->frame.disparity.empty()) {
+    values_->right.disparities = values_->frame.disparity;
+  } else if (values_->right.image.empty()) {
+    values_->right.image = stretchedPyramid(values_->frame.right, Gradients::kNone);
   }
   return values_->right;
 }

@@ -14,6 +14,7 @@ constexpr double kLowMount_m = 1.0;         // below it a robot's, else a car's
 constexpr double kLowObstacle_m = 0.12;     // default obstacle height of a small robot
 constexpr double kHighObstacle_m = 0.3;     // and of a car
 constexpr double kMaxDisparityRatio = 0.2;  // of the image width
+constexpr double kNearestDepth_m = 0.3;     // that depth cameras measure
 constexpr double kMinObstaclePx = 10.0;     // height of an obstacle in the image
 constexpr double kMinContrastSigmas = 7.5;  // of an obstacle's top against the ground behind it
 constexpr double kMaxDepthSigma_m = 0.45;   // of an obstacle
@@ -81,6 +82,7 @@ double RigCapability::depthSigma(double depth_m) const {
 RigCapability rigCapability(const StereoCamera& camera, const RigAssumptions& assumptions) {
   RigCapability rig;
   rig.baseline_m = camera.baseline_m;
+  rig.depth_reach_m = camera.depth_reach_m;
   rig.focal_baseline = camera.fx * camera.baseline_m;
   rig.sigma_disparity_px = assumptions.sigma_disparity_px;
   const double mounted = camera.T_robot_cam.translation().z();
@@ -91,7 +93,9 @@ RigCapability rigCapability(const StereoCamera& camera, const RigAssumptions& as
   if (rig.min_obstacle_height_m <= 0.0) {
     rig.min_obstacle_height_m = rig.meets_drops ? kLowObstacle_m : kHighObstacle_m;
   }
-  const double by_disparity = rig.focal_baseline / (kMaxDisparityRatio * camera.width);
+  const bool is_depth = camera.isDepthCamera();
+  const double by_disparity =
+      is_depth ? kNearestDepth_m : rig.focal_baseline / (kMaxDisparityRatio * camera.width);
   const NearestGround ground = nearestGround(camera, rig.camera_height_m);
   const bool ground_in_view = std::isfinite(ground.depth_m);
   const double nearest =
@@ -100,12 +104,15 @@ RigCapability rigCapability(const StereoCamera& camera, const RigAssumptions& as
   const double hidden = std::min(1.0, rig.min_obstacle_height_m / rig.camera_height_m);
   rig.obstacles_from_m = std::max(
       rig.nearest_m, rounded(ground_in_view ? ground.distance_m * (1.0 - hidden) : by_disparity));
-  rig.ground_to_m = rounded(depthOfSigma(rig, kMaxGroundSigma_m));
-  rig.obstacles_to_m = valueOr(assumptions.obstacles_to_m, rounded(obstacleReach(rig, camera.fy)));
-  rig.high_obstacles_to_m = rounded(depthOfSigma(rig, kMaxDepthSigma_m));
-  rig.people_to_m = rounded(motionReach(rig, kWalkingSpeed_mps, assumptions.rate_hz));
+  const auto reach = [&](double derived) {
+    return rounded(is_depth ? std::min(derived, camera.depth_reach_m) : derived);
+  };
+  rig.ground_to_m = reach(depthOfSigma(rig, kMaxGroundSigma_m));
+  rig.obstacles_to_m = valueOr(assumptions.obstacles_to_m, reach(obstacleReach(rig, camera.fy)));
+  rig.high_obstacles_to_m = reach(depthOfSigma(rig, kMaxDepthSigma_m));
+  rig.people_to_m = reach(motionReach(rig, kWalkingSpeed_mps, assumptions.rate_hz));
   rig.vehicles_to_m = valueOr(assumptions.vehicles_to_m,
-                              rounded(motionReach(rig, kVehicleSpeed_mps, assumptions.rate_hz)));
+                              reach(motionReach(rig, kVehicleSpeed_mps, assumptions.rate_hz)));
   rig.segments_to_m = valueOr(assumptions.segments_to_m, kSegmentsRatio * rig.people_to_m);
   rig.grid_spacing_m =
       valueOr(assumptions.grid_spacing_m, std::clamp(rig.obstacles_to_m / 20.0, 0.2, 1.0));
@@ -119,10 +126,13 @@ std::string describe(const RigCapability& rig) {
     return std::string(buffer);
   };
   const bool sees_obstacles = rig.obstacles_from_m < rig.obstacles_to_m;
-  return text("rig: baseline %.2f m, camera %.2f m above the ground%s, matched from %.1f m; ",
-              rig.baseline_m, rig.camera_height_m,
+  const std::string kind = rig.depth_reach_m > 0.0
+                               ? text("depth camera to %.1f m", rig.depth_reach_m)
+                               : text("baseline %.2f m", rig.baseline_m);
+  return text("rig: %s, camera %.2f m above the ground%s, %s from %.1f m; ", kind.c_str(),
+              rig.camera_height_m,
               rig.camera_height_known ? "" : " (assumed: no promise of free ground)",
-              rig.nearest_m) +
+              rig.depth_reach_m > 0.0 ? "used" : "matched", rig.nearest_m) +
          (sees_obstacles ? text("obstacles of %.2f m at %.1f to %.1f m", rig.min_obstacle_height_m,
                                 rig.obstacles_from_m, rig.obstacles_to_m)
                          : text("no obstacles of %.2f m", rig.min_obstacle_height_m)) +

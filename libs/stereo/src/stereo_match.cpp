@@ -55,8 +55,10 @@ std::optional<int> bestColumn(const cv::Mat& a, int u, const cv::Mat& b, int fir
 
 }  // namespace
 
-std::optional<double> StereoMatcher::search(const ImagePyramid& left, const ImagePyramid& right,
+std::optional<double> StereoMatcher::search(const ImagePyramid& left, const SecondView& second,
                                             const Eigen::Vector2d& uv) const {
+  if (second.isDepth()) return givenDisparity(second.disparities, uv);
+  const ImagePyramid& right = second.image;
   const int level = std::min({kSearchLevel, left.count() - 1, right.count() - 1});
   const cv::Mat& a = left.levels[level];
   const cv::Mat& b = right.levels[level];
@@ -72,19 +74,20 @@ std::optional<double> StereoMatcher::search(const ImagePyramid& left, const Imag
   const auto back =
       bestColumn(b, *match, a, std::max(low, *match - 1), std::min(high, *match + range), v);
   if (!back || std::abs(*back - u) > 1) return std::nullopt;
-  const auto coarse = refine(left, right, uv, static_cast<double>(u - *match) * scale, level);
+  const auto coarse = refine(left, second, uv, static_cast<double>(u - *match) * scale, level);
   if (!coarse) return std::nullopt;
-  return refine(left, right, uv, *coarse, 0);
+  return refine(left, second, uv, *coarse, 0);
 }
 
-std::optional<double> StereoMatcher::refine(const ImagePyramid& left, const ImagePyramid& right,
+std::optional<double> StereoMatcher::refine(const ImagePyramid& left, const SecondView& second,
                                             const Eigen::Vector2d& uv, double expected,
                                             int level) const {
+  if (second.isDepth()) return givenDisparity(second.disparities, uv);
   const double scale = 1 << level;
   const auto patch = cutPatch(left.levels[level], uv / scale);
   if (!patch) return std::nullopt;
   const Eigen::Vector2d start(uv.x() - expected, uv.y());
-  const auto found = align(*patch, right.levels[level], start / scale, AlignmentAxes::kRow);
+  const auto found = align(*patch, second.image.levels[level], start / scale, AlignmentAxes::kRow);
   if (!found || !found->converged || found->zncc < min_zncc_) return std::nullopt;
   const double disparity = uv.x() - scale * found->uv.x();
   if (!(disparity > 0.0) || disparity > max_disparity_) return std::nullopt;

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <headway/core/pose.h>
 
+#include <Eigen/Core>
 #include <optional>
 
 namespace headway {
@@ -13,17 +13,23 @@ namespace headway {
 /// that of the left camera: x right, y down, z forward. The right camera is at
 /// (baseline_m, 0, 0). Invariant once validated: sizes, focal lengths and baseline are positive.
 ///
+/// A depth camera is one whose disparities are given with its images: its baseline is that at which
+/// a stereo camera's disparities would have the noise of the given ones (io/depth_camera.h).
+///
 ///     StereoCamera camera = source.camera();
 ///     Eigen::Vector3d uvd = project(point_cam, camera).value();
 struct StereoCamera {
-  int width = 0;           ///< [px]
-  int height = 0;          ///< [px]
-  double fx = 0.0;         ///< [px]
-  double fy = 0.0;         ///< [px]
-  double cx = 0.0;         ///< [px]
-  double cy = 0.0;         ///< [px]
-  double baseline_m = 0.0; ///< [m]
+  int width = 0;                          ///< [px]
+  int height = 0;                         ///< [px]
+  double fx = 0.0;                        ///< [px]
+  double fy = 0.0;                        ///< [px]
+  double cx = 0.0;                        ///< [px]
+  double cy = 0.0;                        ///< [px]
+  double baseline_m = 0.0;                ///< [m]
   Pose T_robot_cam = robotFromOptical();  ///< left camera on the robot
+  double depth_reach_m = 0.0;  ///< of a depth camera: maximum depth measured; 0: stereo [m]
+
+  [[nodiscard]] bool isDepthCamera() const { return depth_reach_m > 0.0; }
 };
 
 /// Throws InputError naming the first value that is invalid for a rectified pair.

@@ -25,10 +25,13 @@ struct MotionPrior {
 ///
 /// Images share their memory with the producer's and must not be modified.
 struct StereoFrame {
-  std::size_t index = 0;                       ///< of the stereo frame in its rawlog, from 0
-  Time time = 0.0;                             ///< [s]
-  cv::Mat left;                                ///< 8-bit grey, camera->height x camera->width
-  cv::Mat right;                               ///< 8-bit grey, same size
+  std::size_t index = 0;  ///< of the stereo frame in its rawlog, from 0
+  Time time = 0.0;        ///< [s]
+  cv::Mat left;           ///< 8-bit grey, camera->height x camera->width
+  cv::Mat right;          ///< 8-bit grey, same size; empty: depth camera
+  /// Of a depth camera, 32-bit float, size of `left`: disparities [px], 0 where unknown; else
+  /// empty.
+  cv::Mat disparity;
   cv::Mat left_colour;                         ///< 8-bit BGR of the left image; empty if grey
   std::shared_ptr<const StereoCamera> camera;  ///< never null; the same object for all frames
   MotionPrior motion_prior;

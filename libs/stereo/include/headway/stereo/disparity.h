@@ -38,7 +38,8 @@ struct DisparityImage {
   [[nodiscard]] double coverage() const;
 };
 
-/// Matches a stereo pair densely; the same result on any number of cores.
+/// Matches a stereo pair densely; the same result on any number of cores. Of a depth camera, its
+/// disparities on the same grid, without small regions.
 ///
 /// Matched both ways, without speckles: cells without texture, hidden in the right image or nearer
 /// than `nearest_m` hold 0. A picture too narrow to match gives an image of zeros.

@@ -5,6 +5,7 @@
 #include <headway/stereo/disparity.h>
 #include <headway/stereo/ground_plane.h>
 #include <headway/stereo/image_pyramid.h>
+#include <headway/stereo/second_view.h>
 
 #include <memory>
 #include <optional>
@@ -35,9 +36,9 @@ class FrameContext {
   [[nodiscard]] const StereoFrame& frame() const;
   [[nodiscard]] const StereoCamera& camera() const { return *frame().camera; }
 
-  /// Pyramids of the images, contrast-stretched in poor light.
+  /// Pyramids of the images, contrast-stretched in poor light; of a depth camera, its disparities.
   [[nodiscard]] const ImagePyramid& left() const;
-  [[nodiscard]] const ImagePyramid& right() const;
+  [[nodiscard]] const SecondView& right() const;
 
   /// Starts stereo matching in another thread.
   void startMatching(WorkerThread& worker) const;

@@ -35,11 +35,14 @@ struct RigAssumptions {
 ///       depth error                  z^2 s / (f b) <= 0.45 m
 ///     motion at a speed v          v >= 3 sigma_v; sigma_v = z^2 s / (f b) sqrt(12 / n) / T
 ///
+/// A depth camera is used from 0.3 m, or z0 / 2, and nothing reaches farther than its depths do.
+///
 /// v is 1.4 m/s for people and 9 m/s for vehicles, T = 1 s and n the number of frames in it.
 ///
 /// @see  Gallup et al. 2008, "Variable baseline/resolution stereo" (depth error); doc/rigs.md
 struct RigCapability {
   double baseline_m = 0.0;             ///< [m]
+  double depth_reach_m = 0.0;          ///< of a depth camera, as StereoCamera::depth_reach_m [m]
   double focal_baseline = 0.0;         ///< f b [px m]
   double camera_height_m = 0.0;        ///< above the ground [m]
   bool camera_height_known = false;    ///< false: the mounting has no height, 1.65 m are assumed

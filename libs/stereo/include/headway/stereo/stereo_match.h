@@ -1,6 +1,6 @@
 #pragma once
 
-#include <headway/stereo/image_pyramid.h>
+#include <headway/stereo/second_view.h>
 
 #include <Eigen/Core>
 #include <optional>
@@ -11,7 +11,8 @@ namespace headway::stereo {
 ///
 /// A search over all disparities at half resolution (zero-mean squared differences, with a
 /// uniqueness test and a check from right to left) is followed by an alignment at full
-/// resolution. Returns disparities [px] at level 0, positive.
+/// resolution. Returns disparities [px] at level 0, positive. Those of a depth camera are given:
+/// nothing is searched, and predictions and levels have no effect.
 ///
 /// @see Hirschmueller & Scharstein 2009, "Evaluation of stereo matching costs"
 class StereoMatcher {
@@ -22,13 +23,13 @@ class StereoMatcher {
       : max_disparity_(max_disparity), min_zncc_(min_zncc) {}
 
   /// Disparity of a point without prediction; nullopt if there is no unique match.
-  [[nodiscard]] std::optional<double> search(const ImagePyramid& left, const ImagePyramid& right,
+  [[nodiscard]] std::optional<double> search(const ImagePyramid& left, const SecondView& second,
                                              const Eigen::Vector2d& uv) const;
 
   /// Disparity of a point near an expected one, compared at one pyramid level.
   ///
   /// @param expected  [px], level 0
-  [[nodiscard]] std::optional<double> refine(const ImagePyramid& left, const ImagePyramid& right,
+  [[nodiscard]] std::optional<double> refine(const ImagePyramid& left, const SecondView& second,
                                              const Eigen::Vector2d& uv, double expected,
                                              int level) const;
 
