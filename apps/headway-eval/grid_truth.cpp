@@ -25,7 +25,7 @@ constexpr double kGround_m = 0.15;        ///< maximum height of ground and kerb
 constexpr double kHeightMargin_m = 0.01;  ///< surfaces this close to the asked height are undecided
 constexpr double kAheadFrom_m = 0.5;
 constexpr double kAheadTo_m = 3.0;
-constexpr int kMinPixels = 2;      ///< over all frames; rejects mixed pixels at depth edges
+constexpr int kMinPixels = 2;       ///< over all frames; rejects mixed pixels at depth edges
 constexpr int kVisiblePixels = 49;  ///< of an obstacle in one frame: a quarter of a matched block
 constexpr int kOutline_px = 2;      ///< width of a moving object's outline that its mask may miss
 constexpr double kSweptMargin_m = 0.2;
@@ -79,7 +79,8 @@ void countPixels(const cv::Mat& depth, const cv::Mat& moving, const StereoCamera
       if (height < ground && height > -heights.min_m) ++counts.ground[*cell];
       if (height < heights.min_m + kHeightMargin_m || height > heights.max_m) continue;
       ++counts.obstacle[*cell];
-      if (u < camera.fx * camera.baseline_m / z) continue;  // outside of the right image
+      const double hidden = camera.isDepthCamera() ? 0.0 : camera.fx * camera.baseline_m / z;
+      if (u < hidden) continue;  // outside of the right image
       if (z >= reach.from_m && z <= reach.to_m) ++in_reach[*cell];
       if (z >= kAheadFrom_m && z <= kAheadTo_m) ++ahead[*cell];
     }

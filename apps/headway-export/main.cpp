@@ -78,6 +78,11 @@ int runExport(int argc, const char** argv) {
   program::catchInterrupts();
   io::RawlogSource source(options.input, options.source);
   if (!source.camera()) throw InputError(options.input + ": contains no stereo images");
+  if (source.camera()->isDepthCamera()) {
+    throw InputError(options.input +
+                     ": is the recording of a depth camera; KITTI's layout consists "
+                     "of the images of two cameras");
+  }
   program::requireWritable(options.output, options.overwrite);
   program::OutputFolder folder(options.output, options.overwrite, {options.input}, isExported);
   KittiWriter writer(folder.path());

@@ -13,6 +13,7 @@ constexpr const char* kDefaultBoxes = "det3d_pointrcnn";
 /// What a dataset's folder contains.
 std::string folderDescription(const std::string& dataset) {
   if (dataset == "euroc") return "Folder that contains mav0/";
+  if (dataset == "tum-rgbd") return "Folder that contains rgb.txt and depth.txt";
   if (dataset == "kitti-tracking") return "Folder that contains training/";
   if (dataset == "kitti-raw") return "Folder that contains the days, such as 2011_09_26/";
   return "Folder that contains sequences/";
@@ -26,14 +27,21 @@ void addOxtsPath(CommandLine& line, ImportOptions& options) {
 void addDatasetOptions(CommandLine& line, ImportOptions& options) {
   if (options.dataset == "images") {
     line.option(options.left, 0, "left", "DIR", "Folder of left images", true);
-    line.option(options.right, 0, "right", "DIR", "Folder of right images", true);
+    line.option(options.right, 0, "right", "DIR", "Folder of right images");
+    line.option(options.depth, 0, "depth", "DIR", "Instead: folder of depth images, 16-bit PNG");
     line.option(options.calibration, 0, "calibration", "FILE",
-                "Calibration of the pair: headway, MRPT, ROS, Kalibr, ORB-SLAM or OpenCV "
-                "(doc/formats.md); two files separated by a comma",
+                "Calibration of the pair: headway, MRPT, ROS, Kalibr, ORB-SLAM or OpenCV, two "
+                "files separated by a comma; with --depth: headway (doc/formats.md)",
                 true);
     return;
   }
   line.positional(options.folder, "DIR", folderDescription(options.dataset));
+  if (options.dataset == "tum-rgbd") {
+    line.option(options.calibration, 0, "calibration", "FILE",
+                "Calibration of the depth camera (doc/formats.md); default: the published one of "
+                "freiburg1, freiburg2 or freiburg3 in DIR's name");
+    return;
+  }
   if (options.dataset == "euroc") return;
   if (options.dataset == "kitti-raw") {
     line.option(options.drive, 0, "drive", "NAME", "Drive, such as 2011_09_26_drive_0005_sync",
@@ -83,6 +91,9 @@ void finish(ImportOptions& options) {
   if (options.dataset == "kitti-tracking" && !has_images && options.boxes.empty()) {
     options.boxes = kDefaultBoxes;
   }
+  if (options.dataset == "images" && options.right.empty() == options.depth.empty()) {
+    throw program::UsageError("give --right DIR for a stereo camera, or --depth DIR");
+  }
   if (options.degrade && options.boxes.empty() && options.detections.empty()) {
     throw program::UsageError("--degrade requires --detections for this dataset");
   }
@@ -97,7 +108,8 @@ void finish(ImportOptions& options) {
 std::optional<ImportOptions> parseOptions(int argc, const char** argv) {
   ImportOptions options;
   options.dataset = program::takeSubcommand(
-      argc, argv, {"kitti-odometry", "kitti-raw", "kitti-tracking", "euroc", "images", "rosbag"});
+      argc, argv,
+      {"kitti-odometry", "kitti-raw", "kitti-tracking", "euroc", "tum-rgbd", "images", "rosbag"});
   io::DegradeParams degrade;
   Params params;
   degrade.describe(params.section("degrade").user());
@@ -135,6 +147,10 @@ std::unique_ptr<io::Dataset> openDataset(const ImportOptions& options) {
                                  io::kittiBoxesFrom(options.boxes));
   }
   if (options.dataset == "euroc") return io::openEuroc(options.folder);
+  if (options.dataset == "tum-rgbd") return io::openTumRgbd(options.folder, options.calibration);
+  if (!options.depth.empty()) {
+    return io::openDepthFolders(options.left, options.depth, options.calibration);
+  }
   return io::openImageFolders(options.left, options.right, options.calibration);
 }
 

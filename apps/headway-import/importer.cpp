@@ -57,9 +57,12 @@ class SideFiles {
   std::optional<io::Degrader> degrader_;
 };
 
-void write(io::RawlogSink& sink, const io::DatasetFrame& frame,
-           const std::optional<io::RawStereoCamera>& camera) {
-  if (camera) sink.writeStereo(frame.time, frame.left, frame.right, *camera);
+void write(io::RawlogSink& sink, const io::DatasetFrame& frame, const io::Dataset& dataset) {
+  if (const auto depth_camera = dataset.depthCamera()) {
+    sink.writeDepth(frame.time, frame.left, frame.depth, *depth_camera);
+  } else if (const auto camera = dataset.camera()) {
+    sink.writeStereo(frame.time, frame.left, frame.right, *camera);
+  }
   if (frame.T_map_robot) sink.writePose("pose", frame.time, *frame.T_map_robot);
   if (frame.detections) sink.writeDetections("detections", *frame.detections);
   if (frame.truth_T_map_robot) {
@@ -114,7 +117,7 @@ ImportSummary importDataset(const io::Dataset& dataset, const ImportOptions& opt
     io::DatasetFrame frame = dataset.frame(index);
     side_files.applyTo(frame, index);
     sensors.writeUntil(frame.time, sink);
-    write(sink, frame, dataset.camera());
+    write(sink, frame, dataset);
     ++summary.frames;
     progress.update(summary.frames,
                     static_cast<double>(summary.frames) / static_cast<double>(end - first));

@@ -20,6 +20,7 @@ struct ImportOptions {
   std::string oxts_path = "positions";
   std::string left;
   std::string right;
+  std::string depth;  ///< images: instead of right
   std::string calibration;
 
   std::string output;

@@ -10,10 +10,17 @@ namespace {
 constexpr std::size_t kMinMatches = 20;        // of points between the first images
 constexpr double kMaxVerticalDisparity = 2.0;  // [px]
 constexpr double kMinDisparity = 0.1;          // [px]
+constexpr double kMinDepthRatio = 0.1;         // of the first image's pixels
 
 }  // namespace
 
 void printCalibration(const io::CalibrationReport& report) {
+  if (report.is_depth_camera) {
+    std::printf("depth camera: focal length %.2f px%s; depth in %.0f %% of the first image\n",
+                report.focal_px, report.rectified_here ? " (rectified here)" : "",
+                100.0 * report.depth_ratio);
+    return;
+  }
   std::printf(
       "calibration: baseline %.4f m, focal length %.2f px%s; vertical disparity %.2f px, "
       "median disparity %.1f px (%zu matches)\n",
@@ -23,7 +30,13 @@ void printCalibration(const io::CalibrationReport& report) {
 
 std::string causeOfNoTracking(const std::optional<io::CalibrationReport>& calibration) {
   std::string cause = "too few points of the images were tracked";
-  if (calibration && calibration->matches < kMinMatches) {
+  if (calibration && calibration->is_depth_camera) {
+    if (calibration->depth_ratio < kMinDepthRatio) {
+      cause = "only " + std::to_string(std::lround(100.0 * calibration->depth_ratio)) +
+              " % of the first image have depth; check the depth camera's projector, its reach and "
+              "the unit of its images (rangeUnits)";
+    }
+  } else if (calibration && calibration->matches < kMinMatches) {
     cause = "only " + std::to_string(calibration->matches) +
             " points of the first left image were found in the right one; check focus, exposure "
             "and lens covers, and that both images are of one stereo pair";

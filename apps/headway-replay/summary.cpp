@@ -28,6 +28,12 @@ Json pathJson(const std::string& path) {
 
 Json calibrationJson(const std::optional<io::CalibrationReport>& report) {
   if (!report) return nullptr;
+  if (report->is_depth_camera) {
+    return {{"depth_camera", true},
+            {"focal_px", report->focal_px},
+            {"depth_ratio", report->depth_ratio},
+            {"rectified_here", report->rectified_here}};
+  }
   return {{"baseline_m", report->baseline_m},
           {"focal_px", report->focal_px},
           {"vertical_disparity_px", report->vertical_disparity_px},
@@ -38,7 +44,8 @@ Json calibrationJson(const std::optional<io::CalibrationReport>& report) {
 
 Json rigJson(const std::optional<stereo::RigCapability>& rig) {
   if (!rig) return nullptr;
-  return {{"baseline_m", rig->baseline_m},
+  return {{rig->depth_reach_m > 0.0 ? "depth_reach_m" : "baseline_m",
+           rig->depth_reach_m > 0.0 ? rig->depth_reach_m : rig->baseline_m},
           {"camera_height_m", rig->camera_height_m},
           {"camera_height_known", rig->camera_height_known},
           {"nearest_m", rig->nearest_m},

@@ -42,17 +42,28 @@ test::FileTree makeRecordings() {
                                 kDrivePath + "/oxts/data/0000000001.txt",
                                 kDrivePath + "/tracklet_labels.xml",
                                 "images/calibration.yaml",
-                                "images/times.txt"}) {
+                                "images/times.txt",
+                                "tum/rgb.txt",
+                                "tum/depth.txt",
+                                "tum/groundtruth.txt",
+                                "depth/calibration.yaml",
+                                "depth/depth/0000000000.png"}) {
     tree.addSeed(name);
   }
   tree.add(kDrivePath + "/oxts/data/0000000000.txt",
            tree.seed(kDrivePath + "/oxts/data/0000000001.txt"));
   const std::string image = "P5\n16 12\n255\n" + std::string(192, 'x');
-  for (const std::string& folder : std::vector<std::string>{
-           "euroc/mav0/cam0/data/", "euroc/mav0/cam1/data/", "odometry/sequences/07/image_0/",
-           "odometry/sequences/07/image_1/", kDrivePath + "/image_00/data/",
-           kDrivePath + "/image_01/data/", "images/left/", "images/right/"}) {
+  for (const std::string& folder :
+       std::vector<std::string>{"euroc/mav0/cam0/data/", "euroc/mav0/cam1/data/",
+                                "odometry/sequences/07/image_0/", "odometry/sequences/07/image_1/",
+                                kDrivePath + "/image_00/data/", kDrivePath + "/image_01/data/",
+                                "images/left/", "images/right/", "depth/left/", "tum/rgb/"}) {
     for (const char* name : {"0000000000.png", "0000000001.png"}) tree.add(folder + name, image);
+  }
+  const std::string depth = tree.seed("depth/depth/0000000000.png");
+  for (const char* name :
+       {"depth/depth/0000000001.png", "tum/depth/0000000000.png", "tum/depth/0000000001.png"}) {
+    tree.add(name, depth);
   }
   return tree;
 }
@@ -69,12 +80,18 @@ std::unique_ptr<io::Dataset> openFor(const std::string& file, const std::string&
     return io::openImageFolders(root + "/images/left", root + "/images/right",
                                 root + "/images/calibration.yaml");
   }
+  const std::string depth_camera = root + "/depth/calibration.yaml";
+  if (file.rfind("tum", 0) == 0) return io::openTumRgbd(root + "/tum", depth_camera);
+  if (file.rfind("depth", 0) == 0) {
+    return io::openDepthFolders(root + "/depth/left", root + "/depth/depth", depth_camera);
+  }
   return io::openKittiRaw(root, kDrive, io::OxtsPath::kPositions);
 }
 
 void readAll(const io::Dataset& dataset) {
   for (std::size_t i = 0; i < dataset.size(); ++i) (void)dataset.frame(i);
   (void)dataset.camera();
+  (void)dataset.depthCamera();
   (void)dataset.inertial();
   (void)dataset.gnss();
   (void)dataset.dropped();

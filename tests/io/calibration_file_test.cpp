@@ -41,6 +41,10 @@ TEST(CalibrationFileTest, ReadsItsOutputWithoutLoss) {
   EXPECT_EQ(camera.cy, read.cy);
   EXPECT_EQ(camera.baseline_m, read.baseline_m);
   EXPECT_EQ(camera.T_robot_cam.matrix(), read.T_robot_cam.matrix());
+  EXPECT_FALSE(read.isDepthCamera());
+  camera.depth_reach_m = 7.7;
+  writeCalibration(folder / "c.yaml", camera);
+  EXPECT_EQ(7.7, readCalibration(folder / "c.yaml").depth_reach_m);
 }
 
 TEST(CalibrationFileTest, ReadsUnrectifiedLenses) {

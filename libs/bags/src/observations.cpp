@@ -10,9 +10,7 @@
 namespace headway::bags {
 namespace {
 
-constexpr float kMetresPerUnit = 0.001F;  // of depth
-constexpr float kMaxDepthM = 65.535F;     // of 16 bits
-constexpr double kScanSigmaM = 0.01;      // LaserScan states none; MRPT's default
+constexpr double kScanSigmaM = 0.01;  // LaserScan states none; MRPT's default
 constexpr std::size_t kMaxBeams = 100000;
 
 /// NMEA's quality of a fix of NavSatStatus: none, plain, satellite-based, ground-based corrections.
@@ -88,28 +86,15 @@ std::optional<io::RecordedScan> scanFrom(const LaserScanMessage& message, Time t
 mrpt::obs::CObservation3DRangeScan::Ptr depthObservation(const cv::Mat& picture,
                                                          const cv::Mat& depth, Time time,
                                                          const BagRig& rig) {
-  auto observation = mrpt::obs::CObservation3DRangeScan::Create();
+  io::RawDepthCamera camera;
+  camera.color = rig.color;
+  camera.depth = rig.depth;
+  camera.T_robot_color = rig.T_robot_color;
+  camera.T_color_depth = rig.T_robot_color.inverse() * rig.T_robot_depth;
+  auto observation =
+      io::depthObservation(mrpt::img::CImage(picture, mrpt::img::SHALLOW_COPY), depth, camera);
   observation->timestamp = io::mrptTime(time);
   observation->sensorLabel = "rgbd";
-  // MRPT's sensor has x forward; its intensity camera has optical axes.
-  const Pose T_robot_sensor = rig.T_robot_depth * robotFromOptical().inverse();
-  observation->sensorPose = toMrpt(T_robot_sensor);
-  observation->relativePoseIntensityWRTDepth =
-      toMrpt(Pose(T_robot_sensor.inverse() * rig.T_robot_color));
-  observation->cameraParams = io::mrptCamera(rig.depth, "depth");
-  observation->cameraParamsIntensity = io::mrptCamera(rig.color, "color");
-  observation->hasIntensityImage = true;
-  observation->intensityImage = mrpt::img::CImage(picture, mrpt::img::SHALLOW_COPY);
-  observation->hasRangeImage = true;
-  observation->range_is_depth = true;
-  observation->rangeUnits = kMetresPerUnit;
-  observation->maxRange = kMaxDepthM;
-  observation->rangeImage_setSize(depth.rows, depth.cols);
-  for (int row = 0; row < depth.rows; ++row) {
-    for (int column = 0; column < depth.cols; ++column) {
-      observation->rangeImage(row, column) = depth.at<std::uint16_t>(row, column);
-    }
-  }
   return observation;
 }
 

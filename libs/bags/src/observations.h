@@ -28,7 +28,8 @@ namespace headway::bags {
 [[nodiscard]] std::optional<io::RecordedScan> scanFrom(const LaserScanMessage& message, Time time,
                                                        const Pose& T_robot_laser);
 
-/// A picture with depth along the viewing direction, each with its own calibration.
+/// A picture with depth along the viewing direction, each with its own calibration. Messages do not
+/// tell how far a camera measures: the maximum range is that of 16 bits.
 ///
 /// @param depth  [mm], 0 where nothing was measured
 [[nodiscard]] mrpt::obs::CObservation3DRangeScan::Ptr depthObservation(const cv::Mat& picture,

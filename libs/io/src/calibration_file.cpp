@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "foreign_calibration.h"
+#include "own_lens.h"
 #include "rectifier.h"
 #include "text_rows.h"
 #include "yaml_file.h"
@@ -14,34 +15,6 @@ namespace headway::io {
 namespace {
 
 constexpr double kMaxMountingM = 100.0;  // of a camera on a robot
-
-RawCamera ownLens(const YamlFile& file, const std::string& key, cv::Size image_size,
-                  bool is_fisheye) {
-  const auto values = file.numbers(key, 4, is_fisheye ? 8 : 12);
-  RawCamera lens;
-  lens.width = image_size.width;
-  lens.height = image_size.height;
-  lens.fx = values[0];
-  lens.fy = values[1];
-  lens.cx = values[2];
-  lens.cy = values[3];
-  lens.is_fisheye = is_fisheye;
-  for (std::size_t i = 4; i < values.size(); ++i) {
-    const std::size_t k = i - 4;
-    (k < lens.distortion.size() ? lens.distortion[k] : lens.rational[k - 5]) = values[i];
-  }
-  requireLens(lens, file, key);
-  return lens;
-}
-
-bool isFisheye(const YamlFile& file) {
-  if (!file.has("lens_model")) return false;
-  const std::string model = file.word("lens_model");
-  if (model != "fisheye" && model != "pinhole") {
-    file.fail("key 'lens_model' is '" + model + "', known are pinhole and fisheye");
-  }
-  return model == "fisheye";
-}
 
 /// As in the file of headway's own format, or of another program.
 void requireValid(const RawStereoCamera& camera, const std::string& path,
@@ -76,6 +49,13 @@ std::string poseText(const Pose& pose) {
   return text;
 }
 
+/// What tells that the camera is a depth camera.
+std::string depthText(const StereoCamera& camera) {
+  if (!camera.isDepthCamera()) return "";
+  return "# A depth camera: its baseline is that of a stereo camera with as much noise.\n" +
+         formatted("depth_range_m: %.17g\n", camera.depth_reach_m);
+}
+
 StereoCalibrationFile readOwn(const YamlFile& file) {
   StereoCalibrationFile result;
   result.format = "headway";
@@ -90,6 +70,34 @@ StereoCalibrationFile readOwn(const YamlFile& file) {
 
 }  // namespace
 
+RawCamera ownLens(const YamlFile& file, const std::string& key, cv::Size image_size,
+                  bool is_fisheye) {
+  const auto values = file.numbers(key, 4, is_fisheye ? 8 : 12);
+  RawCamera lens;
+  lens.width = image_size.width;
+  lens.height = image_size.height;
+  lens.fx = values[0];
+  lens.fy = values[1];
+  lens.cx = values[2];
+  lens.cy = values[3];
+  lens.is_fisheye = is_fisheye;
+  for (std::size_t i = 4; i < values.size(); ++i) {
+    const std::size_t k = i - 4;
+    (k < lens.distortion.size() ? lens.distortion[k] : lens.rational[k - 5]) = values[i];
+  }
+  requireLens(lens, file, key);
+  return lens;
+}
+
+bool isFisheye(const YamlFile& file) {
+  if (!file.has("lens_model")) return false;
+  const std::string model = file.word("lens_model");
+  if (model != "fisheye" && model != "pinhole") {
+    file.fail("key 'lens_model' is '" + model + "', known are pinhole and fisheye");
+  }
+  return model == "fisheye";
+}
+
 void writeCalibration(const std::string& path, const StereoCamera& camera) {
   const std::string lens =
       formatted("[%.17g, %.17g, %.17g, %.17g]", camera.fx, camera.fy, camera.cx, camera.cy);
@@ -99,7 +107,7 @@ void writeCalibration(const std::string& path, const StereoCamera& camera) {
       << formatted("image_size: [%d, %d]  # width, height [px]\n", camera.width, camera.height)
       << "left: " << lens << "  # fx, fy, cx, cy [px]; (0, 0) is the centre of the first pixel\n"
       << "right: " << lens << "\n"
-      << formatted("baseline_m: %.17g\n", camera.baseline_m)
+      << formatted("baseline_m: %.17g\n", camera.baseline_m) << depthText(camera)
       << "# Left camera (x right, y down, z forward) on the robot (x forward, y left, z up), 3x4.\n"
       << "T_robot_cam: " << poseText(camera.T_robot_cam) << "\n";
   file.commit();
@@ -157,9 +165,12 @@ StereoCalibrationFile readStereoCalibration(const std::string& paths,
 }
 
 StereoCamera readCalibration(const std::string& path) {
-  const RawStereoCamera raw = readRawCalibration(path);
+  const RawStereoCamera raw = readRawCalibration(path, {"depth_range_m"});
   if (!isRectified(raw)) throw InputError(path + ": the stereo pair is not rectified");
-  return Rectifier(raw).camera();
+  StereoCamera camera = Rectifier(raw).camera();
+  const YamlFile file(path);
+  if (file.has("depth_range_m")) camera.depth_reach_m = file.number("depth_range_m");
+  return camera;
 }
 
 }  // namespace headway::io

@@ -2,6 +2,7 @@
 
 #include <headway/core/error.h>
 #include <headway/core/printable.h>
+#include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CObservationImage.h>
 #include <mrpt/obs/CObservationStereoImages.h>
 
@@ -29,6 +30,9 @@ void CameraProbe::add(const mrpt::obs::CObservation& observation) {
     auto& camera = single_[observation.sensorLabel];
     ++camera.count;
     observation.getSensorPose(camera.pose);
+  } else if (const auto* scan =
+                 dynamic_cast<const mrpt::obs::CObservation3DRangeScan*>(&observation)) {
+    if (scan->hasIntensityImage && scan->hasRangeImage) ++depth_[observation.sensorLabel];
   } else if (isRecordedPose(observation)) {
     ++poses_;
   }
@@ -44,13 +48,17 @@ bool CameraProbe::isDecided() const {
     for (const auto& [label, camera] : single_) all_twice = all_twice && camera.count >= 2;
     return all_twice;
   }
-  return stereo_.empty() && single_.empty() && poses_ >= kPosesWithoutImages;
+  for (const auto& [label, count] : depth_) {
+    if (count >= 2) return true;
+  }
+  return stereo_.empty() && single_.empty() && depth_.empty() && poses_ >= kPosesWithoutImages;
 }
 
 std::optional<CameraChoice> CameraProbe::wantedCamera() const {
   if (stereo_.count(wanted_) > 0) {
     return CameraChoice{CameraChoice::Kind::kStereo, {wanted_, ""}};
   }
+  if (depth_.count(wanted_) > 0) return CameraChoice{CameraChoice::Kind::kDepth, {wanted_, ""}};
   const auto comma = wanted_.find(',');
   if (comma == std::string::npos) return std::nullopt;
   const std::string left = wanted_.substr(0, comma);
@@ -80,9 +88,16 @@ CameraChoice CameraProbe::choose(const std::map<std::string, std::size_t>& skipp
         "contains several cameras; select two by their sensor labels as 'LEFT,RIGHT': " +
         keysOf(single_));
   }
+  if (depth_.size() > 1) {
+    throw InputError("contains several depth cameras; select one by its sensor label: " +
+                     keysOf(depth_));
+  }
+  if (depth_.size() == 1) return {CameraChoice::Kind::kDepth, {depth_.begin()->first, ""}};
   if (poses_ > 0) return {};
-  throw InputError("contains neither stereo images nor poses labelled 'pose'; it contains " +
-                   labelsSeen(skipped));
+  throw InputError(
+      "contains neither stereo images nor poses labelled 'pose' nor images with depth; it "
+      "contains " +
+      labelsSeen(skipped));
 }
 
 /// The left camera is the one with the other to its right.
@@ -99,6 +114,7 @@ std::string CameraProbe::labelsSeen(const std::map<std::string, std::size_t>& sk
   std::string text;
   const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
   if (!stereo_.empty()) add("stereo " + keysOf(stereo_));
+  if (!depth_.empty()) add("depth " + keysOf(depth_));
   if (!single_.empty()) add("single images " + keysOf(single_));
   if (!skipped.empty()) add("other observations: " + keysOf(skipped));
   if (poses_ > 0) add("poses");

@@ -10,21 +10,23 @@
 
 namespace headway::io {
 
-/// The stereo camera among the observations of a rawlog.
+/// The stereo or depth camera among the observations of a rawlog.
 struct CameraChoice {
   enum class Kind {
     kNone,    ///< no camera: the rawlog contains poses
     kStereo,  ///< `CObservationStereoImages` with the first label
     kPair,    ///< two `CObservationImage` labels, left and right
+    kDepth,   ///< `CObservation3DRangeScan` with the first label
   };
   Kind kind = Kind::kNone;
   std::array<std::string, 2> labels;
 };
 
-/// Determines the stereo camera from the first observations of a rawlog.
+/// Determines the camera from the first observations of a rawlog: a stereo camera, else two images,
+/// else a depth camera.
 class CameraProbe {
  public:
-  /// @param wanted  label of the stereo camera, or two labels "LEFT,RIGHT"; empty: the only one
+  /// @param wanted  label of the camera, or two labels "LEFT,RIGHT"; empty: the only one
   explicit CameraProbe(std::string wanted) : wanted_(std::move(wanted)) {}
 
   void add(const mrpt::obs::CObservation& observation);
@@ -50,6 +52,7 @@ class CameraProbe {
   std::string wanted_;
   std::map<std::string, std::size_t> stereo_;  ///< label -> observations
   std::map<std::string, Camera> single_;
+  std::map<std::string, std::size_t> depth_;  ///< as stereo_, with intensity and depth
   std::size_t poses_ = 0;
 };
 

@@ -20,7 +20,9 @@ constexpr double kMaxFocalWidths = 30.0;
 constexpr std::size_t kComparedPairs = 5;
 constexpr std::size_t kMinMatchesSwapped = 40;
 constexpr double kMaxVerticalDisparity = 0.8;  // of a good calibration [px]
-constexpr double kMinContrast = 3.0;           // standard deviation of grey levels
+constexpr double kMinDepthReachM = 0.5;        // of a depth camera; less is none
+constexpr double kUnknownDepthReachM = 10.0;
+constexpr double kMinContrast = 3.0;  // standard deviation of grey levels
 
 /// A baseline of metres belongs to no robot: it is recorded in another unit.
 void requireBaselineInMetres(const StereoCamera& camera) {
@@ -57,29 +59,51 @@ std::string sizeText(int width, int height) {
   return std::to_string(width) + "x" + std::to_string(height);
 }
 
+/// @param name  of the lens
+void requireSize(const cv::Size& size, const RawCamera& lens, const std::string& name) {
+  if (size == cv::Size(lens.width, lens.height)) return;
+  throw InputError("calibration of the depth camera: the " + name + " is for " +
+                   sizeText(lens.width, lens.height) + " px, but has " +
+                   sizeText(size.width, size.height));
+}
+
 }  // namespace
 
 std::optional<DecodedPair> FrameDecoder::decode(const RecordedPair& pair) {
   DecodedPair result;
-  const std::array<std::pair<const mrpt::img::CImage*, cv::Mat*>, 2> sides = {
-      {{&pair.left, &result.left}, {&pair.right, &result.right}}};
-  for (const auto& [recorded, pixels] : sides) {
-    const auto loaded = pixelsOf(*recorded, image_folder_);
-    if (const auto* reason = std::get_if<std::string>(&loaded)) {
-      ++skipped_[*reason];
-      return std::nullopt;
-    }
-    *pixels = std::get<cv::Mat>(loaded);
+  std::string reason;
+  const auto left = pixelsOf(pair.left, image_folder_);
+  if (const auto* failure = std::get_if<std::string>(&left)) {
+    reason = *failure;
+  } else {
+    result.left = std::get<cv::Mat>(left);
+    reason = decodeRight(pair, result);
   }
   const bool is_other_size =
-      result.left.size() != result.right.size() ||
-      (camera_ && result.left.size() != cv::Size(camera_->width, camera_->height));
-  if (!is_other_size) return result;
-  ++skipped_["image_size"];
+      camera_ && result.left.size() != cv::Size(camera_->width, camera_->height);
+  if (reason.empty() && is_other_size) reason = "image_size";
+  if (reason.empty()) return result;
+  ++skipped_[reason];
   return std::nullopt;
 }
 
+/// Adds right image or depth; returns why it cannot be used.
+std::string FrameDecoder::decodeRight(const RecordedPair& pair, DecodedPair& images) const {
+  if (pair.depth) {
+    auto ranges = rangesOf(*pair.depth, image_folder_);
+    if (const auto* failure = std::get_if<std::string>(&ranges)) return *failure;
+    images.ranges = std::get<cv::Mat>(ranges);
+    const bool is_other_size = registration_ && images.ranges.size() != registration_->size();
+    return is_other_size ? "depth_size" : "";
+  }
+  const auto right = pixelsOf(pair.right, image_folder_);
+  if (const auto* failure = std::get_if<std::string>(&right)) return *failure;
+  images.right = std::get<cv::Mat>(right);
+  return images.right.size() == images.left.size() ? "" : "image_size";
+}
+
 void FrameDecoder::calibrate(const RecordedPair& pair, const DecodedPair& images) {
+  if (pair.depth) return calibrateDepth(pair, images);
   const RawStereoCamera raw = rawCameraOf(pair);
   if (images.left.size() != cv::Size(raw.left.width, raw.left.height)) {
     throw InputError("stereo calibration: for images of " +
@@ -95,6 +119,27 @@ void FrameDecoder::calibrate(const RecordedPair& pair, const DecodedPair& images
   report_->rectified_here = !rectifier_->passesThrough();
   requireNotSwapped(*report_);
   requireBetterThanSwapped(images);
+}
+
+void FrameDecoder::calibrateDepth(const RecordedPair& pair, const DecodedPair& images) {
+  const RawDepthCamera& recorded = pair.depth->camera;
+  requireSize(images.left.size(), recorded.color, "intensity image (cameraParamsIntensity)");
+  requireSize(images.ranges.size(), recorded.depth, "depth image (cameraParams)");
+  validate(recorded);
+  rectifier_.emplace(rawCameraOf(pair));
+  StereoCamera camera = rectifier_->camera();
+  const bool is_known = recorded.max_range_m > kMinDepthReachM && recorded.max_range_m < 1e3;
+  camera.depth_reach_m = is_known ? recorded.max_range_m : kUnknownDepthReachM;
+  registration_.emplace(recorded, camera);
+  camera_ = std::make_shared<const StereoCamera>(camera);
+  const cv::Mat disparity = registration_->disparities(images.ranges);
+  report_.emplace();
+  report_->baseline_m = camera.baseline_m;
+  report_->focal_px = camera.fx;
+  report_->rectified_here = !rectifier_->passesThrough();
+  report_->is_depth_camera = true;
+  report_->depth_ratio =
+      static_cast<double>(cv::countNonZero(disparity)) / static_cast<double>(disparity.total());
 }
 
 /// Images that are rectified here do not match at all if they are swapped.
@@ -116,7 +161,7 @@ void FrameDecoder::requireBetterThanSwapped(const DecodedPair& images) const {
 }
 
 void FrameDecoder::requireTwoCameras(const DecodedPair& images) {
-  if (identical_pairs_ >= kComparedPairs || are_two_cameras_) return;
+  if (registration_ || identical_pairs_ >= kComparedPairs || are_two_cameras_) return;
   if (!isTextured(images.left)) return;
   const bool same_type = images.left.type() == images.right.type();
   if (!same_type || cv::norm(images.left, images.right, cv::NORM_INF) > 0.0) {
@@ -133,7 +178,11 @@ void FrameDecoder::requireTwoCameras(const DecodedPair& images) {
 StereoFrame FrameDecoder::stereoFrame(const DecodedPair& images) const {
   StereoFrame frame;
   frame.left = rectifier_->rectify(Rectifier::kLeft, greyOf(images.left));
-  frame.right = rectifier_->rectify(Rectifier::kRight, greyOf(images.right));
+  if (registration_) {
+    frame.disparity = registration_->disparities(images.ranges);
+  } else {
+    frame.right = rectifier_->rectify(Rectifier::kRight, greyOf(images.right));
+  }
   if (images.left.channels() == 3) {
     frame.left_colour = rectifier_->rectify(Rectifier::kLeft, images.left);
   }

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "depth_registration.h"
 #include "frame_assembler.h"
 #include "rectifier.h"
 #include "stereo_pairing.h"
@@ -17,14 +18,16 @@ namespace headway::io {
 /// Images of a recorded pair, 8-bit grey or BGR.
 struct DecodedPair {
   cv::Mat left;
-  cv::Mat right;
+  cv::Mat right;   ///< empty: of a depth camera
+  cv::Mat ranges;  ///< of a depth camera, 16-bit
 };
 
 /// Converts recorded pairs to rectified stereo frames, with the calibration of the first pair.
 class FrameDecoder {
  public:
   /// @param image_folder  folder of external images
-  /// @param skipped       counts the reasons of pixelsOf() and "image_size"
+  /// @param skipped       counts the reasons of pixelsOf() and rangesOf(), "image_size",
+  /// "depth_size"
   FrameDecoder(std::string image_folder, std::map<std::string, std::size_t>& skipped)
       : image_folder_(std::move(image_folder)), skipped_(skipped) {}
 
@@ -59,11 +62,14 @@ class FrameDecoder {
   [[nodiscard]] const std::optional<CalibrationReport>& report() const { return report_; }
 
  private:
+  [[nodiscard]] std::string decodeRight(const RecordedPair& pair, DecodedPair& images) const;
+  void calibrateDepth(const RecordedPair& pair, const DecodedPair& images);
   void requireBetterThanSwapped(const DecodedPair& images) const;
 
   std::string image_folder_;
   std::map<std::string, std::size_t>& skipped_;
   std::optional<Rectifier> rectifier_;
+  std::optional<DepthRegistration> registration_;  ///< of a depth camera
   std::shared_ptr<const StereoCamera> camera_;
   std::optional<CalibrationReport> report_;
   std::size_t identical_pairs_ = 0;

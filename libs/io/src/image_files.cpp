@@ -19,17 +19,36 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kMaxFileBytes = 1 << 28;  // of an image, more than any within the limits
+constexpr double kDefaultFrameRate = 10.0;         // [Hz]
 
-/// Whether `path` lies in `folder` when all links are followed.
-bool isInside(const fs::path& folder, const fs::path& path) {
+/// The content of an image file; empty if it is missing or larger than any.
+std::string imageBytesOf(const std::string& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return {};
+  const auto size = fs::file_size(path, error);
+  if (error || size == 0 || size > kMaxFileBytes) return {};
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  return file ? bytes : std::string();
+}
+
+void requireSizeOf(const cv::Mat& image, const std::string& path, const RawCamera& lens) {
+  if (image.size() == cv::Size(lens.width, lens.height)) return;
+  throw InputError(path + ": has " + std::to_string(image.cols) + "x" + std::to_string(image.rows) +
+                   " px, but the calibration is of images of " + std::to_string(lens.width) + "x" +
+                   std::to_string(lens.height) + " px");
+}
+
+}  // namespace
+
+bool isInside(const std::filesystem::path& folder, const std::filesystem::path& path) {
   std::error_code ignored;
   const fs::path root = fs::weakly_canonical(folder, ignored);
   const fs::path target = fs::weakly_canonical(path, ignored);
   return !root.empty() &&
          std::mismatch(root.begin(), root.end(), target.begin(), target.end()).first == root.end();
 }
-
-}  // namespace
 
 std::string imageFolderOf(const std::string& rawlog) {
   const fs::path folder = fs::path(rawlog).parent_path();
@@ -44,16 +63,7 @@ std::string imageFolderOf(const std::string& rawlog) {
   return (folder / (stem + "_Images")).string();
 }
 
-cv::Mat loadImage(const std::string& path) {
-  std::error_code error;
-  if (!fs::is_regular_file(path, error)) return {};
-  const auto size = fs::file_size(path, error);
-  if (error || size == 0 || size > kMaxFileBytes) return {};
-  std::string bytes(static_cast<std::size_t>(size), '\0');
-  std::ifstream file(path, std::ios::binary);
-  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  return file ? decodeImage(bytes) : cv::Mat();
-}
+cv::Mat loadImage(const std::string& path) { return decodeImage(imageBytesOf(path)); }
 
 std::variant<cv::Mat, std::string> pixelsOf(const mrpt::img::CImage& image,
                                             const std::string& image_folder) {
@@ -103,6 +113,57 @@ cv::Mat requireImage(const std::string& path) {
     throw InputError(path + ": missing, broken, or not an image with 8 bits per channel");
   }
   return image;
+}
+
+cv::Mat requireImageOf(const std::string& path, const RawCamera& lens) {
+  cv::Mat image = requireImage(path);
+  requireSizeOf(image, path, lens);
+  return image;
+}
+
+cv::Mat requireDepthImageOf(const std::string& path, const RawCamera& lens) {
+  cv::Mat depth = decodeDepthImage(imageBytesOf(path));
+  if (depth.empty()) {
+    throw InputError(path +
+                     ": missing, broken, or not a PNG with 16 bits and one channel, as a "
+                     "depth image is");
+  }
+  requireSizeOf(depth, path, lens);
+  return depth;
+}
+
+void requirePaired(const std::string& left_folder, const std::vector<std::string>& lefts,
+                   const std::string& other_folder, const std::vector<std::string>& others) {
+  if (lefts.size() != others.size()) {
+    throw InputError(left_folder + " contains " + std::to_string(lefts.size()) + " images and " +
+                     other_folder + " " + std::to_string(others.size()) +
+                     "; both folders must contain the same number");
+  }
+  if (lefts.empty()) throw InputError(left_folder + ": contains no images");
+}
+
+std::vector<Time> frameTimes(const std::string& times_file, double rate_hz,
+                             const std::string& folder, std::size_t frames) {
+  if (!times_file.empty()) {
+    const auto path = fs::path(folder) / times_file;
+    auto times = readTimes(path.string());
+    if (times.size() < frames) {
+      throw InputError(path.string() + ": has " + std::to_string(times.size()) + " times for " +
+                       std::to_string(frames) + " images");
+    }
+    return times;
+  }
+  const double rate = rate_hz > 0.0 ? rate_hz : kDefaultFrameRate;
+  std::vector<Time> times;
+  for (std::size_t i = 0; i < frames; ++i) times.push_back(static_cast<double>(i) / rate);
+  return times;
+}
+
+RawStereoCamera leftAlone(const RawDepthCamera& camera) {
+  RawStereoCamera result;
+  result.left = result.right = camera.color;
+  result.T_robot_left = camera.T_robot_color;
+  return result;
 }
 
 std::vector<Time> readTimes(const std::string& path) {

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <headway/core/pose.h>
+#include <headway/io/rawlog_sink.h>
 #include <mrpt/img/CImage.h>
 
+#include <filesystem>
 #include <opencv2/core/mat.hpp>
 #include <string>
 #include <variant>
@@ -16,6 +18,9 @@ namespace headway::io {
 /// @param image_folder  folder of external images; MRPT's global folder is not used
 [[nodiscard]] std::variant<cv::Mat, std::string> pixelsOf(const mrpt::img::CImage& image,
                                                           const std::string& image_folder);
+
+/// Whether `path` lies in `folder` when all links are followed.
+[[nodiscard]] bool isInside(const std::filesystem::path& folder, const std::filesystem::path& path);
 
 /// Folder of a rawlog's external images: `X_Images` for `X.rawlog`, or `Images` in its folder.
 [[nodiscard]] std::string imageFolderOf(const std::string& rawlog);
@@ -34,7 +39,28 @@ namespace headway::io {
 /// Loads an image as 8-bit grey or BGR. @throws InputError naming the file on failure
 [[nodiscard]] cv::Mat requireImage(const std::string& path);
 
+/// The same, if it has the size of its lens.
+[[nodiscard]] cv::Mat requireImageOf(const std::string& path, const RawCamera& lens);
+
+/// A PNG with 16 bits and one channel of its lens's size. @throws InputError naming the file
+[[nodiscard]] cv::Mat requireDepthImageOf(const std::string& path, const RawCamera& lens);
+
 /// The first number of every row.
 [[nodiscard]] std::vector<Time> readTimes(const std::string& path);
+
+/// Requires two folders of the same number of images, at least one. @throws InputError
+void requirePaired(const std::string& left_folder, const std::vector<std::string>& lefts,
+                   const std::string& other_folder, const std::vector<std::string>& others);
+
+/// Times of the frames of image folders.
+///
+/// @param times_file  name of a file in `folder` with one time per line; empty: by the rate
+/// @param rate_hz     0: 10 Hz
+/// @throws InputError if the file has too few times
+[[nodiscard]] std::vector<Time> frameTimes(const std::string& times_file, double rate_hz,
+                                           const std::string& folder, std::size_t frames);
+
+/// The intensity camera of a depth camera as the left one of a pair without baseline.
+[[nodiscard]] RawStereoCamera leftAlone(const RawDepthCamera& camera);
 
 }  // namespace headway::io

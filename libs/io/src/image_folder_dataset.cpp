@@ -10,25 +10,6 @@
 namespace headway::io {
 namespace {
 
-constexpr double kDefaultFrameRate = 10.0;  // [Hz]
-
-std::vector<Time> frameTimes(const StereoCalibrationFile& calibration, const std::string& folder,
-                             std::size_t frames) {
-  if (!calibration.times.empty()) {
-    const auto path = std::filesystem::path(folder) / calibration.times;
-    auto times = readTimes(path.string());
-    if (times.size() < frames) {
-      throw InputError(path.string() + ": has " + std::to_string(times.size()) + " times for " +
-                       std::to_string(frames) + " images");
-    }
-    return times;
-  }
-  const double rate = calibration.frame_rate > 0.0 ? calibration.frame_rate : kDefaultFrameRate;
-  std::vector<Time> times;
-  for (std::size_t i = 0; i < frames; ++i) times.push_back(static_cast<double>(i) / rate);
-  return times;
-}
-
 /// Width and height of an image.
 std::array<int, 2> sizeOf(const std::string& path) {
   const cv::Mat image = requireImage(path);
@@ -40,17 +21,12 @@ class ImageFolders : public Dataset {
   ImageFolders(const std::string& left_folder, const std::string& right_folder,
                const std::string& calibration)
       : lefts_(imagesIn(left_folder)), rights_(imagesIn(right_folder)) {
-    if (lefts_.size() != rights_.size()) {
-      throw InputError(left_folder + " contains " + std::to_string(lefts_.size()) + " images and " +
-                       right_folder + " " + std::to_string(rights_.size()) +
-                       "; both folders must contain the same number");
-    }
-    if (lefts_.empty()) throw InputError(left_folder + ": contains no images");
+    requirePaired(left_folder, lefts_, right_folder, rights_);
     const auto file = readStereoCalibration(calibration, sizeOf(lefts_.front()));
     camera_ = file.camera;
     requireSizeOfImages(calibration);
     const auto folder = std::filesystem::path(calibration).parent_path();
-    times_ = frameTimes(file, folder.string(), lefts_.size());
+    times_ = frameTimes(file.times, file.frame_rate, folder.string(), lefts_.size());
   }
 
   std::size_t size() const override { return lefts_.size(); }

@@ -90,20 +90,6 @@ void writeImage(const fs::path& path, const std::vector<unsigned char>& bytes) {
 
 }  // namespace
 
-RawStereoCamera rawFrom(const StereoCamera& camera) {
-  RawStereoCamera raw;
-  raw.left.width = camera.width;
-  raw.left.height = camera.height;
-  raw.left.fx = camera.fx;
-  raw.left.fy = camera.fy;
-  raw.left.cx = camera.cx;
-  raw.left.cy = camera.cy;
-  raw.right = raw.left;
-  raw.T_robot_left = camera.T_robot_cam;
-  raw.T_left_right.translation().x() = camera.baseline_m;
-  return raw;
-}
-
 class RawlogSink::Writer {
  public:
   Writer(const std::string& path, ImageStorage storage, int jpeg_quality)
@@ -209,6 +195,15 @@ void RawlogSink::writeStereo(Time time, const cv::Mat& left, const cv::Mat& righ
   observation.hasImageRight = true;
   setCalibration(camera, observation);
   writer_->write(observation);
+  writer_->countPair();
+}
+
+void RawlogSink::writeDepth(Time time, const cv::Mat& image, const cv::Mat& depth,
+                            const RawDepthCamera& camera, const std::string& label) {
+  auto observation = depthObservation(writer_->stored(image, label, "left"), depth, camera);
+  observation->timestamp = mrptTime(time);
+  observation->sensorLabel = label;
+  writer_->write(*observation);
   writer_->countPair();
 }
 

@@ -10,6 +10,7 @@
 
 #include <map>
 
+#include "recorded_depth.h"
 #include "recorded_image.h"
 #include "recorded_poses.h"
 
@@ -254,6 +255,7 @@ const std::map<std::string, Reader>& readers() {
   static const std::map<std::string, Reader> result = {
       {"CObservationStereoImages", readStereoImages},
       {"CObservationImage", readSingleImage},
+      {"CObservation3DRangeScan", readDepthScan},
       {"CObservationIMU", readImu},
       {"CObservationOdometry", readOdometry},
       {"CObservation2DRangeScan", readLaserScan},

@@ -18,8 +18,8 @@ namespace headway::io {
 ///
 /// Classes and versions are those that MRPT 2.5.8 reads: CObservationStereoImages 0-6,
 /// CObservationImage 0-4, CObservationIMU 0-4, CObservationOdometry 0-2, CObservation2DRangeScan
-/// 0-7, CObservationRobotPose 0-1; and CObservationObjectDetections 0 of this library. Embedded
-/// images are decoded; those that are broken are empty.
+/// 0-7, CObservation3DRangeScan 0-10, CObservationRobotPose 0-1; and CObservationObjectDetections 0
+/// of this library. Embedded images are decoded; those that are broken are empty.
 ///
 /// @param class_name  for which isReadClass() is true
 /// @throws BrokenObject if it cannot be read

@@ -128,6 +128,10 @@ void validateLens(const RawCamera& camera, const std::string& side) {
 
 }  // namespace
 
+std::vector<cv::Point2d> raysOf(const std::vector<cv::Point2d>& pixels, const RawCamera& lens) {
+  return undistorted(pixels, lens, cv::Mat::eye(3, 3, CV_64F), cv::Matx33d::eye());
+}
+
 bool isRectified(const RawStereoCamera& camera) {
   const Eigen::Vector3d t = camera.T_left_right.translation();
   const double off_axis = std::max(std::abs(t.y()), std::abs(t.z()));

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <opencv2/core/mat.hpp>
+#include <vector>
 
 namespace headway::io {
 
@@ -16,6 +17,10 @@ namespace headway::io {
 /// @throws InputError if sizes or focal lengths are not positive, the baseline is zero, the cameras
 ///         are vertically displaced or swapped, or values are not finite
 void validate(const RawStereoCamera& camera);
+
+/// Unit-depth rays (x/z, y/z) of pixels of a lens.
+[[nodiscard]] std::vector<cv::Point2d> raysOf(const std::vector<cv::Point2d>& pixels,
+                                              const RawCamera& lens);
 
 /// Rectifies recorded stereo images, with precomputed maps.
 ///

@@ -6,30 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "depth_registration.h"
+
 namespace headway::io {
 namespace {
 
 constexpr std::size_t kMaxWaiting = 4;  // unpaired images of one side
-
-RawCamera rawCamera(const mrpt::img::TCamera& camera) {
-  using mrpt::img::DistortionModel;
-  RawCamera raw;
-  raw.width = static_cast<int>(camera.ncols);
-  raw.height = static_cast<int>(camera.nrows);
-  raw.fx = camera.fx();
-  raw.fy = camera.fy();
-  raw.cx = camera.cx();
-  raw.cy = camera.cy();
-  if (camera.distortion == DistortionModel::plumb_bob) {
-    const auto rational = camera.dist.begin() + raw.distortion.size();
-    std::copy(camera.dist.begin(), rational, raw.distortion.begin());
-    std::copy(rational, camera.dist.end(), raw.rational.begin());
-  } else if (camera.distortion == DistortionModel::kannala_brandt) {
-    raw.is_fisheye = true;
-    raw.distortion = {camera.k1(), camera.k2(), camera.k3(), camera.k4(), 0.0};
-  }
-  return raw;
-}
 
 RecordedPair pairOf(const mrpt::obs::CObservationStereoImages& stereo) {
   RecordedPair pair;
@@ -56,7 +38,40 @@ RecordedPair pairOf(const mrpt::obs::CObservationImage& left,
   return pair;
 }
 
+/// The intensity image as the left one of a pair.
+RecordedPair pairOf(const mrpt::obs::CObservation3DRangeScan& scan) {
+  RecordedPair pair;
+  pair.time = timeFrom(scan.timestamp);
+  pair.left = scan.intensityImage;
+  pair.left_camera = pair.right_camera = scan.cameraParamsIntensity;
+  pair.depth = depthOf(scan);
+  pair.T_robot_left = pair.depth->camera.T_robot_color;
+  const double focal_px = scan.cameraParamsIntensity.fx();
+  pair.T_left_right.translation().x() = equivalentBaseline(focal_px > 0.0 ? focal_px : 1.0);
+  return pair;
+}
+
 }  // namespace
+
+RawCamera rawCamera(const mrpt::img::TCamera& camera) {
+  using mrpt::img::DistortionModel;
+  RawCamera raw;
+  raw.width = static_cast<int>(camera.ncols);
+  raw.height = static_cast<int>(camera.nrows);
+  raw.fx = camera.fx();
+  raw.fy = camera.fy();
+  raw.cx = camera.cx();
+  raw.cy = camera.cy();
+  if (camera.distortion == DistortionModel::plumb_bob) {
+    const auto rational = camera.dist.begin() + raw.distortion.size();
+    std::copy(camera.dist.begin(), rational, raw.distortion.begin());
+    std::copy(rational, camera.dist.end(), raw.rational.begin());
+  } else if (camera.distortion == DistortionModel::kannala_brandt) {
+    raw.is_fisheye = true;
+    raw.distortion = {camera.k1(), camera.k2(), camera.k3(), camera.k4(), 0.0};
+  }
+  return raw;
+}
 
 RawStereoCamera rawCameraOf(const RecordedPair& pair) {
   RawStereoCamera raw;
@@ -87,6 +102,9 @@ bool StereoPairing::accepts(const mrpt::obs::CObservation& observation) const {
     case CameraChoice::Kind::kPair:
       return (label == choice_.labels[0] || label == choice_.labels[1]) &&
              dynamic_cast<const mrpt::obs::CObservationImage*>(&observation) != nullptr;
+    case CameraChoice::Kind::kDepth:
+      return label == choice_.labels[0] &&
+             dynamic_cast<const mrpt::obs::CObservation3DRangeScan*>(&observation) != nullptr;
     case CameraChoice::Kind::kNone:
       break;
   }
@@ -97,9 +115,19 @@ std::optional<RecordedPair> StereoPairing::add(const mrpt::obs::CObservation::Pt
   if (choice_.kind == CameraChoice::Kind::kPair) {
     return addSingle(std::dynamic_pointer_cast<mrpt::obs::CObservationImage>(observation));
   }
+  if (choice_.kind == CameraChoice::Kind::kDepth) {
+    return addDepth(dynamic_cast<const mrpt::obs::CObservation3DRangeScan&>(*observation));
+  }
   const auto stereo = std::dynamic_pointer_cast<mrpt::obs::CObservationStereoImages>(observation);
   if (stereo->hasImageRight) return pairOf(*stereo);
   ++skipped_["no_right_image"];
+  return std::nullopt;
+}
+
+std::optional<RecordedPair> StereoPairing::addDepth(
+    const mrpt::obs::CObservation3DRangeScan& scan) {
+  if (scan.hasIntensityImage && scan.hasRangeImage) return pairOf(scan);
+  ++skipped_[scan.hasIntensityImage ? "no_depth" : "no_intensity_image"];
   return std::nullopt;
 }
 

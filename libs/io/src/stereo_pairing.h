@@ -13,10 +13,14 @@
 #include <string>
 
 #include "camera_choice.h"
+#include "recorded_depth.h"
 
 namespace headway::io {
 
-/// A recorded stereo pair; external images are not loaded.
+/// A recorded stereo pair, or an intensity image with depth; external images are not loaded.
+///
+/// The intensity image of a depth camera is the left one, and the calibration that of a pair whose
+/// baseline is equivalentBaseline().
 struct RecordedPair {
   Time time = 0.0;  ///< of the left image [s]
   mrpt::img::CImage left;
@@ -25,7 +29,11 @@ struct RecordedPair {
   mrpt::img::TCamera right_camera;
   Pose T_robot_left = Pose::Identity();
   Pose T_left_right = Pose::Identity();
+  std::optional<RecordedDepth> depth;  ///< instead of a right image
 };
+
+/// A camera's lens.
+[[nodiscard]] RawCamera rawCamera(const mrpt::img::TCamera& camera);
 
 /// The pair's calibration.
 [[nodiscard]] RawStereoCamera rawCameraOf(const RecordedPair& pair);
@@ -37,7 +45,8 @@ struct RecordedPair {
 class StereoPairing {
  public:
   /// @param tolerance_s  maximum time difference of the two images [s]
-  /// @param skipped      counts unpaired images ("unpaired_image", "no_right_image")
+  /// @param skipped      counts unpaired images ("unpaired_image", "no_right_image", "no_depth",
+  ///                     "no_intensity_image")
   StereoPairing(CameraChoice choice, double tolerance_s,
                 std::map<std::string, std::size_t>& skipped)
       : choice_(std::move(choice)), tolerance_s_(tolerance_s), skipped_(skipped) {}
@@ -54,6 +63,7 @@ class StereoPairing {
  private:
   using Image = mrpt::obs::CObservationImage::Ptr;
   std::optional<RecordedPair> addSingle(const Image& image);
+  std::optional<RecordedPair> addDepth(const mrpt::obs::CObservation3DRangeScan& scan);
   void countUnpaired(std::size_t images);
 
   CameraChoice choice_;

@@ -3,6 +3,7 @@
 #include <headway/io/rawlog_source.h>
 #include <mrpt/obs/CObservation.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationImage.h>
 #include <mrpt/obs/CObservationOdometry.h>
@@ -86,7 +87,8 @@ template <typename Kind>
 
 [[nodiscard]] inline bool isImage(const mrpt::obs::CObservation& observation) {
   return isKind<mrpt::obs::CObservationStereoImages>(observation) ||
-         isKind<mrpt::obs::CObservationImage>(observation);
+         isKind<mrpt::obs::CObservationImage>(observation) ||
+         isKind<mrpt::obs::CObservation3DRangeScan>(observation);
 }
 
 /// Whether it measures the robot's motion.

@@ -56,15 +56,20 @@ std::string meaningOf(const std::string& reason) {
   static const std::map<std::string, std::string> kMeanings = {
       {"bad_pose", "pose with values that are not finite"},
       {"behind_camera", "box behind the camera"},
+      {"broken_depth", "depth image that cannot be read"},
       {"broken_image", "image that cannot be decoded"},
       {"camera_lost", "frame without a camera pose"},
+      {"depth_size", "size of the depth image differs from the calibration"},
       {"dont_care", "marked DontCare"},
       {"duplicate", "second box of the same object"},
       {"image_size", "image size differs from the calibration"},
       {"load_shed", "far box left out because frames took too long"},
       {"low_score", "score below the threshold"},
+      {"missing_depth", "file of the depth image not found"},
       {"missing_image", "image file not found"},
       {"nan_box", "box with values that are not finite"},
+      {"no_depth", "image without a depth image"},
+      {"no_intensity_image", "depth image without an intensity image"},
       {"no_right_image", "stereo observation with a single image"},
       {"no_time", "observation without a time"},
       {"time_backwards", "time not after the previous one"},
@@ -213,9 +218,23 @@ std::string snapshotsSection(const ReplayFolder& folder, std::size_t max_picture
   return section("snapshots", "Snapshots", "", html + "</div>");
 }
 
+std::string depthCameraSection(const Json& report) {
+  const double ratio = numberAt(report, "depth_ratio");
+  const std::string assessment = ratio > 0.5   ? "good"
+                                 : ratio > 0.2 ? "usable: little is within the camera's reach"
+                                               : "bad: check the depth images";
+  const std::string rows =
+      row("Focal length", fixed(numberAt(report, "focal_px"), 2) + " px", "") +
+      row("Depth", fixed(100.0 * ratio, 0) + " %", "of the first image: " + assessment) +
+      row("Rectified by headway", report.value("rectified_here", false) ? "yes" : "no",
+          "no: the recorded images are free of distortion");
+  return section("calibration", "Depth camera", "Measured in the images.", table(rows));
+}
+
 std::string calibrationSection(const ReplayFolder& folder) {
   const auto report = folder.summary.find("calibration");
   if (report == folder.summary.end() || !report->is_object()) return "";
+  if (report->value("depth_camera", false)) return depthCameraSection(*report);
   const double vertical = numberAt(*report, "vertical_disparity_px");
   const std::string assessment = vertical < 0.5   ? "good: left and right rows coincide"
                                  : vertical < 1.5 ? "usable: left and right rows deviate slightly"

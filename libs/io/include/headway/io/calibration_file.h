@@ -9,7 +9,8 @@
 
 namespace headway::io {
 
-/// Writes a rectified pair as `calibration.yaml` (doc/formats.md) without loss of precision.
+/// Writes a rectified pair, or a depth camera, as `calibration.yaml` (doc/formats.md) without loss
+/// of precision.
 ///
 /// @throws InputError if the file cannot be written
 void writeCalibration(const std::string& path, const StereoCamera& camera);
@@ -47,7 +48,7 @@ struct StereoCalibrationFile {
 [[nodiscard]] StereoCalibrationFile readStereoCalibration(const std::string& paths,
                                                           std::array<int, 2> image_size = {0, 0});
 
-/// Reads a rectified pair, as written by writeCalibration().
+/// Reads a rectified pair or a depth camera, as written by writeCalibration().
 ///
 /// @throws InputError as above, and if the pair is not rectified
 [[nodiscard]] StereoCamera readCalibration(const std::string& path);

@@ -16,7 +16,8 @@ namespace headway::io {
 struct DatasetFrame {
   Time time = 0.0;                          ///< [s]
   cv::Mat left;                             ///< 8-bit grey or BGR; empty: no images
-  cv::Mat right;                            ///< as left
+  cv::Mat right;                            ///< as left; empty: a depth camera
+  cv::Mat depth;                            ///< of a depth camera, 16-bit; 0: not measured
   std::optional<Pose> T_map_robot;          ///< estimate to use instead of visual SLAM
   std::optional<Pose> truth_T_map_robot;    ///< ground truth
   std::optional<Detections> detections;     ///< input of tracking
@@ -39,6 +40,8 @@ class Dataset {
   [[nodiscard]] virtual DatasetFrame frame(std::size_t index) const = 0;
   /// Camera of all images; nullopt without images.
   [[nodiscard]] virtual std::optional<RawStereoCamera> camera() const = 0;
+  /// If the images have depth; camera() is then the left camera alone, without baseline.
+  [[nodiscard]] virtual std::optional<RawDepthCamera> depthCamera() const { return std::nullopt; }
   /// In time order; empty if not recorded.
   [[nodiscard]] virtual std::vector<DatasetInertial> inertial() const { return {}; }
   /// In time order; empty if not recorded.
@@ -72,6 +75,27 @@ class Dataset {
 [[nodiscard]] std::unique_ptr<Dataset> openImageFolders(const std::string& left_folder,
                                                         const std::string& right_folder,
                                                         const std::string& calibration);
+
+/// Opens two folders: images, and depth images (PNG, 16 bits) in the same order of names.
+///
+/// @param calibration  of a depth camera, with times or rate (doc/formats.md)
+/// @throws InputError naming the file that is missing or inconsistent
+[[nodiscard]] std::unique_ptr<Dataset> openDepthFolders(const std::string& left_folder,
+                                                        const std::string& depth_folder,
+                                                        const std::string& calibration);
+
+/// Opens a sequence of the TUM RGB-D benchmark.
+///
+/// Reads `FOLDER/{rgb.txt,depth.txt}` with the images they list, and the truth in
+/// `FOLDER/groundtruth.txt` if present. Each image gets the depth image nearest in time, at most
+/// 20 ms away; others are counted. The robot frame is at the camera; true poses remain in the
+/// dataset's world frame.
+///
+/// @param calibration  of a depth camera; empty: the published one of the camera that the folder is
+///                     named after (freiburg1, freiburg2, freiburg3), else f = 525 px
+/// @throws InputError naming the file that is missing or malformed
+[[nodiscard]] std::unique_ptr<Dataset> openTumRgbd(const std::string& folder,
+                                                   const std::string& calibration);
 
 /// Opens a sequence of the KITTI odometry benchmark (rectified).
 ///

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <headway/io/rawlog_sink.h>
+#include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CObservationImage.h>
 #include <mrpt/obs/CObservationStereoImages.h>
 
@@ -16,5 +17,11 @@ void setCalibration(const RawStereoCamera& camera,
 /// Replaces calibration and pose of one image of a pair.
 void setCalibration(const RawStereoCamera& camera, bool is_left,
                     mrpt::obs::CObservationImage& observation);
+
+/// A frame of a depth camera, without time and label.
+///
+/// @param depth  16-bit, 0 where nothing was measured
+[[nodiscard]] mrpt::obs::CObservation3DRangeScan::Ptr depthObservation(
+    const mrpt::img::CImage& image, const cv::Mat& depth, const RawDepthCamera& camera);
 
 }  // namespace headway::io

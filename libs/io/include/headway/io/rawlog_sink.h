@@ -41,6 +41,17 @@ struct RawStereoCamera {
   Pose T_left_right = Pose::Identity();    ///< right optical frame in the left one
 };
 
+/// Depth camera as recorded: an intensity and a depth image, each with its own lens.
+struct RawDepthCamera {
+  RawCamera color;                          ///< lens of the intensity image
+  RawCamera depth;                          ///< lens of the depth image
+  Pose T_robot_color = robotFromOptical();  ///< optical frame of the intensity image on the robot
+  Pose T_color_depth = Pose::Identity();    ///< optical frame of the depth image in that one
+  double metres_per_unit = 0.001;           ///< of the depth image
+  double max_range_m = 65.535;              ///< that the camera measures
+  bool ranges_are_depths = true;            ///< along the optical axis; false: along the ray
+};
+
 /// A 2D laser scan to record.
 struct RecordedScan {
   Time time = 0.0;
@@ -85,6 +96,12 @@ class RawlogSink {
   /// @throws InputError  on a write error such as a full disk
   void writeStereo(Time time, const cv::Mat& left, const cv::Mat& right,
                    const RawStereoCamera& camera, const std::string& label = "stereo");
+  /// The intensity image is stored as a pair's images are, the depth image inside the rawlog.
+  ///
+  /// @param image  8-bit grey or BGR
+  /// @param depth  16-bit, 0 where nothing was measured
+  void writeDepth(Time time, const cv::Mat& image, const cv::Mat& depth,
+                  const RawDepthCamera& camera, const std::string& label = "rgbd");
   /// @param label  `detections` (input of tracking) or `truth_objects`
   void writeDetections(const std::string& label, const Detections& detections);
   /// @param label  `pose` (used instead of SLAM) or `truth_pose`

@@ -36,18 +36,21 @@ struct CalibrationReport {
   double median_disparity_px = 0.0;    ///< median u_left - u_right of matches
   std::size_t matches = 0;             ///< number of matches used
   bool rectified_here = false;         ///< the recorded images were not rectified
+  bool is_depth_camera = false;        ///< nothing is matched; the baseline is the equivalent one
+  double depth_ratio = 0.0;            ///< of the first image's pixels, those with depth
 };
 
 /// Reads a rawlog as a stream of rectified stereo frames.
 ///
 /// Supports observation-only and sensory-frame rawlogs, gz or plain, images embedded or external
-/// (`X_Images/`), `CObservationStereoImages` or two `CObservationImage` labels paired by time,
-/// rectified or not. One observation is in memory at a time; frames are read ahead so that boxes
-/// and poses recorded after their images, even after the next image, are assigned to them. Of each
-/// 2D laser, the scan nearest in time is assigned, at most half a frame interval away. With
-/// images that are rectified here, 2D boxes of the left image are rectified too; 3D boxes remain in
-/// their sensor's frame. Observations labelled `truth_*` are never returned. Unusable observations
-/// are skipped and counted.
+/// (`X_Images/`), `CObservationStereoImages`, two `CObservationImage` labels paired by time, or
+/// `CObservation3DRangeScan` with intensity and depth; rectified and registered or not. One
+/// observation is in memory at a time; frames are read ahead so that boxes and poses recorded after
+/// their images, even after the next image, are assigned to them. Of each 2D laser, the scan
+/// nearest in time is assigned, at most half a frame interval away. With images that are rectified
+/// here, 2D boxes of the left image are rectified too; 3D boxes remain in their sensor's frame.
+/// Observations labelled `truth_*` are never returned. Unusable observations are skipped and
+/// counted.
 ///
 ///     RawlogSource source("street.rawlog", {});
 ///     while (auto frame = source.next()) slam.process(*frame->stereo);

@@ -1,0 +1,138 @@
+#include <headway/core/error.h>
+#include <headway/io/dataset.h>
+#include <headway/io/trajectory_file.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "depth_calibration.h"
+#include "image_files.h"
+#include "interpolation.h"
+#include "text_rows.h"
+
+namespace headway::io {
+namespace {
+
+constexpr double kMaxImageGapS = 0.02;  // between an image and its depth
+constexpr double kMaxPoseGapS = 0.5;    // between the true poses around an image
+constexpr double kMetresPerUnit = 1.0 / 5000.0;
+constexpr double kReachM = 10.0;
+
+/// Lenses of the dataset's three cameras, as its authors publish them; else those that its tools
+/// assume.
+RawCamera publishedLens(const std::string& folder) {
+  RawCamera lens{640, 480, 525.0, 525.0, 319.5, 239.5, {}, {}, false};
+  const auto is_of = [&](const char* name) { return folder.find(name) != std::string::npos; };
+  if (is_of("freiburg1")) {
+    lens = {640, 480, 517.306408, 516.469215, 318.643040, 255.313989, {}, {}, false};
+    lens.distortion = {0.262383, -0.953104, -0.005358, 0.002628, 1.163314};
+  } else if (is_of("freiburg2")) {
+    lens = {640, 480, 520.908620, 521.007327, 325.141442, 249.701764, {}, {}, false};
+    lens.distortion = {0.231222, -0.784899, -0.003257, -0.000105, 0.917205};
+  } else if (is_of("freiburg3")) {
+    lens = {640, 480, 535.4, 539.2, 320.1, 247.6, {}, {}, false};
+  }
+  return lens;
+}
+
+/// An image of one of the lists.
+struct ListedImage {
+  Time time = 0.0;
+  std::string path;
+};
+
+std::vector<ListedImage> readList(const std::filesystem::path& folder, const char* name) {
+  std::vector<ListedImage> images;
+  TextRows rows((folder / name).string());
+  while (rows.next()) {
+    rows.requireSize(2, "a row of an image list (time, file)");
+    const auto path = folder / rows.fields()[1];
+    if (!isInside(folder, path)) rows.fail("the file is outside of the folder");
+    if (!std::isfinite(rows.number(0))) rows.fail("the time is not a number");
+    images.push_back({rows.number(0), path.string()});
+  }
+  const auto by_time = [](const ListedImage& a, const ListedImage& b) { return a.time < b.time; };
+  std::stable_sort(images.begin(), images.end(), by_time);
+  return images;
+}
+
+class TumRgbd : public Dataset {
+ public:
+  TumRgbd(const std::filesystem::path& folder, const std::string& calibration) {
+    if (calibration.empty()) {
+      const auto whole = std::filesystem::absolute(folder).lexically_normal().string();
+      depth_camera_.color = depth_camera_.depth = publishedLens(whole);
+      depth_camera_.metres_per_unit = kMetresPerUnit;
+      depth_camera_.max_range_m = kReachM;
+    } else {
+      depth_camera_ = readDepthCalibration(calibration).camera;
+    }
+    const auto images = readList(folder, "rgb.txt");
+    pairImages(images, readList(folder, "depth.txt"), folder.string());
+    const auto truth = folder / "groundtruth.txt";
+    if (!std::filesystem::exists(truth)) return;
+    truth_ = readTum(truth.string());
+    const Pose T_cam_robot = depth_camera_.T_robot_color.inverse();
+    for (auto& pose : truth_) pose.value = pose.value * T_cam_robot;
+  }
+
+  std::size_t size() const override { return pairs_.size(); }
+
+  DatasetFrame frame(std::size_t index) const override {
+    const auto& [image, depth] = pairs_.at(index);
+    DatasetFrame frame;
+    frame.time = image.time;
+    frame.left = requireImageOf(image.path, depth_camera_.color);
+    frame.depth = requireDepthImageOf(depth.path, depth_camera_.depth);
+    frame.truth_T_map_robot = poseAt(truth_, image.time, kMaxPoseGapS);
+    return frame;
+  }
+
+  std::optional<RawStereoCamera> camera() const override { return leftAlone(depth_camera_); }
+  std::optional<RawDepthCamera> depthCamera() const override { return depth_camera_; }
+  std::map<std::string, std::size_t> dropped() const override { return dropped_; }
+
+ private:
+  /// Each image with the nearest depth image that is not yet another's.
+  void pairImages(const std::vector<ListedImage>& images, const std::vector<ListedImage>& depths,
+                  const std::string& folder) {
+    auto next = depths.begin();
+    for (const auto& image : images) {
+      const auto distance = [&](auto depth) { return std::abs(depth->time - image.time); };
+      while (next != depths.end() && next->time < image.time - kMaxImageGapS) ++next;
+      auto nearest = next;
+      while (nearest != depths.end() && std::next(nearest) != depths.end() &&
+             distance(std::next(nearest)) < distance(nearest)) {
+        ++nearest;
+      }
+      if (nearest == depths.end() || distance(nearest) > kMaxImageGapS) {
+        ++dropped_["no_depth"];
+        continue;
+      }
+      pairs_.push_back({image, *nearest});
+      next = std::next(nearest);
+    }
+    if (pairs_.empty()) {
+      throw InputError(folder + ": no image of rgb.txt has a depth image within " +
+                       formatted("%g", kMaxImageGapS) + " s in depth.txt");
+    }
+  }
+
+  struct DepthPair {
+    ListedImage image, depth;
+  };
+
+  RawDepthCamera depth_camera_;
+  std::vector<DepthPair> pairs_;
+  std::vector<Stamped<Pose>> truth_;  ///< robot in the dataset's world
+  std::map<std::string, std::size_t> dropped_;
+};
+
+}  // namespace
+
+std::unique_ptr<Dataset> openTumRgbd(const std::string& folder, const std::string& calibration) {
+  return std::make_unique<TumRgbd>(folder, calibration);
+}
+
+}  // namespace headway::io
