@@ -73,14 +73,16 @@ class CoveredRatio {
 /// Returns false if the program is done (--help and similar).
 bool parse(int argc, const char* const* argv, Request& request, sim::SimParams& settings,
            Params& params) {
-  program::CommandLine line("headway-sim", "Simulates a world into a stereo rawlog with truth.");
+  program::CommandLine line("headway-sim", "Simulates a world into a rawlog with truth.");
   line.parameters(params);
   line.afterFiles([&] {
     if (!request.rig.empty()) sim::applyRig(request.rig, settings.camera);
   });
   line.option(request.output, 'o', "output", "OUT.rawlog", "Rawlog to write", true);
-  line.option(request.rig, 0, "rig", "NAME",
-              "Stereo rig instead of the world file's: car, robot, small; --set wins over it");
+  line.option(
+      request.rig, 0, "rig", "NAME",
+      "Rig instead of the world file's: car, robot, small, or rgbd (depth camera); --set wins "
+      "over it");
   line.option(request.seed, 0, "seed", "N", "Overrides [world] seed");
   line.option(request.frames, 0, "frames", "N", "Overrides [recording] frames");
   line.flag(request.options.masks, 0, "masks", "Also write masks of moving objects");

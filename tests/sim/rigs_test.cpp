@@ -41,7 +41,7 @@ TEST(RigsTest, AnUnknownNameIsAnErrorThatListsTheKnown) {
   CameraParams camera;
   EXPECT_THAT([&] { applyRig("drone", camera); },
               ::testing::ThrowsMessage<InputError>(::testing::AllOf(
-                  ::testing::HasSubstr("drone"), ::testing::HasSubstr("car, robot, small"))));
+                  ::testing::HasSubstr("drone"), ::testing::HasSubstr("car, robot, small, rgbd"))));
 }
 
 TEST(RigsTest, ThePitchIsInTheMountingAndInThePicture) {

@@ -50,6 +50,8 @@ FrameFinisher::FrameFinisher(const SimParams& params, const Lens& lens, std::uin
     : lens_(lens),
       truth_range_m_(params.recording.truth_range_m),
       image_formation_(params.camera, params.camera.width, params.camera.height, image_seed),
+      depth_sensor_(params.camera, lens.ideal(), image_seed),
+      is_depth_camera_(params.camera.depth_camera),
       detector_(params.detector, lens.ideal(), detector_seed) {}
 
 void FrameFinisher::annotate(SimFrame& frame, const DrawnFrame& drawn) {
@@ -92,7 +94,11 @@ SimFrame FrameFinisher::finish(DrawnFrame drawn) {
     return image_formation_.expose(lens_.record(drawing, true), drawn.trigger, side);
   };
   frame.left = exposed(drawn.left, Side::kLeft);
-  frame.right = exposed(drawn.right, Side::kRight);
+  if (is_depth_camera_) {
+    frame.ranges = depth_sensor_.measure(frame.depth, drawn.trigger);
+  } else {
+    frame.right = exposed(drawn.right, Side::kRight);
+  }
   return frame;
 }
 

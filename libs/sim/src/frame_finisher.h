@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "actor.h"
+#include "depth_sensor.h"
 #include "image_formation.h"
 #include "lens.h"
 #include "simulated_detector.h"
@@ -43,6 +44,8 @@ class FrameFinisher {
   const Lens& lens_;
   double truth_range_m_;
   ImageFormation image_formation_;
+  DepthSensor depth_sensor_;
+  bool is_depth_camera_;
   SimulatedDetector detector_;
   std::optional<Pose> T_map_world_;
 };

@@ -18,6 +18,7 @@ StereoCamera idealCamera(const CameraParams& params) {
   camera.cx = 0.5 * (params.width - 1);
   camera.cy = 0.5 * (params.height - 1);
   camera.baseline_m = params.baseline_m;
+  if (params.depth_camera) camera.depth_reach_m = params.depth_max_m;
   const Eigen::AngleAxisd down(params.pitch_down_deg * M_PI / 180.0, Eigen::Vector3d::UnitY());
   camera.T_robot_cam = down * robotFromOptical();
   camera.T_robot_cam.translation() =

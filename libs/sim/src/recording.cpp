@@ -150,7 +150,7 @@ class Recording::Files {
                         scan.sigma_m, scan.ranges});
     }
     if (!frame.drops.empty()) writeDrops(folder_ + "/drops.csv", frame.drops);
-    sink_.writeStereo(frame.time, frame.left, frame.right, recorded_);
+    writeImages(frame);
     sink_.writeDetections("detections", frame.detections);
     sink_.writePose("truth_pose", frame.time, frame.T_map_robot);
     sink_.writeDetections("truth_objects", truthDetections(frame));
@@ -178,6 +178,17 @@ class Recording::Files {
   }
 
  private:
+  void writeImages(const SimFrame& frame) {
+    if (frame.ranges.empty()) {
+      return sink_.writeStereo(frame.time, frame.left, frame.right, recorded_);
+    }
+    io::RawDepthCamera registered;
+    registered.color = registered.depth = recorded_.left;
+    registered.T_robot_color = recorded_.T_robot_left;
+    registered.max_range_m = camera_.depth_reach_m;
+    sink_.writeDepth(frame.time, frame.left, frame.ranges, registered);
+  }
+
   std::string folder_;
   RecordingOptions options_;
   StereoCamera camera_;
@@ -211,10 +222,15 @@ double estimateMegabytes(const std::vector<SimFrame>& frames, const RecordingPar
         params.storage == RecordingParams::Storage::kEmbedded && frame.left.channels() == 1;
     std::vector<uchar> packed;
     for (const cv::Mat* picture : {&frame.left, &frame.right}) {
+      if (picture->empty()) continue;
       // Embedded grey images are kept raw inside a gz stream, which packs about as PNG does.
       cv::imencode(png || raw ? ".png" : ".jpg", *picture, packed,
                    png || raw ? std::vector<int>{}
                               : std::vector<int>{cv::IMWRITE_JPEG_QUALITY, params.jpeg_quality});
+      bytes += static_cast<double>(packed.size());
+    }
+    if (!frame.ranges.empty()) {
+      cv::imencode(".png", frame.ranges, packed);
       bytes += static_cast<double>(packed.size());
     }
     if (options.masks) {

@@ -16,13 +16,15 @@ struct Rig {
   double rate_hz;
   double ride_deg;    // of a car's suspension, of a robot's wheels
   double noise_grey;  // smaller sensors are noisier
+  bool depth_camera = false;
 };
 
 const std::vector<Rig>& rigs() {
   static const std::vector<Rig> kRigs = {
       {"car", 1240, 376, 718.0, 0.54, 1.65, 0.0, 0.0, 10.0, 0.25, 2.0},
       {"robot", 1280, 720, 700.0, 0.12, 0.5, 0.15, 10.0, 15.0, 0.3, 2.0},
-      {"small", 640, 480, 450.0, 0.05, 0.3, 0.1, 5.0, 15.0, 0.3, 2.5}};
+      {"small", 640, 480, 450.0, 0.05, 0.3, 0.1, 5.0, 15.0, 0.3, 2.5},
+      {"rgbd", 848, 480, 425.0, 0.075, 0.5, 0.15, 10.0, 15.0, 0.3, 2.0, true}};
   return kRigs;
 }
 
@@ -55,6 +57,7 @@ void applyRig(const std::string& name, CameraParams& camera) {
   camera.rate_hz = rig->rate_hz;
   camera.ride_deg = rig->ride_deg;
   camera.noise_grey = rig->noise_grey;
+  camera.depth_camera = rig->depth_camera;
 }
 
 }  // namespace headway::sim

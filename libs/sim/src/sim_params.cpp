@@ -134,6 +134,11 @@ void CameraParams::describe(Params::Section section) {
               "Ratio of the time in which the wheels turn twice as fast as the robot moves");
   section.add("imu", imu, "Record an inertial sensor at 100 Hz");
   section.add("colour", colour, "Colour images; false: grey");
+  section.add("depth_camera", depth_camera,
+              "Record images with depth instead of pairs; baseline_m is the projector's distance");
+  section.add("depth_noise", depth_noise, 0.0, 0.1, "1/m", "Noise of a depth by its square");
+  section.add("depth_min_m", depth_min_m, 0.05, 10.0, "m", "Nearest depth measured");
+  section.add("depth_max_m", depth_max_m, 0.5, 60.0, "m", "Farthest depth measured");
   section.renamed({{"drop_share", "drop_ratio"}});
 }
 

@@ -127,6 +127,10 @@ struct CameraParams {
   double wheel_slip_ratio = 0.0;  ///< of the time, the wheels turn twice as fast as the robot moves
   bool imu = false;               ///< record an inertial sensor, 100 Hz
   bool colour = true;
+  bool depth_camera = false;   ///< record images with depth instead of pairs
+  double depth_noise = 0.002;  ///< of a depth, standard deviation by its square [1/m]
+  double depth_min_m = 0.4;    ///< nearest depth measured [m]
+  double depth_max_m = 8.0;    ///< farthest [m]
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "camera"); }  ///< @throws InputError

@@ -62,7 +62,8 @@ struct SimFrame {
   std::size_t index = 0;
   Time time = 0.0;
   cv::Mat left;       ///< 8-bit BGR or grey, as recorded
-  cv::Mat right;      ///< same
+  cv::Mat right;      ///< same; empty: a depth camera
+  cv::Mat ranges;     ///< of a depth camera, 16-bit [mm], 0 where nothing was measured
   cv::Mat depth;      ///< 32-bit, left camera [m]; 0 where there is only sky
   cv::Mat instances;  ///< 16-bit: number of the object in `objects` + 1; 0 elsewhere
   Pose T_map_robot = Pose::Identity();

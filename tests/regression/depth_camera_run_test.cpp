@@ -1,0 +1,73 @@
+// A simulated depth camera through the whole of headway: pose, moving objects, grid and report.
+#include <gtest/gtest.h>
+#include <headway/io/trajectory_file.h>
+#include <headway_test/paths.h>
+
+#include "replay_run.h"
+
+namespace headway {
+namespace {
+
+constexpr int kFrames = 160;
+
+class DepthCameraRunTest : public ::testing::Test {
+ protected:
+  /// The office floor with people, recorded and replayed once.
+  static void SetUpTestSuite() {
+    folder_ = new test::TemporaryFolder();
+    const auto simulated = test::runProcess(
+        test::program("headway-sim") + " -q -c " + std::string(HEADWAY_SOURCE_DIR) +
+        "/config/worlds/hall.ini --rig rgbd --frames " + std::to_string(kFrames) + " -o " +
+        (*folder_ / "hall.rawlog").string());
+    ASSERT_EQ(0, simulated.status) << simulated.output;
+    run_ = new test::ReplayRun(
+        test::replay(*folder_ / "hall.rawlog", *folder_ / "out", "--snapshots 1"));
+    ASSERT_EQ(0, run_->process.status) << run_->process.output;
+  }
+  static void TearDownTestSuite() {
+    delete run_;
+    delete folder_;
+  }
+
+  static test::TemporaryFolder* folder_;
+  static test::ReplayRun* run_;
+};
+
+test::TemporaryFolder* DepthCameraRunTest::folder_ = nullptr;
+test::ReplayRun* DepthCameraRunTest::run_ = nullptr;
+
+TEST_F(DepthCameraRunTest, FollowsTheCameraToACentimetre) {
+  EXPECT_EQ(kFrames, run_->summary.at("frames_tracked"));
+  const double ate = test::ateRmse(io::readTum(*folder_ / "hall.truth/trajectory.tum"),
+                                   io::readTum(run_->file("trajectory.tum")));
+  EXPECT_LT(ate, 0.012);
+}
+
+TEST_F(DepthCameraRunTest, FindsPeopleWhoMoveAndTheFloor) {
+  EXPECT_GT(run_->summary.at("detections_used"), 15);
+  EXPECT_GE(run_->summary.at("tracks_moving"), 1);
+  EXPECT_GT(test::contentsOf(run_->file("map_grid.png")).size(), 0u);
+  EXPECT_TRUE(run_->summary.at("warnings").empty()) << run_->summary.at("warnings");
+}
+
+TEST_F(DepthCameraRunTest, SaysThatItIsADepthCamera) {
+  EXPECT_NE(std::string::npos, run_->process.output.find("depth camera: focal length 425.00 px"));
+  EXPECT_NE(std::string::npos, run_->process.output.find("rig: depth camera to 8.0 m"));
+  EXPECT_TRUE(run_->summary.at("calibration").at("depth_camera"));
+  EXPECT_GT(run_->summary.at("calibration").at("depth_ratio"), 0.5);
+  EXPECT_EQ(8.0, run_->summary.at("rig").at("depth_reach_m"));
+  EXPECT_NE(std::string::npos, test::contentsOf(run_->file("report.html")).find("Depth camera"));
+  EXPECT_NE(std::string::npos,
+            test::contentsOf(run_->file("calibration.yaml")).find("depth_range_m: 8"));
+}
+
+TEST_F(DepthCameraRunTest, LocalisesInTheMapOfAnEarlierRun) {
+  const auto again = test::replay(
+      *folder_ / "hall.rawlog", *folder_ / "again",
+      "--snapshots 0 --detector none --to-index 30 --load-map " + run_->file("map.headway"));
+  ASSERT_EQ(0, again.process.status) << again.process.output;
+  EXPECT_GT(again.summary.at("frames_tracked"), 28);
+}
+
+}  // namespace
+}  // namespace headway
