@@ -86,7 +86,7 @@ CObservation3DRangeScan example() {
   scan.relativePoseIntensityWRTDepth.x(0.02);
   scan.rangeImage_setSize(4, 5);
   for (int i = 0; i < 20; ++i) scan.rangeImage(i / 5, i % 5) = static_cast<std::uint16_t>(1000 + i);
-  scan.intensityImage = mrpt::img::CImage(test::wall(3).left, mrpt::img::DEEP_COPY);
+  scan.intensityImage = mrpt::img::CImage(test::wall(3, 8, {40, 30}).left, mrpt::img::DEEP_COPY);
   return scan;
 }
 
@@ -101,7 +101,7 @@ TEST_F(RecordedDepthTest, ScansAsMrptWritesThemToday) {
   scan.hasPoints3D = true;
   scan.resizePoints3DVectors(7);
   scan.hasConfidenceImage = true;
-  scan.confidenceImage = mrpt::img::CImage(test::wall(4).left, mrpt::img::DEEP_COPY);
+  scan.confidenceImage = mrpt::img::CImage(test::wall(4, 8, {40, 30}).left, mrpt::img::DEEP_COPY);
   scan.rangeImageOtherLayers["second"] = scan.rangeImage;
   expectAsMrpt(mrptBytes(scan));
   scan.hasRangeImage = scan.hasIntensityImage = false;
