@@ -170,6 +170,14 @@ TEST_F(DepthCameraTest, ALowerResolutionFillsTheImageWithoutGaps) {
   EXPECT_GT(compareWithWall(*frame.stereo, 0.25), 0.95);
 }
 
+TEST_F(DepthCameraTest, PixelsThatALensMapsFarAwayAreLeftOut) {
+  RawDepthCamera camera = registeredCamera();
+  camera.depth.distortion = {-0.9, 0.5, 0.1, -0.1, -0.5};
+  const auto frame = recorded(camera, cv::Mat(120, 160, CV_16U, cv::Scalar(2000)));
+  ASSERT_TRUE(frame.stereo);
+  EXPECT_TRUE(cv::checkRange(frame.stereo->disparity));
+}
+
 TEST_F(DepthCameraTest, UnitsAndHolesAreKept) {
   RawDepthCamera camera = registeredCamera();
   camera.metres_per_unit = 0.0002;
