@@ -5,6 +5,7 @@
 #include <headway/program/output_folder.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -32,6 +33,26 @@ Json tracksJson(const std::map<TrackId, ProgramState::SeenTrack>& tracks) {
   return json;
 }
 
+Json gnssJson(const GnssLog& log) {
+  Json fixes = Json::array();
+  for (const auto& fix : log.fixes()) {
+    fixes.push_back({fix.time, fix.antenna.x(), fix.antenna.y(), fix.antenna.z(), fix.latitude_deg,
+                     fix.longitude_deg, fix.altitude_m, fix.sigma_m});
+  }
+  return {{"added", log.added()}, {"step", log.step()}, {"fixes", fixes}};
+}
+
+GnssLog gnssFrom(const Json& json) {
+  std::vector<GnssFix> fixes;
+  for (const auto& row : json.at("fixes")) {
+    const auto v = row.get<std::array<double, 8>>();
+    fixes.push_back({v[0], {v[1], v[2], v[3]}, v[4], v[5], v[6], v[7]});
+  }
+  GnssLog log;
+  log.restore(std::move(fixes), json.at("added"), json.at("step"));
+  return log;
+}
+
 ProgramState unpacked(const std::string& text) {
   const Json json = Json::parse(text);
   ProgramState state;
@@ -54,6 +75,7 @@ ProgramState unpacked(const std::string& text) {
   for (const auto& seen : json.at("seen_tracks")) {
     state.seen_tracks[TrackId{seen.at(0)}] = {seen.at(1), seen.at(2)};
   }
+  if (json.contains("gnss")) state.gnss = gnssFrom(json.at("gnss"));
   state.rows = json.at("rows").get<std::map<std::string, std::size_t>>();
   for (const char* name : {"trajectory_online.tum", kTrajectoryRecords}) {
     if (state.rows.count(name) == 0) throw InputError(std::string("it has no rows of ") + name);
@@ -151,7 +173,8 @@ std::string packed(const ProgramState& state) {
                      {"continued_after", Json(summary.continued_after)},
                      {"next_frame", state.next_frame ? Json(*state.next_frame) : Json()},
                      {"seen_tracks", tracksJson(state.seen_tracks)},
-                     {"rows", Json(state.rows)}};
+                     {"rows", Json(state.rows)},
+                     {"gnss", gnssJson(state.gnss)}};
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "gnss_log.h"
 #include "options.h"
 #include "summary.h"
 
@@ -34,6 +35,7 @@ struct ProgramState {
   std::optional<std::size_t> next_frame;
   std::map<TrackId, SeenTrack> seen_tracks;
   std::map<std::string, std::size_t> rows;  ///< of each growing file
+  GnssLog gnss;
 };
 
 [[nodiscard]] std::string packed(const ProgramState& state);

@@ -19,8 +19,8 @@ int main(int argc, char** argv) {
 
     CommandLine line(
         "headway-replay",
-        "Processes a stereo rawlog: localises the camera, maps the static environment, tracks "
-        "and predicts moving objects, and writes the results to OUTDIR.");
+        "Processes a stereo rawlog: localises the camera, maps what stands still, tracks and "
+        "predicts what moves, places the map on the earth by satellite fixes; results: OUTDIR.");
     headway::replay::describe(options, line);
     line.parameters(params);
     if (!line.parse(argc, argv)) return headway::program::kDone;

@@ -6,7 +6,6 @@
 #include <headway/io/calibration_file.h>
 #include <headway/io/track_file.h>
 #include <headway/map/map_file.h>
-#include <headway/program/picture_files.h>
 #include <headway/program/progress.h>
 
 #include <cmath>
@@ -192,6 +191,7 @@ void Replay::process(const RecordedFrame& frame, double progress) {
 
   last_frame_ = frame.index;
   count(frame, update);
+  gnss_.add(frame.gnss);
   collectWarnings(frame.index, false);
   writers_.write(update);
   keepLostImage(frame, update);
@@ -279,17 +279,6 @@ void Replay::requireTrackedFrames() const {
 void Replay::log(LogLevel level, const std::string& text) const {
   if (level == LogLevel::kInfo ? !options_.quiet : level == LogLevel::kDebug && options_.debug) {
     std::puts(text.c_str());
-  }
-}
-
-void Replay::keepLostImage(const RecordedFrame& frame, const pipeline::PerceptionUpdate& update) {
-  const bool is_lost = update.camera.status == slam::TrackingStatus::kLost;
-  if (!is_lost || !frame.stereo || has_lost_image_) return;
-  has_lost_image_ = true;
-  try {
-    program::writePicture(folder_.path() / "lost.jpg", frame.stereo->left);
-  } catch (const InputError& error) {
-    warn(error.what());
   }
 }
 

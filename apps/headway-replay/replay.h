@@ -15,6 +15,7 @@
 #include "continuation.h"
 #include "frame_input.h"
 #include "frame_writers.h"
+#include "gnss_log.h"
 #include "options.h"
 #include "snapshots.h"
 #include "summary.h"
@@ -88,6 +89,8 @@ class Replay {
   [[nodiscard]] CheckpointContents checkpointContents();
   void endCheckpoint();
   void writeTrajectory();
+  /// Places the map on the earth by satellite fixes, if there are any.
+  void writeGeoFiles();
   void writeMap();
   void warnIfNotRelocalised() const;
   /// Prints a message of the pipeline; warnings are printed by collectWarnings().
@@ -106,6 +109,7 @@ class Replay {
   Checkpoint checkpoint_;
   Snapshots snapshots_;
   Summary summary_;
+  GnssLog gnss_;
   std::size_t last_frame_ = 0;  ///< index of the newest frame
   bool has_lost_image_ = false;
   FrameCallback on_frame_;

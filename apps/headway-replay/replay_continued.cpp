@@ -14,6 +14,7 @@ void Replay::continueRun(const Continuation& continuation) {
   dropped_before_ = summary_.frames_dropped_late;
   next_frame_ = state.next_frame;
   seen_tracks_ = state.seen_tracks;
+  gnss_ = state.gnss;
   last_frame_ = continuation.extent.last_frame;
   has_lost_image_ = std::filesystem::exists(folder_.path() / "lost.jpg");
   snapshots_.continueRun(onlinePath(folder_.path(), state.rows.at("trajectory_online.tum")));

@@ -1,8 +1,10 @@
 // What a run leaves: the parts of Replay that write its results, at checkpoints and at its end.
+#include <headway/core/error.h>
 #include <headway/core/printable.h>
 #include <headway/map/map_export.h>
 #include <headway/map/map_file.h>
 #include <headway/map/static_grid.h>
+#include <headway/program/picture_files.h>
 #include <headway/program/truth_report.h>
 
 #include <algorithm>
@@ -35,7 +37,7 @@ CheckpointContents Replay::checkpointContents() {
   contents.summary = summarised();
   contents.summary.ended_early =
       "killed after the checkpoint at frame " + std::to_string(last_frame_);
-  ProgramState state{contents.summary, next_frame_, seen_tracks_, writers_.rowCounts()};
+  ProgramState state{contents.summary, next_frame_, seen_tracks_, writers_.rowCounts(), gnss_};
   state.summary.tracks_moving = summary_.tracks_moving;  // of tracks that have ended
   for (const auto& [name, rows] : state.rows) contents.logs.push_back(folder_.path() / name);
   contents.trajectory_records = state.rows.at(kTrajectoryRecords);
@@ -76,6 +78,7 @@ void Replay::finish() {
     writers_.finish();
   });
   attempt([&] { writeTrajectory(); });
+  if (!failure) attempt([&] { writeGeoFiles(); });
   attempt([&] { writeMap(); });
   warnIfNotRelocalised();
   attempt([&] { snapshots_.finish(*perception_); });
@@ -132,6 +135,28 @@ void Replay::writeTrajectory() {
   warn("trajectory.tum lacks " + std::to_string(processed - written) +
        " frames, for which the disk of temporary files had no space; trajectory_online.tum has "
        "them");
+}
+
+void Replay::keepLostImage(const RecordedFrame& frame, const pipeline::PerceptionUpdate& update) {
+  const bool is_lost = update.camera.status == slam::TrackingStatus::kLost;
+  if (!is_lost || !frame.stereo || has_lost_image_) return;
+  has_lost_image_ = true;
+  try {
+    program::writePicture(folder_.path() / "lost.jpg", frame.stereo->left);
+  } catch (const InputError& error) {
+    warn(error.what());
+  }
+}
+
+void Replay::writeGeoFiles() {
+  if (gnss_.added() == 0) return;
+  const auto visit = [this](const auto& callback) { perception_->visitTrajectory(callback); };
+  summary_.geo = georeferenced(gnss_, visit);
+  if (!summary_.geo->reference) return warn(describe(*summary_.geo));
+  const auto& reference = *summary_.geo->reference;
+  writeTrajectoryGeo(folder_.path() / "trajectory.geojson", reference, visit);
+  writeTracksGeo(folder_.path(), reference);
+  writeMapGeo(folder_.path() / "map_geo.json", *summary_.geo);
 }
 
 void Replay::writeMap() {

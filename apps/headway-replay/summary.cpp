@@ -73,6 +73,18 @@ Json stagesJson(const StageTimes& stages) {
   return json;
 }
 
+Json geoJson(const GeoSummary& geo) {
+  Json json = {{"fixes", geo.fixes}, {"text", describe(geo)}};
+  if (!geo.reference) return json;
+  json["used"] = geo.reference->used;
+  json["rejected"] = geo.reference->rejected;
+  json["rmse_m"] = geo.reference->rmse_m;
+  json["heading_deg"] = geo.reference->headingDeg();
+  json["heading_sigma_deg"] = geo.reference->headingSigmaDeg();
+  json["origin_sigma_m"] = geo.reference->originSigma();
+  return json;
+}
+
 double perFrame(double total, std::size_t frames) {
   return frames == 0 ? 0.0 : total / static_cast<double>(frames);
 }
@@ -175,6 +187,7 @@ void writeSummary(const std::filesystem::path& path, const Summary& summary) {
   if (!summary.rectification.empty()) json["rectification"] = summary.rectification;
   json["warnings"] = warningsJson(summary.warnings);
   json["laser"] = Json(summary.laser);
+  if (summary.geo) json["georeference"] = geoJson(*summary.geo);
   json["observations_skipped"] = Json(summary.observations_skipped);
   json["ended_early"] = summary.ended_early ? Json(*summary.ended_early) : Json();
   json["continued_after"] = summary.continued_after;
@@ -201,6 +214,7 @@ void printSummary(const Summary& summary) {
       summary.frame_ms.percentile(0.5), summary.frame_ms.percentile(0.95),
       perFrame(summary.cpu_ms, summary.frame_ms.count()), peakMemoryMb(), summary.start_up_s);
   if (!summary.rectification.empty()) std::puts(summary.rectification.c_str());
+  if (summary.geo && summary.geo->reference) std::puts(describe(*summary.geo).c_str());
   if (!summary.laser.empty()) {
     std::printf("laser: %s\n", countsText(summary.laser).c_str());
   }

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "geo_files.h"
 #include "options.h"
 
 namespace headway::replay {
@@ -56,6 +57,7 @@ struct Summary {
   std::string rectification;  ///< of the right camera, in one line; empty: unknown
   Warnings warnings;
   std::map<std::string, std::size_t> laser;  ///< scans by use, and ends of beams
+  std::optional<GeoSummary> geo;             ///< nullopt: no satellite fixes
   std::map<std::string, std::size_t> observations_skipped;
   std::optional<std::string> ended_early;    ///< reason if the rawlog was not read completely
   std::vector<std::size_t> continued_after;  ///< last frames before a kill, of a continued run

@@ -83,6 +83,8 @@ class EveryBagFormat : public test::BagTest, public ::testing::WithParamInterfac
     EXPECT_EQ(13.25, double{gga.longitude_degrees});
     EXPECT_EQ(80.0, double{gga.altitude_meters});
     EXPECT_EQ(4, int{gga.fix_quality});
+    EXPECT_TRUE(gga.thereis_HDOP);
+    EXPECT_NEAR(0.05 * std::sqrt(2.0) / 0.03, double{gga.HDOP}, 1e-5);  // 5 cm in the bag
   }
 };
 

@@ -3,7 +3,7 @@
 #include <headway/core/error.h>
 #include <headway/io/rawlog_source.h>
 #include <headway_test/folders.h>
-#include <mrpt/obs/CObservationGPS.h>
+#include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CSensoryFrame.h>
 
 #include <cmath>
@@ -75,10 +75,10 @@ TEST_F(BadRawlogTest, MessagesAreOneLine) {
 }
 
 TEST_F(BadRawlogTest, ListsTheContentOfARawlogWithoutStereo) {
-  auto gps = mrpt::obs::CObservationGPS::Create();
-  test::writeObjects(path_, {gps, test::singleImage(0, 0, 1.0, "webcam")});
+  auto comment = mrpt::obs::CObservationComment::Create();
+  test::writeObjects(path_, {comment, test::singleImage(0, 0, 1.0, "webcam")});
   EXPECT_THAT(errorOfFile(), AllOf(HasSubstr("neither stereo images nor poses"),
-                                   HasSubstr("'CObservationGPS'"), HasSubstr("'webcam'")));
+                                   HasSubstr("'CObservationComment'"), HasSubstr("'webcam'")));
 }
 
 /// Whatever the byte at which a file ends, what is whole before it comes out, unharmed.
@@ -245,7 +245,7 @@ TEST_F(BadRawlogTest, SkipsAndCountsObjectsOfNewerVersionsAndUnusedClasses) {
   test::writeObjects(path_, {test::wallObservation(0, test::frameTime(0))}, false);
   const std::string good = test::contentOf(path_);
   test::writeObjects(
-      path_, {mrpt::obs::CObservationGPS::Create(), test::wallObservation(1, test::frameTime(1))},
+      path_, {mrpt::obs::CObservationComment::Create(), test::wallObservation(1, test::frameTime(1))},
       false);
   test::writeContent(path_, good + newer + test::contentOf(path_));
   RawlogSource source(path_, {});
@@ -253,7 +253,7 @@ TEST_F(BadRawlogTest, SkipsAndCountsObjectsOfNewerVersionsAndUnusedClasses) {
   EXPECT_FALSE(source.truncation());
   EXPECT_THAT(
       source.skipped(),
-      ::testing::ElementsAre(::testing::Pair("CObservationGPS", 1u),
+      ::testing::ElementsAre(::testing::Pair("CObservationComment", 1u),
                              ::testing::Pair("unreadable_CObservationImage_version_99", 1u)));
 }
 

@@ -9,6 +9,7 @@
 #include <mrpt/obs/CActionRobotMovement2D.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/obs/CObservationGPS.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationRobotPose.h>
@@ -20,6 +21,7 @@
 #include "foreign_recording.h"
 #include "object_bytes.h"
 #include "observation_stream.h"
+#include "recorded_gnss.h"
 
 namespace headway::io {
 namespace {
@@ -148,6 +150,48 @@ TEST_F(RecordedObjectsTest, LaserScansOfAllVersions) {
   const auto version_8 = readFrom(objectBytes(name, 8, version_7 + bytesOf(0.025F)));
   ASSERT_NE(nullptr, version_8);
   EXPECT_TRUE(mrptBytes(*version_8) == mrptBytes(*readFrom(objectBytes(name, 7, version_7))));
+}
+
+TEST_F(RecordedObjectsTest, SatellitePositionsKeepTheirGga) {
+  mrpt::obs::CObservationGPS gnss;
+  gnss.timestamp = mrptTime(3.25);
+  gnss.originalReceivedTimestamp = mrptTime(3.5);
+  gnss.sensorLabel = "gnss";
+  gnss.sensorPose = mrpt::poses::CPose3D(0.1, 0.2, 1.5);
+  mrpt::obs::gnss::Message_NMEA_GGA gga;
+  gga.fields.UTCTime.hour = 11;
+  gga.fields.latitude_degrees = 48.5;
+  gga.fields.longitude_degrees = -11.25;
+  gga.fields.altitude_meters = 500.0;
+  gga.fields.geoidal_distance = 47.0;
+  gga.fields.fix_quality = 2;
+  gga.fields.satellitesUsed = 9;
+  gga.fields.thereis_HDOP = true;
+  gga.fields.HDOP = 2.0F;
+  gnss.setMsg(gga);
+  expectAsMrpt(mrptBytes(gnss));
+  gnss.setMsg(mrpt::obs::gnss::Message_NMEA_RMC());  // passed over
+  const auto read =
+      std::dynamic_pointer_cast<mrpt::obs::CObservationGPS>(readFrom(mrptBytes(gnss)));
+  ASSERT_NE(nullptr, read);
+  std::map<std::string, std::size_t> skipped;
+  const auto fix = fixFrom(*read, skipped);
+  ASSERT_TRUE(fix);
+  EXPECT_EQ(3.25, fix->time);
+  EXPECT_EQ(48.5, fix->latitude_deg);
+  EXPECT_EQ(-11.25, fix->longitude_deg);
+  EXPECT_EQ(547.0, fix->altitude_m);  // above the ellipsoid
+  EXPECT_EQ(Eigen::Vector3d(0.1, 0.2, 1.5), fix->antenna);
+  EXPECT_NEAR(2.0 / std::sqrt(2.0), fix->sigma_m, 1e-9);  // differential: 1 m at a dilution of 1
+  gga.fields.fix_quality = 0;
+  gnss.setMsg(gga);
+  EXPECT_FALSE(fixFrom(gnss, skipped));
+  gga.fields.fix_quality = 1;
+  gga.fields.latitude_degrees = std::nan("");
+  gnss.setMsg(gga);
+  EXPECT_FALSE(fixFrom(gnss, skipped));
+  EXPECT_EQ((std::map<std::string, std::size_t>{{"gnss_no_position", 1}, {"gnss_without_fix", 1}}),
+            skipped);
 }
 
 TEST_F(RecordedObjectsTest, UnknownVersionsAreCountedByClassAndVersion) {

@@ -170,8 +170,10 @@ NavSatFixMessage decodeNavSatFix(std::string_view content, Encoding encoding) {
   fix.latitude_deg = in.number<double>();
   fix.longitude_deg = in.number<double>();
   fix.altitude_m = in.number<double>();
-  (void)in.array<double, 9>();  // covariance
-  (void)in.number<std::uint8_t>();
+  const auto covariance = in.array<double, 9>();
+  const bool is_known = in.number<std::uint8_t>() != 0;
+  const double variance = 0.5 * (covariance[0] + covariance[4]);
+  if (is_known && variance > 0.0 && std::isfinite(variance)) fix.sigma_m = std::sqrt(variance);
   in.requireEnd();
   return fix;
 }

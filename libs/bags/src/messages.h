@@ -65,6 +65,7 @@ struct NavSatFixMessage {
   MessageHeader header;
   int status = 0;  ///< -1: no fix, 1 and 2: with corrections
   double latitude_deg = 0.0, longitude_deg = 0.0, altitude_m = 0.0;
+  double sigma_m = 0.0;  ///< of each horizontal axis; 0: unknown
 };
 
 struct TransformMessage {

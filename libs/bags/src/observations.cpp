@@ -1,6 +1,7 @@
 #include "observations.h"
 
 #include <headway/core/mrpt_pose.h>
+#include <headway/io/gnss_accuracy.h>
 #include <headway/io/mrpt_time.h>
 #include <headway/io/observation_calibration.h>
 
@@ -54,6 +55,10 @@ mrpt::obs::CObservationGPS::Ptr gnssObservation(const NavSatFixMessage& message,
   position.fields.longitude_degrees = message.longitude_deg;
   position.fields.altitude_meters = message.altitude_m;
   position.fields.fix_quality = qualityOf(message.status);
+  if (const auto hdop = io::hdopOf(position.fields.fix_quality, message.sigma_m); hdop > 0.0) {
+    position.fields.thereis_HDOP = true;
+    position.fields.HDOP = static_cast<float>(*hdop);
+  }
   observation->setMsg(position);
   return observation;
 }

@@ -5,9 +5,11 @@
 #include <headway/io/mrpt_time.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "observation_stream.h"
+#include "recorded_gnss.h"
 #include "useful_observations.h"
 
 namespace headway::io {
@@ -22,6 +24,8 @@ constexpr double kMaxSensorOffsetM = 1e3;  // of a sensor on its robot
 constexpr double kMaxInertialValue = 1e4;  // [m/s^2, rad/s]
 constexpr double kMaxLaserRangeM = 1e4;
 constexpr double kMaxRotationError = 1e-3;
+constexpr std::size_t kMaxFixes = 100000;  // between two frames
+constexpr const char* kUntakenFixes = "gnss_between_frames";
 
 /// Whether it is a rigid motion, and not farther than this.
 bool isPose(const Pose& pose, double max_distance_m) {
@@ -87,8 +91,29 @@ void FrameCollector::add(const CObservation::Ptr& observation, double arrival_s)
     addMotion(*observation);
   } else if (isLaser(*observation) && has_camera_) {
     addLaser(dynamic_cast<const mrpt::obs::CObservation2DRangeScan&>(*observation));
+  } else if (isGnss(*observation)) {
+    const auto& recorded = dynamic_cast<const mrpt::obs::CObservationGPS&>(*observation);
+    if (const auto fix = fixFrom(recorded, skipped_)) fixes_.push_back(*fix);
+    limitFixes(kMaxFixes);
   } else {
     ++skipped_[shortClassName(*observation)];
+  }
+}
+
+std::vector<GnssFix> FrameCollector::takeFixes(Time until) {
+  std::vector<GnssFix> taken;
+  const auto is_later = [until](const GnssFix& fix) { return fix.time > until; };
+  const auto end = std::stable_partition(fixes_.begin(), fixes_.end(),
+                                         [&](const GnssFix& fix) { return !is_later(fix); });
+  taken.assign(fixes_.begin(), end);
+  fixes_.erase(fixes_.begin(), end);
+  return taken;
+}
+
+void FrameCollector::limitFixes(std::size_t max_count) {
+  while (fixes_.size() > max_count) {
+    fixes_.pop_front();
+    ++skipped_[kUntakenFixes];
   }
 }
 
@@ -105,6 +130,10 @@ void FrameCollector::compareClocks(const CObservation& observation) {
 void FrameCollector::finish() {
   pairing_.finish();
   assembler_.finish();
+  if (!fixes_.empty() && assembler_.frames() == 0) {
+    skipped_[kUntakenFixes] += fixes_.size();
+    fixes_.clear();
+  }
 }
 
 void FrameCollector::addPair(RecordedPair pair, double arrival_s) {

@@ -4,9 +4,11 @@
 #include <headway/io/rawlog_source.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 
+#include <deque>
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "camera_choice.h"
 #include "clock_check.h"
@@ -24,7 +26,8 @@ class FrameCollector {
   /// @param skipped  counts "bad_odometry", "bad_imu", "bad_pose", "pose_jump",
   /// "bad_detections_pose",
   ///                 "laser_bad_pose", "laser_no_ranges", observations of other cameras by class
-  ///                 name, and the counts of StereoPairing and FrameAssembler
+  ///                 name, those of fixFrom(), "gnss_between_frames", and the counts of
+  ///                 StereoPairing and FrameAssembler
   FrameCollector(const CameraChoice& camera, const RawlogSourceOptions& options,
                  std::map<std::string, std::size_t>& skipped)
       : has_camera_(camera.kind != CameraChoice::Kind::kNone),
@@ -51,10 +54,13 @@ class FrameCollector {
   void limit(std::size_t max_samples, std::size_t max_items) {
     prior_.limitSamples(max_samples);
     assembler_.limitItems(max_items);
+    limitFixes(max_items);
   }
   /// The next frame; nullopt if there is none. Before isReady(), only at the recording's end.
   [[nodiscard]] std::optional<PendingFrame> take() { return assembler_.take(); }
 
+  /// Removes and returns the fixes of satellite receivers up to a time, in order of arrival.
+  [[nodiscard]] std::vector<GnssFix> takeFixes(Time until);
   /// Motion between two times according to odometry and inertial samples.
   [[nodiscard]] MotionPrior motionBetween(std::optional<Time> previous, Time current) const {
     return prior_.between(previous, current);
@@ -72,6 +78,7 @@ class FrameCollector {
   [[nodiscard]] bool isReachable(Time time, const Pose& T_map_robot);
   void addPose(Time time, const Pose& T_map_robot, double arrival_s);
   void addMotion(const mrpt::obs::CObservation& observation);
+  void limitFixes(std::size_t max_count);
   void addLaser(const mrpt::obs::CObservation2DRangeScan& observation);
 
   bool has_camera_;
@@ -80,6 +87,7 @@ class FrameCollector {
   StereoPairing pairing_;
   FrameAssembler assembler_;
   MotionPriorBuilder prior_;
+  std::deque<GnssFix> fixes_;  ///< not yet taken
   ClockCheck clocks_;
   Warnings warnings_;
   std::optional<Stamped<Pose>> last_pose_;     ///< recorded and used

@@ -108,7 +108,8 @@ void addSensors(const std::vector<OxtsPacket>& packets, const Pose& T_robot_imu,
     drive.inertial.push_back(
         {packet.time, R_robot_imu * packet.angular_velocity, R_robot_imu * packet.acceleration});
     drive.gnss.push_back({packet.time, T_robot_imu, packet.latitude_deg, packet.longitude_deg,
-                          packet.altitude_m, packet.velocity, packet.satellites});
+                          packet.altitude_m, packet.velocity, packet.satellites,
+                          packet.position_sigma_m});
   }
 }
 

@@ -174,7 +174,12 @@ class LiveSource::Implementation {
 
   /// The frame with images and motion prior; nullopt if its images are unusable.
   std::optional<RecordedFrame> complete(PendingFrame pending) {
-    if (!pending.pair) return FrameDecoder::frameOf(std::move(pending));
+    if (!pending.pair) {
+      RecordedFrame frame = FrameDecoder::frameOf(std::move(pending));
+      const std::lock_guard lock(mutex_);
+      frame.gnss = collector_->takeFixes(frame.time);
+      return frame;
+    }
     const auto images = decoder_.decode(*pending.pair);
     if (!images) return std::nullopt;
     try {
@@ -194,6 +199,7 @@ class LiveSource::Implementation {
     collector_->extrapolateMotion(frame.time, options_.max_extrapolation_s);
     frame.stereo->motion_prior = collector_->motionBetween(last_time_, frame.time);
     collector_->discardMotionBefore(frame.time);
+    frame.gnss = collector_->takeFixes(frame.time);
     last_time_ = frame.time;
     return frame;
   }

@@ -41,6 +41,7 @@ OxtsPacket readPacket(const std::string& path) {
   packet.acceleration = {rows.number(11), rows.number(12), rows.number(13)};
   packet.angular_velocity = {rows.number(17), rows.number(18), rows.number(19)};
   packet.satellites = static_cast<int>(rows.integer(26));
+  packet.position_sigma_m = rows.number(23);
   return packet;
 }
 

@@ -18,6 +18,7 @@ struct OxtsPacket {
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();      ///< unit's axes [m/s^2]
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< unit's axes [rad/s]
   int satellites = 0;
+  double position_sigma_m = 0.0;  ///< as the unit states it; 0: unknown
 };
 
 /// Reads `data/NNNNNNNNNN.txt` (30 values each) and `timestamps.txt` of a folder `oxts`, in time

@@ -3,6 +3,7 @@
 #include <headway/core/output_file.h>
 #include <headway/core/replace_files.h>
 #include <headway/io/detection_observation.h>
+#include <headway/io/gnss_accuracy.h>
 #include <headway/io/mrpt_time.h>
 #include <headway/io/observation_calibration.h>
 #include <headway/io/rawlog_sink.h>
@@ -253,6 +254,8 @@ void RawlogSink::writeGnss(const RecordedGnss& sample) {
   position.fields.altitude_meters = sample.altitude_m;
   position.fields.fix_quality = 1;
   position.fields.satellitesUsed = static_cast<uint32_t>(std::max(sample.satellites, 0));
+  position.fields.thereis_HDOP = sample.sigma_m > 0.0;
+  position.fields.HDOP = static_cast<float>(hdopOf(1, sample.sigma_m).value_or(0.0));
   observation.setMsg(position);
   mrpt::obs::gnss::Message_NMEA_RMC motion;
   motion.fields.validity_char = 'A';

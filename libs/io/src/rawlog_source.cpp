@@ -41,6 +41,7 @@ class RawlogSource::Reader {
       if (pending->index < options_.from_index) {
         first_pair_.reset();
         collector_->discardMotionBefore(pending->time);
+        (void)collector_->takeFixes(pending->time);
         continue;
       }
       auto frame = complete(*pending);
@@ -103,7 +104,11 @@ class RawlogSource::Reader {
 
   /// The frame with its images; nullopt if they are unusable.
   std::optional<RecordedFrame> complete(PendingFrame& pending) {
-    if (!pending.pair) return FrameDecoder::frameOf(std::move(pending));
+    if (!pending.pair) {
+      RecordedFrame frame = FrameDecoder::frameOf(std::move(pending));
+      frame.gnss = collector_->takeFixes(frame.time);
+      return frame;
+    }
     auto images = std::exchange(first_pair_, std::nullopt);
     if (!images) images = decoder_.decode(*pending.pair);
     if (!images) return std::nullopt;
@@ -116,6 +121,7 @@ class RawlogSource::Reader {
     RecordedFrame frame = decoder_.frameOf(std::move(pending), *images);
     frame.stereo->motion_prior = collector_->motionBetween(last_time_, frame.time);
     collector_->discardMotionBefore(frame.time);
+    frame.gnss = collector_->takeFixes(frame.time);
     last_time_ = frame.time;
     return frame;
   }

@@ -11,6 +11,7 @@
 #include <map>
 
 #include "recorded_depth.h"
+#include "recorded_gnss.h"
 #include "recorded_image.h"
 #include "recorded_poses.h"
 
@@ -259,6 +260,7 @@ const std::map<std::string, Reader>& readers() {
       {"CObservationIMU", readImu},
       {"CObservationOdometry", readOdometry},
       {"CObservation2DRangeScan", readLaserScan},
+      {"CObservationGPS", readGnss},
       {"CObservationRobotPose", readRobotPose},
       {"CObservationObjectDetections", readDetections}};
   return result;

@@ -45,14 +45,20 @@ constexpr std::size_t kKittiColumns = 12;
 
 }  // namespace
 
+TumReader::TumReader(const std::string& path) : rows_(std::make_unique<TextRows>(path)) {}
+TumReader::~TumReader() = default;
+
+std::optional<Stamped<Pose>> TumReader::next() {
+  if (!rows_->next()) return std::nullopt;
+  rows_->requireSize(8, "a TUM row (t x y z qx qy qz qw)");
+  const Time time = rows_->number(0);
+  if (!std::isfinite(time)) rows_->fail("the time is not finite");
+  return Stamped<Pose>{time, poseFromTum(*rows_)};
+}
+
 void visitTum(const std::string& path, const std::function<void(const Stamped<Pose>&)>& visit) {
-  TextRows rows(path);
-  while (rows.next()) {
-    rows.requireSize(8, "a TUM row (t x y z qx qy qz qw)");
-    const Time time = rows.number(0);
-    if (!std::isfinite(time)) rows.fail("the time is not finite");
-    visit({time, poseFromTum(rows)});
-  }
+  TumReader reader(path);
+  while (const auto pose = reader.next()) visit(*pose);
 }
 
 std::vector<Stamped<Pose>> readTum(const std::string& path) {

@@ -17,6 +17,7 @@ using mrpt::obs::CObservation;
 constexpr std::size_t kMaxImages = 16;
 constexpr std::size_t kMaxMotions = 2000;
 constexpr std::size_t kMaxLaserScans = 50;
+constexpr std::size_t kMaxGnss = 1000;
 
 }  // namespace
 
@@ -68,7 +69,7 @@ CObservation::Ptr UsefulObservations::read() {
 
 bool UsefulObservations::isUseful(const CObservation& observation) const {
   return isImage(observation) || isRecordedPose(observation) || isRecordedDetections(observation) ||
-         (options_.use_laser && isLaser(observation)) ||
+         isGnss(observation) || (options_.use_laser && isLaser(observation)) ||
          (options_.use_imu && isKind<mrpt::obs::CObservationIMU>(observation)) ||
          (options_.use_odometry && isKind<mrpt::obs::CObservationOdometry>(observation));
 }
@@ -79,6 +80,7 @@ void UsefulObservations::keep(const CObservation::Ptr& observation) {
   if (isImage(*observation)) keepLast(kMaxImages, isImage);
   if (isMotion(*observation)) keepLast(kMaxMotions, isMotion);
   if (isLaser(*observation)) keepLast(kMaxLaserScans, isLaser);
+  if (isGnss(*observation)) keepLast(kMaxGnss, isGnss);
 }
 
 /// Drops the first observation of a kind if there are more than `max_count`.

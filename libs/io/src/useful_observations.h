@@ -4,6 +4,7 @@
 #include <mrpt/obs/CObservation.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/obs/CObservationGPS.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationImage.h>
 #include <mrpt/obs/CObservationOdometry.h>
@@ -99,6 +100,11 @@ template <typename Kind>
 
 [[nodiscard]] inline bool isLaser(const mrpt::obs::CObservation& observation) {
   return isKind<mrpt::obs::CObservation2DRangeScan>(observation);
+}
+
+/// Whether it is of a satellite receiver.
+[[nodiscard]] inline bool isGnss(const mrpt::obs::CObservation& observation) {
+  return isKind<mrpt::obs::CObservationGPS>(observation);
 }
 
 }  // namespace headway::io

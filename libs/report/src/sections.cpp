@@ -169,6 +169,13 @@ std::string titleBlock(const ReplayFolder& folder) {
   if (rectification != folder.summary.end() && rectification->is_string()) {
     details += "<br>" + escaped(rectification->get<std::string>());
   }
+  const auto georeference = folder.summary.find("georeference");
+  if (georeference != folder.summary.end() && georeference->is_object()) {
+    const auto text = georeference->find("text");
+    if (text != georeference->end() && text->is_string()) {
+      details += "<br>" + escaped(text->get<std::string>());
+    }
+  }
   return "<header><h1>" + escaped(name) + "</h1><p>" + details + "</p>" + warnings(folder) +
          "</header>\n";
 }

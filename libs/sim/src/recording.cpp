@@ -114,6 +114,17 @@ void writeDrops(const std::string& path, const std::vector<Drop>& drops) {
   writeFile(path, out.str());
 }
 
+void writePlaces(const std::string& path, const std::vector<TruePlace>& places) {
+  std::ostringstream out;
+  out << "time,latitude_deg,longitude_deg,altitude_m,heading_deg\n" << std::fixed;
+  for (const TruePlace& place : places) {
+    out << std::setprecision(6) << place.time << ',' << std::setprecision(9) << place.latitude_deg
+        << ',' << place.longitude_deg << std::setprecision(4) << ',' << place.altitude_m << ','
+        << place.heading_deg << '\n';
+  }
+  writeFile(path, out.str());
+}
+
 }  // namespace
 
 class Recording::Files {
@@ -144,6 +155,8 @@ class Recording::Files {
       sink_.writeOdometry(frame.odometry->time, frame.odometry->x, frame.odometry->y,
                           frame.odometry->yaw);
     }
+    for (const io::RecordedGnss& fix : frame.gnss) sink_.writeGnss(fix);
+    if (frame.place) places_.push_back(*frame.place);
     if (frame.laser) {
       const LaserScan& scan = *frame.laser;
       sink_.writeLaser({scan.time, scan.T_robot_laser, scan.aperture_rad, scan.max_range_m,
@@ -172,6 +185,7 @@ class Recording::Files {
       cameras.push_back(T_cam_robot * T_first_robot * camera_.T_robot_cam);
     }
     io::writeKittiPoses(folder_ + "/poses_kitti.txt", cameras);
+    if (!places_.empty()) writePlaces(folder_ + "/trajectory_geo.csv", places_);
     labels_.commit();
     objects_.commit();
     sink_.close();
@@ -197,6 +211,7 @@ class Recording::Files {
   OutputFile labels_;
   OutputFile objects_;
   std::vector<Stamped<Pose>> trajectory_;
+  std::vector<TruePlace> places_;
 };
 
 Recording::Recording(const std::string& path, const RecordingParams& params,

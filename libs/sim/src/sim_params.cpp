@@ -108,6 +108,21 @@ void LaserParams::describe(Params::Section section) {
   section.add("forward_m", forward_m, -5.0, 5.0, "m", "Before the robot's origin");
 }
 
+void GnssParams::describe(Params::Section section) {
+  section.add("enabled", enabled, "Record a satellite receiver");
+  section.add("rate_hz", rate_hz, 0.1, 20.0, "Hz", "Fixes a second");
+  section.add("sigma_m", sigma_m, 0.0, 50.0, "m", "Noise of each horizontal axis");
+  section.add("outlier_ratio", outlier_ratio, 0.0, 0.9, "", "Ratio of the fixes that are wrong");
+  section.add("outlier_m", outlier_m, 0.0, 1000.0, "m", "Wrong fixes are displaced by up to this");
+  section.add("forward_m", forward_m, -5.0, 5.0, "m", "Antenna before the robot's origin");
+  section.add("height_m", height_m, -5.0, 5.0, "m", "Antenna above the robot's origin");
+  section.add("latitude_deg", latitude_deg, -85.0, 85.0, "deg", "Of the world's origin");
+  section.add("longitude_deg", longitude_deg, -180.0, 180.0, "deg", "Of the world's origin");
+  section.add("altitude_m", altitude_m, -400.0, 9000.0, "m", "Of the world's origin");
+  section.add("heading_deg", heading_deg, -360.0, 360.0, "deg",
+              "Direction of the world's x axis, clockwise from north");
+}
+
 void CameraParams::describe(Params::Section section) {
   section.add("width", width, 64, 4096, "px", "Image width");
   section.add("height", height, 64, 4096, "px", "Image height");
@@ -204,6 +219,7 @@ void SimParams::describe(Params& params) {
   robot.describe(params.section("robot").user());
   camera.describe(params.section("camera").user());
   laser.describe(params.section("laser").user());
+  gnss.describe(params.section("gnss").user());
   calibration_error.describe(params.section("calibration_error").user());
   detector.describe(params.section("detector").user());
   recording.describe(params.section("recording").user());

@@ -12,6 +12,7 @@
 #include "laser_scanner.h"
 #include "lens.h"
 #include "motion_sensors.h"
+#include "satellite_receiver.h"
 #include "stereo_rig.h"
 #include "view_cone.h"
 
@@ -24,7 +25,8 @@ enum Purpose : std::uint64_t {
   kClockSeed,
   kSensorSeed,
   kFlexSeed = 309,
-  kLaserSeed
+  kLaserSeed,
+  kGnssSeed
 };
 
 std::uint64_t seedFor(Purpose purpose, const SimParams& params) {
@@ -73,6 +75,7 @@ class Simulator::Impl {
   FrameFinisher finisher_;
   MotionSensors sensors_;
   LaserScanner laser_;
+  SatelliteReceiver receiver_;
   CameraClock clock_;
   std::size_t triggers_ = 0;         ///< frames taken so far, undrawn ones included
   std::size_t frames_ = 0;           ///< frames drawn for the caller
@@ -88,6 +91,7 @@ Simulator::Impl::Impl(const SimParams& params)
       finisher_(params, lens_, seedFor(kImageSeed, params), seedFor(kDetectorSeed, params)),
       sensors_(seedFor(kSensorSeed, params), params.camera.wheel_slip_ratio),
       laser_(params.laser, seedFor(kLaserSeed, params)),
+      receiver_(params.gnss, seedFor(kGnssSeed, params)),
       clock_(params.camera, seedFor(kClockSeed, params)) {
   observeMotion();
 }
@@ -117,6 +121,10 @@ std::optional<DrawnFrame> Simulator::Impl::drawNext() {
   if (params_.camera.imu) drawn.frame.imu = sensors_.takeImu();
   if (params_.camera.odometry) drawn.frame.odometry = sensors_.odometry();
   if (params_.laser.enabled) drawn.frame.laser = scanLaser();
+  drawn.frame.gnss = receiver_.take();
+  if (params_.gnss.enabled) {
+    drawn.frame.place = receiver_.placeOf(drawn.frame.time, drawn.T_world_robot);
+  }
   if (drawn.frame.index == 0) drawn.frame.drops = environment_->drops();
   return drawn;
 }
@@ -136,6 +144,7 @@ bool Simulator::Impl::waitForTrigger() {
 void Simulator::Impl::passUndrawn() {
   for (int i = 1; i < params_.camera.blur_samples; ++i) advance(blurPause());
   (void)sensors_.takeImu();
+  (void)receiver_.take();
 }
 
 double Simulator::Impl::exposure() const {
@@ -159,7 +168,9 @@ void Simulator::Impl::advance(double seconds) {
 }
 
 void Simulator::Impl::observeMotion() {
-  sensors_.observe(params_.recording.start_time_s + now_s_, robotPose());
+  const Time now = params_.recording.start_time_s + now_s_;
+  sensors_.observe(now, robotPose());
+  receiver_.observe(now, robotPose());
 }
 
 void Simulator::Impl::draw(DrawnFrame& drawn) {

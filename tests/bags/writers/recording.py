@@ -123,7 +123,8 @@ def scan(ns):
 def fix(ns, status):
     return {"header": header(ns, "base_link"), "status": {"status": status, "service": 1},
             "latitude": 52.5, "longitude": 13.25, "altitude": 80.0,
-            "position_covariance": [1.0] + [0.0] * 8, "position_covariance_type": 1}
+            "position_covariance": [0.0025, 0.0, 0.0, 0.0, 0.0025, 0.0, 0.0, 0.0, 0.01],
+            "position_covariance_type": 2}
 
 
 def stereo(ns, i, form):

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <headway/core/detection.h>
+#include <headway/core/gnss_fix.h>
 #include <headway/core/laser_scan.h>
 #include <headway/core/stereo_frame.h>
 
@@ -18,6 +19,7 @@ struct RecordedFrame {
   std::optional<Pose> T_map_robot;       ///< to be used instead of visual SLAM
   std::vector<LaserScan> laser_scans;    ///< near this time, at most one of each laser
   double rectify_ms = 0.0;               ///< time for rectification and conversion to grey [ms]
+  std::vector<GnssFix> gnss;             ///< since the frame before, of all receivers
 };
 
 }  // namespace headway

@@ -71,6 +71,7 @@ struct RecordedGnss {
   double altitude_m = 0.0;
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< east, north, up [m/s]
   int satellites = 0;
+  double sigma_m = 0.0;  ///< of each horizontal axis; 0: unknown
 };
 
 /// A rectified camera in recorded form.

@@ -3,6 +3,7 @@
 #include <headway/core/pose.h>
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <ostream>
 #include <string>
@@ -10,12 +11,30 @@
 
 namespace headway::io {
 
+class TextRows;
+
 /// Reads `t x y z qx qy qz qw` rows; '#' starts a comment.
 ///
 /// @throws InputError naming file and line of an error
 [[nodiscard]] std::vector<Stamped<Pose>> readTum(const std::string& path);
 /// Reads them row by row, as long as the file may be.
 void visitTum(const std::string& path, const std::function<void(const Stamped<Pose>&)>& visit);
+
+/// Reads them one by one.
+class TumReader {
+ public:
+  /// @throws InputError if the file cannot be opened
+  explicit TumReader(const std::string& path);
+  ~TumReader();
+  TumReader(const TumReader&) = delete;
+  TumReader& operator=(const TumReader&) = delete;
+
+  /// The next row; nullopt at the end. @throws InputError naming file and line of an error
+  [[nodiscard]] std::optional<Stamped<Pose>> next();
+
+ private:
+  std::unique_ptr<TextRows> rows_;
+};
 
 /// Writes one row `t x y z qx qy qz qw`, all with 9 decimals, qw not negative.
 void writeTumRow(std::ostream& out, const Stamped<Pose>& pose);

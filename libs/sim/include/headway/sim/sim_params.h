@@ -102,6 +102,24 @@ struct LaserParams {
   void validate() const { validateRanges(*this, "laser"); }  ///< @throws InputError
 };
 
+/// A satellite receiver. Section [gnss].
+struct GnssParams {
+  bool enabled = false;
+  double rate_hz = 5.0;
+  double sigma_m = 1.0;         ///< noise of each horizontal axis; of the height, 1.7 times as much
+  double outlier_ratio = 0.05;  ///< of the fixes
+  double outlier_m = 30.0;      ///< outliers are displaced by up to this
+  double forward_m = 0.0;       ///< antenna before the robot's origin
+  double height_m = 1.0;        ///< antenna above the robot's origin
+  double latitude_deg = 48.0;   ///< of the world's origin
+  double longitude_deg = 11.0;
+  double altitude_m = 500.0;
+  double heading_deg = 30.0;  ///< of the world's x axis, clockwise from north
+
+  void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "gnss"); }  ///< @throws InputError
+};
+
 /// The stereo rig and what it does to the picture. Section [camera].
 struct CameraParams {
   int width = 1240;  ///< [px]
@@ -201,6 +219,7 @@ struct SimParams {
   RobotParams robot;
   CameraParams camera;
   LaserParams laser;
+  GnssParams gnss;
   CalibrationErrorParams calibration_error;
   DetectorParams detector;
   RecordingParams recording;

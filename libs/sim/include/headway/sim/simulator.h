@@ -51,6 +51,13 @@ struct LaserScan {
   std::vector<float> ranges;  ///< [m]; 0 where nothing was measured
 };
 
+/// Where the robot is on the earth (WGS 84).
+struct TruePlace {
+  Time time = 0.0;
+  double latitude_deg = 0.0, longitude_deg = 0.0, altitude_m = 0.0;
+  double heading_deg = 0.0;  ///< of the robot's x axis, clockwise from north
+};
+
 /// Ground that lies so much lower than its surroundings that a robot must not drive over its edge.
 struct Drop {
   std::vector<Eigen::Vector2d> outline;  ///< convex, counterclockwise [m]
@@ -72,6 +79,8 @@ struct SimFrame {
   std::vector<ImuSample> imu;  ///< since the frame before, if recorded
   std::optional<OdometrySample> odometry;
   std::optional<LaserScan> laser;
+  std::vector<io::RecordedGnss> gnss;  ///< since the frame before, if recorded
+  std::optional<TruePlace> place;      ///< if satellite fixes are recorded
   std::vector<Drop> drops;  ///< of the whole world, map frame; with the first frame alone
 };
 
