@@ -1,6 +1,7 @@
 #include <headway/io/dataset.h>
 #include <headway/program/command_line.h>
 
+#include "check_command.h"
 #include "importer.h"
 
 namespace headway::import {
@@ -71,7 +72,8 @@ std::string degradeFile(int argc, const char** argv) {
 
 void addCommonOptions(CommandLine& line, ImportOptions& options) {
   const bool has_drive = options.dataset == "kitti-raw" || options.dataset == "kitti-tracking";
-  line.option(options.output, 'o', "output", "OUT.rawlog", "Rawlog to write", true);
+  line.option(options.output, 'o', "output", "OUT.rawlog", "Rawlog to write");
+  addCheck(line, options.check);
   line.flag(options.overwrite, 'w', "overwrite", "Overwrite an existing output");
   line.option(options.detections, 0, "detections", "FILE",
               "Boxes that replace those of the dataset (doc/formats.md)");
@@ -107,9 +109,9 @@ void finish(ImportOptions& options) {
 
 std::optional<ImportOptions> parseOptions(int argc, const char** argv) {
   ImportOptions options;
-  options.dataset = program::takeSubcommand(
-      argc, argv,
-      {"kitti-odometry", "kitti-raw", "kitti-tracking", "euroc", "tum-rgbd", "images", "rosbag"});
+  options.dataset = program::takeSubcommand(argc, argv,
+                                            {"kitti-odometry", "kitti-raw", "kitti-tracking",
+                                             "euroc", "tum-rgbd", "images", "rosbag", "rawlog"});
   io::DegradeParams degrade;
   Params params;
   degrade.describe(params.section("degrade").user());

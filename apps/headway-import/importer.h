@@ -24,6 +24,7 @@ struct ImportOptions {
   std::string calibration;
 
   std::string output;
+  bool check = false;
   bool overwrite = false;
   bool external_images = false;
   std::string detections;       ///< side file; empty: boxes or poses of the dataset

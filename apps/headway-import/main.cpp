@@ -5,6 +5,7 @@
 
 #include <iostream>
 
+#include "check_command.h"
 #include "importer.h"
 #include "rosbag_command.h"
 
@@ -22,15 +23,18 @@ void report(const ImportOptions& options, const ImportSummary& summary) {
 
 int runImport(int argc, const char** argv) {
   if (argc > 1 && std::string(argv[1]) == "rosbag") return runRosbag(argc, argv);
-  const auto options = parseOptions(argc, argv);
+  if (argc > 1 && std::string(argv[1]) == "rawlog") return runRawlog(argc, argv);
+  auto options = parseOptions(argc, argv);
   if (!options) return program::kDone;
+  const ImportOutput output(options->output, options->check);
+  options->output = output.path();
   program::requireWritable(options->output, options->overwrite,
                            {options->detections, options->poses});
   const auto dataset = openDataset(*options);
   program::catchInterrupts();
   const auto summary = importDataset(*dataset, *options);
   if (!options->quiet) report(*options, summary);
-  return program::kDone;
+  return options->check ? checkRawlog(options->output) : program::kDone;
 }
 
 }  // namespace

@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <iostream>
 
+#include "check_command.h"
+
 namespace headway::import {
 namespace {
 
@@ -19,6 +21,7 @@ struct RosbagOptions {
   bags::BagImportOptions import;
   std::optional<std::size_t> from_index;
   std::string output;
+  bool check = false;
   bool overwrite = false;
   bool external_images = false;
   bool quiet = false;
@@ -50,6 +53,7 @@ std::optional<RosbagOptions> parseRosbag(int argc, const char** argv) {
   line.option(options.import.calibration, 0, "calibration", "FILE",
               "Calibration of the stereo camera instead of camera_info (doc/formats.md)");
   line.option(options.output, 'o', "output", "OUT.rawlog", "Rawlog to write");
+  addCheck(line, options.check);
   line.flag(options.overwrite, 'w', "overwrite", "Overwrite an existing output");
   line.option(options.from_index, 0, "from-index", "N", "Index of the first frame");
   line.option(options.import.last_frame, 0, "to-index", "N", "Index of the last frame");
@@ -58,8 +62,8 @@ std::optional<RosbagOptions> parseRosbag(int argc, const char** argv) {
   if (!line.parse(argc, argv)) return std::nullopt;
   options.quiet = line.quiet();
   options.import.first_frame = options.from_index.value_or(0);
-  if (!options.list && options.output.empty()) {
-    throw program::UsageError("give -o OUT.rawlog, or --list");
+  if (!options.list && !options.check && options.output.empty()) {
+    throw program::UsageError("give -o OUT.rawlog, --check or --list");
   }
   return options;
 }
@@ -111,6 +115,8 @@ int runRosbag(int argc, const char** argv) {
   auto options = parseRosbag(argc, argv);
   if (!options) return program::kDone;
   if (options->list) return listTopics(*options);
+  const ImportOutput output(options->output, options->check);
+  options->output = output.path();
   program::requireWritable(options->output, options->overwrite,
                            {options->bag, options->import.calibration});
   {
@@ -130,7 +136,7 @@ int runRosbag(int argc, const char** argv) {
   sink.close();
   progress.finish();
   if (!options->quiet) reportImport(*options, summary);
-  return program::kDone;
+  return options->check ? checkRawlog(options->output) : program::kDone;
 }
 
 }  // namespace headway::import

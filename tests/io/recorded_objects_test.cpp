@@ -366,10 +366,11 @@ TEST_F(RecordedImageTest, ColourImagesOfMrpt3AreRedGreenBlue) {
       image, pixels(10, std::string("\0\1", 2) + bytesOf(image.cols, image.rows) + raw)));
 }
 
-TEST_F(RecordedImageTest, ImagesOf16BitAreEmpty) {
+TEST_F(RecordedImageTest, ImagesOf16BitKeepTheirTypeToBeRefusedByName) {
   const std::string raw(2 * 160 * 120, '\5');
-  EXPECT_TRUE(pixels(9, std::string(2, '\0') + bytesOf(160, 120, 0, 2 * 160 * 120, 2) + '\0' + raw)
-                  .empty());
+  EXPECT_EQ(
+      CV_16UC1,
+      pixels(9, std::string(2, '\0') + bytesOf(160, 120, 0, 2 * 160 * 120, 2) + '\0' + raw).type());
 }
 
 TEST_F(RecordedObjectsTest, MovementsGiveTheirIncrement) {

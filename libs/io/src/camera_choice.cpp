@@ -94,6 +94,12 @@ CameraChoice CameraProbe::choose(const std::map<std::string, std::size_t>& skipp
   }
   if (depth_.size() == 1) return {CameraChoice::Kind::kDepth, {depth_.begin()->first, ""}};
   if (poses_ > 0) return {};
+  const auto timeless = skipped.find("no_time");
+  if (timeless != skipped.end() && stereo_.empty() && single_.empty()) {
+    throw InputError(std::to_string(timeless->second) +
+                     " observations have no timestamp, and none that has one is of a stereo camera "
+                     "or a pose: the driver or converter must set the times of capture");
+  }
   throw InputError(
       "contains neither stereo images nor poses labelled 'pose' nor images with depth; it "
       "contains " +

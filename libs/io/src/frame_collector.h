@@ -41,6 +41,9 @@ class FrameCollector {
   /// Counts unassigned observations at the end.
   void finish();
 
+  /// Least time between images of two cameras that are no pair [s], see StereoPairing.
+  [[nodiscard]] double nearestUnpaired() const { return pairing_.nearest(); }
+
   /// Whether take() can return a frame before the end of the recording.
   [[nodiscard]] bool isReady() const { return assembler_.isReady(); }
   /// Number of frames that take() can return before the end of the recording.

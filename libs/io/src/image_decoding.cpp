@@ -191,4 +191,16 @@ cv::Mat decodeImage(std::string_view bytes) {
   }
 }
 
+bool isDeepImage(std::string_view bytes) {
+  const ImageSize size = headerSize(bytes);
+  if (bytes.empty() || !isWithinLimits(size.width, size.height)) return false;
+  try {
+    const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1,
+                          const_cast<char*>(bytes.data()));
+    return cv::imdecode(encoded, cv::IMREAD_UNCHANGED).depth() == CV_16U;
+  } catch (const cv::Exception&) {
+    return false;
+  }
+}
+
 }  // namespace headway::io

@@ -18,6 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kDeepImage = "image_16_bit";
 constexpr std::uintmax_t kMaxFileBytes = 1 << 28;  // of an image, more than any within the limits
 constexpr double kDefaultFrameRate = 10.0;         // [Hz]
 
@@ -32,6 +33,8 @@ std::string imageBytesOf(const std::string& path) {
   file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   return file ? bytes : std::string();
 }
+
+bool isDeepFile(const std::string& path) { return isDeepImage(imageBytesOf(path)); }
 
 void requireSizeOf(const cv::Mat& image, const std::string& path, const RawCamera& lens) {
   if (image.size() == cv::Size(lens.width, lens.height)) return;
@@ -74,8 +77,10 @@ std::variant<cv::Mat, std::string> pixelsOf(const mrpt::img::CImage& image,
     if (!isInside(image_folder, path)) return std::string("image_outside_folder");
     if (!fs::is_regular_file(path, ignored)) return std::string("missing_image");
     pixels = loadImage(path.string());
+    if (pixels.empty() && isDeepFile(path.string())) return std::string(kDeepImage);
   } else if (!image.isEmpty()) {
     pixels = image.asCvMatRef();
+    if (pixels.depth() == CV_16U) return std::string(kDeepImage);
     if (pixels.type() == CV_8UC4) cv::cvtColor(pixels, pixels, cv::COLOR_BGRA2BGR);
     if (pixels.type() != CV_8UC1 && pixels.type() != CV_8UC3) pixels.release();
   }
@@ -109,6 +114,11 @@ std::vector<std::string> imagesIn(const std::string& folder) {
 
 cv::Mat requireImage(const std::string& path) {
   cv::Mat image = loadImage(path);
+  if (image.empty() && isDeepFile(path)) {
+    throw InputError(path +
+                     ": has 16 bits per channel, of which headway reads 8: convert the "
+                     "images, such as by: mogrify -depth 8 -normalize *.png");
+  }
   if (image.empty()) {
     throw InputError(path + ": missing, broken, or not an image with 8 bits per channel");
   }

@@ -5,6 +5,7 @@
 #include <headway/io/rawlog_source.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 
+#include <cmath>
 #include <filesystem>
 #include <utility>
 
@@ -86,8 +87,7 @@ class RawlogSource::Reader {
       return;
     }
     if (broken) decoder_.calibrate(*broken, *broken_images);  // fails with the reason
-    throw InputError("no usable frame" + skippedText() + "; external images are expected in " +
-                     decoder_.imageFolder());
+    throw InputError("no usable frame" + skippedText() + causeOfNoFrame());
   }
 
   std::optional<PendingFrame> takePending() {
@@ -124,6 +124,21 @@ class RawlogSource::Reader {
     frame.gnss = collector_->takeFixes(frame.time);
     last_time_ = frame.time;
     return frame;
+  }
+
+  std::string causeOfNoFrame() const {
+    if (skipped_.count("image_16_bit") > 0) {
+      return ": the images have 16 bits per channel, of which headway reads 8; record or convert "
+             "them with 8 bits";
+    }
+    const double nearest = 1e3 * collector_->nearestUnpaired();
+    if (skipped_.count("unpaired_image") > 0 && std::isfinite(nearest)) {
+      return ": the images of left and right are " + std::to_string(std::lround(nearest)) +
+             " ms apart or more, allowed are " +
+             std::to_string(std::lround(1e3 * options_.pair_tolerance_s)) +
+             " ms: the cameras must be triggered together";
+    }
+    return "; external images are expected in " + decoder_.imageFolder();
   }
 
   std::string skippedText() const {
@@ -185,6 +200,14 @@ std::string rawlogStem(const std::string& path) {
   const bool is_compressed = name.extension() == ".gz" || name.extension() == ".zst";
   if (is_compressed && hasRawlogName(path)) name.replace_extension();
   return name.replace_extension().string();
+}
+
+std::optional<std::string> visitObservations(
+    const std::string& path, std::map<std::string, std::size_t>& skipped,
+    const std::function<void(const mrpt::obs::CObservation&)>& visit) {
+  ObservationStream stream(path, skipped);
+  while (const auto observation = stream.next()) visit(*observation);
+  return stream.truncation();
 }
 
 RecordedTruth readTruth(const std::string& path) {

@@ -120,9 +120,14 @@ cv::Mat pixelsOf(const RecordedImage& image, std::string_view bytes) {
       return unzipped(image, bytes);
     case Storage::kEncoded:
       return decodeImage(bytes);
+    case Storage::kUnsupported:  // kept for its type, which is refused by name
+      if (image.bytes ==
+          2 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height)) {
+        result = view(CV_16UC1).clone();
+      }
+      break;
     case Storage::kNone:
     case Storage::kExternal:
-    case Storage::kUnsupported:
       break;
   }
   return result;

@@ -56,16 +56,6 @@ class Rectifier {
   Eigen::Matrix3d R_rectified_raw_ = Eigen::Matrix3d::Identity();  ///< of the left camera
 };
 
-/// Measures the consistency of a rectified image pair with its calibration.
-///
-/// Corners of both images are matched along rows in both directions, so that swapped images have a
-/// negative median disparity. Takes a few milliseconds.
-///
-/// @param left, right  rectified, 8-bit grey
-/// @return             medians are 0 without matches
-[[nodiscard]] CalibrationReport measureCalibration(const cv::Mat& left, const cv::Mat& right,
-                                                   const StereoCamera& camera);
-
 /// @throws InputError if left and right images are swapped according to the report
 void requireNotSwapped(const CalibrationReport& report);
 

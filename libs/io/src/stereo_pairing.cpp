@@ -141,6 +141,7 @@ std::optional<RecordedPair> StereoPairing::addSingle(const Image& image) {
       std::min_element(partners.begin(), partners.end(),
                        [&](const Image& a, const Image& b) { return distance(a) < distance(b); });
   if (nearest == partners.end() || distance(*nearest) > tolerance_s_) {
+    if (nearest != partners.end()) nearest_ = std::min(nearest_, distance(*nearest));
     auto& own = waiting_[side];
     own.push_back(image);
     if (own.size() > kMaxWaiting) {

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <deque>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -57,6 +58,8 @@ class StereoPairing {
   /// @return the pair completed by this observation, if any
   [[nodiscard]] std::optional<RecordedPair> add(const mrpt::obs::CObservation::Ptr& observation);
 
+  /// Least time between images of both sides that were too far apart [s]; infinite without any.
+  [[nodiscard]] double nearest() const { return nearest_; }
   /// Counts the images that remain unpaired at the end.
   void finish();
 
@@ -70,6 +73,7 @@ class StereoPairing {
   double tolerance_s_;
   std::map<std::string, std::size_t>& skipped_;
   std::array<std::deque<Image>, 2> waiting_;  ///< left, right
+  double nearest_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace headway::io

@@ -62,6 +62,7 @@ std::string meaningOf(const std::string& reason) {
       {"depth_size", "size of the depth image differs from the calibration"},
       {"dont_care", "marked DontCare"},
       {"duplicate", "second box of the same object"},
+      {"image_16_bit", "image with 16 bits per channel"},
       {"image_size", "image size differs from the calibration"},
       {"load_shed", "far box left out because frames took too long"},
       {"low_score", "score below the threshold"},
@@ -171,10 +172,7 @@ std::string titleBlock(const ReplayFolder& folder) {
   }
   const auto georeference = folder.summary.find("georeference");
   if (georeference != folder.summary.end() && georeference->is_object()) {
-    const auto text = georeference->find("text");
-    if (text != georeference->end() && text->is_string()) {
-      details += "<br>" + escaped(text->get<std::string>());
-    }
+    details += "<br>" + escaped(georeference->value("text", std::string()));
   }
   return "<header><h1>" + escaped(name) + "</h1><p>" + details + "</p>" + warnings(folder) +
          "</header>\n";

@@ -18,4 +18,7 @@ inline constexpr int kMaxImageSide = 1 << 15;
 /// An encoded PNG with 16 bits and one channel; empty if it is broken or another one.
 [[nodiscard]] cv::Mat decodeDepthImage(std::string_view bytes);
 
+/// Whether it is an image of 16 bits per channel, which decodeImage() does not read.
+[[nodiscard]] bool isDeepImage(std::string_view bytes);
+
 }  // namespace headway::io

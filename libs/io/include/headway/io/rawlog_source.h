@@ -4,10 +4,15 @@
 #include <headway/core/warnings.h>
 #include <headway/io/observation_queue.h>
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+
+namespace mrpt::obs {
+class CObservation;
+}
 
 namespace headway::io {
 
@@ -110,6 +115,26 @@ class RawlogSource {
 
 /// The path without that ending: folders that belong to a rawlog are X_Images and X.truth.
 [[nodiscard]] std::string rawlogStem(const std::string& path);
+
+/// Measures the consistency of a rectified image pair with its calibration.
+///
+/// Corners of both images are matched along rows in both directions, so that swapped images have a
+/// negative median disparity. Takes a few milliseconds.
+///
+/// @param left, right  rectified, 8-bit grey
+/// @return             medians are 0 without matches
+[[nodiscard]] CalibrationReport measureCalibration(const cv::Mat& left, const cv::Mat& right,
+                                                   const StereoCamera& camera);
+
+/// Reads the observations of a rawlog one by one, truth included, without decoding images that are
+/// stored beside it.
+///
+/// @param skipped  counts objects that cannot be read
+/// @return         the reason if the rawlog is truncated
+/// @throws InputError if it is no rawlog
+std::optional<std::string> visitObservations(
+    const std::string& path, std::map<std::string, std::size_t>& skipped,
+    const std::function<void(const mrpt::obs::CObservation&)>& visit);
 
 /// The truth in a rawlog: labels `truth_pose` and `truth_objects`.
 struct RecordedTruth {

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdarg>
+#include <string>
+#include <vector>
+
+namespace headway::import {
+
+enum class Verdict { kOk, kWarning, kBad };
+
+/// One line of a check.
+struct CheckItem {
+  std::string name;
+  std::string value;
+  Verdict verdict = Verdict::kOk;
+  std::string advice;  ///< cause and what to do; empty if it is ok
+};
+
+/// printf-style formatting.
+[[nodiscard]] std::string text(const char* format, ...) __attribute__((format(printf, 1, 2)));
+
+/// The verdict on a value that should be low.
+[[nodiscard]] inline Verdict verdictOf(double value, double warning, double bad) {
+  if (value > bad) return Verdict::kBad;
+  return value > warning ? Verdict::kWarning : Verdict::kOk;
+}
+
+}  // namespace headway::import

@@ -1,0 +1,153 @@
+#include "time_check.h"
+
+#include <headway/core/mrpt_pose.h>
+#include <headway/core/statistics.h>
+#include <headway/io/mrpt_time.h>
+#include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/obs/CObservationIMU.h>
+#include <mrpt/obs/CObservationImage.h>
+#include <mrpt/obs/CObservationStereoImages.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace headway::import {
+namespace {
+
+constexpr std::size_t kMaxSamples = 200000;
+constexpr double kPairTolerance = 0.01;  // of headway's readers [s]
+
+bool isAnyImage(const mrpt::obs::CObservation& observation) {
+  return dynamic_cast<const mrpt::obs::CObservationImage*>(&observation) != nullptr ||
+         dynamic_cast<const mrpt::obs::CObservationStereoImages*>(&observation) != nullptr ||
+         dynamic_cast<const mrpt::obs::CObservation3DRangeScan*>(&observation) != nullptr;
+}
+
+std::string classNameOf(const mrpt::obs::CObservation& observation) {
+  const std::string name = observation.GetRuntimeClass()->className;
+  return name.substr(name.rfind(':') + 1);
+}
+
+/// Distances of times from the nearest of others, both ascending, with their sign.
+std::vector<double> offsets(const std::vector<Time>& times, const std::vector<Time>& others) {
+  std::vector<double> result;
+  for (const Time time : times) {
+    const auto after = std::lower_bound(others.begin(), others.end(), time);
+    double best = after != others.end() ? *after - time : 1e9;
+    if (after != others.begin() && time - *(after - 1) < std::abs(best)) best = *(after - 1) - time;
+    result.push_back(best);
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string text(const char* format, ...) {
+  char buffer[300];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(buffer, sizeof buffer, format, arguments);
+  va_end(arguments);
+  return buffer;
+}
+
+void TimeCheck::add(const mrpt::obs::CObservation& observation) {
+  const std::string class_name = classNameOf(observation);
+  const auto& label = observation.sensorLabel;
+  Sensor& sensor = sensors_[label.empty() ? class_name : label];
+  sensor.class_name = class_name;
+  sensor.is_single_image = class_name == "CObservationImage";
+  ++sensor.count;
+  images_ += isAnyImage(observation) ? 1 : 0;
+  if (observation.timestamp == INVALID_TIMESTAMP) {
+    ++sensor.without_time;
+    return;
+  }
+  const Time time = io::timeFrom(observation.timestamp);
+  if (sensor.count - sensor.without_time > 1) {
+    if (time <= sensor.last) ++sensor.backwards;
+    if (sensor.intervals.size() < kMaxSamples) {
+      sensor.intervals.push_back(static_cast<float>(time - sensor.last));
+    }
+  } else {
+    sensor.first = time;
+  }
+  sensor.last = time;
+  if (isAnyImage(observation) && sensor.times.size() < kMaxSamples) sensor.times.push_back(time);
+  const auto* imu = dynamic_cast<const mrpt::obs::CObservationIMU*>(&observation);
+  if (imu == nullptr || turns_.size() >= kMaxSamples || !imu->has(mrpt::obs::IMU_WX)) return;
+  const Eigen::Vector3d rate(imu->get(mrpt::obs::IMU_WX), imu->get(mrpt::obs::IMU_WY),
+                             imu->get(mrpt::obs::IMU_WZ));
+  if (rate.allFinite()) turns_.push_back({time, fromMrpt(imu->sensorPose).linear() * rate});
+}
+
+CheckItem TimeCheck::rateOf(const std::string& label, const Sensor& sensor) {
+  CheckItem item{"times of " + label + " (" + sensor.class_name + ")", "", Verdict::kOk, ""};
+  if (sensor.without_time > 0) {
+    item.value = text("%zu of %zu without a time", sensor.without_time, sensor.count);
+    item.verdict = Verdict::kBad;
+    item.advice = "the driver sets no timestamps: set them to the capture's time";
+    return item;
+  }
+  const std::vector<double> intervals(sensor.intervals.begin(), sensor.intervals.end());
+  const double usual = median(intervals);
+  const double longest =
+      intervals.empty() ? 0.0 : *std::max_element(intervals.begin(), intervals.end());
+  const auto gaps = std::count_if(intervals.begin(), intervals.end(),
+                                  [&](double interval) { return interval > 2.5 * usual; });
+  item.value = text("%zu, %.2f Hz, longest gap %.3f s, %zd gaps", sensor.count,
+                    usual > 0.0 ? 1.0 / usual : 0.0, longest, gaps);
+  const double ratio =
+      static_cast<double>(gaps) / std::max(1.0, static_cast<double>(intervals.size()));
+  if (sensor.backwards > 0) {
+    item.verdict = Verdict::kBad;
+    item.advice = text(
+        "%zu times are not after the one before: the clock was set, or two sensors "
+        "share a label; slew clocks (chrony), give labels",
+        sensor.backwards);
+  } else if (gaps > 0) {
+    item.verdict = longest > 1.0 || ratio > 0.05 ? Verdict::kBad : Verdict::kWarning;
+    item.advice = "samples are missing: check bandwidth, disk and driver";
+  }
+  return item;
+}
+
+std::vector<CheckItem> TimeCheck::items() const {
+  std::vector<CheckItem> items;
+  for (const auto& [label, sensor] : sensors_) {
+    if (label.rfind("truth_", 0) != 0) items.push_back(rateOf(label, sensor));
+  }
+  for (auto& item : pairOffsets()) items.push_back(std::move(item));
+  return items;
+}
+
+/// Of each two cameras of single images.
+std::vector<CheckItem> TimeCheck::pairOffsets() const {
+  std::vector<CheckItem> items;
+  for (auto a = sensors_.begin(); a != sensors_.end(); ++a) {
+    for (auto b = std::next(a); b != sensors_.end(); ++b) {
+      if (!a->second.is_single_image || !b->second.is_single_image) continue;
+      std::vector<double> distances = offsets(a->second.times, b->second.times);
+      if (distances.empty() || b->second.times.empty()) continue;
+      const double middle = median(distances);
+      for (double& distance : distances) distance = std::abs(distance);
+      const double usual = median(distances), most = percentile(distances, 0.95);
+      CheckItem item{"times between " + a->first + " and " + b->first,
+                     text("median %+.1f ms, 95 %% within %.1f ms", 1e3 * middle, 1e3 * most),
+                     verdictOf(most, 0.002, kPairTolerance), ""};
+      if (usual > kPairTolerance) {
+        item.advice = text(
+            "the images of a pair are %.0f ms apart, allowed are %.0f ms: trigger "
+            "both cameras together",
+            1e3 * usual, 1e3 * kPairTolerance);
+      } else if (item.verdict != Verdict::kOk) {
+        item.advice = "the cameras are not triggered together: moving things get a wrong depth";
+      }
+      items.push_back(std::move(item));
+    }
+  }
+  return items;
+}
+
+}  // namespace headway::import

@@ -1,0 +1,172 @@
+// headway-import --check, and refusals that name their cause.
+#include <gmock/gmock.h>
+#include <headway/io/calibration_file.h>
+#include <headway/io/mrpt_time.h>
+#include <headway/io/rawlog_sink.h>
+#include <headway/io/rawlog_source.h>
+#include <headway_test/folders.h>
+#include <headway_test/paths.h>
+#include <mrpt/obs/CObservationIMU.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <regex>
+
+#include "foreign_recording.h"
+#include "processes.h"
+#include "synthetic_recording.h"
+
+namespace headway::io {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using Objects = std::vector<mrpt::serialization::CSerializable::Ptr>;
+
+class RecordingCheckTest : public ::testing::Test {
+ protected:
+  static test::ProcessResult import(const std::string& arguments) {
+    return test::runProcess(std::string(HEADWAY_BIN_DIR) + "/headway-import " + arguments);
+  }
+  test::ProcessResult check(const std::string& name) {
+    return import("rawlog " + at(name) + " --check");
+  }
+  std::string at(const std::string& name) { return folder_ / name; }
+  std::string refusalOf(const std::string& name) {
+    return test::errorOf([&] { RawlogSource source(at(name), {}); });
+  }
+  /// Two cameras whose images are apart.
+  void writeApart(const std::string& name, double seconds) {
+    Objects objects;
+    for (int i = 0; i < 30; ++i) {
+      const Time time = test::frameTime(static_cast<std::size_t>(i));
+      objects.push_back(test::singleImage(0, i, time, "left"));
+      objects.push_back(test::singleImage(1, i, time + seconds, "right"));
+    }
+    test::writeObjects(at(name), objects);
+  }
+
+  headway::test::TemporaryFolder folder_;
+};
+
+TEST_F(RecordingCheckTest, MissingTimesAreNamed) {
+  Objects objects;
+  for (int i = 0; i < 5; ++i) {
+    auto stereo = test::wallObservation(i, test::frameTime(0));
+    stereo->timestamp = INVALID_TIMESTAMP;
+    objects.push_back(stereo);
+  }
+  test::writeObjects(at("x.rawlog"), objects);
+  EXPECT_THAT(refusalOf("x.rawlog"), HasSubstr("5 observations have no timestamp"));
+  const auto result = check("x.rawlog");
+  EXPECT_EQ(1, result.status) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("5 of 5 without a time"));
+}
+
+TEST_F(RecordingCheckTest, ImagesOf16BitAreNamed) {
+  const cv::Mat deep(120, 160, CV_16UC1, cv::Scalar(4000));
+  Objects objects;
+  for (int i = 0; i < 5; ++i) {
+    auto stereo = test::wallObservation(i, test::frameTime(static_cast<std::size_t>(i)));
+    stereo->imageLeft = mrpt::img::CImage(deep, mrpt::img::DEEP_COPY);
+    stereo->imageRight = mrpt::img::CImage(deep, mrpt::img::DEEP_COPY);
+    objects.push_back(stereo);
+  }
+  test::writeObjects(at("x.rawlog"), objects);
+  EXPECT_THAT(refusalOf("x.rawlog"),
+              AllOf(HasSubstr("image_16_bit: 5"), HasSubstr("16 bits per channel")));
+  EXPECT_THAT(check("x.rawlog").output, HasSubstr("16 bits per channel"));
+}
+
+TEST_F(RecordingCheckTest, FilesOf16BitAreNamed) {
+  std::filesystem::create_directories(at("x_Images"));
+  const cv::Mat deep(120, 160, CV_16UC1, cv::Scalar(4000));
+  cv::imwrite(at("x_Images/deep.png"), deep);
+  cv::imwrite(at("x_Images/deep.tif"), deep);
+  auto stereo = test::wallObservation(0, test::frameTime(0));
+  stereo->imageLeft.setExternalStorage("deep.png");
+  stereo->imageRight.setExternalStorage("deep.tif");
+  test::writeObjects(at("x.rawlog"), {stereo});
+  EXPECT_THAT(refusalOf("x.rawlog"), HasSubstr("16 bits per channel"));
+
+  writeCalibration(at("c.yaml"), test::smallCamera());
+  const auto result = import("images --left " + at("x_Images") + " --right " + at("x_Images") +
+                             " --calibration " + at("c.yaml") + " --check");
+  EXPECT_EQ(1, result.status);
+  EXPECT_THAT(result.output, HasSubstr("has 16 bits per channel"));
+}
+
+TEST_F(RecordingCheckTest, PairsThatAreApartAreNamed) {
+  writeApart("x.rawlog", 0.02);
+  EXPECT_THAT(refusalOf("x.rawlog"),
+              AllOf(HasSubstr("20 ms apart"), HasSubstr("allowed are 10 ms")));
+  const auto result = check("x.rawlog");
+  EXPECT_EQ(1, result.status) << result.output;
+  EXPECT_THAT(result.output, AllOf(HasSubstr("times between left and right: median +20.0 ms"),
+                                   HasSubstr("trigger both cameras together")));
+  writeApart("y.rawlog", 0.0005);
+  EXPECT_THAT(check("y.rawlog").output, HasSubstr("ok       times between left and right"));
+}
+
+TEST_F(RecordingCheckTest, AGoodRecordingIsOk) {
+  const auto result =
+      import("rawlog " + std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/street.rawlog --check");
+  EXPECT_EQ(0, result.status) << result.output;
+  for (const char* item :
+       {"ok       rig: 672x256 px, baseline 0.5400 m", "ok       times of stereo", "10.00 Hz",
+        "ok       exposure", "ok       blur", "ok       vertical offset", "verdict: 0 bad"}) {
+    EXPECT_THAT(result.output, HasSubstr(item));
+  }
+}
+
+TEST_F(RecordingCheckTest, GapsAndTimesSetBackAreSeen) {
+  Objects objects;
+  for (int i = 0; i < 60; ++i) {
+    const double gap = i < 30 ? 0.0 : 2.0;
+    objects.push_back(test::wallObservation(i, 100.0 + 0.1 * i + gap));
+  }
+  test::writeObjects(at("x.rawlog"), objects);
+  EXPECT_THAT(check("x.rawlog").output,
+              AllOf(HasSubstr("longest gap 2.100 s, 1 gaps"), HasSubstr("samples are missing")));
+  objects.push_back(test::wallObservation(60, 90.0));
+  test::writeObjects(at("x.rawlog"), objects);
+  EXPECT_THAT(check("x.rawlog").output, HasSubstr("the clock was set"));
+}
+
+TEST_F(RecordingCheckTest, UsageIsChecked) {
+  EXPECT_EQ(2, import("rawlog x.rawlog").status);
+  EXPECT_EQ(2, import("euroc /x").status);  // neither -o nor --check
+  EXPECT_EQ(0, import("rawlog --help").status);
+  EXPECT_EQ(1, import("rawlog " + at("none.rawlog") + " --check").status);
+}
+
+/// The stated offset of the inertial sensor's times [ms].
+double statedOffset(const std::string& output) {
+  std::smatch match;
+  EXPECT_TRUE(std::regex_search(output, match, std::regex("inertial times ([+-][0-9]+) ms")))
+      << output;
+  return match.empty() ? 1e9 : std::stod(match[1].str());
+}
+
+TEST_F(RecordingCheckTest, TheClockOfAnInertialSensorIsMeasured) {
+  HEADWAY_REQUIRE_DATA(data);
+  const auto result = import("kitti-raw " + (data / "kitti_raw").string() +
+                             " --drive 2011_09_26_drive_0005_sync -q --check -o " + at("x.rawlog"));
+  std::map<std::string, std::size_t> skipped;
+  RawlogSink sink(at("late.rawlog"), ImageStorage::kEmbeddedRaw);
+  (void)visitObservations(at("x.rawlog"), skipped, [&](const mrpt::obs::CObservation& observation) {
+    const auto copy =
+        std::dynamic_pointer_cast<mrpt::obs::CObservation>(observation.duplicateGetSmartPtr());
+    if (dynamic_cast<const mrpt::obs::CObservationIMU*>(&observation) != nullptr) {
+      copy->timestamp = mrptTime(timeFrom(observation.timestamp) + 0.08);
+    }
+    sink.write(*copy);
+  });
+  sink.close();
+  const auto late = check("late.rawlog");
+  EXPECT_EQ(1, late.status);
+  EXPECT_NEAR(80.0, statedOffset(late.output) - statedOffset(result.output), 4.0);
+}
+
+}  // namespace
+}  // namespace headway::io
