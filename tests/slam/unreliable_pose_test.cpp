@@ -61,6 +61,19 @@ class UnreliablePoseTest : public testing::Test {
   int frames_ = 0;
 };
 
+TEST_F(UnreliablePoseTest, RelocalisationIsNoMotionForTheWheelsToContradict) {
+  walk(15);
+  const std::string saved = slam_->save();
+  slam_ = std::make_unique<StereoSlam>(world_.camera(), params_);
+  slam_->load(saved);
+  for (int i = 0; i < 3; ++i) {
+    const auto update = next(ImageEvidence::kNone, step_);
+    EXPECT_EQ(update.status, TrackingStatus::kTracked) << i;
+    EXPECT_LT(errorOf(update), 0.03);
+    move();
+  }
+}
+
 TEST_F(UnreliablePoseTest, FrozenImagesAreNotUsedAndTheCameraIsFoundAgain) {
   walk(15);
   for (int i = 0; i < 10; ++i) {

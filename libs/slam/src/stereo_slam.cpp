@@ -53,7 +53,7 @@ SlamUpdate StereoSlam::Implementation::localised(const StereoFrame& frame,
                                                  std::optional<TrackedPose>& tracked,
                                                  ImageEvidence images) {
   const Stamped<Pose> previous{previous_.time, motion_.last()};
-  const bool tracked_twice = tracked && lost_in_a_row_ == 0;
+  const bool tracked_twice = tracked && !relocalised_ && lost_in_a_row_ == 0;
   const Pose T_map_cam = tracked ? tracked->T_map_cam : Pose::Identity();
   const double sigma_m = tracked ? positionSigma(tracked->covariance) : 0.0;
   SlamUpdate update = tracked ? accept(current, *tracked) : handleLost(frame, current);
@@ -86,6 +86,7 @@ Doubt StereoSlam::Implementation::doubtOf(const MeasuredStep& step, double secon
 /// Tracks from the last pose, or else relocalises in the whole map.
 std::optional<TrackedPose> StereoSlam::Implementation::track(const stereo::FrameContext& context,
                                                              const TrackingFrame& current) {
+  relocalised_ = false;
   if (!reference_) {
     initialiseMotion(context);
     if (map_.keyframes().empty()) return std::nullopt;
@@ -97,6 +98,7 @@ std::optional<TrackedPose> StereoSlam::Implementation::track(const stereo::Frame
   KeyframeId recognised;
   tracked = loops_.locate(current, map_, &recognised);
   if (!tracked) return std::nullopt;
+  relocalised_ = true;
   setReferenceKeyframe(recognised);
   active_submap_.relocaliseAt(recognised);
   return tracked;

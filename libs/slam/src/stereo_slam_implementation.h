@@ -101,6 +101,7 @@ class StereoSlam::Implementation {
   double previous_sigma_m_ = 0.0;                       ///< of its position in the local map
   ActiveSubmap active_submap_;
   int lost_in_a_row_ = 0;
+  bool relocalised_ = false;  ///< the newest pose, in the whole map: no motion from the one before
 };
 
 }  // namespace headway::slam
