@@ -190,7 +190,16 @@ TEST_F(RecordedObjectsTest, SatellitePositionsKeepTheirGga) {
   gga.fields.latitude_degrees = std::nan("");
   gnss.setMsg(gga);
   EXPECT_FALSE(fixFrom(gnss, skipped));
-  EXPECT_EQ((std::map<std::string, std::size_t>{{"gnss_no_position", 1}, {"gnss_without_fix", 1}}),
+  gga.fields.latitude_degrees = 48.5;
+  gga.fields.HDOP = 150.0F;  // not "unknown": hundreds of metres
+  gnss.setMsg(gga);
+  EXPECT_FALSE(fixFrom(gnss, skipped));
+  gga.fields.HDOP = 2.0F;
+  gnss.setMsg(gga);
+  gnss.sensorPose = mrpt::poses::CPose3D(0.1, std::nan(""), 1.5);
+  EXPECT_FALSE(fixFrom(gnss, skipped));
+  EXPECT_EQ((std::map<std::string, std::size_t>{
+                {"gnss_bad_pose", 1}, {"gnss_no_position", 1}, {"gnss_without_fix", 2}}),
             skipped);
 }
 

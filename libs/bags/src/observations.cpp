@@ -54,8 +54,11 @@ mrpt::obs::CObservationGPS::Ptr gnssObservation(const NavSatFixMessage& message,
   position.fields.latitude_degrees = message.latitude_deg;
   position.fields.longitude_degrees = message.longitude_deg;
   position.fields.altitude_meters = message.altitude_m;
-  position.fields.fix_quality = qualityOf(message.status);
-  if (const auto hdop = io::hdopOf(position.fields.fix_quality, message.sigma_m); hdop > 0.0) {
+  std::uint8_t quality = qualityOf(message.status);
+  // Some drivers give the best status to what their covariance calls bad.
+  if (quality > 1 && !io::gnssSigma(quality, io::hdopOf(quality, message.sigma_m))) quality = 1;
+  position.fields.fix_quality = quality;
+  if (const auto hdop = io::hdopOf(quality, message.sigma_m); hdop > 0.0) {
     position.fields.thereis_HDOP = true;
     position.fields.HDOP = static_cast<float>(*hdop);
   }

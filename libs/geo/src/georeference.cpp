@@ -39,6 +39,19 @@ std::vector<PositionPair> pairsOf(const std::vector<FixOnMap>& fixes, const Geod
   return pairs;
 }
 
+/// The frame at the fixes' median, since any of them may be wrong.
+GeodeticFrame amidst(const std::vector<FixOnMap>& fixes) {
+  const GnssFix& first = fixes.front().fix;
+  const GeodeticFrame any({first.latitude_deg, first.longitude_deg, first.altitude_m});
+  std::vector<double> east, north, up;
+  for (const PositionPair& pair : pairsOf(fixes, any)) {
+    east.push_back(pair.enu.x());
+    north.push_back(pair.enu.y());
+    up.push_back(pair.enu.z());
+  }
+  return GeodeticFrame(any.positionOf({median(east), median(north), median(up)}));
+}
+
 std::vector<PositionPair> agreeingOf(const std::vector<PositionPair>& pairs,
                                      const PlanarAlignment& alignment) {
   std::vector<PositionPair> agreeing;
@@ -182,8 +195,7 @@ std::variant<Georeference, NoGeoreference> georeference(const std::vector<FixOnM
                           " fixes at times with a pose, at least " + std::to_string(kMinFixes) +
                           " are needed"};
   }
-  const GnssFix& first = fixes.front().fix;
-  const GeodeticFrame frame({first.latitude_deg, first.longitude_deg, first.altitude_m});
+  const GeodeticFrame frame = amidst(fixes);
   const auto pairs = pairsOf(fixes, frame);
   const double extent = horizontalExtent(pairs);
   if (extent < kMinExtentM) return NoGeoreference{shortWay(extent)};
@@ -193,12 +205,12 @@ std::variant<Georeference, NoGeoreference> georeference(const std::vector<FixOnM
   }
   const Georeference result =
       refined(fixes, *planar, frame, liftedPose(*planar, agreeingOf(pairs, *planar)));
-  if (result.headingSigmaDeg() * kDegree > kMaxHeadingSigma) {
+  if (!(result.headingSigmaDeg() * kDegree <= kMaxHeadingSigma)) {
     return NoGeoreference{shortWay(extent) + withNumber(": it would be uncertain by %.1f degrees",
                                                         result.headingSigmaDeg())};
   }
   // A spread as wide as the way agrees with any heading.
-  if (result.rmse_m > 0.2 * extent) {
+  if (!(result.rmse_m <= 0.2 * extent)) {
     return NoGeoreference{withNumber("the fixes deviate from the map by %.1f m", result.rmse_m) +
                           withNumber(" on a way of %.1f m", extent)};
   }

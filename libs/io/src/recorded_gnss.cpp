@@ -100,7 +100,9 @@ std::optional<GnssFix> fixFrom(const mrpt::obs::CObservationGPS& observation,
   GnssFix fix;
   fix.time = timeFrom(observation.timestamp);
   fix.antenna = fromMrpt(observation.sensorPose).translation();
-  if (!(fix.antenna.cwiseAbs().maxCoeff() <= kMaxAntennaOffsetM)) return count("gnss_bad_pose");
+  if (!fix.antenna.allFinite() || fix.antenna.cwiseAbs().maxCoeff() > kMaxAntennaOffsetM) {
+    return count("gnss_bad_pose");
+  }
   fix.latitude_deg = fields.latitude_degrees;
   fix.longitude_deg = fields.longitude_degrees;
   const bool has_geoid = std::abs(fields.geoidal_distance) <= kMaxAltitudeM;
@@ -111,8 +113,9 @@ std::optional<GnssFix> fixFrom(const mrpt::obs::CObservationGPS& observation,
 
 std::optional<double> gnssSigma(std::uint8_t quality, std::optional<double> hdop) {
   if (quality == 0 || quality >= kRangeSigmas.size()) return std::nullopt;
-  const bool is_usable = hdop && *hdop > 0.0 && *hdop <= kMaxHdop;
-  return kRangeSigmas.at(quality) * (is_usable ? *hdop : kDefaultHdop) / std::sqrt(2.0);
+  if (hdop && *hdop > kMaxHdop) return std::nullopt;
+  const bool is_given = hdop && *hdop > 0.0;
+  return kRangeSigmas.at(quality) * (is_given ? *hdop : kDefaultHdop) / std::sqrt(2.0);
 }
 
 std::optional<double> hdopOf(std::uint8_t quality, double sigma_m) {

@@ -94,12 +94,15 @@ std::string countsTable(const Json& counts) {
   return rows.empty() ? "<p>None.</p>" : table(rows);
 }
 
+/// A text of an object; empty if it has none.
+std::string textAt(const Json& object, const char* key) {
+  const auto value = object.find(key);
+  return value != object.end() && value->is_string() ? value->get<std::string>() : "";
+}
+
 std::string recordedText(const ReplayFolder& folder, const char* key) {
-  if (!folder.record.is_object()) return "";
   const auto input = folder.record.find("input");
-  if (input == folder.record.end() || !input->is_object()) return "";
-  const auto value = input->find(key);
-  return value != input->end() && value->is_string() ? value->get<std::string>() : "";
+  return input == folder.record.end() || !input->is_object() ? "" : textAt(*input, key);
 }
 
 /// The first image in which the camera was lost.
@@ -125,10 +128,9 @@ std::string framesText(const ReplayFolder& folder, const char* list) {
 
 std::string warnings(const ReplayFolder& folder) {
   std::string html;
-  const auto ended = folder.summary.find("ended_early");
-  if (ended != folder.summary.end() && ended->is_string()) {
-    html += "<p class=\"warning\">The replay ended early: " + escaped(ended->get<std::string>()) +
-            "</p>";
+  const std::string ended = textAt(folder.summary, "ended_early");
+  if (!ended.empty()) {
+    html += "<p class=\"warning\">The replay ended early: " + escaped(ended) + "</p>";
   }
   const auto continued = folder.summary.find("continued_after");
   if (continued != folder.summary.end() && continued->is_array() && !continued->empty()) {
@@ -166,13 +168,11 @@ std::string titleBlock(const ReplayFolder& folder) {
   std::string details = escaped(rawlog);
   const std::string detections = recordedText(folder, "detections");
   if (!detections.empty()) details += "<br>detections: " + escaped(detections);
-  const auto rectification = folder.summary.find("rectification");
-  if (rectification != folder.summary.end() && rectification->is_string()) {
-    details += "<br>" + escaped(rectification->get<std::string>());
-  }
+  const std::string rectification = textAt(folder.summary, "rectification");
+  if (!rectification.empty()) details += "<br>" + escaped(rectification);
   const auto georeference = folder.summary.find("georeference");
   if (georeference != folder.summary.end() && georeference->is_object()) {
-    details += "<br>" + escaped(georeference->value("text", std::string()));
+    details += "<br>" + escaped(textAt(*georeference, "text"));
   }
   return "<header><h1>" + escaped(name) + "</h1><p>" + details + "</p>" + warnings(folder) +
          "</header>\n";

@@ -9,9 +9,9 @@ namespace headway::io {
 // dilution of precision.
 
 /// Standard deviation of each horizontal axis [m]; nullopt for what is no measured position:
-/// quality 0 (no fix), 7 and 8 (typed in, simulated), and unknown ones.
+/// quality 0 (no fix), 7 and 8 (typed in, simulated), and unknown ones, or a dilution above 100.
 ///
-/// @param hdop  horizontal dilution of precision; nullopt: 1.5
+/// @param hdop  horizontal dilution of precision; nullopt, 0 or NaN: 1.5
 [[nodiscard]] std::optional<double> gnssSigma(std::uint8_t quality, std::optional<double> hdop);
 
 /// The dilution of precision with which gnssSigma() returns `sigma_m`; nullopt without a fix.
