@@ -120,7 +120,7 @@ void addCheck(program::CommandLine& line, bool& check) {
 }
 
 int checkRawlog(const std::string& path, const std::string& sensor_label) {
-  TimeCheck times;
+  TimeCheck times(sensor_label);
   std::map<std::string, std::size_t> skipped;
   const auto truncation = io::visitObservations(
       path, skipped,
@@ -129,7 +129,11 @@ int checkRawlog(const std::string& path, const std::string& sensor_label) {
   if (truncation) {
     items.push_back({"file", "truncated", Verdict::kBad, *truncation + "; record it again"});
   }
-  append(items, imageItems(path, sensor_label, times));
+  if (!program::interrupted()) append(items, imageItems(path, sensor_label, times));
+  if (program::interrupted()) {
+    std::cout << "interrupted: not checked" << std::endl;
+    return kBadRecording;
+  }
   for (const auto& item : items) print(item);
   const auto count = [&](Verdict verdict) {
     return std::count_if(items.begin(), items.end(),

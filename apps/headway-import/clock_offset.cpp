@@ -63,7 +63,7 @@ std::optional<Correlation> correlationAt(const std::vector<TurnStep>& steps, con
   }
   if (n < static_cast<double>(kMinSteps)) return std::nullopt;
   const double a = xx / n - x * x / n / n, b = yy / n - y * y / n / n;
-  if (a <= 0.0 || b <= 0.0) return std::nullopt;
+  if (!(a > 0.0 && b > 0.0)) return std::nullopt;
   return Correlation{(xy / n - x * y / n / n) / std::sqrt(a * b), std::sqrt(a)};
 }
 
@@ -77,10 +77,11 @@ std::optional<ClockOffset> clockOffset(const std::vector<TurnStep>& steps,
   for (int i = -count; i <= count; ++i) {
     const auto correlation = correlationAt(steps, sum, i * kStep);
     if (!correlation || correlation->camera_deviation < kMinDeviation) continue;
-    if (best && correlation->value <= best->correlation) continue;
+    if (best && !(correlation->value > best->correlation)) continue;
     best = ClockOffset{i * kStep, correlation->value};
   }
-  if (!best || best->correlation < kMinCorrelation) return std::nullopt;
+  if (!best || !(best->correlation >= kMinCorrelation)) return std::nullopt;
+  if (std::abs(best->offset_s) > kMaxOffset - 0.5 * kStep) return std::nullopt;  // may lie beyond
   return best;
 }
 

@@ -16,7 +16,9 @@ namespace headway::import {
 namespace {
 
 constexpr std::size_t kMaxSamples = 200000;
+constexpr std::size_t kMaxSensors = 200;
 constexpr double kPairTolerance = 0.01;  // of headway's readers [s]
+constexpr double kMaxRate = 1000.0;      // of turns [rad/s]
 
 bool isAnyImage(const mrpt::obs::CObservation& observation) {
   return dynamic_cast<const mrpt::obs::CObservationImage*>(&observation) != nullptr ||
@@ -55,9 +57,14 @@ std::string text(const char* format, ...) {
 void TimeCheck::add(const mrpt::obs::CObservation& observation) {
   const std::string class_name = classNameOf(observation);
   const auto& label = observation.sensorLabel;
-  Sensor& sensor = sensors_[label.empty() ? class_name : label];
-  sensor.class_name = class_name;
-  sensor.is_single_image = class_name == "CObservationImage";
+  const std::pair<std::string, std::string> key{label.empty() ? class_name : label, class_name};
+  if (sensors_.size() >= kMaxSensors && sensors_.count(key) == 0) {
+    ++of_further_sensors_;
+    return;
+  }
+  Sensor& sensor = sensors_[key];
+  const auto* imu = dynamic_cast<const mrpt::obs::CObservationIMU*>(&observation);
+  sensor.is_needed = isAnyImage(observation) || imu != nullptr;
   ++sensor.count;
   images_ += isAnyImage(observation) ? 1 : 0;
   if (observation.timestamp == INVALID_TIMESTAMP) {
@@ -75,15 +82,21 @@ void TimeCheck::add(const mrpt::obs::CObservation& observation) {
   }
   sensor.last = time;
   if (isAnyImage(observation) && sensor.times.size() < kMaxSamples) sensor.times.push_back(time);
-  const auto* imu = dynamic_cast<const mrpt::obs::CObservationIMU*>(&observation);
-  if (imu == nullptr || turns_.size() >= kMaxSamples || !imu->has(mrpt::obs::IMU_WX)) return;
-  const Eigen::Vector3d rate(imu->get(mrpt::obs::IMU_WX), imu->get(mrpt::obs::IMU_WY),
-                             imu->get(mrpt::obs::IMU_WZ));
-  if (rate.allFinite()) turns_.push_back({time, fromMrpt(imu->sensorPose).linear() * rate});
+  if (imu != nullptr) addTurn(time, *imu);
 }
 
-CheckItem TimeCheck::rateOf(const std::string& label, const Sensor& sensor) {
-  CheckItem item{"times of " + label + " (" + sensor.class_name + ")", "", Verdict::kOk, ""};
+void TimeCheck::addTurn(Time time, const mrpt::obs::CObservationIMU& imu) {
+  using namespace mrpt::obs;  // names of the IMU's fields
+  if (turns_.size() >= kMaxSamples || !imu.has(IMU_WX) || !imu.has(IMU_WY) || !imu.has(IMU_WZ)) {
+    return;
+  }
+  const Eigen::Vector3d rate = fromMrpt(imu.sensorPose).linear() *
+                               Eigen::Vector3d(imu.get(IMU_WX), imu.get(IMU_WY), imu.get(IMU_WZ));
+  if (rate.norm() < kMaxRate) turns_.push_back({time, rate});
+}
+
+CheckItem TimeCheck::rateOf(const Name& name, const Sensor& sensor) {
+  CheckItem item{"times of " + name.first + " (" + name.second + ")", "", Verdict::kOk, ""};
   if (sensor.without_time > 0) {
     item.value = text("%zu of %zu without a time", sensor.without_time, sensor.count);
     item.verdict = Verdict::kBad;
@@ -107,7 +120,8 @@ CheckItem TimeCheck::rateOf(const std::string& label, const Sensor& sensor) {
         "share a label; slew clocks (chrony), give labels",
         sensor.backwards);
   } else if (gaps > 0) {
-    item.verdict = longest > 1.0 || ratio > 0.05 ? Verdict::kBad : Verdict::kWarning;
+    const bool is_bad = sensor.is_needed && (longest > 1.0 || ratio > 0.05);
+    item.verdict = is_bad ? Verdict::kBad : Verdict::kWarning;
     item.advice = "samples are missing: check bandwidth, disk and driver";
   }
   return item;
@@ -115,39 +129,47 @@ CheckItem TimeCheck::rateOf(const std::string& label, const Sensor& sensor) {
 
 std::vector<CheckItem> TimeCheck::items() const {
   std::vector<CheckItem> items;
-  for (const auto& [label, sensor] : sensors_) {
-    if (label.rfind("truth_", 0) != 0) items.push_back(rateOf(label, sensor));
+  std::vector<std::pair<std::string, const Sensor*>> single;  // images, with their labels
+  for (const auto& [name, sensor] : sensors_) {
+    if (name.first.rfind("truth_", 0) != 0) items.push_back(rateOf(name, sensor));
+    if (name.second == "CObservationImage" && isChosen(name.first)) {
+      single.emplace_back(name.first, &sensor);
+    }
   }
-  for (auto& item : pairOffsets()) items.push_back(std::move(item));
+  if (of_further_sensors_ > 0) {
+    items.push_back({"further sensors", text("%zu observations", of_further_sensors_),
+                     Verdict::kWarning, text("only %zu sensors are checked", kMaxSensors)});
+  }
+  // Which of more than two belong together, --sensor-label tells.
+  if (single.size() == 2 && !single[0].second->times.empty() && !single[1].second->times.empty()) {
+    items.push_back(pairOffset(single[0].first + " and " + single[1].first,
+                               offsets(single[0].second->times, single[1].second->times)));
+  }
   return items;
 }
 
-/// Of each two cameras of single images.
-std::vector<CheckItem> TimeCheck::pairOffsets() const {
-  std::vector<CheckItem> items;
-  for (auto a = sensors_.begin(); a != sensors_.end(); ++a) {
-    for (auto b = std::next(a); b != sensors_.end(); ++b) {
-      if (!a->second.is_single_image || !b->second.is_single_image) continue;
-      std::vector<double> distances = offsets(a->second.times, b->second.times);
-      if (distances.empty() || b->second.times.empty()) continue;
-      const double middle = median(distances);
-      for (double& distance : distances) distance = std::abs(distance);
-      const double usual = median(distances), most = percentile(distances, 0.95);
-      CheckItem item{"times between " + a->first + " and " + b->first,
-                     text("median %+.1f ms, 95 %% within %.1f ms", 1e3 * middle, 1e3 * most),
-                     verdictOf(most, 0.002, kPairTolerance), ""};
-      if (usual > kPairTolerance) {
-        item.advice = text(
-            "the images of a pair are %.0f ms apart, allowed are %.0f ms: trigger "
-            "both cameras together",
-            1e3 * usual, 1e3 * kPairTolerance);
-      } else if (item.verdict != Verdict::kOk) {
-        item.advice = "the cameras are not triggered together: moving things get a wrong depth";
-      }
-      items.push_back(std::move(item));
-    }
+/// Whether images with this label are those to check.
+bool TimeCheck::isChosen(const std::string& label) const {
+  return sensor_label_.empty() ||
+         ("," + sensor_label_ + ",").find("," + label + ",") != std::string::npos;
+}
+
+CheckItem TimeCheck::pairOffset(const std::string& labels, std::vector<double> distances) {
+  const double middle = median(distances);
+  for (double& distance : distances) distance = std::abs(distance);
+  const double usual = median(distances), most = percentile(distances, 0.95);
+  CheckItem item{"times between " + labels,
+                 text("median %+.1f ms, 95 %% within %.1f ms", 1e3 * middle, 1e3 * most),
+                 verdictOf(most, 0.002, kPairTolerance), ""};
+  if (usual > kPairTolerance) {
+    item.advice = text(
+        "the images of a pair are %.0f ms apart, allowed are %.0f ms: trigger both cameras "
+        "together",
+        1e3 * usual, 1e3 * kPairTolerance);
+  } else if (item.verdict != Verdict::kOk) {
+    item.advice = "the cameras are not triggered together: moving things get a wrong depth";
   }
-  return items;
+  return item;
 }
 
 }  // namespace headway::import

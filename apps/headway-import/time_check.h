@@ -4,13 +4,15 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "check_item.h"
 
 namespace mrpt::obs {
 class CObservation;
-}
+class CObservationIMU;
+}  // namespace mrpt::obs
 
 namespace headway::import {
 
@@ -23,6 +25,9 @@ struct TurnSample {
 /// Times of all sensors of a recording: rates, gaps, and offsets of left and right images.
 class TimeCheck {
  public:
+  /// @param sensor_label  stereo camera to check, `LEFT,RIGHT` of single images; may be empty
+  explicit TimeCheck(std::string sensor_label) : sensor_label_(std::move(sensor_label)) {}
+
   void add(const mrpt::obs::CObservation& observation);
   [[nodiscard]] std::vector<CheckItem> items() const;
   /// Number of images, of pairs or single.
@@ -32,8 +37,7 @@ class TimeCheck {
 
  private:
   struct Sensor {
-    std::string class_name;
-    bool is_single_image = false;
+    bool is_needed = false;  ///< images or an IMU
     std::size_t count = 0;
     std::size_t without_time = 0;
     std::size_t backwards = 0;
@@ -41,10 +45,16 @@ class TimeCheck {
     std::vector<float> intervals;  ///< up to 200,000 [s]
     std::vector<Time> times;       ///< of single images, up to 200,000
   };
-  [[nodiscard]] static CheckItem rateOf(const std::string& label, const Sensor& sensor);
-  [[nodiscard]] std::vector<CheckItem> pairOffsets() const;
+  using Name = std::pair<std::string, std::string>;  ///< label and class
+  void addTurn(Time time, const mrpt::obs::CObservationIMU& imu);
+  [[nodiscard]] static CheckItem rateOf(const Name& name, const Sensor& sensor);
+  [[nodiscard]] bool isChosen(const std::string& label) const;
+  [[nodiscard]] static CheckItem pairOffset(const std::string& labels,
+                                            std::vector<double> distances);
 
-  std::map<std::string, Sensor> sensors_;  ///< by label
+  std::string sensor_label_;
+  std::map<Name, Sensor> sensors_;
+  std::size_t of_further_sensors_ = 0;  ///< observations
   std::vector<TurnSample> turns_;
   std::size_t images_ = 0;
 };
