@@ -24,8 +24,7 @@ constexpr double kSameTime_s = 1e-3;
 constexpr double kNearestDepth_m = 0.1;  // corners of boxes nearer than this are not projected
 
 /// Image box of a track's 3D box; nullopt if its centre is behind the camera.
-std::optional<Box2d> imageBox(const Track& track, const Pose& T_cam_map,
-                              const io::RawCamera& lens) {
+std::optional<Box2d> imageBox(const Track& track, const Pose& T_cam_map, const StereoCamera& lens) {
   if ((T_cam_map * track.position).z() < kNearestDepth_m) return std::nullopt;
   Box2d box{1e9, 1e9, -1e9, -1e9};
   const Eigen::AngleAxisd turn(track.yaw, Eigen::Vector3d::UnitZ());
@@ -58,14 +57,14 @@ const Pose& poseAtTime(const std::vector<Stamped<Pose>>& trajectory, Time time,
 
 /// Adds the rows of a tracks file, and the camera poses of their frames.
 void readRows(const fs::path& replay, const std::string& file, eval::MovingObjectInput& input) {
-  const auto calibration = io::readRawCalibration((replay / "calibration.yaml").string());
+  const auto calibration = io::readCalibration((replay / "calibration.yaml").string());
   const std::string online = (replay / "trajectory_online.tum").string();
   const auto trajectory = io::readTum(online);
-  input.image_width = calibration.left.width;
-  input.image_height = calibration.left.height;
+  input.image_width = calibration.width;
+  input.image_height = calibration.height;
   for (const auto& sample : io::readTrackCsv((replay / file).string())) {
     const auto& track = sample.track;
-    const Pose T_map_cam = poseAtTime(trajectory, sample.time, online) * calibration.T_robot_left;
+    const Pose T_map_cam = poseAtTime(trajectory, sample.time, online) * calibration.T_robot_cam;
     input.T_map_cam[sample.frame] = T_map_cam;
     eval::TrackRow row;
     row.frame = sample.frame;
@@ -74,7 +73,7 @@ void readRows(const fs::path& replay, const std::string& file, eval::MovingObjec
     row.moving = isMoving(track);
     row.coasting = track.status == TrackStatus::kCoasting;
     row.centre = T_map_cam.inverse() * track.position;
-    row.box2d = imageBox(track, T_map_cam.inverse(), calibration.left);
+    row.box2d = imageBox(track, T_map_cam.inverse(), calibration);
     row.T_map_object.linear() =
         Eigen::AngleAxisd(track.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
     row.T_map_object.translation() = track.position;
@@ -135,8 +134,8 @@ eval::MovingObjectInput readMoversInput(const std::string& labels, const std::st
   input.first_frame = firstFrame(folder);
   input.end_frame =
       input.first_frame + io::readKittiPoses((folder / "trajectory_kitti.txt").string()).size();
-  const auto calibration = io::readRawCalibration((folder / "calibration.yaml").string());
-  readTruePoses(poses, folder, calibration.T_robot_left, input);
+  const auto calibration = io::readCalibration((folder / "calibration.yaml").string());
+  readTruePoses(poses, folder, calibration.T_robot_cam, input);
   readRows(folder, "tracks.csv", input);
   return input;
 }

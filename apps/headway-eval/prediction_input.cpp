@@ -17,7 +17,7 @@ namespace headway::app {
 namespace {
 
 Pose readExtrinsic(const std::string& path) {
-  return path.empty() ? robotFromOptical() : io::readRawCalibration(path).T_robot_left;
+  return path.empty() ? robotFromOptical() : io::readCalibration(path).T_robot_cam;
 }
 
 /// Rows of one file, grouped by frame and track.

@@ -45,10 +45,12 @@ CheckItem rigOf(const io::RawlogSource& source) {
   }
   const auto& camera = *source.camera();
   const auto& position = camera.T_robot_cam.translation();
+  const std::string kind = camera.isDepthCamera()
+                               ? text("depth camera to %.1f m", camera.depth_reach_m)
+                               : text("baseline %.4f m", camera.baseline_m);
   return {"rig",
-          text("%dx%d px, baseline %.4f m, focal length %.1f px, camera at (%.2f, %.2f, %.2f) m",
-               camera.width, camera.height, camera.baseline_m, camera.fx, position.x(),
-               position.y(), position.z()),
+          text("%dx%d px, %s, focal length %.1f px, camera at (%.2f, %.2f, %.2f) m", camera.width,
+               camera.height, kind.c_str(), camera.fx, position.x(), position.y(), position.z()),
           Verdict::kOk, ""};
 }
 

@@ -110,17 +110,22 @@ void ImageCheck::addTurn(const StereoFrame& frame) {
 
 std::vector<CheckItem> ImageCheck::items() const {
   std::vector<CheckItem> items;
-  CheckItem exposure{"exposure",
-                     text("mean grey %.0f, overexposed %.1f %%, left and right differ by %.1f",
-                          median(brightness_), 100.0 * median(saturated_), median(difference_)),
-                     Verdict::kOk, ""};
+  CheckItem exposure{
+      "exposure",
+      text("mean grey %.0f, overexposed %.1f %%", median(brightness_), 100.0 * median(saturated_)),
+      Verdict::kOk, ""};
+  if (!difference_.empty()) {
+    exposure.value += text(", left and right differ by %.1f", median(difference_));
+  }
   if (median(brightness_) < 25.0 || median(saturated_) > 0.3) {
     exposure.verdict = Verdict::kBad;
     exposure.advice = "too dark or overexposed: change light, exposure or gain";
   } else if (median(brightness_) < 45.0 || median(saturated_) > 0.1 || median(difference_) > 25.0) {
     exposure.verdict = Verdict::kWarning;
-    exposure.advice =
-        "let both cameras use the same exposure and gain, and the whole range of grey";
+    exposure.advice = difference_.empty()
+                          ? "let the camera use the whole range of grey"
+                          : "let both cameras use the same exposure and gain, and the whole range "
+                            "of grey";
   }
   items.push_back(exposure);
   const double usual = median(sharpness_);

@@ -61,6 +61,14 @@ TEST_F(DepthCameraRunTest, SaysThatItIsADepthCamera) {
             test::contentsOf(run_->file("calibration.yaml")).find("depth_range_m: 8"));
 }
 
+TEST_F(DepthCameraRunTest, IsEvaluatedAsAnyOtherRun) {
+  const std::string truth = *folder_ / "hall.truth";
+  const auto evaluated = test::runProcess(
+      test::program("headway-eval") + " movers --truth " + truth + "/label_02.txt --poses " +
+      truth + "/poses_kitti.txt --estimate " + (*folder_ / "out").string());
+  EXPECT_EQ(0, evaluated.status) << evaluated.output;
+}
+
 TEST_F(DepthCameraRunTest, LocalisesInTheMapOfAnEarlierRun) {
   const auto again = test::replay(
       *folder_ / "hall.rawlog", *folder_ / "again",

@@ -169,7 +169,9 @@ StereoCamera readCalibration(const std::string& path) {
   if (!isRectified(raw)) throw InputError(path + ": the stereo pair is not rectified");
   StereoCamera camera = Rectifier(raw).camera();
   const YamlFile file(path);
-  if (file.has("depth_range_m")) camera.depth_reach_m = file.number("depth_range_m");
+  if (!file.has("depth_range_m")) return camera;
+  camera.depth_reach_m = file.number("depth_range_m");
+  if (!(camera.depth_reach_m > 0.0)) throw InputError(path + ": depth_range_m is not positive");
   return camera;
 }
 

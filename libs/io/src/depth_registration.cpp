@@ -18,7 +18,9 @@ constexpr double kSigmaDisparityPx = 0.4;    // as assumed of stereo cameras
 constexpr std::uint16_t kSaturated = 65535;  // written by some drivers where nothing was measured
 constexpr double kSamePose = 1e-5;           // [rad], [m]
 constexpr float kNearestM = 0.05F;           // nearer is none
-constexpr double kMaxOffsetM = 1.0;          // between depth and intensity camera
+// Between depth and intensity camera: beyond it, ground beside an obstacle that the depth camera
+// does not measure would appear in the obstacle's place.
+constexpr double kMaxOffsetM = 0.15;
 constexpr double kMinUnitM = 1e-6, kMaxUnitM = 0.1;
 // Between the pixels of one surface:
 constexpr float kStep = 3.0F;        // [px]

@@ -128,6 +128,7 @@ void FrameDecoder::calibrateDepth(const RecordedPair& pair, const DecodedPair& i
   validate(recorded);
   rectifier_.emplace(rawCameraOf(pair));
   StereoCamera camera = rectifier_->camera();
+  camera.baseline_m = equivalentBaseline(camera.fx);
   const bool is_known = recorded.max_range_m > kMinDepthReachM && recorded.max_range_m < 1e3;
   camera.depth_reach_m = is_known ? recorded.max_range_m : kUnknownDepthReachM;
   registration_.emplace(recorded, camera);

@@ -23,7 +23,11 @@ constexpr double kReachM = 10.0;
 /// assume.
 RawCamera publishedLens(const std::string& folder) {
   RawCamera lens{640, 480, 525.0, 525.0, 319.5, 239.5, {}, {}, false};
-  const auto is_of = [&](const char* name) { return folder.find(name) != std::string::npos; };
+  const std::string recording = std::filesystem::absolute(folder).lexically_normal().string();
+  const std::size_t parent = recording.find_last_of('/', recording.size() - 2);
+  const auto is_of = [&](const char* name) {
+    return recording.find(name, parent) != std::string::npos;
+  };
   if (is_of("freiburg1")) {
     lens = {640, 480, 517.306408, 516.469215, 318.643040, 255.313989, {}, {}, false};
     lens.distortion = {0.262383, -0.953104, -0.005358, 0.002628, 1.163314};

@@ -73,7 +73,8 @@ void correctTrucks(const StereoCamera& camera, const detect::StereoLifter& lifte
 
 /// Records which detectors evaluated the frame of these detections.
 void setTested(bool by_motion, const StereoCamera& camera, Detections& detections) {
-  const double range = camera.fx * camera.baseline_m / kTestedDisparity_px;
+  double range = camera.fx * camera.baseline_m / kTestedDisparity_px;
+  if (camera.isDepthCamera()) range = std::min(range, camera.depth_reach_m);
   for (Detection& item : detections.items) {
     item.evidence.classifier_tested = true;
     item.evidence.motion_tested = by_motion && item.box3d && item.box3d->centre.z() < range;

@@ -164,6 +164,13 @@ void MountCheck::addMotion(const Pose& by_camera, const std::optional<Pose>& by_
   const std::string compared = "the camera moved " + formatted("%.3g", path_m_) +
                                " m where odometry measured " + formatted("%.3g", odometry_m_) +
                                " m: ";
+  const bool is_depth = camera_.isDepthCamera();
+  if (is_depth && ratio > kMaxSpeedRatio) {
+    throw InputError("depth camera: " + compared +
+                     "depths are too great, as if in another unit (rangeUnits, depth_unit_m); "
+                     "multiply it by " +
+                     formatted("%.3g", 1.0 / ratio));
+  }
   const std::string baseline = formatted("%.6g", camera_.baseline_m);
   if (ratio > kMaxSpeedRatio) {
     throw InputError("stereo calibration: " + compared + "the baseline of " + baseline +
@@ -173,7 +180,9 @@ void MountCheck::addMotion(const Pose& by_camera, const std::optional<Pose>& by_
   if (ratio > kWarnedSpeedRatio || ratio < 1.0 / kWarnedSpeedRatio) {
     addWarning(
         "odometry_scale", frame,
-        compared + "check the baseline (" + baseline + " m), and odometry's unit and wheel slip",
+        compared +
+            (is_depth ? "check the depths' unit" : "check the baseline (" + baseline + " m)") +
+            ", and odometry's unit and wheel slip",
         warnings);
   }
 }

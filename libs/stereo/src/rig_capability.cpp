@@ -105,7 +105,7 @@ RigCapability rigCapability(const StereoCamera& camera, const RigAssumptions& as
   rig.obstacles_from_m = std::max(
       rig.nearest_m, rounded(ground_in_view ? ground.distance_m * (1.0 - hidden) : by_disparity));
   const auto reach = [&](double derived) {
-    return rounded(is_depth ? std::min(derived, camera.depth_reach_m) : derived);
+    return is_depth ? std::min(rounded(derived), camera.depth_reach_m) : rounded(derived);
   };
   rig.ground_to_m = reach(depthOfSigma(rig, kMaxGroundSigma_m));
   rig.obstacles_to_m = valueOr(assumptions.obstacles_to_m, reach(obstacleReach(rig, camera.fy)));
@@ -113,7 +113,10 @@ RigCapability rigCapability(const StereoCamera& camera, const RigAssumptions& as
   rig.people_to_m = reach(motionReach(rig, kWalkingSpeed_mps, assumptions.rate_hz));
   rig.vehicles_to_m = valueOr(assumptions.vehicles_to_m,
                               reach(motionReach(rig, kVehicleSpeed_mps, assumptions.rate_hz)));
-  rig.segments_to_m = valueOr(assumptions.segments_to_m, kSegmentsRatio * rig.people_to_m);
+  const double segments_to_m = kSegmentsRatio * rig.people_to_m;
+  rig.segments_to_m =
+      valueOr(assumptions.segments_to_m,
+              is_depth ? std::min(segments_to_m, camera.depth_reach_m) : segments_to_m);
   rig.grid_spacing_m =
       valueOr(assumptions.grid_spacing_m, std::clamp(rig.obstacles_to_m / 20.0, 0.2, 1.0));
   return rig;
