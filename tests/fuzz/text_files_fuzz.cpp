@@ -55,9 +55,6 @@ void read(int reader, const std::string& path) {
 
 }  // namespace
 
-/// libfyaml leaks an event on some errors of syntax: 56 bytes, once for a file that is refused.
-extern "C" const char* __lsan_default_suppressions() { return "leak:libfyaml"; }
-
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const headway::test::MemoryFile file(data + 1, size - 1);
