@@ -1,23 +1,15 @@
 #include "kitti_writer.h"
 
 #include <headway/core/error.h>
+#include <headway/core/formatted.h>
 #include <headway/io/trajectory_file.h>
 
-#include <array>
-#include <cstdio>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
 
 namespace headway::exporting {
 namespace {
-
-template <typename... Arguments>
-std::string formatted(const char* format, Arguments... arguments) {
-  std::array<char, 512> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), format, arguments...);
-  return buffer.data();
-}
 
 void makeFolder(const std::filesystem::path& folder) {
   std::error_code error;

@@ -1,6 +1,7 @@
 #include "check_command.h"
 
 #include <headway/core/error.h>
+#include <headway/core/formatted.h>
 #include <headway/core/printable.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/program/progress.h>
@@ -46,12 +47,13 @@ CheckItem rigOf(const io::RawlogSource& source) {
   const auto& camera = *source.camera();
   const auto& position = camera.T_robot_cam.translation();
   const std::string kind = camera.isDepthCamera()
-                               ? text("depth camera to %.1f m", camera.depth_reach_m)
-                               : text("baseline %.4f m", camera.baseline_m);
-  return {"rig",
-          text("%dx%d px, %s, focal length %.1f px, camera at (%.2f, %.2f, %.2f) m", camera.width,
-               camera.height, kind.c_str(), camera.fx, position.x(), position.y(), position.z()),
-          Verdict::kOk, ""};
+                               ? formatted("depth camera to %.1f m", camera.depth_reach_m)
+                               : formatted("baseline %.4f m", camera.baseline_m);
+  return {
+      "rig",
+      formatted("%dx%d px, %s, focal length %.1f px, camera at (%.2f, %.2f, %.2f) m", camera.width,
+                camera.height, kind.c_str(), camera.fx, position.x(), position.y(), position.z()),
+      Verdict::kOk, ""};
 }
 
 /// Counts of what cannot be used.

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdarg>
 #include <string>
 #include <vector>
 
@@ -15,9 +14,6 @@ struct CheckItem {
   Verdict verdict = Verdict::kOk;
   std::string advice;  ///< cause and what to do; empty if it is ok
 };
-
-/// printf-style formatting.
-[[nodiscard]] std::string text(const char* format, ...) __attribute__((format(printf, 1, 2)));
 
 /// The verdict on a value that should be low.
 [[nodiscard]] inline Verdict verdictOf(double value, double warning, double bad) {

@@ -1,5 +1,6 @@
 #include "image_check.h"
 
+#include <headway/core/formatted.h>
 #include <headway/core/statistics.h>
 
 #include <algorithm>
@@ -110,12 +111,12 @@ void ImageCheck::addTurn(const StereoFrame& frame) {
 
 std::vector<CheckItem> ImageCheck::items() const {
   std::vector<CheckItem> items;
-  CheckItem exposure{
-      "exposure",
-      text("mean grey %.0f, overexposed %.1f %%", median(brightness_), 100.0 * median(saturated_)),
-      Verdict::kOk, ""};
+  CheckItem exposure{"exposure",
+                     formatted("mean grey %.0f, overexposed %.1f %%", median(brightness_),
+                               100.0 * median(saturated_)),
+                     Verdict::kOk, ""};
   if (!difference_.empty()) {
-    exposure.value += text(", left and right differ by %.1f", median(difference_));
+    exposure.value += formatted(", left and right differ by %.1f", median(difference_));
   }
   if (median(brightness_) < 25.0 || median(saturated_) > 0.3) {
     exposure.verdict = Verdict::kBad;
@@ -132,10 +133,10 @@ std::vector<CheckItem> ImageCheck::items() const {
   std::vector<double> softness;
   for (const double sharpness : sharpness_) softness.push_back(usual / std::max(sharpness, 1e-9));
   const double blurred = ratioAbove(softness, 2.0);
-  CheckItem blur{
-      "blur",
-      text("%.1f %% of the images less than half as sharp as usual (%.2f)", 100.0 * blurred, usual),
-      usual < 0.05 ? Verdict::kBad : verdictOf(blurred, 0.03, 0.2), ""};
+  CheckItem blur{"blur",
+                 formatted("%.1f %% of the images less than half as sharp as usual (%.2f)",
+                           100.0 * blurred, usual),
+                 usual < 0.05 ? Verdict::kBad : verdictOf(blurred, 0.03, 0.2), ""};
   if (blur.verdict != Verdict::kOk) {
     blur.advice = usual < 0.05 ? "all images are blurred: check the focus"
                                : "shorten the exposure and raise the gain, or turn more slowly";
@@ -147,7 +148,7 @@ std::vector<CheckItem> ImageCheck::items() const {
 
 CheckItem ImageCheck::depthItem() const {
   const double known = median(known_depth_);
-  CheckItem depth{"depth", text("%.0f %% of the pixels", 100.0 * known),
+  CheckItem depth{"depth", formatted("%.0f %% of the pixels", 100.0 * known),
                   verdictOf(1.0 - known, 0.7, 0.95), ""};
   if (depth.verdict != Verdict::kOk) {
     depth.advice = "little within reach of the depth camera, sunlight, or a wrong calibration";
@@ -158,7 +159,7 @@ CheckItem ImageCheck::depthItem() const {
 CheckItem ImageCheck::pairItem() const {
   const double vertical = median(vertical_);
   CheckItem offset{"vertical offset",
-                   text("median %.2f px, %.0f matches a pair", vertical, median(matches_)),
+                   formatted("median %.2f px, %.0f matches a pair", vertical, median(matches_)),
                    verdictOf(vertical, 0.5, 1.5), ""};
   if (offset.verdict != Verdict::kOk) offset.advice = "calibrate again and tighten the cameras";
   if (vertical_.empty()) {
@@ -179,8 +180,8 @@ std::vector<CheckItem> ImageCheck::clockItems(const std::vector<TurnSample>& sam
     item.verdict = Verdict::kWarning;
     item.advice = "turn the camera in the recording, so that both sensors see it";
   } else {
-    item.value = text("inertial times %+.0f ms, correlation %.2f", 1e3 * offset->offset_s,
-                      offset->correlation);
+    item.value = formatted("inertial times %+.0f ms, correlation %.2f", 1e3 * offset->offset_s,
+                           offset->correlation);
     item.verdict = verdictOf(std::abs(offset->offset_s), 0.01, 0.03);
     if (item.verdict != Verdict::kOk) {
       item.advice = "the clocks or latencies differ: use one clock, and times of capture";

@@ -1,5 +1,6 @@
 #include "time_check.h"
 
+#include <headway/core/formatted.h>
 #include <headway/core/mrpt_pose.h>
 #include <headway/core/statistics.h>
 #include <headway/io/mrpt_time.h>
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace headway::import {
 namespace {
@@ -44,15 +44,6 @@ std::vector<double> offsets(const std::vector<Time>& times, const std::vector<Ti
 }
 
 }  // namespace
-
-std::string text(const char* format, ...) {
-  char buffer[300];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(buffer, sizeof buffer, format, arguments);
-  va_end(arguments);
-  return buffer;
-}
 
 void TimeCheck::add(const mrpt::obs::CObservation& observation) {
   const std::string class_name = classNameOf(observation);
@@ -98,7 +89,7 @@ void TimeCheck::addTurn(Time time, const mrpt::obs::CObservationIMU& imu) {
 CheckItem TimeCheck::rateOf(const Name& name, const Sensor& sensor) {
   CheckItem item{"times of " + name.first + " (" + name.second + ")", "", Verdict::kOk, ""};
   if (sensor.without_time > 0) {
-    item.value = text("%zu of %zu without a time", sensor.without_time, sensor.count);
+    item.value = formatted("%zu of %zu without a time", sensor.without_time, sensor.count);
     item.verdict = Verdict::kBad;
     item.advice = "the driver sets no timestamps: set them to the capture's time";
     return item;
@@ -109,13 +100,13 @@ CheckItem TimeCheck::rateOf(const Name& name, const Sensor& sensor) {
       intervals.empty() ? 0.0 : *std::max_element(intervals.begin(), intervals.end());
   const auto gaps = std::count_if(intervals.begin(), intervals.end(),
                                   [&](double interval) { return interval > 2.5 * usual; });
-  item.value = text("%zu, %.2f Hz, longest gap %.3f s, %zd gaps", sensor.count,
-                    usual > 0.0 ? 1.0 / usual : 0.0, longest, gaps);
+  item.value = formatted("%zu, %.2f Hz, longest gap %.3f s, %zd gaps", sensor.count,
+                         usual > 0.0 ? 1.0 / usual : 0.0, longest, gaps);
   const double ratio =
       static_cast<double>(gaps) / std::max(1.0, static_cast<double>(intervals.size()));
   if (sensor.backwards > 0) {
     item.verdict = Verdict::kBad;
-    item.advice = text(
+    item.advice = formatted(
         "%zu times are not after the one before: the clock was set, or two sensors "
         "share a label; slew clocks (chrony), give labels",
         sensor.backwards);
@@ -137,8 +128,8 @@ std::vector<CheckItem> TimeCheck::items() const {
     }
   }
   if (of_further_sensors_ > 0) {
-    items.push_back({"further sensors", text("%zu observations", of_further_sensors_),
-                     Verdict::kWarning, text("only %zu sensors are checked", kMaxSensors)});
+    items.push_back({"further sensors", formatted("%zu observations", of_further_sensors_),
+                     Verdict::kWarning, formatted("only %zu sensors are checked", kMaxSensors)});
   }
   // Which of more than two belong together, --sensor-label tells.
   if (single.size() == 2 && !single[0].second->times.empty() && !single[1].second->times.empty()) {
@@ -159,10 +150,10 @@ CheckItem TimeCheck::pairOffset(const std::string& labels, std::vector<double> d
   for (double& distance : distances) distance = std::abs(distance);
   const double usual = median(distances), most = percentile(distances, 0.95);
   CheckItem item{"times between " + labels,
-                 text("median %+.1f ms, 95 %% within %.1f ms", 1e3 * middle, 1e3 * most),
+                 formatted("median %+.1f ms, 95 %% within %.1f ms", 1e3 * middle, 1e3 * most),
                  verdictOf(most, 0.002, kPairTolerance), ""};
   if (usual > kPairTolerance) {
-    item.advice = text(
+    item.advice = formatted(
         "the images of a pair are %.0f ms apart, allowed are %.0f ms: trigger both cameras "
         "together",
         1e3 * usual, 1e3 * kPairTolerance);

@@ -1,10 +1,10 @@
+#include <headway/core/formatted.h>
 #include <headway/core/statistics.h>
 #include <headway/geo/georeference.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "planar_alignment.h"
 
@@ -22,12 +22,6 @@ constexpr double kTiltSigma = 2.0 * kDegree;
 constexpr double kUpOverHorizontal = 1.7;  // standard deviation of altitudes; of most receivers
 constexpr double kMinSigmaM = 0.1;         // the map is not more accurate
 constexpr int kIterations = 8;
-
-std::string withNumber(const char* format, double number) {
-  char text[200];
-  std::snprintf(text, sizeof text, format, number);
-  return text;
-}
 
 std::vector<PositionPair> pairsOf(const std::vector<FixOnMap>& fixes, const GeodeticFrame& frame) {
   std::vector<PositionPair> pairs;
@@ -150,7 +144,7 @@ double horizontalRmse(const Pose& T_enu_map, const std::vector<PositionPair>& pa
 }
 
 std::string shortWay(double extent) {
-  return withNumber("the way between the fixes is too short for a heading (%.1f m)", extent);
+  return formatted("the way between the fixes is too short for a heading (%.1f m)", extent);
 }
 
 /// The pose in the frame at the map's origin, from a first estimate in the frame of a fix.
@@ -206,13 +200,13 @@ std::variant<Georeference, NoGeoreference> georeference(const std::vector<FixOnM
   const Georeference result =
       refined(fixes, *planar, frame, liftedPose(*planar, agreeingOf(pairs, *planar)));
   if (!(result.headingSigmaDeg() * kDegree <= kMaxHeadingSigma)) {
-    return NoGeoreference{shortWay(extent) + withNumber(": it would be uncertain by %.1f degrees",
-                                                        result.headingSigmaDeg())};
+    return NoGeoreference{shortWay(extent) + formatted(": it would be uncertain by %.1f degrees",
+                                                       result.headingSigmaDeg())};
   }
   // A spread as wide as the way agrees with any heading.
   if (!(result.rmse_m <= 0.2 * extent)) {
-    return NoGeoreference{withNumber("the fixes deviate from the map by %.1f m", result.rmse_m) +
-                          withNumber(" on a way of %.1f m", extent)};
+    return NoGeoreference{formatted("the fixes deviate from the map by %.1f m on a way of %.1f m",
+                                    result.rmse_m, extent)};
   }
   return result;
 }

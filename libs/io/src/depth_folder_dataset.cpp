@@ -1,33 +1,27 @@
-#include <headway/core/error.h>
 #include <headway/io/dataset.h>
-
-#include <filesystem>
 
 #include "depth_calibration.h"
 #include "image_files.h"
+#include "paired_folders.h"
 
 namespace headway::io {
 namespace {
 
-class DepthFolders : public Dataset {
+class DepthFolders : public PairedFolders {
  public:
   DepthFolders(const std::string& left_folder, const std::string& depth_folder,
                const std::string& calibration)
-      : lefts_(imagesIn(left_folder)), depths_(imagesIn(depth_folder)) {
-    requirePaired(left_folder, lefts_, depth_folder, depths_);
+      : PairedFolders(left_folder, depth_folder) {
     const auto file = readDepthCalibration(calibration);
     camera_ = file.camera;
-    const auto folder = std::filesystem::path(calibration).parent_path();
-    times_ = frameTimes(file.times, file.frame_rate, folder.string(), lefts_.size());
+    setTimes(file, calibration);
   }
-
-  std::size_t size() const override { return lefts_.size(); }
 
   DatasetFrame frame(std::size_t index) const override {
     DatasetFrame frame;
-    frame.time = times_.at(index);
-    frame.left = requireImageOf(lefts_.at(index), camera_.color);
-    frame.depth = requireDepthImageOf(depths_.at(index), camera_.depth);
+    frame.time = time(index);
+    frame.left = requireImageOf(left(index), camera_.color);
+    frame.depth = requireDepthImageOf(other(index), camera_.depth);
     return frame;
   }
 
@@ -36,9 +30,6 @@ class DepthFolders : public Dataset {
 
  private:
   RawDepthCamera camera_;
-  std::vector<std::string> lefts_;
-  std::vector<std::string> depths_;
-  std::vector<Time> times_;
 };
 
 }  // namespace

@@ -1,10 +1,9 @@
 #include "frame_decoder.h"
 
 #include <headway/core/error.h>
+#include <headway/core/formatted.h>
 
-#include <array>
 #include <chrono>
-#include <cstdio>
 #include <opencv2/core.hpp>
 #include <utility>
 
@@ -28,25 +27,20 @@ constexpr double kMinContrast = 3.0;  // standard deviation of grey levels
 void requireBaselineInMetres(const StereoCamera& camera) {
   if (camera.baseline_m <= kMaxBaselineM) return;
   const double metres = camera.baseline_m * (camera.baseline_m < 50.0 ? 1e-2 : 1e-3);
-  std::array<char, 240> text{};
-  std::snprintf(text.data(), text.size(),
-                "stereo calibration: the baseline is %.6g m, which is in %s; write %.6g m in "
-                "rightCameraPose",
-                camera.baseline_m, camera.baseline_m < 50.0 ? "centimetres" : "millimetres",
-                metres);
-  throw InputError(text.data());
+  throw InputError(formatted(
+      "stereo calibration: the baseline is %.6g m, which is in %s; write %.6g m in "
+      "rightCameraPose",
+      camera.baseline_m, camera.baseline_m < 50.0 ? "centimetres" : "millimetres", metres));
 }
 
 /// Lenses of robots' cameras.
 void requirePossibleLens(const StereoCamera& camera) {
   const double widths = camera.fx / camera.width;
   if (widths >= kMinFocalWidths && widths <= kMaxFocalWidths) return;
-  std::array<char, 240> text{};
-  std::snprintf(text.data(), text.size(),
-                "stereo calibration: the focal length is %.6g px in images of %d px; no lens of a "
+  throw InputError(
+      formatted("stereo calibration: the focal length is %.6g px in images of %d px; no lens of a "
                 "robot's camera has it: check the unit (pixels)",
-                camera.fx, camera.width);
-  throw InputError(text.data());
+                camera.fx, camera.width));
 }
 
 bool isTextured(const cv::Mat& image) {

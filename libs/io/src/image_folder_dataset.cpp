@@ -3,9 +3,9 @@
 #include <headway/io/dataset.h>
 
 #include <array>
-#include <filesystem>
 
 #include "image_files.h"
+#include "paired_folders.h"
 
 namespace headway::io {
 namespace {
@@ -16,26 +16,22 @@ std::array<int, 2> sizeOf(const std::string& path) {
   return {image.cols, image.rows};
 }
 
-class ImageFolders : public Dataset {
+class ImageFolders : public PairedFolders {
  public:
   ImageFolders(const std::string& left_folder, const std::string& right_folder,
                const std::string& calibration)
-      : lefts_(imagesIn(left_folder)), rights_(imagesIn(right_folder)) {
-    requirePaired(left_folder, lefts_, right_folder, rights_);
-    const auto file = readStereoCalibration(calibration, sizeOf(lefts_.front()));
+      : PairedFolders(left_folder, right_folder) {
+    const auto file = readStereoCalibration(calibration, sizeOf(left(0)));
     camera_ = file.camera;
     requireSizeOfImages(calibration);
-    const auto folder = std::filesystem::path(calibration).parent_path();
-    times_ = frameTimes(file.times, file.frame_rate, folder.string(), lefts_.size());
+    setTimes(file, calibration);
   }
-
-  std::size_t size() const override { return lefts_.size(); }
 
   DatasetFrame frame(std::size_t index) const override {
     DatasetFrame frame;
-    frame.time = times_.at(index);
-    frame.left = requireImage(lefts_.at(index));
-    frame.right = requireImage(rights_.at(index));
+    frame.time = time(index);
+    frame.left = requireImage(left(index));
+    frame.right = requireImage(other(index));
     return frame;
   }
 
@@ -43,17 +39,14 @@ class ImageFolders : public Dataset {
 
  private:
   void requireSizeOfImages(const std::string& calibration) const {
-    const auto [width, height] = sizeOf(lefts_.front());
+    const auto [width, height] = sizeOf(left(0));
     if (camera_.left.width == width && camera_.left.height == height) return;
     throw InputError(calibration + ": is of images of " + std::to_string(camera_.left.width) + "x" +
-                     std::to_string(camera_.left.height) + " px, but " + lefts_.front() + " has " +
+                     std::to_string(camera_.left.height) + " px, but " + left(0) + " has " +
                      std::to_string(width) + "x" + std::to_string(height));
   }
 
   RawStereoCamera camera_;
-  std::vector<std::string> lefts_;
-  std::vector<std::string> rights_;
-  std::vector<Time> times_;
 };
 
 }  // namespace

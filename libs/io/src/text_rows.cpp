@@ -4,8 +4,6 @@
 
 #include <charconv>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <filesystem>
 #include <set>
 #include <sstream>
@@ -124,19 +122,6 @@ std::optional<double> parseNumber(const std::string& text) {
   if (error == std::errc::result_out_of_range) return 0.0;  // underflow, e.g. 1e-400
   if (error != std::errc()) return std::nullopt;
   return value;
-}
-
-std::string formatted(const char* format, ...) {
-  std::string text(256, '\0');
-  while (true) {
-    va_list arguments;
-    va_start(arguments, format);
-    const int length = std::vsnprintf(text.data(), text.size(), format, arguments);
-    va_end(arguments);
-    const bool is_whole = static_cast<std::size_t>(length) < text.size();
-    text.resize(static_cast<std::size_t>(length) + (is_whole ? 0 : 1));
-    if (is_whole) return text;
-  }
 }
 
 CsvColumns::CsvColumns(const TextRows& header, const std::string& required) : size_(header.size()) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <headway/core/formatted.h>
 #include <headway/io/track_file.h>
 
 #include <fstream>
@@ -48,9 +49,6 @@ class TextRows {
 
 /// The text as a number ("nan" and "inf" included); nullopt if it is not one.
 [[nodiscard]] std::optional<double> parseNumber(const std::string& text);
-
-/// printf-style formatting, because streams depend on a locale.
-[[nodiscard]] std::string formatted(const char* format, ...) __attribute__((format(printf, 1, 2)));
 
 /// Positions of the named columns of a CSV file, in any order.
 class CsvColumns {

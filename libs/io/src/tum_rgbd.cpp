@@ -65,8 +65,7 @@ class TumRgbd : public Dataset {
  public:
   TumRgbd(const std::filesystem::path& folder, const std::string& calibration) {
     if (calibration.empty()) {
-      const auto whole = std::filesystem::absolute(folder).lexically_normal().string();
-      depth_camera_.color = depth_camera_.depth = publishedLens(whole);
+      depth_camera_.color = depth_camera_.depth = publishedLens(folder);
       depth_camera_.metres_per_unit = kMetresPerUnit;
       depth_camera_.max_range_m = kReachM;
     } else {

@@ -1,11 +1,10 @@
 #include <headway/core/error.h>
+#include <headway/core/formatted.h>
 #include <headway/pipeline/mount_check.h>
 #include <headway/stereo/ground_plane.h>
 #include <headway/stereo/rig_capability.h>
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <opencv2/core.hpp>
 #include <string>
 
@@ -26,12 +25,6 @@ constexpr double kMinOdometryM = 2.0;      // path that is compared
 constexpr double kMaxSpeedRatio = 30.0;    // camera to odometry: the unit is wrong
 constexpr double kWarnedSpeedRatio = 3.0;  // and its inverse
 constexpr double kDegrees = 180.0 / M_PI;
-
-std::string formatted(const char* format, double value) {
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), format, value);
-  return text.data();
-}
 
 /// A pose as MRPT writes it: x y z [m], yaw pitch roll [deg].
 std::string poseText(const Pose& pose) {

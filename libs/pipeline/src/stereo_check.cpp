@@ -1,10 +1,9 @@
+#include <headway/core/formatted.h>
 #include <headway/core/statistics.h>
 #include <headway/pipeline/stereo_check.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
@@ -99,12 +98,6 @@ std::vector<Match> matchesOf(const StereoFrame& frame) {
   return matches;
 }
 
-std::string textOf(const char* format, double value) {
-  std::array<char, 300> text{};
-  std::snprintf(text.data(), text.size(), format, value);
-  return text.data();
-}
-
 }  // namespace
 
 StereoCheck::Finding StereoCheck::compare(const StereoFrame& frame, double& rows_px) {
@@ -159,18 +152,20 @@ void StereoCheck::add(const StereoFrame& frame, Warnings& warnings) {
                "the order of the cameras",
                warnings);
   } else if (finding_ == Finding::kOffset) {
-    addWarning("vertical_offset", frame.index,
-               textOf("the rows of left and right images differ by %.1f px; a camera has moved in "
-                      "its mounting: calibrate the cameras",
-                      rows_px),
-               warnings);
+    addWarning(
+        "vertical_offset", frame.index,
+        formatted("the rows of left and right images differ by %.1f px; a camera has moved in "
+                  "its mounting: calibrate the cameras",
+                  rows_px),
+        warnings);
   } else {
-    addWarning("images_not_simultaneous", frame.index,
-               textOf("the rows of left and right images differ by %.1f px, by place: the images "
-                      "are not of the same time, or the calibration is wrong; check the cameras' "
-                      "trigger",
-                      rows_px),
-               warnings);
+    addWarning(
+        "images_not_simultaneous", frame.index,
+        formatted("the rows of left and right images differ by %.1f px, by place: the images "
+                  "are not of the same time, or the calibration is wrong; check the cameras' "
+                  "trigger",
+                  rows_px),
+        warnings);
   }
 }
 

@@ -1,13 +1,12 @@
 #include "overlay.h"
 
+#include <headway/core/formatted.h>
 #include <headway/map/track_geometry.h>
 #include <headway/plot/colours.h>
 #include <headway/plot/ticks.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "view.h"
 
@@ -20,12 +19,6 @@ constexpr double kLabelPoints = 9.5;
 constexpr double kMaxLabelDistanceM = 70.0;
 constexpr int kLabelRows = 3;         ///< alternative label positions above a box
 constexpr double kInsetWidth = 0.30;  ///< ratio of the picture's width
-
-std::string formatted(const char* format, double value) {
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), format, value);
-  return text.data();
-}
 
 std::string labelOf(const Track& track) {
   std::string label(toString(track.object_class));

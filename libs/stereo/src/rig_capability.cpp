@@ -1,8 +1,8 @@
+#include <headway/core/formatted.h>
 #include <headway/stereo/rig_capability.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 namespace headway::stereo {
@@ -123,24 +123,20 @@ RigCapability rigCapability(const StereoCamera& camera, const RigAssumptions& as
 }
 
 std::string describe(const RigCapability& rig) {
-  const auto text = [](const char* format, auto... values) {
-    char buffer[160];
-    std::snprintf(buffer, sizeof buffer, format, values...);
-    return std::string(buffer);
-  };
   const bool sees_obstacles = rig.obstacles_from_m < rig.obstacles_to_m;
   const std::string kind = rig.depth_reach_m > 0.0
-                               ? text("depth camera to %.1f m", rig.depth_reach_m)
-                               : text("baseline %.2f m", rig.baseline_m);
-  return text("rig: %s, camera %.2f m above the ground%s, %s from %.1f m; ", kind.c_str(),
-              rig.camera_height_m,
-              rig.camera_height_known ? "" : " (assumed: no promise of free ground)",
-              rig.depth_reach_m > 0.0 ? "used" : "matched", rig.nearest_m) +
-         (sees_obstacles ? text("obstacles of %.2f m at %.1f to %.1f m", rig.min_obstacle_height_m,
-                                rig.obstacles_from_m, rig.obstacles_to_m)
-                         : text("no obstacles of %.2f m", rig.min_obstacle_height_m)) +
-         text(", people's motion to %.1f m, vehicles' to %.0f m", rig.people_to_m,
-              rig.vehicles_to_m);
+                               ? formatted("depth camera to %.1f m", rig.depth_reach_m)
+                               : formatted("baseline %.2f m", rig.baseline_m);
+  return formatted("rig: %s, camera %.2f m above the ground%s, %s from %.1f m; ", kind.c_str(),
+                   rig.camera_height_m,
+                   rig.camera_height_known ? "" : " (assumed: no promise of free ground)",
+                   rig.depth_reach_m > 0.0 ? "used" : "matched", rig.nearest_m) +
+         (sees_obstacles
+              ? formatted("obstacles of %.2f m at %.1f to %.1f m", rig.min_obstacle_height_m,
+                          rig.obstacles_from_m, rig.obstacles_to_m)
+              : formatted("no obstacles of %.2f m", rig.min_obstacle_height_m)) +
+         formatted(", people's motion to %.1f m, vehicles' to %.0f m", rig.people_to_m,
+                   rig.vehicles_to_m);
 }
 
 }  // namespace headway::stereo
