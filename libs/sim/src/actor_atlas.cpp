@@ -54,8 +54,9 @@ cv::Scalar clothColour(Random& random) {
       {40, 40, 45},   {120, 70, 40},  {60, 60, 170},   {200, 200, 205}, {70, 110, 60},
       {90, 90, 90},   {60, 130, 200}, {160, 140, 120}, {130, 60, 110},  {50, 170, 210},
       {100, 60, 150}, {180, 120, 60}, {30, 60, 110}};
+  const double level = random.uniform(0.7, 1.25);
   return kColours[static_cast<std::size_t>(random.below(static_cast<int>(kColours.size())))] *
-         random.uniform(0.7, 1.25);
+         level;
 }
 
 /// Darker towards the lower edge and in vertical folds.

@@ -138,8 +138,8 @@ void CampusPlan::plantLawns() {
       if (random_.chance(0.65)) plantHedge({x, kCycleWay + 0.6}, {x + 2.4, kCycleWay + 0.6});
     }
     for (int i = 0; i < 3; ++i) {
-      const Eigen::Vector2d at(random_.uniform(x0 + 0.8, x1 - 0.8),
-                               random_.uniform(11.0, kLawn - 1.5));
+      const double y = random_.uniform(11.0, kLawn - 1.5);
+      const Eigen::Vector2d at(random_.uniform(x0 + 0.8, x1 - 0.8), y);
       addTree(site_.furniture, {static_cast<float>(at.x()), static_cast<float>(at.y()), 0.0F},
               random_);
       builder_.block({at, {0.5, 0.5}, 0.0});

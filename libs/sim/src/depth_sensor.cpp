@@ -8,6 +8,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "random_draws.h"
+
 namespace headway::sim {
 namespace {
 
@@ -70,8 +72,7 @@ DepthSensor::DepthSensor(const CameraParams& params, const StereoCamera& camera,
 
 cv::Mat DepthSensor::measure(const cv::Mat& depth, std::size_t frame) const {
   Random random(seedOf({seed_, frame, 2}));
-  const cv::Rect place(random.below(kSpareNoise), random.below(kSpareNoise), depth.cols,
-                       depth.rows);
+  const cv::Rect place(drawPoint(kSpareNoise, kSpareNoise, random), depth.size());
   const cv::Mat noise = noise_(place);
   const auto scale = static_cast<float>(params_.depth_noise);
   const auto nearest = static_cast<float>(params_.depth_min_m);

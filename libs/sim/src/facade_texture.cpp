@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "random_draws.h"
+
 namespace headway::sim {
 namespace {
 
@@ -62,12 +64,16 @@ void drawBricks(Wall& wall, double width, double height, const cv::Scalar& colou
 
 void drawPanels(Wall& wall, double width, double height, Random& random) {
   for (int i = 0; i < 14; ++i) {  // repairs and weathering
-    wall.shade(random.uniform(0, width), random.uniform(0, height), random.uniform(0.3, 2.5),
-               random.uniform(0.2, 1.6), random.uniform(0.86, 1.1));
+    const double level = random.uniform(0.86, 1.1);
+    const double h = random.uniform(0.2, 1.6), w = random.uniform(0.3, 2.5);
+    const double y = random.uniform(0, height), x = random.uniform(0, width);
+    wall.shade(x, y, w, h, level);
   }
   for (int i = 0; i < 5; ++i) {  // runs of rain water
-    wall.shade(random.uniform(0, width), random.uniform(0, height * 0.6),
-               random.uniform(0.05, 0.25), random.uniform(1.0, 4.0), random.uniform(0.75, 0.9));
+    const double level = random.uniform(0.75, 0.9);
+    const double h = random.uniform(1.0, 4.0), w = random.uniform(0.05, 0.25);
+    const double y = random.uniform(0, height * 0.6), x = random.uniform(0, width);
+    wall.shade(x, y, w, h, level);
   }
 }
 
@@ -80,8 +86,7 @@ void drawWindow(Wall& wall, double x, double y, double w, double h, const cv::Sc
   wall.fill(x, y + h * random.uniform(0.4, 0.8), w, h * 0.2,
             cv::Scalar(glass * lit * 1.1, glass * lit, glass * lit * 0.9));
   if (random.chance(0.55)) {  // curtains
-    const cv::Scalar cloth =
-        cv::Scalar(random.uniform(120, 220), random.uniform(120, 220), random.uniform(120, 220));
+    const cv::Scalar cloth = drawColour(120, 220, random);
     const double part = w * random.uniform(0.12, 0.4);
     wall.fill(x, y, part, h, cloth);
     wall.fill(x + w - part, y, part, h, cloth * 0.93);
@@ -93,9 +98,10 @@ void drawWindow(Wall& wall, double x, double y, double w, double h, const cv::Sc
   wall.shade(x - 0.18, y - 0.34, w + 0.36, 0.12, 0.65);        // and its shade
   if (random.chance(0.35)) {                                   // flowers or things on the sill
     for (int i = 0; i < 7; ++i) {
-      wall.fill(
-          x + random.uniform(0, w), y - 0.13, random.uniform(0.06, 0.18), random.uniform(0.08, 0.3),
-          cv::Scalar(random.uniform(20, 120), random.uniform(60, 170), random.uniform(40, 220)));
+      const double red = random.uniform(40, 220), green = random.uniform(60, 170),
+                   blue = random.uniform(20, 120);
+      const double height = random.uniform(0.08, 0.3), width = random.uniform(0.06, 0.18);
+      wall.fill(x + random.uniform(0, w), y - 0.13, width, height, {blue, green, red});
     }
   }
 }
@@ -108,13 +114,13 @@ std::string randomWord(Random& random) {
 }
 
 void drawShop(Wall& wall, double width, Random& random) {
-  const cv::Scalar board(random.uniform(20, 200), random.uniform(20, 200), random.uniform(20, 200));
+  const cv::Scalar board = drawColour(20, 200, random);
   wall.fill(0.3, 0.45, width - 0.6, 2.35, cv::Scalar(70, 62, 55));
   for (int i = 0; i < 36; ++i) {  // goods behind the glass
-    wall.fill(
-        random.uniform(0.4, width - 1.2), random.uniform(0.5, 2.0), random.uniform(0.1, 0.7),
-        random.uniform(0.1, 0.6),
-        cv::Scalar(random.uniform(20, 220), random.uniform(20, 220), random.uniform(20, 220)));
+    const cv::Scalar colour = drawColour(20, 220, random);
+    const double h = random.uniform(0.1, 0.6), w = random.uniform(0.1, 0.7);
+    const double y = random.uniform(0.5, 2.0), x = random.uniform(0.4, width - 1.2);
+    wall.fill(x, y, w, h, colour);
   }
   for (double x = 0.3; x < width; x += random.uniform(1.2, 2.4)) {
     wall.fill(x, 0.45, 0.08, 2.35, cv::Scalar::all(random.uniform(30, 190)));
@@ -125,18 +131,22 @@ void drawShop(Wall& wall, double width, Random& random) {
   wall.fill(0.2, 2.8, width - 0.4, 0.75, board);
   wall.shade(0.2, 2.7, width - 0.4, 0.12, 0.5);
   const cv::Rect sign = wall.area(0.4, 2.9, width - 0.8, 0.55);
-  cv::putText(wall.picture(), randomWord(random) + " " + randomWord(random),
-              {sign.x + random.below(60), sign.y + sign.height - 3}, random.below(4),
-              random.uniform(0.7, 0.95),
-              random.chance(0.5) ? cv::Scalar::all(235) : cv::Scalar::all(20), 2, cv::LINE_AA);
+  const double brightness = random.chance(0.5) ? 235 : 20;
+  const double scale = random.uniform(0.7, 0.95);
+  const int font = random.below(4);
+  const cv::Point at(sign.x + random.below(60), sign.y + sign.height - 3);
+  const std::string second = randomWord(random), first = randomWord(random);
+  cv::putText(wall.picture(), first + " " + second, at, font, scale, cv::Scalar::all(brightness), 2,
+              cv::LINE_AA);
 }
 
 void drawGroundFloor(Wall& wall, double width, const cv::Scalar& frame, Random& random) {
   const double door = random.uniform(0.6, width - 1.8);
-  const cv::Scalar paint(random.uniform(20, 140), random.uniform(20, 140), random.uniform(20, 140));
+  const cv::Scalar paint = drawColour(20, 140, random);
   for (double x = random.uniform(0.5, 1.0); x < width - 1.4; x += random.uniform(1.9, 2.8)) {
     if (std::abs(x - door) < 1.8) continue;
-    drawWindow(wall, x, 0.95, random.uniform(0.9, 1.3), random.uniform(1.2, 1.5), frame, random);
+    const double h = random.uniform(1.2, 1.5), w = random.uniform(0.9, 1.3);
+    drawWindow(wall, x, 0.95, w, h, frame, random);
   }
   wall.fill(door - 0.15, 0.0, 1.4, 2.5, frame);
   wall.fill(door, 0.12, 1.1, 2.25, paint);
@@ -145,10 +155,10 @@ void drawGroundFloor(Wall& wall, double width, const cv::Scalar& frame, Random& 
   wall.fill(door - 0.2, 0.0, 1.5, 0.12, cv::Scalar::all(140));
   if (random.chance(0.4)) {  // graffiti
     const cv::Rect at = wall.area(random.uniform(0.2, width * 0.5), 0.5, 1, 0.6);
-    cv::putText(wall.picture(), randomWord(random), at.tl() + cv::Point(0, at.height), 1,
-                random.uniform(1.2, 2.2),
-                cv::Scalar(random.uniform(0, 255), random.uniform(0, 255), random.uniform(0, 255)),
-                2, cv::LINE_AA);
+    const cv::Scalar colour = drawColour(0, 255, random);
+    const double scale = random.uniform(1.2, 2.2);
+    cv::putText(wall.picture(), randomWord(random), at.tl() + cv::Point(0, at.height), 1, scale,
+                colour, 2, cv::LINE_AA);
   }
 }
 
@@ -179,7 +189,8 @@ void drawWall(Wall wall, double width, double height, bool front, bool shop,
   wall.shade(0, 0, width, 0.5, 0.72);  // plinth
   wall.shade(0, height - 0.5, width, 0.5, 0.75);
   wall.fill(0, height - 0.2, width, 0.2, cv::Scalar::all(random.uniform(90, 200)));
-  wall.fill(random.uniform(0.1, 0.3), 0, 0.12, height, cv::Scalar::all(random.uniform(70, 130)));
+  const double pipe = random.uniform(70, 130);
+  wall.fill(random.uniform(0.1, 0.3), 0, 0.12, height, cv::Scalar::all(pipe));
 }
 
 void drawRoof(cv::Mat picture, Random& random) {

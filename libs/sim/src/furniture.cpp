@@ -6,6 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
+#include "random_draws.h"
+
 namespace headway::sim {
 namespace {
 
@@ -34,10 +36,11 @@ UvRect eighth(const cv::Rect& strip, int which) {
 void drawLeaves(cv::Mat part, const cv::Scalar& green, Random& random) {
   part.setTo(green * 0.45);
   for (int i = 0; i < 2600; ++i) {
-    const cv::Point at(random.below(part.cols), random.below(part.rows));
+    const cv::Point at = drawPoint(part.cols, part.rows, random);
     const double level = random.uniform(0.5, 1.35) * (1.15 - 0.5 * at.y / part.rows);
-    cv::ellipse(part, at, {2 + random.below(5), 1 + random.below(4)}, random.uniform(0, 180), 0,
-                360, green * level, cv::FILLED, cv::LINE_AA);
+    const double angle = random.uniform(0, 180);
+    cv::ellipse(part, at, {2 + random.below(5), 1 + random.below(4)}, angle, 0, 360, green * level,
+                cv::FILLED, cv::LINE_AA);
   }
 }
 
@@ -57,14 +60,13 @@ void drawSigns(cv::Mat strip, Random& random) {
 void drawThings(cv::Mat strip, Random& random) {
   for (int i = 0; i < 8; ++i) {
     cv::Mat thing = strip(cv::Rect(i * 128, 0, 128, 128));
-    thing.setTo(
-        cv::Scalar(random.uniform(20, 190), random.uniform(20, 190), random.uniform(20, 190)));
+    thing.setTo(drawColour(20, 190, random));
     for (int k = 0; k < 14; ++k) {
-      const cv::Point a(random.below(128), random.below(128));
-      cv::rectangle(
-          thing, a, a + cv::Point(6 + random.below(50), 6 + random.below(40)),
-          cv::Scalar(random.uniform(20, 220), random.uniform(20, 220), random.uniform(20, 220)),
-          random.chance(0.5) ? cv::FILLED : 2);
+      const cv::Point a = drawPoint(128, 128, random);
+      const int thickness = random.chance(0.5) ? cv::FILLED : 2;
+      const cv::Scalar colour = drawColour(20, 220, random);
+      const cv::Point size = cv::Point(6, 6) + drawPoint(50, 40, random);
+      cv::rectangle(thing, a, a + size, colour, thickness);
     }
   }
 }
@@ -124,6 +126,13 @@ void addLeafBall(Mesh& mesh, const Vector3f& centre, const Vector3f& radii, int 
   }
 }
 
+/// `up` above a place that scatters by `sigma` in x and y.
+Vector3f drawOffset(double sigma, float up, Random& random) {
+  const auto y = static_cast<float>(sigma * random.normal());
+  const auto x = static_cast<float>(sigma * random.normal());
+  return {x, y, up};
+}
+
 /// Upright box, turned by yaw.
 void addBox(Mesh& mesh, const Vector3f& foot, float yaw, const Vector3f& size, const UvRect& uv) {
   const Vector3f ex = 0.5F * size.x() * Vector3f(std::cos(yaw), std::sin(yaw), 0);
@@ -153,9 +162,10 @@ cv::Mat drawFurnitureAtlas(const Grain& grain, Random& random) {
   cv::Mat bark = atlas(kBark);
   bark.setTo(cv::Scalar(55, 70, 85));
   for (int i = 0; i < 160; ++i) {
-    const cv::Point at(random.below(128), random.below(256));
-    cv::line(bark, at, at + cv::Point(random.below(5) - 2, 8 + random.below(30)),
-             cv::Scalar(55, 70, 85) * random.uniform(0.5, 1.4), 2);
+    const cv::Point at = drawPoint(128, 256, random);
+    const double level = random.uniform(0.5, 1.4);
+    const cv::Point along = cv::Point(-2, 8) + drawPoint(5, 30, random);
+    cv::line(bark, at, at + along, cv::Scalar(55, 70, 85) * level, 2);
   }
   cv::Mat metal = atlas(kMetal);
   for (int x = 0; x < 128; ++x) {
@@ -179,15 +189,13 @@ cv::Mat drawFurnitureAtlas(const Grain& grain, Random& random) {
 void addTree(Mesh& mesh, const Vector3f& foot, Random& random) {
   const auto trunk = static_cast<float>(random.uniform(2.2, 3.2));
   const auto radius = static_cast<float>(random.uniform(0.12, 0.22));
-  const Vector3f fork = foot + Vector3f(static_cast<float>(0.2 * random.normal()),
-                                        static_cast<float>(0.2 * random.normal()), trunk);
+  const Vector3f fork = foot + drawOffset(0.2, trunk, random);
   addTube(mesh, foot, fork, radius * 1.3F, radius, inAtlas(kBark), 7);
   const int green = random.below(4), masses = 4 + random.below(3);
   for (int i = 0; i < masses; ++i) {
     const auto r = static_cast<float>(random.uniform(0.9, 1.7));
-    const Vector3f offset(static_cast<float>(0.8 * random.normal()),
-                          static_cast<float>(0.8 * random.normal()),
-                          0.5F + static_cast<float>(random.uniform(0.0, 2.4)));
+    const auto up = 0.5F + static_cast<float>(random.uniform(0.0, 2.4));
+    const Vector3f offset = drawOffset(0.8, up, random);
     const Vector3f centre =
         fork + offset.cwiseMax(Vector3f(-1.3F, -1.3F, 0)).cwiseMin(Vector3f(1.3F, 1.3F, 3));
     addTube(mesh, fork, centre, radius * 0.6F, radius * 0.2F, inAtlas(kBark), 4);
@@ -199,9 +207,7 @@ void addShrub(Mesh& mesh, const Vector3f& foot, float height, Random& random) {
   const int green = random.below(4);
   for (int i = 0; i < 4; ++i) {
     const auto ratio = static_cast<float>(random.uniform(0.25, 0.75));
-    const Vector3f centre =
-        foot + Vector3f(static_cast<float>(0.08 * random.normal()),
-                        static_cast<float>(0.08 * random.normal()), ratio * height);
+    const Vector3f centre = foot + drawOffset(0.08, ratio * height, random);
     addTube(mesh, foot, centre, 0.012F, 0.01F, inAtlas(kBark), 4);
     addLeafBall(mesh, centre, {0.3F * height, 0.3F * height, 0.32F * height}, green, random);
   }

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "random_draws.h"
+
 namespace headway::sim {
 namespace {
 
@@ -48,8 +50,8 @@ Grain::Grain(std::uint64_t seed) {
 }
 
 cv::Mat Grain::patch(const cv::Mat& sheet, int width, int height, Random& random) const {
-  const cv::Rect place(random.below(kSheet - width + 1), random.below(kSheet - height + 1), width,
-                       height);
+  const cv::Rect place(drawPoint(kSheet - width + 1, kSheet - height + 1, random),
+                       cv::Size(width, height));
   cv::Mat cut = sheet(place);
   const int mirror = random.below(4);
   cv::Mat turned;
@@ -63,9 +65,10 @@ cv::Mat Grain::patch(const cv::Mat& sheet, int width, int height, Random& random
 
 void Grain::roughen(cv::Mat& picture, double fine, double coarse, Random& random) const {
   cv::Mat blend, colour;
-  cv::addWeighted(patch(fine_, picture.cols, picture.rows, random), fine / 32.0,
-                  patch(coarse_, picture.cols, picture.rows, random), coarse / 32.0,
-                  128.0 * (1.0 - (fine + coarse) / 32.0), blend);
+  const cv::Mat large = patch(coarse_, picture.cols, picture.rows, random);
+  const cv::Mat small = patch(fine_, picture.cols, picture.rows, random);
+  cv::addWeighted(small, fine / 32.0, large, coarse / 32.0, 128.0 * (1.0 - (fine + coarse) / 32.0),
+                  blend);
   cv::cvtColor(blend, colour, cv::COLOR_GRAY2BGR);
   cv::addWeighted(picture, 1.0, colour, 1.0, -128.0, picture);
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "random_draws.h"
 #include "street_profile.h"
 
 namespace headway::sim {
@@ -67,14 +68,18 @@ void drawPavement(GroundCanvas& canvas, double length, double side, Random& rand
                      grey(175 + 8 * random.normal(), random));
   }
   for (int i = 0; i < 90; ++i) {  // leaves, gum, litter
-    const cv::Point at =
-        canvas.at(random.uniform(0, length),
-                  side * random.uniform(Profile::kCarriageway + 0.2, Profile::kEdge));
-    const cv::Scalar colour = random.chance(0.5)
-                                  ? cv::Scalar(30, random.uniform(60, 130), random.uniform(80, 190))
-                                  : cv::Scalar::all(random.uniform(40, 90));
-    cv::ellipse(canvas.picture(), at, {1 + random.below(4), 1 + random.below(2)},
-                random.uniform(0, 180), 0, 360, colour, cv::FILLED, cv::LINE_AA);
+    const double d = side * random.uniform(Profile::kCarriageway + 0.2, Profile::kEdge);
+    const cv::Point at = canvas.at(random.uniform(0, length), d);
+    cv::Scalar colour(30);
+    if (random.chance(0.5)) {
+      colour[2] = random.uniform(80, 190);
+      colour[1] = random.uniform(60, 130);
+    } else {
+      colour = cv::Scalar::all(random.uniform(40, 90));
+    }
+    const double angle = random.uniform(0, 180);
+    cv::ellipse(canvas.picture(), at, {1 + random.below(4), 1 + random.below(2)}, angle, 0, 360,
+                colour, cv::FILLED, cv::LINE_AA);
   }
 }
 
@@ -101,11 +106,13 @@ void drawCracks(GroundCanvas& canvas, double length, int count, Random& random) 
 void drawPatches(GroundCanvas& canvas, double length, Random& random) {
   for (int i = 0; i < 7; ++i) {  // repairs
     const double a = random.uniform(0, length), d = random.uniform(-6.4, 5.0);
-    canvas.blend(a, d + random.uniform(0.4, 1.6), a + random.uniform(0.5, 4.0), d,
-                 cv::Scalar::all(random.uniform(45, 120)), random.uniform(0.3, 0.7));
+    const double weight = random.uniform(0.3, 0.7), level = random.uniform(45, 120);
+    const double a2 = a + random.uniform(0.5, 4.0), d2 = d + random.uniform(0.4, 1.6);
+    canvas.blend(a, d2, a2, d, cv::Scalar::all(level), weight);
   }
   for (int i = 0; i < 5; ++i) {  // covers and drains
-    const cv::Point at = canvas.at(random.uniform(0, length), random.uniform(-5.5, 5.5));
+    const double d = random.uniform(-5.5, 5.5);
+    const cv::Point at = canvas.at(random.uniform(0, length), d);
     const int r = 9 + random.below(7);
     cv::circle(canvas.picture(), at, r + 2, cv::Scalar::all(110), cv::FILLED, cv::LINE_AA);
     cv::circle(canvas.picture(), at, r, cv::Scalar::all(55), cv::FILLED, cv::LINE_AA);
@@ -115,15 +122,17 @@ void drawPatches(GroundCanvas& canvas, double length, Random& random) {
     }
   }
   for (int i = 0; i < 10; ++i) {  // stains
-    const cv::Point at = canvas.at(random.uniform(0, length), random.uniform(-6.2, 6.2));
-    const cv::Size size(8 + random.below(28), 6 + random.below(18));
+    const double d = random.uniform(-6.2, 6.2);
+    const cv::Point at = canvas.at(random.uniform(0, length), d);
+    const cv::Size size = cv::Size(8, 6) + cv::Size(drawPoint(28, 18, random));
     cv::Rect area(at.x - 40, at.y - 40, 80, 80);
     area &= cv::Rect(0, 0, kGroundTexture, kGroundTexture);
     if (area.empty()) continue;
     cv::Mat part = canvas.picture()(area);
     cv::Mat darker = part.clone();
+    const double level = random.uniform(30, 60);
     cv::ellipse(darker, at - area.tl(), size, random.uniform(0, 180), 0, 360,
-                cv::Scalar::all(random.uniform(30, 60)), cv::FILLED, cv::LINE_AA);
+                cv::Scalar::all(level), cv::FILLED, cv::LINE_AA);
     cv::addWeighted(part, 0.6, darker, 0.4, 0, part);
   }
 }
@@ -174,10 +183,10 @@ cv::Mat drawGround(const GroundMarks& marks, const Grain& grain, Random& random)
 cv::Mat drawMeadow(const Grain& grain, Random& random) {
   cv::Mat picture(kGroundTexture, kGroundTexture, CV_8UC3, cv::Scalar(58, 104, 88));
   for (int i = 0; i < 6000; ++i) {
-    const cv::Point at(random.below(kGroundTexture), random.below(kGroundTexture));
-    const double level = random.uniform(0.6, 1.3);
-    cv::ellipse(picture, at, {1 + random.below(6), 1 + random.below(3)}, random.uniform(0, 180), 0,
-                360, cv::Scalar(45, 105, 85) * level, cv::FILLED);
+    const cv::Point at = drawPoint(kGroundTexture, kGroundTexture, random);
+    const double level = random.uniform(0.6, 1.3), angle = random.uniform(0, 180);
+    cv::ellipse(picture, at, {1 + random.below(6), 1 + random.below(3)}, angle, 0, 360,
+                cv::Scalar(45, 105, 85) * level, cv::FILLED);
   }
   grain.roughen(picture, 12.0, 12.0, random);
   return picture;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "random_draws.h"
+
 namespace headway::sim {
 namespace {
 
@@ -52,7 +54,7 @@ cv::Mat ImageFormation::expose(const cv::Mat& picture, std::size_t frame, Side s
   }
   if (params_.noise_grey > 0.0) {
     Random random(seedOf({seed_, frame, static_cast<std::uint64_t>(side), 2}));
-    const cv::Rect place(random.below(kSpare), random.below(kSpare), result.cols, result.rows);
+    const cv::Rect place(drawPoint(kSpare, kSpare, random), result.size());
     const double k = params_.noise_grey / kSheetSigma;
     cv::addWeighted(result, 1.0, noise_(place), k, -128.0 * k, result);
   }

@@ -4,6 +4,8 @@
 #include <map>
 #include <opencv2/imgproc.hpp>
 
+#include "random_draws.h"
+
 namespace headway::sim {
 namespace {
 
@@ -31,8 +33,9 @@ Pattern specks(int count, int radius, double contrast) {
     for (int i = 0; i < count; ++i) {
       const cv::Point at = anywhere(random);
       const double level = 1.0 + contrast * random.normal();
-      cv::ellipse(picture, at, {1 + random.below(radius), 1 + random.below(radius)},
-                  random.uniform(0, 180), 0, 360, base * level, cv::FILLED);
+      const double angle = random.uniform(0, 180);
+      cv::ellipse(picture, at, {1 + random.below(radius), 1 + random.below(radius)}, angle, 0, 360,
+                  base * level, cv::FILLED);
     }
   };
 }
@@ -45,8 +48,8 @@ void addWear(cv::Mat& picture, int count, double contrast, Random& random) {
     const double angle = random.uniform(0, 2 * M_PI), length = random.uniform(8, 90);
     const cv::Point to = at + cv::Point(static_cast<int>(length * std::cos(angle)),
                                         static_cast<int>(length * std::sin(angle)));
-    cv::line(picture, at, to, base * (1.0 - contrast * random.uniform()), 1 + random.below(2),
-             cv::LINE_AA);
+    const int thickness = 1 + random.below(2);
+    cv::line(picture, at, to, base * (1.0 - contrast * random.uniform()), thickness, cv::LINE_AA);
   }
 }
 
@@ -92,8 +95,9 @@ Pattern boards(int height, double variation) {
       picture.rowRange(y, std::min(y + height, kSide)).setTo(tone);
       for (int i = 0; i < height / 2; ++i) {
         const int at = y + random.below(height), from = random.below(kSide);
+        const double level = random.uniform(0.75, 1.15);
         cv::line(picture, {from, at}, {from + random.below(700), at + random.below(5) - 2},
-                 tone * random.uniform(0.75, 1.15), 1, cv::LINE_AA);
+                 tone * level, 1, cv::LINE_AA);
       }
       cv::line(picture, {0, y}, {kSide, y}, base * 0.4, 2);
     }
@@ -104,8 +108,8 @@ void paintBooks(cv::Mat& picture, Random& random) {
   for (int y = 0; y < kSide; y += 128) {
     for (int x = 0; x < kSide;) {
       const int width = 10 + random.below(26), top = random.below(30);
-      const cv::Scalar colour(random.uniform(20, 200), random.uniform(20, 200),
-                              random.uniform(20, 220));
+      const double red = random.uniform(20, 220), green = random.uniform(20, 200);
+      const cv::Scalar colour(random.uniform(20, 200), green, red);
       cv::rectangle(picture, {x, y + top}, {x + width - 2, y + 120}, colour, cv::FILLED);
       cv::rectangle(picture, {x + 3, y + top + 20}, {x + width - 5, y + top + 34}, colour * 1.6,
                     cv::FILLED);
@@ -119,11 +123,10 @@ void paintNotices(cv::Mat& picture, Random& random) {
   for (int i = 0; i < 16; ++i) {
     const cv::Rect place((i % 4) * 256, (i / 4) * 256, 256, 256);
     cv::Mat notice = picture(place);
-    const cv::Scalar paper(random.uniform(120, 250), random.uniform(120, 250),
-                           random.uniform(120, 250));
+    const cv::Scalar paper = drawColour(120, 250, random);
     notice.setTo(paper);
-    cv::rectangle(notice, {16, 16}, {240, 60 + random.below(90)}, paper * random.uniform(0.2, 0.8),
-                  cv::FILLED);
+    const double level = random.uniform(0.2, 0.8);
+    cv::rectangle(notice, {16, 16}, {240, 60 + random.below(90)}, paper * level, cv::FILLED);
     for (int k = 0; k < 10; ++k) {
       const int y = 130 + 11 * k;
       cv::line(notice, {20, y}, {60 + random.below(180), y}, cv::Scalar::all(50), 3);
@@ -138,7 +141,7 @@ void paintCartons(cv::Mat& picture, Random& random) {
   for (int y = 0; y < kSide; y += 205) {
     for (int x = 0; x < kSide; x += 256) {
       cv::line(picture, {x + 128, y}, {x + 128, y + 200}, cv::Scalar(140, 180, 205), 12);  // tape
-      const cv::Point label(x + 20 + random.below(60), y + 60 + random.below(60));
+      const cv::Point label = cv::Point(x + 20, y + 60) + drawPoint(60, 60, random);
       cv::rectangle(picture, label, label + cv::Point(70, 45), cv::Scalar::all(225), cv::FILLED);
       for (int k = 0; k < 6; ++k) {
         const cv::Point bar = label + cv::Point(6 + 10 * k, 8);
@@ -159,10 +162,9 @@ void paintStripes(cv::Mat& picture, Random&) {
 void paintScreen(cv::Mat& picture, Random& random) {
   for (int i = 0; i < 60; ++i) {
     const cv::Point at = anywhere(random);
-    cv::rectangle(
-        picture, at, at + cv::Point(40 + random.below(260), 20 + random.below(90)),
-        cv::Scalar(random.uniform(60, 250), random.uniform(60, 250), random.uniform(60, 250)),
-        cv::FILLED);
+    const cv::Scalar colour = drawColour(60, 250, random);
+    const cv::Point size = cv::Point(40, 20) + drawPoint(260, 90, random);
+    cv::rectangle(picture, at, at + size, colour, cv::FILLED);
   }
 }
 

@@ -41,7 +41,8 @@ void Pedestrians::spawnGroup(const RobotState& robot, bool anywhere, int at_most
   person.at.x() =
       robot.s + random_.uniform(nearest, std::max(nearest + 1.0, params_.range_ahead_m));
   if (!route_.street.closed() && person.at.x() > route_.street.length() - 5.0) return;
-  person.lane = (random_.chance(0.5) ? 1.0 : -1.0) * random_.uniform(7.35, 8.5);
+  const double pavement = random_.chance(0.5) ? 1.0 : -1.0;
+  person.lane = pavement * random_.uniform(7.35, 8.5);
   person.at.y() = person.lane;
   person.direction = random_.chance(0.5) ? 1.0 : -1.0;
   person.desired_speed_mps =
@@ -64,7 +65,8 @@ void Pedestrians::spawnBeforeCamera(const RobotState& robot, std::int64_t& next_
   for (int k = 0; k < params_.in_front_at_start; ++k) {
     Person person;
     person.at = {robot.s + random_.uniform(6.0, 18.0), random_.uniform(-6.0, 4.5)};
-    person.lane = (random_.chance(0.5) ? 1.0 : -1.0) * random_.uniform(7.35, 8.5);
+    const double pavement = random_.chance(0.5) ? 1.0 : -1.0;
+    person.lane = pavement * random_.uniform(7.35, 8.5);
     person.direction = random_.chance(0.5) ? 1.0 : -1.0;
     person.desired_speed_mps =
         std::clamp(params_.walking_speed_mps + 0.26 * random_.normal(), 0.6, 2.2);

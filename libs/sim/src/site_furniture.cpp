@@ -154,8 +154,8 @@ void addBicycleStand(SiteBuilder& builder, const Spot& at, int bicycles, Random&
     builder.ornament({placed(at, along + 0.18, 0), at.yaw, {0.05, 0.75, 0.05}, 0.78},
                      Material::kSteel);
     if (random.chance(0.75)) {
-      builder.site().bicycles.push_back(
-          spotAt(at, along, random.uniform(-0.15, 0.15), M_PI / 2 + 0.06 * random.normal(), false));
+      const double yaw = M_PI / 2 + 0.06 * random.normal();
+      builder.site().bicycles.push_back(spotAt(at, along, random.uniform(-0.15, 0.15), yaw, false));
     }
   }
   builder.block({at.position, {0.75 * bicycles, 1.9}, at.yaw});
@@ -197,8 +197,8 @@ void addRackBay(SiteBuilder& builder, const Spot& at, Random& random) {
     }
     for (const double x : {-0.66, 0.66}) {
       if (random.chance(0.12)) continue;
-      addPallet(builder, spotAt(at, x, random.uniform(-0.05, 0.05), 0.02 * random.normal(), false),
-                up, random);
+      const double yaw = 0.02 * random.normal();
+      addPallet(builder, spotAt(at, x, random.uniform(-0.05, 0.05), yaw, false), up, random);
     }
   }
   builder.block({at.position, {kBay, kDepth}, at.yaw});

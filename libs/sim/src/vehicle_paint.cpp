@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "random_draws.h"
+
 namespace headway::sim {
 namespace {
 
@@ -17,8 +19,8 @@ cv::Scalar paintColour(ActorKind kind, Random& random) {
   static const std::vector<cv::Scalar> kBuses = {
       {40, 50, 190}, {60, 180, 220}, {170, 120, 40}, {70, 130, 60}};
   const auto& colours = kind == ActorKind::kBus ? kBuses : kCars;
-  return colours[static_cast<std::size_t>(random.below(static_cast<int>(colours.size())))] *
-         random.uniform(0.85, 1.1);
+  const double level = random.uniform(0.85, 1.1);
+  return colours[static_cast<std::size_t>(random.below(static_cast<int>(colours.size())))] * level;
 }
 
 cv::Point inSide(double x, double z) {
@@ -72,9 +74,7 @@ void paintCarSide(cv::Mat side, const cv::Scalar& colour) {
 
 /// A firm's mark: shapes without a reading direction, since both sides wear the same picture.
 void paintMark(cv::Mat side, const cv::Point& centre, int size, Random& random) {
-  const auto colour = [&] {
-    return cv::Scalar(random.uniform(20, 220), random.uniform(20, 220), random.uniform(20, 220));
-  };
+  const auto colour = [&] { return drawColour(20, 220, random); };
   cv::ellipse(side, centre, {size * 2, size}, 0, 0, 360, colour(), cv::FILLED, cv::LINE_AA);
   cv::ellipse(side, centre, {size, size * 2 / 3}, 0, 0, 360, colour(), cv::FILLED, cv::LINE_AA);
   for (int i = 0; i < 3; ++i) {
@@ -92,8 +92,7 @@ void paintVanSide(cv::Mat side, const cv::Scalar& colour, Random& random) {
 }
 
 void paintTruckSide(cv::Mat side, Random& random) {
-  const cv::Scalar box(random.uniform(120, 230), random.uniform(120, 230),
-                       random.uniform(120, 230));
+  const cv::Scalar box = drawColour(120, 230, random);
   cv::rectangle(side, inSide(0.0, 1.0), inSide(0.73, 0.3), box, cv::FILLED);
   cv::rectangle(side, inSide(0.0, 0.3), inSide(0.75, 0.1), cv::Scalar::all(45), cv::FILLED);
   for (double x = 0.06; x < 0.7; x += 0.08) {

@@ -66,8 +66,8 @@ void Walkers::addIdle(const Spot& spot, std::int64_t& next_id) {
 void Walkers::addWalker(const WheeledRobot& robot, std::int64_t& next_id) {
   Person person;
   for (int tries = 0; tries < 200; ++tries) {
-    person.at = site_.area.min() + site_.area.sizes().cwiseProduct(
-                                       Eigen::Vector2d(random_.uniform(), random_.uniform()));
+    const double y = random_.uniform(), x = random_.uniform();
+    person.at = site_.area.min() + site_.area.sizes().cwiseProduct(Eigen::Vector2d(x, y));
     const bool free = grid_.clearance(person.at) > 0.5 &&
                       (person.at - robot.position()).norm() > 1.8 &&
                       !grid_.path(person.at, site_.robot_stops.front(), kRadius).empty();

@@ -37,7 +37,8 @@ WheeledRobot::WheeledRobot(const SimParams& params, const Site& site, const Navi
   if (!way_.empty()) {
     const Eigen::Vector2d to = way_.front() - position_;
     // It looks elsewhere at first, so that it begins with a turn.
-    const double aside = random_.uniform(0.7, 1.5) * (random_.chance(0.5) ? 1.0 : -1.0);
+    double aside = random_.uniform(0.7, 1.5);
+    if (!random_.chance(0.5)) aside = -aside;
     yaw_ = wrapAngle(std::atan2(to.y(), to.x()) + aside);
   }
 }
