@@ -9,20 +9,28 @@
 set -eu
 cd "$(dirname "$0")/../.."
 seconds=$(awk "BEGIN { print int(60 * ${1:?minutes}) }")
-cmake --preset fuzz > /dev/null
-cmake --build --preset fuzz
+cmake --preset asan > /dev/null
+cmake --build --preset asan --target fuzzers
 mkdir -p build/fuzz/found
-status=0
-for seeds in tests/fuzz/corpus/*; do
-  name=$(basename "$seeds")
-  mkdir -p "build/fuzz/corpus/$name"
-  options=(-max_total_time="$seconds" -max_len=24000 -timeout=10 -malloc_limit_mb=512)
-  dictionary=tests/fuzz/dictionaries/$name.dict
+
+# fuzz NAME: what it prints is in build/fuzz/NAME.log, and here if it fails.
+fuzz() {
+  local name=$1 dictionary=tests/fuzz/dictionaries/$1.dict memory=512
+  local options=(-max_total_time="$seconds" -max_len=24000 -timeout=10 -malloc_limit_mb=512)
   [ ! -f "$dictionary" ] || options+=("-dict=$dictionary")
   # What libfyaml leaks adds up over 100,000 inputs.
-  grep -q yaml_leaks "tests/fuzz/${name}_fuzz.cpp" && memory=4096 || memory=512
-  "$(find build/fuzz -name "fuzz_$name" -type f)" "${options[@]}" -rss_limit_mb="$memory" \
+  ! grep -q yaml_leaks "tests/fuzz/${name}_fuzz.cpp" || memory=4096
+  mkdir -p "build/fuzz/corpus/$name"
+  if "build/asan/tests/fuzz/fuzz_$name" "${options[@]}" -rss_limit_mb="$memory" \
     -print_final_stats=1 -artifact_prefix="build/fuzz/found/$name-" \
-    "build/fuzz/corpus/$name" "$seeds" || status=1
-done
-exit $status
+    "build/fuzz/corpus/$name" "tests/fuzz/corpus/$name" > "build/fuzz/$name.log" 2>&1; then
+    echo "$name: $(awk '/number_of_executed_units/ { print $2 }' "build/fuzz/$name.log") inputs"
+  else
+    echo "$name: failed"
+    tail -50 "build/fuzz/$name.log"
+    return 1
+  fi
+}
+export -f fuzz
+export seconds
+ls tests/fuzz/corpus | xargs -P "$(nproc)" -I{} bash -c 'fuzz {}'
