@@ -132,6 +132,9 @@ class RawlogSink::Writer {
     file_.commit();
   }
 
+  /// Leaves all files under their temporary names, which their owners remove.
+  void discard() { is_closed_ = true; }
+
   /// The image to store in the rawlog: embedded, or a reference to an external file.
   mrpt::img::CImage stored(const cv::Mat& image, const std::string& label, const char* side) {
     if (!isExternal()) return {image, mrpt::img::SHALLOW_COPY};
@@ -289,5 +292,7 @@ void RawlogSink::writeLaser(const RecordedScan& scan, const std::string& label) 
 void RawlogSink::write(const mrpt::obs::CObservation& observation) { writer_->write(observation); }
 
 void RawlogSink::close() { writer_->close(); }
+
+void RawlogSink::discard() { writer_->discard(); }
 
 }  // namespace headway::io

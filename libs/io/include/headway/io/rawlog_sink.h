@@ -119,6 +119,8 @@ class RawlogSink {
   void write(const mrpt::obs::CObservation& observation);
   /// Flushes and closes. @throws InputError on a write error.
   void close();
+  /// Removes what was written, as after an exception; older files remain.
+  void discard();
 
  private:
   class Writer;

@@ -1,0 +1,70 @@
+"""Perception among moving objects for mobile robots built on MRPT.
+
+    import headway
+
+    source = headway.RawlogSource("street.rawlog")
+    perception = headway.Perception(source.camera)
+    for frame in source:
+        update = perception.process(frame)
+        print(update.time, update.status, update.T_map_robot[:3, 3], len(update.tracks))
+
+Lengths are in metres, times in seconds since the Unix epoch, angles in radians. The map's z axis
+points up; a pose `T_a_b` is a 4x4 matrix that maps points of frame b into frame a.
+"""
+
+from ._headway import (
+    Collision,
+    Detection,
+    Detections,
+    Frame,
+    Grid,
+    InputError,
+    Map,
+    MapQuery,
+    NearTrack,
+    NearTracks,
+    Occupancy,
+    Perception,
+    PredictedPath,
+    RawlogSink,
+    RawlogSource,
+    StereoCamera,
+    Track,
+    TrackSample,
+    Update,
+    __version__,
+    evaluate_trajectory,
+    load_map,
+    read_tracks,
+    read_trajectory,
+)
+
+__all__ = [
+    "Collision",
+    "Detection",
+    "Detections",
+    "Frame",
+    "Grid",
+    "InputError",
+    "Map",
+    "MapQuery",
+    "NearTrack",
+    "NearTracks",
+    "Occupancy",
+    "Perception",
+    "PredictedPath",
+    "RawlogSink",
+    "RawlogSource",
+    "StereoCamera",
+    "Track",
+    "TrackSample",
+    "Update",
+    "evaluate_trajectory",
+    "load_map",
+    "read_tracks",
+    "read_trajectory",
+]
+
+for _name in __all__:
+    if isinstance(globals()[_name], type):
+        globals()[_name].__module__ = __name__  # where users find it

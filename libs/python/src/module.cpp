@@ -1,0 +1,17 @@
+#include <headway/core/error.h>
+#include <headway/core/version.h>
+
+#include "arrays.h"
+
+PYBIND11_MODULE(_headway, module) {
+  using namespace headway;
+  namespace py = pybind11;
+  module.attr("__version__") = kVersion;
+  py::register_exception<InputError>(module, "InputError", PyExc_ValueError).doc() =
+      "Unusable input: a file, a parameter or an argument. Its text names cause and remedy.";
+  python::bindRecordings(module);
+  python::bindTracks(module);
+  python::bindMap(module);
+  python::bindPerception(module);
+  python::bindResults(module);
+}
