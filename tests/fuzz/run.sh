@@ -2,13 +2,15 @@
 # Runs each libFuzzer target for some minutes from its seed corpus. Inputs that crash, take over
 # 10 s or more than 512 MB are written to build/fuzz/found and end the script with status 1.
 #
-#     tests/fuzz/run.sh MINUTES
+#     tests/fuzz/run.sh MINUTES [SEED]
 #
+# With a SEED each run begins with the same inputs; without one it tries others each time.
 # Dictionaries of the targets are in tests/fuzz/dictionaries. Seeds of rawlogs are written by the
 # tests: HEADWAY_FUZZ_SEEDS=tests/fuzz/corpus/rawlog_stream test_io; those of bags by bag_seeds.py.
 set -eu
 cd "$(dirname "$0")/../.."
 seconds=$(awk "BEGIN { print int(60 * ${1:?minutes}) }")
+seed=${2:-0}
 cmake --preset asan > /dev/null
 cmake --build --preset asan --target fuzzers
 export ASAN_OPTIONS=intercept_tls_get_addr=0  # see .ci/run
@@ -17,7 +19,7 @@ mkdir -p build/fuzz/found
 # fuzz NAME: what it prints is in build/fuzz/NAME.log, and here if it fails.
 fuzz() {
   local name=$1 dictionary=tests/fuzz/dictionaries/$1.dict memory=512
-  local options=(-max_total_time="$seconds" -max_len=24000 -timeout=10 -malloc_limit_mb=512)
+  local options=(-seed="$seed" -max_total_time="$seconds" -max_len=24000 -timeout=10 -malloc_limit_mb=512)
   [ ! -f "$dictionary" ] || options+=("-dict=$dictionary")
   # What libfyaml leaks adds up over 100,000 inputs.
   ! grep -q yaml_leaks "tests/fuzz/${name}_fuzz.cpp" || memory=4096
@@ -33,5 +35,5 @@ fuzz() {
   fi
 }
 export -f fuzz
-export seconds
+export seconds seed
 ls tests/fuzz/corpus | xargs -P "$(nproc)" -I{} bash -c 'fuzz {}'

@@ -217,6 +217,29 @@ TEST_F(MapFileTest, AGridWithMoreCellsThanBytesIsRefusedBeforeItIsMade) {
   EXPECT_THAT(errorOfLoading(bytesOf(path)), ::testing::HasSubstr("more cells than bytes"));
 }
 
+TEST_F(MapFileTest, AGridWithMoreWeightsThanBytesIsRefusedBeforeTheyAreMade) {
+  StoredMap stored = exampleMap(4);
+  const auto grid = mrpt::maps::COccupancyGridMap2D::Create(-5.f, 5.f, -5.f, 5.f, 0.5f);
+  grid->likelihoodOptions.OWA_weights = {0.625F, 0.375F};
+  stored.map.update(grid);
+  (void)saved(stored);
+  EXPECT_NO_THROW((void)loadMap(path));
+  auto sections = readCheckedFile(path);
+  const float weights[] = {0.625F, 0.375F};
+  const std::string stored_weights(reinterpret_cast<const char*>(weights), sizeof weights);
+  bool changed = false;
+  for (auto& section : sections) {
+    const auto at = section.bytes.find(stored_weights);
+    if (section.name != "layers" || at == std::string::npos) continue;
+    const std::uint32_t huge = 0xA34D0000;
+    std::memcpy(section.bytes.data() + at - sizeof huge, &huge, sizeof huge);
+    changed = true;
+  }
+  ASSERT_TRUE(changed);
+  writeCheckedFile(path, sections);
+  EXPECT_THAT(errorOfLoading(bytesOf(path)), ::testing::HasSubstr("more weights than bytes"));
+}
+
 TEST_F(MapFileTest, MoreLayersOrPointsThanBytesAreRefusedBeforeTheyAreMade) {
   for (const std::string& name : {std::string("CMultiMetricMap"), std::string("PointsMap")}) {
     (void)saved(exampleMap(4));

@@ -5,6 +5,8 @@
 #include <mrpt/io/CMemoryStream.h>
 #include <mrpt/serialization/CArchive.h>
 
+#include <cstring>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -66,19 +68,49 @@ Value readValue(const Section& section, Value (*read)(ByteReader&)) {
   });
 }
 
-/// Refuses a grid with more cells than bytes, because MRPT allocates what its size asks for.
-/// COccupancyGridMap2D of MRPT 2.5.8 is stored as class name, u8 version, u8 bits of a cell, u32
-/// columns, u32 rows.
+// COccupancyGridMap2D of MRPT 2.5.8 is stored as class name, u8 version, u8 bits of a cell, u32
+// columns, u32 rows, five floats, its cells and its options, among them one vector of floats.
+constexpr std::string_view kGrid = "COccupancyGridMap2D";
+constexpr std::size_t kGridHeader = 30;
+
+/// Bytes of a stored grid from the end of its cells to the size of that vector; nullopt if MRPT
+/// does not store it.
+std::optional<std::size_t> bytesBeforeWeights() {
+  mrpt::maps::COccupancyGridMap2D grid;
+  grid.likelihoodOptions.OWA_weights = {1.2345F};
+  const auto cells = static_cast<std::size_t>(grid.getSizeX()) * grid.getSizeY();
+  mrpt::io::CMemoryStream stream;
+  archiveFrom(stream) << grid;
+  const std::string bytes(static_cast<const char*>(stream.getRawBufferData()),
+                          static_cast<std::size_t>(stream.getTotalBytesCount()));
+  std::string weights(8, '\0');
+  const std::uint32_t count = 1;
+  std::memcpy(&weights[0], &count, 4);
+  std::memcpy(&weights[4], grid.likelihoodOptions.OWA_weights.data(), 4);
+  const auto at = bytes.rfind(weights);
+  if (at == bytes.npos) return std::nullopt;
+  return at - (bytes.find(kGrid) + kGrid.size() + kGridHeader + cells);
+}
+
+/// Refuses a grid with more cells or weights than bytes, because MRPT allocates what its sizes ask
+/// for.
 void requireGridsWithin(std::string_view bytes) {
-  constexpr std::string_view kGrid = "COccupancyGridMap2D";
+  static const auto before_weights = bytesBeforeWeights();
   for (auto at = bytes.find(kGrid); at != bytes.npos; at = bytes.find(kGrid, at + 1)) {
     const auto left = bytes.substr(at + kGrid.size());
-    if (left.size() < 10) return;
+    if (left.size() < kGridHeader) return;
     ByteReader in(left.substr(2));
     const std::uint64_t columns = in.value<std::uint32_t>();
     const std::uint64_t rows = in.value<std::uint32_t>();
     if (rows > 0 && columns > left.size() / rows) {
       throw InputError("damaged: a grid has more cells than bytes");
+    }
+    if (!before_weights) continue;
+    const std::size_t weights = kGridHeader + rows * columns + *before_weights;
+    if (left.size() < weights + sizeof(std::uint32_t)) return;
+    ByteReader options(left.substr(weights));
+    if (options.value<std::uint32_t>() > left.size() / sizeof(float)) {
+      throw InputError("damaged: a grid has more weights than bytes");
     }
   }
 }
