@@ -23,7 +23,7 @@ using LandmarkId = StrongId<struct LandmarkTag>;
 using KeyframeId = StrongId<struct KeyframeTag>;
 
 }  // namespace headway
-
+/// Hash of an id's value.
 template <typename Tag>
 struct std::hash<headway::StrongId<Tag>> {
   std::size_t operator()(headway::StrongId<Tag> id) const noexcept {

@@ -73,7 +73,7 @@ class Params {
 
   [[nodiscard]] Section section(const std::string& name) { return Section(*this, name); }
 
-  /// Loads an .ini file (MRPT syntax: comments //, # and ;, @define, ${variables}, $eval{}).
+  /// Loads an .ini file (MRPT syntax: comments //, # and ;, \@define, ${variables}, $eval{}).
   ///
   /// @throws InputError naming file, section and key for what is unknown or out of range
   void loadFile(const std::string& path);

@@ -18,7 +18,7 @@ class SharedChunks {
  public:
   using Chunk = std::vector<T>;
   using value_type = T;
-
+  /// Iterates over the elements of all chunks.
   class const_iterator {
    public:
     using iterator_category = std::forward_iterator_tag;

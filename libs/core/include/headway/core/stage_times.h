@@ -36,7 +36,7 @@ class StageTimes {
     std::string stage_;
     std::chrono::steady_clock::time_point start_;
   };
-
+  /// Figures of one stage.
   struct Summary {
     std::size_t count = 0;
     double median_ms = 0.0;

@@ -34,6 +34,7 @@ struct MovingObjectInput {
   int image_height = 0;  ///< [px]
 };
 
+/// Which labels and tracks count as moving.
 struct MovingObjectParams {
   double moving_mps = 1.0;          ///< labels faster than this move
   double right_mps = 0.5;           ///< a moving row is right near labels faster than this
@@ -79,6 +80,7 @@ struct MovingMatch {
   std::int64_t track = -1;
 };
 
+/// Recall and precision of moving objects over all frames, and the false moving tracks.
 struct MovingObjectError {
   std::size_t frames = 0;
   MovingCounts all;

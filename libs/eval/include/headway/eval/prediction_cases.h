@@ -38,6 +38,7 @@ struct TrackCase {
   HorizonPath future;
 };
 
+/// Predictions paired with what their objects did.
 struct TrackCases {
   std::vector<TrackCase> cases;
   std::size_t unmatched = 0;  ///< predictions without a true object of their class nearby

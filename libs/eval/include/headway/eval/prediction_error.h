@@ -34,6 +34,7 @@ struct PredictionError {
   std::array<double, kHorizons> mean_error_m{};  ///< at each horizon
 };
 
+/// Errors by class, and of all.
 struct PredictionErrors {
   std::map<ObjectClass, PredictionError> classes;  ///< classes with at least one case
   PredictionError all;

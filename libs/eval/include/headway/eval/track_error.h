@@ -13,6 +13,7 @@ enum class BoxMetric {
   k3d,  ///< overlap of the volumes of oriented boxes
 };
 
+/// How tracks are matched with labels.
 struct TrackErrorParams {
   BoxMetric metric = BoxMetric::k3d;
   double min_overlap = 0.25;     ///< minimum intersection over union of a match
@@ -57,6 +58,7 @@ struct TrackError {
   std::vector<RecallPoint> curve;          ///< recalls that are reached
 };
 
+/// Errors by class, and of all.
 struct TrackErrors {
   std::map<ObjectClass, TrackError> classes;
   TrackError all;  ///< counts summed over classes; samota and amota averaged over classes

@@ -14,6 +14,7 @@ enum class Alignment {
   kNone,   ///< none
 };
 
+/// How a trajectory is compared with the true one.
 struct TrajectoryErrorParams {
   Alignment alignment = Alignment::kSe3;
   /// Lengths of the path segments of KITTI's relative errors [m].

@@ -19,8 +19,8 @@ namespace headway {
 /// by name, so that rawlogs with classes of newer versions remain readable.
 class CObservationObjectDetections : public mrpt::obs::CObservation {
   DEFINE_SERIALIZABLE(CObservationObjectDetections, headway)
-
  public:
+  /// One detection.
   struct Item {
     std::string class_name;         ///< KITTI's spelling
     double score = 1.0;             ///< the detector's own scale

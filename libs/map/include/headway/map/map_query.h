@@ -52,7 +52,7 @@ struct Obstacle {
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();    ///< along this prediction [m/s]
   double yaw = 0.0;                                      ///< of the front about map z [rad]
 };
-
+/// Answer to a question for obstacles.
 struct Obstacles {
   QueryStatus status = QueryStatus::kEmptyMap;
   std::vector<Obstacle> items;  ///< grouped by track, the most probable prediction first
@@ -64,7 +64,7 @@ struct NearTrack {
   double distance_m = 0.0;  ///< from the point to the edge of the footprint; 0 inside it
   double sigma_m = 0.0;     ///< standard deviation of that distance
 };
-
+/// Answer to a question for near tracks.
 struct NearTracks {
   QueryStatus status = QueryStatus::kEmptyMap;
   std::vector<NearTrack> items;  ///< by ascending distance

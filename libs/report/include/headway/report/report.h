@@ -12,6 +12,7 @@ struct Figure {
   std::string value;  ///< including the unit: "0.043 m"
 };
 
+/// What a report contains besides the results.
 struct ReportOptions {
   std::filesystem::path truth;   ///< folder with trajectory.tum and objects.csv; empty: no truth
   std::vector<Figure> errors;    ///< against the truth, computed by the caller

@@ -25,6 +25,7 @@ enum class View {
 /// View of the name "follow", "top", "orbit" or "camera"; nullopt for other names.
 [[nodiscard]] std::optional<View> viewFrom(std::string_view name);
 
+/// What a picture of the map shows.
 struct SnapshotOptions {
   int width = 1280;  ///< [px]
   int height = 720;  ///< [px]
