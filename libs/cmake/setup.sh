@@ -1,9 +1,10 @@
-# Sourced by demo.sh and test.sh: installs what packages.txt lists and builds a preset.
+# Sourced by demo.sh, test.sh and fleet.sh: installs what packages.txt lists and builds a preset.
 
-# Installs the packages that are missing; asks for root only then.
+# install_packages [list ...]: installs the packages that are missing (default: packages.txt); asks
+# for root only then.
 install_packages() {
   local wanted missing=()
-  wanted=$(sed 's/#.*//' packages.txt)
+  wanted=$(sed 's/#.*//' "${@:-packages.txt}")
   for package in $wanted; do
     dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q '^install ok installed$' ||
       missing+=("$package")

@@ -1,0 +1,1 @@
+"""A folder or list of recordings to one page: what workflow/Snakefile and headway-fleet run."""
