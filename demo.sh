@@ -1,11 +1,11 @@
 #!/bin/bash
-# From a clean Debian 12 to pictures: installs what is missing, builds, replays the bundled street and
-# the bundled hall, and compares the trajectories with the truth.
+# From a clean Debian 12 to pictures: installs what is missing, builds all programs, replays the bundled
+# street and the bundled hall, and compares the trajectories with the truth.
 set -euo pipefail
 cd "$(dirname "$0")"
 source libs/cmake/setup.sh
 install_packages
-build_preset release headway-replay headway-render headway-eval
+build_preset release installed
 bin=build/release/bin
 
 for name in street hall; do
@@ -23,3 +23,9 @@ for name in street hall; do
   echo "trajectory: $out/trajectory.tum   tracks: $out/tracks.csv   map: $out/map.headway"
   [ ! -f $out/report.html ] || echo "report:     $out/report.html"
 done
+
+programs=("$PWD/$bin"/headway-*)
+echo
+echo "programs:   ${#programs[@]} in $PWD/$bin; for the lines of README.md:"
+echo "            export PATH=\"$PWD/$bin:\$PATH\" LD_LIBRARY_PATH=\"$PWD/build/release/lib\""
+echo "            cmake --install build/release --prefix FOLDER   # installs them"

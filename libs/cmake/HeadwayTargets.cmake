@@ -7,6 +7,7 @@ set(HEADWAY_SANITIZE "" CACHE STRING "Sanitizers to build with, as given to -fsa
 set_property(GLOBAL PROPERTY HEADWAY_LIBRARIES "")
 set(HEADWAY_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/headway)
 
+add_custom_target(installed)  # all that `cmake --install` installs, without the tests
 add_library(headway_warnings INTERFACE)
 target_compile_options(headway_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
                                                   -Wno-sign-conversion)
@@ -109,6 +110,7 @@ function(headway_library name)
     target_link_options(${target} PRIVATE -Wl,--no-undefined)
   endif()
   install(TARGETS ${target} EXPORT headway-${name}-targets)
+  add_dependencies(installed ${target})
   install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
   headway_export(${name} ${LIBRARY_PUBLIC} ${LIBRARY_PRIVATE})
 endfunction()
@@ -151,6 +153,7 @@ function(headway_program name)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin
                                            INSTALL_RPATH "$ORIGIN/${libraries}")
   install(TARGETS ${name})
+  add_dependencies(installed ${name})
 endfunction()
 
 # headway_test(<name> SOURCES ... LIBRARIES ... [LABELS ...] [SLOW ...] [PRIVATE_HEADERS <library>]):

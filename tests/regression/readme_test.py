@@ -1,0 +1,237 @@
+#!/usr/bin/env python3
+"""Runs every command line of README.md as it is written there.
+
+    tests/regression/readme_test.py BUILD_DIR SOURCE_DIR
+
+A folder is given the names that the lines use: recordings made by headway-sim, and datasets and a
+bag of the same pictures. A line that has no input here fails, so that a new one gets its test.
+Only scripts that build are left out; tests/workflow/local_test.py runs `./fleet.sh`.
+"""
+from __future__ import annotations
+
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+WORLD = """[camera]
+width = 320
+height = 120
+focal_px = 185
+[traffic]
+vehicles = 3
+cyclists = 0
+pedestrians = 4
+[recording]
+frames = 12
+"""
+SENSORS = """[CAM]
+driver = CCameraSensor
+grabber_type = rawlog
+rawlog_file = mine.rawlog
+process_rate = 8
+pose_z = 1.65
+pose_yaw = -90
+pose_roll = -90
+"""
+STEREO_CAMERA = """image_size: [320, 120]
+left: [185, 185, 159.5, 59.5]
+baseline_m: 0.54
+"""
+DEPTH_CAMERA = """image_size: [320, 120]
+left: [185, 185, 159.5, 59.5]
+"""
+EUROC = """sensor_type: camera
+T_BS:
+  cols: 4
+  rows: 4
+  data: [0, 0, 1, 0, -1, 0, 0, {shift}, 0, -1, 0, 0, 0, 0, 0, 1]
+rate_hz: 10
+resolution: [320, 120]
+camera_model: pinhole
+intrinsics: [185, 185, 159.5, 59.5]
+distortion_model: radial-tangential
+distortion_coefficients: [0, 0, 0, 0]
+"""
+KITTI_RAW = """calib_time: 09-Jan-2012 13:57:47
+S_rect_00: 320 120
+R_rect_00: 1 0 0 0 1 0 0 0 1
+P_rect_00: 185 0 159.5 0 0 185 59.5 0 0 0 1 0
+P_rect_01: 185 0 159.5 -99.9 0 185 59.5 0 0 0 1 0
+"""
+LEFT_OUT = ("./demo.sh", "./test.sh", "./fleet.sh", "./package.sh")
+LIVE_SECONDS = 60
+
+
+def command_lines(readme: str) -> list[str]:
+    """Lines of the code blocks without a language, and rawlog-edit's in the text."""
+    lines = []
+    for block in re.findall(r"^```\n(.*?)^```", readme, re.M | re.S):
+        lines += [line.split(" #")[0].strip() for line in block.splitlines() if line.strip()]
+    lines += re.findall(r"`(rawlog-edit [^`]*)`", readme)
+    return [line for line in lines if not line.startswith(LEFT_OUT)]
+
+
+class Inputs:
+    """Makes what the lines read."""
+
+    def __init__(self, folder: pathlib.Path, programs: pathlib.Path, source: pathlib.Path) -> None:
+        self.folder, self.programs, self.source = folder, programs, source
+
+    def make(self) -> None:
+        self.write("world.ini", WORLD)
+        self.write("SENSORS.ini", SENSORS)
+        self.run("headway-sim", "-q", "-c", "world.ini", "-o", "mine.rawlog")
+        for name in ("again", "mon", "tue"):
+            shutil.copyfile(self.folder / "mine.rawlog", self.folder / f"{name}.rawlog")
+        (self.folder / "RECORDINGS").mkdir()
+        shutil.copyfile(self.folder / "mine.rawlog", self.folder / "RECORDINGS/a.rawlog")
+        sequence = self.folder / "KITTI/sequences/06"
+        sequence.parent.mkdir(parents=True)
+        self.run("headway-export", "kitti-odometry", "mine.rawlog", "-o", str(sequence))
+        self.left = sorted((sequence / "image_0").iterdir())
+        self.right = sorted((sequence / "image_1").iterdir())
+        self.kitti_tracking()
+        self.kitti_raw()
+        self.euroc()
+        self.images()
+        self.tum()
+        self.bag()
+
+    def kitti_tracking(self) -> None:
+        training = "KITTI/training"
+        truth = self.folder / "mine.truth"
+        labels = [line.split()[:17] for line in (truth / "label_02.txt").read_text().splitlines()]
+        self.write(f"{training}/label_02/0012.txt", "".join(f"{' '.join(w)}\n" for w in labels))
+        self.copy(truth / "poses_kitti.txt", f"{training}/pose_orbslam3/0012.txt")
+        self.copy(truth / "calib.txt", f"{training}/calib/0012.txt")
+        for kind, number in (("Pedestrian", "1"), ("Car", "2"), ("Cyclist", "3")):
+            rows = [",".join([w[0], number, *w[6:10], "0.9", *w[10:17], w[5]])
+                    for w in labels if w[2] == kind]
+            self.write(f"{training}/det3d_pointrcnn/{kind}/0012.txt", "\n".join(rows) + "\n")
+
+    def kitti_raw(self) -> None:
+        drive = "KITTI_RAW/2011_09_26/2011_09_26_drive_0005_sync"
+        for name, text in (("cam_to_cam", KITTI_RAW),
+                           ("velo_to_cam", "R: 0 -1 0 0 0 -1 1 0 0\nT: 0 0 -1\n"),
+                           ("imu_to_velo", "R: 1 0 0 0 1 0 0 0 1\nT: 0 0 0.5\n")):
+            self.write(f"KITTI_RAW/2011_09_26/calib_{name}.txt", text)
+        times = "".join(f"2011-09-26 13:04:{32 + 0.1 * k:012.9f}\n" for k in range(len(self.left)))
+        for camera, pictures in (("image_00", self.left), ("image_01", self.right)):
+            self.write(f"{drive}/{camera}/timestamps.txt", times)
+            for k, picture in enumerate(pictures):
+                self.copy(picture, f"{drive}/{camera}/data/{k:010}.png")
+
+    def euroc(self) -> None:
+        for camera, pictures, shift in (("cam0", self.left, 0), ("cam1", self.right, -0.54)):
+            place = f"MH_01_easy/mav0/{camera}"
+            rows = ["#timestamp [ns],filename"]
+            for k, picture in enumerate(pictures):
+                name = f"{1403636579763555584 + k * 100000000}"
+                self.copy(picture, f"{place}/data/{name}.png")
+                rows.append(f"{name},{name}.png")
+            self.write(f"{place}/data.csv", "\n".join(rows) + "\n")
+            self.write(f"{place}/sensor.yaml", EUROC.format(shift=shift))
+
+    def images(self) -> None:
+        self.write("stereo.yaml", STEREO_CAMERA)
+        self.write("camera.yaml", DEPTH_CAMERA)
+        for k, (left, right) in enumerate(zip(self.left, self.right)):
+            self.copy(left, f"left/{k:06}.png")
+            self.copy(right, f"right/{k:06}.png")
+            self.copy(left, f"rgb/{k:06}.png")
+            self.picture(f"depth/{k:06}.png", 320, 120, 16)
+
+    def tum(self) -> None:
+        """Of the published size."""
+        place = "rgbd_dataset_freiburg3_long_office_household"
+        for kind in ("rgb", "depth"):
+            names = [f"{kind}/{k:06}.png" for k in range(3)]
+            for name in names:
+                self.picture(f"{place}/{name}", 640, 480, 8 if kind == "rgb" else 16)
+            self.write(f"{place}/{kind}.txt", "".join(
+                f"{1341847980 + 0.1 * k:.6f} {name}\n" for k, name in enumerate(names)))
+
+    def bag(self) -> None:
+        """Of ROS 1: the first bytes of a file decide on its format, not its name."""
+        writer = self.source / "tests/bags/writers/write_ros1.py"
+        subprocess.run(["/usr/bin/python3", str(writer), "drive.bag", "mono", "none"],
+                       cwd=self.folder, check=True)
+        (self.folder / "drive.bag").rename(self.folder / "drive.mcap")
+
+    def picture(self, name: str, width: int, height: int, bits: int) -> None:
+        """Stripes of 8 bits, or with 16 bits a wall at 4 m in units of 0.2 mm."""
+        sys.path.insert(0, str(self.source / "tests/bags/writers"))
+        from recording import png  # type: ignore[import]
+        stripes = bytes(7 * u % 256 for u in range(width))
+        row = stripes if bits == 8 else (20000).to_bytes(2, "big") * width
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(png(width, height, bits, [row] * height))
+
+    def write(self, name: str, text: str) -> None:
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+
+    def copy(self, source: pathlib.Path, name: str) -> None:
+        (self.folder / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(source, self.folder / name)
+
+    def run(self, program: str, *arguments: str) -> None:
+        subprocess.run([self.programs / program, *arguments], cwd=self.folder, check=True,
+                       stdout=subprocess.DEVNULL)
+
+
+def run_line(line: str, folder: pathlib.Path, environment: dict[str, str]) -> str:
+    """Runs a line in a shell; what is wrong with it, or nothing."""
+    with (folder / "output.txt").open("w+b") as output:
+        process = subprocess.Popen(["bash", "-c", f"exec {line}"], cwd=folder, env=environment,
+                                   stdout=output, stderr=subprocess.STDOUT)
+        if line.startswith("headway-live"):  # until Ctrl-C
+            wait_for_frames(process, folder / "output.txt")
+            process.send_signal(signal.SIGINT)
+        status = process.wait()
+        output.seek(0)
+        text = output.read().decode(errors="replace")
+    expected = (0, 130) if line.startswith("headway-live") else (0,)
+    return "" if status in expected else f"status {status}: {text.strip()[-400:]}"
+
+
+def wait_for_frames(process: subprocess.Popen[bytes], output: pathlib.Path) -> None:
+    end = time.monotonic() + LIVE_SECONDS
+    while process.poll() is None and time.monotonic() < end:
+        if re.search(r"[1-9]\d* (of \d+ )?(frames )?tracked|tracked [1-9]",
+                     output.read_text(encoding="utf-8", errors="replace")):
+            return
+        time.sleep(0.1)
+
+
+def main() -> int:
+    build, source = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
+    programs = build / "bin"
+    lines = command_lines((source / "README.md").read_text(encoding="utf-8"))
+    environment = {**os.environ, "PATH": f"{programs}:{os.environ['PATH']}",
+                   "LD_LIBRARY_PATH": str(build / "lib")}
+    faults = 0
+    with tempfile.TemporaryDirectory(prefix="headway-readme-") as temporary:
+        folder = pathlib.Path(temporary)
+        Inputs(folder, programs, source).make()
+        for line in lines:
+            fault = run_line(line, folder, environment)
+            print(f"{'FAULT' if fault else 'ok'}: {line}" + (f"\n  {fault}" if fault else ""),
+                  flush=True)
+            faults += bool(fault)
+    if len(lines) < 10:
+        print(f"FAULT: only {len(lines)} lines were found")
+        faults += 1
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
