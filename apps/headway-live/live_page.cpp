@@ -144,6 +144,9 @@ class LivePage::Implementation {
     server_.Get("/page.css", [](const Request&, Response& response) {
       response.set_content(kPageCss, "text/css");
     });
+    server_.Get("/top_view.js", [](const Request&, Response& response) {
+      response.set_content(kTopViewScript, "text/javascript; charset=utf-8");
+    });
     server_.Get("/page.js", [](const Request&, Response& response) {
       response.set_content(kPageScript, "text/javascript; charset=utf-8");
     });

@@ -1,6 +1,7 @@
 #include "live_view_json.h"
 
 #include <headway/core/class_colour.h>
+#include <headway/core/ellipse.h>
 
 #include <cmath>
 #include <cstdio>
@@ -32,8 +33,9 @@ Json pathJson(const PredictedPath& path) {
   const std::size_t step = std::max<std::size_t>(1, path.points.size() / kPointsOfPath);
   for (std::size_t i = step - 1; i < path.points.size(); i += step) {
     const PredictedPoint& point = path.points[i];
-    points.push_back({finite(point.position.x()), finite(point.position.y()),
-                      finite(std::sqrt(0.5 * point.covariance.trace()))});
+    const Ellipse ellipse = sigmaEllipse(point.covariance);
+    points.push_back({finite(point.position.x()), finite(point.position.y()), finite(ellipse.major),
+                      finite(ellipse.minor), finite(ellipse.angle)});
   }
   return {{"probability", finite(path.probability)}, {"points", points}};
 }
@@ -142,7 +144,7 @@ std::string pngOf(const map::PerceptionMap& map) {
   for (int y = 0; y < rows; ++y) {
     for (int x = 0; x < columns; ++x) {
       const float free = grid->getCell(x, y);
-      auto& pixel = picture.at<cv::Vec4b>(y, x);
+      auto& pixel = picture.at<cv::Vec4b>(rows - 1 - y, x);
       if (free > kFreeAbove) pixel = {0x43, 0x38, 0x2f, 255};
       if (free < kOccupiedBelow) pixel = {0xe4, 0xd9, 0xcf, 255};
     }

@@ -26,7 +26,7 @@ class DrivenPath {
 /// The frame's left image as JPEG; empty without images.
 [[nodiscard]] std::string jpegOf(const RecordedFrame& frame);
 
-/// The occupancy grid as PNG with transparent unknown cells, lowest row first; empty without one.
+/// The occupancy grid as PNG with transparent unknown cells, greatest y first; empty without one.
 [[nodiscard]] std::string pngOf(const map::PerceptionMap& map);
 
 }  // namespace headway::live

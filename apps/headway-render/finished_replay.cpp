@@ -4,14 +4,16 @@
 #include <headway/io/calibration_file.h>
 #include <headway/map/map_file.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
 
 namespace headway::render_program {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr double kSameTimeS = 1e-3;
 
 FinishedReplay replayOf(map::StoredMap stored) {
   FinishedReplay replay;
@@ -20,28 +22,54 @@ FinishedReplay replayOf(map::StoredMap stored) {
   return replay;
 }
 
-/// Reads a map file without its replay: its keyframes and stored objects.
+/// A track at an earlier time: where its smoothed path has it, or else where its velocity does; its
+/// predictions are of the same places.
+///
+/// @param moment  of the track [s]
+Track movedBack(Track track, Time moment, Time time) {
+  const auto& path = track.recent_path;
+  const auto after = std::lower_bound(
+      path.begin(), path.end(), time - kSameTimeS,
+      [](const TrajectoryPoint& point, Time wanted) { return point.time < wanted; });
+  if (after != path.end() && std::abs(after->time - time) <= kSameTimeS) {
+    track.position = after->position;
+    track.yaw = after->yaw;
+  } else {
+    track.position -= (moment - time) * track.velocity;
+  }
+  track.recent_path.erase(track.recent_path.begin() + (after - path.begin()),
+                          track.recent_path.end());
+  for (auto& prediction : track.predictions) {
+    for (auto& point : prediction.points) point.horizon_s += moment - time;
+  }
+  return track;
+}
+
+/// The tracks of a map as they were at a time before the map's; later ones are left out.
+std::vector<Track> tracksAt(Time time, const CMovingObjectsMap& objects) {
+  std::vector<Track> tracks;
+  for (const auto& track : objects.tracks()) {
+    if (track.first_seen > time + kSameTimeS) continue;
+    tracks.push_back(movedBack(track, objects.time(), time));
+  }
+  return tracks;
+}
+
+/// Reads a map file without its replay: its keyframes, and its objects at the last one.
 FinishedReplay readMapAlone(const std::string& path) {
   FinishedReplay replay = replayOf(map::loadMap(path));
   for (const auto& keyframe : replay.map.staticMap()->keyframes) {
     replay.frames.push_back({keyframe.frame, keyframe.time, keyframe.T_map_robot, {}});
   }
   if (replay.frames.empty()) replay.frames.emplace_back();
-  replay.frames.back().tracks = replay.map.movingObjects().tracks();
+  const auto& objects = replay.map.movingObjects();
+  ReplayFrame& last = replay.frames.back();
+  if (last.time > 0.0) {
+    last.tracks = tracksAt(last.time, objects);
+  } else {
+    last.tracks = objects.tracks();  // without a keyframe
+  }
   return replay;
-}
-
-void readRecord(const fs::path& path, FinishedReplay& replay) {
-  std::ifstream file(path);
-  const auto record = nlohmann::json::parse(file, nullptr, false);
-  if (!record.is_object()) return;
-  const auto& input = record.value("input", nlohmann::json::object());
-  const auto textOf = [&](const char* key) {
-    const auto value = input.find(key);
-    return value != input.end() && value->is_string() ? value->get<std::string>() : std::string();
-  };
-  replay.rawlog = textOf("rawlog");
-  replay.sensor_label = textOf("sensor_label");
 }
 
 }  // namespace
@@ -67,8 +95,8 @@ FinishedReplay readReplay(const std::string& input, const Note& note) {
     replay.camera =
         std::make_shared<StereoCamera>(io::readCalibration(folder / "calibration.yaml"));
   }
-  replay.frames = readFrames(input, note);
-  readRecord(folder / "replay.json", replay);
+  replay.frames = report::readReplayFrames(input, {}, note);
+  replay.input = report::readReplayInput(folder);
   return replay;
 }
 

@@ -26,6 +26,7 @@ OutputKind kindOf(const std::string& output) {
   if (extension == ".png" || extension == ".jpg") return OutputKind::kPicture;
   if (extension == ".mp4") return OutputKind::kVideo;
   if (extension == ".3Dscene") return OutputKind::kScene;
+  if (std::filesystem::path(output).filename() == "replay.html") return OutputKind::kReplayPage;
   if (extension == ".html") return OutputKind::kReport;
   throw UsageError("--output: '" + output + "' must end in .png, .jpg, .mp4, .3Dscene or .html");
 }
@@ -35,8 +36,11 @@ OutputKind kindOf(const std::string& output) {
 void describe(Options& options, program::CommandLine& line) {
   line.option(options.input, 'i', "input", "OUTDIR|MAPFILE",
               "Folder of a finished replay, or a map.headway", true);
-  line.option(options.output, 'o', "output", "PICTURE.png|VIDEO.mp4|SCENE.3Dscene|REPORT.html",
-              "Output file; its extension selects the kind", true);
+  line.option(options.output, 'o', "output",
+              "PICTURE.png|VIDEO.mp4|SCENE.3Dscene|REPORT.html|replay.html",
+              "Output file; its extension selects the kind, and the name replay.html the page with "
+              "a 3D view and a timeline",
+              true);
   line.option(options.frame, 0, "frame", "N", "Frame of a picture or scene; default: the last");
   line.option(options.from_index, 0, "from-index", "N", "First frame of a video");
   line.option(options.to_index, 0, "to-index", "N", "Last frame of a video");

@@ -8,7 +8,7 @@
 
 namespace headway::render_program {
 
-enum class OutputKind { kPicture, kVideo, kScene, kReport };
+enum class OutputKind { kPicture, kVideo, kScene, kReport, kReplayPage };
 
 /// Command-line options.
 struct Options {
@@ -34,7 +34,7 @@ void describe(Options& options, program::CommandLine& line);
 /// @throws program::UsageError naming the invalid option
 void resolve(Options& options);
 
-/// Draws the requested picture, video, scene or report.
+/// Draws the requested picture, video, scene, report or page.
 ///
 /// @throws InputError
 void render(const Options& options);

@@ -3,6 +3,8 @@
 #include <headway/program/picture_files.h>
 #include <headway/program/progress.h>
 #include <headway/program/truth_report.h>
+#include <headway/report/recorded_images.h>
+#include <headway/report/replay_page.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +13,6 @@
 
 #include "finished_replay.h"
 #include "options.h"
-#include "recorded_images.h"
 
 namespace headway::render_program {
 namespace {
@@ -19,17 +20,18 @@ namespace {
 /// Reconstructs the map, images and truth of consecutive frames.
 class Playback {
  public:
-  Playback(const FinishedReplay& replay, Truth truth, std::size_t first_frame, const Note& note)
+  Playback(const FinishedReplay& replay, report::ReplayTruth truth, std::size_t first_frame,
+           const Note& note)
       : replay_(replay),
         truth_(std::move(truth)),
-        images_(replay, first_frame, note),
+        images_(replay.input, first_frame, note),
         map_(replay.map) {}
 
   scene::SnapshotInput at(std::size_t position) {
     const ReplayFrame& frame = replay_.frames[position];
     map_.update(frame.time, frame.tracks);
-    scene::SnapshotInput input{map_,           frame.frame,      frame.time, frame.T_map_robot,
-                               replay_.camera, images_.at(frame)};
+    scene::SnapshotInput input{
+        map_, frame.frame, frame.time, frame.T_map_robot, replay_.camera, images_.at(frame.frame)};
     for (std::size_t i = 0; i <= position; ++i) {
       input.path.push_back({replay_.frames[i].time, replay_.frames[i].T_map_robot});
     }
@@ -43,8 +45,8 @@ class Playback {
 
  private:
   const FinishedReplay& replay_;
-  Truth truth_;
-  RecordedImages images_;
+  report::ReplayTruth truth_;
+  report::RecordedImages images_;
   map::PerceptionMap map_;
 };
 
@@ -71,7 +73,7 @@ double rateOf(const FinishedReplay& replay) {
   return gap > 0.0 ? std::clamp(std::round(10.0 / gap) / 10.0, 1.0, 60.0) : 10.0;
 }
 
-void drawPicture(const Options& options, const FinishedReplay& replay, Truth truth,
+void drawPicture(const Options& options, const FinishedReplay& replay, report::ReplayTruth truth,
                  const Note& note) {
   const std::size_t position =
       options.frame ? positionOf(*options.frame, replay) : replay.frames.size() - 1;
@@ -86,7 +88,7 @@ void drawPicture(const Options& options, const FinishedReplay& replay, Truth tru
   program::writePicture(options.output, snapshots.draw(playback.at(position)));
 }
 
-void drawVideo(const Options& options, const FinishedReplay& replay, Truth truth,
+void drawVideo(const Options& options, const FinishedReplay& replay, report::ReplayTruth truth,
                const Note& note) {
   scene::SnapshotOptions snapshot = options.snapshot;
   snapshot.width += snapshot.width % 2;  // video encoders require even sizes
@@ -115,6 +117,21 @@ void drawVideo(const Options& options, const FinishedReplay& replay, Truth truth
   video.finish();
 }
 
+/// The page is made from the folder's files; map and rawlog add keyframes and images.
+void writePage(const Options& options, const FinishedReplay& replay, const Note& note) {
+  report::ReplayPageOptions page;
+  page.truth = options.truth;
+  page.output = options.output;
+  for (const auto& keyframe : replay.map.staticMap()->keyframes) {
+    page.keyframes.push_back({keyframe.time, keyframe.T_map_robot});
+  }
+  report::RecordedImages images(replay.input, replay.frames.front().frame, note);
+  report::PageImages small;
+  for (const auto& frame : replay.frames) small.add(frame.frame, images.at(frame.frame));
+  page.images = small.jpegs();
+  report::writeReplayPage(options.input, page, note);
+}
+
 }  // namespace
 
 void render(const Options& options) {
@@ -127,8 +144,11 @@ void render(const Options& options) {
     return;
   }
   const FinishedReplay replay = readReplay(options.input, note);
-  Truth truth;
-  if (!options.truth.empty()) truth = readTruth(options.truth, replay.frames, note);
+  if (options.kind == OutputKind::kReplayPage) return writePage(options, replay, note);
+  report::ReplayTruth truth;
+  if (!options.truth.empty()) {
+    truth = report::readReplayTruth(options.truth, replay.frames, note);
+  }
   if (options.kind == OutputKind::kVideo) {
     drawVideo(options, replay, std::move(truth), note);
   } else {

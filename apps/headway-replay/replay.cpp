@@ -196,6 +196,10 @@ void Replay::process(const RecordedFrame& frame, double progress) {
   writers_.write(update);
   keepLostImage(frame, update);
   snapshots_.add(*perception_, update, frame, progress);
+  if (frame.stereo) {
+    const auto& colour = frame.stereo->left_colour;
+    images_.add(frame.index, colour.empty() ? frame.stereo->left : colour);
+  }
   if (on_frame_) on_frame_(frame, update);
 }
 

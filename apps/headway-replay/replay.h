@@ -2,6 +2,7 @@
 
 #include <headway/pipeline/perception.h>
 #include <headway/program/output_folder.h>
+#include <headway/report/page_images.h>
 
 #include <filesystem>
 #include <functional>
@@ -92,6 +93,8 @@ class Replay {
   /// Places the map on the earth by satellite fixes, if there are any.
   void writeGeoFiles();
   void writeMap();
+  /// Writes report.html and replay.html from the other files.
+  void writePages();
   void warnIfNotRelocalised() const;
   /// Prints a message of the pipeline; warnings are printed by collectWarnings().
   void log(LogLevel level, const std::string& text) const;
@@ -108,6 +111,7 @@ class Replay {
   FrameWriters writers_;
   Checkpoint checkpoint_;
   Snapshots snapshots_;
+  report::PageImages images_;
   Summary summary_;
   GnssLog gnss_;
   std::size_t last_frame_ = 0;  ///< index of the newest frame

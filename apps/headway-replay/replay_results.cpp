@@ -6,6 +6,7 @@
 #include <headway/map/static_grid.h>
 #include <headway/program/picture_files.h>
 #include <headway/program/truth_report.h>
+#include <headway/report/replay_page.h>
 
 #include <algorithm>
 #include <optional>
@@ -88,12 +89,7 @@ void Replay::finish() {
     addEarlierSkipped(summary_);
     writeSummary(folder_.path() / "summary.json", summary_);
   });
-  if (!failure) {  // the report is made from the written files
-    attempt([&] {
-      program::writeTruthReport(folder_.path(), options_.truth, {}, titleOf(folder_.published()),
-                                [this](const std::string& text) { warn(text); });
-    });
-  }
+  if (!failure) attempt([&] { writePages(); });
   std::error_code ignored;
   std::filesystem::remove(folder_.path() / kTrajectoryRecords, ignored);  // of a killed run only
   if (failure) std::rethrow_exception(failure);
@@ -168,6 +164,19 @@ void Replay::writeMap() {
   map::writeSimpleMap(folder_.path() / "map.simplemap", *stored.map.staticMap());
   map::writePly(folder_.path() / "map_points.ply", *stored.map.staticMap());
   map::saveMap(folder_.path() / "map.headway", std::move(stored));
+}
+
+void Replay::writePages() {
+  const auto note = [this](const std::string& text) { warn(text); };
+  program::writeTruthReport(folder_.path(), options_.truth, {}, titleOf(folder_.published()), note);
+  if (summary_.frames_tracked == 0) return;  // no trajectory to show
+  report::ReplayPageOptions page;
+  page.truth = options_.truth;
+  page.images = images_.jpegs();
+  for (const auto& keyframe : perception_->map().staticMap()->keyframes) {
+    page.keyframes.push_back({keyframe.time, keyframe.T_map_robot});
+  }
+  report::writeReplayPage(folder_.path(), page, note);
 }
 
 void Replay::warnIfNotRelocalised() const {

@@ -20,6 +20,7 @@ const std::set<std::string>& resultNames() {
                                               "map_grid.yaml",
                                               "map_points.ply",
                                               "predictions.csv",
+                                              "replay.html",
                                               "replay.json",
                                               "report.html",
                                               "scene.3Dscene",

@@ -68,7 +68,7 @@ TEST_F(LivePageTest, ServesThePageWithAStrictPolicyAndNothingFromElsewhere) {
   LivePage page({});
   EXPECT_THAT(page.url(), StartsWith("http://127.0.0.1:"));
   httplib::Client client("127.0.0.1", portOf(page));
-  for (const char* path : {"/", "/page.js", "/page.css"}) {
+  for (const char* path : {"/", "/page.js", "/top_view.js", "/page.css"}) {
     const auto response = client.Get(path);
     ASSERT_TRUE(response) << path;
     EXPECT_EQ(200, response->status);

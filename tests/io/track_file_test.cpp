@@ -214,6 +214,34 @@ TEST_F(TrackFileTest, PredictionCsvSurvivesTheRoundTrip) {
   EXPECT_EQ(row.point.covariance, read[0].point.covariance);
 }
 
+TEST_F(TrackFileTest, PredictionsAreVisitedAtMultiplesOfAHorizon) {
+  std::ostringstream text;
+  text << predictionCsvHeader() << "\n";
+  for (int i = 1; i <= 30; ++i) {
+    PredictionRow row;
+    row.point.horizon_s = 0.1 * i;
+    writePredictionCsv(text, row);
+  }
+  const std::string path = written("p.csv", text.str());
+  std::vector<double> horizons;
+  const auto add = [&](const PredictionRow& row) { horizons.push_back(row.point.horizon_s); };
+  visitPredictionCsv(path, add, 0.5);
+  EXPECT_THAT(horizons, ElementsAre(0.5, 1.0, 1.5, 2.0, 2.5, 3.0));
+  horizons.clear();
+  visitPredictionCsv(path, add);
+  EXPECT_EQ(30u, horizons.size());
+}
+
+TEST_F(TrackFileTest, ObjectsHaveTheirVisibleRatio) {
+  const std::string row = "0,1.5,7,Car,confirmed,1,1,2,3,0,4,2,1.5,0,0,0,0.1,0.1,0";
+  const auto with =
+      readObjectCsv(written("o.csv", objectCsvHeader() + ",visible\n" + row + ",0.25\n"));
+  ASSERT_EQ(1u, with.size());
+  EXPECT_EQ(0.25, with[0].visible);
+  EXPECT_EQ(7, with[0].object.track.id.value);
+  EXPECT_EQ(1.0, readObjectCsv(written("t.csv", objectCsvHeader() + "\n" + row + "\n"))[0].visible);
+}
+
 TEST_F(TrackFileTest, DistinguishesDetectionFormats) {
   const auto kitti = detections("k.txt", std::string(kCarLabel) + "\n" + kDontCare + "\n" +
                                              "3 8 Dog 0 1 0 1 2 3 4 1 1 1 0 0 5 0\n");

@@ -113,6 +113,34 @@ TEST_F(RenderProgramTest, DrawsAMapFile) {
   EXPECT_GT(pixelsLike(picture("map.png"), colourOf(ObjectClass::kCyclist)), 20);
 }
 
+TEST_F(RenderProgramTest, DrawsAMapFilesObjectsAtTheTimeOfItsPose) {
+  constexpr double kLaterS = 1.5;  // the objects' time after that of the last keyframe
+  auto later = test::replayTrack(5);
+  later.position += kLaterS * later.velocity;
+  auto stored = test::replayMap();
+  stored.map.update(test::replayTime(5) + kLaterS, {later});
+  map::saveMap(path("later.headway"), stored);
+  const auto draw = [&](const std::string& map, const std::string& output) {
+    const auto result = test::runProcess(test::program("headway-render") + " -i " + map + " -o " +
+                                         path(output) + " --size 480x270");
+    EXPECT_EQ(result.status, 0) << result.output;
+    return picture(output);
+  };
+  const cv::Mat same = draw(replay + "/map.headway", "same.png");
+  cv::Mat difference;
+  cv::absdiff(same, draw(path("later.headway"), "later.png"), difference);
+  EXPECT_EQ(0, cv::countNonZero(difference.reshape(1) > 8));
+}
+
+TEST_F(RenderProgramTest, WritesTheReplaysPageWithImagesAndKeyframes) {
+  const auto result = render("replay.html");
+  ASSERT_EQ(result.status, 0) << result.output;
+  const std::string page = test::contentsOf(path("replay.html"));
+  EXPECT_THAT(page, HasSubstr("Content-Security-Policy"));
+  EXPECT_THAT(page, HasSubstr("\"keyframes\":[[4.0,"));
+  EXPECT_THAT(page, HasSubstr("[7,\"/9j/")) << "the JPEG of the last frame";
+}
+
 TEST_F(RenderProgramTest, WritesASceneThatMrptReads) {
   const auto result = render("scene.3Dscene", "--frame 3");
   ASSERT_EQ(result.status, 0) << result.output;

@@ -38,7 +38,7 @@ TEST(MapPlotTest, DrawsTheGridInPlace) {
 
 TEST(MapPlotTest, DrawsPathLandmarksTracksAndScaleBar) {
   ReplayFolder folder = straightReplay();
-  folder.landmarks = {{10.f, 3.f, 1.f}, {1e5f, 0.f, 0.f}};
+  folder.landmarks = {{{10.f, 3.f, 1.f}, {}}, {{1e5f, 0.f, 0.f}, {}}};
   folder.tracks = {{4, ObjectClass::kCar, {{100, 5, 2, true, true}, {101, 9, 2, true, true}}},
                    {5, ObjectClass::kTruck, {{100, 5, -4, true, false}}}};
   const std::string svg = mapPlot(folder, {});

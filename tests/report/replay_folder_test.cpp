@@ -35,14 +35,15 @@ class PlyFileTest : public ::testing::Test {
 TEST_F(PlyFileTest, ReadsEveryPoint) {
   const auto points = readPoints(cloud(5, 5), 100);
   ASSERT_EQ(points.size(), 5u);
-  EXPECT_EQ(points[4], Eigen::Vector3f(4, 8, 12));
+  EXPECT_EQ(points[4].position, Eigen::Vector3f(4, 8, 12));
+  EXPECT_EQ(points[4].colour.green, 'g');
 }
 
 TEST_F(PlyFileTest, ReadsASampleOfALargeCloud) {
   const auto points = readPoints(cloud(1000, 1000), 300);
   EXPECT_LE(points.size(), 300u);
   EXPECT_GE(points.size(), 200u);
-  EXPECT_EQ(points[1], Eigen::Vector3f(4, 8, 12));
+  EXPECT_EQ(points[1].position, Eigen::Vector3f(4, 8, 12));
 }
 
 TEST_F(PlyFileTest, ReadsAnEmptyCloud) { EXPECT_TRUE(readPoints(cloud(0, 0), 100).empty()); }

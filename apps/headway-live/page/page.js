@@ -10,41 +10,14 @@ let busy = false;
 let last = null;
 let metres = 30;  // across the shorter side of the map
 
-/** A canvas as sharp as the screen, cleared. */
-function sheet(id) {
-  const canvas = byId(id);
-  const ratio = window.devicePixelRatio || 1;
-  const width = Math.max(1, Math.round(canvas.clientWidth * ratio));
-  const height = Math.max(1, Math.round(canvas.clientHeight * ratio));
-  if (canvas.width !== width || canvas.height !== height) {
-    canvas.width = width;
-    canvas.height = height;
-  }
-  const draw = canvas.getContext('2d');
-  draw.setTransform(ratio, 0, 0, ratio, 0, 0);
-  draw.clearRect(0, 0, width, height);
-  draw.font = '12px system-ui, "DejaVu Sans", sans-serif';
-  return {draw, width: width / ratio, height: height / ratio};
-}
-
-function label(draw, text, x, y, colour) {
-  const width = draw.measureText(text).width + 8;
-  draw.fillStyle = colour;
-  draw.fillRect(x, y - 15, width, 15);
-  draw.fillStyle = '#10141a';
-  draw.fillText(text, x + 4, y - 3.5);
-}
-
-const nameOf = (track) => `${track.class} ${track.id}` +
-    (track.moving ? `  ${track.speed.toFixed(1)} m/s` : '');
-
 function drawCamera(state) {
-  const {draw, width, height} = sheet('camera');
+  const {draw, width, height} = sharpCanvas(byId('camera'));
   if (!image) return;
   const zoom = Math.min(width / image.width, height / image.height);
   const left = (width - zoom * image.width) / 2;
   const top = (height - zoom * image.height) / 2;
   draw.drawImage(image, left, top, zoom * image.width, zoom * image.height);
+  const labels = [];
   for (const track of state.tracks) {
     if (!track.box) continue;
     const [x1, y1, x2, y2] = track.box.map((value) => value * zoom);
@@ -53,79 +26,26 @@ function drawCamera(state) {
     draw.setLineDash(track.coasting ? [5, 4] : []);
     draw.strokeRect(left + x1, top + y1, x2 - x1, y2 - y1);
     draw.setLineDash([]);
-    if (track.moving) label(draw, nameOf(track), left + x1, Math.max(top + 15, top + y1), track.colour);
+    if (!track.moving) continue;
+    const y = Math.max(top + 15, top + y1);
+    labels.push({text: nameOfTrack(track), x: left + x1, y, colour: track.colour});
   }
-}
-
-/** Length of a round number of metres that is about a quarter of the width. */
-function scaleLength(metres) {
-  const power = Math.pow(10, Math.floor(Math.log10(metres)));
-  return [5, 2, 1].map((digit) => digit * power).find((length) => length <= metres) || power;
-}
-
-function drawPath(draw, path, colour, width) {
-  draw.strokeStyle = colour;
-  draw.lineWidth = width;
-  draw.beginPath();
-  path.forEach(([x, y], i) => (i ? draw.lineTo(x, y) : draw.moveTo(x, y)));
-  draw.stroke();
-}
-
-function drawTrack(draw, track, pixel) {
-  for (const path of track.paths) {
-    draw.globalAlpha = 0.25 + 0.6 * path.probability;
-    drawPath(draw, [[track.x, track.y], ...path.points], track.colour, 2 * pixel);
-    const [x, y, sigma] = path.points[path.points.length - 1];
-    draw.globalAlpha *= 0.5;
-    draw.lineWidth = pixel;
-    draw.beginPath();
-    draw.arc(x, y, Math.min(sigma, 5), 0, 7);
-    draw.stroke();
-  }
-  draw.globalAlpha = 1;
-  draw.save();
-  draw.translate(track.x, track.y);
-  draw.rotate(track.yaw);
-  draw.fillStyle = track.colour;
-  draw.globalAlpha = track.moving ? 0.9 : 0.45;
-  draw.fillRect(-track.length / 2, -track.width / 2, track.length, track.width);
-  draw.restore();
+  drawLabels(draw, labels);
 }
 
 function drawMap(state) {
-  const {draw, width, height} = sheet('map');
-  const zoom = Math.min(width, height) / metres;
+  const {draw, width, height} = sharpCanvas(byId('map'));
   const [x, y, yaw] = state.pose;
-  draw.save();
-  draw.translate(width / 2, height * 0.62);
-  draw.scale(zoom, -zoom);
-  draw.rotate(Math.PI / 2 - yaw);
-  draw.translate(-x, -y);
-  if (grid.picture) {
-    const b = grid.bounds;
-    draw.imageSmoothingEnabled = false;
-    draw.save();
-    draw.translate(b.x, b.y);
-    draw.drawImage(grid.picture, 0, 0, b.width, b.height);
-    draw.restore();
-  }
-  drawPath(draw, [...state.path, [x, y]], '#5aa9e6', 2 / zoom);
-  for (const track of state.tracks) drawTrack(draw, track, 1 / zoom);
-  draw.translate(x, y);
-  draw.rotate(yaw);
-  draw.fillStyle = '#ffffff';
-  draw.beginPath();
-  for (const [px, py] of [[0.9, 0], [-0.5, 0.5], [-0.25, 0], [-0.5, -0.5]]) draw.lineTo(px, py);
-  draw.fill();
-  draw.restore();
-  const bar = scaleLength(width / zoom / 4);
-  draw.fillStyle = '#e4e9ee';
-  draw.fillRect(12, height - 16, bar * zoom, 2);
-  draw.fillText(`${bar} m`, 12, height - 22);
+  const zoom = Math.min(width, height) / metres;
+  const view = {x, y, yaw, zoom, left: width / 2, top: height * 0.62};
+  drawTopView(draw, width, height, view, {
+    pose: state.pose, path: [...state.path, [x, y]], tracks: state.tracks,
+    grid: grid.picture ? grid : null,
+  });
 }
 
 function drawLatency() {
-  const {draw, width, height} = sheet('latency');
+  const {draw, width, height} = sharpCanvas(byId('latency'));
   const top = Math.max(50, ...latencies) * 1.15;
   const y = (ms) => height - 4 - (height - 12) * ms / top;
   draw.fillStyle = '#93a1af';
@@ -133,10 +53,10 @@ function drawLatency() {
   const step = scaleLength(top / 2);
   for (let ms = 0; ms < top; ms += step) {
     draw.fillText(ms, 8, y(ms) - 3);
-    drawPath(draw, [[0, y(ms)], [width, y(ms)]], '#2c343d', 1);
+    drawPolyline(draw, [[0, y(ms)], [width, y(ms)]], '#2c343d', 1);
   }
   const first = width - latencies.length * width / 300;
-  drawPath(draw, latencies.map((ms, i) => [first + (i + 0.5) * width / 300, y(ms)]), '#5aa9e6', 1.5);
+  drawPolyline(draw, latencies.map((ms, i) => [first + (i + 0.5) * width / 300, y(ms)]), '#5aa9e6', 1.5);
 }
 
 function fill(element, children) {

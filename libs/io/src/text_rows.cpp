@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <set>
 #include <sstream>
+#include <string_view>
 
 namespace headway::io {
 namespace {
@@ -15,36 +16,49 @@ constexpr char kByteOrderMark[] = "\xEF\xBB\xBF";  // written by spreadsheet pro
 
 bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
-std::string trimmed(const std::string& text) {
-  std::size_t first = 0;
-  std::size_t last = text.size();
-  while (first < last && isBlank(text[first])) ++first;
-  while (last > first && isBlank(text[last - 1])) --last;
-  return text.substr(first, last - first);
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && isBlank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && isBlank(text.back())) text.remove_suffix(1);
+  return text;
 }
 
-std::vector<std::string> splitAtCommas(const std::string& line) {
-  std::vector<std::string> fields;
+/// Fields of a row in strings that are used again for the next one.
+class FieldWriter {
+ public:
+  explicit FieldWriter(std::vector<std::string>& fields) : fields_(fields) {}
+  ~FieldWriter() { fields_.resize(count_); }
+  FieldWriter(const FieldWriter&) = delete;
+  FieldWriter& operator=(const FieldWriter&) = delete;
+  void add(std::string_view field) {
+    if (count_ == fields_.size()) fields_.emplace_back();
+    fields_[count_++].assign(field);
+  }
+
+ private:
+  std::vector<std::string>& fields_;
+  std::size_t count_ = 0;
+};
+
+void splitAtCommas(std::string_view line, std::vector<std::string>& fields) {
+  FieldWriter writer(fields);
   std::size_t start = 0;
-  for (std::size_t comma = line.find(','); comma != std::string::npos;
+  for (std::size_t comma = line.find(','); comma != std::string_view::npos;
        comma = line.find(',', start)) {
-    fields.push_back(trimmed(line.substr(start, comma - start)));
+    writer.add(trimmed(line.substr(start, comma - start)));
     start = comma + 1;
   }
-  fields.push_back(trimmed(line.substr(start)));
-  return fields;
+  writer.add(trimmed(line.substr(start)));
 }
 
-std::vector<std::string> splitAtBlanks(const std::string& line) {
-  std::vector<std::string> fields;
+void splitAtBlanks(std::string_view line, std::vector<std::string>& fields) {
+  FieldWriter writer(fields);
   std::size_t at = 0;
   while (at < line.size()) {
     while (at < line.size() && isBlank(line[at])) ++at;
     const std::size_t start = at;
     while (at < line.size() && !isBlank(line[at])) ++at;
-    if (at > start) fields.push_back(line.substr(start, at - start));
+    if (at > start) writer.add(line.substr(start, at - start));
   }
-  return fields;
 }
 
 std::vector<std::string> namesIn(const std::string& list) {
@@ -62,14 +76,20 @@ TextRows::TextRows(const std::string& path) : path_(path), file_(path) {
 }
 
 bool TextRows::next() {
-  std::string line;
-  while (std::getline(file_, line)) {
-    if (line_ == 0 && line.rfind(kByteOrderMark, 0) == 0) line.erase(0, sizeof(kByteOrderMark) - 1);
+  while (std::getline(file_, text_)) {
+    std::string_view line = text_;
+    if (line_ == 0 && line.rfind(kByteOrderMark, 0) == 0) {
+      line.remove_prefix(sizeof(kByteOrderMark) - 1);
+    }
     ++line_;
-    const std::string content = trimmed(line.substr(0, line.find('#')));
+    const std::string_view content = trimmed(line.substr(0, line.find('#')));
     if (content.empty()) continue;
-    is_comma_separated_ = content.find(',') != std::string::npos;
-    fields_ = is_comma_separated_ ? splitAtCommas(content) : splitAtBlanks(content);
+    is_comma_separated_ = content.find(',') != std::string_view::npos;
+    if (is_comma_separated_) {
+      splitAtCommas(content, fields_);
+    } else {
+      splitAtBlanks(content, fields_);
+    }
     return true;
   }
   if (file_.bad()) fail("read error");

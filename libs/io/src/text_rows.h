@@ -42,6 +42,7 @@ class TextRows {
  private:
   std::string path_;
   std::ifstream file_;
+  std::string text_;  ///< of the line
   std::size_t line_ = 0;
   bool is_comma_separated_ = false;
   std::vector<std::string> fields_;

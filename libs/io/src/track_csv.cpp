@@ -1,6 +1,8 @@
 #include <headway/core/error.h>
 #include <headway/io/track_file.h>
 
+#include <array>
+#include <cmath>
 #include <ostream>
 
 #include "text_rows.h"
@@ -76,14 +78,35 @@ void writeTrackCsv(std::ostream& out, const TrackSample& row) {
              track.velocity_covariance(0, 1));
 }
 
-void visitTrackCsv(const std::string& path, const std::function<void(const TrackSample&)>& visit) {
+namespace {
+
+void visitSamples(
+    const std::string& path,
+    const std::function<void(const TrackSample&, const TextRows&, const CsvColumns&)>& visit) {
   TextRows rows(path);
   if (!rows.next()) throw InputError(path + ": is empty; the header line is missing");
   const CsvColumns columns(rows, objectCsvHeader());
   while (rows.next()) {
     columns.requireComplete(rows);
-    visit(trackSample(rows, columns));
+    visit(trackSample(rows, columns), rows, columns);
   }
+}
+
+}  // namespace
+
+void visitTrackCsv(const std::string& path, const std::function<void(const TrackSample&)>& visit) {
+  visitSamples(
+      path, [&](const TrackSample& sample, const TextRows&, const CsvColumns&) { visit(sample); });
+}
+
+std::vector<ObjectSample> readObjectCsv(const std::string& path) {
+  std::vector<ObjectSample> objects;
+  visitSamples(path,
+               [&](const TrackSample& sample, const TextRows& rows, const CsvColumns& columns) {
+                 const auto visible = columns.find("visible");
+                 objects.push_back({sample, visible ? rows.number(*visible) : 1.0});
+               });
+  return objects;
 }
 
 std::vector<TrackSample> readTrackCsv(const std::string& path) {
@@ -105,28 +128,47 @@ void writePredictionCsv(std::ostream& out, const PredictionRow& row) {
                    covariance(0, 1), covariance(1, 1));
 }
 
-std::vector<PredictionRow> readPredictionCsv(const std::string& path) {
-  std::vector<PredictionRow> result;
+namespace {
+
+bool isMultiple(double value, double step) {
+  return !(step > 0.0) || std::abs(value / step - std::round(value / step)) < 0.01;
+}
+
+}  // namespace
+
+void visitPredictionCsv(const std::string& path,
+                        const std::function<void(const PredictionRow&)>& visit,
+                        double horizon_step_s) {
   TextRows rows(path);
   if (!rows.next()) throw InputError(path + ": is empty; the header line is missing");
   const CsvColumns columns(rows, predictionCsvHeader());
-  const auto number = [&](const char* name) { return rows.number(columns.at(name)); };
+  const auto at = [&](const char* name) { return columns.at(name); };
+  const std::array<std::size_t, 6> place = {at("x"),      at("y"),      at("z"),
+                                            at("cov_xx"), at("cov_xy"), at("cov_yy")};
+  const std::size_t frame = at("frame"), time = at("time"), id = at("track_id");
+  const std::size_t object_class = at("class"), mode = at("mode"), probability = at("probability");
+  const std::size_t horizon = at("horizon_s");
   while (rows.next()) {
     columns.requireComplete(rows);
     PredictionRow row;
-    row.frame = rows.index(columns.at("frame"));
-    row.time = number("time");
-    row.id.value = rows.integer(columns.at("track_id"));
-    row.object_class = classFrom(rows, rows.fields()[columns.at("class")]);
-    row.mode = static_cast<int>(rows.integer(columns.at("mode")));
-    row.probability = number("probability");
-    row.point.horizon_s = number("horizon_s");
-    row.point.position = {number("x"), number("y"), number("z")};
-    row.point.covariance(0, 0) = number("cov_xx");
-    row.point.covariance(0, 1) = row.point.covariance(1, 0) = number("cov_xy");
-    row.point.covariance(1, 1) = number("cov_yy");
-    result.push_back(row);
+    row.point.horizon_s = rows.number(horizon);
+    if (!isMultiple(row.point.horizon_s, horizon_step_s)) continue;
+    row.frame = rows.index(frame);
+    row.time = rows.number(time);
+    row.id.value = rows.integer(id);
+    row.object_class = classFrom(rows, rows.fields()[object_class]);
+    row.mode = static_cast<int>(rows.integer(mode));
+    row.probability = rows.number(probability);
+    const auto value = [&](std::size_t i) { return rows.number(place[i]); };
+    row.point.position = {value(0), value(1), value(2)};
+    row.point.covariance << value(3), value(4), value(4), value(5);
+    visit(row);
   }
+}
+
+std::vector<PredictionRow> readPredictionCsv(const std::string& path) {
+  std::vector<PredictionRow> result;
+  visitPredictionCsv(path, [&](const PredictionRow& row) { result.push_back(row); });
   return result;
 }
 

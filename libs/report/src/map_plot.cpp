@@ -85,10 +85,10 @@ std::string polyline(const Points& points, const PlotFrame& frame) {
   return d;
 }
 
-std::string landmarkDots(const std::vector<Eigen::Vector3f>& landmarks, const PlotFrame& frame) {
+std::string landmarkDots(const std::vector<ColouredPoint>& landmarks, const PlotFrame& frame) {
   std::string d;
   for (const auto& landmark : landmarks) {
-    const Eigen::Vector2d point = frame.toPlot(landmark.head<2>().cast<double>());
+    const Eigen::Vector2d point = frame.toPlot(landmark.position.head<2>().cast<double>());
     if (frame.contains(point)) d += "M" + coordinates(point) + "h0";
   }
   return d.empty() ? "" : "<path class=\"dots\" d=\"" + d + "\"/>";

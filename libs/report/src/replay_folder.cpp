@@ -25,7 +25,8 @@ constexpr std::size_t kMaxPoses = 50000;  // of the trajectory, above which it i
 
 struct PlyHeader {
   std::size_t count = 0;
-  std::size_t stride = 0;  ///< size of a vertex [bytes]
+  std::size_t stride = 0;                 ///< size of a vertex [bytes]
+  std::optional<std::size_t> colours_at;  ///< offset of red, green, blue in it [bytes]
 };
 
 std::size_t sizeInBytes(const std::string& type) {
@@ -41,29 +42,23 @@ PlyHeader readHeader(std::istream& file, const std::string& name) {
   std::string text;
   for (std::string line; std::getline(file, line) && line != "end_header"; text += line + "\n") {
     std::istringstream words(line);
-    std::string word, type;
+    std::string word, type, name_of_it;
     words >> word >> type;
     if (word == "element" && type == "vertex") words >> header.count;
-    if (word == "property") header.stride += sizeInBytes(type);
+    if (word != "property") continue;
+    words >> name_of_it;
+    if (name_of_it == "red") header.colours_at = header.stride;
+    header.stride += sizeInBytes(type);
   }
   const bool known =
       text.rfind("ply\nformat binary_little_endian 1.0\n", 0) == 0 &&
       text.find("property float x\nproperty float y\nproperty float z") != std::string::npos;
   if (!file || !known) throw InputError(name + ": is not a binary PLY file with x, y, z");
+  const bool has_colours = text.find(
+                               "property uchar red\nproperty uchar green\nproperty uchar "
+                               "blue") != std::string::npos;
+  if (!has_colours) header.colours_at.reset();
   return header;
-}
-
-/// Copies and prints of deeper values would exceed the stack.
-nlohmann::ordered_json readJson(const fs::path& path) {
-  constexpr int kMaxDepth = 32;
-  const auto limit = [&](int depth, auto, const auto&) {
-    if (depth > kMaxDepth) throw InputError(path.string() + ": is nested too deeply");
-    return true;
-  };
-  std::ifstream file(path);
-  auto json = nlohmann::ordered_json::parse(file, limit, false);
-  if (!json.is_object()) throw InputError(path.string() + ": is not a JSON object");
-  return json;
 }
 
 std::vector<fs::path> picturesIn(const fs::path& folder) {
@@ -76,7 +71,20 @@ std::vector<fs::path> picturesIn(const fs::path& folder) {
   return pictures;
 }
 
-/// Reads the description that headway-replay writes beside the picture of the grid.
+}  // namespace
+
+nlohmann::ordered_json readJson(const fs::path& path) {
+  constexpr int kMaxDepth = 32;  // copies and prints of deeper values would exceed the stack
+  const auto limit = [&](int depth, auto, const auto&) {
+    if (depth > kMaxDepth) throw InputError(path.string() + ": is nested too deeply");
+    return true;
+  };
+  std::ifstream file(path);
+  auto json = nlohmann::ordered_json::parse(file, limit, false);
+  if (!json.is_object()) throw InputError(path.string() + ": is not a JSON object");
+  return json;
+}
+
 std::optional<GridFile> readGrid(const fs::path& path) {
   std::ifstream file(path);
   if (!file) return std::nullopt;
@@ -97,8 +105,6 @@ std::optional<GridFile> readGrid(const fs::path& path) {
   }
   return grid;
 }
-
-}  // namespace
 
 ThinnedPath readPath(const fs::path& path, std::size_t max_poses) {
   ThinnedPath thinned;
@@ -138,19 +144,20 @@ std::vector<TrackHistory> readTracks(const fs::path& path, const std::set<double
   return result;
 }
 
-std::vector<Eigen::Vector3f> readPoints(const std::filesystem::path& path, std::size_t max_points) {
+std::vector<ColouredPoint> readPoints(const std::filesystem::path& path, std::size_t max_points) {
   std::ifstream file(path, std::ios::binary);
   const PlyHeader header = readHeader(file, path.string());
   std::size_t step = 1;
   if (max_points > 0 && header.count > max_points) step = (header.count - 1) / max_points + 1;
-  std::vector<Eigen::Vector3f> points;
+  std::vector<ColouredPoint> points;
   std::vector<char> vertex(header.stride);
   for (std::size_t i = 0; i < header.count; ++i) {
     file.read(vertex.data(), static_cast<std::streamsize>(vertex.size()));
     if (!file) throw InputError(path.string() + ": ends before its last vertex");
     if (i % step != 0) continue;
-    Eigen::Vector3f point;
-    std::memcpy(point.data(), vertex.data(), 3 * sizeof(float));
+    ColouredPoint point;
+    std::memcpy(point.position.data(), vertex.data(), 3 * sizeof(float));
+    if (header.colours_at) std::memcpy(&point.colour, &vertex[*header.colours_at], 3);
     points.push_back(point);
   }
   return points;

@@ -2,6 +2,7 @@
 
 #include <headway/core/object_class.h>
 #include <headway/core/pose.h>
+#include <headway/report/map_files.h>
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -29,13 +30,6 @@ struct TrackHistory {
   std::vector<TrackPoint> points;  ///< at least one
 };
 
-/// The occupancy grid as written for map servers.
-struct GridFile {
-  std::filesystem::path picture;
-  double resolution_m = 0.0;                         ///< side of a cell [m]
-  Eigen::Vector2d origin = Eigen::Vector2d::Zero();  ///< lower left corner, map frame [m]
-};
-
 /// The files of a finished replay that the report shows.
 struct ReplayFolder {
   std::filesystem::path path;
@@ -43,7 +37,7 @@ struct ReplayFolder {
   nlohmann::ordered_json record;                 ///< replay.json; null if missing
   std::vector<Stamped<Pose>> trajectory;         ///< robot in map; of long runs a sample
   std::vector<TrackHistory> tracks;              ///< at its times; by first time, then id
-  std::vector<Eigen::Vector3f> landmarks;        ///< a sample, map frame [m]
+  std::vector<ColouredPoint> landmarks;          ///< a sample
   std::optional<GridFile> grid;                  ///< map_grid.yaml; nullopt without a grid
   std::vector<std::filesystem::path> snapshots;  ///< by name
 };
@@ -71,13 +65,7 @@ struct ThinnedPath {
 [[nodiscard]] std::vector<TrackHistory> readTracks(const std::filesystem::path& path,
                                                    const std::set<double>& times = {});
 
-/// Reads the points of a binary little-endian PLY file whose vertices start with float x, y, z [m].
-///
-/// Hand-written because MRPT's PLY reader requires OpenGL libraries and loads all points.
-///
-/// @param max_points  every n-th point is read so that there are no more than these
-/// @throws InputError if the file has another format or ends early
-[[nodiscard]] std::vector<Eigen::Vector3f> readPoints(const std::filesystem::path& path,
-                                                      std::size_t max_points);
+/// Reads a file of one JSON object. @throws InputError if it is none, or nested too deeply
+[[nodiscard]] nlohmann::ordered_json readJson(const std::filesystem::path& path);
 
 }  // namespace headway::report

@@ -16,11 +16,11 @@ struct KittiRow {
   std::size_t frame = 0;
   std::int64_t id = -1;
   std::string type;  ///< KITTI's spelling, including "DontCare"; "Person" becomes "Person_sitting"
-  double truncation = 0.0;                         ///< -1 if not given
-  int occlusion = 0;                               ///< 0 .. 3, -1 if not given
-  double alpha = -10.0;                            ///< observation angle [rad]
-  Box2d box2d;                                     ///< [px]
-  double height = 0.0, width = 0.0, length = 0.0;  ///< [m]
+  double truncation = 0.0;                                  ///< -1 if not given
+  int occlusion = 0;                                        ///< 0 .. 3, -1 if not given
+  double alpha = -10.0;                                     ///< observation angle [rad]
+  Box2d box2d;                                              ///< [px]
+  double height = 0.0, width = 0.0, length = 0.0;           ///< [m]
   Eigen::Vector3d bottom_centre = Eigen::Vector3d::Zero();  ///< optical frame [m]
   double rotation_y = 0.0;                                  ///< [rad]
   double score = 0.0;                                       ///< results only
@@ -48,6 +48,14 @@ void writeTrackCsv(std::ostream& out, const TrackSample& row);
 /// Reads either row by row, as long as it may be.
 void visitTrackCsv(const std::string& path, const std::function<void(const TrackSample&)>& visit);
 
+/// One row of `objects.csv`, the true objects of a simulation.
+struct ObjectSample {
+  TrackSample object;
+  double visible = 1.0;  ///< visible ratio, 0 to 1; 1 in files without this column
+};
+/// Reads objects.csv, or a file of tracks.
+[[nodiscard]] std::vector<ObjectSample> readObjectCsv(const std::string& path);
+
 /// One row of `predictions.csv`.
 struct PredictionRow {
   std::size_t frame = 0;
@@ -61,6 +69,12 @@ struct PredictionRow {
 [[nodiscard]] std::string predictionCsvHeader();
 void writePredictionCsv(std::ostream& out, const PredictionRow& row);
 [[nodiscard]] std::vector<PredictionRow> readPredictionCsv(const std::string& path);
+/// Reads them row by row, as long as the file may be.
+///
+/// @param horizon_step_s  rows with other horizons than its multiples are passed over; 0: none [s]
+void visitPredictionCsv(const std::string& path,
+                        const std::function<void(const PredictionRow&)>& visit,
+                        double horizon_step_s = 0.0);
 
 /// The header line of `detections.csv`, headway's CSV of boxes.
 [[nodiscard]] std::string detectionCsvHeader();

@@ -1,0 +1,221 @@
+#include <headway/core/error.h>
+#include <headway/io/track_file.h>
+#include <headway/io/trajectory_file.h>
+#include <headway/report/replay_frames.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "replay_folder.h"
+
+namespace headway::report {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kSameFrameS = 1e-4;
+
+/// Frames that were lost, unreliable or late, and so have no row in the trajectory.
+std::set<std::size_t> framesWithoutPose(const fs::path& folder) {
+  std::ifstream file(folder / "summary.json");
+  const auto summary = nlohmann::json::parse(file, nullptr, false);
+  std::set<std::size_t> lost;
+  if (!summary.is_object()) return lost;
+  for (const char* key : {"lost_frames", "unreliable_frames", "late_frames"}) {
+    for (const auto& index : summary.value(key, nlohmann::json::array())) {
+      if (index.is_number_unsigned()) lost.insert(index.get<std::size_t>());
+    }
+  }
+  return lost;
+}
+
+std::size_t firstFrameOf(const fs::path& folder) {
+  std::ifstream file(folder / "replay.json");
+  const auto record = nlohmann::json::parse(file, nullptr, false);
+  if (!record.is_object()) return 0;
+  const auto& options = record.value("options", nlohmann::json::object());
+  const auto from = options.find("from_index");
+  return from != options.end() && from->is_number_unsigned() ? from->get<std::size_t>() : 0;
+}
+
+/// Finds the position of the frame of a time.
+class FrameTimes {
+ public:
+  explicit FrameTimes(const std::vector<Stamped<Pose>>& poses) {
+    for (const auto& pose : poses) times_.push_back(pose.time);
+  }
+  [[nodiscard]] std::optional<std::size_t> positionAt(Time time) const {
+    const auto found = std::lower_bound(times_.begin(), times_.end(), time - kSameFrameS);
+    if (found == times_.end() || *found > time + kSameFrameS) return std::nullopt;
+    return static_cast<std::size_t>(found - times_.begin());
+  }
+
+ private:
+  std::vector<Time> times_;
+};
+
+/// Samples of the file at the times of frames, by position of the frame.
+using SamplesByPosition = std::vector<std::vector<TrackSample>>;
+
+SamplesByPosition readSamples(const fs::path& path, const FrameTimes& times, std::size_t count) {
+  SamplesByPosition samples(count);
+  io::visitTrackCsv(path, [&](const TrackSample& sample) {
+    if (const auto position = times.positionAt(sample.time)) samples[*position].push_back(sample);
+  });
+  return samples;
+}
+
+/// Assigns frame indices to every step-th row of the trajectory; the indices of the tracks' rows
+/// resolve skipped frames.
+std::vector<ReplayFrame> indexedFrames(const fs::path& folder, const ThinnedPath& path,
+                                       const SamplesByPosition& samples) {
+  const auto lost = framesWithoutPose(folder);
+  std::size_t next = firstFrameOf(folder);
+  std::vector<ReplayFrame> frames;
+  for (std::size_t i = 0; i < path.poses.size(); ++i) {
+    if (!samples[i].empty()) next = samples[i].front().frame;
+    while (lost.count(next) != 0) ++next;
+    frames.push_back({next++, path.poses[i].time, path.poses[i].value, {}});
+    for (std::size_t skipped = 1; skipped < path.step; ++skipped, ++next) {
+      while (lost.count(next) != 0) ++next;
+    }
+  }
+  return frames;
+}
+
+/// Transformation from the online map to the final map at each frame.
+std::vector<Pose> corrections(const fs::path& online, const FrameTimes& times,
+                              const std::vector<ReplayFrame>& frames) {
+  std::vector<Pose> result(frames.size(), Pose::Identity());
+  if (!fs::exists(online)) return result;
+  io::visitTum(online, [&](const Stamped<Pose>& pose) {
+    const auto position = times.positionAt(pose.time);
+    if (position) result[*position] = frames[*position].T_map_robot * pose.value.inverse();
+  });
+  return result;
+}
+
+void transform(const Pose& T_final_online, PredictedPoint& point) {
+  const Eigen::Matrix2d R = T_final_online.linear().topLeftCorner<2, 2>();
+  point.position = T_final_online * point.position;
+  point.covariance = R * point.covariance * R.transpose();
+}
+
+void transform(const Pose& T_final_online, Track& track) {
+  const Eigen::Matrix3d& R = T_final_online.linear();
+  track.position = T_final_online * track.position;
+  track.velocity = R * track.velocity;
+  track.yaw = wrapAngle(track.yaw + yawOf(T_final_online));
+}
+
+/// Adds each track to its frame, transformed to the final map; tracks of frames without a pose are
+/// not read.
+void addTracks(const SamplesByPosition& samples, const std::vector<Pose>& to_final,
+               std::vector<ReplayFrame>& frames) {
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    for (const auto& sample : samples[i]) {
+      frames[i].tracks.push_back(sample.track);
+      transform(to_final[i], frames[i].tracks.back());
+    }
+  }
+}
+
+Track* trackOf(TrackId id, ReplayFrame& frame) {
+  const auto track = std::find_if(frame.tracks.begin(), frame.tracks.end(),
+                                  [id](const Track& candidate) { return candidate.id == id; });
+  return track == frame.tracks.end() ? nullptr : &*track;
+}
+
+void addPredictions(const fs::path& path, const FrameTimes& times,
+                    const std::vector<Pose>& to_final, double horizon_step_s,
+                    std::vector<ReplayFrame>& frames) {
+  const auto add = [&](const io::PredictionRow& row) {
+    const auto position = times.positionAt(row.time);
+    if (!position) return;
+    Track* track = trackOf(row.id, frames[*position]);
+    if (track == nullptr) return;
+    auto& modes = track->predictions;
+    if (modes.empty() || modes.back().mode != row.mode) {
+      modes.push_back({row.mode, row.probability, {}});
+    }
+    modes.back().points.push_back(row.point);
+    transform(to_final[*position], modes.back().points.back());
+  };
+  io::visitPredictionCsv(path, add, horizon_step_s);
+}
+
+using PathsByTrack = std::map<TrackId, std::vector<TrajectoryPoint>>;
+
+/// Path of each track in the final map, ascending in time.
+PathsByTrack pathsOf(const SamplesByPosition& samples, const std::vector<Pose>& to_final) {
+  PathsByTrack paths;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    for (const auto& sample : samples[i]) {
+      Track track = sample.track;
+      transform(to_final[i], track);
+      paths[track.id].push_back({sample.frame, sample.time, track.position, track.yaw});
+    }
+  }
+  return paths;
+}
+
+/// Adds to each track its positions of the last `past_s`.
+void addPast(const PathsByTrack& paths, double past_s, std::vector<ReplayFrame>& frames) {
+  for (auto& frame : frames) {
+    for (auto& track : frame.tracks) {
+      const auto points = paths.find(track.id);
+      if (points == paths.end()) continue;
+      for (const auto& point : points->second) {
+        if (point.time >= frame.time - past_s && point.time < frame.time - kSameFrameS) {
+          track.recent_path.push_back(point);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+ReplayInput readReplayInput(const fs::path& folder) {
+  std::ifstream file(folder / "replay.json");
+  const auto record = nlohmann::json::parse(file, nullptr, false);
+  if (!record.is_object()) return {};
+  const auto input = record.value("input", nlohmann::json::object());
+  const auto textOf = [&](const char* key) {
+    const auto value = input.find(key);
+    return value != input.end() && value->is_string() ? value->get<std::string>() : std::string();
+  };
+  return {textOf("rawlog"), textOf("sensor_label")};
+}
+
+std::vector<ReplayFrame> readReplayFrames(const fs::path& folder, const ReplayFrameOptions& options,
+                                          const Note& note) {
+  const ThinnedPath path = readPath(folder / "trajectory.tum", options.max_frames);
+  if (path.poses.empty()) {
+    throw InputError((folder / "trajectory.tum").string() + ": contains no pose");
+  }
+  const FrameTimes times(path.poses);
+  SamplesByPosition samples(path.poses.size());
+  const bool has_tracks = fs::exists(folder / "tracks.csv");
+  if (has_tracks) samples = readSamples(folder / "tracks.csv", times, path.poses.size());
+  if (!has_tracks) note("no tracks.csv in " + folder.string() + ": drawn without tracks");
+  auto frames = indexedFrames(folder, path, samples);
+  const auto to_final = corrections(folder / "trajectory_online.tum", times, frames);
+  addTracks(samples, to_final, frames);
+  if (fs::exists(folder / "predictions.csv")) {
+    addPredictions(folder / "predictions.csv", times, to_final, options.horizon_step_s, frames);
+  } else if (has_tracks) {
+    note("no predictions.csv in " + folder.string() + ": drawn without predictions");
+  }
+  if (!(options.past_s > 0.0)) return frames;
+  const fs::path smoothed = folder / "tracks_smoothed.csv";
+  if (fs::exists(smoothed)) samples = readSamples(smoothed, times, frames.size());
+  addPast(pathsOf(samples, to_final), options.past_s, frames);
+  return frames;
+}
+
+}  // namespace headway::report
