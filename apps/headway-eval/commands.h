@@ -18,6 +18,9 @@ int runPredictions(int argc, const char** argv);
 int runGrid(int argc, const char** argv);
 int runSuite(int argc, const char** argv);
 
+/// Name of a result in titles, with the folder of its recording: "street/trajectory.tum".
+[[nodiscard]] std::string recordingName(const std::string& path);
+
 /// Options for output files, common to all sub-commands.
 class Outputs {
  public:

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <set>
 
 namespace headway::app {
@@ -58,6 +59,58 @@ eval::LabelledBox labelledBox(const Detection& detection) {
   box.box2d = detection.box2d;
   box.box3d = detection.box3d;
   return box;
+}
+
+/// The file of a track, as headway's programs write it: its header names the columns.
+bool isTrackCsv(const std::string& path) {
+  std::ifstream file(path);
+  std::string header;
+  std::getline(file, header);
+  return header.find("track_id") != std::string::npos;
+}
+
+/// A box of a track in a camera frame at the map's origin, so that both files of a comparison are
+/// in the same frame.
+eval::LabelledBox labelledBox(const TrackSample& sample) {
+  eval::LabelledBox box;
+  box.id = sample.track.id.value;
+  box.object_class = sample.track.object_class;
+  box.score = sample.track.score;
+  box.box3d = opticalBox(sample.track.position, sample.track.size, sample.track.yaw,
+                         robotFromOptical().inverse());
+  return box;
+}
+
+/// KITTI's occlusion level of a visible ratio, as simulated labels have it.
+int occlusionOf(double visible) {
+  if (visible >= 0.8) return 0;
+  if (visible >= 0.4) return 1;
+  return visible >= 0.1 ? 2 : 3;
+}
+
+std::vector<eval::LabelledFrame> readObjectLabels(const std::string& path) {
+  std::vector<eval::LabelledFrame> frames;
+  for (const auto& [sample, visible] : io::readObjectCsv(path)) {
+    eval::LabelledBox box = labelledBox(sample);
+    box.occlusion = occlusionOf(visible);
+    requireUsable(box, sample.frame, path);
+    frameAt(frames, sample.frame, path).truth.push_back(box);
+  }
+  if (frames.empty()) throw InputError(path + ": contains no labels");
+  return frames;
+}
+
+void addTrackSamples(const std::string& path, std::vector<eval::LabelledFrame>& frames) {
+  std::set<std::pair<std::size_t, std::int64_t>> seen;
+  io::visitTrackCsv(path, [&](const TrackSample& sample) {
+    const auto box = labelledBox(sample);
+    requireUsable(box, sample.frame, path);
+    if (!seen.insert({sample.frame, box.id}).second) {
+      throw InputError(locationOf(path, sample.frame) + "id " + std::to_string(box.id) +
+                       " occurs twice; a track has one box per frame");
+    }
+    frameAt(frames, sample.frame, path).estimates.push_back(box);
+  });
 }
 
 std::vector<std::string> rawFiles(const std::string& name, const std::string& path) {
@@ -125,7 +178,15 @@ std::string fileNamed(const std::string& name, const std::string& path) {
   return file->second;
 }
 
+void requireSameFrame(const std::string& truth, const std::string& estimate) {
+  if (isTrackCsv(truth) == isTrackCsv(estimate)) return;
+  throw InputError(truth + " and " + estimate +
+                   ": one is in the map and one in the camera; compare objects.csv with "
+                   "tracks.csv, or KITTI labels with KITTI results");
+}
+
 std::vector<eval::LabelledFrame> readLabels(const std::string& path) {
+  if (isTrackCsv(path)) return readObjectLabels(path);
   std::vector<eval::LabelledFrame> frames;
   const auto rows = io::readKittiRows(path);
   if (rows.empty()) throw InputError(path + ": contains no labels");
@@ -149,6 +210,7 @@ std::vector<eval::LabelledFrame> readLabels(const std::string& path) {
 
 void addEstimates(const std::string& path, std::vector<eval::LabelledFrame>& frames,
                   std::map<std::string, std::size_t>& dropped) {
+  if (isTrackCsv(path)) return addTrackSamples(path, frames);
   std::int64_t next_id = -1;  // of boxes without a track id
   for (const auto& [index, detections] : io::readDetections(path, dropped)) {
     auto& frame = frameAt(frames, index, path);

@@ -32,13 +32,18 @@ struct PairedFiles {
 /// @throws InputError if there is no such file
 [[nodiscard]] std::string fileNamed(const std::string& name, const std::string& path);
 
-/// Reads KITTI tracking labels by frame; DontCare rows become regions.
+/// Requires that both files are in the map (objects.csv, tracks.csv) or both in the camera (KITTI).
+///
+/// @throws InputError naming both files
+void requireSameFrame(const std::string& truth, const std::string& estimate);
+
+/// Reads KITTI tracking labels by frame, whose DontCare rows become regions, or an objects.csv.
 ///
 /// @throws InputError naming the file if it is empty or contains numbers that are not finite
 [[nodiscard]] std::vector<eval::LabelledFrame> readLabels(const std::string& path);
 
-/// Reads tracking results (or detections: each box without an id becomes a separate track) and
-/// adds them to their frames.
+/// Reads tracking results, a tracks.csv (which has no scores), or detections (each box without an
+/// id becomes a separate track), and adds them to their frames.
 ///
 /// @param dropped  number of rows ignored, by reason
 /// @throws InputError naming file and frame if an id occurs twice in a frame, or a number is not

@@ -9,6 +9,11 @@
 
 namespace headway::app {
 
+std::string recordingName(const std::string& path) {
+  const auto absolute = std::filesystem::weakly_canonical(path);
+  return absolute.parent_path().filename() / absolute.filename();
+}
+
 void Outputs::describe(program::CommandLine& line) {
   line.option(json_, 0, "json", "FILE", "Write the figures as JSON to FILE");
   line.option(plot_, 0, "plot", "FILE.png", "Plot the comparison");

@@ -103,7 +103,7 @@ void report(const std::vector<EvaluatedPredictor>& predictors) {
   }
 }
 
-cv::Mat plot(const std::vector<PredictionSequence>& sequences,
+cv::Mat plot(const std::string& labels, const std::vector<PredictionSequence>& sequences,
              const std::vector<EvaluatedPredictor>& predictors) {
   const auto& drawn = predictors.front();
   const auto& sequence = sequences[drawn.drawn_sequence];
@@ -113,9 +113,10 @@ cv::Mat plot(const std::vector<PredictionSequence>& sequences,
   }
   std::vector<std::pair<std::string, eval::PredictionError>> lines;
   for (const auto& predictor : predictors) lines.emplace_back(predictor.name, predictor.errors.all);
-  return plot::stacked({eval::predictionMapPlot(drawn.name + ", sequence " + sequence.name,
-                                                sequence.objects, drawn.drawn, camera_path),
-                        eval::errorOverHorizonPlot(lines)});
+  return plot::stacked(
+      {eval::predictionMapPlot(drawn.name + ", sequence " + sequence.name, sequence.objects,
+                               drawn.drawn, camera_path),
+       eval::errorOverHorizonPlot(recordingName(labels) + ": mean error over the horizon", lines)});
 }
 
 }  // namespace
@@ -132,7 +133,8 @@ int runPredictions(int argc, const char** argv) {
                      "a frame, or no prediction is near one");
   }
   if (!options.quiet) report(results);
-  options.outputs.write([&] { return figures(results); }, [&] { return plot(sequences, results); });
+  options.outputs.write([&] { return figures(results); },
+                        [&] { return plot(options.files.labels, sequences, results); });
   return program::kDone;
 }
 

@@ -69,10 +69,13 @@ bool parse(Options& options, int argc, const char** argv) {
   program::CommandLine line("headway-eval tracks",
                             "Evaluates tracks against labels: positions, CLEAR MOT, HOTA, sAMOTA.");
   double overlap = -1.0;
-  line.option(options.truth, 0, "truth", "LABELS", "KITTI tracking labels: a file or a folder",
+  line.option(options.truth, 0, "truth", "LABELS",
+              "KITTI tracking labels, or the objects.csv of a simulation: a file or a folder",
               true);
   line.option(options.estimate, 0, "estimate", "TRACKS",
-              "KITTI tracking results: a file, or a folder with files of the same names", true);
+              "KITTI tracking results, or a tracks.csv: a file, or a folder with files of the same "
+              "names",
+              true);
   line.option(options.metric, 0, "metric", "2d|3d", "Compare 2D or 3D boxes; default 3d");
   line.option(overlap, 0, "iou", "X", "Minimum overlap of a match; default 0.25 (3d), 0.5 (2d)");
   line.option(options.classes, 0, "classes", "Car,...",
@@ -104,6 +107,7 @@ Input readInput(const Options& options) {
   const auto files = pairedFiles(options.truth, options.estimate);
   Input input{{}, {}, files.truth_alone, {}};
   for (const auto& [name, truth, estimate] : files.pairs) {
+    requireSameFrame(truth, estimate);
     eval::LabelledSequence sequence{name, readLabels(truth)};
     addEstimates(estimate, sequence.frames, input.dropped);
     if (!options.raw.empty()) input.raw.push_back(withRaw(sequence, options.raw));
@@ -194,7 +198,8 @@ cv::Mat mapPlot(const Options& options, const Input& input) {
 }
 
 cv::Mat plot(const Options& options, const Input& input, const Results& results) {
-  const cv::Mat curves = eval::trackPlot(results.tracks);
+  const cv::Mat curves =
+      eval::trackPlot(recordingName(options.estimate) + ": accuracy over recall", results.tracks);
   return options.poses.empty() ? curves : plot::stacked({mapPlot(options, input), curves});
 }
 

@@ -6,7 +6,6 @@
 #include <headway/io/trajectory_file.h>
 #include <headway/plot/text_table.h>
 
-#include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -41,7 +40,8 @@ eval::Alignment alignmentFrom(const std::string& name) {
   if (name == "se3") return eval::Alignment::kSe3;
   if (name == "none") return eval::Alignment::kNone;
   if (name == "scale") return eval::Alignment::kScale;
-  throw program::UsageError("--align: '" + name + "' is none of se3, none, scale");
+  if (name == "origin") return eval::Alignment::kOrigin;
+  throw program::UsageError("--align: '" + name + "' is none of se3, origin, scale, none");
 }
 
 std::vector<double> segmentLengthsFrom(const std::string& list) {
@@ -95,8 +95,9 @@ bool parse(Options& options, int argc, const char** argv) {
   line.option(options.estimate, 0, "estimate", "FILE", "TUM or KITTI poses", true);
   line.option(options.format, 0, "format", "tum|kitti",
               "Format of the estimate; default: detected from its columns");
-  line.option(options.align, 0, "align", "se3|none|scale",
-              "Alignment of the estimate; default se3");
+  line.option(options.align, 0, "align", "se3|origin|scale|none",
+              "Alignment of the estimate: se3 fits all poses (default), origin makes the first "
+              "poses equal, scale fits the scale too");
   line.option(options.segments, 0, "segments", "M,M,...",
               "Lengths of the KITTI path segments [m]; default 100,200,...,800");
   line.option(options.max_difference_s, 0, "max-difference", "S",
@@ -126,8 +127,8 @@ int runTrajectory(int argc, const char** argv) {
   if (!options.quiet) plot::writeTable(std::cout, eval::tableOf(error));
   const auto plot = [&] {
     const auto view = format == PoseFormat::kKitti ? eval::TopView::kXz : eval::TopView::kXy;
-    const auto name = std::filesystem::path(options.estimate).filename().string();
-    return eval::trajectoryPlot(error, view, name + " against the truth");
+    return eval::trajectoryPlot(error, view,
+                                recordingName(options.estimate) + " against the truth");
   };
   options.outputs.write([&] { return eval::toJson(error); }, plot);
   return program::kDone;

@@ -1,25 +1,31 @@
 #include <headway/core/output_file.h>
 #include <headway/program/command_line.h>
+#include <headway/program/picture_files.h>
 #include <headway/program/progress.h>
 
+#include <algorithm>
 #include <iostream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
+#include <tuple>
 
 #include "policy_figures.h"
 #include "recording.h"
+#include "top_view.h"
 
 namespace headway::app {
 namespace {
 
 struct Options {
-  int trials = 200;
+  int trials = 20;
   std::string policy = "all";
   int seed = 1;
   std::string json;
   std::string video;
   std::string filmed = "1";
+  std::string worst;  ///< picture of the worst trial; empty: none
   bool overwrite = false;
   bool quiet = false;
 };
@@ -52,7 +58,9 @@ std::set<int> filmedTrials(const std::string& list) {
 
 /// Checks all output files before the work starts.
 void requireWritable(const Options& options) {
-  if (!options.json.empty()) program::requireWritable(options.json, options.overwrite);
+  for (const auto& file : {options.json, options.worst}) {
+    if (!file.empty()) program::requireWritable(file, options.overwrite);
+  }
   if (options.video.empty()) return;
   for (const int trial : filmedTrials(options.filmed)) {
     const auto name = recordingName(options.video, options.seed + trial - 1);
@@ -94,6 +102,58 @@ void report(const Options& options, const std::vector<PolicyTrials>& policies,
   if (!options.json.empty()) writeJson(options.json, figures);
 }
 
+/// Declares the options.
+void describe(Options& options, program::CommandLine& line) {
+  line.option(options.trials, 0, "trials", "N", "Number of trials; default 20");
+  line.option(options.policy, 0, "policy", "NAME|all", "static, sweep, time_gated or all");
+  line.option(options.seed, 0, "seed", "S",
+              "Seed of the first trial; it increases by one per trial");
+  line.option(options.json, 0, "json", "FILE", "Write the figures as JSON");
+  line.option(options.video, 0, "video", "DIR", "Write videos and top views of filmed trials");
+  line.option(options.filmed, 0, "film", "N,N,...", "Trials to be filmed, from 1; default 1");
+  line.option(options.worst, 0, "worst", "FILE.png",
+              "Draw the worst trial: most collisions, then goals not reached, then least "
+              "distance");
+  line.flag(options.overwrite, 'w', "overwrite", "Overwrite files that exist");
+}
+
+/// Whether the program was called with nothing that selects trials or outputs.
+bool isWithoutArguments(int argc, const char* const* argv) {
+  static const std::set<std::string> kKept = {"-q", "--quiet", "-w", "--overwrite"};
+  return std::all_of(argv + 1, argv + argc, [](const char* word) { return kKept.count(word) > 0; });
+}
+
+/// Seed of the trial with the most collisions, then unfinished policies, then the least distance.
+std::uint64_t worstSeed(const std::vector<PolicyTrials>& policies) {
+  using Badness = std::tuple<int, int, double>;
+  std::map<std::uint64_t, Badness> trials;
+  for (const auto& policy : policies) {
+    for (const auto& trial : policy.trials) {
+      auto& [collisions, unfinished, closeness] = trials[trial.seed];
+      collisions += trial.collided ? 1 : 0;
+      unfinished += trial.goal_reached ? 0 : 1;
+      closeness = std::max(closeness, 1.0 / (1.0 + trial.min_distance_m));
+    }
+  }
+  return std::max_element(trials.begin(), trials.end(),
+                          [](const auto& a, const auto& b) { return a.second < b.second; })
+      ->first;
+}
+
+/// Drives the worst trial again, for its picture.
+void writeWorst(const Options& options, const TrialSetup& setup,
+                const std::vector<std::unique_ptr<TrialRunner>>& runners,
+                const std::vector<PolicyTrials>& driven) {
+  if (options.worst.empty() || driven.front().trials.empty()) return;
+  const std::uint64_t seed = worstSeed(driven);
+  auto policies = driven;
+  const auto records = runTrial(runners, policies, seed, true);
+  program::writePicture(options.worst, drawWhole(records, setup.world.robot));
+  if (!options.quiet) {
+    std::cout << "wrote " << options.worst << ": the worst trial, seed " << seed << '\n';
+  }
+}
+
 int runAll(const Options& options, TrialSetup setup) {
   std::vector<PolicyTrials> policies;
   std::vector<std::unique_ptr<TrialRunner>> runners;
@@ -120,6 +180,7 @@ int runAll(const Options& options, TrialSetup setup) {
   }
   progress.finish();
   report(options, policies, written);
+  writeWorst(options, setup, runners, policies);
   return program::kDone;
 }
 
@@ -135,18 +196,20 @@ int main(int argc, char** argv) {
     setup.world.describe(params);
     setup.nav.describe(params.section("nav"));
     setup.objects.describe(params.section("objects"));
-    program::CommandLine line("headway-nav", "Drives a simulated robot among people.");
-    line.option(options.trials, 0, "trials", "N", "Number of trials");
-    line.option(options.policy, 0, "policy", "NAME|all", "static, sweep, time_gated or all");
-    line.option(options.seed, 0, "seed", "S",
-                "Seed of the first trial; it increases by one per trial");
-    line.option(options.json, 0, "json", "FILE", "Write the figures as JSON");
-    line.option(options.video, 0, "video", "DIR", "Write videos and top views of filmed trials");
-    line.option(options.filmed, 0, "film", "N,N,...", "Trials to be filmed, from 1; default 1");
-    line.flag(options.overwrite, 'w', "overwrite", "Overwrite files that exist");
+    program::CommandLine line("headway-nav",
+                              "Drives a simulated robot among people. Without arguments: 20 trials "
+                              "of all policies with seed 1, and a picture of the worst one.");
+    app::describe(options, line);
     line.parameters(params);
     if (!line.parse(argc, argv)) return program::kDone;
     options.quiet = line.quiet();
+    if (app::isWithoutArguments(argc, argv)) {
+      options.worst = "nav-worst.png";
+      if (!options.quiet) {
+        std::cout << "headway-nav --trials 20 --policy all --seed 1 --worst nav-worst.png"
+                  << std::endl;
+      }
+    }
     if (options.trials < 1) throw program::UsageError("--trials: must be at least 1");
     if (options.seed < 0) throw program::UsageError("--seed: must not be negative");
     app::requireWritable(options);

@@ -19,20 +19,47 @@ const cv::Scalar kPaper(250, 250, 250), kInk(60, 50, 45), kFaint(215, 215, 215);
 const cv::Scalar kRobot(170, 95, 30), kPerson(40, 130, 235), kPillar(140, 140, 140);
 const cv::Scalar kPrediction(80, 165, 70), kObstacle(60, 60, 215), kContact(40, 40, 220);
 
+/// What the panels of a picture show: the same area, with the whole way of every robot.
+struct Area {
+  double back_m = -1.0;       ///< lowest x
+  double front_m = 0.0;       ///< greatest x
+  double half_width_m = 0.0;  ///< greatest y, to both sides
+
+  Area(const std::vector<TrialRecord>& records, const RobotParams& robot)
+      : front_m(robot.goal_m + 1.0) {
+    constexpr double kMarginM = 0.6;  // beyond the centre of a robot
+    for (const auto& record : records) {
+      for (const auto& moment : record.moments) {
+        back_m = std::min(back_m, moment.robot.x - kMarginM);
+        front_m = std::max(front_m, moment.robot.x + kMarginM);
+        half_width_m = std::max(half_width_m, std::abs(moment.robot.y) + kMarginM);
+      }
+    }
+  }
+  [[nodiscard]] double pixelsPerMetre() const {
+    return std::min((kHeight - kTitle - kLegend) / (front_m - back_m),
+                    0.5 * kPanelWidth / half_width_m);
+  }
+};
+
 /// Panel of one trial in a picture.
 class Panel {
  public:
-  Panel(cv::Mat image, const RobotParams& robot)
+  Panel(cv::Mat image, const RobotParams& robot, const Area& area)
       : image_(std::move(image)),
         robot_(robot),
-        pixels_per_m_((kHeight - kTitle - kLegend) / (robot.goal_m + 2.0)) {}
+        area_(area),
+        pixels_per_m_(area.pixelsPerMetre()) {}
 
   void drawGround() {
-    for (int x = 0; x <= static_cast<int>(robot_.goal_m); x += 2) {
-      cv::line(image_, at({x, -9.0}), at({x, 9.0}), kFaint, 1, cv::LINE_AA, kShift);
+    const double side = 0.5 * image_.cols / pixels_per_m_;
+    const auto firstEven = [](double from) { return 2 * static_cast<int>(std::ceil(0.5 * from)); };
+    for (int x = firstEven(area_.back_m); x <= area_.front_m; x += 2) {
+      cv::line(image_, at({x, -side}), at({x, side}), kFaint, 1, cv::LINE_AA, kShift);
     }
-    for (int y = -8; y <= 8; y += 2) {
-      cv::line(image_, at({-1.0, y}), at({robot_.goal_m + 1.0, y}), kFaint, 1, cv::LINE_AA, kShift);
+    for (int y = firstEven(-side); y <= side; y += 2) {
+      cv::line(image_, at({area_.back_m, y}), at({area_.front_m, y}), kFaint, 1, cv::LINE_AA,
+               kShift);
     }
     circle({robot_.goal_m, 0.0}, 0.4, kRobot, 2);
     text("goal", {robot_.goal_m, -0.6}, 0.45, kRobot);
@@ -89,18 +116,17 @@ class Panel {
            p.x >> kShift < image_.cols;
   }
 
-  [[nodiscard]] double pixelsPerMetre() const { return pixels_per_m_; }
-
  private:
   /// Pixel of a position, with kShift bits of fraction: x upwards, y to the left.
   [[nodiscard]] cv::Point at(const Vector2d& place) const {
     const double u = 0.5 * image_.cols - place.y() * pixels_per_m_;
-    const double v = kHeight - kLegend - (place.x() + 1.0) * pixels_per_m_;
+    const double v = kHeight - kLegend - (place.x() - area_.back_m) * pixels_per_m_;
     return {cvRound(u * (1 << kShift)), cvRound(v * (1 << kShift))};
   }
 
   cv::Mat image_;
   RobotParams robot_;
+  Area area_;
   double pixels_per_m_;
 };
 
@@ -250,25 +276,23 @@ void drawRecordWhole(Panel& panel, const TrialRecord& record) {
 cv::Mat drawMoment(const std::vector<TrialRecord>& records, const RobotParams& robot,
                    double time_s) {
   cv::Mat picture = blankPicture(records.size());
-  double scale = 1.0;
+  const Area area(records, robot);
   for (std::size_t i = 0; i < records.size(); ++i) {
-    Panel panel(panelOf(picture, i, records.size()), robot);
+    Panel panel(panelOf(picture, i, records.size()), robot, area);
     drawRecordAt(panel, records[i], time_s);
-    scale = panel.pixelsPerMetre();
   }
-  drawLegend(picture, scale, secondsText("time ", time_s));
+  drawLegend(picture, area.pixelsPerMetre(), secondsText("time ", time_s));
   return picture;
 }
 
 cv::Mat drawWhole(const std::vector<TrialRecord>& records, const RobotParams& robot) {
   cv::Mat picture = blankPicture(records.size());
-  double scale = 1.0;
+  const Area area(records, robot);
   for (std::size_t i = 0; i < records.size(); ++i) {
-    Panel panel(panelOf(picture, i, records.size()), robot);
+    Panel panel(panelOf(picture, i, records.size()), robot, area);
     drawRecordWhole(panel, records[i]);
-    scale = panel.pixelsPerMetre();
   }
-  drawLegend(picture, scale, "numbers: seconds; red: contact");
+  drawLegend(picture, area.pixelsPerMetre(), "numbers: seconds; red: contact");
   return picture;
 }
 

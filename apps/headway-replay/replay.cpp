@@ -25,6 +25,7 @@ io::RawlogSourceOptions sourceOptions(const Options& options,
   io::RawlogSourceOptions result;
   result.sensor_label = options.sensor_label;
   result.from_index = options.from_index.value_or(0);
+  result.progress_from_index = result.from_index;
   if (const auto& run = options.continuation) result.from_index = run->extent.repeat_from;
   result.to_index = options.to_index;
   result.use_odometry = params.slam.use_odometry;

@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 #include <headway/eval/plots.h>
+#include <headway/plot/colours.h>
+
+#include <opencv2/core.hpp>
 
 namespace headway::eval {
 namespace {
@@ -14,7 +17,20 @@ TEST(TrajectoryPlotTest, DrawsMapAndErrorAtStandstill) {
 TEST(TrackPlotTest, DrawsErrorsWithoutAnyTrack) {
   TrackErrors errors;
   errors.classes[ObjectClass::kCar];
-  EXPECT_FALSE(trackPlot(errors).empty());
+  EXPECT_FALSE(trackPlot("street", errors).empty());
+}
+
+TEST(PredictionPlotTest, TheErrorStartsAtTheFirstHorizon) {
+  PredictionError error;
+  error.mean_error_m.fill(1.0);
+  const cv::Mat plot = errorOverHorizonPlot("street", {{"kalman", error}});
+  cv::Mat curve;
+  const Colour colour = plot::categoryColour(0);
+  const cv::Scalar bgr(colour.blue, colour.green, colour.red);
+  cv::inRange(plot, bgr - cv::Scalar::all(12), bgr + cv::Scalar::all(12), curve);
+  const cv::Mat lower = curve(cv::Rect(0, plot.rows / 2, plot.cols / 3, plot.rows / 2));
+  EXPECT_GT(cv::countNonZero(curve), 100);
+  EXPECT_EQ(0, cv::countNonZero(lower)) << "no line comes up from an error of 0";
 }
 
 TEST(GridPlotTest, DrawsCellsAboveTheLegend) {

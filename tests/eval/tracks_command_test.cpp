@@ -1,4 +1,5 @@
 #include <gmock/gmock.h>
+#include <headway/io/track_file.h>
 
 #include <nlohmann/json.hpp>
 
@@ -34,6 +35,33 @@ class TracksCommandTest : public testing::Test {
   }
   test::TemporaryFolder folder_;
 };
+
+TEST_F(TracksCommandTest, ComparesTheTracksOfAReplayWithASimulationsObjects) {
+  const std::string header = io::objectCsvHeader();
+  std::string objects = header + ",visible\n";
+  std::string tracks = header + "\n";
+  for (int k = 0; k < 10; ++k) {
+    const std::string start = std::to_string(k) + "," + std::to_string(0.1 * k);
+    const auto row = [&](int id, double y) {
+      return start + "," + std::to_string(id) + ",Car,confirmed,1," + std::to_string(10 + k) + "," +
+             std::to_string(y) + ",0.75,0,4,1.8,1.5,10,0,0,0.1,0.1,0";
+    };
+    objects += row(1, 2.0) + ",1.0\n" + row(2, -6.0) + ",0.05\n";
+    tracks += row(7, 2.3) + "\n";
+  }
+  const auto truth = file("objects.csv", objects);
+  const auto estimate = file("out/tracks.csv", tracks);
+  const std::string out = folder_ / "t.json";
+  const auto result = run(truth, estimate, "-q --json " + out);
+  ASSERT_EQ(0, result.status) << result.error;
+  const auto car = json::parse(contentOf(out)).at("Car");
+  EXPECT_NEAR(0.3, car.at("rmse_m").get<double>(), 1e-9);
+  EXPECT_EQ(1.0, car.at("recall")) << "hidden objects are no part of the truth";
+  EXPECT_EQ(1.0, car.at("precision"));
+  const auto mixed = run(file("0001.txt", carRows(10, 1, 0.0, "")), estimate);
+  EXPECT_EQ(1, mixed.status);
+  EXPECT_THAT(mixed.error, HasSubstr("one is in the map and one in the camera"));
+}
 
 TEST_F(TracksCommandTest, FilesAndFoldersGiveTheDocumentedKeys) {
   const std::string dont_care =

@@ -49,6 +49,20 @@ TrajectoryError compare(const std::vector<Pose>& truth, const std::vector<Pose>&
   return trajectoryError(pairByIndex(truth, estimate), params);
 }
 
+TEST(TrajectoryErrorTest, OriginMakesTheFirstPosesEqualAndFitsNothingElse) {
+  const auto truth = winding(100);
+  auto estimate = truth;
+  for (std::size_t i = 0; i < estimate.size(); ++i) {
+    estimate[i].translation().z() += 0.01 * static_cast<double>(i);
+    estimate[i] = somePose() * estimate[i];
+  }
+  const auto error = compare(truth, estimate, Alignment::kOrigin);
+  EXPECT_LT(error.errors_m.front(), 1e-9);
+  EXPECT_NEAR(0.99, error.errors_m.back(), 1e-9);
+  EXPECT_LT(compare(truth, estimate).ate_m.rmse, error.ate_m.rmse);
+  EXPECT_NO_THROW((void)compare({truth[0], truth[1]}, {truth[0], truth[1]}, Alignment::kOrigin));
+}
+
 TEST(TrajectoryErrorTest, AlignsARigidMotion) {
   const auto truth = winding(200);
   auto estimate = truth;

@@ -347,5 +347,41 @@ TEST_F(RawlogSourceTest, ASourceCanBeMoved) {
   EXPECT_EQ(1u, second.next()->index);
 }
 
+/// Progress after each frame.
+std::vector<double> progressOf(const std::string& path, const RawlogSourceOptions& options) {
+  RawlogSource source(path, options);
+  std::vector<double> progress;
+  while (source.next()) progress.push_back(source.progress());
+  return progress;
+}
+
+TEST_F(RawlogSourceTest, ProgressIsEvenWithImagesOutside) {
+  test::recordWalls(path_, 20, ImageStorage::kExternalPng);
+  const auto progress = progressOf(path_, {});
+  ASSERT_EQ(20u, progress.size());
+  for (std::size_t i = 0; i < progress.size(); ++i) {
+    EXPECT_NEAR(static_cast<double>(i + 1) / 20.0, progress[i], 0.12) << i;
+  }
+}
+
+TEST_F(RawlogSourceTest, ProgressIsThatOfTheChosenFrames) {
+  test::recordWalls(path_, 20, ImageStorage::kExternalPng);
+  RawlogSourceOptions options;
+  options.from_index = 4;
+  options.to_index = 11;
+  const auto progress = progressOf(path_, options);
+  ASSERT_EQ(8u, progress.size());
+  for (std::size_t i = 0; i < 8; ++i)
+    EXPECT_NEAR(static_cast<double>(i + 1) / 8.0, progress[i], 1e-9);
+  options.to_index.reset();
+  const auto to_the_end = progressOf(path_, options);
+  ASSERT_EQ(16u, to_the_end.size());
+  EXPECT_LT(to_the_end[0], 0.2);
+  EXPECT_NEAR(0.5, to_the_end[7], 0.12);
+  options.from_index = 12;
+  options.progress_from_index = 4;  // a run that is continued
+  EXPECT_NEAR(0.55, progressOf(path_, options)[0], 0.12);
+}
+
 }  // namespace
 }  // namespace headway::io

@@ -30,6 +30,25 @@ TEST(NavProgramTest, WritesFiguresPicturesAndAVideo) {
               std::filesystem::exists(video + "/trial_0006_frames/000000.png"));
 }
 
+TEST(NavProgramTest, WithoutArgumentsItSaysFirstWhatItRuns) {
+  const TemporaryFolder folder;
+  const auto run = runProcess("cd " + folder.path().string() + " && timeout -s INT 2 " +
+                              program("headway-nav") + " -w");
+  EXPECT_EQ(
+      0u, run.output.find("headway-nav --trials 20 --policy all --seed 1 --worst nav-worst.png\n"))
+      << run.output;
+}
+
+TEST(NavProgramTest, DrawsTheWorstTrial) {
+  const TemporaryFolder folder;
+  const std::string picture = folder / "worst.png";
+  const auto run = runProcess(program("headway-nav") + " --trials 2 --policy static --seed 3 " +
+                              "--set people.count=1 --worst " + picture);
+  ASSERT_EQ(run.status, 0) << run.output;
+  EXPECT_NE(run.output.find("the worst trial, seed "), std::string::npos) << run.output;
+  EXPECT_GT(std::filesystem::file_size(picture), 10000u);
+}
+
 TEST(NavProgramTest, ErrorsNameTheArgument) {
   EXPECT_EQ(runProcess(program("headway-nav") + " --policy hope").status, 2);
   EXPECT_EQ(runProcess(program("headway-nav") + " --trials 0").status, 2);

@@ -1,10 +1,11 @@
 #include <headway/core/stop_request.h>
 #include <headway/program/command_line.h>
 #include <headway/program/progress.h>
-#include <mrpt/system/datetime.h>
 #include <mrpt/system/progress.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 
@@ -24,6 +25,17 @@ double secondsBetween(std::chrono::steady_clock::time_point from,
 
 }  // namespace
 
+std::string durationText(double seconds) {
+  const long whole = std::lround(std::min(std::max(0.0, seconds), 1e9));
+  char text[32];
+  if (whole < 3600) {
+    std::snprintf(text, sizeof text, "%ld:%02ld", whole / 60, whole % 60);
+  } else {
+    std::snprintf(text, sizeof text, "%ld:%02ld:%02ld", whole / 3600, whole / 60 % 60, whole % 60);
+  }
+  return text;
+}
+
 Progress::Progress(std::string what, bool quiet)
     : what_(std::move(what)),
       silent_(quiet),
@@ -42,7 +54,7 @@ void Progress::update(std::size_t done, double ratio) {
   const auto total = ratio > 0.0 ? static_cast<double>(done) / ratio : 0.0;
   std::fprintf(stderr, "%s%s %s %zu/%.0f, %.1f/s, %s left%s", terminal_ ? "\r" : "", what_.c_str(),
                mrpt::system::progress(ratio, 30).c_str(), done, total,
-               static_cast<double>(done) / elapsed, mrpt::system::formatTimeInterval(left).c_str(),
+               static_cast<double>(done) / elapsed, durationText(left).c_str(),
                terminal_ ? "\033[K" : "\n");
   std::fflush(stderr);
 }

@@ -60,15 +60,15 @@ cv::Mat predictionMapPlot(const std::string& title, const std::vector<TrueObject
 }
 
 cv::Mat errorOverHorizonPlot(
+    const std::string& title,
     const std::vector<std::pair<std::string, PredictionError>>& predictors) {
-  plot::ChartFrame frame{
-      "Mean error over the horizon", "horizon [s]", "error [m]", {0, 3}, {0, 0.1}};
+  plot::ChartFrame frame{title, "horizon [s]", "mean error [m]", {0, 3}, {0, 0.1}};
   for (const auto& [name, error] : predictors) frame.y.include(error.mean_error_m.back());
   frame.height = 460;
   plot::Chart chart(frame);
   std::size_t number = 0;
   for (const auto& [name, error] : predictors) {
-    Points points = {{0.0, 0.0}};
+    Points points;
     for (std::size_t j = 0; j < kHorizons; ++j) {
       points.emplace_back(kHorizonStep_s * static_cast<double>(j + 1), error.mean_error_m[j]);
     }

@@ -65,9 +65,8 @@ cv::Mat trackMapPlot(const TrackMap& map) {
   return chart.picture();
 }
 
-cv::Mat trackPlot(const TrackErrors& errors) {
-  plot::ChartFrame frame{
-      "Accuracy over recall", "recall [%]", "MOTA, sMOTA [%]", {0, 100}, {0, 100}};
+cv::Mat trackPlot(const std::string& title, const TrackErrors& errors) {
+  plot::ChartFrame frame{title, "recall [%]", "MOTA, sMOTA [%]", {0, 100}, {0, 100}};
   for (const auto& [object_class, error] : errors.classes) {
     for (const auto& point : error.curve) frame.y.include(std::max(-100.0, 100.0 * point.mota));
   }

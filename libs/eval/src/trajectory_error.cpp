@@ -55,6 +55,9 @@ struct Similarity {
 
 Similarity alignmentOf(const std::vector<PosePair>& pairs, Alignment alignment) {
   if (alignment == Alignment::kNone) return {};
+  if (alignment == Alignment::kOrigin) {
+    return {1.0, pairs.front().truth * pairs.front().estimate.inverse()};
+  }
   Eigen::Matrix3Xd truth(3, pairs.size());
   Eigen::Matrix3Xd estimate(3, pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -83,7 +86,8 @@ std::vector<PosePair> alignedPairs(std::vector<PosePair> pairs, const Similarity
 }
 
 void requireEnough(const PosePairs& pairs, Alignment alignment) {
-  const std::size_t needed = alignment == Alignment::kNone ? 2 : 3;
+  const bool is_fitted = alignment == Alignment::kSe3 || alignment == Alignment::kScale;
+  const std::size_t needed = is_fitted ? 3 : 2;
   if (pairs.pairs.size() >= needed) return;
   throw InputError(
       "only " + std::to_string(pairs.pairs.size()) + " of " + std::to_string(pairs.estimate_poses) +

@@ -12,6 +12,23 @@ namespace headway::io {
 namespace {
 
 constexpr std::size_t kReadBytes = 1 << 17;
+// Smaller files, such as those with images outside, are read in a few steps, so that the position
+// in the file does not tell how much of its contents is processed.
+constexpr std::uint64_t kSmallFile = 1 << 21;
+constexpr std::uint64_t kMaxCounted = 1 << 27;
+
+/// Uncompressed bytes of a file; nullopt if there are many.
+std::optional<std::uint64_t> countContents(const std::string& path) {
+  const auto file = openCompressed(path);
+  std::vector<char> chunk(kReadBytes);
+  std::uint64_t count = 0;
+  while (count <= kMaxCounted) {
+    const std::size_t got = file->read(chunk.data(), chunk.size());
+    count += got;
+    if (got < chunk.size()) return std::max<std::uint64_t>(1, count);
+  }
+  return std::nullopt;
+}
 
 }  // namespace
 
@@ -58,6 +75,8 @@ CompressedInput::CompressedInput(const std::string& path) : path_(path) {
   if (error) throw InputError(path + ": cannot be opened: " + error.message());
   if (file_size_ == 0) throw InputError(path + ": is empty");
   file_ = openCompressed(path);
+  const bool is_file = std::filesystem::is_regular_file(path, error);
+  if (is_file && file_size_ <= kSmallFile) contents_ = countContents(path);
 }
 
 std::string_view CompressedInput::peek(std::size_t count) {
@@ -103,6 +122,7 @@ void CompressedInput::fill(std::size_t count) {
 std::string CompressedInput::compressionError() const { return file_->error(); }
 
 double CompressedInput::progress() const {
+  if (contents_) return static_cast<double>(position()) / static_cast<double>(*contents_);
   return std::min(1.0, static_cast<double>(file_->position()) / static_cast<double>(file_size_));
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -71,7 +72,7 @@ class CompressedInput {
   [[nodiscard]] std::uint64_t position() const { return origin_ + read_; }
   /// The decompressor's error message; empty if there is none.
   [[nodiscard]] std::string compressionError() const;
-  /// Ratio of the file read so far, 0 to 1.
+  /// Ratio of the file taken so far, 0 to 1.
   [[nodiscard]] double progress() const;
 
  private:
@@ -79,6 +80,7 @@ class CompressedInput {
 
   std::string path_;
   std::uint64_t file_size_ = 0;
+  std::optional<std::uint64_t> contents_;  ///< uncompressed bytes of a small file
   std::vector<char> buffer_;
   std::uint64_t origin_ = 0;  ///< position of the first byte of the buffer
   std::size_t mark_ = 0;      ///< in the buffer, as the following

@@ -5,6 +5,7 @@
 #include <headway/io/rawlog_source.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <utility>
@@ -39,12 +40,14 @@ class RawlogSource::Reader {
   std::optional<RecordedFrame> next() {
     while (auto pending = takePending()) {
       if (options_.to_index && pending->index > *options_.to_index) return std::nullopt;
+      if (pending->index < progressFrom()) start_ = observations_.progress();
       if (pending->index < options_.from_index) {
         first_pair_.reset();
         collector_->discardMotionBefore(pending->time);
         (void)collector_->takeFixes(pending->time);
         continue;
       }
+      last_index_ = pending->index;
       auto frame = complete(*pending);
       if (frame) return frame;
     }
@@ -57,9 +60,21 @@ class RawlogSource::Reader {
   const std::map<std::string, std::size_t>& skipped() const { return skipped_; }
   const Warnings& warnings() const { return collector_->warnings(); }
   const std::optional<std::string>& truncation() const { return observations_.truncation(); }
-  double progress() const { return observations_.progress(); }
+  double progress() const {
+    const double read = observations_.progress();
+    const double by_bytes = start_ < 1.0 ? (read - start_) / (1.0 - start_) : 1.0;
+    if (!options_.to_index || !last_index_) return std::clamp(by_bytes, 0.0, 1.0);
+    const auto from = static_cast<double>(progressFrom());
+    const double by_frames = (static_cast<double>(*last_index_) + 1.0 - from) /
+                             (static_cast<double>(*options_.to_index) + 1.0 - from);
+    return std::clamp(std::max(by_bytes, by_frames), 0.0, 1.0);
+  }
 
  private:
+  std::size_t progressFrom() const {
+    return options_.progress_from_index.value_or(options_.from_index);
+  }
+
   /// Reads up to the first usable frame and sets the calibration.
   void open() {
     try {
@@ -159,6 +174,8 @@ class RawlogSource::Reader {
   std::optional<DecodedPair> first_pair_;  ///< its images
   DecodedPair last_pair_;                  ///< of the latest frame
   std::optional<Time> last_time_;          ///< of the latest frame
+  std::optional<std::size_t> last_index_;  ///< of the latest frame
+  double start_ = 0.0;                     ///< ratio of the bytes before the first frame
 };
 
 RawlogSource::RawlogSource(const std::string& path, const RawlogSourceOptions& options)

@@ -6,6 +6,9 @@
 
 namespace headway::program {
 
+/// Seconds as minutes and seconds, with hours if there are some: "0:07", "5:46", "2:05:46".
+[[nodiscard]] std::string durationText(double seconds);
+
 /// Progress on standard error: done/total, rate, time left.
 ///
 /// One updated line on a terminal, a new line every 10 s otherwise, no output if quiet.

@@ -26,7 +26,7 @@ enum class TopView {
                                      const std::string& title);
 
 /// MOTA and scaled MOTA over recall, one colour per class.
-[[nodiscard]] cv::Mat trackPlot(const TrackErrors& errors);
+[[nodiscard]] cv::Mat trackPlot(const std::string& title, const TrackErrors& errors);
 
 /// Trajectories of one recording in the map frame.
 struct TrackMap {
@@ -57,6 +57,7 @@ struct DrawnPrediction {
 
 /// Mean error over the horizon, one line per predictor.
 [[nodiscard]] cv::Mat errorOverHorizonPlot(
+    const std::string& title,
     const std::vector<std::pair<std::string, PredictionError>>& predictors);
 
 /// Plan view of the estimated grid, x to the right, with wrong cells in colour.

@@ -9,9 +9,10 @@ namespace headway::eval {
 
 /// Transformation of the estimate before the comparison with the truth.
 enum class Alignment {
-  kSe3,    ///< rigid transformation that minimises the squared position errors
-  kScale,  ///< similarity transformation, for monocular systems
-  kNone,   ///< none
+  kSe3,     ///< rigid transformation that minimises the squared position errors
+  kScale,   ///< similarity transformation, for monocular systems
+  kOrigin,  ///< rigid transformation that makes the first poses equal
+  kNone,    ///< none
 };
 
 /// How a trajectory is compared with the true one.
@@ -66,7 +67,7 @@ struct TrajectoryError {
 ///     const auto error = trajectoryError(pairByTime(truth, estimate, 0.02), {});
 ///     std::cout << error.ate_m.rmse;
 ///
-/// @throws InputError if there are too few pairs to align and compare (3; without alignment 2),
+/// @throws InputError if there are too few pairs to align and compare (3; kOrigin and kNone 2),
 ///         or kScale is given and the estimate does not move
 /// @see Umeyama 1991, "Least-squares estimation of transformation parameters between two point
 ///      patterns"; Sturm et al. 2012, "A benchmark for the evaluation of RGB-D SLAM systems",

@@ -1,0 +1,44 @@
+#include "top_view.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/core.hpp>
+
+namespace headway::app {
+namespace {
+
+/// A robot that makes a wide detour on its way to the goal.
+TrialRecord detour(const RobotParams& robot, double side_m) {
+  TrialRecord record;
+  record.policy = "sweep";
+  for (int i = 0; i <= 40; ++i) {
+    TrialMoment moment;
+    moment.time_s = 0.25 * i;
+    const double ratio = i / 40.0;
+    moment.robot = {ratio * robot.goal_m, side_m * std::sin(ratio * 3.14159), 0.0};
+    record.moments.push_back(moment);
+  }
+  return record;
+}
+
+int bluePixels(const cv::Mat& picture) {
+  cv::Mat robot;
+  cv::inRange(picture, cv::Scalar(150, 75, 10), cv::Scalar(190, 115, 50), robot);
+  return cv::countNonZero(robot);
+}
+
+TEST(TopViewTest, ADetourStaysInItsPanel) {
+  const RobotParams robot;
+  const auto record = detour(robot, 12.0);
+  const cv::Mat picture = drawWhole({record, record, record}, robot);
+  const int width = picture.cols / 3;
+  for (int panel = 0; panel < 3; ++panel) {
+    const cv::Mat left = picture(cv::Rect(panel * width, 70, width / 2, 560));
+    const cv::Mat edge = picture(cv::Rect(panel * width, 70, 4, 560));
+    EXPECT_GT(bluePixels(left), 200) << "the way to the left is drawn";
+    EXPECT_EQ(0, bluePixels(edge)) << "and does not reach the edge of the panel";
+  }
+}
+
+}  // namespace
+}  // namespace headway::app

@@ -1,0 +1,17 @@
+#include <gtest/gtest.h>
+#include <headway/program/progress.h>
+
+namespace headway::program {
+namespace {
+
+TEST(ProgressTest, DurationsAreMinutesAndSeconds) {
+  EXPECT_EQ("0:00", durationText(0.2));
+  EXPECT_EQ("0:07", durationText(7.4));
+  EXPECT_EQ("5:47", durationText(346.9));
+  EXPECT_EQ("1:00:00", durationText(3599.6));
+  EXPECT_EQ("2:05:46", durationText(7546.0));
+  EXPECT_EQ("0:00", durationText(-3.0));
+}
+
+}  // namespace
+}  // namespace headway::program
