@@ -1,4 +1,4 @@
-// headway-export: converts a rawlog to a dataset for other systems.
+// headway-export: converts rawlogs and replays for other programs.
 #include <headway/core/error.h>
 #include <headway/core/printable.h>
 #include <headway/io/rawlog_source.h>
@@ -11,6 +11,7 @@
 #include <iostream>
 
 #include "kitti_writer.h"
+#include "replay_commands.h"
 
 namespace headway::exporting {
 namespace {
@@ -27,7 +28,6 @@ struct ExportOptions {
 
 /// Returns false if the program is done (--help and similar).
 bool parse(int argc, const char** argv, ExportOptions& options) {
-  program::takeSubcommand(argc, argv, {"kitti-odometry"});
   std::optional<std::size_t> from_index;
   Params none;
   program::CommandLine line("headway-export kitti-odometry",
@@ -112,7 +112,20 @@ int runExport(int argc, const char** argv) {
 }  // namespace headway::exporting
 
 int main(int argc, char** argv) {
+  using namespace headway::exporting;
+  using Command = int (*)(int, const char**);
+  const std::vector<std::pair<std::string, Command>> commands = {
+      {"kitti-odometry", runExport}, {"mcap", runMcapExport}, {"tum", runTumExport},
+      {"kitti", runKittiExport},     {"ply", runPlyExport},   {"rosmap", runRosmapExport},
+      {"geojson", runGeojsonExport}};
   return headway::program::run("headway-export", [&] {
-    return headway::exporting::runExport(argc, const_cast<const char**>(argv));
+    std::vector<std::string> names;
+    for (const auto& [name, command] : commands) names.push_back(name);
+    auto arguments = const_cast<const char**>(argv);
+    const auto chosen = headway::program::takeSubcommand(argc, arguments, names);
+    for (const auto& [name, command] : commands) {
+      if (name == chosen) return command(argc, arguments);
+    }
+    return headway::program::kDone;  // --help and similar
   });
 }
