@@ -21,7 +21,7 @@ for name in street hall; do
   echo
   echo "pictures:   $(ls $out/snapshots/*.png | tr '\n' ' ')$out/top.png $out/trajectory.png"
   echo "trajectory: $out/trajectory.tum   tracks: $out/tracks.csv   map: $out/map.headway"
-  [ ! -f $out/report.html ] || echo "report:     $out/report.html"
+  [ ! -f $out/report.html ] || echo "report:     $out/report.html   in 3D: $out/replay.html"
 done
 
 programs=("$PWD/$bin"/headway-*)

@@ -67,7 +67,7 @@ TEST(StreetTest, LeavesEveryFileOfTheContract) {
        {"trajectory.tum", "trajectory_online.tum", "trajectory_kitti.txt", "tracks_kitti.txt",
         "tracks.csv", "tracks_smoothed.csv", "predictions.csv", "calibration.yaml", "map.headway",
         "map.simplemap", "map_points.ply", "map_grid.gridmap.gz", "map_grid.png", "map_grid.yaml",
-        "scene.3Dscene", "report.html", "replay.json", "summary.json"}) {
+        "scene.3Dscene", "report.html", "replay.html", "replay.json", "summary.json"}) {
     EXPECT_GT(test::contentsOf(run.file(name)).size(), 0u) << name;
   }
   std::size_t pictures = 0;

@@ -8,15 +8,18 @@ class CameraImage {
     this.image = new Image();
     this.image.onload = onLoad;
     byId('camera-image').hidden = !this.isAvailable;
-    if (this.isAvailable) byId('inset').style.setProperty('aspect-ratio', this.aspect);
+    if (this.isAvailable) this.shape();
   }
 
   get isAvailable() {
     return this.replay.images.length > 0 && this.replay.camera !== null;
   }
 
-  get aspect() {
-    return `${this.replay.camera.width} / ${this.replay.camera.height}`;
+  /** A quarter of the window's height at most. */
+  shape() {
+    const {width, height} = this.replay.camera;
+    byId('inset').style.setProperty('aspect-ratio', `${width} / ${height}`);
+    byId('camera-image').style.setProperty('width', `min(320px, 42vw, ${(25 * width / height).toFixed(1)}vh)`);
   }
 
   /** Shows the last image that is not newer than a frame. */

@@ -79,7 +79,7 @@ function makeBox(colour, opacity) {
   const box = new THREE.Group();
   box.faces = new THREE.Mesh(kUnitBox, flatMaterial(colour, opacity));
   box.edges = new THREE.LineSegments(kUnitEdges, lineMaterial(colour));
-  box.front = new THREE.Mesh(new THREE.PlaneBufferGeometry(1, 1), flatMaterial(colour, 0.55));
+  box.front = new THREE.Mesh(new THREE.PlaneBufferGeometry(1, 1), flatMaterial(colour, 0.35));
   box.front.rotation.y = Math.PI / 2;
   box.front.position.x = 0.5;
   box.add(box.faces, box.edges, box.front);

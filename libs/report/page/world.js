@@ -32,7 +32,7 @@ function makeGround(grid, ground, onLoad) {
   const texture = new THREE.TextureLoader().load(grid.picture, onLoad);
   texture.magFilter = THREE.NearestFilter;
   texture.minFilter = THREE.LinearFilter;
-  const material = new THREE.MeshBasicMaterial({map: texture, transparent: true, opacity: 0.6,
+  const material = new THREE.MeshBasicMaterial({map: texture, transparent: true, opacity: 0.5,
                                                 depthWrite: false, side: THREE.DoubleSide});
   return new THREE.Mesh(geometry, material);
 }
@@ -97,7 +97,7 @@ class World {
   addPath() {
     const {replay, scale} = this;
     const path = replay.frames.map(({pose: [x, y, z]}) => this.onGround(x, y, z + replay.ground));
-    const half = kPathHalfWidthM * Math.sqrt(scale);
+    const half = kPathHalfWidthM * scale;
     this.driven = ribbon(path, half, '#5aa9e6', 0.95);
     this.layer('path').add(ribbon(path, half, '#5aa9e6', 0.22), this.driven);
     this.layer('keyframes').add(makeKeyframes(replay.keyframes, replay.camera, scale));
@@ -143,7 +143,7 @@ class World {
     if (!trail) {
       const {states} = this.replay.tracks[state.number];
       const way = states.map(({state: s}) => this.onGround(s.x, s.y, s.z - s.height / 2));
-      trail = ribbon(way, 0.07 * Math.sqrt(this.scale), state.colour, 0.75);
+      trail = ribbon(way, 0.07 * this.scale, state.colour, 0.75);
       trail.times = states.map(({time}) => time);
       this.trails.set(state.number, trail);
       this.layer('trails').add(trail);
@@ -173,7 +173,7 @@ class World {
       const isSelected = state.number === selected;
       box.faces.material.color.set(state.colour);
       box.edges.material.color.set(isSelected ? '#ffffff' : state.colour);
-      box.faces.material.opacity = isSelected ? 0.5 : state.moving ? 0.3 : 0.12;
+      box.faces.material.opacity = isSelected ? 0.4 : state.moving ? 0.2 : 0.1;
       box.front.visible = state.moving;
     }
   }
@@ -208,7 +208,7 @@ class World {
       for (const {probability, points} of state.paths) {
         const way = [this.onGround(state.x, state.y, foot),
                      ...points.map((p) => this.onGround(p[0], p[1], p.z - state.height / 2))];
-        group.add(ribbon(way, 0.1 * Math.sqrt(this.scale), colour, 0.2 + 0.7 * probability));
+        group.add(ribbon(way, 0.09 * this.scale, colour, 0.15 + 0.65 * probability));
         for (const point of points) {
           if (point.horizon % 1 === 0) ellipses.push(...ellipseSegments(point, way[1][2]));
         }
@@ -225,7 +225,7 @@ class World {
     const way = this.replay.tracks[selected].states
                     .filter(({time}) => time >= moment.time - 0.05 && time <= moment.time + 3.05)
                     .map(({state: s}) => this.onGround(s.x, s.y, s.z - s.height / 2 + 0.03));
-    if (way.length > 1) group.add(ribbon(way, 0.05 * Math.sqrt(this.scale), '#ffffff', 0.95));
+    if (way.length > 1) group.add(ribbon(way, 0.05 * this.scale, '#ffffff', 0.95));
   }
 
   updateTruth(moment) {
