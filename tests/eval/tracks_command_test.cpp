@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <headway/io/track_file.h>
 
 #include <nlohmann/json.hpp>
 
@@ -37,7 +36,9 @@ class TracksCommandTest : public testing::Test {
 };
 
 TEST_F(TracksCommandTest, ComparesTheTracksOfAReplayWithASimulationsObjects) {
-  const std::string header = io::objectCsvHeader();
+  const std::string header =
+      "frame,time,track_id,class,status,moving,x,y,z,yaw,length,width,height,vx,vy,vz,var_x,var_y,"
+      "cov_xy";
   std::string objects = header + ",visible\n";
   std::string tracks = header + "\n";
   for (int k = 0; k < 10; ++k) {
