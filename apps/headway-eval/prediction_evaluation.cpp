@@ -25,6 +25,51 @@ std::vector<eval::DrawnPrediction> thinned(const std::vector<eval::DrawnPredicti
   return kept;
 }
 
+/// Intervals of a quantity: below limits[0], from there to limits[1] ... above the last.
+struct Intervals {
+  std::vector<double> limits;
+  std::string unit;
+
+  [[nodiscard]] std::size_t of(double value) const {
+    return static_cast<std::size_t>(std::upper_bound(limits.begin(), limits.end(), value) -
+                                    limits.begin());
+  }
+  [[nodiscard]] std::string name(std::size_t index) const {
+    const auto text = [&](std::size_t i) { return plot::fixedText(limits[i], 1); };
+    if (index == 0) return "below " + text(0) + " " + unit;
+    if (index == limits.size()) return "from " + text(index - 1) + " " + unit;
+    return text(index - 1) + " to " + text(index) + " " + unit;
+  }
+};
+
+/// Cases of each class by one quantity.
+class CasesByQuantity {
+ public:
+  explicit CasesByQuantity(Intervals intervals) : intervals_(std::move(intervals)) {}
+
+  void add(ObjectClass object_class, double value, const std::vector<PredictedPath>& paths,
+           const eval::HorizonPath& future) {
+    cases_[{object_class, intervals_.of(value)}].add(object_class, paths, future);
+  }
+
+  void appendTo(std::vector<PredictionGroup>& groups) const {
+    for (const auto& [key, evaluator] : cases_) {
+      groups.push_back({std::string(toString(key.first)) + ", " + intervals_.name(key.second),
+                        evaluator.errors()});
+    }
+  }
+
+ private:
+  Intervals intervals_;
+  std::map<std::pair<ObjectClass, std::size_t>, eval::PredictionEvaluator> cases_;
+};
+
+/// True speed over the first second after the prediction [m/s].
+double speedOf(const eval::HorizonPath& future) {
+  constexpr std::size_t kSecond = 9;  // index of 1.0 s
+  return (future[kSecond] - future.front()).norm() / (eval::kHorizonStep_s * kSecond);
+}
+
 /// Collects the cases of consecutive sequences.
 class CaseCollector {
  public:
@@ -37,8 +82,11 @@ class CaseCollector {
 
   void add(ObjectClass object_class, std::size_t object, std::size_t frame,
            const Eigen::Vector3d& now, const std::vector<PredictedPath>& paths,
-           const eval::HorizonPath& future) {
+           const eval::HorizonPath& future, const Pose& T_map_cam) {
     sequence_.add(object_class, paths, future);
+    by_speed_.add(object_class, speedOf(future), paths, future);
+    const double range = (T_map_cam.translation().head<2>() - future.front()).norm();
+    by_range_.add(object_class, range, paths, future);
     const bool moves = (paths.front().points.back().position - now).norm() > kMinDrawnLength_m;
     if (moves && frame % kDrawEvery == 0) drawn_.push_back({object, now.head<2>(), paths});
   }
@@ -57,6 +105,8 @@ class CaseCollector {
   [[nodiscard]] EvaluatedPredictor result() {
     result_.errors = all_.errors();
     result_.evaluator = all_;
+    by_speed_.appendTo(result_.groups);
+    by_range_.appendTo(result_.groups);
     return std::move(result_);
   }
 
@@ -64,6 +114,8 @@ class CaseCollector {
   EvaluatedPredictor result_;
   eval::PredictionEvaluator all_;
   eval::PredictionEvaluator sequence_;
+  CasesByQuantity by_speed_{Intervals{{0.5, 2.0, 4.0, 8.0, 16.0}, "m/s"}};
+  CasesByQuantity by_range_{Intervals{{10.0, 20.0, 30.0, 50.0}, "m"}};
   std::vector<eval::DrawnPrediction> drawn_;
   std::size_t max_cases_ = 0;
 };
@@ -83,7 +135,8 @@ EvaluatedPredictor evaluatePredictor(const std::vector<PredictionSequence>& sequ
       const auto object_class = truth[item.object].object_class;
       const auto now = item.history.back();
       predictor->predictInto({object_class, std::move(item.history)}, paths);
-      collector.add(object_class, item.object, now.frame, now.position, paths, item.future);
+      collector.add(object_class, item.object, now.frame, now.position, paths, item.future,
+                    sequences[s].T_map_cam[now.frame].value);
     }
     collector.end(sequences[s].name, s);
   }
@@ -105,7 +158,7 @@ EvaluatedPredictor evaluateEstimate(const std::vector<PredictionSequence>& seque
       const auto& prediction = predictions[item.prediction];
       const auto& first = prediction.paths.front().points.front().position;
       collector.add(prediction.object_class, item.object, prediction.frame, first, prediction.paths,
-                    item.future);
+                    item.future, sequences[s].T_map_cam[prediction.frame].value);
     }
     collector.end(sequences[s].name, s);
   }
@@ -141,6 +194,25 @@ plot::TextTable classTable(const std::vector<EvaluatedPredictor>& predictors) {
       table.back().push_back(errorPair(error));
     }
   }
+  return table;
+}
+
+plot::TextTable coverageTable(const EvaluatedPredictor& predictor) {
+  plot::TextTable table = {
+      {"cases of", "cases", "ADE m", "FDE m", "in 90% 1s", "in 90% 2s", "in 90% 3s"}};
+  const auto add = [&table](const std::string& name, const eval::PredictionError& error) {
+    table.push_back({name, std::to_string(error.cases), plot::fixedText(error.ade_m, 3),
+                     plot::fixedText(error.fde_m, 3)});
+    constexpr std::size_t kNinety = 1;  // index in PredictionError::coverage
+    for (const auto& ratio : error.coverage[kNinety]) {
+      table.back().push_back(plot::percentText(ratio, 1));
+    }
+  };
+  for (const auto& [name, errors] : predictor.sequences) {
+    if (errors.all.cases > 0) add("sequence " + name, errors.all);
+  }
+  for (const auto& group : predictor.groups) add(group.name, group.errors.all);
+  add("all", predictor.errors.all);
   return table;
 }
 

@@ -13,12 +13,19 @@
 
 namespace headway::app {
 
+/// Errors of similar cases.
+struct PredictionGroup {
+  std::string name;
+  eval::PredictionErrors errors;
+};
+
 /// Errors of one predictor, or of the predictions of a replay.
 struct EvaluatedPredictor {
   std::string name;
   eval::PredictionEvaluator evaluator;  ///< all cases
   eval::PredictionErrors errors;
   std::vector<std::pair<std::string, eval::PredictionErrors>> sequences;
+  std::vector<PredictionGroup> groups;  ///< of each class by true speed, then by range
   std::vector<std::pair<std::string, std::size_t>> not_evaluated;  ///< by reason
   std::size_t drawn_sequence = 0;            ///< index of the sequence with the most cases
   std::vector<eval::DrawnPrediction> drawn;  ///< a sample of its predictions
@@ -36,6 +43,9 @@ struct EvaluatedPredictor {
 [[nodiscard]] plot::TextTable predictorTable(const std::vector<EvaluatedPredictor>& predictors);
 /// One row per predictor, one column per class: ADE / FDE.
 [[nodiscard]] plot::TextTable classTable(const std::vector<EvaluatedPredictor>& predictors);
+/// One row per sequence, then per group of similar cases: errors and ratios inside the 90 %
+/// ellipse.
+[[nodiscard]] plot::TextTable coverageTable(const EvaluatedPredictor& predictor);
 /// One row per sequence, one column per predictor: ADE / FDE.
 [[nodiscard]] plot::TextTable sequenceTable(const std::vector<EvaluatedPredictor>& predictors);
 

@@ -18,6 +18,7 @@ namespace {
 struct Options {
   PredictionFiles files;
   std::string predictor;
+  bool coverage = false;
   objects::ObjectsParams params;
   bool quiet = false;
   Outputs outputs;
@@ -37,6 +38,9 @@ bool parse(Options& options, int argc, const char** argv) {
               "Predictions of a replay: file or folder");
   line.option(options.predictor, 0, "predictor", "NAME|all",
               "Predictor, one of the values of objects.predictor");
+  line.flag(options.coverage, 0, "coverage",
+            "Also print errors and the ratio of true positions in the 90 % ellipse by sequence, "
+            "class, speed and range");
   line.option(options.files.extrinsic, 0, "extrinsic", "FILE",
               "calibration.yaml with T_robot_cam; default: robot axes at the camera");
   line.parameters(params);
@@ -77,6 +81,9 @@ nlohmann::ordered_json figures(const EvaluatedPredictor& predictor) {
   for (const auto& [name, errors] : predictor.sequences) {
     json["sequences"][name] = eval::toJson(errors);
   }
+  for (const auto& group : predictor.groups) {
+    json["groups"][group.name] = eval::toJson(group.errors).at("all");
+  }
   for (const auto& [reason, count] : predictor.not_evaluated) json["not_judged"][reason] = count;
   return json;
 }
@@ -88,7 +95,7 @@ nlohmann::ordered_json figures(const std::vector<EvaluatedPredictor>& predictors
   return json;
 }
 
-void report(const std::vector<EvaluatedPredictor>& predictors) {
+void report(const std::vector<EvaluatedPredictor>& predictors, bool coverage) {
   if (predictors.size() == 1) {
     plot::writeTable(std::cout, eval::tableOf(predictors.front().errors));
   } else {
@@ -97,6 +104,11 @@ void report(const std::vector<EvaluatedPredictor>& predictors) {
     plot::writeTable(std::cout, classTable(predictors));
     std::cout << "\nADE / FDE in m by sequence\n\n";
     plot::writeTable(std::cout, sequenceTable(predictors));
+  }
+  for (const auto& predictor : predictors) {
+    if (!coverage) break;
+    std::cout << "\n" << predictor.name << "\n\n";
+    plot::writeTable(std::cout, coverageTable(predictor));
   }
   for (const auto& [reason, count] : predictors.front().not_evaluated) {
     if (count > 0) std::cout << count << " predictions were not evaluated: " << reason << "\n";
@@ -132,7 +144,7 @@ int runPredictions(int argc, const char** argv) {
                      ": nothing to evaluate: no object is labelled for 2 s before and 3 s after "
                      "a frame, or no prediction is near one");
   }
-  if (!options.quiet) report(results);
+  if (!options.quiet) report(results, options.coverage);
   options.outputs.write([&] { return figures(results); },
                         [&] { return plot(options.files.labels, sequences, results); });
   return program::kDone;

@@ -100,6 +100,23 @@ TEST_F(PredictionsCommandTest, PredictorsOnExactHistories) {
   EXPECT_THAT(all.out, HasSubstr("ADE / FDE in m by sequence"));
 }
 
+TEST_F(PredictionsCommandTest, CoverageBySequenceClassSpeedAndRange) {
+  const auto truth = file("a.txt", labels(80));
+  // The car drives at 5 m/s from a range of 20.6 m.
+  const auto estimate = file("p.csv", kHeader + predictionRows(20, 0.5) + predictionRows(30, 1.9) +
+                                          predictionRows(40, -0.5));
+  const std::string out = folder_ / "p.json";
+  const auto result = run(truth, file("k.txt", kittiPoses(80)),
+                          "--coverage --estimate " + estimate + " --json " + out);
+  EXPECT_EQ(0, result.status) << result.error;
+  EXPECT_THAT(result.out, HasSubstr("| sequence a "));
+  EXPECT_THAT(result.out, HasSubstr("| Car, 4.0 to 8.0 m/s "));
+  const auto groups = json::parse(contentOf(out)).at("groups");
+  EXPECT_EQ(3, groups.at("Car, 4.0 to 8.0 m/s").at("cases"));
+  EXPECT_EQ(2, groups.at("Car, 20.0 to 30.0 m").at("cases"));
+  EXPECT_EQ(1, groups.at("Car, 30.0 to 50.0 m").at("cases"));
+}
+
 TEST_F(PredictionsCommandTest, FileErrorsAreOneLine) {
   const auto truth = file("a.txt", labels(80));
   const auto poses = file("k.txt", kittiPoses(80));
