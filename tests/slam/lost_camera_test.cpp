@@ -3,6 +3,7 @@
 #include <headway_test/textured_world.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace headway::slam {
 namespace {
@@ -43,6 +44,45 @@ class LostCameraTest : public testing::Test {
     return lost;
   }
 
+  /// Walks on without seeing anything, told by wheels whose way is 1 % too long.
+  SlamUpdate walkCovered(int first_place, int end) {
+    SlamUpdate update;
+    for (int place = first_place; place < end; ++place) {
+      StereoFrame frame;
+      frame.left = frame.right = cv::Mat(240, 320, CV_8U, cv::Scalar(9));
+      addOdometry(place, frame);
+      update = processed(frame);
+      EXPECT_EQ(update.status, TrackingStatus::kLost);
+    }
+    return update;
+  }
+
+  /// Sees a place, told of the step before by the wheels.
+  SlamUpdate see(const test::TexturedWorld& world, int place) {
+    StereoFrame frame = world.frame(0, 0.0, onPath(place));
+    addOdometry(place, frame);
+    return processed(frame);
+  }
+
+  void startWithOdometry() {
+    ASSERT_EQ(walk(world_, 0, 1), 0);
+    for (int place = 1; place < 15; ++place) (void)see(world_, place);
+  }
+
+  static void addOdometry(int place, StereoFrame& frame) {
+    Pose step = onPath(place - 1).inverse() * onPath(place);
+    step.translation() *= 1.01;
+    frame.motion_prior.T_previous_current = step;
+  }
+
+  static double wayBetween(int first_place, int end) {
+    double way = 0.0;
+    for (int place = first_place; place < end; ++place) {
+      way += (onPath(place).translation() - onPath(place - 1).translation()).norm();
+    }
+    return way;
+  }
+
   StereoSlam& slam() {
     if (slam_ == nullptr) slam_ = std::make_unique<StereoSlam>(world_.camera(), params_);
     return *slam_;
@@ -58,10 +98,13 @@ class LostCameraTest : public testing::Test {
   SlamParams params_;
 
  private:
-  int isLostIn(StereoFrame frame) {
+  SlamUpdate processed(StereoFrame frame) {
     frame.index = frames_++;
     frame.time = 0.1 * static_cast<double>(frame.index);
-    return slam().process(frame, {}).status == TrackingStatus::kLost ? 1 : 0;
+    return slam().process(frame, {});
+  }
+  int isLostIn(const StereoFrame& frame) {
+    return processed(frame).status == TrackingStatus::kLost ? 1 : 0;
   }
 
   std::size_t frames_ = 0;
@@ -109,6 +152,40 @@ TEST_F(LostCameraTest, WaitsForAMapThatIsWorthIt) {
   EXPECT_EQ(slam().map().keyframes.front().frame, 0U) << "beside the old one";
   EXPECT_LE(walk(world_, 10, 15), 1) << "which is known as well as before";
   EXPECT_LT(errorAt(14), 0.03);
+}
+
+constexpr double kMaxCost = 0.02;  ///< of the way that was driven covered
+
+TEST_F(LostCameraTest, IsCarriedOnByTheWheelsWithTheirUncertainty) {
+  startWithOdometry();
+  const auto early = walkCovered(15, 20);
+  const auto late = walkCovered(20, 65);
+  const double way = wayBetween(15, 65);
+  EXPECT_LT(errorAt(64), kMaxCost * way);
+  const auto sigmaOf = [](const SlamUpdate& update) {
+    return std::sqrt(update.covariance.diagonal().head<3>().maxCoeff());
+  };
+  EXPECT_GT(sigmaOf(late), 2.0 * sigmaOf(early));
+  EXPECT_GT(3.0 * sigmaOf(late), errorAt(64));
+  EXPECT_LT(sigmaOf(late), 0.2 * way) << "no more than the wheels' errors explain";
+}
+
+TEST_F(LostCameraTest, GoesOnWhereTheWheelsHaveBroughtItAmongNewSurroundings) {
+  startWithOdometry();
+  (void)walkCovered(15, 65);
+  SlamUpdate update;
+  for (int place = 65; place < 70; ++place) update = see(other_, place);
+  EXPECT_EQ(update.status, TrackingStatus::kTracked);
+  EXPECT_LT(errorAt(69), kMaxCost * wayBetween(15, 70));
+  EXPECT_EQ(slam().map().keyframes.front().frame, 0U) << "beside the map of before";
+}
+
+TEST_F(LostCameraTest, GoesOnInItsMapWhereItRecognisesIt) {
+  startWithOdometry();
+  (void)walkCovered(15, 45);
+  const auto update = see(world_, 45);
+  EXPECT_EQ(update.status, TrackingStatus::kTracked);
+  EXPECT_LT(errorAt(45), 0.02) << "by its landmarks, not by its wheels";
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "keyframe_odometry.h"
 
+#include <cmath>
+
 namespace headway::slam {
 
 void KeyframeOdometry::add(const MotionPrior& prior) {
@@ -29,6 +31,12 @@ Eigen::Matrix<double, 6, 1> sigmaOf(const OdometryLink& link) {
   Eigen::Matrix<double, 6, 1> sigma;
   sigma << plane, plane, kFloor + kSlope * link.path_m, kSlope, kSlope, yaw;
   return sigma;
+}
+
+PoseCovariance covarianceOf(const OdometryLink& link) {
+  Eigen::Matrix<double, 6, 1> sigma = sigmaOf(link);
+  sigma[1] = std::hypot(sigma[1], 0.5 * link.path_m * sigma[5]);
+  return sigma.cwiseAbs2().asDiagonal();
 }
 
 }  // namespace headway::slam

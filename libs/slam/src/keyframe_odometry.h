@@ -19,7 +19,7 @@ class KeyframeOdometry {
   void add(const MotionPrior& prior);
   /// The motion since the last keyframe; nullopt if it is not known throughout.
   [[nodiscard]] const std::optional<OdometryLink>& link() const { return link_; }
-  /// Starts anew at a keyframe.
+  /// Starts anew at a keyframe, or at a frame that belongs to it.
   void restartAt(KeyframeId keyframe);
 
  private:
@@ -32,5 +32,9 @@ class KeyframeOdometry {
 /// Wheels measure motion in the plane that the robot stands on, so the other components have the
 /// uncertainty of the ground's slope.
 [[nodiscard]] Eigen::Matrix<double, 6, 1> sigmaOf(const OdometryLink& link);
+
+/// The same as the covariance of a pose that was predicted by the link (right perturbation). A
+/// wrong direction displaces half of the path.
+[[nodiscard]] PoseCovariance covarianceOf(const OdometryLink& link);
 
 }  // namespace headway::slam

@@ -1,7 +1,10 @@
 #include "loop_correction.h"
 
 #include <algorithm>
+#include <cmath>
 #include <unordered_map>
+
+#include "keyframe_odometry.h"
 
 namespace headway::slam {
 namespace {
@@ -21,11 +24,16 @@ PoseGraphEdge edgeBetween(const Keyframe& a, const Keyframe& b) {
   return edge;
 }
 
-/// Constrains a submap that shares no landmarks with the rest; any other edge outweighs it.
-PoseGraphEdge weakEdgeBetween(const Keyframe& a, const Keyframe& b) {
+/// Constrains a submap that shares no landmarks with the rest: by wheel odometry if that is known
+/// throughout, or so weakly that any other edge outweighs it.
+PoseGraphEdge edgeAcrossGap(const Keyframe& a, const Keyframe& b) {
   PoseGraphEdge edge = edgeBetween(a, b);
   edge.sigma_m = 100.0;
   edge.sigma_rad = 10.0;
+  if (!b.odometry || b.odometry->from != a.id) return edge;
+  const PoseCovariance covariance = covarianceOf(*b.odometry);
+  edge.sigma_m = std::sqrt(covariance.diagonal().head<3>().maxCoeff());
+  edge.sigma_rad = std::sqrt(covariance.diagonal().tail<3>().maxCoeff());
   return edge;
 }
 
@@ -70,7 +78,7 @@ std::vector<PoseGraphEdge> edgesOf(const std::map<KeyframeId, Keyframe>& keyfram
   const Keyframe* before = nullptr;
   for (const auto& [id, keyframe] : keyframes) {
     if (before != nullptr) {
-      edges.push_back(shareNoLandmarks(*before, keyframe) ? weakEdgeBetween(*before, keyframe)
+      edges.push_back(shareNoLandmarks(*before, keyframe) ? edgeAcrossGap(*before, keyframe)
                                                           : edgeBetween(*before, keyframe));
     }
     for (const KeyframeId other : observers.neighbourhood(keyframe, kNeighbours)) {

@@ -22,8 +22,9 @@ struct ClosedLoop {
 /// relative pose is only predicted.
 [[nodiscard]] bool shareNoLandmarks(const Keyframe& a, const Keyframe& b);
 
-/// Edges of the map as it is: from each keyframe to the one before (a weak one, where both share
-/// nothing because the camera was lost between them) and to those that share many landmarks.
+/// Edges of the map as it is: from each keyframe to the one before (where both share nothing
+/// because the camera was lost between them, with the uncertainty of wheel odometry, or a weak one)
+/// and to those that share many landmarks.
 [[nodiscard]] std::vector<PoseGraphEdge> edgesOf(const std::map<KeyframeId, Keyframe>& keyframes);
 
 /// Poses of all keyframes after the loop was distributed over the pose graph.

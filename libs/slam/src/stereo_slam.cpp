@@ -30,6 +30,7 @@ SlamUpdate StereoSlam::Implementation::process(const stereo::FrameContext& conte
   {
     const auto watch = times_.watch("slam_track");
     mapper_.addOdometry(frame.motion_prior);
+    odometry_since_tracked_.add(frame.motion_prior);
     current = makeTrackingFrame(context, moving, *camera_, params_);
     if (!is_frozen) tracked = track(context, current);
   }
@@ -43,6 +44,8 @@ SlamUpdate StereoSlam::Implementation::process(const stereo::FrameContext& conte
   const bool is_tracked = update.status == TrackingStatus::kTracked;
   trajectory_.add(current.index, current.time, is_tracked, motion_.last(), reference_, map_);
   if (update.status == TrackingStatus::kLost || is_frozen) return update;
+  odometry_since_tracked_.restartAt(*reference_);
+  covariance_when_tracked_ = covariance_;
   previous_ = std::move(current);
   return update;
 }
@@ -162,58 +165,6 @@ SlamUpdate StereoSlam::Implementation::accept(const TrackingFrame& current, Trac
   seen_before_.insert(seen_before_.end(), tracked.dynamic_outliers.begin(),
                       tracked.dynamic_outliers.end());
   return update;
-}
-
-/// The pose of a frame whose images say nothing is the predicted one.
-void StereoSlam::Implementation::coast(const StereoFrame& frame) {
-  constexpr double kGrowth = 0.01;  ///< variance that each such frame adds [m^2], [rad^2]
-  ++lost_in_a_row_;
-  if (!reference_) return;
-  motion_.coast(frame.time, motion_.predict(frame));
-  covariance_ += kGrowth * PoseCovariance::Identity();
-}
-
-/// The images were seen before, while the robot may move on.
-SlamUpdate StereoSlam::Implementation::passOver(const StereoFrame& frame) {
-  coast(frame);
-  odometry_check_.restart();
-  inertial_.interrupt();
-  SlamUpdate update;
-  update.status = TrackingStatus::kUnreliable;
-  update.doubt = Doubt::kFrozen;
-  return update;
-}
-
-/// The camera is lost: predict its pose, and initialise a new submap after a while.
-SlamUpdate StereoSlam::Implementation::handleLost(const StereoFrame& frame,
-                                                  const TrackingFrame& current) {
-  SlamUpdate update;
-  coast(frame);
-  const bool is_over =
-      reference_ && lost_in_a_row_ > active_submap_.maxLostFrames(params_.restart_after_frames);
-  if (params_.mapping && (is_over || map_.keyframes().empty()) && initialise(current)) {
-    lost_in_a_row_ = 0;
-    update.status = TrackingStatus::kTracked;
-    update.is_keyframe = true;
-    update.inliers = update.features = static_cast<int>(seen_before_.size());
-  }
-  return update;
-}
-
-/// Inserts a first keyframe at the predicted pose; false, and no change, with too few landmarks.
-bool StereoSlam::Implementation::initialise(const TrackingFrame& current) {
-  std::vector<TrackedLandmark> landmarks;
-  const KeyframeId id = mapper_.insert(current, motion_.last(), covariance_, landmarks, map_);
-  if (static_cast<int>(landmarks.size()) < params_.min_inliers) {
-    map_.removeKeyframe(id);
-    return false;
-  }
-  loops_.index(id, map_);
-  setReferenceKeyframe(id);
-  if (active_submap_.isNew()) removeSubmap(active_submap_.first(), id);
-  active_submap_.initialise(id);
-  seen_before_ = std::move(landmarks);
-  return true;
 }
 
 /// Inserts the frame as a keyframe, closes loops, and removes redundant keyframes.

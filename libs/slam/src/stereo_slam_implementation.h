@@ -14,6 +14,7 @@
 #include "bundle_adjuster.h"
 #include "frame_tracker.h"
 #include "inertial_alignment.h"
+#include "keyframe_odometry.h"
 #include "local_mapper.h"
 #include "loop_closer.h"
 #include "make_map_view.h"
@@ -36,6 +37,7 @@ class StereoSlam::Implementation {
         mapper_(*camera_, params, adjuster_),
         loops_(*camera_, params, adjuster_),
         motion_(camera_->T_robot_cam, params),
+        odometry_since_tracked_(params.use_odometry),
         views_(T_cam_robot_),
         trajectory_(params.trajectory_in_memory) {}
 
@@ -69,6 +71,8 @@ class StereoSlam::Implementation {
   SlamUpdate accept(const TrackingFrame& current, TrackedPose& tracked);
   SlamUpdate handleLost(const StereoFrame& frame, const TrackingFrame& current);
   void coast(const StereoFrame& frame);
+  [[nodiscard]] PoseCovariance predictedCovariance(const PoseCovariance& before,
+                                                   const OdometryLink& link) const;
   SlamUpdate passOver(const StereoFrame& frame);
   bool initialise(const TrackingFrame& current);
   void makeKeyframe(const TrackingFrame& current, TrackedPose& tracked, SlamUpdate& update);
@@ -88,6 +92,7 @@ class StereoSlam::Implementation {
   MotionModel motion_;
   InertialAlignment inertial_;
   OdometryCheck odometry_check_;
+  KeyframeOdometry odometry_since_tracked_;  ///< from the last tracked frame
   SparseMap map_;
   MapViewMaker views_;
   AnchoredTrajectory trajectory_;
@@ -98,7 +103,8 @@ class StereoSlam::Implementation {
   std::optional<KeyframeId> reference_;                 ///< keyframe that it belongs to
   std::vector<LandmarkId> local_landmarks_;             ///< those around that keyframe
   PoseCovariance covariance_ = PoseCovariance::Zero();  ///< of the last camera pose
-  double previous_sigma_m_ = 0.0;                       ///< of its position in the local map
+  PoseCovariance covariance_when_tracked_ = PoseCovariance::Zero();  ///< in the last such frame
+  double previous_sigma_m_ = 0.0;  ///< of its position in the local map
   ActiveSubmap active_submap_;
   int lost_in_a_row_ = 0;
   bool relocalised_ = false;  ///< the newest pose, in the whole map: no motion from the one before

@@ -28,7 +28,7 @@ void StereoSlam::Implementation::loadRun(const std::string& bytes,
     throw InputError("the run in it is of version " + std::to_string(version) +
                      ", this program reads version " + std::to_string(kRunVersion));
   }
-  covariance_ = in.finiteMatrix<PoseCovariance>();
+  covariance_ = covariance_when_tracked_ = in.finiteMatrix<PoseCovariance>();
   if (!in.atEnd()) throw InputError("damaged: there are data after the end of the run");
   trajectory_.restore(trajectory, map_);
   const auto last = trajectory_.lastFrame();
