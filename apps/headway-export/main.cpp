@@ -11,6 +11,7 @@
 #include <iostream>
 
 #include "kitti_writer.h"
+#include "map_command.h"
 #include "replay_commands.h"
 
 namespace headway::exporting {
@@ -115,9 +116,9 @@ int main(int argc, char** argv) {
   using namespace headway::exporting;
   using Command = int (*)(int, const char**);
   const std::vector<std::pair<std::string, Command>> commands = {
-      {"kitti-odometry", runExport}, {"mcap", runMcapExport}, {"tum", runTumExport},
-      {"kitti", runKittiExport},     {"ply", runPlyExport},   {"rosmap", runRosmapExport},
-      {"geojson", runGeojsonExport}};
+      {"kitti-odometry", runExport}, {"map", runMapExport},        {"mcap", runMcapExport},
+      {"tum", runTumExport},         {"kitti", runKittiExport},    {"ply", runPlyExport},
+      {"rosmap", runRosmapExport},   {"geojson", runGeojsonExport}};
   return headway::program::run("headway-export", [&] {
     std::vector<std::string> names;
     for (const auto& [name, command] : commands) names.push_back(name);

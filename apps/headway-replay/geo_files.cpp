@@ -53,10 +53,16 @@ Json rowsOf(const Eigen::MatrixXd& matrix) {
 }  // namespace
 
 GeoSummary georeferenced(const GnssLog& log, const TrajectoryVisit& visit) {
-  GeoSummary summary;
-  summary.fixes = log.added();
   const auto fixes = fixesOnMap(log.fixes(), visit);
+  GeoSummary summary = georeferenced(fixes);
+  summary.fixes = log.added();
   summary.without_pose = log.fixes().size() - std::min(fixes.size(), log.fixes().size());
+  return summary;
+}
+
+GeoSummary georeferenced(const std::vector<geo::FixOnMap>& fixes) {
+  GeoSummary summary;
+  summary.fixes = fixes.size();
   auto result = geo::georeference(fixes);
   if (const auto* none = std::get_if<geo::NoGeoreference>(&result)) {
     summary.reason = none->reason;

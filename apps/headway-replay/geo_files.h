@@ -22,6 +22,9 @@ struct GeoSummary {
 /// Places a run's map on the earth.
 [[nodiscard]] GeoSummary georeferenced(const GnssLog& log, const TrajectoryVisit& visit);
 
+/// The same by fixes with their positions on the map.
+[[nodiscard]] GeoSummary georeferenced(const std::vector<geo::FixOnMap>& fixes);
+
 /// One line for the end of a run.
 [[nodiscard]] std::string describe(const GeoSummary& summary);
 

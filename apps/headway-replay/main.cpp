@@ -5,9 +5,25 @@
 
 #include "check_model.h"
 #include "continuation.h"
+#include "recordings.h"
 #include "replay.h"
 
 using headway::program::CommandLine;
+
+namespace {
+
+void replayOne(const headway::replay::Options& options,
+               const headway::pipeline::PerceptionParams& perception_params,
+               const headway::Params& params) {
+  headway::replay::Replay replay(options, perception_params, params);
+  replay.run();
+  if (options.quiet) return;
+  headway::replay::printSummary(replay.summary());
+  for (const auto& picture : replay.pictures()) std::printf("picture: %s\n", picture.c_str());
+  std::printf("report: %s/report.html\n", options.output.c_str());
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   return headway::program::run("headway-replay", [&] {
@@ -38,12 +54,11 @@ int main(int argc, char** argv) {
     if (!options.detector.empty()) perception_params.detection.detector = options.detector;
 
     headway::program::catchInterrupts();
-    headway::replay::Replay replay(options, perception_params, params);
-    replay.run();
-    if (!options.quiet) {
-      headway::replay::printSummary(replay.summary());
-      for (const auto& picture : replay.pictures()) std::printf("picture: %s\n", picture.c_str());
-      std::printf("report: %s/report.html\n", options.output.c_str());
+    if (options.inputs.size() > 1) {
+      headway::replay::Recordings(options, perception_params, params).run();
+    } else {
+      if (!options.inputs.empty()) options.input = options.inputs.front();
+      replayOne(options, perception_params, params);
     }
     return headway::program::kDone;
   });

@@ -4,11 +4,13 @@
 #include <headway/pipeline/detection_stage.h>
 
 #include <filesystem>
+#include <set>
 
 namespace headway::replay {
 
 void describe(Options& options, program::CommandLine& line) {
-  line.option(options.input, 'i', "input", "IN.rawlog", "Rawlog to replay");
+  line.option(options.inputs, 'i', "input", "IN.rawlog",
+              "Rawlog to replay; repeatable: several recordings get one map, and a folder each");
   line.option(options.output, 'o', "output", "OUTDIR", "Folder for all results");
   line.option(options.detections, 0, "detections", "FILE",
               "Boxes per frame (KITTI or CSV) that replace the recorded ones");
@@ -38,7 +40,7 @@ void describe(Options& options, program::CommandLine& line) {
 namespace {
 
 void checkContinued(const Options& options) {
-  const bool has_others = !options.input.empty() || !options.output.empty() ||
+  const bool has_others = !options.inputs.empty() || !options.output.empty() ||
                           !options.detections.empty() || !options.detector.empty() ||
                           !options.load_map.empty() || !options.sensor_label.empty() ||
                           options.realtime != 0.0 || options.from_index || options.to_index ||
@@ -50,20 +52,42 @@ void checkContinued(const Options& options) {
   }
 }
 
+/// Options that mean one recording.
+void checkSeveral(const Options& options) {
+  const auto refuse = [](bool is_given, const char* option, const char* reason) {
+    if (!is_given) return;
+    throw program::UsageError(std::string(option) +
+                              ": takes one recording, and here are several: " + reason);
+  };
+  refuse(!options.detections.empty(), "--detections", "its frames are those of one recording");
+  refuse(!options.truth.empty(), "--truth", "it belongs to one recording");
+  refuse(options.from_index.has_value(), "--from-index", "frames are counted in each of them");
+  refuse(options.to_index.has_value(), "--to-index", "frames are counted in each of them");
+  refuse(!options.load_map.empty(), "--load-map",
+         "give the recordings of the map as further -i, or replay one after the other");
+  std::set<std::filesystem::path> files;
+  for (const auto& input : options.inputs) {
+    if (!files.insert(std::filesystem::weakly_canonical(input)).second) {
+      throw program::UsageError("-i " + input + ": is given twice");
+    }
+  }
+}
+
 }  // namespace
 
 void check(const Options& options) {
   using program::UsageError;
   if (!options.check_model.empty()) {
-    if (options.input.empty() && options.output.empty() && options.continued.empty()) return;
+    if (options.inputs.empty() && options.output.empty() && options.continued.empty()) return;
     throw UsageError("--check-model runs on a bundled frame: leave out -i, -o and --continue");
   }
   if (!options.continued.empty()) {
     checkContinued(options);
-  } else if (options.input.empty() || options.output.empty()) {
-    throw UsageError(std::string(options.input.empty() ? "-i/--input" : "-o/--output") +
+  } else if (options.inputs.empty() || options.output.empty()) {
+    throw UsageError(std::string(options.inputs.empty() ? "-i/--input" : "-o/--output") +
                      ": is required (--help shows the options)");
   }
+  if (options.inputs.size() > 1) checkSeveral(options);
   if (!options.detector.empty()) {
     try {
       pipeline::checkDetectorNames(options.detector);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace headway::replay {
 
@@ -13,8 +14,10 @@ struct Continuation;  // see continuation.h
 /// Command-line options of a replay.
 struct Options {
   std::string program = "headway-replay";  ///< name in messages
-  std::string input;                       ///< rawlog
+  std::vector<std::string> inputs;         ///< rawlogs; several of them get one map
+  std::string input;                       ///< rawlog of the run, one of them
   std::string output;                      ///< folder
+  std::string published;                   ///< where it will be in the end; empty: `output`
   std::string detections;                  ///< side file of boxes; empty: recorded boxes
   std::string detector;     ///< pipeline::DetectionParams::detector; empty: as configured
   std::string load_map;     ///< map file to continue; empty: new map

@@ -119,34 +119,18 @@ Replay::Replay(const Options& options, std::unique_ptr<FrameInput> input,
   writeRecord(perception_params.detection, params);
 }
 
-void Replay::run() {
-  std::exception_ptr failure;
+void Replay::process() {
   try {
     processAll();
   } catch (...) {
-    failure = std::current_exception();
+    failure_ = std::current_exception();
   }
   collectWarnings(last_frame_, true);
   if (source_->truncation()) summary_.ended_early = source_->truncation();
   if (program::interrupted()) summary_.ended_early = "interrupted";
-  if (failure) summary_.ended_early = textOf(failure);
-  try {
-    finish();
-  } catch (...) {
-    if (!failure) failure = std::current_exception();
-  }
-  if (failure && folder_.hasOldResults()) {
-    throw InputError(textOf(failure) + "; the old results in " + folder_.published().string() +
-                     " remain, the new ones up to frame " + std::to_string(last_frame_) +
-                     " are in " + folder_.path().string());
-  }
-  if (failure) std::rethrow_exception(failure);
-  folder_.publish();
-  requireTrackedFrames();
-  if (source_->truncation()) {
-    throw InputError(*source_->truncation() + "; the part before was processed and written to " +
-                     folder_.published().string());
-  }
+  if (failure_) summary_.ended_early = textOf(failure_);
+  endCheckpoint();  // its files are replaced
+  perception_->finish();
 }
 
 void Replay::processAll() {
@@ -163,7 +147,7 @@ void Replay::processAll() {
       dropped_repeated = feed->dropped();
       continue;
     }
-    process(*frame, source_->progress());
+    processFrame(*frame, source_->progress());
     if (checkpoint_.isDue()) writeCheckpoint();
     progress.update(summary_.frame_ms.count(), source_->progress());
   }
@@ -181,7 +165,7 @@ Pose Replay::robotFromCamera() const {
   return camera_ != nullptr ? camera_->T_robot_cam : robotFromOptical();
 }
 
-void Replay::process(const RecordedFrame& frame, double progress) {
+void Replay::processFrame(const RecordedFrame& frame, double progress) {
   const double cpu_before = processorSeconds();
   StageTimes span;
   const auto watch = span.watch("frame");

@@ -4,6 +4,7 @@
 #include <headway/program/output_folder.h>
 #include <headway/report/page_images.h>
 
+#include <exception>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -56,17 +57,37 @@ class Replay {
   /// Prints a warning that is no part of the summary.
   void warn(const std::string& text) const;
 
-  /// Processes all frames. @throws InputError after writing the results computed so far
-  void run();
+  /// Processes all frames and writes the results.
+  ///
+  /// @throws InputError after writing the results computed so far
+  void run() {
+    process();
+    complete();
+  }
+
+  /// The first half of run(): processes all frames. An error is kept for complete().
+  void process();
+  /// The second half: writes the results. @throws as run()
+  void complete();
+  /// Between both: the beginning of the run's map was moved (pipeline::joinMaps()), so that what
+  /// was written frame by frame must be moved, too.
+  void moveInto(const Pose& T_map_run);
 
   [[nodiscard]] const Summary& summary() const { return summary_; }
   [[nodiscard]] const pipeline::Perception& perception() const { return *perception_; }
+  [[nodiscard]] pipeline::Perception& perception() { return *perception_; }
+  [[nodiscard]] const GnssLog& gnss() const { return gnss_; }
   /// Pictures in the folder of results.
   [[nodiscard]] std::vector<std::filesystem::path> pictures() const;
 
  private:
+  /// Folder where the results are in the end.
+  [[nodiscard]] std::filesystem::path published() const {
+    if (options_.published.empty()) return folder_.published();
+    return options_.published;
+  }
   void processAll();
-  void process(const RecordedFrame& frame, double progress);
+  void processFrame(const RecordedFrame& frame, double progress);
   [[nodiscard]] pipeline::PerceptionUpdate processed(const RecordedFrame& frame);
   void applySideDetections(RecordedFrame& frame) const;
   [[nodiscard]] Pose robotFromCamera() const;
@@ -116,6 +137,8 @@ class Replay {
   GnssLog gnss_;
   std::size_t last_frame_ = 0;  ///< index of the newest frame
   bool has_lost_image_ = false;
+  std::exception_ptr failure_;     ///< of process()
+  std::optional<Pose> T_map_run_;  ///< see moveInto()
   FrameCallback on_frame_;
   double retrack_time_s_;
   std::size_t dropped_before_ = 0;         ///< frames that were late in a run that is continued

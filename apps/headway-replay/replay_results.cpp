@@ -1,9 +1,8 @@
 // What a run leaves: the parts of Replay that write its results, at checkpoints and at its end.
 #include <headway/core/error.h>
 #include <headway/core/printable.h>
-#include <headway/map/map_export.h>
 #include <headway/map/map_file.h>
-#include <headway/map/static_grid.h>
+#include <headway/map/map_files.h>
 #include <headway/program/picture_files.h>
 #include <headway/program/truth_report.h>
 #include <headway/report/replay_page.h>
@@ -12,6 +11,8 @@
 #include <optional>
 
 #include "continuation.h"
+#include "messages.h"
+#include "moved_results.h"
 #include "replay.h"
 #include "trajectory_records.h"
 
@@ -63,9 +64,32 @@ void Replay::writeRecord(const pipeline::DetectionParams& detection, const Param
   }
 }
 
+void Replay::moveInto(const Pose& T_map_run) {
+  T_map_run_ = T_map_run;
+  snapshots_.move(T_map_run);
+}
+
+void Replay::complete() {
+  try {
+    finish();
+  } catch (...) {
+    if (!failure_) failure_ = std::current_exception();
+  }
+  if (failure_ && folder_.hasOldResults()) {
+    throw InputError(textOf(failure_) + "; the old results in " + published().string() +
+                     " remain, the new ones up to frame " + std::to_string(last_frame_) +
+                     " are in " + folder_.path().string());
+  }
+  if (failure_) std::rethrow_exception(failure_);
+  folder_.publish();
+  requireTrackedFrames();
+  if (source_->truncation()) {
+    throw InputError(*source_->truncation() + "; the part before was processed and written to " +
+                     published().string());
+  }
+}
+
 void Replay::finish() {
-  endCheckpoint();  // its files are replaced
-  perception_->finish();
   std::exception_ptr failure;  // the first failure; the other files are written nevertheless
   const auto attempt = [&failure](const auto& step) {
     try {
@@ -77,6 +101,7 @@ void Replay::finish() {
   attempt([&] {
     writers_.writeSmoothed(perception_->flush());
     writers_.finish();
+    if (T_map_run_) moveOnlineResults(folder_.path(), *T_map_run_);
   });
   attempt([&] { writeTrajectory(); });
   if (!failure) attempt([&] { writeGeoFiles(); });
@@ -98,7 +123,7 @@ void Replay::finish() {
 std::vector<std::filesystem::path> Replay::pictures() const {
   std::vector<std::filesystem::path> pictures;
   for (const auto& name : snapshots_.written()) {
-    pictures.push_back(folder_.published() / "snapshots" / name);
+    pictures.push_back(published() / "snapshots" / name);
   }
   return pictures;
 }
@@ -159,16 +184,12 @@ void Replay::writeMap() {
   if (summary_.frames == 0) return;
   map::StoredMap stored = perception_->stored();
   stored.configuration = configuration_;
-  if (const auto grid = stored.map.staticGrid())
-    map::writeStaticGrid(folder_.path() / "map_grid", *grid);
-  map::writeSimpleMap(folder_.path() / "map.simplemap", *stored.map.staticMap());
-  map::writePly(folder_.path() / "map_points.ply", *stored.map.staticMap());
-  map::saveMap(folder_.path() / "map.headway", std::move(stored));
+  map::writeMapFiles(folder_.path(), std::move(stored));
 }
 
 void Replay::writePages() {
   const auto note = [this](const std::string& text) { warn(text); };
-  program::writeTruthReport(folder_.path(), options_.truth, {}, titleOf(folder_.published()), note);
+  program::writeTruthReport(folder_.path(), options_.truth, {}, titleOf(published()), note);
   if (summary_.frames_tracked == 0) return;  // no trajectory to show
   report::ReplayPageOptions page;
   page.truth = options_.truth;

@@ -83,6 +83,11 @@ void Snapshots::draw(const pipeline::Perception& perception) {
   written_.emplace_back(name);
 }
 
+void Snapshots::move(const Pose& T_map_run) {
+  for (auto& pose : path_) pose.value = T_map_run * pose.value;
+  T_map_robot_ = T_map_run * T_map_robot_;
+}
+
 void Snapshots::finish(const pipeline::Perception& perception) {
   if (!last_) return;
   if (count_ > 0 && written_.empty()) draw(perception);

@@ -29,6 +29,9 @@ class Snapshots {
   void add(const pipeline::Perception& perception, const pipeline::PerceptionUpdate& update,
            const RecordedFrame& frame, double progress);
 
+  /// The map is moved, and the way in it: what is drawn from now on follows.
+  void move(const Pose& T_map_run);
+
   /// Writes scene.3Dscene of the latest frame.
   void finish(const pipeline::Perception& perception);
 

@@ -386,5 +386,28 @@ TEST(StaticGridParamsTest, OutOfRangeAreRefusedByTheGrid) {
             test::inputErrorOf([&] { StaticGrid grid(values); }));
 }
 
+TEST(StaticGridTest, AddsTheScansOfAnotherGridWithItsKeyframes) {
+  const auto poses = driveForward();
+  StaticGrid grid = drivePast({poses[0], poses[1]});
+  StaticGrid other({});
+  other.follow({keyframeAt(3, poses[6])});
+  other.add(poses[6], wallSeenFrom(poses[6]));
+  grid.add(other, 10);
+  EXPECT_LT(grid.grid()->getPos(10.1f, 3.0f), drivePast({poses[0]}).grid()->getPos(10.1f, 3.0f));
+  grid.follow({keyframeAt(13, poseAt(0.0, 20.0) * poses[6])});
+  EXPECT_LT(grid.grid()->getPos(10.1f, 23.0f), 0.35f) << "its scan follows its keyframe";
+}
+
+TEST(StaticGridTest, CroppedItKnowsNothingOutside) {
+  StaticGrid grid = drivePast(driveForward());
+  grid.crop({Eigen::Vector2d(-1.0, -3.0), Eigen::Vector2d(8.0, 3.0)});
+  const auto cells = grid.grid();
+  EXPECT_GT(cells->getPos(7.1f, 2.1f), 0.75f) << "before the wall";
+  EXPECT_FLOAT_EQ(cells->getPos(10.1f, 2.1f), COccupancyGridMap2D::l2p(0)) << "the wall";
+  StaticGrid loaded({});
+  loaded.load(grid.save());
+  EXPECT_EQ(0, differences(cellsOf(*cells), cellsOf(*loaded.grid())));
+}
+
 }  // namespace
 }  // namespace headway::map

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <utility>
+
 namespace headway::slam {
 namespace {
 
@@ -66,6 +68,20 @@ TEST_F(SparseMapTest, RemovingAKeyframeLeavesNoTraceOfIt) {
 TEST_F(SparseMapTest, IdsAreNeverUsedAgain) {
   map_.removeLandmark(landmarks_[2]);
   EXPECT_NE(map_.addLandmark(Eigen::Vector3d::Zero(), keyframes_[2], {}).id, landmarks_[2]);
+}
+
+TEST_F(SparseMapTest, FusedLandmarksAreSeenByTheKeyframesOfBoth) {
+  const auto other = addKeyframe(3);
+  const auto same = map_.addLandmark(Eigen::Vector3d::Zero(), other, {}).id;
+  EXPECT_TRUE(map_.fuse(landmarks_[0], same));
+  EXPECT_EQ(std::as_const(map_).find(same), nullptr);
+  EXPECT_THAT(map_.keyframe(other).landmarks, ElementsAre(landmarks_[0]));
+  EXPECT_EQ(map_.find(landmarks_[0])->observations.size(), 4U);
+}
+
+TEST_F(SparseMapTest, LandmarksThatOneKeyframeSeesBothAreNotFused) {
+  EXPECT_FALSE(map_.fuse(landmarks_[0], landmarks_[1]));
+  EXPECT_EQ(map_.find(landmarks_[1])->observations.size(), 2U);
 }
 
 }  // namespace

@@ -134,6 +134,13 @@ void CommandLine::option(std::optional<std::size_t>& target, char short_name,
   });
 }
 
+void CommandLine::option(std::vector<std::string>& target, char short_name, const std::string& name,
+                         const std::string& type, const std::string& meaning) {
+  auto arg = std::make_shared<TCLAP::MultiArg<std::string>>(shortFlag(short_name), name, meaning,
+                                                            false, type, arguments_->line);
+  arguments_->keep(arg, [arg, &target] { target = arg->getValue(); });
+}
+
 void CommandLine::parameters(Params& params) {
   params_ = &params;
   auto configs = std::make_shared<TCLAP::MultiArg<std::string>>(

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "evidence_grid.h"
+#include "ground_scan_crop.h"
 #include "stored_values.h"
 
 namespace headway::map {
@@ -91,11 +92,36 @@ void StaticGrid::add(const Pose& T_map_robot, GroundScan scan) {
   stored.T_map_robot = T_map_robot;
   stored.scan = std::move(scan);
   attachToNearestKeyframe(stored);
-  const bool is_stored = same_place != scans_.end();
-  auto& kept = scans_[place];
-  if (is_stored) evidence_->remove(kept.scan, kept.T_map_robot);
-  kept = std::move(stored);
-  enter(kept);
+  replace(place, std::move(stored));
+}
+
+void StaticGrid::add(const StaticGrid& other, std::int64_t keyframe_shift) {
+  for (const auto& [place, scan] : other.scans_) {
+    StoredScan stored = scan;
+    if (stored.anchor.valid()) stored.anchor.value += keyframe_shift;
+    const Place here = placeOf(stored.T_map_robot);
+    replace(here, std::move(stored));
+  }
+}
+
+void StaticGrid::crop(const Eigen::AlignedBox2d& area) {
+  StaticGrid inside(params_);
+  for (auto& [place, stored] : scans_) {
+    const Eigen::Vector2d at = stored.T_map_robot.translation().head<2>();
+    if (!area.contains(at)) continue;
+    StoredScan cut = std::move(stored);
+    cut.scan = cropped(cut.scan, cut.T_map_robot, area);
+    inside.replace(place, std::move(cut));
+  }
+  inside.keyframes_ = std::move(keyframes_);
+  *this = std::move(inside);
+}
+
+void StaticGrid::replace(const Place& place, StoredScan stored) {
+  const auto [kept, is_new] = scans_.try_emplace(place);
+  if (!is_new) evidence_->remove(kept->second.scan, kept->second.T_map_robot);
+  kept->second = std::move(stored);
+  enter(kept->second);
 }
 
 void StaticGrid::enter(const StoredScan& stored) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <opencv2/core/hal/hal.hpp>
 #include <opencv2/features2d.hpp>
 
 #include "keypoints.h"
@@ -106,6 +107,10 @@ std::vector<DescribedPoint> detectAndDescribe(const cv::Mat& image, int count,
   }
   addSpreadCorners(image, count, excluded, points);
   return points;
+}
+
+int distance(const Descriptor& a, const Descriptor& b) {
+  return cv::hal::normHamming(a.data(), b.data(), static_cast<int>(a.size()));
 }
 
 std::vector<std::pair<int, int>> matchDescriptors(const std::vector<Descriptor>& a,

@@ -13,6 +13,9 @@ namespace headway::slam {
 /// @see Rublee et al. 2011, "ORB: an efficient alternative to SIFT or SURF"
 using Descriptor = std::array<std::uint8_t, 32>;
 
+/// Bits in which two descriptors differ.
+[[nodiscard]] int distance(const Descriptor& a, const Descriptor& b);
+
 /// A corner with its descriptor.
 struct DescribedPoint {
   Eigen::Vector2d uv = Eigen::Vector2d::Zero();  ///< [px], level 0

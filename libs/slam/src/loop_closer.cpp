@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
-#include <numeric>
 
+#include "disjoint_sets.h"
 #include "relocaliser.h"
 
 namespace headway::slam {
@@ -28,26 +28,24 @@ std::vector<Descriptor> descriptorsOf(const std::vector<DescribedPoint>& points)
   return descriptors;
 }
 
-/// Disjoint sets of keyframes (union-find).
+/// Disjoint sets of keyframes.
 class KeyframeGroups {
  public:
   explicit KeyframeGroups(const std::map<KeyframeId, Keyframe>& keyframes)
-      : parent_(keyframes.size()) {
+      : sets_(keyframes.size()) {
     for (const auto& [id, keyframe] : keyframes) ids_.push_back(id);
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
   }
   /// A number that all keyframes of one set have in common.
-  [[nodiscard]] std::size_t of(KeyframeId id) {
-    auto at =
-        static_cast<std::size_t>(std::lower_bound(ids_.begin(), ids_.end(), id) - ids_.begin());
-    while (parent_[at] != at) at = parent_[at] = parent_[parent_[at]];
-    return at;
-  }
-  void join(KeyframeId a, KeyframeId b) { parent_[of(b)] = of(a); }
+  [[nodiscard]] std::size_t of(KeyframeId id) { return sets_.of(indexOf(id)); }
+  void join(KeyframeId a, KeyframeId b) { sets_.join(indexOf(a), indexOf(b)); }
 
  private:
+  [[nodiscard]] std::size_t indexOf(KeyframeId id) const {
+    return static_cast<std::size_t>(std::lower_bound(ids_.begin(), ids_.end(), id) - ids_.begin());
+  }
+
   std::vector<KeyframeId> ids_;  ///< ascending
-  std::vector<std::size_t> parent_;
+  DisjointSets sets_;
 };
 
 /// Keyframes that no chain of shared landmarks connects to the newest one, so that their distance

@@ -93,10 +93,17 @@ std::vector<PoseGraphEdge> edgesOf(const std::map<KeyframeId, Keyframe>& keyfram
 
 std::map<KeyframeId, Pose> posesWithLoop(const std::map<KeyframeId, Keyframe>& keyframes,
                                          const ClosedLoop& loop) {
+  return posesWithLoops(keyframes, {loop});
+}
+
+std::map<KeyframeId, Pose> posesWithLoops(const std::map<KeyframeId, Keyframe>& keyframes,
+                                          const std::vector<ClosedLoop>& loops) {
   auto edges = edgesOf(keyframes);
-  PoseGraphEdge closing = edgeBetween(keyframes.at(loop.old), keyframes.at(loop.newest));
-  closing.T_a_b = loop.T_old_newest;
-  edges.push_back(closing);
+  for (const ClosedLoop& loop : loops) {
+    PoseGraphEdge closing = edgeBetween(keyframes.at(loop.old), keyframes.at(loop.newest));
+    closing.T_a_b = loop.T_old_newest;
+    edges.push_back(closing);
+  }
   std::map<KeyframeId, Pose> poses;
   for (const auto& [id, keyframe] : keyframes) poses[id] = keyframe.T_map_cam;
   return optimisePoseGraph(poses, edges);

@@ -31,6 +31,10 @@ struct ClosedLoop {
 [[nodiscard]] std::map<KeyframeId, Pose> posesWithLoop(
     const std::map<KeyframeId, Keyframe>& keyframes, const ClosedLoop& loop);
 
+/// The same after several loops; their landmarks are not used.
+[[nodiscard]] std::map<KeyframeId, Pose> posesWithLoops(
+    const std::map<KeyframeId, Keyframe>& keyframes, const std::vector<ClosedLoop>& loops);
+
 /// Replaces the keyframes' poses and moves landmarks with their reference keyframes.
 void applyCorrection(const std::map<KeyframeId, Pose>& corrected, SparseMap& map);
 

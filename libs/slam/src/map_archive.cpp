@@ -1,6 +1,7 @@
 #include "map_archive.h"
 
 #include <headway/core/byte_archive.h>
+#include <headway/core/camera_difference.h>
 #include <headway/core/error.h>
 
 #include <cmath>
@@ -32,27 +33,6 @@ StereoCamera readCamera(ByteReader& in) {
     *x = in.finiteValue<double>();
   }
   return camera;
-}
-
-std::string textOf(const StereoCamera& camera) {
-  char text[160];
-  std::snprintf(text, sizeof text, "%dx%d px, f %.2f %.2f px, centre %.2f %.2f px, baseline %.4f m",
-                camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy,
-                camera.baseline_m);
-  return text;
-}
-
-void requireSame(const StereoCamera& recorded, const StereoCamera& camera) {
-  constexpr double kTolerance = 1e-3;  ///< relative: a calibration read back from another file
-  const auto near = [](double a, double b) { return std::abs(a - b) <= kTolerance * std::abs(b); };
-  const bool same = recorded.width == camera.width && recorded.height == camera.height &&
-                    near(recorded.fx, camera.fx) && near(recorded.fy, camera.fy) &&
-                    near(recorded.cx, camera.cx) && near(recorded.cy, camera.cy) &&
-                    near(recorded.baseline_m, camera.baseline_m);
-  if (!same) {
-    throw InputError("it was made with another camera (" + textOf(recorded) + "; here " +
-                     textOf(camera) + "); use rawlogs of one camera");
-  }
 }
 
 void write(ByteWriter& out, const Keyframe& keyframe) {
@@ -192,7 +172,8 @@ std::string packMap(const SparseMap& map, const StereoCamera& camera) {
   return collected(mapBytes(map, camera));
 }
 
-SparseMap unpackMap(const std::string& bytes, const std::optional<StereoCamera>& camera) {
+SparseMap unpackMap(const std::string& bytes, const std::optional<StereoCamera>& camera,
+                    StereoCamera* made_by) {
   ByteReader in(bytes);
   if (in.value<std::uint32_t>() != kMagic)
     throw InputError("the static map in it is no map of headway's slam");
@@ -202,7 +183,13 @@ SparseMap unpackMap(const std::string& bytes, const std::optional<StereoCamera>&
                      ", this program reads version " + std::to_string(kVersion));
   }
   const StereoCamera recorded = readCamera(in);
-  if (camera) requireSame(recorded, *camera);
+  if (camera) {
+    if (const auto difference = differenceBetween(recorded, *camera)) {
+      throw InputError("it was made with another camera (" + *difference +
+                       "); use rawlogs of one camera");
+    }
+  }
+  if (made_by != nullptr) *made_by = recorded;
   const double disparity_offset_px = in.finiteValue<double>();
   const auto keyframes = in.list<Keyframe>(readKeyframe);
   const auto landmarks = in.list<Landmark>(readLandmark);

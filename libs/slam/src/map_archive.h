@@ -22,9 +22,11 @@ namespace headway::slam {
 /// Reads what packMap wrote.
 ///
 /// @param camera  that is going to use the map; empty: any
+/// @param made_by  gets the camera of the map, without its pose on the robot; null: not wanted
 /// @throws InputError if the bytes are cut off, damaged, of another version, or the map was made
 ///         with another camera
 [[nodiscard]] SparseMap unpackMap(const std::string& bytes,
-                                  const std::optional<StereoCamera>& camera);
+                                  const std::optional<StereoCamera>& camera,
+                                  StereoCamera* made_by = nullptr);
 
 }  // namespace headway::slam

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/core/hal/hal.hpp>
 #include <random>
 #include <utility>
 
@@ -10,10 +9,6 @@ namespace headway::slam {
 namespace {
 
 constexpr int kNear = 50;  ///< bits in which two views of one corner differ, at most
-
-int distance(const Descriptor& a, const Descriptor& b) {
-  return cv::hal::normHamming(a.data(), b.data(), static_cast<int>(a.size()));
-}
 
 }  // namespace
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 namespace headway::slam {
 namespace {
@@ -119,6 +120,18 @@ void SparseMap::removeLandmark(LandmarkId landmark) {
     eraseSorted(keyframe(observation.keyframe).landmarks, landmark);
   }
   landmarks_.erase(landmark);
+}
+
+bool SparseMap::fuse(LandmarkId kept, LandmarkId gone) {
+  const auto observations = std::as_const(*this).find(gone)->observations;
+  const bool sees_both = std::any_of(observations.begin(), observations.end(), [&](const auto& o) {
+    const auto& seen = keyframes_.at(o.keyframe).landmarks;
+    return std::binary_search(seen.begin(), seen.end(), kept);
+  });
+  if (sees_both) return false;
+  removeLandmark(gone);
+  for (const auto& [keyframe, measurement] : observations) observe(keyframe, kept, measurement);
+  return true;
 }
 
 void SparseMap::removeKeyframe(KeyframeId keyframe) {

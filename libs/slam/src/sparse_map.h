@@ -112,6 +112,10 @@ class SparseMap {
   /// Removes an observation, and the landmark with its last one (or with its reference's).
   void removeObservation(KeyframeId keyframe, LandmarkId landmark);
   void removeLandmark(LandmarkId landmark);
+  /// Makes one landmark of two: `gone` is removed, and its observations become those of `kept`.
+  ///
+  /// @return false, and no change, if a keyframe observes both, so that they cannot be the same
+  bool fuse(LandmarkId kept, LandmarkId gone);
   /// Removes a keyframe and the landmarks that no other keyframe observes. Landmarks whose
   /// reference it was get the nearest keyframe that observes them.
   void removeKeyframe(KeyframeId keyframe);

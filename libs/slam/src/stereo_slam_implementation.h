@@ -48,6 +48,10 @@ class StereoSlam::Implementation {
     applyCorrectionToMotion(adjuster_.finish(map_));
   }
   void load(const std::string& bytes);
+  void correct(const KeyframePoses& poses);
+  [[nodiscard]] const SparseMap& sparseMap() const { return map_; }
+  [[nodiscard]] const StereoCamera& camera() const { return *camera_; }
+  [[nodiscard]] const SlamParams& params() const { return params_; }
   void setTrajectoryLog(TrajectoryLog log) { trajectory_.setLog(std::move(log)); }
   [[nodiscard]] std::string saveRun() const;
   void loadRun(const std::string& bytes, const TrajectoryReader& trajectory);

@@ -1,7 +1,11 @@
-// The parts of StereoSlam that store a run and continue it.
+// The parts of StereoSlam that store a run, continue it, and join it with others.
 #include <headway/core/byte_archive.h>
+#include <headway/core/camera_difference.h>
 #include <headway/core/error.h>
+#include <headway/slam/joint_map.h>
 
+#include "joint_sparse_map.h"
+#include "loop_correction.h"
 #include "pose_covariance.h"
 #include "stereo_slam_implementation.h"
 
@@ -71,6 +75,48 @@ SlamUpdate StereoSlam::Implementation::repeat(const stereo::FrameContext& contex
   previous_ = std::move(current);
   return update;
 }
+
+void StereoSlam::Implementation::correct(const KeyframePoses& poses) {
+  adjuster_.abandon();
+  loops_.abandon();
+  if (reference_) {
+    const Pose T_reference_cam =
+        map_.keyframe(*reference_).T_map_cam.inverse(Eigen::Isometry) * motion_.last();
+    motion_.correct(normalized(Pose(poses.at(*reference_) * T_reference_cam)));
+  }
+  applyCorrection(poses, map_);
+}
+
+std::vector<JointMap> joinMaps(const std::vector<const StereoSlam*>& runs) {
+  std::vector<const SparseMap*> maps;
+  const auto& first = runs.front()->implementation_;
+  for (const StereoSlam* run : runs) {
+    if (const auto difference =
+            differenceBetween(run->implementation_->camera(), first->camera())) {
+      throw InputError("the runs have different cameras: " + *difference);
+    }
+    maps.push_back(&run->implementation_->sparseMap());
+  }
+  std::vector<JointMap> result;
+  for (const auto& group : joinSparseMaps(maps, first->camera(), first->params())) {
+    JointMap& joint = result.emplace_back();
+    joint.links = group.links;
+    for (std::size_t i = 0; i < group.members.size(); ++i) {
+      JointMember& member = joint.members.emplace_back();
+      member.run = group.members[i];
+      member.keyframe_shift = group.shifts[i];
+      for (const auto& [id, keyframe] : maps[member.run]->keyframes()) {
+        const KeyframeId here{id.value + member.keyframe_shift};
+        member.poses[id] = group.map.keyframe(here).T_map_cam;
+      }
+    }
+    joint.saved = mapBytes(group.map, first->camera());
+    joint.view = makeMapView(group.map, first->camera().T_robot_cam.inverse(Eigen::Isometry));
+  }
+  return result;
+}
+
+void StereoSlam::correct(const KeyframePoses& poses) { implementation_->correct(poses); }
 
 void StereoSlam::setTrajectoryLog(TrajectoryLog log) {
   implementation_->setTrajectoryLog(std::move(log));

@@ -46,6 +46,9 @@ class CommandLine {
               const std::string& meaning);
   void option(std::optional<std::size_t>& target, char short_name, const std::string& name,
               const std::string& type, const std::string& meaning);
+  /// May be given several times.
+  void option(std::vector<std::string>& target, char short_name, const std::string& name,
+              const std::string& type, const std::string& meaning);
   /// Adds -c, --set, --dump-config and --expert; `params` must outlive parse().
   void parameters(Params& params);
   /// Calls back when the configuration files are loaded, before --set is applied.

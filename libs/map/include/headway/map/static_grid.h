@@ -6,6 +6,7 @@
 #include <mrpt/maps/COccupancyGridMap2D.h>
 
 #include <array>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
@@ -59,6 +60,13 @@ class StaticGrid {
   /// robot drove over since the previous scan is free if the two are less than 5 m apart.
   void add(const Pose& T_map_robot, GroundScan scan);
 
+  /// Adds the scans of another grid, whose keyframes have ids greater by `keyframe_shift` in the
+  /// map of this one. Of two scans from the same place and direction the other grid's remains.
+  void add(const StaticGrid& other, std::int64_t keyframe_shift);
+
+  /// Removes the scans from outside of a rectangle, and of the others what lies outside.
+  void crop(const Eigen::AlignedBox2d& area);
+
   /// Enters the footprint at the newest pose, in place of the one before.
   void standAt(const Pose& T_map_robot);
 
@@ -91,6 +99,8 @@ class StaticGrid {
 
   [[nodiscard]] StaticGrid loaded(const std::string& bytes) const;
   [[nodiscard]] Place placeOf(const Pose& T_map_robot) const;
+  /// Stores and enters a scan in place of the one from the same place and direction.
+  void replace(const Place& place, StoredScan stored);
   void enter(const StoredScan& stored);
   void setKeyframes(const SharedChunks<slam::KeyframeView>& keyframes);
   /// Pose by the anchor's present pose; nullopt if it has hardly changed.

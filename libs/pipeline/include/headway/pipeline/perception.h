@@ -76,6 +76,8 @@ struct PerceptionUpdate {
   objects::TrackUpdate objects;          ///< with the dropped detections by reason
 };
 
+struct JointMap;  // see joint_map.h
+
 /// The complete pipeline: frame -> detectors -> slam -> detectors -> objects -> map.
 ///
 /// Synchronous and deterministic: same frames and parameters, same results. Robot programs and the
@@ -187,6 +189,8 @@ class Perception {
   [[nodiscard]] StageTimes times() const;
 
  private:
+  friend std::vector<JointMap> joinMaps(const std::vector<Perception*>& runs);
+  [[nodiscard]] Pose moveInto(const slam::KeyframePoses& poses);
   void load(const map::StoredMap& stored);
   /// Ends the repetition of a run that is continued, at its first new frame.
   void endRepetition();

@@ -9,6 +9,7 @@
 #include <headway/stereo/frame_context.h>
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -81,6 +82,11 @@ struct SlamUpdate {
                                    ///< those of an earlier one whose search has ended
   bool map_corrected = false;  ///< a loop found in the background moved the map before the frame
 };
+
+/// Poses of keyframes' cameras in a map, by id.
+using KeyframePoses = std::map<KeyframeId, Pose>;
+
+struct JointMap;  // see joint_map.h
 
 /// Localises a stereo camera and maps its static surroundings.
 ///
@@ -159,10 +165,16 @@ class StereoSlam {
   /// a recording. More frames may follow.
   void finish();
 
+  /// Replaces the poses of all keyframes; landmarks, trajectory and camera move with them.
+  ///
+  /// @param poses  of every keyframe of the map
+  void correct(const KeyframePoses& poses);
+
   /// Milliseconds of "slam_track" (features to pose) and "slam_map" (the rest), a frame each.
   [[nodiscard]] const StageTimes& times() const;
 
  private:
+  friend std::vector<JointMap> joinMaps(const std::vector<const StereoSlam*>& runs);
   class Implementation;
   std::unique_ptr<Implementation> implementation_;
 };

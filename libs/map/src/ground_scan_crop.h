@@ -1,0 +1,14 @@
+#pragma once
+
+#include <headway/core/ground_scan.h>
+#include <headway/core/pose.h>
+
+#include <Eigen/Geometry>
+
+namespace headway::map {
+
+/// What a scan contains within a rectangle of the map; segments are clipped.
+[[nodiscard]] GroundScan cropped(const GroundScan& scan, const Pose& T_map_robot,
+                                 const Eigen::AlignedBox2d& area);
+
+}  // namespace headway::map

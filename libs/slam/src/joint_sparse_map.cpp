@@ -1,0 +1,247 @@
+#include "joint_sparse_map.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "bundle_adjustment.h"
+#include "disjoint_sets.h"
+#include "loop_correction.h"
+
+namespace headway::slam {
+namespace {
+
+template <typename Id>
+Id shifted(Id id, std::int64_t by) {
+  id.value += by;
+  return id;
+}
+
+/// Puts maps side by side, with new ids.
+class MapCollector {
+ public:
+  /// @return id of each keyframe in the collection less its own id
+  std::int64_t add(const SparseMap& map) {
+    const std::int64_t shift = next_keyframe_;
+    const std::int64_t landmark_shift = next_landmark_;
+    for (const auto& [id, keyframe] : map.keyframes()) {
+      Keyframe& added = keyframes_.emplace_back(keyframe);
+      added.id = shifted(id, shift);
+      if (added.odometry) added.odometry->from = shifted(added.odometry->from, shift);
+      next_keyframe_ = added.id.value + 1;
+    }
+    for (const auto& [id, landmark] : map.landmarks()) {
+      Landmark& added = landmarks_.emplace_back(landmark);
+      added.id = shifted(id, landmark_shift);
+      added.reference = shifted(landmark.reference, shift);
+      for (auto& seen : added.observations) seen.keyframe = shifted(seen.keyframe, shift);
+      next_landmark_ = added.id.value + 1;
+    }
+    first_.push_back(KeyframeId{shift});
+    offset_sum_px_ += static_cast<double>(map.keyframes().size()) * map.disparityOffset();
+    return shift;
+  }
+
+  [[nodiscard]] SeparateMaps maps() const {
+    SeparateMaps maps{SparseMap(keyframes_, landmarks_), first_};
+    if (!keyframes_.empty()) {
+      maps.all.setDisparityOffset(offset_sum_px_ / static_cast<double>(keyframes_.size()));
+    }
+    return maps;
+  }
+
+ private:
+  std::vector<Keyframe> keyframes_;
+  std::vector<Landmark> landmarks_;
+  std::vector<KeyframeId> first_;
+  std::int64_t next_keyframe_ = 0;
+  std::int64_t next_landmark_ = 0;
+  double offset_sum_px_ = 0.0;
+};
+
+/// Indices of the maps in an order that depends on their contents only.
+std::vector<std::size_t> orderByContents(const std::vector<const SparseMap*>& maps) {
+  const auto key = [&maps](std::size_t at) {
+    const SparseMap& map = *maps[at];
+    if (map.keyframes().empty()) return std::tuple(0.0, 0.0, std::size_t{0}, 0.0, 0.0);
+    const Keyframe& last = map.keyframes().rbegin()->second;
+    return std::tuple(map.keyframes().begin()->second.time, last.time, map.landmarks().size(),
+                      last.T_map_cam.translation().x(), last.T_map_cam.translation().y());
+  };
+  std::vector<std::size_t> order(maps.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
+  return order;
+}
+
+/// Some of the maps; they keep their places and ids.
+SeparateMaps only(const std::vector<bool>& wanted, const SeparateMaps& maps) {
+  std::vector<Keyframe> keyframes;
+  std::vector<Landmark> landmarks;
+  for (const auto& [id, keyframe] : maps.all.keyframes()) {
+    if (wanted[maps.mapOf(id)]) keyframes.push_back(keyframe);
+  }
+  for (const auto& [id, landmark] : maps.all.landmarks()) {
+    if (wanted[maps.mapOf(landmark.reference)]) landmarks.push_back(landmark);
+  }
+  SeparateMaps result{SparseMap(keyframes, landmarks), maps.first};
+  result.all.setDisparityOffset(maps.all.disparityOffset());
+  return result;
+}
+
+void moveMaps(const std::vector<Pose>& moves, SeparateMaps& maps) {
+  std::map<KeyframeId, Pose> poses;
+  for (const auto& [id, keyframe] : maps.all.keyframes()) {
+    poses[id] = normalized(Pose(moves[maps.mapOf(id)] * keyframe.T_map_cam));
+  }
+  applyCorrection(poses, maps.all);
+}
+
+/// Moves each map onto one that is placed already, by the link with most landmarks.
+void alignMaps(const std::vector<MapLink>& links, SeparateMaps& maps) {
+  std::vector<Pose> moves(maps.first.size(), Pose::Identity());
+  std::set<std::size_t> placed;
+  if (!links.empty()) placed.insert(maps.mapOf(links.front().place));
+  while (true) {
+    const MapLink* best = nullptr;
+    for (const MapLink& link : links) {
+      const auto count =
+          placed.count(maps.mapOf(link.keyframe)) + placed.count(maps.mapOf(link.place));
+      if (count != 1) continue;
+      if (best == nullptr || link.landmarks.size() > best->landmarks.size()) best = &link;
+    }
+    if (best == nullptr) break;
+    const std::size_t a = maps.mapOf(best->place);
+    const std::size_t b = maps.mapOf(best->keyframe);
+    const Pose T_a_b =
+        std::as_const(maps.all).keyframe(best->place).T_map_cam * best->T_place_keyframe *
+        std::as_const(maps.all).keyframe(best->keyframe).T_map_cam.inverse(Eigen::Isometry);
+    if (placed.count(a) > 0) {
+      moves[b] = moves[a] * T_a_b;
+    } else {
+      moves[a] = moves[b] * T_a_b.inverse(Eigen::Isometry);
+    }
+    placed.insert({a, b});
+  }
+  moveMaps(moves, maps);
+}
+
+std::vector<ClosedLoop> loopsOf(const std::vector<MapLink>& links) {
+  std::vector<ClosedLoop> loops;
+  for (const MapLink& link : links) {
+    loops.push_back({link.keyframe, link.place, link.T_place_keyframe, {}});
+  }
+  return loops;
+}
+
+void fuseLandmarks(const std::vector<MapLink>& links, SparseMap& map) {
+  std::map<LandmarkId, LandmarkId> fused;  // gone, kept
+  const auto present = [&fused](LandmarkId id) {
+    for (auto at = fused.find(id); at != fused.end(); at = fused.find(id)) id = at->second;
+    return id;
+  };
+  for (const MapLink& link : links) {
+    for (const auto& [at_place, in_keyframe] : link.landmarks) {
+      const LandmarkId kept = present(at_place);
+      const LandmarkId gone = present(in_keyframe);
+      if (kept != gone && map.fuse(kept, gone)) fused[gone] = kept;
+    }
+  }
+}
+
+void adjustAll(const StereoCamera& camera, SparseMap& map) {
+  constexpr int kRounds = 2;  // the second without the outliers of the first
+  constexpr int kIterations = 10;
+  std::vector<KeyframeId> all;
+  for (const auto& [id, keyframe] : map.keyframes()) all.push_back(id);
+  for (int round = 0; round < kRounds; ++round) {
+    (void)adjustBundle(map, all, camera, kIterations);
+  }
+}
+
+std::size_t keyframesOf(const std::vector<MapLink>& links) {
+  std::set<KeyframeId> keyframes;
+  for (const MapLink& link : links) keyframes.insert(link.keyframe);
+  return keyframes.size();
+}
+
+/// Puts the first keyframe of the group's first map where it is in its own map.
+void moveToFirst(const SparseMap& first_map, std::int64_t shift, SeparateMaps& maps) {
+  if (first_map.keyframes().empty()) return;
+  const auto& [id, first] = *first_map.keyframes().begin();
+  const Pose& now = std::as_const(maps.all).keyframe(shifted(id, shift)).T_map_cam;
+  const Pose move = first.T_map_cam * now.inverse(Eigen::Isometry);
+  moveMaps(std::vector<Pose>(maps.first.size(), move), maps);
+}
+
+/// Makes the map of a group whose members are known.
+void makeMap(const std::vector<MapLink>& links, const StereoCamera& camera,
+             const std::vector<const SparseMap*>& maps, const SeparateMaps& separate,
+             JointSparseMap& group) {
+  std::vector<bool> wanted(maps.size(), false);
+  for (std::size_t i = 0; i < group.members.size(); ++i) {
+    const SparseMap& map = *maps[group.members[i]];
+    if (map.keyframes().empty()) continue;
+    wanted[separate.mapOf(shifted(map.keyframes().begin()->first, group.shifts[i]))] = true;
+  }
+  SeparateMaps own = only(wanted, separate);
+  if (group.members.size() > 1) {
+    std::vector<MapLink> of_group;
+    for (const MapLink& link : links) {
+      if (wanted[separate.mapOf(link.keyframe)]) of_group.push_back(link);
+    }
+    group.links = keyframesOf(of_group);
+    joinByLinks(of_group, camera, own);
+    moveToFirst(*maps[group.members.front()], group.shifts.front(), own);
+  }
+  group.map = std::move(own.all);
+}
+
+}  // namespace
+
+void joinByLinks(const std::vector<MapLink>& links, const StereoCamera& camera,
+                 SeparateMaps& maps) {
+  alignMaps(links, maps);
+  applyCorrection(posesWithLoops(maps.all.keyframes(), loopsOf(links)), maps.all);
+  fuseLandmarks(links, maps.all);
+  adjustAll(camera, maps.all);
+}
+
+std::vector<JointSparseMap> joinSparseMaps(const std::vector<const SparseMap*>& maps,
+                                           const StereoCamera& camera, const SlamParams& params) {
+  MapCollector collector;
+  std::vector<std::size_t> place_of(maps.size());  // in the collection
+  std::vector<std::int64_t> shift_of(maps.size());
+  std::size_t place = 0;
+  for (const std::size_t at : orderByContents(maps)) {
+    place_of[at] = place++;
+    shift_of[at] = collector.add(*maps[at]);
+  }
+  const SeparateMaps separate = collector.maps();
+  const auto links = findMapLinks(separate, camera, params);
+  DisjointSets groups(maps.size());
+  for (const MapLink& link : links) {
+    groups.join(separate.mapOf(link.place), separate.mapOf(link.keyframe));
+  }
+  std::map<std::size_t, JointSparseMap> joint;  // by the group's number
+  std::vector<JointSparseMap> result;
+  for (std::size_t at = 0; at < maps.size(); ++at) {
+    JointSparseMap& of = joint[groups.of(place_of[at])];
+    of.members.push_back(at);
+    of.shifts.push_back(shift_of[at]);
+  }
+  for (auto& [group, of] : joint) {
+    result.push_back(std::move(of));
+    makeMap(links, camera, maps, separate, result.back());
+  }
+  std::sort(result.begin(), result.end(), [](const JointSparseMap& a, const JointSparseMap& b) {
+    return a.members.front() < b.members.front();
+  });
+  return result;
+}
+
+}  // namespace headway::slam
