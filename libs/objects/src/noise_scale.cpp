@@ -8,7 +8,7 @@ namespace headway::objects {
 void NoiseScale::learn(const ExpectedPlace& expected, const MeasuredBox& detection) {
   constexpr double kExpected = 2.0;  // mean of chi-squared with two degrees of freedom
   constexpr double kOutlier = 6.0;   // larger distances are clamped
-  constexpr double kMinScale = 0.5;
+  constexpr double kMinScale = 0.05;
   constexpr double kMaxScale = 4.0;
   const Eigen::Vector2d offset = (detection.position - expected.position).head<2>();
   const Eigen::Matrix2d S = expected.covariance + detection.covariance;
