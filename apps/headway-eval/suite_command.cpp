@@ -9,9 +9,12 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <thread>
 
 #include "commands.h"
+#include "suite_jobs.h"
 #include "suite_report.h"
+#include "suite_runs.h"
 
 namespace headway::app {
 namespace {
@@ -23,6 +26,9 @@ constexpr std::size_t kQuickFrames = 80;  // 2 s of history, 3 s of future and 3
 struct Options {
   bool quick = false;
   bool reuse = false;
+  bool only_runs = false;
+  int jobs = 0;  ///< 0: no jobs, the worlds run in this process
+  std::string profile;
   std::optional<std::size_t> frames;
   std::string worlds = "config/worlds";
   std::string folder = "suite";
@@ -32,6 +38,34 @@ struct Options {
   bool quiet = false;
   Outputs outputs;
 };
+
+/// @throws UsageError if options exclude or require each other
+void checkTogether(const Options& options) {
+  if (!options.degrade.empty() && options.kitti.empty()) {
+    throw program::UsageError("--degrade applies to KITTI boxes and requires --kitti DIR");
+  }
+  if (options.worlds == "none" && options.kitti.empty()) {
+    throw program::UsageError("--worlds none requires --kitti DIR");
+  }
+  if (options.jobs < 0) throw program::UsageError("--jobs must be positive");
+  if (!options.profile.empty() && options.jobs == 0) {
+    throw program::UsageError("--profile requires --jobs N");
+  }
+  if (options.only_runs && (options.jobs > 0 || !options.kitti.empty())) {
+    throw program::UsageError("--only-runs excludes --jobs and --kitti");
+  }
+}
+
+void addJobOptions(program::CommandLine& line, Options& options) {
+  line.option(options.jobs, 0, "jobs", "N",
+              "Simulate and replay the worlds by headway-fleet, a job each: N cores, or N jobs "
+              "at once with --profile; the tables are the same");
+  line.option(
+      options.profile, 0, "profile", "NAME|DIR",
+      "With --jobs: run them on a cluster (slurm, or a folder with a profile of Snakemake)");
+  line.flag(options.only_runs, 0, "only-runs",
+            "Simulate and replay only, by one core, and store the runs: a job of --jobs");
+}
 
 bool parse(Options& options, int argc, const char** argv) {
   program::CommandLine line(
@@ -50,6 +84,7 @@ bool parse(Options& options, int argc, const char** argv) {
               "Folder for recordings and tables; default suite");
   line.flag(options.reuse, 0, "reuse",
             "Reuse recordings in OUTDIR that were simulated with the same parameters");
+  addJobOptions(line, options);
   line.option(options.kitti, 0, "kitti", "DIR",
               "KITTI tracking benchmark, whose sequences are evaluated too");
   line.option(options.degrade, 0, "degrade", "FILE.ini",
@@ -57,12 +92,7 @@ bool parse(Options& options, int argc, const char** argv) {
   line.parameters(params);
   options.outputs.describe(line);
   if (!line.parse(argc, argv)) return false;
-  if (!options.degrade.empty() && options.kitti.empty()) {
-    throw program::UsageError("--degrade applies to KITTI boxes and requires --kitti DIR");
-  }
-  if (options.worlds == "none" && options.kitti.empty()) {
-    throw program::UsageError("--worlds none requires --kitti DIR");
-  }
+  checkTogether(options);
   options.quiet = line.quiet();
   options.outputs.requireWritable({});
   program::requireWritable(options.folder, options.outputs.overwrite() || options.reuse);
@@ -88,8 +118,9 @@ class Suite {
  public:
   explicit Suite(const Options& options)
       : options_(options),
-        progress_("suite", options.quiet),
-        worlds_(worldSources(worldFiles(options.worlds))) {
+        progress_("suite", options.quiet || options.jobs > 0),
+        files_(worldFiles(options.worlds)),
+        worlds_(worldSources(files_)) {
     max_frames_ = options.frames;
     if (options.quick) max_frames_ = kQuickFrames;
     for (const auto& source : worlds_) {
@@ -98,7 +129,22 @@ class Suite {
     }
   }
 
+  /// Simulates and replays, and stores the runs.
+  void storeRuns() {
+    for (const auto& source : worlds_) {
+      const World world = recordedWorld(source);
+      const auto runs = replayed(world, source, 1);
+      if (program::interrupted()) return;
+      writeRuns(world, textOf(options_.perception), runs);
+    }
+  }
+
   [[nodiscard]] std::vector<SuiteEntry> run() {
+    if (options_.jobs > 0 && !files_.empty()) {
+      runWorldJobs(
+          {files_, options_.folder, max_frames_, options_.jobs, options_.profile, options_.quiet},
+          options_.perception);
+    }
     for (const auto& source : worlds_) {
       if (!program::interrupted()) evaluateWorld(source);
     }
@@ -122,25 +168,43 @@ class Suite {
     return {rejections().back()};
   }
 
-  void evaluateWorld(const WorldSource& source) {
-    const FrameDone done = [this] {
-      const std::lock_guard lock(progress_mutex_);
-      ++done_;
-      progress_.update(done_, static_cast<double>(done_) / static_cast<double>(total_));
-      return !program::interrupted();
-    };
-    std::optional<World> existing;
-    if (options_.reuse) existing = existingWorld(source, options_.folder, max_frames_);
-    const World world =
-        existing ? *existing : simulateWorld(source, options_.folder, max_frames_, done);
-    if (existing) done_ += world.frames;
-    const auto kinds = rejectionsFor(source);
-    std::vector<pipeline::PerceptionParams> params(kinds.size(), options_.perception);
-    for (std::size_t i = 0; i < params.size(); ++i) {
-      params[i].slam.dynamic_rejection = kinds[i].value;
+  [[nodiscard]] bool frameDone() {
+    const std::lock_guard lock(progress_mutex_);
+    ++done_;
+    progress_.update(done_, static_cast<double>(done_) / static_cast<double>(total_));
+    return !program::interrupted();
+  }
+
+  /// The world's recording: simulated, or the one that exists.
+  World recordedWorld(const WorldSource& source) {
+    if (options_.reuse || options_.jobs > 0) {
+      if (auto existing = existingWorld(source, options_.folder, max_frames_)) {
+        done_ += existing->frames;
+        return *existing;
+      }
     }
-    std::vector<WorldRun> runs;
-    if (!program::interrupted()) runs = runWorld(world, params, done);
+    return simulateWorld(source, options_.folder, max_frames_, [this] { return frameDone(); });
+  }
+
+  /// One run for each kind of rejection.
+  std::vector<WorldRun> replayed(const World& world, const WorldSource& source,
+                                 std::size_t threads) {
+    if (program::interrupted()) return {};
+    std::vector<pipeline::PerceptionParams> params;
+    for (const auto& kind : rejectionsFor(source)) {
+      params.push_back(options_.perception);
+      params.back().slam.dynamic_rejection = kind.value;
+    }
+    return runWorld(
+        world, params, [this] { return frameDone(); }, threads);
+  }
+
+  void evaluateWorld(const WorldSource& source) {
+    const World world = recordedWorld(source);
+    const std::size_t processors = std::max(1U, std::thread::hardware_concurrency());
+    const auto kinds = rejectionsFor(source);
+    const auto runs = options_.jobs > 0 ? readRuns(world, textOf(options_.perception))
+                                        : replayed(world, source, processors);
     if (program::interrupted()) {  // an incomplete world is not evaluated
       entries_.push_back({world.name, {}, std::nullopt});
       return;
@@ -192,6 +256,7 @@ class Suite {
   const Options& options_;
   program::Progress progress_;
   std::mutex progress_mutex_;
+  std::vector<std::string> files_;
   std::vector<WorldSource> worlds_;
   std::optional<std::size_t> max_frames_;
   std::size_t total_ = 0;
@@ -209,6 +274,10 @@ int runSuite(int argc, const char** argv) {
   program::catchInterrupts();
   Suite suite(options);
   fs::create_directories(options.folder);
+  if (options.only_runs) {
+    suite.storeRuns();
+    return program::kDone;
+  }
   const auto entries = suite.run();
   OutputFile file(fs::path(options.folder) / "suite.md");
   writeSuite(file.stream(), entries);

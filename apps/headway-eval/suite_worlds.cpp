@@ -14,7 +14,6 @@
 #include <fstream>
 #include <future>
 #include <sstream>
-#include <thread>
 
 #include "label_files.h"
 
@@ -59,26 +58,12 @@ World plannedWorld(const WorldSettings& settings, const WorldSource& source,
   return world;
 }
 
-std::optional<eval::TrajectoryError> errorOf(const World& world,
-                                             const std::vector<slam::FrameEstimate>& trajectory) {
-  std::vector<Stamped<Pose>> estimate;
-  for (const auto& frame : trajectory) {
-    if (frame.tracked) estimate.push_back({frame.time, frame.T_map_robot});
-  }
-  constexpr std::size_t kMinPoses = 3;  // for an alignment
-  if (estimate.size() < kMinPoses) return std::nullopt;
-  const auto truth = io::readTum(world.truth_folder + "/trajectory.tum");
-  return eval::trajectoryError(eval::pairByTime(truth, estimate, kSameTime_s), {});
-}
-
 WorldRun runOnce(const World& world, const pipeline::PerceptionParams& params,
                  const FrameDone& done) {
   io::RawlogSource source(world.rawlog, {});
   pipeline::Perception perception(source.camera(), params);
   WorldRun run;
-  run.objects.name = world.name;
-  run.objects.camera = *source.camera();
-  run.objects.T_robot_cam = source.camera()->T_robot_cam;
+  run.objects = describedRecording(world, source);
   while (auto frame = source.next()) {
     const auto update = perception.process(*frame);
     const bool tracked = update.camera.status == slam::TrackingStatus::kTracked;
@@ -89,11 +74,10 @@ WorldRun runOnce(const World& world, const pipeline::PerceptionParams& params,
     run.objects.frames.push_back(std::move(*frame));
     if (!done()) break;
   }
-  run.error = errorOf(world, perception.trajectory());
-  // An empty file is the truth of a place in which no object came into view.
-  const std::string labels = world.truth_folder + "/label_02.txt";
-  if (fs::file_size(labels) > 0) run.objects.labels = readLabels(labels);
-  run.objects.labels.resize(std::min(run.objects.labels.size(), run.objects.frames.size()));
+  for (const auto& frame : perception.trajectory()) {
+    if (frame.tracked) run.estimate.push_back({frame.time, frame.T_map_robot});
+  }
+  evaluate(world, run);
   return run;
 }
 
@@ -149,7 +133,7 @@ std::optional<World> existingWorld(const WorldSource& source, const std::string&
 
 std::vector<WorldRun> runWorld(const World& world,
                                const std::vector<pipeline::PerceptionParams>& params,
-                               const FrameDone& done) {
+                               const FrameDone& done, std::size_t threads) {
   std::vector<WorldRun> runs(params.size());
   std::atomic<std::size_t> next = 0;
   const auto work = [&] {
@@ -158,12 +142,31 @@ std::vector<WorldRun> runWorld(const World& world,
     }
   };
   std::vector<std::future<void>> workers;
-  const std::size_t processors = std::max(1U, std::thread::hardware_concurrency());
-  for (std::size_t i = 0; i < std::min(params.size(), processors); ++i) {
+  for (std::size_t i = 0; i < std::min(params.size(), threads); ++i) {
     workers.push_back(std::async(std::launch::async, work));
   }
   for (auto& worker : workers) worker.get();
   return runs;
+}
+
+ObjectRecording describedRecording(const World& world, const io::RawlogSource& source) {
+  ObjectRecording recording;
+  recording.name = world.name;
+  recording.camera = *source.camera();
+  recording.T_robot_cam = source.camera()->T_robot_cam;
+  return recording;
+}
+
+void evaluate(const World& world, WorldRun& run) {
+  constexpr std::size_t kMinPoses = 3;  // for an alignment
+  if (run.estimate.size() >= kMinPoses) {
+    const auto truth = io::readTum(world.truth_folder + "/trajectory.tum");
+    run.error = eval::trajectoryError(eval::pairByTime(truth, run.estimate, kSameTime_s), {});
+  }
+  // An empty file is the truth of a place in which no object came into view.
+  const std::string labels = world.truth_folder + "/label_02.txt";
+  if (fs::file_size(labels) > 0) run.objects.labels = readLabels(labels);
+  run.objects.labels.resize(std::min(run.objects.labels.size(), run.objects.frames.size()));
 }
 
 std::vector<ObjectRecording> readKittiTracking(const std::string& folder) {
@@ -179,7 +182,8 @@ std::vector<ObjectRecording> readKittiTracking(const std::string& folder) {
     const auto dataset = io::openKittiTracking(folder, name, io::KittiBoxes::kPointRcnn3d);
     for (std::size_t k = 0; k < dataset->size(); ++k) {
       auto frame = dataset->frame(k);
-      recording.frames.push_back({k, frame.time, {}, frame.detections, frame.T_map_robot, {}, 0.0});
+      recording.frames.push_back(
+          {k, frame.time, {}, frame.detections, frame.T_map_robot, {}, 0.0, {}});
     }
     recording.labels = readLabels((labels / (name + ".txt")).string());
     recordings.push_back(std::move(recording));

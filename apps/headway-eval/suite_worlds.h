@@ -3,6 +3,7 @@
 #include <headway/core/recorded_frame.h>
 #include <headway/eval/labelled_frames.h>
 #include <headway/eval/trajectory_error.h>
+#include <headway/io/rawlog_source.h>
 #include <headway/pipeline/perception.h>
 
 #include <functional>
@@ -67,16 +68,25 @@ using FrameDone = std::function<bool()>;
 /// Result of a run over a world.
 struct WorldRun {
   std::size_t lost = 0;                        ///< frames
+  std::vector<Stamped<Pose>> estimate;         ///< final poses of the tracked frames
   std::optional<eval::TrajectoryError> error;  ///< none with fewer than 3 tracked frames
   ObjectRecording objects;                     ///< frames with the online poses
 };
 
-/// Runs the pipeline over a world's rawlog once per parameter set, in parallel on all processors.
+/// Runs the pipeline over a world's rawlog once per parameter set, in parallel.
 ///
+/// @param threads  at most so many runs at once
 /// @return in the order of the parameters; independent of the number of threads
 [[nodiscard]] std::vector<WorldRun> runWorld(const World& world,
                                              const std::vector<pipeline::PerceptionParams>& params,
-                                             const FrameDone& done);
+                                             const FrameDone& done, std::size_t threads);
+
+/// A world's recording without frames: name and camera.
+[[nodiscard]] ObjectRecording describedRecording(const World& world,
+                                                 const io::RawlogSource& source);
+
+/// Adds to a run's estimate and frames the error and the labels, from the world's truth.
+void evaluate(const World& world, WorldRun& run);
 
 /// Sequences of the KITTI tracking benchmark with PointRCNN boxes.
 ///

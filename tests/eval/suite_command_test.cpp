@@ -106,6 +106,18 @@ TEST_F(SuiteCommandTest, NothingToEvaluateIsAUsageError) {
   EXPECT_EQ(2, runEval("suite --degrade x.ini -o " + std::string(folder_ / "out")).status);
 }
 
+TEST_F(SuiteCommandTest, AJobStoresTheRunsOfItsWorldOnly) {
+  const std::string out = folder_ / "out";
+  const auto job = runEval("suite -q --only-runs --frames 6 --worlds " + world() + " -o " + out);
+  ASSERT_EQ(0, job.status) << job.error;
+  EXPECT_TRUE(std::filesystem::exists(out + "/tiny.rawlog"));
+  EXPECT_GT(std::filesystem::file_size(out + "/tiny.runs"), 1000U);
+  EXPECT_FALSE(std::filesystem::exists(out + "/suite.md"));
+  EXPECT_EQ(2, runEval("suite --only-runs --jobs 2 -o " + out).status);
+  EXPECT_EQ(2, runEval("suite --profile slurm -o " + out).status);
+  EXPECT_EQ(2, runEval("suite --jobs -1 -o " + out).status);
+}
+
 TEST_F(SuiteCommandTest, NamesInvalidWorlds) {
   const auto result = runEval("suite --worlds " + world("no_such_key = 1\n") + " -o " +
                               std::string(folder_ / "out"));

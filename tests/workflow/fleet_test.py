@@ -620,6 +620,35 @@ class CommandTest(WithEngine):
         self.assertIn("another headway-fleet is writing", text)
 
 
+class SuiteTest(WithEngine):
+    def suite(self, name: str, *options: str) -> tuple[bytes, bytes]:
+        """Tables and figures of the suite over two worlds."""
+        figures = self.folder / f"{name}.json"
+        subprocess.run([BIN_DIR / "headway-eval", "suite", "-q", "--worlds", self.folder / "worlds",
+                        "-o", self.folder / name, "--json", figures, *options], check=True)
+        return (self.folder / name / "suite.md").read_bytes(), figures.read_bytes()
+
+    def test_jobs_give_the_same_tables(self) -> None:
+        self.write("worlds/a.ini", WORLD)
+        self.write("worlds/b.ini", WORLD + "[world]\nseed = 2\n")
+        parameters = ("--set", "slam.max_speed=50.5")
+        alone = self.suite("alone", *parameters)
+        self.assertEqual(alone, self.suite("jobs", "--jobs", "2", *parameters))
+        result = next((self.folder / "jobs/worlds").glob("a-*/result.json"))
+        before = result.stat().st_mtime_ns
+        os.remove(self.folder / "jobs.json")
+        self.assertEqual(alone, self.suite("jobs", "--jobs", "2", "--reuse", *parameters))
+        self.assertEqual(result.stat().st_mtime_ns, before, "nothing runs again")
+
+    def test_a_world_that_fails_is_named(self) -> None:
+        self.write("worlds/a.ini", WORLD.replace("frames = 12", "frames = 12\nno_key = 1"))
+        done = subprocess.run([BIN_DIR / "headway-eval", "suite", "-q", "--jobs", "1", "--worlds",
+                               self.folder / "worlds", "-o", self.folder / "out"],
+                              capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("no_key", done.stderr)
+
+
 if __name__ == "__main__":
     BIN_DIR, RAWLOGS = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
     unittest.main(argv=[sys.argv[0], *sys.argv[3:]])

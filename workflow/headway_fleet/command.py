@@ -21,6 +21,7 @@ from .places import find_places
 from .plan import STATE, Job, Plan, Resources, Settings, place_job, recording_jobs
 from .recordings import Found, Recording, find_recordings, read_list
 from .results import DONE, FAILED, WAITING, Row, place_rows, rows_of, table_csv
+from .suite import run_suite
 
 _PAGE_S, _PROGRESS_S = 30.0, 10.0
 _PROGRAMS = ("headway-import", "headway-replay", "headway-eval", "headway-render")
@@ -32,6 +33,8 @@ def main(arguments: list[str] | None = None) -> int:
     for number in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, _interrupt)
     try:
+        if words[:1] == ["--suite"]:
+            return run_suite(words[1:])
         options = _parser().parse_args(words)
         with locked(options.output.resolve()):
             return Fleet(options).run()

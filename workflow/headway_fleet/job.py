@@ -143,8 +143,15 @@ def _map_place(attempt: Attempt, job: Job, settings: Settings, result: Path) -> 
     return {"figures": figures, "notes": notes + _draw(attempt, result, result / "map.headway")}
 
 
+def _run_world(attempt: Attempt, job: Job, settings: Settings, result: Path) -> dict[str, object]:
+    attempt.run("world", "headway-eval",
+                ["suite", "--only-runs", "-q", "--worlds", job.arguments["world"], "-o",
+                 str(result), *job.arguments["options"], *settings.replay_options])
+    return {}
+
+
 STAGES: dict[str, Callable[[Attempt, Job, Settings, Path], dict[str, object]]] = {
-    "import": _import, "process": _process, "place": _map_place}
+    "import": _import, "process": _process, "place": _map_place, "world": _run_world}
 
 
 def _remove_superseded(job: Job, target: Path) -> None:

@@ -33,7 +33,7 @@ class Job:
     """
 
     id: str
-    stage: str  # import, process or place
+    stage: str  # import, process, place or world
     name: str
     resources: Resources
     after: list[str] = field(default_factory=list)
@@ -97,7 +97,8 @@ def is_id_of(name: str, identifier: str) -> bool:
 
 def result_folder(settings: Settings, job: Job) -> Path:
     """Where a job's result appears, whole."""
-    folders = {"import": "imported", "process": "recordings", "place": "places"}
+    folders = {"import": "imported", "process": "recordings", "place": "places",
+               "world": "worlds"}
     return settings.out / folders[job.stage] / job.id
 
 

@@ -22,7 +22,8 @@ _FORMAT = "%A|%T|%N|%r|%j"
 _RUNNING = {"PENDING", "RUNNING", "CONFIGURING", "COMPLETING", "SUSPENDED", "REQUEUED",
             "REQUEUE_HOLD", "REQUEUE_FED", "RESIZING", "SIGNALING", "STAGE_OUT", "STOPPED",
             "SPECIAL_EXIT", "PREEMPTED"}
-RULES = {"import_recording": "import", "process_recording": "process", "map_place": "place"}
+RULES = {"import_recording": "import", "process_recording": "process", "map_place": "place",
+         "run_world": "world"}
 
 
 def state_of(job: str, answer: str) -> tuple[str, str, str, str] | None:
