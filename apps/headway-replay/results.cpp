@@ -11,7 +11,7 @@ namespace {
 const std::set<std::string>& resultNames() {
   static const std::set<std::string> names = {
       "calibration.yaml",     "detections.csv",        "lost.jpg",
-      "map.headway",          "map_geo.json",          "map.simplemap",
+      "map.headway",          "map_dense.ply",         "map_geo.json",          "map.simplemap",
       "map_grid.gridmap.gz",  "map_grid.png",          "map_grid.yaml",
       "map_points.ply",       "predictions.csv",       "recordings.json",
       "replay.html",          "replay.json",           "report.html",

@@ -64,10 +64,11 @@ TEST(StreetTest, EveryTrackHasOneScore) {
 TEST(StreetTest, LeavesEveryFileOfTheContract) {
   const auto& run = streetRun();
   for (const char* name :
-       {"trajectory.tum", "trajectory_online.tum", "trajectory_kitti.txt", "tracks_kitti.txt",
-        "tracks.csv", "tracks_smoothed.csv", "predictions.csv", "calibration.yaml", "map.headway",
-        "map.simplemap", "map_points.ply", "map_grid.gridmap.gz", "map_grid.png", "map_grid.yaml",
-        "scene.3Dscene", "report.html", "replay.html", "replay.json", "summary.json"}) {
+       {"trajectory.tum",      "trajectory_online.tum", "trajectory_kitti.txt", "tracks_kitti.txt",
+        "tracks.csv",          "tracks_smoothed.csv",   "predictions.csv",      "calibration.yaml",
+        "map.headway",         "map.simplemap",         "map_points.ply",       "map_dense.ply",
+        "map_grid.gridmap.gz", "map_grid.png",          "map_grid.yaml",        "scene.3Dscene",
+        "report.html",         "replay.html",           "replay.json",          "summary.json"}) {
     EXPECT_GT(test::contentsOf(run.file(name)).size(), 0u) << name;
   }
   std::size_t pictures = 0;
@@ -107,8 +108,9 @@ TEST(StreetTest, TwoRunsGiveTheSameBytes) {
   const test::TemporaryFolder folder;
   const auto again = test::replay(kStreet, folder / "out");
   ASSERT_EQ(0, again.process.status) << again.process.output;
-  for (const char* name : {"trajectory.tum", "trajectory_online.tum", "tracks.csv",
-                           "tracks_smoothed.csv", "predictions.csv", "map_points.ply"}) {
+  for (const char* name :
+       {"trajectory.tum", "trajectory_online.tum", "tracks.csv", "tracks_smoothed.csv",
+        "predictions.csv", "map_points.ply", "map_dense.ply"}) {
     EXPECT_TRUE(test::contentsOf(again.file(name)) == test::contentsOf(streetRun().file(name)))
         << name;
   }

@@ -1,33 +1,12 @@
 #include <headway/detect/ground_scanner.h>
 
-#include <opencv2/imgproc.hpp>
-
 #include "column_scanner.h"
+#include "left_out_cells.h"
 
 namespace headway::detect {
 namespace {
 
-constexpr int kMarginCells = 2;   // block matching widens objects by half a block
 constexpr double kMaxUpY = -0.3;  // of "up" in the camera: columns must cross the ground
-
-// Cells of the disparity image to leave out.
-cv::Mat leftOut(const MovingRegions& moving, const stereo::DisparityImage& disparity) {
-  cv::Mat mask(disparity.values.size(), CV_8U, cv::Scalar(0));
-  if (!moving.mask.empty()) {
-    cv::resize(moving.mask, mask, mask.size(), 0, 0, cv::INTER_NEAREST);
-  }
-  const cv::Rect inside({0, 0}, mask.size());
-  const auto fill = [&](const Box2d& box) {
-    const cv::Point corner(disparity.cellOf(box.left), disparity.cellOf(box.top));
-    const cv::Point opposite(disparity.cellOf(box.right) + 1, disparity.cellOf(box.bottom) + 1);
-    mask(cv::Rect(corner, opposite) & inside).setTo(255);
-  };
-  for (const auto& box : moving.boxes) fill(box);
-  for (const auto& box : moving.unsure) fill(box);
-  const int side = 2 * kMarginCells + 1;
-  cv::dilate(mask, mask, cv::getStructuringElement(cv::MORPH_RECT, {side, side}));
-  return mask;
-}
 
 }  // namespace
 
@@ -75,7 +54,7 @@ GroundScan scanGround(const stereo::DisparityImage& disparity, const StereoCamer
                       const GroundScanParams& params) {
   GroundScan scan;
   if (ground.up.y() > kMaxUpY) return scan;
-  const cv::Mat left_out = leftOut(moving, disparity);
+  const cv::Mat left_out = leftOutCells(moving, disparity);
   const auto rig = params.capabilityOf(camera);
   const GroundScanParams for_rig = params.forRig(rig);
   const auto plane = stereo::groundPlane(rig, ground.up, ground.camera_height);

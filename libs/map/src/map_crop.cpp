@@ -1,5 +1,6 @@
 #include <headway/core/error.h>
 #include <headway/core/formatted.h>
+#include <headway/map/dense_map.h>
 #include <headway/map/map_crop.h>
 #include <headway/map/static_grid.h>
 #include <headway/slam/map_crop.h>
@@ -99,6 +100,14 @@ StoredMap cropped(const StoredMap& stored, const Eigen::AlignedBox3d& box) {
       result.attachments[kGridAttachment] =
           croppedScans(scans->second, grid->getResolution(), areaOf(box));
     }
+  }
+  const auto depths = stored.attachments.find(kDenseAttachment);
+  if (depths != stored.attachments.end()) {
+    DenseMap dense({});
+    dense.load(depths->second);
+    dense.crop(box);
+    if (const auto points = dense.layer()) result.map.update(points);
+    result.attachments[kDenseAttachment] = collected(dense.save());
   }
   const auto& objects = stored.map.movingObjects();
   std::vector<Track> inside;

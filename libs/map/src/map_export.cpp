@@ -8,6 +8,7 @@
 #include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/poses/CPose3DPDFGaussian.h>
 
+#include <cmath>
 #include <unordered_map>
 
 #include "pose_pdf.h"
@@ -69,6 +70,29 @@ void writePly(const std::string& path, const slam::MapView& static_map) {
     vertices.matrix(landmark.position.cast<float>());
     vertices.value(static_cast<float>(landmark.intensity) / 255.f);
     for (int channel = 0; channel < 3; ++channel) vertices.value(landmark.intensity);
+  }
+  file.stream() << vertices.bytes;
+  file.commit();
+}
+
+void writePly(const std::string& path, const mrpt::maps::CPointsMap& points) {
+  OutputFile file(path);
+  file.stream() << "ply\nformat binary_little_endian 1.0\n"
+                << "comment dense static map of headway, map frame, metres\nelement vertex "
+                << points.size() << "\nproperty float x\nproperty float y\nproperty float z\n"
+                << "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
+  constexpr std::size_t kPiece = 1U << 20U;
+  ByteWriter vertices;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    Eigen::Array3f place, colour;
+    points.getPointRGB(i, place.x(), place.y(), place.z(), colour.x(), colour.y(), colour.z());
+    vertices.matrix(place.matrix());
+    for (const float channel : colour) {
+      vertices.value(static_cast<std::uint8_t>(std::lround(255.0F * channel)));
+    }
+    if (vertices.bytes.size() < kPiece) continue;
+    file.stream() << vertices.bytes;
+    vertices.bytes.clear();
   }
   file.stream() << vertices.bytes;
   file.commit();

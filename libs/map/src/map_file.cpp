@@ -1,5 +1,6 @@
 #include <headway/core/byte_archive.h>
 #include <headway/core/error.h>
+#include <headway/map/dense_map.h>
 #include <headway/map/map_file.h>
 #include <headway/slam/stereo_slam.h>
 #include <mrpt/io/CMemoryStream.h>
@@ -34,10 +35,13 @@ SectionSource sectionOf(const std::string& name, const Value& value) {
   return {name, kSectionVersion, sourceOf(std::move(out.bytes))};
 }
 
-/// The layers are serialised by MRPT, without their landmarks, which are a copy of the static map
-/// and are restored on loading.
-SectionSource layersWithoutLandmarks(PerceptionMap map) {
+/// The layers are serialised by MRPT, without what is restored on loading: their landmarks, which
+/// are a copy of the static map, and dense points with the scans that they follow from.
+SectionSource layersWithoutPoints(PerceptionMap map, bool holds_scans) {
   map.update(slam::MapView());
+  if (holds_scans && map.dense() != nullptr) {
+    map.update(mrpt::maps::CColouredPointsMap::Create());
+  }
   mrpt::io::CMemoryStream stream;
   archiveFrom(stream).WriteObject(map.layers());
   return {kLayers, kSectionVersion,
@@ -157,10 +161,13 @@ void apply(Section&& section, StoredMap& stored, std::optional<slam::MapView>& s
   }
 }
 
+bool holds(const StoredMap& stored, const char* attachment) {
+  return stored.attachments.count(attachment) > 0 || stored.made_attachments.count(attachment) > 0;
+}
+
 /// Whether the static map can be derived from SLAM's attachment.
 bool holdsSlamMap(const StoredMap& stored) {
-  return stored.camera && (stored.attachments.count(kSlamAttachment) > 0 ||
-                           stored.made_attachments.count(kSlamAttachment) > 0);
+  return stored.camera && holds(stored, kSlamAttachment);
 }
 
 }  // namespace
@@ -174,7 +181,7 @@ void saveMap(const std::string& path, StoredMap stored) {
   if (!holdsSlamMap(stored)) {
     sections.push_back(sectionOf(kStaticMap, *stored.map.staticMap()));
   }
-  sections.push_back(layersWithoutLandmarks(stored.map));
+  sections.push_back(layersWithoutPoints(stored.map, holds(stored, kDenseAttachment)));
   auto attachments = std::move(stored.made_attachments);
   for (auto& [name, bytes] : stored.attachments) attachments[name] = sourceOf(std::move(bytes));
   for (auto& [name, bytes] : attachments) {
@@ -194,6 +201,10 @@ StoredMap loadMap(const std::string& path) {
     }
     if (!static_map) throw InputError("it lacks the section 'static_map'");
     stored.map.update(std::move(*static_map));
+    const auto scans = stored.attachments.find(kDenseAttachment);
+    if (scans != stored.attachments.end()) {
+      if (const auto dense = denseLayer(scans->second)) stored.map.update(dense);
+    }
     return stored;
   } catch (const InputError& error) {
     throw InputError(path + ": not a map that can be read: " + error.what());

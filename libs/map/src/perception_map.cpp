@@ -1,6 +1,7 @@
 #include <headway/core/error.h>
 #include <headway/map/perception_map.h>
 #include <mrpt/config/CConfigFile.h>
+#include <mrpt/maps/CColouredOctoMap.h>
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/maps/TMetricMapInitializer.h>
 #include <mrpt/maps/TMetricMapTypesRegistry.h>
@@ -11,6 +12,7 @@
 namespace headway::map {
 namespace {
 
+using mrpt::maps::CColouredPointsMap;
 using mrpt::maps::CMultiMetricMap;
 using mrpt::maps::CPointsMap;
 
@@ -58,6 +60,35 @@ void insertLandmarks(const slam::MapView& static_map, CPointsMap& points) {
   static_cast<void>(points.getLargestDistanceFromOrigin());
 }
 
+/// The same points as voxels, of the resolution and with the options of a layer.
+mrpt::maps::CColouredOctoMap::Ptr octoMapOf(const CColouredPointsMap& points,
+                                            const mrpt::maps::CColouredOctoMap& layer) {
+  auto voxels = std::make_shared<mrpt::maps::CColouredOctoMap>(layer.getResolution());
+  voxels->genericMapParams = layer.genericMapParams;
+  voxels->insertionOptions = layer.insertionOptions;
+  voxels->likelihoodOptions = layer.likelihoodOptions;
+  voxels->renderingOptions = layer.renderingOptions;
+  voxels->setVoxelColourMethod(mrpt::maps::CColouredOctoMap::SET);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    Eigen::Array3f p, colour;
+    points.getPointRGB(i, p.x(), p.y(), p.z(), colour.x(), colour.y(), colour.z());
+    const Eigen::Array3d at = p.cast<double>();
+    const Eigen::Array<std::uint8_t, 3, 1> bytes = (255.0F * colour).round().cast<std::uint8_t>();
+    voxels->updateVoxel(at.x(), at.y(), at.z(), true);
+    voxels->updateVoxelColour(at.x(), at.y(), at.z(), bytes.x(), bytes.y(), bytes.z());
+  }
+  return voxels;
+}
+
+/// The first coloured points that are not the landmarks.
+CColouredPointsMap::ConstPtr denseOf(const CMultiMetricMap& layers, const CPointsMap* landmarks) {
+  for (const auto& layer : layers.maps) {
+    const auto points = std::dynamic_pointer_cast<CColouredPointsMap>(layer);
+    if (points != nullptr && points.get() != landmarks) return points;
+  }
+  return nullptr;
+}
+
 template <typename Layer>
 std::shared_ptr<Layer> copyOf(const Layer& layer) {
   return std::dynamic_pointer_cast<Layer>(layer.duplicateGetSmartPtr());
@@ -71,6 +102,7 @@ PerceptionMap::PerceptionMap(std::shared_ptr<CMultiMetricMap> layers)
     : layers_(layers),
       landmarks_(layers->mapByClass<CPointsMap>()),
       moving_objects_(layers->mapByClass<CMovingObjectsMap>()),
+      dense_(denseOf(*layers, landmarks_.get())),
       static_map_(std::make_shared<slam::MapView>()) {
   if (landmarks_ == nullptr) throw InputError("the map has no layer of points (pointsMap)");
   auto no_landmarks = copyOf(*landmarks_);
@@ -139,6 +171,29 @@ void PerceptionMap::update(const mrpt::maps::COccupancyGridMap2D::Ptr& static_gr
   }
   layers->maps.push_back(static_grid);
   layers_ = layers;
+}
+
+void PerceptionMap::update(const CColouredPointsMap::Ptr& dense) {
+  ASSERTMSG_(dense != nullptr, "a map without dense points keeps those it has");
+  if (dense_ != nullptr) {  // the options of an .ini apply to later contents, too
+    dense->genericMapParams = dense_->genericMapParams;
+    dense->insertionOptions = dense_->insertionOptions;
+    dense->likelihoodOptions = dense_->likelihoodOptions;
+    dense->renderOptions = dense_->renderOptions;
+  }
+  auto layers = std::make_shared<CMultiMetricMap>();
+  layers->genericMapParams = layers_->genericMapParams;
+  for (const auto& layer : layers_->maps) {
+    const auto voxels = std::dynamic_pointer_cast<mrpt::maps::CColouredOctoMap>(layer);
+    if (voxels != nullptr) {
+      layers->maps.push_back(octoMapOf(*dense, *voxels));
+    } else if (layer.get() != dense_.get()) {
+      layers->maps.push_back(layer);
+    }
+  }
+  layers->maps.push_back(dense);
+  layers_ = layers;
+  dense_ = dense;
 }
 
 }  // namespace headway::map

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "evidence_grid.h"
@@ -14,28 +13,13 @@ namespace headway::map {
 namespace {
 
 constexpr double kMaxCells = 25e6;
-constexpr double kMaxPositionM = 1e7;  ///< in a map, which may be a UTM zone's
-constexpr double kMaxRotationError = 1e-3;
-constexpr double kHeadingStep = M_PI / 12.0;  ///< between directions whose scans are kept [rad]
-constexpr double kDrivenM = 5.0;              ///< farther apart, the way between scans is unknown
-constexpr double kSeenM = 30.0;               ///< round a place, about [m]
-constexpr double kMovedM = 0.05;              ///< a scan moved less stays where it was
-constexpr double kTurned = 0.003;             ///< [rad]
+constexpr double kDrivenM = 5.0;   ///< farther apart, the way between scans is unknown
+constexpr double kSeenM = 30.0;    ///< round a place, about [m]
+constexpr double kMovedM = 0.05;   ///< a scan moved less stays where it was
+constexpr double kTurned = 0.003;  ///< [rad]
 // Versions of save(): a grid without laser scans is stored as before there were any.
 constexpr std::uint8_t kVersion = 2;
 constexpr std::uint8_t kLaserVersion = 3;
-
-bool moved(const Pose& from, const Pose& to) {
-  return (to.translation() - from.translation()).norm() > kMovedM ||
-         Eigen::AngleAxisd(from.linear().transpose() * to.linear()).angle() > kTurned;
-}
-
-/// Whether it is a rigid motion within a map.
-bool isPlausible(const Pose& pose) {
-  const Eigen::Matrix3d turn = pose.linear();
-  return pose.matrix().allFinite() && pose.translation().cwiseAbs().maxCoeff() < kMaxPositionM &&
-         (turn * turn.transpose()).isIdentity(kMaxRotationError) && turn.determinant() > 0.0;
-}
 
 }  // namespace
 
@@ -64,17 +48,8 @@ StaticGrid::~StaticGrid() = default;
 StaticGrid::StaticGrid(StaticGrid&&) noexcept = default;
 StaticGrid& StaticGrid::operator=(StaticGrid&&) noexcept = default;
 
-StaticGrid::Place StaticGrid::placeOf(const Pose& T_map_robot) const {
-  const auto step = [](double value, double size) {
-    return static_cast<std::int32_t>(std::floor(value / size));
-  };
-  const Eigen::Vector3d& at = T_map_robot.translation();
-  return {step(at.x(), params_.spacing_m), step(at.y(), params_.spacing_m),
-          step(yawOf(T_map_robot), kHeadingStep)};
-}
-
 void StaticGrid::add(const Pose& T_map_robot, GroundScan scan) {
-  const Place place = placeOf(T_map_robot);
+  const Place place = scanPlace(T_map_robot, params_.spacing_m);
   const auto same_place = scans_.find(place);
   const bool laser_only = scan.hasLaser() && !scan.hasStereo();
   if (laser_only && same_place != scans_.end() && same_place->second.scan.hasStereo()) {
@@ -89,28 +64,27 @@ void StaticGrid::add(const Pose& T_map_robot, GroundScan scan) {
     }
   }
   StoredScan stored;
-  stored.T_map_robot = T_map_robot;
+  stored.pose.T_map_robot = T_map_robot;
   stored.scan = std::move(scan);
-  attachToNearestKeyframe(stored);
+  keyframes_.attach(stored.pose);
   replace(place, std::move(stored));
 }
 
 void StaticGrid::add(const StaticGrid& other, std::int64_t keyframe_shift) {
   for (const auto& [place, scan] : other.scans_) {
     StoredScan stored = scan;
-    if (stored.anchor.valid()) stored.anchor.value += keyframe_shift;
-    const Place here = placeOf(stored.T_map_robot);
-    replace(here, std::move(stored));
+    if (stored.pose.anchor.valid()) stored.pose.anchor.value += keyframe_shift;
+    replace(scanPlace(stored.pose.T_map_robot, params_.spacing_m), std::move(stored));
   }
 }
 
 void StaticGrid::crop(const Eigen::AlignedBox2d& area) {
   StaticGrid inside(params_);
   for (auto& [place, stored] : scans_) {
-    const Eigen::Vector2d at = stored.T_map_robot.translation().head<2>();
+    const Eigen::Vector2d at = stored.pose.T_map_robot.translation().head<2>();
     if (!area.contains(at)) continue;
     StoredScan cut = std::move(stored);
-    cut.scan = cropped(cut.scan, cut.T_map_robot, area);
+    cut.scan = cropped(cut.scan, cut.pose.T_map_robot, area);
     inside.replace(place, std::move(cut));
   }
   inside.keyframes_ = std::move(keyframes_);
@@ -119,23 +93,23 @@ void StaticGrid::crop(const Eigen::AlignedBox2d& area) {
 
 void StaticGrid::replace(const Place& place, StoredScan stored) {
   const auto [kept, is_new] = scans_.try_emplace(place);
-  if (!is_new) evidence_->remove(kept->second.scan, kept->second.T_map_robot);
+  if (!is_new) evidence_->remove(kept->second.scan, kept->second.pose.T_map_robot);
   kept->second = std::move(stored);
   enter(kept->second);
 }
 
 void StaticGrid::enter(const StoredScan& stored) {
-  places_.extend(stored.T_map_robot.translation().head<2>());
+  places_.extend(stored.pose.T_map_robot.translation().head<2>());
   const Eigen::Vector2d sides = places_.sizes().array() + 2.0 * kSeenM;
   const double before = resolution_m_;
   while (sides.prod() > kMaxCells * resolution_m_ * resolution_m_) resolution_m_ *= 2.0;
   if (resolution_m_ == before) {
-    evidence_->add(stored.scan, stored.T_map_robot);
+    evidence_->add(stored.scan, stored.pose.T_map_robot);
     return;
   }
   evidence_ = std::make_unique<EvidenceGrid>(resolution_m_, params_.footprint);
   if (standing_) evidence_->add({}, *standing_);
-  for (const auto& [place, other] : scans_) evidence_->add(other.scan, other.T_map_robot);
+  for (const auto& [place, other] : scans_) evidence_->add(other.scan, other.pose.T_map_robot);
 }
 
 void StaticGrid::standAt(const Pose& T_map_robot) {
@@ -144,55 +118,31 @@ void StaticGrid::standAt(const Pose& T_map_robot) {
   evidence_->add({}, T_map_robot);
 }
 
-void StaticGrid::attachToNearestKeyframe(StoredScan& stored) const {
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto& [id, T_map_keyframe] : keyframes_) {
-    const double distance =
-        (T_map_keyframe.translation() - stored.T_map_robot.translation()).squaredNorm();
-    if (distance >= least) continue;
-    least = distance;
-    stored.anchor = id;
-    stored.T_anchor_robot = T_map_keyframe.inverse() * stored.T_map_robot;
-  }
-}
-
-void StaticGrid::setKeyframes(const SharedChunks<slam::KeyframeView>& keyframes) {
-  keyframes_.clear();
-  for (const auto& keyframe : keyframes) keyframes_[keyframe.id] = keyframe.T_map_robot;
-}
-
 std::optional<Pose> StaticGrid::movedPose(StoredScan& stored) const {
-  const auto anchor = keyframes_.find(stored.anchor);
-  if (anchor == keyframes_.end()) {
-    attachToNearestKeyframe(stored);
-    return std::nullopt;
-  }
-  const Pose T_map_robot = anchor->second * stored.T_anchor_robot;
-  if (!moved(stored.T_map_robot, T_map_robot)) return std::nullopt;
-  return T_map_robot;
+  return keyframes_.movedPose(stored.pose, kMovedM, kTurned);
 }
 
 void StaticGrid::move(StoredScan& stored, const Pose& T_map_robot) {
-  evidence_->remove(stored.scan, stored.T_map_robot);
-  stored.T_map_robot = T_map_robot;
+  evidence_->remove(stored.scan, stored.pose.T_map_robot);
+  stored.pose.T_map_robot = T_map_robot;
   enter(stored);
 }
 
 void StaticGrid::follow(const SharedChunks<slam::KeyframeView>& keyframes) {
-  setKeyframes(keyframes);
+  keyframes_.update(keyframes);
   for (auto& [place, stored] : scans_) {
     if (const auto T_map_robot = movedPose(stored)) move(stored, *T_map_robot);
   }
 }
 
 void StaticGrid::follow(const SharedChunks<slam::KeyframeView>& keyframes, std::size_t max_scans) {
-  setKeyframes(keyframes);
+  keyframes_.update(keyframes);
   to_move_.clear();
   for (auto& [place, stored] : scans_) {
     if (movedPose(stored)) to_move_.push_back(place);
   }
   std::sort(to_move_.begin(), to_move_.end(), [this](const Place& a, const Place& b) {
-    return std::pair(scans_.at(a).anchor, a) < std::pair(scans_.at(b).anchor, b);
+    return std::pair(scans_.at(a).pose.anchor, a) < std::pair(scans_.at(b).pose.anchor, b);
   });
   followMore(max_scans);
 }
@@ -215,9 +165,7 @@ std::string StaticGrid::save() const {
   out.count(scans_.size());
   for (const auto& [place, stored] : scans_) {
     out.values(place);
-    write(out, stored.T_map_robot);
-    out.value(stored.anchor.value);
-    write(out, stored.T_anchor_robot);
+    write(out, stored.pose);
     write(out, stored.scan, with_laser);
   }
   return std::move(out.bytes);
@@ -243,13 +191,8 @@ StaticGrid StaticGrid::loaded(const std::string& bytes) const {
     Place place{};
     in.values(place);
     StoredScan& stored = loaded.scans_[place];
-    stored.T_map_robot = readPose(in);
-    stored.anchor.value = in.value<std::int64_t>();
-    stored.T_anchor_robot = readPose(in);
+    stored.pose = readAnchoredPose(in);
     stored.scan = readGroundScan(in, version == kLaserVersion);
-    if (!isPlausible(stored.T_map_robot) || !isPlausible(stored.T_anchor_robot)) {
-      throw InputError("damaged: one has no pose");
-    }
     loaded.enter(stored);
   }
   if (!in.atEnd()) throw InputError("damaged: there are data after their end");

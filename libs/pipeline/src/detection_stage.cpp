@@ -239,6 +239,16 @@ FrameDetections DetectionStage::detectMotion(const RecordedFrame& frame,
   return found;
 }
 
+MovingRegions DetectionStage::leftOutOfMap(const RecordedFrame& frame, const Pose& T_map_robot,
+                                           const FrameDetections& found,
+                                           const std::vector<Track>& tracks) const {
+  std::vector<Detections> sources;
+  if (found.fused) sources.push_back(*found.fused);
+  auto moving = movingRegions(sources, tracks, found.motion, frame.time, *camera_);
+  append(movingRegions(tracks, T_map_robot, *camera_), moving);
+  return moving;
+}
+
 std::optional<GroundScan> DetectionStage::scanGround(const RecordedFrame& frame,
                                                      const Pose& T_map_robot,
                                                      const FrameDetections& found,
@@ -246,11 +256,8 @@ std::optional<GroundScan> DetectionStage::scanGround(const RecordedFrame& frame,
                                                      const detect::GroundScanParams& params) {
   const auto& context = *found.context;
   if (!context.ground()) return std::nullopt;
-  std::vector<Detections> sources;
-  if (found.fused) sources.push_back(*found.fused);
-  auto moving = movingRegions(sources, tracks, found.motion, frame.time, *camera_);
-  append(movingRegions(tracks, T_map_robot, *camera_), moving);
-  return detect::scanGround(context.disparity(), *camera_, *context.ground(), moving, params);
+  return detect::scanGround(context.disparity(), *camera_, *context.ground(),
+                            leftOutOfMap(frame, T_map_robot, found, tracks), params);
 }
 
 }  // namespace headway::pipeline

@@ -28,6 +28,8 @@ Pose Perception::moveInto(const slam::KeyframePoses& poses) {
   map_.update(slam_->map());
   grid_.follow(map_.staticMap()->keyframes);
   if (const auto grid = grid_.grid()) map_.update(grid);
+  dense_.follow(map_.staticMap()->keyframes);
+  updateDenseMap();
   map_.update(last_time_.value_or(0.0), std::vector<Track>());
   const Pose now = map_.staticMap()->keyframes.front().T_map_robot;
   return normalized(Pose(now * before.inverse(Eigen::Isometry)));
@@ -59,13 +61,17 @@ std::vector<JointMap> joinMaps(const std::vector<Perception*>& runs) {
       continue;
     }
     map::StaticGrid grid(runs[map.runs.front()]->grid_params_.map);
+    map::DenseMap dense = runs[map.runs.front()]->dense_.emptyMap();
     for (const auto& member : inOrderOfTime(joint.members)) {
       grid.add(runs[run_of[member->run]]->grid_, member->keyframe_shift);
+      dense.add(runs[run_of[member->run]]->dense_.map(), member->keyframe_shift);
     }
     map.stored.camera = *runs[map.runs.front()]->camera_;
     map.stored.map.update(std::move(joint.view));
     if (const auto cells = grid.grid()) map.stored.map.update(cells);
+    if (const auto points = dense.layer()) map.stored.map.update(points);
     map.stored.attachments[map::kGridAttachment] = grid.save();
+    map.stored.made_attachments[map::kDenseAttachment] = dense.save();
     map.stored.made_attachments[map::kSlamAttachment] = std::move(joint.saved);
   }
   std::sort(maps.begin(), maps.end(),

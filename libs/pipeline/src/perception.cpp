@@ -27,6 +27,9 @@ std::optional<stereo::RigCapability> rigOf(const StereoCamera* camera,
   configured.vehicles_to_m = detect.stereo_motion.max_range_m;
   configured.segments_to_m = detect.stereo_motion.max_segment_range_m;
   configured.grid_spacing_m = params.grid.map.spacing_m;
+  configured.dense_to_m = params.dense.reach_m;
+  configured.dense_voxel_m = params.dense.voxel_m;
+  configured.dense_spacing_m = params.dense.spacing_m;
   return stereo::rigCapability(*camera, configured);
 }
 
@@ -45,7 +48,8 @@ GridParams gridFor(const std::optional<stereo::RigCapability>& rig,
 
 void GridParams::describe(Params::Section section) {
   section.user().add("every_nth_frame", every_nth_frame, 0, 1000, "frames",
-                     "Period of the ground scans; greater is faster; 0: no grid");
+                     "Period of the ground scans, and of the depth scans of the dense map; greater "
+                     "is faster; 0: neither grid nor dense map");
   scan.describe(section);
   map.describe(section);
 }
@@ -55,6 +59,7 @@ void PerceptionParams::describe(Params& params) {
   detection.describe(params);
   objects.describe(params.section("objects"));
   grid.describe(params.section("grid"));
+  dense.describe(params.section("dense"));
   laser.describe(params.section("laser"));
   robot.describe(params.section("robot").user());
 }
@@ -73,6 +78,7 @@ void PerceptionParams::validate() const {
   detection.validate();
   objects.validate();
   grid.validate();
+  dense.validate();
   laser.validate();
   robot.validate();
 }
@@ -89,6 +95,7 @@ Perception::Perception(std::shared_ptr<const StereoCamera> camera, const Percept
       max_speed_mps_(params.slam.max_speed_mps),
       is_live_(params.slam.adjust_in_background),
       grid_(grid_params_.map),
+      dense_(params.dense, rig_, is_live_),
       map_(std::move(map)),
       given_poses_(params.slam.trajectory_in_memory) {
   mapping_ = params.slam.mapping;
@@ -98,44 +105,6 @@ Perception::Perception(std::shared_ptr<const StereoCamera> camera, const Percept
 }
 
 Perception::~Perception() = default;
-
-void Perception::resume(const map::StoredMap& stored) {
-  load(stored);
-  resumed_ = true;
-}
-
-void Perception::load(const map::StoredMap& stored) {
-  if (slam_ == nullptr) {
-    throw InputError("a map can only be taken up by a stereo camera, and here are poses alone");
-  }
-  const auto read = stored.attachments.find(map::kSlamAttachment);
-  const auto made = stored.made_attachments.find(map::kSlamAttachment);
-  if (read != stored.attachments.end()) {
-    slam_->load(read->second);
-  } else if (made != stored.made_attachments.end()) {
-    slam_->load(collected(made->second));
-  } else {
-    throw InputError("it holds no landmarks that a camera could be localised by");
-  }
-  map_.update(slam_->map());
-  const auto scans = stored.attachments.find(map::kGridAttachment);
-  if (scans != stored.attachments.end()) {
-    grid_.load(scans->second);
-    if (const auto grid = grid_.grid()) map_.update(grid);
-  }
-}
-
-map::StoredMap Perception::stored() const {
-  map::StoredMap stored;
-  stored.map = map_;
-  if (const auto grid = grid_.grid()) stored.map.update(grid);  // with the latest corrections
-  if (camera_ != nullptr) stored.camera = *camera_;
-  if (slam_ != nullptr && given_poses_.empty()) {
-    stored.made_attachments[map::kSlamAttachment] = slam_->snapshot();
-    stored.attachments[map::kGridAttachment] = grid_.save();
-  }
-  return stored;
-}
 
 PerceptionUpdate Perception::process(const RecordedFrame& frame) {
   const auto watch = times_.watch("frame");
@@ -163,6 +132,7 @@ PerceptionUpdate Perception::process(const RecordedFrame& frame) {
   checkInput(frame, update, scan_ground);
   updateMap(update);
   updateGrid(frame, update, scan_ground);
+  updateDense(frame, update, scan_ground);
   tracks_ = update.objects.tracks;
   expected_ = update.objects.expected;
   last_pose_.reset();
@@ -265,15 +235,19 @@ void Perception::updateStaticMap() {
   } else {
     grid_.follow(map_.staticMap()->keyframes);
   }
+  dense_.follow(map_.staticMap()->keyframes);
 }
 
 void Perception::finish() {
   if (repeated_) endRepetition();
-  if (slam_ == nullptr || !given_poses_.empty()) return;
-  slam_->finish();
-  map_.update(slam_->map());
-  grid_.follow(map_.staticMap()->keyframes);
-  if (const auto grid = grid_.grid()) map_.update(grid);
+  if (slam_ != nullptr && given_poses_.empty()) {
+    slam_->finish();
+    map_.update(slam_->map());
+    grid_.follow(map_.staticMap()->keyframes);
+    if (const auto grid = grid_.grid()) map_.update(grid);
+    dense_.follow(map_.staticMap()->keyframes);
+  }
+  updateDenseMap();
 }
 
 std::vector<slam::FrameEstimate> Perception::trajectory() const {

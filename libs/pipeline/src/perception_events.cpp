@@ -123,8 +123,9 @@ void Perception::logFrame(const PerceptionUpdate& update, const Warnings& before
 void Perception::callBack(const PerceptionUpdate& update, const map::PerceptionMap& before) const {
   if (repeated_) return;
   if (callbacks_.on_tracks) callbacks_.on_tracks(update.time, update.objects.tracks);
-  const bool has_changed =
-      map_.staticMap() != before.staticMap() || map_.staticGrid() != before.staticGrid();
+  const bool has_changed = map_.staticMap() != before.staticMap() ||
+                           map_.staticGrid() != before.staticGrid() ||
+                           map_.dense() != before.dense();
   if (has_changed && callbacks_.on_map) callbacks_.on_map(map_);
 }
 

@@ -1,4 +1,4 @@
-// The parts of Perception that compare its input with the images: mounting, sensors, grid.
+// The parts of Perception that compare its input with the images: mounting, sensors, static map.
 #include <headway/pipeline/perception.h>
 
 #include <algorithm>
@@ -152,6 +152,18 @@ void Perception::updateGrid(const RecordedFrame& frame, const PerceptionUpdate& 
   // A scan may see nothing, such as behind a truck in the first frame.
   if (const auto grid = grid_.grid()) map_.update(grid);
 }
+
+void Perception::updateDense(const RecordedFrame& frame, const PerceptionUpdate& update,
+                             bool scan_ground) {
+  dense_.update(map_, times_);
+  if (repeated_ || !scan_ground || !isTracked(update) || !dense_.isUsed()) return;
+  const Pose& T_map_robot = update.camera.T_map_robot;
+  dense_.scan(*frame.stereo, found_.context->disparity(),
+              detection_.leftOutOfMap(frame, T_map_robot, found_, update.objects.tracks),
+              T_map_robot);
+}
+
+void Perception::updateDenseMap() { dense_.publish(map_, times_); }
 
 void Perception::addLaser(const RecordedFrame& frame, const PerceptionUpdate& update,
                           bool scan_ground, std::optional<GroundScan>& scan) {

@@ -1,4 +1,4 @@
-// The parts of Perception that store a run and continue it.
+// The parts of Perception that store maps and runs, and continue them.
 #include <headway/core/byte_archive.h>
 #include <headway/core/error.h>
 #include <headway/pipeline/perception.h>
@@ -11,7 +11,7 @@
 namespace headway::pipeline {
 namespace {
 
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;
 
 void write(const std::map<std::string, std::size_t>& counts, ByteWriter& out) {
   out.count(counts.size());
@@ -123,6 +123,50 @@ RunExtent extentOf(const std::string& run_state) {
   return readExtent(in);
 }
 
+void Perception::resume(const map::StoredMap& stored) {
+  load(stored);
+  resumed_ = true;
+}
+
+void Perception::load(const map::StoredMap& stored) {
+  if (slam_ == nullptr) {
+    throw InputError("a map can only be taken up by a stereo camera, and here are poses alone");
+  }
+  const auto read = stored.attachments.find(map::kSlamAttachment);
+  const auto made = stored.made_attachments.find(map::kSlamAttachment);
+  if (read != stored.attachments.end()) {
+    slam_->load(read->second);
+  } else if (made != stored.made_attachments.end()) {
+    slam_->load(collected(made->second));
+  } else {
+    throw InputError("it holds no landmarks that a camera could be localised by");
+  }
+  map_.update(slam_->map());
+  const auto scans = stored.attachments.find(map::kGridAttachment);
+  if (scans != stored.attachments.end()) {
+    grid_.load(scans->second);
+    if (const auto grid = grid_.grid()) map_.update(grid);
+  }
+  const auto depths = stored.attachments.find(map::kDenseAttachment);
+  if (depths != stored.attachments.end()) dense_.load(depths->second);
+  if (const auto& dense = stored.map.dense()) {
+    map_.update(std::make_shared<mrpt::maps::CColouredPointsMap>(*dense));
+  }
+}
+
+map::StoredMap Perception::stored() const {
+  map::StoredMap stored;
+  stored.map = map_;
+  if (const auto grid = grid_.grid()) stored.map.update(grid);  // with the latest corrections
+  if (camera_ != nullptr) stored.camera = *camera_;
+  if (slam_ != nullptr && given_poses_.empty()) {
+    stored.made_attachments[map::kSlamAttachment] = slam_->snapshot();
+    stored.attachments[map::kGridAttachment] = grid_.save();
+    stored.made_attachments[map::kDenseAttachment] = dense_.save();
+  }
+  return stored;
+}
+
 std::string Perception::runState() const {
   RunState state;
   if (!recent_frames_.empty()) {
@@ -138,7 +182,8 @@ std::string Perception::runState() const {
   write(state, out);
   const bool by_slam = slam_ != nullptr && given_poses_.empty();
   out.text(by_slam ? slam_->saveRun() : "");
-  out.text(by_slam ? "" : grid_.save());  // the map of a run by SLAM contains it
+  out.text(by_slam ? "" : grid_.save());  // the map of a run by SLAM contains these
+  out.text(by_slam ? "" : collected(dense_.save()));
   return std::move(out.bytes);
 }
 
@@ -153,10 +198,12 @@ void Perception::continueRun(const map::StoredMap& stored, const std::string& ru
   RunState state = readState(in);
   const std::string slam = in.text();
   const std::string grid = in.text();
+  const std::string dense = in.text();
   if (!in.atEnd()) throw InputError("damaged: there are data after the end of the run");
   if (slam.empty()) {
     restore(trajectory, given_poses_);
     grid_.load(grid);
+    dense_.load(dense);
     if (const auto loaded = grid_.grid()) map_.update(loaded);
   } else {
     load(stored);

@@ -4,7 +4,9 @@
 #include <headway/core/mrpt_pose.h>
 #include <headway/map/ribbon.h>
 #include <headway/map/track_geometry.h>
+#include <mrpt/maps/CColouredPointsMap.h>
 #include <mrpt/opengl/CGridPlaneXY.h>
+#include <mrpt/opengl/CPointCloudColoured.h>
 #include <mrpt/opengl/CSetOfLines.h>
 #include <mrpt/opengl/CSetOfObjects.h>
 #include <mrpt/opengl/CSetOfTriangles.h>
@@ -182,6 +184,16 @@ std::shared_ptr<mrpt::opengl::CSetOfObjects> makeMovingObjects(const CMovingObje
   return objects;
 }
 
+/// The points of the dense map, each as wide as a landmark's dot.
+mrpt::opengl::CPointCloudColoured::Ptr makeDense(const mrpt::maps::CColouredPointsMap& points) {
+  auto cloud = mrpt::opengl::CPointCloudColoured::Create();
+  cloud->setName("dense");
+  cloud->loadFromPointsMap(&points);
+  cloud->setPointSize(2.f);
+  setDrawOrder(DrawOrder::kLandmarks, *cloud);
+  return cloud;
+}
+
 void setBackground(mrpt::opengl::COpenGLScene& scene) {
   scene.getViewport()->setCustomBackgroundColor({mrpt::u8tof(kBackgroundColour.red),
                                                  mrpt::u8tof(kBackgroundColour.green),
@@ -230,6 +242,7 @@ mrpt::opengl::COpenGLScene WorldScene::build(const SnapshotInput& input, double 
   scene.insert(makeRobot(input.T_map_robot, ground_z, scale));
   scene.insert(makeMovingObjects(input.map.movingObjects(), use_, scale));
   if (use_ == SceneUse::kPicture) return scene;
+  if (const auto dense = input.map.dense()) scene.insert(makeDense(*dense));
   if (!input.true_objects.empty()) scene.insert(makeTrueObjects(input.true_objects));
   if (input.camera != nullptr) scene.insert(makeFrustum(*input.camera, input.T_map_robot, scale));
   return scene;

@@ -68,7 +68,7 @@ class WorldScene {
   WorldScene(SceneUse use, float point_size) : use_(use), point_size_(point_size) {}
 
   /// Object names: `occupancy`, `ground_grid`, `landmarks`, `true_path`, `camera_path`, `robot`,
-  /// `moving_objects`, and in a file `true_objects`, `camera`.
+  /// `moving_objects`, and in a file `dense`, `true_objects`, `camera`.
   ///
   /// @param view  of the picture, to omit landmarks outside it; nullptr: all landmarks
   [[nodiscard]] mrpt::opengl::COpenGLScene build(const SnapshotInput& input, double ground_z,

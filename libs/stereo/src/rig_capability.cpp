@@ -26,6 +26,8 @@ constexpr double kVehicleSpeed_mps = 9.0;   // urban traffic
 constexpr double kSegmentsRatio = 1.5;      // beyond people's motion only lateral motion is seen
 constexpr double kPreferredRatio = 0.5;     // of the nearest visible ground: the top of an obstacle
                                             // half as high as the camera leaves the image there
+constexpr double kDenseVoxelRatio = 200.0;  // of the reach of the dense map to its voxels
+constexpr double kDenseVoxelStep_m = 0.01;
 
 double rounded(double value) {
   const double step = value < 0.95 ? 0.1 : value < 9.75 ? 0.5 : value < 19.5 ? 1.0 : 5.0;
@@ -119,6 +121,12 @@ RigCapability rigCapability(const StereoCamera& camera, const RigAssumptions& as
               is_depth ? std::min(segments_to_m, camera.depth_reach_m) : segments_to_m);
   rig.grid_spacing_m =
       valueOr(assumptions.grid_spacing_m, std::clamp(rig.obstacles_to_m / 20.0, 0.2, 1.0));
+  rig.dense_to_m = valueOr(assumptions.dense_to_m, rig.high_obstacles_to_m);
+  const double voxels = std::round(rig.dense_to_m / kDenseVoxelRatio / kDenseVoxelStep_m);
+  rig.dense_voxel_m =
+      valueOr(assumptions.dense_voxel_m, std::clamp(kDenseVoxelStep_m * voxels, 0.05, 0.1));
+  rig.dense_spacing_m =
+      valueOr(assumptions.dense_spacing_m, std::clamp(rig.dense_to_m / 8.0, 0.25, 2.5));
   return rig;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <headway/slam/map_view.h>
+#include <mrpt/maps/CPointsMap.h>
 
 #include <string>
 
@@ -17,5 +18,10 @@ void writeSimpleMap(const std::string& path, const slam::MapView& static_map);
 ///
 /// @throws InputError if the file cannot be written
 void writePly(const std::string& path, const slam::MapView& static_map);
+
+/// Writes points as a binary PLY point cloud: x, y, z [m] in the map frame, and red, green, blue.
+///
+/// @throws InputError if the file cannot be written
+void writePly(const std::string& path, const mrpt::maps::CPointsMap& points);
 
 }  // namespace headway::map

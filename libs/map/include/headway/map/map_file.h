@@ -17,6 +17,10 @@ inline constexpr char kSlamAttachment[] = "slam";
 /// Name of the attachment with StaticGrid::save().
 inline constexpr char kGridAttachment[] = "grid";
 
+/// Name of the attachment with DenseMap::save(). If present, the layer of dense points is not
+/// stored, and loading derives it.
+inline constexpr char kDenseAttachment[] = "dense";
+
 /// Contents of `map.headway`.
 struct StoredMap {
   PerceptionMap map;

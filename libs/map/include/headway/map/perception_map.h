@@ -3,6 +3,7 @@
 #include <headway/core/track.h>
 #include <headway/map/moving_objects_map.h>
 #include <headway/slam/map_view.h>
+#include <mrpt/maps/CColouredPointsMap.h>
 #include <mrpt/maps/CMultiMetricMap.h>
 #include <mrpt/maps/COccupancyGridMap2D.h>
 #include <mrpt/maps/CPointsMap.h>
@@ -53,6 +54,11 @@ class PerceptionMap {
   /// Replaces the occupancy grid, or adds it as a layer (see StaticGrid). Must not be null.
   void update(const mrpt::maps::COccupancyGridMap2D::Ptr& static_grid);
 
+  /// Replaces the dense coloured points, or adds them as a layer (see DenseMap). Must not be null.
+  /// A CColouredOctoMap among the layers, as an .ini may ask for, gets the same points as voxels,
+  /// which takes about 1 us for each of them.
+  void update(const mrpt::maps::CColouredPointsMap::Ptr& dense);
+
   /// Queries of the map at current and future times; include map_query.h.
   ///
   /// @param now  in the map's clock [s]
@@ -66,6 +72,9 @@ class PerceptionMap {
   [[nodiscard]] mrpt::maps::COccupancyGridMap2D::ConstPtr staticGrid() const {
     return layers_->mapByClass<mrpt::maps::COccupancyGridMap2D>();
   }
+
+  /// Dense coloured points of the static world; null if the map has no such layer.
+  [[nodiscard]] const mrpt::maps::CColouredPointsMap::ConstPtr& dense() const { return dense_; }
 
   /// Landmarks with ids and grey values, and keyframes; never null.
   [[nodiscard]] const std::shared_ptr<const slam::MapView>& staticMap() const {
@@ -81,6 +90,7 @@ class PerceptionMap {
   std::shared_ptr<const mrpt::maps::CPointsMap> landmarks_;     ///< one of layers_
   std::shared_ptr<const mrpt::maps::CPointsMap> no_landmarks_;  ///< its class and options
   std::shared_ptr<const CMovingObjectsMap> moving_objects_;     ///< one of layers_
+  mrpt::maps::CColouredPointsMap::ConstPtr dense_;              ///< one of layers_, or null
   std::shared_ptr<const slam::MapView> static_map_;
 };
 

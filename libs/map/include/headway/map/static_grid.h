@@ -2,6 +2,7 @@
 
 #include <headway/core/ground_scan.h>
 #include <headway/core/params.h>
+#include <headway/map/anchored_pose.h>
 #include <headway/slam/map_view.h>
 #include <mrpt/maps/COccupancyGridMap2D.h>
 
@@ -88,32 +89,26 @@ class StaticGrid {
   void load(const std::string& bytes);
 
  private:
-  /// Place and direction in steps: x, y and heading.
-  using Place = std::array<std::int32_t, 3>;
+  using Place = ScanPlace;
   struct StoredScan {
-    Pose T_map_robot;
-    KeyframeId anchor;  ///< invalid if there are no keyframes
-    Pose T_anchor_robot = Pose::Identity();
+    AnchoredPose pose;
     GroundScan scan;
   };
 
   [[nodiscard]] StaticGrid loaded(const std::string& bytes) const;
-  [[nodiscard]] Place placeOf(const Pose& T_map_robot) const;
   /// Stores and enters a scan in place of the one from the same place and direction.
   void replace(const Place& place, StoredScan stored);
   void enter(const StoredScan& stored);
-  void setKeyframes(const SharedChunks<slam::KeyframeView>& keyframes);
   /// Pose by the anchor's present pose; nullopt if it has hardly changed.
   [[nodiscard]] std::optional<Pose> movedPose(StoredScan& stored) const;
   void move(StoredScan& stored, const Pose& T_map_robot);
-  void attachToNearestKeyframe(StoredScan& stored) const;
 
   StaticGridParams params_;
   double resolution_m_;  ///< may be coarser than the parameter, see above
   std::unique_ptr<EvidenceGrid> evidence_;
   std::map<Place, StoredScan> scans_;
   Eigen::AlignedBox2d places_;  ///< bounds of their positions [m]
-  std::map<KeyframeId, Pose> keyframes_;
+  AnchorPoses keyframes_;
   std::vector<Place> to_move_;  ///< places whose scans are to be moved, the next one last
   struct Passed {
     Place place;

@@ -113,6 +113,14 @@ class DetectionStage {
   /// Discards what refers to earlier frames: the clock was set back.
   void restart();
 
+  /// Regions of moving and possibly moving objects, which the static map leaves out.
+  ///
+  /// @param found   in this frame
+  /// @param tracks  of this frame
+  [[nodiscard]] MovingRegions leftOutOfMap(const RecordedFrame& frame, const Pose& T_map_robot,
+                                           const FrameDetections& found,
+                                           const std::vector<Track>& tracks) const;
+
   /// Scans free ground and obstacles, without moving objects.
   ///
   /// @param found   in this frame

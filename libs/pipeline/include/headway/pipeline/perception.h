@@ -8,6 +8,7 @@
 #include <headway/map/static_grid.h>
 #include <headway/objects/moving_object_tracker.h>
 #include <headway/pipeline/camera_check.h>
+#include <headway/pipeline/dense_mapper.h>
 #include <headway/pipeline/detection_stage.h>
 #include <headway/pipeline/laser_evidence.h>
 #include <headway/pipeline/lost_diagnosis.h>
@@ -43,6 +44,7 @@ struct PerceptionParams {
   DetectionParams detection;
   objects::ObjectsParams objects;
   GridParams grid;
+  map::DenseMapParams dense;
   LaserParams laser;
   map::RobotFootprint robot{0.5, 0.4};
 
@@ -53,8 +55,8 @@ struct PerceptionParams {
   /// The same with other parameters.
   [[nodiscard]] static PerceptionParams live(PerceptionParams params);
 
-  /// Binds sections [slam], [detect] with those of the detectors, [objects], [grid], [laser] and
-  /// [robot].
+  /// Binds sections [slam], [detect] with those of the detectors, [objects], [grid], [dense],
+  /// [laser] and [robot].
   void describe(Params& params);
   void validate() const;  ///< @throws InputError
 };
@@ -167,9 +169,12 @@ class Perception {
   /// of their beams (see addLaserScans()); empty without a laser.
   [[nodiscard]] const std::map<std::string, std::size_t>& laserCounts() const;
 
-  /// The map after the last frame: landmarks, keyframes, occupancy grid and moving
-  /// objects.
+  /// The map after the last frame: landmarks, keyframes, occupancy grid and moving objects; and the
+  /// dense points as of updateDenseMap() or finish(), in live operation as of a second ago.
   [[nodiscard]] const map::PerceptionMap& map() const { return map_; }
+
+  /// Fuses the depth scans of all frames so far, and updates the map's layer of dense points.
+  void updateDenseMap();
 
   /// All frames so far, with their latest corrections.
   [[nodiscard]] std::vector<slam::FrameEstimate> trajectory() const;
@@ -185,7 +190,8 @@ class Perception {
   [[nodiscard]] std::vector<TrackSample> flush() { return tracker_.flush(); }
 
   /// Milliseconds by stage: "slam_track", "slam_map", "detect" (of frames with image-based
-  /// detection), "objects", "grid" (of scanned frames), "map_update", "frame".
+  /// detection), "objects", "grid" (of scanned frames), "map_update", "frame"; and in other threads
+  /// "dense_scan" (of scanned frames) and "dense_fuse".
   [[nodiscard]] StageTimes times() const;
 
  private:
@@ -210,6 +216,7 @@ class Perception {
   void updateMap(const PerceptionUpdate& update);
   void updateStaticMap();
   void updateGrid(const RecordedFrame& frame, const PerceptionUpdate& update, bool scan_ground);
+  void updateDense(const RecordedFrame& frame, const PerceptionUpdate& update, bool scan_ground);
   /// Adds the frame's laser scans to the ground scan, or counts why they are not used.
   void addLaser(const RecordedFrame& frame, const PerceptionUpdate& update, bool scan_ground,
                 std::optional<GroundScan>& scan);
@@ -240,6 +247,7 @@ class Perception {
   double max_box_range_m_ = RuntimeParams().max_box_range_m;
   bool is_live_ = false;  ///< no frame may be delayed by a correction of the whole map
   map::StaticGrid grid_;
+  DenseMapper dense_;
   map::PerceptionMap map_;
   std::size_t grid_frames_ = 0;            ///< frames eligible for a scan
   std::optional<MountCheck> mount_check_;  ///< with a camera

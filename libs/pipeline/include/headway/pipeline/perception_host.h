@@ -19,7 +19,8 @@ struct PerceptionCallbacks {
   std::function<void(Time, const slam::SlamUpdate&)> on_pose;
   /// After tracking: tracks of the frame with predictions.
   std::function<void(Time, const std::vector<Track>&)> on_tracks;
-  /// After keyframes, landmarks or grid have changed: the map, which is cheap to copy.
+  /// After keyframes, landmarks, grid or dense points have changed: the map, which is cheap to
+  /// copy.
   std::function<void(const map::PerceptionMap&)> on_map;
 };
 

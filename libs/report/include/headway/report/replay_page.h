@@ -10,6 +10,7 @@
 
 namespace headway::report {
 
+/// What the page of a replay shows beside the files in the replay's folder.
 struct ReplayPageOptions {
   std::filesystem::path truth;   ///< folder with trajectory.tum and objects.csv; empty: no truth
   std::filesystem::path output;  ///< empty: replay.html in the replay's folder

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <headway/core/pose.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace headway {
+
+/// Camera and grid of a depth scan. The cell in column c and row r holds the depth of the pixel
+/// (u0 + c * step_u, v0 + r * step_v) of the left image.
+struct DepthScanGrid {
+  std::int32_t columns = 0, rows = 0;
+  double u0 = 0.0, v0 = 0.0, step_u = 1.0, step_v = 1.0;  ///< [px]
+  double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;          ///< of the rectified camera [px]
+  double focal_baseline = 0.0;                            ///< disparity times depth [px m]
+  double sigma_disparity_px = 0.0;                        ///< noise of a disparity [px]
+  Pose T_robot_cam = Pose::Identity();                    ///< left camera on the robot
+
+  [[nodiscard]] std::size_t cells() const {
+    return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+  }
+};
+
+/// Depth and colour of the static surfaces seen in one frame. Cells without a reliable depth, and
+/// those on moving objects, are unknown: nothing follows from them.
+struct DepthScan {
+  static constexpr double kUnitsPerPx = 64.0;  ///< of the stored disparities
+
+  DepthScanGrid grid;
+  std::vector<std::uint8_t> known;       ///< a bit for each cell, row by row, lowest bit first
+  std::vector<std::uint16_t> disparity;  ///< of the known cells, row by row [px / kUnitsPerPx]
+  std::vector<std::uint8_t> colour;      ///< of the same: grey, or red, green and blue
+
+  [[nodiscard]] bool isKnown(std::size_t cell) const {
+    return ((known[cell / 8] >> (cell % 8)) & 1U) != 0;
+  }
+  [[nodiscard]] bool empty() const { return disparity.empty(); }
+  [[nodiscard]] bool hasColour() const { return colour.size() > disparity.size(); }
+};
+
+}  // namespace headway

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <headway/core/depth_scan.h>
+#include <headway/core/moving_regions.h>
+#include <headway/core/stereo_frame.h>
+#include <headway/stereo/disparity.h>
+#include <headway/stereo/rig_capability.h>
+
+namespace headway::detect {
+
+/// Depth and colour of the static surfaces in a frame.
+///
+/// Left out are regions of moving objects, depths beyond the rig's dense_to_m, and the border of
+/// what stands before something farther away, or before nothing that was matched: there, block
+/// matching gives the background the depth of the foreground. The grid is the finest one with at
+/// most 20,000 known cells, so that near surfaces do not fill the memory.
+///
+/// @param frame      with its camera; its colour image is used if there is one
+/// @param disparity  of the frame
+/// @param moving     left out; the unsure ones, too
+[[nodiscard]] DepthScan scanDepth(const StereoFrame& frame, const stereo::DisparityImage& disparity,
+                                  const MovingRegions& moving, const stereo::RigCapability& rig);
+
+}  // namespace headway::detect

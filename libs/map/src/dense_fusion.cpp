@@ -1,0 +1,235 @@
+#include "dense_fusion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "scan_view.h"
+#include "voxel_index.h"
+
+namespace headway::map {
+namespace {
+
+constexpr int kMarginVoxels = 4;  // round a tile, whose candidates may be moved into it
+constexpr int kMaxEvidence = 4;   // of a voxel: so many scans that see through it remove it
+constexpr int kMinEvidence = -3;
+constexpr int kEnoughEvidence = 2;
+constexpr int kMinNeighbours = 2;     // of a point, in the 26 voxels round it
+constexpr float kSigmas = 3.0F;       // of depths that agree
+constexpr float kPoseSigma = 0.25F;   // of the surface by poses and sampling [voxels]
+constexpr float kSlackVoxels = 0.5F;  // of depths that agree
+
+using Colour = Eigen::Vector3f;
+
+/// Voxels of a tile and its margin as 32-bit keys: 9 bits for x and y, 14 for z.
+class VoxelKeys {
+ public:
+  explicit VoxelKeys(float voxel_m) : inverse_(1.0F / voxel_m) {}
+
+  /// nullopt outside of the tile and its margin.
+  [[nodiscard]] std::optional<std::uint32_t> keyOf(const Eigen::Vector3f& point,
+                                                   int margin_voxels) const {
+    const Eigen::Array3f at = (point * inverse_).array().floor();
+    const auto margin = static_cast<float>(margin_voxels);
+    const bool is_inside = at.x() >= -margin && at.y() >= -margin &&
+                           at.x() < kTileVoxels + margin && at.y() < kTileVoxels + margin &&
+                           std::abs(at.z()) < kMiddle - 1;
+    if (!is_inside) return std::nullopt;
+    return key(static_cast<int>(at.x()), static_cast<int>(at.y()),
+               static_cast<int>(at.z()) + kMiddle);
+  }
+
+  /// The 26 voxels round one inside of the margin.
+  template <typename Use>
+  static void forNeighbours(std::uint32_t of, const Use& use) {
+    for (std::uint32_t dx = 0; dx < 3; ++dx) {
+      for (std::uint32_t dy = 0; dy < 3; ++dy) {
+        for (std::uint32_t dz = 0; dz < 3; ++dz) {
+          if (dx == 1 && dy == 1 && dz == 1) continue;
+          use(of + ((dx - 1) << 23U) + ((dy - 1) << 14U) + (dz - 1));  // modulo 2^32
+        }
+      }
+    }
+  }
+
+ private:
+  static constexpr int kMiddle = 1 << 13;
+
+  static std::uint32_t key(int x, int y, int z) {
+    const auto column = static_cast<std::uint32_t>(x + kMarginVoxels);
+    const auto row = static_cast<std::uint32_t>(y + kMarginVoxels);
+    return (column << 23U) | (row << 14U) | static_cast<std::uint32_t>(z);
+  }
+
+  float inverse_;
+};
+
+/// Weighted mean of points and colours.
+struct Sum {
+  float weight = 0.0F;
+  Eigen::Vector3f point = Eigen::Vector3f::Zero();
+  Colour colour = Colour::Zero();
+
+  void add(const Eigen::Vector3f& p, const Colour& c, float w) {
+    weight += w;
+    point += w * p;
+    colour += w * c;
+  }
+};
+
+/// A voxel that scans hit.
+struct Candidate {
+  Eigen::Vector3f point;
+  Colour colour;
+  float variance;  ///< of the most precise hit, along its ray [m^2]
+  int evidence = 0;
+  bool was_seen_through = false;
+  float weight = 0.0F;  ///< of the scans that agree
+  Eigen::Vector3f shift = Eigen::Vector3f::Zero();
+};
+
+class TileFusion {
+ public:
+  TileFusion(const Eigen::Vector2d& corner, double voxel_m, const std::vector<PosedScan>& scans)
+      : voxel_(static_cast<float>(voxel_m)), keys_(voxel_) {
+    for (const auto& posed : scans) views_.emplace_back(*posed.scan, posed.T_map_robot, corner);
+  }
+
+  [[nodiscard]] DenseTile run() {
+    findCandidates();
+    for (const auto& view : views_) {
+      for (auto& candidate : candidates_) compare(view, candidate);
+    }
+    return points();
+  }
+
+ private:
+  [[nodiscard]] float weightOf(float variance) const {
+    const float sampling = kPoseSigma * voxel_;
+    return 1.0F / (variance + sampling * sampling);
+  }
+
+  void findCandidates() {
+    VoxelIndex index;
+    std::vector<Sum> sums;
+    std::vector<float> variances;
+    for (const auto& view : views_) {
+      view.forEachPoint([&](const Eigen::Vector3f& point, const Colour& colour, float variance) {
+        const auto key = keys_.keyOf(point, kMarginVoxels);
+        if (!key) return;
+        const std::uint32_t number = index.numberOf(*key);
+        if (number == sums.size()) {
+          sums.emplace_back();
+          variances.push_back(variance);
+        }
+        sums[number].add(point, colour, weightOf(variance));
+        variances[number] = std::min(variances[number], variance);
+      });
+    }
+    candidates_.reserve(sums.size());
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      const Sum& sum = sums[i];
+      candidates_.push_back({sum.point / sum.weight, sum.colour / sum.weight, variances[i]});
+    }
+  }
+
+  void compare(const ScanView& view, Candidate& candidate) const {
+    const auto look = view.lookAt(candidate.point);
+    if (!look) return;
+    const float further = look->measured - look->depth;
+    const float tolerance =
+        kSigmas * std::sqrt(look->variance + candidate.variance) + kSlackVoxels * voxel_;
+    if (std::abs(further) <= tolerance) {
+      const float weight = weightOf(look->variance);
+      candidate.evidence = std::min(candidate.evidence + 1, kMaxEvidence);
+      candidate.weight += weight;
+      candidate.shift +=
+          (weight * further / look->depth) * (candidate.point - view.cameraPosition());
+    } else if (further > tolerance && view.nearestRound(*look) - look->depth > tolerance) {
+      candidate.evidence = std::max(candidate.evidence - 1, kMinEvidence);
+      candidate.was_seen_through = true;
+    }
+  }
+
+  /// Whether two scans agree and no later ones see through it; one is enough if it is precise.
+  [[nodiscard]] bool isSurface(const Candidate& candidate) const {
+    if (candidate.evidence >= kEnoughEvidence) return true;
+    return candidate.evidence == 1 && !candidate.was_seen_through &&
+           candidate.variance <= voxel_ * voxel_;
+  }
+
+  [[nodiscard]] DenseTile points() const {
+    VoxelIndex index;
+    std::vector<Sum> sums;
+    for (const auto& candidate : candidates_) {
+      if (!isSurface(candidate)) continue;
+      const Eigen::Vector3f point = candidate.point + candidate.shift / candidate.weight;
+      const auto key = keys_.keyOf(point, 0);
+      if (!key) continue;
+      const std::uint32_t number = index.numberOf(*key);
+      if (number == sums.size()) sums.emplace_back();
+      sums[number].add(point, candidate.colour, candidate.weight);
+    }
+    DenseTile tile;
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      int neighbours = 0;
+      VoxelKeys::forNeighbours(index.keys()[i], [&](std::uint32_t key) {
+        neighbours += index.at(key) != VoxelIndex::kNone ? 1 : 0;
+      });
+      if (neighbours < kMinNeighbours) continue;
+      tile.positions.emplace_back(sums[i].point / sums[i].weight);
+      const Colour colour = sums[i].colour / sums[i].weight;
+      const auto byte = [](float value) {
+        return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0F, 255.0F)));
+      };
+      tile.colours.push_back({byte(colour[0]), byte(colour[1]), byte(colour[2])});
+    }
+    return tile;
+  }
+
+  float voxel_;
+  VoxelKeys keys_;
+  std::vector<ScanView> views_;
+  std::vector<Candidate> candidates_;
+};
+
+}  // namespace
+
+DenseTile fuseTile(const Eigen::Vector2d& corner, double voxel_m,
+                   const std::vector<PosedScan>& scans) {
+  return TileFusion(corner, voxel_m, scans).run();
+}
+
+DepthScan cropped(const DepthScan& scan, const Pose& T_map_robot, const Eigen::AlignedBox3d& box) {
+  std::vector<bool> is_inside;
+  ScanView(scan, T_map_robot, {0.0, 0.0})
+      .forEachPoint([&](const Eigen::Vector3f& point, const Colour&, float) {
+        is_inside.push_back(box.contains(point.cast<double>()));
+      });
+  DepthScan inside;
+  inside.grid = scan.grid;
+  inside.known.assign(scan.known.size(), 0);
+  const std::size_t channels = scan.hasColour() ? 3 : 1;
+  std::size_t point = 0;
+  for (std::size_t cell = 0; cell < scan.grid.cells(); ++cell) {
+    if (!scan.isKnown(cell)) continue;
+    const std::size_t at = point++;
+    if (!is_inside[at]) continue;
+    inside.known[cell / 8] |= static_cast<std::uint8_t>(1U << (cell % 8));
+    inside.disparity.push_back(scan.disparity[at]);
+    const auto colour = scan.colour.begin() + static_cast<std::ptrdiff_t>(channels * at);
+    inside.colour.insert(inside.colour.end(), colour,
+                         colour + static_cast<std::ptrdiff_t>(channels));
+  }
+  return inside;
+}
+
+Eigen::AlignedBox3d boundsOf(const DepthScan& scan) {
+  Eigen::AlignedBox3f bounds;
+  ScanView(scan, Pose::Identity(), {0.0, 0.0})
+      .forEachPoint(
+          [&](const Eigen::Vector3f& point, const Colour&, float) { bounds.extend(point); });
+  return bounds.cast<double>();
+}
+
+}  // namespace headway::map

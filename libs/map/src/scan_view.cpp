@@ -1,0 +1,53 @@
+#include "scan_view.h"
+
+#include <algorithm>
+
+namespace headway::map {
+namespace {
+
+constexpr float kBeyond = 1.5F;  // of the greatest depth, what a scan can say about points
+
+}  // namespace
+
+ScanView::ScanView(const DepthScan& scan, const Pose& T_map_robot, const Eigen::Vector2d& corner)
+    : scan_(scan),
+      columns_(static_cast<std::size_t>(scan.grid.columns)),
+      rows_(static_cast<std::size_t>(scan.grid.rows)),
+      disparity_(scan.grid.cells(), 0) {
+  const DepthScanGrid& grid = scan.grid;
+  const Pose T_map_cam = T_map_robot * grid.T_robot_cam;
+  R_tile_cam_ = T_map_cam.linear().cast<float>();
+  const Eigen::Vector3d origin(corner.x(), corner.y(), 0.0);
+  camera_ = (T_map_cam.translation() - origin).cast<float>();
+  ray_first_ =
+      Eigen::Vector2d((grid.u0 - grid.cx) / grid.fx, (grid.v0 - grid.cy) / grid.fy).cast<float>();
+  ray_step_ = Eigen::Vector2d(grid.step_u / grid.fx, grid.step_v / grid.fy).cast<float>();
+  inverse_step_ = ray_step_.cwiseInverse();
+  focal_baseline_ = static_cast<float>(grid.focal_baseline * DepthScan::kUnitsPerPx);
+  sigma_factor_ = static_cast<float>(grid.sigma_disparity_px / grid.focal_baseline);
+  std::size_t next = 0;
+  std::uint16_t least = 0xffffU;
+  for (std::size_t cell = 0; cell < disparity_.size() && next < scan.disparity.size(); ++cell) {
+    if (!scan.isKnown(cell)) continue;
+    disparity_[cell] = scan.disparity[next++];
+    least = std::min(least, disparity_[cell]);
+  }
+  max_depth_ = kBeyond * depthOf(std::max<std::uint16_t>(least, 1));
+}
+
+float ScanView::nearestRound(const Look& look) const {
+  const std::size_t column = look.cell % columns_;
+  const std::size_t row = look.cell / columns_;
+  if (column == 0 || row == 0 || column + 1 == columns_ || row + 1 == rows_) return 0.0F;
+  std::uint16_t greatest = 0;
+  for (std::size_t r = row - 1; r <= row + 1; ++r) {
+    for (std::size_t c = column - 1; c <= column + 1; ++c) {
+      const std::uint16_t disparity = disparity_[r * columns_ + c];
+      if (disparity == 0) return 0.0F;
+      greatest = std::max(greatest, disparity);
+    }
+  }
+  return depthOf(greatest);
+}
+
+}  // namespace headway::map
