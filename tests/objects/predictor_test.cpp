@@ -243,31 +243,6 @@ TEST(MixturePredictorTest, IsLessCertainForShortHistories) {
       << "of a car seen once nothing is known but how fast cars are";
 }
 
-TEST(MixturePredictorTest, IsLessSureWhileAnObjectBrakesOrTurns) {
-  MotionHistory braking = drivingAlongX(2.0);
-  braking.path = history([](double t) { return Eigen::Vector2d(8.0 * t - 0.75 * t * t, 0.0); });
-  MotionHistory turning = drivingAlongX(2.0);
-  turning.path = history([](double t) {
-    return Eigen::Vector2d(20.0 * std::sin(0.4 * t), 20.0 * (1.0 - std::cos(0.4 * t)));
-  });
-  const Eigen::Matrix2d steady = spreadAt(drivingAlongX(2.0), 2.0);
-  EXPECT_GT(spreadAt(braking, 2.0)(0, 0), 2.0 * steady(0, 0));
-  EXPECT_LT(spreadAt(braking, 2.0)(1, 1), 1.5 * steady(1, 1));
-  EXPECT_GT(spreadAt(turning, 2.0).determinant(), 10.0 * steady.determinant());
-}
-
-TEST(MixturePredictorTest, LearnsTheNoiseOfAPathFromItsResiduals) {
-  std::mt19937 random(3);
-  std::normal_distribution<double> noise(0.0, 0.1);
-  MotionHistory parked = drivingAlongX(2.0);
-  parked.path = history([](double) { return Eigen::Vector2d(4.0, 5.0); });
-  MotionHistory swaying = parked;
-  for (auto& point : swaying.path)
-    point.position.head<2>() += Eigen::Vector2d(noise(random), noise(random));
-  EXPECT_LT(std::sqrt(spreadAt(parked, 3.0)(0, 0)), 0.25);
-  EXPECT_GT(spreadAt(swaying, 3.0).trace(), 4.0 * spreadAt(parked, 3.0).trace());
-}
-
 TEST(MixturePredictorTest, SpreadIsThatOfItsErrorsWhateverThePathsLength) {
   const Eigen::Vector2d sigma(0.3, 0.1);
   std::mt19937 random(5);

@@ -42,31 +42,11 @@ struct Moments {
   static constexpr double kMinWeight = 1e-3;
 };
 
-// Variance of the positions about the fit, per axis; without positions that of `expected`.
-double residualVariance(const std::vector<TrajectoryPoint>& path, double memory_s,
-                        const Eigen::Vector2d& velocity, const Eigen::Vector2d& acceleration,
-                        double expected) {
-  constexpr double kExpectedWeight = 0.1;  // in positions
-  const TrajectoryPoint& now = path.back();
-  double squares = kExpectedWeight * expected;
-  double weights = kExpectedWeight;
-  for (std::size_t i = path.size() - 1; i-- > 0;) {
-    const double t = path[i].time - now.time;
-    const double freshness = 1.0 + t / memory_s;
-    if (freshness <= 0.0) break;
-    const Eigen::Vector2d offset = (path[i].position - now.position).head<2>();
-    const Eigen::Vector2d residual = offset - t * (velocity + 0.5 * t * acceleration);
-    squares += square(freshness) * 0.5 * residual.squaredNorm();
-    weights += square(freshness);
-  }
-  return squares / weights;
-}
-
 // The fit along one axis.
 struct AxisFit {
   double velocity = 0.0;      // [m/s]
   double acceleration = 0.0;  // [m/s^2]
-  double variance = 0.0;      // of the velocity, for positions with a variance of 1 m^2 [1/s^2]
+  double variance = 0.0;      // of the velocity, from the noise of the places before and the prior
   double gain = 0.0;          // by which an error of the newest place becomes one of velocity [1/s]
 
   // `noise` is the variance of a place; the prior is given by typical speed and acceleration.
@@ -77,7 +57,7 @@ struct AxisFit {
     const double determinant = a * c - m.t3 * m.t3;
     velocity = (c * dt1 - m.t3 * dt2) / determinant;
     acceleration = (a * dt2 - m.t3 * dt1) / determinant;
-    variance = c / determinant;
+    variance = noise * c / determinant;
     gain = (0.5 * m.t3 * m.t2 - c * m.t1) / determinant;
   }
 };
@@ -104,26 +84,19 @@ Manoeuvre fitManoeuvre(const MotionHistory& history, const ManoeuvreParams& para
   axes << ahead, left;
   const Eigen::Matrix2d gain =
       axes * Eigen::Vector2d(along.gain, across.gain).asDiagonal() * axes.transpose();
-  result.path_variance_m2 = residualVariance(history.path, params.memory_s, velocity, acceleration,
-                                             square(params.path_noise_m));
-  const double variance = result.path_variance_m2 + 0.5 * places.trace();
   result.velocity_covariance =
-      gain * places * gain + variance * axes *
-                                 Eigen::Vector2d(along.variance, across.variance).asDiagonal() *
-                                 axes.transpose();
+      gain * places * gain +
+      axes * Eigen::Vector2d(along.variance, across.variance).asDiagonal() * axes.transpose();
 
   const double speed = velocity.norm();
   result.direction = unitOr(velocity, ahead);
   const double fourth = square(square(speed));
-  const double unsure =
-      square(params.cruising_speed_mps) + 0.5 * result.velocity_covariance.trace();
-  result.moves = fourth / (fourth + square(unsure));
-  const double used = fourth / (fourth + square(square(params.standing_speed_mps)));
+  const double moves = fourth / (fourth + square(square(params.standing_speed_mps)));
   const Eigen::Vector2d& d = result.direction;
-  result.speed = used * speed;
-  result.acceleration = used * acceleration.dot(d);
+  result.speed = moves * speed;
+  result.acceleration = moves * acceleration.dot(d);
   if (speed > kMinSpeed) {
-    result.turn_rate = used * (d.x() * acceleration.y() - d.y() * acceleration.x()) / speed;
+    result.turn_rate = moves * (d.x() * acceleration.y() - d.y() * acceleration.x()) / speed;
   }
   return result;
 }

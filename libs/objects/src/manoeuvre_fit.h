@@ -8,12 +8,10 @@ namespace headway::objects {
 
 /// Current motion of an object, estimated from its recent path.
 struct Manoeuvre {
-  Eigen::Vector2d direction = Eigen::Vector2d::UnitX();  ///< of the velocity, unit length
-  double speed = 0.0;                                    ///< [m/s]
-  double acceleration = 0.0;                             ///< along the path [m/s^2]
-  double turn_rate = 0.0;                                ///< [rad/s]
-  double moves = 0.0;             ///< evidence that it moves at all: 0 (none) .. 1
-  double path_variance_m2 = 0.0;  ///< of the positions about the fit, per axis [m^2]
+  Eigen::Vector2d direction = Eigen::Vector2d::UnitX();           ///< of the velocity, unit length
+  double speed = 0.0;                                             ///< [m/s]
+  double acceleration = 0.0;                                      ///< along the path [m/s^2]
+  double turn_rate = 0.0;                                         ///< [rad/s]
   Eigen::Matrix2d velocity_covariance = Eigen::Matrix2d::Zero();  ///< [m^2/s^2]
 };
 
@@ -21,10 +19,9 @@ struct Manoeuvre {
 ///
 /// Least squares with weights that decrease with age, and with typical values of the class as a
 /// prior, which limits accelerations and turns to those significant against the noise. Low speeds
-/// are reduced, since they may be noise of a static object. The noise of the positions is estimated
-/// from their residuals. The covariance of the velocity contains the error of the newest position,
-/// which rotates the parabola that passes through it, the errors of the earlier positions, and the
-/// prior.
+/// are reduced, since they may be noise of a static object. The covariance of the velocity contains
+/// the error of the newest position, which rotates the parabola that passes through it, the errors
+/// of the earlier positions, and the prior.
 ///
 /// @param history  at least one position
 [[nodiscard]] Manoeuvre fitManoeuvre(const MotionHistory& history, const ManoeuvreParams& params);

@@ -50,7 +50,8 @@ MixturePredictor::Tables MixturePredictor::tabulate(const ManoeuvreParams& param
     tables.gained[j] = params.acceleration_fade_s * (t - faded(t, params.acceleration_fade_s));
     tables.turned[j] = middle - turned;
     turned = middle;
-    tables.diffusion[j] = t * t * t / 3.0;
+    tables.along[j] = square(params.acceleration_sigma_mps2 * 0.5 * t * t);
+    tables.across[j] = square(params.lateral_sigma_mps2 * 0.5 * t * t);
   }
   return tables;
 }
@@ -66,16 +67,13 @@ void MixturePredictor::predictInto(const MotionHistory& history,
   const ManoeuvreParams& params = params_.of(history.object_class);
   const Tables& tables = tables_.of(history.object_class);
   const Manoeuvre now = fitManoeuvre(history, params);
+  const double moves = square(now.speed) / (square(now.speed) + square(params.cruising_speed_mps));
   const auto common = commonSpread(history.position_covariance, now.velocity_covariance);
-  const double along = now.moves * (square(params.acceleration_noise) +
-                                    square(params.change_ratio * now.acceleration));
-  const double across = now.moves * (square(params.lateral_noise) +
-                                     square(params.change_ratio * now.turn_rate * now.speed));
 
   const double turn_rate = std::clamp(now.turn_rate, -kMaxTurnRate, kMaxTurnRate);
-  const Course turning = course(tables, now.direction, turn_rate, common, along, across);
-  const Course straight = course(tables, now.direction, 0.0, common, along, across);
-  const double other = now.moves * params.alternative_mps2;
+  const Course turning = course(tables, now.direction, turn_rate, common, moves);
+  const Course straight = course(tables, now.direction, 0.0, common, moves);
+  const double other = moves * params.alternative_mps2;
   paths.resize(kModes);
   walk(history, tables, turning, now.speed, now.acceleration, paths[0]);
   walk(history, tables, straight, now.speed, 0.0, paths[1]);
@@ -99,12 +97,13 @@ MixturePredictor::Spread MixturePredictor::commonSpread(const Eigen::Matrix2d& p
 
 MixturePredictor::Course MixturePredictor::course(const Tables& tables, Eigen::Vector2d direction,
                                                   double turn_rate, const Spread& common,
-                                                  double along, double across) {
+                                                  double moves) {
   Course course;
   for (int j = 0; j < kPredictionSamples; ++j) {
     direction = turnedBy(direction, turn_rate * tables.turned[j]);
     course.directions[j] = direction;
-    course.covariances[j] = common[j] + tables.diffusion[j] * ellipse(along, across, direction);
+    course.covariances[j] =
+        common[j] + ellipse(moves * tables.along[j], moves * tables.across[j], direction);
   }
   return course;
 }

@@ -26,9 +26,10 @@ class MixturePredictor : public Predictor {
 
   /// Quantities of a class that depend on the horizon only.
   struct Tables {
-    Samples gained;     ///< distance gained by an acceleration of 1 that decays [s^2]
-    Samples turned;     ///< turn from step to step, for a turn rate of 1 that decays [s]
-    Samples diffusion;  ///< variance of a position for white accelerations of density 1 [s^3]
+    Samples gained;  ///< distance gained by an acceleration of 1 that decays [s^2]
+    Samples turned;  ///< turn from step to step, for a turn rate of 1 that decays [s]
+    Samples along;   ///< variance of unpredicted acceleration, along the path [m^2]
+    Samples across;  ///< variance of unpredicted turning, across the path [m^2]
   };
 
   struct Course;
@@ -38,8 +39,7 @@ class MixturePredictor : public Predictor {
   [[nodiscard]] static Spread commonSpread(const Eigen::Matrix2d& place,
                                            const Eigen::Matrix2d& velocity);
   [[nodiscard]] static Course course(const Tables& tables, Eigen::Vector2d direction,
-                                     double turn_rate, const Spread& common, double along,
-                                     double across);
+                                     double turn_rate, const Spread& common, double moves);
   /// Fills one path: along the course, with one speed and an acceleration that decays.
   static void walk(const MotionHistory& history, const Tables& tables, const Course& course,
                    double speed, double acceleration, PredictedPath& path);

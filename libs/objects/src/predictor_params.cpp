@@ -48,15 +48,9 @@ void ManoeuvreParams::describe(Params::Section section, const std::string& prefi
   section.add(prefix + "alternative_mps2", alternative_mps2, 0.0, 20.0, "m/s^2",
               "Acceleration of the faster and of the slower alternative");
   section.add(prefix + "acceleration_sigma_mps2", acceleration_sigma_mps2, 0.0, 20.0, "m/s^2",
-              "Unpredicted acceleration along the path; not in mixture");
+              "Unpredicted acceleration along the path");
   section.add(prefix + "lateral_sigma_mps2", lateral_sigma_mps2, 0.0, 20.0, "m/s^2",
-              "Unpredicted acceleration across the path; not in mixture");
-  section.add(prefix + "acceleration_noise", acceleration_noise, 0.0, 20.0, "m/s^1.5",
-              "White noise of the acceleration along the path, root of its density, in mixture");
-  section.add(prefix + "lateral_noise", lateral_noise, 0.0, 20.0, "m/s^1.5",
-              "White noise of the acceleration across the path, root of its density, in mixture");
-  section.add(prefix + "change_ratio", change_ratio, 0.0, 20.0, "s^0.5",
-              "Ratio of further noise to the present acceleration, which may end or grow");
+              "Unpredicted acceleration across the path");
   section.renamed({{prefix + "memory", prefix + "memory_s"},
                    {prefix + "path_noise", prefix + "path_noise_m"},
                    {prefix + "typical_speed", prefix + "typical_speed_mps"},

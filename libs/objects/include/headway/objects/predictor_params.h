@@ -46,13 +46,10 @@ struct ManoeuvreParams {
   double acceleration_fade_s = 5.0;         ///< decay time of an acceleration [s]
   double turn_fade_s = 20.0;                ///< decay time of a turn [s]
   double standing_speed_mps = 0.5;          ///< below, motion may be noise of a static object [m/s]
-  double cruising_speed_mps = 0.3;          ///< above, an object manoeuvres freely [m/s]
+  double cruising_speed_mps = 1.0;          ///< above, an object manoeuvres freely [m/s]
   double alternative_mps2 = 1.5;            ///< of the faster and the slower alternative [m/s^2]
-  double acceleration_sigma_mps2 = 1.0;     ///< unpredicted acceleration, along the path [m/s^2]
-  double lateral_sigma_mps2 = 0.5;          ///< the same across it; not in `mixture` [m/s^2]
-  double acceleration_noise = 0.75;         ///< white noise of it in `mixture`, along [m/s^1.5]
-  double lateral_noise = 0.25;              ///< the same across the path [m/s^1.5]
-  double change_ratio = 2.0;                ///< further noise over the present acceleration [s^0.5]
+  double acceleration_sigma_mps2 = 1.0;     ///< unpredicted acceleration along the path [m/s^2]
+  double lateral_sigma_mps2 = 0.5;          ///< unpredicted acceleration across the path [m/s^2]
 
   void describe(Params::Section section, const std::string& prefix);
 };
@@ -62,9 +59,9 @@ struct PredictorParams {
   PaperPredictorParams paper;
   double velocity_window_s = 0.5;  ///< of constant_velocity and constant_turn [s]
   PerClass<ManoeuvreParams> manoeuvres = {
-      {2.0, 0.1, 12.0, 0.42, 0.75, 8.0, 20.0, 0.8, 0.27, 1.5, 1.2, 0.33, 0.75, 0.18, 2.0},
-      {1.5, 0.1, 5.0, 0.12, 1.5, 8.0, 1.2, 0.5, 0.48, 1.0, 2.4, 0.5, 0.73, 0.6, 1.1},
-      {3.8, 0.1, 1.5, 0.01, 0.08, 1.0, 0.8, 0.35, 0.2, 0.5, 0.43, 0.45, 0.25, 0.25, 0.5}};
+      {2.0, 0.1, 12.0, 0.42, 0.75, 8.0, 20.0, 0.8, 2.0, 1.5, 1.2, 0.33},
+      {1.5, 0.1, 5.0, 0.12, 1.5, 8.0, 1.2, 0.5, 1.8, 1.0, 2.4, 0.5},
+      {3.8, 0.1, 1.5, 0.01, 0.08, 1.0, 0.8, 0.35, 2.0, 0.5, 0.43, 0.45}};
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "objects"); }  ///< @throws InputError
