@@ -183,7 +183,7 @@ std::vector<ObjectRecording> readKittiTracking(const std::string& folder) {
     for (std::size_t k = 0; k < dataset->size(); ++k) {
       auto frame = dataset->frame(k);
       recording.frames.push_back(
-          {k, frame.time, {}, frame.detections, frame.T_map_robot, {}, 0.0, {}, {}});
+          {k, frame.time, {}, frame.detections, frame.T_map_robot, {}, 0.0, {}});
     }
     recording.labels = readLabels((labels / (name + ".txt")).string());
     recordings.push_back(std::move(recording));

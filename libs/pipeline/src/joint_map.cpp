@@ -18,6 +18,10 @@ std::vector<const slam::JointMember*> inOrderOfTime(const std::vector<slam::Join
   return ordered;
 }
 
+bool startsBefore(const JointMap& a, const JointMap& b) {
+  return a.runs.front() < b.runs.front();
+}
+
 }  // namespace
 
 /// The run's static layers become those of its part of a joint map. @return T_map_run
@@ -40,33 +44,31 @@ std::vector<JointMap> joinMaps(const std::vector<Perception*>& runs) {
   std::vector<const slam::StereoSlam*> by_slam;
   std::vector<std::size_t> run_of;  // of each of them
   for (std::size_t run = 0; run < runs.size(); ++run) {
-    if (runs[run]->given_poses_.empty() && runs[run]->slam_ != nullptr) {
-      by_slam.push_back(runs[run]->slam_.get());
-      run_of.push_back(run);
-    } else {
+    if (!runs[run]->given_poses_.empty() || runs[run]->slam_ == nullptr) {
       maps.push_back({{run}, {Pose::Identity()}, 0, runs[run]->stored()});
+      continue;
     }
+    by_slam.push_back(runs[run]->slam_.get());
+    run_of.push_back(run);
   }
   for (auto& joint : by_slam.empty() ? std::vector<slam::JointMap>() : slam::joinMaps(by_slam)) {
-    JointMap& map = maps.emplace_back();
-    map.links = joint.links;
+    JointMap& map = maps.emplace_back(JointMap{{}, {}, joint.links, {}});
     const bool is_alone = joint.members.size() == 1;
     for (const auto& member : joint.members) {
       const std::size_t run = run_of[member.run];
       map.runs.push_back(run);
       map.T_map_run.push_back(is_alone ? Pose::Identity() : runs[run]->moveInto(member.poses));
     }
-    if (is_alone) {
-      map.stored = runs[map.runs.front()]->stored();
-      continue;
-    }
-    map::StaticGrid grid(runs[map.runs.front()]->grid_params_.map);
-    map::DenseMap dense = runs[map.runs.front()]->dense_.emptyMap();
+    const Perception& first = *runs[map.runs.front()];
+    if (is_alone) map.stored = first.stored();
+    if (is_alone) continue;
+    map::StaticGrid grid(first.grid_params_.map);
+    map::DenseMap dense = first.dense_.emptyMap();
     for (const auto& member : inOrderOfTime(joint.members)) {
       grid.add(runs[run_of[member->run]]->grid_, member->keyframe_shift);
       dense.add(runs[run_of[member->run]]->dense_.map(), member->keyframe_shift);
     }
-    map.stored.camera = *runs[map.runs.front()]->camera_;
+    map.stored.camera = *first.camera_;
     map.stored.map.update(std::move(joint.view));
     if (const auto cells = grid.grid()) map.stored.map.update(cells);
     if (const auto points = dense.layer()) map.stored.map.update(points);
@@ -74,8 +76,7 @@ std::vector<JointMap> joinMaps(const std::vector<Perception*>& runs) {
     map.stored.made_attachments[map::kDenseAttachment] = dense.save();
     map.stored.made_attachments[map::kSlamAttachment] = std::move(joint.saved);
   }
-  std::sort(maps.begin(), maps.end(),
-            [](const JointMap& a, const JointMap& b) { return a.runs.front() < b.runs.front(); });
+  std::sort(maps.begin(), maps.end(), startsBefore);
   return maps;
 }
 
