@@ -15,10 +15,15 @@ int main(int argc, char** argv) {
         {"movers", app::runMovers},
         {"grid", app::runGrid},
         {"suite", app::runSuite}};
-    std::vector<std::string> names;
-    for (const auto& [name, command] : commands) names.push_back(name);
     const char** arguments = const_cast<const char**>(argv);
-    const auto name = program::takeSubcommand(argc, arguments, names);
+    const auto name = program::takeSubcommand(
+        argc, arguments, "Computes errors of a replay's results against the truth.",
+        {{"trajectory", "Errors of a trajectory against the true one"},
+         {"tracks", "Errors of tracks against labels: positions, CLEAR MOT, HOTA, sAMOTA"},
+         {"predictions", "Errors of predictions against the true future"},
+         {"movers", "Recall and precision of moving objects, false moving tracks"},
+         {"grid", "Errors of an occupancy grid against the simulated world"},
+         {"suite", "Tables of all errors over simulated worlds"}});
     return commands.at(name)(argc, arguments);
   });
 }

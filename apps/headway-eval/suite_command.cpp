@@ -1,6 +1,7 @@
 #include <headway/core/error.h>
 #include <headway/core/output_file.h>
 #include <headway/io/degrade.h>
+#include <headway/program/data_files.h>
 #include <headway/program/progress.h>
 
 #include <algorithm>
@@ -93,6 +94,8 @@ bool parse(Options& options, int argc, const char** argv) {
   options.outputs.describe(line);
   if (!line.parse(argc, argv)) return false;
   checkTogether(options);
+  options.worlds = program::findDataFile(options.worlds);
+  options.degrade = program::findDataFile(options.degrade);
   options.quiet = line.quiet();
   options.outputs.requireWritable({});
   program::requireWritable(options.folder, options.outputs.overwrite() || options.reuse);

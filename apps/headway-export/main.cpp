@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <map>
 
 #include "kitti_writer.h"
 #include "map_command.h"
@@ -115,18 +116,22 @@ int runExport(int argc, const char** argv) {
 int main(int argc, char** argv) {
   using namespace headway::exporting;
   using Command = int (*)(int, const char**);
-  const std::vector<std::pair<std::string, Command>> commands = {
+  const std::map<std::string, Command> commands = {
       {"kitti-odometry", runExport}, {"map", runMapExport},        {"mcap", runMcapExport},
       {"tum", runTumExport},         {"kitti", runKittiExport},    {"ply", runPlyExport},
       {"rosmap", runRosmapExport},   {"geojson", runGeojsonExport}};
   return headway::program::run("headway-export", [&] {
-    std::vector<std::string> names;
-    for (const auto& [name, command] : commands) names.push_back(name);
     auto arguments = const_cast<const char**>(argv);
-    const auto chosen = headway::program::takeSubcommand(argc, arguments, names);
-    for (const auto& [name, command] : commands) {
-      if (name == chosen) return command(argc, arguments);
-    }
-    return headway::program::kDone;  // --help and similar
+    const auto chosen = headway::program::takeSubcommand(
+        argc, arguments, "Converts rawlogs, replays and maps for other systems.",
+        {{"kitti-odometry", "Writes a KITTI odometry sequence of rectified stereo frames"},
+         {"map", "Writes a part of a map"},
+         {"mcap", "Writes a replay for Foxglove"},
+         {"tum", "Writes the trajectory of a replay as TUM"},
+         {"kitti", "Writes the trajectory and tracks of a replay as KITTI"},
+         {"ply", "Writes the landmarks of a replay as PLY"},
+         {"rosmap", "Writes the grid of a replay for map servers"},
+         {"geojson", "Writes a replay that is placed on the earth as GeoJSON"}});
+    return commands.at(chosen)(argc, arguments);
   });
 }

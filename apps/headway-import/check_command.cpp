@@ -149,7 +149,7 @@ int checkRawlog(const std::string& path, const std::string& sensor_label) {
 }
 
 int runRawlog(int argc, const char** argv) {
-  (void)program::takeSubcommand(argc, argv, {"rawlog"});
+  (void)takeSubcommand(argc, argv);
   std::string path, sensor_label;
   bool check = false;
   program::CommandLine line("headway-import rawlog", "Checks a rawlog.");

@@ -1,5 +1,6 @@
 #include <headway/io/dataset.h>
 #include <headway/program/command_line.h>
+#include <headway/program/data_files.h>
 
 #include "check_command.h"
 #include "importer.h"
@@ -105,20 +106,42 @@ void finish(ImportOptions& options) {
   }
 }
 
+/// Datasets, and sub-commands with a command line of their own.
+std::vector<program::Subcommand> subcommands() {
+  return {{"kitti-odometry", "Converts a sequence of KITTI's odometry benchmark to a rawlog"},
+          {"kitti-raw", "Converts a drive of KITTI's raw data to a rawlog"},
+          {"kitti-tracking", "Converts a sequence of KITTI's tracking benchmark to a rawlog"},
+          {"euroc", "Converts a flight of the EuRoC dataset to a rawlog"},
+          {"tum-rgbd", "Converts a sequence of TUM's RGB-D benchmark to a rawlog"},
+          {"images", "Converts folders of images of a stereo or depth camera to a rawlog"},
+          {"rosbag", "Converts a bag of ROS 1 or ROS 2 to a rawlog"},
+          {"rawlog", "Checks a rawlog"}};
+}
+
+std::string aboutOf(const std::string& dataset) {
+  for (const auto& [name, about] : subcommands()) {
+    if (name == dataset) return about;
+  }
+  return dataset;
+}
+
 }  // namespace
+
+std::string takeSubcommand(int& argc, const char**& argv) {
+  return program::takeSubcommand(argc, argv, "Converts datasets to rawlogs, and checks recordings.",
+                                 subcommands());
+}
 
 std::optional<ImportOptions> parseOptions(int argc, const char** argv) {
   ImportOptions options;
-  options.dataset = program::takeSubcommand(argc, argv,
-                                            {"kitti-odometry", "kitti-raw", "kitti-tracking",
-                                             "euroc", "tum-rgbd", "images", "rosbag", "rawlog"});
+  options.dataset = takeSubcommand(argc, argv);
   io::DegradeParams degrade;
   Params params;
   degrade.describe(params.section("degrade").user());
   std::string degrade_file = degradeFile(argc, argv);
-  if (!degrade_file.empty()) params.loadFile(degrade_file);
+  if (!degrade_file.empty()) params.loadFile(program::findDataFile(degrade_file));
 
-  CommandLine line("headway-import " + options.dataset, "Converts a dataset to a rawlog.");
+  CommandLine line("headway-import " + options.dataset, aboutOf(options.dataset) + ".");
   addDatasetOptions(line, options);
   addCommonOptions(line, options);
   line.option(degrade_file, 0, "degrade", "FILE.ini",

@@ -36,6 +36,11 @@ struct ImportOptions {
   bool quiet = false;
 };
 
+/// Removes the sub-command from the arguments.
+///
+/// @throws program::UsageError if it is unknown
+std::string takeSubcommand(int& argc, const char**& argv);
+
 /// Reads the command line; nullopt if the program is done (--help and similar).
 ///
 /// @throws program::UsageError, InputError

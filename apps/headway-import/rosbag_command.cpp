@@ -41,7 +41,7 @@ void addTopics(program::CommandLine& line, bags::BagWishes& wishes) {
 
 std::optional<RosbagOptions> parseRosbag(int argc, const char** argv) {
   RosbagOptions options;
-  (void)program::takeSubcommand(argc, argv, {"rosbag"});
+  (void)takeSubcommand(argc, argv);
   program::CommandLine line("headway-import rosbag",
                             "Converts a bag of ROS 1 (.bag) or ROS 2 (.mcap, .db3, or its folder) "
                             "to a rawlog; topics that are not given are guessed.");

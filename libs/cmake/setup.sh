@@ -1,4 +1,4 @@
-# Sourced by demo.sh, test.sh and fleet.sh: installs what packages.txt lists and builds a preset.
+# Sourced by demo.sh, test.sh, fleet.sh and package.sh: installs what packages.txt lists and builds a preset.
 
 # install_packages [list ...]: installs the packages that are missing (default: packages.txt); asks
 # for root only then.

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
+#include <headway/core/version.h>
 #include <headway/map/map_file.h>
 #include <headway_test/folders.h>
 
@@ -177,6 +178,21 @@ TEST_F(MapFileTest, AMissingFileAndAFolderAreErrors) {
 TEST_F(MapFileTest, ANewerSectionIsSaidToBeNewer) {
   writeCheckedFile(path, {{"camera", 99, "?"}});
   EXPECT_THAT(errorOfLoading(bytesOf(path)), ::testing::HasSubstr("newer version"));
+}
+
+TEST_F(MapFileTest, AnErrorNamesTheProgramThatWroteTheFile) {
+  writeCheckedFile(path, {{"program", 1, "headway 7.8.9"}, {"camera", 99, "?"}});
+  EXPECT_THAT(errorOfLoading(bytesOf(path)), ::testing::HasSubstr("written by headway 7.8.9"));
+}
+
+TEST_F(MapFileTest, TheFirstSectionIsTheProgramsVersionWhichOldFilesLack) {
+  (void)saved(exampleMap(4));
+  auto sections = readCheckedFile(path);
+  EXPECT_EQ("program", sections.front().name);
+  EXPECT_EQ(std::string("headway ") + kVersion, sections.front().bytes);
+  sections.erase(sections.begin());
+  writeCheckedFile(path, sections);
+  EXPECT_EQ(loadMap(path).map.landmarks().size(), 4u);
 }
 
 TEST_F(MapFileTest, AnUnknownSectionIsLeftAlone) {

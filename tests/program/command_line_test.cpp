@@ -1,8 +1,11 @@
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
+#include <headway/core/version.h>
 #include <headway/program/command_line.h>
+#include <headway/program/data_files.h>
 #include <headway_test/folders.h>
 
+#include <filesystem>
 #include <fstream>
 
 namespace headway::program {
@@ -120,6 +123,64 @@ TEST(CommandLineTest, ExpertKeysArePrintedOnDemandOnly) {
   CommandLine line("program", "Summary");
   line.parameters(params);
   EXPECT_THROW((void)parse(line, {"--expert"}), UsageError);
+}
+
+TEST(CommandLineTest, HelpHasTheLayoutThatToolsRead) {
+  std::string text;
+  bool overwrite = false;
+  double factor = 0.0;
+  CommandLine line("headway-x part", "Does one thing. And another.");
+  line.positional(text, "IN", "Input");
+  line.option(text, 'o', "output", "FILE", "Output", true);
+  line.option(factor, 0, "a-name-that-is-long-itself", "FACTOR",
+              "A meaning of so many words that they do not fit into the line that they begin in");
+  line.flag(overwrite, 'w', "overwrite", "Overwrite");
+  ::testing::internal::CaptureStdout();
+  EXPECT_FALSE(parse(line, {"--help"}));
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(),
+            R"(Usage: headway-x part IN -o FILE [OPTION]...
+
+Does one thing. And another.
+
+Arguments:
+  IN                         Input
+
+Options:
+  -o, --output FILE          Output
+      --a-name-that-is-long-itself FACTOR
+                             A meaning of so many words that they do not fit
+                             into the line that they begin in
+  -w, --overwrite            Overwrite
+  -q, --quiet                Print errors only
+  -v, --verbosity LEVEL      Least important messages to print: DEBUG, INFO,
+                             WARN or ERROR
+  -h, --help                 Print this help and end
+      --version              Print the version and end
+)");
+}
+
+TEST(CommandLineTest, VersionIsOneLineOfProgramAndNumber) {
+  CommandLine line("headway-x part", "Summary");
+  ::testing::internal::CaptureStdout();
+  EXPECT_FALSE(parse(line, {"--version"}));
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), std::string("headway-x ") + kVersion + "\n");
+}
+
+TEST(FindDataFileTest, PrefersTheWorkingFolderAndFallsBackToTheInstallation) {
+  const test::TemporaryFolder installed;
+  const test::WorkingInTemporaryFolder working;
+  const std::string name = "config/x.ini";
+  EXPECT_EQ(name, findDataFile(name, installed.path()));
+  const auto create = [&](const std::filesystem::path& folder) {
+    std::filesystem::create_directories(folder / "config");
+    std::ofstream(folder / name) << "[a]\n";
+  };
+  create(installed.path());
+  EXPECT_EQ((std::filesystem::path(installed.path()) / name).string(),
+            findDataFile(name, installed.path()));
+  EXPECT_EQ("/" + name, findDataFile("/" + name, installed.path()));
+  create(".");
+  EXPECT_EQ(name, findDataFile(name, installed.path()));
 }
 
 TEST(RunTest, MapsExceptionsToExitStatusAndOneLine) {

@@ -3,6 +3,7 @@
 #include <headway/core/stop_request.h>
 #include <headway/core/version.h>
 #include <headway/program/command_line.h>
+#include <headway/program/data_files.h>
 #include <mrpt/3rdparty/tclap/CmdLine.h>
 #include <unistd.h>
 
@@ -13,11 +14,28 @@
 #include <iostream>
 #include <map>
 
+#include "help_text.h"
+
 namespace headway::program {
 namespace {
 
 /// Until catchInterrupts(); files that are not complete have temporary names.
 extern "C" void endAtOnce(int signal) { _exit(kSignalled + signal); }
+
+/// A program's name without its sub-command.
+std::string withoutSubcommand(const std::string& program) {
+  return program.substr(0, program.find(' '));
+}
+
+void printVersion(const std::string& program) { std::cout << program << " " << kVersion << "\n"; }
+
+void printSubcommands(const std::string& program, const std::string& summary,
+                      const std::vector<Subcommand>& known) {
+  std::cout << "Usage: " << program << " SUBCOMMAND [OPTION]...\n\n"
+            << summary << "\n\nSub-commands:\n";
+  for (const auto& [name, about] : known) printRow(std::cout, name, about);
+  std::cout << "\n'" << program << " SUBCOMMAND --help' shows the options of one." << std::endl;
+}
 
 std::string shortFlag(char name) { return name == 0 ? "" : std::string(1, name); }
 
@@ -32,9 +50,14 @@ mrpt::system::VerbosityLevel verbosityFrom(const std::string& name) {
   throw UsageError("--verbosity: '" + name + "' is none of DEBUG, INFO, WARN, ERROR");
 }
 
-/// Stores a parse error for the caller; TCLAP's own output would print a page and continue.
-class FailureOutput : public TCLAP::StdOutput {
+/// Prints help and version in the layout of GNU's programs, and stores a parse error for the
+/// caller; TCLAP's own output would print a page and continue.
+class Output : public TCLAP::StdOutput {
  public:
+  void usage(TCLAP::CmdLineInterface& /*line*/) override { std::cout << help << std::flush; }
+  void version(TCLAP::CmdLineInterface& /*line*/) override {
+    printVersion(withoutSubcommand(help.program));
+  }
   void failure(TCLAP::CmdLineInterface& /*line*/, TCLAP::ArgException& error) override {
     const std::string id = error.argId();
     const bool names_argument =
@@ -42,13 +65,15 @@ class FailureOutput : public TCLAP::StdOutput {
     failure_text = (names_argument ? id + ": " : "") + error.error();
   }
   std::optional<std::string> failure_text;
+  HelpText help;
 };
 
 }  // namespace
 
 struct CommandLine::Arguments {
-  Arguments(const std::string& name, const std::string& summary)
-      : program(name), line(summary, ' ', kVersion) {
+  Arguments(const std::string& name, const std::string& summary) : line(summary, ' ', kVersion) {
+    output.help.program = name;
+    output.help.summary = summary;
     delete line.getOutput();  // TCLAP does not free the output that it replaces
     line.setOutput(&output);
   }
@@ -59,6 +84,24 @@ struct CommandLine::Arguments {
     auto arg = std::make_shared<TCLAP::ValueArg<T>>(shortFlag(short_name), name, meaning, required,
                                                     target, type, line);
     keep(arg, [arg, &target] { target = arg->getValue(); });
+    output.help.options.push_back({short_name, name, type, meaning, required});
+  }
+
+  void repeatable(std::vector<std::string>& target, char short_name, const std::string& name,
+                  const std::string& type, const std::string& meaning) {
+    auto arg = std::make_shared<TCLAP::MultiArg<std::string>>(shortFlag(short_name), name, meaning,
+                                                              false, type, line);
+    keep(arg, [arg, &target] { target = arg->getValue(); });
+    output.help.options.push_back({short_name, name, type, meaning, false});
+  }
+
+  std::shared_ptr<TCLAP::SwitchArg> flag(bool& target, char short_name, const std::string& name,
+                                         const std::string& meaning) {
+    auto arg =
+        std::make_shared<TCLAP::SwitchArg>(shortFlag(short_name), name, meaning, line, false);
+    keep(arg, [&target] { target = true; });
+    output.help.options.push_back({short_name, name, "", meaning, false});
+    return arg;
   }
 
   template <typename Arg>
@@ -73,10 +116,9 @@ struct CommandLine::Arguments {
     return dump_config_switch != nullptr && dump_config_switch->isSet();
   }
 
-  std::string program;
   std::vector<std::shared_ptr<TCLAP::Arg>> owned;  // outlives `line`, which refers to them
   std::vector<std::function<void()>> applied;
-  FailureOutput output;
+  Output output;
   TCLAP::CmdLine line;
   std::vector<std::string> configs;
   std::vector<std::string> assignments;
@@ -89,7 +131,12 @@ struct CommandLine::Arguments {
 CommandLine::CommandLine(const std::string& program, const std::string& summary)
     : arguments_(std::make_unique<Arguments>(program, summary)) {
   flag(quiet_, 'q', "quiet", "Print errors only");
-  option(arguments_->verbosity, 'v', "verbosity", "LEVEL", "DEBUG, INFO, WARN or ERROR");
+  option(arguments_->verbosity, 'v', "verbosity", "LEVEL",
+         "Least important messages to print: DEBUG, INFO, WARN or ERROR");
+  auto& help = arguments_->output.help;
+  help.common_options.swap(help.options);
+  help.common_options.push_back({'h', "help", "", "Print this help and end", false});
+  help.common_options.push_back({0, "version", "", "Print the version and end", false});
 }
 
 CommandLine::~CommandLine() = default;
@@ -99,13 +146,12 @@ void CommandLine::positional(std::string& target, const std::string& name,
   auto arg = std::make_shared<TCLAP::UnlabeledValueArg<std::string>>(name, meaning, true, "", name,
                                                                      arguments_->line);
   arguments_->keep(arg, [arg, &target] { target = arg->getValue(); });
+  arguments_->output.help.arguments.emplace_back(name, meaning);
 }
 
 void CommandLine::flag(bool& target, char short_name, const std::string& name,
                        const std::string& meaning) {
-  auto arg = std::make_shared<TCLAP::SwitchArg>(shortFlag(short_name), name, meaning,
-                                                arguments_->line, false);
-  arguments_->keep(arg, [&target] { target = true; });
+  arguments_->flag(target, short_name, name, meaning);
 }
 
 void CommandLine::option(std::string& target, char short_name, const std::string& name,
@@ -132,6 +178,7 @@ void CommandLine::option(std::optional<std::size_t>& target, char short_name,
     if (arg->getValue() < 0) throw UsageError("--" + name + " must not be negative");
     target = static_cast<std::size_t>(arg->getValue());
   });
+  arguments_->output.help.options.push_back({short_name, name, type, meaning, false});
 }
 
 void CommandLine::option(std::vector<std::string>& target, char short_name, const std::string& name,
@@ -143,19 +190,13 @@ void CommandLine::option(std::vector<std::string>& target, char short_name, cons
 
 void CommandLine::parameters(Params& params) {
   params_ = &params;
-  auto configs = std::make_shared<TCLAP::MultiArg<std::string>>(
-      "c", "config", "Configuration file; repeatable, later files win", false, "FILE.ini",
-      arguments_->line);
-  arguments_->keep(configs, [this, configs] { arguments_->configs = configs->getValue(); });
-  auto arg = std::make_shared<TCLAP::MultiArg<std::string>>(
-      "", "set", "One parameter; wins over the files; repeatable", false, "section.key=value",
-      arguments_->line);
-  arguments_->keep(arg, [this, arg] { arguments_->assignments = arg->getValue(); });
-  auto dump = std::make_shared<TCLAP::SwitchArg>(
-      "", "dump-config", "Print the user parameters with value, unit and meaning, and end",
-      arguments_->line, false);
-  arguments_->keep(dump, [this] { arguments_->dump_config = true; });
-  arguments_->dump_config_switch = dump;
+  arguments_->repeatable(arguments_->configs, 'c', "config", "FILE.ini",
+                         "Configuration file; repeatable, later files win");
+  arguments_->repeatable(arguments_->assignments, 0, "set", "section.key=value",
+                         "One parameter; wins over the files; repeatable");
+  arguments_->dump_config_switch =
+      arguments_->flag(arguments_->dump_config, 0, "dump-config",
+                       "Print the user parameters with value, unit and meaning, and end");
   flag(arguments_->expert, 0, "expert", "With --dump-config: print the expert parameters, too");
 }
 
@@ -174,7 +215,7 @@ bool CommandLine::parse(int argc, const char* const* argv) {
   const auto level = verbosityFrom(arguments_->verbosity);
   verbosity_ = quiet_ ? mrpt::system::LVL_ERROR : level;
   if (params_ != nullptr) {
-    for (const auto& path : arguments_->configs) params_->loadFile(path);
+    for (const auto& path : arguments_->configs) params_->loadFile(findDataFile(path));
     if (after_files_) after_files_();
     for (const auto& assignment : arguments_->assignments) params_->set(assignment);
   }
@@ -208,17 +249,22 @@ int run(const std::string& program, const std::function<int()>& body) {
   }
 }
 
-std::string takeSubcommand(int& argc, const char**& argv, const std::vector<std::string>& known) {
-  std::string list;
-  for (const auto& name : known) list += (list.empty() ? "" : ", ") + name;
+std::string takeSubcommand(int& argc, const char**& argv, const std::string& summary,
+                           const std::vector<Subcommand>& known) {
+  const std::string program = std::filesystem::path(argv[0]).filename().string();
   const std::string given = argc > 1 ? argv[1] : "";
-  if (given == "--help" || given == "-h" || given == "--version") {
-    std::cout << std::filesystem::path(argv[0]).filename().string() << " " << kVersion
-              << "\nsub-commands: " << list << "\n'" << argv[0]
-              << " SUBCOMMAND --help' shows the options of one" << std::endl;
+  if (given == "--version") {
+    printVersion(program);
     std::exit(kDone);
   }
-  if (std::find(known.begin(), known.end(), given) == known.end()) {
+  if (given == "--help" || given == "-h") {
+    printSubcommands(program, summary, known);
+    std::exit(kDone);
+  }
+  const auto is_given = [&](const Subcommand& subcommand) { return subcommand.name == given; };
+  if (std::none_of(known.begin(), known.end(), is_given)) {
+    std::string list;
+    for (const auto& [name, about] : known) list += (list.empty() ? "" : ", ") + name;
     throw UsageError((given.empty() ? "a sub-command is missing" : "'" + given + "' is unknown") +
                      "; sub-commands are " + list);
   }

@@ -1,5 +1,7 @@
 #include <headway/core/byte_archive.h>
 #include <headway/core/error.h>
+#include <headway/core/printable.h>
+#include <headway/core/version.h>
 #include <headway/map/dense_map.h>
 #include <headway/map/map_file.h>
 #include <headway/slam/stereo_slam.h>
@@ -19,6 +21,7 @@ namespace {
 
 using mrpt::serialization::archiveFrom;
 
+constexpr char kProgram[] = "program";  // whose version wrote the file; missing before 0.2
 constexpr char kConfiguration[] = "configuration";
 constexpr char kCamera[] = "camera";
 constexpr char kStaticMap[] = "static_map";
@@ -52,8 +55,8 @@ SectionSource layersWithoutPoints(PerceptionMap map, bool holds_scans) {
 template <typename Read>
 auto readSection(const Section& section, const Read& read) {
   if (section.version > kSectionVersion) {
-    throw InputError("its section '" + section.name +
-                     "' is of a newer version than this program supports");
+    throw InputError("its section '" + section.name + "' is of a newer version than headway " +
+                     headway::kVersion + " supports");
   }
   try {
     return read(section.bytes);
@@ -174,6 +177,8 @@ bool holdsSlamMap(const StoredMap& stored) {
 
 void saveMap(const std::string& path, StoredMap stored) {
   std::vector<SectionSource> sections;
+  sections.push_back(
+      {kProgram, kSectionVersion, sourceOf(std::string("headway ") + headway::kVersion)});
   sections.push_back({kConfiguration, kSectionVersion, sourceOf(std::move(stored.configuration))});
   if (stored.camera) {
     sections.push_back(sectionOf(kCamera, *stored.camera));
@@ -191,10 +196,14 @@ void saveMap(const std::string& path, StoredMap stored) {
 }
 
 StoredMap loadMap(const std::string& path) {
+  std::string writer;
   try {
     StoredMap stored;
     std::optional<slam::MapView> static_map;
-    for (auto& section : readCheckedFile(path)) apply(std::move(section), stored, static_map);
+    for (auto& section : readCheckedFile(path)) {
+      if (section.name == kProgram) writer = " (written by " + printable(section.bytes) + ")";
+      apply(std::move(section), stored, static_map);
+    }
     if (holdsSlamMap(stored)) {
       static_map =
           slam::savedMapView(stored.attachments[kSlamAttachment], stored.camera->T_robot_cam);
@@ -207,7 +216,7 @@ StoredMap loadMap(const std::string& path) {
     }
     return stored;
   } catch (const InputError& error) {
-    throw InputError(path + ": not a map that can be read: " + error.what());
+    throw InputError(path + ": not a map that can be read" + writer + ": " + error.what());
   }
 }
 

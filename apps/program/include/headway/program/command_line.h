@@ -85,11 +85,19 @@ inline constexpr int kSignalled = 128;  ///< plus the number of the signal, as s
 /// size is an exception, as on a full disk.
 int run(const std::string& program, const std::function<int()>& body);
 
-/// Removes the first argument as sub-command.
+/// One of a program's sub-commands, as --help lists it.
+struct Subcommand {
+  std::string name;
+  std::string about;  ///< what it does, in one sentence
+};
+
+/// Removes the first argument as sub-command; --help and --version end the program.
 ///
+/// @param summary  what the program does, for --help
 /// @return the sub-command, no longer in argc and argv
 /// @throws UsageError listing the sub-commands if it is unknown
-std::string takeSubcommand(int& argc, const char**& argv, const std::vector<std::string>& known);
+std::string takeSubcommand(int& argc, const char**& argv, const std::string& summary,
+                           const std::vector<Subcommand>& known);
 
 /// @param inputs  files that are read, none of which is overwritten; empty names are ignored
 /// @throws InputError if the path exists and may not be overwritten, or is an input

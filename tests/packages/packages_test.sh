@@ -1,0 +1,25 @@
+#!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Builds the Debian packages twice, compares their bytes, looks for paths of the build in them, and uses them in an
+# empty Debian. As root. Usage: packages_test.sh SOURCE_DIR WORK_DIR
+# SUITE: the Debian to use them in (bookworm).
+set -euo pipefail
+source_dir=$1
+work=$2
+here=$(cd "$(dirname "$0")" && pwd)
+[ "$(id -u)" -eq 0 ] || { echo "installing packages in a Debian of its own takes root" >&2; exit 1; }
+mkdir -p "$work"
+
+echo "== built twice, in different folders, the second time without a compiler's cache"
+"$source_dir/package.sh" "$work/first" > "$work/first.log" 2>&1 || { tail -30 "$work/first.log"; exit 1; }
+CCACHE_DISABLE=1 "$source_dir/package.sh" "$work/another/second" > "$work/second.log" 2>&1 ||
+  { tail -30 "$work/second.log"; exit 1; }
+for package in "$work"/first/*.deb; do
+  cmp "$package" "$work/another/second/$(basename "$package")"
+done
+[ "$(ls "$work"/first/*.deb | wc -l)" -eq 4 ]
+
+echo "== no path of the source or of the build"
+"$here/no_paths.sh" "$work/first" "$source_dir" "$work"
+
+"$here/in_debian.sh" "$work/first" "$source_dir/tests/consumer/project" "${SUITE:-bookworm}" "$work/tree"
