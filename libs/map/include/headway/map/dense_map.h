@@ -129,7 +129,6 @@ class DenseMap {
 
 /// Points of the dense map in a stored one, as DenseMap::save() left it.
 ///
-/// @param voxel_m  > 0 [m]
 /// @throws InputError if the bytes are invalid
 [[nodiscard]] mrpt::maps::CColouredPointsMap::Ptr denseLayer(const std::string& bytes);
 
