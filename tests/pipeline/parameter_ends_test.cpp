@@ -203,13 +203,13 @@ TEST_P(ParameterEndsTest, AllAtOneEndRunOrAreRefused) {
 
 INSTANTIATE_TEST_SUITE_P(Street, ParameterEndsTest,
                          testing::Values("slam", "detect", "disparity", "stereo_motion", "hog",
-                                         "objects", "grid", "laser", "robot"),
+                                         "objects", "grid", "dense", "laser", "robot"),
                          [](const auto& section) { return std::string(section.param); });
 
 TEST(ParameterRangesTest, AllHaveARangeThatIsTested) {
   const std::vector<std::string> sections = {"slam",  "detect", "disparity", "stereo_motion",
                                              "hog",   "dnn",    "objects",   "grid",
-                                             "laser", "robot"};
+                                             "dense", "laser",  "robot"};
   std::size_t tested = 0;
   for (const auto& range : ranges()) {
     EXPECT_NE(sections.end(), std::find(sections.begin(), sections.end(), range.section));

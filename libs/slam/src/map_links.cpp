@@ -173,7 +173,8 @@ std::vector<MapLink> consistentLinks(std::vector<MapLink> links, const SeparateM
   std::stable_sort(confirmed.begin(), confirmed.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<std::size_t> kept;
-  for (const auto& [count, i] : confirmed) {
+  for (const auto& confirmation : confirmed) {
+    const std::size_t i = confirmation.second;
     const bool contradicts = std::any_of(kept.begin(), kept.end(), [&](std::size_t k) {
       return sameMaps(links[i], links[k]) && !agree(links[i], links[k], maps.all);
     });
