@@ -262,6 +262,13 @@ TEST(DenseMapTest, IsRestoredFromItsBytesAndGoesOn) {
   EXPECT_TRUE(areEqual(*loaded.layer(), *dense.layer()));
 }
 
+TEST(DenseMapTest, OneWithoutCameraAndScansIsRestored) {
+  DenseMap loaded({});
+  loaded.load(collected(DenseMap({}).save()));
+  EXPECT_EQ(0u, loaded.scans());
+  EXPECT_EQ(nullptr, loaded.layer());
+}
+
 TEST(DenseMapTest, RefusesDamagedBytes) {
   DenseMap dense(params());
   dense.add(robotAt(0.0, 0.0), depthScanFrom(robotAt(0.0, 0.0)));

@@ -229,8 +229,10 @@ DenseMap DenseMap::loaded(const std::string& bytes) const {
   const auto stored_voxel_m = in.finiteValue<double>();
   DenseMap loaded(params_);
   if (loaded.params_.voxel_m <= 0.0) loaded.params_.voxel_m = stored_voxel_m;
-  if (!(loaded.params_.voxel_m >= kMinVoxelM)) throw InputError("damaged: they have no voxel size");
   const auto count = in.value<std::uint64_t>();
+  if (count > 0 && !(loaded.params_.voxel_m >= kMinVoxelM)) {
+    throw InputError("damaged: they have no voxel size");
+  }
   for (std::uint64_t i = 0; i < count; ++i) {
     ScanPlace place{};
     in.values(place);
