@@ -50,7 +50,7 @@ void writeAll(const fs::path& folder) {
   writeSummary(folder / "summary.json", {});
   map::writeStaticGrid(folder / "map_grid", mrpt::maps::COccupancyGridMap2D());
   map::writeSimpleMap(folder / "map.simplemap", {});
-  map::writePly(folder / "map_points.ply", {});
+  map::writePly(folder / "map_points.ply", slam::MapView());
   map::saveMap(folder / "map.headway", {});
   const map::PerceptionMap map;
   scene::saveScene(folder / "scene.3Dscene", {map, 0, 0.0, Pose::Identity(), {}, {}, {}, {}, {}});
