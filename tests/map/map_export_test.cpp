@@ -79,12 +79,12 @@ TEST(WritePlyTest, IsReadByMrptWithPositionsAndGrey) {
 
 TEST(WritePlyTest, HoldsNoPointsWhereThereAreNone) {
   const test::TemporaryFolder folder;
-  writePly(folder / "points.ply", {});
+  writePly(folder / "points.ply", slam::MapView());
   EXPECT_TRUE(std::filesystem::exists(folder / "points.ply"));
 }
 
 TEST(MapExportTest, NamesThePathThatCannotBeWritten) {
-  EXPECT_THROW(writePly("/nonexistent/points.ply", {}), InputError);
+  EXPECT_THROW(writePly("/nonexistent/points.ply", slam::MapView()), InputError);
   EXPECT_THROW(writeSimpleMap("/nonexistent/map.simplemap", {}), InputError);
 }
 
