@@ -143,6 +143,8 @@ std::set<DenseMap::TileIndex> DenseMap::tilesOf(const StoredScan& stored) const 
     covered.extend(Eigen::Vector2d((stored.pose.T_map_robot * corner).head<2>()));
   }
   const double side = tileSide(params_.voxel_m);
+  const double farthest = covered.min().cwiseAbs().cwiseMax(covered.max().cwiseAbs()).maxCoeff();
+  if (!(farthest < kMaxTiles * kMaxTiles * side)) return {};  // beyond 32-bit numbers of tiles
   if (!((covered.sizes().array() / side + 2.0).prod() <= kMaxTiles)) return {};
   const auto step = [&](double metres) {
     return static_cast<std::int32_t>(std::floor(metres / side));
