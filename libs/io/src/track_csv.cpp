@@ -161,7 +161,9 @@ void visitPredictionCsv(const std::string& path,
     row.probability = rows.number(probability);
     const auto value = [&](std::size_t i) { return rows.number(place[i]); };
     row.point.position = {value(0), value(1), value(2)};
-    row.point.covariance << value(3), value(4), value(4), value(5);
+    // Read first: an error would leave the matrix half filled.
+    const double xx = value(3), xy = value(4), yy = value(5);
+    row.point.covariance << xx, xy, xy, yy;
     visit(row);
   }
 }

@@ -8,6 +8,7 @@
 #include <mrpt/io/CMemoryStream.h>
 #include <mrpt/serialization/CArchive.h>
 
+#include <cmath>
 #include <cstring>
 #include <optional>
 #include <string_view>
@@ -99,6 +100,11 @@ std::optional<std::size_t> bytesBeforeWeights() {
   return at - (bytes.find(kGrid) + kGrid.size() + kGridHeader + cells);
 }
 
+/// Whether so many cells cover the extent, from which MRPT takes the number again on reading.
+bool covers(std::uint64_t cells, float from, float to, float resolution) {
+  return std::abs((static_cast<double>(to) - from) / resolution - static_cast<double>(cells)) < 0.5;
+}
+
 /// Refuses a grid with more cells or weights than bytes, because MRPT allocates what its sizes ask
 /// for.
 void requireGridsWithin(std::string_view bytes) {
@@ -111,6 +117,12 @@ void requireGridsWithin(std::string_view bytes) {
     const std::uint64_t rows = in.value<std::uint32_t>();
     if (rows > 0 && columns > left.size() / rows) {
       throw InputError("damaged: a grid has more cells than bytes");
+    }
+    const auto x_min = in.value<float>(), x_max = in.value<float>();
+    const auto y_min = in.value<float>(), y_max = in.value<float>();
+    const auto resolution = in.value<float>();
+    if (!covers(columns, x_min, x_max, resolution) || !covers(rows, y_min, y_max, resolution)) {
+      throw InputError("damaged: a grid's cells do not cover its extent");
     }
     if (!before_weights) continue;
     const std::size_t weights = kGridHeader + rows * columns + *before_weights;

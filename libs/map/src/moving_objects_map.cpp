@@ -1,3 +1,4 @@
+#include <headway/core/error.h>
 #include <headway/core/output_file.h>
 #include <headway/map/moving_objects_map.h>
 #include <headway/map/object_file.h>
@@ -5,6 +6,7 @@
 #include <mrpt/opengl/CSetOfObjects.h>
 #include <mrpt/serialization/CArchive.h>
 
+#include <algorithm>
 #include <sstream>
 
 #include "stored_values.h"
@@ -26,6 +28,20 @@ namespace {
 struct MovingObjectsMapRegistration {
   MovingObjectsMapRegistration() { mrpt::rtti::registerClass(CLASS_ID(CMovingObjectsMap)); }
 } const moving_objects_map_registration;
+
+/// A string as CArchive writes it: its size (u32), then its bytes. Read in blocks, because CArchive
+/// allocates the size that a damaged stream claims.
+std::string readString(mrpt::serialization::CArchive& in) {
+  constexpr std::size_t kBlock = 1 << 16;
+  std::string result;
+  for (std::size_t left = in.ReadAs<std::uint32_t>(); left > 0;) {
+    const std::size_t block = std::min(left, kBlock), end = result.size();
+    result.resize(end + block);
+    if (in.ReadBuffer(&result[end], block) != block) throw InputError("damaged: tracks end early");
+    left -= block;
+  }
+  return result;
+}
 
 }  // namespace
 
@@ -55,8 +71,8 @@ void CMovingObjectsMap::serializeTo(CArchive& out) const {
 void CMovingObjectsMap::serializeFrom(CArchive& in, std::uint8_t serial_version) {
   switch (serial_version) {
     case 1: {
-      std::string bytes;
-      in >> time_ >> bytes;
+      in >> time_;
+      const std::string bytes = readString(in);
       ByteReader tracks(bytes);
       tracks_ = tracks.list<Track>(map::readTrack);
       in >> insertionOptions.show_tentative >> insertionOptions.show_labels >>
