@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # From a clean Debian 12 to pictures: installs what is missing, builds all programs, replays the bundled
 # street and the bundled hall, and compares the trajectories with the truth.
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # All recordings of a folder or list to one page and one CSV: ./fleet.sh FOLDER -j2. Installs what is
 # missing, builds, and runs workflow/headway-fleet, whose --help lists the options.
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Installs what is missing, builds, and runs every test. Tests on real data run where HEADWAY_DATA
 # names its folder. Arguments go to ctest: ./test.sh -L unit, ./test.sh -LE slow. ./test.sh -L nightly
 # runs the tests that build headway anew: shared libraries, Debian packages (as root).

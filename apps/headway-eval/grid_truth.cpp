@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "grid_truth.h"
 
 #include <headway/core/error.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "movers_input.h"
 
 #include <headway/core/error.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "prediction_evaluation.h"
 
 #include <headway/eval/figures.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "suite_objects.h"
 
 #include <headway/eval/prediction_cases.h>

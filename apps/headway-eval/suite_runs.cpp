@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "suite_runs.h"
 
 #include <headway/core/byte_archive.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "foxglove_messages.h"
 
 #include <headway/core/ellipse.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "kitti_writer.h"
 
 #include <headway/core/error.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // headway-export: converts rawlogs and replays for other programs.
 #include <headway/core/error.h>
 #include <headway/core/printable.h>

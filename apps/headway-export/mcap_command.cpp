@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <google/protobuf/descriptor.pb.h>
 #include <headway/core/error.h>
 #include <headway/io/calibration_file.h>

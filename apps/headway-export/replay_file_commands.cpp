@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The results of a replay that other programs read as one file each.
 #include <headway/core/error.h>
 #include <headway/core/formatted.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/io/dataset.h>
 #include <headway/program/command_line.h>
 #include <headway/program/data_files.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // headway-import: converts a dataset to a rawlog.
 #include <headway/core/printable.h>
 #include <headway/program/command_line.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "rosbag_command.h"
 
 #include <headway/bags/bag_import.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "live_view_json.h"
 
 #include <headway/core/class_colour.h>

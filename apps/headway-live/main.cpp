@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // headway-live: the cameras and sensors of a robot to trajectory, tracks, predictions and map.
 #include <headway/core/error.h>
 #include <headway/core/stop_request.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "range_scanner.h"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "scanning_robot.h"
 
 #include <headway/core/processor_time.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "trial.h"
 
 #include <headway/core/processor_time.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "finished_replay.h"
 
 #include <headway/core/error.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // headway-render: picture, video, 3D scene or report of a finished replay.
 #include "options.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "geo_files.h"
 
 #include <headway/core/output_file.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // headway-replay: stereo rawlog to trajectory, tracks, predictions, map and pictures.
 #include <headway/program/progress.h>
 

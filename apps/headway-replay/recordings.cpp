@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "recordings.h"
 
 #include <headway/core/camera_difference.h>

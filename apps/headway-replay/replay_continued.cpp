@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The parts of Replay that continue a killed run.
 #include <headway/core/error.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a run leaves: the parts of Replay that write its results, at checkpoints and at its end.
 #include <headway/core/error.h>
 #include <headway/core/printable.h>

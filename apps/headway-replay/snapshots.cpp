@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "snapshots.h"
 
 #include <headway/program/picture_files.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The part of geo_files.h that writes the moving objects.
 #include <headway/core/output_file.h>
 #include <headway/geo/geojson.h>

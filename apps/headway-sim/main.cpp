@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // headway-sim: simulates a world into a stereo rawlog with truth.
 #include <headway/core/error.h>
 #include <headway/program/command_line.h>

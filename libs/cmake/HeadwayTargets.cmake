@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # How headway declares libraries, programs and tests. Three functions, so that every
 # CMakeLists.txt below libs/, apps/ and tests/ is a list of sources and of what they need.
 include(CMakePackageConfigHelpers)

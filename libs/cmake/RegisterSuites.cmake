@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Run after a test program was built: asks it for its tests and writes the ctest entries.
 #
 # One entry a suite, <NAME>.<Suite>, rather than one a test: the start of a process costs more than most tests.

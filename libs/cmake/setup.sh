@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Sourced by demo.sh, test.sh, fleet.sh and package.sh: installs what packages.txt lists and builds a preset.
 
 # install_packages [list ...]: installs the packages that are missing (default: packages.txt); asks

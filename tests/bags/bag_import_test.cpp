@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The same recording as a bag of each format, imported by the program as a user runs it.
 #include <gmock/gmock.h>
 #include <headway/core/mrpt_pose.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <headway/bags/bag_selection.h>
 #include <headway_test/input_error.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What recordings differ in: encodings, lenses, missing transforms and times, selections.
 #include <gmock/gmock.h>
 #include <headway/core/mrpt_pose.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "bag_writers.h"
 
 #include <headway_test/paths.h>

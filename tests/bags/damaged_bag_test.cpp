@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Bags that are truncated, changed byte by byte, or lie about lengths and types.
 #include <gmock/gmock.h>
 #include <headway_test/process.h>

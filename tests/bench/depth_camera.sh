@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Compares a depth camera (headway-sim --rig rgbd) with a stereo camera (--rig robot) in the office floor:
 # RMSE of the trajectory after alignment [m], of each seed and the medians.
 #   [SEEDS="1 2 3 4 5"] [WORLD=hall] tests/bench/depth_camera.sh [OUT]

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Measures the detectors and prints the figures of doc/results.md.
 #   HEADWAY_DATA=DATA tests/bench/detection.sh [OUT]
 # Simulates worlds in OUT (default out/detection). DATA, with the layout of doc/results.md, is required

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Measures the trajectory error in streets where moving objects cover a given ratio of the image from
 # the first frame on, and in the same streets without moving objects.
 #   [SEEDS="1 2 3 4 5"] tests/bench/dynamic_scenes.sh [OUT]

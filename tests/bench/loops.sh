@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Measures the trajectory error of a simulated camera along two closed KITTI paths, without and with
 # loop closing.
 #   HEADWAY_DATA=DATA tests/bench/loops.sh [OUT]

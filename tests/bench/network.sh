@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Measures stereo_motion with and without a network on a real street: frames 0-109 of KITTI raw
 # 2011_09_26_drive_0005, which are tracking sequence 0000, from images alone.
 #   HEADWAY_DATA=DATA tests/bench/network.sh [OUT]

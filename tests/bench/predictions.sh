@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Prints errors and 90 % ellipses of predictions by sequence, class, speed and range: on exact
 # histories, on headway's tracks from PointRCNN's boxes, and on its tracks from exact boxes.
 #   HEADWAY_DATA=DATA tests/bench/predictions.sh [OUT]

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Measures headway on real recordings and prints the figures of doc/results.md.
 #   HEADWAY_DATA=DATA tests/bench/real_data.sh [OUT]
 # DATA has the layout of doc/results.md; OUT (default out/real_data) contains rawlogs and results.

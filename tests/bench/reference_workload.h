@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What makes figures of different machines comparable.
 #pragma once
 

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Counts false moving tracks of stereo_motion in worlds in which nothing moves (config/worlds/static).
 #   [SEEDS="1 2 3"] tests/bench/static_worlds.sh [OUT]
 # OUT (default out/static_worlds) contains rawlogs and results; existing rawlogs are reused.

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Compares a simulated world without moving objects with real recordings: visual odometry errors,
 # corner counts and disparity errors.
 #   HEADWAY_DATA=DATA tests/bench/worlds_against_real.sh [OUT] [HEADWAY-SIM ARGUMENTS...]

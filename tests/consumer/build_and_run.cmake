@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Installs headway into PREFIX, configures and builds SOURCE_DIR against it, and runs the result.
 include(${CMAKE_CURRENT_LIST_DIR}/run_consumer.cmake)
 

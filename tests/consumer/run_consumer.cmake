@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Builds the outside project SOURCE_DIR in WORK_DIR against the package in PREFIX and runs it.
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status)

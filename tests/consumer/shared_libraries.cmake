@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Builds headway as shared libraries without simulator, evaluation and trials, installs it, runs an
 # installed program, and builds SOURCE_DIR against it.
 include(${CMAKE_CURRENT_LIST_DIR}/run_consumer.cmake)

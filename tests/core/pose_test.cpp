@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 #include <headway/core/mrpt_pose.h>
 #include <headway/core/pose.h>

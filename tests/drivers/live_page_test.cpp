@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The page of headway-live: its requests, and what a browser makes of it.
 #include "live_page.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // headway-live as a user runs it, on a camera that is a rawlog.
 #include <gmock/gmock.h>
 #include <headway_test/folders.h>

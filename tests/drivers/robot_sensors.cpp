@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A plug-in with a driver of sensors, as a robot's maker would write one: odometry, inertial
 // sensor, laser and camera of a simulated robot, from its true path and its recorded images.
 #include <headway/core/live_frame.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Sensors without hardware: a driver of the test's own, and MRPT's camera driver on files.
 #include <gmock/gmock.h>
 #include <headway/core/error.h>

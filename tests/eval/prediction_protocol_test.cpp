@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The protocol of the real-data figures: how many cases there are, and what two predictors of a
 // few lines, written here, come to. Reference figures were found with another implementation.
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // headway-export on the results of a replay, read by programs that are not headway's where they
 // exist.
 #include <gmock/gmock.h>

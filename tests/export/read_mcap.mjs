@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Reads an MCAP file with readers that are not headway's, and prints as JSON what is in it: for each
 // topic its schema, the number of its messages, and the first and last of them; and every field that
 // differs from Foxglove's published schemas.

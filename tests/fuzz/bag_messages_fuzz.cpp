@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // libFuzzer target of ROS messages in both encodings; the first byte selects type and encoding.
 #include <cstddef>
 #include <cstdint>

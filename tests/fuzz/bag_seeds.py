@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Writes the seeds of the bags' fuzz targets: bag_seeds.py NODE_DIR, where the tests installed npm's packages.
 
 A file's first bytes, which the target adds, are left out. Of messages the first byte selects the type.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // libFuzzer target of the readers of public datasets; the first byte selects the file that the
 // input replaces in one of the recordings.
 #include <headway/core/error.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // libFuzzer target of headway's own observation: the input is what follows the class's name, the
 // version and the label's length, which mutations hardly keep.
 #include <headway/core/error.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // libFuzzer target of encoded images: JPEG, PNG, BMP, PNM and TIFF.
 #include <headway/io/image_decoding.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // libFuzzer target of map files; the first byte selects the section that the input replaces, with
 // valid checksums, because no mutation finds those.
 #include <headway/core/error.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // libFuzzer target of the rawlog reader: no input may crash, hang or take much memory.
 #include <headway/core/error.h>
 #include <headway/io/detection_observation.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // libFuzzer target of the files from which a report is made; the first byte selects the file that
 // the input replaces in a folder of results.
 #include <headway/core/error.h>

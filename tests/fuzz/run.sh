@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Runs each libFuzzer target for some minutes from its seed corpus. Inputs that crash, take over
 # 10 s or more than 512 MB are written to build/fuzz/found and end the script with status 1.
 #

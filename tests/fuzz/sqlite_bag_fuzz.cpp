@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // libFuzzer target of .db3 files: no input may crash, hang or take much memory.
 #include "bag_fuzz.h"
 

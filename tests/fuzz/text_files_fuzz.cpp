@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // libFuzzer target of the readers of text files; the first byte selects one of them.
 #include <headway/core/error.h>
 #include <headway/io/calibration_file.h>

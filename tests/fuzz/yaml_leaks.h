@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 /// MRPT's YAML reader does not free libfyaml's parser where a text is no YAML: 3 kB a file, of

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What cannot be read: each case a message of one line, or a counted skip, and the rest read.
 #include <gmock/gmock.h>
 #include <headway/core/error.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Clocks that are set, and sensors with clocks of their own.
 #include <gmock/gmock.h>
 #include <headway/io/live_source.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Rawlogs compressed by gzip and Zstandard.
 #include <gmock/gmock.h>
 #include <headway/core/error.h>

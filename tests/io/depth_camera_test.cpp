@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Recordings of depth cameras: intensity and depth as frames with given disparities.
 #include <gmock/gmock.h>
 #include <headway/core/mrpt_pose.h>

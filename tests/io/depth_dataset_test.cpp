@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Folders of depth cameras: the TUM RGB-D benchmark, and images with depth.
 #include <gmock/gmock.h>
 #include <headway/io/dataset.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Calibrations as other programs write them: the same camera in each format.
 #include <gmock/gmock.h>
 #include <headway/core/mrpt_pose.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "foreign_recording.h"
 
 #include <headway/core/mrpt_pose.h>

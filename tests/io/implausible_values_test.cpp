@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Values that no sensor measures: each costs itself only, and is counted by reason.
 #include <gmock/gmock.h>
 #include <headway/core/error.h>

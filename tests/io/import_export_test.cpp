@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The programs headway-import and headway-export, run as a user runs them.
 #include <gmock/gmock.h>
 #include <headway/io/calibration_file.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The ways in which others record: sensory frames, single images, colour, several cameras.
 #include <gmock/gmock.h>
 #include <headway/core/error.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
 #include <headway/io/rawlog_sink.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Depth scans as MRPT writes them, in all versions, are read as MRPT reads them.
 #include <gtest/gtest.h>
 #include <headway/core/mrpt_pose.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Objects as MRPT writes them are read as MRPT reads them.
 #include <gtest/gtest.h>
 #include <headway/core/mrpt_pose.h>

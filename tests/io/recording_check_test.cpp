@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // headway-import --check, and refusals that name their cause.
 #include <gmock/gmock.h>
 #include <headway/io/calibration_file.h>

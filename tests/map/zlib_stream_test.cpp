@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "zlib_stream.h"
 
 #include <gmock/gmock.h>

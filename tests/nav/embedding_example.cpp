@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Embedding headway's predictions in an MRPT navigation program; doc/navigation.md explains it.
 
 #include <headway/map/shared_map.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 #include <headway/nav/moving_obstacles.h>
 #include <headway_test/input_error.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 #include <headway/nav/predicted_places.h>
 #include <headway_test/walking_track.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "heading_evidence.h"
 
 #include <gtest/gtest.h>

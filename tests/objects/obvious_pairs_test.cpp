@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "obvious_pairs.h"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <field_of_view.h>
 #include <gtest/gtest.h>
 #include <predicted_box.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "score_quality.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A runner over live sensors with a fake clock: observations arrive while a slow stage runs.
 #include <gmock/gmock.h>
 #include <headway/io/live_source.h>

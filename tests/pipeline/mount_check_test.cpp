@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Motions that contradict odometry or the gyroscope; images of wrong mountings: mounting_test.cpp.
 #include <gmock/gmock.h>
 #include <headway/core/error.h>

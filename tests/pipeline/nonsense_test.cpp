@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Faults of cameras, clocks and calibrations in the middle of the street: each is named within a
 // second.
 #include <gtest/gtest.h>

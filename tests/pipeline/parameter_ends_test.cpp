@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Every parameter at both ends of its range, as --dump-config --expert prints it, on the street.
 #include <gtest/gtest.h>
 #include <headway/core/error.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a host program hears of the pipeline, and may change in it.
 #include <gmock/gmock.h>
 #include <headway/pipeline/perception.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Degraded images (weather, camera faults) through the whole pipeline with the poses of its own
 // SLAM: fewer objects may be detected, and unused data is counted, but there must not be many
 // false tracks.

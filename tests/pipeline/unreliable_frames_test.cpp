@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What becomes of frames whose pose cannot be trusted.
 
 #include <gtest/gtest.h>

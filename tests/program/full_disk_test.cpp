@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Each file of a replay on a full disk: /dev/full accepts no byte.
 #include <gmock/gmock.h>
 #include <headway/io/calibration_file.h>

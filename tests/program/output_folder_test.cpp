@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <headway/core/output_file.h>
 #include <headway/program/output_folder.h>

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Runs the programs of doc/python.md, in order: document_test.py BIN_DIR RAWLOGS_DIR DOC_DIR."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Tests of the Python module: python3 module_test.py BIN_DIR RAWLOGS_DIR, with it on PYTHONPATH."""
 
 import ast

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The check of a recording with an inertial sensor on the camera's clock.
 #include <gmock/gmock.h>
 #include <headway_test/folders.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Runs that are killed and continued, and runs that lack disk, descriptors, memory or permissions.
 #include <fcntl.h>
 #include <gmock/gmock.h>

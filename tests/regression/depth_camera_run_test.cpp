@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A simulated depth camera through the whole of headway: pose, moving objects, grid and report.
 #include <gtest/gtest.h>
 #include <headway/io/trajectory_file.h>

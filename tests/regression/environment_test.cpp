@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The same bytes wherever and by whomever a program is run.
 #include <gmock/gmock.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Satellite fixes, from the recording to the map on the earth.
 #include <gmock/gmock.h>
 #include <headway/geo/geodetic_frame.h>

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Kills replays at random moments, continues them, and compares with an uninterrupted run.
 
     kills.py BIN_DIR RAWLOG TRUTH_DIR [KILLS [SEED]]

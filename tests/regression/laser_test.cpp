@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A simulated robot with a 2D laser scanner, from the recording to the grid.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Mistakes of mounting and calibration, made in good recordings: each must be named.
 #include <gmock/gmock.h>
 #include <headway/eval/trajectory_error.h>

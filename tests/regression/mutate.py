@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Runs headway's programs on mutated rawlogs and maps.
 
     tests/regression/mutate.py BIN_DIR RAWLOG [COUNT] [--seed N]

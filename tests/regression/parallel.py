@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Runs programs side by side and compares their results with those of a run alone.
 
     tests/regression/parallel.py BIN_DIR RAWLOG [--processes 100] [--replays 8]

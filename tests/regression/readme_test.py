@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Runs every command line of README.md as it is written there.
 
     tests/regression/readme_test.py BUILD_DIR SOURCE_DIR

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Several recordings that get one map.
 #include <gmock/gmock.h>
 #include <headway/io/detection_observation.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What happens to results when programs are ended, disks are full, or inputs are named as outputs.
 #include <gmock/gmock.h>
 #include <headway/io/track_file.h>

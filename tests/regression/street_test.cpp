@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The page of a replay, as bytes and in a browser.
 #include <gmock/gmock.h>
 #include <headway/core/error.h>

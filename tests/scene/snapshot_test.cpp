@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 #include <headway/core/class_colour.h>
 #include <headway/map/track_geometry.h>

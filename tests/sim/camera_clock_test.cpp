@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "camera_clock.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Only fronts of closed meshes are drawn: whoever looks at one from outside must meet a front
 // first.
 #include <gtest/gtest.h>

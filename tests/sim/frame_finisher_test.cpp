@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How a drawn frame becomes a recorded one: truth, masks, detections.
 #include "frame_finisher.h"
 

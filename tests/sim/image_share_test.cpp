@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Worlds in which actors cover a requested ratio of the image.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

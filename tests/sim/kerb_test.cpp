@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Laws of lowered kerbs, and of robots and people on them.
 #include "kerb.h"
 

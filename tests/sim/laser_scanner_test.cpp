@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Laws of laser scans of simple meshes.
 #include "laser_scanner.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What inertial sensor and wheel encoders measure, against the differentiated true motion.
 #include "motion_sensors.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Laws of clearances and ways on a small floor with a wall and a door.
 #include "navigation_grid.h"
 

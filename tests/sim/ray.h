@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Rays against triangles, to check what drawings rely on without drawing.
 #pragma once
 

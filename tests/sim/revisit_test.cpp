@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A place that is passed again looks the same: houses, trees and the ground are where they were.
 #include <gtest/gtest.h>
 #include <headway/sim/simulator.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Laws of whole frames: drawn, judged and detected together.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

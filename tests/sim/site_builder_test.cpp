@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Laws of what is built into a site.
 #include "site_builder.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Laws of motion in hall, campus and warehouse: no object passes through another.
 #include "site_environment.h"
 

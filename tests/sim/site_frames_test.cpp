@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Laws of frames drawn in hall, campus and warehouse, with every rig.
 #include <gtest/gtest.h>
 #include <headway/sim/rigs.h>

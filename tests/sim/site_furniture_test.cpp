@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Laws of furniture: its size, what it blocks, who may sit on it.
 #include "site_furniture.h"
 

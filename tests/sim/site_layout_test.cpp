@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Laws of the layouts of hall, campus and warehouse, over many seeds, without drawing.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Geometry of drawn stereo pairs: known points appear where the camera model says.
 #include "stereo_rig.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Laws of what is built along streets, without drawing.
 #include "street_stretch.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What is written beside a rawlog, for frames that are made by hand.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

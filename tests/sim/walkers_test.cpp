@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Laws of people who walk on an empty floor around a robot.
 #include "walkers.h"
 

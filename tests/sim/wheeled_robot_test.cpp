@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Laws of the robot's motion on an empty floor.
 #include "wheeled_robot.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 #include <headway/stereo/frame_context.h>
 #include <headway_test/painted_street.h>

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Programs are hardened: position-independent, with read-only tables of addresses, and with checks
 # of the stack and of buffers. hardening.sh PROGRAM ...
 set -euo pipefail

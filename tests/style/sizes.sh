@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Checks sizes: sources of at most 300 lines besides the licence's, functions of at most 40, documents of at
 # most 120 columns.
 # Relies on clang-format: a function starts with a line that ends in '{' and ends with '}' at the same

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Short recordings, cut from the bundled rawlogs."""
 from __future__ import annotations
 

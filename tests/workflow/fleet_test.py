@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Tests of workflow/headway_fleet without Snakemake: tests/workflow/fleet_test.py BIN_DIR RAWLOGS."""
 from __future__ import annotations
 

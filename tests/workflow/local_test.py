@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """A fleet by Snakemake on this machine: tests/workflow/local_test.py BIN_DIR PLUGIN RAWLOGS.
 
 A run whose processes are killed is completed by the next; then only what changes runs again.

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Measures what the engine adds to the jobs: tests/workflow/overhead.py local|slurm [options].
 
 Stand-ins for the programs sleep for --seconds a recording, so that the figure does not depend on

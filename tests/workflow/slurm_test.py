@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """A fleet on a real Slurm whose node ends: nothing is lost, and nothing is done twice.
 
     tests/workflow/slurm_test.py BIN_DIR PLUGIN RAWLOGS

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """A whole Slurm on one machine: munged, slurmctld and one slurmd for each virtual node."""
 from __future__ import annotations
 

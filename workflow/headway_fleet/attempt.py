@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """One attempt at a job: programs within their memory, a scratch folder, a log."""
 from __future__ import annotations
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """SHA-256 of files and folders; what has not changed since is not read again."""
 from __future__ import annotations
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Runs a plan by Snakemake, here or through a profile."""
 from __future__ import annotations
 

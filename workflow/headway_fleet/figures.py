@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Figures of a finished replay, for the table."""
 from __future__ import annotations
 

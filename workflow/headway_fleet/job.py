@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Runs one job of a plan: `python3 -m headway_fleet.job PLAN STAGE/ID`, as the Snakefile does.
 
 Exit status 0: its result exists, and so does its stamp. Otherwise `.fleet/failed/STAGE/ID.json`

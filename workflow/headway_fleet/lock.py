@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """One run at a time in a folder of results."""
 from __future__ import annotations
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The page of a fleet: failures first, then a sortable table; it needs no network.
 
 All text is escaped; the Content-Security-Policy allows the page's own style and script, by their

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Which recordings are of one place: given in the list, found by satellite fixes, or candidates for
 headway-replay, which recognises places by images."""
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """What a run of the fleet does: jobs with their keys, dependencies and resources."""
 from __future__ import annotations
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Recordings in a folder or a list, of every kind that headway-import reads."""
 from __future__ import annotations
 

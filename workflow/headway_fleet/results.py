@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """What became of each recording: rows of the page and of the table."""
 from __future__ import annotations
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """State of a Slurm job for Snakemake: prints running, success or failed.
 
     python3 -m headway_fleet.slurm_status JOBID

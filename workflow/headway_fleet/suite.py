@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Simulated worlds as jobs: what `headway-eval suite --jobs` runs as `headway-fleet --suite`."""
 from __future__ import annotations
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Draws what the server's events say. Every text is set as textContent or drawn, never parsed.
 'use strict';
 

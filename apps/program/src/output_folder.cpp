@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <fcntl.h>
 #include <headway/core/error.h>
 #include <headway/core/replace_files.h>

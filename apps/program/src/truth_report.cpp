@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/error.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/program/truth_report.h>

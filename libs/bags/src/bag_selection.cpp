@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/bags/bag_selection.h>
 #include <headway/core/error.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "sqlite_bag.h"
 
 #include <headway/core/error.h>

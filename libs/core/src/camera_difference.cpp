@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/camera_difference.h>
 #include <headway/core/formatted.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/worker_thread.h>
 
 namespace headway {

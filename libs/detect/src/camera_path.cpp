@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "camera_path.h"
 
 #include <headway/stereo/pose_refiner.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/detect/class_size.h>
 
 namespace headway::detect {

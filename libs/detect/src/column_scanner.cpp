@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "column_scanner.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/detect/detector.h>
 
 namespace headway::detect {

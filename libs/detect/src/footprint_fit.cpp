@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "footprint_fit.h"
 
 #include <headway/core/statistics.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/assignment.h>
 #include <headway/core/box_overlap.h>
 #include <headway/detect/fusion.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/detect/ground_scanner.h>
 
 #include "column_scanner.h"

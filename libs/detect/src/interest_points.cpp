@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "interest_points.h"
 
 #include <headway/stereo/reduced_image.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "left_out_cells.h"
 
 #include <opencv2/imgproc.hpp>

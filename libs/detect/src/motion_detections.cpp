@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/appearance.h>
 #include <headway/detect/stereo_motion.h>
 

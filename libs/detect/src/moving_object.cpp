@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "moving_object.h"
 
 #include <headway/core/box_overlap.h>

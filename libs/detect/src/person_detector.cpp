@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/detect/person_detector.h>
 
 #include <opencv2/imgproc.hpp>

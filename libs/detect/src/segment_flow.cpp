@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "segment_flow.h"
 
 #include <headway/core/statistics.h>

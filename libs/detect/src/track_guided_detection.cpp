@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "track_guided_detection.h"
 
 #include <headway/core/assignment.h>

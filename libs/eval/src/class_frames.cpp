@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "class_frames.h"
 
 #include <headway/core/box_overlap.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "clear_mot.h"
 
 #include <algorithm>

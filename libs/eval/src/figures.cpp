@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/eval/figures.h>
 #include <headway/eval/prediction_error.h>
 #include <headway/eval/track_error.h>

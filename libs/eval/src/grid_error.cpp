@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/eval/grid_error.h>
 
 #include <algorithm>

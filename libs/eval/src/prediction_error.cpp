@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/eval/prediction_error.h>
 
 #include <Eigen/LU>

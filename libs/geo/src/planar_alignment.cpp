@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "planar_alignment.h"
 
 #include <headway/core/random.h>

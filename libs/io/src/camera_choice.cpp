@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "camera_choice.h"
 
 #include <headway/core/error.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "compressed_stream.h"
 
 #include <headway/core/error.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "frame_collector.h"
 
 #include <headway/core/mrpt_pose.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "kitti_raw_drive.h"
 
 #include <headway/core/error.h>

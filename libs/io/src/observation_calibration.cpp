@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/mrpt_pose.h>
 #include <headway/io/observation_calibration.h>
 

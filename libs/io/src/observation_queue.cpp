@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/io/observation_queue.h>
 #include <mrpt/core/exceptions.h>
 

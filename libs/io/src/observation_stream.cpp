@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "observation_stream.h"
 
 #include <headway/core/error.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "recorded_depth.h"
 
 #include <headway/core/error.h>

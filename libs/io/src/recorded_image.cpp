@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "recorded_image.h"
 
 #include <headway/io/image_decoding.h>

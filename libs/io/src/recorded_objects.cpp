@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "recorded_objects.h"
 
 #include <headway/io/detection_observation.h>

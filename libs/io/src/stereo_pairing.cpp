@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "stereo_pairing.h"
 
 #include <headway/core/mrpt_pose.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "yaml_file.h"
 
 #include <headway/core/error.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "evidence_grid.h"
 
 #include <Eigen/Geometry>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "ground_scan_crop.h"
 
 #include <algorithm>

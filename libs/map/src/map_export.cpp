@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/byte_archive.h>
 #include <headway/core/mrpt_pose.h>
 #include <headway/core/output_file.h>

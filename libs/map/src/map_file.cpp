@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/byte_archive.h>
 #include <headway/core/error.h>
 #include <headway/core/printable.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/map/map_export.h>
 #include <headway/map/map_files.h>
 #include <headway/map/static_grid.h>

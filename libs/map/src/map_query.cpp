@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/map/contact_sum.h>
 #include <headway/map/map_query.h>
 #include <headway/map/path_sample.h>

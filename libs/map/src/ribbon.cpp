@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/map/ribbon.h>
 #include <mrpt/opengl/CSetOfTriangles.h>
 

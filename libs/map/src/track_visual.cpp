@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "track_visual.h"
 
 #include <headway/core/class_colour.h>

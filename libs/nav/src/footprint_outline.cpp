@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/nav/footprint_outline.h>
 
 #include <Eigen/Geometry>

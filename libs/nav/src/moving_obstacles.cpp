@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/nav/moving_obstacles.h>
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/map/path_sample.h>
 #include <headway/nav/predicted_places.h>
 

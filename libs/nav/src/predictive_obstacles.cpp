@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/nav/predictive_obstacles.h>
 #include <mrpt/core/Clock.h>
 #include <mrpt/kinematics/CVehicleVelCmd_DiffDriven.h>

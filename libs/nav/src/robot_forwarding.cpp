@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The calls that PredictiveObstacles forwards to the wrapped robot.
 
 #include <headway/nav/predictive_obstacles.h>

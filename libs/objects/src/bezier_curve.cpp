@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "bezier_curve.h"
 
 #include <algorithm>

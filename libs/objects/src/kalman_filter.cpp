@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "kalman_filter.h"
 
 #include <headway/core/pose.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "manoeuvre_fit.h"
 
 #include <headway/core/statistics.h>

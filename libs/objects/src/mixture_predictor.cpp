@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "mixture_predictor.h"
 
 #include <headway/core/statistics.h>

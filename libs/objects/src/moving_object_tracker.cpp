@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/objects/moving_object_tracker.h>
 #include <headway/objects/predictor.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "predicted_box.h"
 
 namespace headway::objects {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/detect/depth_scanner.h>
 #include <headway/pipeline/dense_mapper.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/error.h>
 #include <headway/detect/fusion.h>
 #include <headway/detect/stereo_lifter.h>

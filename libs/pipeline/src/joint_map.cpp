@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/pipeline/joint_map.h>
 #include <headway/slam/joint_map.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/pipeline/live_runner.h>
 
 #include <utility>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/pipeline/load_shedder.h>
 #include <mrpt/core/exceptions.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/error.h>
 #include <headway/pipeline/moving_regions.h>
 #include <headway/pipeline/perception.h>

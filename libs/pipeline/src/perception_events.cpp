@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The parts of Perception that inform its host: log, callbacks, parameters at run time.
 #include <headway/pipeline/perception.h>
 #include <mrpt/core/exceptions.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The parts of Perception that compare its input with the images: mounting, sensors, static map.
 #include <headway/pipeline/perception.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The parts of Perception that store maps and runs, and continue them.
 #include <headway/core/byte_archive.h>
 #include <headway/core/error.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/formatted.h>
 #include <headway/core/statistics.h>
 #include <headway/pipeline/stereo_check.h>

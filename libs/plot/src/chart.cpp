@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/plot/chart.h>
 #include <headway/plot/colours.h>
 #include <headway/plot/ticks.h>

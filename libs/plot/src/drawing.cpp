@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "drawing.h"
 
 #include <headway/plot/colours.h>

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Perception among moving objects for mobile robots built on MRPT.
 
     import headway

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 from types import TracebackType
 from typing import Any, Iterator, Mapping, Optional, Sequence
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/error.h>
 #include <headway/eval/figures.h>
 #include <headway/eval/trajectory_error.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/output_file.h>
 #include <headway/render/video_file.h>
 

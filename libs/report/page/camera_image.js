@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The camera's image of the moment with the outlines of the tracks' boxes.
 'use strict';
 

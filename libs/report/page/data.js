@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The replay as the page reads it: decoded from its data blocks, and interpolated between frames.
 'use strict';
 

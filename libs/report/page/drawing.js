@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Draws the moment: the scene, the map from above, names, panels and figures.
 'use strict';
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Shapes of the 3D view: ribbons on the ground, boxes, ellipses, the camera's frustum.
 'use strict';
 

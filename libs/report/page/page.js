@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The page: time, keys, links, layers, and when it is drawn.
 'use strict';
 

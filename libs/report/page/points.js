@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Clouds of points, of which as many are drawn as the computer can draw smoothly.
 'use strict';
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The map from above on a 2D canvas, the same for a live run and for a replay. Every text is drawn,
 // never parsed.
 'use strict';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What is known of the selected track: its speed, its predictions against what came, its class.
 'use strict';
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The views and how they are moved: by mouse, touch and keys.
 'use strict';
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The 3D scene: what is in it at a moment.
 'use strict';
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/report/page_images.h>
 
 #include <opencv2/imgcodecs.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/map/object_file.h>
 #include <headway/plot/colours.h>
 #include <headway/scene/snapshot.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "world_scene.h"
 
 #include <headway/core/class_colour.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "actor_atlas.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "calibration_files.h"
 
 #include <headway/core/output_file.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "facade_texture.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "road_network.h"
 
 #include <headway/core/random.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "robot_driver.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/error.h>
 #include <headway/sim/simulator.h>
 

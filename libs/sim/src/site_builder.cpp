@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "site_builder.h"
 
 #include <algorithm>

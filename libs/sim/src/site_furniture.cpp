@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "site_furniture.h"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "stereo_rig.h"
 
 #include <mrpt/opengl/CFBORender.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "street_environment.h"
 
 #include "street_scene.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "furniture.h"
 #include "street_profile.h"
 #include "street_site.h"

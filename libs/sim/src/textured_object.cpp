@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #define GL_GLEXT_PROTOTYPES
 #include "textured_object.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "wheeled_robot.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "bundle_adjuster.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "keyframe_odometry.h"
 
 #include <cmath>

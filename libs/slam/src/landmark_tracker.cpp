@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "landmark_tracker.h"
 
 #include <headway/stereo/point_tracking.h>

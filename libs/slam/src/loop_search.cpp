@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The search for loops beside the tracking: the steps of LoopCloser::close(), one after the other.
 #include <algorithm>
 #include <chrono>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "make_map_view.h"
 
 #include <headway/slam/stereo_slam.h>

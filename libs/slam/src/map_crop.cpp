@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/slam/map_crop.h>
 
 #include <utility>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "odometry_check.h"
 
 #include <cmath>

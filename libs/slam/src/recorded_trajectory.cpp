@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/slam/trajectory_record.h>
 
 #include <map>

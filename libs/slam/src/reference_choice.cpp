@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "reference_choice.h"
 
 #include "shared_view.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/slam/stereo_slam.h>
 
 #include "map_culling.h"

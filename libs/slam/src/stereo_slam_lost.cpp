@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The parts of StereoSlam for frames whose images do not tell the pose.
 #include "pose_covariance.h"
 #include "stereo_slam_implementation.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The parts of StereoSlam that store a run, continue it, and join it with others.
 #include <headway/core/byte_archive.h>
 #include <headway/core/camera_difference.h>

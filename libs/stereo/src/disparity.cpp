@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/stereo/disparity.h>
 #include <headway/stereo/reduced_image.h>
 #include <headway/stereo/rig_capability.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/stereo/disparity_offset.h>
 
 #include <algorithm>

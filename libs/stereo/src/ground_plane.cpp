@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/stereo/ground_plane.h>
 #include <headway/stereo/rig_capability.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/stereo/image_pyramid.h>
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/statistics.h>
 #include <headway/stereo/rectification.h>
 

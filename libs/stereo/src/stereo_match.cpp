@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <headway/stereo/patch.h>
 #include <headway/stereo/stereo_match.h>
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The recording that the tests write as bags of several formats: messages as plain values.
 
 Field names are those of ROS 2 (lower case). Frame i is at T0 + i / 10 s.

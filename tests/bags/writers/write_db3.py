@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Writes messages of write_ros2.mjs as a .db3 of rosbag2: write_db3.py OUT.db3 < MESSAGES"""
 import base64
 import json

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Writes the recording as a ROS 1 bag by rosbag's own writer: write_ros1.py OUT.bag FORM COMPRESSION"""
 import base64
 import os

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Writes the recording as ROS 2 by packages of others: node write_ros2.mjs OUT COMPRESSION < MESSAGES
 //
 // OUT.mcap by @mcap/core, with chunks compressed by COMPRESSION (none, lz4, zstd); another name: one

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How well 2D boxes are lifted to depth by stereo.
 //
 //     bench_lifting simulated WORLD.rawlog...    perfect 2D boxes, made from the truth

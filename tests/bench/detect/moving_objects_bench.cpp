@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Recall and precision of a detector of moving objects in simulated worlds, from images alone.
 //
 //     headway-sim -c WORLD.ini -o WORLD.rawlog

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Memory and time of a run of weeks: one lap is driven again and again by the complete pipeline
 // with all files of a replay, except that the boxes are made.
 //

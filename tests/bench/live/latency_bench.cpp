@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Latency of live operation: a recording's first frames are pushed in a loop at a camera's rate.
 //
 //     bench_latency -i IN.rawlog --rate 10 [--factors 1,2,10] [--frames 1000] [--clip 200]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Longest frames of live operation: every frame of a recording is processed with the parameters of
 // live operation, at the recorded rate or as fast as possible.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How long publishing a map holds perception up while others read it.
 //
 // A writer publishes 10,000 maps of 100,000 landmarks and 50 tracks, 1,000 a second. Beside it one

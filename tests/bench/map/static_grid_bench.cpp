@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Cost of the occupancy grid: 600 scans along 1.2 km, 600 rays each.
 
 #include <headway/map/static_grid.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What one call of PredictiveObstacles::senseObstacles costs, without the robot's own sensing.
 
 #include <benchmark/benchmark.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Processor time of the moving-object layer with many boxes a frame, beside that of the reference
 // workload on the bundled street's first images.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Cost of the moving-object layer: each predictor for one object, the whole layer for n objects
 // (with the exponent of its growth), the solver of the smoother against Eigen's sparse one, and the
 // whole layer on KITTI's sequences if HEADWAY_DATA names the folder of kitti_tracking/.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How fast a video is drawn and encoded: 1280 x 720, 100,000 landmarks, 50 moving tracks.
 //
 // bench_video OUT.mp4 [SUPERSAMPLING [PICTURES]]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Speed at which a world is rendered and written, with a reference workload that makes figures of different
 // machines comparable.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How rich the images of stereo rawlogs are, and how well their disparity can be measured.
 //   bench_images RAWLOG...
 // Prints a row for each: FAST corners a frame, contrast, matches of OpenCV's SGBM, and, where true

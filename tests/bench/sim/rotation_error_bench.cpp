@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Error of pose files in the camera's rotation from frame to frame, measured in the images.
 //   bench_rotation_error RAWLOG POSES_KITTI.txt...
 // Distant corners are tracked from each left image to the next by optical flow, with depth from the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Cost of a frame in a small and in a large world with the same surroundings of the robot.
 //   bench_world_size [FRAMES]
 // The streets begin alike; the large ones go on for 30 km. Pictures are small, so that the cost of

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Covers a robot's camera for five seconds, every three seconds of each recording: error of the motion
 # across the gap against the way driven in it, where wheel odometry bridges it.
 #   [SEEDS="1 2 3"] [WORLDS="hall yard-loop"] [RIGS="robot small"] [FRAMES=170]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a covered camera costs: the error of the motion across the gap, where wheel odometry alone
 // tells of it.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Tracking of one recording after degradation: frames removed, blur, noise, darkness.
 //
 //     bench_degraded -i IN.rawlog [--only WORDS] [--set slam.key=value ...]

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Drives a simulated loop ten times and starts a camera again at random in its first lap; prints
 # the figures of doc/results.md.
 #   tests/bench/slam/long_run.sh [OUT]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the map keeps while one way is driven again and again: a row of a table for each lap.
 //
 //     bench_memory -i IN.rawlog --lap METRES [--set slam.key=value ...]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How surely and how well a camera is found again in a stored map.
 //
 //     bench_relocalisation --map MAP.rawlog --map-to N --restart OTHER.rawlog [--restart-from N]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Cost of each stage of localisation and mapping on one rawlog, with a reference workload that makes
 // figures of different machines comparable.
 //

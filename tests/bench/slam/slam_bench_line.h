@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Common parts of the benchmarks of slam: command line and evaluation of a path.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The smallest robot program: frames in, poses and predicted objects out.
 #include <headway/io/rawlog_source.h>
 #include <headway/pipeline/perception.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A planner's question to the map: how fast may the robot drive straight ahead?
 #include <headway/io/rawlog_source.h>
 #include <headway/map/map_query.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A robot's program: sensors push observations; poses, tracks and the map come out.
 #include <headway/io/live_source.h>
 #include <headway/map/map_query.h>

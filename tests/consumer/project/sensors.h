@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Sensors of a robot that is not there: its observations come from a rawlog, 40 stereo pairs at
 // 10 Hz.
 #pragma once
