@@ -2,9 +2,16 @@
 #include <gtest/gtest.h>
 #include <headway/core/worker_thread.h>
 
+#include <algorithm>
 #include <stdexcept>
 #include <thread>
 #include <vector>
+
+#ifdef __linux__
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+#endif
 
 namespace headway {
 namespace {
@@ -41,6 +48,19 @@ TEST(WorkerThreadTest, ResultsNeedNotBeTaken) {
   static_cast<void>(worker.run([] { return 7; }));
   EXPECT_EQ(worker.run([] { return 8; }).get(), 8);
 }
+
+#ifdef __linux__
+TEST(WorkerThreadTest, BackgroundWorkYieldsToTheOthers) {
+  const auto priority = [] {
+    return getpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)));
+  };
+  WorkerThread normal, background(WorkerThread::Priority::kBackground);
+  const int here = priority();
+  EXPECT_EQ(normal.run(priority).get(), here);
+  EXPECT_EQ(background.run(priority).get(), std::max(here, 10));
+  EXPECT_EQ(priority(), here) << "this thread's is not changed";
+}
+#endif
 
 TEST(WorkerThreadTest, MayHaveNothingToDo) { const WorkerThread worker; }
 

@@ -1,7 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/worker_thread.h>
 
+#ifdef __linux__
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+#endif
+
 namespace headway {
+namespace {
+
+/// Lowers the priority of this thread; one that the system does not lower works as well.
+void runInBackground() {
+#ifdef __linux__
+  constexpr int kNice = 10;  // a tenth of the share of a thread of normal priority
+  const auto thread = static_cast<id_t>(syscall(SYS_gettid));
+  if (getpriority(PRIO_PROCESS, thread) < kNice) (void)setpriority(PRIO_PROCESS, thread, kNice);
+#endif
+}
+
+}  // namespace
 
 WorkerThread::~WorkerThread() {
   {
@@ -22,6 +40,7 @@ void WorkerThread::add(std::function<void()> work) {
 }
 
 void WorkerThread::loop() {
+  if (priority_ == Priority::kBackground) runInBackground();
   std::unique_lock<std::mutex> lock(mutex_);
   while (true) {
     changed_.wait(lock, [this] { return ends_ || !waiting_.empty(); });

@@ -20,7 +20,13 @@ namespace headway {
 /// work; the destructor ends it after all work given before.
 class WorkerThread {
  public:
-  WorkerThread() = default;
+  enum class Priority {
+    kNormal,
+    kBackground,  ///< runs on what other threads leave of the processors, where the system has such
+                  ///< priorities for threads (Linux)
+  };
+
+  explicit WorkerThread(Priority priority = Priority::kNormal) : priority_(priority) {}
   ~WorkerThread();
   WorkerThread(const WorkerThread&) = delete;
   WorkerThread& operator=(const WorkerThread&) = delete;
@@ -39,6 +45,7 @@ class WorkerThread {
   void add(std::function<void()> work);
   void loop();
 
+  const Priority priority_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::function<void()>> waiting_;  ///< guarded by mutex_

@@ -79,8 +79,8 @@ class DenseMapper {
   std::shared_future<Scanned> scanning_;
   std::future<FusedBeside> fusing_;
   Clock::time_point next_fusion_{};
-  WorkerThread scanner_;
-  WorkerThread fuser_;
+  WorkerThread scanner_{WorkerThread::Priority::kBackground};
+  WorkerThread fuser_{WorkerThread::Priority::kBackground};
 };
 
 }  // namespace headway::pipeline

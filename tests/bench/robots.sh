@@ -1,0 +1,52 @@
+#!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Measures what small rigs see in the worlds for robots: moving objects and the occupancy grid.
+#   [SEEDS="11 12 13"] [FRAMES=120] tests/bench/robots.sh [OUT]
+# OUT (default out/robots) contains rawlogs and results; existing rawlogs are reused.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+out=${1:-out/robots}
+seeds=${SEEDS:-11 12 13}
+frames=${FRAMES:-120}
+bin=build/release/bin
+mkdir -p "$out"
+
+# recorded NAME OPTIONS...: the recording NAME in OUT
+recorded() {
+  local rawlog=$out/$1.rawlog
+  shift
+  [ -f "$rawlog" ] || $bin/headway-sim -q --depth --masks --frames "$frames" -o "$rawlog" "$@"
+}
+
+for world in yard-loop hall campus warehouse; do
+  for rig in robot small; do
+    for seed in $seeds; do
+      recorded "$world-$rig-$seed" -c "config/worlds/$world.ini" --rig $rig --seed "$seed"
+    done
+  done
+done
+for seed in ${EMPTY_SEEDS:-31 32}; do
+  recorded "empty-$seed" -c config/worlds/hall.ini --rig robot --seed "$seed" \
+    --set traffic.pedestrians=0 --set traffic.idle_people=0
+done
+
+echo "Moving objects within the rig's reach, rig robot"
+for world in yard-loop-robot hall-robot campus-robot warehouse-robot empty; do
+  echo "== $world"
+  build/release/tests/bench/detect/bench_moving_objects range=rig "$out/$world"-*.rawlog
+done
+
+echo
+echo "Grid: visible obstacles within the rig's reach, all seeds together"
+echo "| world, rig | visible | observed | found | free alone | at 0.5-3 m: visible, found | drops, free |"
+echo "| --- | ---: | ---: | ---: | ---: | ---: | ---: |"
+for world in yard-loop hall campus warehouse; do
+  for rig in robot small; do
+    for seed in $seeds; do
+      name=$world-$rig-$seed
+      $bin/headway-replay -q -w -i "$out/$name.rawlog" -o "$out/$name" --snapshots 0
+      $bin/headway-eval grid -q -w --truth "$out/$name.truth" --estimate "$out/$name" --json "$out/$name.json"
+    done
+    python3 tests/bench/robots_grid.py "$world, $rig" "$out/$world-$rig"-*.json
+  done
+done
