@@ -17,6 +17,7 @@ int runTracks(int argc, const char** argv);
 int runMovers(int argc, const char** argv);
 int runPredictions(int argc, const char** argv);
 int runGrid(int argc, const char** argv);
+int runDense(int argc, const char** argv);
 int runSuite(int argc, const char** argv);
 
 /// Name of a result in titles, with the folder of its recording: "street/trajectory.tum".

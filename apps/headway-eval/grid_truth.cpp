@@ -9,18 +9,17 @@
 #include <cstdio>
 #include <fstream>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <string>
 #include <unordered_map>
 #include <utility>
+
+#include "truth_images.h"
 
 namespace headway::app {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDepthUnit = 256.0;      ///< KITTI depth maps: 256 units per metre
 constexpr double kReach_m = 40.0;         ///< beyond this range a pixel covers more than a cell
 constexpr double kGround_m = 0.15;        ///< maximum height of ground and kerbs
 constexpr double kHeightMargin_m = 0.01;  ///< surfaces this close to the asked height are undecided
@@ -28,25 +27,7 @@ constexpr double kAheadFrom_m = 0.5;
 constexpr double kAheadTo_m = 3.0;
 constexpr int kMinPixels = 2;       ///< over all frames; rejects mixed pixels at depth edges
 constexpr int kVisiblePixels = 49;  ///< of an obstacle in one frame: a quarter of a matched block
-constexpr int kOutline_px = 2;      ///< width of a moving object's outline that its mask may miss
 constexpr double kSweptMargin_m = 0.2;
-
-fs::path numbered(const fs::path& folder, std::size_t frame) {
-  char name[32];
-  std::snprintf(name, sizeof name, "%06zu.png", frame);
-  return folder / name;
-}
-
-cv::Mat readImage(const fs::path& path, const StereoCamera& camera) {
-  cv::Mat image = cv::imread(path.string(), cv::IMREAD_UNCHANGED);
-  if (image.empty()) {
-    throw InputError(path.string() + ": cannot be read; was headway-sim run with --depth --masks?");
-  }
-  if (image.size() != cv::Size(camera.width, camera.height)) {
-    throw InputError(path.string() + ": the image size differs from the replay's rectified camera");
-  }
-  return image;
-}
 
 /// Number of pixels on the ground and on obstacles in each cell.
 struct PixelCounts {
@@ -67,7 +48,7 @@ void countPixels(const cv::Mat& depth, const cv::Mat& moving, const StereoCamera
   std::unordered_map<std::size_t, int> ahead;
   for (int v = 0; v < depth.rows; ++v) {
     for (int u = 0; u < depth.cols; ++u) {
-      const double z = depth.at<std::uint16_t>(v, u) / kDepthUnit;
+      const auto z = static_cast<double>(depth.at<float>(v, u));
       if (z <= 0.0 || z > kReach_m || moving.at<std::uint8_t>(v, u) != 0) continue;
       const Eigen::Vector3d in_robot =
           camera.T_robot_cam * (z * ray(Eigen::Vector2d(u, v), camera));
@@ -157,13 +138,10 @@ GridTruth gridTruth(const fs::path& folder, const StereoCamera& camera, const ev
   GridTruth truth{grid, none, none, none, none};
   const auto poses = io::readTum((folder / "trajectory.tum").string());
   PixelCounts counts(grid.states.size());
-  constexpr int kSide = 2 * kOutline_px + 1;
-  const cv::Mat outline = cv::getStructuringElement(cv::MORPH_RECT, {kSide, kSide});
   for (std::size_t frame = 0; frame < poses.size(); ++frame) {
-    cv::Mat moving = readImage(numbered(folder / "masks", frame), camera);
-    cv::dilate(moving, moving, outline);
-    countPixels(readImage(numbered(folder / "depth", frame), camera), moving, camera,
-                poses[frame].value, grid, heights, reach, counts);
+    const cv::Mat moving = readMovingMask(folder, frame, camera);
+    countPixels(readTrueDepth(folder, frame, camera), moving, camera, poses[frame].value, grid,
+                heights, reach, counts);
   }
   for (std::size_t i = 0; i < grid.states.size(); ++i) {
     truth.cells.states[i] = counts.obstacle[i] >= kMinPixels ? eval::CellState::kOccupied

@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
         {"predictions", app::runPredictions},
         {"movers", app::runMovers},
         {"grid", app::runGrid},
+        {"dense", app::runDense},
         {"suite", app::runSuite}};
     const char** arguments = const_cast<const char**>(argv);
     const auto name = program::takeSubcommand(
@@ -24,6 +25,7 @@ int main(int argc, char** argv) {
          {"predictions", "Errors of predictions against the true future"},
          {"movers", "Recall and precision of moving objects, false moving tracks"},
          {"grid", "Errors of an occupancy grid against the simulated world"},
+         {"dense", "Errors and coverage of a dense map against the simulated world"},
          {"suite", "Tables of all errors over simulated worlds"}});
     return commands.at(name)(argc, arguments);
   });

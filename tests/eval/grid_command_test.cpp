@@ -4,7 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "run_program.h"
+#include "simulated_drive.h"
 
 namespace headway::eval {
 namespace {
@@ -12,27 +12,15 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-/// A short drive through a simulated street among people and cars, replayed once for all tests.
 class GridCommandTest : public testing::Test {
  protected:
+  // Images of a third of the usual size claim to see 6 m; the whole street is compared here.
   static void SetUpTestSuite() {
-    drive_ = std::make_unique<test::TemporaryFolder>();
-    run("headway-sim -q --seed 5 --frames 36 --depth --masks -c " HEADWAY_SOURCE_DIR
-        "/config/worlds/street.ini --set camera.width=400 --set camera.height=152 "
-        "--set camera.focal_px=232 -o " +
-        at("w.rawlog"));
-    // Images of a third of the usual size claim to see 6 m; the whole street is compared here.
-    run("headway-replay -q --snapshots 0 --set grid.reach=20 -i " + at("w.rawlog") + " -o " +
-        at("out"));
+    drive_ = std::make_unique<SimulatedDrive>(36, "--set grid.reach=20");
   }
   static void TearDownTestSuite() { drive_.reset(); }
 
-  static std::string at(const std::string& name) { return *drive_ / name; }
-  static void run(const std::string& command) {
-    const std::string line =
-        std::string(HEADWAY_BIN_DIR "/") + command + " > " + at("log") + " 2>&1";
-    ASSERT_EQ(0, std::system(line.c_str())) << contentOf(at("log"));
-  }
+  static std::string at(const std::string& name) { return drive_->at(name); }
   static ProgramRun grid(const std::string& truth, const std::string& estimate,
                          const std::string& more = "") {
     return runEval("grid --truth " + truth + " --estimate " + estimate + " " + more);
@@ -46,11 +34,11 @@ class GridCommandTest : public testing::Test {
     return folder_ / "out";
   }
 
-  static std::unique_ptr<test::TemporaryFolder> drive_;
+  static std::unique_ptr<SimulatedDrive> drive_;
   test::TemporaryFolder folder_;
 };
 
-std::unique_ptr<test::TemporaryFolder> GridCommandTest::drive_;
+std::unique_ptr<SimulatedDrive> GridCommandTest::drive_;
 
 TEST_F(GridCommandTest, WritesTableJsonAndPicture) {
   const std::string json = folder_ / "g.json";

@@ -9,7 +9,6 @@
 namespace headway::eval {
 namespace {
 
-using nlohmann::json;
 using testing::HasSubstr;
 
 constexpr int kFrames = 20;
@@ -65,7 +64,7 @@ TEST_F(MoversCommandTest, GivesTheDocumentedKeys) {
   const auto result = run("--json " + at("m.json") + " --plot " + at("m.png"));
   ASSERT_EQ(0, result.status) << result.error;
   EXPECT_THAT(result.out, HasSubstr("track 2 (Pedestrian), frames 0 to 3: 4 of 4 moving rows"));
-  const auto figures = json::parse(contentOf(at("m.json")));
+  const auto figures = nlohmann::json::parse(contentOf(at("m.json")));
   EXPECT_EQ(kFrames, figures.at("frames"));
   EXPECT_NEAR(0.5, figures.at("all").at("recall").get<double>(), 1e-9);
   EXPECT_NEAR(10.0 / 14.0, figures.at("all").at("precision").get<double>(), 1e-9);
@@ -87,7 +86,7 @@ TEST_F(MoversCommandTest, OnlyTheFramesOfTheReplayAreEvaluated) {
   file("out/replay.json", R"({"options": {"from_index": 4}})");
   file("out/trajectory_kitti.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 0\n");
   ASSERT_EQ(0, run("-q --json " + at("m.json")).status);
-  const auto figures = json::parse(contentOf(at("m.json")));
+  const auto figures = nlohmann::json::parse(contentOf(at("m.json")));
   EXPECT_EQ(2, figures.at("frames"));
   EXPECT_EQ(0, figures.at("false_tracks"));
 }

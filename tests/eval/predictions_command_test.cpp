@@ -8,7 +8,6 @@
 namespace headway::eval {
 namespace {
 
-using nlohmann::json;
 using testing::HasSubstr;
 
 /// A car ahead of a still camera that drives away at 5 m/s, from z = 10 m.
@@ -69,7 +68,7 @@ TEST_F(PredictionsCommandTest, AReplaysPredictionsInTheMap) {
                             "--estimate " + estimate + " -w --json " + out + " --plot " +
                                 std::string(folder_ / "p.png"));
     EXPECT_EQ(0, result.status) << result.error;
-    const auto figures = json::parse(contentOf(out));
+    const auto figures = nlohmann::json::parse(contentOf(out));
     EXPECT_EQ(2, figures.at("Car").at("cases"));
     EXPECT_NEAR(0.5, figures.at("Car").at("ade_m").get<double>(), 1e-6);
     EXPECT_NEAR(0.25, figures.at("all").at("nees").get<double>(), 1e-6);
@@ -89,13 +88,13 @@ TEST_F(PredictionsCommandTest, PredictorsOnExactHistories) {
   const std::string out = folder_ / "p.json";
   const auto one = run(folder_ / "l", folder_ / "p", "--predictor constant_velocity --json " + out);
   EXPECT_EQ(0, one.status) << one.error;
-  auto figures = json::parse(contentOf(out));
+  auto figures = nlohmann::json::parse(contentOf(out));
   EXPECT_EQ(15, figures.at("all").at("cases"));
   EXPECT_EQ(5, figures.at("sequences").at("0002").at("Car").at("cases"));
   EXPECT_NEAR(0.0, figures.at("all").at("ade_m").get<double>(), 1e-6);
   const auto all = run(folder_ / "l", folder_ / "p", "--predictor all -w --json " + out);
   EXPECT_EQ(0, all.status) << all.error;
-  figures = json::parse(contentOf(out));
+  figures = nlohmann::json::parse(contentOf(out));
   EXPECT_EQ(15, figures.at("predictors").at("paper").at("all").at("cases"));
   EXPECT_EQ(15, figures.at("predictors").at("constant_velocity").at("Car").at("cases"));
   EXPECT_THAT(all.out, HasSubstr("ADE / FDE in m by sequence"));
@@ -112,7 +111,7 @@ TEST_F(PredictionsCommandTest, CoverageBySequenceClassSpeedAndRange) {
   EXPECT_EQ(0, result.status) << result.error;
   EXPECT_THAT(result.out, HasSubstr("| sequence a "));
   EXPECT_THAT(result.out, HasSubstr("| Car, 4.0 to 8.0 m/s "));
-  const auto groups = json::parse(contentOf(out)).at("groups");
+  const auto groups = nlohmann::json::parse(contentOf(out)).at("groups");
   EXPECT_EQ(3, groups.at("Car, 4.0 to 8.0 m/s").at("cases"));
   EXPECT_EQ(2, groups.at("Car, 20.0 to 30.0 m").at("cases"));
   EXPECT_EQ(1, groups.at("Car, 30.0 to 50.0 m").at("cases"));
@@ -165,7 +164,7 @@ TEST_F(PredictionsCommandTest, RealSequencesHaveTheKnownCases) {
   EXPECT_EQ(0, run(training / "label_02", training / "pose_orbslam3",
                    "--predictor constant_velocity --json " + out)
                    .status);
-  const auto figures = json::parse(contentOf(out));
+  const auto figures = nlohmann::json::parse(contentOf(out));
   EXPECT_EQ(9849, figures.at("all").at("cases"));
   EXPECT_EQ(5925, figures.at("Car").at("cases"));
   EXPECT_EQ(2093, figures.at("Pedestrian").at("cases"));

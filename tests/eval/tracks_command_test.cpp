@@ -8,7 +8,6 @@
 namespace headway::eval {
 namespace {
 
-using nlohmann::json;
 using testing::HasSubstr;
 
 /// A car that drives away, as a label (`score` empty) or a result row in each frame.
@@ -56,7 +55,7 @@ TEST_F(TracksCommandTest, ComparesTheTracksOfAReplayWithASimulationsObjects) {
   const std::string out = folder_ / "t.json";
   const auto result = run(truth, estimate, "-q --json " + out);
   ASSERT_EQ(0, result.status) << result.error;
-  const auto car = json::parse(contentOf(out)).at("Car");
+  const auto car = nlohmann::json::parse(contentOf(out)).at("Car");
   EXPECT_NEAR(0.3, car.at("rmse_m").get<double>(), 1e-9);
   EXPECT_EQ(1.0, car.at("recall")) << "hidden objects are no part of the truth";
   EXPECT_EQ(1.0, car.at("precision"));
@@ -78,7 +77,7 @@ TEST_F(TracksCommandTest, FilesAndFoldersGiveTheDocumentedKeys) {
                           "--json " + out + " --plot " + std::string(folder_ / "t.png"));
   EXPECT_EQ(0, result.status) << result.error;
   EXPECT_THAT(result.out, HasSubstr("ignored: 0003"));
-  const auto figures = json::parse(contentOf(out));
+  const auto figures = nlohmann::json::parse(contentOf(out));
   for (const auto& part : {figures, figures.at("sequences").at("0001")}) {
     for (const char* name : {"Car", "Pedestrian", "Cyclist", "all"}) {
       for (const char* key : {"rmse_m", "precision", "recall", "f1", "mota", "motp", "idsw", "frag",
@@ -100,7 +99,7 @@ TEST_F(TracksCommandTest, ImageBoxesOnRequest) {
   const auto far_off = file("b.txt", carRows(4, 1, 30.0, "1"));
   const std::string out = folder_ / "t.json";
   EXPECT_EQ(0, run(truth, far_off, "--metric 2d --classes Car --json " + out).status);
-  const auto figures = json::parse(contentOf(out));
+  const auto figures = nlohmann::json::parse(contentOf(out));
   EXPECT_NEAR(1.0, figures.at("Car").at("mota").get<double>(), 1e-9);
   EXPECT_FALSE(figures.contains("Cyclist"));
 }
@@ -110,7 +109,7 @@ TEST_F(TracksCommandTest, DetectionsWithoutIdsAreSeparateTracks) {
   const auto boxes = file("b.txt", carRows(6, -1, 0.1, "1"));
   const std::string out = folder_ / "t.json";
   EXPECT_EQ(0, run(truth, boxes, "--json " + out).status);
-  const auto figures = json::parse(contentOf(out));
+  const auto figures = nlohmann::json::parse(contentOf(out));
   EXPECT_EQ(5, figures.at("Car").at("idsw"));
   EXPECT_NEAR(1.0, figures.at("Car").at("recall").get<double>(), 1e-9);
 }
@@ -136,7 +135,7 @@ TEST_F(TracksCommandTest, EvaluatesRawDetectionsAndTracks) {
   EXPECT_EQ(0, result.status) << result.error;
   EXPECT_THAT(result.out, HasSubstr("0.600 / 0.200"));
   EXPECT_THAT(result.out, HasSubstr("50.00 / 100.00"));
-  const auto figures = json::parse(contentOf(out));
+  const auto figures = nlohmann::json::parse(contentOf(out));
   EXPECT_NEAR(0.6, figures.at("raw").at("Car").at("rmse_m").get<double>(), 1e-6);
   EXPECT_NEAR(0.5, figures.at("raw").at("Car").at("recall").get<double>(), 1e-9);
   EXPECT_TRUE(figures.at("raw").at("Car").at("mota").is_null());
@@ -183,7 +182,7 @@ TEST_F(TracksCommandTest, RealLabelsAgainstThemselvesArePerfect) {
   const std::string labels = data / "kitti_tracking/training/label_02";
   const std::string out = folder_ / "t.json";
   EXPECT_EQ(0, run(labels, labels, "--json " + out).status);
-  const auto figures = json::parse(contentOf(out));
+  const auto figures = nlohmann::json::parse(contentOf(out));
   EXPECT_EQ(19u, figures.at("sequences").size());
   for (const char* name : {"Car", "Pedestrian", "Cyclist", "all"}) {
     EXPECT_EQ(0.0, figures[name].at("rmse_m").get<double>());

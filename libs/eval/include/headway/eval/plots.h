@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <headway/eval/dense_error.h>
 #include <headway/eval/grid_error.h>
 #include <headway/eval/labelled_frames.h>
 #include <headway/eval/prediction_error.h>
@@ -66,5 +67,13 @@ struct DrawnPrediction {
 /// @param swept  as for gridError()
 [[nodiscard]] cv::Mat gridPlot(const GridCells& truth, const GridCells& estimate,
                                const std::vector<std::uint8_t>& swept);
+
+/// Plan view of the true surface, by how much of it is covered above each cell of 0.2 m, with the
+/// points where only moving objects were.
+///
+/// @param patches, points  that the error is of
+[[nodiscard]] cv::Mat densePlot(const std::vector<TrueSurface::Patch>& patches,
+                                const std::vector<Eigen::Vector3d>& points,
+                                const DenseError& error);
 
 }  // namespace headway::eval
