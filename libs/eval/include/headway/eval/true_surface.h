@@ -97,6 +97,7 @@ class PatchIndex {
   /// @param patches  must outlive this object
   PatchIndex(const std::vector<TrueSurface::Patch>& patches, double voxel_m);
 
+  /// A patch and its distance from a point.
   struct Nearest {
     const TrueSurface::Patch* patch;
     double distance_m;
