@@ -12,6 +12,7 @@
 #include "checked_file.h"
 #include "equality.h"
 #include "example_world.h"
+#include "zlib_stream.h"
 
 namespace headway::map {
 namespace {
@@ -179,6 +180,23 @@ TEST_F(MapFileTest, AMissingFileAndAFolderAreErrors) {
 TEST_F(MapFileTest, ANewerSectionIsSaidToBeNewer) {
   writeCheckedFile(path, {{"camera", 99, "?"}});
   EXPECT_THAT(errorOfLoading(bytesOf(path)), ::testing::HasSubstr("newer version"));
+}
+
+TEST_F(MapFileTest, AnotherFormatVersionIsNamedWithWhatToDo) {
+  const std::string whole = saved(exampleMap(4));
+  const auto ofVersion = [&](char version) {
+    std::string bytes = whole;
+    bytes[8] = version;  // after the magic
+    const std::uint32_t sum = checksum(std::string_view(bytes).substr(0, 32));
+    std::memcpy(&bytes[32], &sum, sizeof(sum));
+    return bytes;
+  };
+  EXPECT_EQ(errorOfLoading(ofVersion(2)), "");
+  EXPECT_THAT(
+      errorOfLoading(ofVersion(1)),
+      ::testing::HasSubstr("of format version 1, and this program reads 2; replay its rawlog"));
+  EXPECT_THAT(errorOfLoading(ofVersion(3)),
+              ::testing::HasSubstr("of format version 3, newer than 2"));
 }
 
 TEST_F(MapFileTest, AnErrorNamesTheProgramThatWroteTheFile) {

@@ -53,7 +53,9 @@ void writeSimpleMap(const std::string& path, const slam::MapView& static_map) {
   for (const auto& keyframe : static_map.keyframes) {
     auto frame = mrpt::obs::CSensoryFrame::Create();
     frame->insert(scanOf(keyframe, positions));
-    simple_map.insert(toMrptPdf(keyframe.T_map_robot, keyframe.covariance), *frame);
+    simple_map.insert(mrpt::poses::CPose3DPDFGaussian::Create(
+                          toMrptPdf(keyframe.T_map_robot, keyframe.covariance)),
+                      frame);
   }
   writeObject(path, simple_map);
 }

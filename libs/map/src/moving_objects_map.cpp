@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/error.h>
+#include <headway/core/mrpt_compat.h>
 #include <headway/core/output_file.h>
 #include <headway/map/moving_objects_map.h>
 #include <headway/map/object_file.h>
@@ -155,12 +156,12 @@ void CMovingObjectsMap::TMapDefinition::dumpToTextStream_map_specific(std::ostre
   insertionOpts.dumpToTextStream(out);
 }
 
-mrpt::maps::CMetricMap* CMovingObjectsMap::internal_CreateFromMapDefinition(
+MrptCreatedMap CMovingObjectsMap::internal_CreateFromMapDefinition(
     const mrpt::maps::TMetricMapInitializer& definition) {
   const auto& ours = dynamic_cast<const TMapDefinition&>(definition);
   auto map = std::make_unique<CMovingObjectsMap>();
   map->insertionOptions = ours.insertionOpts;
-  return map.release();
+  return MrptCreatedMap(map.release());
 }
 
 }  // namespace headway

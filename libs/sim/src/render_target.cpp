@@ -21,7 +21,7 @@ void RenderTarget::draw(const mrpt::opengl::COpenGLScene& scene) {
   const auto matrices = scene.getViewport()->getRenderMatrices();
   near_ = matrices.getLastClipZNear();
   far_ = matrices.getLastClipZFar();
-  mrpt::opengl::COpenGLFramebuffer::Bind(before);
+  MrptFramebuffer::Bind(before);
 }
 
 cv::Mat RenderTarget::read(unsigned format, unsigned type, int depth, const cv::Size& kept) {
@@ -30,7 +30,7 @@ cv::Mat RenderTarget::read(unsigned format, unsigned type, int depth, const cv::
   pixels.create(height_, width_, depth);
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
   glReadPixels(0, 0, width_, height_, format, type, pixels.data);
-  mrpt::opengl::COpenGLFramebuffer::Bind(before);
+  MrptFramebuffer::Bind(before);
   // OpenGL's rows begin at the bottom.
   return pixels(cv::Rect(0, height_ - kept.height, kept.width, kept.height));
 }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <mrpt/opengl/COpenGLFramebuffer.h>
+#include <headway/core/mrpt_compat.h>
 #include <mrpt/opengl/COpenGLScene.h>
 
 #include <opencv2/core/mat.hpp>
+#include HEADWAY_MRPT_FRAMEBUFFER
 
 namespace headway::sim {
 
@@ -30,7 +31,7 @@ class RenderTarget {
  private:
   cv::Mat read(unsigned format, unsigned type, int depth, const cv::Size& kept);
 
-  mrpt::opengl::COpenGLFramebuffer buffer_;
+  MrptFramebuffer buffer_;
   cv::Mat pixels_, codes_;  ///< as read: colours, depths
   int width_;
   int height_;

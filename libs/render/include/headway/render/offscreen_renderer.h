@@ -2,14 +2,11 @@
 #pragma once
 
 #include <headway/core/error.h>
+#include <headway/core/mrpt_compat.h>
 #include <headway/render/pinhole_view.h>
 
 #include <memory>
 #include <opencv2/core/mat.hpp>
-
-namespace mrpt::opengl {
-class COpenGLScene;
-}
 
 namespace headway::render {
 
