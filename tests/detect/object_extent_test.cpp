@@ -176,6 +176,15 @@ TEST(ExtentOfTest, TooFewCellsAndWhatFloatsHaveNone) {
   EXPECT_FALSE(extentIn(sign, 0.6, 1.5, 2.3, kRight));
 }
 
+TEST(ExtentOfTest, WhatIsSeenTooLowHasNoneUnlessTheImageCutsItOff) {
+  Grid low, lowest, cut_off;
+  EXPECT_TRUE(extentIn(low, 0.6, 0.0, 0.5, kRight));
+  EXPECT_FALSE(extentIn(lowest, 0.6, 0.0, 0.3, kRight));
+  // 5 m ahead the lower edge of the image is 0.35 m above the ground.
+  const auto cells = cut_off.inSpace(cut_off.draw(0.0, 5.0, 0.6, 0.0, 0.6));
+  EXPECT_TRUE(extentOf(cells, known(kRight), cut_off.disparity, cut_off.camera, cut_off.ground));
+}
+
 TEST(FloorBelowTest, IsHalfAMetreBelowTheLowestPoint) {
   const StereoCamera camera = test::testCamera();
   const auto floor = floorBelow({{0.0, 0.4, 9.0}, {1.0, 1.0, 10.0}}, camera);

@@ -18,6 +18,7 @@ constexpr double kStepRatio = 0.04;       // or this ratio of it
 constexpr double kReach = 0.7;            // over the ground, from the nearest seed [m]
 constexpr double kReachPerMetre = 0.015;  // growth of the reach with depth [m/m]
 constexpr double kMaxHeight = 3.8;        // above ground [m]
+constexpr double kMinHeight = 0.4;        // of what is seen of a moving object [m]
 constexpr double kMaxAfloat = 1.2;        // lowest part above ground, stereo noise aside [m]
 constexpr double kMinAfloat = 0.35;       // of something that the view below it is tested of [m]
 constexpr double kMaxSeenBelow = 0.5;     // ratio of columns with farther things below
@@ -214,6 +215,18 @@ std::vector<ObjectCell> growObject(const std::vector<Eigen::Vector3d>& seeds,
   return Growth(seeds, disparity, camera, ground).run();
 }
 
+namespace {
+
+// Whether the image shows too little of something for an object that people or vehicles are: lower
+// than half of it may be hidden by something before it, but what the image's edge cuts off may be
+// larger.
+bool isTooLow(const Box2d& box, double depth, const StereoCamera& camera) {
+  if (box.top <= 1.0 || box.bottom >= camera.height - 2.0) return false;
+  return (box.bottom - box.top) * depth < kMinHeight * camera.fy;
+}
+
+}  // namespace
+
 std::optional<ObjectExtent> extentOf(const std::vector<ObjectCell>& cells,
                                      const MeasuredVelocity& velocity,
                                      const stereo::DisparityImage& disparity,
@@ -237,6 +250,7 @@ std::optional<ObjectExtent> extentOf(const std::vector<ObjectCell>& cells,
     extent.surface += cell.point / static_cast<double>(cells.size());
   }
   const double depth = extent.surface.z();
+  if (isTooLow(extent.box2d, depth, camera)) return std::nullopt;
   const double per_px = depth * depth / (camera.fx * camera.baseline_m);
   const double seen = knownExtent(cells, extent.surface, front, per_px, floor);
   extent.object_class = classBySize(seen, height.max, velocity);

@@ -166,8 +166,10 @@ class Listing {
                 std::string(toString(truth.object_class)).c_str(), truth.place.x(), truth.place.y(),
                 truth.speed, truth.visible);
     if (found != nullptr) {
-      std::printf(", measured %.2f m/s at %.2f %.2f m%s", found->speed, found->place.x(),
-                  found->place.y(), by(*found));
+      const headway::Box2d& box = found->box2d;
+      std::printf(", measured %.2f m/s at %.2f %.2f m, box %.0f %.0f %.0f %.0f%s", found->speed,
+                  found->place.x(), found->place.y(), box.left, box.top, box.right, box.bottom,
+                  by(*found));
     }
     std::printf("\n");
   }
