@@ -103,7 +103,8 @@ plot::TextTable tableOf(const eval::DenseError& error, const Sizes& sizes, doubl
       {"of all points [%]", percentText(error.moverRatio(), 3)},
       {"points on objects that never move, not compared", std::to_string(error.on_still_objects)},
       {"voxels of surface in 3 frames within reach", std::to_string(error.coverage.surface)},
-      {"of these, covered [%]", percentText(error.coverage.ratio(), 1)}};
+      {"of these, covered within a voxel [%]", percentText(error.coverage.ratio(), 1)},
+      {"of these, covered within the bar [%]", percentText(error.coverage.ratioWithinBar(), 1)}};
   for (std::size_t i = 0; i < error.by_range.size(); ++i) {
     const auto limits = rangeLimits(i, reach_m);
     table.push_back({"of those seen from " + fixedText(limits[0], 1) + " to " +
@@ -126,7 +127,8 @@ Json optional(std::optional<double> value) { return value ? Json(*value) : Json(
 Json coverageJson(const eval::Coverage& coverage, bool matched) {
   Json json = {{"surface", coverage.surface},
                {"covered", coverage.covered},
-               {"ratio", optional(coverage.ratio())}};
+               {"ratio", optional(coverage.ratio())},
+               {"ratio_within_bar", optional(coverage.ratioWithinBar())}};
   if (!matched) return json;
   json["matchable"] = coverage.matchable;
   json["matchable_ratio"] = optional(coverage.matchableRatio());

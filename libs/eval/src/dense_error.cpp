@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::uint32_t kMinFrames = 3;
 constexpr int kMaxVoxels = 5;
+constexpr double kOffBars = 4.0;      // from a surface, what is none of its points: 2 deviations
 constexpr double kBoxMargin_m = 0.2;  // true boxes are tight
 
 /// Boxes by the squares of the ground that they touch.
@@ -66,6 +67,16 @@ class PointIndex {
     }
   }
 
+  /// Whether a point is within a voxel's side of a ray through a position, and as near to the
+  /// position along the ray as `along_m`.
+  [[nodiscard]] bool hasNearRay(const Eigen::Vector3d& position, const Eigen::Vector3d& ray,
+                                double along_m) const {
+    for (double at = -along_m; at <= along_m; at += voxel_m_) {
+      if (hasNear(position + at * ray)) return true;
+    }
+    return false;
+  }
+
   /// Whether a point is within a voxel's side of a position.
   [[nodiscard]] bool hasNear(const Eigen::Vector3d& position) const {
     const VoxelKey middle = voxelOf(position, voxel_m_);
@@ -89,15 +100,23 @@ class PointIndex {
   std::unordered_map<VoxelKey, std::vector<std::uint32_t>, VoxelKeyHash> voxels_;
 };
 
-void count(bool is_covered, bool is_matchable, Coverage& coverage) {
+/// The larger of half a voxel and half the depth error at the least depth it was seen at [m].
+double barOf(const TrueSurface::Patch& patch, double voxel_m, double sigma_per_square) {
+  const auto range = static_cast<double>(patch.nearest_m);
+  return 0.5 * std::max(voxel_m, sigma_per_square * square(range));
+}
+
+void count(bool is_covered, bool is_within_bar, bool is_matchable, Coverage& coverage) {
   ++coverage.surface;
+  if (is_within_bar) ++coverage.covered_within_bar;
   if (is_covered) ++coverage.covered;
   if (is_matchable) ++coverage.matchable;
   if (is_matchable && is_covered) ++coverage.matchable_covered;
 }
 
 void compareSurface(const std::vector<TrueSurface::Patch>& patches, double voxel_m, double reach_m,
-                    const std::vector<Eigen::Vector3d>& points, DenseError& error) {
+                    double sigma_per_square, const std::vector<Eigen::Vector3d>& points,
+                    DenseError& error) {
   const PointIndex index(points, voxel_m);
   for (const auto& patch : patches) {
     if (patch.frames < kMinFrames) {
@@ -107,10 +126,13 @@ void compareSurface(const std::vector<TrueSurface::Patch>& patches, double voxel
     const bool is_covered = index.hasNear(patch.position());
     error.is_covered.push_back(is_covered ? 1 : 0);
     const bool is_matchable = patch.matched_frames >= kMinFrames;
-    count(is_covered, is_matchable, error.coverage);
+    const double bar = barOf(patch, voxel_m, sigma_per_square);
+    const bool is_within_bar =
+        is_covered || index.hasNearRay(patch.position(), patch.ray.cast<double>(), bar);
+    count(is_covered, is_within_bar, is_matchable, error.coverage);
     const double range = DenseError::kRanges * static_cast<double>(patch.nearest_m) / reach_m;
     const auto last = DenseError::kRanges - 1;
-    count(is_covered, is_matchable,
+    count(is_covered, is_within_bar, is_matchable,
           error.by_range[std::min(last, static_cast<std::size_t>(range))]);
   }
 }
@@ -118,6 +140,9 @@ void compareSurface(const std::vector<TrueSurface::Patch>& patches, double voxel
 }  // namespace
 
 std::optional<double> Coverage::ratio() const { return ratioOf(covered, surface); }
+std::optional<double> Coverage::ratioWithinBar() const {
+  return ratioOf(covered_within_bar, surface);
+}
 std::optional<double> Coverage::matchableRatio() const { return ratioOf(matchable, surface); }
 std::optional<double> Coverage::matchableCovered() const {
   return ratioOf(matchable_covered, matchable);
@@ -137,14 +162,14 @@ DenseError denseError(const std::vector<TrueSurface::Patch>& patches, double vox
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     const auto nearest = surface.nearest(points[i], kMaxVoxels);
     const double distance = nearest ? nearest->distance_m : kMaxVoxels * voxel_m;
-    if (distance > voxel_m && boxes.isIn(points[i], true)) {
+    const double bar = nearest ? barOf(*nearest->patch, voxel_m, sigma_per_square) : 0.5 * voxel_m;
+    const bool is_off = distance > kOffBars * bar;
+    if (is_off && boxes.isIn(points[i], true)) {
       error.mover_points.push_back(i);
-    } else if (distance > voxel_m && boxes.isIn(points[i], false)) {
+    } else if (is_off && boxes.isIn(points[i], false)) {
       ++error.on_still_objects;
       continue;
     }
-    const double range = nearest ? static_cast<double>(nearest->patch->nearest_m) : 0.0;
-    const double bar = 0.5 * std::max(voxel_m, sigma_per_square * square(range));
     distances.push_back(distance);
     bars.push_back(bar);
     if (distance <= bar) ++error.within_bar;
@@ -154,7 +179,7 @@ DenseError denseError(const std::vector<TrueSurface::Patch>& patches, double vox
   error.compared = distances.size();
   error.median_m = median(std::move(distances));
   error.median_bar_m = median(std::move(bars));
-  compareSurface(patches, voxel_m, reach_m, points, error);
+  compareSurface(patches, voxel_m, reach_m, sigma_per_square, points, error);
   return error;
 }
 

@@ -72,10 +72,13 @@ TrueSurface::Sums& TrueSurface::sumsOf(VoxelKey key, const Eigen::Vector3d& in_m
   return sums_[last_number_];
 }
 
-void TrueSurface::addPixel(const Eigen::Vector3d& in_map, double depth, bool in_reach,
-                           bool matched) {
+void TrueSurface::addPixel(const Eigen::Vector3d& in_map, const Eigen::Vector3d& ray, double depth,
+                           bool in_reach, bool matched) {
   Sums& sums = sumsOf(voxelOf(in_map, voxel_m_), in_map);
-  if (sums.pixels == 0 || depth < sums.nearest_m) sums.nearest_m = static_cast<float>(depth);
+  if (sums.pixels == 0 || depth < sums.nearest_m) {
+    sums.nearest_m = static_cast<float>(depth);
+    sums.ray = ray.cast<float>();
+  }
   if (sums.pixels < kMaxPixels) {
     const Eigen::Vector3f offset = (in_map - sums.centre).cast<float>();
     sums.point += offset;
@@ -109,7 +112,8 @@ void TrueSurface::add(const TrueDepths& depths, const Pose& T_map_robot) {
       // What the right camera does not see has no disparity.
       const double hidden_px = camera_.isDepthCamera() ? 0.0 : camera_.fx * camera_.baseline_m / z;
       const bool in_reach = z >= from_m_ && z <= to_m_ && u >= hidden_px;
-      addPixel(T_map_cam * (z * ray(Eigen::Vector2d(u, v), camera_)), z, in_reach,
+      const Eigen::Vector3d along = T_map_cam.linear() * ray(Eigen::Vector2d(u, v), camera_);
+      addPixel(T_map_cam.translation() + z * along, along, z, in_reach,
                matched != nullptr && matched[u] != 0);
     }
   }
@@ -124,6 +128,7 @@ std::vector<TrueSurface::Patch> TrueSurface::patches() const {
     patch.centre = sums.centre;
     patch.mean = sums.point / pixels;
     patch.nearest_m = sums.nearest_m;
+    patch.ray = sums.ray.normalized();
     patch.frames = sums.frames;
     patch.matched_frames = sums.matched_frames;
     if (sums.pixels >= kMinPlanePixels) {

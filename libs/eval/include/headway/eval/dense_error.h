@@ -21,12 +21,14 @@ struct ObjectBox {
 
 /// How much of the true surface has points of a dense map.
 struct Coverage {
-  std::size_t surface = 0;    ///< patches seen in at least 3 frames within reach
-  std::size_t covered = 0;    ///< of these, with a point within a voxel's side
-  std::size_t matchable = 0;  ///< of the surface, of true stereo depth in 3 frames or more
+  std::size_t surface = 0;             ///< patches seen in at least 3 frames within reach
+  std::size_t covered_within_bar = 0;  ///< with a point within the bar along its ray as well
+  std::size_t covered = 0;             ///< of these, with a point within a voxel's side
+  std::size_t matchable = 0;           ///< of the surface, of true stereo depth in 3 frames or more
   std::size_t matchable_covered = 0;
 
   [[nodiscard]] std::optional<double> ratio() const;             ///< covered / surface
+  [[nodiscard]] std::optional<double> ratioWithinBar() const;    ///< covered_within_bar / surface
   [[nodiscard]] std::optional<double> matchableRatio() const;    ///< matchable / surface
   [[nodiscard]] std::optional<double> matchableCovered() const;  ///< matchable_covered / matchable
 };
@@ -44,7 +46,7 @@ struct DenseError {
                                ///< depth that the surface was seen at [m]
   std::size_t within_bar = 0;  ///< points whose distance is at most their bar
   std::size_t astray = 0;      ///< points more than 5 voxels from any surface
-  std::size_t of_movers = 0;   ///< more than a voxel from any surface, where a moving object was
+  std::size_t of_movers = 0;   ///< more than 4 bars from any surface, where a moving object was
   Coverage coverage;
   std::array<Coverage, kRanges> by_range;   ///< by the least depth that the surface was seen at
   std::vector<std::uint8_t> is_covered;     ///< of each patch: 0 no, 1 yes, 2 not within reach

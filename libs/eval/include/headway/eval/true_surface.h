@@ -49,6 +49,7 @@ class TrueSurface {
     Eigen::Vector3f half_size = Eigen::Vector3f::Zero();  ///< along its axes [m]; 0 if unknown
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();     ///< of its voxel [m]
     float nearest_m = 0.0F;                               ///< least depth it was seen at [m]
+    Eigen::Vector3f ray = Eigen::Vector3f::Zero();        ///< unit vector of that view
     std::uint32_t frames = 0;          ///< in which both cameras saw it within reach
     std::uint32_t matched_frames = 0;  ///< of these, in which stereo gave its true depth
 
@@ -75,11 +76,13 @@ class TrueSurface {
     Eigen::Vector3f point = Eigen::Vector3f::Zero();
     Eigen::Matrix3f product = Eigen::Matrix3f::Zero();
     float nearest_m = 0.0F;
+    Eigen::Vector3f ray = Eigen::Vector3f::Zero();
     std::uint32_t pixels = 0;
     std::uint32_t frames = 0, last_frame = 0;
     std::uint32_t matched_frames = 0, last_matched_frame = 0;
   };
-  void addPixel(const Eigen::Vector3d& in_map, double depth, bool in_reach, bool matched);
+  void addPixel(const Eigen::Vector3d& in_map, const Eigen::Vector3d& ray, double depth,
+                bool in_reach, bool matched);
   Sums& sumsOf(VoxelKey key, const Eigen::Vector3d& in_map);
 
   StereoCamera camera_;
