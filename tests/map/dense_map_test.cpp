@@ -107,6 +107,31 @@ TEST(DenseMapTest, CoversSurfacesWithOnePointInAVoxel) {
   EXPECT_GT(wall.size(), 20U * 20U);
 }
 
+TEST(DenseMapTest, FillsGroundBetweenTheRowsOfTheImages) {
+  DenseMap dense(params());
+  for (const double x : {0.1, 0.7}) dense.add(robotAt(x, 0.0), depthScanFrom(robotAt(x, 0.0)));
+  std::set<std::array<int, 2>> ground;
+  for (const auto& p : positionsOf(*dense.layer())) {
+    EXPECT_LT(errorOf(p), p.x() < 10.0 ? 0.5 * kVoxel : kVoxel) << "but at the foot of the wall";
+    const auto step = [](double value) { return static_cast<int>(std::floor(value / kVoxel)); };
+    ground.insert({step(p.x()), step(p.y())});
+  }
+  std::size_t covered = 0;  // rows are 0.2 to 0.8 m apart here
+  for (int x = 50; x < 100; ++x) {
+    for (int y = -15; y < 15; ++y) covered += ground.count({x, y});
+  }
+  EXPECT_GT(covered, 0.95 * 50 * 30);
+}
+
+TEST(DenseMapTest, FillsNothingBetweenSurfacesAtDifferentDepths) {
+  DepthWorld with_box;
+  with_box.box = Eigen::Vector3d(9.0, 0.3, 0.0);
+  for (const auto& p : positionsOf(*drive(with_box).layer())) {
+    const bool is_between = p.x() > 9.6 && p.x() < kWallX - 0.1 && p.z() > 0.1;
+    EXPECT_FALSE(is_between) << p.transpose();
+  }
+}
+
 TEST(DenseMapTest, MakesThinSurfacesOfNoisyDepths) {
   DepthWorld noisy;
   noisy.noise_px = 0.3;  // 0.29 m at 12 m

@@ -7,11 +7,12 @@
 #include <opencv2/imgproc.hpp>
 
 #include "left_out_cells.h"
+#include "planar_disparity.h"
 
 namespace headway::detect {
 namespace {
 
-constexpr int kMaxKnownCells = 20'000;
+constexpr int kMaxCells = 20'000;
 constexpr int kBorderCells = 2;         // of a block of the matcher
 constexpr double kMinStepPx = 2.0;      // of the disparity, at the edge of a foreground ...
 constexpr double kMinStepRatio = 0.08;  // ... or as a ratio of it
@@ -21,25 +22,25 @@ constexpr double kMinStepRatio = 0.08;  // ... or as a ratio of it
 constexpr std::array<std::array<int, 2>, 8> kSteps{
     {{1, 1}, {2, 1}, {3, 1}, {3, 2}, {4, 2}, {5, 3}, {6, 4}, {8, 6}}};
 
-/// Cells with a reliable depth: 8-bit, non-zero.
-cv::Mat reliableCells(const stereo::DisparityImage& disparity, const MovingRegions& moving,
-                      double min_disparity) {
-  const cv::Mat& values = disparity.values;
+/// As stored.
+constexpr auto kMaxDisparityPx =
+    static_cast<float>(std::numeric_limits<std::uint16_t>::max() / DepthScan::kUnitsPerPx);
+
+/// Cells of disparities that are not much greater than the least one around, which is taken from
+/// `around`: 8-bit, non-zero.
+cv::Mat withoutSteps(const cv::Mat& values, const cv::Mat& around) {
   const int side = 2 * kBorderCells + 1;
   cv::Mat farthest;
-  cv::erode(values, farthest, cv::getStructuringElement(cv::MORPH_RECT, {side, side}));
-  const double max_px =
-      std::numeric_limits<std::uint16_t>::max() / DepthScan::kUnitsPerPx;  // as stored
-  cv::Mat reliable = (values >= min_disparity) & (values < max_px);
+  cv::erode(around, farthest, cv::getStructuringElement(cv::MORPH_RECT, {side, side}));
   const cv::Mat step = values - farthest;
-  reliable &= (step <= kMinStepPx) | (step <= kMinStepRatio * values);
-  reliable.setTo(0, leftOutCells(moving, disparity));
-  return reliable;
+  cv::Mat without = (step <= kMinStepPx) | (step <= kMinStepRatio * values);
+  without &= values > 0.0;
+  return without;
 }
 
-std::array<int, 2> stepsFor(int known_cells) {
+std::array<int, 2> stepsFor(int cells) {
   for (const auto& steps : kSteps) {
-    if (known_cells <= kMaxKnownCells * steps[0] * steps[1]) return steps;
+    if (cells <= kMaxCells * steps[0] * steps[1]) return steps;
   }
   return kSteps.back();
 }
@@ -79,9 +80,15 @@ cv::Mat coloursOf(const StereoFrame& frame, const DepthScanGrid& grid) {
 DepthScan scanDepth(const StereoFrame& frame, const stereo::DisparityImage& disparity,
                     const MovingRegions& moving, const stereo::RigCapability& rig) {
   const StereoCamera& camera = *frame.camera;
-  const double min_disparity = rig.focal_baseline / rig.dense_to_m;
-  const cv::Mat reliable = reliableCells(disparity, moving, min_disparity);
-  const auto steps = stepsFor(cv::countNonZero(reliable));
+  const auto min_disparity = static_cast<float>(rig.focal_baseline / rig.dense_to_m);
+  const cv::Mat left_out = leftOutCells(moving, disparity);
+  cv::Mat values = disparity.values.clone();
+  values.setTo(0.0F, left_out);
+  cv::Mat known_around = values.clone();
+  known_around.setTo(std::numeric_limits<float>::max(), values <= 0.0F);
+  const PlanarDisparity planar(values, withoutSteps(values, known_around),
+                               withoutSteps(values, values), rig.sigma_disparity_px);
+  const auto steps = stepsFor(static_cast<int>(left_out.total()) - cv::countNonZero(left_out));
   DepthScan scan;
   scan.grid = gridOf(camera, disparity, steps, rig.sigma_disparity_px);
   scan.known.assign((scan.grid.cells() + 7) / 8, 0);
@@ -91,15 +98,16 @@ DepthScan scanDepth(const StereoFrame& frame, const stereo::DisparityImage& disp
   std::size_t cell = 0;
   for (int row = 0; row < scan.grid.rows; ++row) {
     const int from_row = row * steps[1] + steps[1] / 2;
-    const auto* is_reliable = reliable.ptr<std::uint8_t>(from_row);
-    const auto* values = disparity.values.ptr<float>(from_row);
+    const auto* is_left_out = left_out.ptr<std::uint8_t>(from_row);
     const auto* colour = colours.ptr<std::uint8_t>(row);
     for (int column = 0; column < scan.grid.columns; ++column, ++cell, colour += channels) {
       const int from = column * steps[0] + steps[0] / 2;
-      if (is_reliable[from] == 0) continue;
+      if (is_left_out[from] != 0) continue;
+      const float value = planar.at(from, from_row);
+      if (!(value >= min_disparity && value < kMaxDisparityPx)) continue;
       scan.known[cell / 8] |= static_cast<std::uint8_t>(1U << (cell % 8));
       scan.disparity.push_back(static_cast<std::uint16_t>(
-          std::lround(static_cast<double>(values[from]) * DepthScan::kUnitsPerPx)));
+          std::lround(static_cast<double>(value) * DepthScan::kUnitsPerPx)));
       scan.colour.insert(scan.colour.end(), colour, colour + channels);
     }
   }

@@ -115,17 +115,18 @@ class TileFusion {
     std::vector<Sum> sums;
     std::vector<float> variances;
     for (const auto& view : views_) {
-      view.forEachPoint([&](const Eigen::Vector3f& point, const Colour& colour, float variance) {
-        const auto key = keys_.keyOf(point, kMarginVoxels);
-        if (!key) return;
-        const std::uint32_t number = index.numberOf(*key);
-        if (number == sums.size()) {
-          sums.emplace_back();
-          variances.push_back(variance);
-        }
-        sums[number].add(point, colour, weightOf(variance));
-        variances[number] = std::min(variances[number], variance);
-      });
+      view.forEachSurfacePoint(
+          voxel_, [&](const Eigen::Vector3f& point, const Colour& colour, float variance) {
+            const auto key = keys_.keyOf(point, kMarginVoxels);
+            if (!key) return;
+            const std::uint32_t number = index.numberOf(*key);
+            if (number == sums.size()) {
+              sums.emplace_back();
+              variances.push_back(variance);
+            }
+            sums[number].add(point, colour, weightOf(variance));
+            variances[number] = std::min(variances[number], variance);
+          });
     }
     candidates_.reserve(sums.size());
     for (std::size_t i = 0; i < sums.size(); ++i) {
@@ -152,11 +153,9 @@ class TileFusion {
     }
   }
 
-  /// Whether two scans agree and no later ones see through it; one is enough if it is precise.
-  [[nodiscard]] bool isSurface(const Candidate& candidate) const {
-    if (candidate.evidence >= kEnoughEvidence) return true;
-    return candidate.evidence == 1 && !candidate.was_seen_through &&
-           candidate.variance <= voxel_ * voxel_;
+  /// Whether two scans agree and no later ones see through it; one is enough if none ever did.
+  [[nodiscard]] static bool isSurface(const Candidate& candidate) {
+    return candidate.evidence >= (candidate.was_seen_through ? kEnoughEvidence : 1);
   }
 
   [[nodiscard]] DenseTile points() const {

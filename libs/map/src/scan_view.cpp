@@ -2,11 +2,15 @@
 #include "scan_view.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 
 namespace headway::map {
 namespace {
 
-constexpr float kBeyond = 1.5F;  // of the greatest depth, what a scan can say about points
+constexpr float kBeyond = 1.5F;       // of the greatest depth, what a scan can say about points
+constexpr double kMaxGradient = 0.5;  // of a surface's disparity, which is b / h on the ground
+constexpr int kMaxSteps = 16;
 
 }  // namespace
 
@@ -33,7 +37,41 @@ ScanView::ScanView(const DepthScan& scan, const Pose& T_map_robot, const Eigen::
     disparity_[cell] = scan.disparity[next++];
     least = std::min(least, disparity_[cell]);
   }
-  max_depth_ = kBeyond * depthOf(std::max<std::uint16_t>(least, 1));
+  max_depth_ = kBeyond * depthOf(static_cast<float>(std::max<std::uint16_t>(least, 1)));
+  markSmooth();
+}
+
+void ScanView::markSmooth() {
+  is_smooth_.assign(disparity_.size(), 0);
+  const auto limitOf = [&](double step_px) {
+    return static_cast<int>(kMaxGradient * step_px * DepthScan::kUnitsPerPx);
+  };
+  const int max_across = limitOf(scan_.grid.step_u);
+  const int max_down = limitOf(scan_.grid.step_v);
+  for (std::size_t row = 0; row + 1 < rows_; ++row) {
+    for (std::size_t column = 0; column + 1 < columns_; ++column) {
+      const std::size_t cell = row * columns_ + column;
+      const int corner = disparity_[cell], right = disparity_[cell + 1];
+      const int below = disparity_[cell + columns_], across = disparity_[cell + columns_ + 1];
+      is_smooth_[cell] =
+          corner != 0 && right != 0 && below != 0 && across != 0 &&
+          std::abs(right - corner) <= max_across && std::abs(across - below) <= max_across &&
+          std::abs(below - corner) <= max_down && std::abs(across - right) <= max_down;
+    }
+  }
+}
+
+std::array<int, 2> ScanView::stepsBetween(std::size_t cell, float spacing) const {
+  if (is_smooth_[cell] == 0) return {1, 1};
+  const auto pointOf = [&](std::size_t of) {
+    return inCamera(columnOf(of), rowOf(of), depthOf(static_cast<float>(disparity_[of])));
+  };
+  const Eigen::Vector3f corner = pointOf(cell);
+  const auto stepsTo = [&](std::size_t other) {
+    const float steps = std::ceil((pointOf(other) - corner).norm() / spacing);
+    return std::clamp(static_cast<int>(steps), 1, kMaxSteps);
+  };
+  return {stepsTo(cell + 1), stepsTo(cell + columns_)};
 }
 
 float ScanView::nearestRound(const Look& look) const {
@@ -48,7 +86,7 @@ float ScanView::nearestRound(const Look& look) const {
       greatest = std::max(greatest, disparity);
     }
   }
-  return depthOf(greatest);
+  return depthOf(static_cast<float>(greatest));
 }
 
 }  // namespace headway::map

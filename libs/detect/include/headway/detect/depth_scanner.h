@@ -11,10 +11,11 @@ namespace headway::detect {
 
 /// Depth and colour of the static surfaces in a frame.
 ///
-/// Left out are regions of moving objects, depths beyond the rig's dense_to_m, and the border of
-/// what stands before something farther away, or before nothing that was matched: there, block
-/// matching gives the background the depth of the foreground. The grid is the finest one with at
-/// most 20,000 known cells, so that near surfaces do not fill the memory.
+/// Plain surfaces, of which block matching gives little, are completed by planes (PlanarDisparity).
+/// Left out are regions of moving objects, depths beyond the rig's dense_to_m, and, where no plane
+/// fits, the border of what stands before something farther away, or before nothing that was
+/// matched: there, block matching gives the background the depth of the foreground. The grid is the
+/// finest one with at most 20,000 cells, so that near surfaces do not fill the memory.
 ///
 /// @param frame      with its camera; its colour image is used if there is one
 /// @param disparity  of the frame

@@ -40,11 +40,11 @@ struct DenseMapParams {
 /// function of the scans and their poses. They are fused in square tiles, each when it is asked for
 /// after one of its scans has changed:
 ///
-///   1. The voxels that a scan hits are candidates.
+///   1. The voxels that the surfaces of a scan hit, also between its cells, are candidates.
 ///   2. Each scan that looks at a candidate agrees with it, if it measured the same depth within
 ///      three standard deviations, or sees through it, if it measured a greater one. Evidence is
 ///      summed in order of time within limits, so that what has left is removed by the scans that
-///      see through its place, and what has come since is entered.
+///      see through its place, and what has come is entered, by one scan if none saw through.
 ///   3. Candidates are moved along the rays to the mean depth of the scans that agree, weighted by
 ///      inverse variance, which makes thin surfaces of noisy ones; single points are removed.
 ///
