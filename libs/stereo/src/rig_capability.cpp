@@ -27,8 +27,8 @@ constexpr double kVehicleSpeed_mps = 9.0;   // urban traffic
 constexpr double kSegmentsRatio = 1.5;      // beyond people's motion only lateral motion is seen
 constexpr double kPreferredRatio = 0.5;     // of the nearest visible ground: the top of an obstacle
                                             // half as high as the camera leaves the image there
-constexpr double kDenseVoxelRatio = 200.0;  // of the reach of the dense map to its voxels
-constexpr double kDenseVoxelStep_m = 0.01;
+constexpr double kDenseVoxelRatio = 150.0;  // of the reach of the dense map to its voxels
+constexpr double kDenseVoxelStep_m = 0.05;
 
 double rounded(double value) {
   const double step = value < 0.95 ? 0.1 : value < 9.75 ? 0.5 : value < 19.5 ? 1.0 : 5.0;

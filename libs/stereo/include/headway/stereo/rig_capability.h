@@ -37,7 +37,7 @@ struct RigAssumptions {
 ///       height in the image          f h / z >= 10 px
 ///       contrast against the ground  f b h / (H z) >= 7.5 s; not used where H is unknown
 ///       depth error                  z^2 s / (f b) <= 0.45 m
-///     dense map                    z^2 s / (f b) <= 0.45 m, in voxels of 1/200 of that depth
+///     dense map                    z^2 s / (f b) <= 0.45 m, in voxels of 1/150 of that depth
 ///     motion at a speed v          v >= 3 sigma_v; sigma_v = z^2 s / (f b) sqrt(12 / n) / T
 ///
 /// A depth camera is used from 0.3 m, or z0 / 2, and nothing reaches farther than its depths do.
@@ -64,7 +64,7 @@ struct RigCapability {
   double segments_to_m = 0.0;          ///< upright segments are tracked to here: 1.5 people_to_m
   double grid_spacing_m = 0.0;         ///< of ground scans: obstacles_to_m / 20, 0.2 to 1 m
   double dense_to_m = 0.0;             ///< surfaces enter the dense map to here [m]
-  double dense_voxel_m = 0.0;          ///< of the dense map: dense_to_m / 200, 0.05 to 0.1 m
+  double dense_voxel_m = 0.0;          ///< of the dense map: dense_to_m / 150, 0.05 or 0.1 m
   double dense_spacing_m = 0.0;        ///< of its depth scans: dense_to_m / 8, 0.25 to 2.5 m
 
   /// Standard deviation of a depth [m].
