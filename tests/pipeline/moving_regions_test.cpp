@@ -95,5 +95,33 @@ TEST(MovingRegionsTest, InvalidBoxesAreIgnored) {
   EXPECT_TRUE(regions.boxes.empty() && regions.unsure.empty());
 }
 
+TEST(MovableRegionsTest, OnlyVehiclesThatStandStayInTheMap) {
+  const Box2d box{100, 50, 200, 150};
+  const auto countOf = [&](ObjectClass object_class, MotionState state, TrackStatus status) {
+    Track track = trackIn(box, status, state);
+    track.object_class = object_class;
+    track.position << 500.0, 500.0, 0.0;  // out of view
+    return movableRegions({}, {track}, Pose::Identity(), kCamera).boxes.size();
+  };
+  using C = ObjectClass;
+  using M = MotionState;
+  EXPECT_EQ(0u, countOf(C::kCar, M::kStatic, TrackStatus::kConfirmed));
+  EXPECT_EQ(1u, countOf(C::kCar, M::kUnknown, TrackStatus::kTentative));
+  EXPECT_EQ(1u, countOf(C::kPedestrian, M::kStatic, TrackStatus::kConfirmed));
+  EXPECT_EQ(1u, countOf(C::kPedestrian, M::kUnknown, TrackStatus::kCoasting));
+  EXPECT_EQ(0u, countOf(C::kPedestrian, M::kMoving, TrackStatus::kEnded));
+}
+
+TEST(MovableRegionsTest, BoxesOfDetectionsAreWidened) {
+  Detections detections;
+  detections.items = {detectionIn({100, 50, 200, 150}), detectionIn({300, 50, 400, 150})};
+  detections.items[0].object_class = ObjectClass::kPedestrian;
+  detections.items[1].object_class = ObjectClass::kCar;
+  const auto regions = movableRegions(detections, {}, Pose::Identity(), kCamera);
+  ASSERT_EQ(1u, regions.boxes.size()) << "a car's box may be of a parked one";
+  EXPECT_DOUBLE_EQ(87.5, regions.boxes[0].left);
+  EXPECT_DOUBLE_EQ(162.5, regions.boxes[0].bottom);
+}
+
 }  // namespace
 }  // namespace headway::pipeline

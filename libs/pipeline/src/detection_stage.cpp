@@ -250,6 +250,15 @@ MovingRegions DetectionStage::leftOutOfMap(const RecordedFrame& frame, const Pos
   return moving;
 }
 
+MovingRegions DetectionStage::leftOutOfDenseMap(const RecordedFrame& frame, const Pose& T_map_robot,
+                                                const FrameDetections& found,
+                                                const std::vector<Track>& tracks) const {
+  auto regions = leftOutOfMap(frame, T_map_robot, found, tracks);
+  append(movableRegions(found.fused.value_or(Detections()), tracks, T_map_robot, *camera_),
+         regions);
+  return regions;
+}
+
 std::optional<GroundScan> DetectionStage::scanGround(const RecordedFrame& frame,
                                                      const Pose& T_map_robot,
                                                      const FrameDetections& found,

@@ -10,6 +10,7 @@ namespace headway::pipeline {
 namespace {
 
 constexpr double kSameObjectIou = 0.3;
+constexpr double kWiden = 0.125;  // of a box, on each side
 
 /// The confirmed track at the box's position; null if there is none.
 const Track* trackOf(const Box2d& box, const std::vector<Track>& previous) {
@@ -24,6 +25,12 @@ const Track* trackOf(const Box2d& box, const std::vector<Track>& previous) {
     }
   }
   return best != nullptr && best->status == TrackStatus::kConfirmed ? best : nullptr;
+}
+
+Box2d widened(const Box2d& box) {
+  const double across = kWiden * (box.right - box.left);
+  const double along = kWiden * (box.bottom - box.top);
+  return {box.left - across, box.top - along, box.right + across, box.bottom + along};
 }
 
 }  // namespace
@@ -76,6 +83,27 @@ MovingRegions movingRegions(const std::vector<Track>& tracks, const Pose& T_map_
     const Box3d box = opticalBox(track.position, track.size, track.yaw, T_cam_map);
     if (const auto around = projectedBox(box, camera)) regions.boxes.push_back(*around);
     if (track.box2d && isFinite(*track.box2d)) regions.boxes.push_back(*track.box2d);
+  }
+  return regions;
+}
+
+MovingRegions movableRegions(const Detections& detections, const std::vector<Track>& tracks,
+                             const Pose& T_map_robot, const StereoCamera& camera) {
+  const Pose T_cam_map = (T_map_robot * camera.T_robot_cam).inverse();
+  MovingRegions regions;
+  const auto add = [&](const std::optional<Box2d>& box) {
+    if (box && isFinite(*box)) regions.boxes.push_back(widened(*box));
+  };
+  for (const auto& detection : detections.items) {
+    if (isVehicle(detection.object_class)) continue;
+    add(detection.box2d);
+    if (detection.box3d) add(projectedBox(*detection.box3d, camera));
+  }
+  for (const auto& track : tracks) {
+    const bool stays = isVehicle(track.object_class) && track.motion_state == MotionState::kStatic;
+    if (stays || track.status == TrackStatus::kEnded) continue;
+    add(projectedBox(opticalBox(track.position, track.size, track.yaw, T_cam_map), camera));
+    add(track.box2d);
   }
   return regions;
 }

@@ -122,6 +122,12 @@ class DetectionStage {
                                            const FrameDetections& found,
                                            const std::vector<Track>& tracks) const;
 
+  /// The same and all that may move later, which the dense map leaves out: people who stand still
+  /// are obstacles of the grid, but no part of the world that is shown.
+  [[nodiscard]] MovingRegions leftOutOfDenseMap(const RecordedFrame& frame, const Pose& T_map_robot,
+                                                const FrameDetections& found,
+                                                const std::vector<Track>& tracks) const;
+
   /// Scans free ground and obstacles, without moving objects.
   ///
   /// @param found   in this frame

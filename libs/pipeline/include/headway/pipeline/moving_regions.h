@@ -41,6 +41,16 @@ void append(const MovingRegions& more, MovingRegions& all);
 [[nodiscard]] MovingRegions movingRegions(const std::vector<Track>& tracks, const Pose& T_map_robot,
                                           const StereoCamera& camera);
 
+/// Image regions of all that may move later, a quarter wider and higher than their boxes, which are
+/// not exact: detections of anything but vehicles, and tracks, observed or not, except of vehicles
+/// that are classified as static. What is neither observed nor predicted in a frame is not in them.
+///
+/// @param detections  of this frame
+/// @param tracks      of this frame
+[[nodiscard]] MovingRegions movableRegions(const Detections& detections,
+                                           const std::vector<Track>& tracks,
+                                           const Pose& T_map_robot, const StereoCamera& camera);
+
 /// The image box around a 3D box, clipped to the image.
 ///
 /// @return [px]; nullopt if a corner is not in front of the camera or the box is out of view
