@@ -23,12 +23,13 @@ TEST(WriteSimpleMapTest, HoldsKeyframesWithPosesCovariancesAndLandmarks) {
   mrpt::maps::CSimpleMap read;
   ASSERT_TRUE(read.loadFromFile(folder / "map.simplemap"));
   ASSERT_EQ(read.size(), 3u);
-  const auto [pose, frame] = static_cast<const mrpt::maps::CSimpleMap&>(read).get(2);
-  const auto gaussian = std::dynamic_pointer_cast<const mrpt::poses::CPose3DPDFGaussian>(pose);
+  const auto& keyframe = static_cast<const mrpt::maps::CSimpleMap&>(read).get(2);
+  const auto gaussian =
+      std::dynamic_pointer_cast<const mrpt::poses::CPose3DPDFGaussian>(keyframe.pose);
   ASSERT_NE(gaussian, nullptr);
   EXPECT_TRUE(fromMrpt(gaussian->mean).isApprox(world.keyframes[2].T_map_robot, 1e-9));
   EXPECT_NEAR(gaussian->cov(0, 0), 0.03, 1e-12);
-  const auto scan = frame->getObservationByClass<mrpt::obs::CObservation3DRangeScan>();
+  const auto scan = keyframe.sf->getObservationByClass<mrpt::obs::CObservation3DRangeScan>();
   ASSERT_NE(scan, nullptr);
   EXPECT_EQ(scan->sensorLabel, "landmarks");
   EXPECT_NEAR(mrpt::Clock::toDouble(scan->timestamp), 102.0, 1e-6);

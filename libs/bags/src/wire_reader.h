@@ -33,8 +33,7 @@ class WireReader {
     static_assert(std::is_arithmetic_v<Number>);
     align(sizeof(Number));
     std::array<char, sizeof(Number)> bytes;
-    const std::string_view source = take(sizeof(Number));
-    std::copy(source.begin(), source.end(), bytes.begin());
+    std::memcpy(bytes.data(), take(sizeof(Number)).data(), sizeof(Number));
     if (is_big_endian_) std::reverse(bytes.begin(), bytes.end());
     Number value;
     std::memcpy(&value, bytes.data(), sizeof value);

@@ -15,8 +15,8 @@ namespace fs = std::filesystem;
 /// Pose of a rigid motion in a calibration file: "R:" row-major and "T:".
 Pose readRigid(const fs::path& path) {
   const auto matrices = readKittiCalibration(path.string());
-  const auto& R = kittiMatrix(matrices, "R", 9, path.string());
-  const auto& T = kittiMatrix(matrices, "T", 3, path.string());
+  const auto R = kittiMatrix(matrices, "R", 9, path.string());
+  const auto T = kittiMatrix(matrices, "T", 3, path.string());
   Pose pose = Pose::Identity();
   pose.linear() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(R.data());
   pose.translation() = Eigen::Map<const Eigen::Vector3d>(T.data());
