@@ -22,7 +22,7 @@ if command -v ccache >/dev/null && [ -z "${CCACHE_DISABLE:-}" ]; then
   [ ! -f ~/.config/ccache/ccache.conf ] || export CCACHE_CONFIGPATH=~/.config/ccache/ccache.conf
 fi
 export DEB_BUILD_OPTIONS="${DEB_BUILD_OPTIONS:-noautodbgsym} parallel=$(nproc)"
-(cd "$source_folder" && dpkg-buildpackage --build=binary --no-sign --no-check-builddeps)
+(cd "$source_folder" && dpkg-buildpackage --build=binary --no-sign)
 
 lintian --fail-on error --info "$output"/*.changes | tee "$output/lintian.txt"
 ls -l "$output"/*.deb

@@ -11,7 +11,7 @@ maintainer=$(sed -n 's/^Maintainer: //p' packaging/debian/control)
 cat <<END
 headway ($version) unstable; urgency=medium
 
-  * Release $version; its changes are listed in /usr/share/doc/headway/CHANGELOG.md.
+  * Release $version: see /usr/share/doc/headway/CHANGELOG.md.
 
  -- $maintainer  $(LC_ALL=C date --utc --date "${day:-1970-01-01}" --rfc-email)
 END

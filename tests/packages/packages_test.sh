@@ -19,7 +19,15 @@ for package in "$work"/first/*.deb; do
 done
 [ "$(ls "$work"/first/*.deb | wc -l)" -eq 4 ]
 
+echo "== every compiler and linker run has the distribution's flags, and no library is linked for nothing"
+blhc --all --debian --ignore-flag=-g "$work/first.log"
+# BLAS is what LAPACK itself needs, and ld keeps it.
+if grep 'could avoid a useless dependency' "$work/first.log" | grep -v libf77blas; then exit 1; fi
+
 echo "== no path of the source or of the build"
 "$here/no_paths.sh" "$work/first" "$source_dir" "$work"
+
+echo "== licences of all that the packages depend on"
+"$here/licences.sh" "$work/first" "$source_dir/doc/licences.md"
 
 "$here/in_debian.sh" "$work/first" "$source_dir/tests/consumer/project" "${SUITE:-bookworm}" "$work/tree"

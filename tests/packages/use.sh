@@ -37,6 +37,19 @@ echo "== installed worlds and configuration are found by the names that the docu
 headway-sim -q -c config/worlds/street.ini --frames 3 -o made.rawlog
 headway-replay -q -c config/presets/small_computer.ini -i made.rawlog -o made
 
+echo "== documents"
+for document in README.md CHANGELOG.md doc/licences.md copyright changelog.gz; do
+  [ -s /usr/share/doc/headway/$document ] || fail "/usr/share/doc/headway/$document is missing"
+done
+for package in headway libheadway0 libheadway-dev python3-headway; do
+  version=$(dpkg-query -W -f='${Version}' $package)
+  zcat /usr/share/doc/$package/changelog.gz | grep -q "^headway ($version)" || fail "the changelog of $package lacks $version"
+  grep -q BSD-3-Clause /usr/share/doc/$package/copyright || fail "$package has no licence"
+done
+for program in /usr/bin/headway-*; do
+  [ "$("$program" --version)" = "$(basename "$program") $version" ] || fail "$program is not of version $version"
+done
+
 echo "== manual pages"
 for program in /usr/bin/headway-*; do
   page=$(MANWIDTH=100 man "$(basename "$program")") || fail "no manual page of $program"
@@ -58,6 +71,7 @@ complete_line() {
 }
 complete_line headway-import eu | grep -qx euroc || fail "sub-commands are not completed"
 complete_line headway-replay --load | grep -qx -- --load-map || fail "options are not completed"
+complete_line headway-fleet --places r | grep -qx recognised || fail "choices of headway-fleet are not completed"
 complete_line headway-replay --set slam.loop | grep -q '^slam\.loop.*=$' || fail "keys are not completed"
 
 echo "== MRPT's own tools with the plug-in"
@@ -78,6 +92,25 @@ cmake -S /project -B consumer -DCMAKE_BUILD_TYPE=Release > cmake.log 2>&1 || { c
 cmake --build consumer > build.log 2>&1 || { tail -30 build.log; fail "the project was not built"; }
 consumer/follow $share/rawlogs/street.rawlog > follow.txt || fail "follow"
 [ -s follow.txt ] || fail "follow printed nothing"
+
+echo "== all public headers and libraries, with nothing but what libheadway-dev brings"
+mkdir all
+cat > all/CMakeLists.txt <<'E'
+cmake_minimum_required(VERSION 3.20)
+project(everything LANGUAGES CXX)
+find_package(headway REQUIRED)
+add_executable(everything all.cpp)
+file(GLOB folders /usr/include/headway/*)
+foreach(folder IN LISTS folders)
+  get_filename_component(library ${folder} NAME)
+  target_link_libraries(everything PRIVATE headway::${library})
+endforeach()
+E
+(cd /usr/include && printf '#include <%s>\n' headway/*/*.h) > all/all.cpp
+echo 'int main() { return *headway::kVersion == 0; }' >> all/all.cpp
+cmake -S all -B all/build > cmake.log 2>&1 || { cat cmake.log; fail "find_package without components"; }
+cmake --build all/build > build.log 2>&1 || { tail -30 build.log; fail "a public header or library"; }
+all/build/everything || fail "a program that is linked with all libraries"
 
 echo "== removal"
 cd /

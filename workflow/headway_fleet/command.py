@@ -10,6 +10,7 @@ import sys
 import time
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 from .attempt import one_line
 from .digests import Digests, digest_of
@@ -52,7 +53,7 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="headway-fleet", allow_abbrev=False,
+        prog="headway-fleet", allow_abbrev=False, formatter_class=_Help,
         description="Imports, replays, evaluates and draws all recordings of a folder or list, here "
                     "or on a cluster, into one page and one CSV. Run again, it does what is missing "
                     "or has changed.")
@@ -84,6 +85,13 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
+class _Help(argparse.HelpFormatter):
+    """Writes "Usage:" as headway's other programs do; help2man requires it."""
+
+    def add_usage(self, usage: Any, actions: Any, groups: Any, prefix: str | None = "Usage: ") -> None:
+        super().add_usage(usage, actions, groups, prefix)
+
+
 class _Version(argparse.Action):
     """Asks the program beside this one, so that the version is in one place."""
 
@@ -93,7 +101,8 @@ class _Version(argparse.Action):
             done = subprocess.run([replay, "--version"], capture_output=True, text=True, check=True)
         except (OSError, subprocess.CalledProcessError):
             parser.exit(1, f"headway-fleet: {replay}: cannot be run\n")
-        parser.exit(0, f"headway-fleet  version: {done.stdout.split()[-1]}\n")
+        print(f"headway-fleet {done.stdout.split()[-1]}")
+        parser.exit()
 
 
 def _positive(text: str) -> int:
