@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <headway/pipeline/stereo_check.h>
 
+#include <memory>
 #include <opencv2/imgproc.hpp>
 
 namespace headway::pipeline {
@@ -60,6 +61,36 @@ TEST(StereoCheckTest, ACameraMovedInItsMountingIsNamedWithinASecond) {
     EXPECT_EQ(1u, warnings.at("vertical_offset").first_frame);
     EXPECT_EQ(2u, warnings.at("vertical_offset").count);
   }
+}
+
+TEST(StereoCheckTest, WithACalibrationItIsCorrectedAtOnceAndStillNamed) {
+  auto camera = std::make_shared<StereoCamera>();
+  camera->width = 640;
+  camera->height = 400;
+  camera->fx = camera->fy = 500.0;
+  camera->cx = 319.5;
+  camera->cy = 199.5;
+  camera->baseline_m = 0.2;
+  StereoFrame frame = pairOf(3.0);
+  frame.camera = camera;
+  StereoCheck check;
+  Warnings warnings;
+  for (int i = 0; i < 3; ++i) {
+    frame.index = static_cast<std::size_t>(i);
+    frame.time = 0.5 * i;
+    check.add(frame, warnings);
+    EXPECT_NEAR(camera->fy * check.turn().x(), 3.0, 0.15) << i;
+    EXPECT_FALSE(check.imagesContradict()) << "what is corrected is no contradiction";
+  }
+  ASSERT_EQ(1u, warnings.count("vertical_offset"));
+  const std::string& text = warnings.at("vertical_offset").text;
+  EXPECT_NE(std::string::npos, text.find("corrected")) << text;
+  frame.right = pairOf(0.2).right;
+  frame.time = 2.0;
+  StereoCheck exact;
+  Warnings none;
+  exact.add(frame, none);
+  EXPECT_TRUE(exact.turn().isZero()) << "too little to be seen";
 }
 
 TEST(StereoCheckTest, SwappedImagesAreNamed) {

@@ -63,6 +63,19 @@ class AnchoredTrajectoryTest : public testing::Test {
   std::vector<TrajectoryRecord> records_;
 };
 
+TEST_F(AnchoredTrajectoryTest, FramesFollowTheScaleOfTheirKeyframes) {
+  AnchoredTrajectory trajectory(2 * kRunFrames);
+  Pose way = Pose::Identity();
+  const KeyframeId first = map_.addKeyframe(0, 0.0, way).id;
+  const KeyframeId second = map_.addKeyframe(1, 0.1, way).id;
+  way.translation() << 0.4, 0.0, 0.0;
+  trajectory.add(0, 0.0, true, way, first, map_);
+  trajectory.add(1, 0.1, true, way, second, map_);
+  trajectory.scale({{first, 1.5}});
+  EXPECT_NEAR(trajectory.find(0, map_)->T_map_cam.translation().x(), 0.6, 1e-12);
+  EXPECT_NEAR(trajectory.find(1, map_)->T_map_cam.translation().x(), 0.4, 1e-12);
+}
+
 TEST_F(AnchoredTrajectoryTest, ItsRecordsRestoreItInTheCorrectedMap) {
   for (const std::size_t in_memory : {10U, 5000U}) {
     map_ = SparseMap();

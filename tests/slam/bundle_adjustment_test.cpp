@@ -104,6 +104,18 @@ TEST(AdjustBundleTest, FindsTheOffsetOfTheDisparities) {
   EXPECT_LT(worstPose(world), 0.03);
 }
 
+TEST(AdjustBundleTest, ObservationsTellTheOffsetWithoutWhatIsAssumedAboutIt) {
+  for (const double offset_px : {-2.0, 0.0, 1.0, 3.0}) {
+    World world = makeWorld(3, offset_px);
+    const auto summary = adjustBundle(world.map, world.keyframes, testCamera(), 30);
+    ASSERT_TRUE(summary.free_offset);
+    const auto& [px, sigma_px] = *summary.free_offset;
+    // Linearised where the assumptions keep the offset small: a few percent.
+    EXPECT_NEAR(px, offset_px, 0.1 * std::abs(offset_px) + 4.0 * sigma_px) << offset_px;
+    EXPECT_LT(std::abs(world.map.disparityOffset()), 0.9 * std::abs(offset_px) + 0.05);
+  }
+}
+
 TEST(AdjustBundleTest, LeavesKeyframesOutsideWhereTheyAre) {
   World world = makeWorld(6, 0.0);
   const std::vector<KeyframeId> free(world.keyframes.begin() + 3, world.keyframes.end());

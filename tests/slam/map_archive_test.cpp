@@ -26,6 +26,7 @@ SparseMap smallMap() {
   landmark.agreed = 4;
   map.observe(b, landmark.id, {{11.5, 21.25}, 8.5, false, 0.5, 0.4});
   map.setDisparityOffset(-0.125);
+  map.setRightTurn({0.001, -0.002, 0.0005});
   return map;
 }
 
@@ -37,6 +38,7 @@ TEST(MapArchiveTest, GivesBackWhatItTook) {
   EXPECT_EQ(map.keyframes().size(), 2U);
   EXPECT_EQ(map.keyframe(KeyframeId{1}).landmarks.size(), 1U);
   EXPECT_DOUBLE_EQ(map.disparityOffset(), -0.125);
+  EXPECT_EQ(map.rightTurn(), Eigen::Vector3d(0.001, -0.002, 0.0005));
 }
 
 TEST(MapArchiveTest, GoesOnWithNewIds) {
@@ -68,6 +70,18 @@ TEST(MapArchiveTest, NeverCrashesOnADamagedByte) {
     }
   }
   EXPECT_GT(refused, 50);
+}
+
+TEST(MapArchiveTest, ReadsMapsFromBeforeTheRightCamerasTurn) {
+  const auto camera = test::smallCamera();
+  std::string bytes = packMap(smallMap(), camera);
+  constexpr std::size_t kTurn = 4 + 4 + 2 * 4 + 5 * 8 + 8;  // follows the offset of the disparities
+  bytes.erase(kTurn, 3 * sizeof(double));
+  bytes[4] = 2;  // the version
+  const SparseMap map = unpackMap(bytes, camera);
+  EXPECT_EQ(map.landmarks().size(), 1U);
+  EXPECT_DOUBLE_EQ(map.disparityOffset(), -0.125);
+  EXPECT_TRUE(map.rightTurn().isZero());
 }
 
 TEST(MapArchiveTest, RefusesAnotherCameraOrVersion) {

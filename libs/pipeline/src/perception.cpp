@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/error.h>
+#include <headway/core/formatted.h>
 #include <headway/pipeline/moving_regions.h>
 #include <headway/pipeline/perception.h>
 
@@ -152,7 +153,21 @@ bool Perception::hasGridTurn(const RecordedFrame& frame) {
 
 std::optional<stereo::FrameContext> Perception::contextOf(const RecordedFrame& frame) {
   if (!frame.stereo) return std::nullopt;
+  if (!repeated_ && right_turn_ != stereo_check_.turn()) {
+    undoRightTurn(stereo_check_.turn());
+    const Eigen::Vector3d degrees = right_turn_ * 180.0 / M_PI;
+    log(LogLevel::kInfo, frame.index,
+        formatted("right images are turned back by pitch %.3f, yaw %.3f, roll %.3f deg",
+                  degrees.x(), degrees.y(), degrees.z()));
+    if (isLocalisedBySlam(frame)) slam_->turnRightCamera(right_turn_, !stereo_check_.hasMoved());
+    scale_check_.restart();
+  }
   return front_end_.next(*frame.stereo, disparityOffset(frame));
+}
+
+void Perception::undoRightTurn(const Eigen::Vector3d& angles) {
+  right_turn_ = angles;
+  front_end_.setRightTurn({angles, *camera_});
 }
 
 bool Perception::isLocalisedBySlam(const RecordedFrame& frame) const {
@@ -167,7 +182,9 @@ slam::SlamUpdate Perception::localise(const RecordedFrame& frame, const ObjectDe
   if (!isLocalisedBySlam(frame)) return useGivenPose(frame);
   const auto moving = movingRegions(boxes.sources, tracks_, found_.motion, frame.time, *camera_);
   if (repeated_) return slam_->repeat(*boxes.context, moving);
-  return slam_->process(*boxes.context, moving, images_);
+  auto update = slam_->process(*boxes.context, moving, images_);
+  if (const auto offset = slam_->takeFreeOffset()) stereo_check_.addOffset(*offset, *camera_);
+  return update;
 }
 
 slam::SlamUpdate Perception::useGivenPose(const RecordedFrame& frame) {

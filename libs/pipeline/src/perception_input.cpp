@@ -97,7 +97,7 @@ void Perception::warnAboutSpeed(const RecordedFrame& frame, const PerceptionUpda
 std::optional<std::string> Perception::rectification() const {
   const auto error = stereo_check_.rectification();
   if (!error || camera_ == nullptr) return std::nullopt;
-  return stereo::describe(*error, *camera_);
+  return stereo::describe(*error, *camera_, !right_turn_.isZero());
 }
 
 void Perception::checkInput(const RecordedFrame& frame, const PerceptionUpdate& update,
@@ -113,6 +113,9 @@ void Perception::checkInput(const RecordedFrame& frame, const PerceptionUpdate& 
       mount_check_->addTurn(by_camera.linear(), *prior.R_previous_current);
     }
     mount_check_->addMotion(by_camera, prior.T_previous_current, frame.index, warnings_);
+    scale_check_.add(by_camera, prior.T_previous_current, frame.index, warnings_);
+  } else {
+    scale_check_.interrupt();
   }
   if (update.camera.imu == slam::ImuStatus::kGyroscopeContradicts) {
     addWarning(

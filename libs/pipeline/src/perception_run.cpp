@@ -142,6 +142,8 @@ void Perception::load(const map::StoredMap& stored) {
   } else {
     throw InputError("it holds no landmarks that a camera could be localised by");
   }
+  stereo_check_.assume(slam_->rightTurn());
+  undoRightTurn(slam_->rightTurn());
   map_.update(slam_->map());
   const auto scans = stored.attachments.find(map::kGridAttachment);
   if (scans != stored.attachments.end()) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <headway/core/error.h>
 #include <headway/core/formatted.h>
 #include <headway/core/statistics.h>
 #include <headway/pipeline/stereo_check.h>
@@ -13,13 +14,18 @@ namespace headway::pipeline {
 namespace {
 
 constexpr double kIntervalS = 0.4;
-constexpr int kMaxWhole = 480;  // width of images that are not reduced to a half [px]
+constexpr int kFirstFrames = 5;              // all of them are compared, and may refuse the camera,
+constexpr int kMinRefusing = 3;              // so many at least
+constexpr int kMaxWhole = 480;               // width of images that are not reduced to a half [px]
+constexpr double kIndependentOffset = 0.25;  // ratio of information: the same points recur
 // Of the reduced images:
 constexpr int kMaxCorners = 80;
-constexpr double kMinSpacing = 8.0;  // of corners [px]
+constexpr int kMaxFirstCorners = 400;  // of the first frames, whose rows have to tell at once
+constexpr double kMinSpacing = 8.0;    // of corners [px]
 constexpr double kMaxSpacing = 20.0;
 constexpr int kRadius = 5;                   // of patches [px]
-constexpr int kRows = 6;                     // searched above and below [px]
+constexpr int kMinRows = 6;                  // searched above and below [px]
+constexpr double kSearchedTurn = 0.023;      // and so many by the camera's turn [rad]: 1.3 deg
 constexpr int kNegative = 16;                // searched disparities below 0 [px]
 constexpr double kMaxDisparityRatio = 0.15;  // of the width
 constexpr double kMinCorrelation = 0.9;
@@ -33,76 +39,110 @@ constexpr std::size_t kMinSwapped = 12;  // matches, of which
 constexpr double kSwappedRatio = 0.8;    // so many have no point before the cameras
 constexpr double kMinAgreement = 0.7;    // ratio of points that agree on an offset
 
-struct Match {
-  stereo::RowMatch row;
-  double disparity = 0.0;  ///< [px]
-};
-
 /// Offset of the vertex of a parabola through three samples from the middle one.
 double vertex(float before, float middle, float after) {
   const double curvature = 2.0 * middle - before - after;
   return curvature <= 0.0 ? 0.0 : std::clamp(0.5 * (after - before) / curvature, -0.5, 0.5);
 }
 
-/// The distinct place of a corner of the left image in the right one; false if there is none.
-///
-/// @param reduction  of both images
-bool match(const cv::Mat& left, const cv::Mat& right, int reduction, const cv::Point& corner,
-           Match& result) {
+/// Left and right image, wide ones at half the resolution.
+struct ReducedPair {
+  cv::Mat left, right;
+  int reduction = 1;
+  int rows = kMinRows;  ///< searched above and below [px]
+
+  explicit ReducedPair(const StereoFrame& frame) {
+    reduction = frame.left.cols > kMaxWhole ? 2 : 1;
+    const double scale = 1.0 / reduction;
+    cv::resize(frame.left, left, {}, scale, scale, cv::INTER_AREA);
+    cv::resize(frame.right, right, {}, scale, scale, cv::INTER_AREA);
+    if (frame.camera == nullptr) return;
+    const double by_turn = std::ceil(kSearchedTurn * frame.camera->fy * scale);
+    rows = std::max(kMinRows, static_cast<int>(by_turn) + 1);
+  }
+};
+
+}  // namespace
+
+struct StereoCheck::Match {
+  stereo::RowMatch row;
+  double disparity = 0.0;  ///< [px]
+};
+
+namespace {
+
+/// Disparity and rows [px] of the distinct place of a corner of the left image in the right one;
+/// nullopt if there is none.
+std::optional<Eigen::Vector2d> match(const ReducedPair& pair, const cv::Point& corner) {
+  const auto& [left, right, reduction, rows] = pair;
   const int max_disparity = static_cast<int>(kMaxDisparityRatio * left.cols);
   const int side = 2 * kRadius + 1;
   const cv::Rect patch(corner.x - kRadius, corner.y - kRadius, side, side);
-  const cv::Rect wanted(patch.x - max_disparity, patch.y - kRows, side + max_disparity + kNegative,
-                        side + 2 * kRows);
+  const cv::Rect wanted(patch.x - max_disparity, patch.y - rows, side + max_disparity + kNegative,
+                        side + 2 * rows);
   const cv::Rect band = wanted & cv::Rect(0, 0, right.cols, right.rows);
-  if (band.height < wanted.height || band.width < 4 * side) return false;
+  if (band.height < wanted.height || band.width < 4 * side) return std::nullopt;
   cv::Mat scores;
   cv::matchTemplate(right(band), left(patch), scores, cv::TM_CCOEFF_NORMED);
   double best = 0.0;
   cv::Point at;
   cv::minMaxLoc(scores, nullptr, &best, nullptr, &at);
   const bool is_inside = at.x > 0 && at.y > 0 && at.x + 1 < scores.cols && at.y + 1 < scores.rows;
-  if (best < kMinCorrelation || !is_inside) return false;
+  if (best < kMinCorrelation || !is_inside) return std::nullopt;
   const auto score = [&](int du, int dv) { return scores.at<float>(at.y + dv, at.x + du); };
-  result.disparity =
-      reduction * (patch.x - (band.x + at.x + vertex(score(-1, 0), score(0, 0), score(1, 0))));
-  result.row.rows =
-      reduction * (band.y + at.y + vertex(score(0, -1), score(0, 0), score(0, 1)) - patch.y);
-  result.row.right = {reduction * corner.x - result.disparity,
-                      reduction * corner.y + result.row.rows};
-  cv::Mat others = scores;
-  cv::rectangle(others, cv::Rect(at.x - 2, at.y - 2, 5, 5) & cv::Rect({0, 0}, scores.size()), 0.0,
+  const Eigen::Vector2d found(
+      patch.x - (band.x + at.x + vertex(score(-1, 0), score(0, 0), score(1, 0))),
+      band.y + at.y + vertex(score(0, -1), score(0, 0), score(0, 1)) - patch.y);
+  cv::rectangle(scores, cv::Rect(at.x - 2, at.y - 2, 5, 5) & cv::Rect({0, 0}, scores.size()), 0.0,
                 cv::FILLED);
   double next = 0.0;
-  cv::minMaxLoc(others, nullptr, &next);
-  return best - next > kMinMargin;
-}
-
-std::vector<Match> matchesOf(const StereoFrame& frame) {
-  cv::Mat left, right;
-  const int reduction = frame.left.cols > kMaxWhole ? 2 : 1;
-  const double scale = 1.0 / reduction;
-  cv::resize(frame.left, left, {}, scale, scale, cv::INTER_AREA);
-  cv::resize(frame.right, right, {}, scale, scale, cv::INTER_AREA);
-  std::vector<cv::Point2f> corners;
-  constexpr double kPlaces = 3.0;  // for each corner
-  const double spacing = std::sqrt(static_cast<double>(left.total()) / (kPlaces * kMaxCorners));
-  cv::goodFeaturesToTrack(left, corners, kMaxCorners, 0.02,
-                          std::clamp(spacing, kMinSpacing, kMaxSpacing));
-  std::vector<Match> matches;
-  Match one;
-  const cv::Rect inside(kRadius, kRadius, left.cols - 2 * kRadius, left.rows - 2 * kRadius);
-  for (const cv::Point corner : corners) {
-    if (inside.contains(corner) && match(left, right, reduction, corner, one))
-      matches.push_back(one);
-  }
-  return matches;
+  cv::minMaxLoc(scores, nullptr, &next);
+  if (best - next <= kMinMargin) return std::nullopt;
+  return reduction * found;
 }
 
 }  // namespace
 
-StereoCheck::Finding StereoCheck::compare(const StereoFrame& frame, double& rows_px) {
-  const auto matches = matchesOf(frame);
+std::vector<StereoCheck::Match> StereoCheck::matchesOf(const StereoFrame& frame, int max_corners) {
+  const ReducedPair pair(frame);
+  std::vector<cv::Point2f> corners;
+  constexpr double kPlaces = 3.0;  // for each corner
+  const double spacing =
+      std::sqrt(static_cast<double>(pair.left.total()) / (kPlaces * max_corners));
+  cv::goodFeaturesToTrack(pair.left, corners, max_corners, 0.02,
+                          std::clamp(spacing, kMinSpacing, kMaxSpacing));
+  std::vector<Match> matches;
+  const cv::Rect inside(kRadius, kRadius, pair.left.cols - 2 * kRadius,
+                        pair.left.rows - 2 * kRadius);
+  for (const cv::Point corner : corners) {
+    const auto found = inside.contains(corner) ? match(pair, corner) : std::nullopt;
+    if (!found) continue;
+    Match& one = matches.emplace_back();
+    one.disparity = found->x();
+    one.row.rows = found->y();
+    one.row.right = {pair.reduction * corner.x - found->x(),
+                     pair.reduction * corner.y + found->y()};
+  }
+  return matches;
+}
+
+namespace {
+
+/// @param corrected  said after it
+void warnAboutOffset(const StereoFrame& frame, double rows_px, const char* corrected,
+                     Warnings& warnings) {
+  addWarning("vertical_offset", frame.index,
+             formatted("the rows of left and right images differ by %.1f px; a camera has moved in "
+                       "its mounting: calibrate the cameras%s",
+                       rows_px, corrected),
+             warnings);
+}
+
+}  // namespace
+
+/// What is wrong with the pair, apart from turn_.
+StereoCheck::Finding StereoCheck::compare(const std::vector<Match>& matches,
+                                          const StereoCamera* camera, double& rows_px) const {
   const auto is_swapped = [](const Match& one) { return one.disparity < kSwappedPx; };
   const auto swapped = std::count_if(matches.begin(), matches.end(), is_swapped);
   if (matches.size() >= kMinSwapped &&
@@ -110,15 +150,12 @@ StereoCheck::Finding StereoCheck::compare(const StereoFrame& frame, double& rows
     return Finding::kSwapped;
   }
   if (matches.size() < kMinMatches) return Finding::kNone;
-  if (estimator_) {
-    std::vector<stereo::RowMatch> rows_by_place;
-    for (const auto& one : matches) rows_by_place.push_back(one.row);
-    estimator_->add(rows_by_place);
-  }
   std::vector<double> disparities, rows, deviations;
   for (const auto& one : matches) {
     disparities.push_back(one.disparity);
-    rows.push_back(one.row.rows);
+    const double by_turn =
+        camera == nullptr ? 0.0 : stereo::rowShift(one.row.right, turn_, *camera);
+    rows.push_back(one.row.rows - by_turn);
   }
   const double offset = median(rows);
   for (const double row : rows) deviations.push_back(std::abs(row - offset));
@@ -134,31 +171,65 @@ StereoCheck::Finding StereoCheck::compare(const StereoFrame& frame, double& rows
 }
 
 std::optional<stereo::RectificationError> StereoCheck::rectification() const {
-  return estimator_ ? estimator_->error() : std::nullopt;
+  auto error = estimator_ ? estimator_->error() : std::nullopt;
+  if (error) error->disparities = disparities_;
+  return error;
+}
+
+/// Improves the estimate of the right camera's rotation, and what is undone of it.
+void StereoCheck::estimate(const std::vector<Match>& matches, const StereoFrame& frame) {
+  std::vector<stereo::RowMatch> rows_by_place;
+  for (const auto& one : matches) rows_by_place.push_back(one.row);
+  estimator_->add(rows_by_place, frame.time);
+  ++estimated_;
+  const auto error = rectification();
+  if (!error) return;
+  turn_ = stereo::correctionFor(*error, turn_, *frame.camera);
+  const auto excess = stereo::excessiveTurn(*error, *frame.camera);
+  if (excess && estimated_ >= kMinRefusing && estimated_ <= kFirstFrames) {
+    throw InputError("stereo calibration: " + *excess);
+  }
+}
+
+void StereoCheck::addOffset(const stereo::OffsetEstimate& offset, const StereoCamera& camera) {
+  const double undone_px = turn_.y() / stereo::yawOfOffset(1.0, camera);
+  disparities_ = {undone_px + offset.px, offset.sigma_px / std::sqrt(kIndependentOffset)};
+  const auto error = rectification();
+  if (!error) return;
+  const auto excess = stereo::excessiveTurn(*error, camera);
+  if (excess && !hasMoved()) throw InputError("stereo calibration: " + *excess);
+  turn_ = stereo::correctionFor(*error, turn_, camera);
 }
 
 void StereoCheck::add(const StereoFrame& frame, Warnings& warnings) {
   if (frame.right.empty()) return;  // of a depth camera
-  if (last_ && std::abs(frame.time - *last_) < kIntervalS) return;
+  if (!estimator_ && frame.camera != nullptr) estimator_.emplace(*frame.camera, known_);
+  const bool is_due = !last_ || std::abs(frame.time - *last_) >= kIntervalS;
+  const bool is_first = estimator_ && estimated_ < kFirstFrames;
+  if (!is_due && !is_first) return;
+  const auto matches = matchesOf(frame, is_first ? kMaxFirstCorners : kMaxCorners);
+  if (estimator_ && matches.size() >= kMinMatches) estimate(matches, frame);
+  if (!is_due) return;
   last_ = frame.time;
-  if (!estimator_ && frame.camera != nullptr) estimator_.emplace(*frame.camera);
   double rows_px = 0.0;
   const Finding before = finding_;
-  finding_ = compare(frame, rows_px);
+  finding_ = compare(matches, frame.camera.get(), rows_px);
   persists_ = finding_ != Finding::kNone && finding_ == before;
-  if (!persists_) return;
+  if (persists_) {
+    warn(frame, rows_px, warnings);
+  } else if (frame.camera != nullptr && std::abs(turn_.x()) * frame.camera->fy > kMaxOffset) {
+    warnAboutOffset(frame, std::abs(turn_.x()) * frame.camera->fy, "; corrected", warnings);
+  }
+}
+
+void StereoCheck::warn(const StereoFrame& frame, double rows_px, Warnings& warnings) const {
   if (finding_ == Finding::kSwapped) {
     addWarning("images_swapped", frame.index,
                "left and right images are swapped: most points have a negative disparity; check "
                "the order of the cameras",
                warnings);
   } else if (finding_ == Finding::kOffset) {
-    addWarning(
-        "vertical_offset", frame.index,
-        formatted("the rows of left and right images differ by %.1f px; a camera has moved in "
-                  "its mounting: calibrate the cameras",
-                  rows_px),
-        warnings);
+    warnAboutOffset(frame, rows_px, "", warnings);
   } else {
     addWarning(
         "images_not_simultaneous", frame.index,

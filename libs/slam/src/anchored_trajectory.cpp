@@ -41,6 +41,16 @@ void AnchoredTrajectory::reassign(KeyframeId from, KeyframeId to, const SparseMa
   if (log_) log_({TrajectoryRecord::Kind::kMove, 0, 0.0, false, from, to, stored(T_to_from)});
 }
 
+void AnchoredTrajectory::scale(const std::map<KeyframeId, double>& ratios) {
+  for (AnchoredPose& anchored : frames_.recent()) {
+    const auto ratio = ratios.find(anchored.reference);
+    if (ratio == ratios.end()) continue;
+    Pose T_reference_cam = poseFrom(anchored.T_reference_cam);
+    T_reference_cam.translation() *= ratio->second;
+    anchored.T_reference_cam = stored(T_reference_cam);
+  }
+}
+
 Reassignments AnchoredTrajectory::reassignments() const {
   Reassignments moved;
   moved_.visit([&](const Reassignment& one) { moved.add(one); });

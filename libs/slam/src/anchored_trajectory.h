@@ -6,6 +6,7 @@
 #include <headway/slam/trajectory_record.h>
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -32,6 +33,12 @@ class AnchoredTrajectory {
 
   /// Anchors the frames of one keyframe to another; both must still be in the map.
   void reassign(KeyframeId from, KeyframeId to, const SparseMap& map);
+
+  /// Scales the way from each keyframe to its frames, after the map got another scale. Frames that
+  /// are in the file keep theirs, as do those of a run that is continued from its log.
+  ///
+  /// @param ratios  new scale to old one, by keyframe
+  void scale(const std::map<KeyframeId, double>& ratios);
 
   /// The pose of a frame in the current map, of its camera.
   struct Anchored {

@@ -13,7 +13,7 @@ bool BundleAdjuster::Job::finished() const {
 void BundleAdjuster::adjust(SparseMap& map, const std::vector<KeyframeId>& free,
                             int max_iterations) {
   if (!in_background_) {
-    adjustBundle(map, free, camera_, max_iterations);
+    free_offset_ = adjustBundle(map, free, camera_, max_iterations).free_offset;
     return;
   }
   if (job_ != nullptr || held_) return;
@@ -24,6 +24,7 @@ void BundleAdjuster::adjust(SparseMap& map, const std::vector<KeyframeId>& free,
 }
 
 void BundleAdjuster::abandon() {
+  free_offset_.reset();
   if (job_ == nullptr) return;
   job_->bundle.stop();
   abandoned_.push_back(std::move(job_));
@@ -35,9 +36,10 @@ std::optional<Pose> BundleAdjuster::applyFinished(SparseMap& map) {
                    abandoned_.end());
   if (job_ == nullptr || !job_->finished()) return std::nullopt;
   job_->solved.get();
-  const Pose correction = job_->bundle.writeBack(map).correction;
+  const BundleSummary summary = job_->bundle.writeBack(map);
+  free_offset_ = summary.free_offset;
   job_.reset();
-  return correction;
+  return summary.correction;
 }
 
 std::optional<Pose> BundleAdjuster::finish(SparseMap& map) {

@@ -6,6 +6,7 @@
 #include <future>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "bundle_adjustment.h"
@@ -25,6 +26,11 @@ class BundleAdjuster {
   /// Adjusts a neighbourhood. In the background, where one is still being adjusted, this one is
   /// left out: the next keyframe's covers most of it.
   void adjust(SparseMap& map, const std::vector<KeyframeId>& free, int max_iterations);
+
+  /// What the latest adjustment tells about the disparities' offset, once; nullopt: nothing new.
+  [[nodiscard]] std::optional<stereo::OffsetEstimate> takeFreeOffset() {
+    return std::exchange(free_offset_, std::nullopt);
+  }
 
   /// While held, background adjustments are left out, because the map must not move.
   void hold(bool held) { held_ = held; }
@@ -53,6 +59,7 @@ class BundleAdjuster {
   StereoCamera camera_;
   bool in_background_ = false;
   bool held_ = false;
+  std::optional<stereo::OffsetEstimate> free_offset_;
   std::unique_ptr<Job> job_;
   std::vector<std::unique_ptr<Job>> abandoned_;  ///< cancelled, still in their last iteration
 };

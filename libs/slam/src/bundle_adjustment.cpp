@@ -70,6 +70,7 @@ class DetachedBundle::Implementation {
     if (solution_.usable) {
       const Pose before = newestPose(map);
       applySolution(map);
+      summary.free_offset = solution_.free_offset;
       summary.correction = normalized(Pose(newestPose(map) * before.inverse(Eigen::Isometry)));
       moveNewerKeyframes(map, summary.correction);
     }

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <headway/core/stereo_camera.h>
+#include <headway/stereo/disparity_offset.h>
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "sparse_map.h"
@@ -15,6 +17,7 @@ struct BundleSummary {
   int iterations = 0;
   double initial_cost = 0.0;
   double final_cost = 0.0;
+  std::optional<stereo::OffsetEstimate> free_offset;  ///< as of BundleSolution
   int outliers = 0;                    ///< observations that did not fit and were removed
   Pose correction = Pose::Identity();  ///< by which the newest part of the map was moved
 };

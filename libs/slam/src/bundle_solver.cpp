@@ -64,6 +64,7 @@ BundleSolution solveBundle(BundleProblem& problem, const StereoCamera& camera, i
     if (std::abs(decrease) <= kTolerance * cost) break;
   }
   solution.usable = !is_stopped();
+  if (solution.usable) solution.free_offset = step.freeOffset();
   solution.final_cost = cost;
   return solution;
 }

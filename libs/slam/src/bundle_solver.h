@@ -2,10 +2,12 @@
 #pragma once
 
 #include <headway/core/stereo_camera.h>
+#include <headway/stereo/disparity_offset.h>
 #include <headway/stereo/stereo_residual.h>
 
 #include <atomic>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 namespace headway::slam {
@@ -45,6 +47,9 @@ struct BundleSolution {
   int iterations = 0;
   double initial_cost = 0.0;
   double final_cost = 0.0;
+  /// The disparities' offset by the observations alone, without what is assumed about it; nullopt
+  /// if they do not tell it.
+  std::optional<stereo::OffsetEstimate> free_offset;
 };
 
 /// Minimises the reprojection errors by Levenberg-Marquardt with a Huber loss.

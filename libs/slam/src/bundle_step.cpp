@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bundle_step.h"
 
+#include <headway/core/statistics.h>
 #include <headway/stereo/pose_tangent.h>
 
 #include <Eigen/Cholesky>
@@ -137,6 +138,16 @@ bool BundleStep::compute(double radius) {
   if (!system_.solve(step_, step_offset_)) return false;
   substituteBack();
   return true;
+}
+
+std::optional<stereo::OffsetEstimate> BundleStep::freeOffset() {
+  if (!compute(1e12)) return std::nullopt;  // undamped
+  const double relative = 1.0 / square(kOffsetWalk);
+  const double information = system_.pivot() - 1.0 / square(kOffsetSigma) - relative;
+  if (information < 1.0 / square(kOffsetSigma)) return std::nullopt;
+  const double sum = system_.pivot() * (problem_.disparity_offset_px + step_offset_);
+  return stereo::OffsetEstimate{(sum - relative * previous_offset_) / information,
+                                1.0 / std::sqrt(information)};
 }
 
 void BundleStep::setZero() {

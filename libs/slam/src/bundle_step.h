@@ -4,6 +4,7 @@
 #include <headway/core/stereo_camera.h>
 
 #include <Eigen/Core>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -26,6 +27,10 @@ class BundleStep {
 
   /// Computes a step; false if the system is singular.
   bool compute(double radius);
+  /// The disparities' offset that the observations alone ask for, at the problem as it is now;
+  /// nullopt if they do not tell it: the posterior's Gaussian divided by those of the assumptions.
+  /// Replaces the step.
+  [[nodiscard]] std::optional<stereo::OffsetEstimate> freeOffset();
   /// Decrease of the cost that the linearised problem predicts for the step.
   [[nodiscard]] double predictedDecrease() const;
   /// Moves the problem by the step.

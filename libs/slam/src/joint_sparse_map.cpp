@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "bundle_adjustment.h"
 #include "disjoint_sets.h"
 #include "loop_correction.h"
+#include "right_camera.h"
 
 namespace headway::slam {
 namespace {
@@ -24,8 +26,19 @@ Id shifted(Id id, std::int64_t by) {
 /// Puts maps side by side, with new ids.
 class MapCollector {
  public:
+  explicit MapCollector(const StereoCamera& camera) : camera_(camera) {}
+
   /// @return id of each keyframe in the collection less its own id
-  std::int64_t add(const SparseMap& map) {
+  std::int64_t add(const SparseMap& given) {
+    std::optional<SparseMap> turned;
+    if (!given.keyframes().empty()) {
+      if (!right_turn_) right_turn_ = given.rightTurn();
+      if (given.rightTurn() != *right_turn_) {
+        turned = given;
+        turnRightCamera(*right_turn_, camera_, *turned);
+      }
+    }
+    const SparseMap& map = turned ? *turned : given;
     const std::int64_t shift = next_keyframe_;
     const std::int64_t landmark_shift = next_landmark_;
     for (const auto& [id, keyframe] : map.keyframes()) {
@@ -50,17 +63,20 @@ class MapCollector {
     SeparateMaps maps{SparseMap(keyframes_, landmarks_), first_};
     if (!keyframes_.empty()) {
       maps.all.setDisparityOffset(offset_sum_px_ / static_cast<double>(keyframes_.size()));
+      maps.all.setRightTurn(*right_turn_);
     }
     return maps;
   }
 
  private:
+  StereoCamera camera_;
   std::vector<Keyframe> keyframes_;
   std::vector<Landmark> landmarks_;
   std::vector<KeyframeId> first_;
   std::int64_t next_keyframe_ = 0;
   std::int64_t next_landmark_ = 0;
   double offset_sum_px_ = 0.0;
+  std::optional<Eigen::Vector3d> right_turn_;  ///< of the first map with keyframes
 };
 
 /// Indices of the maps in an order that depends on their contents only.
@@ -91,6 +107,7 @@ SeparateMaps only(const std::vector<bool>& wanted, const SeparateMaps& maps) {
   }
   SeparateMaps result{SparseMap(keyframes, landmarks), maps.first};
   result.all.setDisparityOffset(maps.all.disparityOffset());
+  result.all.setRightTurn(maps.all.rightTurn());
   return result;
 }
 
@@ -214,7 +231,7 @@ void joinByLinks(const std::vector<MapLink>& links, const StereoCamera& camera,
 
 std::vector<JointSparseMap> joinSparseMaps(const std::vector<const SparseMap*>& maps,
                                            const StereoCamera& camera, const SlamParams& params) {
-  MapCollector collector;
+  MapCollector collector(camera);
   std::vector<std::size_t> place_of(maps.size());  // in the collection
   std::vector<std::int64_t> shift_of(maps.size());
   std::size_t place = 0;

@@ -16,7 +16,10 @@ namespace headway::slam {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x4d535748;  ///< "HWSM"
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersionWithoutTurn = 2;  ///< which lacks the right camera's rotation
+
+constexpr double kMaxRightTurn = 0.1;  ///< [rad]
 
 void write(ByteWriter& out, const StereoCamera& camera) {
   out.value<std::int32_t>(camera.width);
@@ -162,6 +165,7 @@ ByteSource mapBytes(const SparseMap& map, const StereoCamera& camera) {
   out.value(kVersion);
   write(out, camera);
   out.value(map.disparityOffset());
+  out.matrix(map.rightTurn());
   out.count(map.keyframes().size());
   for (const auto& [id, keyframe] : map.keyframes()) write(out, keyframe);
   out.count(map.landmarks().size());
@@ -179,9 +183,10 @@ SparseMap unpackMap(const std::string& bytes, const std::optional<StereoCamera>&
   if (in.value<std::uint32_t>() != kMagic)
     throw InputError("the static map in it is no map of headway's slam");
   const auto version = in.value<std::uint32_t>();
-  if (version != kVersion) {
+  if (version != kVersion && version != kVersionWithoutTurn) {
     throw InputError("the static map in it is of version " + std::to_string(version) +
-                     ", this program reads version " + std::to_string(kVersion));
+                     ", this program reads versions " + std::to_string(kVersionWithoutTurn) +
+                     " and " + std::to_string(kVersion));
   }
   const StereoCamera recorded = readCamera(in);
   if (camera) {
@@ -192,11 +197,17 @@ SparseMap unpackMap(const std::string& bytes, const std::optional<StereoCamera>&
   }
   if (made_by != nullptr) *made_by = recorded;
   const double disparity_offset_px = in.finiteValue<double>();
+  Eigen::Vector3d right_turn = Eigen::Vector3d::Zero();
+  if (version != kVersionWithoutTurn) right_turn = in.finiteMatrix<Eigen::Vector3d>();
+  if (!(right_turn.norm() < kMaxRightTurn)) {
+    throw InputError("damaged: the right camera is turned too far");
+  }
   const auto keyframes = in.list<Keyframe>(readKeyframe);
   const auto landmarks = in.list<Landmark>(readLandmark);
   if (!in.atEnd()) throw InputError("damaged: there are data after the end of the static map");
   SparseMap map(keyframes, landmarks);
   map.setDisparityOffset(disparity_offset_px);
+  map.setRightTurn(right_turn);
   return map;
 }
 

@@ -64,9 +64,9 @@ bool ReducedSystem::solve(Eigen::VectorXd& step, double& step_corner) {
     if (!sparse_.factorise()) return false;
     sparse_.solveInPlace(columns);
   }
-  const double pivot = corner - border_.dot(columns.col(1));
-  if (!(pivot > 0.0)) return false;
-  step_corner = (right_corner - border_.dot(columns.col(0))) / pivot;
+  pivot_ = corner - border_.dot(columns.col(1));
+  if (!(pivot_ > 0.0)) return false;
+  step_corner = (right_corner - border_.dot(columns.col(0))) / pivot_;
   step = columns.col(0) - step_corner * columns.col(1);
   return true;
 }

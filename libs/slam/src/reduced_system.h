@@ -49,6 +49,8 @@ class ReducedSystem {
   /// @param step_corner  of the scalar
   /// @return             false if the matrix is not positive definite
   [[nodiscard]] bool solve(Eigen::VectorXd& step, double& step_corner);
+  /// Inverse variance of the scalar with all poses unknown, as of solve().
+  [[nodiscard]] double pivot() const { return pivot_; }
 
  private:
   [[nodiscard]] bool isDense() const { return poses_ <= kDense; }
@@ -58,6 +60,7 @@ class ReducedSystem {
   void fillDense();
 
   int poses_ = 0;
+  double pivot_ = 0.0;
   std::vector<Block, Eigen::aligned_allocator<Block>> blocks_;  ///< of a dense system, row by row
   Eigen::VectorXd right_;
   Eigen::VectorXd border_;

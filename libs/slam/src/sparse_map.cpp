@@ -200,6 +200,7 @@ std::vector<KeyframeId> SparseMap::neighbourhood(KeyframeId of, int count) const
 SparseMap SparseMap::landmarksOnly(const std::vector<LandmarkId>& landmarks) const {
   SparseMap copy;
   copy.disparity_offset_px_ = disparity_offset_px_;
+  copy.right_turn_ = right_turn_;
   for (const LandmarkId id : landmarks) {
     const Landmark& landmark = landmarks_.at(id);
     copy.landmarks_.emplace_hint(copy.landmarks_.end(), id, landmark);

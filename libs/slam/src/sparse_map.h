@@ -155,6 +155,11 @@ class SparseMap {
     return measurement;
   }
 
+  /// The right camera's rotation against its calibration that was undone in the right images of all
+  /// measurements: pitch, yaw, roll [rad].
+  [[nodiscard]] const Eigen::Vector3d& rightTurn() const { return right_turn_; }
+  void setRightTurn(const Eigen::Vector3d& angles) { right_turn_ = angles; }
+
   /// Groups with landmarks and keyframes that changed since the last call, ascending.
   [[nodiscard]] std::vector<std::int64_t> takeChangedLandmarks() {
     return changed_landmarks_.take();
@@ -178,6 +183,7 @@ class SparseMap {
   IdGroups changed_landmarks_;
   IdGroups changed_keyframes_;
   double disparity_offset_px_ = 0.0;
+  Eigen::Vector3d right_turn_ = Eigen::Vector3d::Zero();
   std::int64_t next_landmark_ = 0;
   std::int64_t next_keyframe_ = 0;
 };

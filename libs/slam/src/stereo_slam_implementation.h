@@ -60,6 +60,10 @@ class StereoSlam::Implementation {
   [[nodiscard]] std::string save() const { return packMap(map_, *camera_); }
   [[nodiscard]] ByteSource snapshot() const { return mapBytes(map_, *camera_); }
   [[nodiscard]] double disparityOffset() const { return map_.disparityOffset(); }
+  [[nodiscard]] std::optional<stereo::OffsetEstimate> takeFreeOffset() {
+    return adjuster_.takeFreeOffset();
+  }
+  void turnRightCamera(const Eigen::Vector3d& angles, bool always_so);
   [[nodiscard]] MapView map() { return views_.make(map_); }
   void visit(const FrameVisitor& visit) const { trajectory_.visit(map_, T_cam_robot_, visit); }
   [[nodiscard]] const StageTimes& times() const { return times_; }

@@ -4,10 +4,15 @@
 #include <headway/core/camera_difference.h>
 #include <headway/core/error.h>
 #include <headway/slam/joint_map.h>
+#include <headway/stereo/right_turn.h>
+
+#include <map>
+#include <utility>
 
 #include "joint_sparse_map.h"
 #include "loop_correction.h"
 #include "pose_covariance.h"
+#include "right_camera.h"
 #include "stereo_slam_implementation.h"
 
 namespace headway::slam {
@@ -15,6 +20,10 @@ namespace {
 
 constexpr std::uint32_t kRunVersion = 2;
 constexpr std::size_t kMeasuredFrames = 2;  ///< at the end of a run, in which landmarks are tracked
+
+// After a change of what is assumed about the right camera:
+constexpr int kReadjusted = 100;  ///< keyframes, so that none is fixed where the old scale put it
+constexpr int kReadjustIterations = 20;
 
 }  // namespace
 
@@ -77,6 +86,30 @@ SlamUpdate StereoSlam::Implementation::repeat(const stereo::FrameContext& contex
   return update;
 }
 
+void StereoSlam::Implementation::turnRightCamera(const Eigen::Vector3d& angles, bool always_so) {
+  if (!params_.mapping || angles == map_.rightTurn()) return;
+  if (!always_so || !reference_) return map_.setRightTurn(angles);
+  adjuster_.abandon();
+  loops_.abandon();
+  for (TrackedLandmark& seen : seen_before_) {
+    stereo::StereoMeasurement& measured = seen.measurement;
+    measured.disparity = stereo::turnedDisparity(measured.uv, measured.disparity, map_.rightTurn(),
+                                                 angles, *camera_);
+  }
+  std::map<KeyframeId, Pose> before;
+  for (const auto& [id, keyframe] : map_.keyframes()) before[id] = keyframe.T_map_cam;
+  Pose T_reference_cam = before.at(*reference_).inverse(Eigen::Isometry) * motion_.last();
+  slam::turnRightCamera(angles, *camera_, map_);
+  const KeyframeId newest = map_.keyframes().rbegin()->first;
+  adjustBundle(map_, map_.neighbourhood(newest, kReadjusted), *camera_, kReadjustIterations);
+  const auto ratios = scaleChanges(before, map_);
+  trajectory_.scale(ratios);
+  const auto here = ratios.find(*reference_);
+  if (here != ratios.end()) T_reference_cam.translation() *= here->second;
+  motion_.correct(normalized(Pose(map_.keyframe(*reference_).T_map_cam * T_reference_cam)));
+  local_landmarks_ = map_.seenBy(map_.neighbourhood(*reference_, params_.window));
+}
+
 void StereoSlam::Implementation::correct(const KeyframePoses& poses) {
   adjuster_.abandon();
   loops_.abandon();
@@ -115,6 +148,18 @@ std::vector<JointMap> joinMaps(const std::vector<const StereoSlam*>& runs) {
     joint.view = makeMapView(group.map, first->camera().T_robot_cam.inverse(Eigen::Isometry));
   }
   return result;
+}
+
+void StereoSlam::turnRightCamera(const Eigen::Vector3d& angles, bool always_so) {
+  implementation_->turnRightCamera(angles, always_so);
+}
+
+const Eigen::Vector3d& StereoSlam::rightTurn() const {
+  return implementation_->sparseMap().rightTurn();
+}
+
+std::optional<stereo::OffsetEstimate> StereoSlam::takeFreeOffset() {
+  return implementation_->takeFreeOffset();
 }
 
 void StereoSlam::correct(const KeyframePoses& poses) { implementation_->correct(poses); }

@@ -104,7 +104,9 @@ const std::optional<GroundPlane>& FrameContext::lastGround() const { return valu
 FrontEnd::FrontEnd(const DisparityParams& params) : params_(validated(params)) {}
 
 FrameContext FrontEnd::next(const StereoFrame& frame, double disparity_offset_px) {
-  FrameContext context(frame, params_, disparity_offset_px,
+  StereoFrame exact = frame;
+  exact.right = right_turn_.undone(frame.right);
+  FrameContext context(exact, params_, disparity_offset_px,
                        previous_ ? previous_->lastGround() : std::nullopt);
   previous_ = context;
   return context;

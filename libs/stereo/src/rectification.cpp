@@ -1,25 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <headway/core/formatted.h>
 #include <headway/core/statistics.h>
 #include <headway/stereo/rectification.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 namespace headway::stereo {
 namespace {
 
 constexpr std::size_t kEnoughMatches = 200;
+constexpr std::array<const char*, 3> kAxes = {"pitch", "yaw", "roll"};
 constexpr int kYaw = 1;  // of the angles
-constexpr int kReweightings = 5;
-constexpr double kRowSigma_px = 0.3;      // of a match
-constexpr double kIndependent = 0.25;     // ratio of information: the same points recur
-constexpr double kPriorSigma = 0.02;      // of each angle [rad]
-constexpr double kSignificance = 5.0;     // standard deviations
-constexpr double kVisibleRows_px = 0.25;  // rows' differences below do not disturb matching
+constexpr double kDegree = M_PI / 180.0;
+constexpr double kRowSigma_px = 0.3;                             // of a match
+constexpr std::array<double, 6> kScales = {32, 16, 8, 4, 2, 1};  // of the loss, in kRowSigma_px
+constexpr double kIndependent = 0.25;                   // ratio of information: points recur
+constexpr double kPriorSigma = 0.02;                    // of each angle [rad]
+constexpr double kKnownSigma = 0.05 * kDegree;          // of angles found by an earlier run
+constexpr double kWalk = square(0.005 * kDegree) / 60;  // of each angle [rad^2/s]
+constexpr double kGate = 13.82;                         // chi-square, 2 degrees, 99.9 %
+constexpr int kRestart = 3;                             // frames in a row that contradict
+constexpr double kSignificance = 5.0;                   // standard deviations
+constexpr double kVisibleRows_px = 0.4;    // the noise of a disparity: less does not disturb matching
+constexpr double kVisibleOffset_px = 1.5;   // of disparities: three sigmas of bundle adjustment's
+constexpr double kChangedOffset_px = 0.15;  // smaller changes of a correction are not applied,
+constexpr double kChangedRows_px = 0.1;     // likewise
 
 /// Derivative of a point's row in the right image with respect to pitch, yaw and roll [px/rad].
 Eigen::Vector3d rowJacobian(const Eigen::Vector2d& right, const StereoCamera& camera) {
@@ -28,63 +36,148 @@ Eigen::Vector3d rowJacobian(const Eigen::Vector2d& right, const StereoCamera& ca
   return camera.fy * Eigen::Vector3d(1.0 + y * y, -x * y, -x);
 }
 
-/// RMS over the image of the row differences that these angles cause [px].
-double rowsRms(const Eigen::Vector3d& angles, const StereoCamera& camera) {
+/// Mean over the image of the outer product of rowJacobian() [px^2/rad^2].
+Eigen::Matrix3d meanSquare(const StereoCamera& camera) {
   constexpr int kSteps = 8;
-  double sum = 0.0;
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (int i = 0; i <= kSteps; ++i) {
     for (int k = 0; k <= kSteps; ++k) {
       const Eigen::Vector2d at(i * (camera.width - 1.0) / kSteps,
                                k * (camera.height - 1.0) / kSteps);
-      sum += square(rowJacobian(at, camera).dot(angles));
+      const Eigen::Vector3d jacobian = rowJacobian(at, camera);
+      sum += jacobian * jacobian.transpose();
     }
   }
-  return std::sqrt(sum) / (kSteps + 1);
+  return sum / square(kSteps + 1);
 }
+
+struct Angles {
+  Eigen::Vector3d angles, sigmas;  ///< [rad]
+};
+
+/// Pitch and roll by rows, yaw by disparities.
+Angles withYaw(const RectificationError& error, const StereoCamera& camera) {
+  Angles result{error.angles, error.sigmas};
+  result.angles[kYaw] = error.disparities ? yawOfOffset(error.disparities->px, camera) : 0.0;
+  result.sigmas[kYaw] = error.disparities ? yawOfOffset(error.disparities->sigma_px, camera) : 0.0;
+  return result;
+}
+
+/// Whether an offset of the disparities is significant and does visible harm.
+bool isVisible(const std::optional<OffsetEstimate>& offset) {
+  return offset &&
+         std::abs(offset->px) > std::max(kVisibleOffset_px, kSignificance * offset->sigma_px);
+}
+
+Eigen::Matrix3d priorInformation() { return Eigen::Matrix3d::Identity() / square(kPriorSigma); }
 
 }  // namespace
 
-void RectificationEstimator::add(const std::vector<RowMatch>& matches) {
-  if (matches.empty()) return;
-  matches_ += matches.size();
-  Eigen::Matrix3d prior = information_;
-  prior.diagonal().array() += 1.0 / square(kPriorSigma);
+double rowShift(const Eigen::Vector2d& right, const Eigen::Vector3d& angles,
+                const StereoCamera& camera) {
+  return rowJacobian(right, camera).dot(angles);
+}
+
+double rowsRms(const Eigen::Vector3d& angles, const StereoCamera& camera) {
+  return std::sqrt(std::max(0.0, angles.dot(meanSquare(camera) * angles)));
+}
+
+RectificationEstimator::RectificationEstimator(const StereoCamera& camera,
+                                               const Eigen::Vector3d& known)
+    : camera_(camera) {
+  if (known.isZero()) return;
+  estimate_.information.diagonal() << 1.0, 0.0, 1.0;
+  estimate_.information /= square(kKnownSigma);
+  estimate_.gradient = estimate_.information * known;
+  estimate_.matches = kEnoughMatches;
+  estimate_.frames = 1;
+}
+
+Eigen::Matrix3d RectificationEstimator::Estimate::covariance() const {
+  return (information + priorInformation()).inverse();
+}
+
+bool RectificationEstimator::Estimate::contradicts(const Estimate& other) const {
+  const Eigen::Vector3d between = angles() - other.angles();
+  const Eigen::Matrix3d covariances = covariance() + other.covariance();
+  const Eigen::Vector2d difference(between.x(), between.z());
+  Eigen::Matrix2d expected;
+  expected << covariances(0, 0), covariances(0, 2), covariances(2, 0), covariances(2, 2);
+  return difference.dot(expected.inverse() * difference) > kGate;
+}
+
+void RectificationEstimator::Estimate::add(const Estimate& other) {
+  information += other.information;
+  gradient += other.gradient;
+  matches += other.matches;
+  frames += other.frames;
+}
+
+void RectificationEstimator::Estimate::walk(double seconds) {
+  const Eigen::Vector3d mean = angles();
+  const Eigen::Matrix3d walked =
+      (covariance() + kWalk * seconds * Eigen::Matrix3d::Identity()).inverse();
+  information = walked - priorInformation();
+  gradient = walked * mean;
+}
+
+RectificationEstimator::Estimate RectificationEstimator::estimateOf(
+    const std::vector<RowMatch>& matches) const {
   std::vector<double> rows;
   for (const RowMatch& match : matches) rows.push_back(match.rows);
   Eigen::Vector3d angles(median(rows) / camera_.fy, 0.0, 0.0);
-  if (matches_ > kEnoughMatches) angles = prior.ldlt().solve(gradient_);
-  Eigen::Matrix3d added;
-  Eigen::Vector3d gradient;
-  for (int round = 0; round < kReweightings; ++round) {
-    added.setZero();
-    gradient.setZero();
+  Estimate result;
+  for (const double scale : kScales) {  // from a loss that is almost quadratic
+    result = Estimate{};
     for (const RowMatch& match : matches) {
       const Eigen::Vector3d jacobian = rowJacobian(match.right, camera_);
-      const double residual = (match.rows - jacobian.dot(angles)) / kRowSigma_px;
+      const double residual = (match.rows - jacobian.dot(angles)) / (scale * kRowSigma_px);
       const double weight =
           kIndependent / square(kRowSigma_px) / square(1.0 + square(residual) / 4.0);
-      added += weight * jacobian * jacobian.transpose();
-      gradient += weight * match.rows * jacobian;
+      result.information += weight * jacobian * jacobian.transpose();
+      result.gradient += weight * match.rows * jacobian;
     }
-    angles = (prior + added).ldlt().solve(gradient_ + gradient);
+    angles = result.angles();
   }
-  information_ += added;
-  gradient_ += gradient;
+  result.matches = matches.size();
+  result.frames = 1;
+  return result;
+}
+
+void RectificationEstimator::add(const std::vector<RowMatch>& matches, Time time) {
+  if (last_ && estimate_.frames > 0) estimate_.walk(std::max(0.0, time - *last_));
+  last_ = last_ ? std::max(*last_, time) : time;
+  if (matches.empty()) return;
+  const Estimate frame = estimateOf(matches);
+  if (estimate_.frames == 0 || !frame.contradicts(estimate_)) {
+    estimate_.add(frame);
+    contrary_.reset();
+  } else if (!contrary_ || frame.contradicts(*contrary_)) {
+    contrary_ = frame;
+  } else {
+    contrary_->add(frame);
+    if (contrary_->frames < kRestart) return;
+    estimate_ = *contrary_;
+    has_moved_ = true;
+    contrary_.reset();
+  }
 }
 
 std::optional<RectificationError> RectificationEstimator::error() const {
-  if (matches_ < kEnoughMatches) return std::nullopt;
-  Eigen::Matrix3d information = information_;
-  information.diagonal().array() += 1.0 / square(kPriorSigma);
-  const Eigen::Matrix3d covariance = information.inverse();
+  if (estimate_.matches < kEnoughMatches) return std::nullopt;
+  const Eigen::Matrix3d covariance = estimate_.covariance();
   RectificationError error;
-  error.angles = covariance * gradient_;
+  error.angles = estimate_.angles();
   error.sigmas = covariance.diagonal().cwiseSqrt();
   error.offset_px = camera_.fy * error.angles.x();
   error.offset_sigma_px = camera_.fy * error.sigmas.x();
   Eigen::Vector3d without_yaw = error.angles;
   without_yaw[kYaw] = 0.0;
   error.rows_rms_px = rowsRms(without_yaw, camera_);
+  Eigen::Matrix3d spread = meanSquare(camera_);
+  spread.row(kYaw).setZero();
+  spread.col(kYaw).setZero();
+  error.rows_rms_sigma_px = std::sqrt((spread * covariance).trace());
   return error;
 }
 
@@ -100,24 +193,71 @@ Eigen::Vector3d significantAngles(const RectificationError& error, const StereoC
   return angles;
 }
 
-std::string describe(const RectificationError& error, const StereoCamera& camera) {
-  constexpr std::array<const char*, 3> kAxes = {"pitch", "yaw", "roll"};
-  constexpr double kDegrees = 180.0 / M_PI;
-  const Eigen::Vector3d angles = kDegrees * error.angles, sigmas = kDegrees * error.sigmas;
-  const Eigen::Vector3d significant = significantAngles(error, camera);
-  std::string axes;
+double yawOfOffset(double offset_px, const StereoCamera& camera) {
+  return offset_px / (camera.fx * (1.0 + square(camera.width / camera.fx) / 12.0));
+}
+
+std::optional<std::string> excessiveTurn(const RectificationError& error,
+                                         const StereoCamera& camera) {
+  const auto [angles, sigmas] = withYaw(error, camera);
   for (int axis = 0; axis < 3; ++axis) {
-    if (significant[axis] == 0.0) continue;
+    const double angle = angles[axis] / kDegree;
+    const double sigma = sigmas[axis] / kDegree;
+    if (std::abs(angle) - kSignificance * sigma < kMaxTurn_deg) continue;
+    return formatted(
+        "the right camera is turned by %.2f +- %.2f degrees in %s against its calibration, more "
+        "than the %.1f degrees that are corrected; calibrate the cameras",
+        angle, sigma, kAxes[static_cast<std::size_t>(axis)], kMaxTurn_deg);
+  }
+  return std::nullopt;
+}
+
+Eigen::Vector3d correctionFor(const RectificationError& error, const Eigen::Vector3d& present,
+                              const StereoCamera& camera) {
+  if (excessiveTurn(error, camera)) return Eigen::Vector3d::Zero();
+  Eigen::Vector3d turn = present;
+  Eigen::Vector3d rows(error.angles.x(), 0.0, error.angles.z());
+  const bool is_corrected = present.x() != 0.0 || present.z() != 0.0;
+  const double least_px = std::max(kChangedRows_px, 3.0 * error.rows_rms_sigma_px);
+  rows[kYaw] = present[kYaw];
+  if ((is_corrected || !significantAngles(error, camera).isZero()) &&
+      rowsRms(rows - present, camera) > least_px) {
+    turn = rows;
+  }
+  if (!error.disparities) return turn;
+  const double present_px = present[kYaw] / yawOfOffset(1.0, camera);
+  const auto& [offset_px, sigma_px] = *error.disparities;
+  const OffsetEstimate left{offset_px - present_px, sigma_px};
+  const bool has_changed =
+      std::abs(left.px) > std::max(kChangedOffset_px, kSignificance * left.sigma_px);
+  if (present[kYaw] == 0.0 ? isVisible(left) : has_changed) {
+    turn[kYaw] = yawOfOffset(offset_px, camera);
+  }
+  return turn;
+}
+
+std::string describe(const RectificationError& error, const StereoCamera& camera, bool corrected) {
+  const Angles all = withYaw(error, camera);
+  const Eigen::Vector3d angles = error.angles / kDegree, sigmas = error.sigmas / kDegree;
+  const Eigen::Vector3d significant = significantAngles(error, camera);
+  std::string axes, disparities;
+  if (error.disparities) {
+    disparities = formatted("; disparities %+.2f +- %.2f px, yaw %.3f +- %.3f deg",
+                            error.disparities->px, error.disparities->sigma_px,
+                            all.angles[kYaw] / kDegree, all.sigmas[kYaw] / kDegree);
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    if (axis == kYaw ? !isVisible(error.disparities) : significant[axis] == 0.0) continue;
     axes += (axes.empty() ? "" : ", ") + std::string(kAxes[static_cast<std::size_t>(axis)]);
   }
-  std::array<char, 300> text{};
-  std::snprintf(text.data(), text.size(),
-                "rectification off by %.2f +- %.2f px (rows %.2f px RMS; pitch %.3f +- %.3f, roll "
-                "%.3f +- %.3f deg): ",
-                error.offset_px, error.offset_sigma_px, error.rows_rms_px, angles.x(), sigmas.x(),
-                angles.z(), sigmas.z());
+  const char* verdict = axes.empty() ? "" : corrected ? ", corrected" : ", not corrected";
+  const std::string text = formatted(
+      "rectification off by %.2f +- %.2f px%s (vertical offset %+.2f +- %.2f px; pitch %.3f +- "
+      "%.3f, roll %.3f +- %.3f deg%s): ",
+      error.rows_rms_px, error.rows_rms_sigma_px, verdict, error.offset_px, error.offset_sigma_px,
+      angles.x(), sigmas.x(), angles.z(), sigmas.z(), disparities.c_str());
   const std::string advice = " of the right camera; calibrate the cameras";
-  return text.data() + (axes.empty() ? std::string("not significant") : axes + advice);
+  return text + (axes.empty() ? std::string("not significant") : axes + advice);
 }
 
 }  // namespace headway::stereo

@@ -43,6 +43,8 @@ class TexturedWorld {
   }
 
   std::vector<Board> boards;
+  /// Rotation vector of the right camera against its calibration, along its axes [rad].
+  Eigen::Vector3d right_turn = Eigen::Vector3d::Zero();
 
   /// Floor, ceiling and four walls, all seen from inside [m].
   void addRoom(double length, double width, double height) {
@@ -68,6 +70,7 @@ class TexturedWorld {
     const Pose T_map_left = T_map_robot * camera_->T_robot_cam;
     Pose T_map_right = T_map_left;
     T_map_right.translation() = T_map_left * Eigen::Vector3d(camera_->baseline_m, 0.0, 0.0);
+    T_map_right.linear() = T_map_left.linear() * expSo3(right_turn);
     result.left = view(T_map_left);
     result.right = view(T_map_right);
     return result;

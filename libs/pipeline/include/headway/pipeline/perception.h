@@ -16,6 +16,7 @@
 #include <headway/pipeline/mount_check.h>
 #include <headway/pipeline/perception_host.h>
 #include <headway/pipeline/run_state.h>
+#include <headway/pipeline/scale_check.h>
 #include <headway/pipeline/stereo_check.h>
 #include <headway/slam/stereo_slam.h>
 #include <headway/stereo/rig_capability.h>
@@ -136,7 +137,8 @@ class Perception {
   /// A frame with neither images nor pose counts as lost.
   ///
   /// @throws InputError if a frame has a recorded pose and the map was resumed, or if the images
-  ///         show that the camera's pose on the robot or its baseline is wrong (see MountCheck)
+  ///         show that the camera's pose on the robot or its baseline is wrong (see MountCheck), or
+  ///         that the right camera is turned by more than can be corrected (see StereoCheck)
   [[nodiscard]] PerceptionUpdate process(const RecordedFrame& frame);
 
   /// Capability of the rig, with the parameters that replace derived values; nullopt without
@@ -162,8 +164,8 @@ class Perception {
   /// LostReason.
   [[nodiscard]] const Warnings& warnings() const;
 
-  /// Rotation of the right camera against its calibration, by the rows of the images so far, in one
-  /// line; nullopt with too few matches or without images.
+  /// Rotation of the right camera against its calibration, by the images so far, and whether it is
+  /// corrected, in one line; nullopt with too few matches or without images.
   [[nodiscard]] std::optional<std::string> rectification() const;
 
   /// Laser scans by use ("used", "camera_lost", "ground_unknown", "between_ground_scans") and ends
@@ -204,6 +206,8 @@ class Perception {
   void keepForRepetition(const RecordedFrame& frame);
   [[nodiscard]] bool hasGridTurn(const RecordedFrame& frame);
   [[nodiscard]] std::optional<stereo::FrameContext> contextOf(const RecordedFrame& frame);
+  /// Turns the right images back from now on. @param angles  as StereoCheck::turn() [rad]
+  void undoRightTurn(const Eigen::Vector3d& angles);
   [[nodiscard]] bool isLocalisedBySlam(const RecordedFrame& frame) const;
   /// Measured less true disparity, as SLAM estimates it, or else as given poses show [px].
   [[nodiscard]] double disparityOffset(const RecordedFrame& frame) const;
@@ -254,6 +258,8 @@ class Perception {
   std::optional<MountCheck> mount_check_;  ///< with a camera
   CameraCheck camera_check_;
   StereoCheck stereo_check_;
+  ScaleCheck scale_check_;
+  Eigen::Vector3d right_turn_ = Eigen::Vector3d::Zero();     ///< undone by front_end_
   slam::ImageEvidence images_ = slam::ImageEvidence::kNone;  ///< of the newest frame
   Warnings warnings_;
   LogSink log_;

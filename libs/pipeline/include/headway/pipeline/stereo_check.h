@@ -5,7 +5,9 @@
 #include <headway/core/warnings.h>
 #include <headway/stereo/rectification.h>
 
+#include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 namespace headway::pipeline {
 
@@ -14,28 +16,58 @@ namespace headway::pipeline {
 ///
 /// Corners of the left image are searched in a band of rows of the right one, in wide images at
 /// half the resolution. A condition is reported when it occurs in two comparisons in a row, so
-/// within 1 s. The rotation of the right camera is estimated from the rows of all comparisons.
+/// within 1 s. The rotation of the right camera is estimated from the rows of all comparisons, from
+/// the first frame on, and is to be undone where it is significant: turn().
 class StereoCheck {
  public:
   /// Adds "vertical_offset" if all rows differ alike, "images_not_simultaneous" if they differ by
   /// place, as in images of a moving camera that were not taken at the same time, and
-  /// "images_swapped" if most points have a negative disparity.
+  /// "images_swapped" if most points have a negative disparity. What turn() explains is no
+  /// difference by place.
+  ///
+  /// @throws InputError naming the axis if the right camera is turned from the beginning by more
+  ///         than can be corrected
   void add(const StereoFrame& frame, Warnings& warnings);
 
-  /// Whether a condition persists since two comparisons.
+  /// Starts with a rotation that an earlier run found, before the first frame [rad].
+  void assume(const Eigen::Vector3d& turn) { turn_ = known_ = turn; }
+
+  /// Takes the disparities' offset that is left in images without turn(), as the camera's motion
+  /// shows it.
+  ///
+  /// @throws InputError if the yaw is more than can be corrected
+  void addOffset(const stereo::OffsetEstimate& offset, const StereoCamera& camera);
+
+  /// Whether the camera was seen to move on the rig, so that turn() was another one before.
+  [[nodiscard]] bool hasMoved() const { return estimator_ && estimator_->hasMoved(); }
+
+  /// Whether a condition persists since two comparisons that turn() does not explain.
   [[nodiscard]] bool imagesContradict() const { return persists_; }
 
   /// The right camera's rotation against its calibration; nullopt with too few matches so far.
   [[nodiscard]] std::optional<stereo::RectificationError> rectification() const;
 
+  /// The rotation to be undone in right images from this frame on: pitch, yaw, roll [rad]. Zero
+  /// unless significant; it changes where the estimate has moved visibly.
+  [[nodiscard]] const Eigen::Vector3d& turn() const { return turn_; }
+
  private:
   enum class Finding { kNone, kSwapped, kOffset, kScattered };
-  [[nodiscard]] Finding compare(const StereoFrame& frame, double& rows_px);
+  struct Match;
+  [[nodiscard]] static std::vector<Match> matchesOf(const StereoFrame& frame, int max_corners);
+  [[nodiscard]] Finding compare(const std::vector<Match>& matches, const StereoCamera* camera,
+                                double& rows_px) const;
+  void estimate(const std::vector<Match>& matches, const StereoFrame& frame);
+  void warn(const StereoFrame& frame, double rows_px, Warnings& warnings) const;
 
   std::optional<Time> last_;  ///< of the latest comparison
   Finding finding_ = Finding::kNone;
   bool persists_ = false;
+  int estimated_ = 0;                                        ///< frames
   std::optional<stereo::RectificationEstimator> estimator_;  ///< after the first frame
+  std::optional<stereo::OffsetEstimate> disparities_;        ///< with what turn_ explains
+  Eigen::Vector3d turn_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d known_ = Eigen::Vector3d::Zero();  ///< before the first frame
 };
 
 }  // namespace headway::pipeline

@@ -7,11 +7,13 @@
 #include <headway/slam/map_view.h>
 #include <headway/slam/slam_params.h>
 #include <headway/slam/trajectory_record.h>
+#include <headway/stereo/disparity_offset.h>
 #include <headway/stereo/frame_context.h>
 
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -115,6 +117,20 @@ class StereoSlam {
 
   /// Measured less true disparity, as estimated by bundle adjustment so far [px].
   [[nodiscard]] double disparityOffset() const;
+
+  /// The same as the observations of the newest bundle adjustment alone tell it, without what is
+  /// assumed about it; nullopt if there was none since the last call.
+  [[nodiscard]] std::optional<stereo::OffsetEstimate> takeFreeOffset();
+
+  /// The right images of the next frames are turned back by another rotation of the right camera
+  /// against its calibration than those before.
+  ///
+  /// @param angles     pitch, yaw, roll: rotation vector along the right camera's axes [rad]
+  /// @param always_so  the camera was turned like this before, too: the map's disparities are
+  ///                   converted, and the map is adjusted; false: it has moved
+  void turnRightCamera(const Eigen::Vector3d& angles, bool always_so);
+  /// That of the newest frame, or of a map that was loaded [rad].
+  [[nodiscard]] const Eigen::Vector3d& rightTurn() const;
 
   /// Landmarks and keyframes as they are now. What did not change since the last call is shared
   /// with what it gave.

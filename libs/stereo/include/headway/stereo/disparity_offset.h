@@ -13,6 +13,12 @@ struct OffsetEvidence {
   double fit = 1.0;          ///< squared error per degree of freedom, in sigmas squared
 };
 
+/// The offset of the disparities, measured less true, as many observations together tell it.
+struct OffsetEstimate {
+  double px = 0.0;
+  double sigma_px = 0.0;  ///< of independent observations; always positive
+};
+
 /// Estimates the offset of the disparities, measured less true, where camera poses are known.
 ///
 /// Rectification that is off by a small angle, or images that were not taken at the same instant

@@ -6,6 +6,7 @@
 #include <headway/stereo/disparity.h>
 #include <headway/stereo/ground_plane.h>
 #include <headway/stereo/image_pyramid.h>
+#include <headway/stereo/right_turn.h>
 #include <headway/stereo/second_view.h>
 
 #include <memory>
@@ -66,6 +67,10 @@ class FrontEnd {
   /// @throws InputError for parameters out of range
   explicit FrontEnd(const DisparityParams& params);
 
+  /// Turns the right images of the next frames back by the right camera's rotation against its
+  /// calibration, so that all who use their contexts see an exactly mounted camera.
+  void setRightTurn(const RightTurn& turn) { right_turn_ = turn; }
+
   /// Frames come in order of time.
   ///
   /// @param disparity_offset_px  measured less true disparity, as estimated so far
@@ -73,6 +78,7 @@ class FrontEnd {
 
  private:
   DisparityParams params_;
+  RightTurn right_turn_;
   std::optional<FrameContext> previous_;
 };
 

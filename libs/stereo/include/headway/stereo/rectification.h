@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <headway/core/pose.h>
 #include <headway/core/stereo_camera.h>
+#include <headway/stereo/disparity_offset.h>
 
 #include <Eigen/Core>
 #include <optional>
@@ -24,7 +26,22 @@ struct RectificationError {
   double offset_px = 0.0;  ///< of the rows at the principal point, right minus left
   double offset_sigma_px = 0.0;
   double rows_rms_px = 0.0;  ///< of the row differences that pitch and roll cause, over the image
+  double rows_rms_sigma_px = 0.0;
+  /// Of the disparities, by yaw, as the camera's motion shows it; nullopt: unknown.
+  std::optional<OffsetEstimate> disparities;
 };
+
+/// The yaw of the right camera that shifts disparities by so much in the mean over the image [rad].
+///
+/// A yaw shifts the disparity at x in the normalised image by f * yaw * (1 + x^2).
+[[nodiscard]] double yawOfOffset(double offset_px, const StereoCamera& camera);
+
+/// Row in the right image less that of an exactly mounted camera, by its rotation [px].
+[[nodiscard]] double rowShift(const Eigen::Vector2d& right, const Eigen::Vector3d& angles,
+                              const StereoCamera& camera);
+
+/// RMS over the image of the row differences that these angles cause [px].
+[[nodiscard]] double rowsRms(const Eigen::Vector3d& angles, const StereoCamera& camera);
 
 /// Estimates the rotation of the right camera from the rows of stereo matches over many frames.
 ///
@@ -34,23 +51,51 @@ struct RectificationError {
 /// a second-order term that residual lens distortion has as well (0.4 degrees in KITTI's rectified
 /// images): it is estimated for the sake of the others and never significant.
 ///
+/// A Kalman filter whose angles walk by 0.005 degrees per root minute, as a mounting that warms up
+/// does. Frames that contradict it are left out; three in a row that agree with each other start it
+/// anew, as after a knock at the camera.
+///
 /// @see  Hartley & Zisserman 2004, Sec. 9.3; Dang, Hoffmann & Stiller 2009, "Continuous stereo
 ///       self-calibration by camera parameter tracking"
 class RectificationEstimator {
  public:
-  explicit RectificationEstimator(const StereoCamera& camera) : camera_(camera) {}
+  /// @param known  pitch, yaw and roll as an earlier run found them; zero: nothing is known [rad]
+  explicit RectificationEstimator(const StereoCamera& camera,
+                                  const Eigen::Vector3d& known = Eigen::Vector3d::Zero());
 
   /// Adds the matches of one frame; robust against wrong ones.
-  void add(const std::vector<RowMatch>& matches);
+  ///
+  /// @param time  of the frame; earlier ones than the last count as the last [s]
+  void add(const std::vector<RowMatch>& matches, Time time);
+
+  /// Whether it was started anew: the camera has moved on the rig.
+  [[nodiscard]] bool hasMoved() const { return has_moved_; }
 
   /// The estimate so far; nullopt with too few matches.
   [[nodiscard]] std::optional<RectificationError> error() const;
 
  private:
+  /// Gaussian of pitch, yaw and roll, in information form and without the prior.
+  struct Estimate {
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< [1/rad^2]
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();     ///< information times angles
+    std::size_t matches = 0;
+    int frames = 0;
+
+    [[nodiscard]] Eigen::Matrix3d covariance() const;  ///< with the prior [rad^2]
+    [[nodiscard]] Eigen::Vector3d angles() const { return covariance() * gradient; }
+    /// Whether pitch and roll differ more than both covariances explain.
+    [[nodiscard]] bool contradicts(const Estimate& other) const;
+    void add(const Estimate& other);
+    void walk(double seconds);
+  };
+  [[nodiscard]] Estimate estimateOf(const std::vector<RowMatch>& matches) const;
+
   StereoCamera camera_;
-  Eigen::Matrix3d information_ = Eigen::Matrix3d::Zero();  ///< of pitch, yaw, roll [1/rad^2]
-  Eigen::Vector3d gradient_ = Eigen::Vector3d::Zero();     ///< information times angles
-  std::size_t matches_ = 0;
+  Estimate estimate_;
+  std::optional<Estimate> contrary_;  ///< by the latest frames, which contradict `estimate_`
+  std::optional<Time> last_;
+  bool has_moved_ = false;
 };
 
 /// The angles of pitch and roll that are significant and shift rows by a visible amount; 0 the
@@ -58,8 +103,25 @@ class RectificationEstimator {
 [[nodiscard]] Eigen::Vector3d significantAngles(const RectificationError& error,
                                                 const StereoCamera& camera);
 
+constexpr double kMaxTurn_deg = 0.6;  ///< that is corrected: more is a wrong calibration [deg]
+
+/// The first axis by which the camera is turned, surely, by more than kMaxTurn_deg: "pitch", "yaw"
+/// or "roll" with the angle, its uncertainty and what to do; nullopt: none.
+[[nodiscard]] std::optional<std::string> excessiveTurn(const RectificationError& error,
+                                                       const StereoCamera& camera);
+
+/// The turn to be undone: pitch and roll once one of them is significant, and yaw likewise; the
+/// present turn as long as the estimate does not differ visibly from it; zero where it is
+/// excessive.
+[[nodiscard]] Eigen::Vector3d correctionFor(const RectificationError& error,
+                                            const Eigen::Vector3d& present,
+                                            const StereoCamera& camera);
+
 /// One line: offset of the rows and angles with their uncertainties, and the axes that are
 /// significantly off.
-[[nodiscard]] std::string describe(const RectificationError& error, const StereoCamera& camera);
+///
+/// @param corrected  whether the right images are turned back
+[[nodiscard]] std::string describe(const RectificationError& error, const StereoCamera& camera,
+                                   bool corrected = false);
 
 }  // namespace headway::stereo

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+#include <headway/pipeline/scale_check.h>
+
+#include <random>
+
+namespace headway::pipeline {
+namespace {
+
+Pose wheelStep(double metres, double turn = 0.0) {
+  Pose pose = Pose::Identity();
+  pose.linear() = expSo3({0.0, 0.0, turn});
+  pose.translation().x() = metres;
+  return pose;
+}
+
+struct WheelDrive {
+  ScaleCheck check;
+  Warnings warnings;
+  std::mt19937 random{3};
+  std::size_t frame = 0;
+
+  /// So many frames of 0.1 m by the wheels; `slip` of the pieces of 20 frames with twice as much.
+  void go(double camera_ratio, int frames, double slip = 0.0, double noise_m = 0.002) {
+    std::normal_distribution<double> noise(0.0, noise_m);
+    std::bernoulli_distribution slips(slip);
+    bool is_slipping = false;
+    for (int i = 0; i < frames; ++i) {
+      if (i % 20 == 0) is_slipping = slips(random);
+      const double wheels = is_slipping ? 0.2 : 0.1;
+      check.add(wheelStep(0.1 * camera_ratio + noise(random), 0.002), wheelStep(wheels, 0.002),
+                frame++, warnings);
+    }
+  }
+};
+
+TEST(ScaleCheckTest, EqualScalesAreNotMentioned) {
+  WheelDrive drive;
+  drive.go(1.0, 600);
+  ASSERT_TRUE(drive.check.ratio());
+  EXPECT_NEAR(1.0, drive.check.ratio()->value, 0.002);
+  EXPECT_TRUE(drive.warnings.empty());
+}
+
+TEST(ScaleCheckTest, MoreThanAPercentIsSaidWithTheFigure) {
+  for (const double ratio : {0.97, 1.03}) {
+    WheelDrive drive;
+    drive.go(ratio, 300);
+    ASSERT_EQ(1U, drive.warnings.count("odometry_scale"));
+    const Warning& warning = drive.warnings.at("odometry_scale");
+    EXPECT_LT(warning.first_frame, 130U);
+    EXPECT_NEAR(ratio, drive.check.ratio()->value, 3.0 * drive.check.ratio()->sigma + 1e-4);
+    EXPECT_LT(drive.check.ratio()->sigma, 0.003);
+  }
+  WheelDrive half;
+  half.go(1.006, 600);
+  EXPECT_TRUE(half.warnings.empty()) << "within what wheels tell";
+}
+
+TEST(ScaleCheckTest, SlipInAThirdOfThePiecesIsNoScale) {
+  WheelDrive drive;
+  drive.go(1.0, 1200, 0.3);
+  EXPECT_NEAR(1.0, drive.check.ratio()->value, 0.01);
+  EXPECT_TRUE(drive.warnings.empty());
+}
+
+TEST(ScaleCheckTest, AFewMetresOrNoiseTellNothing) {
+  WheelDrive few;
+  few.go(1.5, 90);
+  EXPECT_FALSE(few.check.ratio());
+  WheelDrive noisy;
+  noisy.go(1.02, 300, 0.0, 0.08);
+  EXPECT_TRUE(noisy.warnings.empty());
+}
+
+TEST(ScaleCheckTest, APieceNeedsOdometryWithoutGaps) {
+  ScaleCheck check;
+  Warnings warnings;
+  for (std::size_t i = 0; i < 600; ++i) {
+    const bool gap = i % 15 == 0;  // each 1.5 m
+    check.add(wheelStep(0.1), gap ? std::nullopt : std::optional<Pose>(wheelStep(0.1)), i,
+              warnings);
+  }
+  EXPECT_FALSE(check.ratio());
+}
+
+TEST(ScaleCheckTest, AnotherCalibrationStartsAgain) {
+  WheelDrive drive;
+  drive.go(1.2, 300);
+  drive.check.restart();
+  EXPECT_FALSE(drive.check.ratio());
+  drive.go(1.0, 300);
+  EXPECT_NEAR(1.0, drive.check.ratio()->value, 0.002);
+}
+
+}  // namespace
+}  // namespace headway::pipeline

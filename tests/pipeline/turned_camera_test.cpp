@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A right camera that is turned against its calibration: found, corrected, or refused.
+#include <gtest/gtest.h>
+#include <headway/core/error.h>
+#include <headway/pipeline/perception.h>
+#include <headway_test/textured_world.h>
+
+#include <cmath>
+
+namespace headway::pipeline {
+namespace {
+
+constexpr double kTurnDegree = M_PI / 180.0;
+
+/// A drive through a hall with a turned right camera.
+struct TurnedDrive {
+  test::TexturedWorld hall{test::smallCamera()};
+  std::unique_ptr<Perception> perception;
+  double worst_m = 0.0;  ///< error of the positions, as corrected at the end
+  std::size_t lost = 0;
+
+  explicit TurnedDrive(const Eigen::Vector3d& turn_deg) {
+    hall.addRoom(14.0, 8.0, 4.0);
+    hall.right_turn = turn_deg * kTurnDegree;
+    PerceptionParams params;
+    params.slam.features = 250;
+    params.detection.detector = "none";
+    params.grid.every_nth_frame = 0;
+    perception = std::make_unique<Perception>(hall.camera(), params);
+  }
+
+  static Pose onPath(double step) {
+    Pose pose = Pose::Identity();
+    pose.translation() << 0.08 * step - 3.0, 0.02 * step, 0.0;
+    pose.linear() = expSo3({0.0, 0.0, 0.004 * step});
+    return pose;
+  }
+
+  void go(int frames) {
+    for (int i = 0; i < frames; ++i) {
+      RecordedFrame frame;
+      frame.index = static_cast<std::size_t>(i);
+      frame.time = 0.1 * i;
+      frame.stereo = hall.frame(frame.index, frame.time, onPath(i));
+      const auto update = perception->process(frame);
+      lost += update.camera.status == slam::TrackingStatus::kTracked ? 0 : 1;
+    }
+    perception->finish();
+    for (const auto& estimate : perception->trajectory()) {
+      const Pose truth = onPath(0).inverse() * onPath(static_cast<double>(estimate.frame));
+      const Eigen::Vector3d error = estimate.T_map_robot.translation() - truth.translation();
+      worst_m = std::max(worst_m, error.norm());
+    }
+  }
+
+  [[nodiscard]] std::string verdict() const { return perception->rectification().value_or(""); }
+};
+
+TEST(TurnedCameraTest, AnExactRigIsNotCorrected) {
+  TurnedDrive drive(Eigen::Vector3d::Zero());
+  drive.go(25);
+  EXPECT_EQ(drive.lost, 0U);
+  EXPECT_LT(drive.worst_m, 0.02);
+  EXPECT_NE(std::string::npos, drive.verdict().find("not significant")) << drive.verdict();
+  EXPECT_TRUE(drive.perception->warnings().empty());
+}
+
+TEST(TurnedCameraTest, ATurnIsCorrectedAndSaid) {
+  const char* const kAxes[] = {"pitch of", "yaw of", "roll of"};
+  for (int axis = 0; axis < 3; ++axis) {
+    Eigen::Vector3d turn_deg = Eigen::Vector3d::Zero();
+    turn_deg[axis] = 0.4;
+    TurnedDrive drive(turn_deg);
+    drive.go(axis == 1 ? 40 : 25);
+    EXPECT_EQ(drive.lost, 0U) << axis;
+    // Frames before the yaw is known are measured by a wrong scale: 0.48 m without correction.
+    EXPECT_LT(drive.worst_m, axis == 1 ? 0.2 : 0.04) << axis;
+    EXPECT_NE(std::string::npos, drive.verdict().find(", corrected (")) << drive.verdict();
+    EXPECT_NE(std::string::npos, drive.verdict().find(kAxes[axis])) << drive.verdict();
+  }
+}
+
+TEST(TurnedCameraTest, ADegreeIsRefusedWithItsAxis) {
+  const char* const kAxes[] = {"pitch", "yaw", "roll"};
+  for (int axis = 0; axis < 3; ++axis) {
+    Eigen::Vector3d turn_deg = Eigen::Vector3d::Zero();
+    turn_deg[axis] = -1.0;
+    TurnedDrive drive(turn_deg);
+    try {
+      drive.go(40);
+      FAIL() << kAxes[axis] << ": " << drive.verdict();
+    } catch (const InputError& error) {
+      const std::string text = error.what();
+      EXPECT_NE(std::string::npos, text.find(std::string("degrees in ") + kAxes[axis])) << text;
+    }
+  }
+}
+
+TEST(TurnedCameraTest, AStoredMapKeepsWhatIsKnownOfTheCamera) {
+  TurnedDrive first({0.0, 0.0, 0.4});
+  first.go(25);
+  TurnedDrive second({0.0, 0.0, 0.4});
+  second.perception->resume(first.perception->stored());
+  second.go(2);
+  EXPECT_NE(std::string::npos, second.verdict().find(", corrected (")) << second.verdict();
+  EXPECT_EQ(second.lost, 0U);
+}
+
+}  // namespace
+}  // namespace headway::pipeline
