@@ -5,10 +5,10 @@
 int main(int argc, char** argv) {
   return headway::program::run("headway-render", [&] {
     headway::render_program::Options options;
-    headway::program::CommandLine line(
-        "headway-render",
-        "Draws a finished replay: landmarks, the robot's path, boxes with ids, past paths and "
-        "predictions.");
+    headway::program::CommandLine line("headway-render",
+                                       "Draws a finished replay: the dense map, landmarks, the "
+                                       "robot's path, boxes with ids, past paths and "
+                                       "predictions.");
     headway::render_program::describe(options, line);
     if (!line.parse(argc, argv)) return headway::program::kDone;
     options.quiet = line.quiet();

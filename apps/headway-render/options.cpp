@@ -48,6 +48,8 @@ void describe(Options& options, program::CommandLine& line) {
   line.option(options.view, 0, "view", "follow|top|orbit|camera", "Viewpoint; default follow");
   line.option(options.size, 0, "size", "WxH",
               "Size of the picture or video [px]; default 1280x720");
+  line.option(options.theme, 0, "theme", "dark|light", "Colours of a picture, video or scene");
+  line.flag(options.without_dense, 0, "no-dense", "Leave out the dense map");
   line.option(options.truth, 0, "truth", "DIR",
               "Folder with trajectory.tum and objects.csv to draw as truth");
   line.flag(options.overwrite, 'w', "overwrite", "Overwrite an existing output");
@@ -60,6 +62,10 @@ void resolve(Options& options) {
     throw UsageError("--view: '" + options.view + "' is not one of follow, top, orbit, camera");
   }
   options.snapshot.view = *view;
+  const auto theme = scene::themeFrom(options.theme);
+  if (!theme) throw UsageError("--theme: '" + options.theme + "' is neither dark nor light");
+  options.snapshot.theme = *theme;
+  options.snapshot.dense = !options.without_dense;
   const auto x = options.size.find('x');
   options.snapshot.width = parseSide(options.size.substr(0, x), options.size);
   options.snapshot.height =

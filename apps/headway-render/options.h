@@ -19,12 +19,14 @@ struct Options {
   std::optional<std::size_t> from_index, to_index;  ///< of a video; empty: all frames
   std::string view = "follow";
   std::string size = "1280x720";
+  std::string theme = "dark";
+  bool without_dense = false;
   std::string truth;  ///< folder of the truth, or empty
   bool overwrite = false;
   bool quiet = false;
 
   OutputKind kind = OutputKind::kPicture;  ///< from the extension of the output
-  scene::SnapshotOptions snapshot;         ///< from view and size
+  scene::SnapshotOptions snapshot;         ///< from view, size, theme and layers
 };
 
 /// Adds the options to a command line.

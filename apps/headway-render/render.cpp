@@ -81,7 +81,7 @@ void drawPicture(const Options& options, const FinishedReplay& replay, report::R
   if (options.kind == OutputKind::kScene) {
     Playback playback(replay, std::move(truth), replay.frames[position].frame,
                       [](const std::string&) {});  // a scene contains no image
-    scene::saveScene(options.output, playback.at(position));
+    scene::saveScene(options.output, playback.at(position), options.snapshot);
     return;
   }
   Playback playback(replay, std::move(truth), replay.frames[position].frame, note);

@@ -102,8 +102,7 @@ Replay::Replay(const Options& options, std::unique_ptr<FrameInput> input,
       writers_(folder_.path(), camera_,
                options.continuation ? &options.continuation->state.rows : nullptr),
       checkpoint_(folder_.path(), options.checkpoint_s),
-      snapshots_(folder_.path(), static_cast<int>(snapshotsOf(options)),
-                 [this](const std::string& text) { warn(text); }),
+      snapshots_(folder_.path(), static_cast<int>(snapshotsOf(options))),
       retrack_time_s_(perception_params.objects.lifecycle.retrack_time_s) {
   perception_->setLog([this](LogLevel level, const std::string& text) { log(level, text); });
   perception_->setTrajectoryLog(
@@ -181,6 +180,8 @@ void Replay::processFrame(const RecordedFrame& frame, double progress) {
   collectWarnings(frame.index, false);
   writers_.write(update);
   keepLostImage(frame, update);
+  const bool is_live = options_.realtime > 0.0;  // and fuses the dense map all the time
+  if (!is_live && snapshots_.isDue(progress)) perception_->updateDenseMap();
   snapshots_.add(*perception_, update, frame, progress);
   if (frame.stereo) {
     const auto& colour = frame.stereo->left_colour;

@@ -2,7 +2,6 @@
 #include "snapshots.h"
 
 #include <headway/program/picture_files.h>
-#include <headway/render/offscreen_renderer.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -13,10 +12,6 @@ namespace {
 constexpr std::size_t kMaxPathPoses = 20000;  // drawn
 
 }  // namespace
-
-Snapshots::Snapshots(std::filesystem::path folder, int count,
-                     std::function<void(const std::string&)> warn)
-    : folder_(std::move(folder)), count_(count), warn_(std::move(warn)) {}
 
 void Snapshots::continueRun(const std::vector<Stamped<Pose>>& path) {
   for (const auto& pose : path) addToPath(pose);
@@ -67,15 +62,9 @@ scene::SnapshotInput Snapshots::input(const pipeline::Perception& perception) co
 }
 
 void Snapshots::draw(const pipeline::Perception& perception) {
-  try {
-    if (renderer_ == nullptr) {
-      std::filesystem::create_directories(folder_ / "snapshots");
-      renderer_ = std::make_unique<scene::SnapshotRenderer>(scene::SnapshotOptions());
-    }
-  } catch (const render::RendererUnavailable& error) {
-    warn_(std::string("no pictures: ") + error.what());
-    count_ = 0;
-    return;
+  if (renderer_ == nullptr) {
+    std::filesystem::create_directories(folder_ / "snapshots");
+    renderer_ = std::make_unique<scene::SnapshotRenderer>(scene::SnapshotOptions());
   }
   char name[16];
   std::snprintf(name, sizeof name, "%06zu.png", last_->index);

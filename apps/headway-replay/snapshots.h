@@ -6,27 +6,28 @@
 #include <headway/scene/snapshot.h>
 
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace headway::replay {
 
 /// Draws pictures of the map, evenly spaced over the rawlog, and writes the final scene.
-///
-/// Without OpenGL it warns once and draws no pictures; the scene file is written nevertheless.
 class Snapshots {
  public:
-  Snapshots(std::filesystem::path folder, int count, std::function<void(const std::string&)> warn);
+  Snapshots(std::filesystem::path folder, int count) : folder_(std::move(folder)), count_(count) {}
 
   /// Continues a run: keeps its pictures, and draws the way so far.
   void continueRun(const std::vector<Stamped<Pose>>& path);
 
-  /// Stores the frame and draws a picture if one is due.
+  /// Whether a picture is due with the next frame.
   ///
   /// @param progress  ratio of the rawlog that is processed, 0 to 1
+  [[nodiscard]] bool isDue(double progress) const;
+
+  /// Stores the frame and draws a picture if one is due.
   void add(const pipeline::Perception& perception, const pipeline::PerceptionUpdate& update,
            const RecordedFrame& frame, double progress);
 
@@ -41,13 +42,11 @@ class Snapshots {
 
  private:
   void addToPath(const Stamped<Pose>& pose);
-  [[nodiscard]] bool isDue(double progress) const;
   [[nodiscard]] scene::SnapshotInput input(const pipeline::Perception& perception) const;
   void draw(const pipeline::Perception& perception);
 
   std::filesystem::path folder_;
   int count_;
-  std::function<void(const std::string&)> warn_;
   std::unique_ptr<scene::SnapshotRenderer> renderer_;  ///< created for the first picture
   std::vector<std::filesystem::path> written_;
   std::vector<Stamped<Pose>> path_;  ///< every path_step_-th tracked pose

@@ -6,6 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "drawn_picture.h"
 #include "example_street.h"
 #include "legend.h"
 #include "view.h"
@@ -13,34 +14,10 @@
 namespace headway::scene {
 namespace {
 
-constexpr int kWidth = 960, kHeight = 540;
-
-cv::Mat background() { return cv::Mat(kHeight, kWidth, CV_8UC3, plot::bgr(kBackgroundColour)); }
-
-/// Bounding rectangle of the pixels that differ from the background.
-cv::Rect changed(const cv::Mat& picture) {
-  cv::Mat difference, grey;
-  cv::absdiff(picture, background(), difference);
-  cv::cvtColor(difference, grey, cv::COLOR_BGR2GRAY);
-  return cv::boundingRect(grey);
-}
-
 int count(const cv::Mat& picture, Colour colour) {
   cv::Mat equal;
   cv::inRange(picture, plot::bgr(colour), plot::bgr(colour), equal);
   return cv::countNonZero(equal);
-}
-
-/// A view from 20 m behind the map's origin along +x.
-render::PinholeView forwardView() {
-  return render::makeView(kWidth, kHeight, 1.2, render::lookAt({-20, 0, 3}, {10, 0, 1}));
-}
-
-cv::Mat labelled(const std::vector<Track>& tracks) {
-  cv::Mat picture = background();
-  Canvas canvas(picture);
-  drawLabels(canvas, forwardView(), tracks, 1.0);
-  return picture;
 }
 
 TEST(ShownTracksTest, AreConfirmedOrCoasting) {
@@ -56,33 +33,6 @@ TEST(ShownTracksTest, AreConfirmedOrCoasting) {
   EXPECT_EQ(shown[1], &tracks[2]);
 }
 
-TEST(LabelsTest, AreAboveTheBox) {
-  const auto track = streetTrack(7, ObjectClass::kCar, {5, 0}, 0.0, 0.0);
-  const cv::Rect label = changed(labelled({track}));
-  ASSERT_FALSE(label.empty());
-  const auto top =
-      render::project(track.position + Eigen::Vector3d(0, 0, 0.5 * track.size.z()), forwardView());
-  ASSERT_TRUE(top);
-  EXPECT_LT(label.br().y, top->y());
-  EXPECT_NEAR(0.5 * (label.x + label.br().x), top->x(), 4.0);
-}
-
-TEST(LabelsTest, OfEqualPositionsDoNotOverlap) {
-  const auto near = streetTrack(1, ObjectClass::kCar, {5, 0}, 0.0, 0.0);
-  const auto far = streetTrack(2, ObjectClass::kCar, {5.5, 0}, 0.0, 0.0);
-  const cv::Rect one = changed(labelled({near}));
-  const cv::Rect both = changed(labelled({near, far}));
-  EXPECT_GE(both.height, 2 * one.height) << "the second label is above the first";
-}
-
-TEST(LabelsTest, AreOmittedForFarHiddenAndTentativeTracks) {
-  auto tentative = streetTrack(3, ObjectClass::kCar, {5, 0}, 0.0, 0.0);
-  tentative.status = TrackStatus::kTentative;
-  EXPECT_TRUE(changed(labelled({streetTrack(1, ObjectClass::kCar, {200, 0}, 0.0, 0.0),
-                                streetTrack(2, ObjectClass::kCar, {-60, 0}, 0.0, 0.0), tentative}))
-                  .empty());
-}
-
 TEST(BoxesTest, AreThinnerWhileCoasting) {
   const auto ink = [](TrackStatus status) {
     auto track = streetTrack(1, ObjectClass::kCar, {5, 0}, 0.0, 0.0);
@@ -95,6 +45,23 @@ TEST(BoxesTest, AreThinnerWhileCoasting) {
   };
   EXPECT_GT(ink(TrackStatus::kConfirmed), ink(TrackStatus::kCoasting));
   EXPECT_GT(ink(TrackStatus::kCoasting), 0.0);
+}
+
+TEST(BoxesTest, AreThinnerWhereTheMapHidesThem) {
+  const auto track = streetTrack(1, ObjectClass::kCar, {5, 0}, 0.0, 0.0);
+  const auto ink = [&](const Hides& hides) {
+    cv::Mat picture(1080, 1920, CV_8UC3, cv::Scalar(0, 0, 0));
+    Canvas canvas(picture);
+    const auto view = render::makeView(1920, 1080, 1.2, render::lookAt({-20, 0, 3}, {10, 0, 1}));
+    drawBoxes(canvas, view, {track}, hides);
+    return cv::sum(picture)[0];
+  };
+  const double shown = ink([](const Eigen::Vector3d&) { return false; });
+  const double half = ink([&](const Eigen::Vector3d& p) { return p.y() > track.position.y(); });
+  const double hidden = ink([](const Eigen::Vector3d&) { return true; });
+  EXPECT_GT(shown, 1.1 * half);
+  EXPECT_GT(half, 1.1 * hidden);
+  EXPECT_GT(hidden, 0.0);
 }
 
 TEST(CaptionTest, IsInTheTopLeftCorner) {
@@ -112,7 +79,8 @@ TEST(ScaleBarTest, HasItsTrueLength) {
   Canvas canvas(picture);
   drawScaleBar(canvas, 0.1);
   const int bar_row = kHeight - canvas.px(18) - canvas.px(4) / 2;
-  EXPECT_EQ(count(picture.row(bar_row), kTextColour), 100) << "10 m of at most 192 px = 19.2 m";
+  EXPECT_EQ(count(picture.row(bar_row), kDarkPalette.text), 100)
+      << "10 m of at most 192 px = 19.2 m";
 }
 
 TEST(InsetTest, RequiresImageAndCamera) {
@@ -161,7 +129,7 @@ TEST(LegendTest, ListsTheClassesThatOccur) {
   const cv::Mat picture = withLegend(legend, {map, 0, 0.0}, Legend::Layout::kColumn);
   EXPECT_GT(count(picture, colourOf(ObjectClass::kCyclist)), 20);
   EXPECT_GT(count(picture, kPredictionColour), 20);
-  EXPECT_GT(count(picture, kPathColour), 20);
+  EXPECT_GT(count(picture, kDarkPalette.path), 20);
   EXPECT_EQ(count(picture, colourOf(ObjectClass::kCar)), 0);
   EXPECT_EQ(count(picture, kTruthColour), 0);
 }

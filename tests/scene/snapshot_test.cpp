@@ -7,8 +7,8 @@
 
 #include <cstdlib>
 
-#include "canvas.h"
 #include "example_street.h"
+#include "palette.h"
 #include "view.h"
 
 namespace headway::scene {
@@ -143,22 +143,166 @@ TEST(SnapshotTest, OmitsTentativeTracks) {
   EXPECT_EQ(pixelsLike(drawn(input, View::kCamera), colourOf(ObjectClass::kCyclist)), 0);
 }
 
-TEST(SnapshotDeathTest, RequiresNoOpenGlForTheCameraViewAndSceneFiles) {
+TEST(SnapshotDeathTest, RequiresNoOpenGl) {
   ::testing::FLAGS_gtest_death_test_style = "threadsafe";
   EXPECT_EXIT(
       {
         setenv("__EGL_VENDOR_LIBRARY_DIRS", "/nonexistent", 1);
         const auto map = streetMap();
-        (void)drawn(streetInput(map), View::kCamera);
-        saveScene("/dev/null", streetInput(map));
-        try {
-          (void)drawn(streetInput(map), View::kTop);
-        } catch (const render::RendererUnavailable&) {
-          std::exit(7);
+        for (const View view : {View::kFollow, View::kTop, View::kOrbit, View::kCamera}) {
+          const cv::Mat picture = drawn(streetInput(map), view);
+          if (pixelsLike(picture, colourOf(ObjectClass::kCar)) < 100) std::exit(1);
         }
-        std::exit(0);
+        saveScene("/dev/null", streetInput(map));
+        std::exit(7);
       },
       ::testing::ExitedWithCode(7), "");
+}
+
+/// A wall of dense points across the street, red at the left and blue at the right, or grey.
+mrpt::maps::CColouredPointsMap::Ptr denseWall(float x, bool grey = false) {
+  auto wall = mrpt::maps::CColouredPointsMap::Create();
+  for (float y = -6.F; y <= 6.F; y += 0.1F) {
+    for (float z = 0.F; z <= 3.F; z += 0.1F) {
+      if (grey) {
+        wall->insertPointRGB(x, y, z, 0.4F, 0.4F, 0.4F);
+      } else {
+        wall->insertPointRGB(x, y, z, y > 0.F ? 0.9F : 0.1F, 0.1F, y > 0.F ? 0.1F : 0.9F);
+      }
+    }
+  }
+  return wall;
+}
+
+/// The mean colour around the projection of a place in a view, BGR.
+cv::Scalar colourAt(const cv::Mat& picture, const Eigen::Vector3d& place,
+                    const SnapshotInput& input, View view) {
+  SnapshotOptions options{picture.cols, picture.rows, view};
+  const auto pixel = render::project(place, externalView(options, input, groundHeight(input)));
+  return cv::mean(picture(cv::Rect(cvRound(pixel->x()) - 2, cvRound(pixel->y()) - 2, 5, 5)));
+}
+
+class DenseViewTest : public ::testing::TestWithParam<View> {
+ protected:
+  map::PerceptionMap map = streetMap();
+  const Eigen::Vector3d red_place{6.0, 3.0, 2.5}, blue_place{6.0, -3.0, 2.5};
+};
+
+TEST_P(DenseViewTest, ShowsTheDenseMapInItsColoursWhereItProjects) {
+  map.update(10.0, {});
+  map.update(denseWall(6.F));
+  auto input = streetInput(map);
+  input.image = cv::Mat();
+  const cv::Mat picture = drawn(input, GetParam(), 960, 540);
+  const auto red = colourAt(picture, red_place, input, GetParam());
+  const auto blue = colourAt(picture, blue_place, input, GetParam());
+  EXPECT_GT(red[2], 2.0 * red[0]);
+  EXPECT_GT(red[2], 80.0);
+  EXPECT_GT(blue[0], 2.0 * blue[2]);
+  EXPECT_GT(blue[0], 80.0);
+}
+
+TEST_P(DenseViewTest, CanLeaveItOut) {
+  map.update(denseWall(6.F));
+  const auto input = streetInput(map);
+  const auto draw = [&](bool dense) {
+    SnapshotOptions options{640, 360, GetParam()};
+    options.dense = dense;
+    return SnapshotRenderer(options).draw(input);
+  };
+  const cv::Mat without = drawn(streetInput(streetMap()), GetParam());
+  EXPECT_EQ(cv::norm(draw(false), without, cv::NORM_INF), 0.0);
+  EXPECT_GT(cv::norm(draw(true), without, cv::NORM_INF), 50.0);
+}
+
+TEST_P(DenseViewTest, IsDeterministic) {
+  map.update(denseWall(6.F));
+  const auto input = streetInput(map);
+  EXPECT_EQ(cv::norm(drawn(input, GetParam()), drawn(input, GetParam()), cv::NORM_INF), 0.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Views, DenseViewTest,
+                         ::testing::Values(View::kFollow, View::kTop, View::kOrbit));
+
+TEST(SnapshotTest, ObjectsBehindTheDenseMapAreFaint) {
+  map::PerceptionMap map;
+  map.update(10.0, {streetTrack(3, ObjectClass::kCyclist, {12.0, 1.0}, 0.4, 0.0)});
+  auto input = streetInput(map);
+  input.image = cv::Mat();
+  const auto ink = [&] {
+    return pixelsLike(drawn(input, View::kFollow, 1280, 720), colourOf(ObjectClass::kCyclist));
+  };
+  const int before = ink();
+  map.update(denseWall(8.F, true));
+  const int behind = ink();
+  EXPECT_LT(behind, before);
+  EXPECT_GT(behind, 20) << "of the legend, at least";
+}
+
+TEST(SnapshotTest, DrawsTheNewDenseMapAfterAChange) {
+  map::PerceptionMap map = streetMap();
+  map.update(10.0, {});
+  map.update(denseWall(6.F));
+  SnapshotOptions options{640, 360, View::kTop};
+  SnapshotRenderer renderer(options);
+  const cv::Mat first = renderer.draw(streetInput(map));
+  EXPECT_EQ(cv::norm(first, renderer.draw(streetInput(map)), cv::NORM_INF), 0.0);
+  map.update(denseWall(9.F));
+  EXPECT_GT(cv::norm(first, renderer.draw(streetInput(map)), cv::NORM_INF), 50.0);
+}
+
+TEST(SnapshotTest, LandmarksAreVisibleOnDenseSurfaces) {
+  map::PerceptionMap map;
+  map.update(denseWall(6.F));
+  map.update(slam::MapView{{{LandmarkId{1}, {6.0, 3.0, 1.0}, 4, 255}}, {}});
+  auto input = streetInput(map);
+  input.image = cv::Mat();
+  const auto colour =
+      colourAt(drawn(input, View::kFollow, 1280, 720), {6.0, 3.0, 1.0}, input, View::kFollow);
+  EXPECT_GT(colour[0], 60.0) << "bluish on the red wall";
+}
+
+TEST(ThemeTest, HasNames) {
+  EXPECT_EQ(themeFrom("dark"), Theme::kDark);
+  EXPECT_EQ(themeFrom("light"), Theme::kLight);
+  EXPECT_EQ(themeFrom("Light"), std::nullopt);
+}
+
+double luminance(Colour colour) {
+  return 0.299 * colour.red + 0.587 * colour.green + 0.114 * colour.blue;
+}
+
+TEST(ThemeTest, DarkIsDarkAndLightIsLight) {
+  const auto map = streetMap();
+  auto input = streetInput(map);
+  input.image = cv::Mat();
+  const auto brightness = [&](Theme theme, View view) {
+    SnapshotOptions options{640, 360, view};
+    options.theme = theme;
+    return cv::mean(SnapshotRenderer(options).draw(input))[1];
+  };
+  for (const View view : {View::kFollow, View::kTop, View::kOrbit}) {
+    EXPECT_LT(brightness(Theme::kDark, view), 70.0);
+    EXPECT_GT(brightness(Theme::kLight, view), 170.0);
+  }
+}
+
+/// Text and what is drawn on the ground differ from what they are drawn on by a sixth of the
+/// range or more, labels by more.
+TEST(ThemeTest, EverythingDiffersFromItsBackground) {
+  for (const auto* palette : {&kDarkPalette, &kLightPalette}) {
+    const double ground = luminance(palette->backdrop.ground), panel = luminance(palette->panel);
+    for (const Colour colour : {palette->path, palette->prediction, palette->truth,
+                                palette->occupied, palette->low, palette->high}) {
+      EXPECT_GT(std::abs(luminance(colour) - ground), 42.0);
+    }
+    EXPECT_GT(std::abs(luminance(palette->text) - panel), 128.0);
+    EXPECT_GT(std::abs(luminance(palette->dim_text) - panel), 100.0);
+    for (int i = 0; i < kObjectClassCount; ++i) {
+      const auto label = labelColour(static_cast<ObjectClass>(i), *palette);
+      EXPECT_GT(std::abs(luminance(label) - panel), 100.0) << i;
+    }
+  }
 }
 
 }  // namespace

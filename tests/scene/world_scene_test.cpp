@@ -4,13 +4,15 @@
 #include <gtest/gtest.h>
 #include <headway/core/error.h>
 #include <headway_test/folders.h>
+#include <mrpt/maps/CColouredPointsMap.h>
 #include <mrpt/opengl/CPointCloudColoured.h>
 #include <mrpt/opengl/CSetOfLines.h>
 #include <mrpt/opengl/CSetOfObjects.h>
 #include <mrpt/opengl/CTexturedPlane.h>
 
+#include <algorithm>
+
 #include "example_street.h"
-#include "view.h"
 
 namespace headway::scene {
 namespace {
@@ -36,7 +38,7 @@ TEST(WorldSceneTest, ContainsAllParts) {
   auto input = streetInput(map);
   input.true_path = input.path;
   input.true_objects = map.movingObjects().tracks();
-  auto scene = WorldScene(SceneUse::kFile, 2.f).build(input, 0.0);
+  auto scene = buildScene(input, {}, 0.0);
   for (const char* name : {"ground_grid", "landmarks", "camera_path", "true_path", "robot",
                            "moving_objects", "true_objects", "camera"}) {
     EXPECT_NE(scene.getByName(name), nullptr) << name;
@@ -49,98 +51,93 @@ TEST(WorldSceneTest, ContainsAllParts) {
   }
 }
 
-TEST(WorldSceneTest, PicturesOfTwoSizesShowTheSameLandmarks) {
-  const auto map = streetMap();
-  const auto input = streetInput(map);
-  const auto pointsAt = [&](int width, int height) {
-    SnapshotOptions options;
-    options.width = width;
-    options.height = height;
-    const auto view = externalView(options, input, 0.0);
-    auto scene = WorldScene(SceneUse::kPicture, 2.f).build(input, 0.0, &view);
-    return pointsIn(scene);
-  };
-  EXPECT_EQ(pointsAt(1280, 720), pointsAt(3840, 2160));
-}
-
 TEST(WorldSceneTest, ShowsTheOccupancyGridBelowEverythingElse) {
   auto map = streetMap();
   map.update(mrpt::maps::COccupancyGridMap2D::Create(-500.f, 500.f, -10.f, 20.f, 0.5f));
-  const auto input = streetInput(map);
-  const auto planeIn = [&](const render::PinholeView* view) {
-    auto scene = WorldScene(SceneUse::kPicture, 2.f).build(input, 0.0, view);
-    return std::dynamic_pointer_cast<mrpt::opengl::CTexturedPlane>(scene.getByName("occupancy"));
-  };
-  const SnapshotOptions options;
-  const auto view = externalView(options, input, 0.0);
-  const auto plane = planeIn(&view);
+  auto scene = buildScene(streetInput(map), {}, 0.0);
+  const auto plane =
+      std::dynamic_pointer_cast<mrpt::opengl::CTexturedPlane>(scene.getByName("occupancy"));
   ASSERT_NE(plane, nullptr);
   float x_min = 0.f, x_max = 0.f, y_min = 0.f, y_max = 0.f;
   plane->getPlaneCorners(x_min, x_max, y_min, y_max);
-  EXPECT_LT(x_max - x_min, 130.f) << "what a picture shows";
+  EXPECT_LT(x_max - x_min, 810.f) << "the surroundings";
   EXPECT_FLOAT_EQ(y_min, -10.f);
   EXPECT_FLOAT_EQ(y_max, 20.f);
   EXPECT_LT(plane->getPoseZ(), 0.0);
-  EXPECT_NE(planeIn(nullptr), nullptr);
 }
 
 TEST(WorldSceneTest, OmitsMissingParts) {
   const map::PerceptionMap map;
-  auto scene = WorldScene(SceneUse::kFile, 2.f).build(SnapshotInput{map, 0, 0.0}, 0.0);
+  auto scene = buildScene(SnapshotInput{map, 0, 0.0}, {}, 0.0);
   for (const char* name : {"camera_path", "true_path", "true_objects", "camera"}) {
     EXPECT_EQ(scene.getByName(name), nullptr) << name;
   }
 }
 
-TEST(WorldSceneTest, OmitsOutlinesAndLabelsForPictures) {
-  const auto map = streetMap();
-  auto scene = WorldScene(SceneUse::kPicture, 2.f).build(streetInput(map), 0.0);
-  EXPECT_EQ(scene.getByName("camera"), nullptr);
-  const auto moving = movingObjectsIn(scene);
-  EXPECT_NE(moving->getByName("faces"), nullptr);
-  EXPECT_EQ(moving->getByName("edges_Car"), nullptr);
-  EXPECT_EQ(moving->getByName("labels"), nullptr);
-}
-
-TEST(WorldSceneTest, RebuildsLandmarksOnlyForANewStaticMap) {
+TEST(WorldSceneTest, ContainsTheDenseMapUnlessLeftOut) {
   auto map = streetMap();
-  WorldScene world(SceneUse::kPicture, 2.f);
-  const auto firstCloud = [&] {
-    auto scene = world.build(streetInput(map), 0.0);
-    return *landmarksIn(scene)->begin();
-  };
-  const auto first = firstCloud();
-  map.update(11.0, {});
-  EXPECT_EQ(firstCloud(), first);
-  map.update(slam::MapView(*map.staticMap()));
-  EXPECT_NE(firstCloud(), first);
+  EXPECT_EQ(buildScene(streetInput(map), {}, 0.0).getByName("dense"), nullptr);
+  auto dense = mrpt::maps::CColouredPointsMap::Create();
+  for (int i = 0; i < 50; ++i) dense->insertPointRGB(0.1F * float(i), 1.F, 2.F, 1.F, 0.F, 0.F);
+  map.update(dense);
+  auto scene = buildScene(streetInput(map), {}, 0.0);
+  const auto cloud =
+      std::dynamic_pointer_cast<mrpt::opengl::CPointCloudColoured>(scene.getByName("dense"));
+  ASSERT_NE(cloud, nullptr);
+  EXPECT_EQ(cloud->size(), 50u);
+  EXPECT_GT(cloud->getPointColor(7).R, 2 * cloud->getPointColor(7).G);
+  SnapshotOptions without;
+  without.dense = false;
+  EXPECT_EQ(buildScene(streetInput(map), without, 0.0).getByName("dense"), nullptr);
 }
 
-TEST(WorldSceneTest, ContainsAllNearVisibleLandmarksAndASampleOfTheOthers) {
+TEST(WorldSceneTest, IsViewedFromBehindTheRobot) {
   const auto map = streetMap();
-  const auto view =
-      render::makeView(640, 360, 1.0, render::lookAt({0.0, 0.0, 2.0}, {30.0, 0.0, 1.0}));
-  auto scene = WorldScene(SceneUse::kPicture, 2.f).build(streetInput(map), 0.0, &view);
-  std::set<std::tuple<float, float, float>> drawn;
-  for (const auto& object : *landmarksIn(scene)) {
-    const auto cloud = std::dynamic_pointer_cast<mrpt::opengl::CPointCloudColoured>(object);
-    for (std::size_t i = 0; i < cloud->size(); ++i) {
-      const auto p = cloud->getPoint3Df(i);
-      drawn.insert({p.x, p.y, p.z});
-    }
-  }
-  EXPECT_LT(drawn.size(), map.landmarks().size());
-  std::size_t near = 0;
-  for (const auto& landmark : map.staticMap()->landmarks) {
-    const auto pixel = render::project(landmark.position, view);
-    const bool in_picture = pixel && pixel->x() > 0 && pixel->x() < 640 && pixel->y() > 0 &&
-                            pixel->y() < 360 && landmark.position.x() < 59.0;
-    if (!in_picture) continue;
-    const Eigen::Vector3f p = landmark.position.cast<float>();
-    EXPECT_EQ(drawn.count({p.x(), p.y(), p.z()}), 1u);
-    ++near;
-  }
-  EXPECT_GT(near, 500u);
+  auto input = streetInput(map);
+  input.T_map_robot = Pose(Eigen::Translation3d(300, -200, 0) *
+                           Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitZ()));
+  const test::TemporaryFolder folder;
+  saveScene(folder / "scene.3Dscene", input);
+  mrpt::opengl::COpenGLScene scene;
+  ASSERT_TRUE(scene.loadFromFile(folder / "scene.3Dscene"));
+  EXPECT_TRUE(scene.followCamera()) << "or else SceneViewer3D ignores the camera";
+  const auto& camera = scene.getViewport()->getCamera();
+  const Eigen::Vector3d target(camera.getPointingAtX(), camera.getPointingAtY(),
+                               camera.getPointingAtZ());
+  EXPECT_LT((target - input.T_map_robot.translation()).norm(), 10.0);
+  const double azimuth = mrpt::DEG2RAD(double(camera.getAzimuthDegrees()));
+  EXPECT_LT(std::sin(azimuth), -0.8) << "behind a robot that faces +y";
+  EXPECT_GT(camera.getElevationDegrees(), 10.F);
+  EXPECT_GT(camera.getZoomDistance(), 5.F);
+  EXPECT_LT(camera.getZoomDistance(), 100.F);
+}
+
+TEST(PictureTrianglesTest, AreThePathsTheRobotAndWhatMoves) {
+  const auto map = streetMap();
+  auto input = streetInput(map);
+  const auto count = [&](const SnapshotInput& shown) {
+    return pictureTriangles(shown, kLightPalette, 0.0).size();
+  };
+  const auto all = count(input);
+  input.path.clear();
+  const auto without_path = count(input);
+  EXPECT_LT(without_path, all);
+  const map::PerceptionMap empty;
+  EXPECT_EQ(count(SnapshotInput{empty, 0, 0.0}), 2u) << "the robot's wedge";
+  EXPECT_GT(without_path, 7u * 10u) << "faces of seven objects";
+}
+
+TEST(PictureTrianglesTest, PredictionsHaveTheThemesColour) {
+  const auto map = streetMap();
+  const auto green = [&](const Palette& palette) {
+    const auto triangles = pictureTriangles(streetInput(map), palette, 0.0);
+    return std::count_if(triangles.begin(), triangles.end(), [&](const auto& triangle) {
+      return triangle.colour.green == palette.prediction.green &&
+             triangle.colour.red == palette.prediction.red;
+    });
+  };
+  EXPECT_GT(green(kDarkPalette), 100);
+  EXPECT_EQ(green(kLightPalette), green(kDarkPalette));
 }
 
 TEST(SaveSceneTest, WritesAFileThatMrptReads) {

@@ -88,7 +88,7 @@ void CMovingObjectsMap::serializeFrom(CArchive& in, std::uint8_t serial_version)
 
 void CMovingObjectsMap::getVisualizationInto(mrpt::opengl::CSetOfObjects& out) const {
   if (!genericMapParams.enableSaveAs3DObject) return;
-  map::insertTrackVisual(tracks_, insertionOptions, line_scale, out);
+  map::insertTrackVisual(tracks_, insertionOptions, line_scale, prediction_colour, out);
 }
 
 void CMovingObjectsMap::saveMetricMapRepresentationToFile(const std::string& prefix) const {

@@ -83,18 +83,18 @@ void appendTrail(const Track& track, double scale, mrpt::opengl::CSetOfTriangles
       [](double along) { return 40.0 + 190.0 * along; }, out);
 }
 
-void appendDashes(const Track& track, const PredictedPath& prediction, double scale,
+void appendDashes(const Track& track, const PredictedPath& prediction, double scale, Colour colour,
                   mrpt::opengl::CSetOfTriangles& out) {
   const auto path = raised(groundPath(track, prediction), kPredictionHeight);
   const double opacity = 90.0 + 165.0 * prediction.probability;
   for (const auto& dash : dashesOf(path, scale * kDashM, scale * kGapM)) {
-    appendRibbon(dash, 1.2 * bandWidth(track, scale), kPredictionColour, opacity, out);
+    appendRibbon(dash, 1.2 * bandWidth(track, scale), colour, opacity, out);
   }
 }
 
 /// A band of one standard deviation to each side, across the path.
 void appendUncertainty(const Track& track, const PredictedPath& prediction, double scale,
-                       mrpt::opengl::CSetOfTriangles& out) {
+                       Colour colour, mrpt::opengl::CSetOfTriangles& out) {
   const auto path = raised(groundPath(track, prediction), kUncertaintyHeight);
   HalfWidths half_widths{0.5 * bandWidth(track, scale)};
   for (std::size_t i = 1; i < path.size(); ++i) {
@@ -106,7 +106,7 @@ void appendUncertainty(const Track& track, const PredictedPath& prediction, doub
   }
   const double probability = prediction.probability;
   appendRibbon(
-      path, half_widths, kPredictionColour,
+      path, half_widths, colour,
       [probability](double along) { return probability * (44.0 - 34.0 * along); }, out);
 }
 
@@ -138,7 +138,7 @@ std::vector<const Track*> shownTracks(const std::vector<Track>& tracks, bool sho
 }
 
 void insertPaths(const std::vector<const Track*>& tracks,
-                 const CMovingObjectsMap::TInsertionOptions& options, double scale,
+                 const CMovingObjectsMap::TInsertionOptions& options, double scale, Colour colour,
                  mrpt::opengl::CSetOfObjects& out) {
   auto uncertainty = newTriangles("uncertainty");
   auto predictions = newTriangles("predictions");
@@ -151,8 +151,9 @@ void insertPaths(const std::vector<const Track*>& tracks,
           lengthOf(groundPath(*track, prediction)) < kShortestPathM) {
         continue;
       }
-      if (options.show_uncertainty) appendUncertainty(*track, prediction, scale, *uncertainty);
-      if (options.show_predictions) appendDashes(*track, prediction, scale, *predictions);
+      if (options.show_uncertainty)
+        appendUncertainty(*track, prediction, scale, colour, *uncertainty);
+      if (options.show_predictions) appendDashes(*track, prediction, scale, colour, *predictions);
     }
   }
   out.insert(uncertainty);
@@ -180,10 +181,10 @@ void insertEdges(const std::vector<const Track*>& tracks, mrpt::opengl::CSetOfOb
 
 void insertTrackVisual(const std::vector<Track>& tracks,
                        const CMovingObjectsMap::TInsertionOptions& options, double scale,
-                       mrpt::opengl::CSetOfObjects& out) {
+                       Colour prediction_colour, mrpt::opengl::CSetOfObjects& out) {
   const auto shown = shownTracks(tracks, options.show_tentative);
   if (shown.empty()) return;
-  insertPaths(shown, options, scale, out);
+  insertPaths(shown, options, scale, prediction_colour, out);
   auto faces = newTriangles("faces");
   for (const Track* track : shown) appendFaces(*track, *faces);
   out.insert(faces);

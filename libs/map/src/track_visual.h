@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <headway/core/class_colour.h>
 #include <headway/map/moving_objects_map.h>
 
 namespace mrpt::opengl {
@@ -13,9 +14,10 @@ namespace headway::map {
 /// depends on the number of objects: `uncertainty`, `predictions`, `trails`, `faces`,
 /// `edges_<class>`, `labels`.
 ///
-/// @param scale  of widths of paths and lengths of dashes; 1 for streets
+/// @param scale              of widths of paths and lengths of dashes; 1 for streets
+/// @param prediction_colour  of predicted paths and their uncertainty
 void insertTrackVisual(const std::vector<Track>& tracks,
                        const CMovingObjectsMap::TInsertionOptions& options, double scale,
-                       mrpt::opengl::CSetOfObjects& out);
+                       Colour prediction_colour, mrpt::opengl::CSetOfObjects& out);
 
 }  // namespace headway::map

@@ -12,6 +12,7 @@ namespace {
 
 constexpr int kFont = cv::FONT_HERSHEY_DUPLEX;
 constexpr double kCapitalHeight = 21.0;  ///< of the font at scale 1 [px]
+constexpr double kStroke = 0.06;         ///< ratio of the capitals' height
 constexpr int kSubpixelBits = 4;
 
 cv::Point subpixel(const Eigen::Vector2d& point) {
@@ -20,8 +21,9 @@ cv::Point subpixel(const Eigen::Vector2d& point) {
           static_cast<int>(std::lround(point.y() * factor))};
 }
 
+/// In proportion to the text, so that it is as legible in a large picture as in a small one.
 int thicknessOf(double font_scale) {
-  return std::max(1, static_cast<int>(std::lround(font_scale)));
+  return std::max(1, static_cast<int>(std::lround(kStroke * font_scale * kCapitalHeight)));
 }
 
 }  // namespace
@@ -30,7 +32,8 @@ double pixelsPerPoint(const cv::Size& picture) {
   return std::max(0.5, std::min(picture.height / 720.0, picture.width / 960.0));
 }
 
-Canvas::Canvas(cv::Mat& picture) : picture_(picture), scale_(pixelsPerPoint(picture.size())) {}
+Canvas::Canvas(cv::Mat& picture, const Palette& palette)
+    : picture_(picture), palette_(palette), scale_(pixelsPerPoint(picture.size())) {}
 
 int Canvas::px(double points) const {
   return std::max(1, static_cast<int>(std::lround(points * scale_)));
@@ -46,7 +49,7 @@ void Canvas::text(const std::string& text, cv::Point at, double points, Colour c
   const double font_scale = points * scale_ / kCapitalHeight;
   const int thickness = thicknessOf(font_scale);
   if (halo) {
-    cv::putText(picture_, text, at, kFont, font_scale, cv::Scalar(20, 14, 10), thickness + 2,
+    cv::putText(picture_, text, at, kFont, font_scale, plot::bgr(palette_.panel), thickness + px(2),
                 cv::LINE_AA);
   }
   cv::putText(picture_, text, at, kFont, font_scale, plot::bgr(colour), thickness, cv::LINE_AA);
@@ -57,7 +60,7 @@ void Canvas::panel(cv::Rect rect, double opacity) {
   if (rect.empty()) return;
   cv::Mat background = picture_(rect);
   background.convertTo(background, -1, 1.0 - opacity, 0.0);
-  background += cv::Scalar(26, 19, 14) * opacity;
+  background += plot::bgr(palette_.panel) * opacity;
 }
 
 void Canvas::line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double points,

@@ -16,7 +16,8 @@ constexpr double kGap = 10.0;  ///< between swatch and text
 
 }  // namespace
 
-std::vector<Legend::Entry> Legend::entries(const SnapshotInput& input, Layout layout) {
+std::vector<Legend::Entry> Legend::entries(const SnapshotInput& input, Layout layout,
+                                           const Palette& palette) {
   for (const Track* track : shownTracks(input.map.movingObjects().tracks())) {
     seen_[static_cast<std::size_t>(track->object_class)] = true;
   }
@@ -25,16 +26,16 @@ std::vector<Legend::Entry> Legend::entries(const SnapshotInput& input, Layout la
     const auto object_class = static_cast<ObjectClass>(i);
     if (seen_[i]) result.push_back({std::string(toString(object_class)), colourOf(object_class)});
   }
-  if (!result.empty()) result.push_back({"prediction, 3 s", kPredictionColour, true});
+  if (!result.empty()) result.push_back({"prediction, 3 s", palette.prediction, true});
   if (layout == Layout::kColumn) {
-    result.push_back({"robot", kPathColour});
+    result.push_back({"robot", palette.path});
     if (input.map.staticGrid() != nullptr) {
-      result.push_back({"free ground", kFreeColour});
-      result.push_back({"obstacle", kOccupiedColour});
+      result.push_back({"free ground", palette.free});
+      result.push_back({"obstacle", palette.occupied});
     }
   }
   if (!input.true_path.empty() || !input.true_objects.empty()) {
-    result.push_back({"truth", kTruthColour});
+    result.push_back({"truth", palette.truth});
   }
   return result;
 }
@@ -48,12 +49,12 @@ void Legend::drawEntry(Canvas& canvas, const Entry& entry, cv::Point left_middle
                   entry.colour);
   }
   canvas.text(entry.text, {left_middle.x + swatch + canvas.px(kGap), left_middle.y + canvas.px(5)},
-              kEntryPoints, kTextColour);
+              kEntryPoints, canvas.palette().text);
 }
 
-void Legend::draw(Canvas& canvas, const SnapshotInput& input, Layout layout) {
-  const auto shown = entries(input, layout);
-  if (shown.empty()) return;
+cv::Rect Legend::draw(Canvas& canvas, const SnapshotInput& input, Layout layout) {
+  const auto shown = entries(input, layout, canvas.palette());
+  if (shown.empty()) return {};
   std::vector<int> widths;
   int total = 0;
   for (const auto& entry : shown) {
@@ -66,8 +67,9 @@ void Legend::draw(Canvas& canvas, const SnapshotInput& input, Layout layout) {
   const int height = canvas.px(kRowHeight) * (row ? 1 : static_cast<int>(shown.size()));
   const int width = row ? total : *std::max_element(widths.begin(), widths.end());
   cv::Point at(margin, canvas.size().height - margin - height);
-  canvas.panel(
-      {at.x - canvas.px(8), at.y - canvas.px(6), width + canvas.px(12), height + canvas.px(12)});
+  const cv::Rect panel(at.x - canvas.px(8), at.y - canvas.px(6), width + canvas.px(12),
+                       height + canvas.px(12));
+  canvas.panel(panel);
   at.y += canvas.px(kRowHeight) / 2;
   for (std::size_t i = 0; i < shown.size(); ++i) {
     drawEntry(canvas, shown[i], at);
@@ -77,6 +79,7 @@ void Legend::draw(Canvas& canvas, const SnapshotInput& input, Layout layout) {
       at.y += canvas.px(kRowHeight);
     }
   }
+  return panel;
 }
 
 }  // namespace headway::scene

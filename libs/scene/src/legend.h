@@ -19,7 +19,8 @@ class Legend {
     kColumn,  ///< vertically in the bottom left corner
     kRow,     ///< horizontally at the bottom
   };
-  void draw(Canvas& canvas, const SnapshotInput& input, Layout layout);
+  /// @return the place that it takes [px]; empty without entries
+  cv::Rect draw(Canvas& canvas, const SnapshotInput& input, Layout layout);
 
  private:
   struct Entry {
@@ -27,7 +28,8 @@ class Legend {
     Colour colour;
     bool dashed = false;
   };
-  [[nodiscard]] std::vector<Entry> entries(const SnapshotInput& input, Layout layout);
+  [[nodiscard]] std::vector<Entry> entries(const SnapshotInput& input, Layout layout,
+                                           const Palette& palette);
   static void drawEntry(Canvas& canvas, const Entry& entry, cv::Point left_middle);
 
   std::array<bool, kObjectClassCount> seen_{};

@@ -3,12 +3,12 @@
 
 #include <headway/scene/snapshot.h>
 
+#include <functional>
 #include <vector>
 
 #include "canvas.h"
 
-// Drawing on the finished picture. Outlines and text are drawn here because OpenGL lines are one
-// pixel wide and its text is not antialiased.
+// Drawing on the finished picture: outlines and text, antialiased and in sizes of the picture.
 
 namespace headway::scene {
 
@@ -26,8 +26,15 @@ void drawTracksOver(Canvas& canvas, const render::PinholeView& view,
 void drawLandmarksOver(Canvas& canvas, const render::PinholeView& view,
                        const slam::MapView& static_map);
 
-/// Draws the edges of the shown tracks' boxes in class colours; thin while coasting.
-void drawBoxes(Canvas& canvas, const render::PinholeView& view, const std::vector<Track>& tracks);
+/// Whether the map hides a place [m, map frame].
+using Hides = std::function<bool(const Eigen::Vector3d&)>;
+
+/// Draws the edges of the shown tracks' boxes in class colours; thin while coasting and where the
+/// map hides them.
+///
+/// @param hides  empty: nothing is hidden
+void drawBoxes(Canvas& canvas, const render::PinholeView& view, const std::vector<Track>& tracks,
+               const Hides& hides = {});
 
 /// Draws the edges of the true boxes.
 void drawTrueBoxes(Canvas& canvas, const render::PinholeView& view,
@@ -37,23 +44,19 @@ void drawTrueBoxes(Canvas& canvas, const render::PinholeView& view,
 void drawFrustum(Canvas& canvas, const render::PinholeView& view, const StereoCamera& camera,
                  const Pose& T_map_robot, double scale);
 
-/// Writes class, id and speed above each box, nearest first; labels that would overlap others are
-/// omitted.
-void drawLabels(Canvas& canvas, const render::PinholeView& view, const std::vector<Track>& tracks,
-                double scale);
-
-/// Writes frame, elapsed time, speed and number of tracks in the top left corner.
-void drawCaption(Canvas& canvas, const SnapshotInput& input);
+/// Writes frame, elapsed time, speed and number of tracks in the top left corner; this and the
+/// following return the place that they take [px].
+cv::Rect drawCaption(Canvas& canvas, const SnapshotInput& input);
 
 /// Draws a scale bar in the bottom right corner, for the `top` view.
 ///
 /// @param metres_per_pixel  on the ground
-void drawScaleBar(Canvas& canvas, double metres_per_pixel);
+cv::Rect drawScaleBar(Canvas& canvas, double metres_per_pixel);
 
 /// Writes the grid spacing in the bottom right corner, for perspective views.
-void drawGridNote(Canvas& canvas, double spacing_m);
+cv::Rect drawGridNote(Canvas& canvas, double spacing_m);
 
 /// Draws the camera image with the tracks in the top right corner; no effect without an image.
-void drawInset(Canvas& canvas, const SnapshotInput& input);
+cv::Rect drawInset(Canvas& canvas, const SnapshotInput& input);
 
 }  // namespace headway::scene

@@ -4,9 +4,12 @@
 #include <headway/scene/snapshot.h>
 
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 #include "canvas.h"
+#include "labels.h"
 #include "legend.h"
+#include "map_picture.h"
 #include "overlay.h"
 #include "view.h"
 #include "world_scene.h"
@@ -14,18 +17,15 @@
 namespace headway::scene {
 namespace {
 
-cv::Mat emptyPicture(const SnapshotOptions& options) {
-  return cv::Mat(options.height, options.width, CV_8UC3, plot::bgr(kBackgroundColour));
-}
-
 /// The camera image with its overlays, fitted into the picture.
 cv::Mat drawThroughCamera(const SnapshotOptions& options, const SnapshotInput& input,
                           Legend& legend) {
-  cv::Mat picture = emptyPicture(options);
-  Canvas canvas(picture);
+  const Palette& palette = paletteOf(options.theme);
+  cv::Mat picture(options.height, options.width, CV_8UC3, plot::bgr(palette.backdrop.ground));
+  Canvas canvas(picture, palette);
   if (input.camera == nullptr) {
     canvas.text("no camera: the poses were recorded", {canvas.px(18), canvas.size().height / 2},
-                14.0, kTextColour);
+                14.0, palette.text);
     return picture;
   }
   const StereoCamera& camera = *input.camera;
@@ -38,17 +38,13 @@ cv::Mat drawThroughCamera(const SnapshotOptions& options, const SnapshotInput& i
   } else {
     canvas.image(input.image, rect);
   }
-  drawTracksOver(image, view, input.map.movingObjects().tracks(), sceneScale(input));
+  const auto& tracks = input.map.movingObjects().tracks();
+  drawTracksOver(image, view, tracks, sceneScale(input));
   drawTrueBoxes(image, view, input.true_objects);
-  drawLabels(image, view, input.map.movingObjects().tracks(), sceneScale(input));
-  drawCaption(canvas, input);
-  legend.draw(canvas, input, Legend::Layout::kRow);
+  const cv::Rect caption = drawCaption(canvas, input);
+  const cv::Rect colours = legend.draw(canvas, input, Legend::Layout::kRow);
+  drawLabels(image, view, tracks, sceneScale(input), {caption - rect.tl(), colours - rect.tl()});
   return picture;
-}
-
-/// Width of a landmark's dot in the rendered picture, before it is reduced [px].
-float renderedDot(const SnapshotOptions& options) {
-  return static_cast<float>(landmarkWidth({options.width, options.height}) * options.supersampling);
 }
 
 }  // namespace
@@ -61,42 +57,44 @@ std::optional<View> viewFrom(std::string_view name) {
   return std::nullopt;
 }
 
+std::optional<Theme> themeFrom(std::string_view name) {
+  if (name == "dark") return Theme::kDark;
+  if (name == "light") return Theme::kLight;
+  return std::nullopt;
+}
+
 class SnapshotRenderer::Implementation {
  public:
-  explicit Implementation(const SnapshotOptions& options)
-      : options_(options), world_(SceneUse::kPicture, renderedDot(options)) {
-    if (options.view == View::kCamera) return;
-    renderer_.emplace(options.width, options.height, options.supersampling);
-  }
+  explicit Implementation(const SnapshotOptions& options) : options_(options), map_(options) {}
 
   cv::Mat draw(const SnapshotInput& input) {
     if (options_.view == View::kCamera) return drawThroughCamera(options_, input, legend_);
     const double ground_z = groundHeight(input);
     const double scale = sceneScale(input);
     const auto view = externalView(options_, input, ground_z);
-    cv::Mat picture = renderer_->draw(world_.build(input, ground_z, &view), view);
-    Canvas canvas(picture);
-    drawBoxes(canvas, view, input.map.movingObjects().tracks());
+    const auto& tracks = input.map.movingObjects().tracks();
+    cv::Mat picture = map_.draw(input, view, ground_z);
+    Canvas canvas(picture, paletteOf(options_.theme));
+    drawBoxes(canvas, view, tracks,
+              [&](const Eigen::Vector3d& place) { return map_.hides(place); });
     drawTrueBoxes(canvas, view, input.true_objects);
     if (input.camera != nullptr) drawFrustum(canvas, view, *input.camera, input.T_map_robot, scale);
-    drawLabels(canvas, view, input.map.movingObjects().tracks(), scale);
-    drawInset(canvas, input);
-    drawCaption(canvas, input);
-    legend_.draw(canvas, input, Legend::Layout::kColumn);
+    std::vector<cv::Rect> panels{drawInset(canvas, input), drawCaption(canvas, input),
+                                 legend_.draw(canvas, input, Legend::Layout::kColumn)};
     if (options_.view == View::kTop) {
       const double height = view.T_map_camera.translation().z() - ground_z;
-      drawScaleBar(canvas, height / view.fx);
+      panels.push_back(drawScaleBar(canvas, height / view.fx));
     } else {
-      drawGridNote(canvas, gridSpacing(scale));
+      panels.push_back(drawGridNote(canvas, gridSpacing(scale)));
     }
+    drawLabels(canvas, view, tracks, scale, panels);
     return picture;
   }
 
  private:
   SnapshotOptions options_;
-  WorldScene world_;
+  MapPicture map_;
   Legend legend_;
-  std::optional<render::OffscreenRenderer> renderer_;
 };
 
 SnapshotRenderer::SnapshotRenderer(const SnapshotOptions& options)
@@ -107,9 +105,9 @@ SnapshotRenderer& SnapshotRenderer::operator=(SnapshotRenderer&&) noexcept = def
 
 cv::Mat SnapshotRenderer::draw(const SnapshotInput& input) { return implementation_->draw(input); }
 
-void saveScene(const std::string& path, const SnapshotInput& input) {
-  WorldScene world(SceneUse::kFile, 2.f);
-  auto scene = world.build(input, groundHeight(input));
+void saveScene(const std::string& path, const SnapshotInput& input,
+               const SnapshotOptions& options) {
+  auto scene = buildScene(input, options, groundHeight(input));
   map::writeObject(path, scene);
 }
 

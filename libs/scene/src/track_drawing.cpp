@@ -16,6 +16,8 @@ constexpr double kPathOpacity = 0.88;
 constexpr double kDashLengthM = 0.8;
 constexpr double kDashGapM = 0.5;
 constexpr double kMinPathLengthM = 0.5;
+constexpr double kHiddenEdge = 0.6;  ///< of a box, behind the map [points]
+constexpr int kEdgeParts = 8;        ///< that are hidden or not
 
 /// Narrower at close range, where a band would hide what it passes.
 double bandWidth(const Track& track, double scale) {
@@ -92,11 +94,17 @@ void drawSegment(Canvas& canvas, const render::PinholeView& view, const Eigen::V
 }
 
 void drawEdges(Canvas& canvas, const render::PinholeView& view, const Track& track, double points,
-               Colour colour) {
+               Colour colour, const Hides& hides = {}) {
   const auto corners = map::boxCorners(track);
+  const int parts = hides ? kEdgeParts : 1;
   for (const auto& [a, b] : map::kBoxEdges) {
-    drawSegment(canvas, view, corners[static_cast<std::size_t>(a)],
-                corners[static_cast<std::size_t>(b)], points, colour);
+    const Eigen::Vector3d& from = corners[static_cast<std::size_t>(a)];
+    const Eigen::Vector3d step = (corners[static_cast<std::size_t>(b)] - from) / parts;
+    for (int i = 0; i < parts; ++i) {
+      const bool hidden = hides && hides(from + (i + 0.5) * step);
+      drawSegment(canvas, view, from + i * step, from + (i + 1) * step,
+                  hidden ? kHiddenEdge : points, colour);
+    }
   }
 }
 
@@ -115,7 +123,7 @@ void drawTracksOver(Canvas& canvas, const render::PinholeView& view,
   const auto shown = shownTracks(tracks);
   blended(canvas, kFillOpacity, [&](Canvas& layer) {
     forEachPath(shown, [&](const Track& track, const PredictedPath& prediction, const auto& path) {
-      drawBand(layer, view, path, oneSigma(track, prediction, scale), kPredictionColour);
+      drawBand(layer, view, path, oneSigma(track, prediction, scale), layer.palette().prediction);
     });
     for (const Track* track : shown) drawFrontFace(layer, view, *track);
   });
@@ -128,7 +136,7 @@ void drawTracksOver(Canvas& canvas, const render::PinholeView& view,
     }
     forEachPath(shown, [&](const Track& track, const PredictedPath&, const auto& path) {
       for (const auto& dash : map::dashesOf(path, scale * kDashLengthM, scale * kDashGapM)) {
-        drawBand(layer, view, dash, 1.2 * bandWidth(track, scale), kPredictionColour);
+        drawBand(layer, view, dash, 1.2 * bandWidth(track, scale), layer.palette().prediction);
       }
     });
   });
@@ -147,22 +155,23 @@ void drawLandmarksOver(Canvas& canvas, const render::PinholeView& view,
   }
 }
 
-void drawBoxes(Canvas& canvas, const render::PinholeView& view, const std::vector<Track>& tracks) {
+void drawBoxes(Canvas& canvas, const render::PinholeView& view, const std::vector<Track>& tracks,
+               const Hides& hides) {
   for (const Track* track : shownTracks(tracks)) {
     drawEdges(canvas, view, *track, track->status == TrackStatus::kConfirmed ? 1.8 : 1.0,
-              colourOf(track->object_class));
+              colourOf(track->object_class), hides);
   }
 }
 
 void drawTrueBoxes(Canvas& canvas, const render::PinholeView& view,
                    const std::vector<Track>& objects) {
-  for (const auto& object : objects) drawEdges(canvas, view, object, 1.0, kTruthColour);
+  for (const auto& object : objects) drawEdges(canvas, view, object, 1.0, canvas.palette().truth);
 }
 
 void drawFrustum(Canvas& canvas, const render::PinholeView& view, const StereoCamera& camera,
                  const Pose& T_map_robot, double scale) {
   for (const auto& [from, to] : frustumEdges(camera, T_map_robot, scale)) {
-    drawSegment(canvas, view, from, to, 1.6, kPathColour);
+    drawSegment(canvas, view, from, to, 1.6, canvas.palette().path);
   }
 }
 

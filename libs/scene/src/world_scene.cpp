@@ -16,7 +16,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "canvas.h"
+#include "ground_drawing.h"
+#include "map_points.h"
 #include "view.h"
 
 namespace headway::scene {
@@ -25,19 +26,17 @@ namespace {
 using mrpt::opengl::CSetOfLines;
 using mrpt::opengl::CSetOfTriangles;
 
-constexpr double kGridExtentLines = 15.0;  // to each side of the robot
-constexpr double kPathWidthM = 0.25;       // at scale 1, as the following
+constexpr double kPathWidthM = 0.25;  // at scale 1, as the following
 constexpr double kPathSpacingM = 0.3;
-constexpr double kWholeMapM = 400.0;        // around the robot, in files
-constexpr double kOccupancyRadiusM = 60.0;  // around the robot, in pictures
-
-// Cells of the occupancy grid that are shown, and their opacity.
-constexpr float kFreeAbove = 0.6F;
-constexpr float kOccupiedBelow = 0.4F;
-constexpr std::uint8_t kFreeOpacity = 110, kOccupiedOpacity = 235;
+constexpr double kWholeMapM = 400.0;      // of the occupancy grid around the robot
+constexpr double kSceneAheadM = 6.0;      // of the robot, what the file's camera looks at
+constexpr double kSceneDistanceM = 45.0;  // of the file's camera from that
+constexpr double kSceneAsideDegrees = 25.0;
+constexpr float kSceneElevationDegrees = 30.F;
+constexpr float kPointSize = 2.F;  // [px]
 
 std::shared_ptr<mrpt::opengl::CGridPlaneXY> makeGrid(const Eigen::Vector3d& centre, double ground_z,
-                                                     double spacing) {
+                                                     double spacing, const Palette& palette) {
   const double extent = kGridExtentLines * spacing;
   const double x = spacing * std::round(centre.x() / spacing);
   const double y = spacing * std::round(centre.y() / spacing);
@@ -46,7 +45,7 @@ std::shared_ptr<mrpt::opengl::CGridPlaneXY> makeGrid(const Eigen::Vector3d& cent
       static_cast<float>(y - extent), static_cast<float>(y + extent), static_cast<float>(ground_z),
       static_cast<float>(spacing));
   grid->setName("ground_grid");
-  grid->setColor_u8(kGridColour.red, kGridColour.green, kGridColour.blue);
+  grid->setColor_u8(palette.grid.red, palette.grid.green, palette.grid.blue);
   setDrawOrder(DrawOrder::kGrid, *grid);
   return grid;
 }
@@ -75,7 +74,8 @@ std::shared_ptr<CSetOfTriangles> makePath(const std::string& name,
 }
 
 /// A wedge on the ground under the robot, pointing forward.
-std::shared_ptr<CSetOfTriangles> makeRobot(const Pose& T_map_robot, double ground_z, double scale) {
+std::shared_ptr<CSetOfTriangles> makeRobot(const Pose& T_map_robot, double ground_z, double scale,
+                                           const Palette& palette) {
   Eigen::Vector3d foot = T_map_robot.translation();
   foot.z() = ground_z + 0.04;
   const double yaw = yawOf(T_map_robot);
@@ -85,51 +85,25 @@ std::shared_ptr<CSetOfTriangles> makeRobot(const Pose& T_map_robot, double groun
   wedge->enableLight(false);
   map::appendRibbon(
       {foot - 0.6 * scale * forward, foot + 0.9 * scale * forward},
-      map::HalfWidths{0.5 * scale, 0.0}, kPathColour, [](double) { return 255.0; }, *wedge);
+      map::HalfWidths{0.5 * scale, 0.0}, palette.path, [](double) { return 255.0; }, *wedge);
   setDrawOrder(DrawOrder::kRobot, *wedge);
   return wedge;
 }
 
-/// @param free    probability of the cell to be free
-/// @param colour  one pixel, BGR
-void paintCell(float free, std::uint8_t* colour, std::uint8_t* opacity) {
-  const bool occupied = free < kOccupiedBelow;
-  const Colour shown = occupied ? kOccupiedColour : kFreeColour;
-  colour[0] = shown.blue;
-  colour[1] = shown.green;
-  colour[2] = shown.red;
-  *opacity = occupied ? kOccupiedOpacity : free > kFreeAbove ? kFreeOpacity : 0;
-}
-
 /// Free and occupied cells as a picture on the ground; null without cells in the area.
 std::shared_ptr<mrpt::opengl::CTexturedPlane> makeOccupancy(
-    const mrpt::maps::COccupancyGridMap2D& grid, const Eigen::Vector3d& centre, double radius,
-    double ground_z) {
-  const auto cells = [&](double metres) { return static_cast<int>(std::floor(metres)); };
-  const double size = static_cast<double>(grid.getResolution());
-  const double x_min = static_cast<double>(grid.getXMin());
-  const double y_min = static_cast<double>(grid.getYMin());
-  const int left = std::max(0, cells((centre.x() - radius - x_min) / size));
-  const int bottom = std::max(0, cells((centre.y() - radius - y_min) / size));
-  const int right =
-      std::min(static_cast<int>(grid.getSizeX()), cells((centre.x() + radius - x_min) / size) + 1);
-  const int top =
-      std::min(static_cast<int>(grid.getSizeY()), cells((centre.y() + radius - y_min) / size) + 1);
-  if (left >= right || bottom >= top) return nullptr;
-  mrpt::img::CImage colours(right - left, top - bottom, mrpt::img::CH_RGB);
-  mrpt::img::CImage opacity(right - left, top - bottom, mrpt::img::CH_GRAY);
-  for (int y = bottom; y < top; ++y) {
-    const auto row = static_cast<unsigned>(y - bottom);  // the texture's first row is at y_min
-    auto* colour = colours.ptrLine<std::uint8_t>(row);
-    auto* alpha = opacity.ptrLine<std::uint8_t>(row);
-    for (int x = left; x < right; ++x, colour += 3, ++alpha) {
-      paintCell(grid.getCell(x, y), colour, alpha);
-    }
-  }
-  const auto edge = [&](double from, int cell) { return static_cast<float>(from + size * cell); };
-  auto plane = mrpt::opengl::CTexturedPlane::Create(edge(x_min, left), edge(x_min, right),
-                                                    edge(y_min, bottom), edge(y_min, top));
-  plane->assignImage(std::move(colours), std::move(opacity));
+    const mrpt::maps::COccupancyGridMap2D& grid, const Eigen::Vector3d& centre, double ground_z,
+    const Palette& palette) {
+  const auto cells = occupancyAround(grid, centre, kWholeMapM, palette);
+  if (cells.colours.empty()) return nullptr;
+  const auto edge = [&](double from, int count) {
+    return static_cast<float>(from + cells.cell_m * count);
+  };
+  auto plane = mrpt::opengl::CTexturedPlane::Create(
+      edge(cells.x_min, 0), edge(cells.x_min, cells.colours.cols), edge(cells.y_min, 0),
+      edge(cells.y_min, cells.colours.rows));
+  plane->assignImage(mrpt::img::CImage(cells.colours, mrpt::img::DEEP_COPY),
+                     mrpt::img::CImage(cells.opacity, mrpt::img::DEEP_COPY));
   plane->setName("occupancy");
   plane->setLocation(0.0, 0.0, ground_z);
   plane->mrpt::opengl::CRenderizableShaderTexturedTriangles::enableLight(false);
@@ -142,17 +116,17 @@ void appendLine(const Eigen::Vector3d& from, const Eigen::Vector3d& to, CSetOfLi
 }
 
 std::shared_ptr<CSetOfLines> makeFrustum(const StereoCamera& camera, const Pose& T_map_robot,
-                                         double scale) {
+                                         double scale, Colour colour) {
   auto lines = CSetOfLines::Create();
   for (const auto& [from, to] : frustumEdges(camera, T_map_robot, scale))
     appendLine(from, to, *lines);
   lines->setName("camera");
-  lines->setColor_u8(kPathColour.red, kPathColour.green, kPathColour.blue);
+  lines->setColor_u8(colour.red, colour.green, colour.blue);
   lines->setLineWidth(2.f);
   return lines;
 }
 
-std::shared_ptr<CSetOfLines> makeTrueObjects(const std::vector<Track>& objects) {
+std::shared_ptr<CSetOfLines> makeTrueObjects(const std::vector<Track>& objects, Colour colour) {
   auto lines = CSetOfLines::Create();
   for (const auto& object : objects) {
     const auto corners = map::boxCorners(object);
@@ -162,43 +136,113 @@ std::shared_ptr<CSetOfLines> makeTrueObjects(const std::vector<Track>& objects) 
     }
   }
   lines->setName("true_objects");
-  lines->setColor_u8(kTruthColour.red, kTruthColour.green, kTruthColour.blue);
+  lines->setColor_u8(colour.red, colour.green, colour.blue);
   return lines;
 }
 
-std::shared_ptr<mrpt::opengl::CSetOfObjects> makeMovingObjects(const CMovingObjectsMap& layer,
-                                                               SceneUse use, double scale) {
+mrpt::opengl::CSetOfObjects visualOf(const CMovingObjectsMap& layer, double scale,
+                                     const Palette& palette, bool with_labels) {
   CMovingObjectsMap shown = layer;
   shown.line_scale = scale;
-  if (use == SceneUse::kPicture) shown.insertionOptions.show_labels = false;
+  shown.prediction_colour = palette.prediction;
+  shown.insertionOptions.show_labels = with_labels;
   mrpt::opengl::CSetOfObjects all;
   shown.getVisualizationInto(all);
+  return all;
+}
+
+std::shared_ptr<mrpt::opengl::CSetOfObjects> makeMovingObjects(const CMovingObjectsMap& layer,
+                                                               double scale,
+                                                               const Palette& palette) {
   auto objects = mrpt::opengl::CSetOfObjects::Create();
   objects->setName("moving_objects");
   int order = 0;
-  for (const auto& object : all) {
-    const bool outline = std::dynamic_pointer_cast<CSetOfLines>(object) != nullptr;
-    if (outline && use == SceneUse::kPicture) continue;
+  for (const auto& object : visualOf(layer, scale, palette, true)) {
     setDrawOrder(DrawOrder::kMovingObjects, *object, order++);
     objects->insert(object);
   }
   return objects;
 }
 
-/// The points of the dense map, each as wide as a landmark's dot.
-mrpt::opengl::CPointCloudColoured::Ptr makeDense(const mrpt::maps::CColouredPointsMap& points) {
+std::shared_ptr<mrpt::opengl::CPointCloudColoured> makeCloud(
+    const std::vector<render::PaintedPoint>& points) {
   auto cloud = mrpt::opengl::CPointCloudColoured::Create();
-  cloud->setName("dense");
-  cloud->loadFromPointsMap(&points);
-  cloud->setPointSize(2.f);
+  cloud->setName("points");
+  cloud->setPointSize(kPointSize);
+  cloud->enableVariablePointSize(false);
+  for (const auto& point : points) {
+    const auto& p = point.position;
+    const auto& c = point.colour;
+    cloud->insertPoint({p.x(), p.y(), p.z(), c.red, c.green, c.blue, std::uint8_t{255}});
+  }
   setDrawOrder(DrawOrder::kLandmarks, *cloud);
   return cloud;
 }
 
-void setBackground(mrpt::opengl::COpenGLScene& scene) {
-  scene.getViewport()->setCustomBackgroundColor({mrpt::u8tof(kBackgroundColour.red),
-                                                 mrpt::u8tof(kBackgroundColour.green),
-                                                 mrpt::u8tof(kBackgroundColour.blue), 1.f});
+std::shared_ptr<mrpt::opengl::CSetOfObjects> makeLandmarks(const SnapshotInput& input,
+                                                           double ground_z,
+                                                           const Palette& palette) {
+  auto landmarks = mrpt::opengl::CSetOfObjects::Create();
+  landmarks->setName("landmarks");
+  landmarks->insert(
+      makeCloud(landmarkPoints(*input.map.staticMap(), ground_z, sceneScale(input), palette)));
+  return landmarks;
+}
+
+/// SceneViewer3D takes the viewpoint from a file that says so, and opens others at the origin.
+void setCamera(const SnapshotInput& input, double ground_z, mrpt::opengl::COpenGLScene& scene) {
+  const double scale = sceneScale(input);
+  const double yaw = yawOf(input.T_map_robot);
+  Eigen::Vector3d target = input.T_map_robot.translation();
+  target += kSceneAheadM * scale * Eigen::Vector3d(std::cos(yaw), std::sin(yaw), 0.0);
+  auto viewport = scene.getViewport();
+  viewport->setViewportClipDistances(0.1F, 2000.F);
+  auto& camera = viewport->getCamera();
+  camera.setPointingAt(mrpt::math::TPoint3D(target.x(), target.y(), ground_z));
+  camera.setZoomDistance(static_cast<float>(kSceneDistanceM * scale));
+  camera.setAzimuthDegrees(static_cast<float>(mrpt::RAD2DEG(yaw) + 180.0 + kSceneAsideDegrees));
+  camera.setElevationDegrees(kSceneElevationDegrees);
+  scene.enableFollowCamera(true);
+}
+
+void setBackground(Colour colour, mrpt::opengl::COpenGLScene& scene) {
+  scene.getViewport()->setCustomBackgroundColor(
+      {mrpt::u8tof(colour.red), mrpt::u8tof(colour.green), mrpt::u8tof(colour.blue), 1.f});
+}
+
+/// Paths and robot, in the order in which they are drawn.
+std::vector<std::shared_ptr<CSetOfTriangles>> groundTriangles(const SnapshotInput& input,
+                                                              double ground_z,
+                                                              const Palette& palette) {
+  const double scale = sceneScale(input);
+  const double width = kPathWidthM * scale;
+  const double spacing = kPathSpacingM * scale;
+  const double drop = input.T_map_robot.translation().z() - ground_z - 0.02;
+  std::vector<std::shared_ptr<CSetOfTriangles>> result;
+  if (!input.true_path.empty()) {
+    result.push_back(makePath("true_path", input.true_path, drop, 2.2 * width, spacing,
+                              palette.truth, DrawOrder::kTruth));
+  }
+  if (!input.path.empty()) {
+    result.push_back(makePath("camera_path", input.path, drop - 0.01, width, spacing, palette.path,
+                              DrawOrder::kPath));
+  }
+  result.push_back(makeRobot(input.T_map_robot, ground_z, scale, palette));
+  return result;
+}
+
+void append(const CSetOfTriangles& triangles, std::vector<render::PaintedTriangle>& out) {
+  for (std::size_t i = 0; i < triangles.getTrianglesCount(); ++i) {
+    mrpt::opengl::TTriangle triangle;
+    triangles.getTriangle(i, triangle);
+    render::PaintedTriangle painted;
+    painted.colour = {triangle.r(0), triangle.g(0), triangle.b(0)};
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      painted.corners[corner] = {triangle.x(corner), triangle.y(corner), triangle.z(corner)};
+      painted.opacity[corner] = mrpt::u8tof(triangle.a(corner));
+    }
+    out.push_back(painted);
+  }
 }
 
 }  // namespace
@@ -208,45 +252,49 @@ void setDrawOrder(DrawOrder order, mrpt::opengl::CRenderizable& object, int offs
   object.setLocalRepresentativePoint({0.f, 0.f, -8000.f + 500.f * static_cast<float>(rank)});
 }
 
-mrpt::opengl::COpenGLScene WorldScene::build(const SnapshotInput& input, double ground_z,
-                                             const render::PinholeView* view) {
-  landmarks_.update(input.map.staticMap(), ground_z, sceneScale(input), point_size_);
-  auto landmarks = mrpt::opengl::CSetOfObjects::Create();
-  landmarks->setName("landmarks");
-  if (view != nullptr) {
-    landmarks_.insertVisible(*view, *landmarks);
-  } else {
-    landmarks_.insertAll(*landmarks);
-  }
+mrpt::opengl::COpenGLScene buildScene(const SnapshotInput& input, const SnapshotOptions& options,
+                                      double ground_z) {
+  const Palette& palette = paletteOf(options.theme);
   const Eigen::Vector3d position = input.T_map_robot.translation();
-  const double drop = position.z() - ground_z - 0.02;
-  mrpt::opengl::COpenGLScene scene;
-  setBackground(scene);
   const double scale = sceneScale(input);
-  const double path_width = kPathWidthM * scale;
-  const double spacing = kPathSpacingM * scale;
+  mrpt::opengl::COpenGLScene scene;
+  setBackground(palette.backdrop.ground, scene);
+  setCamera(input, ground_z, scene);
   if (const auto grid = input.map.staticGrid()) {
-    const double radius = view != nullptr ? kOccupancyRadiusM * std::max(0.5, scale) : kWholeMapM;
-    const auto plane = makeOccupancy(*grid, position, radius, ground_z - 0.01);
-    if (plane) scene.insert(plane);
+    if (const auto plane = makeOccupancy(*grid, position, ground_z - 0.01, palette)) {
+      scene.insert(plane);
+    }
   }
-  scene.insert(makeGrid(position, ground_z, gridSpacing(scale)));
-  scene.insert(landmarks);
-  if (!input.true_path.empty()) {
-    scene.insert(makePath("true_path", input.true_path, drop, 2.2 * path_width, spacing,
-                          kTruthColour, DrawOrder::kTruth));
+  scene.insert(makeGrid(position, ground_z, gridSpacing(scale), palette));
+  if (options.dense && input.map.dense() != nullptr) {
+    auto cloud = makeCloud(densePoints(*input.map.dense(), palette));
+    cloud->setName("dense");
+    scene.insert(cloud);
   }
-  if (!input.path.empty()) {
-    scene.insert(makePath("camera_path", input.path, drop - 0.01, path_width, spacing, kPathColour,
-                          DrawOrder::kPath));
+  scene.insert(makeLandmarks(input, ground_z, palette));
+  for (const auto& triangles : groundTriangles(input, ground_z, palette)) scene.insert(triangles);
+  scene.insert(makeMovingObjects(input.map.movingObjects(), scale, palette));
+  if (!input.true_objects.empty()) {
+    scene.insert(makeTrueObjects(input.true_objects, palette.truth));
   }
-  scene.insert(makeRobot(input.T_map_robot, ground_z, scale));
-  scene.insert(makeMovingObjects(input.map.movingObjects(), use_, scale));
-  if (use_ == SceneUse::kPicture) return scene;
-  if (const auto dense = input.map.dense()) scene.insert(makeDense(*dense));
-  if (!input.true_objects.empty()) scene.insert(makeTrueObjects(input.true_objects));
-  if (input.camera != nullptr) scene.insert(makeFrustum(*input.camera, input.T_map_robot, scale));
+  if (input.camera != nullptr) {
+    scene.insert(makeFrustum(*input.camera, input.T_map_robot, scale, palette.path));
+  }
   return scene;
+}
+
+std::vector<render::PaintedTriangle> pictureTriangles(const SnapshotInput& input,
+                                                      const Palette& palette, double ground_z) {
+  std::vector<render::PaintedTriangle> result;
+  for (const auto& triangles : groundTriangles(input, ground_z, palette)) {
+    append(*triangles, result);
+  }
+  for (const auto& object :
+       visualOf(input.map.movingObjects(), sceneScale(input), palette, false)) {
+    const auto triangles = std::dynamic_pointer_cast<CSetOfTriangles>(object);
+    if (triangles != nullptr) append(*triangles, result);
+  }
+  return result;
 }
 
 }  // namespace headway::scene

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <headway/core/class_colour.h>
 #include <headway/core/track.h>
 #include <mrpt/maps/CMetricMap.h>
 
@@ -38,6 +39,7 @@ class CMovingObjectsMap : public mrpt::maps::CMetricMap {
   /// Of the widths of paths and the lengths of dashes in a visualisation; 1 for streets. Not
   /// stored.
   double line_scale = 1.0;
+  Colour prediction_colour = kPredictionColour;  ///< in a visualisation; not stored
 
   CMovingObjectsMap() = default;
 

@@ -4,7 +4,6 @@
 #include <headway/core/stereo_camera.h>
 #include <headway/core/track.h>
 #include <headway/map/perception_map.h>
-#include <headway/render/offscreen_renderer.h>
 
 #include <memory>
 #include <opencv2/core/mat.hpp>
@@ -26,12 +25,20 @@ enum class View {
 /// View of the name "follow", "top", "orbit" or "camera"; nullopt for other names.
 [[nodiscard]] std::optional<View> viewFrom(std::string_view name);
 
-/// What a picture of the map shows.
+/// Colours of a picture.
+enum class Theme { kDark, kLight };
+
+/// Theme of the name "dark" or "light"; nullopt for other names.
+[[nodiscard]] std::optional<Theme> themeFrom(std::string_view name);
+
+/// What a picture or scene of the map shows.
 struct SnapshotOptions {
   int width = 1280;  ///< [px]
   int height = 720;  ///< [px]
   View view = View::kFollow;
   int supersampling = 2;  ///< 1: fastest, 2: antialiased edges
+  Theme theme = Theme::kDark;
+  bool dense = true;  ///< show the dense map, if there is one
 };
 
 /// Map and recording at one frame.
@@ -47,17 +54,17 @@ struct SnapshotInput {
   std::vector<Track> true_objects = {};             ///< at this time; empty without truth
 };
 
-/// Renders the map as a picture: landmarks, camera path, labelled boxes in class colours, past
-/// paths, predictions as green dashes, legend, scale, time and the camera image.
+/// Renders the map as a picture: dense map, landmarks, camera path, labelled boxes in class
+/// colours, past paths, predictions as green dashes, legend, scale, time and the camera image.
+/// Requires neither a display nor OpenGL; the same input gives the same bytes.
 ///
-/// To be used only in the thread that created it, as OffscreenRenderer.
+/// Labels cover neither each other nor boxes; those that find no place are left out.
 ///
 ///     SnapshotRenderer snapshots({1280, 720, View::kFollow});
 ///     cv::Mat picture = snapshots.draw({map, frame.index, frame.time, T_map_robot, camera,
 ///                                     image});
 class SnapshotRenderer {
  public:
-  /// @throws render::RendererUnavailable if there is no OpenGL (never for the `camera` view)
   explicit SnapshotRenderer(const SnapshotOptions& options);
   ~SnapshotRenderer();
   SnapshotRenderer(SnapshotRenderer&&) noexcept;
@@ -71,9 +78,12 @@ class SnapshotRenderer {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// Writes the map as a `.3Dscene` file for MRPT's SceneViewer3D. Requires no OpenGL.
+/// Writes the map as a `.3Dscene` file for MRPT's SceneViewer3D, which opens it from behind the
+/// robot. Requires no OpenGL.
 ///
+/// @param options  theme and layers
 /// @throws InputError if the file cannot be written
-void saveScene(const std::string& path, const SnapshotInput& input);
+void saveScene(const std::string& path, const SnapshotInput& input,
+               const SnapshotOptions& options = {});
 
 }  // namespace headway::scene

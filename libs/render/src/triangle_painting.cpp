@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <headway/render/painter.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace headway::render {
+namespace {
+
+constexpr float kHiddenOpacity = 0.25F;  // factor
+
+/// A corner in camera coordinates.
+struct Placed {
+  Eigen::Vector3f point;  ///< [m]
+  float opacity;
+};
+
+/// The part of a triangle that is farther away than `near_m`: 0, 3 or 4 corners.
+std::size_t clipped(const std::array<Placed, 3>& triangle, float near_m,
+                    std::array<Placed, 4>& polygon) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Placed& from = triangle[i];
+    const Placed& to = triangle[(i + 1) % 3];
+    const bool from_visible = from.point.z() >= near_m;
+    if (from_visible) polygon[count++] = from;
+    if (from_visible == (to.point.z() >= near_m)) continue;
+    const float ratio = (near_m - from.point.z()) / (to.point.z() - from.point.z());
+    polygon[count++] = {from.point + ratio * (to.point - from.point),
+                        from.opacity + ratio * (to.opacity - from.opacity)};
+  }
+  return count;
+}
+
+/// @param opacity  0 to 256
+std::uint8_t blended(int below, int above, int opacity) {
+  return static_cast<std::uint8_t>(below + (((above - below) * opacity) >> 8));
+}
+
+}  // namespace
+
+void Painter::paint(const std::vector<PaintedTriangle>& triangles, double margin_m) {
+  const Pose T_camera_map = view_.T_map_camera.inverse();
+  const Eigen::Matrix3f R = T_camera_map.linear().cast<float>();
+  const Eigen::Vector3f t = T_camera_map.translation().cast<float>();
+  const auto near_m = static_cast<float>(view_.near_m);
+  for (const auto& triangle : triangles) {
+    std::array<Placed, 3> placed;
+    for (std::size_t i = 0; i < 3; ++i) {
+      placed[i] = {R * triangle.corners[i] + t, triangle.opacity[i]};
+    }
+    std::array<Placed, 4> visible;
+    const std::size_t count = clipped(placed, near_m, visible);
+    if (count < 3) continue;
+    std::array<Corner, 4> polygon;
+    for (std::size_t i = 0; i < count; ++i) {
+      const float inverse = 1.F / visible[i].point.z();
+      polygon[i] = {static_cast<float>(view_.fx) * visible[i].point.x() * inverse +
+                        static_cast<float>(view_.cx),
+                    static_cast<float>(view_.fy) * visible[i].point.y() * inverse +
+                        static_cast<float>(view_.cy),
+                    inverse, visible[i].opacity};
+    }
+    fill(polygon, count, triangle.colour, static_cast<float>(margin_m));
+  }
+}
+
+/// Row by row between the crossings of the edges; a pixel on a common edge belongs to one of two
+/// adjacent polygons.
+void Painter::fill(const std::array<Corner, 4>& polygon, std::size_t corners, Colour colour,
+                   float margin_m) {
+  const auto by_v = [](const Corner& a, const Corner& b) { return a.v < b.v; };
+  const auto end = polygon.begin() + static_cast<std::ptrdiff_t>(corners);
+  const auto [top, bottom] = std::minmax_element(polygon.begin(), end, by_v);
+  const auto last = static_cast<float>(view_.height);
+  const int first_row = static_cast<int>(std::ceil(std::clamp(top->v, 0.F, last)));
+  const int end_row = static_cast<int>(std::ceil(std::clamp(bottom->v, 0.F, last)));
+  for (int row = first_row; row < end_row; ++row) {
+    const auto v = static_cast<float>(row);
+    std::array<Corner, 2> crossings;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < corners && count < 2; ++i) {
+      const Corner& a = polygon[i];
+      const Corner& b = polygon[(i + 1) % corners];
+      if ((a.v <= v) == (b.v <= v)) continue;
+      const float ratio = (v - a.v) / (b.v - a.v);
+      crossings[count++] = {a.u + ratio * (b.u - a.u), v,
+                            a.inverse_depth + ratio * (b.inverse_depth - a.inverse_depth),
+                            a.opacity + ratio * (b.opacity - a.opacity)};
+    }
+    if (count < 2) continue;
+    const bool ordered = crossings[0].u <= crossings[1].u;
+    fillRow(row, crossings[ordered ? 0 : 1], crossings[ordered ? 1 : 0], colour, margin_m);
+  }
+}
+
+void Painter::fillRow(int row, Corner left, Corner right, Colour colour, float margin_m) {
+  const auto width = static_cast<float>(view_.width);
+  const int first = static_cast<int>(std::ceil(std::clamp(left.u, 0.F, width)));
+  const int end = static_cast<int>(std::ceil(std::clamp(right.u, 0.F, width)));
+  if (first >= end) return;
+  const float step = 1.F / std::max(1e-6F, right.u - left.u);
+  const float inverse_step = step * (right.inverse_depth - left.inverse_depth);
+  const float opacity_step = step * (right.opacity - left.opacity);
+  const float offset = static_cast<float>(first) - left.u;
+  float inverse = left.inverse_depth + offset * inverse_step;
+  float opacity = left.opacity + offset * opacity_step;
+  const auto* depth = depths_.ptr<float>(row);
+  auto* pixel = colours_.ptr<cv::Vec3b>(row);
+  for (int column = first; column < end; ++column) {
+    const bool hidden = inverse * (depth[column] + margin_m) < 1.F;
+    const auto shown = static_cast<int>((hidden ? kHiddenOpacity : 1.F) * 256.F * opacity);
+    auto& bgr = pixel[column];
+    bgr = {blended(bgr[0], colour.blue, shown), blended(bgr[1], colour.green, shown),
+           blended(bgr[2], colour.red, shown)};
+    inverse += inverse_step;
+    opacity += opacity_step;
+  }
+}
+
+}  // namespace headway::render

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "point_cells.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <random>
+#include <utility>
+
+namespace headway::scene {
+namespace {
+
+constexpr std::size_t kSpacingSamples = 200;
+constexpr double kCoverings = 1.3;  ///< of each pixel by points of a sample
+constexpr float kClosing = 1.5F;  ///< ratio of a voxel to the distance of points in its neighbours
+
+/// Whether the bounding sphere of the box intersects the viewing frustum.
+///
+/// @param centre  of the box, in the camera's frame [m]
+bool mayBeVisible(const Eigen::Vector3d& centre, double radius, const render::PinholeView& view) {
+  if (centre.z() < view.near_m - radius || centre.z() > view.far_m + radius) return false;
+  const double tan_x = 0.5 * view.width / view.fx;
+  const double tan_y = 0.5 * view.height / view.fy;
+  return std::abs(centre.x()) <= centre.z() * tan_x + radius * std::sqrt(1.0 + tan_x * tan_x) &&
+         std::abs(centre.y()) <= centre.z() * tan_y + radius * std::sqrt(1.0 + tan_y * tan_y);
+}
+
+/// Number of points at random that close the projection of a box; infinite if a corner is behind
+/// the camera, or without a width in the world.
+double pointsToClose(const Eigen::AlignedBox3f& bounds, const render::PointStyle& style,
+                     const render::PinholeView& view) {
+  constexpr double kAll = std::numeric_limits<double>::infinity();
+  if (!(style.width_m > 0.F)) return kAll;
+  Eigen::AlignedBox2d covered;
+  double farthest = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d place =
+        bounds.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner)).cast<double>();
+    const auto pixel = render::project(place, view);
+    if (!pixel) return kAll;
+    covered.extend(*pixel);
+    farthest = std::max(farthest, (place - view.T_map_camera.translation()).norm());
+  }
+  const double width_px = std::max(static_cast<double>(style.min_px),
+                                   static_cast<double>(style.width_m) * view.fx / farthest);
+  return kCoverings * (covered.sizes() + Eigen::Vector2d::Ones() * width_px).prod() /
+         (width_px * width_px);
+}
+
+/// Puts points in a random order that is the same each time.
+void shuffle(std::vector<render::PaintedPoint>& points) {
+  std::mt19937 random(1);
+  for (std::size_t i = points.size(); i > 1; --i) std::swap(points[i - 1], points[random() % i]);
+}
+
+float nearestNeighbour(const std::vector<render::PaintedPoint>& points, std::size_t index) {
+  float nearest = std::numeric_limits<float>::infinity();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (i == index) continue;
+    nearest = std::min(nearest, (points[i].position - points[index].position).squaredNorm());
+  }
+  return std::sqrt(nearest);
+}
+
+}  // namespace
+
+PointCells::PointCells(const std::vector<render::PaintedPoint>& points, double cell_m) {
+  std::map<std::array<int, 3>, Cell> cells;
+  const auto side = static_cast<float>(cell_m);
+  for (const auto& point : points) {
+    const Eigen::Vector3f index = (point.position / side).array().floor();
+    auto& cell = cells[{static_cast<int>(index.x()), static_cast<int>(index.y()),
+                        static_cast<int>(index.z())}];
+    cell.bounds.extend(point.position);
+    cell.points.push_back(point);
+  }
+  for (auto& [index, cell] : cells) {
+    shuffle(cell.points);
+    cells_.push_back(std::move(cell));
+  }
+}
+
+void PointCells::paint(const render::PinholeView& view, const render::PointStyle& style,
+                       render::Painter& painter) const {
+  const Pose T_camera_map = view.T_map_camera.inverse();
+  std::vector<std::pair<double, const Cell*>> visible;  // by distance
+  for (const auto& cell : cells_) {
+    const Eigen::Vector3d centre = T_camera_map * cell.bounds.center().cast<double>();
+    const double radius = 0.5 * static_cast<double>(cell.bounds.diagonal().norm());
+    if (mayBeVisible(centre, radius, view)) visible.emplace_back(centre.norm(), &cell);
+  }
+  std::stable_sort(visible.begin(), visible.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (const auto& [distance, cell] : visible) {
+    const double enough = pointsToClose(cell->bounds, style, view);
+    const auto count = cell->points.size();
+    painter.paint(cell->points.data(),
+                  enough < static_cast<double>(count) ? static_cast<std::size_t>(enough) : count,
+                  style);
+  }
+}
+
+double PointCells::closingWidth() const {
+  std::size_t total = 0;
+  for (const auto& cell : cells_) total += cell.points.size();
+  const std::size_t step = std::max<std::size_t>(1, total / kSpacingSamples);
+  std::vector<float> distances;
+  std::size_t next = 0, passed = 0;
+  for (const auto& cell : cells_) {
+    for (; next < passed + cell.points.size(); next += step) {
+      if (cell.points.size() < 2) continue;
+      distances.push_back(nearestNeighbour(cell.points, next - passed));
+    }
+    passed += cell.points.size();
+  }
+  if (distances.empty()) return 0.0;
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return static_cast<double>(kClosing * *middle);
+}
+
+}  // namespace headway::scene
