@@ -116,8 +116,7 @@ class LoopCloser {
   FrameTracker tracker_;
   PlaceIndex index_;
   std::unique_ptr<Search> search_;
-  /// Last, because its work uses the other members.
-  WorkerThread worker_{WorkerThread::Priority::kBackground};
+  WorkerThread worker_;  ///< last, because its work uses the other members
 };
 
 }  // namespace headway::slam
