@@ -265,6 +265,7 @@ void Perception::finish() {
     if (const auto grid = grid_.grid()) map_.update(grid);
     dense_.follow(map_.staticMap()->keyframes);
   }
+  dense_.update(map_, times_);
   updateDenseMap();
 }
 
