@@ -53,7 +53,9 @@ struct TurnedDrive {
     }
   }
 
-  [[nodiscard]] std::string verdict() const { return perception->rectification().value_or(""); }
+  [[nodiscard]] std::string rectification() const {
+    return perception->rectification().value_or("");
+  }
 };
 
 TEST(TurnedCameraTest, AnExactRigIsNotCorrected) {
@@ -61,7 +63,8 @@ TEST(TurnedCameraTest, AnExactRigIsNotCorrected) {
   drive.go(25);
   EXPECT_EQ(drive.lost, 0U);
   EXPECT_LT(drive.worst_m, 0.02);
-  EXPECT_NE(std::string::npos, drive.verdict().find("not significant")) << drive.verdict();
+  EXPECT_NE(std::string::npos, drive.rectification().find("not significant"))
+      << drive.rectification();
   EXPECT_TRUE(drive.perception->warnings().empty());
 }
 
@@ -75,8 +78,9 @@ TEST(TurnedCameraTest, ATurnIsCorrectedAndSaid) {
     EXPECT_EQ(drive.lost, 0U) << axis;
     // Frames before the yaw is known are measured by a wrong scale: 0.48 m without correction.
     EXPECT_LT(drive.worst_m, axis == 1 ? 0.2 : 0.04) << axis;
-    EXPECT_NE(std::string::npos, drive.verdict().find(", corrected (")) << drive.verdict();
-    EXPECT_NE(std::string::npos, drive.verdict().find(kAxes[axis])) << drive.verdict();
+    EXPECT_NE(std::string::npos, drive.rectification().find(", corrected ("))
+        << drive.rectification();
+    EXPECT_NE(std::string::npos, drive.rectification().find(kAxes[axis])) << drive.rectification();
   }
 }
 
@@ -88,7 +92,7 @@ TEST(TurnedCameraTest, ADegreeIsRefusedWithItsAxis) {
     TurnedDrive drive(turn_deg);
     try {
       drive.go(40);
-      FAIL() << kAxes[axis] << ": " << drive.verdict();
+      FAIL() << kAxes[axis] << ": " << drive.rectification();
     } catch (const InputError& error) {
       const std::string text = error.what();
       EXPECT_NE(std::string::npos, text.find(std::string("degrees in ") + kAxes[axis])) << text;
@@ -102,7 +106,8 @@ TEST(TurnedCameraTest, AStoredMapKeepsWhatIsKnownOfTheCamera) {
   TurnedDrive second({0.0, 0.0, 0.4});
   second.perception->resume(first.perception->stored());
   second.go(2);
-  EXPECT_NE(std::string::npos, second.verdict().find(", corrected (")) << second.verdict();
+  EXPECT_NE(std::string::npos, second.rectification().find(", corrected ("))
+      << second.rectification();
   EXPECT_EQ(second.lost, 0U);
 }
 

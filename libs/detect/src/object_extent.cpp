@@ -156,6 +156,14 @@ double knownExtent(const std::vector<Cell>& cells, const Eigen::Vector3d& middle
   return std::max(knownAlong(front), knownAlong(side));
 }
 
+// Whether the image shows too little of something for an object that people or vehicles are: lower
+// than half of it may be hidden by something before it, but what the image's edge cuts off may be
+// larger.
+bool isTooLow(const Box2d& box, double depth, const StereoCamera& camera) {
+  if (box.top <= 1.0 || box.bottom >= camera.height - 2.0) return false;
+  return (box.bottom - box.top) * depth < kMinHeight * camera.fy;
+}
+
 // Most probable class of an object of this size and speed.
 ObjectClass classBySize(double extent, double height, const MeasuredVelocity& velocity) {
   const double speed = velocity.value.norm();
@@ -214,18 +222,6 @@ std::vector<ObjectCell> growObject(const std::vector<Eigen::Vector3d>& seeds,
                                    const StereoCamera& camera, const stereo::GroundPlane& ground) {
   return Growth(seeds, disparity, camera, ground).run();
 }
-
-namespace {
-
-// Whether the image shows too little of something for an object that people or vehicles are: lower
-// than half of it may be hidden by something before it, but what the image's edge cuts off may be
-// larger.
-bool isTooLow(const Box2d& box, double depth, const StereoCamera& camera) {
-  if (box.top <= 1.0 || box.bottom >= camera.height - 2.0) return false;
-  return (box.bottom - box.top) * depth < kMinHeight * camera.fy;
-}
-
-}  // namespace
 
 std::optional<ObjectExtent> extentOf(const std::vector<ObjectCell>& cells,
                                      const MeasuredVelocity& velocity,

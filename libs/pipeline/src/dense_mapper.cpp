@@ -84,8 +84,6 @@ void DenseMapper::applyFused(map::PerceptionMap& map, StageTimes& times) {
 }
 
 void DenseMapper::publish(map::PerceptionMap& map, StageTimes& times) {
-  // The pending scan is entered by update() alone, so that pictures on the way change nothing: its
-  // pose follows the keyframes of that time.
   if (fusing_.valid()) applyFused(map, times);
   if (!dense_.isOutdated()) return;
   const auto start = Clock::now();

@@ -153,21 +153,17 @@ bool Perception::hasGridTurn(const RecordedFrame& frame) {
 
 std::optional<stereo::FrameContext> Perception::contextOf(const RecordedFrame& frame) {
   if (!frame.stereo) return std::nullopt;
-  if (!repeated_ && right_turn_ != stereo_check_.turn()) {
-    undoRightTurn(stereo_check_.turn());
-    const Eigen::Vector3d degrees = right_turn_ * 180.0 / M_PI;
+  const Eigen::Vector3d& turn = stereo_check_.turn();
+  if (!repeated_ && front_end_.rightTurn().angles() != turn) {
+    front_end_.setRightTurn({turn, *camera_});
+    const Eigen::Vector3d degrees = turn * 180.0 / M_PI;
     log(LogLevel::kInfo, frame.index,
         formatted("right images are turned back by pitch %.3f, yaw %.3f, roll %.3f deg",
                   degrees.x(), degrees.y(), degrees.z()));
-    if (isLocalisedBySlam(frame)) slam_->turnRightCamera(right_turn_, !stereo_check_.hasMoved());
+    if (isLocalisedBySlam(frame)) slam_->turnRightCamera(turn, !stereo_check_.hasMoved());
     scale_check_.restart();
   }
   return front_end_.next(*frame.stereo, disparityOffset(frame));
-}
-
-void Perception::undoRightTurn(const Eigen::Vector3d& angles) {
-  right_turn_ = angles;
-  front_end_.setRightTurn({angles, *camera_});
 }
 
 bool Perception::isLocalisedBySlam(const RecordedFrame& frame) const {

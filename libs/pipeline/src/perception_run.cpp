@@ -143,7 +143,7 @@ void Perception::load(const map::StoredMap& stored) {
     throw InputError("it holds no landmarks that a camera could be localised by");
   }
   stereo_check_.assume(slam_->rightTurn());
-  undoRightTurn(slam_->rightTurn());
+  front_end_.setRightTurn({slam_->rightTurn(), *camera_});
   map_.update(slam_->map());
   const auto scans = stored.attachments.find(map::kGridAttachment);
   if (scans != stored.attachments.end()) {

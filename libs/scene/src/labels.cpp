@@ -37,14 +37,22 @@ std::vector<cv::Point> outlineOf(const Track& track, const render::PinholeView& 
   return outline;
 }
 
+struct ShownTrack {
+  const Track* track;
+  std::vector<cv::Point> outline;  ///< see outlineOf() [px]
+};
+
 /// The shown tracks in ascending distance from the viewpoint.
-std::vector<const Track*> nearestFirst(const std::vector<Track>& tracks,
-                                       const Eigen::Vector3d& viewpoint) {
+std::vector<ShownTrack> nearestFirst(const std::vector<Track>& tracks,
+                                     const render::PinholeView& view) {
+  const Eigen::Vector3d viewpoint = view.T_map_camera.translation();
   auto shown = shownTracks(tracks);
   std::stable_sort(shown.begin(), shown.end(), [&](const Track* a, const Track* b) {
     return (a->position - viewpoint).norm() < (b->position - viewpoint).norm();
   });
-  return shown;
+  std::vector<ShownTrack> result;
+  for (const Track* track : shown) result.push_back({track, outlineOf(*track, view)});
+  return result;
 }
 
 struct PlacedLabel {
@@ -107,12 +115,11 @@ std::vector<cv::Rect> drawLabels(Canvas& canvas, const render::PinholeView& view
   const Eigen::Vector3d viewpoint = view.T_map_camera.translation();
   LabelLayout layout(canvas.size());
   for (const auto& panel : panels) layout.occupy(panel);
-  const auto nearest = nearestFirst(tracks, viewpoint);
-  for (const Track* track : nearest) layout.occupy(outlineOf(*track, view));
+  const auto nearest = nearestFirst(tracks, view);
+  for (const auto& shown : nearest) layout.occupy(shown.outline);
   const int pad = canvas.px(4);
   std::vector<PlacedLabel> labels;
-  for (const Track* track : nearest) {
-    const auto outline = outlineOf(*track, view);
+  for (const auto& [track, outline] : nearest) {
     const double max_distance =
         kMaxLabelDistanceM * scale + std::abs(viewpoint.z() - track->position.z());
     if (outline.empty() || (track->position - viewpoint).norm() > max_distance) continue;

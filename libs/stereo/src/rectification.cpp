@@ -24,7 +24,7 @@ constexpr double kWalk = square(0.005 * kDegree) / 60;  // of each angle [rad^2/
 constexpr double kGate = 13.82;                         // chi-square, 2 degrees, 99.9 %
 constexpr int kRestart = 3;                             // frames in a row that contradict
 constexpr double kSignificance = 5.0;                   // standard deviations
-constexpr double kVisibleRows_px = 0.4;    // the noise of a disparity: less does not disturb matching
+constexpr double kVisibleRows_px = 0.4;  // the noise of a disparity: less does not disturb matching
 constexpr double kVisibleOffset_px = 1.5;   // of disparities: three sigmas of bundle adjustment's
 constexpr double kChangedOffset_px = 0.15;  // smaller changes of a correction are not applied,
 constexpr double kChangedRows_px = 0.1;     // likewise
@@ -250,12 +250,12 @@ std::string describe(const RectificationError& error, const StereoCamera& camera
     if (axis == kYaw ? !isVisible(error.disparities) : significant[axis] == 0.0) continue;
     axes += (axes.empty() ? "" : ", ") + std::string(kAxes[static_cast<std::size_t>(axis)]);
   }
-  const char* verdict = axes.empty() ? "" : corrected ? ", corrected" : ", not corrected";
+  const char* correction = axes.empty() ? "" : corrected ? ", corrected" : ", not corrected";
   const std::string text = formatted(
       "rectification off by %.2f +- %.2f px%s (vertical offset %+.2f +- %.2f px; pitch %.3f +- "
       "%.3f, roll %.3f +- %.3f deg%s): ",
-      error.rows_rms_px, error.rows_rms_sigma_px, verdict, error.offset_px, error.offset_sigma_px,
-      angles.x(), sigmas.x(), angles.z(), sigmas.z(), disparities.c_str());
+      error.rows_rms_px, error.rows_rms_sigma_px, correction, error.offset_px,
+      error.offset_sigma_px, angles.x(), sigmas.x(), angles.z(), sigmas.z(), disparities.c_str());
   const std::string advice = " of the right camera; calibrate the cameras";
   return text + (axes.empty() ? std::string("not significant") : axes + advice);
 }

@@ -43,10 +43,12 @@ class DenseMapper {
 
   void follow(const SharedChunks<slam::KeyframeView>& keyframes) { dense_.follow(keyframes); }
 
-  /// Fuses all that has changed and updates the map's layer.
+  /// Fuses all scans that were entered and updates the map's layer. The pending one is entered by
+  /// update() alone, so that pictures on the way change nothing: its pose follows the keyframes of
+  /// that time.
   void publish(map::PerceptionMap& map, StageTimes& times);
 
-  /// The map of the scans that were entered: all of them after publish().
+  /// The map of the scans that were entered: all of them after update().
   [[nodiscard]] const map::DenseMap& map() const { return dense_; }
 
   /// A map with the parameters of this one and no scans.

@@ -206,8 +206,6 @@ class Perception {
   void keepForRepetition(const RecordedFrame& frame);
   [[nodiscard]] bool hasGridTurn(const RecordedFrame& frame);
   [[nodiscard]] std::optional<stereo::FrameContext> contextOf(const RecordedFrame& frame);
-  /// Turns the right images back from now on. @param angles  as StereoCheck::turn() [rad]
-  void undoRightTurn(const Eigen::Vector3d& angles);
   [[nodiscard]] bool isLocalisedBySlam(const RecordedFrame& frame) const;
   /// Measured less true disparity, as SLAM estimates it, or else as given poses show [px].
   [[nodiscard]] double disparityOffset(const RecordedFrame& frame) const;
@@ -259,7 +257,6 @@ class Perception {
   CameraCheck camera_check_;
   StereoCheck stereo_check_;
   ScaleCheck scale_check_;
-  Eigen::Vector3d right_turn_ = Eigen::Vector3d::Zero();     ///< undone by front_end_
   slam::ImageEvidence images_ = slam::ImageEvidence::kNone;  ///< of the newest frame
   Warnings warnings_;
   LogSink log_;

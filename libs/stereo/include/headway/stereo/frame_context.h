@@ -70,6 +70,7 @@ class FrontEnd {
   /// Turns the right images of the next frames back by the right camera's rotation against its
   /// calibration, so that all who use their contexts see an exactly mounted camera.
   void setRightTurn(const RightTurn& turn) { right_turn_ = turn; }
+  [[nodiscard]] const RightTurn& rightTurn() const { return right_turn_; }
 
   /// Frames come in order of time.
   ///
