@@ -194,23 +194,27 @@ def run_line(line: str, folder: pathlib.Path, environment: dict[str, str]) -> st
     with (folder / "output.txt").open("w+b") as output:
         process = subprocess.Popen(["bash", "-c", f"exec {line}"], cwd=folder, env=environment,
                                    stdout=output, stderr=subprocess.STDOUT)
+        is_tracked = True
         if line.startswith("headway-live"):  # until Ctrl-C
-            wait_for_frames(process, folder / "output.txt")
+            is_tracked = wait_for_frames(process, folder / "output.txt")
             process.send_signal(signal.SIGINT)
         status = process.wait()
         output.seek(0)
         text = output.read().decode(errors="replace")
+    if not is_tracked:
+        return f"no frame was tracked in {LIVE_SECONDS} s: {text.strip()[-400:]}"
     expected = (0, 130) if line.startswith("headway-live") else (0,)
     return "" if status in expected else f"status {status}: {text.strip()[-400:]}"
 
 
-def wait_for_frames(process: subprocess.Popen[bytes], output: pathlib.Path) -> None:
+def wait_for_frames(process: subprocess.Popen[bytes], output: pathlib.Path) -> bool:
+    """Waits for headway-live's first line of a tracked frame."""
     end = time.monotonic() + LIVE_SECONDS
     while process.poll() is None and time.monotonic() < end:
-        if re.search(r"[1-9]\d* (of \d+ )?(frames )?tracked|tracked [1-9]",
-                     output.read_text(encoding="utf-8", errors="replace")):
-            return
+        if re.search(r", tracked \([1-9]", output.read_text(encoding="utf-8", errors="replace")):
+            return True
         time.sleep(0.1)
+    return False
 
 
 def main() -> int:
