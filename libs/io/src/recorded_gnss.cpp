@@ -52,6 +52,26 @@ Message_NMEA_GGA readGga(ObjectReader& in) {
   return message;
 }
 
+/// Standard deviation of each horizontal axis [m] by the covariance (east, north, up), which
+/// version 12 may contain.
+std::optional<double> readSigma(ObjectReader& in) {
+  if (in.text() != "std::optional") throw BrokenObject("a covariance has another type");
+  (void)in.text();  // the type of the matrix
+  if (!in.flag()) return std::nullopt;
+  const auto covariance = in.matrix(3, 3);
+  const double variance = 0.5 * (covariance[0] + covariance[4]);
+  return variance > 0.0 && std::isfinite(variance) ? std::optional(std::sqrt(variance))
+                                                   : std::nullopt;
+}
+
+/// States an accuracy as the dilution of precision that gives it.
+void setSigma(double sigma_m, Message_NMEA_GGA& message) {
+  const auto hdop = hdopOf(message.fields.fix_quality, sigma_m);
+  if (!hdop) return;
+  message.fields.thereis_HDOP = true;
+  message.fields.HDOP = static_cast<float>(*hdop);
+}
+
 bool isPosition(const Message_NMEA_GGA::content_t& fields) {
   const bool is_unset = fields.latitude_degrees == 0.0 && fields.longitude_degrees == 0.0;
   return std::abs(fields.latitude_degrees) <= 90.0 && std::abs(fields.longitude_degrees) <= 180.0 &&
@@ -62,13 +82,14 @@ bool isPosition(const Message_NMEA_GGA::content_t& fields) {
 
 mrpt::obs::CObservation::Ptr readGnss(ObjectReader& in) {
   const auto version = in.value<std::uint8_t>();
-  if (version < 10 || version > 11) throw UnknownVersion("", version);
+  if (version < 10 || version > 12) throw UnknownVersion("", version);
   auto observation = mrpt::obs::CObservationGPS::Create();
   observation->timestamp = in.time();
   observation->originalReceivedTimestamp = in.time();
   observation->sensorLabel = in.text();
   observation->sensorPose = readPose3D(in);
   if (version >= 11) observation->has_satellite_timestamp = in.flag();
+  const auto sigma = version >= 12 ? readSigma(in) : std::nullopt;
   const auto count = in.value<std::uint32_t>();
   if (count > kMaxMessages) throw BrokenObject("too many messages of a receiver");
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -76,7 +97,9 @@ mrpt::obs::CObservation::Ptr readGnss(ObjectReader& in) {
     const auto bytes = in.value<std::uint32_t>();
     if (bytes > kMaxMessageBytes) throw BrokenObject("a message of a receiver is too long");
     if (type == Message_NMEA_GGA::msg_type && bytes == kGgaBytes) {
-      observation->setMsg(readGga(in));
+      Message_NMEA_GGA message = readGga(in);
+      if (sigma) setSigma(*sigma, message);
+      observation->setMsg(message);
     } else {
       (void)in.skip(bytes);
     }
