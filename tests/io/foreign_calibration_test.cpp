@@ -67,10 +67,13 @@ std::string rowsOf(const Matrix& matrix) {
   return "[" + text.str() + "]";
 }
 
-std::string kalibr(const std::string& model = "radtan", const std::string& intrinsics = "") {
+std::string kalibr(const std::string& model = "radtan", const std::string& intrinsics = "",
+                   double unit = 1.0) {
   std::ostringstream T;
   static const Eigen::IOFormat row(12, Eigen::DontAlignCols, ", ", "\n", "  - [", "]");
-  T << describedPair().T_left_right.inverse().matrix().format(row);
+  Pose T_right_left = describedPair().T_left_right.inverse();
+  T_right_left.translation() *= unit;
+  T << T_right_left.matrix().format(row);
   return "cam0:\n  cam_overlaps: [1]\n  camera_model: pinhole\n"
          "  distortion_coeffs: [-0.25, 0.0625, 0.0005, 0.00025]\n  distortion_model: " +
          model +
@@ -131,6 +134,9 @@ TEST_F(ForeignCalibrationTest, ReadsKalibr) {
   const auto fisheye = read(kalibr("equidistant")).camera;
   EXPECT_TRUE(fisheye.left.is_fisheye && fisheye.right.is_fisheye);
   EXPECT_EQ(0.00025, fisheye.right.distortion[3]);
+  EXPECT_THAT(errorOf(kalibr("radtan", "", 1000.0)),
+              AllOf(HasSubstr("key 'cam1.T_cn_cnm1': the baseline is 110"),
+                    HasSubstr("in metres? 0.11"), HasSubstr("millimetres")));
   EXPECT_THAT(errorOf(kalibr("fov")), HasSubstr("key 'cam0.distortion_model' is 'fov'"));
   EXPECT_THAT(errorOf(kalibr("radtan", "[0.61, 0.95, 0.49, 0.52]")),
               AllOf(HasSubstr("key 'cam0.intrinsics'"), HasSubstr("in pixels?")));
@@ -225,8 +231,11 @@ TEST_F(ForeignCalibrationTest, ReadsWhatMrptWrites) {
   near(rational, write(rational).camera);
   RawStereoCamera millimetres = pair;
   millimetres.T_left_right.translation() *= 1000.0;
-  EXPECT_THAT(test::errorOf([&] { (void)write(millimetres); }),
-              AllOf(HasSubstr("[CAMERA_PARAMS_LEFT2RIGHT_POSE]"), HasSubstr("in metres?")));
+  EXPECT_THAT(
+      test::errorOf([&] { (void)write(millimetres); }),
+      AllOf(HasSubstr("[CAMERA_PARAMS_LEFT2RIGHT_POSE], key 'pose_quaternion' is a baseline of "
+                      "110"),
+            HasSubstr("in metres?")));
 }
 
 TEST_F(ForeignCalibrationTest, ReadsCameraInfoPairs) {

@@ -2,6 +2,7 @@
 #include "foreign_calibration.h"
 
 #include <headway/core/error.h>
+#include <headway/core/formatted.h>
 #include <headway/io/camera_info.h>
 
 #include <algorithm>
@@ -79,6 +80,7 @@ RawStereoCamera pairFrom(const CameraInfo& left, const YamlFile& left_file, cons
         "projection_matrix contains no baseline (its fourth number is 0): is this the right "
         "camera, calibrated as stereo pair?");
   }
+  requireBaseline(*T, right_file, "projection_matrix");
   camera.T_left_right = *T;
   return camera;
 }
@@ -130,7 +132,10 @@ RawCamera orbSlamLens(const YamlFile& file, const std::string& name, const std::
 /// The right camera in the left one.
 Pose orbSlamPose(const YamlFile& file, const std::string& first) {
   for (const char* key : {"Stereo.T_c1_c2", "Tlr"}) {
-    if (file.has(key)) return file.pose(key);
+    if (!file.has(key)) continue;
+    const Pose T_left_right = file.pose(key);
+    requireBaseline(T_left_right, file, key);
+    return T_left_right;
   }
   Pose T_left_right = Pose::Identity();
   auto& baseline = T_left_right.translation().x();
@@ -143,6 +148,7 @@ Pose orbSlamPose(const YamlFile& file, const std::string& first) {
         "none of the keys Stereo.T_c1_c2, Stereo.b, Tlr and Camera.bf: is this the setting "
         "of a stereo camera?");
   }
+  requireBaseline(T_left_right, file, file.has("Stereo.b") ? "Stereo.b" : "Camera.bf");
   return T_left_right;
 }
 
@@ -151,6 +157,13 @@ Pose orbSlamPose(const YamlFile& file, const std::string& first) {
 void requireLens(const RawCamera& lens, const YamlFile& file, const std::string& key) {
   const std::string fault = lensFault(lens);
   if (!fault.empty()) file.fail("key '" + key + "': " + fault);
+}
+
+void requireBaseline(const Pose& T_left_right, const YamlFile& file, const std::string& key) {
+  const double baseline = T_left_right.translation().norm();
+  const std::string fault = baselineFault(baseline);
+  if (fault.empty()) return;
+  file.fail("key '" + key + "': the baseline is " + formatted("%.6g", baseline) + ": " + fault);
 }
 
 std::optional<StereoCalibrationFile> readCameraInfoPair(const std::vector<YamlFile>& files) {
@@ -183,6 +196,7 @@ std::optional<StereoCalibrationFile> readKalibr(const std::vector<YamlFile>& fil
   requireLens(result.camera.left, files[0], "cam0.intrinsics");
   requireLens(result.camera.right, files[0], "cam1.intrinsics");
   result.camera.T_left_right = cam1.pose("T_cn_cnm1").inverse();
+  requireBaseline(result.camera.T_left_right, files[0], "cam1.T_cn_cnm1");
   return result;
 }
 

@@ -30,5 +30,7 @@ namespace headway::io {
 
 /// @throws InputError naming file and key if the lens is impossible
 void requireLens(const RawCamera& lens, const YamlFile& file, const std::string& key);
+/// @throws InputError naming file and key if the cameras are too far apart
+void requireBaseline(const Pose& T_left_right, const YamlFile& file, const std::string& key);
 
 }  // namespace headway::io

@@ -140,8 +140,12 @@ std::optional<StereoCalibrationFile> readMrptIni(const std::string& path) {
   }
   result.camera.T_left_right.linear() = turn.normalized().toRotationMatrix();
   result.camera.T_left_right.translation() = Eigen::Vector3d(q[0], q[1], q[2]);
-  const std::string fault = baselineFault(result.camera.T_left_right.translation().norm());
-  if (!fault.empty()) ini.fail(section, "pose_quaternion", ": " + fault);
+  const double baseline = result.camera.T_left_right.translation().norm();
+  const std::string fault = baselineFault(baseline);
+  if (!fault.empty()) {
+    ini.fail(section, "pose_quaternion",
+             "is a baseline of " + formatted("%.6g", baseline) + ": " + fault);
+  }
   return result;
 }
 

@@ -118,8 +118,7 @@ std::optional<StereoCalibrationFile> readOpenCv(const std::vector<YamlFile>& fil
   if (!turn.allFinite() || !(turn * turn.transpose()).isIdentity(1e-3) || turn.determinant() < 0) {
     translation->file->fail("key 'R' is not a rotation");
   }
-  const std::string fault = baselineFault(T_right_left.translation().norm());
-  if (!fault.empty()) translation->file->fail("key '" + translation->key + "': " + fault);
+  requireBaseline(T_right_left, *translation->file, translation->key);
   result.camera.T_left_right = T_right_left.inverse();
   return result;
 }
