@@ -63,7 +63,7 @@ TEST(WorldSceneTest, ShowsTheOccupancyGridBelowEverythingElse) {
   EXPECT_LT(x_max - x_min, 810.f) << "the surroundings";
   EXPECT_FLOAT_EQ(y_min, -10.f);
   EXPECT_FLOAT_EQ(y_max, 20.f);
-  EXPECT_LT(plane->getPoseZ(), 0.0);
+  EXPECT_LT(plane->getPose().z, 0.0);
 }
 
 TEST(WorldSceneTest, OmitsMissingParts) {
