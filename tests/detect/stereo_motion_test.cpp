@@ -3,6 +3,7 @@
 #include <headway/core/appearance.h>
 #include <headway/detect/detector_factory.h>
 #include <headway/detect/stereo_motion.h>
+#include <headway/stereo/right_turn.h>
 #include <headway_test/degraded_images.h>
 #include <headway_test/input_error.h>
 #include <headway_test/painted_street.h>
@@ -71,6 +72,24 @@ TEST(StereoMotionTest, FindsTheMovingObjectAndNothingElse) {
   EXPECT_GE(outcome.frames_with_mover, 6);
   EXPECT_EQ(outcome.elsewhere, 0);
   EXPECT_EQ(outcome.refused, 0);
+}
+
+TEST(StereoMotionTest, NothingMovesWhenTheRightCamerasTurnIsFirstUndone) {
+  const PaintedStreet street({kParked, kPost});
+  const Eigen::Vector3d turn = Eigen::Vector3d(0.0, 0.2, 0.4) * M_PI / 180.0;
+  const stereo::RightTurn known(turn, *street.camera()), opposite(-turn, *street.camera());
+  StereoMotion detector = detectorFor(street.camera());
+  stereo::FrontEnd front_end((stereo::DisparityParams()));
+  std::size_t found = 0;
+  for (int i = 0; i < kFrames; ++i) {
+    StereoFrame frame = street.frame(i);
+    frame.right = opposite.undone(frame.right);  // as the turned camera sees it
+    if (i == kFrames / 2) front_end.setRightTurn(known);
+    const auto detected = detector.detect(front_end.next(frame, 0.0), street.T_map_robot(i));
+    ASSERT_TRUE(detected.detections) << i;
+    if (i >= kFrames / 2) found += detected.detections->items.size();
+  }
+  EXPECT_EQ(found, 0u);
 }
 
 /// What the detector says of the last of the frames.

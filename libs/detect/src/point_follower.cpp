@@ -39,6 +39,7 @@ void PointFollower::follow(const stereo::FrameContext& context,
   left_ = context.left();
   right_ = context.right();
   offset_ = context.disparityOffset();
+  if (turn_change_.advance(context)) convert(path);
   if (left_before_.empty() || points_.empty()) return;
 
   std::vector<Eigen::Vector2d> before;
@@ -54,6 +55,21 @@ void PointFollower::follow(const stereo::FrameContext& context,
   // An object that moves along with the camera is far from where a static point would be.
   stereo::trackMissing(left_before_, left_, before, before, kTracking, positions);
   keepFound(positions, disparitiesOf(positions, disparities, disparity), path);
+}
+
+void PointFollower::convert(const CameraPath& path) {
+  for (PointTrack& point : points_) turn_change_.apply(point.observations);
+  const auto is_lost = [](const PointTrack& point) { return point.observations.empty(); };
+  points_.erase(std::remove_if(points_.begin(), points_.end(), is_lost), points_.end());
+  fitMotions(path);
+}
+
+void PointFollower::fitMotions(const CameraPath& path) {
+  const int first = path.firstSince(path.timeOf(path.newest()) - params_.motion_window_s);
+  for (PointTrack& point : points_) {
+    point.motion = fitMotion(since(first, point.observations), path, camera_, params_.noise,
+                             params_.speed_prior);
+  }
 }
 
 std::vector<std::optional<double>> PointFollower::disparitiesOf(

@@ -12,6 +12,7 @@
 
 #include "camera_path.h"
 #include "point_motion.h"
+#include "turn_change.h"
 
 namespace headway::detect {
 
@@ -26,11 +27,14 @@ struct PointTrack {
 /// Which points are followed.
 struct FollowerParams {
   int max_points = 1200;
-  int spacing_px = 8;         ///< between points [px]
-  double window_s = 0.6;      ///< observations older than this are removed [s]
-  double range_m = 50.0;      ///< maximum depth of new points [m]
-  double max_height_m = 3.5;  ///< above ground, of points that may belong to objects [m]
-  double people_m = 28.0;     ///< depth to which points on people are preferred [m]
+  int spacing_px = 8;            ///< between points [px]
+  double window_s = 0.6;         ///< observations older than this are removed [s]
+  double range_m = 50.0;         ///< maximum depth of new points [m]
+  double max_height_m = 3.5;     ///< above ground, of points that may belong to objects [m]
+  double people_m = 28.0;        ///< depth to which points on people are preferred [m]
+  double motion_window_s = 0.6;  ///< observations that motions are fitted to [s]
+  double speed_prior = 30.0;     ///< as that of fitMotion() [m/s]
+  ObservationNoise noise;
 };
 
 /// Follows points of the left image through time and, in each frame, to the right image.
@@ -45,11 +49,14 @@ struct FollowerParams {
 class PointFollower {
  public:
   PointFollower(const StereoCamera& camera, const FollowerParams& params)
-      : camera_(camera), params_(params) {}
+      : camera_(camera), params_(params), turn_change_(camera) {}
 
   /// Finds the points of the frame before in this one; `path` has been advanced to it.
   void follow(const stereo::FrameContext& context, const stereo::DisparityImage& disparity,
               const CameraPath& path);
+
+  /// Fits the motion of each point to its observations within the window.
+  void fitMotions(const CameraPath& path);
 
   /// Adds new points up to the maximum.
   void replenish(const StereoFrame& frame, const stereo::DisparityImage& disparity,
@@ -60,6 +67,8 @@ class PointFollower {
   void clear();
 
  private:
+  /// To disparities as they are measured in the newest frame.
+  void convert(const CameraPath& path);
   [[nodiscard]] Eigen::Vector3d expectedAt(const PointTrack& point, const CameraPath& path) const;
   void keepFound(const std::vector<stereo::TrackedPosition>& positions,
                  const std::vector<std::optional<double>>& disparities, const CameraPath& path);
@@ -73,6 +82,7 @@ class PointFollower {
 
   StereoCamera camera_;
   FollowerParams params_;
+  TurnChange turn_change_;
   std::vector<PointTrack> points_;
   stereo::ImagePyramid left_before_;
   stereo::ImagePyramid left_;

@@ -67,6 +67,11 @@ class Gate {
 
 }  // namespace
 
+void SegmentFollower::convert(const stereo::FrameContext& context) {
+  if (!turn_change_.advance(context)) return;
+  for (SegmentTrack& segment : tracks_) turn_change_.apply(segment.track.observations);
+}
+
 void SegmentFollower::follow(std::vector<UprightSegment> segments, const CameraPath& path,
                              const Eigen::Vector3d& up) {
   const auto ended = [&](const SegmentTrack& track) {

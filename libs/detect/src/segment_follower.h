@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "point_classification.h"
+#include "turn_change.h"
 #include "upright_segments.h"
 
 namespace headway::detect {
@@ -25,7 +26,10 @@ struct SegmentTrack {
 /// occluded segment moves with the occluder and is not used.
 class SegmentFollower {
  public:
-  explicit SegmentFollower(const StereoCamera& camera) : camera_(camera) {}
+  explicit SegmentFollower(const StereoCamera& camera) : camera_(camera), turn_change_(camera) {}
+
+  /// To disparities as they are measured in a new frame.
+  void convert(const stereo::FrameContext& context);
 
   /// Associates the segments of a frame with the tracks and fits the motion of each.
   void follow(std::vector<UprightSegment> segments, const CameraPath& path,
@@ -47,6 +51,7 @@ class SegmentFollower {
   void extend(SegmentTrack& track, UprightSegment segment, const CameraPath& path) const;
 
   StereoCamera camera_;
+  TurnChange turn_change_;
   std::vector<SegmentTrack> tracks_;
   std::int64_t next_id_ = 0;
 };

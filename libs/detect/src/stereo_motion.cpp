@@ -50,8 +50,10 @@ StereoMotionParams forRig(StereoMotionParams params, const StereoCamera& camera)
 
 FollowerParams followerParams(const StereoMotionParams& params, double window_s,
                               double people_to_m) {
-  return {params.max_points,  params.spacing_px,   window_s,
-          params.max_range_m, params.max_height_m, kPeopleRatio * people_to_m};
+  const ObservationNoise noise{params.sigma_px, params.sigma_px, params.sigma_disparity_px};
+  return {params.max_points,  params.spacing_px,          window_s,
+          params.max_range_m, params.max_height_m,        kPeopleRatio * people_to_m,
+          params.window_s,    params.max_speed_mps / 2.0, noise};
 }
 
 }  // namespace
@@ -96,6 +98,7 @@ class StereoMotion::Implementation {
     const int number = path_.advance(frame.time, T_map_cam_);
     path_.removeBefore(path_.firstSince(frame.time - window_s_));
     follower_.follow(context, disparity_, path_);
+    segments_.convert(context);
     const char* unsure = classifyPoints() ? nullptr : "camera_motion_unsure";
     ResidualFlow flow = flow_meter_.measure(image_, disparity_, path_);
     if (unsure != nullptr) flow = {};
@@ -147,18 +150,12 @@ class StereoMotion::Implementation {
       static_points.push_back({point.motion->static_point, point.observations.back().uvd});
     }
     const double agreeing = path_.refine(static_points);
-    const ObservationNoise noise{params_.sigma_px, params_.sigma_px, params_.sigma_disparity_px};
-    auto& points = follower_.points();
-    const int first = path_.firstSince(path_.timeOf(path_.newest()) - params_.window_s);
-    for (auto& point : points) {
-      point.motion = fitMotion(since(first, point.observations), path_, *camera_, noise,
-                               params_.max_speed_mps / 2.0);
-    }
-    noise_scale_.update(points);
+    follower_.fitMotions(path_);
+    noise_scale_.update(follower_.points());
     up_ = path_.T_cam_world(path_.newest()).linear().transpose() *
           (ground_ ? ground_->up : stereo::mountedUp(*camera_));
     dropMismatches();
-    for (const auto& point : points) {
+    for (const auto& point : follower_.points()) {
       if (point.motion && point.group < 0) {
         offset_evidence_.push_back(point.motion->offsetEvidence());
       }

@@ -27,6 +27,7 @@ struct FrameContext::Values {
   StereoFrame frame;
   DisparityParams params;
   double disparity_offset_px = 0.0;
+  Eigen::Vector3d right_turn = Eigen::Vector3d::Zero();
   std::optional<GroundPlane> ground;  ///< of the frame before until it is found in this one
   bool ground_searched = false;
   ImagePyramid left;
@@ -41,12 +42,14 @@ FrameContext::FrameContext(const StereoFrame& frame)
 
 FrameContext::FrameContext(const StereoFrame& frame, const DisparityParams& params,
                            double disparity_offset_px,
-                           const std::optional<GroundPlane>& previous_ground)
+                           const std::optional<GroundPlane>& previous_ground,
+                           const Eigen::Vector3d& right_turn)
     : values_(std::make_shared<Values>()) {
   values_->frame = frame;
   values_->params = params;
   values_->disparity_offset_px = disparity_offset_px;
   values_->ground = previous_ground;
+  values_->right_turn = right_turn;
 }
 
 const StereoFrame& FrameContext::frame() const { return values_->frame; }
@@ -91,6 +94,8 @@ const cv::Mat& FrameContext::reducedLeft() const {
 
 double FrameContext::disparityOffset() const { return values_->disparity_offset_px; }
 
+const Eigen::Vector3d& FrameContext::rightTurn() const { return values_->right_turn; }
+
 const std::optional<GroundPlane>& FrameContext::ground() const {
   if (!values_->ground_searched) {
     values_->ground = findGround(disparity(), camera(), values_->ground);
@@ -107,7 +112,7 @@ FrameContext FrontEnd::next(const StereoFrame& frame, double disparity_offset_px
   StereoFrame exact = frame;
   exact.right = right_turn_.undone(frame.right);
   FrameContext context(exact, params_, disparity_offset_px,
-                       previous_ ? previous_->lastGround() : std::nullopt);
+                       previous_ ? previous_->lastGround() : std::nullopt, right_turn_.angles());
   previous_ = context;
   return context;
 }

@@ -32,8 +32,10 @@ class FrameContext {
 
   /// @param disparity_offset_px  measured less true disparity
   /// @param previous_ground      of the frame before, tried first
+  /// @param right_turn           by which the right image was turned back, as rightTurn()
   FrameContext(const StereoFrame& frame, const DisparityParams& params, double disparity_offset_px,
-               const std::optional<GroundPlane>& previous_ground);
+               const std::optional<GroundPlane>& previous_ground,
+               const Eigen::Vector3d& right_turn = Eigen::Vector3d::Zero());
 
   [[nodiscard]] const StereoFrame& frame() const;
   [[nodiscard]] const StereoCamera& camera() const { return *frame().camera; }
@@ -50,6 +52,9 @@ class FrameContext {
   [[nodiscard]] const cv::Mat& reducedLeft() const;
   /// Measured less true disparity, to be subtracted from disparities measured elsewhere [px].
   [[nodiscard]] double disparityOffset() const;
+  /// Pitch, yaw, roll of the right camera by which its image was turned back: disparities of frames
+  /// of which it differs are not comparable without turnedDisparity() [rad].
+  [[nodiscard]] const Eigen::Vector3d& rightTurn() const;
 
   /// Ground plane in the camera frame; nullopt where none is found (expected, not an error).
   [[nodiscard]] const std::optional<GroundPlane>& ground() const;
