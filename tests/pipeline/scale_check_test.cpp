@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <headway/pipeline/perception.h>
 #include <headway/pipeline/scale_check.h>
+#include <headway_test/textured_world.h>
 
 #include <random>
 
@@ -91,6 +93,54 @@ TEST(ScaleCheckTest, AnotherCalibrationStartsAgain) {
   EXPECT_FALSE(drive.check.ratio());
   drive.go(1.0, 300);
   EXPECT_NEAR(1.0, drive.check.ratio()->value, 0.002);
+}
+
+/// A drive of 14 m past exact wheels, by a camera whose calibration claims so much of its baseline.
+struct CalibratedDrive {
+  Warnings warnings;
+  Pose T_map_robot = Pose::Identity();
+
+  explicit CalibratedDrive(double baseline_ratio) {
+    constexpr int kFrames = 56;
+    const Pose step = wheelStep(0.25, 0.002);
+    const StereoCamera exact = test::smallCamera();
+    test::TexturedWorld hall(exact);
+    hall.addRoom(30.0, 8.0, 4.0);
+    auto claimed = std::make_shared<StereoCamera>(exact);
+    claimed->baseline_m *= baseline_ratio;
+    PerceptionParams params;
+    params.slam.features = 250;
+    params.detection.detector = "none";
+    params.grid.every_nth_frame = 0;
+    Perception perception(claimed, params);
+    Pose truth = Pose::Identity();
+    truth.translation().x() = -9.0;
+    for (std::size_t i = 0; i < kFrames; ++i) {
+      RecordedFrame frame;
+      frame.index = i;
+      frame.time = 0.1 * static_cast<double>(i);
+      frame.stereo = hall.frame(i, frame.time, truth);
+      frame.stereo->camera = claimed;
+      if (i > 0) frame.stereo->motion_prior.T_previous_current = step;
+      T_map_robot = perception.process(frame).camera.T_map_robot;
+      truth = truth * step;
+    }
+    warnings = perception.warnings();
+  }
+};
+
+TEST(ScaleCheckTest, ABaselineThatIsOffByTwoPercentIsSaidAndNotChanged) {
+  const CalibratedDrive wrong(1.02);
+  ASSERT_EQ(1U, wrong.warnings.count("odometry_scale"));
+  EXPECT_NE(std::string::npos, wrong.warnings.at("odometry_scale").text.find(" 1.02"))
+      << wrong.warnings.at("odometry_scale").text;
+  EXPECT_EQ(1U, wrong.warnings.size());
+  const CalibratedDrive right(1.0);
+  EXPECT_TRUE(right.warnings.empty());
+  // The map has the camera's scale, not that of the wheels.
+  const double ratio =
+      wrong.T_map_robot.translation().norm() / right.T_map_robot.translation().norm();
+  EXPECT_NEAR(ratio, 1.02, 0.005);
 }
 
 }  // namespace
