@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/pipeline/perception.h>
+#include <headway/stereo/right_turn.h>
 #include <headway_test/paths.h>
 
 #include <functional>
@@ -42,6 +43,11 @@ cv::Mat warped(const cv::Mat& image, double down_px, double scale) {
   cv::Mat result;
   cv::warpAffine(image, result, warp, image.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
   return result;
+}
+
+/// As a camera sees it that is turned by 2 degrees about an axis.
+cv::Mat turned(const StereoFrame& frame, const Eigen::Vector3d& axis) {
+  return stereo::RightTurn(-2.0 * M_PI / 180.0 * axis, *frame.camera).undone(frame.right);
 }
 
 struct Fault {
@@ -95,6 +101,18 @@ const std::vector<Fault>& faults() {
        [](const Frames&, std::size_t, RecordedFrame& frame) {
          stereoOf(frame).right = warped(stereoOf(frame).right, 0.0, 1.04);
        }},
+      {"RightPitches", "vertical_offset",
+       [](const Frames&, std::size_t, RecordedFrame& frame) {
+         stereoOf(frame).right = turned(stereoOf(frame), Eigen::Vector3d::UnitX());
+       }},
+      {"RightYawsInwards", "images_swapped",
+       [](const Frames&, std::size_t, RecordedFrame& frame) {
+         stereoOf(frame).right = turned(stereoOf(frame), -Eigen::Vector3d::UnitY());
+       }},
+      {"RightRolls", "images_not_simultaneous",
+       [](const Frames&, std::size_t, RecordedFrame& frame) {
+         stereoOf(frame).right = turned(stereoOf(frame), Eigen::Vector3d::UnitZ());
+       }},
       {"TimeJumpsAhead", "clock_jumps_ahead",
        [](const Frames&, std::size_t, RecordedFrame& frame) {
          frame.time += 3600.0;
@@ -141,7 +159,7 @@ TEST_P(NonsenseTest, IsNamedWithinASecond) {
   EXPECT_EQ(1, std::count(lines.begin(), lines.end(), line)) << "said once";
 }
 
-INSTANTIATE_TEST_SUITE_P(Street, NonsenseTest, testing::Range<std::size_t>(0, 11),
+INSTANTIATE_TEST_SUITE_P(Street, NonsenseTest, testing::Range<std::size_t>(0, 14),
                          [](const auto& index) { return faults()[index.param].name; });
 
 /// Frames of the street with odometry that measures `step_m` in each, at most a second.

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <headway/core/error.h>
 #include <headway/pipeline/perception.h>
+#include <headway/stereo/right_turn.h>
+#include <headway_test/painted_street.h>
 #include <headway_test/textured_world.h>
 
 #include <cmath>
@@ -98,6 +100,31 @@ TEST(TurnedCameraTest, ADegreeIsRefusedWithItsAxis) {
       EXPECT_NE(std::string::npos, text.find(std::string("degrees in ") + kAxes[axis])) << text;
     }
   }
+}
+
+TEST(TurnedCameraTest, YawIsCorrectedAtRecordedPosesAsWell) {
+  const test::PaintedBox parked{{3.5, 1.6, 16.0}, 1.8, 1.5, {0.0, 0.0, 0.0}, 12};
+  const test::PaintedBox post{{-4.5, 1.6, 22.0}, 0.5, 1.7, {0.0, 0.0, 0.0}, 13};
+  const test::PaintedStreet street({parked, post});
+  const stereo::RightTurn opposite({0.0, -0.2 * kTurnDegree, 0.0}, *street.camera());
+  PerceptionParams params;
+  params.detection.detector = "stereo_motion";
+  params.grid.every_nth_frame = 0;
+  Perception perception(street.camera(), params);
+  for (int i = 0; i < 16; ++i) {
+    RecordedFrame frame;
+    frame.index = static_cast<std::size_t>(i);
+    frame.time = street.timeOf(i);
+    frame.T_map_robot = street.T_map_robot(i);
+    frame.stereo = street.frame(i);
+    frame.stereo->right = opposite.undone(frame.stereo->right);
+    const auto update = perception.process(frame);
+    const bool is_empty = !update.detections || update.detections->items.empty();
+    EXPECT_TRUE(is_empty) << "nothing moves, frame " << i;
+  }
+  const std::string said = perception.rectification().value_or("");
+  EXPECT_NE(std::string::npos, said.find(", corrected (")) << said;
+  EXPECT_NE(std::string::npos, said.find(": yaw of the right camera")) << said;
 }
 
 TEST(TurnedCameraTest, AStoredMapKeepsWhatIsKnownOfTheCamera) {

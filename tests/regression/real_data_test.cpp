@@ -34,7 +34,7 @@ TEST(RealDataTest, Kitti06) {
 TEST(RealDataTest, Kitti01Motorway) {
   HEADWAY_REQUIRE_DATA(data);
   expectTracked("kitti-odometry " + (data / "kitti_odometry").string() + " --sequence 01",
-                test::kKitti01AteM);
+                test::kKitti01TurnedAteM);
 }
 
 TEST(RealDataTest, EurocMh01RectifiedOnTheWayIn) {

@@ -124,7 +124,7 @@ PerceptionUpdate Perception::process(const RecordedFrame& frame) {
   update.camera = localise(frame, boxes);
   logLocalisation(frame, update.camera);
   found_ = detection_.detectMotion(frame, poseOf(update.camera), boxes, expected_, found_.motion);
-  if (!isLocalisedBySlam(frame)) offset_at_given_poses_.update(found_.motion.static_points);
+  if (!isLocalisedBySlam(frame)) estimateOffset();
   if (found_.images_used) times_.add("detect", found_.elapsed_ms);
   update.detections = found_.fused;
   update.objects = track(frame, update);
@@ -155,12 +155,14 @@ std::optional<stereo::FrameContext> Perception::contextOf(const RecordedFrame& f
   if (!frame.stereo) return std::nullopt;
   const Eigen::Vector3d& turn = stereo_check_.turn();
   if (!repeated_ && front_end_.rightTurn().angles() != turn) {
-    front_end_.setRightTurn({turn, *camera_});
     const Eigen::Vector3d degrees = turn * 180.0 / M_PI;
     log(LogLevel::kInfo, frame.index,
         formatted("right images are turned back by pitch %.3f, yaw %.3f, roll %.3f deg",
                   degrees.x(), degrees.y(), degrees.z()));
     if (isLocalisedBySlam(frame)) slam_->turnRightCamera(turn, !stereo_check_.hasMoved());
+    offset_at_given_poses_.subtract((turn - front_end_.rightTurn().angles()).y() /
+                                    stereo::yawOfOffset(1.0, *camera_));
+    front_end_.setRightTurn({turn, *camera_});
     scale_check_.restart();
   }
   return front_end_.next(*frame.stereo, disparityOffset(frame));
@@ -172,6 +174,12 @@ bool Perception::isLocalisedBySlam(const RecordedFrame& frame) const {
 
 double Perception::disparityOffset(const RecordedFrame& frame) const {
   return isLocalisedBySlam(frame) ? slam_->disparityOffset() : offset_at_given_poses_.value();
+}
+
+void Perception::estimateOffset() {
+  if (found_.motion.static_points.empty()) return;
+  offset_at_given_poses_.update(found_.motion.static_points);
+  if (!repeated_) stereo_check_.addOffsetAtGivenPoses(offset_at_given_poses_.estimate(), *camera_);
 }
 
 slam::SlamUpdate Perception::localise(const RecordedFrame& frame, const ObjectDetections& boxes) {

@@ -97,7 +97,7 @@ void Perception::warnAboutSpeed(const RecordedFrame& frame, const PerceptionUpda
 std::optional<std::string> Perception::rectification() const {
   const auto error = stereo_check_.rectification();
   if (!error || camera_ == nullptr) return std::nullopt;
-  return stereo::describe(*error, *camera_, !front_end_.rightTurn().angles().isZero());
+  return stereo::describe(*error, *camera_, front_end_.rightTurn().angles());
 }
 
 void Perception::checkInput(const RecordedFrame& frame, const PerceptionUpdate& update,

@@ -3,6 +3,7 @@
 #include <headway/core/formatted.h>
 #include <headway/core/statistics.h>
 #include <headway/pipeline/stereo_check.h>
+#include <headway/stereo/point_tracking.h>
 
 #include <algorithm>
 #include <cmath>
@@ -20,17 +21,20 @@ constexpr int kMaxWhole = 480;               // width of images that are not red
 constexpr double kIndependentOffset = 0.25;  // ratio of information: the same points recur
 // Of the reduced images:
 constexpr int kMaxCorners = 80;
-constexpr int kMaxFirstCorners = 400;  // of the first frames, whose rows have to tell at once
-constexpr double kMinSpacing = 8.0;    // of corners [px]
+constexpr int kMaxManyCorners = 400;  // where few match, and of the first frames
+constexpr double kMinSpacing = 8.0;   // of corners [px]
 constexpr double kMaxSpacing = 20.0;
 constexpr int kRadius = 5;                   // of patches [px]
 constexpr int kMinRows = 6;                  // searched above and below [px]
 constexpr double kSearchedTurn = 0.023;      // and so many by the camera's turn [rad]: 1.3 deg
+constexpr double kWidelySearched = 0.045;    // where few match [rad]: 2.6 deg
 constexpr int kNegative = 16;                // searched disparities below 0 [px]
 constexpr double kMaxDisparityRatio = 0.15;  // of the width
 constexpr double kMinCorrelation = 0.9;
 constexpr double kMinMargin = 0.05;  // of the correlation to the next best place
 // Of the images as they are:
+constexpr stereo::PointTrackingOptions kRefinement{11, 0, 18.0, 0.0};
+constexpr double kMaxRefined = 2.0;  // change of a match [px]
 constexpr std::size_t kMinMatches = 20;
 constexpr double kMaxOffset = 1.5;       // median difference of rows [px]
 constexpr double kMaxScatter = 0.9;      // median deviation from it [px]
@@ -51,13 +55,14 @@ struct ReducedPair {
   int reduction = 1;
   int rows = kMinRows;  ///< searched above and below [px]
 
-  explicit ReducedPair(const StereoFrame& frame) {
+  /// @param searched_turn  of the right camera [rad]
+  ReducedPair(const StereoFrame& frame, double searched_turn) {
     reduction = frame.left.cols > kMaxWhole ? 2 : 1;
     const double scale = 1.0 / reduction;
     cv::resize(frame.left, left, {}, scale, scale, cv::INTER_AREA);
     cv::resize(frame.right, right, {}, scale, scale, cv::INTER_AREA);
     if (frame.camera == nullptr) return;
-    const double by_turn = std::ceil(kSearchedTurn * frame.camera->fy * scale);
+    const double by_turn = std::ceil(searched_turn * frame.camera->fy * scale);
     rows = std::max(kMinRows, static_cast<int>(by_turn) + 1);
   }
 };
@@ -103,8 +108,27 @@ std::optional<Eigen::Vector2d> match(const ReducedPair& pair, const cv::Point& c
 
 }  // namespace
 
-std::vector<StereoCheck::Match> StereoCheck::matchesOf(const StereoFrame& frame, int max_corners) {
-  const ReducedPair pair(frame);
+/// Measures matches in the images as they are: the vertex of the correlation is biased towards
+/// whole pixels of the reduced ones, so that a roll of 0.1 degrees was found as 0.075.
+void StereoCheck::refine(const StereoFrame& frame, std::vector<Match>& matches) {
+  std::vector<Eigen::Vector2d> left, right;
+  for (const Match& one : matches) {
+    left.push_back(one.row.right + Eigen::Vector2d(one.disparity, -one.row.rows));
+    right.push_back(one.row.right);
+  }
+  const auto found =
+      stereo::trackPoints(stereo::buildPyramid(frame.left, 1, stereo::Gradients::kAll),
+                          stereo::buildPyramid(frame.right, 1), left, right, kRefinement);
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    if (!found[i] || (*found[i] - right[i]).norm() > kMaxRefined) continue;
+    matches[i].disparity = left[i].x() - found[i]->x();
+    matches[i].row = {*found[i], found[i]->y() - left[i].y()};
+  }
+}
+
+std::vector<StereoCheck::Match> StereoCheck::matchesOf(const StereoFrame& frame, int max_corners,
+                                                       double searched_turn) {
+  const ReducedPair pair(frame, searched_turn);
   std::vector<cv::Point2f> corners;
   constexpr double kPlaces = 3.0;  // for each corner
   const double spacing =
@@ -123,6 +147,7 @@ std::vector<StereoCheck::Match> StereoCheck::matchesOf(const StereoFrame& frame,
     one.row.right = {pair.reduction * corner.x - found->x(),
                      pair.reduction * corner.y + found->y()};
   }
+  refine(frame, matches);
   return matches;
 }
 
@@ -192,13 +217,19 @@ void StereoCheck::estimate(const std::vector<Match>& matches, const StereoFrame&
 }
 
 void StereoCheck::addOffset(const stereo::OffsetEstimate& offset, const StereoCamera& camera) {
-  const double undone_px = turn_.y() / stereo::yawOfOffset(1.0, camera);
-  disparities_ = {undone_px + offset.px, offset.sigma_px / std::sqrt(kIndependentOffset)};
+  addOffsetAtGivenPoses({offset.px, offset.sigma_px / std::sqrt(kIndependentOffset)}, camera);
   const auto error = rectification();
-  if (!error) return;
+  if (!error || hasMoved()) return;
   const auto excess = stereo::excessiveTurn(*error, camera);
-  if (excess && !hasMoved()) throw InputError("stereo calibration: " + *excess);
-  turn_ = stereo::correctionFor(*error, turn_, camera);
+  if (excess) throw InputError("stereo calibration: " + *excess);
+}
+
+void StereoCheck::addOffsetAtGivenPoses(const stereo::OffsetEstimate& offset,
+                                        const StereoCamera& camera) {
+  const double undone_px = turn_.y() / stereo::yawOfOffset(1.0, camera);
+  disparities_ = {undone_px + offset.px, offset.sigma_px};
+  const auto error = rectification();
+  if (error) turn_ = stereo::correctionFor(*error, turn_, camera);
 }
 
 void StereoCheck::add(const StereoFrame& frame, Warnings& warnings) {
@@ -207,7 +238,8 @@ void StereoCheck::add(const StereoFrame& frame, Warnings& warnings) {
   const bool is_due = !last_ || std::abs(frame.time - *last_) >= kIntervalS;
   const bool is_first = estimator_ && estimated_ < kFirstFrames;
   if (!is_due && !is_first) return;
-  const auto matches = matchesOf(frame, is_first ? kMaxFirstCorners : kMaxCorners);
+  auto matches = matchesOf(frame, is_first ? kMaxManyCorners : kMaxCorners, kSearchedTurn);
+  if (matches.size() < kMinMatches) matches = matchesOf(frame, kMaxManyCorners, kWidelySearched);
   if (estimator_ && matches.size() >= kMinMatches) estimate(matches, frame);
   if (!is_due) return;
   last_ = frame.time;

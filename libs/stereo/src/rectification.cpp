@@ -24,8 +24,9 @@ constexpr double kWalk = square(0.005 * kDegree) / 60;  // of each angle [rad^2/
 constexpr double kGate = 13.82;                         // chi-square, 2 degrees, 99.9 %
 constexpr int kRestart = 3;                             // frames in a row that contradict
 constexpr double kSignificance = 5.0;                   // standard deviations
-constexpr double kVisibleRows_px = 0.4;  // the noise of a disparity: less does not disturb matching
-constexpr double kVisibleOffset_px = 1.5;   // of disparities: three sigmas of bundle adjustment's
+constexpr double kVisibleRows_px = 0.2;                 // half the noise of a disparity
+constexpr double kVisibleOffset_px =
+    0.25;  // of disparities: half of what bundle adjustment assumes
 constexpr double kChangedOffset_px = 0.15;  // smaller changes of a correction are not applied,
 constexpr double kChangedRows_px = 0.1;     // likewise
 
@@ -236,7 +237,8 @@ Eigen::Vector3d correctionFor(const RectificationError& error, const Eigen::Vect
   return turn;
 }
 
-std::string describe(const RectificationError& error, const StereoCamera& camera, bool corrected) {
+std::string describe(const RectificationError& error, const StereoCamera& camera,
+                     const Eigen::Vector3d& corrected) {
   const Angles all = withYaw(error, camera);
   const Eigen::Vector3d angles = error.angles / kDegree, sigmas = error.sigmas / kDegree;
   const Eigen::Vector3d significant = significantAngles(error, camera);
@@ -247,10 +249,14 @@ std::string describe(const RectificationError& error, const StereoCamera& camera
                             all.angles[kYaw] / kDegree, all.sigmas[kYaw] / kDegree);
   }
   for (int axis = 0; axis < 3; ++axis) {
-    if (axis == kYaw ? !isVisible(error.disparities) : significant[axis] == 0.0) continue;
+    const bool is_visible = axis == kYaw ? isVisible(error.disparities) : significant[axis] != 0.0;
+    const bool is_sure = std::abs(all.angles[axis]) > kSignificance * all.sigmas[axis];
+    if (!is_visible && !(is_sure && corrected[axis] != 0.0)) continue;
     axes += (axes.empty() ? "" : ", ") + std::string(kAxes[static_cast<std::size_t>(axis)]);
   }
-  const char* correction = axes.empty() ? "" : corrected ? ", corrected" : ", not corrected";
+  const char* correction = !corrected.isZero() ? ", corrected"
+                           : axes.empty()      ? ""
+                                               : ", not corrected";
   const std::string text = formatted(
       "rectification off by %.2f +- %.2f px%s (vertical offset %+.2f +- %.2f px; pitch %.3f +- "
       "%.3f, roll %.3f +- %.3f deg%s): ",

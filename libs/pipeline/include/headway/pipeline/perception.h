@@ -209,6 +209,8 @@ class Perception {
   [[nodiscard]] bool isLocalisedBySlam(const RecordedFrame& frame) const;
   /// Measured less true disparity, as SLAM estimates it, or else as given poses show [px].
   [[nodiscard]] double disparityOffset(const RecordedFrame& frame) const;
+  /// By the static points of the newest frame, whose pose is recorded.
+  void estimateOffset();
   slam::SlamUpdate localise(const RecordedFrame& frame, const ObjectDetections& boxes);
   slam::SlamUpdate useGivenPose(const RecordedFrame& frame);
   /// Removes what refers to the times before, if the clock was set back. @return ended tracks

@@ -37,6 +37,8 @@ class StereoCheck {
   ///
   /// @throws InputError if the yaw is more than can be corrected
   void addOffset(const stereo::OffsetEstimate& offset, const StereoCamera& camera);
+  /// The same by poses that are recorded, of unknown quality, and therefore refuse no camera.
+  void addOffsetAtGivenPoses(const stereo::OffsetEstimate& offset, const StereoCamera& camera);
 
   /// Whether the camera was seen to move on the rig, so that turn() was another one before.
   [[nodiscard]] bool hasMoved() const { return estimator_ && estimator_->hasMoved(); }
@@ -54,7 +56,9 @@ class StereoCheck {
  private:
   enum class Finding { kNone, kSwapped, kOffset, kScattered };
   struct Match;
-  [[nodiscard]] static std::vector<Match> matchesOf(const StereoFrame& frame, int max_corners);
+  [[nodiscard]] static std::vector<Match> matchesOf(const StereoFrame& frame, int max_corners,
+                                                    double searched_turn);
+  static void refine(const StereoFrame& frame, std::vector<Match>& matches);
   [[nodiscard]] Finding compare(const std::vector<Match>& matches, const StereoCamera* camera,
                                 double& rows_px) const;
   void estimate(const std::vector<Match>& matches, const StereoFrame& frame);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 namespace headway::stereo {
@@ -31,6 +32,10 @@ class DisparityOffset {
   void update(const std::vector<OffsetEvidence>& static_points);
 
   [[nodiscard]] double value() const { return value_; }  ///< measured less true disparity [px]
+  [[nodiscard]] OffsetEstimate estimate() const { return {value_, std::sqrt(variance_)}; }
+
+  /// Disparities are less by so much from now on, as their cause is corrected [px].
+  void subtract(double offset_px) { value_ -= offset_px; }
 
  private:
   double value_ = 0.0;

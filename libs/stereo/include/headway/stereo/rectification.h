@@ -120,8 +120,8 @@ constexpr double kMaxTurn_deg = 0.6;  ///< that is corrected: more is a wrong ca
 /// One line: offset of the rows and angles with their uncertainties, and the axes that are
 /// significantly off.
 ///
-/// @param corrected  whether the right images are turned back
+/// @param corrected  the turn by which right images are turned back, as of correctionFor() [rad]
 [[nodiscard]] std::string describe(const RectificationError& error, const StereoCamera& camera,
-                                   bool corrected = false);
+                                   const Eigen::Vector3d& corrected = Eigen::Vector3d::Zero());
 
 }  // namespace headway::stereo
