@@ -79,6 +79,7 @@ std::vector<CheckItem> imageItems(const std::string& path, const std::string& se
   try {
     io::RawlogSourceOptions options;
     options.sensor_label = sensor_label;
+    options.use_laser = true;
     io::RawlogSource source(path, options);
     items.push_back(rigOf(source));
     ImageCheck images(std::max<std::size_t>(1, times.images() / kMatchedPairs));

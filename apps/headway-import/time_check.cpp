@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace headway::import {
 namespace {
@@ -20,6 +21,8 @@ constexpr std::size_t kMaxSamples = 200000;
 constexpr std::size_t kMaxSensors = 200;
 constexpr double kPairTolerance = 0.01;  // of headway's readers [s]
 constexpr double kMaxRate = 1000.0;      // of turns [rad/s]
+constexpr double kSlowSensor = 0.2;      // latency after which places no longer fit the images [s]
+constexpr double kOtherClock = 1.0;      // of headway's readers: latencies are shorter [s]
 
 bool isAnyImage(const mrpt::obs::CObservation& observation) {
   return dynamic_cast<const mrpt::obs::CObservationImage*>(&observation) != nullptr ||
@@ -42,6 +45,18 @@ std::vector<double> offsets(const std::vector<Time>& times, const std::vector<Ti
     result.push_back(best);
   }
   return result;
+}
+
+/// States how far a sensor's times are from those of the images that arrive with them.
+void addClock(const std::vector<float>& offsets, CheckItem& item) {
+  const double offset = median(std::vector<double>(offsets.begin(), offsets.end()));
+  item.value += formatted(", %+.3f s from the images", offset);
+  const Verdict verdict = verdictOf(std::abs(offset), kSlowSensor, kOtherClock);
+  if (verdict <= item.verdict) return;
+  item.verdict = verdict;
+  item.advice =
+      "its times are not those of the images that arrive with it: use one clock (chrony), and "
+      "times of capture";
 }
 
 }  // namespace
@@ -69,12 +84,25 @@ void TimeCheck::add(const mrpt::obs::CObservation& observation) {
     if (sensor.intervals.size() < kMaxSamples) {
       sensor.intervals.push_back(static_cast<float>(time - sensor.last));
     }
-  } else {
-    sensor.first = time;
   }
   sensor.last = time;
+  sensor.newest = time;
+  if (isAnyImage(observation)) compareClocks(key, time);
   if (isAnyImage(observation) && sensor.times.size() < kMaxSamples) sensor.times.push_back(time);
   if (imu != nullptr) addTurn(time, *imu);
+}
+
+/// How far the times of what arrived between two images are from the time between these.
+void TimeCheck::compareClocks(const Name& image, Time time) {
+  if (!first_camera_) first_camera_ = image;
+  if (*first_camera_ != image) return;
+  const auto before = std::exchange(last_image_, time);
+  for (auto& [name, sensor] : sensors_) {
+    const auto newest = std::exchange(sensor.newest, std::nullopt);
+    if (!before || !newest || name == image || sensor.offsets.size() >= kMaxSamples) continue;
+    const Time nearest = std::clamp(*newest, std::min(*before, time), std::max(*before, time));
+    sensor.offsets.push_back(static_cast<float>(*newest - nearest));
+  }
 }
 
 void TimeCheck::addTurn(Time time, const mrpt::obs::CObservationIMU& imu) {
@@ -116,6 +144,7 @@ CheckItem TimeCheck::rateOf(const Name& name, const Sensor& sensor) {
     item.verdict = is_bad ? Verdict::kBad : Verdict::kWarning;
     item.advice = "samples are missing: check bandwidth, disk and driver";
   }
+  if (!sensor.offsets.empty()) addClock(sensor.offsets, item);
   return item;
 }
 

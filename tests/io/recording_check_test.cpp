@@ -7,7 +7,9 @@
 #include <headway/io/rawlog_source.h>
 #include <headway_test/folders.h>
 #include <headway_test/paths.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservationIMU.h>
+#include <mrpt/obs/CObservationOdometry.h>
 
 #include <opencv2/imgcodecs.hpp>
 #include <regex>
@@ -107,6 +109,46 @@ TEST_F(RecordingCheckTest, PairsThatAreApartAreNamed) {
                                    HasSubstr("trigger both cameras together")));
   writeApart("y.rawlog", 0.0005);
   EXPECT_THAT(check("y.rawlog").output, HasSubstr("ok       times between left and right"));
+}
+
+TEST_F(RecordingCheckTest, SensorsOfAnotherClockAreNamed) {
+  for (const auto& [offset, expected] :
+       {std::pair(-0.02,
+                  "ok       times of wheels (CObservationOdometry): 30, 10.00 Hz, longest gap "
+                  "0.100 s, 0 gaps, +0.000 s from the images"),
+        std::pair(-0.6, "warning  times of wheels"),
+        std::pair(120.0, "bad      times of wheels")}) {
+    Objects objects;
+    for (int i = 0; i < 30; ++i) {
+      const Time time = test::frameTime(static_cast<std::size_t>(i));
+      auto wheels = mrpt::obs::CObservationOdometry::Create();
+      wheels->sensorLabel = "wheels";
+      wheels->timestamp = mrptTime(time + offset);
+      objects.push_back(wheels);
+      objects.push_back(test::wallObservation(i, time));
+    }
+    test::writeObjects(at("x.rawlog"), objects);
+    const auto result = check("x.rawlog");
+    EXPECT_THAT(result.output, HasSubstr(expected));
+    EXPECT_EQ(offset != -0.02, result.output.find("use one clock") != std::string::npos);
+    if (offset > 1.0) EXPECT_EQ(1, result.status);
+  }
+}
+
+TEST_F(RecordingCheckTest, LaserScansAreNotCalledUnused) {
+  Objects objects;
+  for (int i = 0; i < 5; ++i) {
+    const Time time = test::frameTime(static_cast<std::size_t>(i));
+    auto scan = mrpt::obs::CObservation2DRangeScan::Create();
+    scan->sensorLabel = "laser";
+    scan->timestamp = mrptTime(time);
+    scan->resizeScanAndAssign(3, 2.0F, true);
+    objects.push_back(test::wallObservation(i, time));
+    objects.push_back(scan);
+  }
+  test::writeObjects(at("x.rawlog"), objects);
+  EXPECT_THAT(check("x.rawlog").output,
+              AllOf(HasSubstr("times of laser"), Not(HasSubstr("unused"))));
 }
 
 TEST_F(RecordingCheckTest, AGoodRecordingIsOk) {
