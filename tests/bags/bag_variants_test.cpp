@@ -147,6 +147,17 @@ TEST_F(BagVariantsTest, FilesOfASplitBagAreReadInOrder) {
   EXPECT_THAT(import(at("empty") + " --list").output, HasSubstr("contains no .mcap and no .db3"));
 }
 
+TEST_F(BagVariantsTest, TheTenthFileOfASplitBagFollowsTheNinth) {
+  std::filesystem::create_directories(at("split"));
+  HEADWAY_WRITE_BAG(kMcap, "mono", at("split/b_9.mcap"));
+  HEADWAY_WRITE_BAG(kMcap, "rgbd", at("split/b_10.mcap"));
+  const std::string topics = import(at("split") + " --list").output;
+  const auto of_9 = topics.find("/stereo/left/image_raw");
+  const auto of_10 = topics.find("/camera/color/image_raw");
+  ASSERT_NE(std::string::npos, of_10) << topics;
+  EXPECT_LT(of_9, of_10) << "topics are listed as they come";
+}
+
 TEST_F(BagVariantsTest, ACalibrationFileReplacesCameraInfo) {
   HEADWAY_WRITE_BAG(kMcap, "mono", at("b.mcap"));
   std::ofstream(at("c.yaml")) << "image_size: [64, 48]\nleft: [60, 60, 32, 24]\nbaseline_m: 0.2\n";

@@ -211,8 +211,9 @@ TEST_F(DatasetTest, EurocErrorsNameTheFile) {
 
 TEST_F(DatasetTest, PairsImageFoldersByTheOrderOfNames) {
   for (int i = 0; i < 3; ++i) {
-    writeImage("l/left" + std::to_string(i) + ".png", test::wall(i).left);
-    writeImage("r/right" + std::to_string(i) + ".png", test::wall(i).right);
+    const std::string number = std::to_string(8 + i);  // 10 follows 9
+    writeImage("l/left" + number + ".png", test::wall(i).left);
+    writeImage("r/right" + number + ".png", test::wall(i).right);
   }
   write("l/notes.txt", "not an image");
   const std::string calibration =
@@ -232,7 +233,7 @@ TEST_F(DatasetTest, PairsImageFoldersByTheOrderOfNames) {
   EXPECT_THAT(test::errorOf([&] { (void)open(); }), HasSubstr("t.txt: has 1 times for 3 images"));
   write("c.yaml", calibration + "frame_rate_hz: 0\n");
   EXPECT_THAT(test::errorOf([&] { (void)open(); }), HasSubstr("frame_rate_hz"));
-  fs::remove(folder_ / "l/left0.png");
+  fs::remove(folder_ / "l/left8.png");
   EXPECT_THAT(test::errorOf([&] { (void)open(); }), HasSubstr("must contain the same number"));
   EXPECT_THAT(test::errorOf([&] {
                 (void)openImageFolders(folder_ / "nowhere", folder_ / "r", folder_ / "c.yaml");

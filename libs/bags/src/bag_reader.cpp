@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/bags/bag_reader.h>
 #include <headway/core/error.h>
+#include <headway/core/natural_order.h>
 
 #include <algorithm>
 #include <array>
@@ -82,7 +83,7 @@ std::unique_ptr<BagReader> openFolder(const std::string& path) {
     const auto ending = entry.path().extension();
     if (ending == ".mcap" || ending == ".db3") files.push_back(entry.path().string());
   }
-  std::sort(files.begin(), files.end());
+  std::sort(files.begin(), files.end(), isNaturallyBefore);
   if (files.empty()) {
     throw InputError(path +
                      ": contains no .mcap and no .db3 file; is it the folder of a ROS 2 bag?");

@@ -2,6 +2,7 @@
 #include "image_files.h"
 
 #include <headway/core/error.h>
+#include <headway/core/natural_order.h>
 #include <headway/io/image_decoding.h>
 #include <headway/io/rawlog_source.h>
 
@@ -109,7 +110,7 @@ std::vector<std::string> imagesIn(const std::string& folder) {
     }
   }
   if (error) throw InputError(folder + ": is not a readable folder: " + error.message());
-  std::sort(paths.begin(), paths.end());
+  std::sort(paths.begin(), paths.end(), isNaturallyBefore);
   return paths;
 }
 
