@@ -8,7 +8,7 @@
 #include <cstdint>
 
 #include "file_tree.h"
-#include "yaml_leaks.h"
+#include "yaml_parsers.h"
 
 namespace {
 
@@ -108,5 +108,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     readAll(*openFor(replaced.name(), recordings.path().string()));
   } catch (const InputError&) {  // expected of most inputs
   }
+  test::freeYamlParsers();
   return 0;
 }

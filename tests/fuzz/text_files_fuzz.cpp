@@ -10,7 +10,7 @@
 #include <cstdint>
 
 #include "memory_file.h"
-#include "yaml_leaks.h"
+#include "yaml_parsers.h"
 
 namespace {
 
@@ -63,5 +63,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     read(data[0] % 11, file.path());
   } catch (const headway::InputError&) {  // expected of most inputs
   }
+  headway::test::freeYamlParsers();
   return 0;
 }

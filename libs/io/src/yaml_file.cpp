@@ -26,7 +26,10 @@ constexpr int kMaxDepth = 32;  // of nested lists; libfyaml recurses
 
 std::string contentOf(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  std::string content(kMaxBytes + 1, '\0');
+  std::error_code unknown;  // then as much as is allowed
+  const auto size =
+      std::min<std::uintmax_t>(std::filesystem::file_size(path, unknown), kMaxBytes + 1);
+  std::string content(static_cast<std::size_t>(size), '\0');
   file.read(content.data(), static_cast<std::streamsize>(content.size()));
   content.resize(static_cast<std::size_t>(file.gcount()));
   return content;
