@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <opencv2/core.hpp>
+#include <opencv2/core/utility.hpp>
 #include <random>
 
 namespace headway::render {
@@ -166,14 +167,15 @@ TEST_F(PainterTest, HidesWhatIsBehindPoints) {
   EXPECT_FALSE(painter.hides({-20, 0, 0}, 0.5));
 }
 
-TEST_F(PainterTest, TheSameInputGivesTheSameBytes) {
+TEST_F(PainterTest, TheSameInputGivesTheSameBytesWithAnyNumberOfThreads) {
   std::mt19937 random(7);
   std::vector<PaintedPoint> points;
   for (int i = 0; i < 2000; ++i) {
     const auto value = [&] { return 0.01F * static_cast<float>(random() % 2000) - 10.F; };
     points.push_back({{20.F + value(), value(), value()}, {std::uint8_t(i % 251), 90, 20}});
   }
-  const auto draw = [&] {
+  const auto draw = [&](int threads) {
+    cv::setNumThreads(threads);
     Painter other(kWidth, kHeight);
     other.clear(forwardView(), kBackdrop);
     other.paint(points.data(), points.size(), wide(0.2F));
@@ -181,7 +183,28 @@ TEST_F(PainterTest, TheSameInputGivesTheSameBytes) {
     other.paint(wall(15, kBlue, 0.3F), 0.5);
     return other.picture().clone();
   };
-  EXPECT_EQ(cv::norm(draw(), draw(), cv::NORM_INF), 0.0);
+  const int threads = cv::getNumThreads();
+  const cv::Mat one = draw(1), four = draw(4);
+  cv::setNumThreads(threads);
+  EXPECT_EQ(cv::norm(one, four, cv::NORM_INF), 0.0);
+}
+
+TEST_F(PainterTest, PaintsWholeDiscsInEveryRow) {
+  for (int row = 20; row < kHeight - 20; ++row) {
+    painter.clear(forwardView(), kBackdrop);
+    const auto z = static_cast<float>(0.5 * (kHeight - 1) - row) / 16.F;
+    paint({{{10, 0, z}, kRed}}, wide(1.F));
+    EXPECT_NEAR(count(kRed), 0.25 * M_PI * 24 * 24, 12) << row;
+  }
+}
+
+TEST_F(PainterTest, ARunsRowsAreOnlyABound) {
+  const std::vector<PaintedPoint> points{{{10, 0, 4}, kRed}, {{10, 0, -4}, kRed}};
+  painter.paint({{points.data(), 1, 40, 80}, {points.data() + 1, 1, 160, 200}}, wide(1.F));
+  const cv::Mat bounded = painter.picture().clone();
+  painter.clear(forwardView(), kBackdrop);
+  paint(points, wide(1.F));
+  EXPECT_EQ(cv::norm(bounded, painter.picture(), cv::NORM_INF), 0.0);
 }
 
 TEST(EnlargedTest, KeepsWhereThingsAre) {

@@ -1,22 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <headway/core/parallel_rows.h>
 #include <headway/core/pose.h>
 #include <headway/core/stereo_camera.h>
 
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
-#include <opencv2/core/utility.hpp>
 
 namespace headway::detect {
-
-/// Processes rows in several threads; rows must not depend on each other.
-template <class Work>
-void forEachRow(int rows, const Work& work) {
-  cv::parallel_for_({0, rows}, [&](const cv::Range& some) {
-    for (int row = some.start; row < some.end; ++row) work(row);
-  });
-}
 
 /// Positions of a row's static cells in the previous frame, by their disparities.
 class StaticRow {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <headway/core/parallel_rows.h>
 #include <headway/render/painter.h>
 
 #include <algorithm>
@@ -16,7 +17,30 @@ constexpr float kFullLight = 0.96F;      // from which a surface is not an edge
 constexpr double kSkyGradientSin = 0.5;  // sine of the elevation with the zenith's colour
 constexpr double kGroundGradientSin = 0.12;  // sine of the depression with the ground's colour
 
-cv::Vec3b bgrOf(const Colour& colour) { return {colour.blue, colour.green, colour.red}; }
+std::uint32_t packed(const Colour& colour) {
+  return static_cast<std::uint32_t>(colour.red << 16 | colour.green << 8 | colour.blue);
+}
+
+cv::Vec3b bgrOf(std::uint32_t colour) {
+  return {static_cast<std::uint8_t>(colour), static_cast<std::uint8_t>(colour >> 8),
+          static_cast<std::uint8_t>(colour >> 16)};
+}
+
+/// The first row or column whose centre is not before a place in the picture or near it.
+int rowFrom(float place) {
+  const int towards_zero = static_cast<int>(place);
+  return towards_zero + (static_cast<float>(towards_zero) < place ? 1 : 0);
+}
+
+/// Paints the pixels of a row where nothing nearer is painted; without branches, for vectors.
+void paintRow(float z, std::uint32_t colour, int first, int end, float* depths,
+              std::uint32_t* colours) {
+  for (int column = first; column < end; ++column) {
+    const bool is_nearer = z < depths[column];
+    depths[column] = is_nearer ? z : depths[column];
+    colours[column] = is_nearer ? colour : colours[column];
+  }
+}
 
 cv::Vec3b mixed(const Colour& from, const Colour& to, double ratio) {
   const double part = std::clamp(ratio, 0.0, 1.0);
@@ -57,84 +81,109 @@ PinholeView enlarged(const PinholeView& view, int factor) {
 }
 
 Painter::Painter(int width, int height)
-    : colours_(height, width, CV_8UC3), depths_(height, width, CV_32F) {}
+    : colours_(height, width, CV_8UC3),
+      points_(height, width, CV_32S),
+      depths_(height, width, CV_32F) {}
+
+Painter::Band Painter::bandOf(int index) const {
+  return {view_.height * index / kBands, view_.height * (index + 1) / kBands};
+}
 
 void Painter::clear(const PinholeView& view, const Backdrop& backdrop) {
   CV_Assert(view.width == colours_.cols && view.height == colours_.rows);
   view_ = view;
-  depths_.setTo(kNoDepth);
-  for (int row = 0; row < colours_.rows; ++row) {
+  const Pose T_camera_map = view.T_map_camera.inverse();
+  R_camera_map_ = T_camera_map.linear().cast<float>();
+  t_camera_map_ = T_camera_map.translation().cast<float>();
+  forEachRow(colours_.rows, [&](int row) {
+    depths_.row(row).setTo(kNoDepth);
     const Eigen::Vector3d ray =
         view.T_map_camera.linear() * Eigen::Vector3d(0.0, (row - view.cy) / view.fy, 1.0);
     const double up = ray.z() / ray.norm();
     colours_.row(row).setTo(up < 0.0
                                 ? mixed(backdrop.horizon, backdrop.ground, -up / kGroundGradientSin)
                                 : mixed(backdrop.horizon, backdrop.zenith, up / kSkyGradientSin));
-  }
+  });
 }
 
-void Painter::paint(const PaintedPoint* points, std::size_t count, const PointStyle& style) {
-  const Pose T_camera_map = view_.T_map_camera.inverse();
-  const Eigen::Matrix3f R = T_camera_map.linear().cast<float>();
-  const Eigen::Vector3f t = T_camera_map.translation().cast<float>();
+void Painter::paint(const std::vector<PointRun>& runs, const PointStyle& style) {
+  forEachRow(kBands, [&](int index) {
+    const Band band = bandOf(index);
+    for (const auto& run : runs) {
+      if (run.top < band.end && run.bottom >= band.first) paintPoints(run, style, band);
+    }
+    showPoints(band);
+  });
+}
+
+void Painter::paintPoints(const PointRun& run, const PointStyle& style, const Band& band) {
   const auto fx = static_cast<float>(view_.fx), fy = static_cast<float>(view_.fy);
   const auto cx = static_cast<float>(view_.cx), cy = static_cast<float>(view_.cy);
   const float near_m = std::max(style.near_m, static_cast<float>(view_.near_m));
   const auto far_m = static_cast<float>(view_.far_m);
-  const auto width = static_cast<float>(view_.width), height = static_cast<float>(view_.height);
-  for (const PaintedPoint* point = points; point != points + count; ++point) {
-    const Eigen::Vector3f p = R * point->position + t;
+  const auto width = static_cast<float>(view_.width);
+  const auto first = static_cast<float>(band.first), end = static_cast<float>(band.end);
+  for (const PaintedPoint* point = run.points; point != run.points + run.count; ++point) {
+    const Eigen::Vector3f p = R_camera_map_ * point->position + t_camera_map_;
     if (!(p.z() > near_m && p.z() < far_m)) continue;
     const float inverse = 1.F / p.z();
     const float u = fx * p.x() * inverse + cx;
     const float v = fy * p.y() * inverse + cy;
     const float half =
         0.5F * std::clamp(kOverlap * style.width_m * fx * inverse, style.min_px, style.max_px);
-    if (!(u + half >= 0.F && v + half >= 0.F && u - half < width && v - half < height)) continue;
+    if (!(u + half >= 0.F && v + half >= first && u - half < width && v - half < end)) continue;
     const float z = p.z() - style.nearer_m;
-    const bool hidden = style.width_m > 0.F && isHidden(u, v, z - style.width_m);
-    if (!hidden) paintDisc(u, v, half, z, bgrOf(point->colour));
+    const bool hidden = style.width_m > 0.F && isHidden(u, v, z - style.width_m, band);
+    if (!hidden) paintDisc(u, v, half, z, packed(point->colour), band);
   }
 }
 
 /// The pixels whose centre is in the disc, or in the square if it is small: at least one, exactly n
 /// in a row of a square of n pixels.
-void Painter::paintDisc(float u, float v, float half, float z, const cv::Vec3b& colour) {
-  const auto firstFrom = [](float from) { return std::max(0, static_cast<int>(std::ceil(from))); };
-  const int left = firstFrom(u - half), top = firstFrom(v - half);
-  const int right = std::min(view_.width, static_cast<int>(std::ceil(u + half)));
-  const int bottom = std::min(view_.height, static_cast<int>(std::ceil(v + half)));
+void Painter::paintDisc(float u, float v, float half, float z, std::uint32_t colour,
+                        const Band& band) {
+  const int left = std::max(0, rowFrom(u - half));
+  const int right = std::min(view_.width, rowFrom(u + half));
+  const int top = std::max(band.first, rowFrom(v - half));
+  const int bottom = std::min(band.end, rowFrom(v + half));
   const bool round = half > kMinRound;
   for (int row = top; row < bottom; ++row) {
-    auto* depth = depths_.ptr<float>(row);
-    auto* pixel = colours_.ptr<cv::Vec3b>(row);
     int first = left, end = right;
     if (round) {
       const float up = static_cast<float>(row) - v;
       const float across = std::sqrt(std::max(0.F, half * half - up * up));
-      first = std::max(left, static_cast<int>(std::ceil(u - across)));
-      end = std::min(right, static_cast<int>(std::ceil(u + across)));
+      first = std::max(left, rowFrom(u - across));
+      end = std::min(right, rowFrom(u + across));
     }
-    for (int column = first; column < end; ++column) {
-      if (z >= depth[column]) continue;
-      depth[column] = z;
-      pixel[column] = colour;
+    paintRow(z, colour, first, end, depths_.ptr<float>(row), points_.ptr<std::uint32_t>(row));
+  }
+}
+
+/// Copies the colours of the points to the picture.
+void Painter::showPoints(const Band& band) {
+  for (int row = band.first; row < band.end; ++row) {
+    const auto* depth = depths_.ptr<float>(row);
+    const auto* point = points_.ptr<std::uint32_t>(row);
+    auto* pixel = colours_.ptr<cv::Vec3b>(row);
+    for (int column = 0; column < colours_.cols; ++column) {
+      if (depth[column] < kNoDepth) pixel[column] = bgrOf(point[column]);
     }
   }
 }
 
-/// Whether something is drawn before a place of the picture; false outside of it.
-bool Painter::isHidden(float u, float v, float z) const {
-  if (!(u >= 0.F && v >= 0.F)) return false;
-  const int column = static_cast<int>(u), row = static_cast<int>(v);
-  if (column >= depths_.cols || row >= depths_.rows) return false;
+/// Whether something is drawn before a place of the picture, in the row of the band that is nearest
+/// to it; false to the left and right of the picture.
+bool Painter::isHidden(float u, float v, float z, const Band& band) const {
+  const int column = static_cast<int>(u);
+  if (!(u >= 0.F) || column >= depths_.cols) return false;
+  const int row = std::clamp(static_cast<int>(v), band.first, band.end - 1);
   return depths_.ptr<float>(row)[column] < z;
 }
 
 void Painter::shade() {
   const int reach = std::max(1, view_.height / 500);
-  std::vector<float> light(static_cast<std::size_t>(colours_.cols), 1.F);
-  for (int row = 0; row < colours_.rows; ++row) {
+  forEachRow(colours_.rows, [&](int row) {
+    std::vector<float> light(static_cast<std::size_t>(colours_.cols), 1.F);
     lightOfRow(depths_, row, reach, light.data());
     auto* pixel = colours_.ptr<cv::Vec3b>(row);
     for (const float factor : light) {
@@ -144,7 +193,7 @@ void Painter::shade() {
         bgr[channel] = static_cast<std::uint8_t>(factor * static_cast<float>(bgr[channel]));
       }
     }
-  }
+  });
 }
 
 bool Painter::hides(const Eigen::Vector3d& place_map, double margin_m) const {

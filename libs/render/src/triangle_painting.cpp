@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <headway/core/parallel_rows.h>
 #include <headway/render/painter.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace headway::render {
 namespace {
@@ -40,48 +42,59 @@ std::uint8_t blended(int below, int above, int opacity) {
 }  // namespace
 
 void Painter::paint(const std::vector<PaintedTriangle>& triangles, double margin_m) {
-  const Pose T_camera_map = view_.T_map_camera.inverse();
-  const Eigen::Matrix3f R = T_camera_map.linear().cast<float>();
-  const Eigen::Vector3f t = T_camera_map.translation().cast<float>();
-  const auto near_m = static_cast<float>(view_.near_m);
+  std::vector<Polygon> polygons;
   for (const auto& triangle : triangles) {
-    std::array<Placed, 3> placed;
-    for (std::size_t i = 0; i < 3; ++i) {
-      placed[i] = {R * triangle.corners[i] + t, triangle.opacity[i]};
-    }
-    std::array<Placed, 4> visible;
-    const std::size_t count = clipped(placed, near_m, visible);
-    if (count < 3) continue;
-    std::array<Corner, 4> polygon;
-    for (std::size_t i = 0; i < count; ++i) {
-      const float inverse = 1.F / visible[i].point.z();
-      polygon[i] = {static_cast<float>(view_.fx) * visible[i].point.x() * inverse +
-                        static_cast<float>(view_.cx),
-                    static_cast<float>(view_.fy) * visible[i].point.y() * inverse +
-                        static_cast<float>(view_.cy),
-                    inverse, visible[i].opacity};
-    }
-    fill(polygon, count, triangle.colour, static_cast<float>(margin_m));
+    if (const auto polygon = projected(triangle)) polygons.push_back(*polygon);
   }
+  forEachRow(kBands, [&](int index) {
+    const Band band = bandOf(index);
+    for (const auto& polygon : polygons) fill(polygon, static_cast<float>(margin_m), band);
+  });
+}
+
+/// The part of a triangle before the camera; nullopt if it is in no row of the picture.
+std::optional<Painter::Polygon> Painter::projected(const PaintedTriangle& triangle) const {
+  std::array<Placed, 3> placed;
+  for (std::size_t i = 0; i < 3; ++i) {
+    placed[i] = {R_camera_map_ * triangle.corners[i] + t_camera_map_, triangle.opacity[i]};
+  }
+  std::array<Placed, 4> visible;
+  Polygon polygon;
+  polygon.count = clipped(placed, static_cast<float>(view_.near_m), visible);
+  if (polygon.count < 3) return std::nullopt;
+  float top = std::numeric_limits<float>::infinity(), bottom = -top;
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const float inverse = 1.F / visible[i].point.z();
+    Corner& corner = polygon.corners[i];
+    corner = {static_cast<float>(view_.fx) * visible[i].point.x() * inverse +
+                  static_cast<float>(view_.cx),
+              static_cast<float>(view_.fy) * visible[i].point.y() * inverse +
+                  static_cast<float>(view_.cy),
+              inverse, visible[i].opacity};
+    top = std::min(top, corner.v);
+    bottom = std::max(bottom, corner.v);
+  }
+  const auto rowFrom = [&](float v) {
+    return static_cast<int>(std::ceil(std::clamp(v, 0.F, static_cast<float>(view_.height))));
+  };
+  polygon.first_row = rowFrom(top);
+  polygon.end_row = rowFrom(bottom);
+  polygon.colour = triangle.colour;
+  if (polygon.first_row >= polygon.end_row) return std::nullopt;
+  return polygon;
 }
 
 /// Row by row between the crossings of the edges; a pixel on a common edge belongs to one of two
 /// adjacent polygons.
-void Painter::fill(const std::array<Corner, 4>& polygon, std::size_t corners, Colour colour,
-                   float margin_m) {
-  const auto by_v = [](const Corner& a, const Corner& b) { return a.v < b.v; };
-  const auto end = polygon.begin() + static_cast<std::ptrdiff_t>(corners);
-  const auto [top, bottom] = std::minmax_element(polygon.begin(), end, by_v);
-  const auto last = static_cast<float>(view_.height);
-  const int first_row = static_cast<int>(std::ceil(std::clamp(top->v, 0.F, last)));
-  const int end_row = static_cast<int>(std::ceil(std::clamp(bottom->v, 0.F, last)));
-  for (int row = first_row; row < end_row; ++row) {
+void Painter::fill(const Polygon& polygon, float margin_m, const Band& band) {
+  const int end_row = std::min(polygon.end_row, band.end);
+  for (int row = std::max(polygon.first_row, band.first); row < end_row; ++row) {
     const auto v = static_cast<float>(row);
     std::array<Corner, 2> crossings;
     std::size_t count = 0;
-    for (std::size_t i = 0; i < corners && count < 2; ++i) {
-      const Corner& a = polygon[i];
-      const Corner& b = polygon[(i + 1) % corners];
+    for (std::size_t i = 0; i < polygon.count && count < 2; ++i) {
+      const Corner& a = polygon.corners[i];
+      const Corner& b = polygon.corners[(i + 1) % polygon.count];
       if ((a.v <= v) == (b.v <= v)) continue;
       const float ratio = (v - a.v) / (b.v - a.v);
       crossings[count++] = {a.u + ratio * (b.u - a.u), v,
@@ -90,7 +103,7 @@ void Painter::fill(const std::array<Corner, 4>& polygon, std::size_t corners, Co
     }
     if (count < 2) continue;
     const bool ordered = crossings[0].u <= crossings[1].u;
-    fillRow(row, crossings[ordered ? 0 : 1], crossings[ordered ? 1 : 0], colour, margin_m);
+    fillRow(row, crossings[ordered ? 0 : 1], crossings[ordered ? 1 : 0], polygon.colour, margin_m);
   }
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ground_drawing.h"
 
+#include <headway/core/parallel_rows.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -60,7 +62,7 @@ void drawOccupancy(const OccupancyPicture& occupancy, double ground_z,
   const double x_origin = (viewpoint.x() - occupancy.x_min) / occupancy.cell_m;
   const double y_origin = (viewpoint.y() - occupancy.y_min) / occupancy.cell_m;
   const Eigen::Vector3d across = view.T_map_camera.linear().col(0) / view.fx;
-  for (int row = 0; row < picture.rows; ++row) {
+  forEachRow(picture.rows, [&](int row) {
     Eigen::Vector3d ray = view.T_map_camera.linear() *
                           Eigen::Vector3d(-view.cx / view.fx, (row - view.cy) / view.fy, 1.0);
     auto* pixel = picture.ptr<cv::Vec3b>(row);
@@ -82,7 +84,7 @@ void drawOccupancy(const OccupancyPicture& occupancy, double ground_z,
             static_cast<std::uint8_t>((value * (255 - opacity) + colour[channel] * opacity) / 255);
       }
     }
-  }
+  });
 }
 
 void drawGridLines(Canvas& canvas, const render::PinholeView& view, const Eigen::Vector3d& centre,

@@ -27,26 +27,37 @@ bool mayBeVisible(const Eigen::Vector3d& centre, double radius, const render::Pi
          std::abs(centre.y()) <= centre.z() * tan_y + radius * std::sqrt(1.0 + tan_y * tan_y);
 }
 
-/// Number of points at random that close the projection of a box; infinite if a corner is behind
-/// the camera, or without a width in the world.
-double pointsToClose(const Eigen::AlignedBox3f& bounds, const render::PointStyle& style,
-                     const render::PinholeView& view) {
-  constexpr double kAll = std::numeric_limits<double>::infinity();
-  if (!(style.width_m > 0.F)) return kAll;
+/// What of a cell is painted, and where.
+///
+/// A cell whose corners are all before the camera takes as many points at random as close its
+/// projection, if they have a width in the world; others take all points, in any row.
+render::PointRun runOf(const Eigen::AlignedBox3f& bounds,
+                       const std::vector<render::PaintedPoint>& points,
+                       const render::PointStyle& style, const render::PinholeView& view) {
+  render::PointRun run{points.data(), points.size()};
   Eigen::AlignedBox2d covered;
   double farthest = 0.0;
   for (int corner = 0; corner < 8; ++corner) {
     const Eigen::Vector3d place =
         bounds.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner)).cast<double>();
     const auto pixel = render::project(place, view);
-    if (!pixel) return kAll;
+    if (!pixel) return run;
     covered.extend(*pixel);
     farthest = std::max(farthest, (place - view.T_map_camera.translation()).norm());
   }
+  const double margin = 0.5 * static_cast<double>(style.max_px) + 1.0;
+  const auto row = [&](double v) {
+    return static_cast<int>(std::clamp(v, -1.0, static_cast<double>(view.height)));
+  };
+  run.top = row(covered.min().y() - margin);
+  run.bottom = row(covered.max().y() + margin);
+  if (!(style.width_m > 0.F)) return run;
   const double width_px = std::max(static_cast<double>(style.min_px),
                                    static_cast<double>(style.width_m) * view.fx / farthest);
-  return kCoverings * (covered.sizes() + Eigen::Vector2d::Ones() * width_px).prod() /
-         (width_px * width_px);
+  const double enough = kCoverings * (covered.sizes() + Eigen::Vector2d::Ones() * width_px).prod() /
+                        (width_px * width_px);
+  if (enough < static_cast<double>(run.count)) run.count = static_cast<std::size_t>(enough);
+  return run;
 }
 
 /// Puts points in a random order that is the same each time.
@@ -93,13 +104,11 @@ void PointCells::paint(const render::PinholeView& view, const render::PointStyle
   }
   std::stable_sort(visible.begin(), visible.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<render::PointRun> runs;
   for (const auto& [distance, cell] : visible) {
-    const double enough = pointsToClose(cell->bounds, style, view);
-    const auto count = cell->points.size();
-    painter.paint(cell->points.data(),
-                  enough < static_cast<double>(count) ? static_cast<std::size_t>(enough) : count,
-                  style);
+    runs.push_back(runOf(cell->bounds, cell->points, style, view));
   }
+  painter.paint(runs, style);
 }
 
 double PointCells::closingWidth() const {

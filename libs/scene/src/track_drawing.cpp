@@ -100,10 +100,14 @@ void drawEdges(Canvas& canvas, const render::PinholeView& view, const Track& tra
   for (const auto& [a, b] : map::kBoxEdges) {
     const Eigen::Vector3d& from = corners[static_cast<std::size_t>(a)];
     const Eigen::Vector3d step = (corners[static_cast<std::size_t>(b)] - from) / parts;
-    for (int i = 0; i < parts; ++i) {
-      const bool hidden = hides && hides(from + (i + 0.5) * step);
-      drawSegment(canvas, view, from + i * step, from + (i + 1) * step,
-                  hidden ? kHiddenEdge : points, colour);
+    const auto isHidden = [&](int part) { return hides && hides(from + (part + 0.5) * step); };
+    bool hidden = isHidden(0);
+    for (int i = 0, end = 1; i < parts; i = end++) {  // as long as all is hidden or nothing
+      bool next = hidden;
+      while (end < parts && (next = isHidden(end)) == hidden) ++end;
+      drawSegment(canvas, view, from + i * step, from + end * step, hidden ? kHiddenEdge : points,
+                  colour);
+      hidden = next;
     }
   }
 }
