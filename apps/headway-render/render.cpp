@@ -18,7 +18,7 @@
 namespace headway::render_program {
 namespace {
 
-/// Reconstructs the map, images and truth of consecutive frames.
+/// Reconstructs the map, images and truth of frames in ascending order.
 class Playback {
  public:
   Playback(const FinishedReplay& replay, report::ReplayTruth truth, std::size_t first_frame,
@@ -26,22 +26,30 @@ class Playback {
       : replay_(replay),
         truth_(std::move(truth)),
         images_(replay.input, first_frame, note),
-        map_(replay.map) {}
+        map_(replay.map),
+        input_{map_} {
+    input_.camera = replay_.camera;
+  }
 
-  scene::SnapshotInput at(std::size_t position) {
+  /// @param position  in the list of frames, not less than the one before
+  /// @return          valid until the next call
+  const scene::SnapshotInput& at(std::size_t position) {
     const ReplayFrame& frame = replay_.frames[position];
     map_.update(frame.time, frame.tracks);
-    scene::SnapshotInput input{
-        map_, frame.frame, frame.time, frame.T_map_robot, replay_.camera, images_.at(frame.frame)};
-    for (std::size_t i = 0; i <= position; ++i) {
-      input.path.push_back({replay_.frames[i].time, replay_.frames[i].T_map_robot});
+    input_.frame = frame.frame;
+    input_.time = frame.time;
+    input_.T_map_robot = frame.T_map_robot;
+    input_.image = images_.at(frame.frame);
+    for (auto i = input_.path.size(); i <= position; ++i) {
+      input_.path.push_back({replay_.frames[i].time, replay_.frames[i].T_map_robot});
     }
-    for (const auto& pose : truth_.path) {
-      if (pose.time <= frame.time) input.true_path.push_back(pose);
+    for (; true_poses_ < truth_.path.size() && truth_.path[true_poses_].time <= frame.time;
+         ++true_poses_) {
+      input_.true_path.push_back(truth_.path[true_poses_]);
     }
     const auto objects = truth_.objects.find(frame.frame);
-    if (objects != truth_.objects.end()) input.true_objects = objects->second;
-    return input;
+    input_.true_objects = objects != truth_.objects.end() ? objects->second : std::vector<Track>();
+    return input_;
   }
 
  private:
@@ -49,6 +57,8 @@ class Playback {
   report::ReplayTruth truth_;
   report::RecordedImages images_;
   map::PerceptionMap map_;
+  scene::SnapshotInput input_;  ///< its paths grow
+  std::size_t true_poses_ = 0;  ///< of the truth, in the input's path
 };
 
 /// Position of a frame in the list of tracked frames.
