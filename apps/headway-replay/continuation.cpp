@@ -115,6 +115,7 @@ void takeRecord(const fs::path& path, Options& options, Params& params) {
     options.from_index = indexAt(run, "from_index");
     options.to_index = indexAt(run, "to_index");
     options.snapshots = run.at("snapshots").get<std::size_t>();
+    options.theme = run.value("theme", "dark");
     for (const auto& [section, keys] : record.at("configuration").items()) {
       for (const auto& [key, value] : keys.items()) {
         std::string assignment = section;

@@ -3,6 +3,7 @@
 
 #include <headway/core/error.h>
 #include <headway/pipeline/detection_stage.h>
+#include <headway/scene/snapshot.h>
 
 #include <filesystem>
 #include <set>
@@ -32,6 +33,8 @@ void describe(Options& options, program::CommandLine& line) {
               "Folder with trajectory.tum and objects.csv to compare with in the report");
   line.option(options.snapshots, 0, "snapshots", "N",
               "Number of pictures of the map to draw; default 6");
+  line.option(options.theme, 0, "theme", "dark|light",
+              "Colours of the pictures and the scene; default dark");
   line.option(options.continued, 0, "continue", "OUTDIR",
               "Continue a killed run after its last checkpoint, with its input and configuration; "
               "instead of -i and -o");
@@ -45,7 +48,7 @@ void checkContinued(const Options& options) {
                           !options.detections.empty() || !options.detector.empty() ||
                           !options.load_map.empty() || !options.sensor_label.empty() ||
                           options.realtime != 0.0 || options.from_index || options.to_index ||
-                          options.snapshots || options.overwrite;
+                          options.snapshots || !options.theme.empty() || options.overwrite;
   if (has_others) {
     throw program::UsageError(
         "--continue takes input, options and configuration from the run; only --truth can be "
@@ -104,6 +107,9 @@ void check(const Options& options) {
     throw InputError(options.truth + ": --truth requires a folder with trajectory.tum");
   }
   if (!(options.realtime >= 0.0)) throw UsageError("--realtime must not be negative");
+  if (!options.theme.empty() && !scene::themeFrom(options.theme)) {
+    throw UsageError("--theme: '" + options.theme + "' is neither dark nor light");
+  }
   if (options.from_index && options.to_index && *options.to_index < *options.from_index) {
     throw UsageError("--to-index is less than --from-index");
   }

@@ -29,6 +29,7 @@ struct Options {
   std::optional<std::size_t> from_index;
   std::optional<std::size_t> to_index;
   std::optional<std::size_t> snapshots;  ///< pictures; see snapshotsOf()
+  std::string theme;                     ///< of pictures and scene; empty: dark
   double checkpoint_s = 10.0;            ///< between checkpoints of map and trajectory; 0: none
   bool overwrite = false;
   std::string continued;  ///< folder of a killed run to continue; empty: a new run

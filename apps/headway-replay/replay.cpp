@@ -102,7 +102,8 @@ Replay::Replay(const Options& options, std::unique_ptr<FrameInput> input,
       writers_(folder_.path(), camera_,
                options.continuation ? &options.continuation->state.rows : nullptr),
       checkpoint_(folder_.path(), options.checkpoint_s),
-      snapshots_(folder_.path(), static_cast<int>(snapshotsOf(options))),
+      snapshots_(folder_.path(), static_cast<int>(snapshotsOf(options)),
+                 scene::themeFrom(options.theme).value_or(scene::Theme::kDark)),
       retrack_time_s_(perception_params.objects.lifecycle.retrack_time_s) {
   perception_->setLog([this](LogLevel level, const std::string& text) { log(level, text); });
   perception_->setTrajectoryLog(

@@ -64,7 +64,7 @@ scene::SnapshotInput Snapshots::input(const pipeline::Perception& perception) co
 void Snapshots::draw(const pipeline::Perception& perception) {
   if (renderer_ == nullptr) {
     std::filesystem::create_directories(folder_ / "snapshots");
-    renderer_ = std::make_unique<scene::SnapshotRenderer>(scene::SnapshotOptions());
+    renderer_ = std::make_unique<scene::SnapshotRenderer>(look_);
   }
   char name[16];
   std::snprintf(name, sizeof name, "%06zu.png", last_->index);
@@ -81,7 +81,7 @@ void Snapshots::move(const Pose& T_map_run) {
 void Snapshots::finish(const pipeline::Perception& perception) {
   if (!last_) return;
   if (count_ > 0 && written_.empty()) draw(perception);
-  scene::saveScene((folder_ / "scene.3Dscene").string(), input(perception));
+  scene::saveScene((folder_ / "scene.3Dscene").string(), input(perception), look_);
 }
 
 }  // namespace headway::replay

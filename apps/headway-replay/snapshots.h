@@ -17,7 +17,10 @@ namespace headway::replay {
 /// Draws pictures of the map, evenly spaced over the rawlog, and writes the final scene.
 class Snapshots {
  public:
-  Snapshots(std::filesystem::path folder, int count) : folder_(std::move(folder)), count_(count) {}
+  Snapshots(std::filesystem::path folder, int count, scene::Theme theme)
+      : folder_(std::move(folder)), count_(count) {
+    look_.theme = theme;
+  }
 
   /// Continues a run: keeps its pictures, and draws the way so far.
   void continueRun(const std::vector<Stamped<Pose>>& path);
@@ -47,6 +50,7 @@ class Snapshots {
 
   std::filesystem::path folder_;
   int count_;
+  scene::SnapshotOptions look_;
   std::unique_ptr<scene::SnapshotRenderer> renderer_;  ///< created for the first picture
   std::vector<std::filesystem::path> written_;
   std::vector<Stamped<Pose>> path_;  ///< every path_step_-th tracked pose

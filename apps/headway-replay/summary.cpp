@@ -147,7 +147,8 @@ void writeRunRecord(const std::filesystem::path& path, const Options& options, c
   json["options"] = {{"realtime", options.realtime},
                      {"from_index", indexJson(options.from_index)},
                      {"to_index", indexJson(options.to_index)},
-                     {"snapshots", snapshotsOf(options)}};
+                     {"snapshots", snapshotsOf(options)},
+                     {"theme", options.theme.empty() ? "dark" : options.theme}};
   json["rig"] = rigJson(rig);
   if (!detector_model.empty()) {
     json["detector_model"] = {{"file", pathJson(detector_model)},

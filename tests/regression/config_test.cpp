@@ -3,6 +3,8 @@
 #include <headway_test/paths.h>
 
 #include <filesystem>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include "replay_run.h"
 
@@ -61,6 +63,22 @@ TEST(ConfigTest, CheckpointsAtBothEndsOfTheirRangeRun) {
     EXPECT_EQ(0, run.process.status) << run.process.output;
     EXPECT_EQ(4, run.summary.at("frames")) << interval;
   }
+}
+
+TEST(ConfigTest, TheThemeIsThatOfTheSnapshots) {
+  const std::string street = std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/street.rawlog";
+  const test::TemporaryFolder folder;
+  const auto brightness = [&](const std::string& theme) {
+    const auto run = test::replay(street, folder / theme,
+                                  "-q --to-index 1 --detector none --snapshots 1 --theme " + theme);
+    EXPECT_EQ(0, run.process.status) << run.process.output;
+    for (const auto& file : std::filesystem::directory_iterator(run.file("snapshots"))) {
+      return cv::mean(cv::imread(file.path().string(), cv::IMREAD_GRAYSCALE))[0];
+    }
+    return 0.0;
+  };
+  EXPECT_GT(brightness("light"), brightness("dark") + 60.0);
+  EXPECT_EQ(2, test::replay(street, folder / "out", "--theme grey").process.status);
 }
 
 TEST(ConfigTest, EveryProgramHasHelpAndVersion) {

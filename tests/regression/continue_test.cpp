@@ -193,6 +193,7 @@ TEST_F(ContinueTest, WhatCannotBeContinuedIsNamed) {
   EXPECT_EQ(2, goOn("-i " + rawlog_).status);
   EXPECT_EQ(2, goOn("--set slam.window=5").status);
   EXPECT_EQ(2, goOn("--snapshots 3").status);
+  EXPECT_EQ(2, goOn("--theme light").status);
   ASSERT_EQ(0, test::replay(rawlog_, out_, "-q --snapshots 0").process.status);
   const auto ended = goOn();
   EXPECT_EQ(1, ended.status);
