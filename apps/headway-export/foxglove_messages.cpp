@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "foxglove_messages.h"
 
+#include <headway/core/display_name.h>
 #include <headway/core/ellipse.h>
 #include <headway/core/error.h>
 
@@ -257,7 +258,8 @@ foxglove::SceneUpdate boxesOf(const ReplayFrame& frame) {
     text.set_billboard(true);
     text.set_font_size(0.5);
     set(colourOf(track.object_class), 1.0, *text.mutable_color());
-    text.set_text(std::string(toString(track.object_class)) + " " + std::to_string(track.id.value));
+    text.set_text(std::string(displayName(track.object_class)) + " " +
+                  std::to_string(track.id.value));
     addMetadata("class", std::string(toString(track.object_class)), entity);
     addMetadata("status", std::string(toString(track.status)), entity);
     addMetadata("moving", isMoving(track) ? "true" : "false", entity);

@@ -2,6 +2,7 @@
 #include "live_view_json.h"
 
 #include <headway/core/class_colour.h>
+#include <headway/core/display_name.h>
 #include <headway/core/ellipse.h>
 
 #include <cmath>
@@ -43,7 +44,7 @@ Json pathJson(const PredictedPath& path) {
 
 Json trackJson(const Track& track) {
   Json json = {{"id", track.id.value},
-               {"class", toString(track.object_class)},
+               {"class", displayName(track.object_class)},
                {"colour", colourJson(colourOf(track.object_class))},
                {"moving", isMoving(track)},
                {"coasting", track.status == TrackStatus::kCoasting},

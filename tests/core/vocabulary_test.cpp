@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <headway/core/class_colour.h>
+#include <headway/core/display_name.h>
 #include <headway/core/ids.h>
 #include <headway/core/object_class.h>
 #include <headway/core/track.h>
@@ -54,6 +55,16 @@ TEST(ObjectClassTest, NamesAreInverseToTheirParser) {
 TEST(ObjectClassTest, OtherWordsAreNoClass) {
   for (const char* word : {"", "car", "DontCare", "Person sitting", "Cars"}) {
     EXPECT_EQ(std::nullopt, objectClassFrom(word)) << word;
+  }
+}
+
+TEST(ObjectClassTest, PeopleReadNamesWithoutUnderscores) {
+  EXPECT_EQ("Car", displayName(ObjectClass::kCar));
+  std::set<std::string_view> names;
+  for (const ObjectClass object_class : allClasses()) {
+    const auto name = displayName(object_class);
+    EXPECT_TRUE(names.insert(name).second) << name;
+    EXPECT_EQ(std::string_view::npos, name.find('_')) << name;
   }
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <headway/core/display_name.h>
 #include <headway/core/object_class.h>
 
 #include <array>
@@ -13,6 +14,10 @@ constexpr std::array<std::string_view, kObjectClassCount> kNames = {
 
 std::string_view toString(ObjectClass object_class) {
   return kNames.at(static_cast<std::size_t>(object_class));
+}
+
+std::string_view displayName(ObjectClass object_class) {
+  return object_class == ObjectClass::kPersonSitting ? "Sitting person" : toString(object_class);
 }
 
 std::optional<ObjectClass> objectClassFrom(std::string_view name) {

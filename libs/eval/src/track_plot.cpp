@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <headway/core/display_name.h>
 #include <headway/eval/plots.h>
 #include <headway/plot/chart.h>
 #include <headway/plot/colours.h>
@@ -75,7 +76,7 @@ cv::Mat trackPlot(const std::string& title, const TrackErrors& errors) {
   std::size_t number = 0;
   for (const auto& [object_class, error] : errors.classes) {
     const Colour colour = plot::categoryColour(number++);
-    const std::string name(toString(object_class));
+    const std::string name(displayName(object_class));
     const auto percent = [](std::optional<double> ratio) { return plot::percentText(ratio, 1); };
     chart.line(over(error.curve, &RecallPoint::smota), colour, 2.4);
     chart.line(over(error.curve, &RecallPoint::mota), colour, 2.0, plot::LineStyle::kDashed);

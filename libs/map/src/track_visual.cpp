@@ -2,6 +2,7 @@
 #include "track_visual.h"
 
 #include <headway/core/class_colour.h>
+#include <headway/core/display_name.h>
 #include <headway/map/ribbon.h>
 #include <headway/map/track_geometry.h>
 #include <mrpt/opengl/CSetOfLines.h>
@@ -111,7 +112,7 @@ void appendUncertainty(const Track& track, const PredictedPath& prediction, doub
 }
 
 std::shared_ptr<mrpt::opengl::CText> labelOf(const Track& track) {
-  auto label = mrpt::opengl::CText::Create(std::string(toString(track.object_class)) + " " +
+  auto label = mrpt::opengl::CText::Create(std::string(displayName(track.object_class)) + " " +
                                            std::to_string(track.id.value));
   const Colour c = colourOf(track.object_class);
   label->setColor_u8(c.red, c.green, c.blue);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <headway/core/display_name.h>
 #include <headway/core/error.h>
 #include <headway/plot/ticks.h>
 
@@ -123,8 +124,8 @@ bool isEverMoving(const TrackHistory& history) {
 
 std::string trackLine(const TrackHistory& history, const PlotFrame& frame) {
   const std::string colour = hex(colourOf(history.object_class));
-  const std::string title = "<title>" + escaped(std::string(toString(history.object_class))) + " " +
-                            std::to_string(history.id) + "</title>";
+  const std::string title = "<title>" + escaped(std::string(displayName(history.object_class))) +
+                            " " + std::to_string(history.id) + "</title>";
   if (isEverMoving(history)) {
     return "<path class=\"track\" stroke=\"" + colour + "\" d=\"" +
            polyline(history.points, frame) + "\">" + title + "</path>";

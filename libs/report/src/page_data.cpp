@@ -2,6 +2,7 @@
 #include "page_data.h"
 
 #include <headway/core/class_colour.h>
+#include <headway/core/display_name.h>
 #include <headway/core/ellipse.h>
 #include <headway/io/calibration_file.h>
 
@@ -124,7 +125,7 @@ Json classesJson() {
   Json classes = Json::array();
   for (std::size_t i = 0; i < kObjectClassCount; ++i) {
     const auto object_class = static_cast<ObjectClass>(i);
-    classes.push_back({toString(object_class), hex(colourOf(object_class))});
+    classes.push_back({displayName(object_class), hex(colourOf(object_class))});
   }
   return classes;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sections.h"
 
+#include <headway/core/display_name.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -293,7 +295,7 @@ std::string classLegend(const ReplayFolder& folder, bool with_truth) {
   if (with_truth) html += "<span><i class=\"swatch truthswatch\"></i>truth</span>";
   for (const auto object_class : classes) {
     html += "<span><i class=\"swatch\" style=\"background:" + hex(colourOf(object_class)) +
-            "\"></i>" + escaped(std::string(toString(object_class))) + "</span>";
+            "\"></i>" + escaped(std::string(displayName(object_class))) + "</span>";
   }
   return html + "</p>";
 }

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <headway/core/display_name.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -128,7 +130,7 @@ std::string timeline(const ReplayFolder& folder) {
   const TimeSpan span = spanOf(folder);
   std::string html = "<div class=\"timeline\">";
   for (const TrackHistory* history : histories) {
-    const std::string name(toString(history->object_class));
+    const std::string name(displayName(history->object_class));
     html += "<div class=\"row\"><span class=\"name\">" + escaped(name) + " " +
             std::to_string(history->id) + "</span><svg viewBox=\"0 0 1000 10\" fill=\"" +
             hex(colourOf(history->object_class)) + "\" preserveAspectRatio=\"none\">" +

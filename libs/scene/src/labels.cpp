@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "labels.h"
 
+#include <headway/core/display_name.h>
 #include <headway/core/formatted.h>
 #include <headway/map/track_geometry.h>
 #include <headway/plot/colours.h>
@@ -19,7 +20,7 @@ constexpr double kMaxLabelDistanceM = 70.0;
 constexpr int kRows = 6;  ///< of alternative places above a box
 
 std::string labelOf(const Track& track) {
-  std::string label(toString(track.object_class));
+  std::string label(displayName(track.object_class));
   label += " " + std::to_string(track.id.value);
   if (isMoving(track)) label += formatted("  %.1f m/s", track.velocity.norm());
   return label;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "legend.h"
 
+#include <headway/core/display_name.h>
+
 #include <algorithm>
 
 #include "overlay.h"
@@ -24,7 +26,8 @@ std::vector<Legend::Entry> Legend::entries(const SnapshotInput& input, Layout la
   std::vector<Entry> result;
   for (std::size_t i = 0; i < seen_.size(); ++i) {
     const auto object_class = static_cast<ObjectClass>(i);
-    if (seen_[i]) result.push_back({std::string(toString(object_class)), colourOf(object_class)});
+    if (seen_[i])
+      result.push_back({std::string(displayName(object_class)), colourOf(object_class)});
   }
   if (!result.empty()) result.push_back({"prediction, 3 s", palette.prediction, true});
   if (layout == Layout::kColumn) {
