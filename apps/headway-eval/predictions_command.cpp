@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "label_files.h"
 #include "prediction_evaluation.h"
 
 namespace headway::app {
@@ -127,8 +128,8 @@ cv::Mat plot(const std::string& labels, const std::vector<PredictionSequence>& s
   std::vector<std::pair<std::string, eval::PredictionError>> lines;
   for (const auto& predictor : predictors) lines.emplace_back(predictor.name, predictor.errors.all);
   return plot::stacked(
-      {eval::predictionMapPlot(drawn.name + ", sequence " + sequence.name, sequence.objects,
-                               drawn.drawn, camera_path),
+      {eval::predictionMapPlot(recordingName(fileNamed(sequence.name, labels)) + ": " + drawn.name,
+                               sequence.objects, drawn.drawn, camera_path),
        eval::errorOverHorizonPlot(recordingName(labels) + ": mean error over the horizon", lines)});
 }
 

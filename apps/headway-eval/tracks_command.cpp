@@ -183,7 +183,7 @@ cv::Mat mapPlot(const Options& options, const Input& input) {
                        [&](const auto& a, const auto& b) { return boxes(a) < boxes(b); });
   const auto T_map_cam =
       readCameraPoses(fileNamed(sequence->name, options.poses), robotFromOptical());
-  eval::TrackMap map{"Sequence " + sequence->name,
+  eval::TrackMap map{recordingName(fileNamed(sequence->name, options.estimate)) + ": tracks",
                      eval::trueObjects(sequence->frames, T_map_cam),
                      eval::estimatedObjects(sequence->frames, T_map_cam),
                      {},

@@ -130,7 +130,7 @@ int main(int argc, char** argv) {
          {"mcap", "Writes a replay for Foxglove"},
          {"tum", "Writes the trajectory of a replay as TUM"},
          {"kitti", "Writes the trajectory and tracks of a replay as KITTI"},
-         {"ply", "Writes the landmarks of a replay as PLY"},
+         {"ply", "Writes the points of a replay's map as PLY"},
          {"rosmap", "Writes the grid of a replay for map servers"},
          {"geojson", "Writes a replay that is placed on the earth as GeoJSON"}});
     return commands.at(chosen)(argc, arguments);

@@ -75,8 +75,8 @@ cv::Mat errorOverHorizonPlot(
     }
     const auto style = number < 8 ? plot::LineStyle::kSolid : plot::LineStyle::kDashed;
     chart.line(points, plot::categoryColour(number), 2.2, style);
-    chart.legend(name + ": ADE " + plot::fixedText(error.ade_m, 3) + ", FDE " +
-                     plot::fixedText(error.fde_m, 3),
+    chart.legend(name + ": ADE " + plot::fixedText(error.ade_m, 3) + " m, FDE " +
+                     plot::fixedText(error.fde_m, 3) + " m",
                  plot::categoryColour(number), style);
     ++number;
   }

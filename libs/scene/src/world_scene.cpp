@@ -33,7 +33,7 @@ constexpr double kSceneAheadM = 6.0;      // of the robot, what the file's camer
 constexpr double kSceneDistanceM = 45.0;  // of the file's camera from that
 constexpr double kSceneAsideDegrees = 25.0;
 constexpr float kSceneElevationDegrees = 30.F;
-constexpr float kPointSize = 2.F;  // [px]
+constexpr float kLandmarkPx = 2.F, kDensePx = 3.F;  // of points
 
 std::shared_ptr<mrpt::opengl::CGridPlaneXY> makeGrid(const Eigen::Vector3d& centre, double ground_z,
                                                      double spacing, const Palette& palette) {
@@ -165,10 +165,10 @@ std::shared_ptr<mrpt::opengl::CSetOfObjects> makeMovingObjects(const CMovingObje
 }
 
 std::shared_ptr<mrpt::opengl::CPointCloudColoured> makeCloud(
-    const std::vector<render::PaintedPoint>& points) {
+    const std::vector<render::PaintedPoint>& points, float width_px) {
   auto cloud = mrpt::opengl::CPointCloudColoured::Create();
   cloud->setName("points");
-  cloud->setPointSize(kPointSize);
+  cloud->setPointSize(width_px);
   cloud->enableVariablePointSize(false);
   for (const auto& point : points) {
     const auto& p = point.position;
@@ -184,8 +184,8 @@ std::shared_ptr<mrpt::opengl::CSetOfObjects> makeLandmarks(const SnapshotInput& 
                                                            const Palette& palette) {
   auto landmarks = mrpt::opengl::CSetOfObjects::Create();
   landmarks->setName("landmarks");
-  landmarks->insert(
-      makeCloud(landmarkPoints(*input.map.staticMap(), ground_z, sceneScale(input), palette)));
+  landmarks->insert(makeCloud(
+      landmarkPoints(*input.map.staticMap(), ground_z, sceneScale(input), palette), kLandmarkPx));
   return landmarks;
 }
 
@@ -267,7 +267,7 @@ mrpt::opengl::COpenGLScene buildScene(const SnapshotInput& input, const Snapshot
   }
   scene.insert(makeGrid(position, ground_z, gridSpacing(scale), palette));
   if (options.dense && input.map.dense() != nullptr) {
-    auto cloud = makeCloud(densePoints(*input.map.dense(), palette));
+    auto cloud = makeCloud(densePoints(*input.map.dense(), palette), kDensePx);
     cloud->setName("dense");
     scene.insert(cloud);
   }
