@@ -261,18 +261,16 @@ std::string calibrationSection(const ReplayFolder& folder) {
 }
 
 std::string droppedSection(const ReplayFolder& folder) {
-  const Json none = Json::object();
   const std::string used =
       "<p>" + grouped(countAt(folder.summary, "detections_used")) + " detections were used.</p>";
   return section("dropped", "Dropped input", "",
                  used + "<h3>Detections</h3>" +
-                     countsTable(folder.summary.value("detections_dropped", none)) +
+                     countsTable(folder.summary.value("detections_dropped", Json::object())) +
                      "<h3>Observations</h3>" +
-                     countsTable(folder.summary.value("observations_skipped", none)));
+                     countsTable(folder.summary.value("observations_skipped", Json::object())));
 }
 
 std::string configurationSection(const ReplayFolder& folder) {
-  if (!folder.record.is_object()) return "";
   const auto configuration = folder.record.find("configuration");
   if (configuration == folder.record.end() || !configuration->is_object()) return "";
   std::string html;
