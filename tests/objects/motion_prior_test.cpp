@@ -187,6 +187,23 @@ TEST_P(EveryPriorTest, HasTheMinimumOfCeres) {
   }
 }
 
+TEST_P(EveryPriorTest, TakesOneStepWhereNoResidualIsAnOutlier) {
+  for (const unsigned seed : {8u, 9u}) {
+    Case walk = seed == 8u ? noisyWalk(20, seed) : walkWithVelocities(20, seed);
+    PriorStiffness prior = stiffness(GetParam());
+    prior.outlier_sigma = 1e3;
+    MotionPriorProblem problem(walk.measurements, prior);
+    const auto steepest = [&] {
+      double norm = 0.0;
+      for (const auto& slope : problem.gradient(walk.start)) norm = std::max(norm, slope.norm());
+      return norm;
+    };
+    const double before = steepest();
+    EXPECT_EQ(problem.refine(walk.start, 100, 1e-9).iterations, 1);
+    EXPECT_LT(steepest(), 1e-6 * before);
+  }
+}
+
 TEST(LeastForceTest, LeavesAConstantVelocityAlone) {
   Case walk = noisyWalk(20, 6);
   for (auto& m : walk.measurements) m.measured = {4.0 * m.time, -2.0 * m.time, 0.1 * m.time};

@@ -56,23 +56,29 @@ class SparseAssignment {
  private:
   static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
   using Reached = std::pair<double, std::size_t>;  ///< length of the path to a column
-  using Queue = std::priority_queue<Reached, std::vector<Reached>, std::greater<>>;
+
+  /// A priority queue whose memory is used again.
+  class Queue : public std::priority_queue<Reached, std::vector<Reached>, std::greater<>> {
+   public:
+    void clear() { c.clear(); }
+  };
 
   void enter(std::size_t start) {
-    Queue queue;
-    std::vector<std::size_t> visited, seen;
+    queue_.clear();
+    visited_.clear();
+    seen_.clear();
     double reached = 0.0;
     std::size_t column = kNone;
     for (std::size_t row = start; row != kNone; row = row_of_[column]) {  // Dijkstra
-      relaxRow(row, column, reached, queue, seen);
-      while (queue.top().first > distance_[queue.top().second]) queue.pop();  // outdated
-      std::tie(reached, column) = queue.top();
-      queue.pop();
+      relaxRow(row, column, reached);
+      while (queue_.top().first > distance_[queue_.top().second]) queue_.pop();  // outdated
+      std::tie(reached, column) = queue_.top();
+      queue_.pop();
       done_[column] = true;
-      visited.push_back(column);
+      visited_.push_back(column);
     }
     row_price_[start] += reached;
-    for (const std::size_t j : visited) {
+    for (const std::size_t j : visited_) {
       if (row_of_[j] != kNone) row_price_[row_of_[j]] += reached - distance_[j];
       column_price_[j] -= reached - distance_[j];
     }
@@ -80,19 +86,18 @@ class SparseAssignment {
       row_of_[column] = row_of_[before_[column]];
     }
     row_of_[column] = start;
-    for (const std::size_t j : visited) done_[j] = false;
-    for (const std::size_t j : seen) distance_[j] = kInfinity;
+    for (const std::size_t j : visited_) done_[j] = false;
+    for (const std::size_t j : seen_) distance_[j] = kInfinity;
   }
 
-  void relaxRow(std::size_t row, std::size_t from, double reached, Queue& queue,
-                std::vector<std::size_t>& seen) {
+  void relaxRow(std::size_t row, std::size_t from, double reached) {
     const auto relax = [&](std::size_t column, double cost) {
       const double length = reached + cost - row_price_[row] - column_price_[column];
       if (done_[column] || !(length < distance_[column])) return;
-      if (distance_[column] == kInfinity) seen.push_back(column);
+      if (distance_[column] == kInfinity) seen_.push_back(column);
       distance_[column] = length;
       before_[column] = from;
-      queue.emplace(length, column);
+      queue_.emplace(length, column);
     };
     for (std::size_t i = first_[row]; i < first_[row + 1]; ++i) {
       relax(candidates_[i].column, candidates_[i].cost);
@@ -110,6 +115,10 @@ class SparseAssignment {
   std::vector<double> distance_;  ///< reduced length of the shortest path to each column
   std::vector<bool> done_;
   std::vector<std::size_t> before_;  ///< column before it on that path
+  // Of the row that enters:
+  Queue queue_;
+  std::vector<std::size_t> visited_;  ///< columns whose distance is final
+  std::vector<std::size_t> seen_;     ///< columns with a distance
 };
 
 /// Numbers the rows or columns that occur from 0 on.

@@ -26,18 +26,12 @@ struct LineFit {
     place_time += t * weighted;
   }
 
-  [[nodiscard]] Eigen::Matrix2d covariance() const {
-    return (time_squared - time * weight.inverse() * time).inverse();
-  }
-  [[nodiscard]] Eigen::Vector2d velocity() const {
-    return covariance() * (place_time - time * weight.inverse() * place);
-  }
-  /// Squared error of a place, in its standard deviations.
-  [[nodiscard]] double error(const PlaceMeasurement& measured, Time now) const {
-    const Eigen::Vector2d v = velocity();
-    const Eigen::Vector2d at_now = weight.inverse() * (place - time * v);
-    const Eigen::Vector2d off = measured.measured.head<2>() - at_now - (measured.time - now) * v;
-    return off.dot(measured.information * off);
+  /// The line, as its motion and its place at the time of the last position.
+  [[nodiscard]] std::pair<MeasuredMotion, Eigen::Vector2d> line() const {
+    const Eigen::Matrix2d spread = weight.inverse();
+    const Eigen::Matrix2d covariance = (time_squared - time * spread * time).inverse();
+    const Eigen::Vector2d velocity = covariance * (place_time - time * spread * place);
+    return {{velocity, covariance}, spread * (place - time * velocity)};
   }
 };
 
@@ -53,11 +47,19 @@ std::optional<MeasuredMotion> measuredMotion(const std::vector<PlaceMeasurement>
   const Time now = places.back().time;
   LineFit fit;
   for (auto place = first; place != places.end(); ++place) fit.add(*place, now);
-  const auto worst = std::max_element(first, places.end(), [&](const auto& a, const auto& b) {
-    return fit.error(a, now) < fit.error(b, now);
-  });
+  const auto [motion, at_now] = fit.line();
+  auto worst = first;
+  double largest = -1.0;  // squared error, in standard deviations
+  for (auto place = first; place != places.end(); ++place) {
+    const Eigen::Vector2d off =
+        place->measured.head<2>() - at_now - (place->time - now) * motion.velocity;
+    const double error = off.dot(place->information * off);
+    if (!(error > largest)) continue;
+    largest = error;
+    worst = place;
+  }
   fit.add(*worst, now, -1.0);
-  return MeasuredMotion{fit.velocity(), fit.covariance()};
+  return fit.line().first;
 }
 
 }  // namespace headway::objects

@@ -80,22 +80,32 @@ double MotionPriorProblem::squaredResidual(std::size_t j, const Eigen::Vector3d&
 
 Eigen::Vector3d MotionPriorProblem::formOf(const PriorTerm& term,
                                            const std::vector<Eigen::Vector3d>& places) const {
-  Eigen::Vector3d form = Eigen::Vector3d::Zero();
-  for (int i = 0; i < term.count; ++i) form += term.coefficients(i) * places[term.first + i];
+  Eigen::Vector3d form =
+      term.coefficients(0) * places[term.first] + term.coefficients(1) * places[term.first + 1];
+  if (term.count == 3) form += term.coefficients(2) * places[term.first + 2];
   return form;
 }
 
-double MotionPriorProblem::cost(const std::vector<Eigen::Vector3d>& places) const {
+MotionPriorProblem::Value MotionPriorProblem::evaluate(
+    const std::vector<Eigen::Vector3d>& places) const {
+  const double quadratic = outlier_sigma_ * outlier_sigma_;
   double twice = 0.0;
-  for (std::size_t j = 0; j < places.size(); ++j) {
-    twice += huber(squaredResidual(j, places[j]), outlier_sigma_);
-  }
+  double largest = 0.0;  // squared residual
+  const auto addLoss = [&](double squared) {
+    largest = std::max(largest, squared);
+    twice += huber(squared, outlier_sigma_);
+  };
+  for (std::size_t j = 0; j < places.size(); ++j) addLoss(squaredResidual(j, places[j]));
   for (const PriorTerm& term : terms_) twice += term.weight * formOf(term, places).squaredNorm();
   for (const Step& step : steps_) {
     const Eigen::Vector2d error = stepError(step, places);
-    twice += huber(error.dot(step.information * error), outlier_sigma_);
+    addLoss(error.dot(step.information * error));
   }
-  return 0.5 * twice;
+  return {0.5 * twice, largest <= quadratic};
+}
+
+double MotionPriorProblem::cost(const std::vector<Eigen::Vector3d>& places) const {
+  return evaluate(places).cost;
 }
 
 std::vector<Eigen::Vector3d> MotionPriorProblem::gradient(
@@ -108,50 +118,65 @@ std::vector<Eigen::Vector3d> MotionPriorProblem::gradient(
     gradient[j].head<2>() = weight * m.information * e.head<2>();
     gradient[j].z() = weight * m.vertical_information * e.z();
   }
+  addPriorSlope(places, gradient);
+  return gradient;
+}
+
+void MotionPriorProblem::addPriorSlope(const std::vector<Eigen::Vector3d>& places,
+                                       std::vector<Eigen::Vector3d>& slope) const {
   for (const PriorTerm& term : terms_) {
     const Eigen::Vector3d pull = term.weight * formOf(term, places);
-    for (int i = 0; i < term.count; ++i) gradient[term.first + i] += term.coefficients(i) * pull;
+    for (int i = 0; i < term.count; ++i) slope[term.first + i] += term.coefficients(i) * pull;
   }
   for (const Step& step : steps_) {
     const Eigen::Vector2d error = stepError(step, places);
     const Eigen::Vector2d pull = stepWeight(step, error) * step.information * error;
-    gradient[step.to].head<2>() += pull;
-    gradient[step.to - 1].head<2>() -= pull;
+    slope[step.to].head<2>() += pull;
+    slope[step.to - 1].head<2>() -= pull;
   }
-  return gradient;
 }
 
 void MotionPriorProblem::addMeasurements(const std::vector<Eigen::Vector3d>& places) {
-  const auto slope = gradient(places);
+  slope_.resize(places.size());
   for (std::size_t j = 0; j < places.size(); ++j) {
     const PlaceMeasurement& m = measurements_[j];
+    const Eigen::Vector3d e = places[j] - m.measured;
     const double squared = squaredResidual(j, places[j]);
     const double weight = huberWeight(squared, outlier_sigma_);
     horizontal_.diagonal[j] = weight * m.information;
     vertical_.diagonal[j](0) = weight * m.vertical_information;
     if (weight <
         1.0) {  // Huber's loss is linear along the residual: no curvature in that direction
-      const Eigen::Vector2d pull = m.information * (places[j] - m.measured).head<2>();
+      const Eigen::Vector2d pull = m.information * e.head<2>();
       horizontal_.diagonal[j] -= weight / squared * pull * pull.transpose();
     }
-    horizontal_.right[j] = -slope[j].head<2>();
-    vertical_.right[j](0) = -slope[j].z();
+    slope_[j].head<2>() = weight * m.information * e.head<2>();
+    slope_[j].z() = weight * m.vertical_information * e.z();
+  }
+  addPriorSlope(places, slope_);
+  for (std::size_t j = 0; j < places.size(); ++j) {
+    horizontal_.right[j] = -slope_[j].head<2>();
+    vertical_.right[j](0) = -slope_[j].z();
   }
 }
 
 void MotionPriorProblem::addPrior() {
-  const auto add = [](auto& system, int band, std::size_t j, double value) {
-    auto& blocks = band == 0 ? system.diagonal : band == 1 ? system.first : system.second;
-    blocks[j].diagonal().array() += value;
-  };
+  const auto add = [](auto& block, double value) { block.diagonal().array() += value; };
   for (const PriorTerm& term : terms_) {
-    for (int a = 0; a < term.count; ++a) {
-      for (int b = a; b < term.count; ++b) {
-        const double value = term.weight * term.coefficients(a) * term.coefficients(b);
-        add(horizontal_, b - a, term.first + a, value);
-        add(vertical_, b - a, term.first + a, value);
-      }
-    }
+    const std::size_t j = term.first;
+    const Eigen::Vector3d& c = term.coefficients;
+    const Eigen::Vector3d weighted = term.weight * c;
+    const auto addTo = [&](auto& system) {
+      add(system.diagonal[j], weighted(0) * c(0));
+      add(system.first[j], weighted(0) * c(1));
+      add(system.diagonal[j + 1], weighted(1) * c(1));
+      if (term.count < 3) return;
+      add(system.second[j], weighted(0) * c(2));
+      add(system.first[j + 1], weighted(1) * c(2));
+      add(system.diagonal[j + 2], weighted(2) * c(2));
+    };
+    addTo(horizontal_);
+    addTo(vertical_);
   }
 }
 
@@ -185,9 +210,11 @@ void MotionPriorProblem::solveStep(const std::vector<Eigen::Vector3d>& places, d
 MotionPriorProblem::Summary MotionPriorProblem::refine(std::vector<Eigen::Vector3d>& places,
                                                        int max_iterations, double tolerance_m) {
   constexpr double kMaxDamping = 1e6;
+  constexpr double kNoDamping = 1e-9;
+  Value value = evaluate(places);
   Summary summary;
-  summary.initial_cost = summary.final_cost = cost(places);
-  double damping = 1e-9;
+  summary.initial_cost = summary.final_cost = value.cost;
+  double damping = kNoDamping;
   std::vector<Eigen::Vector3d> step(places.size());
   std::vector<Eigen::Vector3d> candidate(places.size());
   while (summary.iterations < max_iterations && damping < kMaxDamping) {
@@ -198,16 +225,19 @@ MotionPriorProblem::Summary MotionPriorProblem::refine(std::vector<Eigen::Vector
       candidate[j] = places[j] + step[j];
       farthest = std::max(farthest, step[j].squaredNorm());
     }
-    const double candidate_cost = cost(candidate);
-    if (!(candidate_cost <= summary.final_cost)) {
+    const Value next = evaluate(candidate);
+    if (!(next.cost <= summary.final_cost)) {
       damping = 10.0 * std::max(damping, 1e-6);
       continue;
     }
 
+    // The places of which the cost is quadratic are convex: such a step ends at the minimum.
+    const bool is_minimum = value.is_quadratic && next.is_quadratic && damping <= kNoDamping;
     places.swap(candidate);
-    summary.final_cost = candidate_cost;
+    value = next;
+    summary.final_cost = next.cost;
     damping *= 0.1;
-    if (farthest <= tolerance_m * tolerance_m) break;
+    if (is_minimum || farthest <= tolerance_m * tolerance_m) break;
   }
   return summary;
 }

@@ -95,10 +95,20 @@ class MotionPriorProblem {
   void addStepCurvature(const std::vector<Eigen::Vector3d>& places);
   void addKineticTerms(double weight);
   void addForceTerms(double weight);
+  /// The cost of places, and whether no residual is in the linear part of Huber's loss, so that the
+  /// cost is quadratic there.
+  struct Value {
+    double cost = 0.0;
+    bool is_quadratic = true;
+  };
+  [[nodiscard]] Value evaluate(const std::vector<Eigen::Vector3d>& places) const;
   [[nodiscard]] double squaredResidual(std::size_t j, const Eigen::Vector3d& place) const;
   [[nodiscard]] Eigen::Vector3d formOf(const PriorTerm& term,
                                        const std::vector<Eigen::Vector3d>& places) const;
-  /// Writes the measurements' Hessian and negative gradient, the prior's gradient included.
+  /// Adds the gradient of the prior and of the measured steps.
+  void addPriorSlope(const std::vector<Eigen::Vector3d>& places,
+                     std::vector<Eigen::Vector3d>& slope) const;
+  /// Writes the measurements' Hessian and the negative gradient of the whole cost.
   void addMeasurements(const std::vector<Eigen::Vector3d>& places);
   /// Adds the prior's Hessian.
   void addPrior();
@@ -112,6 +122,7 @@ class MotionPriorProblem {
   std::vector<Step> steps_;
   BandedSystem<2> horizontal_;
   BandedSystem<1> vertical_;
+  std::vector<Eigen::Vector3d> slope_;  ///< buffer: the gradient
 };
 
 }  // namespace headway::objects

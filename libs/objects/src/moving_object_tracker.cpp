@@ -31,7 +31,7 @@ class MovingObjectTracker::Implementation {
                      const Detections& detections) {
     const Time time = T_map_robot.time;
     TrackUpdate update;
-    if (!runsForward(time)) return refuse(detections, std::move(update));
+    if (!runsForward(time)) return refuse(frame, detections, std::move(update));
 
     const auto measured = measure(T_map_robot.value, detections, update);
     view_.update(T_map_robot.value * detections.T_robot_sensor, measured.boxes);
@@ -49,11 +49,8 @@ class MovingObjectTracker::Implementation {
 
   TrackUpdate coast(std::size_t frame, Time time) {
     TrackUpdate update;
-    if (runsForward(time)) {
-      predictTo(time, update);
-      predictAll(frame, time);
-    }
-    return publish(time_.value_or(time), std::move(update));
+    if (runsForward(time)) predictTo(time, update);
+    return publishAgain(frame, std::move(update));
   }
 
   std::vector<TrackSample> flush() {
@@ -94,11 +91,18 @@ class MovingObjectTracker::Implementation {
     return std::isfinite(time) && (!time_ || time > *time_);
   }
 
-  TrackUpdate refuse(const Detections& detections, TrackUpdate update) {
+  TrackUpdate refuse(std::size_t frame, const Detections& detections, TrackUpdate update) {
     if (!detections.items.empty()) {
       update.detections_dropped["time_backwards"] = detections.items.size();
     }
-    return publish(time_.value_or(0.0), std::move(update));
+    return publishAgain(frame, std::move(update));
+  }
+
+  // The tracks of the last frame.
+  TrackUpdate publishAgain(std::size_t frame, TrackUpdate update) {
+    const Time time = time_.value_or(0.0);
+    predictAll(frame, time);
+    return publish(time, std::move(update));
   }
 
   DistinctBoxes measure(const Pose& T_map_robot, const Detections& detections,
@@ -169,7 +173,7 @@ class MovingObjectTracker::Implementation {
 
   TrackUpdate publish(Time time, TrackUpdate update) {
     const auto window = static_cast<std::size_t>(params_.smoothing.window_frames) + 1;
-    std::vector<const TrackedObject*> shown;
+    std::vector<TrackedObject*> shown;
     shown.reserve(objects_.size());
     for (TrackedObject& object : objects_) {
       object.finalise(window, time, update.finalised);
@@ -179,10 +183,10 @@ class MovingObjectTracker::Implementation {
     const auto distinct =
         suppressDuplicateTracks(shown, params_.consistency.duplicate_track_distance_m);
     update.tracks.reserve(distinct.size());
-    for (const TrackedObject* object : distinct) {
+    for (TrackedObject* object : distinct) {
       Track& track = update.tracks.emplace_back(object->shownAt(time));
       track.box2d = object->imageBoxAt(time, view_.inSensor(object->position()));
-      track.predictions = object->predictions;
+      track.predictions = std::move(object->predictions);  // 8 kB
     }
     return update;
   }
