@@ -11,12 +11,14 @@
 
 #include <functional>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 namespace headway::detect {
 namespace {
 
 using test::PaintedBox;
 using test::PaintedStreet;
+using test::Surface;
 
 constexpr int kFrames = 12;
 
@@ -237,6 +239,72 @@ TEST_P(InTroubleTest, OnlyTheMovingObjectIsFound) {
 
 INSTANTIATE_TEST_SUITE_P(Troubles, InTroubleTest, testing::Range(0, 5), [](const auto& index) {
   return std::string(test::troubles(kBlackFrame)[index.param].name);
+});
+
+// --- Things that stand, seen by a camera that turns. ---
+
+constexpr double kTurnRate = 0.35;  // of the camera, to the left [rad/s]
+
+struct StandingScene {
+  const char* name;
+  std::vector<PaintedBox> boxes;
+  std::vector<test::PaintedShadow> shadows;
+};
+
+std::vector<StandingScene> standingScenes() {
+  const auto front = [](double x, double z, double width, double height, Surface surface) {
+    return PaintedBox{{x, 1.6, z}, width, height, {0.0, 0.0, 0.0}, 41, surface};
+  };
+  return {
+      {"fence", {front(-3.0, 12.0, 7.0, 1.2, Surface::kPickets), kParked}, {}},
+      {"railing", {front(-3.0, 11.0, 7.0, 1.0, Surface::kRails), kParked}, {}},
+      {"hedge",
+       {front(-3.0, 12.0, 7.0, 1.5, Surface::kLeaves),
+        front(-3.0, 12.5, 7.0, 1.5, Surface::kLeaves)},
+       {}},
+      {"shadow", {kParked, kPost}, {{{-2.5, 11.0}, 0.8, {1.2, 0.0}}}},
+      {"reflection", {front(-3.0, 13.0, 3.0, 2.2, Surface::kGlass), kParked}, {}},
+      {"windows", {front(-4.0, 18.0, 14.0, 7.0, Surface::kWindows)}, {}},
+  };
+}
+
+/// Images that were rectified: turned and turned back, so that they are resampled twice, and
+/// blurred.
+void resample(int, StereoFrame& frame) {
+  for (cv::Mat* image : {&frame.left, &frame.right}) {
+    const cv::Point2f centre(0.5F * static_cast<float>(image->cols),
+                             0.5F * static_cast<float>(image->rows));
+    for (const double degrees : {1.3, -1.3}) {
+      cv::warpAffine(*image, *image, cv::getRotationMatrix2D(centre, degrees, 1.0), image->size(),
+                     cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+    }
+    cv::GaussianBlur(*image, *image, {5, 5}, 0.8);
+  }
+}
+
+class StandingSceneTest : public testing::TestWithParam<int> {
+ protected:
+  StandingScene scene_ = standingScenes()[GetParam()];
+};
+
+TEST_P(StandingSceneTest, NothingMoves) {
+  const PaintedStreet street(scene_.boxes, kTurnRate, scene_.shadows);
+  EXPECT_EQ(run(street, nullptr, {}).elsewhere, 0);
+}
+
+TEST_P(StandingSceneTest, OfResampledImagesAtMostOneFindIsFalse) {
+  const PaintedStreet street(scene_.boxes, kTurnRate, scene_.shadows);
+  EXPECT_LE(run(street, nullptr, resample).elsewhere, 1);
+}
+
+TEST_P(StandingSceneTest, WhatMovesThereIsFound) {
+  scene_.boxes.push_back({{1.0, 1.6, 9.0}, 0.7, 1.7, {-1.5, 0.0, 4.0}, 14});
+  const PaintedStreet street(scene_.boxes, kTurnRate, scene_.shadows);
+  EXPECT_GE(run(street, &scene_.boxes.back(), resample).frames_with_mover, 4);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, StandingSceneTest, testing::Range(0, 6), [](const auto& info) {
+  return std::string(standingScenes()[info.param].name);
 });
 
 TEST(StereoMotionTest, ABlackImageIsReportedAndPassedOver) {
