@@ -64,10 +64,11 @@ Angles withYaw(const RectificationError& error, const StereoCamera& camera) {
   return result;
 }
 
-/// Whether an offset of the disparities is significant and does visible harm.
+/// Whether an offset of the disparities is significant and, less its standard deviation, does
+/// visible harm.
 bool isVisible(const std::optional<OffsetEstimate>& offset) {
-  return offset &&
-         std::abs(offset->px) > std::max(kVisibleOffset_px, kSignificance * offset->sigma_px);
+  return offset && std::abs(offset->px) > std::max(kVisibleOffset_px + offset->sigma_px,
+                                                   kSignificance * offset->sigma_px);
 }
 
 Eigen::Matrix3d priorInformation() { return Eigen::Matrix3d::Identity() / square(kPriorSigma); }
@@ -185,11 +186,13 @@ std::optional<RectificationError> RectificationEstimator::error() const {
 Eigen::Vector3d significantAngles(const RectificationError& error, const StereoCamera& camera) {
   Eigen::Vector3d angles = error.angles;
   for (int axis = 0; axis < 3; ++axis) {
-    Eigen::Vector3d alone = Eigen::Vector3d::Zero();
-    alone[axis] = error.angles[axis];
-    const bool is_significant = std::abs(error.angles[axis]) > kSignificance * error.sigmas[axis];
-    if (axis == kYaw || !is_significant || rowsRms(alone, camera) < kVisibleRows_px)
+    const double size = std::abs(error.angles[axis]);
+    Eigen::Vector3d at_least = Eigen::Vector3d::Zero();
+    at_least[axis] = std::max(0.0, size - error.sigmas[axis]);
+    const bool is_significant = size > kSignificance * error.sigmas[axis];
+    if (axis == kYaw || !is_significant || rowsRms(at_least, camera) < kVisibleRows_px) {
       angles[axis] = 0.0;
+    }
   }
   return angles;
 }

@@ -98,8 +98,8 @@ class RectificationEstimator {
   bool has_moved_ = false;
 };
 
-/// The angles of pitch and roll that are significant and shift rows by a visible amount; 0 the
-/// others [rad].
+/// The angles of pitch and roll that are significant and, less their standard deviations, shift
+/// rows by a visible amount; 0 the others [rad].
 [[nodiscard]] Eigen::Vector3d significantAngles(const RectificationError& error,
                                                 const StereoCamera& camera);
 
