@@ -18,6 +18,7 @@ constexpr double kIntervalS = 0.4;
 constexpr int kFirstFrames = 5;              // all of them are compared, and may refuse the camera,
 constexpr int kMinRefusing = 3;              // so many at least
 constexpr int kMaxWhole = 480;               // width of images that are not reduced to a half [px]
+constexpr double kMarginOfMap = 3.0;         // sigmas: a map is changed by what is sure alone
 constexpr double kIndependentOffset = 0.25;  // ratio of information: the same points recur
 // Of the reduced images:
 constexpr int kMaxCorners = 80;
@@ -68,6 +69,11 @@ struct ReducedPair {
 };
 
 }  // namespace
+
+void StereoCheck::assume(const Eigen::Vector3d& turn) {
+  turn_ = known_ = turn;
+  margin_sigmas_ = kMarginOfMap;
+}
 
 struct StereoCheck::Match {
   stereo::RowMatch row;
@@ -209,7 +215,7 @@ void StereoCheck::estimate(const std::vector<Match>& matches, const StereoFrame&
   ++estimated_;
   const auto error = rectification();
   if (!error) return;
-  turn_ = stereo::correctionFor(*error, turn_, *frame.camera);
+  turn_ = stereo::correctionFor(*error, turn_, *frame.camera, margin_sigmas_);
   const auto excess = stereo::excessiveTurn(*error, *frame.camera);
   if (excess && estimated_ >= kMinRefusing && estimated_ <= kFirstFrames) {
     throw InputError("stereo calibration: " + *excess);
@@ -229,7 +235,7 @@ void StereoCheck::addOffsetAtGivenPoses(const stereo::OffsetEstimate& offset,
   const double undone_px = turn_.y() / stereo::yawOfOffset(1.0, camera);
   disparities_ = {undone_px + offset.px, offset.sigma_px};
   const auto error = rectification();
-  if (error) turn_ = stereo::correctionFor(*error, turn_, camera);
+  if (error) turn_ = stereo::correctionFor(*error, turn_, camera, margin_sigmas_);
 }
 
 void StereoCheck::add(const StereoFrame& frame, Warnings& warnings) {

@@ -64,11 +64,12 @@ Angles withYaw(const RectificationError& error, const StereoCamera& camera) {
   return result;
 }
 
-/// Whether an offset of the disparities is significant and, less its standard deviation, does
+/// Whether an offset of the disparities is significant and, less some standard deviations, does
 /// visible harm.
-bool isVisible(const std::optional<OffsetEstimate>& offset) {
-  return offset && std::abs(offset->px) > std::max(kVisibleOffset_px + offset->sigma_px,
-                                                   kSignificance * offset->sigma_px);
+bool isVisible(const std::optional<OffsetEstimate>& offset, double margin_sigmas = 0.0) {
+  return offset &&
+         std::abs(offset->px) > std::max(kVisibleOffset_px + margin_sigmas * offset->sigma_px,
+                                         kSignificance * offset->sigma_px);
 }
 
 Eigen::Matrix3d priorInformation() { return Eigen::Matrix3d::Identity() / square(kPriorSigma); }
@@ -183,12 +184,13 @@ std::optional<RectificationError> RectificationEstimator::error() const {
   return error;
 }
 
-Eigen::Vector3d significantAngles(const RectificationError& error, const StereoCamera& camera) {
+Eigen::Vector3d significantAngles(const RectificationError& error, const StereoCamera& camera,
+                                  double margin_sigmas) {
   Eigen::Vector3d angles = error.angles;
   for (int axis = 0; axis < 3; ++axis) {
     const double size = std::abs(error.angles[axis]);
     Eigen::Vector3d at_least = Eigen::Vector3d::Zero();
-    at_least[axis] = std::max(0.0, size - error.sigmas[axis]);
+    at_least[axis] = std::max(0.0, size - margin_sigmas * error.sigmas[axis]);
     const bool is_significant = size > kSignificance * error.sigmas[axis];
     if (axis == kYaw || !is_significant || rowsRms(at_least, camera) < kVisibleRows_px) {
       angles[axis] = 0.0;
@@ -217,14 +219,14 @@ std::optional<std::string> excessiveTurn(const RectificationError& error,
 }
 
 Eigen::Vector3d correctionFor(const RectificationError& error, const Eigen::Vector3d& present,
-                              const StereoCamera& camera) {
+                              const StereoCamera& camera, double margin_sigmas) {
   if (excessiveTurn(error, camera)) return Eigen::Vector3d::Zero();
   Eigen::Vector3d turn = present;
   Eigen::Vector3d rows(error.angles.x(), 0.0, error.angles.z());
   const bool is_corrected = present.x() != 0.0 || present.z() != 0.0;
   const double least_px = std::max(kChangedRows_px, 3.0 * error.rows_rms_sigma_px);
   rows[kYaw] = present[kYaw];
-  if ((is_corrected || !significantAngles(error, camera).isZero()) &&
+  if ((is_corrected || !significantAngles(error, camera, margin_sigmas).isZero()) &&
       rowsRms(rows - present, camera) > least_px) {
     turn = rows;
   }
@@ -234,7 +236,7 @@ Eigen::Vector3d correctionFor(const RectificationError& error, const Eigen::Vect
   const OffsetEstimate left{offset_px - present_px, sigma_px};
   const bool has_changed =
       std::abs(left.px) > std::max(kChangedOffset_px, kSignificance * left.sigma_px);
-  if (present[kYaw] == 0.0 ? isVisible(left) : has_changed) {
+  if (present[kYaw] == 0.0 ? isVisible(left, margin_sigmas) : has_changed) {
     turn[kYaw] = yawOfOffset(offset_px, camera);
   }
   return turn;

@@ -29,8 +29,9 @@ class StereoCheck {
   ///         than can be corrected
   void add(const StereoFrame& frame, Warnings& warnings);
 
-  /// Starts with a rotation that an earlier run found, before the first frame [rad].
-  void assume(const Eigen::Vector3d& turn) { turn_ = known_ = turn; }
+  /// Starts with the rotation that an earlier run found for the map in use, before the first frame
+  /// [rad]. It changes only by what is surely visible, because the map changes with it.
+  void assume(const Eigen::Vector3d& turn);
 
   /// Takes the disparities' offset that is left in images without turn(), as the camera's motion
   /// shows it.
@@ -72,6 +73,7 @@ class StereoCheck {
   std::optional<stereo::OffsetEstimate> disparities_;        ///< with what turn_ explains
   Eigen::Vector3d turn_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d known_ = Eigen::Vector3d::Zero();  ///< before the first frame
+  double margin_sigmas_ = 0.0;                       ///< of correctionFor()
 };
 
 }  // namespace headway::pipeline

@@ -98,10 +98,11 @@ class RectificationEstimator {
   bool has_moved_ = false;
 };
 
-/// The angles of pitch and roll that are significant and, less their standard deviations, shift
-/// rows by a visible amount; 0 the others [rad].
+/// The angles of pitch and roll that are significant and, less some standard deviations, shift rows
+/// by a visible amount; 0 the others [rad].
 [[nodiscard]] Eigen::Vector3d significantAngles(const RectificationError& error,
-                                                const StereoCamera& camera);
+                                                const StereoCamera& camera,
+                                                double margin_sigmas = 0.0);
 
 constexpr double kMaxTurn_deg = 0.6;  ///< that is corrected: more is a wrong calibration [deg]
 
@@ -113,9 +114,12 @@ constexpr double kMaxTurn_deg = 0.6;  ///< that is corrected: more is a wrong ca
 /// The turn to be undone: pitch and roll once one of them is significant, and yaw likewise; the
 /// present turn as long as the estimate does not differ visibly from it; zero where it is
 /// excessive.
+///
+/// @param margin_sigmas  standard deviations by which an error must exceed what is visible before
+///                       it is undone
 [[nodiscard]] Eigen::Vector3d correctionFor(const RectificationError& error,
                                             const Eigen::Vector3d& present,
-                                            const StereoCamera& camera);
+                                            const StereoCamera& camera, double margin_sigmas = 0.0);
 
 /// One line: offset of the rows and angles with their uncertainties, and the axes that are
 /// significantly off.
