@@ -161,14 +161,17 @@ endfunction()
 # one GoogleTest program, each of its suites known to ctest. A test that needs real data says
 # GTEST_SKIP() where the environment variable HEADWAY_DATA names no folder. SLOW names what takes
 # more than 5 s on an idle core, as <Suite>.<Test> or <Suite>.*: an entry with the label `slow`.
+# Sources are compiled in batches of twelve, so that what they keep to themselves has its own name
+# within the folder.
 function(headway_test name)
   cmake_parse_arguments(TEST "" "TIMEOUT;PRIVATE_HEADERS" "SOURCES;LIBRARIES;LABELS;SLOW" ${ARGN})
   set(target test_${name})
   add_executable(${target} ${TEST_SOURCES})
   target_link_libraries(${target} PRIVATE ${TEST_LIBRARIES} headway_test_support
                         GTest::gmock GTest::gtest_main headway_warnings)
+  headway_optimise_less(${target})
   target_precompile_headers(${target} REUSE_FROM headway_test_precompiled)
-  headway_compile_in_batches(${target} 6)
+  headway_compile_in_batches(${target} 12)
   if(TEST_PRIVATE_HEADERS)
     target_include_directories(${target} PRIVATE
                                ${PROJECT_SOURCE_DIR}/libs/${TEST_PRIVATE_HEADERS}/src)
@@ -186,6 +189,12 @@ function(headway_test name)
     add_dependencies(unit_tests ${target})
   endif()
   headway_register_suites(${target} ${name} ${TEST_TIMEOUT} "${TEST_LABELS}" "${TEST_SLOW}")
+endfunction()
+
+# A test's own code takes up to a third less time to compile with -O1 than with Release's -O3; what it
+# tests is in libraries, which are as they are installed.
+function(headway_optimise_less target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 
 # The ctest entries of a test program; see RegisterSuites.cmake.

@@ -7,7 +7,7 @@
 namespace headway {
 namespace {
 
-enum class Colour { kRed, kGreen };
+enum class Lamp { kRed, kGreen };
 
 TEST(ByteArchiveTest, RoundTrips) {
   ByteWriter out;
@@ -66,8 +66,8 @@ TEST(ByteArchiveTest, RefusesNonFiniteValuesAndUnknownEnumerators) {
   EXPECT_THROW((static_cast<void>(matrix.finiteMatrix<Eigen::Matrix<double, 1, 1>>())), InputError);
   EXPECT_TRUE(std::isnan(unchecked.value<double>()));
   const std::string one(1, '\1'), two(1, '\2');
-  EXPECT_EQ(ByteReader(one).enumerator<Colour>(2), Colour::kGreen);
-  EXPECT_THROW(static_cast<void>(ByteReader(two).enumerator<Colour>(2)), InputError);
+  EXPECT_EQ(ByteReader(one).enumerator<Lamp>(2), Lamp::kGreen);
+  EXPECT_THROW(static_cast<void>(ByteReader(two).enumerator<Lamp>(2)), InputError);
 }
 
 }  // namespace

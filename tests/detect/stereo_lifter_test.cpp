@@ -13,7 +13,7 @@
 namespace headway::detect {
 namespace {
 
-std::shared_ptr<StereoCamera> testCamera() {
+std::shared_ptr<StereoCamera> sharedTestCamera() {
   auto camera = std::make_shared<StereoCamera>();
   camera->width = 620;
   camera->height = 240;
@@ -51,7 +51,7 @@ Box2d carAt(double depth, const StereoCamera& camera) {
 }
 
 TEST(StereoLifterTest, BackgroundAroundAndBehindTheObjectDoesNotWin) {
-  const auto camera = testCamera();
+  const auto camera = sharedTestCamera();
   const Box2d box = carAt(15.0, *camera);
   stereo::DisparityImage image = wall(40.0, *camera);
   // The car fills the lower half of its box; through windows and beside it the wall is seen.
@@ -64,7 +64,7 @@ TEST(StereoLifterTest, BackgroundAroundAndBehindTheObjectDoesNotWin) {
 }
 
 TEST(StereoLifterTest, AnOccluderDoesNotWin) {
-  const auto camera = testCamera();
+  const auto camera = sharedTestCamera();
   const Box2d box = carAt(15.0, *camera);
   stereo::DisparityImage image = wall(40.0, *camera);
   paint(image, box, disparityAt(15.0, *camera));
@@ -77,7 +77,7 @@ TEST(StereoLifterTest, AnOccluderDoesNotWin) {
 }
 
 TEST(StereoLifterTest, ACarSeenFromBehindReachesAwayFromTheCamera) {
-  const auto camera = testCamera();
+  const auto camera = sharedTestCamera();
   const Box2d box = carAt(12.0, *camera);
   stereo::DisparityImage image = wall(60.0, *camera);
   paint(image, box, disparityAt(12.0, *camera));
@@ -90,7 +90,7 @@ TEST(StereoLifterTest, ACarSeenFromBehindReachesAwayFromTheCamera) {
 }
 
 TEST(StereoLifterTest, WithoutStereoTheHeightGivesTheDepthLessAccurately) {
-  const auto camera = testCamera();
+  const auto camera = sharedTestCamera();
   const Box2d box{300, 80, 315, 80 + 1.74 * 360.0 / 20.0};
   stereo::DisparityImage nothing = wall(10.0, *camera);
   nothing.values.setTo(0.0F);
@@ -111,7 +111,7 @@ TEST(StereoLifterTest, WithoutStereoTheHeightGivesTheDepthLessAccurately) {
 }
 
 TEST(StereoLifterTest, SaysNothingWhereNothingIsKnown) {
-  const auto camera = testCamera();
+  const auto camera = sharedTestCamera();
   stereo::DisparityImage nothing = wall(10.0, *camera);
   nothing.values.setTo(0.0F);
   const StereoLifter lifter(camera, nothing, std::nullopt);
@@ -121,7 +121,7 @@ TEST(StereoLifterTest, SaysNothingWhereNothingIsKnown) {
 }
 
 TEST(StereoLifterTest, CovarianceGrowsWithDepthAndFarAwayIsLargestAlongTheRay) {
-  const auto camera = testCamera();
+  const auto camera = sharedTestCamera();
   double before = 0.0;
   for (const double depth : {8.0, 16.0, 30.0}) {
     const Box2d box = carAt(depth, *camera);
@@ -139,7 +139,7 @@ TEST(StereoLifterTest, CovarianceGrowsWithDepthAndFarAwayIsLargestAlongTheRay) {
 }
 
 TEST(LiftAllTest, KeepsBoxesThatAreIn3dAlready) {
-  const auto camera = testCamera();
+  const auto camera = sharedTestCamera();
   stereo::DisparityImage image = wall(20.0, *camera);
   const StereoLifter lifter(camera, image, std::nullopt);
   Detections detections;

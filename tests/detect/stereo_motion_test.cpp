@@ -303,8 +303,8 @@ TEST_P(StandingSceneTest, WhatMovesThereIsFound) {
   EXPECT_GE(run(street, &scene_.boxes.back(), resample).frames_with_mover, 4);
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, StandingSceneTest, testing::Range(0, 6), [](const auto& info) {
-  return std::string(standingScenes()[info.param].name);
+INSTANTIATE_TEST_SUITE_P(Scenes, StandingSceneTest, testing::Range(0, 6), [](const auto& scene) {
+  return std::string(standingScenes()[scene.param].name);
 });
 
 TEST(StereoMotionTest, ABlackImageIsReportedAndPassedOver) {

@@ -58,7 +58,7 @@ StaticGrid drivePast(const std::vector<Pose>& poses) {
   return grid;
 }
 
-std::vector<Pose> driveForward() {
+std::vector<Pose> wayForward() {
   std::vector<Pose> poses;
   for (int i = 0; i < 8; ++i) poses.push_back(poseAt(0.5 * i, 0.1, 0.02 * i));
   return poses;
@@ -91,7 +91,7 @@ int differences(const std::vector<float>& a, const std::vector<float>& b) {
 }
 
 TEST(StaticGridTest, RaysFreeTheCellsBeforeTheirEndOnly) {
-  const auto grid = drivePast(driveForward()).grid();
+  const auto grid = drivePast(wayForward()).grid();
   ASSERT_NE(grid, nullptr);
   EXPECT_LT(grid->getPos(10.1f, 3.0f), 0.1f) << "the wall";
   EXPECT_GT(grid->getPos(7.1f, 2.1f), 0.75f) << "before it";
@@ -102,7 +102,7 @@ TEST(StaticGridTest, RaysFreeTheCellsBeforeTheirEndOnly) {
 
 TEST(StaticGridTest, CellsOfAMovingObjectAreClearedByLaterScans) {
   StaticGrid grid({});
-  const auto poses = driveForward();
+  const auto poses = wayForward();
   grid.add(poses[0], wallSeenFrom(poses[0], Eigen::Vector2d(7.1, 1.1)));
   EXPECT_LT(grid.grid()->getPos(7.1f, 1.1f), 0.4f) << "not known to be moving";
   for (std::size_t i = 1; i < poses.size(); ++i) grid.add(poses[i], wallSeenFrom(poses[i]));
@@ -132,7 +132,7 @@ void addLaserWall(const Pose& T_map_robot, GroundScan& scan) {
 
 TEST(StaticGridTest, WhatEitherSensorSeesIsNeverErasedByTheOtherOfTheSameTime) {
   StaticGrid grid({});
-  for (const auto& pose : driveForward()) {
+  for (const auto& pose : wayForward()) {
     GroundScan scan = wallSeenFrom(pose, Eigen::Vector2d(7.1, 1.1));  // which the laser overlooks
     addLaserWall(pose, scan);
     grid.add(pose, scan);
@@ -144,7 +144,7 @@ TEST(StaticGridTest, WhatEitherSensorSeesIsNeverErasedByTheOtherOfTheSameTime) {
 TEST(StaticGridTest, BeamsOfALaserRemoveItsObstaclesButMakeNothingFree) {
   StaticGrid grid({});
   const auto unknown = COccupancyGridMap2D::l2p(0);
-  const auto poses = driveForward();
+  const auto poses = wayForward();
   GroundScan person;
   person.laser_obstacles.push_back({{5.1F, 0.0F, 0.0F}, 0.02F});
   grid.add(poses[0], person);
@@ -192,7 +192,7 @@ TEST(StaticGridTest, AScanOfALaserAloneDoesNotReplaceOneOfStereo) {
 }
 
 TEST(StaticGridTest, FollowsTheKeyframes) {
-  const auto poses = driveForward();
+  const auto poses = wayForward();
   StaticGrid grid({});
   grid.follow({keyframeAt(3, poses[0]), keyframeAt(7, poses[6])});
   for (const auto& pose : poses) grid.add(pose, wallSeenFrom(pose));
@@ -209,7 +209,7 @@ TEST(StaticGridTest, FollowsTheKeyframes) {
 }
 
 TEST(StaticGridTest, FollowsTheKeyframesInPartsWithTheSameResult) {
-  const auto poses = driveForward();
+  const auto poses = wayForward();
   const auto drive = [&] {
     StaticGrid grid({});
     grid.follow({keyframeAt(3, poses[0]), keyframeAt(7, poses[6])});
@@ -230,7 +230,7 @@ TEST(StaticGridTest, FollowsTheKeyframesInPartsWithTheSameResult) {
 }
 
 TEST(StaticGridTest, PublishedMapsNeverChangeAndUnusedOnesAreBroughtUpToDate) {
-  const auto poses = driveForward();
+  const auto poses = wayForward();
   StaticGrid grid({});
   std::vector<Pose> driven;
   COccupancyGridMap2D::ConstPtr kept;
@@ -252,7 +252,7 @@ TEST(StaticGridTest, PublishedMapsNeverChangeAndUnusedOnesAreBroughtUpToDate) {
 }
 
 TEST(StaticGridTest, KeepsTheScansOfARemovedKeyframe) {
-  const auto poses = driveForward();
+  const auto poses = wayForward();
   StaticGrid grid({});
   grid.follow({keyframeAt(3, poses[0]), keyframeAt(7, poses[6])});
   for (const auto& pose : poses) grid.add(pose, wallSeenFrom(pose));
@@ -266,7 +266,7 @@ TEST(StaticGridTest, KeepsTheScansOfARemovedKeyframe) {
 }
 
 TEST(StaticGridTest, DoesNotDependOnTheOrderOfScans) {
-  auto poses = driveForward();
+  auto poses = wayForward();
   StaticGrid forward({}), backward({});
   for (const auto& pose : poses) forward.add(pose, wallSeenFrom(pose));
   std::reverse(poses.begin(), poses.end());
@@ -300,7 +300,7 @@ TEST(StaticGridTest, IsCoarserWhereTheMapIsVast) {
 }
 
 TEST(StaticGridTest, ContinuesFromSavedBytes) {
-  const auto poses = driveForward();
+  const auto poses = wayForward();
   StaticGrid first({});
   first.follow({keyframeAt(3, poses[0])});
   for (const auto& pose : poses) first.add(pose, wallSeenFrom(pose));
@@ -315,7 +315,7 @@ TEST(StaticGridTest, ContinuesFromSavedBytes) {
 }
 
 TEST(StaticGridTest, RefusesDamagedBytesUnchanged) {
-  StaticGrid grid = drivePast(driveForward());
+  StaticGrid grid = drivePast(wayForward());
   const std::string bytes = grid.save();
   const auto before = grid.grid()->getRawMap();
   for (const std::size_t length :
@@ -342,7 +342,7 @@ TEST(StaticGridTest, RefusesDamagedBytesUnchanged) {
 
 TEST(WriteStaticGridTest, IsReadableByMrptAndMapServers) {
   const test::TemporaryFolder folder;
-  const auto grid = drivePast(driveForward()).grid();
+  const auto grid = drivePast(wayForward()).grid();
   writeStaticGrid(folder / "map_grid", *grid);
 
   mrpt::io::CFileGZInputStream stream(folder / "map_grid.gridmap.gz");
@@ -388,7 +388,7 @@ TEST(StaticGridParamsTest, OutOfRangeAreRefusedByTheGrid) {
 }
 
 TEST(StaticGridTest, AddsTheScansOfAnotherGridWithItsKeyframes) {
-  const auto poses = driveForward();
+  const auto poses = wayForward();
   StaticGrid grid = drivePast({poses[0], poses[1]});
   StaticGrid other({});
   other.follow({keyframeAt(3, poses[6])});
@@ -400,7 +400,7 @@ TEST(StaticGridTest, AddsTheScansOfAnotherGridWithItsKeyframes) {
 }
 
 TEST(StaticGridTest, CroppedItKnowsNothingOutside) {
-  StaticGrid grid = drivePast(driveForward());
+  StaticGrid grid = drivePast(wayForward());
   grid.crop({Eigen::Vector2d(-1.0, -3.0), Eigen::Vector2d(8.0, 3.0)});
   const auto cells = grid.grid();
   EXPECT_GT(cells->getPos(7.1f, 2.1f), 0.75f) << "before the wall";

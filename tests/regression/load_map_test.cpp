@@ -13,8 +13,8 @@ namespace {
 using ::testing::HasSubstr;
 using Trajectory = std::vector<Stamped<Pose>>;
 
-const std::string kStreet = std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/street.rawlog";
-const std::string kTruth = std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/street.truth";
+const std::string kStreetRawlog = std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/street.rawlog";
+const std::string kStreetTruth = std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/street.truth";
 
 /// Replays of two overlapping parts of a recording, the second in the map of the first.
 struct TwoDrives {
@@ -62,10 +62,10 @@ TwoDrives replayInTwo(const std::string& rawlog, const test::TemporaryFolder& fo
 
 TEST(LoadMapTest, TwoDrivesThroughTheStreetHaveOneFrameAndOneMap) {
   const test::TemporaryFolder folder;
-  const auto drives = replayInTwo(kStreet, folder, 30, 60);
+  const auto drives = replayInTwo(kStreetRawlog, folder, 30, 60);
   EXPECT_EQ(0, drives.second.summary.at("frames_lost"));
   EXPECT_GT(drives.second.summary.at("keyframes"), drives.first.summary.at("keyframes"));
-  const auto truth = io::readTum(kTruth + "/trajectory.tum");
+  const auto truth = io::readTum(kStreetTruth + "/trajectory.tum");
   test::expectWithin("ate_rmse_m", test::ateRmse(truth, drives.together()),
                      test::kStreetTwoDrivesAteM);
   test::expectWithin("disagreement_m", drives.disagreement(), test::kSharedFrameM);
@@ -73,10 +73,10 @@ TEST(LoadMapTest, TwoDrivesThroughTheStreetHaveOneFrameAndOneMap) {
 
 TEST(LoadMapTest, WithoutMappingTheCameraIsLocalisedAndTheMapStays) {
   const test::TemporaryFolder folder;
-  const auto first =
-      test::replay(kStreet, folder / "first", "-q --snapshots 0 --detector none --to-index 60");
+  const auto first = test::replay(kStreetRawlog, folder / "first",
+                                  "-q --snapshots 0 --detector none --to-index 60");
   const auto second = test::replay(
-      kStreet, folder / "second",
+      kStreetRawlog, folder / "second",
       "-q --snapshots 0 --detector none --from-index 5 --to-index 55 --set slam.mapping=false "
       "--load-map " +
           first.file("map.headway"));
@@ -139,7 +139,7 @@ TEST_F(UnusableMapTest, Truncated) {
 }
 
 TEST_F(UnusableMapTest, OfAnotherCamera) {
-  EXPECT_THAT(errorLine(kStreet), HasSubstr("another camera"));
+  EXPECT_THAT(errorLine(kStreetRawlog), HasSubstr("another camera"));
 }
 
 TEST_F(UnusableMapTest, OfAnotherPlaceLeavesEveryFrameLostWithAMessage) {

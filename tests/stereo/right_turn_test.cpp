@@ -23,7 +23,7 @@ StereoCamera turnedRig() {
 }
 
 /// A smooth pattern that is known at all places.
-double pattern(const Eigen::Vector2d& uv) {
+double brightness(const Eigen::Vector2d& uv) {
   return 128.0 + 60.0 * std::sin(0.31 * uv.x() + 0.17 * uv.y()) +
          40.0 * std::sin(0.05 * uv.x() - 0.23 * uv.y());
 }
@@ -36,7 +36,7 @@ cv::Mat seen(const Eigen::Vector3d& angles) {
     for (int u = 0; u < rig.width; ++u) {
       // What a turned camera sees at (u, v) is where the camera turned the other way sees it.
       const Eigen::Vector2d at = turnedPixel(Eigen::Vector2d(u, v), -angles, rig);
-      image.at<std::uint8_t>(v, u) = cv::saturate_cast<std::uint8_t>(pattern(at));
+      image.at<std::uint8_t>(v, u) = cv::saturate_cast<std::uint8_t>(brightness(at));
     }
   }
   return image;
