@@ -2,6 +2,7 @@
 #include "navigator.h"
 
 #include <headway/core/error.h>
+#include <headway/core/mrpt_compat.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -28,8 +29,8 @@ waypoint_angle_tolerance = 5
 multitarget_look_ahead = 0
 
 [CHolonomicFullEval]
-factorWeights = [0.25, 0.1, 1, 0.05, 0.5, 1, 1]
-factorNormalizeOrNot = [0, 0, 0, 0, 1, 1, 0]
+factorWeights = [0.25, 0.1, 1, 0.05, 0.5, 1, 1)" HEADWAY_MRPT_EIGHTH_FACTOR R"(]
+factorNormalizeOrNot = [0, 0, 0, 0, 1, 1, 0)" HEADWAY_MRPT_EIGHTH_FACTOR R"(]
 TOO_CLOSE_OBSTACLE = 0.15
 TARGET_SLOW_APPROACHING_DISTANCE = 0.1
 OBSTACLE_SLOW_DOWN_DISTANCE = 0.15

@@ -44,7 +44,7 @@ cv::Mat RenderTarget::picture(const cv::Size& kept) {
 }
 
 cv::Mat RenderTarget::depth(const cv::Size& kept, float farthest) {
-  const cv::Mat pixels = read(GL_DEPTH_STENCIL, GL_UNSIGNED_INT_24_8, CV_32S, kept);
+  const cv::Mat pixels = read(HEADWAY_MRPT_DEPTH_PIXELS, CV_32S, kept);
   // Depths in the buffer are evenly spaced in 1/z, from 0 at the near plane to 2^24 - 1.
   const double nearest = 1.0 / near_;
   const double step = (1.0 / near_ - 1.0 / far_) / 0xFFFFFF;

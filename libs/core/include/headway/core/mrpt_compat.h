@@ -28,12 +28,16 @@ class COpenGLFramebuffer;
 namespace headway {
 
 /// OpenGL's off-screen framebuffer, complete after `#include HEADWAY_MRPT_FRAMEBUFFER`.
+/// HEADWAY_MRPT_DEPTH_PIXELS: format and type of its depths, whose 24 bits are the upper ones of
+/// 32; the newer one has no stencil.
 #if MRPT_VERSION >= 0x270
 using MrptFramebuffer = mrpt::opengl::FrameBuffer;
 #define HEADWAY_MRPT_FRAMEBUFFER <mrpt/opengl/FrameBuffer.h>
+#define HEADWAY_MRPT_DEPTH_PIXELS GL_DEPTH_COMPONENT, GL_UNSIGNED_INT
 #else
 using MrptFramebuffer = mrpt::opengl::COpenGLFramebuffer;
 #define HEADWAY_MRPT_FRAMEBUFFER <mrpt/opengl/COpenGLFramebuffer.h>
+#define HEADWAY_MRPT_DEPTH_PIXELS GL_DEPTH_STENCIL, GL_UNSIGNED_INT_24_8
 #endif
 
 /// What a map class's internal_CreateFromMapDefinition() returns, made from a pointer whose
@@ -42,6 +46,14 @@ using MrptFramebuffer = mrpt::opengl::COpenGLFramebuffer;
 using MrptCreatedMap = std::shared_ptr<mrpt::maps::CMetricMap>;
 #else
 using MrptCreatedMap = mrpt::maps::CMetricMap*;
+#endif
+
+/// What follows seven numbers, one for each factor by which mrpt::nav::CHolonomicFullEval can weigh
+/// a direction. The eighth, the heading at the target, is not used.
+#if MRPT_VERSION >= 0x20e03
+#define HEADWAY_MRPT_EIGHTH_FACTOR ", 0"
+#else
+#define HEADWAY_MRPT_EIGHTH_FACTOR ""
 #endif
 
 }  // namespace headway
