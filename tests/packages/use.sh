@@ -43,7 +43,7 @@ for document in README.md CHANGELOG.md doc/licences.md copyright changelog.gz; d
 done
 for package in headway libheadway0 libheadway-dev python3-headway; do
   version=$(dpkg-query -W -f='${Version}' $package)
-  zcat /usr/share/doc/$package/changelog.gz | grep -q "^headway ($version)" || fail "the changelog of $package lacks $version"
+  zcat /usr/share/doc/$package/changelog.gz | grep > /dev/null "^headway ($version)" || fail "the changelog of $package lacks $version"
   grep -q BSD-3-Clause /usr/share/doc/$package/copyright || fail "$package has no licence"
 done
 for program in /usr/bin/headway-*; do
@@ -57,8 +57,8 @@ for program in /usr/bin/headway-*; do
     grep -q "^$section" <<< "$page" || fail "$program's manual page has no $section"
   done
 done
-man headway-replay | grep -q -- '--load-map FILE' || fail "headway-replay's page lacks its options"
-man headway-import-euroc | grep -q -- '--from-index N' || fail "headway-import euroc has no page"
+man headway-replay | grep > /dev/null -- '--load-map FILE' || fail "headway-replay's page lacks its options"
+man headway-import-euroc | grep > /dev/null -- '--from-index N' || fail "headway-import euroc has no page"
 
 echo "== completion"
 complete_line() {
@@ -69,10 +69,10 @@ complete_line() {
     compopt() { :; }  # bash has it while completing only
     _headway "$1" "${@: -1}" "${@: -2:1}"; printf "%s\n" "${COMPREPLY[@]}"' _ "$@"
 }
-complete_line headway-import eu | grep -qx euroc || fail "sub-commands are not completed"
-complete_line headway-replay --load | grep -qx -- --load-map || fail "options are not completed"
-complete_line headway-fleet --places r | grep -qx recognised || fail "choices of headway-fleet are not completed"
-complete_line headway-replay --set slam.loop | grep -q '^slam\.loop.*=$' || fail "keys are not completed"
+complete_line headway-import eu | grep -x > /dev/null euroc || fail "sub-commands are not completed"
+complete_line headway-replay --load | grep -x > /dev/null -- --load-map || fail "options are not completed"
+complete_line headway-fleet --places r | grep -x > /dev/null recognised || fail "choices of headway-fleet are not completed"
+complete_line headway-replay --set slam.loop | grep > /dev/null '^slam\.loop.*=$' || fail "keys are not completed"
 
 echo "== MRPT's own tools with the plug-in"
 rawlog-edit -p libheadway-plugin.so --info -i $share/rawlogs/street.rawlog > info.txt 2>&1 || { cat info.txt; fail rawlog-edit; }

@@ -10,9 +10,11 @@ fail() {
   status=1
 }
 for program in "$@"; do
-  readelf -hW "$program" | grep -q 'Type: *DYN' || fail "$program" "is not position-independent"
-  readelf -lW "$program" | grep -q GNU_RELRO || fail "$program" "has no read-only relocations"
-  readelf -dW "$program" | grep -q 'BIND_NOW\|Flags:.* NOW' || fail "$program" "binds lazily"
+  # In whole first: grep -q ends before readelf has written everything, which would then fail.
+  all=$(readelf -hldW "$program")
+  grep -q 'Type: *DYN' <<<"$all" || fail "$program" "is not position-independent"
+  grep -q GNU_RELRO <<<"$all" || fail "$program" "has no read-only relocations"
+  grep -q 'BIND_NOW\|Flags:.* NOW' <<<"$all" || fail "$program" "binds lazily"
   names=$(readelf --dyn-syms -W "$program")
   grep -q __stack_chk_fail <<<"$names" || fail "$program" "does not check its stack"
   grep -q '_chk@' <<<"$names" || fail "$program" "does not check its buffers"
