@@ -131,7 +131,9 @@ TEST_F(RecordingCheckTest, SensorsOfAnotherClockAreNamed) {
     const auto result = check("x.rawlog");
     EXPECT_THAT(result.output, HasSubstr(expected));
     EXPECT_EQ(offset != -0.02, result.output.find("use one clock") != std::string::npos);
-    if (offset > 1.0) EXPECT_EQ(1, result.status);
+    if (offset > 1.0) {
+      EXPECT_EQ(1, result.status);
+    }
   }
 }
 

@@ -36,8 +36,9 @@ struct Weaving {
   }
   /// In the robot's own axes, by differences of a tenth of a sensor's step.
   static Eigen::Vector3d angularVelocity(double t) {
-    constexpr double kTiny = 0.001;
-    return logSo3(rotation(t - kTiny).transpose() * rotation(t + kTiny)) / (2.0 * kTiny);
+    constexpr double kTolerance = 0.001;
+    return logSo3(rotation(t - kTolerance).transpose() * rotation(t + kTolerance)) /
+           (2.0 * kTolerance);
   }
 };
 
