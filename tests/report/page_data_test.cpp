@@ -21,6 +21,7 @@ TEST(PackedPointsTest, KeepThePlacesToAHalfStep) {
   ASSERT_EQ(500u, result.count);
   ASSERT_EQ(9u * 500u, result.bytes.size());
   EXPECT_LT(result.step.x(), 0.003);
+  EXPECT_NEAR(0.37, result.spacing, 0.001);
   std::vector<bool> found(500);
   bool is_shuffled = false;
   for (std::size_t i = 0; i < 500; ++i) {
@@ -44,6 +45,7 @@ TEST(PackedPointsTest, LeaveOutWhatIsNotFinite) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(1u, packed({{{1, 2, 3}, {}}, {{nan, 0, 0}, {}}}).count);
   EXPECT_EQ(0u, packed({}).count);
+  EXPECT_EQ(0.0, packed({}).spacing);
 }
 
 TEST(PageImagesTest, ALongRecordingKeepsAnEvenSample) {

@@ -29,7 +29,7 @@ function readCloud(id, header) {
   if (!header || !text || !header.count) return null;
   const bytes = bytesOf(text);
   const n = header.count;
-  return {count: n, origin: header.origin, step: header.step,
+  return {count: n, spacing: header.spacing, origin: header.origin, step: header.step,
           positions: new Uint16Array(bytes.buffer, 0, 3 * n),
           colours: new Uint8Array(bytes.buffer, 6 * n, 3 * n)};
 }

@@ -35,8 +35,10 @@ class PageDrawing {
       this.renderer.setSize(width, height, false);
     }
     this.size = size;
-    const zoom = this.views.name === 'top' ? pixels * this.views.topView(this.moment, width, height).zoom : 0;
-    for (const cloud of this.world.clouds) showPart(cloud, ratio, zoom);
+    const fromAbove = this.views.name === 'top';
+    const magnification = fromAbove ? pixels * this.views.topView(this.moment, width, height).zoom :
+                                      this.views.camera.projectionMatrix.elements[5];
+    for (const cloud of this.world.clouds) showPart(cloud, ratio, magnification, fromAbove);
     this.placeBackdrop(width, height);
     this.renderer.setScissorTest(false);
     this.renderer.clear();

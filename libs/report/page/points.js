@@ -58,10 +58,10 @@ function makeCloud(cloud, size) {
   return points;
 }
 
-/** Draws a part of a cloud, with larger points the fewer they are. `zoom` [pixels/m] of a view from
- * above; 0 in perspective. */
-function showPart(points, ratio, zoom) {
+/** Draws a part of a cloud, with larger points the fewer they are. `magnification`: pixels/m from
+ * above; in perspective cot(field of view / 2), because THREE sizes points as if that were 1. */
+function showPart(points, ratio, magnification, isFromAbove) {
   points.geometry.setDrawRange(0, Math.ceil(ratio * points.total));
-  const size = points.metres * Math.min(2.2, Math.sqrt(1 / Math.max(ratio, 1e-3)));
-  points.material.size = zoom ? Math.max(1, size * zoom) : size;
+  const size = points.metres * Math.min(2.2, Math.sqrt(1 / Math.max(ratio, 1e-3))) * magnification;
+  points.material.size = isFromAbove ? Math.max(1, size) : size;
 }

@@ -6,6 +6,7 @@ const kPathHalfWidthM = 0.16;
 const kTrailS = 4;             // of a track's trail
 const kGroundCells = 48;       // a side, of the surface that follows the path's height
 const kAboveGroundM = 0.03;
+const kCoverage = 1.5;  // of a point's side to the points' spacing, so that surfaces have no gaps
 
 /** Ground height near each place of the path. */
 class GroundHeight {
@@ -61,6 +62,7 @@ class World {
     this.replay = replay;
     this.scale = Math.min(1, Math.max(0.28, replay.reach / 20));
     this.ground = new GroundHeight(replay);
+    this.denseSize = kCoverage * (replay.dense ? replay.dense.spacing : 0);
     this.scene = new THREE.Scene();
     this.layers = {};
     this.boxes = new Map();
@@ -81,9 +83,10 @@ class World {
 
   addMap(onLoad) {
     const {replay} = this;
-    for (const [name, size] of [['dense', 0.12], ['landmarks', replay.dense ? 0.06 : 0.12]]) {
+    const dot = (replay.dense ? 0.06 : 0.12) * this.scale;
+    for (const [name, size] of [['dense', this.denseSize], ['landmarks', dot]]) {
       if (!replay[name]) continue;
-      const cloud = makeCloud(replay[name], size * (name === 'dense' ? 1 : this.scale));
+      const cloud = makeCloud(replay[name], size);
       this.clouds.push(cloud);
       this.layer(name).add(cloud);
     }
@@ -92,7 +95,7 @@ class World {
 
   /** A place on the ground, above what is drawn at its level. */
   onGround(x, y, z) {
-    return [x, y, z + kAboveGroundM];
+    return [x, y, z + kAboveGroundM + this.denseSize / 2];
   }
 
   addPath() {
@@ -116,7 +119,7 @@ class World {
       this.frustum.applyMatrix(matrixOf(replay.camera.pose));
       this.robot.add(this.frustum);
     }
-    this.marker.position.z = replay.ground + 2 * kAboveGroundM;
+    this.marker.position.z = replay.ground + 2 * kAboveGroundM + this.denseSize;
     this.robot.matrixAutoUpdate = false;
     this.layer('path').add(this.robot);
   }

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <random>
 
@@ -189,6 +190,23 @@ Json truthJson(const ReplayTruth& truth, const std::vector<ReplayFrame>& frames)
   return {{"path", path}, {"objects", objects}};
 }
 
+/// Median distance from points in random order to their nearest other [m]; 0 of fewer than two.
+double spacingOf(const std::vector<ColouredPoint>& points) {
+  constexpr std::size_t kSamples = 101;
+  std::vector<float> nearest(points.size() < 2 ? 0 : std::min(kSamples, points.size()));
+  for (std::size_t i = 0; i < nearest.size(); ++i) {
+    nearest[i] = std::numeric_limits<float>::max();
+    for (std::size_t j = 0; j < points.size(); ++j) {
+      if (i == j) continue;
+      nearest[i] = std::min(nearest[i], (points[j].position - points[i].position).squaredNorm());
+    }
+  }
+  if (nearest.empty()) return 0.0;
+  const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2);
+  std::nth_element(nearest.begin(), middle, nearest.end());
+  return std::sqrt(*middle);
+}
+
 }  // namespace
 
 PackedPoints packed(std::vector<ColouredPoint> points) {
@@ -201,6 +219,7 @@ PackedPoints packed(std::vector<ColouredPoint> points) {
   std::mt19937 random(1);
   for (std::size_t i = points.size() - 1; i > 0; --i)
     std::swap(points[i], points[random() % (i + 1)]);
+  result.spacing = spacingOf(points);
   Eigen::AlignedBox3f bounds;
   for (const auto& point : points) bounds.extend(point.position);
   result.origin = bounds.min().cast<double>();

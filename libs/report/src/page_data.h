@@ -19,6 +19,7 @@ struct PackedPoints {
   std::size_t count = 0;
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< map frame [m]
   Eigen::Vector3d step = Eigen::Vector3d::Ones();    ///< [m]
+  double spacing = 0.0;  ///< median distance of a sample to the nearest other point [m]
   std::vector<std::uint8_t> bytes;
 };
 

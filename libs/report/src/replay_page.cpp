@@ -58,6 +58,7 @@ std::string block(const std::string& id, const std::string& type, const std::str
 
 nlohmann::ordered_json boundsJson(const PackedPoints& points) {
   return {{"count", points.count},
+          {"spacing", points.spacing},
           {"origin", {points.origin.x(), points.origin.y(), points.origin.z()}},
           {"step", {points.step.x(), points.step.y(), points.step.z()}}};
 }
