@@ -116,6 +116,13 @@ TEST(TrackCasesTest, EachPredictionFindsTheNearestObjectOfItsClass) {
   EXPECT_NEAR(5.0 + 15.0, found.cases[0].future[29].x(), 1e-9);
 }
 
+TEST(TrackCasesTest, AnUnknownClassMayBeAnyObject) {
+  const std::vector<TrueObject> objects = {objectAlongX(1, 60, 5.0, 0.0, ObjectClass::kPedestrian)};
+  auto prediction = predictionOf(objects[0], 10, 0.1, 7);
+  prediction.object_class = ObjectClass::kUnknown;
+  EXPECT_EQ(1u, trackCases(objects, {prediction}, 2.0, 0.25).cases.size());
+}
+
 TEST(TrackCasesTest, CountsUnmatchedAndTruncatedPredictions) {
   const std::vector<TrueObject> objects = {objectAlongX(1, 60, 5.0)};
   auto pedestrian = predictionOf(objects[0], 10, 0.0, 1);

@@ -96,6 +96,7 @@ TEST(FootprintOutlineTest, CoversTheMarginOnly) {
 TEST(FootprintOutlineTest, PeopleAreRoundAndCarsAreNot) {
   Track track;
   track.size = {4.0, 2.0, 1.5};
+  EXPECT_FALSE(map::footprintOf(track).round) << "an unknown object takes the larger shape";
   track.object_class = ObjectClass::kCar;
   EXPECT_FALSE(map::footprintOf(track).round);
   EXPECT_NEAR(map::footprintOf(track).radius(), std::sqrt(5.0), 1e-12);

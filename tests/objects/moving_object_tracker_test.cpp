@@ -516,7 +516,32 @@ TEST(MovingObjectTrackerTest, VotesOverProvisionalClasses) {
     replay.frame({walker});
     ASSERT_EQ(replay.last.tracks.size(), 1u)
         << "a provisional class starts no second track, frame " << k;
-    EXPECT_EQ(replay.last.tracks[0].object_class, ObjectClass::kPedestrian);
+    EXPECT_EQ(replay.last.tracks[0].object_class,
+              k < 4 ? ObjectClass::kUnknown : ObjectClass::kPedestrian)
+        << k;
+  }
+}
+
+TEST(MovingObjectTrackerTest, AnObjectOfUnknownClassIsPredictedAsWidelyAsAPedestrian) {
+  Replay by_motion, classified;
+  for (int k = 0; k < 2; ++k) {
+    Detection walker = seenWalking(k);
+    by_motion.frame({walker});
+    walker.evidence.classifier = true;
+    classified.frame({walker});
+  }
+  const Track unknown = confirmed(by_motion.last).at(0), person = confirmed(classified.last).at(0);
+  ASSERT_EQ(unknown.object_class, ObjectClass::kUnknown);
+  ASSERT_EQ(person.object_class, ObjectClass::kPedestrian);
+  const auto spread = [](const Track& track, std::size_t j) {
+    double widest = 0.0;
+    for (const auto& path : track.predictions) {
+      widest = std::max(widest, path.points.at(j).covariance.determinant());
+    }
+    return widest;
+  };
+  for (std::size_t j = 0; j < kPredictionSamples; ++j) {
+    EXPECT_GE(spread(unknown, j), spread(person, j)) << j;
   }
 }
 

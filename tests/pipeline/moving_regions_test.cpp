@@ -110,6 +110,7 @@ TEST(MovableRegionsTest, OnlyVehiclesThatStandStayInTheMap) {
   EXPECT_EQ(1u, countOf(C::kPedestrian, M::kStatic, TrackStatus::kConfirmed));
   EXPECT_EQ(1u, countOf(C::kPedestrian, M::kUnknown, TrackStatus::kCoasting));
   EXPECT_EQ(0u, countOf(C::kPedestrian, M::kMoving, TrackStatus::kEnded));
+  EXPECT_EQ(1u, countOf(C::kUnknown, M::kStatic, TrackStatus::kConfirmed)) << "as a person";
 }
 
 TEST(MovableRegionsTest, BoxesOfDetectionsAreWidened) {

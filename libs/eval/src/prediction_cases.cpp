@@ -33,6 +33,11 @@ bool isConsecutive(const TrueObject& object, std::size_t first, std::size_t last
          object.path[last].frame - object.path[first].frame == last - first;
 }
 
+/// Whether a track of class `tracked` may be an object; one of unknown class may be any.
+bool mayBe(ObjectClass object_class, ObjectClass tracked) {
+  return tracked == ObjectClass::kUnknown || tracked == object_class;
+}
+
 /// Pairs of predictions and true objects within `max_distance_m` at the first horizon.
 std::vector<CandidatePair> nearby(const std::vector<TrueObject>& objects,
                                   const std::vector<TrackPrediction>& predictions,
@@ -43,7 +48,7 @@ std::vector<CandidatePair> nearby(const std::vector<TrueObject>& objects,
     const auto& prediction = predictions[row];
     const auto& next = prediction.paths.front().points.front();
     for (std::size_t i = 0; i < objects.size(); ++i) {
-      if (objects[i].object_class != prediction.object_class) continue;
+      if (!mayBe(objects[i].object_class, prediction.object_class)) continue;
       const auto truth = objects[i].positionAt(prediction.time + next.horizon_s, max_gap_s);
       if (!truth) continue;
       const double distance = (next.position - *truth).head<2>().norm();

@@ -14,10 +14,8 @@ namespace headway::objects {
 namespace {
 
 constexpr int kUnclassifiedRatio = 2;  // of hits of a track in which no classifier sees an object
-constexpr double kRiderVotes = 3.0;    // a bicycle is often hidden, but seldom a false detection
-constexpr double kFastestWalk_mps = 3.5;  // faster persons ride, though their bicycle is hidden
-constexpr double kMotionMemory_s = 1.0;   // without evidence of motion until an object is static
-constexpr double kFrameJitter_s = 1e-6;   // times of frames are not exact
+constexpr double kMotionMemory_s = 1.0;  // without evidence of motion until an object is static
+constexpr double kFrameJitter_s = 1e-6;  // times of frames are not exact
 
 }  // namespace
 
@@ -25,7 +23,7 @@ TrackedObject::TrackedObject(TrackId id, std::size_t frame, Time time, const Mea
                              const ObjectsParams& params)
     : params_(&params),
       id_(id),
-      object_class_(first.object_class),
+      class_(first),
       filter_(first, params.filter),
       heading_(params.heading),
       motion_class_(params.motion_class),
@@ -35,7 +33,6 @@ TrackedObject::TrackedObject(TrackId id, std::size_t frame, Time time, const Mea
       score_sum_(first.score),
       first_seen_(time),
       last_seen_(time) {
-  voteClass(first);
   keepEvidence(time, first);
   confirm(first.evidence);
   trajectory_.append(frame, time, first, first.position, first.yaw);
@@ -47,7 +44,7 @@ void TrackedObject::update(std::size_t frame, Time time, const MeasuredBox& dete
   if (detection.velocity) filter_.updateVelocity(*detection.velocity);
   filter_.updateSize(detection);
   updateHeading(detection);
-  voteClass(detection);
+  class_.add(detection);
   keepEvidence(time, detection);
   trajectory_.append(frame, time, detection, filter_.position(), filter_.yaw());
   score_sum_ += detection.score;
@@ -78,7 +75,7 @@ void TrackedObject::confirm(const DetectionEvidence& evidence) {
   if (evidence.classifier_tested && evidence.classifier && evidence.motion) confirmed_ = true;
   const int needed_hits =
       (unclassified_hits_ == hits_ ? kUnclassifiedRatio : 1) * life.confirm_hits;
-  const bool sure = hits_ >= needed_hits && score_sum_ >= life.confirm_score.of(object_class_);
+  const bool sure = hits_ >= needed_hits && score_sum_ >= life.confirm_score.of(group());
   confirmed_ = confirmed_ || sure || hits_ >= life.confirm_anyway_hits;
 }
 
@@ -101,22 +98,6 @@ void TrackedObject::updateHeading(const MeasuredBox& detection) {
   }
 }
 
-void TrackedObject::voteClass(const MeasuredBox& detection) {
-  if (detection.evidence.appearance && detection.classIsProvisional())
-    return;  // the class is this track's own
-  const bool is_classified = detection.evidence.classifier && detection.evidence.classifier_tested;
-  const bool is_fast = detection.object_class == ObjectClass::kPedestrian &&
-                       detection.evidence.motion && detection.velocity &&
-                       detection.velocity->value.norm() > kFastestWalk_mps;
-  const ObjectClass seen =
-      is_classified && is_fast ? ObjectClass::kCyclist : detection.object_class;
-  const bool is_rider = is_classified && seen == ObjectClass::kCyclist;
-  class_votes_[static_cast<std::size_t>(seen)] += is_rider ? kRiderVotes : 1.0;
-  const auto& current = class_votes_[static_cast<std::size_t>(object_class_)];
-  const auto best = std::max_element(class_votes_.begin(), class_votes_.end());
-  if (*best > current) object_class_ = static_cast<ObjectClass>(best - class_votes_.begin());
-}
-
 void TrackedObject::refine(Time time, const TrajectorySmoother& smoother) {
   constexpr double kSpeedWindow_s = 1.0;
   smoother.refine(trajectory_, filter_, group(), motion_class_.standing());
@@ -135,7 +116,7 @@ ExpectedPlace TrackedObject::expected() const {
   return {filter_.position(),
           filter_.positionCovariance(),
           filter_.verticalVariance(),
-          object_class_,
+          class_.assumed(),
           detector_id_,
           id_};
 }
@@ -144,7 +125,7 @@ std::optional<ExpectedObject> TrackedObject::searchable(Time time) const {
   if (!last_motion_ || !detected_velocity_) return std::nullopt;
   ExpectedObject object;
   object.track = id_;
-  object.object_class = object_class_;
+  object.object_class = class_.assumed();
   object.time = time;
   object.position = filter_.position();
   object.velocity.value << detected_velocity_->value, 0.0;
@@ -179,7 +160,7 @@ bool TrackedObject::shown(Time time) const {
   if (seenAt(time) || !confirmed_) return true;
   return time - last_seen_ <= life.coast_time_s + kFrameJitter_s &&
          misses_ <= life.max_coast_ratio * hits_ &&
-         score() >= life.min_coast_score.of(object_class_) &&
+         score() >= life.min_coast_score.of(group()) &&
          meanSigma(filter_.positionCovariance()) <= life.max_coast_sigma_m;
 }
 
@@ -189,7 +170,7 @@ Eigen::Vector3d TrackedObject::positionAt(Time time) const {
 }
 
 void TrackedObject::historyAt(std::size_t frame, Time time, MotionHistory& history) const {
-  history.object_class = object_class_;
+  history.object_class = class_.known();
   history.path = trajectory_.path;
   history.position_covariance = filter_.positionCovariance();
   if (!seenAt(time)) history.path.push_back({frame, time, positionAt(time), filter_.yaw()});
@@ -204,7 +185,7 @@ Track TrackedObject::shownAt(Time time) const {
 Track TrackedObject::stateAt(Time time) const {
   Track track;
   track.id = id_;
-  track.object_class = object_class_;
+  track.object_class = class_.known();
   track.status = statusAt(time);
   track.motion_state = motion_class_.state();
   track.score = score();

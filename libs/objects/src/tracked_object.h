@@ -6,9 +6,9 @@
 #include <headway/objects/objects_params.h>
 #include <headway/objects/predictor.h>
 
-#include <array>
 #include <vector>
 
+#include "class_evidence.h"
 #include "consistency.h"
 #include "heading_evidence.h"
 #include "kalman_filter.h"
@@ -55,7 +55,7 @@ class TrackedObject {
   [[nodiscard]] bool shown(Time time) const;
   /// Whether it has enough detections for a reliable prediction.
   [[nodiscard]] bool mature() const;
-  [[nodiscard]] MotionGroup group() const { return motionGroupOf(object_class_); }
+  [[nodiscard]] MotionGroup group() const { return motionGroupOf(class_.assumed()); }
   [[nodiscard]] bool seenAt(Time time) const { return last_seen_ == time; }
   [[nodiscard]] Eigen::Vector3d position() const { return filter_.position(); }
   /// Mean of its detections' scores, with 0 for frames without detection and a few before the
@@ -82,7 +82,6 @@ class TrackedObject {
   /// The object as published, without path and predictions.
   [[nodiscard]] Track stateAt(Time time) const;
   void updateHeading(const MeasuredBox& detection);
-  void voteClass(const MeasuredBox& detection);
   void keepEvidence(Time time, const MeasuredBox& detection);
   void confirm(const DetectionEvidence& evidence);
   [[nodiscard]] Eigen::Vector3d positionAt(Time time) const;
@@ -91,14 +90,13 @@ class TrackedObject {
 
   const ObjectsParams* params_;  ///< of the tracker; not null
   TrackId id_;
-  ObjectClass object_class_;
+  ClassEvidence class_;
   KalmanFilter filter_;
   HeadingEvidence heading_;
   MotionClassifier motion_class_;
   bool velocity_measured_ = false;  ///< by the last detection
   Trajectory trajectory_;
   Eigen::Vector3d smoothed_offset_ = Eigen::Vector3d::Zero();  ///< of the path's end to the filter
-  std::array<double, kObjectClassCount> class_votes_{};
   std::optional<std::int64_t> detector_id_;
   std::optional<GroundVelocity> detected_velocity_;  ///< as last measured by a detector
   std::optional<Time> last_motion_;  ///< when a detector last had evidence of motion
