@@ -175,6 +175,22 @@ TEST_F(ImplausibleValuesTest, YamlThatHangsOrCrashesItsReaderIsRefused) {
   EXPECT_THAT(errorOfYaml(std::string(3 << 20, 'a')), HasSubstr("1 MB"));
 }
 
+TEST_F(ImplausibleValuesTest, YamlWithAKeyThatIsNoStringIsRefused) {
+  for (const char* key : {"NULL", "null", "~", "\"~\""}) {
+    for (const char* rest : {"", ", a: 1"}) {
+      const std::string map = std::string("{") + key + ": [1, 2]" + rest + "}";
+      for (const std::string& content : {map, "M1: " + map + "\n", "D1: [[1, " + map + "]]\n"}) {
+        test::writeContent(path_, content);
+        EXPECT_THROW((void)readCalibration(path_), InputError) << content;
+        EXPECT_THROW((void)readRawCalibration(path_), InputError) << content;
+        EXPECT_THROW((void)readStereoCalibration(path_, {752, 480}), InputError) << content;
+      }
+    }
+  }
+  test::writeContent(path_, "M1: {NULL: [458, 0, 367]}\n");
+  EXPECT_THAT(test::errorOf([&] { (void)readRawCalibration(path_); }), HasSubstr("not a string"));
+}
+
 TEST_F(ImplausibleValuesTest, LongRowsAreWhole) {
   EXPECT_EQ(2000u, formatted("%s", std::string(2000, 'x').c_str()).size());
   EXPECT_EQ(255u, formatted("%s", std::string(255, 'x').c_str()).size());

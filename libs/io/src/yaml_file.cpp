@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <typeinfo>
 
 #include "text_rows.h"
 
@@ -78,6 +79,21 @@ std::string withoutOpenCvMarks(std::string content) {
   return content;
 }
 
+/// Whether every key, at any depth, is a string. MRPT reads `NULL` and `~` as keys of no type, and
+/// then throws from every search of their map.
+bool hasOnlyNames(const mrpt::containers::yaml::node_t& node) {
+  if (node.isSequence()) {
+    const auto& list = node.asSequence();
+    return std::all_of(list.begin(), list.end(), hasOnlyNames);
+  }
+  if (!node.isMap()) return true;
+  const auto& map = node.asMap();
+  return std::all_of(map.begin(), map.end(), [](const auto& entry) {
+    const auto& [key, value] = entry;
+    return key.isScalar() && key.asScalar().type() == typeid(std::string) && hasOnlyNames(value);
+  });
+}
+
 }  // namespace
 
 YamlFile::YamlFile(const std::string& path) : path_(path) {
@@ -91,6 +107,7 @@ YamlFile::YamlFile(const std::string& path) : path_(path) {
     fail("is not a YAML file: " + firstLineOf(error));
   }
   if (!root_.isMap()) fail("is not a YAML map");
+  if (!hasOnlyNames(root_.node())) fail("is not read: one of its keys is not a string");
 }
 
 std::vector<double> YamlFile::numbers(const std::string& key, std::size_t min_size,
