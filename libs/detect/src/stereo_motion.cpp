@@ -13,6 +13,7 @@
 #include "appearance.h"
 #include "moving_object_finder.h"
 #include "noise_scale.h"
+#include "object_pieces.h"
 #include "point_follower.h"
 #include "residual_flow.h"
 #include "segment_flow.h"
@@ -191,6 +192,7 @@ class StereoMotion::Implementation {
                             up_,        follower_.points(),
                             classes_,   noise_scale_.value()};
     std::vector<MovingObject> objects = finder_.find(frame, segments_.tracks());
+    joinPieces(frame, *camera_, objects);
     setGroups(objects);
     const auto missing = withoutFound(searchedObjects(expected, path_, T_map_cam_), objects, path_);
     detectByFlow(frame, missing, segments_.tracks(), *camera_, objects);
