@@ -6,8 +6,8 @@
 namespace headway::objects {
 namespace {
 
-constexpr double kRiderVotes = 3.0;  // a bicycle is often hidden, but seldom a false detection
-constexpr double kVotesAhead = 3.0;  // of a provisional class, until it is known
+constexpr double kRiderVotes = 3.0;       // a bicycle is often hidden, but seldom a false detection
+constexpr double kVotesAhead = 3.0;       // of a provisional class, until it is known
 constexpr double kFastestWalk_mps = 3.5;  // faster persons ride, though their bicycle is hidden
 
 ObjectClass seenClass(const MeasuredBox& detection, bool is_classified) {

@@ -13,7 +13,7 @@
 namespace headway::objects {
 namespace {
 
-constexpr int kUnclassifiedRatio = 2;  // of hits of a track in which no classifier sees an object
+constexpr int kUnclassifiedRatio = 2;    // of hits of a track in which no classifier sees an object
 constexpr double kMotionMemory_s = 1.0;  // without evidence of motion until an object is static
 constexpr double kFrameJitter_s = 1e-6;  // times of frames are not exact
 
@@ -159,8 +159,7 @@ bool TrackedObject::shown(Time time) const {
   const LifecycleParams& life = params_->lifecycle;
   if (seenAt(time) || !confirmed_) return true;
   return time - last_seen_ <= life.coast_time_s + kFrameJitter_s &&
-         misses_ <= life.max_coast_ratio * hits_ &&
-         score() >= life.min_coast_score.of(group()) &&
+         misses_ <= life.max_coast_ratio * hits_ && score() >= life.min_coast_score.of(group()) &&
          meanSigma(filter_.positionCovariance()) <= life.max_coast_sigma_m;
 }
 
