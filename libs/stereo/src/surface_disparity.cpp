@@ -7,8 +7,8 @@
 namespace headway::stereo {
 namespace {
 
-constexpr int kWindow = 7;      // [px of the reduced image]
-constexpr int kIterations = 2;  // of the refinement
+constexpr int kWindow = 7;        // [px of the reduced image]
+constexpr int kIterations = 2;    // of the refinement
 constexpr float kMaxStep = 1.0F;  // more than this is another match [px of the reduced image]
 // Squared intensity differences that noise of 2 grey levels turns into 0.25 px of disparity.
 constexpr float kMinTexture = 64.0F;
