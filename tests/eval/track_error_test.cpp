@@ -372,8 +372,8 @@ TEST(TrackErrorTest, OrderOfRowsDoesNotMatter) {
   }
   auto turned = sequence;
   for (auto& frame : turned.frames) {
-    std::reverse(frame.truth.begin(), frame.truth.end());
-    std::reverse(frame.estimates.begin(), frame.estimates.end());
+    frame.truth = {frame.truth.rbegin(), frame.truth.rend()};
+    frame.estimates = {frame.estimates.rbegin(), frame.estimates.rend()};
   }
   const auto a = evaluateCars(sequence);
   const auto b = evaluateCars(turned);

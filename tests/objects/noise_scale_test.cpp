@@ -8,6 +8,14 @@
 namespace headway::objects {
 namespace {
 
+// A box with the noise that its detector states, 0.2 m.
+MeasuredBox boxAt(const Eigen::Vector3d& position) {
+  MeasuredBox box;
+  box.covariance = 0.04 * Eigen::Matrix2d::Identity();
+  box.position = position;
+  return box;
+}
+
 // The scale learnt from detections `factor` times as noisy as they say.
 double learntFrom(double factor, double adaption) {
   std::mt19937 random(1);
@@ -16,10 +24,8 @@ double learntFrom(double factor, double adaption) {
   ExpectedPlace expected;
   expected.covariance = 1e-6 * Eigen::Matrix2d::Identity();
   for (int k = 0; k < 4000; ++k) {
-    MeasuredBox box;
-    box.covariance = 0.04 * Eigen::Matrix2d::Identity();
-    box.position = 0.2 * factor * Eigen::Vector3d(noise(random), noise(random), 0.0);
-    scale.learn(expected, scale.scaled(box));
+    const double x = noise(random), y = noise(random);
+    scale.learn(expected, scale.scaled(boxAt(0.2 * factor * Eigen::Vector3d(x, y, 0.0))));
   }
   return scale.value();
 }

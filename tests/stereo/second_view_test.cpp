@@ -10,6 +10,7 @@
 #include <headway_test/textured_world.h>
 
 #include <cmath>
+#include <vector>
 
 namespace headway::stereo {
 namespace {
@@ -32,7 +33,8 @@ cv::Mat plane(double sigma = 0.0) {
 
 TEST(GivenDisparityTest, IsThatOfThePlaneBetweenPixels) {
   const cv::Mat disparities = plane();
-  for (const Eigen::Vector2d& uv : {Eigen::Vector2d(50.0, 60.0), {120.3, 80.7}, {200.49, 30.51}}) {
+  const std::vector<Eigen::Vector2d> places = {{50.0, 60.0}, {120.3, 80.7}, {200.49, 30.51}};
+  for (const Eigen::Vector2d& uv : places) {
     const auto found = givenDisparity(disparities, uv);
     ASSERT_TRUE(found);
     EXPECT_NEAR(*found, planeAt(uv.x(), uv.y()), 1e-3);
