@@ -162,6 +162,50 @@ TEST(StaticGridTest, BeamsOfALaserRemoveItsObstaclesButMakeNothingFree) {
   EXPECT_FLOAT_EQ(cell(), unknown) << "low obstacles and drops may be there";
 }
 
+constexpr double kMostCells = 20e6;  // of which the documentation tells
+
+double cellsIn(const COccupancyGridMap2D& grid) {
+  return static_cast<double>(grid.getSizeX()) * grid.getSizeY();
+}
+
+GroundScan obstacleAt(float x, float y) {
+  GroundScan scan;
+  scan.obstacles.push_back({{x, y, 0.0F}, 0.1F});
+  return scan;
+}
+
+TEST(StaticGridTest, PlacesFarApartTakeNoMoreCellsThanNearOnes) {
+  for (const auto& far : {poseAt(9.9e6, 30.0), poseAt(-30.0, -9.9e6), poseAt(9.9e6, 9.9e6)}) {
+    StaticGrid grid({});
+    grid.add(poseAt(0.0, 0.0), obstacleAt(5.0F, 0.0F));
+    grid.add(far, obstacleAt(5.0F, 0.0F));
+    EXPECT_LT(cellsIn(*grid.grid()), kMostCells) << far.translation().transpose();
+    grid.standAt(poseAt(-9.9e6, -9.9e6));
+    EXPECT_LT(cellsIn(*grid.grid()), kMostCells);
+    StaticGrid loaded({});
+    loaded.load(grid.save());
+    EXPECT_LT(cellsIn(*loaded.grid()), kMostCells);
+  }
+}
+
+TEST(StaticGridTest, ScansThatReachFarTakeNoMoreCellsThanOthers) {
+  StaticGrid grid({});
+  for (const double x : {0.0, 450.0, 900.0}) {
+    for (const double y : {0.0, 450.0, 900.0}) {
+      GroundScan scan = obstacleAt(290.0F, 290.0F);
+      scan.obstacles.push_back({{-290.0F, -290.0F, 0.0F}, 0.1F});
+      scan.laser_obstacles = scan.obstacles;
+      grid.add(poseAt(x, y), scan);
+    }
+  }
+  EXPECT_LT(cellsIn(*grid.grid()), kMostCells);
+  EXPECT_LT(grid.grid()->getPos(1190.0F, 1190.0F), 0.45F) << "the farthest obstacle";
+  EXPECT_LT(grid.grid()->getPos(-290.0F, -290.0F), 0.45F);
+  grid.add(poseAt(0.0, 0.0), {});
+  EXPECT_FLOAT_EQ(grid.grid()->getPos(-290.0F, -290.0F), COccupancyGridMap2D::l2p(0))
+      << "taken back where it was entered";
+}
+
 TEST(StaticGridTest, LaserScansFollowTheKeyframesAndAreStored) {
   StaticGrid grid({});
   const Pose pose = poseAt(0.3, 0.3);

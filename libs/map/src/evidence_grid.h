@@ -26,7 +26,13 @@ class EvidenceGrid {
   explicit EvidenceGrid(double resolution_m, const RobotFootprint& footprint = {});
   ~EvidenceGrid();
 
-  void add(const GroundScan& scan, const Pose& T_map_robot) { enter(scan, T_map_robot, 1); }
+  /// Of all scans, which decide on the memory: about 9 bytes a cell.
+  static constexpr double kMaxCells = 20e6;
+
+  /// False, and nothing is added, if all scans would cover more than kMaxCells.
+  [[nodiscard]] bool add(const GroundScan& scan, const Pose& T_map_robot) {
+    return enter(scan, T_map_robot, 1);
+  }
   void remove(const GroundScan& scan, const Pose& T_map_robot) { enter(scan, T_map_robot, -1); }
 
   /// As an MRPT map; unobserved cells are 0.5. Null without cells.
@@ -38,26 +44,32 @@ class EvidenceGrid {
 
  private:
   struct Published;
-  void enter(const GroundScan& scan, const Pose& T_map_robot, int sign);
-  void growTo(int left, int bottom, int right, int top);
-  void growStorage();
+  struct Area {  ///< in cells from the map's origin
+    int left = 0, bottom = 0, columns = 0, rows = 0;
+    [[nodiscard]] bool contains(const Area& other) const;
+    [[nodiscard]] double cells() const { return static_cast<double>(columns) * rows; }
+  };
+  class Window;
+
+  bool enter(const GroundScan& scan, const Pose& T_map_robot, int sign);
+  [[nodiscard]] static Area united(const Area& a, const Area& b);
+  [[nodiscard]] bool growTo(const Area& window);
+  void growStorage(const Area& before);
+  void copyStorage(const Area& old, const Area& used);
   /// Of a cell in the arrays; row and column from the map's origin.
   [[nodiscard]] std::ptrdiff_t indexOf(int column, int row) const {
-    return static_cast<std::ptrdiff_t>(row - stored_.bottom) * stored_.columns +
-           (column - stored_.left);
+    return indexIn(stored_, column, row);
+  }
+  [[nodiscard]] static std::ptrdiff_t indexIn(const Area& area, int column, int row) {
+    return static_cast<std::ptrdiff_t>(row - area.bottom) * area.columns + (column - area.left);
   }
   [[nodiscard]] std::shared_ptr<Published> unusedMap() const;
 
   double resolution_;
   RobotFootprint footprint_;
-  int left_ = 0;    ///< of the first column, in cells from the map's origin
-  int bottom_ = 0;  ///< of the first row
-  int columns_ = 0;
-  int rows_ = 0;
-  struct Area {
-    int left = 0, bottom = 0, columns = 0, rows = 0;
-  };
-  Area stored_;                         ///< of the arrays; contains the grid
+  Area covered_;  ///< by scans
+  Area grid_;     ///< as published; contains that
+  Area stored_;   ///< of the arrays; contains the grid
   std::vector<std::int32_t> evidence_;  ///< log-odds of being occupied, in 1/16
   std::vector<std::int32_t> laser_;     ///< the same of lasers
   std::vector<mrpt::maps::COccupancyGridMap2D::cellType>

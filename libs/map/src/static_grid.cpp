@@ -13,7 +13,6 @@
 namespace headway::map {
 namespace {
 
-constexpr double kMaxCells = 25e6;
 constexpr double kDrivenM = 5.0;   ///< farther apart, the way between scans is unknown
 constexpr double kSeenM = 30.0;    ///< round a place, about [m]
 constexpr double kMovedM = 0.05;   ///< a scan moved less stays where it was
@@ -102,21 +101,31 @@ void StaticGrid::replace(const Place& place, StoredScan stored) {
 void StaticGrid::enter(const StoredScan& stored) {
   places_.extend(stored.pose.T_map_robot.translation().head<2>());
   const Eigen::Vector2d sides = places_.sizes().array() + 2.0 * kSeenM;
-  const double before = resolution_m_;
-  while (sides.prod() > kMaxCells * resolution_m_ * resolution_m_) resolution_m_ *= 2.0;
-  if (resolution_m_ == before) {
-    evidence_->add(stored.scan, stored.pose.T_map_robot);
-    return;
+  double resolution = resolution_m_;
+  while (sides.prod() > EvidenceGrid::kMaxCells * resolution * resolution) resolution *= 2.0;
+  if (resolution == resolution_m_) {
+    if (evidence_->add(stored.scan, stored.pose.T_map_robot)) return;
+    resolution *= 2.0;  // its scans reach farther than most
   }
-  evidence_ = std::make_unique<EvidenceGrid>(resolution_m_, params_.footprint);
-  if (standing_) evidence_->add({}, *standing_);
-  for (const auto& [place, other] : scans_) evidence_->add(other.scan, other.pose.T_map_robot);
+  while (!enterAll(resolution)) resolution *= 2.0;
+}
+
+bool StaticGrid::enterAll(double resolution_m) {
+  resolution_m_ = resolution_m;
+  evidence_ = std::make_unique<EvidenceGrid>(resolution_m, params_.footprint);
+  if (standing_ && !evidence_->add({}, *standing_)) return false;
+  return std::all_of(scans_.begin(), scans_.end(), [this](const auto& item) {
+    return evidence_->add(item.second.scan, item.second.pose.T_map_robot);
+  });
 }
 
 void StaticGrid::standAt(const Pose& T_map_robot) {
   if (standing_) evidence_->remove({}, *standing_);
   standing_ = T_map_robot;
-  evidence_->add({}, T_map_robot);
+  if (evidence_->add({}, T_map_robot)) return;
+  double resolution = resolution_m_;
+  do resolution *= 2.0;
+  while (!enterAll(resolution));
 }
 
 std::optional<Pose> StaticGrid::movedPose(StoredScan& stored) const {

@@ -44,7 +44,7 @@ struct StaticGridParams {
 /// The last scan of each place and direction is stored, so that memory grows with the area and not
 /// with time, and an obstacle that has left disappears when its place is scanned again. Scans are
 /// attached to the nearest keyframe: the grid follows every correction of the map. It depends on
-/// scans and poses only, not on their order. Above 25 million cells the resolution is reduced.
+/// scans and poses only, not on their order. Above 20 million cells the resolution is reduced.
 ///
 ///     StaticGrid grid(params);
 ///     grid.follow(slam.map().keyframes);    // after each keyframe
@@ -100,6 +100,8 @@ class StaticGrid {
   /// Stores and enters a scan in place of the one from the same place and direction.
   void replace(const Place& place, StoredScan stored);
   void enter(const StoredScan& stored);
+  /// Enters all scans in a new grid; false if it has too many cells of that size.
+  [[nodiscard]] bool enterAll(double resolution_m);
   /// Pose by the anchor's present pose; nullopt if it has hardly changed.
   [[nodiscard]] std::optional<Pose> movedPose(StoredScan& stored) const;
   void move(StoredScan& stored, const Pose& T_map_robot);
