@@ -42,9 +42,9 @@ struct Scene : test::Grid {
 
 TEST(ObjectPiecesTest, ATruckFoundInThreePiecesIsOneTruck) {
   Scene scene;
-  scene.add(-0.5, 1.5, 0.3, 1.6);                    // lower left
-  scene.add(0.9, 1.0, 0.3, 1.8, {0.2, 0.0, 8.2});    // lower right
-  scene.add(0.1, 2.3, 1.95, 3.4, {-0.1, 0.0, 7.9});  // the box above
+  scene.add(-0.5, 1.5, 0.3, 1.0);                    // lower left
+  scene.add(0.9, 1.0, 0.3, 1.0, {0.2, 0.0, 8.2});    // lower right
+  scene.add(0.1, 2.3, 1.05, 3.4, {-0.1, 0.0, 7.9});  // the box above
   scene.join();
   ASSERT_EQ(scene.objects.size(), 1u);
   const MovingObject& truck = scene.objects[0];

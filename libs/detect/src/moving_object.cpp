@@ -16,7 +16,6 @@ constexpr double kBehindPerMetre = 0.02;   // growth with depth [m/m]
 constexpr double kSameVelocity = 0.3;      // ratio of the difference between parts of one object
 constexpr double kWalk = 0.5;              // in the start-up time [m]
 constexpr double kAcceleration = 1.0;      // of vehicles and cyclists [m/s^2]
-constexpr double kFastestWalker = 3.2;     // [m/s]
 constexpr double kMinDirectedSpeed = 0.5;  // from which the direction is known [m/s]
 
 }  // namespace

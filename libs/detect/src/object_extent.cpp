@@ -26,7 +26,6 @@ constexpr double kFarther = 1.5;          // disparity by which they are farther
 constexpr double kFartherRatio = 0.1;     // or this ratio of it
 constexpr double kTail = 0.03;            // of the cells left out at each end of an extent
 constexpr double kVehicleExtent = 1.35;   // a person is never this wide [m]
-constexpr double kFastestWalker = 3.2;    // [m/s]
 constexpr double kFastestCyclist = 10.0;  // [m/s]
 constexpr double kSpeedSigmas = 2.0;      // by which a vehicle must be faster
 constexpr double kEdgeSigma = 3.0;        // of an extent's edge in the image [px]

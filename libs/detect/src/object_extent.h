@@ -12,6 +12,8 @@
 
 namespace headway::detect {
 
+inline constexpr double kFastestWalker = 3.2;  // [m/s]
+
 /// A cell of the disparity image that belongs to an object.
 struct ObjectCell {
   cv::Point place;        ///< column and row in the disparity image

@@ -17,7 +17,6 @@ constexpr double kMaxWidth = 2.6;              // [m]
 constexpr double kWidthPerLength = 0.1;        // by an error of the direction of motion [m/m]
 constexpr double kTouch = 0.5;                 // greatest gap between pieces [m]
 constexpr double kDisparitySigma = 0.4;        // [px]
-constexpr double kFastestWalker = 3.2;         // people beside each other are slower [m/s]
 constexpr double kMaxSquaredDifference = 9.2;  // of velocities: 99 % of chi-square, 2 degrees
 constexpr double kVelocityRatio = 0.05;        // of a speed, error common to a piece [-]
 
