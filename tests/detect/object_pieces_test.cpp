@@ -11,7 +11,7 @@ namespace {
 const Eigen::Vector3d kForward(0.0, 0.0, 8.0);  // [m/s]
 
 /// Objects that are seen from behind by a standing camera.
-struct Scene : test::Grid {
+struct Pieces : test::Grid {
   CameraPath path{camera, 0.5};
   cv::Mat image = cv::Mat::zeros(disparity.values.size(), CV_8U);
   std::optional<stereo::GroundPlane> plane = ground;
@@ -20,7 +20,7 @@ struct Scene : test::Grid {
   std::vector<PointClass> classes;
   std::vector<MovingObject> objects;
 
-  Scene() { path.advance(0.0, Pose::Identity()); }
+  Pieces() { path.advance(0.0, Pose::Identity()); }
 
   void add(double x, double width, double bottom, double top,
            const Eigen::Vector3d& velocity = kForward) {
@@ -41,7 +41,7 @@ struct Scene : test::Grid {
 };
 
 TEST(ObjectPiecesTest, ATruckFoundInThreePiecesIsOneTruck) {
-  Scene scene;
+  Pieces scene;
   scene.add(-0.5, 1.5, 0.3, 1.0);                    // lower left
   scene.add(0.9, 1.0, 0.3, 1.0, {0.2, 0.0, 8.2});    // lower right
   scene.add(0.1, 2.3, 1.05, 3.4, {-0.1, 0.0, 7.9});  // the box above
@@ -58,7 +58,7 @@ TEST(ObjectPiecesTest, ATruckFoundInThreePiecesIsOneTruck) {
 }
 
 TEST(ObjectPiecesTest, VehiclesAtDifferentSpeedsAreTwo) {
-  Scene scene;
+  Pieces scene;
   scene.add(-0.8, 1.7, 0.3, 1.5);
   scene.add(0.9, 1.6, 0.3, 1.5, {0.0, 0.0, 10.5});
   scene.join();
@@ -66,7 +66,7 @@ TEST(ObjectPiecesTest, VehiclesAtDifferentSpeedsAreTwo) {
 }
 
 TEST(ObjectPiecesTest, VehiclesWithAGapAreTwo) {
-  Scene scene;
+  Pieces scene;
   scene.add(-1.0, 1.7, 0.3, 1.5);
   scene.add(1.6, 1.7, 0.3, 1.5);
   scene.join();
@@ -74,7 +74,7 @@ TEST(ObjectPiecesTest, VehiclesWithAGapAreTwo) {
 }
 
 TEST(ObjectPiecesTest, WhatIsWiderThanAVehicleIsTwo) {
-  Scene scene;
+  Pieces scene;
   scene.add(-1.4, 2.0, 0.3, 1.5);
   scene.add(0.8, 2.0, 0.3, 1.5);
   scene.join();
@@ -82,7 +82,7 @@ TEST(ObjectPiecesTest, WhatIsWiderThanAVehicleIsTwo) {
 }
 
 TEST(ObjectPiecesTest, PeopleBesideEachOtherStayTwo) {
-  Scene scene;
+  Pieces scene;
   const Eigen::Vector3d walk(0.0, 0.0, 1.4);
   scene.add(0.0, 1.5, 0.2, 1.7, walk);  // two of them, found as one
   scene.add(1.1, 0.5, 0.2, 1.7, walk);
@@ -91,7 +91,7 @@ TEST(ObjectPiecesTest, PeopleBesideEachOtherStayTwo) {
 }
 
 TEST(ObjectPiecesTest, OnlyWhatWasFoundByItsMotionIsJoined) {
-  Scene scene;
+  Pieces scene;
   scene.add(-0.5, 1.5, 0.3, 1.6);
   scene.add(0.9, 1.0, 0.3, 1.8);
   scene.objects[1].evidence = {};
