@@ -165,9 +165,9 @@ bool EvidenceGrid::enter(const GroundScan& scan, const Pose& T_map_robot, int si
   for (int row = 0; row < area.rows; ++row) {
     const auto* from = window.evidence.data() + static_cast<std::ptrdiff_t>(row) * area.columns;
     const auto first = static_cast<std::size_t>(indexOf(area.left, row + area.bottom));
-    const auto* laser = window.laser.empty() ? nullptr
-                                             : window.laser.data() +
-                                                   static_cast<std::ptrdiff_t>(row) * area.columns;
+    const auto* laser = window.laser.empty()
+                            ? nullptr
+                            : window.laser.data() + static_cast<std::ptrdiff_t>(row) * area.columns;
     for (std::size_t column = 0; column < static_cast<std::size_t>(area.columns); ++column) {
       const std::int32_t by_laser = laser == nullptr ? 0 : laser[column];
       if (from[column] == 0 && by_laser == 0) continue;

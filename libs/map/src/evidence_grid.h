@@ -67,9 +67,9 @@ class EvidenceGrid {
 
   double resolution_;
   RobotFootprint footprint_;
-  Area covered_;  ///< by scans
-  Area grid_;     ///< as published; contains that
-  Area stored_;   ///< of the arrays; contains the grid
+  Area covered_;                        ///< by scans
+  Area grid_;                           ///< as published; contains that
+  Area stored_;                         ///< of the arrays; contains the grid
   std::vector<std::int32_t> evidence_;  ///< log-odds of being occupied, in 1/16
   std::vector<std::int32_t> laser_;     ///< the same of lasers
   std::vector<mrpt::maps::COccupancyGridMap2D::cellType>

@@ -115,7 +115,8 @@ void EvidenceGrid::Window::enterFree(const std::vector<Segment>& pieces,
   for (const auto& [from, to] : pieces) {
     const int steps = static_cast<int>(std::ceil(2.0 * (to - from).norm() / resolution_));
     for (int i = 0; i <= steps; ++i) {
-      cells[at(from + (steps == 0 ? 0.0 : static_cast<double>(i) / steps) * (to - from))] = -kFreeHit;
+      cells[at(from + (steps == 0 ? 0.0 : static_cast<double>(i) / steps) * (to - from))] =
+          -kFreeHit;
     }
   }
 }

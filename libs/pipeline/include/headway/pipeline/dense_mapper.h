@@ -20,8 +20,8 @@ namespace headway::pipeline {
 /// threads of their own.
 ///
 /// A scan enters the map with the next frame, which waits for it, so that the same frames give the
-/// same map. Live, no frame waits, and the points are fused again and again, in at most a tenth of the time;
-/// otherwise when publish() is called.
+/// same map. Live, no frame waits, and the points are fused again and again, in at most a tenth of
+/// the time; otherwise when publish() is called.
 class DenseMapper {
  public:
   /// @param rig      nullopt without a camera: then no scans may be added
