@@ -58,10 +58,10 @@ def end_a_node_midway(slurm: SmallSlurm, out: pathlib.Path,
                       fleet: subprocess.Popen[bytes]) -> tuple[list[str], dict[str, tuple[int, int]]]:
     """The jobs that ran on it, and what was finished before."""
     while fleet.poll() is None:
-        on_node2 = slurm.ask("squeue", "-h", "-t", "running", "-w", "node2", "-o", "%A")
-        if len(finished(out)) >= 10 and on_node2:
-            before = finished(out)
-            return slurm.end_node("node2"), before
+        before = finished(out)
+        ended = slurm.end_node("node2") if len(before) >= 10 else []
+        if ended:
+            return ended, before
         time.sleep(0.5)
     return [], {}
 

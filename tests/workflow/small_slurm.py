@@ -11,6 +11,8 @@ import time
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "scontrol")
 
+# The limits of time are far above what a busy machine takes for a message or a start: Slurm takes a
+# node or job that exceeds one for lost, and requeues it.
 CONFIGURATION = """\
 ClusterName=headwaytest
 SlurmctldHost=localhost
@@ -18,7 +20,7 @@ SlurmctldPort={port}
 SlurmUser={user}
 SlurmdUser={user}
 AuthType=auth/munge
-AuthInfo=socket={folder}/munge.socket,cred_expire=15
+AuthInfo=socket={folder}/munge.socket,cred_expire=60
 CredType=cred/munge
 StateSaveLocation={folder}/state
 SlurmdSpoolDir={folder}/%n
@@ -37,7 +39,9 @@ JobAcctGatherType=jobacct_gather/linux
 JobAcctGatherFrequency=1
 JobAcctGatherParams=OverMemoryKill
 ReturnToService=0
-SlurmdTimeout=10
+SlurmdTimeout=30
+MessageTimeout=60
+BatchStartTimeout=60
 KillWait=2
 MinJobAge=3600
 SlurmdParameters=config_overrides
@@ -85,18 +89,27 @@ class SmallSlurm:
     def __exit__(self, *_: object) -> None:
         for node in ("node1", "node2"):
             if node in self._daemons:
-                self.end_node(node)
+                self._kill_node(node)
         for name in reversed(list(self._daemons)):
             _kill(self._daemons.pop(name), signal.SIGTERM)
 
     def end_node(self, node: str) -> list[str]:
-        """Ends a node as a loss of power does: slurmd, and all processes of its jobs; their ids."""
-        jobs = [line.split()[0] for line in self.ask("squeue", "-h", "-t", "running", "-o", "%A %N")
-                if line.split()[1:] == [node]]
-        _kill(self._daemons.pop(node), signal.SIGKILL)
-        for process in pathlib.Path("/proc").iterdir():
-            if process.name.isdigit() and self._is_of_jobs(process, jobs):
-                _kill(int(process.name), signal.SIGKILL)
+        """Ends a node as a loss of power does: slurmd, and all processes of its jobs; their ids.
+
+        All are stopped before they are ended, so that no job of those ids finishes meanwhile. A node
+        without jobs goes on, and the list is empty.
+        """
+        _signal(self._daemons[node], signal.SIGSTOP)
+        processes = self._processes_of(node)
+        for process in processes:
+            _signal(process, signal.SIGSTOP)
+        time.sleep(2.0)  # for messages on their way to slurmctld
+        jobs = self._running_on(node)
+        if not jobs:
+            for process in [*processes, self._daemons[node]]:
+                _signal(process, signal.SIGCONT)
+            return []
+        self._kill_node(node)
         return jobs
 
     def ask(self, *command: str) -> list[str]:
@@ -134,8 +147,23 @@ class SmallSlurm:
             time.sleep(1.0)
         raise RuntimeError(f"the nodes did not come up; see {self.folder}/*.log")
 
-    def _is_of_jobs(self, process: pathlib.Path, jobs: list[str]) -> bool:
-        """Whether a process of this Slurm is one of these jobs or their slurmstepd."""
+    def _running_on(self, node: str) -> list[str]:
+        return [line.split()[0] for line in self.ask("squeue", "-h", "-t", "running", "-o", "%A %N")
+                if line.split()[1:] == [node]]
+
+    def _kill_node(self, node: str) -> None:
+        processes = self._processes_of(node)
+        for process in [self._daemons.pop(node), *processes]:
+            _kill(process, signal.SIGKILL)
+
+    def _processes_of(self, node: str) -> list[int]:
+        """The processes of the jobs on a node, and their slurmstepd."""
+        jobs = self._running_on(node)
+        return [int(process.name) for process in pathlib.Path("/proc").iterdir()
+                if process.name.isdigit() and self._is_of(process, node, jobs)]
+
+    def _is_of(self, process: pathlib.Path, node: str, jobs: list[str]) -> bool:
+        """Whether a process of this Slurm is one of these jobs or their slurmstepd, or any on the node."""
         try:
             environment = (process / "environ").read_bytes().split(b"\0")
             title = (process / "cmdline").read_bytes()
@@ -143,12 +171,20 @@ class SmallSlurm:
             return False
         if f"SLURM_CONF={self.configuration}".encode() not in environment:
             return False
-        return any(f"SLURM_JOB_ID={job}".encode() in environment or
-                   title.startswith(f"slurmstepd: [{job}.".encode()) for job in jobs)
+        return f"SLURMD_NODENAME={node}".encode() in environment or any(
+            f"SLURM_JOB_ID={job}".encode() in environment or
+            title.startswith(f"slurmstepd: [{job}.".encode()) for job in jobs)
 
 
 def _program(name: str) -> str:
     return shutil.which(name, path=f"{os.environ.get('PATH', '')}:/usr/sbin:/sbin") or ""
+
+
+def _signal(process: int, number: signal.Signals) -> None:
+    try:
+        os.kill(process, number)
+    except ProcessLookupError:
+        pass
 
 
 def _kill(process: int, number: signal.Signals) -> None:
