@@ -94,25 +94,6 @@ TEST(StereoMotionTest, NothingMovesWhenTheRightCamerasTurnIsFirstUndone) {
   EXPECT_EQ(found, 0u);
 }
 
-/// Number of objects found in the first 0.35 s, in which errors of the pose resemble slow motion.
-std::size_t foundAtStart(const PaintedStreet& street) {
-  StereoMotion detector = detectorFor(street.camera());
-  std::size_t found = 0;
-  for (int i = 0; street.timeOf(i) - street.timeOf(0) < 0.35; ++i) {
-    const auto detected = detector.detect(street.frame(i), street.T_map_robot(i));
-    if (detected.detections) found += detected.detections->items.size();
-    EXPECT_FALSE(detected.tested) << i;
-  }
-  return found;
-}
-
-TEST(StereoMotionTest, WhatHasMovedFartherThanOneWalksIsFoundAtOnce) {
-  EXPECT_GE(foundAtStart(PaintedStreet({kMoving, kParked, kPost})), 1u);
-  PaintedBox slow = kMoving;
-  slow.velocity *= 0.25;  // 1.2 m/s
-  EXPECT_EQ(foundAtStart(PaintedStreet({slow, kParked, kPost})), 0u);
-}
-
 /// What the detector says of the last of the frames.
 MotionDetections lastOf(const PaintedStreet& street) {
   StereoMotion detector = detectorFor(street.camera());

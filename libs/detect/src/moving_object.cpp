@@ -14,7 +14,6 @@ constexpr double kLookAhead = 0.1;  // of motion by which the footprint is exten
 constexpr double kBehind = 1.0;     // depth beyond which an overlap in the image is background [m]
 constexpr double kBehindPerMetre = 0.02;   // growth with depth [m/m]
 constexpr double kSameVelocity = 0.3;      // ratio of the difference between parts of one object
-constexpr double kWalk = 0.5;              // in the start-up time [m]
 constexpr double kAcceleration = 1.0;      // of vehicles and cyclists [m/s^2]
 constexpr double kMinDirectedSpeed = 0.5;  // from which the direction is known [m/s]
 
@@ -50,13 +49,6 @@ bool isAsFast(const Eigen::Vector3d& velocity, const Eigen::Vector3d& other) {
 bool isOpposite(const Eigen::Vector3d& velocity, const Eigen::Vector3d& other) {
   return velocity.dot(other) < 0.0 && velocity.norm() > kMinDirectedSpeed &&
          other.norm() > kMinDirectedSpeed;
-}
-
-void dropSlow(double seconds, std::vector<MovingObject>& objects) {
-  const auto is_slow = [&](const MovingObject& object) {
-    return object.velocity.value.norm() * seconds < kWalk;
-  };
-  objects.erase(std::remove_if(objects.begin(), objects.end(), is_slow), objects.end());
 }
 
 Eigen::Matrix3d lagCovariance(const MovingObject& object, const CameraPath& path) {

@@ -39,12 +39,6 @@ constexpr double kMinAcross = 0.3;  ///< of a segment detected by flow alone [m/
 /// Whether two velocities are opposite, so that they belong to different objects.
 [[nodiscard]] bool isOpposite(const Eigen::Vector3d& velocity, const Eigen::Vector3d& other);
 
-/// Removes objects that have moved by less than errors of pose and stereo explain in the first
-/// moments: half a metre, as far as one walks in the start-up time.
-///
-/// @param seconds  since the first frame
-void dropSlow(double seconds, std::vector<MovingObject>& objects);
-
 /// Covariance of a measured velocity by an acceleration since the middle of the observations, as
 /// seen from now. Zero for people, who change their velocity within a step and not for longer.
 [[nodiscard]] Eigen::Matrix3d lagCovariance(const MovingObject& object, const CameraPath& path);

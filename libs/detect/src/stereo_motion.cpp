@@ -31,7 +31,6 @@ constexpr double kSupportScale = 6.0;
 constexpr double kFootRatio = 4.0 / 3.0;  // of the ground's clearance: block matching smears feet
 constexpr double kPeopleRatio = 1.4;      // of ranges of people: motion across and along the ray
 constexpr double kStartUp = 0.35;  // before it small errors of pose and stereo resemble motion [s]
-constexpr double kFirstTested = 0.15;  // of what moved as far as one walks in that time [s]
 
 bool usable(const cv::Mat& image) {
   cv::Scalar mean, deviation;
@@ -98,8 +97,8 @@ class StereoMotion::Implementation {
           segmentsByFlow(disparity_, flow, *camera_, *ground_, params_.max_segment_range_m), path_,
           up_);
     }
-    tested_ = unsure == nullptr && sinceStart() > kStartUp;
-    if (unsure == nullptr && sinceStart() > kFirstTested) detectObjects(expected);
+    tested_ = unsure == nullptr && frame.time - path_.timeOf(path_.oldest()) > kStartUp;
+    if (tested_) detectObjects(expected);
     follower_.replenish(frame, disparity_, ground_, number);
     return unsure;
   }
@@ -182,18 +181,12 @@ class StereoMotion::Implementation {
                             up_,        follower_.points(),
                             classes_,   noise_scale_.value()};
     std::vector<MovingObject> objects = finder_.find(frame, segments_.tracks());
-    if (sinceStart() < kStartUp) dropSlow(sinceStart(), objects);
     joinPieces(frame, *camera_, objects);
     setGroups(objects);
     const auto missing = withoutFound(searchedObjects(expected, path_, T_map_cam_), objects, path_);
     detectByFlow(frame, missing, segments_.tracks(), *camera_, objects);
     detectByAppearance(frame, missing, *camera_, objects);
     for (const MovingObject& object : objects) report(object);
-  }
-
-  /// Time over which the camera's path is known [s].
-  [[nodiscard]] double sinceStart() const {
-    return path_.timeOf(path_.newest()) - path_.timeOf(path_.oldest());
   }
 
   /// Assigns each object to the earlier group of most of its points and segments, or to a new one.
