@@ -4,18 +4,19 @@
 
     tests/regression/mutate.py BIN_DIR RAWLOG [COUNT] [--seed N]
 
-Required of every run: exit status 0, 1 or 2 (with one line of error), no more than 60 s, no more
-than 300 MB beyond a good run, and no NaN or inf in any text file. Exit status 1 if a run fails; its
-input is kept in the current folder. The same seed gives the same inputs.
+Required of every run: exit status 0, 1 or 2 (with one line of error), no more than 60 s and 10
+times the processor time of a good run on an input of that size, no more than 300 MB beyond a good
+run, and no NaN or inf in any text file. Exit status 1 if a run fails; its input is kept in the
+current folder. The same seed gives the same inputs.
 """
 import argparse
 import concurrent.futures
+import dataclasses
 import gzip
 import os
 import pathlib
 import random
 import re
-import resource
 import shutil
 import struct
 import subprocess
@@ -25,6 +26,7 @@ import threading
 import zlib
 
 TIMEOUT_S = 60
+TIMES_LONGER = 10
 EXTRA_MEMORY_MB = 300
 NOT_A_NUMBER = re.compile(r"(?<![\w.])[-+]?(nan|inf|infinity)(?![\w.])", re.IGNORECASE)
 NUMBERS = [0, 1, 0x7F, 0x80, 0xFF, 0x7FFF, 0xFFFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF]
@@ -84,32 +86,58 @@ def mutated_map(data, dice):
     return header + struct.pack("<I", checksum(header)) + packed
 
 
+@dataclasses.dataclass
+class Run:
+    """How a program ended."""
+    status: int
+    output: bytes
+    processor_s: float
+    memory_mb: float
+
+
 def run(command):
-    """Exit status, output and peak memory [MB] of a program."""
-    process = subprocess.Popen(["/usr/bin/env", "bash", "-c", 'ulimit -v 8000000; exec "$@"', "-"]
-                               + command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-    try:
-        output, _ = process.communicate(timeout=TIMEOUT_S)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        output, _ = process.communicate()
-        return "timeout", output
-    return process.returncode, output
+    """Runs a program, and kills it after the time that it has."""
+    with tempfile.TemporaryFile() as words:
+        process = subprocess.Popen(
+            ["/usr/bin/env", "bash", "-c", 'ulimit -v 8000000; exec "$@"', "-"] + command,
+            stdout=words, stderr=subprocess.STDOUT)
+        killer = threading.Timer(TIMEOUT_S, process.kill)
+        killer.start()
+        _, status, usage = os.wait4(process.pid, 0)
+        killer.cancel()
+        process.returncode = os.waitstatus_to_exitcode(status)
+        words.seek(0)
+        return Run(process.returncode, words.read(), usage.ru_utime + usage.ru_stime,
+                   usage.ru_maxrss / 1024)
 
 
-def peak_memory_mb():
-    """Largest of all programs run so far."""
-    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
+@dataclasses.dataclass
+class Limits:
+    """What a run may take, from a good one of the same program."""
+    size: int
+    processor_s: float
+    memory_mb: float
+
+    def __init__(self, size, good):
+        self.size = size
+        self.processor_s = good.processor_s
+        self.memory_mb = good.memory_mb + EXTRA_MEMORY_MB
+
+    def seconds(self, size):
+        """Of an input of a size; as much as the good run at least, because programs start too."""
+        return self.processor_s * max(1, TIMES_LONGER * size / self.size)
 
 
-def fault(status, output, folder, memory_limit_mb):
+def fault(ended, folder, size, limits):
     """What is wrong with a run; empty if nothing is."""
-    if status not in (0, 1, 2):
-        return f"exit status {status}"
-    if status != 0 and output.count(b"\n") != 1:
-        return f"{output.count(10)} lines of error"
-    if peak_memory_mb() > memory_limit_mb:
-        return f"{peak_memory_mb():.0f} MB of memory"
+    if ended.status not in (0, 1, 2):
+        return f"exit status {ended.status}"
+    if ended.status != 0 and ended.output.count(b"\n") != 1:
+        return f"{ended.output.count(10)} lines of error"
+    if ended.memory_mb > limits.memory_mb:
+        return f"{ended.memory_mb:.0f} MB of memory, limit {limits.memory_mb:.0f}"
+    if ended.processor_s > limits.seconds(size):
+        return f"{ended.processor_s:.1f} s, limit {limits.seconds(size):.1f}"
     for path in folder.rglob("*") if folder.is_dir() else []:
         if path.suffix in (".csv", ".tum", ".txt", ".json", ".yaml"):
             found = NOT_A_NUMBER.search(path.read_text(errors="replace"))
@@ -118,20 +146,20 @@ def fault(status, output, folder, memory_limit_mb):
     return ""
 
 
-def attempt(replay, folder, bad, good_rawlog, memory_limit_mb):
+def attempt(replay, folder, bad, good_rawlog, limits):
     """What is wrong with a run on a mutated file, with its last words; empty if nothing is."""
     out = folder / (bad.stem + "_out")
     command = ["-i", str(bad)]
     if bad.suffix == ".headway":
         command = ["-i", str(good_rawlog), "--load-map", str(bad)]
-    status, output = run(replay + command + ["-o", str(out)])
-    reason = fault(status, output, out, memory_limit_mb)
+    ended = run(replay + command + ["-o", str(out)])
+    reason = fault(ended, out, bad.stat().st_size, limits[bad.suffix])
     shutil.rmtree(out, ignore_errors=True)
     if not reason:
         bad.unlink()
         return ""
     shutil.move(bad, bad.name)
-    return f"{bad.name}: {reason}: {output[-300:].decode(errors='replace').strip()}"
+    return f"{bad.name}: {reason}: {ended.output[-300:].decode(errors='replace').strip()}"
 
 
 def main():
@@ -152,9 +180,12 @@ def main():
         plain = plain[:6_000_000]
         good_rawlog = folder / "good.rawlog"
         good_rawlog.write_bytes(plain)
-        run(replay + ["-i", str(good_rawlog), "-o", str(good)])
-        memory_limit_mb = peak_memory_mb() + EXTRA_MEMORY_MB
+        of_rawlog = run(replay + ["-i", str(good_rawlog), "-o", str(good)])
         good_map = (good / "map.headway").read_bytes()
+        of_map = run(replay + ["-i", str(good_rawlog), "--load-map", str(good / "map.headway"),
+                               "-o", str(folder / "loaded")])
+        limits = {".rawlog": Limits(len(plain), of_rawlog),
+                  ".headway": Limits(len(good_map), of_map)}
         faults = []
 
         def collect(run_ended):
@@ -172,7 +203,7 @@ def main():
             else:
                 bad.write_bytes(near_headers(plain, dice))
             free.acquire()
-            run_ended = pool.submit(attempt, replay, folder, bad, good_rawlog, memory_limit_mb)
+            run_ended = pool.submit(attempt, replay, folder, bad, good_rawlog, limits)
             run_ended.add_done_callback(collect)
             run_ended.add_done_callback(lambda _: free.release())
         pool.shutdown()
