@@ -27,6 +27,7 @@ import zlib
 
 TIMEOUT_S = 60
 TIMES_LONGER = 10
+LEAST_TIMES = 3  # of the whole good run: a cut rawlog may still hold all frames that are run
 EXTRA_MEMORY_MB = 300
 NOT_A_NUMBER = re.compile(r"(?<![\w.])[-+]?(nan|inf|infinity)(?![\w.])", re.IGNORECASE)
 NUMBERS = [0, 1, 0x7F, 0x80, 0xFF, 0x7FFF, 0xFFFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF]
@@ -124,8 +125,8 @@ class Limits:
         self.memory_mb = good.memory_mb + EXTRA_MEMORY_MB
 
     def seconds(self, size):
-        """Of an input of a size; as much as the good run at least, because programs start too."""
-        return self.processor_s * max(1, TIMES_LONGER * size / self.size)
+        """Of an input of a size."""
+        return self.processor_s * max(LEAST_TIMES, TIMES_LONGER * size / self.size)
 
 
 def fault(ended, folder, size, limits):
