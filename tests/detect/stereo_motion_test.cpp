@@ -102,17 +102,6 @@ MotionDetections lastOf(const PaintedStreet& street) {
   return last;
 }
 
-TEST(StereoMotionTest, AFastVelocityIsAsUncertainAsItsChangeSinceTheMiddleOfTheObservations) {
-  const auto sigmaAt = [](double speed_ratio) {
-    PaintedBox box = kMoving;
-    box.velocity *= speed_ratio;
-    const auto found = lastOf(PaintedStreet({box, kParked})).detections;
-    EXPECT_TRUE(found && found->items.size() == 1u);
-    return std::sqrt(found->items.at(0).velocity->covariance(0, 0));
-  };
-  EXPECT_GT(sigmaAt(1.0), sigmaAt(0.6) + 0.3) << "4.7 and 2.8 m/s";
-}
-
 TEST(StereoMotionTest, MeasuresVelocityAndPlaceOfTheMovingObject) {
   const PaintedStreet street({kMoving, kParked});
   const auto found = lastOf(street).detections;

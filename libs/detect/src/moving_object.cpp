@@ -14,7 +14,6 @@ constexpr double kLookAhead = 0.1;  // of motion by which the footprint is exten
 constexpr double kBehind = 1.0;     // depth beyond which an overlap in the image is background [m]
 constexpr double kBehindPerMetre = 0.02;   // growth with depth [m/m]
 constexpr double kSameVelocity = 0.3;      // ratio of the difference between parts of one object
-constexpr double kAcceleration = 1.0;      // of vehicles and cyclists [m/s^2]
 constexpr double kMinDirectedSpeed = 0.5;  // from which the direction is known [m/s]
 
 }  // namespace
@@ -49,14 +48,6 @@ bool isAsFast(const Eigen::Vector3d& velocity, const Eigen::Vector3d& other) {
 bool isOpposite(const Eigen::Vector3d& velocity, const Eigen::Vector3d& other) {
   return velocity.dot(other) < 0.0 && velocity.norm() > kMinDirectedSpeed &&
          other.norm() > kMinDirectedSpeed;
-}
-
-Eigen::Matrix3d lagCovariance(const MovingObject& object, const CameraPath& path) {
-  const bool is_person = object.velocity.value.norm() < kFastestWalker;
-  if (!object.evidence.motion || is_person) return Eigen::Matrix3d::Zero();
-  const double seconds = path.timeOf(path.newest()) - path.timeOf(object.first_frame);
-  const double sigma = kAcceleration * 0.5 * seconds;
-  return sigma * sigma * Eigen::Matrix3d::Identity();
 }
 
 }  // namespace headway::detect

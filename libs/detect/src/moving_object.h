@@ -6,7 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "camera_path.h"
 #include "object_extent.h"
 #include "segment_follower.h"
 
@@ -38,9 +37,5 @@ constexpr double kMinAcross = 0.3;  ///< of a segment detected by flow alone [m/
 
 /// Whether two velocities are opposite, so that they belong to different objects.
 [[nodiscard]] bool isOpposite(const Eigen::Vector3d& velocity, const Eigen::Vector3d& other);
-
-/// Covariance of a measured velocity by an acceleration since the middle of the observations, as
-/// seen from now. Zero for people, who change their velocity within a step and not for longer.
-[[nodiscard]] Eigen::Matrix3d lagCovariance(const MovingObject& object, const CameraPath& path);
 
 }  // namespace headway::detect

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "moving_object_finder.h"
 
-#include <headway/stereo/rig_capability.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -23,16 +21,6 @@ double sigmaAlong(const Eigen::Vector3d& vector, const Eigen::Matrix3d& covarian
 }
 
 }  // namespace
-
-StereoMotionParams forRig(StereoMotionParams params, const StereoCamera& camera) {
-  stereo::RigAssumptions configured;
-  configured.vehicles_to_m = params.max_range_m;
-  configured.segments_to_m = params.max_segment_range_m;
-  const auto rig = stereo::rigCapability(camera, configured);
-  params.max_range_m = rig.vehicles_to_m;
-  params.max_segment_range_m = rig.segments_to_m;
-  return params;
-}
 
 PointClassParams pointClassParams(const StereoMotionParams& params) {
   PointClassParams point_class;

@@ -10,9 +10,6 @@
 
 namespace headway::detect {
 
-/// Replaces ranges that are 0 by those of the rig.
-[[nodiscard]] StereoMotionParams forRig(StereoMotionParams params, const StereoCamera& camera);
-
 /// Parameters of point classification, from those of the detector.
 [[nodiscard]] PointClassParams pointClassParams(const StereoMotionParams& params);
 

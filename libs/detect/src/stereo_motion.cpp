@@ -38,6 +38,17 @@ bool usable(const cv::Mat& image) {
   return deviation[0] > kMinContrast;
 }
 
+/// Replaces ranges that are 0 by those of the rig.
+StereoMotionParams forRig(StereoMotionParams params, const StereoCamera& camera) {
+  stereo::RigAssumptions configured;
+  configured.vehicles_to_m = params.max_range_m;
+  configured.segments_to_m = params.max_segment_range_m;
+  const auto rig = stereo::rigCapability(camera, configured);
+  params.max_range_m = rig.vehicles_to_m;
+  params.max_segment_range_m = rig.segments_to_m;
+  return params;
+}
+
 FollowerParams followerParams(const StereoMotionParams& params, double window_s,
                               double people_to_m) {
   const ObservationNoise noise{params.sigma_px, params.sigma_px, params.sigma_disparity_px};
@@ -235,7 +246,6 @@ class StereoMotion::Implementation {
     detection.box3d = object.extent.box;
     detection.centre_covariance = object.extent.centre_covariance;
     detection.velocity = rotated(object.velocity, path_.T_cam_world(path_.newest()).linear());
-    detection.velocity->covariance += lagCovariance(object, path_);
     // Each of the frames that the velocity was measured over reports it again.
     detection.velocity->covariance *= path_.newest() - object.first_frame + 1;
     detection.mask = maskOf(object.extent.cells, disparity_.reduce);
