@@ -30,6 +30,7 @@ bool isReady(const Future& result) {
   return result.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
 }
 
+/// Matches surfaces more densely than for detectors.
 stereo::DisparityImage matched(const StereoFrame& frame, const stereo::RigCapability& rig,
                                int reduce, double offset_px) {
   stereo::DisparityParams params;
@@ -56,11 +57,11 @@ void DenseMapper::scan(const stereo::FrameContext& context, MovingRegions moving
                        const Pose& T_map_robot) {
   if (scanning_.valid()) return;
   scanned_at_ = dense_.anchored(T_map_robot);
-  const auto make = [frame = context.frame(), reduce = context.disparity().reduce,
+  const auto make = [frame = context.frame(), found = context.disparity(), is_live = is_live_,
                      offset_px = context.disparityOffset(), moving = std::move(moving),
                      rig = *rig_] {
     const auto start = Clock::now();
-    const auto disparity = matched(frame, rig, reduce, offset_px);
+    const auto disparity = is_live ? found : matched(frame, rig, found.reduce, offset_px);
     Scanned result{detect::scanDepth(frame, disparity, moving, rig)};
     result.elapsed_ms = milliseconds(Clock::now() - start);
     return result;

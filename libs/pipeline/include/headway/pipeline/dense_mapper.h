@@ -33,7 +33,8 @@ class DenseMapper {
   [[nodiscard]] bool isUsed() const { return used_; }
 
   /// Starts the scan of a frame, of which surfaces are matched more densely than for detectors. In
-  /// live operation, a frame is left out while the scan of one before is being made.
+  /// live operation the detectors' disparities are used, because that costs a core, and a frame is
+  /// left out while the scan of one before is being made.
   void scan(const stereo::FrameContext& context, MovingRegions moving, const Pose& T_map_robot);
 
   /// Enters the scan of the frame before, and in live operation what has been fused: to be called
