@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 #include <headway/core/statistics.h>
 #include <headway/stereo/disparity.h>
-#include <headway/stereo/surface_disparity.h>
 #include <headway_test/painted_street.h>
 
 #include <cmath>
@@ -53,38 +52,6 @@ TEST(DenseDisparityTest, NothingIsMatchedLeftOfTheRightImage) {
       EXPECT_LE(disparity.values.at<float>(row, column), disparity.pixelOf(column));
     }
   }
-}
-
-TEST(SurfaceDisparityTest, GivesMoreSurfaceThanBlocksAndItsDepthExactly) {
-  const PaintedStreet street({kAtTheEdge});
-  const auto& camera = *street.camera();
-  const auto blocks = denseDisparity(street.frame(0), DisparityParams());
-  const auto surface = surfaceDisparity(street.frame(0), DisparityParams());
-  EXPECT_GT(surface.coverage(), blocks.coverage());
-  std::vector<double> errors;
-  const double expected = camera.fx * camera.baseline_m / kAtTheEdge.foot.z();
-  for (const double d : disparitiesOn(kAtTheEdge, surface, camera)) {
-    if (d > 0.0) errors.push_back(std::abs(d - expected));
-  }
-  ASSERT_GT(errors.size(), 200u);
-  EXPECT_LT(median(errors), 0.2);
-}
-
-TEST(SurfaceDisparityTest, LeavesTheDisparitiesOfADepthCameraAsTheyAre) {
-  auto frame = PaintedStreet({kAtTheEdge}).frame(0);
-  frame.disparity = cv::Mat(frame.left.size(), CV_32F, cv::Scalar(12.0F));
-  const auto surface = surfaceDisparity(frame, DisparityParams());
-  EXPECT_EQ(12.0F, surface.at(100.0, 100.0));
-  EXPECT_DOUBLE_EQ(1.0, surface.coverage());
-}
-
-TEST(SurfaceDisparityTest, TheOffsetIsSubtractedWhereThereAreDisparities) {
-  DisparityImage image;
-  image.values = (cv::Mat_<float>(1, 3) << 0.0F, 0.5F, 8.0F);
-  subtractOffset(1.0, image);
-  EXPECT_EQ(0.0F, image.values.at<float>(0, 0));
-  EXPECT_EQ(0.0F, image.values.at<float>(0, 1));
-  EXPECT_EQ(7.0F, image.values.at<float>(0, 2));
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/detect/depth_scanner.h>
 #include <headway/pipeline/dense_mapper.h>
-#include <headway/stereo/surface_disparity.h>
 
 #include <algorithm>
 #include <utility>
@@ -25,20 +24,9 @@ double milliseconds(std::chrono::steady_clock::duration duration) {
   return std::chrono::duration<double, std::milli>(duration).count();
 }
 
-template <typename Future>
-bool isReady(const Future& result) {
+template <typename Result>
+bool isReady(const std::future<Result>& result) {
   return result.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-}
-
-/// Matches surfaces more densely than for detectors.
-stereo::DisparityImage matched(const StereoFrame& frame, const stereo::RigCapability& rig,
-                               int reduce, double offset_px) {
-  stereo::DisparityParams params;
-  params.nearest_m = rig.nearest_m;
-  params.reduce = reduce;
-  auto disparity = stereo::surfaceDisparity(frame, params);
-  stereo::subtractOffset(offset_px, disparity);
-  return disparity;
 }
 
 }  // namespace
@@ -53,15 +41,11 @@ DenseMapper::DenseMapper(const map::DenseMapParams& params,
       rig_(rig),
       dense_(forRig(params, rig)) {}
 
-void DenseMapper::scan(const stereo::FrameContext& context, MovingRegions moving,
-                       const Pose& T_map_robot) {
-  if (scanning_.valid()) return;
+void DenseMapper::scan(const StereoFrame& frame, const stereo::DisparityImage& disparity,
+                       MovingRegions moving, const Pose& T_map_robot) {
   scanned_at_ = dense_.anchored(T_map_robot);
-  const auto make = [frame = context.frame(), found = context.disparity(), is_live = is_live_,
-                     offset_px = context.disparityOffset(), moving = std::move(moving),
-                     rig = *rig_] {
+  const auto make = [frame, disparity, moving = std::move(moving), rig = *rig_] {
     const auto start = Clock::now();
-    const auto disparity = is_live ? found : matched(frame, rig, found.reduce, offset_px);
     Scanned result{detect::scanDepth(frame, disparity, moving, rig)};
     result.elapsed_ms = milliseconds(Clock::now() - start);
     return result;
@@ -70,7 +54,7 @@ void DenseMapper::scan(const stereo::FrameContext& context, MovingRegions moving
 }
 
 void DenseMapper::enterScan(StageTimes& times) {
-  if (!scanning_.valid() || (is_live_ && !isReady(scanning_))) return;
+  if (!scanning_.valid()) return;
   const Scanned scanned = std::exchange(scanning_, {}).get();
   const auto start = Clock::now();
   dense_.add(scanned_at_, scanned.scan);

@@ -162,7 +162,7 @@ void Perception::updateDense(const RecordedFrame& frame, const PerceptionUpdate&
   dense_.update(map_, times_);
   if (repeated_ || !scan_ground || !isTracked(update) || !dense_.isUsed()) return;
   const Pose& T_map_robot = update.camera.T_map_robot;
-  dense_.scan(*found_.context,
+  dense_.scan(*frame.stereo, found_.context->disparity(),
               detection_.leftOutOfDenseMap(frame, T_map_robot, found_, update.objects.tracks),
               T_map_robot);
 }

@@ -2,7 +2,6 @@
 #include <headway/stereo/contrast.h>
 #include <headway/stereo/frame_context.h>
 #include <headway/stereo/reduced_image.h>
-#include <headway/stereo/surface_disparity.h>
 
 #include <future>
 #include <opencv2/core.hpp>
@@ -14,6 +13,12 @@ constexpr int kPyramidLevels = 4;
 
 ImagePyramid stretchedPyramid(const cv::Mat& image, Gradients gradients) {
   return buildPyramid(stretched(image, stretchFor(image)), kPyramidLevels, gradients);
+}
+
+void subtractOffset(double offset_px, DisparityImage& disparity) {
+  if (offset_px == 0.0) return;
+  cv::subtract(disparity.values, offset_px, disparity.values, disparity.values > 0.0F);
+  cv::max(disparity.values, 0.0F, disparity.values);
 }
 
 }  // namespace

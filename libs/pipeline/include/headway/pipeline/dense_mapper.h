@@ -3,10 +3,11 @@
 
 #include <headway/core/moving_regions.h>
 #include <headway/core/stage_times.h>
+#include <headway/core/stereo_frame.h>
 #include <headway/core/worker_thread.h>
 #include <headway/map/dense_map.h>
 #include <headway/map/perception_map.h>
-#include <headway/stereo/frame_context.h>
+#include <headway/stereo/disparity.h>
 #include <headway/stereo/rig_capability.h>
 
 #include <chrono>
@@ -19,9 +20,9 @@ namespace headway::pipeline {
 /// Builds the dense map beside the tracking: depth scans are made, and in live operation fused, in
 /// threads of their own.
 ///
-/// A scan enters the map with the next frame, which waits for it, so that the same frames give the
-/// same map. Live, no frame waits, and the points are fused again and again, in at most a tenth of
-/// the time; otherwise when publish() is called.
+/// A scan enters the map with the next frame, whenever it was ready, so that the same frames give
+/// the same map. Live, the points are fused again and again, in at most a tenth of the time;
+/// otherwise when publish() is called.
 class DenseMapper {
  public:
   /// @param rig      nullopt without a camera: then no scans may be added
@@ -32,13 +33,12 @@ class DenseMapper {
   /// Whether frames are to be scanned.
   [[nodiscard]] bool isUsed() const { return used_; }
 
-  /// Starts the scan of a frame, of which surfaces are matched more densely than for detectors. In
-  /// live operation the detectors' disparities are used, because that costs a core, and a frame is
-  /// left out while the scan of one before is being made.
-  void scan(const stereo::FrameContext& context, MovingRegions moving, const Pose& T_map_robot);
+  /// Starts the scan of a frame.
+  void scan(const StereoFrame& frame, const stereo::DisparityImage& disparity, MovingRegions moving,
+            const Pose& T_map_robot);
 
   /// Enters the scan of the frame before, and in live operation what has been fused: to be called
-  /// once a frame. Live, a scan that is not ready is entered later.
+  /// once a frame.
   void update(map::PerceptionMap& map, StageTimes& times);
 
   void follow(const SharedChunks<slam::KeyframeView>& keyframes) { dense_.follow(keyframes); }
