@@ -209,6 +209,8 @@ TEST_F(ReplayPageInBrowserTest, LinksScrubbingStepsAndClicksShowTheMoment) {
   browser_->press("ArrowRight");
   EXPECT_TRUE(browser_->waitFor("moment.textContent.startsWith('frame 21')"));
   EXPECT_EQ("#t=2.10&track=7", browser_->evaluate("location.hash"));
+  browser_->press("Home");
+  EXPECT_EQ("#t=0.00&track=7", browser_->evaluate("location.hash"));
   browser_->press("Escape");
   EXPECT_TRUE(browser_->waitFor("document.getElementById('track').hidden"));
   for (const char* view : {"follow", "top"}) {
@@ -241,6 +243,18 @@ TEST_F(ReplayPageInBrowserTest, EachViewLooksAsBefore) {
   }
   browser_->evaluate("replayPage.changeView('follow'); replayPage.setTime(2)");
   EXPECT_GT(difference(smallVersion(screenshot()), last), 0.10) << "another view, another time";
+  EXPECT_THAT(browser_->messages(), IsEmpty());
+}
+
+TEST_F(ReplayPageInBrowserTest, WhatIsSelectedStandsOutInBothThemes) {
+  open("#t=1&track=7");
+  const std::string edges =
+      "[...replayPage.world.boxes.values()].map((box) => box.edges.material.color.getHexString())";
+  browser_->evaluate("replayPage.setTheme(false)");
+  EXPECT_TRUE(browser_->waitFor(edges + ".includes('ffffff')"));
+  browser_->evaluate("replayPage.setTheme(true)");
+  EXPECT_TRUE(browser_->waitFor(edges + ".includes('1b2430')"));
+  EXPECT_EQ(false, browser_->evaluate(edges + ".includes('ffffff')"));
   EXPECT_THAT(browser_->messages(), IsEmpty());
 }
 

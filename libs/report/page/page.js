@@ -95,9 +95,7 @@ class ReplayPage extends PageDrawing {
     const value = (name) => style.getPropertyValue(name).trim();
     this.colours = {text: value('--text'), dim: value('--dim'), edge: value('--edge'), accent: value('--accent')};
     this.isLight = document.documentElement.classList.contains('light');
-    const contrast = this.isLight ? '#1b2430' : '#ffffff';
-    this.world.marker.material.color.set(contrast);
-    if (this.world.frustum) this.world.frustum.material.color.set(contrast);
+    this.world.setContrast(this.isLight ? '#1b2430' : '#ffffff');
     this.redraw();
   }
 
@@ -226,12 +224,15 @@ class ReplayPage extends PageDrawing {
 
   onKey(event) {
     if (event.ctrlKey || event.metaKey || event.altKey || event.target.tagName === 'SELECT') return;
-    const second = (sign) => this.setTime(this.time + sign);
+    const go = (time) => {
+      this.setTime(time);
+      this.writeLink();
+    };
     const actions = {
       ' ': () => this.play(!this.playing), 'k': () => this.play(!this.playing),
-      'ArrowLeft': () => (event.shiftKey ? second(-1) : this.step(-1)),
-      'ArrowRight': () => (event.shiftKey ? second(1) : this.step(1)),
-      'Home': () => this.setTime(0), 'End': () => this.setTime(this.replay.duration),
+      'ArrowLeft': () => (event.shiftKey ? go(this.time - 1) : this.step(-1)),
+      'ArrowRight': () => (event.shiftKey ? go(this.time + 1) : this.step(1)),
+      'Home': () => go(0), 'End': () => go(this.replay.duration),
       '+': () => this.changeSpeed(1), '-': () => this.changeSpeed(-1),
       'l': () => this.toggleLayers(), 'Escape': () => this.select(null),
       '1': () => this.changeView('follow'), '2': () => this.changeView('orbit'),

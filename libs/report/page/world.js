@@ -107,7 +107,8 @@ class World {
     this.layer('keyframes').add(makeKeyframes(replay.keyframes, replay.camera, scale));
     if (replay.truth) {
       const truth = replay.truth.path.map(([x, y, z]) => this.onGround(x, y, z + replay.ground + 0.02));
-      this.layer('truth').add(ribbon(truth, 0.3 * half, '#f0f0f0', 0.9));
+      this.truePath = ribbon(truth, 0.3 * half, '#ffffff', 0.9);
+      this.layer('truth').add(this.truePath);
       this.trueBoxes = new THREE.Group();
       this.layer('truth').add(this.trueBoxes);
     }
@@ -176,7 +177,7 @@ class World {
       placeBox(box, state);
       const isSelected = state.number === selected;
       box.faces.material.color.set(state.colour);
-      box.edges.material.color.set(isSelected ? '#ffffff' : state.colour);
+      box.edges.material.color.set(isSelected ? this.contrast : state.colour);
       box.faces.material.opacity = isSelected ? 0.4 : state.moving ? 0.2 : 0.1;
       box.front.visible = state.moving;
     }
@@ -229,13 +230,21 @@ class World {
     const way = this.replay.tracks[selected].states
                     .filter(({time}) => time >= moment.time - 0.05 && time <= moment.time + 3.05)
                     .map(({state: s}) => this.onGround(s.x, s.y, s.z - s.height / 2 + 0.03));
-    if (way.length > 1) group.add(ribbon(way, 0.05 * this.scale, '#ffffff', 0.95));
+    if (way.length > 1) group.add(ribbon(way, 0.05 * this.scale, this.contrast, 0.95));
+  }
+
+  /** Colour of the robot, the truth and the selected track: against the backdrop. */
+  setContrast(colour) {
+    this.contrast = colour;
+    for (const shape of [this.marker, this.frustum, this.truePath]) {
+      if (shape) shape.material.color.set(colour);
+    }
   }
 
   updateTruth(moment) {
     this.trueBoxes.remove(...this.trueBoxes.children);
     for (const object of this.replay.truth.objects[moment.at]) {
-      const box = new THREE.LineSegments(kUnitEdges, lineMaterial('#f0f0f0', 0.8));
+      const box = new THREE.LineSegments(kUnitEdges, lineMaterial(this.contrast, 0.8));
       placeBox(box, object);
       this.trueBoxes.add(box);
     }
