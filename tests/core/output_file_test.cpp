@@ -6,6 +6,7 @@
 #include <headway_test/folders.h>
 #include <headway_test/input_error.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -59,6 +60,22 @@ class SmallDisk {
   void (*handler_)(int);
 };
 
+/// Sets the permissions that new files lack during its lifetime.
+class Umask {
+ public:
+  explicit Umask(mode_t mask) : before_(umask(mask)) {}
+  ~Umask() { umask(before_); }
+
+ private:
+  mode_t before_;
+};
+
+/// Type and permissions of a file, links not followed.
+mode_t modeOf(const fs::path& path) {
+  struct stat status {};
+  return lstat(path.c_str(), &status) == 0 ? status.st_mode : 0;
+}
+
 class OutputFileTest : public testing::Test {
  protected:
   const test::TemporaryFolder folder_;
@@ -84,6 +101,39 @@ TEST_F(OutputFileTest, TheOldFileRemainsUntilThen) {
   EXPECT_THAT(namesIn(folder_.path()), ElementsAre(path_.filename().string()));
   writeFile(path_, "new");
   EXPECT_EQ("new", contentOf(path_));
+}
+
+TEST_F(OutputFileTest, NobodyElseReadsItBeforeItIsComplete) {
+  for (const mode_t mask : {0022, 0027, 0077, 0000}) {
+    const Umask lacking(mask);
+    OutputFile file(path_);
+    file.stream() << "half" << std::flush;
+    EXPECT_EQ(S_IFREG | 0600u, modeOf(file.temporaryPath()));
+    {  // a writer that opens it by its name
+      std::ofstream by_name(file.temporaryPath(), std::ios::binary);
+      by_name << "whole";
+    }
+    EXPECT_EQ(S_IFREG | 0600u, modeOf(file.temporaryPath()));
+    file.commit();
+    EXPECT_EQ(S_IFREG | (0666u & ~mask), modeOf(path_)) << std::oct << mask;
+  }
+}
+
+TEST_F(OutputFileTest, ALinkCannotBePlantedWhereItIsWritten) {
+  writeFile(folder_ / "victim", "of another user");
+  const std::string start = ".partial-" + std::to_string(getpid()) + "-";
+  const fs::path planted = folder_ / (start + path_.filename().string());
+  fs::create_symlink("victim", planted);
+  OutputFile first(path_), second(path_);
+  EXPECT_NE(planted, first.temporaryPath());
+  EXPECT_NE(first.temporaryPath(), second.temporaryPath()) << "its name cannot be guessed";
+  EXPECT_EQ(0u, first.temporaryPath().filename().string().rfind(start, 0));
+  first.stream() << "mine";
+  first.commit();
+  EXPECT_EQ("of another user", contentOf(folder_ / "victim"));
+  EXPECT_EQ("mine", contentOf(path_));
+  EXPECT_TRUE(fs::is_symlink(planted));
+  EXPECT_FALSE(fs::is_symlink(path_));
 }
 
 TEST_F(OutputFileTest, AFullDiskLeavesTheOldFile) {

@@ -246,7 +246,7 @@ TEST_F(ImportExportTest, KittiRawGivesImagesTruthAndSensors) {
   const auto frames = test::framesOf(source);
   ASSERT_EQ(6u, frames.size());
   EXPECT_TRUE(frames[0].stereo);
-  EXPECT_FALSE(frames[0].T_map_robot);                    // SLAM runs
+  EXPECT_FALSE(frames[0].T_map_robot);  // SLAM runs
   std::size_t fixes = 0;
   for (const auto& frame : frames) {
     for (const auto& fix : frame.gnss) {
@@ -290,8 +290,8 @@ TEST_F(ImportExportTest, CtrlCLeavesAReadableRawlog) {
   const auto result = test::runProcess(
       std::string(HEADWAY_BIN_DIR) + "/headway-import euroc " +
       (data / "euroc/MH_01_easy").string() + " -o " + at("x.rawlog") +
-      " & program=$!; until [ -s " + at(".partial-$program-x.rawlog") + " ] || [ -e " + at("x.rawlog") +
-      " ]; do sleep 0.01; done; kill -INT $program; wait $program");
+      " & program=$!; until [ -s " + at(".partial-$program-*-x.rawlog") + " ] || [ -e " +
+      at("x.rawlog") + " ]; do sleep 0.01; done; kill -INT $program; wait $program");
   ASSERT_TRUE(fs::exists(folder_ / "x.rawlog")) << result.output;
   RawlogSource source(at("x.rawlog"), {});
   const auto frames = test::framesOf(source).size();

@@ -2,10 +2,13 @@
 #include <fcntl.h>
 #include <headway/core/error.h>
 #include <headway/core/output_file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <string>
 #include <utility>
@@ -37,10 +40,27 @@ bool isDevice(const fs::path& path) {
          type == fs::file_type::block || type == fs::file_type::socket;
 }
 
-fs::path temporaryOf(const fs::path& path) {
-  if (isDevice(path)) return path;
-  const std::string name = path.filename().string();
-  return path.parent_path() / (".partial-" + std::to_string(getpid()) + "-" + name);
+/// Creates the file of another name in which a file is written: new, no link, and private. The
+/// name cannot be guessed, so that nobody can be there first.
+fs::path createTemporary(const fs::path& path) {
+  const std::string ending = "-" + path.filename().string();
+  const std::string start = ".partial-" + std::to_string(getpid()) + "-XXXXXX";
+  std::string name = (path.parent_path() / (start + ending)).string();
+  const int file = mkostemps(name.data(), static_cast<int>(ending.size()), O_CLOEXEC);
+  if (file < 0) failToWrite(path, errno);
+  ::close(file);
+  return name;
+}
+
+/// Permissions of new files (umask), read without changing them for other threads meanwhile;
+/// private ones where the system does not tell.
+mode_t modeOfNewFiles() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);) {
+    unsigned int mask = 0;
+    if (std::sscanf(line.c_str(), "Umask: %o", &mask) == 1) return 0666 & ~mask;
+  }
+  return 0600;
 }
 
 /// Length of the first rows that are written at once. A kill splits a write() between two pages of
@@ -53,10 +73,14 @@ std::size_t pieceLength(std::string_view rows) {
 }
 
 /// Synchronises a file or folder with the disk; file systems that cannot are left out.
-void synchronise(const fs::path& path, int flags) {
+///
+/// @param mode  permissions that it gets; nullopt: those it has
+void synchronise(const fs::path& path, int flags, std::optional<mode_t> mode = std::nullopt) {
   const int file = open(path.c_str(), flags | O_CLOEXEC);
   if (file < 0) failToWrite(path, errno);
-  const int error = fsync(file) == 0 ? 0 : errno;
+  int error = mode && fchmod(file, *mode) != 0 ? errno : 0;
+  if (error == EPERM || error == ENOTSUP) error = 0;  // a file system without permissions
+  if (error == 0 && fsync(file) != 0) error = errno;
   ::close(file);
   if (error != 0 && error != EINVAL && error != EROFS) failToWrite(path, error);
 }
@@ -84,18 +108,14 @@ void keepRows(const fs::path& path, std::size_t rows) {
 
 void synchroniseFile(const fs::path& path) { synchronise(path, O_RDONLY); }
 
-OutputFile::OutputFile(const fs::path& path)
-    : path_(targetOf(path)), temporary_(temporaryOf(path_)) {
+OutputFile::OutputFile(const fs::path& path) : path_(targetOf(path)) {
   if (fs::is_directory(path_)) throw InputError(path_.string() + ": is a folder, not a file");
-  if (!isDirect()) {
-    // Not followed if it is a link, and not shared with another program.
-    (void)unlink(temporary_.c_str());
-    const int file = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (file < 0) failToWrite(path_, errno);
-    ::close(file);
-  }
+  temporary_ = isDevice(path_) ? path_ : createTemporary(path_);
   stream_.open(temporary_, std::ios::binary);
-  if (!stream_) failToWrite(path_, errno);
+  if (stream_) return;
+  const int error = errno;
+  if (!isDirect()) (void)unlink(temporary_.c_str());
+  failToWrite(path_, error);
 }
 
 OutputFile::~OutputFile() {
@@ -110,7 +130,7 @@ void OutputFile::commit() {
   stream_.close();
   check();
   if (!isDirect()) {
-    synchronise(temporary_, O_RDONLY);
+    synchronise(temporary_, O_RDONLY | O_NOFOLLOW, modeOfNewFiles());
     if (std::rename(temporary_.c_str(), path_.c_str()) != 0) failToWrite(path_, errno);
     const fs::path folder = path_.parent_path();
     synchronise(folder.empty() ? fs::path(".") : folder, O_RDONLY | O_DIRECTORY);

@@ -13,9 +13,9 @@ namespace headway {
 
 /// A file that appears whole or not at all.
 ///
-/// It is written under a temporary name in the same folder; commit() synchronises it with the disk
-/// and renames it, which replaces an older file. Without commit() nothing of it remains. A device
-/// or pipe is written directly.
+/// It is written under a temporary name in the same folder, private until commit() synchronises it
+/// with the disk, gives it the permissions of new files (umask) and renames it over an older file.
+/// Without commit() nothing of it remains. A device or pipe is written directly.
 ///
 ///     OutputFile file("trajectory.tum");
 ///     for (const auto& pose : path) writeTumRow(file.stream(), pose);
