@@ -30,6 +30,13 @@ double overlap(const MeasuredBox& a, const MeasuredBox& b) {
   return both / (a.size.prod() + b.size.prod() - both);
 }
 
+/// Distance from a box's centre beyond which nothing of it lies, of the largest one [m].
+[[nodiscard]] double widestReach(const std::vector<MeasuredBox>& boxes) {
+  double widest = 0.0;
+  for (const MeasuredBox& box : boxes) widest = std::max(widest, 0.5 * box.size.head<2>().sum());
+  return widest;
+}
+
 /// A network sees a rider as a person where the bicycle is hidden.
 bool isPerson(ObjectClass object_class) {
   return object_class == ObjectClass::kPedestrian || object_class == ObjectClass::kCyclist ||
@@ -58,11 +65,14 @@ DistinctBoxes ConsistencyCheck::withoutDuplicates(std::vector<MeasuredBox> boxes
   std::stable_sort(by_score.begin(), by_score.end(),
                    [&](std::size_t a, std::size_t b) { return boxes[a].score > boxes[b].score; });
   const SpatialGrid grid(boxes, params_.max_gate_m);
+  const double widest = 2.0 * std::max(1.0, params_.duplicate_distance_ratio) * widestReach(boxes);
   constexpr std::size_t kUndecided = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> same_as(boxes.size(), kUndecided);  // itself if it is kept
   for (const std::size_t i : by_score) {
     std::size_t first = i;
-    grid.visitNear(boxes[i].position.head<2>(), [&](std::size_t j) {
+    // Boxes in the image may overlap at any distance.
+    const double radius = boxes[i].box2d ? std::numeric_limits<double>::infinity() : widest;
+    grid.visitWithin(boxes[i].position.head<2>(), radius, [&](std::size_t j) {
       if (first == i && same_as[j] == j && sameObject(boxes[i], boxes[j])) first = j;
     });
     same_as[i] = first;
@@ -72,7 +82,7 @@ DistinctBoxes ConsistencyCheck::withoutDuplicates(std::vector<MeasuredBox> boxes
   std::vector<std::size_t> kept_as(boxes.size());
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     kept_as[i] = result.boxes.size();
-    if (same_as[i] == i) result.boxes.push_back(boxes[i]);
+    if (same_as[i] == i) result.boxes.push_back(std::move(boxes[i]));
   }
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     if (same_as[i] != i) result.duplicates.emplace_back(kept_as[same_as[i]], std::move(boxes[i]));
@@ -120,27 +130,39 @@ std::optional<double> ConsistencyCheck::cost(const ExpectedPlace& track,
          (hinted ? params_.detector_id_bonus : 0.0) + (same_kind ? 0.0 : kProvisionalClassCost);
 }
 
-// The trace of a covariance is at least its largest eigenvalue.
+// A pair is made if its cost is negative: within the gate, and nearer than where a new object is
+// likelier, which is nearer the less certain the track's place. The determinant of a sum of
+// covariances is at least that of one; the trace is at least the largest eigenvalue.
 double ConsistencyCheck::maxGate(const ExpectedPlace& track, double variance) const {
   constexpr double kMargin = 1.0 + 1e-6;
+  constexpr double kRounding = 1e-2;
   const double blur = params_.gate_blur_m * params_.gate_blur_m;
-  const double trace = track.covariance.trace() + variance + 2.0 * blur;
-  return std::min(params_.max_gate_m, kMargin * params_.gate_sigma * std::sqrt(trace));
+  const Eigen::Matrix2d own = track.covariance + blur * Eigen::Matrix2d::Identity();
+  const double spread = 2.0 * M_PI * params_.new_object_density_per_m2;
+  const double likelier =
+      params_.detector_id_bonus - std::log(spread * spread * own.determinant()) + kRounding;
+  const double gate = std::min(params_.gate_sigma * params_.gate_sigma, likelier);
+  if (!(gate > 0.0)) return 0.0;
+  const double largest =
+      0.5 * own.trace() + std::hypot(0.5 * (own(0, 0) - own(1, 1)), own(0, 1)) + variance;
+  return std::min(params_.max_gate_m, kMargin * std::sqrt(gate * largest));
 }
 
 Matches ConsistencyCheck::match(const std::vector<ExpectedPlace>& tracks,
                                 const std::vector<MeasuredBox>& detections) const {
+  constexpr double kNewObject = 0.0;  // cost of a detection that starts a track
   const SpatialGrid grid(detections, params_.max_gate_m);
   double widest = 0.0;  // variance of a detection
   for (const MeasuredBox& box : detections) widest = std::max(widest, box.covariance.trace());
+  constexpr std::size_t kUsualPairs = 4;  // of a track in a crowd
   std::vector<CandidatePair> candidates;
+  candidates.reserve(kUsualPairs * tracks.size());
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     grid.visitWithin(tracks[i].position.head<2>(), maxGate(tracks[i], widest), [&](std::size_t j) {
       const auto pair_cost = cost(tracks[i], detections[j]);
-      if (pair_cost) candidates.push_back({i, j, *pair_cost});
+      if (pair_cost && *pair_cost < kNewObject) candidates.push_back({i, j, *pair_cost});
     });
   }
-  constexpr double kNewObject = 0.0;  // cost of a detection that starts a track
   Matches matches;
   for (const CandidatePair& pair : takeObviousPairs(candidates)) {
     matches.pairs.emplace_back(pair.row, pair.column);

@@ -17,8 +17,8 @@ struct Candidate {
 
 }  // namespace
 
-std::vector<TrackedObject*> suppressDuplicateTracks(const std::vector<TrackedObject*>& tracks,
-                                                    double distance_m) {
+std::vector<const TrackedObject*> suppressDuplicateTracks(
+    const std::vector<const TrackedObject*>& tracks, double distance_m) {
   if (distance_m <= 0.0) return tracks;
   std::vector<Candidate> candidates;
   candidates.reserve(tracks.size());
@@ -26,7 +26,7 @@ std::vector<TrackedObject*> suppressDuplicateTracks(const std::vector<TrackedObj
     candidates.push_back({track->position(), track->group(), track->score()});
   }
   const SpatialGrid grid(candidates, distance_m);
-  std::vector<TrackedObject*> kept;
+  std::vector<const TrackedObject*> kept;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     const Candidate& own = candidates[i];
     bool suppressed = false;

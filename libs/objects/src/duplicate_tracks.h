@@ -15,7 +15,7 @@ namespace headway::objects {
 /// @param tracks      in ascending order of ids
 /// @param distance_m  below which centres are one position; 0 keeps all [m]
 /// @return            those kept, in the same order
-[[nodiscard]] std::vector<TrackedObject*> suppressDuplicateTracks(
-    const std::vector<TrackedObject*>& tracks, double distance_m);
+[[nodiscard]] std::vector<const TrackedObject*> suppressDuplicateTracks(
+    const std::vector<const TrackedObject*>& tracks, double distance_m);
 
 }  // namespace headway::objects

@@ -19,9 +19,12 @@ double huberWeight(double squared, double limit) {
 
 }  // namespace
 
-MotionPriorProblem::MotionPriorProblem(const std::vector<PlaceMeasurement>& measurements,
-                                       const PriorStiffness& stiffness)
-    : measurements_(measurements), outlier_sigma_(stiffness.outlier_sigma) {
+void MotionPriorProblem::set(const std::vector<PlaceMeasurement>& measurements,
+                             const PriorStiffness& stiffness) {
+  measurements_ = &measurements;
+  outlier_sigma_ = stiffness.outlier_sigma;
+  terms_.clear();
+  steps_.clear();
   terms_.reserve(measurements.size());
   if (stiffness.kind == MotionPriorKind::kLeastKinetic) {
     addKineticTerms(stiffness.weight);
@@ -32,10 +35,11 @@ MotionPriorProblem::MotionPriorProblem(const std::vector<PlaceMeasurement>& meas
 }
 
 void MotionPriorProblem::addSteps(double acceleration_mps2) {
-  for (std::size_t j = 1; j < measurements_.size(); ++j) {
-    if (!measurements_[j].velocity) continue;
-    const GroundVelocity& velocity = *measurements_[j].velocity;
-    const double dt = measurements_[j].time - measurements_[j - 1].time;
+  const auto& measurements = *measurements_;
+  for (std::size_t j = 1; j < measurements.size(); ++j) {
+    if (!measurements[j].velocity) continue;
+    const GroundVelocity& velocity = *measurements[j].velocity;
+    const double dt = measurements[j].time - measurements[j - 1].time;
     const double change = 0.5 * acceleration_mps2 * dt;
     const Eigen::Matrix2d covariance =
         velocity.covariance + change * change * Eigen::Matrix2d::Identity();
@@ -53,18 +57,20 @@ double MotionPriorProblem::stepWeight(const Step& step, const Eigen::Vector2d& e
 }
 
 void MotionPriorProblem::addKineticTerms(double weight) {
+  const auto& measurements = *measurements_;
   constexpr double kEpsilon_s = 1e-9;
-  for (std::size_t j = 0; j + 1 < measurements_.size(); ++j) {
-    const double dt = measurements_[j + 1].time - measurements_[j].time;
+  for (std::size_t j = 0; j + 1 < measurements.size(); ++j) {
+    const double dt = measurements[j + 1].time - measurements[j].time;
     const double rate = 1.0 / (dt + kEpsilon_s);
     terms_.push_back({j, 2, {-rate, rate, 0.0}, weight * dt});
   }
 }
 
 void MotionPriorProblem::addForceTerms(double weight) {
-  for (std::size_t j = 0; j + 2 < measurements_.size(); ++j) {
-    const double before = measurements_[j + 1].time - measurements_[j].time;
-    const double after = measurements_[j + 2].time - measurements_[j + 1].time;
+  const auto& measurements = *measurements_;
+  for (std::size_t j = 0; j + 2 < measurements.size(); ++j) {
+    const double before = measurements[j + 1].time - measurements[j].time;
+    const double after = measurements[j + 2].time - measurements[j + 1].time;
     const double middle = 0.5 * (before + after);
     const double a = 1.0 / (before * middle);
     const double c = 1.0 / (after * middle);
@@ -73,7 +79,7 @@ void MotionPriorProblem::addForceTerms(double weight) {
 }
 
 double MotionPriorProblem::squaredResidual(std::size_t j, const Eigen::Vector3d& place) const {
-  const PlaceMeasurement& m = measurements_[j];
+  const PlaceMeasurement& m = (*measurements_)[j];
   const Eigen::Vector3d e = place - m.measured;
   return e.head<2>().dot(m.information * e.head<2>()) + m.vertical_information * e.z() * e.z();
 }
@@ -112,7 +118,7 @@ std::vector<Eigen::Vector3d> MotionPriorProblem::gradient(
     const std::vector<Eigen::Vector3d>& places) const {
   std::vector<Eigen::Vector3d> gradient(places.size(), Eigen::Vector3d::Zero());
   for (std::size_t j = 0; j < places.size(); ++j) {
-    const PlaceMeasurement& m = measurements_[j];
+    const PlaceMeasurement& m = (*measurements_)[j];
     const Eigen::Vector3d e = places[j] - m.measured;
     const double weight = huberWeight(squaredResidual(j, places[j]), outlier_sigma_);
     gradient[j].head<2>() = weight * m.information * e.head<2>();
@@ -139,7 +145,7 @@ void MotionPriorProblem::addPriorSlope(const std::vector<Eigen::Vector3d>& place
 void MotionPriorProblem::addMeasurements(const std::vector<Eigen::Vector3d>& places) {
   slope_.resize(places.size());
   for (std::size_t j = 0; j < places.size(); ++j) {
-    const PlaceMeasurement& m = measurements_[j];
+    const PlaceMeasurement& m = (*measurements_)[j];
     const Eigen::Vector3d e = places[j] - m.measured;
     const double squared = squaredResidual(j, places[j]);
     const double weight = huberWeight(squared, outlier_sigma_);
@@ -215,17 +221,17 @@ MotionPriorProblem::Summary MotionPriorProblem::refine(std::vector<Eigen::Vector
   Summary summary;
   summary.initial_cost = summary.final_cost = value.cost;
   double damping = kNoDamping;
-  std::vector<Eigen::Vector3d> step(places.size());
-  std::vector<Eigen::Vector3d> candidate(places.size());
+  step_.resize(places.size());
+  candidate_.resize(places.size());
   while (summary.iterations < max_iterations && damping < kMaxDamping) {
     ++summary.iterations;
-    solveStep(places, damping, step);
+    solveStep(places, damping, step_);
     double farthest = 0.0;
     for (std::size_t j = 0; j < places.size(); ++j) {
-      candidate[j] = places[j] + step[j];
-      farthest = std::max(farthest, step[j].squaredNorm());
+      candidate_[j] = places[j] + step_[j];
+      farthest = std::max(farthest, step_[j].squaredNorm());
     }
-    const Value next = evaluate(candidate);
+    const Value next = evaluate(candidate_);
     if (!(next.cost <= summary.final_cost)) {
       damping = 10.0 * std::max(damping, 1e-6);
       continue;
@@ -233,7 +239,7 @@ MotionPriorProblem::Summary MotionPriorProblem::refine(std::vector<Eigen::Vector
 
     // The places of which the cost is quadratic are convex: such a step ends at the minimum.
     const bool is_minimum = value.is_quadratic && next.is_quadratic && damping <= kNoDamping;
-    places.swap(candidate);
+    places.swap(candidate_);
     value = next;
     summary.final_cost = next.cost;
     damping *= 0.1;

@@ -49,9 +49,15 @@ struct PriorStiffness {
 /// @see Vo et al. 2016, "Spatiotemporal bundle adjustment for dynamic 3D reconstruction"
 class MotionPriorProblem {
  public:
+  MotionPriorProblem() = default;
   /// @param measurements  at least two, times increasing; must outlive the problem
   MotionPriorProblem(const std::vector<PlaceMeasurement>& measurements,
-                     const PriorStiffness& stiffness);
+                     const PriorStiffness& stiffness) {
+    set(measurements, stiffness);
+  }
+
+  /// Another problem, in the memory of the one before.
+  void set(const std::vector<PlaceMeasurement>& measurements, const PriorStiffness& stiffness);
 
   [[nodiscard]] double cost(const std::vector<Eigen::Vector3d>& places) const;
 
@@ -116,13 +122,14 @@ class MotionPriorProblem {
   void solveStep(const std::vector<Eigen::Vector3d>& places, double damping,
                  std::vector<Eigen::Vector3d>& step);
 
-  const std::vector<PlaceMeasurement>& measurements_;
-  double outlier_sigma_;
+  const std::vector<PlaceMeasurement>* measurements_ = nullptr;  ///< not null once it is set
+  double outlier_sigma_ = 0.0;
   std::vector<PriorTerm> terms_;
   std::vector<Step> steps_;
   BandedSystem<2> horizontal_;
   BandedSystem<1> vertical_;
-  std::vector<Eigen::Vector3d> slope_;  ///< buffer: the gradient
+  // Buffers: the gradient, a step, and the places after it.
+  std::vector<Eigen::Vector3d> slope_, step_, candidate_;
 };
 
 }  // namespace headway::objects

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 
 #include "consistency.h"
@@ -40,11 +41,10 @@ class MovingObjectTracker::Implementation {
     const Matches matches = consistency_.match(expected, measured.boxes);  // Sec. III-C3
     continueTracks(matches, frame, time, expected, measured);              // Sec. III-C2
     startTracks(matches, frame, time, measured.boxes, update);
-    for (TrackedObject& object : objects_) {
-      if (object.seenAt(time)) object.refine(time, smoother_);  // Sec. III-C1
+    for (const auto& object : objects_) {
+      if (object->seenAt(time)) object->refine(time, smoother_);  // Sec. III-C1
     }
-    predictAll(frame, time);  // Sec. III-B
-    return publish(time, std::move(update));
+    return publish(frame, time, std::move(update));
   }
 
   TrackUpdate coast(std::size_t frame, Time time) {
@@ -55,7 +55,7 @@ class MovingObjectTracker::Implementation {
 
   std::vector<TrackSample> flush() {
     std::vector<TrackSample> samples;
-    for (TrackedObject& object : objects_) object.finalise(0, time_.value_or(0.0), samples);
+    for (const auto& object : objects_) object->finalise(0, time_.value_or(0.0), samples);
     objects_.clear();
     return samples;
   }
@@ -70,19 +70,19 @@ class MovingObjectTracker::Implementation {
 
   [[nodiscard]] std::map<TrackId, Eigen::Vector3d> positions() const {
     std::map<TrackId, Eigen::Vector3d> positions;
-    for (const TrackedObject& object : objects_) positions[object.id()] = object.position();
+    for (const auto& object : objects_) positions[object->id()] = object->position();
     return positions;
   }
 
   std::map<TrackId, TrackId> rename(std::map<TrackId, TrackId> ids, std::int64_t next_id) {
     next_id_ = next_id;
-    for (TrackedObject& object : objects_) {
-      const auto [id, is_new] = ids.try_emplace(object.id(), TrackId{next_id_});
+    for (const auto& object : objects_) {
+      const auto [id, is_new] = ids.try_emplace(object->id(), TrackId{next_id_});
       if (is_new) ++next_id_;
-      object.setId(id->second);
+      object->setId(id->second);
     }
     std::sort(objects_.begin(), objects_.end(),
-              [](const TrackedObject& a, const TrackedObject& b) { return a.id() < b.id(); });
+              [](const auto& a, const auto& b) { return a->id() < b->id(); });
     return ids;
   }
 
@@ -100,9 +100,7 @@ class MovingObjectTracker::Implementation {
 
   // The tracks of the last frame.
   TrackUpdate publishAgain(std::size_t frame, TrackUpdate update) {
-    const Time time = time_.value_or(0.0);
-    predictAll(frame, time);
-    return publish(time, std::move(update));
+    return publish(frame, time_.value_or(0.0), std::move(update));
   }
 
   DistinctBoxes measure(const Pose& T_map_robot, const Detections& detections,
@@ -122,20 +120,20 @@ class MovingObjectTracker::Implementation {
   void predictTo(Time time, TrackUpdate& update) {
     const double dt = time_ ? time - *time_ : 0.0;
     const Transition transition(dt, params_.filter.acceleration_time_s);
-    for (TrackedObject& object : objects_) object.predict(transition);
+    for (const auto& object : objects_) object->predict(transition);
     time_ = time;
     const auto ended = std::stable_partition(
         objects_.begin(), objects_.end(),
-        [&](const TrackedObject& object) { return object.statusAt(time) != TrackStatus::kEnded; });
+        [&](const auto& object) { return object->statusAt(time) != TrackStatus::kEnded; });
     std::for_each(ended, objects_.end(),
-                  [&](TrackedObject& object) { object.finalise(0, time, update.finalised); });
+                  [&](const auto& object) { object->finalise(0, time, update.finalised); });
     objects_.erase(ended, objects_.end());
   }
 
   std::vector<ExpectedPlace> expectedPlaces() const {
     std::vector<ExpectedPlace> places;
     places.reserve(objects_.size());
-    for (const TrackedObject& object : objects_) places.push_back(object.expected());
+    for (const auto& object : objects_) places.push_back(object->expected());
     return places;
   }
 
@@ -143,11 +141,11 @@ class MovingObjectTracker::Implementation {
                       const std::vector<ExpectedPlace>& expected, const DistinctBoxes& measured) {
     for (const auto& [track, detection] : matches.pairs) {
       const MeasuredBox& box = measured.likeliest(detection, expected[track]);
-      objects_[track].update(frame, time, box);
-      if (objects_[track].mature()) noise_.learn(expected[track], box);
+      objects_[track]->update(frame, time, box);
+      if (objects_[track]->mature()) noise_.learn(expected[track], box);
     }
-    for (TrackedObject& object : objects_) {
-      if (!object.seenAt(time)) object.miss();
+    for (const auto& object : objects_) {
+      if (!object->seenAt(time)) object->miss();
     }
   }
 
@@ -159,36 +157,41 @@ class MovingObjectTracker::Implementation {
         --update.detections_used;
         continue;
       }
-      objects_.emplace_back(TrackId{next_id_++}, frame, time, measured[detection], params_);
+      objects_.push_back(std::make_unique<TrackedObject>(TrackId{next_id_++}, frame, time,
+                                                         measured[detection], params_));
     }
   }
 
-  void predictAll(std::size_t frame, Time time) {
-    for (TrackedObject& object : objects_) {
-      if (object.statusAt(time) == TrackStatus::kTentative) continue;
-      object.historyAt(frame, time, history_);
-      predictor_->predictInto(history_, object.predictions);
+  TrackUpdate publish(std::size_t frame, Time time, TrackUpdate update) {
+    const auto shown = distinctObjects(time);
+    std::vector<std::vector<PredictedPath>> predictions(shown.size());
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+      if (shown[i]->statusAt(time) == TrackStatus::kTentative) continue;
+      shown[i]->historyAt(frame, time, history_);
+      predictor_->predictInto(history_, predictions[i]);  // Sec. III-B
     }
-  }
-
-  TrackUpdate publish(Time time, TrackUpdate update) {
     const auto window = static_cast<std::size_t>(params_.smoothing.window_frames) + 1;
-    std::vector<TrackedObject*> shown;
-    shown.reserve(objects_.size());
-    for (TrackedObject& object : objects_) {
-      object.finalise(window, time, update.finalised);
-      if (isShown(object, time)) shown.push_back(&object);
-      if (auto expected = object.searchable(time)) update.expected.push_back(std::move(*expected));
+    for (const auto& object : objects_) {
+      object->finalise(window, time, update.finalised);
+      if (auto expected = object->searchable(time)) update.expected.push_back(std::move(*expected));
     }
-    const auto distinct =
-        suppressDuplicateTracks(shown, params_.consistency.duplicate_track_distance_m);
-    update.tracks.reserve(distinct.size());
-    for (TrackedObject* object : distinct) {
-      Track& track = update.tracks.emplace_back(object->shownAt(time));
-      track.box2d = object->imageBoxAt(time, view_.inSensor(object->position()));
-      track.predictions = std::move(object->predictions);  // 8 kB
+    update.tracks.reserve(shown.size());
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+      Track& track = update.tracks.emplace_back(shown[i]->shownAt(time));
+      track.box2d = shown[i]->imageBoxAt(time, view_.inSensor(shown[i]->position()));
+      track.predictions = std::move(predictions[i]);  // 8 kB
     }
     return update;
+  }
+
+  /// The objects that are published, one for each real one.
+  [[nodiscard]] std::vector<const TrackedObject*> distinctObjects(Time time) const {
+    std::vector<const TrackedObject*> shown;
+    shown.reserve(objects_.size());
+    for (const auto& object : objects_) {
+      if (isShown(*object, time)) shown.push_back(object.get());
+    }
+    return suppressDuplicateTracks(shown, params_.consistency.duplicate_track_distance_m);
   }
 
   [[nodiscard]] bool isShown(const TrackedObject& object, Time time) const {
@@ -200,7 +203,7 @@ class MovingObjectTracker::Implementation {
   ConsistencyCheck consistency_;
   TrajectorySmoother smoother_;
   std::unique_ptr<Predictor> predictor_;
-  std::vector<TrackedObject> objects_;  ///< ascending ids
+  std::vector<std::unique_ptr<TrackedObject>> objects_;  ///< ascending ids; 2 kB each
   FieldOfView view_;
   NoiseScale noise_;
   ScoreQuality quality_;

@@ -98,7 +98,7 @@ void TrackedObject::updateHeading(const MeasuredBox& detection) {
   }
 }
 
-void TrackedObject::refine(Time time, const TrajectorySmoother& smoother) {
+void TrackedObject::refine(Time time, TrajectorySmoother& smoother) {
   constexpr double kSpeedWindow_s = 1.0;
   smoother.refine(trajectory_, filter_, group(), motion_class_.standing());
   smoothed_offset_ = trajectory_.path.back().position - filter_.position();
@@ -228,6 +228,7 @@ void TrackedObject::finalise(std::size_t window, Time time, std::vector<TrackSam
     (void)trajectory_.finalise(window);
     return;
   }
+  if (trajectory_.path.size() <= window) return;
   const Track shown_now = stateAt(time);  // before its path is removed
   const std::vector<TrajectoryPoint> finalised = trajectory_.finalise(window);
   for (std::size_t j = 0; j < finalised.size(); ++j) {

@@ -33,7 +33,7 @@ class TrackedObject {
   void update(std::size_t frame, Time time, const MeasuredBox& detection);
 
   /// Smooths the path after an update (Sec. III-C1) and classifies the object's motion.
-  void refine(Time time, const TrajectorySmoother& smoother);
+  void refine(Time time, TrajectorySmoother& smoother);
 
   /// Counts a frame without a detection of the object.
   void miss() {
@@ -75,8 +75,6 @@ class TrackedObject {
 
   /// Appends the places that left the smoothing window.
   void finalise(std::size_t window, Time time, std::vector<TrackSample>& samples);
-
-  std::vector<PredictedPath> predictions;  ///< of this frame
 
  private:
   /// The object as published, without path and predictions.

@@ -25,7 +25,7 @@ std::vector<TrajectoryPoint> Trajectory::finalise(std::size_t window) {
 }
 
 void TrajectorySmoother::refine(Trajectory& trajectory, const KalmanFilter& filter,
-                                MotionGroup group, bool standing) const {
+                                MotionGroup group, bool standing) {
   if (params_.gaussian_smoothing) blurNewest(trajectory, filter.velocity());
   if (trajectory.length < static_cast<std::size_t>(params_.mature_frames)) {
     blendWithFilter(trajectory, filter);
@@ -42,14 +42,12 @@ void TrajectorySmoother::blendWithFilter(Trajectory& trajectory, const KalmanFil
   trajectory.path.back().position = (w_k * filter.position() + w_n * average) / (w_k + w_n);
 }
 
-void TrajectorySmoother::optimizeGrown(Trajectory& trajectory,
-                                       const PriorStiffness& stiffness) const {
-  std::vector<Eigen::Vector3d> places;
-  places.reserve(trajectory.path.size());
-  for (const TrajectoryPoint& point : trajectory.path) places.push_back(point.position);
-  MotionPriorProblem problem(trajectory.measurements, stiffness);
-  problem.refine(places, params_.max_iterations, params_.tolerance_m);
-  for (std::size_t j = 0; j < places.size(); ++j) trajectory.path[j].position = places[j];
+void TrajectorySmoother::optimizeGrown(Trajectory& trajectory, const PriorStiffness& stiffness) {
+  places_.clear();
+  for (const TrajectoryPoint& point : trajectory.path) places_.push_back(point.position);
+  problem_.set(trajectory.measurements, stiffness);
+  problem_.refine(places_, params_.max_iterations, params_.tolerance_m);
+  for (std::size_t j = 0; j < places_.size(); ++j) trajectory.path[j].position = places_[j];
 }
 
 void TrajectorySmoother::blurNewest(Trajectory& trajectory, const Eigen::Vector3d& velocity) const {

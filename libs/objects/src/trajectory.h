@@ -34,19 +34,20 @@ class TrajectorySmoother {
   /// Updates the path after a position was appended; lines 5 to 11 of Algorithm 1.
   ///
   /// @param standing  the object is classified as static: the prior is stiffer
-  void refine(Trajectory& trajectory, const KalmanFilter& filter, MotionGroup group,
-              bool standing) const;
+  void refine(Trajectory& trajectory, const KalmanFilter& filter, MotionGroup group, bool standing);
 
  private:
   /// The newest position: weighted mean of filter and n-point moving average (Sec. III-C2).
   void blendWithFilter(Trajectory& trajectory, const KalmanFilter& filter) const;
   /// The whole window: motion prior and measurements (Sec. III-C1).
-  void optimizeGrown(Trajectory& trajectory, const PriorStiffness& stiffness) const;
+  void optimizeGrown(Trajectory& trajectory, const PriorStiffness& stiffness);
   /// The newest measured position, smoothed over its predecessors (Sec. III-C3, G(P)).
   void blurNewest(Trajectory& trajectory, const Eigen::Vector3d& velocity) const;
   [[nodiscard]] PriorStiffness stiffnessOf(MotionGroup group, bool standing) const;
 
   SmoothingParams params_;
+  MotionPriorProblem problem_;           ///< its memory is used again
+  std::vector<Eigen::Vector3d> places_;  ///< buffer of one path
 };
 
 }  // namespace headway::objects
