@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 namespace headway::app {
 namespace {
@@ -38,6 +40,21 @@ TEST(TopViewTest, ADetourStaysInItsPanel) {
     const cv::Mat edge = picture(cv::Rect(panel * width, 70, 4, 560));
     EXPECT_GT(bluePixels(left), 200) << "the way to the left is drawn";
     EXPECT_EQ(0, bluePixels(edge)) << "and does not reach the edge of the panel";
+  }
+}
+
+TEST(TopViewTest, EachRecordFillsItsPanel) {
+  const RobotParams robot;
+  const cv::Mat picture = drawWhole({detour(robot, 0.5), detour(robot, 60.0)}, robot);
+  const int width = picture.cols / 2;
+  for (int panel = 0; panel < 2; ++panel) {
+    const cv::Mat half = picture(cv::Rect(panel * width, 64, width, 602));
+    cv::Mat drawn;
+    cv::inRange(half, cv::Scalar(150, 75, 10), cv::Scalar(190, 115, 50), drawn);
+    const cv::Rect covered = cv::boundingRect(drawn);
+    const int middle = covered.y + covered.height / 2;
+    EXPECT_NEAR(301, middle, 40) << "in the middle";
+    EXPECT_GT(std::max(covered.width / double(width), covered.height / 602.0), 0.8) << "whole";
   }
 }
 
