@@ -168,6 +168,7 @@ function drawTopView(draw, width, height, view, world) {
   if (!layers.labels) return;
   drawLabels(draw, world.tracks.filter((track) => track.moving).map((track) => {
     const [x, y] = pixelInTopView(view, track.x, track.y);
-    return {text: nameOfTrack(track), x: x + 6, y: y - 4, colour: track.colour};
+    const reach = view.zoom * Math.hypot(track.length, track.width) / 2;  // of the box, in any direction
+    return {text: nameOfTrack(track), x: x + reach + 6, y: y + 7, colour: track.colour};
   }));
 }
