@@ -133,7 +133,7 @@ GrowingFile& FrameWriters::open(const std::filesystem::path& folder, const std::
 FrameWriters::RowCounts FrameWriters::rowCounts() {
   RowCounts counts;
   for (auto& [name, file] : files_) {
-    file.flush();
+    file.endRows();
     counts[name] = file.rowCount();
   }
   return counts;

@@ -15,7 +15,7 @@
 
 namespace headway::replay {
 
-/// Writes the results of each frame at once, so that a killed run lacks at most its last second:
+/// Writes the results of each frame at once, so that a killed run lacks none of them:
 /// trajectory_online.tum, trajectory_covariance.csv, detections.csv, tracks.csv,
 /// tracks_smoothed.csv, tracks_kitti.txt, predictions.csv, and the records of the trajectory.
 class FrameWriters {

@@ -5,6 +5,7 @@
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/map/map_file.h>
+#include <headway_test/waiting.h>
 #include <sys/file.h>
 #include <sys/mount.h>
 #include <sys/wait.h>
@@ -67,10 +68,7 @@ class ContinueTest : public testing::Test {
       execv(arguments[0], arguments.data());
       _exit(99);
     }
-    constexpr int kMaxPolls = 6000;  // a minute: the program hangs
-    for (int poll = 0; !awaited.empty() && !fs::exists(awaited) && poll < kMaxPolls; ++poll) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
+    test::waitUntil([&] { return awaited.empty() || fs::exists(awaited); });
     std::this_thread::sleep_for(std::chrono::milliseconds(after_ms));
     kill(child, SIGKILL);
     waitpid(child, nullptr, 0);

@@ -4,6 +4,7 @@
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/map/map_file.h>
+#include <headway_test/waiting.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -42,6 +43,14 @@ void expectWholeRows(const fs::path& folder) {
   }
 }
 
+/// Whether a program writes a file of the folder.
+bool isBeingWritten(const fs::path& folder) {
+  const auto files = fs::directory_iterator(folder);
+  return std::any_of(begin(files), end(files), [](const auto& entry) {
+    return entry.path().filename().string().rfind(".partial-", 0) == 0;
+  });
+}
+
 class ResultsSurviveTest : public testing::Test {
  protected:
   ResultsSurviveTest() { test::writePlainRawlog(rawlog_); }
@@ -67,6 +76,12 @@ class ResultsSurviveTest : public testing::Test {
     return start(options);
   }
 
+  /// Waits until the replay has written its first frame's rows.
+  [[nodiscard]] bool hasBegun() const {
+    return test::waitUntil(
+        [&] { return !test::contentsOf(out_ / "trajectory_online.tum").empty(); });
+  }
+
   /// Sends a signal; returns the exit status and the time until the end [s].
   static std::pair<int, double> end(pid_t child, int signal) {
     const auto sent = Clock::now();
@@ -86,7 +101,7 @@ TEST_F(ResultsSurviveTest, SignalsEndAReplayThatWaitsWithItsStatusAndWholeResult
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     fs::remove_all(out_);
     const pid_t child = startReplay({"--realtime", "0.001"});  // a frame every 100 s
-    std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+    EXPECT_TRUE(hasBegun());
     const auto [status, seconds] = end(child, signal);
     EXPECT_EQ(128 + signal, status);
     std::printf("signal %d ended it after %.2f s\n", signal, seconds);
@@ -103,7 +118,7 @@ TEST_F(ResultsSurviveTest, SignalsEndOtherProgramsWithTheirStatus) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     const pid_t child =
         start({test::program("headway-sim"), "-q", "-w", "-c", config, "-o", folder_ / "s.rawlog"});
-    std::this_thread::sleep_for(std::chrono::milliseconds(800));
+    EXPECT_TRUE(test::waitUntil([&] { return isBeingWritten(folder_.path()); }));
     const auto [status, seconds] = end(child, signal);
     EXPECT_EQ(128 + signal, status) << "before it ends by itself";
     std::printf("signal %d ended it after %.2f s\n", signal, seconds);
@@ -124,6 +139,7 @@ TEST_F(ResultsSurviveTest, AKillLeavesWholeRowsAndASecondRunMayFollow) {
 
 TEST_F(ResultsSurviveTest, AKilledRunLeavesMapAndTrajectoryOfItsLastCheckpoint) {
   const pid_t child = startReplay({"--realtime", "0.4", "--set", "output.checkpoint_s=0.2"});
+  EXPECT_TRUE(hasBegun());
   std::this_thread::sleep_for(std::chrono::milliseconds(2500));
   end(child, SIGKILL);
   EXPECT_GE(io::readTum(out_ / "trajectory.tum").size(), 2u);
@@ -147,6 +163,7 @@ TEST_F(ResultsSurviveTest, AKillWhileReplacingLeavesTheOldResults) {
   ASSERT_EQ(0, replay().process.status);
   const auto before = contentsIn(out_);
   const pid_t child = startReplay({"-w", "--realtime", "0.001"});
+  EXPECT_TRUE(test::waitUntil([&] { return fs::exists(out_ / ".lock"); }));
   std::this_thread::sleep_for(std::chrono::milliseconds(1000));
   end(child, SIGKILL);
   auto after = contentsIn(out_);
@@ -254,7 +271,7 @@ TEST_F(ResultsSurviveTest, AFailedImportLeavesTheOldRawlogAndItsImages) {
 
 TEST_F(ResultsSurviveTest, TwoRunsIntoOneFolderAreRefused) {
   const pid_t child = startReplay({"--realtime", "0.001"});
-  std::this_thread::sleep_for(std::chrono::milliseconds(1000));
+  EXPECT_TRUE(hasBegun());
   const auto second = replay("-w");
   EXPECT_EQ(1, second.process.status);
   EXPECT_THAT(second.process.output, HasSubstr("process " + std::to_string(child)));

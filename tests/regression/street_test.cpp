@@ -5,6 +5,7 @@
 #include <headway/map/map_file.h>
 #include <headway_test/limits.h>
 #include <headway_test/paths.h>
+#include <headway_test/waiting.h>
 
 #include <chrono>
 #include <csignal>
@@ -181,7 +182,11 @@ TEST(StreetTest, CtrlCLeavesFinishedReadableOutputs) {
       test::runProcess(test::program("headway-replay") + " -q -i " + kStreet + " -o " +
                        out.string() + " --realtime 1 --snapshots 0 > /dev/null & echo $!");
   const pid_t pid = std::stoi(started.output);
-  std::this_thread::sleep_for(std::chrono::seconds(3));
+  const auto rows = [&] {
+    const std::string text = test::contentsOf(out / "trajectory_online.tum");
+    return std::count(text.begin(), text.end(), '\n');
+  };
+  EXPECT_TRUE(test::waitUntil([&] { return rows() > 5; }));
   ASSERT_EQ(0, kill(pid, SIGINT)) << "the replay ended before it was interrupted";
   while (kill(pid, 0) == 0) std::this_thread::sleep_for(std::chrono::milliseconds(50));
 

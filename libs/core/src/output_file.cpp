@@ -18,8 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::chrono::seconds kFlushInterval(1);
-constexpr std::size_t kMaxWaitingBytes = 1 << 20;
 constexpr std::size_t kPageBytes = 4096;
 
 [[noreturn]] void failToWrite(const fs::path& path, int error) {
@@ -145,10 +143,7 @@ void writeFile(const fs::path& path, std::string_view bytes) {
 }
 
 GrowingFile::GrowingFile(const fs::path& path, std::optional<std::size_t> kept_rows)
-    : path_(path),
-      file_(-1),
-      row_count_(kept_rows.value_or(0)),
-      flushed_(std::chrono::steady_clock::now()) {
+    : path_(path), file_(-1), row_count_(kept_rows.value_or(0)) {
   if (kept_rows) keepRows(path_, *kept_rows);
   const int start = kept_rows ? 0 : O_CREAT | O_TRUNC;
   file_ = open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC | start, 0666);
@@ -158,19 +153,13 @@ GrowingFile::GrowingFile(const fs::path& path, std::optional<std::size_t> kept_r
 GrowingFile::~GrowingFile() {
   if (file_ < 0) return;
   try {
-    flush();
-  } catch (const std::exception&) {  // errors are reported by flush() and close()
+    endRows();
+  } catch (const std::exception&) {  // errors are reported by endRows() and close()
   }
   if (file_ >= 0) ::close(file_);
 }
 
 void GrowingFile::endRows() {
-  const bool is_due = std::chrono::steady_clock::now() - flushed_ >= kFlushInterval;
-  if (is_due || rows_.tellp() > static_cast<std::streamoff>(kMaxWaitingBytes)) flush();
-}
-
-void GrowingFile::flush() {
-  flushed_ = std::chrono::steady_clock::now();
   const std::string rows = rows_.str();
   rows_.str("");
   for (std::string_view left = rows; !left.empty();) {
@@ -199,7 +188,7 @@ void GrowingFile::write(std::string_view rows) {
 }
 
 void GrowingFile::close() {
-  flush();
+  endRows();
   const int file = std::exchange(file_, -1);
   if (file < 0) return;
   const int error = fsync(file) == 0 ? 0 : errno;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -53,9 +52,9 @@ void writeFile(const std::filesystem::path& path, std::string_view bytes);
 /// @throws InputError if that fails
 void synchroniseFile(const std::filesystem::path& path);
 
-/// A file of rows that grows while a program runs. After a kill it lacks at most the rows of the
-/// last second and ends with a whole row, unless the kill fell into the microseconds in which the
-/// system appends a row to two pages of the file.
+/// A file of rows that grows while a program runs. After a kill it has all rows that were ended and
+/// ends with a whole row, unless the kill fell into the microseconds in which the system appends a
+/// row to two pages of the file.
 ///
 ///     GrowingFile file("tracks.csv");
 ///     file.stream() << "1,2\n";
@@ -73,15 +72,12 @@ class GrowingFile {
   GrowingFile& operator=(const GrowingFile&) = delete;
 
   [[nodiscard]] std::ostream& stream() { return rows_; }
-  /// Call after whole rows: hands them to the system if the last time was a second ago.
-  ///
-  /// @throws InputError if the file cannot be written
+  /// Call after whole rows: hands them to the system. @throws InputError if the file cannot be
+  /// written
   void endRows();
-  /// Hands all rows to the system. @throws InputError if the file cannot be written
-  void flush();
-  /// Ends the file and synchronises it with the disk. @throws InputError as flush()
+  /// Ends the file and synchronises it with the disk. @throws InputError as endRows()
   void close();
-  /// Rows handed to the system so far, with the kept ones.
+  /// Rows ended so far, with the kept ones.
   [[nodiscard]] std::size_t rowCount() const { return row_count_; }
 
  private:
@@ -91,7 +87,6 @@ class GrowingFile {
   int file_;  ///< descriptor; -1 when closed
   std::ostringstream rows_;
   std::size_t row_count_;
-  std::chrono::steady_clock::time_point flushed_;
 };
 
 }  // namespace headway

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <thread>
+
+namespace headway::test {
+
+/// Waits until a condition holds, at most a minute.
+///
+/// @return whether it holds
+template <typename Condition>
+bool waitUntil(const Condition& holds) {
+  constexpr int kMaxPolls = 6000;
+  for (int poll = 0; poll < kMaxPolls; ++poll) {
+    if (holds()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return false;
+}
+
+}  // namespace headway::test
