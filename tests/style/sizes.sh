@@ -9,10 +9,12 @@ export LC_ALL=C.UTF-8
 cd "$1" || exit 1
 failures=$(
   find libs apps -name '*.cpp' -exec awk '
-    FNR == 1 && /SPDX-License-Identifier/ { licence = 1 }
-    END { if (NR - licence > 300) print FILENAME ": " NR - licence " lines" }' {} \;
+    function judge() { if (lines > 300) print name ": " lines " lines" }
+    FNR == 1 { judge(); name = FILENAME; lines = 0 }
+    !/SPDX-License-Identifier/ { ++lines }
+    END { judge() }' {} +
   find libs apps \( -name '*.cpp' -o -name '*.h' \) -exec awk '
-    FNR == 1 { start = 0; head = "" }
+    FNR == 1 { start = 0; first = 0 }
     # A definition at namespace scope or directly in a class; control flow is indented deeper.
     /^( ? ?)[A-Za-z~:\[<].*[^;]$/ && !/^ *(namespace|class|struct|enum|union|extern|public|private|using|template|#|if|for|while|switch|else|do|return|case)/ && !start {
       match($0, /^ */); candidate = RLENGTH; first = FNR }
@@ -20,7 +22,7 @@ failures=$(
       start = first; indent = candidate }
     start && /^ *\}/ { match($0, /^ */); if (RLENGTH == indent) {
       if (FNR - start + 1 > 40) print FILENAME ":" start ": function of " FNR - start + 1 " lines"
-      start = 0; first = 0 } }' {} \;
+      start = 0; first = 0 } }' {} +
   for document in doc/*.md doc/lab/*.md README.md CHANGELOG.md rawlogs/README.md config/worlds/README.md; do
     grep -nE '.{121,}' "$document" | cut -d: -f1 | sed "s|^|$document:|; s|\$|: more than 120 characters|"
   done
