@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bag_writers.h"
 
+#include <headway_test/folders.h>
 #include <headway_test/paths.h>
 #include <headway_test/process.h>
 
+#include <map>
 #include <stdexcept>
 
 namespace headway::bags::test {
@@ -36,10 +38,17 @@ const std::string& missingPackages() {
   return missing;
 }
 
+/// Why ROS 1 bags cannot be written; empty if they can.
+const std::string& missingRosbag() {
+  static const std::string missing =
+      succeeds(std::string(kPython) + "-c 'import rosbag, sensor_msgs, nav_msgs, tf2_msgs'")
+          ? ""
+          : "python3-rosbag and python3 messages are not installed; they write ROS 1 bags";
+  return missing;
+}
+
 std::string writeRos1(const BagFormat& format, const std::string& form, const std::string& path) {
-  if (!succeeds(std::string(kPython) + "-c 'import rosbag, sensor_msgs, nav_msgs, tf2_msgs'")) {
-    return "python3-rosbag and python3 messages are not installed; they write ROS 1 bags";
-  }
+  if (!missingRosbag().empty()) return missingRosbag();
   const std::string call = std::string(kPython) + kWriters + "write_ros1.py " + path + " " + form +
                            " " + format.compression;
   if (!succeeds(call)) throw std::runtime_error(call);
@@ -65,8 +74,18 @@ std::string writeRos2(const BagFormat& format, const std::string& form, const st
 
 std::string writeBag(const BagFormat& format, const std::string& form,
                      const std::filesystem::path& path) {
-  const bool is_ros1 = std::string(format.ending) == "bag";
-  return is_ros1 ? writeRos1(format, form, path.string()) : writeRos2(format, form, path.string());
+  // Interpreters take a second to start: each bag is written once a program, and copied.
+  static const headway::test::TemporaryFolder folder;
+  static std::map<std::string, std::string> missing;
+  const std::string name = form + "_" + format.compression + "." + format.ending;
+  const std::string written = folder / name;
+  if (missing.count(name) == 0) {
+    const bool is_ros1 = std::string(format.ending) == "bag";
+    missing[name] = is_ros1 ? writeRos1(format, form, written) : writeRos2(format, form, written);
+  }
+  if (!missing[name].empty()) return missing[name];
+  std::filesystem::copy_file(written, path, std::filesystem::copy_options::overwrite_existing);
+  return "";
 }
 
 cv::Mat recordedPicture(int frame, int offset) {
