@@ -6,6 +6,7 @@
 #include <headway/pipeline/perception.h>
 #include <headway_test/folders.h>
 #include <headway_test/paths.h>
+#include <headway_test/repeats.h>
 
 #include <cmath>
 #include <sstream>
@@ -13,6 +14,8 @@
 namespace headway::pipeline {
 namespace {
 
+constexpr std::size_t kImageFrames = test::repeats(8, 3);
+constexpr std::size_t kBoxFrames = test::repeats(100, 25);
 const std::string kStreetRawlog = std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/street.rawlog";
 
 /// A parameter, and the ends of its range or all its choices.
@@ -99,9 +102,9 @@ Scene boxes(std::size_t count) {
 }
 
 const Scene& sceneFor(const std::string& section) {
-  static const Scene kImages = images(8);
+  static const Scene kImages = images(kImageFrames);
   static const Scene kFewImages = images(1);
-  static const Scene kBoxes = boxes(100);
+  static const Scene kBoxes = boxes(kBoxFrames);
   if (section == "objects") return kBoxes;
   return section == "hog" || section == "dnn" ? kFewImages : kImages;
 }
@@ -223,15 +226,15 @@ TEST(ParameterRangesTest, AllHaveARangeThatIsTested) {
 }
 
 TEST(ParameterRangesTest, TheScenesAreTrackedWithDefaults) {
-  EXPECT_EQ(8u, expectRunsToItsEnd("slam", {}).tracked);
+  EXPECT_EQ(kImageFrames, expectRunsToItsEnd("slam", {}).tracked);
   const auto objects = expectRunsToItsEnd("objects", {});
-  EXPECT_EQ(100u, objects.tracked);
+  EXPECT_EQ(kBoxFrames, objects.tracked);
   EXPECT_GE(objects.confirmed, 2u);
 }
 
 /// No ground is in reach in the first frames.
 TEST(ParameterRangesTest, AnEmptyLookAtTheGroundIsNoGrid) {
-  EXPECT_EQ(8u, expectRunsToItsEnd("grid", {"grid.reach=3"}).tracked);
+  EXPECT_EQ(kImageFrames, expectRunsToItsEnd("grid", {"grid.reach=3"}).tracked);
 }
 
 /// A network of another input size than its own is refused.

@@ -5,6 +5,7 @@
 #include <headway/pipeline/perception.h>
 #include <headway_test/folders.h>
 #include <headway_test/process.h>
+#include <headway_test/repeats.h>
 #include <headway_test/textured_world.h>
 
 namespace headway::pipeline {
@@ -186,6 +187,7 @@ TEST_F(ResumeTest, AFileThatIsCutOffAtAnyByteIsAnError) {
   const std::string whole = mapOfDrive(0, 1);
   ASSERT_EQ("", errorOfResuming(*hall_.camera()));
   for (std::size_t length = whole.size(); length-- > 0;) {
+    if (length % test::repeats(1, 13) != 0) continue;
     std::filesystem::resize_file(path_, length);
     ASSERT_NE("", errorOfResuming(*hall_.camera())) << length << " of " << whole.size();
   }

@@ -3,6 +3,7 @@
 #include "site_environment.h"
 
 #include <gtest/gtest.h>
+#include <headway_test/repeats.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +17,7 @@ namespace {
 using Kind = WorldParams::Kind;
 
 constexpr double kPeopleStep = 0.02;  // [s]
+constexpr int kSeeds = test::repeats(3, 1);
 
 SimParams busy(Kind kind, int seed) {
   SimParams params;
@@ -81,7 +83,7 @@ Minute watch(const SimParams& params, double seconds) {
 class SiteEnvironmentTest : public ::testing::TestWithParam<Kind> {};
 
 TEST_P(SiteEnvironmentTest, PeoplePassThroughNeitherWallsNorTheRobot) {
-  for (const int seed : {1, 2, 3}) {
+  for (int seed = 1; seed <= kSeeds; ++seed) {
     const Minute minute = watch(busy(GetParam(), seed), 60.0);
     EXPECT_GT(minute.person_clearance, 0.2) << "seed " << seed;
     EXPECT_GT(minute.robot_clearance, 0.2) << "seed " << seed;
@@ -117,7 +119,7 @@ TEST_P(SiteEnvironmentTest, SameSeedSameMotionAnotherSeedAnother) {
 }
 
 TEST_P(SiteEnvironmentTest, VehiclesGoOnPastPeopleWhoSitOrStand) {
-  for (const int seed : {1, 2, 3}) {
+  for (int seed = 1; seed <= kSeeds; ++seed) {
     SimParams params = busy(GetParam(), seed);
     params.traffic.pedestrians = 0;
     params.traffic.idle_people = 100;
@@ -193,7 +195,7 @@ TEST_P(SiteEnvironmentTest, WithSomeSeedsTheRobotStartsBesideADrop) {
 }
 
 TEST_P(SiteEnvironmentTest, ManyLayoutsLetTheRobotMove) {
-  for (int seed = 20; seed < 32; ++seed) {
+  for (int seed = 20; seed < 20 + test::repeats(12, 2); ++seed) {
     SimParams params = busy(GetParam(), seed);
     params.traffic.pedestrians = params.traffic.idle_people = 0;
     params.traffic.vehicles = params.traffic.cyclists = 0;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <headway/sim/rigs.h>
 #include <headway/sim/simulator.h>
+#include <headway_test/repeats.h>
 
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -36,6 +37,12 @@ std::vector<SimFrame> drawnFrames(const SimParams& params) {
   std::vector<SimFrame> frames;
   while (auto frame = simulator.next()) frames.push_back(std::move(*frame));
   return frames;
+}
+
+std::vector<std::string> rigs() {
+  std::vector<std::string> names = {"small", "robot", "car"};
+  names.resize(test::repeats(names.size(), std::size_t{1}));
+  return names;
 }
 
 class SiteFramesTest : public ::testing::TestWithParam<std::tuple<Kind, std::string>> {};
@@ -104,7 +111,7 @@ TEST_P(SiteFramesTest, TheFloorLiesWhereTheMountingSaysAndTheLaserAgreesWithTheD
 INSTANTIATE_TEST_SUITE_P(All, SiteFramesTest,
                          ::testing::Combine(::testing::Values(Kind::kHall, Kind::kCampus,
                                                               Kind::kWarehouse),
-                                            ::testing::Values("car", "robot", "small")));
+                                            ::testing::ValuesIn(rigs())));
 
 }  // namespace
 }  // namespace headway::sim
