@@ -2,7 +2,8 @@
 # Run after a test program was built: asks it for its tests and writes the ctest entries.
 #
 # One entry a suite, <NAME>.<Suite>, rather than one a test: the start of a process costs more than most tests.
-# What SLOW names, as <Suite>.<Test> or <Suite>.*, has an entry of its own with the label `slow`.
+# What SLOW names, as <Suite>.<Test> or <Suite>.*, has an entry of its own with the label `slow`; those begin first, so
+# that none is left over at the end when all else is done.
 #
 # -DPROGRAM=... -DNAME=... -DOUTPUT=... -DTIMEOUT=... -DLABELS=... -DSLOW=...
 cmake_minimum_required(VERSION 3.18)
@@ -17,6 +18,9 @@ set(script "")
 function(entry name filter labels)
   string(APPEND script "add_test([=[${NAME}.${name}]=] [=[${PROGRAM}]=] [=[--gtest_filter=${filter}]=])\n"
          "set_tests_properties([=[${NAME}.${name}]=] PROPERTIES TIMEOUT ${TIMEOUT} LABELS [=[${labels}]=])\n")
+  if("slow" IN_LIST labels)
+    string(APPEND script "set_tests_properties([=[${NAME}.${name}]=] PROPERTIES COST 60)\n")
+  endif()
   set(script "${script}" PARENT_SCOPE)
 endfunction()
 
