@@ -7,6 +7,7 @@
 #include <headway/pipeline/perception.h>
 #include <headway_test/degraded_images.h>
 #include <headway_test/painted_street.h>
+#include <headway_test/repeats.h>
 
 #include <set>
 
@@ -71,9 +72,10 @@ TEST_P(InTroubleTest, OneMovingObjectGivesAtMostTwoMovingTracks) {
             2u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Troubles, InTroubleTest, testing::Range(0, 5), [](const auto& index) {
-  return std::string(test::troubles(kBlackFrame)[index.param].name);
-});
+INSTANTIATE_TEST_SUITE_P(Troubles, InTroubleTest, testing::Range(0, test::repeats(5, 2)),
+                         [](const auto& index) {
+                           return std::string(test::troubles(kBlackFrame)[index.param].name);
+                         });
 
 TEST(TroubleTest, ContinuesAfterABlackImage) {
   const auto outcome = run(PaintedStreet(kStillStreet), test::troubles(kBlackFrame)[3]);
