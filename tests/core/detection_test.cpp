@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 #include <headway/core/detection.h>
+#include <headway/core/detection_checks.h>
 
 #include <cmath>
 #include <limits>
@@ -100,6 +101,36 @@ TEST(OpticalYawTest, IsInverseToFrontOf) {
   for (double yaw = -3.1; yaw < 3.1; yaw += 0.31) {
     EXPECT_NEAR(yaw, opticalYaw(frontOf({{}, 4.0, 2.0, 1.5, yaw})), 1e-12);
   }
+}
+
+TEST(IsCovarianceTest, AcceptsWhatIsPositiveUpToRounding) {
+  const Eigen::Vector3d ray(1.0, 0.2, 30.0);
+  const Eigen::Matrix3d singular = ray * ray.transpose();
+  EXPECT_TRUE(isCovariance(Eigen::Matrix3d::Identity()));
+  EXPECT_TRUE(isCovariance(Eigen::Matrix3d::Zero()));
+  EXPECT_TRUE(isCovariance(singular));
+  EXPECT_TRUE(isCovariance(singular - 1e-5 * Eigen::Matrix3d::Identity())) << "rounded";
+  EXPECT_FALSE(isCovariance(singular - 0.1 * Eigen::Matrix3d::Identity()));
+  EXPECT_FALSE(isCovariance(-Eigen::Matrix3d::Identity()));
+  EXPECT_FALSE(isCovariance(1e7 * Eigen::Matrix3d::Identity()));
+  EXPECT_FALSE(isCovariance(1e300 * Eigen::Matrix3d::Identity()));
+  EXPECT_FALSE(isCovariance(Eigen::Matrix3d::Constant(std::nan(""))));
+}
+
+TEST(IsPlausibleTest, JudgesFiniteNumbers) {
+  Detection detection;
+  detection.box3d = Box3d{{1.0, 0.5, 12.0}, 5.0, 2.0, 2.0, 0.0};
+  EXPECT_TRUE(isPlausible(detection));
+  detection.box3d->centre.x() = std::nan("");
+  EXPECT_TRUE(isPlausible(detection));
+  detection.box3d->length = 1e7;
+  EXPECT_FALSE(isPlausible(detection));
+  detection.box3d.reset();
+  detection.box2d = Box2d{0.0, 0.0, 1e9, 1.0};
+  EXPECT_FALSE(isPlausible(detection));
+  detection.box2d.reset();
+  detection.score = -1e154;
+  EXPECT_FALSE(isPlausible(detection));
 }
 
 TEST(Box2dTest, ContainsItsEdges) {

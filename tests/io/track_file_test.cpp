@@ -272,7 +272,7 @@ TEST_F(TrackFileTest, CsvDetectionsHaveNamedColumns) {
       detections("d.csv",
                  "frame,class,score,id,x,y,z,length,width,height,yaw,left,top,right,bottom,"
                  "cov_xx,cov_xy,cov_xz,cov_yy,cov_yz,cov_zz\n"
-                 "0,Car,0.5,3,1,2,3,4,1.5,1.6,0.1,10,20,30,40,1,2,3,4,5,6\n"
+                 "0,Car,0.5,3,1,2,3,4,1.5,1.6,0.1,10,20,30,40,10,2,3,40,5,60\n"
                  "0,Pedestrian,,,,,,,,,,10,20,30,40,,,,,,\n"
                  "1,Car,0.5,,,,,,,,,,,,,,,,,,\n"
                  "2,Dog,0.5,,1,2,3,4,1,1,0,,,,,,,,,,\n"
@@ -307,6 +307,21 @@ TEST_F(TrackFileTest, NumbersThatAreNotFiniteArePassedOn) {
   ASSERT_EQ(2u, read.at(0).items.size());
   EXPECT_TRUE(std::isnan(read.at(0).items[0].box3d->centre.x()));
   EXPECT_TRUE(dropped_.empty());
+}
+
+TEST_F(TrackFileTest, CovariancesAndNumbersThatCannotBeAreCounted) {
+  const std::string box = "0,Car,1,1,10,4,2,1.5,0,";
+  const auto read = detections(
+      "d.csv",
+      "frame,class,x,y,z,length,width,height,yaw,cov_xx,cov_xy,cov_xz,cov_yy,cov_yz,cov_zz\n" +
+          box + "-1,0,0,1,0,1\n" + box + "1e154,0,0,1e154,0,1e154\n" + box + "1,9,0,1,0,1\n" + box +
+          "1,0,0,1,0,1\n" + box + "0,0,0,0,0,0\n0,Car,1e300,1,10,4,2,1.5,0,1,0,0,1,0,1\n");
+  ASSERT_EQ(5u, read.at(0).items.size());
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE(read.at(0).items[i].centre_covariance) << i;
+  EXPECT_TRUE(read.at(0).items[3].centre_covariance);
+  EXPECT_TRUE(read.at(0).items[4].centre_covariance) << "exact";
+  EXPECT_THAT(dropped_,
+              UnorderedElementsAre(Pair("bad_covariance", 3u), Pair("implausible_box", 1u)));
 }
 
 TEST_F(TrackFileTest, UnknownFormatsAreRefused) {

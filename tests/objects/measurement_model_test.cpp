@@ -113,6 +113,31 @@ TEST(MeasurementModelTest, CountsNotANumberAndInfinity) {
   EXPECT_THAT(outcome.dropped, ElementsAre(Pair("nan_box", items.size())));
 }
 
+TEST(MeasurementModelTest, CountsCovariancesThatAreNone) {
+  Eigen::Matrix3d indefinite = Eigen::Matrix3d::Identity();
+  indefinite(0, 2) = indefinite(2, 0) = 9.0;
+  std::vector<Detection> items;
+  for (const Eigen::Matrix3d& covariance :
+       {Eigen::Matrix3d(-Eigen::Matrix3d::Identity()), indefinite,
+        Eigen::Matrix3d(1e154 * Eigen::Matrix3d::Identity()),
+        Eigen::Matrix3d(1e300 * Eigen::Matrix3d::Identity())}) {
+    items.push_back(seenCar(10.0, 0.0));
+    items.back().centre_covariance = covariance;
+  }
+  const auto outcome = measure(items);
+  EXPECT_THAT(outcome.boxes, IsEmpty());
+  EXPECT_THAT(outcome.dropped, ElementsAre(Pair("bad_covariance", items.size())));
+}
+
+TEST(MeasurementModelTest, AcceptsTheCovarianceOfAnExactPlace) {
+  Detection car = seenCar(10.0, 0.0);
+  car.centre_covariance = Eigen::Matrix3d::Zero();
+  EXPECT_EQ(1u, measure({car}).boxes.size());
+  const Eigen::Vector3d ray(1.0, 0.2, 3.0);  // singular, as rounded
+  car.centre_covariance = 0.01 * ray * ray.transpose();
+  EXPECT_EQ(1u, measure({car}).boxes.size());
+}
+
 TEST(MeasurementModelTest, CountsBoxesFromABrokenPose) {
   Pose broken = Pose::Identity();
   broken.translation().x() = kNan;

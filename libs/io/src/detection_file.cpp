@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <headway/core/detection_checks.h>
 #include <headway/core/error.h>
 #include <headway/io/track_file.h>
 
@@ -180,6 +181,11 @@ std::map<std::size_t, Detections> readDetections(const std::string& path,
     try {
       if (rows.size() != size) throw RowDropped{"bad_row"};
       auto [frame, detection] = reader(rows);
+      if (!isPlausible(detection)) throw RowDropped{"implausible_box"};
+      if (const auto& c = detection.centre_covariance; c && c->allFinite() && !isCovariance(*c)) {
+        ++dropped["bad_covariance"];
+        detection.centre_covariance.reset();
+      }
       frames[frame].items.push_back(std::move(detection));
     } catch (const RowDropped& drop) {
       ++dropped[drop.reason];

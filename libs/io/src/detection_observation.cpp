@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <headway/core/detection_checks.h>
 #include <headway/core/mrpt_pose.h>
 #include <headway/io/detection_observation.h>
 #include <headway/io/mrpt_time.h>
@@ -6,8 +7,6 @@
 #include <mrpt/serialization/CArchive.h>
 #include <mrpt/serialization/optional_serialization.h>
 
-#include <Eigen/Eigenvalues>
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <ostream>
@@ -169,40 +168,6 @@ CObservationObjectDetections::Ptr observationFrom(const std::string& label,
   return observation;
 }
 
-namespace {
-
-constexpr double kMaxCoordinate =
-    1e6;                              // of boxes and scores: beyond all images and sensors [px, m]
-constexpr double kMaxVariance = 1e6;  // of a box's centre [m^2]
-
-/// Whether numbers are too large for a box; those that are not finite are left to the tracker's
-/// input, which counts them.
-bool isFar(std::initializer_list<double> values) {
-  return std::any_of(values.begin(), values.end(),
-                     [](double value) { return std::abs(value) > kMaxCoordinate; });
-}
-
-bool isPlausible(const CObservationObjectDetections::Item& item) {
-  const auto& a = item.box2d;
-  const auto& b = item.box3d;
-  return std::isfinite(item.score) && !isFar({item.score}) &&
-         !(a && isFar({a->left, a->top, a->right, a->bottom})) &&
-         !(b && isFar({b->centre.x(), b->centre.y(), b->centre.z(), b->length, b->width, b->height,
-                       b->yaw}));
-}
-
-/// Whether it is positive semi-definite, up to rounding, and of a possible size.
-bool isCovariance(const Eigen::Matrix3d& matrix) {
-  if (!matrix.allFinite() || matrix.diagonal().minCoeff() < 0.0 ||
-      matrix.cwiseAbs().maxCoeff() > kMaxVariance) {
-    return false;
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrix, Eigen::EigenvaluesOnly);
-  return solver.eigenvalues().minCoeff() >= -1e-6 * solver.eigenvalues().maxCoeff();
-}
-
-}  // namespace
-
 Detections detectionsFrom(const CObservationObjectDetections& observation,
                           std::map<std::string, std::size_t>& dropped) {
   Detections detections;
@@ -216,10 +181,6 @@ Detections detectionsFrom(const CObservationObjectDetections& observation,
       ++dropped["unknown_class"];
       continue;
     }
-    if (!isPlausible(item)) {
-      ++dropped["implausible_box"];
-      continue;
-    }
     Detection detection;
     detection.object_class = *object_class;
     detection.score = item.score;
@@ -227,6 +188,10 @@ Detections detectionsFrom(const CObservationObjectDetections& observation,
     detection.box2d = item.box2d;
     detection.box3d = item.box3d;
     detection.centre_covariance = item.centre_covariance;
+    if (!std::isfinite(item.score) || !isPlausible(detection)) {
+      ++dropped["implausible_box"];
+      continue;
+    }
     if (item.centre_covariance && !isCovariance(*item.centre_covariance)) {
       ++dropped["bad_covariance"];
       detection.centre_covariance.reset();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "measurement_model.h"
 
+#include <headway/core/detection_checks.h>
+
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -52,7 +54,10 @@ const char* MeasurementModel::reasonToDrop(const Detection& detection) const {
   if (!detection.box3d) return "no_3d_box";
   const Box3d& box = *detection.box3d;
   if (!isFinite(box)) return "nan_box";
-  if (detection.centre_covariance && !detection.centre_covariance->allFinite()) return "nan_box";
+  if (const auto& covariance = detection.centre_covariance) {
+    if (!covariance->allFinite()) return "nan_box";
+    if (!isCovariance(*covariance)) return "bad_covariance";
+  }
   if (detection.velocity && !isFinite(*detection.velocity)) return "nan_box";
   if (!(box.length > 0.0 && box.width > 0.0 && box.height > 0.0)) return "zero_size";
   if (!(box.centre.z() > 0.0)) return "behind_camera";
