@@ -4,6 +4,7 @@
 #include <headway/io/rawlog_sink.h>
 #include <headway_test/folders.h>
 #include <mrpt/img/CImage.h>
+#include <sys/stat.h>
 
 #include <opencv2/core.hpp>
 
@@ -51,6 +52,30 @@ TEST(RawlogSinkTest, JpegColourIsSmallAndNearlyTheSame) {
   EXPECT_LT(cv::norm(original, inside) * per_pixel, 30.0);
   EXPECT_LT(cv::norm(original, beside) * per_pixel, 30.0);
   EXPECT_TRUE(fs::exists(folder / "beside_Images/stereo_left_000000.jpg"));
+}
+
+TEST(RawlogSinkTest, NobodyElseReadsItBeforeItIsComplete) {
+  const headway::test::TemporaryFolder folder;
+  const mode_t before = umask(0022);
+  const auto othersRead = [](const fs::path& path) {
+    return (fs::status(path).permissions() & fs::perms::others_read) != fs::perms::none;
+  };
+  {
+    RawlogSink sink(folder / "x.rawlog", ImageStorage::kExternalPng);
+    const auto [left, right] = test::colourWall(1);
+    sink.writeStereo(1.0, left, right, rawFrom(test::smallCamera()));
+    std::size_t count = 0;
+    for (const auto& entry : fs::directory_iterator(folder.path())) {
+      EXPECT_EQ(fs::perms::none, entry.status().permissions() & ~fs::perms::owner_all) << entry;
+      ++count;
+    }
+    EXPECT_EQ(2u, count) << "the rawlog and the folder of its images";
+    sink.close();
+  }
+  umask(before);
+  for (const char* name : {"x.rawlog", "x_Images", "x_Images/stereo_left_000000.png"}) {
+    EXPECT_TRUE(othersRead(folder / name)) << name;
+  }
 }
 
 TEST(RawlogSinkTest, RestoresMrptsGlobalImageSettings) {

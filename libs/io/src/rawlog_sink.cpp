@@ -17,11 +17,12 @@
 #include <mrpt/obs/CObservationRobotPose.h>
 #include <mrpt/obs/CObservationStereoImages.h>
 #include <mrpt/serialization/CArchive.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cmath>
+#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -160,17 +161,18 @@ class RawlogSink::Writer {
   }
 
   void makeImageFolder() {
-    const fs::path path(path_);
+    const fs::path parent = fs::path(path_).parent_path();
     const std::string name = fs::path(rawlogStem(path_)).filename().string() + "_Images";
-    image_folder_ = path.parent_path() / name;
-    images_while_writing_ =
-        path.parent_path() / (".partial-" + std::to_string(getpid()) + "-" + name);
+    image_folder_ = parent / name;
     if (fs::exists(image_folder_) && !fs::is_directory(image_folder_)) {
       throw InputError(image_folder_.string() + ": cannot be made: a file of that name exists");
     }
-    std::error_code error;
-    fs::create_directories(images_while_writing_, error);
-    if (error) throw InputError(image_folder_.string() + ": cannot be made: " + error.message());
+    std::string folder = parent / (".partial-" + name + "-XXXXXX");
+    if (mkdtemp(folder.data()) == nullptr) {  // new, and for its owner alone
+      const std::string cause = std::generic_category().message(errno);
+      throw InputError(image_folder_.string() + ": cannot be made: " + cause);
+    }
+    images_while_writing_ = folder;
   }
 
   std::string path_;
