@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
+#include <headway/core/stop_request.h>
 #include <headway/io/rawlog_source.h>
 #include <headway_test/folders.h>
 
@@ -101,6 +102,16 @@ TEST_F(RawlogSourceTest, ARangeKeepsTheFrameIndices) {
     EXPECT_EQ(i + 2, frames[i].index);
     EXPECT_TRUE(test::sameImage(test::wall(static_cast<int>(i) + 2).left, frames[i].stereo->left));
   }
+}
+
+TEST_F(RawlogSourceTest, AStopRequestEndsTheSkippingToTheFirstFrame) {
+  test::recordWalls(path_, 40);
+  RawlogSourceOptions options;
+  options.from_index = 35;
+  RawlogSource source(path_, options);
+  requestStop(1);
+  EXPECT_FALSE(source.next());
+  requestStop(0);
 }
 
 TEST_F(RawlogSourceTest, AssignsBoxesAndPosesToTheNearestFrame) {
