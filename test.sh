@@ -10,7 +10,7 @@ lists=(packages.txt)
 nightly=OFF
 if [[ " $* " == *" -L nightly "* ]]; then
   nightly=ON
-  lists+=(packaging/packages.txt workflow/packages.txt tests/workflow/packages.txt)
+  lists+=(packaging/packages.txt workflow/packages.txt tests/workflow/packages.txt tests/sanitizers/packages.txt)
 fi
 install_packages "${lists[@]}"
 cmake --preset release -DHEADWAY_NIGHTLY_TESTS=$nightly >/dev/null
