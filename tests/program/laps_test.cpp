@@ -10,7 +10,7 @@ namespace {
 
 TEST(LapsTest, MemoryStaysFlatAfterTheThirdLap) {
   constexpr double kGrowthMb = 10.0;
-  constexpr std::size_t kFrames = test::repeats(5000, 600);
+  constexpr std::size_t kFrames = test::repeats(5000, 300);
   const test::TemporaryFolder folder;
   std::vector<bench::LapFigures> laps;
   bench::replayLaps(kFrames, 1, folder / "run",

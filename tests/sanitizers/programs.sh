@@ -7,5 +7,5 @@ cd "$1"
 shift
 [ $# -gt 0 ] || set -- -L regression -E 'readme$'
 source libs/cmake/setup.sh
-build_preset asan test_regression
+build_preset asan test_regression test_live_program test_pipeline_regression test_slam_regression
 ctest --preset asan --no-tests=error "$@"
