@@ -207,7 +207,8 @@ function(headway_register_suites target name timeout labels slow)
   add_custom_command(
     TARGET ${target} POST_BUILD BYPRODUCTS ${entries}
     COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${target}> -DNAME=${name} -DOUTPUT=${entries}
-            -DTIMEOUT=${timeout} "-DLABELS=${labels}" "-DSLOW=${slow}" -P ${HEADWAY_REGISTER_SUITES}
+            -DTIMEOUT=${timeout} "-DLABELS=${labels}" "-DSLOW=${slow}" "-DTOGETHER=${HEADWAY_SANITIZE}"
+            -P ${HEADWAY_REGISTER_SUITES}
     VERBATIM)
   set_target_properties(${target} PROPERTIES LINK_DEPENDS ${HEADWAY_REGISTER_SUITES})
   set(include ${CMAKE_CURRENT_BINARY_DIR}/${target}_include.cmake)

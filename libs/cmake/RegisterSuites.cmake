@@ -5,7 +5,9 @@
 # What SLOW names, as <Suite>.<Test> or <Suite>.*, has an entry of its own with the label `slow`; those begin first, so
 # that none is left over at the end when all else is done.
 #
-# -DPROGRAM=... -DNAME=... -DOUTPUT=... -DTIMEOUT=... -DLABELS=... -DSLOW=...
+# With TOGETHER, all other suites are one entry, <NAME>.others: with sanitizers the start of a process takes a second.
+#
+# -DPROGRAM=... -DNAME=... -DOUTPUT=... -DTIMEOUT=... -DLABELS=... -DSLOW=... -DTOGETHER=...
 cmake_minimum_required(VERSION 3.18)
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listing RESULT_VARIABLE status)
 if(status)
@@ -18,7 +20,7 @@ set(script "")
 function(entry name filter labels)
   string(APPEND script "add_test([=[${NAME}.${name}]=] [=[${PROGRAM}]=] [=[--gtest_filter=${filter}]=])\n"
          "set_tests_properties([=[${NAME}.${name}]=] PROPERTIES TIMEOUT ${TIMEOUT} LABELS [=[${labels}]=])\n")
-  if("slow" IN_LIST labels)
+  if("slow" IN_LIST labels OR name STREQUAL "others")
     string(APPEND script "set_tests_properties([=[${NAME}.${name}]=] PROPERTIES COST 60)\n")
   endif()
   set(script "${script}" PARENT_SCOPE)
@@ -39,6 +41,10 @@ if(NOT suites)
 endif()
 
 set(unknown ${SLOW})
+if(TOGETHER)
+  string(REPLACE ";" ":" excluded "${SLOW}")
+  entry(others "*-${excluded}" "${LABELS}")
+endif()
 foreach(suite IN LISTS suites)
   if("${suite}.*" IN_LIST SLOW)
     entry(${suite} "${suite}.*" "${LABELS};slow")
@@ -57,7 +63,7 @@ foreach(suite IN LISTS suites)
     entry(${test} "${test}" "${LABELS};slow")
     list(REMOVE_ITEM unknown ${test})
   endforeach()
-  if(NOT fast)
+  if(TOGETHER OR NOT fast)
     continue()
   endif()
   set(filter "${suite}.*")
