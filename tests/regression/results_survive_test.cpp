@@ -140,7 +140,8 @@ TEST_F(ResultsSurviveTest, AKillLeavesWholeRowsAndASecondRunMayFollow) {
 TEST_F(ResultsSurviveTest, AKilledRunLeavesMapAndTrajectoryOfItsLastCheckpoint) {
   const pid_t child = startReplay({"--realtime", "0.4", "--set", "output.checkpoint_s=0.2"});
   EXPECT_TRUE(test::waitUntil([&] {
-    return fs::exists(out_ / "trajectory.tum") && io::readTum(out_ / "trajectory.tum").size() >= 2;
+    return fs::exists(out_ / "summary.json") && fs::exists(out_ / "map.headway") &&
+           fs::exists(out_ / "trajectory.tum") && io::readTum(out_ / "trajectory.tum").size() >= 2;
   }));
   end(child, SIGKILL);
   EXPECT_FALSE(map::loadMap(out_ / "map.headway").map.staticMap()->landmarks.empty());
