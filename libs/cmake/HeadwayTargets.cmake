@@ -204,10 +204,14 @@ endfunction()
 # The ctest entries of a test program; see RegisterSuites.cmake.
 function(headway_register_suites target name timeout labels slow)
   set(entries ${CMAKE_CURRENT_BINARY_DIR}/${target}_entries.cmake)
+  set(together OFF)
+  if(HEADWAY_SANITIZE MATCHES address)
+    set(together ON)
+  endif()
   add_custom_command(
     TARGET ${target} POST_BUILD BYPRODUCTS ${entries}
     COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${target}> -DNAME=${name} -DOUTPUT=${entries}
-            -DTIMEOUT=${timeout} "-DLABELS=${labels}" "-DSLOW=${slow}" "-DTOGETHER=${HEADWAY_SANITIZE}"
+            -DTIMEOUT=${timeout} "-DLABELS=${labels}" "-DSLOW=${slow}" -DTOGETHER=${together}
             -P ${HEADWAY_REGISTER_SUITES}
     VERBATIM)
   set_target_properties(${target} PROPERTIES LINK_DEPENDS ${HEADWAY_REGISTER_SUITES})
