@@ -5,7 +5,8 @@
 # What SLOW names, as <Suite>.<Test> or <Suite>.*, has an entry of its own with the label `slow`; those begin first, so
 # that none is left over at the end when all else is done.
 #
-# With TOGETHER, all other suites are one entry, <NAME>.others: under AddressSanitizer the start of a process takes a second.
+# With TOGETHER, all other suites are one entry, <NAME>.others: under AddressSanitizer the start of a process takes a
+# second.
 #
 # -DPROGRAM=... -DNAME=... -DOUTPUT=... -DTIMEOUT=... -DLABELS=... -DSLOW=... -DTOGETHER=...
 cmake_minimum_required(VERSION 3.18)
