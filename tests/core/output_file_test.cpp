@@ -103,7 +103,7 @@ TEST_F(OutputFileTest, TheOldFileRemainsUntilThen) {
   EXPECT_EQ("new", contentOf(path_));
 }
 
-TEST_F(OutputFileTest, NobodyElseReadsItBeforeItIsComplete) {
+TEST_F(OutputFileTest, IsPrivateUntilItIsComplete) {
   for (const mode_t mask : {0022, 0027, 0077, 0000}) {
     const Umask lacking(mask);
     OutputFile file(path_);

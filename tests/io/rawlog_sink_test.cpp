@@ -54,7 +54,7 @@ TEST(RawlogSinkTest, JpegColourIsSmallAndNearlyTheSame) {
   EXPECT_TRUE(fs::exists(folder / "beside_Images/stereo_left_000000.jpg"));
 }
 
-TEST(RawlogSinkTest, NobodyElseReadsItBeforeItIsComplete) {
+TEST(RawlogSinkTest, IsPrivateUntilItIsComplete) {
   const headway::test::TemporaryFolder folder;
   const mode_t before = umask(0022);
   const auto othersRead = [](const fs::path& path) {

@@ -39,7 +39,7 @@ bool isDevice(const fs::path& path) {
 }
 
 /// Creates the file of another name in which a file is written: new, no link, and private. The
-/// name cannot be guessed, so that nobody can be there first.
+/// name cannot be guessed, so that no other program can create it first.
 fs::path createTemporary(const fs::path& path) {
   const std::string ending = "-" + path.filename().string();
   const std::string start = ".partial-" + std::to_string(getpid()) + "-XXXXXX";
