@@ -20,7 +20,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kMega = 1e6;
 
-struct Options {
+struct DenseOptions {
   std::string truth;
   std::string estimate;
   std::string rawlog;
@@ -41,7 +41,7 @@ struct Sizes {
   }
 };
 
-bool parse(Options& options, int argc, const char** argv) {
+bool parseDense(DenseOptions& options, int argc, const char** argv) {
   program::CommandLine line(
       "headway-eval dense",
       "Compares the dense map of a replay with the surfaces of the simulated world that it was "
@@ -166,8 +166,8 @@ Json jsonOf(const eval::DenseError& error, const Sizes& sizes, const stereo::Rig
 }  // namespace
 
 int runDense(int argc, const char** argv) {
-  Options options;
-  if (!parse(options, argc, argv)) return program::kDone;
+  DenseOptions options;
+  if (!parseDense(options, argc, argv)) return program::kDone;
   const fs::path replay(options.estimate);
   const auto points = pointsOf(replay / "map_dense.ply");
   const auto claim = denseClaim(replay);

@@ -24,7 +24,7 @@ using mrpt::maps::COccupancyGridMap2D;
 
 constexpr double kObserved = 0.15;  ///< minimum |p(free) - 0.5| of an observed cell
 
-struct Options {
+struct GridOptions {
   std::string truth;
   std::string estimate;
   ObstacleHeights heights{0.0, 0.0};  ///< 0: as in the replay
@@ -32,7 +32,7 @@ struct Options {
   Outputs outputs;
 };
 
-bool parse(Options& options, int argc, const char** argv) {
+bool parseGrid(GridOptions& options, int argc, const char** argv) {
   program::CommandLine line(
       "headway-eval grid",
       "Compares the occupancy grid of a replay with the simulated world it was "
@@ -163,8 +163,8 @@ plot::TextTable tableOf(const eval::GridError& error, const Visible& visible) {
 }  // namespace
 
 int runGrid(int argc, const char** argv) {
-  Options options;
-  if (!parse(options, argc, argv)) return program::kDone;
+  GridOptions options;
+  if (!parseGrid(options, argc, argv)) return program::kDone;
   const fs::path replay(options.estimate);
   const auto estimate = readGrid(replay / "map_grid.gridmap.gz");
   const auto camera = io::readCalibration((replay / "calibration.yaml").string());

@@ -14,7 +14,7 @@
 namespace headway::app {
 namespace {
 
-struct Options {
+struct MoversOptions {
   std::string truth;
   std::string poses;
   std::string estimate;
@@ -22,7 +22,7 @@ struct Options {
   Outputs outputs;
 };
 
-bool parse(Options& options, int argc, const char** argv) {
+bool parseMovers(MoversOptions& options, int argc, const char** argv) {
   program::CommandLine line("headway-eval movers",
                             "Evaluates which moving objects a replay finds, its false moving "
                             "tracks, and the objects' motion from frame to frame.");
@@ -39,7 +39,7 @@ bool parse(Options& options, int argc, const char** argv) {
 }
 
 /// Errors of confirmed rows, of confirmed and coasting rows, and of motions.
-struct Results {
+struct MoverResults {
   eval::MovingObjectError error;
   eval::MovingObjectError with_coasting;
   eval::LabelledObjectError labelled;
@@ -48,9 +48,9 @@ struct Results {
   eval::ObjectMotionErrors motion_smoothed;
 };
 
-Results evaluate(const eval::MovingObjectInput& input, const std::string& replay) {
+MoverResults evaluate(const eval::MovingObjectInput& input, const std::string& replay) {
   eval::MovingObjectParams params;
-  Results results;
+  MoverResults results;
   results.error = eval::movingObjectError(input, params);
   results.labelled = eval::labelledObjectError(input, params);
   params.with_coasting = true;
@@ -64,7 +64,7 @@ Results evaluate(const eval::MovingObjectInput& input, const std::string& replay
   return results;
 }
 
-nlohmann::ordered_json figures(const Results& results) {
+nlohmann::ordered_json figures(const MoverResults& results) {
   auto json = eval::toJson(results.error);
   json["with_coasting"] = eval::toJson(results.with_coasting);
   json["labelled"] = eval::toJson(results.labelled);
@@ -91,7 +91,7 @@ void reportTracks(const eval::MovingObjectError& error) {
   }
 }
 
-void report(const Results& results) {
+void report(const MoverResults& results) {
   plot::writeTable(std::cout, eval::tableOf(results.error));
   reportTracks(results.error);
   const auto& coasting = results.with_coasting.all;
@@ -132,8 +132,8 @@ cv::Mat plot(const eval::MovingObjectInput& input) {
 }  // namespace
 
 int runMovers(int argc, const char** argv) {
-  Options options;
-  if (!parse(options, argc, argv)) return program::kDone;
+  MoversOptions options;
+  if (!parseMovers(options, argc, argv)) return program::kDone;
   const auto input = readMoversInput(options.truth, options.poses, options.estimate);
   const auto results = evaluate(input, options.estimate);
   if (!options.quiet) report(results);

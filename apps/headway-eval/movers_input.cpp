@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kSameTime_s = 1e-3;
+constexpr double kSamePoseTime_s = 1e-3;
 constexpr double kNearestDepth_m = 0.1;  // corners of boxes nearer than this are not projected
 
 /// Image box of a track's 3D box; nullopt if its centre is behind the camera.
@@ -47,9 +47,9 @@ std::optional<Box2d> imageBox(const Track& track, const Pose& T_cam_map, const S
 
 const Pose& poseAtTime(const std::vector<Stamped<Pose>>& trajectory, Time time,
                        const std::string& path) {
-  const auto found = std::lower_bound(trajectory.begin(), trajectory.end(), time - kSameTime_s,
+  const auto found = std::lower_bound(trajectory.begin(), trajectory.end(), time - kSamePoseTime_s,
                                       [](const auto& pose, Time t) { return pose.time < t; });
-  if (found == trajectory.end() || found->time > time + kSameTime_s) {
+  if (found == trajectory.end() || found->time > time + kSamePoseTime_s) {
     throw InputError(path + ": contains no pose of time " + std::to_string(time) +
                      ", at which there are tracks");
   }

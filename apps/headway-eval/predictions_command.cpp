@@ -17,7 +17,7 @@
 namespace headway::app {
 namespace {
 
-struct Options {
+struct PredictionsOptions {
   PredictionFiles files;
   std::string predictor;
   bool coverage = false;
@@ -26,7 +26,7 @@ struct Options {
   Outputs outputs;
 };
 
-bool parse(Options& options, int argc, const char** argv) {
+bool parsePredictions(PredictionsOptions& options, int argc, const char** argv) {
   program::CommandLine line("headway-eval predictions",
                             "Evaluates predictions against the true future: those of a replay "
                             "(--estimate), or predictors on exact histories (--predictor).");
@@ -68,7 +68,7 @@ std::vector<std::string> chosenPredictors(const std::string& name) {
   return {name};
 }
 
-std::vector<EvaluatedPredictor> evaluate(const Options& options,
+std::vector<EvaluatedPredictor> evaluate(const PredictionsOptions& options,
                                          const std::vector<PredictionSequence>& sequences) {
   if (!options.files.estimate.empty()) return {evaluateEstimate(sequences)};
   std::vector<EvaluatedPredictor> result;
@@ -136,8 +136,8 @@ cv::Mat plot(const std::string& labels, const std::vector<PredictionSequence>& s
 }  // namespace
 
 int runPredictions(int argc, const char** argv) {
-  Options options;
-  if (!parse(options, argc, argv)) return program::kDone;
+  PredictionsOptions options;
+  if (!parsePredictions(options, argc, argv)) return program::kDone;
   if (!options.predictor.empty()) (void)chosenPredictors(options.predictor);
   const auto sequences = readPredictionInput(options.files);
   const auto results = evaluate(options, sequences);

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kQuickFrames = 80;  // 2 s of history, 3 s of future and 3 s of cases at 10 Hz
 
-struct Options {
+struct SuiteOptions {
   bool quick = false;
   bool reuse = false;
   bool only_runs = false;
@@ -42,7 +42,7 @@ struct Options {
 };
 
 /// @throws UsageError if options exclude or require each other
-void checkTogether(const Options& options) {
+void checkTogether(const SuiteOptions& options) {
   if (!options.degrade.empty() && options.kitti.empty()) {
     throw program::UsageError("--degrade applies to KITTI boxes and requires --kitti DIR");
   }
@@ -58,7 +58,7 @@ void checkTogether(const Options& options) {
   }
 }
 
-void addJobOptions(program::CommandLine& line, Options& options) {
+void addJobOptions(program::CommandLine& line, SuiteOptions& options) {
   line.option(options.jobs, 0, "jobs", "N",
               "Simulate and replay the worlds by headway-fleet, a job each: N cores, or N jobs "
               "at once with --profile; the tables are the same");
@@ -69,7 +69,7 @@ void addJobOptions(program::CommandLine& line, Options& options) {
             "Simulate and replay only, by one core, and store the runs: a job of --jobs");
 }
 
-bool parse(Options& options, int argc, const char** argv) {
+bool parseSuite(SuiteOptions& options, int argc, const char** argv) {
   program::CommandLine line(
       "headway-eval suite",
       "Simulates and replays every world and prints three tables: camera positions with each "
@@ -120,7 +120,7 @@ std::vector<std::string> worldFiles(const std::string& path) {
 /// Runs the suite, one recording at a time.
 class Suite {
  public:
-  explicit Suite(const Options& options)
+  explicit Suite(const SuiteOptions& options)
       : options_(options),
         progress_("suite", options.quiet || options.jobs > 0),
         files_(worldFiles(options.worlds)),
@@ -257,7 +257,7 @@ class Suite {
     in_group_ = 0;
   }
 
-  const Options& options_;
+  const SuiteOptions& options_;
   program::Progress progress_;
   std::mutex progress_mutex_;
   std::vector<std::string> files_;
@@ -273,8 +273,8 @@ class Suite {
 }  // namespace
 
 int runSuite(int argc, const char** argv) {
-  Options options;
-  if (!parse(options, argc, argv)) return program::kDone;
+  SuiteOptions options;
+  if (!parseSuite(options, argc, argv)) return program::kDone;
   program::catchInterrupts();
   Suite suite(options);
   fs::create_directories(options.folder);

@@ -18,7 +18,7 @@
 namespace headway::app {
 namespace {
 
-struct Options {
+struct TracksOptions {
   std::string truth;
   std::string estimate;
   std::string metric = "3d";
@@ -50,7 +50,7 @@ std::vector<ObjectClass> chosenClasses(const std::string& list) {
   return classes;
 }
 
-eval::TrackErrorParams paramsFrom(const Options& options) {
+eval::TrackErrorParams paramsFrom(const TracksOptions& options) {
   eval::TrackErrorParams params;
   params.classes = chosenClasses(options.classes);
   if (options.metric == "2d") {
@@ -66,7 +66,7 @@ eval::TrackErrorParams paramsFrom(const Options& options) {
   return params;
 }
 
-bool parse(Options& options, int argc, const char** argv) {
+bool parseTracks(TracksOptions& options, int argc, const char** argv) {
   program::CommandLine line("headway-eval tracks",
                             "Evaluates tracks against labels: positions, CLEAR MOT, HOTA, sAMOTA.");
   double overlap = -1.0;
@@ -104,7 +104,7 @@ eval::LabelledSequence withRaw(const eval::LabelledSequence& sequence, const std
   return raw;
 }
 
-Input readInput(const Options& options) {
+Input readInput(const TracksOptions& options) {
   const auto files = pairedFiles(options.truth, options.estimate);
   Input input{{}, {}, files.truth_alone, {}};
   for (const auto& [name, truth, estimate] : files.pairs) {
@@ -117,7 +117,7 @@ Input readInput(const Options& options) {
   return input;
 }
 
-void requireBoxes(const Input& input, const Options& options) {
+void requireBoxes(const Input& input, const TracksOptions& options) {
   for (const auto& sequence : input.sequences) {
     for (const auto& frame : sequence.frames) {
       for (const auto& box : frame.estimates) {
@@ -130,20 +130,20 @@ void requireBoxes(const Input& input, const Options& options) {
 }
 
 /// Errors of the tracks and, if requested, of the raw detections.
-struct Results {
+struct TrackResults {
   eval::TrackErrors tracks;
   std::optional<eval::TrackErrors> raw;
 };
 
-Results evaluate(const Input& input, const eval::TrackErrorParams& params) {
-  Results results{eval::trackErrors(input.sequences, params), std::nullopt};
+TrackResults evaluate(const Input& input, const eval::TrackErrorParams& params) {
+  TrackResults results{eval::trackErrors(input.sequences, params), std::nullopt};
   auto positions = params;
   positions.positions_only = true;
   if (!input.raw.empty()) results.raw = eval::trackErrors(input.raw, positions);
   return results;
 }
 
-nlohmann::ordered_json figures(const Input& input, const Results& results,
+nlohmann::ordered_json figures(const Input& input, const TrackResults& results,
                                const eval::TrackErrorParams& params) {
   auto json = eval::toJson(results.tracks);
   for (const auto& sequence : input.sequences) {
@@ -155,7 +155,7 @@ nlohmann::ordered_json figures(const Input& input, const Results& results,
   return json;
 }
 
-void report(const Input& input, const Results& results) {
+void report(const Input& input, const TrackResults& results) {
   plot::writeTable(std::cout, eval::tableOf(results.tracks));
   if (results.raw) {
     std::cout << "\nPositions, raw detections / tracks\n\n";
@@ -172,7 +172,7 @@ void report(const Input& input, const Results& results) {
 }
 
 /// Map of the sequence with the most labels.
-cv::Mat mapPlot(const Options& options, const Input& input) {
+cv::Mat mapPlot(const TracksOptions& options, const Input& input) {
   const auto boxes = [](const eval::LabelledSequence& sequence) {
     std::size_t count = 0;
     for (const auto& frame : sequence.frames) count += frame.truth.size();
@@ -198,7 +198,7 @@ cv::Mat mapPlot(const Options& options, const Input& input) {
   return eval::trackMapPlot(map);
 }
 
-cv::Mat plot(const Options& options, const Input& input, const Results& results) {
+cv::Mat plot(const TracksOptions& options, const Input& input, const TrackResults& results) {
   const cv::Mat curves =
       eval::trackPlot(recordingName(options.estimate) + ": accuracy over recall", results.tracks);
   return options.poses.empty() ? curves : plot::stacked({mapPlot(options, input), curves});
@@ -207,8 +207,8 @@ cv::Mat plot(const Options& options, const Input& input, const Results& results)
 }  // namespace
 
 int runTracks(int argc, const char** argv) {
-  Options options;
-  if (!parse(options, argc, argv)) return program::kDone;
+  TracksOptions options;
+  if (!parseTracks(options, argc, argv)) return program::kDone;
   const auto params = paramsFrom(options);
   const auto input = readInput(options);
   requireBoxes(input, options);

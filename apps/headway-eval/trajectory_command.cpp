@@ -17,7 +17,7 @@
 namespace headway::app {
 namespace {
 
-struct Options {
+struct TrajectoryOptions {
   std::string truth;
   std::string estimate;
   std::string format;
@@ -28,7 +28,7 @@ struct Options {
   Outputs outputs;
 };
 
-PoseFormat formatFrom(const Options& options) {
+PoseFormat formatFrom(const TrajectoryOptions& options) {
   if (options.format == "tum") return PoseFormat::kTum;
   if (options.format == "kitti") return PoseFormat::kKitti;
   if (!options.format.empty()) {
@@ -66,7 +66,7 @@ std::vector<Stamped<Pose>> readTimedTruth(const std::string& path) {
   return truth;
 }
 
-eval::PosePairs readPairs(const Options& options, PoseFormat format) {
+eval::PosePairs readPairs(const TrajectoryOptions& options, PoseFormat format) {
   if (format == PoseFormat::kKitti) {
     if (io::hasRawlogName(options.truth) || poseFormatOf(options.truth) != PoseFormat::kKitti) {
       throw InputError(options.estimate +
@@ -86,7 +86,7 @@ eval::PosePairs readPairs(const Options& options, PoseFormat format) {
                           options.max_difference_s);
 }
 
-bool parse(Options& options, int argc, const char** argv) {
+bool parseTrajectory(TrajectoryOptions& options, int argc, const char** argv) {
   program::CommandLine line(
       "headway-eval trajectory",
       "Evaluates an estimated trajectory: absolute error (ATE), relative error "
@@ -110,7 +110,7 @@ bool parse(Options& options, int argc, const char** argv) {
   return true;
 }
 
-eval::TrajectoryError compare(const Options& options, PoseFormat format) {
+eval::TrajectoryError compare(const TrajectoryOptions& options, PoseFormat format) {
   eval::TrajectoryErrorParams params;
   params.alignment = alignmentFrom(options.align);
   params.segment_lengths_m = segmentLengthsFrom(options.segments);
@@ -121,8 +121,8 @@ eval::TrajectoryError compare(const Options& options, PoseFormat format) {
 }  // namespace
 
 int runTrajectory(int argc, const char** argv) {
-  Options options;
-  if (!parse(options, argc, argv)) return program::kDone;
+  TrajectoryOptions options;
+  if (!parseTrajectory(options, argc, argv)) return program::kDone;
   const PoseFormat format = formatFrom(options);
   const auto error = compare(options, format);
   if (!options.quiet) plot::writeTable(std::cout, eval::tableOf(error));

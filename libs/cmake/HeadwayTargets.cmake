@@ -84,13 +84,10 @@ endmacro()
 # headway_library(<name> SOURCES ... [PUBLIC ...] [PRIVATE ...]): target headway::<name> whose
 # public headers are libs/<name>/include/headway/<name>/*.h.
 # Third-party headers count as system headers, so only our own code is held to the warnings.
-# Sources are compiled in batches, because three quarters of their time goes into parsing the same
-# headers; OWN_UNITS: those compiled alone, because they have names in anonymous namespaces that
-# other files have too.
 function(headway_library name)
-  cmake_parse_arguments(LIBRARY "" "" "SOURCES;OWN_UNITS;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(LIBRARY "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   set(target headway_${name})
-  add_library(${target} ${LIBRARY_SOURCES} ${LIBRARY_OWN_UNITS})
+  add_library(${target} ${LIBRARY_SOURCES})
   add_library(headway::${name} ALIAS ${target})
   target_include_directories(
     ${target}
@@ -106,7 +103,7 @@ function(headway_library name)
     PROPERTIES EXPORT_NAME ${name} DEFINE_SYMBOL "" INSTALL_RPATH "$ORIGIN"
                VERSION ${PROJECT_VERSION}
                SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
-  headway_compile_in_batches(${target} 8 ${LIBRARY_OWN_UNITS})
+  headway_compile_in_batches(${target})
   if(BUILD_SHARED_LIBS AND NOT HEADWAY_SANITIZE)
     target_link_options(${target} PRIVATE -Wl,--no-undefined)
   endif()
@@ -131,25 +128,21 @@ function(headway_export name)
   set_property(GLOBAL APPEND PROPERTY HEADWAY_LIBRARIES ${name})
 endfunction()
 
-# Compiles several sources at once, because the headers of MRPT, OpenCV and Eigen take most of the
-# time: what a file keeps to itself must have its own name within the target. Further arguments:
-# sources that are compiled alone.
-function(headway_compile_in_batches target size)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${size})
-  if(ARGN)
-    set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-  endif()
+# Compiles sixteen sources at once, because the headers of MRPT, OpenCV and Eigen take most of a single one's time: what
+# a file keeps to itself has its own name within the target. CMAKE_UNITY_BUILD_BATCH_SIZE sets another number.
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 16 CACHE STRING "Sources of a target that are compiled at once")
+function(headway_compile_in_batches target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON)
   # A batch includes its sources, so their own local types look like a header's.
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
 endfunction()
 
-# headway_program(<name> SOURCES ... LIBRARIES ... [OWN_UNITS ...]): an installed command-line
-# program. OWN_UNITS: as for libraries.
+# headway_program(<name> SOURCES ... LIBRARIES ...): an installed command-line program.
 function(headway_program name)
-  cmake_parse_arguments(PROGRAM "" "" "SOURCES;OWN_UNITS;LIBRARIES" ${ARGN})
-  add_executable(${name} ${PROGRAM_SOURCES} ${PROGRAM_OWN_UNITS})
+  cmake_parse_arguments(PROGRAM "" "" "SOURCES;LIBRARIES" ${ARGN})
+  add_executable(${name} ${PROGRAM_SOURCES})
   target_link_libraries(${name} PRIVATE ${PROGRAM_LIBRARIES} headway_program headway_warnings)
-  headway_compile_in_batches(${name} 8 ${PROGRAM_OWN_UNITS})
+  headway_compile_in_batches(${name})
   file(RELATIVE_PATH libraries /${CMAKE_INSTALL_BINDIR} /${CMAKE_INSTALL_LIBDIR})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin
                                            INSTALL_RPATH "$ORIGIN/${libraries}")
@@ -161,8 +154,6 @@ endfunction()
 # one GoogleTest program, each of its suites known to ctest. A test that needs real data says
 # GTEST_SKIP() where the environment variable HEADWAY_DATA names no folder. SLOW names what takes
 # more than 5 s on an idle core, as <Suite>.<Test> or <Suite>.*: an entry with the label `slow`.
-# Sources are compiled in batches of twelve, so that what they keep to themselves has its own name
-# within the folder.
 function(headway_test name)
   cmake_parse_arguments(TEST "" "TIMEOUT;PRIVATE_HEADERS" "SOURCES;LIBRARIES;LABELS;SLOW" ${ARGN})
   set(target test_${name})
@@ -171,7 +162,7 @@ function(headway_test name)
                         GTest::gmock GTest::gtest_main headway_warnings)
   headway_compile_test_quickly(${target})
   target_precompile_headers(${target} REUSE_FROM headway_test_precompiled)
-  headway_compile_in_batches(${target} 12)
+  headway_compile_in_batches(${target})
   if(TEST_PRIVATE_HEADERS)
     target_include_directories(${target} PRIVATE
                                ${PROJECT_SOURCE_DIR}/libs/${TEST_PRIVATE_HEADERS}/src)

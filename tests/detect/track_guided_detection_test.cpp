@@ -12,9 +12,9 @@
 namespace headway::detect {
 namespace {
 
-constexpr int kReduce = 2;
+constexpr int kGuidedReduce = 2;
 constexpr double kWalkerDepth = 12.0;  // of the walker [m]
-constexpr double kSpeed = 1.4;         // to the right [m/s]
+constexpr double kWalkerSpeed = 1.4;   // to the right [m/s]
 constexpr double kGone = 0.3;          // since the walker was found last [s]
 const cv::Size kGrid(620, 188);
 const Eigen::Vector3d kStart(-2.0, 0.8, kWalkerDepth);  // where that was, middle of the segment
@@ -28,10 +28,10 @@ struct Picture {
     fill(image, 1);
     if (!place) return;
     const auto pixel = *project(*place, camera);
-    const int width = static_cast<int>(0.6 * camera.fx / place->z() / kReduce);
-    const int height = static_cast<int>(1.6 * camera.fx / place->z() / kReduce);
-    walker = {static_cast<int>(pixel.x() / kReduce) - width / 2,
-              static_cast<int>(pixel.y() / kReduce) - height / 2, width, height};
+    const int width = static_cast<int>(0.6 * camera.fx / place->z() / kGuidedReduce);
+    const int height = static_cast<int>(1.6 * camera.fx / place->z() / kGuidedReduce);
+    walker = {static_cast<int>(pixel.x() / kGuidedReduce) - width / 2,
+              static_cast<int>(pixel.y() / kGuidedReduce) - height / 2, width, height};
     cv::Mat segment(walker.size(), CV_8U);
     fill(segment, 2);
     segment.copyTo(image(walker));
@@ -56,7 +56,7 @@ struct Picture {
 };
 
 /// A walker detected some frames ago by a standing camera, and a frame that is searched for him.
-struct Scene {
+struct GuidedScene {
   StereoCamera camera = test::testCamera();
   CameraPath path{camera, 0.5};
   stereo::DisparityImage disparity;
@@ -67,14 +67,14 @@ struct Scene {
   std::vector<SegmentTrack> segments;
 
   /// @param place  of the walker now; nullopt: he is not to be seen
-  explicit Scene(const std::optional<Eigen::Vector3d>& place) : now(place, camera) {
+  explicit GuidedScene(const std::optional<Eigen::Vector3d>& place) : now(place, camera) {
     for (int i = 0; i < 4; ++i) path.advance(test::kFrameStep * i, Pose::Identity());
-    disparity.reduce = kReduce;
+    disparity.reduce = kGuidedReduce;
     disparity.values = cv::Mat(kGrid, CV_32F, cv::Scalar(0));
     walker.track = TrackId{7};
     walker.object_class = ObjectClass::kPedestrian;
     walker.time = path.timeOf(path.newest()) - test::kFrameStep;
-    walker.velocity.value = {kSpeed, 0.0, 0.0};
+    walker.velocity.value = {kWalkerSpeed, 0.0, 0.0};
     walker.velocity.covariance = 0.04 * Eigen::Matrix3d::Identity();
     walker.position = kStart + (kGone - test::kFrameStep) * walker.velocity.value;
     walker.observations = 3;
@@ -84,7 +84,7 @@ struct Scene {
 
   void setTemplate() {
     const Picture then(kStart, camera);
-    auto appearance = *templateOf(then.image, then.cells(), kReduce);
+    auto appearance = *templateOf(then.image, then.cells(), kGuidedReduce);
     appearance.time = walker.last_observed;
     appearance.box3d.centre = kStart;
     appearance.box3d.length = 0.7;
@@ -138,11 +138,11 @@ struct Scene {
   std::vector<PointClass> classes_;
 };
 
-Eigen::Vector3d wentOn() { return kStart + Eigen::Vector3d(kGone * kSpeed, 0.0, 0.0); }
+Eigen::Vector3d wentOn() { return kStart + Eigen::Vector3d(kGone * kWalkerSpeed, 0.0, 0.0); }
 
 TEST(TrackGuidedDetectionTest, ASegmentWithTheExpectedFlowIsDetected) {
-  Scene scene(wentOn());
-  scene.addSegment(wentOn(), kSpeed);
+  GuidedScene scene(wentOn());
+  scene.addSegment(wentOn(), kWalkerSpeed);
   const auto objects = scene.byFlow();
   ASSERT_EQ(objects.size(), 1u);
   EXPECT_EQ(objects[0].searched_track, TrackId{7});
@@ -154,30 +154,30 @@ TEST(TrackGuidedDetectionTest, ASegmentWithTheExpectedFlowIsDetected) {
 }
 
 TEST(TrackGuidedDetectionTest, ASegmentWithAnotherFlowIsNot) {
-  for (const double speed : {-kSpeed, 0.0, 4.0 * kSpeed}) {
-    Scene scene(wentOn());
+  for (const double speed : {-kWalkerSpeed, 0.0, 4.0 * kWalkerSpeed}) {
+    GuidedScene scene(wentOn());
     scene.addSegment(wentOn(), speed);
     EXPECT_TRUE(scene.byFlow().empty()) << speed;
   }
 }
 
 TEST(TrackGuidedDetectionTest, ASegmentOutsideTheGateIsNot) {
-  Scene scene(wentOn());
-  scene.addSegment(wentOn() + Eigen::Vector3d(2.0, 0.0, 0.0), kSpeed);
+  GuidedScene scene(wentOn());
+  scene.addSegment(wentOn() + Eigen::Vector3d(2.0, 0.0, 0.0), kWalkerSpeed);
   EXPECT_TRUE(scene.byFlow().empty());
 }
 
 TEST(TrackGuidedDetectionTest, OfTwoSegmentsTheNearerIsDetected) {
-  Scene scene(wentOn());
-  scene.addSegment(wentOn() + Eigen::Vector3d(0.9, 0.0, 0.0), kSpeed);
-  scene.addSegment(wentOn() + Eigen::Vector3d(-0.2, 0.0, 0.0), kSpeed);
+  GuidedScene scene(wentOn());
+  scene.addSegment(wentOn() + Eigen::Vector3d(0.9, 0.0, 0.0), kWalkerSpeed);
+  scene.addSegment(wentOn() + Eigen::Vector3d(-0.2, 0.0, 0.0), kWalkerSpeed);
   const auto objects = scene.byFlow();
   ASSERT_EQ(objects.size(), 1u);
   EXPECT_EQ(objects[0].segments[0], &scene.segments[1]);
 }
 
 TEST(TrackGuidedDetectionTest, WithoutDisparitiesTheTemplateIsFound) {
-  const Scene scene(wentOn());
+  const GuidedScene scene(wentOn());
   const auto objects = scene.byAppearance();
   ASSERT_EQ(objects.size(), 1u);
   const MovingObject& object = objects[0];
@@ -195,22 +195,22 @@ TEST(TrackGuidedDetectionTest, WithoutDisparitiesTheTemplateIsFound) {
 
 TEST(TrackGuidedDetectionTest, TheTemplateIsFoundBesideTheExpectedPlace) {
   const Eigen::Vector3d beside = wentOn() + Eigen::Vector3d(0.2, 0.0, 0.0);
-  const auto objects = Scene(beside).byAppearance();
+  const auto objects = GuidedScene(beside).byAppearance();
   ASSERT_EQ(objects.size(), 1u);
   EXPECT_LT((objects[0].extent.box.centre - beside).norm(), 0.05);
 }
 
 TEST(TrackGuidedDetectionTest, AnObjectThatStoppedIsNotDetected) {
-  EXPECT_TRUE(Scene(kStart).byAppearance().empty());
+  EXPECT_TRUE(GuidedScene(kStart).byAppearance().empty());
 }
 
 TEST(TrackGuidedDetectionTest, AHiddenObjectIsNotDetected) {
-  EXPECT_TRUE(Scene(std::nullopt).byAppearance().empty());
+  EXPECT_TRUE(GuidedScene(std::nullopt).byAppearance().empty());
 }
 
 TEST(TrackGuidedDetectionTest, ATemplateWhereStereoSeesSomethingFartherIsNotDetected) {
   for (const double depth_ratio : {0.7, 1.0, 1.3}) {
-    Scene scene(wentOn());
+    GuidedScene scene(wentOn());
     const double d = project(depth_ratio * wentOn(), scene.camera)->z();
     for (const auto& cell : scene.now.cells()) {
       scene.disparity.values.at<float>(cell) = static_cast<float>(d);
@@ -221,7 +221,7 @@ TEST(TrackGuidedDetectionTest, ATemplateWhereStereoSeesSomethingFartherIsNotDete
 }
 
 TEST(TrackGuidedDetectionTest, AnObjectObservedOnceIsNotSearchedByItsTemplate) {
-  Scene scene(wentOn());
+  GuidedScene scene(wentOn());
   scene.walker.observations = 1;
   EXPECT_TRUE(scene.byAppearance().empty());
   scene.walker.observations = 2;
@@ -231,16 +231,16 @@ TEST(TrackGuidedDetectionTest, AnObjectObservedOnceIsNotSearchedByItsTemplate) {
 }
 
 TEST(TrackGuidedDetectionTest, NothingIsDetectedTwice) {
-  Scene scene(wentOn());
+  GuidedScene scene(wentOn());
   const auto first = scene.byAppearance();
   ASSERT_EQ(first.size(), 1u);
   EXPECT_EQ(scene.byAppearance(first).size(), 1u);
-  scene.addSegment(wentOn(), kSpeed);
+  scene.addSegment(wentOn(), kWalkerSpeed);
   EXPECT_EQ(scene.byFlow(first).size(), 1u);
 }
 
 TEST(TrackGuidedDetectionTest, SearchesForASecondAfterTheLastEvidenceOfMotion) {
-  Scene scene(wentOn());
+  GuidedScene scene(wentOn());
   scene.walker.last_motion = scene.path.timeOf(scene.path.newest()) - 0.9;
   EXPECT_EQ(scene.searched().size(), 1u);
   scene.walker.last_motion -= 0.2;
@@ -248,7 +248,7 @@ TEST(TrackGuidedDetectionTest, SearchesForASecondAfterTheLastEvidenceOfMotion) {
 }
 
 TEST(TrackGuidedDetectionTest, ExpectedObjectsComeFromTheMapToThePathsWorld) {
-  Scene scene(wentOn());
+  GuidedScene scene(wentOn());
   Pose T_map_cam = Pose::Identity();
   T_map_cam.linear() = expSo3({0.1, 0.5, -0.2});
   T_map_cam.translation() = Eigen::Vector3d(3.0, -1.0, 2.0);
@@ -266,7 +266,7 @@ TEST(TrackGuidedDetectionTest, ExpectedObjectsComeFromTheMapToThePathsWorld) {
 }
 
 TEST(TrackGuidedDetectionTest, WhatMotionExplainsIsNotSearched) {
-  Scene scene(wentOn());
+  GuidedScene scene(wentOn());
   MovingObject found;
   found.extent.box.centre = wentOn() + Eigen::Vector3d(0.5, 0.0, 0.0);
   EXPECT_TRUE(withoutFound(scene.searched(), {found}, scene.path).empty());
@@ -276,7 +276,7 @@ TEST(TrackGuidedDetectionTest, WhatMotionExplainsIsNotSearched) {
 }
 
 TEST(TrackGuidedDetectionTest, WhatHasTheSamePartsIsNotSearchedThoughItsPlaceIsOff) {
-  Scene scene(wentOn());
+  GuidedScene scene(wentOn());
   scene.walker.detector_id = 3;
   MovingObject found;
   found.extent.box.centre = wentOn() + Eigen::Vector3d(0.0, 0.0, 4.0);  // an error of stereo
@@ -287,7 +287,7 @@ TEST(TrackGuidedDetectionTest, WhatHasTheSamePartsIsNotSearchedThoughItsPlaceIsO
 }
 
 TEST(TrackGuidedDetectionTest, OneDetectionExplainsOneExpectedObject) {
-  Scene scene(wentOn());
+  GuidedScene scene(wentOn());
   auto both = scene.searched();
   both.push_back(both.front());
   both.back().track = TrackId{8};
@@ -300,14 +300,14 @@ TEST(TrackGuidedDetectionTest, OneDetectionExplainsOneExpectedObject) {
 }
 
 TEST(TrackGuidedDetectionTest, WithoutGroundNoSegmentIsDetected) {
-  Scene scene(wentOn());
-  scene.addSegment(wentOn(), kSpeed);
+  GuidedScene scene(wentOn());
+  scene.addSegment(wentOn(), kWalkerSpeed);
   scene.ground.reset();
   EXPECT_TRUE(scene.byFlow().empty());
 }
 
 TEST(TrackGuidedDetectionTest, WhatIsBehindTheCameraIsNotDetected) {
-  Scene scene(wentOn());
+  GuidedScene scene(wentOn());
   auto behind = *scene.walker.appearance;
   behind.T_map_camera.translation().z() = -kWalkerDepth - 5.0;
   scene.walker.appearance = std::make_shared<const AppearanceTemplate>(behind);

@@ -10,7 +10,7 @@ constexpr double kFocal_px = 500.0;
 constexpr double kHeight_m = 1.6;
 
 /// Image box of an upright object of 0.8 m by 1.6 m.
-Box2d boxAt(const Eigen::Vector3d& centre) {
+Box2d predictedBoxAt(const Eigen::Vector3d& centre) {
   const double u = kFocal_px * centre.x() / centre.z() + 320.0;
   const double v = kFocal_px * centre.y() / centre.z() + 240.0;
   const double half_width = 0.5 * kFocal_px * 0.8 / centre.z();
@@ -21,9 +21,9 @@ Box2d boxAt(const Eigen::Vector3d& centre) {
 TEST(PredictedBoxTest, IsTheProjectionAtTheNewPosition) {
   const Eigen::Vector3d from(1.0, 0.2, 8.0);
   for (const auto& to : {Eigen::Vector3d(1.0, 0.2, 8.0), {-2.0, 0.3, 5.0}, {0.0, -1.0, 20.0}}) {
-    const auto box = predictedBox(boxAt(from), from, to, kHeight_m);
+    const auto box = predictedBox(predictedBoxAt(from), from, to, kHeight_m);
     ASSERT_TRUE(box);
-    const Box2d expected = boxAt(to);
+    const Box2d expected = predictedBoxAt(to);
     EXPECT_NEAR(box->left, expected.left, 1e-9);
     EXPECT_NEAR(box->top, expected.top, 1e-9);
     EXPECT_NEAR(box->right, expected.right, 1e-9);
@@ -33,9 +33,9 @@ TEST(PredictedBoxTest, IsTheProjectionAtTheNewPosition) {
 
 TEST(PredictedBoxTest, IsNoneBehindTheCameraAndWithoutHeight) {
   const Eigen::Vector3d front(0.0, 0.0, 5.0), behind(0.0, 0.0, -5.0);
-  EXPECT_FALSE(predictedBox(boxAt(front), front, behind, kHeight_m));
-  EXPECT_FALSE(predictedBox(boxAt(front), behind, front, kHeight_m));
-  EXPECT_FALSE(predictedBox(boxAt(front), front, front, 0.0));
+  EXPECT_FALSE(predictedBox(predictedBoxAt(front), front, behind, kHeight_m));
+  EXPECT_FALSE(predictedBox(predictedBoxAt(front), behind, front, kHeight_m));
+  EXPECT_FALSE(predictedBox(predictedBoxAt(front), front, front, 0.0));
 }
 
 MeasuredBox measuredAt(const Eigen::Vector3d& position) {

@@ -24,7 +24,7 @@ constexpr int kBlackFrame = 8;
 const std::vector<PaintedBox> kStillStreet = {{{3.5, 1.6, 16.0}, 1.8, 1.5, {0.0, 0.0, 0.0}, 12},
                                               {{-4.5, 1.6, 22.0}, 0.5, 1.7, {0.0, 0.0, 0.0}, 13},
                                               {{-6.0, 1.6, 18.0}, 2.2, 1.8, {0.0, 0.0, 0.0}, 14}};
-const PaintedBox kMoving{{-2.0, 1.6, 17.0}, 1.8, 1.5, {2.5, 0.0, 4.0}, 11};
+const PaintedBox kMovingBox{{-2.0, 1.6, 17.0}, 1.8, 1.5, {2.5, 0.0, 4.0}, 11};
 
 struct Outcome {
   std::set<TrackId> moving_tracks;  ///< confirmed ones found moving at some time
@@ -67,7 +67,7 @@ TEST_P(InTroubleTest, AStaticStreetHasNoMovingObjects) {
 
 TEST_P(InTroubleTest, OneMovingObjectGivesAtMostTwoMovingTracks) {
   auto boxes = kStillStreet;
-  boxes.push_back(kMoving);
+  boxes.push_back(kMovingBox);
   EXPECT_LE(run(PaintedStreet(boxes), test::troubles(kBlackFrame)[GetParam()]).moving_tracks.size(),
             2u);
 }
@@ -87,7 +87,7 @@ TEST(TroubleTest, ContinuesAfterABlackImage) {
 void runWithClockSet(double step_s, const std::string& warning) {
   constexpr int kSetFrame = 10;
   auto boxes = kStillStreet;
-  boxes.push_back(kMoving);
+  boxes.push_back(kMovingBox);
   const PaintedStreet street(boxes);
   PerceptionParams params;
   params.detection.detector = "stereo_motion";

@@ -8,7 +8,7 @@
 namespace headway::sim {
 namespace {
 
-constexpr double kStep_s = 0.02;
+constexpr double kDriverStep_s = 0.02;
 
 Route laneOf(const std::string& shape, double hill_height_m = 0.0) {
   RouteParams params;
@@ -16,8 +16,8 @@ Route laneOf(const std::string& shape, double hill_height_m = 0.0) {
   return makeRoute(params, hill_height_m);
 }
 
-double pitchOf(const Pose& pose) { return std::asin(-pose.linear()(2, 0)); }
-double rollOf(const Pose& pose) { return std::atan2(pose.linear()(2, 1), pose.linear()(2, 2)); }
+double driverPitch(const Pose& pose) { return std::asin(-pose.linear()(2, 0)); }
+double driverRoll(const Pose& pose) { return std::atan2(pose.linear()(2, 1), pose.linear()(2, 2)); }
 
 TEST(RobotDriverTest, StartsAtTheRoutesStartInItsLane) {
   const Route route = laneOf("straight 100");
@@ -30,7 +30,7 @@ TEST(RobotDriverTest, StartsAtTheRoutesStartInItsLane) {
 TEST(RobotDriverTest, ArrivesAtTheEndOfItsRoute) {
   const Route route = laneOf("straight 60, left 30 90, straight 30");
   RobotDriver driver({}, 0.0, false, route, 1);
-  for (int i = 0; i < 4000 && !driver.arrived(); ++i) driver.advance(kStep_s, {});
+  for (int i = 0; i < 4000 && !driver.arrived(); ++i) driver.advance(kDriverStep_s, {});
   EXPECT_TRUE(driver.arrived());
   EXPECT_NEAR(driver.state().s, route.end_s, 1.0);
 }
@@ -43,7 +43,7 @@ TEST(RobotDriverTest, LeavesACurveNoFasterThanItsLateralAcceleration) {
   RobotDriver driver(params, 0.0, false, route, 1);
   double at_the_curves_end = 0.0;
   for (int i = 0; i < 4000 && !driver.arrived(); ++i) {
-    driver.advance(kStep_s, {});
+    driver.advance(kDriverStep_s, {});
     const RobotState state = driver.state();
     const double curvature = std::abs(route.street.curvature(state.s));
     if (curvature > 0.9 / 20.0) at_the_curves_end = state.speed * state.speed * curvature;
@@ -56,9 +56,9 @@ TEST(RobotDriverTest, WithoutRideStaysParallelToTheStreet) {
   const Route flat = laneOf("straight 80");
   RobotDriver driver({}, 0.0, false, flat, 1);
   for (int i = 0; i < 300; ++i) {
-    driver.advance(kStep_s, {});
-    EXPECT_NEAR(pitchOf(driver.T_world_robot()), 0.0, 1e-9);
-    EXPECT_NEAR(rollOf(driver.T_world_robot()), 0.0, 1e-9);
+    driver.advance(kDriverStep_s, {});
+    EXPECT_NEAR(driverPitch(driver.T_world_robot()), 0.0, 1e-9);
+    EXPECT_NEAR(driverRoll(driver.T_world_robot()), 0.0, 1e-9);
   }
 }
 
@@ -66,10 +66,10 @@ TEST(RobotDriverTest, PitchesUpWhereTheStreetRises) {
   const Route hill = laneOf("straight 200", 6.0);
   RobotDriver driver({}, 0.0, false, hill, 1);
   for (int i = 0; i < 600; ++i) {
-    driver.advance(kStep_s, {});
+    driver.advance(kDriverStep_s, {});
     const double s = driver.state().s;
     const double rise = hill.street.at(s + 1.5).position.z() - hill.street.at(s - 1.5).position.z();
-    EXPECT_NEAR(pitchOf(driver.T_world_robot()), -std::atan2(rise, 3.0), 1e-6);
+    EXPECT_NEAR(driverPitch(driver.T_world_robot()), -std::atan2(rise, 3.0), 1e-6);
   }
 }
 
@@ -80,9 +80,9 @@ TEST(RobotDriverTest, RideHasTheStandardDeviationAskedFor) {
   double pitch = 0.0, roll = 0.0;
   constexpr int kSteps = 10000;
   for (int i = 0; i < kSteps; ++i) {
-    driver.advance(kStep_s, {});
-    pitch += std::pow(pitchOf(driver.T_world_robot()), 2) / kSteps;
-    roll += std::pow(rollOf(driver.T_world_robot()), 2) / kSteps;
+    driver.advance(kDriverStep_s, {});
+    pitch += std::pow(driverPitch(driver.T_world_robot()), 2) / kSteps;
+    roll += std::pow(driverRoll(driver.T_world_robot()), 2) / kSteps;
   }
   EXPECT_NEAR(std::sqrt(pitch) * 180.0 / M_PI, kRide_deg, 0.2 * kRide_deg);
   EXPECT_NEAR(std::sqrt(roll) * 180.0 / M_PI, kRide_deg, 0.2 * kRide_deg);
@@ -99,7 +99,7 @@ TEST(RobotDriverTest, KeepsLessDistanceWhenAskedTo) {
     car.yaw = place.yaw;
     car.length = 4.0;
     car.width = 1.8;
-    for (int i = 0; i < 2000; ++i) driver.advance(kStep_s, {car});
+    for (int i = 0; i < 2000; ++i) driver.advance(kDriverStep_s, {car});
     EXPECT_LT(driver.state().speed, 0.1);
     return (car.position - driver.state().obstacle.position).norm();
   };
@@ -111,9 +111,9 @@ TEST(RobotDriverTest, TheSameSeedGivesTheSameRide) {
   RobotDriver one({}, 0.3, false, route, 5), same({}, 0.3, false, route, 5),
       other({}, 0.3, false, route, 6);
   for (int i = 0; i < 100; ++i) {
-    one.advance(kStep_s, {});
-    same.advance(kStep_s, {});
-    other.advance(kStep_s, {});
+    one.advance(kDriverStep_s, {});
+    same.advance(kDriverStep_s, {});
+    other.advance(kDriverStep_s, {});
   }
   EXPECT_EQ(one.T_world_robot().matrix(), same.T_world_robot().matrix());
   EXPECT_NE(one.T_world_robot().matrix(), other.T_world_robot().matrix());

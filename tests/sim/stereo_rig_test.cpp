@@ -71,12 +71,12 @@ Mesh square(const Eigen::Vector3d& middle, double side) {
 }
 
 /// Centre of mass of what has a colour; its area is the number of pixels [px].
-struct Spot {
+struct ImageSpot {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
   double area = 0.0;
 };
 
-Spot spotOf(const cv::Mat& picture, const cv::Scalar& colour) {
+ImageSpot spotOf(const cv::Mat& picture, const cv::Scalar& colour) {
   cv::Mat marks;
   cv::inRange(picture, colour - cv::Scalar::all(60), colour + cv::Scalar::all(60), marks);
   const cv::Moments moments = cv::moments(marks, true);

@@ -18,7 +18,7 @@ test::TexturedWorld room() {
 }
 
 /// A gentle curve through the room.
-Pose onPath(int i) {
+Pose onSlamPath(int i) {
   Pose pose = Pose::Identity();
   pose.translation() << 0.05 * i, 0.6 * std::sin(0.05 * i), 0.1 * std::sin(0.11 * i);
   pose.linear() = expSo3({0.0, 0.01 * std::sin(0.2 * i), 0.3 * std::sin(0.04 * i)});
@@ -27,7 +27,7 @@ Pose onPath(int i) {
 
 /// The path begins at the origin, so that the map frame is the world frame.
 double errorAt(const SlamUpdate& update, int i) {
-  return (update.T_map_robot.translation() - onPath(i).translation()).norm();
+  return (update.T_map_robot.translation() - onSlamPath(i).translation()).norm();
 }
 
 bool isFinite(const SlamUpdate& update) {
@@ -48,7 +48,7 @@ TEST(StereoSlamTest, FollowsAPathThroughARoom) {
   const auto world = room();
   StereoSlam slam(world.camera(), SlamParams{});
   for (int i = 0; i < 40; ++i) {
-    const auto update = slam.process(world.frame(i, 0.1 * i, onPath(i)), {});
+    const auto update = slam.process(world.frame(i, 0.1 * i, onSlamPath(i)), {});
     ASSERT_EQ(update.status, TrackingStatus::kTracked) << i;
     EXPECT_LT(errorAt(update, i), 0.02) << i;
     EXPECT_GE(update.inliers, 20);
@@ -57,7 +57,7 @@ TEST(StereoSlamTest, FollowsAPathThroughARoom) {
   }
   const auto path = slam.trajectory();
   ASSERT_EQ(path.size(), 40U);
-  EXPECT_LT((path.back().T_map_robot.translation() - onPath(39).translation()).norm(), 0.02);
+  EXPECT_LT((path.back().T_map_robot.translation() - onSlamPath(39).translation()).norm(), 0.02);
 }
 
 TEST(StereoSlamTest, FollowsAPathWhileBundlesAreAdjustedBeside) {
@@ -67,7 +67,7 @@ TEST(StereoSlamTest, FollowsAPathWhileBundlesAreAdjustedBeside) {
   params.keyframe_flow_ratio = 0.02;  // many keyframes, so many adjustments
   StereoSlam slam(world.camera(), params);
   for (int i = 0; i < 40; ++i) {
-    const auto update = slam.process(world.frame(i, 0.1 * i, onPath(i)), {});
+    const auto update = slam.process(world.frame(i, 0.1 * i, onSlamPath(i)), {});
     ASSERT_EQ(update.status, TrackingStatus::kTracked) << i;
     EXPECT_LT(errorAt(update, i), 0.03) << i;
   }
@@ -78,7 +78,7 @@ TEST(StereoSlamTest, MapsLandmarksOntoTheWalls) {
   const auto world = room();
   StereoSlam slam(world.camera(), SlamParams{});
   for (int i = 0; i < 20; ++i)
-    static_cast<void>(slam.process(world.frame(i, 0.1 * i, onPath(i)), {}));
+    static_cast<void>(slam.process(world.frame(i, 0.1 * i, onSlamPath(i)), {}));
   const MapView map = slam.map();
   ASSERT_GT(map.landmarks.size(), 100U);
   int on_wall = 0;
@@ -93,14 +93,14 @@ TEST(StereoSlamTest, SaysLostWithoutImagesAndFindsItsMapAgain) {
   const auto world = room();
   StereoSlam slam(world.camera(), SlamParams{});
   for (int i = 0; i < 15; ++i)
-    static_cast<void>(slam.process(world.frame(i, 0.1 * i, onPath(i)), {}));
+    static_cast<void>(slam.process(world.frame(i, 0.1 * i, onSlamPath(i)), {}));
   for (int i = 15; i < 20; ++i) {
     const auto update = slam.process(blank(i), {});
     EXPECT_EQ(update.status, TrackingStatus::kLost);
     EXPECT_TRUE(isFinite(update));
   }
   for (int i = 20; i < 24; ++i) {
-    const auto update = slam.process(world.frame(i, 0.1 * i, onPath(i)), {});
+    const auto update = slam.process(world.frame(i, 0.1 * i, onSlamPath(i)), {});
     EXPECT_EQ(update.status, TrackingStatus::kTracked) << i;
     EXPECT_LT(errorAt(update, i), 0.03) << i;
   }
@@ -113,8 +113,8 @@ TEST(StereoSlamTest, FindsItselfAfterAJump) {
   const auto world = room();
   StereoSlam slam(world.camera(), SlamParams{});
   for (int i = 0; i < 15; ++i)
-    static_cast<void>(slam.process(world.frame(i, 0.1 * i, onPath(i)), {}));
-  Pose turned = onPath(15);
+    static_cast<void>(slam.process(world.frame(i, 0.1 * i, onSlamPath(i)), {}));
+  Pose turned = onSlamPath(15);
   turned.linear() = turned.linear() * expSo3({0.0, 0.05, 0.2});
   const auto update = slam.process(world.frame(15, 9.0, turned), {});
   EXPECT_EQ(update.status, TrackingStatus::kTracked);
@@ -129,14 +129,16 @@ TEST(StereoSlamTest, StaysLostInAnotherWorldUntilItBeginsAnew) {
   params.restart_after_frames = 4;
   StereoSlam slam(world.camera(), params);
   for (int i = 0; i < 10; ++i)
-    static_cast<void>(slam.process(world.frame(i, 0.1 * i, onPath(i)), {}));
+    static_cast<void>(slam.process(world.frame(i, 0.1 * i, onSlamPath(i)), {}));
   for (int i = 10; i < 14; ++i) {
-    EXPECT_EQ(slam.process(other.frame(i, 0.1 * i, onPath(i)), {}).status, TrackingStatus::kLost);
+    EXPECT_EQ(slam.process(other.frame(i, 0.1 * i, onSlamPath(i)), {}).status,
+              TrackingStatus::kLost);
   }
-  const auto update = slam.process(other.frame(14, 1.4, onPath(14)), {});
+  const auto update = slam.process(other.frame(14, 1.4, onSlamPath(14)), {});
   EXPECT_EQ(update.status, TrackingStatus::kTracked);
   EXPECT_TRUE(update.is_keyframe);
-  EXPECT_EQ(slam.process(other.frame(15, 1.5, onPath(15)), {}).status, TrackingStatus::kTracked);
+  EXPECT_EQ(slam.process(other.frame(15, 1.5, onSlamPath(15)), {}).status,
+            TrackingStatus::kTracked);
 }
 
 TEST(StereoSlamTest, BeginsOnceThereIsSomethingToSee) {
@@ -148,7 +150,7 @@ TEST(StereoSlamTest, BeginsOnceThereIsSomethingToSee) {
     EXPECT_TRUE(isFinite(update));
   }
   EXPECT_TRUE(slam.map().keyframes.empty());
-  EXPECT_EQ(slam.process(world.frame(3, 0.3, onPath(0)), {}).status, TrackingStatus::kTracked);
+  EXPECT_EQ(slam.process(world.frame(3, 0.3, onSlamPath(0)), {}).status, TrackingStatus::kTracked);
 }
 
 TEST(StereoSlamTest, SameInputSameBytesOnAnyNumberOfThreads) {
@@ -157,7 +159,7 @@ TEST(StereoSlamTest, SameInputSameBytesOnAnyNumberOfThreads) {
     cv::setNumThreads(threads);
     StereoSlam slam(world.camera(), SlamParams{});
     for (int i = 0; i < 12; ++i) {
-      static_cast<void>(slam.process(world.frame(i, 0.1 * i, onPath(i)), {}));
+      static_cast<void>(slam.process(world.frame(i, 0.1 * i, onSlamPath(i)), {}));
     }
     return std::make_pair(slam.trajectory(), slam.map());
   };
@@ -179,7 +181,7 @@ TEST(StereoSlamTest, TakesNothingFromMovingRegions) {
   StereoSlam slam(world.camera(), params);
   MovingRegions moving;
   moving.boxes.push_back({100.0, 60.0, 220.0, 180.0});
-  static_cast<void>(slam.process(world.frame(0, 0.0, onPath(0)), moving));
+  static_cast<void>(slam.process(world.frame(0, 0.0, onSlamPath(0)), moving));
   const Pose T_cam_map = world.camera()->T_robot_cam.inverse();
   for (const LandmarkView& landmark : slam.map().landmarks) {
     const auto uvd = project(T_cam_map * landmark.position, *world.camera()).value();
@@ -191,19 +193,19 @@ TEST(StereoSlamTest, IsLostWhereEverythingMoves) {
   const auto world = room();
   StereoSlam slam(world.camera(), SlamParams{});
   for (int i = 0; i < 5; ++i)
-    static_cast<void>(slam.process(world.frame(i, 0.1 * i, onPath(i)), {}));
+    static_cast<void>(slam.process(world.frame(i, 0.1 * i, onSlamPath(i)), {}));
   MovingRegions all;
   all.mask = cv::Mat(240, 320, CV_8U, cv::Scalar(255));
-  const auto update = slam.process(world.frame(5, 0.5, onPath(5)), all);
+  const auto update = slam.process(world.frame(5, 0.5, onSlamPath(5)), all);
   EXPECT_EQ(update.status, TrackingStatus::kLost);
   EXPECT_TRUE(isFinite(update));
-  EXPECT_EQ(slam.process(world.frame(6, 0.6, onPath(6)), {}).status, TrackingStatus::kTracked);
+  EXPECT_EQ(slam.process(world.frame(6, 0.6, onSlamPath(6)), {}).status, TrackingStatus::kTracked);
 }
 
 TEST(StereoSlamTest, RefusesImagesThatAreNotTheCameras) {
   const auto world = room();
   StereoSlam slam(world.camera(), SlamParams{});
-  StereoFrame frame = world.frame(0, 0.0, onPath(0));
+  StereoFrame frame = world.frame(0, 0.0, onSlamPath(0));
   frame.right = cv::Mat(100, 100, CV_8U, cv::Scalar(0));
   EXPECT_THROW(static_cast<void>(slam.process(frame, {})), InputError);
   frame.right = cv::Mat();
@@ -219,13 +221,14 @@ TEST(StereoSlamTest, LevelsTheMapOnceGravityIsObservable) {
     StereoSlam slam(world.camera(), params);
     SlamUpdate update;
     const auto velocityAt = [&](int i) {
-      return Eigen::Vector3d(5.0 * (onPath(i + 1).translation() - onPath(i - 1).translation()));
+      return Eigen::Vector3d(5.0 *
+                             (onSlamPath(i + 1).translation() - onSlamPath(i - 1).translation()));
     };
     for (int i = 0; i < 12; ++i) {
-      StereoFrame frame = world.frame(i, 0.1 * i, onPath(i));
+      StereoFrame frame = world.frame(i, 0.1 * i, onSlamPath(i));
       frame.motion_prior.specific_force = 9.80665 * up;
-      const Pose T_previous_first = onPath(i - 1).inverse();
-      frame.motion_prior.R_previous_current = (T_previous_first * onPath(i)).linear();
+      const Pose T_previous_first = onSlamPath(i - 1).inverse();
+      frame.motion_prior.R_previous_current = (T_previous_first * onSlamPath(i)).linear();
       const Eigen::Vector3d increment = velocityAt(i) - velocityAt(i - 1) + 0.1 * 9.80665 * up;
       frame.motion_prior.velocity_increment = T_previous_first.linear() * increment;
       update = slam.process(frame, {});
@@ -246,7 +249,7 @@ TEST(StereoSlamTest, WithoutMappingAnEmptyMapStaysEmpty) {
   SlamParams params;
   params.mapping = false;
   StereoSlam slam(world.camera(), params);
-  EXPECT_EQ(slam.process(world.frame(0, 0.0, onPath(0)), {}).status, TrackingStatus::kLost);
+  EXPECT_EQ(slam.process(world.frame(0, 0.0, onSlamPath(0)), {}).status, TrackingStatus::kLost);
   EXPECT_TRUE(slam.map().landmarks.empty());
 }
 

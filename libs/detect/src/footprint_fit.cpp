@@ -14,11 +14,11 @@ namespace {
 
 constexpr int kHeadings = 36;  // tried in half a turn
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kColumnsThatCount = 12.0;  // neighbouring columns err together
-constexpr double kDisparitySigma = 0.5;     // of a column [px]
-constexpr double kShapeSigma = 0.2;         // of a real side off a flat one [m]
-constexpr double kSizeSpread = 0.08;        // of length and width
-constexpr double kWorst = 9.0;              // squared error at which a column is an outlier
+constexpr double kColumnsThatCount = 12.0;     // neighbouring columns err together
+constexpr double kColumnDisparitySigma = 0.5;  // of a column [px]
+constexpr double kShapeSigma = 0.2;            // of a real side off a flat one [m]
+constexpr double kSizeSpread = 0.08;           // of length and width
+constexpr double kWorst = 9.0;                 // squared error at which a column is an outlier
 
 struct Column {
   double slope;  // x over z of its ray
@@ -139,7 +139,7 @@ double columnError(const Rectangle& rectangle, const std::vector<Column>& column
   for (const auto& column : columns) {
     const auto depth = rectangle.depthAlong(column.slope);
     const double sigma =
-        std::hypot(kShapeSigma, kDisparitySigma * column.depth * column.depth / fb);
+        std::hypot(kShapeSigma, kColumnDisparitySigma * column.depth * column.depth / fb);
     const double off = depth ? (column.depth - *depth) / sigma : 1e9;
     total += std::min(off * off, kWorst);
   }

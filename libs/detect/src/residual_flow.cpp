@@ -17,27 +17,27 @@
 namespace headway::detect {
 namespace {
 
-constexpr int kReach = 16;        // search range to either side [cells]
-constexpr int kBlock = 9;         // side of a matched block [cells]
+constexpr int kSearchReach = 16;  // search range to either side [cells]
+constexpr int kMatchedBlock = 9;  // side of a matched block [cells]
 constexpr int kUniqueness = 10;   // margin of the best match over the second best [%]
 constexpr int kOverlap = 6;       // rows around a block; even, because OpenCV filters pairs of rows
 constexpr int kMinSpeckle = 20;   // smaller regions are removed [cells]
 constexpr int kSpeckleRange = 2;  // between neighbours in a region
 constexpr int kSubpixels = 16;    // OpenCV's fixed-point disparities
-constexpr int kBorder = 2 * kReach;      // columns that OpenCV leaves unmatched [cells]
-constexpr double kSigmaDisparity = 0.4;  // [px]
-constexpr double kMinSigma = 0.15;       // [px]
-constexpr double kTail = 1.0;            // residual at which a cell has half its weight [px]
-constexpr int kStride = 3;               // of the cells that estimate the common flow
-constexpr double kFastWalk_mps = 2.0;    // across the line of sight, of a walker
-constexpr int kMaxCoarse = 4;            // reduction of the images for near walkers
-constexpr int kMinNear = 20;             // cells of one who is measured
+constexpr int kUnmatchedBorder = 2 * kSearchReach;  // columns that OpenCV leaves unmatched [cells]
+constexpr double kSigmaDisparity = 0.4;             // [px]
+constexpr double kMinSigma = 0.15;                  // [px]
+constexpr double kResidualTail = 1.0;  // residual at which a cell has half its weight [px]
+constexpr int kStride = 3;             // of the cells that estimate the common flow
+constexpr double kFastWalk_mps = 2.0;  // across the line of sight, of a walker
+constexpr int kMaxCoarse = 4;          // reduction of the images for near walkers
+constexpr int kMinNear = 20;           // cells of one who is measured
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 // Matches some rows with the same result as matching the whole images.
 void matchRows(const cv::Mat& now, const cv::Mat& warped, const cv::Range& rows, cv::Mat& matches) {
-  auto matcher = cv::StereoBM::create(2 * kReach, kBlock);
-  matcher->setMinDisparity(-kReach);
+  auto matcher = cv::StereoBM::create(2 * kSearchReach, kMatchedBlock);
+  matcher->setMinDisparity(-kSearchReach);
   matcher->setUniquenessRatio(kUniqueness);
   matcher->setTextureThreshold(12);
   matcher->setPreFilterCap(31);
@@ -51,22 +51,22 @@ void matchRows(const cv::Mat& now, const cv::Mat& warped, const cv::Range& rows,
 // Columns in the warped image that match the cells [cells]; NaN where there are none.
 cv::Mat matchedColumns(const cv::Mat& now, const cv::Mat& warped) {
   cv::Mat a, b;
-  cv::copyMakeBorder(now, a, 0, 0, kBorder, kBorder, cv::BORDER_REPLICATE);
-  cv::copyMakeBorder(warped, b, 0, 0, kBorder, kBorder, cv::BORDER_REPLICATE);
+  cv::copyMakeBorder(now, a, 0, 0, kUnmatchedBorder, kUnmatchedBorder, cv::BORDER_REPLICATE);
+  cv::copyMakeBorder(warped, b, 0, 0, kUnmatchedBorder, kUnmatchedBorder, cv::BORDER_REPLICATE);
   // OpenCV matches images as small as these in one thread.
   cv::Mat matches(a.size(), CV_16S);
   const int half = now.rows / 4 * 2;
   const std::array<cv::Range, 2> halves{cv::Range(0, half), cv::Range(half, now.rows)};
   forEachRow(2, [&](int i) { matchRows(a, b, halves[i], matches); });
-  constexpr int kNone = (-kReach - 1) * kSubpixels;
+  constexpr int kNone = (-kSearchReach - 1) * kSubpixels;
   cv::filterSpeckles(matches, kNone, kMinSpeckle, kSpeckleRange);
   cv::Mat columns(now.size(), CV_32F);
   for (int row = 0; row < now.rows; ++row) {
-    const short* match = matches.ptr<short>(row) + kBorder;
+    const short* match = matches.ptr<short>(row) + kUnmatchedBorder;
     auto* place = columns.ptr<float>(row);
     for (int column = 0; column < now.cols; ++column) {
       place[column] =
-          match[column] < -kReach * kSubpixels
+          match[column] < -kSearchReach * kSubpixels
               ? kUnknown
               : static_cast<float>(column) - static_cast<float>(match[column]) / kSubpixels;
     }
@@ -94,14 +94,14 @@ double subtractCommonFlow(const cv::Mat& disparities, cv::Mat& columns) {
         static_cells.emplace_back(1.0, d[column], residuals[column]);
     }
   }
-  if (static_cells.empty()) return kTail;
+  if (static_cells.empty()) return kResidualTail;
   Eigen::Vector2d common = Eigen::Vector2d::Zero();
   const Eigen::Vector2d prior(1.0, 100.0);
   for (int iteration = 0; iteration < 4; ++iteration) {
     Eigen::Matrix2d A = prior.asDiagonal();
     Eigen::Vector2d b = Eigen::Vector2d::Zero();
     for (const auto& cell : static_cells) {
-      const double off = (cell.z() - common.dot(cell.head<2>())) / kTail;
+      const double off = (cell.z() - common.dot(cell.head<2>())) / kResidualTail;
       const double weight = 1.0 / (1.0 + off * off);
       A += weight * cell.head<2>() * cell.head<2>().transpose();
       b += weight * cell.z() * cell.head<2>();
@@ -186,7 +186,7 @@ stereo::DisparityImage halved(const stereo::DisparityImage& fine) {
 
 // Disparity of a walker who moves by the search range between the frames.
 double maxDisparity(int reduce, double seconds, const StereoCamera& camera) {
-  return kReach * reduce * camera.baseline_m / (kFastWalk_mps * seconds);
+  return kSearchReach * reduce * camera.baseline_m / (kFastWalk_mps * seconds);
 }
 
 // Takes the flow of cells with a greater disparity from a coarser flow.

@@ -11,22 +11,22 @@
 namespace headway::detect {
 namespace {
 
-constexpr double kGate = 0.6;           // between a segment and its expected place [m]
-constexpr double kGatePerMetre = 0.02;  // growth with depth [m/m]
+constexpr double kSegmentGate = 0.6;           // between a segment and its expected place [m]
+constexpr double kSegmentGatePerMetre = 0.02;  // growth with depth [m/m]
 constexpr double kGateDisparity = 1.0;  // and, along the line of sight, by this much disparity [px]
 constexpr double kEdge = 0.5;           // error of a segment's centre [px]
 constexpr double kEdgeRatio = 0.03;     // and ratio to its width
-constexpr double kDisparitySigma = 0.3;  // [px]
-constexpr double kRowSigma = 30.0;       // feet and heads are cut off at random [px]
-constexpr double kMaxSpeed = 8.0;        // of a segment [m/s]
-constexpr int kMinObservations = 4;
-constexpr int kMaxMissed = 3;         // frames
-constexpr double kGoodFit = 3.0;      // squared error to a degree of freedom
-constexpr std::size_t kMaxFlows = 5;  // kept of a segment
-constexpr double kMinTravel = 0.3;    // within the window [m]
+constexpr double kSegmentDisparitySigma = 0.3;  // [px]
+constexpr double kRowSigma = 30.0;              // feet and heads are cut off at random [px]
+constexpr double kMaxSpeed = 8.0;               // of a segment [m/s]
+constexpr int kMinSegments = 4;
+constexpr int kMaxMissed = 3;            // frames
+constexpr double kGoodSegmentFit = 3.0;  // squared error to a degree of freedom
+constexpr std::size_t kMaxFlows = 5;     // kept of a segment
+constexpr double kMinTravel = 0.3;       // within the window [m]
 
 ObservationNoise noiseOf(const UprightSegment& segment) {
-  return {kEdge + kEdgeRatio * segment.width_px, kRowSigma, kDisparitySigma};
+  return {kEdge + kEdgeRatio * segment.width_px, kRowSigma, kSegmentDisparitySigma};
 }
 
 Eigen::Vector3d placeOf(const UprightSegment& segment, const CameraPath& path,
@@ -50,7 +50,7 @@ class Gate {
     const Pose& T_cam_world = path.T_cam_world(path.newest());
     const double depth = (T_cam_world * expected).z();
     ray_ = overGround(expected - T_cam_world.inverse().translation(), up).normalized();
-    across_ = kGate + kGatePerMetre * depth;
+    across_ = kSegmentGate + kSegmentGatePerMetre * depth;
     along_ = across_ + kGateDisparity * depth * depth / (camera.fx * camera.baseline_m);
   }
 
@@ -119,15 +119,15 @@ void SegmentFollower::extend(SegmentTrack& track, UprightSegment segment,
 
 std::optional<PointMotion> SegmentFollower::outlineMotion(const SegmentTrack& track) {
   const auto& motion = track.track.motion;
-  if (!motion || motion->observations < kMinObservations) return std::nullopt;
-  return motion->movingFit() < kGoodFit ? motion : std::nullopt;
+  if (!motion || motion->observations < kMinSegments) return std::nullopt;
+  return motion->movingFit() < kGoodSegmentFit ? motion : std::nullopt;
 }
 
 bool SegmentFollower::moves(const SegmentTrack& track, const Eigen::Vector3d& up,
                             const PointClassParams& params, double window_s) {
   if (!track.track.motion) return false;
   PointClassParams strict = params;
-  strict.min_observations = kMinObservations;
+  strict.min_observations = kMinSegments;
   strict.max_speed = kMaxSpeed;
   if (classifyPoint(track.track, up, strict) != PointClass::kMoving) return false;
   return overGround(track.track.motion->velocity, up).norm() * window_s > kMinTravel;

@@ -14,7 +14,7 @@
 namespace headway::detect {
 namespace {
 
-constexpr double kTail = 4.0;  // squared distance at which a part has half its weight
+constexpr double kPartTail = 4.0;  // squared distance at which a part has half its weight
 constexpr int kFitIterations = 5;
 constexpr double kMedianLoss = 1.25;  // standard error of a median over that of a mean
 constexpr double kMinSpan = 0.25;     // of observations [s]
@@ -75,7 +75,7 @@ Pooled pool(const std::vector<Part>& parts) {
     for (const auto& part : parts) {
       const Eigen::Vector2d off = part.velocity - pooled.velocity;
       const double squared = i == 0 ? 0.0 : off.dot(part.information * off);
-      const Eigen::Matrix2d weighed = part.information / (1.0 + squared / kTail);
+      const Eigen::Matrix2d weighed = part.information / (1.0 + squared / kPartTail);
       information += weighed;
       sum += weighed * part.velocity;
     }

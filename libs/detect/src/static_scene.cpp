@@ -7,7 +7,7 @@
 namespace headway::detect {
 namespace {
 
-const cv::Size kMargin(17, 5);  // by which near objects are dilated [cells]
+const cv::Size kNearMargin(17, 5);  // by which near objects are dilated [cells]
 
 // Fills a row's holes with the smaller of the disparities beside them, the background's.
 void fillRow(float* row, int columns) {
@@ -29,7 +29,7 @@ void fillRow(float* row, int columns) {
 // Disparities without holes, near objects dilated so that the warp does not tear at outlines.
 cv::Mat smoothed(const cv::Mat& disparities) {
   cv::Mat result;
-  cv::dilate(disparities, result, cv::getStructuringElement(cv::MORPH_RECT, kMargin));
+  cv::dilate(disparities, result, cv::getStructuringElement(cv::MORPH_RECT, kNearMargin));
   for (int row = 0; row < result.rows; ++row) fillRow(result.ptr<float>(row), result.cols);
   return result;
 }

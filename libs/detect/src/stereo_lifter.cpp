@@ -10,9 +10,9 @@
 namespace headway::detect {
 namespace {
 
-constexpr double kEdgeSigma = 2.0;   // of the image box's edges [px]
-constexpr double kEdgeShare = 0.07;  // or of its width: networks frame what they see roughly
-constexpr double kElongated = 1.5;   // length over width from which a heading can be told
+constexpr double kBoxEdgeSigma = 2.0;  // of the image box's edges [px]
+constexpr double kEdgeShare = 0.07;    // or of its width: networks frame what they see roughly
+constexpr double kElongated = 1.5;     // length over width from which a heading can be told
 constexpr double kAwayFromCamera = -1.5707963267948966;  // rotation_y of a front along +z
 constexpr double kDeepestUnknown = 2.0;                  // of an object of unknown size [m]
 
@@ -39,7 +39,7 @@ double heightOf(const Box2d& box, double depth, double usual, const StereoCamera
   return std::clamp(depth * box.height() / camera.fy, 0.6 * usual, 1.6 * usual);
 }
 
-double edgeSigma(const Box2d& box) { return std::hypot(kEdgeSigma, kEdgeShare * box.width()); }
+double edgeSigma(const Box2d& box) { return std::hypot(kBoxEdgeSigma, kEdgeShare * box.width()); }
 
 // Along the ray: stereo and size; across it: the box's edges.
 Eigen::Matrix3d covarianceOf(const Eigen::Vector3d& centre, const Box2d& box, double depth_sigma,

@@ -23,7 +23,7 @@
 namespace headway::detect {
 namespace {
 
-constexpr double kMinContrast = 4.0;  // standard deviation of a usable image [grey levels]
+constexpr double kMinImageContrast = 4.0;  // standard deviation of a usable image [grey levels]
 constexpr double kMinAgreeing = 0.3;  // ratio of static points that must fit the camera's motion
 constexpr int kFewPoints = 12;   // with fewer classified points the camera's motion is not checked
 constexpr double kMaxGap = 3.0;  // of the window: a longer gap resets everything
@@ -35,7 +35,7 @@ constexpr double kStartUp = 0.35;  // before it small errors of pose and stereo 
 bool usable(const cv::Mat& image) {
   cv::Scalar mean, deviation;
   cv::meanStdDev(image, mean, deviation);
-  return deviation[0] > kMinContrast;
+  return deviation[0] > kMinImageContrast;
 }
 
 /// Replaces ranges that are 0 by those of the rig.

@@ -12,16 +12,16 @@
 namespace headway::detect {
 namespace {
 
-constexpr double kStep = 0.5;         // of disparity between neighbouring cells [px]
-constexpr double kStepRatio = 0.02;   // or this ratio of it
-constexpr double kHead = 2.4;         // higher cells are not a person's [m]
-constexpr double kMinTop = 0.9;       // [m], unless the image cuts it
-constexpr int kImageEdge = 6;         // rows below the upper edge without disparities [cells]
-constexpr double kMaxFloat = 0.9;     // of the lowest part [m]
-constexpr double kMinWidth = 0.2;     // [m]
-constexpr double kMinLegWidth = 0.1;  // where the upper edge of the image leaves legs alone [m]
-constexpr double kMaxWidth = 2.0;     // a cyclist from the side [m]
-constexpr std::size_t kMinCells = 20;
+constexpr double kColumnStep = 0.5;        // of disparity between neighbouring cells [px]
+constexpr double kColumnStepRatio = 0.02;  // or this ratio of it
+constexpr double kHeadHeight = 2.4;        // higher cells are not a person's [m]
+constexpr double kMinTop = 0.9;            // [m], unless the image cuts it
+constexpr int kImageEdge = 6;              // rows below the upper edge without disparities [cells]
+constexpr double kMaxFloat = 0.9;          // of the lowest part [m]
+constexpr double kMinWidth = 0.2;          // [m]
+constexpr double kMinLegWidth = 0.1;      // where the upper edge of the image leaves legs alone [m]
+constexpr double kMaxUprightWidth = 2.0;  // a cyclist from the side [m]
+constexpr std::size_t kMinUprightCells = 20;
 constexpr double kNearer = 2.0;       // disparity by which an occluder is nearer [px]
 constexpr double kHiddenRows = 0.25;  // ratio of rows with an occluder beside them
 
@@ -42,7 +42,7 @@ Patch takeConnected(cv::Mat& image, const cv::Point& first) {
   const cv::Rect inside({0, 0}, image.size());
   for (std::size_t next = 0; next < patch.places.size(); ++next) {
     const float d = patch.disparities[next];
-    const double max_step = std::max(kStep, kStepRatio * d);
+    const double max_step = std::max(kColumnStep, kColumnStepRatio * d);
     for (const auto& step :
          {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)}) {
       const cv::Point place = patch.places[next] + step;
@@ -122,10 +122,10 @@ Cells cellsOf(const Patch& patch, const stereo::DisparityImage& disparity,
 
 std::optional<UprightSegment> segmentOf(const Patch& patch, const stereo::DisparityImage& disparity,
                                         const StereoCamera& camera) {
-  if (patch.places.size() < kMinCells) return std::nullopt;
+  if (patch.places.size() < kMinUprightCells) return std::nullopt;
   const auto [lowest, highest] = std::minmax_element(patch.heights.begin(), patch.heights.end());
   // A segment that reaches the maximum height continues above it: a trunk, a pole, a wall.
-  const bool cut = *highest > kHead - 0.1;
+  const bool cut = *highest > kHeadHeight - 0.1;
   const cv::Rect box = cv::boundingRect(patch.places);
   const bool cut_by_image = box.y <= kImageEdge;
   const bool low = *highest < kMinTop && !cut_by_image;
@@ -134,7 +134,7 @@ std::optional<UprightSegment> segmentOf(const Patch& patch, const stereo::Dispar
   const double metres_per_px = camera.baseline_m / d;  // z / f
   const double width = box.width * disparity.reduce * metres_per_px;
   const bool legs = *highest < kMinTop && cut_by_image;
-  if (width < (legs ? kMinLegWidth : kMinWidth) || width > kMaxWidth) return std::nullopt;
+  if (width < (legs ? kMinLegWidth : kMinWidth) || width > kMaxUprightWidth) return std::nullopt;
   std::vector<double> columns;
   for (const auto& place : patch.places) {
     if (place.y <= box.y + box.height / 2) columns.push_back(disparity.pixelOf(place.x));
@@ -170,7 +170,7 @@ StandingCells standingCells(const stereo::DisparityImage& disparity, const Stere
       if (d < min_disparity) continue;
       const double depth = fb / d;
       heights[column] = ground.heightOf(Eigen::Vector3d(across[column], down, 1.0) * depth);
-      if (heights[column] > ground.clearance(depth) && heights[column] < kHead) {
+      if (heights[column] > ground.clearance(depth) && heights[column] < kHeadHeight) {
         standing[column] = d;
       }
     }
@@ -187,7 +187,7 @@ std::vector<UprightSegment> uprightSegments(const StandingCells& standing,
     for (int column = 0; column < left.cols; ++column) {
       if (left.at<float>(row, column) <= 0.0F) continue;
       Patch patch = takeConnected(left, {column, row});
-      if (patch.places.size() < kMinCells) continue;
+      if (patch.places.size() < kMinUprightCells) continue;
       for (const auto& place : patch.places) {
         patch.heights.push_back(standing.heights.at<double>(place));
       }

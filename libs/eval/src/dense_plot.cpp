@@ -19,7 +19,7 @@ struct Column {
   bool has_mover = false;
 };
 
-const std::vector<Shade>& shades() {
+const std::vector<Shade>& coverageShades() {
   static const std::vector<Shade> kShades = {
       {"at least 80 % of the surface covered", {110, 150, 60}},
       {"50 to 80 %", {130, 215, 190}},
@@ -31,13 +31,13 @@ const std::vector<Shade>& shades() {
 }
 
 cv::Vec3b shadeOf(const Column& column) {
-  if (column.has_mover) return shades()[4].bgr;
-  if (column.surface == 0) return shades()[5].bgr;
+  if (column.has_mover) return coverageShades()[4].bgr;
+  if (column.surface == 0) return coverageShades()[5].bgr;
   const double ratio = static_cast<double>(column.covered) / static_cast<double>(column.surface);
   const std::array<double, 3> limits = {0.8, 0.5, 0.2};
   std::size_t shade = 0;
   while (shade < limits.size() && ratio < limits[shade]) ++shade;
-  return shades()[shade].bgr;
+  return coverageShades()[shade].bgr;
 }
 
 /// Cells around all surface within reach; their states are not used.
@@ -75,7 +75,7 @@ cv::Mat densePlot(const std::vector<TrueSurface::Patch>& patches,
           shadeOf(columns[static_cast<std::size_t>(row * grid.columns + column)]);
     }
   }
-  return cellPicture(cells, grid.resolution_m, shades());
+  return cellPicture(cells, grid.resolution_m, coverageShades());
 }
 
 }  // namespace headway::eval

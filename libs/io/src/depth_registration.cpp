@@ -24,10 +24,10 @@ constexpr float kNearestM = 0.05F;           // nearer is none
 constexpr double kMaxOffsetM = 0.15;
 constexpr double kMinUnitM = 1e-6, kMaxUnitM = 0.1;
 // Between the pixels of one surface:
-constexpr float kStep = 3.0F;        // [px]
-constexpr float kStepRatio = 0.06F;  // or this ratio of the disparity
-constexpr float kMaxSide = 64.0F;    // of a triangle between neighbouring pixels [px]
-constexpr float kRounding = 1e-3F;   // of a pixel on an edge, relative to a triangle
+constexpr float kStep = 3.0F;              // [px]
+constexpr float kStepRatio = 0.06F;        // or this ratio of the disparity
+constexpr float kMaxTriangleSide = 64.0F;  // of a triangle between neighbouring pixels [px]
+constexpr float kRounding = 1e-3F;         // of a pixel on an edge, relative to a triangle
 
 bool isSameLens(const RawCamera& lens, const StereoCamera& camera) {
   const auto is_set = [](double k) { return k != 0.0; };
@@ -55,7 +55,7 @@ void fill(const Point& a, const Point& b, const Point& c, cv::Mat& disparities) 
   const bool is_inside = right >= 0.0F && bottom >= 0.0F &&
                          left <= static_cast<float>(disparities.cols) &&
                          top <= static_cast<float>(disparities.rows);
-  if (!is_inside || right - left > kMaxSide || bottom - top > kMaxSide) return;
+  if (!is_inside || right - left > kMaxTriangleSide || bottom - top > kMaxTriangleSide) return;
   const float area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
   if (!(area > 0.0F)) return;  // seen from behind
   const int last_u =

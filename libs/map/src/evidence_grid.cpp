@@ -14,23 +14,23 @@ namespace {
 
 using mrpt::maps::COccupancyGridMap2D;
 
-constexpr std::int32_t kMaxEvidence = 72;  // limit of a cell's output
-constexpr int kMarginCells = 64;           // minimum growth of the grid
-constexpr int kMaxReserve = 512;           // growth of the arrays beyond that
-constexpr std::size_t kMaxPublished = 8;   // maps to be published again
+constexpr std::int32_t kMaxCellEvidence = 72;  // limit of a cell's output
+constexpr int kMarginCells = 64;               // minimum growth of the grid
+constexpr int kMaxReserve = 512;               // growth of the arrays beyond that
+constexpr std::size_t kMaxPublished = 8;       // maps to be published again
 
-/// MRPT's cell: log-odds of being free, limited to kMaxEvidence.
+/// MRPT's cell: log-odds of being free, limited to kMaxCellEvidence.
 COccupancyGridMap2D::cellType shownFor(std::int32_t evidence) {
   static const auto table = [] {
     std::vector<COccupancyGridMap2D::cellType> cells;
-    for (std::int32_t value = -kMaxEvidence; value <= kMaxEvidence; ++value) {
+    for (std::int32_t value = -kMaxCellEvidence; value <= kMaxCellEvidence; ++value) {
       const double free = 1.0 / (1.0 + std::exp(value / kEvidenceUnit));
       cells.push_back(COccupancyGridMap2D::p2l(static_cast<float>(free)));
     }
     return cells;
   }();
-  return table[static_cast<std::size_t>(std::clamp(evidence, -kMaxEvidence, kMaxEvidence) +
-                                        kMaxEvidence)];
+  return table[static_cast<std::size_t>(std::clamp(evidence, -kMaxCellEvidence, kMaxCellEvidence) +
+                                        kMaxCellEvidence)];
 }
 
 /// Columns and rows from `min` to before `end`; empty if there are none.

@@ -12,7 +12,7 @@
 namespace headway::python {
 namespace {
 
-std::string describe(const StereoCamera& camera) {
+std::string describeCamera(const StereoCamera& camera) {
   std::ostringstream text;
   text << "<headway.StereoCamera " << camera.width << " x " << camera.height << ", f " << camera.fx
        << " px, baseline " << camera.baseline_m << " m>";
@@ -44,7 +44,7 @@ void bindCamera(py::module_& module) {
       .def_property_readonly(
           "T_robot_cam", [](const StereoCamera& camera) { return camera.T_robot_cam.matrix(); },
           "4x4, pose of the left optical frame on the robot")
-      .def("__repr__", &describe);
+      .def("__repr__", &describeCamera);
 }
 
 cv::Mat greyOf(const cv::Mat& image) {

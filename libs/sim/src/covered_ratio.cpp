@@ -11,11 +11,11 @@
 namespace headway::sim {
 namespace {
 
-constexpr double kWidth = 310.0;    // of the image in which the meshes are marked, or less [px]
-constexpr double kFarthest = 70.0;  // what is farther covers next to nothing [m]
+constexpr double kMarkedWidth = 310.0;  // of the image in which the meshes are marked, or less [px]
+constexpr double kFarthest = 70.0;      // what is farther covers next to nothing [m]
 
 StereoCamera reduced(StereoCamera camera) {
-  const double reduction = std::min(1.0, kWidth / camera.width);
+  const double reduction = std::min(1.0, kMarkedWidth / camera.width);
   camera.width = std::max(1, static_cast<int>(camera.width * reduction));
   camera.height = std::max(1, static_cast<int>(camera.height * reduction));
   camera.fx *= reduction;

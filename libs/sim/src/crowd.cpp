@@ -11,7 +11,7 @@ using Eigen::Vector2d;
 
 constexpr double kDegree = M_PI / 180.0;
 
-Vector2d direction(double angle) { return {std::cos(angle), std::sin(angle)}; }
+Vector2d unitVector(double angle) { return {std::cos(angle), std::sin(angle)}; }
 
 /// Side step of somebody who gives way: the stronger the nearer the robot, none beyond 1.5 m.
 Vector2d givingWay(const Person& person, const Vector2d& robot) {
@@ -58,7 +58,7 @@ void PeopleParams::describe(Params::Section section) {
 }
 
 Vector2d Person::velocity() const {
-  return speed * std::max(0.0, 1.0 + speed_off) * direction(heading + heading_off);
+  return speed * std::max(0.0, 1.0 + speed_off) * unitVector(heading + heading_off);
 }
 
 Crowd::Crowd(const PeopleParams& people, const RobotCourse& course, std::uint64_t seed)
@@ -108,10 +108,10 @@ void Crowd::placeCrossing(int index, int abreast, const RobotCourse& course) {
   person.heading = side * M_PI / 2.0 + normal(params_.angle_sigma_deg * kDegree);
   person.speed = uniform(params_.min_speed_mps, params_.max_speed_mps);
   const double time = std::max(1.0, robot_there_s + normal(params_.timing_sigma_s));
-  person.position = meeting - time * person.speed * direction(person.heading);
+  person.position = meeting - time * person.speed * unitVector(person.heading);
   for (int i = 0; i < abreast; ++i) {
     add(person);
-    person.position += 2.6 * params_.radius_m * direction(person.heading + M_PI / 2.0);
+    person.position += 2.6 * params_.radius_m * unitVector(person.heading + M_PI / 2.0);
   }
 }
 

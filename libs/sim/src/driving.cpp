@@ -72,6 +72,13 @@ Obstacle obstacleFrom(const Actor& actor) {
           actor.size.x(), actor.size.y(),           isPerson(actor.kind)};
 }
 
+std::vector<Obstacle> obstaclesFrom(const std::vector<Actor>& actors) {
+  std::vector<Obstacle> obstacles;
+  obstacles.reserve(actors.size());
+  for (const Actor& actor : actors) obstacles.push_back(obstacleFrom(actor));
+  return obstacles;
+}
+
 double drive(const OnPath& self, const Path& path, const DriverStyle& style,
              const std::vector<Obstacle>& others, std::int64_t own_id, double stop_s) {
   const Eigen::Vector2d here = path.at(self.s).position.head<2>();

@@ -21,6 +21,7 @@ struct Obstacle {
 };
 
 [[nodiscard]] Obstacle obstacleFrom(const Actor& actor);
+[[nodiscard]] std::vector<Obstacle> obstaclesFrom(const std::vector<Actor>& actors);
 
 /// How a driver drives. Typical values of city traffic.
 ///

@@ -14,8 +14,8 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr int kAtlas = 1024;  // [px] square
-constexpr float kPi = 3.14159265F;
+constexpr int kFurnitureAtlas = 1024;  // [px] square
+constexpr float kFullTurn = 6.28318531F;
 const cv::Rect kLeaves{0, 0, 1024, 512};  // four greens side by side
 const cv::Rect kBark{0, 512, 128, 256};
 const cv::Rect kMetal{128, 512, 128, 256};
@@ -25,7 +25,7 @@ const cv::Rect kSigns{0, 768, 1024, 128};   // eight signs
 const cv::Rect kThings{0, 896, 1024, 128};  // eight surfaces of small things
 
 UvRect inAtlas(const cv::Rect& rect) {
-  const auto ratio = [](int pixels) { return static_cast<float>(pixels) / kAtlas; };
+  const auto ratio = [](int pixels) { return static_cast<float>(pixels) / kFurnitureAtlas; };
   return {ratio(rect.x + 2), ratio(rect.y + 2), ratio(rect.x + rect.width - 2),
           ratio(rect.y + rect.height - 2)};
 }
@@ -79,7 +79,7 @@ void addTube(Mesh& mesh, const Vector3f& from, const Vector3f& to, float radius_
   const Vector3f helper = std::abs(axis.z()) > 0.9F ? Vector3f::UnitX() : Vector3f::UnitZ();
   const Vector3f e1 = axis.cross(helper).normalized(), e2 = axis.cross(e1);
   const auto at = [&](const Vector3f& end, float radius, int i) {
-    const float a = 2.0F * kPi * static_cast<float>(i) / static_cast<float>(corners);
+    const float a = kFullTurn * static_cast<float>(i) / static_cast<float>(corners);
     return Vector3f(end + radius * (std::cos(a) * e1 + std::sin(a) * e2));
   };
   for (int i = 0; i < corners; ++i) {
@@ -104,8 +104,8 @@ void addLeafBall(Mesh& mesh, const Vector3f& centre, const Vector3f& radii, int 
   std::array<std::array<Vector3f, kSpans + 1>, kRings + 1> points;
   for (int r = 0; r <= kRings; ++r) {
     for (int s = 0; s < kSpans; ++s) {
-      const float polar = kPi * static_cast<float>(r) / kRings;
-      const float around = 2.0F * kPi * static_cast<float>(s) / kSpans;
+      const float polar = 0.5F * kFullTurn * static_cast<float>(r) / kRings;
+      const float around = kFullTurn * static_cast<float>(s) / kSpans;
       const auto rough = static_cast<float>(random.uniform(0.78, 1.12));
       const Vector3f unit(std::sin(polar) * std::cos(around), std::sin(polar) * std::sin(around),
                           std::cos(polar));
@@ -154,7 +154,7 @@ void addBox(Mesh& mesh, const Vector3f& foot, float yaw, const Vector3f& size, c
 }  // namespace
 
 cv::Mat drawFurnitureAtlas(const Grain& grain, Random& random) {
-  cv::Mat atlas(kAtlas, kAtlas, CV_8UC3, cv::Scalar::all(80));
+  cv::Mat atlas(kFurnitureAtlas, kFurnitureAtlas, CV_8UC3, cv::Scalar::all(80));
   const std::array<cv::Scalar, 4> greens = {cv::Scalar(45, 110, 80), cv::Scalar(40, 130, 95),
                                             cv::Scalar(60, 115, 70), cv::Scalar(35, 120, 130)};
   for (int i = 0; i < 4; ++i) {

@@ -7,24 +7,24 @@
 namespace headway::sim {
 namespace {
 
-constexpr double kWidth = 0.14;  // of the stones [m]
+constexpr double kStoneWidth = 0.14;  // of the stones [m]
 
 /// Stones of about a metre.
 void layStones(SiteBuilder& builder, const Kerb& kerb, double from, double to) {
   const int count = static_cast<int>(std::ceil(to - from - 1e-6));
-  const double length = (to - from) / count, y = kerb.y - 0.5 * kerb.pavement * kWidth;
+  const double length = (to - from) / count, y = kerb.y - 0.5 * kerb.pavement * kStoneWidth;
   for (int i = 0; i < count; ++i) {
     builder.ornament({{from + (i + 0.5) * length, y},
                       0.0,
-                      {length - 0.015, kWidth, kerb.height_m + 0.01},
+                      {length - 0.015, kStoneWidth, kerb.height_m + 0.01},
                       -kerb.height_m},
                      Material::kSteel);
   }
 }
 
 void bar(SiteBuilder& builder, const Kerb& kerb, double from, double to) {
-  const double y = kerb.y - 0.5 * kerb.pavement * kWidth;
-  builder.barEdge({{0.5 * (from + to), y}, {to - from, kWidth}, 0.0});
+  const double y = kerb.y - 0.5 * kerb.pavement * kStoneWidth;
+  builder.barEdge({{0.5 * (from + to), y}, {to - from, kStoneWidth}, 0.0});
 }
 
 /// The upright face between a flare and the roadway, of the stones' material.

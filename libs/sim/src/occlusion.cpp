@@ -40,15 +40,15 @@ std::vector<Vector3f> cutBlock(const Block& block, const Eigen::Isometry3f& T_ca
 }
 
 /// Rows that an outline spans at one place of a column.
-struct Rows {
+struct SpannedRows {
   float top = std::numeric_limits<float>::max(), bottom = -top;
 };
 
 /// Rows that a convex outline spans a little beside each column from `first` to `last`, on either
 /// side: those in common are filled.
-std::vector<std::array<Rows, 2>> columnSpans(const std::vector<cv::Point2f>& outline, int first,
-                                             int last) {
-  std::vector<std::array<Rows, 2>> spans(static_cast<std::size_t>(last - first + 1));
+std::vector<std::array<SpannedRows, 2>> columnSpans(const std::vector<cv::Point2f>& outline,
+                                                    int first, int last) {
+  std::vector<std::array<SpannedRows, 2>> spans(static_cast<std::size_t>(last - first + 1));
   for (std::size_t i = 0; i < outline.size(); ++i) {
     cv::Point2f a = outline[i], b = outline[(i + 1) % outline.size()];
     if (a.x > b.x) std::swap(a, b);
@@ -60,7 +60,7 @@ std::vector<std::array<Rows, 2>> columnSpans(const std::vector<cv::Point2f>& out
         const float x = static_cast<float>(u) + (side == 0 ? -kMargin : kMargin);
         if (x < a.x || x > b.x) continue;
         const float v = a.y + (b.y - a.y) * (x - a.x) / (b.x - a.x);
-        Rows& rows = spans[static_cast<std::size_t>(u - first)][side];
+        SpannedRows& rows = spans[static_cast<std::size_t>(u - first)][side];
         rows.top = std::min(rows.top, v);
         rows.bottom = std::max(rows.bottom, v);
       }

@@ -11,7 +11,7 @@
 namespace headway::sim {
 namespace {
 
-constexpr double kCell = 20.0;          // of the search grid [m]
+constexpr double kSearchCell = 20.0;    // of the search grid [m]
 constexpr double kCrossLength = 72.0;   // of a cross street, to each side [m]
 constexpr double kSameStreet = 7.0;     // middles nearer than this are one street [m]
 constexpr double kRevisitAfter = 40.0;  // of path [m]
@@ -36,8 +36,8 @@ RoadNetwork::RoadNetwork(const Route& route, double cross_street_every_m, std::u
 }
 
 std::pair<int, int> RoadNetwork::cellOf(const Eigen::Vector2d& xy) const {
-  return {static_cast<int>(std::floor(xy.x() / kCell)),
-          static_cast<int>(std::floor(xy.y() / kCell))};
+  return {static_cast<int>(std::floor(xy.x() / kSearchCell)),
+          static_cast<int>(std::floor(xy.y() / kSearchCell))};
 }
 
 void RoadNetwork::addSamples(std::size_t road, double from, double to) {
@@ -166,7 +166,7 @@ std::optional<double> RoadNetwork::lowestNear(const Eigen::Vector2d& xy, double 
 std::vector<const RoadNetwork::Sample*> RoadNetwork::samplesAround(const Eigen::Vector2d& xy,
                                                                    double reach) const {
   const auto [cx, cy] = cellOf(xy);
-  const int cells = static_cast<int>(std::ceil(reach / kCell));
+  const int cells = static_cast<int>(std::ceil(reach / kSearchCell));
   std::vector<const Sample*> samples;
   for (int x = cx - cells; x <= cx + cells; ++x) {
     for (int y = cy - cells; y <= cy + cells; ++y) {

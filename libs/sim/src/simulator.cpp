@@ -20,7 +20,7 @@
 namespace headway::sim {
 namespace {
 
-enum Purpose : std::uint64_t {
+enum SimulatorPurpose : std::uint64_t {
   kImageSeed = 304,
   kDetectorSeed,
   kClockSeed,
@@ -30,12 +30,12 @@ enum Purpose : std::uint64_t {
   kGnssSeed
 };
 
-std::uint64_t seedFor(Purpose purpose, const SimParams& params) {
+std::uint64_t seedFor(SimulatorPurpose purpose, const SimParams& params) {
   return seedOf({static_cast<std::uint64_t>(params.world.seed), purpose});
 }
 
-constexpr double kStep = 0.05;     // longest step of the motion [s]
-constexpr double kImuStep = 0.01;  // the same where an inertial sensor is recorded [s]
+constexpr double kLongestStep = 0.05;  // longest step of the motion [s]
+constexpr double kImuStep = 0.01;      // the same where an inertial sensor is recorded [s]
 
 }  // namespace
 
@@ -158,7 +158,7 @@ double Simulator::Impl::blurPause() const {
 
 void Simulator::Impl::advance(double seconds) {
   if (seconds <= 0.0) return;
-  const double longest = params_.camera.imu ? kImuStep : kStep;
+  const double longest = params_.camera.imu ? kImuStep : kLongestStep;
   const int steps = static_cast<int>(std::ceil(seconds / longest - 1e-9));
   const double begin = now_s_;
   for (int i = 0; i < steps; ++i) {

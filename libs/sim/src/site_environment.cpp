@@ -11,7 +11,7 @@
 namespace headway::sim {
 namespace {
 
-enum Purpose : std::uint64_t {
+enum SitePurpose : std::uint64_t {
   kGrainSeed = 501,
   kLayoutSeed,
   kRobotSeed,
@@ -56,13 +56,6 @@ Site makeSite(WorldParams::Kind kind, const Grain& grain, std::uint64_t seed) {
       break;
   }
   return makeHall(grain, seed);
-}
-
-std::vector<Obstacle> obstaclesFrom(const std::vector<Actor>& actors) {
-  std::vector<Obstacle> obstacles;
-  obstacles.reserve(actors.size());
-  for (const Actor& actor : actors) obstacles.push_back(obstacleFrom(actor));
-  return obstacles;
 }
 
 }  // namespace

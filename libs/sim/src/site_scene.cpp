@@ -15,7 +15,13 @@
 namespace headway::sim {
 namespace {
 
-enum Purpose : std::uint64_t { kSkySeed = 401, kMaterialSeed, kMeadowSeed, kAtlasSeed, kActorSeed };
+enum SiteScenePurpose : std::uint64_t {
+  kSiteSkySeed = 401,
+  kSiteMaterialSeed,
+  kSiteMeadowSeed,
+  kSiteAtlasSeed,
+  kSiteActorSeed
+};
 
 /// Which of three brightnesses a triangle has by the way it faces: floors, walls along y, the rest.
 std::size_t shadeOf(const std::array<MeshVertex, 3>& triangle) {
@@ -75,13 +81,13 @@ SiteScene::SiteScene(const Site& site, const Grain& grain, std::uint64_t seed) {
     return Random(seedOf({seed, purpose, item}));
   };
   for (const auto& [material, mesh] : site.surfaces) {
-    Random own = random(kMaterialSeed, static_cast<std::uint64_t>(material));
+    Random own = random(kSiteMaterialSeed, static_cast<std::uint64_t>(material));
     addShaded(drawMaterial(material, grain, own), mesh);
   }
   for (const PicturedMesh& facade : site.facades)
     objects_.push_back(add(facade.picture, facade.mesh));
-  Random atlas = random(kAtlasSeed), meadow = random(kMeadowSeed), sky = random(kSkySeed),
-         people = random(kActorSeed);
+  Random atlas = random(kSiteAtlasSeed), meadow = random(kSiteMeadowSeed),
+         sky = random(kSiteSkySeed), people = random(kSiteActorSeed);
   if (!site.furniture.triangles.empty()) {
     objects_.push_back(add(drawFurnitureAtlas(grain, atlas), site.furniture));
   }

@@ -6,13 +6,19 @@
 namespace headway::sim {
 namespace {
 
-enum Purpose : std::uint64_t { kVehicleSeed = 301, kPedestrianSeed, kRobotSeed, kEscortSeed = 308 };
+enum TrafficPurpose : std::uint64_t {
+  kStreetVehicleSeed = 301,
+  kStreetPedestrianSeed,
+  kStreetRobotSeed,
+  kStreetEscortSeed = 308
+};
 
 TrafficSeeds trafficSeeds(const SimParams& params) {
-  const auto seed = [&](Purpose purpose) {
+  const auto seed = [&](TrafficPurpose purpose) {
     return seedOf({static_cast<std::uint64_t>(params.world.seed), purpose});
   };
-  return {seed(kVehicleSeed), seed(kPedestrianSeed), seed(kRobotSeed), seed(kEscortSeed)};
+  return {seed(kStreetVehicleSeed), seed(kStreetPedestrianSeed), seed(kStreetRobotSeed),
+          seed(kStreetEscortSeed)};
 }
 
 }  // namespace

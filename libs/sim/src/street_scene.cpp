@@ -14,13 +14,18 @@ namespace {
 
 constexpr std::size_t kMaxSurfaces = 170;  // MRPT has 192 textures, a few are shared ones
 
-enum Purpose : std::uint64_t { kSkySeed = 201, kMeadowSeed, kFurnitureAtlasSeed, kActorAtlasSeed };
+enum StreetScenePurpose : std::uint64_t {
+  kSkySeed = 201,
+  kMeadowSeed,
+  kFurnitureAtlasSeed,
+  kActorAtlasSeed
+};
 
 }  // namespace
 
 StreetScene::StreetScene(const StereoCamera& camera, World& world)
     : camera_(camera), world_(world) {
-  const auto seed = [&](Purpose purpose) {
+  const auto seed = [&](StreetScenePurpose purpose) {
     return Random(seedOf({static_cast<std::uint64_t>(world.params().seed), purpose}));
   };
   Random sky = seed(kSkySeed), meadow = seed(kMeadowSeed), furniture = seed(kFurnitureAtlasSeed),

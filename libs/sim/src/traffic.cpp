@@ -4,13 +4,6 @@
 namespace headway::sim {
 namespace {
 
-std::vector<Obstacle> obstaclesFrom(const std::vector<Actor>& actors) {
-  std::vector<Obstacle> obstacles;
-  obstacles.reserve(actors.size());
-  for (const Actor& actor : actors) obstacles.push_back(obstacleFrom(actor));
-  return obstacles;
-}
-
 template <typename Item>
 void append(const std::vector<Item>& more, std::vector<Item>& all) {
   all.insert(all.end(), more.begin(), more.end());

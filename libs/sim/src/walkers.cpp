@@ -7,12 +7,12 @@
 namespace headway::sim {
 namespace {
 
-constexpr double kRadius = 0.28;       // half a person's width [m]
-constexpr double kEachOther = 0.65;    // distance of two people who pass [m]
-constexpr double kNearest = 0.58;      // of a person and the robot, middle to middle [m]
-constexpr double kHorizon = 2.5;       // people foresee that much [s]
-constexpr double kRelaxation = 0.35;   // to reach the desired velocity [s]
-constexpr double kAcceleration = 2.5;  // at most [m/s^2]
+constexpr double kRadius = 0.28;            // half a person's width [m]
+constexpr double kEachOther = 0.65;         // distance of two people who pass [m]
+constexpr double kNearestToRobot = 0.58;    // of a person and the robot, middle to middle [m]
+constexpr double kForesight = 2.5;          // people foresee that much [s]
+constexpr double kWalkerRelaxation = 0.35;  // to reach the desired velocity [s]
+constexpr double kAcceleration = 2.5;       // at most [m/s^2]
 
 Eigen::Vector2d limited(const Eigen::Vector2d& v, double most) {
   return v.norm() > most ? Eigen::Vector2d(v * (most / v.norm())) : v;
@@ -27,7 +27,7 @@ Eigen::Vector2d sideStep(const Eigen::Vector2d& to, const Eigen::Vector2d& veloc
   const double closing = velocity.squaredNorm();
   if (closing < 0.01) return Eigen::Vector2d::Zero();
   const double time = to.dot(velocity) / closing;
-  if (time < 0.0 || time > kHorizon) return Eigen::Vector2d::Zero();
+  if (time < 0.0 || time > kForesight) return Eigen::Vector2d::Zero();
   const Eigen::Vector2d miss = velocity * time - to;  // from the other, when nearest
   const double lacking = distance - miss.norm();
   if (lacking <= 0.0) return Eigen::Vector2d::Zero();
@@ -164,7 +164,7 @@ void Walkers::move(Person& person, double dt, const Obstacle& robot) const {
     const Eigen::Vector2d from_robot = at - robot.position;
     const bool nearer = from_robot.norm() < (before - robot.position).norm();
     return (room < kRadius && room <= grid_.clearance(before)) ||
-           (from_robot.norm() < kNearest && nearer);
+           (from_robot.norm() < kNearestToRobot && nearer);
   };
   const Eigen::Vector2d step = dt * person.velocity;
   // Along a wall where the way itself is closed.
@@ -203,7 +203,8 @@ void Walkers::advance(double dt, const WheeledRobot& robot, const std::vector<Ob
   for (std::size_t i = 0; i < people_.size(); ++i) {
     Person& person = people_[i];
     if (person.idle) continue;
-    person.velocity += dt * limited((wanted[i] - person.velocity) / kRelaxation, kAcceleration);
+    person.velocity +=
+        dt * limited((wanted[i] - person.velocity) / kWalkerRelaxation, kAcceleration);
     move(person, dt, seen);
     place(i, dt);
   }

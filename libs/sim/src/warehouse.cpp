@@ -6,12 +6,12 @@
 namespace headway::sim {
 namespace {
 
-constexpr double kHeight = 6.5;     // under the roof [m]
-constexpr double kLength = 38.0;    // along the racks
-constexpr double kAisle = 2.9;      // between racks
-constexpr double kRackDepth = 1.1;  // of a single rack
-constexpr double kDockDepth = 1.1;  // below the floor
-constexpr double kStaging = 8.5;    // width of the free floor before the docks
+constexpr double kRoofHeight = 6.5;  // under the roof [m]
+constexpr double kLength = 38.0;     // along the racks
+constexpr double kAisle = 2.9;       // between racks
+constexpr double kRackDepth = 1.1;   // of a single rack
+constexpr double kDockDepth = 1.1;   // below the floor
+constexpr double kStaging = 8.5;     // width of the free floor before the docks
 
 /// Racks along x, a cross aisle at either end, and a staging area with loading docks.
 class WarehousePlan {
@@ -96,20 +96,20 @@ void WarehousePlan::layDocks(double edge_y) {
 
 void WarehousePlan::buildShell() {
   builder_.floor(site_.area, 0.0, Material::kConcrete, docks_);
-  builder_.ceiling(site_.area, kHeight, Material::kSheetMetal);
+  builder_.ceiling(site_.area, kRoofHeight, Material::kSheetMetal);
   std::vector<Opening> gates;
   for (const auto& dock : docks_) gates.push_back({dock.center().x(), 3.4, -kDockDepth, 2.9});
-  builder_.wall({0.0, 0.0}, {kLength, 0.0}, kHeight, Material::kSheetMetal);
-  builder_.wall({0.0, width_}, {kLength, width_}, kHeight, Material::kSheetMetal, gates);
+  builder_.wall({0.0, 0.0}, {kLength, 0.0}, kRoofHeight, Material::kSheetMetal);
+  builder_.wall({0.0, width_}, {kLength, width_}, kRoofHeight, Material::kSheetMetal, gates);
   const std::vector<Opening> windows = {{0.3 * width_, 3.0, 3.2, 4.6},
                                         {0.75 * width_, 3.0, 3.2, 4.6}};
-  builder_.wall({0.0, 0.0}, {0.0, width_}, kHeight, Material::kSheetMetal, windows);
-  builder_.wall({kLength, 0.0}, {kLength, width_}, kHeight, Material::kBrick, windows);
+  builder_.wall({0.0, 0.0}, {0.0, width_}, kRoofHeight, Material::kSheetMetal, windows);
+  builder_.wall({kLength, 0.0}, {kLength, width_}, kRoofHeight, Material::kBrick, windows);
   for (double x = 3.0; x < kLength; x += 6.0) {  // girders, with lamps between
-    builder_.ornament({{x, 0.5 * width_}, M_PI / 2, {width_, 0.2, 0.45}, kHeight - 0.45},
+    builder_.ornament({{x, 0.5 * width_}, M_PI / 2, {width_, 0.2, 0.45}, kRoofHeight - 0.45},
                       Material::kSteel);
     for (double y = 2.0; y < width_; y += 4.5) {
-      builder_.ornament({{x + 3.0, y}, 0.0, {1.4, 0.25, 0.08}, kHeight - 0.5}, Material::kLamp);
+      builder_.ornament({{x + 3.0, y}, 0.0, {1.4, 0.25, 0.08}, kRoofHeight - 0.5}, Material::kLamp);
     }
   }
 }

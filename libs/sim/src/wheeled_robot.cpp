@@ -16,7 +16,7 @@ constexpr double kComfortableBrake = 1.0;  // before corners [m/s^2]
 constexpr double kNod = 0.004;             // pitch for each m/s^2 [rad]
 constexpr double kHalfWheelbase = 0.17;    // [m]
 constexpr double kHalfTrack = 0.15;        // [m]
-constexpr double kPatience = 4.0;          // then it plans another way [s]
+constexpr double kReplanAfter = 4.0;       // then it plans another way [s]
 constexpr double kCorridor = 0.4;          // half width of the ground that must be free [m]
 
 double towards(double value, double target, double most_change) {
@@ -124,7 +124,7 @@ void WheeledRobot::advance(double dt, const std::vector<Obstacle>& others) {
   const bool blocked = wanted.speed > 0.0 && mustStop(others);
   blocked_s_ = blocked ? blocked_s_ + dt : 0.0;
   if (blocked || sudden_stop_s_ > 0.0) wanted.speed = 0.0;
-  if (blocked_s_ > kPatience) {
+  if (blocked_s_ > kReplanAfter) {
     chooseStop();
     blocked_s_ = 0.0;
   }

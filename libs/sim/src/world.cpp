@@ -7,17 +7,17 @@
 namespace headway::sim {
 namespace {
 
-enum Purpose : std::uint64_t { kGrainSeed = 101, kCrossStreetSeed };
+enum WorldPurpose : std::uint64_t { kWorldGrainSeed = 101, kCrossStreetSeed };
 
 constexpr double kReach = 0.75 * kStretch;  // radius of a stretch with its houses, roughly [m]
 constexpr double kKeepBeyond = 60.0;        // stretches this far out of view are removed [m]
-constexpr double kCell = 64.0;              // of the lookup [m]
+constexpr double kLookupCell = 64.0;        // of the lookup [m]
 
 }  // namespace
 
 World::World(const WorldParams& params, const Route& route)
     : params_(params),
-      grain_(seedOf({static_cast<std::uint64_t>(params.seed), kGrainSeed})),
+      grain_(seedOf({static_cast<std::uint64_t>(params.seed), kWorldGrainSeed})),
       network_(route, params.cross_street_every_m,
                seedOf({static_cast<std::uint64_t>(params.seed), kCrossStreetSeed})),
       builder_(network_, params_, grain_) {
@@ -33,8 +33,8 @@ World::World(const WorldParams& params, const Route& route)
 }
 
 World::Cell World::cellOf(const Eigen::Vector2d& xy) {
-  return {static_cast<int>(std::floor(xy.x() / kCell)),
-          static_cast<int>(std::floor(xy.y() / kCell))};
+  return {static_cast<int>(std::floor(xy.x() / kLookupCell)),
+          static_cast<int>(std::floor(xy.y() / kLookupCell))};
 }
 
 std::vector<World::Spot> World::spotsNear(const Eigen::Vector3d& place, double reach) const {

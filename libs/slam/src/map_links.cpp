@@ -14,10 +14,10 @@
 namespace headway::slam {
 namespace {
 
-constexpr int kCandidates = 3;     ///< places of other maps that are compared with a keyframe
-constexpr int kMaxDistance = 64;   ///< of the descriptors of one landmark [bits of 256]
-constexpr double kMinSigma = 2.0;  ///< of a measurement against a pose by descriptors alone [px]
-constexpr double kGate = 11.34;    ///< chi-square, 3 degrees of freedom, 99 %
+constexpr int kCandidates = 3;        ///< places of other maps that are compared with a keyframe
+constexpr int kMaxDistance = 64;      ///< of the descriptors of one landmark [bits of 256]
+constexpr double kMinSigma = 2.0;     ///< of a measurement against a pose by descriptors alone [px]
+constexpr double kPointGate = 11.34;  ///< chi-square, 3 degrees of freedom, 99 %
 
 /// Landmarks that a keyframe sees, as it sees them.
 struct SeenLandmarks {
@@ -64,7 +64,7 @@ std::vector<std::pair<const Landmark*, std::size_t>> sameLandmarks(
       measurement.sigma_px = std::max(measurement.sigma_px, kMinSigma);
       measurement.sigma_disparity_px = std::max(measurement.sigma_disparity_px, kMinSigma);
       const auto residual = stereo::stereoResidual(point, measurement, camera, nullptr);
-      if (residual.squaredNorm() > kGate) continue;
+      if (residual.squaredNorm() > kPointGate) continue;
       const int bits = distance(landmark->descriptor, seen.points[i].descriptor);
       if (bits <= kMaxDistance) candidates.emplace_back(bits, landmark, i);
     }
@@ -115,8 +115,8 @@ std::optional<MapLink> linkTo(KeyframeId place, const Keyframe& keyframe, const 
 /// Whether two links of the same maps agree, as far as drift between them allows.
 bool agree(const MapLink& a, const MapLink& b, const SparseMap& map) {
   constexpr double kFloorM = 0.5;
-  constexpr double kDrift = 0.05;    ///< of the distance [-]
-  constexpr double kMaxTurn = 0.05;  ///< [rad]
+  constexpr double kLinkDrift = 0.05;  ///< of the distance [-]
+  constexpr double kMaxTurn = 0.05;    ///< [rad]
   const auto between = [&map](KeyframeId from, KeyframeId to) {
     return Pose(map.keyframe(from).T_map_cam.inverse(Eigen::Isometry) * map.keyframe(to).T_map_cam);
   };
@@ -125,7 +125,7 @@ bool agree(const MapLink& a, const MapLink& b, const SparseMap& map) {
   const Pose by_b = T_places * b.T_place_keyframe * T_keyframes.inverse(Eigen::Isometry);
   const Pose difference = a.T_place_keyframe.inverse(Eigen::Isometry) * by_b;
   const double apart = T_keyframes.translation().norm() + T_places.translation().norm();
-  return difference.translation().norm() < kFloorM + kDrift * apart &&
+  return difference.translation().norm() < kFloorM + kLinkDrift * apart &&
          logSo3(difference.linear()).norm() < kMaxTurn * (1.0 + 0.1 * apart);
 }
 

@@ -17,7 +17,7 @@ constexpr int kYaw = 1;  // of the angles
 constexpr double kDegree = M_PI / 180.0;
 constexpr double kRowSigma_px = 0.3;                             // of a match
 constexpr std::array<double, 6> kScales = {32, 16, 8, 4, 2, 1};  // of the loss, in kRowSigma_px
-constexpr double kIndependent = 0.25;                   // ratio of information: points recur
+constexpr double kIndependentRows = 0.25;               // ratio of information: points recur
 constexpr double kPriorSigma = 0.02;                    // of each angle [rad]
 constexpr double kKnownSigma = 0.05 * kDegree;          // of angles found by an earlier run
 constexpr double kWalk = square(0.005 * kDegree) / 60;  // of each angle [rad^2/s]
@@ -136,7 +136,7 @@ RectificationEstimator::Estimate RectificationEstimator::estimateOf(
       const Eigen::Vector3d jacobian = rowJacobian(match.right, camera_);
       const double residual = (match.rows - jacobian.dot(angles)) / (scale * kRowSigma_px);
       const double weight =
-          kIndependent / square(kRowSigma_px) / square(1.0 + square(residual) / 4.0);
+          kIndependentRows / square(kRowSigma_px) / square(1.0 + square(residual) / 4.0);
       result.information += weight * jacobian * jacobian.transpose();
       result.gradient += weight * match.rows * jacobian;
     }
