@@ -15,7 +15,7 @@ namespace headway {
 /// (baseline_m, 0, 0). Invariant once validated: sizes, focal lengths and baseline are positive.
 ///
 /// A depth camera is one whose disparities are given with its images: its baseline is that at which
-/// a stereo camera's disparities would have the noise of the given ones (io/depth_camera.h).
+/// a stereo camera's disparities would have the noise of the given ones.
 ///
 ///     StereoCamera camera = source.camera();
 ///     Eigen::Vector3d uvd = project(point_cam, camera).value();
