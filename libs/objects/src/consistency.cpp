@@ -64,8 +64,10 @@ DistinctBoxes ConsistencyCheck::withoutDuplicates(std::vector<MeasuredBox> boxes
   std::iota(by_score.begin(), by_score.end(), std::size_t{0});
   std::stable_sort(by_score.begin(), by_score.end(),
                    [&](std::size_t a, std::size_t b) { return boxes[a].score > boxes[b].score; });
-  const SpatialGrid grid(boxes, params_.max_gate_m);
   const double widest = 2.0 * std::max(1.0, params_.duplicate_distance_ratio) * widestReach(boxes);
+  const bool in_images = std::any_of(boxes.begin(), boxes.end(),
+                                     [](const MeasuredBox& box) { return box.box2d.has_value(); });
+  const SpatialGrid grid(boxes, in_images ? std::max(widest, params_.max_gate_m) : widest);
   constexpr std::size_t kUndecided = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> same_as(boxes.size(), kUndecided);  // itself if it is kept
   for (const std::size_t i : by_score) {
@@ -73,7 +75,8 @@ DistinctBoxes ConsistencyCheck::withoutDuplicates(std::vector<MeasuredBox> boxes
     // Boxes in the image may overlap at any distance.
     const double radius = boxes[i].box2d ? std::numeric_limits<double>::infinity() : widest;
     grid.visitWithin(boxes[i].position.head<2>(), radius, [&](std::size_t j) {
-      if (first == i && same_as[j] == j && sameObject(boxes[i], boxes[j])) first = j;
+      const bool better = first == i || boxes[j].score > boxes[first].score;
+      if (better && same_as[j] == j && sameObject(boxes[i], boxes[j])) first = j;
     });
     same_as[i] = first;
   }
@@ -151,14 +154,18 @@ double ConsistencyCheck::maxGate(const ExpectedPlace& track, double variance) co
 Matches ConsistencyCheck::match(const std::vector<ExpectedPlace>& tracks,
                                 const std::vector<MeasuredBox>& detections) const {
   constexpr double kNewObject = 0.0;  // cost of a detection that starts a track
-  const SpatialGrid grid(detections, params_.max_gate_m);
-  double widest = 0.0;  // variance of a detection
+  double widest = 0.0;                // variance of a detection
   for (const MeasuredBox& box : detections) widest = std::max(widest, box.covariance.trace());
+  std::vector<double> gates(tracks.size());
+  std::transform(tracks.begin(), tracks.end(), gates.begin(),
+                 [&](const ExpectedPlace& track) { return maxGate(track, widest); });
+  const SpatialGrid grid(detections,
+                         gates.empty() ? 0.0 : *std::max_element(gates.begin(), gates.end()));
   constexpr std::size_t kUsualPairs = 4;  // of a track in a crowd
   std::vector<CandidatePair> candidates;
   candidates.reserve(kUsualPairs * tracks.size());
   for (std::size_t i = 0; i < tracks.size(); ++i) {
-    grid.visitWithin(tracks[i].position.head<2>(), maxGate(tracks[i], widest), [&](std::size_t j) {
+    grid.visitWithin(tracks[i].position.head<2>(), gates[i], [&](std::size_t j) {
       const auto pair_cost = cost(tracks[i], detections[j]);
       if (pair_cost && *pair_cost < kNewObject) candidates.push_back({i, j, *pair_cost});
     });

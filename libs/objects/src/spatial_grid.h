@@ -17,9 +17,9 @@ namespace headway::objects {
 class SpatialGrid {
  public:
   /// @param places   anything with a `position` in the map frame
-  /// @param cell_m   edge of a cell, the radius of queries
+  /// @param cell_m   edge of a cell, the radius of queries; 1 cm at least
   template <typename Placed>
-  SpatialGrid(const std::vector<Placed>& places, double cell_m) : cell_m_(cell_m) {
+  SpatialGrid(const std::vector<Placed>& places, double cell_m) : cell_m_(std::max(cell_m, 0.01)) {
     entries_.reserve(places.size());
     for (std::size_t i = 0; i < places.size(); ++i) {
       const auto& position = places[i].position;
