@@ -9,6 +9,7 @@
 #include <map>
 
 #include "over_ground.h"
+#include "range.h"
 
 namespace headway::detect {
 namespace {
@@ -30,7 +31,6 @@ constexpr double kFastestCyclist = 10.0;  // [m/s]
 constexpr double kSpeedSigmas = 2.0;      // by which a vehicle must be faster
 constexpr double kEdgeSigma = 3.0;        // of an extent's edge in the image [px]
 constexpr double kDisparitySpread = 2.0;  // by noise, of one surface between the tails [px]
-constexpr double kDisparitySigma = 0.4;   // [px]
 // Where three sigmas of a depth exceed a vehicle's extent, only extents across the sight are known.
 constexpr double kDepthSigmas = 3.0;
 
@@ -92,12 +92,6 @@ class Growth {
   std::vector<Cell> cells_;
 };
 
-struct Range {
-  double min = 0.0;
-  double max = 0.0;
-  [[nodiscard]] double size() const { return max - min; }
-};
-
 template <typename Value>
 Range rangeOf(const std::vector<Cell>& cells, double tail, Value value) {
   std::vector<double> values;
@@ -143,7 +137,7 @@ double knownExtent(const std::vector<Cell>& cells, const Eigen::Vector3d& middle
   const auto extentAlong = [&](const Eigen::Vector3d& axis) {
     return rangeOf(cells, kTail, [&](const Cell& c) { return axis.dot(c.point); }).size();
   };
-  if (kDepthSigmas * kDisparitySigma * per_px > kVehicleExtent) {
+  if (kDepthSigmas * kCellSigma * per_px > kVehicleExtent) {
     return extentAlong(ground.up.cross(middle).normalized());
   }
   const Eigen::Vector3d side = ground.up.cross(front);

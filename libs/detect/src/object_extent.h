@@ -13,6 +13,7 @@
 namespace headway::detect {
 
 inline constexpr double kFastestWalker = 3.2;  // [m/s]
+inline constexpr double kCellSigma = 0.4;      // of the disparity of a cell [px]
 
 /// A cell of the disparity image that belongs to an object.
 struct ObjectCell {

@@ -4,9 +4,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
+
+#include "range.h"
 
 namespace headway::detect {
 namespace {
@@ -16,32 +17,18 @@ constexpr double kMaxLength = 16.5;            // [m]
 constexpr double kMaxWidth = 2.6;              // [m]
 constexpr double kWidthPerLength = 0.1;        // by an error of the direction of motion [m/m]
 constexpr double kTouch = 0.5;                 // greatest gap between pieces [m]
-constexpr double kPieceDisparitySigma = 0.4;   // [px]
 constexpr double kMaxSquaredDifference = 9.2;  // of velocities: 99 % of chi-square, 2 degrees
 constexpr double kVelocityRatio = 0.05;        // of a speed, error common to a piece [-]
 
-struct PieceRange {
-  double min = std::numeric_limits<double>::infinity();
-  double max = -std::numeric_limits<double>::infinity();
+double gap(const Range& a, const Range& b) { return std::max({0.0, a.min - b.max, b.min - a.max}); }
 
-  void add(double value) {
-    min = std::min(min, value);
-    max = std::max(max, value);
-  }
-  [[nodiscard]] double size() const { return max - min; }
-};
-
-double gap(const PieceRange& a, const PieceRange& b) {
-  return std::max({0.0, a.min - b.max, b.min - a.max});
-}
-
-PieceRange both(const PieceRange& a, const PieceRange& b) {
+Range both(const Range& a, const Range& b) {
   return {std::min(a.min, b.min), std::max(a.max, b.max)};
 }
 
 /// What is seen of an object, along its motion and across it.
 struct Seen {
-  PieceRange along, across;
+  Range along, across;
 };
 
 Seen seenOf(const std::vector<ObjectCell>& cells, const Eigen::Vector3d& front,
@@ -126,7 +113,7 @@ class Joiner {
 
  private:
   [[nodiscard]] bool areOne(const Seen& a, const Seen& b, double depth) const {
-    const double noise = kPieceDisparitySigma * depth * depth / (camera_.fx * camera_.baseline_m);
+    const double noise = kCellSigma * depth * depth / (camera_.fx * camera_.baseline_m);
     if (std::hypot(gap(a.along, b.along), gap(a.across, b.across)) > kTouch + noise) return false;
     const double length = both(a.along, b.along).size();
     const double width = both(a.across, b.across).size();
