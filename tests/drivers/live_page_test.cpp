@@ -6,10 +6,10 @@
 #include <headway/core/error.h>
 #include <headway_test/folders.h>
 #include <headway_test/process.h>
+#include <headway_test/waiting.h>
 #include <headway_test/walking_track.h>
 #include <httplib.h>
 
-#include <chrono>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <thread>
@@ -172,14 +172,13 @@ class Browser {
   /// Waits until the page's title, which the script sets after drawing, has this text.
   [[nodiscard]] std::string waitForTitle(const std::string& text) const {
     std::string titles;
-    for (int i = 0; i < 300; ++i) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    (void)test::waitUntil([&] {
       const std::string port = test::contentsOf(folder_ / "profile/DevToolsActivePort");
-      if (port.find('\n') == std::string::npos) continue;
+      if (port.find('\n') == std::string::npos) return false;
       const auto pages = httplib::Client("127.0.0.1", std::stoi(port)).Get("/json/list");
       titles = pages ? pages->body : "";
-      if (titles.find(text) != std::string::npos) break;
-    }
+      return titles.find(text) != std::string::npos;
+    });
     return titles;
   }
   [[nodiscard]] std::string output() const { return test::contentsOf(folder_ / "output"); }

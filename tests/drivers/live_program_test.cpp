@@ -3,15 +3,14 @@
 #include <gmock/gmock.h>
 #include <headway_test/folders.h>
 #include <headway_test/process.h>
+#include <headway_test/waiting.h>
 
-#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <regex>
-#include <thread>
 
 namespace headway::drivers {
 namespace {
@@ -28,7 +27,7 @@ class LiveProgramTest : public ::testing::Test {
 
   using Condition = std::function<bool(const std::string& output)>;
 
-  /// Runs headway-live until its output meets the condition, 60 s at most, and ends it by a
+  /// Runs headway-live until its output meets the condition, a minute at most, and ends it by a
   /// signal; or to its own end.
   test::ProcessResult live(const std::string& arguments, const Condition& is_enough,
                            int signal = SIGTERM) {
@@ -40,15 +39,10 @@ class LiveProgramTest : public ::testing::Test {
                            " 2>&1 & echo $! >" + pid + "; wait $!; echo $? >" + end +
                            " ) >/dev/null 2>&1 & sleep 0.2");
     const int process = std::stoi(test::contentsOf(pid));
-    const auto wait = [&](const Condition& is_met) {
-      for (int i = 0; i < 600 && test::contentsOf(end).empty(); ++i) {
-        if (is_met(test::contentsOf(out))) return;
-        std::this_thread::sleep_for(std::chrono::milliseconds(100));
-      }
-    };
-    wait(is_enough);
-    if (test::contentsOf(end).empty()) kill(process, signal);
-    wait([](const std::string&) { return false; });
+    const auto has_ended = [&] { return !test::contentsOf(end).empty(); };
+    (void)test::waitUntil([&] { return has_ended() || is_enough(test::contentsOf(out)); });
+    if (!has_ended()) kill(process, signal);
+    (void)test::waitUntil(has_ended);
     const std::string status = test::contentsOf(end);
     return {status.empty() ? -1 : std::stoi(status), test::contentsOf(out)};
   }

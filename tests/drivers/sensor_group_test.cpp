@@ -7,6 +7,7 @@
 #include <headway/io/observation_calibration.h>
 #include <headway_test/folders.h>
 #include <headway_test/paths.h>
+#include <headway_test/waiting.h>
 #include <mrpt/config/CConfigFileMemory.h>
 #include <mrpt/hwdrivers/CGenericSensor.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
@@ -17,7 +18,6 @@
 #include <chrono>
 #include <mutex>
 #include <opencv2/imgcodecs.hpp>
-#include <thread>
 
 #include "../io/foreign_recording.h"
 #include "../io/synthetic_recording.h"
@@ -80,7 +80,7 @@ class SensorGroupTest : public ::testing::Test {
         [this](const auto& message) { messages_.push_back(message); }, options);
   }
 
-  /// Runs the sensors until each has delivered so many observations, 20 s at most.
+  /// Runs the sensors until each has delivered so many observations.
   void runUntil(SensorGroup& sensors, std::size_t observations) {
     sensors.start();
     const auto done = [&] {
@@ -89,10 +89,7 @@ class SensorGroupTest : public ::testing::Test {
       }
       return true;
     };
-    for (int i = 0; i < 2000 && !done(); ++i) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-    EXPECT_TRUE(done()) << (messages_.empty() ? "no message" : messages_.front());
+    EXPECT_TRUE(test::waitUntil(done)) << (messages_.empty() ? "no message" : messages_.front());
     sensors.stop();
   }
 
