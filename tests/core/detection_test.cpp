@@ -117,6 +117,22 @@ TEST(IsCovarianceTest, AcceptsWhatIsPositiveUpToRounding) {
   EXPECT_FALSE(isCovariance(Eigen::Matrix3d::Constant(std::nan(""))));
 }
 
+TEST(DetectionChecksTest, ACovarianceThatIsNoneIsCountedAndRemovedFromItsBox) {
+  DropCounts dropped;
+  Detection detection;
+  removeBadCovariance(detection, dropped);
+  detection.centre_covariance = Eigen::Matrix3d::Identity();
+  removeBadCovariance(detection, dropped);
+  EXPECT_TRUE(detection.centre_covariance);
+  EXPECT_TRUE(dropped.empty());
+  for (const double variance : {-1.0, 1e7, std::nan("")}) {
+    detection.centre_covariance = variance * Eigen::Matrix3d::Identity();
+    removeBadCovariance(detection, dropped);
+    EXPECT_FALSE(detection.centre_covariance) << variance;
+  }
+  EXPECT_EQ((DropCounts{{"bad_covariance", 3}}), dropped);
+}
+
 TEST(IsPlausibleTest, JudgesFiniteNumbers) {
   Detection detection;
   detection.box3d = Box3d{{1.0, 0.5, 12.0}, 5.0, 2.0, 2.0, 0.0};

@@ -315,13 +315,14 @@ TEST_F(TrackFileTest, CovariancesAndNumbersThatCannotBeAreCounted) {
       "d.csv",
       "frame,class,x,y,z,length,width,height,yaw,cov_xx,cov_xy,cov_xz,cov_yy,cov_yz,cov_zz\n" +
           box + "-1,0,0,1,0,1\n" + box + "1e154,0,0,1e154,0,1e154\n" + box + "1,9,0,1,0,1\n" + box +
-          "1,0,0,1,0,1\n" + box + "0,0,0,0,0,0\n0,Car,1e300,1,10,4,2,1.5,0,1,0,0,1,0,1\n");
-  ASSERT_EQ(5u, read.at(0).items.size());
-  for (int i = 0; i < 3; ++i) EXPECT_FALSE(read.at(0).items[i].centre_covariance) << i;
-  EXPECT_TRUE(read.at(0).items[3].centre_covariance);
-  EXPECT_TRUE(read.at(0).items[4].centre_covariance) << "exact";
+          "nan,0,0,1,0,1\n" + box + "1,0,0,1,0,1\n" + box +
+          "0,0,0,0,0,0\n0,Car,1e300,1,10,4,2,1.5,0,1,0,0,1,0,1\n");
+  ASSERT_EQ(6u, read.at(0).items.size());
+  for (int i = 0; i < 4; ++i) EXPECT_FALSE(read.at(0).items[i].centre_covariance) << i;
+  EXPECT_TRUE(read.at(0).items[4].centre_covariance);
+  EXPECT_TRUE(read.at(0).items[5].centre_covariance) << "exact";
   EXPECT_THAT(dropped_,
-              UnorderedElementsAre(Pair("bad_covariance", 3u), Pair("implausible_box", 1u)));
+              UnorderedElementsAre(Pair("bad_covariance", 4u), Pair("implausible_box", 1u)));
 }
 
 TEST_F(TrackFileTest, UnknownFormatsAreRefused) {

@@ -103,7 +103,6 @@ TEST(MeasurementModelTest, CountsNotANumberAndInfinity) {
       with([](Detection& d) {
         d.box2d = Box2d{kNan, 0, 10, 10};
       }),
-      with([](Detection& d) { d.centre_covariance = Eigen::Matrix3d::Constant(kNan); }),
       with([](Detection& d) {
         d.velocity = MeasuredVelocity{{kNan, 0.0, 0.0}, Eigen::Matrix3d::Identity()};
       }),
@@ -113,19 +112,22 @@ TEST(MeasurementModelTest, CountsNotANumberAndInfinity) {
   EXPECT_THAT(outcome.dropped, ElementsAre(Pair("nan_box", items.size())));
 }
 
-TEST(MeasurementModelTest, CountsCovariancesThatAreNone) {
+TEST(MeasurementModelTest, ABoxIsUsedWithoutACovarianceThatIsNone) {
   Eigen::Matrix3d indefinite = Eigen::Matrix3d::Identity();
   indefinite(0, 2) = indefinite(2, 0) = 9.0;
   std::vector<Detection> items;
   for (const Eigen::Matrix3d& covariance :
        {Eigen::Matrix3d(-Eigen::Matrix3d::Identity()), indefinite,
         Eigen::Matrix3d(1e154 * Eigen::Matrix3d::Identity()),
-        Eigen::Matrix3d(1e300 * Eigen::Matrix3d::Identity())}) {
+        Eigen::Matrix3d(1e300 * Eigen::Matrix3d::Identity()),
+        Eigen::Matrix3d(Eigen::Matrix3d::Constant(kNan))}) {
     items.push_back(seenCar(10.0, 0.0));
     items.back().centre_covariance = covariance;
   }
   const auto outcome = measure(items);
-  EXPECT_THAT(outcome.boxes, IsEmpty());
+  const auto without = measure({seenCar(10.0, 0.0)}).boxes.at(0);
+  ASSERT_EQ(items.size(), outcome.boxes.size());
+  for (const auto& box : outcome.boxes) EXPECT_EQ(without.covariance, box.covariance);
   EXPECT_THAT(outcome.dropped, ElementsAre(Pair("bad_covariance", items.size())));
 }
 

@@ -19,6 +19,20 @@ bool isCovariance(const Eigen::Matrix3d& matrix) {
   return raised.llt().info() == Eigen::Success;
 }
 
+void removeBadCovariance(Detection& detection, DropCounts& dropped) {
+  if (!detection.centre_covariance || isCovariance(*detection.centre_covariance)) return;
+  ++dropped["bad_covariance"];
+  detection.centre_covariance.reset();
+}
+
+bool isFinite(const Detection& detection) {
+  const auto& box2d = detection.box2d;
+  const auto& box3d = detection.box3d;
+  const auto& velocity = detection.velocity;
+  return std::isfinite(detection.score) && (!box2d || isFinite(*box2d)) &&
+         (!box3d || isFinite(*box3d)) && (!velocity || isFinite(*velocity));
+}
+
 bool isPlausible(const Detection& detection) {
   constexpr double kMax = 1e6;
   const auto are_near = [](std::initializer_list<double> values) {

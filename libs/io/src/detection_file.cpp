@@ -182,10 +182,7 @@ std::map<std::size_t, Detections> readDetections(const std::string& path,
       if (rows.size() != size) throw RowDropped{"bad_row"};
       auto [frame, detection] = reader(rows);
       if (!isPlausible(detection)) throw RowDropped{"implausible_box"};
-      if (const auto& c = detection.centre_covariance; c && c->allFinite() && !isCovariance(*c)) {
-        ++dropped["bad_covariance"];
-        detection.centre_covariance.reset();
-      }
+      removeBadCovariance(detection, dropped);
       frames[frame].items.push_back(std::move(detection));
     } catch (const RowDropped& drop) {
       ++dropped[drop.reason];

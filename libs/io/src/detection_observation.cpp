@@ -192,10 +192,7 @@ Detections detectionsFrom(const CObservationObjectDetections& observation,
       ++dropped["implausible_box"];
       continue;
     }
-    if (item.centre_covariance && !isCovariance(*item.centre_covariance)) {
-      ++dropped["bad_covariance"];
-      detection.centre_covariance.reset();
-    }
+    removeBadCovariance(detection, dropped);
     detections.items.push_back(std::move(detection));
   }
   return detections;

@@ -27,11 +27,12 @@ std::vector<MeasuredBox> MeasurementModel::toMap(const Pose& T_map_robot,
   const Pose T_map_sensor = T_map_robot * detections.T_robot_sensor;
   std::vector<MeasuredBox> boxes;
   boxes.reserve(detections.items.size());
-  for (const Detection& detection : detections.items) {
+  for (Detection detection : detections.items) {
     if (const char* reason = reasonToDrop(detection)) {
       ++dropped[reason];
       continue;
     }
+    removeBadCovariance(detection, dropped);
     MeasuredBox box = measured(T_map_sensor, detection);
     if (box.position.allFinite() && box.covariance.allFinite() && std::isfinite(box.yaw)) {
       boxes.push_back(std::move(box));
@@ -45,20 +46,13 @@ std::vector<MeasuredBox> MeasurementModel::toMap(const Pose& T_map_robot,
 }
 
 const char* MeasurementModel::reasonToDrop(const Detection& detection) const {
-  if (detection.box2d && !isFinite(*detection.box2d)) return "nan_box";
-  if (!std::isfinite(detection.score)) return "nan_box";
+  if (!isFinite(detection)) return "nan_box";
   if (detection.score < selection_.min_score) return "low_score";
   if (detection.object_class == ObjectClass::kUnknown && !selection_.track_unknown) {
     return "unknown_class";
   }
   if (!detection.box3d) return "no_3d_box";
   const Box3d& box = *detection.box3d;
-  if (!isFinite(box)) return "nan_box";
-  if (const auto& covariance = detection.centre_covariance) {
-    if (!covariance->allFinite()) return "nan_box";
-    if (!isCovariance(*covariance)) return "bad_covariance";
-  }
-  if (detection.velocity && !isFinite(*detection.velocity)) return "nan_box";
   if (!(box.length > 0.0 && box.width > 0.0 && box.height > 0.0)) return "zero_size";
   if (!(box.centre.z() > 0.0)) return "behind_camera";
   if (box.centre.norm() > selection_.max_range_m) return "too_far";
