@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frame_writers.h"
 
+#include <headway/core/detection_checks.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/pipeline/moving_regions.h>
@@ -146,6 +147,7 @@ void FrameWriters::write(const pipeline::PerceptionUpdate& update) {
   }
   if (update.detections) {
     for (const auto& detection : update.detections->items) {
+      if (!isFinite(detection)) continue;  // counted by the tracker as nan_box
       io::writeDetectionCsv(detections_.stream(), update.frame, detection);
     }
   }

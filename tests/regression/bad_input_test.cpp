@@ -215,6 +215,7 @@ TEST_F(BadInputTest, ImpossibleBoxesAreCountedByReason) {
   EXPECT_EQ(test::kPlainFrames, dropped["nan_box"]) << dropped;
   EXPECT_EQ(test::kPlainFrames, dropped["behind_camera"]) << dropped;
   EXPECT_EQ(test::kPlainFrames, dropped["zero_size"]) << dropped;
+  EXPECT_THAT(test::contentsOf(run.folder / "detections.csv"), ::testing::Not(HasSubstr("nan")));
 }
 
 TEST_F(BadInputTest, TimeRunningBackwardsIsACountedSkip) {
