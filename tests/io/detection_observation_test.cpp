@@ -8,6 +8,8 @@
 
 #include <cmath>
 
+#include "object_bytes.h"
+#include "observation_stream.h"
 #include "processes.h"
 #include "synthetic_recording.h"
 
@@ -103,6 +105,30 @@ TEST(DetectionObservationTest, ANewerVersionIsRefused) {
   newer.Seek(0);
   auto newer_archive = mrpt::serialization::archiveFrom(newer);
   EXPECT_THROW((void)newer_archive.ReadObject(), std::exception);
+}
+
+TEST(DetectionObservationTest, AFlagThatIsNeither0Nor1IsRefused) {
+  registerClasses();
+  const headway::test::TemporaryFolder folder;
+  auto observation = observationFrom("detections", everyKindOfBox());
+  observation->items.resize(1);
+  const std::string bytes = test::mrptBytes(*observation);
+  ASSERT_NE(nullptr, test::mrptRead(bytes));
+  // From the end: an end mark; a covariance, a 3D and a 2D box, each after its flag.
+  const std::size_t covariance = bytes.size() - 1 - 6 * sizeof(double) - 1;
+  const std::size_t box3d = covariance - 7 * sizeof(double) - 1;
+  for (const std::size_t flag : {covariance, box3d, box3d - 4 * sizeof(double) - 1}) {
+    std::string broken = bytes;
+    ASSERT_EQ('\1', broken[flag]);
+    broken[flag] = '\2';
+    EXPECT_THROW((void)test::mrptRead(broken), std::exception) << "by MRPT's programs";
+    test::writeContent(folder / "x.rawlog", broken + bytes);
+    std::map<std::string, std::size_t> skipped;
+    ObservationStream stream(folder / "x.rawlog", skipped);
+    EXPECT_NE(nullptr, stream.next()) << "the second one";
+    EXPECT_EQ(nullptr, stream.next());
+    EXPECT_EQ(1u, skipped["unreadable_CObservationObjectDetections"]);
+  }
 }
 
 TEST(DetectionObservationTest, HasADescription) {

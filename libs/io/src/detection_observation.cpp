@@ -59,10 +59,11 @@ void writeOptional(CArchive& out, const std::optional<T>& value) {
 
 template <typename T>
 void readOptional(CArchive& in, std::optional<T>& value) {
-  // Not read as bool: a broken file contains bytes that are neither 0 nor 1.
-  const bool has_value = in.ReadAs<std::uint8_t>() != 0;
+  // Not read as bool, which no byte but 0 and 1 may become.
+  const auto flag = in.ReadAs<std::uint8_t>();
+  if (flag > 1) THROW_EXCEPTION("broken: a flag is neither 0 nor 1");
   value.reset();
-  if (has_value) read(in, value.emplace());
+  if (flag == 1) read(in, value.emplace());
 }
 
 std::string numbers(std::initializer_list<double> values) {
