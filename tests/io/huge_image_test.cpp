@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Images that are larger than the limits are refused by their headers, before they take memory.
+#include <gmock/gmock.h>
+#include <headway/io/dataset.h>
+#include <headway/io/image_decoding.h>
+#include <headway_test/folders.h>
+#include <headway_test/peak_memory.h>
+#include <zlib.h>
+
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+
+#include "foreign_recording.h"
+#include "object_bytes.h"
+
+namespace headway::io {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Pair;
+
+std::string bigEndian(std::uint32_t number) {
+  std::string bytes;
+  for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(number >> shift);
+  return bytes;
+}
+
+std::string chunk(const std::string& type, const std::string& data) {
+  const std::string content = type + data;
+  const auto checksum =
+      crc32(0, reinterpret_cast<const Bytef*>(content.data()), static_cast<uInt>(content.size()));
+  return bigEndian(static_cast<std::uint32_t>(data.size())) + content +
+         bigEndian(static_cast<std::uint32_t>(checksum));
+}
+
+/// A valid black PNG with a bit per pixel, which is small on the disk and 8 times as large as its
+/// pixels in memory.
+std::string blackPng(std::uint32_t width, std::uint32_t height) {
+  z_stream stream{};
+  deflateInit(&stream, 1);
+  std::string row(1 + (width + 7) / 8, '\0');
+  std::string pixels(deflateBound(&stream, row.size() * height), '\0');
+  stream.next_out = reinterpret_cast<Bytef*>(pixels.data());
+  stream.avail_out = static_cast<uInt>(pixels.size());
+  for (std::uint32_t i = 0; i < height; ++i) {
+    stream.next_in = reinterpret_cast<Bytef*>(row.data());
+    stream.avail_in = static_cast<uInt>(row.size());
+    deflate(&stream, i + 1 < height ? Z_NO_FLUSH : Z_FINISH);
+  }
+  pixels.resize(stream.total_out);
+  deflateEnd(&stream);
+  return "\x89PNG\r\n\x1a\n" +
+         chunk("IHDR", bigEndian(width) + bigEndian(height) + std::string("\1\0\0\0\0", 5)) +
+         chunk("IDAT", pixels) + chunk("IEND", "");
+}
+
+class HugeImageTest : public ::testing::Test {
+ protected:
+  HugeImageTest() : before_(headway::test::peakMemoryMb()) {}
+  ~HugeImageTest() override { EXPECT_LT(headway::test::peakMemoryMb() - before_, 50); }
+
+  /// Writes a file and the folders that it is in.
+  void write(const std::string& name, const std::string& content) {
+    fs::create_directories((folder_ / name).parent_path());
+    test::writeContent(folder_ / name, content);
+  }
+
+  headway::test::TemporaryFolder folder_;
+  const std::string huge_ = blackPng(30000, 30000);
+
+ private:
+  long before_;
+};
+
+TEST_F(HugeImageTest, IsBrokenInEachFormat) {
+  EXPECT_EQ(cv::Size(300, 20), decodeImage(blackPng(300, 20)).size());
+  EXPECT_TRUE(decodeImage(huge_).empty());
+  for (const char* ending : {".png", ".bmp", ".pgm", ".tif"}) {
+    std::vector<unsigned char> small;
+    cv::imencode(ending, test::wall(1).right, small);
+    EXPECT_FALSE(decodeImage({reinterpret_cast<char*>(small.data()), small.size()}).empty())
+        << ending;
+  }
+  EXPECT_TRUE(decodeImage("P5 30000 30000 255\n").empty());
+  EXPECT_TRUE(decodeImage("P5\n# text").empty());
+  EXPECT_TRUE(decodeImage(std::string("II*\0\x08\0\0\0", 8)).empty());
+}
+
+TEST_F(HugeImageTest, CostsItsFrameOfARawlog) {
+  const auto external = [](const std::string& name) {
+    return test::objectBytes("mrpt::img::CImage", 9, '\1' + test::textBytes(name));
+  };
+  write("x_Images/good.png", "");
+  cv::imwrite(folder_ / "x_Images/good.png", test::wall(0).left);
+  write("x_Images/huge.png", huge_);
+  const std::string good = external("good.png");
+  write("x.rawlog", test::stereoBytes(0, good, good) +
+                        test::stereoBytes(1, good, external("huge.png")) +
+                        test::stereoBytes(2, good, good));
+  RawlogSource source(folder_ / "x.rawlog", {});
+  EXPECT_EQ(2u, test::framesOf(source).size());
+  EXPECT_THAT(source.skipped(), ElementsAre(Pair("broken_image", 1u)));
+}
+
+TEST_F(HugeImageTest, IsRefusedByNameAtImport) {
+  const std::string folder = folder_.path();
+  for (const char* image : {"image_0/000000.png", "image_1/000000.png"}) {
+    write(std::string("sequences/07/") + image, huge_);
+  }
+  write("sequences/07/calib.txt",
+        "P0: 100 0 80 0 0 100 60 0 0 0 1 0\nP1: 100 0 80 -50 0 100 60 0 0 0 1 0\n");
+  const auto kitti = test::errorOf([&] { (void)openKittiOdometry(folder, "07"); });
+  EXPECT_THAT(kitti, HasSubstr("image_0/000000.png: missing, broken"));
+  for (const auto& [camera, y] : {std::pair("mav0/cam0", "0.0"), std::pair("mav0/cam1", "0.1")}) {
+    write(std::string(camera) + "/sensor.yaml",
+          std::string("T_BS: {data: [0, -1, 0, 0, 1, 0, 0, ") + y +
+              ", 0, 0, 1, 0, 0, 0, 0, 1]}\n"
+              "resolution: [30000, 30000]\ncamera_model: pinhole\nintrinsics: [9, 9, 8, 6]\n"
+              "distortion_model: radial-tangential\ndistortion_coefficients: [0, 0, 0, 0]\n");
+    write(std::string(camera) + "/data.csv", "12,a.png\n");
+    write(std::string(camera) + "/data/a.png", huge_);
+  }
+  const auto euroc = test::errorOf([&] { (void)openEuroc(folder)->frame(0); });
+  EXPECT_THAT(euroc, HasSubstr("cam0/data/a.png: missing, broken"));
+}
+
+}  // namespace
+}  // namespace headway::io
