@@ -209,6 +209,33 @@ TEST_F(DatasetTest, EurocErrorsNameTheFile) {
   EXPECT_THAT(message(), HasSubstr("cam1/sensor.yaml: key 'intrinsics' is missing"));
 }
 
+TEST_F(DatasetTest, EurocRowsThatAreShortOrNoNumbersNameTheLine) {
+  const auto writer = [&](const std::string& name, const std::string& text) { write(name, text); };
+  writeEurocSensors(writer);
+  for (const char* camera : {"cam0", "cam1"}) {
+    write(std::string("mav0/") + camera + "/data.csv", "12,a.png\n");
+  }
+  write("mav0/imu0/sensor.yaml", "T_BS: {data: [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}\n");
+  const std::string state = "mav0/state_groundtruth_estimate0/data.csv",
+                    inertial = "mav0/imu0/data.csv";
+  const auto expectError = [&](const std::string& file, const std::string& row) {
+    write(state, "12,1,0,0,1,0,0,0\n" + (file == state ? row : ""));
+    write(inertial, "12,0,0,0,0,0,9.8\n" + (file == inertial ? row : ""));
+    EXPECT_THAT(test::errorOf([&] { (void)openEuroc(root_); }),
+                row.empty() ? HasSubstr("no error") : HasSubstr(file + ":2: "))
+        << row;
+  };
+  expectError(state, "");
+  for (const char* row : {"13", "13,1,0", "13,1,0,0,1,0,0", "13,1,x,0,1,0,0,0", "13,1,0,0,1,0,0,",
+                          "13,1,0,0,0,0,0,0", "x,1,0,0,1,0,0,0"}) {
+    expectError(state, std::string(row) + "\n");
+  }
+  for (const char* row : {"13", "13,0,0,0", "13,0,0,0,0,0", "13,0,x,0,0,0,9.8", "13,0,0,0,0,,9.8",
+                          "x,0,0,0,0,0,9.8"}) {
+    expectError(inertial, std::string(row) + "\n");
+  }
+}
+
 TEST_F(DatasetTest, PairsImageFoldersByTheOrderOfNames) {
   for (int i = 0; i < 3; ++i) {
     const std::string number = std::to_string(8 + i);  // 10 follows 9

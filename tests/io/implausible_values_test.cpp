@@ -13,7 +13,9 @@
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 
+#include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "foreign_recording.h"
 #include "kitti_files.h"
@@ -198,14 +200,36 @@ TEST_F(ImplausibleValuesTest, LongRowsAreWhole) {
   EXPECT_EQ("", formatted("%s", ""));
 }
 
-TEST_F(ImplausibleValuesTest, ARowWithoutANumberIsAnError) {
-  test::writeContent(path_, predictionCsvHeader() + "\n0,1,2,Car,0,1,0.5,1,2,3,x,0,0\n");
-  EXPECT_THAT(test::errorOf([&] { (void)readPredictionCsv(path_); }), HasSubstr("not a number"));
-  test::writeContent(path_, ",1,2\nP0: 1 2\n");
-  EXPECT_EQ(1u, readKittiCalibration(path_).size());
-  test::writeContent(path_, ",1,2,3,4,5,6,7,8,9,10,11,12\n");
-  EXPECT_THAT(test::errorOf([&] { (void)readKittiProjections(path_); }),
-              HasSubstr("no line 'P0:'"));
+TEST_F(ImplausibleValuesTest, AFieldThatIsMissingOrNoNumberIsAnErrorInEachColumn) {
+  const auto expectErrors = [&](const std::string& header, const std::string& row, auto read) {
+    const auto fields = static_cast<int>(std::count(row.begin(), row.end(), ',')) + 1;
+    for (int broken = -1; broken <= fields; ++broken) {  // the first row is good, the last short
+      std::istringstream good(row);
+      std::string text;
+      for (int i = 0; i < fields - (broken == fields ? 1 : 0); ++i) {
+        std::string field;
+        std::getline(good, field, ',');
+        text += (i > 0 ? "," : "") + (i == broken ? "x" : field);
+      }
+      test::writeContent(path_, header + "\n" + text + "\n");
+      const std::string message = test::errorOf([&] { read(path_); });
+      EXPECT_THAT(message, broken < 0 ? HasSubstr("no error") : HasSubstr(path_ + ":2: ")) << text;
+    }
+  };
+  expectErrors(predictionCsvHeader(), "0,1,2,Car,0,1,0.5,1,2,3,1,0,1",
+               [](const std::string& path) { (void)readPredictionCsv(path); });
+  expectErrors(trackCsvHeader(), "0,1,2,Car,confirmed,1,1,2,3,0,4,2,1.5,1,0,0,1,1,0,1,1,0",
+               [](const std::string& path) { (void)readTrackCsv(path); });
+}
+
+TEST_F(ImplausibleValuesTest, KittiCalibrationsMayHaveRowsWithoutAName) {
+  for (const char* row : {",1,2", ":", ": 1 2", ",1,2,3,4,5,6,7,8,9,10,11,12"}) {
+    test::writeContent(path_, std::string(row) + "\nP0: 1 2\n");
+    EXPECT_EQ(1u, readKittiCalibration(path_).count("P0")) << row;
+    EXPECT_THAT(test::errorOf([&] { (void)readKittiProjections(path_); }),
+                HasSubstr("no line 'P0:'"))
+        << row;
+  }
 }
 
 }  // namespace
