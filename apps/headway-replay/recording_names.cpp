@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recording_names.h"
 
+#include <headway/core/replace_files.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <set>
@@ -24,7 +26,8 @@ std::string nameOf(const fs::path& file, std::size_t depth) {
 
 /// Names that the folder with the common map uses itself.
 bool isReserved(const std::string& name) {
-  static const std::set<std::string> names = {"unfinished", "complete", "snapshots", ".", ".."};
+  static const std::set<std::string> names = {"unfinished", kReplacingFolder, "snapshots", ".",
+                                              ".."};
   return names.count(name) > 0 || name.rfind("map", 0) == 0 || name.rfind(".", 0) == 0;
 }
 

@@ -3,13 +3,17 @@
 
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
+#include <headway/report/replay_frames.h>
 #include <headway_test/folders.h>
+#include <headway_test/input_error.h>
 
 #include <fstream>
 #include <sstream>
 
 namespace headway::report {
 namespace {
+
+using ::testing::HasSubstr;
 
 class PlyFileTest : public ::testing::Test {
  protected:
@@ -104,6 +108,20 @@ TEST_F(ReplayFolderTest, RefusesAFolderWithoutSummaryAndMalformedFiles) {
   write("replay.json", "{}");
   write("trajectory.tum", "1.5 rubbish\n");
   EXPECT_THROW((void)readReplayFolder(folder_.path()), InputError);
+}
+
+TEST_F(ReplayFolderTest, ResultsOfTwoRunsAreRefused) {
+  write("summary.json", R"({"frames": 3})");
+  write("trajectory.tum", "1 0 0 0 0 0 0 1\n");
+  const auto replay = [&] { (void)readReplayFolder(folder_.path()); };
+  const auto frames = [&] {
+    (void)readReplayFrames(folder_.path(), {}, [](const std::string&) {});
+  };
+  EXPECT_EQ("", test::inputErrorOf(replay));
+  EXPECT_EQ("", test::inputErrorOf(frames));
+  std::filesystem::create_directory(folder_ / "complete");  // left by a kill
+  EXPECT_THAT(test::inputErrorOf(replay), HasSubstr("contains results of two runs"));
+  EXPECT_THAT(test::inputErrorOf(frames), HasSubstr("--continue " + folder_.path().string()));
 }
 
 TEST_F(ReplayFolderTest, NestedJsonNeedsNoStack) {

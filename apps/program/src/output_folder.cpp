@@ -20,7 +20,6 @@ namespace fs = std::filesystem;
 
 constexpr char kLock[] = ".lock";
 constexpr char kUnfinished[] = "unfinished";
-constexpr char kComplete[] = "complete";  // being published; completed by the next run after a kill
 
 void requireOtherInputs(const fs::path& folder, const std::vector<std::string>& inputs,
                         const OutputFolder::IsResult& is_result) {
@@ -75,8 +74,8 @@ OutputFolder::OutputFolder(fs::path folder, bool overwrite, const std::vector<st
   }
   lock();
   if (is_empty) return;
-  if (isRealFolder(folder_ / kComplete)) {
-    replaceFiles(folder_ / kComplete, folder_, is_result_);
+  if (isRealFolder(folder_ / kReplacingFolder)) {
+    replaceFiles(folder_ / kReplacingFolder, folder_, is_result_);
   }
   path_ = folder_ / kUnfinished;
   fs::remove_all(path_, error);
@@ -95,9 +94,9 @@ OutputFolder::OutputFolder(fs::path folder, fs::path run, IsResult is_result)
 }
 
 void OutputFolder::completePublication(const fs::path& folder, const IsResult& is_result) {
-  if (!isRealFolder(folder / kComplete)) return;
-  const OutputFolder locked(folder, folder / kComplete, is_result);
-  replaceFiles(folder / kComplete, folder, is_result);
+  if (!isRealFolder(folder / kReplacingFolder)) return;
+  const OutputFolder locked(folder, folder / kReplacingFolder, is_result);
+  replaceFiles(folder / kReplacingFolder, folder, is_result);
 }
 
 OutputFolder::~OutputFolder() {
@@ -132,7 +131,7 @@ void OutputFolder::lock() {
 
 void OutputFolder::publish() {
   if (!hasOldResults()) return;
-  const fs::path complete = folder_ / kComplete;
+  const fs::path complete = folder_ / kReplacingFolder;
   std::error_code error;
   fs::rename(path_, complete, error);
   if (error) throw InputError(complete.string() + ": cannot be made: " + error.message());

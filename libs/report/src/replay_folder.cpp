@@ -2,6 +2,7 @@
 #include "replay_folder.h"
 
 #include <headway/core/error.h>
+#include <headway/core/replace_files.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
 
@@ -164,7 +165,16 @@ std::vector<ColouredPoint> readPoints(const std::filesystem::path& path, std::si
   return points;
 }
 
+void requireOneRun(const fs::path& folder) {
+  if (!fs::is_directory(folder / kReplacingFolder)) return;
+  throw InputError(folder.string() +
+                   ": contains results of two runs, because one was killed while it replaced those "
+                   "of the other; headway-replay --continue " +
+                   folder.string() + " completes the replacement");
+}
+
 ReplayFolder readReplayFolder(const fs::path& path) {
+  requireOneRun(path);
   if (!fs::exists(path / "summary.json")) {
     throw InputError((path / "summary.json").string() +
                      ": no such file; a report requires the output folder of a finished replay");

@@ -43,9 +43,13 @@ struct ReplayFolder {
   std::vector<std::filesystem::path> snapshots;  ///< by name
 };
 
+/// @throws InputError if the folder contains results of two runs, because one was killed while it
+///         replaced those of the other
+void requireOneRun(const std::filesystem::path& folder);
+
 /// Reads the folder; files other than summary.json may be missing.
 ///
-/// @throws InputError if summary.json is missing or a file is malformed
+/// @throws InputError if summary.json is missing, a file is malformed, or as requireOneRun()
 [[nodiscard]] ReplayFolder readReplayFolder(const std::filesystem::path& path);
 
 /// Every `step`-th pose of a trajectory.

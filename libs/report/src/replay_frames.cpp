@@ -195,6 +195,7 @@ ReplayInput readReplayInput(const fs::path& folder) {
 
 std::vector<ReplayFrame> readReplayFrames(const fs::path& folder, const ReplayFrameOptions& options,
                                           const Note& note) {
+  requireOneRun(folder);
   const ThinnedPath path = readPath(folder / "trajectory.tum", options.max_frames);
   if (path.poses.empty()) {
     throw InputError((folder / "trajectory.tum").string() + ": contains no pose");

@@ -6,6 +6,10 @@
 
 namespace headway {
 
+/// Folder of a run's new results, in the folder of the old ones, while they replace these. After a
+/// kill meanwhile it remains, and the folder that it is in contains results of both runs.
+inline constexpr char kReplacingFolder[] = "complete";
+
 /// Moves all files of a folder, with those in its folders, to another folder of the same file
 /// system and removes the first one. They replace files of the same names, after they have been
 /// synchronised with the disk.

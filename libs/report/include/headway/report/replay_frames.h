@@ -46,7 +46,8 @@ struct ReplayFrameOptions {
 /// predictions are noted.
 ///
 /// @return ascending in time; at least one
-/// @throws InputError if a file is malformed or `trajectory.tum` is missing or empty
+/// @throws InputError if a file is malformed, `trajectory.tum` is missing or empty, or a killed run
+///         left results of two runs
 [[nodiscard]] std::vector<ReplayFrame> readReplayFrames(const std::filesystem::path& folder,
                                                         const ReplayFrameOptions& options,
                                                         const Note& note);

@@ -33,8 +33,8 @@ struct ReportOptions {
 ///     report::writeReport(outdir);
 ///
 /// @return the page's path
-/// @throws InputError if summary.json is missing, a file is malformed, or the page cannot be
-/// written
+/// @throws InputError if summary.json is missing, a file is malformed, a killed run left results of
+///         two runs, or the page cannot be written
 std::filesystem::path writeReport(const std::filesystem::path& folder,
                                   const ReportOptions& options = {});
 
