@@ -95,6 +95,19 @@ TEST_F(ImportExportTest, DoesNotOverwriteWithoutTheOption) {
   EXPECT_EQ(0, exported("kitti-odometry " + at("x.rawlog") + " -w -q -o " + at("out")).status);
 }
 
+TEST_F(ImportExportTest, ImagesOfALongerExportAreRemoved) {
+  ASSERT_EQ(0, import(imageFolders(2)).status);
+  const std::string call = "kitti-odometry " + at("x.rawlog") + " -q -o " + at("out");
+  ASSERT_EQ(0, exported(call).status);
+  const fs::path images = folder_ / "out/image_0";
+  fs::copy_file(images / "000001.png", images / "000002.png");
+  fs::copy_file(images / "000001.png", images / "mine.png");
+  ASSERT_EQ(0, exported(call + " -w").status);
+  EXPECT_TRUE(fs::exists(images / "000001.png"));
+  EXPECT_FALSE(fs::exists(images / "000002.png"));
+  EXPECT_TRUE(fs::exists(images / "mine.png"));
+}
+
 TEST_F(ImportExportTest, ReportsAnUnwritableOutput) {
   const std::string call = imageFolders(1);
   test::writeContent(folder_ / "file", "");
