@@ -150,12 +150,13 @@ function(headway_program name)
   add_dependencies(installed ${name})
 endfunction()
 
-# headway_test(<name> SOURCES ... LIBRARIES ... [LABELS ...] [SLOW ...] [PRIVATE_HEADERS <library>]):
+# headway_test(<name> SOURCES ... LIBRARIES ... [LABELS ...] [SLOW ...] [NIGHTLY ...] [PRIVATE_HEADERS <library>]):
 # one GoogleTest program, each of its suites known to ctest. A test that needs real data says
 # GTEST_SKIP() where the environment variable HEADWAY_DATA names no folder. SLOW names what takes
-# more than 5 s on an idle core, as <Suite>.<Test> or <Suite>.*: an entry with the label `slow`.
+# more than 5 s on an idle core, as <Suite>.<Test> or <Suite>.*: an entry with the label `slow`; NIGHTLY what is left to
+# `./test.sh -L nightly`.
 function(headway_test name)
-  cmake_parse_arguments(TEST "" "TIMEOUT;PRIVATE_HEADERS" "SOURCES;LIBRARIES;LABELS;SLOW" ${ARGN})
+  cmake_parse_arguments(TEST "" "TIMEOUT;PRIVATE_HEADERS" "SOURCES;LIBRARIES;LABELS;SLOW;NIGHTLY" ${ARGN})
   set(target test_${name})
   add_executable(${target} ${TEST_SOURCES})
   target_link_libraries(${target} PRIVATE ${TEST_LIBRARIES} headway_test_support
@@ -179,7 +180,7 @@ function(headway_test name)
   if("unit" IN_LIST TEST_LABELS)
     add_dependencies(unit_tests ${target})
   endif()
-  headway_register_suites(${target} ${name} ${TEST_TIMEOUT} "${TEST_LABELS}" "${TEST_SLOW}")
+  headway_register_suites(${target} ${name} ${TEST_TIMEOUT} "${TEST_LABELS}" "${TEST_SLOW}" "${TEST_NIGHTLY}")
 endfunction()
 
 # A test's own code takes up to a third less time to compile with -O1 than with Release's -O3, and as much less without
@@ -193,7 +194,7 @@ function(headway_compile_test_quickly target)
 endfunction()
 
 # The ctest entries of a test program; see RegisterSuites.cmake.
-function(headway_register_suites target name timeout labels slow)
+function(headway_register_suites target name timeout labels slow nightly)
   set(entries ${CMAKE_CURRENT_BINARY_DIR}/${target}_entries.cmake)
   set(together OFF)
   if(HEADWAY_SANITIZE MATCHES address)
@@ -202,7 +203,8 @@ function(headway_register_suites target name timeout labels slow)
   add_custom_command(
     TARGET ${target} POST_BUILD BYPRODUCTS ${entries}
     COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${target}> -DNAME=${name} -DOUTPUT=${entries}
-            -DTIMEOUT=${timeout} "-DLABELS=${labels}" "-DSLOW=${slow}" -DTOGETHER=${together}
+            -DTIMEOUT=${timeout} "-DLABELS=${labels}" "-DSLOW=${slow}" "-DNIGHTLY=${nightly}"
+            "-DWITH_NIGHTLY=${HEADWAY_NIGHTLY_TESTS}" -DTOGETHER=${together}
             -P ${HEADWAY_REGISTER_SUITES}
     VERBATIM)
   set_target_properties(${target} PROPERTIES LINK_DEPENDS ${HEADWAY_REGISTER_SUITES})

@@ -8,7 +8,7 @@ function(run)
 endfunction()
 
 function(run_consumer)
-  set(options -DCMAKE_PREFIX_PATH=${PREFIX} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -DCMAKE_BUILD_TYPE=Release)
+  set(options -DCMAKE_PREFIX_PATH=${PREFIX} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -DCMAKE_BUILD_TYPE=Debug)
   if(SANITIZE)
     list(APPEND options -DCMAKE_CXX_FLAGS=-fsanitize=${SANITIZE})
   endif()

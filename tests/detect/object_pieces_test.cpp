@@ -24,13 +24,13 @@ struct Pieces : test::Grid {
 
   void add(double x, double width, double bottom, double top,
            const Eigen::Vector3d& velocity = kForward) {
-    constexpr double kDepth = 14.0;
+    constexpr double kPieceDepth = 14.0;
     MovingObject object;
     object.velocity = {velocity, 0.04 * Eigen::Matrix3d::Identity()};
     object.evidence.motion = true;
     object.points = 5;
     object.members = {objects.size()};
-    const auto cells = inSpace(draw(x, kDepth, width, bottom, top));
+    const auto cells = inSpace(draw(x, kPieceDepth, width, bottom, top));
     object.extent = *extentOf(cells, object.velocity, disparity, camera, ground);
     objects.push_back(std::move(object));
   }
