@@ -15,10 +15,11 @@ tar --exclude=./build --exclude=./out --exclude=./.git -cf - . | tar -xf - -C "$
 cp -r packaging/debian "$source_folder/debian"
 packaging/changelog.sh > "$source_folder/debian/changelog"
 
-# debhelper's builds have no home in which ccache would look for its folder.
+# debhelper's builds have no home in which ccache would look for its folder. A base folder would make names of sources in
+# the plug-in depend on where it is built.
 if command -v ccache >/dev/null && [ -z "${CCACHE_DISABLE:-}" ]; then
   CCACHE_DIR=$(ccache --get-config cache_dir)
-  export CCACHE_DIR
+  export CCACHE_DIR CCACHE_BASEDIR=
   [ ! -f ~/.config/ccache/ccache.conf ] || export CCACHE_CONFIGPATH=~/.config/ccache/ccache.conf
 fi
 export DEB_BUILD_OPTIONS="${DEB_BUILD_OPTIONS:-noautodbgsym} parallel=$(nproc)"

@@ -40,6 +40,34 @@ DenseMap drive(const DepthWorld& world = {}) {
   return dense;
 }
 
+const Eigen::Vector3d kSeenBox(9.0, 0.3, 0.0);
+
+/// Scans of one time with a box in them.
+DenseMap driveAtTime(Time time) {
+  DepthWorld with_box;
+  with_box.box = kSeenBox;
+  DenseMap dense(params());
+  for (const auto& pose : driveForward()) {
+    DepthScan scan = depthScanFrom(pose, with_box);
+    scan.time = time;
+    dense.add(pose, scan);
+  }
+  return dense;
+}
+
+/// The track of that box, which passes its place at 10 s with 1 m/s.
+Track trackSince(Time first_seen, double followed_s) {
+  Track track;
+  track.size = Eigen::Vector3d::Ones();
+  track.first_seen = first_seen;
+  for (int i = 0; i < 5; ++i) {
+    const Time time = first_seen + 0.25 * followed_s * i;
+    const Eigen::Vector3d position = kSeenBox + Eigen::Vector3d(0.0, time - 10.0, 0.5);
+    track.recent_path.push_back({static_cast<std::size_t>(i), time, position, 0.0});
+  }
+  return track;
+}
+
 std::vector<Eigen::Vector3d> positionsOf(const CColouredPointsMap& layer) {
   std::vector<Eigen::Vector3d> positions;
   for (std::size_t i = 0; i < layer.size(); ++i) {
@@ -184,6 +212,57 @@ TEST(DenseMapTest, AMovingObjectThatWasNotNoticedLeavesNoTrail) {
   }
   for (const auto& pose : driveForward()) dense.add(pose, depthScanFrom(pose));
   for (const auto& p : positionsOf(*dense.layer())) EXPECT_LT(errorOf(p), 0.5 * kVoxel);
+}
+
+TEST(DenseMapTest, LeavesOutWhereAnObjectWasBeforeItWasKnown) {
+  const DenseMap seen = driveAtTime(10.0);
+  const auto wallOf = [](DenseMap dense) {
+    const auto positions = positionsOf(*dense.layer());
+    return std::count_if(positions.begin(), positions.end(),
+                         [](const auto& p) { return p.x() > kWallX - 0.1; });
+  };
+  DenseMap dense = seen;
+  ASSERT_GT(pointsOfBox(*dense.layer(), kSeenBox), 40U);
+  dense.leaveOut({trackSince(10.2, 1.0)}, 9.0);
+  EXPECT_TRUE(dense.isOutdated());
+  EXPECT_EQ(pointsOfBox(*dense.layer(), kSeenBox), 0U);
+  EXPECT_EQ(wallOf(dense), wallOf(seen));
+  DenseMap loaded(params());
+  loaded.load(collected(dense.save()));
+  EXPECT_TRUE(areEqual(*loaded.layer(), *dense.layer()));
+}
+
+TEST(DenseMapTest, LeavesOutWhereAnObjectWasBetweenItsDetections) {
+  DenseMap dense = driveAtTime(10.0);
+  Track track = trackSince(9.8, 1.0);
+  track.recent_path.erase(track.recent_path.begin() + 1, track.recent_path.begin() + 4);
+  dense.leaveOut({track}, 9.0);
+  EXPECT_EQ(pointsOfBox(*dense.layer(), kSeenBox), 0U);
+}
+
+TEST(DenseMapTest, KeepsWhatNoTrackWasSeenNearEnoughInTime) {
+  const auto before = pointsOfBox(*driveAtTime(10.0).layer(), kSeenBox);
+  const auto after = [](const Track& track, Time since) {
+    DenseMap dense = driveAtTime(10.0);
+    dense.leaveOut({track}, since);
+    return pointsOfBox(*dense.layer(), kSeenBox);
+  };
+  EXPECT_EQ(after(trackSince(10.2, 1.0), 10.1), before) << "older than is asked for";
+  EXPECT_EQ(after(trackSince(10.2, 0.1), 9.0), before) << "followed for too short a time";
+  EXPECT_EQ(after(trackSince(11.2, 2.0), 9.0), before) << "too long before it was seen";
+  EXPECT_EQ(after(trackSince(8.0, 1.0), 9.0), before) << "after it was lost";
+}
+
+TEST(DenseMapTest, LoadsScansThatHaveNoTimes) {
+  DenseMap dense(params());
+  dense.add(robotAt(0.0, 0.0), depthScanFrom(robotAt(0.0, 0.0)));
+  std::string bytes = collected(dense.save());
+  constexpr std::size_t kBeforeTime = 1 + 8 + 8 + 12 + 8;  // version, voxel, count, place, order
+  bytes[0] = 1;
+  bytes.erase(kBeforeTime, sizeof(Time));
+  DenseMap loaded(params());
+  loaded.load(bytes);
+  EXPECT_TRUE(areEqual(*loaded.layer(), *dense.layer()));
 }
 
 TEST(DenseMapTest, NothingFollowsFromUnknownCells) {

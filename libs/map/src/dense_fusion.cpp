@@ -200,30 +200,6 @@ DenseTile fuseTile(const Eigen::Vector2d& corner, double voxel_m,
   return TileFusion(corner, voxel_m, scans).run();
 }
 
-DepthScan cropped(const DepthScan& scan, const Pose& T_map_robot, const Eigen::AlignedBox3d& box) {
-  std::vector<bool> is_inside;
-  ScanView(scan, T_map_robot, {0.0, 0.0})
-      .forEachPoint([&](const Eigen::Vector3f& point, const Colour&, float) {
-        is_inside.push_back(box.contains(point.cast<double>()));
-      });
-  DepthScan inside;
-  inside.grid = scan.grid;
-  inside.known.assign(scan.known.size(), 0);
-  const std::size_t channels = scan.hasColour() ? 3 : 1;
-  std::size_t point = 0;
-  for (std::size_t cell = 0; cell < scan.grid.cells(); ++cell) {
-    if (!scan.isKnown(cell)) continue;
-    const std::size_t at = point++;
-    if (!is_inside[at]) continue;
-    inside.known[cell / 8] |= static_cast<std::uint8_t>(1U << (cell % 8));
-    inside.disparity.push_back(scan.disparity[at]);
-    const auto colour = scan.colour.begin() + static_cast<std::ptrdiff_t>(channels * at);
-    inside.colour.insert(inside.colour.end(), colour,
-                         colour + static_cast<std::ptrdiff_t>(channels));
-  }
-  return inside;
-}
-
 Eigen::AlignedBox3d boundsOf(const DepthScan& scan) {
   Eigen::AlignedBox3f bounds;
   ScanView(scan, Pose::Identity(), {0.0, 0.0})

@@ -33,10 +33,6 @@ struct PosedScan {
 [[nodiscard]] DenseTile fuseTile(const Eigen::Vector2d& corner, double voxel_m,
                                  const std::vector<PosedScan>& scans);
 
-/// The points of a scan inside of a box of the map [m].
-[[nodiscard]] DepthScan cropped(const DepthScan& scan, const Pose& T_map_robot,
-                                const Eigen::AlignedBox3d& box);
-
 /// Bounds of a scan's points in the robot frame [m]; empty without points.
 [[nodiscard]] Eigen::AlignedBox3d boundsOf(const DepthScan& scan);
 

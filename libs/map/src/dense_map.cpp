@@ -9,13 +9,15 @@
 
 #include "dense_fusion.h"
 #include "depth_scan_bytes.h"
+#include "depth_scan_crop.h"
 
 namespace headway::map {
 namespace {
 
 using mrpt::maps::CColouredPointsMap;
 
-constexpr std::uint8_t kDenseVersion = 1;
+constexpr std::uint8_t kDenseVersion = 2;
+constexpr std::uint8_t kVersionWithoutTimes = 1;
 constexpr double kDenseMovedVoxels = 0.25;  ///< a scan moved less stays where it was
 constexpr double kDenseTurned = 0.002;      ///< [rad]
 constexpr double kMinVoxelM = 0.005;
@@ -118,6 +120,25 @@ void DenseMap::crop(const Eigen::AlignedBox3d& box) {
   *this = std::move(inside);
 }
 
+void DenseMap::leaveOut(const std::vector<Track>& tracks, Time since) {
+  std::vector<ScanPlace> emptied;
+  for (auto& [place, stored] : scans_) {
+    const Time time = stored.scan->time;
+    if (!(time >= since)) continue;
+    std::vector<UprightBox> boxes;
+    for (const auto& track : tracks) {
+      if (const auto box = pastBox(track, time)) boxes.push_back(*box);
+    }
+    auto rest = without(*stored.scan, stored.pose.T_map_robot, boxes);
+    if (!rest) continue;
+    markOutdated(stored);
+    if (rest->empty()) emptied.push_back(place);
+    stored.bounds = boundsOf(*rest);
+    stored.scan = std::make_shared<const DepthScan>(std::move(*rest));
+  }
+  for (const auto& place : emptied) scans_.erase(place);
+}
+
 /// Stores a scan in place of the one from the same place and direction.
 void DenseMap::replace(const AnchoredPose& pose, std::shared_ptr<const DepthScan> scan) {
   StoredScan& stored = scans_[scanPlace(pose.T_map_robot, params_.spacing_m)];
@@ -211,6 +232,7 @@ ByteSource DenseMap::save() const {
       ByteWriter out;
       out.values(place);
       out.value(stored.order);
+      out.value(stored.scan->time);
       write(out, stored.pose);
       write(out, *stored.scan);
       sink(out.bytes);
@@ -228,7 +250,10 @@ void DenseMap::load(const std::string& bytes) {
 
 DenseMap DenseMap::loaded(const std::string& bytes) const {
   ByteReader in(bytes);
-  if (in.value<std::uint8_t>() != kDenseVersion) throw InputError("they are of another version");
+  const auto version = in.value<std::uint8_t>();
+  if (version != kDenseVersion && version != kVersionWithoutTimes) {
+    throw InputError("they are of another version");
+  }
   const auto stored_voxel_m = in.finiteValue<double>();
   DenseMap loaded(params_);
   if (loaded.params_.voxel_m <= 0.0) loaded.params_.voxel_m = stored_voxel_m;
@@ -241,8 +266,10 @@ DenseMap DenseMap::loaded(const std::string& bytes) const {
     in.values(place);
     StoredScan& stored = loaded.scans_[place];
     stored.order = in.value<std::uint64_t>();
+    const Time time = version == kDenseVersion ? in.value<Time>() : DepthScan().time;
     stored.pose = readAnchoredPose(in);
     auto scan = readDepthScan(in);
+    scan.time = time;
     stored.bounds = boundsOf(scan);
     stored.scan = std::make_shared<const DepthScan>(std::move(scan));
     loaded.next_order_ = std::max(loaded.next_order_, stored.order + 1);

@@ -3,6 +3,7 @@
 #include <headway/pipeline/dense_mapper.h>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace headway::pipeline {
@@ -10,6 +11,7 @@ namespace {
 
 constexpr std::chrono::seconds kMinInterval{1};  // between fusions
 constexpr int kPauseFactor = 9;                  // of the duration of the last one
+constexpr double kRevised_s = 2.0;               // of the past, in which tracks are still smoothed
 
 map::DenseMapParams forRig(map::DenseMapParams params,
                            const std::optional<stereo::RigCapability>& rig) {
@@ -47,10 +49,17 @@ void DenseMapper::scan(const StereoFrame& frame, const stereo::DisparityImage& d
   const auto make = [frame, disparity, moving = std::move(moving), rig = *rig_] {
     const auto start = Clock::now();
     Scanned result{detect::scanDepth(frame, disparity, moving, rig)};
+    result.scan.time = frame.time;
     result.elapsed_ms = milliseconds(Clock::now() - start);
     return result;
   };
   scanning_ = scanner_.run(make).share();
+}
+
+void DenseMapper::leaveOut(const std::vector<Track>& tracks, Time now) {
+  std::vector<Track> moving;
+  std::copy_if(tracks.begin(), tracks.end(), std::back_inserter(moving), isMoving);
+  dense_.leaveOut(moving, now - kRevised_s);
 }
 
 void DenseMapper::enterScan(StageTimes& times) {

@@ -161,6 +161,7 @@ void Perception::updateDense(const RecordedFrame& frame, const PerceptionUpdate&
                              bool scan_ground) {
   dense_.update(map_, times_);
   if (repeated_ || !scan_ground || !isTracked(update) || !dense_.isUsed()) return;
+  dense_.leaveOut(update.objects.tracks, frame.time);
   const Pose& T_map_robot = update.camera.T_map_robot;
   dense_.scan(*frame.stereo, found_.context->disparity(),
               detection_.leftOutOfDenseMap(frame, T_map_robot, found_, update.objects.tracks),

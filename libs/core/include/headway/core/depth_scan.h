@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace headway {
@@ -29,6 +30,7 @@ struct DepthScanGrid {
 struct DepthScan {
   static constexpr double kUnitsPerPx = 64.0;  ///< of the stored disparities
 
+  Time time = -std::numeric_limits<double>::infinity();  ///< of the frame [s]; or long ago
   DepthScanGrid grid;
   std::vector<std::uint8_t> known;       ///< a bit for each cell, row by row, lowest bit first
   std::vector<std::uint16_t> disparity;  ///< of the known cells, row by row [px / kUnitsPerPx]

@@ -4,6 +4,7 @@
 #include <headway/core/byte_archive.h>
 #include <headway/core/depth_scan.h>
 #include <headway/core/params.h>
+#include <headway/core/track.h>
 #include <headway/map/anchored_pose.h>
 #include <mrpt/maps/CColouredPointsMap.h>
 
@@ -67,6 +68,10 @@ class DenseMap {
   /// The same of a frame that was processed before: its pose when it was, and its scan.
   [[nodiscard]] AnchoredPose anchored(const Pose& T_map_robot) const;
   void add(AnchoredPose pose, DepthScan scan);
+
+  /// Removes from the scans since a time what lies where these tracks were. Objects are known later
+  /// than they are seen: who comes out of a door is in no box of the first frames.
+  void leaveOut(const std::vector<Track>& tracks, Time since);
 
   /// Adds the scans of another map in the same frame, as later ones.
   ///

@@ -37,6 +37,10 @@ class DenseMapper {
   void scan(const StereoFrame& frame, const stereo::DisparityImage& disparity, MovingRegions moving,
             const Pose& T_map_robot);
 
+  /// Removes from the scans of the last seconds what lies where moving objects were, by their
+  /// tracks at a time.
+  void leaveOut(const std::vector<Track>& tracks, Time now);
+
   /// Enters the scan of the frame before, and in live operation what has been fused: to be called
   /// once a frame.
   void update(map::PerceptionMap& map, StageTimes& times);
