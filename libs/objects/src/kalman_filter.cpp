@@ -38,15 +38,15 @@ Transition::Transition(double dt_s, double time_s) {
   F(0, 1) = dt_s;
   F.col(2) = response(dt_s);
   // Q = 2 / time * integral of response * response^T; 3-point Gauss in pieces of one time constant.
-  constexpr std::array<double, 3> kNodes = {0.112701665379258, 0.5, 0.887298334620742};
-  constexpr std::array<double, 3> kWeights = {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
+  constexpr std::array<double, 3> kGaussNodes = {0.112701665379258, 0.5, 0.887298334620742};
+  constexpr std::array<double, 3> kGaussWeights = {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
   constexpr double kMaxPieces = 64.0;
   const double pieces = std::clamp(std::ceil(dt_s / time_s), 1.0, kMaxPieces);
   const double piece = dt_s / pieces;
   for (int i = 0; i < static_cast<int>(pieces); ++i) {
-    for (std::size_t n = 0; n < kNodes.size(); ++n) {
-      const Eigen::Vector3d r = response((i + kNodes[n]) * piece);
-      Q += 2.0 / time_s * piece * kWeights[n] * r * r.transpose();
+    for (std::size_t n = 0; n < kGaussNodes.size(); ++n) {
+      const Eigen::Vector3d r = response((i + kGaussNodes[n]) * piece);
+      Q += 2.0 / time_s * piece * kGaussWeights[n] * r * r.transpose();
     }
   }
 }

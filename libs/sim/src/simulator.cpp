@@ -210,12 +210,12 @@ void Simulator::Impl::draw(DrawnFrame& drawn) {
 std::vector<Actor> Simulator::Impl::actorsInView() {
   std::vector<Actor> actors = environment_->actors(params_.world.view_distance_m);
   // With the room that a shadow takes, and the other camera's place.
-  constexpr double kMargin = 2.0;  // [m]
+  constexpr double kShadowRoom = 2.0;  // [m]
   const ViewCone view = viewCone(lens_.drawn(), robotPose());
   actors.erase(std::remove_if(actors.begin(), actors.end(),
                               [&](const Actor& actor) {
                                 return !view.touches(actor.position.head<2>(),
-                                                     0.5 * actor.size.head<2>().norm() + kMargin);
+                                                     0.5 * actor.size.head<2>().norm() + kShadowRoom);
                               }),
                actors.end());
   return actors;

@@ -108,8 +108,8 @@ void StreetBuilder::layGround(const Site& site, StreetStretch& stretch, Random& 
 }
 
 void StreetBuilder::layVerges(const Site& site, StreetStretch& stretch) const {
-  constexpr double kStep = 4.0, kWidth = 5.0;
-  const int steps = std::max(1, static_cast<int>(std::lround(site.length / kStep)));
+  constexpr double kTileStep = 4.0, kWidth = 5.0;
+  const int steps = std::max(1, static_cast<int>(std::lround(site.length / kTileStep)));
   for (int i = 0; i < steps; ++i) {
     const double s0 = site.begin + site.length * i / steps;
     const double s1 = site.begin + site.length * (i + 1) / steps;
