@@ -214,8 +214,9 @@ std::vector<Actor> Simulator::Impl::actorsInView() {
   const ViewCone view = viewCone(lens_.drawn(), robotPose());
   actors.erase(std::remove_if(actors.begin(), actors.end(),
                               [&](const Actor& actor) {
-                                return !view.touches(actor.position.head<2>(),
-                                                     0.5 * actor.size.head<2>().norm() + kShadowRoom);
+                                return !view.touches(
+                                    actor.position.head<2>(),
+                                    0.5 * actor.size.head<2>().norm() + kShadowRoom);
                               }),
                actors.end());
   return actors;
