@@ -37,17 +37,6 @@ DepthScan kept(const DepthScan& scan, const std::vector<bool>& keep) {
   return part;
 }
 
-Eigen::Vector3d positionAt(const std::vector<TrajectoryPoint>& path, Time time) {
-  const auto after =
-      std::lower_bound(path.begin(), path.end(), time,
-                       [](const TrajectoryPoint& point, Time at) { return point.time < at; });
-  if (after == path.begin()) return path.front().position;
-  if (after == path.end()) return path.back().position;
-  const TrajectoryPoint& before = *std::prev(after);
-  const double fraction = (time - before.time) / (after->time - before.time);
-  return before.position + fraction * (after->position - before.position);
-}
-
 /// A box as a scan sees it.
 struct BoxInView {
   Eigen::AlignedBox2d cells;  ///< columns and rows

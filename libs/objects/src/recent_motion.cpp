@@ -7,18 +7,7 @@
 namespace headway::objects {
 
 Eigen::Vector2d placeAt(const std::vector<TrajectoryPoint>& path, Time time) {
-  const std::size_t last = path.size() - 1;
-  if (last == 0 || time <= path.front().time) return path.front().position.head<2>();
-  // The index is estimated first, since samples mostly have a constant rate.
-  const double steps = static_cast<double>(last) / (path.back().time - path.front().time);
-  const double estimate = (time - path.front().time) * steps;
-  std::size_t later = std::min(last, static_cast<std::size_t>(std::max(1.0, estimate + 0.5)));
-  while (later < last && path[later].time < time) ++later;
-  while (later > 1 && path[later - 1].time >= time) --later;
-  const TrajectoryPoint& a = path[later - 1];
-  const TrajectoryPoint& b = path[later];
-  const double fraction = std::min(1.0, (time - a.time) / (b.time - a.time));
-  return a.position.head<2>() + fraction * (b.position - a.position).head<2>();
+  return positionAt(path, time).head<2>();
 }
 
 double spanOf(const std::vector<TrajectoryPoint>& path) {

@@ -11,12 +11,7 @@ namespace headway::objects {
 /// Displacements shorter than this have no direction [m].
 inline constexpr double kNoDirection_m = 1e-6;
 
-/// Position on the ground plane at a past time, linearly interpolated.
-///
-/// Before the first sample: the first sample.
-///
-/// @param path  at least one sample, times increasing
-/// @param time  not after the last sample's [s]
+/// Position on the ground plane at a past time, as positionAt().
 [[nodiscard]] Eigen::Vector2d placeAt(const std::vector<TrajectoryPoint>& path, Time time);
 
 /// Time from the first sample to the last [s]; 0 for fewer than two.

@@ -57,6 +57,12 @@ struct TrajectoryPoint {
   double yaw = 0.0;                                    ///< of the front about map z [rad]
 };
 
+/// Position at a past time, linearly interpolated; before the first point, that of the first one.
+///
+/// @param path  at least one point, times increasing
+/// @param time  not after the last point's [s]
+[[nodiscard]] Eigen::Vector3d positionAt(const std::vector<TrajectoryPoint>& path, Time time);
+
 /// State of one tracked object in one frame. A value without references.
 struct Track {
   TrackId id;
