@@ -58,6 +58,7 @@ DenseMap driveAtTime(Time time) {
 /// The track of that box, which passes its place at 10 s with 1 m/s.
 Track trackSince(Time first_seen, double followed_s) {
   Track track;
+  track.motion_state = MotionState::kMoving;
   track.size = Eigen::Vector3d::Ones();
   track.first_seen = first_seen;
   for (int i = 0; i < 5; ++i) {

@@ -90,6 +90,7 @@ DepthScan scanDepth(const StereoFrame& frame, const stereo::DisparityImage& disp
                                withoutSteps(values, values), rig.sigma_disparity_px);
   const auto steps = stepsFor(static_cast<int>(left_out.total()) - cv::countNonZero(left_out));
   DepthScan scan;
+  scan.time = frame.time;
   scan.grid = gridOf(camera, disparity, steps, rig.sigma_disparity_px);
   scan.known.assign((scan.grid.cells() + 7) / 8, 0);
   if (scan.grid.cells() == 0) return scan;

@@ -127,6 +127,7 @@ void DenseMap::leaveOut(const std::vector<Track>& tracks, Time since) {
     if (!(time >= since)) continue;
     std::vector<UprightBox> boxes;
     for (const auto& track : tracks) {
+      if (!isMoving(track)) continue;
       if (const auto box = pastBox(track, time)) boxes.push_back(*box);
     }
     auto rest = without(*stored.scan, stored.pose.T_map_robot, boxes);

@@ -3,7 +3,6 @@
 #include <headway/pipeline/dense_mapper.h>
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
 namespace headway::pipeline {
@@ -49,7 +48,6 @@ void DenseMapper::scan(const StereoFrame& frame, const stereo::DisparityImage& d
   const auto make = [frame, disparity, moving = std::move(moving), rig = *rig_] {
     const auto start = Clock::now();
     Scanned result{detect::scanDepth(frame, disparity, moving, rig)};
-    result.scan.time = frame.time;
     result.elapsed_ms = milliseconds(Clock::now() - start);
     return result;
   };
@@ -57,9 +55,7 @@ void DenseMapper::scan(const StereoFrame& frame, const stereo::DisparityImage& d
 }
 
 void DenseMapper::leaveOut(const std::vector<Track>& tracks, Time now) {
-  std::vector<Track> moving;
-  std::copy_if(tracks.begin(), tracks.end(), std::back_inserter(moving), isMoving);
-  dense_.leaveOut(moving, now - kRevised_s);
+  dense_.leaveOut(tracks, now - kRevised_s);
 }
 
 void DenseMapper::enterScan(StageTimes& times) {

@@ -69,8 +69,8 @@ class DenseMap {
   [[nodiscard]] AnchoredPose anchored(const Pose& T_map_robot) const;
   void add(AnchoredPose pose, DepthScan scan);
 
-  /// Removes from the scans since a time what lies where these tracks were. Objects are known later
-  /// than they are seen: who comes out of a door is in no box of the first frames.
+  /// Removes from the scans since a time what lies where moving tracks were. Objects are known
+  /// later than they are seen: who comes out of a door is in no box of the first frames.
   void leaveOut(const std::vector<Track>& tracks, Time since);
 
   /// Adds the scans of another map in the same frame, as later ones.
