@@ -11,7 +11,6 @@ namespace {
 
 constexpr std::size_t kDrawEvery = 15;     // frames between drawn predictions of an object
 constexpr std::size_t kMaxDrawn = 50;      // more would cover the paths
-constexpr double kMatchDistance_m = 2.0;   // between a prediction and its true object
 constexpr double kMinDrawnLength_m = 1.0;  // shorter predictions are not drawn
 
 std::string errorPair(const eval::PredictionError& error) {

@@ -14,6 +14,8 @@
 
 namespace headway::app {
 
+inline constexpr double kMatchDistance_m = 2.0;  ///< between a prediction and its true object
+
 /// Errors of similar cases.
 struct PredictionGroup {
   std::string name;

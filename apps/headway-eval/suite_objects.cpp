@@ -14,8 +14,7 @@
 namespace headway::app {
 namespace {
 
-constexpr double kSuiteMatchDistance_m = 2.0;  // between a prediction and its true object
-constexpr double kMaxGap_s = 0.25;             // of a true path to interpolate over
+constexpr double kMaxGap_s = 0.25;  // of a true path to interpolate over
 
 /// Tracks and predictions of one recording.
 struct TrackingRun {
@@ -112,7 +111,7 @@ eval::PredictionEvaluator evaluateOnTracks(const std::vector<eval::TrueObject>& 
                                            const TrackingRun& run) {
   eval::PredictionEvaluator evaluator;
   for (const auto& item :
-       eval::trackCases(truth, run.predictions, kSuiteMatchDistance_m, kMaxGap_s).cases) {
+       eval::trackCases(truth, run.predictions, kMatchDistance_m, kMaxGap_s).cases) {
     const auto& prediction = run.predictions[item.prediction];
     evaluator.add(prediction.object_class, prediction.paths, item.future);
   }

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "attitude.h"
+
 namespace headway::sim {
 namespace {
 
@@ -15,9 +17,6 @@ Route laneOf(const std::string& shape, double hill_height_m = 0.0) {
   params.shape = shape;
   return makeRoute(params, hill_height_m);
 }
-
-double driverPitch(const Pose& pose) { return std::asin(-pose.linear()(2, 0)); }
-double driverRoll(const Pose& pose) { return std::atan2(pose.linear()(2, 1), pose.linear()(2, 2)); }
 
 TEST(RobotDriverTest, StartsAtTheRoutesStartInItsLane) {
   const Route route = laneOf("straight 100");
@@ -57,8 +56,8 @@ TEST(RobotDriverTest, WithoutRideStaysParallelToTheStreet) {
   RobotDriver driver({}, 0.0, false, flat, 1);
   for (int i = 0; i < 300; ++i) {
     driver.advance(kDriverStep_s, {});
-    EXPECT_NEAR(driverPitch(driver.T_world_robot()), 0.0, 1e-9);
-    EXPECT_NEAR(driverRoll(driver.T_world_robot()), 0.0, 1e-9);
+    EXPECT_NEAR(pitchOf(driver.T_world_robot()), 0.0, 1e-9);
+    EXPECT_NEAR(rollOf(driver.T_world_robot()), 0.0, 1e-9);
   }
 }
 
@@ -69,7 +68,7 @@ TEST(RobotDriverTest, PitchesUpWhereTheStreetRises) {
     driver.advance(kDriverStep_s, {});
     const double s = driver.state().s;
     const double rise = hill.street.at(s + 1.5).position.z() - hill.street.at(s - 1.5).position.z();
-    EXPECT_NEAR(driverPitch(driver.T_world_robot()), -std::atan2(rise, 3.0), 1e-6);
+    EXPECT_NEAR(pitchOf(driver.T_world_robot()), -std::atan2(rise, 3.0), 1e-6);
   }
 }
 
@@ -81,8 +80,8 @@ TEST(RobotDriverTest, RideHasTheStandardDeviationAskedFor) {
   constexpr int kSteps = 10000;
   for (int i = 0; i < kSteps; ++i) {
     driver.advance(kDriverStep_s, {});
-    pitch += std::pow(driverPitch(driver.T_world_robot()), 2) / kSteps;
-    roll += std::pow(driverRoll(driver.T_world_robot()), 2) / kSteps;
+    pitch += std::pow(pitchOf(driver.T_world_robot()), 2) / kSteps;
+    roll += std::pow(rollOf(driver.T_world_robot()), 2) / kSteps;
   }
   EXPECT_NEAR(std::sqrt(pitch) * 180.0 / M_PI, kRide_deg, 0.2 * kRide_deg);
   EXPECT_NEAR(std::sqrt(roll) * 180.0 / M_PI, kRide_deg, 0.2 * kRide_deg);

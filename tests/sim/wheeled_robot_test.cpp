@@ -8,15 +8,13 @@
 #include <cmath>
 #include <memory>
 
+#include "attitude.h"
 #include "site_builder.h"
 
 namespace headway::sim {
 namespace {
 
 constexpr double kStep = 0.01;  // [s]
-
-double pitchOf(const Pose& pose) { return std::asin(-pose.linear()(2, 0)); }
-double rollOf(const Pose& pose) { return std::atan2(pose.linear()(2, 1), pose.linear()(2, 2)); }
 
 /// A floor of 20 m x 6 m with stops at its ends.
 struct Floor {

@@ -20,6 +20,8 @@ struct Obstacle {
   bool on_foot = false;
 };
 
+inline constexpr std::int64_t kRobotId = -2;  ///< of the robot's own obstacle
+
 [[nodiscard]] Obstacle obstacleFrom(const Actor& actor);
 [[nodiscard]] std::vector<Obstacle> obstaclesFrom(const std::vector<Actor>& actors);
 

@@ -5,11 +5,7 @@
 #include <cmath>
 
 namespace headway::sim {
-namespace {
-
-constexpr std::int64_t kTrialRobotId = -2;
-
-}  // namespace
+namespace {}  // namespace
 
 RobotDriver::RobotDriver(const RouteParams& route_params, double ride_deg, bool close_up,
                          const Route& route, std::uint64_t seed)
@@ -30,7 +26,7 @@ RobotDriver::RobotDriver(const RouteParams& route_params, double ride_deg, bool 
 }
 
 void RobotDriver::advance(double dt, const std::vector<Obstacle>& others) {
-  at_.move(dt, at_.acceleration(style_, others, kTrialRobotId));
+  at_.move(dt, at_.acceleration(style_, others, kRobotId));
   const double motion = std::min(1.0, at_.speed / 5.0);
   pitch_.advance(dt, ride_rad_, motion, 0.0, random_);
   roll_.advance(dt, ride_rad_, motion, 0.0, random_);
@@ -56,7 +52,7 @@ RobotState RobotDriver::state() const {
   state.s = at_.s;
   state.speed = at_.speed;
   const PathPoint place = at_.place();
-  state.obstacle.id = kTrialRobotId;
+  state.obstacle.id = kRobotId;
   state.obstacle.position = place.position.head<2>();
   state.obstacle.yaw = place.yaw;
   state.obstacle.velocity = at_.speed * Eigen::Vector2d(std::cos(place.yaw), std::sin(place.yaw));

@@ -7,7 +7,6 @@
 namespace headway::sim {
 namespace {
 
-constexpr std::int64_t kRobotId = -2;
 constexpr double kArrived = 0.12;          // this near to a corner it is reached [m]
 constexpr double kTurnFrom = 0.35;         // turns on the spot for more than this [rad]
 constexpr double kTurnTo = 0.04;           // until less than this is left [rad]
