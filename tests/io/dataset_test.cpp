@@ -20,7 +20,6 @@ using ::testing::Pair;
 class DatasetTest : public ::testing::Test {
  protected:
   void write(const std::string& name, const std::string& text) {
-    fs::create_directories((folder_ / name).parent_path());
     test::writeContent(folder_ / name, text);
   }
   void writeImage(const std::string& name, const cv::Mat& image) {

@@ -21,7 +21,6 @@ using ::testing::HasSubstr;
 class DepthDatasetTest : public ::testing::Test {
  protected:
   void write(const std::string& name, const std::string& content) {
-    fs::create_directories((folder_ / name).parent_path());
     test::writeContent(folder_ / name, content);
   }
   void writePng(const std::string& name, const cv::Mat& image) {

@@ -7,7 +7,6 @@
 #include <headway_test/peak_memory.h>
 #include <zlib.h>
 
-#include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
 #include "foreign_recording.h"
@@ -16,7 +15,6 @@
 namespace headway::io {
 namespace {
 
-namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Pair;
@@ -61,9 +59,7 @@ class HugeImageTest : public ::testing::Test {
   HugeImageTest() : before_(headway::test::peakMemoryMb()) {}
   ~HugeImageTest() override { EXPECT_LT(headway::test::peakMemoryMb() - before_, 50); }
 
-  /// Writes a file and the folders that it is in.
   void write(const std::string& name, const std::string& content) {
-    fs::create_directories((folder_ / name).parent_path());
     test::writeContent(folder_ / name, content);
   }
 

@@ -98,7 +98,6 @@ class KittiRawTest : public ::testing::Test {
   }
 
   void write(const std::string& name, const std::string& text) {
-    fs::create_directories((folder_ / name).parent_path());
     test::writeContent(folder_ / name, text);
   }
   static std::string number(int k) { return "000000000" + std::to_string(k); }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "synthetic_recording.h"
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <opencv2/core.hpp>
@@ -85,6 +86,8 @@ std::string contentOf(const std::string& path) {
 }
 
 void writeContent(const std::string& path, const std::string& content) {
+  const auto folder = std::filesystem::path(path).parent_path();
+  if (!folder.empty()) std::filesystem::create_directories(folder);
   std::ofstream(path, std::ios::binary) << content;
 }
 

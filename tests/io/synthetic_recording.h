@@ -46,7 +46,7 @@ template <typename Action>
 /// Whether two images have the same size, type and pixels.
 [[nodiscard]] bool sameImage(const cv::Mat& a, const cv::Mat& b);
 
-/// A file's content, and the way back.
+/// A file's content, and the way back, which makes the folders that it is in.
 [[nodiscard]] std::string contentOf(const std::string& path);
 void writeContent(const std::string& path, const std::string& content);
 

@@ -24,7 +24,6 @@ class TrackFileTest : public ::testing::Test {
  protected:
   std::string written(const std::string& name, const std::string& text) {
     const auto path = folder_ / name;
-    std::filesystem::create_directories(path.parent_path());
     test::writeContent(path, text);
     return path;
   }
