@@ -19,7 +19,7 @@ constexpr double kEdgeRatio = 0.03;     // and ratio to its width
 constexpr double kSegmentDisparitySigma = 0.3;  // [px]
 constexpr double kRowSigma = 30.0;              // feet and heads are cut off at random [px]
 constexpr double kMaxSpeed = 8.0;               // of a segment [m/s]
-constexpr int kMinSegments = 4;
+constexpr int kMinSegmentObservations = 4;
 constexpr int kMaxMissed = 3;            // frames
 constexpr double kGoodSegmentFit = 3.0;  // squared error to a degree of freedom
 constexpr std::size_t kMaxFlows = 5;     // kept of a segment
@@ -119,7 +119,7 @@ void SegmentFollower::extend(SegmentTrack& track, UprightSegment segment,
 
 std::optional<PointMotion> SegmentFollower::outlineMotion(const SegmentTrack& track) {
   const auto& motion = track.track.motion;
-  if (!motion || motion->observations < kMinSegments) return std::nullopt;
+  if (!motion || motion->observations < kMinSegmentObservations) return std::nullopt;
   return motion->movingFit() < kGoodSegmentFit ? motion : std::nullopt;
 }
 
@@ -127,7 +127,7 @@ bool SegmentFollower::moves(const SegmentTrack& track, const Eigen::Vector3d& up
                             const PointClassParams& params, double window_s) {
   if (!track.track.motion) return false;
   PointClassParams strict = params;
-  strict.min_observations = kMinSegments;
+  strict.min_observations = kMinSegmentObservations;
   strict.max_speed = kMaxSpeed;
   if (classifyPoint(track.track, up, strict) != PointClass::kMoving) return false;
   return overGround(track.track.motion->velocity, up).norm() * window_s > kMinTravel;
