@@ -2,9 +2,9 @@
 #include "truth_images.h"
 
 #include <headway/core/error.h>
+#include <headway/io/image_file.h>
 
 #include <cstdio>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace headway::app {
@@ -15,11 +15,14 @@ namespace fs = std::filesystem;
 constexpr double kDepthUnit = 256.0;  ///< KITTI depth maps: 256 units per metre
 constexpr int kOutline_px = 2;        ///< width of a moving object's outline that its mask may miss
 
-cv::Mat readImage(const fs::path& folder, std::size_t frame, const StereoCamera& camera) {
+/// The image of a frame, read by `load`. @throws InputError
+template <typename Load>
+cv::Mat readImage(const fs::path& folder, std::size_t frame, const StereoCamera& camera,
+                  Load load) {
   char name[32];
   std::snprintf(name, sizeof name, "%06zu.png", frame);
   const fs::path path = folder / name;
-  cv::Mat image = cv::imread(path.string(), cv::IMREAD_UNCHANGED);
+  cv::Mat image = load(path.string());
   if (image.empty()) {
     throw InputError(path.string() + ": cannot be read; was headway-sim run with --depth --masks?");
   }
@@ -33,13 +36,14 @@ cv::Mat readImage(const fs::path& folder, std::size_t frame, const StereoCamera&
 
 cv::Mat readTrueDepth(const fs::path& folder, std::size_t frame, const StereoCamera& camera) {
   cv::Mat depth;
-  readImage(folder / "depth", frame, camera).convertTo(depth, CV_32F, 1.0 / kDepthUnit);
+  readImage(folder / "depth", frame, camera, io::loadDepthImage)
+      .convertTo(depth, CV_32F, 1.0 / kDepthUnit);
   return depth;
 }
 
 cv::Mat readMovingMask(const fs::path& folder, std::size_t frame, const StereoCamera& camera) {
   constexpr int kSide = 2 * kOutline_px + 1;
-  cv::Mat moving = readImage(folder / "masks", frame, camera);
+  cv::Mat moving = readImage(folder / "masks", frame, camera, io::loadGreyImage);
   cv::dilate(moving, moving, cv::getStructuringElement(cv::MORPH_RECT, {kSide, kSide}));
   return moving;
 }

@@ -4,6 +4,7 @@
 #include <headway/core/display_name.h>
 #include <headway/core/ellipse.h>
 #include <headway/core/error.h>
+#include <headway/io/image_file.h>
 
 #include <cmath>
 #include <cstring>
@@ -215,7 +216,7 @@ foxglove::PointCloud cloudOf(Time time, const std::vector<report::ColouredPoint>
 }
 
 foxglove::Grid gridOf(Time time, const report::GridFile& file) {
-  const cv::Mat grey = cv::imread(file.picture.string(), cv::IMREAD_GRAYSCALE);
+  const cv::Mat grey = io::loadGreyImage(file.picture.string());
   if (grey.empty()) throw InputError(file.picture.string() + ": is not a readable picture");
   foxglove::Grid grid;
   setHeader(time, kMap, grid);

@@ -4,6 +4,7 @@
 #include <headway/core/formatted.h>
 #include <headway/core/output_file.h>
 #include <headway/io/calibration_file.h>
+#include <headway/io/image_file.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/program/command_line.h>
 #include <headway/report/map_files.h>
@@ -155,7 +156,7 @@ int runRosmapExport(int argc, const char** argv) {
   program::requireWritable(picture.string(), options.overwrite);
   const auto description = required(options, "map_grid.yaml", "the replay has made no grid");
   const auto grid = report::readGrid(description);
-  const cv::Mat grey = cv::imread(grid->picture.string(), cv::IMREAD_GRAYSCALE);
+  const cv::Mat grey = io::loadGreyImage(grid->picture.string());
   if (grey.empty()) throw InputError(grid->picture.string() + ": is not a readable picture");
   std::vector<unsigned char> pgm;
   cv::imencode(".pgm", grey, pgm);

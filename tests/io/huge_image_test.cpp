@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 #include <headway/io/dataset.h>
 #include <headway/io/image_decoding.h>
+#include <headway_test/black_png.h>
 #include <headway_test/folders.h>
 #include <headway_test/peak_memory.h>
-#include <zlib.h>
 
 #include <opencv2/imgcodecs.hpp>
 
@@ -19,41 +19,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Pair;
 
-std::string bigEndian(std::uint32_t number) {
-  std::string bytes;
-  for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(number >> shift);
-  return bytes;
-}
-
-std::string chunk(const std::string& type, const std::string& data) {
-  const std::string content = type + data;
-  const auto checksum =
-      crc32(0, reinterpret_cast<const Bytef*>(content.data()), static_cast<uInt>(content.size()));
-  return bigEndian(static_cast<std::uint32_t>(data.size())) + content +
-         bigEndian(static_cast<std::uint32_t>(checksum));
-}
-
-/// A valid black PNG with a bit per pixel, which is small on the disk and 8 times as large as its
-/// pixels in memory.
-std::string blackPng(std::uint32_t width, std::uint32_t height) {
-  z_stream stream{};
-  deflateInit(&stream, 1);
-  std::string row(1 + (width + 7) / 8, '\0');
-  std::string pixels(deflateBound(&stream, row.size() * height), '\0');
-  stream.next_out = reinterpret_cast<Bytef*>(pixels.data());
-  stream.avail_out = static_cast<uInt>(pixels.size());
-  for (std::uint32_t i = 0; i < height; ++i) {
-    stream.next_in = reinterpret_cast<Bytef*>(row.data());
-    stream.avail_in = static_cast<uInt>(row.size());
-    deflate(&stream, i + 1 < height ? Z_NO_FLUSH : Z_FINISH);
-  }
-  pixels.resize(stream.total_out);
-  deflateEnd(&stream);
-  return "\x89PNG\r\n\x1a\n" +
-         chunk("IHDR", bigEndian(width) + bigEndian(height) + std::string("\1\0\0\0\0", 5)) +
-         chunk("IDAT", pixels) + chunk("IEND", "");
-}
-
 class HugeImageTest : public ::testing::Test {
  protected:
   HugeImageTest() : before_(headway::test::peakMemoryMb()) {}
@@ -64,14 +29,14 @@ class HugeImageTest : public ::testing::Test {
   }
 
   headway::test::TemporaryFolder folder_;
-  const std::string huge_ = blackPng(30000, 30000);
+  const std::string huge_ = test::blackPng(30000, 30000);
 
  private:
   long before_;
 };
 
 TEST_F(HugeImageTest, IsBrokenInEachFormat) {
-  EXPECT_EQ(cv::Size(300, 20), decodeImage(blackPng(300, 20)).size());
+  EXPECT_EQ(cv::Size(300, 20), decodeImage(test::blackPng(300, 20)).size());
   EXPECT_TRUE(decodeImage(huge_).empty());
   for (const char* ending : {".png", ".bmp", ".pgm", ".tif"}) {
     std::vector<unsigned char> small;

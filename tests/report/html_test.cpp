@@ -3,7 +3,9 @@
 
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
+#include <headway_test/black_png.h>
 #include <headway_test/folders.h>
+#include <headway_test/peak_memory.h>
 
 #include <cmath>
 #include <fstream>
@@ -37,6 +39,15 @@ TEST(PictureUriTest, RefusesAFileThatIsNoPicture) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "bad.png") << "no picture";
   EXPECT_THROW((void)pictureUri(folder / "bad.png", 100), InputError);
+}
+
+TEST(PictureUriTest, RefusesAHugePictureBeforeItTakesMemory) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "huge.png", std::ios::binary) << test::blackPng(30000, 30000);
+  const auto before = test::peakMemoryMb();
+  EXPECT_THROW((void)pictureUri(folder / "huge.png", 100), InputError);
+  EXPECT_THROW((void)gridPicture(folder / "huge.png"), InputError);
+  EXPECT_LT(test::peakMemoryMb() - before, 50);
 }
 
 TEST(HtmlTest, EscapesSpecialCharacters) {

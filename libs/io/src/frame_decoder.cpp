@@ -3,6 +3,7 @@
 
 #include <headway/core/error.h>
 #include <headway/core/formatted.h>
+#include <headway/io/image_file.h>
 
 #include <chrono>
 #include <opencv2/core.hpp>

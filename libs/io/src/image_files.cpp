@@ -3,7 +3,7 @@
 
 #include <headway/core/error.h>
 #include <headway/core/natural_order.h>
-#include <headway/io/image_decoding.h>
+#include <headway/io/image_file.h>
 #include <headway/io/rawlog_source.h>
 
 #include <algorithm>
@@ -21,22 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kDeepImage = "image_16_bit";
-constexpr std::uintmax_t kMaxFileBytes = 1 << 28;  // of an image, more than any within the limits
-constexpr double kDefaultFrameRate = 10.0;         // [Hz]
-
-/// The content of an image file; empty if it is missing or larger than any.
-std::string imageBytesOf(const std::string& path) {
-  std::error_code error;
-  if (!fs::is_regular_file(path, error)) return {};
-  const auto size = fs::file_size(path, error);
-  if (error || size == 0 || size > kMaxFileBytes) return {};
-  std::string bytes(static_cast<std::size_t>(size), '\0');
-  std::ifstream file(path, std::ios::binary);
-  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  return file ? bytes : std::string();
-}
-
-bool isDeepFile(const std::string& path) { return isDeepImage(imageBytesOf(path)); }
+constexpr double kDefaultFrameRate = 10.0;  // [Hz]
 
 void requireSizeOf(const cv::Mat& image, const std::string& path, const RawCamera& lens) {
   if (image.size() == cv::Size(lens.width, lens.height)) return;
@@ -68,8 +53,6 @@ std::string imageFolderOf(const std::string& rawlog) {
   return (folder / (stem + "_Images")).string();
 }
 
-cv::Mat loadImage(const std::string& path) { return decodeImage(imageBytesOf(path)); }
-
 std::variant<cv::Mat, std::string> pixelsOf(const mrpt::img::CImage& image,
                                             const std::string& image_folder) {
   cv::Mat pixels;
@@ -79,7 +62,7 @@ std::variant<cv::Mat, std::string> pixelsOf(const mrpt::img::CImage& image,
     if (!isInside(image_folder, path)) return std::string("image_outside_folder");
     if (!fs::is_regular_file(path, ignored)) return std::string("missing_image");
     pixels = loadImage(path.string());
-    if (pixels.empty() && isDeepFile(path.string())) return std::string(kDeepImage);
+    if (pixels.empty() && isDeepImageFile(path.string())) return std::string(kDeepImage);
   } else if (!image.isEmpty()) {
     pixels = image.asCvMatRef();
     if (pixels.depth() == CV_16U) return std::string(kDeepImage);
@@ -88,13 +71,6 @@ std::variant<cv::Mat, std::string> pixelsOf(const mrpt::img::CImage& image,
   }
   if (pixels.empty()) return std::string("broken_image");
   return pixels;
-}
-
-cv::Mat greyOf(const cv::Mat& image) {
-  if (image.channels() == 1) return image;
-  cv::Mat grey;
-  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-  return grey;
 }
 
 namespace fs = std::filesystem;
@@ -116,7 +92,7 @@ std::vector<std::string> imagesIn(const std::string& folder) {
 
 cv::Mat requireImage(const std::string& path) {
   cv::Mat image = loadImage(path);
-  if (image.empty() && isDeepFile(path)) {
+  if (image.empty() && isDeepImageFile(path)) {
     throw InputError(path +
                      ": has 16 bits per channel, of which headway reads 8: convert the "
                      "images, such as by: mogrify -depth 8 -normalize *.png");
@@ -134,7 +110,7 @@ cv::Mat requireImageOf(const std::string& path, const RawCamera& lens) {
 }
 
 cv::Mat requireDepthImageOf(const std::string& path, const RawCamera& lens) {
-  cv::Mat depth = decodeDepthImage(imageBytesOf(path));
+  cv::Mat depth = loadDepthImage(path);
   if (depth.empty()) {
     throw InputError(path +
                      ": missing, broken, or not a PNG with 16 bits and one channel, as a "

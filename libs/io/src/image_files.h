@@ -26,12 +26,6 @@ namespace headway::io {
 /// Folder of a rawlog's external images: `X_Images` for `X.rawlog`, or `Images` in its folder.
 [[nodiscard]] std::string imageFolderOf(const std::string& rawlog);
 
-/// An image file as decodeImage() returns it; empty if it is missing or broken.
-[[nodiscard]] cv::Mat loadImage(const std::string& path);
-
-/// Converts an 8-bit BGR image to grey; grey images are returned unchanged.
-[[nodiscard]] cv::Mat greyOf(const cv::Mat& image);
-
 /// Paths of the images in a folder, sorted by name.
 ///
 /// @throws InputError if the folder does not exist

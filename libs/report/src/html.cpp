@@ -2,6 +2,7 @@
 #include "html.h"
 
 #include <headway/core/error.h>
+#include <headway/io/image_file.h>
 
 #include <array>
 #include <cmath>
@@ -83,7 +84,7 @@ std::string base64(const std::vector<std::uint8_t>& bytes) {
 }
 
 std::string pictureUri(const std::filesystem::path& path, int max_width) {
-  cv::Mat picture = cv::imread(path.string(), cv::IMREAD_COLOR);
+  cv::Mat picture = io::loadImage(path.string());
   if (picture.empty()) throw InputError(path.string() + ": is not a readable picture");
   if (picture.cols > max_width) {
     const double scale = static_cast<double>(max_width) / picture.cols;
@@ -95,7 +96,7 @@ std::string pictureUri(const std::filesystem::path& path, int max_width) {
 }
 
 GridPicture gridPicture(const std::filesystem::path& path) {
-  const cv::Mat grey = cv::imread(path.string(), cv::IMREAD_GRAYSCALE);
+  const cv::Mat grey = io::loadGreyImage(path.string());
   if (grey.empty()) throw InputError(path.string() + ": is not a readable picture");
   cv::Mat picture(grey.size(), CV_8UC4, cv::Scalar::all(0));
   picture.setTo(cv::Scalar(132, 168, 96, 110), grey > kFreeAbove);

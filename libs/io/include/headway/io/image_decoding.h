@@ -6,9 +6,10 @@
 
 namespace headway::io {
 
-/// Limits of images in files, known before any memory is allocated: 4096 x 4096 pixels in all.
-inline constexpr int kMaxImagePixels = 1 << 24;
-inline constexpr int kMaxImageSide = 1 << 15;
+/// Limits of images in files, known before any memory is allocated: as many pixels as a grid of the
+/// map has cells, and as long a side as a JPEG has.
+inline constexpr int kMaxImagePixels = 20'000'000;
+inline constexpr int kMaxImageSide = 1 << 16;
 
 /// An encoded image (JPEG, PNG, BMP, PNM or TIFF) as 8-bit grey or BGR without transparency.
 ///
