@@ -16,6 +16,9 @@ if(HEADWAY_SANITIZE)
   add_compile_options(-fsanitize=${HEADWAY_SANITIZE} -fno-omit-frame-pointer
                       -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${HEADWAY_SANITIZE})
+  if(HEADWAY_SANITIZE MATCHES undefined AND CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    add_compile_options(-fsanitize-ignorelist=${PROJECT_SOURCE_DIR}/tests/sanitizers/library_headers.txt)
+  endif()
 else()
   # Hardened: overflows of the stack and of buffers of known size end a program, and its tables of
   # addresses are read-only. Debug builds check every access to a container too.
