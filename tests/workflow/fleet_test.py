@@ -22,6 +22,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "workflow"))
 
 from headway_fleet import command, places, slurm_status  # noqa: E402
+from headway_fleet.deciding_files import network_files, program_files  # noqa: E402
 from headway_fleet.digests import Digests  # noqa: E402
 from headway_fleet.errors import FleetError  # noqa: E402
 from headway_fleet.files import publish, write_atomically  # noqa: E402
@@ -214,6 +215,29 @@ class PlanTest(InFolder):
         self.assertNotEqual(first["process"], other_version["process"])
         self.write("bag.mcap", "two")
         self.assertNotEqual(first["import"], self.jobs()["import"])
+
+    def test_libraries_that_programs_load_decide_too(self) -> None:
+        for name in ("headway-import", "headway-eval", "headway-render"):
+            self.write(name)
+        source = self.write("one.c", "int one(void) { return 1; } int main(void) { return one(); }")
+        library, program = self.folder / "libheadway_one.so", self.folder / "headway-replay"
+        subprocess.run(["cc", "-shared", "-fPIC", source, "-o", library], check=True)
+        self.write("main.c", "int one(void); int main(void) { return one(); }")
+        subprocess.run(["cc", self.folder / "main.c", "-o", program, f"-L{self.folder}",
+                        f"-Wl,-rpath,{self.folder}", "-lheadway_one"], check=True)
+        files = program_files(self.folder)
+        self.assertEqual([program, library], [files[1], files[-1]])
+        self.assertEqual(5, len(files))
+
+    def test_the_network_s_weights_decide_too(self) -> None:
+        weights, layout = self.write("net.weights"), self.write("net.cfg")
+        self.assertEqual([weights, layout], network_files(
+            f"[dnn]\n# File [x]\nmodel = {weights}\nlayout = {layout}\n[dnn]\nscale = 1\n"))
+        self.assertEqual([], network_files(f"[dnn]\nmodel = {self.folder}/none.onnx\nlayout = \n"))
+        installed = self.write("yolox_nano.onnx")
+        self.addCleanup(os.environ.pop, "HEADWAY_MODELS", None)
+        os.environ["HEADWAY_MODELS"] = str(self.folder)
+        self.assertIn(installed, network_files("[dnn]\nmodel = \nlayout = \n"))
 
     def test_a_plan_is_read_as_written(self) -> None:
         job = Job("a-0123456789", "process", "a", Resources(2, 500, 10), ["import/b"], {"k": "v"})

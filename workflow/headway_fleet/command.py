@@ -13,6 +13,7 @@ from types import FrameType
 from typing import Any
 
 from .attempt import one_line
+from .deciding_files import PROGRAMS, network_files, program_files
 from .digests import Digests, digest_of
 from .engine import run_engine
 from .errors import FleetError
@@ -26,7 +27,6 @@ from .results import DONE, FAILED, WAITING, Row, place_rows, rows_of, table_csv
 from .suite import run_suite
 
 _PAGE_S, _PROGRESS_S = 30.0, 10.0
-_PROGRAMS = ("headway-import", "headway-replay", "headway-eval", "headway-render")
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -53,7 +53,8 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="headway-fleet", allow_abbrev=False, formatter_class=_Help,
+        prog="headway-fleet", usage="%(prog)s FOLDER|LIST.csv [OPTION]...", allow_abbrev=False,
+        formatter_class=_Help,
         description="Imports, replays, evaluates and draws all recordings of a folder or list, here "
                     "or on a cluster, into one page and one CSV. Run again, it does what is missing "
                     "or has changed.")
@@ -154,7 +155,7 @@ class Fleet:
 
     def _read_settings(self) -> Settings:
         options = self._options
-        for program in _PROGRAMS:
+        for program in PROGRAMS:
             if not os.access(options.programs / program, os.X_OK):
                 raise FleetError(f"{options.programs}: has no {program}; give the folder of "
                                  "headway's programs by --programs")
@@ -169,10 +170,11 @@ class Fleet:
         if options.detector:
             replay += ["--detector", options.detector]
         digests = Digests(self._out / STATE / "digests.json")
-        program_digest = digests.of([options.programs / name for name in _PROGRAMS])
+        program_digest = digests.of(program_files(options.programs))
+        networks = digests.of(network_files(effective.stdout))
         kept = [word for word in replay if not word.startswith(str(self._out))]
         return Settings(self._out, options.programs.resolve(), Path.cwd(), replay,
-                        digest_of([effective.stdout, kept]), program_digest,
+                        digest_of([effective.stdout, kept, networks]), program_digest,
                         Resources(options.cores, options.memory, options.minutes))
 
     def _kept_configuration(self) -> Path:
