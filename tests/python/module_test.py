@@ -61,18 +61,23 @@ class SameAsThePrograms(unittest.TestCase):
     def test_evaluation(self):
         truth = RAWLOGS / "street.truth/trajectory.tum"
         figures = pathlib.Path(self.folder.name) / "figures.json"
-        subprocess.run([BIN / "headway-eval", "trajectory", "--truth", truth, "--estimate",
-                        self.out / "trajectory.tum", "--json", figures, "-q"], check=True)
-        here = headway.evaluate_trajectory(headway.read_trajectory(str(truth)),
-                                           headway.read_trajectory(str(self.out / "trajectory.tum")))
-        there = json.loads(figures.read_text())
+        poses = [headway.read_trajectory(str(file)) for file in (truth, self.out / "trajectory.tum")]
+        for align in ("se3", "origin", "scale", "none"):
+            subprocess.run([BIN / "headway-eval", "trajectory", "--truth", truth, "--estimate",
+                            self.out / "trajectory.tum", "--align", align, "--json", figures, "-q", "-w"],
+                           check=True)
+            self.assert_close(headway.evaluate_trajectory(*poses, align=align),
+                              json.loads(figures.read_text()))
+        here = headway.evaluate_trajectory(*poses)
+        self.assertLess(here["ate_rmse_m"], 0.05)
+
+    def assert_close(self, here, there):
         self.assertEqual(here.keys(), there.keys())
         for name, value in there.items():
             if isinstance(value, float):
                 self.assertAlmostEqual(here[name], value, delta=1e-9 * max(1.0, abs(value)))
             else:
                 self.assertEqual(here[name], value)
-        self.assertLess(here["ate_rmse_m"], 0.05)
 
     def test_map_file(self):
         path = str(pathlib.Path(self.folder.name) / "map.headway")

@@ -19,9 +19,10 @@ py::object fromJson(const nlohmann::ordered_json& json) {
 
 eval::Alignment alignmentFrom(const std::string& name) {
   if (name == "se3") return eval::Alignment::kSe3;
+  if (name == "origin") return eval::Alignment::kOrigin;
   if (name == "none") return eval::Alignment::kNone;
   if (name == "scale") return eval::Alignment::kScale;
-  throw InputError("align: '" + name + "' is none of se3, none, scale");
+  throw InputError("align: '" + name + "' is none of se3, origin, scale, none");
 }
 
 py::object evaluateTrajectory(const Rows& truth, const Rows& estimate, const std::string& align,
@@ -51,7 +52,7 @@ void bindResults(py::module_& module) {
   module.def("evaluate_trajectory", &evaluateTrajectory, py::arg("truth"), py::arg("estimate"),
              py::kw_only(), py::arg("align") = "se3", py::arg("max_difference_s") = 0.02,
              "Errors of a trajectory, the figures of `headway-eval trajectory --json`: both are\n"
-             "(n, 8) rows time x y z qx qy qz qw; align: 'se3', 'none' or 'scale'.");
+             "(n, 8) rows time x y z qx qy qz qw; align: 'se3', 'origin', 'scale' or 'none'.");
 }
 
 }  // namespace headway::python
