@@ -249,6 +249,8 @@ class Stubs(unittest.TestCase):
             there = {item for item in vars(getattr(headway, name)) if not item.startswith("_")}
             self.assertEqual({item for item in stated if not item.startswith("_")}, there, name)
             self.assertTrue(getattr(headway, name).__doc__, name)
+            for item in there:
+                self.assertTrue(getattr(getattr(headway, name), item).__doc__, f"{name}.{item}")
 
 
 if __name__ == "__main__":

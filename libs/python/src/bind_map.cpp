@@ -87,11 +87,12 @@ void bindAnswers(py::module_& module) {
                     "in the static grid; 0.5: never observed")
       .def_readonly("moving_probability", &map::Occupancy::moving_probability, "by a track");
   py::class_<map::NearTrack>(module, "NearTrack", "A track near a point, at its likeliest place.")
-      .def_property_readonly("id",
-                             [](const map::NearTrack& near) { return near.obstacle.id.value; })
+      .def_property_readonly(
+          "id", [](const map::NearTrack& near) { return near.obstacle.id.value; }, "that of Track")
       .def_property_readonly(
           "object_class",
-          [](const map::NearTrack& near) { return toString(near.obstacle.object_class); })
+          [](const map::NearTrack& near) { return toString(near.obstacle.object_class); },
+          "KITTI's spelling")
       .def_property_readonly(
           "centre", [](const map::NearTrack& near) { return near.obstacle.centre; }, "(2,) [m]")
       .def_property_readonly(
@@ -101,7 +102,7 @@ void bindAnswers(py::module_& module) {
                     "from the point to the edge of the footprint; 0 inside it [m]")
       .def_readonly("sigma_m", &map::NearTrack::sigma_m, "of that distance [m]");
   answer<map::NearTracks>(module, "NearTracks", "Tracks near a point, the nearest first.")
-      .def_readonly("items", &map::NearTracks::items);
+      .def_readonly("items", &map::NearTracks::items, "list of NearTrack, the nearest first");
   answer<map::Collision>(module, "Collision", "Result of checking a planned path. Times from now.")
       .def_property_readonly("is_free", &map::Collision::isFree,
                              "whether the whole path is known to be free: the condition to drive")
@@ -124,7 +125,8 @@ void bindQuery(py::module_& module) {
       .def_property_readonly(
           "status", [](const map::MapQuery& query) { return toString(query.status()); },
           "'known', 'stale_map' or 'empty_map'")
-      .def_property_readonly("age_s", &map::MapQuery::age_s)
+      .def_property_readonly("age_s", &map::MapQuery::age_s,
+                             "time since the tracks' newest frame [s]")
       .def("occupancy_at", &map::MapQuery::occupancyAt, py::arg("x"), py::arg("y"), py::arg("time"),
            "map frame [m], time not before now [s]")
       .def("tracks_near", &map::MapQuery::tracksNear, py::arg("place"), py::arg("radius_m"),
@@ -152,7 +154,8 @@ void bindMap(py::module_& module) {
       .def_property_readonly("keyframes", &keyframesOf, "(n, 8) rows time x y z qx qy qz qw")
       .def_property_readonly("grid", &gridOf, "Grid; None before ground was observed")
       .def_property_readonly(
-          "tracks", [](const map::PerceptionMap& map) { return map.movingObjects().tracks(); })
+          "tracks", [](const map::PerceptionMap& map) { return map.movingObjects().tracks(); },
+          "list of Track of the newest frame")
       .def_property_readonly(
           "time", [](const map::PerceptionMap& map) { return map.movingObjects().time(); },
           "of the tracks [s]")

@@ -80,7 +80,7 @@ const char* doubtOf(const PerceptionUpdate& update) {
 
 void bindUpdate(py::module_& module) {
   py::class_<PerceptionUpdate>(module, "Update", "Result of one frame.")
-      .def_readonly("frame", &PerceptionUpdate::frame)
+      .def_readonly("frame", &PerceptionUpdate::frame, "index of the frame")
       .def_readonly("time", &PerceptionUpdate::time, "[s]")
       .def_property_readonly(
           "status", [](const PerceptionUpdate& update) { return toString(update.camera.status); },
@@ -95,7 +95,8 @@ void bindUpdate(py::module_& module) {
           "covariance", [](const PerceptionUpdate& update) { return update.camera.covariance; },
           "(6, 6) of the pose: translation [m], rotation [rad], along the robot's axes")
       .def_property_readonly(
-          "is_keyframe", [](const PerceptionUpdate& update) { return update.camera.is_keyframe; })
+          "is_keyframe", [](const PerceptionUpdate& update) { return update.camera.is_keyframe; },
+          "whether the map keeps this frame's pose and landmarks")
       .def_property_readonly(
           "inliers", [](const PerceptionUpdate& update) { return update.camera.inliers; },
           "landmarks that the pose rests on")

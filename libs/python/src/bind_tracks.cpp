@@ -44,9 +44,10 @@ void bindDetection(py::module_& module) {
            "box2d: (left, top, right, bottom) [px].\n"
            "centre, size, yaw: the 3D box in the sensor's optical frame: centre of the volume,\n"
            "(length, width, height) [m], KITTI's rotation_y [rad].")
-      .def_property_readonly("object_class",
-                             [](const Detection& d) { return toString(d.object_class); })
-      .def_readonly("score", &Detection::score)
+      .def_property_readonly(
+          "object_class", [](const Detection& d) { return toString(d.object_class); },
+          "KITTI's spelling")
+      .def_readonly("score", &Detection::score, "on the detector's own scale, higher is better")
       .def_property_readonly(
           "box2d",
           [](const Detection& d) -> std::optional<Edges> {
@@ -87,7 +88,7 @@ void bindDetections(py::module_& module) {
            "T_robot_sensor: 4x4, the optical frame of the 3D boxes on the robot; None: the\n"
            "robot's origin, looking forward.")
       .def_readonly("time", &Detections::time, "[s]")
-      .def_readonly("items", &Detections::items)
+      .def_readonly("items", &Detections::items, "list of Detection")
       .def("__len__", [](const Detections& detections) { return detections.items.size(); });
 }
 
@@ -147,7 +148,8 @@ void bindTrack(py::module_& module) {
       .def_property_readonly("positions", &positionsOf, "(n, 3) box centres, map frame [m]")
       .def_property_readonly("covariances", &covariancesOf, "(n, 2, 2) of (x, y) [m^2]");
   py::class_<Track>(module, "Track", "One tracked object in one frame; map frame.")
-      .def_property_readonly("id", [](const Track& track) { return track.id.value; })
+      .def_property_readonly(
+          "id", [](const Track& track) { return track.id.value; }, "unique in a map")
       .def_property_readonly(
           "object_class", [](const Track& track) { return toString(track.object_class); },
           "KITTI's spelling")
@@ -157,7 +159,7 @@ void bindTrack(py::module_& module) {
       .def_property_readonly(
           "motion", [](const Track& track) { return toString(track.motion_state); },
           "'unknown', 'moving' or 'static'")
-      .def_readonly("score", &Track::score)
+      .def_readonly("score", &Track::score, "from the scores of its boxes, higher is better")
       .def_readonly("position", &Track::position, "(3,) box centre [m]")
       .def_readonly("velocity", &Track::velocity, "(3,) [m/s]")
       .def_readonly("yaw", &Track::yaw, "of the front about map z [rad]")
@@ -171,9 +173,9 @@ void bindTrack(py::module_& module) {
       .def_readonly("predictions", &Track::predictions, "the most probable path first")
       .def("__repr__", &describe);
   py::class_<TrackSample>(module, "TrackSample", "A track in one frame: a row of tracks.csv.")
-      .def_readonly("frame", &TrackSample::frame)
+      .def_readonly("frame", &TrackSample::frame, "index of the frame in its recording")
       .def_readonly("time", &TrackSample::time, "[s]")
-      .def_readonly("track", &TrackSample::track);
+      .def_readonly("track", &TrackSample::track, "Track in that frame");
 }
 
 }  // namespace
