@@ -409,8 +409,11 @@ class ProgramsTest(InFolder):
         self.assertGreater(row.figures["path_m"], 5.0)
         self.assertGreater(row.figures["movers_precision"], 0.5)
         folder = result_folder(settings, job)
-        for name in ("top.png", "top_small.png", "follow_small.png", "report.html"):
+        for name in ("top.png", "top_small.png", "follow_small.png", "report.html", "replay.html"):
             self.assertTrue((folder / name).is_file(), name)
+        shown = Reader(page("Fleet", [row], [], settings.out, None))
+        for name in ("report.html", "replay.html", "tracks.csv"):
+            self.assertIn(("href", f"{row.folder}/{name}"), shown.attributes)
 
 
 class Reader(html.parser.HTMLParser):

@@ -180,8 +180,8 @@ def _links(row: Row, out: Path) -> str:
     if not row.folder:
         return _link(row.log, "log")
     links = [_link(f"{row.folder}/{name}", text) for name, text in
-             (("report.html", "report"), ("trajectory.tum", "trajectory"), ("tracks.csv", "tracks"),
-              ("map.headway", "map")) if (out / row.folder / name).is_file()]
+             (("report.html", "report"), ("replay.html", "in 3D"), ("trajectory.tum", "trajectory"),
+              ("tracks.csv", "tracks"), ("map.headway", "map")) if (out / row.folder / name).is_file()]
     links += [_link(f"{row.folder}/{report.parent.name}/report.html", report.parent.name)
               for report in sorted((out / row.folder).glob("*/report.html"))]
     return " ".join([*links, _link(row.log, "log")])
