@@ -219,7 +219,7 @@ class PlanTest(InFolder):
     def test_libraries_that_programs_load_decide_too(self) -> None:
         for name in ("headway-import", "headway-eval", "headway-render"):
             self.write(name)
-        source = self.write("one.c", "int one(void) { return 1; } int main(void) { return one(); }")
+        source = self.write("one.c", "int one(void) { return 1; }")
         library, program = self.folder / "libheadway_one.so", self.folder / "headway-replay"
         subprocess.run(["cc", "-shared", "-fPIC", source, "-o", library], check=True)
         self.write("main.c", "int one(void); int main(void) { return one(); }")

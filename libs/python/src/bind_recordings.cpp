@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/error.h>
+#include <headway/io/image_file.h>
 #include <headway/io/rawlog_sink.h>
 #include <headway/io/rawlog_source.h>
 #include <pybind11/operators.h>
 
-#include <opencv2/imgproc.hpp>
 #include <sstream>
 
 #include "arrays.h"
@@ -47,13 +47,6 @@ void bindCamera(py::module_& module) {
       .def("__repr__", &describeCamera);
 }
 
-cv::Mat greyOf(const cv::Mat& image) {
-  if (image.channels() == 1) return image;
-  cv::Mat grey;
-  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-  return grey;
-}
-
 std::shared_ptr<RecordedFrame> frameFrom(std::size_t index, Time time, const py::array& left,
                                          const py::array& right,
                                          const std::shared_ptr<StereoCamera>& camera) {
@@ -62,8 +55,8 @@ std::shared_ptr<RecordedFrame> frameFrom(std::size_t index, Time time, const py:
   stereo.index = index;
   stereo.time = time;
   const cv::Mat image = imageFrom(left, "left");
-  stereo.left = greyOf(image);
-  stereo.right = greyOf(imageFrom(right, "right"));
+  stereo.left = io::greyOf(image);
+  stereo.right = io::greyOf(imageFrom(right, "right"));
   if (image.channels() == 3) stereo.left_colour = image;
   stereo.camera = camera;
   const cv::Size size(camera->width, camera->height);
