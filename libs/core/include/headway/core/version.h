@@ -5,6 +5,6 @@ namespace headway {
 
 /// headway's version, MAJOR.MINOR.PATCH; the build reads it from this line. Programs print it with
 /// --version and `replay.json` records it.
-inline constexpr const char* kVersion = "0.2.0";
+inline constexpr const char* kVersion = "0.3.0";
 
 }  // namespace headway
