@@ -8,7 +8,8 @@ missing=$(
   find . \( -path ./build -o -path ./out -o -path ./.git -o -path ./tests/fuzz/corpus -o -name node_modules \) -prune -o \
     -type f \( -name '*.cpp' -o -name '*.h' -o -name '*.in' -o -name '*.py' -o -name '*.pyi' -o -name '*.sh' \
     -o -name '*.cmake' -o -name CMakeLists.txt -o -name '*.js' -o -name '*.mjs' -o -name '*.css' -o -name '*.html' \
-    -o -name '*.dict' -o -name '*.proto' -o -name Snakefile -o -path './.ci/*' \) -exec awk '
+    -o -name '*.dict' -o -name '*.proto' -o -name Snakefile -o -name Doxyfile -o -path './.ci/*' \
+    -o -path './config/*/*.ini' -o -path './workflow/*.yaml' \) -exec awk '
       FNR == 1 && /^#!|^<!doctype/ { next }
       FNR <= 2 && /SPDX-License-Identifier: BSD-3-Clause/ { found[FILENAME] = 1 }
       { seen[FILENAME] = 1; nextfile }
