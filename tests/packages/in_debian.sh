@@ -13,7 +13,8 @@ source "$here/tree.sh"
 make_tree "$suite" "$tree"
 rm -rf "$tree/packages" "$tree/project" "$tree/source" "$tree/home/user"
 mkdir -p "$tree/packages"
-cp "$folder"/*.deb "$here/use.sh" "$here/configure.sh" "$tree/packages"
+cp "$folder"/*.deb "$here/use.sh" "$here/configure.sh" "$here/../style/document_links.py" \
+  "$tree/packages"
 cp -r "$project" "$tree/project"
 in_tree "$tree" bash /packages/use.sh
 mkdir "$tree/source"

@@ -60,6 +60,9 @@ done
 man headway-replay | grep > /dev/null -- '--load-map FILE' || fail "headway-replay's page lacks its options"
 man headway-import-euroc | grep > /dev/null -- '--from-index N' || fail "headway-import euroc has no page"
 
+echo "== documents"
+python3 /packages/document_links.py /usr/share/doc/headway || fail "a document's link"
+
 echo "== completion"
 complete_line() {
   bash -c 'source /usr/share/bash-completion/bash_completion
