@@ -6,7 +6,8 @@
 
 A folder is given the names that the lines use: recordings made by headway-sim, and datasets and a
 bag of the same pictures. A line that has no input here fails, so that a new one gets its test.
-Only scripts that build are left out; tests/workflow/local_test.py runs `./fleet.sh`.
+Commands that build or install are run by the tests of RUN_BY, and its C++ program by
+tests/consumer.
 """
 from __future__ import annotations
 
@@ -65,17 +66,41 @@ R_rect_00: 1 0 0 0 1 0 0 0 1
 P_rect_00: 185 0 159.5 0 0 185 59.5 0 0 0 1 0
 P_rect_01: 185 0 159.5 -99.9 0 185 59.5 0 0 0 1 0
 """
-LEFT_OUT = ("./demo.sh", "./test.sh", "./fleet.sh", "./package.sh")
+# What runs a command instead of this test, and the words by which it does.
+RUN_BY = {
+    "./demo.sh": ("tests/regression/CMakeLists.txt", "demo.sh"),
+    "./test.sh": (".ci/run", "./test.sh"),
+    "./fleet.sh": ("tests/workflow/local_test.py", '"fleet.sh"'),
+    "./package.sh": ("tests/packages/packages_test.sh", "/package.sh"),
+    "apt install": ("tests/packages/use.sh", " /packages/*.deb"),
+    "tests/packages/debian13.sh": ("tests/packages/CMakeLists.txt", "/debian13.sh"),
+    "cmake --install": ("tests/consumer/build_and_run.cmake", "--install ${BUILD_DIR} --prefix"),
+    "doxygen doc/Doxyfile": ("tests/style/doxygen.sh", "doc/Doxyfile"),
+}
 LIVE_SECONDS = 60
 
 
 def command_lines(readme: str) -> list[str]:
-    """Lines of the code blocks without a language, and rawlog-edit's in the text."""
+    """Lines of the code blocks without a language, and commands in the text, of which those with
+    an optional part are two."""
     lines = []
-    for block in re.findall(r"^```\n(.*?)^```", readme, re.M | re.S):
-        lines += [line.split(" #")[0].strip() for line in block.splitlines() if line.strip()]
-    lines += re.findall(r"`(rawlog-edit [^`]*)`", readme)
-    return [line for line in lines if not line.startswith(LEFT_OUT)]
+    blocks = re.compile(r"^```([a-z]*)\n(.*?)^```\n", re.M | re.S)
+    for language, block in blocks.findall(readme):
+        if not language:
+            lines += [line.split(" #")[0].strip() for line in block.splitlines() if line.strip()]
+    text = blocks.sub("", readme).replace("\n", " ")
+    for command in re.findall(r"`((?:\./|tests/|[a-z][a-z-]* )[^`]*)`", text):
+        whole = re.sub(r" \[(.*)\]", r" \1", command)
+        lines += sorted({re.sub(r" \[.*\]", "", command), whole})
+    return lines
+
+
+def is_run_elsewhere(line: str, source: pathlib.Path) -> bool:
+    """Whether another test runs it; that test is looked at."""
+    for start, (test, words) in RUN_BY.items():
+        if line.startswith(start):
+            return words in (source / test).read_text(encoding="utf-8")
+    return False
 
 
 class Inputs:
@@ -227,7 +252,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="headway-readme-") as temporary:
         folder = pathlib.Path(temporary)
         Inputs(folder, programs, source).make()
-        for line in lines:
+        for line in (line for line in lines if not is_run_elsewhere(line, source)):
             fault = run_line(line, folder, environment)
             print(f"{'FAULT' if fault else 'ok'}: {line}" + (f"\n  {fault}" if fault else ""),
                   flush=True)
