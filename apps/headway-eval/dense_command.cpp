@@ -1,24 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <headway/core/error.h>
 #include <headway/eval/plots.h>
-#include <headway/map/map_file.h>
+#include <headway/eval_files/dense_evaluation.h>
 #include <headway/plot/text_table.h>
-#include <headway/report/map_files.h>
 
-#include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
-#include "dense_truth.h"
 
 namespace headway::app {
 namespace {
 
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
-constexpr double kMega = 1e6;
+using eval_files::DenseEvaluation;
 
 struct DenseOptions {
   std::string truth;
@@ -26,19 +19,6 @@ struct DenseOptions {
   std::string rawlog;
   bool quiet = false;
   Outputs outputs;
-};
-
-/// Sizes of a dense map [MB].
-struct Sizes {
-  double points_mb = 0.0;  ///< of map_dense.ply
-  double scans_mb = 0.0;   ///< of the depth scans in map.headway, uncompressed
-  double path_km = 0.0;    ///< that they are of
-
-  [[nodiscard]] double total() const { return points_mb + scans_mb; }
-  [[nodiscard]] std::optional<double> perKilometre() const {
-    if (!(path_km > 0.0)) return std::nullopt;
-    return total() / path_km;
-  }
 };
 
 bool parseDense(DenseOptions& options, int argc, const char** argv) {
@@ -59,37 +39,9 @@ bool parseDense(DenseOptions& options, int argc, const char** argv) {
   return true;
 }
 
-std::vector<Eigen::Vector3d> pointsOf(const fs::path& path) {
-  if (!fs::exists(path)) {
-    throw InputError(path.string() + ": no such file; has the replay a dense map (dense.use)?");
-  }
-  std::vector<Eigen::Vector3d> points;
-  for (const auto& point : report::readPoints(path, 0)) {
-    points.push_back(point.position.cast<double>());
-  }
-  return points;
-}
-
-Sizes sizesOf(const fs::path& replay, double path_m) {
-  Sizes sizes;
-  sizes.points_mb = static_cast<double>(fs::file_size(replay / "map_dense.ply")) / kMega;
-  const auto stored = map::loadMap((replay / "map.headway").string());
-  const auto scans = stored.attachments.find(map::kDenseAttachment);
-  if (scans != stored.attachments.end()) {
-    sizes.scans_mb = static_cast<double>(scans->second.size()) / kMega;
-  }
-  sizes.path_km = path_m / 1000.0;
-  return sizes;
-}
-
-/// Least depths of the surface in one of the ranges [m].
-std::array<double, 2> rangeLimits(std::size_t range, double reach_m) {
-  const double width = reach_m / static_cast<double>(eval::DenseError::kRanges);
-  return {width * static_cast<double>(range), width * static_cast<double>(range + 1)};
-}
-
-plot::TextTable tableOf(const eval::DenseError& error, const Sizes& sizes, double reach_m,
-                        bool matched) {
+plot::TextTable tableOf(const DenseEvaluation& evaluation) {
+  const auto& error = evaluation.error;
+  const auto& sizes = evaluation.sizes;
   using plot::fixedText;
   using plot::percentText;
   plot::TextTable table = {
@@ -106,12 +58,12 @@ plot::TextTable tableOf(const eval::DenseError& error, const Sizes& sizes, doubl
       {"of these, covered within a voxel [%]", percentText(error.coverage.ratio(), 1)},
       {"of these, covered within the bar [%]", percentText(error.coverage.ratioWithinBar(), 1)}};
   for (std::size_t i = 0; i < error.by_range.size(); ++i) {
-    const auto limits = rangeLimits(i, reach_m);
+    const auto limits = evaluation.rangeLimits(i);
     table.push_back({"of those seen from " + fixedText(limits[0], 1) + " to " +
                          fixedText(limits[1], 1) + " m at the nearest [%]",
                      percentText(error.by_range[i].ratio(), 1)});
   }
-  if (matched) {
+  if (evaluation.is_matched) {
     table.push_back({"of the surface, with stereo depth in 3 frames [%]",
                      percentText(error.coverage.matchableRatio(), 1)});
     table.push_back({"of these, covered [%]", percentText(error.coverage.matchableCovered(), 1)});
@@ -122,66 +74,16 @@ plot::TextTable tableOf(const eval::DenseError& error, const Sizes& sizes, doubl
   return table;
 }
 
-Json optional(std::optional<double> value) { return value ? Json(*value) : Json(); }
-
-Json coverageJson(const eval::Coverage& coverage, bool matched) {
-  Json json = {{"surface", coverage.surface},
-               {"covered", coverage.covered},
-               {"ratio", optional(coverage.ratio())},
-               {"ratio_within_bar", optional(coverage.ratioWithinBar())}};
-  if (!matched) return json;
-  json["matchable"] = coverage.matchable;
-  json["matchable_ratio"] = optional(coverage.matchableRatio());
-  json["matchable_covered_ratio"] = optional(coverage.matchableCovered());
-  return json;
-}
-
-Json jsonOf(const eval::DenseError& error, const Sizes& sizes, const stereo::RigCapability& rig,
-            bool matched) {
-  Json by_range = Json::array();
-  for (std::size_t i = 0; i < error.by_range.size(); ++i) {
-    Json range = coverageJson(error.by_range[i], matched);
-    range["nearest_m"] = rangeLimits(i, rig.dense_to_m);
-    by_range.push_back(std::move(range));
-  }
-  return {{"voxel_m", rig.dense_voxel_m},
-          {"reach_m", rig.dense_to_m},
-          {"points", error.points},
-          {"compared", error.compared},
-          {"median_m", error.median_m},
-          {"median_bar_m", error.median_bar_m},
-          {"within_bar_ratio", optional(error.withinBarRatio())},
-          {"astray", error.astray},
-          {"of_movers", error.of_movers},
-          {"mover_ratio", optional(error.moverRatio())},
-          {"on_still_objects", error.on_still_objects},
-          {"coverage", coverageJson(error.coverage, matched)},
-          {"by_range", std::move(by_range)},
-          {"path_km", sizes.path_km},
-          {"points_mb", sizes.points_mb},
-          {"scans_mb", sizes.scans_mb},
-          {"mb_per_km", optional(sizes.perKilometre())}};
-}
-
 }  // namespace
 
 int runDense(int argc, const char** argv) {
   DenseOptions options;
   if (!parseDense(options, argc, argv)) return program::kDone;
-  const fs::path replay(options.estimate);
-  const auto points = pointsOf(replay / "map_dense.ply");
-  const auto claim = denseClaim(replay);
-  const auto truth = denseTruth(options.truth, options.rawlog, claim);
-  const double sigma = claim.rig.sigma_disparity_px / claim.rig.focal_baseline;
-  const auto error = eval::denseError(truth.patches, claim.rig.dense_voxel_m, claim.rig.dense_to_m,
-                                      sigma, points, truth.objects);
-  const Sizes sizes = sizesOf(replay, truth.path_m);
-  const bool matched = !options.rawlog.empty();
-  if (!options.quiet) {
-    plot::writeTable(std::cout, tableOf(error, sizes, claim.rig.dense_to_m, matched));
-  }
-  options.outputs.write([&] { return jsonOf(error, sizes, claim.rig, matched); },
-                        [&] { return eval::densePlot(truth.patches, points, error); });
+  const auto result = eval_files::evaluateDense(options.truth, options.estimate, options.rawlog);
+  if (!options.quiet) plot::writeTable(std::cout, tableOf(result));
+  options.outputs.write(
+      [&] { return toJson(result); },
+      [&] { return eval::densePlot(result.patches, result.points, result.error); });
   return program::kDone;
 }
 

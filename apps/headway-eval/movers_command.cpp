@@ -3,13 +3,13 @@
 #include <headway/eval/figures.h>
 #include <headway/eval/object_motion_error.h>
 #include <headway/eval/plots.h>
+#include <headway/eval_files/movers_evaluation.h>
 #include <headway/plot/text_table.h>
 
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
-#include "movers_input.h"
 
 namespace headway::app {
 namespace {
@@ -38,42 +38,6 @@ bool parseMovers(MoversOptions& options, int argc, const char** argv) {
   return true;
 }
 
-/// Errors of confirmed rows, of confirmed and coasting rows, and of motions.
-struct MoverResults {
-  eval::MovingObjectError error;
-  eval::MovingObjectError with_coasting;
-  eval::LabelledObjectError labelled;
-  eval::ObjectMotionErrors motion;
-  eval::ObjectMotionErrors motion_velocity;
-  eval::ObjectMotionErrors motion_smoothed;
-};
-
-MoverResults evaluate(const eval::MovingObjectInput& input, const std::string& replay) {
-  eval::MovingObjectParams params;
-  MoverResults results;
-  results.error = eval::movingObjectError(input, params);
-  results.labelled = eval::labelledObjectError(input, params);
-  params.with_coasting = true;
-  results.with_coasting = eval::movingObjectError(input, params);
-  const auto& matches = results.error.matches;
-  using eval::ObjectMotion;
-  results.motion = eval::objectMotionErrors(input, matches, ObjectMotion::kPoses);
-  results.motion_velocity = eval::objectMotionErrors(input, matches, ObjectMotion::kVelocity);
-  results.motion_smoothed =
-      eval::objectMotionErrors(withSmoothedRows(input, replay), matches, ObjectMotion::kPoses);
-  return results;
-}
-
-nlohmann::ordered_json figures(const MoverResults& results) {
-  auto json = eval::toJson(results.error);
-  json["with_coasting"] = eval::toJson(results.with_coasting);
-  json["labelled"] = eval::toJson(results.labelled);
-  json["motion"] = eval::toJson(results.motion);
-  json["motion_velocity"] = eval::toJson(results.motion_velocity);
-  json["motion_smoothed"] = eval::toJson(results.motion_smoothed);
-  return json;
-}
-
 void reportTracks(const eval::MovingObjectError& error) {
   std::cout << "\n"
             << error.tracks.size() << " moving tracks in " << error.frames << " frames, "
@@ -91,7 +55,7 @@ void reportTracks(const eval::MovingObjectError& error) {
   }
 }
 
-void report(const MoverResults& results) {
+void report(const eval_files::MoverEvaluation& results) {
   plot::writeTable(std::cout, eval::tableOf(results.error));
   reportTracks(results.error);
   const auto& coasting = results.with_coasting.all;
@@ -134,10 +98,9 @@ cv::Mat plot(const eval::MovingObjectInput& input) {
 int runMovers(int argc, const char** argv) {
   MoversOptions options;
   if (!parseMovers(options, argc, argv)) return program::kDone;
-  const auto input = readMoversInput(options.truth, options.poses, options.estimate);
-  const auto results = evaluate(input, options.estimate);
+  const auto results = eval_files::evaluateMovers(options.truth, options.poses, options.estimate);
   if (!options.quiet) report(results);
-  options.outputs.write([&] { return figures(results); }, [&] { return plot(input); });
+  options.outputs.write([&] { return toJson(results); }, [&] { return plot(results.input); });
   return program::kDone;
 }
 

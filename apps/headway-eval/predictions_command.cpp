@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <headway/core/error.h>
 #include <headway/eval/figures.h>
 #include <headway/eval/plots.h>
+#include <headway/eval_files/label_files.h>
+#include <headway/eval_files/prediction_evaluation.h>
 #include <headway/objects/objects_params.h>
 #include <headway/plot/chart.h>
 #include <headway/plot/text_table.h>
@@ -11,14 +12,15 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
-#include "label_files.h"
-#include "prediction_evaluation.h"
 
 namespace headway::app {
 namespace {
 
+using eval_files::EvaluatedPredictor;
+using eval_files::PredictionSequence;
+
 struct PredictionsOptions {
-  PredictionFiles files;
+  eval_files::PredictionFiles files;
   std::string predictor;
   bool coverage = false;
   objects::ObjectsParams params;
@@ -70,30 +72,18 @@ std::vector<std::string> chosenPredictors(const std::string& name) {
 
 std::vector<EvaluatedPredictor> evaluate(const PredictionsOptions& options,
                                          const std::vector<PredictionSequence>& sequences) {
-  if (!options.files.estimate.empty()) return {evaluateEstimate(sequences)};
+  if (!options.files.estimate.empty()) return {eval_files::evaluateEstimate(sequences)};
   std::vector<EvaluatedPredictor> result;
   for (const auto& name : chosenPredictors(options.predictor)) {
-    result.push_back(evaluatePredictor(sequences, name, options.params.prediction));
+    result.push_back(eval_files::evaluatePredictor(sequences, name, options.params.prediction));
   }
   return result;
 }
 
-nlohmann::ordered_json figures(const EvaluatedPredictor& predictor) {
-  auto json = eval::toJson(predictor.errors);
-  for (const auto& [name, errors] : predictor.sequences) {
-    json["sequences"][name] = eval::toJson(errors);
-  }
-  for (const auto& group : predictor.groups) {
-    json["groups"][group.name] = eval::toJson(group.errors).at("all");
-  }
-  for (const auto& [reason, count] : predictor.not_evaluated) json["not_judged"][reason] = count;
-  return json;
-}
-
 nlohmann::ordered_json figures(const std::vector<EvaluatedPredictor>& predictors) {
-  if (predictors.size() == 1) return figures(predictors.front());
+  if (predictors.size() == 1) return toJson(predictors.front());
   nlohmann::ordered_json json;
-  for (const auto& predictor : predictors) json["predictors"][predictor.name] = figures(predictor);
+  for (const auto& predictor : predictors) json["predictors"][predictor.name] = toJson(predictor);
   return json;
 }
 
@@ -101,16 +91,16 @@ void report(const std::vector<EvaluatedPredictor>& predictors, bool coverage) {
   if (predictors.size() == 1) {
     plot::writeTable(std::cout, eval::tableOf(predictors.front().errors));
   } else {
-    plot::writeTable(std::cout, predictorTable(predictors));
+    plot::writeTable(std::cout, eval_files::predictorTable(predictors));
     std::cout << "\nADE / FDE in m by class\n\n";
-    plot::writeTable(std::cout, classTable(predictors));
+    plot::writeTable(std::cout, eval_files::classTable(predictors));
     std::cout << "\nADE / FDE in m by sequence\n\n";
-    plot::writeTable(std::cout, sequenceTable(predictors));
+    plot::writeTable(std::cout, eval_files::sequenceTable(predictors));
   }
   for (const auto& predictor : predictors) {
     if (!coverage) break;
     std::cout << "\n" << predictor.name << "\n\n";
-    plot::writeTable(std::cout, coverageTable(predictor));
+    plot::writeTable(std::cout, eval_files::coverageTable(predictor));
   }
   for (const auto& [reason, count] : predictors.front().not_evaluated) {
     if (count > 0) std::cout << count << " predictions were not evaluated: " << reason << "\n";
@@ -128,8 +118,9 @@ cv::Mat plot(const std::string& labels, const std::vector<PredictionSequence>& s
   std::vector<std::pair<std::string, eval::PredictionError>> lines;
   for (const auto& predictor : predictors) lines.emplace_back(predictor.name, predictor.errors.all);
   return plot::stacked(
-      {eval::predictionMapPlot(recordingName(fileNamed(sequence.name, labels)) + ": " + drawn.name,
-                               sequence.objects, drawn.drawn, camera_path),
+      {eval::predictionMapPlot(
+           recordingName(eval_files::fileNamed(sequence.name, labels)) + ": " + drawn.name,
+           sequence.objects, drawn.drawn, camera_path),
        eval::errorOverHorizonPlot(recordingName(labels) + ": mean error over the horizon", lines)});
 }
 
@@ -139,13 +130,9 @@ int runPredictions(int argc, const char** argv) {
   PredictionsOptions options;
   if (!parsePredictions(options, argc, argv)) return program::kDone;
   if (!options.predictor.empty()) (void)chosenPredictors(options.predictor);
-  const auto sequences = readPredictionInput(options.files);
+  const auto sequences = eval_files::readPredictionInput(options.files);
   const auto results = evaluate(options, sequences);
-  if (results.front().errors.all.cases == 0) {
-    throw InputError(options.files.labels +
-                     ": nothing to evaluate: no object is labelled for 2 s before and 3 s after "
-                     "a frame, or no prediction is near one");
-  }
+  eval_files::requireCases(results.front(), options.files.labels);
   if (!options.quiet) report(results, options.coverage);
   options.outputs.write([&] { return figures(results); },
                         [&] { return plot(options.files.labels, sequences, results); });

@@ -2,6 +2,7 @@
 #include "suite_worlds.h"
 
 #include <headway/core/error.h>
+#include <headway/eval_files/label_files.h>
 #include <headway/io/dataset.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/io/trajectory_file.h>
@@ -15,8 +16,6 @@
 #include <fstream>
 #include <future>
 #include <sstream>
-
-#include "label_files.h"
 
 namespace headway::app {
 namespace {
@@ -166,7 +165,7 @@ void evaluate(const World& world, WorldRun& run) {
   }
   // An empty file is the truth of a place in which no object came into view.
   const std::string labels = world.truth_folder + "/label_02.txt";
-  if (fs::file_size(labels) > 0) run.objects.labels = readLabels(labels);
+  if (fs::file_size(labels) > 0) run.objects.labels = eval_files::readLabels(labels);
   run.objects.labels.resize(std::min(run.objects.labels.size(), run.objects.frames.size()));
 }
 
@@ -186,7 +185,7 @@ std::vector<ObjectRecording> readKittiTracking(const std::string& folder) {
       recording.frames.push_back(
           {k, frame.time, {}, frame.detections, frame.T_map_robot, {}, 0.0, {}});
     }
-    recording.labels = readLabels((labels / (name + ".txt")).string());
+    recording.labels = eval_files::readLabels((labels / (name + ".txt")).string());
     recordings.push_back(std::move(recording));
   }
   return recordings;

@@ -3,6 +3,9 @@
 #include <headway/eval/figures.h>
 #include <headway/eval/plots.h>
 #include <headway/eval/track_error.h>
+#include <headway/eval_files/camera_poses.h>
+#include <headway/eval_files/label_files.h>
+#include <headway/eval_files/tracks_evaluation.h>
 #include <headway/plot/chart.h>
 #include <headway/plot/text_table.h>
 
@@ -11,12 +14,12 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "camera_poses.h"
 #include "commands.h"
-#include "label_files.h"
 
 namespace headway::app {
 namespace {
+
+using eval_files::TrackEvaluation;
 
 struct TracksOptions {
   std::string truth;
@@ -28,14 +31,6 @@ struct TracksOptions {
   std::optional<double> min_overlap;
   bool quiet = false;
   Outputs outputs;
-};
-
-/// Contents of the input files.
-struct Input {
-  std::vector<eval::LabelledSequence> sequences;
-  std::vector<eval::LabelledSequence> raw;  ///< the same truth with the detections as estimates
-  std::vector<std::string> truth_alone;
-  std::map<std::string, std::size_t> dropped;
 };
 
 std::vector<ObjectClass> chosenClasses(const std::string& list) {
@@ -93,104 +88,43 @@ bool parseTracks(TracksOptions& options, int argc, const char** argv) {
   return true;
 }
 
-/// The sequence's truth with raw detections as estimates.
-eval::LabelledSequence withRaw(const eval::LabelledSequence& sequence, const std::string& path) {
-  eval::LabelledSequence raw{sequence.name, readRaw(sequence.name, path)};
-  raw.frames.resize(std::max(raw.frames.size(), sequence.frames.size()));
-  for (std::size_t k = 0; k < sequence.frames.size(); ++k) {
-    raw.frames[k].truth = sequence.frames[k].truth;
-    raw.frames[k].dont_care = sequence.frames[k].dont_care;
-  }
-  return raw;
-}
-
-Input readInput(const TracksOptions& options) {
-  const auto files = pairedFiles(options.truth, options.estimate);
-  Input input{{}, {}, files.truth_alone, {}};
-  for (const auto& [name, truth, estimate] : files.pairs) {
-    requireSameFrame(truth, estimate);
-    eval::LabelledSequence sequence{name, readLabels(truth)};
-    addEstimates(estimate, sequence.frames, input.dropped);
-    if (!options.raw.empty()) input.raw.push_back(withRaw(sequence, options.raw));
-    input.sequences.push_back(std::move(sequence));
-  }
-  return input;
-}
-
-void requireBoxes(const Input& input, const TracksOptions& options) {
-  for (const auto& sequence : input.sequences) {
-    for (const auto& frame : sequence.frames) {
-      for (const auto& box : frame.estimates) {
-        if (options.metric == "2d" ? box.box2d.has_value() : box.box3d.has_value()) return;
-      }
-    }
-  }
-  throw InputError(options.estimate + ": contains no " + options.metric +
-                   " boxes; is it a tracking result, and is --metric correct?");
-}
-
-/// Errors of the tracks and, if requested, of the raw detections.
-struct TrackResults {
-  eval::TrackErrors tracks;
-  std::optional<eval::TrackErrors> raw;
-};
-
-TrackResults evaluate(const Input& input, const eval::TrackErrorParams& params) {
-  TrackResults results{eval::trackErrors(input.sequences, params), std::nullopt};
-  auto positions = params;
-  positions.positions_only = true;
-  if (!input.raw.empty()) results.raw = eval::trackErrors(input.raw, positions);
-  return results;
-}
-
-nlohmann::ordered_json figures(const Input& input, const TrackResults& results,
-                               const eval::TrackErrorParams& params) {
-  auto json = eval::toJson(results.tracks);
-  for (const auto& sequence : input.sequences) {
-    json["sequences"][sequence.name] = eval::toJson(eval::trackErrors({sequence}, params));
-  }
-  if (results.raw) json["raw"] = eval::toJson(*results.raw);
-  json["sequences_without_estimate"] = input.truth_alone;
-  json["rows_dropped"] = input.dropped;
-  return json;
-}
-
-void report(const Input& input, const TrackResults& results) {
+void report(const TrackEvaluation& results) {
   plot::writeTable(std::cout, eval::tableOf(results.tracks));
   if (results.raw) {
     std::cout << "\nPositions, raw detections / tracks\n\n";
     plot::writeTable(std::cout, eval::positionTable(*results.raw, results.tracks));
   }
-  if (!input.truth_alone.empty()) {
-    std::cout << input.truth_alone.size() << " label files have no estimate and were ignored:";
-    for (const auto& name : input.truth_alone) std::cout << " " << name;
+  if (!results.truth_alone.empty()) {
+    std::cout << results.truth_alone.size() << " label files have no estimate and were ignored:";
+    for (const auto& name : results.truth_alone) std::cout << " " << name;
     std::cout << "\n";
   }
-  for (const auto& [reason, count] : input.dropped) {
+  for (const auto& [reason, count] : results.dropped) {
     std::cout << count << " rows of the estimate were ignored: " << reason << "\n";
   }
 }
 
 /// Map of the sequence with the most labels.
-cv::Mat mapPlot(const TracksOptions& options, const Input& input) {
+cv::Mat mapPlot(const TracksOptions& options, const TrackEvaluation& results) {
   const auto boxes = [](const eval::LabelledSequence& sequence) {
     std::size_t count = 0;
     for (const auto& frame : sequence.frames) count += frame.truth.size();
     return count;
   };
   const auto sequence =
-      std::max_element(input.sequences.begin(), input.sequences.end(),
+      std::max_element(results.sequences.begin(), results.sequences.end(),
                        [&](const auto& a, const auto& b) { return boxes(a) < boxes(b); });
-  const auto T_map_cam =
-      readCameraPoses(fileNamed(sequence->name, options.poses), robotFromOptical());
-  eval::TrackMap map{recordingName(fileNamed(sequence->name, options.estimate)) + ": tracks",
-                     eval::trueObjects(sequence->frames, T_map_cam),
-                     eval::estimatedObjects(sequence->frames, T_map_cam),
-                     {},
-                     {}};
-  if (!input.raw.empty()) {
-    const auto index = static_cast<std::size_t>(sequence - input.sequences.begin());
-    map.raw = eval::estimatedObjects(input.raw[index].frames, T_map_cam);
+  const auto T_map_cam = eval_files::readCameraPoses(
+      eval_files::fileNamed(sequence->name, options.poses), robotFromOptical());
+  eval::TrackMap map{
+      recordingName(eval_files::fileNamed(sequence->name, options.estimate)) + ": tracks",
+      eval::trueObjects(sequence->frames, T_map_cam),
+      eval::estimatedObjects(sequence->frames, T_map_cam),
+      {},
+      {}};
+  if (!results.raw_sequences.empty()) {
+    const auto index = static_cast<std::size_t>(sequence - results.sequences.begin());
+    map.raw = eval::estimatedObjects(results.raw_sequences[index].frames, T_map_cam);
   }
   for (const auto& pose : T_map_cam) {
     map.camera_path.emplace_back(pose.value.translation().head<2>());
@@ -198,10 +132,10 @@ cv::Mat mapPlot(const TracksOptions& options, const Input& input) {
   return eval::trackMapPlot(map);
 }
 
-cv::Mat plot(const TracksOptions& options, const Input& input, const TrackResults& results) {
+cv::Mat plot(const TracksOptions& options, const TrackEvaluation& results) {
   const cv::Mat curves =
       eval::trackPlot(recordingName(options.estimate) + ": accuracy over recall", results.tracks);
-  return options.poses.empty() ? curves : plot::stacked({mapPlot(options, input), curves});
+  return options.poses.empty() ? curves : plot::stacked({mapPlot(options, results), curves});
 }
 
 }  // namespace
@@ -209,13 +143,10 @@ cv::Mat plot(const TracksOptions& options, const Input& input, const TrackResult
 int runTracks(int argc, const char** argv) {
   TracksOptions options;
   if (!parseTracks(options, argc, argv)) return program::kDone;
-  const auto params = paramsFrom(options);
-  const auto input = readInput(options);
-  requireBoxes(input, options);
-  const auto results = evaluate(input, params);
-  if (!options.quiet) report(input, results);
-  options.outputs.write([&] { return figures(input, results, params); },
-                        [&] { return plot(options, input, results); });
+  const auto results = eval_files::evaluateTracks({options.truth, options.estimate, options.raw},
+                                                  paramsFrom(options));
+  if (!options.quiet) report(results);
+  options.outputs.write([&] { return toJson(results); }, [&] { return plot(options, results); });
   return program::kDone;
 }
 

@@ -3,6 +3,7 @@
 #include <headway/eval/figures.h>
 #include <headway/eval/plots.h>
 #include <headway/eval/trajectory_error.h>
+#include <headway/eval_files/camera_poses.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/plot/text_table.h>
@@ -11,11 +12,13 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "camera_poses.h"
 #include "commands.h"
 
 namespace headway::app {
 namespace {
+
+using eval_files::PoseFormat;
+using eval_files::poseFormatOf;
 
 struct TrajectoryOptions {
   std::string truth;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "label_files.h"
-
 #include <headway/core/error.h>
+#include <headway/eval_files/label_files.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/io/track_file.h>
 
@@ -11,7 +10,7 @@
 #include <fstream>
 #include <set>
 
-namespace headway::app {
+namespace headway::eval_files {
 namespace {
 
 namespace fs = std::filesystem;
@@ -245,4 +244,4 @@ std::vector<eval::LabelledFrame> readRaw(const std::string& name, const std::str
   return frames;
 }
 
-}  // namespace headway::app
+}  // namespace headway::eval_files

@@ -17,7 +17,7 @@
 
 #include "truth_images.h"
 
-namespace headway::app {
+namespace headway::eval_files {
 namespace {
 
 namespace fs = std::filesystem;
@@ -45,7 +45,7 @@ cv::Mat matchedPixels(const stereo::DisparityImage& disparity, const cv::Mat& de
 /// The pairs of a rawlog, frame by frame, matched densely.
 class MatchedPairs {
  public:
-  explicit MatchedPairs(const std::string& rawlog) {
+  explicit MatchedPairs(const std::string& rawlog) : path_(rawlog) {
     if (!rawlog.empty()) source_.emplace(rawlog, io::RawlogSourceOptions{});
   }
 
@@ -54,13 +54,14 @@ class MatchedPairs {
     if (!source_) return {};
     const auto frame = source_->next();
     if (!frame || !frame->stereo) {
-      throw InputError("--rawlog has fewer frames than the truth; is it the truth's rawlog?");
+      throw InputError(path_ + ": has fewer frames than the truth; is it the truth's rawlog?");
     }
     return matchedPixels(stereo::denseDisparity(*frame->stereo, claim.disparity), depth_m,
                          claim.rig);
   }
 
  private:
+  std::string path_;
   std::optional<io::RawlogSource> source_;
 };
 
@@ -138,4 +139,4 @@ DenseTruth denseTruth(const fs::path& folder, const std::string& rawlog, const D
   return truth;
 }
 
-}  // namespace headway::app
+}  // namespace headway::eval_files

@@ -2,24 +2,12 @@
 #pragma once
 
 #include <headway/core/stereo_camera.h>
-#include <headway/eval/grid_error.h>
+#include <headway/eval_files/grid_evaluation.h>
 
 #include <filesystem>
 #include <vector>
 
-namespace headway::app {
-
-/// Heights above the ground between which a surface is an obstacle [m].
-struct ObstacleHeights {
-  double min_m = 0.3;
-  double max_m = 2.0;
-};
-
-/// Depths between which the rig claims to see obstacles [m].
-struct ObstacleReach {
-  double from_m = 0.0;
-  double to_m = 40.0;
-};
+namespace headway::eval_files {
 
 /// True state of the cells of a grid.
 struct GridTruth {
@@ -46,4 +34,4 @@ struct GridTruth {
                                   const eval::GridCells& grid, const ObstacleHeights& heights,
                                   const ObstacleReach& reach);
 
-}  // namespace headway::app
+}  // namespace headway::eval_files

@@ -15,7 +15,7 @@
 
 #include "truth_images.h"
 
-namespace headway::app {
+namespace headway::eval_files {
 namespace {
 
 namespace fs = std::filesystem;
@@ -159,4 +159,4 @@ GridTruth gridTruth(const fs::path& folder, const StereoCamera& camera, const ev
   return truth;
 }
 
-}  // namespace headway::app
+}  // namespace headway::eval_files

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "prediction_input.h"
-
 #include <headway/core/error.h>
 #include <headway/core/statistics.h>
+#include <headway/eval_files/camera_poses.h>
+#include <headway/eval_files/label_files.h>
+#include <headway/eval_files/prediction_input.h>
 #include <headway/io/calibration_file.h>
 #include <headway/io/track_file.h>
 
@@ -11,10 +12,7 @@
 #include <map>
 #include <tuple>
 
-#include "camera_poses.h"
-#include "label_files.h"
-
-namespace headway::app {
+namespace headway::eval_files {
 namespace {
 
 Pose readExtrinsic(const std::string& path) {
@@ -147,4 +145,4 @@ std::vector<PredictionSequence> readPredictionInput(const PredictionFiles& files
   return sequences;
 }
 
-}  // namespace headway::app
+}  // namespace headway::eval_files

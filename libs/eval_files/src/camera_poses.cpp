@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "camera_poses.h"
-
 #include <headway/core/error.h>
+#include <headway/eval_files/camera_poses.h>
 #include <headway/io/trajectory_file.h>
 
 #include <fstream>
 #include <sstream>
 
-namespace headway::app {
+namespace headway::eval_files {
 
 PoseFormat poseFormatOf(const std::string& path) {
   std::ifstream file(path);
@@ -41,4 +40,4 @@ std::vector<Stamped<Pose>> readCameraPoses(const std::string& path, const Pose& 
   return poses;
 }
 
-}  // namespace headway::app
+}  // namespace headway::eval_files

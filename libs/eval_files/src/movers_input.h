@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace headway::app {
+namespace headway::eval_files {
 
 /// Reads labels, true poses and the output folder of a replay.
 ///
@@ -24,4 +24,4 @@ namespace headway::app {
 [[nodiscard]] eval::MovingObjectInput withSmoothedRows(const eval::MovingObjectInput& input,
                                                        const std::string& replay);
 
-}  // namespace headway::app
+}  // namespace headway::eval_files

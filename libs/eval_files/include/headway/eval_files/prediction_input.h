@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace headway::app {
+namespace headway::eval_files {
 
 /// One recording to evaluate predictions on.
 struct PredictionSequence {
@@ -32,4 +32,4 @@ struct PredictionFiles {
 /// @throws InputError naming the file that cannot be read or does not match the others
 [[nodiscard]] std::vector<PredictionSequence> readPredictionInput(const PredictionFiles& files);
 
-}  // namespace headway::app
+}  // namespace headway::eval_files

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace headway::app {
+namespace headway::eval_files {
 
 enum class PoseFormat { kTum, kKitti };
 
@@ -27,4 +27,4 @@ inline constexpr double kNominalFrameInterval_s = 0.1;
 [[nodiscard]] std::vector<Stamped<Pose>> readCameraPoses(const std::string& path,
                                                          const Pose& T_robot_cam);
 
-}  // namespace headway::app
+}  // namespace headway::eval_files

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace headway::app {
+namespace headway::eval_files {
 
 /// What a dense map is compared with.
 struct DenseTruth {
@@ -39,4 +39,4 @@ struct DenseClaim {
 [[nodiscard]] DenseTruth denseTruth(const std::filesystem::path& folder, const std::string& rawlog,
                                     const DenseClaim& claim);
 
-}  // namespace headway::app
+}  // namespace headway::eval_files

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "prediction_evaluation.h"
-
+#include <headway/core/error.h>
 #include <headway/eval/figures.h>
+#include <headway/eval_files/prediction_evaluation.h>
 
 #include <algorithm>
 #include <map>
+#include <nlohmann/json.hpp>
 
-namespace headway::app {
+namespace headway::eval_files {
 namespace {
 
 constexpr std::size_t kDrawEvery = 15;     // frames between drawn predictions of an object
@@ -168,6 +169,25 @@ EvaluatedPredictor evaluateEstimate(const std::vector<PredictionSequence>& seque
   return result;
 }
 
+void requireCases(const EvaluatedPredictor& predictor, const std::string& labels) {
+  if (predictor.errors.all.cases > 0) return;
+  throw InputError(labels +
+                   ": nothing to evaluate: no object is labelled for 2 s before and 3 s after a "
+                   "frame, or no prediction is near one");
+}
+
+nlohmann::ordered_json toJson(const EvaluatedPredictor& predictor) {
+  auto json = eval::toJson(predictor.errors);
+  for (const auto& [name, errors] : predictor.sequences) {
+    json["sequences"][name] = eval::toJson(errors);
+  }
+  for (const auto& group : predictor.groups) {
+    json["groups"][group.name] = eval::toJson(group.errors).at("all");
+  }
+  for (const auto& [reason, count] : predictor.not_evaluated) json["not_judged"][reason] = count;
+  return json;
+}
+
 plot::TextTable predictorTable(const std::vector<EvaluatedPredictor>& predictors) {
   plot::TextTable table;
   for (const auto& predictor : predictors) {
@@ -229,4 +249,4 @@ plot::TextTable sequenceTable(const std::vector<EvaluatedPredictor>& predictors)
   return table;
 }
 
-}  // namespace headway::app
+}  // namespace headway::eval_files

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace headway::app {
+namespace headway::eval_files {
 
 /// Truth and estimate of the same recording.
 struct FilePair {
@@ -59,4 +59,4 @@ void addEstimates(const std::string& path, std::vector<eval::LabelledFrame>& fra
 [[nodiscard]] std::vector<eval::LabelledFrame> readRaw(const std::string& name,
                                                        const std::string& path);
 
-}  // namespace headway::app
+}  // namespace headway::eval_files

@@ -2,6 +2,8 @@
 #include "movers_input.h"
 
 #include <headway/core/error.h>
+#include <headway/eval_files/camera_poses.h>
+#include <headway/eval_files/label_files.h>
 #include <headway/io/calibration_file.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/io/track_file.h>
@@ -13,10 +15,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "camera_poses.h"
-#include "label_files.h"
-
-namespace headway::app {
+namespace headway::eval_files {
 namespace {
 
 namespace fs = std::filesystem;
@@ -149,4 +148,4 @@ eval::MovingObjectInput withSmoothedRows(const eval::MovingObjectInput& input,
   return smoothed;
 }
 
-}  // namespace headway::app
+}  // namespace headway::eval_files

@@ -2,17 +2,17 @@
 #pragma once
 
 #include <headway/eval/plots.h>
+#include <headway/eval_files/prediction_input.h>
 #include <headway/objects/predictor.h>
 #include <headway/plot/text_table.h>
 
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "prediction_input.h"
-
-namespace headway::app {
+namespace headway::eval_files {
 
 inline constexpr double kMatchDistance_m = 2.0;  ///< between a prediction and its true object
 
@@ -42,6 +42,12 @@ struct EvaluatedPredictor {
 /// Evaluates the predictions read with the sequences.
 [[nodiscard]] EvaluatedPredictor evaluateEstimate(const std::vector<PredictionSequence>& sequences);
 
+/// @throws InputError naming the labels if nothing could be evaluated
+void requireCases(const EvaluatedPredictor& predictor, const std::string& labels);
+
+/// The figures of `headway-eval predictions --json`.
+[[nodiscard]] nlohmann::ordered_json toJson(const EvaluatedPredictor& predictor);
+
 /// One row per predictor, all classes together.
 [[nodiscard]] plot::TextTable predictorTable(const std::vector<EvaluatedPredictor>& predictors);
 /// One row per predictor, one column per class: ADE / FDE.
@@ -52,4 +58,4 @@ struct EvaluatedPredictor {
 /// One row per sequence, one column per predictor: ADE / FDE.
 [[nodiscard]] plot::TextTable sequenceTable(const std::vector<EvaluatedPredictor>& predictors);
 
-}  // namespace headway::app
+}  // namespace headway::eval_files
