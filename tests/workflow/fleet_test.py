@@ -14,14 +14,14 @@ import pathlib
 import re
 import subprocess
 import sys
-import tempfile
 import time
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "workflow"))
 
-from headway_fleet import command, places, slurm_status  # noqa: E402
+from fixtures import InFolder, WithEngine  # noqa: E402
+from headway_fleet import command, slurm_status  # noqa: E402
 from headway_fleet.deciding_files import network_files, program_files  # noqa: E402
 from headway_fleet.digests import Digests  # noqa: E402
 from headway_fleet.errors import FleetError  # noqa: E402
@@ -29,8 +29,8 @@ from headway_fleet.files import publish, write_atomically  # noqa: E402
 from headway_fleet.job import RECORD, failure_record, run_job, stamp  # noqa: E402
 from headway_fleet.lock import locked  # noqa: E402
 from headway_fleet.page import SCRIPT, STYLE, page  # noqa: E402
-from headway_fleet.plan import (Job, Plan, Resources, Settings, place_job,  # noqa: E402
-                                recording_jobs, result_folder)
+from headway_fleet.plan import (Job, Plan, Resources, Settings, recording_jobs,  # noqa: E402
+                                result_folder)
 from headway_fleet.recordings import Recording, find_recordings, read_list  # noqa: E402
 from headway_fleet.results import DONE, FAILED, WAITING, Row, rows_of, table_csv  # noqa: E402
 
@@ -46,19 +46,6 @@ pedestrians = 4
 [recording]
 frames = 12
 """
-
-
-class InFolder(unittest.TestCase):
-    def setUp(self) -> None:
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.folder = pathlib.Path(temporary.name).resolve()
-
-    def write(self, name: str, text: str = "x") -> pathlib.Path:
-        path = self.folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
-        return path
 
 
 class RecordingsTest(InFolder):
@@ -245,15 +232,6 @@ class PlanTest(InFolder):
         plan.write()
         self.assertEqual(Plan.read(self.folder / ".fleet/plan.json"), plan)
 
-    def test_a_place_has_the_memory_of_its_recordings_together(self) -> None:
-        settings = Settings(self.folder, self.folder, self.folder)
-        members = [Job(f"{name}-0123456789", "process", name, Resources(1, 500, 10),
-                       arguments={"rawlog": f"{name}.rawlog"}) for name in ("a", "b")]
-        job = place_job("yard", members, settings)
-        self.assertEqual(job.resources, Resources(1, 1000, 20))
-        self.assertEqual(job.arguments["rawlogs"], ["a.rawlog", "b.rawlog"])
-        self.assertNotEqual(job.id, place_job("yard", members[::-1], settings).id)
-
 
 class PublishTest(InFolder):
     def test_a_result_appears_whole_and_replaces_nothing(self) -> None:
@@ -365,24 +343,6 @@ class JobTest(InFolder):
             os.environ["SLURM_RESTART_COUNT"] = restarts
             self.addCleanup(lambda: os.environ.pop("SLURM_RESTART_COUNT", None))
             self.assertEqual(run_job(plan, job.full_id), runs)
-
-    def test_recordings_of_a_place_are_given_together_and_separate_maps_are_noted(self) -> None:
-        record = {"recordings": [{"frames": 5, "frames_tracked": 4}, {"frames": 7,
-                                                                      "frames_tracked": 7}],
-                  "maps": [{"recordings": ["a"]}, {"recordings": ["b"]}]}
-        self.write("recordings.json", json.dumps(record))
-        self.program("headway-replay", 'mkdir -p "$7"; echo "$@" > "$7/words"; '
-                                       'cp recordings.json "$7"')
-        job = Job("yard-0000000000", "place", "yard", Resources(),
-                  arguments={"rawlogs": ["a.rawlog", "b.rawlog"], "members": ["a", "b"]})
-        plan = Plan(Settings(self.folder / "out", self.folder / "bin", self.folder),
-                    {job.full_id: job})
-        self.assertTrue(run_job(plan, job.full_id))
-        folder = result_folder(plan.settings, job)
-        self.assertTrue((folder / "words").read_text().startswith("-q -i a.rawlog -i b.rawlog -o"))
-        result = json.loads((folder / RECORD).read_text())
-        self.assertEqual((result["figures"]["frames"], result["figures"]["frames_lost"]), (12, 1))
-        self.assertEqual(result["notes"], ["2 maps, as no place is shared between: a; b"])
 
     def test_without_pictures_there_is_a_note(self) -> None:
         self.replay("true")
@@ -531,71 +491,6 @@ class SlurmStatusTest(unittest.TestCase):
                                    ("CANCELLED", "", "cancelled"),
                                    ("DEADLINE", "", "state DEADLINE")):
             self.assertIn(cause, slurm_status.ended_cause(state, "n1", "None", text))
-
-
-class PlacesTest(InFolder):
-    def row(self, name: str, start: float, points: list[tuple[float, float]],
-            place: str = "") -> Row:
-        folder = f"recordings/{name}-0"
-        self.write(f"{folder}/trajectory.tum", f"{start} 0 0 0 0 0 0 1\n")
-        feature = {"geometry": {"type": "LineString", "coordinates": [[x, y, 0] for x, y in points]}}
-        if points:
-            self.write(f"{folder}/trajectory.geojson", json.dumps({"features": [feature]}))
-        return Row(name, "rawlog", DONE, folder=folder, place=place)
-
-    def line(self, latitude: float, longitude: float) -> list[tuple[float, float]]:
-        """300 m to the north, a point each 0.5 m."""
-        return [(longitude, latitude + i * 0.5 / 111195) for i in range(600)]
-
-    def test_recordings_whose_paths_meet_are_of_one_place(self) -> None:
-        rows = [self.row("late", 30.0, self.line(48.0, 11.0)),
-                self.row("early", 10.0, self.line(48.002, 11.0001)),   # 222 m north, 7 m east
-                self.row("far", 20.0, self.line(48.0, 11.001)),        # 74 m east
-                self.row("without", 5.0, [])]
-        found = places.find_places(rows, self.folder, "gnss")
-        self.assertEqual(list(found.values()), [["early", "late"]])
-
-    def test_a_chain_of_paths_is_one_place(self) -> None:
-        rows = [self.row(str(i), i, self.line(48.0 + 0.0025 * i, 11.0)) for i in (2, 0, 1)]
-        self.assertEqual(list(places.find_places(rows, self.folder, "gnss").values()),
-                         [["0", "1", "2"]])
-
-    def test_recordings_of_one_camera_are_candidates(self) -> None:
-        rows = [self.row(name, start, []) for name, start in
-                (("a", 3.0), ("b", 2.0), ("c", 1.0), ("d", 0.0))]
-        for name, camera in (("a", "wide"), ("b", "wide"), ("c", "tele")):
-            self.write(f"recordings/{name}-0/calibration.yaml", camera)
-        self.assertEqual(places.find_places(rows, self.folder, "recognised"),
-                         {"camera-of-a": ["b", "a"]})
-
-    def test_given_places_come_first(self) -> None:
-        rows = [self.row("a", 2.0, [], "yard / north"), self.row("b", 1.0, [], "yard / north"),
-                self.row("c", 0.0, [], "alone"), self.row("d", 0.0, [])]
-        for how in ("given", "gnss", "recognised"):
-            self.assertEqual(places.find_places(rows, self.folder, how),
-                             {"yard___north": ["b", "a"]})
-        self.assertEqual(places.find_places(rows, self.folder, "none"), {})
-
-
-ENGINE = """#!/usr/bin/python3
-import json, pathlib, subprocess, sys
-folder = pathlib.Path(sys.argv[sys.argv.index("--directory") + 1])
-for name, job in json.loads((folder / "plan.json").read_text())["jobs"].items():
-    if all((folder / "done" / other).exists() for other in job["after"]):
-        if not (folder / "done" / name).exists():
-            subprocess.run([sys.executable, "-m", "headway_fleet.job", "plan.json", name], cwd=folder)
-"""
-
-
-class WithEngine(InFolder):
-    """A stand-in for Snakemake, which runs one job after the other."""
-
-    def setUp(self) -> None:
-        super().setUp()
-        self.write("engine/snakemake", ENGINE).chmod(0o755)
-        path = os.environ["PATH"]
-        os.environ["PATH"] = f"{self.folder / 'engine'}:{path}"
-        self.addCleanup(lambda: os.environ.update(PATH=path))
 
 
 class CommandTest(WithEngine):

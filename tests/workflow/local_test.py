@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A fleet by Snakemake on this machine: tests/workflow/local_test.py BIN_DIR PLUGIN RAWLOGS.
 
-A run whose processes are killed is completed by the next; then only what changes runs again.
+A run whose processes are killed is completed by the next; then only what changes runs again. At last
+the recordings become a map of their place.
 Exit status 1 and a line for each fault. A minute long: label nightly. It needs snakemake.
 """
 from __future__ import annotations
@@ -85,6 +86,17 @@ def check(command: list[str], recordings: pathlib.Path, out: pathlib.Path) -> No
            "the page is written")
 
 
+def check_place(command: list[str], out: pathlib.Path) -> None:
+    done = results(out)
+    subprocess.run(command, check=False)
+    expect(not changed(done, results(out)), "for a map of their place, no recording runs again")
+    places = [row for row in rows(out).values() if row["kind"] == "place"]
+    joined = [row for row in places if "joined" in row["status"] and row["recordings"] == "6"]
+    expect(bool(joined) and int(joined[0]["recordings_joined"]) > 1,
+           f"recordings of one street become one map: {places}")
+    expect(bool(joined) and (out / joined[0]["results"] / "map.headway").is_file(), "which is there")
+
+
 def main() -> int:
     bin_dir, plugin, rawlogs = (pathlib.Path(word).resolve() for word in sys.argv[1:4])
     with tempfile.TemporaryDirectory(prefix="headway-fleet-test-") as temporary:
@@ -95,8 +107,9 @@ def main() -> int:
         (recordings / "corrupt.rawlog").write_bytes(b"no rawlog" * 1000)
         (recordings / "bag.mcap").write_bytes(b"no bag" * 1000)
         out = pathlib.Path(temporary) / "out"
-        check([str(bin_dir / "headway-fleet"), str(recordings), "-o", str(out), "-j", "2"],
-              recordings, out)
+        command = [str(bin_dir / "headway-fleet"), str(recordings), "-o", str(out), "-j", "2"]
+        check([*command, "--places", "none"], recordings, out)
+        check_place([*command, "--set", "grid.every_nth_frame=3"], out)
     return 1 if faults else 0
 
 

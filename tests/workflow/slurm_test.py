@@ -104,7 +104,7 @@ def main() -> int:
         make_recordings(folder / "recordings", plugin, rawlogs)
         out = folder / "out"
         command = [str(bin_dir / "headway-fleet"), str(folder / "recordings" / "list.csv"), "-o", str(out),
-                   "--profile", "slurm", "--memory", "1000"]
+                   "--profile", "slurm", "--memory", "1000", "--places", "none"]
         with SmallSlurm(folder / "slurm") as slurm:
             check(slurm, command, out)
     return 1 if faults else 0

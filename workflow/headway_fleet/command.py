@@ -15,15 +15,16 @@ from typing import Any
 from .attempt import one_line
 from .deciding_files import PROGRAMS, network_files, program_files
 from .digests import Digests, digest_of
-from .engine import run_engine
+from .engine import run_engine, usable_memory_mb
 from .errors import FleetError
 from .files import write_atomically
 from .lock import locked
 from .page import page
-from .places import find_places
+from .place_rows import place_rows, untried_row, with_places
+from .places import AUTO, WAYS, find_places, untried
 from .plan import STATE, Job, Plan, Resources, Settings, place_job, recording_jobs
 from .recordings import Found, Recording, find_recordings, read_list
-from .results import DONE, FAILED, WAITING, Row, place_rows, rows_of, table_csv
+from .results import DONE, FAILED, WAITING, Row, rows_of, table_csv, used_by
 from .suite import run_suite
 
 _PAGE_S, _PROGRESS_S = 30.0, 10.0
@@ -76,9 +77,10 @@ def _parser() -> argparse.ArgumentParser:
         help=f"memory of a recording's job; default {Resources.memory_mb}")
     add("--minutes", metavar="N", type=_positive, default=Resources.minutes,
         help=f"longest time of a recording's job on a cluster; default {Resources.minutes}")
-    add("--places", choices=("given", "gnss", "recognised", "none"), default="gnss",
-        help="one map for the recordings of each place: given in the list; and found by satellite "
-             "fixes (default), or recognised in the images of all recordings of one camera; none")
+    add("--places", choices=WAYS, default=AUTO,
+        help="one map for the recordings of each place: given in the list; or also found by satellite "
+             "fixes (gnss), by images (recognised), or by images where there are no fixes (auto, the "
+             "default); or none")
     add("--programs", metavar="DIR", type=Path, default=Path(sys.argv[0]).absolute().parent,
         help="folder of headway's programs; default: that of this one")
     add("-q", "--quiet", action="store_true", help="no progress")
@@ -129,9 +131,10 @@ class Fleet:
 
     def run(self) -> int:
         places: list[Job] = []
+        maps: list[Row] = []
         try:
             run_engine(self._plan, self._options.jobs, self._options.profile, self._watch)
-            places = self._place_jobs()
+            places, maps = self._place_jobs()
             if places:
                 self._note(f"{len(places)} places with several recordings")
                 jobs = {**self._plan.jobs, **{job.full_id: job for job in places}}
@@ -140,8 +143,8 @@ class Fleet:
         except KeyboardInterrupt:
             self._write_page(self._rows(ended=False), [])
             raise
-        rows = self._rows(ended=True)
-        maps = place_rows(places, self._plan)
+        maps = [*place_rows(places, self._plan), *maps]
+        rows = with_places(self._rows(ended=True), maps)
         self._write_page(rows, maps)
         return self._report(rows, maps)
 
@@ -205,11 +208,23 @@ class Fleet:
             checked.append(recording)
         return Plan(self._settings, jobs), checked
 
-    def _place_jobs(self) -> list[Job]:
+    def _place_jobs(self) -> tuple[list[Job], list[Row]]:
+        """The jobs of places, and rows of those that are not tried."""
         jobs = {job.name: job for job in self._plan.jobs.values() if job.stage == "process"}
-        places = find_places(self._rows(ended=True), self._out, self._options.places)
-        return [place_job(place, [jobs[name] for name in names], self._settings)
-                for place, names in places.items()]
+        rows = {row.name: row for row in self._rows(ended=True)}
+        largest = max((job.resources.memory_mb for job in jobs.values()), default=0)
+        usable_mb = None if self._options.profile else max(usable_memory_mb(), largest)
+        tried, rest = [], []
+        for place in find_places(rows.values(), self._out, self._options.places):
+            job = place_job(place.name, place.found_by, [jobs[name] for name in place.recordings],
+                            [used_by(rows[name]) for name in place.recordings])
+            why = untried(place, self._options.places, job.resources.memory_mb, usable_mb)
+            if why:
+                self._note(f"{place.name}: {why}")
+                rest.append(untried_row(job, why))
+            else:
+                tried.append(job)
+        return tried, rest
 
     # Output
 

@@ -42,11 +42,16 @@ def run_engine(plan: Plan, cores: int | None, profile: str, watch: Callable[[], 
         _wait(process, watch)
 
 
+def usable_memory_mb() -> int:
+    """Of this machine, for all jobs that run at once."""
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 1_000_000
+    return memory * 9 // 10
+
+
 def _where(cores: int | None, profile: str) -> list[str]:
     if not profile:
-        memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 1_000_000
         return ["--cores", str(cores or os.cpu_count() or 1), "--resources",
-                f"mem_mb={memory * 9 // 10}"]
+                f"mem_mb={usable_memory_mb()}"]
     folder = _PROFILES.get(profile, Path(profile))
     if not (folder / "config.yaml").is_file():
         raise FleetError(f"{profile}: is no profile of Snakemake (a folder with config.yaml); "

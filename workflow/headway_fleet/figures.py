@@ -5,8 +5,9 @@ from __future__ import annotations
 import csv
 import json
 import math
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Iterable, Sequence
 
 Figures = dict[str, Any]
 
@@ -26,7 +27,6 @@ def replay_figures(folder: Path) -> Figures:
     trajectory = read_json(folder / "trajectory_error.json")
     movers = read_json(folder / "movers_error.json").get("all", {})
     length, duration = _path(folder / "trajectory.tum")
-    origin = read_json(folder / "map_geo.json").get("map_origin", {})
     return {
         "frames": summary.get("frames"),
         "frames_lost": summary.get("frames_lost"),
@@ -41,27 +41,57 @@ def replay_figures(folder: Path) -> Figures:
         "frame_ms_median": summary.get("frame_ms_median"),
         "cpu_ms_per_frame": summary.get("cpu_ms_per_frame"),
         "peak_memory_mb": summary.get("peak_memory_mb"),
-        "latitude_deg": origin.get("latitude_deg"),
-        "longitude_deg": origin.get("longitude_deg"),
+        **_origin(folder),
         "warnings": ", ".join(sorted(summary.get("warnings") or {})),
         "version": summary.get("version"),
     }
 
 
-def place_figures(folder: Path) -> tuple[Figures, list[str]]:
-    """Of a map of several recordings; a note if they did not become one map."""
+@dataclass(frozen=True)
+class PlaceMap:
+    """A map of several recordings of a place."""
+
+    folder: str                  # in that of the place; "." for the first map
+    recordings: tuple[str, ...]  # names of the fleet
+    folders: tuple[str, ...]     # of their replays, in that of the place
+    figures: Figures = field(default_factory=dict)
+
+
+def place_maps(folder: Path, members: Sequence[str]) -> list[PlaceMap]:
+    """Maps that more than one recording became. `members`: names, in the order of the inputs."""
     record = read_json(folder / "recordings.json")
-    recordings, maps = record.get("recordings", []), record.get("maps", [])
-    frames = sum(recording["frames"] for recording in recordings)
-    tracked = sum(recording["frames_tracked"] for recording in recordings)
+    recordings = list(zip(members, record.get("recordings", [])))
+    maps = []
+    for index, each in enumerate(record.get("maps", [])):
+        joined = [(name, entry) for name, entry in recordings if entry["map"] == index]
+        if len(joined) < 2:
+            continue
+        figures = {**_frames(entry for _, entry in joined), **_origin(folder / each["folder"]),
+                   "recordings": len(members), "recordings_joined": len(joined),
+                   "keyframes": each["keyframes"], "landmarks": each["landmarks"],
+                   "keyframes_recognised": each["keyframes_recognised"],
+                   "version": record.get("version")}
+        maps.append(PlaceMap(each["folder"], tuple(name for name, _ in joined),
+                             tuple(entry["folder"] for _, entry in joined), figures))
+    return maps
+
+
+def apart_figures(folder: Path, members: Sequence[str]) -> Figures:
+    """Of recordings none of which became one map with another."""
+    record = read_json(folder / "recordings.json")
+    return {**_frames(record.get("recordings", [])), "recordings": len(members),
+            "recordings_joined": 0, "keyframes_recognised": 0, "version": record.get("version")}
+
+
+def _frames(recordings: Iterable[dict[str, Any]]) -> Figures:
+    counts = [(each["frames"], each["frames_tracked"]) for each in recordings]
+    frames = sum(count for count, _ in counts)
+    return {"frames": frames, "frames_lost": frames - sum(tracked for _, tracked in counts)}
+
+
+def _origin(folder: Path) -> Figures:
     origin = read_json(folder / "map_geo.json").get("map_origin", {})
-    figures = {"frames": frames, "frames_lost": frames - tracked, "version": record.get("version"),
-               "latitude_deg": origin.get("latitude_deg"),
-               "longitude_deg": origin.get("longitude_deg")}
-    if len(maps) < 2:
-        return figures, []
-    names = "; ".join(", ".join(each["recordings"]) for each in maps)
-    return figures, [f"{len(maps)} maps, as no place is shared between: {names}"]
+    return {name: origin.get(name) for name in ("latitude_deg", "longitude_deg")}
 
 
 def has_truth(folder: Path) -> bool:

@@ -17,7 +17,7 @@ from types import FrameType
 from typing import Callable
 
 from .attempt import Attempt, JobFailure
-from .figures import has_truth, place_figures, replay_figures
+from .figures import has_truth, place_maps, replay_figures
 from .files import publish, write_atomically
 from .plan import STATE, Job, Plan, Settings, is_id_of, result_folder
 
@@ -140,8 +140,21 @@ def _map_place(attempt: Attempt, job: Job, settings: Settings, result: Path) -> 
     inputs = [word for rawlog in job.arguments["rawlogs"] for word in ("-i", rawlog)]
     attempt.run("map", "headway-replay", ["-q", *inputs, "-o", str(result),
                                           *settings.replay_options])
-    figures, notes = place_figures(result)
-    return {"figures": figures, "notes": notes + _draw(attempt, result, result / "map.headway")}
+    maps = place_maps(result, job.arguments["members"])
+    if not maps:
+        _keep_record_only(result)
+    notes = [note for each in maps
+             for note in _draw(attempt, result / each.folder, result / each.folder / "map.headway")]
+    return {"notes": sorted(set(notes))}
+
+
+def _keep_record_only(result: Path) -> None:
+    """Removes the rest of what was not joined: each recording has its own replay."""
+    for entry in result.iterdir():
+        if entry.is_dir():
+            shutil.rmtree(entry)
+        elif entry.name != "recordings.json":
+            entry.unlink()
 
 
 def _run_world(attempt: Attempt, job: Job, settings: Settings, result: Path) -> dict[str, object]:

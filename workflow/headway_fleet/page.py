@@ -78,7 +78,9 @@ COLUMNS: tuple[tuple[str, str, int, float], ...] = (
     ("ATE m", "ate_rmse_m", 3, 1.0), ("drift %", "drift_percent", 2, 1.0),
     ("loops", "loops", 0, 1.0), ("moving", "moving_tracks", 0, 1.0),
     ("recall %", "movers_recall", 1, 100.0), ("precision %", "movers_precision", 1, 100.0),
-    ("ms/frame", "frame_ms_median", 1, 1.0), ("memory MB", "peak_memory_mb", 0, 1.0))
+    ("ms/frame", "frame_ms_median", 1, 1.0), ("memory MB", "peak_memory_mb", 0, 1.0),
+    ("joined", "recordings_joined", 0, 1.0), ("of", "recordings", 0, 1.0),
+    ("keyframes", "keyframes", 0, 1.0), ("recognised", "keyframes_recognised", 0, 1.0))
 
 
 def page(title: str, rows: Sequence[Row], places: Sequence[Row], out: Path,
@@ -182,8 +184,7 @@ def _links(row: Row, out: Path) -> str:
     links = [_link(f"{row.folder}/{name}", text) for name, text in
              (("report.html", "report"), ("replay.html", "in 3D"), ("trajectory.tum", "trajectory"),
               ("tracks.csv", "tracks"), ("map.headway", "map")) if (out / row.folder / name).is_file()]
-    links += [_link(f"{row.folder}/{report.parent.name}/report.html", report.parent.name)
-              for report in sorted((out / row.folder).glob("*/report.html"))]
+    links += [_link(report, Path(report).parent.name) for report in row.reports]
     return " ".join([*links, _link(row.log, "log")])
 
 

@@ -3,78 +3,83 @@
 headway-replay, which recognises places by images."""
 from __future__ import annotations
 
-import json
-import math
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Iterable, Sequence
+from typing import Iterable
 
+from .fixes import groups_that_meet, read_path
 from .results import DONE, Row
 
-# Cameras that see the same facades or shelves; standalone fixes are off by up to 5 m each.
-NEAR_M = 15.0
-_EARTH_M = 6371008.8  # mean radius
-_EAST, _NORTH = 0, 1
+AUTO, GIVEN, GNSS, RECOGNISED, NONE = "auto", "given", "gnss", "recognised", "none"
+WAYS = (AUTO, GIVEN, GNSS, RECOGNISED, NONE)
+# Candidates are replayed once more, with all their maps in memory at once.
+MAX_AUTO_CANDIDATES = 20
 
 
-def find_places(rows: Iterable[Row], out: Path, how: str) -> dict[str, list[str]]:
-    """Names of the recordings of each place that has several, in the order of their start.
+@dataclass(frozen=True)
+class Place:
+    """Recordings for one map. `found_by` is GIVEN, GNSS or RECOGNISED."""
 
-    Recordings with a place in the list belong to it. With `how` = "gnss", others belong together
-    if their paths on the earth come within NEAR_M; with "recognised", those of one camera are
-    candidates, which headway-replay joins where it recognises a place; "none": no places.
+    name: str
+    found_by: str
+    recordings: tuple[str, ...]  # names, in the order of their start
+
+
+def find_places(rows: Iterable[Row], out: Path, how: str) -> list[Place]:
+    """Places that have several recordings.
+
+    Recordings with a place in the list belong to it, unless `how` is NONE. Of the others, those of
+    one camera belong together
+
+    - with AUTO or GNSS, if their paths on the earth come within NEAR_M;
+    - with AUTO, if no path on the earth is known, as candidates: headway-replay joins those in
+      which it recognises a place;
+    - with RECOGNISED, as candidates, with or without a path on the earth.
     """
-    if how == "none":
-        return {}
+    if how == NONE:
+        return []
     done = [row for row in rows if row.status == DONE]
-    groups: dict[str, list[Row]] = {}
+    given: dict[str, list[Row]] = {}
     for row in done:
         if row.place:
-            groups.setdefault(row.place, []).append(row)
+            given.setdefault(row.place, []).append(row)
+    groups = [(name, GIVEN, group) for name, group in given.items()]
     others = [row for row in done if not row.place]
-    if how == "gnss":
-        groups.update(_by_fixes(others, out))
-    elif how == "recognised":
-        groups.update(_by_camera(others, out))
-    return {_file_name(place): [row.name for row in sorted(group, key=lambda r: _start(r, out))]
-            for place, group in sorted(groups.items()) if len(group) > 1}
+    on_earth, candidates = _by_path(others, out) if how in (AUTO, GNSS) else ([], others)
+    for meeting in on_earth:
+        groups += [(f"around-{group[0].name}", GNSS, group) for group in _by_camera(meeting, out)]
+    if how in (AUTO, RECOGNISED):
+        groups += [(f"camera-of-{group[0].name}", RECOGNISED, group)
+                   for group in _by_camera(candidates, out)]
+    return _places([each for each in groups if len(each[2]) > 1], out)
 
 
-def paths_meet(first: Sequence[tuple[float, float]], second: Sequence[tuple[float, float]]) -> bool:
-    """Whether a point of one path is within NEAR_M of a point of the other (both thinned)."""
-    cells: dict[tuple[int, int], list[tuple[float, float]]] = {}
-    for point in first:
-        cells.setdefault(_cell(point), []).append(point)
-    for point in second:
-        column, row = _cell(point)
-        for near in ((column + i, row + j) for i in (-1, 0, 1) for j in (-1, 0, 1)):
-            if any(math.dist(point, other) <= NEAR_M for other in cells.get(near, [])):
-                return True
-    return False
+def untried(place: Place, how: str, memory_mb: int, usable_mb: int | None) -> str:
+    """Why a place is not tried by default, though it can be with RECOGNISED; empty: it is tried."""
+    if how != AUTO or place.found_by != RECOGNISED:
+        return ""
+    count = len(place.recordings)
+    hint = "give their places in the list, or --places recognised to try all the same"
+    if count > MAX_AUTO_CANDIDATES:
+        return (f"{count} recordings of one camera without satellite fixes were not compared: more "
+                f"than {MAX_AUTO_CANDIDATES}; {hint}")
+    if usable_mb is not None and memory_mb > usable_mb:
+        return (f"{count} recordings of one camera without satellite fixes were not compared: this "
+                f"may take {memory_mb} MB, more than the {usable_mb} MB to be used here; {hint}")
+    return ""
 
 
-def _by_fixes(rows: list[Row], out: Path) -> dict[str, list[Row]]:
-    """Groups of rows whose paths meet, directly or through others, named by their first one."""
-    paths = [(row, _lines(out / row.folder / "trajectory.geojson")) for row in rows]
-    paths = [(row, line) for row, line in paths if line]
-    if not paths:
-        return {}
-    origin = paths[0][1][0]
-    local = [(row, [_metres(point, origin) for point in line]) for row, line in paths]
-    group = list(range(len(local)))
-    for i, (_, first) in enumerate(local):
-        for j in range(i):
-            if group[i] != group[j] and _boxes_near(first, local[j][1]) and \
-                    paths_meet(first, local[j][1]):
-                old, new = max(group[i], group[j]), min(group[i], group[j])
-                group = [new if value == old else value for value in group]
-    groups: dict[str, list[Row]] = {}
-    for index, (row, _) in zip(group, local):
-        groups.setdefault(f"around-{local[index][0].name}", []).append(row)
-    return groups
+def _by_path(rows: list[Row], out: Path) -> tuple[list[list[Row]], list[Row]]:
+    """Groups of rows whose paths on the earth meet, and the rows without such a path."""
+    paths = [read_path(out / row.folder / "trajectory.geojson") for row in rows]
+    known = [(row, path) for row, path in zip(rows, paths) if path]
+    groups = [[known[index][0] for index in group]
+              for group in groups_that_meet([path for _, path in known])]
+    return groups, [row for row, path in zip(rows, paths) if not path]
 
 
-def _by_camera(rows: list[Row], out: Path) -> dict[str, list[Row]]:
-    """Groups of rows with the same calibration and mounting, named by their first one."""
+def _by_camera(rows: list[Row], out: Path) -> list[list[Row]]:
+    """Groups of rows with the same calibration and mounting; headway-replay refuses others."""
     groups: dict[bytes, list[Row]] = {}
     for row in rows:
         try:
@@ -82,41 +87,23 @@ def _by_camera(rows: list[Row], out: Path) -> dict[str, list[Row]]:
         except OSError:
             continue  # poses without a camera
         groups.setdefault(calibration, []).append(row)
-    return {f"camera-of-{group[0].name}": group for group in groups.values()}
+    return list(groups.values())
 
 
-def _lines(file: Path) -> list[tuple[float, float]]:
-    """Longitude and latitude [deg] of a path in GeoJSON, one point in about NEAR_M / 3."""
-    try:
-        features = json.loads(file.read_text(encoding="utf-8"))["features"]
-        points = [(float(p[0]), float(p[1])) for feature in features
-                  if feature["geometry"]["type"] == "LineString"
-                  for p in feature["geometry"]["coordinates"]]
-    except (OSError, ValueError, KeyError, TypeError, IndexError):
-        return []
-    thinned: list[tuple[float, float]] = []
-    for point in points:
-        if not thinned or math.hypot(*_metres(point, thinned[-1])) >= NEAR_M / 3:
-            thinned.append(point)
-    return thinned
-
-
-def _metres(point: tuple[float, float], origin: tuple[float, float]) -> tuple[float, float]:
-    """East and north of the origin, equirectangular: exact enough near places that meet."""
-    scale = _EARTH_M * math.pi / 180.0
-    east = (point[_EAST] - origin[_EAST] + 180.0) % 360.0 - 180.0
-    return (east * scale * math.cos(math.radians(point[_NORTH])),
-            (point[_NORTH] - origin[_NORTH]) * scale)
-
-
-def _cell(point: tuple[float, float]) -> tuple[int, int]:
-    return math.floor(point[_EAST] / NEAR_M), math.floor(point[_NORTH] / NEAR_M)
-
-
-def _boxes_near(a: Sequence[tuple[float, float]], b: Sequence[tuple[float, float]]) -> bool:
-    return all(min(p[axis] for p in a) - NEAR_M <= max(p[axis] for p in b) and
-               min(p[axis] for p in b) - NEAR_M <= max(p[axis] for p in a)
-               for axis in (_EAST, _NORTH))
+def _places(groups: list[tuple[str, str, list[Row]]], out: Path) -> list[Place]:
+    """With names that are different names of files; those in the list keep theirs."""
+    places: list[Place] = []
+    used: set[str] = set()
+    for name, found_by, group in groups:
+        unique = wanted = _file_name(name)
+        number = 1
+        while unique in used:
+            number += 1
+            unique = f"{wanted}-{number}"
+        used.add(unique)
+        starts = sorted(group, key=lambda row: _start(row, out))
+        places.append(Place(unique, found_by, tuple(row.name for row in starts)))
+    return sorted(places, key=lambda place: place.name)
 
 
 def _start(row: Row, out: Path) -> tuple[float, str]:

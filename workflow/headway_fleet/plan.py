@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -23,6 +24,14 @@ class Resources:
     cores: int = 1
     memory_mb: int = 3000
     minutes: int = 240
+
+
+@dataclass(frozen=True)
+class Used:
+    """What a finished job used; None: not known."""
+
+    memory_mb: float | None = None
+    minutes: float | None = None
 
 
 @dataclass(frozen=True)
@@ -132,12 +141,24 @@ def recording_jobs(recording: Recording, settings: Settings, digests: Digests) -
     return jobs
 
 
-def place_job(place: str, members: list[Job], settings: Settings) -> Job:
-    """One map of the recordings of a place, in the order of `members`."""
-    resources = Resources(max(job.resources.cores for job in members),
-                          sum(job.resources.memory_mb for job in members),
-                          sum(job.resources.minutes for job in members))
+def place_job(place: str, found_by: str, members: list[Job], used: list[Used]) -> Job:
+    """One map of the recordings of a place, in the order of `members`.
+
+    @param used  what the job of each member has used
+    """
+    resources = Resources(
+        max(job.resources.cores for job in members),
+        _together([job.resources.memory_mb for job in members], [each.memory_mb for each in used]),
+        _together([job.resources.minutes for job in members], [each.minutes for each in used]))
     key = digest_of([place, [job.id for job in members]])
     return Job(job_id(place, key), "place", place, resources,
                arguments={"rawlogs": [job.arguments["rawlog"] for job in members],
-                          "members": [job.name for job in members]})
+                          "members": [job.name for job in members], "found_by": found_by})
+
+
+def _together(declared: list[int], used: list[float | None]) -> int:
+    """Twice what the members used, at least what one declares and at most what all declare."""
+    known = [each for each in used if each is not None]
+    if len(known) < len(declared):
+        return sum(declared)
+    return min(sum(declared), max(max(declared), math.ceil(2.0 * sum(known))))

@@ -11,13 +11,16 @@ from typing import Any, Iterable
 
 from .figures import Figures, read_json
 from .job import RECORD, failure_record, log_file
-from .plan import STATE, Job, Plan, result_folder
+from .plan import STATE, Job, Plan, Used, result_folder
 from .recordings import Recording
 
 DONE, FAILED, WAITING = "done", "failed", "waiting"
+JOINED, PARTLY_JOINED = "joined", "partly joined"  # of places
+NOT_JOINED, NOT_TRIED = "not joined", "not tried"
 FIGURES = ("frames", "frames_lost", "duration_s", "path_m", "ate_rmse_m", "drift_percent", "loops",
            "moving_tracks", "movers_recall", "movers_precision", "frame_ms_median",
-           "cpu_ms_per_frame", "peak_memory_mb", "latitude_deg", "longitude_deg", "warnings",
+           "cpu_ms_per_frame", "peak_memory_mb", "recordings", "recordings_joined", "keyframes",
+           "landmarks", "keyframes_recognised", "latitude_deg", "longitude_deg", "warnings",
            "version")
 
 
@@ -37,6 +40,8 @@ class Row:
     seconds: float | None = None
     figures: Figures = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    joined: tuple[str, ...] = ()   # recordings that became this map
+    reports: tuple[str, ...] = ()  # of their replays
 
 
 def rows_of(recordings: Iterable[Recording], plan: Plan, ended: bool) -> list[Row]:
@@ -52,14 +57,10 @@ def rows_of(recordings: Iterable[Recording], plan: Plan, ended: bool) -> list[Ro
     return sorted(rows, key=lambda row: (order[row.status], row.name))
 
 
-def place_rows(jobs: Iterable[Job], plan: Plan) -> list[Row]:
-    rows = []
-    for job in jobs:
-        row = job_row(job, plan, True)
-        members = ", ".join(job.arguments["members"])
-        rows.append(Row(job.name, "place", row.status, members, row.step, row.cause, row.folder,
-                        row.log, job.name, row.seconds, row.figures, row.notes))
-    return rows
+def used_by(row: Row) -> Used:
+    """Of a recording that is done."""
+    return Used(row.figures.get("peak_memory_mb"),
+                row.seconds / 60.0 if row.seconds is not None else None)
 
 
 def table_csv(rows: Iterable[Row]) -> str:
