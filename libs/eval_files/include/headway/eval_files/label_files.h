@@ -16,6 +16,7 @@ struct FilePair {
   std::string estimate;
 };
 
+/// Recordings with truth and estimate, and those without an estimate.
 struct PairedFiles {
   std::vector<FilePair> pairs;           ///< ascending names
   std::vector<std::string> truth_alone;  ///< recordings without an estimate
