@@ -7,7 +7,8 @@ import re
 import sys
 import tempfile
 
-RAWLOGS, DOC = (pathlib.Path(argument).resolve() for argument in sys.argv[2:4])
+BIN, RAWLOGS, DOC = (pathlib.Path(argument).resolve() for argument in sys.argv[1:4])
+os.environ["PATH"] = f"{BIN}:{os.environ['PATH']}"
 
 programs = re.findall(r"^```python\n(.*?)^```", (DOC / "python.md").read_text(), re.S | re.M)
 assert len(programs) >= 5, "doc/python.md has lost its programs"

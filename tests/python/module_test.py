@@ -68,6 +68,11 @@ class SameAsThePrograms(unittest.TestCase):
                            check=True)
             self.assert_close(headway.evaluate_trajectory(*poses, align=align),
                               json.loads(figures.read_text()))
+            subprocess.run([BIN / "headway-eval", "trajectory", "--truth", truth, "--estimate",
+                            self.out / "trajectory.tum", "--align", align, "--segments", "5,10",
+                            "--json", figures, "-q", "-w"], check=True)
+            self.assert_close(headway.evaluate_trajectory(*poses, align=align, segments_m=[5, 10]),
+                              json.loads(figures.read_text()))
         here = headway.evaluate_trajectory(*poses)
         self.assertLess(here["ate_rmse_m"], 0.05)
 
@@ -151,6 +156,56 @@ class Recordings(unittest.TestCase):
             np.testing.assert_array_equal(frame.right, right)
             self.assertEqual(frame.detections.items[0].object_class, "Pedestrian")
             np.testing.assert_allclose(frame.detections.items[0].centre, [0.5, 0.8, 4.0], atol=1e-6)
+
+    def test_depth_frames_are_read_and_replayed(self):
+        camera = headway.StereoCamera(width=320, height=240, fx=250.0, fy=250.0, cx=159.5, cy=119.5,
+                                      depth_reach_m=6.0)
+        texture = np.random.default_rng(1).integers(0, 255, (240, 400, 3), np.uint8)
+        depth = np.full((240, 320), 2.5, np.float32)  # a wall, past which the camera moves by 2 px
+        depth[:8, :100], depth[:8, 100:200] = np.nan, 0.0
+        images = [np.ascontiguousarray(texture[:, 2 * i : 320 + 2 * i]) for i in range(8)]
+        with headway.RawlogSink(self.path, storage="embedded-raw") as sink:
+            for i, image in enumerate(images):
+                sink.write_depth(100.0 + 0.1 * i, image, depth, camera)
+        source = headway.RawlogSource(self.path)
+        self.assertEqual(source.camera.depth_reach_m, 6.0)
+        self.assertEqual(source.camera.baseline_m, camera.baseline_m)
+        recorded, own = headway.Perception(source.camera), headway.Perception(camera)
+        expected = np.where(depth > 0.0, depth, 0.0)
+        for i, frame in enumerate(source):
+            np.testing.assert_array_equal(frame.left_colour, images[i])
+            np.testing.assert_allclose(frame.depth, expected, atol=5e-4)
+            np.testing.assert_allclose(frame.disparity[100], camera.fx * camera.baseline_m / 2.5,
+                                       rtol=1e-6)
+            self.assertIsNone(frame.right)
+            update = recorded.process(frame)
+            same = own.process(headway.Frame.from_depth(i, frame.time, images[i], depth, camera))
+            self.assertEqual((update.status, same.status), ("tracked", "tracked"))
+            np.testing.assert_allclose(same.T_map_robot, update.T_map_robot, atol=1e-6)
+        self.assertAlmostEqual(np.linalg.norm(update.T_map_robot[:3, 3]), 7 * 0.02, delta=0.01)
+        out = pathlib.Path(self.folder.name) / "out"
+        subprocess.run([BIN / "headway-replay", "-i", self.path, "-o", out, "-q"], check=True)
+        np.testing.assert_allclose(headway.read_trajectory(str(out / "trajectory.tum")),
+                                   recorded.trajectory, atol=2e-9)
+
+    def test_wrong_depth_is_refused(self):
+        lens = dict(width=32, height=24, fx=25.0, fy=25.0, cx=15.5, cy=11.5)
+        camera = headway.StereoCamera(**lens, depth_reach_m=6.0)
+        stereo = headway.StereoCamera(**lens, baseline_m=0.1)
+        image, depth = np.zeros((24, 32), np.uint8), np.ones((24, 32), np.float32)
+        cases = ((image, depth.astype(np.uint16), camera, "floats"), (image, depth[1:], camera, "size"),
+                 (image, depth, stereo, "depth_reach_m"), (image[1:], depth, camera, "size"))
+        with headway.RawlogSink(self.path) as sink:
+            for colour, metres, rig, reason in cases:
+                with self.assertRaisesRegex(headway.InputError, reason):
+                    sink.write_depth(1.0, colour, metres, rig)
+                with self.assertRaisesRegex(headway.InputError, reason):
+                    headway.Frame.from_depth(0, 1.0, colour, metres, rig)
+            sink.write_depth(1.0, image, depth.astype(np.float64), camera)
+        with self.assertRaisesRegex(headway.InputError, "from_depth"):
+            headway.Frame(0, 1.0, image, image, camera)
+        with self.assertRaisesRegex(headway.InputError, "baseline_m"):
+            headway.StereoCamera(**lens)
 
     def test_an_exception_keeps_the_older_file(self):
         pathlib.Path(self.path).write_text("older")

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 from types import TracebackType
-from typing import Any, Iterator, Mapping, Optional, Sequence
+from typing import Any, Mapping, Optional, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +20,7 @@ class StereoCamera:
     cy: float
     baseline_m: float
     T_robot_cam: Array
+    depth_reach_m: float
     def __init__(
         self,
         *,
@@ -29,8 +30,9 @@ class StereoCamera:
         fy: float,
         cx: float,
         cy: float,
-        baseline_m: float,
+        baseline_m: Optional[float] = None,
         T_robot_cam: Optional[ArrayLike] = None,
+        depth_reach_m: float = 0.0,
     ) -> None: ...
 
 class Detection:
@@ -69,6 +71,7 @@ class Frame:
     right: Optional[NDArray[np.uint8]]
     left_colour: Optional[NDArray[np.uint8]]
     disparity: Optional[NDArray[np.float32]]
+    depth: Optional[NDArray[np.float32]]
     T_map_robot: Optional[Array]
     detections: Optional[Detections]
     def __init__(
@@ -79,6 +82,14 @@ class Frame:
         right: NDArray[np.uint8],
         camera: StereoCamera,
     ) -> None: ...
+    @staticmethod
+    def from_depth(
+        index: int,
+        time: float,
+        image: NDArray[np.uint8],
+        depth: NDArray[np.floating[Any]],
+        camera: StereoCamera,
+    ) -> Frame: ...
 
 class RawlogSource:
     camera: Optional[StereoCamera]
@@ -94,7 +105,7 @@ class RawlogSource:
         use_odometry: bool = True,
         use_imu: bool = True,
     ) -> None: ...
-    def __iter__(self) -> Iterator[Frame]: ...
+    def __iter__(self) -> RawlogSource: ...
     def __next__(self) -> Frame: ...
 
 class RawlogSink:
@@ -106,6 +117,14 @@ class RawlogSink:
         right: NDArray[np.uint8],
         camera: StereoCamera,
         label: str = "stereo",
+    ) -> None: ...
+    def write_depth(
+        self,
+        time: float,
+        image: NDArray[np.uint8],
+        depth: NDArray[np.floating[Any]],
+        camera: StereoCamera,
+        label: str = "rgbd",
     ) -> None: ...
     def write_detections(self, label: str, detections: Detections) -> None: ...
     def write_pose(self, label: str, time: float, T_map_robot: ArrayLike) -> None: ...
@@ -236,10 +255,36 @@ class Perception:
 def load_map(path: str) -> Map: ...
 def read_trajectory(path: str) -> Array: ...
 def read_tracks(path: str) -> list[TrackSample]: ...
+def read_track_array(path: str) -> NDArray[np.void]: ...
+def read_predictions(path: str) -> NDArray[np.void]: ...
 def evaluate_trajectory(
     truth: ArrayLike,
     estimate: ArrayLike,
     *,
     align: str = "se3",
     max_difference_s: float = 0.02,
+    segments_m: Sequence[float] = [100.0, 200.0, 300.0, 400.0, 500.0, 600.0, 700.0, 800.0],
+) -> dict[str, Any]: ...
+def evaluate_tracks(
+    truth: str,
+    estimate: str,
+    *,
+    metric: str = "3d",
+    classes: Sequence[str] = ["Car", "Pedestrian", "Cyclist"],
+    min_overlap: Optional[float] = None,
+    raw: Optional[str] = None,
+) -> dict[str, Any]: ...
+def evaluate_movers(truth: str, poses: str, estimate: str) -> dict[str, Any]: ...
+def evaluate_predictions(
+    truth: str, poses: str, estimate: str, *, extrinsic: Optional[str] = None
+) -> dict[str, Any]: ...
+def evaluate_grid(
+    truth: str,
+    estimate: str,
+    *,
+    min_obstacle_height_m: Optional[float] = None,
+    max_obstacle_height_m: Optional[float] = None,
+) -> dict[str, Any]: ...
+def evaluate_dense(
+    truth: str, estimate: str, *, rawlog: Optional[str] = None
 ) -> dict[str, Any]: ...

@@ -3,12 +3,13 @@
 
 #include <headway/core/error.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 
 namespace headway::python {
 
-py::object arrayOf(const cv::Mat& image) {
-  if (image.empty()) return py::none();
+py::array arrayOf(const cv::Mat& image) {
   auto shared = std::make_unique<cv::Mat>(image);
   const cv::Mat& mat = *shared;
   std::vector<py::ssize_t> shape = {mat.rows, mat.cols};
@@ -38,6 +39,30 @@ cv::Mat imageFrom(const py::array& array, const std::string& name) {
   return cv::Mat(static_cast<int>(rows.shape(0)), static_cast<int>(rows.shape(1)),
                  is_colour ? CV_8UC3 : CV_8UC1, const_cast<std::uint8_t*>(rows.data()))
       .clone();
+}
+
+cv::Mat depthFrom(const py::array& array, const std::string& name) {
+  if (array.dtype().kind() != 'f' || array.ndim() != 2 || array.size() == 0) {
+    throw InputError(name + ": must be an array of floats, (height, width)");
+  }
+  using Floats = py::array_t<float, py::array::c_style | py::array::forcecast>;
+  const auto rows = Floats::ensure(array);
+  cv::Mat depth = cv::Mat(static_cast<int>(rows.shape(0)), static_cast<int>(rows.shape(1)), CV_32F,
+                          const_cast<float*>(rows.data()))
+                      .clone();
+  std::replace_if(
+      depth.begin<float>(), depth.end<float>(),
+      [](float value) { return !(std::isfinite(value) && value > 0.0F); }, 0.0F);
+  return depth;
+}
+
+void requireSize(const std::vector<cv::Mat>& images, const StereoCamera& camera,
+                 const std::string& names) {
+  for (const auto& image : images) {
+    if (image.cols != camera.width || image.rows != camera.height) {
+      throw InputError(names + ": must have the camera's size");
+    }
+  }
 }
 
 Pose poseFrom(const Eigen::Matrix4d& matrix) {

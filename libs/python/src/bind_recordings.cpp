@@ -1,120 +1,29 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/error.h>
-#include <headway/io/image_file.h>
 #include <headway/io/rawlog_sink.h>
 #include <headway/io/rawlog_source.h>
-#include <pybind11/operators.h>
 
-#include <sstream>
+#include <algorithm>
+#include <cmath>
 
 #include "arrays.h"
 
 namespace headway::python {
 namespace {
 
-std::string describeCamera(const StereoCamera& camera) {
-  std::ostringstream text;
-  text << "<headway.StereoCamera " << camera.width << " x " << camera.height << ", f " << camera.fx
-       << " px, baseline " << camera.baseline_m << " m>";
-  return text.str();
-}
-
-void bindCamera(py::module_& module) {
-  py::class_<StereoCamera, std::shared_ptr<StereoCamera>>(
-      module, "StereoCamera", "A rectified stereo pair; the camera frame is the left camera's.")
-      .def(py::init([](int width, int height, double fx, double fy, double cx, double cy,
-                       double baseline_m, const std::optional<Eigen::Matrix4d>& T_robot_cam) {
-             auto camera = std::make_shared<StereoCamera>();
-             *camera = {width, height, fx, fy, cx, cy, baseline_m};
-             if (T_robot_cam) camera->T_robot_cam = poseFrom(*T_robot_cam);
-             validate(*camera);
-             return camera;
-           }),
-           py::kw_only(), py::arg("width"), py::arg("height"), py::arg("fx"), py::arg("fy"),
-           py::arg("cx"), py::arg("cy"), py::arg("baseline_m"), py::arg("T_robot_cam") = py::none(),
-           "T_robot_cam: 4x4, pose of the left optical frame (x right, y down, z forward) on the\n"
-           "robot (x forward, y left, z up); None: the robot's origin, looking forward.")
-      .def_readonly("width", &StereoCamera::width, "[px]")
-      .def_readonly("height", &StereoCamera::height, "[px]")
-      .def_readonly("fx", &StereoCamera::fx, "[px]")
-      .def_readonly("fy", &StereoCamera::fy, "[px]")
-      .def_readonly("cx", &StereoCamera::cx, "[px]")
-      .def_readonly("cy", &StereoCamera::cy, "[px]")
-      .def_readonly("baseline_m", &StereoCamera::baseline_m, "[m]")
-      .def_property_readonly(
-          "T_robot_cam", [](const StereoCamera& camera) { return camera.T_robot_cam.matrix(); },
-          "4x4, pose of the left optical frame on the robot")
-      .def("__repr__", &describeCamera);
-}
-
-std::shared_ptr<RecordedFrame> frameFrom(std::size_t index, Time time, const py::array& left,
-                                         const py::array& right,
-                                         const std::shared_ptr<StereoCamera>& camera) {
-  if (!camera) throw InputError("camera: must not be None");
-  StereoFrame stereo;
-  stereo.index = index;
-  stereo.time = time;
-  const cv::Mat image = imageFrom(left, "left");
-  stereo.left = io::greyOf(image);
-  stereo.right = io::greyOf(imageFrom(right, "right"));
-  if (image.channels() == 3) stereo.left_colour = image;
-  stereo.camera = camera;
-  const cv::Size size(camera->width, camera->height);
-  if (stereo.left.size() != size || stereo.right.size() != size) {
-    throw InputError("left, right: must have the camera's size");
-  }
-  if (!std::isfinite(time)) throw InputError("time: must be finite");
-  auto frame = std::make_shared<RecordedFrame>();
-  frame->index = index;
-  frame->time = time;
-  frame->stereo = std::move(stereo);
-  return frame;
-}
-
-/// An image of the frame; None if the recording has poses and boxes only.
-template <cv::Mat StereoFrame::*Image>
-py::object imageOf(const RecordedFrame& frame) {
-  return frame.stereo ? arrayOf(*frame.stereo.*Image) : py::none();
-}
-
-void bindFrame(py::module_& module) {
-  py::class_<RecordedFrame, std::shared_ptr<RecordedFrame>>(
-      module, "Frame", "One stereo pair with its time, and what was recorded with it.")
-      .def(py::init(&frameFrom), py::arg("index"), py::arg("time"), py::arg("left"),
-           py::arg("right"), py::arg("camera"),
-           "From rectified images of uint8: (height, width), or (height, width, 3) as BGR. They\n"
-           "are copied. All frames of one Perception must be given the same camera.")
-      .def_readonly("index", &RecordedFrame::index, "of the stereo pair in its recording, from 0")
-      .def_readonly("time", &RecordedFrame::time, "[s] since the Unix epoch")
-      .def_property_readonly("left", &imageOf<&StereoFrame::left>,
-                             "(height, width) uint8, rectified; read-only, not copied")
-      .def_property_readonly("right", &imageOf<&StereoFrame::right>,
-                             "as left; None of a depth camera")
-      .def_property_readonly("left_colour", &imageOf<&StereoFrame::left_colour>,
-                             "(height, width, 3) uint8 BGR; None if the recording is grey")
-      .def_property_readonly("disparity", &imageOf<&StereoFrame::disparity>,
-                             "(height, width) float32 [px], 0 where unknown, of a depth camera;\n"
-                             "None of a stereo pair, whose disparities are not given")
-      .def_property_readonly(
-          "T_map_robot",
-          [](const RecordedFrame& frame) {
-            return frame.T_map_robot ? py::cast(Eigen::Matrix4d(frame.T_map_robot->matrix()))
-                                     : py::none();
-          },
-          "4x4, the recorded pose that is used instead of SLAM; None if there is none")
-      .def_readwrite("detections", &RecordedFrame::detections,
-                     "Detections that are used, beside those of the detectors; None: no detector\n"
-                     "ran on this frame");
-}
-
 std::optional<RecordedFrame> next(io::RawlogSource& source) {
   const py::gil_scoped_release release;
   return source.next();
 }
 
+std::optional<std::shared_ptr<StereoCamera>> cameraOf(const io::RawlogSource& source) {
+  if (!source.camera()) return std::nullopt;
+  return std::const_pointer_cast<StereoCamera>(source.camera());
+}
+
 void bindSource(py::module_& module) {
   py::class_<io::RawlogSource>(module, "RawlogSource",
-                               "Reads a rawlog as rectified stereo frames: iterate over it.")
+                               "Reads a rawlog as rectified frames: iterate over it.")
       .def(py::init([](const std::string& path, const std::string& sensor_label,
                        std::size_t from_index, const std::optional<std::size_t>& to_index,
                        bool use_odometry, bool use_imu) {
@@ -133,17 +42,15 @@ void bindSource(py::module_& module) {
            "sensor_label: of the stereo camera, or 'LEFT,RIGHT' of two cameras. Frames\n"
            "from_index ... to_index are returned. Raises InputError if the file is no rawlog or\n"
            "has no camera.")
-      .def_property_readonly(
-          "camera",
-          [](const io::RawlogSource& source) {
-            return std::const_pointer_cast<StereoCamera>(source.camera());
-          },
-          "StereoCamera of all frames; None if the recording has poses only")
+      .def_property_readonly("camera", &cameraOf,
+                             "StereoCamera of all frames; None if the recording has poses only")
       .def_property_readonly("skipped", &io::RawlogSource::skipped,
                              "number of skipped observations by class or reason, so far")
       .def_property_readonly("truncation", &io::RawlogSource::truncation,
                              "why the recording ended before its end; None if it did not")
-      .def("__iter__", [](py::object self) { return self; })
+      .def(
+          "__iter__", [](io::RawlogSource& source) { return &source; },
+          py::return_value_policy::reference)
       .def("__next__", [](io::RawlogSource& source) {
         auto frame = next(source);
         if (!frame) throw py::stop_iteration();
@@ -162,13 +69,36 @@ io::ImageStorage storageFrom(const std::string& name) {
 void writeStereo(io::RawlogSink& sink, Time time, const py::array& left, const py::array& right,
                  const StereoCamera& camera, const std::string& label) {
   const cv::Mat images[] = {imageFrom(left, "left"), imageFrom(right, "right")};
-  for (const auto& image : images) {
-    if (image.cols != camera.width || image.rows != camera.height) {
-      throw InputError("left, right: must have the camera's size");
-    }
-  }
+  requireSize({images[0], images[1]}, camera, "left, right");
   const py::gil_scoped_release release;
   sink.writeStereo(time, images[0], images[1], io::rawFrom(camera), label);
+}
+
+void writeDepth(io::RawlogSink& sink, Time time, const py::array& image, const py::array& depth,
+                const StereoCamera& camera, const std::string& label) {
+  if (!camera.isDepthCamera()) throw InputError("camera: has no depth_reach_m");
+  const cv::Mat intensity = imageFrom(image, "image");
+  const cv::Mat metres = depthFrom(depth, "depth");
+  requireSize({intensity, metres}, camera, "image, depth");
+  const py::gil_scoped_release release;
+  const io::RawStereoCamera lens = io::rawFrom(camera);
+  io::RawDepthCamera recorded;
+  recorded.color = recorded.depth = lens.left;
+  recorded.T_robot_color = lens.T_robot_left;
+  recorded.max_range_m = camera.depth_reach_m;
+  constexpr double kMaxUnits = 65534.0;  // 65535 is a hole, as 0
+  cv::Mat units(metres.size(), CV_16U);
+  std::transform(
+      metres.begin<float>(), metres.end<float>(), units.begin<std::uint16_t>(), [&](float z) {
+        const double rounded = std::round(static_cast<double>(z) / recorded.metres_per_unit);
+        return static_cast<std::uint16_t>(rounded <= kMaxUnits ? rounded : 0.0);
+      });
+  sink.writeDepth(time, intensity, units, recorded, label);
+}
+
+void writePose(io::RawlogSink& sink, const std::string& label, Time time,
+               const Eigen::Matrix4d& T_map_robot) {
+  sink.writePose(label, time, poseFrom(T_map_robot));
 }
 
 void bindSink(py::module_& module) {
@@ -184,31 +114,33 @@ void bindSink(py::module_& module) {
       .def("write_stereo", &writeStereo, py::arg("time"), py::arg("left"), py::arg("right"),
            py::arg("camera"), py::arg("label") = "stereo",
            "A rectified pair of uint8: (height, width), or (height, width, 3) as BGR.")
+      .def("write_depth", &writeDepth, py::arg("time"), py::arg("image"), py::arg("depth"),
+           py::arg("camera"), py::arg("label") = "rgbd",
+           "An image of uint8 as above, and its depth: (height, width) float32 [m] along the\n"
+           "optical axis, 0 or not finite where unknown. It is stored in millimetres, to 65.5 m.")
       .def("write_detections", &io::RawlogSink::writeDetections, py::arg("label"),
            py::arg("detections"), "label: 'detections', or 'truth_objects' for evaluation.")
-      .def(
-          "write_pose",
-          [](io::RawlogSink& sink, const std::string& label, Time time,
-             const Eigen::Matrix4d& T_map_robot) {
-            sink.writePose(label, time, poseFrom(T_map_robot));
-          },
-          py::arg("label"), py::arg("time"), py::arg("T_map_robot"),
-          "label: 'pose' (used instead of SLAM), or 'truth_pose' for evaluation.")
+      .def("write_pose", &writePose, py::arg("label"), py::arg("time"), py::arg("T_map_robot"),
+           "label: 'pose' (used instead of SLAM), or 'truth_pose' for evaluation.")
       .def("write_odometry", &io::RawlogSink::writeOdometry, py::arg("time"), py::arg("x"),
            py::arg("y"), py::arg("yaw"), "Planar pose by the wheels [m, m, rad].")
       .def("write_imu", &io::RawlogSink::writeImu, py::arg("time"), py::arg("angular_velocity"),
            py::arg("acceleration"), "In the robot frame [rad/s], [m/s^2] with gravity.")
       .def("close", &io::RawlogSink::close, "Completes the file. Raises InputError on failure.")
-      .def("__enter__", [](py::object self) { return self; })
-      .def("__exit__", [](io::RawlogSink& sink, const py::object& type, const py::object&,
-                          const py::object&) { type.is_none() ? sink.close() : sink.discard(); });
+      .def(
+          "__enter__", [](io::RawlogSink& sink) { return &sink; },
+          py::return_value_policy::reference)
+      .def(
+          "__exit__",
+          [](io::RawlogSink& sink, const py::object& type, const py::object&, const py::object&) {
+            type.is_none() ? sink.close() : sink.discard();
+          },
+          py::arg("type"), py::arg("value"), py::arg("traceback"));
 }
 
 }  // namespace
 
 void bindRecordings(py::module_& module) {
-  bindCamera(module);
-  bindFrame(module);
   bindSource(module);
   bindSink(module);
 }

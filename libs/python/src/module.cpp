@@ -10,9 +10,12 @@ PYBIND11_MODULE(_headway, module) {
   module.attr("__version__") = kVersion;
   py::register_exception<InputError>(module, "InputError", PyExc_ValueError).doc() =
       "Unusable input: a file, a parameter or an argument. Its text names cause and remedy.";
-  python::bindRecordings(module);
+  // A signature names the classes that are bound before it.
   python::bindTracks(module);
+  python::bindFrames(module);
+  python::bindRecordings(module);
   python::bindMap(module);
   python::bindPerception(module);
   python::bindResults(module);
+  python::bindEvaluation(module);
 }
