@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Tests of the Python module: python3 module_test.py BIN_DIR RAWLOGS_DIR, with it on PYTHONPATH."""
 
-import ast
 import gc
 import json
 import pathlib
@@ -287,25 +286,6 @@ class Threads(unittest.TestCase):
         # Each call takes 10 ms and more; with the interpreter locked the watcher would run between
         # the calls only, at most once or twice each.
         self.assertGreater(len(during), 4 * len(frames))
-
-
-class Stubs(unittest.TestCase):
-    def test_stubs_name_what_the_module_has(self):
-        stub = pathlib.Path(headway.__file__).with_name("__init__.pyi")
-        tree = ast.parse(stub.read_text())
-        classes = {node.name: node for node in tree.body if isinstance(node, ast.ClassDef)}
-        functions = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
-        self.assertEqual(set(classes) | functions, set(headway.__all__))
-        for name, node in classes.items():
-            if name == "InputError":
-                continue
-            stated = {item.target.id for item in node.body if isinstance(item, ast.AnnAssign)}
-            stated |= {item.name for item in node.body if isinstance(item, ast.FunctionDef)}
-            there = {item for item in vars(getattr(headway, name)) if not item.startswith("_")}
-            self.assertEqual({item for item in stated if not item.startswith("_")}, there, name)
-            self.assertTrue(getattr(headway, name).__doc__, name)
-            for item in there:
-                self.assertTrue(getattr(getattr(headway, name), item).__doc__, f"{name}.{item}")
 
 
 if __name__ == "__main__":
