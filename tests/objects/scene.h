@@ -4,6 +4,7 @@
 #include <headway/core/detection.h>
 #include <headway/core/track.h>
 #include <headway/objects/moving_object_tracker.h>
+#include <headway/objects/predictor.h>
 
 #include <algorithm>
 #include <cmath>
@@ -95,6 +96,12 @@ std::vector<TrajectoryPoint> history(Place place, double span_s = 2.0, double st
     path.push_back({static_cast<std::size_t>(k + steps), t, {here.x(), here.y(), 0.7}, yaw});
   }
   return path;
+}
+
+/// Place of a path at one horizon, rounded to a sample [m].
+inline Eigen::Vector2d placeIn(const PredictedPath& path, double horizon_s) {
+  const auto j = static_cast<std::size_t>(std::lround(horizon_s / kPredictionStep_s)) - 1;
+  return path.points.at(j).position.head<2>();
 }
 
 }  // namespace headway::objects::test

@@ -13,20 +13,20 @@ namespace {
 
 constexpr double kMinSpeed = 0.3;  // min. speed for a turn rate [m/s]
 
-// Weighted moments of the path about its newest position, and of time.
+// Weighted moments of the first `seen` positions about the last of them, and of time.
 struct Moments {
   double t1 = 0.0;                      // of v
   double t2 = 0.0, t3 = 0.0, t4 = 0.0;  // of v * v, v * a and a * a in the normal equations
   Eigen::Vector2d dt1 = Eigen::Vector2d::Zero();
   Eigen::Vector2d dt2 = Eigen::Vector2d::Zero();
 
-  Moments(const std::vector<TrajectoryPoint>& path, double memory_s) {
-    const TrajectoryPoint& now = path.back();
+  Moments(const std::vector<TrajectoryPoint>& path, std::size_t seen, double memory_s) {
+    const TrajectoryPoint& now = path[seen - 1];
     const double rate = 1.0 / memory_s;
-    for (std::size_t i = path.size() - 1; i-- > 0;) {
+    for (std::size_t i = seen - 1; i-- > 0;) {
       const double t = path[i].time - now.time;
       const double freshness = 1.0 + t * rate;
-      if (freshness <= 0.0 && i + 2 < path.size()) break;  // the last step is always used
+      if (freshness <= 0.0 && i + 2 < seen) break;  // the last step is always used
       const double weight = std::max(freshness * freshness, kMinWeight);
       const double half_square = 0.5 * t * t;
       const Eigen::Vector2d offset = (path[i].position - now.position).head<2>();
@@ -65,9 +65,10 @@ struct AxisFit {
 
 }  // namespace
 
-Manoeuvre fitManoeuvre(const MotionHistory& history, const ManoeuvreParams& params) {
+Manoeuvre fitManoeuvre(const MotionHistory& history, std::size_t seen,
+                       const ManoeuvreParams& params) {
   Manoeuvre result;
-  const Moments m(history.path, params.memory_s);
+  const Moments m(history.path, seen, params.memory_s);
   const Eigen::Vector2d ahead = unitOr(m.dt1, Eigen::Vector2d::UnitX());
   const Eigen::Vector2d left(-ahead.y(), ahead.x());
   const Eigen::Matrix2d& places = history.position_covariance;

@@ -4,6 +4,7 @@
 #include <headway/objects/predictor.h>
 
 #include <Eigen/Core>
+#include <cstddef>
 
 namespace headway::objects {
 
@@ -24,7 +25,9 @@ struct Manoeuvre {
 /// the error of the newest position, which rotates the parabola that passes through it, the errors
 /// of the earlier positions, and the prior.
 ///
-/// @param history  at least one position
-[[nodiscard]] Manoeuvre fitManoeuvre(const MotionHistory& history, const ManoeuvreParams& params);
+/// @param seen  number of the first positions that are used, at least one: with fewer than all, the
+///              motion as it was known at the last of them
+[[nodiscard]] Manoeuvre fitManoeuvre(const MotionHistory& history, std::size_t seen,
+                                     const ManoeuvreParams& params);
 
 }  // namespace headway::objects

@@ -4,6 +4,7 @@
 #include <headway/objects/predictor.h>
 
 #include <array>
+#include <cstddef>
 
 #include "manoeuvre_fit.h"
 
@@ -12,9 +13,13 @@ namespace headway::objects {
 /// The default predictor: the current manoeuvre of an object and its alternatives.
 ///
 /// The manoeuvre is fitted to the recent path and extrapolated; turn and acceleration decay with
-/// class-dependent times. Besides this most probable path there are three alternatives: the same
-/// path at lower speed, at higher speed, and straight on at constant speed. The growth of the
-/// uncertainty depends on the class and on the speed.
+/// class-dependent times. Besides this path there are three alternatives: the same path at lower
+/// speed, at higher speed, and straight on at constant speed. The growth of the uncertainty depends
+/// on the class and on the speed.
+///
+/// What it would have predicted at positions up to a second ago is compared with what came since:
+/// paths that were nearer become more probable, and the uncertainty of an object grows faster the
+/// more it has surprised, which fades with the horizon.
 class MixturePredictor : public Predictor {
  public:
   explicit MixturePredictor(const PredictorParams& params);
@@ -22,8 +27,8 @@ class MixturePredictor : public Predictor {
   void predictInto(const MotionHistory& history, std::vector<PredictedPath>& paths) const override;
 
  private:
+  static constexpr int kModes = 4;
   using Samples = std::array<double, kPredictionSamples>;
-  using Spread = std::array<Eigen::Matrix2d, kPredictionSamples>;
 
   /// Quantities of a class that depend on the horizon only.
   struct Tables {
@@ -34,16 +39,17 @@ class MixturePredictor : public Predictor {
   };
 
   struct Course;
+  struct Outlook;
+  class Walk;
+  struct Hindsight;
 
   [[nodiscard]] static Tables tabulate(const ManoeuvreParams& params);
-  /// From errors of position and velocity, for every course [m^2].
-  [[nodiscard]] static Spread commonSpread(const Eigen::Matrix2d& place,
-                                           const Eigen::Matrix2d& velocity);
-  [[nodiscard]] static Course course(const Tables& tables, Eigen::Vector2d direction,
-                                     double turn_rate, const Spread& common, double moves);
-  /// Fills one path: along the course, with one speed and an acceleration that decays.
-  static void walk(const MotionHistory& history, const Tables& tables, const Course& course,
-                   double speed, double acceleration, PredictedPath& path);
+  /// The paths as predicted at the last of the first `seen` positions, for so many samples.
+  ///
+  /// @param growth  factor of what covariances grow by
+  [[nodiscard]] Outlook outlookAt(const MotionHistory& history, std::size_t seen, int samples,
+                                  double growth) const;
+  [[nodiscard]] Hindsight lookBack(const MotionHistory& history) const;
 
   PerClass<ManoeuvreParams> params_;
   PerClass<Tables> tables_;
