@@ -147,6 +147,18 @@ TEST(StereoMotionTest, AStaticSceneHasNoMovingObjects) {
   EXPECT_EQ(outcome.refused, 0);
 }
 
+/// As of a slow computer or a camera that stops: points of before the pause have no pose any more.
+TEST(StereoMotionTest, NothingMovesAfterAPause) {
+  const PaintedStreet street({kParked, kPost});
+  for (const double pause_s : {0.5, 0.9, 1.1, 1.5, 3.0}) {
+    const auto outcome = run(street, nullptr, [&](int index, StereoFrame& frame) {
+      if (index >= kFrames / 2) frame.time += pause_s;
+    });
+    EXPECT_EQ(outcome.elsewhere, 0) << pause_s;
+    EXPECT_EQ(outcome.refused, 0) << pause_s;
+  }
+}
+
 TEST(StereoMotionTest, WithoutAPoseTheFrameIsDropped) {
   const PaintedStreet street({kMoving});
   const auto found = detectorFor(street.camera()).detect(street.frame(0), std::nullopt);

@@ -25,8 +25,7 @@ namespace {
 
 constexpr double kMinImageContrast = 4.0;  // standard deviation of a usable image [grey levels]
 constexpr double kMinAgreeing = 0.3;  // ratio of static points that must fit the camera's motion
-constexpr int kFewPoints = 12;   // with fewer classified points the camera's motion is not checked
-constexpr double kMaxGap = 3.0;  // of the window: a longer gap resets everything
+constexpr int kFewPoints = 12;  // with fewer classified points the camera's motion is not checked
 constexpr double kSupportScale = 6.0;
 constexpr double kFootRatio = 4.0 / 3.0;  // of the ground's clearance: block matching smears feet
 constexpr double kPeopleRatio = 1.4;      // of ranges of people: motion across and along the ray
@@ -92,8 +91,8 @@ class StereoMotion::Implementation {
       reset();
       return "no_pose";
     }
-    if (!path_.empty() && frame.time - path_.timeOf(path_.newest()) > kMaxGap * params_.window_s) {
-      reset();
+    if (!path_.empty() && frame.time - path_.timeOf(path_.newest()) > window_s_) {
+      reset();  // nothing can be followed from a frame whose pose is no longer kept
     }
     T_map_cam_ = *T_map_robot * camera_->T_robot_cam;
     const int number = path_.advance(frame.time, T_map_cam_);
