@@ -424,6 +424,18 @@ TEST(DenseMapTest, JoinsTheScansOfAnotherMapAndIsCutToABox) {
   EXPECT_EQ(nullptr, first.layer());
 }
 
+TEST(DenseMapTest, IsCutToABoxWithoutParametersOfItsRig) {
+  DenseMap dense(params());
+  for (const double x : {0.0, 1.2, 2.4}) dense.add(robotAt(x, 0.0), depthScanFrom(robotAt(x, 0.0)));
+  DenseMap stored({});
+  stored.load(collected(dense.save()));
+  const Eigen::AlignedBox3d box(Eigen::Vector3d(-1.0, -9.0, -9.0), Eigen::Vector3d(9.0, 9.0, 9.0));
+  dense.crop(box);
+  stored.crop(box);
+  EXPECT_EQ(3u, stored.scans());
+  EXPECT_TRUE(areEqual(*dense.layer(), *stored.layer()));
+}
+
 TEST(DenseMapTest, RefusesParametersOutOfRange) {
   DenseMapParams wrong = params();
   wrong.voxel_m = -0.1;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/map/anchored_pose.h>
+#include <mrpt/core/exceptions.h>
 
 #include <cmath>
 #include <limits>
@@ -23,6 +24,7 @@ bool isPlausible(const Pose& pose) {
 }  // namespace
 
 ScanPlace scanPlace(const Pose& T_map_robot, double spacing_m) {
+  ASSERT_GT_(spacing_m, 0.0);
   const auto step = [](double value, double size) {
     return static_cast<std::int32_t>(std::floor(value / size));
   };

@@ -111,11 +111,15 @@ void DenseMap::add(const DenseMap& other, std::int64_t keyframe_shift) {
 void DenseMap::crop(const Eigen::AlignedBox3d& box) {
   DenseMap inside(params_);
   inside.keyframes_ = keyframes_;
-  for (const auto* stored : inOrder()) {
-    if (!box.contains(stored->pose.T_map_robot.translation())) continue;
-    auto scan = cropped(*stored->scan, stored->pose.T_map_robot, box);
+  inside.next_order_ = next_order_;
+  for (const auto& [place, stored] : scans_) {
+    if (!box.contains(stored.pose.T_map_robot.translation())) continue;
+    auto scan = cropped(*stored.scan, stored.pose.T_map_robot, box);
     if (scan.empty()) continue;
-    inside.replace(stored->pose, std::make_shared<const DepthScan>(std::move(scan)));
+    StoredScan& kept = inside.scans_[place] = stored;
+    kept.bounds = boundsOf(scan);
+    kept.scan = std::make_shared<const DepthScan>(std::move(scan));
+    inside.markOutdated(kept);
   }
   *this = std::move(inside);
 }
