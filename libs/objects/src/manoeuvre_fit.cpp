@@ -94,6 +94,8 @@ Manoeuvre fitManoeuvre(const MotionHistory& history, std::size_t seen,
   result.direction = unitOr(velocity, ahead);
   const double fourth = square(square(speed));
   const double moves = fourth / (fourth + square(square(params.standing_speed_mps)));
+  result.velocity_covariance +=
+      (1.0 - moves) * square(params.setting_off_mps) * Eigen::Matrix2d::Identity();
   const Eigen::Vector2d& d = result.direction;
   result.speed = moves * speed;
   result.acceleration = moves * acceleration.dot(d);

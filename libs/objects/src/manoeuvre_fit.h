@@ -23,7 +23,7 @@ struct Manoeuvre {
 /// prior, which limits accelerations and turns to those significant against the noise. Low speeds
 /// are reduced, since they may be noise of a static object. The covariance of the velocity contains
 /// the error of the newest position, which rotates the parabola that passes through it, the errors
-/// of the earlier positions, and the prior.
+/// of the earlier positions, the prior, and that what stands may set off.
 ///
 /// @param seen  number of the first positions that are used, at least one: with fewer than all, the
 ///              motion as it was known at the last of them

@@ -44,6 +44,8 @@ void ManoeuvreParams::describe(Params::Section section, const std::string& prefi
   section.add(prefix + "turn_fade_s", turn_fade_s, 0.05, 1000.0, "s", "Decay time of a turn");
   section.add(prefix + "standing_speed_mps", standing_speed_mps, 0.001, 10.0, "m/s",
               "Speed below which motion may be noise of a stationary object");
+  section.add(prefix + "setting_off_mps", setting_off_mps, 0.0, 10.0, "m/s",
+              "Unpredicted velocity of a stationary object, which may set off");
   section.add(prefix + "cruising_speed_mps", cruising_speed_mps, 0.001, 50.0, "m/s",
               "Speed above which an object manoeuvres freely");
   section.add(prefix + "alternative_mps2", alternative_mps2, 0.0, 20.0, "m/s^2",

@@ -47,6 +47,7 @@ struct ManoeuvreParams {
   double acceleration_fade_s = 5.0;         ///< decay time of an acceleration [s]
   double turn_fade_s = 20.0;                ///< decay time of a turn [s]
   double standing_speed_mps = 0.5;          ///< below, motion may be noise of a static object [m/s]
+  double setting_off_mps = 0.0;             ///< unpredicted velocity of what stands [m/s]
   double cruising_speed_mps = 1.0;          ///< above, an object manoeuvres freely [m/s]
   double alternative_mps2 = 1.5;            ///< of the faster and the slower alternative [m/s^2]
   double acceleration_sigma_mps2 = 1.0;     ///< unpredicted acceleration along the path [m/s^2]
@@ -60,9 +61,9 @@ struct PredictorParams {
   PaperPredictorParams paper;
   double velocity_window_s = 0.5;  ///< of constant_velocity and constant_turn [s]
   PerClass<ManoeuvreParams> manoeuvres = {
-      {2.0, 0.1, 12.0, 0.42, 0.75, 8.0, 20.0, 0.8, 2.0, 1.5, 1.2, 0.33},
-      {1.5, 0.1, 5.0, 0.12, 1.5, 8.0, 1.2, 0.5, 1.8, 1.0, 2.4, 0.5},
-      {3.8, 0.1, 1.5, 0.01, 0.08, 1.0, 0.8, 0.35, 2.0, 0.5, 0.43, 0.45}};
+      {2.0, 0.1, 12.0, 0.42, 0.75, 8.0, 20.0, 0.8, 0.0, 2.0, 1.5, 1.2, 0.33},
+      {1.5, 0.1, 5.0, 0.12, 1.5, 8.0, 1.2, 0.5, 0.0, 1.8, 1.0, 2.4, 0.5},
+      {3.8, 0.1, 1.5, 0.01, 0.08, 1.0, 0.8, 0.35, 0.5, 2.0, 0.5, 0.43, 0.45}};
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "objects"); }  ///< @throws InputError
