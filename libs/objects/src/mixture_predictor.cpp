@@ -126,6 +126,7 @@ MixturePredictor::Tables MixturePredictor::tabulate(const ManoeuvreParams& param
     tables.gained[j] = params.acceleration_fade_s * (t - faded(t, params.acceleration_fade_s));
     tables.turned[j] = middle - turned;
     turned = middle;
+    tables.fading[j] = std::exp(-t / kSurpriseFade_s);
     tables.along[j] = square(params.acceleration_sigma_mps2 * 0.5 * t * t);
     tables.across[j] = square(params.lateral_sigma_mps2 * 0.5 * t * t);
   }
@@ -143,7 +144,7 @@ void MixturePredictor::predictInto(const MotionHistory& history,
   const Tables& tables = tables_.of(history.object_class);
   const Hindsight hindsight = lookBack(history);
   const Outlook outlook =
-      outlookAt(history, history.path.size(), kPredictionSamples, hindsight.growth);
+      outlookAt(history, history.path.size(), {0, kPredictionSamples}, hindsight.growth);
   const Eigen::Vector3d& start = history.path.back().position;
   paths.resize(kModes);
   for (int mode = 0; mode < kModes; ++mode) {
@@ -164,7 +165,7 @@ void MixturePredictor::predictInto(const MotionHistory& history,
 }
 
 MixturePredictor::Outlook MixturePredictor::outlookAt(const MotionHistory& history,
-                                                      std::size_t seen, int samples,
+                                                      std::size_t seen, const Span& spread,
                                                       double growth) const {
   const ManoeuvreParams& params = params_.of(history.object_class);
   const Tables& tables = tables_.of(history.object_class);
@@ -176,13 +177,13 @@ MixturePredictor::Outlook MixturePredictor::outlookAt(const MotionHistory& histo
   Outlook outlook;
   const auto lay = [&](double turn_rate, Course& course) {
     Eigen::Vector2d direction = now.direction;
-    for (int j = 0; j < samples; ++j) {
-      const double t = (j + 1) * kPredictionStep_s;
-      const double grows = 1.0 + (growth - 1.0) * std::exp(-t / kSurpriseFade_s);
+    for (int j = 0; j < spread.end; ++j) {
       direction = turnedBy(direction, turn_rate * tables.turned[j]);
       course.directions[j] = direction;
+      if (j < spread.first) continue;
+      const double grows = 1.0 + (growth - 1.0) * tables.fading[j];
       course.covariances[j] =
-          start + grows * (square(t) * now.velocity_covariance +
+          start + grows * (square((j + 1) * kPredictionStep_s) * now.velocity_covariance +
                            ellipse(moves * tables.along[j], moves * tables.across[j], direction));
     }
   };
@@ -209,7 +210,7 @@ MixturePredictor::Hindsight MixturePredictor::lookBack(const MotionHistory& hist
     const double horizon = seen < 2 ? kMaxLookBack_s : path.back().time - path[seen - 1].time;
     if (horizon >= kMaxLookBack_s) break;  // no motion was known, or the object was not seen
     const int samples = static_cast<int>(horizon / kPredictionStep_s) + 1;
-    const Outlook outlook = outlookAt(history, seen, samples, 1.0);
+    const Outlook outlook = outlookAt(history, seen, {samples - 1, samples}, 1.0);
     for (int mode = 0; mode < kModes; ++mode) {
       Walk walk(outlook, tables, mode, path[seen - 1].position.head<2>());
       const Eigen::Vector2d off = came - walk.to(horizon);

@@ -36,6 +36,12 @@ class MixturePredictor : public Predictor {
     Samples turned;  ///< turn from step to step, for a turn rate of 1 that decays [s]
     Samples along;   ///< variance of unpredicted acceleration, along the path [m^2]
     Samples across;  ///< variance of unpredicted turning, across the path [m^2]
+    Samples fading;  ///< of what surprises have added to the growth of covariances [-]
+  };
+
+  /// Samples whose covariances are wanted.
+  struct Span {
+    int first = 0, end = 0;
   };
 
   struct Course;
@@ -44,11 +50,11 @@ class MixturePredictor : public Predictor {
   struct Hindsight;
 
   [[nodiscard]] static Tables tabulate(const ManoeuvreParams& params);
-  /// The paths as predicted at the last of the first `seen` positions, for so many samples.
+  /// The paths as predicted at the last of the first `seen` positions, up to the end of `spread`.
   ///
   /// @param growth  factor of what covariances grow by
-  [[nodiscard]] Outlook outlookAt(const MotionHistory& history, std::size_t seen, int samples,
-                                  double growth) const;
+  [[nodiscard]] Outlook outlookAt(const MotionHistory& history, std::size_t seen,
+                                  const Span& spread, double growth) const;
   [[nodiscard]] Hindsight lookBack(const MotionHistory& history) const;
 
   PerClass<ManoeuvreParams> params_;
