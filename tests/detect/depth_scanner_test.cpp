@@ -36,8 +36,8 @@ stereo::DisparityImage evenDisparity(const StereoFrame& frame, float value) {
 }
 
 DepthScan scan(const StereoFrame& frame, const stereo::DisparityImage& disparity,
-               const MovingRegions& moving = {}) {
-  return scanDepth(frame, disparity, moving, stereo::rigCapability(*frame.camera));
+               const MovingRegions& moving = {}, const stereo::DisparityImage& ground = {}) {
+  return scanDepth(frame, disparity, ground, moving, stereo::rigCapability(*frame.camera));
 }
 
 /// Disparity of the ground in a row of cells [px].
@@ -99,6 +99,27 @@ stereo::DisparityImage sparseGround(const StereoFrame& frame, double known_ratio
     }
   }
   return disparity;
+}
+
+TEST(DepthScannerTest, TakesTheGroundWhereItAgreesAndWhereNothingElseIsKnown) {
+  const auto frame = frameOf(320, 240);
+  auto disparity = evenDisparity(frame, kFar);
+  disparity.values.colRange(0, 40).setTo(0.0F);      // pixels 0 to 80
+  disparity.values.colRange(120, 160).setTo(kNear);  // pixels 240 to 320: an obstacle
+  const auto ground = evenDisparity(frame, kFar + 1.5F);
+  const auto seen = scan(frame, disparity, {}, ground);
+  EXPECT_NEAR(kFar + 1.5F, at(seen, 40, 120), 0.1);
+  EXPECT_NEAR(kFar + 1.5F, at(seen, 160, 120), 0.1);
+  EXPECT_NEAR(kNear, at(seen, 280, 120), 0.1);
+}
+
+TEST(DepthScannerTest, LeavesOutMovingObjectsOnTheGround) {
+  const auto frame = frameOf(320, 240);
+  MovingRegions moving;
+  moving.boxes.push_back({40, 40, 80, 80});
+  const auto seen = scan(frame, evenDisparity(frame, 0.0F), moving, evenDisparity(frame, kFar));
+  EXPECT_EQ(0.0, at(seen, 60, 60));
+  EXPECT_NEAR(kFar, at(seen, 160, 120), 0.1);
 }
 
 TEST(DepthScannerTest, CompletesAndSmoothsPlainSurfaces) {

@@ -12,10 +12,11 @@
 namespace headway::detect {
 namespace {
 
-constexpr int kMaxCells = 20'000;
-constexpr int kBorderCells = 2;         // of a block of the matcher
-constexpr double kMinStepPx = 2.0;      // of the disparity, at the edge of a foreground ...
-constexpr double kMinStepRatio = 0.08;  // ... or as a ratio of it
+constexpr int kMaxCells = 10'000;
+constexpr int kBorderCells = 2;           // of a block of the matcher
+constexpr double kMinStepPx = 2.0;        // of the disparity, at the edge of a foreground ...
+constexpr double kMaxGroundStepPx = 4.0;  // of the ground's disparity in half a block
+constexpr double kMinStepRatio = 0.08;    // ... or as a ratio of it
 
 /// Steps between the cells of a scan, in cells of the disparity image. Rows are denser, because
 /// the ground before a camera is seen at a grazing angle.
@@ -36,6 +37,31 @@ cv::Mat withoutSteps(const cv::Mat& values, const cv::Mat& around) {
   cv::Mat without = (step <= kMinStepPx) | (step <= kMinStepRatio * values);
   without &= values > 0.0;
   return without;
+}
+
+/// Cells whose disparity is that of the ground: matched along it, and not of an obstacle before it.
+cv::Mat groundCells(const cv::Mat& values, const cv::Mat& ground) {
+  const cv::Mat nearer = values - ground;
+  const cv::Mat agrees = (values <= 0.0F) | (cv::abs(nearer) <= kMaxGroundStepPx);
+  cv::Mat cells = agrees & (ground > 0.0F);
+  return cells;
+}
+
+PlanarDisparity planarDisparity(const stereo::DisparityImage& disparity,
+                                const stereo::DisparityImage& ground, const cv::Mat& left_out,
+                                double sigma_px) {
+  cv::Mat values = disparity.values.clone();
+  cv::Mat on_ground;
+  if (!ground.empty()) {
+    on_ground = groundCells(values, ground.values);
+    ground.values.copyTo(values, on_ground);
+  }
+  values.setTo(0.0F, left_out);
+  cv::Mat known_around = values.clone();
+  known_around.setTo(std::numeric_limits<float>::max(), values <= 0.0F);
+  cv::Mat reliable = withoutSteps(values, values);
+  if (!on_ground.empty()) reliable |= on_ground & (values > 0.0F);
+  return {values, withoutSteps(values, known_around), reliable, sigma_px};
 }
 
 std::array<int, 2> stepsFor(int cells) {
@@ -78,20 +104,15 @@ cv::Mat coloursOf(const StereoFrame& frame, const DepthScanGrid& grid) {
 }  // namespace
 
 DepthScan scanDepth(const StereoFrame& frame, const stereo::DisparityImage& disparity,
-                    const MovingRegions& moving, const stereo::RigCapability& rig) {
-  const StereoCamera& camera = *frame.camera;
+                    const stereo::DisparityImage& ground, const MovingRegions& moving,
+                    const stereo::RigCapability& rig) {
   const auto min_disparity = static_cast<float>(rig.focal_baseline / rig.dense_to_m);
   const cv::Mat left_out = leftOutCells(moving, disparity);
-  cv::Mat values = disparity.values.clone();
-  values.setTo(0.0F, left_out);
-  cv::Mat known_around = values.clone();
-  known_around.setTo(std::numeric_limits<float>::max(), values <= 0.0F);
-  const PlanarDisparity planar(values, withoutSteps(values, known_around),
-                               withoutSteps(values, values), rig.sigma_disparity_px);
+  const auto planar = planarDisparity(disparity, ground, left_out, rig.sigma_disparity_px);
   const auto steps = stepsFor(static_cast<int>(left_out.total()) - cv::countNonZero(left_out));
   DepthScan scan;
   scan.time = frame.time;
-  scan.grid = gridOf(camera, disparity, steps, rig.sigma_disparity_px);
+  scan.grid = gridOf(*frame.camera, disparity, steps, rig.sigma_disparity_px);
   scan.known.assign((scan.grid.cells() + 7) / 8, 0);
   if (scan.grid.cells() == 0) return scan;
   const cv::Mat colours = coloursOf(frame, scan.grid);

@@ -42,12 +42,15 @@ DenseMapper::DenseMapper(const map::DenseMapParams& params,
       rig_(rig),
       dense_(forRig(params, rig)) {}
 
-void DenseMapper::scan(const StereoFrame& frame, const stereo::DisparityImage& disparity,
-                       MovingRegions moving, const Pose& T_map_robot) {
+void DenseMapper::scan(const stereo::FrameContext& context, MovingRegions moving,
+                       const Pose& T_map_robot) {
   scanned_at_ = dense_.anchored(T_map_robot);
-  const auto make = [frame, disparity, moving = std::move(moving), rig = *rig_] {
+  const auto make = [frame = context.frame(), disparity = context.disparity(),
+                     match_ground = context.groundMatching(rig_->dense_to_m),
+                     moving = std::move(moving), rig = *rig_] {
     const auto start = Clock::now();
-    Scanned result{detect::scanDepth(frame, disparity, moving, rig)};
+    const auto ground = match_ground ? match_ground() : stereo::DisparityImage();
+    Scanned result{detect::scanDepth(frame, disparity, ground, moving, rig)};
     result.elapsed_ms = milliseconds(Clock::now() - start);
     return result;
   };

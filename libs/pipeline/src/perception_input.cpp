@@ -163,7 +163,7 @@ void Perception::updateDense(const RecordedFrame& frame, const PerceptionUpdate&
   if (repeated_ || !scan_ground || !isTracked(update) || !dense_.isUsed()) return;
   dense_.leaveOut(update.objects.tracks, frame.time);
   const Pose& T_map_robot = update.camera.T_map_robot;
-  dense_.scan(*frame.stereo, found_.context->disparity(),
+  dense_.scan(*found_.context,
               detection_.leftOutOfDenseMap(frame, T_map_robot, found_, update.objects.tracks),
               T_map_robot);
 }

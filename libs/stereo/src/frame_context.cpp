@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/stereo/contrast.h>
 #include <headway/stereo/frame_context.h>
+#include <headway/stereo/ground_disparity.h>
 #include <headway/stereo/reduced_image.h>
 
 #include <future>
@@ -102,6 +103,16 @@ const std::optional<GroundPlane>& FrameContext::ground() const {
     values_->ground_searched = true;
   }
   return values_->ground;
+}
+
+std::function<DisparityImage()> FrameContext::groundMatching(double to_m) const {
+  if (!ground()) return {};
+  return [frame = values_->frame, plane = *values_->ground, params = values_->params,
+          offset_px = values_->disparity_offset_px, to_m] {
+    DisparityImage disparity = groundDisparity(frame, plane, params, to_m);
+    subtractOffset(offset_px, disparity);
+    return disparity;
+  };
 }
 
 const std::optional<GroundPlane>& FrameContext::lastGround() const { return values_->ground; }

@@ -127,7 +127,7 @@ RigCapability rigCapability(const StereoCamera& camera, const RigAssumptions& as
   rig.dense_voxel_m =
       valueOr(assumptions.dense_voxel_m, std::clamp(kDenseVoxelStep_m * voxels, 0.05, 0.1));
   rig.dense_spacing_m =
-      valueOr(assumptions.dense_spacing_m, std::clamp(rig.dense_to_m / 8.0, 0.25, 2.5));
+      valueOr(assumptions.dense_spacing_m, std::clamp(rig.dense_to_m / 24.0, 0.25, 1.0));
   return rig;
 }
 

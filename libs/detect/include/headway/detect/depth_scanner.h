@@ -15,12 +15,15 @@ namespace headway::detect {
 /// Left out are regions of moving objects, depths beyond the rig's dense_to_m, and, where no plane
 /// fits, the border of what stands before something farther away, or before nothing that was
 /// matched: there, block matching gives the background the depth of the foreground. The grid is the
-/// finest one with at most 20,000 cells, so that near surfaces do not fill the memory.
+/// finest one with at most 10,000 cells, so that near surfaces do not fill the memory.
 ///
 /// @param frame      with its camera; its colour image is used if there is one
 /// @param disparity  of the frame
+/// @param ground     of the frame, matched along the ground (stereo::groundDisparity): more exact
+///                   where both agree, and where the other is unknown; may be empty
 /// @param moving     left out; the unsure ones, too
 [[nodiscard]] DepthScan scanDepth(const StereoFrame& frame, const stereo::DisparityImage& disparity,
+                                  const stereo::DisparityImage& ground,
                                   const MovingRegions& moving, const stereo::RigCapability& rig);
 
 }  // namespace headway::detect

@@ -3,11 +3,10 @@
 
 #include <headway/core/moving_regions.h>
 #include <headway/core/stage_times.h>
-#include <headway/core/stereo_frame.h>
 #include <headway/core/worker_thread.h>
 #include <headway/map/dense_map.h>
 #include <headway/map/perception_map.h>
-#include <headway/stereo/disparity.h>
+#include <headway/stereo/frame_context.h>
 #include <headway/stereo/rig_capability.h>
 
 #include <chrono>
@@ -34,8 +33,7 @@ class DenseMapper {
   [[nodiscard]] bool isUsed() const { return used_; }
 
   /// Starts the scan of a frame.
-  void scan(const StereoFrame& frame, const stereo::DisparityImage& disparity, MovingRegions moving,
-            const Pose& T_map_robot);
+  void scan(const stereo::FrameContext& context, MovingRegions moving, const Pose& T_map_robot);
 
   /// Removes from the scans of the last seconds what lies where moving objects were, by their
   /// tracks at a time.

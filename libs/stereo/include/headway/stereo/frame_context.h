@@ -9,6 +9,7 @@
 #include <headway/stereo/right_turn.h>
 #include <headway/stereo/second_view.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -58,6 +59,9 @@ class FrameContext {
 
   /// Ground plane in the camera frame; nullopt where none is found (expected, not an error).
   [[nodiscard]] const std::optional<GroundPlane>& ground() const;
+  /// The matching of the ground along its plane up to a depth, corrected by the offset, for another
+  /// thread. Empty where no ground is found.
+  [[nodiscard]] std::function<DisparityImage()> groundMatching(double to_m) const;
   /// The last ground plane known, of this frame if it was asked for; does not search.
   [[nodiscard]] const std::optional<GroundPlane>& lastGround() const;
 

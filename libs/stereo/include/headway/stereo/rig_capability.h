@@ -65,7 +65,7 @@ struct RigCapability {
   double grid_spacing_m = 0.0;         ///< of ground scans: obstacles_to_m / 20, 0.2 to 1 m
   double dense_to_m = 0.0;             ///< surfaces enter the dense map to here [m]
   double dense_voxel_m = 0.0;          ///< of the dense map: dense_to_m / 150, 0.05 or 0.1 m
-  double dense_spacing_m = 0.0;        ///< of its depth scans: dense_to_m / 8, 0.25 to 2.5 m
+  double dense_spacing_m = 0.0;        ///< of its depth scans: dense_to_m / 24, 0.25 to 1 m
 
   /// Standard deviation of a depth [m].
   [[nodiscard]] double depthSigma(double depth_m) const;
