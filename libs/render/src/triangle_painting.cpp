@@ -42,6 +42,7 @@ std::uint8_t blended(int below, int above, int opacity) {
 }  // namespace
 
 void Painter::paint(const std::vector<PaintedTriangle>& triangles, double margin_m) {
+  show();
   std::vector<Polygon> polygons;
   for (const auto& triangle : triangles) {
     if (const auto polygon = projected(triangle)) polygons.push_back(*polygon);

@@ -98,7 +98,10 @@ class Painter {
   [[nodiscard]] bool hides(const Eigen::Vector3d& place_map, double margin_m) const;
 
   /// The picture so far, 8-bit BGR; overwritten by the next one.
-  [[nodiscard]] cv::Mat& picture() { return colours_; }
+  [[nodiscard]] cv::Mat& picture() {
+    show();
+    return colours_;
+  }
 
  private:
   struct Corner {
@@ -117,22 +120,31 @@ class Painter {
     int first = 0, end = 0;
   };
   [[nodiscard]] Band bandOf(int index) const;
-  void paintPoints(const PointRun& run, const PointStyle& style, const Band& band);
+  struct Projected;
+  void projectBlock(const PaintedPoint* points, std::size_t count, const PointStyle& style,
+                    Projected& out) const;
+  void paintBlock(const PaintedPoint* points, std::size_t count, const PointStyle& style,
+                  const Band& band);
   void paintDisc(float u, float v, float half, float z, std::uint32_t colour, const Band& band);
   [[nodiscard]] bool isHidden(float u, float v, float z, const Band& band) const;
-  void showPoints(const Band& band);
+  template <class Light>
+  void showRow(int row, const Light& light);
+  void show();
   [[nodiscard]] std::optional<Polygon> projected(const PaintedTriangle& triangle) const;
   void fill(const Polygon& polygon, float margin_m, const Band& band);
   void fillRow(int row, Corner left, Corner right, Colour colour, float margin_m);
 
   static constexpr int kBands = 6;
+  static constexpr int kRowMargin =
+      3;  ///< pixels behind a row, so that four can be painted at once
 
   PinholeView view_;
   Eigen::Matrix3f R_camera_map_ = Eigen::Matrix3f::Identity();
   Eigen::Vector3f t_camera_map_ = Eigen::Vector3f::Zero();
-  cv::Mat colours_;  ///< 8-bit BGR
-  cv::Mat points_;   ///< colours of the points, 0xRRGGBB
-  cv::Mat depths_;   ///< 32-bit float [m]; kNoDepth where there is no point
+  cv::Mat colours_;    ///< 8-bit BGR
+  cv::Mat points_;     ///< colours of the points, 0xRRGGBB
+  cv::Mat depths_;     ///< 32-bit float [m]; kNoDepth where there is no point
+  bool shown_ = true;  ///< whether colours_ contains the points
 };
 
 /// The view of a picture `factor` times as large.
