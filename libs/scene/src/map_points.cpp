@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_points.h"
 
+#include <headway/core/parallel_rows.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -30,6 +32,7 @@ Colour colourOf(const slam::LandmarkView& landmark, double ground_z, double scal
 std::vector<render::PaintedPoint> landmarkPoints(const slam::MapView& static_map, double ground_z,
                                                  double scale, const Palette& palette) {
   std::vector<render::PaintedPoint> points;
+  points.reserve(static_map.landmarks.size());
   for (const auto& landmark : static_map.landmarks) {
     points.push_back(
         {landmark.position.cast<float>(), colourOf(landmark, ground_z, scale, palette)});
@@ -43,7 +46,8 @@ std::vector<render::PaintedPoint> densePoints(const mrpt::maps::CColouredPointsM
   const auto black = static_cast<float>(255.0 * palette.map_black);
   const auto range = static_cast<float>(255.0 * (palette.map_white - palette.map_black));
   std::vector<render::PaintedPoint> points(dense.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
+  forEachRow(static_cast<int>(points.size()), [&](int index) {
+    const auto i = static_cast<std::size_t>(index);
     auto& position = points[i].position;
     dense.getPointFast(i, position.x(), position.y(), position.z());
     float red = 0.F, green = 0.F, blue = 0.F;
@@ -54,7 +58,7 @@ std::vector<render::PaintedPoint> densePoints(const mrpt::maps::CColouredPointsM
           std::clamp(black + range * (grey + saturation * (value - grey)), 0.F, 255.F));
     };
     points[i].colour = {toned(red), toned(green), toned(blue)};
-  }
+  });
   return points;
 }
 

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "point_cells.h"
 
+#include <headway/core/parallel_rows.h>
+
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
-#include <map>
 #include <random>
+#include <unordered_map>
 #include <utility>
 
 namespace headway::scene {
@@ -31,10 +33,8 @@ bool mayBeVisible(const Eigen::Vector3d& centre, double radius, const render::Pi
 ///
 /// A cell whose corners are all before the camera takes as many points at random as close its
 /// projection, if they have a width in the world; others take all points, in any row.
-render::PointRun runOf(const Eigen::AlignedBox3f& bounds,
-                       const std::vector<render::PaintedPoint>& points,
+render::PointRun runOf(const Eigen::AlignedBox3f& bounds, render::PointRun run,
                        const render::PointStyle& style, const render::PinholeView& view) {
-  render::PointRun run{points.data(), points.size()};
   Eigen::AlignedBox2d covered;
   double farthest = 0.0;
   for (int corner = 0; corner < 8; ++corner) {
@@ -60,37 +60,71 @@ render::PointRun runOf(const Eigen::AlignedBox3f& bounds,
   return run;
 }
 
-/// Puts points in a random order that is the same each time.
-void shuffle(std::vector<render::PaintedPoint>& points) {
-  std::mt19937 random(1);
-  for (std::size_t i = points.size(); i > 1; --i) std::swap(points[i - 1], points[random() % i]);
+/// The cell of a place, by its coordinates in cells, which repeat after two million cells.
+std::int64_t keyOf(const Eigen::Vector3f& place) {
+  constexpr std::int64_t kCellsOfAxis = 1 << 21;
+  const auto index = [](float value) {
+    return static_cast<std::int64_t>(std::floor(value)) & (kCellsOfAxis - 1);
+  };
+  return (index(place.x()) * kCellsOfAxis + index(place.y())) * kCellsOfAxis + index(place.z());
 }
 
-float nearestNeighbour(const std::vector<render::PaintedPoint>& points, std::size_t index) {
+/// Puts points in a random order that is the same each time.
+void shuffle(render::PaintedPoint* points, std::size_t count) {
+  std::mt19937 random(1);
+  for (std::size_t i = count; i > 1; --i) std::swap(points[i - 1], points[random() % i]);
+}
+
+float nearestNeighbour(const render::PointRun& run, std::size_t index) {
   float nearest = std::numeric_limits<float>::infinity();
-  for (std::size_t i = 0; i < points.size(); ++i) {
+  for (std::size_t i = 0; i < run.count; ++i) {
     if (i == index) continue;
-    nearest = std::min(nearest, (points[i].position - points[index].position).squaredNorm());
+    nearest =
+        std::min(nearest, (run.points[i].position - run.points[index].position).squaredNorm());
   }
   return std::sqrt(nearest);
 }
 
 }  // namespace
 
-PointCells::PointCells(const std::vector<render::PaintedPoint>& points, double cell_m) {
-  std::map<std::array<int, 3>, Cell> cells;
+PointCells::PointCells(std::vector<render::PaintedPoint> points, double cell_m)
+    : points_(std::move(points)) {
+  std::vector<std::uint32_t> places = sortIntoCells(cell_m);
+  for (std::uint32_t i = 0; i < places.size(); ++i) {
+    while (places[i] != i) {  // in place: a million points take 17 MB
+      const std::uint32_t place = places[i];
+      std::swap(points_[i], points_[place]);
+      std::swap(places[i], places[place]);
+    }
+  }
+  forEachRow(static_cast<int>(cells_.size()), [&](int i) {
+    const Cell& cell = cells_[static_cast<std::size_t>(i)];
+    shuffle(points_.data() + cell.first, cell.count);
+  });
+}
+
+/// Makes the cells of the points, in the order of their first points.
+///
+/// @return  the place of each point if points are ordered by cells
+std::vector<std::uint32_t> PointCells::sortIntoCells(double cell_m) {
+  std::unordered_map<std::int64_t, std::uint32_t> cell_of_key;
+  std::vector<std::uint32_t> places;  // first the cells
+  places.reserve(points_.size());
   const auto side = static_cast<float>(cell_m);
-  for (const auto& point : points) {
-    const Eigen::Vector3f index = (point.position / side).array().floor();
-    auto& cell = cells[{static_cast<int>(index.x()), static_cast<int>(index.y()),
-                        static_cast<int>(index.z())}];
-    cell.bounds.extend(point.position);
-    cell.points.push_back(point);
+  for (const auto& point : points_) {
+    const auto cell = cell_of_key.try_emplace(keyOf(point.position / side), cells_.size()).first;
+    places.push_back(cell->second);
+    if (cell->second == cells_.size()) cells_.emplace_back();
+    cells_[cell->second].bounds.extend(point.position);
+    ++cells_[cell->second].count;
   }
-  for (auto& [index, cell] : cells) {
-    shuffle(cell.points);
-    cells_.push_back(std::move(cell));
+  std::vector<std::uint32_t> next;
+  for (auto& cell : cells_) {
+    cell.first = next.empty() ? 0 : next.back() + cells_[next.size() - 1].count;
+    next.push_back(static_cast<std::uint32_t>(cell.first));
   }
+  for (auto& place : places) place = next[place]++;
+  return places;
 }
 
 void PointCells::paint(const render::PinholeView& view, const render::PointStyle& style,
@@ -106,23 +140,20 @@ void PointCells::paint(const render::PinholeView& view, const render::PointStyle
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<render::PointRun> runs;
   for (const auto& [distance, cell] : visible) {
-    runs.push_back(runOf(cell->bounds, cell->points, style, view));
+    runs.push_back(runOf(cell->bounds, pointsOf(*cell), style, view));
   }
   painter.paint(runs, style);
 }
 
 double PointCells::closingWidth() const {
-  std::size_t total = 0;
-  for (const auto& cell : cells_) total += cell.points.size();
-  const std::size_t step = std::max<std::size_t>(1, total / kSpacingSamples);
+  const std::size_t step = std::max<std::size_t>(1, points_.size() / kSpacingSamples);
   std::vector<float> distances;
-  std::size_t next = 0, passed = 0;
+  std::size_t next = 0;
   for (const auto& cell : cells_) {
-    for (; next < passed + cell.points.size(); next += step) {
-      if (cell.points.size() < 2) continue;
-      distances.push_back(nearestNeighbour(cell.points, next - passed));
+    for (; next < cell.first + cell.count; next += step) {
+      if (cell.count < 2) continue;
+      distances.push_back(nearestNeighbour(pointsOf(cell), next - cell.first));
     }
-    passed += cell.points.size();
   }
   if (distances.empty()) return 0.0;
   const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);

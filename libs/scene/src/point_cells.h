@@ -4,6 +4,7 @@
 #include <headway/render/painter.h>
 
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <vector>
 
 namespace headway::scene {
@@ -14,7 +15,7 @@ class PointCells {
  public:
   PointCells() = default;
   /// @param cell_m  side of a cell, above 0 [m]
-  PointCells(const std::vector<render::PaintedPoint>& points, double cell_m);
+  PointCells(std::vector<render::PaintedPoint> points, double cell_m);
 
   /// Paints the points that may be visible: all if they have no width in the world, and else an
   /// even sample of cells whose points cover each other several times.
@@ -30,9 +31,15 @@ class PointCells {
  private:
   struct Cell {
     Eigen::AlignedBox3f bounds;
-    std::vector<render::PaintedPoint> points;  ///< the first ones of which are a sample of all
+    std::size_t first = 0, count = 0;  ///< in points_; the first ones are a sample of all
   };
+  [[nodiscard]] render::PointRun pointsOf(const Cell& cell) const {
+    return {points_.data() + cell.first, cell.count};
+  }
+  [[nodiscard]] std::vector<std::uint32_t> sortIntoCells(double cell_m);
+
   std::vector<Cell> cells_;
+  std::vector<render::PaintedPoint> points_;  ///< cell by cell
 };
 
 }  // namespace headway::scene
