@@ -10,6 +10,7 @@ extern "C" {
 
 #include <array>
 #include <cmath>
+#include <future>
 
 namespace headway::render {
 namespace {
@@ -122,17 +123,21 @@ class VideoFile::Encoder {
 
   void add(const cv::Mat& picture) {
     CV_Assert(picture.size() == size_ && picture.type() == CV_8UC3);
+    waitForEncoding();
     require(av_frame_make_writable(frame_.get()));
     const std::array<const std::uint8_t*, 1> rows{picture.data};
     const std::array<int, 1> stride{static_cast<int>(picture.step)};
     sws_scale(conversion_.get(), rows.data(), stride.data(), 0, size_.height, frame_->data,
               frame_->linesize);
     frame_->pts = count_++;
-    require(avcodec_send_frame(codec_.get(), frame_.get()));
-    writePackets();
+    encoding_ = std::async(std::launch::async, [this] {
+      require(avcodec_send_frame(codec_.get(), frame_.get()));
+      writePackets();
+    });
   }
 
   void finish() {
+    waitForEncoding();
     require(avcodec_send_frame(codec_.get(), nullptr));
     writePackets();
     require(av_write_trailer(file_.get()));
@@ -154,6 +159,11 @@ class VideoFile::Encoder {
     }
   }
 
+  /// @throws InputError on an error of the last picture
+  void waitForEncoding() {
+    if (encoding_.valid()) encoding_.get();
+  }
+
   void require(int result) const {
     if (result >= 0) return;
     std::array<char, AV_ERROR_MAX_STRING_SIZE> reason{};
@@ -171,6 +181,7 @@ class VideoFile::Encoder {
   Owned<AVPacket> packet_;
   Owned<SwsContext> conversion_;
   std::int64_t count_ = 0;
+  std::future<void> encoding_;  ///< of frame_; the last member, whose destructor waits for it
 };
 
 VideoFile::VideoFile(const std::string& path, double rate, cv::Size size)

@@ -37,8 +37,10 @@ class VideoFile {
   VideoFile(VideoFile&&) noexcept;
   VideoFile& operator=(VideoFile&&) noexcept;
 
-  /// @param picture  8-bit BGR of the size given
-  /// @throws InputError on a write error
+  /// Returns before the picture is encoded, so that the next one is drawn meanwhile.
+  ///
+  /// @param picture  8-bit BGR of the size given; copied
+  /// @throws InputError on a write error of the picture before
   void add(const cv::Mat& picture);
 
   /// Flushes the encoder and writes the index.
