@@ -3,6 +3,7 @@
 #include <mrpt/opengl/CSetOfTriangles.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace headway::map {
 namespace {
@@ -41,17 +42,21 @@ void appendRibbon(const std::vector<Eigen::Vector3d>& polyline, const HalfWidths
   if (polyline.size() < 2) return;
   const auto normals = levelNormals(polyline);
   const double last = static_cast<double>(polyline.size() - 1);
-  const auto edge = [&](std::size_t i, double side) {
-    return vertexAt(polyline[i] + side * half_widths[i] * normals[i], colour,
-                    opacity(static_cast<double>(i) / last));
+  const auto edgesAt = [&](std::size_t i) {
+    const Eigen::Vector3d aside = half_widths[i] * normals[i];
+    const double shown = opacity(static_cast<double>(i) / last);
+    return std::make_pair(vertexAt(polyline[i] + aside, colour, shown),
+                          vertexAt(polyline[i] - aside, colour, shown));
   };
+  std::vector<mrpt::opengl::TTriangle> triangles(2 * (polyline.size() - 1));
+  auto before = edgesAt(0);
   for (std::size_t i = 1; i < polyline.size(); ++i) {
-    mrpt::opengl::TTriangle first, second;
-    first.vertices = {edge(i - 1, 1.0), edge(i - 1, -1.0), edge(i, -1.0)};
-    second.vertices = {edge(i - 1, 1.0), edge(i, -1.0), edge(i, 1.0)};
-    out.insertTriangle(first);
-    out.insertTriangle(second);
+    const auto after = edgesAt(i);
+    triangles[2 * i - 2].vertices = {before.first, before.second, after.second};
+    triangles[2 * i - 1].vertices = {before.first, after.second, after.first};
+    before = after;
   }
+  out.insertTriangles(triangles.begin(), triangles.end());
 }
 
 void appendRibbon(const std::vector<Eigen::Vector3d>& polyline, double width, Colour colour,

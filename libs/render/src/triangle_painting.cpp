@@ -9,7 +9,7 @@
 namespace headway::render {
 namespace {
 
-constexpr float kHiddenOpacity = 0.25F;  // factor
+constexpr int kHiddenShift = 2;  // of the opacity, to a quarter
 
 /// A corner in camera coordinates.
 struct Placed {
@@ -43,18 +43,19 @@ std::uint8_t blended(int below, int above, int opacity) {
 
 void Painter::paint(const std::vector<PaintedTriangle>& triangles, double margin_m) {
   show();
-  std::vector<Polygon> polygons;
-  for (const auto& triangle : triangles) {
-    if (const auto polygon = projected(triangle)) polygons.push_back(*polygon);
-  }
+  std::vector<Polygon> polygons(triangles.size());
+  forEachRow(static_cast<int>(triangles.size()), [&](int index) {
+    const auto i = static_cast<std::size_t>(index);
+    polygons[i] = projected(triangles[i]);
+  });
   forEachRow(kBands, [&](int index) {
     const Band band = bandOf(index);
     for (const auto& polygon : polygons) fill(polygon, static_cast<float>(margin_m), band);
   });
 }
 
-/// The part of a triangle before the camera; nullopt if it is in no row of the picture.
-std::optional<Painter::Polygon> Painter::projected(const PaintedTriangle& triangle) const {
+/// The part of a triangle before the camera, without rows if it is in none of the picture.
+Painter::Polygon Painter::projected(const PaintedTriangle& triangle) const {
   std::array<Placed, 3> placed;
   for (std::size_t i = 0; i < 3; ++i) {
     placed[i] = {R_camera_map_ * triangle.corners[i] + t_camera_map_, triangle.opacity[i]};
@@ -62,7 +63,7 @@ std::optional<Painter::Polygon> Painter::projected(const PaintedTriangle& triang
   std::array<Placed, 4> visible;
   Polygon polygon;
   polygon.count = clipped(placed, static_cast<float>(view_.near_m), visible);
-  if (polygon.count < 3) return std::nullopt;
+  if (polygon.count < 3) return polygon;
   float top = std::numeric_limits<float>::infinity(), bottom = -top;
   for (std::size_t i = 0; i < polygon.count; ++i) {
     const float inverse = 1.F / visible[i].point.z();
@@ -81,7 +82,6 @@ std::optional<Painter::Polygon> Painter::projected(const PaintedTriangle& triang
   polygon.first_row = rowFrom(top);
   polygon.end_row = rowFrom(bottom);
   polygon.colour = triangle.colour;
-  if (polygon.first_row >= polygon.end_row) return std::nullopt;
   return polygon;
 }
 
@@ -115,15 +115,15 @@ void Painter::fillRow(int row, Corner left, Corner right, Colour colour, float m
   if (first >= end) return;
   const float step = 1.F / std::max(1e-6F, right.u - left.u);
   const float inverse_step = step * (right.inverse_depth - left.inverse_depth);
-  const float opacity_step = step * (right.opacity - left.opacity);
+  const float opacity_step = 256.F * step * (right.opacity - left.opacity);
   const float offset = static_cast<float>(first) - left.u;
   float inverse = left.inverse_depth + offset * inverse_step;
-  float opacity = left.opacity + offset * opacity_step;
+  float opacity = 256.F * left.opacity + offset * opacity_step;  // 0 to 256
   const auto* depth = depths_.ptr<float>(row);
   auto* pixel = colours_.ptr<cv::Vec3b>(row);
   for (int column = first; column < end; ++column) {
     const bool hidden = inverse * (depth[column] + margin_m) < 1.F;
-    const auto shown = static_cast<int>((hidden ? kHiddenOpacity : 1.F) * 256.F * opacity);
+    const int shown = static_cast<int>(opacity) >> (hidden ? kHiddenShift : 0);
     auto& bgr = pixel[column];
     bgr = {blended(bgr[0], colour.blue, shown), blended(bgr[1], colour.green, shown),
            blended(bgr[2], colour.red, shown)};

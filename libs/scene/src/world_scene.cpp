@@ -232,16 +232,13 @@ std::vector<std::shared_ptr<CSetOfTriangles>> groundTriangles(const SnapshotInpu
 }
 
 void append(const CSetOfTriangles& triangles, std::vector<render::PaintedTriangle>& out) {
-  for (std::size_t i = 0; i < triangles.getTrianglesCount(); ++i) {
-    mrpt::opengl::TTriangle triangle;
-    triangles.getTriangle(i, triangle);
-    render::PaintedTriangle painted;
+  for (const auto& triangle : triangles.shaderTrianglesBuffer()) {
+    render::PaintedTriangle& painted = out.emplace_back();
     painted.colour = {triangle.r(0), triangle.g(0), triangle.b(0)};
     for (std::size_t corner = 0; corner < 3; ++corner) {
       painted.corners[corner] = {triangle.x(corner), triangle.y(corner), triangle.z(corner)};
       painted.opacity[corner] = mrpt::u8tof(triangle.a(corner));
     }
-    out.push_back(painted);
   }
 }
 

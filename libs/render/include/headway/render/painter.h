@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <limits>
 #include <opencv2/core/mat.hpp>
-#include <optional>
 #include <vector>
 
 namespace headway::render {
@@ -130,7 +129,7 @@ class Painter {
   template <class Light>
   void showRow(int row, const Light& light);
   void show();
-  [[nodiscard]] std::optional<Polygon> projected(const PaintedTriangle& triangle) const;
+  [[nodiscard]] Polygon projected(const PaintedTriangle& triangle) const;
   void fill(const Polygon& polygon, float margin_m, const Band& band);
   void fillRow(int row, Corner left, Corner right, Colour colour, float margin_m);
 
