@@ -21,6 +21,15 @@ void paintCell(float free, const Palette& palette, cv::Vec3b& colour, std::uint8
   opacity = occupied ? kOccupiedOpacity : free > kFreeAbove ? kFreeOpacity : 0;
 }
 
+/// @param opacity  0 to 255
+cv::Vec3b blended(const cv::Vec3b& below, const cv::Vec3b& above, int opacity) {
+  cv::Vec3b result;
+  for (int i = 0; i < 3; ++i) {
+    result[i] = static_cast<std::uint8_t>((below[i] * (255 - opacity) + above[i] * opacity) / 255);
+  }
+  return result;
+}
+
 }  // namespace
 
 OccupancyPicture occupancyAround(const mrpt::maps::COccupancyGridMap2D& grid,
@@ -44,13 +53,13 @@ OccupancyPicture occupancyAround(const mrpt::maps::COccupancyGridMap2D& grid,
   result.y_min = y_min + result.cell_m * bottom;
   result.colours.create(top - bottom, right - left, CV_8UC3);
   result.opacity.create(top - bottom, right - left, CV_8UC1);
-  for (int y = bottom; y < top; ++y) {
-    auto* colour = result.colours.ptr<cv::Vec3b>(y - bottom);
-    auto* opacity = result.opacity.ptr<std::uint8_t>(y - bottom);
+  forEachRow(top - bottom, [&](int row) {
+    auto* colour = result.colours.ptr<cv::Vec3b>(row);
+    auto* opacity = result.opacity.ptr<std::uint8_t>(row);
     for (int x = left; x < right; ++x, ++colour, ++opacity) {
-      paintCell(grid.getCell(x, y), palette, *colour, *opacity);
+      paintCell(grid.getCell(x, bottom + row), palette, *colour, *opacity);
     }
-  }
+  });
   return result;
 }
 
@@ -63,26 +72,24 @@ void drawOccupancy(const OccupancyPicture& occupancy, double ground_z,
   const double y_origin = (viewpoint.y() - occupancy.y_min) / occupancy.cell_m;
   const Eigen::Vector3d across = view.T_map_camera.linear().col(0) / view.fx;
   forEachRow(picture.rows, [&](int row) {
-    Eigen::Vector3d ray = view.T_map_camera.linear() *
-                          Eigen::Vector3d(-view.cx / view.fx, (row - view.cy) / view.fy, 1.0);
+    const Eigen::Vector3d ray = view.T_map_camera.linear() *
+                                Eigen::Vector3d(-view.cx / view.fx, (row - view.cy) / view.fy, 1.0);
+    const double scale = drop / ray.z();  // of the whole row, without roll
+    if (!(scale > 0.0 && scale < view.far_m)) return;
+    const double cells = scale / occupancy.cell_m;
+    const double x_left = x_origin + cells * ray.x(), x_step = cells * across.x();
+    const double y_left = y_origin + cells * ray.y(), y_step = cells * across.y();
     auto* pixel = picture.ptr<cv::Vec3b>(row);
-    for (int column = 0; column < picture.cols; ++column, ++pixel, ray += across) {
-      const double scale = drop / ray.z();
-      if (!(scale > 0.0 && scale < view.far_m)) continue;
-      const double x = x_origin + scale / occupancy.cell_m * ray.x();
-      const double y = y_origin + scale / occupancy.cell_m * ray.y();
+    for (int column = 0; column < picture.cols; ++column) {
+      const double x = x_left + column * x_step, y = y_left + column * y_step;
       if (!(x >= 0.0 && y >= 0.0 && x < occupancy.colours.cols && y < occupancy.colours.rows)) {
         continue;
       }
-      const cv::Point cell(static_cast<int>(x), static_cast<int>(y));
-      const int opacity = occupancy.opacity.at<std::uint8_t>(cell);
+      const int cell_x = static_cast<int>(x), cell_y = static_cast<int>(y);
+      const int opacity = occupancy.opacity.ptr<std::uint8_t>(cell_y)[cell_x];
       if (opacity == 0) continue;
-      const auto& colour = occupancy.colours.at<cv::Vec3b>(cell);
-      for (int channel = 0; channel < 3; ++channel) {
-        auto& value = (*pixel)[channel];
-        value =
-            static_cast<std::uint8_t>((value * (255 - opacity) + colour[channel] * opacity) / 255);
-      }
+      pixel[column] =
+          blended(pixel[column], occupancy.colours.ptr<cv::Vec3b>(cell_y)[cell_x], opacity);
     }
   });
 }

@@ -25,6 +25,8 @@ struct OccupancyPicture {
                                                const Palette& palette);
 
 /// Blends the cells on the ground over a picture.
+///
+/// @param view  without roll
 void drawOccupancy(const OccupancyPicture& occupancy, double ground_z,
                    const render::PinholeView& view, cv::Mat& picture);
 
