@@ -198,6 +198,33 @@ TEST_F(PainterTest, PaintsWholeDiscsInEveryRow) {
   }
 }
 
+TEST_F(PainterTest, DiscsAreThePixelsWithinTheirRadiusAtBordersToo) {
+  constexpr double kRadius = 0.75 * 16.0;  // of 1 m at 10 m, half of it overlaps
+  for (const double y : {0.0, 3.71, 9.9, -9.9}) {
+    painter.clear(forwardView(), kBackdrop);
+    const Eigen::Vector3d place(10.0, y, 0.03);
+    paint({{place.cast<float>(), kRed}}, wide(1.F));
+    const auto centre = project(place, forwardView());
+    for (int row = 0; row < kHeight; ++row) {
+      for (int column = 0; column < kWidth; ++column) {
+        const double distance = (*centre - Eigen::Vector2d(column, row)).norm();
+        if (std::abs(distance - kRadius) < 0.01) continue;
+        const bool is_red = painter.picture().at<cv::Vec3b>(row, column) == cv::Vec3b(0, 0, 200);
+        ASSERT_EQ(is_red, distance < kRadius) << y << " m, pixel " << column << ' ' << row;
+      }
+    }
+  }
+}
+
+TEST_F(PainterTest, ShadedPointsKeepTheirColourAwayFromEdges) {
+  paint({{{10, 0, 0}, kRed}}, wide(6.F));
+  const cv::Mat unshaded = painter.picture().clone();
+  painter.shade();
+  EXPECT_EQ(cv::norm(unshaded, painter.picture(), cv::NORM_INF), 0.0) << "nothing is behind";
+  paint({{{8, 0, 0}, kBlue}}, wide(1.F));
+  EXPECT_EQ(at(8, 0, 0), cv::Vec3b(200, 0, 0)) << "painted after shading";
+}
+
 TEST_F(PainterTest, ARunsRowsAreOnlyABound) {
   const std::vector<PaintedPoint> points{{{10, 0, 4}, kRed}, {{10, 0, -4}, kRed}};
   painter.paint({{points.data(), 1, 40, 80}, {points.data() + 1, 1, 160, 200}}, wide(1.F));

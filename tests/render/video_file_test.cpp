@@ -3,6 +3,7 @@
 #include <headway/render/video_file.h>
 #include <headway_test/folders.h>
 
+#include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
@@ -50,6 +51,26 @@ TEST(VideoFileTest, AcceptsAPartOfALargerPicture) {
   ASSERT_TRUE(cv::VideoCapture((folder / "part.mp4").string()).read(picture));
   EXPECT_GT(cv::mean(picture)[1], 230.0);
   EXPECT_LT(cv::mean(picture)[2], 25.0);
+}
+
+TEST(VideoFileTest, APictureMayBeOverwrittenAtOnce) {
+  const test::TemporaryFolder folder;
+  writeTo(folder / "new.mp4");
+  VideoFile video(folder / "reused.mp4", 12.5, kSize);
+  cv::Mat picture(kSize, CV_8UC3);
+  for (int i = 0; i < kPictures; ++i) {
+    picture.setTo(colourOf(i));
+    video.add(picture);
+    picture.setTo(cv::Scalar(0, 0, 0));
+  }
+  video.finish();
+  cv::VideoCapture expected((folder / "new.mp4").string());
+  cv::VideoCapture reused((folder / "reused.mp4").string());
+  cv::Mat other;
+  for (int i = 0; i < kPictures; ++i) {
+    ASSERT_TRUE(expected.read(picture) && reused.read(other));
+    EXPECT_EQ(cv::norm(picture, other, cv::NORM_INF), 0.0) << "picture " << i;
+  }
 }
 
 TEST(VideoFileTest, RefusesAMissingFolder) {
