@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <array>
-#include <opencv2/core/hal/intrin.hpp>
+#include <cstring>
 
 namespace headway::render {
 namespace {
@@ -12,6 +12,10 @@ namespace {
 constexpr float kOverlap = 1.5F;    // of neighbouring discs, which are seen at an angle
 constexpr float kMinRound = 2.5F;   // radius from which points are discs [px]
 constexpr std::size_t kBlock = 64;  // points that are projected together
+
+/// Four pixels, by the vectors of GCC and Clang.
+using Floats = float __attribute__((vector_size(16)));
+using Words = std::uint32_t __attribute__((vector_size(16)));
 
 std::uint32_t packed(const Colour& colour) {
   return static_cast<std::uint32_t>(colour.red << 16 | colour.green << 8 | colour.blue);
@@ -31,18 +35,21 @@ int rowFrom(float place) {
 /// @param first, end     what may be painted [px]; up to three more pixels are written unchanged
 void paintRow(float z, std::uint32_t colour, float centre, float square_radius, int first, int end,
               float* depths, std::uint32_t* colours) {
-  const auto new_depth = cv::v_setall_f32(z), radius = cv::v_setall_f32(square_radius);
-  const auto new_colour = cv::v_setall_u32(colour);
   const float offset = static_cast<float>(first) - centre;
-  cv::v_float32x4 across(offset, offset + 1.F, offset + 2.F, offset + 3.F);
+  Floats across{offset, offset + 1.F, offset + 2.F, offset + 3.F};
+  const Floats new_depths{z, z, z, z};
+  const Words new_colours{colour, colour, colour, colour};
   for (int column = first; column < end; column += 4) {
-    const auto depth = cv::v_load(depths + column);
-    const auto is_painted = (new_depth < depth) & (across * across < radius);
-    cv::v_store(depths + column, cv::v_select(is_painted, new_depth, depth));
-    const auto is_coloured = cv::v_reinterpret_as_u32(is_painted);
-    cv::v_store(colours + column,
-                cv::v_select(is_coloured, new_colour, cv::v_load(colours + column)));
-    across += cv::v_setall_f32(4.F);
+    Floats old_depths;
+    Words old_colours;
+    std::memcpy(&old_depths, depths + column, sizeof old_depths);
+    std::memcpy(&old_colours, colours + column, sizeof old_colours);
+    const auto is_painted = (new_depths < old_depths) & (across * across < square_radius);
+    old_depths = is_painted ? new_depths : old_depths;
+    old_colours = is_painted ? new_colours : old_colours;
+    std::memcpy(depths + column, &old_depths, sizeof old_depths);
+    std::memcpy(colours + column, &old_colours, sizeof old_colours);
+    across += 4.F;
   }
 }
 
