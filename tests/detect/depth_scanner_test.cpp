@@ -76,6 +76,20 @@ TEST(DepthScannerTest, LeavesOutMovingAndPossiblyMovingObjects) {
   EXPECT_DOUBLE_EQ(kNear, at(seen, 140, 60));
 }
 
+TEST(DepthScannerTest, KeepsWhatIsBehindAMovingObject) {
+  const auto frame = frameOf(320, 240);
+  auto disparity = evenDisparity(frame, kFar);
+  disparity.values.colRange(20, 40).setTo(kNear);  // pixels 40 to 80
+  MovingRegions moving;
+  moving.boxes.push_back({{40, 40, 240, 200}, 7.0});  // depths of 5 m, and 10 m behind
+  const auto seen = scan(frame, disparity, moving);
+  EXPECT_EQ(0.0, at(seen, 60, 120)) << "the object";
+  EXPECT_EQ(0.0, at(seen, 82, 120)) << "its border";
+  EXPECT_DOUBLE_EQ(kFar, at(seen, 160, 120)) << "in its box, behind it";
+  moving.boxes.front().to_m = 12.0;
+  EXPECT_EQ(0.0, at(scan(frame, disparity, moving), 160, 120));
+}
+
 TEST(DepthScannerTest, LeavesOutTheBorderOfWhatStandsBeforeSomethingFarther) {
   const auto frame = frameOf(320, 240);
   auto disparity = evenDisparity(frame, kFar);

@@ -258,11 +258,11 @@ TEST(ScanGroundTest, LeavesOutWhatMovesAndMayMove) {
   const auto image = imageOf({{9.0, -1.0, 1.0, 0.0, 1.5}});
   const Box2d box{260, 90, 360, 170};
   MovingRegions moving;
-  moving.boxes = {box};
+  moving.boxes = {{box}};
   EXPECT_TRUE(scanOf(image, moving).obstacles.empty());
   EXPECT_FALSE(isFree(scanOf(image, moving), 9.5, 0.0)) << "what it hides is not free";
   moving.boxes.clear();
-  moving.unsure = {box};
+  moving.unsure = {{box}};
   EXPECT_TRUE(scanOf(image, moving).obstacles.empty());
   moving.unsure.clear();
   moving.mask = cv::Mat(240, 620, CV_8U, cv::Scalar(0));

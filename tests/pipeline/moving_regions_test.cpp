@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 #include <headway/pipeline/moving_regions.h>
 
+#include <cmath>
 #include <limits>
+#include <optional>
 
 namespace headway::pipeline {
 namespace {
@@ -61,6 +63,25 @@ TEST(MovingRegionsTest, A3dBoxAloneIsProjected) {
   // Nearest face at z = 9 m: half length 2 m, half height 0.75 m.
   EXPECT_NEAR(320.0 - 400.0 * 2.0 / 9.0, regions.unsure[0].left, 1e-9);
   EXPECT_NEAR(120.0 + 400.0 * 0.75 / 9.0, regions.unsure[0].bottom, 1e-9);
+}
+
+TEST(MovingRegionsTest, ABoxEndsBehindItsObject) {
+  Detection detection = detectionIn({100, 50, 200, 150});
+  Detections detections;
+  const auto depthOf = [&](const std::optional<Box3d>& box) {
+    detection.box3d = box;
+    detections.items = {detection};
+    return movingRegions(detections, {}, kCamera).unsure.at(0).to_m;
+  };
+  const double behind = 10.0 + 0.5 * std::hypot(4.0, 2.0);
+  EXPECT_GT(depthOf(Box3d{{0, 0, 10}, 4.0, 2.0, 1.5, 0.0}), behind + 0.5);
+  EXPECT_LT(depthOf(Box3d{{0, 0, 10}, 4.0, 2.0, 1.5, 0.0}), behind + 2.0);
+  EXPECT_EQ(std::numeric_limits<double>::infinity(), depthOf(std::nullopt));
+  for (const double z : {std::numeric_limits<double>::quiet_NaN(), -10.0}) {
+    EXPECT_EQ(std::numeric_limits<double>::infinity(),
+              depthOf(Box3d{{0, 0, z}, 4.0, 2.0, 1.5, 0.0}))
+        << "an unknown depth keeps nothing";
+  }
 }
 
 TEST(MovingRegionsTest, MovingTracksAreAtTheirObservedOrPredictedBoxes) {

@@ -107,7 +107,7 @@ DepthScan scanDepth(const StereoFrame& frame, const stereo::DisparityImage& disp
                     const stereo::DisparityImage& ground, const MovingRegions& moving,
                     const stereo::RigCapability& rig) {
   const auto min_disparity = static_cast<float>(rig.focal_baseline / rig.dense_to_m);
-  const cv::Mat left_out = leftOutCells(moving, disparity);
+  const cv::Mat left_out = leftOutCells(moving, disparity, rig.focal_baseline);
   const auto planar = planarDisparity(disparity, ground, left_out, rig.sigma_disparity_px);
   const auto steps = stepsFor(static_cast<int>(left_out.total()) - cv::countNonZero(left_out));
   DepthScan scan;

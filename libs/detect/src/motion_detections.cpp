@@ -53,7 +53,7 @@ MovingRegions MotionDetections::regionsAt(Time at, const StereoCamera& camera) c
     const cv::Point2d shift = shiftOf(object, T_later_now, camera, ahead);
     const Box2d& box = *object.box2d;
     regions.boxes.push_back(
-        {box.left + shift.x, box.top + shift.y, box.right + shift.x, box.bottom + shift.y});
+        {{box.left + shift.x, box.top + shift.y, box.right + shift.x, box.bottom + shift.y}});
     if (object.mask != nullptr) draw(*object.mask, shift, regions.mask);
   }
   return regions;

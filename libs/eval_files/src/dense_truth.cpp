@@ -6,11 +6,13 @@
 #include <headway/io/rawlog_source.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
+#include <headway/stereo/frame_context.h>
 
 #include <cmath>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 #include <optional>
 #include <set>
 #include <utility>
@@ -56,13 +58,19 @@ class MatchedPairs {
     if (!frame || !frame->stereo) {
       throw InputError(path_ + ": has fewer frames than the truth; is it the truth's rawlog?");
     }
-    return matchedPixels(stereo::denseDisparity(*frame->stereo, claim.disparity), depth_m,
-                         claim.rig);
+    const stereo::FrameContext context(*frame->stereo, claim.disparity, 0.0, ground_);
+    cv::Mat matched = matchedPixels(context.disparity(), depth_m, claim.rig);
+    if (const auto match_ground = context.groundMatching(claim.rig.dense_to_m)) {
+      cv::bitwise_or(matched, matchedPixels(match_ground(), depth_m, claim.rig), matched);
+    }
+    ground_ = context.lastGround();
+    return matched;
   }
 
  private:
   std::string path_;
   std::optional<io::RawlogSource> source_;
+  std::optional<stereo::GroundPlane> ground_;  ///< of the frame before
 };
 
 bool isSame(const eval::ObjectBox& a, const eval::ObjectBox& b) {

@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/box_overlap.h>
 #include <headway/pipeline/moving_regions.h>
+#include <headway/stereo/rig_capability.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/core.hpp>
 
 namespace headway::pipeline {
 namespace {
 
 constexpr double kSameObjectIou = 0.3;
-constexpr double kWiden = 0.125;  // of a box, on each side
+constexpr double kWiden = 0.125;      // of a box, on each side
+constexpr double kFarMargin_m = 0.5;  // of the position of a box, along the ray
+constexpr double kFarSigmas = 3.0;    // of the depths measured on an object
 
 /// The confirmed track at the box's position; null if there is none.
 const Track* trackOf(const Box2d& box, const std::vector<Track>& previous) {
@@ -33,6 +37,17 @@ Box2d widened(const Box2d& box) {
   return {box.left - across, box.top - along, box.right + across, box.bottom + along};
 }
 
+/// Depth of the far side of a box, with the errors of what is measured on it [m].
+double farSideOf(const Box3d& box, const StereoCamera& camera) {
+  const double far_side = box.centre.z() + 0.5 * std::hypot(box.length, box.width);
+  if (!(far_side > 0.0)) return std::numeric_limits<double>::infinity();
+  return far_side + kFarMargin_m + kFarSigmas * stereo::rigCapability(camera).depthSigma(far_side);
+}
+
+double farSideOf(const std::optional<Box3d>& box, const StereoCamera& camera) {
+  return box ? farSideOf(*box, camera) : std::numeric_limits<double>::infinity();
+}
+
 }  // namespace
 
 MovingRegions movingRegions(const Detections& detections, const std::vector<Track>& previous,
@@ -43,10 +58,11 @@ MovingRegions movingRegions(const Detections& detections, const std::vector<Trac
     if (!box && detection.box3d) box = projectedBox(*detection.box3d, camera);
     if (!box || !isFinite(*box)) continue;
     const Track* track = trackOf(*box, previous);
+    const MovingBox region{*box, farSideOf(detection.box3d, camera)};
     if (track != nullptr && isMoving(*track)) {
-      regions.boxes.push_back(*box);
+      regions.boxes.push_back(region);
     } else if (track == nullptr || track->motion_state == MotionState::kUnknown) {
-      regions.unsure.push_back(*box);
+      regions.unsure.push_back(region);
     }
   }
   return regions;
@@ -81,8 +97,9 @@ MovingRegions movingRegions(const std::vector<Track>& tracks, const Pose& T_map_
   for (const auto& track : tracks) {
     if (!isMoving(track) || track.status == TrackStatus::kEnded) continue;
     const Box3d box = opticalBox(track.position, track.size, track.yaw, T_cam_map);
-    if (const auto around = projectedBox(box, camera)) regions.boxes.push_back(*around);
-    if (track.box2d && isFinite(*track.box2d)) regions.boxes.push_back(*track.box2d);
+    const double to_m = farSideOf(box, camera);
+    if (const auto around = projectedBox(box, camera)) regions.boxes.push_back({*around, to_m});
+    if (track.box2d && isFinite(*track.box2d)) regions.boxes.push_back({*track.box2d, to_m});
   }
   return regions;
 }
@@ -91,19 +108,22 @@ MovingRegions movableRegions(const Detections& detections, const std::vector<Tra
                              const Pose& T_map_robot, const StereoCamera& camera) {
   const Pose T_cam_map = (T_map_robot * camera.T_robot_cam).inverse();
   MovingRegions regions;
-  const auto add = [&](const std::optional<Box2d>& box) {
-    if (box && isFinite(*box)) regions.boxes.push_back(widened(*box));
+  const auto add = [&](const std::optional<Box2d>& box, double to_m) {
+    if (box && isFinite(*box)) regions.boxes.push_back({widened(*box), to_m});
   };
   for (const auto& detection : detections.items) {
     if (isVehicle(detection.object_class)) continue;
-    add(detection.box2d);
-    if (detection.box3d) add(projectedBox(*detection.box3d, camera));
+    const double to_m = farSideOf(detection.box3d, camera);
+    add(detection.box2d, to_m);
+    if (detection.box3d) add(projectedBox(*detection.box3d, camera), to_m);
   }
   for (const auto& track : tracks) {
     const bool stays = isVehicle(track.object_class) && track.motion_state == MotionState::kStatic;
     if (stays || track.status == TrackStatus::kEnded) continue;
-    add(projectedBox(opticalBox(track.position, track.size, track.yaw, T_cam_map), camera));
-    add(track.box2d);
+    const Box3d box = opticalBox(track.position, track.size, track.yaw, T_cam_map);
+    const double to_m = farSideOf(box, camera);
+    add(projectedBox(box, camera), to_m);
+    add(track.box2d, to_m);
   }
   return regions;
 }

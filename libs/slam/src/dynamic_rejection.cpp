@@ -23,7 +23,7 @@ cv::Rect pixelsOf(const Box2d& box, const cv::Size& image_size) {
   return cv::Rect(first, last + cv::Point(1, 1)) & cv::Rect({0, 0}, image_size);
 }
 
-void draw(const std::vector<Box2d>& boxes, cv::Mat& mask) {
+void draw(const std::vector<MovingBox>& boxes, cv::Mat& mask) {
   for (const Box2d& box : boxes) mask(pixelsOf(box, mask.size())).setTo(255);
 }
 

@@ -21,7 +21,7 @@ namespace headway::detect {
 /// @param disparity  of the frame
 /// @param ground     of the frame, matched along the ground (stereo::groundDisparity): more exact
 ///                   where both agree, and where the other is unknown; may be empty
-/// @param moving     left out; the unsure ones, too
+/// @param moving     left out, to the depth of each box; the unsure ones, too
 [[nodiscard]] DepthScan scanDepth(const StereoFrame& frame, const stereo::DisparityImage& disparity,
                                   const stereo::DisparityImage& ground,
                                   const MovingRegions& moving, const stereo::RigCapability& rig);
