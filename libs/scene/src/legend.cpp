@@ -52,7 +52,7 @@ void Legend::drawEntry(Canvas& canvas, const Entry& entry, cv::Point left_middle
                   entry.colour);
   }
   canvas.text(entry.text, {left_middle.x + swatch + canvas.px(kGap), left_middle.y + canvas.px(5)},
-              kEntryPoints, canvas.palette().text);
+              kEntryPoints, canvas.palette().text, false);
 }
 
 cv::Rect Legend::draw(Canvas& canvas, const SnapshotInput& input, Layout layout) {

@@ -46,8 +46,9 @@ cv::Rect drawCaption(Canvas& canvas, const SnapshotInput& input) {
   const cv::Rect panel(margin - canvas.px(8), margin - canvas.px(8), width + canvas.px(16),
                        canvas.px(56));
   canvas.panel(panel);
-  canvas.text(first, {margin, margin + canvas.px(15)}, 15.0, canvas.palette().text);
-  canvas.text(second, {margin, margin + canvas.px(38)}, kTextPoints, canvas.palette().dim_text);
+  canvas.text(first, {margin, margin + canvas.px(15)}, 15.0, canvas.palette().text, false);
+  canvas.text(second, {margin, margin + canvas.px(38)}, kTextPoints, canvas.palette().dim_text,
+              false);
   return panel;
 }
 
@@ -62,7 +63,8 @@ cv::Rect drawScaleBar(Canvas& canvas, double metres_per_pixel) {
   canvas.panel(panel);
   canvas.filled({right.x - width, right.y - canvas.px(4), width, canvas.px(4)},
                 canvas.palette().text);
-  canvas.text(text, {right.x - width, right.y - canvas.px(11)}, kTextPoints, canvas.palette().text);
+  canvas.text(text, {right.x - width, right.y - canvas.px(11)}, kTextPoints, canvas.palette().text,
+              false);
   return panel;
 }
 
