@@ -14,6 +14,7 @@ constexpr int kSubsteps = 16;        // of OpenCV's fixed-point disparities in a
 constexpr int kResiduals = 16;       // whole pixels that are searched, half of them on either side
 constexpr int kWindow = 7;           // in which matches support each other [reduced px]
 constexpr double kMinDensity = 0.3;  // of them; of what is not the ground, an eighth fits by chance
+constexpr double kMinSlope = 1e-3;   // of the disparity, from row to row: a camera looks ahead
 
 /// Disparity of a plane in the cells of a reduced image, in which it is linear [its pixels].
 struct PlaneDisparity {
@@ -92,10 +93,10 @@ DisparityImage groundDisparity(const StereoFrame& frame, const GroundPlane& grou
   const cv::Size size(frame.left.cols / reduce, frame.left.rows / reduce);
   result.values = cv::Mat(size, CV_32F, cv::Scalar(0));
   const PlaneDisparity plane(camera, ground, reduce);
-  if (!frame.disparity.empty() || !(plane.by_row > 0.0)) return result;
+  if (!frame.disparity.empty() || !(plane.by_row > kMinSlope)) return result;
   const double focal_baseline = camera.fx * camera.baseline_m / reduce;
   const double least = focal_baseline / to_m;
-  const double horizon = std::min<double>(plane.rowOf(least, size.width), size.height);
+  const double horizon = std::clamp<double>(plane.rowOf(least, size.width), 0.0, size.height);
   const int from = std::max(0, static_cast<int>(horizon) - block_px);
   if (size.height - from <= 2 * block_px || size.width <= 2 * kResiduals) return result;
   const auto below = [&](const cv::Mat& image) {
