@@ -15,8 +15,8 @@ namespace {
 constexpr int kMaxCells = 10'000;
 constexpr int kBorderCells = 2;           // of a block of the matcher
 constexpr double kMinStepPx = 2.0;        // of the disparity, at the edge of a foreground ...
-constexpr double kMaxGroundStepPx = 4.0;  // of the ground's disparity in half a block
 constexpr double kMinStepRatio = 0.08;    // ... or as a ratio of it
+constexpr double kMaxGroundStepPx = 4.0;  // of the ground's disparity in half a block
 
 /// Steps between the cells of a scan, in cells of the disparity image. Rows are denser, because
 /// the ground before a camera is seen at a grazing angle.
@@ -47,6 +47,7 @@ cv::Mat groundCells(const cv::Mat& values, const cv::Mat& ground) {
   return cells;
 }
 
+/// The disparities with those of the ground, without what is left out.
 PlanarDisparity planarDisparity(const stereo::DisparityImage& disparity,
                                 const stereo::DisparityImage& ground, const cv::Mat& left_out,
                                 double sigma_px) {
