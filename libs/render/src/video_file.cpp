@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/output_file.h>
+#include <headway/core/worker_thread.h>
 #include <headway/render/video_file.h>
 
 extern "C" {
@@ -130,7 +131,7 @@ class VideoFile::Encoder {
     sws_scale(conversion_.get(), rows.data(), stride.data(), 0, size_.height, frame_->data,
               frame_->linesize);
     frame_->pts = count_++;
-    encoding_ = std::async(std::launch::async, [this] {
+    encoding_ = encoder_.run([this] {
       require(avcodec_send_frame(codec_.get(), frame_.get()));
       writePackets();
     });
@@ -181,7 +182,8 @@ class VideoFile::Encoder {
   Owned<AVPacket> packet_;
   Owned<SwsContext> conversion_;
   std::int64_t count_ = 0;
-  std::future<void> encoding_;  ///< of frame_; the last member, whose destructor waits for it
+  std::future<void> encoding_;  ///< of frame_
+  WorkerThread encoder_;        ///< the last member, whose destructor waits for the encoding
 };
 
 VideoFile::VideoFile(const std::string& path, double rate, cv::Size size)
