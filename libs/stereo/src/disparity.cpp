@@ -8,10 +8,11 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "block_matcher.h"
+
 namespace headway::stereo {
 namespace {
 
-constexpr int kSubpixels = 16;    // OpenCV's fixed-point disparities
 constexpr int kSpeckleRange = 2;  // between neighbours in a region [px of the reduced image]
 // Between the pixels of one surface within a cell:
 constexpr float kSurfaceStep = 2.0F;        // [px]
@@ -45,17 +46,14 @@ void dropMatchesOutside(DisparityImage& disparity) {
 }
 
 cv::Ptr<cv::StereoMatcher> makeMatcher(const DisparityParams& params, int range) {
-  const int block = params.block_px | 1;
   if (params.method == DisparityParams::Method::kSemiGlobal) {
-    const int side = std::min(block, 5);
+    const int side = std::min(params.block_px | 1, 5);
     auto matcher = cv::StereoSGBM::create(0, range, side, 8 * side * side, 32 * side * side);
     matcher->setUniquenessRatio(params.uniqueness_percent);
     return matcher;
   }
-  auto matcher = cv::StereoBM::create(range, block);
+  auto matcher = blockMatcher(range, params.block_px);
   matcher->setUniquenessRatio(params.uniqueness_percent);
-  matcher->setTextureThreshold(12);
-  matcher->setPreFilterCap(31);
   return matcher;
 }
 

@@ -7,10 +7,11 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "block_matcher.h"
+
 namespace headway::stereo {
 namespace {
 
-constexpr int kSubsteps = 16;        // of OpenCV's fixed-point disparities in a pixel
 constexpr int kResiduals = 16;       // whole pixels that are searched, half of them on either side
 constexpr int kWindow = 7;           // in which matches support each other [reduced px]
 constexpr double kMinDensity = 0.3;  // of them; of what is not the ground, an eighth fits by chance
@@ -41,13 +42,11 @@ struct PlaneDisparity {
   }
 };
 
-/// Disparities less the plane's; less than -kResiduals / 2 where there are none [px / kSubsteps].
+/// Disparities less the plane's; less than -kResiduals / 2 where there are none [px / kSubpixels].
 cv::Mat matchResiduals(const cv::Mat& left, const cv::Mat& sheared, int block_px) {
-  auto matcher = cv::StereoBM::create(kResiduals, block_px);
+  auto matcher = blockMatcher(kResiduals, block_px);
   matcher->setMinDisparity(-kResiduals / 2);
   matcher->setUniquenessRatio(0);
-  matcher->setTextureThreshold(12);
-  matcher->setPreFilterCap(31);
   // Not both ways and with speckles, which is twice as fast: dropScattered() removes them.
   matcher->setDisp12MaxDiff(-1);
   matcher->setSpeckleWindowSize(0);
@@ -65,8 +64,8 @@ void enterRow(const std::int16_t* residuals, const PlaneDisparity& plane, const 
   const double ratio = ground.tolerance(focal_baseline / middle) / ground.camera_height;
   auto* value = values.ptr<float>(row);
   for (int column = 0; column < values.cols; ++column) {
-    if (residuals[column] < -kResiduals / 2 * kSubsteps) continue;
-    const double rest = residuals[column] / static_cast<double>(kSubsteps);
+    if (residuals[column] < -kResiduals / 2 * kSubpixels) continue;
+    const double rest = residuals[column] / static_cast<double>(kSubpixels);
     const double matched = rest + plane.at(column - rest, row);
     const bool is_ground = std::abs(matched - plane.at(column, row)) <= ratio * matched;
     if (is_ground && matched >= least) value[column] = static_cast<float>(matched);

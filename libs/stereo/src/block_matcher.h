@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <opencv2/calib3d.hpp>
+
+namespace headway::stereo {
+
+constexpr int kSubpixels = 16;  ///< OpenCV's fixed-point disparities
+
+/// Block matching of whole-pixel disparities in a range, from 0 on unless set.
+///
+/// @param block_px  made odd
+inline cv::Ptr<cv::StereoBM> blockMatcher(int range, int block_px) {
+  auto matcher = cv::StereoBM::create(range, block_px | 1);
+  matcher->setTextureThreshold(12);
+  matcher->setPreFilterCap(31);
+  return matcher;
+}
+
+}  // namespace headway::stereo
