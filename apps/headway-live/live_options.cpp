@@ -32,20 +32,13 @@ void describe(LiveOptions& options, program::CommandLine& line) {
               "Address to serve the page on instead; its URL then contains a secret token");
   line.option(options.run.detector, 0, "detector", "NAME",
               "Source of boxes; default: detect.detector of the configuration");
-  line.option(options.run.continued, 0, "continue", "OUTDIR",
-              "Continue a killed run after its last checkpoint, in its map and with its "
-              "configuration; instead of -o");
   line.flag(options.run.overwrite, 'w', "overwrite", "Overwrite existing results");
 }
 
 void check(const LiveOptions& options) {
   using program::UsageError;
-  if (options.run.continued.empty() && options.run.output.empty()) {
+  if (options.run.output.empty()) {
     throw UsageError("-o/--output: is required (--help shows the options)");
-  }
-  if (!options.run.continued.empty() &&
-      (!options.run.output.empty() || !options.run.load_map.empty() || options.run.overwrite)) {
-    throw UsageError("--continue OUTDIR replaces -o, -w and --load-map");
   }
   if (!(options.pair_tolerance_s >= 0.0)) {
     throw UsageError("--pair-tolerance must not be negative");

@@ -20,7 +20,6 @@
 #include <sstream>
 #include <utility>
 
-#include "continuation.h"
 #include "live_options.h"
 #include "live_page.h"
 #include "replay.h"
@@ -245,13 +244,6 @@ int main(int argc, char** argv) {
     options.run.debug = line.verbosity() == mrpt::system::LVL_DEBUG;
     options.run.input = options.record;
     live::check(options);
-    if (!options.run.continued.empty()) {
-      if (line.hasConfiguration()) {
-        throw program::UsageError("--continue: the configuration is that of the run");
-      }
-      replay::continueRun(options.run.continued, options.run, all_params);
-      options.run.input = options.record;
-    }
     if (!options.run.detector.empty()) params.detection.detector = options.run.detector;
     program::catchInterrupts();
     run(options, line.quiet(), pipeline::PerceptionParams::live(params), all_params);

@@ -8,19 +8,13 @@
 #include <utility>
 
 #include "frame_writers.h"
-#include "trajectory_records.h"
 
 namespace headway::replay {
 namespace {
 
 void writeTrajectory(const std::filesystem::path& folder, const CheckpointContents& contents) {
   TrajectoryWriter writer(folder, contents.T_robot_cam);
-  slam::visitTrajectory(
-      [&] {
-        return readTrajectoryRecords(folder / kTrajectoryRecords, contents.trajectory_records);
-      },
-      *contents.map.map.staticMap(), contents.T_robot_cam,
-      [&](const slam::FrameEstimate& estimate) { writer.add(estimate); });
+  contents.trajectory([&](const slam::FrameEstimate& estimate) { writer.add(estimate); });
   writer.commit();
 }
 

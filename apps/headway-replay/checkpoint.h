@@ -22,11 +22,11 @@ void describeCheckpoints(double& interval_s, Params& params);
 
 /// What a checkpoint contains: the results so far that are not written frame by frame.
 struct CheckpointContents {
-  std::size_t trajectory_records = 0;  ///< of the run so far, in its file
+  slam::TrajectoryVisit trajectory;
   Pose T_robot_cam = Pose::Identity();
   map::StoredMap map;
   Summary summary;
-  std::vector<std::filesystem::path> logs;  ///< rows that the checkpoint refers to
+  std::vector<std::filesystem::path> logs;  ///< files of rows, to be synchronised with the disk
 };
 
 /// Writes map.headway, map_points.ply, trajectory.tum, trajectory_kitti.txt and summary.json while

@@ -34,8 +34,6 @@ class FrameInput {
   [[nodiscard]] virtual Warnings warnings() const = 0;
   /// Whether frames are dropped that come too late.
   [[nodiscard]] virtual bool dropsLateFrames() const = 0;
-  /// Whether frames are numbered from the start of this program.
-  [[nodiscard]] virtual bool isLive() const { return false; }
   /// Reason of a premature end; nullopt otherwise.
   [[nodiscard]] virtual std::optional<std::string> truncation() const = 0;
 };
@@ -99,7 +97,6 @@ class LiveInput : public FrameInput {
   }
   [[nodiscard]] double progress() const override { return 0.0; }
   [[nodiscard]] bool dropsLateFrames() const override { return true; }
-  [[nodiscard]] bool isLive() const override { return true; }
   [[nodiscard]] std::optional<std::map<std::string, std::size_t>> skippedNow() const override {
     return source_.skipped();
   }

@@ -14,8 +14,6 @@
 #include <sstream>
 #include <string>
 
-#include "trajectory_records.h"
-
 namespace headway::replay {
 namespace {
 
@@ -102,18 +100,16 @@ constexpr char kKittiTracks[] = "tracks_kitti.txt";
 }  // namespace
 
 FrameWriters::FrameWriters(const std::filesystem::path& folder,
-                           std::shared_ptr<const StereoCamera> camera, const RowCounts* kept)
+                           std::shared_ptr<const StereoCamera> camera)
     : camera_(std::move(camera)),
-      kitti_path_(folder / kKittiTracks),
-      trajectory_(open(folder, "trajectory_online.tum", kept)),
-      covariance_(open(folder, "trajectory_covariance.csv", kept)),
-      detections_(open(folder, "detections.csv", kept)),
-      tracks_(open(folder, "tracks.csv", kept)),
-      smoothed_(open(folder, "tracks_smoothed.csv", kept)),
-      kitti_(open(folder, kKittiTracks, kept)),
-      predictions_(open(folder, "predictions.csv", kept)),
-      records_(open(folder, kTrajectoryRecords, kept)) {
-  if (kept != nullptr) return;
+      folder_(folder),
+      trajectory_(open("trajectory_online.tum")),
+      covariance_(open("trajectory_covariance.csv")),
+      detections_(open("detections.csv")),
+      tracks_(open("tracks.csv")),
+      smoothed_(open("tracks_smoothed.csv")),
+      kitti_(open(kKittiTracks)),
+      predictions_(open("predictions.csv")) {
   writeCovarianceHeader(covariance_.stream());
   detections_.stream() << io::detectionCsvHeader() << '\n';
   tracks_.stream() << io::trackCsvHeader() << '\n';
@@ -121,23 +117,14 @@ FrameWriters::FrameWriters(const std::filesystem::path& folder,
   predictions_.stream() << io::predictionCsvHeader() << '\n';
 }
 
-GrowingFile& FrameWriters::open(const std::filesystem::path& folder, const std::string& name,
-                                const RowCounts* kept) {
-  std::optional<std::size_t> kept_rows;
-  if (kept != nullptr) {
-    const auto rows = kept->find(name);
-    kept_rows = rows == kept->end() ? 0 : rows->second;
-  }
-  return files_.try_emplace(name, folder / name, kept_rows).first->second;
+GrowingFile& FrameWriters::open(const std::string& name) {
+  return files_.try_emplace(name, folder_ / name).first->second;
 }
 
-FrameWriters::RowCounts FrameWriters::rowCounts() {
-  RowCounts counts;
-  for (auto& [name, file] : files_) {
-    file.endRows();
-    counts[name] = file.rowCount();
-  }
-  return counts;
+std::vector<std::filesystem::path> FrameWriters::paths() const {
+  std::vector<std::filesystem::path> paths;
+  for (const auto& [name, file] : files_) paths.push_back(folder_ / name);
+  return paths;
 }
 
 void FrameWriters::write(const pipeline::PerceptionUpdate& update) {
@@ -181,10 +168,6 @@ void FrameWriters::writeSmoothed(const std::vector<TrackSample>& samples) {
   }
 }
 
-void FrameWriters::write(const slam::TrajectoryRecord& record) {
-  writeTrajectoryRecord(records_.stream(), record);
-}
-
 void FrameWriters::finish() {
   std::exception_ptr failure;  // the first failure; the other files are ended nevertheless
   for (auto& [name, file] : files_) {
@@ -195,7 +178,7 @@ void FrameWriters::finish() {
     }
   }
   if (failure) std::rethrow_exception(failure);
-  rescoreKittiResults(kitti_path_);
+  rescoreKittiResults(folder_ / kKittiTracks);
 }
 
 TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& folder, const Pose& T_robot_cam)

@@ -17,25 +17,17 @@ namespace headway::replay {
 
 /// Writes the results of each frame at once, so that a killed run lacks none of them:
 /// trajectory_online.tum, trajectory_covariance.csv, detections.csv, tracks.csv,
-/// tracks_smoothed.csv, tracks_kitti.txt, predictions.csv, and the records of the trajectory.
+/// tracks_smoothed.csv, tracks_kitti.txt and predictions.csv.
 class FrameWriters {
  public:
-  using RowCounts = std::map<std::string, std::size_t>;  ///< by name of the file
-
   /// @param camera  null if the rawlog contains only poses and boxes
-  /// @param kept    rows of the files of a run that is continued; null: new files
-  FrameWriters(const std::filesystem::path& folder, std::shared_ptr<const StereoCamera> camera,
-               const RowCounts* kept = nullptr);
+  FrameWriters(const std::filesystem::path& folder, std::shared_ptr<const StereoCamera> camera);
 
   /// @throws InputError naming the file that could not be written
   void write(const pipeline::PerceptionUpdate& update);
   void writeSmoothed(const std::vector<TrackSample>& samples);
-  /// A step of the trajectory, for runs that continue this one.
-  void write(const slam::TrajectoryRecord& record);
-  /// Hands all rows to the system and counts them.
-  ///
-  /// @throws InputError naming the file that could not be written
-  [[nodiscard]] RowCounts rowCounts();
+  /// The files that grow.
+  [[nodiscard]] std::vector<std::filesystem::path> paths() const;
   /// Ends all files and sets the scores of tracks_kitti.txt to the tracks' final scores.
   ///
   /// @throws InputError naming the file that could not be written
@@ -45,12 +37,10 @@ class FrameWriters {
   void writeTrack(const pipeline::PerceptionUpdate& update, const Track& track,
                   const Pose& T_sensor_map);
 
-  /// Creates a file, or continues it after its kept rows.
-  GrowingFile& open(const std::filesystem::path& folder, const std::string& name,
-                    const RowCounts* kept);
+  GrowingFile& open(const std::string& name);
 
   std::shared_ptr<const StereoCamera> camera_;
-  std::filesystem::path kitti_path_;
+  std::filesystem::path folder_;
   std::map<std::string, GrowingFile> files_;  ///< by name
   GrowingFile& trajectory_;
   GrowingFile& covariance_;
@@ -59,7 +49,6 @@ class FrameWriters {
   GrowingFile& smoothed_;
   GrowingFile& kitti_;
   GrowingFile& predictions_;
-  GrowingFile& records_;  ///< of the trajectory
 };
 
 /// Writes trajectory.tum and trajectory_kitti.txt.

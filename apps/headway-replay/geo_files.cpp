@@ -53,7 +53,7 @@ Json rowsOf(const Eigen::MatrixXd& matrix) {
 
 }  // namespace
 
-GeoSummary georeferenced(const GnssLog& log, const TrajectoryVisit& visit) {
+GeoSummary georeferenced(const GnssLog& log, const slam::TrajectoryVisit& visit) {
   const auto fixes = fixesOnMap(log.fixes(), visit);
   GeoSummary summary = georeferenced(fixes);
   summary.fixes = log.added();
@@ -116,7 +116,7 @@ void writeMapGeo(const std::filesystem::path& path, const GeoSummary& summary) {
 }
 
 void writeTrajectoryGeo(const std::filesystem::path& path, const geo::Georeference& reference,
-                        const TrajectoryVisit& visit) {
+                        const slam::TrajectoryVisit& visit) {
   OutputFile file(path);
   geo::GeoJsonLines lines(file.stream());
   Way way(lines, reference);

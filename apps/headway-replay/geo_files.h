@@ -21,7 +21,7 @@ struct GeoSummary {
 };
 
 /// Places a run's map on the earth.
-[[nodiscard]] GeoSummary georeferenced(const GnssLog& log, const TrajectoryVisit& visit);
+[[nodiscard]] GeoSummary georeferenced(const GnssLog& log, const slam::TrajectoryVisit& visit);
 
 /// The same by fixes with their positions on the map.
 [[nodiscard]] GeoSummary georeferenced(const std::vector<geo::FixOnMap>& fixes);
@@ -34,7 +34,7 @@ void writeMapGeo(const std::filesystem::path& path, const GeoSummary& summary);
 
 /// Writes trajectory.geojson: the robot's way, a line for each stretch without a lost frame.
 void writeTrajectoryGeo(const std::filesystem::path& path, const geo::Georeference& reference,
-                        const TrajectoryVisit& visit);
+                        const slam::TrajectoryVisit& visit);
 
 /// Writes tracks.geojson from the folder's tracks_smoothed.csv: a line for each track. Positions
 /// are moved with the robot's pose from the map as it was to the final one, by

@@ -38,14 +38,8 @@ void GnssLog::add(const std::vector<GnssFix>& fixes) {
   }
 }
 
-void GnssLog::restore(std::vector<GnssFix> fixes, std::size_t added, std::size_t step) {
-  fixes_ = std::move(fixes);
-  added_ = added;
-  step_ = std::max<std::size_t>(step, 1);
-}
-
 std::vector<geo::FixOnMap> fixesOnMap(const std::vector<GnssFix>& fixes,
-                                      const TrajectoryVisit& visit) {
+                                      const slam::TrajectoryVisit& visit) {
   std::vector<GnssFix> sorted = fixes;
   std::stable_sort(sorted.begin(), sorted.end(),
                    [](const GnssFix& a, const GnssFix& b) { return a.time < b.time; });

@@ -6,7 +6,6 @@
 #include <headway/slam/map_view.h>
 
 #include <cstddef>
-#include <functional>
 #include <vector>
 
 namespace headway::replay {
@@ -24,11 +23,6 @@ class GnssLog {
   /// Fixes added, with those that are removed.
   [[nodiscard]] std::size_t added() const { return added_; }
 
-  /// One of so many fixes is kept.
-  [[nodiscard]] std::size_t step() const { return step_; }
-  /// Continues a log of an earlier part of the run.
-  void restore(std::vector<GnssFix> fixes, std::size_t added, std::size_t step);
-
  private:
   std::size_t max_fixes_;
   std::vector<GnssFix> fixes_;
@@ -36,12 +30,9 @@ class GnssLog {
   std::size_t step_ = 1;
 };
 
-/// Calls back for all frames of a run, in order.
-using TrajectoryVisit = std::function<void(const std::function<void(const slam::FrameEstimate&)>&)>;
-
 /// The fixes at times between two tracked frames at most a second apart, with the antenna's
 /// position on the map, in order of time.
 [[nodiscard]] std::vector<geo::FixOnMap> fixesOnMap(const std::vector<GnssFix>& fixes,
-                                                    const TrajectoryVisit& visit);
+                                                    const slam::TrajectoryVisit& visit);
 
 }  // namespace headway::replay

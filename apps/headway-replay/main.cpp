@@ -5,7 +5,6 @@
 #include <cstdio>
 
 #include "check_model.h"
-#include "continuation.h"
 #include "recordings.h"
 #include "replay.h"
 
@@ -46,19 +45,13 @@ int main(int argc, char** argv) {
     headway::replay::check(options);
     const auto& network = perception_params.detection.detect.network;
     if (headway::replay::checkModel(options.check_model, network)) return headway::program::kDone;
-    if (!options.continued.empty()) {
-      if (line.hasConfiguration()) {
-        throw headway::program::UsageError("--continue: the configuration is that of the run");
-      }
-      headway::replay::continueRun(options.continued, options, params);
-    }
     if (!options.detector.empty()) perception_params.detection.detector = options.detector;
 
     headway::program::catchInterrupts();
     if (options.inputs.size() > 1) {
       headway::replay::Recordings(options, perception_params, params).run();
     } else {
-      if (!options.inputs.empty()) options.input = options.inputs.front();
+      options.input = options.inputs.front();
       replayOne(options, perception_params, params);
     }
     return headway::program::kDone;

@@ -35,26 +35,10 @@ void describe(Options& options, program::CommandLine& line) {
               "Number of pictures of the map to draw; default 6");
   line.option(options.theme, 0, "theme", "dark|light",
               "Colours of the pictures and the scene; default dark");
-  line.option(options.continued, 0, "continue", "OUTDIR",
-              "Continue a killed run after its last checkpoint, with its input and configuration; "
-              "instead of -i and -o");
   line.flag(options.overwrite, 'w', "overwrite", "Overwrite the results in an existing folder");
 }
 
 namespace {
-
-void checkContinued(const Options& options) {
-  const bool has_others = !options.inputs.empty() || !options.output.empty() ||
-                          !options.detections.empty() || !options.detector.empty() ||
-                          !options.load_map.empty() || !options.sensor_label.empty() ||
-                          options.realtime != 0.0 || options.from_index || options.to_index ||
-                          options.snapshots || !options.theme.empty() || options.overwrite;
-  if (has_others) {
-    throw program::UsageError(
-        "--continue takes input, options and configuration from the run; only --truth can be "
-        "given");
-  }
-}
 
 /// Options that mean one recording.
 void checkSeveral(const Options& options) {
@@ -82,12 +66,10 @@ void checkSeveral(const Options& options) {
 void check(const Options& options) {
   using program::UsageError;
   if (!options.check_model.empty()) {
-    if (options.inputs.empty() && options.output.empty() && options.continued.empty()) return;
-    throw UsageError("--check-model runs on a bundled frame: leave out -i, -o and --continue");
+    if (options.inputs.empty() && options.output.empty()) return;
+    throw UsageError("--check-model runs on a bundled frame: leave out -i and -o");
   }
-  if (!options.continued.empty()) {
-    checkContinued(options);
-  } else if (options.inputs.empty() || options.output.empty()) {
+  if (options.inputs.empty() || options.output.empty()) {
     throw UsageError(std::string(options.inputs.empty() ? "-i/--input" : "-o/--output") +
                      ": is required (--help shows the options)");
   }

@@ -3,14 +3,11 @@
 
 #include <headway/program/command_line.h>
 
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace headway::replay {
-
-struct Continuation;  // see continuation.h
 
 /// Command-line options of a replay.
 struct Options {
@@ -32,8 +29,6 @@ struct Options {
   std::string theme;                     ///< of pictures and scene; empty: dark
   double checkpoint_s = 10.0;            ///< between checkpoints of map and trajectory; 0: none
   bool overwrite = false;
-  std::string continued;  ///< folder of a killed run to continue; empty: a new run
-  std::shared_ptr<const Continuation> continuation;  ///< its last checkpoint; null: none
   bool quiet = false;
   bool debug = false;  ///< print the decisions of each frame
 };

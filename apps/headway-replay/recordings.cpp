@@ -210,9 +210,7 @@ void Recordings::writeGeo(const MapOfRecordings& map) {
   for (const std::size_t i : map.recordings) {
     const Replay& replay = *recordings_[i].replay;
     recorded += replay.gnss().added();
-    const auto own = fixesOnMap(replay.gnss().fixes(), [&replay](const auto& callback) {
-      replay.perception().visitTrajectory(callback);
-    });
+    const auto own = fixesOnMap(replay.gnss().fixes(), replay.perception().trajectorySnapshot());
     fixes.insert(fixes.end(), own.begin(), own.end());
   }
   if (recorded == 0) return;

@@ -26,8 +26,6 @@ io::RawlogSourceOptions sourceOptions(const Options& options,
   io::RawlogSourceOptions result;
   result.sensor_label = options.sensor_label;
   result.from_index = options.from_index.value_or(0);
-  result.progress_from_index = result.from_index;
-  if (const auto& run = options.continuation) result.from_index = run->extent.repeat_from;
   result.to_index = options.to_index;
   result.use_odometry = params.slam.use_odometry;
   result.use_imu = params.slam.use_imu;
@@ -44,13 +42,6 @@ std::vector<std::string> inputsOf(const Options& options) {
   return {options.input, options.detections, options.load_map};
 }
 
-program::OutputFolder outputFolder(const Options& options) {
-  if (const auto& run = options.continuation) {
-    return program::OutputFolder::ofKilledRun(options.output, run->folder, isResult);
-  }
-  return {options.output, options.overwrite, inputsOf(options), isResult};
-}
-
 constexpr std::size_t kMaxSeenTracks = 1000;  // above which ended ones are discarded
 
 std::string textOf(const Params& params) {
@@ -64,14 +55,6 @@ std::unique_ptr<pipeline::Perception> makePerception(
     const Options& options, const std::shared_ptr<const StereoCamera>& camera,
     const pipeline::PerceptionParams& params) {
   auto perception = std::make_unique<pipeline::Perception>(camera, params);
-  if (const auto& run = options.continuation) {
-    try {
-      perception->continueRun(run->map, run->run, trajectoryOf(*run));
-    } catch (const InputError& error) {
-      throw InputError(run->folder.string() + ": cannot be continued: " + error.what());
-    }
-    return perception;
-  }
   if (options.load_map.empty()) return perception;
   const auto stored = map::loadMap(options.load_map);
   try {
@@ -98,20 +81,16 @@ Replay::Replay(const Options& options, std::unique_ptr<FrameInput> input,
       source_(std::move(input)),
       camera_(source_->camera()),
       perception_(makePerception(options, camera_, perceptionParams(options, perception_params))),
-      folder_(outputFolder(options)),
-      writers_(folder_.path(), camera_,
-               options.continuation ? &options.continuation->state.rows : nullptr),
+      folder_(options.output, options.overwrite, inputsOf(options), isResult),
+      writers_(folder_.path(), camera_),
       checkpoint_(folder_.path(), options.checkpoint_s),
       snapshots_(folder_.path(), static_cast<int>(snapshotsOf(options)),
                  scene::themeFrom(options.theme).value_or(scene::Theme::kDark)),
       retrack_time_s_(perception_params.objects.lifecycle.retrack_time_s) {
   perception_->setLog([this](LogLevel level, const std::string& text) { log(level, text); });
-  perception_->setTrajectoryLog(
-      [this](const slam::TrajectoryRecord& record) { writers_.write(record); });
   if (!options.detections.empty()) {
     side_detections_ = io::readDetections(options.detections, summary_.detections_dropped);
   }
-  if (options.continuation) continueRun(*options.continuation);
   summary_.calibration = source_->calibration();
   if (summary_.calibration && !options_.quiet) printCalibration(*summary_.calibration);
   summary_.rig = perception_->rig();
@@ -137,17 +116,12 @@ void Replay::process() {
 void Replay::processAll() {
   program::Progress progress("replay", options_.quiet || on_frame_ != nullptr);
   const auto feed = source_->makeFeed();
-  std::size_t dropped_repeated = 0;  // frames that are only repeated
   while (!program::interrupted()) {
     auto frame = feed->next();
-    summary_.frames_dropped_late = dropped_before_ + feed->dropped() - dropped_repeated;
+    summary_.frames_dropped_late = feed->dropped();
     if (!frame) break;
     if (summary_.frame_ms.empty()) summary_.start_up_s = secondsSinceProcessStart();
     applySideDetections(*frame);
-    if (options_.continuation && isRepeated(*frame)) {
-      dropped_repeated = feed->dropped();
-      continue;
-    }
     processFrame(*frame, source_->progress());
     if (checkpoint_.isDue()) writeCheckpoint();
     progress.update(summary_.frame_ms.count(), source_->progress());

@@ -15,7 +15,6 @@
 #include <vector>
 
 #include "checkpoint.h"
-#include "continuation.h"
 #include "frame_input.h"
 #include "frame_writers.h"
 #include "gnss_log.h"
@@ -82,6 +81,11 @@ class Replay {
   [[nodiscard]] std::vector<std::filesystem::path> pictures() const;
 
  private:
+  struct SeenTrack {
+    Time last_seen = 0.0;
+    bool was_moving = false;  ///< at some time
+  };
+
   /// Folder where the results are in the end.
   [[nodiscard]] std::filesystem::path published() const {
     if (options_.published.empty()) return folder_.published();
@@ -104,10 +108,6 @@ class Replay {
   void writeRecord(const pipeline::DetectionParams& detection, const Params& params);
   void finish();
   [[nodiscard]] Summary summarised() const;
-  void continueRun(const Continuation& continuation);
-  /// Processes a frame of a continued run again; false if it is a new one.
-  bool isRepeated(RecordedFrame& frame);
-  void addEarlierSkipped(Summary& summary) const;
   void writeCheckpoint();
   [[nodiscard]] CheckpointContents checkpointContents();
   void endCheckpoint();
@@ -142,10 +142,8 @@ class Replay {
   std::optional<Pose> T_map_run_;  ///< see moveInto()
   FrameCallback on_frame_;
   double retrack_time_s_;
-  std::size_t dropped_before_ = 0;         ///< frames that were late in a run that is continued
-  std::optional<std::size_t> next_frame_;  ///< after the newest one
-  std::map<TrackId, ProgramState::SeenTrack>
-      seen_tracks_;  ///< confirmed tracks that may not have ended
+  std::optional<std::size_t> next_frame_;     ///< after the newest one
+  std::map<TrackId, SeenTrack> seen_tracks_;  ///< confirmed ones that may not have ended
 };
 
 }  // namespace headway::replay

@@ -11,11 +11,9 @@
 #include <algorithm>
 #include <optional>
 
-#include "continuation.h"
 #include "messages.h"
 #include "moved_results.h"
 #include "replay.h"
-#include "trajectory_records.h"
 
 namespace headway::replay {
 
@@ -40,12 +38,8 @@ CheckpointContents Replay::checkpointContents() {
   contents.summary = summarised();
   contents.summary.ended_early =
       "killed after the checkpoint at frame " + std::to_string(last_frame_);
-  ProgramState state{contents.summary, next_frame_, seen_tracks_, writers_.rowCounts(), gnss_};
-  state.summary.tracks_moving = summary_.tracks_moving;  // of tracks that have ended
-  for (const auto& [name, rows] : state.rows) contents.logs.push_back(folder_.path() / name);
-  contents.trajectory_records = state.rows.at(kTrajectoryRecords);
-  contents.map.attachments[kProgramAttachment] = packed(state);
-  contents.map.attachments[kRunAttachment] = perception_->runState();
+  contents.trajectory = perception_->trajectorySnapshot();
+  contents.logs = writers_.paths();
   return contents;
 }
 
@@ -112,12 +106,9 @@ void Replay::finish() {
   attempt([&] {
     summary_ = summarised();
     summary_.observations_skipped = source_->skipped();
-    addEarlierSkipped(summary_);
     writeSummary(folder_.path() / "summary.json", summary_);
   });
   if (!failure) attempt([&] { writePages(); });
-  std::error_code ignored;
-  std::filesystem::remove(folder_.path() / kTrajectoryRecords, ignored);  // of a killed run only
   if (failure) std::rethrow_exception(failure);
 }
 
@@ -139,7 +130,6 @@ Summary Replay::summarised() const {
   summary.laser = perception_->laserCounts();
   summary.rectification = perception_->rectification().value_or("");
   if (const auto skipped = source_->skippedNow()) summary.observations_skipped = *skipped;
-  addEarlierSkipped(summary);
   summary.total_s = secondsSinceProcessStart();
   return summary;
 }
@@ -172,7 +162,7 @@ void Replay::keepLostImage(const RecordedFrame& frame, const pipeline::Perceptio
 
 void Replay::writeGeoFiles() {
   if (gnss_.added() == 0) return;
-  const auto visit = [this](const auto& callback) { perception_->visitTrajectory(callback); };
+  const auto visit = perception_->trajectorySnapshot();
   summary_.geo = georeferenced(gnss_, visit);
   if (!summary_.geo->reference) return warn(describe(*summary_.geo));
   const auto& reference = *summary_.geo->reference;

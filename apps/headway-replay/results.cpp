@@ -4,22 +4,37 @@
 #include <set>
 #include <string>
 
-#include "trajectory_records.h"
-
 namespace headway::replay {
 namespace {
 
 const std::set<std::string>& resultNames() {
-  static const std::set<std::string> names = {
-      "calibration.yaml",     "detections.csv",        "lost.jpg",
-      "map.headway",          "map_dense.ply",         "map_geo.json",          "map.simplemap",
-      "map_grid.gridmap.gz",  "map_grid.png",          "map_grid.yaml",
-      "map_points.ply",       "predictions.csv",       "recordings.json",
-      "replay.html",          "replay.json",           "report.html",
-      "scene.3Dscene",        "summary.json",          "tracks.csv",
-      "tracks.geojson",       "tracks_kitti.txt",      "tracks_smoothed.csv",
-      "trajectory.geojson",   "trajectory.tum",        "trajectory_covariance.csv",
-      "trajectory_kitti.txt", "trajectory_online.tum", kTrajectoryRecords};
+  static const std::set<std::string> names = {"calibration.yaml",
+                                              "detections.csv",
+                                              "lost.jpg",
+                                              "map.headway",
+                                              "map_dense.ply",
+                                              "map_geo.json",
+                                              "map.simplemap",
+                                              "map_grid.gridmap.gz",
+                                              "map_grid.png",
+                                              "map_grid.yaml",
+                                              "map_points.ply",
+                                              "predictions.csv",
+                                              "recordings.json",
+                                              "replay.html",
+                                              "replay.json",
+                                              "report.html",
+                                              "scene.3Dscene",
+                                              "summary.json",
+                                              "tracks.csv",
+                                              "tracks.geojson",
+                                              "tracks_kitti.txt",
+                                              "tracks_smoothed.csv",
+                                              "trajectory.geojson",
+                                              "trajectory.tum",
+                                              "trajectory_covariance.csv",
+                                              "trajectory_kitti.txt",
+                                              "trajectory_online.tum"};
   return names;
 }
 

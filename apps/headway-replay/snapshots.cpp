@@ -3,7 +3,6 @@
 
 #include <headway/program/picture_files.h>
 
-#include <algorithm>
 #include <cstdio>
 
 namespace headway::replay {
@@ -12,16 +11,6 @@ namespace {
 constexpr std::size_t kMaxPathPoses = 20000;  // drawn
 
 }  // namespace
-
-void Snapshots::continueRun(const std::vector<Stamped<Pose>>& path) {
-  for (const auto& pose : path) addToPath(pose);
-  const auto pictures = folder_ / "snapshots";
-  if (!std::filesystem::is_directory(pictures)) return;
-  for (const auto& entry : std::filesystem::directory_iterator(pictures)) {
-    if (entry.path().extension() == ".png") written_.push_back(entry.path().filename());
-  }
-  std::sort(written_.begin(), written_.end());
-}
 
 void Snapshots::add(const pipeline::Perception& perception,
                     const pipeline::PerceptionUpdate& update, const RecordedFrame& frame,

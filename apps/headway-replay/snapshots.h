@@ -22,9 +22,6 @@ class Snapshots {
     look_.theme = theme;
   }
 
-  /// Continues a run: keeps its pictures, and draws the way so far.
-  void continueRun(const std::vector<Stamped<Pose>>& path);
-
   /// Whether a picture is due with the next frame.
   ///
   /// @param progress  ratio of the rawlog that is processed, 0 to 1

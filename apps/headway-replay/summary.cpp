@@ -192,7 +192,6 @@ void writeSummary(const std::filesystem::path& path, const Summary& summary) {
   if (summary.geo) json["georeference"] = geoJson(*summary.geo);
   json["observations_skipped"] = Json(summary.observations_skipped);
   json["ended_early"] = summary.ended_early ? Json(*summary.ended_early) : Json();
-  json["continued_after"] = summary.continued_after;
   json["version"] = kVersion;
   json["seed"] = summary.seed;
   writeFile(path, textOf(json));

@@ -60,8 +60,7 @@ struct Summary {
   std::map<std::string, std::size_t> laser;  ///< scans by use, and ends of beams
   std::optional<GeoSummary> geo;             ///< nullopt: no satellite fixes
   std::map<std::string, std::size_t> observations_skipped;
-  std::optional<std::string> ended_early;    ///< reason if the rawlog was not read completely
-  std::vector<std::size_t> continued_after;  ///< last frames before a kill, of a continued run
+  std::optional<std::string> ended_early;  ///< reason if the rawlog was not read completely
   int seed = 0;
 };
 

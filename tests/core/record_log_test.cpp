@@ -55,6 +55,17 @@ TEST(RecordLogTest, RecentRecordsCanBeChanged) {
   EXPECT_EQ(expected, numbersOf(log));
 }
 
+TEST(RecordLogTest, ASnapshotStaysAsItWas) {
+  for (const int count : {0, 200, 300, 1000}) {
+    RecordLog<Record> log(10);
+    for (int i = 0; i < count; ++i) log.append({i});
+    const auto snapshot = log.snapshot();
+    for (Record& record : log.recent()) record.number = -1;
+    for (int i = 0; i < 5000; ++i) log.append({-1});
+    EXPECT_EQ(firstNumbers(count), numbersOf(*snapshot));
+  }
+}
+
 TEST(RecordLogTest, DropsAndCountsWhatTheDiskDoesNotTake) {
   const char* before = std::getenv("TMPDIR");
   const std::string old_folder = before != nullptr ? before : "";

@@ -39,7 +39,6 @@ void writeAll(const fs::path& folder) {
   Track track;
   track.status = TrackStatus::kConfirmed;
   update.objects.tracks.push_back(track);
-  writers.write(slam::TrajectoryRecord());
   writers.write(update);
   writers.writeSmoothed({{0, 0.0, track}});
   writers.finish();

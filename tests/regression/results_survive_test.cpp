@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What happens to results when programs are ended, disks are full, or inputs are named as outputs.
+// What happens to results when programs are ended, lack disk, descriptors, memory or permissions,
+// or when inputs are named as outputs.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/map/map_file.h>
+#include <headway_test/repeats.h>
 #include <headway_test/waiting.h>
+#include <sys/file.h>
+#include <sys/mount.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -148,11 +153,13 @@ TEST_F(ResultsSurviveTest, AKilledRunLeavesMapAndTrajectoryOfItsLastCheckpoint) 
   const auto summary = nlohmann::json::parse(test::contentsOf(out_ / "summary.json"));
   EXPECT_THAT(summary.at("ended_early").get<std::string>(),
               HasSubstr("killed after the checkpoint"));
-  for (const char* output : {"picture.png", "report.html"}) {
+  for (const char* output : {"picture.png", "report.html", "replay.html"}) {
     const auto drawn = test::runProcess(test::program("headway-render") + " -q -i " +
                                         out_.string() + " -o " + (folder_ / output).string());
     EXPECT_EQ(0, drawn.status) << drawn.output;
   }
+  EXPECT_THAT(test::contentsOf(folder_ / "report.html"),
+              HasSubstr("ended early: killed after the checkpoint"));
   const auto resumed =
       test::replay(rawlog_, folder_ / "resumed",
                    "-q --snapshots 0 --from-index 6 --load-map " + (out_ / "map.headway").string());
@@ -277,6 +284,134 @@ TEST_F(ResultsSurviveTest, TwoRunsIntoOneFolderAreRefused) {
   EXPECT_EQ(1, second.process.status);
   EXPECT_THAT(second.process.output, HasSubstr("process " + std::to_string(child)));
   EXPECT_EQ(143, end(child, SIGTERM).first);
+}
+
+/// Killed between the renaming of its folder and that of the last file.
+TEST_F(ResultsSurviveTest, APublicationThatWasKilledIsSaidAndCompletedByTheNextRun) {
+  ASSERT_EQ(0, replay("--to-index 3").process.status);
+  const auto whole = test::replay(rawlog_, folder_ / "whole", "-q --snapshots 0");
+  ASSERT_EQ(0, whole.process.status);
+  fs::rename(whole.folder, out_ / "complete");
+  fs::rename(out_ / "complete/tracks.csv", out_ / "tracks.csv");
+  const auto page = test::runProcess(test::program("headway-render") + " -q -i " + out_.string() +
+                                     " -o " + (folder_ / "report.html").string());
+  EXPECT_EQ(1, page.status);
+  EXPECT_THAT(page.output, HasSubstr("contains results of two runs"));
+  const pid_t child = startReplay({"-w", "--realtime", "0.001"});
+  EXPECT_TRUE(test::waitUntil([&] { return fs::exists(out_ / "unfinished/replay.json"); }));
+  end(child, SIGKILL);
+  EXPECT_EQ(test::kPlainFrames,
+            nlohmann::json::parse(test::contentsOf(out_ / "summary.json")).at("frames"));
+  EXPECT_FALSE(fs::exists(out_ / "complete"));
+}
+
+/// OUTDIR may be a link to a folder, such as on another disk.
+TEST_F(ResultsSurviveTest, LinkedFoldersAreWrittenAndLocked) {
+  fs::create_directory(folder_ / "disk");
+  fs::create_directory_symlink(folder_ / "disk", out_);
+  ASSERT_EQ(0, replay("--to-index 3").process.status);
+  ASSERT_EQ(0, replay("-w").process.status);
+  EXPECT_TRUE(fs::is_symlink(out_));
+  EXPECT_FALSE(fs::exists(folder_ / "disk/unfinished"));
+  EXPECT_EQ(test::kPlainFrames,
+            nlohmann::json::parse(test::contentsOf(folder_ / "disk/summary.json")).at("frames"));
+
+  const int lock = open((folder_ / "disk/.lock").c_str(), O_RDWR | O_CREAT, 0600);
+  ASSERT_EQ(0, flock(lock, LOCK_EX | LOCK_NB));
+  const auto second = replay("-w");
+  close(lock);
+  EXPECT_EQ(1, second.process.status);
+  EXPECT_THAT(second.process.output, HasSubstr("is writing its results there"));
+}
+
+TEST_F(ResultsSurviveTest, AKilledRunOfPosesAndBoxesLeavesItsTrajectory) {
+  io::RawlogSink sink(rawlog_, io::ImageStorage::kEmbedded);
+  for (int frame = 0; frame < 20; ++frame) {
+    Pose T_map_robot = Pose::Identity();
+    T_map_robot.translation().x() = 0.1 * frame;
+    sink.writePose("pose", test::plainTime(frame), T_map_robot);
+    Detections detections;
+    detections.time = test::plainTime(frame);
+    detections.items = {test::plainDetection()};
+    sink.writeDetections("detections", detections);
+  }
+  sink.close();
+  const pid_t child = startReplay({"--realtime", "0.4", "--set", "output.checkpoint_s=0.2"});
+  EXPECT_TRUE(test::waitUntil([&] { return fs::exists(out_ / "summary.json"); }));
+  end(child, SIGKILL);
+  const auto path = io::readTum(out_ / "trajectory.tum");
+  ASSERT_FALSE(path.empty());
+  const auto last = static_cast<double>(path.size() - 1);
+  EXPECT_NEAR(0.1 * last, path.back().value.translation().x(), 1e-6);
+  expectWholeRows(out_);
+}
+
+TEST_F(ResultsSurviveTest, ThereIsNoOptionToContinue) {
+  const auto run =
+      test::runProcess(test::program("headway-replay") + " -q --continue " + out_.string());
+  EXPECT_EQ(2, run.status) << run.output;
+}
+
+/// Twenty sizes of a file system in memory, or of files where none can be mounted.
+TEST_F(ResultsSurviveTest, AFullDiskOfAnySizeIsAnErrorWithWholeRows) {
+  const fs::path disk = folder_ / "disk";
+  fs::create_directories(disk);
+  int failed = 0;
+  for (int size = 1; size <= 20; ++size) {
+    const std::string kilobytes = std::to_string(16 * size);
+    const bool is_mounted =
+        mount("tmpfs", disk.c_str(), "tmpfs", 0, ("size=" + kilobytes + "k").c_str()) == 0;
+    const std::string limit = is_mounted ? "" : "ulimit -f " + kilobytes + "; ";
+    const auto run = test::runProcess("bash -c '" + limit + test::program("headway-replay") +
+                                      " -q --snapshots 0 -i " + rawlog_ + " -o " +
+                                      (disk / "out").string() + "'");
+    if (run.status != 0) {
+      ++failed;
+      EXPECT_EQ(1, run.status) << run.output;
+      EXPECT_EQ(1, std::count(run.output.begin(), run.output.end(), '\n')) << run.output;
+      if (fs::exists(disk / "out")) expectWholeRows(disk / "out");
+    }
+    if (is_mounted) umount2(disk.c_str(), MNT_DETACH);
+    fs::remove_all(disk / "out");
+  }
+  EXPECT_GT(failed, 3) << "sizes were too small";
+}
+
+TEST_F(ResultsSurviveTest, ThirtyFileDescriptorsAndAGigabyteAreEnough) {
+  for (const std::string limit : {"ulimit -n 30", "ulimit -v 1048576"}) {
+    if (test::kSanitized && limit != "ulimit -n 30") return;  // it reserves terabytes
+    const auto run =
+        test::runProcess("bash -c '" + limit + "; " + test::program("headway-replay") +
+                         " -q -w -i " + rawlog_ + " --snapshots 0 -o " + out_.string() + "'");
+    EXPECT_EQ(0, run.status) << limit << ": " << run.output;
+  }
+  for (const std::string kilobytes : {"150000", "200000", "250000", "300000"}) {
+    const auto run = test::runProcess("bash -c 'ulimit -v " + kilobytes + "; " +
+                                      test::program("headway-replay") + " -q -w -i " + rawlog_ +
+                                      " --snapshots 0 -o " + out_.string() + "'");
+    EXPECT_THAT(run.status, testing::AnyOf(0, 1, 127)) << kilobytes << ": " << run.output;
+  }
+}
+
+/// As another user where this is root, who may write everywhere.
+TEST_F(ResultsSurviveTest, FoldersWithoutPermissionAreErrorsOrNotNeeded) {
+  const bool is_root = geteuid() == 0;
+  const std::string user =
+      is_root ? "setpriv --reuid 65534 --regid 65534 --clear-groups " : std::string();
+  const fs::path locked = folder_ / "locked";
+  fs::create_directories(locked);
+  fs::create_directories(out_);
+  fs::permissions(folder_ / ".", fs::perms(0755));
+  fs::permissions(locked, fs::perms(0555));
+  fs::permissions(out_, fs::perms(0777));
+  const std::string replay =
+      user + test::program("headway-replay") + " -q --snapshots 0 -i " + rawlog_ + " -o ";
+  const auto refused = test::runProcess(replay + (locked / "out").string());
+  EXPECT_EQ(1, refused.status);
+  EXPECT_THAT(refused.output, HasSubstr("Permission denied"));
+  const auto elsewhere =
+      test::runProcess("cd " + locked.string() + " && " + replay + out_.string());
+  EXPECT_EQ(0, elsewhere.status) << elsewhere.output << " without HOME, in a read-only folder";
 }
 
 }  // namespace

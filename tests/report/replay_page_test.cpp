@@ -134,6 +134,15 @@ TEST_F(ReplayPageTest, ShowsWhatThereIsAndRefusesAFolderWithoutATrajectory) {
   EXPECT_THROW((void)page(), InputError);
 }
 
+TEST_F(ReplayPageTest, SaysThatARunDidNotEnd) {
+  EXPECT_THAT(page(), Not(HasSubstr("(ended early)")));
+  std::ofstream(folder_ / "summary.json") << R"({"ended_early": null})";
+  EXPECT_THAT(page(), Not(HasSubstr("(ended early)")));
+  std::ofstream(folder_ / "summary.json")
+      << R"({"ended_early": "killed after the checkpoint at frame 7"})";
+  EXPECT_THAT(page(), HasSubstr("(ended early)"));
+}
+
 /// The page in Chromium.
 class ReplayPageInBrowserTest : public ReplayPageTest {
  protected:

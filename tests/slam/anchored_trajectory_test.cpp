@@ -2,16 +2,12 @@
 #include "anchored_trajectory.h"
 
 #include <gtest/gtest.h>
-#include <headway/core/error.h>
 
+#include <thread>
 #include <vector>
-
-#include "make_map_view.h"
 
 namespace headway::slam {
 namespace {
-
-using Kind = TrajectoryRecord::Kind;
 
 constexpr int kRunFrames = 1000;
 constexpr int kFramesOfKeyframe = 10;
@@ -21,46 +17,37 @@ Pose poseAlong(double x) {
               Eigen::AngleAxisd(0.01 * x, Eigen::Vector3d::UnitY()));
 }
 
-TrajectoryReader readerOf(const std::vector<TrajectoryRecord>& records) {
-  return [records, next = std::size_t{0}]() mutable -> std::optional<TrajectoryRecord> {
-    if (next == records.size()) return std::nullopt;
-    return records[next++];
-  };
+std::vector<FrameEstimate> allOf(const TrajectoryVisit& visit) {
+  std::vector<FrameEstimate> estimates;
+  visit([&](const FrameEstimate& estimate) { estimates.push_back(estimate); });
+  return estimates;
 }
 
 /// A run in which every keyframe but each fifth is removed soon after.
 class AnchoredTrajectoryTest : public testing::Test {
  protected:
-  void run(AnchoredTrajectory& trajectory) {
-    trajectory.setLog([this](const TrajectoryRecord& record) { records_.push_back(record); });
-    std::optional<KeyframeId> reference;
-    for (int i = 0; i < kRunFrames; ++i) {
-      if (i % kFramesOfKeyframe == kFramesOfKeyframe - 1) {
-        const KeyframeId id = map_.addKeyframe(i, 0.1 * i, poseAlong(i)).id;
-        if (reference && reference->value % 5 != 0) {
-          trajectory.reassign(*reference, id, map_);
-          map_.removeKeyframe(*reference);
+  /// Adds frames from `next_` on.
+  void run(AnchoredTrajectory& trajectory, int frames = kRunFrames) {
+    for (const int end = next_ + frames; next_ < end; ++next_) {
+      if (next_ % kFramesOfKeyframe == kFramesOfKeyframe - 1) {
+        const KeyframeId id = map_.addKeyframe(next_, 0.1 * next_, poseAlong(next_)).id;
+        if (reference_ && reference_->value % 5 != 0) {
+          trajectory.reassign(*reference_, id, map_);
+          map_.removeKeyframe(*reference_);
         }
-        reference = id;
+        reference_ = id;
       }
-      trajectory.add(i, 0.1 * i, i % 7 != 0, poseAlong(i), reference, map_);
+      trajectory.add(next_, 0.1 * next_, next_ % 7 != 0, poseAlong(next_), reference_, map_);
     }
   }
 
   [[nodiscard]] std::vector<FrameEstimate> all(const AnchoredTrajectory& trajectory) const {
-    std::vector<FrameEstimate> estimates;
-    trajectory.visit(map_, Pose::Identity(),
-                     [&](const FrameEstimate& estimate) { estimates.push_back(estimate); });
-    return estimates;
-  }
-
-  void expectRefused(const std::vector<TrajectoryRecord>& records) const {
-    AnchoredTrajectory trajectory(100);
-    EXPECT_THROW(trajectory.restore(readerOf(records), map_), InputError);
+    return allOf(trajectory.snapshot(map_, Pose::Identity()));
   }
 
   SparseMap map_;
-  std::vector<TrajectoryRecord> records_;
+  std::optional<KeyframeId> reference_;
+  int next_ = 0;
 };
 
 TEST_F(AnchoredTrajectoryTest, FramesFollowTheScaleOfTheirKeyframes) {
@@ -72,93 +59,64 @@ TEST_F(AnchoredTrajectoryTest, FramesFollowTheScaleOfTheirKeyframes) {
   trajectory.add(0, 0.0, true, way, first, map_);
   trajectory.add(1, 0.1, true, way, second, map_);
   trajectory.scale({{first, 1.5}});
-  EXPECT_NEAR(trajectory.find(0, map_)->T_map_cam.translation().x(), 0.6, 1e-12);
-  EXPECT_NEAR(trajectory.find(1, map_)->T_map_cam.translation().x(), 0.4, 1e-12);
+  const auto frames = all(trajectory);
+  ASSERT_EQ(frames.size(), 2U);
+  EXPECT_NEAR(frames[0].T_map_robot.translation().x(), 0.6, 1e-12);
+  EXPECT_NEAR(frames[1].T_map_robot.translation().x(), 0.4, 1e-12);
 }
 
-TEST_F(AnchoredTrajectoryTest, ItsRecordsRestoreItInTheCorrectedMap) {
+TEST_F(AnchoredTrajectoryTest, FramesFollowTheCorrectionOfTheMap) {
   for (const std::size_t in_memory : {10U, 5000U}) {
     map_ = SparseMap();
-    records_.clear();
+    reference_.reset();
+    next_ = 0;
     AnchoredTrajectory trajectory(in_memory);
     run(trajectory);
-    AnchoredTrajectory restored(40);
-    restored.restore(readerOf(records_), map_);
-    for (const auto& [id, keyframe] : map_.keyframes()) {  // a later correction
-      map_.keyframe(id).T_map_cam = poseAlong(0.3) * keyframe.T_map_cam;
+    const Pose correction = poseAlong(0.3);
+    for (const auto& [id, keyframe] : map_.keyframes()) {
+      map_.keyframe(id).T_map_cam = correction * keyframe.T_map_cam;
     }
-    const auto expected = all(trajectory);
-    const auto found = all(restored);
-    ASSERT_EQ(expected.size(), static_cast<std::size_t>(kRunFrames));
-    ASSERT_EQ(found.size(), expected.size());
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      EXPECT_EQ(found[i].frame, expected[i].frame);
-      EXPECT_EQ(found[i].time, expected[i].time);
-      EXPECT_EQ(found[i].tracked, expected[i].tracked);
-      EXPECT_EQ(found[i].T_map_robot.matrix(), expected[i].T_map_robot.matrix()) << i;
+    const auto found = all(trajectory);
+    ASSERT_EQ(found.size(), static_cast<std::size_t>(kRunFrames));
+    for (int i = 0; i < kRunFrames; ++i) {
+      const FrameEstimate& frame = found[static_cast<std::size_t>(i)];
+      EXPECT_EQ(frame.frame, static_cast<std::size_t>(i));
+      EXPECT_EQ(frame.time, 0.1 * i);
+      EXPECT_EQ(frame.tracked, i % 7 != 0);
+      // The frames before the first keyframe are in the map frame itself.
+      const Pose expected = i < kFramesOfKeyframe - 1 ? poseAlong(i) : correction * poseAlong(i);
+      EXPECT_TRUE(frame.T_map_robot.isApprox(expected, 1e-9)) << i;
     }
-    const auto last = restored.find(kRunFrames - 1, map_);
-    ASSERT_TRUE(last);
-    EXPECT_EQ(last->T_map_cam.matrix(), trajectory.find(kRunFrames - 1, map_)->T_map_cam.matrix());
   }
 }
 
-TEST_F(AnchoredTrajectoryTest, ItsRecordsAndAViewOfTheMapGiveAllPoses) {
+TEST_F(AnchoredTrajectoryTest, AFrameWithoutItsKeyframeIsLeftOut) {
   AnchoredTrajectory trajectory(10);
   run(trajectory);
-  for (const auto& [id, keyframe] : map_.keyframes()) {  // a later correction
-    map_.keyframe(id).T_map_cam = poseAlong(0.3) * keyframe.T_map_cam;
-  }
-  const Pose T_robot_cam = poseAlong(-0.7);
-  const Pose T_cam_robot = T_robot_cam.inverse(Eigen::Isometry);
-  std::vector<FrameEstimate> expected;
-  trajectory.visit(map_, T_cam_robot,
-                   [&](const FrameEstimate& estimate) { expected.push_back(estimate); });
-  records_.push_back({Kind::kGiven, kRunFrames, 7.0, true, {}, {}, stored(poseAlong(2.0))});
-  expected.push_back({kRunFrames, 7.0, true, poseAlong(2.0)});
-  std::size_t found = 0;
-  visitTrajectory([this] { return readerOf(records_); }, makeMapView(map_, T_cam_robot),
-                  T_robot_cam,
-                  [&](const FrameEstimate& estimate) {
-                    ASSERT_LT(found, expected.size());
-                    const FrameEstimate& other = expected[found++];
-                    EXPECT_EQ(estimate.frame, other.frame);
-                    EXPECT_EQ(estimate.time, other.time);
-                    EXPECT_EQ(estimate.tracked, other.tracked);
-                    EXPECT_TRUE(estimate.T_map_robot.isApprox(other.T_map_robot, 1e-12));
-                  });
-  EXPECT_EQ(found, expected.size());
-  map_.removeKeyframe(map_.keyframes().rbegin()->first);  // its frames have no pose any more
-  std::size_t left = 0;
-  visitTrajectory([this] { return readerOf(records_); }, makeMapView(map_, T_cam_robot),
-                  T_robot_cam, [&](const FrameEstimate&) { ++left; });
-  EXPECT_LT(left, found);
-  EXPECT_GT(left, found / 2);
+  const std::size_t before = all(trajectory).size();
+  map_.removeKeyframe(map_.keyframes().rbegin()->first);
+  EXPECT_LT(all(trajectory).size(), before);
+  EXPECT_GT(all(trajectory).size(), before / 2);
 }
 
-TEST_F(AnchoredTrajectoryTest, RecordsThatContradictEachOtherAreRefused) {
-  const KeyframeId kept = map_.addKeyframe(0, 0.0, Pose::Identity()).id;
-  const StoredPose pose = stored(Pose::Identity());
-  const auto frame = [&](std::size_t index, KeyframeId reference) {
-    return TrajectoryRecord{Kind::kFrame, index, 0.1, true, {}, reference, pose};
-  };
-  const auto move = [&](std::int64_t from, std::int64_t to) {
-    return TrajectoryRecord{Kind::kMove, 0, 0.0, false, KeyframeId{from}, KeyframeId{to}, pose};
-  };
-  AnchoredTrajectory good(100);
-  good.restore(readerOf({frame(0, {}), frame(1, KeyframeId{7}), move(7, 3), move(3, kept.value)}),
-               map_);
-  EXPECT_EQ(2U, all(good).size());
-  expectRefused({frame(1, kept), frame(1, kept)});
-  expectRefused({frame(1, KeyframeId{9})});
-  expectRefused({move(7, 3), move(3, 7)});
-  expectRefused({move(7, 7)});
-  expectRefused({move(7, 3), move(7, kept.value)});
-  expectRefused({move(7, 3), frame(1, KeyframeId{7})});
-  expectRefused({TrajectoryRecord{Kind::kGiven, 1, 0.1, true, {}, {}, pose}});
-  auto wrong = frame(1, kept);
-  wrong.pose.values[3] = std::numeric_limits<double>::quiet_NaN();
-  expectRefused({wrong});
+TEST_F(AnchoredTrajectoryTest, ASnapshotIsReadInAnotherThreadWhileTheRunGoesOn) {
+  AnchoredTrajectory trajectory(10);
+  run(trajectory);
+  const auto expected = all(trajectory);
+  const auto snapshot = trajectory.snapshot(map_, Pose::Identity());
+  std::vector<FrameEstimate> found;
+  std::thread reader([&] { found = allOf(snapshot); });
+  run(trajectory);
+  for (const auto& [id, keyframe] : map_.keyframes()) {
+    map_.keyframe(id).T_map_cam = poseAlong(0.3) * keyframe.T_map_cam;
+  }
+  reader.join();
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    EXPECT_EQ(found[i].frame, expected[i].frame);
+    EXPECT_EQ(found[i].T_map_robot.matrix(), expected[i].T_map_robot.matrix()) << i;
+  }
+  EXPECT_EQ(all(trajectory).size(), 2U * kRunFrames);
 }
 
 }  // namespace

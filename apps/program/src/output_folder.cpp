@@ -83,22 +83,6 @@ OutputFolder::OutputFolder(fs::path folder, bool overwrite, const std::vector<st
   if (error) throw InputError(path_.string() + ": cannot be made: " + error.message());
 }
 
-OutputFolder::OutputFolder(fs::path folder, fs::path run, IsResult is_result)
-    : folder_(std::move(folder)), path_(std::move(run)), is_result_(std::move(is_result)) {
-  lock();
-  for (const auto& entry : fs::directory_iterator(path_)) {
-    std::error_code ignored;
-    const std::string name = entry.path().filename().string();
-    if (name.rfind(".partial-", 0) == 0) fs::remove(entry.path(), ignored);
-  }
-}
-
-void OutputFolder::completePublication(const fs::path& folder, const IsResult& is_result) {
-  if (!isRealFolder(folder / kReplacingFolder)) return;
-  const OutputFolder locked(folder, folder / kReplacingFolder, is_result);
-  replaceFiles(folder / kReplacingFolder, folder, is_result);
-}
-
 OutputFolder::~OutputFolder() {
   (void)unlink((folder_ / kLock).c_str());
   close(lock_);

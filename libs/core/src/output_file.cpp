@@ -5,11 +5,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -83,25 +83,6 @@ void synchronise(const fs::path& path, int flags, std::optional<mode_t> mode = s
   if (error != 0 && error != EINVAL && error != EROFS) failToWrite(path, error);
 }
 
-/// Removes what follows the first rows of a file.
-void keepRows(const fs::path& path, std::size_t rows) {
-  std::ifstream file(path, std::ios::binary);
-  std::uintmax_t bytes = 0;
-  std::string buffer(1 << 16, '\0');
-  for (std::size_t left = rows; left > 0;) {
-    file.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
-    const auto count = static_cast<std::size_t>(file.gcount());
-    if (count == 0) {
-      throw InputError(path.string() + ": has fewer than the " + std::to_string(rows) +
-                       " rows that were written to it");
-    }
-    std::size_t at = 0;
-    for (; at < count && left > 0; ++at) left -= buffer[at] == '\n' ? 1 : 0;
-    bytes += at;
-  }
-  if (truncate(path.c_str(), static_cast<off_t>(bytes)) != 0) failToWrite(path, errno);
-}
-
 }  // namespace
 
 void synchroniseFile(const fs::path& path) { synchronise(path, O_RDONLY); }
@@ -142,11 +123,9 @@ void writeFile(const fs::path& path, std::string_view bytes) {
   file.commit();
 }
 
-GrowingFile::GrowingFile(const fs::path& path, std::optional<std::size_t> kept_rows)
-    : path_(path), file_(-1), row_count_(kept_rows.value_or(0)) {
-  if (kept_rows) keepRows(path_, *kept_rows);
-  const int start = kept_rows ? 0 : O_CREAT | O_TRUNC;
-  file_ = open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC | start, 0666);
+GrowingFile::GrowingFile(const fs::path& path)
+    : path_(path),
+      file_(open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC | O_CREAT | O_TRUNC, 0666)) {
   if (file_ < 0) failToWrite(path_, errno);
 }
 
@@ -165,7 +144,6 @@ void GrowingFile::endRows() {
   for (std::string_view left = rows; !left.empty();) {
     const std::string_view piece = left.substr(0, pieceLength(left));
     write(piece);
-    row_count_ += static_cast<std::size_t>(std::count(piece.begin(), piece.end(), '\n'));
     left.remove_prefix(piece.size());
   }
 }

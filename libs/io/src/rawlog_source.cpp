@@ -41,7 +41,7 @@ class RawlogSource::Reader {
   std::optional<RecordedFrame> next() {
     while (auto pending = takePending()) {
       if (options_.to_index && pending->index > *options_.to_index) return std::nullopt;
-      if (pending->index < progressFrom()) start_ = observations_.progress();
+      if (pending->index < options_.from_index) start_ = observations_.progress();
       if (pending->index < options_.from_index) {
         first_pair_.reset();
         collector_->discardMotionBefore(pending->time);
@@ -65,17 +65,13 @@ class RawlogSource::Reader {
     const double read = observations_.progress();
     const double by_bytes = start_ < 1.0 ? (read - start_) / (1.0 - start_) : 1.0;
     if (!options_.to_index || !last_index_) return std::clamp(by_bytes, 0.0, 1.0);
-    const auto from = static_cast<double>(progressFrom());
+    const auto from = static_cast<double>(options_.from_index);
     const double by_frames = (static_cast<double>(*last_index_) + 1.0 - from) /
                              (static_cast<double>(*options_.to_index) + 1.0 - from);
     return std::clamp(std::max(by_bytes, by_frames), 0.0, 1.0);
   }
 
  private:
-  std::size_t progressFrom() const {
-    return options_.progress_from_index.value_or(options_.from_index);
-  }
-
   /// Reads up to the first usable frame and sets the calibration.
   void open() {
     try {

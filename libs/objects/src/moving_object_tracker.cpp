@@ -66,26 +66,6 @@ class MovingObjectTracker::Implementation {
     return samples;
   }
 
-  [[nodiscard]] std::int64_t nextId() const { return next_id_; }
-
-  [[nodiscard]] std::map<TrackId, Eigen::Vector3d> positions() const {
-    std::map<TrackId, Eigen::Vector3d> positions;
-    for (const auto& object : objects_) positions[object->id()] = object->position();
-    return positions;
-  }
-
-  std::map<TrackId, TrackId> rename(std::map<TrackId, TrackId> ids, std::int64_t next_id) {
-    next_id_ = next_id;
-    for (const auto& object : objects_) {
-      const auto [id, is_new] = ids.try_emplace(object->id(), TrackId{next_id_});
-      if (is_new) ++next_id_;
-      object->setId(id->second);
-    }
-    std::sort(objects_.begin(), objects_.end(),
-              [](const auto& a, const auto& b) { return a->id() < b->id(); });
-    return ids;
-  }
-
  private:
   [[nodiscard]] bool runsForward(Time time) const {
     return std::isfinite(time) && (!time_ || time > *time_);
@@ -229,16 +209,5 @@ TrackUpdate MovingObjectTracker::coast(std::size_t frame, Time time) {
 std::vector<TrackSample> MovingObjectTracker::flush() { return implementation_->flush(); }
 
 std::vector<TrackSample> MovingObjectTracker::restart() { return implementation_->restart(); }
-
-std::map<TrackId, Eigen::Vector3d> MovingObjectTracker::positions() const {
-  return implementation_->positions();
-}
-
-std::int64_t MovingObjectTracker::nextId() const { return implementation_->nextId(); }
-
-std::map<TrackId, TrackId> MovingObjectTracker::rename(std::map<TrackId, TrackId> ids,
-                                                       std::int64_t next_id) {
-  return implementation_->rename(std::move(ids), next_id);
-}
 
 }  // namespace headway::objects

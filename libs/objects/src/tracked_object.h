@@ -42,7 +42,6 @@ class TrackedObject {
   }
 
   [[nodiscard]] TrackId id() const { return id_; }
-  void setId(TrackId id) { id_ = id; }
 
   /// Predicted place of the next detection.
   [[nodiscard]] ExpectedPlace expected() const;

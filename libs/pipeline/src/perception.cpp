@@ -110,7 +110,6 @@ Perception::~Perception() = default;
 
 PerceptionUpdate Perception::process(const RecordedFrame& frame) {
   const auto watch = times_.watch("frame");
-  if (repeated_ && frame.index > repeated_->extent.last_frame) endRepetition();
   applyChange();
   const Warnings warnings_before = log_ ? warnings_ : Warnings();
   const map::PerceptionMap map_before = map_;
@@ -139,7 +138,6 @@ PerceptionUpdate Perception::process(const RecordedFrame& frame) {
   expected_ = update.objects.expected;
   last_pose_.reset();
   if (const auto pose = poseOf(update.camera)) last_pose_ = Stamped<Pose>{frame.time, *pose};
-  keepForRepetition(frame);
   logFrame(update, warnings_before);
   callBack(update, map_before);
   return update;
@@ -154,7 +152,7 @@ bool Perception::hasGridTurn(const RecordedFrame& frame) {
 std::optional<stereo::FrameContext> Perception::contextOf(const RecordedFrame& frame) {
   if (!frame.stereo) return std::nullopt;
   const Eigen::Vector3d& turn = stereo_check_.turn();
-  if (!repeated_ && front_end_.rightTurn().angles() != turn) {
+  if (front_end_.rightTurn().angles() != turn) {
     const Eigen::Vector3d degrees = turn * 180.0 / M_PI;
     log(LogLevel::kInfo, frame.index,
         formatted("right images are turned back by pitch %.3f, yaw %.3f, roll %.3f deg",
@@ -179,13 +177,12 @@ double Perception::disparityOffset(const RecordedFrame& frame) const {
 void Perception::estimateOffset() {
   if (found_.motion.static_points.empty()) return;
   offset_at_given_poses_.update(found_.motion.static_points);
-  if (!repeated_) stereo_check_.addOffsetAtGivenPoses(offset_at_given_poses_.estimate(), *camera_);
+  stereo_check_.addOffsetAtGivenPoses(offset_at_given_poses_.estimate(), *camera_);
 }
 
 slam::SlamUpdate Perception::localise(const RecordedFrame& frame, const ObjectDetections& boxes) {
   if (!isLocalisedBySlam(frame)) return useGivenPose(frame);
   const auto moving = movingRegions(boxes.sources, tracks_, found_.motion, frame.time, *camera_);
-  if (repeated_) return slam_->repeat(*boxes.context, moving);
   auto update = slam_->process(*boxes.context, moving, images_);
   if (const auto offset = slam_->takeFreeOffset()) stereo_check_.addOffset(*offset, *camera_);
   return update;
@@ -205,19 +202,8 @@ slam::SlamUpdate Perception::useGivenPose(const RecordedFrame& frame) {
   } else if (!given_poses_.empty()) {
     given.T_map_robot = poseFrom(given_poses_.back().T_map_robot);
   }
-  if (repeated_) return given;
-  const GivenPose pose{frame.index, frame.time, headway::stored(given.T_map_robot),
-                       frame.T_map_robot.has_value()};
-  given_poses_.append(pose);
-  if (trajectory_log_) {
-    trajectory_log_({slam::TrajectoryRecord::Kind::kGiven,
-                     pose.frame,
-                     pose.time,
-                     pose.is_given,
-                     {},
-                     {},
-                     pose.T_map_robot});
-  }
+  given_poses_.append(
+      {frame.index, frame.time, headway::stored(given.T_map_robot), frame.T_map_robot.has_value()});
   return given;
 }
 
@@ -261,7 +247,6 @@ void Perception::updateStaticMap() {
 }
 
 void Perception::finish() {
-  if (repeated_) endRepetition();
   if (slam_ != nullptr && given_poses_.empty()) {
     slam_->finish();
     map_.update(slam_->map());
@@ -279,12 +264,13 @@ std::vector<slam::FrameEstimate> Perception::trajectory() const {
   return all;
 }
 
-void Perception::visitTrajectory(
-    const std::function<void(const slam::FrameEstimate&)>& callback) const {
-  if (slam_ != nullptr && given_poses_.empty()) return slam_->visitTrajectory(callback);
-  given_poses_.visit([&](const GivenPose& given) {
-    callback({given.frame, given.time, given.is_given, poseFrom(given.T_map_robot)});
-  });
+slam::TrajectoryVisit Perception::trajectorySnapshot() const {
+  if (slam_ != nullptr && given_poses_.empty()) return slam_->trajectorySnapshot();
+  return [poses = given_poses_.snapshot()](const slam::FrameVisitor& visit) {
+    poses->visit([&](const GivenPose& given) {
+      visit({given.frame, given.time, given.is_given, poseFrom(given.T_map_robot)});
+    });
+  };
 }
 
 StageTimes Perception::times() const {

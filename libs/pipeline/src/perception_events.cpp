@@ -69,7 +69,7 @@ void Perception::applyChange() {
 }
 
 void Perception::log(LogLevel level, std::size_t frame, const std::string& text) const {
-  if (log_ && !repeated_) log_(level, "frame " + std::to_string(frame) + ": " + text);
+  if (log_) log_(level, "frame " + std::to_string(frame) + ": " + text);
 }
 
 void Perception::logLocalisation(const RecordedFrame& frame, const slam::SlamUpdate& camera) {
@@ -96,7 +96,7 @@ void Perception::logLocalisation(const RecordedFrame& frame, const slam::SlamUpd
     lost_frames_ = 0;
   }
   last_position_ = camera.T_map_robot.translation();
-  if (callbacks_.on_pose && !repeated_) callbacks_.on_pose(frame.time, camera);
+  if (callbacks_.on_pose) callbacks_.on_pose(frame.time, camera);
 }
 
 void Perception::logFrame(const PerceptionUpdate& update, const Warnings& before) {
@@ -122,7 +122,6 @@ void Perception::logFrame(const PerceptionUpdate& update, const Warnings& before
 }
 
 void Perception::callBack(const PerceptionUpdate& update, const map::PerceptionMap& before) const {
-  if (repeated_) return;
   if (callbacks_.on_tracks) callbacks_.on_tracks(update.time, update.objects.tracks);
   const bool has_changed = map_.staticMap() != before.staticMap() ||
                            map_.staticGrid() != before.staticGrid() ||

@@ -135,7 +135,6 @@ const Warnings& Perception::warnings() const { return warnings_; }
 
 void Perception::updateGrid(const RecordedFrame& frame, const PerceptionUpdate& update,
                             bool scan_ground) {
-  if (repeated_) return;  // the scans of a repeated run are in the grid
   const Pose& T_map_robot = update.camera.T_map_robot;
   std::optional<GroundScan> scan;
   if (!isTracked(update) || !frame.stereo || camera_ == nullptr ||
@@ -160,7 +159,7 @@ void Perception::updateGrid(const RecordedFrame& frame, const PerceptionUpdate& 
 void Perception::updateDense(const RecordedFrame& frame, const PerceptionUpdate& update,
                              bool scan_ground) {
   dense_.update(map_, times_);
-  if (repeated_ || !scan_ground || !isTracked(update) || !dense_.isUsed()) return;
+  if (!scan_ground || !isTracked(update) || !dense_.isUsed()) return;
   dense_.leaveOut(update.objects.tracks, frame.time);
   const Pose& T_map_robot = update.camera.T_map_robot;
   dense_.scan(*found_.context,

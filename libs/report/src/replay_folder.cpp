@@ -169,8 +169,8 @@ void requireOneRun(const fs::path& folder) {
   if (!fs::is_directory(folder / kReplacingFolder)) return;
   throw InputError(folder.string() +
                    ": contains results of two runs, because one was killed while it replaced those "
-                   "of the other; headway-replay --continue " +
-                   folder.string() + " completes the replacement");
+                   "of the other; move the files of its folder " +
+                   kReplacingFolder + "/ into it, or replay again with -w");
 }
 
 ReplayFolder readReplayFolder(const fs::path& path) {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <fstream>
 
 #include "html.h"
 #include "page_data.h"
@@ -86,6 +87,14 @@ std::string nameOf(const fs::path& folder) {
   return fs::weakly_canonical(folder).filename().string();
 }
 
+/// Whether the run was killed, interrupted or stopped by an error.
+bool endedEarly(const fs::path& folder) {
+  std::ifstream file(folder / "summary.json");
+  const auto summary = nlohmann::json::parse(file, nullptr, false);
+  const auto reason = summary.is_object() ? summary.find("ended_early") : summary.end();
+  return reason != summary.end() && reason->is_string();
+}
+
 std::string readReplayPage(const fs::path& folder, const ReplayPageOptions& options,
                            const Note& note) {
   ReplayFrameOptions reading;
@@ -96,7 +105,8 @@ std::string readReplayPage(const fs::path& folder, const ReplayPageOptions& opti
   ReplayTruth truth;
   if (!options.truth.empty()) truth = readReplayTruth(options.truth, frames, note);
   auto data = pageData(folder, frames, truth, options.keyframes);
-  const std::string title = options.title.empty() ? nameOf(folder) : options.title;
+  std::string title = options.title.empty() ? nameOf(folder) : options.title;
+  if (endedEarly(folder)) title += " (ended early)";
   data["title"] = title;
   const std::string points =
       pointsBlock(folder / "map_dense.ply", kMaxDensePoints, "dense", data) +

@@ -135,12 +135,6 @@ std::string warnings(const ReplayFolder& folder) {
   if (!ended.empty()) {
     html += "<p class=\"warning\">The replay ended early: " + escaped(ended) + "</p>";
   }
-  const auto continued = folder.summary.find("continued_after");
-  if (continued != folder.summary.end() && continued->is_array() && !continued->empty()) {
-    html += "<p class=\"warning\">The run was killed and continued " +
-            std::to_string(continued->size()) +
-            " times; times of frames and stages are those since the last time.</p>";
-  }
   const auto found = folder.summary.find("warnings");
   if (found != folder.summary.end() && found->is_object()) {
     for (const auto& [name, warning] : found->items()) {

@@ -3,12 +3,9 @@
 
 #include <headway/core/record_log.h>
 #include <headway/slam/map_view.h>
-#include <headway/slam/trajectory_record.h>
 
-#include <functional>
 #include <map>
 #include <optional>
-#include <utility>
 
 #include "reassignments.h"
 #include "sparse_map.h"
@@ -24,9 +21,6 @@ class AnchoredTrajectory {
   /// @param in_memory  frames that stay in memory
   explicit AnchoredTrajectory(std::size_t in_memory) : frames_(in_memory), moved_(in_memory) {}
 
-  /// Calls back with each step from now on, so that restore() can repeat them.
-  void setLog(TrajectoryLog log) { log_ = std::move(log); }
-
   /// Adds a frame, anchored to a keyframe if one exists yet.
   void add(std::size_t frame, Time time, bool tracked, const Pose& T_map_cam,
            const std::optional<KeyframeId>& reference, const SparseMap& map);
@@ -35,32 +29,13 @@ class AnchoredTrajectory {
   void reassign(KeyframeId from, KeyframeId to, const SparseMap& map);
 
   /// Scales the way from each keyframe to its frames, after the map got another scale. Frames that
-  /// are in the file keep theirs, as do those of a run that is continued from its log.
+  /// are in the file keep theirs.
   ///
   /// @param ratios  new scale to old one, by keyframe
   void scale(const std::map<KeyframeId, double>& ratios);
 
-  /// The pose of a frame in the current map, of its camera.
-  struct Anchored {
-    Time time;
-    Pose T_map_cam;
-    KeyframeId reference;  ///< invalid before the first keyframe
-    bool tracked;
-  };
-  /// nullopt if the frame is not among the newest ones in memory.
-  [[nodiscard]] std::optional<Anchored> find(std::size_t frame, const SparseMap& map) const;
-  /// Index of the newest frame; nullopt before the first one.
-  [[nodiscard]] std::optional<std::size_t> lastFrame() const;
-
-  /// Repeats the steps of a run in an empty trajectory.
-  ///
-  /// @throws InputError if they are damaged, not in order, or the newest frames are anchored to no
-  ///         keyframe of the map
-  void restore(const TrajectoryReader& next, const SparseMap& map);
-
-  /// Calls back with the robot poses of all frames, in order, in the current map.
-  void visit(const SparseMap& map, const Pose& T_cam_robot,
-             const std::function<void(const FrameEstimate&)>& callback) const;
+  /// The robot's poses of all frames so far, in the map as it is now, for any thread.
+  [[nodiscard]] TrajectoryVisit snapshot(const SparseMap& map, const Pose& T_cam_robot) const;
 
  private:
   struct AnchoredPose {
@@ -70,11 +45,9 @@ class AnchoredTrajectory {
     StoredPose T_reference_cam;
     bool tracked;
   };
-  [[nodiscard]] Reassignments reassignments() const;
 
   RecordLog<AnchoredPose> frames_;
   RecordLog<Reassignment> moved_;  ///< while frames in the file were anchored to the keyframe
-  TrajectoryLog log_;
 };
 
 }  // namespace headway::slam

@@ -241,7 +241,9 @@ ByteSource StereoSlam::snapshot() const { return implementation_->snapshot(); }
 void StereoSlam::load(const std::string& bytes) { implementation_->load(bytes); }
 double StereoSlam::disparityOffset() const { return implementation_->disparityOffset(); }
 MapView StereoSlam::map() { return implementation_->map(); }
-void StereoSlam::visitTrajectory(const FrameVisitor& visit) const { implementation_->visit(visit); }
+TrajectoryVisit StereoSlam::trajectorySnapshot() const {
+  return implementation_->trajectorySnapshot();
+}
 void StereoSlam::finish() { implementation_->finish(); }
 const StageTimes& StereoSlam::times() const { return implementation_->times(); }
 

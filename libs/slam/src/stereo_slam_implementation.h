@@ -53,10 +53,6 @@ class StereoSlam::Implementation {
   [[nodiscard]] const SparseMap& sparseMap() const { return map_; }
   [[nodiscard]] const StereoCamera& camera() const { return *camera_; }
   [[nodiscard]] const SlamParams& params() const { return params_; }
-  void setTrajectoryLog(TrajectoryLog log) { trajectory_.setLog(std::move(log)); }
-  [[nodiscard]] std::string saveRun() const;
-  void loadRun(const std::string& bytes, const TrajectoryReader& trajectory);
-  SlamUpdate repeat(const stereo::FrameContext& context, const MovingRegions& moving);
   [[nodiscard]] std::string save() const { return packMap(map_, *camera_); }
   [[nodiscard]] ByteSource snapshot() const { return mapBytes(map_, *camera_); }
   [[nodiscard]] double disparityOffset() const { return map_.disparityOffset(); }
@@ -65,7 +61,9 @@ class StereoSlam::Implementation {
   }
   void turnRightCamera(const Eigen::Vector3d& angles, bool always_so);
   [[nodiscard]] MapView map() { return views_.make(map_); }
-  void visit(const FrameVisitor& visit) const { trajectory_.visit(map_, T_cam_robot_, visit); }
+  [[nodiscard]] TrajectoryVisit trajectorySnapshot() const {
+    return trajectory_.snapshot(map_, T_cam_robot_);
+  }
   [[nodiscard]] const StageTimes& times() const { return times_; }
 
  private:

@@ -30,19 +30,6 @@ class OutputFolder {
   ///         process, or contains an input as result
   OutputFolder(std::filesystem::path folder, bool overwrite, const std::vector<std::string>& inputs,
                IsResult is_result);
-  /// Locks the folder of a killed run, to continue it in the folder that it wrote to. Incomplete
-  /// files are removed.
-  ///
-  /// @param run  folder or its `unfinished/`
-  /// @throws InputError as above, or if it cannot be written
-  static OutputFolder ofKilledRun(std::filesystem::path folder, std::filesystem::path run,
-                                  IsResult is_result) {
-    return OutputFolder(std::move(folder), std::move(run), std::move(is_result));
-  }
-  /// Completes a publication that was killed, if there is one.
-  ///
-  /// @throws InputError if another process uses the folder, or if files cannot be replaced
-  static void completePublication(const std::filesystem::path& folder, const IsResult& is_result);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
@@ -58,7 +45,6 @@ class OutputFolder {
   void publish();
 
  private:
-  OutputFolder(std::filesystem::path folder, std::filesystem::path run, IsResult is_result);
   void lock();
 
   std::filesystem::path folder_;

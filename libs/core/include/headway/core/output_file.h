@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <optional>
 #include <ostream>
 #include <sstream>
 #include <string_view>
@@ -61,12 +60,8 @@ void synchroniseFile(const std::filesystem::path& path);
 ///     file.endRows();
 class GrowingFile {
  public:
-  /// Creates the file, or empties it, or continues it after its first rows.
-  ///
-  /// @param kept_rows  of an existing file, whose other rows are removed; nullopt: a new file
-  /// @throws InputError if it cannot be written, or has fewer rows
-  explicit GrowingFile(const std::filesystem::path& path,
-                       std::optional<std::size_t> kept_rows = std::nullopt);
+  /// Creates the file, or empties it. @throws InputError if it cannot be written
+  explicit GrowingFile(const std::filesystem::path& path);
   ~GrowingFile();
   GrowingFile(const GrowingFile&) = delete;
   GrowingFile& operator=(const GrowingFile&) = delete;
@@ -77,8 +72,6 @@ class GrowingFile {
   void endRows();
   /// Ends the file and synchronises it with the disk. @throws InputError as endRows()
   void close();
-  /// Rows ended so far, with the kept ones.
-  [[nodiscard]] std::size_t rowCount() const { return row_count_; }
 
  private:
   void write(std::string_view rows);
@@ -86,7 +79,6 @@ class GrowingFile {
   std::filesystem::path path_;
   int file_;  ///< descriptor; -1 when closed
   std::ostringstream rows_;
-  std::size_t row_count_;
 };
 
 }  // namespace headway

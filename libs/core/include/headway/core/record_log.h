@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <deque>
+#include <memory>
 #include <type_traits>
 #include <vector>
 
@@ -23,9 +24,9 @@ class TemporaryFile {
 
   /// @return false, with the file unchanged, if the bytes cannot be written, such as to a full disk
   [[nodiscard]] bool append(const void* bytes, std::size_t count);
-  /// @return false if the bytes from `offset` cannot be read
+  /// @return false if the bytes from `offset` cannot be read. What was appended before may be read
+  ///         by any thread, also during append()
   [[nodiscard]] bool read(std::size_t offset, void* bytes, std::size_t count) const;
-  [[nodiscard]] std::size_t size() const { return size_; }
 
  private:
   int file_ = -1;  ///< descriptor
@@ -46,12 +47,17 @@ class RecordLog {
   /// @param in_memory  records that stay in memory at least; at most kBlock more do
   explicit RecordLog(std::size_t in_memory) : in_memory_(in_memory) {}
 
+  /// The records so far as they are now, for any thread. It shares the file.
+  [[nodiscard]] std::shared_ptr<const RecordLog> snapshot() const {
+    return std::shared_ptr<const RecordLog>(new RecordLog(*this));
+  }
+
   void append(const Record& record) {
     recent_.push_back(record);
     if (recent_.size() < in_memory_ + kBlock) return;
     const auto end = recent_.begin() + static_cast<std::ptrdiff_t>(kBlock);
     const std::vector<Record> block(recent_.begin(), end);
-    if (!file_.append(block.data(), kBlock * sizeof(Record))) dropped_ += kBlock;
+    (file_->append(block.data(), kBlock * sizeof(Record)) ? filed_ : dropped_) += kBlock;
     recent_.erase(recent_.begin(), end);
   }
 
@@ -61,26 +67,29 @@ class RecordLog {
   [[nodiscard]] std::deque<Record>& recent() { return recent_; }
   [[nodiscard]] const std::deque<Record>& recent() const { return recent_; }
   /// Number of records in the file.
-  [[nodiscard]] std::size_t filed() const { return file_.size() / sizeof(Record); }
+  [[nodiscard]] std::size_t filed() const { return filed_; }
   [[nodiscard]] std::size_t dropped() const { return dropped_; }
 
   /// Calls visit(record) with all records, oldest first, apart from unreadable ones.
   template <typename Visitor>
   void visit(Visitor&& visit) const {
     std::vector<Record> block(kBlock);
-    for (std::size_t at = 0; at < file_.size(); at += kBlock * sizeof(Record)) {
-      if (!file_.read(at, block.data(), kBlock * sizeof(Record))) continue;
+    for (std::size_t at = 0; at < filed_; at += kBlock) {
+      if (!file_->read(at * sizeof(Record), block.data(), kBlock * sizeof(Record))) continue;
       for (const Record& record : block) visit(record);
     }
     for (const Record& record : recent_) visit(record);
   }
 
  private:
+  RecordLog(const RecordLog&) = default;
+
   static constexpr std::size_t kBlock = 256;  // records written at once
 
   std::size_t in_memory_;
   std::deque<Record> recent_;
-  TemporaryFile file_;
+  std::shared_ptr<TemporaryFile> file_ = std::make_shared<TemporaryFile>();
+  std::size_t filed_ = 0;
   std::size_t dropped_ = 0;
 };
 

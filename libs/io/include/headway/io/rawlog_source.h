@@ -23,11 +23,9 @@ struct RawlogSourceOptions {
   std::string sensor_label;
   std::size_t from_index = 0;           ///< first stereo frame returned
   std::optional<std::size_t> to_index;  ///< last stereo frame returned (inclusive)
-  /// Frame at which progress() starts; default: from_index. A continued run has its first frame.
-  std::optional<std::size_t> progress_from_index;
-  bool use_odometry = true;  ///< use wheel odometry as motion prior
-  bool use_imu = true;       ///< use gyroscope and gravity as motion prior
-  bool use_laser = false;    ///< return 2D laser scans with the frames
+  bool use_odometry = true;             ///< use wheel odometry as motion prior
+  bool use_imu = true;                  ///< use gyroscope and gravity as motion prior
+  bool use_laser = false;               ///< return 2D laser scans with the frames
   /// Number of later frames read before a frame is returned, so that boxes and poses recorded late
   /// are assigned. 0 for live operation with boxes that arrive before their images.
   std::size_t read_ahead = 2;

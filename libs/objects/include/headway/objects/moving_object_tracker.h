@@ -58,19 +58,6 @@ class MovingObjectTracker {
   /// @return as flush()
   [[nodiscard]] std::vector<TrackSample> restart();
 
-  /// Centres of all tracks in the map, with those that are not published [m].
-  [[nodiscard]] std::map<TrackId, Eigen::Vector3d> positions() const;
-
-  /// Number of the next new track.
-  [[nodiscard]] std::int64_t nextId() const;
-
-  /// Gives the tracks of a repeated run the ids that they had in the run.
-  ///
-  /// @param ids      by present id; tracks that are not in it get new ids
-  /// @param next_id  of the next new track; greater than all in `ids`
-  /// @return         all new ids, by former id
-  std::map<TrackId, TrackId> rename(std::map<TrackId, TrackId> ids, std::int64_t next_id);
-
  private:
   class Implementation;
   std::unique_ptr<Implementation> implementation_;

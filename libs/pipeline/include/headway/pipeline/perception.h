@@ -15,13 +15,11 @@
 #include <headway/pipeline/lost_diagnosis.h>
 #include <headway/pipeline/mount_check.h>
 #include <headway/pipeline/perception_host.h>
-#include <headway/pipeline/run_state.h>
 #include <headway/pipeline/scale_check.h>
 #include <headway/pipeline/stereo_check.h>
 #include <headway/slam/stereo_slam.h>
 #include <headway/stereo/rig_capability.h>
 
-#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -112,23 +110,6 @@ class Perception {
   /// The map as stored in a file, with the data for resume(), without configuration.
   [[nodiscard]] map::StoredMap stored() const;
 
-  /// Calls back with each step of the trajectory from now on, which continueRun() repeats.
-  void setTrajectoryLog(const slam::TrajectoryLog& log);
-
-  /// What a checkpoint of a run contains beside the map, as bytes for continueRun().
-  [[nodiscard]] std::string runState() const;
-
-  /// Continues a run, before the first frame. Its frames from RunExtent::repeat_from on should be
-  /// processed again: they get the poses of the run, change neither map nor trajectory, and restore
-  /// what detectors and tracks remember. Their updates are no new results. Tracks then have the ids
-  /// that they had, and frames with greater indices continue the run.
-  ///
-  /// @param stored      of the same moment as `run_state`
-  /// @param trajectory  the steps of the trajectory up to that moment
-  /// @throws InputError as resume()
-  void continueRun(const map::StoredMap& stored, const std::string& run_state,
-                   const slam::TrajectoryReader& trajectory);
-
   /// Processes one frame. Times increase; an earlier time than the last frame's means that the
   /// clock was set back, and ends all tracks.
   ///
@@ -183,7 +164,10 @@ class Perception {
   [[nodiscard]] std::vector<slam::FrameEstimate> trajectory() const;
 
   /// The same one by one, for runs of days whose frames do not fit into memory.
-  void visitTrajectory(const std::function<void(const slam::FrameEstimate&)>& callback) const;
+  void visitTrajectory(const slam::FrameVisitor& visit) const { trajectorySnapshot()(visit); }
+
+  /// The same as the trajectory is now, for any thread.
+  [[nodiscard]] slam::TrajectoryVisit trajectorySnapshot() const;
 
   /// Waits for background threads and applies their results; call after the last frame, before the
   /// final map and trajectory are read. Without threads it returns at once.
@@ -200,10 +184,6 @@ class Perception {
  private:
   friend std::vector<JointMap> joinMaps(const std::vector<Perception*>& runs);
   [[nodiscard]] Pose moveInto(const slam::KeyframePoses& poses);
-  void load(const map::StoredMap& stored);
-  /// Ends the repetition of a run that is continued, at its first new frame.
-  void endRepetition();
-  void keepForRepetition(const RecordedFrame& frame);
   [[nodiscard]] bool hasGridTurn(const RecordedFrame& frame);
   [[nodiscard]] std::optional<stereo::FrameContext> contextOf(const RecordedFrame& frame);
   [[nodiscard]] bool isLocalisedBySlam(const RecordedFrame& frame) const;
@@ -271,16 +251,13 @@ class Perception {
   std::size_t lost_frames_ = 0;                              ///< in succession
   Eigen::Vector3d last_position_ = Eigen::Vector3d::Zero();  ///< of the robot, or as predicted
   std::map<std::string, std::size_t> laser_counts_;
-  std::optional<Time> last_time_;                   ///< of the newest frame
-  std::optional<Stamped<Pose>> last_pose_;          ///< in the newest tracked frame
-  bool resumed_ = false;                            ///< the map frame is a stored map's
-  FrameDetections found_;                           ///< in the newest frame
-  std::vector<Track> tracks_;                       ///< of the previous frame
-  std::vector<ExpectedObject> expected_;            ///< as of the previous frame
-  RecordLog<GivenPose> given_poses_;                ///< frames with recorded pose
-  slam::TrajectoryLog trajectory_log_;              ///< of these
-  std::deque<Stamped<std::size_t>> recent_frames_;  ///< to repeat in a run that continues this one
-  std::optional<RunState> repeated_;  ///< end of the run that is repeated, until it is reached
+  std::optional<Time> last_time_;                  ///< of the newest frame
+  std::optional<Stamped<Pose>> last_pose_;         ///< in the newest tracked frame
+  bool resumed_ = false;                           ///< the map frame is a stored map's
+  FrameDetections found_;                          ///< in the newest frame
+  std::vector<Track> tracks_;                      ///< of the previous frame
+  std::vector<ExpectedObject> expected_;           ///< as of the previous frame
+  RecordLog<GivenPose> given_poses_;               ///< frames with recorded pose
   stereo::DisparityOffset offset_at_given_poses_;  ///< where SLAM does not estimate it
   StageTimes times_;
 };

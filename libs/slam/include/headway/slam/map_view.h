@@ -6,6 +6,7 @@
 #include <headway/core/shared_chunks.h>
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace headway::slam {
@@ -41,5 +42,10 @@ struct FrameEstimate {
   bool tracked = false;  ///< false: lost, the pose is the last one known
   Pose T_map_robot = Pose::Identity();
 };
+
+using FrameVisitor = std::function<void(const FrameEstimate&)>;
+
+/// Calls back for all frames of a run, in order.
+using TrajectoryVisit = std::function<void(const FrameVisitor&)>;
 
 }  // namespace headway::slam

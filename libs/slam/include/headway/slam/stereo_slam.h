@@ -6,7 +6,6 @@
 #include <headway/core/stage_times.h>
 #include <headway/slam/map_view.h>
 #include <headway/slam/slam_params.h>
-#include <headway/slam/trajectory_record.h>
 #include <headway/stereo/disparity_offset.h>
 #include <headway/stereo/frame_context.h>
 
@@ -144,8 +143,10 @@ class StereoSlam {
   }
 
   /// The same one by one, for runs of days whose frames do not fit into memory.
-  using FrameVisitor = std::function<void(const FrameEstimate&)>;
-  void visitTrajectory(const FrameVisitor& visit) const;
+  void visitTrajectory(const FrameVisitor& visit) const { trajectorySnapshot()(visit); }
+
+  /// The same as the trajectory is now, for any thread.
+  [[nodiscard]] TrajectoryVisit trajectorySnapshot() const;
 
   /// The whole map as bytes for load().
   [[nodiscard]] std::string save() const;
@@ -159,24 +160,6 @@ class StereoSlam {
   ///
   /// @throws InputError if the bytes are cut off, damaged, of another version or of another camera
   void load(const std::string& bytes);
-
-  /// Calls back with each step of the trajectory from now on; with its records a run can be
-  /// continued.
-  void setTrajectoryLog(TrajectoryLog log);
-
-  /// What continues a run beside the map of save() and the records of its trajectory, as bytes.
-  [[nodiscard]] std::string saveRun() const;
-
-  /// Continues a run, after load(): its frames are part of the trajectory, and the camera is where
-  /// it was. The last frames of the run may be repeated before the first new one.
-  ///
-  /// @param trajectory  its records up to the moment of save() and saveRun()
-  /// @throws InputError if bytes or records are cut off or damaged
-  void loadRun(const std::string& bytes, const TrajectoryReader& trajectory);
-
-  /// Takes a frame of the run that was loaded again, with the pose that it got in the run, so that
-  /// the next frame can be tracked from it. Map and trajectory do not change.
-  [[nodiscard]] SlamUpdate repeat(const stereo::FrameContext& frame, const MovingRegions& moving);
 
   /// Waits for a running background search for loops and adjustment and applies both, at the end of
   /// a recording. More frames may follow.
