@@ -53,17 +53,11 @@ Json rowsOf(const Eigen::MatrixXd& matrix) {
 
 }  // namespace
 
-GeoSummary georeferenced(const GnssLog& log, const slam::TrajectoryVisit& visit) {
-  const auto fixes = fixesOnMap(log.fixes(), visit);
-  GeoSummary summary = georeferenced(fixes);
-  summary.fixes = log.added();
-  summary.without_pose = log.fixes().size() - std::min(fixes.size(), log.fixes().size());
-  return summary;
-}
-
-GeoSummary georeferenced(const std::vector<geo::FixOnMap>& fixes) {
+GeoSummary georeferenced(const std::vector<geo::FixOnMap>& fixes, std::size_t recorded,
+                         std::size_t kept) {
   GeoSummary summary;
-  summary.fixes = fixes.size();
+  summary.fixes = recorded;
+  summary.without_pose = kept - std::min(fixes.size(), kept);
   auto result = geo::georeference(fixes);
   if (const auto* none = std::get_if<geo::NoGeoreference>(&result)) {
     summary.reason = none->reason;

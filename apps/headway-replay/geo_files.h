@@ -20,11 +20,12 @@ struct GeoSummary {
   std::string reason;                          ///< why not
 };
 
-/// Places a run's map on the earth.
-[[nodiscard]] GeoSummary georeferenced(const GnssLog& log, const slam::TrajectoryVisit& visit);
-
-/// The same by fixes with their positions on the map.
-[[nodiscard]] GeoSummary georeferenced(const std::vector<geo::FixOnMap>& fixes);
+/// Places a map on the earth by fixes with their positions on it.
+///
+/// @param recorded  fixes, with those that were removed
+/// @param kept      those that were not
+[[nodiscard]] GeoSummary georeferenced(const std::vector<geo::FixOnMap>& fixes,
+                                       std::size_t recorded, std::size_t kept);
 
 /// One line for the end of a run.
 [[nodiscard]] std::string describe(const GeoSummary& summary);

@@ -199,25 +199,31 @@ void Recordings::writeMap(pipeline::JointMap joint, MapOfRecordings& map) {
   map.landmarks = view.landmarks.size();
   joint.stored.configuration = configuration_;
   scene::saveScene((folder / "scene.3Dscene").string(), {joint.stored.map});
+  const MapFixes fixes = fixesOf(map);
+  if (fixes.recorded > 0) joint.stored.attachments[kGnssAttachment] = gnssBytes(fixes.on_map);
   map::writeMapFiles(folder, std::move(joint.stored));
-  writeGeo(map);
+  if (fixes.recorded > 0) writeGeo(map, fixes);
 }
 
-/// Places the map on the earth by the fixes of all its recordings.
-void Recordings::writeGeo(const MapOfRecordings& map) {
-  std::vector<geo::FixOnMap> fixes;
-  std::size_t recorded = 0;
+/// Those of all recordings of the map.
+Recordings::MapFixes Recordings::fixesOf(const MapOfRecordings& map) const {
+  MapFixes fixes;
   for (const std::size_t i : map.recordings) {
     const Replay& replay = *recordings_[i].replay;
-    recorded += replay.gnss().added();
-    const auto own = fixesOnMap(replay.gnss().fixes(), replay.perception().trajectorySnapshot());
-    fixes.insert(fixes.end(), own.begin(), own.end());
+    fixes.recorded += replay.gnss().added();
+    fixes.kept += replay.gnss().kept();
+    const auto& perception = replay.perception();
+    const auto own =
+        replay.gnss().onMap(perception.trajectorySnapshot(), *perception.map().staticMap());
+    fixes.on_map.insert(fixes.on_map.end(), own.begin(), own.end());
   }
-  if (recorded == 0) return;
-  std::stable_sort(fixes.begin(), fixes.end(),
+  std::stable_sort(fixes.on_map.begin(), fixes.on_map.end(),
                    [](const auto& a, const auto& b) { return a.fix.time < b.fix.time; });
-  GeoSummary summary = georeferenced(fixes);
-  summary.fixes = recorded;
+  return fixes;
+}
+
+void Recordings::writeGeo(const MapOfRecordings& map, const MapFixes& fixes) const {
+  const GeoSummary summary = georeferenced(fixes.on_map, fixes.recorded, fixes.kept);
   if (summary.reference) {
     writeMapGeo(folder_.path() / map.folder / "map_geo.json", summary);
   } else {

@@ -54,12 +54,20 @@ class Recordings {
     std::size_t landmarks = 0;
   };
 
+  /// Satellite fixes of a map.
+  struct MapFixes {
+    std::size_t recorded = 0;
+    std::size_t kept = 0;
+    std::vector<geo::FixOnMap> on_map;  ///< in order of time
+  };
+
   void processAll();
   void joinMaps();
   void place(const pipeline::JointMap& joint);
   void warnApart(const MapOfRecordings& map) const;
   void writeMap(pipeline::JointMap joint, MapOfRecordings& map);
-  void writeGeo(const MapOfRecordings& map);
+  [[nodiscard]] MapFixes fixesOf(const MapOfRecordings& map) const;
+  void writeGeo(const MapOfRecordings& map, const MapFixes& fixes) const;
   void complete();
   void writeRecord() const;
   void report() const;

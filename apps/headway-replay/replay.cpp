@@ -50,15 +50,17 @@ std::string textOf(const Params& params) {
   return text.str();
 }
 
-/// Creates the pipeline with the map of --load-map, if given.
+/// Creates the pipeline with the map of --load-map, if given, and loads its satellite fixes.
 std::unique_ptr<pipeline::Perception> makePerception(
     const Options& options, const std::shared_ptr<const StereoCamera>& camera,
-    const pipeline::PerceptionParams& params) {
+    const pipeline::PerceptionParams& params, GnssLog& gnss) {
   auto perception = std::make_unique<pipeline::Perception>(camera, params);
   if (options.load_map.empty()) return perception;
   const auto stored = map::loadMap(options.load_map);
   try {
     perception->resume(stored);
+    const auto fixes = stored.attachments.find(kGnssAttachment);
+    if (fixes != stored.attachments.end()) gnss.load(fixes->second, *stored.map.staticMap());
   } catch (const InputError& error) {
     throw InputError(options.load_map + ": cannot be continued: " + error.what());
   }
@@ -80,7 +82,8 @@ Replay::Replay(const Options& options, std::unique_ptr<FrameInput> input,
       configuration_(textOf(params)),
       source_(std::move(input)),
       camera_(source_->camera()),
-      perception_(makePerception(options, camera_, perceptionParams(options, perception_params))),
+      perception_(
+          makePerception(options, camera_, perceptionParams(options, perception_params), gnss_)),
       folder_(options.output, options.overwrite, inputsOf(options), isResult),
       writers_(folder_.path(), camera_),
       checkpoint_(folder_.path(), options.checkpoint_s),

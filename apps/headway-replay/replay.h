@@ -110,6 +110,8 @@ class Replay {
   [[nodiscard]] Summary summarised() const;
   void writeCheckpoint();
   [[nodiscard]] CheckpointContents checkpointContents();
+  /// The map with the configuration and the satellite fixes.
+  [[nodiscard]] map::StoredMap storedMap() const;
   void endCheckpoint();
   void writeTrajectory();
   /// Places the map on the earth by satellite fixes, if there are any.
@@ -127,6 +129,7 @@ class Replay {
   std::string configuration_;  ///< as .ini text
   std::unique_ptr<FrameInput> source_;
   std::shared_ptr<const StereoCamera> camera_;
+  GnssLog gnss_;
   std::unique_ptr<pipeline::Perception> perception_;
   std::map<std::size_t, Detections> side_detections_;
   program::OutputFolder folder_;
@@ -135,7 +138,6 @@ class Replay {
   Snapshots snapshots_;
   report::PageImages images_;
   Summary summary_;
-  GnssLog gnss_;
   std::size_t last_frame_ = 0;  ///< index of the newest frame
   bool has_lost_image_ = false;
   std::exception_ptr failure_;     ///< of process()

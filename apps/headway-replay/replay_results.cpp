@@ -33,14 +33,23 @@ void Replay::writeCheckpoint() {
 CheckpointContents Replay::checkpointContents() {
   CheckpointContents contents;
   contents.T_robot_cam = robotFromCamera();
-  contents.map = perception_->stored();
-  contents.map.configuration = configuration_;
+  contents.map = storedMap();
   contents.summary = summarised();
   contents.summary.ended_early =
       "killed after the checkpoint at frame " + std::to_string(last_frame_);
   contents.trajectory = perception_->trajectorySnapshot();
   contents.logs = writers_.paths();
   return contents;
+}
+
+map::StoredMap Replay::storedMap() const {
+  map::StoredMap stored = perception_->stored();
+  stored.configuration = configuration_;
+  if (gnss_.added() == 0) return stored;
+  stored.made_attachments[kGnssAttachment] =
+      [gnss = gnss_, trajectory = perception_->trajectorySnapshot(), view = stored.map.staticMap()](
+          const ByteSink& sink) { sink(gnssBytes(gnss.onMap(trajectory, *view))); };
+  return stored;
 }
 
 void Replay::endCheckpoint() {
@@ -163,7 +172,8 @@ void Replay::keepLostImage(const RecordedFrame& frame, const pipeline::Perceptio
 void Replay::writeGeoFiles() {
   if (gnss_.added() == 0) return;
   const auto visit = perception_->trajectorySnapshot();
-  summary_.geo = georeferenced(gnss_, visit);
+  summary_.geo = georeferenced(gnss_.onMap(visit, *perception_->map().staticMap()), gnss_.added(),
+                               gnss_.kept());
   if (!summary_.geo->reference) return warn(describe(*summary_.geo));
   const auto& reference = *summary_.geo->reference;
   writeTrajectoryGeo(folder_.path() / "trajectory.geojson", reference, visit);
@@ -173,9 +183,7 @@ void Replay::writeGeoFiles() {
 
 void Replay::writeMap() {
   if (summary_.frames == 0) return;
-  map::StoredMap stored = perception_->stored();
-  stored.configuration = configuration_;
-  map::writeMapFiles(folder_.path(), std::move(stored));
+  map::writeMapFiles(folder_.path(), storedMap());
 }
 
 void Replay::writePages() {

@@ -125,6 +125,39 @@ TEST(GnssTest, AStreetOf300MetresIsPlacedOnTheEarth) {
   EXPECT_FALSE(std::filesystem::exists(again.file("map_geo.json")));
 }
 
+TEST(GnssTest, ARunInTheMapOfAKilledOneKeepsItsFixes) {
+  const test::TemporaryFolder folder;
+  const std::string rawlog = folder / "street.rawlog", before = folder / "before";
+  const auto simulated = test::runProcess(test::program("headway-sim") + " -q -c " + worldFile() +
+                                          " --frames 60 -o " + rawlog);
+  ASSERT_EQ(0, simulated.status) << simulated.output;
+  const std::string options = "-q --snapshots 0 --detector none ";
+  // Killed when a checkpoint has at least 32 frames, on a way of 25 m.
+  (void)test::runProcess("bash -c '" + test::program("headway-replay") + " " + options + "-i " +
+                         rawlog + " -o " + before +
+                         " --to-index 48 --realtime 0.5 --set output.checkpoint_s=0.3 & run=$!; "
+                         "for i in $(seq 1200); do "
+                         "[ \"$(cat " +
+                         before +
+                         "/trajectory.tum 2>/dev/null | wc -l)\" -ge 32 ] && break; sleep 0.05; "
+                         "done; kill -9 $run; wait $run'");
+  const Json killed = readJson(before + "/summary.json");
+  ASSERT_THAT(killed.at("ended_early").get<std::string>(), HasSubstr("killed"));
+  const std::string part = options + "--from-index 28 --to-index 36";  // too short by itself
+  const auto alone = test::replay(rawlog, folder / "alone", part);
+  ASSERT_EQ(0, alone.process.status) << alone.process.output;
+  EXPECT_FALSE(std::filesystem::exists(alone.file("map_geo.json")));
+  const auto after =
+      test::replay(rawlog, folder / "after", part + " --load-map " + before + "/map.headway");
+  ASSERT_EQ(0, after.process.status) << after.process.output;
+  EXPECT_GE(after.summary.at("georeference").at("fixes"),
+            alone.summary.at("georeference").at("fixes").get<int>() + 12);
+  const auto error = errorOf(after, folder / "street.truth/trajectory_geo.csv");
+  EXPECT_GE(error.places, 8u);
+  EXPECT_LT(error.heading_deg, 5.0) << "three standard deviations of 16 fixes of 1 m over 25 m";
+  EXPECT_LT(error.offset_m, 1.5);
+}
+
 /// RMSE of antenna positions on the map after the best rigid motion.
 double rigidRmse(const Eigen::Matrix3Xd& map, const Eigen::Matrix3Xd& enu) {
   const Eigen::Matrix4d T = Eigen::umeyama(map, enu, false);
