@@ -22,7 +22,6 @@ void RobotParams::describe(Params::Section section) {
   section.add("planning_reach_m", planning_reach_m, 1.0, 50.0, "m",
               "Planning distance of the navigator; its braking distance scales with it");
   section.add("time_limit_s", time_limit_s, 1.0, 1000.0, "s", "Duration of a trial");
-  section.renamed({{"top_speed", "max_speed_mps"}, {"top_turn_dps", "max_turn_dps"}});
 }
 
 void SensorParams::describe(Params::Section section) {
@@ -50,11 +49,6 @@ void SensorParams::describe(Params::Section section) {
               "Probability that a person is detected twice in a frame");
   section.add("false_alarm_probability", false_alarm_probability, 0.0, 1.0, "-",
               "Probability of a false alarm in a frame");
-  section.renamed({{"across_share", "across_ratio"},
-                   {"flip_share", "flip_probability"},
-                   {"miss_share", "miss_probability"},
-                   {"double_share", "duplicate_probability"},
-                   {"false_share", "false_alarm_probability"}});
 }
 
 void TrialParams::describe(Params& params) {

@@ -26,7 +26,8 @@ struct ExampleParams {
     section.add("enabled", enabled, "Whether it runs");
     section.add("name", name, "Its name");
     section.add("colour", colour, {{"red", Colour::kRed}, {"blue", Colour::kBlue}}, "Its colour");
-    section.renamed({{"share", "ratio"}, {"frame_count", "count"}});
+    section.renamed("share", "ratio");
+    section.renamed("frame_count", "count");
   }
 };
 
@@ -97,13 +98,23 @@ TEST_F(ParamsTest, SetsOneValueFromTheCommandLine) {
   EXPECT_EQ("9", params.get("example", "count"));
 }
 
-TEST_F(ParamsTest, RefusesAFormerKeyByItsPresentName) {
+TEST_F(ParamsTest, AFormerKeySetsTheValueWithOneWarning) {
   using ::testing::AllOf;
+  using ::testing::ElementsAre;
   using ::testing::HasSubstr;
-  EXPECT_THAT(errorOfLoading("[example]\nshare = 0.1\n"),
-              AllOf(HasSubstr("file.ini"), HasSubstr("[example] share is now ratio")));
-  EXPECT_THROW(params.set("example.frame_count=2"), InputError);
-  EXPECT_EQ(0.5, values.ratio);
+  EXPECT_EQ("", errorOfLoading("[example]\nshare = 0.1\n"));
+  EXPECT_EQ(0.1, values.ratio);
+  params.set("example.share=0.2");
+  EXPECT_EQ(0.2, values.ratio);
+  EXPECT_THAT(params.warnings(), ElementsAre(HasSubstr("[example] share is now ratio")));
+  params.set("example.frame_count=2");
+  EXPECT_EQ(2, values.count);
+  EXPECT_EQ(2u, params.warnings().size());
+  EXPECT_THAT(errorOfLoading("[example]\nshare = 3\n"),
+              AllOf(HasSubstr("file.ini"), HasSubstr("share"), HasSubstr("out of range")));
+  std::ostringstream text;
+  params.print(text);
+  EXPECT_THAT(text.str(), ::testing::Not(HasSubstr("share =")));
 }
 
 TEST_F(ParamsTest, PrintsUserKeysThenExpertKeys) {

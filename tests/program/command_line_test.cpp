@@ -51,6 +51,21 @@ TEST(CommandLineTest, ConfigurationFileThenSet) {
   EXPECT_EQ(7.0, y);
 }
 
+TEST(CommandLineTest, AFormerKeyIsSaidOnceOnStandardError) {
+  double x = 1.0;
+  Params params;
+  auto section = params.section("a");
+  section.add("x_m", x, 0, 10, "m", "x");
+  section.renamed("x", "x_m");
+  CommandLine line("program", "Summary");
+  line.parameters(params);
+  testing::internal::CaptureStderr();
+  EXPECT_TRUE(parse(line, {"--set", "a.x=7", "--set", "a.x=8"}));
+  EXPECT_EQ(8.0, x);
+  EXPECT_EQ("program: [a] x is now x_m; the former name has an effect until version 0.5\n",
+            testing::internal::GetCapturedStderr());
+}
+
 TEST(CommandLineTest, WrongUseIsAUsageErrorAndWrongValueAnInputError) {
   std::string input;
   double x = 1.0;

@@ -219,6 +219,10 @@ bool CommandLine::parse(int argc, const char* const* argv) {
     for (const auto& path : arguments_->configs) params_->loadFile(findDataFile(path));
     if (after_files_) after_files_();
     for (const auto& assignment : arguments_->assignments) params_->set(assignment);
+    for (const auto& text : params_->warnings()) {
+      std::cerr << withoutSubcommand(arguments_->output.help.program) << ": " << printable(text)
+                << std::endl;
+    }
   }
   if (arguments_->dump_config) {
     params_->print(std::cout, arguments_->expert ? Params::Keys::kAll : Params::Keys::kUser);
@@ -226,10 +230,6 @@ bool CommandLine::parse(int argc, const char* const* argv) {
   }
   if (arguments_->expert) throw UsageError("--expert: only together with --dump-config");
   return true;
-}
-
-bool CommandLine::hasConfiguration() const {
-  return !arguments_->configs.empty() || !arguments_->assignments.empty();
 }
 
 int run(const std::string& program, const std::function<int()>& body) {

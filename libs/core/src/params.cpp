@@ -127,8 +127,8 @@ void Params::Section::addChoice(const std::string& key, const std::vector<std::s
                         }});
 }
 
-void Params::Section::renamed(const std::vector<std::pair<std::string, std::string>>& keys) {
-  owner_.renamed_[name_].insert(keys.begin(), keys.end());
+void Params::Section::renamed(const std::string& former, const std::string& present) {
+  owner_.renamed_[name_][former] = present;
 }
 
 void Params::insert(const Section& section, Entry entry) {
@@ -146,17 +146,24 @@ const Params::Entry& Params::find(const std::string& section, const std::string&
   const auto entry = std::find_if(entries->second.begin(), entries->second.end(),
                                   [&](const Entry& e) { return e.key == key; });
   if (entry != entries->second.end()) return *entry;
-  if (const auto table = renamed_.find(section); table != renamed_.end()) {
-    if (const auto present = table->second.find(key); present != table->second.end()) {
-      throw InputError("[" + section + "] " + key + " is now " + present->second);
-    }
-  }
   throw InputError("[" + section + "] has no key '" + key + "'; --dump-config --expert lists them");
 }
 
-void Params::assign(const std::string& section, const std::string& key,
-                    const std::string& value) const {
-  const Entry& entry = find(section, key);
+std::string Params::presentKey(const std::string& section, const std::string& key) {
+  const auto table = renamed_.find(section);
+  if (table == renamed_.end()) return key;
+  const auto present = table->second.find(key);
+  if (present == table->second.end()) return key;
+  const std::string text = "[" + section + "] " + key + " is now " + present->second +
+                           "; the former name has an effect until version 0.5";
+  if (std::find(warnings_.begin(), warnings_.end(), text) == warnings_.end()) {
+    warnings_.push_back(text);
+  }
+  return present->second;
+}
+
+void Params::assign(const std::string& section, const std::string& key, const std::string& value) {
+  const Entry& entry = find(section, presentKey(section, key));
   try {
     entry.set(trimmed(value));
   } catch (const InputError& error) {

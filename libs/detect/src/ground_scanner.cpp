@@ -25,10 +25,6 @@ void GroundScanParams::describe(Params::Section section) {
               "Noise of an obstacle's disparity");
   section.add("max_error_m", max_error_m, 0.05, 10.0, "m",
               "Maximum uncertainty of the distance of an obstacle that is entered");
-  section.renamed({{"lowest_obstacle", "min_obstacle_height_m"},
-                   {"highest_obstacle", "max_obstacle_height_m"},
-                   {"sigma_disparity", "sigma_disparity_px"},
-                   {"most_error", "max_error_m"}});
 }
 
 stereo::RigAssumptions GroundScanParams::configured() const {

@@ -114,9 +114,6 @@ void NetworkParams::describe(Params::Section section) {
   section.add("letterbox_grey", letterbox_grey, 0, 255, "", "Grey level of the letterbox padding");
   section.add("nms_iou", nms_iou, 0.0, 1.0, "IoU",
               "Non-maximum suppression: overlap from which the lower score of a class is dropped");
-  section.renamed({{"input_width", "input_width_px"},
-                   {"input_height", "input_height_px"},
-                   {"same_object_iou", "nms_iou"}});
 }
 
 void NetworkParams::validate() const {

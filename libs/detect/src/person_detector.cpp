@@ -31,7 +31,6 @@ void PersonParams::describe(Params::Section section) {
   section.add("scale_step", scale_step, 1.02, 2.0, "", "Ratio of successive scales searched");
   section.add("nms_iou", nms_iou, 0.0, 1.0, "IoU",
               "Non-maximum suppression: overlap from which the lower score is dropped");
-  section.renamed({{"step", "scale_step"}, {"same_object_iou", "nms_iou"}});
 }
 
 class PersonDetector::Implementation {

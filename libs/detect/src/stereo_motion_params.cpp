@@ -48,19 +48,6 @@ void StereoMotionParams::describe(Params::Section section) {
   user.add("classify", classify,
            "Classify objects by size and speed; false reports every object as Unknown");
   describeExpertKeys(*this, section);
-  section.renamed({{"body_window_s", "segment_window_s"},
-                   {"range_m", "max_range_m"},
-                   {"least_height_m", "min_height_m"},
-                   {"most_height_m", "max_height_m"},
-                   {"least_speed", "min_speed_mps"},
-                   {"most_speed", "max_speed_mps"},
-                   {"least_points", "min_points"},
-                   {"reach_m", "max_point_distance_m"},
-                   {"moving_share", "min_moving_ratio"},
-                   {"blob_range_m", "max_segment_range_m"},
-                   {"body_significance", "segment_significance"},
-                   {"most_moving", "max_moving_ratio"},
-                   {"guess_class", "classify"}});
 }
 
 }  // namespace headway::detect

@@ -22,9 +22,6 @@ void DegradeParams::describe(Params::Section section) {
               "Standard deviation of the duplicate's offset, in each direction");
   section.add("flip_probability", flip_probability, 0.0, 1.0, "",
               "Probability that a box's heading is turned by 180 degrees");
-  section.renamed({{"across_share", "across_ratio"},
-                   {"double_probability", "duplicate_probability"},
-                   {"double_sigma_m", "duplicate_sigma_m"}});
 }
 
 Degrader::Degrader(const DegradeParams& params)

@@ -34,7 +34,6 @@ void StaticGridParams::describe(Params::Section section) {
                      "Side of a grid cell; the planner's resolution");
   section.add("spacing_m", spacing_m, 0.0, 10.0, "m",
               "Distance between places of which a ground scan is stored; 0: derived from the rig");
-  section.renamed({{"spacing", "spacing_m"}});
 }
 
 StaticGrid::StaticGrid(const StaticGridParams& params)

@@ -24,8 +24,6 @@ void RobotMotionParams::describe(Params::Section section) {
               "Time by which the robot may reach a place earlier");
   section.add("late_slack_s", late_slack_s, 0.0, 5.0, "s",
               "Time by which the robot may reach a place later");
-  section.renamed(
-      {{"robot_top_speed", "robot_max_speed_mps"}, {"robot_slow_share", "robot_slow_ratio"}});
 }
 
 void GovernorParams::describe(Params::Section section) {
@@ -40,7 +38,6 @@ void GovernorParams::describe(Params::Section section) {
               "Ratio of that cost for a contact with the standing robot");
   section.add("patience_s", patience_s, 0.1, 100.0, "s",
               "Decay time of a contact's cost with the time until it");
-  section.renamed({{"standing_share", "standing_ratio"}});
 }
 
 void PredictiveObstaclesParams::describe(Params::Section section) {
@@ -70,7 +67,6 @@ void PredictiveObstaclesParams::describe(Params::Section section) {
   section.add("use_static_grid", use_static_grid,
               "Occupied cells of the map's grid are obstacles, too");
   section.add("max_range_m", max_range_m, 1.0, 200.0, "m", "Maximum distance from the robot");
-  section.renamed({{"body_margin_m", "object_margin_m"}});
   robot.describe(section);
   governor.describe(section);
 }

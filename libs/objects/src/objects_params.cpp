@@ -13,12 +13,6 @@ void addPerClass(Params::Section& section, const std::string& key, PerClass<doub
   section.add("pedestrian_" + key, values.pedestrian, min, max, unit, meaning);
 }
 
-void renamedPerClass(Params::Section& section, const std::string& key, const std::string& present) {
-  for (const char* object_class : {"vehicle_", "cyclist_", "pedestrian_"}) {
-    section.renamed({{object_class + key, object_class + present}});
-  }
-}
-
 void describePriors(SmoothingParams& params, Params::Section& section) {
   addPerClass(section, "kinetic_weight_kg", params.kinetic_weight_kg, 0.0, 1e6, "kg",
               "r: stiffness of the least-kinetic prior");
@@ -60,15 +54,6 @@ void ConsistencyParams::describe(Params::Section section) {
               "with the highest score is shown");
   section.add("detector_id_bonus", detector_id_bonus, 0.0, 100.0, "",
               "Reduction of a match's cost where the detector's own identity agrees");
-  section.renamed({{"max_range", "max_range_m"},
-                   {"new_object_density", "new_object_density_per_m2"},
-                   {"gate_blur", "gate_blur_m"},
-                   {"gate_max", "max_gate_m"},
-                   {"duplicate_distance", "duplicate_distance_ratio"},
-                   {"duplicate_overlap_3d", "duplicate_iou_3d"},
-                   {"duplicate_overlap_2d", "duplicate_iou_2d"},
-                   {"rival_distance", "duplicate_track_distance_m"},
-                   {"hint_bonus", "detector_id_bonus"}});
 }
 
 void FilterParams::describe(Params::Section section) {
@@ -96,19 +81,6 @@ void FilterParams::describe(Params::Section section) {
               "Noise of a measured length, width and height, at no distance");
   section.add("size_converged_ratio", size_converged_ratio, 0.001, 1.0, "",
               "Uncertainty of a size over the noise of a measured one: below, it is not updated");
-  renamedPerClass(section, "filter_acceleration", "filter_acceleration_mps2");
-  renamedPerClass(section, "initial_speed", "initial_speed_mps");
-  section.renamed({{"standing_share", "standing_acceleration_ratio"},
-                   {"acceleration_time", "acceleration_time_s"},
-                   {"position_sigma", "position_sigma_m"},
-                   {"across_share", "across_sigma_ratio"},
-                   {"vertical_sigma", "vertical_sigma_m"},
-                   {"least_position_sigma", "additional_position_sigma_m"},
-                   {"noise_adaption", "noise_adaptation"},
-                   {"yaw_sigma", "yaw_sigma_rad"},
-                   {"size_sigma", "size_sigma_m"},
-                   {"size_settled", "size_converged_ratio"},
-                   {"size_converged_m", "size_converged_ratio"}});
 }
 
 void HeadingParams::describe(Params::Section section) {
@@ -120,9 +92,6 @@ void HeadingParams::describe(Params::Section section) {
               "Limit of the accumulated evidence");
   section.add("heading_converged_frames", converged_frames, 1.0, 1000.0, "frames",
               "Measurements after which the heading of a stationary object is fixed");
-  section.renamed({{"flip_evidence", "flip_log_odds"},
-                   {"flip_evidence_limit", "max_flip_log_odds"},
-                   {"heading_settle_frames", "heading_converged_frames"}});
 }
 
 void MotionClassParams::describe(Params::Section section) {
@@ -134,9 +103,6 @@ void MotionClassParams::describe(Params::Section section) {
               "Speed over its uncertainty above which an object is moving");
   section.add("static_time_s", static_time_s, 0.0, 100.0, "s",
               "Time below static_speed_mps after which an object is static");
-  renamedPerClass(section, "moving_speed", "moving_speed_mps");
-  renamedPerClass(section, "still_speed", "static_speed_mps");
-  section.renamed({{"still_time", "static_time_s"}});
 }
 
 void SmoothingParams::describe(Params::Section section) {
@@ -164,17 +130,6 @@ void SmoothingParams::describe(Params::Section section) {
               "Maximum iterations of Levenberg-Marquardt");
   section.add("smoother_tolerance_m", tolerance_m, 1e-12, 1.0, "m",
               "Change of positions below which Levenberg-Marquardt has converged");
-  renamedPerClass(section, "kinetic_weight", "kinetic_weight_kg");
-  renamedPerClass(section, "force_sigma", "force_sigma_mps2");
-  section.renamed({{"grown_length", "mature_frames"},
-                   {"average_points", "average_frames"},
-                   {"window", "window_frames"},
-                   {"kinetic_scale", "kinetic_scale_per_joule"},
-                   {"force_standing_share", "force_standing_ratio"},
-                   {"force_time", "force_time_s"},
-                   {"gaussian_sigma", "gaussian_sigma_s"},
-                   {"smoother_iterations", "max_smoother_iterations"},
-                   {"smoother_settled", "smoother_tolerance_m"}});
 }
 
 void LifecycleParams::describe(Params::Section section) {
@@ -202,13 +157,6 @@ void LifecycleParams::describe(Params::Section section) {
               "Minimum score of a track shown without detection");
   section.add("tentative_time_s", tentative_time_s, 0.0, 100.0, "s",
               "Time without detection after which a tentative track ends");
-  renamedPerClass(section, "coast_score", "min_coast_score");
-  section.renamed({{"score_prior", "score_prior_frames"},
-                   {"coast_share", "max_coast_ratio"},
-                   {"coast_sigma", "max_coast_sigma_m"},
-                   {"tentative_time", "tentative_time_s"},
-                   {"coast_time", "coast_time_s"},
-                   {"retrack_time", "retrack_time_s"}});
 }
 
 void ObjectsParams::describe(Params::Section section) {

@@ -22,10 +22,6 @@ void PaperPredictorParams::describe(Params::Section section) {
               "h: steps over which the speed is averaged, eq. (1)");
   section.add("paper_speed_factor", speed_factor, 0.1, 10.0, "", "gamma of eq. (1)");
   section.add("paper_epsilon_s", epsilon_s, 0.0, 0.1, "s", "epsilon of eq. (1)");
-  section.renamed({{"paper_heading_limit", "paper_heading_limit_rad"},
-                   {"paper_straight_limit", "paper_straight_limit_rad"},
-                   {"paper_spacing", "paper_spacing_s"},
-                   {"paper_epsilon", "paper_epsilon_s"}});
 }
 
 void ManoeuvreParams::describe(Params::Section section, const std::string& prefix) {
@@ -54,25 +50,12 @@ void ManoeuvreParams::describe(Params::Section section, const std::string& prefi
               "Unpredicted acceleration along the path");
   section.add(prefix + "lateral_sigma_mps2", lateral_sigma_mps2, 0.0, 20.0, "m/s^2",
               "Unpredicted acceleration across the path");
-  section.renamed({{prefix + "memory", prefix + "memory_s"},
-                   {prefix + "path_noise", prefix + "path_noise_m"},
-                   {prefix + "typical_speed", prefix + "typical_speed_mps"},
-                   {prefix + "typical_acceleration", prefix + "typical_acceleration_mps2"},
-                   {prefix + "typical_turn", prefix + "typical_lateral_mps2"},
-                   {prefix + "acceleration_fade", prefix + "acceleration_fade_s"},
-                   {prefix + "turn_fade", prefix + "turn_fade_s"},
-                   {prefix + "standing_speed", prefix + "standing_speed_mps"},
-                   {prefix + "cruising_speed", prefix + "cruising_speed_mps"},
-                   {prefix + "other_acceleration", prefix + "alternative_mps2"},
-                   {prefix + "acceleration_sigma", prefix + "acceleration_sigma_mps2"},
-                   {prefix + "lateral_sigma", prefix + "lateral_sigma_mps2"}});
 }
 
 void PredictorParams::describe(Params::Section section) {
   paper.describe(section);
   section.add("velocity_window_s", velocity_window_s, 0.05, 5.0, "s",
               "Time over which constant_velocity and constant_turn estimate the velocity");
-  section.renamed({{"velocity_window", "velocity_window_s"}});
   manoeuvres.vehicle.describe(section, "vehicle_");
   manoeuvres.cyclist.describe(section, "cyclist_");
   manoeuvres.pedestrian.describe(section, "pedestrian_");

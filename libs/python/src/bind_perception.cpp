@@ -25,6 +25,9 @@ pipeline::PerceptionParams paramsFrom(const py::dict& config,
   values.describe(params);
   for (const auto& file : config_files) params.loadFile(file);
   for (const auto& [key, value] : config) params.set(textOf(key) + "=" + textOf(value));
+  for (const auto& text : params.warnings()) {
+    if (PyErr_WarnEx(PyExc_FutureWarning, text.c_str(), 1) != 0) throw py::error_already_set();
+  }
   return live ? pipeline::PerceptionParams::live(values) : values;
 }
 

@@ -51,10 +51,6 @@ void PeopleParams::describe(Params::Section section) {
   section.add("yielding_fraction", yielding_fraction, 0.0, 1.0, "-",
               "Fraction of people who give way to the robot; the others ignore it");
   section.add("pillars", pillars, 0, 100, "", "Pillars beside the straight path");
-  section.renamed({{"slow_speed", "min_speed_mps"},
-                   {"fast_speed", "max_speed_mps"},
-                   {"speed_sigma", "speed_sigma_ratio"},
-                   {"yielding_share", "yielding_fraction"}});
 }
 
 Vector2d Person::velocity() const {

@@ -22,7 +22,6 @@ void RouteParams::describe(Params::Section section) {
   section.add("speed_mps", speed_mps, 0.2, 40.0, "m/s", "Robot's speed on a free, straight street");
   section.add("lateral_acceleration_mps2", lateral_acceleration_mps2, 0.2, 8.0, "m/s^2",
               "The robot slows down for curves to stay below this");
-  section.renamed({{"lateral_acceleration", "lateral_acceleration_mps2"}});
 }
 
 void WorldParams::describe(Params::Section section) {
@@ -45,7 +44,6 @@ void WorldParams::describe(Params::Section section) {
   section.add("hill_height_m", hill_height_m, 0.0, 20.0, "m", "Rise and fall of the ground");
   section.add("fence_ratio", fence_ratio, 0.0, 1.0, "",
               "Ratio of a street's frontage with picket fences or railings");
-  section.renamed({{"house_share", "house_ratio"}, {"parked_share", "parked_ratio"}});
 }
 
 void TrafficParams::describe(Params::Section section) {
@@ -79,13 +77,6 @@ void TrafficParams::describe(Params::Section section) {
               "Distance ahead of the robot within which objects move");
   section.add("range_behind_m", range_behind_m, 5.0, 100.0, "m",
               "Distance behind the robot within which objects move");
-  section.renamed({{"van_share", "van_ratio"},
-                   {"truck_share", "truck_ratio"},
-                   {"bus_share", "bus_ratio"},
-                   {"oncoming_share", "oncoming_ratio"},
-                   {"crossing_share", "crossing_ratio"},
-                   {"turning_share", "turning_ratio"},
-                   {"group_share", "group_ratio"}});
 }
 
 void RobotParams::describe(Params::Section section) {
@@ -155,7 +146,6 @@ void CameraParams::describe(Params::Section section) {
   section.add("depth_noise", depth_noise, 0.0, 0.1, "1/m", "Noise of a depth by its square");
   section.add("depth_min_m", depth_min_m, 0.05, 10.0, "m", "Nearest depth measured");
   section.add("depth_max_m", depth_max_m, 0.5, 60.0, "m", "Farthest depth measured");
-  section.renamed({{"drop_share", "drop_ratio"}});
 }
 
 void CalibrationErrorParams::describe(Params::Section section) {
@@ -168,7 +158,6 @@ void CalibrationErrorParams::describe(Params::Section section) {
   section.add("right_yaw_deg", right_yaw_deg, -2.0, 2.0, "deg", "Right camera turned to its right");
   section.add("flex_deg", flex_deg, 0.0, 0.5, "deg",
               "The rig bends from frame to frame: standard deviation about each axis");
-  section.renamed({{"focal_share", "focal_ratio"}, {"baseline_share", "baseline_ratio"}});
 }
 
 void DetectorParams::describe(Params::Section section) {
@@ -194,9 +183,6 @@ void DetectorParams::describe(Params::Section section) {
   section.add("boxes_2d", boxes_2d, "Give 2D boxes");
   section.add("boxes_3d", boxes_3d, "Give 3D boxes");
   section.add("parked", parked, "Detect parked vehicles, too");
-  section.renamed({{"duplicate_share", "duplicate_probability"},
-                   {"flip_share", "flip_probability"},
-                   {"id_switch_share", "id_switch_probability"}});
 }
 
 void RecordingParams::describe(Params::Section section) {

@@ -52,10 +52,6 @@ void SlamParams::describe(Params::Section section) {
   user.add("loop_closing", loop_closing,
            "Recognise places seen before and correct the map; false saves time on open paths");
   describeExpertKeys(*this, section);
-  section.renamed({{"max_disparity_share", "max_disparity_ratio"},
-                   {"keyframe_flow", "keyframe_flow_ratio"},
-                   {"ba_iterations", "max_ba_iterations"},
-                   {"restart_after", "restart_after_frames"}});
 }
 
 }  // namespace headway::slam

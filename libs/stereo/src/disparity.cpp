@@ -119,7 +119,6 @@ void DisparityParams::describe(Params::Section section) {
               "Margin by which the best match must beat the second best");
   section.add("min_speckle_px", min_speckle_px, 0, 1000, "px",
               "Minimum area of a connected region, in the reduced image");
-  section.renamed({{"uniqueness", "uniqueness_percent"}, {"least_speckle_px", "min_speckle_px"}});
 }
 
 int DisparityImage::cellOf(double pixel) const {

@@ -62,8 +62,6 @@ class CommandLine {
   [[nodiscard]] bool parse(int argc, const char* const* argv);
 
   [[nodiscard]] bool quiet() const { return quiet_; }
-  /// Whether -c or --set was given.
-  [[nodiscard]] bool hasConfiguration() const;
   [[nodiscard]] mrpt::system::VerbosityLevel verbosity() const { return verbosity_; }
 
  private:

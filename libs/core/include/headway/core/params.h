@@ -21,7 +21,6 @@ namespace headway {
 ///       int max_disparity_px = 200;
 ///       void describe(Params::Section section) {
 ///         section.add("max_disparity_px", max_disparity_px, 16, 512, "px", "Maximum disparity");
-///         section.renamed({{"disparity_limit", "max_disparity_px"}});
 ///       }
 ///       void validate() const { validateRanges(*this, "slam"); }
 ///     };
@@ -55,8 +54,9 @@ class Params {
     void add(const std::string& key, Enum& field,
              const std::vector<std::pair<std::string, Enum>>& choices, const std::string& meaning);
 
-    /// Pairs (former key, current key): the former is refused with an error that names the current.
-    void renamed(const std::vector<std::pair<std::string, std::string>>& keys);
+    /// A key of 0.3 that has another name since 0.4. Until 0.5 the former one sets the value, too,
+    /// with one of warnings().
+    void renamed(const std::string& former, const std::string& present);
 
    private:
     friend class Params;
@@ -84,6 +84,9 @@ class Params {
   /// @throws InputError naming section and key for what is unknown or out of range
   void set(const std::string& assignment);
 
+  /// A text for each former key that was used, which names it and the present one.
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+
   /// Checks the current values of the bound fields.
   ///
   /// @throws InputError naming section, key, value and range of the first that is out of range
@@ -109,16 +112,18 @@ class Params {
     std::function<void()> check;  ///< throws InputError("reason"); empty: any value is valid
     bool is_user = false;
   };
-  using Renamed = std::map<std::string, std::string>;  ///< former key -> current key
 
   void insert(const Section& section, Entry entry);
-  void assign(const std::string& section, const std::string& key, const std::string& value) const;
+  void assign(const std::string& section, const std::string& key, const std::string& value);
+  /// The key of 0.4 instead of one of 0.3, which is noted for warnings().
+  [[nodiscard]] std::string presentKey(const std::string& section, const std::string& key);
   void printKeys(std::ostream& out, bool user) const;
   [[nodiscard]] const Entry& find(const std::string& section, const std::string& key) const;
 
   std::vector<std::string> section_order_;
   std::map<std::string, std::vector<Entry>> entries_;
-  std::map<std::string, Renamed> renamed_;
+  std::map<std::string, std::map<std::string, std::string>> renamed_;  ///< section, former, present
+  std::vector<std::string> warnings_;
 };
 
 /// Checks a struct that was filled in code against the ranges declared in its describe(). Called by
