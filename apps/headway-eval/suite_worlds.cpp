@@ -2,6 +2,7 @@
 #include "suite_worlds.h"
 
 #include <headway/core/error.h>
+#include <headway/core/stop_request.h>
 #include <headway/eval_files/label_files.h>
 #include <headway/io/dataset.h>
 #include <headway/io/rawlog_source.h>
@@ -58,8 +59,8 @@ World plannedWorld(const WorldSettings& settings, const WorldSource& source,
   return world;
 }
 
-WorldRun runOnce(const World& world, const pipeline::PerceptionParams& params,
-                 const FrameDone& done) {
+WorldRun runOnce(const World& world, pipeline::PerceptionParams params, const FrameDone& done) {
+  params.slam.stop = stopRequested;
   io::RawlogSource source(world.rawlog, {});
   pipeline::Perception perception(source.camera(), params);
   WorldRun run;

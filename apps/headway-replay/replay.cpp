@@ -4,6 +4,7 @@
 #include <headway/core/error.h>
 #include <headway/core/printable.h>
 #include <headway/core/processor_time.h>
+#include <headway/core/stop_request.h>
 #include <headway/io/calibration_file.h>
 #include <headway/io/track_file.h>
 #include <headway/map/map_file.h>
@@ -34,8 +35,9 @@ io::RawlogSourceOptions sourceOptions(const Options& options,
 }
 
 pipeline::PerceptionParams perceptionParams(const Options& options,
-                                            const pipeline::PerceptionParams& params) {
-  return options.realtime > 0.0 ? pipeline::PerceptionParams::live(params) : params;
+                                            pipeline::PerceptionParams params) {
+  params.slam.stop = stopRequested;
+  return options.realtime > 0.0 ? pipeline::PerceptionParams::live(std::move(params)) : params;
 }
 
 std::vector<std::string> inputsOf(const Options& options) {

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 #include <headway/core/stereo_camera.h>
-#include <headway/core/stop_request.h>
 #include <headway/stereo/pose_tangent.h>
 
 #include <random>
@@ -103,7 +102,7 @@ TEST(SolveBundleTest, ConvergesFromFarAwayAndFindsTheOffset) {
   BundleProblem problem = exactProblem(8, 0.1);
   const BundleProblem truth = problem;
   disturb(problem, 0.01);
-  const auto solution = solveBundle(problem, camera, 50, false);
+  const auto solution = solveBundle(problem, camera, 50);
   ASSERT_TRUE(solution.usable);
   EXPECT_LT(solution.final_cost, 0.01 * solution.initial_cost);
   EXPECT_NEAR(problem.disparity_offset_px, 0.1, 0.03);
@@ -115,7 +114,7 @@ TEST(SolveBundleTest, LeavesFixedPosesWhereTheyAre) {
   disturb(problem, 0.01);
   problem.is_fixed[2] = true;
   const Pose before = problem.poses[2];
-  ASSERT_TRUE(solveBundle(problem, solverCamera(), 20, false).usable);
+  ASSERT_TRUE(solveBundle(problem, solverCamera(), 20).usable);
   EXPECT_EQ(problem.poses[2].matrix(), before.matrix());
 }
 
@@ -124,19 +123,16 @@ TEST(SolveBundleTest, AdjustsPointsWhereAllPosesAreFixed) {
   const Eigen::Vector3d before = problem.points[1].position;
   problem.points[1].position *= 1.01;
   problem.is_fixed.assign(3, true);
-  ASSERT_TRUE(solveBundle(problem, solverCamera(), 20, false).usable);
+  ASSERT_TRUE(solveBundle(problem, solverCamera(), 20).usable);
   EXPECT_LT((problem.points[1].position - before).norm(), 1e-3);
 }
 
 TEST(SolveBundleTest, IsNotUsableWithPointsBehindTheCameraOrWhenStopped) {
   BundleProblem problem = exactProblem(4);
   disturb(problem, 0.01);
-  EXPECT_FALSE(solveBundle(problem, solverCamera(), 20, true).usable);
-  requestStop(1);
-  EXPECT_FALSE(solveBundle(problem, solverCamera(), 20, false).usable);
-  requestStop(0);
+  EXPECT_FALSE(solveBundle(problem, solverCamera(), 20, [] { return true; }).usable);
   problem.points.front().position.z() = -50.0;
-  EXPECT_FALSE(solveBundle(problem, solverCamera(), 20, false).usable);
+  EXPECT_FALSE(solveBundle(problem, solverCamera(), 20).usable);
 }
 
 TEST(MotionFactorTest, DerivativesAreThoseOfTheResidual) {
@@ -184,7 +180,7 @@ TEST(SolveBundleTest, PlacesAPoseWithoutObservationsByMeasuredMotion) {
   BundleProblem problem = problemWithABlindPose(camera);
   const Pose expected = problem.poses[4];
   problem.poses[4].translation() += Eigen::Vector3d(0.02, -0.01, 0.03);
-  ASSERT_TRUE(solveBundle(problem, camera, 30, false).usable);
+  ASSERT_TRUE(solveBundle(problem, camera, 30).usable);
   EXPECT_LT((problem.poses[4].translation() - expected.translation()).norm(), 1e-3);
 }
 
@@ -195,7 +191,7 @@ TEST(SolveBundleTest, IgnoresAMotionThatContradictsTheObservations) {
   BundleProblem::Motion motion{3, 4, Pose::Identity(), {}};  // the wheels stood
   motion.sigma.setConstant(0.02);
   problem.motions.push_back(motion);
-  ASSERT_TRUE(solveBundle(problem, camera, 30, false).usable);
+  ASSERT_TRUE(solveBundle(problem, camera, 30).usable);
   EXPECT_LT((problem.poses[4].translation() - truth.poses[4].translation()).norm(), 1e-3);
 }
 

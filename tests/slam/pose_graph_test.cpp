@@ -83,6 +83,10 @@ TEST(OptimisePoseGraphTest, SpreadsTheErrorOfALoopOverIt) {
   const auto corrected = optimisePoseGraph(poses, edges);
   EXPECT_EQ(corrected.at(KeyframeId{0}).matrix(), poses.at(KeyframeId{0}).matrix());
   EXPECT_LT(worst(corrected), 0.35 * before);
+  int asked = 0;
+  const auto stopped = optimisePoseGraph(poses, edges, [&asked] { return ++asked > 0; });
+  EXPECT_EQ(1, asked) << "it ends at once";
+  EXPECT_GT(worst(stopped), worst(corrected));
 }
 
 TEST(OptimisePoseGraphTest, LeavesPosesThatAgreeAlone) {

@@ -13,14 +13,15 @@ bool BundleAdjuster::Job::finished() const {
 void BundleAdjuster::adjust(SparseMap& map, const std::vector<KeyframeId>& free,
                             int max_iterations) {
   if (!in_background_) {
-    free_offset_ = adjustBundle(map, free, camera_, max_iterations).free_offset;
+    free_offset_ = adjustBundle(map, free, camera_, max_iterations, stop_).free_offset;
     return;
   }
   if (job_ != nullptr || held_) return;
   job_ = std::make_unique<Job>(map, free, camera_);
-  job_->solved = std::async(std::launch::async, [bundle = &job_->bundle, max_iterations] {
-    bundle->solve(max_iterations);
-  });
+  job_->solved =
+      std::async(std::launch::async, [bundle = &job_->bundle, max_iterations, stop = stop_] {
+        bundle->solve(max_iterations, stop);
+      });
 }
 
 void BundleAdjuster::abandon() {

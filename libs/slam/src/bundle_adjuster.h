@@ -2,6 +2,7 @@
 #pragma once
 
 #include <headway/core/stereo_camera.h>
+#include <headway/slam/slam_params.h>
 
 #include <future>
 #include <memory>
@@ -20,8 +21,8 @@ namespace headway::slam {
 /// thread alone. At once is deterministic; in the background results depend on timing.
 class BundleAdjuster {
  public:
-  BundleAdjuster(const StereoCamera& camera, bool in_background)
-      : camera_(camera), in_background_(in_background) {}
+  BundleAdjuster(const StereoCamera& camera, const SlamParams& params)
+      : camera_(camera), in_background_(params.adjust_in_background), stop_(params.stop) {}
 
   /// Adjusts a neighbourhood. In the background, where one is still being adjusted, this one is
   /// left out: the next keyframe's covers most of it.
@@ -58,6 +59,7 @@ class BundleAdjuster {
 
   StereoCamera camera_;
   bool in_background_ = false;
+  StopCondition stop_;
   bool held_ = false;
   std::optional<stereo::OffsetEstimate> free_offset_;
   std::unique_ptr<Job> job_;

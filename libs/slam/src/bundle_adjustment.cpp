@@ -55,8 +55,11 @@ class DetachedBundle::Implementation {
     collectMotions(map);
   }
 
-  void solve(int max_iterations) {
-    if (!point_ids_.empty()) solution_ = solveBundle(problem_, camera_, max_iterations, stop_);
+  void solve(int max_iterations, const StopCondition& stop) {
+    const auto is_stopped = [&] { return stop_ || stop(); };
+    if (!point_ids_.empty()) {
+      solution_ = solveBundle(problem_, camera_, max_iterations, is_stopped);
+    }
     if (!stop_) findOutliers();
   }
 
@@ -270,7 +273,9 @@ DetachedBundle::DetachedBundle(const SparseMap& map, const std::vector<KeyframeI
 
 DetachedBundle::~DetachedBundle() = default;
 
-void DetachedBundle::solve(int max_iterations) { implementation_->solve(max_iterations); }
+void DetachedBundle::solve(int max_iterations, const StopCondition& stop) {
+  implementation_->solve(max_iterations, stop);
+}
 
 void DetachedBundle::stop() { implementation_->stop(); }
 
@@ -279,9 +284,10 @@ BundleSummary DetachedBundle::writeBack(SparseMap& map) const {
 }
 
 BundleSummary adjustBundle(SparseMap& map, const std::vector<KeyframeId>& free,
-                           const StereoCamera& camera, int max_iterations) {
+                           const StereoCamera& camera, int max_iterations,
+                           const StopCondition& stop) {
   DetachedBundle bundle(map, free, camera);
-  bundle.solve(max_iterations);
+  bundle.solve(max_iterations, stop);
   return bundle.writeBack(map);
 }
 

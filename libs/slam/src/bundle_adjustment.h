@@ -2,6 +2,7 @@
 #pragma once
 
 #include <headway/core/stereo_camera.h>
+#include <headway/core/stop_request.h>
 #include <headway/stereo/disparity_offset.h>
 
 #include <memory>
@@ -32,7 +33,9 @@ class DetachedBundle {
   ~DetachedBundle();
 
   /// Touches nothing outside of this object.
-  void solve(int max_iterations);
+  ///
+  /// @param stop  as stop()
+  void solve(int max_iterations, const StopCondition& stop = neverStop);
 
   /// Cancels the solve after its present iteration; callable from any thread.
   void stop();
@@ -52,8 +55,10 @@ class DetachedBundle {
 /// there is none, the oldest of `free` stays. Landmarks are eliminated first (Schur complement),
 /// so the cost grows with the keyframes. Outlier observations are removed afterwards.
 ///
+/// @param stop  ends it early without a correction
 /// @see Triggs et al. 2000, "Bundle adjustment: a modern synthesis", sec. 6
 BundleSummary adjustBundle(SparseMap& map, const std::vector<KeyframeId>& free,
-                           const StereoCamera& camera, int max_iterations);
+                           const StereoCamera& camera, int max_iterations,
+                           const StopCondition& stop = neverStop);
 
 }  // namespace headway::slam

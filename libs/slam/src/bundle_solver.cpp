@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bundle_solver.h"
 
-#include <headway/core/stop_request.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -34,7 +32,7 @@ struct State {
 }  // namespace
 
 BundleSolution solveBundle(BundleProblem& problem, const StereoCamera& camera, int max_iterations,
-                           const std::atomic<bool>& stop) {
+                           const StopCondition& stop) {
   constexpr double kMinGain = 1e-3;    ///< accepted ratio of actual to predicted decrease
   constexpr double kTolerance = 1e-4;  ///< relative decrease of the cost at convergence
   const double previous_offset = problem.disparity_offset_px;
@@ -45,8 +43,7 @@ BundleSolution solveBundle(BundleProblem& problem, const StereoCamera& camera, i
   State before;
   double radius = 1e4;  // of the trust region
   double shrink = 2.0;
-  const auto is_stopped = [&] { return stop || stopRequested(); };
-  for (; solution.iterations < max_iterations && !is_stopped(); ++solution.iterations) {
+  for (; solution.iterations < max_iterations && !stop(); ++solution.iterations) {
     if (!step.compute(radius)) break;
     before.copyFrom(problem);
     step.applyTo(problem);
@@ -63,7 +60,7 @@ BundleSolution solveBundle(BundleProblem& problem, const StereoCamera& camera, i
     }
     if (std::abs(decrease) <= kTolerance * cost) break;
   }
-  solution.usable = !is_stopped();
+  solution.usable = !stop();
   if (solution.usable) solution.free_offset = step.freeOffset();
   solution.final_cost = cost;
   return solution;

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <headway/core/stereo_camera.h>
+#include <headway/core/stop_request.h>
 #include <headway/stereo/disparity_offset.h>
 #include <headway/stereo/stereo_residual.h>
 
-#include <atomic>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -58,11 +58,10 @@ struct BundleSolution {
 /// poses and of the disparities' offset. All blocks have fixed sizes: for residuals of 3 with poses
 /// of 6, Ceres 2.1 falls back to dynamic ones (doc/lab/slam.md compares the times).
 ///
-/// @param stop  cancels the solve after its present iteration, with an unusable solution, as does
-///              requestStop()
+/// @param stop  cancels the solve after its present iteration, with an unusable solution
 /// @see Triggs et al. 2000, "Bundle adjustment: a modern synthesis", sec. 6;
 ///      Agarwal et al. 2010, "Bundle adjustment in the large", sec. 3 (step control as in Ceres)
 [[nodiscard]] BundleSolution solveBundle(BundleProblem& problem, const StereoCamera& camera,
-                                         int max_iterations, const std::atomic<bool>& stop);
+                                         int max_iterations, const StopCondition& stop = neverStop);
 
 }  // namespace headway::slam

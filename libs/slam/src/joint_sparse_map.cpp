@@ -171,13 +171,13 @@ void fuseLandmarks(const std::vector<MapLink>& links, SparseMap& map) {
   }
 }
 
-void adjustAll(const StereoCamera& camera, SparseMap& map) {
+void adjustAll(const StereoCamera& camera, const StopCondition& stop, SparseMap& map) {
   constexpr int kRounds = 2;  // the second without the outliers of the first
   constexpr int kIterations = 10;
   std::vector<KeyframeId> all;
   for (const auto& [id, keyframe] : map.keyframes()) all.push_back(id);
   for (int round = 0; round < kRounds; ++round) {
-    (void)adjustBundle(map, all, camera, kIterations);
+    (void)adjustBundle(map, all, camera, kIterations, stop);
   }
 }
 
@@ -198,8 +198,8 @@ void moveToFirst(const SparseMap& first_map, std::int64_t shift, SeparateMaps& m
 
 /// Makes the map of a group whose members are known.
 void makeMap(const std::vector<MapLink>& links, const StereoCamera& camera,
-             const std::vector<const SparseMap*>& maps, const SeparateMaps& separate,
-             JointSparseMap& group) {
+             const StopCondition& stop, const std::vector<const SparseMap*>& maps,
+             const SeparateMaps& separate, JointSparseMap& group) {
   std::vector<bool> wanted(maps.size(), false);
   for (std::size_t i = 0; i < group.members.size(); ++i) {
     const SparseMap& map = *maps[group.members[i]];
@@ -213,7 +213,7 @@ void makeMap(const std::vector<MapLink>& links, const StereoCamera& camera,
       if (wanted[separate.mapOf(link.keyframe)]) of_group.push_back(link);
     }
     group.links = keyframesOf(of_group);
-    joinByLinks(of_group, camera, own);
+    joinByLinks(of_group, camera, own, stop);
     moveToFirst(*maps[group.members.front()], group.shifts.front(), own);
   }
   group.map = std::move(own.all);
@@ -221,12 +221,12 @@ void makeMap(const std::vector<MapLink>& links, const StereoCamera& camera,
 
 }  // namespace
 
-void joinByLinks(const std::vector<MapLink>& links, const StereoCamera& camera,
-                 SeparateMaps& maps) {
+void joinByLinks(const std::vector<MapLink>& links, const StereoCamera& camera, SeparateMaps& maps,
+                 const StopCondition& stop) {
   alignMaps(links, maps);
-  applyCorrection(posesWithLoops(maps.all.keyframes(), loopsOf(links)), maps.all);
+  applyCorrection(posesWithLoops(maps.all.keyframes(), loopsOf(links), stop), maps.all);
   fuseLandmarks(links, maps.all);
-  adjustAll(camera, maps.all);
+  adjustAll(camera, stop, maps.all);
 }
 
 std::vector<JointSparseMap> joinSparseMaps(const std::vector<const SparseMap*>& maps,
@@ -254,7 +254,7 @@ std::vector<JointSparseMap> joinSparseMaps(const std::vector<const SparseMap*>& 
   }
   for (auto& [group, of] : joint) {
     result.push_back(std::move(of));
-    makeMap(links, camera, maps, separate, result.back());
+    makeMap(links, camera, params.stop, maps, separate, result.back());
   }
   std::sort(result.begin(), result.end(), [](const JointSparseMap& a, const JointSparseMap& b) {
     return a.members.front() < b.members.front();

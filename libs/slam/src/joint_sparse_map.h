@@ -27,6 +27,7 @@ struct JointSparseMap {
 
 /// Moves maps onto each other by the links between them, fuses landmarks that are the same, and
 /// adjusts the whole.
-void joinByLinks(const std::vector<MapLink>& links, const StereoCamera& camera, SeparateMaps& maps);
+void joinByLinks(const std::vector<MapLink>& links, const StereoCamera& camera, SeparateMaps& maps,
+                 const StopCondition& stop = neverStop);
 
 }  // namespace headway::slam

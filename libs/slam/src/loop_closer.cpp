@@ -183,7 +183,7 @@ std::vector<LoopAttempt> LoopCloser::close(const TrackingFrame& frame, KeyframeI
     attempts.push_back(candidate.attempt);
     if (!loop) continue;
     adjuster_.abandon();
-    applyCorrection(posesWithLoop(map.keyframes(), *loop), map);
+    applyCorrection(posesWithLoop(map.keyframes(), *loop, params_.stop), map);
     adjustAll(*loop, map);
     break;
   }

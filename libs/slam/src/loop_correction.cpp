@@ -93,12 +93,13 @@ std::vector<PoseGraphEdge> edgesOf(const std::map<KeyframeId, Keyframe>& keyfram
 }
 
 std::map<KeyframeId, Pose> posesWithLoop(const std::map<KeyframeId, Keyframe>& keyframes,
-                                         const ClosedLoop& loop) {
-  return posesWithLoops(keyframes, {loop});
+                                         const ClosedLoop& loop, const StopCondition& stop) {
+  return posesWithLoops(keyframes, {loop}, stop);
 }
 
 std::map<KeyframeId, Pose> posesWithLoops(const std::map<KeyframeId, Keyframe>& keyframes,
-                                          const std::vector<ClosedLoop>& loops) {
+                                          const std::vector<ClosedLoop>& loops,
+                                          const StopCondition& stop) {
   auto edges = edgesOf(keyframes);
   for (const ClosedLoop& loop : loops) {
     PoseGraphEdge closing = edgeBetween(keyframes.at(loop.old), keyframes.at(loop.newest));
@@ -107,7 +108,7 @@ std::map<KeyframeId, Pose> posesWithLoops(const std::map<KeyframeId, Keyframe>& 
   }
   std::map<KeyframeId, Pose> poses;
   for (const auto& [id, keyframe] : keyframes) poses[id] = keyframe.T_map_cam;
-  return optimisePoseGraph(poses, edges);
+  return optimisePoseGraph(poses, edges, stop);
 }
 
 void applyCorrection(const std::map<KeyframeId, Pose>& corrected, SparseMap& map) {

@@ -30,11 +30,13 @@ struct ClosedLoop {
 
 /// Poses of all keyframes after the loop was distributed over the pose graph.
 [[nodiscard]] std::map<KeyframeId, Pose> posesWithLoop(
-    const std::map<KeyframeId, Keyframe>& keyframes, const ClosedLoop& loop);
+    const std::map<KeyframeId, Keyframe>& keyframes, const ClosedLoop& loop,
+    const StopCondition& stop = neverStop);
 
 /// The same after several loops; their landmarks are not used.
 [[nodiscard]] std::map<KeyframeId, Pose> posesWithLoops(
-    const std::map<KeyframeId, Keyframe>& keyframes, const std::vector<ClosedLoop>& loops);
+    const std::map<KeyframeId, Keyframe>& keyframes, const std::vector<ClosedLoop>& loops,
+    const StopCondition& stop = neverStop);
 
 /// Replaces the keyframes' poses and moves landmarks with their reference keyframes.
 void applyCorrection(const std::map<KeyframeId, Pose>& corrected, SparseMap& map);

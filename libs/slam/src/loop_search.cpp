@@ -147,8 +147,8 @@ void LoopCloser::startCorrection(const SparseMap& map) {
   adjuster_.abandon();
   adjuster_.hold(true);
   search_->keyframes = map.keyframes();
-  search_->start(Search::Step::kCorrect, [search = search_.get()] {
-    search->corrected = posesWithLoop(search->keyframes, *search->loop);
+  search_->start(Search::Step::kCorrect, [search = search_.get(), stop = params_.stop] {
+    search->corrected = posesWithLoop(search->keyframes, *search->loop, stop);
   });
 }
 

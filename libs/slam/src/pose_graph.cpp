@@ -2,7 +2,6 @@
 #include "pose_graph.h"
 
 #include <ceres/ceres.h>
-#include <headway/core/stop_request.h>
 #include <headway/stereo/pose_tangent.h>
 
 #include "pose_block.h"
@@ -36,11 +35,15 @@ class Edge final : public ceres::SizedCostFunction<6, 7, 7> {
 };
 
 /// Ends the solver with the present solution.
-class EndOnStopRequest : public ceres::IterationCallback {
+class EndWhenStopped : public ceres::IterationCallback {
  public:
+  explicit EndWhenStopped(const StopCondition& stop) : stop_(stop) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& /*summary*/) override {
-    return stopRequested() ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+    return stop_() ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
   }
+
+ private:
+  const StopCondition& stop_;
 };
 
 }  // namespace
@@ -67,7 +70,8 @@ Vector6 edgeResidual(const PoseGraphEdge& edge, const Pose& T_map_a, const Pose&
 }
 
 std::map<KeyframeId, Pose> optimisePoseGraph(const std::map<KeyframeId, Pose>& poses,
-                                             const std::vector<PoseGraphEdge>& edges) {
+                                             const std::vector<PoseGraphEdge>& edges,
+                                             const StopCondition& stop) {
   if (poses.empty() || edges.empty()) return poses;
   std::vector<PoseBlock> blocks;  // one array in order of ids: Ceres orders blocks by address
   blocks.reserve(poses.size());
@@ -91,8 +95,8 @@ std::map<KeyframeId, Pose> optimisePoseGraph(const std::map<KeyframeId, Pose>& p
   options.max_num_iterations = 30;
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
-  EndOnStopRequest end_on_stop_request;
-  options.callbacks.push_back(&end_on_stop_request);
+  EndWhenStopped end_when_stopped(stop);
+  options.callbacks.push_back(&end_when_stopped);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   if (!summary.IsSolutionUsable()) return poses;

@@ -3,6 +3,7 @@
 
 #include <headway/core/ids.h>
 #include <headway/core/pose.h>
+#include <headway/core/stop_request.h>
 
 #include <map>
 #include <vector>
@@ -28,8 +29,10 @@ struct PoseGraphEdge {
 /// The poses that agree best with all edges; the first pose stays where it is.
 ///
 /// @param poses  T_map_keyframe, initial values; every edge joins two of them
+/// @param stop   ends the solver after its present iteration, with the solution so far
 /// @see Grisetti et al. 2010, "A tutorial on graph-based SLAM"
 [[nodiscard]] std::map<KeyframeId, Pose> optimisePoseGraph(const std::map<KeyframeId, Pose>& poses,
-                                                           const std::vector<PoseGraphEdge>& edges);
+                                                           const std::vector<PoseGraphEdge>& edges,
+                                                           const StopCondition& stop = neverStop);
 
 }  // namespace headway::slam

@@ -37,7 +37,8 @@ void StereoSlam::Implementation::turnRightCamera(const Eigen::Vector3d& angles, 
   Pose T_reference_cam = before.at(*reference_).inverse(Eigen::Isometry) * motion_.last();
   slam::turnRightCamera(angles, *camera_, map_);
   const KeyframeId newest = map_.keyframes().rbegin()->first;
-  adjustBundle(map_, map_.neighbourhood(newest, kReadjusted), *camera_, kReadjustIterations);
+  adjustBundle(map_, map_.neighbourhood(newest, kReadjusted), *camera_, kReadjustIterations,
+               params_.stop);
   const auto ratios = scaleChanges(before, map_);
   trajectory_.scale(ratios);
   const auto here = ratios.find(*reference_);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <headway/core/params.h>
+#include <headway/core/stop_request.h>
 
 #include <cstddef>
 
@@ -44,6 +45,10 @@ struct SlamParams {
   /// Frames of the trajectory in memory; older ones are in a temporary file (see TemporaryFile).
   /// Not a key of configurations, because no result depends on it.
   std::size_t trajectory_in_memory = 10000;
+
+  /// Ends adjustments of the map early, with the solution so far or none, as at the end of a
+  /// program. Not a key of configurations.
+  StopCondition stop = neverStop;
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "slam"); }  ///< @throws InputError
