@@ -299,15 +299,11 @@ TEST(GroundScanParamsTest, AreDescribedWithRanges) {
   EXPECT_THROW(params.set("grid.min_obstacle_height_m=-0.1"), InputError);
 }
 
-TEST(GroundScanParamsTest, RefuseValuesOutOfRangeAndFormerKeys) {
+TEST(GroundScanParamsTest, RefuseValuesOutOfRange) {
   GroundScanParams values;
   values.max_error_m = 0.0;
   EXPECT_EQ("[grid] max_error_m: '0' is out of range [m, 0.05 .. 10]",
             test::inputErrorOf([&] { values.validate(); }));
-  Params params;
-  values.describe(params.section("grid"));
-  EXPECT_EQ("[grid] most_error is now max_error_m",
-            test::inputErrorOf([&] { params.set("grid.most_error=1"); }));
 }
 
 }  // namespace

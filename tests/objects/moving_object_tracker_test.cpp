@@ -678,19 +678,5 @@ TEST(ObjectsParamsTest, OutOfRangeAreRefusedByThePredictor) {
                 [&] { (void)makePredictor(PredictorKind::kConstantVelocity, params); }));
 }
 
-TEST(ObjectsParamsTest, FormerKeysAreRefusedByTheirPresentNames) {
-  ObjectsParams params;
-  Params registry;
-  params.describe(registry.section("objects"));
-  const auto errorOfSetting = [&registry](const std::string& assignment) {
-    return headway::test::inputErrorOf([&] { registry.set(assignment); });
-  };
-  EXPECT_EQ("[objects] max_range is now max_range_m", errorOfSetting("objects.max_range=50"));
-  EXPECT_EQ("[objects] cyclist_coast_score is now cyclist_min_coast_score",
-            errorOfSetting("objects.cyclist_coast_score=0"));
-  EXPECT_EQ("[objects] vehicle_memory is now vehicle_memory_s",
-            errorOfSetting("objects.vehicle_memory=2"));
-}
-
 }  // namespace
 }  // namespace headway::objects
