@@ -59,14 +59,16 @@ TEST(GnssLogTest, FixesOfTheRunBeforeAreLoadedWithTheirPositions) {
   EXPECT_EQ(0.25, fixes[0].fix.time) << "in order of time";
   for (std::size_t i = 0; i < 9; ++i) {
     const auto& [fix, in_map] = fixes[i + 1];
-    const GnssFix expected = fixAt(static_cast<double>(i) + 0.5);
+    const auto second = static_cast<double>(i);
+    const GnssFix expected = fixAt(second + 0.5);
     EXPECT_EQ(expected.time, fix.time);
     EXPECT_EQ(expected.latitude_deg, fix.latitude_deg);
     EXPECT_EQ(expected.longitude_deg, fix.longitude_deg);
     EXPECT_EQ(expected.altitude_m, fix.altitude_m);
     EXPECT_EQ(expected.sigma_m, fix.sigma_m);
     EXPECT_EQ(expected.antenna, fix.antenna);
-    EXPECT_TRUE(in_map.isApprox(Eigen::Vector3d(i + 1.0, 0.0, 1.5), 1e-9)) << in_map.transpose();
+    EXPECT_TRUE(in_map.isApprox(Eigen::Vector3d(second + 1.0, 0.0, 1.5), 1e-9))
+        << in_map.transpose();
   }
 }
 
