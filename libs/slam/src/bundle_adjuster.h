@@ -2,7 +2,6 @@
 #pragma once
 
 #include <headway/core/stereo_camera.h>
-#include <headway/slam/slam_params.h>
 
 #include <future>
 #include <memory>
@@ -21,8 +20,9 @@ namespace headway::slam {
 /// thread alone. At once is deterministic; in the background results depend on timing.
 class BundleAdjuster {
  public:
-  BundleAdjuster(const StereoCamera& camera, const SlamParams& params)
-      : camera_(camera), in_background_(params.adjust_in_background), stop_(params.stop) {}
+  /// @param stop  ends adjustments early
+  BundleAdjuster(const StereoCamera& camera, bool in_background, StopCondition stop = neverStop)
+      : camera_(camera), in_background_(in_background), stop_(std::move(stop)) {}
 
   /// Adjusts a neighbourhood. In the background, where one is still being adjusted, this one is
   /// left out: the next keyframe's covers most of it.

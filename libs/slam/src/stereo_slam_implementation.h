@@ -34,7 +34,7 @@ class StereoSlam::Implementation {
         T_cam_robot_(camera_->T_robot_cam.inverse(Eigen::Isometry)),
         params_(params),
         tracker_(*camera_, params),
-        adjuster_(*camera_, params),
+        adjuster_(*camera_, params.adjust_in_background, params.stop),
         mapper_(*camera_, params, adjuster_),
         loops_(*camera_, params, adjuster_),
         motion_(camera_->T_robot_cam, params),
