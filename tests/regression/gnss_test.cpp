@@ -132,15 +132,16 @@ TEST(GnssTest, ARunInTheMapOfAKilledOneKeepsItsFixes) {
                                           " --frames 60 -o " + rawlog);
   ASSERT_EQ(0, simulated.status) << simulated.output;
   const std::string options = "-q --snapshots 0 --detector none ";
-  // Killed when a checkpoint has at least 32 frames, on a way of 25 m.
+  // Killed after a checkpoint with at least 32 frames, on a way of 25 m.
+  const std::string checkpoint =
+      "grep -o \"at frame [0-9]*\" " + before + "/summary.json 2>/dev/null | tr -dc 0-9";
   (void)test::runProcess("bash -c '" + test::program("headway-replay") + " " + options + "-i " +
                          rawlog + " -o " + before +
                          " --to-index 48 --realtime 0.5 --set output.checkpoint_s=0.3 & run=$!; "
-                         "for i in $(seq 1200); do "
-                         "[ \"$(cat " +
-                         before +
-                         "/trajectory.tum 2>/dev/null | wc -l)\" -ge 32 ] && break; sleep 0.05; "
-                         "done; kill -9 $run; wait $run'");
+                         "for i in $(seq 1200); do frame=$(" +
+                         checkpoint +
+                         "); [ 0$frame -ge 32 ] && break; sleep 0.05; done; "
+                         "kill -9 $run; wait $run'");
   const Json killed = readJson(before + "/summary.json");
   ASSERT_THAT(killed.at("ended_early").get<std::string>(), HasSubstr("killed"));
   const std::string part = options + "--from-index 28 --to-index 36";  // too short by itself
