@@ -67,6 +67,7 @@ WorldRun runOnce(const World& world, pipeline::PerceptionParams params, const Fr
   run.objects = describedRecording(world, source);
   while (auto frame = source.next()) {
     const auto update = perception.process(*frame);
+    if (const auto* fatal = update.fatalFinding()) throw InputError(fatal->text);
     const bool tracked = update.camera.status == slam::TrackingStatus::kTracked;
     if (!tracked) ++run.lost;
     frame->stereo.reset();

@@ -2,7 +2,7 @@
 #include "live_options.h"
 
 #include <headway/core/error.h>
-#include <headway/pipeline/detection_stage.h>
+#include <headway/pipeline/perception_params.h>
 
 #include <filesystem>
 

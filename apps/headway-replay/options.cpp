@@ -2,7 +2,7 @@
 #include "options.h"
 
 #include <headway/core/error.h>
-#include <headway/pipeline/detection_stage.h>
+#include <headway/pipeline/perception_params.h>
 #include <headway/scene/snapshot.h>
 
 #include <filesystem>

@@ -172,7 +172,9 @@ void Replay::processFrame(const RecordedFrame& frame, double progress) {
 
 pipeline::PerceptionUpdate Replay::processed(const RecordedFrame& frame) {
   try {
-    return perception_->process(frame);
+    auto update = perception_->process(frame);
+    if (const auto* fatal = update.fatalFinding()) throw InputError(fatal->text);
+    return update;
   } catch (const InputError& error) {
     throw InputError(source_->name() + ", frame " + std::to_string(frame.index) + ": " +
                      error.what());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "camera_check.h"
+
 #include <gtest/gtest.h>
-#include <headway/pipeline/camera_check.h>
 
 #include <opencv2/core.hpp>
 
@@ -19,52 +20,51 @@ StereoFrame frameOf(std::size_t index, double grey, int seed) {
   return frame;
 }
 
-TEST(CameraCheckTest, CountsImagesThatComeAgain) {
+TEST(CameraCheckTest, NamesImagesThatComeAgain) {
   CameraCheck check;
-  Warnings warnings;
-  for (int i = 0; i < 3; ++i) check.add(frameOf(static_cast<std::size_t>(i), 100.0, i), warnings);
-  EXPECT_TRUE(warnings.empty());
-  for (std::size_t i = 3; i < 7; ++i) check.add(frameOf(i, 100.0, 2), warnings);
-  ASSERT_EQ(warnings.count("camera_frozen"), 1u);
-  EXPECT_EQ(warnings.at("camera_frozen").count, 4u);
-  EXPECT_EQ(warnings.at("camera_frozen").first_frame, 3u);
-  check.add(frameOf(7, 100.0, 7), warnings);
-  EXPECT_EQ(warnings.at("camera_frozen").count, 4u);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_TRUE(check.add(frameOf(static_cast<std::size_t>(i), 100.0, i)).empty());
+  }
+  for (std::size_t i = 3; i < 7; ++i) {
+    const Findings findings = check.add(frameOf(i, 100.0, 2));
+    ASSERT_EQ(1U, findings.size());
+    EXPECT_EQ("camera_frozen", findings[0].name);
+    EXPECT_EQ(i, findings[0].frame);
+    EXPECT_EQ(Severity::kWarning, findings[0].severity);
+    EXPECT_TRUE(check.isFrozen());
+  }
+  EXPECT_TRUE(check.add(frameOf(7, 100.0, 7)).empty());
+  EXPECT_FALSE(check.isFrozen());
 }
 
 TEST(CameraCheckTest, OneRepeatedImageOfTwoIsNotAFrozenCamera) {
   CameraCheck check;
-  Warnings warnings;
   auto frame = frameOf(0, 100.0, 0);
-  check.add(frame, warnings);
+  (void)check.add(frame);
   frame.left = frame.left.clone();
   frame.right = frameOf(1, 100.0, 1).right;
-  check.add(frame, warnings);
-  EXPECT_TRUE(warnings.empty());
+  EXPECT_TRUE(check.add(frame).empty());
 }
 
 TEST(CameraCheckTest, ImagesWithoutStructureAreNotAFrozenCamera) {
   CameraCheck check;
-  Warnings warnings;
   for (std::size_t i = 0; i < 3; ++i) {
     auto frame = frameOf(i, 100.0, 1);
     frame.left.setTo(40);
     frame.right.setTo(40);
-    check.add(frame, warnings);
+    EXPECT_TRUE(check.add(frame).empty());
   }
-  EXPECT_TRUE(warnings.empty());
 }
 
 TEST(CameraCheckTest, ACoveredLensIsDarkAndDuskIsNot) {
   CameraCheck check;
-  Warnings warnings;
-  check.add(frameOf(0, 20.0, 0), warnings);
-  EXPECT_TRUE(warnings.empty());
+  EXPECT_TRUE(check.add(frameOf(0, 20.0, 0)).empty());
   auto covered = frameOf(1, 100.0, 1);
   covered.left.setTo(3);
   covered.right.setTo(4);
-  check.add(covered, warnings);
-  EXPECT_EQ(warnings.count("camera_dark"), 1u);
+  const Findings findings = check.add(covered);
+  ASSERT_EQ(1U, findings.size());
+  EXPECT_EQ("camera_dark", findings[0].name);
 }
 
 }  // namespace

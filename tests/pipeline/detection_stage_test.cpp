@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "detection_stage.h"
+
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
 #include <headway/pipeline/moving_regions.h>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "laser_evidence.h"
+
 #include <gtest/gtest.h>
-#include <headway/pipeline/laser_evidence.h>
 
 #include <cmath>
 
@@ -20,9 +21,9 @@ LaserScan wallScan(double wall, double height = 0.2) {
   return scan;
 }
 
-LaserScene sceneAt(const Pose& T_map_robot = Pose::Identity()) {
+LaserScene sceneAt(const Pose& T_odom_robot = Pose::Identity()) {
   LaserScene scene;
-  scene.T_map_robot = T_map_robot;
+  scene.T_odom_robot = T_odom_robot;
   scene.footprint = {0.5, 0.4};
   return scene;
 }
@@ -112,16 +113,17 @@ TEST(LaserEvidenceTest, MovingObjectsAreLeftOutWhereTheyWereAtTheScan) {
 }
 
 TEST(LaserEvidenceTest, ScansAreMovedToTheTimeOfTheFrame) {
-  LaserScene scene = sceneAt(Pose(Eigen::Translation3d(1.0, 0.0, 0.0)));
+  LaserScene scene = sceneAt();
   scene.time = 10.0;
-  scene.before = Stamped<Pose>{9.9, Pose::Identity()};  // 10 m/s
+  scene.T_previous_robot = Pose(Eigen::Translation3d(1.0, 0.0, 0.0));
+  scene.interval_s = 0.1;  // 10 m/s
   LaserScan early = wallScan(3.0);
   early.time = 9.95;
   const auto result = sorted(early, scene);
   ASSERT_FALSE(result.scan.laser_obstacles.empty());
   EXPECT_NEAR(2.5, result.scan.laser_obstacles.front().foot.x(), 1e-4);
 
-  scene.T_map_robot = Pose(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitZ()));
+  scene.T_previous_robot = Pose(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitZ()));
   LaserScan turning = wallScan(3.0);
   turning.ends = {{2.9F, 0.0F}};
   turning.time = 9.95;

@@ -6,6 +6,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "camera_check.h"
+
 namespace headway::pipeline {
 namespace {
 
@@ -87,21 +89,21 @@ TEST_F(PerceptionEventsTest, SurfacesWithoutTextureAreRecognised) {
 /// Reason by an image after ten frames of a street.
 LostReason reasonOf(const std::function<void(cv::Mat&)>& change) {
   const PaintedStreet street(kBoxes);
-  LostDiagnosis diagnosis;
-  for (int i = 0; i < 10; ++i) diagnosis.addTracked(street.frame(i));
+  CameraCheck check;
+  for (int i = 0; i < 10; ++i) check.addTracked(street.frame(i));
   StereoFrame frame = street.frame(10);
   change(frame.left);
-  return diagnosis.reasonOf(frame);
+  return check.reasonOf(frame);
 }
 
-TEST(LostDiagnosisTest, BlurIsRecognisedByMotionOrFocus) {
+TEST(LostReasonTest, BlurIsRecognisedByMotionOrFocus) {
   EXPECT_EQ(LostReason::kBlurred,
             reasonOf([](cv::Mat& image) { cv::blur(image, image, cv::Size(9, 9)); }));
   EXPECT_EQ(LostReason::kBlurred,
             reasonOf([](cv::Mat& image) { cv::blur(image, image, cv::Size(25, 3)); }));
 }
 
-TEST(LostDiagnosisTest, AUsableImageShowsAnotherView) {
+TEST(LostReasonTest, AUsableImageShowsAnotherView) {
   EXPECT_EQ(LostReason::kMovedTooFast,
             reasonOf([](cv::Mat& image) { cv::rotate(image, image, cv::ROTATE_180); }));
   EXPECT_EQ(LostReason::kMovedTooFast, reasonOf([](cv::Mat& image) { image = image / 2; }))

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "stereo_check.h"
+
 #include <gtest/gtest.h>
-#include <headway/pipeline/stereo_check.h>
 
 #include <memory>
 #include <opencv2/imgproc.hpp>
@@ -36,30 +37,36 @@ StereoFrame swapped(StereoFrame frame) {
   return frame;
 }
 
-/// Warnings of so many equal pairs, 0.5 s apart.
-Warnings warningsOf(StereoFrame frame, int count = 3) {
+/// The same, so many times, 0.5 s apart.
+Findings findingsOf(StereoFrame frame, int count = 3) {
   StereoCheck check;
-  Warnings warnings;
+  Findings all;
   for (int i = 0; i < count; ++i) {
     frame.index = static_cast<std::size_t>(i);
     frame.time = 0.5 * i;
-    check.add(frame, warnings);
+    for (Finding& finding : check.add(frame)) all.push_back(std::move(finding));
   }
-  return warnings;
+  return all;
+}
+
+/// Expects findings of this name alone, in the second and third pair.
+void expectPersistent(const Findings& findings, const char* name) {
+  ASSERT_EQ(2U, findings.size());
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(name, findings[i].name);
+    EXPECT_EQ(i + 1, findings[i].frame);
+    EXPECT_EQ(Severity::kWarning, findings[i].severity);
+  }
 }
 
 TEST(StereoCheckTest, AGoodPairGivesNoWarning) {
-  EXPECT_TRUE(warningsOf(pairOf(0.0)).empty());
-  EXPECT_TRUE(warningsOf(pairOf(0.5)).empty()) << "within the error of a calibration";
+  EXPECT_TRUE(findingsOf(pairOf(0.0)).empty());
+  EXPECT_TRUE(findingsOf(pairOf(0.5)).empty()) << "within the error of a calibration";
 }
 
 TEST(StereoCheckTest, ACameraMovedInItsMountingIsNamedWithinASecond) {
   for (const double rows_px : {3.0, -4.0}) {
-    const auto warnings = warningsOf(pairOf(rows_px));
-    ASSERT_EQ(1u, warnings.size());
-    ASSERT_EQ(1u, warnings.count("vertical_offset"));
-    EXPECT_EQ(1u, warnings.at("vertical_offset").first_frame);
-    EXPECT_EQ(2u, warnings.at("vertical_offset").count);
+    expectPersistent(findingsOf(pairOf(rows_px)), "vertical_offset");
   }
 }
 
@@ -74,44 +81,39 @@ TEST(StereoCheckTest, WithACalibrationItIsCorrectedAtOnceAndStillNamed) {
   StereoFrame frame = pairOf(3.0);
   frame.camera = camera;
   StereoCheck check;
-  Warnings warnings;
   for (int i = 0; i < 3; ++i) {
     frame.index = static_cast<std::size_t>(i);
     frame.time = 0.5 * i;
-    check.add(frame, warnings);
+    const Findings findings = check.add(frame);
+    ASSERT_EQ(1U, findings.size());
+    EXPECT_EQ("vertical_offset", findings[0].name);
+    EXPECT_NE(std::string::npos, findings[0].text.find("corrected")) << findings[0].text;
     EXPECT_NEAR(camera->fy * check.turn().x(), 3.0, 0.15) << i;
     EXPECT_FALSE(check.imagesContradict()) << "what is corrected is no contradiction";
   }
-  ASSERT_EQ(1u, warnings.count("vertical_offset"));
-  const std::string& text = warnings.at("vertical_offset").text;
-  EXPECT_NE(std::string::npos, text.find("corrected")) << text;
   frame.right = pairOf(0.2).right;
   frame.time = 2.0;
   StereoCheck exact;
-  Warnings none;
-  exact.add(frame, none);
+  (void)exact.add(frame);
   EXPECT_TRUE(exact.turn().isZero()) << "too little to be seen";
 }
 
 TEST(StereoCheckTest, SwappedImagesAreNamed) {
-  const auto warnings = warningsOf(swapped(pairOf(0.0)));
-  ASSERT_EQ(1u, warnings.size());
-  EXPECT_EQ(1u, warnings.count("images_swapped"));
+  expectPersistent(findingsOf(swapped(pairOf(0.0))), "images_swapped");
 }
 
 TEST(StereoCheckTest, AnImageOfALaterTimeIsNamed) {
-  const auto warnings = warningsOf(pairOf(0.0, 1.025));  // the camera has moved ahead
-  ASSERT_EQ(1u, warnings.size());
-  EXPECT_EQ(1u, warnings.count("images_not_simultaneous"));
+  const StereoFrame moved_ahead = pairOf(0.0, 1.025);
+  expectPersistent(findingsOf(moved_ahead), "images_not_simultaneous");
 }
 
-TEST(StereoCheckTest, OneBadPairGivesNoWarning) { EXPECT_TRUE(warningsOf(pairOf(3.0), 1).empty()); }
+TEST(StereoCheckTest, OneBadPairGivesNoWarning) { EXPECT_TRUE(findingsOf(pairOf(3.0), 1).empty()); }
 
 TEST(StereoCheckTest, ImagesWithoutStructureGiveNoWarning) {
   StereoFrame frame;
   frame.left = cv::Mat(400, 640, CV_8U, cv::Scalar(90));
   frame.right = frame.left.clone();
-  EXPECT_TRUE(warningsOf(frame).empty());
+  EXPECT_TRUE(findingsOf(frame).empty());
 }
 
 }  // namespace

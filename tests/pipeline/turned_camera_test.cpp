@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A right camera that is turned against its calibration: found, corrected, or refused.
 #include <gtest/gtest.h>
-#include <headway/core/error.h>
 #include <headway/pipeline/perception.h>
 #include <headway/stereo/right_turn.h>
 #include <headway_test/painted_street.h>
@@ -20,6 +19,8 @@ struct TurnedDrive {
   std::unique_ptr<Perception> perception;
   double worst_m = 0.0;  ///< error of the positions, as corrected at the end
   std::size_t lost = 0;
+  Findings fatal;
+  std::size_t tracked_after_fatal = 0;  ///< frames
 
   explicit TurnedDrive(const Eigen::Vector3d& turn_deg) {
     hall.addRoom(14.0, 8.0, 4.0);
@@ -45,7 +46,10 @@ struct TurnedDrive {
       frame.time = 0.1 * i;
       frame.stereo = hall.frame(frame.index, frame.time, onPath(i));
       const auto update = perception->process(frame);
-      lost += update.camera.status == slam::TrackingStatus::kTracked ? 0 : 1;
+      const bool is_tracked = update.camera.status == slam::TrackingStatus::kTracked;
+      lost += is_tracked ? 0 : 1;
+      tracked_after_fatal += is_tracked && !fatal.empty() ? 1 : 0;
+      if (const Finding* finding = update.fatalFinding()) fatal.push_back(*finding);
     }
     perception->finish();
     for (const auto& estimate : perception->trajectory()) {
@@ -86,19 +90,19 @@ TEST(TurnedCameraTest, ATurnIsCorrectedAndSaid) {
   }
 }
 
-TEST(TurnedCameraTest, ADegreeIsRefusedWithItsAxis) {
+TEST(TurnedCameraTest, ADegreeIsFatalWithItsAxisAndEndsTrust) {
   const char* const kAxes[] = {"pitch", "yaw", "roll"};
   for (int axis = 0; axis < 3; ++axis) {
     Eigen::Vector3d turn_deg = Eigen::Vector3d::Zero();
     turn_deg[axis] = -1.0;
     TurnedDrive drive(turn_deg);
-    try {
-      drive.go(40);
-      FAIL() << kAxes[axis] << ": " << drive.rectification();
-    } catch (const InputError& error) {
-      const std::string text = error.what();
-      EXPECT_NE(std::string::npos, text.find(std::string("degrees in ") + kAxes[axis])) << text;
-    }
+    drive.go(40);
+    ASSERT_FALSE(drive.fatal.empty()) << kAxes[axis] << ": " << drive.rectification();
+    EXPECT_EQ("right_camera_turned", drive.fatal[0].name);
+    const std::string& text = drive.fatal[0].text;
+    EXPECT_NE(std::string::npos, text.find(std::string("degrees in ") + kAxes[axis])) << text;
+    EXPECT_EQ(0U, drive.tracked_after_fatal) << "no pose counts as tracked any more";
+    EXPECT_EQ(0U, drive.perception->warnings().count("right_camera_turned"));
   }
 }
 

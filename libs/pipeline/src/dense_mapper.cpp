@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "dense_mapper.h"
+
 #include <headway/detect/depth_scanner.h>
-#include <headway/pipeline/dense_mapper.h>
 
 #include <algorithm>
 #include <utility>

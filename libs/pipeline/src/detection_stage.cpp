@@ -1,55 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "detection_stage.h"
+
 #include <headway/core/error.h>
 #include <headway/detect/fusion.h>
 #include <headway/detect/stereo_lifter.h>
-#include <headway/pipeline/detection_stage.h>
-#include <headway/pipeline/moving_regions.h>
 
 #include <algorithm>
 #include <chrono>
 #include <limits>
-#include <sstream>
+#include <string>
 
 namespace headway::pipeline {
 namespace {
 
-constexpr const char* kNone = "none";
-constexpr const char* kAuto = "auto";
-constexpr const char* kRecorded = "recorded";
-constexpr const char* kStereoMotion = "stereo_motion";
-constexpr const char* kNetwork = "dnn";
+constexpr const char* kMotionDetector = "stereo_motion";
+constexpr const char* kNetworkDetector = "dnn";
 constexpr double kTestedDisparity_px = 8.0;  // from which motion along the line of sight shows
 constexpr double kMaxVanHeight_m = 2.75;     // of a van; trucks are higher
-
-std::vector<std::string> split(const std::string& names) {
-  std::vector<std::string> result;
-  std::istringstream list(names + "+");
-  for (std::string name; std::getline(list, name, '+');) result.push_back(name);
-  return result;
-}
-
-bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
-std::string choices() {
-  std::string text = std::string(kNone) + ", " + kAuto + ", " + kRecorded;
-  for (const auto& name : detect::detectorNames()) text += ", " + name;
-  return text + "; several joined by +";
-}
-
-/// The image detectors of a configuration.
-std::vector<std::string> imageDetectors(const DetectionParams& params) {
-  const std::string& names = params.detector;
-  if (names == kAuto) {
-    if (detect::findModel(params.detect.network).empty()) return {kStereoMotion};
-    return {kNetwork, kStereoMotion};
-  }
-  if (names == kNone) return {};
-  auto result = split(names);
-  result.erase(std::remove(result.begin(), result.end(), kRecorded), result.end());
-  return result;
-}
 
 using Clock = std::chrono::steady_clock;
 
@@ -88,68 +55,24 @@ bool lackDepth(const Detections& detections) {
 
 }  // namespace
 
-void DetectionParams::describe(Params& params) {
-  params.section("detect").user().add(
-      "detector", detector,
-      "Source of detections: auto (unless boxes are recorded, stereo_motion, with dnn if there is "
-      "a model), none, recorded, "
-      "stereo_motion, dnn, hog, or several joined by +");
-  params.section("detect").add(
-      "recorded_timeout_s", recorded_timeout_s, 0.1, 1e4, "s",
-      "Time without recorded boxes after which stereo_motion runs until they return (auto)");
-  detect.describe(params);
-}
-
-void DetectionParams::validate() const {
-  detect.validate();
-  try {
-    checkDetectorNames(detector);
-  } catch (const InputError& error) {
-    throw InputError(std::string("[detect] detector = ") + error.what());
-  }
-}
-
-void checkDetectorNames(const std::string& names) {
-  if (names == kNone || names == kAuto) return;
-  const auto list = split(names);
-  for (const auto& name : list) {
-    if (name != kRecorded && !contains(detect::detectorNames(), name)) {
-      throw InputError("'" + names + "' is none of " + choices());
-    }
-    if (std::count(list.begin(), list.end(), name) > 1) {
-      throw InputError("'" + names + "' names " + name + " twice");
-    }
-  }
-}
-
-bool usesRecordedBoxes(const std::string& names) {
-  return names == kAuto || contains(split(names), kRecorded);
-}
-
-std::string modelInUse(const DetectionParams& params) {
-  return contains(imageDetectors(params), kNetwork) ? detect::findModel(params.detect.network) : "";
-}
-
-bool wouldUseModel(const DetectionParams& params) { return params.detector == kAuto; }
-
 DetectionStage::DetectionStage(std::shared_ptr<const StereoCamera> camera,
                                const DetectionParams& params)
     : camera_(std::move(camera)),
       stereo_motion_params_(params.detect.stereo_motion),
       recorded_timeout_s_(params.recorded_timeout_s),
       use_recorded_(usesRecordedBoxes(params.detector)),
-      automatic_(params.detector == kAuto),
+      automatic_(wouldUseModel(params)),
       every_nth_frame_(params.detect.every_nth_frame) {
   params.validate();
   const auto names = imageDetectors(params);
-  has_network_ = contains(names, kNetwork);
+  has_network_ = std::count(names.begin(), names.end(), kNetworkDetector) > 0;
   if (camera_ == nullptr && !names.empty() && !automatic_) {
     throw InputError("[detect] detector = " + params.detector +
                      ": needs stereo images, and the recording holds none");
   }
   if (camera_ == nullptr) return;
   for (const auto& name : names) {
-    if (name == kStereoMotion) {
+    if (name == kMotionDetector) {
       stereo_motion_.emplace(camera_, params.detect.stereo_motion);
     } else {
       detectors_.push_back(detect::makeDetector(name, params.detect));
@@ -213,7 +136,6 @@ FrameDetections DetectionStage::detectMotion(const RecordedFrame& frame,
                                              const detect::MotionDetections& previous) {
   const auto start = Clock::now();
   FrameDetections found;
-  found.context = boxes.context;
   found.images_used = boxes.detectors_run || boxes.lifting;
   auto sources = boxes.sources;
   if (stereo_motion_ && boxes.detectors_run) {
@@ -238,36 +160,6 @@ FrameDetections DetectionStage::detectMotion(const RecordedFrame& frame,
   if (may_correct) setTested(found.motion.tested, *camera_, *found.fused);
   found.elapsed_ms = boxes.elapsed_ms + millisecondsSince(start);
   return found;
-}
-
-MovingRegions DetectionStage::leftOutOfMap(const RecordedFrame& frame, const Pose& T_map_robot,
-                                           const FrameDetections& found,
-                                           const std::vector<Track>& tracks) const {
-  std::vector<Detections> sources;
-  if (found.fused) sources.push_back(*found.fused);
-  auto moving = movingRegions(sources, tracks, found.motion, frame.time, *camera_);
-  append(movingRegions(tracks, T_map_robot, *camera_), moving);
-  return moving;
-}
-
-MovingRegions DetectionStage::leftOutOfDenseMap(const RecordedFrame& frame, const Pose& T_map_robot,
-                                                const FrameDetections& found,
-                                                const std::vector<Track>& tracks) const {
-  auto regions = leftOutOfMap(frame, T_map_robot, found, tracks);
-  append(movableRegions(found.fused.value_or(Detections()), tracks, T_map_robot, *camera_),
-         regions);
-  return regions;
-}
-
-std::optional<GroundScan> DetectionStage::scanGround(const RecordedFrame& frame,
-                                                     const Pose& T_map_robot,
-                                                     const FrameDetections& found,
-                                                     const std::vector<Track>& tracks,
-                                                     const detect::GroundScanParams& params) {
-  const auto& context = *found.context;
-  if (!context.ground()) return std::nullopt;
-  return detect::scanGround(context.disparity(), *camera_, *context.ground(),
-                            leftOutOfMap(frame, T_map_robot, found, tracks), params);
 }
 
 }  // namespace headway::pipeline

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "perception_implementation.h"
+
 namespace headway::pipeline {
 
 namespace {
@@ -19,37 +21,23 @@ std::vector<const slam::JointMember*> inOrderOfTime(const std::vector<slam::Join
   return ordered;
 }
 
-bool startsBefore(const JointMap& a, const JointMap& b) {
-  return a.runs.front() < b.runs.front();
-}
+bool startsBefore(const JointMap& a, const JointMap& b) { return a.runs.front() < b.runs.front(); }
 
 }  // namespace
 
-/// The run's static layers become those of its part of a joint map. @return T_map_run
-Pose Perception::moveInto(const slam::KeyframePoses& poses) {
-  if (poses.empty()) return Pose::Identity();
-  const Pose before = slam_->map().keyframes.front().T_map_robot;
-  slam_->correct(poses);
-  map_.update(slam_->map());
-  grid_.follow(map_.staticMap()->keyframes);
-  if (const auto grid = grid_.grid()) map_.update(grid);
-  dense_.follow(map_.staticMap()->keyframes);
-  updateDenseMap();
-  map_.update(last_time_.value_or(0.0), std::vector<Track>());
-  const Pose now = map_.staticMap()->keyframes.front().T_map_robot;
-  return normalized(Pose(now * before.inverse(Eigen::Isometry)));
-}
-
-std::vector<JointMap> joinMaps(const std::vector<Perception*>& runs) {
+std::vector<JointMap> joinMaps(const std::vector<Perception*>& perceptions) {
+  std::vector<Perception::Implementation*> runs;
+  for (Perception* perception : perceptions) runs.push_back(perception->implementation_.get());
   std::vector<JointMap> maps;
   std::vector<const slam::StereoSlam*> by_slam;
   std::vector<std::size_t> run_of;  // of each of them
   for (std::size_t run = 0; run < runs.size(); ++run) {
-    if (!runs[run]->given_poses_.empty() || runs[run]->slam_ == nullptr) {
+    const auto* slam = runs[run]->localisation.slam();
+    if (slam == nullptr) {
       maps.push_back({{run}, {Pose::Identity()}, 0, runs[run]->stored()});
       continue;
     }
-    by_slam.push_back(runs[run]->slam_.get());
+    by_slam.push_back(slam);
     run_of.push_back(run);
   }
   for (auto& joint : by_slam.empty() ? std::vector<slam::JointMap>() : slam::joinMaps(by_slam)) {
@@ -60,16 +48,16 @@ std::vector<JointMap> joinMaps(const std::vector<Perception*>& runs) {
       map.runs.push_back(run);
       map.T_map_run.push_back(is_alone ? Pose::Identity() : runs[run]->moveInto(member.poses));
     }
-    const Perception& first = *runs[map.runs.front()];
+    const auto& first = *runs[map.runs.front()];
     if (is_alone) map.stored = first.stored();
     if (is_alone) continue;
-    map::StaticGrid grid(first.grid_params_.map);
-    map::DenseMap dense = first.dense_.emptyMap();
+    map::StaticGrid grid(first.mapping.gridParams());
+    map::DenseMap dense = first.mapping.dense().emptyMap();
     for (const auto& member : inOrderOfTime(joint.members)) {
-      grid.add(runs[run_of[member->run]]->grid_, member->keyframe_shift);
-      dense.add(runs[run_of[member->run]]->dense_.map(), member->keyframe_shift);
+      grid.add(runs[run_of[member->run]]->mapping.grid(), member->keyframe_shift);
+      dense.add(runs[run_of[member->run]]->mapping.dense().map(), member->keyframe_shift);
     }
-    map.stored.camera = *first.camera_;
+    map.stored.camera = *first.camera;
     map.stored.map.update(std::move(joint.view));
     if (const auto cells = grid.grid()) map.stored.map.update(cells);
     if (const auto points = dense.layer()) map.stored.map.update(points);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <headway/pipeline/laser_evidence.h>
+#include "laser_evidence.h"
 
 #include <algorithm>
 #include <array>
@@ -21,9 +21,9 @@ constexpr std::size_t kDirections = 720;    // in which free ground is limited
 
 /// The robot at the time of a scan in its frame at the time of the image, with constant velocity.
 Pose motionTo(Time time, const LaserScene& scene) {
-  if (!scene.before || !(scene.time > scene.before->time)) return Pose::Identity();
-  const double ratio = (time - scene.time) / (scene.time - scene.before->time);
-  const Pose step = scene.before->value.inverse() * scene.T_map_robot;
+  if (!scene.T_previous_robot || !(scene.interval_s > 0.0)) return Pose::Identity();
+  const double ratio = (time - scene.time) / scene.interval_s;
+  const Pose& step = *scene.T_previous_robot;
   Pose motion = Pose::Identity();
   motion.linear() = expSo3(ratio * logSo3(step.linear()));
   motion.translation() = ratio * (step.linear().transpose() * step.translation());
@@ -108,7 +108,7 @@ class BeamSorter {
         std::abs(place.y()) < 0.5 * footprint.width_m) {
       return "on_robot";
     }
-    return moving.contain(scene_.T_map_robot * place) ? "on_moving_objects" : kObstacle;
+    return moving.contain(scene_.T_odom_robot * place) ? "on_moving_objects" : kObstacle;
   }
 
   /// Stores the shortest beam of each direction if it is level and where obstacles stand.
@@ -168,13 +168,6 @@ void limitFreeGround(const Eigen::Vector3d& camera, GroundScan& scan) {
 }
 
 }  // namespace
-
-void LaserParams::describe(Params::Section section) {
-  auto user = section.user();
-  user.add("use", use, "Enter 2D laser scans into the grid as obstacles");
-  user.add("reach_m", reach_m, 0.5, 100.0, "m",
-           "Maximum distance of obstacles from the laser; greater is less accurate in turns");
-}
 
 void addLaserScans(const std::vector<LaserScan>& scans, const LaserScene& scene,
                    const std::vector<Track>& tracks, const LaserParams& params, GroundScan& scan,

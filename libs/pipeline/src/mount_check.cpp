@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <headway/core/error.h>
+#include "mount_check.h"
+
 #include <headway/core/formatted.h>
-#include <headway/pipeline/mount_check.h>
 #include <headway/stereo/ground_plane.h>
 #include <headway/stereo/rig_capability.h>
 
@@ -22,9 +22,6 @@ constexpr double kEqual = 0.25;            // where they are right
 constexpr double kVertical = 0.7;          // component of the optical axis along the robot's z
 constexpr double kUprightComponent = 0.7;  // of "up" along the image's columns
 constexpr double kMaxHeightError = 0.35;   // of the camera's height, relative
-constexpr double kMinOdometryM = 2.0;      // path that is compared
-constexpr double kMaxSpeedRatio = 30.0;    // camera to odometry: the unit is wrong
-constexpr double kWarnedSpeedRatio = 3.0;  // and its inverse
 constexpr double kDegrees = 180.0 / M_PI;
 
 /// A pose as MRPT writes it: x y z [m], yaw pitch roll [deg].
@@ -73,60 +70,66 @@ bool MountCheck::showsGround(const stereo::DisparityImage& disparity,
   return ground && isAtMountedHeight(*ground);
 }
 
-void MountCheck::addImage(const stereo::FrameContext& context) {
-  if (decided_) return;
+std::optional<Finding> MountCheck::addImage(const stereo::FrameContext& context) {
+  if (decided_) return std::nullopt;
   if (context.ground() && isAtMountedHeight(*context.ground())) {
     decided_ = decided_by_turns_ = true;
-    return;
+    return std::nullopt;
   }
   ++images_;
-  if (std::abs(camera_.T_robot_cam.linear()(2, 2)) > kVertical) {
-    testOpticalTurn(context.disparity());
-  } else {
-    testUpsideDown(context.disparity());
-  }
+  const bool is_vertical = std::abs(camera_.T_robot_cam.linear()(2, 2)) > kVertical;
+  const auto text =
+      is_vertical ? testOpticalTurn(context.disparity()) : testUpsideDown(context.disparity());
   decided_ = decided_ || images_ == kMaxImages;
+  return decide(text, context.frame().index);
 }
 
-void MountCheck::testOpticalTurn(const stereo::DisparityImage& disparity) {
+std::optional<Finding> MountCheck::decide(const std::string& text, std::size_t frame) {
+  if (text.empty()) return std::nullopt;
+  decided_ = decided_by_turns_ = true;
+  return Finding{"camera_pose", frame, text, Severity::kFatal};
+}
+
+std::string MountCheck::testOpticalTurn(const stereo::DisparityImage& disparity) {
   StereoCamera with_turn = camera_;
   with_turn.T_robot_cam = turned(camera_.T_robot_cam, robotFromOptical().linear());
   if (showsGround(disparity, with_turn)) ++without_turn_;
-  if (without_turn_ < kMinWithoutTurn) return;
+  if (without_turn_ < kMinWithoutTurn) return "";
   const bool up = camera_.T_robot_cam.linear()(2, 2) > 0.0;
-  throwWithoutTurn(std::string("the camera looks straight ") + (up ? "up" : "down") +
-                   ", but its images show the ground ahead");
+  return textWithoutTurn(std::string("the camera looks straight ") + (up ? "up" : "down") +
+                         ", but its images show the ground ahead");
 }
 
-void MountCheck::throwWithoutTurn(const std::string& evidence) const {
-  throw InputError("camera pose: by cameraPose = " + poseText(camera_.T_robot_cam) + " " +
-                   evidence +
-                   ": the pose lacks the turn to optical axes (x right, y down, z "
-                   "forward); write cameraPose = " +
-                   poseText(turned(camera_.T_robot_cam, robotFromOptical().linear())));
+std::string MountCheck::textWithoutTurn(const std::string& evidence) const {
+  return "camera pose: by cameraPose = " + poseText(camera_.T_robot_cam) + " " + evidence +
+         ": the pose lacks the turn to optical axes (x right, y down, z forward); write "
+         "cameraPose = " +
+         poseText(turned(camera_.T_robot_cam, robotFromOptical().linear()));
 }
 
-void MountCheck::addTurn(const Eigen::Matrix3d& by_camera, const Eigen::Matrix3d& by_gyroscope) {
+std::optional<Finding> MountCheck::addTurn(const Eigen::Matrix3d& by_camera,
+                                           const Eigen::Matrix3d& by_gyroscope, std::size_t frame) {
   const Eigen::Vector3d measured = logSo3(by_gyroscope);
-  if (decided_by_turns_ || measured.norm() < kMinTurnRad) return;
+  if (decided_by_turns_ || measured.norm() < kMinTurnRad) return std::nullopt;
   const Eigen::Matrix3d R = camera_.T_robot_cam.linear();
   const Eigen::Vector3d turn = logSo3(by_camera);
   turned_rad_ += measured.norm();
   difference_rad_ += (turn - measured).norm();
   difference_turned_rad_ +=
       (R * robotFromOptical().linear() * R.transpose() * turn - measured).norm();
-  if (turned_rad_ < kMinTurnsRad) return;
+  if (turned_rad_ < kMinTurnsRad) return std::nullopt;
   decided_by_turns_ = true;
-  if (difference_rad_ > kContrary * turned_rad_ && difference_turned_rad_ < kEqual * turned_rad_) {
-    throwWithoutTurn(
-        "its turns contradict the gyroscope's (if it is right, correct the inertial sensor's "
-        "sensorPose, or leave that out by slam.use_imu=false)");
-  }
+  const bool is_contrary = difference_rad_ > kContrary * turned_rad_;
+  if (!is_contrary || difference_turned_rad_ >= kEqual * turned_rad_) return std::nullopt;
+  return decide(textWithoutTurn("its turns contradict the gyroscope's (if it is right, correct the "
+                                "inertial sensor's sensorPose, or leave that out by "
+                                "slam.use_imu=false)"),
+                frame);
 }
 
-void MountCheck::testUpsideDown(const stereo::DisparityImage& disparity) {
+std::string MountCheck::testUpsideDown(const stereo::DisparityImage& disparity) {
   const double up_y = stereo::mountedUp(camera_).y();
-  if (std::abs(up_y) < kUprightComponent) return;
+  if (std::abs(up_y) < kUprightComponent) return "";
   const bool said_upright = up_y < 0.0;
   StereoCamera turned_camera = camera_;
   turned_camera.T_robot_cam = upsideDown(camera_.T_robot_cam);
@@ -134,51 +137,18 @@ void MountCheck::testUpsideDown(const stereo::DisparityImage& disparity) {
   const stereo::DisparityImage flipped_image = flipped(disparity, flipped_camera);
   if (!said_upright && showsGround(flipped_image, flipped_camera)) {
     decided_ = true;
-    return;
+    return "";
   }
   const bool contrary = said_upright ? showsGround(flipped_image, flipped_camera)
                                      : showsGround(disparity, turned_camera);
   if (contrary) ++upside_down_;
-  if (upside_down_ < kMinUpsideDown) return;
-  throw InputError(std::string("camera pose: the images show the ground ") +
-                   (said_upright ? "above" : "below") +
-                   " the camera, but by cameraPose = " + poseText(camera_.T_robot_cam) + " it is " +
-                   (said_upright ? "upright" : "upside-down") +
-                   ": turn it about its optical axis; write cameraPose = " +
-                   poseText(turned_camera.T_robot_cam));
-}
-
-void MountCheck::addMotion(const Pose& by_camera, const std::optional<Pose>& by_odometry,
-                           std::size_t frame, Warnings& warnings) {
-  if (!by_odometry || odometry_m_ >= kMinOdometryM) return;
-  path_m_ += by_camera.translation().norm();
-  odometry_m_ += by_odometry->translation().norm();
-  if (odometry_m_ < kMinOdometryM) return;
-  const double ratio = path_m_ / odometry_m_;
-  const std::string compared = "the camera moved " + formatted("%.3g", path_m_) +
-                               " m where odometry measured " + formatted("%.3g", odometry_m_) +
-                               " m: ";
-  const bool is_depth = camera_.isDepthCamera();
-  if (is_depth && ratio > kMaxSpeedRatio) {
-    throw InputError("depth camera: " + compared +
-                     "depths are too great, as if in another unit (rangeUnits, depth_unit_m); "
-                     "multiply it by " +
-                     formatted("%.3g", 1.0 / ratio));
-  }
-  const std::string baseline = formatted("%.6g", camera_.baseline_m);
-  if (ratio > kMaxSpeedRatio) {
-    throw InputError("stereo calibration: " + compared + "the baseline of " + baseline +
-                     " m is too long, as if in another unit; write " +
-                     formatted("%.3g", camera_.baseline_m / ratio) + " m");
-  }
-  if (ratio > kWarnedSpeedRatio || ratio < 1.0 / kWarnedSpeedRatio) {
-    addWarning(
-        "odometry_scale", frame,
-        compared +
-            (is_depth ? "check the depths' unit" : "check the baseline (" + baseline + " m)") +
-            ", and odometry's unit and wheel slip",
-        warnings);
-  }
+  if (upside_down_ < kMinUpsideDown) return "";
+  return std::string("camera pose: the images show the ground ") +
+         (said_upright ? "above" : "below") +
+         " the camera, but by cameraPose = " + poseText(camera_.T_robot_cam) + " it is " +
+         (said_upright ? "upright" : "upside-down") +
+         ": turn it about its optical axis; write cameraPose = " +
+         poseText(turned_camera.T_robot_cam);
 }
 
 }  // namespace headway::pipeline

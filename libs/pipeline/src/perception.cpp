@@ -1,261 +1,385 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/error.h>
 #include <headway/core/formatted.h>
-#include <headway/pipeline/moving_regions.h>
-#include <headway/pipeline/perception.h>
+#include <mrpt/core/exceptions.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "perception_implementation.h"
 
 namespace headway::pipeline {
 namespace {
 
-/// Of detection in live operation with a network: a pass of YOLOX-nano takes 63 ms of one core, and
-/// two frames at 10 Hz have to take less than 200 ms.
-constexpr int kNetworkPeriod = 2;
-constexpr std::size_t kScansMovedPerFrame = 20;  ///< of the grid in live operation; about 10 ms
+using slam::TrackingStatus;
 
-std::optional<Pose> poseOf(const slam::SlamUpdate& camera) {
-  if (camera.status != slam::TrackingStatus::kTracked) return std::nullopt;
-  return camera.T_map_robot;
+ClockStep clockStep(const RecordedFrame& frame, const PreviousFrame& previous) {
+  if (!previous.index || frame.time > previous.time) return ClockStep::kAhead;
+  return frame.time == previous.time ? ClockStep::kRepeated : ClockStep::kSetBack;
 }
 
-/// What the camera can see, with the configured values in place of derived ones.
-std::optional<stereo::RigCapability> rigOf(const StereoCamera* camera,
-                                           const PerceptionParams& params) {
-  if (camera == nullptr) return std::nullopt;
-  const auto& detect = params.detection.detect;
-  auto configured = params.grid.scan.configured();
-  configured.nearest_m = detect.disparity.nearest_m;
-  configured.vehicles_to_m = detect.stereo_motion.max_range_m;
-  configured.segments_to_m = detect.stereo_motion.max_segment_range_m;
-  configured.grid_spacing_m = params.grid.map.spacing_m;
-  configured.dense_to_m = params.dense.reach_m;
-  configured.dense_voxel_m = params.dense.voxel_m;
-  configured.dense_spacing_m = params.dense.spacing_m;
-  return stereo::rigCapability(*camera, configured);
+/// Whether what a frame brings of its motion counts from another frame than the previous one.
+bool countsFromAnother(const RecordedFrame& frame, const PreviousFrame& previous) {
+  const MotionPrior& prior = frame.stereo->motion_prior;
+  const bool has_motion =
+      prior.T_previous_current || prior.R_previous_current || prior.velocity_increment;
+  if (!has_motion || !previous.index) return has_motion;
+  return false;
 }
 
-/// Grid parameters without values to be derived.
-GridParams gridFor(const std::optional<stereo::RigCapability>& rig,
-                   const PerceptionParams& all_params) {
-  GridParams params = all_params.grid;
-  params.map.footprint = all_params.robot;
-  if (!rig) return params;
-  params.scan = params.scan.forRig(*rig);
-  params.map.spacing_m = rig->grid_spacing_m;
-  return params;
+/// Poses of the frame, of which SLAM's are not trusted if the input is not.
+void setPoses(bool is_input_trusted, FrameState& state) {
+  slam::SlamUpdate& camera = state.camera;
+  if (!is_input_trusted && camera.status == TrackingStatus::kTracked) {
+    camera.status = TrackingStatus::kUnreliable;
+    camera.doubt = slam::Doubt::kImages;
+  }
+  const bool is_tracked = camera.status == TrackingStatus::kTracked;
+  if (is_tracked) state.T_map_robot = camera.T_map_robot;
+  if (state.clock == ClockStep::kRepeated) return;
+  if (is_tracked) state.T_odom_robot = camera.T_map_robot;
+  const bool is_measured = is_tracked || camera.doubt == slam::Doubt::kSpeed;
+  const bool may_have_jumped = !camera.loops.empty() || camera.map_corrected;
+  if (!is_measured || may_have_jumped || !state.previous.T_odom_robot) return;
+  state.T_previous_robot = state.previous.T_odom_robot->inverse() * camera.T_map_robot;
+}
+
+/// Removes boxes that are too far, and counts them.
+void shedFar(double max_range_m, Detections& detections, DropCounts& dropped) {
+  if (std::isinf(max_range_m)) return;
+  auto& items = detections.items;
+  const auto far = std::remove_if(items.begin(), items.end(), [&](const Detection& item) {
+    return item.box3d && item.box3d->centre.norm() > max_range_m;
+  });
+  if (far != items.end()) dropped["load_shed"] = static_cast<std::size_t>(items.end() - far);
+  items.erase(far, items.end());
+}
+
+PreviousFrame previousFrom(const FrameState& state) {
+  PreviousFrame previous;
+  previous.index = state.frame.index;
+  previous.time = state.frame.time;
+  previous.T_map_robot = state.camera.T_map_robot;
+  previous.lost_in_a_row = state.previous.lost_in_a_row;
+  if (state.camera.status == TrackingStatus::kLost && state.is_by_slam) ++previous.lost_in_a_row;
+  if (state.camera.status == TrackingStatus::kTracked) previous.lost_in_a_row = 0;
+  previous.T_odom_robot = state.T_odom_robot;
+  previous.tracks = state.objects.tracks;
+  previous.expected = state.objects.expected;
+  previous.motion = state.found.motion;
+  return previous;
+}
+
+std::string describe(const slam::LoopAttempt& loop) {
+  const char* outcome = "closed";
+  if (loop.outcome == slam::LoopOutcome::kNotRecognised) outcome = "not recognised";
+  if (loop.outcome == slam::LoopOutcome::kTooFewInliers) outcome = "rejected: too few inliers";
+  if (loop.outcome == slam::LoopOutcome::kTooFarOff) outcome = "rejected: offset too large";
+  std::string text = formatted("loop to keyframe %lld %s: inliers %d, required %d",
+                               static_cast<long long>(loop.candidate.value), outcome, loop.inliers,
+                               loop.inliers_needed);
+  if (loop.offset_allowed_m == 0.0) return text;
+  return text + formatted("; offset %.2f m, allowed %.2f m", loop.offset_m, loop.offset_allowed_m);
+}
+
+/// How the camera was found again, and at which place of the map.
+std::string describeRelocalisation(const FrameState& state, const slam::MapView& map) {
+  const slam::KeyframeView* nearest = nullptr;
+  double distance = std::numeric_limits<double>::infinity();
+  const Eigen::Vector3d place = state.camera.T_map_robot.translation();
+  for (const auto& keyframe : map.keyframes) {
+    const double d = (keyframe.T_map_robot.translation() - place).norm();
+    if (d < distance) {
+      distance = d;
+      nearest = &keyframe;
+    }
+  }
+  const std::string at = nearest == nullptr
+                             ? "in a new map"
+                             : formatted("%.2f m from keyframe %lld (frame %zu)", distance,
+                                         static_cast<long long>(nearest->id.value), nearest->frame);
+  return formatted("localised again after %zu lost frames, %s, %.2f m from the predicted position",
+                   state.previous.lost_in_a_row, at.c_str(),
+                   (place - state.previous.T_map_robot.translation()).norm());
+}
+
+std::string describe(const FrameState& state) {
+  const slam::SlamUpdate& camera = state.camera;
+  std::string line = formatted(
+      "%s, %d landmarks%s; %zu boxes, %zu used; %zu tracks, %zu finalised samples",
+      slam::toString(camera.status), camera.inliers, camera.is_keyframe ? ", keyframe" : "",
+      state.found.fused ? state.found.fused->items.size() : 0, state.objects.detections_used,
+      state.objects.tracks.size(), state.objects.finalised.size());
+  for (const auto& [reason, count] : state.objects.detections_dropped) {
+    line += "; dropped " + std::to_string(count) + " " + reason;
+  }
+  return line;
 }
 
 }  // namespace
 
-void GridParams::describe(Params::Section section) {
-  section.user().add("every_nth_frame", every_nth_frame, 0, 1000, "frames",
-                     "Period of the ground scans, and of the depth scans of the dense map; greater "
-                     "is faster; 0: neither grid nor dense map");
-  scan.describe(section);
-  map.describe(section);
-}
+Perception::Implementation::Implementation(const std::shared_ptr<const StereoCamera>& rig,
+                                           const PerceptionParams& params, map::PerceptionMap map)
+    : camera(rig),
+      health(rig, validated(params).slam.max_speed_mps),
+      localisation(rig, params),
+      detection(rig, params.detection),
+      tracker(params.objects),
+      mapping(rig, params, std::move(map)) {}
 
-void PerceptionParams::describe(Params& params) {
-  slam.describe(params.section("slam"));
-  detection.describe(params);
-  objects.describe(params.section("objects"));
-  grid.describe(params.section("grid"));
-  dense.describe(params.section("dense"));
-  laser.describe(params.section("laser"));
-  robot.describe(params.section("robot").user());
-}
-
-PerceptionParams PerceptionParams::live(PerceptionParams params) {
-  params.slam.adjust_in_background = true;
-  if (modelInUse(params.detection).empty()) return params;
-  auto& detect = params.detection.detect;
-  detect.network.tiles = false;
-  detect.every_nth_frame = std::max(detect.every_nth_frame, kNetworkPeriod);
-  return params;
-}
-
-void PerceptionParams::validate() const {
-  slam.validate();
-  detection.validate();
-  objects.validate();
-  grid.validate();
-  dense.validate();
-  laser.validate();
-  robot.validate();
-}
-
-Perception::Perception(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params,
-                       map::PerceptionMap map)
-    : camera_(std::move(camera)),
-      front_end_(validated(params).detection.detect.disparity),
-      detection_(camera_, params.detection),
-      tracker_(params.objects),
-      rig_(rigOf(camera_.get(), params)),
-      grid_params_(gridFor(rig_, params)),
-      laser_params_(params.laser),
-      max_speed_mps_(params.slam.max_speed_mps),
-      is_live_(params.slam.adjust_in_background),
-      grid_(grid_params_.map),
-      dense_(params.dense, rig_, is_live_),
-      map_(std::move(map)),
-      given_poses_(params.slam.trajectory_in_memory) {
-  mapping_ = params.slam.mapping;
-  if (!mapping_) grid_params_.every_nth_frame = 0;
-  if (camera_ != nullptr) mount_check_.emplace(*camera_);
-  if (camera_ != nullptr) slam_ = std::make_unique<slam::StereoSlam>(camera_, params.slam);
-}
-
-Perception::~Perception() = default;
-
-PerceptionUpdate Perception::process(const RecordedFrame& frame) {
-  const auto watch = times_.watch("frame");
+PerceptionUpdate Perception::Implementation::process(const RecordedFrame& frame) {
+  requireUsable(frame);
+  const auto watch = times.watch("frame");
+  const map::PerceptionMap map_before = mapping.map();
   applyChange();
-  const Warnings warnings_before = log_ ? warnings_ : Warnings();
-  const map::PerceptionMap map_before = map_;
-  const bool scan_ground = hasGridTurn(frame);
-  PerceptionUpdate update;
-  update.frame = frame.index;
-  update.time = frame.time;
-  auto ended = followClock(frame);
-  checkImages(frame);
-  const auto boxes = detection_.detectObjects(frame, contextOf(frame), scan_ground);
-  update.camera = localise(frame, boxes);
-  logLocalisation(frame, update.camera);
-  found_ = detection_.detectMotion(frame, poseOf(update.camera), boxes, expected_, found_.motion);
-  if (!isLocalisedBySlam(frame)) estimateOffset();
-  if (found_.images_used) times_.add("detect", found_.elapsed_ms);
-  update.detections = found_.fused;
-  update.objects = track(frame, update);
-  ended.insert(ended.end(), update.objects.finalised.begin(), update.objects.finalised.end());
-  update.objects.finalised = std::move(ended);
-  warnAboutBoxes(frame, boxes);
-  checkInput(frame, update, scan_ground);
-  updateMap(update);
-  updateGrid(frame, update, scan_ground);
-  updateDense(frame, update, scan_ground);
-  tracks_ = update.objects.tracks;
-  expected_ = update.objects.expected;
-  last_pose_.reset();
-  if (const auto pose = poseOf(update.camera)) last_pose_ = Stamped<Pose>{frame.time, *pose};
-  logFrame(update, warnings_before);
-  callBack(update, map_before);
-  return update;
+  const auto ended =
+      clockStep(frame, previous_) == ClockStep::kSetBack ? restart() : std::vector<TrackSample>();
+  FrameState state = begin(frame);
+  state.add(health.checkFrame(state));
+  state.images = health.imageEvidence();
+  state.context = rectify(state);
+  state.boxes = detection.detectObjects(frame, state.context, state.scans_ground);
+  localise(state);
+  state.found = detect(state);
+  state.disparity_offset = localisation.disparityOffset(state);
+  state.objects = track(state);
+  state.objects.finalised.insert(state.objects.finalised.begin(), ended.begin(), ended.end());
+  state.add(health.checkResults(state));
+  mapping.update(state, times);
+  previous_ = previousFrom(state);
+  return published(std::move(state), map_before);
 }
 
-bool Perception::hasGridTurn(const RecordedFrame& frame) {
-  const auto every_nth = static_cast<std::size_t>(grid_params_.every_nth_frame);
-  if (camera_ == nullptr || !frame.stereo || every_nth == 0) return false;
-  return grid_frames_++ % every_nth == 0;
-}
-
-std::optional<stereo::FrameContext> Perception::contextOf(const RecordedFrame& frame) {
-  if (!frame.stereo) return std::nullopt;
-  const Eigen::Vector3d& turn = stereo_check_.turn();
-  if (front_end_.rightTurn().angles() != turn) {
-    const Eigen::Vector3d degrees = turn * 180.0 / M_PI;
-    log(LogLevel::kInfo, frame.index,
-        formatted("right images are turned back by pitch %.3f, yaw %.3f, roll %.3f deg",
-                  degrees.x(), degrees.y(), degrees.z()));
-    if (isLocalisedBySlam(frame)) slam_->turnRightCamera(turn, !stereo_check_.hasMoved());
-    offset_at_given_poses_.subtract((turn - front_end_.rightTurn().angles()).y() /
-                                    stereo::yawOfOffset(1.0, *camera_));
-    front_end_.setRightTurn({turn, *camera_});
-    scale_check_.restart();
-  }
-  return front_end_.next(*frame.stereo, disparityOffset(frame));
-}
-
-bool Perception::isLocalisedBySlam(const RecordedFrame& frame) const {
-  return !frame.T_map_robot && frame.stereo && slam_ != nullptr && given_poses_.empty();
-}
-
-double Perception::disparityOffset(const RecordedFrame& frame) const {
-  return isLocalisedBySlam(frame) ? slam_->disparityOffset() : offset_at_given_poses_.value();
-}
-
-void Perception::estimateOffset() {
-  if (found_.motion.static_points.empty()) return;
-  offset_at_given_poses_.update(found_.motion.static_points);
-  stereo_check_.addOffsetAtGivenPoses(offset_at_given_poses_.estimate(), *camera_);
-}
-
-slam::SlamUpdate Perception::localise(const RecordedFrame& frame, const ObjectDetections& boxes) {
-  if (!isLocalisedBySlam(frame)) return useGivenPose(frame);
-  const auto moving = movingRegions(boxes.sources, tracks_, found_.motion, frame.time, *camera_);
-  auto update = slam_->process(*boxes.context, moving, images_);
-  if (const auto offset = slam_->takeFreeOffset()) stereo_check_.addOffset(*offset, *camera_);
-  return update;
-}
-
-slam::SlamUpdate Perception::useGivenPose(const RecordedFrame& frame) {
-  if (frame.T_map_robot && resumed_) {
+/// Before anything changes, so that a frame that cannot be used leaves all as it is.
+void Perception::Implementation::requireUsable(const RecordedFrame& frame) const {
+  if (frame.T_map_robot && localisation.isResumed()) {
     throw InputError("frame " + std::to_string(frame.index) +
                      " brings a pose of its own, which is not in the frame of the map taken up; "
                      "use a rawlog without label 'pose'");
   }
-  slam::SlamUpdate given;
-  if (frame.T_map_robot) {
-    given.status = slam::TrackingStatus::kTracked;
-    given.T_map_robot = *frame.T_map_robot;
-    given.covariance.setZero();
-  } else if (!given_poses_.empty()) {
-    given.T_map_robot = poseFrom(given_poses_.back().T_map_robot);
+  if (!frame.stereo || camera == nullptr) return;
+  const StereoFrame& images = *frame.stereo;
+  for (const cv::Mat* image : {&images.left, &images.right, &images.disparity}) {
+    if (image->empty() && image != &images.left) continue;
+    const int type = image == &images.disparity ? CV_32FC1 : CV_8UC1;
+    if (image->type() == type && image->cols == camera->width && image->rows == camera->height) {
+      continue;
+    }
+    throw InputError(
+        formatted("stereo frame %zu: an image is %dx%d, must be 8-bit grey and %dx%d "
+                  "as calibrated",
+                  frame.index, image->cols, image->rows, camera->width, camera->height));
   }
-  given_poses_.append(
-      {frame.index, frame.time, headway::stored(given.T_map_robot), frame.T_map_robot.has_value()});
-  return given;
 }
 
-objects::TrackUpdate Perception::track(const RecordedFrame& frame, const PerceptionUpdate& update) {
-  const auto watch = times_.watch("objects");
+FrameState Perception::Implementation::begin(const RecordedFrame& frame) {
+  FrameState state(frame, previous_);
+  state.clock = clockStep(frame, previous_);
+  state.is_by_slam = localisation.isBySlam(frame);
+  state.scans_ground = mapping.takesTurn(frame);
+  if (!frame.stereo) return state;
+  state.motion_prior = frame.stereo->motion_prior;
+  if (!countsFromAnother(frame, previous_)) return state;
+  state.motion_prior = {};
+  state.motion_prior.specific_force = frame.stereo->motion_prior.specific_force;
+  state.is_motion_left_out = previous_.index.has_value();
+  return state;
+}
+
+std::vector<TrackSample> Perception::Implementation::restart() {
+  detection.restart();
+  previous_.T_odom_robot.reset();
+  previous_.tracks.clear();
+  previous_.expected.clear();
+  previous_.motion = {};
+  return tracker.restart();
+}
+
+std::optional<stereo::FrameContext> Perception::Implementation::rectify(const FrameState& state) {
+  const Eigen::Vector3d before = localisation.rightTurn();
+  auto context = localisation.contextOf(state, health.rightCamera());
+  if (localisation.rightTurn() != before) {
+    const Eigen::Vector3d degrees = localisation.rightTurn() * 180.0 / M_PI;
+    write(LogLevel::kInfo, state,
+          formatted("right images are turned back by pitch %.3f, yaw %.3f, roll %.3f deg",
+                    degrees.x(), degrees.y(), degrees.z()));
+  }
+  return context;
+}
+
+void Perception::Implementation::localise(FrameState& state) {
+  state.camera = localisation.localise(state);
+  setPoses(health.isTrusted(), state);
+  if (state.camera.is_keyframe || state.camera.map_corrected) {
+    state.static_map = localisation.slam()->map();
+  }
+  if (state.T_map_robot && state.previous.lost_in_a_row > 0 && log) {
+    write(LogLevel::kInfo, state, describeRelocalisation(state, *mapping.map().staticMap()));
+  }
+  if (callbacks.on_pose) callbacks.on_pose(state.frame.time, state.camera);
+}
+
+FrameDetections Perception::Implementation::detect(const FrameState& state) {
+  const PreviousFrame& previous = state.previous;
+  auto found = detection.detectMotion(state.frame, state.T_odom_robot, state.boxes,
+                                      previous.expected, previous.motion);
+  if (found.images_used) times.add("detect", found.elapsed_ms);
+  return found;
+}
+
+objects::TrackUpdate Perception::Implementation::track(const FrameState& state) {
+  const auto watch = times.watch("objects");
+  const RecordedFrame& frame = state.frame;
   objects::TrackUpdate tracked;
-  if (update.detections && poseOf(update.camera)) {
-    Detections near = *update.detections;
+  if (state.found.fused && state.T_odom_robot) {
+    Detections near = *state.found.fused;
     DropCounts far;
-    shedFar(near, far);
-    tracked = tracker_.update(frame.index, {frame.time, update.camera.T_map_robot}, near);
+    shedFar(max_box_range_m_, near, far);
+    tracked = tracker.update(frame.index, {frame.time, *state.T_odom_robot}, near);
     tracked.detections_dropped.merge(far);
   } else {
-    tracked = tracker_.coast(frame.index, frame.time);
-    if (update.detections && !update.detections->items.empty()) {
-      tracked.detections_dropped["camera_lost"] += update.detections->items.size();
+    tracked = tracker.coast(frame.index, frame.time);
+    if (state.found.fused && !state.found.fused->items.empty()) {
+      const char* reason = state.T_map_robot ? "time_repeated" : "camera_lost";
+      tracked.detections_dropped[reason] += state.found.fused->items.size();
     }
   }
-  for (const auto& [reason, count] : found_.dropped) tracked.detections_dropped[reason] += count;
+  for (const auto& [reason, count] : state.found.dropped) {
+    tracked.detections_dropped[reason] += count;
+  }
   return tracked;
 }
 
-void Perception::updateMap(const PerceptionUpdate& update) {
-  const auto watch = times_.watch("map_update");
-  if (update.camera.is_keyframe || update.camera.map_corrected) {
-    updateStaticMap();
-  } else {
-    grid_.followMore(kScansMovedPerFrame);
-  }
-  map_.update(update.time, update.objects.tracks);
+PerceptionUpdate Perception::Implementation::published(FrameState&& state,
+                                                       const map::PerceptionMap& before) const {
+  logFrame(state);
+  PerceptionUpdate update;
+  update.frame = state.frame.index;
+  update.time = state.frame.time;
+  update.camera = std::move(state.camera);
+  update.detections = std::move(state.found.fused);
+  update.objects = std::move(state.objects);
+  update.findings = std::move(state.findings);
+  if (callbacks.on_tracks) callbacks.on_tracks(update.time, update.objects.tracks);
+  const map::PerceptionMap& map = mapping.map();
+  const bool has_changed = map.staticMap() != before.staticMap() ||
+                           map.staticGrid() != before.staticGrid() || map.dense() != before.dense();
+  if (has_changed && callbacks.on_map) callbacks.on_map(map);
+  return update;
 }
 
-void Perception::updateStaticMap() {
-  map_.update(slam_->map());
-  if (is_live_) {
-    grid_.follow(map_.staticMap()->keyframes, kScansMovedPerFrame);
-  } else {
-    grid_.follow(map_.staticMap()->keyframes);
-  }
-  dense_.follow(map_.staticMap()->keyframes);
+void Perception::Implementation::write(LogLevel level, const FrameState& state,
+                                       const std::string& text) const {
+  if (log) log(level, "frame " + std::to_string(state.frame.index) + ": " + text);
 }
 
-void Perception::finish() {
-  if (slam_ != nullptr && given_poses_.empty()) {
-    slam_->finish();
-    map_.update(slam_->map());
-    grid_.follow(map_.staticMap()->keyframes);
-    if (const auto grid = grid_.grid()) map_.update(grid);
-    dense_.follow(map_.staticMap()->keyframes);
+void Perception::Implementation::logFrame(const FrameState& state) const {
+  if (!log) return;
+  for (const Finding& finding : state.findings) {
+    if (finding.is_first) write(LogLevel::kWarn, state, finding.text);
   }
-  dense_.update(map_, times_);
-  updateDenseMap();
+  for (const auto& loop : state.camera.loops) write(LogLevel::kInfo, state, describe(loop));
+  if (state.camera.map_corrected) write(LogLevel::kInfo, state, "a loop corrected the map");
+  write(LogLevel::kDebug, state, describe(state));
+}
+
+void Perception::Implementation::change(const RuntimeParams& params) {
+  ASSERTMSG_(params.detect_every_nth_frame >= 1 && params.grid_every_nth_frame >= 0 &&
+                 params.recorded_timeout_s > 0.0 && params.max_box_range_m > 0.0,
+             "parameters at run time are out of range");
+  const std::lock_guard lock(change_mutex_);
+  change_ = params;
+}
+
+void Perception::Implementation::applyChange() {
+  const std::lock_guard lock(change_mutex_);
+  if (!change_) return;
+  detection.change(change_->detect_every_nth_frame, change_->recorded_timeout_s);
+  max_box_range_m_ = change_->max_box_range_m;
+  mapping.setPeriod(change_->grid_every_nth_frame);
+  change_.reset();
+}
+
+void Perception::Implementation::resume(const map::StoredMap& stored) {
+  localisation.load(stored);
+  health.resume(localisation.rightTurn());
+  mapping.load(stored, localisation.slam()->map());
+}
+
+map::StoredMap Perception::Implementation::stored() const {
+  map::StoredMap stored = mapping.stored();
+  if (const auto* slam = localisation.slam()) {
+    stored.made_attachments[map::kSlamAttachment] = slam->snapshot();
+    mapping.attachScans(stored);
+  }
+  return stored;
+}
+
+void Perception::Implementation::finish() {
+  localisation.finish();
+  auto* slam = localisation.slam();
+  mapping.finish(slam != nullptr ? std::optional(slam->map()) : std::nullopt, times);
+}
+
+Pose Perception::Implementation::moveInto(const slam::KeyframePoses& poses) {
+  if (poses.empty()) return Pose::Identity();
+  auto& slam = *localisation.slam();
+  const Pose before = slam.map().keyframes.front().T_map_robot;
+  slam.correct(poses);
+  mapping.finish(slam.map(), times);
+  mapping.update(previous_.time, std::vector<Track>());
+  const Pose now = mapping.map().staticMap()->keyframes.front().T_map_robot;
+  return normalized(Pose(now * before.inverse(Eigen::Isometry)));
+}
+
+std::optional<std::string> Perception::Implementation::rectification() const {
+  const auto error = health.rectification();
+  if (!error || camera == nullptr) return std::nullopt;
+  return stereo::describe(*error, *camera, localisation.rightTurn());
+}
+
+Perception::Perception(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params,
+                       map::PerceptionMap map)
+    : implementation_(std::make_unique<Implementation>(camera, params, std::move(map))) {}
+
+Perception::~Perception() = default;
+
+void Perception::resume(const map::StoredMap& stored) { implementation_->resume(stored); }
+
+map::StoredMap Perception::stored() const { return implementation_->stored(); }
+
+PerceptionUpdate Perception::process(const RecordedFrame& frame) {
+  return implementation_->process(frame);
+}
+
+const std::optional<stereo::RigCapability>& Perception::rig() const {
+  return implementation_->mapping.rig();
+}
+
+void Perception::setLog(LogSink sink) { implementation_->log = std::move(sink); }
+
+void Perception::setCallbacks(PerceptionCallbacks callbacks) {
+  implementation_->callbacks = std::move(callbacks);
+}
+
+void Perception::change(const RuntimeParams& params) { implementation_->change(params); }
+
+const Warnings& Perception::warnings() const { return implementation_->health.warnings(); }
+
+std::optional<std::string> Perception::rectification() const {
+  return implementation_->rectification();
+}
+
+const std::map<std::string, std::size_t>& Perception::laserCounts() const {
+  return implementation_->mapping.laserCounts();
+}
+
+const map::PerceptionMap& Perception::map() const { return implementation_->mapping.map(); }
+
+void Perception::updateDenseMap() {
+  implementation_->mapping.updateDensePoints(implementation_->times);
 }
 
 std::vector<slam::FrameEstimate> Perception::trajectory() const {
@@ -265,17 +389,16 @@ std::vector<slam::FrameEstimate> Perception::trajectory() const {
 }
 
 slam::TrajectoryVisit Perception::trajectorySnapshot() const {
-  if (slam_ != nullptr && given_poses_.empty()) return slam_->trajectorySnapshot();
-  return [poses = given_poses_.snapshot()](const slam::FrameVisitor& visit) {
-    poses->visit([&](const GivenPose& given) {
-      visit({given.frame, given.time, given.is_given, poseFrom(given.T_map_robot)});
-    });
-  };
+  return implementation_->localisation.trajectorySnapshot();
 }
 
+void Perception::finish() { implementation_->finish(); }
+
+std::vector<TrackSample> Perception::flush() { return implementation_->tracker.flush(); }
+
 StageTimes Perception::times() const {
-  StageTimes all = times_;
-  if (slam_ != nullptr) all.merge(slam_->times());
+  StageTimes all = implementation_->times;
+  implementation_->localisation.mergeTimes(all);
   return all;
 }
 

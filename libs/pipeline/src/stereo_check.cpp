@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <headway/core/error.h>
+#include "stereo_check.h"
+
 #include <headway/core/formatted.h>
 #include <headway/core/statistics.h>
-#include <headway/pipeline/stereo_check.h>
 #include <headway/stereo/point_tracking.h>
 
 #include <algorithm>
@@ -160,27 +160,32 @@ std::vector<StereoCheck::Match> StereoCheck::matchesOf(const StereoFrame& frame,
 namespace {
 
 /// @param corrected  said after it
-void warnAboutOffset(const StereoFrame& frame, double rows_px, const char* corrected,
-                     Warnings& warnings) {
-  addWarning("vertical_offset", frame.index,
-             formatted("the rows of left and right images differ by %.1f px; a camera has moved in "
-                       "its mounting: calibrate the cameras%s",
-                       rows_px, corrected),
-             warnings);
+Finding offsetFinding(const StereoFrame& frame, double rows_px, const char* corrected) {
+  return {"vertical_offset", frame.index,
+          formatted("the rows of left and right images differ by %.1f px; a camera has moved in "
+                    "its mounting: calibrate the cameras%s",
+                    rows_px, corrected)};
+}
+
+std::optional<Finding> turnFinding(const stereo::RectificationError& error,
+                                   const StereoCamera& camera, std::size_t frame) {
+  const auto excess = stereo::excessiveTurn(error, camera);
+  if (!excess) return std::nullopt;
+  return Finding{"right_camera_turned", frame, "stereo calibration: " + *excess, Severity::kFatal};
 }
 
 }  // namespace
 
 /// What is wrong with the pair, apart from turn_.
-StereoCheck::Finding StereoCheck::compare(const std::vector<Match>& matches,
-                                          const StereoCamera* camera, double& rows_px) const {
+StereoCheck::Condition StereoCheck::compare(const std::vector<Match>& matches,
+                                            const StereoCamera* camera, double& rows_px) const {
   const auto is_swapped = [](const Match& one) { return one.disparity < kSwappedPx; };
   const auto swapped = std::count_if(matches.begin(), matches.end(), is_swapped);
   if (matches.size() >= kMinSwapped &&
       static_cast<double>(swapped) > kSwappedRatio * static_cast<double>(matches.size())) {
-    return Finding::kSwapped;
+    return Condition::kSwapped;
   }
-  if (matches.size() < kMinMatches) return Finding::kNone;
+  if (matches.size() < kMinMatches) return Condition::kNone;
   std::vector<double> disparities, rows, deviations;
   for (const auto& one : matches) {
     disparities.push_back(one.disparity);
@@ -191,14 +196,14 @@ StereoCheck::Finding StereoCheck::compare(const std::vector<Match>& matches,
   const double offset = median(rows);
   for (const double row : rows) deviations.push_back(std::abs(row - offset));
   const double scatter = median(deviations);
-  if (median(disparities) < kSwappedPx) return Finding::kSwapped;
+  if (median(disparities) < kSwappedPx) return Condition::kSwapped;
   rows_px = std::max(std::abs(offset), scatter);
-  if (scatter > kMaxScatter) return Finding::kScattered;
+  if (scatter > kMaxScatter) return Condition::kScattered;
   const auto agrees = [&](double deviation) { return deviation < 0.5 * std::abs(offset); };
   const auto agreeing = std::count_if(deviations.begin(), deviations.end(), agrees);
   const bool is_common =
       static_cast<double>(agreeing) > kMinAgreement * static_cast<double>(rows.size());
-  return std::abs(offset) > kMaxOffset && is_common ? Finding::kOffset : Finding::kNone;
+  return std::abs(offset) > kMaxOffset && is_common ? Condition::kOffset : Condition::kNone;
 }
 
 std::optional<stereo::RectificationError> StereoCheck::rectification() const {
@@ -208,26 +213,25 @@ std::optional<stereo::RectificationError> StereoCheck::rectification() const {
 }
 
 /// Improves the estimate of the right camera's rotation, and what is undone of it.
-void StereoCheck::estimate(const std::vector<Match>& matches, const StereoFrame& frame) {
+std::optional<Finding> StereoCheck::estimate(const std::vector<Match>& matches,
+                                             const StereoFrame& frame) {
   std::vector<stereo::RowMatch> rows_by_place;
   for (const auto& one : matches) rows_by_place.push_back(one.row);
   estimator_->add(rows_by_place, frame.time);
   ++estimated_;
   const auto error = rectification();
-  if (!error) return;
+  if (!error) return std::nullopt;
   turn_ = stereo::correctionFor(*error, turn_, *frame.camera, margin_sigmas_);
-  const auto excess = stereo::excessiveTurn(*error, *frame.camera);
-  if (excess && estimated_ >= kMinRefusing && estimated_ <= kFirstFrames) {
-    throw InputError("stereo calibration: " + *excess);
-  }
+  if (estimated_ < kMinRefusing || estimated_ > kFirstFrames) return std::nullopt;
+  return turnFinding(*error, *frame.camera, frame.index);
 }
 
-void StereoCheck::addOffset(const stereo::OffsetEstimate& offset, const StereoCamera& camera) {
+std::optional<Finding> StereoCheck::addOffset(const stereo::OffsetEstimate& offset,
+                                              const StereoCamera& camera, std::size_t frame) {
   addOffsetAtGivenPoses({offset.px, offset.sigma_px / std::sqrt(kIndependentOffset)}, camera);
   const auto error = rectification();
-  if (!error || hasMoved()) return;
-  const auto excess = stereo::excessiveTurn(*error, camera);
-  if (excess) throw InputError("stereo calibration: " + *excess);
+  if (!error || hasMoved()) return std::nullopt;
+  return turnFinding(*error, camera, frame);
 }
 
 void StereoCheck::addOffsetAtGivenPoses(const stereo::OffsetEstimate& offset,
@@ -238,45 +242,43 @@ void StereoCheck::addOffsetAtGivenPoses(const stereo::OffsetEstimate& offset,
   if (error) turn_ = stereo::correctionFor(*error, turn_, camera, margin_sigmas_);
 }
 
-void StereoCheck::add(const StereoFrame& frame, Warnings& warnings) {
-  if (frame.right.empty()) return;  // of a depth camera
+Findings StereoCheck::add(const StereoFrame& frame) {
+  if (frame.right.empty()) return {};  // of a depth camera
   if (!estimator_ && frame.camera != nullptr) estimator_.emplace(*frame.camera, known_);
   const bool is_due = !last_ || std::abs(frame.time - *last_) >= kIntervalS;
   const bool is_first = estimator_ && estimated_ < kFirstFrames;
-  if (!is_due && !is_first) return;
+  if (!is_due && !is_first) return {};
   auto matches = matchesOf(frame, is_first ? kMaxManyCorners : kMaxCorners, kSearchedTurn);
   if (matches.size() < kMinMatches) matches = matchesOf(frame, kMaxManyCorners, kWidelySearched);
-  if (estimator_ && matches.size() >= kMinMatches) estimate(matches, frame);
-  if (!is_due) return;
+  Findings findings;
+  if (estimator_ && matches.size() >= kMinMatches) {
+    if (auto fatal = estimate(matches, frame)) findings.push_back(std::move(*fatal));
+  }
+  if (!is_due) return findings;
   last_ = frame.time;
   double rows_px = 0.0;
-  const Finding before = finding_;
-  finding_ = compare(matches, frame.camera.get(), rows_px);
-  persists_ = finding_ != Finding::kNone && finding_ == before;
+  const Condition before = condition_;
+  condition_ = compare(matches, frame.camera.get(), rows_px);
+  persists_ = condition_ != Condition::kNone && condition_ == before;
   if (persists_) {
-    warn(frame, rows_px, warnings);
+    findings.push_back(findingOf(frame, rows_px));
   } else if (frame.camera != nullptr && std::abs(turn_.x()) * frame.camera->fy > kMaxOffset) {
-    warnAboutOffset(frame, std::abs(turn_.x()) * frame.camera->fy, "; corrected", warnings);
+    findings.push_back(offsetFinding(frame, std::abs(turn_.x()) * frame.camera->fy, "; corrected"));
   }
+  return findings;
 }
 
-void StereoCheck::warn(const StereoFrame& frame, double rows_px, Warnings& warnings) const {
-  if (finding_ == Finding::kSwapped) {
-    addWarning("images_swapped", frame.index,
-               "left and right images are swapped: most points have a negative disparity; check "
-               "the order of the cameras",
-               warnings);
-  } else if (finding_ == Finding::kOffset) {
-    warnAboutOffset(frame, rows_px, "", warnings);
-  } else {
-    addWarning(
-        "images_not_simultaneous", frame.index,
-        formatted("the rows of left and right images differ by %.1f px, by place: the images "
-                  "are not of the same time, or the calibration is wrong; check the cameras' "
-                  "trigger",
-                  rows_px),
-        warnings);
+Finding StereoCheck::findingOf(const StereoFrame& frame, double rows_px) const {
+  if (condition_ == Condition::kSwapped) {
+    return {"images_swapped", frame.index,
+            "left and right images are swapped: most points have a negative disparity; check the "
+            "order of the cameras"};
   }
+  if (condition_ == Condition::kOffset) return offsetFinding(frame, rows_px, "");
+  return {"images_not_simultaneous", frame.index,
+          formatted("the rows of left and right images differ by %.1f px, by place: the images are "
+                    "not of the same time, or the calibration is wrong; check the cameras' trigger",
+                    rows_px)};
 }
 
 }  // namespace headway::pipeline

@@ -2,81 +2,15 @@
 #pragma once
 
 #include <headway/core/log.h>
-#include <headway/core/record_log.h>
 #include <headway/core/recorded_frame.h>
 #include <headway/core/stage_times.h>
 #include <headway/map/map_file.h>
-#include <headway/map/static_grid.h>
-#include <headway/objects/moving_object_tracker.h>
-#include <headway/pipeline/camera_check.h>
-#include <headway/pipeline/dense_mapper.h>
-#include <headway/pipeline/detection_stage.h>
-#include <headway/pipeline/laser_evidence.h>
-#include <headway/pipeline/lost_diagnosis.h>
-#include <headway/pipeline/mount_check.h>
 #include <headway/pipeline/perception_host.h>
-#include <headway/pipeline/scale_check.h>
-#include <headway/pipeline/stereo_check.h>
-#include <headway/slam/stereo_slam.h>
+#include <headway/pipeline/perception_params.h>
+#include <headway/pipeline/perception_update.h>
 #include <headway/stereo/rig_capability.h>
 
-#include <functional>
-#include <memory>
-#include <mutex>
-#include <optional>
-#include <vector>
-
 namespace headway::pipeline {
-
-/// Occupancy grid from ground scans. Section [grid].
-struct GridParams {
-  int every_nth_frame = 3;  ///< interval of scanned frames; 0: no grid
-  detect::GroundScanParams scan;
-  map::StaticGridParams map;
-
-  void describe(Params::Section section);
-  void validate() const { validateRanges(*this, "grid"); }  ///< @throws InputError
-};
-
-/// Parameters of the whole pipeline.
-struct PerceptionParams {
-  slam::SlamParams slam;
-  DetectionParams detection;
-  objects::ObjectsParams objects;
-  GridParams grid;
-  map::DenseMapParams dense;
-  LaserParams laser;
-  map::RobotFootprint robot{0.5, 0.4};
-
-  /// For live operation: bundle adjustment, loop search and pose graph run beside the tracking, so
-  /// that results depend on timing. A network runs on the image as a whole, without tiles, and in
-  /// every second frame at most, so that two cores process 10 frames/s.
-  [[nodiscard]] static PerceptionParams live() { return live(PerceptionParams()); }
-  /// The same with other parameters.
-  [[nodiscard]] static PerceptionParams live(PerceptionParams params);
-
-  /// Binds sections [slam], [detect] with those of the detectors, [objects], [grid], [dense],
-  /// [laser] and [robot].
-  void describe(Params& params);
-  void validate() const;  ///< @throws InputError
-};
-
-/// A frame whose pose is not SLAM's, as part of the stored trajectory.
-struct GivenPose {
-  std::size_t frame;
-  Time time;
-  StoredPose T_map_robot;
-  bool is_given;  ///< false: the pose is the last one given
-};
-
-/// Result of one frame: the pose of the robot and the tracks.
-struct PerceptionUpdate {
-  std::size_t frame = 0;
-  Time time = 0.0;                       ///< [s]
-  slam::SlamUpdate camera;               ///< status, T_map_robot and its covariance
-  std::optional<Detections> detections;  ///< of all sources; nullopt: no detector ran
-  objects::TrackUpdate objects;          ///< with the dropped detections by reason
-};
 
 struct JointMap;  // see joint_map.h
 
@@ -88,6 +22,7 @@ struct JointMap;  // see joint_map.h
 ///     Perception perception(source.camera(), params);
 ///     while (auto frame = source.next()) {
 ///       PerceptionUpdate update = perception.process(*frame);
+///       if (const Finding* wrong = update.fatalFinding()) stop(wrong->text);
 ///       avoid(update.objects.tracks);
 ///     }
 class Perception {
@@ -111,22 +46,31 @@ class Perception {
   [[nodiscard]] map::StoredMap stored() const;
 
   /// Processes one frame. Times increase; an earlier time than the last frame's means that the
-  /// clock was set back, and ends all tracks.
+  /// clock was set back, and ends all tracks. A frame with the time of the one before is localised,
+  /// but its detections are dropped as "time_repeated", because motion between both is unknown.
   ///
   /// With a recorded pose SLAM is not run. While the camera is lost, tracks are predicted and the
   /// frame's detections are dropped as "camera_lost".
   /// A frame with neither images nor pose counts as lost.
   ///
-  /// @throws InputError if a frame has a recorded pose and the map was resumed, or if the images
-  ///         show that the camera's pose on the robot or its baseline is wrong (see MountCheck), or
-  ///         that the right camera is turned by more than can be corrected (see StereoCheck)
+  /// What is wrong with the input is no exception: PerceptionUpdate::findings says it, and the
+  /// program decides what ends it. Warnings: see warnings(). Fatal: "camera_pose" (the images show
+  /// the ground elsewhere, or turn otherwise than the gyroscope), "distance_unit" (the camera moves
+  /// 30 times as far as the wheels), "right_camera_turned" (by more than can be corrected). After a
+  /// fatal finding no pose counts as tracked.
+  ///
+  /// @throws InputError for images that are not of the camera's size, and for a recorded pose in a
+  ///         map that was resumed. Both are found before anything changes, so that the object is as
+  ///         it was. Any other exception (no memory, a callback) leaves an object that can be read,
+  ///         stored and given the next frame: that follows the last frame that was completed; the
+  ///         interrupted one may be part of trajectory, tracks and map, or not.
   [[nodiscard]] PerceptionUpdate process(const RecordedFrame& frame);
 
   /// Capability of the rig, with the parameters that replace derived values; nullopt without
   /// camera.
-  [[nodiscard]] const std::optional<stereo::RigCapability>& rig() const { return rig_; }
+  [[nodiscard]] const std::optional<stereo::RigCapability>& rig() const;
 
-  /// Sink of messages: warnings when they occur first, loops, relocalisation, and with kDebug the
+  /// Sink of messages: findings when they occur first, loops, relocalisation, and with kDebug the
   /// decisions of each frame. Not to be called during process().
   void setLog(LogSink sink);
 
@@ -138,11 +82,12 @@ class Perception {
   /// @param params  all of them, in range
   void change(const RuntimeParams& params);
 
-  /// Conditions of the input that degrade the results: "imu_accelerometer" and "imu_gyroscope"
-  /// (left out, they contradict the camera), "odometry_scale", "camera_frozen", "camera_dark",
-  /// "camera_bright", "vertical_offset", "images_not_simultaneous", "images_swapped", "speed",
-  /// "clock_set_back", "clock_jumps_ahead", "recorded_boxes_missing", and "lost_" with a
-  /// LostReason.
+  /// The findings of all frames that degrade the results: "imu_accelerometer" and "imu_gyroscope"
+  /// (left out, they contradict the camera), "odometry_scale", "odometry_contradicts",
+  /// "motion_left_out", "camera_frozen", "camera_dark", "camera_bright", "vertical_offset",
+  /// "images_not_simultaneous", "images_swapped", "speed", "clock_set_back", "clock_jumps_ahead",
+  /// "time_repeated", "recorded_boxes_missing", and "lost_" with "too_dark", "covered", "blurred",
+  /// "few_features" or "moved_too_fast".
   [[nodiscard]] const Warnings& warnings() const;
 
   /// Rotation of the right camera against its calibration, by the images so far, and whether it is
@@ -150,12 +95,13 @@ class Perception {
   [[nodiscard]] std::optional<std::string> rectification() const;
 
   /// Laser scans by use ("used", "camera_lost", "ground_unknown", "between_ground_scans") and ends
-  /// of their beams (see addLaserScans()); empty without a laser.
+  /// of their beams ("obstacles", "on_moving_objects", "on_ground", "above_robot", "on_robot",
+  /// "beyond_reach"); empty without a laser.
   [[nodiscard]] const std::map<std::string, std::size_t>& laserCounts() const;
 
   /// The map after the last frame: landmarks, keyframes, occupancy grid and moving objects; and the
   /// dense points as of updateDenseMap() or finish(), in live operation as of a second ago.
-  [[nodiscard]] const map::PerceptionMap& map() const { return map_; }
+  [[nodiscard]] const map::PerceptionMap& map() const;
 
   /// Fuses the depth scans of all frames so far, and updates the map's layer of dense points.
   void updateDenseMap();
@@ -174,7 +120,7 @@ class Perception {
   void finish();
 
   /// The samples still in the smoothing windows; call once, after the last frame.
-  [[nodiscard]] std::vector<TrackSample> flush() { return tracker_.flush(); }
+  [[nodiscard]] std::vector<TrackSample> flush();
 
   /// Milliseconds by stage: "slam_track", "slam_map", "detect" (of frames with image-based
   /// detection), "objects", "grid" (of scanned frames), "map_update", "frame"; and in other threads
@@ -183,83 +129,8 @@ class Perception {
 
  private:
   friend std::vector<JointMap> joinMaps(const std::vector<Perception*>& runs);
-  [[nodiscard]] Pose moveInto(const slam::KeyframePoses& poses);
-  [[nodiscard]] bool hasGridTurn(const RecordedFrame& frame);
-  [[nodiscard]] std::optional<stereo::FrameContext> contextOf(const RecordedFrame& frame);
-  [[nodiscard]] bool isLocalisedBySlam(const RecordedFrame& frame) const;
-  /// Measured less true disparity, as SLAM estimates it, or else as given poses show [px].
-  [[nodiscard]] double disparityOffset(const RecordedFrame& frame) const;
-  /// By the static points of the newest frame, whose pose is recorded.
-  void estimateOffset();
-  slam::SlamUpdate localise(const RecordedFrame& frame, const ObjectDetections& boxes);
-  slam::SlamUpdate useGivenPose(const RecordedFrame& frame);
-  /// Removes what refers to the times before, if the clock was set back. @return ended tracks
-  std::vector<TrackSample> followClock(const RecordedFrame& frame);
-  /// Removes boxes that are too far, and counts them.
-  void shedFar(Detections& detections, DropCounts& dropped) const;
-  objects::TrackUpdate track(const RecordedFrame& frame, const PerceptionUpdate& update);
-  void updateMap(const PerceptionUpdate& update);
-  void updateStaticMap();
-  void updateGrid(const RecordedFrame& frame, const PerceptionUpdate& update, bool scan_ground);
-  void updateDense(const RecordedFrame& frame, const PerceptionUpdate& update, bool scan_ground);
-  /// Adds the frame's laser scans to the ground scan, or counts why they are not used.
-  void addLaser(const RecordedFrame& frame, const PerceptionUpdate& update, bool scan_ground,
-                std::optional<GroundScan>& scan);
-  void warnAboutSpeed(const RecordedFrame& frame, const PerceptionUpdate& update);
-  void warnAboutOdometry(const RecordedFrame& frame, const slam::SlamUpdate& camera);
-  void warnAboutBoxes(const RecordedFrame& frame, const ObjectDetections& boxes);
-  void applyChange();
-  void log(LogLevel level, std::size_t frame, const std::string& text) const;
-  void logLocalisation(const RecordedFrame& frame, const slam::SlamUpdate& camera);
-  void logFrame(const PerceptionUpdate& update, const Warnings& before);
-  void callBack(const PerceptionUpdate& update, const map::PerceptionMap& before) const;
-  /// Compares left and right images, and those of the frame before, before they are used.
-  void checkImages(const RecordedFrame& frame);
-  /// Compares mounting and sensors with the images.
-  void checkInput(const RecordedFrame& frame, const PerceptionUpdate& update, bool scan_ground);
-  /// The ground of this image; without one, as the camera is mounted; nullopt if that is unknown.
-  [[nodiscard]] std::optional<RobotGround> groundOf(const FrameDetections& found) const;
-
-  std::shared_ptr<const StereoCamera> camera_;
-  std::unique_ptr<slam::StereoSlam> slam_;  ///< null without camera
-  stereo::FrontEnd front_end_;
-  DetectionStage detection_;
-  objects::MovingObjectTracker tracker_;
-  std::optional<stereo::RigCapability> rig_;
-  GridParams grid_params_;
-  LaserParams laser_params_;
-  double max_speed_mps_;  ///< of the robot, for recorded poses
-  double max_box_range_m_ = RuntimeParams().max_box_range_m;
-  bool is_live_ = false;  ///< no frame may be delayed by a correction of the whole map
-  map::StaticGrid grid_;
-  DenseMapper dense_;
-  map::PerceptionMap map_;
-  std::size_t grid_frames_ = 0;            ///< frames eligible for a scan
-  std::optional<MountCheck> mount_check_;  ///< with a camera
-  CameraCheck camera_check_;
-  StereoCheck stereo_check_;
-  ScaleCheck scale_check_;
-  slam::ImageEvidence images_ = slam::ImageEvidence::kNone;  ///< of the newest frame
-  Warnings warnings_;
-  LogSink log_;
-  PerceptionCallbacks callbacks_;
-  bool mapping_ = true;
-  std::mutex change_mutex_;
-  std::optional<RuntimeParams> change_;  ///< for the next frame; guarded by change_mutex_
-  LostDiagnosis lost_diagnosis_;
-  bool was_tracked_ = false;                                 ///< in some frame
-  std::size_t lost_frames_ = 0;                              ///< in succession
-  Eigen::Vector3d last_position_ = Eigen::Vector3d::Zero();  ///< of the robot, or as predicted
-  std::map<std::string, std::size_t> laser_counts_;
-  std::optional<Time> last_time_;                  ///< of the newest frame
-  std::optional<Stamped<Pose>> last_pose_;         ///< in the newest tracked frame
-  bool resumed_ = false;                           ///< the map frame is a stored map's
-  FrameDetections found_;                          ///< in the newest frame
-  std::vector<Track> tracks_;                      ///< of the previous frame
-  std::vector<ExpectedObject> expected_;           ///< as of the previous frame
-  RecordLog<GivenPose> given_poses_;               ///< frames with recorded pose
-  stereo::DisparityOffset offset_at_given_poses_;  ///< where SLAM does not estimate it
-  StageTimes times_;
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
 };
 
 }  // namespace headway::pipeline

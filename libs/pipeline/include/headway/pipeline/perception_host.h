@@ -2,6 +2,7 @@
 #pragma once
 
 #include <headway/core/track.h>
+#include <headway/core/warnings.h>
 #include <headway/map/perception_map.h>
 #include <headway/slam/stereo_slam.h>
 

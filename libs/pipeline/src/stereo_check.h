@@ -2,12 +2,10 @@
 #pragma once
 
 #include <headway/core/stereo_frame.h>
-#include <headway/core/warnings.h>
+#include <headway/pipeline/perception_update.h>
 #include <headway/stereo/rectification.h>
 
 #include <Eigen/Core>
-#include <optional>
-#include <vector>
 
 namespace headway::pipeline {
 
@@ -20,14 +18,15 @@ namespace headway::pipeline {
 /// the first frame on, and is to be undone where it is significant: turn().
 class StereoCheck {
  public:
-  /// Adds "vertical_offset" if all rows differ alike, "images_not_simultaneous" if they differ by
-  /// place, as in images of a moving camera that were not taken at the same time, and
-  /// "images_swapped" if most points have a negative disparity. What turn() explains is no
-  /// difference by place.
+  /// Takes the images of each frame.
   ///
-  /// @throws InputError naming the axis if the right camera is turned from the beginning by more
-  ///         than can be corrected
-  void add(const StereoFrame& frame, Warnings& warnings);
+  /// @return "vertical_offset" if all rows differ alike, "images_not_simultaneous" if they differ
+  /// by
+  ///         place, as in images of a moving camera that were not taken at the same time, and
+  ///         "images_swapped" if most points have a negative disparity. What turn() explains is no
+  ///         difference by place. Fatal: "right_camera_turned", from the beginning, by more than
+  ///         can be corrected, with the axis
+  [[nodiscard]] Findings add(const StereoFrame& frame);
 
   /// Starts with the rotation that an earlier run found for the map in use, before the first frame
   /// [rad]. It changes only by what is surely visible, because the map changes with it.
@@ -36,8 +35,9 @@ class StereoCheck {
   /// Takes the disparities' offset that is left in images without turn(), as the camera's motion
   /// shows it.
   ///
-  /// @throws InputError if the yaw is more than can be corrected
-  void addOffset(const stereo::OffsetEstimate& offset, const StereoCamera& camera);
+  /// @return fatal if the yaw is more than can be corrected: "right_camera_turned"
+  [[nodiscard]] std::optional<Finding> addOffset(const stereo::OffsetEstimate& offset,
+                                                 const StereoCamera& camera, std::size_t frame);
   /// The same by poses that are recorded, of unknown quality, and therefore refuse no camera.
   void addOffsetAtGivenPoses(const stereo::OffsetEstimate& offset, const StereoCamera& camera);
 
@@ -55,18 +55,19 @@ class StereoCheck {
   [[nodiscard]] const Eigen::Vector3d& turn() const { return turn_; }
 
  private:
-  enum class Finding { kNone, kSwapped, kOffset, kScattered };
+  enum class Condition { kNone, kSwapped, kOffset, kScattered };
   struct Match;
   [[nodiscard]] static std::vector<Match> matchesOf(const StereoFrame& frame, int max_corners,
                                                     double searched_turn);
   static void refine(const StereoFrame& frame, std::vector<Match>& matches);
-  [[nodiscard]] Finding compare(const std::vector<Match>& matches, const StereoCamera* camera,
-                                double& rows_px) const;
-  void estimate(const std::vector<Match>& matches, const StereoFrame& frame);
-  void warn(const StereoFrame& frame, double rows_px, Warnings& warnings) const;
+  [[nodiscard]] Condition compare(const std::vector<Match>& matches, const StereoCamera* camera,
+                                  double& rows_px) const;
+  [[nodiscard]] std::optional<Finding> estimate(const std::vector<Match>& matches,
+                                                const StereoFrame& frame);
+  [[nodiscard]] Finding findingOf(const StereoFrame& frame, double rows_px) const;
 
   std::optional<Time> last_;  ///< of the latest comparison
-  Finding finding_ = Finding::kNone;
+  Condition condition_ = Condition::kNone;
   bool persists_ = false;
   int estimated_ = 0;                                        ///< frames
   std::optional<stereo::RectificationEstimator> estimator_;  ///< after the first frame

@@ -3,9 +3,8 @@
 
 #include <headway/core/ground_scan.h>
 #include <headway/core/laser_scan.h>
-#include <headway/core/params.h>
 #include <headway/core/track.h>
-#include <headway/map/static_grid.h>
+#include <headway/pipeline/perception_params.h>
 
 #include <map>
 #include <optional>
@@ -13,15 +12,6 @@
 #include <vector>
 
 namespace headway::pipeline {
-
-/// Use of 2D laser scans for the occupancy grid. Section [laser].
-struct LaserParams {
-  bool use = true;
-  double reach_m = 10.0;  ///< farther ends of beams are not entered [m]
-
-  void describe(Params::Section section);
-  void validate() const { validateRanges(*this, "laser"); }  ///< @throws InputError
-};
 
 /// The ground as a plane in the robot's frame.
 struct RobotGround {
@@ -35,9 +25,10 @@ struct RobotGround {
 
 /// What the beams of a frame's laser scans are compared with.
 struct LaserScene {
-  Time time = 0.0;                      ///< of the frame [s]
-  Pose T_map_robot;                     ///< in this frame
-  std::optional<Stamped<Pose>> before;  ///< the robot's pose in the previous frame
+  Time time = 0.0;                       ///< of the frame [s]
+  Pose T_odom_robot;                     ///< in this frame
+  std::optional<Pose> T_previous_robot;  ///< its motion since the previous frame
+  double interval_s = 0.0;               ///< since that frame [s]
   RobotGround ground;
   Eigen::Vector3d camera = Eigen::Vector3d::Zero();  ///< robot frame [m]
   double min_obstacle_height_m = 0.12;

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <headway/core/pose.h>
-#include <headway/core/warnings.h>
+#include <headway/core/stereo_camera.h>
+#include <headway/pipeline/perception_update.h>
 
 #include <deque>
-#include <optional>
 
 namespace headway::pipeline {
 
@@ -14,18 +13,25 @@ namespace headway::pipeline {
 /// A wrong baseline or focal length scales all depths and with them the map, which nothing in the
 /// images shows. Wheels have errors of their own (pressure, slip), so that a difference is said and
 /// not applied. The median over the pieces is robust against slip in less than half of them.
+/// Compared are the chords of pieces that are about straight: the noise of many small steps adds up
+/// to a path, but not to a chord.
 class ScaleCheck {
  public:
-  /// Takes the robot's motion since the previous frame, and adds "odometry_scale" for each piece at
-  /// whose end the scales differ, surely, by more than 1 %.
-  void add(const Pose& by_camera, const std::optional<Pose>& by_odometry, std::size_t frame,
-           Warnings& warnings);
+  explicit ScaleCheck(const StereoCamera& camera) : camera_(camera) {}
 
-  /// The motion since the previous frame is unknown, so that a new piece begins.
-  void interrupt() { piece_ = {}; }
+  /// Takes the robot's motion since the previous frame; where one is unknown, a new piece begins.
+  ///
+  /// @return "odometry_scale" if the first piece differs by a factor of 3, and for each piece at
+  ///         whose end the scales differ, surely, by more than 1 %. Fatal: "distance_unit" if the
+  ///         first one differs so much that the unit of baseline or depths is wrong
+  [[nodiscard]] Findings add(const std::optional<Pose>& by_camera,
+                             const std::optional<Pose>& by_odometry, std::size_t frame);
 
   /// Distances were measured by another calibration until now.
-  void restart() { *this = ScaleCheck(); }
+  void restart() {
+    piece_ = {};
+    ratios_.clear();
+  }
 
   /// Distance by the camera to distance by the wheels.
   struct Ratio {
@@ -41,6 +47,10 @@ class ScaleCheck {
     Pose by_odometry = Pose::Identity();
     double path_m = 0.0;  ///< by odometry
   };
+  [[nodiscard]] std::optional<Finding> checkUnit(std::size_t frame);
+
+  StereoCamera camera_;
+  bool is_unit_checked_ = false;
   Piece piece_;
   std::deque<double> ratios_;  ///< of the newest pieces
 };

@@ -2,15 +2,12 @@
 #pragma once
 
 #include <headway/core/stereo_camera.h>
-#include <headway/core/warnings.h>
+#include <headway/pipeline/perception_update.h>
 #include <headway/stereo/frame_context.h>
-
-#include <optional>
-#include <string>
 
 namespace headway::pipeline {
 
-/// Recognises a wrong pose of the camera on the robot, or a wrong scale, from the first images.
+/// Recognises a wrong pose of the camera on the robot from the first images.
 ///
 /// The ground decides: it is searched as the camera is said to be mounted. Found once, at the
 /// mounted height, it confirms the mounting, and nothing more is computed. Otherwise it is searched
@@ -24,33 +21,26 @@ class MountCheck {
 
   /// Takes the ground and the disparities of one frame.
   ///
-  /// @throws InputError that states the error and the pose to write
-  void addImage(const stereo::FrameContext& context);
+  /// @return fatal: "camera_pose", with the error and the pose to write, once
+  [[nodiscard]] std::optional<Finding> addImage(const stereo::FrameContext& context);
 
   /// Takes the robot's turn since the previous frame, in the robot frame. Ignored once the ground
   /// confirmed the mounting.
   ///
-  /// @throws InputError as addImage()
-  void addTurn(const Eigen::Matrix3d& by_camera, const Eigen::Matrix3d& by_gyroscope);
-
-  /// Takes the robot's motion since the previous frame, and warns of a speed that differs from
-  /// odometry's by a factor.
-  ///
-  /// @throws InputError if the camera's motion is so much longer that the unit of the baseline is
-  ///         wrong
-  void addMotion(const Pose& by_camera, const std::optional<Pose>& by_odometry, std::size_t frame,
-                 Warnings& warnings);
-
-  /// Whether addImage() has nothing more to find.
-  [[nodiscard]] bool isDecided() const { return decided_; }
+  /// @return as addImage()
+  [[nodiscard]] std::optional<Finding> addTurn(const Eigen::Matrix3d& by_camera,
+                                               const Eigen::Matrix3d& by_gyroscope,
+                                               std::size_t frame);
 
  private:
   [[nodiscard]] bool showsGround(const stereo::DisparityImage& disparity,
                                  const StereoCamera& camera) const;
   [[nodiscard]] bool isAtMountedHeight(const stereo::GroundPlane& ground) const;
-  void testOpticalTurn(const stereo::DisparityImage& disparity);
-  void testUpsideDown(const stereo::DisparityImage& disparity);
-  [[noreturn]] void throwWithoutTurn(const std::string& evidence) const;
+  /// What is wrong, as text; empty unless it is certain.
+  [[nodiscard]] std::string testOpticalTurn(const stereo::DisparityImage& disparity);
+  [[nodiscard]] std::string testUpsideDown(const stereo::DisparityImage& disparity);
+  [[nodiscard]] std::string textWithoutTurn(const std::string& evidence) const;
+  [[nodiscard]] std::optional<Finding> decide(const std::string& text, std::size_t frame);
 
   StereoCamera camera_;
   bool decided_ = false;
@@ -61,8 +51,6 @@ class MountCheck {
   double turned_rad_ = 0.0;             ///< by the gyroscope; sum of the angles
   double difference_rad_ = 0.0;         ///< of the camera's turns from it, by the pose as written
   double difference_turned_rad_ = 0.0;  ///< by the pose with the optical turn
-  double path_m_ = 0.0;                 ///< of the camera, where odometry is known
-  double odometry_m_ = 0.0;
 };
 
 }  // namespace headway::pipeline

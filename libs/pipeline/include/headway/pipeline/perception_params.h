@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <headway/core/params.h>
+#include <headway/detect/detector_factory.h>
+#include <headway/detect/ground_scanner.h>
+#include <headway/map/dense_map.h>
+#include <headway/map/static_grid.h>
+#include <headway/objects/objects_params.h>
+#include <headway/slam/slam_params.h>
+
+#include <string>
+#include <vector>
+
+namespace headway::pipeline {
+
+/// Sources of detections. Sections [detect], [disparity], [stereo_motion], [dnn] and [hog].
+struct DetectionParams {
+  /// "none", "auto", or names joined by "+": "recorded" and those of detect::detectorNames().
+  /// "auto" is stereo_motion, with dnn if detect::findModel() finds a model, until the first
+  /// recorded boxes, and while they are missing; otherwise the recorded boxes only.
+  std::string detector = "auto";
+  /// Time without recorded boxes after which they count as missing; with "auto", stereo_motion runs
+  /// until they return [s].
+  double recorded_timeout_s = 2.0;
+  detect::DetectParams detect;
+
+  void describe(Params& params);
+  void validate() const;  ///< @throws InputError
+};
+
+/// Throws InputError with the available names unless `names` is valid for
+/// DetectionParams::detector.
+void checkDetectorNames(const std::string& names);
+
+/// Whether `names` include recorded boxes.
+[[nodiscard]] bool usesRecordedBoxes(const std::string& names);
+
+/// The detectors of images that a configuration names, without recorded boxes.
+[[nodiscard]] std::vector<std::string> imageDetectors(const DetectionParams& params);
+
+/// File of the network that a run with images uses; empty: none.
+[[nodiscard]] std::string modelInUse(const DetectionParams& params);
+
+/// Whether a network would be used if a model were found: the detector is "auto".
+[[nodiscard]] bool wouldUseModel(const DetectionParams& params);
+
+/// Occupancy grid from ground scans. Section [grid].
+struct GridParams {
+  int every_nth_frame = 3;  ///< interval of scanned frames; 0: no grid
+  detect::GroundScanParams scan;
+  map::StaticGridParams map;
+
+  void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "grid"); }  ///< @throws InputError
+};
+
+/// Use of 2D laser scans for the occupancy grid. Section [laser].
+struct LaserParams {
+  bool use = true;
+  double reach_m = 10.0;  ///< farther ends of beams are not entered [m]
+
+  void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "laser"); }  ///< @throws InputError
+};
+
+/// Parameters of the whole pipeline.
+struct PerceptionParams {
+  slam::SlamParams slam;
+  DetectionParams detection;
+  objects::ObjectsParams objects;
+  GridParams grid;
+  map::DenseMapParams dense;
+  LaserParams laser;
+  map::RobotFootprint robot{0.5, 0.4};
+
+  /// For live operation: bundle adjustment, loop search and pose graph run beside the tracking, so
+  /// that results depend on timing. A network runs on the image as a whole, without tiles, and in
+  /// every second frame at most, so that two cores process 10 frames/s.
+  [[nodiscard]] static PerceptionParams live() { return live(PerceptionParams()); }
+  /// The same with other parameters.
+  [[nodiscard]] static PerceptionParams live(PerceptionParams params);
+
+  /// Binds sections [slam], [detect] with those of the detectors, [objects], [grid], [dense],
+  /// [laser] and [robot].
+  void describe(Params& params);
+  void validate() const;  ///< @throws InputError
+};
+
+}  // namespace headway::pipeline

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping.h"
+
+#include <headway/pipeline/moving_regions.h>
+
+#include <utility>
+
+#include "laser_evidence.h"
+
+namespace headway::pipeline {
+namespace {
+
+constexpr std::size_t kScansMovedPerFrame = 20;  ///< of the grid in live operation; about 10 ms
+
+/// What the camera can see, with the configured values in place of derived ones.
+std::optional<stereo::RigCapability> rigOf(const StereoCamera* camera,
+                                           const PerceptionParams& params) {
+  if (camera == nullptr) return std::nullopt;
+  const auto& detect = params.detection.detect;
+  auto configured = params.grid.scan.configured();
+  configured.nearest_m = detect.disparity.nearest_m;
+  configured.vehicles_to_m = detect.stereo_motion.max_range_m;
+  configured.segments_to_m = detect.stereo_motion.max_segment_range_m;
+  configured.grid_spacing_m = params.grid.map.spacing_m;
+  configured.dense_to_m = params.dense.reach_m;
+  configured.dense_voxel_m = params.dense.voxel_m;
+  configured.dense_spacing_m = params.dense.spacing_m;
+  return stereo::rigCapability(*camera, configured);
+}
+
+/// Grid parameters without values to be derived.
+GridParams gridFor(const std::optional<stereo::RigCapability>& rig,
+                   const PerceptionParams& all_params) {
+  GridParams params = all_params.grid;
+  if (!all_params.slam.mapping) params.every_nth_frame = 0;
+  params.map.footprint = all_params.robot;
+  if (!rig) return params;
+  params.scan = params.scan.forRig(*rig);
+  params.map.spacing_m = rig->grid_spacing_m;
+  return params;
+}
+
+/// The ground of this image; without one, as the camera is mounted; nullopt if that is unknown.
+std::optional<RobotGround> groundOf(const stereo::FrameContext& context,
+                                    const stereo::RigCapability& rig) {
+  const auto& plane = context.ground();
+  if (!plane) return rig.camera_height_known ? std::optional(RobotGround{}) : std::nullopt;
+  const Pose& T_robot_cam = context.camera().T_robot_cam;
+  const Eigen::Vector3d up = T_robot_cam.linear() * plane->up;
+  return RobotGround{up, plane->camera_height - up.dot(T_robot_cam.translation())};
+}
+
+}  // namespace
+
+Mapping::Mapping(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params,
+                 map::PerceptionMap map)
+    : camera_(std::move(camera)),
+      rig_(rigOf(camera_.get(), params)),
+      grid_params_(gridFor(rig_, params)),
+      laser_params_(params.laser),
+      is_extended_(params.slam.mapping),
+      is_live_(params.slam.adjust_in_background),
+      grid_(grid_params_.map),
+      dense_(params.dense, rig_, is_live_),
+      map_(std::move(map)) {}
+
+bool Mapping::takesTurn(const RecordedFrame& frame) {
+  const auto every_nth = static_cast<std::size_t>(grid_params_.every_nth_frame);
+  if (camera_ == nullptr || !frame.stereo || every_nth == 0) return false;
+  return grid_frames_++ % every_nth == 0;
+}
+
+void Mapping::setPeriod(int every_nth_frame) {
+  if (is_extended_) grid_params_.every_nth_frame = every_nth_frame;
+}
+
+void Mapping::update(const FrameState& state, StageTimes& times) {
+  {
+    const auto watch = times.watch("map_update");
+    if (state.static_map) {
+      updateStaticMap(*state.static_map);
+    } else {
+      grid_.followMore(kScansMovedPerFrame);
+    }
+    map_.update(state.frame.time, state.objects.tracks);
+  }
+  updateGrid(state, times);
+  updateDense(state, times);
+}
+
+void Mapping::updateStaticMap(const slam::MapView& static_map) {
+  map_.update(static_map);
+  if (is_live_) {
+    grid_.follow(static_map.keyframes, kScansMovedPerFrame);
+  } else {
+    grid_.follow(static_map.keyframes);
+  }
+  dense_.follow(static_map.keyframes);
+}
+
+void Mapping::updateGrid(const FrameState& state, StageTimes& times) {
+  std::optional<GroundScan> scan;
+  if (state.scans_ground && state.T_map_robot && state.T_odom_robot) {
+    const auto watch = times.watch("grid");
+    scan = scanGround(state);
+    addLaser(state, scan);
+    if (scan) grid_.add(*state.T_map_robot, std::move(*scan));
+  } else {
+    addLaser(state, scan);
+  }
+  const bool has_grid = camera_ != nullptr && state.context && grid_params_.every_nth_frame > 0;
+  if (!has_grid || !state.T_map_robot) return;
+  grid_.standAt(*state.T_map_robot);
+  // A scan may see nothing, such as behind a truck in the first frame.
+  if (const auto grid = grid_.grid()) map_.update(grid);
+}
+
+void Mapping::updateDense(const FrameState& state, StageTimes& times) {
+  dense_.update(map_, times);
+  if (!dense_.isUsed() || !state.scans_ground || !state.T_map_robot || !state.T_odom_robot) return;
+  dense_.leaveOut(state.objects.tracks, state.frame.time);
+  dense_.scan(*state.context, leftOutOfDenseMap(state), *state.T_map_robot);
+}
+
+std::optional<GroundScan> Mapping::scanGround(const FrameState& state) const {
+  const auto& ground = state.context->ground();
+  if (!ground) return std::nullopt;
+  return detect::scanGround(state.context->disparity(), *camera_, *ground, leftOutOfGrid(state),
+                            grid_params_.scan);
+}
+
+MovingRegions Mapping::leftOutOfGrid(const FrameState& state) const {
+  std::vector<Detections> sources;
+  if (state.found.fused) sources.push_back(*state.found.fused);
+  const auto& tracks = state.objects.tracks;
+  auto moving = movingRegions(sources, tracks, state.found.motion, state.frame.time, *camera_);
+  append(movingRegions(tracks, *state.T_odom_robot, *camera_), moving);
+  return moving;
+}
+
+MovingRegions Mapping::leftOutOfDenseMap(const FrameState& state) const {
+  auto regions = leftOutOfGrid(state);
+  append(movableRegions(state.found.fused.value_or(Detections()), state.objects.tracks,
+                        *state.T_odom_robot, *camera_),
+         regions);
+  return regions;
+}
+
+void Mapping::addLaser(const FrameState& state, std::optional<GroundScan>& scan) {
+  const auto& scans = state.frame.laser_scans;
+  if (scans.empty() || !laser_params_.use) return;
+  const auto leave_out = [&](const char* reason) { laser_counts_[reason] += scans.size(); };
+  if (!state.T_map_robot) return leave_out("camera_lost");
+  if (!state.T_odom_robot) return leave_out("time_repeated");
+  if (!state.scans_ground) return leave_out("between_ground_scans");
+  const auto ground = groundOf(*state.context, *rig_);
+  if (!ground) return leave_out("ground_unknown");
+  LaserScene scene;
+  scene.time = state.frame.time;
+  scene.T_odom_robot = *state.T_odom_robot;
+  scene.T_previous_robot = state.T_previous_robot;
+  scene.interval_s = state.secondsSincePrevious();
+  scene.ground = *ground;
+  scene.camera = camera_->T_robot_cam.translation();
+  scene.min_obstacle_height_m = grid_params_.scan.min_obstacle_height_m;
+  scene.max_obstacle_height_m = grid_params_.scan.max_obstacle_height_m;
+  scene.footprint = grid_params_.map.footprint;
+  if (!scan) scan.emplace();
+  addLaserScans(scans, scene, state.objects.tracks, laser_params_, *scan, laser_counts_);
+}
+
+void Mapping::finish(const std::optional<slam::MapView>& static_map, StageTimes& times) {
+  if (static_map) {
+    map_.update(*static_map);
+    grid_.follow(static_map->keyframes);
+    if (const auto grid = grid_.grid()) map_.update(grid);
+    dense_.follow(static_map->keyframes);
+  }
+  dense_.update(map_, times);
+  updateDensePoints(times);
+}
+
+void Mapping::load(const map::StoredMap& stored, slam::MapView static_map) {
+  map_.update(std::move(static_map));
+  const auto scans = stored.attachments.find(map::kGridAttachment);
+  if (scans != stored.attachments.end()) {
+    grid_.load(scans->second);
+    if (const auto grid = grid_.grid()) map_.update(grid);
+  }
+  const auto depths = stored.attachments.find(map::kDenseAttachment);
+  if (depths != stored.attachments.end()) dense_.load(depths->second);
+  if (const auto& dense = stored.map.dense()) {
+    map_.update(std::make_shared<mrpt::maps::CColouredPointsMap>(*dense));
+  }
+}
+
+map::StoredMap Mapping::stored() const {
+  map::StoredMap stored;
+  stored.map = map_;
+  if (const auto grid = grid_.grid()) stored.map.update(grid);
+  if (camera_ != nullptr) stored.camera = *camera_;
+  return stored;
+}
+
+void Mapping::attachScans(map::StoredMap& stored) const {
+  stored.attachments[map::kGridAttachment] = grid_.save();
+  stored.made_attachments[map::kDenseAttachment] = dense_.save();
+}
+
+}  // namespace headway::pipeline

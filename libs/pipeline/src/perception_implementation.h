@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <headway/pipeline/perception.h>
+
+#include <mutex>
+
+#include "input_health.h"
+#include "localisation.h"
+#include "mapping.h"
+
+namespace headway::pipeline {
+
+/// The stages of the pipeline, each with the state that it keeps from frame to frame, and what the
+/// previous frame left.
+class Perception::Implementation {
+ public:
+  Implementation(const std::shared_ptr<const StereoCamera>& camera, const PerceptionParams& params,
+                 map::PerceptionMap map);
+
+  [[nodiscard]] PerceptionUpdate process(const RecordedFrame& frame);
+  void resume(const map::StoredMap& stored);
+  [[nodiscard]] map::StoredMap stored() const;
+  void finish();
+  /// Moves the run into a joint map: its static layers become those of its part. @return T_map_run
+  [[nodiscard]] Pose moveInto(const slam::KeyframePoses& poses);
+  void change(const RuntimeParams& params);
+  [[nodiscard]] std::optional<std::string> rectification() const;
+
+  std::shared_ptr<const StereoCamera> camera;  ///< null if only poses and boxes are given
+  InputHealth health;
+  Localisation localisation;
+  DetectionStage detection;
+  objects::MovingObjectTracker tracker;
+  Mapping mapping;
+  LogSink log;
+  PerceptionCallbacks callbacks;
+  StageTimes times;
+
+ private:
+  void requireUsable(const RecordedFrame& frame) const;
+  void applyChange();
+  [[nodiscard]] FrameState begin(const RecordedFrame& frame);
+  /// Discards what refers to the times before. @return ended tracks
+  [[nodiscard]] std::vector<TrackSample> restart();
+  [[nodiscard]] std::optional<stereo::FrameContext> rectify(const FrameState& state);
+  void localise(FrameState& state);
+  [[nodiscard]] FrameDetections detect(const FrameState& state);
+  [[nodiscard]] objects::TrackUpdate track(const FrameState& state);
+  /// The results of the frame, after the host was called back with them.
+  [[nodiscard]] PerceptionUpdate published(FrameState&& state,
+                                           const map::PerceptionMap& before) const;
+  void write(LogLevel level, const FrameState& state, const std::string& text) const;
+  void logFrame(const FrameState& state) const;
+
+  PreviousFrame previous_;
+  double max_box_range_m_ = RuntimeParams().max_box_range_m;
+  std::mutex change_mutex_;
+  std::optional<RuntimeParams> change_;  ///< for the next frame; guarded by change_mutex_
+};
+
+}  // namespace headway::pipeline

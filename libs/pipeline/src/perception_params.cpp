@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <headway/core/error.h>
+#include <headway/pipeline/perception_params.h>
+
+#include <algorithm>
+#include <sstream>
+#include <vector>
+
+namespace headway::pipeline {
+namespace {
+
+constexpr const char* kNone = "none";
+constexpr const char* kAuto = "auto";
+constexpr const char* kRecorded = "recorded";
+constexpr const char* kStereoMotion = "stereo_motion";
+constexpr const char* kNetwork = "dnn";
+
+/// Of detection in live operation with a network: a pass of YOLOX-nano takes 63 ms of one core, and
+/// two frames at 10 Hz have to take less than 200 ms.
+constexpr int kNetworkPeriod = 2;
+
+std::vector<std::string> split(const std::string& names) {
+  std::vector<std::string> result;
+  std::istringstream list(names + "+");
+  for (std::string name; std::getline(list, name, '+');) result.push_back(name);
+  return result;
+}
+
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+std::string choices() {
+  std::string text = std::string(kNone) + ", " + kAuto + ", " + kRecorded;
+  for (const auto& name : detect::detectorNames()) text += ", " + name;
+  return text + "; several joined by +";
+}
+
+}  // namespace
+
+void DetectionParams::describe(Params& params) {
+  params.section("detect").user().add(
+      "detector", detector,
+      "Source of detections: auto (unless boxes are recorded, stereo_motion, with dnn if there is "
+      "a model), none, recorded, "
+      "stereo_motion, dnn, hog, or several joined by +");
+  params.section("detect").add(
+      "recorded_timeout_s", recorded_timeout_s, 0.1, 1e4, "s",
+      "Time without recorded boxes after which stereo_motion runs until they return (auto)");
+  detect.describe(params);
+}
+
+void DetectionParams::validate() const {
+  detect.validate();
+  try {
+    checkDetectorNames(detector);
+  } catch (const InputError& error) {
+    throw InputError(std::string("[detect] detector = ") + error.what());
+  }
+}
+
+void checkDetectorNames(const std::string& names) {
+  if (names == kNone || names == kAuto) return;
+  const auto list = split(names);
+  for (const auto& name : list) {
+    if (name != kRecorded && !contains(detect::detectorNames(), name)) {
+      throw InputError("'" + names + "' is none of " + choices());
+    }
+    if (std::count(list.begin(), list.end(), name) > 1) {
+      throw InputError("'" + names + "' names " + name + " twice");
+    }
+  }
+}
+
+bool usesRecordedBoxes(const std::string& names) {
+  return names == kAuto || contains(split(names), kRecorded);
+}
+
+std::vector<std::string> imageDetectors(const DetectionParams& params) {
+  const std::string& names = params.detector;
+  if (names == kAuto) {
+    if (detect::findModel(params.detect.network).empty()) return {kStereoMotion};
+    return {kNetwork, kStereoMotion};
+  }
+  if (names == kNone) return {};
+  auto result = split(names);
+  result.erase(std::remove(result.begin(), result.end(), kRecorded), result.end());
+  return result;
+}
+
+std::string modelInUse(const DetectionParams& params) {
+  return contains(imageDetectors(params), kNetwork) ? detect::findModel(params.detect.network) : "";
+}
+
+bool wouldUseModel(const DetectionParams& params) { return params.detector == kAuto; }
+
+void GridParams::describe(Params::Section section) {
+  section.user().add("every_nth_frame", every_nth_frame, 0, 1000, "frames",
+                     "Period of the ground scans, and of the depth scans of the dense map; greater "
+                     "is faster; 0: neither grid nor dense map");
+  scan.describe(section);
+  map.describe(section);
+}
+
+void LaserParams::describe(Params::Section section) {
+  auto user = section.user();
+  user.add("use", use, "Enter 2D laser scans into the grid as obstacles");
+  user.add("reach_m", reach_m, 0.5, 100.0, "m",
+           "Maximum distance of obstacles from the laser; greater is less accurate in turns");
+}
+
+PerceptionParams PerceptionParams::live(PerceptionParams params) {
+  params.slam.adjust_in_background = true;
+  if (modelInUse(params.detection).empty()) return params;
+  auto& detect = params.detection.detect;
+  detect.network.tiles = false;
+  detect.every_nth_frame = std::max(detect.every_nth_frame, kNetworkPeriod);
+  return params;
+}
+
+void PerceptionParams::describe(Params& params) {
+  slam.describe(params.section("slam"));
+  detection.describe(params);
+  objects.describe(params.section("objects"));
+  grid.describe(params.section("grid"));
+  dense.describe(params.section("dense"));
+  laser.describe(params.section("laser"));
+  robot.describe(params.section("robot").user());
+}
+
+void PerceptionParams::validate() const {
+  slam.validate();
+  detection.validate();
+  objects.validate();
+  grid.validate();
+  dense.validate();
+  laser.validate();
+  robot.validate();
+}
+
+}  // namespace headway::pipeline
