@@ -135,5 +135,30 @@ TEST(MotionPriorTest, DiscardingKeepsTheSamplesOfLaterFrames) {
   EXPECT_FALSE(discarding.between(0.5, 0.6).T_previous_current);
 }
 
+TEST(MotionPriorTest, MotionJoinedOverASkippedFrameIsThatBetweenTheOthers) {
+  MotionPriorBuilder builder;
+  for (int i = 0; i <= 300; ++i) {
+    const double time = 0.001 * i;
+    builder.addOdometry(time, along(2.0 * time, 0.5 * time));
+    builder.addInertial({time, Eigen::Vector3d(0, 0, 1.5), Eigen::Vector3d(2, 0, 9.81)});
+  }
+  StereoFrame skipped;
+  skipped.index = 7;
+  skipped.motion_prior = builder.between(0.05, 0.15);
+  const MotionPrior all = joined(skipped, builder.between(0.15, 0.25));
+  const MotionPrior expected = builder.between(0.05, 0.25);
+  EXPECT_EQ(6U, all.previous_frame.value());
+  EXPECT_TRUE(all.T_previous_current->isApprox(*expected.T_previous_current, 1e-9));
+  EXPECT_TRUE(all.R_previous_current->isApprox(*expected.R_previous_current, 1e-9));
+  EXPECT_LT((*all.velocity_increment - *expected.velocity_increment).norm(), 1e-6);
+  EXPECT_EQ(all.specific_force.has_value(), expected.specific_force.has_value());
+
+  MotionPrior elsewhere = builder.between(0.15, 0.25);
+  elsewhere.previous_frame = 5;
+  EXPECT_EQ(5U, joined(skipped, elsewhere).previous_frame.value()) << "it is no continuation";
+  skipped.motion_prior.T_previous_current.reset();
+  EXPECT_FALSE(joined(skipped, builder.between(0.15, 0.25)).T_previous_current);
+}
+
 }  // namespace
 }  // namespace headway::io

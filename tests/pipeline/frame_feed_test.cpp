@@ -65,6 +65,34 @@ TEST(FrameFeedTest, AStopRequestEndsTheWaitForTheNextFrame) {
   requestStop(0);
 }
 
+TEST(FrameFeedTest, MotionOfDroppedFramesIsPartOfThatOfTheNextOne) {
+  const auto frames = [inner = readerOf(12, 0.01)]() mutable {
+    auto frame = inner();
+    if (!frame) return frame;
+    frame->stereo.emplace();
+    frame->stereo->index = frame->index;
+    Pose step = Pose::Identity();
+    step.translation().x() = 0.1;
+    if (frame->index > 0) frame->stereo->motion_prior.T_previous_current = step;
+    return frame;
+  };
+  const auto feed = makeRealtimeFeed(frames, 1.0);
+  std::optional<std::size_t> previous;
+  double path_m = 0.0;
+  while (auto frame = feed->next()) {
+    const MotionPrior& prior = frame->stereo->motion_prior;
+    if (previous) {
+      ASSERT_TRUE(prior.T_previous_current) << frame->index;
+      EXPECT_EQ(*previous, prior.previous_frame.value_or(frame->index - 1));
+      path_m += prior.T_previous_current->translation().x();
+      EXPECT_NEAR(0.1 * static_cast<double>(frame->index), path_m, 1e-9);
+    }
+    previous = frame->index;
+    std::this_thread::sleep_for(std::chrono::milliseconds(35));
+  }
+  EXPECT_GT(feed->dropped(), 0U);
+}
+
 TEST(FrameFeedTest, AnHoursPauseOfTheRecordingIsNotWaitedFor) {
   const auto start = std::chrono::steady_clock::now();
   const auto feed = makeRealtimeFeed(readerOf(3, 3600.0), 100.0, 3);

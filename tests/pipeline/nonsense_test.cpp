@@ -118,6 +118,10 @@ const std::vector<Fault>& faults() {
          frame.time += 3600.0;
          stereoOf(frame).time += 3600.0;
        }},
+      {"TimeComesAgain", "time_repeated",
+       [](const Frames& good, std::size_t i, RecordedFrame& frame) {
+         if (i == kFault) frame.time = stereoOf(frame).time = good[i - 1].time;
+       }},
       {"TimeJumpsBack", "clock_set_back",
        [](const Frames&, std::size_t, RecordedFrame& frame) {
          frame.time -= 3600.0;
@@ -159,7 +163,7 @@ TEST_P(NonsenseTest, IsNamedWithinASecond) {
   EXPECT_EQ(1, std::count(lines.begin(), lines.end(), line)) << "said once";
 }
 
-INSTANTIATE_TEST_SUITE_P(Street, NonsenseTest, testing::Range<std::size_t>(0, 14),
+INSTANTIATE_TEST_SUITE_P(Street, NonsenseTest, testing::Range<std::size_t>(0, 15),
                          [](const auto& index) { return faults()[index.param].name; });
 
 /// Frames of the street with odometry that measures `step_m` in each, at most a second.

@@ -4,6 +4,7 @@
 #include <headway_test/input_error.h>
 
 #include <cmath>
+#include <stdexcept>
 
 namespace headway::pipeline {
 namespace {
@@ -65,6 +66,50 @@ TEST(PerceptionTest, AFrameWithoutPoseIsLostAndItsBoxesAreCounted) {
   ASSERT_EQ(1u, update.objects.tracks.size());
   EXPECT_EQ(TrackStatus::kCoasting, update.objects.tracks.front().status);
   EXPECT_FALSE(perception.trajectory().back().tracked);
+}
+
+TEST(PerceptionTest, AFrameWithTheTimeOfTheOneBeforeEndsNoTrack) {
+  Perception perception(nullptr, {});
+  PerceptionUpdate update;
+  for (std::size_t i = 0; i < 15; ++i) update = perception.process(walkFrame(i));
+  ASSERT_EQ(1u, update.objects.tracks.size());
+  const Track before = update.objects.tracks.front();
+  RecordedFrame repeated = walkFrame(15);
+  repeated.time = repeated.detections->time = walkFrame(14).time;
+  update = perception.process(repeated);
+  ASSERT_EQ(1u, update.findings.size());
+  EXPECT_EQ("time_repeated", update.findings[0].name);
+  EXPECT_EQ(15u, update.findings[0].frame);
+  EXPECT_TRUE(update.findings[0].is_first);
+  EXPECT_EQ(1u, update.objects.detections_dropped.at("time_repeated"));
+  ASSERT_EQ(1u, update.objects.tracks.size());
+  EXPECT_EQ(before.id, update.objects.tracks.front().id);
+  EXPECT_TRUE(update.objects.tracks.front().position.isApprox(before.position, 1e-9));
+  for (std::size_t i = 16; i < 20; ++i) update = perception.process(walkFrame(i));
+  EXPECT_TRUE(update.findings.empty());
+  ASSERT_EQ(1u, update.objects.tracks.size());
+  EXPECT_EQ(before.id, update.objects.tracks.front().id);
+  EXPECT_NEAR(1.5, update.objects.tracks.front().velocity.y(), 0.25);
+  EXPECT_EQ(20u, perception.trajectory().size());
+  EXPECT_EQ(1u, perception.warnings().at("time_repeated").count);
+}
+
+TEST(PerceptionTest, AfterAnExceptionOfACallbackTheNextFrameFollowsTheLastCompletedOne) {
+  Perception perception(nullptr, {});
+  PerceptionUpdate update;
+  for (std::size_t i = 0; i < 15; ++i) update = perception.process(walkFrame(i));
+  const TrackId id = update.objects.tracks.at(0).id;
+  PerceptionCallbacks callbacks;
+  callbacks.on_pose = [](Time, const slam::SlamUpdate&) { throw std::runtime_error("host"); };
+  perception.setCallbacks(callbacks);
+  EXPECT_THROW((void)perception.process(walkFrame(15)), std::runtime_error);
+  perception.setCallbacks({});
+  for (std::size_t i = 15; i < 18; ++i) {
+    update = perception.process(walkFrame(i));
+    EXPECT_TRUE(update.findings.empty()) << i;
+  }
+  ASSERT_EQ(1u, update.objects.tracks.size());
+  EXPECT_EQ(id, update.objects.tracks.front().id);
 }
 
 TEST(PerceptionTest, FillsTheLayersThatItIsGiven) {

@@ -113,6 +113,30 @@ void runWithClockSet(double step_s, const std::string& warning) {
   for (const auto& id : after) EXPECT_EQ(0u, before.count(id)) << "tracks start anew";
 }
 
+TEST(TroubleTest, TracksGoOnOverATimeThatComesAgain) {
+  const PaintedStreet street({kMovingBox});
+  PerceptionParams params;
+  params.detection.detector = "stereo_motion";
+  Perception perception(street.camera(), params);
+  std::set<TrackId> before, after;
+  for (int i = 0; i < 18; ++i) {
+    RecordedFrame frame;
+    frame.index = static_cast<std::size_t>(i);
+    frame.time = street.timeOf(i == 12 ? 11 : i);
+    frame.stereo = street.frame(i);
+    frame.stereo->time = frame.time;
+    const auto update = perception.process(frame);
+    EXPECT_EQ(slam::TrackingStatus::kTracked, update.camera.status) << i;
+    for (const auto& track : update.objects.tracks) {
+      if (track.status == TrackStatus::kConfirmed) (i < 12 ? before : after).insert(track.id);
+    }
+  }
+  EXPECT_EQ(1u, before.size());
+  EXPECT_EQ(before, after);
+  EXPECT_EQ(1u, perception.warnings().size());
+  EXPECT_EQ(1u, perception.warnings().at("time_repeated").count);
+}
+
 TEST(TroubleTest, GoesOnAfterTheClockIsSetBack) { runWithClockSet(-3600.0, "clock_set_back"); }
 
 TEST(TroubleTest, GoesOnAfterTheClockIsSetBackByOneSecond) {

@@ -2,6 +2,7 @@
 // What becomes of frames whose pose cannot be trusted.
 
 #include <gtest/gtest.h>
+#include <headway/core/error.h>
 #include <headway/pipeline/perception.h>
 #include <headway_test/textured_world.h>
 
@@ -80,6 +81,51 @@ TEST_F(UnreliableFramesTest, AFrozenCameraAddsNothingToTheMap) {
   const auto update = perception_->process(next());
   EXPECT_EQ(update.camera.status, TrackingStatus::kTracked);
   EXPECT_EQ(update.objects.detections_used, 1U);
+}
+
+TEST_F(UnreliableFramesTest, ImagesOfAnotherSizeChangeNothing) {
+  drive(5);
+  RecordedFrame frame = next();
+  RecordedFrame cut = frame;
+  cut.stereo->left = frame.stereo->left.colRange(0, frame.stereo->left.cols / 2);
+  const auto trajectory = perception_->trajectory().size();
+  EXPECT_THROW((void)perception_->process(cut), InputError);
+  EXPECT_EQ(perception_->trajectory().size(), trajectory);
+  const auto update = perception_->process(frame);
+  EXPECT_EQ(update.camera.status, TrackingStatus::kTracked);
+  EXPECT_TRUE(update.findings.empty());
+}
+
+/// A robot with wheels whose host processes every third frame of the source alone.
+TEST_F(UnreliableFramesTest, MotionSinceAFrameThatWasSkippedIsLeftOutAndSaid) {
+  drive(1);
+  for (int i = 0; i < 15; ++i) {
+    for (int skipped = 0; skipped < 2; ++skipped) (void)next();
+    RecordedFrame frame = next();
+    frame.stereo->motion_prior.T_previous_current = onPath(41.0);
+    const auto update = perception_->process(frame);
+    EXPECT_EQ(update.camera.status, TrackingStatus::kTracked) << frame.index;
+    ASSERT_EQ(update.findings.size(), 1U) << update.findings.back().text;
+    EXPECT_EQ(update.findings[0].name, "motion_left_out");
+  }
+  EXPECT_EQ(perception_->warnings().size(), 1U);
+}
+
+TEST_F(UnreliableFramesTest, MotionThatIsJoinedOverSkippedFramesIsUsed) {
+  drive(1);
+  for (int i = 0; i < 15; ++i) {
+    RecordedFrame frame = next();
+    frame.stereo->motion_prior.T_previous_current = onPath(41.0);
+    for (int skipped = 0; skipped < 2; ++skipped) {
+      const StereoFrame before = *frame.stereo;
+      frame = next();
+      frame.stereo->motion_prior.T_previous_current = onPath(41.0);
+      frame.stereo->motion_prior = joined(before, frame.stereo->motion_prior);
+    }
+    const auto update = perception_->process(frame);
+    EXPECT_EQ(update.camera.status, TrackingStatus::kTracked) << frame.index;
+    EXPECT_TRUE(update.findings.empty()) << update.findings.front().text;
+  }
 }
 
 TEST_F(UnreliableFramesTest, SwappedImagesAreUnreliableWithinASecond) {

@@ -199,6 +199,7 @@ class LiveSource::Implementation {
     const std::lock_guard lock(mutex_);
     collector_->extrapolateMotion(frame.time, options_.max_extrapolation_s);
     frame.stereo->motion_prior = collector_->motionBetween(last_time_, frame.time);
+    frame.stereo->motion_prior.previous_frame = std::exchange(last_frame_, frame.index);
     collector_->discardMotionBefore(frame.time);
     frame.gnss = collector_->takeFixes(frame.time);
     last_time_ = frame.time;
@@ -226,8 +227,9 @@ class LiveSource::Implementation {
 
   std::map<std::string, std::size_t> decoder_counts_;  // the consumer's, like the members below
   FrameDecoder decoder_;
-  std::optional<LiveFrame> first_;  ///< decoded by camera(), for next()
-  std::optional<Time> last_time_;   ///< of the latest frame
+  std::optional<LiveFrame> first_;         ///< decoded by camera(), for next()
+  std::optional<Time> last_time_;          ///< of the latest frame
+  std::optional<std::size_t> last_frame_;  ///< index of the same
 };
 
 LiveSourceOptions::LiveSourceOptions() { observations.read_ahead = 0; }

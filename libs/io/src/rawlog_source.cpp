@@ -132,6 +132,7 @@ class RawlogSource::Reader {
     }
     RecordedFrame frame = decoder_.frameOf(std::move(pending), *images);
     frame.stereo->motion_prior = collector_->motionBetween(last_time_, frame.time);
+    frame.stereo->motion_prior.previous_frame = std::exchange(last_frame_, frame.index);
     collector_->discardMotionBefore(frame.time);
     frame.gnss = collector_->takeFixes(frame.time);
     last_time_ = frame.time;
@@ -171,6 +172,7 @@ class RawlogSource::Reader {
   std::optional<DecodedPair> first_pair_;  ///< its images
   DecodedPair last_pair_;                  ///< of the latest frame
   std::optional<Time> last_time_;          ///< of the latest frame
+  std::optional<std::size_t> last_frame_;  ///< index of the same
   std::optional<std::size_t> last_index_;  ///< of the latest frame
   double start_ = 0.0;                     ///< ratio of the bytes before the first frame
 };

@@ -99,58 +99,42 @@ std::size_t cornersOf(const cv::Mat& image) {
 
 }  // namespace
 
-const char* toString(LostReason reason) {
-  switch (reason) {
-    case LostReason::kTooDark:
-      return "too_dark";
-    case LostReason::kCovered:
-      return "covered";
-    case LostReason::kBlurred:
-      return "blurred";
-    case LostReason::kFewFeatures:
-      return "few_features";
-    case LostReason::kMovedTooFast:
-      return "moved_too_fast";
-  }
-  return "unknown";
-}
-
-std::string explanationOf(LostReason reason) {
-  switch (reason) {
-    case LostReason::kTooDark:
-      return "the image is too dark; lengthen the exposure or add light; slam.use_odometry and "
-             "slam.use_imu bridge dark places";
-    case LostReason::kCovered:
-      return "the image is an even grey, as of a covered lens or a wall before it; check the lens; "
-             "slam.use_odometry and slam.use_imu bridge short times";
-    case LostReason::kBlurred:
-      return "the image is blurred; shorten the exposure or turn more slowly, and check the focus; "
-             "slam.use_imu predicts turns";
-    case LostReason::kFewFeatures:
-      return "the image shows too few features, as of bare walls; more slam.features and wheel "
-             "odometry (slam.use_odometry) help";
-    case LostReason::kMovedTooFast:
-      return "the view differs too much from the one before; raise the frame rate, or let "
-             "slam.use_imu and slam.use_odometry predict the motion";
-  }
-  return "";
-}
-
 void CameraCheck::addTracked(const StereoFrame& frame) {
   if (tracked_++ % kMeasuredEvery != 0) return;
   const double sharpness = sharpnessOf(frame.left);
   sharpness_ = sharpness_ ? *sharpness_ + kSharpnessWeight * (sharpness - *sharpness_) : sharpness;
 }
 
-LostReason CameraCheck::reasonOf(const StereoFrame& frame) const {
+Finding CameraCheck::lossOf(const StereoFrame& frame) const {
+  const auto lost = [&](const char* name, const char* text) {
+    return Finding{std::string("lost_") + name, frame.index,
+                   std::string("the camera is lost: ") + text};
+  };
   cv::Scalar mean, deviation;
   cv::meanStdDev(frame.left, mean, deviation);
-  if (mean[0] < kMaxDarkGrey) return LostReason::kTooDark;
-  if (deviation[0] < kEvenContrast) return LostReason::kCovered;
-  const double sharpness = sharpnessOf(frame.left);
-  const double least = sharpness_ ? kBlurredRatio * *sharpness_ : kUnsharp;
-  if (sharpness < least) return LostReason::kBlurred;
-  return cornersOf(frame.left) < kFewCorners ? LostReason::kFewFeatures : LostReason::kMovedTooFast;
+  if (mean[0] < kMaxDarkGrey) {
+    return lost("too_dark",
+                "the image is too dark; lengthen the exposure or add light; slam.use_odometry and "
+                "slam.use_imu bridge dark places");
+  }
+  if (deviation[0] < kEvenContrast) {
+    return lost("covered",
+                "the image is an even grey, as of a covered lens or a wall before it; check the "
+                "lens; slam.use_odometry and slam.use_imu bridge short times");
+  }
+  if (sharpnessOf(frame.left) < (sharpness_ ? kBlurredRatio * *sharpness_ : kUnsharp)) {
+    return lost("blurred",
+                "the image is blurred; shorten the exposure or turn more slowly, and check the "
+                "focus; slam.use_imu predicts turns");
+  }
+  if (cornersOf(frame.left) < kFewCorners) {
+    return lost("few_features",
+                "the image shows too few features, as of bare walls; more slam.features and wheel "
+                "odometry (slam.use_odometry) help");
+  }
+  return lost("moved_too_fast",
+              "the view differs too much from the one before; raise the frame rate, or let "
+              "slam.use_imu and slam.use_odometry predict the motion");
 }
 
 Findings CameraCheck::add(const StereoFrame& frame) {

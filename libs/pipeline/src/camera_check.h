@@ -6,21 +6,6 @@
 
 namespace headway::pipeline {
 
-/// What a frame shows in which the camera is lost.
-enum class LostReason {
-  kTooDark,
-  kCovered,      ///< even grey: a lens cover, a wall, fog
-  kBlurred,      ///< by motion or focus
-  kFewFeatures,  ///< a sharp image of surfaces without texture
-  kMovedTooFast  ///< a usable image of another view than before
-};
-
-/// "too_dark", "covered", "blurred", "few_features" or "moved_too_fast".
-[[nodiscard]] const char* toString(LostReason reason);
-
-/// What was seen, and the keys or measures that help, one line.
-[[nodiscard]] std::string explanationOf(LostReason reason);
-
 /// Tells what is wrong with a camera's images: the same ones again, without light, overexposed; and
 /// why nothing could be tracked in them.
 ///
@@ -39,8 +24,11 @@ class CameraCheck {
 
   /// Measures the image of a tracked frame, every tenth one.
   void addTracked(const StereoFrame& frame);
-  /// Why the camera is lost, by its image and those of tracked frames.
-  [[nodiscard]] LostReason reasonOf(const StereoFrame& frame) const;
+  /// Why the camera is lost, by its image and those of tracked frames: "lost_too_dark",
+  /// "lost_covered" (even grey: a lens cover, a wall, fog), "lost_blurred" (by motion or focus),
+  /// "lost_few_features" (a sharp image of surfaces without texture) or "lost_moved_too_fast" (a
+  /// usable image of another view than before).
+  [[nodiscard]] Finding lossOf(const StereoFrame& frame) const;
 
  private:
   cv::Mat left_;  ///< of the frame before; empty in the first

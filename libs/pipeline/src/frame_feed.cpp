@@ -101,8 +101,13 @@ class RealtimeFeed : public FrameFeed {
     }
     if (stopping_) return false;
     if (queue_.size() == capacity_) {
+      const RecordedFrame dropped = std::move(queue_.front());
       queue_.pop_front();
       ++dropped_;
+      RecordedFrame& next = queue_.empty() ? frame : queue_.front();
+      if (dropped.stereo && next.stereo) {
+        next.stereo->motion_prior = joined(*dropped.stereo, next.stereo->motion_prior);
+      }
     }
     queue_.push_back(std::move(frame));
     changed_.notify_all();

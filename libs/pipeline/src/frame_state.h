@@ -32,6 +32,7 @@ struct FrameState {
   const RecordedFrame& frame;
   const PreviousFrame& previous;
   ClockStep clock = ClockStep::kAhead;
+  std::vector<TrackSample> ended;   ///< of tracks that ended because the clock was set back
   MotionPrior motion_prior;         ///< since the frame before, without what counts from another
   bool is_motion_left_out = false;  ///< of it, for that reason
   bool is_by_slam = false;          ///< not at a recorded pose

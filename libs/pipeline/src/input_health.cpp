@@ -156,9 +156,7 @@ void InputHealth::checkLoss(const FrameState& state, Findings& findings) {
     if (state.frame.stereo) camera_check_.addTracked(*state.frame.stereo);
   } else if (state.camera.status == slam::TrackingStatus::kLost && state.is_by_slam &&
              was_localised_) {  // otherwise it is not lost, but not localised so far
-    const LostReason reason = camera_check_.reasonOf(*state.frame.stereo);
-    findings.push_back({std::string("lost_") + toString(reason), state.frame.index,
-                        "the camera is lost: " + explanationOf(reason)});
+    findings.push_back(camera_check_.lossOf(*state.frame.stereo));
   }
 }
 

@@ -34,7 +34,7 @@ std::vector<JointMap> joinMaps(const std::vector<Perception*>& perceptions) {
   for (std::size_t run = 0; run < runs.size(); ++run) {
     const auto* slam = runs[run]->localisation.slam();
     if (slam == nullptr) {
-      maps.push_back({{run}, {Pose::Identity()}, 0, runs[run]->stored()});
+      maps.push_back({{run}, {Pose::Identity()}, 0, perceptions[run]->stored()});
       continue;
     }
     by_slam.push_back(slam);
@@ -49,7 +49,7 @@ std::vector<JointMap> joinMaps(const std::vector<Perception*>& perceptions) {
       map.T_map_run.push_back(is_alone ? Pose::Identity() : runs[run]->moveInto(member.poses));
     }
     const auto& first = *runs[map.runs.front()];
-    if (is_alone) map.stored = first.stored();
+    if (is_alone) map.stored = perceptions[map.runs.front()]->stored();
     if (is_alone) continue;
     map::StaticGrid grid(first.mapping.gridParams());
     map::DenseMap dense = first.mapping.dense().emptyMap();

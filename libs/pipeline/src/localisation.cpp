@@ -87,10 +87,6 @@ void Localisation::load(const map::StoredMap& stored) {
   is_resumed_ = true;
 }
 
-void Localisation::finish() {
-  if (slam() != nullptr) slam_->finish();
-}
-
 slam::TrajectoryVisit Localisation::trajectorySnapshot() const {
   if (slam() != nullptr) return slam_->trajectorySnapshot();
   return [poses = recorded_poses_.snapshot()](const slam::FrameVisitor& visit) {

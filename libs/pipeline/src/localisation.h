@@ -38,8 +38,6 @@ class Localisation {
   void load(const map::StoredMap& stored);
   [[nodiscard]] bool isResumed() const { return is_resumed_; }
 
-  /// Waits for the background threads of SLAM and applies their results.
-  void finish();
   [[nodiscard]] slam::TrajectoryVisit trajectorySnapshot() const;
   /// The one that made the map; null if poses were recorded.
   [[nodiscard]] slam::StereoSlam* slam() const;

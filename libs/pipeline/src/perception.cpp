@@ -26,7 +26,7 @@ bool countsFromAnother(const RecordedFrame& frame, const PreviousFrame& previous
   const bool has_motion =
       prior.T_previous_current || prior.R_previous_current || prior.velocity_increment;
   if (!has_motion || !previous.index) return has_motion;
-  return false;
+  return prior.previous_frame.value_or(frame.index - 1) != *previous.index;
 }
 
 /// Poses of the frame, of which SLAM's are not trusted if the input is not.
@@ -134,8 +134,6 @@ PerceptionUpdate Perception::Implementation::process(const RecordedFrame& frame)
   const auto watch = times.watch("frame");
   const map::PerceptionMap map_before = mapping.map();
   applyChange();
-  const auto ended =
-      clockStep(frame, previous_) == ClockStep::kSetBack ? restart() : std::vector<TrackSample>();
   FrameState state = begin(frame);
   state.add(health.checkFrame(state));
   state.images = health.imageEvidence();
@@ -145,7 +143,6 @@ PerceptionUpdate Perception::Implementation::process(const RecordedFrame& frame)
   state.found = detect(state);
   state.disparity_offset = localisation.disparityOffset(state);
   state.objects = track(state);
-  state.objects.finalised.insert(state.objects.finalised.begin(), ended.begin(), ended.end());
   state.add(health.checkResults(state));
   mapping.update(state, times);
   previous_ = previousFrom(state);
@@ -177,6 +174,7 @@ void Perception::Implementation::requireUsable(const RecordedFrame& frame) const
 FrameState Perception::Implementation::begin(const RecordedFrame& frame) {
   FrameState state(frame, previous_);
   state.clock = clockStep(frame, previous_);
+  if (state.clock == ClockStep::kSetBack) state.ended = restart();
   state.is_by_slam = localisation.isBySlam(frame);
   state.scans_ground = mapping.takesTurn(frame);
   if (!frame.stereo) return state;
@@ -249,6 +247,8 @@ objects::TrackUpdate Perception::Implementation::track(const FrameState& state) 
   for (const auto& [reason, count] : state.found.dropped) {
     tracked.detections_dropped[reason] += count;
   }
+  auto& finalised = tracked.finalised;
+  finalised.insert(finalised.begin(), state.ended.begin(), state.ended.end());
   return tracked;
 }
 
@@ -285,42 +285,13 @@ void Perception::Implementation::logFrame(const FrameState& state) const {
   write(LogLevel::kDebug, state, describe(state));
 }
 
-void Perception::Implementation::change(const RuntimeParams& params) {
-  ASSERTMSG_(params.detect_every_nth_frame >= 1 && params.grid_every_nth_frame >= 0 &&
-                 params.recorded_timeout_s > 0.0 && params.max_box_range_m > 0.0,
-             "parameters at run time are out of range");
-  const std::lock_guard lock(change_mutex_);
-  change_ = params;
-}
-
 void Perception::Implementation::applyChange() {
-  const std::lock_guard lock(change_mutex_);
-  if (!change_) return;
-  detection.change(change_->detect_every_nth_frame, change_->recorded_timeout_s);
-  max_box_range_m_ = change_->max_box_range_m;
-  mapping.setPeriod(change_->grid_every_nth_frame);
-  change_.reset();
-}
-
-void Perception::Implementation::resume(const map::StoredMap& stored) {
-  localisation.load(stored);
-  health.resume(localisation.rightTurn());
-  mapping.load(stored, localisation.slam()->map());
-}
-
-map::StoredMap Perception::Implementation::stored() const {
-  map::StoredMap stored = mapping.stored();
-  if (const auto* slam = localisation.slam()) {
-    stored.made_attachments[map::kSlamAttachment] = slam->snapshot();
-    mapping.attachScans(stored);
-  }
-  return stored;
-}
-
-void Perception::Implementation::finish() {
-  localisation.finish();
-  auto* slam = localisation.slam();
-  mapping.finish(slam != nullptr ? std::optional(slam->map()) : std::nullopt, times);
+  const std::lock_guard lock(change_mutex);
+  if (!change) return;
+  detection.change(change->detect_every_nth_frame, change->recorded_timeout_s);
+  max_box_range_m_ = change->max_box_range_m;
+  mapping.setPeriod(change->grid_every_nth_frame);
+  change.reset();
 }
 
 Pose Perception::Implementation::moveInto(const slam::KeyframePoses& poses) {
@@ -334,24 +305,39 @@ Pose Perception::Implementation::moveInto(const slam::KeyframePoses& poses) {
   return normalized(Pose(now * before.inverse(Eigen::Isometry)));
 }
 
-std::optional<std::string> Perception::Implementation::rectification() const {
-  const auto error = health.rectification();
-  if (!error || camera == nullptr) return std::nullopt;
-  return stereo::describe(*error, *camera, localisation.rightTurn());
-}
-
 Perception::Perception(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params,
                        map::PerceptionMap map)
     : implementation_(std::make_unique<Implementation>(camera, params, std::move(map))) {}
 
 Perception::~Perception() = default;
 
-void Perception::resume(const map::StoredMap& stored) { implementation_->resume(stored); }
-
-map::StoredMap Perception::stored() const { return implementation_->stored(); }
-
 PerceptionUpdate Perception::process(const RecordedFrame& frame) {
   return implementation_->process(frame);
+}
+
+void Perception::resume(const map::StoredMap& stored) {
+  Localisation& localisation = implementation_->localisation;
+  localisation.load(stored);
+  implementation_->health.resume(localisation.rightTurn());
+  implementation_->mapping.load(stored, localisation.slam()->map());
+}
+
+map::StoredMap Perception::stored() const {
+  map::StoredMap stored = implementation_->mapping.stored();
+  if (const auto* slam = implementation_->localisation.slam()) {
+    stored.made_attachments[map::kSlamAttachment] = slam->snapshot();
+    implementation_->mapping.attachScans(stored);
+  }
+  return stored;
+}
+
+void Perception::finish() {
+  std::optional<slam::MapView> static_map;
+  if (auto* slam = implementation_->localisation.slam()) {
+    slam->finish();
+    static_map = slam->map();
+  }
+  implementation_->mapping.finish(static_map, implementation_->times);
 }
 
 const std::optional<stereo::RigCapability>& Perception::rig() const {
@@ -364,12 +350,21 @@ void Perception::setCallbacks(PerceptionCallbacks callbacks) {
   implementation_->callbacks = std::move(callbacks);
 }
 
-void Perception::change(const RuntimeParams& params) { implementation_->change(params); }
+void Perception::change(const RuntimeParams& params) {
+  ASSERTMSG_(params.detect_every_nth_frame >= 1 && params.grid_every_nth_frame >= 0 &&
+                 params.recorded_timeout_s > 0.0 && params.max_box_range_m > 0.0,
+             "parameters at run time are out of range");
+  const std::lock_guard lock(implementation_->change_mutex);
+  implementation_->change = params;
+}
 
 const Warnings& Perception::warnings() const { return implementation_->health.warnings(); }
 
 std::optional<std::string> Perception::rectification() const {
-  return implementation_->rectification();
+  const auto error = implementation_->health.rectification();
+  if (!error || implementation_->camera == nullptr) return std::nullopt;
+  return stereo::describe(*error, *implementation_->camera,
+                          implementation_->localisation.rightTurn());
 }
 
 const std::map<std::string, std::size_t>& Perception::laserCounts() const {
@@ -391,8 +386,6 @@ std::vector<slam::FrameEstimate> Perception::trajectory() const {
 slam::TrajectoryVisit Perception::trajectorySnapshot() const {
   return implementation_->localisation.trajectorySnapshot();
 }
-
-void Perception::finish() { implementation_->finish(); }
 
 std::vector<TrackSample> Perception::flush() { return implementation_->tracker.flush(); }
 

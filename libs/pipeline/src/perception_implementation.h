@@ -19,13 +19,8 @@ class Perception::Implementation {
                  map::PerceptionMap map);
 
   [[nodiscard]] PerceptionUpdate process(const RecordedFrame& frame);
-  void resume(const map::StoredMap& stored);
-  [[nodiscard]] map::StoredMap stored() const;
-  void finish();
   /// Moves the run into a joint map: its static layers become those of its part. @return T_map_run
   [[nodiscard]] Pose moveInto(const slam::KeyframePoses& poses);
-  void change(const RuntimeParams& params);
-  [[nodiscard]] std::optional<std::string> rectification() const;
 
   std::shared_ptr<const StereoCamera> camera;  ///< null if only poses and boxes are given
   InputHealth health;
@@ -36,6 +31,8 @@ class Perception::Implementation {
   LogSink log;
   PerceptionCallbacks callbacks;
   StageTimes times;
+  std::mutex change_mutex;
+  std::optional<RuntimeParams> change;  ///< for the next frame; guarded by change_mutex
 
  private:
   void requireUsable(const RecordedFrame& frame) const;
@@ -55,8 +52,6 @@ class Perception::Implementation {
 
   PreviousFrame previous_;
   double max_box_range_m_ = RuntimeParams().max_box_range_m;
-  std::mutex change_mutex_;
-  std::optional<RuntimeParams> change_;  ///< for the next frame; guarded by change_mutex_
 };
 
 }  // namespace headway::pipeline

@@ -171,6 +171,12 @@ class TrackSample:
     time: float
     track: Track
 
+class Finding:
+    name: str
+    frame: int
+    text: str
+    is_fatal: bool
+
 class Update:
     frame: int
     time: float
@@ -184,6 +190,7 @@ class Update:
     finalised: list[TrackSample]
     detections: Optional[Detections]
     detections_dropped: dict[str, int]
+    findings: list[Finding]
 
 class Occupancy:
     status: str

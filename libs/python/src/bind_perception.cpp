@@ -82,6 +82,17 @@ const char* doubtOf(const PerceptionUpdate& update) {
 }
 
 void bindUpdate(py::module_& module) {
+  py::class_<pipeline::Finding>(module, "Finding",
+                                "What is wrong with the input, found in a frame.")
+      .def_readonly("name", &pipeline::Finding::name, "as in Perception.warnings")
+      .def_readonly("frame", &pipeline::Finding::frame, "index of the frame")
+      .def_readonly("text", &pipeline::Finding::text, "what is wrong and what to do")
+      .def_property_readonly(
+          "is_fatal",
+          [](const pipeline::Finding& finding) {
+            return finding.severity == pipeline::Severity::kFatal;
+          },
+          "whether no pose is to be trusted from this frame on; else results are degraded");
   py::class_<PerceptionUpdate>(module, "Update", "Result of one frame.")
       .def_readonly("frame", &PerceptionUpdate::frame, "index of the frame")
       .def_readonly("time", &PerceptionUpdate::time, "[s]")
@@ -114,7 +125,8 @@ void bindUpdate(py::module_& module) {
       .def_property_readonly(
           "detections_dropped",
           [](const PerceptionUpdate& update) { return update.objects.detections_dropped; },
-          "number of unused detections by reason");
+          "number of unused detections by reason")
+      .def_readonly("findings", &PerceptionUpdate::findings, "[Finding] of this frame");
 }
 
 py::dict warningsOf(Pipeline& pipeline) {

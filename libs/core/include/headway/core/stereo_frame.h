@@ -13,6 +13,8 @@ namespace headway {
 
 /// The robot's motion since the previous frame, from other sensors.
 struct MotionPrior {
+  /// Index of that frame; nullopt: one less than this frame's.
+  std::optional<std::size_t> previous_frame;
   std::optional<Pose> T_previous_current;             ///< wheel odometry: robot now in robot before
   std::optional<Eigen::Matrix3d> R_previous_current;  ///< gyroscope: turn of the robot frame
   /// Accelerometer: integral of the specific force between both frames, turned by the gyroscope
@@ -37,5 +39,29 @@ struct StereoFrame {
   std::shared_ptr<const StereoCamera> camera;  ///< never null; the same object for all frames
   MotionPrior motion_prior;
 };
+
+/// The motion from the frame before a skipped one to the frame after it, as far as both parts are
+/// known.
+///
+/// @param next  of the frame after it; returned as it is if it counts from another frame
+[[nodiscard]] inline MotionPrior joined(const StereoFrame& skipped, const MotionPrior& next) {
+  if (next.previous_frame.value_or(skipped.index) != skipped.index) return next;
+  const MotionPrior& first = skipped.motion_prior;
+  MotionPrior all;
+  all.previous_frame = first.previous_frame.value_or(skipped.index - 1);
+  all.specific_force = next.specific_force;
+  if (first.T_previous_current && next.T_previous_current) {
+    all.T_previous_current = *first.T_previous_current * *next.T_previous_current;
+  }
+  if (!first.R_previous_current) return all;
+  if (next.R_previous_current) {
+    all.R_previous_current = *first.R_previous_current * *next.R_previous_current;
+  }
+  if (first.velocity_increment && next.velocity_increment) {
+    all.velocity_increment =
+        *first.velocity_increment + *first.R_previous_current * *next.velocity_increment;
+  }
+  return all;
+}
 
 }  // namespace headway
