@@ -118,6 +118,17 @@ class Arrays(unittest.TestCase):
             a, b = recorded.process(frame), own.process(copy)
             np.testing.assert_array_equal(a.T_map_robot, b.T_map_robot)
 
+    def test_what_is_wrong_with_a_frame_is_said(self):
+        camera, frames = frames_of_street(3)
+        perception = headway.Perception(camera)
+        for frame in frames:
+            self.assertEqual([], perception.process(frame).findings)
+        again = headway.Frame(3, frames[2].time, frames[2].left, frames[2].right, camera)
+        findings = {finding.name: finding for finding in perception.process(again).findings}
+        self.assertEqual(3, findings["time_repeated"].frame)
+        self.assertFalse(findings["time_repeated"].is_fatal)
+        self.assertEqual(findings["time_repeated"].text, perception.warnings["time_repeated"][2])
+
     def test_wrong_images_are_refused(self):
         camera, frames = frames_of_street(1)
         good = frames[0].left
