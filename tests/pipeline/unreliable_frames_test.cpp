@@ -90,6 +90,9 @@ TEST_F(UnreliableFramesTest, ImagesOfAnotherSizeChangeNothing) {
   cut.stereo->left = frame.stereo->left.colRange(0, frame.stereo->left.cols / 2);
   const auto trajectory = perception_->trajectory().size();
   EXPECT_THROW((void)perception_->process(cut), InputError);
+  RecordedFrame without_right = frame;
+  without_right.stereo->right.release();
+  EXPECT_THROW((void)perception_->process(without_right), InputError);
   EXPECT_EQ(perception_->trajectory().size(), trajectory);
   const auto update = perception_->process(frame);
   EXPECT_EQ(update.camera.status, TrackingStatus::kTracked);

@@ -158,8 +158,8 @@ void Perception::Implementation::requireUsable(const RecordedFrame& frame) const
   }
   if (!frame.stereo || camera == nullptr) return;
   const StereoFrame& images = *frame.stereo;
-  for (const cv::Mat* image : {&images.left, &images.right, &images.disparity}) {
-    if (image->empty() && image != &images.left) continue;
+  const bool is_depth = !images.disparity.empty();
+  for (const cv::Mat* image : {&images.left, is_depth ? &images.disparity : &images.right}) {
     const int type = image == &images.disparity ? CV_32FC1 : CV_8UC1;
     if (image->type() == type && image->cols == camera->width && image->rows == camera->height) {
       continue;
