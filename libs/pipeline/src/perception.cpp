@@ -120,14 +120,14 @@ std::string describe(const FrameState& state) {
 
 }  // namespace
 
-Perception::Implementation::Implementation(const std::shared_ptr<const StereoCamera>& rig,
+Perception::Implementation::Implementation(std::shared_ptr<const StereoCamera> rig,
                                            const PerceptionParams& params, map::PerceptionMap map)
-    : camera(rig),
-      health(rig, validated(params).slam.max_speed_mps),
-      localisation(rig, params),
-      detection(rig, params.detection),
+    : camera(std::move(rig)),
+      health(camera, validated(params).slam.max_speed_mps),
+      localisation(camera, params),
+      detection(camera, params.detection),
       tracker(params.objects),
-      mapping(rig, params, std::move(map)) {}
+      mapping(camera, params, std::move(map)) {}
 
 PerceptionUpdate Perception::Implementation::process(const RecordedFrame& frame) {
   requireUsable(frame);
@@ -307,7 +307,8 @@ Pose Perception::Implementation::moveInto(const slam::KeyframePoses& poses) {
 
 Perception::Perception(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params,
                        map::PerceptionMap map)
-    : implementation_(std::make_unique<Implementation>(camera, params, std::move(map))) {}
+    : implementation_(std::make_unique<Implementation>(std::move(camera), params, std::move(map))) {
+}
 
 Perception::~Perception() = default;
 

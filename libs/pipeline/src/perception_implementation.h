@@ -15,7 +15,7 @@ namespace headway::pipeline {
 /// previous frame left.
 class Perception::Implementation {
  public:
-  Implementation(const std::shared_ptr<const StereoCamera>& camera, const PerceptionParams& params,
+  Implementation(std::shared_ptr<const StereoCamera> rig, const PerceptionParams& params,
                  map::PerceptionMap map);
 
   [[nodiscard]] PerceptionUpdate process(const RecordedFrame& frame);
