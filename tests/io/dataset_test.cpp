@@ -270,7 +270,7 @@ TEST_F(DatasetTest, PairsImageFoldersByTheOrderOfNames) {
 TEST_F(DatasetTest, RealEurocCamerasLookForwardAndTruthIsLevel) {
   HEADWAY_REQUIRE_DATA(data);
   const auto dataset = openEuroc(data / "euroc/MH_01_easy");
-  EXPECT_EQ(200u, dataset->size());
+  EXPECT_EQ(100u, dataset->size());
   const auto camera = dataset->camera();
   // Viewing direction within a few degrees of the robot's x, right of the image to the robot's -y.
   EXPECT_GT(camera->T_robot_left.linear()(0, 2), 0.99);
@@ -282,7 +282,7 @@ TEST_F(DatasetTest, RealEurocCamerasLookForwardAndTruthIsLevel) {
     ++with_truth;
     EXPECT_GT(truth->linear()(2, 2), 0.6) << i;  // the drone's up is mostly up
   }
-  EXPECT_EQ(10u, with_truth);
+  EXPECT_EQ(5u, with_truth);
 }
 
 }  // namespace
