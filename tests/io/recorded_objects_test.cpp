@@ -392,14 +392,16 @@ TEST_F(RecordedObjectsTest, MovementsGiveTheirIncrement) {
   const std::string pose = mrptBytes(mrpt::poses::CPose2D(0.5, 0.25, 0.125));
   const std::string name = "mrpt::obs::CActionRobotMovement2D";
   const std::string end = bytesOf(true, 1.0F, 2.0F, true, 3, 4);
+  const std::string uninitialised = "\x5a" + bytesOf(0.0F, 0.0F) + "\x9c" + bytesOf(3, 4);
   const auto old = [&](int version, std::size_t model, const std::string& rest) {
     return objectBytes(
         "mrpt::obs::CActionCollection", 0,
         bytesOf(std::uint32_t{1}) +
             objectBytes(name, version, bytesOf(0) + pose + std::string(model, '\0') + rest));
   };
-  for (const auto& bytes : {mrptBytes(actions), old(2, 44, end), old(3, 44, end), old(4, 48, end),
-                            old(5, 56, end), old(6, 56, end + kTime)}) {
+  for (const auto& bytes :
+       {mrptBytes(actions), old(2, 44, end), old(3, 44, end), old(4, 48, end), old(5, 56, end),
+        old(6, 56, end + kTime), old(6, 56, uninitialised + kTime)}) {
     test::writeContent(path_, bytes + mrptBytes(*test::wallObservation(0, 1.0)));
     std::map<std::string, std::size_t> skipped;
     ObservationStream stream(path_, skipped);
@@ -410,6 +412,22 @@ TEST_F(RecordedObjectsTest, MovementsGiveTheirIncrement) {
     EXPECT_NE(nullptr, stream.next());
     EXPECT_TRUE(skipped.empty());
   }
+}
+
+TEST_F(RecordedObjectsTest, MovementsOfMrptsOwnRecordingAreRead) {
+  const std::string path = "/usr/share/mrpt/datasets/localization_demo.rawlog";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "needs the package mrpt-common";
+  std::map<std::string, std::size_t> skipped;
+  ObservationStream stream(path, skipped);
+  std::vector<mrpt::poses::CPose2D> odometry;
+  while (const auto observation = stream.next()) {
+    const auto* read = dynamic_cast<const mrpt::obs::CObservationOdometry*>(observation.get());
+    if (read != nullptr) odometry.push_back(read->odometry);
+  }
+  EXPECT_TRUE(skipped.empty()) << skipped.begin()->first;
+  ASSERT_GE(odometry.size(), 30u);
+  EXPECT_NEAR(0.2478, odometry.front().x(), 1e-3);
+  EXPECT_GT(odometry.back().norm(), 1.0);
 }
 
 }  // namespace

@@ -285,9 +285,14 @@ std::optional<mrpt::poses::CPose2D> readMovement(ObjectReader& in) {
   constexpr std::size_t kModelBytes[] = {44, 4 + 5 * 4 + 5 * 4, 4 + 6 * 4 + 5 * 4,
                                          4 + 6 * 4 + 7 * 4};
   (void)in.skip(kModelBytes[std::min<std::size_t>(version, 5) - 2]);
-  if (in.flag() && version >= 7) (void)in.skip(3 * sizeof(double));  // velocity
-  if (version < 7) (void)in.skip(2 * sizeof(float));
-  if (in.flag() || version < 7) (void)in.skip(2 * sizeof(std::int32_t));  // encoders
+  if (version < 7) {
+    // All values are stored; MRPT left the flags before them uninitialised where it had none.
+    (void)in.skip(1 + 2 * sizeof(float));         // velocities
+    (void)in.skip(1 + 2 * sizeof(std::int32_t));  // encoders
+  } else {
+    if (in.flag()) (void)in.skip(3 * sizeof(double));
+    if (in.flag()) (void)in.skip(2 * sizeof(std::int32_t));
+  }
   if (version >= 6) (void)in.time();
   in.leave();
   return increment;
