@@ -74,7 +74,7 @@ TEST_F(AnchoredTrajectoryTest, FramesFollowTheCorrectionOfTheMap) {
     run(trajectory);
     const Pose correction = poseAlong(0.3);
     for (const auto& [id, keyframe] : map_.keyframes()) {
-      map_.keyframe(id).T_map_cam = correction * keyframe.T_map_cam;
+      map_.keyframeToChange(id).T_map_cam = correction * keyframe.T_map_cam;
     }
     const auto found = all(trajectory);
     ASSERT_EQ(found.size(), static_cast<std::size_t>(kRunFrames));
@@ -108,7 +108,7 @@ TEST_F(AnchoredTrajectoryTest, ASnapshotIsReadInAnotherThreadWhileTheRunGoesOn) 
   std::thread reader([&] { found = allOf(snapshot); });
   run(trajectory);
   for (const auto& [id, keyframe] : map_.keyframes()) {
-    map_.keyframe(id).T_map_cam = poseAlong(0.3) * keyframe.T_map_cam;
+    map_.keyframeToChange(id).T_map_cam = poseAlong(0.3) * keyframe.T_map_cam;
   }
   reader.join();
   ASSERT_EQ(found.size(), expected.size());

@@ -68,11 +68,11 @@ void disturb(World& world) {
     for (double& value : xi) value = noise(random);
     xi.head<3>() *= 0.05;
     xi.tail<3>() *= 0.005;
-    Keyframe& keyframe = world.map.keyframe(world.keyframes[i]);
+    Keyframe& keyframe = world.map.keyframeToChange(world.keyframes[i]);
     keyframe.T_map_cam = stereo::retract(keyframe.T_map_cam, xi);
   }
   for (const auto& [id, point] : world.points) {
-    world.map.find(id)->position =
+    world.map.findToChange(id)->position =
         point + 0.01 * point.z() * Eigen::Vector3d(noise(random), noise(random), noise(random));
   }
 }

@@ -111,7 +111,7 @@ double errorWithPoorVision(const std::optional<OdometryLink>& odometry) {
       if (i > 0) map.observe(ids[i], id, measurement);
     }
   }
-  map.keyframe(ids[5]).odometry = odometry;
+  map.keyframeToChange(ids[5]).odometry = odometry;
   static_cast<void>(adjustBundle(map, ids, camera, 30));
   return (map.keyframe(ids[5]).T_map_cam.translation() - poses[5].translation()).norm();
 }

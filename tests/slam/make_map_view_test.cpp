@@ -61,8 +61,8 @@ TEST(MapViewMakerTest, SharesWhatDidNotChange) {
   SparseMap map = longMap();
   MapViewMaker maker(Pose::Identity());
   const MapView before = maker.make(map);
-  map.find(LandmarkId{190})->position.x() = 1.0;
-  map.keyframe(KeyframeId{0}).T_map_cam.translation().x() = 2.0;
+  map.findToChange(LandmarkId{190})->position.x() = 1.0;
+  map.keyframeToChange(KeyframeId{0}).T_map_cam.translation().x() = 2.0;
   const MapView after = maker.make(map);
   EXPECT_EQ(&after.landmarks[10], &before.landmarks[10]);
   EXPECT_EQ(&after.keyframes[199], &before.keyframes[199]);

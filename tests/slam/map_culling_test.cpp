@@ -48,7 +48,7 @@ TEST_F(CullingTest, ALandmarkThatOnlyOnePassedKeyframeSawIsRemoved) {
 
 TEST_F(CullingTest, ALandmarkLookedForInVainIsRemoved) {
   const auto crowd = addCrowd(2);
-  Landmark& vain = *map_.find(addLandmark(crowd[0], {crowd[1]}));
+  Landmark& vain = *map_.findToChange(addLandmark(crowd[0], {crowd[1]}));
   const LandmarkId id = vain.id;
   vain.tried = 8;
   vain.found = 1;
@@ -74,7 +74,7 @@ TEST_F(CullingTest, AKeyframeWithLandmarksOfItsOwnStays) {
 
 TEST_F(CullingTest, AKeyframeThatObservesLandmarksFromNearestStays) {
   const auto crowd = addCrowd(5);
-  map_.keyframe(crowd[1]).T_map_cam.translation().z() = 6.0;
+  map_.keyframeToChange(crowd[1]).T_map_cam.translation().z() = 6.0;
   EXPECT_EQ(redundantKeyframe(crowd.back(), kWindow, map_), std::nullopt);
 }
 

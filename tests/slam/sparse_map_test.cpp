@@ -4,8 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <utility>
-
 namespace headway::slam {
 namespace {
 
@@ -33,6 +31,19 @@ class SparseMapTest : public testing::Test {
   std::vector<KeyframeId> keyframes_;
   std::vector<LandmarkId> landmarks_;
 };
+
+TEST_F(SparseMapTest, ReadingMarksNothingAsChanged) {
+  (void)map_.takeChangedLandmarks();
+  (void)map_.takeChangedKeyframes();
+  EXPECT_EQ(map_.find(landmarks_[0])->id, landmarks_[0]);
+  EXPECT_EQ(map_.keyframe(keyframes_[0]).id, keyframes_[0]);
+  EXPECT_THAT(map_.takeChangedLandmarks(), IsEmpty());
+  EXPECT_THAT(map_.takeChangedKeyframes(), IsEmpty());
+  map_.findToChange(landmarks_[0])->tried = 1;
+  map_.keyframeToChange(keyframes_[0]).time = 1.0;
+  EXPECT_THAT(map_.takeChangedLandmarks(), ElementsAre(0));
+  EXPECT_THAT(map_.takeChangedKeyframes(), ElementsAre(0));
+}
 
 TEST_F(SparseMapTest, LinksBothWays) {
   EXPECT_THAT(map_.keyframe(keyframes_[0]).landmarks, ElementsAre(landmarks_[0], landmarks_[1]));
@@ -75,7 +86,7 @@ TEST_F(SparseMapTest, FusedLandmarksAreSeenByTheKeyframesOfBoth) {
   const auto other = addKeyframe(3);
   const auto same = map_.addLandmark(Eigen::Vector3d::Zero(), other, {}).id;
   EXPECT_TRUE(map_.fuse(landmarks_[0], same));
-  EXPECT_EQ(std::as_const(map_).find(same), nullptr);
+  EXPECT_EQ(map_.find(same), nullptr);
   EXPECT_THAT(map_.keyframe(other).landmarks, ElementsAre(landmarks_[0]));
   EXPECT_EQ(map_.find(landmarks_[0])->observations.size(), 4U);
 }

@@ -84,9 +84,9 @@ class BeamSorter {
       }
       const Eigen::Vector3d place =
           T_robot_laser * Eigen::Vector3d(end.cast<double>().x(), end.cast<double>().y(), 0.0);
-      const char* kind = kindOf(place, moving);
-      ++counts_[kind];
-      if (kind == kObstacle) scan_.laser_obstacles.push_back({footOf(place), sigma});
+      const EndKind kind = kindOf(place, moving);
+      ++counts_[toString(kind)];
+      if (kind == EndKind::kObstacle) scan_.laser_obstacles.push_back({footOf(place), sigma});
       const double ratio = 1.0 - kSigmas * static_cast<double>(sigma) / range;
       pass(origin, origin + std::max(0.0, ratio) * (place - origin), range);
     }
@@ -97,18 +97,36 @@ class BeamSorter {
   }
 
  private:
-  static constexpr const char* kObstacle = "obstacles";
+  enum class EndKind { kObstacle, kOnMovingObject, kOnGround, kAboveRobot, kOnRobot };
 
-  [[nodiscard]] const char* kindOf(const Eigen::Vector3d& place, const MovingBoxes& moving) const {
+  /// Name under which they are counted.
+  static const char* toString(EndKind kind) {
+    switch (kind) {
+      case EndKind::kOnMovingObject:
+        return "on_moving_objects";
+      case EndKind::kOnGround:
+        return "on_ground";
+      case EndKind::kAboveRobot:
+        return "above_robot";
+      case EndKind::kOnRobot:
+        return "on_robot";
+      case EndKind::kObstacle:
+        break;
+    }
+    return "obstacles";
+  }
+
+  [[nodiscard]] EndKind kindOf(const Eigen::Vector3d& place, const MovingBoxes& moving) const {
     const double height = scene_.ground.heightOf(place);
-    if (height < kGroundRatio * scene_.min_obstacle_height_m) return "on_ground";
-    if (height > scene_.max_obstacle_height_m) return "above_robot";
+    if (height < kGroundRatio * scene_.min_obstacle_height_m) return EndKind::kOnGround;
+    if (height > scene_.max_obstacle_height_m) return EndKind::kAboveRobot;
     const auto& footprint = scene_.footprint;
     if (std::abs(place.x()) < 0.5 * footprint.length_m &&
         std::abs(place.y()) < 0.5 * footprint.width_m) {
-      return "on_robot";
+      return EndKind::kOnRobot;
     }
-    return moving.contain(scene_.T_odom_robot * place) ? "on_moving_objects" : kObstacle;
+    const bool on_moving = moving.contain(scene_.T_odom_robot * place);
+    return on_moving ? EndKind::kOnMovingObject : EndKind::kObstacle;
   }
 
   /// Stores the shortest beam of each direction if it is level and where obstacles stand.

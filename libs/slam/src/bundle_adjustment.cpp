@@ -168,10 +168,10 @@ class DetachedBundle::Implementation {
   void applySolution(SparseMap& map) const {
     for (std::size_t i = 0; i < pose_ids_.size(); ++i) {
       if (problem_.is_fixed[i] || map.keyframes().count(pose_ids_[i]) == 0) continue;
-      map.keyframe(pose_ids_[i]).T_map_cam = problem_.poses[i];
+      map.keyframeToChange(pose_ids_[i]).T_map_cam = problem_.poses[i];
     }
     for (std::size_t i = 0; i < point_ids_.size(); ++i) {
-      if (Landmark* landmark = map.find(point_ids_[i])) {
+      if (Landmark* landmark = map.findToChange(point_ids_[i])) {
         landmark->position = problem_.points[i].position;
       }
     }
@@ -182,14 +182,13 @@ class DetachedBundle::Implementation {
   void moveNewerKeyframes(SparseMap& map, const Pose& correction) const {
     const KeyframeId newest = pose_ids_.back();
     for (auto at = map.keyframes().upper_bound(newest); at != map.keyframes().end(); ++at) {
-      Keyframe& keyframe = map.keyframe(at->first);
+      Keyframe& keyframe = map.keyframeToChange(at->first);
       keyframe.T_map_cam = normalized(Pose(correction * keyframe.T_map_cam));
       for (const LandmarkId id : keyframe.landmarks) {
-        Landmark& landmark = *map.find(id);
         const bool took_part = std::binary_search(point_ids_.begin(), point_ids_.end(), id);
-        if (landmark.reference == keyframe.id && !took_part) {
-          landmark.position = correction * landmark.position;
-        }
+        if (took_part || map.find(id)->reference != keyframe.id) continue;
+        Landmark& landmark = *map.findToChange(id);
+        landmark.position = correction * landmark.position;
       }
     }
   }

@@ -211,7 +211,7 @@ std::optional<TrackedPose> FrameTracker::measureFrom(const CoarsePose& coarse,
   result.covariance = refined->covariance;
   for (std::size_t i = 0; i < measured.size(); ++i) {
     if (!constraints[i].inlier) continue;
-    ++map.find(measured[i].id)->agreed;
+    ++map.findToChange(measured[i].id)->agreed;
     result.landmarks.push_back(measured[i]);
     stereo::StereoMeasurement& measurement = result.landmarks.back().measurement;
     measurement.stereo = measurement.stereo && constraints[i].stereo_inlier;

@@ -135,9 +135,8 @@ void alignMaps(const std::vector<MapLink>& links, SeparateMaps& maps) {
     if (best == nullptr) break;
     const std::size_t a = maps.mapOf(best->place);
     const std::size_t b = maps.mapOf(best->keyframe);
-    const Pose T_a_b =
-        std::as_const(maps.all).keyframe(best->place).T_map_cam * best->T_place_keyframe *
-        std::as_const(maps.all).keyframe(best->keyframe).T_map_cam.inverse(Eigen::Isometry);
+    const Pose T_a_b = maps.all.keyframe(best->place).T_map_cam * best->T_place_keyframe *
+                       maps.all.keyframe(best->keyframe).T_map_cam.inverse(Eigen::Isometry);
     if (placed.count(a) > 0) {
       moves[b] = moves[a] * T_a_b;
     } else {
@@ -191,7 +190,7 @@ std::size_t keyframesOf(const std::vector<MapLink>& links) {
 void moveToFirst(const SparseMap& first_map, std::int64_t shift, SeparateMaps& maps) {
   if (first_map.keyframes().empty()) return;
   const auto& [id, first] = *first_map.keyframes().begin();
-  const Pose& now = std::as_const(maps.all).keyframe(shifted(id, shift)).T_map_cam;
+  const Pose& now = maps.all.keyframe(shifted(id, shift)).T_map_cam;
   const Pose move = first.T_map_cam * now.inverse(Eigen::Isometry);
   moveMaps(std::vector<Pose>(maps.first.size(), move), maps);
 }

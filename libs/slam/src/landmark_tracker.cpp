@@ -40,7 +40,7 @@ bool isExcluded(const cv::Mat& excluded, const Eigen::Vector2d& uv) {
 
 struct LandmarkTracker::Candidate {
   int cell = 0;
-  Landmark* landmark = nullptr;
+  const Landmark* landmark = nullptr;
   Eigen::Vector3d uvd = Eigen::Vector3d::Zero();  ///< where it should be
 };
 
@@ -86,12 +86,12 @@ std::vector<TrackedLandmark> LandmarkTracker::follow(const TrackingFrame& previo
 /// Landmarks in view, by cell; those seen by most keyframes first in each.
 std::vector<LandmarkTracker::Candidate> LandmarkTracker::candidatesByCell(
     const TrackingFrame& current, const Pose& T_map_cam, const std::vector<LandmarkId>& candidates,
-    SparseMap& map) const {
+    const SparseMap& map) const {
   const Pose T_cam_map = T_map_cam.inverse(Eigen::Isometry);
   std::vector<Candidate> in_view;
   in_view.reserve(candidates.size());
   for (const LandmarkId id : candidates) {
-    Landmark* landmark = map.find(id);
+    const Landmark* landmark = map.find(id);
     if (landmark == nullptr) continue;
     const auto uvd = project(T_cam_map * landmark->position, camera_);
     if (!uvd || uvd->x() < 0.0 || uvd->y() < 0.0 || uvd->x() >= camera_.width ||
@@ -172,10 +172,11 @@ std::vector<TrackedLandmark> LandmarkTracker::measure(const TrackingFrame& curre
     if (candidate.cell != cell) tries = found_here = 0;
     cell = candidate.cell;
     if (++tries > kTriesPerCell || found_here == kFoundPerCell) continue;
-    ++candidate.landmark->tried;
+    Landmark& landmark = *map.findToChange(candidate.landmark->id);
+    ++landmark.tried;
     const auto found = measureOne(current, T_map_cam, candidate, map);
     if (!found || isExcluded(current.excluded, found->measurement.uv)) continue;
-    ++candidate.landmark->found;
+    ++landmark.found;
     ++found_here;
     measured.push_back(*found);
   }

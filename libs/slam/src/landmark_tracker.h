@@ -55,7 +55,7 @@ class LandmarkTracker {
   [[nodiscard]] std::vector<Candidate> candidatesByCell(const TrackingFrame& current,
                                                         const Pose& T_map_cam,
                                                         const std::vector<LandmarkId>& candidates,
-                                                        SparseMap& map) const;
+                                                        const SparseMap& map) const;
   [[nodiscard]] std::optional<TrackedLandmark> measureOne(const TrackingFrame& current,
                                                           const Pose& T_map_cam,
                                                           const Candidate& candidate,

@@ -42,7 +42,7 @@ KeyframeId LocalMapper::insert(const TrackingFrame& frame, const Pose& T_map_cam
 void LocalMapper::linkTracked(const TrackingFrame& frame, KeyframeId keyframe,
                               const std::vector<TrackedLandmark>& tracked, SparseMap& map) const {
   for (const TrackedLandmark& seen : tracked) {
-    Landmark* landmark = map.find(seen.id);
+    Landmark* landmark = map.findToChange(seen.id);
     if (landmark == nullptr) continue;
     map.observe(keyframe, seen.id, seen.measurement);
     if (seen.patch_scale > kRenewStretch) continue;
@@ -82,9 +82,9 @@ void LocalMapper::describeNew(const TrackingFrame& frame, KeyframeId keyframe,
   std::vector<Landmark*> landmarks;
   std::vector<Eigen::Vector2d> points;
   for (const TrackedLandmark& seen : tracked) {
-    Landmark* landmark = map.find(seen.id);
+    const Landmark* landmark = map.find(seen.id);
     if (landmark == nullptr || landmark->reference != keyframe) continue;
-    landmarks.push_back(landmark);
+    landmarks.push_back(map.findToChange(seen.id));
     points.push_back(seen.measurement.uv);
   }
   const auto descriptors = describe(frame.left.levels.front(), points);

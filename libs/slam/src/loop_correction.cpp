@@ -114,10 +114,10 @@ std::map<KeyframeId, Pose> posesWithLoops(const std::map<KeyframeId, Keyframe>& 
 void applyCorrection(const std::map<KeyframeId, Pose>& corrected, SparseMap& map) {
   for (const auto& [id, landmark] : map.landmarks()) {
     const Pose& before = map.keyframe(landmark.reference).T_map_cam;
-    map.find(id)->position =
+    map.findToChange(id)->position =
         corrected.at(landmark.reference) * (before.inverse(Eigen::Isometry) * landmark.position);
   }
-  for (const auto& [id, pose] : corrected) map.keyframe(id).T_map_cam = pose;
+  for (const auto& [id, pose] : corrected) map.keyframeToChange(id).T_map_cam = pose;
 }
 
 void observeLoop(const ClosedLoop& loop, SparseMap& map) {

@@ -29,15 +29,14 @@ void turnRightCamera(const Eigen::Vector3d& angles, const StereoCamera& camera, 
   if (angles.y() != before.y()) map.setDisparityOffset(0.0);
   std::vector<LandmarkId> ids;
   for (const auto& [id, landmark] : map.landmarks()) ids.push_back(id);
-  const SparseMap& poses = map;
   for (const LandmarkId id : ids) {
-    Landmark& landmark = *map.find(id);
+    Landmark& landmark = *map.findToChange(id);
     for (auto& [keyframe, measurement] : landmark.observations) {
       if (!measurement.stereo) continue;
       measurement.disparity =
           stereo::turnedDisparity(measurement.uv, measurement.disparity, before, angles, camera);
     }
-    placeByReference(camera, poses, landmark);
+    placeByReference(camera, map, landmark);
   }
   map.setRightTurn(angles);
 }

@@ -99,32 +99,32 @@ Landmark& SparseMap::addLandmark(const Eigen::Vector3d& position, KeyframeId ref
 
 void SparseMap::observe(KeyframeId keyframe, LandmarkId landmark,
                         const stereo::StereoMeasurement& measurement) {
-  auto& observations = find(landmark)->observations;
+  auto& observations = findToChange(landmark)->observations;
   auto after = observations.end();  // a loop is observed by a keyframe that is not the newest
   while (after != observations.begin() && keyframe < std::prev(after)->keyframe) --after;
   observations.insert(after, {keyframe, measurement});
-  insertSorted(this->keyframe(keyframe).landmarks, landmark);
+  insertSorted(keyframeToChange(keyframe).landmarks, landmark);
 }
 
 void SparseMap::removeObservation(KeyframeId keyframe, LandmarkId landmark) {
-  Landmark& of = *find(landmark);
+  Landmark& of = *findToChange(landmark);
   auto& observations = of.observations;
   observations.erase(std::remove_if(observations.begin(), observations.end(),
                                     [&](const auto& o) { return o.keyframe == keyframe; }),
                      observations.end());
-  eraseSorted(this->keyframe(keyframe).landmarks, landmark);
+  eraseSorted(keyframeToChange(keyframe).landmarks, landmark);
   if (observations.empty() || of.reference == keyframe) removeLandmark(landmark);
 }
 
 void SparseMap::removeLandmark(LandmarkId landmark) {
-  for (const LandmarkObservation& observation : find(landmark)->observations) {
-    eraseSorted(keyframe(observation.keyframe).landmarks, landmark);
+  for (const LandmarkObservation& observation : findToChange(landmark)->observations) {
+    eraseSorted(keyframeToChange(observation.keyframe).landmarks, landmark);
   }
   landmarks_.erase(landmark);
 }
 
 bool SparseMap::fuse(LandmarkId kept, LandmarkId gone) {
-  const auto observations = std::as_const(*this).find(gone)->observations;
+  const auto observations = find(gone)->observations;
   const bool sees_both = std::any_of(observations.begin(), observations.end(), [&](const auto& o) {
     const auto& seen = keyframes_.at(o.keyframe).landmarks;
     return std::binary_search(seen.begin(), seen.end(), kept);
@@ -136,9 +136,9 @@ bool SparseMap::fuse(LandmarkId kept, LandmarkId gone) {
 }
 
 void SparseMap::removeKeyframe(KeyframeId keyframe) {
-  const std::vector<LandmarkId> seen = this->keyframe(keyframe).landmarks;
+  const std::vector<LandmarkId> seen = keyframeToChange(keyframe).landmarks;
   for (const LandmarkId id : seen) {
-    Landmark& landmark = *find(id);
+    Landmark& landmark = *findToChange(id);
     if (landmark.reference == keyframe) reassignReference(landmark);
     removeObservation(keyframe, id);
   }
@@ -177,7 +177,7 @@ void SparseMap::reassignReference(Landmark& landmark) {
   landmark.reference = nearest->id;
 }
 
-Landmark* SparseMap::find(LandmarkId id) {
+Landmark* SparseMap::findToChange(LandmarkId id) {
   const auto found = landmarks_.find(id);
   if (found == landmarks_.end()) return nullptr;
   changed_landmarks_.add(id.value);

@@ -121,14 +121,15 @@ class SparseMap {
   /// reference it was get the nearest keyframe that observes them.
   void removeKeyframe(KeyframeId keyframe);
 
-  /// What they give counts as changed.
-  [[nodiscard]] Landmark* find(LandmarkId id);
+  /// Null if there is none.
   [[nodiscard]] const Landmark* find(LandmarkId id) const;
-  [[nodiscard]] Keyframe& keyframe(KeyframeId id) {
+  [[nodiscard]] const Keyframe& keyframe(KeyframeId id) const { return keyframes_.at(id); }
+  /// The same to be changed; they count as changed.
+  [[nodiscard]] Landmark* findToChange(LandmarkId id);
+  [[nodiscard]] Keyframe& keyframeToChange(KeyframeId id) {
     changed_keyframes_.add(id.value);
     return keyframes_.at(id);
   }
-  [[nodiscard]] const Keyframe& keyframe(KeyframeId id) const { return keyframes_.at(id); }
 
   /// The newest keyframes and, of the older ones, those that share most landmarks with the newest.
   ///
