@@ -107,8 +107,6 @@ std::vector<bool> FrameTracker::staticMask(const std::vector<TrackedLandmark>& l
   return verified;
 }
 
-/// Verified static landmarks first, then others, each spread evenly; all landmarks where few are
-/// verified, so that the camera's motion can be found by consensus.
 std::vector<TrackedLandmark> FrameTracker::selectLandmarksToFollow(
     const std::vector<TrackedLandmark>& seen_before, bool new_map, const SparseMap& map) const {
   constexpr std::size_t kEnough = 160;
@@ -121,11 +119,8 @@ std::vector<TrackedLandmark> FrameTracker::selectLandmarksToFollow(
   const bool few = verified.size() < 2 * static_cast<std::size_t>(params_.min_inliers);
   const std::size_t max = new_map || few ? seen_before.size() : kEnough;
   for (const auto* group : {&verified, &others}) {
-    const std::size_t room = max - chosen.size();
-    const std::size_t stride = 1 + group->size() / (room + 1);
-    for (std::size_t i = 0; i < group->size() && chosen.size() < max; i += stride) {
-      chosen.push_back((*group)[i]);
-    }
+    const std::size_t count = std::min(group->size(), max - chosen.size());
+    for (std::size_t i = 0; i < count; ++i) chosen.push_back((*group)[i * group->size() / count]);
   }
   return chosen;
 }

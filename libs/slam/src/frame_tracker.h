@@ -48,6 +48,12 @@ class FrameTracker {
                                                            const std::vector<LandmarkId>& local,
                                                            SparseMap& map, int min_inliers) const;
 
+  /// The landmarks of the previous frame that are followed into the current one: at most 160,
+  /// verified static ones first, then others, each spread evenly over those seen; all where few are
+  /// verified, so that the camera's motion can be found by consensus.
+  [[nodiscard]] std::vector<TrackedLandmark> selectLandmarksToFollow(
+      const std::vector<TrackedLandmark>& seen_before, bool new_map, const SparseMap& map) const;
+
  private:
   /// A pose good to a few pixels.
   struct CoarsePose {
@@ -61,8 +67,6 @@ class FrameTracker {
   [[nodiscard]] bool isStatic(const Landmark& landmark) const;
   [[nodiscard]] std::vector<bool> staticMask(const std::vector<TrackedLandmark>& landmarks,
                                              const SparseMap& map) const;
-  [[nodiscard]] std::vector<TrackedLandmark> selectLandmarksToFollow(
-      const std::vector<TrackedLandmark>& seen_before, bool new_map, const SparseMap& map) const;
   [[nodiscard]] std::optional<CoarsePose> coarsePose(const Pose& predicted,
                                                      const std::vector<TrackedLandmark>& followed,
                                                      const TrackingFrame& current, bool new_map,
