@@ -29,7 +29,9 @@ class UnreliablePoseTest : public testing::Test {
     if (!is_frozen) image_ = world_.frame(0, 0.0, here());
     StereoFrame frame = image_;
     frame.index = static_cast<std::size_t>(frames_);
-    frame.time = 0.1 * frames_++;
+    frame.time = time_;
+    time_ += interval_s_;
+    ++frames_;
     frame.motion_prior.T_previous_current = by_wheels;
     return slam_->process(frame, {}, images);
   }
@@ -55,11 +57,13 @@ class UnreliablePoseTest : public testing::Test {
   SlamParams params_;
   std::unique_ptr<StereoSlam> slam_;
   Pose step_ = Pose::Identity();  ///< the latest motion
+  double interval_s_ = 0.1;       ///< between frames
 
  private:
   StereoFrame image_;
   int place_ = 0;
   int frames_ = 0;
+  Time time_ = 0.0;
 };
 
 TEST_F(UnreliablePoseTest, RelocalisationIsNoMotionForTheWheelsToContradict) {
@@ -111,6 +115,35 @@ TEST_F(UnreliablePoseTest, FrozenImagesOfARobotThatStandsByItsWheelsAreRight) {
     EXPECT_EQ(update.status, TrackingStatus::kTracked);
     EXPECT_LT(errorOf(update), 0.03);
   }
+}
+
+TEST_F(UnreliablePoseTest, FrozenImagesConfirmNoRobotThatDrivesAtAnyFrameRate) {
+  for (const double rate_hz : {10.0, 30.0, 100.0}) {
+    slam_.reset();
+    interval_s_ = 0.1;
+    walk(15);
+    interval_s_ = 1.0 / rate_hz;
+    (void)next();
+    Pose step = Pose::Identity();
+    step.translation().x() = 0.29 * interval_s_;
+    for (int i = 0; i < rate_hz; ++i) {
+      EXPECT_EQ(next(ImageEvidence::kSeenBefore, step).doubt, Doubt::kFrozen) << rate_hz << " Hz";
+    }
+  }
+}
+
+TEST_F(UnreliablePoseTest, FrozenImagesAreRightOnlyUpToTheNoiseOfCreepingWheels) {
+  walk(15);
+  (void)next();
+  Pose step = Pose::Identity();
+  step.translation().x() = 0.0008;  // 8 mm/s
+  int confirmed = 0;
+  for (int i = 1; i <= 50; ++i) {
+    if (next(ImageEvidence::kSeenBefore, step).status != TrackingStatus::kTracked) continue;
+    EXPECT_LE(0.0008 * i, 0.01);
+    ++confirmed;
+  }
+  EXPECT_GE(confirmed, 10);
 }
 
 TEST_F(UnreliablePoseTest, ImagesThatContradictEachOtherAreUsedWithoutTrust) {

@@ -32,7 +32,27 @@ Eigen::Matrix<double, 6, 1> differenceSigma(const OdometryLink& link, double pos
   return sigma;
 }
 
+/// Whether a motion is smaller than the noise of wheels that stand, times a factor.
+bool isWithinNoise(const Pose& motion, double factor) {
+  const Eigen::Matrix<double, 6, 1> sigma = factor * sigmaOf({});
+  return motion.translation().norm() <= sigma[0] && logSo3(motion.linear()).norm() <= sigma[5];
+}
+
 }  // namespace
+
+bool StandstillCheck::add(Time time, const MotionPrior& prior, bool is_new) {
+  const double seconds = last_ ? time - *last_ : 0.0;
+  last_ = time;
+  if (is_new) {
+    T_new_now_ = Pose::Identity();
+  } else if (!prior.T_previous_current) {
+    T_new_now_.reset();
+  } else if (T_new_now_) {
+    T_new_now_ = normalized(Pose(*T_new_now_ * *prior.T_previous_current));
+  }
+  return T_new_now_ && prior.T_previous_current && isWithinNoise(*T_new_now_, 1.0) &&
+         isWithinNoise(*prior.T_previous_current, kMaxSigmas * seconds / kWindowS);
+}
 
 bool OdometryCheck::add(const MeasuredStep& by_camera, const MotionPrior& prior) {
   if (!prior.T_previous_current) {

@@ -4,6 +4,7 @@
 #include <headway/core/stereo_frame.h>
 
 #include <deque>
+#include <optional>
 
 #include "sparse_map.h"
 
@@ -38,6 +39,21 @@ class OdometryCheck {
   };
 
   std::deque<Moment> window_;
+};
+
+/// Tells by wheel odometry whether images that show nothing new may still be right.
+class StandstillCheck {
+ public:
+  /// Adds the motion since the frame before.
+  ///
+  /// @param is_new  whether the frame's images show something new
+  /// @return        true if the wheels are slower than their noise over a second, and not farther
+  ///                than that noise from where the newest such images were taken
+  bool add(Time time, const MotionPrior& prior, bool is_new);
+
+ private:
+  std::optional<Time> last_;       ///< of the frame before
+  std::optional<Pose> T_new_now_;  ///< since the images that were new; nullopt: not known
 };
 
 }  // namespace headway::slam

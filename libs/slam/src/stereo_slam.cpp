@@ -8,24 +8,13 @@
 
 namespace headway::slam {
 
-namespace {
-
-/// Whether the wheels did not move since the frame before.
-bool stands(const MotionPrior& prior) {
-  constexpr double kMaxMetres = 0.01;
-  constexpr double kMaxTurn = 0.005;  // [rad]
-  return prior.T_previous_current && prior.T_previous_current->translation().norm() < kMaxMetres &&
-         logSo3(prior.T_previous_current->linear()).norm() < kMaxTurn;
-}
-
-}  // namespace
-
 SlamUpdate StereoSlam::Implementation::process(const stereo::FrameContext& context,
                                                const MovingRegions& moving, ImageEvidence images) {
   LoopProgress searched = takeBackgroundWork();
   const StereoFrame& frame = context.frame();
-  const bool is_frozen =
-      images == ImageEvidence::kSeenBefore && !(params_.use_odometry && stands(frame.motion_prior));
+  const bool is_repeated = images == ImageEvidence::kSeenBefore;
+  const bool stands = standstill_check_.add(frame.time, frame.motion_prior, !is_repeated);
+  const bool is_frozen = is_repeated && !(params_.use_odometry && stands);
   TrackingFrame current;
   std::optional<TrackedPose> tracked;
   {

@@ -99,6 +99,7 @@ class StereoSlam::Implementation {
   MotionModel motion_;
   InertialAlignment inertial_;
   OdometryCheck odometry_check_;
+  StandstillCheck standstill_check_;
   KeyframeOdometry odometry_since_tracked_;  ///< from the last tracked frame
   SparseMap map_;
   MapViewMaker views_;

@@ -107,8 +107,8 @@ class StereoSlam {
 
   /// Localises one frame and extends the map from it. Frames come in order of time.
   ///
-  /// Images that were seen before tell nothing new. Where wheel odometry says that the robot stands
-  /// they confirm it; otherwise they are not used.
+  /// Images that were seen before tell nothing new. Where wheel odometry says that the robot has
+  /// stood since they were new they confirm it; otherwise they are not used.
   ///
   /// @throws InputError if the images or the mask are not of the camera's size
   [[nodiscard]] SlamUpdate process(const stereo::FrameContext& frame, const MovingRegions& moving,
