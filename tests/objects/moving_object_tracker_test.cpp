@@ -77,6 +77,14 @@ TEST(MovingObjectTrackerTest, DoesNotShowALostObjectThatLeftTheView) {
   EXPECT_THAT(replay.last.tracks, IsEmpty()) << "beside the robot, outside the field of view";
 }
 
+TEST(MovingObjectTrackerTest, AFalseAlarmDoesNotWidenTheView) {
+  Replay replay;
+  replay.frame({seenCar(1, 9)});  // far beside the camera
+  for (int k = 0; k < 15; ++k) replay.frame({seenCar(14 - 0.7 * k, 3)});
+  replay.frame({});
+  EXPECT_THAT(replay.last.tracks, IsEmpty()) << "farther to the side than it was ever followed";
+}
+
 TEST(MovingObjectTrackerTest, RemovesASingleFalseAlarm) {
   Replay replay;
   replay.frame({seenCar(10, 0)});

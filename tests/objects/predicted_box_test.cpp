@@ -38,22 +38,19 @@ TEST(PredictedBoxTest, IsNoneBehindTheCameraAndWithoutHeight) {
   EXPECT_FALSE(predictedBox(predictedBoxAt(front), front, front, 0.0));
 }
 
-MeasuredBox measuredAt(const Eigen::Vector3d& position) {
-  MeasuredBox box;
-  box.position = position;
-  return box;
-}
-
 TEST(FieldOfViewTest, CoversNothingBeforeTheFirstDetection) {
   FieldOfView view;
   EXPECT_FALSE(view.covers({1.0, 0.0, 5.0}));
-  view.update(Pose::Identity(), {});
+  view.move(Pose::Identity());
   EXPECT_FALSE(view.covers({1.0, 0.0, 5.0}));
 }
 
 TEST(FieldOfViewTest, ReachesToTheLargestBearingOnBothSides) {
   FieldOfView view;
-  view.update(Pose::Identity(), {measuredAt({2.0, 0.0, 10.0}), measuredAt({-1.0, 0.0, 10.0})});
+  view.move(Pose::Identity());
+  view.widenTo({2.0, 0.0, 10.0});
+  view.widenTo({-1.0, 0.0, 10.0});
+  view.widenTo({9.0, 0.0, -10.0});
   EXPECT_TRUE(view.covers({0.9, 0.0, 5.0}));
   EXPECT_TRUE(view.covers({-3.9, 1.0, 20.0}));
   EXPECT_FALSE(view.covers({1.1, 0.0, 5.0}));
@@ -62,11 +59,12 @@ TEST(FieldOfViewTest, ReachesToTheLargestBearingOnBothSides) {
 
 TEST(FieldOfViewTest, MovesWithTheSensorAndKeepsItsWidth) {
   FieldOfView view;
-  view.update(Pose::Identity(), {measuredAt({2.0, 0.0, 10.0})});
+  view.move(Pose::Identity());
+  view.widenTo({2.0, 0.0, 10.0});
   Pose T_map_sensor = Pose::Identity();
   T_map_sensor.linear() = expSo3({0.0, M_PI, 0.0});
   T_map_sensor.translation() << 1.0, 0.0, 0.0;
-  view.update(T_map_sensor, {});
+  view.move(T_map_sensor);
   EXPECT_TRUE(view.covers({1.0, 0.0, -10.0}));
   EXPECT_FALSE(view.covers({1.0, 0.0, 10.0}));
   EXPECT_NEAR(view.inSensor({1.0, 0.0, -10.0}).z(), 10.0, 1e-12);

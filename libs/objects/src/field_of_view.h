@@ -3,19 +3,19 @@
 
 #include <headway/core/pose.h>
 
-#include <vector>
-
-#include "measured_box.h"
-
 namespace headway::objects {
 
-/// Field of view of the detector, estimated from the largest bearing of its detections.
+/// Field of view of the detector, estimated from the largest bearing at which it has followed an
+/// object: a false detection beside it does not widen it.
 ///
 /// An undetected object outside of it is not a missed detection.
 class FieldOfView {
  public:
-  /// Updates the pose of the sensor and widens the field of view to its detections.
-  void update(const Pose& T_map_sensor, const std::vector<MeasuredBox>& seen);
+  /// Sets the pose of the sensor.
+  void move(const Pose& T_map_sensor) { T_sensor_map_ = T_map_sensor.inverse(); }
+
+  /// Widens the field of view to where a confirmed object was detected, in the map.
+  void widenTo(const Eigen::Vector3d& place);
 
   /// Whether a position in the map is in front, within the largest bearing so far.
   [[nodiscard]] bool covers(const Eigen::Vector3d& place) const;

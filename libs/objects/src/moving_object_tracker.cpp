@@ -35,7 +35,7 @@ class MovingObjectTracker::Implementation {
     if (!runsForward(time)) return refuse(frame, detections, std::move(update));
 
     const auto measured = measure(T_map_robot.value, detections, update);
-    view_.update(T_map_robot.value * detections.T_robot_sensor, measured.boxes);
+    view_.move(T_map_robot.value * detections.T_robot_sensor);
     predictTo(time, update);
     const auto expected = expectedPlaces();
     const Matches matches = consistency_.match(expected, measured.boxes);  // Sec. III-C3
@@ -122,6 +122,7 @@ class MovingObjectTracker::Implementation {
     for (const auto& [track, detection] : matches.pairs) {
       const MeasuredBox& box = measured.likeliest(detection, expected[track]);
       objects_[track]->update(frame, time, box);
+      if (objects_[track]->statusAt(time) == TrackStatus::kConfirmed) view_.widenTo(box.position);
       if (objects_[track]->mature()) noise_.learn(expected[track], box);
     }
     for (const auto& object : objects_) {
