@@ -65,6 +65,24 @@ TEST(MovingRegionsTest, A3dBoxAloneIsProjected) {
   EXPECT_NEAR(120.0 + 400.0 * 0.75 / 9.0, regions.unsure[0].bottom, 1e-9);
 }
 
+TEST(MovingRegionsTest, ABoxThatReachesBehindTheCameraIsCutAtIt) {
+  // A van beside the camera, from 1 m behind it to 4 m before it, its near side 0.5 m to the right.
+  const Box3d beside{{1.5, 0.0, 1.5}, 5.0, 2.0, 2.0, -M_PI / 2.0};
+  const auto box = projectedBox(beside, kCamera);
+  ASSERT_TRUE(box);
+  EXPECT_NEAR(320.0 + 400.0 * 0.5 / 4.0, box->left, 1e-9) << "its farthest edge";
+  EXPECT_EQ(639.0, box->right);
+  EXPECT_EQ(0.0, box->top);
+  EXPECT_EQ(239.0, box->bottom);
+  const auto around = projectedBox({{0.0, 0.0, 0.0}, 2.0, 2.0, 2.0, 0.3}, kCamera);
+  ASSERT_TRUE(around) << "the camera is in it";
+  EXPECT_EQ(0.0, around->left);
+  EXPECT_EQ(639.0, around->right);
+  EXPECT_FALSE(projectedBox({{0.0, 0.0, -2.0}, 2.0, 2.0, 2.0, 0.3}, kCamera)) << "all of it behind";
+  const double unknown = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(projectedBox({{0.0, 0.0, unknown}, 2.0, 2.0, 2.0, 0.3}, kCamera));
+}
+
 TEST(MovingRegionsTest, ABoxEndsBehindItsObject) {
   Detection detection = detectionIn({100, 50, 200, 150});
   Detections detections;

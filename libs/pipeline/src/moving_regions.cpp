@@ -4,6 +4,7 @@
 #include <headway/stereo/rig_capability.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <opencv2/core.hpp>
@@ -15,6 +16,7 @@ constexpr double kSameObjectIou = 0.3;
 constexpr double kWiden = 0.125;      // of a box, on each side
 constexpr double kFarMargin_m = 0.5;  // of the position of a box, along the ray
 constexpr double kFarSigmas = 3.0;    // of the depths measured on an object
+constexpr double kNear_m = 0.1;       // nearer parts of a box are not drawn
 
 /// The confirmed track at the box's position; null if there is none.
 const Track* trackOf(const Box2d& box, const std::vector<Track>& previous) {
@@ -42,6 +44,37 @@ double farSideOf(const Box3d& box, const StereoCamera& camera) {
   const double far_side = box.centre.z() + 0.5 * std::hypot(box.length, box.width);
   if (!(far_side > 0.0)) return std::numeric_limits<double>::infinity();
   return far_side + kFarMargin_m + kFarSigmas * stereo::rigCapability(camera).depthSigma(far_side);
+}
+
+using Corners = std::array<Eigen::Vector3d, 8>;
+
+/// Those whose numbers differ in one binary digit are joined by an edge.
+Corners cornersOf(const Box3d& box) {
+  const Eigen::Vector3d front = 0.5 * box.length * frontOf(box);
+  const Eigen::Vector3d side =
+      0.5 * box.width * Eigen::Vector3d(front.z(), 0, -front.x()) / std::max(1e-9, front.norm());
+  Corners corners;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    corners[i] = box.centre + (i & 1 ? front : -front) + (i & 2 ? side : -side) +
+                 Eigen::Vector3d(0, (i & 4 ? 0.5 : -0.5) * box.height, 0);
+  }
+  return corners;
+}
+
+/// Corners in front of the near plane, and where edges pierce it.
+std::vector<Eigen::Vector3d> visibleOutline(const Corners& corners) {
+  std::vector<Eigen::Vector3d> points;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (!(corners[i].z() >= kNear_m)) continue;
+    points.push_back(corners[i]);
+    for (const std::size_t edge : {1, 2, 4}) {
+      const Eigen::Vector3d& other = corners[i ^ edge];
+      if (!(other.z() < kNear_m)) continue;
+      const double ratio = (corners[i].z() - kNear_m) / (corners[i].z() - other.z());
+      points.push_back(corners[i] + ratio * (other - corners[i]));
+    }
+  }
+  return points;
 }
 
 double farSideOf(const std::optional<Box3d>& box, const StereoCamera& camera) {
@@ -129,16 +162,9 @@ MovingRegions movableRegions(const Detections& detections, const std::vector<Tra
 }
 
 std::optional<Box2d> projectedBox(const Box3d& box, const StereoCamera& camera) {
-  const Eigen::Vector3d front = 0.5 * box.length * frontOf(box);
-  const Eigen::Vector3d side =
-      0.5 * box.width * Eigen::Vector3d(front.z(), 0, -front.x()) / std::max(1e-9, front.norm());
   Box2d around{1e9, 1e9, -1e9, -1e9};
-  for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3d point = box.centre + (corner & 1 ? front : -front) +
-                                  (corner & 2 ? side : -side) +
-                                  Eigen::Vector3d(0, (corner & 4 ? 0.5 : -0.5) * box.height, 0);
+  for (const Eigen::Vector3d& point : visibleOutline(cornersOf(box))) {
     const auto pixel = project(point, camera);
-    if (!pixel) return std::nullopt;
     around.left = std::min(around.left, pixel->x());
     around.right = std::max(around.right, pixel->x());
     around.top = std::min(around.top, pixel->y());

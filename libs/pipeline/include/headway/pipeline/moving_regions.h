@@ -51,9 +51,9 @@ void append(const MovingRegions& more, MovingRegions& all);
                                            const std::vector<Track>& tracks,
                                            const Pose& T_map_robot, const StereoCamera& camera);
 
-/// The image box around a 3D box, clipped to the image.
+/// The image box around the part of a 3D box in front of the camera, clipped to the image.
 ///
-/// @return [px]; nullopt if a corner is not in front of the camera or the box is out of view
+/// @return [px]; nullopt if all corners are behind the camera or the box is out of view
 [[nodiscard]] std::optional<Box2d> projectedBox(const Box3d& box, const StereoCamera& camera);
 
 }  // namespace headway::pipeline
