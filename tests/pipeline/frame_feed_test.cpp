@@ -100,6 +100,22 @@ TEST(FrameFeedTest, AnHoursPauseOfTheRecordingIsNotWaitedFor) {
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(36)) << "of one pause";
 }
 
+TEST(FrameFeedTest, AClockThatIsSetBackDoesNotChangeThePace) {
+  auto inner = readerOf(10, 0.1);
+  const auto start = std::chrono::steady_clock::now();
+  const auto feed = makeRealtimeFeed(
+      [inner]() mutable {
+        auto frame = inner();
+        if (frame && frame->index >= 5) frame->time -= 3600.0;
+        return frame;
+      },
+      2.0, 10);
+  EXPECT_EQ(10u, drain(*feed, 0.0).size());
+  const auto elapsed = std::chrono::steady_clock::now() - start;
+  EXPECT_GE(elapsed, std::chrono::milliseconds(450)) << "nine intervals";
+  EXPECT_LT(elapsed, std::chrono::seconds(36)) << "an hour is not waited for";
+}
+
 TEST(FrameFeedTest, ExceptionsOfTheReaderFollowItsLastFrame) {
   auto inner = readerOf(3, 0.0);
   const auto feed = makeRealtimeFeed(

@@ -70,6 +70,7 @@ class RealtimeFeed : public FrameFeed {
       std::optional<Clock::time_point> start;
       Time first = 0.0;
       Time last = 0.0;
+      Time interval = 0.0;  // between the last two frames
       while (auto frame = reader_()) {
         if (!start) {
           start = Clock::now();
@@ -77,6 +78,9 @@ class RealtimeFeed : public FrameFeed {
         }
         // A pause of the recording is not waited for.
         if (frame->time - last > kMaxGapS) first += frame->time - last - kMaxGapS;
+        // A clock that was set back: its frames follow at the pace of those before.
+        if (frame->time < last) first += frame->time - last - interval;
+        if (frame->time >= last) interval = std::min(frame->time - last, kMaxGapS);
         last = frame->time;
         const std::chrono::duration<double> due((frame->time - first) / factor_);
         if (!hand(std::move(*frame), *start + std::chrono::duration_cast<Clock::duration>(due))) {
