@@ -29,10 +29,10 @@ Detections listOf(std::vector<Detection> items) {
 TEST(FuseTest, OneSourceComesOutAsItWentIn) {
   const auto only =
       listOf({seenAt(10, 5.0, ObjectClass::kCar), seenAt(12, 5.1, ObjectClass::kCar)});
-  const auto fused = fuse({only});
+  const auto fused = fuse({only}).detections;
   EXPECT_EQ(fused.items.size(), 2u);
   EXPECT_EQ(fused.time, 7.0);
-  EXPECT_TRUE(fuse({}).items.empty());
+  EXPECT_TRUE(fuse({}).detections.items.empty());
 }
 
 TEST(FuseTest, AnObjectSeenTwiceIsReportedOnceWithAllThatIsKnown) {
@@ -40,7 +40,7 @@ TEST(FuseTest, AnObjectSeenTwiceIsReportedOnceWithAllThatIsKnown) {
   moving.detector_id = 3;
   moving.velocity = MeasuredVelocity{{0, 0, 9}, Eigen::Matrix3d::Identity()};
   const auto fused =
-      fuse({listOf({seenAt(10, std::nullopt, ObjectClass::kCar)}), listOf({moving})});
+      fuse({listOf({seenAt(10, std::nullopt, ObjectClass::kCar)}), listOf({moving})}).detections;
   ASSERT_EQ(fused.items.size(), 1u);
   EXPECT_EQ(fused.items[0].object_class, ObjectClass::kCar);
   EXPECT_EQ(fused.items[0].box2d->left, 10);
@@ -57,11 +57,11 @@ TEST(FuseTest, APersonWhoMovesLikeACyclistIsOneIfAskedFor) {
   person.evidence.classifier = true;
   auto moving = seenAt(14, 20.0, ObjectClass::kCyclist);
   moving.evidence.motion = true;
-  EXPECT_EQ(fuse({listOf({person}), listOf({moving})}).items.at(0).object_class,
+  EXPECT_EQ(fuse({listOf({person}), listOf({moving})}).detections.items.at(0).object_class,
             ObjectClass::kPedestrian);
   FusionParams params;
   params.rider_by_motion = true;
-  EXPECT_EQ(fuse({listOf({person}), listOf({moving})}, params).items.at(0).object_class,
+  EXPECT_EQ(fuse({listOf({person}), listOf({moving})}, params).detections.items.at(0).object_class,
             ObjectClass::kCyclist);
 }
 
@@ -73,7 +73,7 @@ TEST(FuseTest, EvidenceOfAllSourcesIsKept) {
   moving.searched_track = TrackId{4};
   moving.mask = std::make_shared<const ObjectMask>();
   moving.appearance = std::make_shared<const AppearanceTemplate>();
-  const auto fused = fuse({listOf({classified}), listOf({moving})});
+  const auto fused = fuse({listOf({classified}), listOf({moving})}).detections;
   ASSERT_EQ(fused.items.size(), 1u);
   const Detection& item = fused.items[0];
   EXPECT_TRUE(item.evidence.classifier && item.evidence.motion);
@@ -86,7 +86,8 @@ TEST(FuseTest, EvidenceOfAllSourcesIsKept) {
 
 TEST(FuseTest, OverlappingBoxesFarApartInSpaceAreTwoObjects) {
   const auto fused = fuse({listOf({seenAt(10, 10.0, ObjectClass::kCar)}),
-                           listOf({seenAt(12, 30.0, ObjectClass::kCar)})});
+                           listOf({seenAt(12, 30.0, ObjectClass::kCar)})})
+                         .detections;
   EXPECT_EQ(fused.items.size(), 2u);
 }
 
@@ -94,9 +95,9 @@ TEST(FuseTest, PlacesDecideWhereThereAreNoImageBoxes) {
   auto a = seenAt(10, 10.0, ObjectClass::kCar);
   auto b = seenAt(300, 10.5, ObjectClass::kUnknown);
   a.box2d.reset();
-  EXPECT_EQ(fuse({listOf({a}), listOf({b})}).items.size(), 1u);
+  EXPECT_EQ(fuse({listOf({a}), listOf({b})}).detections.items.size(), 1u);
   b.box3d->centre.x() += 6.0;
-  EXPECT_EQ(fuse({listOf({a}), listOf({b})}).items.size(), 2u);
+  EXPECT_EQ(fuse({listOf({a}), listOf({b})}).detections.items.size(), 2u);
 }
 
 TEST(FuseTest, TwoHalvesOfOneObjectDoNotBecomeASecondOne) {
@@ -104,7 +105,10 @@ TEST(FuseTest, TwoHalvesOfOneObjectDoNotBecomeASecondOne) {
   auto half = whole, other_half = whole;
   half.box2d->right = 40;
   other_half.box2d->left = 40;
-  EXPECT_EQ(fuse({listOf({whole}), listOf({half, other_half})}).items.size(), 1u);
+  const auto fused = fuse({listOf({whole}), listOf({half, other_half})});
+  EXPECT_EQ(fused.detections.items.size(), 1u);
+  EXPECT_EQ(fused.dropped, (DropCounts{{"part_of_other", 1}}));
+  EXPECT_TRUE(fuse({listOf({whole}), listOf({half})}).dropped.empty()) << "joined";
 }
 
 TEST(MakeDetectorTest, NamesWhatThereIs) {

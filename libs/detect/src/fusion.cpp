@@ -58,9 +58,11 @@ void complete(Detection& kept, const Detection& other, const FusionParams& param
 
 }  // namespace
 
-Detections fuse(const std::vector<Detections>& sources, const FusionParams& params) {
-  if (sources.empty()) return {};
-  Detections result = sources.front();
+FusedDetections fuse(const std::vector<Detections>& sources, const FusionParams& params) {
+  FusedDetections fused;
+  if (sources.empty()) return fused;
+  Detections& result = fused.detections;
+  result = sources.front();
   for (std::size_t s = 1; s < sources.size(); ++s) {
     const auto& more = sources[s].items;
     const std::size_t known = result.items.size();
@@ -73,14 +75,18 @@ Detections fuse(const std::vector<Detections>& sources, const FusionParams& para
         doubled[j] = true;
       }
     }
+    std::size_t dropped =
+        static_cast<std::size_t>(std::count(doubled.begin(), doubled.end(), true));
     for (const auto& pair : assignPairs(std::move(candidates))) {
       complete(result.items[pair.row], more[pair.column], params);
+      --dropped;
     }
     for (std::size_t j = 0; j < more.size(); ++j) {
       if (!doubled[j]) result.items.push_back(more[j]);
     }
+    if (dropped > 0) fused.dropped["part_of_other"] += dropped;
   }
-  return result;
+  return fused;
 }
 
 }  // namespace headway::detect

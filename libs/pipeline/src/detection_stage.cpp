@@ -148,7 +148,11 @@ FrameDetections DetectionStage::detectMotion(const RecordedFrame& frame,
   }
   detect::FusionParams fusion;
   fusion.rider_by_motion = boxes.classified;
-  if (!sources.empty()) found.fused = detect::fuse(sources, fusion);
+  if (!sources.empty()) {
+    auto fused = detect::fuse(sources, fusion);
+    found.fused = std::move(fused.detections);
+    for (const auto& [reason, count] : fused.dropped) found.dropped[reason] += count;
+  }
   const bool lacking = found.fused && lackDepth(*found.fused);
   const bool may_correct = boxes.classified && found.fused;
   if (frame.stereo && T_map_robot && (lacking || may_correct)) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <headway/core/detection.h>
+#include <headway/core/track.h>
 
 #include <vector>
 
@@ -17,6 +18,14 @@ struct FusionParams {
   bool rider_by_motion = false;
 };
 
+/// What fuse() makes of several sources.
+struct FusedDetections {
+  Detections detections;  ///< time and sensor of the first source; no source: empty
+  /// "part_of_other": of an object that another detection of the same source was joined to, such as
+  /// one half of it.
+  DropCounts dropped;
+};
+
 /// Joins what several detectors found in one frame, without doubles.
 ///
 /// Two detections of different sources are one object if their image boxes overlap and, where both
@@ -24,11 +33,10 @@ struct FusionParams {
 /// earlier source's detection is kept (list the one that knows classes first) and takes from the
 /// other what it lacks: the 3D box with its covariance, the 2D box, or the velocity. A class that
 /// is Unknown gives way to a known one. Laws: one source alone comes out as it went in; nothing is
-/// invented.
+/// invented; every detection is in the result, joined to one in it, or counted as dropped.
 ///
 /// @param sources  of the same frame and sensor, best informed first
-/// @return         time and sensor of the first source; none: empty Detections
-[[nodiscard]] Detections fuse(const std::vector<Detections>& sources,
-                              const FusionParams& params = {});
+[[nodiscard]] FusedDetections fuse(const std::vector<Detections>& sources,
+                                   const FusionParams& params = {});
 
 }  // namespace headway::detect
