@@ -2,6 +2,7 @@
 // What is written beside a rawlog, for frames that are made by hand.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <headway/io/calibration_file.h>
 #include <headway/io/dataset.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/io/track_file.h>
@@ -202,11 +203,18 @@ TEST_F(TruthFilesTest, CalibrationsSayWhatTheCamerasAre) {
   EXPECT_NEAR(projections.at("P0")(0, 2), 31.5, 1e-9);
   EXPECT_NEAR(projections.at("P1")(0, 3), -60.0 * 0.2, 1e-9);
   EXPECT_NEAR(projections.at("P3")(0, 3), projections.at("P1")(0, 3), 1e-12);
-  const std::string yaml = test::contentsOf(truth + "/calibration.yaml");
-  EXPECT_THAT(yaml, HasSubstr("baseline_m: 0.2\n"));
-  EXPECT_THAT(yaml, HasSubstr("width: 64\n"));
-  EXPECT_THAT(yaml, HasSubstr("recorded_right:\n"));
-  EXPECT_THAT(yaml, HasSubstr("distortion: [0, 0, 0, 0, 0]"));
+  const StereoCamera rectified = io::readCalibration(truth + "/calibration.yaml");
+  EXPECT_EQ(rectified.width, 64);
+  EXPECT_DOUBLE_EQ(rectified.fx, 60.0);
+  EXPECT_DOUBLE_EQ(rectified.cx, 31.5);
+  EXPECT_DOUBLE_EQ(rectified.baseline_m, 0.2);
+  EXPECT_LT((rectified.T_robot_cam.matrix() - Lens(truthCamera()).ideal().T_robot_cam.matrix())
+                .cwiseAbs()
+                .maxCoeff(),
+            1e-12);
+  const auto imported = io::readStereoCalibration(truth + "/calibration.yaml");
+  EXPECT_EQ(imported.format, "headway");
+  EXPECT_TRUE(imported.is_mounted);
 }
 
 TEST(TruthFolderTest, LiesBesideTheRawlog) {

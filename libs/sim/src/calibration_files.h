@@ -2,7 +2,6 @@
 #pragma once
 
 #include <headway/core/stereo_camera.h>
-#include <headway/io/rawlog_sink.h>
 
 #include <string>
 
@@ -11,9 +10,5 @@ namespace headway::sim {
 /// KITTI's calib.txt: P0 ... P3 (pairs 0/1 and 2/3 are the same), R0_rect, and the robot frame in
 /// the place of the lidar's. @throws InputError if it cannot be written
 void writeKittiCalibration(const std::string& path, const StereoCamera& camera);
-
-/// Cameras as rectified and as recorded, and where they are on the robot.
-void writeYamlCalibration(const std::string& path, const StereoCamera& camera,
-                          const io::RawStereoCamera& recorded);
 
 }  // namespace headway::sim

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/error.h>
 #include <headway/core/output_file.h>
+#include <headway/io/calibration_file.h>
+#include <headway/io/depth_camera.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
@@ -115,6 +117,12 @@ void writeDrops(const std::string& path, const std::vector<Drop>& drops) {
   writeFile(path, out.str());
 }
 
+/// The camera as replays of the recording use it.
+StereoCamera asReplayed(StereoCamera camera) {
+  if (camera.isDepthCamera()) camera.baseline_m = io::equivalentBaseline(camera.fx);
+  return camera;
+}
+
 void writePlaces(const std::string& path, const std::vector<TruePlace>& places) {
   std::ostringstream out;
   out << "time,latitude_deg,longitude_deg,altitude_m,heading_deg\n" << std::fixed;
@@ -145,7 +153,7 @@ class Recording::Files {
     objects_.stream() << io::objectCsvHeader() << ",visible\n";
     writeFile(folder_ + "/world.ini", world_ini);
     writeKittiCalibration(folder_ + "/calib.txt", camera);
-    writeYamlCalibration(folder_ + "/calibration.yaml", camera, recorded);
+    io::writeCalibration(folder_ + "/calibration.yaml", asReplayed(camera));
   }
 
   void write(const SimFrame& frame) {
