@@ -145,11 +145,17 @@ TEST(CommandLineTest, HelpHasTheLayoutThatToolsRead) {
   std::string text;
   bool overwrite = false;
   double factor = 0.0;
+  int threads = 1;
+  std::vector<std::string> inputs;
+  std::optional<std::size_t> first;
   CommandLine line("headway-x part", "Does one thing. And another.");
   line.positional(text, "IN", "Input");
   line.option(text, 'o', "output", "FILE", "Output", true);
   line.option(factor, 0, "a-name-that-is-long-itself", "FACTOR",
               "A meaning of so many words that they do not fit into the line that they begin in");
+  line.option(inputs, 'i', "input", "FILE", "Inputs; repeatable");
+  line.option(threads, 't', "threads", "N", "Threads");
+  line.option(first, 0, "from-index", "N", "First frame");
   line.flag(overwrite, 'w', "overwrite", "Overwrite");
   ::testing::internal::CaptureStdout();
   EXPECT_FALSE(parse(line, {"--help"}));
@@ -166,6 +172,9 @@ Options:
       --a-name-that-is-long-itself FACTOR
                              A meaning of so many words that they do not fit
                              into the line that they begin in
+  -i, --input FILE           Inputs; repeatable
+  -t, --threads N            Threads
+      --from-index N         First frame
   -w, --overwrite            Overwrite
   -q, --quiet                Print errors only
   -v, --verbosity LEVEL      Least important messages to print: DEBUG, INFO,

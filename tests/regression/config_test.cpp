@@ -5,6 +5,9 @@
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <regex>
+#include <set>
+#include <sstream>
 
 #include "replay_run.h"
 
@@ -88,6 +91,57 @@ TEST(ConfigTest, EveryProgramHasHelpAndVersion) {
     EXPECT_EQ(0, test::runProcess(test::program(name) + " --version").status) << name;
     EXPECT_EQ(2, test::runProcess(test::program(name) + " --no-such-option").status) << name;
   }
+}
+
+/// Long names of the options that the sources of a program declare.
+std::set<std::string> declaredOptions(const std::string& name) {
+  static const std::regex declaration(
+      R"re((option|flag)\([^,;]{1,80},\s*('.'|0),\s*"([a-z][a-z0-9-]*)")re");
+  std::set<std::string> options;
+  for (const auto& file :
+       std::filesystem::directory_iterator(std::string(HEADWAY_SOURCE_DIR) + "/apps/" + name)) {
+    if (file.path().extension() != ".cpp") continue;
+    const std::string text = test::contentsOf(file.path());
+    for (std::sregex_iterator at(text.begin(), text.end(), declaration), end; at != end; ++at) {
+      options.insert((*at)[3]);
+    }
+  }
+  return options;
+}
+
+/// Those that --help of a program and of its sub-commands shows, which completion and manual pages
+/// are made from.
+std::set<std::string> printedOptions(const std::string& call) {
+  const std::string help = test::runProcess(call + " --help").output;
+  std::set<std::string> options;
+  std::istringstream lines(help);
+  bool is_list = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.empty() && line[0] != ' ') is_list = line == "Sub-commands:";
+    if (is_list && line.size() > 3 && line.compare(0, 2, "  ") == 0 && line[2] != ' ') {
+      options.merge(printedOptions(call + " " + line.substr(2, line.find(' ', 2) - 2)));
+    } else if (line.compare(0, 3, "  -") == 0 || line.compare(0, 8, "      --") == 0) {
+      const auto from = line.find("--") + 2;
+      options.insert(line.substr(from, line.find_first_of(" ,", from) - from));
+    }
+  }
+  return options;
+}
+
+TEST(ConfigTest, EveryProgramPrintsTheOptionsThatItDeclares) {
+  std::size_t programs = 0;
+  for (const char* name : {"headway-import", "headway-export", "headway-replay", "headway-render",
+                           "headway-sim", "headway-eval", "headway-nav", "headway-live"}) {
+    if (!std::filesystem::exists(test::program(name))) continue;  // built on demand
+    const auto declared = declaredOptions(name);
+    EXPECT_FALSE(declared.empty()) << name;
+    const auto printed = printedOptions(test::program(name));
+    for (const std::string& option : declared) {
+      EXPECT_EQ(1u, printed.count(option)) << name << " --" << option;
+    }
+    ++programs;
+  }
+  EXPECT_GE(programs, 6u);
 }
 
 }  // namespace

@@ -84,25 +84,31 @@ struct CommandLine::Arguments {
              const std::string& meaning, bool required) {
     auto arg = std::make_shared<TCLAP::ValueArg<T>>(shortFlag(short_name), name, meaning, required,
                                                     target, type, line);
-    keep(arg, [arg, &target] { target = arg->getValue(); });
-    output.help.options.push_back({short_name, name, type, meaning, required});
+    declare(arg, {short_name, name, type, meaning, required},
+            [arg, &target] { target = arg->getValue(); });
   }
 
   void repeatable(std::vector<std::string>& target, char short_name, const std::string& name,
                   const std::string& type, const std::string& meaning) {
     auto arg = std::make_shared<TCLAP::MultiArg<std::string>>(shortFlag(short_name), name, meaning,
                                                               false, type, line);
-    keep(arg, [arg, &target] { target = arg->getValue(); });
-    output.help.options.push_back({short_name, name, type, meaning, false});
+    declare(arg, {short_name, name, type, meaning, false},
+            [arg, &target] { target = arg->getValue(); });
   }
 
   std::shared_ptr<TCLAP::SwitchArg> flag(bool& target, char short_name, const std::string& name,
                                          const std::string& meaning) {
     auto arg =
         std::make_shared<TCLAP::SwitchArg>(shortFlag(short_name), name, meaning, line, false);
-    keep(arg, [&target] { target = true; });
-    output.help.options.push_back({short_name, name, "", meaning, false});
+    declare(arg, {short_name, name, "", meaning, false}, [&target] { target = true; });
     return arg;
+  }
+
+  /// Keeps an option and lists it in --help.
+  template <typename Arg>
+  void declare(std::shared_ptr<Arg> arg, OptionText text, std::function<void()> apply) {
+    keep(std::move(arg), std::move(apply));
+    output.help.options.push_back(std::move(text));
   }
 
   template <typename Arg>
@@ -175,18 +181,15 @@ void CommandLine::option(std::optional<std::size_t>& target, char short_name,
                          const std::string& meaning) {
   auto arg = std::make_shared<TCLAP::ValueArg<long long>>(shortFlag(short_name), name, meaning,
                                                           false, 0, type, arguments_->line);
-  arguments_->keep(arg, [arg, &target, name] {
+  arguments_->declare(arg, {short_name, name, type, meaning, false}, [arg, &target, name] {
     if (arg->getValue() < 0) throw UsageError("--" + name + " must not be negative");
     target = static_cast<std::size_t>(arg->getValue());
   });
-  arguments_->output.help.options.push_back({short_name, name, type, meaning, false});
 }
 
 void CommandLine::option(std::vector<std::string>& target, char short_name, const std::string& name,
                          const std::string& type, const std::string& meaning) {
-  auto arg = std::make_shared<TCLAP::MultiArg<std::string>>(shortFlag(short_name), name, meaning,
-                                                            false, type, arguments_->line);
-  arguments_->keep(arg, [arg, &target] { target = arg->getValue(); });
+  arguments_->repeatable(target, short_name, name, type, meaning);
 }
 
 void CommandLine::parameters(Params& params) {
