@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <headway/core/error.h>
 #include <headway/detect/ground_scanner.h>
@@ -183,12 +184,12 @@ constexpr double kRobotHeight = 0.5;  // of the camera [m]
 
 /// Scan of an image from a camera at a height above known ground.
 GroundScan scanFrom(double height, const stereo::DisparityImage& image,
-                    double sigma_disparity_px = 0.4) {
+                    double sigma_disparity_px = 0.4, double min_obstacle_height_m = 0.12) {
   const auto camera = testCamera(height);
   const auto ground =
       stereo::groundPlane(stereo::rigCapability(camera), stereo::mountedUp(camera), height);
   GroundScanParams params = withReach(6.0);
-  params.min_obstacle_height_m = 0.12;
+  params.min_obstacle_height_m = min_obstacle_height_m;
   params.sigma_disparity_px = sigma_disparity_px;
   return scanGround(image, camera, ground, {}, params);
 }
@@ -229,6 +230,22 @@ TEST(ScanGroundTest, ADropIsAnObstacleToARobotButNotToACar) {
   EXPECT_GT(obstaclesBetween(scan, 2.3, 3.1), 100);
   for (double x = 2.5; x < 6.0; x += 0.1) EXPECT_FALSE(isFree(scan, x, 0.0)) << x;
   EXPECT_TRUE(scanFrom(kHeight, imageOf({}, 0.0, pit)).obstacles.empty());
+}
+
+TEST(ScanGroundTest, LowObstaclesAreFoundWhereAskedForOrRefused) {
+  const auto image = imageOf({{2.0, -0.5, 0.5, 0.0, 0.08}}, 0.0, {}, kRobotHeight);
+  EXPECT_TRUE(scanFrom(kRobotHeight, image).obstacles.empty()) << "a robot drives over 8 cm";
+  EXPECT_GT(obstaclesBetween(scanFrom(kRobotHeight, image, 0.4, 0.07), 1.9, 2.1), 30);
+  EXPECT_GT(obstaclesBetween(scanFrom(kRobotHeight, image, 0.4, 0.06), 1.9, 2.1), 30);
+  const auto kerb = imageOf({{5.0, -1.0, 1.0, 0.0, 0.13}});
+  EXPECT_TRUE(scanFrom(kHeight, kerb, 0.4, 0.3).obstacles.empty()) << "a car drives over a kerb";
+  EXPECT_GT(obstaclesBetween(scanFrom(kHeight, kerb, 0.4, 0.12), 4.9, 5.1), 30);
+  for (const double height : {0.001, 0.03, 0.05}) {
+    EXPECT_THAT(test::inputErrorOf([&] { (void)scanFrom(kRobotHeight, image, 0.4, height); }),
+                testing::AllOf(testing::HasSubstr("[grid] min_obstacle_height_m"),
+                               testing::HasSubstr("from 0.06 m on")))
+        << height;
+  }
 }
 
 TEST(ScanGroundTest, ACameraThatLooksStraightDownScansNothing) {

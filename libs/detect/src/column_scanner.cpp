@@ -42,6 +42,11 @@ ColumnScanner::ColumnScanner(const stereo::DisparityImage& disparity, const Ster
                           ? std::clamp(rig.high_obstacles_to_m, params.reach_m, matched_to_m_)
                           : params.reach_m) {}
 
+/// The part of an obstacle that is above the noise of the ground must rise more than a ramp.
+double ColumnScanner::minDetectableHeight(const stereo::GroundPlane& ground, double depth) {
+  return ground.tolerance(depth) + kMaxSlope * kDepth;
+}
+
 void ColumnScanner::scan(int column, const cv::Mat& left_out, GroundScan& scan) {
   read(column, left_out);
   const auto obstacles = obstacleDepths();

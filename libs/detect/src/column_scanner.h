@@ -19,6 +19,9 @@ class ColumnScanner {
                 const stereo::GroundPlane& ground, const stereo::RigCapability& rig,
                 const GroundScanParams& params);
 
+  /// Height from which an obstacle at a depth can be told from ground and ramps [m].
+  [[nodiscard]] static double minDetectableHeight(const stereo::GroundPlane& ground, double depth);
+
   /// Adds what a column shows.
   /// @param left_out  nonzero where cells of the disparity image are not used
   void scan(int column, const cv::Mat& left_out, GroundScan& scan);

@@ -19,6 +19,7 @@ std::optional<stereo::RigCapability> rigOf(const StereoCamera* camera,
                                            const PerceptionParams& params) {
   if (camera == nullptr) return std::nullopt;
   const auto& detect = params.detection.detect;
+  (void)params.grid.scan.capabilityOf(*camera);  // refuses obstacles that it cannot see
   auto configured = params.grid.scan.configured();
   configured.nearest_m = detect.disparity.nearest_m;
   configured.vehicles_to_m = detect.stereo_motion.max_range_m;

@@ -22,6 +22,9 @@ struct GroundScanParams {
   /// These values, as they replace those of the rig.
   [[nodiscard]] stereo::RigAssumptions configured() const;
   /// Capability of a rig for these obstacles; an own reach replaces the rig's.
+  ///
+  /// @throws InputError if the rig cannot tell obstacles of `min_obstacle_height_m` from the ground
+  ///                    where it sees them best
   [[nodiscard]] stereo::RigCapability capabilityOf(const StereoCamera& camera) const;
   /// Parameters without 0.
   [[nodiscard]] GroundScanParams forRig(const stereo::RigCapability& rig) const;
