@@ -68,7 +68,7 @@ WorldRun runOnce(const World& world, pipeline::PerceptionParams params, const Fr
   while (auto frame = source.next()) {
     const auto update = perception.process(*frame);
     if (const auto* fatal = update.fatalFinding()) throw InputError(fatal->text);
-    const bool tracked = update.camera.status == slam::TrackingStatus::kTracked;
+    const bool tracked = slam::isTracked(update.camera.status);
     if (!tracked) ++run.lost;
     frame->stereo.reset();
     frame->T_map_robot = update.camera.T_map_robot;

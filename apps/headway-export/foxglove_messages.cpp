@@ -15,7 +15,7 @@ namespace {
 
 using report::ReplayFrame;
 
-constexpr char kMap[] = "map", kRobot[] = "robot", kCamera[] = "camera";
+constexpr char kMap[] = "map", kOdom[] = "odom", kRobot[] = "base_link", kCamera[] = "camera";
 constexpr std::size_t kMaxPathPoses = 5000;
 constexpr int kEllipseSides = 24;
 constexpr double kLineWidthM = 0.12;
@@ -142,7 +142,9 @@ std::uint64_t nanoseconds(Time time) {
 
 foxglove::FrameTransforms transformsOf(const ReplayFrame& frame, const Pose& T_robot_cam) {
   foxglove::FrameTransforms transforms;
-  addTransform(frame.time, kMap, kRobot, frame.T_map_robot, transforms);
+  const Pose T_odom_robot = frame.T_odom_robot.value_or(frame.T_map_robot);
+  addTransform(frame.time, kMap, kOdom, frame.T_map_robot * T_odom_robot.inverse(), transforms);
+  addTransform(frame.time, kOdom, kRobot, T_odom_robot, transforms);
   addTransform(frame.time, kRobot, kCamera, T_robot_cam, transforms);
   return transforms;
 }

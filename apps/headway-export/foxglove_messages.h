@@ -9,7 +9,8 @@
 
 #include "foxglove.pb.h"
 
-// What a replay is made of as Foxglove's messages, in the frames "map", "robot" and "camera".
+// What a replay is made of as Foxglove's messages, in the frames "map", "odom", "base_link" (the
+// robot) and "camera".
 
 namespace headway::exporting {
 

@@ -107,7 +107,7 @@ class LivePage::Implementation {
     auto next = std::make_shared<const LiveView>(std::move(view));
     {
       const std::lock_guard lock(mutex_);
-      if (next->update.camera.status == slam::TrackingStatus::kTracked) {
+      if (slam::isTracked(next->update.camera.status)) {
         path_.add(next->update.camera.T_map_robot);
       }
       const auto grid = next->map.staticGrid();

@@ -60,7 +60,7 @@ std::vector<Track> tracksAt(Time time, const CMovingObjectsMap& objects) {
 FinishedReplay readMapAlone(const std::string& path) {
   FinishedReplay replay = replayOf(map::loadMap(path));
   for (const auto& keyframe : replay.map.staticMap()->keyframes) {
-    replay.frames.push_back({keyframe.frame, keyframe.time, keyframe.T_map_robot, {}});
+    replay.frames.push_back({keyframe.frame, keyframe.time, keyframe.T_map_robot, {}, {}});
   }
   if (replay.frames.empty()) replay.frames.emplace_back();
   const auto& objects = replay.map.movingObjects();

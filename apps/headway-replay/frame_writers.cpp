@@ -104,15 +104,20 @@ FrameWriters::FrameWriters(const std::filesystem::path& folder,
     : camera_(std::move(camera)),
       folder_(folder),
       trajectory_(open("trajectory_online.tum")),
+      odometry_(open("trajectory_odom.tum")),
+      map_odom_(open("map_odom.csv")),
       covariance_(open("trajectory_covariance.csv")),
       detections_(open("detections.csv")),
       tracks_(open("tracks.csv")),
+      tracks_odom_(open("tracks_odom.csv")),
       smoothed_(open("tracks_smoothed.csv")),
       kitti_(open(kKittiTracks)),
       predictions_(open("predictions.csv")) {
   writeCovarianceHeader(covariance_.stream());
   detections_.stream() << io::detectionCsvHeader() << '\n';
+  map_odom_.stream() << io::mapOdomCsvHeader() << '\n';
   tracks_.stream() << io::trackCsvHeader() << '\n';
+  tracks_odom_.stream() << io::trackCsvHeader() << '\n';
   smoothed_.stream() << io::trackCsvHeader() << '\n';
   predictions_.stream() << io::predictionCsvHeader() << '\n';
 }
@@ -128,10 +133,15 @@ std::vector<std::filesystem::path> FrameWriters::paths() const {
 }
 
 void FrameWriters::write(const pipeline::PerceptionUpdate& update) {
-  if (update.camera.status == slam::TrackingStatus::kTracked) {
-    io::writeTumRow(trajectory_.stream(), {update.time, update.camera.T_map_robot});
+  const slam::SlamUpdate& camera = update.camera;
+  if (slam::isTracked(camera.status)) {
+    io::writeTumRow(trajectory_.stream(), {update.time, camera.T_map_robot});
     writeCovariance(update, covariance_.stream());
   }
+  io::writeTumRow(odometry_.stream(), {update.time, camera.T_odom_robot});
+  io::writeMapOdomCsv(map_odom_.stream(),
+                      {update.frame, update.time, camera.T_map_odom, camera.revision.number,
+                       slam::toString(camera.revision.cause)});
   if (update.detections) {
     for (const auto& detection : update.detections->items) {
       if (!isFinite(detection)) continue;  // counted by the tracker as nan_box
@@ -141,9 +151,14 @@ void FrameWriters::write(const pipeline::PerceptionUpdate& update) {
   const Pose T_robot_sensor = update.detections    ? update.detections->T_robot_sensor
                               : camera_ != nullptr ? camera_->T_robot_cam
                                                    : robotFromOptical();
-  const Pose T_sensor_map = (update.camera.T_map_robot * T_robot_sensor).inverse();
+  const Pose T_sensor_map = (camera.T_map_robot * T_robot_sensor).inverse();
   for (const auto& track : update.objects.tracks) {
     if (isShown(track)) writeTrack(update, track, T_sensor_map);
+  }
+  for (const auto& track : update.tracks_odom) {
+    if (isShown(track)) {
+      io::writeTrackCsv(tracks_odom_.stream(), {update.frame, update.time, track});
+    }
   }
   writeSmoothed(update.objects.finalised);
   for (auto& [name, file] : files_) file.endRows();

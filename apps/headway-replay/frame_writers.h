@@ -16,7 +16,8 @@
 namespace headway::replay {
 
 /// Writes the results of each frame at once, so that a killed run lacks none of them:
-/// trajectory_online.tum, trajectory_covariance.csv, detections.csv, tracks.csv,
+/// trajectory_online.tum, trajectory_odom.tum, map_odom.csv, trajectory_covariance.csv,
+/// detections.csv, tracks.csv, tracks_odom.csv,
 /// tracks_smoothed.csv, tracks_kitti.txt and predictions.csv.
 class FrameWriters {
  public:
@@ -43,9 +44,12 @@ class FrameWriters {
   std::filesystem::path folder_;
   std::map<std::string, GrowingFile> files_;  ///< by name
   GrowingFile& trajectory_;
+  GrowingFile& odometry_;
+  GrowingFile& map_odom_;
   GrowingFile& covariance_;
   GrowingFile& detections_;
   GrowingFile& tracks_;
+  GrowingFile& tracks_odom_;
   GrowingFile& smoothed_;
   GrowingFile& kitti_;
   GrowingFile& predictions_;

@@ -32,6 +32,16 @@ void moveTracks(const fs::path& path, const Pose& T_map_run) {
   file.commit();
 }
 
+void moveMapOdom(const fs::path& path, const Pose& T_map_run) {
+  OutputFile file(path);
+  file.stream() << io::mapOdomCsvHeader() << '\n';
+  io::visitMapOdomCsv(path, [&](io::MapOdomRow row) {
+    row.T_map_odom = normalized(Pose(T_map_run * row.T_map_odom));
+    io::writeMapOdomCsv(file.stream(), row);
+  });
+  file.commit();
+}
+
 void movePredictions(const fs::path& path, const Pose& T_map_run) {
   OutputFile file(path);
   file.stream() << io::predictionCsvHeader() << '\n';
@@ -49,6 +59,7 @@ void moveOnlineResults(const fs::path& folder, const Pose& T_map_run) {
   auto path = io::readTum(folder / "trajectory_online.tum");
   for (auto& pose : path) pose.value = normalized(Pose(T_map_run * pose.value));
   io::writeTum(folder / "trajectory_online.tum", path);
+  moveMapOdom(folder / "map_odom.csv", T_map_run);
   moveTracks(folder / "tracks.csv", T_map_run);
   moveTracks(folder / "tracks_smoothed.csv", T_map_run);
   movePredictions(folder / "predictions.csv", T_map_run);

@@ -200,7 +200,8 @@ void Replay::countFrame(std::size_t frame, slam::TrackingStatus status) {
   for (; *next_frame_ < frame; ++*next_frame_, ++summary_.frames) missing.add(*next_frame_);
   if (status == slam::TrackingStatus::kLost) summary_.lost_frames.add(frame);
   if (status == slam::TrackingStatus::kUnreliable) summary_.unreliable_frames.add(frame);
-  summary_.frames_tracked += status == slam::TrackingStatus::kTracked ? 1 : 0;
+  if (status == slam::TrackingStatus::kTrackedInNewSubmap) summary_.new_submap_frames.add(frame);
+  summary_.frames_tracked += slam::isTracked(status) ? 1 : 0;
   ++*next_frame_;
   ++summary_.frames;
 }

@@ -134,6 +134,7 @@ Summary Replay::summarised() const {
   const auto static_map = perception_->map().staticMap();
   summary.keyframes = static_map->keyframes.size();
   summary.landmarks = static_map->landmarks.size();
+  summary.submaps = perception_->submapCount();
   for (const auto& [id, seen] : seen_tracks_) summary.tracks_moving += seen.was_moving ? 1 : 0;
   summary.stages.merge(perception_->times());
   summary.laser = perception_->laserCounts();
@@ -184,6 +185,14 @@ void Replay::writeGeoFiles() {
 void Replay::writeMap() {
   if (summary_.frames == 0) return;
   map::writeMapFiles(folder_.path(), storedMap());
+  for (const pipeline::Submap& submap : perception_->otherSubmaps()) {
+    const std::string name = "_submap_" + std::to_string(submap.number);
+    map::writeMapLayers(folder_.path(), submap.map, name);
+    log(LogLevel::kInfo, "submap " + std::to_string(submap.number) + " with " +
+                             std::to_string(submap.map.staticMap()->keyframes.size()) +
+                             " keyframes, whose place in the map is not known: map_*" + name +
+                             ".*");
+  }
 }
 
 void Replay::writePages() {
@@ -200,7 +209,8 @@ void Replay::writePages() {
 }
 
 void Replay::warnIfNotRelocalised() const {
-  if (options_.load_map.empty() || summary_.frames_tracked > 0) return;
+  const bool is_recognised = summary_.frames_tracked > summary_.new_submap_frames.count;
+  if (options_.load_map.empty() || is_recognised) return;
   warn("no frame was re-localised in " + options_.load_map +
        ", which may be a map of another place; its landmarks and keyframes are unchanged");
 }

@@ -15,7 +15,7 @@ constexpr std::size_t kMaxPathPoses = 20000;  // drawn
 void Snapshots::add(const pipeline::Perception& perception,
                     const pipeline::PerceptionUpdate& update, const RecordedFrame& frame,
                     double progress) {
-  if (update.camera.status == slam::TrackingStatus::kTracked) {
+  if (slam::isTracked(update.camera.status)) {
     addToPath({update.time, update.camera.T_map_robot});
   }
   last_ = frame;

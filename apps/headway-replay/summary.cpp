@@ -166,10 +166,13 @@ void writeSummary(const std::filesystem::path& path, const Summary& summary) {
   json["lost_frames"] = summary.lost_frames.listed;
   json["frames_unreliable"] = summary.unreliable_frames.count;
   json["unreliable_frames"] = summary.unreliable_frames.listed;
+  json["frames_tracked_in_new_submap"] = summary.new_submap_frames.count;
+  json["new_submap_frames"] = summary.new_submap_frames.listed;
   json["late_frames"] = summary.late_frames.listed;
   json["frames_dropped_late"] = summary.frames_dropped_late;
   json["keyframes"] = summary.keyframes;
   json["landmarks"] = summary.landmarks;
+  json["submaps"] = summary.submaps;
   json["loops"] = summary.loops;
   json["tracks_confirmed"] = summary.tracks_confirmed;
   json["tracks_moving"] = summary.tracks_moving;
@@ -204,6 +207,12 @@ void printSummary(const Summary& summary) {
       summary.frames_tracked, summary.frames, summary.lost_frames.count,
       summary.unreliable_frames.count, summary.late_frames.count, summary.keyframes,
       summary.landmarks);
+  if (summary.new_submap_frames.count > 0 || summary.submaps > 1) {
+    std::printf(
+        "%zu of the tracked frames in a new submap, whose place in the map was not known; %zu "
+        "submaps at the end\n",
+        summary.new_submap_frames.count, summary.submaps);
+  }
   std::printf("%zu tracks confirmed, %zu of them moving; %zu detections used",
               summary.tracks_confirmed, summary.tracks_moving, summary.detections_used);
   if (!summary.detections_dropped.empty()) {

@@ -38,10 +38,12 @@ struct Summary {
   std::size_t frames_tracked = 0;
   FrameList lost_frames;                ///< lost or skipped
   FrameList unreliable_frames;          ///< with a pose that something contradicts
+  FrameList new_submap_frames;          ///< of the tracked ones: in a submap that is not joined
   FrameList late_frames;                ///< in real time: dropped, or skipped, between others
   std::size_t frames_dropped_late = 0;  ///< with --realtime
   std::size_t keyframes = 0;
   std::size_t landmarks = 0;
+  std::size_t submaps = 1;
   std::size_t loops = 0;
   std::size_t tracks_confirmed = 0;
   std::size_t tracks_moving = 0;  ///< confirmed tracks that were moving at some time

@@ -327,7 +327,7 @@ TEST(DenseMapTest, AScanOfAFrameBeforeACorrectionFollowsIt) {
   late.follow(keyframeAt(Pose::Identity()));
   const auto pose = late.anchored(robotAt(1.0, 0.0));
   late.follow(keyframeAt(corrected));
-  late.add(pose, depthScanFrom(robotAt(1.0, 0.0)));
+  late.add(pose, robotAt(1.0, 0.0), depthScanFrom(robotAt(1.0, 0.0)));
   DenseMap in_time(params());
   in_time.follow(keyframeAt(Pose::Identity()));
   in_time.add(robotAt(1.0, 0.0), depthScanFrom(robotAt(1.0, 0.0)));

@@ -20,7 +20,7 @@ TEST(MakeMapViewTest, KeyframesAreWhereTheRobotWas) {
   SparseMap map;
   Keyframe& keyframe = map.addKeyframe(3, 0.5, T_map_robot * robotFromCamera());
   keyframe.covariance(4, 4) = 0.01;  // the camera's yaw: about its y axis
-  const MapView view = makeMapView(map, robotFromCamera().inverse());
+  const MapView view = makeMapView(map, robotFromCamera().inverse(), 0);
   ASSERT_EQ(view.keyframes.size(), 1U);
   EXPECT_EQ(view.keyframes[0].frame, 3U);
   EXPECT_TRUE(view.keyframes[0].T_map_robot.isApprox(T_map_robot, 1e-12));
@@ -38,7 +38,7 @@ TEST(MakeMapViewTest, LandmarksHaveTheirGreyValueAndTheirObservers) {
   patch.pixels[7 * stereo::ReferencePatch::kSize + 4] = 77;
   landmark.patch = std::make_shared<stereo::ReferencePatch>(patch);
   map.observe(b, landmark.id, {});
-  const MapView view = makeMapView(map, Pose::Identity());
+  const MapView view = makeMapView(map, Pose::Identity(), 0);
   ASSERT_EQ(view.landmarks.size(), 1U);
   EXPECT_EQ(view.landmarks[0].position, Eigen::Vector3d(1.0, 2.0, 9.0));
   EXPECT_EQ(view.landmarks[0].observations, 2);
@@ -60,10 +60,10 @@ SparseMap longMap() {
 TEST(MapViewMakerTest, SharesWhatDidNotChange) {
   SparseMap map = longMap();
   MapViewMaker maker(Pose::Identity());
-  const MapView before = maker.make(map);
+  const MapView before = maker.make(map, 0);
   map.findToChange(LandmarkId{190})->position.x() = 1.0;
   map.keyframeToChange(KeyframeId{0}).T_map_cam.translation().x() = 2.0;
-  const MapView after = maker.make(map);
+  const MapView after = maker.make(map, 0);
   EXPECT_EQ(&after.landmarks[10], &before.landmarks[10]);
   EXPECT_EQ(&after.keyframes[199], &before.keyframes[199]);
   EXPECT_EQ(before.landmarks[190].position.x(), 0.0);
@@ -75,7 +75,7 @@ TEST(MapViewMakerTest, FollowsEveryChangeOfTheMap) {
   SparseMap map = longMap();
   MapViewMaker maker(Pose::Identity());
   const auto expectAsMadeAnew = [&](const char* after) {
-    const MapView view = maker.make(map);
+    const MapView view = maker.make(map, 0);
     ASSERT_EQ(view.landmarks.size(), map.landmarks().size()) << after;
     ASSERT_EQ(view.keyframes.size(), map.keyframes().size()) << after;
     auto landmark = view.landmarks.begin();

@@ -2,6 +2,7 @@
 #include <headway/core/track.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace headway {
 
@@ -44,6 +45,36 @@ Eigen::Vector3d positionAt(const std::vector<TrajectoryPoint>& path, Time time) 
   const TrajectoryPoint& b = path[later];
   const double fraction = std::min(1.0, (time - a.time) / (b.time - a.time));
   return a.position + fraction * (b.position - a.position);
+}
+
+Track transformed(Track track, const Pose& T_to_from) {
+  const Eigen::Matrix3d R = T_to_from.linear();
+  const Eigen::Matrix2d plane = R.topLeftCorner<2, 2>();
+  const double turn = yawOf(T_to_from);
+  const auto turned = [&](const Eigen::Matrix2d& covariance) -> Eigen::Matrix2d {
+    return plane * covariance * plane.transpose();
+  };
+  track.position = T_to_from * track.position;
+  track.velocity = R * track.velocity;
+  track.yaw = wrapAngle(track.yaw + turn);
+  track.position_covariance = R * track.position_covariance * R.transpose();
+  track.velocity_covariance = turned(track.velocity_covariance);
+  for (TrajectoryPoint& point : track.recent_path) {
+    point.position = T_to_from * point.position;
+    point.yaw = wrapAngle(point.yaw + turn);
+  }
+  for (PredictedPath& path : track.predictions) {
+    for (PredictedPoint& point : path.points) {
+      point.position = T_to_from * point.position;
+      point.covariance = turned(point.covariance);
+    }
+  }
+  return track;
+}
+
+std::vector<Track> transformed(std::vector<Track> tracks, const Pose& T_to_from) {
+  for (Track& track : tracks) track = transformed(std::move(track), T_to_from);
+  return tracks;
 }
 
 bool isShown(const Track& track) {

@@ -13,9 +13,11 @@ namespace {
 
 constexpr double kUnitTolerance = 1e-2;  // files have as few as 4 decimals
 
-Pose poseFromTum(const TextRows& rows) {
-  Eigen::Vector3d position(rows.number(1), rows.number(2), rows.number(3));
-  Eigen::Quaterniond turn(rows.number(7), rows.number(4), rows.number(5), rows.number(6));
+/// @param first  column of x, before y z qx qy qz qw
+Pose poseFromTum(const TextRows& rows, std::size_t first = 1) {
+  const auto number = [&](std::size_t i) { return rows.number(first + i); };
+  Eigen::Vector3d position(number(0), number(1), number(2));
+  Eigen::Quaterniond turn(number(6), number(3), number(4), number(5));
   if (!position.allFinite() || !turn.coeffs().allFinite()) rows.fail("the pose is not finite");
   if (std::abs(turn.norm() - 1.0) > kUnitTolerance) {
     rows.fail("the quaternion has length " + std::to_string(turn.norm()) + ", must be 1");
@@ -39,6 +41,12 @@ Pose poseFromKitti(const TextRows& rows) {
     rows.fail("the left 3x3 block is not a rotation");
   }
   return pose;
+}
+
+Eigen::Quaterniond positiveQuaternionOf(const Pose& pose) {
+  Eigen::Quaterniond turn(pose.linear());
+  if (turn.w() < 0.0) turn.coeffs() *= -1.0;
+  return turn;
 }
 
 constexpr double kMaxGap = 0.5;  // [s]
@@ -69,11 +77,34 @@ std::vector<Stamped<Pose>> readTum(const std::string& path) {
 }
 
 void writeTumRow(std::ostream& out, const Stamped<Pose>& pose) {
-  Eigen::Quaterniond turn(pose.value.linear());
-  if (turn.w() < 0.0) turn.coeffs() *= -1.0;
+  const Eigen::Quaterniond turn = positiveQuaternionOf(pose.value);
   const auto& position = pose.value.translation();
   out << formatted("%.9f %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n", pose.time, position.x(),
                    position.y(), position.z(), turn.x(), turn.y(), turn.z(), turn.w());
+}
+
+std::string mapOdomCsvHeader() { return "frame,time,x,y,z,qx,qy,qz,qw,revision,cause"; }
+
+void writeMapOdomCsv(std::ostream& out, const MapOdomRow& row) {
+  const Eigen::Quaterniond turn = positiveQuaternionOf(row.T_map_odom);
+  const auto& position = row.T_map_odom.translation();
+  out << formatted("%zu,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%llu,", row.frame, row.time,
+                   position.x(), position.y(), position.z(), turn.x(), turn.y(), turn.z(), turn.w(),
+                   static_cast<unsigned long long>(row.revision))
+      << row.cause << '\n';
+}
+
+void visitMapOdomCsv(const std::string& path, const std::function<void(const MapOdomRow&)>& visit) {
+  constexpr std::size_t kColumns = 11;
+  TextRows rows(path);
+  if (!rows.next()) throw InputError(path + ": is empty; the header line is missing");
+  const CsvColumns columns(rows, mapOdomCsvHeader());
+  while (rows.next()) {
+    rows.requireSize(kColumns, "a row of map_odom.csv (" + mapOdomCsvHeader() + ")");
+    visit({rows.index(columns.at("frame")), rows.number(columns.at("time")),
+           poseFromTum(rows, columns.at("x")), rows.index(columns.at("revision")),
+           rows.fields()[columns.at("cause")]});
+  }
 }
 
 void writeTum(const std::string& path, const std::vector<Stamped<Pose>>& trajectory) {

@@ -93,18 +93,18 @@ AnchoredPose DenseMap::anchored(const Pose& T_map_robot) const {
   return pose;
 }
 
-void DenseMap::add(AnchoredPose pose, DepthScan scan) {
+void DenseMap::add(AnchoredPose pose, const Pose& T_odom_robot, DepthScan scan) {
   ASSERTMSG_(params_.voxel_m > 0.0 && params_.spacing_m > 0.0, "a dense map needs a voxel size");
   if (scan.empty()) return;
   if (const auto moved = keyframes_.movedPose(pose, 0.0, 0.0)) pose.T_map_robot = *moved;
-  replace(pose, std::make_shared<const DepthScan>(std::move(scan)));
+  replace(pose, T_odom_robot, std::make_shared<const DepthScan>(std::move(scan)));
 }
 
 void DenseMap::add(const DenseMap& other, std::int64_t keyframe_shift) {
   for (const auto* stored : other.inOrder()) {
     AnchoredPose pose = stored->pose;
     if (pose.anchor.valid()) pose.anchor.value += keyframe_shift;
-    replace(pose, stored->scan);
+    replace(pose, std::nullopt, stored->scan);
   }
 }
 
@@ -128,13 +128,13 @@ void DenseMap::leaveOut(const std::vector<Track>& tracks, Time since) {
   std::vector<ScanPlace> emptied;
   for (auto& [place, stored] : scans_) {
     const Time time = stored.scan->time;
-    if (!(time >= since)) continue;
+    if (!(time >= since) || !stored.T_odom_robot) continue;
     std::vector<UprightBox> boxes;
     for (const auto& track : tracks) {
       if (!isMoving(track)) continue;
       if (const auto box = pastBox(track, time)) boxes.push_back(*box);
     }
-    auto rest = without(*stored.scan, stored.pose.T_map_robot, boxes);
+    auto rest = without(*stored.scan, *stored.T_odom_robot, boxes);
     if (!rest) continue;
     markOutdated(stored);
     if (rest->empty()) emptied.push_back(place);
@@ -145,10 +145,12 @@ void DenseMap::leaveOut(const std::vector<Track>& tracks, Time since) {
 }
 
 /// Stores a scan in place of the one from the same place and direction.
-void DenseMap::replace(const AnchoredPose& pose, std::shared_ptr<const DepthScan> scan) {
+void DenseMap::replace(const AnchoredPose& pose, const std::optional<Pose>& T_odom_robot,
+                       std::shared_ptr<const DepthScan> scan) {
   StoredScan& stored = scans_[scanPlace(pose.T_map_robot, params_.spacing_m)];
   if (stored.scan != nullptr) markOutdated(stored);
   stored.pose = pose;
+  stored.T_odom_robot = T_odom_robot;
   stored.order = next_order_++;
   stored.bounds = boundsOf(*scan);
   stored.scan = std::move(scan);

@@ -45,13 +45,13 @@ struct BoxInView {
 };
 
 /// nullopt if a box is out of view; one that reaches behind the camera may be anywhere in view.
-std::optional<BoxInView> inView(const UprightBox& box, const Pose& T_map_cam,
+std::optional<BoxInView> inView(const UprightBox& box, const Pose& T_odom_cam,
                                 const DepthScanGrid& grid) {
-  Pose T_map_box = Pose::Identity();
-  T_map_box.translate(box.centre).rotate(Eigen::AngleAxisd(box.yaw, Eigen::Vector3d::UnitZ()));
+  Pose T_odom_box = Pose::Identity();
+  T_odom_box.translate(box.centre).rotate(Eigen::AngleAxisd(box.yaw, Eigen::Vector3d::UnitZ()));
   BoxInView seen;
-  seen.T_box_cam = T_map_box.inverse() * T_map_cam;
-  const double depth = (T_map_cam.inverse() * box.centre).z();
+  seen.T_box_cam = T_odom_box.inverse() * T_odom_cam;
+  const double depth = (T_odom_cam.inverse() * box.centre).z();
   const double sigma = grid.sigma_disparity_px / grid.focal_baseline * depth * depth;
   const double margin = box.margin_m + kDepthSigmas * sigma;
   seen.half_size = 0.5 * box.size + Eigen::Vector3d::Constant(margin);
@@ -100,13 +100,13 @@ std::optional<UprightBox> pastBox(const Track& track, Time time) {
   return box;
 }
 
-std::optional<DepthScan> without(const DepthScan& scan, const Pose& T_map_robot,
+std::optional<DepthScan> without(const DepthScan& scan, const Pose& T_odom_robot,
                                  const std::vector<UprightBox>& boxes) {
   const DepthScanGrid& grid = scan.grid;
-  const Pose T_map_cam = T_map_robot * grid.T_robot_cam;
+  const Pose T_odom_cam = T_odom_robot * grid.T_robot_cam;
   std::vector<BoxInView> seen;
   for (const auto& box : boxes) {
-    if (const auto in_view = inView(box, T_map_cam, grid)) seen.push_back(*in_view);
+    if (const auto in_view = inView(box, T_odom_cam, grid)) seen.push_back(*in_view);
   }
   if (seen.empty()) return std::nullopt;
   const auto isInBox = [&](const Eigen::Vector2d& cell, double disparity) {

@@ -14,7 +14,7 @@ namespace headway::map {
 [[nodiscard]] DepthScan cropped(const DepthScan& scan, const Pose& T_map_robot,
                                 const Eigen::AlignedBox3d& box);
 
-/// Upright box of an object in the map, at some time.
+/// Upright box of an object in the odometry frame, at some time.
 struct UprightBox {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< [m]
   Eigen::Vector3d size = Eigen::Vector3d::Zero();    ///< length, width, height [m]
@@ -28,10 +28,11 @@ struct UprightBox {
 /// @return  nullopt where its path is not known
 [[nodiscard]] std::optional<UprightBox> pastBox(const Track& track, Time time);
 
-/// A scan without the cells in boxes, which are enlarged by three standard deviations of the depth.
+/// A scan without the cells in boxes of the same frame, which are enlarged by three standard
+/// deviations of the depth.
 ///
 /// @return  nullopt if no cell is in them
-[[nodiscard]] std::optional<DepthScan> without(const DepthScan& scan, const Pose& T_map_robot,
+[[nodiscard]] std::optional<DepthScan> without(const DepthScan& scan, const Pose& T_odom_robot,
                                                const std::vector<UprightBox>& boxes);
 
 }  // namespace headway::map

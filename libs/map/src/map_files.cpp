@@ -7,11 +7,16 @@
 
 namespace headway::map {
 
+void writeMapLayers(const std::filesystem::path& folder, const PerceptionMap& map,
+                    const std::string& suffix) {
+  if (const auto grid = map.staticGrid()) writeStaticGrid(folder / ("map_grid" + suffix), *grid);
+  writePly(folder / ("map_points" + suffix + ".ply"), *map.staticMap());
+  if (const auto& dense = map.dense()) writePly(folder / ("map_dense" + suffix + ".ply"), *dense);
+}
+
 void writeMapFiles(const std::filesystem::path& folder, StoredMap stored) {
-  if (const auto grid = stored.map.staticGrid()) writeStaticGrid(folder / "map_grid", *grid);
+  writeMapLayers(folder, stored.map);
   writeSimpleMap(folder / "map.simplemap", *stored.map.staticMap());
-  writePly(folder / "map_points.ply", *stored.map.staticMap());
-  if (const auto& dense = stored.map.dense()) writePly(folder / "map_dense.ply", *dense);
   saveMap(folder / "map.headway", std::move(stored));
 }
 

@@ -83,6 +83,23 @@ TimedPose poseAt(const std::vector<TimedPose>& path, Time time) {
           a.yaw + ratio * wrapAngle(b.yaw - a.yaw)};
 }
 
+double yawOf(const Eigen::Isometry2d& T) { return std::atan2(T(1, 0), T(0, 0)); }
+
+Eigen::Isometry2d fromAbove(const Pose& pose) {
+  return Eigen::Translation2d(pose.translation().head<2>()) *
+         Eigen::Rotation2Dd(headway::yawOf(pose));
+}
+
+/// The obstacle in another frame.
+Obstacle transformed(Obstacle obstacle, const Eigen::Isometry2d& T_to_from) {
+  const Eigen::Matrix2d R = T_to_from.linear();
+  obstacle.centre = T_to_from * obstacle.centre;
+  obstacle.covariance = R * obstacle.covariance * R.transpose();
+  obstacle.velocity = R * obstacle.velocity;
+  obstacle.yaw = wrapAngle(obstacle.yaw + yawOf(T_to_from));
+  return obstacle;
+}
+
 bool covers(const FootprintShape& footprint, const Vector2d& local) {
   const Vector2d half(0.5 * footprint.length_m, 0.5 * footprint.width_m);
   if (!footprint.round) return std::abs(local.x()) <= half.x() && std::abs(local.y()) <= half.y();
@@ -114,8 +131,13 @@ void MapQueryParams::describe(Params::Section section) {
               "Minimum probability of a contact that is reported");
 }
 
-MapQuery::MapQuery(PerceptionMap snapshot, Time now, const MapQueryParams& params)
-    : map_(std::move(snapshot)), grid_(map_.staticGrid()), now_(now), params_(validated(params)) {
+MapQuery::MapQuery(PerceptionMap snapshot, Time now, const MapQueryParams& params,
+                   const Eigen::Isometry2d& T_map_asked)
+    : map_(std::move(snapshot)),
+      grid_(map_.staticGrid()),
+      now_(now),
+      params_(validated(params)),
+      T_map_asked_(T_map_asked) {
   // layers().isEmpty() is true for a grid whose cells were set one by one.
   if (map_.landmarks().empty() && map_.movingObjects().isEmpty() && grid_ == nullptr) {
     status_ = QueryStatus::kEmptyMap;
@@ -146,7 +168,8 @@ std::optional<double> MapQuery::staticOccupancyAt(double x, double y) const {
 Occupancy MapQuery::occupancyAt(double x, double y, Time time) const {
   Occupancy occupancy;
   occupancy.status = statusAt(time);
-  const auto occupied = staticOccupancyAt(x, y);
+  const Vector2d place = T_map_asked_ * Vector2d(x, y);
+  const auto occupied = staticOccupancyAt(place.x(), place.y());
   if (occupied) {
     occupancy.static_probability = *occupied;
   } else if (occupancy.status == QueryStatus::kKnown) {
@@ -156,7 +179,7 @@ Occupancy MapQuery::occupancyAt(double x, double y, Time time) const {
   for (const auto& obstacle :
        obstaclesOf(map_.movingObjects().tracks(), time - map_.movingObjects().time())) {
     contacts.add(obstacle.id, obstacle.probability,
-                 contactProbability(FootprintShape(), {x, y}, 0.0, obstacle));
+                 contactProbability(FootprintShape(), place, 0.0, obstacle));
   }
   occupancy.moving_probability = contacts.total();
   occupancy.probability =
@@ -165,8 +188,11 @@ Occupancy MapQuery::occupancyAt(double x, double y, Time time) const {
 }
 
 Obstacles MapQuery::obstaclesAt(Time time) const {
-  return {statusAt(time),
-          obstaclesOf(map_.movingObjects().tracks(), time - map_.movingObjects().time())};
+  Obstacles obstacles{statusAt(time), obstaclesOf(map_.movingObjects().tracks(),
+                                                  time - map_.movingObjects().time())};
+  const Eigen::Isometry2d T_asked_map = T_map_asked_.inverse();
+  for (Obstacle& obstacle : obstacles.items) obstacle = transformed(obstacle, T_asked_map);
+  return obstacles;
 }
 
 NearTracks MapQuery::tracksNear(const Vector2d& place, double radius_m, Time time) const {
@@ -250,14 +276,23 @@ Collision MapQuery::timeToCollision(const FootprintShape& footprint,
   Collision collision;
   collision.status = status_;
   if (path.empty()) return collision;
+  std::vector<TimedPose> in_map = path;
+  for (TimedPose& pose : in_map) {
+    pose.position = T_map_asked_ * pose.position;
+    pose.yaw += yawOf(T_map_asked_);
+  }
   const Time end = path.back().time;
   for (int i = 0;; ++i) {
     const Time time = now_ + i * kPathStep_s;
-    checkPose(poseAt(path, time), footprint, collision);
+    checkPose(poseAt(in_map, time), footprint, collision);
     if (!(time < end) || statusAt(time) != QueryStatus::kKnown) return collision;
   }
 }
 
 MapQuery PerceptionMap::at(Time now) const { return {*this, now}; }
+
+MapQuery PerceptionMap::inOdometryAt(Time now) const {
+  return {*this, now, {}, fromAbove(T_map_odom_)};
+}
 
 }  // namespace headway::map

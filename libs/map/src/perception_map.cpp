@@ -148,7 +148,24 @@ void PerceptionMap::update(slam::MapView static_map) {
   static_map_ = std::make_shared<slam::MapView>(std::move(static_map));
 }
 
-void PerceptionMap::update(Time time, std::vector<Track> tracks) {
+void PerceptionMap::removeStaticLayers() {
+  auto layers = std::make_shared<CMultiMetricMap>();
+  layers->genericMapParams = layers_->genericMapParams;
+  const auto grid = staticGrid();
+  for (const auto& layer : layers_->maps) {
+    const auto voxels = std::dynamic_pointer_cast<mrpt::maps::CColouredOctoMap>(layer);
+    if (voxels != nullptr) {
+      layers->maps.push_back(octoMapOf(CColouredPointsMap(), *voxels));
+    } else if (layer.get() != grid.get() && layer.get() != dense_.get()) {
+      layers->maps.push_back(layer);
+    }
+  }
+  layers_ = layers;
+  dense_.reset();
+}
+
+void PerceptionMap::update(Time time, std::vector<Track> tracks, const Pose& T_map_odom) {
+  T_map_odom_ = T_map_odom;
   auto moving = CMovingObjectsMap::Create();
   moving->insertionOptions = moving_objects_->insertionOptions;
   moving->genericMapParams = moving_objects_->genericMapParams;

@@ -47,17 +47,17 @@ StaticGrid::~StaticGrid() = default;
 StaticGrid::StaticGrid(StaticGrid&&) noexcept = default;
 StaticGrid& StaticGrid::operator=(StaticGrid&&) noexcept = default;
 
-void StaticGrid::add(const Pose& T_map_robot, GroundScan scan) {
+void StaticGrid::add(const Pose& T_map_robot, const Pose& T_odom_robot, GroundScan scan) {
   const Place place = scanPlace(T_map_robot, params_.spacing_m);
   const auto same_place = scans_.find(place);
   const bool laser_only = scan.hasLaser() && !scan.hasStereo();
   if (laser_only && same_place != scans_.end() && same_place->second.scan.hasStereo()) {
     return;  // obstacles that no laser sees remain
   }
-  if (last_ && last_->place != place) before_ = last_->T_map_robot;
-  last_ = Passed{place, T_map_robot};
+  if (last_ && last_->place != place) before_ = last_->T_odom_robot;
+  last_ = Passed{place, T_odom_robot};
   if (before_) {
-    const Eigen::Vector3d before = T_map_robot.inverse() * before_->translation();
+    const Eigen::Vector3d before = T_odom_robot.inverse() * before_->translation();
     if (before.norm() < kDrivenM) {
       scan.free.push_back({before.cast<float>(), Eigen::Vector3f::Zero()});
     }

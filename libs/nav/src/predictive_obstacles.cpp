@@ -99,7 +99,7 @@ SenseStatus PredictiveObstacles::addPredictions(mrpt::maps::CSimplePointsMap& ob
   report_.map_age_s = clock_() - layer.time();
   if (!(std::abs(report_.map_age_s) <= params_.max_age_s)) return SenseStatus::kStaleMap;
 
-  const auto robot = locate();
+  const auto robot = locate(*snapshot);
   if (!robot) return SenseStatus::kNoPose;
   moving_.update(layer.tracks(), robot->place, std::max(0.0, report_.map_age_s));
   report_.moving_objects = moving_.current().size();
@@ -110,7 +110,7 @@ SenseStatus PredictiveObstacles::addPredictions(mrpt::maps::CSimplePointsMap& ob
   return SenseStatus::kSafe;
 }
 
-std::optional<GroundState> PredictiveObstacles::locate() {
+std::optional<GroundState> PredictiveObstacles::locate(const map::PerceptionMap& snapshot) {
   mrpt::math::TPose2D pose, odometry;
   mrpt::math::TTwist2D velocity;
   mrpt::system::TTimeStamp timestamp;
@@ -120,8 +120,14 @@ std::optional<GroundState> PredictiveObstacles::locate() {
   for (const double value : {pose.x, pose.y, pose.phi, velocity.omega}) {
     is_finite = is_finite && std::isfinite(value);
   }
-  if (!is_finite || frame_id != params_.map_frame) return {};
-  velocity.rotate(-pose.phi);  // from the map's axes to the robot's
+  const bool in_odometry = frame_id == params_.odom_frame;
+  if (!is_finite || (frame_id != params_.map_frame && !in_odometry)) return {};
+  velocity.rotate(-pose.phi);  // from the axes of its frame to the robot's
+  if (in_odometry) {
+    const Pose& T_map_odom = snapshot.odometryFrame();
+    const Eigen::Vector3d place = T_map_odom * Eigen::Vector3d(pose.x, pose.y, 0.0);
+    pose = {place.x(), place.y(), wrapAngle(pose.phi + yawOf(T_map_odom))};
+  }
   return GroundState{{pose.x, pose.y}, pose.phi, {velocity.vx, velocity.vy, velocity.omega}};
 }
 
@@ -157,9 +163,9 @@ bool PredictiveObstacles::changeSpeedsNOP() {
 double PredictiveObstacles::admissibleSpeedRatio(const CVehicleVelCmd& command) {
   if (!isFinite(command)) return 0.0;
   if (params_.policy == ObstaclePolicy::kStatic) return 1.0;
-  const auto robot = locate();
   const auto snapshot = readMap();
-  if (!robot || !snapshot) return 0.0;
+  const auto robot = snapshot ? locate(*snapshot) : std::nullopt;
+  if (!robot) return 0.0;
   const CMovingObjectsMap& layer = snapshot->movingObjects();
   const double age_s = clock_() - layer.time();
   if (!(std::abs(age_s) <= params_.max_age_s)) return 0.0;  // positions of objects are unknown

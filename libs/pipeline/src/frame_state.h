@@ -16,8 +16,9 @@ struct PreviousFrame {
   std::optional<std::size_t> index;     ///< nullopt: there was none
   Time time = 0.0;                      ///< [s]
   Pose T_map_robot = Pose::Identity();  ///< or as predicted
+  std::uint64_t revision = 0;           ///< of the map
   std::size_t lost_in_a_row = 0;        ///< frames with images whose camera was lost
-  // For motion and tracking; empty where the clock was set back.
+  // For motion and tracking, in the odometry frame; empty where the clock was set back.
   std::optional<Pose> T_odom_robot;  ///< if it was tracked
   std::vector<Track> tracks;
   std::vector<ExpectedObject> expected;  ///< in the next frame
@@ -41,7 +42,8 @@ struct FrameState {
   std::optional<stereo::FrameContext> context;  ///< rectified; nullopt without images
   ObjectDetections boxes;                       ///< that need no pose
   slam::SlamUpdate camera;
-  std::optional<slam::MapView> static_map;  ///< if it has changed
+  std::optional<slam::MapView> static_map;  ///< of the camera's submap, if it has changed
+  std::vector<int> submaps;                 ///< all there are, with static_map
   /// The robot for motion and tracking: continuous. nullopt unless tracked, at a time of its own.
   std::optional<Pose> T_odom_robot;
   /// The robot in the map, which corrections move. nullopt unless tracked.
@@ -51,7 +53,7 @@ struct FrameState {
   std::optional<Pose> T_previous_robot;
   FrameDetections found;
   std::optional<stereo::OffsetEstimate> disparity_offset;  ///< measured less true, if it is new
-  objects::TrackUpdate objects;
+  objects::TrackUpdate objects;                            ///< in the odometry frame
   Findings findings;
 
   void add(const Findings& more) { findings.insert(findings.end(), more.begin(), more.end()); }

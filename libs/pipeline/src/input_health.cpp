@@ -12,9 +12,7 @@ namespace {
 
 constexpr double kMaxTimeStep = 10.0;  ///< between frames, without a finding [s]
 
-bool isTracked(const FrameState& state) {
-  return state.camera.status == slam::TrackingStatus::kTracked;
-}
+bool isTracked(const FrameState& state) { return slam::isTracked(state.camera.status); }
 
 void append(Findings&& more, Findings& all) {
   all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));

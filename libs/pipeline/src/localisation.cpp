@@ -54,9 +54,11 @@ slam::SlamUpdate Localisation::atRecordedPose(const RecordedFrame& frame) {
     update.status = slam::TrackingStatus::kTracked;
     update.T_map_robot = *frame.T_map_robot;
     update.covariance.setZero();
+    update.map_odom_covariance.setZero();
   } else if (!recorded_poses_.empty()) {
     update.T_map_robot = poseFrom(recorded_poses_.back().T_map_robot);
   }
+  update.T_odom_robot = update.T_map_robot;
   recorded_poses_.append({frame.index, frame.time, headway::stored(update.T_map_robot),
                           frame.T_map_robot.has_value()});
   return update;

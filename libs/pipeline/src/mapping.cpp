@@ -5,6 +5,7 @@
 #include <headway/pipeline/moving_regions.h>
 
 #include <algorithm>
+#include <charconv>
 #include <utility>
 
 #include "laser_evidence.h"
@@ -41,6 +42,17 @@ GridParams gridFor(const std::optional<stereo::RigCapability>& rig,
   params.scan = params.scan.forRig(*rig);
   params.map.spacing_m = rig->grid_spacing_m;
   return params;
+}
+
+/// Number in the name of an attachment of a submap other than the first; nullopt: another name.
+std::optional<int> submapOf(const std::string& name, const std::string& attachment) {
+  const std::string prefix = attachment + ".";
+  if (name.rfind(prefix, 0) != 0) return std::nullopt;
+  int submap = 0;
+  const char* end = name.data() + name.size();
+  const auto [rest, error] = std::from_chars(name.data() + prefix.size(), end, submap);
+  if (error != std::errc() || rest != end || submap <= 0) return std::nullopt;
+  return submap;
 }
 
 /// The ground of this image; without one, as the camera is mounted; nullopt if that is unknown.
@@ -88,8 +100,9 @@ DenseMapper::DenseMapper(const map::DenseMapParams& params,
       dense_(forRig(params, rig)) {}
 
 void DenseMapper::scan(const stereo::FrameContext& context, MovingRegions moving,
-                       const Pose& T_map_robot) {
+                       const Pose& T_map_robot, const Pose& T_odom_robot) {
   scanned_at_ = dense_.anchored(T_map_robot);
+  T_odom_scanned_ = T_odom_robot;
   const auto make = [frame = context.frame(), disparity = context.disparity(),
                      match_ground = context.groundMatching(rig_->dense_to_m),
                      moving = std::move(moving), rig = *rig_] {
@@ -110,8 +123,14 @@ void DenseMapper::enterScan(StageTimes& times) {
   if (!scanning_.valid()) return;
   const Scanned scanned = std::exchange(scanning_, {}).get();
   const auto start = Clock::now();
-  dense_.add(scanned_at_, scanned.scan);
+  dense_.add(scanned_at_, T_odom_scanned_, scanned.scan);
   times.add("dense_scan", scanned.elapsed_ms + milliseconds(Clock::now() - start));
+}
+
+map::DenseMap DenseMapper::exchange(map::DenseMap other, StageTimes& times) {
+  enterScan(times);
+  if (fusing_.valid()) dense_.apply(fusing_.get().fused);
+  return std::exchange(dense_, std::move(other));
 }
 
 void DenseMapper::update(map::PerceptionMap& map, StageTimes& times) {
@@ -146,7 +165,7 @@ void DenseMapper::publish(map::PerceptionMap& map, StageTimes& times) {
 
 ByteSource DenseMapper::save() const {
   map::DenseMap all = dense_;
-  if (scanning_.valid()) all.add(scanned_at_, scanning_.get().scan);
+  if (scanning_.valid()) all.add(scanned_at_, T_odom_scanned_, scanning_.get().scan);
   return all.save();
 }
 
@@ -176,14 +195,79 @@ void Mapping::update(const FrameState& state, StageTimes& times) {
   {
     const auto watch = times.watch("map_update");
     if (state.static_map) {
+      enterSubmap(state.camera.submap, times);
       updateStaticMap(*state.static_map);
+      joinSubmaps(state);
     } else {
       grid_.followMore(kScansMovedPerFrame);
     }
-    map_.update(state.frame.time, state.objects.tracks);
+    const Pose& T_map_odom = state.camera.T_map_odom;
+    update(state.frame.time, transformed(state.objects.tracks, T_map_odom), T_map_odom);
   }
   updateGrid(state, times);
   updateDense(state, times);
+}
+
+/// The layers of different submaps are never in the map at once.
+void Mapping::enterSubmap(int submap, StageTimes& times) {
+  if (submap == submap_) return;
+  auto node = others_.extract(submap);
+  Layers next = node ? std::move(node.mapped())
+                     : Layers{map::StaticGrid(grid_params_.map), dense_.emptyMap()};
+  Layers before{std::exchange(grid_, std::move(next.grid)),
+                dense_.exchange(std::move(next.dense), times)};
+  others_.insert_or_assign(std::exchange(submap_, submap), std::move(before));
+  map_.removeStaticLayers();
+  if (const auto grid = grid_.grid()) map_.update(grid);
+}
+
+/// Layers of submaps that are part of this one now are added; those of submaps that were given up
+/// are removed.
+void Mapping::joinSubmaps(const FrameState& state) {
+  for (auto at = others_.begin(); at != others_.end();) {
+    const auto& existing = state.submaps;
+    if (std::find(existing.begin(), existing.end(), at->first) != existing.end()) {
+      ++at;
+      continue;
+    }
+    if (state.camera.revision.cause == slam::MapChange::kSubmapJoined) {
+      auto& [grid, dense] = at->second;
+      grid.follow(state.static_map->keyframes);
+      dense.follow(state.static_map->keyframes);
+      grid_.add(grid, 0);
+      dense_.add(dense);
+    }
+    at = others_.erase(at);
+  }
+}
+
+void Mapping::show(int submap, const slam::StereoSlam& slam, StageTimes& times) {
+  enterSubmap(submap, times);
+  const auto view = slam.map(submap);
+  map_.update(view);
+  grid_.follow(view.keyframes);
+  if (const auto grid = grid_.grid()) map_.update(grid);
+  dense_.follow(view.keyframes);
+}
+
+std::vector<Submap> Mapping::others(const slam::StereoSlam& slam) {
+  std::vector<Submap> submaps;
+  for (const int number : slam.submaps()) {
+    if (number == submap_) continue;
+    Submap& submap = submaps.emplace_back();
+    submap.number = number;
+    auto view = slam.map(number);
+    const auto layers = others_.find(number);
+    if (layers != others_.end()) {
+      auto& [grid, dense] = layers->second;
+      grid.follow(view.keyframes);
+      dense.follow(view.keyframes);
+      if (const auto cells = grid.grid()) submap.map.update(cells);
+      if (const auto points = dense.layer()) submap.map.update(points);
+    }
+    submap.map.update(std::move(view));
+  }
+  return submaps;
 }
 
 void Mapping::updateStaticMap(const slam::MapView& static_map) {
@@ -197,12 +281,13 @@ void Mapping::updateStaticMap(const slam::MapView& static_map) {
 }
 
 void Mapping::updateGrid(const FrameState& state, StageTimes& times) {
+  if (!state.T_map_robot) grid_.interrupt();
   std::optional<GroundScan> scan;
   if (state.scans_ground && state.T_map_robot && state.T_odom_robot) {
     const auto watch = times.watch("grid");
     scan = scanGround(state);
     addLaser(state, scan);
-    if (scan) grid_.add(*state.T_map_robot, std::move(*scan));
+    if (scan) grid_.add(*state.T_map_robot, *state.T_odom_robot, std::move(*scan));
   } else {
     addLaser(state, scan);
   }
@@ -217,7 +302,7 @@ void Mapping::updateDense(const FrameState& state, StageTimes& times) {
   dense_.update(map_, times);
   if (!dense_.isUsed() || !state.scans_ground || !state.T_map_robot || !state.T_odom_robot) return;
   dense_.leaveOut(state.objects.tracks, state.frame.time);
-  dense_.scan(*state.context, leftOutOfDenseMap(state), *state.T_map_robot);
+  dense_.scan(*state.context, leftOutOfDenseMap(state), *state.T_map_robot, *state.T_odom_robot);
 }
 
 std::optional<GroundScan> Mapping::scanGround(const FrameState& state) const {
@@ -267,13 +352,7 @@ void Mapping::addLaser(const FrameState& state, std::optional<GroundScan>& scan)
   addLaserScans(scans, scene, state.objects.tracks, laser_params_, *scan, laser_counts_);
 }
 
-void Mapping::finish(const std::optional<slam::MapView>& static_map, StageTimes& times) {
-  if (static_map) {
-    map_.update(*static_map);
-    grid_.follow(static_map->keyframes);
-    if (const auto grid = grid_.grid()) map_.update(grid);
-    dense_.follow(static_map->keyframes);
-  }
+void Mapping::finish(StageTimes& times) {
   dense_.update(map_, times);
   updateDensePoints(times);
 }
@@ -287,6 +366,13 @@ void Mapping::load(const map::StoredMap& stored, slam::MapView static_map) {
   }
   const auto depths = stored.attachments.find(map::kDenseAttachment);
   if (depths != stored.attachments.end()) dense_.load(depths->second);
+  for (const auto& [name, bytes] : stored.attachments) {
+    if (const auto number = submapOf(name, map::kGridAttachment))
+      layersOf(*number).grid.load(bytes);
+    if (const auto number = submapOf(name, map::kDenseAttachment)) {
+      layersOf(*number).dense.load(bytes);
+    }
+  }
   if (const auto& dense = stored.map.dense()) {
     map_.update(std::make_shared<mrpt::maps::CColouredPointsMap>(*dense));
   }
@@ -301,8 +387,22 @@ map::StoredMap Mapping::stored() const {
 }
 
 void Mapping::attachScans(map::StoredMap& stored) const {
-  stored.attachments[map::kGridAttachment] = grid_.save();
-  stored.made_attachments[map::kDenseAttachment] = dense_.save();
+  const auto named = [](const char* attachment, int submap) {
+    return submap == 0 ? attachment : std::string(attachment) + "." + std::to_string(submap);
+  };
+  stored.attachments[named(map::kGridAttachment, submap_)] = grid_.save();
+  stored.made_attachments[named(map::kDenseAttachment, submap_)] = dense_.save();
+  for (const auto& [submap, layers] : others_) {
+    stored.attachments[named(map::kGridAttachment, submap)] = layers.grid.save();
+    stored.made_attachments[named(map::kDenseAttachment, submap)] = layers.dense.save();
+  }
+}
+
+Mapping::Layers& Mapping::layersOf(int submap) {
+  const auto layers = others_.find(submap);
+  if (layers != others_.end()) return layers->second;
+  return others_.emplace(submap, Layers{map::StaticGrid(grid_params_.map), dense_.emptyMap()})
+      .first->second;
 }
 
 }  // namespace headway::pipeline

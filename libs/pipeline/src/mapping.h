@@ -2,12 +2,15 @@
 #pragma once
 
 #include <headway/map/map_file.h>
+#include <headway/pipeline/perception.h>
 
 #include <chrono>
 #include <future>
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "frame_state.h"
 
@@ -30,15 +33,21 @@ class DenseMapper {
   [[nodiscard]] bool isUsed() const { return used_; }
 
   /// Starts the scan of a frame.
-  void scan(const stereo::FrameContext& context, MovingRegions moving, const Pose& T_map_robot);
+  void scan(const stereo::FrameContext& context, MovingRegions moving, const Pose& T_map_robot,
+            const Pose& T_odom_robot);
 
   /// Removes from the scans of the last seconds what lies where moving objects were, by their
-  /// tracks at a time.
+  /// tracks at a time, in the odometry frame.
   void leaveOut(const std::vector<Track>& tracks, Time now);
 
   /// Enters the scan of the frame before, and in live operation what has been fused: to be called
   /// once a frame.
   void update(map::PerceptionMap& map, StageTimes& times);
+
+  /// Goes on with the scans of another submap. @return those so far
+  [[nodiscard]] map::DenseMap exchange(map::DenseMap other, StageTimes& times);
+  /// Adds the scans of a submap that was joined with this one.
+  void add(const map::DenseMap& joined) { dense_.add(joined, 0); }
 
   void follow(const SharedChunks<slam::KeyframeView>& keyframes) { dense_.follow(keyframes); }
 
@@ -76,7 +85,8 @@ class DenseMapper {
   bool is_live_;
   std::optional<stereo::RigCapability> rig_;
   map::DenseMap dense_;
-  map::AnchoredPose scanned_at_;  ///< pose of the scan that is being made
+  map::AnchoredPose scanned_at_;            ///< pose of the scan that is being made
+  Pose T_odom_scanned_ = Pose::Identity();  ///< the same in the odometry frame
   std::shared_future<Scanned> scanning_;
   std::future<FusedBeside> fusing_;
   Clock::time_point next_fusion_{};
@@ -101,11 +111,20 @@ class Mapping {
   /// Takes all that a frame tells.
   void update(const FrameState& state, StageTimes& times);
 
-  /// Replaces the moving objects.
-  void update(Time time, const std::vector<Track>& tracks) { map_.update(time, tracks); }
+  /// Replaces the moving objects, which are in the map.
+  void update(Time time, std::vector<Track> tracks, const Pose& T_map_odom) {
+    map_.update(time, std::move(tracks), T_map_odom);
+  }
 
-  /// Takes the last corrections of the static map and completes the other layers.
-  void finish(const std::optional<slam::MapView>& static_map, StageTimes& times);
+  /// Number of the submap whose layers are in the map.
+  [[nodiscard]] int submap() const { return submap_; }
+  /// Goes on with the layers of a submap as it is now.
+  void show(int submap, const slam::StereoSlam& slam, StageTimes& times);
+  /// The static layers of all other submaps.
+  [[nodiscard]] std::vector<Submap> others(const slam::StereoSlam& slam);
+
+  /// Completes the layers that were made in the background.
+  void finish(StageTimes& times);
   /// Fuses the depth scans so far.
   void updateDensePoints(StageTimes& times) { dense_.publish(map_, times); }
 
@@ -126,6 +145,14 @@ class Mapping {
   }
 
  private:
+  /// Layers of one submap.
+  struct Layers {
+    map::StaticGrid grid;
+    map::DenseMap dense;
+  };
+  void enterSubmap(int submap, StageTimes& times);
+  void joinSubmaps(const FrameState& state);
+  [[nodiscard]] Layers& layersOf(int submap);
   void updateStaticMap(const slam::MapView& static_map);
   void updateGrid(const FrameState& state, StageTimes& times);
   void updateDense(const FrameState& state, StageTimes& times);
@@ -145,8 +172,10 @@ class Mapping {
   LaserParams laser_params_;
   bool is_extended_;  ///< slam.mapping
   bool is_live_;      ///< no frame may be delayed by a correction of the whole map
+  int submap_ = 0;
   map::StaticGrid grid_;
   DenseMapper dense_;
+  std::map<int, Layers> others_;  ///< of the other submaps
   map::PerceptionMap map_;
   std::size_t grid_frames_ = 0;  ///< frames eligible for a scan
   std::map<std::string, std::size_t> laser_counts_;

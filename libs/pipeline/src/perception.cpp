@@ -32,18 +32,20 @@ bool countsFromAnother(const RecordedFrame& frame, const PreviousFrame& previous
 /// Poses of the frame, of which SLAM's are not trusted if the input is not.
 void setPoses(bool is_input_trusted, FrameState& state) {
   slam::SlamUpdate& camera = state.camera;
-  if (!is_input_trusted && camera.status == TrackingStatus::kTracked) {
+  if (!is_input_trusted && isTracked(camera.status)) {
     camera.status = TrackingStatus::kUnreliable;
     camera.doubt = slam::Doubt::kImages;
   }
-  const bool is_tracked = camera.status == TrackingStatus::kTracked;
+  const bool is_tracked = isTracked(camera.status);
   if (is_tracked) state.T_map_robot = camera.T_map_robot;
   if (state.clock == ClockStep::kRepeated) return;
-  if (is_tracked) state.T_odom_robot = camera.T_map_robot;
-  const bool is_measured = is_tracked || camera.doubt == slam::Doubt::kSpeed;
-  const bool may_have_jumped = !camera.loops.empty() || camera.map_corrected;
-  if (!is_measured || may_have_jumped || !state.previous.T_odom_robot) return;
-  state.T_previous_robot = state.previous.T_odom_robot->inverse() * camera.T_map_robot;
+  if (is_tracked) state.T_odom_robot = camera.T_odom_robot;
+  if (!state.previous.T_odom_robot) return;
+  if (is_tracked) {
+    state.T_previous_robot = state.previous.T_odom_robot->inverse() * camera.T_odom_robot;
+  } else if (camera.doubt == slam::Doubt::kSpeed) {
+    state.T_previous_robot = state.previous.T_map_robot.inverse() * camera.T_map_robot;
+  }
 }
 
 /// Removes boxes that are too far, and counts them.
@@ -64,7 +66,8 @@ PreviousFrame previousFrom(const FrameState& state) {
   previous.T_map_robot = state.camera.T_map_robot;
   previous.lost_in_a_row = state.previous.lost_in_a_row;
   if (state.camera.status == TrackingStatus::kLost && state.is_by_slam) ++previous.lost_in_a_row;
-  if (state.camera.status == TrackingStatus::kTracked) previous.lost_in_a_row = 0;
+  if (isTracked(state.camera.status)) previous.lost_in_a_row = 0;
+  previous.revision = state.camera.revision.number;
   previous.T_odom_robot = state.T_odom_robot;
   previous.tracks = state.objects.tracks;
   previous.expected = state.objects.expected;
@@ -105,6 +108,17 @@ std::string describeRelocalisation(const FrameState& state, const slam::MapView&
                    (place - state.previous.T_map_robot.translation()).norm());
 }
 
+int largestSubmap(const slam::StereoSlam& slam) {
+  int largest = 0;
+  std::size_t keyframes = 0;
+  for (const int submap : slam.submaps()) {
+    const std::size_t count = slam.map(submap).keyframes.size();
+    if (count > keyframes) largest = submap;
+    keyframes = std::max(keyframes, count);
+  }
+  return largest;
+}
+
 std::string describe(const FrameState& state) {
   const slam::SlamUpdate& camera = state.camera;
   std::string line = formatted(
@@ -119,6 +133,18 @@ std::string describe(const FrameState& state) {
 }
 
 }  // namespace
+
+void OdometryHistory::add(std::size_t frame, const Pose& T_map_odom) {
+  poses_[frame] = T_map_odom;
+  if (poses_.size() > kMaxFrames) poses_.erase(poses_.begin());
+}
+
+void OdometryHistory::moveIntoMap(std::vector<TrackSample>& samples) const {
+  for (TrackSample& sample : samples) {
+    const auto at = poses_.lower_bound(sample.frame);
+    if (at != poses_.end()) sample.track = transformed(std::move(sample.track), at->second);
+  }
+}
 
 Perception::Implementation::Implementation(std::shared_ptr<const StereoCamera> rig,
                                            const PerceptionParams& params, map::PerceptionMap map)
@@ -142,6 +168,7 @@ PerceptionUpdate Perception::Implementation::process(const RecordedFrame& frame)
   localise(state);
   state.found = detect(state);
   state.disparity_offset = localisation.disparityOffset(state);
+  odometry.add(frame.index, state.camera.T_map_odom);
   state.objects = track(state);
   state.add(health.checkResults(state));
   mapping.update(state, times);
@@ -210,8 +237,11 @@ std::optional<stereo::FrameContext> Perception::Implementation::rectify(const Fr
 void Perception::Implementation::localise(FrameState& state) {
   state.camera = localisation.localise(state);
   setPoses(health.isTrusted(), state);
-  if (state.camera.is_keyframe || state.camera.map_corrected) {
+  const std::uint64_t revision = state.camera.revision.number;
+  if (state.camera.is_keyframe || revision != previous_.revision ||
+      state.camera.submap != mapping.submap()) {
     state.static_map = localisation.slam()->map();
+    state.submaps = localisation.slam()->submaps();
   }
   if (state.T_map_robot && state.previous.lost_in_a_row > 0 && log) {
     write(LogLevel::kInfo, state, describeRelocalisation(state, *mapping.map().staticMap()));
@@ -261,6 +291,8 @@ PerceptionUpdate Perception::Implementation::published(FrameState&& state,
   update.camera = std::move(state.camera);
   update.detections = std::move(state.found.fused);
   update.objects = std::move(state.objects);
+  update.tracks_odom = std::exchange(update.objects.tracks, mapping.map().movingObjects().tracks());
+  odometry.moveIntoMap(update.objects.finalised);
   update.findings = std::move(state.findings);
   if (callbacks.on_tracks) callbacks.on_tracks(update.time, update.objects.tracks);
   const map::PerceptionMap& map = mapping.map();
@@ -281,7 +313,14 @@ void Perception::Implementation::logFrame(const FrameState& state) const {
     if (finding.is_first) write(LogLevel::kWarn, state, finding.text);
   }
   for (const auto& loop : state.camera.loops) write(LogLevel::kInfo, state, describe(loop));
-  if (state.camera.map_corrected) write(LogLevel::kInfo, state, "a loop corrected the map");
+  const slam::MapRevision& revision = state.camera.revision;
+  if (revision.number != state.previous.revision &&
+      revision.cause != slam::MapChange::kBundleAdjustment) {
+    write(
+        LogLevel::kInfo, state,
+        formatted("revision %llu of the map: %s", static_cast<unsigned long long>(revision.number),
+                  slam::toString(revision.cause)));
+  }
   write(LogLevel::kDebug, state, describe(state));
 }
 
@@ -297,10 +336,11 @@ void Perception::Implementation::applyChange() {
 Pose Perception::Implementation::moveInto(const slam::KeyframePoses& poses) {
   if (poses.empty()) return Pose::Identity();
   auto& slam = *localisation.slam();
-  const Pose before = slam.map().keyframes.front().T_map_robot;
+  const Pose before = slam.map(0).keyframes.front().T_map_robot;
   slam.correct(poses);
-  mapping.finish(slam.map(), times);
-  mapping.update(previous_.time, std::vector<Track>());
+  mapping.show(0, slam, times);
+  mapping.finish(times);
+  mapping.update(previous_.time, std::vector<Track>(), Pose::Identity());
   const Pose now = mapping.map().staticMap()->keyframes.front().T_map_robot;
   return normalized(Pose(now * before.inverse(Eigen::Isometry)));
 }
@@ -333,12 +373,12 @@ map::StoredMap Perception::stored() const {
 }
 
 void Perception::finish() {
-  std::optional<slam::MapView> static_map;
+  Mapping& mapping = implementation_->mapping;
   if (auto* slam = implementation_->localisation.slam()) {
     slam->finish();
-    static_map = slam->map();
+    mapping.show(largestSubmap(*slam), *slam, implementation_->times);
   }
-  implementation_->mapping.finish(static_map, implementation_->times);
+  mapping.finish(implementation_->times);
 }
 
 const std::optional<stereo::RigCapability>& Perception::rig() const {
@@ -374,6 +414,16 @@ const std::map<std::string, std::size_t>& Perception::laserCounts() const {
 
 const map::PerceptionMap& Perception::map() const { return implementation_->mapping.map(); }
 
+std::vector<Submap> Perception::otherSubmaps() {
+  const auto* slam = implementation_->localisation.slam();
+  return slam == nullptr ? std::vector<Submap>() : implementation_->mapping.others(*slam);
+}
+
+std::size_t Perception::submapCount() const {
+  const auto* slam = implementation_->localisation.slam();
+  return slam == nullptr ? 1 : std::max<std::size_t>(1, slam->submaps().size());
+}
+
 void Perception::updateDenseMap() {
   implementation_->mapping.updateDensePoints(implementation_->times);
 }
@@ -388,7 +438,11 @@ slam::TrajectoryVisit Perception::trajectorySnapshot() const {
   return implementation_->localisation.trajectorySnapshot();
 }
 
-std::vector<TrackSample> Perception::flush() { return implementation_->tracker.flush(); }
+std::vector<TrackSample> Perception::flush() {
+  auto samples = implementation_->tracker.flush();
+  implementation_->odometry.moveIntoMap(samples);
+  return samples;
+}
 
 StageTimes Perception::times() const {
   StageTimes all = implementation_->times;

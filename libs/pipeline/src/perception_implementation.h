@@ -3,13 +3,28 @@
 
 #include <headway/pipeline/perception.h>
 
+#include <map>
 #include <mutex>
+#include <vector>
 
 #include "input_health.h"
 #include "localisation.h"
 #include "mapping.h"
 
 namespace headway::pipeline {
+
+/// Where the odometry frame was in the map at the frames in which tracks may still be smoothed, so
+/// that their samples are in the map as it was published then.
+class OdometryHistory {
+ public:
+  void add(std::size_t frame, const Pose& T_map_odom);
+  /// Samples of frames that were added, from the odometry frame.
+  void moveIntoMap(std::vector<TrackSample>& samples) const;
+
+ private:
+  static constexpr std::size_t kMaxFrames = 1000;  ///< several smoothing windows of the longest
+  std::map<std::size_t, Pose> poses_;
+};
 
 /// The stages of the pipeline, each with the state that it keeps from frame to frame, and what the
 /// previous frame left.
@@ -27,6 +42,7 @@ class Perception::Implementation {
   Localisation localisation;
   DetectionStage detection;
   objects::MovingObjectTracker tracker;
+  OdometryHistory odometry;
   Mapping mapping;
   LogSink log;
   PerceptionCallbacks callbacks;

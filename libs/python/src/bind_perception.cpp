@@ -98,13 +98,29 @@ void bindUpdate(py::module_& module) {
       .def_readonly("time", &PerceptionUpdate::time, "[s]")
       .def_property_readonly(
           "status", [](const PerceptionUpdate& update) { return toString(update.camera.status); },
-          "'tracked', 'unreliable' or 'lost'; only with 'tracked' is the pose to be trusted")
+          "'tracked', 'tracked_in_new_submap' (the place of the submap in the map is not known), "
+          "'unreliable' or 'lost'; only if tracked is the pose to be trusted")
       .def_property_readonly("doubt", &doubtOf,
                              "of 'unreliable': 'images', 'frozen', 'odometry' or 'speed'; else ''")
       .def_property_readonly(
           "T_map_robot",
           [](const PerceptionUpdate& update) { return update.camera.T_map_robot.matrix(); },
-          "4x4, pose of the robot")
+          "4x4, pose of the robot; jumps where the map is corrected")
+      .def_property_readonly(
+          "T_odom_robot",
+          [](const PerceptionUpdate& update) { return update.camera.T_odom_robot.matrix(); },
+          "4x4, the same in the odometry frame; drifts and never jumps")
+      .def_property_readonly(
+          "T_map_odom",
+          [](const PerceptionUpdate& update) { return update.camera.T_map_odom.matrix(); },
+          "4x4, the odometry frame in the map")
+      .def_property_readonly(
+          "map_revision",
+          [](const PerceptionUpdate& update) {
+            return py::make_tuple(update.camera.revision.number,
+                                  toString(update.camera.revision.cause));
+          },
+          "(number, cause) of the newest change of the map")
       .def_property_readonly(
           "covariance", [](const PerceptionUpdate& update) { return update.camera.covariance; },
           "(6, 6) of the pose: translation [m], rotation [rad], along the robot's axes")
@@ -116,7 +132,8 @@ void bindUpdate(py::module_& module) {
           "landmarks that the pose rests on")
       .def_property_readonly(
           "tracks", [](const PerceptionUpdate& update) { return update.objects.tracks; },
-          "tentative, confirmed and coasting ones, by id")
+          "tentative, confirmed and coasting ones, by id, in the map")
+      .def_readonly("tracks_odom", &PerceptionUpdate::tracks_odom, "the same in the odometry frame")
       .def_property_readonly(
           "finalised", [](const PerceptionUpdate& update) { return update.objects.finalised; },
           "smoothed samples that no later frame will change")

@@ -80,7 +80,7 @@ std::vector<ReplayFrame> indexedFrames(const fs::path& folder, const ThinnedPath
   for (std::size_t i = 0; i < path.poses.size(); ++i) {
     if (!samples[i].empty()) next = samples[i].front().frame;
     while (lost.count(next) != 0) ++next;
-    frames.push_back({next++, path.poses[i].time, path.poses[i].value, {}});
+    frames.push_back({next++, path.poses[i].time, path.poses[i].value, {}, {}});
     for (std::size_t skipped = 1; skipped < path.step; ++skipped, ++next) {
       while (lost.count(next) != 0) ++next;
     }
@@ -208,6 +208,12 @@ std::vector<ReplayFrame> readReplayFrames(const fs::path& folder, const ReplayFr
   auto frames = indexedFrames(folder, path, samples);
   const auto to_final = corrections(folder / "trajectory_online.tum", times, frames);
   addTracks(samples, to_final, frames);
+  if (fs::exists(folder / "trajectory_odom.tum")) {
+    io::visitTum(folder / "trajectory_odom.tum", [&](const Stamped<Pose>& pose) {
+      const auto position = times.positionAt(pose.time);
+      if (position) frames[*position].T_odom_robot = pose.value;
+    });
+  }
   if (fs::exists(folder / "predictions.csv")) {
     addPredictions(folder / "predictions.csv", times, to_final, options.horizon_step_s, frames);
   } else if (has_tracks) {

@@ -148,6 +148,13 @@ std::string warnings(const ReplayFolder& folder) {
     html += "<p class=\"warning\">Camera's pose unreliable in " + grouped(unreliable) +
             " frames: " + framesText(folder, "unreliable_frames") + "</p>";
   }
+  const std::size_t apart = countAt(folder.summary, "frames_tracked_in_new_submap");
+  if (apart > 0) {
+    html +=
+        "<p class=\"warning\">Camera tracked in a new submap, whose place in the map was not "
+        "known, in " +
+        grouped(apart) + " frames: " + framesText(folder, "new_submap_frames") + "</p>";
+  }
   const std::size_t lost = countAt(folder.summary, "frames_lost");
   if (lost > 0) {
     html += "<p class=\"warning\">Camera lost in " + grouped(lost) +

@@ -88,6 +88,18 @@ std::optional<TrackedPose> FrameTracker::measureLocalMap(const TrackingFrame& cu
   return measureFrom({T_map_cam, {}}, current, local, map, min_inliers);
 }
 
+std::optional<Pose> FrameTracker::poseOf(const std::vector<TrackedLandmark>& seen,
+                                         const Pose& initial, const SparseMap& map) const {
+  std::vector<TrackedLandmark> known;
+  for (const TrackedLandmark& landmark : seen) {
+    if (map.find(landmark.id) != nullptr) known.push_back(landmark);
+  }
+  auto constraints = constraintsOf(known, map);
+  const auto refined = stereo::refinePose(initial, constraints, camera_, kFine);
+  if (!refined || refined->inliers < params_.min_inliers) return std::nullopt;
+  return refined->T_map_cam;
+}
+
 bool FrameTracker::rejectsByGeometry() const {
   return params_.dynamic_rejection == DynamicRejection::kGeometric ||
          params_.dynamic_rejection == DynamicRejection::kBoth;

@@ -40,6 +40,13 @@ class FrameTracker {
                                                  const std::vector<LandmarkId>& local, bool new_map,
                                                  SparseMap& map) const;
 
+  /// The pose that measurements of landmarks give where the landmarks are now.
+  ///
+  /// @param initial  good to a few pixels
+  /// @return         nullopt if too few agree
+  [[nodiscard]] std::optional<Pose> poseOf(const std::vector<TrackedLandmark>& seen,
+                                           const Pose& initial, const SparseMap& map) const;
+
   /// Measures the local map from a pose that is right to a few pixels.
   ///
   /// @return  nullopt if fewer landmarks than `min_inliers` agree on a pose

@@ -41,9 +41,12 @@ class MapCollector {
     const SparseMap& map = turned ? *turned : given;
     const std::int64_t shift = next_keyframe_;
     const std::int64_t landmark_shift = next_landmark_;
+    const int submap_shift = next_submap_;
     for (const auto& [id, keyframe] : map.keyframes()) {
       Keyframe& added = keyframes_.emplace_back(keyframe);
       added.id = shifted(id, shift);
+      if (added.submap != 0) added.submap += submap_shift;
+      next_submap_ = std::max(next_submap_, added.submap);
       if (added.odometry) added.odometry->from = shifted(added.odometry->from, shift);
       next_keyframe_ = added.id.value + 1;
     }
@@ -75,6 +78,7 @@ class MapCollector {
   std::vector<KeyframeId> first_;
   std::int64_t next_keyframe_ = 0;
   std::int64_t next_landmark_ = 0;
+  int next_submap_ = 0;  ///< greatest number so far
   double offset_sum_px_ = 0.0;
   std::optional<Eigen::Vector3d> right_turn_;  ///< of the first map with keyframes
 };

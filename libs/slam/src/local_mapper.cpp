@@ -21,10 +21,11 @@ LocalMapper::LocalMapper(const StereoCamera& camera, const SlamParams& params,
       odometry_(params.use_odometry) {}
 
 KeyframeId LocalMapper::insert(const TrackingFrame& frame, const Pose& T_map_cam,
-                               const PoseCovariance& covariance,
+                               const PoseCovariance& covariance, int submap,
                                std::vector<TrackedLandmark>& tracked, SparseMap& map) {
   Keyframe& keyframe = map.addKeyframe(frame.index, frame.time, T_map_cam);
   keyframe.covariance = covariance;
+  keyframe.submap = submap;
   keyframe.odometry = odometry_.link();
   const KeyframeId id = keyframe.id;
   odometry_.restartAt(id);

@@ -23,11 +23,12 @@ class LocalMapper {
   /// Makes a keyframe of a tracked frame: links what it sees, adds landmarks where the image has
   /// none, adjusts the neighbourhood, and removes landmarks that are not found again.
   ///
+  /// @param submap   that the keyframe belongs to
   /// @param tracked  inliers of this frame; gets the new landmarks and loses removed ones
   /// @return         id of the keyframe, whose pose is the corrected one of the frame
   KeyframeId insert(const TrackingFrame& frame, const Pose& T_map_cam,
-                    const PoseCovariance& covariance, std::vector<TrackedLandmark>& tracked,
-                    SparseMap& map);
+                    const PoseCovariance& covariance, int submap,
+                    std::vector<TrackedLandmark>& tracked, SparseMap& map);
 
   /// Adds the motion since the frame before to the odometry that the next keyframe gets.
   void addOdometry(const MotionPrior& prior) { odometry_.add(prior); }

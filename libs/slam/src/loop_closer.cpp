@@ -123,6 +123,7 @@ LoopCandidate LoopCloser::candidateOf(KeyframeId newest, KeyframeId old,
   LoopCandidate candidate;
   candidate.attempt.keyframe = newest;
   candidate.attempt.candidate = old;
+  candidate.attempt.joins_submaps = map.submapOf(newest) != map.submapOf(old);
   candidate.T_map_newest = map.keyframe(newest).T_map_cam;
   candidate.T_map_old = map.keyframe(old).T_map_cam;
   candidate.among = map.seenBy(map.neighbourhood(old, params_.window));
@@ -183,7 +184,9 @@ std::vector<LoopAttempt> LoopCloser::close(const TrackingFrame& frame, KeyframeI
     attempts.push_back(candidate.attempt);
     if (!loop) continue;
     adjuster_.abandon();
-    applyCorrection(posesWithLoop(map.keyframes(), *loop, params_.stop), map);
+    applyCorrection(posesWithLoop(keyframesOfLoop(newest, keyframe, map), *loop, params_.stop),
+                    map);
+    map.joinSubmaps(map.submapOf(newest), map.submapOf(keyframe));
     adjustAll(*loop, map);
     break;
   }
@@ -207,12 +210,15 @@ std::vector<KeyframeId> LoopCloser::mostAlike(const std::vector<DescribedPoint>&
   return alike;
 }
 
-/// Adds the loop's measurements, then adjusts the whole map.
+/// Adds the loop's measurements, then adjusts the whole submap.
 void LoopCloser::adjustAll(const ClosedLoop& loop, SparseMap& map) const {
   constexpr int kGlobalIterations = 8;
-  if (map.keyframes().count(loop.newest) > 0) observeLoop(loop, map);
+  if (map.keyframes().count(loop.newest) == 0) return;
+  observeLoop(loop, map);
   std::vector<KeyframeId> all;
-  for (const auto& [id, keyframe] : map.keyframes()) all.push_back(id);
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    if (keyframe.submap == map.submapOf(loop.newest)) all.push_back(id);
+  }
   adjuster_.adjust(map, all, kGlobalIterations);
 }
 

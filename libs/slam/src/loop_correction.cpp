@@ -92,6 +92,16 @@ std::vector<PoseGraphEdge> edgesOf(const std::map<KeyframeId, Keyframe>& keyfram
   return edges;
 }
 
+std::map<KeyframeId, Keyframe> keyframesOfLoop(KeyframeId newest, KeyframeId old,
+                                               const SparseMap& map) {
+  std::map<KeyframeId, Keyframe> members;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    if (keyframe.submap != map.submapOf(newest) && keyframe.submap != map.submapOf(old)) continue;
+    members.emplace_hint(members.end(), id, keyframe);
+  }
+  return members;
+}
+
 std::map<KeyframeId, Pose> posesWithLoop(const std::map<KeyframeId, Keyframe>& keyframes,
                                          const ClosedLoop& loop, const StopCondition& stop) {
   return posesWithLoops(keyframes, {loop}, stop);
@@ -113,9 +123,10 @@ std::map<KeyframeId, Pose> posesWithLoops(const std::map<KeyframeId, Keyframe>& 
 
 void applyCorrection(const std::map<KeyframeId, Pose>& corrected, SparseMap& map) {
   for (const auto& [id, landmark] : map.landmarks()) {
-    const Pose& before = map.keyframe(landmark.reference).T_map_cam;
-    map.findToChange(id)->position =
-        corrected.at(landmark.reference) * (before.inverse(Eigen::Isometry) * landmark.position);
+    const auto moved = corrected.find(landmark.reference);
+    if (moved == corrected.end()) continue;
+    const Pose T_cam_map = map.keyframe(landmark.reference).T_map_cam.inverse(Eigen::Isometry);
+    map.findToChange(id)->position = moved->second * (T_cam_map * landmark.position);
   }
   for (const auto& [id, pose] : corrected) map.keyframeToChange(id).T_map_cam = pose;
 }

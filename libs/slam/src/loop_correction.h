@@ -28,6 +28,10 @@ struct ClosedLoop {
 /// and to those that share many landmarks.
 [[nodiscard]] std::vector<PoseGraphEdge> edgesOf(const std::map<KeyframeId, Keyframe>& keyframes);
 
+/// Copies of the keyframes that a loop may move: those of both submaps.
+[[nodiscard]] std::map<KeyframeId, Keyframe> keyframesOfLoop(KeyframeId newest, KeyframeId old,
+                                                             const SparseMap& map);
+
 /// Poses of all keyframes after the loop was distributed over the pose graph.
 [[nodiscard]] std::map<KeyframeId, Pose> posesWithLoop(
     const std::map<KeyframeId, Keyframe>& keyframes, const ClosedLoop& loop,
@@ -38,7 +42,7 @@ struct ClosedLoop {
     const std::map<KeyframeId, Keyframe>& keyframes, const std::vector<ClosedLoop>& loops,
     const StopCondition& stop = neverStop);
 
-/// Replaces the keyframes' poses and moves landmarks with their reference keyframes.
+/// Replaces poses of keyframes and moves the landmarks of which they are the reference.
 void applyCorrection(const std::map<KeyframeId, Pose>& corrected, SparseMap& map);
 
 /// Adds the loop's measurements to the newest keyframe, which must be in the map.

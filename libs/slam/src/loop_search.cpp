@@ -146,7 +146,7 @@ bool LoopCloser::verifyNext(const SparseMap& map) {
 void LoopCloser::startCorrection(const SparseMap& map) {
   adjuster_.abandon();
   adjuster_.hold(true);
-  search_->keyframes = map.keyframes();
+  search_->keyframes = keyframesOfLoop(search_->newest, search_->candidate.attempt.candidate, map);
   search_->start(Search::Step::kCorrect, [search = search_.get(), stop = params_.stop] {
     search->corrected = posesWithLoop(search->keyframes, *search->loop, stop);
   });
@@ -159,17 +159,20 @@ void LoopCloser::startCorrection(const SparseMap& map) {
 Pose LoopCloser::correct(SparseMap& map) {
   std::map<KeyframeId, Pose> poses;
   Pose correction = Pose::Identity();
+  const int newest = map.submapOf(search_->newest);
   for (const auto& [id, keyframe] : map.keyframes()) {
     const auto corrected = search_->corrected.find(id);
     if (corrected != search_->corrected.end()) {
       poses[id] = corrected->second;
       correction =
           normalized(Pose(corrected->second * keyframe.T_map_cam.inverse(Eigen::Isometry)));
-    } else {
+    } else if (keyframe.submap == newest) {
       poses[id] = normalized(Pose(correction * keyframe.T_map_cam));
     }
   }
   applyCorrection(poses, map);
+  const auto old = map.keyframes().find(search_->loop->old);
+  if (old != map.keyframes().end()) map.joinSubmaps(newest, old->second.submap);
   return correction;
 }
 

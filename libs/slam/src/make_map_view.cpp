@@ -15,6 +15,14 @@ std::uint8_t intensityOf(const stereo::ReferencePatch& patch) {
   return patch.pixels[centre.y() * stereo::ReferencePatch::kSize + centre.x()];
 }
 
+bool isIn(int submap, const Landmark& landmark, const SparseMap& map) {
+  return map.submapOf(landmark.reference) == submap;
+}
+
+bool isIn(int submap, const Keyframe& keyframe, const SparseMap&) {
+  return keyframe.submap == submap;
+}
+
 LandmarkView viewOf(const Landmark& landmark, const Pose& /*T_cam_robot*/) {
   return {landmark.id, landmark.position, static_cast<int>(landmark.observations.size()),
           intensityOf(*landmark.patch)};
@@ -33,13 +41,13 @@ KeyframeView viewOf(const Keyframe& keyframe, const Pose& T_cam_robot) {
 template <typename Id, typename Element, typename View>
 SharedChunks<View> updated(
     const std::map<Id, Element>& elements, const std::vector<std::int64_t>& changed,
-    const Pose& T_cam_robot,
+    const Pose& T_cam_robot, int submap, const SparseMap& map,
     std::map<std::int64_t, std::shared_ptr<const std::vector<View>>>& groups) {
   for (const std::int64_t group : changed) {
     auto chunk = std::make_shared<std::vector<View>>();
     auto at = elements.lower_bound(Id{group * IdGroups::kSize});
     for (; at != elements.end() && at->first.value / IdGroups::kSize == group; ++at) {
-      chunk->push_back(viewOf(at->second, T_cam_robot));
+      if (isIn(submap, at->second, map)) chunk->push_back(viewOf(at->second, T_cam_robot));
     }
     if (chunk->empty()) {
       groups.erase(group);
@@ -54,17 +62,24 @@ SharedChunks<View> updated(
 
 }  // namespace
 
-MapView MapViewMaker::make(SparseMap& map) {
-  return {updated(map.landmarks(), map.takeChangedLandmarks(), T_cam_robot_, landmarks_),
-          updated(map.keyframes(), map.takeChangedKeyframes(), T_cam_robot_, keyframes_)};
+MapView MapViewMaker::make(SparseMap& map, int submap) {
+  if (submap != submap_) {
+    reset();
+    map.markChanged();
+    submap_ = submap;
+  }
+  return {
+      updated(map.landmarks(), map.takeChangedLandmarks(), T_cam_robot_, submap, map, landmarks_),
+      updated(map.keyframes(), map.takeChangedKeyframes(), T_cam_robot_, submap, map, keyframes_)};
 }
 
-MapView makeMapView(SparseMap map, const Pose& T_cam_robot) {
-  return MapViewMaker(T_cam_robot).make(map);
+MapView makeMapView(SparseMap map, const Pose& T_cam_robot, int submap) {
+  map.markChanged();
+  return MapViewMaker(T_cam_robot).make(map, submap);
 }
 
 MapView savedMapView(const std::string& saved, const Pose& T_robot_cam) {
-  return makeMapView(unpackMap(saved, {}), T_robot_cam.inverse());
+  return makeMapView(unpackMap(saved, {}), T_robot_cam.inverse(), 0);
 }
 
 }  // namespace headway::slam

@@ -19,8 +19,9 @@ class MapViewMaker {
  public:
   explicit MapViewMaker(const Pose& T_cam_robot) : T_cam_robot_(T_cam_robot) {}
 
-  /// @param map  the same in each call, or one that was loaded in its place after reset()
-  [[nodiscard]] MapView make(SparseMap& map);
+  /// @param map     the same in each call, or one that was loaded in its place after reset()
+  /// @param submap  whose landmarks and keyframes are in the view
+  [[nodiscard]] MapView make(SparseMap& map, int submap);
   void reset() {
     landmarks_.clear();
     keyframes_.clear();
@@ -31,11 +32,12 @@ class MapViewMaker {
   using Groups = std::map<std::int64_t, std::shared_ptr<const std::vector<View>>>;
 
   Pose T_cam_robot_;
+  int submap_ = 0;
   Groups<LandmarkView> landmarks_;
   Groups<KeyframeView> keyframes_;
 };
 
 /// A single view.
-[[nodiscard]] MapView makeMapView(SparseMap map, const Pose& T_cam_robot);
+[[nodiscard]] MapView makeMapView(SparseMap map, const Pose& T_cam_robot, int submap);
 
 }  // namespace headway::slam

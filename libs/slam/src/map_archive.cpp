@@ -16,8 +16,10 @@ namespace headway::slam {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x4d535748;  ///< "HWSM"
-constexpr std::uint32_t kVersion = 3;
-constexpr std::uint32_t kVersionWithoutTurn = 2;  ///< which lacks the right camera's rotation
+constexpr std::uint32_t kVersion = 4;
+constexpr std::uint32_t kVersionWithoutSubmaps = 3;
+constexpr std::uint32_t kVersionWithoutTurn = 2;  ///< which lacks the right camera's rotation, too
+constexpr std::int32_t kMaxSubmap = 1 << 20;
 
 constexpr double kMaxRightTurn = 0.1;  ///< [rad]
 
@@ -45,15 +47,20 @@ void write(ByteWriter& out, const Keyframe& keyframe) {
   out.value(keyframe.time);
   out.matrix(keyframe.T_map_cam.matrix());
   out.matrix(keyframe.covariance);
+  out.value<std::int32_t>(keyframe.submap);
 }
 
-Keyframe readKeyframe(ByteReader& in) {
+Keyframe readKeyframe(ByteReader& in, std::uint32_t version) {
   Keyframe keyframe;
   keyframe.id.value = in.value<std::int64_t>();
   keyframe.frame = in.value<std::uint64_t>();
   keyframe.time = in.finiteValue<double>();
   keyframe.T_map_cam.matrix() = in.finiteMatrix<Eigen::Matrix4d>();
   keyframe.covariance = in.finiteMatrix<PoseCovariance>();
+  if (version > kVersionWithoutSubmaps) keyframe.submap = in.value<std::int32_t>();
+  if (keyframe.submap < 0 || keyframe.submap > kMaxSubmap) {
+    throw InputError("damaged: a keyframe has no valid submap");
+  }
   return keyframe;
 }
 
@@ -183,10 +190,10 @@ SparseMap unpackMap(const std::string& bytes, const std::optional<StereoCamera>&
   if (in.value<std::uint32_t>() != kMagic)
     throw InputError("the static map in it is no map of headway's slam");
   const auto version = in.value<std::uint32_t>();
-  if (version != kVersion && version != kVersionWithoutTurn) {
+  if (version < kVersionWithoutTurn || version > kVersion) {
     throw InputError("the static map in it is of version " + std::to_string(version) +
                      ", this program reads versions " + std::to_string(kVersionWithoutTurn) +
-                     " and " + std::to_string(kVersion));
+                     " to " + std::to_string(kVersion));
   }
   const StereoCamera recorded = readCamera(in);
   if (camera) {
@@ -202,7 +209,8 @@ SparseMap unpackMap(const std::string& bytes, const std::optional<StereoCamera>&
   if (!(right_turn.norm() < kMaxRightTurn)) {
     throw InputError("damaged: the right camera is turned too far");
   }
-  const auto keyframes = in.list<Keyframe>(readKeyframe);
+  const auto keyframes =
+      in.list<Keyframe>([&](ByteReader& reader) { return readKeyframe(reader, version); });
   const auto landmarks = in.list<Landmark>(readLandmark);
   if (!in.atEnd()) throw InputError("damaged: there are data after the end of the static map");
   SparseMap map(keyframes, landmarks);

@@ -140,12 +140,13 @@ std::vector<MapLink> findMapLinks(const SeparateMaps& maps, const StereoCamera& 
                                   const SlamParams& params) {
   PlaceIndex index;
   for (const auto& [id, keyframe] : maps.all.keyframes()) {
+    if (keyframe.submap != 0) continue;  // its place in its own map is not known
     index.add(id, descriptorsOf(seenIn(keyframe, maps.all)));
   }
   std::vector<MapLink> links;
   for (const auto& [id, keyframe] : maps.all.keyframes()) {
     const std::size_t own = maps.mapOf(id);
-    if (own == 0) continue;
+    if (own == 0 || keyframe.submap != 0) continue;
     const SeenLandmarks seen = seenIn(keyframe, maps.all);
     const auto is_other = [&](KeyframeId other) { return maps.mapOf(other) < own; };
     for (const auto& match : index.query(descriptorsOf(seen), kCandidates, is_other)) {

@@ -7,9 +7,6 @@
 namespace headway::slam {
 namespace {
 
-constexpr double kMaxGap = 1.0;     ///< longest extrapolation of a velocity [s]
-constexpr double kCoastTime = 1.0;  ///< in which a predicted velocity falls to 1/e of itself [s]
-
 /// Turn of the robot that leaves its yaw at 0 and has its z axis against gravity.
 Eigen::Matrix3d levelled(const Eigen::Vector3d& up_robot) {
   Pose pose = Pose::Identity();
@@ -36,7 +33,7 @@ Pose MotionModel::predict(const StereoFrame& frame) const {
   }
   const double gap = frame.time - last_.time;
   Pose step = Pose::Identity();
-  if (gap > 0.0 && gap <= kMaxGap) {
+  if (gap > 0.0 && gap <= kMaxGap_s) {
     step.translation() = gap * velocity_;
     step.linear() = expSo3(gap * angular_velocity_);
   }
@@ -51,19 +48,22 @@ void MotionModel::update(Time time, const Pose& T_map_cam) {
   const double gap = time - last_.time;
   velocity_.setZero();
   angular_velocity_.setZero();
-  if (started_ && gap > 0.0 && gap <= kMaxGap) {
+  if (started_ && gap > 0.0 && gap <= kMaxGap_s) {
     const Pose step = last_.value.inverse(Eigen::Isometry) * T_map_cam;
     velocity_ = step.translation() / gap;
     angular_velocity_ = logSo3(step.linear()) / gap;
   }
   last_ = {time, T_map_cam};
+  measured_ = time;
   started_ = true;
 }
 
 void MotionModel::coast(Time time, const Pose& T_map_cam) {
-  const double left = std::exp(-std::max(0.0, time - last_.time) / kCoastTime);
-  velocity_ *= left;
-  angular_velocity_ *= left;
+  const double had = std::max(0.0, kMaxGap_s - (last_.time - measured_));
+  const double left = std::max(0.0, kMaxGap_s - (time - measured_));
+  const double ratio = had > 0.0 ? std::min(1.0, left / had) : 0.0;
+  velocity_ *= ratio;
+  angular_velocity_ *= ratio;
   last_ = {time, T_map_cam};
   started_ = true;
 }
@@ -72,6 +72,7 @@ void MotionModel::reset(Time time, const Pose& T_map_cam) {
   velocity_.setZero();
   angular_velocity_.setZero();
   last_ = {time, T_map_cam};
+  measured_ = time;
   started_ = true;
 }
 

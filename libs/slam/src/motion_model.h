@@ -5,6 +5,7 @@
 #include <headway/core/stereo_frame.h>
 #include <headway/slam/slam_params.h>
 
+#include <algorithm>
 #include <optional>
 
 namespace headway::slam {
@@ -12,6 +13,8 @@ namespace headway::slam {
 /// Predicts the next pose: by wheel odometry, else at constant velocity, turned by the gyroscope.
 class MotionModel {
  public:
+  static constexpr double kMaxGap_s = 1.0;  ///< longest extrapolation of a velocity
+
   MotionModel(const Pose& T_robot_cam, const SlamParams& params)
       : T_robot_cam_(T_robot_cam), params_(params) {}
 
@@ -19,16 +22,20 @@ class MotionModel {
   ///
   /// @param up_robot  unit vector against gravity, robot frame
   void initialise(Time time, const Eigen::Vector3d& up_robot);
+  [[nodiscard]] bool isStarted() const { return started_; }
   /// From now on without the gyroscope, which is wrong.
   void disableImu() { params_.use_imu = false; }
   /// Predicted camera pose at a frame; the last pose where the motion is unknown.
   [[nodiscard]] Pose predict(const StereoFrame& frame) const;
   /// The last pose known (identity before the first one).
   [[nodiscard]] const Pose& last() const { return last_.value; }
+  /// Time from the last pose, not negative [s].
+  [[nodiscard]] double secondsTo(Time time) const { return std::max(0.0, time - last_.time); }
 
   /// A pose that was measured: its difference to the last one is the new velocity.
   void update(Time time, const Pose& T_map_cam);
-  /// Sets a pose that was only predicted: the velocity decays.
+  /// Sets a pose that was only predicted: the velocity falls to zero within kMaxGap_s of the last
+  /// measured pose.
   void coast(Time time, const Pose& T_map_cam);
   /// The last pose was corrected; the velocity, as seen from the camera, stays.
   void correct(const Pose& T_map_cam) { last_.value = T_map_cam; }
@@ -40,6 +47,7 @@ class MotionModel {
   SlamParams params_;
   Stamped<Pose> last_{0.0, Pose::Identity()};
   bool started_ = false;
+  Time measured_ = 0.0;  ///< time of the last pose that was measured [s]
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();          ///< camera frame [m/s]
   Eigen::Vector3d angular_velocity_ = Eigen::Vector3d::Zero();  ///< camera frame [rad/s]
 };

@@ -189,6 +189,31 @@ const Landmark* SparseMap::find(LandmarkId id) const {
   return found == landmarks_.end() ? nullptr : &found->second;
 }
 
+void SparseMap::markChanged() {
+  for (const auto& [id, landmark] : landmarks_) changed_landmarks_.add(id.value);
+  for (const auto& [id, keyframe] : keyframes_) changed_keyframes_.add(id.value);
+}
+
+std::vector<int> SparseMap::submaps() const {
+  std::set<int> submaps;
+  for (const auto& [id, keyframe] : keyframes_) submaps.insert(keyframe.submap);
+  return {submaps.begin(), submaps.end()};
+}
+
+int SparseMap::newSubmap() const {
+  const auto used = submaps();
+  return used.empty() ? 0 : used.back() + 1;
+}
+
+void SparseMap::joinSubmaps(int a, int b) {
+  for (auto& [id, keyframe] : keyframes_) {
+    if (keyframe.submap != std::max(a, b)) continue;
+    keyframe.submap = std::min(a, b);
+    changed_keyframes_.add(id.value);
+    for (const LandmarkId landmark : keyframe.landmarks) changed_landmarks_.add(landmark.value);
+  }
+}
+
 std::vector<KeyframeId> SparseMap::neighbourhood(KeyframeId of, int count) const {
   std::map<KeyframeId, int> shared;
   for (const LandmarkId id : keyframes_.at(of).landmarks) {

@@ -60,6 +60,7 @@ struct Keyframe {
   Time time = 0.0;  ///< [s]
   Pose T_map_cam = Pose::Identity();
   PoseCovariance covariance = PoseCovariance::Zero();  ///< of T_map_cam
+  int submap = 0;                                      ///< 0: the one with the map's origin
   std::vector<LandmarkId> landmarks;                   ///< seen in it, ascending
   std::optional<OdometryLink> odometry;                ///< not stored in map files
 };
@@ -131,6 +132,13 @@ class SparseMap {
     return keyframes_.at(id);
   }
 
+  /// Submaps are groups of keyframes with a known place to each other, numbered from 0.
+  [[nodiscard]] int submapOf(KeyframeId id) const { return keyframes_.at(id).submap; }
+  [[nodiscard]] std::vector<int> submaps() const;  ///< ascending
+  [[nodiscard]] int newSubmap() const;             ///< a number that no keyframe has
+  /// Makes one submap of two, with the lower number.
+  void joinSubmaps(int a, int b);
+
   /// The newest keyframes and, of the older ones, those that share most landmarks with the newest.
   ///
   /// @return at most `count` ids, ascending
@@ -168,6 +176,8 @@ class SparseMap {
   [[nodiscard]] std::vector<std::int64_t> takeChangedKeyframes() {
     return changed_keyframes_.take();
   }
+
+  void markChanged();  ///< all of them
 
   [[nodiscard]] const std::map<LandmarkId, Landmark>& landmarks() const { return landmarks_; }
   [[nodiscard]] const std::map<KeyframeId, Keyframe>& keyframes() const { return keyframes_; }

@@ -1,12 +1,158 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <headway/core/camera_difference.h>
+#include <headway/core/error.h>
+#include <headway/core/stage_times.h>
+#include <headway/slam/joint_map.h>
 #include <headway/slam/stereo_slam.h>
+#include <headway/stereo/rectification.h>
+#include <headway/stereo/right_turn.h>
 
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "active_submap.h"
+#include "anchored_trajectory.h"
+#include "bundle_adjuster.h"
+#include "frame_tracker.h"
+#include "inertial_alignment.h"
+#include "joint_sparse_map.h"
+#include "keyframe_odometry.h"
+#include "local_mapper.h"
+#include "loop_closer.h"
+#include "loop_correction.h"
+#include "make_map_view.h"
+#include "map_archive.h"
 #include "map_culling.h"
+#include "motion_model.h"
+#include "odometry_check.h"
 #include "pose_covariance.h"
 #include "reference_choice.h"
-#include "stereo_slam_implementation.h"
+#include "right_camera.h"
+#include "tracking_frame.h"
+#include "visual_odometry.h"
 
 namespace headway::slam {
+namespace {
+
+// After a change of what is assumed about the right camera:
+constexpr int kReadjusted = 100;  ///< keyframes, so that none is fixed where the old scale put it
+constexpr int kReadjustIterations = 20;
+
+}  // namespace
+
+/// Processes a frame step by step and keeps the state between frames.
+class StereoSlam::Implementation {
+ public:
+  Implementation(std::shared_ptr<const StereoCamera> camera, const SlamParams& params)
+      : camera_(std::move(camera)),
+        T_cam_robot_(camera_->T_robot_cam.inverse(Eigen::Isometry)),
+        params_(params),
+        tracker_(*camera_, params),
+        adjuster_(*camera_, params.adjust_in_background, params.stop),
+        mapper_(*camera_, params, adjuster_),
+        loops_(*camera_, params, adjuster_),
+        motion_(camera_->T_robot_cam, params),
+        visual_odometry_(*camera_, params),
+        motion_in_odom_(camera_->T_robot_cam, params),
+        odometry_since_tracked_(params.use_odometry),
+        views_(T_cam_robot_),
+        trajectory_(params.trajectory_in_memory) {}
+
+  SlamUpdate process(const stereo::FrameContext& context, const MovingRegions& moving,
+                     ImageEvidence images);
+  void finish() {
+    const LoopProgress searched = loops_.finish(map_);
+    followMap(changeOf(searched.attempts), searched.correction);
+    followMap(MapChange::kBundleAdjustment, adjuster_.finish(map_));
+  }
+  void load(const std::string& bytes);
+  void correct(const KeyframePoses& poses);
+  [[nodiscard]] const SparseMap& sparseMap() const { return map_; }
+  [[nodiscard]] const StereoCamera& camera() const { return *camera_; }
+  [[nodiscard]] const SlamParams& params() const { return params_; }
+  [[nodiscard]] std::string save() const { return packMap(map_, *camera_); }
+  [[nodiscard]] ByteSource snapshot() const { return mapBytes(map_, *camera_); }
+  [[nodiscard]] double disparityOffset() const { return map_.disparityOffset(); }
+  [[nodiscard]] std::optional<stereo::OffsetEstimate> takeFreeOffset() {
+    return adjuster_.takeFreeOffset();
+  }
+  void turnRightCamera(const Eigen::Vector3d& angles, bool always_so);
+  [[nodiscard]] MapView map() { return views_.make(map_, submap()); }
+  [[nodiscard]] MapView map(int submap) const { return makeMapView(map_, T_cam_robot_, submap); }
+  [[nodiscard]] TrajectoryVisit trajectorySnapshot() const {
+    return trajectory_.snapshot(map_, T_cam_robot_);
+  }
+  [[nodiscard]] const StageTimes& times() const { return times_; }
+
+ private:
+  std::optional<TrackedPose> track(const stereo::FrameContext& context,
+                                   const TrackingFrame& current);
+  void initialiseMotion(const stereo::FrameContext& context);
+  void levelMap(const StereoFrame& frame, const Stamped<Pose>& previous, const Pose& T_map_cam,
+                double sigma_m);
+  SlamUpdate localised(const StereoFrame& frame, const TrackingFrame& current,
+                       std::optional<TrackedPose>& tracked, ImageEvidence images);
+  void moveOdometry(const StereoFrame& frame, const TrackingFrame& current,
+                    const std::optional<Pose>& tracked_step);
+  void describePose(SlamUpdate& update) const;
+  Doubt doubtOf(const MeasuredStep& step, double seconds, const MotionPrior& prior);
+  SlamUpdate accept(const TrackingFrame& current, TrackedPose& tracked);
+  SlamUpdate handleLost(const StereoFrame& frame, const TrackingFrame& current);
+  void coast(const StereoFrame& frame);
+  [[nodiscard]] PoseCovariance predictedCovariance(const PoseCovariance& before,
+                                                   const OdometryLink& link) const;
+  SlamUpdate passOver(const StereoFrame& frame, const TrackingFrame& current);
+  bool initialise(const TrackingFrame& current, int submap);
+  void makeKeyframe(const TrackingFrame& current, TrackedPose& tracked, SlamUpdate& update);
+  void setReferenceKeyframe(KeyframeId keyframe);
+  void removeSubmap(KeyframeId first, KeyframeId end);
+  void remove(KeyframeId keyframe, KeyframeId replacement);
+  LoopProgress takeBackgroundWork();
+  void followMap(MapChange cause, const std::optional<Pose>& correction);
+  void noteChange(MapChange cause);
+  [[nodiscard]] MapChange changeOf(const std::vector<LoopAttempt>& attempts) const;
+  void measureLastPoseAgain();
+  [[nodiscard]] bool isBridged(const StereoFrame& frame) const;
+  /// That the camera is in; the one with the map's origin while it was not found in any.
+  [[nodiscard]] int submap() const { return reference_ ? map_.submapOf(*reference_) : 0; }
+
+  std::shared_ptr<const StereoCamera> camera_;
+  Pose T_cam_robot_;
+  SlamParams params_;
+  FrameTracker tracker_;
+  BundleAdjuster adjuster_;
+  LocalMapper mapper_;
+  LoopCloser loops_;
+  MotionModel motion_;
+  VisualOdometry visual_odometry_;
+  MotionModel motion_in_odom_;
+  MapRevision revision_;
+  InertialAlignment inertial_;
+  OdometryCheck odometry_check_;
+  StandstillCheck standstill_check_;
+  KeyframeOdometry odometry_since_tracked_;  ///< from the last tracked frame
+  SparseMap map_;
+  MapViewMaker views_;
+  AnchoredTrajectory trajectory_;
+  StageTimes times_;
+
+  TrackingFrame previous_;                              ///< the last one that was tracked
+  std::vector<TrackedLandmark> seen_before_;            ///< landmarks of that frame
+  std::optional<KeyframeId> reference_;                 ///< keyframe that it belongs to
+  std::vector<LandmarkId> local_landmarks_;             ///< those around that keyframe
+  PoseCovariance covariance_ = PoseCovariance::Zero();  ///< of the last camera pose
+  PoseCovariance covariance_when_tracked_ = PoseCovariance::Zero();  ///< in the last such frame
+  double previous_sigma_m_ = 0.0;  ///< of its position in the local map
+  Time last_tracked_ = 0.0;        ///< time of that frame [s]
+  bool turns_known_ = false;       ///< by the gyroscope, in every frame since then
+  ActiveSubmap active_submap_;
+  int lost_in_a_row_ = 0;
+  bool relocalised_ = false;  ///< the newest pose, in the whole map: no motion from the one before
+};
 
 SlamUpdate StereoSlam::Implementation::process(const stereo::FrameContext& context,
                                                const MovingRegions& moving, ImageEvidence images) {
@@ -21,23 +167,41 @@ SlamUpdate StereoSlam::Implementation::process(const stereo::FrameContext& conte
     const auto watch = times_.watch("slam_track");
     mapper_.addOdometry(frame.motion_prior);
     odometry_since_tracked_.add(frame.motion_prior);
+    turns_known_ = turns_known_ && params_.use_imu && frame.motion_prior.R_previous_current;
     current = makeTrackingFrame(context, moving, *camera_, params_);
     if (!is_frozen) tracked = track(context, current);
   }
   const auto watch = times_.watch("slam_map");
-  SlamUpdate update = is_frozen ? passOver(frame) : localised(frame, current, tracked, images);
+  SlamUpdate update =
+      is_frozen ? passOver(frame, current) : localised(frame, current, tracked, images);
   update.imu = inertial_.status();
-  update.map_corrected = searched.correction.has_value();
   if (!searched.attempts.empty()) update.loops = std::move(searched.attempts);
-  update.T_map_robot = normalized(motion_.last() * T_cam_robot_);
-  update.covariance = composedCovariance(covariance_, T_cam_robot_, PoseCovariance::Zero());
-  const bool is_tracked = update.status == TrackingStatus::kTracked;
-  trajectory_.add(current.index, current.time, is_tracked, motion_.last(), reference_, map_);
+  describePose(update);
+  trajectory_.add(current.index, current.time, isTracked(update.status), motion_.last(), reference_,
+                  map_);
   if (update.status == TrackingStatus::kLost || is_frozen) return update;
   odometry_since_tracked_.restartAt(*reference_);
+  last_tracked_ = current.time;
+  turns_known_ = true;
   covariance_when_tracked_ = covariance_;
   previous_ = std::move(current);
   return update;
+}
+
+/// Pose and covariance in both frames, and the submap.
+void StereoSlam::Implementation::describePose(SlamUpdate& update) const {
+  update.T_map_robot = normalized(motion_.last() * T_cam_robot_);
+  update.covariance = composedCovariance(covariance_, T_cam_robot_, PoseCovariance::Zero());
+  update.T_odom_robot = normalized(motion_in_odom_.last() * T_cam_robot_);
+  update.T_map_odom = normalized(update.T_map_robot * update.T_odom_robot.inverse(Eigen::Isometry));
+  // T_odom_robot is known exactly: it defines the odometry frame.
+  update.map_odom_covariance = composedCovariance(
+      update.covariance, update.T_odom_robot.inverse(Eigen::Isometry), PoseCovariance::Zero());
+  update.revision = revision_;
+  update.submap = submap();
+  if (update.status == TrackingStatus::kTracked && update.submap != 0) {
+    update.status = TrackingStatus::kTrackedInNewSubmap;
+  }
 }
 
 /// Takes the pose that was tracked, if one was, and all that sets the motion before against it.
@@ -49,22 +213,51 @@ SlamUpdate StereoSlam::Implementation::localised(const StereoFrame& frame,
   const bool tracked_twice = tracked && !relocalised_ && lost_in_a_row_ == 0;
   const Pose T_map_cam = tracked ? tracked->T_map_cam : Pose::Identity();
   const double sigma_m = tracked ? positionSigma(tracked->covariance) : 0.0;
-  SlamUpdate update = tracked ? accept(current, *tracked) : handleLost(frame, current);
+  Doubt doubt = Doubt::kNone;
+  std::optional<Pose> tracked_step;
   if (tracked_twice) {
     const Pose T_previous_current = previous.value.inverse(Eigen::Isometry) * T_map_cam;
+    tracked_step = T_previous_current;
     const MeasuredStep step{frame.time, camera_->T_robot_cam * T_previous_current * T_cam_robot_,
                             sigma_m, rotationSigma(tracked->covariance)};
-    update.doubt = doubtOf(step, frame.time - previous.time, frame.motion_prior);
-    levelMap(frame, previous, T_map_cam, std::hypot(sigma_m, previous_sigma_m_));
+    doubt = doubtOf(step, frame.time - previous.time, frame.motion_prior);
   } else {
     odometry_check_.restart();
     inertial_.interrupt();
+  }
+  if (doubt == Doubt::kSpeed) tracked_step.reset();
+  moveOdometry(frame, current, tracked_step);
+  if (tracked && !tracked_twice) noteChange(MapChange::kRelocalised);
+  SlamUpdate update = tracked ? accept(current, *tracked) : handleLost(frame, current);
+  update.doubt = doubt;
+  if (tracked_twice) {
+    levelMap(frame, previous, T_map_cam, std::hypot(sigma_m, previous_sigma_m_));
   }
   previous_sigma_m_ = sigma_m;
   if (update.status != TrackingStatus::kTracked) return update;
   if (images == ImageEvidence::kContradictory) update.doubt = Doubt::kImages;
   if (update.doubt != Doubt::kNone) update.status = TrackingStatus::kUnreliable;
   return update;
+}
+
+/// Moves the robot in the odometry frame: by the images alone, else as it was tracked in the map or
+/// as predicted.
+///
+/// @param tracked_step  the camera's motion in the map; nullopt if it was not tracked in both
+/// frames
+///                      or is faster than a robot
+void StereoSlam::Implementation::moveOdometry(const StereoFrame& frame,
+                                              const TrackingFrame& current,
+                                              const std::optional<Pose>& tracked_step) {
+  const Pose predicted = motion_in_odom_.predict(frame);
+  if (!tracked_step) {
+    visual_odometry_.restart(current);
+    return motion_in_odom_.coast(frame.time, predicted);
+  }
+  const Pose& last = motion_in_odom_.last();
+  const auto seen =
+      visual_odometry_.advance(current, last.inverse(Eigen::Isometry) * predicted, *tracked_step);
+  motion_in_odom_.update(frame.time, normalized(last * seen.value_or(*tracked_step)));
 }
 
 /// What contradicts a motion that was measured.
@@ -100,12 +293,14 @@ std::optional<TrackedPose> StereoSlam::Implementation::track(const stereo::Frame
 /// The robot's first pose: upright as it is mounted, or as gravity tells where it is not.
 void StereoSlam::Implementation::initialiseMotion(const stereo::FrameContext& context) {
   const StereoFrame& frame = context.frame();
-  if (!params_.use_imu) return motion_.initialise(frame.time, Eigen::Vector3d::UnitZ());
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
   const auto up_ground = [&]() -> std::optional<Eigen::Vector3d> {
     if (!context.ground()) return std::nullopt;
     return Eigen::Vector3d(camera_->T_robot_cam.linear() * context.ground()->up);
   };
-  motion_.initialise(frame.time, inertial_.initialUp(frame.motion_prior, up_ground));
+  if (params_.use_imu) up = inertial_.initialUp(frame.motion_prior, up_ground);
+  motion_.initialise(frame.time, up);
+  if (!motion_in_odom_.isStarted()) motion_in_odom_ = motion_;
 }
 
 /// Turns the map about its origin where gravity shows that it is not level.
@@ -118,15 +313,21 @@ void StereoSlam::Implementation::levelMap(const StereoFrame& frame, const Stampe
   const CameraStep step{frame.time - previous.time, previous.value * T_cam_robot_,
                         camera_->T_robot_cam * T_previous_current * T_cam_robot_, sigma_m};
   const auto rotation = inertial_.add(step, frame.motion_prior);
-  if (inertial_.isLeftOut()) motion_.disableImu();
+  if (inertial_.isLeftOut()) {
+    motion_.disableImu();
+    motion_in_odom_.disableImu();
+  }
   if (!rotation || !params_.mapping) return;
   const Pose turn(*rotation);
   adjuster_.abandon();
   loops_.abandon();
   std::map<KeyframeId, Pose> poses;
-  for (const auto& [id, key] : map_.keyframes()) poses[id] = normalized(turn * key.T_map_cam);
+  for (const auto& [id, key] : map_.keyframes()) {
+    if (key.submap == submap()) poses[id] = normalized(turn * key.T_map_cam);
+  }
   applyCorrection(poses, map_);
   motion_.correct(normalized(turn * motion_.last()));
+  noteChange(MapChange::kGravity);
 }
 
 /// The camera is tracked: choose its reference keyframe or insert a new one.
@@ -162,10 +363,11 @@ void StereoSlam::Implementation::makeKeyframe(const TrackingFrame& current, Trac
                                               SlamUpdate& update) {
   update.is_keyframe = true;
   const KeyframeId id =
-      mapper_.insert(current, tracked.T_map_cam, covariance_, tracked.landmarks, map_);
+      mapper_.insert(current, tracked.T_map_cam, covariance_, submap(), tracked.landmarks, map_);
   loops_.index(id, map_);
   if (params_.loop_closing) update.loops = loops_.closeOrSearch(current, id, map_);
   motion_.correct(map_.keyframe(id).T_map_cam);
+  noteChange(changeOf(update.loops));
   while (const auto redundant = redundantKeyframe(id, params_.window, map_)) {
     remove(*redundant, replacementKeyframe(*redundant, map_));
   }
@@ -194,15 +396,40 @@ void StereoSlam::Implementation::remove(KeyframeId keyframe, KeyframeId replacem
 /// Applies what finished in the background.
 LoopProgress StereoSlam::Implementation::takeBackgroundWork() {
   const auto watch = times_.watch("slam_background");
-  applyCorrectionToMotion(adjuster_.applyFinished(map_));
+  followMap(MapChange::kBundleAdjustment, adjuster_.applyFinished(map_));
   LoopProgress searched = loops_.advance(map_);
-  applyCorrectionToMotion(searched.correction);
+  followMap(changeOf(searched.attempts), searched.correction);
   return searched;
 }
 
-/// Moves the camera with the newest keyframe after an adjustment.
-void StereoSlam::Implementation::applyCorrectionToMotion(const std::optional<Pose>& correction) {
-  if (correction) motion_.correct(normalized(Pose(*correction * motion_.last())));
+/// Moves the camera with the newest keyframe after a change of the map between two frames.
+void StereoSlam::Implementation::followMap(MapChange cause, const std::optional<Pose>& correction) {
+  if (!correction) return;
+  motion_.correct(normalized(Pose(*correction * motion_.last())));
+  measureLastPoseAgain();
+  noteChange(cause);
+}
+
+/// The landmarks around the camera have moved, and not as a rigid body: where they are now, the
+/// measurements of the last frame give its pose, from which the next step is measured.
+void StereoSlam::Implementation::measureLastPoseAgain() {
+  if (lost_in_a_row_ > 0) return;
+  const auto refined = tracker_.poseOf(seen_before_, motion_.last(), map_);
+  if (refined) motion_.correct(*refined);
+}
+
+void StereoSlam::Implementation::noteChange(MapChange cause) {
+  ++revision_.number;
+  revision_.cause = cause;
+}
+
+/// What a search for loops did to the map, beside the adjustment of the newest keyframes.
+MapChange StereoSlam::Implementation::changeOf(const std::vector<LoopAttempt>& attempts) const {
+  for (const LoopAttempt& attempt : attempts) {
+    if (attempt.outcome != LoopOutcome::kClosed) continue;
+    return attempt.joins_submaps ? MapChange::kSubmapJoined : MapChange::kLoop;
+  }
+  return MapChange::kBundleAdjustment;
 }
 
 void StereoSlam::Implementation::load(const std::string& bytes) {
@@ -211,9 +438,137 @@ void StereoSlam::Implementation::load(const std::string& bytes) {
   for (const auto& [id, keyframe] : map_.keyframes()) loops_.index(id, map_);
 }
 
+/// The pose of a frame whose images say nothing is the predicted one. Its covariance grows by that
+/// of wheel odometry since the last tracked frame, or without it by a constant rate.
+void StereoSlam::Implementation::coast(const StereoFrame& frame) {
+  constexpr double kGrowth = 0.1;  ///< of the variances, of a robot that moves freely [m^2/s]
+  ++lost_in_a_row_;
+  if (!reference_) return;
+  const double seconds = motion_.secondsTo(frame.time);
+  motion_.coast(frame.time, motion_.predict(frame));
+  if (const auto& link = odometry_since_tracked_.link()) {
+    covariance_ = predictedCovariance(covariance_when_tracked_, *link);
+  } else {
+    covariance_ += kGrowth * seconds * PoseCovariance::Identity();
+  }
+}
+
+/// Covariance of the camera's pose after a motion of the robot by wheel odometry.
+PoseCovariance StereoSlam::Implementation::predictedCovariance(const PoseCovariance& before,
+                                                               const OdometryLink& link) const {
+  const auto of_robot = composedCovariance(before, T_cam_robot_, PoseCovariance::Zero());
+  const auto moved = composedCovariance(of_robot, link.T_from_this, covarianceOf(link));
+  return composedCovariance(moved, camera_->T_robot_cam, PoseCovariance::Zero());
+}
+
+/// The images were seen before, while the robot may move on.
+SlamUpdate StereoSlam::Implementation::passOver(const StereoFrame& frame,
+                                                const TrackingFrame& current) {
+  moveOdometry(frame, current, std::nullopt);
+  coast(frame);
+  odometry_check_.restart();
+  inertial_.interrupt();
+  SlamUpdate update;
+  update.status = TrackingStatus::kUnreliable;
+  update.doubt = Doubt::kFrozen;
+  return update;
+}
+
+/// The camera is lost: predict its pose, and initialise a new submap after a while.
+SlamUpdate StereoSlam::Implementation::handleLost(const StereoFrame& frame,
+                                                  const TrackingFrame& current) {
+  SlamUpdate update;
+  coast(frame);
+  const bool is_over = lost_in_a_row_ > active_submap_.maxLostFrames(params_.restart_after_frames);
+  const bool is_first = map_.keyframes().empty();
+  const int submap = is_first || isBridged(frame) ? this->submap() : map_.newSubmap();
+  if (params_.mapping && (is_over || is_first) && initialise(current, submap)) {
+    lost_in_a_row_ = 0;
+    if (!is_first) noteChange(MapChange::kNewSubmap);
+    update.status = TrackingStatus::kTracked;
+    update.is_keyframe = true;
+    update.inliers = update.features = static_cast<int>(seen_before_.size());
+  }
+  return update;
+}
+
+/// Whether the way since the last tracked frame is known: by wheel odometry, or for as long as a
+/// velocity may be extrapolated by the gyroscope.
+bool StereoSlam::Implementation::isBridged(const StereoFrame& frame) const {
+  if (!reference_) return false;
+  return odometry_since_tracked_.link() ||
+         (turns_known_ && frame.time - last_tracked_ <= MotionModel::kMaxGap_s);
+}
+
+/// Inserts a first keyframe at the predicted pose; false, and no change, with too few landmarks.
+bool StereoSlam::Implementation::initialise(const TrackingFrame& current, int submap) {
+  std::vector<TrackedLandmark> landmarks;
+  const KeyframeId id =
+      mapper_.insert(current, motion_.last(), covariance_, submap, landmarks, map_);
+  if (static_cast<int>(landmarks.size()) < params_.min_inliers) {
+    map_.removeKeyframe(id);
+    return false;
+  }
+  loops_.index(id, map_);
+  setReferenceKeyframe(id);
+  if (active_submap_.isNew()) removeSubmap(active_submap_.first(), id);
+  active_submap_.initialise(id);
+  seen_before_ = std::move(landmarks);
+  return true;
+}
+
+void StereoSlam::Implementation::turnRightCamera(const Eigen::Vector3d& angles, bool always_so) {
+  visual_odometry_.subtractOffset((angles - map_.rightTurn()).y() /
+                                  stereo::yawOfOffset(1.0, *camera_));
+  if (!params_.mapping || angles == map_.rightTurn()) return;
+  if (!always_so || !reference_) return map_.setRightTurn(angles);
+  adjuster_.abandon();
+  loops_.abandon();
+  for (TrackedLandmark& seen : seen_before_) {
+    stereo::StereoMeasurement& measured = seen.measurement;
+    measured.disparity = stereo::turnedDisparity(measured.uv, measured.disparity, map_.rightTurn(),
+                                                 angles, *camera_);
+  }
+  std::map<KeyframeId, Pose> before;
+  for (const auto& [id, keyframe] : map_.keyframes()) before[id] = keyframe.T_map_cam;
+  Pose T_reference_cam = before.at(*reference_).inverse(Eigen::Isometry) * motion_.last();
+  slam::turnRightCamera(angles, *camera_, map_);
+  const KeyframeId newest = map_.keyframes().rbegin()->first;
+  adjustBundle(map_, map_.neighbourhood(newest, kReadjusted), *camera_, kReadjustIterations,
+               params_.stop);
+  const auto ratios = scaleChanges(before, map_);
+  trajectory_.scale(ratios);
+  const auto here = ratios.find(*reference_);
+  if (here != ratios.end()) T_reference_cam.translation() *= here->second;
+  motion_.correct(normalized(Pose(map_.keyframe(*reference_).T_map_cam * T_reference_cam)));
+  measureLastPoseAgain();
+  noteChange(MapChange::kRightCamera);
+  local_landmarks_ = map_.seenBy(map_.neighbourhood(*reference_, params_.window));
+}
+
+void StereoSlam::Implementation::correct(const KeyframePoses& poses) {
+  adjuster_.abandon();
+  loops_.abandon();
+  if (reference_) {
+    const Pose T_reference_cam =
+        map_.keyframe(*reference_).T_map_cam.inverse(Eigen::Isometry) * motion_.last();
+    motion_.correct(normalized(Pose(poses.at(*reference_) * T_reference_cam)));
+    noteChange(MapChange::kMapsJoined);
+  }
+  applyCorrection(poses, map_);
+}
+
 const char* toString(TrackingStatus status) {
   if (status == TrackingStatus::kTracked) return "tracked";
+  if (status == TrackingStatus::kTrackedInNewSubmap) return "tracked_in_new_submap";
   return status == TrackingStatus::kUnreliable ? "unreliable" : "lost";
+}
+
+const char* toString(MapChange cause) {
+  constexpr const char* kNames[] = {"start",        "bundle_adjustment", "gravity",
+                                    "right_camera", "relocalised",       "new_submap",
+                                    "loop",         "submap_joined",     "maps_joined"};
+  return kNames[static_cast<std::size_t>(cause)];
 }
 
 StereoSlam::StereoSlam(std::shared_ptr<const StereoCamera> camera, const SlamParams& params)
@@ -235,5 +590,52 @@ TrajectoryVisit StereoSlam::trajectorySnapshot() const {
 }
 void StereoSlam::finish() { implementation_->finish(); }
 const StageTimes& StereoSlam::times() const { return implementation_->times(); }
+
+std::vector<JointMap> joinMaps(const std::vector<const StereoSlam*>& runs) {
+  std::vector<const SparseMap*> maps;
+  const auto& first = runs.front()->implementation_;
+  for (const StereoSlam* run : runs) {
+    if (const auto difference =
+            differenceBetween(run->implementation_->camera(), first->camera())) {
+      throw InputError("the runs have different cameras: " + *difference);
+    }
+    maps.push_back(&run->implementation_->sparseMap());
+  }
+  std::vector<JointMap> result;
+  for (const auto& group : joinSparseMaps(maps, first->camera(), first->params())) {
+    JointMap& joint = result.emplace_back();
+    joint.links = group.links;
+    for (std::size_t i = 0; i < group.members.size(); ++i) {
+      JointMember& member = joint.members.emplace_back();
+      member.run = group.members[i];
+      member.keyframe_shift = group.shifts[i];
+      for (const auto& [id, keyframe] : maps[member.run]->keyframes()) {
+        const KeyframeId here{id.value + member.keyframe_shift};
+        member.poses[id] = group.map.keyframe(here).T_map_cam;
+      }
+    }
+    joint.saved = mapBytes(group.map, first->camera());
+    joint.view = makeMapView(group.map, first->camera().T_robot_cam.inverse(Eigen::Isometry), 0);
+  }
+  return result;
+}
+
+void StereoSlam::turnRightCamera(const Eigen::Vector3d& angles, bool always_so) {
+  implementation_->turnRightCamera(angles, always_so);
+}
+
+const Eigen::Vector3d& StereoSlam::rightTurn() const {
+  return implementation_->sparseMap().rightTurn();
+}
+
+std::optional<stereo::OffsetEstimate> StereoSlam::takeFreeOffset() {
+  return implementation_->takeFreeOffset();
+}
+
+MapView StereoSlam::map(int submap) const { return implementation_->map(submap); }
+
+std::vector<int> StereoSlam::submaps() const { return implementation_->sparseMap().submaps(); }
+
+void StereoSlam::correct(const KeyframePoses& poses) { implementation_->correct(poses); }
 
 }  // namespace headway::slam

@@ -38,8 +38,8 @@ enum class MotionState {
 /// Predicted position of an object at one future time.
 struct PredictedPoint {
   double horizon_s = 0.0;                                    ///< from the frame's time [s]
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();        ///< box centre, map frame [m]
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< of (x, y), map frame [m^2]
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();        ///< box centre [m]
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< of (x, y) [m^2]
 };
 
 /// One predicted path. A track's paths are ordered from the most probable down.
@@ -53,8 +53,8 @@ struct PredictedPath {
 struct TrajectoryPoint {
   std::size_t frame = 0;
   Time time = 0.0;                                     ///< [s]
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< box centre, map frame [m]
-  double yaw = 0.0;                                    ///< of the front about map z [rad]
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< box centre [m]
+  double yaw = 0.0;                                    ///< of the front about z [rad]
 };
 
 /// Position at a past time, linearly interpolated; before the first point, that of the first one.
@@ -63,7 +63,8 @@ struct TrajectoryPoint {
 /// @param time  not after the last point's [s]
 [[nodiscard]] Eigen::Vector3d positionAt(const std::vector<TrajectoryPoint>& path, Time time);
 
-/// State of one tracked object in one frame. A value without references.
+/// State of one tracked object in one frame, all in the odometry frame or all in the map. A value
+/// without references.
 struct Track {
   TrackId id;
   ObjectClass object_class = ObjectClass::kUnknown;
@@ -71,12 +72,12 @@ struct Track {
   MotionState motion_state = MotionState::kUnknown;  ///< with hysteresis
   double score = 0.0;                                ///< from its detections' scores
 
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< box centre, map frame [m]
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< map frame [m/s]
-  double yaw = 0.0;                                    ///< of the front about map z [rad]
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< box centre [m]
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< [m/s]
+  double yaw = 0.0;                                    ///< of the front about z [rad]
   double yaw_rate = 0.0;                               ///< [rad/s]
   Eigen::Vector3d size = Eigen::Vector3d::Zero();      ///< (length, width, height) [m]
-  Eigen::Matrix3d position_covariance = Eigen::Matrix3d::Identity();  ///< map frame [m^2]
+  Eigen::Matrix3d position_covariance = Eigen::Matrix3d::Identity();  ///< [m^2]
   Eigen::Matrix2d velocity_covariance = Eigen::Matrix2d::Identity();  ///< of (x, y) [m^2/s^2]
 
   std::optional<Box2d> box2d;                ///< as last observed, predicted to this frame [px]
@@ -85,6 +86,13 @@ struct Track {
   std::vector<TrajectoryPoint> recent_path;  ///< the smoothed window, oldest first
   std::vector<PredictedPath> predictions;    ///< empty for tentative tracks
 };
+
+/// The track in another frame: positions, velocity, headings, covariances, path and predictions.
+///
+/// @param T_to_from  from the frame of the track to the other one; boxes stay upright, so that
+///                   headings turn by its yaw
+[[nodiscard]] Track transformed(Track track, const Pose& T_to_from);
+[[nodiscard]] std::vector<Track> transformed(std::vector<Track> tracks, const Pose& T_to_from);
 
 /// Whether the track is published: confirmed or coasting.
 [[nodiscard]] bool isShown(const Track& track);

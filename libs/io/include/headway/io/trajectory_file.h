@@ -43,6 +43,21 @@ void writeTumRow(std::ostream& out, const Stamped<Pose>& pose);
 /// Writes one row per pose.
 void writeTum(const std::string& path, const std::vector<Stamped<Pose>>& trajectory);
 
+/// Where the odometry frame is in the map at one frame: one row of `map_odom.csv`.
+struct MapOdomRow {
+  std::size_t frame = 0;
+  Time time = 0.0;  ///< [s]
+  Pose T_map_odom = Pose::Identity();
+  std::uint64_t revision = 0;  ///< of the map
+  std::string cause;           ///< of that revision, such as "loop"
+};
+
+/// frame,time,x,y,z,qx,qy,qz,qw,revision,cause
+[[nodiscard]] std::string mapOdomCsvHeader();
+void writeMapOdomCsv(std::ostream& out, const MapOdomRow& row);
+/// Calls back with each row. @throws InputError naming file and line of an error
+void visitMapOdomCsv(const std::string& path, const std::function<void(const MapOdomRow&)>& visit);
+
 /// Reads 3x4 row-major poses, one per row (KITTI odometry).
 ///
 /// @throws InputError naming file and line of an error

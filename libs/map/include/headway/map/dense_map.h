@@ -13,6 +13,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -63,14 +64,18 @@ class DenseMap {
 
   /// Adds a scan in place of the last one from the same place and direction. One without depths is
   /// ignored.
-  void add(const Pose& T_map_robot, DepthScan scan) { add(anchored(T_map_robot), std::move(scan)); }
+  void add(const Pose& T_map_robot, DepthScan scan) {
+    add(anchored(T_map_robot), T_map_robot, std::move(scan));
+  }
 
-  /// The same of a frame that was processed before: its pose when it was, and its scan.
+  /// The same of a frame that was processed before: its poses when it was, and its scan.
   [[nodiscard]] AnchoredPose anchored(const Pose& T_map_robot) const;
-  void add(AnchoredPose pose, DepthScan scan);
+  void add(AnchoredPose pose, const Pose& T_odom_robot, DepthScan scan);
 
   /// Removes from the scans since a time what lies where moving tracks were. Objects are known
   /// later than they are seen: who comes out of a door is in no box of the first frames.
+  ///
+  /// @param tracks  in the odometry frame, in which neither they nor the scans were corrected since
   void leaveOut(const std::vector<Track>& tracks, Time since);
 
   /// Adds the scans of another map in the same frame, as later ones.
@@ -113,7 +118,8 @@ class DenseMap {
  private:
   struct StoredScan {
     AnchoredPose pose;
-    std::uint64_t order = 0;  ///< of its addition
+    std::optional<Pose> T_odom_robot;  ///< unknown for scans that were loaded
+    std::uint64_t order = 0;           ///< of its addition
     std::shared_ptr<const DepthScan> scan;
     Eigen::AlignedBox3d bounds;  ///< of its points, robot frame [m]
   };
@@ -121,7 +127,8 @@ class DenseMap {
 
   [[nodiscard]] DenseMap loaded(const std::string& bytes) const;
   [[nodiscard]] std::set<TileIndex> tilesOf(const StoredScan& stored) const;
-  void replace(const AnchoredPose& pose, std::shared_ptr<const DepthScan> scan);
+  void replace(const AnchoredPose& pose, const std::optional<Pose>& T_odom_robot,
+               std::shared_ptr<const DepthScan> scan);
   [[nodiscard]] std::vector<const StoredScan*> inOrder() const;
   void markOutdated(const StoredScan& stored);
 

@@ -48,10 +48,10 @@ struct Obstacle {
   FootprintShape shape;
   double height_m = 0.0;
   double probability = 1.0;                              ///< of this one of the track's predictions
-  Eigen::Vector2d centre = Eigen::Vector2d::Zero();      ///< map frame [m]
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();      ///< [m]
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of the centre [m^2]
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();    ///< along this prediction [m/s]
-  double yaw = 0.0;                                      ///< of the front about map z [rad]
+  double yaw = 0.0;                                      ///< of the front about z [rad]
 };
 /// Answer to a question for obstacles.
 struct Obstacles {
@@ -74,8 +74,8 @@ struct NearTracks {
 /// A pose of a planned path.
 struct TimedPose {
   Time time = 0.0;                                     ///< in the map's clock [s]
-  Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< map frame [m]
-  double yaw = 0.0;                                    ///< about map z [rad]
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< [m]
+  double yaw = 0.0;                                    ///< about z [rad]
 };
 
 /// Result of checking a planned path. Times are relative to now.
@@ -96,7 +96,8 @@ struct Collision {
 
 /// Queries of one snapshot of the map, at one time, about points and times in the future.
 ///
-/// Every result has a status: a stale or empty map, an unobserved place and a time after the
+/// Places are in the map, or in the odometry frame (see PerceptionMap::inOdometryAt()). Every
+/// result has a status: a stale or empty map, an unobserved place and a time after the
 /// predictions' horizon are distinguished. Tentative tracks are ignored. A value: it shares
 /// ownership of the snapshot and may be used in any thread.
 ///
@@ -104,15 +105,17 @@ struct Collision {
 ///     if (!query.timeToCollision(footprint, plan).isFree()) brake();
 class MapQuery {
  public:
-  /// @param now  in the map's clock [s]
-  /// @throws     InputError if a parameter is out of range
-  MapQuery(PerceptionMap snapshot, Time now, const MapQueryParams& params = {});
+  /// @param now        in the map's clock [s]
+  /// @param T_map_asked  from the frame of questions and answers to the map, seen from above
+  /// @throws           InputError if a parameter is out of range
+  MapQuery(PerceptionMap snapshot, Time now, const MapQueryParams& params = {},
+           const Eigen::Isometry2d& T_map_asked = Eigen::Isometry2d::Identity());
 
   /// Whether the map as a whole may be used now: kKnown, kStaleMap or kEmptyMap.
   [[nodiscard]] QueryStatus status() const { return status_; }
   [[nodiscard]] double age_s() const { return now_ - map_.movingObjects().time(); }
 
-  /// @param x, y  map frame [m]
+  /// @param x, y  [m]
   /// @param time  in the map's clock, not before now [s]
   [[nodiscard]] Occupancy occupancyAt(double x, double y, Time time) const;
 
@@ -122,7 +125,7 @@ class MapQuery {
 
   /// Tracks whose footprints are within a radius of a point at a time.
   ///
-  /// @param place     map frame [m]
+  /// @param place     [m]
   /// @param radius_m  from the point to the edge of the footprint
   [[nodiscard]] NearTracks tracksNear(const Eigen::Vector2d& place, double radius_m,
                                       Time time) const;
@@ -156,6 +159,7 @@ class MapQuery {
   mrpt::maps::COccupancyGridMap2D::ConstPtr grid_;
   Time now_;
   MapQueryParams params_;
+  Eigen::Isometry2d T_map_asked_;
   QueryStatus status_;
 };
 

@@ -49,8 +49,19 @@ class PerceptionMap {
   /// Replaces landmarks and keyframes. Takes about 1 ms for 100,000 landmarks.
   void update(slam::MapView static_map);
 
-  /// Replaces the moving objects. @param time  of the tracks [s]
-  void update(Time time, std::vector<Track> tracks);
+  /// Removes occupancy grid and dense points: the camera is in a submap that has none so far.
+  void removeStaticLayers();
+
+  /// Replaces the moving objects.
+  ///
+  /// @param time        of the tracks [s]
+  /// @param tracks      in the map
+  /// @param T_map_odom  at that time
+  void update(Time time, std::vector<Track> tracks, const Pose& T_map_odom = Pose::Identity());
+
+  /// T_map_odom at the time of the moving objects: by it a place in the odometry frame is one in
+  /// the map (see MapQuery).
+  [[nodiscard]] const Pose& odometryFrame() const { return T_map_odom_; }
 
   /// Replaces the occupancy grid, or adds it as a layer (see StaticGrid). Must not be null.
   void update(const mrpt::maps::COccupancyGridMap2D::Ptr& static_grid);
@@ -64,6 +75,9 @@ class PerceptionMap {
   ///
   /// @param now  in the map's clock [s]
   [[nodiscard]] MapQuery at(Time now) const;
+  /// The same with places, headings and velocities of questions and answers in the odometry frame,
+  /// in which what is kept from one frame to the next does not move.
+  [[nodiscard]] MapQuery inOdometryAt(Time now) const;
 
   [[nodiscard]] const mrpt::maps::CMultiMetricMap& layers() const { return *layers_; }
   [[nodiscard]] const mrpt::maps::CPointsMap& landmarks() const { return *landmarks_; }
@@ -93,6 +107,7 @@ class PerceptionMap {
   std::shared_ptr<const CMovingObjectsMap> moving_objects_;     ///< one of layers_
   mrpt::maps::CColouredPointsMap::ConstPtr dense_;              ///< one of layers_, or null
   std::shared_ptr<const slam::MapView> static_map_;
+  Pose T_map_odom_ = Pose::Identity();
 };
 
 }  // namespace headway::map

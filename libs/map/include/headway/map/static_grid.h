@@ -13,6 +13,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace headway::map {
@@ -60,7 +61,15 @@ class StaticGrid {
   /// Adds a scan in place of the last one from the same place and direction; one without stereo
   /// does not replace one with it, because a laser passes over low obstacles. The ground that the
   /// robot drove over since the previous scan is free if the two are less than 5 m apart.
-  void add(const Pose& T_map_robot, GroundScan scan);
+  ///
+  /// @param T_odom_robot  by which the way since the previous scan is known, whatever the map does
+  void add(const Pose& T_map_robot, const Pose& T_odom_robot, GroundScan scan);
+  /// The same where the map does not move.
+  void add(const Pose& T_map_robot, GroundScan scan) {
+    add(T_map_robot, T_map_robot, std::move(scan));
+  }
+  /// The camera is lost: the way to the next scan is not known.
+  void interrupt() { last_.reset(), before_.reset(); }
 
   /// Adds the scans of another grid, whose keyframes have ids greater by `keyframe_shift` in the
   /// map of this one. Of two scans from the same place and direction the other grid's remains.
@@ -115,11 +124,11 @@ class StaticGrid {
   std::vector<Place> to_move_;  ///< places whose scans are to be moved, the next one last
   struct Passed {
     Place place;
-    Pose T_map_robot;
+    Pose T_odom_robot;
   };
   std::optional<Passed> last_;    ///< the last scan
   std::optional<Pose> standing_;  ///< argument of the last standAt()
-  std::optional<Pose> before_;    ///< the last pose at another place
+  std::optional<Pose> before_;    ///< the last pose at another place, in odometry
 };
 
 /// Writes `<prefix>.gridmap.gz` (MRPT), and `<prefix>.png` with `<prefix>.yaml` (map servers).

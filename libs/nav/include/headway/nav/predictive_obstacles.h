@@ -102,7 +102,8 @@ class PredictiveObstacles : public mrpt::nav::CRobot2NavInterface {
   /// The map; nullopt, and logged, if its source throws.
   [[nodiscard]] std::optional<map::PerceptionMap> readMap();
   /// The robot's pose in the map's frame; nullopt if unknown.
-  [[nodiscard]] std::optional<GroundState> locate();
+  /// The robot in the map.
+  [[nodiscard]] std::optional<GroundState> locate(const map::PerceptionMap& snapshot);
   [[nodiscard]] double admissibleSpeedRatio(const mrpt::kinematics::CVehicleVelCmd& command);
   [[nodiscard]] SenseStatus addPredictions(mrpt::maps::CSimplePointsMap& obstacles);
   void removeLeaving(mrpt::maps::CSimplePointsMap& obstacles, const GroundState& robot);

@@ -14,6 +14,12 @@ namespace headway::pipeline {
 
 struct JointMap;  // see joint_map.h
 
+/// A part of the map that is not joined to the rest.
+struct Submap {
+  int number = 0;  ///< SlamUpdate::submap
+  map::PerceptionMap map;
+};
+
 /// The complete pipeline: frame -> detectors -> slam -> detectors -> objects -> map.
 ///
 /// Synchronous and deterministic: same frames and parameters, same results. Robot programs and the
@@ -99,7 +105,8 @@ class Perception {
   /// "beyond_reach"); empty without a laser.
   [[nodiscard]] const std::map<std::string, std::size_t>& laserCounts() const;
 
-  /// The map after the last frame: landmarks, keyframes, occupancy grid and moving objects; and the
+  /// The map after the last frame, of the submap that the camera is in: landmarks, keyframes,
+  /// occupancy grid and moving objects; and the
   /// dense points as of updateDenseMap() or finish(), in live operation as of a second ago.
   [[nodiscard]] const map::PerceptionMap& map() const;
 
@@ -116,8 +123,14 @@ class Perception {
   [[nodiscard]] slam::TrajectoryVisit trajectorySnapshot() const;
 
   /// Waits for background threads and applies their results; call after the last frame, before the
-  /// final map and trajectory are read. Without threads it returns at once.
+  /// final map and trajectory are read. map() is that of the largest submap afterwards.
   void finish();
+
+  /// The static layers of the submaps that map() does not show: each in a frame of its own, whose
+  /// place in the map is not known unless it is the one numbered 0.
+  [[nodiscard]] std::vector<Submap> otherSubmaps();
+  /// Number of all submaps, at least 1.
+  [[nodiscard]] std::size_t submapCount() const;
 
   /// The samples still in the smoothing windows; call once, after the last frame.
   [[nodiscard]] std::vector<TrackSample> flush();

@@ -35,7 +35,8 @@ struct PerceptionUpdate {
   Time time = 0.0;                       ///< [s]
   slam::SlamUpdate camera;               ///< status, T_map_robot and its covariance
   std::optional<Detections> detections;  ///< of all sources; nullopt: no detector ran
-  objects::TrackUpdate objects;          ///< with the dropped detections by reason
+  objects::TrackUpdate objects;          ///< in the map; with the dropped detections by reason
+  std::vector<Track> tracks_odom;        ///< the tracks in the odometry frame
   Findings findings;                     ///< of this frame
 
   /// The first finding after which results are not to be trusted; null if this frame has none.

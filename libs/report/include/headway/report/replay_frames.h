@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct ReplayFrame {
   std::size_t frame = 0;
   Time time = 0.0;                      ///< [s]
   Pose T_map_robot = Pose::Identity();  ///< final
+  std::optional<Pose> T_odom_robot;     ///< nullopt without trajectory_odom.tum
   std::vector<Track> tracks;            ///< in the final map, with past paths and predictions
 };
 

@@ -9,6 +9,7 @@
 #include <headway/stereo/disparity_offset.h>
 #include <headway/stereo/frame_context.h>
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
@@ -19,13 +20,43 @@
 namespace headway::slam {
 
 enum class TrackingStatus {
-  kTracked,     ///< the pose rests on enough landmarks of this frame
-  kUnreliable,  ///< it must not be trusted, for the reason in SlamUpdate::doubt
-  kLost,        ///< it rests on too few: pose and covariance are those of the motion model
+  kTracked,             ///< the pose rests on enough landmarks of this frame
+  kTrackedInNewSubmap,  ///< the same, in a submap whose place in the map is not known
+  kUnreliable,          ///< it must not be trusted, for the reason in SlamUpdate::doubt
+  kLost,  ///< it rests on too few landmarks: pose and covariance are those of the motion model
 };
 
-/// "tracked", "unreliable" or "lost".
+/// "tracked", "tracked_in_new_submap", "unreliable" or "lost".
 [[nodiscard]] const char* toString(TrackingStatus status);
+
+/// Whether the pose was measured, in whichever submap.
+[[nodiscard]] inline bool isTracked(TrackingStatus status) {
+  return status == TrackingStatus::kTracked || status == TrackingStatus::kTrackedInNewSubmap;
+}
+
+/// What changed the poses of the map.
+enum class MapChange {
+  kStart,             ///< nothing so far
+  kBundleAdjustment,  ///< of a new keyframe and its neighbours
+  kGravity,           ///< the map was levelled
+  kRightCamera,       ///< the right camera is turned against its calibration
+  kRelocalised,       ///< the camera, which was lost, was found in the map
+  kNewSubmap,         ///< a submap was started, because the camera was not found
+  kLoop,              ///< a place was seen again
+  kSubmapJoined,      ///< a place was recognised in another submap, which this one is part of now
+  kMapsJoined,        ///< the maps of several recordings were joined
+};
+
+/// "start", "bundle_adjustment", "gravity", "right_camera", "relocalised", "new_submap", "loop",
+/// "submap_joined" or "maps_joined".
+[[nodiscard]] const char* toString(MapChange cause);
+
+/// State of the poses in the map. As long as its number is the same, T_map_odom changes by the
+/// odometry's drift alone.
+struct MapRevision {
+  std::uint64_t number = 0;             ///< of changes so far
+  MapChange cause = MapChange::kStart;  ///< of the newest change
+};
 
 /// What is known about a frame's images before they are used.
 enum class ImageEvidence {
@@ -68,21 +99,29 @@ struct LoopAttempt {
   int inliers_needed = 0;
   double offset_m = 0.0;          ///< between both estimates of the new keyframe's position [m]
   double offset_allowed_m = 0.0;  ///< [m]; 0 where an earlier test failed
+  bool joins_submaps = false;     ///< the old keyframe is in another submap than the new one
 };
 
 /// Result of one frame.
 struct SlamUpdate {
   TrackingStatus status = TrackingStatus::kLost;
-  Doubt doubt = Doubt::kNone;  ///< of kUnreliable
-  Pose T_map_robot = Pose::Identity();
+  Doubt doubt = Doubt::kNone;                              ///< of kUnreliable
+  Pose T_map_robot = Pose::Identity();                     ///< T_map_odom T_odom_robot
   PoseCovariance covariance = PoseCovariance::Identity();  ///< of T_map_robot
+  /// By the images alone, without the map: it drifts, never jumps, and moves no faster than
+  /// slam.max_speed. While the camera is lost it goes on by wheel odometry or the gyroscope, else
+  /// it slows down to a stop within 1 s.
+  Pose T_odom_robot = Pose::Identity();
+  Pose T_map_odom = Pose::Identity();
+  PoseCovariance map_odom_covariance = PoseCovariance::Identity();  ///< of T_map_odom
+  MapRevision revision;  ///< of the map in which T_map_robot is
+  int submap = 0;        ///< that the camera is in; 0: the one with the map's origin
   bool is_keyframe = false;
   ImuStatus imu = ImuStatus::kAbsent;
   int features = 0;                ///< keypoints in the left image
   int inliers = 0;                 ///< landmarks that the pose rests on
   std::vector<LoopAttempt> loops;  ///< candidates of a new keyframe, in order; in live operation
                                    ///< those of an earlier one whose search has ended
-  bool map_corrected = false;  ///< a loop found in the background moved the map before the frame
 };
 
 /// Poses of keyframes' cameras in a map, by id.
@@ -131,9 +170,14 @@ class StereoSlam {
   /// That of the newest frame, or of a map that was loaded [rad].
   [[nodiscard]] const Eigen::Vector3d& rightTurn() const;
 
-  /// Landmarks and keyframes as they are now. What did not change since the last call is shared
-  /// with what it gave.
+  /// Landmarks and keyframes of the submap that the camera is in, as they are now. What did not
+  /// change since the last call is shared with what it gave.
   [[nodiscard]] MapView map();
+
+  /// The submaps, ascending: those that are not 0 have an unknown place in the map.
+  [[nodiscard]] std::vector<int> submaps() const;
+  /// Landmarks and keyframes of any of them.
+  [[nodiscard]] MapView map(int submap) const;
 
   /// Every frame processed so far, anchored to its reference keyframe as corrected since.
   [[nodiscard]] std::vector<FrameEstimate> trajectory() const {

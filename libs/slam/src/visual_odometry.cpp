@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "visual_odometry.h"
+
+#include <headway/core/statistics.h>
+#include <headway/stereo/point_tracking.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "landmark_tracker.h"
+
+namespace headway::slam {
+namespace {
+
+constexpr int kCorners = 250;              ///< cells of the image, each with a corner
+constexpr double kFollowedSigma_px = 1.0;  ///< of a corner after many frames
+constexpr double kMaxSigma_px = 0.5;       ///< of an expected disparity that tells the offset
+constexpr double kMaxGate = 3.0;           ///< of the evidence [standard deviations]
+constexpr double kOffsetWalk_px = 0.01;    ///< from one estimate to the next: the mount flexes
+constexpr std::size_t kEvidence = 200;     ///< corners for an estimate
+constexpr double kMinDisparity = 0.1;      ///< [px]; nearer to 0 a depth has no upper bound
+constexpr double kAgreement_px = 2.0;      ///< of where both motions see the corners, median
+constexpr stereo::PoseRefinerOptions kFromPrediction{8.0, 4, 5};
+/// The tracked motion is right to a pixel; what differs by more moves on its own.
+constexpr stereo::PoseRefinerOptions kNearTracked{2.0, 2, 6};
+constexpr stereo::PointTrackingOptions kNearby{15, 1, 25.0, 0.0, 0.6};
+constexpr stereo::PointTrackingOptions kFarther{15, 3, 25.0, 0.0, 0.6};
+
+}  // namespace
+
+VisualOdometry::VisualOdometry(const StereoCamera& camera, const SlamParams& params)
+    : camera_(camera),
+      params_(params),
+      matcher_(static_cast<int>(params.max_disparity_ratio * camera.width), params.min_zncc),
+      grid_(camera.width, camera.height, kCorners) {}
+
+std::optional<Pose> VisualOdometry::advance(const TrackingFrame& frame, const Pose& predicted,
+                                            const Pose& tracked) {
+  Followed followed = follow(frame, predicted, kFromPrediction);
+  if (!followed.motion || !agree(followed, tracked)) {
+    followed = follow(frame, tracked, kNearTracked);
+  }
+  const std::vector<Corner> before = std::exchange(corners_, cornersOf(followed));
+  addEvidence(before);
+  if (followed.motion) T_start_cam_ = normalized(T_start_cam_ * *followed.motion);
+  estimateOffset();
+  replenish(frame);
+  return followed.motion;
+}
+
+void VisualOdometry::restart(const TrackingFrame& frame) {
+  corners_.clear();
+  replenish(frame);
+}
+
+VisualOdometry::Followed VisualOdometry::follow(const TrackingFrame& frame, const Pose& expected,
+                                                const stereo::PoseRefinerOptions& gates) const {
+  const Pose T_current_previous = expected.inverse(Eigen::Isometry);
+  std::vector<Eigen::Vector2d> before, predicted;
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Corner> corners;
+  std::vector<double> expected_px;
+  for (const Corner& corner : corners_) {
+    const auto point = triangulate({corner.uv.x(), corner.uv.y(), corner.disparity_px}, camera_);
+    const auto uvd = point ? project(T_current_previous * *point, camera_) : std::nullopt;
+    if (!uvd) continue;
+    before.push_back(corner.uv);
+    predicted.emplace_back(uvd->head<2>());
+    points.push_back(*point);
+    corners.push_back(corner);
+    expected_px.push_back(uvd->z() + offset_px_);
+  }
+  auto found = stereo::trackPoints(left_, frame.left, before, predicted, kNearby);
+  stereo::trackMissing(left_, frame.left, before, predicted, kFarther, found);
+  Followed followed;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!found[i] || isExcluded(frame.excluded, *found[i])) continue;
+    const auto disparity = matcher_.refine(frame.left, frame.right, *found[i], expected_px[i], 0);
+    const stereo::StereoMeasurement measured{*found[i], disparity.value_or(0.0) - offset_px_,
+                                             disparity.has_value(), params_.sigma_px,
+                                             params_.sigma_disparity_px};
+    followed.constraints.push_back({points[i], measured, true, true});
+    followed.before.push_back(corners[i]);
+  }
+  const auto refined = stereo::refinePose(expected, followed.constraints, camera_, gates);
+  if (refined && refined->inliers >= params_.min_inliers) followed.motion = refined->T_map_cam;
+  return followed;
+}
+
+/// Whether most corners are where the tracked motion sees them, too.
+bool VisualOdometry::agree(const Followed& followed, const Pose& tracked) const {
+  const Pose T_now_previous = followed.motion->inverse(Eigen::Isometry);
+  const Pose T_tracked_previous = tracked.inverse(Eigen::Isometry);
+  std::vector<double> apart;
+  for (const auto& constraint : followed.constraints) {
+    const auto here = project(T_now_previous * constraint.point_map, camera_);
+    const auto there = project(T_tracked_previous * constraint.point_map, camera_);
+    if (here && there) apart.push_back((*here - *there).head<2>().norm());
+  }
+  return !apart.empty() && median(apart) <= kAgreement_px;
+}
+
+/// The corners that agree with the motion, in the new frame, their depths filtered.
+std::vector<VisualOdometry::Corner> VisualOdometry::cornersOf(const Followed& followed) const {
+  std::vector<Corner> corners;
+  if (!followed.motion) return corners;
+  const Pose T_now_previous = followed.motion->inverse(Eigen::Isometry);
+  for (std::size_t i = 0; i < followed.constraints.size(); ++i) {
+    const auto& [point, measured, inlier, stereo_inlier] = followed.constraints[i];
+    const auto uvd = project(T_now_previous * point, camera_);
+    if (!inlier || !uvd) continue;
+    Corner corner = followed.before[i];
+    corner.uv = measured.uv;
+    corner.disparity_px = uvd->z();
+    if (measured.stereo && stereo_inlier) {
+      const double variance = measured.sigma_disparity_px * measured.sigma_disparity_px;
+      const double gain = corner.variance_px2 / (corner.variance_px2 + variance);
+      corner.disparity_px += gain * (measured.disparity - uvd->z());
+      corner.variance_px2 *= 1.0 - gain;
+    }
+    corner.disparity_px = std::max(corner.disparity_px, kMinDisparity);
+    corners.push_back(corner);
+  }
+  return corners;
+}
+
+/// Compares the disparities of corners that are lost with those by the camera's motion, in the
+/// previous frame.
+void VisualOdometry::addEvidence(const std::vector<Corner>& before) {
+  std::set<std::pair<double, double>> kept;
+  for (const Corner& corner : corners_) kept.emplace(corner.first_uv.x(), corner.first_uv.y());
+  for (const Corner& corner : before) {
+    if (kept.count({corner.first_uv.x(), corner.first_uv.y()}) > 0) continue;
+    const Pose T_last_first = T_start_cam_.inverse(Eigen::Isometry) * corner.T_start_first;
+    const auto ray = [&](const Eigen::Vector2d& uv) {
+      return Eigen::Vector3d((uv.x() - camera_.cx) / camera_.fx, (uv.y() - camera_.cy) / camera_.fy,
+                             1.0);
+    };
+    const Eigen::Vector3d turned = T_last_first.linear() * ray(corner.first_uv);
+    const Eigen::Vector3d last = ray(corner.uv);
+    const Eigen::Vector3d& t = T_last_first.translation();
+    // The point is at (turned + inverse_depth * t) up to scale, and is seen along `last`.
+    const Eigen::Vector2d parallax = last.head<2>() * t.z() - t.head<2>();
+    const Eigen::Vector2d moved = turned.head<2>() - last.head<2>() * turned.z();
+    const double inverse_depth = parallax.dot(moved) / parallax.squaredNorm();
+    const double depth = turned.z() / inverse_depth + t.z();
+    const double focal_baseline = camera_.fx * camera_.baseline_m;
+    const double sigma_px = kFollowedSigma_px * camera_.baseline_m / parallax.norm();
+    if (!(inverse_depth > 0.0) || !(depth > 0.0) || !(sigma_px < kMaxSigma_px)) continue;
+    evidence_.push_back({corner.disparity_px + offset_px_, focal_baseline / depth,
+                         corner.variance_px2 + sigma_px * sigma_px});
+  }
+}
+
+/// Fits a line to the evidence, twice, the second time without outliers.
+void VisualOdometry::estimateOffset() {
+  if (evidence_.size() < kEvidence) return;
+  Eigen::Vector2d line(1.0, offset_px_);  // scale, offset
+  Eigen::Matrix2d information;
+  for (const double gate : {5.0 * kMaxGate, kMaxGate}) {
+    information.setZero();
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    for (const Evidence& one : evidence_) {
+      const Eigen::Vector2d slope(one.expected_px, 1.0);
+      const double residual = one.measured_px - slope.dot(line);
+      if (residual * residual > gate * gate * one.variance_px2) continue;
+      information += slope * slope.transpose() / one.variance_px2;
+      sum += slope * one.measured_px / one.variance_px2;
+    }
+    if (!(information.determinant() > 0.0)) return evidence_.clear();
+    line = information.inverse() * sum;
+  }
+  const double variance = information.inverse()(1, 1);
+  offset_variance_px2_ += kOffsetWalk_px * kOffsetWalk_px;
+  const double gain = offset_variance_px2_ / (offset_variance_px2_ + variance);
+  offset_px_ += gain * (line.y() - offset_px_);
+  offset_variance_px2_ *= 1.0 - gain;
+  evidence_.clear();
+}
+
+/// Fills free cells with new corners.
+void VisualOdometry::replenish(const TrackingFrame& frame) {
+  left_ = frame.left;
+  std::vector<bool> occupied(static_cast<std::size_t>(grid_.count()), false);
+  for (const Corner& corner : corners_) {
+    occupied[static_cast<std::size_t>(grid_.cellOf(corner.uv))] = true;
+  }
+  for (const Keypoint& keypoint :
+       detectKeypoints(left_.levels.front(), grid_, occupied, frame.excluded)) {
+    const auto disparity = matcher_.search(frame.left, frame.right, keypoint.uv);
+    if (!disparity || *disparity - offset_px_ < kMinDisparity) continue;
+    corners_.push_back({keypoint.uv, *disparity - offset_px_,
+                        params_.sigma_disparity_px * params_.sigma_disparity_px, keypoint.uv,
+                        T_start_cam_});
+  }
+}
+
+}  // namespace headway::slam

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <headway/core/stereo_camera.h>
+#include <headway/slam/slam_params.h>
+#include <headway/stereo/pose_refiner.h>
+#include <headway/stereo/stereo_match.h>
+
+#include <optional>
+#include <vector>
+
+#include "tracking_frame.h"
+
+namespace headway::slam {
+
+/// Motion of the camera from one frame to the next by the images alone.
+///
+/// It uses no map, so that no correction of one changes it: what is tracked and predicted in the
+/// odometry frame does not notice a loop. Corners are followed from frame to frame; the disparity
+/// of each is filtered over the frames in which it is followed.
+///
+/// The offset of the disparities is estimated from corners that are lost: by how far they moved in
+/// the image, the camera's motion gives their depths up to its scale, so that a line through
+/// measured and expected disparities has the scale as its slope and the offset as its intercept.
+///
+/// @see  Nister et al. 2004, "Visual odometry"
+class VisualOdometry {
+ public:
+  VisualOdometry(const StereoCamera& camera, const SlamParams& params);
+
+  /// The motion since the frame of the last call, which this one replaces.
+  ///
+  /// @param predicted  motion of the camera
+  /// @param tracked    the same as tracked in the map, which knows what is static: it decides only
+  ///                   where most corners move otherwise
+  /// @return           nullopt if too few corners agree on a motion
+  [[nodiscard]] std::optional<Pose> advance(const TrackingFrame& frame, const Pose& predicted,
+                                            const Pose& tracked);
+
+  /// Starts at a frame without a motion since the last one.
+  void restart(const TrackingFrame& frame);
+
+  /// Measured less true disparity, so far [px].
+  [[nodiscard]] double disparityOffset() const { return offset_px_; }
+  /// Measured disparities are less by so much from now on [px].
+  void subtractOffset(double px) { offset_px_ -= px; }
+
+ private:
+  struct Corner {
+    Eigen::Vector2d uv = Eigen::Vector2d::Zero();  ///< in the last frame [px]
+    double disparity_px = 0.0;                     ///< filtered, less the offset
+    double variance_px2 = 0.0;                     ///< of the disparity
+    Eigen::Vector2d first_uv = Eigen::Vector2d::Zero();
+    Pose T_start_first = Pose::Identity();  ///< camera where it was first seen
+  };
+  /// Disparity of a corner that is lost.
+  struct Evidence {
+    double measured_px = 0.0;
+    double expected_px = 0.0;  ///< by its motion in the image, up to the scale of the camera's
+    double variance_px2 = 0.0;
+  };
+
+  /// Corners in both frames and the motion that they agree on.
+  struct Followed {
+    std::vector<stereo::PoseConstraint> constraints;  ///< points in the previous camera's frame
+    std::vector<Corner> before;                       ///< the same, in the previous frame
+    std::optional<Pose> motion;
+  };
+
+  [[nodiscard]] Followed follow(const TrackingFrame& frame, const Pose& expected,
+                                const stereo::PoseRefinerOptions& gates) const;
+  [[nodiscard]] bool agree(const Followed& followed, const Pose& tracked) const;
+  [[nodiscard]] std::vector<Corner> cornersOf(const Followed& followed) const;
+  void replenish(const TrackingFrame& frame);
+  void addEvidence(const std::vector<Corner>& before);
+  void estimateOffset();
+
+  StereoCamera camera_;
+  SlamParams params_;
+  stereo::StereoMatcher matcher_;
+  FeatureGrid grid_;
+  stereo::ImagePyramid left_;  ///< of the last frame
+  std::vector<Corner> corners_;
+  Pose T_start_cam_ = Pose::Identity();  ///< of the last frame
+  std::vector<Evidence> evidence_;       ///< since the last estimate of the offset
+  double offset_px_ = 0.0;
+  double offset_variance_px2_ = 0.25;  ///< rectified pairs are accurate to half a pixel
+};
+
+}  // namespace headway::slam
