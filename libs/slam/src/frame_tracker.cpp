@@ -11,6 +11,7 @@ namespace {
 
 constexpr stereo::PoseRefinerOptions kCoarse{8.0, 4, 5};  ///< from a pose within some pixels
 constexpr stereo::PoseRefinerOptions kFine{4.0, 3, 6};
+constexpr double kAgreement = 0.5;  ///< minimum inlier ratio of the static landmarks
 
 /// Whether a landmark has agreed with the camera's motion in several frames.
 bool isVerifiedStatic(const Landmark& landmark) {
@@ -64,9 +65,14 @@ std::optional<stereo::RefinedPose> refineAgreeing(const Pose& T_map_cam,
 std::optional<TrackedPose> FrameTracker::track(const TrackingFrame& previous,
                                                const std::vector<TrackedLandmark>& seen_before,
                                                const TrackingFrame& current,
+                                               const std::optional<Pose>& proposed,
                                                const std::vector<Pose>& initial_poses,
                                                const std::vector<LandmarkId>& local, bool new_map,
                                                SparseMap& map) const {
+  if (proposed && !new_map) {
+    auto tracked = measureLocalMap(current, *proposed, local, map, params_.min_inliers);
+    if (tracked && findsStatic(*tracked, seen_before, current, map)) return tracked;
+  }
   const auto chosen = selectLandmarksToFollow(seen_before, new_map, map);
   for (const Pose& predicted : initial_poses) {
     const auto followed = tracker_.follow(previous, chosen, current, predicted, map);
@@ -86,6 +92,28 @@ std::optional<TrackedPose> FrameTracker::measureLocalMap(const TrackingFrame& cu
                                                          const std::vector<LandmarkId>& local,
                                                          SparseMap& map, int min_inliers) const {
   return measureFrom({T_map_cam, {}}, current, local, map, min_inliers);
+}
+
+bool FrameTracker::findsStatic(const TrackedPose& tracked,
+                               const std::vector<TrackedLandmark>& seen_before,
+                               const TrackingFrame& current, const SparseMap& map) const {
+  std::vector<LandmarkId> found;
+  for (const TrackedLandmark& landmark : tracked.landmarks) found.push_back(landmark.id);
+  std::sort(found.begin(), found.end());
+  const Pose T_cam_map = tracked.T_map_cam.inverse(Eigen::Isometry);
+  int expected = 0;
+  int agreeing = 0;
+  for (const TrackedLandmark& seen : seen_before) {
+    const Landmark* landmark = map.find(seen.id);
+    if (landmark == nullptr || !isStatic(*landmark)) continue;
+    const auto uvd = project(T_cam_map * landmark->position, camera_);
+    const bool in_view = uvd && uvd->x() >= 0.0 && uvd->y() >= 0.0 && uvd->x() < camera_.width &&
+                         uvd->y() < camera_.height;
+    if (!in_view || isExcluded(current.excluded, uvd->head<2>())) continue;
+    ++expected;
+    agreeing += std::binary_search(found.begin(), found.end(), seen.id) ? 1 : 0;
+  }
+  return expected >= 2 * params_.min_inliers && agreeing >= kAgreement * expected;
 }
 
 std::optional<Pose> FrameTracker::poseOf(const std::vector<TrackedLandmark>& seen,
@@ -140,7 +168,6 @@ std::vector<TrackedLandmark> FrameTracker::selectLandmarksToFollow(
 std::optional<FrameTracker::CoarsePose> FrameTracker::coarsePose(
     const Pose& predicted, const std::vector<TrackedLandmark>& followed,
     const TrackingFrame& current, bool new_map, const SparseMap& map) const {
-  constexpr double kAgreement = 0.5;  ///< minimum inlier ratio of the static landmarks
   if (new_map && rejectsByGeometry())
     return coarsePoseByRigidMotions(predicted, followed, current, new_map, map);
   const auto constraints = constraintsOf(followed, map);

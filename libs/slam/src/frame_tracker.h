@@ -27,8 +27,9 @@ class FrameTracker {
   FrameTracker(const StereoCamera& camera, const SlamParams& params)
       : camera_(camera), params_(params), tracker_(camera, params) {}
 
-  /// Tracks the previous frame's landmarks, then measures the local map.
+  /// Tracks the previous frame's landmarks, unless a pose is proposed, then measures the local map.
   ///
+  /// @param proposed       by visual odometry; used if the landmarks that are verified static agree
   /// @param initial_poses  most likely first; each is tried until one succeeds
   /// @param local          landmarks that may be in view, ascending
   /// @param new_map        the submap is new: its static landmarks are not verified yet
@@ -36,6 +37,7 @@ class FrameTracker {
   [[nodiscard]] std::optional<TrackedPose> track(const TrackingFrame& previous,
                                                  const std::vector<TrackedLandmark>& seen_before,
                                                  const TrackingFrame& current,
+                                                 const std::optional<Pose>& proposed,
                                                  const std::vector<Pose>& initial_poses,
                                                  const std::vector<LandmarkId>& local, bool new_map,
                                                  SparseMap& map) const;
@@ -62,6 +64,10 @@ class FrameTracker {
       const std::vector<TrackedLandmark>& seen_before, bool new_map, const SparseMap& map) const;
 
  private:
+  /// Whether most landmarks of the previous frame that are verified static were found again.
+  [[nodiscard]] bool findsStatic(const TrackedPose& tracked,
+                                 const std::vector<TrackedLandmark>& seen_before,
+                                 const TrackingFrame& current, const SparseMap& map) const;
   /// A pose good to a few pixels.
   struct CoarsePose {
     Pose T_map_cam = Pose::Identity();

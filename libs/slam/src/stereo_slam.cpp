@@ -249,15 +249,12 @@ SlamUpdate StereoSlam::Implementation::localised(const StereoFrame& frame,
 void StereoSlam::Implementation::moveOdometry(const StereoFrame& frame,
                                               const TrackingFrame& current,
                                               const std::optional<Pose>& tracked_step) {
-  const Pose predicted = motion_in_odom_.predict(frame);
   if (!tracked_step) {
     visual_odometry_.restart(current);
-    return motion_in_odom_.coast(frame.time, predicted);
+    return motion_in_odom_.coast(frame.time, motion_in_odom_.predict(frame));
   }
-  const Pose& last = motion_in_odom_.last();
-  const auto seen =
-      visual_odometry_.advance(current, last.inverse(Eigen::Isometry) * predicted, *tracked_step);
-  motion_in_odom_.update(frame.time, normalized(last * seen.value_or(*tracked_step)));
+  const Pose step = visual_odometry_.advance(current, *tracked_step).value_or(*tracked_step);
+  motion_in_odom_.update(frame.time, normalized(motion_in_odom_.last() * step));
 }
 
 /// What contradicts a motion that was measured.
@@ -277,9 +274,16 @@ std::optional<TrackedPose> StereoSlam::Implementation::track(const stereo::Frame
     initialiseMotion(context);
     if (map_.keyframes().empty()) return std::nullopt;
   }
+  std::optional<Pose> proposed;
+  if (lost_in_a_row_ == 0) {
+    const auto step =
+        visual_odometry_.propose(current, motion_in_odom_.last().inverse(Eigen::Isometry) *
+                                              motion_in_odom_.predict(context.frame()));
+    if (step) proposed = normalized(motion_.last() * *step);
+  }
   const std::vector<Pose> initial_poses{motion_.predict(context.frame()), motion_.last()};
-  auto tracked = tracker_.track(previous_, seen_before_, current, initial_poses, local_landmarks_,
-                                active_submap_.isNew(), map_);
+  auto tracked = tracker_.track(previous_, seen_before_, current, proposed, initial_poses,
+                                local_landmarks_, active_submap_.isNew(), map_);
   if (tracked) return tracked;
   KeyframeId recognised;
   tracked = loops_.locate(current, map_, &recognised);

@@ -20,8 +20,9 @@ constexpr double kMaxSigma_px = 0.5;       ///< of an expected disparity that te
 constexpr double kMaxGate = 3.0;           ///< of the evidence [standard deviations]
 constexpr double kOffsetWalk_px = 0.01;    ///< from one estimate to the next: the mount flexes
 constexpr std::size_t kEvidence = 200;     ///< corners for an estimate
-constexpr double kMinDisparity = 0.1;      ///< [px]; nearer to 0 a depth has no upper bound
-constexpr double kAgreement_px = 2.0;      ///< of where both motions see the corners, median
+constexpr double kRenewRatio = 0.85;
+constexpr double kMinDisparity = 0.1;  ///< [px]; nearer to 0 a depth has no upper bound
+constexpr double kAgreement_px = 2.0;  ///< of where both motions see the corners, median
 constexpr stereo::PoseRefinerOptions kFromPrediction{8.0, 4, 5};
 /// The tracked motion is right to a pixel; what differs by more moves on its own.
 constexpr stereo::PoseRefinerOptions kNearTracked{2.0, 2, 6};
@@ -36,9 +37,13 @@ VisualOdometry::VisualOdometry(const StereoCamera& camera, const SlamParams& par
       matcher_(static_cast<int>(params.max_disparity_ratio * camera.width), params.min_zncc),
       grid_(camera.width, camera.height, kCorners) {}
 
-std::optional<Pose> VisualOdometry::advance(const TrackingFrame& frame, const Pose& predicted,
-                                            const Pose& tracked) {
-  Followed followed = follow(frame, predicted, kFromPrediction);
+std::optional<Pose> VisualOdometry::propose(const TrackingFrame& frame, const Pose& predicted) {
+  followed_ = follow(frame, predicted, kFromPrediction);
+  return followed_.motion;
+}
+
+std::optional<Pose> VisualOdometry::advance(const TrackingFrame& frame, const Pose& tracked) {
+  Followed followed = std::exchange(followed_, {});
   if (!followed.motion || !agree(followed, tracked)) {
     followed = follow(frame, tracked, kNearTracked);
   }
@@ -52,6 +57,7 @@ std::optional<Pose> VisualOdometry::advance(const TrackingFrame& frame, const Po
 
 void VisualOdometry::restart(const TrackingFrame& frame) {
   corners_.clear();
+  followed_ = {};
   replenish(frame);
 }
 
@@ -180,9 +186,12 @@ void VisualOdometry::estimateOffset() {
   evidence_.clear();
 }
 
-/// Fills free cells with new corners.
+/// Fills free cells with new corners, if a part of those that were there has been lost.
 void VisualOdometry::replenish(const TrackingFrame& frame) {
   left_ = frame.left;
+  if (static_cast<double>(corners_.size()) > kRenewRatio * static_cast<double>(most_corners_)) {
+    return;
+  }
   std::vector<bool> occupied(static_cast<std::size_t>(grid_.count()), false);
   for (const Corner& corner : corners_) {
     occupied[static_cast<std::size_t>(grid_.cellOf(corner.uv))] = true;
@@ -195,6 +204,7 @@ void VisualOdometry::replenish(const TrackingFrame& frame) {
                         params_.sigma_disparity_px * params_.sigma_disparity_px, keypoint.uv,
                         T_start_cam_});
   }
+  most_corners_ = corners_.size();
 }
 
 }  // namespace headway::slam

@@ -28,14 +28,18 @@ class VisualOdometry {
  public:
   VisualOdometry(const StereoCamera& camera, const SlamParams& params);
 
-  /// The motion since the frame of the last call, which this one replaces.
+  /// The motion from the last frame to this one on which most corners agree, before the frame is
+  /// tracked in the map.
   ///
   /// @param predicted  motion of the camera
-  /// @param tracked    the same as tracked in the map, which knows what is static: it decides only
-  ///                   where most corners move otherwise
   /// @return           nullopt if too few corners agree on a motion
-  [[nodiscard]] std::optional<Pose> advance(const TrackingFrame& frame, const Pose& predicted,
-                                            const Pose& tracked);
+  [[nodiscard]] std::optional<Pose> propose(const TrackingFrame& frame, const Pose& predicted);
+
+  /// The same after it, and goes on from this frame.
+  ///
+  /// @param tracked  the motion as tracked in the map, which knows what is static: it decides only
+  ///                 where most corners move otherwise
+  [[nodiscard]] std::optional<Pose> advance(const TrackingFrame& frame, const Pose& tracked);
 
   /// Starts at a frame without a motion since the last one.
   void restart(const TrackingFrame& frame);
@@ -81,6 +85,8 @@ class VisualOdometry {
   FeatureGrid grid_;
   stereo::ImagePyramid left_;  ///< of the last frame
   std::vector<Corner> corners_;
+  Followed followed_;                    ///< of propose()
+  std::size_t most_corners_ = 0;         ///< after the last search for new ones
   Pose T_start_cam_ = Pose::Identity();  ///< of the last frame
   std::vector<Evidence> evidence_;       ///< since the last estimate of the offset
   double offset_px_ = 0.0;
