@@ -20,10 +20,11 @@ constexpr double kMaxSigma_px = 0.5;       ///< of an expected disparity that te
 constexpr double kMaxGate = 3.0;           ///< of the evidence [standard deviations]
 constexpr double kOffsetWalk_px = 0.01;    ///< from one estimate to the next: the mount flexes
 constexpr std::size_t kEvidence = 200;     ///< corners for an estimate
-constexpr double kRenewRatio = 0.85;
+constexpr double kRenewRatio =
+    0.8;  ///< of the corners after the last search, below which there is another
 constexpr double kMinDisparity = 0.1;  ///< [px]; nearer to 0 a depth has no upper bound
 constexpr double kAgreement_px = 2.0;  ///< of where both motions see the corners, median
-constexpr stereo::PoseRefinerOptions kFromPrediction{8.0, 4, 5};
+constexpr stereo::PoseRefinerOptions kFromPrediction{4.0, 3, 5};
 /// The tracked motion is right to a pixel; what differs by more moves on its own.
 constexpr stereo::PoseRefinerOptions kNearTracked{2.0, 2, 6};
 constexpr stereo::PointTrackingOptions kNearby{15, 1, 25.0, 0.0, 0.6};
