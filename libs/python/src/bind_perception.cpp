@@ -81,7 +81,7 @@ const char* doubtOf(const PerceptionUpdate& update) {
   return "";
 }
 
-void bindUpdate(py::module_& module) {
+void bindFinding(py::module_& module) {
   py::class_<pipeline::Finding>(module, "Finding",
                                 "What is wrong with the input, found in a frame.")
       .def_readonly("name", &pipeline::Finding::name, "as in Perception.warnings")
@@ -93,6 +93,9 @@ void bindUpdate(py::module_& module) {
             return finding.severity == pipeline::Severity::kFatal;
           },
           "whether no pose is to be trusted from this frame on; else results are degraded");
+}
+
+void bindUpdate(py::module_& module) {
   py::class_<PerceptionUpdate>(module, "Update", "Result of one frame.")
       .def_readonly("frame", &PerceptionUpdate::frame, "index of the frame")
       .def_readonly("time", &PerceptionUpdate::time, "[s]")
@@ -172,6 +175,7 @@ py::class_<Pipeline> bindPipeline(py::module_& module) {
 }  // namespace
 
 void bindPerception(py::module_& module) {
+  bindFinding(module);
   bindUpdate(module);
   const py::call_guard<py::gil_scoped_release> released;
   bindPipeline(module)
