@@ -66,7 +66,7 @@ void writeRun(const WorldRun& run, ByteWriter& out) {
 /// The world's frames with the poses of a run, without images.
 ObjectRecording recordingOf(const World& world, const StoredRun& run) {
   io::RawlogSource source(world.rawlog, {});
-  ObjectRecording recording = describedRecording(world, source);
+  ObjectRecording recording = describedRecording(world, *source.camera());
   for (const auto& stored : run.frames) {
     auto frame = source.next();
     if (!frame)

@@ -5,8 +5,8 @@
 #include <headway/core/stop_request.h>
 #include <headway/eval_files/label_files.h>
 #include <headway/io/dataset.h>
-#include <headway/io/rawlog_source.h>
 #include <headway/io/trajectory_file.h>
+#include <headway/run/session.h>
 #include <headway/sim/recording.h>
 #include <headway/sim/rigs.h>
 #include <headway/sim/simulator.h>
@@ -61,19 +61,22 @@ World plannedWorld(const WorldSettings& settings, const WorldSource& source,
 
 WorldRun runOnce(const World& world, pipeline::PerceptionParams params, const FrameDone& done) {
   params.slam.stop = stopRequested;
-  io::RawlogSource source(world.rawlog, {});
+  run::RawlogFrames source(world.rawlog);
   pipeline::Perception perception(source.camera(), params);
+  run::SessionOptions options;
+  options.end_at_fatal_finding = true;
+  run::Session session(source, perception, {}, options);
   WorldRun run;
-  run.objects = describedRecording(world, source);
-  while (auto frame = source.next()) {
-    const auto update = perception.process(*frame);
-    if (const auto* fatal = update.fatalFinding()) throw InputError(fatal->text);
-    const bool tracked = slam::isTracked(update.camera.status);
+  run.objects = describedRecording(world, *source.camera());
+  while (auto result = session.next()) {
+    const auto& camera = result->update.camera;
+    const bool tracked = slam::isTracked(camera.status);
     if (!tracked) ++run.lost;
-    frame->stereo.reset();
-    frame->T_map_robot = update.camera.T_map_robot;
-    if (!tracked) frame->detections.reset();
-    run.objects.frames.push_back(std::move(*frame));
+    RecordedFrame& frame = result->frame;
+    frame.stereo.reset();
+    frame.T_map_robot = camera.T_map_robot;
+    if (!tracked) frame.detections.reset();
+    run.objects.frames.push_back(std::move(frame));
     if (!done()) break;
   }
   for (const auto& frame : perception.trajectory()) {
@@ -151,11 +154,11 @@ std::vector<WorldRun> runWorld(const World& world,
   return runs;
 }
 
-ObjectRecording describedRecording(const World& world, const io::RawlogSource& source) {
+ObjectRecording describedRecording(const World& world, const StereoCamera& camera) {
   ObjectRecording recording;
   recording.name = world.name;
-  recording.camera = *source.camera();
-  recording.T_robot_cam = source.camera()->T_robot_cam;
+  recording.camera = camera;
+  recording.T_robot_cam = camera.T_robot_cam;
   return recording;
 }
 

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <headway/core/recorded_frame.h>
+#include <headway/core/stereo_camera.h>
 #include <headway/eval/labelled_frames.h>
 #include <headway/eval/trajectory_error.h>
-#include <headway/io/rawlog_source.h>
 #include <headway/pipeline/perception.h>
 
 #include <functional>
@@ -83,8 +83,7 @@ struct WorldRun {
                                              const FrameDone& done, std::size_t threads);
 
 /// A world's recording without frames: name and camera.
-[[nodiscard]] ObjectRecording describedRecording(const World& world,
-                                                 const io::RawlogSource& source);
+[[nodiscard]] ObjectRecording describedRecording(const World& world, const StereoCamera& camera);
 
 /// Adds to a run's estimate and frames the error and the labels, from the world's truth.
 void evaluate(const World& world, WorldRun& run);

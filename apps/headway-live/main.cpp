@@ -7,30 +7,108 @@
 #include <headway/io/calibration_file.h>
 #include <headway/io/live_source.h>
 #include <headway/io/observation_calibration.h>
-#include <headway/pipeline/load_shedder.h>
+#include <headway/pipeline/perception_params.h>
+#include <headway/program/command_line.h>
 #include <headway/program/progress.h>
 #include <mrpt/config/CConfigFile.h>
 #include <mrpt/system/os.h>
 
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <sstream>
+#include <thread>
 #include <utility>
 
-#include "live_options.h"
 #include "live_page.h"
 #include "replay.h"
-#include "status_line.h"
 
 namespace {
 
 using namespace headway;
 using mrpt::obs::CObservation;
 
-io::LiveSourceOptions sourceOptions(const live::LiveOptions& options,
+/// Command-line options of a live run.
+struct LiveOptions {
+  replay::Options run;      ///< output, map to load and so on, as of a replay
+  std::string sensors;      ///< .ini file of rawlog-grabber
+  std::string plugins;      ///< shared libraries with drivers, separated by commas
+  std::string calibration;  ///< file that replaces the drivers' calibration; empty: none
+  std::string record;       ///< rawlog to write; empty: none
+  std::optional<std::size_t> show_port;  ///< of the page; nullopt: none
+  std::string show_address = "127.0.0.1";
+  double pair_tolerance_s = 0.01;
+};
+
+/// Adds the options to a command line.
+void describe(LiveOptions& options, program::CommandLine& line) {
+  options.run.program = "headway-live";
+  options.run.snapshots = 0;
+  line.option(options.sensors, 0, "sensors", "SENSORS.ini",
+              "Sensors to grab, in the format of MRPT's rawlog-grabber", true);
+  line.option(options.run.output, 'o', "output", "OUTDIR", "Folder for all results");
+  line.option(options.plugins, 0, "load-plugins", "LIB.so,...",
+              "Shared libraries with further classes of CGenericSensor");
+  line.option(options.calibration, 0, "calibration", "FILE",
+              "calibration.yaml that replaces the cameras' calibration and poses");
+  line.option(options.record, 0, "record", "OUT.rawlog", "Rawlog of all observations to write");
+  line.option(options.run.load_map, 0, "load-map", "MAP",
+              "Localise in this map.headway and extend it (slam.mapping=false: localise only)");
+  line.option(options.run.sensor_label, 0, "sensor-label", "LABEL",
+              "Stereo camera to use if there are several; LEFT,RIGHT for two cameras");
+  line.option(options.pair_tolerance_s, 0, "pair-tolerance", "SECONDS",
+              "Maximum difference of time of the images of two cameras; default 0.01");
+  line.option(
+      options.show_port, 0, "show", "PORT",
+      "Serve a page at http://127.0.0.1:PORT that shows images, map and health; 0: any port");
+  line.option(options.show_address, 0, "show-address", "ADDRESS",
+              "Address to serve the page on instead; its URL then contains a secret token");
+  line.option(options.run.detector, 0, "detector", "NAME",
+              "Source of boxes; default: detect.detector of the configuration");
+  line.flag(options.run.overwrite, 'w', "overwrite", "Overwrite existing results");
+}
+
+/// @throws UsageError if options are invalid or contradict each other
+void check(const LiveOptions& options) {
+  using program::UsageError;
+  if (options.run.output.empty()) {
+    throw UsageError("-o/--output: is required (--help shows the options)");
+  }
+  if (!(options.pair_tolerance_s >= 0.0)) {
+    throw UsageError("--pair-tolerance must not be negative");
+  }
+  if (!options.run.detector.empty()) {
+    try {
+      pipeline::checkDetectorNames(options.run.detector);
+    } catch (const InputError& error) {
+      throw UsageError(std::string("--detector: ") + error.what());
+    }
+  }
+  if (options.show_port && *options.show_port > 65535) {
+    throw UsageError("--show: ports are 0 to 65535");
+  }
+  if (!options.show_port && options.show_address != LiveOptions().show_address) {
+    throw UsageError("--show-address has no effect without --show");
+  }
+  if (!options.record.empty()) {
+    if (std::filesystem::path(options.record).extension() == ".zst") {
+      throw UsageError("--record: recordings are compressed by gzip; name it OUT.rawlog");
+    }
+    program::requireWritable(options.record, options.run.overwrite,
+                             {options.sensors, options.calibration, options.run.load_map});
+  }
+}
+
+io::LiveSourceOptions sourceOptions(const LiveOptions& options,
                                     const pipeline::PerceptionParams& params) {
   io::LiveSourceOptions result;
   result.observations.sensor_label = options.run.sensor_label;
@@ -110,7 +188,7 @@ void finish(const std::string& path, drivers::ObservationRecorder& recorder) {
        " observations, because the disk was slower than the sensors");
 }
 
-std::unique_ptr<live::LivePage> makePage(const live::LiveOptions& options) {
+std::unique_ptr<live::LivePage> makePage(const LiveOptions& options) {
   if (!options.show_port) return nullptr;
   auto page = std::make_unique<live::LivePage>(
       live::LivePageOptions{static_cast<int>(*options.show_port), options.show_address});
@@ -119,81 +197,116 @@ std::unique_ptr<live::LivePage> makePage(const live::LiveOptions& options) {
   return page;
 }
 
-live::LiveView viewOf(const RecordedFrame& frame, const pipeline::PerceptionUpdate& update,
-                      const replay::Replay& run, const drivers::SensorGroup& sensors) {
-  live::LiveView view;
-  view.frame = frame;
-  view.update = update;
-  view.map = run.perception().map();
-  view.process_s = 1e-3 * run.summary().last_frame_ms;
-  view.frames = run.summary().frame_ms.count();
-  view.sensors = sensors.status();
-  view.warnings = run.summary().warnings;
-  return view;
-}
-
-pipeline::RuntimeParams runtimeParams(const pipeline::PerceptionParams& params) {
-  pipeline::RuntimeParams result;
-  result.detect_every_nth_frame = params.detection.detect.every_nth_frame;
-  result.grid_every_nth_frame = params.grid.every_nth_frame;
-  result.recorded_timeout_s = params.detection.recorded_timeout_s;
-  return result;
-}
-
-/// Leaves work out while frames take longer than the sensor's interval.
-class LoadControl {
+/// Prints one line a second in a thread of its own: pose, tracking, tracks, latency and drops.
+///
+/// Ends the input within about 50 ms of an interrupt, also while no frames arrive.
+class StatusLine : public run::Sink {
  public:
-  LoadControl(replay::Replay& run, const pipeline::PerceptionParams& params)
-      : run_(run), shedder_(runtimeParams(params)) {}
+  /// @param quiet  prints nothing
+  StatusLine(bool quiet, io::LiveSource& source, double pair_tolerance_s)
+      : quiet_(quiet),
+        source_(source),
+        pair_tolerance_s_(pair_tolerance_s),
+        thread_([this] { run(); }) {}
+  ~StatusLine() override {
+    stopping_ = true;
+    thread_.join();
+  }
+  StatusLine(const StatusLine&) = delete;
+  StatusLine& operator=(const StatusLine&) = delete;
 
-  /// Takes a processed frame. @param page_s  time of its page
-  void add(const RecordedFrame& frame, double page_s) {
-    const auto before = std::exchange(last_, Stamped<std::size_t>{frame.time, frame.index});
-    if (!before || frame.index <= before->value || !(frame.time > before->time)) return;
-    const double interval_s =
-        (frame.time - before->time) / static_cast<double>(frame.index - before->value);
-    const double process_s = 1e-3 * run_.summary().last_frame_ms + page_s;
-    const auto line = shedder_.add(monotonicSeconds(), process_s, interval_s);
-    if (!line) return;
-    run_.change(shedder_.params());
-    run_.warn("frame " + std::to_string(frame.index) + ": " + *line);
+  void onFrame(const run::FrameResult& result, pipeline::Perception& /*perception*/) override {
+    const double latency_s = monotonicSeconds() - result.arrival_s;
+    const std::lock_guard lock(mutex_);
+    last_ = result;
+    max_latency_s_ = std::max(max_latency_s_, latency_s);
+    ++frames_;
   }
-  [[nodiscard]] bool hasPage() const {
-    return shedder_.level() == pipeline::LoadShedder::Level::kNothing;
-  }
-  [[nodiscard]] std::string description() const { return shedder_.description(); }
 
  private:
-  replay::Replay& run_;
-  pipeline::LoadShedder shedder_;
-  std::optional<Stamped<std::size_t>> last_;  ///< index of the last frame
+  void run();
+  [[nodiscard]] std::string text();
+
+  bool quiet_;
+  io::LiveSource& source_;
+  double pair_tolerance_s_;
+  std::mutex mutex_;
+  std::optional<run::FrameResult> last_;  // guarded by mutex_, like the members below
+  double max_latency_s_ = 0.0;            ///< since the last line
+  std::size_t frames_ = 0;                ///< since the last line
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;  // last member, so that it starts after the others
 };
 
-/// Shows each frame in the status line and, if there is one, on the page.
-replay::Replay::FrameCallback reporter(replay::Replay& run,
-                                       const pipeline::PerceptionParams& params,
-                                       const replay::LiveInput& live, const io::LiveSource& source,
-                                       const drivers::SensorGroup& sensors,
-                                       live::StatusLine& status, live::LivePage* page) {
-  auto load = std::make_shared<LoadControl>(run, params);
-  return [&, load, page, page_s = 0.0](const RecordedFrame& frame,
-                                       const pipeline::PerceptionUpdate& update) mutable {
-    const double now_s = monotonicSeconds();
-    const double latency_s = now_s - live.arrival_s();
-    load->add(frame, std::exchange(page_s, 0.0));
-    status.update(update, latency_s, source.dropped(), load->description());
-    if (page == nullptr || !load->hasPage()) return;
-    auto view = viewOf(frame, update, run, sensors);
-    view.latency_s = latency_s;
-    view.dropped = source.dropped();
-    page->show(std::move(view));
-    page_s = monotonicSeconds() - now_s;  // counts for the next frame
-  };
+void StatusLine::run() {
+  using Clock = std::chrono::steady_clock;
+  auto due = Clock::now() + std::chrono::seconds(1);
+  while (!stopping_) {
+    if (program::interrupted()) source_.close();
+    if (Clock::now() >= due) {
+      due += std::chrono::seconds(1);
+      const std::string line = text();
+      if (!quiet_) std::puts(line.c_str());
+      std::fflush(stdout);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
 }
 
+std::string StatusLine::text() {
+  const std::lock_guard lock(mutex_);
+  if (!last_) return "waiting for images" + describeWait(source_, pair_tolerance_s_);
+  const pipeline::PerceptionUpdate& update = last_->update;
+  const Pose& T_map_robot = update.camera.T_map_robot;
+  const auto& place = T_map_robot.translation();
+  const auto is_confirmed = [](const Track& track) {
+    return track.status == TrackStatus::kConfirmed;
+  };
+  const auto& tracks = update.objects.tracks;
+  std::array<char, 240> line{};
+  std::snprintf(line.data(), line.size(),
+                "frame %zu: x %.2f y %.2f m, yaw %.1f deg, %s (%d landmarks), %d tracks, %zu "
+                "frames/s, latency %.0f ms at most, %zu dropped",
+                update.frame, place.x(), place.y(), yawOf(T_map_robot) * 180.0 / M_PI,
+                frames_ == 0 ? "no images" : slam::toString(update.camera.status),
+                update.camera.inliers,
+                static_cast<int>(std::count_if(tracks.begin(), tracks.end(), is_confirmed)),
+                frames_, 1e3 * max_latency_s_, last_->source.dropped);
+  max_latency_s_ = 0.0;
+  frames_ = 0;
+  return line.data() + (last_->left_out.empty() ? "" : "; " + last_->left_out);
+}
+
+/// Shows each frame on the page.
+class PageSink : public run::Sink {
+ public:
+  PageSink(live::LivePage& page, const replay::Replay& run, const drivers::SensorGroup& sensors)
+      : page_(page), run_(run), sensors_(sensors) {}
+
+  void onFrame(const run::FrameResult& result, pipeline::Perception& perception) override {
+    live::LiveView view;
+    view.frame = result.frame;
+    view.update = result.update;
+    view.map = perception.map();
+    view.latency_s = monotonicSeconds() - result.arrival_s;
+    view.process_s = 1e-3 * run_.summary().last_frame_ms;
+    view.frames = result.frames;
+    view.dropped = result.source.dropped;
+    view.sensors = sensors_.status();
+    view.warnings = run_.summary().warnings;
+    page_.show(std::move(view));
+  }
+  [[nodiscard]] bool isExpendable() const override { return true; }
+
+ private:
+  live::LivePage& page_;
+  const replay::Replay& run_;
+  const drivers::SensorGroup& sensors_;
+};
+
 /// Runs sensors and pipeline until they are interrupted.
-void run(const live::LiveOptions& options, bool quiet, const pipeline::PerceptionParams& params,
-         const Params& all_params) {
+void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionParams& params,
+             const Params& all_params) {
   loadPlugins(options.plugins);
   std::optional<io::RawStereoCamera> calibration;
   if (!options.calibration.empty()) calibration = io::readRawCalibration(options.calibration);
@@ -207,17 +320,14 @@ void run(const live::LiveOptions& options, bool quiet, const pipeline::Perceptio
   };
   const auto page = makePage(options);
   const auto sensors = makeSensors(options.sensors, deliver);
-  const auto poll = [&source] {
-    if (program::interrupted()) source.close();
-  };
-  const auto wait = [&] { return describeWait(source, options.pair_tolerance_s); };
-  live::StatusLine status(quiet, poll, wait);
+  StatusLine status(quiet, source, options.pair_tolerance_s);
   sensors->start();
   if (!waitForCamera(source, options.pair_tolerance_s)) return;
-  auto input = std::make_unique<replay::LiveInput>(source);
-  const replay::LiveInput& live = *input;
-  replay::Replay pipeline(options.run, std::move(input), params, all_params);
-  pipeline.onFrame(reporter(pipeline, params, live, source, *sensors, status, page.get()));
+  replay::Replay pipeline(options.run, std::make_unique<run::SensorFrames>(source), params,
+                          all_params);
+  pipeline.add(status);
+  std::optional<PageSink> shown;
+  if (page) pipeline.add(shown.emplace(*page, pipeline, *sensors));
   pipeline.run();
   sensors->stop();
   if (recorder) finish(options.record, *recorder);
@@ -228,7 +338,7 @@ void run(const live::LiveOptions& options, bool quiet, const pipeline::Perceptio
 
 int main(int argc, char** argv) {
   return program::run("headway-live", [&] {
-    live::LiveOptions options;
+    LiveOptions options;
     pipeline::PerceptionParams params;
     Params all_params;
     params.describe(all_params);
@@ -237,16 +347,17 @@ int main(int argc, char** argv) {
         "headway-live",
         "Runs the pipeline on a robot's sensors until Ctrl-C: localises the camera, maps the "
         "static environment, tracks and predicts moving objects, and writes OUTDIR as it goes.");
-    live::describe(options, line);
+    describe(options, line);
     line.parameters(all_params);
     if (!line.parse(argc, argv)) return program::kDone;
     options.run.quiet = line.quiet() || line.verbosity() > mrpt::system::LVL_INFO;
     options.run.debug = line.verbosity() == mrpt::system::LVL_DEBUG;
     options.run.input = options.record;
-    live::check(options);
+    options.run.is_live = true;
+    check(options);
     if (!options.run.detector.empty()) params.detection.detector = options.run.detector;
     program::catchInterrupts();
-    run(options, line.quiet(), pipeline::PerceptionParams::live(params), all_params);
+    runLive(options, line.quiet(), pipeline::PerceptionParams::live(params), all_params);
     requestStop(0);  // a signal is the regular end, so that the exit status is 0
     return program::kDone;
   });

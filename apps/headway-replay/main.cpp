@@ -1,24 +1,116 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // headway-replay: stereo rawlog to trajectory, tracks, predictions, map and pictures.
+#include <headway/core/error.h>
+#include <headway/pipeline/perception_params.h>
+#include <headway/program/command_line.h>
 #include <headway/program/progress.h>
+#include <headway/scene/snapshot.h>
 
 #include <cstdio>
+#include <filesystem>
+#include <set>
 
 #include "check_model.h"
 #include "recordings.h"
 #include "replay.h"
 
-using headway::program::CommandLine;
-
 namespace {
 
-void replayOne(const headway::replay::Options& options,
-               const headway::pipeline::PerceptionParams& perception_params,
-               const headway::Params& params) {
-  headway::replay::Replay replay(options, perception_params, params);
+using namespace headway;
+using program::CommandLine;
+using replay::Options;
+
+/// Adds the options to a command line.
+void describe(Options& options, CommandLine& line) {
+  line.option(options.inputs, 'i', "input", "IN.rawlog",
+              "Rawlog to replay; repeatable: several recordings get one map, and a folder each");
+  line.option(options.output, 'o', "output", "OUTDIR", "Folder for all results");
+  line.option(options.detections, 0, "detections", "FILE",
+              "Boxes per frame (KITTI or CSV) that replace the recorded ones");
+  line.option(options.detector, 0, "detector", "NAME",
+              "Source of boxes: auto, none, recorded (rawlog or --detections), stereo_motion, "
+              "dnn, hog, or several joined by +; default: detect.detector of the configuration");
+  line.option(options.check_model, 0, "check-model", "FILE",
+              "Run this network on a bundled frame and print what it detects; no -i, no -o");
+  line.option(options.sensor_label, 0, "sensor-label", "LABEL",
+              "Stereo camera to use if the rawlog contains several");
+  line.option(options.load_map, 0, "load-map", "FILE",
+              "Localise in this map.headway and extend it (slam.mapping=false: localise only)");
+  line.option(options.realtime, 0, "realtime", "FACTOR",
+              "Replay at FACTOR times the recorded rate, dropping late frames; 0: every frame");
+  line.option(options.from_index, 0, "from-index", "N", "Index of the first stereo frame");
+  line.option(options.to_index, 0, "to-index", "N", "Index of the last stereo frame");
+  line.option(options.truth, 0, "truth", "DIR",
+              "Folder with trajectory.tum and objects.csv to compare with in the report");
+  line.option(options.snapshots, 0, "snapshots", "N",
+              "Number of pictures of the map to draw; default 6");
+  line.option(options.theme, 0, "theme", "dark|light",
+              "Colours of the pictures and the scene; default dark");
+  line.flag(options.overwrite, 'w', "overwrite", "Overwrite the results in an existing folder");
+}
+
+/// Options that mean one recording.
+void checkSeveral(const Options& options) {
+  const auto refuse = [](bool is_given, const char* option, const char* reason) {
+    if (!is_given) return;
+    throw program::UsageError(std::string(option) +
+                              ": takes one recording, and here are several: " + reason);
+  };
+  refuse(!options.detections.empty(), "--detections", "its frames are those of one recording");
+  refuse(!options.truth.empty(), "--truth", "it belongs to one recording");
+  refuse(options.from_index.has_value(), "--from-index", "frames are counted in each of them");
+  refuse(options.to_index.has_value(), "--to-index", "frames are counted in each of them");
+  refuse(!options.load_map.empty(), "--load-map",
+         "give the recordings of the map as further -i, or replay one after the other");
+  std::set<std::filesystem::path> files;
+  for (const auto& input : options.inputs) {
+    if (!files.insert(std::filesystem::weakly_canonical(input)).second) {
+      throw program::UsageError("-i " + input + ": is given twice");
+    }
+  }
+}
+
+/// @throws UsageError if options are missing, invalid or contradict each other
+void check(const Options& options) {
+  using program::UsageError;
+  if (!options.check_model.empty()) {
+    if (options.inputs.empty() && options.output.empty()) return;
+    throw UsageError("--check-model runs on a bundled frame: leave out -i and -o");
+  }
+  if (options.inputs.empty() || options.output.empty()) {
+    throw UsageError(std::string(options.inputs.empty() ? "-i/--input" : "-o/--output") +
+                     ": is required (--help shows the options)");
+  }
+  if (options.inputs.size() > 1) checkSeveral(options);
+  if (!options.detector.empty()) {
+    try {
+      pipeline::checkDetectorNames(options.detector);
+    } catch (const InputError& error) {
+      throw UsageError(std::string("--detector: ") + error.what());
+    }
+    if (!options.detections.empty() && !pipeline::usesRecordedBoxes(options.detector)) {
+      throw UsageError("--detections has no effect with --detector " + options.detector);
+    }
+  }
+  if (!options.truth.empty() &&
+      !std::filesystem::is_regular_file(std::filesystem::path(options.truth) / "trajectory.tum")) {
+    throw InputError(options.truth + ": --truth requires a folder with trajectory.tum");
+  }
+  if (!(options.realtime >= 0.0)) throw UsageError("--realtime must not be negative");
+  if (!options.theme.empty() && !scene::themeFrom(options.theme)) {
+    throw UsageError("--theme: '" + options.theme + "' is neither dark nor light");
+  }
+  if (options.from_index && options.to_index && *options.to_index < *options.from_index) {
+    throw UsageError("--to-index is less than --from-index");
+  }
+}
+
+void replayOne(const Options& options, const pipeline::PerceptionParams& perception_params,
+               const Params& params) {
+  replay::Replay replay(options, perception_params, params);
   replay.run();
   if (options.quiet) return;
-  headway::replay::printSummary(replay.summary());
+  replay::printSummary(replay.summary());
   for (const auto& picture : replay.pictures()) std::printf("picture: %s\n", picture.c_str());
   std::printf("report: %s/report.html\n", options.output.c_str());
 }
@@ -27,33 +119,33 @@ void replayOne(const headway::replay::Options& options,
 
 int main(int argc, char** argv) {
   return headway::program::run("headway-replay", [&] {
-    headway::replay::Options options;
-    headway::pipeline::PerceptionParams perception_params;
-    headway::Params params;
+    Options options;
+    pipeline::PerceptionParams perception_params;
+    Params params;
     perception_params.describe(params);
-    headway::replay::describeCheckpoints(options.checkpoint_s, params);
+    replay::describeCheckpoints(options.checkpoint_s, params);
 
     CommandLine line(
         "headway-replay",
         "Processes a stereo rawlog: localises the camera, maps what stands still, tracks and "
         "predicts what moves, places the map on the earth by satellite fixes; results: OUTDIR.");
-    headway::replay::describe(options, line);
+    describe(options, line);
     line.parameters(params);
-    if (!line.parse(argc, argv)) return headway::program::kDone;
+    if (!line.parse(argc, argv)) return program::kDone;
     options.quiet = line.quiet() || line.verbosity() > mrpt::system::LVL_INFO;
     options.debug = line.verbosity() == mrpt::system::LVL_DEBUG;
-    headway::replay::check(options);
+    check(options);
     const auto& network = perception_params.detection.detect.network;
-    if (headway::replay::checkModel(options.check_model, network)) return headway::program::kDone;
+    if (replay::checkModel(options.check_model, network)) return program::kDone;
     if (!options.detector.empty()) perception_params.detection.detector = options.detector;
 
-    headway::program::catchInterrupts();
+    program::catchInterrupts();
     if (options.inputs.size() > 1) {
-      headway::replay::Recordings(options, perception_params, params).run();
+      replay::Recordings(options, perception_params, params).run();
     } else {
       options.input = options.inputs.front();
       replayOne(options, perception_params, params);
     }
-    return headway::program::kDone;
+    return program::kDone;
   });
 }

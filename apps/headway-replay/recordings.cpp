@@ -17,10 +17,8 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
 #include <utility>
 
-#include "messages.h"
 #include "recording_names.h"
 #include "results.h"
 
@@ -62,12 +60,6 @@ program::OutputFolder::IsResult isResultOf(const Options& options,
     const fs::path folder = *file.begin();
     return folders.count(folder.string()) > 0 && isResult(file.lexically_relative(folder));
   };
-}
-
-std::string textOf(const Params& params) {
-  std::ostringstream text;
-  params.print(text);
-  return text.str();
 }
 
 /// Difference of two cameras' poses on the robot; empty if there is none.
@@ -119,7 +111,6 @@ const std::vector<std::string>& ofOneCamera(const Options& options) {
 Recordings::Recordings(const Options& options, const pipeline::PerceptionParams& perception_params,
                        const Params& params)
     : options_(options),
-      configuration_(textOf(params)),
       names_(recordingNames(ofOneCamera(options))),
       folder_(options.output, options.overwrite, options.inputs, isResultOf(options, names_)) {
   for (std::size_t i = 0; i < options.inputs.size(); ++i) {
@@ -197,7 +188,7 @@ void Recordings::writeMap(pipeline::JointMap joint, MapOfRecordings& map) {
   const auto& view = *joint.stored.map.staticMap();
   map.keyframes = view.keyframes.size();
   map.landmarks = view.landmarks.size();
-  joint.stored.configuration = configuration_;
+  joint.stored.configuration = recordings_.front().replay->configuration();
   scene::saveScene((folder / "scene.3Dscene").string(), {joint.stored.map});
   const MapFixes fixes = fixesOf(map);
   if (fixes.recorded > 0) joint.stored.attachments[kGnssAttachment] = gnssBytes(fixes.on_map);

@@ -75,7 +75,6 @@ class Recordings {
   [[nodiscard]] std::string namesOf(const MapOfRecordings& map) const;
 
   Options options_;
-  std::string configuration_;  ///< as .ini text
   std::vector<std::string> names_;
   program::OutputFolder folder_;
   std::vector<Recording> recordings_;

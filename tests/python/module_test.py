@@ -35,8 +35,7 @@ class SameAsThePrograms(unittest.TestCase):
                         "-q"], check=True)
         camera, frames = frames_of_street(40)
         cls.perception = headway.Perception(camera)
-        cls.updates = [cls.perception.process(frame) for frame in frames]
-        cls.perception.finish()
+        cls.updates = [update for _, update in headway.Session(frames, cls.perception)]
 
     @classmethod
     def tearDownClass(cls):
@@ -237,6 +236,37 @@ class Recordings(unittest.TestCase):
             headway.evaluate_trajectory(np.zeros((3, 8)), np.zeros((3, 8)))
         with self.assertRaisesRegex(headway.InputError, r"\(n, 8\)"):
             headway.evaluate_trajectory(np.zeros((3, 7)), np.zeros((3, 8)))
+
+
+class Sessions(unittest.TestCase):
+    def test_gives_frames_with_the_results_of_a_loop_of_ones_own(self):
+        source = headway.RawlogSource(str(STREET), to_index=9)
+        session = headway.Session(source, headway.Perception(source.camera))
+        given = [(frame.index, update) for frame, update in session]
+        camera, frames = frames_of_street(10)
+        own = headway.Perception(camera)
+        self.assertEqual([index for index, _ in given], list(range(10)))
+        for (_, update), frame in zip(given, frames):
+            np.testing.assert_array_equal(update.T_map_robot, own.process(frame).T_map_robot)
+        with self.assertRaises(StopIteration):
+            next(session)
+
+    def test_exceptions_of_the_frames_and_of_the_perception_are_passed_on(self):
+        camera, frames = frames_of_street(2)
+
+        def broken():
+            yield frames[0]
+            raise OSError("unplugged")
+
+        session = headway.Session(broken(), headway.Perception(camera))
+        next(session)
+        with self.assertRaisesRegex(OSError, "unplugged"):
+            next(session)
+        small = headway.StereoCamera(width=32, height=20, fx=25, fy=25, cx=16, cy=10, baseline_m=0.1)
+        with self.assertRaisesRegex(headway.InputError, "frames, frame 0: "):
+            next(headway.Session(frames, headway.Perception(small)))
+        with self.assertRaises(RuntimeError):
+            next(headway.Session([3], headway.Perception(camera)))
 
 
 class Queries(unittest.TestCase):

@@ -52,7 +52,7 @@ def agree(there, stub, is_parameter):
             return there[1] == "any" or (stub[1] == "any" and is_parameter)
         return len(there) == len(stub) and all(
             agree(a, b, is_parameter) for a, b in zip(there[1:], stub[1:]))
-    return there == "dict" and isinstance(stub, tuple) and stub[0] == "dict"
+    return there in ("dict", "Iterable") and isinstance(stub, tuple) and stub[0] == there
 
 
 def stated(function):

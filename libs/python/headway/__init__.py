@@ -5,8 +5,7 @@
 
     source = headway.RawlogSource("street.rawlog")
     perception = headway.Perception(source.camera)
-    for frame in source:
-        update = perception.process(frame)
+    for frame, update in headway.Session(source, perception):
         print(update.time, update.status, update.T_map_robot[:3, 3], len(update.tracks))
 
 Lengths are in metres, times in seconds since the Unix epoch, angles in radians. The map's z axis
@@ -30,6 +29,7 @@ from ._headway import (
     PredictedPath,
     RawlogSink,
     RawlogSource,
+    Session,
     StereoCamera,
     Track,
     TrackSample,
@@ -65,6 +65,7 @@ __all__ = [
     "PredictedPath",
     "RawlogSink",
     "RawlogSource",
+    "Session",
     "StereoCamera",
     "Track",
     "TrackSample",

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/error.h>
 #include <headway/map/map_file.h>
-#include <headway/pipeline/perception.h>
+#include <headway/run/session.h>
 
 #include <sstream>
 
@@ -172,6 +172,48 @@ py::class_<Pipeline> bindPipeline(py::module_& module) {
            "timing. Raises InputError for unknown keys and values out of range.");
 }
 
+/// A session over the frames of any Python iterable, itself an iterator over frames and results.
+class FrameSession : public run::Source {
+ public:
+  FrameSession(const py::iterable& frames, Pipeline& pipeline)
+      : frames_(py::iter(frames)), session_(*this, pipeline.perception()) {}
+
+  std::pair<std::shared_ptr<RecordedFrame>, PerceptionUpdate> nextResult() {
+    auto result = session_.next();
+    if (!result) session_.complete();
+    if (!result) throw py::stop_iteration();
+    return {std::make_shared<RecordedFrame>(std::move(result->frame)), std::move(result->update)};
+  }
+
+  [[nodiscard]] std::string name() const override { return "frames"; }
+  [[nodiscard]] std::shared_ptr<const StereoCamera> camera() override { return nullptr; }
+  [[nodiscard]] run::SourceReport report() const override { return {}; }
+  [[nodiscard]] std::optional<LiveFrame> next(const StopCondition& /*stop*/) override {
+    const py::gil_scoped_acquire acquire;
+    const auto item = py::reinterpret_steal<py::object>(PyIter_Next(frames_.ptr()));
+    if (PyErr_Occurred() != nullptr) throw py::error_already_set();
+    if (!item) return std::nullopt;
+    return LiveFrame{item.cast<RecordedFrame>(), monotonicSeconds()};
+  }
+
+ private:
+  py::iterator frames_;
+  run::Session session_;
+};
+
+void bindSession(py::module_& module) {
+  py::class_<FrameSession>(module, "Session",
+                           "A run: iterate over it for (frame, update). After the last frame the\n"
+                           "perception is finished.")
+      .def(py::init<const py::iterable&, Pipeline&>(), py::arg("frames"), py::arg("perception"),
+           py::keep_alive<1, 3>(),
+           "frames: a RawlogSource, or any other iterable of Frame in order of time.")
+      .def(
+          "__iter__", [](FrameSession& session) { return &session; },
+          py::return_value_policy::reference)
+      .def("__next__", &FrameSession::nextResult, py::call_guard<py::gil_scoped_release>());
+}
+
 }  // namespace
 
 void bindPerception(py::module_& module) {
@@ -211,6 +253,7 @@ void bindPerception(py::module_& module) {
       .def_property_readonly("warnings", &warningsOf,
                              "{name: (count, first frame, text)} of conditions of the input that\n"
                              "degrade the results");
+  bindSession(module);
 }
 
 }  // namespace headway::python

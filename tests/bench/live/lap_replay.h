@@ -34,7 +34,7 @@ inline double allocatedMb() {
 
 /// Small stereo frames of a robot that drives to and fro in a room again and again, a little
 /// differently in every second lap, and passes a pedestrian in each.
-class LapInput : public replay::FrameInput {
+class LapInput : public run::Source {
  public:
   static constexpr std::size_t kLap = 100;  // frames
 
@@ -45,20 +45,16 @@ class LapInput : public replay::FrameInput {
 
   [[nodiscard]] std::string name() const override { return "laps"; }
   [[nodiscard]] std::shared_ptr<const StereoCamera> camera() override { return room_.camera(); }
-  [[nodiscard]] const std::optional<io::CalibrationReport>& calibration() const override {
-    return no_report_;
+  [[nodiscard]] std::optional<LiveFrame> next(const StopCondition& /*stop*/) override {
+    auto frame = nextFrame();
+    if (!frame) return std::nullopt;
+    return LiveFrame{std::move(*frame), monotonicSeconds()};
   }
-  [[nodiscard]] std::unique_ptr<pipeline::FrameFeed> makeFeed() override {
-    return pipeline::makeOfflineFeed([this] { return next(); });
+  [[nodiscard]] run::SourceReport report() const override {
+    run::SourceReport report;
+    report.skipped.emplace();
+    return report;
   }
-  [[nodiscard]] double progress() const override { return 0.0; }
-  [[nodiscard]] std::optional<std::map<std::string, std::size_t>> skippedNow() const override {
-    return skipped();
-  }
-  [[nodiscard]] std::map<std::string, std::size_t> skipped() const override { return {}; }
-  [[nodiscard]] Warnings warnings() const override { return {}; }
-  [[nodiscard]] bool dropsLateFrames() const override { return false; }
-  [[nodiscard]] std::optional<std::string> truncation() const override { return std::nullopt; }
 
  private:
   static StereoCamera cameraOfLaps() {
@@ -81,7 +77,7 @@ class LapInput : public replay::FrameInput {
     return T_map_robot;
   }
 
-  std::optional<RecordedFrame> next() {
+  std::optional<RecordedFrame> nextFrame() {
     if (next_ == frames_) return std::nullopt;
     RecordedFrame frame;
     frame.index = next_++;
@@ -114,7 +110,6 @@ class LapInput : public replay::FrameInput {
   std::size_t next_ = 0;
   test::TexturedWorld room_;
   std::vector<StereoFrame> laps_;  ///< two laps
-  std::optional<io::CalibrationReport> no_report_;
 };
 
 /// What several laps took, all read at their end.
@@ -128,6 +123,34 @@ struct LapFigures {
   std::size_t keyframes = 0;
   std::size_t landmarks = 0;
   std::size_t tracks = 0;  ///< confirmed so far
+};
+
+/// Reports figures after every so many frames.
+class LapMeter : public run::Sink {
+ public:
+  LapMeter(std::size_t interval, const replay::Replay& run,
+           std::function<void(const LapFigures&)> report)
+      : interval_(interval), run_(run), report_(std::move(report)) {}
+
+  void onFrame(const run::FrameResult& result, pipeline::Perception& perception) override {
+    times_.add(run_.summary().last_frame_ms);
+    if (result.frames % interval_ != 0) return;
+    const auto& map = *perception.map().staticMap();
+    const double cpu_ms =
+        1e3 * (processorSeconds() - cpu_before_) / static_cast<double>(times_.count());
+    report_({result.frames, residentMb(), allocatedMb(), cpu_ms, times_.percentile(0.5),
+             times_.percentile(0.99), map.keyframes.size(), map.landmarks.size(),
+             run_.summary().tracks_confirmed});
+    times_ = Histogram();
+    cpu_before_ = processorSeconds();
+  }
+
+ private:
+  std::size_t interval_;
+  const replay::Replay& run_;
+  std::function<void(const LapFigures&)> report_;
+  Histogram times_;
+  double cpu_before_ = processorSeconds();
 };
 
 /// Runs the pipeline with all its files along laps, and reports figures after every `laps` laps.
@@ -144,20 +167,8 @@ inline void replayLaps(std::size_t frames, std::size_t laps, const std::string& 
   Params params;
   settings.describe(params);
   replay::Replay run(options, std::make_unique<LapInput>(frames), settings, params);
-  Histogram times;
-  double cpu_before = processorSeconds();
-  run.onFrame([&](const RecordedFrame& frame, const pipeline::PerceptionUpdate&) {
-    times.add(run.summary().last_frame_ms);
-    if ((frame.index + 1) % (laps * LapInput::kLap) != 0) return;
-    const auto& map = *run.perception().map().staticMap();
-    const double cpu_ms =
-        1e3 * (processorSeconds() - cpu_before) / static_cast<double>(times.count());
-    report({frame.index + 1, residentMb(), allocatedMb(), cpu_ms, times.percentile(0.5),
-            times.percentile(0.99), map.keyframes.size(), map.landmarks.size(),
-            run.summary().tracks_confirmed});
-    times = Histogram();
-    cpu_before = processorSeconds();
-  });
+  LapMeter meter(laps * LapInput::kLap, run, report);
+  run.add(meter);
   run.run();
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 using namespace headway;
 
-int run(int argc, const char* const* argv) {
+int runBench(int argc, const char* const* argv) {
   int frames = 200000;
   int laps = 100;
   std::string folder;
@@ -43,5 +43,5 @@ int run(int argc, const char* const* argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return headway::program::run("bench_laps", [&] { return run(argc, argv); });
+  return headway::program::run("bench_laps", [&] { return runBench(argc, argv); });
 }

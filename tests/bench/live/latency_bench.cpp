@@ -10,9 +10,8 @@
 #include <headway/core/error.h>
 #include <headway/core/statistics.h>
 #include <headway/io/detection_observation.h>
-#include <headway/io/live_source.h>
-#include <headway/pipeline/live_runner.h>
 #include <headway/program/command_line.h>
+#include <headway/run/session.h>
 #include <mrpt/io/CFileGZInputStream.h>
 #include <mrpt/obs/CObservationStereoImages.h>
 #include <mrpt/serialization/CArchive.h>
@@ -80,7 +79,7 @@ void play(const Clip& clip, double interval_s, const std::atomic<bool>& stop,
 }
 
 void print(double factor, double interval_s, std::size_t frames,
-           const std::vector<pipeline::LiveUpdate>& updates) {
+           const std::vector<run::FrameResult>& updates) {
   std::vector<double> process, wait, first_third, last_third;
   for (std::size_t i = 0; i < updates.size(); ++i) {
     process.push_back(1e3 * updates[i].process_s());
@@ -106,15 +105,18 @@ void measure(const Clip& clip, double rate_hz, double factor, int frames,
   io::LiveSource source;
   std::atomic<bool> stop{false};
   std::thread camera([&] { play(clip, interval_s, stop, source); });
-  std::vector<pipeline::LiveUpdate> updates;
+  std::vector<run::FrameResult> updates;
   std::size_t newest = 0;
   try {
     pipeline::Perception perception(source.camera(), params);
     map::SharedMap shared;
-    pipeline::LiveRunner runner([&] { return source.next(); }, perception, shared);
+    run::SensorFrames frames_in(source);
+    run::MapPublisher publisher(shared);
+    run::Session session(frames_in, perception, {&publisher});
     while (newest + 1 < static_cast<std::size_t>(frames)) {  // then the camera still runs
-      updates.push_back(runner.next().value());
-      newest = updates.back().perception.frame;
+      updates.push_back(session.next().value());
+      newest = updates.back().frame.index;
+      updates.back().frame.stereo.reset();
     }
   } catch (...) {
     stop = true;
@@ -126,7 +128,7 @@ void measure(const Clip& clip, double rate_hz, double factor, int frames,
   print(factor, interval_s, newest + 1, updates);
 }
 
-int run(int argc, const char* const* argv) {
+int runBench(int argc, const char* const* argv) {
   std::string input, factors = "1,2,10";
   double rate_hz = 10.0;
   int frames = 1000, clip_frames = 200;
@@ -157,5 +159,5 @@ int run(int argc, const char* const* argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return headway::program::run("bench_latency", [&] { return run(argc, argv); });
+  return headway::program::run("bench_latency", [&] { return runBench(argc, argv); });
 }

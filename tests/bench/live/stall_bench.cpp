@@ -9,10 +9,8 @@
 // longest ones.
 
 #include <headway/core/statistics.h>
-#include <headway/io/rawlog_source.h>
-#include <headway/pipeline/frame_feed.h>
-#include <headway/pipeline/perception.h>
 #include <headway/program/command_line.h>
+#include <headway/run/session.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -93,7 +91,7 @@ void print(const std::vector<FrameTime>& frames, const pipeline::Perception& per
   }
 }
 
-int run(int argc, const char* const* argv) {
+int runBench(int argc, const char* const* argv) {
   std::string input;
   double realtime = 0.0;
   pipeline::PerceptionParams settings;
@@ -104,21 +102,20 @@ int run(int argc, const char* const* argv) {
   line.option(realtime, 0, "realtime", "FACTOR", "multiple of the recorded rate; 0: every frame");
   line.parameters(params);
   if (!line.parse(argc, argv)) return program::kDone;
-  io::RawlogSource source(input, {});
-  pipeline::Perception perception(source.camera(), pipeline::PerceptionParams::live(settings));
-  const pipeline::FrameReader reader = [&] { return source.next(); };
-  const auto feed = realtime > 0.0 ? pipeline::makeRealtimeFeed(reader, realtime)
-                                   : pipeline::makeOfflineFeed(reader);
+  std::unique_ptr<run::Source> source = std::make_unique<run::RawlogFrames>(input);
+  if (realtime > 0.0) source = run::inRealtime(std::move(source), realtime);
+  pipeline::Perception perception(source->camera(), pipeline::PerceptionParams::live(settings));
+  double before = 0.0;  // the frame
+  run::SessionOptions options;
+  options.prepare = [&before](RecordedFrame&) { before = threadMilliseconds(); };
+  run::Session session(*source, perception, {}, options);
   std::vector<FrameTime> frames;
   std::size_t closed = 0;
   std::vector<double> before_ms = totals(perception);
-  while (const auto frame = feed->next()) {
-    StageTimes span;
-    const auto watch = span.watch("frame");
-    const double before = threadMilliseconds();
-    const auto update = perception.process(*frame);
-    frames.push_back({frame->index,
-                      watch.elapsedMs(),
+  while (const auto result = session.next()) {
+    const auto& update = result->update;
+    frames.push_back({update.frame,
+                      1e3 * result->process_s(),
                       threadMilliseconds() - before,
                       update.camera.is_keyframe,
                       update.camera.loops.size(),
@@ -131,8 +128,8 @@ int run(int argc, const char* const* argv) {
       closed += loop.outcome == slam::LoopOutcome::kClosed ? 1 : 0;
     }
   }
-  perception.finish();
-  print(frames, perception, feed->dropped());
+  session.complete();
+  print(frames, perception, source->report().dropped);
   std::printf("%zu loops closed\n", closed);
   return program::kDone;
 }
@@ -140,5 +137,5 @@ int run(int argc, const char* const* argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return headway::program::run("bench_stall", [&] { return run(argc, argv); });
+  return headway::program::run("bench_stall", [&] { return runBench(argc, argv); });
 }

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A planner's question to the map: how fast may the robot drive straight ahead?
-#include <headway/io/rawlog_source.h>
 #include <headway/map/map_query.h>
-#include <headway/map/shared_map.h>
-#include <headway/pipeline/perception.h>
+#include <headway/run/session.h>
 
 #include <cstdio>
 
@@ -23,12 +21,13 @@ double safeSpeed(const headway::map::PerceptionMap& map, const headway::Pose& T_
 }
 
 int main(int, char** argv) {
-  headway::io::RawlogSource source(argv[1], {});
+  headway::run::RawlogFrames source(argv[1]);
   headway::pipeline::Perception perception(source.camera(), {});
-  headway::map::SharedMap shared;  // publish() in perception's thread, snapshot() in any other
-  while (const auto frame = source.next()) {
-    const auto update = perception.process(*frame);
-    shared.publish(perception.map());
+  headway::map::SharedMap shared;  // snapshot() in any thread
+  headway::run::MapPublisher publisher(shared);
+  headway::run::Session session(source, perception, {&publisher});
+  while (const auto result = session.next()) {
+    const auto& update = result->update;
     const bool is_tracked = update.camera.status == headway::slam::TrackingStatus::kTracked;
     const auto& pose = update.camera.T_map_robot;
     const double speed = is_tracked ? safeSpeed(*shared.snapshot(), pose, update.time) : 0.0;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A robot's program: sensors push observations; poses, tracks and the map come out.
-#include <headway/io/live_source.h>
 #include <headway/map/map_query.h>
-#include <headway/pipeline/live_runner.h>
+#include <headway/run/session.h>
 
 #include <cstdio>
 #include <thread>
@@ -12,17 +11,19 @@
 int main(int, char** argv) {
   headway::io::LiveSourceOptions options;
   options.observations.read_ahead = 1;  // this robot's boxes come after their images
-  headway::io::LiveSource source(options);
+  headway::io::LiveSource sensors(options);
   std::thread drivers([&] {
-    runSensors(argv[1], [&](auto observation) { source.push(observation); });
-    source.close();
+    runSensors(argv[1], [&](auto observation) { sensors.push(observation); });
+    sensors.close();
   });
-  headway::map::SharedMap shared;  // for planners and viewers, in any thread
+  headway::run::SensorFrames source(sensors);
   headway::pipeline::Perception perception(source.camera(),
                                            headway::pipeline::PerceptionParams::live());
-  headway::pipeline::LiveRunner runner([&] { return source.next(); }, perception, shared);
-  while (const auto live = runner.next()) {
-    const auto& update = live->perception;
+  headway::map::SharedMap shared;  // for planners and viewers, in any thread
+  headway::run::MapPublisher publisher(shared);
+  headway::run::Session session(source, perception, {&publisher});
+  while (const auto live = session.next()) {
+    const auto& update = live->update;
     const auto place = update.camera.T_map_robot.translation();
     const auto map = shared.snapshot();
     const auto near = map->at(update.time).tracksNear(place.head<2>(), 20.0, update.time + 1.0);
@@ -30,7 +31,8 @@ int main(int, char** argv) {
                 update.frame, place.x(), place.y(), map->landmarks().size(),
                 update.objects.tracks.size(), near.items.size());
     std::printf("  %.0f ms after its images, %zu frames dropped so far\n", 1e3 * live->latency_s(),
-                source.dropped());
+                live->source.dropped);
   }
+  session.complete();
   drivers.join();
 }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <headway/pipeline/load_shedder.h>
+#include "load_shedder.h"
+
 #include <mrpt/core/exceptions.h>
 
 #include <algorithm>
 #include <cmath>
 
-namespace headway::pipeline {
+namespace headway::run {
 namespace {
 
 constexpr double kGain = 0.25;       // of a frame in the smoothed load
@@ -58,8 +59,8 @@ void LoadShedder::recover(double now_s) {
   recovered_at_ = now_s;
 }
 
-RuntimeParams LoadShedder::params() const {
-  RuntimeParams params = full_;
+pipeline::RuntimeParams LoadShedder::params() const {
+  pipeline::RuntimeParams params = full_;
   if (level_ >= Level::kMostScans) params.grid_every_nth_frame *= kScansOfAll;
   if (level_ >= Level::kScans) params.grid_every_nth_frame = 0;
   if (level_ >= Level::kFarBoxes) params.max_box_range_m = std::min(params.max_box_range_m, kNearM);
@@ -82,4 +83,4 @@ std::string LoadShedder::description() const {
   return "without page, grid and boxes beyond 30 m";
 }
 
-}  // namespace headway::pipeline
+}  // namespace headway::run

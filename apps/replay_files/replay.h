@@ -3,11 +3,12 @@
 
 #include <headway/pipeline/perception.h>
 #include <headway/program/output_folder.h>
+#include <headway/program/progress.h>
 #include <headway/report/page_images.h>
+#include <headway/run/session.h>
 
 #include <exception>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -15,7 +16,6 @@
 #include <vector>
 
 #include "checkpoint.h"
-#include "frame_input.h"
 #include "frame_writers.h"
 #include "gnss_log.h"
 #include "options.h"
@@ -24,7 +24,8 @@
 
 namespace headway::replay {
 
-/// Processes a rawlog and writes a folder of results.
+/// Processes a rawlog, or live sensors, and writes a folder of results: a session with the sink of
+/// all files.
 ///
 /// The results computed so far are written however the run ends: end of the rawlog, Ctrl-C, or a
 /// truncated file. Old results in the folder remain until the new ones are complete, and after an
@@ -32,7 +33,7 @@ namespace headway::replay {
 ///
 ///     Replay replay(options, perception_params, params);
 ///     replay.run();
-class Replay {
+class Replay : private run::Sink {
  public:
   /// Opens the rawlog and the map to continue, then prepares the output folder.
   ///
@@ -43,19 +44,12 @@ class Replay {
 
   /// The same for another input, such as live sensors; options.input is for replay.json alone.
   ///
-  /// @param input  not null
-  Replay(const Options& options, std::unique_ptr<FrameInput> input,
+  /// @param source  not null
+  Replay(const Options& options, std::unique_ptr<run::Source> source,
          const pipeline::PerceptionParams& perception_params, const Params& params);
 
-  /// Calls back after each frame, when its results are written; instead of a progress line.
-  using FrameCallback =
-      std::function<void(const RecordedFrame&, const pipeline::PerceptionUpdate&)>;
-  void onFrame(FrameCallback callback) { on_frame_ = std::move(callback); }
-
-  /// Changes parameters before the next frame.
-  void change(const pipeline::RuntimeParams& params) { perception_->change(params); }
-  /// Prints a warning that is no part of the summary.
-  void warn(const std::string& text) const;
+  /// Adds a sink, called when a frame's results are written.
+  void add(run::Sink& sink) { session_.add(sink); }
 
   /// Processes all frames and writes the results.
   ///
@@ -73,6 +67,7 @@ class Replay {
   /// was written frame by frame must be moved, too.
   void moveInto(const Pose& T_map_run);
 
+  [[nodiscard]] const std::string& configuration() const { return configuration_; }
   [[nodiscard]] const Summary& summary() const { return summary_; }
   [[nodiscard]] const pipeline::Perception& perception() const { return *perception_; }
   [[nodiscard]] pipeline::Perception& perception() { return *perception_; }
@@ -91,10 +86,11 @@ class Replay {
     if (options_.published.empty()) return folder_.published();
     return options_.published;
   }
-  void processAll();
-  void processFrame(const RecordedFrame& frame, double progress);
-  [[nodiscard]] pipeline::PerceptionUpdate processed(const RecordedFrame& frame);
-  void applySideDetections(RecordedFrame& frame) const;
+  void onFrame(const run::FrameResult& result, pipeline::Perception& perception) override;
+  void onEnd(const std::optional<std::string>& failure) override;
+  void onComplete(pipeline::Perception& perception) override;
+  /// Measures the start-up, and replaces the boxes by those of a side file.
+  void prepare(RecordedFrame& frame);
   [[nodiscard]] Pose robotFromCamera() const;
   void count(const RecordedFrame& frame, const pipeline::PerceptionUpdate& update);
   /// Counts a frame, and those that are missing before it.
@@ -102,17 +98,14 @@ class Replay {
   /// Counts a confirmed track once, and discards those that have ended.
   void countTracks(const pipeline::PerceptionUpdate& update);
   /// Prints each warning once, when it occurs first.
-  void collectWarnings(std::size_t frame, bool reader_has_stopped);
+  void collectWarnings(std::size_t frame, const run::SourceReport& source);
   void requireTrackedFrames() const;
   /// Writes replay.json, and says which network is used or how to get one.
   void writeRecord(const pipeline::DetectionParams& detection, const Params& params);
-  void finish();
   [[nodiscard]] Summary summarised() const;
-  void writeCheckpoint();
   [[nodiscard]] CheckpointContents checkpointContents();
   /// The map with the configuration and the satellite fixes.
   [[nodiscard]] map::StoredMap storedMap() const;
-  void endCheckpoint();
   void writeTrajectory();
   /// Places the map on the earth by satellite fixes, if there are any.
   void writeGeoFiles();
@@ -120,6 +113,7 @@ class Replay {
   /// Writes report.html and replay.html from the other files.
   void writePages();
   void warnIfNotRelocalised() const;
+  void warn(const std::string& text) const;
   /// Prints a message of the pipeline; warnings are printed by collectWarnings().
   void log(LogLevel level, const std::string& text) const;
   /// Writes the image of the first frame in which the camera is lost.
@@ -127,7 +121,7 @@ class Replay {
 
   Options options_;
   std::string configuration_;  ///< as .ini text
-  std::unique_ptr<FrameInput> source_;
+  std::unique_ptr<run::Source> source_;
   std::shared_ptr<const StereoCamera> camera_;
   GnssLog gnss_;
   std::unique_ptr<pipeline::Perception> perception_;
@@ -140,12 +134,12 @@ class Replay {
   Summary summary_;
   std::size_t last_frame_ = 0;  ///< index of the newest frame
   bool has_lost_image_ = false;
-  std::exception_ptr failure_;     ///< of process()
-  std::optional<Pose> T_map_run_;  ///< see moveInto()
-  FrameCallback on_frame_;
+  std::optional<Pose> T_map_run_;              ///< see moveInto()
+  std::optional<program::Progress> progress_;  ///< while frames are processed
   double retrack_time_s_;
   std::optional<std::size_t> next_frame_;     ///< after the newest one
   std::map<TrackId, SeenTrack> seen_tracks_;  ///< confirmed ones that may not have ended
+  run::Session session_;
 };
 
 }  // namespace headway::replay

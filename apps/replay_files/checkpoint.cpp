@@ -34,10 +34,14 @@ void describeCheckpoints(double& interval_s, Params& params) {
       "Time between checkpoints of map and trajectory, which a killed run leaves; 0: none");
 }
 
-Checkpoint::Checkpoint(std::filesystem::path folder, double interval_s)
-    : folder_(std::move(folder)), interval_(interval_s), last_(std::chrono::steady_clock::now()) {}
-
-Checkpoint::~Checkpoint() { (void)finish(); }
+Checkpoint::Checkpoint(std::filesystem::path folder, double interval_s,
+                       std::function<CheckpointContents()> collect,
+                       std::function<void(const std::string&)> warn)
+    : folder_(std::move(folder)),
+      interval_(interval_s),
+      collect_(std::move(collect)),
+      warn_(std::move(warn)),
+      last_(std::chrono::steady_clock::now()) {}
 
 bool Checkpoint::isDue() const {
   constexpr double kMinRatio = 50.0;
@@ -48,9 +52,11 @@ bool Checkpoint::isDue() const {
          writing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
 }
 
-void Checkpoint::write(const std::function<CheckpointContents()>& collect) {
+void Checkpoint::onFrame(const run::FrameResult& /*result*/, pipeline::Perception& /*perception*/) {
+  if (!isDue()) return;
+  finish();
   const auto start = std::chrono::steady_clock::now();
-  auto contents = collect();
+  auto contents = collect_();
   last_ = std::chrono::steady_clock::now();
   collecting_ = last_ - start;
   writing_ =
@@ -59,14 +65,15 @@ void Checkpoint::write(const std::function<CheckpointContents()>& collect) {
       });
 }
 
-std::optional<std::string> Checkpoint::finish() {
-  if (!writing_.valid()) return std::nullopt;
+void Checkpoint::onEnd(const std::optional<std::string>& /*failure*/) { finish(); }
+
+void Checkpoint::finish() {
+  if (!writing_.valid()) return;
   try {
     writing_.get();
   } catch (const std::exception& error) {
-    return error.what();
+    warn_(std::string("no checkpoint: ") + error.what());
   }
-  return std::nullopt;
 }
 
 }  // namespace headway::replay

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "load_shedder.h"
+
 #include <gmock/gmock.h>
-#include <headway/pipeline/load_shedder.h>
 #include <headway/pipeline/perception.h>
 
-namespace headway::pipeline {
+namespace headway::run {
 namespace {
 
+using pipeline::Perception;
+using pipeline::RuntimeParams;
 using testing::HasSubstr;
 using Level = LoadShedder::Level;
 
@@ -117,4 +120,4 @@ TEST(LoadShedderTest, FarBoxesAreCountedAsShed) {
 }
 
 }  // namespace
-}  // namespace headway::pipeline
+}  // namespace headway::run

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <headway/program/command_line.h>
-
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace headway::replay {
 
-/// Command-line options of a replay.
+/// What a run reads and writes, by the command line of headway-replay or headway-live.
 struct Options {
   std::string program = "headway-replay";  ///< name in messages
   std::vector<std::string> inputs;         ///< rawlogs; several of them get one map
@@ -28,6 +27,7 @@ struct Options {
   std::optional<std::size_t> snapshots;  ///< pictures; see snapshotsOf()
   std::string theme;                     ///< of pictures and scene; empty: dark
   double checkpoint_s = 10.0;            ///< between checkpoints of map and trajectory; 0: none
+  bool is_live = false;                  ///< live sensors: load is shed, no progress is shown
   bool overwrite = false;
   bool quiet = false;
   bool debug = false;  ///< print the decisions of each frame
@@ -37,11 +37,5 @@ struct Options {
 [[nodiscard]] inline std::size_t snapshotsOf(const Options& options) {
   return options.snapshots.value_or(6);
 }
-
-/// Adds the options to a command line.
-void describe(Options& options, program::CommandLine& line);
-
-/// @throws UsageError if options are missing, invalid or contradict each other
-void check(const Options& options);
 
 }  // namespace headway::replay

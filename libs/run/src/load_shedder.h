@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-namespace headway::pipeline {
+namespace headway::run {
 
 /// Decides which work is left out while frames take longer than the sensor's interval.
 ///
@@ -14,7 +14,7 @@ namespace headway::pipeline {
 /// all ground scans, boxes beyond 30 m. A step is taken back after a calm time, which doubles
 /// whenever that brought the overload back. Time is what the caller says it is.
 ///
-///     LoadShedder shedder(RuntimeParams{});
+///     LoadShedder shedder(pipeline::RuntimeParams{});
 ///     if (const auto line = shedder.add(now_s, process_s, interval_s)) {
 ///       log(*line);
 ///       perception.change(shedder.params());
@@ -25,7 +25,7 @@ class LoadShedder {
   enum class Level { kNothing, kPage, kMostScans, kScans, kFarBoxes };
 
   /// @param full  parameters without any load
-  explicit LoadShedder(const RuntimeParams& full) : full_(full) {}
+  explicit LoadShedder(const pipeline::RuntimeParams& full) : full_(full) {}
 
   /// Takes the times of one frame.
   ///
@@ -37,7 +37,7 @@ class LoadShedder {
 
   [[nodiscard]] Level level() const { return level_; }
   /// For Perception::change().
-  [[nodiscard]] RuntimeParams params() const;
+  [[nodiscard]] pipeline::RuntimeParams params() const;
   /// What is left out, such as "without page and grid"; empty if nothing is.
   [[nodiscard]] std::string description() const;
 
@@ -45,7 +45,7 @@ class LoadShedder {
   void shed(double now_s);
   void recover(double now_s);
 
-  RuntimeParams full_;
+  pipeline::RuntimeParams full_;
   Level level_ = Level::kNothing;
   std::optional<double> load_;          ///< processing over interval, smoothed
   std::optional<double> over_since_;    ///< the load exceeds the interval
@@ -54,4 +54,4 @@ class LoadShedder {
   double calm_s_ = 3.0;                 ///< before a step is taken back
 };
 
-}  // namespace headway::pipeline
+}  // namespace headway::run

@@ -3,6 +3,7 @@
 
 #include <headway/core/params.h>
 #include <headway/map/map_file.h>
+#include <headway/run/session.h>
 #include <headway/slam/map_view.h>
 
 #include <chrono>
@@ -31,23 +32,29 @@ struct CheckpointContents {
 
 /// Writes map.headway, map_points.ply, trajectory.tum, trajectory_kitti.txt and summary.json while
 /// a run goes on, in a thread of its own, so that a killed run leaves them.
-class Checkpoint {
+class Checkpoint : public run::Sink {
  public:
   /// @param interval_s  time between two checkpoints; 0: none
-  Checkpoint(std::filesystem::path folder, double interval_s);
-  ~Checkpoint();
+  /// @param collect     what to write
+  /// @param warn        called with the reason why a checkpoint could not be written
+  Checkpoint(std::filesystem::path folder, double interval_s,
+             std::function<CheckpointContents()> collect,
+             std::function<void(const std::string&)> warn);
 
+  void onFrame(const run::FrameResult& result, pipeline::Perception& perception) override;
+  void onEnd(const std::optional<std::string>& failure) override;
+
+ private:
   /// Whether the interval has passed, the last checkpoint is written, and collecting its contents
   /// took less than 2 % of the time since.
   [[nodiscard]] bool isDue() const;
-  /// Starts to write what `collect` returns.
-  void write(const std::function<CheckpointContents()>& collect);
-  /// Waits for the end of writing. @return why the latest checkpoint could not be written
-  std::optional<std::string> finish();
+  /// Waits for the end of writing.
+  void finish();
 
- private:
   std::filesystem::path folder_;
   std::chrono::duration<double> interval_;
+  std::function<CheckpointContents()> collect_;
+  std::function<void(const std::string&)> warn_;
   std::chrono::steady_clock::time_point last_;
   std::chrono::duration<double> collecting_{0.0};  ///< duration of the last time
   std::future<void> writing_;
