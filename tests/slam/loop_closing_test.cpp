@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 #include <headway_test/textured_world.h>
 
+#include <algorithm>
 #include <chrono>
+#include <set>
 #include <thread>
 
 #include "loop_closer.h"
@@ -50,6 +52,7 @@ const std::vector<StereoFrame>& framesRoundTheBlock() {
 struct Lap {
   int loops = 0;
   double rmse_m = 0.0;
+  std::vector<SlamUpdate> updates;
 };
 
 Lap driveRound(bool loop_closing, bool in_background = false) {
@@ -61,7 +64,9 @@ Lap driveRound(bool loop_closing, bool in_background = false) {
   Lap lap;
   for (const StereoFrame& frame : framesRoundTheBlock()) {
     const auto update = slam.process(frame, {});
+    lap.updates.push_back(update);
     EXPECT_EQ(update.status, TrackingStatus::kTracked) << frame.index;
+    EXPECT_TRUE((update.T_map_odom * update.T_odom_robot).isApprox(update.T_map_robot, 1e-9));
     for (const LoopAttempt& attempt : update.loops) {
       const bool closed = attempt.outcome == LoopOutcome::kClosed;
       EXPECT_EQ(closed, attempt.inliers >= attempt.inliers_needed &&
@@ -92,6 +97,16 @@ TEST(LoopCloserTest, FindsTheBeginningAgainAndPullsThePathTogether) {
   EXPECT_EQ(open.loops, 0);
   EXPECT_GE(closed.loops, 1);
   EXPECT_LT(closed.rmse_m, 0.7 * open.rmse_m);
+  for (std::size_t i = 0; i < open.updates.size(); ++i) {
+    const SlamUpdate& a = open.updates[i];
+    const SlamUpdate& b = closed.updates[i];
+    EXPECT_EQ(a.T_odom_robot.matrix(), b.T_odom_robot.matrix()) << i;
+    EXPECT_NE(a.revision.cause, MapChange::kLoop);
+    const bool closes = std::any_of(b.loops.begin(), b.loops.end(), [](const auto& attempt) {
+      return attempt.outcome == LoopOutcome::kClosed;
+    });
+    EXPECT_TRUE(!closes || b.revision.cause == MapChange::kLoop) << i;
+  }
 }
 
 TEST(LoopCloserTest, ClosesTheLoopBesideTheTracking) {
@@ -99,6 +114,33 @@ TEST(LoopCloserTest, ClosesTheLoopBesideTheTracking) {
   const Lap closed = driveRound(true, true);
   EXPECT_GE(closed.loops, 1);
   EXPECT_LT(closed.rmse_m, 0.8 * open.rmse_m);
+  for (std::size_t i = 1; i < open.updates.size(); ++i) {
+    const auto step = [i](const Lap& lap) -> Pose {
+      return lap.updates[i - 1].T_odom_robot.inverse() * lap.updates[i].T_odom_robot;
+    };
+    const Pose difference = step(open).inverse() * step(closed);
+    EXPECT_LT(difference.translation().norm(), 0.002) << i;
+    EXPECT_LT(logSo3(difference.linear()).norm(), 0.02 * M_PI / 180.0) << i;
+  }
+}
+
+/// The camera is in a submap of its own, and what is in the first one stays as it was.
+void expectApart(StereoSlam& slam, const MapView& before) {
+  EXPECT_EQ(slam.submaps(), (std::vector<int>{0, 1}));
+  for (const KeyframeView& keyframe : slam.map().keyframes) EXPECT_GE(keyframe.frame, 60U);
+  std::set<LandmarkId> here;
+  for (const LandmarkView& landmark : slam.map().landmarks) here.insert(landmark.id);
+  EXPECT_FALSE(here.empty());
+  const MapView first = slam.map(0);
+  ASSERT_EQ(first.keyframes.size(), before.keyframes.size());
+  for (std::size_t i = 0; i < before.keyframes.size(); ++i) {
+    EXPECT_EQ(first.keyframes[i].T_map_robot.matrix(), before.keyframes[i].T_map_robot.matrix());
+  }
+  ASSERT_EQ(first.landmarks.size(), before.landmarks.size());
+  for (std::size_t i = 0; i < before.landmarks.size(); ++i) {
+    EXPECT_EQ(first.landmarks[i].position, before.landmarks[i].position);
+    EXPECT_EQ(here.count(first.landmarks[i].id), 0U);
+  }
 }
 
 /// The camera is covered while it is driven round the first corners, so that a new submap is
@@ -110,17 +152,33 @@ TEST(LoopCloserTest, MergesSubmapsWhereOneObservesTheOther) {
   params.features = 250;
   StereoSlam slam(framesRoundTheBlock().front().camera, params);
   int joined = 0;
+  MapView before;  // the first submap, as it was left
   for (int i = 0; i < kJoinedBy; ++i) {
     StereoFrame frame = framesRoundTheBlock()[static_cast<std::size_t>(i)];
     const bool covered = i >= 20 && i < 60;
+    if (i == 20) before = slam.map();
     if (covered) frame.left = frame.right = cv::Mat(frame.left.size(), CV_8U, cv::Scalar(0));
     const auto update = slam.process(frame, {});
-    EXPECT_EQ(update.status, covered ? TrackingStatus::kLost : TrackingStatus::kTracked) << i;
     for (const LoopAttempt& attempt : update.loops) {
-      joined += attempt.outcome == LoopOutcome::kClosed ? 1 : 0;
+      if (attempt.outcome != LoopOutcome::kClosed) continue;
+      if (joined++ > 0) continue;
+      EXPECT_TRUE(attempt.joins_submaps);
+      EXPECT_EQ(update.revision.cause, MapChange::kSubmapJoined);
     }
+    const bool is_apart = i >= 60 && joined == 0;
+    EXPECT_EQ(update.status, covered    ? TrackingStatus::kLost
+                             : is_apart ? TrackingStatus::kTrackedInNewSubmap
+                                        : TrackingStatus::kTracked)
+        << i;
+    EXPECT_EQ(update.submap, is_apart ? 1 : 0) << i;
+    if (i == 60) {
+      EXPECT_EQ(update.revision.cause, MapChange::kNewSubmap);
+    }
+    if (is_apart && i % 10 == 0) expectApart(slam, before);
   }
   EXPECT_GE(joined, 1);
+  EXPECT_EQ(slam.submaps(), std::vector<int>{0});
+  EXPECT_EQ(slam.map().keyframes.front().frame, 0U);
   for (const auto& estimate : slam.trajectory()) {
     if (!estimate.tracked) continue;
     const Pose truth = roundTheBlock(static_cast<int>(estimate.frame), kLap);

@@ -135,6 +135,7 @@ TEST_F(LostCameraTest, BeginsAnewAtOnceWhatItLostRightAfterTheStart) {
   for (const KeyframeView& keyframe : slam().map().keyframes) {
     EXPECT_GE(keyframe.frame, 2U) << "nothing is left of a beginning that was given up";
   }
+  EXPECT_EQ(slam().submaps(), std::vector<int>{0}) << "so that this one has the map's origin";
   const auto path = slam().trajectory();
   ASSERT_EQ(path.size(), 12U);
   EXPECT_EQ(std::count_if(path.begin(), path.end(), [](const auto& at) { return !at.tracked; }),
@@ -149,10 +150,14 @@ TEST_F(LostCameraTest, WaitsForAMapThatIsWorthIt) {
   params_.restart_after_frames = 6;
   ASSERT_EQ(walk(world_, 0, 15), 0);
   EXPECT_EQ(walk(other_, 15, 21), 6);
-  EXPECT_EQ(walk(other_, 21, 24), 0) << "a new part";
-  EXPECT_EQ(slam().map().keyframes.front().frame, 0U) << "beside the old one";
-  EXPECT_LE(walk(world_, 10, 15), 1) << "which is known as well as before";
+  EXPECT_EQ(walk(other_, 21, 24), 0) << "a new submap";
+  EXPECT_EQ(slam().submaps(), (std::vector<int>{0, 1}));
+  EXPECT_GE(slam().map().keyframes.front().frame, 21U) << "which is shown alone";
+  EXPECT_EQ(slam().map(0).keyframes.front().frame, 0U) << "the old one stays";
+  EXPECT_LE(walk(world_, 10, 15), 1) << "and is known as well as before";
   EXPECT_LT(errorAt(14), 0.03);
+  EXPECT_EQ(slam().map().keyframes.front().frame, 0U);
+  EXPECT_EQ(slam().submaps(), (std::vector<int>{0, 1})) << "nothing joins both";
 }
 
 constexpr double kMaxCost = 0.02;  ///< of the way that was driven covered
@@ -177,6 +182,7 @@ TEST_F(LostCameraTest, GoesOnWhereTheWheelsHaveBroughtItAmongNewSurroundings) {
   SlamUpdate update;
   for (int place = 65; place < 70; ++place) update = see(other_, place);
   EXPECT_EQ(update.status, TrackingStatus::kTracked);
+  EXPECT_EQ(slam().submaps(), std::vector<int>{0}) << "its place is known by the wheels";
   EXPECT_LT(errorAt(69), kMaxCost * wayBetween(15, 70));
   EXPECT_EQ(slam().map().keyframes.front().frame, 0U) << "beside the map of before";
 }

@@ -72,16 +72,46 @@ TEST(MapArchiveTest, NeverCrashesOnADamagedByte) {
   EXPECT_GT(refused, 50);
 }
 
+/// A map of two keyframes as earlier versions wrote it.
+std::string ofVersion(char version, std::string bytes) {
+  constexpr std::size_t kTurn = 4 + 4 + 2 * 4 + 5 * 8 + 8;  // follows the offset of the disparities
+  constexpr std::size_t kKeyframes = kTurn + 3 * 8 + 8;     // and their number
+  constexpr std::size_t kSubmap = 3 * 8 + 16 * 8 + 36 * 8;  // in a keyframe, at its end
+  for (const std::size_t before : {std::size_t(1), std::size_t(0)}) {
+    bytes.erase(kKeyframes + before * (kSubmap + 4) + kSubmap, sizeof(std::int32_t));
+  }
+  if (version < 3) bytes.erase(kTurn, 3 * sizeof(double));
+  bytes[4] = version;
+  return bytes;
+}
+
 TEST(MapArchiveTest, ReadsMapsFromBeforeTheRightCamerasTurn) {
   const auto camera = test::smallCamera();
-  std::string bytes = packMap(smallMap(), camera);
-  constexpr std::size_t kTurn = 4 + 4 + 2 * 4 + 5 * 8 + 8;  // follows the offset of the disparities
-  bytes.erase(kTurn, 3 * sizeof(double));
-  bytes[4] = 2;  // the version
-  const SparseMap map = unpackMap(bytes, camera);
+  const SparseMap map = unpackMap(ofVersion(2, packMap(smallMap(), camera)), camera);
   EXPECT_EQ(map.landmarks().size(), 1U);
   EXPECT_DOUBLE_EQ(map.disparityOffset(), -0.125);
   EXPECT_TRUE(map.rightTurn().isZero());
+}
+
+TEST(MapArchiveTest, ReadsMapsFromBeforeSubmapsAsASingleOne) {
+  const auto camera = test::smallCamera();
+  SparseMap written = smallMap();
+  written.keyframeToChange(KeyframeId{1}).submap = 3;
+  const SparseMap map = unpackMap(ofVersion(3, packMap(written, camera)), camera);
+  EXPECT_EQ(map.submaps(), std::vector<int>{0});
+  EXPECT_EQ(map.rightTurn(), Eigen::Vector3d(0.001, -0.002, 0.0005));
+  EXPECT_EQ(packMap(map, camera), packMap(smallMap(), camera));
+}
+
+TEST(MapArchiveTest, KeepsSubmapsAndRefusesNegativeOnes) {
+  const auto camera = test::smallCamera();
+  SparseMap written = smallMap();
+  written.keyframeToChange(KeyframeId{1}).submap = 3;
+  const SparseMap map = unpackMap(packMap(written, camera), camera);
+  EXPECT_EQ(map.submaps(), (std::vector<int>{0, 3}));
+  EXPECT_EQ(map.newSubmap(), 4);
+  written.keyframeToChange(KeyframeId{1}).submap = -1;
+  EXPECT_THROW(static_cast<void>(unpackMap(packMap(written, camera), camera)), InputError);
 }
 
 TEST(MapArchiveTest, RefusesAnotherCameraOrVersion) {
@@ -164,6 +194,79 @@ TEST_F(SavedHallTest, IsNotTakenForAnotherWorld) {
       EXPECT_EQ(slam.process(frame, {}).status, TrackingStatus::kLost) << seed << ": " << i;
     }
   }
+}
+
+/// What is stored in the submap with the map's origin.
+void expectUnchanged(const MapView& stored, const StereoSlam& slam) {
+  const MapView now = slam.map(0);
+  ASSERT_EQ(now.keyframes.size(), stored.keyframes.size());
+  for (std::size_t i = 0; i < stored.keyframes.size(); ++i) {
+    EXPECT_EQ(now.keyframes[i].T_map_robot.matrix(), stored.keyframes[i].T_map_robot.matrix());
+    EXPECT_EQ(now.keyframes[i].landmarks, stored.keyframes[i].landmarks);
+  }
+  ASSERT_EQ(now.landmarks.size(), stored.landmarks.size());
+  for (std::size_t i = 0; i < stored.landmarks.size(); ++i) {
+    EXPECT_EQ(now.landmarks[i].id, stored.landmarks[i].id);
+    EXPECT_EQ(now.landmarks[i].position, stored.landmarks[i].position);
+  }
+}
+
+TEST_F(SavedHallTest, StaysAsItIsWhileACameraElsewhereBuildsASubmap) {
+  test::TexturedWorld other(test::smallCamera(), 55);
+  other.addRoom(9.0, 7.0, 3.0);
+  for (const bool mapping : {true, false}) {
+    SlamParams params;
+    params.restart_after_frames = 3;
+    params.mapping = mapping;
+    StereoSlam slam(world_.camera(), params);
+    slam.load(saved_);
+    const MapView stored = slam.map(0);
+    SlamUpdate update;
+    for (int i = 0; i < 20; ++i) {
+      update = slam.process(other.frame(i, 0.1 * i, onPath(0.5 * i)), {});
+      EXPECT_NE(update.status, TrackingStatus::kTracked) << i;
+    }
+    expectUnchanged(stored, slam);
+    EXPECT_EQ(update.status, mapping ? TrackingStatus::kTrackedInNewSubmap : TrackingStatus::kLost);
+    EXPECT_EQ(slam.submaps(), mapping ? (std::vector<int>{0, 1}) : (std::vector<int>{0}));
+    if (!mapping) continue;
+    EXPECT_GE(slam.map().keyframes.size(), 2U);
+    const std::string saved = slam.save();
+    StereoSlam again(world_.camera(), params);
+    again.load(saved);
+    EXPECT_EQ(again.submaps(), slam.submaps());
+    EXPECT_EQ(again.map(1).landmarks.size(), slam.map(1).landmarks.size());
+    EXPECT_EQ(again.save(), saved);
+  }
+}
+
+TEST_F(SavedHallTest, TheSubmapOfACameraThatIsRecognisedLateIsJoined) {
+  SlamParams params;
+  params.restart_after_frames = 1;
+  StereoSlam slam(world_.camera(), params);
+  slam.load(saved_);
+  // It begins with its back to what is stored, and turns.
+  SlamUpdate update;
+  int joined = 0;
+  for (int i = 0; i < 80; ++i) {
+    Pose pose = onPath(5.0);
+    pose.linear() = expSo3({0.0, 0.0, M_PI - 0.05 * std::min(i, 64)});
+    pose.translation().x() += 0.01 * i;
+    update = slam.process(world_.frame(i, 0.1 * i, pose), {});
+    if (update.revision.cause == MapChange::kSubmapJoined) ++joined;
+    if (joined > 0) {
+      EXPECT_EQ(update.status, TrackingStatus::kTracked) << i;
+      EXPECT_EQ(update.submap, 0);
+    } else if (i > 2) {
+      EXPECT_EQ(update.status, TrackingStatus::kTrackedInNewSubmap) << i;
+      EXPECT_EQ(update.submap, 1);
+    }
+    if (i == 79) {
+      EXPECT_LT((update.T_map_robot.translation() - pose.translation()).norm(), 0.1);
+    }
+  }
+  EXPECT_GE(joined, 1);
+  EXPECT_EQ(slam.submaps(), std::vector<int>{0});
 }
 
 TEST_F(SavedHallTest, GrowsOnWithMapping) {

@@ -135,10 +135,10 @@ TEST(StereoSlamTest, StaysLostInAnotherWorldUntilItBeginsAnew) {
               TrackingStatus::kLost);
   }
   const auto update = slam.process(other.frame(14, 1.4, onSlamPath(14)), {});
-  EXPECT_EQ(update.status, TrackingStatus::kTracked);
+  EXPECT_EQ(update.status, TrackingStatus::kTrackedInNewSubmap);
   EXPECT_TRUE(update.is_keyframe);
   EXPECT_EQ(slam.process(other.frame(15, 1.5, onSlamPath(15)), {}).status,
-            TrackingStatus::kTracked);
+            TrackingStatus::kTrackedInNewSubmap);
 }
 
 TEST(StereoSlamTest, BeginsOnceThereIsSomethingToSee) {

@@ -89,6 +89,10 @@ std::string describe(const slam::LoopAttempt& loop) {
 
 /// How the camera was found again, and at which place of the map.
 std::string describeRelocalisation(const FrameState& state, const slam::MapView& map) {
+  if (state.camera.revision.cause == slam::MapChange::kNewSubmap) {
+    return formatted("submap %d, whose place in the map is not known, after %zu lost frames",
+                     state.camera.submap, state.previous.lost_in_a_row);
+  }
   const slam::KeyframeView* nearest = nullptr;
   double distance = std::numeric_limits<double>::infinity();
   const Eigen::Vector3d place = state.camera.T_map_robot.translation();

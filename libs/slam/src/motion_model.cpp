@@ -59,9 +59,12 @@ void MotionModel::update(Time time, const Pose& T_map_cam) {
 }
 
 void MotionModel::coast(Time time, const Pose& T_map_cam) {
-  const double had = std::max(0.0, kMaxGap_s - (last_.time - measured_));
-  const double left = std::max(0.0, kMaxGap_s - (time - measured_));
-  const double ratio = had > 0.0 ? std::min(1.0, left / had) : 0.0;
+  // 1 - (t / kMaxGap_s)^2 of the velocity is left at t.
+  const auto left = [this](Time at) {
+    const double passed = std::clamp((at - measured_) / kMaxGap_s, 0.0, 1.0);
+    return 1.0 - passed * passed;
+  };
+  const double ratio = left(last_.time) > 0.0 ? std::min(1.0, left(time) / left(last_.time)) : 0.0;
   velocity_ *= ratio;
   angular_velocity_ *= ratio;
   last_ = {time, T_map_cam};

@@ -98,6 +98,7 @@ class StereoSlam::Implementation {
                        std::optional<TrackedPose>& tracked, ImageEvidence images);
   void moveOdometry(const StereoFrame& frame, const TrackingFrame& current,
                     const std::optional<Pose>& tracked_step);
+  [[nodiscard]] Pose predictedStep(const StereoFrame& frame) const;
   void describePose(SlamUpdate& update) const;
   Doubt doubtOf(const MeasuredStep& step, double seconds, const MotionPrior& prior);
   SlamUpdate accept(const TrackingFrame& current, TrackedPose& tracked);
@@ -131,6 +132,8 @@ class StereoSlam::Implementation {
   VisualOdometry visual_odometry_;
   MotionModel motion_in_odom_;
   MapRevision revision_;
+  Pose coasted_ = Pose::Identity();  ///< motion of a camera that is lost, since the frame before
+  bool is_cause_kept_ = false;       ///< it is of this frame, and more than an adjustment
   InertialAlignment inertial_;
   OdometryCheck odometry_check_;
   StandstillCheck standstill_check_;
@@ -177,6 +180,7 @@ SlamUpdate StereoSlam::Implementation::process(const stereo::FrameContext& conte
   update.imu = inertial_.status();
   if (!searched.attempts.empty()) update.loops = std::move(searched.attempts);
   describePose(update);
+  is_cause_kept_ = false;
   trajectory_.add(current.index, current.time, isTracked(update.status), motion_.last(), reference_,
                   map_);
   if (update.status == TrackingStatus::kLost || is_frozen) return update;
@@ -240,6 +244,16 @@ SlamUpdate StereoSlam::Implementation::localised(const StereoFrame& frame,
   return update;
 }
 
+/// The camera's motion since the frame before as odometry predicts it, no faster than a robot is.
+Pose StereoSlam::Implementation::predictedStep(const StereoFrame& frame) const {
+  const Pose& last = motion_in_odom_.last();
+  Pose step = last.inverse(Eigen::Isometry) * motion_in_odom_.predict(frame);
+  const double metres = step.translation().norm();
+  const double max_metres = params_.max_speed_mps * motion_in_odom_.secondsTo(frame.time);
+  if (metres > max_metres) step.translation() *= max_metres / metres;  // wheels that are wrong
+  return step;
+}
+
 /// Moves the robot in the odometry frame: by the images alone, else as it was tracked in the map or
 /// as predicted.
 ///
@@ -250,8 +264,9 @@ void StereoSlam::Implementation::moveOdometry(const StereoFrame& frame,
                                               const TrackingFrame& current,
                                               const std::optional<Pose>& tracked_step) {
   if (!tracked_step) {
+    coasted_ = predictedStep(frame);
     visual_odometry_.restart(current);
-    return motion_in_odom_.coast(frame.time, motion_in_odom_.predict(frame));
+    return motion_in_odom_.coast(frame.time, normalized(motion_in_odom_.last() * coasted_));
   }
   const Pose step = visual_odometry_.advance(current, *tracked_step).value_or(*tracked_step);
   motion_in_odom_.update(frame.time, normalized(motion_in_odom_.last() * step));
@@ -276,9 +291,7 @@ std::optional<TrackedPose> StereoSlam::Implementation::track(const stereo::Frame
   }
   std::optional<Pose> proposed;
   if (lost_in_a_row_ == 0) {
-    const auto step =
-        visual_odometry_.propose(current, motion_in_odom_.last().inverse(Eigen::Isometry) *
-                                              motion_in_odom_.predict(context.frame()));
+    const auto step = visual_odometry_.propose(current, predictedStep(context.frame()));
     if (step) proposed = normalized(motion_.last() * *step);
   }
   const std::vector<Pose> initial_poses{motion_.predict(context.frame()), motion_.last()};
@@ -424,7 +437,9 @@ void StereoSlam::Implementation::measureLastPoseAgain() {
 
 void StereoSlam::Implementation::noteChange(MapChange cause) {
   ++revision_.number;
+  if (is_cause_kept_ && cause == MapChange::kBundleAdjustment) return;
   revision_.cause = cause;
+  is_cause_kept_ = cause != MapChange::kBundleAdjustment;
 }
 
 /// What a search for loops did to the map, beside the adjustment of the newest keyframes.
@@ -449,7 +464,7 @@ void StereoSlam::Implementation::coast(const StereoFrame& frame) {
   ++lost_in_a_row_;
   if (!reference_) return;
   const double seconds = motion_.secondsTo(frame.time);
-  motion_.coast(frame.time, motion_.predict(frame));
+  motion_.coast(frame.time, normalized(motion_.last() * coasted_));
   if (const auto& link = odometry_since_tracked_.link()) {
     covariance_ = predictedCovariance(covariance_when_tracked_, *link);
   } else {
@@ -485,7 +500,11 @@ SlamUpdate StereoSlam::Implementation::handleLost(const StereoFrame& frame,
   coast(frame);
   const bool is_over = lost_in_a_row_ > active_submap_.maxLostFrames(params_.restart_after_frames);
   const bool is_first = map_.keyframes().empty();
-  const int submap = is_first || isBridged(frame) ? this->submap() : map_.newSubmap();
+  // A beginning that is given up leaves its number, if nothing else remains of the map.
+  const bool is_last = active_submap_.isNew() && !is_first &&
+                       active_submap_.first() == map_.keyframes().begin()->first;
+  const bool keeps_submap = is_first || is_last || isBridged(frame);
+  const int submap = keeps_submap ? this->submap() : map_.newSubmap();
   if (params_.mapping && (is_over || is_first) && initialise(current, submap)) {
     lost_in_a_row_ = 0;
     if (!is_first) noteChange(MapChange::kNewSubmap);
@@ -522,8 +541,7 @@ bool StereoSlam::Implementation::initialise(const TrackingFrame& current, int su
 }
 
 void StereoSlam::Implementation::turnRightCamera(const Eigen::Vector3d& angles, bool always_so) {
-  visual_odometry_.subtractOffset((angles - map_.rightTurn()).y() /
-                                  stereo::yawOfOffset(1.0, *camera_));
+  visual_odometry_.turnRightCamera(map_.rightTurn(), angles);
   if (!params_.mapping || angles == map_.rightTurn()) return;
   if (!always_so || !reference_) return map_.setRightTurn(angles);
   adjuster_.abandon();

@@ -3,6 +3,7 @@
 
 #include <headway/core/statistics.h>
 #include <headway/stereo/point_tracking.h>
+#include <headway/stereo/right_turn.h>
 
 #include <algorithm>
 #include <cmath>
@@ -39,14 +40,17 @@ VisualOdometry::VisualOdometry(const StereoCamera& camera, const SlamParams& par
       grid_(camera.width, camera.height, kCorners) {}
 
 std::optional<Pose> VisualOdometry::propose(const TrackingFrame& frame, const Pose& predicted) {
-  followed_ = follow(frame, predicted, kFromPrediction);
+  followed_ = follow(frame, predicted);
+  refine(predicted, kFromPrediction, followed_);
   return followed_.motion;
 }
 
 std::optional<Pose> VisualOdometry::advance(const TrackingFrame& frame, const Pose& tracked) {
   Followed followed = std::exchange(followed_, {});
   if (!followed.motion || !agree(followed, tracked)) {
-    followed = follow(frame, tracked, kNearTracked);
+    followed = follow(frame, tracked);
+    removeOtherwiseMoving(tracked, followed);
+    refine(tracked, kNearTracked, followed);
   }
   const std::vector<Corner> before = std::exchange(corners_, cornersOf(followed));
   addEvidence(before);
@@ -62,8 +66,8 @@ void VisualOdometry::restart(const TrackingFrame& frame) {
   replenish(frame);
 }
 
-VisualOdometry::Followed VisualOdometry::follow(const TrackingFrame& frame, const Pose& expected,
-                                                const stereo::PoseRefinerOptions& gates) const {
+VisualOdometry::Followed VisualOdometry::follow(const TrackingFrame& frame,
+                                                const Pose& expected) const {
   const Pose T_current_previous = expected.inverse(Eigen::Isometry);
   std::vector<Eigen::Vector2d> before, predicted;
   std::vector<Eigen::Vector3d> points;
@@ -91,9 +95,25 @@ VisualOdometry::Followed VisualOdometry::follow(const TrackingFrame& frame, cons
     followed.constraints.push_back({points[i], measured, true, true});
     followed.before.push_back(corners[i]);
   }
+  return followed;
+}
+
+/// The majority may be an object: the minority that moves as the camera must not be outvoted.
+void VisualOdometry::removeOtherwiseMoving(const Pose& tracked, Followed& followed) const {
+  (void)stereo::markInliers(tracked, followed.constraints, camera_, 1.0);
+  Followed same;
+  for (std::size_t i = 0; i < followed.constraints.size(); ++i) {
+    if (!followed.constraints[i].inlier || !followed.constraints[i].stereo_inlier) continue;
+    same.constraints.push_back(followed.constraints[i]);
+    same.before.push_back(followed.before[i]);
+  }
+  followed = std::move(same);
+}
+
+void VisualOdometry::refine(const Pose& expected, const stereo::PoseRefinerOptions& gates,
+                            Followed& followed) const {
   const auto refined = stereo::refinePose(expected, followed.constraints, camera_, gates);
   if (refined && refined->inliers >= params_.min_inliers) followed.motion = refined->T_map_cam;
-  return followed;
 }
 
 /// Whether most corners are where the tracked motion sees them, too.
@@ -157,34 +177,90 @@ void VisualOdometry::addEvidence(const std::vector<Corner>& before) {
     const double sigma_px = kFollowedSigma_px * camera_.baseline_m / parallax.norm();
     if (!(inverse_depth > 0.0) || !(depth > 0.0) || !(sigma_px < kMaxSigma_px)) continue;
     evidence_.push_back({corner.disparity_px + offset_px_, focal_baseline / depth,
-                         corner.variance_px2 + sigma_px * sigma_px});
+                         corner.variance_px2, sigma_px * sigma_px});
   }
 }
 
 /// Fits a line to the evidence, twice, the second time without outliers.
 void VisualOdometry::estimateOffset() {
   if (evidence_.size() < kEvidence) return;
-  Eigen::Vector2d line(1.0, offset_px_);  // scale, offset
-  Eigen::Matrix2d information;
+  Line line{1.0, offset_px_, 0.0};
   for (const double gate : {5.0 * kMaxGate, kMaxGate}) {
-    information.setZero();
-    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    std::vector<Evidence> agreeing;
     for (const Evidence& one : evidence_) {
-      const Eigen::Vector2d slope(one.expected_px, 1.0);
-      const double residual = one.measured_px - slope.dot(line);
-      if (residual * residual > gate * gate * one.variance_px2) continue;
-      information += slope * slope.transpose() / one.variance_px2;
-      sum += slope * one.measured_px / one.variance_px2;
+      const double residual = one.measured_px - line.slope * one.expected_px - line.offset_px;
+      const double variance =
+          one.measured_variance + line.slope * line.slope * one.expected_variance;
+      if (residual * residual <= gate * gate * variance) agreeing.push_back(one);
     }
-    if (!(information.determinant() > 0.0)) return evidence_.clear();
-    line = information.inverse() * sum;
+    const auto fitted = fitLine(agreeing);
+    if (!fitted) return evidence_.clear();
+    line = *fitted;
   }
-  const double variance = information.inverse()(1, 1);
   offset_variance_px2_ += kOffsetWalk_px * kOffsetWalk_px;
-  const double gain = offset_variance_px2_ / (offset_variance_px2_ + variance);
-  offset_px_ += gain * (line.y() - offset_px_);
+  const double gain = offset_variance_px2_ / (offset_variance_px2_ + line.offset_variance);
+  offset_px_ += gain * (line.offset_px - offset_px_);
   offset_variance_px2_ *= 1.0 - gain;
   evidence_.clear();
+}
+
+/// Line through points with errors in both coordinates: by least squares of the measured
+/// disparities alone the noise of the expected ones would make it too flat, and its offset too
+/// great.
+///
+/// @see  York et al. 2004, "Unified equations for the slope, intercept, and standard errors of the
+///       best straight line"
+std::optional<VisualOdometry::Line> VisualOdometry::fitLine(const std::vector<Evidence>& points) {
+  constexpr int kIterations = 20;
+  Line line;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    double weights = 0.0, mean_x = 0.0, mean_y = 0.0;
+    const auto weightOf = [slope = line.slope](const Evidence& at) {
+      return 1.0 / (at.measured_variance + slope * slope * at.expected_variance);
+    };
+    for (const Evidence& at : points) {
+      weights += weightOf(at);
+      mean_x += weightOf(at) * at.expected_px;
+      mean_y += weightOf(at) * at.measured_px;
+    }
+    mean_x /= weights;
+    mean_y /= weights;
+    double products = 0.0, squares = 0.0, sum = 0.0, sum_of_squares = 0.0;
+    for (const Evidence& at : points) {
+      const double w = weightOf(at);
+      const double x = at.expected_px - mean_x;
+      const double y = at.measured_px - mean_y;
+      // Where the point truly is along the line, from its mean.
+      const double along = w * (x * at.measured_variance + line.slope * y * at.expected_variance);
+      products += w * along * y;
+      squares += w * along * x;
+      sum += w * along;
+      sum_of_squares += w * along * along;
+    }
+    const double slope = products / squares;
+    const double mean = sum / weights;
+    const double slope_variance = 1.0 / (sum_of_squares - weights * mean * mean);
+    if (!(slope > 0.5 && slope < 2.0) || !(slope_variance > 0.0)) return std::nullopt;
+    line.slope = slope;
+    line.offset_px = mean_y - slope * mean_x;
+    line.offset_variance = 1.0 / weights + (mean_x + mean) * (mean_x + mean) * slope_variance;
+  }
+  return line;
+}
+
+/// The right images are turned back otherwise from now on: what was measured is converted.
+void VisualOdometry::turnRightCamera(const Eigen::Vector3d& before, const Eigen::Vector3d& now) {
+  if (before == now) return;
+  // An offset that was estimated under another yaw is a part of it.
+  const double offset = before.y() == now.y() ? offset_px_ : 0.0;
+  for (Corner& corner : corners_) {
+    const double measured = corner.disparity_px + offset_px_;
+    corner.disparity_px = std::max(
+        kMinDisparity, stereo::turnedDisparity(corner.uv, measured, before, now, camera_) - offset);
+  }
+  evidence_.clear();
+  offset_px_ = offset;
+  if (before.y() != now.y()) offset_variance_px2_ = kFirstVariance_px2;
 }
 
 /// Fills free cells with new corners, if a part of those that were there has been lost.

@@ -46,10 +46,12 @@ class VisualOdometry {
 
   /// Measured less true disparity, so far [px].
   [[nodiscard]] double disparityOffset() const { return offset_px_; }
-  /// Measured disparities are less by so much from now on [px].
-  void subtractOffset(double px) { offset_px_ -= px; }
+  /// The right images are turned back by other angles from now on (see StereoSlam).
+  void turnRightCamera(const Eigen::Vector3d& before, const Eigen::Vector3d& now);
 
  private:
+  static constexpr double kFirstVariance_px2 = 0.25;  ///< rectified pairs are so to half a pixel
+
   struct Corner {
     Eigen::Vector2d uv = Eigen::Vector2d::Zero();  ///< in the last frame [px]
     double disparity_px = 0.0;                     ///< filtered, less the offset
@@ -61,7 +63,14 @@ class VisualOdometry {
   struct Evidence {
     double measured_px = 0.0;
     double expected_px = 0.0;  ///< by its motion in the image, up to the scale of the camera's
-    double variance_px2 = 0.0;
+    double measured_variance = 0.0;  ///< [px^2]
+    double expected_variance = 0.0;  ///< [px^2]
+  };
+  /// Measured disparities over expected ones.
+  struct Line {
+    double slope = 1.0;
+    double offset_px = 0.0;
+    double offset_variance = 0.0;  ///< [px^2]
   };
 
   /// Corners in both frames and the motion that they agree on.
@@ -71,13 +80,16 @@ class VisualOdometry {
     std::optional<Pose> motion;
   };
 
-  [[nodiscard]] Followed follow(const TrackingFrame& frame, const Pose& expected,
-                                const stereo::PoseRefinerOptions& gates) const;
+  [[nodiscard]] Followed follow(const TrackingFrame& frame, const Pose& expected) const;
+  void removeOtherwiseMoving(const Pose& tracked, Followed& followed) const;
+  void refine(const Pose& expected, const stereo::PoseRefinerOptions& gates,
+              Followed& followed) const;
   [[nodiscard]] bool agree(const Followed& followed, const Pose& tracked) const;
   [[nodiscard]] std::vector<Corner> cornersOf(const Followed& followed) const;
   void replenish(const TrackingFrame& frame);
   void addEvidence(const std::vector<Corner>& before);
   void estimateOffset();
+  [[nodiscard]] static std::optional<Line> fitLine(const std::vector<Evidence>& points);
 
   StereoCamera camera_;
   SlamParams params_;
@@ -90,7 +102,7 @@ class VisualOdometry {
   Pose T_start_cam_ = Pose::Identity();  ///< of the last frame
   std::vector<Evidence> evidence_;       ///< since the last estimate of the offset
   double offset_px_ = 0.0;
-  double offset_variance_px2_ = 0.25;  ///< rectified pairs are accurate to half a pixel
+  double offset_variance_px2_ = kFirstVariance_px2;
 };
 
 }  // namespace headway::slam

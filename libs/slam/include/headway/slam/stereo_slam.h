@@ -55,7 +55,8 @@ enum class MapChange {
 /// odometry's drift alone.
 struct MapRevision {
   std::uint64_t number = 0;             ///< of changes so far
-  MapChange cause = MapChange::kStart;  ///< of the newest change
+  MapChange cause = MapChange::kStart;  ///< of the newest change; of several since the frame
+                                        ///< before, an adjustment counts least
 };
 
 /// What is known about a frame's images before they are used.
