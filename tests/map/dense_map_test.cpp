@@ -233,6 +233,30 @@ TEST(DenseMapTest, LeavesOutWhereAnObjectWasBeforeItWasKnown) {
   EXPECT_TRUE(areEqual(*loaded.layer(), *dense.layer()));
 }
 
+/// The map is corrected between the scan and the track: both are compared where neither moved.
+TEST(DenseMapTest, LeavesOutByOdometryAfterACorrectionOfTheMap) {
+  Pose moved = Pose::Identity();
+  moved.translation() << 0.0, 40.0, 0.0;
+  DepthWorld with_box;
+  with_box.box = kSeenBox;
+  DenseMap dense(params());
+  dense.follow(keyframeAt(robotAt(0.0, 0.0)));
+  for (const Pose& pose : driveForward()) {
+    DepthScan scan = depthScanFrom(pose, with_box);
+    scan.time = 10.0;
+    dense.add(dense.anchored(pose), pose, scan);
+  }
+  dense.follow(keyframeAt(moved * robotAt(0.0, 0.0)));
+  const Eigen::Vector3d now = moved * kSeenBox;
+  ASSERT_GT(pointsOfBox(*dense.layer(), now), 40U);
+  DenseMap by_map = dense;
+  Track in_map = transformed(trackSince(10.2, 1.0), moved);
+  by_map.leaveOut({in_map}, 9.0);
+  EXPECT_GT(pointsOfBox(*by_map.layer(), now), 40U) << "40 m off in the odometry frame";
+  dense.leaveOut({trackSince(10.2, 1.0)}, 9.0);
+  EXPECT_EQ(pointsOfBox(*dense.layer(), now), 0U);
+}
+
 TEST(DenseMapTest, LeavesOutWhereAnObjectWasBetweenItsDetections) {
   DenseMap dense = driveAtTime(10.0);
   Track track = trackSince(9.8, 1.0);

@@ -280,6 +280,55 @@ TEST(TimeToCollisionTest, EndsWherePredictionsEndWhateverThePath) {
   EXPECT_FALSE(map.at(kNow).timeToCollision(kRobot, {}).earliest_s);
 }
 
+/// Questions in odometry have the answers of the map, at the same places.
+TEST(MapQueryTest, AnswersInTheOdometryFrameAsInTheMap) {
+  Pose T_map_odom = Pose::Identity();
+  T_map_odom.translation() << 6.0, -11.0, 0.3;
+  T_map_odom.linear() = expSo3({0.0, 0.0, 2.1});
+  PerceptionMap map;
+  map.update(exampleGrid());
+  map.update(kNow, {walkingTrack(1, {4.0, -2.0}, {0.0, 1.0}, 0.2)}, T_map_odom);
+  EXPECT_EQ(map.odometryFrame().matrix(), T_map_odom.matrix());
+  const MapQuery in_map = map.at(kNow);
+  const MapQuery in_odom = map.inOdometryAt(kNow);
+  const Pose T_odom_map = T_map_odom.inverse();
+  const auto asked = [&](const Vector2d& place) -> Vector2d {
+    return (T_odom_map * Eigen::Vector3d(place.x(), place.y(), 0.0)).head<2>();
+  };
+  for (const Vector2d& place : {Vector2d(4.0, -1.0), Vector2d(8.0, 3.0), Vector2d(9.0, 0.0)}) {
+    const auto expected = in_map.occupancyAt(place.x(), place.y(), kNow + 1.0);
+    const Vector2d at = asked(place);
+    const auto answer = in_odom.occupancyAt(at.x(), at.y(), kNow + 1.0);
+    EXPECT_EQ(answer.status, expected.status);
+    EXPECT_NEAR(answer.probability, expected.probability, 1e-9);
+  }
+  const auto expected = in_map.obstaclesAt(kNow + 1.0);
+  const auto obstacles = in_odom.obstaclesAt(kNow + 1.0);
+  ASSERT_EQ(obstacles.items.size(), expected.items.size());
+  const Obstacle& a = expected.items.at(0);
+  const Obstacle& b = obstacles.items.at(0);
+  EXPECT_TRUE(b.centre.isApprox(asked(a.centre), 1e-9));
+  const Eigen::Rotation2Dd turn(-2.1);
+  EXPECT_TRUE(b.velocity.isApprox(turn * a.velocity, 1e-9));
+  EXPECT_NEAR(wrapAngle(b.yaw - (a.yaw - 2.1)), 0.0, 1e-9);
+  const Eigen::Matrix2d R = turn.toRotationMatrix();
+  EXPECT_TRUE(b.covariance.isApprox(R * a.covariance * R.transpose(), 1e-9));
+  const auto near_map = in_map.tracksNear({4.0, -4.0}, 5.0, kNow);
+  const auto near_odom = in_odom.tracksNear(asked({4.0, -4.0}), 5.0, kNow);
+  ASSERT_EQ(near_map.items.size(), 1U);
+  ASSERT_EQ(near_odom.items.size(), 1U);
+  EXPECT_NEAR(near_odom.items[0].distance_m, near_map.items[0].distance_m, 1e-9);
+  EXPECT_NEAR(near_odom.items[0].sigma_m, near_map.items[0].sigma_m, 1e-9);
+  std::vector<TimedPose> path = drive({0.0, -1.0}, {2.0, 0.0}, 3.0);
+  const auto hit = in_map.timeToCollision(kRobot, path);
+  for (TimedPose& pose : path) pose = {pose.time, asked(pose.position), pose.yaw - 2.1};
+  const auto same = in_odom.timeToCollision(kRobot, path);
+  EXPECT_EQ(same.status, hit.status);
+  EXPECT_NEAR(same.probability, hit.probability, 1e-9);
+  ASSERT_TRUE(hit.worst_s && same.worst_s);
+  EXPECT_NEAR(*same.worst_s, *hit.worst_s, 1e-9);
+}
+
 TEST(MapQueryTest, RefusesParametersOutOfRange) {
   MapQueryParams params;
   params.horizon_s = -1.0;

@@ -100,6 +100,48 @@ TEST(StaticGridTest, RaysFreeTheCellsBeforeTheirEndOnly) {
   EXPECT_GT(grid->getPos(1.1f, 0.1f), 0.55f) << "the robot's own way, which no ray reaches";
 }
 
+/// Free cells of a strip between two places that the robot did not drive.
+int freeBetween(const StaticGrid& grid, const Eigen::Vector2f& a, const Eigen::Vector2f& b) {
+  const auto cells = grid.grid();
+  int free = 0;
+  for (float ratio = 0.2F; ratio < 0.85F; ratio += 0.1F) {
+    const Eigen::Vector2f at = a + ratio * (b - a);
+    const bool inside = at.x() > cells->getXMin() && at.x() < cells->getXMax() &&
+                        at.y() > cells->getYMin() && at.y() < cells->getYMax();
+    if (inside && cells->getPos(at.x(), at.y()) > 0.51F) ++free;
+  }
+  return free;
+}
+
+/// What is seen is far ahead, so that ground about the robot is known by its way alone.
+GroundScan farScan() {
+  GroundScan scan;
+  scan.obstacles.push_back({{20.0F, 0.0F, 0.0F}, 0.1F});
+  return scan;
+}
+
+TEST(StaticGridTest, TheWayBetweenScansFollowsOdometryWhateverTheMapDoes) {
+  StaticGrid grid({});
+  grid.add(poseAt(0.0, 0.0), poseAt(0.0, 0.0), farScan());
+  // The map jumps by 4 m to the left while the robot drives 2 m ahead.
+  grid.add(poseAt(2.0, 4.0), poseAt(2.0, 0.0), farScan());
+  EXPECT_EQ(freeBetween(grid, {0.0F, 0.0F}, {2.0F, 4.0F}), 0) << "nobody drove there";
+  EXPECT_GE(freeBetween(grid, {0.0F, 4.0F}, {2.0F, 4.0F}), 6) << "its true way, in the new map";
+}
+
+TEST(StaticGridTest, WhatWasDrivenWhileLostIsNotKnownToBeFree) {
+  StaticGrid driven({}), lost({});
+  for (StaticGrid* grid : {&driven, &lost}) {
+    grid->add(poseAt(0.0, 0.0), poseAt(0.0, 0.0), farScan());
+    if (grid == &lost) grid->interrupt();
+    grid->add(poseAt(3.0, 0.0), poseAt(3.0, 0.0), farScan());
+  }
+  EXPECT_GE(freeBetween(driven, {0.0F, 0.0F}, {3.0F, 0.0F}), 6);
+  EXPECT_EQ(freeBetween(lost, {0.0F, 0.0F}, {3.0F, 0.0F}), 0);
+  lost.add(poseAt(5.0, 0.0), poseAt(5.0, 0.0), farScan());
+  EXPECT_GE(freeBetween(lost, {3.0F, 0.0F}, {5.0F, 0.0F}), 6) << "from there on it is";
+}
+
 TEST(StaticGridTest, CellsOfAMovingObjectAreClearedByLaterScans) {
   StaticGrid grid({});
   const auto poses = wayForward();

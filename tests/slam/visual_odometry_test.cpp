@@ -10,7 +10,7 @@
 namespace headway::slam {
 namespace {
 
-/// A drive along a corridor, looking ahead.
+/// A drive along a wide corridor past partitions, looking ahead.
 class VisualOdometryTest : public testing::Test {
  protected:
   static constexpr double kStep_m = 0.1;
@@ -27,7 +27,13 @@ class VisualOdometryTest : public testing::Test {
     StereoCamera camera = test::smallCamera();
     camera.cx += shift_px;
     test::TexturedWorld world(camera);
-    world.addRoom(40.0, 6.0, 4.0);
+    world.addRoom(40.0, 12.0, 7.0);
+    using V = Eigen::Vector3d;
+    for (int i = 0; i < 10; ++i) {
+      const double side = i % 2 == 0 ? 1.6 : -1.6;
+      world.boards.push_back(
+          {V(4.0 * i - 18.0, side, -1.5), V::UnitX(), V::UnitZ(), 2.0, 2.5, {1.3 * i, 0.7 * i}});
+    }
     return world;
   }
 

@@ -137,7 +137,8 @@ void DenseMapper::update(map::PerceptionMap& map, StageTimes& times) {
   enterScan(times);
   if (!is_live_) return;
   if (fusing_.valid() && isReady(fusing_)) applyFused(map, times);
-  if (fusing_.valid() || !dense_.isOutdated() || Clock::now() < next_fusion_) return;
+  const bool is_shown = map.dense() != nullptr || dense_.scans() == 0;
+  if (fusing_.valid() || (is_shown && !dense_.isOutdated()) || Clock::now() < next_fusion_) return;
   fusing_ = fuser_.run([fusion = dense_.fusion()] {
     const auto start = Clock::now();
     FusedBeside result{fusion(), {}};
@@ -157,7 +158,8 @@ void DenseMapper::applyFused(map::PerceptionMap& map, StageTimes& times) {
 
 void DenseMapper::publish(map::PerceptionMap& map, StageTimes& times) {
   if (fusing_.valid()) applyFused(map, times);
-  if (!dense_.isOutdated()) return;
+  const bool is_shown = map.dense() != nullptr || dense_.scans() == 0;
+  if (is_shown && !dense_.isOutdated()) return;
   const auto start = Clock::now();
   if (const auto layer = dense_.layer()) map.update(layer);
   times.add("dense_fuse", milliseconds(Clock::now() - start));
@@ -197,7 +199,8 @@ void Mapping::update(const FrameState& state, StageTimes& times) {
     if (state.static_map) {
       enterSubmap(state.camera.submap, times);
       updateStaticMap(*state.static_map);
-      joinSubmaps(state);
+      const bool are_joined = state.camera.revision.cause == slam::MapChange::kSubmapJoined;
+      joinSubmaps(state.submaps, *state.static_map, are_joined);
     } else {
       grid_.followMore(kScansMovedPerFrame);
     }
@@ -221,19 +224,19 @@ void Mapping::enterSubmap(int submap, StageTimes& times) {
   if (const auto grid = grid_.grid()) map_.update(grid);
 }
 
-/// Layers of submaps that are part of this one now are added; those of submaps that were given up
-/// are removed.
-void Mapping::joinSubmaps(const FrameState& state) {
+/// Removes the layers of submaps that do not exist any more: those that are part of this one now
+/// are added to it, those that were given up are not.
+void Mapping::joinSubmaps(const std::vector<int>& existing, const slam::MapView& static_map,
+                          bool are_joined) {
   for (auto at = others_.begin(); at != others_.end();) {
-    const auto& existing = state.submaps;
     if (std::find(existing.begin(), existing.end(), at->first) != existing.end()) {
       ++at;
       continue;
     }
-    if (state.camera.revision.cause == slam::MapChange::kSubmapJoined) {
+    if (are_joined) {
       auto& [grid, dense] = at->second;
-      grid.follow(state.static_map->keyframes);
-      dense.follow(state.static_map->keyframes);
+      grid.follow(static_map.keyframes);
+      dense.follow(static_map.keyframes);
       grid_.add(grid, 0);
       dense_.add(dense);
     }
@@ -246,8 +249,9 @@ void Mapping::show(int submap, const slam::StereoSlam& slam, StageTimes& times) 
   const auto view = slam.map(submap);
   map_.update(view);
   grid_.follow(view.keyframes);
-  if (const auto grid = grid_.grid()) map_.update(grid);
   dense_.follow(view.keyframes);
+  joinSubmaps(slam.submaps(), view, true);
+  if (const auto grid = grid_.grid()) map_.update(grid);
 }
 
 std::vector<Submap> Mapping::others(const slam::StereoSlam& slam) {

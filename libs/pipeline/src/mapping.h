@@ -118,7 +118,7 @@ class Mapping {
 
   /// Number of the submap whose layers are in the map.
   [[nodiscard]] int submap() const { return submap_; }
-  /// Goes on with the layers of a submap as it is now.
+  /// Goes on with the layers of a submap as it is now, after the last frame.
   void show(int submap, const slam::StereoSlam& slam, StageTimes& times);
   /// The static layers of all other submaps.
   [[nodiscard]] std::vector<Submap> others(const slam::StereoSlam& slam);
@@ -151,7 +151,8 @@ class Mapping {
     map::DenseMap dense;
   };
   void enterSubmap(int submap, StageTimes& times);
-  void joinSubmaps(const FrameState& state);
+  void joinSubmaps(const std::vector<int>& existing, const slam::MapView& static_map,
+                   bool are_joined);
   [[nodiscard]] Layers& layersOf(int submap);
   void updateStaticMap(const slam::MapView& static_map);
   void updateGrid(const FrameState& state, StageTimes& times);

@@ -21,11 +21,11 @@ constexpr double kMaxSigma_px = 0.5;       ///< of an expected disparity that te
 constexpr double kMaxGate = 3.0;           ///< of the evidence [standard deviations]
 constexpr double kOffsetWalk_px = 0.01;    ///< from one estimate to the next: the mount flexes
 constexpr std::size_t kEvidence = 200;     ///< corners for an estimate
-constexpr double kRenewRatio =
-    0.8;  ///< of the corners after the last search, below which there is another
-constexpr double kMinDisparity = 0.1;  ///< [px]; nearer to 0 a depth has no upper bound
-constexpr double kAgreement_px = 2.0;  ///< of where both motions see the corners, median
-constexpr stereo::PoseRefinerOptions kFromPrediction{4.0, 3, 5};
+constexpr double kIndependent = 0.05;      ///< ratio of it: corners of a frame share its errors
+constexpr double kRenewRatio = 0.8;         ///< of the corners, below which new ones are sought
+constexpr double kMinDisparity = 0.1;      ///< [px]; nearer to 0 a depth has no upper bound
+constexpr double kAgreement_px = 2.0;      ///< of where both motions see the corners, median
+constexpr stereo::PoseRefinerOptions kFromPrediction{8.0, 4, 5};
 /// The tracked motion is right to a pixel; what differs by more moves on its own.
 constexpr stereo::PoseRefinerOptions kNearTracked{2.0, 2, 6};
 constexpr stereo::PointTrackingOptions kNearby{15, 1, 25.0, 0.0, 0.6};
@@ -48,9 +48,11 @@ std::optional<Pose> VisualOdometry::propose(const TrackingFrame& frame, const Po
 std::optional<Pose> VisualOdometry::advance(const TrackingFrame& frame, const Pose& tracked) {
   Followed followed = std::exchange(followed_, {});
   if (!followed.motion || !agree(followed, tracked)) {
-    followed = follow(frame, tracked);
-    removeOtherwiseMoving(tracked, followed);
-    refine(tracked, kNearTracked, followed);
+    Followed near_tracked = follow(frame, tracked);
+    removeOtherwiseMoving(tracked, near_tracked);
+    refine(tracked, kNearTracked, near_tracked);
+    // A motion that no corners agree with is that of a map that has just been adjusted.
+    if (near_tracked.motion || !followed.motion) followed = std::move(near_tracked);
   }
   const std::vector<Corner> before = std::exchange(corners_, cornersOf(followed));
   addEvidence(before);
@@ -198,7 +200,8 @@ void VisualOdometry::estimateOffset() {
     line = *fitted;
   }
   offset_variance_px2_ += kOffsetWalk_px * kOffsetWalk_px;
-  const double gain = offset_variance_px2_ / (offset_variance_px2_ + line.offset_variance);
+  const double gain =
+      offset_variance_px2_ / (offset_variance_px2_ + line.offset_variance / kIndependent);
   offset_px_ += gain * (line.offset_px - offset_px_);
   offset_variance_px2_ *= 1.0 - gain;
   evidence_.clear();
