@@ -132,14 +132,14 @@ TEST(StaticGridTest, TheWayBetweenScansFollowsOdometryWhateverTheMapDoes) {
 TEST(StaticGridTest, WhatWasDrivenWhileLostIsNotKnownToBeFree) {
   StaticGrid driven({}), lost({});
   for (StaticGrid* grid : {&driven, &lost}) {
-    grid->add(poseAt(0.0, 0.0), poseAt(0.0, 0.0), farScan());
+    grid->add(poseAt(0.1, 0.1), poseAt(0.1, 0.1), farScan());
     if (grid == &lost) grid->interrupt();
-    grid->add(poseAt(3.0, 0.0), poseAt(3.0, 0.0), farScan());
+    grid->add(poseAt(3.1, 0.1), poseAt(3.1, 0.1), farScan());
   }
-  EXPECT_GE(freeBetween(driven, {0.0F, 0.0F}, {3.0F, 0.0F}), 6);
-  EXPECT_EQ(freeBetween(lost, {0.0F, 0.0F}, {3.0F, 0.0F}), 0);
-  lost.add(poseAt(5.0, 0.0), poseAt(5.0, 0.0), farScan());
-  EXPECT_GE(freeBetween(lost, {3.0F, 0.0F}, {5.0F, 0.0F}), 6) << "from there on it is";
+  EXPECT_GE(freeBetween(driven, {0.1F, 0.1F}, {3.1F, 0.1F}), 6);
+  EXPECT_EQ(freeBetween(lost, {0.1F, 0.1F}, {3.1F, 0.1F}), 0);
+  lost.add(poseAt(5.1, 0.1), poseAt(5.1, 0.1), farScan());
+  EXPECT_GE(freeBetween(lost, {3.1F, 0.1F}, {5.1F, 0.1F}), 6) << "from there on it is";
 }
 
 TEST(StaticGridTest, CellsOfAMovingObjectAreClearedByLaterScans) {

@@ -82,6 +82,7 @@ PerceptionParams paramsRound() {
 
 std::vector<PerceptionUpdate> drive(bool loop_closing) {
   PerceptionParams params = paramsRound();
+  params.detection.detector = "recorded";
   params.slam.loop_closing = loop_closing;
   Perception perception(framesRoundTheHall().front().camera, params);
   std::vector<PerceptionUpdate> updates;

@@ -96,7 +96,7 @@ class StereoSlam::Implementation {
                 double sigma_m);
   SlamUpdate localised(const StereoFrame& frame, const TrackingFrame& current,
                        std::optional<TrackedPose>& tracked, ImageEvidence images);
-  void moveOdometry(const StereoFrame& frame, const TrackingFrame& current,
+  void moveOdometry(const StereoFrame& frame, const TrackingFrame& current, bool is_followed,
                     const std::optional<Pose>& tracked_step);
   [[nodiscard]] Pose predictedStep(const StereoFrame& frame) const;
   void describePose(SlamUpdate& update) const;
@@ -229,8 +229,9 @@ SlamUpdate StereoSlam::Implementation::localised(const StereoFrame& frame,
     odometry_check_.restart();
     inertial_.interrupt();
   }
-  if (doubt == Doubt::kSpeed) tracked_step.reset();
-  moveOdometry(frame, current, tracked_step);
+  // A camera that was recognised right after it was tracked was not out of sight of its corners.
+  const bool is_followed = tracked && lost_in_a_row_ == 0 && doubt != Doubt::kSpeed;
+  moveOdometry(frame, current, is_followed, tracked_step);
   if (tracked && !tracked_twice) noteChange(MapChange::kRelocalised);
   SlamUpdate update = tracked ? accept(current, *tracked) : handleLost(frame, current);
   update.doubt = doubt;
@@ -250,26 +251,33 @@ Pose StereoSlam::Implementation::predictedStep(const StereoFrame& frame) const {
   Pose step = last.inverse(Eigen::Isometry) * motion_in_odom_.predict(frame);
   const double metres = step.translation().norm();
   const double max_metres = params_.max_speed_mps * motion_in_odom_.secondsTo(frame.time);
-  if (metres > max_metres) step.translation() *= max_metres / metres;  // wheels that are wrong
+  const bool is_too_fast = max_metres > 0.0 && metres > max_metres;
+  if (is_too_fast) step.translation() *= max_metres / metres;  // wheels that are wrong
   return step;
 }
 
 /// Moves the robot in the odometry frame: by the images alone, else as it was tracked in the map or
 /// as predicted.
 ///
+/// @param is_followed   whether the images may be used, and those of the frame before
 /// @param tracked_step  the camera's motion in the map; nullopt if it was not tracked in both
-/// frames
-///                      or is faster than a robot
 void StereoSlam::Implementation::moveOdometry(const StereoFrame& frame,
-                                              const TrackingFrame& current,
+                                              const TrackingFrame& current, bool is_followed,
                                               const std::optional<Pose>& tracked_step) {
-  if (!tracked_step) {
-    coasted_ = predictedStep(frame);
+  const double seconds = motion_in_odom_.secondsTo(frame.time);
+  std::optional<Pose> step;
+  if (is_followed) {
+    step = visual_odometry_.advance(current, tracked_step);
+    const bool is_too_fast =
+        step && seconds > 0.0 && step->translation().norm() > params_.max_speed_mps * seconds;
+    if (!step || is_too_fast) step = tracked_step;
+  } else {
     visual_odometry_.restart(current);
-    return motion_in_odom_.coast(frame.time, normalized(motion_in_odom_.last() * coasted_));
   }
-  const Pose step = visual_odometry_.advance(current, *tracked_step).value_or(*tracked_step);
-  motion_in_odom_.update(frame.time, normalized(motion_in_odom_.last() * step));
+  coasted_ = predictedStep(frame);
+  const Pose& last = motion_in_odom_.last();
+  if (!step) return motion_in_odom_.coast(frame.time, normalized(last * coasted_));
+  motion_in_odom_.update(frame.time, normalized(last * *step));
 }
 
 /// What contradicts a motion that was measured.
@@ -483,7 +491,7 @@ PoseCovariance StereoSlam::Implementation::predictedCovariance(const PoseCovaria
 /// The images were seen before, while the robot may move on.
 SlamUpdate StereoSlam::Implementation::passOver(const StereoFrame& frame,
                                                 const TrackingFrame& current) {
-  moveOdometry(frame, current, std::nullopt);
+  moveOdometry(frame, current, false, std::nullopt);
   coast(frame);
   odometry_check_.restart();
   inertial_.interrupt();

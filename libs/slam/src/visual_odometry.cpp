@@ -22,7 +22,7 @@ constexpr double kMaxGate = 3.0;           ///< of the evidence [standard deviat
 constexpr double kOffsetWalk_px = 0.01;    ///< from one estimate to the next: the mount flexes
 constexpr std::size_t kEvidence = 200;     ///< corners for an estimate
 constexpr double kIndependent = 0.05;      ///< ratio of it: corners of a frame share its errors
-constexpr double kRenewRatio = 0.8;         ///< of the corners, below which new ones are sought
+constexpr double kRenewRatio = 0.8;        ///< of the corners, below which new ones are sought
 constexpr double kMinDisparity = 0.1;      ///< [px]; nearer to 0 a depth has no upper bound
 constexpr double kAgreement_px = 2.0;      ///< of where both motions see the corners, median
 constexpr stereo::PoseRefinerOptions kFromPrediction{8.0, 4, 5};
@@ -45,12 +45,17 @@ std::optional<Pose> VisualOdometry::propose(const TrackingFrame& frame, const Po
   return followed_.motion;
 }
 
-std::optional<Pose> VisualOdometry::advance(const TrackingFrame& frame, const Pose& tracked) {
+std::optional<Pose> VisualOdometry::advance(const TrackingFrame& frame,
+                                            const std::optional<Pose>& tracked) {
+  if (corners_.empty()) {
+    restart(frame);
+    return std::nullopt;
+  }
   Followed followed = std::exchange(followed_, {});
-  if (!followed.motion || !agree(followed, tracked)) {
-    Followed near_tracked = follow(frame, tracked);
-    removeOtherwiseMoving(tracked, near_tracked);
-    refine(tracked, kNearTracked, near_tracked);
+  if (tracked && (!followed.motion || !agree(followed, *tracked))) {
+    Followed near_tracked = follow(frame, *tracked);
+    removeOtherwiseMoving(*tracked, near_tracked);
+    refine(*tracked, kNearTracked, near_tracked);
     // A motion that no corners agree with is that of a map that has just been adjusted.
     if (near_tracked.motion || !followed.motion) followed = std::move(near_tracked);
   }

@@ -38,8 +38,9 @@ class VisualOdometry {
   /// The same after it, and goes on from this frame.
   ///
   /// @param tracked  the motion as tracked in the map, which knows what is static: it decides only
-  ///                 where most corners move otherwise
-  [[nodiscard]] std::optional<Pose> advance(const TrackingFrame& frame, const Pose& tracked);
+  ///                 where most corners move otherwise; nullopt: it was not tracked in both
+  [[nodiscard]] std::optional<Pose> advance(const TrackingFrame& frame,
+                                            const std::optional<Pose>& tracked);
 
   /// Starts at a frame without a motion since the last one.
   void restart(const TrackingFrame& frame);
