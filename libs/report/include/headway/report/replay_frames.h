@@ -22,8 +22,8 @@ struct ReplayFrame {
   std::size_t frame = 0;
   Time time = 0.0;                      ///< [s]
   Pose T_map_robot = Pose::Identity();  ///< final
-  std::optional<Pose> T_odom_robot;     ///< nullopt without trajectory_odom.tum
   std::vector<Track> tracks;            ///< in the final map, with past paths and predictions
+  std::optional<Pose> T_odom_robot;     ///< nullopt without trajectory_odom.tum
 };
 
 /// The recording of a replay.
