@@ -14,6 +14,16 @@ constexpr double kMaxTimeStep = 10.0;  ///< between frames, without a finding [s
 
 bool isTracked(const FrameState& state) { return slam::isTracked(state.camera.status); }
 
+/// The robot's motion since the frame before in the map, whose scale bundle adjustment refines as
+/// odometry's is not; nullopt where more than an adjustment moved the map.
+std::optional<Pose> motionInMap(const FrameState& state) {
+  const slam::MapRevision& revision = state.camera.revision;
+  const bool is_moved = revision.number != state.previous.revision &&
+                        revision.cause != slam::MapChange::kBundleAdjustment;
+  if (!isTracked(state) || !state.T_previous_robot || is_moved) return std::nullopt;
+  return state.previous.T_map_robot.inverse() * state.camera.T_map_robot;
+}
+
 void append(Findings&& more, Findings& all) {
   all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
@@ -166,7 +176,8 @@ void InputHealth::checkMotion(const FrameState& state, Findings& findings) {
     append(mount_check_->addTurn(by_camera->linear(), *prior.R_previous_current, state.frame.index),
            findings);
   }
-  append(scale_check_->add(by_camera, prior.T_previous_current, state.frame.index), findings);
+  append(scale_check_->add(motionInMap(state), prior.T_previous_current, state.frame.index),
+         findings);
   checkInertialSensor(state, findings);
 }
 
