@@ -4,7 +4,6 @@
 #include <headway/core/stage_times.h>
 #include <headway/slam/joint_map.h>
 #include <headway/slam/stereo_slam.h>
-#include <headway/stereo/rectification.h>
 #include <headway/stereo/right_turn.h>
 
 #include <map>
