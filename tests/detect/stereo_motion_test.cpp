@@ -190,27 +190,6 @@ TEST(StereoMotionTest, AWrongPoseGivesFewDetections) {
   EXPECT_GE(unsure, 1u);
 }
 
-TEST(StereoMotionTest, AJumpOfTheMapMovesNothing) {
-  const PaintedStreet street({kMoving, kParked, kPost});
-  Pose jump = Pose::Identity();
-  jump.linear() = expSo3({0.0, 0.0, 0.03});
-  jump.translation() = Eigen::Vector3d(1.2, 0.6, 0.0);
-  StereoMotion detector = detectorFor(street.camera());
-  bool seen_after = false;
-  for (int i = 0; i < kFrames; ++i) {
-    const Pose pose = street.T_map_robot(i);
-    const auto found =
-        detector.detect(street.frame(i), i < 6 ? pose : Pose(jump * pose)).detections;
-    if (!found) continue;
-    for (const auto& item : found->items) {
-      const Eigen::Vector3d off = item.box3d->centre - street.placeInCamera(kMoving, i);
-      EXPECT_TRUE(std::abs(off.x()) < 1.5 && std::abs(off.z()) < 3.5) << "frame " << i;
-      seen_after = seen_after || i > 6;
-    }
-  }
-  EXPECT_TRUE(seen_after);
-}
-
 TEST(StereoMotionTest, TheNumberOfThreadsDoesNotMatter) {
   const PaintedStreet street({kMoving, kParked, kPost});
   const int threads = cv::getNumThreads();

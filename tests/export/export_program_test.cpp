@@ -159,7 +159,12 @@ TEST_F(McapExportTest, OtherReadersFindTheReplayInFoxglovesSchemas) {
   }
   EXPECT_EQ("foxglove.PoseInFrame", topics["/pose"]["schema"]);
   EXPECT_NEAR(5.6, topics["/pose"]["last"]["pose"]["position"]["x"].get<double>(), 1e-9);
-  EXPECT_EQ("camera", topics["/tf"]["last"]["transforms"][1]["child_frame_id"]);
+  const auto& transforms = topics["/tf"]["last"]["transforms"];
+  EXPECT_EQ("map", transforms[0]["parent_frame_id"]);
+  EXPECT_EQ("odom", transforms[0]["child_frame_id"]);
+  EXPECT_EQ("odom", transforms[1]["parent_frame_id"]);
+  EXPECT_EQ("base_link", transforms[1]["child_frame_id"]);
+  EXPECT_EQ("camera", transforms[2]["child_frame_id"]);
   EXPECT_EQ(180.0, topics["/camera/calibration"]["first"]["K"][0]);
   EXPECT_EQ("jpeg", topics["/camera/image"]["first"]["format"]);
   EXPECT_GT(topics["/camera/image"]["first"]["data"], 500) << "bytes";

@@ -11,42 +11,29 @@ namespace {
 
 constexpr double kPriorTranslation = 0.004;  // of the motion given, frame to frame [m]
 constexpr double kPriorRotation = 0.0035;    // [rad]
-constexpr double kPredictedFactor = 10.0;    // times the errors of a predicted motion
-constexpr double kMaxAcceleration = 25.0;    // of a vehicle [m/s^2]
-constexpr double kMaxTurn = 10.0;            // [rad/s^2]
 constexpr int kPoseIterations = 6;
 
 constexpr double kLossScale = 2.0;  // of the joint Cauchy loss, in sigmas
 
-stereo::PosePrior priorAt(const Pose& T_world_cam, double factor) {
+stereo::PosePrior priorAt(const Pose& T_world_cam) {
   stereo::Tangent sigmas;
   sigmas << Eigen::Vector3d::Constant(kPriorTranslation), Eigen::Vector3d::Constant(kPriorRotation);
   stereo::PosePrior prior;
   prior.T_map_cam = T_world_cam;
-  prior.information = (factor * sigmas).cwiseAbs2().cwiseInverse().asDiagonal();
+  prior.information = sigmas.cwiseAbs2().cwiseInverse().asDiagonal();
   return prior;
-}
-
-bool isJump(const Pose& motion, const Pose& expected, double seconds) {
-  const Pose off = motion * expected.inverse();
-  const double squared = seconds * seconds;
-  return (motion.translation() - expected.translation()).norm() > kMaxAcceleration * squared ||
-         logSo3(off.linear()).norm() > kMaxTurn * squared;
 }
 
 }  // namespace
 
-int CameraPath::advance(Time time, const Pose& T_map_cam) {
+int CameraPath::advance(Time time, const Pose& T_odom_cam) {
   Pose T_cam_world = Pose::Identity();
   if (!frames_.empty()) {
-    Pose motion = T_map_cam.inverse() * T_map_cam_;
-    const double seconds = time - frames_.back().time;
-    predicted_ = frames_.size() > 1 && isJump(motion, expectedMotion(seconds), seconds);
-    if (predicted_) motion = expectedMotion(seconds);
+    const Pose motion = T_odom_cam.inverse() * T_odom_cam_;
     T_cam_world = motion * frames_.back().T_cam_world;
   }
   frames_.push_back({time, normalized(T_cam_world)});
-  T_map_cam_ = T_map_cam;
+  T_odom_cam_ = T_odom_cam;
   return newest();
 }
 
@@ -60,7 +47,7 @@ double CameraPath::refine(const std::vector<StaticObservation>& points) {
         {seen.point, {seen.uvd.head<2>(), seen.uvd.z(), true, sigma_px_, sigma_px_}, true, true});
   }
   const Pose given = T_cam_world.inverse(Eigen::Isometry);
-  const auto prior = priorAt(given, predicted_ ? kPredictedFactor : 1.0);
+  const auto prior = priorAt(given);
   const auto refined =
       stereo::refinePose(given, constraints, camera_,
                          {kLossScale, 1, kPoseIterations, stereo::RobustLoss::kJoint}, &prior);
@@ -95,10 +82,6 @@ Pose CameraPath::expectedMotion(double ahead) const {
   motion.linear() = expSo3(steps * logSo3(step.linear()));
   motion.translation() = steps * step.translation();
   return motion;
-}
-
-Eigen::Matrix3d CameraPath::R_map_world() const {
-  return T_map_cam_.linear() * frames_.back().T_cam_world.linear();
 }
 
 }  // namespace headway::detect

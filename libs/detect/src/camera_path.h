@@ -18,18 +18,17 @@ struct StaticObservation {
 
 /// Poses of the camera in the last frames, in a frame of reference of its own ("world").
 ///
-/// Uses the motion between consecutive given poses. A motion that no vehicle can perform is a
-/// correction of the map (a loop closure): the motion is then predicted at constant velocity.
+/// Uses the motion between consecutive poses in the odometry frame, which never jump.
 class CameraPath {
  public:
   /// @param sigma_px  of an observation's coordinates and disparity [px]
   CameraPath(const StereoCamera& camera, double sigma_px) : camera_(camera), sigma_px_(sigma_px) {}
 
   /// Adds a frame. @return its number, ascending from 0
-  int advance(Time time, const Pose& T_map_cam);
+  int advance(Time time, const Pose& T_odom_cam);
 
   /// Refines the newest pose by static points: small errors of the given pose, its prior (4 mm, 0.2
-  /// degrees; ten times that for a predicted motion), would make distant points seem to move.
+  /// degrees), would make distant points seem to move.
   ///
   /// A joint Cauchy loss rejects moving points while they are the minority.
   /// @return  ratio of the points that agree with the refined pose; 1 without points
@@ -50,8 +49,6 @@ class CameraPath {
   /// Motion in `ahead` seconds at the velocity between the last two frames; maps points from the
   /// newest camera to the later one.
   [[nodiscard]] Pose expectedMotion(double ahead) const;
-  /// Rotation from the path's world to the map, by the newest given pose.
-  [[nodiscard]] Eigen::Matrix3d R_map_world() const;
 
  private:
   struct Frame {
@@ -62,8 +59,7 @@ class CameraPath {
   double sigma_px_;
   std::deque<Frame> frames_;
   int first_ = 0;
-  Pose T_map_cam_ = Pose::Identity();  ///< of the newest frame, as given
-  bool predicted_ = false;             ///< the newest frame's motion was not given
+  Pose T_odom_cam_ = Pose::Identity();  ///< of the newest frame, as given
 };
 
 }  // namespace headway::detect
