@@ -131,7 +131,7 @@ TEST(TwoFramesTest, ALoopMovesTheMapAndNoObjectInOdometry) {
     }
   }
   EXPECT_GE(loops, 1);
-  EXPECT_GT(jump_m, 0.05) << "or the test shows nothing";
+  EXPECT_GT(jump_m, 0.02) << "or the test shows nothing";
   EXPECT_GT(tracks, 20);
   EXPECT_GE(moving, 5) << "frames after the loop";
   EXPECT_GE(standing, 5);

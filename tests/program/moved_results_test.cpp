@@ -16,6 +16,9 @@ class MovedResultsTest : public testing::Test {
  protected:
   MovedResultsTest() {
     io::writeTum(folder_ / "trajectory_online.tum", {{1.0, poseAt(2.0, 0.0)}});
+    std::ofstream map_odom(folder_ / "map_odom.csv");
+    map_odom << io::mapOdomCsvHeader() << '\n';
+    io::writeMapOdomCsv(map_odom, {4, 1.0, poseAt(0.5, 0.0), 12, "loop"});
     for (const char* name : {"tracks.csv", "tracks_smoothed.csv"}) {
       std::ofstream out(folder_ / name);
       TrackSample row;
@@ -54,6 +57,14 @@ TEST_F(MovedResultsTest, TurnWithTheMap) {
   const auto path = io::readTum(folder_ / "trajectory_online.tum");
   ASSERT_EQ(path.size(), 1U);
   EXPECT_TRUE(path[0].value.isApprox(T_map_run * poseAt(2.0, 0.0), 1e-6));
+  std::vector<io::MapOdomRow> odometry;
+  io::visitMapOdomCsv(folder_ / "map_odom.csv",
+                      [&](const io::MapOdomRow& row) { odometry.push_back(row); });
+  ASSERT_EQ(odometry.size(), 1U);
+  EXPECT_TRUE(odometry[0].T_map_odom.isApprox(T_map_run * poseAt(0.5, 0.0), 1e-6));
+  EXPECT_EQ(odometry[0].frame, 4U);
+  EXPECT_EQ(odometry[0].revision, 12U);
+  EXPECT_EQ(odometry[0].cause, "loop");
   for (const char* name : {"tracks.csv", "tracks_smoothed.csv"}) {
     const auto rows = io::readTrackCsv(folder_ / name);
     ASSERT_EQ(rows.size(), 1U);

@@ -115,25 +115,6 @@ INSTANTIATE_TEST_SUITE_P(All, KeyRangeTest,
                            return name;
                          });
 
-TEST(SimParamsTest, RenamedKeysAreRefusedWithTheirNewName) {
-  for (const auto& [former, current] :
-       {std::pair{"route.lateral_acceleration", "lateral_acceleration_mps2"},
-        {"world.house_share", "house_ratio"},
-        {"world.parked_share", "parked_ratio"},
-        {"traffic.van_share", "van_ratio"},
-        {"traffic.group_share", "group_ratio"},
-        {"camera.drop_share", "drop_ratio"},
-        {"calibration_error.focal_share", "focal_ratio"},
-        {"detector.duplicate_share", "duplicate_probability"},
-        {"detector.id_switch_share", "id_switch_probability"}}) {
-    SimParams settings;
-    Params params;
-    settings.describe(params);
-    EXPECT_THAT(test::inputErrorOf([&, &key = former] { params.set(std::string(key) + "=0.5"); }),
-                HasSubstr(current));
-  }
-}
-
 TEST(SimParamsTest, NamedValuesAreThoseOfTheEnumerations) {
   SimParams settings;
   Params params;

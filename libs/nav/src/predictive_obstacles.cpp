@@ -120,7 +120,7 @@ std::optional<GroundState> PredictiveObstacles::locate(const map::PerceptionMap&
   for (const double value : {pose.x, pose.y, pose.phi, velocity.omega}) {
     is_finite = is_finite && std::isfinite(value);
   }
-  const bool in_odometry = frame_id == params_.odom_frame;
+  const bool in_odometry = !params_.odom_frame.empty() && frame_id == params_.odom_frame;
   if (!is_finite || (frame_id != params_.map_frame && !in_odometry)) return {};
   velocity.rotate(-pose.phi);  // from the axes of its frame to the robot's
   if (in_odometry) {

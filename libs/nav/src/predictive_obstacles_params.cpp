@@ -49,8 +49,10 @@ void PredictiveObstaclesParams::describe(Params::Section section) {
   user.add("max_age_s", max_age_s, 0.05, 60.0, "s",
            "Age of the map from which sensing fails, so that the robot stops");
   section.add("map_frame", map_frame, "Name of the map's frame, in which the robot is asked for");
-  section.add("odom_frame", odom_frame,
-              "Name of the odometry frame; a robot's pose in it is used by way of the map");
+  section.add(
+      "odom_frame", odom_frame,
+      "Name of headway's odometry frame, in which a robot's pose may be, too; empty: in none. "
+      "It is not that of the wheels");
   section.add("steer_horizon_s", steer_horizon_s, 0.1, 10.0, "s",
               "time_gated: horizon of obstacles; later contacts only slow the robot");
   section.add("min_probability", min_probability, 0.0, 1.0, "",

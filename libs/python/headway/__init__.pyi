@@ -183,10 +183,14 @@ class Update:
     status: str
     doubt: str
     T_map_robot: Array
+    T_odom_robot: Array
+    T_map_odom: Array
+    map_revision: tuple[int, str]
     covariance: Array
     is_keyframe: bool
     inliers: int
     tracks: list[Track]
+    tracks_odom: list[Track]
     finalised: list[TrackSample]
     detections: Optional[Detections]
     detections_dropped: dict[str, int]

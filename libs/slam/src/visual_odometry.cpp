@@ -22,7 +22,7 @@ constexpr double kMaxGate = 3.0;           ///< of the evidence [standard deviat
 constexpr double kOffsetWalk_px = 0.01;    ///< from one estimate to the next: the mount flexes
 constexpr std::size_t kEvidence = 200;     ///< corners for an estimate
 constexpr double kIndependent = 0.05;      ///< ratio of it: corners of a frame share its errors
-constexpr double kRenewRatio = 0.8;        ///< of the corners, below which new ones are sought
+constexpr double kRenewRatio = 0.9;        ///< of the corners, below which new ones are sought
 constexpr double kMinDisparity = 0.1;      ///< [px]; nearer to 0 a depth has no upper bound
 constexpr double kAgreement_px = 2.0;      ///< of where both motions see the corners, median
 constexpr stereo::PoseRefinerOptions kFromPrediction{8.0, 4, 5};

@@ -52,8 +52,9 @@ struct PredictiveObstaclesParams {
   ObstaclePolicy policy = ObstaclePolicy::kTimeGated;
   double max_age_s = 0.5;         ///< of the map; sensing fails with an older one [s]
   std::string map_frame = "map";  ///< name of the map's frame, in which the robot is asked for
-  std::string odom_frame =
-      "odom";                      ///< name of the odometry frame: a pose in it is moved by the map
+  /// Name of headway's odometry frame, in which a robot's pose may be, too; empty: in none. It is
+  /// not that of the wheels.
+  std::string odom_frame;
   double horizon_s = 3.0;          ///< of the predictions that are used [s]
   double steer_horizon_s = 1.5;    ///< kTimeGated: later contacts only slow the robot [s]
   double min_probability = 0.1;    ///< of a predicted path that is used [-]
