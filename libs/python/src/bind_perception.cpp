@@ -120,8 +120,8 @@ void bindUpdate(py::module_& module) {
       .def_property_readonly(
           "map_revision",
           [](const PerceptionUpdate& update) {
-            return py::make_tuple(update.camera.revision.number,
-                                  toString(update.camera.revision.cause));
+            const slam::MapRevision& revision = update.camera.revision;
+            return std::pair<std::uint64_t, std::string>(revision.number, toString(revision.cause));
           },
           "(number, cause) of the newest change of the map")
       .def_property_readonly(
