@@ -214,9 +214,8 @@ void Mapping::update(const FrameState& state, StageTimes& times) {
 /// The layers of different submaps are never in the map at once.
 void Mapping::enterSubmap(int submap, StageTimes& times) {
   if (submap == submap_) return;
-  auto node = others_.extract(submap);
-  Layers next = node ? std::move(node.mapped())
-                     : Layers{map::StaticGrid(grid_params_.map), dense_.emptyMap()};
+  Layers next = std::move(layersOf(submap));
+  others_.erase(submap);
   Layers before{std::exchange(grid_, std::move(next.grid)),
                 dense_.exchange(std::move(next.dense), times)};
   others_.insert_or_assign(std::exchange(submap_, submap), std::move(before));

@@ -113,9 +113,11 @@ std::string describeRelocalisation(const FrameState& state, const slam::MapView&
 }
 
 int largestSubmap(const slam::StereoSlam& slam) {
+  const auto submaps = slam.submaps();
+  if (submaps.size() == 1) return submaps.front();
   int largest = 0;
   std::size_t keyframes = 0;
-  for (const int submap : slam.submaps()) {
+  for (const int submap : submaps) {
     const std::size_t count = slam.map(submap).keyframes.size();
     if (count > keyframes) largest = submap;
     keyframes = std::max(keyframes, count);

@@ -37,6 +37,14 @@ KeyframeView viewOf(const Keyframe& keyframe, const Pose& T_cam_robot) {
           keyframe.landmarks};
 }
 
+/// The groups that elements are in, ascending.
+template <typename Id, typename Element>
+std::vector<std::int64_t> groupsOf(const std::map<Id, Element>& elements) {
+  IdGroups groups;
+  for (const auto& [id, element] : elements) groups.add(id.value);
+  return groups.take();
+}
+
 /// Makes the chunks of changed groups anew, and puts all chunks together.
 template <typename Id, typename Element, typename View>
 SharedChunks<View> updated(
@@ -63,19 +71,23 @@ SharedChunks<View> updated(
 }  // namespace
 
 MapView MapViewMaker::make(SparseMap& map, int submap) {
+  auto landmarks = map.takeChangedLandmarks();
+  auto keyframes = map.takeChangedKeyframes();
   if (submap != submap_) {
     reset();
-    map.markChanged();
+    landmarks = groupsOf(map.landmarks());
+    keyframes = groupsOf(map.keyframes());
     submap_ = submap;
   }
-  return {
-      updated(map.landmarks(), map.takeChangedLandmarks(), T_cam_robot_, submap, map, landmarks_),
-      updated(map.keyframes(), map.takeChangedKeyframes(), T_cam_robot_, submap, map, keyframes_)};
+  return {updated(map.landmarks(), landmarks, T_cam_robot_, submap, map, landmarks_),
+          updated(map.keyframes(), keyframes, T_cam_robot_, submap, map, keyframes_)};
 }
 
-MapView makeMapView(SparseMap map, const Pose& T_cam_robot, int submap) {
-  map.markChanged();
-  return MapViewMaker(T_cam_robot).make(map, submap);
+MapView makeMapView(const SparseMap& map, const Pose& T_cam_robot, int submap) {
+  std::map<std::int64_t, std::shared_ptr<const std::vector<LandmarkView>>> landmarks;
+  std::map<std::int64_t, std::shared_ptr<const std::vector<KeyframeView>>> keyframes;
+  return {updated(map.landmarks(), groupsOf(map.landmarks()), T_cam_robot, submap, map, landmarks),
+          updated(map.keyframes(), groupsOf(map.keyframes()), T_cam_robot, submap, map, keyframes)};
 }
 
 MapView savedMapView(const std::string& saved, const Pose& T_robot_cam) {

@@ -38,6 +38,6 @@ class MapViewMaker {
 };
 
 /// A single view.
-[[nodiscard]] MapView makeMapView(SparseMap map, const Pose& T_cam_robot, int submap);
+[[nodiscard]] MapView makeMapView(const SparseMap& map, const Pose& T_cam_robot, int submap);
 
 }  // namespace headway::slam

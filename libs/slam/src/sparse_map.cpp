@@ -189,11 +189,6 @@ const Landmark* SparseMap::find(LandmarkId id) const {
   return found == landmarks_.end() ? nullptr : &found->second;
 }
 
-void SparseMap::markChanged() {
-  for (const auto& [id, landmark] : landmarks_) changed_landmarks_.add(id.value);
-  for (const auto& [id, keyframe] : keyframes_) changed_keyframes_.add(id.value);
-}
-
 std::vector<int> SparseMap::submaps() const {
   std::set<int> submaps;
   for (const auto& [id, keyframe] : keyframes_) submaps.insert(keyframe.submap);

@@ -177,8 +177,6 @@ class SparseMap {
     return changed_keyframes_.take();
   }
 
-  void markChanged();  ///< all of them
-
   [[nodiscard]] const std::map<LandmarkId, Landmark>& landmarks() const { return landmarks_; }
   [[nodiscard]] const std::map<KeyframeId, Keyframe>& keyframes() const { return keyframes_; }
 
