@@ -1,10 +1,10 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Prints debian/changelog: the version of libs/core/include/headway/core/version.h, the date of the newest
+# Prints debian/changelog: the version of libs/perception/core/include/headway/core/version.h, the date of the newest
 # released section of CHANGELOG.md.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-version=$(sed -n 's/.*kVersion = "\([0-9.]*\)".*/\1/p' libs/core/include/headway/core/version.h)
+version=$(sed -n 's/.*kVersion = "\([0-9.]*\)".*/\1/p' libs/perception/core/include/headway/core/version.h)
 day=$(sed -n 's/^## \[[0-9.]*\] - \([0-9-]*\)$/\1/p' CHANGELOG.md | head -1)
 maintainer=$(sed -n 's/^Maintainer: //p' packaging/debian/control)
 : "${version:?no version in version.h}"

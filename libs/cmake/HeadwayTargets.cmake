@@ -85,7 +85,7 @@ macro(headway_use_optional name found target)
 endmacro()
 
 # headway_library(<name> SOURCES ... [PUBLIC ...] [PRIVATE ...]): target headway::<name> whose
-# public headers are libs/<name>/include/headway/<name>/*.h.
+# public headers are libs/<group>/<name>/include/headway/<name>/*.h.
 # Third-party headers count as system headers, so only our own code is held to the warnings.
 function(headway_library name)
   cmake_parse_arguments(LIBRARY "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
@@ -153,6 +153,14 @@ function(headway_program name)
   add_dependencies(installed ${name})
 endfunction()
 
+# headway_private_headers(<target> <library> ...): lets the target include the private headers of libraries.
+function(headway_private_headers target)
+  foreach(library IN LISTS ARGN)
+    get_target_property(folder headway_${library} SOURCE_DIR)
+    target_include_directories(${target} PRIVATE ${folder}/src)
+  endforeach()
+endfunction()
+
 # headway_test(<name> SOURCES ... LIBRARIES ... [LABELS ...] [SLOW ...] [NIGHTLY ...] [PRIVATE_HEADERS <library>]):
 # one GoogleTest program, each of its suites known to ctest. A test that needs real data says
 # GTEST_SKIP() where the environment variable HEADWAY_DATA names no folder. SLOW names what takes
@@ -168,8 +176,7 @@ function(headway_test name)
   target_precompile_headers(${target} REUSE_FROM headway_test_precompiled)
   headway_compile_in_batches(${target})
   if(TEST_PRIVATE_HEADERS)
-    target_include_directories(${target} PRIVATE
-                               ${PROJECT_SOURCE_DIR}/libs/${TEST_PRIVATE_HEADERS}/src)
+    headway_private_headers(${target} ${TEST_PRIVATE_HEADERS})
   endif()
   if(NOT TEST_TIMEOUT)
     set(TEST_TIMEOUT 300)

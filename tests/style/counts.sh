@@ -83,7 +83,7 @@ def main() -> int:
         return 1
     root = pathlib.Path(sys.argv[1])
     groups = {}
-    for folder in sorted(root.glob("libs/*")) + sorted(root.glob("apps")):
+    for folder in sorted(root.glob("libs/*/*")) + sorted(root.glob("apps")):
         files = [f for end in ("*.cpp", "*.h") for f in folder.rglob(end)]
         if files:
             groups[folder.name] = added([count(f.read_text(encoding="utf-8")) for f in files])

@@ -8,7 +8,7 @@ rm -rf "$2"
 mkdir -p "$2"
 { cat doc/Doxyfile; echo "OUTPUT_DIRECTORY = $2"; } | doxygen -
 
-for header in libs/*/include/headway/*/*.h; do
+for header in libs/*/*/include/headway/*/*.h; do
   page=$(basename "$header" .h | sed 's/_/__/g')_8h.html
   [ -n "$(find "$2/html" -name "*$page" -print -quit)" ] || { echo "$header has no page" >&2; exit 1; }
 done
