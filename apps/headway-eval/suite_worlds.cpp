@@ -2,7 +2,7 @@
 #include "suite_worlds.h"
 
 #include <headway/core/error.h>
-#include <headway/core/stop_request.h>
+#include <headway/core/worker_thread.h>
 #include <headway/eval_files/label_files.h>
 #include <headway/io/dataset.h>
 #include <headway/io/trajectory_file.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "foxglove_messages.h"
 
-#include <headway/core/display_name.h>
 #include <headway/core/ellipse.h>
 #include <headway/core/error.h>
+#include <headway/core/object_class.h>
 #include <headway/io/image_file.h>
 
 #include <cmath>

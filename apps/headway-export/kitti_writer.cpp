@@ -2,7 +2,7 @@
 #include "kitti_writer.h"
 
 #include <headway/core/error.h>
-#include <headway/core/formatted.h>
+#include <headway/core/text.h>
 #include <headway/io/trajectory_file.h>
 
 #include <opencv2/imgcodecs.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // headway-export: converts rawlogs and replays for other programs.
 #include <headway/core/error.h>
-#include <headway/core/printable.h>
+#include <headway/core/text.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/program/command_line.h>
 #include <headway/program/output_folder.h>

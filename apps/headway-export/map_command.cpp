@@ -2,7 +2,7 @@
 #include "map_command.h"
 
 #include <headway/core/error.h>
-#include <headway/core/printable.h>
+#include <headway/core/text.h>
 #include <headway/map/map_crop.h>
 #include <headway/map/map_files.h>
 #include <headway/program/command_line.h>

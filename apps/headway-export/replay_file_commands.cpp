@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The results of a replay that other programs read as one file each.
 #include <headway/core/error.h>
-#include <headway/core/formatted.h>
 #include <headway/core/output_file.h>
+#include <headway/core/text.h>
 #include <headway/io/calibration_file.h>
 #include <headway/io/image_file.h>
 #include <headway/io/trajectory_file.h>

@@ -2,8 +2,7 @@
 #include "check_command.h"
 
 #include <headway/core/error.h>
-#include <headway/core/formatted.h>
-#include <headway/core/printable.h>
+#include <headway/core/text.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/program/progress.h>
 #include <unistd.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "image_check.h"
 
-#include <headway/core/formatted.h>
 #include <headway/core/statistics.h>
+#include <headway/core/text.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // headway-import: converts a dataset to a rawlog.
-#include <headway/core/printable.h>
+#include <headway/core/text.h>
 #include <headway/program/command_line.h>
 #include <headway/program/progress.h>
 

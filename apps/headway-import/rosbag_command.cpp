@@ -3,7 +3,7 @@
 
 #include <headway/bags/bag_import.h>
 #include <headway/core/error.h>
-#include <headway/core/printable.h>
+#include <headway/core/text.h>
 #include <headway/program/command_line.h>
 #include <headway/program/progress.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "time_check.h"
 
-#include <headway/core/formatted.h>
 #include <headway/core/mrpt_pose.h>
 #include <headway/core/statistics.h>
+#include <headway/core/text.h>
 #include <headway/io/mrpt_time.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CObservationIMU.h>

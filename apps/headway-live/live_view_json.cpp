@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live_view_json.h"
 
-#include <headway/core/class_colour.h>
-#include <headway/core/display_name.h>
 #include <headway/core/ellipse.h>
+#include <headway/core/object_class.h>
 
 #include <cmath>
 #include <cstdio>

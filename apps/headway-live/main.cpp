@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // headway-live: the cameras and sensors of a robot to trajectory, tracks, predictions and map.
 #include <headway/core/error.h>
-#include <headway/core/stop_request.h>
+#include <headway/core/worker_thread.h>
 #include <headway/drivers/observation_recorder.h>
 #include <headway/drivers/sensor_group.h>
 #include <headway/io/calibration_file.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scanning_robot.h"
 
-#include <headway/core/processor_time.h>
+#include <headway/core/stage_times.h>
 #include <mrpt/core/Clock.h>
 
 #include <cmath>

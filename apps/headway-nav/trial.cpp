@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trial.h"
 
-#include <headway/core/processor_time.h>
+#include <headway/core/stage_times.h>
 #include <headway/objects/moving_object_tracker.h>
 #include <mrpt/core/Clock.h>
 

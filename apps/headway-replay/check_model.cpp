@@ -2,7 +2,7 @@
 #include "check_model.h"
 
 #include <headway/core/error.h>
-#include <headway/core/printable.h>
+#include <headway/core/text.h>
 #include <headway/detect/model_hash.h>
 
 #include <chrono>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recordings.h"
 
-#include <headway/core/camera_difference.h>
 #include <headway/core/error.h>
 #include <headway/core/output_file.h>
-#include <headway/core/printable.h>
+#include <headway/core/stereo_camera.h>
+#include <headway/core/text.h>
 #include <headway/core/version.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/map/map_files.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frame_writers.h"
 
-#include <headway/core/detection_checks.h>
+#include <headway/core/detection.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/pipeline/moving_regions.h>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <headway/core/byte_archive.h>
-#include <headway/core/gnss_fix.h>
+#include <headway/core/recorded_frame.h>
 #include <headway/geo/georeference.h>
 #include <headway/slam/map_view.h>
 

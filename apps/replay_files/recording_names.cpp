@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recording_names.h"
 
-#include <headway/core/replace_files.h>
+#include <headway/core/output_file.h>
 
 #include <algorithm>
 #include <filesystem>

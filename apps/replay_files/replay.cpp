@@ -2,8 +2,8 @@
 #include "replay.h"
 
 #include <headway/core/error.h>
-#include <headway/core/printable.h>
-#include <headway/core/stop_request.h>
+#include <headway/core/text.h>
+#include <headway/core/worker_thread.h>
 #include <headway/io/calibration_file.h>
 #include <headway/io/track_file.h>
 #include <headway/map/map_file.h>
@@ -460,7 +460,8 @@ void Replay::writeMap() {
     map::writeMapLayers(folder_.path(), submap.map, name);
     log(LogLevel::kInfo, "submap " + std::to_string(submap.number) + " with " +
                              std::to_string(submap.map.staticMap()->keyframes.size()) +
-                             " keyframes, whose place in the map is not known: map_*" + name + ".*");
+                             " keyframes, whose place in the map is not known: map_*" + name +
+                             ".*");
   }
 }
 

@@ -2,7 +2,7 @@
 #include "summary.h"
 
 #include <headway/core/output_file.h>
-#include <headway/core/printable.h>
+#include <headway/core/text.h>
 #include <headway/core/version.h>
 #include <headway/detect/model_hash.h>
 #include <unistd.h>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <headway/core/histogram.h>
+#include <headway/core/log.h>
 #include <headway/core/params.h>
 #include <headway/core/stage_times.h>
+#include <headway/core/statistics.h>
 #include <headway/core/track.h>
-#include <headway/core/warnings.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/stereo/rig_capability.h>
 

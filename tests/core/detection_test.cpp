@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 #include <headway/core/detection.h>
-#include <headway/core/detection_checks.h>
 
 #include <cmath>
 #include <limits>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
-#include <headway/core/histogram.h>
 #include <headway/core/random.h>
 #include <headway/core/statistics.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
-#include <headway/core/natural_order.h>
+#include <headway/core/text.h>
 
 #include <random>
 #include <string>

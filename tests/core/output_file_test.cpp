@@ -2,7 +2,6 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <headway/core/output_file.h>
-#include <headway/core/replace_files.h>
 #include <headway_test/folders.h>
 #include <headway_test/input_error.h>
 #include <sys/resource.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
-#include <headway/core/printable.h>
+#include <headway/core/text.h>
 
 namespace headway {
 namespace {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
-#include <headway/core/processor_time.h>
 #include <headway/core/stage_times.h>
 
 namespace headway {

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
-#include <headway/core/class_colour.h>
-#include <headway/core/display_name.h>
 #include <headway/core/ids.h>
 #include <headway/core/object_class.h>
 #include <headway/core/track.h>

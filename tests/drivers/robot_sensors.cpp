@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A plug-in with a driver of sensors, as a robot's maker would write one: odometry, inertial
 // sensor, laser and camera of a simulated robot, from its true path and its recorded images.
-#include <headway/core/live_frame.h>
 #include <headway/core/mrpt_pose.h>
+#include <headway/core/recorded_frame.h>
 #include <headway/io/mrpt_time.h>
 #include <headway/io/trajectory_file.h>
 #include <mrpt/hwdrivers/CGenericSensor.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
-#include <headway/core/stop_request.h>
+#include <headway/core/worker_thread.h>
 #include <headway/io/rawlog_source.h>
 #include <headway_test/folders.h>
 

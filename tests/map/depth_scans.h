@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <headway/core/depth_scan.h>
 #include <headway/core/random.h>
+#include <headway/core/scan.h>
 
 #include <cmath>
 #include <optional>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
-#include <headway/core/class_colour.h>
+#include <headway/core/object_class.h>
 #include <headway_test/folders.h>
 #include <headway_test/process.h>
 #include <mrpt/maps/CColouredPointsMap.h>

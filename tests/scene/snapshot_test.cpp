@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
-#include <headway/core/class_colour.h>
+#include <headway/core/object_class.h>
 #include <headway/map/track_geometry.h>
 #include <headway/plot/colours.h>
 #include <headway/scene/snapshot.h>

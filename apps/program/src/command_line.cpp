@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/error.h>
-#include <headway/core/printable.h>
-#include <headway/core/stop_request.h>
+#include <headway/core/text.h>
 #include <headway/core/version.h>
+#include <headway/core/worker_thread.h>
 #include <headway/program/command_line.h>
 #include <headway/program/data_files.h>
 #include <mrpt/3rdparty/tclap/CmdLine.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fcntl.h>
 #include <headway/core/error.h>
-#include <headway/core/replace_files.h>
+#include <headway/core/output_file.h>
 #include <headway/program/output_folder.h>
 #include <sys/file.h>
 #include <sys/stat.h>

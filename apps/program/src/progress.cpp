@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <headway/core/stop_request.h>
+#include <headway/core/worker_thread.h>
 #include <headway/program/command_line.h>
 #include <headway/program/progress.h>
 #include <mrpt/system/progress.h>

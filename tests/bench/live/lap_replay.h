@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <headway/core/processor_time.h>
+#include <headway/core/stage_times.h>
 #include <headway_test/textured_world.h>
 #include <malloc.h>
 #include <unistd.h>

@@ -6,7 +6,7 @@
 //
 // `random`: boxes at random places in every frame, so that tracks start and end all the time.
 // `walkers`: people that walk or stand, 3 m apart. `crowd`: the same people 1 m apart.
-#include <headway/core/processor_time.h>
+#include <headway/core/stage_times.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/objects/moving_object_tracker.h>
 #include <headway_test/paths.h>

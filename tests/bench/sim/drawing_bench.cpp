@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Speed at which a world is rendered and written, with a reference workload that makes figures of different
-// machines comparable.
+// Speed at which a world is rendered and written, with a reference workload that makes figures of
+// different machines comparable.
 //
 //     bench_drawing -c WORLD.ini -o OUT.rawlog [--set section.key=value ...]
 //
@@ -9,7 +9,6 @@
 // tenth pair, measured between the frames. The first frame builds the world and does not count.
 
 #include <headway/core/error.h>
-#include <headway/core/processor_time.h>
 #include <headway/core/stage_times.h>
 #include <headway/program/command_line.h>
 #include <headway/sim/recording.h>

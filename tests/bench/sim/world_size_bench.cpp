@@ -3,7 +3,7 @@
 //   bench_world_size [FRAMES]
 // The streets begin alike; the large ones go on for 30 km. Pictures are small, so that the cost of
 // looking around shows beside that of drawing. Times are of the processor, all threads together.
-#include <headway/core/processor_time.h>
+#include <headway/core/stage_times.h>
 #include <headway/sim/simulator.h>
 
 #include <chrono>

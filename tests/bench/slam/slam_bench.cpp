@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Cost of each stage of localisation and mapping on one rawlog, with a reference workload that makes
-// figures of different machines comparable.
+// Cost of each stage of localisation and mapping on one rawlog, with a reference workload that
+// makes figures of different machines comparable.
 //
 //     bench_slam -i IN.rawlog [--set slam.key=value ...]
 //
@@ -8,7 +8,7 @@
 // pair, measured frame by frame between the frames. Everything runs in one thread.
 
 #include <headway/core/error.h>
-#include <headway/core/processor_time.h>
+#include <headway/core/stage_times.h>
 
 #include <cstdio>
 #include <opencv2/core/utility.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/bags/bag_reader.h>
 #include <headway/core/error.h>
-#include <headway/core/natural_order.h>
+#include <headway/core/text.h>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <headway/core/formatted.h>
 #include <headway/core/statistics.h>
+#include <headway/core/text.h>
 #include <headway/geo/georeference.h>
 
 #include <Eigen/Cholesky>

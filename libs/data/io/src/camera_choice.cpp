@@ -2,7 +2,7 @@
 #include "camera_choice.h"
 
 #include <headway/core/error.h>
-#include <headway/core/printable.h>
+#include <headway/core/text.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CObservationImage.h>
 #include <mrpt/obs/CObservationStereoImages.h>

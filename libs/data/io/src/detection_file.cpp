@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <headway/core/detection_checks.h>
+#include <headway/core/detection.h>
 #include <headway/core/error.h>
 #include <headway/io/track_file.h>
 

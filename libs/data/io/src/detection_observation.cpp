@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <headway/core/detection_checks.h>
+#include <headway/core/detection.h>
 #include <headway/core/mrpt_pose.h>
 #include <headway/io/detection_observation.h>
 #include <headway/io/mrpt_time.h>

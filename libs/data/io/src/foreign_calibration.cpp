@@ -2,7 +2,7 @@
 #include "foreign_calibration.h"
 
 #include <headway/core/error.h>
-#include <headway/core/formatted.h>
+#include <headway/core/text.h>
 #include <headway/io/camera_info.h>
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <headway/core/detection.h>
-#include <headway/core/laser_scan.h>
+#include <headway/core/recorded_frame.h>
 
 #include <deque>
 #include <map>

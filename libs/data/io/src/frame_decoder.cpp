@@ -2,7 +2,7 @@
 #include "frame_decoder.h"
 
 #include <headway/core/error.h>
-#include <headway/core/formatted.h>
+#include <headway/core/text.h>
 #include <headway/io/image_file.h>
 
 #include <chrono>

@@ -2,7 +2,7 @@
 #include "image_files.h"
 
 #include <headway/core/error.h>
-#include <headway/core/natural_order.h>
+#include <headway/core/text.h>
 #include <headway/io/image_file.h>
 #include <headway/io/rawlog_source.h>
 

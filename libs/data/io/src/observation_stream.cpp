@@ -2,7 +2,7 @@
 #include "observation_stream.h"
 
 #include <headway/core/error.h>
-#include <headway/core/stop_request.h>
+#include <headway/core/worker_thread.h>
 #include <headway/io/detection_observation.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/rtti/CObject.h>

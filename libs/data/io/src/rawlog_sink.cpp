@@ -2,7 +2,6 @@
 #include <headway/core/error.h>
 #include <headway/core/mrpt_pose.h>
 #include <headway/core/output_file.h>
-#include <headway/core/replace_files.h>
 #include <headway/io/detection_observation.h>
 #include <headway/io/gnss_accuracy.h>
 #include <headway/io/mrpt_time.h>

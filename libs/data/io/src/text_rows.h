@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <headway/core/formatted.h>
+#include <headway/core/text.h>
 #include <headway/io/track_file.h>
 
 #include <fstream>

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <headway/core/display_name.h>
 #include <headway/core/object_class.h>
 
 #include <array>

@@ -22,4 +22,53 @@ double median(std::vector<double> samples) {
   return *middle;
 }
 
+namespace {
+
+constexpr double kRatio = 1.01;  // of the limits of a bin
+constexpr double kLowest = 1e-3;
+constexpr double kHighest = 1e9;
+
+int binOf(double sample) {
+  static const double scale = 1.0 / std::log(kRatio);
+  return static_cast<int>(std::floor(scale * std::log(std::clamp(sample, kLowest, kHighest))));
+}
+
+}  // namespace
+
+void Histogram::add(double sample) {
+  Bin& bin = bins_[binOf(sample)];
+  ++bin.count;
+  bin.sum += sample;
+  max_ = count_ == 0 ? sample : std::max(max_, sample);
+  ++count_;
+  sum_ += sample;
+}
+
+void Histogram::merge(const Histogram& other) {
+  if (other.empty()) return;
+  for (const auto& [index, added] : other.bins_) {
+    Bin& bin = bins_[index];
+    bin.count += added.count;
+    bin.sum += added.sum;
+  }
+  max_ = empty() ? other.max_ : std::max(max_, other.max_);
+  count_ += other.count_;
+  sum_ += other.sum_;
+}
+
+double Histogram::mean() const { return empty() ? 0.0 : sum_ / static_cast<double>(count_); }
+
+double Histogram::percentile(double fraction) const {
+  if (empty()) return 0.0;
+  const auto count = static_cast<double>(count_);
+  const auto rank = static_cast<std::size_t>(std::clamp(std::ceil(fraction * count), 1.0, count));
+  if (rank == count_) return max_;
+  std::size_t below = 0;
+  for (const auto& [index, bin] : bins_) {
+    below += bin.count;
+    if (below >= rank) return bin.sum / static_cast<double>(bin.count);
+  }
+  return max_;
+}
+
 }  // namespace headway

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <headway/core/ground_scan.h>
+#include <headway/core/scan.h>
 #include <headway/detect/ground_scanner.h>
 #include <headway/stereo/rig_capability.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <headway/core/depth_scan.h>
+#include <headway/core/scan.h>
 
 #include <Eigen/Geometry>
 #include <array>

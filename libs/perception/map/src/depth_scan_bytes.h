@@ -2,7 +2,7 @@
 #pragma once
 
 #include <headway/core/byte_archive.h>
-#include <headway/core/depth_scan.h>
+#include <headway/core/scan.h>
 
 namespace headway::map {
 

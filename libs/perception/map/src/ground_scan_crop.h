@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <headway/core/ground_scan.h>
 #include <headway/core/pose.h>
+#include <headway/core/scan.h>
 
 #include <Eigen/Geometry>
 

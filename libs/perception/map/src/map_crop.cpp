@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/error.h>
-#include <headway/core/formatted.h>
+#include <headway/core/text.h>
 #include <headway/map/dense_map.h>
 #include <headway/map/map_crop.h>
 #include <headway/map/static_grid.h>

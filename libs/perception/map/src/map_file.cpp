@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/byte_archive.h>
 #include <headway/core/error.h>
-#include <headway/core/printable.h>
+#include <headway/core/text.h>
 #include <headway/core/version.h>
 #include <headway/map/dense_map.h>
 #include <headway/map/map_file.h>

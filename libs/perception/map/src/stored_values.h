@@ -2,7 +2,7 @@
 #pragma once
 
 #include <headway/core/byte_archive.h>
-#include <headway/core/ground_scan.h>
+#include <headway/core/scan.h>
 #include <headway/core/stereo_camera.h>
 #include <headway/core/track.h>
 #include <headway/slam/map_view.h>

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "track_visual.h"
 
-#include <headway/core/class_colour.h>
-#include <headway/core/display_name.h>
+#include <headway/core/object_class.h>
 #include <headway/map/ribbon.h>
 #include <headway/map/track_geometry.h>
 #include <mrpt/opengl/CSetOfLines.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "measurement_model.h"
 
-#include <headway/core/detection_checks.h>
+#include <headway/core/detection.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <headway/core/expected_object.h>
+#include <headway/core/detection.h>
 #include <headway/core/track.h>
 #include <headway/objects/objects_params.h>
 #include <headway/objects/predictor.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <headway/core/expected_object.h>
+#include <headway/core/detection.h>
 #include <headway/core/recorded_frame.h>
 #include <headway/core/worker_thread.h>
 #include <headway/detect/detector.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "input_health.h"
 
-#include <headway/core/formatted.h>
+#include <headway/core/text.h>
 
 #include <cmath>
 #include <iterator>

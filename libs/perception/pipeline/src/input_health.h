@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <headway/core/warnings.h>
+#include <headway/core/log.h>
 
 #include <memory>
 

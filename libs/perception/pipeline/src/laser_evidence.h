@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <headway/core/ground_scan.h>
-#include <headway/core/laser_scan.h>
+#include <headway/core/recorded_frame.h>
+#include <headway/core/scan.h>
 #include <headway/core/track.h>
 #include <headway/pipeline/perception_params.h>
 

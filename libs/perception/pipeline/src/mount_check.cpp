@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mount_check.h"
 
-#include <headway/core/formatted.h>
+#include <headway/core/text.h>
 #include <headway/stereo/ground_plane.h>
 #include <headway/stereo/rig_capability.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/error.h>
-#include <headway/core/formatted.h>
+#include <headway/core/text.h>
 #include <mrpt/core/exceptions.h>
 
 #include <algorithm>

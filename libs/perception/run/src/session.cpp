@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/error.h>
-#include <headway/core/processor_time.h>
+#include <headway/core/stage_times.h>
 #include <headway/run/session.h>
 
 #include <utility>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <headway/core/stereo_camera.h>
-#include <headway/core/stop_request.h>
+#include <headway/core/worker_thread.h>
 #include <headway/stereo/disparity_offset.h>
 #include <headway/stereo/stereo_residual.h>
 

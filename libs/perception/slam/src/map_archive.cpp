@@ -2,8 +2,8 @@
 #include "map_archive.h"
 
 #include <headway/core/byte_archive.h>
-#include <headway/core/camera_difference.h>
 #include <headway/core/error.h>
+#include <headway/core/stereo_camera.h>
 
 #include <cmath>
 #include <cstdio>

@@ -3,7 +3,7 @@
 
 #include <headway/core/ids.h>
 #include <headway/core/pose.h>
-#include <headway/core/stop_request.h>
+#include <headway/core/worker_thread.h>
 
 #include <map>
 #include <vector>

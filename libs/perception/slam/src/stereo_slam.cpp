@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <headway/core/camera_difference.h>
 #include <headway/core/error.h>
 #include <headway/core/stage_times.h>
+#include <headway/core/stereo_camera.h>
 #include <headway/slam/joint_map.h>
 #include <headway/slam/stereo_slam.h>
 #include <headway/stereo/right_turn.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <headway/core/formatted.h>
+#include <headway/core/text.h>
 #include <headway/stereo/rig_capability.h>
 
 #include <algorithm>

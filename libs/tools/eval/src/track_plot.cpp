@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <headway/core/display_name.h>
+#include <headway/core/object_class.h>
 #include <headway/eval/plots.h>
 #include <headway/plot/chart.h>
 #include <headway/plot/colours.h>

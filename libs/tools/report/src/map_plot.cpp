@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <headway/core/display_name.h>
 #include <headway/core/error.h>
+#include <headway/core/object_class.h>
 #include <headway/plot/ticks.h>
 
 #include <Eigen/Geometry>

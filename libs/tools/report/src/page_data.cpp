@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "page_data.h"
 
-#include <headway/core/class_colour.h>
-#include <headway/core/display_name.h>
 #include <headway/core/ellipse.h>
+#include <headway/core/object_class.h>
 #include <headway/io/calibration_file.h>
 
 #include <algorithm>

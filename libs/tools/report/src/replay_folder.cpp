@@ -2,7 +2,7 @@
 #include "replay_folder.h"
 
 #include <headway/core/error.h>
-#include <headway/core/replace_files.h>
+#include <headway/core/output_file.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
 

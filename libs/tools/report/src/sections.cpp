@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sections.h"
 
-#include <headway/core/display_name.h>
+#include <headway/core/object_class.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "labels.h"
 
-#include <headway/core/display_name.h>
-#include <headway/core/formatted.h>
+#include <headway/core/object_class.h>
+#include <headway/core/text.h>
 #include <headway/map/track_geometry.h>
 #include <headway/plot/colours.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "overlay.h"
 
-#include <headway/core/formatted.h>
+#include <headway/core/text.h>
 #include <headway/map/track_geometry.h>
 #include <headway/plot/colours.h>
 #include <headway/plot/ticks.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "world_scene.h"
 
-#include <headway/core/class_colour.h>
 #include <headway/core/mrpt_pose.h>
+#include <headway/core/object_class.h>
 #include <headway/map/ribbon.h>
 #include <headway/map/track_geometry.h>
 #include <mrpt/maps/CColouredPointsMap.h>

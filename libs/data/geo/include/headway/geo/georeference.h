@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <headway/core/gnss_fix.h>
+#include <headway/core/recorded_frame.h>
 #include <headway/geo/geodetic_frame.h>
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <headway/core/live_frame.h>
+#include <headway/core/recorded_frame.h>
 #include <headway/io/rawlog_source.h>
 
 #include <map>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <headway/core/log.h>
 #include <headway/core/recorded_frame.h>
-#include <headway/core/warnings.h>
 #include <headway/io/observation_queue.h>
 
 #include <functional>

@@ -6,8 +6,10 @@
 #include <headway/core/pose.h>
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace headway {
@@ -111,5 +113,45 @@ struct Detections {
 
 /// KITTI's rotation_y of a direction in the optical frame: inverse of frontOf.
 [[nodiscard]] double opticalYaw(const Eigen::Vector3d& direction);
+
+/// Whether a matrix can be the covariance of a place: positive semi-definite up to rounding, and
+/// nowhere above 1 km^2 (finite).
+[[nodiscard]] bool isCovariance(const Eigen::Matrix3d& matrix);
+
+/// Number of excluded detections by reason ("nan_box", "behind_camera", ...).
+using DropCounts = std::map<std::string, std::size_t>;
+
+/// Removes the covariance of a box if it cannot be one, and counts it as `bad_covariance`. The box
+/// then has the noise that is assumed of boxes without a covariance.
+void removeBadCovariance(Detection& detection, DropCounts& dropped);
+
+/// Whether its score and each number of its boxes and its velocity are finite.
+[[nodiscard]] bool isFinite(const Detection& detection);
+
+/// Whether no number of its boxes and no score is beyond 10^6, which no image and no sensor
+/// reaches [px, m]. Numbers that are not finite are not judged.
+[[nodiscard]] bool isPlausible(const Detection& detection);
+
+/// An object that the tracker expects to be visible, as a plain value for detectors to search for.
+///
+/// A detector that finds it names `track` in Detection::searched_track; whether the detection
+/// continues that track is up to the tracker.
+struct ExpectedObject {
+  TrackId track;
+  ObjectClass object_class = ObjectClass::kUnknown;
+  Time time = 0.0;                                     ///< of `position` [s]
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< box centre, map frame [m]
+  MeasuredVelocity velocity;                ///< map frame, as a detector measured it last
+  int observations = 0;                     ///< frames in which it was detected
+  std::optional<std::int64_t> detector_id;  ///< of its last detection that had one
+  Time last_observed = 0.0;                 ///< [s]
+  Time last_motion = 0.0;  ///< when a detector last had evidence of motion over several frames [s]
+  std::shared_ptr<const AppearanceTemplate> appearance;  ///< null: no template
+
+  /// Where it will be if it keeps its velocity, map frame [m].
+  [[nodiscard]] Eigen::Vector3d positionAt(Time then) const {
+    return position + (then - time) * velocity.value;
+  }
+};
 
 }  // namespace headway

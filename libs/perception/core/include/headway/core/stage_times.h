@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <headway/core/histogram.h>
+#include <headway/core/statistics.h>
 
 #include <chrono>
 #include <map>
 #include <string>
 
 namespace headway {
+
+/// Processor time of this process, sum of all threads [s].
+[[nodiscard]] double processorSeconds();
 
 /// Distribution of the durations of named stages [ms], one sample per frame, in bounded memory.
 ///

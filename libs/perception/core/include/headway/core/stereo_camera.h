@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <string>
 
 namespace headway {
 
@@ -55,5 +56,11 @@ void validate(const StereoCamera& camera);
 
 /// Unit-depth ray of a pixel: (x/z, y/z, 1) in the left camera frame.
 [[nodiscard]] Eigen::Vector3d ray(const Eigen::Vector2d& uv, const StereoCamera& camera);
+
+/// Both cameras in one line if images of one cannot be used with the other: size, focal lengths,
+/// principal point or baseline differ by more than a calibration written with few digits does.
+/// nullopt if they are the same. Their poses on the robot are not compared.
+[[nodiscard]] std::optional<std::string> differenceBetween(const StereoCamera& other,
+                                                           const StereoCamera& here);
 
 }  // namespace headway

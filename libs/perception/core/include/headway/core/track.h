@@ -107,7 +107,4 @@ struct TrackSample {
   Track track;
 };
 
-/// Number of excluded detections by reason ("nan_box", "behind_camera", ...).
-using DropCounts = std::map<std::string, std::size_t>;
-
 }  // namespace headway

@@ -13,6 +13,24 @@
 
 namespace headway {
 
+/// Whether a long-running function should return early with what it has; called by any thread.
+using StopCondition = std::function<bool()>;
+
+[[nodiscard]] inline bool neverStop() noexcept { return false; }
+
+/// Asks the long-running functions of this process to return early with what they have: reading
+/// and skipping of recordings, waiting, and what gets stopRequested() as its StopCondition.
+/// Callable from signal handlers and from any thread.
+///
+/// @param reason  not 0, such as the number of a signal; 0 withdraws the request
+void requestStop(int reason) noexcept;
+
+/// The reason given to requestStop(); 0 without a request.
+[[nodiscard]] int stopRequest() noexcept;
+
+/// Whether there is a request.
+[[nodiscard]] inline bool stopRequested() noexcept { return stopRequest() != 0; }
+
 /// One thread that does work in the order in which it is given.
 ///
 /// For work that comes with every frame: what libraries keep for each thread (OpenCV) is never

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <headway/core/depth_scan.h>
 #include <headway/core/moving_regions.h>
+#include <headway/core/scan.h>
 #include <headway/core/stereo_frame.h>
 #include <headway/stereo/disparity.h>
 #include <headway/stereo/rig_capability.h>
@@ -23,7 +23,7 @@ namespace headway::detect {
 ///                   where both agree, and where the other is unknown; may be empty
 /// @param moving     left out, to the depth of each box; the unsure ones, too
 [[nodiscard]] DepthScan scanDepth(const StereoFrame& frame, const stereo::DisparityImage& disparity,
-                                  const stereo::DisparityImage& ground,
-                                  const MovingRegions& moving, const stereo::RigCapability& rig);
+                                  const stereo::DisparityImage& ground, const MovingRegions& moving,
+                                  const stereo::RigCapability& rig);
 
 }  // namespace headway::detect

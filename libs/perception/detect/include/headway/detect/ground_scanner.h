@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <headway/core/ground_scan.h>
 #include <headway/core/moving_regions.h>
 #include <headway/core/params.h>
+#include <headway/core/scan.h>
 #include <headway/stereo/disparity.h>
 #include <headway/stereo/ground_plane.h>
 #include <headway/stereo/rig_capability.h>

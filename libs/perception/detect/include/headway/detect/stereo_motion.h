@@ -2,7 +2,6 @@
 #pragma once
 
 #include <headway/core/detection.h>
-#include <headway/core/expected_object.h>
 #include <headway/core/moving_regions.h>
 #include <headway/core/params.h>
 #include <headway/core/stereo_frame.h>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <headway/core/byte_archive.h>
-#include <headway/core/depth_scan.h>
 #include <headway/core/params.h>
+#include <headway/core/scan.h>
 #include <headway/core/track.h>
 #include <headway/map/anchored_pose.h>
 #include <mrpt/maps/CColouredPointsMap.h>

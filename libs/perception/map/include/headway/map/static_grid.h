@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <headway/core/ground_scan.h>
 #include <headway/core/params.h>
+#include <headway/core/scan.h>
 #include <headway/map/anchored_pose.h>
 #include <headway/slam/map_view.h>
 #include <mrpt/maps/COccupancyGridMap2D.h>

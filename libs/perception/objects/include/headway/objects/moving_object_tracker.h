@@ -2,7 +2,6 @@
 #pragma once
 
 #include <headway/core/detection.h>
-#include <headway/core/expected_object.h>
 #include <headway/core/track.h>
 #include <headway/objects/objects_params.h>
 

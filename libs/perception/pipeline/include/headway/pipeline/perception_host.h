@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <headway/core/log.h>
 #include <headway/core/track.h>
-#include <headway/core/warnings.h>
 #include <headway/map/perception_map.h>
 #include <headway/slam/stereo_slam.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <headway/core/live_frame.h>
-#include <headway/core/stop_request.h>
+#include <headway/core/recorded_frame.h>
+#include <headway/core/worker_thread.h>
 #include <headway/io/live_source.h>
 #include <headway/io/rawlog_source.h>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <headway/core/params.h>
-#include <headway/core/stop_request.h>
+#include <headway/core/worker_thread.h>
 
 #include <cstddef>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <headway/core/class_colour.h>
+#include <headway/core/object_class.h>
 
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>

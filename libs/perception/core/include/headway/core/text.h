@@ -2,9 +2,18 @@
 #pragma once
 
 #include <algorithm>
+#include <string>
 #include <string_view>
 
 namespace headway {
+
+/// printf-style formatting, because streams depend on a locale. Texts of any length are whole.
+[[nodiscard]] std::string formatted(const char* format, ...) __attribute__((format(printf, 1, 2)));
+
+/// A text from a recording or a file name as one line for terminals and JSON: valid UTF-8 without
+/// control characters, such as those of escape sequences. Line breaks become blanks, other control
+/// characters and bytes that are not UTF-8 become question marks.
+[[nodiscard]] std::string printable(std::string_view text);
 
 namespace detail {
 
