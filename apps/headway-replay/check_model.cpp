@@ -3,7 +3,7 @@
 
 #include <headway/core/error.h>
 #include <headway/core/text.h>
-#include <headway/detect/model_hash.h>
+#include <headway/detect/network_detector.h>
 
 #include <chrono>
 #include <cstdio>

@@ -4,7 +4,7 @@
 #include <headway/core/output_file.h>
 #include <headway/core/text.h>
 #include <headway/core/version.h>
-#include <headway/detect/model_hash.h>
+#include <headway/detect/network_detector.h>
 #include <unistd.h>
 
 #include <cstdio>

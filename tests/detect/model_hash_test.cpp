@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 #include <headway/core/error.h>
-#include <headway/detect/model_hash.h>
+#include <headway/detect/network_detector.h>
 #include <headway_test/folders.h>
 
 #include <fstream>

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "network_output.h"
+#include "network_boxes.h"
 
 namespace headway::detect {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "network_tiles.h"
-
 #include <gtest/gtest.h>
+
+#include "network_boxes.h"
 
 namespace headway::detect {
 namespace {

@@ -4,7 +4,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/objdetect.hpp>
 
-#include "network_output.h"
+#include "network_boxes.h"
 
 namespace headway::detect {
 namespace {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A network that detects objects in single images: its format, its file, and the detector.
 #pragma once
 
 #include <headway/core/params.h>
@@ -25,7 +26,7 @@ struct NetworkParams {
   bool swap_red_blue = false;  ///< the network expects RGB
   bool letterbox = true;       ///< keep the image's proportions, fill with `letterbox_grey`
   int letterbox_grey = 114;
-  bool tiles = true;           ///< run also on overlapping tiles of wide images
+  bool tiles = true;             ///< run also on overlapping tiles of wide images
   std::string classes = "coco";  ///< what its classes mean: "coco", or KITTI names by comma
   double min_score = 0.35;       ///< lower scores are left out [-]
   double nms_iou = 0.5;          ///< of two boxes that overlap more the better is kept [-]
@@ -61,5 +62,10 @@ class NetworkDetector : public Detector {
   class Implementation;
   std::unique_ptr<Implementation> implementation_;
 };
+
+/// SHA-256 of a file, as 64 hexadecimal digits.
+///
+/// @throws InputError if the file cannot be read
+[[nodiscard]] std::string sha256OfFile(const std::string& path);
 
 }  // namespace headway::detect
