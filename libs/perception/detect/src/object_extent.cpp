@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "object_extent.h"
 
-#include <headway/detect/class_size.h>
+#include <headway/detect/stereo_lifter.h>
 
 #include <algorithm>
 #include <cmath>
