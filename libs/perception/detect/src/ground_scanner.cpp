@@ -1,17 +1,308 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Scans the ground for free space and obstacles, column by column of a disparity image.
 #include <headway/core/error.h>
+#include <headway/core/scan.h>
 #include <headway/core/text.h>
 #include <headway/detect/ground_scanner.h>
+#include <headway/stereo/rig_capability.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <utility>
+#include <vector>
 
-#include "column_scanner.h"
 #include "left_out_cells.h"
 
 namespace headway::detect {
 namespace {
 
 constexpr double kMaxUpY = -0.3;  // of "up" in the camera: columns must cross the ground
+
+// Ratios of the minimum height of an obstacle.
+constexpr double kUprightRatio = 0.25 / 0.3;  // height that must be matched at one distance,
+constexpr double kMatchedRatio = 0.6;         // of that height: texture may be missing
+constexpr double kMinRiseRatio = 0.4;         // from its lowest to its highest point
+
+constexpr int kMinRows = 3;              // of an obstacle or a drop
+constexpr double kMaxSlope = 0.12;       // of a ramp
+constexpr double kDepth = 0.25;          // "one distance" [m]
+constexpr double kDisparity = 1.5;       // or this difference of disparities [px]
+constexpr double kDistinctSigmas = 2.0;  // between depths of one obstacle that are kept apart
+constexpr double kBeyondReach = 1.3;     // of the reach: an obstacle up to here ends a column
+constexpr double kContrastSigmas = 3.0;  // between ground and an obstacle that would hide it
+// Ground without texture is free where it is shorter than this. A drop as long could not be told
+// from it; shorter ones are bridged by a robot, whose length is about its camera's height.
+constexpr double kMaxGapRatio = 1.5;  // of the camera's height,
+constexpr double kMaxGapRows = 3.0;   // or of the distance between neighbouring rows
+
+/// Scans the columns of a disparity image for free ground and obstacles, see scanGround().
+class ColumnScanner {
+ public:
+  /// @param params  without 0; all arguments must outlive the scanner
+  ColumnScanner(const stereo::DisparityImage& disparity, const StereoCamera& camera,
+                const stereo::GroundPlane& ground, const stereo::RigCapability& rig,
+                const GroundScanParams& params)
+      : disparity_(disparity),
+        camera_(camera),
+        ground_(ground),
+        params_(params),
+        fb_(camera.fx * camera.baseline_m),
+        meets_drops_(rig.meets_drops),
+        matched_to_m_(kBeyondReach * params.reach_m),
+        obstacles_to_m_(rig.meets_drops
+                            ? std::clamp(rig.high_obstacles_to_m, params.reach_m, matched_to_m_)
+                            : params.reach_m) {}
+
+  /// Height from which an obstacle at a depth can be told from ground and ramps [m].
+  /// The part of an obstacle that is above the noise of the ground must rise more than a ramp.
+  [[nodiscard]] static double minDetectableHeight(const stereo::GroundPlane& ground, double depth) {
+    return ground.tolerance(depth) + kMaxSlope * kDepth;
+  }
+
+  /// Adds what a column shows.
+  /// @param left_out  nonzero where cells of the disparity image are not used
+  void scan(int column, const cv::Mat& left_out, GroundScan& scan) {
+    read(column, left_out);
+    const auto obstacles = obstacleDepths();
+    const auto drop = findDrop();
+    double free_to = drop ? std::min(params_.reach_m, drop->from) : params_.reach_m;
+    if (!obstacles.empty()) {
+      free_to = std::min(free_to, obstacles.front() - sigmaAt(obstacles.front()));
+    }
+    for (const auto& piece : freeBefore(free_to)) {
+      scan.free.push_back({placeAt(column, piece.from), placeAt(column, piece.to)});
+    }
+    if (drop && meets_drops_ && drop->to <= params_.reach_m) {
+      const auto sigma = static_cast<float>(sigmaAt(drop->to));
+      scan.obstacles.push_back({placeAt(column, drop->to), sigma});
+      if (drop->to - drop->from < kMaxGapRatio * ground_.camera_height) {
+        scan.obstacles.push_back({placeAt(column, drop->from), sigma});
+      }
+    }
+    for (const double depth : obstacles) {
+      if (depth > obstacles_to_m_ || sigmaAt(depth) > params_.max_error_m) break;
+      scan.obstacles.push_back({placeAt(column, depth), static_cast<float>(sigmaAt(depth))});
+    }
+  }
+
+ private:
+  /// A point that may be part of an obstacle.
+  struct Raised {
+    double disparity;
+    double height;  ///< [m]
+  };
+  /// A point of the ground, or below it [m].
+  struct Surface {
+    double depth;
+    double height;
+  };
+  /// Depths between which the ground of a column is free [m].
+  struct Interval {
+    double from;
+    double to;
+  };
+
+  void read(int column, const cv::Mat& left_out) {
+    raised_.clear();
+    seen_ground_.clear();
+    below_.clear();
+    const double x = (disparity_.pixelOf(column) - camera_.cx) / camera_.fx;
+    const double least = fb_ / matched_to_m_;
+    for (int row = 0; row < disparity_.values.rows; ++row) {
+      const double d = disparity_.values.at<float>(row, column);
+      if (d < least || left_out.at<std::uint8_t>(row, column) != 0) continue;
+      const double y = (disparity_.pixelOf(row) - camera_.cy) / camera_.fy;
+      const double depth = fb_ / d;
+      const double height = ground_.heightOf(Eigen::Vector3d(x, y, 1.0) * depth);
+      if (height > params_.max_obstacle_height_m) continue;
+      const double clearance = ground_.clearance(depth);
+      if (height > clearance) {
+        raised_.push_back({d, height});
+      } else if (height >= -clearance) {
+        seen_ground_.push_back({depth, height});
+      } else if (height <= -params_.min_obstacle_height_m) {
+        below_.push_back({depth, height});
+      }
+    }
+    std::sort(raised_.begin(), raised_.end(),
+              [](const Raised& a, const Raised& b) { return a.disparity > b.disparity; });
+    std::sort(seen_ground_.begin(), seen_ground_.end(),
+              [](const Surface& a, const Surface& b) { return a.depth < b.depth; });
+  }
+
+  /// Depths of what the robot can drive neither over nor under, in ascending order [m].
+  ///
+  /// The nearest stands upright or is higher than a ramp could be, such as the top of a table.
+  /// Behind it, whatever is as high as an obstacle is one: it could only be reached through the
+  /// nearest.
+  [[nodiscard]] std::vector<double> obstacleDepths() const {
+    std::vector<double> depths;
+    std::size_t last = 0;
+    for (std::size_t first = 0; first < raised_.size();) {
+      const double d = raised_[first].disparity;
+      const double depth = fb_ / d;
+      const double farthest = d - std::max(kDisparity, d * kDepth / (depth + kDepth));
+      while (last < raised_.size() && raised_[last].disparity >= farthest) ++last;
+      if (isUpright(first, last, fb_ / farthest - depth) ||
+          isElevated(first, last, !depths.empty())) {
+        addDepths(first, last, depths);
+        first = last;
+      } else {
+        ++first;
+      }
+    }
+    return depths;
+  }
+
+  /// Whether points at one distance stand.
+  /// @param extent  of that distance [m]
+  [[nodiscard]] bool isUpright(std::size_t first, std::size_t last, double extent) const {
+    const double depth = fb_ / raised_[first].disparity;
+    const double rows =
+        kUprightRatio * params_.min_obstacle_height_m * camera_.fy / disparity_.reduce / depth;
+    if (static_cast<double>(last - first) < std::max(1.0 * kMinRows, kMatchedRatio * rows)) {
+      return false;
+    }
+    double top = 0.0;
+    double bottom = params_.max_obstacle_height_m;
+    for (std::size_t i = first; i < last; ++i) {
+      top = std::max(top, raised_[i].height);
+      bottom = std::min(bottom, raised_[i].height);
+    }
+    const double rise = std::max(kMinRiseRatio * params_.min_obstacle_height_m, kMaxSlope * extent);
+    return top >= params_.min_obstacle_height_m && top - bottom >= rise;
+  }
+
+  /// Whether points at one distance have at least a height: enough rows, or behind an obstacle as
+  /// many as a horizontal surface would show.
+  [[nodiscard]] bool isElevated(std::size_t first, std::size_t last, bool behind) const {
+    const double near = raised_[first].disparity / fb_;
+    const double ramp = behind ? 0.0 : kMaxSlope / near;
+    const double height = std::max(ramp, params_.min_obstacle_height_m);
+    const double far = raised_[last - 1].disparity / fb_;
+    const double below = std::abs(ground_.camera_height - height);
+    const double horizontal = camera_.fy / disparity_.reduce * below * (near - far);
+    int rows = 0;
+    for (std::size_t i = first; i < last; ++i) rows += raised_[i].height >= height ? 1 : 0;
+    const double needed =
+        behind ? std::clamp(kMatchedRatio * horizontal, 1.0, 1.0 * kMinRows) : kMinRows;
+    return rows >= needed;
+  }
+
+  /// Appends the means of the points at one distance, apart where they differ significantly.
+  void addDepths(std::size_t first, std::size_t last, std::vector<double>& depths) const {
+    const double step = kDistinctSigmas * params_.sigma_disparity_px;
+    const std::size_t before = depths.size();
+    for (std::size_t i = first; i < last;) {
+      double sum = 0.0;
+      std::size_t end = i;
+      for (; end < last && raised_[i].disparity - raised_[end].disparity < step; ++end) {
+        sum += raised_[end].disparity;
+      }
+      const auto rows = static_cast<double>(end - i);
+      if (rows >= kMinRows) depths.push_back(fb_ * rows / sum);
+      i = end;
+    }
+    if (depths.size() == before) depths.push_back(fb_ / raised_[(first + last) / 2].disparity);
+  }
+
+  /// The nearest drop.
+  ///
+  /// A point below the ground by an obstacle's height proves that there is no ground where its ray
+  /// would meet it. It belongs to a drop unless a ramp could lead down to it.
+  [[nodiscard]] std::optional<Interval> findDrop() const {
+    std::vector<Interval> rims;  // from the last ground to where it is missing
+    const double height = ground_.camera_height;
+    for (const auto& point : below_) {
+      const double missing = point.depth * height / (height - point.height);
+      const auto after = std::upper_bound(
+          seen_ground_.begin(), seen_ground_.end(), missing,
+          [](double depth, const Surface& ground) { return depth < ground.depth; });
+      const Surface edge = after == seen_ground_.begin() ? Surface{0.0, 0.0} : *(after - 1);
+      const double slope = (edge.height - point.height) / (point.depth - edge.depth);
+      if (slope > kMaxSlope) rims.push_back({edge.depth, missing});
+    }
+    if (rims.size() < kMinRows) return std::nullopt;
+    const auto third = rims.begin() + kMinRows - 1;
+    std::nth_element(rims.begin(), third, rims.end(), [](const Interval& a, const Interval& b) {
+      return std::pair(a.from, a.to) < std::pair(b.from, b.to);
+    });
+    return *third;
+  }
+
+  /// Ground on which an obstacle of the minimum height would have been noticed: it would hide
+  /// ground that was matched behind it, at a disparity that differs from its own. Ground seen
+  /// across a gap shows that no obstacle stands in the gap, but not that there is ground.
+  [[nodiscard]] std::vector<Interval> freeBefore(double depth) const {
+    std::vector<Interval> pieces;
+    double last = -std::numeric_limits<double>::infinity();
+    double ground_from = 0.0;  // of the stretch without a gap
+    for (const auto& point : seen_ground_) {
+      const double seen = point.depth;
+      const double row = seen * seen / (camera_.fy * ground_.camera_height) * disparity_.reduce;
+      const double max_gap = std::max(kMaxGapRatio * ground_.camera_height, kMaxGapRows * row);
+      const bool joined = seen - last <= max_gap;
+      // A far rim looks like ground behind a gap. Roads have no drops, but asphalt hardly any
+      // texture.
+      if (!joined) {
+        ground_from = meets_drops_ ? distinctBehind(seen) : seen - max_gap;
+      }
+      const double from =
+          std::max({hiddenFrom(seen), ground_from, joined ? distinctBefore(last) : 0.0});
+      const double to = std::min(distinctBefore(seen), depth);
+      last = seen;
+      if (from >= depth) break;
+      if (from >= to) continue;
+      if (pieces.empty() || pieces.back().to < from) pieces.push_back({from, to});
+      pieces.back().to = std::max(pieces.back().to, to);
+    }
+    return pieces;
+  }
+
+  /// An obstacle of the minimum height hides the ground seen at a depth if it stands from here on.
+  [[nodiscard]] double hiddenFrom(double seen) const {
+    return seen * (1.0 - std::min(1.0, params_.min_obstacle_height_m / ground_.camera_height));
+  }
+
+  /// An obstacle up to here has another disparity than the ground at a depth.
+  [[nodiscard]] double distinctBefore(double seen) const {
+    return fb_ / (fb_ / seen + kContrastSigmas * params_.sigma_disparity_px);
+  }
+
+  /// Ground from here on has another disparity than the ground at a depth.
+  [[nodiscard]] double distinctBehind(double seen) const {
+    const double disparity = fb_ / seen - kContrastSigmas * params_.sigma_disparity_px;
+    return disparity > 0.0 ? fb_ / disparity : std::numeric_limits<double>::infinity();
+  }
+
+  [[nodiscard]] double sigmaAt(double depth) const {
+    return params_.sigma_disparity_px * depth * depth / fb_;
+  }
+
+  /// Where the column's plane of sight meets the ground at a depth, in the robot's frame.
+  [[nodiscard]] Eigen::Vector3f placeAt(int column, double depth) const {
+    const double x = depth * (disparity_.pixelOf(column) - camera_.cx) / camera_.fx;
+    const double y =
+        -(ground_.camera_height + ground_.up.x() * x + ground_.up.z() * depth) / ground_.up.y();
+    return (camera_.T_robot_cam * Eigen::Vector3d(x, y, depth)).cast<float>();
+  }
+
+  const stereo::DisparityImage& disparity_;
+  const StereoCamera& camera_;
+  const stereo::GroundPlane& ground_;
+  const GroundScanParams& params_;
+  double fb_;
+  bool meets_drops_;
+  double matched_to_m_;    ///< an obstacle up to here ends a column
+  double obstacles_to_m_;  ///< and is entered up to here
+  // Points of the column read, by their heights; what is raised and the ground nearest first.
+  std::vector<Raised> raised_;
+  std::vector<Surface> seen_ground_;
+  std::vector<Surface> below_;
+};
 
 }  // namespace
 
