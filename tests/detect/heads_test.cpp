@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "heads.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
+
+#include "upright_segments.h"
 
 namespace headway::detect {
 namespace {

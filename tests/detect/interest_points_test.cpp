@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "interest_points.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <opencv2/core.hpp>
 
 #include "grid.h"
+#include "point_follower.h"
 
 namespace headway::detect {
 namespace {

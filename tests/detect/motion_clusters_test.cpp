@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "motion_clusters.h"
-
 #include <gmock/gmock.h>
 
 #include "drive.h"
+#include "moving_object_finder.h"
 
 namespace headway::detect {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "moving_object.h"
-
 #include <gtest/gtest.h>
+
+#include "moving_object_finder.h"
 
 namespace headway::detect {
 namespace {

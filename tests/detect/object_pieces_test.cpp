@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "object_pieces.h"
-
 #include <gtest/gtest.h>
 
 #include "grid.h"
+#include "moving_object_finder.h"
 
 namespace headway::detect {
 namespace {

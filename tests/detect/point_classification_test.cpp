@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "point_classification.h"
-
 #include <gtest/gtest.h>
+
+#include "point_motion.h"
 
 namespace headway::detect {
 namespace {

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "segment_flow.h"
+#include "upright_segments.h"
 
 namespace headway::detect {
 namespace {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "segment_flow.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "grid.h"
+#include "upright_segments.h"
 
 namespace headway::detect {
 namespace {

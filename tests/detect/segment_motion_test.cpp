@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "segment_motion.h"
-
 #include <gtest/gtest.h>
 
 #include "drive.h"
-#include "noise_scale.h"
+#include "point_follower.h"
+#include "segment_follower.h"
 
 namespace headway::detect {
 namespace {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Templates of objects: how one is cut out of an image and found in another.
 #include "appearance.h"
 
 #include <algorithm>

@@ -167,7 +167,7 @@ constexpr auto kMaxDisparityPx =
 cv::Mat withoutSteps(const cv::Mat& values, const cv::Mat& around) {
   cv::Mat farthest;
   cv::erode(around, farthest,
-            cv::getStructuringElement(cv::MORPH_RECT, {kSmearedCells, kMatcherBlock}));
+            cv::getStructuringElement(cv::MORPH_RECT, {kSmearedCells, kSmearedCells}));
   const cv::Mat step = values - farthest;
   cv::Mat without = (step <= kMinStepPx) | (step <= kMinStepRatio * values);
   without &= values > 0.0;

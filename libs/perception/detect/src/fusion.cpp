@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Joins what several detectors found in one frame.
 #include <headway/core/assignment.h>
 #include <headway/core/box_overlap.h>
 #include <headway/detect/fusion.h>

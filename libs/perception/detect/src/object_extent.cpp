@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Extent of an object: its cells of the disparity image, its boxes and its class by size.
 #include "object_extent.h"
 
 #include <headway/detect/stereo_lifter.h>
@@ -8,8 +9,7 @@
 #include <limits>
 #include <map>
 
-#include "over_ground.h"
-#include "range.h"
+#include "point_motion.h"
 
 namespace headway::detect {
 namespace {

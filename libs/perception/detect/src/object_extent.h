@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Extent of an object: its cells of the disparity image, its boxes and its class by size.
 #pragma once
 
 #include <headway/core/detection.h>
@@ -6,11 +7,25 @@
 #include <headway/stereo/disparity.h>
 #include <headway/stereo/ground_plane.h>
 
+#include <algorithm>
+#include <limits>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <vector>
 
 namespace headway::detect {
+
+/// Values between a smallest and a largest one; none before the first is added.
+struct Range {
+  double min = std::numeric_limits<double>::infinity();
+  double max = -std::numeric_limits<double>::infinity();
+
+  void add(double value) {
+    min = std::min(min, value);
+    max = std::max(max, value);
+  }
+  [[nodiscard]] double size() const { return max - min; }
+};
 
 inline constexpr double kFastestWalker = 3.2;  // [m/s]
 inline constexpr double kCellSigma = 0.4;      // of the disparity of a cell [px]

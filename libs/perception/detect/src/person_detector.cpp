@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Finds upright people by OpenCV's histograms of oriented gradients.
 #include <headway/detect/person_detector.h>
 
 #include <opencv2/imgproc.hpp>

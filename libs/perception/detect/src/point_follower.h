@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Points of the image followed from frame to frame: which are chosen, where they are found again.
 #pragma once
 
+#include <headway/core/stereo_camera.h>
 #include <headway/core/stereo_frame.h>
+#include <headway/stereo/disparity.h>
 #include <headway/stereo/frame_context.h>
+#include <headway/stereo/ground_plane.h>
 #include <headway/stereo/point_tracking.h>
 
 #include <cstdint>
@@ -12,17 +16,28 @@
 
 #include "camera_path.h"
 #include "point_motion.h"
-#include "turn_change.h"
 
 namespace headway::detect {
 
-/// A point of the image followed from frame to frame.
-struct PointTrack {
-  std::int64_t id = 0;                    ///< ascending in order of creation
-  std::vector<Observation> observations;  ///< oldest first
-  std::optional<PointMotion> motion;
-  std::int64_t group = -1;  ///< of points on one moving object; -1: none, or static
+/// Where objects could be, above the ground.
+struct InterestZone {
+  double range_m = 50.0;      ///< depth [m]
+  double max_height_m = 3.5;  ///< above ground [m]
+  double people_m = 28.0;     ///< depth to which people are looked for [m]
 };
+
+/// The best corners to track, at most one to a square of `spacing_px`, strongest first.
+///
+/// Corners that may be on a person (below 2 m, within `people_m`) are preferred to others, of which
+/// trees have the strongest. Nine tenths lie in the zone; the rest anywhere with a disparity.
+/// Squares that hold one of the points `taken` are skipped. Without a ground plane heights are not
+/// tested.
+///
+/// @see  Shi & Tomasi 1994: the smaller eigenvalue, here in an image reduced to a half
+[[nodiscard]] std::vector<cv::Point2f> interestPoints(
+    const cv::Mat& image, const stereo::DisparityImage& disparity, const StereoCamera& camera,
+    const std::optional<stereo::GroundPlane>& ground, const InterestZone& zone,
+    const std::vector<cv::Point2f>& taken, int spacing_px, int wanted);
 
 /// Which points are followed.
 struct FollowerParams {
@@ -89,6 +104,20 @@ class PointFollower {
   stereo::SecondView right_;
   std::int64_t next_id_ = 0;
   double offset_ = 0.0;  ///< of the disparities measured in the newest frame [px]
+};
+
+/// Ratio of the errors of image observations to those assumed, which depends on the images.
+///
+/// The median fit of static points, smoothed over the frames. Not objects::NoiseScale, which scales
+/// the covariances of detections by a tracker's innovations.
+class NoiseScale {
+ public:
+  void update(const std::vector<PointTrack>& points);
+  /// True errors over those assumed [-].
+  [[nodiscard]] double value() const { return value_; }
+
+ private:
+  double value_ = 1.0;
 };
 
 }  // namespace headway::detect

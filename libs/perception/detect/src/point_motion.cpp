@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Motion of a point: its observations in the last frames, the fit as static and as moving, and its
+// class.
 #include "point_motion.h"
 
+#include <headway/stereo/right_turn.h>
 #include <headway/stereo/stereo_residual.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 
 namespace headway::detect {
 namespace {
@@ -112,6 +116,9 @@ bool fitMoving(const std::vector<Observation>& observations, const CameraPath& p
   return motion.point.allFinite() && motion.velocity.allFinite();
 }
 
+constexpr double kGoodFit = 3.0;  // squared error to a degree of freedom
+constexpr double kBadFit = 6.0;
+
 }  // namespace
 
 std::vector<Observation> since(int frame, const std::vector<Observation>& observations) {
@@ -134,6 +141,46 @@ std::optional<PointMotion> fitMotion(const std::vector<Observation>& observation
   if (!fitStatic(observations, residuals, motion)) return std::nullopt;
   if (!fitMoving(observations, path, residuals, speed_prior, motion)) return std::nullopt;
   return motion;
+}
+
+PointClass classifyPoint(const PointTrack& point, const Eigen::Vector3d& up,
+                         const PointClassParams& params) {
+  if (!point.motion || point.motion->observations < params.min_observations) {
+    return PointClass::kUnknown;
+  }
+  const PointMotion& motion = *point.motion;
+  const double static_fit = motion.staticFit();
+  const double moving_fit = motion.movingFit();
+  if (moving_fit > kBadFit && static_fit > kBadFit) return PointClass::kMismatch;
+  const Eigen::Vector3d along_ground = overGround(motion.velocity, up);
+  const double speed = along_ground.norm();
+  const Eigen::Vector3d direction = along_ground / std::max(1e-9, speed);
+  const double sigma = std::sqrt(direction.dot(motion.velocity_covariance * direction));
+  const bool significant = motion.static_error - motion.moving_error > params.significance &&
+                           speed > params.speed_sigmas * sigma;
+  const bool possible =
+      speed > params.min_speed && speed < params.max_speed && motion.velocity.norm() < 2.0 * speed;
+  if (significant && possible && moving_fit < kGoodFit) return PointClass::kMoving;
+  return static_fit < kGoodFit ? PointClass::kStatic : PointClass::kUnknown;
+}
+
+bool TurnChange::advance(const stereo::FrameContext& context) {
+  before_ = now_;
+  now_ = {context.rightTurn(), context.disparityOffset()};
+  return now_.angles != before_.angles;
+}
+
+void TurnChange::apply(std::vector<Observation>& observations) const {
+  constexpr double kMinConverted = 1.0;  // [px]
+  for (Observation& one : observations) {
+    const double measured = one.uvd.z() + before_.offset_px;
+    one.uvd.z() =
+        stereo::turnedDisparity(one.uvd.head<2>(), measured, before_.angles, now_.angles, camera_) -
+        now_.offset_px;
+  }
+  const auto is_too_far = [](const Observation& one) { return one.uvd.z() < kMinConverted; };
+  observations.erase(std::remove_if(observations.begin(), observations.end(), is_too_far),
+                     observations.end());
 }
 
 }  // namespace headway::detect

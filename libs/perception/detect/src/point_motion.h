@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Motion of a point: its observations in the last frames, the fit as static and as moving, and its
+// class.
 #pragma once
 
 #include <headway/core/stereo_camera.h>
 #include <headway/stereo/disparity_offset.h>
+#include <headway/stereo/frame_context.h>
 
 #include <Eigen/Core>
 #include <optional>
@@ -11,6 +14,19 @@
 #include "camera_path.h"
 
 namespace headway::detect {
+
+/// The part of a vector that lies along the ground.
+///
+/// @param up  unit normal of the ground
+inline Eigen::Vector3d overGround(const Eigen::Vector3d& vector, const Eigen::Vector3d& up) {
+  return vector - up * up.dot(vector);
+}
+
+/// Standard deviation of a vector along its own direction.
+inline double sigmaAlong(const Eigen::Vector3d& vector, const Eigen::Matrix3d& covariance) {
+  const Eigen::Vector3d direction = vector.normalized();
+  return std::sqrt(direction.dot(covariance * direction));
+}
 
 /// A point as observed in one frame.
 struct Observation {
@@ -63,5 +79,60 @@ struct PointMotion {
                                                    const StereoCamera& camera,
                                                    const ObservationNoise& noise,
                                                    double speed_prior);
+
+/// A point of the image followed from frame to frame.
+struct PointTrack {
+  std::int64_t id = 0;                    ///< ascending in order of creation
+  std::vector<Observation> observations;  ///< oldest first
+  std::optional<PointMotion> motion;
+  std::int64_t group = -1;  ///< of points on one moving object; -1: none, or static
+};
+
+/// Motion of a followed point.
+enum class PointClass {
+  kUnknown,   ///< observed too few times, or not significant
+  kStatic,    ///< a static point explains its observations
+  kMoving,    ///< only motion explains its observations
+  kMismatch,  ///< neither does: it slid along an edge or to another object
+};
+
+/// Parameters of classifyPoint().
+struct PointClassParams {
+  int min_observations = 3;
+  double significance = 30.0;  ///< likelihood ratio, chi-square with 3 degrees of freedom [-]
+  double min_speed = 0.6;      ///< over the ground [m/s]
+  double max_speed = 60.0;     ///< [m/s]
+  double speed_sigmas = 3.0;   ///< speed over its standard deviation [-]
+};
+
+/// Classifies a fitted point by its motion over the ground.
+///
+/// @param up  unit normal of the ground, in the world of the path
+[[nodiscard]] PointClass classifyPoint(const PointTrack& point, const Eigen::Vector3d& up,
+                                       const PointClassParams& params);
+
+/// Converts observations of earlier frames to disparities as they are measured in the newest one.
+///
+/// In right images that are turned back by different rotations static points would seem to move.
+class TurnChange {
+ public:
+  explicit TurnChange(const StereoCamera& camera) : camera_(camera) {}
+
+  /// Takes over what is undone in a new frame.
+  ///
+  /// @return  whether it differs from the frame before, so that observations are to be converted
+  bool advance(const stereo::FrameContext& context);
+
+  /// Observations whose disparity becomes less than 1 px are removed.
+  void apply(std::vector<Observation>& observations) const;
+
+ private:
+  struct Undone {
+    Eigen::Vector3d angles = Eigen::Vector3d::Zero();  ///< as FrameContext::rightTurn() [rad]
+    double offset_px = 0.0;                            ///< as FrameContext::disparityOffset()
+  };
+  StereoCamera camera_;
+  Undone before_, now_;
+};
 
 }  // namespace headway::detect

@@ -1,21 +1,121 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Flow of the image against that of a static scene: where something moves across the line of sight.
 #include "residual_flow.h"
 
+#include <headway/core/parallel_rows.h>
+#include <headway/core/pose.h>
 #include <headway/core/statistics.h>
+#include <headway/core/stereo_camera.h>
 #include <headway/stereo/reduced_image.h>
 
+#include <Eigen/Core>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
-
-#include "static_scene.h"
 
 namespace headway::detect {
 namespace {
+
+/// Positions of a row's static cells in the previous frame, by their disparities.
+class StaticRow {
+ public:
+  StaticRow(const Eigen::Matrix3f& turn, const Eigen::Vector3f& shift, int row, int reduce)
+      : reduce_(static_cast<float>(reduce)),
+        begin_(turn.col(1) * pixelOf(row) + turn.col(2)),
+        step_(turn.col(0)),
+        shift_(shift) {}
+
+  /// Column and row of the grid.
+  [[nodiscard]] cv::Point2f before(int column, float disparity) const {
+    const Eigen::Vector3f there = step_ * pixelOf(column) + begin_ + shift_ * disparity;
+    return {cellOf(there.x() / there.z()), cellOf(there.y() / there.z())};
+  }
+
+ private:
+  [[nodiscard]] float pixelOf(int cell) const {
+    return (static_cast<float>(cell) + 0.5F) * reduce_ - 0.5F;
+  }
+  [[nodiscard]] float cellOf(float pixel) const { return (pixel + 0.5F) / reduce_ - 0.5F; }
+
+  float reduce_;
+  Eigen::Vector3f begin_, step_, shift_;
+};
+
+/// Image motion of a static scene from the previous frame to this one.
+class StaticScene {
+ public:
+  StaticScene(const Pose& T_before_now, const StereoCamera& camera, int reduce) : reduce_(reduce) {
+    Eigen::Matrix3d K;
+    K << camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0;
+    turn_ = (K * T_before_now.linear() * K.inverse()).cast<float>();
+    shift_ = (K * T_before_now.translation() / (camera.fx * camera.baseline_m)).cast<float>();
+  }
+
+  [[nodiscard]] StaticRow row(int row) const { return {turn_, shift_, row, reduce_}; }
+
+ private:
+  int reduce_;
+  Eigen::Matrix3f turn_;
+  Eigen::Vector3f shift_;
+};
+
+/// Where cells of this frame are in the frame before.
+struct Warp {
+  cv::Mat columns, rows;  ///< of the frame before, 32-bit, for each cell
+};
+
+const cv::Size kNearMargin(17, 5);  // by which near objects are dilated [cells]
+
+// Fills a row's holes with the smaller of the disparities beside them, the background's.
+void fillRow(float* row, int columns) {
+  float left = 0.0F;
+  for (int begin = 0; begin < columns;) {
+    if (row[begin] > 0.0F) {
+      left = row[begin++];
+      continue;
+    }
+    int end = begin;
+    while (end < columns && row[end] <= 0.0F) ++end;
+    const float right = end < columns ? row[end] : left;
+    const float fill = left > 0.0F ? std::min(left, right) : right;
+    std::fill(row + begin, row + end, fill);
+    begin = end;
+  }
+}
+
+// Disparities without holes, near objects dilated so that the warp does not tear at outlines.
+cv::Mat smoothed(const cv::Mat& disparities) {
+  cv::Mat result;
+  cv::dilate(disparities, result, cv::getStructuringElement(cv::MORPH_RECT, kNearMargin));
+  for (int row = 0; row < result.rows; ++row) fillRow(result.ptr<float>(row), result.cols);
+  return result;
+}
+
+/// The warp of a static scene. Holes of the disparities are filled with those of the background
+/// beside them, and near objects are dilated, so that the warp does not tear at outlines.
+///
+/// @param disparities  32-bit, of each cell of a grid; 0 where unknown
+Warp warpOf(const cv::Mat& disparities, const StaticScene& scene) {
+  const cv::Mat filled = smoothed(disparities);
+  Warp warp{cv::Mat(disparities.size(), CV_32F), cv::Mat(disparities.size(), CV_32F)};
+  forEachRow(disparities.rows, [&](int row) {
+    const StaticRow static_row = scene.row(row);
+    const auto* d = filled.ptr<float>(row);
+    auto* columns = warp.columns.ptr<float>(row);
+    auto* rows = warp.rows.ptr<float>(row);
+    for (int column = 0; column < disparities.cols; ++column) {
+      const cv::Point2f there = static_row.before(column, d[column]);
+      columns[column] = there.x;
+      rows[column] = there.y;
+    }
+  });
+  return warp;
+}
 
 constexpr int kSearchReach = 16;  // search range to either side [cells]
 constexpr int kMatchedBlock = 9;  // side of a matched block [cells]

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Flow of the image against that of a static scene: where something moves across the line of sight.
 #pragma once
 
 #include <headway/core/stereo_frame.h>

@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Upright segments followed from frame to frame, and the motion of each pooled from all that is
+// known of it.
 #include "segment_follower.h"
 
 #include <headway/core/assignment.h>
+#include <headway/core/statistics.h>
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core.hpp>
 
-#include "over_ground.h"
+#include "point_motion.h"
 
 namespace headway::detect {
 namespace {
@@ -18,7 +24,6 @@ constexpr double kEdge = 0.5;           // error of a segment's centre [px]
 constexpr double kEdgeRatio = 0.03;     // and ratio to its width
 constexpr double kSegmentDisparitySigma = 0.3;  // [px]
 constexpr double kRowSigma = 30.0;              // feet and heads are cut off at random [px]
-constexpr double kMaxSpeed = 8.0;               // of a segment [m/s]
 constexpr int kMinSegmentObservations = 4;
 constexpr int kMaxMissed = 3;            // frames
 constexpr double kGoodSegmentFit = 3.0;  // squared error to a degree of freedom
@@ -64,6 +69,134 @@ class Gate {
   Eigen::Vector3d expected_, up_, ray_;
   double across_, along_;  ///< [m]
 };
+
+constexpr double kPartTail = 4.0;  // squared distance at which a part has half its weight
+constexpr int kFitIterations = 5;
+constexpr double kMedianLoss = 1.25;  // standard error of a median over that of a mean
+constexpr double kMinSpan = 0.25;     // of observations [s]
+
+// Velocity of one part over the ground: along the line of sight, and across it.
+struct Part {
+  Eigen::Vector2d velocity;
+  Eigen::Matrix2d information;
+};
+
+// Axes over the ground: along the line of sight to the segment, and across it.
+using Axes = Eigen::Matrix<double, 3, 2>;
+
+Axes axesTo(const UprightSegment& segment, const CameraPath& path, const StereoCamera& camera,
+            const Eigen::Vector3d& up) {
+  const Eigen::Vector3d ray =
+      path.T_cam_world(path.newest()).linear().transpose() * *triangulate(segment.uvd, camera);
+  Axes axes;
+  axes.col(0) = overGround(ray, up).normalized();
+  axes.col(1) = up.cross(axes.col(0));
+  return axes;
+}
+
+Part partOf(const PointMotion& motion, const Axes& axes, double scale) {
+  const Eigen::Matrix2d covariance = axes.transpose() * motion.velocity_covariance * axes;
+  return {axes.transpose() * motion.velocity, (scale * scale * covariance).inverse()};
+}
+
+// Median flow of some frames, its error estimated from their scatter. Along the line of sight it
+// contributes the prior on walking speed alone.
+Part partOf(const std::deque<LateralSpeed>& across, const Axes& axes, const Eigen::Vector3d& right,
+            double speed_prior) {
+  std::vector<double> speeds;
+  std::vector<double> errors;
+  for (const auto& flow : across) speeds.push_back(flow.speed);
+  const double middle = median(speeds);
+  for (const auto& flow : across) {
+    errors.push_back(std::max(flow.sigma, std::abs(flow.speed - middle)));
+  }
+  const double sigma = kMedianLoss * median(errors);
+  const double side = right.dot(axes.col(1)) < 0.0 ? -1.0 : 1.0;
+  const double along = 1.0 / (speed_prior * speed_prior);
+  const double information = static_cast<double>(across.size()) / (sigma * sigma);
+  return {{0.0, side * middle}, Eigen::Vector2d(along, information).asDiagonal()};
+}
+
+// Robust mean.
+struct Pooled {
+  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+};
+
+Pooled pool(const std::vector<Part>& parts) {
+  Pooled pooled;
+  for (int i = 0; i < kFitIterations; ++i) {
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+    for (const auto& part : parts) {
+      const Eigen::Vector2d off = part.velocity - pooled.velocity;
+      const double squared = i == 0 ? 0.0 : off.dot(part.information * off);
+      const Eigen::Matrix2d weighed = part.information / (1.0 + squared / kPartTail);
+      information += weighed;
+      sum += weighed * part.velocity;
+    }
+    pooled.information = information;
+    pooled.velocity = information.ldlt().solve(sum);
+  }
+  return pooled;
+}
+
+// Of the camera, mean over its path [m/s].
+double speedOf(const CameraPath& path) {
+  const double seconds = path.timeOf(path.newest()) - path.timeOf(path.oldest());
+  if (seconds <= 0.0) return 0.0;
+  const Pose T = path.T_cam_world(path.newest()) * path.T_cam_world(path.oldest()).inverse();
+  return T.translation().norm() / seconds;
+}
+
+// The parts of a segment and the time over which they were observed [s].
+struct Parts {
+  std::vector<Part> parts;
+  double span = 0.0;
+
+  void add(const Part& part, double seconds) {
+    parts.push_back(part);
+    span = std::max(span, seconds);
+  }
+};
+
+// Every point on the segment that was followed for long enough.
+void addPoints(const UprightSegment& segment, const std::vector<PointTrack>& points,
+               const stereo::DisparityImage& disparity, const CameraPath& path,
+               const StereoCamera& camera, const Axes& axes, const SegmentMotionParams& params,
+               Parts& all) {
+  cv::Mat inside(disparity.values.size(), CV_8U, cv::Scalar(0));
+  for (const auto& cell : segment.cells) inside.at<unsigned char>(cell.place) = 1;
+  const Time now = path.timeOf(path.newest());
+  for (const auto& point : points) {
+    const auto& uvd = point.observations.back().uvd;
+    const cv::Point cell(disparity.cellOf(uvd.x()), disparity.cellOf(uvd.y()));
+    const bool here =
+        cv::Rect({0, 0}, inside.size()).contains(cell) && inside.at<unsigned char>(cell) != 0;
+    if (!here || static_cast<int>(point.observations.size()) < params.min_observations) continue;
+    const double seconds = now - path.timeOf(point.observations.front().frame);
+    if (seconds < kMinSpan) continue;
+    const auto motion =
+        fitMotion(point.observations, path, camera, ObservationNoise(), params.speed_prior);
+    if (!motion) continue;
+    const double scale = std::max(params.noise_scale, std::sqrt(motion->movingFit()));
+    all.add(partOf(*motion, axes, scale), seconds);
+  }
+}
+
+// Covariance of the pooled velocity with the errors common to all parts.
+Eigen::Matrix2d covarianceOf(const Pooled& pooled, const UprightSegment& segment, double span,
+                             const CameraPath& path, const StereoCamera& camera,
+                             const SegmentMotionParams& params) {
+  const double depth = camera.fx * camera.baseline_m / segment.uvd.z();
+  const double along = params.common_disparity_px * depth / segment.uvd.z() / span;
+  const double across = params.common_px * depth / camera.fx / span;
+  const double slip = params.common_ratio * speedOf(path);
+  Eigen::Matrix2d covariance = pooled.information.inverse();
+  covariance.diagonal() +=
+      Eigen::Vector2d(along * along + slip * slip, across * across + slip * slip);
+  return covariance;
+}
 
 }  // namespace
 
@@ -128,9 +261,41 @@ bool SegmentFollower::moves(const SegmentTrack& track, const Eigen::Vector3d& up
   if (!track.track.motion) return false;
   PointClassParams strict = params;
   strict.min_observations = kMinSegmentObservations;
-  strict.max_speed = kMaxSpeed;
+  strict.max_speed = kMaxSegmentSpeed;
   if (classifyPoint(track.track, up, strict) != PointClass::kMoving) return false;
   return overGround(track.track.motion->velocity, up).norm() * window_s > kMinTravel;
+}
+
+std::optional<SegmentMotion> segmentMotion(
+    const UprightSegment& segment, const std::optional<PointMotion>& outline,
+    const std::deque<LateralSpeed>& across, const std::vector<PointTrack>& points,
+    const stereo::DisparityImage& disparity, const CameraPath& path, const StereoCamera& camera,
+    const Eigen::Vector3d& up, const SegmentMotionParams& params) {
+  const Axes axes = axesTo(segment, path, camera, up);
+  Parts all;
+  addPoints(segment, points, disparity, path, camera, axes, params, all);
+  if (outline) all.add(partOf(*outline, axes, 1.0), kMinSpan);
+  const bool flows = static_cast<int>(across.size()) >= params.min_flows;
+  if (flows) {
+    const Eigen::Vector3d right = path.T_cam_world(path.newest()).linear().row(0);
+    double seconds = 0.0;
+    for (const auto& flow : across) seconds += flow.seconds;
+    all.add(partOf(across, axes, right, params.speed_prior), seconds);
+  }
+  if (static_cast<int>(all.parts.size()) < params.min_parts && !flows) return std::nullopt;
+
+  const Pooled pooled = pool(all.parts);
+  const Eigen::Matrix2d covariance = covarianceOf(pooled, segment, all.span, path, camera, params);
+  SegmentMotion motion;
+  motion.velocity = axes * pooled.velocity;
+  motion.covariance = axes * covariance * axes.transpose();
+  motion.evidence = pooled.velocity.dot(covariance.inverse() * pooled.velocity);
+  if (flows) {
+    motion.across = std::abs(all.parts.back().velocity.y());
+    motion.across_sigma = std::sqrt(covariance(1, 1));
+  }
+  motion.parts = static_cast<int>(all.parts.size());
+  return motion;
 }
 
 }  // namespace headway::detect

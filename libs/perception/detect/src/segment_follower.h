@@ -1,14 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Upright segments followed from frame to frame, and the motion of each pooled from all that is
+// known of it.
 #pragma once
 
+#include <headway/core/detection.h>
+
 #include <deque>
+#include <optional>
 #include <vector>
 
-#include "point_classification.h"
-#include "turn_change.h"
+#include "point_follower.h"
+#include "point_motion.h"
 #include "upright_segments.h"
 
 namespace headway::detect {
+
+inline constexpr double kMaxSegmentSpeed = 8.0;  ///< [m/s]
 
 /// A segment followed from frame to frame by its centre.
 struct SegmentTrack {
@@ -55,5 +62,45 @@ class SegmentFollower {
   std::vector<SegmentTrack> tracks_;
   std::int64_t next_id_ = 0;
 };
+
+/// Motion of a segment as a whole, estimated from everything followed on it.
+struct SegmentMotion {
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< over the ground, world of the path [m/s]
+  Eigen::Matrix3d covariance =
+      Eigen::Matrix3d::Identity();  ///< errors common to all parts included
+  double evidence = 0.0;            ///< of motion: chi-square of 2 degrees of freedom if static
+  int parts = 0;                    ///< it was estimated from
+  double across = 0.0;  ///< speed across the line of sight by flow alone; 0: not measured [m/s]
+  double across_sigma = 0.0;  ///< [m/s]
+};
+
+/// Parameters of segmentMotion().
+struct SegmentMotionParams {
+  int min_observations = 4;
+  int min_parts = 3;
+  int min_flows = 2;           ///< a single one may be a mismatch
+  double noise_scale = 1.0;    ///< true errors of observations over those assumed [-]
+  double speed_prior = 3.0;    ///< standard deviation of a segment's speed [m/s]
+  double common_px = 0.3;      ///< drift of the camera's direction over the observations [px]
+  double common_ratio = 0.01;  ///< errors of calibration and motion, of the camera's speed [-]
+  double common_disparity_px = 0.2;  ///< drift of a segment's disparity over them [px]
+};
+
+/// Pools the velocities of the parts of a segment: the points followed on it, its outline and flow.
+///
+/// The motion of each point of a person who walks along the line of sight is within its error;
+/// pooled over all points it is significant. All points are used however they move, so the mean is
+/// unbiased; limbs and background are down-weighted (Cauchy). Errors common to all parts, of the
+/// camera's motion and of stereo, are added once and do not average out.
+///
+/// @param outline  motion of the segment's outline, where it was followed
+/// @param across   speeds by flow in the last frames
+/// @param up       unit normal of the ground, in the world of the path
+/// @return         nullopt for too few parts
+[[nodiscard]] std::optional<SegmentMotion> segmentMotion(
+    const UprightSegment& segment, const std::optional<PointMotion>& outline,
+    const std::deque<LateralSpeed>& across, const std::vector<PointTrack>& points,
+    const stereo::DisparityImage& disparity, const CameraPath& path, const StereoCamera& camera,
+    const Eigen::Vector3d& up, const SegmentMotionParams& params);
 
 }  // namespace headway::detect

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Detection of moving objects by stereo: the steps of one frame are in
+// StereoMotion::Implementation::process().
+#include <headway/core/appearance.h>
+#include <headway/core/statistics.h>
 #include <headway/detect/detector.h>
 #include <headway/detect/stereo_motion.h>
 #include <headway/stereo/rig_capability.h>
@@ -9,18 +13,57 @@
 #include <opencv2/core.hpp>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "appearance.h"
 #include "moving_object_finder.h"
-#include "noise_scale.h"
-#include "object_pieces.h"
 #include "point_follower.h"
 #include "residual_flow.h"
-#include "segment_flow.h"
 #include "segment_follower.h"
 #include "track_guided_detection.h"
+#include "upright_segments.h"
 
 namespace headway::detect {
+
+void StereoMotionParams::describe(Params::Section section) {
+  auto user = section.user();
+  user.add("max_range_m", max_range_m, 0.0, 200.0, "m",
+           "Maximum distance of moving objects; 0: derived from the rig");
+  user.add("min_height_m", min_height_m, 0.0, 5.0, "m",
+           "Minimum height above ground of points on objects, greater on rough ground; 0: two "
+           "thirds of the rig's minimum obstacle height");
+  user.add("min_speed_mps", min_speed_mps, 0.05, 20.0, "m/s",
+           "Speed below which an object is static; smaller finds slower people and more false "
+           "objects");
+  user.add("classify", classify,
+           "Classify objects by size and speed; false reports every object as Unknown");
+  section.add("max_points", max_points, 100, 10000, "", "Maximum points tracked at a time");
+  section.add("spacing_px", spacing_px, 4, 64, "px", "Distance between tracked points");
+  section.add("window_s", window_s, 0.1, 3.0, "s", "Time window of a point's observations");
+  section.add("segment_window_s", segment_window_s, 0.1, 3.0, "s",
+              "Time window of a segment's observations");
+  section.add("max_height_m", max_height_m, 0.5, 20.0, "m",
+              "Maximum height above ground of points on objects");
+  section.add("sigma_px", sigma_px, 0.05, 5.0, "px", "Noise of a point's image position");
+  section.add("sigma_disparity_px", sigma_disparity_px, 0.05, 5.0, "px",
+              "Noise of a point's disparity");
+  section.add("significance", significance, 5.0, 1000.0, "",
+              "Threshold of a point's motion test, chi-square of 3 degrees of freedom");
+  section.add("max_speed_mps", max_speed_mps, 1.0, 200.0, "m/s", "Maximum object speed");
+  section.add("min_points", min_points, 2, 50, "", "Minimum points of an object");
+  section.add("max_point_distance_m", max_point_distance_m, 0.1, 10.0, "m",
+              "Maximum ground distance between neighbouring points of one object");
+  section.add("min_moving_ratio", min_moving_ratio, 0.0, 1.0, "",
+              "Minimum ratio of moving points within an object's outline");
+  section.add("max_segment_range_m", max_segment_range_m, 0.0, 100.0, "m",
+              "Maximum distance at which upright segments are tracked as a whole; 0: derived "
+              "from the rig");
+  section.add("segment_significance", segment_significance, 5.0, 1000.0, "",
+              "Threshold of a segment's motion test, chi-square of 2 degrees of freedom");
+  section.add("max_moving_ratio", max_moving_ratio, 0.1, 1.0, "",
+              "Ratio of moving points above which the camera's motion is rejected as wrong");
+}
+
 namespace {
 
 constexpr double kMinImageContrast = 4.0;  // standard deviation of a usable image [grey levels]
@@ -294,6 +337,60 @@ MotionDetections StereoMotion::detect(const stereo::FrameContext& context,
   const std::size_t implausible = implementation_->takeImplausible();
   if (implausible > 0) result.dropped["implausible_object"] = implausible;
   return result;
+}
+
+namespace {
+
+// Points of the camera frame as seen from the camera some time later.
+Pose cameraMotion(const MotionDetections& motion, double ahead) {
+  Pose T_later_now = Pose::Identity();
+  T_later_now.linear() = expSo3(ahead * motion.camera_turn_rate);
+  T_later_now.translation() = ahead * motion.camera_velocity;
+  return T_later_now;
+}
+
+// How far an object's centre moves in the image [px].
+cv::Point2d shiftOf(const Detection& object, const Pose& T_later_now, const StereoCamera& camera,
+                    double ahead) {
+  const Eigen::Vector3d& centre = object.box3d->centre;
+  const auto from = project(centre, camera);
+  const auto to = project(T_later_now * (centre + ahead * object.velocity->value), camera);
+  if (!from || !to) return {};
+  return {to->x() - from->x(), to->y() - from->y()};
+}
+
+// One cell more each way: landmarks on the outline's corners are the worst.
+void draw(const ObjectMask& object, const cv::Point2d& shift, cv::Mat& mask) {
+  const cv::Rect image({0, 0}, mask.size());
+  const int reduce = object.reduce;
+  for (int row = 0; row < object.cells.rows; ++row) {
+    for (int column = 0; column < object.cells.cols; ++column) {
+      if (object.cells.at<unsigned char>(row, column) == 0) continue;
+      const cv::Point cell = object.corner + cv::Point(column, row);
+      const cv::Rect square((cell.x - 1) * reduce + cvRound(shift.x),
+                            (cell.y - 1) * reduce + cvRound(shift.y), 3 * reduce, 3 * reduce);
+      mask(square & image).setTo(255);
+    }
+  }
+}
+
+}  // namespace
+
+MovingRegions MotionDetections::regionsAt(Time at, const StereoCamera& camera) const {
+  MovingRegions regions;
+  if (!detections || detections->items.empty()) return regions;
+  const double ahead = at - detections->time;
+  if (ahead > max_ahead_s) return regions;
+  const Pose T_later_now = cameraMotion(*this, ahead);
+  regions.mask = cv::Mat(camera.height, camera.width, CV_8U, cv::Scalar(0));
+  for (const auto& object : detections->items) {
+    const cv::Point2d shift = shiftOf(object, T_later_now, camera, ahead);
+    const Box2d& box = *object.box2d;
+    regions.boxes.push_back(
+        {{box.left + shift.x, box.top + shift.y, box.right + shift.x, box.bottom + shift.y}});
+    if (object.mask != nullptr) draw(*object.mask, shift, regions.mask);
+  }
+  return regions;
 }
 
 }  // namespace headway::detect

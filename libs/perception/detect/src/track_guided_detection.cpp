@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Detection of objects that the tracker expects, by less evidence: flow or appearance.
 #include "track_guided_detection.h"
 
 #include <headway/core/assignment.h>
@@ -8,7 +9,7 @@
 #include <utility>
 
 #include "appearance.h"
-#include "over_ground.h"
+#include "point_motion.h"
 
 namespace headway::detect {
 namespace {

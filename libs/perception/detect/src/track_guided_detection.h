@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Detection of objects that the tracker expects, by less evidence: flow or appearance.
 #pragma once
 
 #include <headway/core/detection.h>
@@ -6,8 +7,7 @@
 
 #include <vector>
 
-#include "motion_frame.h"
-#include "moving_object.h"
+#include "moving_object_finder.h"
 
 namespace headway::detect {
 

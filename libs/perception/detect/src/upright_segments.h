@@ -1,12 +1,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Upright segments of a person's size in the disparity image, and their flow across the line of
+// sight.
 #pragma once
 
+#include <headway/core/stereo_camera.h>
+
+#include <opencv2/core/types.hpp>
 #include <optional>
 #include <vector>
 
 #include "object_extent.h"
+#include "residual_flow.h"
 
 namespace headway::detect {
+
+/// Splits people who walk abreast.
+///
+/// They touch in the disparity image but for their heads: every run of columns with cells in the
+/// uppermost fifth of the height is a head, and each cell belongs to the nearest one.
+///
+/// @param cells           connected, of nearly one disparity
+/// @param heights         of each above the ground [m]
+/// @param metres_per_cell at their depth
+/// @return                for each cell the number of its person, 0 ... n - 1, from left to right
+[[nodiscard]] std::vector<int> personOfCells(const std::vector<cv::Point>& cells,
+                                             const std::vector<double>& heights,
+                                             double metres_per_cell);
 
 /// Speed of a segment across the line of sight, measured by the flow of one pair of frames.
 struct LateralSpeed {
@@ -51,5 +70,17 @@ struct StandingCells {
 [[nodiscard]] std::vector<UprightSegment> uprightSegments(const StandingCells& standing,
                                                           const stereo::DisparityImage& disparity,
                                                           const StereoCamera& camera);
+
+/// Segments the disparity image as uprightSegments() does and measures the flow of each segment.
+///
+/// Cells that flow to one side significantly are segmented once more without the others, so that
+/// a person close to a wall, or in front of others, becomes a segment of its own.
+///
+/// @param flow  may be empty: uprightSegments() alone
+[[nodiscard]] std::vector<UprightSegment> segmentsByFlow(const stereo::DisparityImage& disparity,
+                                                         const ResidualFlow& flow,
+                                                         const StereoCamera& camera,
+                                                         const stereo::GroundPlane& ground,
+                                                         double range_m);
 
 }  // namespace headway::detect

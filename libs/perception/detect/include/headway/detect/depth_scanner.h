@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Depth and colour of the static surfaces in a frame, on a grid.
 #pragma once
 
 #include <headway/core/moving_regions.h>

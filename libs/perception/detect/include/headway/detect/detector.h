@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// What every detector does.
 #pragma once
 
 #include <headway/core/detection.h>
@@ -19,6 +20,13 @@ class Detector {
 };
 
 /// Detections of a frame without items, boxes in the left camera's frame.
-[[nodiscard]] Detections emptyDetections(const StereoFrame& frame);
+[[nodiscard]] inline Detections emptyDetections(const StereoFrame& frame) {
+  Detections detections;
+  detections.time = frame.time;
+  detections.T_robot_sensor = frame.camera->T_robot_cam;
+  detections.image_width = frame.camera->width;
+  detections.image_height = frame.camera->height;
+  return detections;
+}
 
 }  // namespace headway::detect

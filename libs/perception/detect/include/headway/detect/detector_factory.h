@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Parameters of all detectors, and the making of one by its name.
 #pragma once
 
 #include <headway/core/params.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Joins what several detectors found in one frame.
 #pragma once
 
 #include <headway/core/detection.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Scans the ground for free space and obstacles, column by column of a disparity image.
 #pragma once
 
 #include <headway/core/moving_regions.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Finds upright people by OpenCV's histograms of oriented gradients.
 #pragma once
 
 #include <headway/core/params.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Detection of moving objects by stereo, without a network.
 #pragma once
 
 #include <headway/core/detection.h>
