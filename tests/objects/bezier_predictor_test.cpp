@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bezier_predictor.h"
-
 #include <gtest/gtest.h>
 
-#include "bezier_curve.h"
+#include "paper_predictors.h"
 #include "scene.h"
 
 namespace headway::objects {
@@ -71,13 +69,12 @@ TEST(SmoothedSpeedTest, AveragesTheLastStepsOnly) {
   EXPECT_NEAR(smoothedSpeed(path, 5, params), 1.0, 1e-3);
 }
 
-std::vector<PredictedPath> predictTurning(const BezierPredictor::Ablation& ablation,
-                                          double yaw_error = 0.0) {
+std::vector<PredictedPath> predictTurning(PredictorKind kind, double yaw_error = 0.0) {
   auto path = history([](double t) {
     return Eigen::Vector2d(10.0 * std::sin(0.6 * t), 10.0 - 10.0 * std::cos(0.6 * t));
   });
   for (TrajectoryPoint& point : path) point.yaw += yaw_error;
-  return BezierPredictor(PredictorParams(), ablation).predict({ObjectClass::kCar, path});
+  return makePredictor(kind, PredictorParams())->predict({ObjectClass::kCar, path});
 }
 
 double reach(const std::vector<PredictedPath>& paths) {
@@ -85,11 +82,9 @@ double reach(const std::vector<PredictedPath>& paths) {
 }
 
 TEST(BezierPredictorTest, PutsTheEndOfATurnNearerThanItsLength) {
-  const double full = reach(predictTurning({}));
-  BezierPredictor::Ablation dm;
-  dm.distance_is_length = true;
-  EXPECT_LT(full, reach(predictTurning(dm))) << "DM always goes |C_p| far";
-  EXPECT_NEAR(reach(predictTurning(dm)), 6.0 * 3.0, 0.1);
+  const double full = reach(predictTurning(PredictorKind::kPaper));
+  EXPECT_LT(full, reach(predictTurning(PredictorKind::kPaperDm))) << "DM always goes |C_p| far";
+  EXPECT_NEAR(reach(predictTurning(PredictorKind::kPaperDm)), 6.0 * 3.0, 0.1);
 }
 
 TEST(BezierPredictorTest, IsHardlyMovedByAWrongHeadingAndItsAblationHdIs) {
@@ -97,28 +92,26 @@ TEST(BezierPredictorTest, IsHardlyMovedByAWrongHeadingAndItsAblationHdIs) {
     const Eigen::Vector3d& early = paths.front().points[4].position;
     return std::atan2(early.y(), early.x());
   };
-  BezierPredictor::Ablation hd;
-  hd.detected_heading = true;
   const double error = 0.8;
-  const double moved = std::abs(starts(predictTurning({}, error)) - starts(predictTurning({})));
-  const double moved_hd = std::abs(starts(predictTurning(hd, error)) - starts(predictTurning(hd)));
+  const double moved = std::abs(starts(predictTurning(PredictorKind::kPaper, error)) -
+                                starts(predictTurning(PredictorKind::kPaper)));
+  const double moved_hd = std::abs(starts(predictTurning(PredictorKind::kPaperHd, error)) -
+                                   starts(predictTurning(PredictorKind::kPaperHd)));
   EXPECT_LT(moved, 0.1);
   EXPECT_GT(moved_hd, 0.4);
 }
 
 TEST(BezierPredictorTest, IgnoresABackwardHeading) {
-  const auto paths = predictTurning({}, M_PI);
-  const auto straight = predictTurning({});
+  const auto paths = predictTurning(PredictorKind::kPaper, M_PI);
+  const auto straight = predictTurning(PredictorKind::kPaper);
   EXPECT_LT((paths.front().points[9].position - straight.front().points[9].position).norm(), 0.2);
 }
 
 TEST(BezierPredictorTest, AblationSvUsesTheSpeedOfTheLastStep) {
   const auto path = history([](double t) { return Eigen::Vector2d(4.0 * t + t * t, 0.0); });
-  BezierPredictor::Ablation sv;
-  sv.instant_speed = true;
   const MotionHistory known{ObjectClass::kCar, path};
-  const auto smoothed = BezierPredictor(PredictorParams(), {}).predict(known);
-  const auto instant = BezierPredictor(PredictorParams(), sv).predict(known);
+  const auto smoothed = makePredictor(PredictorKind::kPaper, PredictorParams())->predict(known);
+  const auto instant = makePredictor(PredictorKind::kPaperSv, PredictorParams())->predict(known);
   EXPECT_NEAR(instant.front().points.back().position.x(), 3.9 * 3.0, 0.05);
   EXPECT_NEAR(smoothed.front().points.back().position.x(), 2.0 * 3.0, 0.05) << "lags behind";
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "class_evidence.h"
-
 #include <gtest/gtest.h>
+
+#include "track_evidence.h"
 
 namespace headway::objects {
 namespace {

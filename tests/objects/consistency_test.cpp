@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "moving_average.h"
+#include "trajectory.h"
 
 namespace headway::objects {
 namespace {

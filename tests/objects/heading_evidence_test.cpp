@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "heading_evidence.h"
-
 #include <gtest/gtest.h>
 #include <headway/core/pose.h>
 
 #include <random>
+
+#include "track_evidence.h"
 
 namespace headway::objects {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "measured_motion.h"
-
 #include <gtest/gtest.h>
 
 #include <random>
+
+#include "recent_motion.h"
 
 namespace headway::objects {
 namespace {

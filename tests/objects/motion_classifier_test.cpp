@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
-#include <motion_classifier.h>
+
+#include "track_evidence.h"
 
 namespace headway::objects {
 namespace {

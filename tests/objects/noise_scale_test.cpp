@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "noise_scale.h"
-
 #include <gtest/gtest.h>
 
 #include <random>
+
+#include "measurement_model.h"
 
 namespace headway::objects {
 namespace {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <field_of_view.h>
 #include <gtest/gtest.h>
-#include <predicted_box.h>
+
+#include "measurement_model.h"
+#include "tracked_object.h"
 
 namespace headway::objects {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "score_quality.h"
-
 #include <gtest/gtest.h>
+
+#include "measurement_model.h"
 
 namespace headway::objects {
 namespace {

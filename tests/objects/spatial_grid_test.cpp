@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
-#include <spatial_grid.h>
 
 #include <random>
+
+#include "consistency.h"
 
 namespace headway::objects {
 namespace {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The filter of a track's state (Sec. III-C2).
 #include "kalman_filter.h"
 
 #include <headway/core/pose.h>

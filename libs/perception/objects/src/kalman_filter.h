@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The filter of a track's state (Sec. III-C2).
 #pragma once
 
 #include <headway/objects/objects_params.h>
 
 #include <Eigen/Core>
 
-#include "measured_box.h"
+#include "measurement_model.h"
 
 namespace headway::objects {
 

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Detections as measurements in the map: their noise, as configured, by score and as learned, and
+// the field of view.
 #include "measurement_model.h"
 
 #include <headway/core/detection.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -117,6 +120,45 @@ Eigen::Matrix3d MeasurementModel::centreCovariance(const Detection& detection) c
   covariance(2, 2) += across * across;
   covariance(1, 1) = noise_.vertical_sigma_m * noise_.vertical_sigma_m;
   return covariance;
+}
+
+void NoiseScale::learn(const ExpectedPlace& expected, const MeasuredBox& detection) {
+  constexpr double kExpected = 2.0;  // mean of chi-squared with two degrees of freedom
+  constexpr double kOutlier = 6.0;   // larger distances are clamped
+  constexpr double kMinScale = 0.05;
+  constexpr double kMaxScale = 4.0;
+  const Eigen::Vector2d offset = (detection.position - expected.position).head<2>();
+  const Eigen::Matrix2d S = expected.covariance + detection.covariance;
+  const double squared = std::min(kOutlier, offset.dot(S.inverse() * offset));
+  scale_ *= 1.0 + adaptation_ * (squared / kExpected - 1.0);
+  scale_ = std::clamp(scale_, kMinScale, kMaxScale);
+}
+
+MeasuredBox NoiseScale::scaled(MeasuredBox box) const {
+  box.covariance *= scale_ * scale_;
+  box.vertical_variance *= scale_ * scale_;
+  return box;
+}
+
+// Welford's update.
+void ScoreQuality::learn(const MeasuredBox& box) {
+  Scores& scores = scores_[static_cast<std::size_t>(box.object_class)];
+  const double before = box.score - scores.mean;
+  ++scores.count;
+  scores.mean += before / static_cast<double>(scores.count);
+  scores.squares += before * (box.score - scores.mean);
+}
+
+MeasuredBox ScoreQuality::scaled(MeasuredBox box) const {
+  constexpr double kNoiseOfOneSigma = 1.4;  ///< ratio of the noise one standard deviation lower
+  constexpr double kMaxSigmas = 2.0;
+  const Scores& scores = scores_[static_cast<std::size_t>(box.object_class)];
+  const double sigma =
+      std::sqrt(scores.squares / static_cast<double>(std::max<std::size_t>(scores.count, 1)));
+  if (!(sigma > 0.0)) return box;
+  const double above = std::clamp((box.score - scores.mean) / sigma, -kMaxSigmas, kMaxSigmas);
+  box.size_sigma_m *= std::pow(kNoiseOfOneSigma, -above);
+  return box;
 }
 
 }  // namespace headway::objects

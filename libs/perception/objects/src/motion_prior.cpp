@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Smoothing of a path by a prior of its motion (Sec. III-C1).
 #include "motion_prior.h"
 
 #include <Eigen/LU>

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Tracking of moving objects, frame by frame: a track is born in startTracks().
+#include <headway/core/pose.h>
 #include <headway/objects/moving_object_tracker.h>
 #include <headway/objects/predictor.h>
 
@@ -6,16 +8,57 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "consistency.h"
-#include "duplicate_tracks.h"
-#include "field_of_view.h"
 #include "measurement_model.h"
-#include "noise_scale.h"
-#include "score_quality.h"
 #include "tracked_object.h"
 
 namespace headway::objects {
+
+namespace {
+
+/// Order of preference of tracks: by score, then by the lower id.
+struct Candidate {
+  Eigen::Vector3d position;
+  MotionGroup group;
+  double score;
+};
+
+/// Suppresses all but the best-scored of tracks of different classes at the same position.
+///
+/// A detector may detect one person both as a pedestrian and as a cyclist, and each detection
+/// starts a separate track.
+///
+/// @param tracks      in ascending order of ids
+/// @param distance_m  below which centres are one position; 0 keeps all [m]
+/// @return            those kept, in the same order
+std::vector<const TrackedObject*> suppressDuplicateTracks(
+    const std::vector<const TrackedObject*>& tracks, double distance_m) {
+  if (distance_m <= 0.0) return tracks;
+  std::vector<Candidate> candidates;
+  candidates.reserve(tracks.size());
+  for (const TrackedObject* track : tracks) {
+    candidates.push_back({track->position(), track->group(), track->score()});
+  }
+  const SpatialGrid grid(candidates, distance_m);
+  std::vector<const TrackedObject*> kept;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    const Candidate& own = candidates[i];
+    bool suppressed = false;
+    grid.visitNear(own.position.head<2>(), [&](std::size_t j) {
+      const Candidate& other = candidates[j];
+      if (other.group == own.group) return;
+      const bool better = other.score > own.score || (other.score == own.score && j < i);
+      const double distance = (other.position - own.position).head<2>().norm();
+      suppressed = suppressed || (better && distance < distance_m);
+    });
+    if (!suppressed) kept.push_back(tracks[i]);
+  }
+  return kept;
+}
+
+}  // namespace
 
 class MovingObjectTracker::Implementation {
  public:

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Parameters of the tracker.
 #include <headway/objects/objects_params.h>
 
 #include <string>

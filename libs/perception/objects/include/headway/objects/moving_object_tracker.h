@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Tracking of moving objects from frame to frame.
 #pragma once
 
 #include <headway/core/detection.h>

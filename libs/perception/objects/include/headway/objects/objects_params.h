@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Parameters of the tracker.
 #pragma once
 
 #include <headway/core/params.h>
 #include <headway/objects/per_class.h>
-#include <headway/objects/predictor_params.h>
+#include <headway/objects/predictor.h>
 
 namespace headway::objects {
 

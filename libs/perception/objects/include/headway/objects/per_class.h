@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Values that depend on the class of an object.
 #pragma once
 
 #include <headway/core/object_class.h>

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Prediction of an object's path over the next 3 s, and its parameters.
 #pragma once
 
 #include <headway/core/object_class.h>
+#include <headway/core/params.h>
 #include <headway/core/track.h>
-#include <headway/objects/predictor_params.h>
+#include <headway/objects/per_class.h>
 
 #include <Eigen/Core>
 #include <memory>
@@ -11,6 +13,67 @@
 #include <vector>
 
 namespace headway::objects {
+
+/// The available predictors.
+enum class PredictorKind {
+  kPaper,             ///< heading-based Bezier curve (Sec. III-B)
+  kPaperDm,           ///< its ablation DM: the end point at distance |C_p|
+  kPaperHd,           ///< its ablation HD: heading from the detector alone
+  kPaperSv,           ///< its ablation SV: speed of the last frame, not smoothed
+  kPolynomial,        ///< the paper's baseline: a curve through four past places
+  kConstantVelocity,  ///< straight, with the velocity of the last half second
+  kConstantTurn,      ///< constant speed and turn rate
+  kMixture,           ///< present motion and its alternatives, weighted
+};
+
+/// How the paper's predictor reads a track (Sec. III-B and IV-A).
+struct PaperPredictorParams {
+  double tangent_weight = 0.9;                      ///< w1, of the path's direction in V_h [-]
+  double heading_weight = 0.1;                      ///< w2, of the detected heading in V_h [-]
+  double heading_limit_rad = 1.5707963267948966;    ///< tau_theta: limit of a used heading [rad]
+  double straight_limit_rad = 0.17453292519943295;  ///< tau_alpha: a path is straight below [rad]
+  double recent_weight = 2.0;                       ///< w3, of the recent direction in V_p [-]
+  double older_weight = -1.0;                       ///< w4, of the older direction in V_p [-]
+  double spacing_s = 1.0;                           ///< between the three places that give V_p [s]
+  int speed_samples = 20;                           ///< h: steps over which the speed is averaged
+  double speed_factor = 1.0;                        ///< gamma, eq. (1) [-]
+  double epsilon_s = 1e-6;                          ///< epsilon, eq. (1) [s]
+
+  void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "objects"); }  ///< @throws InputError
+};
+
+/// Motion model of one class of objects in the mixture predictor.
+struct ManoeuvreParams {
+  double memory_s = 2.0;            ///< age from which a position has no weight in the fit [s]
+  double path_noise_m = 0.1;        ///< deviation of an exact path from a parabola [m]
+  double typical_speed_mps = 10.0;  ///< prior of the speed, any direction [m/s]
+  double typical_acceleration_mps2 = 0.45;  ///< prior of the acceleration along the path [m/s^2]
+  double typical_lateral_mps2 = 0.75;       ///< prior of the acceleration across it [m/s^2]
+  double acceleration_fade_s = 5.0;         ///< decay time of an acceleration [s]
+  double turn_fade_s = 20.0;                ///< decay time of a turn [s]
+  double standing_speed_mps = 0.5;          ///< below, motion may be noise of a static object [m/s]
+  double setting_off_mps = 0.0;             ///< unpredicted velocity of what stands [m/s]
+  double cruising_speed_mps = 1.0;          ///< above, an object manoeuvres freely [m/s]
+  double alternative_mps2 = 1.5;            ///< of the faster and the slower alternative [m/s^2]
+  double acceleration_sigma_mps2 = 1.0;     ///< unpredicted acceleration along the path [m/s^2]
+  double lateral_sigma_mps2 = 0.5;          ///< unpredicted acceleration across the path [m/s^2]
+
+  void describe(Params::Section section, const std::string& prefix);
+};
+
+/// Parameters of all predictors.
+struct PredictorParams {
+  PaperPredictorParams paper;
+  double velocity_window_s = 0.5;  ///< of constant_velocity and constant_turn [s]
+  PerClass<ManoeuvreParams> manoeuvres = {
+      {2.0, 0.1, 12.0, 0.42, 0.75, 8.0, 20.0, 0.8, 0.0, 2.0, 1.5, 1.2, 0.33},
+      {1.5, 0.1, 5.0, 0.12, 1.5, 8.0, 1.2, 0.5, 0.0, 1.8, 1.0, 2.4, 0.5},
+      {3.8, 0.1, 1.5, 0.01, 0.08, 1.0, 0.8, 0.35, 0.5, 2.0, 0.5, 0.43, 0.45}};
+
+  void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "objects"); }  ///< @throws InputError
+};
 
 /// Time between two samples of a prediction [s].
 inline constexpr double kPredictionStep_s = 0.1;

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "class_evidence.h"
+// What a track's detections say together: its class, the sense of its heading, whether it moves.
+#include "track_evidence.h"
+
+#include <headway/core/pose.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace headway::objects {
 namespace {
@@ -15,6 +19,11 @@ ObjectClass seenClass(const MeasuredBox& detection, bool is_classified) {
                        detection.evidence.motion && detection.velocity &&
                        detection.velocity->value.norm() > kFastestWalk_mps;
   return is_classified && is_fast ? ObjectClass::kCyclist : detection.object_class;
+}
+
+// log-odds of one detection
+double weightOf(const HeadingParams& params) {
+  return std::log((1.0 - params.flip_probability) / params.flip_probability);
 }
 
 }  // namespace
@@ -42,6 +51,43 @@ bool ClassEvidence::leads() const {
   const double votes = groups[own];
   groups[own] = 0.0;
   return votes - *std::max_element(groups.begin(), groups.end()) >= kVotesAhead;
+}
+
+HeadingEvidence::HeadingEvidence(const HeadingParams& params)
+    : params_(params), log_odds_(weightOf(params)) {}
+
+double HeadingEvidence::unflipped(double measured, double yaw) {
+  const bool agrees = std::abs(wrapAngle(measured - yaw)) <= 0.5 * M_PI;
+  add(agrees ? weightOf(params_) : -weightOf(params_));
+  return agrees ? measured : wrapAngle(measured + M_PI);
+}
+
+void HeadingEvidence::addMotion(double cosine) {
+  constexpr double kSideways = 0.5;  // motion more than 60 degrees off is no evidence
+  if (std::abs(cosine) < kSideways) return;
+  add(std::copysign(weightOf(params_), cosine));
+}
+
+bool HeadingEvidence::turnsRound() {
+  if (log_odds_ > -params_.flip_log_odds) return false;
+  log_odds_ = -log_odds_;
+  return true;
+}
+
+void HeadingEvidence::add(double log_odds) {
+  log_odds_ =
+      std::clamp(log_odds_ + log_odds, -params_.max_flip_log_odds, params_.max_flip_log_odds);
+}
+
+void MotionClassifier::update(Time time, double speed, double speed_sigma, MotionGroup group) {
+  if (speed > params_.static_speed_mps.of(group)) last_fast_ = time;
+  sure_ = params_.significance * speed_sigma < params_.moving_speed_mps.of(group);
+  if (moving_) {
+    moving_ = time - last_fast_ < params_.static_time_s;
+  } else {
+    moving_ =
+        speed > params_.moving_speed_mps.of(group) && speed > params_.significance * speed_sigma;
+  }
 }
 
 }  // namespace headway::objects

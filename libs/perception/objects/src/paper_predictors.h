@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The paper's predictor, its ablations and baselines; each predicts a single path.
 #pragma once
+
+#include <headway/objects/predictor.h>
 
 #include <Eigen/Core>
 #include <array>
+#include <memory>
 
 namespace headway::objects {
 
@@ -57,5 +61,21 @@ class BezierCurve {
       0.0};  ///< of the parameter as a polynomial of the fraction, from degree 1
   std::array<double, kTableSize + 1> table_;  ///< fraction of the arc length at t = i / kTableSize
 };
+
+/// Speed smoothed over the last `samples` steps, eq. (1) with j = k-h ... k-1 [m/s].
+[[nodiscard]] double smoothedSpeed(const std::vector<TrajectoryPoint>& path, int samples,
+                                   const PaperPredictorParams& params);
+
+/// d_se of an arc whose chord is at the angle alpha to its tangent, eq. (3) [m].
+///
+/// Eq. (3) is |C| sin(alpha) / alpha, with the limit |C|, eq. (2), for alpha = 0.
+[[nodiscard]] double chordOfArc(double arc_length, double alpha);
+
+/// The paper's predictor (Sec. III-B), its ablations of Table II, and the baselines it is compared
+/// with: each predicts a single path.
+///
+/// @param kind  any but kMixture
+[[nodiscard]] std::unique_ptr<Predictor> makePaperPredictor(PredictorKind kind,
+                                                            const PredictorParams& params);
 
 }  // namespace headway::objects
