@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
-#include <headway/nav/footprint_outline.h>
+#include <headway/nav/moving_obstacles.h>
 
 #include <Eigen/Geometry>
 

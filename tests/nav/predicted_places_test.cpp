@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
-#include <headway/nav/predicted_places.h>
+#include <headway/nav/moving_obstacles.h>
 #include <headway_test/walking_track.h>
 
 #include <limits>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
-#include <headway/nav/time_gate.h>
+#include <headway/nav/moving_obstacles.h>
 #include <headway_test/input_error.h>
 
 namespace headway::nav {

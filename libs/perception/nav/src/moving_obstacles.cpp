@@ -1,12 +1,114 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Where moving objects will be, and which of those places the robot could meet.
+#include <headway/map/path_sample.h>
 #include <headway/nav/moving_obstacles.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace headway::nav {
 
 using Eigen::Vector2d;
+
+TimeGate::TimeGate(const RobotMotionParams& robot) : robot_(validated(robot)) {}
+
+TimeSpan TimeGate::touching(double distance_m) const {
+  const double slowest = robot_.max_speed_mps * robot_.slow_ratio;
+  const double free_way = std::max(0.0, distance_m - robot_.radius_m);
+  return {free_way / robot_.max_speed_mps - robot_.early_slack_s,
+          (distance_m + robot_.radius_m) / slowest + robot_.late_slack_s};
+}
+
+namespace {
+
+constexpr double kStepBeyond_s = 0.1;  ///< between samples beyond the prediction
+
+PredictedPlace placeAt(const map::PathSample& sample, double from_now_s, double yaw) {
+  return {sample.centre, yaw, sample.covariance, {from_now_s, from_now_s}};
+}
+
+/// Makes each place last from when its predecessor is left to when its successor is reached.
+void joinTimes(std::vector<PredictedPlace>& places, double end_s) {
+  for (std::size_t i = 0; i + 1 < places.size(); ++i) {
+    places[i].when.to_s = places[i + 1].when.from_s;
+  }
+  for (std::size_t i = places.size() - 1; i > 0; --i) {
+    places[i].when.from_s = places[i - 1].when.from_s;
+  }
+  places.back().when.to_s =
+      places.size() == 1 ? std::numeric_limits<double>::infinity() : std::max(0.0, end_s);
+}
+
+/// The farthest point of the covariance ellipse along a normal, in the map's axes.
+Vector2d growth(const PlaceUncertainty& uncertainty, const Vector2d& normal) {
+  const Vector2d carried = uncertainty.covariance * normal;
+  const double variance = normal.dot(carried);
+  if (!(variance > 0.0) || !(uncertainty.max_growth_m > 0.0)) return Vector2d::Zero();
+  const Vector2d offset = uncertainty.sigmas / std::sqrt(variance) * carried;
+  const double length = offset.norm();
+  return length > uncertainty.max_growth_m ? Vector2d(offset * (uncertainty.max_growth_m / length))
+                                           : offset;
+}
+
+/// Appends the way from one point to the next, without the first one.
+void appendSegment(const Vector2d& from, const Vector2d& to, double spacing,
+                   std::vector<Vector2d>& out) {
+  const double length = (to - from).norm();
+  const int pieces = std::max(1, static_cast<int>(std::ceil(length / spacing - 0.5)));
+  for (int i = 1; i <= pieces; ++i) out.push_back(from + (to - from) * i / pieces);
+}
+
+}  // namespace
+
+void predictPlaces(const Track& track, const PredictedPath& path, double age_s, double horizon_s,
+                   double spacing_m, std::vector<PredictedPlace>& out) {
+  out.clear();
+  const double last_s = path.points.empty() ? 0.0 : path.points.back().horizon_s;
+  out.push_back(placeAt(map::samplePath(track, path, std::min(age_s, last_s)), 0.0, track.yaw));
+  double end_s = 0.0;
+  const auto walkTo = [&](const map::PathSample& sample, double time_s) {
+    if (!(time_s > age_s) || !(time_s <= horizon_s + 1e-9)) return;
+    end_s = time_s - age_s;
+    const Vector2d step = sample.centre - out.back().centre;
+    if (!(step.squaredNorm() >= spacing_m * spacing_m)) return;
+    out.push_back(placeAt(sample, end_s, std::atan2(step.y(), step.x())));
+  };
+  for (const auto& point : path.points) {
+    walkTo({point.position.head<2>(), point.covariance}, point.horizon_s);
+  }
+  for (int i = 1; last_s > 0.0 && last_s + i * kStepBeyond_s <= horizon_s + 1e-9; ++i) {
+    const double time_s = last_s + i * kStepBeyond_s;
+    walkTo(map::samplePath(track, path, time_s), time_s);
+  }
+  joinTimes(out, end_s);
+}
+
+void appendOutline(const map::FootprintShape& footprint, const Vector2d& centre, double yaw,
+                   const PlaceUncertainty& uncertainty, double spacing,
+                   std::vector<Vector2d>& out) {
+  const Eigen::Rotation2Dd turn(yaw);
+  const double perimeter = 2.0 * M_PI * footprint.radius();
+  const int normals = std::clamp(static_cast<int>(std::ceil(perimeter / spacing)), 8, 24);
+  Vector2d previous = Vector2d::Zero();
+  for (int i = 0; i <= normals; ++i) {
+    // Half a step off the axes, where a box's support point is not unique.
+    const double angle = 2.0 * M_PI * (i + 0.5) / normals;
+    const Vector2d normal(std::cos(angle), std::sin(angle));
+    const Vector2d point =
+        centre + turn * footprint.supportPoint(normal) + growth(uncertainty, turn * normal);
+    if (i > 0) appendSegment(previous, point, spacing, out);
+    previous = point;
+  }
+}
+
+bool covers(const map::FootprintShape& footprint, const Vector2d& centre, double yaw, double margin,
+            const Vector2d& point) {
+  const Vector2d local = Eigen::Rotation2Dd(-yaw) * (point - centre);
+  return std::abs(local.x()) <= 0.5 * footprint.length_m + margin &&
+         std::abs(local.y()) <= 0.5 * footprint.width_m + margin;
+}
 
 bool isMovingObstacle(const Track& track) {
   return isMoving(track) && isShown(track) && track.position.allFinite() && track.size.allFinite();

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Obstacles of moving objects for any MRPT navigator: wraps the robot that it drives.
 #include <headway/nav/predictive_obstacles.h>
 #include <mrpt/core/Clock.h>
 #include <mrpt/kinematics/CVehicleVelCmd_DiffDriven.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Parameters of section [nav].
 #include <headway/nav/predictive_obstacles_params.h>
 
 namespace headway::nav {

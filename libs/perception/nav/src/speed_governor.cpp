@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Speed of the robot among moving objects.
 #include <headway/map/contact_sum.h>
 #include <headway/map/path_sample.h>
 #include <headway/nav/moving_obstacles.h>

@@ -1,15 +1,95 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Where moving objects will be, and which of those places the robot could meet.
 #pragma once
 
 #include <headway/core/pose.h>
 #include <headway/core/track.h>
-#include <headway/nav/footprint_outline.h>
-#include <headway/nav/predicted_places.h>
+#include <headway/map/footprint_shape.h>
 #include <headway/nav/predictive_obstacles_params.h>
 
 #include <vector>
 
 namespace headway::nav {
+
+/// A span of time, relative to now [s].
+struct TimeSpan {
+  double from_s = 0.0;
+  double to_s = 0.0;
+
+  [[nodiscard]] bool overlaps(const TimeSpan& other) const {
+    return from_s <= other.to_s && other.from_s <= to_s;
+  }
+};
+
+/// Time span in which the robot could touch a point.
+///
+/// The robot is assumed to drive straight to the point at any speed between its lowest and its
+/// maximum speed: it touches the point at the earliest after the free distance at maximum speed,
+/// and has passed it at the latest after the distance beyond it at the lowest speed. Laws: a
+/// farther point is touched later; a wider range of speeds, or more slack, gives a longer span; a
+/// point under the robot is touched now. Points suffice, because two shapes first touch at points
+/// of their edges.
+class TimeGate {
+ public:
+  /// @throws InputError if a parameter is out of range
+  explicit TimeGate(const RobotMotionParams& robot);
+
+  /// @param distance_m  from the robot's origin to the point
+  [[nodiscard]] TimeSpan touching(double distance_m) const;
+
+ private:
+  RobotMotionParams robot_;
+};
+
+/// A predicted position of an object, with the time span for which it is valid.
+struct PredictedPlace {
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();      ///< map frame [m]
+  double yaw = 0.0;                                      ///< direction of motion [rad]
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of the centre [m^2]
+  TimeSpan when;                                         ///< relative to now
+};
+
+/// Samples one predicted path from now on, the current place first, at a distance of spacing_m.
+///
+/// The time spans of neighbouring places overlap, so that every instant is covered. If there is
+/// one place only, of a static object, its time span is unlimited.
+///
+/// @param age_s      age of the track: sampling starts at this horizon of the path [s]
+/// @param horizon_s  sampling ends at this horizon of the path [s]
+/// @param spacing_m  minimum distance of neighbouring places
+/// @param out        overwritten; its memory is reused
+void predictPlaces(const Track& track, const PredictedPath& path, double age_s, double horizon_s,
+                   double spacing_m, std::vector<PredictedPlace>& out);
+
+/// Uncertainty of a position, by which a footprint is enlarged.
+struct PlaceUncertainty {
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of the centre [m^2]
+  double sigmas = 1.0;                                   ///< standard deviations of the growth [-]
+  double max_growth_m = 0.4;                             ///< limit of the growth [m]
+};
+
+/// Points along the edge of a footprint, enlarged by the uncertainty of its position.
+///
+/// The Minkowski sum of the footprint and the covariance ellipse: the point with outward normal n
+/// is the footprint's support point plus sigmas * C n / sqrt(n' C n), of at most max_growth_m.
+/// Laws: the outline encloses the footprint; the outline of a larger covariance encloses that of a
+/// smaller one; rotating footprint and covariance rotates the outline.
+///
+/// @param centre   map frame [m]
+/// @param yaw      of the footprint's front [rad]
+/// @param spacing  approximate maximum distance of neighbouring points [m]
+/// @param out      points are appended to it, map frame [m]
+void appendOutline(const map::FootprintShape& footprint, const Eigen::Vector2d& centre, double yaw,
+                   const PlaceUncertainty& uncertainty, double spacing,
+                   std::vector<Eigen::Vector2d>& out);
+
+/// Whether a point lies in the footprint, as a rectangle and enlarged by a margin on all sides.
+///
+/// @param centre, point  map frame [m]
+/// @param yaw            of the footprint's front [rad]
+/// @param margin         [m]
+[[nodiscard]] bool covers(const map::FootprintShape& footprint, const Eigen::Vector2d& centre,
+                          double yaw, double margin, const Eigen::Vector2d& point);
 
 /// Whether a track is shown, moving, and finite.
 [[nodiscard]] bool isMovingObstacle(const Track& track);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Obstacles of moving objects for any MRPT navigator: wraps the robot that it drives.
 #pragma once
 
 #include <headway/map/perception_map.h>
@@ -43,8 +44,7 @@ struct SenseReport {
 ///
 /// The map is read through a function that returns a snapshot, once per call and in the calling
 /// thread; the function must be safe against concurrent writers. If it throws, the map counts as
-/// stale. The wrapped robot must outlive
-/// this object.
+/// stale. The wrapped robot must outlive this object.
 ///
 ///     headway::nav::PredictiveObstacles predictive(robot, [&] { return perception.map(); },
 ///     params); mrpt::nav::CReactiveNavigationSystem navigator(predictive);
@@ -80,29 +80,41 @@ class PredictiveObstacles : public mrpt::nav::CRobot2NavInterface {
   // Forwarded to the wrapped robot.
   bool getCurrentPoseAndSpeeds(mrpt::math::TPose2D& pose, mrpt::math::TTwist2D& velocity,
                                mrpt::system::TTimeStamp& timestamp, mrpt::math::TPose2D& odometry,
-                               std::string& frame_id) override;
-  bool stop(bool is_emergency) override;
-  mrpt::kinematics::CVehicleVelCmd::Ptr getEmergencyStopCmd() override;
-  mrpt::kinematics::CVehicleVelCmd::Ptr getStopCmd() override;
-  mrpt::kinematics::CVehicleVelCmd::Ptr getAlignCmd(double relative_heading) override;
-  bool startWatchdog(float period_ms) override;
-  bool stopWatchdog() override;
-  void sendNavigationStartEvent() override;
-  void sendNavigationEndEvent() override;
-  void sendWaypointReachedEvent(int index, bool reached) override;
-  void sendNewWaypointTargetEvent(int index) override;
-  void sendNavigationEndDueToErrorEvent() override;
-  void sendWaySeemsBlockedEvent() override;
-  void sendApparentCollisionEvent() override;
-  void sendCannotGetCloserToBlockedTargetEvent() override;
-  double getNavigationTime() override;
-  void resetNavigationTimer() override;
+                               std::string& frame_id) override {
+    return robot_.getCurrentPoseAndSpeeds(pose, velocity, timestamp, odometry, frame_id);
+  }
+  bool stop(bool is_emergency) override {
+    command_.reset();
+    return robot_.stop(is_emergency);
+  }
+  mrpt::kinematics::CVehicleVelCmd::Ptr getEmergencyStopCmd() override {
+    return robot_.getEmergencyStopCmd();
+  }
+  mrpt::kinematics::CVehicleVelCmd::Ptr getStopCmd() override { return robot_.getStopCmd(); }
+  mrpt::kinematics::CVehicleVelCmd::Ptr getAlignCmd(double relative_heading) override {
+    return robot_.getAlignCmd(relative_heading);
+  }
+  bool startWatchdog(float period_ms) override { return robot_.startWatchdog(period_ms); }
+  bool stopWatchdog() override { return robot_.stopWatchdog(); }
+  void sendNavigationStartEvent() override { robot_.sendNavigationStartEvent(); }
+  void sendNavigationEndEvent() override { robot_.sendNavigationEndEvent(); }
+  void sendWaypointReachedEvent(int index, bool reached) override {
+    robot_.sendWaypointReachedEvent(index, reached);
+  }
+  void sendNewWaypointTargetEvent(int index) override { robot_.sendNewWaypointTargetEvent(index); }
+  void sendNavigationEndDueToErrorEvent() override { robot_.sendNavigationEndDueToErrorEvent(); }
+  void sendWaySeemsBlockedEvent() override { robot_.sendWaySeemsBlockedEvent(); }
+  void sendApparentCollisionEvent() override { robot_.sendApparentCollisionEvent(); }
+  void sendCannotGetCloserToBlockedTargetEvent() override {
+    robot_.sendCannotGetCloserToBlockedTargetEvent();
+  }
+  double getNavigationTime() override { return robot_.getNavigationTime(); }
+  void resetNavigationTimer() override { robot_.resetNavigationTimer(); }
 
  private:
   /// The map; nullopt, and logged, if its source throws.
   [[nodiscard]] std::optional<map::PerceptionMap> readMap();
-  /// The robot's pose in the map's frame; nullopt if unknown.
-  /// The robot in the map.
+  /// The robot in the map's frame; nullopt if its pose is unknown.
   [[nodiscard]] std::optional<GroundState> locate(const map::PerceptionMap& snapshot);
   [[nodiscard]] double admissibleSpeedRatio(const mrpt::kinematics::CVehicleVelCmd& command);
   [[nodiscard]] SenseStatus addPredictions(mrpt::maps::CSimplePointsMap& obstacles);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Parameters of section [nav].
 #pragma once
 
 #include <headway/core/params.h>

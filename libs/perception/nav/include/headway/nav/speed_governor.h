@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Speed of the robot among moving objects.
 #pragma once
 
 #include <headway/core/track.h>
