@@ -83,7 +83,7 @@ TEST(MixturePredictorTest, IsLessCertainForShortHistories) {
     EXPECT_GT(spread, before) << span;
     before = spread;
   }
-  const double typical = PredictorParams().manoeuvres.vehicle.typical_speed_mps;
+  const double typical = PredictorParams().manoeuvres.typical_speed_mps.vehicle;
   EXPECT_NEAR(before, 2.0 * typical * typical, 0.02 * typical * typical)
       << "of a car seen once nothing is known but how fast cars are";
 }

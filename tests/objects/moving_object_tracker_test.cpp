@@ -674,7 +674,7 @@ TEST(ObjectsParamsTest, OutOfRangeAreRefusedByTheTracker) {
               StartsWith("[objects] confirm_hits: '0'"));
   EXPECT_THAT(errorOf([](ObjectsParams& p) { p.prediction.paper.spacing_s = 0.0; }),
               StartsWith("[objects] paper_spacing_s: '0'"));
-  EXPECT_THAT(errorOf([](ObjectsParams& p) { p.prediction.manoeuvres.vehicle.memory_s = 0.0; }),
+  EXPECT_THAT(errorOf([](ObjectsParams& p) { p.prediction.manoeuvres.memory_s.vehicle = 0.0; }),
               StartsWith("[objects] vehicle_memory_s: '0'"));
 }
 

@@ -13,7 +13,6 @@ constexpr int kMinCells = 30;
 constexpr double kMinContrast = 6.0;     // standard deviation [grey levels]
 constexpr float kMinCorrelation = 0.5F;  // correlation; legs and what is behind them change
 constexpr int kReachAcross = 8;          // sought to either side [cells]
-constexpr int kReachUp = 4;              // and up and down [cells]
 constexpr double kMaxScale = 3.0;        // farther or nearer by more it looks otherwise
 const cv::Size kMaskGaps(5, 5);          // between cells that are closed [cells]
 constexpr int kMaxPeriod = 32;           // of a repeated image [cells]
@@ -111,8 +110,9 @@ std::optional<cv::Point> findTemplate(const AppearanceTemplate& appearance, cons
                          cvRound(expected.y - 0.5 * patch.rows));
   const cv::Rect whole({0, 0}, image.size());
   const cv::Rect shown = cv::Rect(corner, patch.size()) & whole;
-  const cv::Rect window = cv::Rect(shown.x - kReachAcross, shown.y - kReachUp,
-                                   shown.width + 2 * kReachAcross, shown.height + 2 * kReachUp) &
+  const int up = kReachAcross / 2;  // objects on the ground hardly move vertically
+  const cv::Rect window = cv::Rect(shown.x - kReachAcross, shown.y - up,
+                                   shown.width + 2 * kReachAcross, shown.height + 2 * up) &
                           whole;
   if (shown.empty()) return std::nullopt;
   const cv::Rect part(shown.tl() - corner, shown.size());

@@ -12,9 +12,7 @@ namespace {
 
 constexpr double kPriorTranslation = 0.004;  // of the motion given, frame to frame [m]
 constexpr double kPriorRotation = 0.0035;    // [rad]
-constexpr int kPoseIterations = 6;
-
-constexpr double kLossScale = 2.0;  // of the joint Cauchy loss, in sigmas
+constexpr double kLossScale = 2.0;           // of the joint Cauchy loss, in sigmas
 
 stereo::PosePrior priorAt(const Pose& T_world_cam) {
   stereo::Tangent sigmas;
@@ -49,9 +47,11 @@ double CameraPath::refine(const std::vector<StaticObservation>& points) {
   }
   const Pose given = T_cam_world.inverse(Eigen::Isometry);
   const auto prior = priorAt(given);
-  const auto refined =
-      stereo::refinePose(given, constraints, camera_,
-                         {kLossScale, 1, kPoseIterations, stereo::RobustLoss::kJoint}, &prior);
+  stereo::PoseRefinerOptions options;
+  options.first_scale = kLossScale;
+  options.rounds = 1;
+  options.loss = stereo::RobustLoss::kJoint;
+  const auto refined = stereo::refinePose(given, constraints, camera_, options, &prior);
   if (!refined) return 0.0;
   T_cam_world = refined->T_map_cam.inverse(Eigen::Isometry);
   stereo::markInliers(refined->T_map_cam, constraints, camera_, 1.0);
@@ -70,19 +70,8 @@ void CameraPath::removeBefore(int first_kept) {
 
 int CameraPath::firstSince(Time time) const {
   int first = oldest();
-  while (first < newest() && timeOf(first) < time - 1e-6) ++first;
+  while (first < newest() && timeOf(first) < time - kFrameJitter_s) ++first;
   return first;
-}
-
-Pose CameraPath::expectedMotion(double ahead) const {
-  Pose motion = Pose::Identity();
-  if (frames_.size() < 2) return motion;
-  const Frame& before = frames_[frames_.size() - 2];
-  const double steps = ahead / (frames_.back().time - before.time);
-  const Pose step = frames_.back().T_cam_world * before.T_cam_world.inverse();
-  motion.linear() = expSo3(steps * logSo3(step.linear()));
-  motion.translation() = steps * step.translation();
-  return motion;
 }
 
 }  // namespace headway::detect

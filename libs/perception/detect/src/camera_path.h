@@ -46,9 +46,6 @@ class CameraPath {
   }
   /// The first frame kept that is not older than `time`; the newest one if all are.
   [[nodiscard]] int firstSince(Time time) const;
-  /// Motion in `ahead` seconds at the velocity between the last two frames; maps points from the
-  /// newest camera to the later one.
-  [[nodiscard]] Pose expectedMotion(double ahead) const;
 
  private:
   struct Frame {

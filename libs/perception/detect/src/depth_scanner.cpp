@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Depth and colour of the static surfaces in a frame, on a grid.
+#include <headway/core/statistics.h>
 #include <headway/detect/depth_scanner.h>
 
 #include <algorithm>
@@ -43,8 +44,8 @@ std::optional<double> planeAt(const std::array<double, 10>& sums, double u, doub
   const double determinant = uu * vv - uv * uv;
   if (uu < min_variance || vv < min_variance || determinant < 0.3 * uu * vv) return std::nullopt;
   const double du = u - mean_u, dv = v - mean_v;
-  constexpr double kMaxSquare = kMaxOffset * kMaxOffset;
-  if (du * du > kMaxSquare * uu || dv * dv > kMaxSquare * vv) return std::nullopt;
+  const double max_square = square(kMaxOffset);
+  if (du * du > max_square * uu || dv * dv > max_square * vv) return std::nullopt;
   const double slope_u = (vv * ud - uv * vd) / determinant;
   const double slope_v = (uu * vd - uv * ud) / determinant;
   const double variance = dd - slope_u * ud - slope_v * vd;
@@ -158,10 +159,6 @@ constexpr double kMaxGroundStepPx = 4.0;  // of the ground's disparity in half a
 constexpr std::array<std::array<int, 2>, 8> kSteps{
     {{1, 1}, {2, 1}, {3, 1}, {3, 2}, {4, 2}, {5, 3}, {6, 4}, {8, 6}}};
 
-/// As stored.
-constexpr auto kMaxDisparityPx =
-    static_cast<float>(std::numeric_limits<std::uint16_t>::max() / DepthScan::kUnitsPerPx);
-
 /// Cells of disparities that are not much greater than the least one around, which is taken from
 /// `around`: 8-bit, non-zero.
 cv::Mat withoutSteps(const cv::Mat& values, const cv::Mat& around) {
@@ -243,6 +240,8 @@ DepthScan scanDepth(const StereoFrame& frame, const stereo::DisparityImage& disp
                     const stereo::DisparityImage& ground, const MovingRegions& moving,
                     const stereo::RigCapability& rig) {
   const auto min_disparity = static_cast<float>(rig.focal_baseline / rig.dense_to_m);
+  const auto max_disparity =  // as stored
+      static_cast<float>(std::numeric_limits<std::uint16_t>::max() / DepthScan::kUnitsPerPx);
   const cv::Mat left_out = leftOutCells(moving, disparity, rig.focal_baseline);
   const auto planar = planarDisparity(disparity, ground, left_out, rig.sigma_disparity_px);
   const auto steps = stepsFor(static_cast<int>(left_out.total()) - cv::countNonZero(left_out));
@@ -262,7 +261,7 @@ DepthScan scanDepth(const StereoFrame& frame, const stereo::DisparityImage& disp
       const int from = column * steps[0] + steps[0] / 2;
       if (is_left_out[from] != 0) continue;
       const float value = planar.at(from, from_row);
-      if (!(value >= min_disparity && value < kMaxDisparityPx)) continue;
+      if (!(value >= min_disparity && value < max_disparity)) continue;
       scan.known[cell / 8] |= static_cast<std::uint8_t>(1U << (cell % 8));
       scan.disparity.push_back(static_cast<std::uint16_t>(
           std::lround(static_cast<double>(value) * DepthScan::kUnitsPerPx)));

@@ -23,7 +23,6 @@ namespace {
 constexpr double kMargin = 0.1;     // around the footprint [m]
 constexpr double kLookAhead = 0.1;  // of motion by which the footprint is extended [s]
 constexpr double kBehind = 1.0;     // depth beyond which an overlap in the image is background [m]
-constexpr double kBehindPerMetre = 0.02;   // growth with depth [m/m]
 constexpr double kSameVelocity = 0.3;      // ratio of the difference between parts of one object
 constexpr double kMinDirectedSpeed = 0.5;  // from which the direction is known [m/s]
 
@@ -199,7 +198,7 @@ class Joiner {
 bool isPartOf(const ObjectExtent& part, const MovingObject& object) {
   const ObjectExtent& whole = object.extent;
   const Eigen::Vector3d off = part.box.centre - whole.box.centre;
-  const double behind = 0.5 * whole.box.length + kBehind + kBehindPerMetre * whole.box.centre.z();
+  const double behind = 0.5 * whole.box.length + kBehind + kGatePerMetre * whole.box.centre.z();
   const bool seen_there =
       ratioInside(part.box2d, whole.box2d) > 0.5 || overlap2d(part.box2d, whole.box2d) > 0.3;
   if (seen_there && off.norm() < behind) return true;
@@ -259,7 +258,7 @@ std::vector<MotionCluster> clusterMotion(const std::vector<PointTrack>& points,
 
 double movingRatio(const std::vector<PointTrack>& points, const std::vector<PointClass>& classes,
                    const CameraPath& path, const Box2d& outline, double nearest, double farthest) {
-  const double margin = 0.3 + 0.02 * farthest;
+  const double margin = 0.3 + kGatePerMetre * farthest;
   double moving = 0.0;
   double static_points = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i) {

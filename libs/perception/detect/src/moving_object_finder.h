@@ -68,10 +68,10 @@ struct MotionCluster {
 
 /// Parameters of clusterMotion().
 struct ClusterParams {
-  double reach_m = 1.0;           ///< points nearer than this over the ground are linked [m]
-  double reach_per_m = 0.02;      ///< growth of the reach with depth [m/m]
-  double speed_difference = 1.0;  ///< and if their velocities differ by less [m/s]
-  double speed_ratio = 0.2;       ///< or by this ratio of the speed [-]
+  double reach_m = 1.0;                ///< points nearer than this over the ground are linked [m]
+  double reach_per_m = kGatePerMetre;  ///< growth of the reach with depth [m/m]
+  double speed_difference = 1.0;       ///< and if their velocities differ by less [m/s]
+  double speed_ratio = 0.2;            ///< or by this ratio of the speed [-]
   int min_points = 3;
 };
 

@@ -15,10 +15,9 @@ namespace {
 
 constexpr double kRiderOnBicycle = 0.3;  // ratio of a bicycle's box inside its rider's
 constexpr double kSameVehicle = 0.6;     // overlap of the boxes of one vehicle of two classes
-constexpr std::size_t kCocoClasses = 80;
 
 std::vector<NetworkClass> cocoClasses() {
-  std::vector<NetworkClass> classes(kCocoClasses);
+  std::vector<NetworkClass> classes(80);
   classes[0].object_class = ObjectClass::kPedestrian;  // person
   classes[1].bicycle = true;                           // bicycle
   classes[2].object_class = ObjectClass::kCar;         // car
@@ -180,7 +179,6 @@ constexpr double kMinOverlap = 0.2;          // of neighbouring tiles, over thei
 constexpr double kEnoughPixels = 2.0 / 3.0;  // per row of the whole image, over those of a tile
 constexpr double kEdge_px = 6.0;             // boxes that end nearer to a tile's edge are cut by it
 constexpr int kMaxTiles = 8;                 // narrower than a tile by less than the overlap
-constexpr double kSameRows = 0.5;            // of the lower of two parts of one object, in common
 constexpr double kPartInside = 0.7;          // of a cut box inside the whole one
 
 /// A box, and by which inner edges of its tile it is cut.
@@ -216,7 +214,7 @@ std::vector<TileBox> markCuts(const std::vector<TileBoxes>& tiles, int image_wid
 
 bool sameRows(const Box2d& a, const Box2d& b) {
   const double common = std::min(a.bottom, b.bottom) - std::max(a.top, b.top);
-  return common > kSameRows * std::max(a.height(), b.height());
+  return common > 0.5 * std::max(a.height(), b.height());
 }
 
 /// Whether two cut boxes of neighbouring tiles are parts of one object.

@@ -22,13 +22,11 @@ constexpr double kMaxHeight = 3.8;        // above ground [m]
 constexpr double kMinHeight = 0.4;        // of what is seen of a moving object [m]
 constexpr double kMaxAfloat = 1.2;        // lowest part above ground, stereo noise aside [m]
 constexpr double kMinAfloat = 0.35;       // of something that the view below it is tested of [m]
-constexpr double kMaxSeenBelow = 0.5;     // ratio of columns with farther things below
 constexpr double kFarther = 1.5;          // disparity by which they are farther [px]
 constexpr double kFartherRatio = 0.1;     // or this ratio of it
 constexpr double kTail = 0.03;            // of the cells left out at each end of an extent
 constexpr double kVehicleExtent = 1.35;   // a person is never this wide [m]
 constexpr double kFastestCyclist = 10.0;  // [m/s]
-constexpr double kSpeedSigmas = 2.0;      // by which a vehicle must be faster
 constexpr double kEdgeSigma = 3.0;        // of an extent's edge in the image [px]
 constexpr double kDisparitySpread = 2.0;  // by noise, of one surface between the tails [px]
 // Where three sigmas of a depth exceed a vehicle's extent, only extents across the sight are known.
@@ -161,8 +159,8 @@ bool isTooLow(const Box2d& box, double depth, const StereoCamera& camera) {
 ObjectClass classBySize(double extent, double height, const MeasuredVelocity& velocity) {
   const double speed = velocity.value.norm();
   const double sigma = sigmaAlong(velocity.value, velocity.covariance);
-  if (extent > kVehicleExtent || speed - kSpeedSigmas * sigma > kFastestCyclist) {
-    if (height > 2.6) return ObjectClass::kTruck;
+  if (extent > kVehicleExtent || speed - 2.0 * sigma > kFastestCyclist) {
+    if (height > kMaxVanHeight_m) return ObjectClass::kTruck;
     return height > 1.9 ? ObjectClass::kVan : ObjectClass::kCar;
   }
   return speed > kFastestWalker ? ObjectClass::kCyclist : ObjectClass::kPedestrian;
@@ -232,7 +230,7 @@ std::optional<ObjectExtent> extentOf(const std::vector<ObjectCell>& cells,
   const Range height =
       rangeOf(cells, kTail, [&](const Cell& c) { return floor.heightOf(c.point); });
   if (height.min > kMaxAfloat) return std::nullopt;
-  if (height.min > kMinAfloat && seenBelow(cells, disparity, camera, floor) > kMaxSeenBelow)
+  if (height.min > kMinAfloat && seenBelow(cells, disparity, camera, floor) > 0.5)
     return std::nullopt;
   for (const auto& cell : cells) {
     extent.cells.push_back(cell.place);

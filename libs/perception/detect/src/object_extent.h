@@ -29,6 +29,7 @@ struct Range {
 
 inline constexpr double kFastestWalker = 3.2;  // [m/s]
 inline constexpr double kCellSigma = 0.4;      // of the disparity of a cell [px]
+inline constexpr int kMinPersonCells = 20;     // that show a person
 
 /// A cell of the disparity image that belongs to an object.
 struct ObjectCell {

@@ -74,11 +74,8 @@ std::vector<Corner> cornersIn(const cv::Mat& strength, const cv::Mat& occupied, 
   return corners;
 }
 
-constexpr stereo::PointTrackingOptions kTracking{9, 3, 18.0, 0.7};
-constexpr stereo::PointTrackingOptions kMatching{9, 1, 18.0, 0.0};  // left to right image
 constexpr double kMaxRowError = 1.0;    // between the rows in left and right image [px]
 constexpr double kMaxDenseError = 2.0;  // between point and dense disparity [px]
-constexpr double kMinDisparity = 1.0;   // [px]
 
 }  // namespace
 
@@ -145,9 +142,9 @@ void PointFollower::follow(const stereo::FrameContext& context,
     predicted.emplace_back(expected.head<2>());
     disparities.push_back(expected.z());
   }
-  auto positions = stereo::trackPoints(left_before_, left_, before, predicted, kTracking);
+  auto positions = stereo::trackPoints(left_before_, left_, before, predicted, {});
   // An object that moves along with the camera is far from where a static point would be.
-  stereo::trackMissing(left_before_, left_, before, before, kTracking, positions);
+  stereo::trackMissing(left_before_, left_, before, before, {}, positions);
   keepFound(positions, disparitiesOf(positions, disparities, disparity), path);
 }
 
@@ -181,7 +178,10 @@ std::vector<std::optional<double>> PointFollower::disparitiesOf(
     left.push_back(uv);
     right.emplace_back(uv.x() - (dense > 0.0 ? dense : predicted[i]) - offset_, uv.y());
   }
-  const auto matches = stereo::trackPoints(left_, right_.image, left, right, kMatching);
+  stereo::PointTrackingOptions options;
+  options.coarsest_level = 1;
+  options.max_return_error = 0.0;  // the rows and dense disparities are the test
+  const auto matches = stereo::trackPoints(left_, right_.image, left, right, options);
   std::vector<std::optional<double>> result(positions.size());
   for (std::size_t k = 0; k < matches.size(); ++k) {
     if (!matches[k]) continue;
@@ -213,7 +213,7 @@ void PointFollower::keepFound(const std::vector<stereo::TrackedPosition>& positi
   const Time now = path.timeOf(path.newest());
   const auto isOld = [&](const Observation& observation) {
     return observation.frame < path.oldest() ||
-           path.timeOf(observation.frame) < now - params_.window_s - 1e-6;
+           path.timeOf(observation.frame) < now - params_.window_s - kFrameJitter_s;
   };
   for (std::size_t i = 0; i < points_.size(); ++i) {
     if (!positions[i] || !disparities[i]) continue;
@@ -261,19 +261,16 @@ void PointFollower::replenish(const StereoFrame& frame, const stereo::DisparityI
 }
 
 void NoiseScale::update(const std::vector<PointTrack>& points) {
-  constexpr int kMinObservations = 4;
   constexpr std::size_t kMinPoints = 30;
   constexpr double kMedianOfChi = 0.93;    // of a chi-square of 9 degrees of freedom, over its mean
   constexpr double kNewFrameWeight = 0.2;  // weight of a frame
-  constexpr double kMin = 0.4, kMax = 3.0;
   std::vector<double> fits;
   for (const auto& point : points) {
-    if (!point.motion || point.group >= 0 || point.motion->observations < kMinObservations)
-      continue;
+    if (!point.motion || point.group >= 0 || point.motion->observations < kMinFitted) continue;
     fits.push_back(point.motion->staticFit());
   }
   if (fits.size() < kMinPoints) return;
-  const double now = std::clamp(std::sqrt(median(fits) / kMedianOfChi), kMin, kMax);
+  const double now = std::clamp(std::sqrt(median(fits) / kMedianOfChi), 0.4, 3.0);
   value_ += kNewFrameWeight * (now - value_);
 }
 

@@ -116,8 +116,7 @@ bool fitMoving(const std::vector<Observation>& observations, const CameraPath& p
   return motion.point.allFinite() && motion.velocity.allFinite();
 }
 
-constexpr double kGoodFit = 3.0;  // squared error to a degree of freedom
-constexpr double kBadFit = 6.0;
+constexpr double kBadFit = 6.0;  // squared error to a degree of freedom
 
 }  // namespace
 
@@ -171,14 +170,13 @@ bool TurnChange::advance(const stereo::FrameContext& context) {
 }
 
 void TurnChange::apply(std::vector<Observation>& observations) const {
-  constexpr double kMinConverted = 1.0;  // [px]
   for (Observation& one : observations) {
     const double measured = one.uvd.z() + before_.offset_px;
     one.uvd.z() =
         stereo::turnedDisparity(one.uvd.head<2>(), measured, before_.angles, now_.angles, camera_) -
         now_.offset_px;
   }
-  const auto is_too_far = [](const Observation& one) { return one.uvd.z() < kMinConverted; };
+  const auto is_too_far = [](const Observation& one) { return one.uvd.z() < kMinDisparity; };
   observations.erase(std::remove_if(observations.begin(), observations.end(), is_too_far),
                      observations.end());
 }

@@ -18,6 +18,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "object_extent.h"
+
 namespace headway::detect {
 namespace {
 
@@ -119,26 +121,21 @@ Warp warpOf(const cv::Mat& disparities, const StaticScene& scene) {
 
 constexpr int kSearchReach = 16;  // search range to either side [cells]
 constexpr int kMatchedBlock = 9;  // side of a matched block [cells]
-constexpr int kUniqueness = 10;   // margin of the best match over the second best [%]
 constexpr int kOverlap = 6;       // rows around a block; even, because OpenCV filters pairs of rows
 constexpr int kMinSpeckle = 20;   // smaller regions are removed [cells]
 constexpr int kSpeckleRange = 2;  // between neighbours in a region
-constexpr int kSubpixels = 16;    // OpenCV's fixed-point disparities
-constexpr int kUnmatchedBorder = 2 * kSearchReach;  // columns that OpenCV leaves unmatched [cells]
-constexpr double kSigmaDisparity = 0.4;             // [px]
-constexpr double kMinSigma = 0.15;                  // [px]
+constexpr double kMinSigma = 0.15;     // [px]
 constexpr double kResidualTail = 1.0;  // residual at which a cell has half its weight [px]
 constexpr int kStride = 3;             // of the cells that estimate the common flow
 constexpr double kFastWalk_mps = 2.0;  // across the line of sight, of a walker
 constexpr int kMaxCoarse = 4;          // reduction of the images for near walkers
-constexpr int kMinNear = 20;           // cells of one who is measured
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 // Matches some rows with the same result as matching the whole images.
 void matchRows(const cv::Mat& now, const cv::Mat& warped, const cv::Range& rows, cv::Mat& matches) {
   auto matcher = cv::StereoBM::create(2 * kSearchReach, kMatchedBlock);
   matcher->setMinDisparity(-kSearchReach);
-  matcher->setUniquenessRatio(kUniqueness);
+  matcher->setUniquenessRatio(10);
   matcher->setTextureThreshold(12);
   matcher->setPreFilterCap(31);
   matcher->setDisp12MaxDiff(1);
@@ -150,25 +147,26 @@ void matchRows(const cv::Mat& now, const cv::Mat& warped, const cv::Range& rows,
 
 // Columns in the warped image that match the cells [cells]; NaN where there are none.
 cv::Mat matchedColumns(const cv::Mat& now, const cv::Mat& warped) {
+  const int border = 2 * kSearchReach;  // columns that OpenCV leaves unmatched
   cv::Mat a, b;
-  cv::copyMakeBorder(now, a, 0, 0, kUnmatchedBorder, kUnmatchedBorder, cv::BORDER_REPLICATE);
-  cv::copyMakeBorder(warped, b, 0, 0, kUnmatchedBorder, kUnmatchedBorder, cv::BORDER_REPLICATE);
+  cv::copyMakeBorder(now, a, 0, 0, border, border, cv::BORDER_REPLICATE);
+  cv::copyMakeBorder(warped, b, 0, 0, border, border, cv::BORDER_REPLICATE);
   // OpenCV matches images as small as these in one thread.
   cv::Mat matches(a.size(), CV_16S);
   const int half = now.rows / 4 * 2;
   const std::array<cv::Range, 2> halves{cv::Range(0, half), cv::Range(half, now.rows)};
   forEachRow(2, [&](int i) { matchRows(a, b, halves[i], matches); });
-  constexpr int kNone = (-kSearchReach - 1) * kSubpixels;
-  cv::filterSpeckles(matches, kNone, kMinSpeckle, kSpeckleRange);
+  cv::filterSpeckles(matches, (-kSearchReach - 1) * cv::StereoMatcher::DISP_SCALE, kMinSpeckle,
+                     kSpeckleRange);
   cv::Mat columns(now.size(), CV_32F);
   for (int row = 0; row < now.rows; ++row) {
-    const short* match = matches.ptr<short>(row) + kUnmatchedBorder;
+    const short* match = matches.ptr<short>(row) + border;
     auto* place = columns.ptr<float>(row);
     for (int column = 0; column < now.cols; ++column) {
-      place[column] =
-          match[column] < -kSearchReach * kSubpixels
-              ? kUnknown
-              : static_cast<float>(column) - static_cast<float>(match[column]) / kSubpixels;
+      place[column] = match[column] < -kSearchReach * cv::StereoMatcher::DISP_SCALE
+                          ? kUnknown
+                          : static_cast<float>(column) -
+                                static_cast<float>(match[column]) / cv::StereoMatcher::DISP_SCALE;
     }
   }
   return columns;
@@ -236,7 +234,7 @@ void subtractStaticFlow(const stereo::DisparityImage& disparity, const StaticSce
     std::vector<float> before(columns);
     for (int column = 0; column < columns; ++column) {
       before[column] = static_row.before(column, d[column]).x;
-      const float shifted = static_row.before(column, d[column] + float(kSigmaDisparity)).x;
+      const float shifted = static_row.before(column, d[column] + float(kCellSigma)).x;
       sigmas[column] = scale * (shifted - before[column]);
     }
     for (int column = 0; column < columns; ++column) {
@@ -319,7 +317,7 @@ ResidualFlow ResidualFlowMeter::measure(const cv::Mat& image,
   stereo::DisparityImage coarse = disparity;
   for (int factor = 2; factor <= kMaxCoarse; factor *= 2) {
     const double max_disparity = maxDisparity(coarse.reduce, seconds, camera_);
-    if (cv::countNonZero(coarse.values > max_disparity) < kMinNear) break;
+    if (cv::countNonZero(coarse.values > max_disparity) < kMinPersonCells) break;
     coarse = halved(coarse);
     previous = stereo::reducedImage(previous, 2);
     now = stereo::reducedImage(now, 2);

@@ -17,18 +17,15 @@
 namespace headway::detect {
 namespace {
 
-constexpr double kSegmentGate = 0.6;           // between a segment and its expected place [m]
-constexpr double kSegmentGatePerMetre = 0.02;  // growth with depth [m/m]
+constexpr double kSegmentGate = 0.6;    // between a segment and its expected place [m]
 constexpr double kGateDisparity = 1.0;  // and, along the line of sight, by this much disparity [px]
 constexpr double kEdge = 0.5;           // error of a segment's centre [px]
 constexpr double kEdgeRatio = 0.03;     // and ratio to its width
 constexpr double kSegmentDisparitySigma = 0.3;  // [px]
 constexpr double kRowSigma = 30.0;              // feet and heads are cut off at random [px]
-constexpr int kMinSegmentObservations = 4;
-constexpr int kMaxMissed = 3;            // frames
-constexpr double kGoodSegmentFit = 3.0;  // squared error to a degree of freedom
-constexpr std::size_t kMaxFlows = 5;     // kept of a segment
-constexpr double kMinTravel = 0.3;       // within the window [m]
+constexpr int kMaxMissed = 3;                   // frames
+constexpr std::size_t kMaxFlows = 5;            // kept of a segment
+constexpr double kMinTravel = 0.3;              // within the window [m]
 
 ObservationNoise noiseOf(const UprightSegment& segment) {
   return {kEdge + kEdgeRatio * segment.width_px, kRowSigma, kSegmentDisparitySigma};
@@ -55,7 +52,7 @@ class Gate {
     const Pose& T_cam_world = path.T_cam_world(path.newest());
     const double depth = (T_cam_world * expected).z();
     ray_ = overGround(expected - T_cam_world.inverse().translation(), up).normalized();
-    across_ = kSegmentGate + kSegmentGatePerMetre * depth;
+    across_ = kSegmentGate + kGatePerMetre * depth;
     along_ = across_ + kGateDisparity * depth * depth / (camera.fx * camera.baseline_m);
   }
 
@@ -70,8 +67,7 @@ class Gate {
   double across_, along_;  ///< [m]
 };
 
-constexpr double kPartTail = 4.0;  // squared distance at which a part has half its weight
-constexpr int kFitIterations = 5;
+constexpr double kPartTail = 4.0;     // squared distance at which a part has half its weight
 constexpr double kMedianLoss = 1.25;  // standard error of a median over that of a mean
 constexpr double kMinSpan = 0.25;     // of observations [s]
 
@@ -125,7 +121,7 @@ struct Pooled {
 
 Pooled pool(const std::vector<Part>& parts) {
   Pooled pooled;
-  for (int i = 0; i < kFitIterations; ++i) {
+  for (int i = 0; i < 5; ++i) {
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
     Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
     for (const auto& part : parts) {
@@ -252,15 +248,15 @@ void SegmentFollower::extend(SegmentTrack& track, UprightSegment segment,
 
 std::optional<PointMotion> SegmentFollower::outlineMotion(const SegmentTrack& track) {
   const auto& motion = track.track.motion;
-  if (!motion || motion->observations < kMinSegmentObservations) return std::nullopt;
-  return motion->movingFit() < kGoodSegmentFit ? motion : std::nullopt;
+  if (!motion || motion->observations < kMinFitted) return std::nullopt;
+  return motion->movingFit() < kGoodFit ? motion : std::nullopt;
 }
 
 bool SegmentFollower::moves(const SegmentTrack& track, const Eigen::Vector3d& up,
                             const PointClassParams& params, double window_s) {
   if (!track.track.motion) return false;
   PointClassParams strict = params;
-  strict.min_observations = kMinSegmentObservations;
+  strict.min_observations = kMinFitted;
   strict.max_speed = kMaxSegmentSpeed;
   if (classifyPoint(track.track, up, strict) != PointClass::kMoving) return false;
   return overGround(track.track.motion->velocity, up).norm() * window_s > kMinTravel;

@@ -76,7 +76,7 @@ struct SegmentMotion {
 
 /// Parameters of segmentMotion().
 struct SegmentMotionParams {
-  int min_observations = 4;
+  int min_observations = kMinFitted;
   int min_parts = 3;
   int min_flows = 2;           ///< a single one may be a mismatch
   double noise_scale = 1.0;    ///< true errors of observations over those assumed [-]

@@ -205,7 +205,6 @@ constexpr double kColumnsThatCount = 12.0;     // neighbouring columns err toget
 constexpr double kColumnDisparitySigma = 0.5;  // of a column [px]
 constexpr double kShapeSigma = 0.2;            // of a real side off a flat one [m]
 constexpr double kSizeSpread = 0.08;           // of length and width
-constexpr double kWorst = 9.0;                 // squared error at which a column is an outlier
 
 struct Column {
   double slope;  // x over z of its ray
@@ -328,7 +327,8 @@ double columnError(const Rectangle& rectangle, const std::vector<Column>& column
     const double sigma =
         std::hypot(kShapeSigma, kColumnDisparitySigma * column.depth * column.depth / fb);
     const double off = depth ? (column.depth - *depth) / sigma : 1e9;
-    total += std::min(off * off, kWorst);
+    // Beyond three sigmas a column is an outlier.
+    total += std::min(off * off, square(3.0));
   }
   const auto count = static_cast<double>(columns.size());
   return total * std::min(1.0, kColumnsThatCount / std::max(1.0, count));
@@ -399,8 +399,7 @@ FittedFootprint fitFootprint(const Box2d& box, double edge_sigma, const Eigen::V
 
 constexpr double kEdgeWidthRatio = 0.07;  // or of its width: networks frame what they see roughly
 constexpr double kElongated = 1.5;        // length over width from which a heading can be told
-constexpr double kAwayFromCamera = -0.5 * M_PI;  // rotation_y of a front along +z
-constexpr double kDeepestUnknown = 2.0;          // of an object of unknown size [m]
+constexpr double kDeepestUnknown = 2.0;   // of an object of unknown size [m]
 
 std::optional<Box2d> clipped(const Box2d& box, const StereoCamera& camera) {
   if (!std::isfinite(box.left + box.top + box.right + box.bottom)) return std::nullopt;
@@ -475,7 +474,7 @@ std::optional<LiftedBox> StereoLifter::lift(const Box2d& box, ObjectClass object
     const double behind = depth + 0.5 * known.size.x();
     const double u = 0.5 * (inside->left + inside->right);
     fit.centre = {behind * (u - camera_->cx) / camera_->fx, behind};
-    fit.yaw = kAwayFromCamera;
+    fit.yaw = -0.5 * M_PI;  // front along +z: away from the camera
   }
   LiftedBox lifted;
   lifted.box.length = known.size.x();

@@ -167,10 +167,13 @@ class StereoMotion::Implementation {
     MotionDetections result;
     result.detections = found_;
     result.tested = tested_;
-    constexpr double kStep_s = 0.01;  // short, so that its turn is far from half a circle
-    const Pose motion = path_.expectedMotion(kStep_s);
-    result.camera_velocity = motion.translation() / kStep_s;
-    result.camera_turn_rate = logSo3(motion.linear()) / kStep_s;
+    const int now = path_.newest();
+    if (now > path_.oldest()) {
+      const Pose step = path_.T_cam_world(now) * path_.T_cam_world(now - 1).inverse();
+      const double seconds = path_.timeOf(now) - path_.timeOf(now - 1);
+      result.camera_velocity = step.translation() / seconds;
+      result.camera_turn_rate = logSo3(step.linear()) / seconds;
+    }
     result.max_ahead_s = params_.window_s;
     return result;
   }

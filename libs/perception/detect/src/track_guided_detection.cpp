@@ -14,12 +14,9 @@
 namespace headway::detect {
 namespace {
 
-constexpr double kSearchTime = 1.0;      // after the last evidence of motion [s]
 constexpr double kGate = 0.8;            // between an object and its expected place [m]
-constexpr double kGatePerMetre = 0.02;   // growth with depth [m/m]
 constexpr double kFlowSigmas = 3.0;      // difference between a flow and the expected one
 constexpr double kFlowRatio = 0.5;       // and ratio of it to the expected one
-constexpr int kMinSightings = 2;         // of an object that is searched by appearance
 constexpr double kMinDistinct = 2.0;     // between where it would be had it stopped and not [cells]
 constexpr double kIndistinctTime = 0.7;  // in which it is searched though these coincide [s]
 constexpr double kMinTrackedDepth = 0.3;   // of a searched object: the nearest any rig matches [m]
@@ -220,7 +217,7 @@ std::vector<SearchedObject> searchedObjects(const std::vector<ExpectedObject>& e
   const Pose T_world_map = path.T_cam_world(path.newest()).inverse() * T_cam_map;
   std::vector<SearchedObject> searched;
   for (const auto& object : expected) {
-    if (now - object.last_motion > kSearchTime) continue;
+    if (now - object.last_motion > kMotionMemory_s) continue;
     SearchedObject result{object.track,
                           object.object_class,
                           T_world_map * object.positionAt(now),
@@ -287,7 +284,7 @@ void detectByFlow(const MotionFrame& frame, const std::vector<SearchedObject>& s
 void detectByAppearance(const MotionFrame& frame, const std::vector<SearchedObject>& searched,
                         const StereoCamera& camera, std::vector<MovingObject>& found) {
   for (const auto& object : searched) {
-    if (object.appearance == nullptr || object.observations < kMinSightings) continue;
+    if (object.appearance == nullptr || object.observations < 2) continue;
     const bool is_found = std::any_of(found.begin(), found.end(), [&](const MovingObject& other) {
       return other.searched_track == object.track;
     });

@@ -56,9 +56,8 @@ constexpr double kMaxFloat = 0.9;          // of the lowest part [m]
 constexpr double kMinWidth = 0.2;          // [m]
 constexpr double kMinLegWidth = 0.1;      // where the upper edge of the image leaves legs alone [m]
 constexpr double kMaxUprightWidth = 2.0;  // a cyclist from the side [m]
-constexpr std::size_t kMinUprightCells = 20;
-constexpr double kNearer = 2.0;       // disparity by which an occluder is nearer [px]
-constexpr double kHiddenRows = 0.25;  // ratio of rows with an occluder beside them
+constexpr double kNearer = 2.0;           // disparity by which an occluder is nearer [px]
+constexpr double kHiddenRows = 0.25;      // ratio of rows with an occluder beside them
 
 using Cells = std::vector<ObjectCell>;
 
@@ -157,7 +156,7 @@ Cells cellsOf(const Patch& patch, const stereo::DisparityImage& disparity,
 
 std::optional<UprightSegment> segmentOf(const Patch& patch, const stereo::DisparityImage& disparity,
                                         const StereoCamera& camera) {
-  if (patch.places.size() < kMinUprightCells) return std::nullopt;
+  if (patch.places.size() < static_cast<std::size_t>(kMinPersonCells)) return std::nullopt;
   const auto [lowest, highest] = std::minmax_element(patch.heights.begin(), patch.heights.end());
   // A segment that reaches the maximum height continues above it: a trunk, a pole, a wall.
   const bool cut = *highest > kHeadHeight - 0.1;
@@ -184,12 +183,10 @@ std::optional<UprightSegment> segmentOf(const Patch& patch, const stereo::Dispar
 }
 
 constexpr float kMovingSigmas = 3.5F;    // sigmas from which a cell is moving
-constexpr float kStaticSigmas = 2.0F;    // and below which it is static
 constexpr double kMinCellAcross = 0.25;  // speed of a moving cell across the line of sight [m/s]
 constexpr std::size_t kMinKnown = 12;    // of a segment with measured flow
 constexpr double kCommonSigma = 0.3;     // error common to all cells of a segment [px]
 constexpr double kSurely = 4.0;          // sigmas from which a segment is moving for certain
-constexpr double kMaxClaimed = 0.5;      // ratio of cells that belong to another segment already
 const cv::Size kFlowGaps(5, 5);          // between moving cells that are closed [cells]
 
 // Speed across the line of sight, to the right, of a flow [m/s].
@@ -230,7 +227,7 @@ cv::Mat movingCells(const stereo::DisparityImage& disparity, const ResidualFlow&
     auto* rests = fixed.ptr<unsigned char>(row);
     for (int column = 0; column < size.width; ++column) {
       const float residual = side * residuals[column];  // NaN: neither moving nor static
-      rests[column] = residual < kStaticSigmas * sigmas[column];
+      rests[column] = residual < 2.0F * sigmas[column];
       moves[column] = residual > kMovingSigmas * sigmas[column] &&
                       acrossOf(residual, d[column], flow.seconds, camera) > kMinCellAcross;
     }
@@ -297,7 +294,7 @@ std::vector<UprightSegment> uprightSegments(const StandingCells& standing,
     for (int column = 0; column < left.cols; ++column) {
       if (left.at<float>(row, column) <= 0.0F) continue;
       Patch patch = takeConnected(left, {column, row});
-      if (patch.places.size() < kMinUprightCells) continue;
+      if (patch.places.size() < static_cast<std::size_t>(kMinPersonCells)) continue;
       for (const auto& place : patch.places) {
         patch.heights.push_back(standing.heights.at<double>(place));
       }
@@ -336,7 +333,7 @@ std::vector<UprightSegment> segmentsByFlow(const stereo::DisparityImage& dispari
       const auto taken = std::count_if(
           segment.cells.begin(), segment.cells.end(),
           [&](const ObjectCell& cell) { return claimed.at<unsigned char>(cell.place) != 0; });
-      if (static_cast<double>(taken) > kMaxClaimed * static_cast<double>(segment.cells.size())) {
+      if (2 * static_cast<std::size_t>(taken) > segment.cells.size()) {
         continue;
       }
       segment.across = acrossSpeed(segment, flow, camera);

@@ -201,28 +201,27 @@ double ConsistencyCheck::maxGate(const ExpectedPlace& track, double variance) co
 
 Matches ConsistencyCheck::match(const std::vector<ExpectedPlace>& tracks,
                                 const std::vector<MeasuredBox>& detections) const {
-  constexpr double kNewObject = 0.0;  // cost of a detection that starts a track
-  double widest = 0.0;                // variance of a detection
+  double widest = 0.0;  // variance of a detection
   for (const MeasuredBox& box : detections) widest = std::max(widest, box.covariance.trace());
   std::vector<double> gates(tracks.size());
   std::transform(tracks.begin(), tracks.end(), gates.begin(),
                  [&](const ExpectedPlace& track) { return maxGate(track, widest); });
   const SpatialGrid grid(detections,
                          gates.empty() ? 0.0 : *std::max_element(gates.begin(), gates.end()));
-  constexpr std::size_t kUsualPairs = 4;  // of a track in a crowd
   std::vector<CandidatePair> candidates;
-  candidates.reserve(kUsualPairs * tracks.size());
+  candidates.reserve(4 * tracks.size());  // usual in a crowd
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     grid.visitWithin(tracks[i].position.head<2>(), gates[i], [&](std::size_t j) {
       const auto pair_cost = cost(tracks[i], detections[j]);
-      if (pair_cost && *pair_cost < kNewObject) candidates.push_back({i, j, *pair_cost});
+      if (pair_cost && *pair_cost < 0.0) candidates.push_back({i, j, *pair_cost});
     });
   }
   Matches matches;
+  // A detection that starts a track costs 0.
   for (const CandidatePair& pair : takeObviousPairs(candidates)) {
     matches.pairs.emplace_back(pair.row, pair.column);
   }
-  for (const CandidatePair& pair : assignPairs(std::move(candidates), kNewObject)) {
+  for (const CandidatePair& pair : assignPairs(std::move(candidates), 0.0)) {
     matches.pairs.emplace_back(pair.row, pair.column);
   }
   std::sort(matches.pairs.begin(), matches.pairs.end());

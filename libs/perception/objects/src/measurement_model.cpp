@@ -123,14 +123,14 @@ Eigen::Matrix3d MeasurementModel::centreCovariance(const Detection& detection) c
 }
 
 void NoiseScale::learn(const ExpectedPlace& expected, const MeasuredBox& detection) {
-  constexpr double kExpected = 2.0;  // mean of chi-squared with two degrees of freedom
-  constexpr double kOutlier = 6.0;   // larger distances are clamped
+  constexpr double kOutlier = 6.0;  // larger distances are clamped
   constexpr double kMinScale = 0.05;
   constexpr double kMaxScale = 4.0;
   const Eigen::Vector2d offset = (detection.position - expected.position).head<2>();
   const Eigen::Matrix2d S = expected.covariance + detection.covariance;
   const double squared = std::min(kOutlier, offset.dot(S.inverse() * offset));
-  scale_ *= 1.0 + adaptation_ * (squared / kExpected - 1.0);
+  // Mean of chi-square with two degrees of freedom: 2.
+  scale_ *= 1.0 + adaptation_ * (squared / 2.0 - 1.0);
   scale_ = std::clamp(scale_, kMinScale, kMaxScale);
 }
 
@@ -151,12 +151,11 @@ void ScoreQuality::learn(const MeasuredBox& box) {
 
 MeasuredBox ScoreQuality::scaled(MeasuredBox box) const {
   constexpr double kNoiseOfOneSigma = 1.4;  ///< ratio of the noise one standard deviation lower
-  constexpr double kMaxSigmas = 2.0;
   const Scores& scores = scores_[static_cast<std::size_t>(box.object_class)];
   const double sigma =
       std::sqrt(scores.squares / static_cast<double>(std::max<std::size_t>(scores.count, 1)));
   if (!(sigma > 0.0)) return box;
-  const double above = std::clamp((box.score - scores.mean) / sigma, -kMaxSigmas, kMaxSigmas);
+  const double above = std::clamp((box.score - scores.mean) / sigma, -2.0, 2.0);
   box.size_sigma_m *= std::pow(kNoiseOfOneSigma, -above);
   return box;
 }

@@ -59,10 +59,9 @@ double MotionPriorProblem::stepWeight(const Step& step, const Eigen::Vector2d& e
 
 void MotionPriorProblem::addKineticTerms(double weight) {
   const auto& measurements = *measurements_;
-  constexpr double kEpsilon_s = 1e-9;
   for (std::size_t j = 0; j + 1 < measurements.size(); ++j) {
     const double dt = measurements[j + 1].time - measurements[j].time;
-    const double rate = 1.0 / (dt + kEpsilon_s);
+    const double rate = 1.0 / (dt + 1e-9);  // eps of eq. (5)
     terms_.push_back({j, 2, {-rate, rate, 0.0}, weight * dt});
   }
 }

@@ -104,8 +104,6 @@ double chordOfArc(double arc_length, double alpha) {
 
 namespace {
 
-constexpr double kHorizon_s = kPredictionSamples * kPredictionStep_s;
-
 /// Growth of the uncertainty about a path that runs along one direction: errors of position, of
 /// velocity and of acceleration.
 class PathSpread {
@@ -126,8 +124,9 @@ class PathSpread {
     const double velocity = span > 0.0 ? std::min(kUnknownSpeed, sigma / span) : kUnknownSpeed;
     start_ = square(std::max(sigma, kMinSigma_m)) * Eigen::Matrix2d::Identity();
     velocity_ = square(velocity) * along + square(velocity) * across;
-    acceleration_ = 0.25 * (square(params.acceleration_sigma_mps2) * along +
-                            square(params.lateral_sigma_mps2) * across);
+    acceleration_ =
+        0.25 * (square(params.acceleration_sigma_mps2.of(history.object_class)) * along +
+                square(params.lateral_sigma_mps2.of(history.object_class)) * across);
   }
 
   /// Covariance at one horizon [m^2].
@@ -140,14 +139,14 @@ class PathSpread {
   Eigen::Matrix2d start_, velocity_, acceleration_;
 };
 
+/// Horizon of sample j [s].
+double horizonOf(int j) { return (j + 1) * kPredictionStep_s; }
+
 /// Where an object goes.
 struct SinglePath {
   Eigen::Vector2d direction = Eigen::Vector2d::UnitX();  ///< that its spread follows
   std::function<Eigen::Vector2d(int)> at;                ///< place at sample j [m]
 };
-
-/// Horizon of sample j [s].
-double horizonOf(int j) { return (j + 1) * kPredictionStep_s; }
 
 /// Predicts one path; a history of one position, or of none, is the same for all.
 class SinglePathPredictor : public Predictor {
@@ -162,8 +161,8 @@ class SinglePathPredictor : public Predictor {
             ? SinglePath{Eigen::Vector2d::UnitX(),
                          [&](int) -> Eigen::Vector2d { return start.head<2>(); }}
             : pathOf(history, start.head<2>());
-    const PathSpread spread(history, params_.manoeuvres.of(history.object_class),
-                            params_.velocity_window_s, single.direction);
+    const PathSpread spread(history, params_.manoeuvres, params_.velocity_window_s,
+                            single.direction);
     paths.resize(1);
     PredictedPath& path = paths.front();
     path.mode = 0;
@@ -247,7 +246,6 @@ class BezierPredictor : public SinglePathPredictor {
 
 // Turn rate from the mean velocities over the last window and the one before it [rad/s].
 double recentTurnRate(const std::vector<TrajectoryPoint>& path, double window_s) {
-  constexpr double kStanding_mps = 0.3;  // below, directions are noise
   const double window = std::min(window_s, 0.5 * spanOf(path));
   if (window <= 0.0) return 0.0;
   const Time now = path.back().time;
@@ -256,7 +254,7 @@ double recentTurnRate(const std::vector<TrajectoryPoint>& path, double window_s)
   const Eigen::Vector2d p2 = placeAt(path, now - 2.0 * window);
   const Eigen::Vector2d recent = p0 - p1;
   const Eigen::Vector2d older = p1 - p2;
-  if (std::min(recent.norm(), older.norm()) < kStanding_mps * window) return 0.0;
+  if (std::min(recent.norm(), older.norm()) < kMinTurningSpeed_mps * window) return 0.0;
   const double cross = older.x() * recent.y() - older.y() * recent.x();
   return std::atan2(cross, older.dot(recent)) / window;
 }
@@ -337,10 +335,11 @@ class PolynomialPredictor : public SinglePathPredictor {
   [[nodiscard]] SinglePath pathOf(const MotionHistory& history,
                                   const Eigen::Vector2d& start) const override {
     constexpr double kSpacing_s = 0.5;  // five frames at 10 Hz
+    const double horizon_s = horizonOf(kPredictionSamples - 1);
     const double end_distance =
-        kHorizon_s * smoothedSpeed(history.path, params_.paper.speed_samples, params_.paper);
+        horizon_s * smoothedSpeed(history.path, params_.paper.speed_samples, params_.paper);
     const Parabola parabola(history.path, std::min(kSpacing_s, spanOf(history.path) / 3.0));
-    const Eigen::Vector2d end = parabola.advance(kHorizon_s);
+    const Eigen::Vector2d end = parabola.advance(horizon_s);
     const double scale = end.norm() > kNoDirection_m ? end_distance / end.norm() : 0.0;
     return {unitOr(end, Eigen::Vector2d::UnitX()), [=](int j) -> Eigen::Vector2d {
               return start + scale * parabola.advance(horizonOf(j));

@@ -25,8 +25,6 @@ struct Manoeuvre {
   Eigen::Matrix2d velocity_covariance = Eigen::Matrix2d::Zero();  ///< [m^2/s^2]
 };
 
-constexpr double kMinSpeed = 0.3;  // min. speed for a turn rate [m/s]
-
 // Weighted moments of the first `seen` positions about the last of them, and of time.
 struct Moments {
   double t1 = 0.0;                      // of v
@@ -89,18 +87,19 @@ struct AxisFit {
 ///              motion as it was known at the last of them
 Manoeuvre fitManoeuvre(const MotionHistory& history, std::size_t seen,
                        const ManoeuvreParams& params) {
+  const MotionGroup group = motionGroupOf(history.object_class);
   Manoeuvre result;
-  const Moments m(history.path, seen, params.memory_s);
+  const Moments m(history.path, seen, params.memory_s.of(group));
   const Eigen::Vector2d ahead = unitOr(m.dt1, Eigen::Vector2d::UnitX());
   const Eigen::Vector2d left(-ahead.y(), ahead.x());
   const Eigen::Matrix2d& places = history.position_covariance;
-  const double noise = square(params.path_noise_m) + 0.5 * places.trace();
+  const double noise = square(params.path_noise_m.of(group)) + 0.5 * places.trace();
   const auto fit = [&](const Eigen::Vector2d& axis, double typical_acceleration_mps2) {
-    return AxisFit(m, m.dt1.dot(axis), m.dt2.dot(axis), noise, params.typical_speed_mps,
+    return AxisFit(m, m.dt1.dot(axis), m.dt2.dot(axis), noise, params.typical_speed_mps.of(group),
                    typical_acceleration_mps2);
   };
-  const AxisFit along = fit(ahead, params.typical_acceleration_mps2);
-  const AxisFit across = fit(left, params.typical_lateral_mps2);
+  const AxisFit along = fit(ahead, params.typical_acceleration_mps2.of(group));
+  const AxisFit across = fit(left, params.typical_lateral_mps2.of(group));
   const Eigen::Vector2d velocity = along.velocity * ahead + across.velocity * left;
   const Eigen::Vector2d acceleration = along.acceleration * ahead + across.acceleration * left;
 
@@ -115,19 +114,20 @@ Manoeuvre fitManoeuvre(const MotionHistory& history, std::size_t seen,
   const double speed = velocity.norm();
   result.direction = unitOr(velocity, ahead);
   const double fourth = square(square(speed));
-  const double moves = fourth / (fourth + square(square(params.standing_speed_mps)));
+  const double moves = fourth / (fourth + square(square(params.standing_speed_mps.of(group))));
   result.velocity_covariance +=
-      (1.0 - moves) * square(params.setting_off_mps) * Eigen::Matrix2d::Identity();
+      (1.0 - moves) * square(params.setting_off_mps.of(group)) * Eigen::Matrix2d::Identity();
   const Eigen::Vector2d& d = result.direction;
   result.speed = moves * speed;
   result.acceleration = moves * acceleration.dot(d);
-  if (speed > kMinSpeed) {
+  if (speed > kMinTurningSpeed_mps) {
     result.turn_rate = moves * (d.x() * acceleration.y() - d.y() * acceleration.x()) / speed;
   }
   return result;
 }
 
-constexpr int kModes = 4;
+/// The paths: the manoeuvre continued, straight on at constant speed, braking, and gaining speed.
+enum Mode { kContinued, kStraightOn, kSlower, kFaster, kModes };
 using Samples = std::array<double, kPredictionSamples>;
 
 /// Quantities of a class that depend on the horizon only.
@@ -144,8 +144,9 @@ struct Span {
   int first = 0, end = 0;
 };
 
-// Frequency at which each path was the nearest to the true one, rounded.
-constexpr std::array<double, 4> kProbabilities = {0.55, 0.25, 0.1, 0.1};
+// Frequency at which each path was the nearest to the true one, rounded: on 9,849 exact histories
+// of KITTI's 19 tracking sequences (headway-eval predictions).
+constexpr std::array<double, kModes> kProbabilities = {0.55, 0.25, 0.1, 0.1};
 constexpr double kMinPositionSigma_m = 0.03;
 constexpr double kMaxTurnRate = 3.0;  // [rad/s]
 
@@ -154,7 +155,6 @@ constexpr double kMaxTurnRate = 3.0;  // [rad/s]
 constexpr std::array<double, 3> kLookBack_s = {0.3, 0.6, 1.0};
 constexpr double kMaxLookBack_s = 1.5;  // at low frame rates
 constexpr double kLikelihoodWeight = 0.25;
-constexpr double kUsualError = 2.0;      // expected squared error in standard deviations, 2 axes
 constexpr double kMaxError = 32.0;       // an outlier's counts as this
 constexpr double kSurpriseFade_s = 4.0;  // of the horizon, after which growth is the usual one
 
@@ -181,13 +181,15 @@ struct Course {
   std::array<Eigen::Matrix2d, kPredictionSamples> covariances;  ///< [m^2]
 };
 
-/// The paths from one position. Mode 1 is straight; the others take the turning course.
+/// The paths from one position. All but one take the turning course.
 struct PredictedMotion {
   Course turning, straight;
   double speed = 0.0;                          ///< [m/s]
   std::array<double, kModes> accelerations{};  ///< of each mode [m/s^2]
 
-  [[nodiscard]] const Course& courseOf(int mode) const { return mode == 1 ? straight : turning; }
+  [[nodiscard]] const Course& courseOf(int mode) const {
+    return mode == kStraightOn ? straight : turning;
+  }
 };
 
 /// Moves along one path of a predicted motion step by step.
@@ -238,10 +240,13 @@ struct LookBack {
   /// @param squared      mean squared error of the first mode, in standard deviations
   /// @param likelihoods  mean log-likelihood of what came by each mode
   LookBack(double squared, const std::array<double, kModes>& likelihoods)
-      : growth((kUsualError + squared) / (2.0 * kUsualError)) {
+      : growth((2.0 + squared) /
+               (2.0 + 2.0))  // expected: 2, by chi-square with 2 degrees of freedom
+  {
     double sum = 0.0;
     for (int mode = 0; mode < kModes; ++mode) {
-      probabilities[mode] *= std::exp(kLikelihoodWeight * (likelihoods[mode] - likelihoods[0]));
+      probabilities[mode] *=
+          std::exp(kLikelihoodWeight * (likelihoods[mode] - likelihoods[kContinued]));
       sum += probabilities[mode];
     }
     for (double& probability : probabilities) probability /= sum;
@@ -262,8 +267,8 @@ class MixturePredictor : public Predictor {
  public:
   explicit MixturePredictor(const PredictorParams& params)
       : params_(params.manoeuvres),
-        tables_{tabulate(params.manoeuvres.vehicle), tabulate(params.manoeuvres.cyclist),
-                tabulate(params.manoeuvres.pedestrian)} {}
+        tables_{tabulate(MotionGroup::kVehicle), tabulate(MotionGroup::kCyclist),
+                tabulate(MotionGroup::kPedestrian)} {}
 
   void predictInto(const MotionHistory& history, std::vector<PredictedPath>& paths) const override {
     if (history.path.empty()) return paths.clear();
@@ -291,19 +296,20 @@ class MixturePredictor : public Predictor {
   }
 
  private:
-  [[nodiscard]] static Tables tabulate(const ManoeuvreParams& params) {
+  [[nodiscard]] Tables tabulate(MotionGroup group) const {
     Tables tables;
     const auto faded = [](double t, double time) { return -time * std::expm1(-t / time); };
     double turned = 0.0;
     for (int j = 0; j < kPredictionSamples; ++j) {
       const double t = (j + 1) * kPredictionStep_s;
-      const double middle = faded(t - 0.5 * kPredictionStep_s, params.turn_fade_s);
-      tables.gained[j] = params.acceleration_fade_s * (t - faded(t, params.acceleration_fade_s));
+      const double middle = faded(t - 0.5 * kPredictionStep_s, params_.turn_fade_s.of(group));
+      tables.gained[j] = params_.acceleration_fade_s.of(group) *
+                         (t - faded(t, params_.acceleration_fade_s.of(group)));
       tables.turned[j] = middle - turned;
       turned = middle;
       tables.fading[j] = std::exp(-t / kSurpriseFade_s);
-      tables.along[j] = square(params.acceleration_sigma_mps2 * 0.5 * t * t);
-      tables.across[j] = square(params.lateral_sigma_mps2 * 0.5 * t * t);
+      tables.along[j] = square(params_.acceleration_sigma_mps2.of(group) * 0.5 * t * t);
+      tables.across[j] = square(params_.lateral_sigma_mps2.of(group) * 0.5 * t * t);
     }
     return tables;
   }
@@ -313,11 +319,11 @@ class MixturePredictor : public Predictor {
   /// @param growth  factor of what covariances grow by
   [[nodiscard]] PredictedMotion motionAt(const MotionHistory& history, std::size_t seen,
                                          const Span& spread, double growth) const {
-    const ManoeuvreParams& params = params_.of(history.object_class);
+    const MotionGroup group = motionGroupOf(history.object_class);
     const Tables& tables = tables_.of(history.object_class);
-    const Manoeuvre now = fitManoeuvre(history, seen, params);
+    const Manoeuvre now = fitManoeuvre(history, seen, params_);
     const double moves =
-        square(now.speed) / (square(now.speed) + square(params.cruising_speed_mps));
+        square(now.speed) / (square(now.speed) + square(params_.cruising_speed_mps.of(group)));
     const Eigen::Matrix2d start =
         history.position_covariance + square(kMinPositionSigma_m) * Eigen::Matrix2d::Identity();
 
@@ -336,7 +342,7 @@ class MixturePredictor : public Predictor {
     };
     lay(std::clamp(now.turn_rate, -kMaxTurnRate, kMaxTurnRate), motion.turning);
     lay(0.0, motion.straight);
-    const double other = moves * params.alternative_mps2;
+    const double other = moves * params_.alternative_mps2.of(group);
     motion.speed = now.speed;
     motion.accelerations = {now.acceleration, 0.0, now.acceleration - other,
                             now.acceleration + other};
@@ -364,7 +370,7 @@ class MixturePredictor : public Predictor {
         const Eigen::Matrix2d& covariance = motion.courseOf(mode).covariances[samples - 1];
         const double error = std::min(off.dot(covariance.inverse() * off), kMaxError);
         likelihoods[mode] -= 0.5 * (error + std::log(covariance.determinant()));
-        if (mode == 0) squared += error;
+        if (mode == kContinued) squared += error;
       }
       ++looks;
     }
@@ -373,7 +379,7 @@ class MixturePredictor : public Predictor {
     return {squared / looks, likelihoods};
   }
 
-  PerClass<ManoeuvreParams> params_;
+  ManoeuvreParams params_;
   PerClass<Tables> tables_;
 };
 
@@ -400,31 +406,32 @@ void PaperPredictorParams::describe(Params::Section section) {
   section.add("paper_epsilon_s", epsilon_s, 0.0, 0.1, "s", "epsilon of eq. (1)");
 }
 
-void ManoeuvreParams::describe(Params::Section section, const std::string& prefix) {
-  section.add(prefix + "memory_s", memory_s, 0.1, 100.0, "s",
+void ManoeuvreParams::describe(Params::Section section, const std::string& prefix,
+                               double Values::*of) {
+  section.add(prefix + "memory_s", memory_s.*of, 0.1, 100.0, "s",
               "Age beyond which positions have no weight in the fit of the motion");
-  section.add(prefix + "path_noise_m", path_noise_m, 0.001, 10.0, "m",
+  section.add(prefix + "path_noise_m", path_noise_m.*of, 0.001, 10.0, "m",
               "Deviation of exactly known paths from a parabola");
-  section.add(prefix + "typical_speed_mps", typical_speed_mps, 0.01, 1000.0, "m/s",
+  section.add(prefix + "typical_speed_mps", typical_speed_mps.*of, 0.01, 1000.0, "m/s",
               "Prior of the speed, for short paths");
-  section.add(prefix + "typical_acceleration_mps2", typical_acceleration_mps2, 1e-3, 100.0, "m/s^2",
-              "Prior of the acceleration along the path");
-  section.add(prefix + "typical_lateral_mps2", typical_lateral_mps2, 1e-3, 100.0, "m/s^2",
+  section.add(prefix + "typical_acceleration_mps2", typical_acceleration_mps2.*of, 1e-3, 100.0,
+              "m/s^2", "Prior of the acceleration along the path");
+  section.add(prefix + "typical_lateral_mps2", typical_lateral_mps2.*of, 1e-3, 100.0, "m/s^2",
               "Prior of the acceleration across the path");
-  section.add(prefix + "acceleration_fade_s", acceleration_fade_s, 0.05, 1000.0, "s",
+  section.add(prefix + "acceleration_fade_s", acceleration_fade_s.*of, 0.05, 1000.0, "s",
               "Decay time of an acceleration");
-  section.add(prefix + "turn_fade_s", turn_fade_s, 0.05, 1000.0, "s", "Decay time of a turn");
-  section.add(prefix + "standing_speed_mps", standing_speed_mps, 0.001, 10.0, "m/s",
+  section.add(prefix + "turn_fade_s", turn_fade_s.*of, 0.05, 1000.0, "s", "Decay time of a turn");
+  section.add(prefix + "standing_speed_mps", standing_speed_mps.*of, 0.001, 10.0, "m/s",
               "Speed below which motion may be noise of a stationary object");
-  section.add(prefix + "setting_off_mps", setting_off_mps, 0.0, 10.0, "m/s",
+  section.add(prefix + "setting_off_mps", setting_off_mps.*of, 0.0, 10.0, "m/s",
               "Unpredicted velocity of a stationary object, which may set off");
-  section.add(prefix + "cruising_speed_mps", cruising_speed_mps, 0.001, 50.0, "m/s",
+  section.add(prefix + "cruising_speed_mps", cruising_speed_mps.*of, 0.001, 50.0, "m/s",
               "Speed above which an object manoeuvres freely");
-  section.add(prefix + "alternative_mps2", alternative_mps2, 0.0, 20.0, "m/s^2",
+  section.add(prefix + "alternative_mps2", alternative_mps2.*of, 0.0, 20.0, "m/s^2",
               "Acceleration of the faster and of the slower alternative");
-  section.add(prefix + "acceleration_sigma_mps2", acceleration_sigma_mps2, 0.0, 20.0, "m/s^2",
+  section.add(prefix + "acceleration_sigma_mps2", acceleration_sigma_mps2.*of, 0.0, 20.0, "m/s^2",
               "Unpredicted acceleration along the path");
-  section.add(prefix + "lateral_sigma_mps2", lateral_sigma_mps2, 0.0, 20.0, "m/s^2",
+  section.add(prefix + "lateral_sigma_mps2", lateral_sigma_mps2.*of, 0.0, 20.0, "m/s^2",
               "Unpredicted acceleration across the path");
 }
 
@@ -432,9 +439,9 @@ void PredictorParams::describe(Params::Section section) {
   paper.describe(section);
   section.add("velocity_window_s", velocity_window_s, 0.05, 5.0, "s",
               "Time over which constant_velocity and constant_turn estimate the velocity");
-  manoeuvres.vehicle.describe(section, "vehicle_");
-  manoeuvres.cyclist.describe(section, "cyclist_");
-  manoeuvres.pedestrian.describe(section, "pedestrian_");
+  manoeuvres.describe(section, "vehicle_", &PerClass<double>::vehicle);
+  manoeuvres.describe(section, "cyclist_", &PerClass<double>::cyclist);
+  manoeuvres.describe(section, "pedestrian_", &PerClass<double>::pedestrian);
 }
 
 const std::vector<std::string>& predictorNames() {

@@ -62,11 +62,10 @@ struct LineFit {
 
 std::optional<MeasuredMotion> measuredMotion(const std::vector<PlaceMeasurement>& places,
                                              double window_s) {
-  constexpr std::size_t kFewest = 3;
   const auto first = std::find_if(places.begin(), places.end(), [&](const auto& place) {
     return places.back().time - place.time <= window_s;
   });
-  if (places.end() - first < static_cast<std::ptrdiff_t>(kFewest)) return std::nullopt;
+  if (places.end() - first < 3) return std::nullopt;
   const Time now = places.back().time;
   LineFit fit;
   for (auto place = first; place != places.end(); ++place) fit.add(*place, now);

@@ -19,6 +19,8 @@ namespace headway::objects {
   return std::sqrt(0.5 * covariance.trace());
 }
 
+inline constexpr double kMinTurningSpeed_mps = 0.3;  ///< below, changes of direction are noise
+
 /// Displacements shorter than this have no direction [m].
 inline constexpr double kNoDirection_m = 1e-6;
 

@@ -63,8 +63,7 @@ double HeadingEvidence::unflipped(double measured, double yaw) {
 }
 
 void HeadingEvidence::addMotion(double cosine) {
-  constexpr double kSideways = 0.5;  // motion more than 60 degrees off is no evidence
-  if (std::abs(cosine) < kSideways) return;
+  if (std::abs(cosine) < 0.5) return;  // motion more than 60 degrees off is no evidence
   add(std::copysign(weightOf(params_), cosine));
 }
 

@@ -27,9 +27,7 @@ std::optional<Box2d> predictedBox(const Box2d& box, const Eigen::Vector3d& from,
 
 namespace {
 
-constexpr int kUnclassifiedRatio = 2;    // of hits of a track in which no classifier sees an object
-constexpr double kMotionMemory_s = 1.0;  // without evidence of motion until an object is static
-constexpr double kFrameJitter_s = 1e-6;  // times of frames are not exact
+constexpr int kUnclassifiedRatio = 2;  // of hits of a track in which no classifier sees an object
 
 }  // namespace
 

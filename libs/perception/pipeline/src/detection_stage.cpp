@@ -16,7 +16,6 @@ namespace {
 constexpr const char* kMotionDetector = "stereo_motion";
 constexpr const char* kNetworkDetector = "dnn";
 constexpr double kTestedDisparity_px = 8.0;  // from which motion along the line of sight shows
-constexpr double kMaxVanHeight_m = 2.75;     // of a van; trucks are higher
 
 using Clock = std::chrono::steady_clock;
 
@@ -35,7 +34,7 @@ void correctTrucks(const StereoCamera& camera, const detect::StereoLifter& lifte
     if (!surface) continue;
     const double depth = camera.fx * camera.baseline_m / surface->disparity;
     const double height = depth * item.box2d->height() / camera.fy;
-    if (height < kMaxVanHeight_m) item.object_class = ObjectClass::kVan;
+    if (height < detect::kMaxVanHeight_m) item.object_class = ObjectClass::kVan;
   }
 }
 

@@ -132,6 +132,9 @@ void removeBadCovariance(Detection& detection, DropCounts& dropped);
 /// reaches [px, m]. Numbers that are not finite are not judged.
 [[nodiscard]] bool isPlausible(const Detection& detection);
 
+/// Time after the last evidence of motion until an object is static and is no longer searched [s].
+inline constexpr double kMotionMemory_s = 1.0;
+
 /// An object that the tracker expects to be visible, as a plain value for detectors to search for.
 ///
 /// A detector that finds it names `track` in Detection::searched_track; whether the detection

@@ -26,6 +26,8 @@ struct Stamped {
   T value;
 };
 
+inline constexpr double kFrameJitter_s = 1e-6;  ///< by which times of frames are not exact [s]
+
 /// The matrix [v]x with [v]x w = v x w.
 [[nodiscard]] Eigen::Matrix3d crossMatrix(const Eigen::Vector3d& v);
 

@@ -22,6 +22,9 @@ struct ClassSize {
   double spread = 0.1;  ///< standard deviation of the height, ratio to it [-]
 };
 
+inline constexpr double kMaxVanHeight_m =
+    2.75;  ///< trucks are higher; a panel van with a high roof
+
 /// What is known of a class's size; nullopt for Unknown and Misc, which may be anything.
 ///
 /// @see  Geiger et al. 2012: means over the boxes of the KITTI benchmark
