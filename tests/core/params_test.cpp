@@ -98,6 +98,20 @@ TEST_F(ParamsTest, SetsOneValueFromTheCommandLine) {
   EXPECT_EQ("9", params.get("example", "count"));
 }
 
+TEST_F(ParamsTest, AFormerKeyInAnotherUnitIsConverted) {
+  using ::testing::ElementsAre;
+  using ::testing::HasSubstr;
+  double wait_s = 1.0;
+  params.section("example").add("wait_s", wait_s, 0.0, 5.0, "s", "Time waited");
+  params.section("example").renamed("wait_frames", "wait_s", secondsOfFrames);
+  params.set("example.wait_frames=7");
+  EXPECT_EQ(0.7, wait_s) << "at 10 Hz";
+  EXPECT_THAT(params.warnings(),
+              ElementsAre(HasSubstr("[example] wait_frames is now wait_s, in another unit")));
+  EXPECT_THAT(errorOfLoading("[example]\nwait_frames = 70\n"), HasSubstr("out of range"));
+  EXPECT_THAT(errorOfLoading("[example]\nwait_frames = few\n"), HasSubstr("not a number"));
+}
+
 TEST_F(ParamsTest, AFormerKeySetsTheValueWithOneWarning) {
   using ::testing::AllOf;
   using ::testing::ElementsAre;

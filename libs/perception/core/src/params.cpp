@@ -127,8 +127,9 @@ void Params::Section::addChoice(const std::string& key, const std::vector<std::s
                         }});
 }
 
-void Params::Section::renamed(const std::string& former, const std::string& present) {
-  owner_.renamed_[name_][former] = present;
+void Params::Section::renamed(const std::string& former, const std::string& present,
+                              std::function<double(double)> convert) {
+  owner_.renamed_[name_][former] = {present, std::move(convert)};
 }
 
 void Params::insert(const Section& section, Entry entry) {
@@ -149,23 +150,27 @@ const Params::Entry& Params::find(const std::string& section, const std::string&
   throw InputError("[" + section + "] has no key '" + key + "'; --dump-config --expert lists them");
 }
 
-std::string Params::presentKey(const std::string& section, const std::string& key) {
+const Params::Rename* Params::renameOf(const std::string& section, const std::string& key) {
   const auto table = renamed_.find(section);
-  if (table == renamed_.end()) return key;
-  const auto present = table->second.find(key);
-  if (present == table->second.end()) return key;
-  const std::string text = "[" + section + "] " + key + " is now " + present->second +
+  if (table == renamed_.end()) return nullptr;
+  const auto rename = table->second.find(key);
+  if (rename == table->second.end()) return nullptr;
+  const std::string text = "[" + section + "] " + key + " is now " + rename->second.present +
+                           (rename->second.convert ? ", in another unit" : "") +
                            "; the former name has an effect until version 0.5";
   if (std::find(warnings_.begin(), warnings_.end(), text) == warnings_.end()) {
     warnings_.push_back(text);
   }
-  return present->second;
+  return &rename->second;
 }
 
 void Params::assign(const std::string& section, const std::string& key, const std::string& value) {
-  const Entry& entry = find(section, presentKey(section, key));
+  const Rename* rename = renameOf(section, key);
+  const Entry& entry = find(section, rename != nullptr ? rename->present : key);
   try {
-    entry.set(trimmed(value));
+    const bool converts = rename != nullptr && rename->convert;
+    entry.set(converts ? toText(rename->convert(parseNumber<double>(trimmed(value))))
+                       : trimmed(value));
   } catch (const InputError& error) {
     throw InputError("[" + section + "] " + key + ": " + error.what());
   }

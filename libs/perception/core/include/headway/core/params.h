@@ -56,7 +56,10 @@ class Params {
 
     /// A key of 0.3 that has another name since 0.4. Until 0.5 the former one sets the value, too,
     /// with one of warnings().
-    void renamed(const std::string& former, const std::string& present);
+    ///
+    /// @param convert  a value of the former key to one of the present key; empty: the same
+    void renamed(const std::string& former, const std::string& present,
+                 std::function<double(double)> convert = {});
 
    private:
     friend class Params;
@@ -113,18 +116,27 @@ class Params {
     bool is_user = false;
   };
 
+  /// What became of a former key.
+  struct Rename {
+    std::string present;
+    std::function<double(double)> convert;  ///< empty: the value is the same
+  };
+
   void insert(const Section& section, Entry entry);
   void assign(const std::string& section, const std::string& key, const std::string& value);
-  /// The key of 0.4 instead of one of 0.3, which is noted for warnings().
-  [[nodiscard]] std::string presentKey(const std::string& section, const std::string& key);
+  /// What became of a key of 0.3, which is noted for warnings(); null for another key.
+  [[nodiscard]] const Rename* renameOf(const std::string& section, const std::string& key);
   void printKeys(std::ostream& out, bool user) const;
   [[nodiscard]] const Entry& find(const std::string& section, const std::string& key) const;
 
   std::vector<std::string> section_order_;
   std::map<std::string, std::vector<Entry>> entries_;
-  std::map<std::string, std::map<std::string, std::string>> renamed_;  ///< section, former, present
+  std::map<std::string, std::map<std::string, Rename>> renamed_;  ///< by section and former key
   std::vector<std::string> warnings_;
 };
+
+/// Seconds of a number of frames at 10 Hz, the rate for which keys in frames had their defaults.
+[[nodiscard]] inline double secondsOfFrames(double frames) { return frames / 10.0; }
 
 /// Checks a struct that was filled in code against the ranges declared in its describe(). Called by
 /// validate() of every XxxParams, and so by every constructor that takes such a struct.
