@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "camera_clock.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "image_formation.h"
 
 namespace headway::sim {
 namespace {

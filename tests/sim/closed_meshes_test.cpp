@@ -8,7 +8,7 @@
 
 #include "actor_mesh.h"
 #include "furniture.h"
-#include "house_mesh.h"
+#include "house.h"
 #include "ray.h"
 
 namespace headway::sim {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "depth_sensor.h"
-
 #include <gtest/gtest.h>
 #include <headway/core/statistics.h>
 #include <headway/io/rawlog_source.h>
@@ -11,6 +9,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
+#include "image_formation.h"
 #include "lens.h"
 
 namespace headway::sim {

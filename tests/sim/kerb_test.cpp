@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Laws of lowered kerbs, and of robots and people on them.
-#include "kerb.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "navigation_grid.h"
 #include "ray.h"
+#include "site.h"
 #include "site_environment.h"
 
 namespace headway::sim {

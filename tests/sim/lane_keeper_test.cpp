@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lane_keeper.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "driving.h"
 
 namespace headway::sim {
 namespace {

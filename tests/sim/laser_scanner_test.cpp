@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Laws of laser scans of simple meshes.
-#include "laser_scanner.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "site_builder.h"
+#include "robot_sensors.h"
+#include "site.h"
 
 namespace headway::sim {
 namespace {

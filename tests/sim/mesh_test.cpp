@@ -6,12 +6,10 @@
 #include <cmath>
 
 #include "actor_mesh.h"
-#include "covered_ratio.h"
-#include "house_mesh.h"
+#include "drawn_objects.h"
+#include "house.h"
 #include "mesh_projection.h"
-#include "shadow.h"
-#include "sky.h"
-#include "vehicle_shape.h"
+#include "textures.h"
 
 namespace headway::sim {
 namespace {

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What inertial sensor and wheel encoders measure, against the differentiated true motion.
-#include "motion_sensors.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "suspension.h"
+#include "robot.h"
+#include "robot_sensors.h"
 
 namespace headway::sim {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "site_builder.h"
+#include "site.h"
 
 namespace headway::sim {
 namespace {

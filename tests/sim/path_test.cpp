@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "path.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "route.h"
 
 namespace headway::sim {
 namespace {

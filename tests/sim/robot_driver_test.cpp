@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "robot_driver.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "attitude.h"
+#include "robot.h"
 
 namespace headway::sim {
 namespace {

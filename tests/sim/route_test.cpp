@@ -9,7 +9,6 @@
 #include <fstream>
 
 #include "road_network.h"
-#include "street_profile.h"
 
 namespace headway::sim {
 namespace {

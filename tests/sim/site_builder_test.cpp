@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Laws of what is built into a site.
-#include "site_builder.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <opencv2/core.hpp>
 #include <set>
 
+#include "site.h"
 #include "site_furniture.h"
 
 namespace headway::sim {

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <map>
 
-#include "motion_sensors.h"
+#include "robot_sensors.h"
 
 namespace headway::sim {
 namespace {

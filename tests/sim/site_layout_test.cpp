@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "navigation_grid.h"
-#include "path.h"
-#include "site_builder.h"
-#include "wheeled_robot.h"
+#include "robot.h"
+#include "route.h"
+#include "site.h"
 
 namespace headway::sim {
 namespace {

@@ -8,8 +8,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "scene.h"
-#include "textured_object.h"
+#include "drawn_objects.h"
 
 namespace headway::sim {
 namespace {

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Laws of what is built along streets, without drawing.
-#include "street_stretch.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,11 +8,10 @@
 #include <opencv2/core.hpp>
 #include <set>
 
-#include "facade_texture.h"
-#include "ground_texture.h"
-#include "plain_mesh.h"
-#include "street_profile.h"
-#include "world.h"
+#include "house.h"
+#include "route.h"
+#include "street.h"
+#include "textures.h"
 
 namespace headway::sim {
 namespace {

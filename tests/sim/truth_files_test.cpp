@@ -16,7 +16,6 @@
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
-#include "calibration_files.h"
 #include "lens.h"
 
 namespace headway::sim {
@@ -228,9 +227,12 @@ TEST(RecordingErrorsTest, NameThePathThatCannotBeWritten) {
                 Recording("/nowhere/a.rawlog", {}, {}, lens.ideal(), lens.recorded(), "");
               }),
               HasSubstr("/nowhere/a"));
-  EXPECT_THAT(test::inputErrorOf([&] { writeKittiCalibration("/nowhere/c.txt", lens.ideal()); }),
-              StartsWith("/nowhere/c.txt: cannot be written"));
   const test::TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "b.truth/calib.txt");
+  EXPECT_THAT(test::inputErrorOf([&] {
+                Recording((folder / "b.rawlog").string(), {}, {}, lens.ideal(), lens.recorded(), "");
+              }),
+              StartsWith((folder / "b.truth/calib.txt").string() + ": cannot be written"));
   Recording recording((folder / "a.rawlog").string(), {}, {true, false}, lens.ideal(),
                       lens.recorded(), "");
   std::filesystem::remove_all(folder / "a.truth/masks");

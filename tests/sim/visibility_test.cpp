@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "visibility.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <opencv2/core.hpp>
 
 #include "actor_mesh.h"
-#include "simulated_detector.h"
+#include "frame_finisher.h"
+#include "mesh_projection.h"
 
 namespace headway::sim {
 namespace {

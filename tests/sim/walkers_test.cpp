@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Laws of people who walk on an empty floor around a robot.
-#include "walkers.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
 
-#include "loop_vehicles.h"
-#include "site_builder.h"
+#include "site.h"
+#include "site_traffic.h"
 
 namespace headway::sim {
 namespace {

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Laws of the robot's motion on an empty floor.
-#include "wheeled_robot.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,7 +7,8 @@
 #include <memory>
 
 #include "attitude.h"
-#include "site_builder.h"
+#include "robot.h"
+#include "site.h"
 
 namespace headway::sim {
 namespace {

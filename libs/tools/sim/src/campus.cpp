@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "furniture.h"
-#include "house_mesh.h"
-#include "kerb.h"
+#include "house.h"
+#include "site.h"
 #include "site_furniture.h"
 
 namespace headway::sim {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "actor.h"
-#include "scene.h"
+#include "stereo_rig.h"
 
 namespace headway::sim {
 
@@ -45,6 +45,12 @@ class Environment {
   /// @param camera  left camera without distortion; the right one sees as far
   [[nodiscard]] virtual std::unique_ptr<Scene> makeScene(const StereoCamera& camera) = 0;
 };
+
+/// Streets through a town, and the traffic on them.
+///
+/// @param camera  in whose left image the escort covers its ratio
+[[nodiscard]] std::unique_ptr<Environment> makeStreetEnvironment(const SimParams& params,
+                                                                 const StereoCamera& camera);
 
 /// The environment that [world] kind names.
 ///

@@ -4,9 +4,131 @@
 #include <algorithm>
 #include <cmath>
 
-#include "visibility.h"
+#include "mesh_projection.h"
 
 namespace headway::sim {
+namespace {
+
+constexpr double kLarge = 0.05;           ///< part of the image
+constexpr double kNearest = 0.5;          ///< of a box that can be measured [m]
+constexpr double kFullAccuracy_m = 20.0;  ///< noise grows in proportion to the depth beyond
+
+}  // namespace
+
+SimulatedDetector::SimulatedDetector(const DetectorParams& params, const StereoCamera& camera,
+                                     std::uint64_t seed)
+    : params_(params), camera_(camera), random_(seed) {}
+
+bool SimulatedDetector::isMissed(const Actor& actor, const Observation& observation) {
+  const double z = observation.box3d.centre.z();
+  if (z > params_.max_range_m || observation.box.height() < params_.min_height_px) return true;
+  if (actor.parked && !params_.parked) return true;
+  // Of what leaves the image nothing is known, unless it still fills a good part of it.
+  const bool cut_off =
+      observation.truncation > 0.8 &&
+      observation.box.width() * observation.box.height() < kLarge * camera_.width * camera_.height;
+  if (observation.visible_pixels == 0 || cut_off || z < kNearest) return true;
+  const double far = z / params_.max_range_m;
+  const double hidden = 1.0 - observation.visible;
+  const double in_view = params_.miss_near + (params_.miss_far - params_.miss_near) * far * far;
+  const double missed = in_view + (params_.miss_occluded - in_view) * hidden * hidden;
+  return random_.chance(std::clamp(missed, 0.0, 1.0));
+}
+
+DetectorNoise SimulatedDetector::noiseAt(double depth_m) const {
+  DetectorNoise noise;
+  noise.along_sigma_m = params_.depth_sigma_m;
+  noise.across_sigma_m = params_.position_sigma_m;
+  noise.vertical_variance_ratio = 0.16;
+  noise.size_sigma_ratio = params_.size_sigma;
+  noise.yaw_sigma_rad = params_.yaw_sigma_rad;
+  noise.flip_probability = params_.flip_probability;
+  return withCentreScaled(noise, std::max(1.0, depth_m / kFullAccuracy_m));
+}
+
+Detection SimulatedDetector::measure(const Actor& actor, const Observation& observation) {
+  Detection detection;
+  detection.object_class = classOf(actor.kind);
+  const double z = observation.box3d.centre.z();
+  detection.score = std::clamp(0.95 - 0.4 * z / params_.max_range_m -
+                                   0.35 * (1.0 - observation.visible) + 0.07 * random_.normal(),
+                               0.05, 1.0);
+  const auto edge = [&](double value) { return value + params_.box_sigma_px * random_.normal(); };
+  detection.box2d = Box2d{edge(observation.box.left), edge(observation.box.top),
+                          edge(observation.box.right), edge(observation.box.bottom)};
+  const DetectorNoise noise = noiseAt(z);
+  detection.box3d = measuredBox(observation.box3d, noise, random_);
+  detection.centre_covariance = centreCovariance(observation.box3d.centre, noise);
+  finish(detection);
+  return detection;
+}
+
+Detection SimulatedDetector::falseAlarm(const cv::Mat& depth) {
+  const ObjectClass object_class =
+      random_.chance(0.5) ? ObjectClass::kPedestrian : ObjectClass::kCar;
+  const bool person = object_class == ObjectClass::kPedestrian;
+  Detection detection;
+  detection.object_class = object_class;
+  detection.score = random_.uniform(0.1, 0.6);
+  detection.detector_id = next_id_++;
+  const int u = random_.below(depth.cols), v = depth.rows / 3 + random_.below(depth.rows * 2 / 3);
+  const double seen = depth.at<float>(v, u);
+  const double z = std::clamp(seen > 0.0 ? seen : 30.0, 4.0, params_.max_range_m);
+  Box3d box;
+  box.length = person ? 0.8 : 4.2;
+  box.width = person ? 0.6 : 1.75;
+  box.height = person ? 1.7 : 1.5;
+  box.centre = z * ray(Eigen::Vector2d(u, v), camera_);
+  box.yaw = random_.uniform(-M_PI, M_PI);
+  detection.box3d = box;
+  const double half_width =
+      0.5 * camera_.fx * (person ? box.width : 0.5 * (box.length + box.width)) / z;
+  const double half_height = 0.5 * camera_.fy * box.height / z;
+  detection.box2d = Box2d{u - half_width, v - half_height, u + half_width, v + half_height};
+  finish(detection);
+  return detection;
+}
+
+void SimulatedDetector::finish(Detection& detection) const {
+  Box2d& box = *detection.box2d;
+  box.left = std::clamp(box.left, 0.0, camera_.width - 2.0);
+  box.top = std::clamp(box.top, 0.0, camera_.height - 2.0);
+  box.right = std::clamp(box.right, box.left + 1.0, camera_.width - 1.0);
+  box.bottom = std::clamp(box.bottom, box.top + 1.0, camera_.height - 1.0);
+  if (!params_.boxes_2d) detection.box2d.reset();
+  if (!params_.boxes_3d) {
+    detection.box3d.reset();
+    detection.centre_covariance.reset();
+  }
+}
+
+Detections SimulatedDetector::detect(Time time, const std::vector<Actor>& actors,
+                                     const std::vector<Observation>& observations,
+                                     const cv::Mat& depth) {
+  Detections detections;
+  detections.time = time;
+  detections.T_robot_sensor = camera_.T_robot_cam;
+  detections.image_width = camera_.width;
+  detections.image_height = camera_.height;
+  for (const Observation& observation : observations) {
+    const Actor& actor = actors[observation.actor];
+    if (isMissed(actor, observation)) continue;
+    auto& id = detector_ids_[actor.id];
+    if (id == 0 || random_.chance(params_.id_switch_probability)) id = next_id_++;
+    detections.items.push_back(measure(actor, observation));
+    detections.items.back().detector_id = id;
+    if (!random_.chance(params_.duplicate_probability)) continue;
+    detections.items.push_back(measure(actor, observation));
+    detections.items.back().score *= 0.6;
+    detections.items.back().detector_id = next_id_++;
+  }
+  double expected = params_.false_per_frame;
+  for (; expected > 0.0; expected -= 1.0) {
+    if (random_.chance(std::min(1.0, expected))) detections.items.push_back(falseAlarm(depth));
+  }
+  return detections;
+}
+
 namespace {
 
 /// The observation as the recorded image shows it: its box bent by the lens and cut anew.

@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
-#include "random_draws.h"
+#include "grain.h"
 
 namespace headway::sim {
 namespace {

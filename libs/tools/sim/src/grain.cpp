@@ -4,8 +4,6 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "random_draws.h"
-
 namespace headway::sim {
 namespace {
 

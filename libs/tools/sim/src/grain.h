@@ -4,8 +4,28 @@
 #include <headway/core/random.h>
 
 #include <opencv2/core/mat.hpp>
+#include <opencv2/core/types.hpp>
 
 namespace headway::sim {
+
+// Compilers choose in which order a call's arguments are evaluated, so no call draws two random
+// numbers in its arguments: each is drawn by a statement of its own, and a world depends on its
+// seed alone.
+
+/// A colour with each channel in [low, high).
+inline cv::Scalar drawColour(double low, double high, Random& random) {
+  const double red = random.uniform(low, high);
+  const double green = random.uniform(low, high);
+  const double blue = random.uniform(low, high);
+  return {blue, green, red};
+}
+
+/// A point with x in [0, width) and y in [0, height).
+inline cv::Point drawPoint(int width, int height, Random& random) {
+  const int y = random.below(height);
+  const int x = random.below(width);
+  return {x, y};
+}
 
 /// Surface structure that never repeats: patches cut at random from large sheets of noise.
 ///

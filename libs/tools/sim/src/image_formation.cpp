@@ -3,10 +3,13 @@
 
 #include <headway/core/random.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
-#include "random_draws.h"
+#include "grain.h"
 
 namespace headway::sim {
 namespace {
@@ -61,6 +64,88 @@ cv::Mat ImageFormation::expose(const cv::Mat& picture, std::size_t frame, Side s
   }
   if (!params_.colour) cv::cvtColor(result, result, cv::COLOR_BGR2GRAY);
   return result;
+}
+
+namespace {
+
+constexpr int kSpareNoise = 256;       // the noise sheet is larger than the image by this [px]
+constexpr double kNoiseBlur = 1.0;     // neighbouring pixels err alike [px]
+constexpr float kEdgeRatio = 1.05F;    // of the depths of neighbours on two surfaces
+constexpr float kShadowRatio = 1.03F;  // of the depths on one ray of the projector
+constexpr float kMillimetres = 1000.0F;
+
+/// Marks the pixels of a row that the projector does not reach because of a nearer surface.
+void findShadows(const float* depth, int columns, float focal_baseline, std::vector<char>& hidden) {
+  std::vector<float> nearest(static_cast<std::size_t>(columns),
+                             std::numeric_limits<float>::infinity());
+  const auto ray = [&](int u) {
+    const float at = static_cast<float>(u) - focal_baseline / depth[u];
+    return at >= 0.0F ? static_cast<std::ptrdiff_t>(at) : -1;
+  };
+  for (int u = 0; u < columns; ++u) {
+    if (!(depth[u] > 0.0F)) continue;
+    const auto at = ray(u);
+    if (at >= 0) nearest[at] = std::min(nearest[at], depth[u]);
+  }
+  for (int u = 0; u < columns; ++u) {
+    hidden[u] = 0;
+    if (!(depth[u] > 0.0F)) continue;
+    const auto at = ray(u);
+    if (at >= 0 && depth[u] > kShadowRatio * nearest[at]) hidden[u] = 1;
+  }
+}
+
+/// Whether a nearer surface begins beside the pixel.
+bool isAtEdge(const cv::Mat& depth, int u, int v) {
+  const float own = depth.at<float>(v, u);
+  const auto is_nearer = [&](int column, int row) {
+    if (column < 0 || row < 0 || column >= depth.cols || row >= depth.rows) return false;
+    const float other = depth.at<float>(row, column);
+    return other > 0.0F && own > kEdgeRatio * other;
+  };
+  return is_nearer(u - 1, v) || is_nearer(u + 1, v) || is_nearer(u, v - 1) || is_nearer(u, v + 1);
+}
+
+}  // namespace
+
+DepthSensor::DepthSensor(const CameraParams& params, const StereoCamera& camera, std::uint64_t seed)
+    : params_(params),
+      focal_baseline_(static_cast<float>(camera.fx * camera.baseline_m)),
+      seed_(seed) {
+  if (!params.depth_camera) return;
+  Random random(seedOf({seed, 1}));
+  noise_.create(params.height + kSpareNoise, params.width + kSpareNoise, CV_32F);
+  for (int v = 0; v < noise_.rows; ++v) {
+    auto* row = noise_.ptr<float>(v);
+    for (int u = 0; u < noise_.cols; ++u) row[u] = static_cast<float>(random.normal());
+  }
+  cv::GaussianBlur(noise_, noise_, {}, kNoiseBlur);
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(noise_, mean, deviation);
+  noise_ = (noise_ - mean[0]) / deviation[0];
+}
+
+cv::Mat DepthSensor::measure(const cv::Mat& depth, std::size_t frame) const {
+  Random random(seedOf({seed_, frame, 2}));
+  const cv::Rect place(drawPoint(kSpareNoise, kSpareNoise, random), depth.size());
+  const cv::Mat noise = noise_(place);
+  const auto scale = static_cast<float>(params_.depth_noise);
+  const auto nearest = static_cast<float>(params_.depth_min_m);
+  const auto farthest = static_cast<float>(params_.depth_max_m);
+  cv::Mat ranges(depth.size(), CV_16U, cv::Scalar(0));
+  std::vector<char> hidden(static_cast<std::size_t>(depth.cols));
+  for (int v = 0; v < depth.rows; ++v) {
+    const auto* truth = depth.ptr<float>(v);
+    findShadows(truth, depth.cols, focal_baseline_, hidden);
+    for (int u = 0; u < depth.cols; ++u) {
+      const float measured = truth[u] + scale * truth[u] * truth[u] * noise.at<float>(v, u);
+      if (hidden[u] != 0 || !(measured >= nearest && measured <= farthest)) continue;
+      if (isAtEdge(depth, u, v)) continue;
+      ranges.at<std::uint16_t>(v, u) =
+          cv::saturate_cast<std::uint16_t>(std::round(measured * kMillimetres));
+    }
+  }
+  return ranges;
 }
 
 }  // namespace headway::sim

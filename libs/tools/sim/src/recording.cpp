@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/error.h>
 #include <headway/core/output_file.h>
+#include <headway/core/stereo_camera.h>
 #include <headway/io/calibration_file.h>
 #include <headway/io/depth_camera.h>
 #include <headway/io/rawlog_source.h>
@@ -14,11 +15,42 @@
 #include <iomanip>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
+#include <string>
 #include <vector>
 
-#include "calibration_files.h"
-
 namespace headway::sim {
+
+/// KITTI's calib.txt: P0 ... P3 (pairs 0/1 and 2/3 are the same), R0_rect, and the robot frame in
+/// the place of the lidar's. @throws InputError if it cannot be written
+void writeKittiCalibration(const std::string& path, const StereoCamera& camera);
+
+namespace {
+
+/// The upper three rows, row by row.
+void writeRows(std::ostream& out, const Pose& pose, const char* separator) {
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      out << (row + column > 0 ? separator : "") << pose.matrix()(row, column);
+    }
+  }
+}
+
+}  // namespace
+
+void writeKittiCalibration(const std::string& path, const StereoCamera& camera) {
+  std::ostringstream out;
+  out << std::setprecision(12);
+  for (int i = 0; i < 4; ++i) {
+    const double shift = i % 2 == 0 ? 0.0 : -camera.fx * camera.baseline_m;
+    out << "P" << i << ": " << camera.fx << " 0 " << camera.cx << " " << shift << " 0 " << camera.fy
+        << " " << camera.cy << " 0 0 0 1 0\n";
+  }
+  out << "R0_rect: 1 0 0 0 1 0 0 0 1\nTr_velo_to_cam: ";
+  writeRows(out, camera.T_robot_cam.inverse(), " ");
+  out << "\nTr_imu_to_velo: 1 0 0 0 0 1 0 0 0 0 1 0\n";
+  writeFile(path, out.str());
+}
+
 namespace {
 
 io::ImageStorage storageOf(RecordingParams::Storage storage) {

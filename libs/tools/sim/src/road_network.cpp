@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "street_profile.h"
+#include "route.h"
 
 namespace headway::sim {
 namespace {

@@ -3,11 +3,69 @@
 
 #include <headway/sim/sim_params.h>
 
+#include <Eigen/Core>
 #include <cmath>
-
-#include "path.h"
+#include <vector>
 
 namespace headway::sim {
+
+/// Cross-section of every street, from its middle outwards [m].
+///
+/// Two lanes, a strip for cyclists beside each, parking along the kerbs, raised pavements.
+struct StreetProfile {
+  static constexpr double kLane = 3.3;         ///< width of a lane
+  static constexpr double kCarriageway = 6.4;  ///< middle to kerb: lane, cycling, parking
+  static constexpr double kKerbHeight = 0.12;
+  static constexpr double kPavement = 2.8;                   ///< width of a pavement
+  static constexpr double kEdge = kCarriageway + kPavement;  ///< middle to outer pavement edge
+
+  static constexpr double kLaneMiddle = kLane / 2.0;  ///< middle of street to middle of lane
+  static constexpr double kCycling = 3.85;            ///< middle of street to a cyclist
+  static constexpr double kParking = 5.35;            ///< middle of street to a parked car
+};
+
+/// A place on a path and the direction the path has there.
+struct PathPoint {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< world [m]
+  double yaw = 0.0;                                    ///< direction about world z [rad]
+};
+
+/// A smooth curve over the ground, known by its arc length s.
+///
+/// Samples stand 1 m apart and are joined by Catmull-Rom splines, so direction is continuous.
+/// A closed path takes every s (modulo its length); an open one ends at 0 and length().
+class Path {
+ public:
+  /// @param points  polyline of at least two distinct points [m]
+  /// @param closed  the last point is joined to the first
+  explicit Path(const std::vector<Eigen::Vector3d>& points, bool closed = false);
+
+  [[nodiscard]] double length() const { return length_; }
+  [[nodiscard]] bool closed() const { return closed_; }
+  [[nodiscard]] PathPoint at(double s) const;
+  /// The point `left` metres to the left of the path at s.
+  [[nodiscard]] Eigen::Vector3d beside(double s, double left) const;
+  /// Turn of direction per metre at s [1/m].
+  [[nodiscard]] double curvature(double s) const;
+
+  struct Projection {
+    double s = 0.0;     ///< [m]
+    double left = 0.0;  ///< signed distance to the left [m]
+  };
+  /// Nearest sample between s_min and s_max, refined within it.
+  [[nodiscard]] Projection project(const Eigen::Vector2d& xy, double s_min, double s_max) const;
+
+ private:
+  [[nodiscard]] const Eigen::Vector3d& sample(long index) const;
+
+  std::vector<Eigen::Vector3d> samples_;
+  double spacing_ = 1.0;
+  double length_ = 0.0;
+  bool closed_ = false;
+};
+
+/// The points of a path moved `left` metres to its left, optionally in the opposite direction.
+[[nodiscard]] Path besidePath(const Path& path, double left, bool reversed);
 
 /// The street that the robot drives along: its middle line, and the part that is driven.
 struct Route {

@@ -7,15 +7,13 @@
 #include <future>
 
 #include "actor_mesh.h"
-#include "camera_clock.h"
 #include "environment.h"
 #include "frame_finisher.h"
-#include "laser_scanner.h"
+#include "image_formation.h"
 #include "lens.h"
-#include "motion_sensors.h"
-#include "satellite_receiver.h"
+#include "robot_sensors.h"
 #include "stereo_rig.h"
-#include "view_cone.h"
+#include "street.h"
 
 namespace headway::sim {
 namespace {

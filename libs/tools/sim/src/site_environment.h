@@ -2,8 +2,7 @@
 #pragma once
 
 #include "environment.h"
-#include "loop_vehicles.h"
-#include "walkers.h"
+#include "site_traffic.h"
 
 namespace headway::sim {
 

@@ -3,7 +3,7 @@
 
 #include <headway/core/random.h>
 
-#include "site_builder.h"
+#include "site.h"
 
 namespace headway::sim {
 

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "robot.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace headway::sim {
+
+RobotDriver::RobotDriver(const RouteParams& route_params, double ride_deg, bool close_up,
+                         const Route& route, std::uint64_t seed)
+    : route_(route),
+      at_(route, route.robot_left),
+      ride_rad_(ride_deg * M_PI / 180.0),
+      random_(seed) {
+  style_.desired_speed_mps = route_params.speed_mps;
+  style_.lateral = route_params.lateral_acceleration_mps2;
+  if (close_up) {
+    style_.headway_s = 0.4;
+    style_.standstill_m = 1.5;
+  }
+  at_.s = route.start_s;
+  at_.speed = 0.8 * route_params.speed_mps;
+  at_.length = 4.4;
+  at_.width = 1.8;
+}
+
+void RobotDriver::advance(double dt, const std::vector<Obstacle>& others) {
+  at_.move(dt, at_.acceleration(style_, others, kRobotId));
+  const double motion = std::min(1.0, at_.speed / 5.0);
+  pitch_.advance(dt, ride_rad_, motion, 0.0, random_);
+  roll_.advance(dt, ride_rad_, motion, 0.0, random_);
+}
+
+Pose RobotDriver::T_world_robot() const {
+  const double s = at_.s;
+  const PathPoint street = route_.street.at(s);
+  const double rise =
+      route_.street.at(s + 1.5).position.z() - route_.street.at(s - 1.5).position.z();
+  Pose pose = Pose::Identity();
+  pose.translation() = at_.place().position;
+  pose.linear() =
+      (Eigen::AngleAxisd(street.yaw, Eigen::Vector3d::UnitZ()) *
+       Eigen::AngleAxisd(-std::atan2(rise, 3.0) + pitch_.angle, Eigen::Vector3d::UnitY()) *
+       Eigen::AngleAxisd(roll_.angle, Eigen::Vector3d::UnitX()))
+          .toRotationMatrix();
+  return pose;
+}
+
+RobotState RobotDriver::state() const {
+  RobotState state;
+  state.s = at_.s;
+  state.speed = at_.speed;
+  const PathPoint place = at_.place();
+  state.obstacle.id = kRobotId;
+  state.obstacle.position = place.position.head<2>();
+  state.obstacle.yaw = place.yaw;
+  state.obstacle.velocity = at_.speed * Eigen::Vector2d(std::cos(place.yaw), std::sin(place.yaw));
+  state.obstacle.length = at_.length;
+  state.obstacle.width = at_.width;
+  return state;
+}
+
+namespace {
+
+constexpr double kArrived = 0.12;          // this near to a corner it is reached [m]
+constexpr double kTurnFrom = 0.35;         // turns on the spot for more than this [rad]
+constexpr double kTurnTo = 0.04;           // until less than this is left [rad]
+constexpr double kTurnAcceleration = 5.0;  // [rad/s^2]
+constexpr double kComfortableBrake = 1.0;  // before corners [m/s^2]
+constexpr double kNod = 0.004;             // pitch for each m/s^2 [rad]
+constexpr double kHalfWheelbase = 0.17;    // [m]
+constexpr double kHalfTrack = 0.15;        // [m]
+constexpr double kReplanAfter = 4.0;       // then it plans another way [s]
+constexpr double kCorridor = 0.4;          // half width of the ground that must be free [m]
+
+double towards(double value, double target, double most_change) {
+  return value + std::clamp(target - value, -most_change, most_change);
+}
+
+}  // namespace
+
+WheeledRobot::WheeledRobot(const SimParams& params, const Site& site, const NavigationGrid& grid,
+                           std::uint64_t seed)
+    : route_(params.route),
+      params_(params.robot),
+      ride_rad_(params.camera.ride_deg * M_PI / 180.0),
+      site_(site),
+      grid_(grid),
+      random_(seed),
+      position_(site.robot_stops.front()) {
+  chooseStop();
+  if (!way_.empty()) {
+    const Eigen::Vector2d to = way_.front() - position_;
+    // It looks elsewhere at first, so that it begins with a turn.
+    double aside = random_.uniform(0.7, 1.5);
+    if (!random_.chance(0.5)) aside = -aside;
+    yaw_ = wrapAngle(std::atan2(to.y(), to.x()) + aside);
+  }
+}
+
+void WheeledRobot::chooseStop() {
+  constexpr int kNearTries = 60;  // then any stop will do
+  for (int tries = 0; tries < 2 * kNearTries; ++tries) {
+    const auto& stops = site_.robot_stops;
+    const Eigen::Vector2d stop =
+        stops[static_cast<std::size_t>(random_.below(static_cast<int>(stops.size())))];
+    const double distance = (stop - position_).norm();
+    if (distance < 2.5 || (distance > 8.0 && tries < kNearTries)) continue;
+    way_ = grid_.path(position_, stop, kRadius);
+    if (!way_.empty()) return;
+  }
+}
+
+WheeledRobot::Command WheeledRobot::drive(double distance, double turn) const {
+  Command command;
+  const double top_rate = params_.turn_rate_dps * M_PI / 180.0;
+  if (turning_) {
+    const double braked_in_time = std::sqrt(2.0 * 0.8 * kTurnAcceleration * std::abs(turn));
+    command.turn_rate = std::copysign(std::min(top_rate, braked_in_time), turn);
+    return command;
+  }
+  // How fast it may be to stop at the corner, or to take it on the way if it is slight.
+  double at_corner = 0.0;
+  if (way_.size() > 1) {
+    const Eigen::Vector2d here = way_[0] - position_, next = way_[1] - way_[0];
+    const double bend =
+        std::abs(std::atan2(here.x() * next.y() - here.y() * next.x(), here.dot(next)));
+    if (bend < kTurnFrom) at_corner = route_.speed_mps * (1.0 - bend);
+  }
+  const double stoppable = std::sqrt(at_corner * at_corner + 2.0 * kComfortableBrake * distance);
+  command.speed = std::min(route_.speed_mps, stoppable);
+  command.turn_rate = std::clamp(2.5 * turn, -0.5 * top_rate, 0.5 * top_rate);
+  return command;
+}
+
+WheeledRobot::Command WheeledRobot::command(double dt) {
+  if (pause_s_ > 0.0) {
+    pause_s_ -= dt;
+    return {};
+  }
+  while (!way_.empty() && (way_.front() - position_).norm() < kArrived) {
+    way_.erase(way_.begin());
+    if (!way_.empty()) continue;
+    chooseStop();
+    pause_s_ = random_.uniform(0.2, 1.2);
+    return {};
+  }
+  if (way_.empty()) return {};
+  const Eigen::Vector2d to = way_.front() - position_;
+  const double turn = wrapAngle(std::atan2(to.y(), to.x()) - yaw_);
+  if (std::abs(turn) > kTurnFrom) turning_ = true;
+  if (std::abs(turn) < kTurnTo) turning_ = false;
+  return drive(to.norm(), turn);
+}
+
+bool WheeledRobot::mustStop(const std::vector<Obstacle>& others) const {
+  const Eigen::Vector2d forward(std::cos(yaw_), std::sin(yaw_)), left(-forward.y(), forward.x());
+  const double reach = 0.55 + 0.3 * speed_ + speed_ * speed_ / (2.0 * params_.brake_mps2);
+  return std::any_of(others.begin(), others.end(), [&](const Obstacle& other) {
+    const double half_size = other.on_foot ? 0.15 : 0.5 * std::max(other.length, other.width);
+    for (const double soon : {0.0, 0.4, 0.8}) {
+      const Eigen::Vector2d to = other.position + soon * other.velocity - position_;
+      const double along = to.dot(forward) - soon * speed_ - half_size;
+      const double across = std::abs(to.dot(left)) - half_size;
+      if (along > -0.2 && along < reach && across < kCorridor) return true;
+    }
+    return false;
+  });
+}
+
+void WheeledRobot::advance(double dt, const std::vector<Obstacle>& others) {
+  if (params_.standing) return;
+  Command wanted = command(dt);
+  if (sudden_stop_s_ <= 0.0 && speed_ > 0.3 && random_.chance(params_.sudden_stop_rate_hz * dt)) {
+    sudden_stop_s_ = 0.8;
+  }
+  sudden_stop_s_ -= dt;
+  const bool blocked = wanted.speed > 0.0 && mustStop(others);
+  blocked_s_ = blocked ? blocked_s_ + dt : 0.0;
+  if (blocked || sudden_stop_s_ > 0.0) wanted.speed = 0.0;
+  if (blocked_s_ > kReplanAfter) {
+    chooseStop();
+    blocked_s_ = 0.0;
+  }
+  if (turning_ && speed_ > 0.02) wanted.turn_rate = 0.0;  // only at a standstill
+  const double before = speed_;
+  const bool hard = blocked || sudden_stop_s_ > 0.0;
+  const double brake = hard ? params_.brake_mps2 : 2.0 * kComfortableBrake;
+  speed_ = towards(speed_, wanted.speed,
+                   dt * (wanted.speed > speed_ ? params_.acceleration_mps2 : brake));
+  turn_rate_ = towards(turn_rate_, wanted.turn_rate, dt * kTurnAcceleration);
+  const double middle_yaw = yaw_ + 0.5 * dt * turn_rate_;
+  position_ += dt * speed_ * Eigen::Vector2d(std::cos(middle_yaw), std::sin(middle_yaw));
+  yaw_ = wrapAngle(yaw_ + dt * turn_rate_);
+  const double motion = std::min(1.0, speed_ / std::max(0.5, route_.speed_mps));
+  pitch_.advance(dt, ride_rad_, motion, -kNod * (speed_ - before) / dt, random_);
+  roll_.advance(dt, ride_rad_, motion, 0.0, random_);
+}
+
+Pose WheeledRobot::T_world_robot() const {
+  const Eigen::Vector2d forward(std::cos(yaw_), std::sin(yaw_));
+  const Eigen::Vector2d left(-forward.y(), forward.x());
+  const double front = wheelHeight(site_, position_ + kHalfWheelbase * forward);
+  const double rear = wheelHeight(site_, position_ - kHalfWheelbase * forward);
+  Pose pose = Pose::Identity();
+  pose.translation() = Eigen::Vector3d(position_.x(), position_.y(), 0.5 * (front + rear));
+  const double climb = std::atan2(front - rear, 2.0 * kHalfWheelbase);
+  const double bank = std::atan2(groundHeight(site_, position_ + kHalfTrack * left) -
+                                     groundHeight(site_, position_ - kHalfTrack * left),
+                                 2.0 * kHalfTrack);
+  pose.linear() = (Eigen::AngleAxisd(yaw_, Eigen::Vector3d::UnitZ()) *
+                   Eigen::AngleAxisd(pitch_.angle - climb, Eigen::Vector3d::UnitY()) *
+                   Eigen::AngleAxisd(roll_.angle + bank, Eigen::Vector3d::UnitX()))
+                      .toRotationMatrix();
+  return pose;
+}
+
+Obstacle WheeledRobot::obstacle() const {
+  return {kRobotId, position_, speed_ * Eigen::Vector2d(std::cos(yaw_), std::sin(yaw_)), yaw_, 0.6,
+          0.5,      false};
+}
+
+Eigen::Vector2d WheeledRobot::ahead(double distance) const {
+  Eigen::Vector2d at = position_;
+  for (const Eigen::Vector2d& corner : way_) {
+    const double length = (corner - at).norm();
+    if (length >= distance) return at + (corner - at) * (distance / length);
+    distance -= length;
+    at = corner;
+  }
+  return at;
+}
+
+}  // namespace headway::sim

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <headway/core/pose.h>
+#include <headway/core/random.h>
+#include <headway/sim/sim_params.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "driving.h"
+#include "navigation_grid.h"
+#include "vehicles.h"
+
+namespace headway::sim {
+
+/// One axis of a vehicle's damped springs, shaken by the ground.
+struct Suspension {
+  double angle = 0.0;  ///< [rad]
+  double rate = 0.0;   ///< [rad/s]
+
+  /// @param shake_rad  standard deviation of the angle in the long run, at `motion` = 1
+  /// @param motion     0 at a standstill, 1 at full speed
+  /// @param rest_rad   angle at which the springs are at rest, such as a nod while braking
+  void advance(double dt, double shake_rad, double motion, double rest_rad, Random& random) {
+    constexpr double kStiffness = 2.0 * M_PI * 1.2, kDamping = 0.35;  // [1/s], [-]
+    const double shake =
+        shake_rad * std::sqrt(4.0 * kDamping * std::pow(kStiffness, 3) / dt) * motion;
+    const double acceleration = -kStiffness * kStiffness * (angle - rest_rad) -
+                                2.0 * kDamping * kStiffness * rate + shake * random.normal();
+    rate += dt * acceleration;
+    angle += dt * rate;
+  }
+};
+
+/// Drives the robot along its route as a car among the others.
+class RobotDriver {
+ public:
+  /// All references must outlive the object.
+  ///
+  /// @param close_up  keeps little distance, so that what drives ahead fills the view
+  RobotDriver(const RouteParams& route_params, double ride_deg, bool close_up, const Route& route,
+              std::uint64_t seed);
+
+  void advance(double dt, const std::vector<Obstacle>& others);
+  /// Takes away its speed.
+  void halt() { at_.speed = 0.0; }
+  [[nodiscard]] RobotState state() const;
+  /// Robot frame (on the ground below the cameras) in the world.
+  [[nodiscard]] Pose T_world_robot() const;
+  /// Whether the route is at its end.
+  [[nodiscard]] bool arrived() const { return at_.s >= route_.end_s - 0.5; }
+
+ private:
+  const Route& route_;
+  DriverStyle style_;
+  LaneKeeper at_;
+  double ride_rad_;
+  Random random_;
+  Suspension pitch_, roll_;
+};
+
+/// A robot with two driven wheels: drives straight from corner to corner of its way, turns on the
+/// spot, brakes hard before people and now and then without cause, nods as it brakes, and bumps
+/// over thresholds.
+class WheeledRobot {
+ public:
+  /// Half of its width, with what its wheels need [m].
+  static constexpr double kRadius = 0.32;
+
+  /// Site and grid must outlive the object.
+  WheeledRobot(const SimParams& params, const Site& site, const NavigationGrid& grid,
+               std::uint64_t seed);
+
+  void advance(double dt, const std::vector<Obstacle>& others);
+
+  /// Robot frame (on the ground below the cameras) in the world.
+  [[nodiscard]] Pose T_world_robot() const;
+  /// What others see of it.
+  [[nodiscard]] Obstacle obstacle() const;
+  [[nodiscard]] Eigen::Vector2d position() const { return position_; }
+  /// A place on its way, up to so far ahead.
+  [[nodiscard]] Eigen::Vector2d ahead(double distance) const;
+
+ private:
+  void chooseStop();
+  /// Speed and turn rate that the way demands.
+  struct Command {
+    double speed = 0.0;      ///< [m/s]
+    double turn_rate = 0.0;  ///< [rad/s]
+  };
+  [[nodiscard]] Command command(double dt);
+  [[nodiscard]] Command drive(double distance, double turn) const;
+  [[nodiscard]] bool mustStop(const std::vector<Obstacle>& others) const;
+
+  RouteParams route_;
+  RobotParams params_;
+  double ride_rad_;
+  const Site& site_;
+  const NavigationGrid& grid_;
+  Random random_;
+  Eigen::Vector2d position_;
+  double yaw_ = 0.0, speed_ = 0.0, turn_rate_ = 0.0;
+  std::vector<Eigen::Vector2d> way_;  ///< corners still ahead
+  double pause_s_ = 0.5;              ///< left of standing at a stop
+  double sudden_stop_s_ = 0.0;        ///< left of a stop without cause
+  double blocked_s_ = 0.0;            ///< time that somebody has been in the way
+  bool turning_ = false;              ///< on the spot
+  Suspension pitch_, roll_;
+};
+
+}  // namespace headway::sim

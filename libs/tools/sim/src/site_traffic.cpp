@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "site_traffic.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace headway::sim {
+namespace {
+
+constexpr double kRadius = 0.28;            // half a person's width [m]
+constexpr double kEachOther = 0.65;         // distance of two people who pass [m]
+constexpr double kNearestToRobot = 0.58;    // of a person and the robot, middle to middle [m]
+constexpr double kForesight = 2.5;          // people foresee that much [s]
+constexpr double kWalkerRelaxation = 0.35;  // to reach the desired velocity [s]
+constexpr double kAcceleration = 2.5;       // at most [m/s^2]
+
+Eigen::Vector2d limited(const Eigen::Vector2d& v, double most) {
+  return v.norm() > most ? Eigen::Vector2d(v * (most / v.norm())) : v;
+}
+
+/// Change of velocity that lets somebody pass another at a distance.
+///
+/// @param to        the other's place from here [m]
+/// @param velocity  own velocity relative to the other [m/s]
+Eigen::Vector2d sideStep(const Eigen::Vector2d& to, const Eigen::Vector2d& velocity,
+                         double distance) {
+  const double closing = velocity.squaredNorm();
+  if (closing < 0.01) return Eigen::Vector2d::Zero();
+  const double time = to.dot(velocity) / closing;
+  if (time < 0.0 || time > kForesight) return Eigen::Vector2d::Zero();
+  const Eigen::Vector2d miss = velocity * time - to;  // from the other, when nearest
+  const double lacking = distance - miss.norm();
+  if (lacking <= 0.0) return Eigen::Vector2d::Zero();
+  // Straight towards each other: both go to their right.
+  const Eigen::Vector2d right(velocity.y(), -velocity.x());
+  const Eigen::Vector2d away = miss.norm() > 0.05 ? miss.normalized() : right.normalized();
+  return away * lacking / std::max(0.5, time);
+}
+
+}  // namespace
+
+Walkers::Walkers(const TrafficParams& params, const Site& site, const NavigationGrid& grid,
+                 std::uint64_t seed)
+    : params_(params), site_(site), grid_(grid), random_(seed) {}
+
+void Walkers::addActor(const Person& person, ActorKind kind, double yaw, std::int64_t& next_id) {
+  Actor actor;
+  actor.id = next_id++;
+  actor.kind = kind;
+  actor.look = random_.below(100000);
+  actor.size = drawSize(kind, random_);
+  actor.gait = random_.uniform(0.0, 2.0 * M_PI);
+  actor.yaw = yaw;
+  actors_.push_back(actor);
+  people_.push_back(person);
+  place(people_.size() - 1, 0.0);
+}
+
+void Walkers::addIdle(const Spot& spot, std::int64_t& next_id) {
+  Person person;
+  person.at = spot.position;
+  person.idle = true;
+  addActor(person, spot.seat ? ActorKind::kSeatedPerson : ActorKind::kPedestrian,
+           spot.yaw + (spot.seat ? 0.0 : random_.uniform(-0.4, 0.4)), next_id);
+}
+
+void Walkers::addWalker(const WheeledRobot& robot, std::int64_t& next_id) {
+  Person person;
+  for (int tries = 0; tries < 200; ++tries) {
+    const double y = random_.uniform(), x = random_.uniform();
+    person.at = site_.area.min() + site_.area.sizes().cwiseProduct(Eigen::Vector2d(x, y));
+    const bool free = grid_.clearance(person.at) > 0.5 &&
+                      (person.at - robot.position()).norm() > 1.8 &&
+                      !grid_.path(person.at, site_.robot_stops.front(), kRadius).empty();
+    if (!free) continue;
+    person.desired_speed_mps =
+        std::clamp(params_.walking_speed_mps + 0.22 * random_.normal(), 0.5, 2.0);
+    person.pause_s = random_.chance(0.25) ? random_.uniform(0.5, 5.0) : 0.0;
+    chooseWay(person, robot);
+    addActor(person, ActorKind::kPedestrian, random_.uniform(-M_PI, M_PI), next_id);
+    return;
+  }
+}
+
+void Walkers::populate(const WheeledRobot& robot, std::int64_t& next_id) {
+  std::vector<Spot> spots = site_.spots;
+  for (int i = 0; i < params_.idle_people && !spots.empty(); ++i) {
+    const auto which = static_cast<std::size_t>(random_.below(static_cast<int>(spots.size())));
+    addIdle(spots[which], next_id);
+    spots.erase(spots.begin() + static_cast<long>(which));
+  }
+  for (int i = 0; i < params_.pedestrians; ++i) addWalker(robot, next_id);
+}
+
+void Walkers::chooseWay(Person& person, const WheeledRobot& robot) {
+  person.way.clear();
+  if (random_.chance(params_.encounter_ratio)) {  // to where the robot is going, and on past it
+    const Eigen::Vector2d meeting = robot.ahead(random_.uniform(1.5, 6.0));
+    if (grid_.clearance(meeting) > kRadius && (meeting - person.at).norm() > 1.0) {
+      person.way = grid_.path(person.at, meeting, kRadius);
+    }
+  }
+  const Eigen::Vector2d from = person.way.empty() ? person.at : person.way.back();
+  for (int tries = 0; tries < 10; ++tries) {
+    const auto& places = site_.destinations;
+    const Eigen::Vector2d place =
+        places[static_cast<std::size_t>(random_.below(static_cast<int>(places.size())))];
+    if ((place - from).norm() < 2.0) continue;
+    const auto rest = grid_.path(from, place, kRadius);
+    if (rest.empty()) continue;
+    person.way.insert(person.way.end(), rest.begin(), rest.end());
+    return;
+  }
+}
+
+Eigen::Vector2d Walkers::desiredVelocity(Person& person, double dt, const WheeledRobot& robot) {
+  if (person.idle) return Eigen::Vector2d::Zero();
+  if (person.pause_s > 0.0) {
+    person.pause_s -= dt;
+    return Eigen::Vector2d::Zero();
+  }
+  if (random_.chance(params_.stop_rate_hz * dt)) {
+    person.pause_s = random_.uniform(1.0, 4.0);
+    if (random_.chance(0.4)) chooseWay(person, robot);  // turns round
+  }
+  const auto reached = [&](const Eigen::Vector2d& corner) {
+    const double distance = (corner - person.at).norm();
+    const bool taken = (corner - robot.position()).norm() < 0.9;  // the robot stands there
+    return distance < (taken ? 1.6 : 0.45);
+  };
+  while (!person.way.empty() && reached(person.way.front())) person.way.erase(person.way.begin());
+  if (person.way.empty() || person.stuck_s > 3.0) {
+    person.stuck_s = 0.0;
+    person.pause_s = random_.uniform(0.0, 3.0);
+    chooseWay(person, robot);
+    return Eigen::Vector2d::Zero();
+  }
+  return person.desired_speed_mps * (person.way.front() - person.at).normalized();
+}
+
+Eigen::Vector2d Walkers::avoiding(std::size_t i, Eigen::Vector2d velocity, const Obstacle& robot,
+                                  const std::vector<Obstacle>& vehicles) const {
+  const Person& person = people_[i];
+  const Eigen::Vector2d wanted = velocity;
+  velocity += sideStep(robot.position - person.at, wanted - robot.velocity, kPassing + 0.02);
+  for (const Obstacle& vehicle : vehicles) {
+    velocity += sideStep(vehicle.position - person.at, wanted - vehicle.velocity,
+                         0.5 * vehicle.width + 0.45);
+  }
+  for (std::size_t k = 0; k < people_.size(); ++k) {
+    if (k == i) continue;
+    const Eigen::Vector2d to = people_[k].at - person.at;
+    const double part = people_[k].velocity.norm() > 0.1 ? 0.6 : 1.0;  // both step aside
+    velocity += part * sideStep(to, wanted - people_[k].velocity, kEachOther);
+    if (to.norm() < 0.5) velocity -= 1.5 * to.normalized() * (0.5 - to.norm()) / 0.1;
+  }
+  return limited(velocity, 1.25 * std::max(person.desired_speed_mps, wanted.norm()));
+}
+
+void Walkers::move(Person& person, double dt, const Obstacle& robot) const {
+  const Eigen::Vector2d before = person.at;
+  const auto blocked = [&](const Eigen::Vector2d& at) {
+    const double room = grid_.clearance(at);
+    const Eigen::Vector2d from_robot = at - robot.position;
+    const bool nearer = from_robot.norm() < (before - robot.position).norm();
+    return (room < kRadius && room <= grid_.clearance(before)) ||
+           (from_robot.norm() < kNearestToRobot && nearer);
+  };
+  const Eigen::Vector2d step = dt * person.velocity;
+  // Along a wall where the way itself is closed.
+  for (const Eigen::Vector2d& tried :
+       {step, Eigen::Vector2d(step.x(), 0.0), Eigen::Vector2d(0.0, step.y())}) {
+    if (blocked(before + tried)) continue;
+    person.at = before + tried;
+    break;
+  }
+  person.velocity = (person.at - before) / dt;
+  const bool walking = person.pause_s <= 0.0 && !person.idle;
+  person.stuck_s = walking && person.velocity.norm() < 0.1 ? person.stuck_s + dt : 0.0;
+}
+
+void Walkers::place(std::size_t i, double dt) {
+  const Person& person = people_[i];
+  Actor& actor = actors_[i];
+  actor.position = Eigen::Vector3d(person.at.x(), person.at.y(), groundHeight(site_, person.at));
+  actor.velocity = person.velocity;
+  actor.speed = person.velocity.norm();
+  if (actor.speed > 0.15) {
+    const double wanted = std::atan2(actor.velocity.y(), actor.velocity.x());
+    actor.yaw += std::clamp(wrapAngle(wanted - actor.yaw), -4.0 * dt, 4.0 * dt);
+  }
+  actor.yaw = wrapAngle(actor.yaw);
+  actor.gait += 2.0 * M_PI * actor.speed * dt / (0.55 + 0.62 * std::max(0.3, actor.speed));
+}
+
+void Walkers::advance(double dt, const WheeledRobot& robot, const std::vector<Obstacle>& vehicles) {
+  const Obstacle seen = robot.obstacle();
+  std::vector<Eigen::Vector2d> wanted;
+  for (std::size_t i = 0; i < people_.size(); ++i) {
+    const Eigen::Vector2d velocity = desiredVelocity(people_[i], dt, robot);
+    wanted.push_back(people_[i].idle ? velocity : avoiding(i, velocity, seen, vehicles));
+  }
+  for (std::size_t i = 0; i < people_.size(); ++i) {
+    Person& person = people_[i];
+    if (person.idle) continue;
+    person.velocity +=
+        dt * limited((wanted[i] - person.velocity) / kWalkerRelaxation, kAcceleration);
+    move(person, dt, seen);
+    place(i, dt);
+  }
+}
+
+namespace {
+
+/// The first place from `s` on from which a vehicle can brake for the robot; `s` if there is none.
+double startClearOf(const Obstacle& robot, const Path& path, double s, double vehicle_length_m) {
+  constexpr double kStep_m = 0.5, kBraking_m = 2.5;
+  const double needed = 0.5 * (vehicle_length_m + robot.length) + kBraking_m;
+  for (double ahead = 0.0; ahead < path.length(); ahead += kStep_m) {
+    const double start = std::fmod(s + ahead, path.length());
+    if ((path.at(start).position.head<2>() - robot.position).norm() > needed) return start;
+  }
+  return s;
+}
+
+}  // namespace
+
+LoopVehicles::LoopVehicles(const TrafficParams& params, const Site& site, const Obstacle& robot,
+                           std::uint64_t seed, std::int64_t& next_id)
+    : random_(seed) {
+  for (const bool cyclists : {true, false}) {
+    std::vector<const VehicleLoop*> loops;
+    for (const VehicleLoop& loop : site.loops) {
+      if ((loop.kind == ActorKind::kCyclist) == cyclists) loops.push_back(&loop);
+    }
+    const int count = cyclists ? params.cyclists : params.vehicles;
+    const double first = random_.uniform();
+    for (int i = 0; i < count && !loops.empty(); ++i) {
+      add(*loops[static_cast<std::size_t>(i) % loops.size()],
+          first + static_cast<double>(i) / count, robot, next_id);
+    }
+  }
+}
+
+void LoopVehicles::add(const VehicleLoop& loop, double ratio, const Obstacle& robot,
+                       std::int64_t& next_id) {
+  Vehicle vehicle{Path(loop.points, true), {}, {}};
+  Actor actor;
+  actor.id = next_id++;
+  actor.kind = loop.kind;
+  actor.look = random_.below(100000);
+  actor.size = drawSize(loop.kind, random_);
+  vehicle.at.s = startClearOf(robot, vehicle.path, ratio * vehicle.path.length(), actor.size.x());
+  vehicle.at.length = actor.size.x();
+  vehicle.at.width = actor.size.y();
+  vehicle.style.desired_speed_mps = loop.speed_mps * random_.uniform(0.85, 1.15);
+  vehicle.style.standstill_m = 1.2;
+  vehicle.style.headway_s = 0.8;
+  vehicle.style.lateral = 1.2;
+  vehicle.at.speed = 0.7 * vehicle.style.desired_speed_mps;
+  vehicles_.push_back(vehicle);
+  actors_.push_back(actor);
+  place(vehicles_.size() - 1, 0.0);
+}
+
+void LoopVehicles::place(std::size_t i, double dt) {
+  const Vehicle& vehicle = vehicles_[i];
+  Actor& actor = actors_[i];
+  const PathPoint point = vehicle.path.at(vehicle.at.s);
+  // At corners the path is shorter than its parameter: the velocity is that of the motion.
+  const Eigen::Vector3d step = point.position - actor.position;
+  actor.position = point.position;
+  actor.yaw = point.yaw;
+  actor.speed = dt > 0.0 ? step.norm() / dt : vehicle.at.speed;
+  actor.velocity = actor.speed * Eigen::Vector2d(std::cos(actor.yaw), std::sin(actor.yaw));
+  if (actor.kind == ActorKind::kCyclist) actor.gait += 1.3 * actor.speed * dt;
+}
+
+void LoopVehicles::advance(double dt, const std::vector<Obstacle>& others) {
+  std::vector<Obstacle> all = others;
+  for (const Actor& actor : actors_) all.push_back(obstacleFrom(actor));
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    Vehicle& vehicle = vehicles_[i];
+    const double acceleration = drive(vehicle.at, vehicle.path, vehicle.style, all, actors_[i].id,
+                                      std::numeric_limits<double>::infinity());
+    vehicle.at.speed = std::max(0.0, vehicle.at.speed + acceleration * dt);
+    vehicle.at.s += vehicle.at.speed * dt;
+    place(i, dt);
+  }
+}
+
+}  // namespace headway::sim
