@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <headway/eval/dense_error.h>
 #include <headway/eval/plots.h>
-#include <headway/eval_files/dense_evaluation.h>
 #include <headway/plot/text_table.h>
 
 #include <iostream>
@@ -11,7 +11,7 @@
 namespace headway::app {
 namespace {
 
-using eval_files::DenseEvaluation;
+using eval::DenseEvaluation;
 
 struct DenseOptions {
   std::string truth;
@@ -79,7 +79,7 @@ plot::TextTable tableOf(const DenseEvaluation& evaluation) {
 int runDense(int argc, const char** argv) {
   DenseOptions options;
   if (!parseDense(options, argc, argv)) return program::kDone;
-  const auto result = eval_files::evaluateDense(options.truth, options.estimate, options.rawlog);
+  const auto result = eval::evaluateDense(options.truth, options.estimate, options.rawlog);
   if (!options.quiet) plot::writeTable(std::cout, tableOf(result));
   options.outputs.write(
       [&] { return toJson(result); },

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <headway/eval/grid_error.h>
 #include <headway/eval/plots.h>
-#include <headway/eval_files/grid_evaluation.h>
 #include <headway/plot/text_table.h>
 
 #include <iostream>
@@ -11,12 +11,12 @@
 namespace headway::app {
 namespace {
 
-using eval_files::GridEvaluation;
+using eval::GridEvaluation;
 
 struct GridOptions {
   std::string truth;
   std::string estimate;
-  eval_files::ObstacleHeights heights{0.0, 0.0};  ///< 0: as in the replay
+  eval::ObstacleHeights heights{0.0, 0.0};  ///< 0: as in the replay
   bool quiet = false;
   Outputs outputs;
 };
@@ -86,7 +86,7 @@ plot::TextTable tableOf(const GridEvaluation& evaluation) {
 int runGrid(int argc, const char** argv) {
   GridOptions options;
   if (!parseGrid(options, argc, argv)) return program::kDone;
-  const auto result = eval_files::evaluateGrid(options.truth, options.estimate, options.heights);
+  const auto result = eval::evaluateGrid(options.truth, options.estimate, options.heights);
   if (!options.quiet) plot::writeTable(std::cout, tableOf(result));
   options.outputs.write(
       [&] { return toJson(result); },

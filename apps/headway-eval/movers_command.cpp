@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/error.h>
 #include <headway/eval/figures.h>
-#include <headway/eval/object_motion_error.h>
+#include <headway/eval/moving_object_error.h>
 #include <headway/eval/plots.h>
-#include <headway/eval_files/movers_evaluation.h>
 #include <headway/plot/text_table.h>
 
 #include <iostream>
@@ -55,7 +54,7 @@ void reportTracks(const eval::MovingObjectError& error) {
   }
 }
 
-void report(const eval_files::MoverEvaluation& results) {
+void report(const eval::MoverEvaluation& results) {
   plot::writeTable(std::cout, eval::tableOf(results.error));
   reportTracks(results.error);
   const auto& coasting = results.with_coasting.all;
@@ -98,7 +97,7 @@ cv::Mat plot(const eval::MovingObjectInput& input) {
 int runMovers(int argc, const char** argv) {
   MoversOptions options;
   if (!parseMovers(options, argc, argv)) return program::kDone;
-  const auto results = eval_files::evaluateMovers(options.truth, options.poses, options.estimate);
+  const auto results = eval::evaluateMovers(options.truth, options.poses, options.estimate);
   if (!options.quiet) report(results);
   options.outputs.write([&] { return toJson(results); }, [&] { return plot(results.input); });
   return program::kDone;

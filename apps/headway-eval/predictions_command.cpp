@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/eval/figures.h>
+#include <headway/eval/labelled_frames.h>
 #include <headway/eval/plots.h>
-#include <headway/eval_files/label_files.h>
-#include <headway/eval_files/prediction_evaluation.h>
+#include <headway/eval/prediction_evaluation.h>
 #include <headway/objects/objects_params.h>
 #include <headway/plot/chart.h>
 #include <headway/plot/text_table.h>
@@ -16,11 +16,11 @@
 namespace headway::app {
 namespace {
 
-using eval_files::EvaluatedPredictor;
-using eval_files::PredictionSequence;
+using eval::EvaluatedPredictor;
+using eval::PredictionSequence;
 
 struct PredictionsOptions {
-  eval_files::PredictionFiles files;
+  eval::PredictionFiles files;
   std::string predictor;
   bool coverage = false;
   objects::ObjectsParams params;
@@ -72,10 +72,10 @@ std::vector<std::string> chosenPredictors(const std::string& name) {
 
 std::vector<EvaluatedPredictor> evaluate(const PredictionsOptions& options,
                                          const std::vector<PredictionSequence>& sequences) {
-  if (!options.files.estimate.empty()) return {eval_files::evaluateEstimate(sequences)};
+  if (!options.files.estimate.empty()) return {eval::evaluateEstimate(sequences)};
   std::vector<EvaluatedPredictor> result;
   for (const auto& name : chosenPredictors(options.predictor)) {
-    result.push_back(eval_files::evaluatePredictor(sequences, name, options.params.prediction));
+    result.push_back(eval::evaluatePredictor(sequences, name, options.params.prediction));
   }
   return result;
 }
@@ -91,16 +91,16 @@ void report(const std::vector<EvaluatedPredictor>& predictors, bool coverage) {
   if (predictors.size() == 1) {
     plot::writeTable(std::cout, eval::tableOf(predictors.front().errors));
   } else {
-    plot::writeTable(std::cout, eval_files::predictorTable(predictors));
+    plot::writeTable(std::cout, eval::predictorTable(predictors));
     std::cout << "\nADE / FDE in m by class\n\n";
-    plot::writeTable(std::cout, eval_files::classTable(predictors));
+    plot::writeTable(std::cout, eval::classTable(predictors));
     std::cout << "\nADE / FDE in m by sequence\n\n";
-    plot::writeTable(std::cout, eval_files::sequenceTable(predictors));
+    plot::writeTable(std::cout, eval::sequenceTable(predictors));
   }
   for (const auto& predictor : predictors) {
     if (!coverage) break;
     std::cout << "\n" << predictor.name << "\n\n";
-    plot::writeTable(std::cout, eval_files::coverageTable(predictor));
+    plot::writeTable(std::cout, eval::coverageTable(predictor));
   }
   for (const auto& [reason, count] : predictors.front().not_evaluated) {
     if (count > 0) std::cout << count << " predictions were not evaluated: " << reason << "\n";
@@ -119,7 +119,7 @@ cv::Mat plot(const std::string& labels, const std::vector<PredictionSequence>& s
   for (const auto& predictor : predictors) lines.emplace_back(predictor.name, predictor.errors.all);
   return plot::stacked(
       {eval::predictionMapPlot(
-           recordingName(eval_files::fileNamed(sequence.name, labels)) + ": " + drawn.name,
+           recordingName(eval::fileNamed(sequence.name, labels)) + ": " + drawn.name,
            sequence.objects, drawn.drawn, camera_path),
        eval::errorOverHorizonPlot(recordingName(labels) + ": mean error over the horizon", lines)});
 }
@@ -130,9 +130,9 @@ int runPredictions(int argc, const char** argv) {
   PredictionsOptions options;
   if (!parsePredictions(options, argc, argv)) return program::kDone;
   if (!options.predictor.empty()) (void)chosenPredictors(options.predictor);
-  const auto sequences = eval_files::readPredictionInput(options.files);
+  const auto sequences = eval::readPredictionInput(options.files);
   const auto results = evaluate(options, sequences);
-  eval_files::requireCases(results.front(), options.files.labels);
+  eval::requireCases(results.front(), options.files.labels);
   if (!options.quiet) report(results, options.coverage);
   options.outputs.write([&] { return figures(results); },
                         [&] { return plot(options.files.labels, sequences, results); });

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "suite_objects.h"
 
-#include <headway/eval/prediction_cases.h>
-#include <headway/eval_files/camera_poses.h>
-#include <headway/eval_files/prediction_evaluation.h>
+#include <headway/eval/labelled_frames.h>
+#include <headway/eval/prediction_error.h>
+#include <headway/eval/prediction_evaluation.h>
 #include <headway/objects/predictor.h>
 #include <headway/pipeline/moving_regions.h>
 
@@ -96,12 +96,12 @@ std::vector<Stamped<Pose>> cameraPoses(const ObjectRecording& recording) {
     while (poses.size() < frame.index) {
       const auto previous =
           poses.empty() ? Stamped<Pose>{frame.time, *frame.T_map_robot} : poses.back();
-      poses.push_back({previous.time + eval_files::kNominalFrameInterval_s, previous.value});
+      poses.push_back({previous.time + eval::kNominalFrameInterval_s, previous.value});
     }
     poses.push_back({frame.time, *frame.T_map_robot * recording.T_robot_cam});
   }
   while (!poses.empty() && poses.size() < recording.labels.size()) {
-    poses.push_back({poses.back().time + eval_files::kNominalFrameInterval_s, poses.back().value});
+    poses.push_back({poses.back().time + eval::kNominalFrameInterval_s, poses.back().value});
   }
   return poses;
 }
@@ -110,7 +110,7 @@ eval::PredictionEvaluator evaluateOnTracks(const std::vector<eval::TrueObject>& 
                                            const TrackingRun& run) {
   eval::PredictionEvaluator evaluator;
   for (const auto& item :
-       eval::trackCases(truth, run.predictions, eval_files::kMatchDistance_m, kMaxGap_s).cases) {
+       eval::trackCases(truth, run.predictions, eval::kMatchDistance_m, kMaxGap_s).cases) {
     const auto& prediction = run.predictions[item.prediction];
     evaluator.add(prediction.object_class, prediction.paths, item.future);
   }
@@ -128,7 +128,7 @@ ObjectFigures runTracks(const ObjectRecording& recording, const objects::Objects
 
 ObjectFigures runObjects(const ObjectRecording& recording, const objects::ObjectsParams& params) {
   ObjectFigures figures = runTracks(recording, params);
-  eval_files::PredictionSequence truth;
+  eval::PredictionSequence truth;
   truth.name = recording.name;
   truth.T_map_cam = cameraPoses(recording);
   truth.objects = eval::trueObjects(recording.labels, truth.T_map_cam);
@@ -138,7 +138,7 @@ ObjectFigures runObjects(const ObjectRecording& recording, const objects::Object
     figures.on_tracks.emplace_back(
         name, evaluateOnTracks(truth.objects, runTracking(recording, with_predictor)));
     figures.on_truth.emplace_back(
-        name, eval_files::evaluatePredictor({truth}, name, params.prediction).evaluator);
+        name, eval::evaluatePredictor({truth}, name, params.prediction).evaluator);
   }
   return figures;
 }

@@ -3,7 +3,7 @@
 
 #include <headway/core/error.h>
 #include <headway/core/worker_thread.h>
-#include <headway/eval_files/label_files.h>
+#include <headway/eval/labelled_frames.h>
 #include <headway/io/dataset.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/run/session.h>
@@ -170,7 +170,7 @@ void evaluate(const World& world, WorldRun& run) {
   }
   // An empty file is the truth of a place in which no object came into view.
   const std::string labels = world.truth_folder + "/label_02.txt";
-  if (fs::file_size(labels) > 0) run.objects.labels = eval_files::readLabels(labels);
+  if (fs::file_size(labels) > 0) run.objects.labels = eval::readLabels(labels);
   run.objects.labels.resize(std::min(run.objects.labels.size(), run.objects.frames.size()));
 }
 
@@ -190,7 +190,7 @@ std::vector<ObjectRecording> readKittiTracking(const std::string& folder) {
       recording.frames.push_back(
           {k, frame.time, {}, frame.detections, frame.T_map_robot, {}, 0.0, {}});
     }
-    recording.labels = eval_files::readLabels((labels / (name + ".txt")).string());
+    recording.labels = eval::readLabels((labels / (name + ".txt")).string());
     recordings.push_back(std::move(recording));
   }
   return recordings;

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/error.h>
 #include <headway/eval/figures.h>
+#include <headway/eval/labelled_frames.h>
 #include <headway/eval/plots.h>
 #include <headway/eval/track_error.h>
-#include <headway/eval_files/camera_poses.h>
-#include <headway/eval_files/label_files.h>
-#include <headway/eval_files/tracks_evaluation.h>
 #include <headway/plot/chart.h>
 #include <headway/plot/text_table.h>
 
@@ -19,7 +17,7 @@
 namespace headway::app {
 namespace {
 
-using eval_files::TrackEvaluation;
+using eval::TrackEvaluation;
 
 struct TracksOptions {
   std::string truth;
@@ -114,14 +112,13 @@ cv::Mat mapPlot(const TracksOptions& options, const TrackEvaluation& results) {
   const auto sequence =
       std::max_element(results.sequences.begin(), results.sequences.end(),
                        [&](const auto& a, const auto& b) { return boxes(a) < boxes(b); });
-  const auto T_map_cam = eval_files::readCameraPoses(
-      eval_files::fileNamed(sequence->name, options.poses), robotFromOptical());
-  eval::TrackMap map{
-      recordingName(eval_files::fileNamed(sequence->name, options.estimate)) + ": tracks",
-      eval::trueObjects(sequence->frames, T_map_cam),
-      eval::estimatedObjects(sequence->frames, T_map_cam),
-      {},
-      {}};
+  const auto T_map_cam =
+      eval::readCameraPoses(eval::fileNamed(sequence->name, options.poses), robotFromOptical());
+  eval::TrackMap map{recordingName(eval::fileNamed(sequence->name, options.estimate)) + ": tracks",
+                     eval::trueObjects(sequence->frames, T_map_cam),
+                     eval::estimatedObjects(sequence->frames, T_map_cam),
+                     {},
+                     {}};
   if (!results.raw_sequences.empty()) {
     const auto index = static_cast<std::size_t>(sequence - results.sequences.begin());
     map.raw = eval::estimatedObjects(results.raw_sequences[index].frames, T_map_cam);
@@ -143,8 +140,8 @@ cv::Mat plot(const TracksOptions& options, const TrackEvaluation& results) {
 int runTracks(int argc, const char** argv) {
   TracksOptions options;
   if (!parseTracks(options, argc, argv)) return program::kDone;
-  const auto results = eval_files::evaluateTracks({options.truth, options.estimate, options.raw},
-                                                  paramsFrom(options));
+  const auto results =
+      eval::evaluateTracks({options.truth, options.estimate, options.raw}, paramsFrom(options));
   if (!options.quiet) report(results);
   options.outputs.write([&] { return toJson(results); }, [&] { return plot(options, results); });
   return program::kDone;

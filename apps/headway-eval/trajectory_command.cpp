@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/error.h>
 #include <headway/eval/figures.h>
+#include <headway/eval/labelled_frames.h>
 #include <headway/eval/plots.h>
 #include <headway/eval/trajectory_error.h>
-#include <headway/eval_files/camera_poses.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/plot/text_table.h>
@@ -17,8 +17,8 @@
 namespace headway::app {
 namespace {
 
-using eval_files::PoseFormat;
-using eval_files::poseFormatOf;
+using eval::PoseFormat;
+using eval::poseFormatOf;
 
 struct TrajectoryOptions {
   std::string truth;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
-#include <headway/eval/object_motion_error.h>
+#include <headway/eval/moving_object_error.h>
 
 #include <cmath>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
-#include <headway/eval/pose_pairs.h>
+#include <headway/eval/trajectory_error.h>
 
 #include <limits>
 

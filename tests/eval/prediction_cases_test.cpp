@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
-#include <headway/eval/prediction_cases.h>
+#include <headway/eval/prediction_error.h>
 
 #include <cmath>
 

@@ -2,7 +2,7 @@
 // The protocol of the real-data figures: how many cases there are, and what two predictors of a
 // few lines, written here, come to. Reference figures were found with another implementation.
 #include <gmock/gmock.h>
-#include <headway/eval/prediction_cases.h>
+#include <headway/eval/prediction_error.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
 #include <headway_test/folders.h>

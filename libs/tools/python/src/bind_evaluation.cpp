@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/error.h>
+#include <headway/eval/dense_error.h>
 #include <headway/eval/figures.h>
+#include <headway/eval/grid_error.h>
+#include <headway/eval/moving_object_error.h>
+#include <headway/eval/prediction_evaluation.h>
+#include <headway/eval/track_error.h>
 #include <headway/eval/trajectory_error.h>
-#include <headway/eval_files/dense_evaluation.h>
-#include <headway/eval_files/grid_evaluation.h>
-#include <headway/eval_files/movers_evaluation.h>
-#include <headway/eval_files/prediction_evaluation.h>
-#include <headway/eval_files/tracks_evaluation.h>
 
 #include <nlohmann/json.hpp>
 
@@ -81,22 +81,22 @@ py::dict evaluateTracks(const std::string& truth, const std::string& estimate,
                         std::optional<double> min_overlap, const OptionalPath& raw) {
   const auto params = trackParams(metric, classes, min_overlap);
   return figuresOf([&] {
-    return toJson(eval_files::evaluateTracks({truth, estimate, raw.value_or("")}, params));
+    return toJson(eval::evaluateTracks({truth, estimate, raw.value_or("")}, params));
   });
 }
 
 py::dict evaluateMovers(const std::string& truth, const std::string& poses,
                         const std::string& estimate) {
-  return figuresOf([&] { return toJson(eval_files::evaluateMovers(truth, poses, estimate)); });
+  return figuresOf([&] { return toJson(eval::evaluateMovers(truth, poses, estimate)); });
 }
 
 py::dict evaluatePredictions(const std::string& truth, const std::string& poses,
                              const std::string& estimate, const OptionalPath& extrinsic) {
   return figuresOf([&] {
     const auto sequences =
-        eval_files::readPredictionInput({truth, poses, estimate, extrinsic.value_or("")});
-    const auto errors = eval_files::evaluateEstimate(sequences);
-    eval_files::requireCases(errors, truth);
+        eval::readPredictionInput({truth, poses, estimate, extrinsic.value_or("")});
+    const auto errors = eval::evaluateEstimate(sequences);
+    eval::requireCases(errors, truth);
     return toJson(errors);
   });
 }
@@ -108,7 +108,7 @@ py::dict evaluateGrid(const std::string& truth, const std::string& estimate,
     if (height && !(*height > 0.0)) throw InputError("heights of obstacles: must be positive");
   }
   return figuresOf([&] {
-    return toJson(eval_files::evaluateGrid(
+    return toJson(eval::evaluateGrid(
         truth, estimate,
         {min_obstacle_height_m.value_or(0.0), max_obstacle_height_m.value_or(0.0)}));
   });
@@ -117,7 +117,7 @@ py::dict evaluateGrid(const std::string& truth, const std::string& estimate,
 py::dict evaluateDense(const std::string& truth, const std::string& estimate,
                        const OptionalPath& rawlog) {
   return figuresOf(
-      [&] { return toJson(eval_files::evaluateDense(truth, estimate, rawlog.value_or(""))); });
+      [&] { return toJson(eval::evaluateDense(truth, estimate, rawlog.value_or(""))); });
 }
 
 void bindObjectEvaluations(py::module_& module) {

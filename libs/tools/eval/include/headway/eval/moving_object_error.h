@@ -4,6 +4,7 @@
 #include <headway/eval/labelled_frames.h>
 
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -135,5 +136,66 @@ struct LabelledObjectError {
 /// @throws InputError if a labelled frame has no true pose
 [[nodiscard]] MovingObjectError movingObjectError(const MovingObjectInput& input,
                                                   const MovingObjectParams& params);
+
+/// How the tracker's motion between two frames is taken from its rows.
+enum class ObjectMotion {
+  kPoses,     ///< from the poses of both rows
+  kVelocity,  ///< translation from the later row's velocity, rotation from the poses
+};
+
+/// Motion error of one true object.
+struct ObjectMotionError {
+  std::int64_t id = -1;
+  ObjectClass object_class = ObjectClass::kUnknown;
+  std::size_t frames = 0;  ///< pairs of frames evaluated
+  double translation_rmse_m = 0.0, translation_mean_m = 0.0;
+  double rotation_rmse_deg = 0.0, rotation_mean_deg = 0.0;
+};
+
+/// Motion errors of all objects: means over the objects of their RMSE and of their means.
+struct ObjectMotionErrors {
+  std::vector<ObjectMotionError> objects;  ///< by id
+  std::size_t frames = 0;
+  std::optional<double> translation_rmse_m, translation_mean_m;
+  std::optional<double> rotation_rmse_deg, rotation_mean_deg;
+};
+
+/// Error of the motions of matched objects from frame to frame.
+///
+/// For true poses L of the object in the world, and the estimated motion H that maps the object at
+/// frame k-1 to that at frame k in the world, the error is E = L(k)^-1 H L(k-1): its translation
+/// and its angle, in the object's true frame. The tracker's map is aligned to the world by the
+/// camera pose at frame k-1, so that only the camera's error between both frames contributes. A
+/// motion is evaluated if the object is matched at frame k, and its track has rows at both frames.
+///
+/// @see Morris et al., "DynoSAM: open-source smoothing and mapping framework for dynamic SLAM",
+///      arXiv 2501.11893; its evaluation program reports the RMSE of each object
+[[nodiscard]] ObjectMotionErrors objectMotionErrors(const MovingObjectInput& input,
+                                                    const std::vector<MovingMatch>& matches,
+                                                    ObjectMotion motion);
+
+/// Which moving objects a replay found, and how well it knew their motion.
+struct MoverEvaluation {
+  MovingObjectInput input;  ///< what was compared
+  MovingObjectError error;  ///< of confirmed rows
+  MovingObjectError with_coasting;
+  LabelledObjectError labelled;
+  ObjectMotionErrors motion;           ///< by the poses in tracks.csv
+  ObjectMotionErrors motion_velocity;  ///< by the velocities in tracks.csv
+  ObjectMotionErrors motion_smoothed;  ///< by the poses in tracks_smoothed.csv
+};
+
+/// Evaluates a replay as `headway-eval movers` does.
+///
+/// @param labels  KITTI tracking labels
+/// @param poses   true pose of every frame: KITTI (camera), TUM (robot), or a rawlog with
+/// truth_pose
+/// @param replay  output folder of headway-replay
+/// @throws InputError naming the file that cannot be read or does not match the others
+[[nodiscard]] MoverEvaluation evaluateMovers(const std::string& labels, const std::string& poses,
+                                             const std::string& replay);
+
+/// The figures of `headway-eval movers --json`.
+[[nodiscard]] nlohmann::ordered_json toJson(const MoverEvaluation& evaluation);
 
 }  // namespace headway::eval

@@ -4,7 +4,9 @@
 #include <headway/eval/labelled_frames.h>
 
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace headway::eval {
@@ -81,5 +83,32 @@ struct TrackErrors {
 ///      "HOTA: a higher order metric", Secs. 5-6; Geiger et al. 2012 (ignored labels)
 [[nodiscard]] TrackErrors trackErrors(const std::vector<LabelledSequence>& sequences,
                                       const TrackErrorParams& params);
+
+/// Files of truth and tracks, or folders whose files are paired by name.
+struct TrackFiles {
+  std::string truth;     ///< KITTI tracking labels, or the objects.csv of a simulation
+  std::string estimate;  ///< KITTI tracking results, or a tracks.csv
+  std::string raw;       ///< detections whose positions are evaluated too; empty: none
+};
+
+/// Errors of tracks, with what they were computed from.
+struct TrackEvaluation {
+  TrackErrorParams params;
+  std::vector<LabelledSequence> sequences;
+  std::vector<LabelledSequence> raw_sequences;  ///< the detections as estimates
+  std::vector<std::string> truth_alone;         ///< recordings without an estimate
+  std::map<std::string, std::size_t> dropped;   ///< rows of the estimate, by reason
+  TrackErrors tracks;
+  std::optional<TrackErrors> raw;  ///< positions of the detections
+};
+
+/// Evaluates tracks as `headway-eval tracks` does.
+///
+/// @throws InputError naming the file that cannot be read, or has no boxes of the metric
+[[nodiscard]] TrackEvaluation evaluateTracks(const TrackFiles& files,
+                                             const TrackErrorParams& params);
+
+/// The figures of `headway-eval tracks --json`.
+[[nodiscard]] nlohmann::ordered_json toJson(const TrackEvaluation& evaluation);
 
 }  // namespace headway::eval

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <opencv2/core/mat.hpp>
 
-namespace headway::eval_files {
+namespace headway::eval {
 
 /// Images of one frame of a truth folder written by headway-sim --depth --masks. Both throw
 /// InputError if the file is missing or its size differs from the camera's.
@@ -20,4 +20,4 @@ namespace headway::eval_files {
 [[nodiscard]] cv::Mat readMovingMask(const std::filesystem::path& folder, std::size_t frame,
                                      const StereoCamera& camera);
 
-}  // namespace headway::eval_files
+}  // namespace headway::eval

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "movers_input.h"
-
 #include <headway/core/error.h>
-#include <headway/eval_files/camera_poses.h>
-#include <headway/eval_files/label_files.h>
+#include <headway/eval/figures.h>
+#include <headway/eval/labelled_frames.h>
+#include <headway/eval/moving_object_error.h>
 #include <headway/io/calibration_file.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/io/track_file.h>
@@ -14,8 +13,26 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
-namespace headway::eval_files {
+namespace headway::eval {
+
+/// Reads labels, true poses and the output folder of a replay.
+///
+/// The evaluated frames are those of the replay. True poses are a rawlog's `truth_pose`, or one row
+/// per frame: KITTI (camera) or TUM (robot).
+///
+/// @throws InputError naming the file that cannot be read or does not match the others
+[[nodiscard]] MovingObjectInput readMoversInput(const std::string& labels, const std::string& poses,
+                                                const std::string& replay);
+
+/// The input's rows replaced by those of `tracks_smoothed.csv`.
+///
+/// @throws InputError if the file cannot be read
+[[nodiscard]] MovingObjectInput withSmoothedRows(const MovingObjectInput& input,
+                                                 const std::string& replay);
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -56,7 +73,7 @@ const Pose& poseAtTime(const std::vector<Stamped<Pose>>& trajectory, Time time,
 }
 
 /// Adds the rows of a tracks file, and the camera poses of their frames.
-void readRows(const fs::path& replay, const std::string& file, eval::MovingObjectInput& input) {
+void readRows(const fs::path& replay, const std::string& file, MovingObjectInput& input) {
   const auto calibration = io::readCalibration((replay / "calibration.yaml").string());
   const std::string online = (replay / "trajectory_online.tum").string();
   const auto trajectory = io::readTum(online);
@@ -66,7 +83,7 @@ void readRows(const fs::path& replay, const std::string& file, eval::MovingObjec
     const auto& track = sample.track;
     const Pose T_map_cam = poseAtTime(trajectory, sample.time, online) * calibration.T_robot_cam;
     input.T_map_cam[sample.frame] = T_map_cam;
-    eval::TrackRow row;
+    TrackRow row;
     row.frame = sample.frame;
     row.id = track.id.value;
     row.object_class = track.object_class;
@@ -94,7 +111,7 @@ std::size_t firstFrame(const fs::path& replay) {
 }
 
 /// Times of frames whose poses have none: those of the replay, if it tracked every frame.
-void setTimes(const fs::path& replay, eval::MovingObjectInput& input) {
+void setTimes(const fs::path& replay, MovingObjectInput& input) {
   const auto trajectory = io::readTum((replay / "trajectory_online.tum").string());
   const std::size_t frames = input.end_frame - input.first_frame;
   if (trajectory.size() != frames || frames == 0) return;
@@ -113,7 +130,7 @@ void setTimes(const fs::path& replay, eval::MovingObjectInput& input) {
 }
 
 void readTruePoses(const std::string& path, const fs::path& replay, const Pose& T_robot_cam,
-                   eval::MovingObjectInput& input) {
+                   MovingObjectInput& input) {
   if (io::hasRawlogName(path)) {
     input.T_world_cam = io::readTruth(path).poses;
     for (auto& pose : input.T_world_cam) pose.value = pose.value * T_robot_cam;
@@ -126,9 +143,9 @@ void readTruePoses(const std::string& path, const fs::path& replay, const Pose& 
 
 }  // namespace
 
-eval::MovingObjectInput readMoversInput(const std::string& labels, const std::string& poses,
-                                        const std::string& replay) {
-  eval::MovingObjectInput input;
+MovingObjectInput readMoversInput(const std::string& labels, const std::string& poses,
+                                  const std::string& replay) {
+  MovingObjectInput input;
   const fs::path folder = replay;
   input.labels = readLabels(labels);
   input.first_frame = firstFrame(folder);
@@ -140,12 +157,39 @@ eval::MovingObjectInput readMoversInput(const std::string& labels, const std::st
   return input;
 }
 
-eval::MovingObjectInput withSmoothedRows(const eval::MovingObjectInput& input,
-                                         const std::string& replay) {
+MovingObjectInput withSmoothedRows(const MovingObjectInput& input, const std::string& replay) {
   auto smoothed = input;
   smoothed.rows.clear();
   readRows(replay, "tracks_smoothed.csv", smoothed);
   return smoothed;
 }
 
-}  // namespace headway::eval_files
+MoverEvaluation evaluateMovers(const std::string& labels, const std::string& poses,
+                               const std::string& replay) {
+  MoverEvaluation evaluation;
+  evaluation.input = readMoversInput(labels, poses, replay);
+  const auto& input = evaluation.input;
+  MovingObjectParams params;
+  evaluation.error = movingObjectError(input, params);
+  evaluation.labelled = labelledObjectError(input, params);
+  params.with_coasting = true;
+  evaluation.with_coasting = movingObjectError(input, params);
+  const auto& matches = evaluation.error.matches;
+  evaluation.motion = objectMotionErrors(input, matches, ObjectMotion::kPoses);
+  evaluation.motion_velocity = objectMotionErrors(input, matches, ObjectMotion::kVelocity);
+  evaluation.motion_smoothed =
+      objectMotionErrors(withSmoothedRows(input, replay), matches, ObjectMotion::kPoses);
+  return evaluation;
+}
+
+nlohmann::ordered_json toJson(const MoverEvaluation& evaluation) {
+  auto json = toJson(evaluation.error);
+  json["with_coasting"] = toJson(evaluation.with_coasting);
+  json["labelled"] = toJson(evaluation.labelled);
+  json["motion"] = toJson(evaluation.motion);
+  json["motion_velocity"] = toJson(evaluation.motion_velocity);
+  json["motion_smoothed"] = toJson(evaluation.motion_smoothed);
+  return json;
+}
+
+}  // namespace headway::eval

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <opencv2/imgproc.hpp>
 
-namespace headway::eval_files {
+namespace headway::eval {
 namespace {
 
 namespace fs = std::filesystem;
@@ -48,4 +48,4 @@ cv::Mat readMovingMask(const fs::path& folder, std::size_t frame, const StereoCa
   return moving;
 }
 
-}  // namespace headway::eval_files
+}  // namespace headway::eval

@@ -1,26 +1,164 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/error.h>
+#include <headway/core/statistics.h>
 #include <headway/eval/figures.h>
-#include <headway/eval_files/prediction_evaluation.h>
+#include <headway/eval/labelled_frames.h>
+#include <headway/eval/prediction_evaluation.h>
+#include <headway/io/calibration_file.h>
+#include <headway/io/track_file.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
-namespace headway::eval_files {
+namespace headway::eval {
+namespace {
+
+Pose readExtrinsic(const std::string& path) {
+  return path.empty() ? robotFromOptical() : io::readCalibration(path).T_robot_cam;
+}
+
+/// Rows of one file, grouped by frame and track.
+std::vector<TrackPrediction> readPredictions(const std::string& path) {
+  std::map<std::tuple<std::size_t, std::int64_t>, TrackPrediction> tracks;
+  std::map<std::tuple<std::size_t, std::int64_t, int>, PredictedPath> paths;
+  for (const auto& row : io::readPredictionCsv(path)) {
+    if (!row.point.position.allFinite() || !row.point.covariance.allFinite() ||
+        !std::isfinite(row.time + row.probability)) {
+      throw InputError(path + ": frame " + std::to_string(row.frame) + ": a number is not finite");
+    }
+    auto& track = tracks[{row.frame, row.id.value}];
+    track.frame = row.frame;
+    track.time = row.time;
+    track.id = row.id;
+    track.object_class = row.object_class;
+    auto& predicted = paths[{row.frame, row.id.value, row.mode}];
+    predicted.mode = row.mode;
+    predicted.probability = row.probability;
+    predicted.points.push_back(row.point);
+  }
+  for (auto& [key, predicted] : paths) {
+    const auto [frame, id, mode] = key;
+    if (predicted.points.size() != kHorizons) {
+      throw InputError(path + ": frame " + std::to_string(frame) + ", track " + std::to_string(id) +
+                       ", mode " + std::to_string(mode) + " has " +
+                       std::to_string(predicted.points.size()) +
+                       " horizons; 0.1 s, 0.2 s ... 3.0 s are required");
+    }
+    std::sort(predicted.points.begin(), predicted.points.end(),
+              [](const auto& a, const auto& b) { return a.horizon_s < b.horizon_s; });
+    tracks[{frame, id}].paths.push_back(std::move(predicted));
+  }
+  std::vector<TrackPrediction> result;
+  for (auto& [key, track] : tracks) result.push_back(std::move(track));
+  return result;
+}
+
+/// Times of frames: those in the predictions, and evenly spaced times for the other frames.
+class FrameTimes {
+ public:
+  explicit FrameTimes(const std::vector<TrackPrediction>& predictions) {
+    for (const auto& prediction : predictions) known_[prediction.frame] = prediction.time;
+    std::vector<double> intervals;
+    for (auto it = known_.begin(); it != known_.end() && std::next(it) != known_.end(); ++it) {
+      const auto [later_frame, later_time] = *std::next(it);
+      intervals.push_back((later_time - it->second) / static_cast<double>(later_frame - it->first));
+    }
+    if (intervals.empty()) return;
+    interval_ = median(std::move(intervals));
+  }
+
+  [[nodiscard]] double interval() const { return interval_; }
+
+  [[nodiscard]] Time of(std::size_t frame) const {
+    if (known_.empty()) return interval_ * static_cast<double>(frame);
+    auto nearest = known_.lower_bound(frame);
+    if (nearest == known_.end()) --nearest;
+    return nearest->second +
+           interval_ * (static_cast<double>(frame) - static_cast<double>(nearest->first));
+  }
+
+ private:
+  std::map<std::size_t, Time> known_;
+  double interval_ = kNominalFrameInterval_s;
+};
+
+double medianInterval(const std::vector<Stamped<Pose>>& poses) {
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    intervals.push_back(poses[i].time - poses[i - 1].time);
+  }
+  if (intervals.empty()) return kNominalFrameInterval_s;
+  return median(std::move(intervals));
+}
+
+/// Reads the poses of all frames from a file with one row per frame.
+void readPoses(const std::string& path, const Pose& T_robot_cam, PredictionSequence& sequence) {
+  sequence.T_map_cam = readCameraPoses(path, T_robot_cam);
+  if (poseFormatOf(path) == PoseFormat::kTum) {
+    sequence.frame_interval_s = medianInterval(sequence.T_map_cam);
+    for (const auto& prediction : sequence.predictions) {
+      const bool exists = prediction.frame < sequence.T_map_cam.size();
+      const double difference =
+          exists ? std::abs(sequence.T_map_cam[prediction.frame].time - prediction.time) : 0.0;
+      if (exists && difference < 0.5 * sequence.frame_interval_s) continue;
+      throw InputError(path + ": row " + std::to_string(prediction.frame) +
+                       " is not the pose of frame " + std::to_string(prediction.frame) +
+                       "; the file must have one row per frame");
+    }
+    return;
+  }
+  const FrameTimes times(sequence.predictions);
+  sequence.frame_interval_s = times.interval();
+  for (std::size_t k = 0; k < sequence.T_map_cam.size(); ++k) {
+    sequence.T_map_cam[k].time = times.of(k);
+  }
+}
+
+PredictionSequence readSequence(const FilePair& files, const std::string& poses, bool with_estimate,
+                                const Pose& T_robot_cam) {
+  PredictionSequence sequence;
+  sequence.name = files.name;
+  if (with_estimate) sequence.predictions = readPredictions(files.estimate);
+  readPoses(poses, T_robot_cam, sequence);
+  try {
+    sequence.objects = trueObjects(readLabels(files.truth), sequence.T_map_cam);
+  } catch (const InputError& error) {
+    throw InputError(files.truth + " and " + poses + ": " + error.what());
+  }
+  return sequence;
+}
+
+}  // namespace
+
+std::vector<PredictionSequence> readPredictionInput(const PredictionFiles& files) {
+  const Pose T_robot_cam = readExtrinsic(files.extrinsic);
+  const bool with_estimate = !files.estimate.empty();
+  const auto paired = with_estimate ? pairedFiles(files.labels, files.estimate)
+                                    : pairedFiles(files.labels, files.poses);
+  std::vector<PredictionSequence> sequences;
+  for (const auto& pair : paired.pairs) {
+    const auto poses = with_estimate ? fileNamed(pair.name, files.poses) : pair.estimate;
+    sequences.push_back(readSequence(pair, poses, with_estimate, T_robot_cam));
+  }
+  return sequences;
+}
+
 namespace {
 
 constexpr std::size_t kDrawEvery = 15;     // frames between drawn predictions of an object
 constexpr std::size_t kMaxDrawn = 50;      // more would cover the paths
 constexpr double kMinDrawnLength_m = 1.0;  // shorter predictions are not drawn
 
-std::string errorPair(const eval::PredictionError& error) {
+std::string errorPair(const PredictionError& error) {
   return plot::fixedText(error.ade_m, 3) + " / " + plot::fixedText(error.fde_m, 3);
 }
 
 /// An evenly spaced sample, small enough for one picture.
-std::vector<eval::DrawnPrediction> thinned(const std::vector<eval::DrawnPrediction>& all) {
-  std::vector<eval::DrawnPrediction> kept;
+std::vector<DrawnPrediction> thinned(const std::vector<DrawnPrediction>& all) {
+  std::vector<DrawnPrediction> kept;
   const std::size_t count = std::min(kMaxDrawn, all.size());
   for (std::size_t i = 0; i < count; ++i) kept.push_back(all[i * all.size() / count]);
   return kept;
@@ -49,7 +187,7 @@ class CasesByQuantity {
   explicit CasesByQuantity(Intervals intervals) : intervals_(std::move(intervals)) {}
 
   void add(ObjectClass object_class, double value, const std::vector<PredictedPath>& paths,
-           const eval::HorizonPath& future) {
+           const HorizonPath& future) {
     cases_[{object_class, intervals_.of(value)}].add(object_class, paths, future);
   }
 
@@ -62,13 +200,13 @@ class CasesByQuantity {
 
  private:
   Intervals intervals_;
-  std::map<std::pair<ObjectClass, std::size_t>, eval::PredictionEvaluator> cases_;
+  std::map<std::pair<ObjectClass, std::size_t>, PredictionEvaluator> cases_;
 };
 
 /// True speed over the first second after the prediction [m/s].
-double speedOf(const eval::HorizonPath& future) {
+double speedOf(const HorizonPath& future) {
   constexpr std::size_t kSecond = 9;  // index of 1.0 s
-  return (future[kSecond] - future.front()).norm() / (eval::kHorizonStep_s * kSecond);
+  return (future[kSecond] - future.front()).norm() / (kHorizonStep_s * kSecond);
 }
 
 /// Collects the cases of consecutive sequences.
@@ -83,7 +221,7 @@ class CaseCollector {
 
   void add(ObjectClass object_class, std::size_t object, std::size_t frame,
            const Eigen::Vector3d& now, const std::vector<PredictedPath>& paths,
-           const eval::HorizonPath& future, const Pose& T_map_cam) {
+           const HorizonPath& future, const Pose& T_map_cam) {
     sequence_.add(object_class, paths, future);
     by_speed_.add(object_class, speedOf(future), paths, future);
     const double range = (T_map_cam.translation().head<2>() - future.front()).norm();
@@ -113,11 +251,11 @@ class CaseCollector {
 
  private:
   EvaluatedPredictor result_;
-  eval::PredictionEvaluator all_;
-  eval::PredictionEvaluator sequence_;
+  PredictionEvaluator all_;
+  PredictionEvaluator sequence_;
   CasesByQuantity by_speed_{Intervals{{0.5, 2.0, 4.0, 8.0, 16.0}, "m/s"}};
   CasesByQuantity by_range_{Intervals{{10.0, 20.0, 30.0, 50.0}, "m"}};
-  std::vector<eval::DrawnPrediction> drawn_;
+  std::vector<DrawnPrediction> drawn_;
   std::size_t max_cases_ = 0;
 };
 
@@ -132,7 +270,7 @@ EvaluatedPredictor evaluatePredictor(const std::vector<PredictionSequence>& sequ
   for (std::size_t s = 0; s < sequences.size(); ++s) {
     collector.begin();
     const auto& truth = sequences[s].objects;
-    for (auto& item : eval::historyCases(truth, sequences[s].frame_interval_s)) {
+    for (auto& item : historyCases(truth, sequences[s].frame_interval_s)) {
       const auto object_class = truth[item.object].object_class;
       const auto now = item.history.back();
       predictor->predictInto({object_class, std::move(item.history)}, paths);
@@ -151,8 +289,8 @@ EvaluatedPredictor evaluateEstimate(const std::vector<PredictionSequence>& seque
   for (std::size_t s = 0; s < sequences.size(); ++s) {
     collector.begin();
     const auto& predictions = sequences[s].predictions;
-    const auto found = eval::trackCases(sequences[s].objects, predictions, kMatchDistance_m,
-                                        2.5 * sequences[s].frame_interval_s);
+    const auto found = trackCases(sequences[s].objects, predictions, kMatchDistance_m,
+                                  2.5 * sequences[s].frame_interval_s);
     unmatched += found.unmatched;
     cut_short += found.cut_short;
     for (const auto& item : found.cases) {
@@ -177,12 +315,12 @@ void requireCases(const EvaluatedPredictor& predictor, const std::string& labels
 }
 
 nlohmann::ordered_json toJson(const EvaluatedPredictor& predictor) {
-  auto json = eval::toJson(predictor.errors);
+  auto json = toJson(predictor.errors);
   for (const auto& [name, errors] : predictor.sequences) {
-    json["sequences"][name] = eval::toJson(errors);
+    json["sequences"][name] = toJson(errors);
   }
   for (const auto& group : predictor.groups) {
-    json["groups"][group.name] = eval::toJson(group.errors).at("all");
+    json["groups"][group.name] = toJson(group.errors).at("all");
   }
   for (const auto& [reason, count] : predictor.not_evaluated) json["not_judged"][reason] = count;
   return json;
@@ -191,7 +329,7 @@ nlohmann::ordered_json toJson(const EvaluatedPredictor& predictor) {
 plot::TextTable predictorTable(const std::vector<EvaluatedPredictor>& predictors) {
   plot::TextTable table;
   for (const auto& predictor : predictors) {
-    auto rows = eval::tableOf(predictor.errors);
+    auto rows = tableOf(predictor.errors);
     if (table.empty()) {
       table.push_back(rows.front());
       table.front().front() = "predictor";
@@ -220,7 +358,7 @@ plot::TextTable classTable(const std::vector<EvaluatedPredictor>& predictors) {
 plot::TextTable coverageTable(const EvaluatedPredictor& predictor) {
   plot::TextTable table = {
       {"cases of", "cases", "ADE m", "FDE m", "in 90% 1s", "in 90% 2s", "in 90% 3s"}};
-  const auto add = [&table](const std::string& name, const eval::PredictionError& error) {
+  const auto add = [&table](const std::string& name, const PredictionError& error) {
     table.push_back({name, std::to_string(error.cases), plot::fixedText(error.ade_m, 3),
                      plot::fixedText(error.fde_m, 3)});
     constexpr std::size_t kNinety = 1;  // index in PredictionError::coverage
@@ -249,4 +387,4 @@ plot::TextTable sequenceTable(const std::vector<EvaluatedPredictor>& predictors)
   return table;
 }
 
-}  // namespace headway::eval_files
+}  // namespace headway::eval
