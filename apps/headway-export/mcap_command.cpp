@@ -4,7 +4,7 @@
 #include <headway/io/calibration_file.h>
 #include <headway/program/command_line.h>
 #include <headway/program/progress.h>
-#include <headway/report/recorded_images.h>
+#include <headway/report/replay_frames.h>
 
 #include <functional>
 #include <iostream>

@@ -4,7 +4,7 @@
 #include <headway/pipeline/perception.h>
 #include <headway/program/output_folder.h>
 #include <headway/program/progress.h>
-#include <headway/report/page_images.h>
+#include <headway/report/replay_page.h>
 #include <headway/run/session.h>
 
 #include <exception>

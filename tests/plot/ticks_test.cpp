@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
-#include <headway/plot/ticks.h>
+#include <headway/plot/chart.h>
 
 namespace headway::plot {
 namespace {

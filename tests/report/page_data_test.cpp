@@ -2,7 +2,7 @@
 #include "page_data.h"
 
 #include <gmock/gmock.h>
-#include <headway/report/page_images.h>
+#include <headway/report/replay_page.h>
 
 #include <opencv2/core.hpp>
 

@@ -6,7 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "palette.h"
+#include "canvas.h"
 
 namespace headway::scene {
 

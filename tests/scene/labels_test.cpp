@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "labels.h"
-
 #include <gtest/gtest.h>
 #include <headway/map/track_geometry.h>
 
@@ -8,6 +6,7 @@
 
 #include "drawn_picture.h"
 #include "example_street.h"
+#include "overlay.h"
 
 namespace headway::scene {
 namespace {

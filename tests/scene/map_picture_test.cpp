@@ -7,9 +7,8 @@
 #include <opencv2/imgproc.hpp>
 #include <random>
 
+#include "canvas.h"
 #include "example_street.h"
-#include "ground_drawing.h"
-#include "map_points.h"
 #include "view.h"
 
 namespace headway::scene {

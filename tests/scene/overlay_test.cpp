@@ -8,7 +8,6 @@
 
 #include "drawn_picture.h"
 #include "example_street.h"
-#include "legend.h"
 #include "view.h"
 
 namespace headway::scene {

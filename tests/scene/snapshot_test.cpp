@@ -7,8 +7,8 @@
 
 #include <cstdlib>
 
+#include "canvas.h"
 #include "example_street.h"
-#include "palette.h"
 #include "view.h"
 
 namespace headway::scene {

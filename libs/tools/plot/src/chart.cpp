@@ -1,15 +1,237 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/plot/chart.h>
 #include <headway/plot/colours.h>
-#include <headway/plot/ticks.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
+#include <opencv2/core/mat.hpp>
 #include <opencv2/imgproc.hpp>
-
-#include "drawing.h"
+#include <string>
 
 namespace headway::plot {
+
+double tickStep(double range, double max_parts) {
+  const double min_step = range / max_parts;
+  const double power = std::pow(10.0, std::floor(std::log10(min_step)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * power >= min_step) return factor * power;
+  }
+  return 10.0 * power;
+}
+
+double scaleBarLength(double max_length) {
+  const double power = std::pow(10.0, std::floor(std::log10(max_length)));
+  for (const double factor : {5.0, 2.0}) {
+    if (factor * power <= max_length) return factor * power;
+  }
+  return power;
+}
+
+std::string tickText(double value, double step) {
+  const int decimals = std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9)));
+  const double shown = std::abs(value) < 1e-9 * step ? 0.0 : value;  // no "-0.0"
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.*f", decimals, shown);
+  return text.data();
+}
+
+}  // namespace headway::plot
+
+// Drawing primitives of a chart. The drawing is kOversampling times as large as the final picture:
+// positions are in pixels of the drawing; widths, radii and text scales in those of the picture.
+
+namespace headway::plot {
+
+inline constexpr int kOversampling = 2;
+inline constexpr Colour kInk{40, 40, 40};
+inline constexpr Colour kGrid{226, 226, 226};
+
+/// A polyline drawn segment by segment; the dash pattern continues from one segment to the next.
+class Stroke {
+ public:
+  Stroke(Colour colour, double width_px, LineStyle style = LineStyle::kSolid)
+      : colour_(colour), width_px_(width_px), style_(style) {}
+
+  void draw(cv::Mat& image, const cv::Point2d& a, const cv::Point2d& b);
+
+ private:
+  void drawSegment(cv::Mat& image, const cv::Point2d& a, const cv::Point2d& b) const;
+  void drawDashes(cv::Mat& image, const cv::Point2d& a, const cv::Point2d& b);
+
+  Colour colour_;
+  double width_px_;
+  LineStyle style_;
+  double phase_ = 0.0;  ///< length drawn so far
+};
+
+void drawDisc(cv::Mat& image, const cv::Point2d& centre, double radius_px, Colour colour);
+void drawBar(cv::Mat& image, const cv::Point2d& corner, const cv::Point2d& opposite, Colour colour);
+void drawFrame(cv::Mat& image, const cv::Rect& box, Colour colour);
+
+/// @param anchor  at half the height of the text
+/// @param align   horizontal position of the anchor: 0 left end, 0.5 centre, 1 right end
+/// @param scale   of the font; capitals are 22 px high at 1
+void drawText(cv::Mat& image, const std::string& text, const cv::Point2d& anchor, double align,
+              double scale, Colour colour);
+/// Text rotated by 90 degrees counterclockwise, on white.
+void drawTextUpwards(cv::Mat& image, const std::string& text, const cv::Point2d& centre,
+                     double scale, Colour colour);
+/// Width of the text in pixels of the drawing.
+[[nodiscard]] int textWidth(const std::string& text, double scale);
+
+namespace {
+
+constexpr int kShift = 4;  // fractional bits of OpenCV's coordinates
+constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
+
+cv::Point fixedPoint(const cv::Point2d& p) {
+  // Clamped: the exact position far outside the picture is irrelevant, an overflow is not.
+  const auto limited = [](double v) {
+    return std::lround(std::clamp(v, -1e5, 1e5) * (1 << kShift));
+  };
+  return {static_cast<int>(limited(p.x)), static_cast<int>(limited(p.y))};
+}
+
+int pixels(double final_px) {
+  return std::max(1, static_cast<int>(std::lround(final_px * kOversampling)));
+}
+
+cv::Size sizeOf(const std::string& text, double scale, int* baseline) {
+  return cv::getTextSize(text, kFont, scale * kOversampling, kOversampling, baseline);
+}
+
+}  // namespace
+
+void Stroke::draw(cv::Mat& image, const cv::Point2d& a, const cv::Point2d& b) {
+  if (style_ == LineStyle::kSolid) {
+    drawSegment(image, a, b);
+  } else {
+    drawDashes(image, a, b);
+  }
+}
+
+void Stroke::drawSegment(cv::Mat& image, const cv::Point2d& a, const cv::Point2d& b) const {
+  cv::line(image, fixedPoint(a), fixedPoint(b), bgr(colour_), pixels(width_px_), cv::LINE_AA,
+           kShift);
+}
+
+void Stroke::drawDashes(cv::Mat& image, const cv::Point2d& a, const cv::Point2d& b) {
+  const double on = (style_ == LineStyle::kDashed ? 9.0 : 2.0) * kOversampling;
+  const double period = on + 6.0 * kOversampling;
+  const double length = cv::norm(b - a);
+  for (double from = 0.0; from < length;) {
+    const double in_period = std::fmod(phase_ + from, period);
+    const double end = std::min(length, from + (in_period < on ? on : period) - in_period + 1e-6);
+    if (in_period < on) {
+      drawSegment(image, a + (b - a) * (from / length), a + (b - a) * (end / length));
+    }
+    from = end;
+  }
+  phase_ += length;
+}
+
+void drawDisc(cv::Mat& image, const cv::Point2d& centre, double radius_px, Colour colour) {
+  cv::circle(image, fixedPoint(centre), pixels(radius_px) << kShift, bgr(colour), cv::FILLED,
+             cv::LINE_AA, kShift);
+}
+
+void drawBar(cv::Mat& image, const cv::Point2d& corner, const cv::Point2d& opposite,
+             Colour colour) {
+  cv::rectangle(image, fixedPoint(corner), fixedPoint(opposite), bgr(colour), cv::FILLED,
+                cv::LINE_AA, kShift);
+}
+
+void drawFrame(cv::Mat& image, const cv::Rect& box, Colour colour) {
+  cv::rectangle(image, box, bgr(colour), kOversampling, cv::LINE_AA);
+}
+
+void drawText(cv::Mat& image, const std::string& text, const cv::Point2d& anchor, double align,
+              double scale, Colour colour) {
+  constexpr double kFar = 1e6;  // [px], far outside every image
+  if (!(std::abs(anchor.x) < kFar && std::abs(anchor.y) < kFar)) return;
+  int baseline = 0;
+  const auto box = sizeOf(text, scale, &baseline);
+  const cv::Point origin(static_cast<int>(anchor.x - align * box.width),
+                         static_cast<int>(anchor.y + 0.5 * box.height));
+  cv::putText(image, text, origin, kFont, scale * kOversampling, bgr(colour), kOversampling,
+              cv::LINE_AA);
+}
+
+void drawTextUpwards(cv::Mat& image, const std::string& text, const cv::Point2d& centre,
+                     double scale, Colour colour) {
+  int baseline = 0;
+  const auto box = sizeOf(text, scale, &baseline);
+  cv::Mat strip(box.height + 2 * baseline + 4, box.width + 4, CV_8UC3, cv::Scalar::all(255));
+  drawText(strip, text, {0.5 * strip.cols, 0.5 * strip.rows}, 0.5, scale, colour);
+  cv::rotate(strip, strip, cv::ROTATE_90_COUNTERCLOCKWISE);
+  const cv::Rect wanted(static_cast<int>(centre.x) - strip.cols / 2,
+                        static_cast<int>(centre.y) - strip.rows / 2, strip.cols, strip.rows);
+  const cv::Rect inside = wanted & cv::Rect({0, 0}, image.size());
+  strip(inside - wanted.tl()).copyTo(image(inside));
+}
+
+int textWidth(const std::string& text, double scale) {
+  int baseline = 0;
+  return sizeOf(text, scale, &baseline).width;
+}
+
+namespace {
+
+constexpr double kTextScale = 0.5;
+constexpr int kRow = 22 * kOversampling;
+constexpr int kSampleLength = 34 * kOversampling;  // of the line before a name
+constexpr int kMargin = 12 * kOversampling;
+
+/// Rectangle of the given size in the corner of the axes with the fewest non-background pixels.
+cv::Rect emptiestCorner(const cv::Mat& image, const cv::Rect& axes, cv::Size size) {
+  const int left = axes.x + kMargin;
+  const int right = axes.x + axes.width - size.width - kMargin;
+  const int top = axes.y + kMargin;
+  const int bottom = axes.y + axes.height - size.height - kMargin;
+  cv::Rect best;
+  int min_ink = -1;
+  for (const auto& corner : {cv::Point(right, top), {left, top}, {right, bottom}, {left, bottom}}) {
+    const cv::Rect box(corner, size);
+    cv::Mat background;
+    const cv::Mat part = image(box & cv::Rect({0, 0}, image.size()));
+    cv::inRange(part, cv::Scalar::all(kGrid.red - 4), cv::Scalar::all(255), background);
+    const int ink = static_cast<int>(part.total()) - cv::countNonZero(background);
+    if (min_ink >= 0 && ink >= min_ink) continue;
+    min_ink = ink;
+    best = box;
+  }
+  return best;
+}
+
+}  // namespace
+
+void Chart::legend(const std::string& name, Colour colour, LineStyle style) {
+  entries_.push_back({name, colour, style});
+}
+
+void Chart::drawLegend(cv::Mat& image) const {
+  if (entries_.empty()) return;
+  int max_width = 0;
+  for (const auto& entry : entries_)
+    max_width = std::max(max_width, textWidth(entry.name, kTextScale));
+  const cv::Size size(max_width + kSampleLength + 3 * kMargin,
+                      kRow * static_cast<int>(entries_.size()) + kMargin);
+  const cv::Rect box = frame_.legend_beside
+                           ? cv::Rect({axes_.x + axes_.width + kMargin, axes_.y}, size)
+                           : emptiestCorner(image, axes_, size);
+  cv::rectangle(image, box, cv::Scalar::all(255), cv::FILLED);
+  drawFrame(image, box, kGrid);
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    const double y = box.y + 0.5 * kMargin + kRow * (static_cast<double>(i) + 0.5);
+    const cv::Point2d from(box.x + kMargin, y);
+    const cv::Point2d to(from.x + kSampleLength, y);
+    Stroke(entries_[i].colour, 3.0, entries_[i].style).draw(image, from, to);
+    drawText(image, entries_[i].name, {to.x + kMargin, y}, 0.0, kTextScale, kInk);
+  }
+}
+
 namespace {
 
 constexpr double kGroupWidth = 0.84;  ///< of the width of a group that its bars occupy

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <headway/core/error.h>
+#include <headway/io/rawlog_source.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/report/replay_frames.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -14,6 +16,52 @@
 #include "replay_folder.h"
 
 namespace headway::report {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kSamePoseS = 0.03;
+
+/// Transformation from the truth to the estimated map, from the first poses of equal time.
+Pose alignment(const fs::path& path, const std::vector<Stamped<Pose>>& truth,
+               const std::vector<ReplayFrame>& frames) {
+  for (const auto& frame : frames) {
+    for (const auto& pose : truth) {
+      if (std::abs(pose.time - frame.time) < kSamePoseS) {
+        return frame.T_map_robot * pose.value.inverse();
+      }
+    }
+  }
+  throw InputError(path.string() +
+                   ": no time agrees with a time of the replay; it may belong to another rawlog");
+}
+
+}  // namespace
+
+ReplayTruth readReplayTruth(const fs::path& folder, const std::vector<ReplayFrame>& frames,
+                            const Note& note) {
+  const fs::path trajectory = folder / "trajectory.tum";
+  const fs::path objects = folder / "objects.csv";
+  if (!fs::exists(trajectory)) {
+    throw InputError(trajectory.string() +
+                     ": no such file; --truth requires a folder with trajectory.tum");
+  }
+  ReplayTruth truth;
+  truth.path = io::readTum(trajectory);
+  const Pose T_map_truth = alignment(trajectory, truth.path, frames);
+  for (auto& pose : truth.path) pose.value = T_map_truth * pose.value;
+  if (!fs::exists(objects)) {
+    note("no objects.csv in " + folder.string() + ": drawn without true boxes");
+    return truth;
+  }
+  for (auto& sample : io::readTrackCsv(objects)) {
+    sample.track.position = T_map_truth * sample.track.position;
+    sample.track.yaw = wrapAngle(sample.track.yaw + yawOf(T_map_truth));
+    truth.objects[sample.frame].push_back(sample.track);
+  }
+  return truth;
+}
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -224,6 +272,59 @@ std::vector<ReplayFrame> readReplayFrames(const fs::path& folder, const ReplayFr
   if (fs::exists(smoothed)) samples = readSamples(smoothed, times, frames.size());
   addPast(pathsOf(samples, to_final), options.past_s, frames);
   return frames;
+}
+
+class RecordedImages::Reader {
+ public:
+  Reader(const std::string& rawlog, const io::RawlogSourceOptions& options)
+      : source_(rawlog, options) {}
+
+  [[nodiscard]] bool hasImages() const { return source_.camera() != nullptr; }
+
+  cv::Mat at(std::size_t frame) {
+    while (!has_ended_ && (!ahead_ || ahead_->index < frame)) {
+      ahead_ = source_.next();
+      has_ended_ = !ahead_;
+    }
+    if (!ahead_ || ahead_->index != frame || !ahead_->stereo) return {};
+    const StereoFrame& stereo = *ahead_->stereo;
+    return stereo.left_colour.empty() ? stereo.left : stereo.left_colour;
+  }
+
+ private:
+  io::RawlogSource source_;
+  std::optional<RecordedFrame> ahead_;  ///< read ahead
+  bool has_ended_ = false;
+};
+
+RecordedImages::RecordedImages(const ReplayInput& input, std::size_t first_frame,
+                               const Note& note) {
+  const std::string without = ": drawn without the camera's image";
+  if (input.rawlog.empty()) {
+    note("the rawlog is unknown" + without);
+    return;
+  }
+  if (!std::filesystem::exists(input.rawlog)) {
+    note(input.rawlog + " does not exist" + without);
+    return;
+  }
+  try {
+    io::RawlogSourceOptions options;
+    options.sensor_label = input.sensor_label;
+    options.from_index = first_frame;
+    reader_ = std::make_unique<Reader>(input.rawlog, options);
+    if (reader_->hasImages()) return;
+    note(input.rawlog + " contains no images" + without);
+  } catch (const InputError& error) {
+    note(error.what() + without);
+  }
+  reader_.reset();
+}
+
+RecordedImages::~RecordedImages() = default;
+
+cv::Mat RecordedImages::at(std::size_t frame) {
+  return reader_ != nullptr ? reader_->at(frame) : cv::Mat();
 }
 
 }  // namespace headway::report

@@ -2,15 +2,87 @@
 #pragma once
 
 #include <headway/core/object_class.h>
+#include <headway/render/painter.h>
+#include <headway/render/pinhole_view.h>
+#include <headway/scene/snapshot.h>
+#include <mrpt/maps/COccupancyGridMap2D.h>
 
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 #include <string>
 #include <vector>
 
-#include "palette.h"
-
 namespace headway::scene {
+
+/// Colours of pictures and scenes but those of object classes, which are in
+/// headway/core/class_colour.h and the same in all themes.
+struct Palette {
+  render::Backdrop backdrop;
+  Colour grid;
+  Colour free;      ///< free cells of the occupancy grid
+  Colour occupied;  ///< occupied cells
+  Colour low;       ///< landmarks at ground level
+  Colour high;      ///< landmarks 6 m above the ground
+  Colour path;      ///< path, robot and camera
+  Colour prediction;
+  Colour truth;
+  Colour panel;  ///< behind text
+  Colour text;
+  Colour dim_text;
+  Colour label_mix;  ///< half of the colour of labels; the other half is the class's
+  // Of the dense map, so that it is distinct from the ground and tracks stand out.
+  double map_saturation = 1.0;
+  double map_black = 0.0;  ///< brightness of its black, 0 to 1
+  double map_white = 1.0;  ///< brightness of its white
+};
+
+inline constexpr Palette kDarkPalette{{{10, 14, 22}, {44, 54, 70}, {22, 26, 33}},
+                                      {52, 60, 74},
+                                      {52, 96, 84},
+                                      {172, 78, 66},
+                                      {110, 150, 200},
+                                      {244, 214, 170},
+                                      {255, 209, 71},
+                                      kPredictionColour,
+                                      kTruthColour,
+                                      {14, 19, 26},
+                                      {232, 236, 242},
+                                      {150, 160, 175},
+                                      {255, 255, 255},
+                                      0.75,
+                                      0.16,
+                                      0.86};
+
+inline constexpr Palette kLightPalette{{{176, 200, 226}, {238, 242, 246}, {216, 219, 222}},
+                                       {186, 191, 197},
+                                       {168, 206, 186},
+                                       {200, 112, 96},
+                                       {52, 92, 150},
+                                       {150, 92, 30},
+                                       {120, 62, 0},
+                                       {0, 138, 52},
+                                       {16, 16, 16},
+                                       {255, 255, 255},
+                                       {24, 28, 34},
+                                       {84, 92, 104},
+                                       {0, 0, 0},
+                                       0.75,
+                                       0.0,
+                                       0.92};
+
+[[nodiscard]] inline const Palette& paletteOf(Theme theme) {
+  return theme == Theme::kLight ? kLightPalette : kDarkPalette;
+}
+
+/// Colour of a class's labels on the palette's panels.
+[[nodiscard]] constexpr Colour labelColour(ObjectClass object_class, const Palette& palette) {
+  const Colour own = colourOf(object_class);
+  const auto half = [](std::uint8_t a, std::uint8_t b) {
+    return static_cast<std::uint8_t>((a + b) / 2);
+  };
+  return {half(own.red, palette.label_mix.red), half(own.green, palette.label_mix.green),
+          half(own.blue, palette.label_mix.blue)};
+}
 
 /// Pixels of one point, 1/720 of a picture's height; less in narrow pictures, at least 0.5.
 [[nodiscard]] double pixelsPerPoint(const cv::Size& picture);
@@ -50,5 +122,32 @@ class Canvas {
   const Palette& palette_;
   double scale_;
 };
+
+/// Cells of the occupancy grid in a square around a place: BGR, and opacity; the first row is that
+/// of the lowest y. Unknown cells have no opacity.
+struct OccupancyPicture {
+  cv::Mat colours;      ///< 8-bit BGR; empty without cells in the area
+  cv::Mat opacity;      ///< 8-bit
+  double x_min = 0.0;   ///< left edge [m, map frame]
+  double y_min = 0.0;   ///< lower edge [m, map frame]
+  double cell_m = 0.0;  ///< side of a cell [m]
+};
+
+[[nodiscard]] OccupancyPicture occupancyAround(const mrpt::maps::COccupancyGridMap2D& grid,
+                                               const Eigen::Vector3d& centre, double radius_m,
+                                               const Palette& palette);
+
+/// Blends the cells on the ground over a picture.
+///
+/// @param view  without roll
+void drawOccupancy(const OccupancyPicture& occupancy, double ground_z,
+                   const render::PinholeView& view, cv::Mat& picture);
+
+/// Draws the lines of the ground grid around a place.
+void drawGridLines(Canvas& canvas, const render::PinholeView& view, const Eigen::Vector3d& centre,
+                   double ground_z, double spacing_m);
+
+/// Lines of the ground grid to each side of the robot.
+inline constexpr double kGridExtentLines = 15.0;
 
 }  // namespace headway::scene

@@ -7,8 +7,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "canvas.h"
-#include "labels.h"
-#include "legend.h"
 #include "map_picture.h"
 #include "overlay.h"
 #include "view.h"

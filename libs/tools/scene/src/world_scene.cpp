@@ -16,8 +16,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ground_drawing.h"
-#include "map_points.h"
+#include "canvas.h"
+#include "map_picture.h"
 #include "view.h"
 
 namespace headway::scene {

@@ -7,7 +7,7 @@
 
 #include <vector>
 
-#include "palette.h"
+#include "canvas.h"
 
 namespace headway::scene {
 

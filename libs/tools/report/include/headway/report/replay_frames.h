@@ -8,6 +8,8 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <memory>
+#include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -66,5 +68,24 @@ struct ReplayTruth {
 /// @throws InputError if trajectory.tum is missing, a file is malformed, or no times agree
 [[nodiscard]] ReplayTruth readReplayTruth(const std::filesystem::path& folder,
                                           const std::vector<ReplayFrame>& frames, const Note& note);
+
+/// Reads the left images of a replay's rawlog in order of time.
+///
+/// If the rawlog does not exist or has no images, this is noted once and all images are empty.
+class RecordedImages {
+ public:
+  RecordedImages(const ReplayInput& input, std::size_t first_frame, const Note& note);
+  ~RecordedImages();
+  RecordedImages(const RecordedImages&) = delete;
+  RecordedImages& operator=(const RecordedImages&) = delete;
+
+  /// The image of a frame, in colour if available; empty if there is none. Frames must be requested
+  /// in ascending order.
+  [[nodiscard]] cv::Mat at(std::size_t frame);
+
+ private:
+  class Reader;
+  std::unique_ptr<Reader> reader_;  ///< null without images
+};
 
 }  // namespace headway::report
