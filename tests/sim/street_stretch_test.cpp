@@ -16,8 +16,6 @@
 namespace headway::sim {
 namespace {
 
-using Profile = StreetProfile;
-
 /// A straight street of 300 m with cross streets, its stretches and what stands along them.
 struct Town {
   explicit Town(int seed = 1, double cross_every = 75.0, double hill = 0.0) {
@@ -64,11 +62,11 @@ TEST(StreetStretchTest, TheGroundIsCarriagewayKerbAndPavement) {
       const double left = std::abs(at.y());
       lowest = std::min(lowest, at.z());
       highest = std::max(highest, at.z());
-      EXPECT_LE(left, Profile::kEdge + 1e-3);
-      if (left < Profile::kCarriageway - 1e-3) {
+      EXPECT_LE(left, kStreet.edge + 1e-3);
+      if (left < kStreet.carriageway - 1e-3) {
         EXPECT_NEAR(at.z(), 0.0, 1e-4);
-      } else if (left > Profile::kCarriageway + 1e-3) {
-        EXPECT_NEAR(at.z(), Profile::kKerbHeight, 1e-4);
+      } else if (left > kStreet.carriageway + 1e-3) {
+        EXPECT_NEAR(at.z(), kStreet.kerb_height, 1e-4);
       } else {
         kerb_heights.insert(std::lround(100.0 * at.z()));
       }
@@ -89,14 +87,14 @@ TEST(StreetStretchTest, HousesAndFurnitureLeaveTheCarriagewayFree) {
         ASSERT_TRUE(stretch.surfaces[i].block) << "a house has a block that hides things";
         for (const Eigen::Vector3f& corner : *stretch.surfaces[i].block) {
           const Eigen::Vector3d at = stretch.anchor + corner.cast<double>();
-          EXPECT_GT(std::abs(at.y()), Profile::kEdge - 0.05) << seed;
+          EXPECT_GT(std::abs(at.y()), kStreet.edge - 0.05) << seed;
         }
       }
       for (const Mesh& item : stretch.furniture) {
         ++items;
         for (const auto& at : verticesOf(item, stretch.anchor)) {
           if (at.z() > 1.7) continue;  // crowns and lamps reach over the street
-          EXPECT_GT(std::abs(at.y()), Profile::kCarriageway - 0.3) << seed << ": at " << at.z();
+          EXPECT_GT(std::abs(at.y()), kStreet.carriageway - 0.3) << seed << ": at " << at.z();
           EXPECT_GT(at.z(), -0.35);
         }
       }
@@ -116,7 +114,7 @@ TEST(StreetStretchTest, NoHouseStandsInACrossStreet) {
         const Eigen::Vector2d at = (stretch.anchor + corner.cast<double>()).head<2>();
         for (std::size_t road = 1; road < town.network->roads().size(); ++road) {
           const auto& cross = town.network->roads()[road];
-          EXPECT_GT(std::abs(at.x() - cross.axis.at(0.0).position.x()), Profile::kCarriageway);
+          EXPECT_GT(std::abs(at.x() - cross.axis.at(0.0).position.x()), kStreet.carriageway);
         }
       }
     }
@@ -152,7 +150,7 @@ TEST(StreetStretchTest, FencesStandAtThePavementsOuterEdgeAndChangeNothingElse) 
     ASSERT_EQ(plain.surfaces.size(), stretch.surfaces.size());
     for (std::size_t i = plain.furniture.size(); i < stretch.furniture.size(); ++i, ++fences) {
       for (const auto& at : verticesOf(stretch.furniture[i], stretch.anchor)) {
-        EXPECT_NEAR(Profile::kEdge, std::abs(at.y()), 0.2);
+        EXPECT_NEAR(kStreet.edge, std::abs(at.y()), 0.2);
         EXPECT_LT(at.z(), 1.5);
         EXPECT_GT(at.z(), 0.0);
       }
@@ -197,8 +195,8 @@ TEST(StreetStretchTest, ParkedVehiclesStandInTheirStripWithoutTouching) {
       EXPECT_TRUE(vehicle.parked);
       EXPECT_EQ(vehicle.speed, 0.0);
       const double left = vehicle.position.y();
-      EXPECT_NEAR(std::abs(left), Profile::kParking, 0.2);
-      EXPECT_LT(std::abs(left) + 0.5 * vehicle.size.y(), Profile::kCarriageway + 0.15);
+      EXPECT_NEAR(std::abs(left), kStreet.parking, 0.2);
+      EXPECT_LT(std::abs(left) + 0.5 * vehicle.size.y(), kStreet.carriageway + 0.15);
       EXPECT_GT(std::cos(vehicle.yaw) * -left, 0.9 * std::abs(left)) << "on the right of its way";
     }
   }
@@ -218,8 +216,8 @@ TEST(StreetStretchTest, VergesBeginAtThePavementsEdgeAndLieALittleLower) {
   const StreetStretch stretch = town.builder->build(town.keys(0)[5]);
   ASSERT_FALSE(stretch.verges.triangles.empty());
   for (const auto& at : verticesOf(stretch.verges, stretch.anchor)) {
-    EXPECT_GE(std::abs(at.y()), Profile::kEdge - 1e-3);
-    EXPECT_NEAR(at.z(), Profile::kKerbHeight - 0.02, 1e-4);
+    EXPECT_GE(std::abs(at.y()), kStreet.edge - 1e-3);
+    EXPECT_NEAR(at.z(), kStreet.kerb_height - 0.02, 1e-4);
   }
 }
 
@@ -232,7 +230,7 @@ TEST(StreetStretchTest, GroundFollowsTheHill) {
       const double s = town.route->start_s + at.x();
       const double street = town.route->street.at(s).position.z();
       EXPECT_GT(at.z(), street - 0.04);
-      EXPECT_LT(at.z(), street + Profile::kKerbHeight + 0.04);
+      EXPECT_LT(at.z(), street + kStreet.kerb_height + 0.04);
       rise = std::max(rise, std::abs(street));
     }
   }
@@ -321,11 +319,11 @@ TEST(PlainMeshTest, LiesBelowEveryStreetNearIt) {
 }
 
 TEST(GroundTextureTest, RunsFromTheLeftEdgeToTheRightOne) {
-  EXPECT_LT(groundTextureV(Profile::kEdge), groundTextureV(0.0));
-  EXPECT_LT(groundTextureV(0.0), groundTextureV(-Profile::kEdge));
+  EXPECT_LT(groundTextureV(kStreet.edge), groundTextureV(0.0));
+  EXPECT_LT(groundTextureV(0.0), groundTextureV(-kStreet.edge));
   EXPECT_NEAR(groundTextureV(0.0), 0.5, 1e-3);
-  EXPECT_GE(groundTextureV(Profile::kEdge), 0.0F);
-  EXPECT_LE(groundTextureV(-Profile::kEdge), 1.0F);
+  EXPECT_GE(groundTextureV(kStreet.edge), 0.0F);
+  EXPECT_LE(groundTextureV(-kStreet.edge), 1.0F);
   const Grain grain(1);
   GroundMarks plain, crossing;
   crossing.crossing = true;

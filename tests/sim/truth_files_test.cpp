@@ -230,7 +230,8 @@ TEST(RecordingErrorsTest, NameThePathThatCannotBeWritten) {
   const test::TemporaryFolder folder;
   std::filesystem::create_directories(folder / "b.truth/calib.txt");
   EXPECT_THAT(test::inputErrorOf([&] {
-                Recording((folder / "b.rawlog").string(), {}, {}, lens.ideal(), lens.recorded(), "");
+                Recording((folder / "b.rawlog").string(), {}, {}, lens.ideal(), lens.recorded(),
+                          "");
               }),
               StartsWith((folder / "b.truth/calib.txt").string() + ": cannot be written"));
   Recording recording((folder / "a.rawlog").string(), {}, {true, false}, lens.ideal(),

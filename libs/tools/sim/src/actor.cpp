@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "actor.h"
 
-#include <headway/core/random.h>
+#include <algorithm>
+#include <cmath>
 
 namespace headway::sim {
 
@@ -60,6 +61,19 @@ Eigen::Vector3d drawSize(ActorKind kind, Random& random) {
       return {0.7, 0.55, random.uniform(0.6, 0.75)};
   }
   return Eigen::Vector3d::Ones();
+}
+
+Actor drawActor(ActorKind kind, std::int64_t id, Random& random) {
+  Actor actor;
+  actor.id = id;
+  actor.kind = kind;
+  actor.look = random.below(100000);
+  actor.size = drawSize(kind, random);
+  return actor;
+}
+
+void swingLimbs(double dt, Actor& actor) {
+  actor.gait += 2.0 * M_PI * actor.speed * dt / (0.55 + 0.62 * std::max(0.3, actor.speed));
 }
 
 }  // namespace headway::sim

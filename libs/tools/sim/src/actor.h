@@ -52,5 +52,10 @@ struct Actor {
 
 /// A size drawn from what the kind measures in traffic.
 [[nodiscard]] Eigen::Vector3d drawSize(ActorKind kind, Random& random);
+/// An actor with picture and size of its own, nowhere yet.
+[[nodiscard]] Actor drawActor(ActorKind kind, std::int64_t id, Random& random);
+/// Lets the limbs of a walking person swing on: one cycle is two steps, about 1.4 m at normal
+/// speed, less when slow.
+void swingLimbs(double dt, Actor& actor);
 
 }  // namespace headway::sim

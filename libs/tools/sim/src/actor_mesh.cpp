@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr float kPi = 3.14159265F;
+constexpr auto kPi = static_cast<float>(M_PI);
 
 /// A limb: an elliptic tube from one joint to the next, half axes (across, along the walk) [m].
 void addLimb(Mesh& mesh, const Vector3f& from, const Vector3f& to, const Eigen::Vector2f& from_axes,

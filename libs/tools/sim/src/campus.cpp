@@ -11,23 +11,27 @@
 namespace headway::sim {
 namespace {
 
-constexpr double kWest = -6.0, kEast = 46.0;      // ends of the promenade [m]
-constexpr double kPromenade = 3.0;                // half its width
-constexpr double kCycleWay = 5.4;                 // its outer edge
-constexpr double kLawn = 17.0;                    // northern edge of the lawns
-constexpr double kPavement = -5.2, kRoad = -9.4;  // edges of the roadway
-constexpr double kSouth = -12.6;                  // front of the southern houses
-constexpr double kKerb = 0.1;                     // height of the kerbs
+/// Where the parts of the campus lie, x to the east, y to the north [m].
+struct CampusLayout {
+  double west = -6.0, east = 46.0;      ///< ends of the promenade
+  double promenade = 3.0;               ///< half its width
+  double cycle_way = 5.4;               ///< its outer edge
+  double lawn = 17.0;                   ///< northern edge of the lawns
+  double pavement = -5.2, road = -9.4;  ///< edges of the roadway
+  double south = -12.6;                 ///< front of the southern houses
+  double kerb_height = 0.1;             ///< height of the kerbs
+  double ramp_room = 4.2;               ///< of a bicycle stand beside a ramp
+};
 
 /// A promenade with a cycle way between lawns and a road, with houses around.
-class CampusPlan {
+class CampusPlan : private CampusLayout {
  public:
   CampusPlan(Site& site, const Grain& grain, std::uint64_t seed)
       : builder_(site), site_(site), grain_(grain), random_(seed) {}
 
   void build() {
     site_.outdoors = true;
-    site_.area = rectangle(kWest, kSouth, kEast, kLawn);
+    site_.area = rectangle(west, south, east, lawn);
     layGround();
     layRoad();
     buildStairs();
@@ -41,7 +45,7 @@ class CampusPlan {
   void layGround();
   void layRoad();
   /// The place itself, or the nearest one that leaves a bicycle stand's room beside the ramps.
-  [[nodiscard]] static double besideRamp(double x);
+  [[nodiscard]] double besideRamp(double x) const;
   void buildStairs();
   void plantLawns();
   void plantHedge(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
@@ -50,15 +54,15 @@ class CampusPlan {
   void addHouse(const Eigen::Vector2d& foot, double yaw, double width);
   void addPlaces();
   /// Middle of the crossing path that leads through the lawns to the nth house.
-  [[nodiscard]] double crossing(int n) const { return kWest + 9.0 + 14.0 * n; }
+  [[nodiscard]] double crossing(int n) const { return west + 9.0 + 14.0 * n; }
   /// The kerb on one side of the road; its ramps are in the gaps between railings.
-  [[nodiscard]] static Kerb kerb(bool north) {
-    return {north ? kPavement : kRoad,
+  [[nodiscard]] Kerb kerb(bool north) const {
+    return {north ? pavement : road,
             north ? 1.0 : -1.0,
-            kKerb,
-            kWest - 30.0,
-            kEast + 30.0,
-            {kWest + 8.75, kWest + 26.75, kWest + 44.75}};
+            kerb_height,
+            west - 30.0,
+            east + 30.0,
+            {west + 8.75, west + 26.75, west + 44.75}};
   }
 
   SiteBuilder builder_;
@@ -71,44 +75,44 @@ class CampusPlan {
 void CampusPlan::layGround() {
   const double at = crossing(1) + random_.uniform(3.0, 5.0);
   stairs_ = rectangle(at, 7.2, at + 3.4, 9.2);
-  builder_.floor(rectangle(kWest, -kPromenade, kEast, kPromenade), 0.0, Material::kPaving);
-  builder_.floor(rectangle(kWest, kPromenade, kEast, kCycleWay), 0.0, Material::kAsphalt);
-  for (const double y : {kPromenade + 0.08, kCycleWay - 0.08}) {
-    builder_.ornament({{0.5 * (kWest + kEast), y}, 0.0, {kEast - kWest, 0.1, 0.004}, 0.0},
+  builder_.floor(rectangle(west, -promenade, east, promenade), 0.0, Material::kPaving);
+  builder_.floor(rectangle(west, promenade, east, cycle_way), 0.0, Material::kAsphalt);
+  for (const double y : {promenade + 0.08, cycle_way - 0.08}) {
+    builder_.ornament({{0.5 * (west + east), y}, 0.0, {east - west, 0.1, 0.004}, 0.0},
                       Material::kWhitePaint);
   }
-  builder_.floor(rectangle(kWest, kPavement, kEast, -kPromenade), 0.0, Material::kConcrete,
+  builder_.floor(rectangle(west, pavement, east, -promenade), 0.0, Material::kConcrete,
                  kerb(true).rampAreas());
   std::vector<Eigen::AlignedBox2d> holes = {stairs_.intersection(site_.area)};
-  const auto apron = rectangle(stairs_.min().x() - 2.2, kCycleWay, stairs_.max().x() + 0.6, 10.0);
+  const auto apron = rectangle(stairs_.min().x() - 2.2, cycle_way, stairs_.max().x() + 0.6, 10.0);
   holes.push_back(apron);
   for (int n = 0; n < 4; ++n) {
-    const auto path = rectangle(crossing(n) - 1.2, kCycleWay, crossing(n) + 1.2, kLawn);
+    const auto path = rectangle(crossing(n) - 1.2, cycle_way, crossing(n) + 1.2, lawn);
     builder_.floor(path, 0.0, Material::kPaving, {apron});
     holes.push_back(path);
   }
   builder_.floor(apron, 0.0, Material::kPaving, {stairs_});
-  builder_.floor(rectangle(kWest, kCycleWay, kEast, kLawn), 0.0, Material::kGrass, holes);
+  builder_.floor(rectangle(west, cycle_way, east, lawn), 0.0, Material::kGrass, holes);
 }
 
 void CampusPlan::layRoad() {
-  const double west = kWest - 30.0, east = kEast + 30.0;
-  builder_.slope({{west, kPavement, -kKerb},
-                  {east, kPavement, -kKerb},
-                  {east, kRoad, -kKerb},
-                  {west, kRoad, -kKerb}},
+  const double from = west - 30.0, to = east + 30.0;
+  builder_.slope({{from, pavement, -kerb_height},
+                  {to, pavement, -kerb_height},
+                  {to, road, -kerb_height},
+                  {from, road, -kerb_height}},
                  Material::kAsphalt);
-  builder_.floor(rectangle(west, kSouth - 4.0, east, kRoad), 0.0, Material::kPaving,
+  builder_.floor(rectangle(from, south - 4.0, to, road), 0.0, Material::kPaving,
                  kerb(false).rampAreas());
   for (const bool north : {true, false}) addKerb(builder_, kerb(north));
-  for (double x = kWest - 28.0; x < kEast + 28.0; x += 6.0) {
-    builder_.ornament({{x, 0.5 * (kRoad + kPavement)}, 0.0, {3.0, 0.12, 0.004}, -kKerb},
+  for (double x = west - 28.0; x < east + 28.0; x += 6.0) {
+    builder_.ornament({{x, 0.5 * (road + pavement)}, 0.0, {3.0, 0.12, 0.004}, -kerb_height},
                       Material::kWhitePaint);
   }
   // Railings keep people off the road, but for gaps.
-  for (double x = kWest + 1.0; x < kEast - 7.0; x += 9.0) {
+  for (double x = west + 1.0; x < east - 7.0; x += 9.0) {
     if (random_.chance(0.6)) {
-      builder_.railing({x, kPavement + 0.35}, {x + 6.5, kPavement + 0.35}, Material::kSteel);
+      builder_.railing({x, pavement + 0.35}, {x + 6.5, pavement + 0.35}, Material::kSteel);
     }
   }
 }
@@ -132,14 +136,14 @@ void CampusPlan::plantHedge(const Eigen::Vector2d& from, const Eigen::Vector2d& 
 
 void CampusPlan::plantLawns() {
   for (int n = -1; n < 4; ++n) {
-    const double x0 = n < 0 ? kWest : crossing(n) + 1.2;
-    const double x1 = n == 3 ? kEast : crossing(n + 1) - 1.2;
+    const double x0 = n < 0 ? west : crossing(n) + 1.2;
+    const double x1 = n == 3 ? east : crossing(n + 1) - 1.2;
     const bool has_stairs = x0 < stairs_.center().x() && stairs_.center().x() < x1;
     for (double x = x0 + 0.6; x + 2.4 < x1 && !has_stairs; x += 3.0) {
-      if (random_.chance(0.65)) plantHedge({x, kCycleWay + 0.6}, {x + 2.4, kCycleWay + 0.6});
+      if (random_.chance(0.65)) plantHedge({x, cycle_way + 0.6}, {x + 2.4, cycle_way + 0.6});
     }
     for (int i = 0; i < 3; ++i) {
-      const double y = random_.uniform(11.0, kLawn - 1.5);
+      const double y = random_.uniform(11.0, lawn - 1.5);
       const Eigen::Vector2d at(random_.uniform(x0 + 0.8, x1 - 0.8), y);
       addTree(site_.furniture, {static_cast<float>(at.x()), static_cast<float>(at.y()), 0.0F},
               random_);
@@ -148,17 +152,16 @@ void CampusPlan::plantLawns() {
   }
 }
 
-double CampusPlan::besideRamp(double x) {
-  constexpr double kRoom = 4.2;  // [m]
+double CampusPlan::besideRamp(double x) const {
   for (const double ramp : kerb(true).ramps) {
-    if (std::abs(x - ramp) < kRoom) return x < ramp ? ramp - kRoom : ramp + kRoom;
+    if (std::abs(x - ramp) < ramp_room) return x < ramp ? ramp - ramp_room : ramp + ramp_room;
   }
   return x;
 }
 
 void CampusPlan::furnishPromenade() {
-  for (double x = kWest + 4.0; x < kEast - 4.0; x += random_.uniform(6.0, 9.0)) {
-    const double y = random_.chance(0.5) ? -kPromenade + 0.1 : kPromenade - 0.6;
+  for (double x = west + 4.0; x < east - 4.0; x += random_.uniform(6.0, 9.0)) {
+    const double y = random_.chance(0.5) ? -promenade + 0.1 : promenade - 0.6;
     switch (random_.below(4)) {
       case 0:
         addBench(builder_, {{x, y}, y < 0.0 ? M_PI / 2 : -M_PI / 2});
@@ -177,8 +180,8 @@ void CampusPlan::furnishPromenade() {
         site_.spots.push_back({{x + 0.8, y}, y < 0.0 ? M_PI / 2 : -M_PI / 2});
     }
   }
-  for (double y = -kPromenade + 0.5; y < kPromenade; y += 1.5) {  // bollards at the ends
-    for (const double x : {kWest + 0.6, kEast - 0.6}) {
+  for (double y = -promenade + 0.5; y < promenade; y += 1.5) {  // bollards at the ends
+    for (const double x : {west + 0.6, east - 0.6}) {
       builder_.box({{x, y}, 0.0, {0.14, 0.14, 0.9}, 0.0}, Material::kOrangeSteel);
     }
   }
@@ -198,48 +201,48 @@ void CampusPlan::addHouse(const Eigen::Vector2d& foot, double yaw, double width)
 }
 
 void CampusPlan::buildHouses() {
-  for (double x = kWest - 12.0; x < kEast + 12.0;) {
+  for (double x = west - 12.0; x < east + 12.0;) {
     const double north = random_.uniform(9.0, 13.0);
-    addHouse({x + 0.5 * north, kLawn + 0.3}, 0.0, north - 0.02);
-    addHouse({x + 0.5 * north, kSouth}, M_PI, north - 0.02);
+    addHouse({x + 0.5 * north, lawn + 0.3}, 0.0, north - 0.02);
+    addHouse({x + 0.5 * north, south}, M_PI, north - 0.02);
     x += north;
   }
-  for (const auto& [x, yaw] : {std::pair{kWest - 10.0, M_PI / 2}, {kEast + 10.0, -M_PI / 2}}) {
-    addHouse({x, 0.4 * kLawn}, yaw, 14.0);
+  for (const auto& [x, yaw] : {std::pair{west - 10.0, M_PI / 2}, {east + 10.0, -M_PI / 2}}) {
+    addHouse({x, 0.4 * lawn}, yaw, 14.0);
   }
 }
 
 void CampusPlan::addPlaces() {
   // The robot starts beside the road and crosses it before long.
-  const double south = kRoad - Kerb::kRun - 0.55;
+  const double across = road - Kerb::kRun - 0.55;
   for (const double x : kerb(false).ramps) {
-    site_.robot_stops.push_back({x - 1.5, south});
-    site_.robot_stops.push_back({x + 1.5, south});
-    site_.robot_stops.push_back({x, kPavement + Kerb::kRun + 0.25});
-    site_.destinations.push_back({x + 0.4, south});
+    site_.robot_stops.push_back({x - 1.5, across});
+    site_.robot_stops.push_back({x + 1.5, across});
+    site_.robot_stops.push_back({x, pavement + Kerb::kRun + 0.25});
+    site_.destinations.push_back({x + 0.4, across});
   }
-  const double middle = kWest + random_.uniform(10.0, 16.0);
+  const double middle = west + random_.uniform(10.0, 16.0);
   site_.robot_stops.push_back({middle, 0.0});
-  for (double x = kWest + 3.0; x < kEast - 2.0; x += 5.0) {
+  for (double x = west + 3.0; x < east - 2.0; x += 5.0) {
     site_.robot_stops.push_back({x, random_.uniform(-1.2, 1.2)});
     site_.destinations.push_back({x, random_.uniform(-1.8, 1.8)});
   }
   for (int n = 0; n < 4; ++n) {
     site_.robot_stops.push_back({crossing(n), 8.0});
-    site_.destinations.push_back({crossing(n), kLawn - 1.0});
+    site_.destinations.push_back({crossing(n), lawn - 1.0});
   }
   site_.robot_stops.push_back({stairs_.min().x() - 1.2, 8.2});
   // Who sits on a bench or stands by a lamp holds up neither cyclists nor delivery robots.
-  const double near = kPromenade + 0.8, far = kCycleWay - 0.65, delivery_lane = 0.6;
+  const double near = promenade + 0.8, far = cycle_way - 0.65, delivery_lane = 0.6;
   VehicleLoop cycle{ActorKind::kCyclist, {}, 4.0};
-  for (double x = kWest + 2.0; x <= kEast - 2.0; x += 2.0) cycle.points.push_back({x, near, 0.0});
-  for (double x = kEast - 2.0; x >= kWest + 2.0; x -= 2.0) cycle.points.push_back({x, far, 0.0});
+  for (double x = west + 2.0; x <= east - 2.0; x += 2.0) cycle.points.push_back({x, near, 0.0});
+  for (double x = east - 2.0; x >= west + 2.0; x -= 2.0) cycle.points.push_back({x, far, 0.0});
   site_.loops.push_back(cycle);
   VehicleLoop delivery{ActorKind::kDeliveryRobot, {}, 1.5};
-  for (double x = kWest + 3.0; x <= kEast - 3.0; x += 2.0) {
+  for (double x = west + 3.0; x <= east - 3.0; x += 2.0) {
     delivery.points.push_back({x, -delivery_lane, 0.0});
   }
-  for (double x = kEast - 3.0; x >= kWest + 3.0; x -= 2.0) {
+  for (double x = east - 3.0; x >= west + 3.0; x -= 2.0) {
     delivery.points.push_back({x, delivery_lane, 0.0});
   }
   site_.loops.push_back(delivery);

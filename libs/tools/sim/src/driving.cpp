@@ -79,6 +79,14 @@ std::vector<Obstacle> obstaclesFrom(const std::vector<Actor>& actors) {
   return obstacles;
 }
 
+void placeOn(const PathPoint& point, double speed, double dt, Actor& actor) {
+  actor.position = point.position;
+  actor.yaw = point.yaw;
+  actor.speed = speed;
+  actor.velocity = speed * Eigen::Vector2d(std::cos(point.yaw), std::sin(point.yaw));
+  if (actor.kind == ActorKind::kCyclist) actor.gait += 1.3 * speed * dt;
+}
+
 double drive(const OnPath& self, const Path& path, const DriverStyle& style,
              const std::vector<Obstacle>& others, std::int64_t own_id, double stop_s) {
   const Eigen::Vector2d here = path.at(self.s).position.head<2>();

@@ -27,6 +27,9 @@ inline constexpr std::int64_t kRobotId = -2;  ///< of the robot's own obstacle
 [[nodiscard]] Obstacle obstacleFrom(const Actor& actor);
 [[nodiscard]] std::vector<Obstacle> obstaclesFrom(const std::vector<Actor>& actors);
 
+/// Puts a vehicle on its path, and turns a cyclist's pedals.
+void placeOn(const PathPoint& point, double speed, double dt, Actor& actor);
+
 /// How a driver drives. Typical values of city traffic.
 ///
 /// @see Treiber, Hennecke & Helbing 2000, "Congested traffic states in empirical observations and

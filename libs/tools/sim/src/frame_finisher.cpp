@@ -7,13 +7,6 @@
 #include "mesh_projection.h"
 
 namespace headway::sim {
-namespace {
-
-constexpr double kLarge = 0.05;           ///< part of the image
-constexpr double kNearest = 0.5;          ///< of a box that can be measured [m]
-constexpr double kFullAccuracy_m = 20.0;  ///< noise grows in proportion to the depth beyond
-
-}  // namespace
 
 SimulatedDetector::SimulatedDetector(const DetectorParams& params, const StereoCamera& camera,
                                      std::uint64_t seed)
@@ -23,11 +16,11 @@ bool SimulatedDetector::isMissed(const Actor& actor, const Observation& observat
   const double z = observation.box3d.centre.z();
   if (z > params_.max_range_m || observation.box.height() < params_.min_height_px) return true;
   if (actor.parked && !params_.parked) return true;
-  // Of what leaves the image nothing is known, unless it still fills a good part of it.
+  // Of what leaves the image nothing is known, unless it still fills 5 % of it.
   const bool cut_off =
       observation.truncation > 0.8 &&
-      observation.box.width() * observation.box.height() < kLarge * camera_.width * camera_.height;
-  if (observation.visible_pixels == 0 || cut_off || z < kNearest) return true;
+      observation.box.width() * observation.box.height() < 0.05 * camera_.width * camera_.height;
+  if (observation.visible_pixels == 0 || cut_off || z < 0.5) return true;
   const double far = z / params_.max_range_m;
   const double hidden = 1.0 - observation.visible;
   const double in_view = params_.miss_near + (params_.miss_far - params_.miss_near) * far * far;
@@ -43,7 +36,7 @@ DetectorNoise SimulatedDetector::noiseAt(double depth_m) const {
   noise.size_sigma_ratio = params_.size_sigma;
   noise.yaw_sigma_rad = params_.yaw_sigma_rad;
   noise.flip_probability = params_.flip_probability;
-  return withCentreScaled(noise, std::max(1.0, depth_m / kFullAccuracy_m));
+  return withCentreScaled(noise, std::max(1.0, depth_m / 20.0));  // as DetectorParams says
 }
 
 Detection SimulatedDetector::measure(const Actor& actor, const Observation& observation) {
@@ -131,21 +124,6 @@ Detections SimulatedDetector::detect(Time time, const std::vector<Actor>& actors
 
 namespace {
 
-/// The observation as the recorded image shows it: its box bent by the lens and cut anew.
-///
-/// @return false if nothing of it is inside the recorded image
-bool recordBox(const Lens& lens, Observation& observation) {
-  const Box2d whole = lens.record(observation.whole);
-  Box2d& box = observation.box;
-  box = {std::max(whole.left, 0.0), std::max(whole.top, 0.0),
-         std::min(whole.right, lens.ideal().width - 1.0),
-         std::min(whole.bottom, lens.ideal().height - 1.0)};
-  if (box.width() <= 0.0 || box.height() <= 0.0) return false;
-  observation.truncation =
-      std::clamp(1.0 - box.width() * box.height() / (whole.width() * whole.height()), 0.0, 1.0);
-  return true;
-}
-
 TruthObject truthOf(const Actor& actor, const Observation& observation, const Pose& T_map_world) {
   TruthObject object;
   object.id = actor.id;
@@ -187,10 +165,14 @@ void FrameFinisher::annotate(SimFrame& frame, const DrawnFrame& drawn) {
   }
   auto observations = observeActors(drawn.T_world_robot, lens_.drawn(), drawn.actors, drawn.meshes,
                                     drawn.depth, frame.instances);
-  observations.erase(
-      std::remove_if(observations.begin(), observations.end(),
-                     [&](Observation& observation) { return !recordBox(lens_, observation); }),
-      observations.end());
+  // As the recorded image shows them: boxes bent by the lens and cut anew.
+  const cv::Size recorded(lens_.ideal().width, lens_.ideal().height);
+  observations.erase(std::remove_if(observations.begin(), observations.end(),
+                                    [&](Observation& observation) {
+                                      return !cutToImage(lens_.record(observation.whole), recorded,
+                                                         observation);
+                                    }),
+                     observations.end());
   std::vector<std::uint16_t> numbers(drawn.actors.size() + 1, 0);
   for (const Observation& observation : observations) {
     const Actor& actor = drawn.actors[observation.actor];

@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3f;
 
 constexpr int kFurnitureAtlas = 1024;  // [px] square
-constexpr float kFullTurn = 6.28318531F;
+constexpr auto kFullTurn = static_cast<float>(2.0 * M_PI);
 const cv::Rect kLeaves{0, 0, 1024, 512};  // four greens side by side
 const cv::Rect kBark{0, 512, 128, 256};
 const cv::Rect kMetal{128, 512, 128, 256};

@@ -68,12 +68,6 @@ cv::Mat ImageFormation::expose(const cv::Mat& picture, std::size_t frame, Side s
 
 namespace {
 
-constexpr int kSpareNoise = 256;       // the noise sheet is larger than the image by this [px]
-constexpr double kNoiseBlur = 1.0;     // neighbouring pixels err alike [px]
-constexpr float kEdgeRatio = 1.05F;    // of the depths of neighbours on two surfaces
-constexpr float kShadowRatio = 1.03F;  // of the depths on one ray of the projector
-constexpr float kMillimetres = 1000.0F;
-
 /// Marks the pixels of a row that the projector does not reach because of a nearer surface.
 void findShadows(const float* depth, int columns, float focal_baseline, std::vector<char>& hidden) {
   std::vector<float> nearest(static_cast<std::size_t>(columns),
@@ -91,7 +85,7 @@ void findShadows(const float* depth, int columns, float focal_baseline, std::vec
     hidden[u] = 0;
     if (!(depth[u] > 0.0F)) continue;
     const auto at = ray(u);
-    if (at >= 0 && depth[u] > kShadowRatio * nearest[at]) hidden[u] = 1;
+    if (at >= 0 && depth[u] > 1.03F * nearest[at]) hidden[u] = 1;  // another surface
   }
 }
 
@@ -101,7 +95,7 @@ bool isAtEdge(const cv::Mat& depth, int u, int v) {
   const auto is_nearer = [&](int column, int row) {
     if (column < 0 || row < 0 || column >= depth.cols || row >= depth.rows) return false;
     const float other = depth.at<float>(row, column);
-    return other > 0.0F && own > kEdgeRatio * other;
+    return other > 0.0F && own > 1.05F * other;
   };
   return is_nearer(u - 1, v) || is_nearer(u + 1, v) || is_nearer(u, v - 1) || is_nearer(u, v + 1);
 }
@@ -114,12 +108,12 @@ DepthSensor::DepthSensor(const CameraParams& params, const StereoCamera& camera,
       seed_(seed) {
   if (!params.depth_camera) return;
   Random random(seedOf({seed, 1}));
-  noise_.create(params.height + kSpareNoise, params.width + kSpareNoise, CV_32F);
+  noise_.create(params.height + kSpare, params.width + kSpare, CV_32F);
   for (int v = 0; v < noise_.rows; ++v) {
     auto* row = noise_.ptr<float>(v);
     for (int u = 0; u < noise_.cols; ++u) row[u] = static_cast<float>(random.normal());
   }
-  cv::GaussianBlur(noise_, noise_, {}, kNoiseBlur);
+  cv::GaussianBlur(noise_, noise_, {}, 1.0);  // neighbouring pixels err alike
   cv::Scalar mean, deviation;
   cv::meanStdDev(noise_, mean, deviation);
   noise_ = (noise_ - mean[0]) / deviation[0];
@@ -127,7 +121,7 @@ DepthSensor::DepthSensor(const CameraParams& params, const StereoCamera& camera,
 
 cv::Mat DepthSensor::measure(const cv::Mat& depth, std::size_t frame) const {
   Random random(seedOf({seed_, frame, 2}));
-  const cv::Rect place(drawPoint(kSpareNoise, kSpareNoise, random), depth.size());
+  const cv::Rect place(drawPoint(kSpare, kSpare, random), depth.size());
   const cv::Mat noise = noise_(place);
   const auto scale = static_cast<float>(params_.depth_noise);
   const auto nearest = static_cast<float>(params_.depth_min_m);
@@ -142,7 +136,7 @@ cv::Mat DepthSensor::measure(const cv::Mat& depth, std::size_t frame) const {
       if (hidden[u] != 0 || !(measured >= nearest && measured <= farthest)) continue;
       if (isAtEdge(depth, u, v)) continue;
       ranges.at<std::uint16_t>(v, u) =
-          cv::saturate_cast<std::uint16_t>(std::round(measured * kMillimetres));
+          cv::saturate_cast<std::uint16_t>(std::round(measured * 1000.0F));
     }
   }
   return ranges;

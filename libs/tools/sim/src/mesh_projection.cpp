@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
-#include <optional>
 
 #include "actor_mesh.h"
 
@@ -96,11 +95,9 @@ void MeshDepth::drawTriangle(const ImageTriangle& corners, const cv::Rect& area)
 
 namespace {
 
-constexpr double kMarkedWidth = 310.0;  // of the image in which the meshes are marked, or less [px]
-constexpr double kFarthest = 70.0;      // what is farther covers next to nothing [m]
-
+/// The camera of an image of at most 310 px, in which meshes are marked.
 StereoCamera reduced(StereoCamera camera) {
-  const double reduction = std::min(1.0, kMarkedWidth / camera.width);
+  const double reduction = std::min(1.0, 310.0 / camera.width);
   camera.width = std::max(1, static_cast<int>(camera.width * reduction));
   camera.height = std::max(1, static_cast<int>(camera.height * reduction));
   camera.fx *= reduction;
@@ -130,7 +127,7 @@ double coveredRatio(const std::vector<Actor>& actors, const Pose& T_world_robot,
   const Eigen::Isometry3f T_cam_origin = T_origin_cam.inverse().cast<float>();
   cv::Mat marks = cv::Mat::zeros(camera.height, camera.width, CV_8U);
   for (const Actor& actor : actors) {
-    if ((actor.position - origin).norm() > kFarthest) continue;
+    if ((actor.position - origin).norm() > 70.0) continue;  // covers next to nothing
     for (const auto& triangle : projectMesh(actorMesh(actor, origin), T_cam_origin, camera)) {
       cv::Point corners[3];
       for (std::size_t i = 0; i < 3; ++i) corners[i] = fixedPoint(triangle[i], kShift);
@@ -190,21 +187,17 @@ cv::Rect pixelsOf(const Box2d& box, const cv::Size& image) {
   return cv::Rect(first, last) & cv::Rect({}, image);
 }
 
-/// An observation with its boxes alone; nullopt if the box lies outside the image.
-std::optional<Observation> boxedObservation(const Box2d& whole, const cv::Size& image) {
-  Observation observation;
-  observation.whole = whole;
-  observation.box = {std::max(whole.left, 0.0), std::max(whole.top, 0.0),
-                     std::min(whole.right, image.width - 1.0),
-                     std::min(whole.bottom, image.height - 1.0)};
-  const Box2d& box = observation.box;
-  if (box.width() <= 0.0 || box.height() <= 0.0) return std::nullopt;
+}  // namespace
+
+bool cutToImage(const Box2d& whole, const cv::Size& image, Observation& observation) {
+  Box2d& box = observation.box;
+  box = {std::max(whole.left, 0.0), std::max(whole.top, 0.0),
+         std::min(whole.right, image.width - 1.0), std::min(whole.bottom, image.height - 1.0)};
+  if (box.width() <= 0.0 || box.height() <= 0.0) return false;
   observation.truncation =
       std::clamp(1.0 - box.width() * box.height() / (whole.width() * whole.height()), 0.0, 1.0);
-  return observation;
+  return true;
 }
-
-}  // namespace
 
 Box3d opticalBox(const Actor& actor, const Pose& T_world_cam) {
   return headway::opticalBox(actor.centre(), actor.size, actor.yaw, T_world_cam.inverse());
@@ -224,17 +217,17 @@ std::vector<Observation> observeActors(const Pose& T_world_robot, const StereoCa
   for (std::size_t i = 0; i < actors.size(); ++i) {
     const auto corners = projectMesh(meshes[i], T_cam_origin, camera);
     if (corners.empty()) continue;
-    const Box2d whole = boundsOf(corners);
-    const cv::Rect area = pixelsOf(whole, depth.size());
-    auto observation = boxedObservation(whole, depth.size());
-    if (area.empty() || !observation) continue;
-    observation->actor = i;
-    observation->box3d = opticalBox(actors[i], T_world_cam);
+    Observation observation;
+    observation.whole = boundsOf(corners);
+    const cv::Rect area = pixelsOf(observation.whole, depth.size());
+    if (area.empty() || !cutToImage(observation.whole, depth.size(), observation)) continue;
+    observation.actor = i;
+    observation.box3d = opticalBox(actors[i], T_world_cam);
     compare(alone.draw(corners, area), area, depth, static_cast<std::uint16_t>(i + 1), instances,
-            *observation);
+            observation);
     // Something whose middle is beside or behind the camera counts if an end of it is seen.
-    if (observation->box3d.centre.z() < 0.5 && observation->visible_pixels == 0) continue;
-    observations.push_back(*observation);
+    if (observation.box3d.centre.z() < 0.5 && observation.visible_pixels == 0) continue;
+    observations.push_back(observation);
   }
   return observations;
 }

@@ -64,6 +64,11 @@ struct Observation {
   Box3d box3d;  ///< in the left camera's optical frame
 };
 
+/// Sets an observation's box and truncation: its whole box cut at the edges of an image.
+///
+/// @return false if nothing of it is inside the image
+[[nodiscard]] bool cutToImage(const Box2d& whole, const cv::Size& image, Observation& observation);
+
 /// Finds which pixels of a drawn picture belong to which actor.
 ///
 /// Meshes are drawn a second time, into a depth image of each one alone, and compared with the

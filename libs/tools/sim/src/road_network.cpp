@@ -11,10 +11,8 @@
 namespace headway::sim {
 namespace {
 
-constexpr double kSearchCell = 20.0;    // of the search grid [m]
-constexpr double kCrossLength = 72.0;   // of a cross street, to each side [m]
-constexpr double kSameStreet = 7.0;     // middles nearer than this are one street [m]
-constexpr double kRevisitAfter = 40.0;  // of path [m]
+constexpr double kSearchCell = 20.0;   // of the search grid [m]
+constexpr double kCrossLength = 72.0;  // of a cross street, to each side [m]
 
 Path crossAxis(const Path& street, double s) {
   std::vector<Eigen::Vector3d> points;
@@ -55,15 +53,15 @@ void RoadNetwork::layMain(const Route& route) {
   std::size_t entered = 0;  // samples lag behind, so that a street is not its own revisit
   for (std::size_t i = 0; i < count; ++i) {
     const auto s = static_cast<double>(i);
-    for (; static_cast<double>(entered) + kRevisitAfter < s; ++entered) {
+    for (; static_cast<double>(entered) + kStreet.revisit_after < s; ++entered) {
       if (roads_[0].drawn[entered]) {
         addSamples(0, static_cast<double>(entered), static_cast<double>(entered) + 0.5);
       }
     }
     const PathPoint here = axis.at(s);
-    const auto earlier = nearest(here.position.head<2>(), kSameStreet);
+    const auto earlier = nearest(here.position.head<2>(), kStreet.same_street);
     // A closed street's end is not a revisit of its beginning.
-    if (!earlier || apart(axis, earlier->s, s) <= kRevisitAfter) continue;
+    if (!earlier || apart(axis, earlier->s, s) <= kStreet.revisit_after) continue;
     const double turn = axis.at(earlier->s).yaw - here.yaw;
     roads_[0].drawn[i] = std::abs(std::sin(turn)) > 0.6;  // a crossing is drawn, a revisit is not
   }
@@ -126,7 +124,7 @@ bool RoadNetwork::nearOther(const Eigen::Vector2d& xy, double reach, std::size_t
     if ((sample->xy - xy).squaredNorm() > reach * reach) continue;
     if (sample->road != road) {
       if (!earlier_only || sample->road < road) return true;
-    } else if (apart(roads_[road].axis, sample->s, s) > kRevisitAfter - 10.0) {
+    } else if (apart(roads_[road].axis, sample->s, s) > kStreet.revisit_after - 10.0) {
       if (!earlier_only || sample->s < s) return true;
     }
   }

@@ -62,16 +62,19 @@ RobotState RobotDriver::state() const {
 
 namespace {
 
-constexpr double kArrived = 0.12;          // this near to a corner it is reached [m]
-constexpr double kTurnFrom = 0.35;         // turns on the spot for more than this [rad]
-constexpr double kTurnTo = 0.04;           // until less than this is left [rad]
-constexpr double kTurnAcceleration = 5.0;  // [rad/s^2]
-constexpr double kComfortableBrake = 1.0;  // before corners [m/s^2]
-constexpr double kNod = 0.004;             // pitch for each m/s^2 [rad]
-constexpr double kHalfWheelbase = 0.17;    // [m]
-constexpr double kHalfTrack = 0.15;        // [m]
-constexpr double kReplanAfter = 4.0;       // then it plans another way [s]
-constexpr double kCorridor = 0.4;          // half width of the ground that must be free [m]
+/// How a wheeled robot of half a metre is built and driven.
+struct Handling {
+  double arrived_m = 0.12;         ///< this near to a corner it is reached
+  double turn_from_rad = 0.35;     ///< turns on the spot for more than this
+  double turn_to_rad = 0.04;       ///< until less than this is left
+  double turn_acceleration = 5.0;  ///< [rad/s^2]
+  double comfortable_brake = 1.0;  ///< before corners [m/s^2]
+  double nod = 0.004;              ///< pitch for each m/s^2 [rad]
+  double half_wheelbase_m = 0.17, half_track_m = 0.15;
+  double replan_after_s = 4.0;   ///< blocked so long it plans another way
+  double half_corridor_m = 0.4;  ///< of the ground that must be free
+};
+constexpr Handling kHandling{};
 
 double towards(double value, double target, double most_change) {
   return value + std::clamp(target - value, -most_change, most_change);
@@ -115,7 +118,8 @@ WheeledRobot::Command WheeledRobot::drive(double distance, double turn) const {
   Command command;
   const double top_rate = params_.turn_rate_dps * M_PI / 180.0;
   if (turning_) {
-    const double braked_in_time = std::sqrt(2.0 * 0.8 * kTurnAcceleration * std::abs(turn));
+    const double braked_in_time =
+        std::sqrt(2.0 * 0.8 * kHandling.turn_acceleration * std::abs(turn));
     command.turn_rate = std::copysign(std::min(top_rate, braked_in_time), turn);
     return command;
   }
@@ -125,9 +129,10 @@ WheeledRobot::Command WheeledRobot::drive(double distance, double turn) const {
     const Eigen::Vector2d here = way_[0] - position_, next = way_[1] - way_[0];
     const double bend =
         std::abs(std::atan2(here.x() * next.y() - here.y() * next.x(), here.dot(next)));
-    if (bend < kTurnFrom) at_corner = route_.speed_mps * (1.0 - bend);
+    if (bend < kHandling.turn_from_rad) at_corner = route_.speed_mps * (1.0 - bend);
   }
-  const double stoppable = std::sqrt(at_corner * at_corner + 2.0 * kComfortableBrake * distance);
+  const double stoppable =
+      std::sqrt(at_corner * at_corner + 2.0 * kHandling.comfortable_brake * distance);
   command.speed = std::min(route_.speed_mps, stoppable);
   command.turn_rate = std::clamp(2.5 * turn, -0.5 * top_rate, 0.5 * top_rate);
   return command;
@@ -138,7 +143,7 @@ WheeledRobot::Command WheeledRobot::command(double dt) {
     pause_s_ -= dt;
     return {};
   }
-  while (!way_.empty() && (way_.front() - position_).norm() < kArrived) {
+  while (!way_.empty() && (way_.front() - position_).norm() < kHandling.arrived_m) {
     way_.erase(way_.begin());
     if (!way_.empty()) continue;
     chooseStop();
@@ -148,8 +153,8 @@ WheeledRobot::Command WheeledRobot::command(double dt) {
   if (way_.empty()) return {};
   const Eigen::Vector2d to = way_.front() - position_;
   const double turn = wrapAngle(std::atan2(to.y(), to.x()) - yaw_);
-  if (std::abs(turn) > kTurnFrom) turning_ = true;
-  if (std::abs(turn) < kTurnTo) turning_ = false;
+  if (std::abs(turn) > kHandling.turn_from_rad) turning_ = true;
+  if (std::abs(turn) < kHandling.turn_to_rad) turning_ = false;
   return drive(to.norm(), turn);
 }
 
@@ -162,7 +167,7 @@ bool WheeledRobot::mustStop(const std::vector<Obstacle>& others) const {
       const Eigen::Vector2d to = other.position + soon * other.velocity - position_;
       const double along = to.dot(forward) - soon * speed_ - half_size;
       const double across = std::abs(to.dot(left)) - half_size;
-      if (along > -0.2 && along < reach && across < kCorridor) return true;
+      if (along > -0.2 && along < reach && across < kHandling.half_corridor_m) return true;
     }
     return false;
   });
@@ -178,36 +183,36 @@ void WheeledRobot::advance(double dt, const std::vector<Obstacle>& others) {
   const bool blocked = wanted.speed > 0.0 && mustStop(others);
   blocked_s_ = blocked ? blocked_s_ + dt : 0.0;
   if (blocked || sudden_stop_s_ > 0.0) wanted.speed = 0.0;
-  if (blocked_s_ > kReplanAfter) {
+  if (blocked_s_ > kHandling.replan_after_s) {
     chooseStop();
     blocked_s_ = 0.0;
   }
   if (turning_ && speed_ > 0.02) wanted.turn_rate = 0.0;  // only at a standstill
   const double before = speed_;
   const bool hard = blocked || sudden_stop_s_ > 0.0;
-  const double brake = hard ? params_.brake_mps2 : 2.0 * kComfortableBrake;
+  const double brake = hard ? params_.brake_mps2 : 2.0 * kHandling.comfortable_brake;
   speed_ = towards(speed_, wanted.speed,
                    dt * (wanted.speed > speed_ ? params_.acceleration_mps2 : brake));
-  turn_rate_ = towards(turn_rate_, wanted.turn_rate, dt * kTurnAcceleration);
+  turn_rate_ = towards(turn_rate_, wanted.turn_rate, dt * kHandling.turn_acceleration);
   const double middle_yaw = yaw_ + 0.5 * dt * turn_rate_;
   position_ += dt * speed_ * Eigen::Vector2d(std::cos(middle_yaw), std::sin(middle_yaw));
   yaw_ = wrapAngle(yaw_ + dt * turn_rate_);
   const double motion = std::min(1.0, speed_ / std::max(0.5, route_.speed_mps));
-  pitch_.advance(dt, ride_rad_, motion, -kNod * (speed_ - before) / dt, random_);
+  pitch_.advance(dt, ride_rad_, motion, -kHandling.nod * (speed_ - before) / dt, random_);
   roll_.advance(dt, ride_rad_, motion, 0.0, random_);
 }
 
 Pose WheeledRobot::T_world_robot() const {
   const Eigen::Vector2d forward(std::cos(yaw_), std::sin(yaw_));
   const Eigen::Vector2d left(-forward.y(), forward.x());
-  const double front = wheelHeight(site_, position_ + kHalfWheelbase * forward);
-  const double rear = wheelHeight(site_, position_ - kHalfWheelbase * forward);
+  const double front = wheelHeight(site_, position_ + kHandling.half_wheelbase_m * forward);
+  const double rear = wheelHeight(site_, position_ - kHandling.half_wheelbase_m * forward);
   Pose pose = Pose::Identity();
   pose.translation() = Eigen::Vector3d(position_.x(), position_.y(), 0.5 * (front + rear));
-  const double climb = std::atan2(front - rear, 2.0 * kHalfWheelbase);
-  const double bank = std::atan2(groundHeight(site_, position_ + kHalfTrack * left) -
-                                     groundHeight(site_, position_ - kHalfTrack * left),
-                                 2.0 * kHalfTrack);
+  const double climb = std::atan2(front - rear, 2.0 * kHandling.half_wheelbase_m);
+  const double bank = std::atan2(groundHeight(site_, position_ + kHandling.half_track_m * left) -
+                                     groundHeight(site_, position_ - kHandling.half_track_m * left),
+                                 2.0 * kHandling.half_track_m);
   pose.linear() = (Eigen::AngleAxisd(yaw_, Eigen::Vector3d::UnitZ()) *
                    Eigen::AngleAxisd(pitch_.angle - climb, Eigen::Vector3d::UnitY()) *
                    Eigen::AngleAxisd(roll_.angle + bank, Eigen::Vector3d::UnitX()))

@@ -84,21 +84,26 @@ LaserScan LaserScanner::scan(Time time, const Pose& T_world_robot,
 
 namespace {
 
-constexpr double kGravity = 9.81;                                        // [m/s^2]
-constexpr double kGyroSigma = 0.002, kGyroBias = 0.003;                  // [rad/s]
-constexpr double kAccelerometerSigma = 0.05, kAccelerometerBias = 0.08;  // [m/s^2]
-constexpr double kWheelScale = 0.005;
-constexpr double kHeadingSigma = 0.0032;  // [rad/sqrt(m)]
-constexpr double kSlipPeriod = 2.0;       // [s]
-constexpr double kSlipSpeed = 2.0;        // of slipping wheels, times the robot's
+constexpr double kGravity = 9.81;  // [m/s^2]
+
+/// Standard deviations of the errors of a small MEMS sensor and of a car's wheel encoders.
+struct MotionNoise {
+  double gyro_rps = 0.002, gyro_bias_rps = 0.003;
+  double accelerometer_mps2 = 0.05, accelerometer_bias_mps2 = 0.08;
+  double wheel_scale = 0.005;
+  double heading = 0.0032;        ///< [rad/sqrt(m)], 0.01 rad after 10 m
+  double slip_period_s = 2.0;     ///< slipping begins anew each time
+  double slip_speed_ratio = 2.0;  ///< of slipping wheels to the robot
+};
+constexpr MotionNoise kNoise{};
 
 }  // namespace
 
 MotionSensors::MotionSensors(std::uint64_t seed, double slip_ratio)
     : random_(seed), slip_ratio_(slip_ratio) {
-  gyro_bias_ = noise(kGyroBias);
-  accelerometer_bias_ = noise(kAccelerometerBias);
-  wheel_scale_ = 1.0 + kWheelScale * random_.normal();
+  gyro_bias_ = noise(kNoise.gyro_bias_rps);
+  accelerometer_bias_ = noise(kNoise.accelerometer_bias_mps2);
+  wheel_scale_ = 1.0 + kNoise.wheel_scale * random_.normal();
 }
 
 Eigen::Vector3d MotionSensors::noise(double sigma) {
@@ -107,10 +112,12 @@ Eigen::Vector3d MotionSensors::noise(double sigma) {
 }
 
 void MotionSensors::integrateWheels(Time time, const Pose& T_previous_now) {
-  const bool slips = std::fmod(time, kSlipPeriod) >= (1.0 - slip_ratio_) * kSlipPeriod;
-  const double way = T_previous_now.translation().x() * wheel_scale_ * (slips ? kSlipSpeed : 1.0);
+  const bool slips =
+      std::fmod(time, kNoise.slip_period_s) >= (1.0 - slip_ratio_) * kNoise.slip_period_s;
+  const double way =
+      T_previous_now.translation().x() * wheel_scale_ * (slips ? kNoise.slip_speed_ratio : 1.0);
   const double turn =
-      yawOf(T_previous_now) + kHeadingSigma * std::sqrt(std::abs(way)) * random_.normal();
+      yawOf(T_previous_now) + kNoise.heading * std::sqrt(std::abs(way)) * random_.normal();
   odometry_->x += way * std::cos(odometry_->yaw + 0.5 * turn);
   odometry_->y += way * std::sin(odometry_->yaw + 0.5 * turn);
   odometry_->yaw = wrapAngle(odometry_->yaw + turn);
@@ -138,21 +145,14 @@ ImuSample MotionSensors::sampleBetween(const Step& before, const Step& after) {
       (after.velocity - before.velocity) / dt + Eigen::Vector3d(0.0, 0.0, kGravity);
   ImuSample sample;
   sample.time = last_->time;
-  sample.angular_velocity =
-      0.5 * (before.angular_velocity + after.angular_velocity) + gyro_bias_ + noise(kGyroSigma);
-  sample.acceleration =
-      last_->value.linear().transpose() * force + accelerometer_bias_ + noise(kAccelerometerSigma);
+  sample.angular_velocity = 0.5 * (before.angular_velocity + after.angular_velocity) + gyro_bias_ +
+                            noise(kNoise.gyro_rps);
+  sample.acceleration = last_->value.linear().transpose() * force + accelerometer_bias_ +
+                        noise(kNoise.accelerometer_mps2);
   return sample;
 }
 
 std::vector<ImuSample> MotionSensors::takeImu() { return std::exchange(imu_, {}); }
-
-namespace {
-
-constexpr double kHeightOverHorizontal = 1.7;  // standard deviation of heights
-constexpr int kSatellites = 9;
-
-}  // namespace
 
 SatelliteReceiver::SatelliteReceiver(const GnssParams& params, std::uint64_t seed)
     : params_(params),
@@ -172,7 +172,7 @@ void SatelliteReceiver::observe(Time time, const Pose& T_world_robot) {
   fix.T_robot_antenna.translation() << params_.forward_m, 0.0, params_.height_m;
   Eigen::Vector3d enu = T_enu_world_ * (T_world_robot * fix.T_robot_antenna.translation());
   for (int axis = 0; axis < 3; ++axis) {
-    enu[axis] += params_.sigma_m * (axis < 2 ? 1.0 : kHeightOverHorizontal) * random_.normal();
+    enu[axis] += params_.sigma_m * (axis < 2 ? 1.0 : 1.7) * random_.normal();
   }
   if (random_.chance(params_.outlier_ratio)) {
     const double direction = random_.uniform(0.0, 2.0 * M_PI);
@@ -183,7 +183,7 @@ void SatelliteReceiver::observe(Time time, const Pose& T_world_robot) {
   fix.latitude_deg = position.latitude_deg;
   fix.longitude_deg = position.longitude_deg;
   fix.altitude_m = position.altitude_m;
-  fix.satellites = kSatellites;
+  fix.satellites = 9;
   fix.sigma_m = params_.sigma_m;
   fixes_.push_back(fix);
 }

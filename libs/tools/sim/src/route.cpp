@@ -107,12 +107,9 @@ Path besidePath(const Path& path, double left, bool reversed) {
 
 namespace {
 
-constexpr double kStep = 0.5;        // [m]
-constexpr double kBefore = 60.0;     // street before the start [m]
-constexpr double kAfter = 200.0;     // street after the end [m]
-constexpr double kMaxLength = 40e3;  // of the world's streets [m]
-constexpr double kMaxGap = 10.0;     // between poses that one street joins [m]
-constexpr double kMaxSlope = 0.35;   // San Francisco's steepest has 0.31
+constexpr double kStep = 0.5;     // [m]
+constexpr double kBefore = 60.0;  // street before the start [m]
+constexpr double kAfter = 200.0;  // street after the end [m]
 
 /// Curvature at every kStep of a shape such as "straight 60, left 40 90".
 std::vector<double> parseShape(const std::string& shape) {
@@ -177,7 +174,7 @@ Route makeLane(const RouteParams& params, double hill_height) {
   Route route{Path(points)};
   route.start_s = kBefore;
   route.end_s = route.street.length() - kAfter;
-  route.robot_left = -StreetProfile::kLaneMiddle;
+  route.robot_left = -kStreet.lane_middle;
   return route;
 }
 
@@ -217,7 +214,7 @@ Route makeLoop(const RouteParams& params, double hill_height) {
   }
   Route route{Path(points, true)};
   route.end_s = route.street.length() * params.laps;
-  route.robot_left = -StreetProfile::kLaneMiddle;
+  route.robot_left = -kStreet.lane_middle;
   return route;
 }
 
@@ -232,11 +229,11 @@ void smoothHeights(std::vector<Eigen::Vector3d>& points) {
 
 /// Where a path comes by an earlier place, the ground is at the height that it had then.
 void levelRevisits(std::vector<Eigen::Vector3d>& points) {
-  constexpr std::size_t kLater = 40;
-  constexpr double kSamePlace = 7.0;  // [m]
-  for (std::size_t i = kLater; i < points.size(); ++i) {
-    double nearest = kSamePlace * kSamePlace;
-    for (std::size_t k = 0; k + kLater < i; ++k) {
+  // Points stand about a metre apart.
+  const auto later = static_cast<std::size_t>(kStreet.revisit_after);
+  for (std::size_t i = later; i < points.size(); ++i) {
+    double nearest = kStreet.same_street * kStreet.same_street;
+    for (std::size_t k = 0; k + later < i; ++k) {
       const double distance = (points[i] - points[k]).head<2>().squaredNorm();
       if (distance >= nearest) continue;
       nearest = distance;
@@ -256,7 +253,8 @@ void requireDrivable(const std::vector<Eigen::Vector3d>& points, const std::stri
   constexpr std::size_t kReach = 10;
   for (std::size_t i = kReach; i < points.size(); ++i) {
     const Eigen::Vector3d way = points[i] - points[i - kReach];
-    if (std::abs(way.z()) > kMaxSlope * way.head<2>().norm() + 1.0) {
+    // San Francisco's steepest street rises by 0.31.
+    if (std::abs(way.z()) > 0.35 * way.head<2>().norm() + 1.0) {
       refuse(points[i], "leaves the ground: steeper than 35 %; are these camera poses, y down?");
     }
   }
@@ -270,7 +268,7 @@ std::vector<Eigen::Vector3d> readKittiPositions(const std::string& file) {
   for (const Pose& pose : io::readKittiPoses(file)) {
     ++row;
     const Eigen::Vector3d at = robotFromOptical() * pose.translation();
-    if (!at.allFinite() || (row > 1 && (at - last).norm() > kMaxGap)) {
+    if (!at.allFinite() || (row > 1 && (at - last).norm() > 10.0)) {
       throw InputError("[route] file: " + file + ": row " + std::to_string(row) +
                        " leaves the path by more than 10 m; no street leads there");
     }
@@ -318,15 +316,15 @@ Route makeKitti(const RouteParams& params) {
   extend(kBefore, true);
   extend(kAfter, false);
   // The robot drives on the right: the middle of the street is to the left of its path.
-  Route route{besidePath(Path(points), StreetProfile::kLaneMiddle, false)};
+  Route route{besidePath(Path(points), kStreet.lane_middle, false)};
   route.start_s = kBefore;
   route.end_s = route.street.length() - kAfter;
-  route.robot_left = -StreetProfile::kLaneMiddle;
+  route.robot_left = -kStreet.lane_middle;
   return route;
 }
 
 Route withinWorld(Route route, const std::string& key) {
-  if (route.street.length() > kMaxLength) {
+  if (route.street.length() > 40e3) {
     throw InputError("[route] " + key + ": the path leaves the world: it is " +
                      std::to_string(static_cast<long>(route.end_s - route.start_s)) +
                      " m long, and streets end after 40 km");

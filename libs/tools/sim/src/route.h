@@ -13,16 +13,18 @@ namespace headway::sim {
 ///
 /// Two lanes, a strip for cyclists beside each, parking along the kerbs, raised pavements.
 struct StreetProfile {
-  static constexpr double kLane = 3.3;         ///< width of a lane
-  static constexpr double kCarriageway = 6.4;  ///< middle to kerb: lane, cycling, parking
-  static constexpr double kKerbHeight = 0.12;
-  static constexpr double kPavement = 2.8;                   ///< width of a pavement
-  static constexpr double kEdge = kCarriageway + kPavement;  ///< middle to outer pavement edge
-
-  static constexpr double kLaneMiddle = kLane / 2.0;  ///< middle of street to middle of lane
-  static constexpr double kCycling = 3.85;            ///< middle of street to a cyclist
-  static constexpr double kParking = 5.35;            ///< middle of street to a parked car
+  double lane = 3.3;         ///< width of a lane
+  double carriageway = 6.4;  ///< middle to kerb: lane, cycling, parking
+  double kerb_height = 0.12;
+  double pavement = 2.8;                 ///< width of a pavement
+  double edge = carriageway + pavement;  ///< middle to outer pavement edge
+  double lane_middle = lane / 2.0;       ///< middle of street to middle of lane
+  double cycling = 3.85;                 ///< middle of street to a cyclist
+  double parking = 5.35;                 ///< middle of street to a parked car
+  double same_street = 7.0;              ///< streets whose middles are nearer than this are one
+  double revisit_after = 40.0;           ///< of path, from which on a place is another visit
 };
+inline constexpr StreetProfile kStreet{};
 
 /// A place on a path and the direction the path has there.
 struct PathPoint {

@@ -32,9 +32,6 @@ std::uint64_t seedFor(SimulatorPurpose purpose, const SimParams& params) {
   return seedOf({static_cast<std::uint64_t>(params.world.seed), purpose});
 }
 
-constexpr double kLongestStep = 0.05;  // longest step of the motion [s]
-constexpr double kImuStep = 0.01;      // the same where an inertial sensor is recorded [s]
-
 }  // namespace
 
 /// Everything of one simulation, in the order in which a frame passes through it.
@@ -156,7 +153,7 @@ double Simulator::Impl::blurPause() const {
 
 void Simulator::Impl::advance(double seconds) {
   if (seconds <= 0.0) return;
-  const double longest = params_.camera.imu ? kImuStep : kLongestStep;
+  const double longest = params_.camera.imu ? 0.01 : 0.05;  // of a step of the motion [s]
   const int steps = static_cast<int>(std::ceil(seconds / longest - 1e-9));
   const double begin = now_s_;
   for (int i = 0; i < steps; ++i) {
@@ -207,14 +204,12 @@ void Simulator::Impl::draw(DrawnFrame& drawn) {
 
 std::vector<Actor> Simulator::Impl::actorsInView() {
   std::vector<Actor> actors = environment_->actors(params_.world.view_distance_m);
-  // With the room that a shadow takes, and the other camera's place.
-  constexpr double kShadowRoom = 2.0;  // [m]
+  // With 2 m for the shadow and the other camera's place.
   const ViewCone view = viewCone(lens_.drawn(), robotPose());
   actors.erase(std::remove_if(actors.begin(), actors.end(),
                               [&](const Actor& actor) {
-                                return !view.touches(
-                                    actor.position.head<2>(),
-                                    0.5 * actor.size.head<2>().norm() + kShadowRoom);
+                                return !view.touches(actor.position.head<2>(),
+                                                     0.5 * actor.size.head<2>().norm() + 2.0);
                               }),
                actors.end());
   return actors;

@@ -16,7 +16,7 @@ std::optional<double> heightIn(const std::array<Eigen::Vector3d, 3>& triangle,
   Eigen::Matrix2d edges;
   edges << triangle[1].head<2>() - a, triangle[2].head<2>() - a;
   const Eigen::Vector2d weights = edges.inverse() * (at - a);
-  constexpr double kTolerance = 1e-9;
+  constexpr double kTolerance = 1e-9;  // of rounding, so that no gap is between two triangles
   if (!(weights.minCoeff() >= -kTolerance && weights.sum() <= 1.0 + kTolerance)) {
     return std::nullopt;
   }
@@ -165,10 +165,8 @@ void SiteBuilder::wallPart(const Eigen::Vector2d& from, const Eigen::Vector2d& a
   const double yaw = std::atan2(along.y(), along.x());
   const Eigen::Vector2d centre = from + 0.5 * (begin + end) * along;
   box({centre, yaw, {end - begin, kWallThickness, top - bottom}, bottom}, material);
-  constexpr double kSkirting = 0.07;  // [m]
   if (bottom == 0.0 && material != Material::kSheetMetal) {
-    ornament({centre, yaw, {end - begin, kWallThickness + 0.024, kSkirting}, 0.0},
-             Material::kDarkWood);
+    ornament({centre, yaw, {end - begin, kWallThickness + 0.024, 0.07}, 0.0}, Material::kDarkWood);
   }
 }
 

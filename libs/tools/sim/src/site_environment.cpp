@@ -16,6 +16,7 @@
 #include "mesh_projection.h"
 #include "site.h"
 #include "stereo_rig.h"
+#include "street.h"
 #include "textures.h"
 
 namespace headway::sim {
@@ -70,9 +71,9 @@ Eigen::AlignedBox2d boundsOf(const Drop& drop) {
 
 /// A wide plain a little below the ground, with holes for what is deeper.
 Mesh plain(const Site& site) {
-  constexpr double kHeight = -0.25, kReach = 150.0, kTile = 30.0, kPicture = 16.0;  // [m]
+  constexpr double kReach = 150.0;  // [m]
   std::set<double> xs, ys;
-  for (double d = -kReach; d <= kReach; d += kTile) {
+  for (double d = -kReach; d <= kReach; d += 30.0) {
     xs.insert(d);
     ys.insert(d);
   }
@@ -83,8 +84,8 @@ Mesh plain(const Site& site) {
   }
   Mesh mesh;
   const auto vertex = [&](double x, double y) {
-    return MeshVertex{Eigen::Vector3d(x, y, kHeight).cast<float>(),
-                      Eigen::Vector2d(x / kPicture, y / kPicture).cast<float>()};
+    return MeshVertex{Eigen::Vector3d(x, y, -0.25).cast<float>(),
+                      Eigen::Vector2d(x / kMeadowCell, y / kMeadowCell).cast<float>()};
   };
   for (auto x = xs.begin(); std::next(x) != xs.end(); ++x) {
     for (auto y = ys.begin(); std::next(y) != ys.end(); ++y) {
@@ -147,8 +148,7 @@ void SiteScene::addShaded(const cv::Mat& picture, const Mesh& mesh) {
 
 Mesh SiteScene::contactShadows(const Site& site) {
   // Each a hair above the one before: at the same height they would show through each other.
-  constexpr float kLowest = 0.004F, kStep = 1e-5F;
-  float height = kLowest;
+  float height = 0.004F;            // [m], each a hair above the one before
   constexpr double kSpread = 0.16;  // [m]
   Mesh mesh;
   for (const Footprint& footprint : site.obstacles) {
@@ -163,7 +163,7 @@ Mesh SiteScene::contactShadows(const Site& site) {
       return Eigen::Vector3f(corner.x(), corner.y(), height);
     };
     mesh.addQuad(at(1, 1), at(-1, 1), at(-1, -1), at(1, -1), UvRect{});
-    height += kStep;
+    height += 1e-5F;
   }
   return mesh;
 }
@@ -245,11 +245,7 @@ SiteEnvironment::SiteEnvironment(const SimParams& params)
   walkers_.populate(robot_, next_id_);
   Random random(seedOf({seed_, kBicycleSeed}));
   for (const Spot& spot : site_.bicycles) {
-    Actor bicycle;
-    bicycle.id = next_id_++;
-    bicycle.kind = ActorKind::kBicycle;
-    bicycle.look = random.below(100000);
-    bicycle.size = drawSize(bicycle.kind, random);
+    Actor bicycle = drawActor(ActorKind::kBicycle, next_id_++, random);
     bicycle.position = Eigen::Vector3d(spot.position.x(), spot.position.y(), 0.0);
     bicycle.yaw = spot.yaw;
     bicycle.parked = true;

@@ -180,20 +180,20 @@ void addPallet(SiteBuilder& builder, const Spot& at, double base_m, Random& rand
 }
 
 void addRackBay(SiteBuilder& builder, const Spot& at, Random& random) {
-  constexpr double kBay = 2.7, kDepth = 1.1, kHeight = 4.4;
-  for (const double x : {-0.5 * kBay, 0.5 * kBay}) {
+  const auto [length, depth, height] = kRackBay;
+  for (const double x : {-0.5 * length, 0.5 * length}) {
     for (const double y : {-0.5, 0.5}) {
-      builder.part(at, {x, y * kDepth}, {0.09, 0.09, kHeight}, 0.0, Material::kBlueSteel);
+      builder.part(at, {x, y * depth}, {0.09, 0.09, height}, 0.0, Material::kBlueSteel);
     }
-    for (double z = 0.4; z < kHeight; z += 0.8) {
-      builder.ornament({placed(at, x, 0), at.yaw, {0.04, kDepth, 0.05}, z}, Material::kBlueSteel);
+    for (double z = 0.4; z < height; z += 0.8) {
+      builder.ornament({placed(at, x, 0), at.yaw, {0.04, depth, 0.05}, z}, Material::kBlueSteel);
     }
   }
   for (const double level : {0.0, 1.5, 3.0}) {
     const double up = level > 0.0 ? level + 0.12 : 0.0;
     for (const double y : {-0.5, 0.5}) {
       if (level == 0.0) break;
-      builder.ornament({placed(at, 0, y * kDepth), at.yaw, {kBay, 0.05, 0.12}, level},
+      builder.ornament({placed(at, 0, y * depth), at.yaw, {length, 0.05, 0.12}, level},
                        Material::kOrangeSteel);
     }
     for (const double x : {-0.66, 0.66}) {
@@ -202,7 +202,7 @@ void addRackBay(SiteBuilder& builder, const Spot& at, Random& random) {
       addPallet(builder, spotAt(at, x, random.uniform(-0.05, 0.05), yaw, false), up, random);
     }
   }
-  builder.block({at.position, {kBay, kDepth}, at.yaw});
+  builder.block({at.position, {length, depth}, at.yaw});
 }
 
 }  // namespace headway::sim

@@ -34,7 +34,12 @@ void addBicycleStand(SiteBuilder& builder, const Spot& at, int bicycles, Random&
 ///
 /// @param base_m  height of what it stands on
 void addPallet(SiteBuilder& builder, const Spot& at, double base_m, Random& random);
-/// Bay of a pallet rack, 2.7 m along x and 1.1 m deep, with loads on three levels.
+/// Size of a bay of a pallet rack [m].
+struct RackBay {
+  double length = 2.7, depth = 1.1, height = 4.4;
+};
+inline constexpr RackBay kRackBay{};
+/// Bay of a pallet rack, its length along x, with loads on three levels.
 void addRackBay(SiteBuilder& builder, const Spot& at, Random& random);
 
 }  // namespace headway::sim

@@ -8,12 +8,16 @@
 namespace headway::sim {
 namespace {
 
-constexpr double kRadius = 0.28;            // half a person's width [m]
-constexpr double kEachOther = 0.65;         // distance of two people who pass [m]
-constexpr double kNearestToRobot = 0.58;    // of a person and the robot, middle to middle [m]
-constexpr double kForesight = 2.5;          // people foresee that much [s]
-constexpr double kWalkerRelaxation = 0.35;  // to reach the desired velocity [s]
-constexpr double kAcceleration = 2.5;       // at most [m/s^2]
+/// How people walk indoors.
+struct WalkerStyle {
+  double radius_m = 0.28;            ///< half a person's width
+  double each_other_m = 0.65;        ///< distance of two people who pass
+  double nearest_to_robot_m = 0.58;  ///< of a person and the robot, middle to middle
+  double foresight_s = 2.5;          ///< people foresee that much
+  double relaxation_s = 0.35;        ///< to reach the desired velocity
+  double acceleration = 2.5;         ///< at most [m/s^2]
+};
+constexpr WalkerStyle kWalker{};
 
 Eigen::Vector2d limited(const Eigen::Vector2d& v, double most) {
   return v.norm() > most ? Eigen::Vector2d(v * (most / v.norm())) : v;
@@ -28,7 +32,7 @@ Eigen::Vector2d sideStep(const Eigen::Vector2d& to, const Eigen::Vector2d& veloc
   const double closing = velocity.squaredNorm();
   if (closing < 0.01) return Eigen::Vector2d::Zero();
   const double time = to.dot(velocity) / closing;
-  if (time < 0.0 || time > kForesight) return Eigen::Vector2d::Zero();
+  if (time < 0.0 || time > kWalker.foresight_s) return Eigen::Vector2d::Zero();
   const Eigen::Vector2d miss = velocity * time - to;  // from the other, when nearest
   const double lacking = distance - miss.norm();
   if (lacking <= 0.0) return Eigen::Vector2d::Zero();
@@ -45,11 +49,7 @@ Walkers::Walkers(const TrafficParams& params, const Site& site, const Navigation
     : params_(params), site_(site), grid_(grid), random_(seed) {}
 
 void Walkers::addActor(const Person& person, ActorKind kind, double yaw, std::int64_t& next_id) {
-  Actor actor;
-  actor.id = next_id++;
-  actor.kind = kind;
-  actor.look = random_.below(100000);
-  actor.size = drawSize(kind, random_);
+  Actor actor = drawActor(kind, next_id++, random_);
   actor.gait = random_.uniform(0.0, 2.0 * M_PI);
   actor.yaw = yaw;
   actors_.push_back(actor);
@@ -72,7 +72,7 @@ void Walkers::addWalker(const WheeledRobot& robot, std::int64_t& next_id) {
     person.at = site_.area.min() + site_.area.sizes().cwiseProduct(Eigen::Vector2d(x, y));
     const bool free = grid_.clearance(person.at) > 0.5 &&
                       (person.at - robot.position()).norm() > 1.8 &&
-                      !grid_.path(person.at, site_.robot_stops.front(), kRadius).empty();
+                      !grid_.path(person.at, site_.robot_stops.front(), kWalker.radius_m).empty();
     if (!free) continue;
     person.desired_speed_mps =
         std::clamp(params_.walking_speed_mps + 0.22 * random_.normal(), 0.5, 2.0);
@@ -97,8 +97,8 @@ void Walkers::chooseWay(Person& person, const WheeledRobot& robot) {
   person.way.clear();
   if (random_.chance(params_.encounter_ratio)) {  // to where the robot is going, and on past it
     const Eigen::Vector2d meeting = robot.ahead(random_.uniform(1.5, 6.0));
-    if (grid_.clearance(meeting) > kRadius && (meeting - person.at).norm() > 1.0) {
-      person.way = grid_.path(person.at, meeting, kRadius);
+    if (grid_.clearance(meeting) > kWalker.radius_m && (meeting - person.at).norm() > 1.0) {
+      person.way = grid_.path(person.at, meeting, kWalker.radius_m);
     }
   }
   const Eigen::Vector2d from = person.way.empty() ? person.at : person.way.back();
@@ -107,7 +107,7 @@ void Walkers::chooseWay(Person& person, const WheeledRobot& robot) {
     const Eigen::Vector2d place =
         places[static_cast<std::size_t>(random_.below(static_cast<int>(places.size())))];
     if ((place - from).norm() < 2.0) continue;
-    const auto rest = grid_.path(from, place, kRadius);
+    const auto rest = grid_.path(from, place, kWalker.radius_m);
     if (rest.empty()) continue;
     person.way.insert(person.way.end(), rest.begin(), rest.end());
     return;
@@ -152,7 +152,7 @@ Eigen::Vector2d Walkers::avoiding(std::size_t i, Eigen::Vector2d velocity, const
     if (k == i) continue;
     const Eigen::Vector2d to = people_[k].at - person.at;
     const double part = people_[k].velocity.norm() > 0.1 ? 0.6 : 1.0;  // both step aside
-    velocity += part * sideStep(to, wanted - people_[k].velocity, kEachOther);
+    velocity += part * sideStep(to, wanted - people_[k].velocity, kWalker.each_other_m);
     if (to.norm() < 0.5) velocity -= 1.5 * to.normalized() * (0.5 - to.norm()) / 0.1;
   }
   return limited(velocity, 1.25 * std::max(person.desired_speed_mps, wanted.norm()));
@@ -164,8 +164,8 @@ void Walkers::move(Person& person, double dt, const Obstacle& robot) const {
     const double room = grid_.clearance(at);
     const Eigen::Vector2d from_robot = at - robot.position;
     const bool nearer = from_robot.norm() < (before - robot.position).norm();
-    return (room < kRadius && room <= grid_.clearance(before)) ||
-           (from_robot.norm() < kNearestToRobot && nearer);
+    return (room < kWalker.radius_m && room <= grid_.clearance(before)) ||
+           (from_robot.norm() < kWalker.nearest_to_robot_m && nearer);
   };
   const Eigen::Vector2d step = dt * person.velocity;
   // Along a wall where the way itself is closed.
@@ -191,7 +191,7 @@ void Walkers::place(std::size_t i, double dt) {
     actor.yaw += std::clamp(wrapAngle(wanted - actor.yaw), -4.0 * dt, 4.0 * dt);
   }
   actor.yaw = wrapAngle(actor.yaw);
-  actor.gait += 2.0 * M_PI * actor.speed * dt / (0.55 + 0.62 * std::max(0.3, actor.speed));
+  swingLimbs(dt, actor);
 }
 
 void Walkers::advance(double dt, const WheeledRobot& robot, const std::vector<Obstacle>& vehicles) {
@@ -205,7 +205,7 @@ void Walkers::advance(double dt, const WheeledRobot& robot, const std::vector<Ob
     Person& person = people_[i];
     if (person.idle) continue;
     person.velocity +=
-        dt * limited((wanted[i] - person.velocity) / kWalkerRelaxation, kAcceleration);
+        dt * limited((wanted[i] - person.velocity) / kWalker.relaxation_s, kWalker.acceleration);
     move(person, dt, seen);
     place(i, dt);
   }
@@ -215,9 +215,9 @@ namespace {
 
 /// The first place from `s` on from which a vehicle can brake for the robot; `s` if there is none.
 double startClearOf(const Obstacle& robot, const Path& path, double s, double vehicle_length_m) {
-  constexpr double kStep_m = 0.5, kBraking_m = 2.5;
-  const double needed = 0.5 * (vehicle_length_m + robot.length) + kBraking_m;
-  for (double ahead = 0.0; ahead < path.length(); ahead += kStep_m) {
+  // With the 2.5 m in which a forklift stops.
+  const double needed = 0.5 * (vehicle_length_m + robot.length) + 2.5;
+  for (double ahead = 0.0; ahead < path.length(); ahead += 0.5) {
     const double start = std::fmod(s + ahead, path.length());
     if ((path.at(start).position.head<2>() - robot.position).norm() > needed) return start;
   }
@@ -246,11 +246,7 @@ LoopVehicles::LoopVehicles(const TrafficParams& params, const Site& site, const 
 void LoopVehicles::add(const VehicleLoop& loop, double ratio, const Obstacle& robot,
                        std::int64_t& next_id) {
   Vehicle vehicle{Path(loop.points, true), {}, {}};
-  Actor actor;
-  actor.id = next_id++;
-  actor.kind = loop.kind;
-  actor.look = random_.below(100000);
-  actor.size = drawSize(loop.kind, random_);
+  const Actor actor = drawActor(loop.kind, next_id++, random_);
   vehicle.at.s = startClearOf(robot, vehicle.path, ratio * vehicle.path.length(), actor.size.x());
   vehicle.at.length = actor.size.x();
   vehicle.at.width = actor.size.y();
@@ -269,12 +265,8 @@ void LoopVehicles::place(std::size_t i, double dt) {
   Actor& actor = actors_[i];
   const PathPoint point = vehicle.path.at(vehicle.at.s);
   // At corners the path is shorter than its parameter: the velocity is that of the motion.
-  const Eigen::Vector3d step = point.position - actor.position;
-  actor.position = point.position;
-  actor.yaw = point.yaw;
-  actor.speed = dt > 0.0 ? step.norm() / dt : vehicle.at.speed;
-  actor.velocity = actor.speed * Eigen::Vector2d(std::cos(actor.yaw), std::sin(actor.yaw));
-  if (actor.kind == ActorKind::kCyclist) actor.gait += 1.3 * actor.speed * dt;
+  const double way = (point.position - actor.position).norm();
+  placeOn(point, dt > 0.0 ? way / dt : vehicle.at.speed, dt, actor);
 }
 
 void LoopVehicles::advance(double dt, const std::vector<Obstacle>& others) {

@@ -60,12 +60,6 @@ struct StreetBuilder::GroundCell {
   std::array<double, 4> edges{};
 };
 
-namespace {
-
-using Profile = StreetProfile;
-
-}  // namespace
-
 StreetBuilder::StreetBuilder(const RoadNetwork& network, const WorldParams& params,
                              const Grain& grain)
     : network_(network), params_(params), grain_(grain) {}
@@ -84,8 +78,8 @@ Eigen::Vector3d StreetBuilder::middle(const StretchKey& key) const {
 }
 
 bool StreetBuilder::isFree(const Site& site, double s, double left, double margin) const {
-  return !network_.nearOther(site.world(s, left).head<2>(), Profile::kEdge + margin, site.key.road,
-                             s, false);
+  return !network_.nearOther(site.world(s, left).head<2>(), kStreet.edge + margin, site.key.road, s,
+                             false);
 }
 
 StreetStretch StreetBuilder::build(const StretchKey& key) const {
@@ -136,46 +130,46 @@ void StreetBuilder::layGround(const Site& site, StreetStretch& stretch, Random& 
   marks.crossing_at = random.uniform(0.3, 0.7);
   Surface surface{drawGround(marks, grain_, random), {}, {}};
   constexpr double kLaneCells[] = {6.4, 3.2, 0.0, -3.2, -6.4};
-  constexpr double kUp = Profile::kKerbHeight, kReach = Profile::kCarriageway;
   // At a junction the cells of two carriageways overlap. Those of the later one lie a hair lower:
   // at the same height both would show through each other in patches.
   const double lane = site.key.road == 0 ? 0.0 : -0.005;
   for (int i = 0; i < site.groundSteps(); ++i) {
     for (int c = 0; c < 4; ++c) {
-      layCell(site, {i, {kLaneCells[c], lane, kLaneCells[c + 1], lane}}, kReach, true,
+      layCell(site, {i, {kLaneCells[c], lane, kLaneCells[c + 1], lane}}, kStreet.carriageway, true,
               surface.mesh);
     }
     for (const double side : {1.0, -1.0}) {
-      const double kerb = side * Profile::kCarriageway, edge = side * Profile::kEdge;
-      layCell(site, {i, {kerb, lane, kerb, kUp}}, kReach + 0.2, false, surface.mesh);
-      layCell(site, {i, {kerb, kUp, edge, kUp}}, kReach + 0.4, false, surface.mesh);
+      const double kerb = side * kStreet.carriageway, edge = side * kStreet.edge;
+      layCell(site, {i, {kerb, lane, kerb, kStreet.kerb_height}}, kStreet.carriageway + 0.2, false,
+              surface.mesh);
+      layCell(site, {i, {kerb, kStreet.kerb_height, edge, kStreet.kerb_height}},
+              kStreet.carriageway + 0.4, false, surface.mesh);
     }
   }
   if (!surface.mesh.triangles.empty()) stretch.surfaces.push_back(std::move(surface));
 }
 
 void StreetBuilder::layVerges(const Site& site, StreetStretch& stretch) const {
-  constexpr double kTileStep = 4.0, kWidth = 5.0;
-  const int steps = std::max(1, static_cast<int>(std::lround(site.length / kTileStep)));
+  constexpr double kWidth = 5.0;  // of a row of tiles, about 4 m long [m]
+  const int steps = std::max(1, static_cast<int>(std::lround(site.length / 4.0)));
   for (int i = 0; i < steps; ++i) {
     const double s0 = site.begin + site.length * i / steps;
     const double s1 = site.begin + site.length * (i + 1) / steps;
     for (const double side : {1.0, -1.0}) {
       for (int row = 0; row < 4; ++row) {
-        const double l0 = side * (Profile::kEdge + row * kWidth);
-        const double l1 = side * (Profile::kEdge + (row + 1) * kWidth);
+        const double l0 = side * (kStreet.edge + row * kWidth);
+        const double l1 = side * (kStreet.edge + (row + 1) * kWidth);
         const double s = 0.5 * (s0 + s1);
         const Eigen::Vector2d xy = site.world(s, 0.5 * (l0 + l1)).head<2>();
-        if (!site.drawn(s) ||
-            network_.nearOther(xy, Profile::kEdge + 3.2, site.key.road, s, false)) {
+        if (!site.drawn(s) || network_.nearOther(xy, kStreet.edge + 3.2, site.key.road, s, false)) {
           continue;
         }
         // Pictured by place, so that neighbours fit together.
         const auto vertex = [&](double at, double left) {
           const Eigen::Vector3d world = site.world(at, left);
-          return MeshVertex{site.local(at, left, Profile::kKerbHeight - 0.02),
-                            {static_cast<float>(std::fmod(world.x() / 16.0, 64.0)),
-                             static_cast<float>(std::fmod(world.y() / 16.0, 64.0))}};
+          return MeshVertex{site.local(at, left, kStreet.kerb_height - 0.02),
+                            {static_cast<float>(std::fmod(world.x() / kMeadowCell, 64.0)),
+                             static_cast<float>(std::fmod(world.y() / kMeadowCell, 64.0))}};
         };
         stretch.verges.addTriangle(vertex(s0, l0), vertex(s1, l0), vertex(s1, l1));
         stretch.verges.addTriangle(vertex(s0, l0), vertex(s1, l1), vertex(s0, l1));
@@ -198,7 +192,7 @@ void StreetBuilder::buildHouses(const Site& site, double side, StreetStretch& st
     plan.ridge_m = random.chance(0.5) ? random.uniform(1.5, 3.0) : 0.0;
     const bool wanted = random.chance(params_.house_ratio);
     const double s = site.begin + (i + 0.5) * site.length / count;
-    const double front = side * (Profile::kEdge + setback);
+    const double front = side * (kStreet.edge + setback);
     bool free = wanted && site.drawn(s);
     for (const double ds : {-0.5, 0.0, 0.5}) {
       for (const double depth : {0.0, 0.5, 1.0}) {
@@ -208,8 +202,8 @@ void StreetBuilder::buildHouses(const Site& site, double side, StreetStretch& st
     }
     Random own(random.bits());
     if (!free) {
-      const auto a = site.local(s - 0.45 * site.length / count, front, Profile::kKerbHeight);
-      const auto b = site.local(s + 0.45 * site.length / count, front, Profile::kKerbHeight);
+      const auto a = site.local(s - 0.45 * site.length / count, front, kStreet.kerb_height);
+      const auto b = site.local(s + 0.45 * site.length / count, front, kStreet.kerb_height);
       if (site.drawn(s) && isFree(site, s - 0.45 * site.length / count, front, 0.3) &&
           isFree(site, s + 0.45 * site.length / count, front, 0.3)) {
         addHedge(stretch.furniture.emplace_back(), a, b, own);
@@ -226,13 +220,12 @@ void StreetBuilder::buildHouses(const Site& site, double side, StreetStretch& st
 }
 
 void StreetBuilder::placeFurniture(const Site& site, StreetStretch& stretch, Random& random) const {
-  constexpr double kUp = Profile::kKerbHeight - 0.02;
   for (const double side : {1.0, -1.0}) {
     const auto spot = [&](double s, double beyond_kerb) {
-      return site.local(s, side * (Profile::kCarriageway + beyond_kerb), kUp);
+      return site.local(s, side * (kStreet.carriageway + beyond_kerb), kStreet.kerb_height - 0.02);
     };
     const auto free = [&](double s) {
-      return site.drawn(s) && isFree(site, s, side * Profile::kCarriageway, 0.5);
+      return site.drawn(s) && isFree(site, s, side * kStreet.carriageway, 0.5);
     };
     const int trees = params_.tree_every_m > 0.0
                           ? static_cast<int>(std::lround(site.length / params_.tree_every_m *
@@ -267,8 +260,6 @@ void StreetBuilder::placeFurniture(const Site& site, StreetStretch& stretch, Ran
 }
 
 std::vector<Actor> StreetBuilder::parked(const StretchKey& key) const {
-  constexpr double kBay = 5.5;
-  constexpr std::int64_t kFirstParkedId = 100000;
   const Road& road = network_.roads()[key.road];
   Site site{key, road};
   site.begin = key.number * kStretch;
@@ -278,18 +269,19 @@ std::vector<Actor> StreetBuilder::parked(const StretchKey& key) const {
   for (const double side : {1.0, -1.0}) {
     for (int bay = 0; bay < 4; ++bay, ++bay_number) {
       Random own(random.bits());
-      const double s = site.begin + (bay + 0.6) * kBay + own.uniform(-0.3, 0.3);
+      const double s = site.begin + (bay + 0.6) * 5.5 + own.uniform(-0.3, 0.3);
       if (!own.chance(params_.parked_ratio) || !site.drawn(s) || s > road.axis.length() - 3.0 ||
-          !isFree(site, s, side * Profile::kParking, 4.0)) {
+          !isFree(site, s, side * kStreet.parking, 4.0)) {
         continue;
       }
       Actor vehicle;
       vehicle.kind = own.chance(0.12) ? ActorKind::kVan : ActorKind::kCar;
-      vehicle.id = kFirstParkedId + static_cast<std::int64_t>(key.road) * 16384 + key.number * 8 +
-                   bay_number;
+      // Above the ids of all who move; the same whenever the stretch is built again.
+      vehicle.id =
+          100000 + static_cast<std::int64_t>(key.road) * 16384 + key.number * 8 + bay_number;
       vehicle.look = own.below(1000);
       vehicle.size = drawSize(vehicle.kind, own);
-      vehicle.position = site.world(s, side * (Profile::kParking + own.uniform(-0.15, 0.1)));
+      vehicle.position = site.world(s, side * (kStreet.parking + own.uniform(-0.15, 0.1)));
       vehicle.yaw = site.yaw(s) + (side > 0 ? M_PI : 0.0) + 0.02 * own.normal();
       vehicle.parked = true;
       vehicles.push_back(vehicle);
@@ -300,11 +292,10 @@ std::vector<Actor> StreetBuilder::parked(const StretchKey& key) const {
 
 void StreetBuilder::placeFences(const Site& site, StreetStretch& stretch) const {
   if (params_.fence_ratio <= 0.0) return;  // worlds without fences draw no random numbers for them
-  constexpr double kLot = 6.0;             // length of one fence [m]
-  const int lots = std::max(1, static_cast<int>(std::lround(site.length / kLot)));
+  const int lots = std::max(1, static_cast<int>(std::lround(site.length / 6.0)));
   for (const double side : {1.0, -1.0}) {
     Random random(stretchSeed(params_, site.key, kFenceSeed, side > 0));
-    const double left = side * (StreetProfile::kEdge - 0.1);
+    const double left = side * (kStreet.edge - 0.1);
     for (int i = 0; i < lots; ++i) {
       Random own(random.bits());
       const double s0 = site.begin + site.length * i / lots;
@@ -312,16 +303,16 @@ void StreetBuilder::placeFences(const Site& site, StreetStretch& stretch) const 
       const bool is_free = site.drawn(s0) && site.drawn(s1) && isFree(site, s0, left, 0.3) &&
                            isFree(site, s1, left, 0.3);
       if (!own.chance(params_.fence_ratio) || !is_free) continue;
-      constexpr double kUp = StreetProfile::kKerbHeight;
-      addFence(stretch.furniture.emplace_back(), site.local(s0, left, kUp),
-               site.local(s1, left, kUp), own);
+      addFence(stretch.furniture.emplace_back(), site.local(s0, left, kStreet.kerb_height),
+               site.local(s1, left, kStreet.kerb_height), own);
     }
   }
 }
 
 Mesh plainMesh(const RoadNetwork& network, const Eigen::Vector2i& corner,
                const Eigen::Vector3d& anchor) {
-  constexpr int kCells = 16, kPoints = 2 * kCells + 1;
+  constexpr int kCells = 16;  // to each side
+  const int side = 2 * kCells + 1;
   std::vector<Eigen::Vector3f> points;
   for (int x = -kCells; x <= kCells; ++x) {
     for (int y = -kCells; y <= kCells; ++y) {
@@ -333,11 +324,9 @@ Mesh plainMesh(const RoadNetwork& network, const Eigen::Vector2i& corner,
     }
   }
   Mesh mesh;
-  for (int x = 0; x + 1 < kPoints; ++x) {
-    for (int y = 0; y + 1 < kPoints; ++y) {
-      const auto at = [&](int i, int k) {
-        return points[static_cast<std::size_t>(i * kPoints + k)];
-      };
+  for (int x = 0; x + 1 < side; ++x) {
+    for (int y = 0; y + 1 < side; ++y) {
+      const auto at = [&](int i, int k) { return points[static_cast<std::size_t>(i * side + k)]; };
       mesh.addQuad(at(x, y + 1), at(x + 1, y + 1), at(x + 1, y), at(x, y), UvRect{});
     }
   }
@@ -348,9 +337,7 @@ namespace {
 
 enum WorldPurpose : std::uint64_t { kWorldGrainSeed = 101, kCrossStreetSeed };
 
-constexpr double kReach = 0.75 * kStretch;  // radius of a stretch with its houses, roughly [m]
-constexpr double kKeepBeyond = 60.0;        // stretches this far out of view are removed [m]
-constexpr double kLookupCell = 64.0;        // of the lookup [m]
+constexpr double kLookupCell = 64.0;  // [m]
 
 }  // namespace
 
@@ -396,7 +383,7 @@ std::vector<World::Spot> World::spotsNear(const Eigen::Vector3d& place, double r
 std::vector<StretchKey> World::inView(const Eigen::Vector3d& viewpoint, const ViewCone& view) {
   std::vector<std::pair<double, StretchKey>> by_distance;
   for (const Spot& spot : spotsNear(viewpoint, params_.view_distance_m)) {
-    if (!view.touches(spot.middle.head<2>(), kReach)) continue;
+    if (!view.touches(spot.middle.head<2>(), 0.75 * kStretch)) continue;  // with its houses
     by_distance.emplace_back((spot.middle - viewpoint).norm(), spot.key);
   }
   std::sort(by_distance.begin(), by_distance.end());
@@ -405,7 +392,7 @@ std::vector<StretchKey> World::inView(const Eigen::Vector3d& viewpoint, const Vi
     visible.push_back(key);
     if (built_.count(key) == 0) built_.emplace(key, builder_.build(key));
   }
-  const double keep_within = params_.view_distance_m + kKeepBeyond;
+  const double keep_within = params_.view_distance_m + 60.0;
   for (auto it = built_.begin(); it != built_.end();) {
     const double distance = (it->second.anchor - viewpoint).head<2>().norm();
     it = distance > keep_within ? built_.erase(it) : std::next(it);

@@ -232,8 +232,6 @@ cv::Mat drawMaterial(Material material, const Grain& grain, Random& random) {
 
 namespace {
 
-using Profile = StreetProfile;
-
 /// Pixels of the ground texture, addressed in metres along and to the left.
 class GroundCanvas {
  public:
@@ -271,26 +269,25 @@ void drawPavement(GroundCanvas& canvas, double length, double side, Random& rand
   const double base = random.uniform(125, 165);
   const double slab = random.chance(0.5) ? 0.4 : 0.6;
   for (double a = 0.0; a < length - 1e-6; a += slab) {
-    for (double d = Profile::kCarriageway + 0.15; d < Profile::kEdge; d += slab) {
+    for (double d = kStreet.carriageway + 0.15; d < kStreet.edge; d += slab) {
       canvas.rectangle(a, side * d, a + slab, side * (d + slab),
                        grey(base + 7.0 * random.normal(), random));
     }
   }
   const cv::Scalar joint = cv::Scalar::all(base - 45);
   for (double a = 0.0; a <= length; a += slab) {
-    cv::line(canvas.picture(), canvas.at(a, side * Profile::kCarriageway),
-             canvas.at(a, side * Profile::kEdge), joint, 1);
+    cv::line(canvas.picture(), canvas.at(a, side * kStreet.carriageway),
+             canvas.at(a, side * kStreet.edge), joint, 1);
   }
-  for (double d = Profile::kCarriageway + 0.15; d < Profile::kEdge; d += slab) {
+  for (double d = kStreet.carriageway + 0.15; d < kStreet.edge; d += slab) {
     cv::line(canvas.picture(), canvas.at(0, side * d), canvas.at(length, side * d), joint, 1);
   }
   for (double a = 0.0; a < length; a += 1.0) {  // kerb stones
-    canvas.rectangle(a + 0.02, side * Profile::kCarriageway, a + 0.98,
-                     side * (Profile::kCarriageway + 0.15),
-                     grey(175 + 8 * random.normal(), random));
+    canvas.rectangle(a + 0.02, side * kStreet.carriageway, a + 0.98,
+                     side * (kStreet.carriageway + 0.15), grey(175 + 8 * random.normal(), random));
   }
   for (int i = 0; i < 90; ++i) {  // leaves, gum, litter
-    const double d = side * random.uniform(Profile::kCarriageway + 0.2, Profile::kEdge);
+    const double d = side * random.uniform(kStreet.carriageway + 0.2, kStreet.edge);
     const cv::Point at = canvas.at(random.uniform(0, length), d);
     cv::Scalar colour(30);
     if (random.chance(0.5)) {
@@ -308,7 +305,7 @@ void drawPavement(GroundCanvas& canvas, double length, double side, Random& rand
 void drawCracks(GroundCanvas& canvas, double length, int count, Random& random) {
   for (int i = 0; i < count; ++i) {
     double a = random.uniform(0, length);
-    double d = random.uniform(-Profile::kCarriageway, Profile::kCarriageway);
+    double d = random.uniform(-kStreet.carriageway, kStreet.carriageway);
     double heading = random.uniform(0, 2 * M_PI);
     const double level = random.uniform(20, 50);
     const int steps = 4 + random.below(14);
@@ -316,7 +313,7 @@ void drawCracks(GroundCanvas& canvas, double length, int count, Random& random) 
       heading += 0.5 * random.normal();
       const double a2 = a + 0.35 * std::cos(heading);
       const double d2 =
-          std::clamp(d + 0.35 * std::sin(heading), -Profile::kCarriageway, Profile::kCarriageway);
+          std::clamp(d + 0.35 * std::sin(heading), -kStreet.carriageway, kStreet.carriageway);
       cv::line(canvas.picture(), canvas.at(a, d), canvas.at(a2, d2), cv::Scalar::all(level),
                1 + random.below(2), cv::LINE_AA);
       a = a2;
@@ -384,7 +381,7 @@ void drawMarks(GroundCanvas& canvas, const GroundMarks& marks, Random& random) {
 }  // namespace
 
 float groundTextureV(double left) {
-  return static_cast<float>(0.5 - 0.5 * left / (Profile::kEdge + 0.1));
+  return static_cast<float>(0.5 - 0.5 * left / (kStreet.edge + 0.1));
 }
 
 cv::Mat drawGround(const GroundMarks& marks, const Grain& grain, Random& random) {

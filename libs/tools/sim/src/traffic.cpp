@@ -9,13 +9,15 @@
 namespace headway::sim {
 namespace {
 
-using Profile = StreetProfile;
-
-constexpr double kRelaxation = 0.5;      // Helbing & Molnar 1995, table: tau [s]
-constexpr double kRepulsion = 2.1;       // V0 [m^2/s^2]
-constexpr double kRepulsionReach = 0.3;  // sigma [m]
-constexpr double kPatience = 20.0;       // at the kerb, then one walks on [s]
-constexpr double kPersonal = 0.45;       // two meshes side by side [m]
+/// Helbing & Molnar 1995, Sec. III, and what our pedestrians do beyond it.
+struct SocialForce {
+  double relaxation_s = 0.5;       ///< tau
+  double repulsion = 2.1;          ///< V0 [m^2/s^2]
+  double repulsion_reach_m = 0.3;  ///< sigma
+  double personal_m = 0.45;        ///< two meshes side by side
+  double patience_s = 20.0;        ///< at the kerb, then one walks on
+};
+constexpr SocialForce kForce{};
 
 }  // namespace
 
@@ -24,15 +26,19 @@ Pedestrians::Pedestrians(const TrafficParams& params, const Route& route,
     : params_(params), route_(route), network_(network), random_(seed) {}
 
 void Pedestrians::add(Person person, std::int64_t& next_id) {
-  Actor actor;
-  actor.id = next_id++;
-  actor.kind = ActorKind::kPedestrian;
-  actor.look = random_.below(100000);
-  actor.size = drawSize(actor.kind, random_);
+  Actor actor = drawActor(ActorKind::kPedestrian, next_id++, random_);
   actor.gait = random_.uniform(0.0, 2.0 * M_PI);
   people_.push_back(person);
   actors_.push_back(actor);
   place(people_.size() - 1, 0.0);
+}
+
+void Pedestrians::drawIntent(Person& person) {
+  const double pavement = random_.chance(0.5) ? 1.0 : -1.0;
+  person.lane = pavement * random_.uniform(7.35, 8.5);
+  person.direction = random_.chance(0.5) ? 1.0 : -1.0;
+  person.desired_speed_mps =
+      std::clamp(params_.walking_speed_mps + 0.26 * random_.normal(), 0.6, 2.2);
 }
 
 void Pedestrians::spawnGroup(const RobotState& robot, bool anywhere, int at_most,
@@ -42,12 +48,8 @@ void Pedestrians::spawnGroup(const RobotState& robot, bool anywhere, int at_most
   person.at.x() =
       robot.s + random_.uniform(nearest, std::max(nearest + 1.0, params_.range_ahead_m));
   if (!route_.street.closed() && person.at.x() > route_.street.length() - 5.0) return;
-  const double pavement = random_.chance(0.5) ? 1.0 : -1.0;
-  person.lane = pavement * random_.uniform(7.35, 8.5);
+  drawIntent(person);
   person.at.y() = person.lane;
-  person.direction = random_.chance(0.5) ? 1.0 : -1.0;
-  person.desired_speed_mps =
-      std::clamp(params_.walking_speed_mps + 0.26 * random_.normal(), 0.6, 2.2);
   const bool in_group = at_most > 1 && random_.chance(params_.group_ratio);
   const int size = in_group ? std::min(at_most, 2 + random_.below(2)) : 1;
   const std::int64_t leader = next_id;
@@ -66,11 +68,7 @@ void Pedestrians::spawnBeforeCamera(const RobotState& robot, std::int64_t& next_
   for (int k = 0; k < params_.in_front_at_start; ++k) {
     Person person;
     person.at = {robot.s + random_.uniform(6.0, 18.0), random_.uniform(-6.0, 4.5)};
-    const double pavement = random_.chance(0.5) ? 1.0 : -1.0;
-    person.lane = pavement * random_.uniform(7.35, 8.5);
-    person.direction = random_.chance(0.5) ? 1.0 : -1.0;
-    person.desired_speed_mps =
-        std::clamp(params_.walking_speed_mps + 0.26 * random_.normal(), 0.6, 2.2);
+    drawIntent(person);
     person.state = State::kCrossing;
     add(person, next_id);
   }
@@ -95,7 +93,7 @@ const Pedestrians::Person* Pedestrians::find(std::int64_t id) const {
 bool Pedestrians::mayCross(const Person& person, const std::vector<Obstacle>& vehicles) const {
   // It takes some three seconds into the nearer lane; who has waited accepts less, and drivers
   // brake for the rest.
-  const double gap = std::max(1.8, 3.2 - 0.25 * (kPatience - person.timer_s));
+  const double gap = std::max(1.8, 3.2 - 0.25 * (kForce.patience_s - person.timer_s));
   const Eigen::Vector2d here = route_.street.beside(person.at.x(), 0.0).head<2>();
   return std::none_of(vehicles.begin(), vehicles.end(), [&](const Obstacle& vehicle) {
     const Eigen::Vector2d offset = here - vehicle.position;
@@ -114,7 +112,7 @@ void Pedestrians::decide(Person& person, double dt, const std::vector<Obstacle>&
         person.timer_s = random_.uniform(1.5, 6.0);
       } else if (random_.chance(params_.road_crossing_rate_hz * dt)) {
         person.state = State::kWaiting;
-        person.timer_s = kPatience;
+        person.timer_s = kForce.patience_s;
       } else if (random_.chance(0.004 * dt)) {
         person.direction = -person.direction;
       }
@@ -129,7 +127,7 @@ void Pedestrians::decide(Person& person, double dt, const std::vector<Obstacle>&
     case State::kWaiting:
       person.timer_s -= dt;
       if (person.timer_s <= 0.0) person.state = State::kWalking;
-      if (std::abs(person.at.y()) < Profile::kCarriageway + 0.55 && mayCross(person, vehicles)) {
+      if (std::abs(person.at.y()) < kStreet.carriageway + 0.55 && mayCross(person, vehicles)) {
         person.lane = -person.lane;
         person.state = State::kCrossing;
       }
@@ -146,7 +144,7 @@ Eigen::Vector2d Pedestrians::desiredVelocity(const Person& person) const {
     case State::kStanding:
       return Eigen::Vector2d::Zero();
     case State::kWaiting: {  // up to the kerb
-      const double kerb = (person.lane > 0 ? 1.0 : -1.0) * (Profile::kCarriageway + 0.4);
+      const double kerb = (person.lane > 0 ? 1.0 : -1.0) * (kStreet.carriageway + 0.4);
       return {0.0, std::clamp(kerb - person.at.y(), -1.0, 1.0)};
     }
     case State::kCrossing: {
@@ -169,24 +167,25 @@ Eigen::Vector2d Pedestrians::repulsion(std::size_t i) const {
     away += 0.6 * (people_[i].velocity - people_[k].velocity);
     const double distance = std::max(0.05, away.norm());
     if (distance > 3.0) continue;
-    force += kRepulsion / kRepulsionReach * std::exp((kPersonal - distance) / kRepulsionReach) *
-             0.5 * away / distance;
+    force += kForce.repulsion / kForce.repulsion_reach_m *
+             std::exp((kForce.personal_m - distance) / kForce.repulsion_reach_m) * 0.5 * away /
+             distance;
   }
   return force.norm() > 3.0 ? Eigen::Vector2d(3.0 * force.normalized()) : force;
 }
 
 double Pedestrians::groundAt(const Person& person) const {
   const double street = route_.street.at(person.at.x()).position.z();
-  const double beyond_kerb = std::abs(person.at.y()) - Profile::kCarriageway;
+  const double beyond_kerb = std::abs(person.at.y()) - kStreet.carriageway;
   double beside_junction = 10.0;
   for (const Road* road :
-       network_.crossStreetsNear(person.at.x(), Profile::kCarriageway + beside_junction)) {
+       network_.crossStreetsNear(person.at.x(), kStreet.carriageway + beside_junction)) {
     const double along = std::abs(route_.ahead(road->main_s, person.at.x()));
-    beside_junction = std::min(beside_junction, along - Profile::kCarriageway);
+    beside_junction = std::min(beside_junction, along - kStreet.carriageway);
   }
   const double onto =
       std::clamp(std::min(beyond_kerb, beside_junction - 0.4) / 0.25 + 0.5, 0.0, 1.0);
-  return street + onto * Profile::kKerbHeight;
+  return street + onto * kStreet.kerb_height;
 }
 
 void Pedestrians::place(std::size_t i, double dt) {
@@ -212,8 +211,7 @@ void Pedestrians::place(std::size_t i, double dt) {
     actor.yaw += std::clamp(turn, -3.5 * dt, 3.5 * dt);
   }
   actor.yaw = std::remainder(actor.yaw, 2.0 * M_PI);
-  // One cycle is two steps: about 1.4 m at normal speed, less when slow.
-  actor.gait += 2.0 * M_PI * actor.speed * dt / (0.55 + 0.62 * std::max(0.3, actor.speed));
+  swingLimbs(dt, actor);
 }
 
 void Pedestrians::retire(const RobotState& robot) {
@@ -243,7 +241,7 @@ void Pedestrians::advance(double dt, const RobotState& robot, const std::vector<
       decide(person, dt, vehicles);
       desired = desiredVelocity(person);
     }
-    forces.push_back((desired - person.velocity) / kRelaxation + repulsion(i));
+    forces.push_back((desired - person.velocity) / kForce.relaxation_s + repulsion(i));
   }
   for (std::size_t i = 0; i < people_.size(); ++i) {
     people_[i].velocity += dt * forces[i];

@@ -44,6 +44,8 @@ class Pedestrians {
     Eigen::Vector2d offset = Eigen::Vector2d::Zero();  ///< from the leader
   };
 
+  /// Draws where on the pavements somebody wants to walk, which way and how fast.
+  void drawIntent(Person& person);
   void spawnGroup(const RobotState& robot, bool anywhere, int at_most, std::int64_t& next_id);
   void spawnBeforeCamera(const RobotState& robot, std::int64_t& next_id);
   void add(Person person, std::int64_t& next_id);

@@ -13,11 +13,7 @@
 namespace headway::sim {
 namespace {
 
-using Profile = StreetProfile;
-
-constexpr double kPathReach = 320.0;   // of a path made along the street [m]
-constexpr double kStopLine = 8.6;      // before the middle of the street to be crossed [m]
-constexpr double kIntoJunction = 3.0;  // who turns left waits that far into the junction [m]
+constexpr double kPathReach = 320.0;  // of a path made along the street [m]
 
 /// The lane `left` of the street's middle from street_s on, in driving direction.
 std::vector<Eigen::Vector3d> lanePoints(const Path& street, double street_s, double left,
@@ -31,8 +27,13 @@ std::vector<Eigen::Vector3d> lanePoints(const Path& street, double street_s, dou
   return points;
 }
 
+long cyclistsIn(const std::vector<Actor>& actors) {
+  return std::count_if(actors.begin(), actors.end(),
+                       [](const Actor& actor) { return actor.kind == ActorKind::kCyclist; });
+}
+
 double laneOf(ActorKind kind, bool oncoming) {
-  const double right = kind == ActorKind::kCyclist ? Profile::kCycling : Profile::kLaneMiddle;
+  const double right = kind == ActorKind::kCyclist ? kStreet.cycling : kStreet.lane_middle;
   return oncoming ? right : -right;
 }
 
@@ -91,8 +92,8 @@ void Vehicles::turnOff(Vehicle& vehicle, bool oncoming) {
   std::vector<Eigen::Vector3d> exit;
   for (double d = exit_after; d <= chosen->junction_s - 1.0; d += 1.0) {
     // Away from the junction, keeping right.
-    exit.push_back(along_axis ? chosen->axis.beside(chosen->junction_s + d, -Profile::kLaneMiddle)
-                              : chosen->axis.beside(chosen->junction_s - d, Profile::kLaneMiddle));
+    exit.push_back(along_axis ? chosen->axis.beside(chosen->junction_s + d, -kStreet.lane_middle)
+                              : chosen->axis.beside(chosen->junction_s - d, kStreet.lane_middle));
   }
   if (points.size() < 5 || exit.size() < 5) return;
   const Eigen::Vector3d begin = points.back();  // a copy: points grows
@@ -103,7 +104,7 @@ void Vehicles::turnOff(Vehicle& vehicle, bool oncoming) {
   vehicle.path = std::make_shared<Path>(points);
   if (!to_left) return;
   vehicle.yields_to = oncoming ? Yields::kToAlong : Yields::kToOncoming;
-  vehicle.yield_s = ahead - begin_before + kIntoJunction;
+  vehicle.yield_s = ahead - begin_before + 3.0;  // waits in the junction
   vehicle.yield_street_s = chosen->main_s;
 }
 
@@ -119,8 +120,8 @@ std::optional<Vehicles::Vehicle> Vehicles::crossing(const RobotState& robot, boo
   vehicle.intent = Intent::kCross;
   const bool reversed = random_.chance(0.5);
   vehicle.path = std::make_shared<Path>(
-      besidePath(road.axis, reversed ? Profile::kLaneMiddle : -Profile::kLaneMiddle, reversed));
-  vehicle.yield_s = road.junction_s - kStopLine;
+      besidePath(road.axis, reversed ? kStreet.lane_middle : -kStreet.lane_middle, reversed));
+  vehicle.yield_s = road.junction_s - 8.6;  // the stop line, before the middle of the street
   vehicle.yield_street_s = road.main_s;
   vehicle.street_s = road.main_s;
   vehicle.place.s = anywhere ? random_.uniform(5.0, road.junction_s - 15.0) : 6.0;
@@ -154,10 +155,7 @@ void Vehicles::spawn(ActorKind kind, const RobotState& robot, bool anywhere,
     if (vehicle && !cyclist && random_.chance(params_.turning_ratio)) turnOff(*vehicle, oncoming);
   }
   if (!vehicle) return;
-  Actor actor;
-  actor.kind = kind;
-  actor.look = random_.below(100000);
-  actor.size = drawSize(kind, random_);
+  Actor actor = drawActor(kind, -1, random_);
   vehicle->place.length = actor.size.x();
   vehicle->place.width = actor.size.y();
   const double mean = cyclist ? 4.6 : params_.vehicle_speed_mps;
@@ -177,9 +175,7 @@ void Vehicles::spawn(ActorKind kind, const RobotState& robot, bool anywhere,
 
 void Vehicles::populate(const RobotState& robot, std::int64_t& next_id) {
   for (int tries = 0; tries < 40; ++tries) {
-    const auto cyclists = std::count_if(actors_.begin(), actors_.end(), [](const Actor& actor) {
-      return actor.kind == ActorKind::kCyclist;
-    });
+    const long cyclists = cyclistsIn(actors_);
     if (cyclists < params_.cyclists) spawn(ActorKind::kCyclist, robot, true, next_id);
     const auto driving = static_cast<long>(actors_.size()) - cyclists;
     for (long missing = params_.vehicles - driving; missing > 0; --missing) {
@@ -210,12 +206,7 @@ bool Vehicles::gapFor(const Vehicle& vehicle, const RobotState& robot) const {
 void Vehicles::place(std::size_t i, double dt) {
   Vehicle& vehicle = vehicles_[i];
   Actor& actor = actors_[i];
-  const PathPoint point = vehicle.path->at(vehicle.place.s);
-  actor.position = point.position;
-  actor.yaw = point.yaw;
-  actor.speed = vehicle.place.speed;
-  actor.velocity = actor.speed * Eigen::Vector2d(std::cos(actor.yaw), std::sin(actor.yaw));
-  if (actor.kind == ActorKind::kCyclist) actor.gait += 1.3 * actor.speed * dt;
+  placeOn(vehicle.path->at(vehicle.place.s), vehicle.place.speed, dt, actor);
   if (vehicle.intent != Intent::kCross) {
     vehicle.street_s =
         route_.street
@@ -259,9 +250,7 @@ void Vehicles::advance(double dt, const RobotState& robot, const std::vector<Obs
     place(i, dt);
   }
   retire(robot);
-  const auto cyclists = std::count_if(actors_.begin(), actors_.end(), [](const Actor& actor) {
-    return actor.kind == ActorKind::kCyclist;
-  });
+  const long cyclists = cyclistsIn(actors_);
   if (cyclists < params_.cyclists) spawn(ActorKind::kCyclist, robot, false, next_id);
   if (static_cast<long>(actors_.size()) - cyclists < params_.vehicles) {
     spawn(drawKind(), robot, false, next_id);
@@ -270,13 +259,19 @@ void Vehicles::advance(double dt, const RobotState& robot, const std::vector<Obs
 
 namespace {
 
-using Profile = StreetProfile;
+/// How near an escort drives to the camera, and how it follows the wanted ratio.
+struct EscortStyle {
+  double ahead_closest_m = 6.5;    ///< camera to the rear of a vehicle ahead
+  double passing_closest_m = 3.0;  ///< camera to the rear of a passing vehicle
+  double cyclist_closest_m = 4.5;  ///< camera to the nearer cyclist
+  double farthest_back_m = 28.0;   ///< largest distance behind
+  double surge = 0.12;             ///< of the distance, to and fro
+  double memory = 30.0;            ///< images in which a debt is paid back
+  double eagerness = 0.15;         ///< exponent of the correction of each image
 
-constexpr double kAheadClosest = 6.5;    // camera to the rear of a vehicle ahead [m]
-constexpr double kPassingClosest = 3.0;  // camera to the rear of a passing vehicle [m]
-constexpr double kCyclistClosest = 4.5;  // camera to the nearer cyclist [m]
-constexpr double kFarthestBack = 28.0;   // largest distance behind [m]
-constexpr double kSurge = 0.12;          // of the distance, to and fro
+  [[nodiscard]] constexpr double farthest() const { return farthest_back_m / passing_closest_m; }
+};
+constexpr EscortStyle kEscort{};
 
 }  // namespace
 
@@ -296,12 +291,12 @@ Escort::Escort(const TrafficParams& params, const Route& route, const StereoCame
   const bool ahead_first = random_.chance(0.5);
   for (const bool ahead : {ahead_first, !ahead_first}) {
     if (covers(enough)) return;
-    recruit(kKinds[random_.below(4)], (ahead ? -1.0 : 1.0) * Profile::kLaneMiddle,
-            ahead ? kAheadClosest : kPassingClosest, next_id);
+    recruit(kKinds[random_.below(4)], (ahead ? -1.0 : 1.0) * kStreet.lane_middle,
+            ahead ? kEscort.ahead_closest_m : kEscort.passing_closest_m, next_id);
   }
-  for (const double closest : {kCyclistClosest, kCyclistClosest + 2.6}) {
+  for (const double closest : {kEscort.cyclist_closest_m, kEscort.cyclist_closest_m + 2.6}) {
     if (covers(enough)) return;
-    recruit(ActorKind::kCyclist, -Profile::kCycling, closest, next_id);
+    recruit(ActorKind::kCyclist, -kStreet.cycling, closest, next_id);
   }
   for (const std::size_t i : {0U, 1U}) {
     if (covers(enough)) return;
@@ -341,19 +336,13 @@ TrafficParams Escort::others() const {
 
 double Escort::slot(const Member& member) const {
   const double surge =
-      1.0 + kSurge * std::sin(2.0 * M_PI * time_s_ / member.rhythm_s + member.phase);
-  return std::min(member.closest_m * distance_ * surge, kFarthestBack);
+      1.0 + kEscort.surge * std::sin(2.0 * M_PI * time_s_ / member.rhythm_s + member.phase);
+  return std::min(member.closest_m * distance_ * surge, kEscort.farthest_back_m);
 }
 
 void Escort::place(std::size_t i, double dt) {
   const LaneKeeper& lane = members_[i].lane;
-  const PathPoint point = lane.place();
-  Actor& actor = actors_[i];
-  actor.position = point.position;
-  actor.yaw = point.yaw;
-  actor.speed = lane.speed;
-  actor.velocity = lane.speed * Eigen::Vector2d(std::cos(point.yaw), std::sin(point.yaw));
-  if (actor.kind == ActorKind::kCyclist) actor.gait += 1.3 * actor.speed * dt;
+  placeOn(lane.place(), lane.speed, dt, actors_[i]);
 }
 
 void Escort::arrange(const RobotState& robot) {
@@ -374,7 +363,7 @@ double Escort::covered(const Pose& T_world_robot, const std::vector<Actor>& othe
 void Escort::populate(const RobotState& robot, const Pose& T_world_robot,
                       const std::vector<Actor>& others) {
   if (members_.empty()) return;
-  double near = 1.0, far = kFarthestBack / kPassingClosest;
+  double near = 1.0, far = kEscort.farthest();
   for (int i = 0; i < 12; ++i) {  // bisection
     distance_ = 0.5 * (near + far);
     arrange(robot);
@@ -398,16 +387,14 @@ void Escort::advance(double dt, const RobotState& robot, const std::vector<Obsta
 
 void Escort::observe(const Pose& T_world_robot, const std::vector<Actor>& others) {
   if (members_.empty()) return;
-  constexpr double kMemory = 30.0;  // images in which a debt is paid back
-  constexpr double kEagerness = 0.15;
   const double target = params_.image_share;
   const double now = covered(T_world_robot, others);
   images_ += 1.0;
   covered_sum_ += now;
   const double wanted =
-      std::clamp(target + (target * images_ - covered_sum_) / kMemory, 0.3 * target, 0.9);
-  distance_ *= std::pow(std::max(now, 0.01) / wanted, kEagerness);
-  distance_ = std::clamp(distance_, 1.0, kFarthestBack / kPassingClosest);
+      std::clamp(target + (target * images_ - covered_sum_) / kEscort.memory, 0.3 * target, 0.9);
+  distance_ *= std::pow(std::max(now, 0.01) / wanted, kEscort.eagerness);
+  distance_ = std::clamp(distance_, 1.0, kEscort.farthest());
 }
 
 }  // namespace headway::sim
