@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Errors of dense maps against the true surface.
 #include <headway/core/statistics.h>
 #include <headway/eval/dense_error.h>
+#include <headway/eval/figures.h>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -9,16 +11,11 @@
 #include <stdexcept>
 #include <unordered_map>
 
-#include "label_matching.h"
-
 namespace headway::eval {
 namespace {
 
 constexpr int kKeyBits = 21;
 constexpr std::int64_t kMiddle = 1 << 20;
-constexpr double kBeyond = 1.5;            // of the reach, seen but not within it
-constexpr std::uint32_t kMaxPixels = 400;  // of a patch: more do not change its plane
-constexpr std::uint32_t kMinPlanePixels = 8;
 
 bool hasSize(const cv::Mat& image, const StereoCamera& camera) {
   return image.cols == camera.width && image.rows == camera.height;
@@ -83,7 +80,7 @@ void TrueSurface::addPixel(const Eigen::Vector3d& in_map, const Eigen::Vector3d&
     sums.nearest_m = static_cast<float>(depth);
     sums.ray = ray.cast<float>();
   }
-  if (sums.pixels < kMaxPixels) {
+  if (sums.pixels < 400) {  // more do not change its plane
     const Eigen::Vector3f offset = (in_map - sums.centre).cast<float>();
     sums.point += offset;
     sums.product += offset * offset.transpose();
@@ -112,7 +109,7 @@ void TrueSurface::add(const TrueDepths& depths, const Pose& T_map_robot) {
     const auto* matched = depths.matched.empty() ? nullptr : depths.matched.ptr<std::uint8_t>(v);
     for (int u = 0; u < depths.depth_m.cols; ++u) {
       const auto z = static_cast<double>(depth[u]);
-      if (!(z > 0.0 && z <= kBeyond * to_m_) || moving[u] != 0) continue;
+      if (!(z > 0.0 && z <= 1.5 * to_m_) || moving[u] != 0) continue;
       // What the right camera does not see has no disparity.
       const double hidden_px = camera_.isDepthCamera() ? 0.0 : camera_.fx * camera_.baseline_m / z;
       const bool in_reach = z >= from_m_ && z <= to_m_ && u >= hidden_px;
@@ -135,7 +132,7 @@ std::vector<TrueSurface::Patch> TrueSurface::patches() const {
     patch.ray = sums.ray.normalized();
     patch.frames = sums.frames;
     patch.matched_frames = sums.matched_frames;
-    if (sums.pixels >= kMinPlanePixels) {
+    if (sums.pixels >= 8) {
       fitPlane(sums.product / pixels - patch.mean * patch.mean.transpose(), patch);
     }
     patches.push_back(patch);
@@ -178,7 +175,6 @@ namespace {
 
 constexpr std::uint32_t kMinFrames = 3;
 constexpr int kMaxVoxels = 5;
-constexpr double kOffBars = 4.0;      // from a surface, what is none of its points: 2 deviations
 constexpr double kBoxMargin_m = 0.2;  // true boxes are tight
 
 /// Boxes by the squares of the ground that they touch.
@@ -328,7 +324,7 @@ DenseError denseError(const std::vector<TrueSurface::Patch>& patches, double vox
     const auto nearest = surface.nearest(points[i], kMaxVoxels);
     const double distance = nearest ? nearest->distance_m : kMaxVoxels * voxel_m;
     const double bar = nearest ? barOf(*nearest->patch, voxel_m, sigma_per_square) : 0.5 * voxel_m;
-    const bool is_off = distance > kOffBars * bar;
+    const bool is_off = distance > 4.0 * bar;  // 2 deviations: none of its points
     if (is_off && boxes.isIn(points[i], true)) {
       error.mover_points.push_back(i);
     } else if (is_off && boxes.isIn(points[i], false)) {

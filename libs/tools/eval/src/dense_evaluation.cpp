@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Evaluation of the dense map of a replay's folder.
 #include <headway/core/error.h>
 #include <headway/core/stereo_camera.h>
 #include <headway/eval/dense_error.h>
@@ -59,11 +60,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kSigmas = 3.0;        // of a disparity that agrees with the true depth
-constexpr double kSameBox_m = 0.05;    // an object that moved less fills the same space ...
-constexpr double kSameBox_rad = 0.02;  // ... as does one that turned less
-
-/// Pixels at which a disparity agrees with the true depth.
+/// Pixels at which a disparity agrees with the true depth within three standard deviations.
 cv::Mat matchedPixels(const stereo::DisparityImage& disparity, const cv::Mat& depth_m,
                       const stereo::RigCapability& rig) {
   cv::Mat matched(depth_m.size(), CV_8U, cv::Scalar(0));
@@ -72,7 +69,7 @@ cv::Mat matchedPixels(const stereo::DisparityImage& disparity, const cv::Mat& de
       const auto z = static_cast<double>(depth_m.at<float>(v, u));
       const auto d = static_cast<double>(disparity.at(u, v));
       if (!(z > 0.0 && d > 0.0)) continue;
-      const bool agrees = std::abs(d - rig.focal_baseline / z) <= kSigmas * rig.sigma_disparity_px;
+      const bool agrees = std::abs(d - rig.focal_baseline / z) <= 3.0 * rig.sigma_disparity_px;
       matched.at<std::uint8_t>(v, u) = agrees ? 255 : 0;
     }
   }
@@ -108,8 +105,9 @@ class MatchedPairs {
   std::optional<stereo::GroundPlane> ground_;  ///< of the frame before
 };
 
+/// Whether an object that moved or turned so little fills the same space.
 bool isSame(const ObjectBox& a, const ObjectBox& b) {
-  return (a.centre - b.centre).norm() < kSameBox_m && std::abs(a.yaw - b.yaw) < kSameBox_rad;
+  return (a.centre - b.centre).norm() < 0.05 && std::abs(a.yaw - b.yaw) < 0.02;
 }
 
 /// Boxes of all objects in all frames, without those of objects that stayed where they were.
@@ -184,10 +182,7 @@ DenseTruth denseTruth(const fs::path& folder, const std::string& rawlog, const D
 
 namespace {
 
-namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-constexpr double kMega = 1e6;
 
 std::vector<Eigen::Vector3d> pointsOf(const fs::path& path) {
   if (!fs::exists(path)) {
@@ -200,29 +195,29 @@ std::vector<Eigen::Vector3d> pointsOf(const fs::path& path) {
   return points;
 }
 
+double megabytes(std::size_t bytes) { return static_cast<double>(bytes) / 1e6; }
+
 DenseSizes sizesOf(const fs::path& replay, double path_m) {
   DenseSizes sizes;
-  sizes.points_mb = static_cast<double>(fs::file_size(replay / "map_dense.ply")) / kMega;
+  sizes.points_mb = megabytes(fs::file_size(replay / "map_dense.ply"));
   const auto stored = map::loadMap((replay / "map.headway").string());
   const auto scans = stored.attachments.find(map::kDenseAttachment);
   if (scans != stored.attachments.end()) {
-    sizes.scans_mb = static_cast<double>(scans->second.size()) / kMega;
+    sizes.scans_mb = megabytes(scans->second.size());
   }
   sizes.path_km = path_m / 1000.0;
   return sizes;
 }
 
-Json optional(std::optional<double> value) { return value ? Json(*value) : Json(); }
-
 Json coverageJson(const Coverage& coverage, bool matched) {
   Json json = {{"surface", coverage.surface},
                {"covered", coverage.covered},
-               {"ratio", optional(coverage.ratio())},
-               {"ratio_within_bar", optional(coverage.ratioWithinBar())}};
+               {"ratio", orNull(coverage.ratio())},
+               {"ratio_within_bar", orNull(coverage.ratioWithinBar())}};
   if (!matched) return json;
   json["matchable"] = coverage.matchable;
-  json["matchable_ratio"] = optional(coverage.matchableRatio());
-  json["matchable_covered_ratio"] = optional(coverage.matchableCovered());
+  json["matchable_ratio"] = orNull(coverage.matchableRatio());
+  json["matchable_covered_ratio"] = orNull(coverage.matchableCovered());
   return json;
 }
 
@@ -270,17 +265,17 @@ Json toJson(const DenseEvaluation& evaluation) {
           {"compared", error.compared},
           {"median_m", error.median_m},
           {"median_bar_m", error.median_bar_m},
-          {"within_bar_ratio", optional(error.withinBarRatio())},
+          {"within_bar_ratio", orNull(error.withinBarRatio())},
           {"astray", error.astray},
           {"of_movers", error.of_movers},
-          {"mover_ratio", optional(error.moverRatio())},
+          {"mover_ratio", orNull(error.moverRatio())},
           {"on_still_objects", error.on_still_objects},
           {"coverage", coverageJson(error.coverage, evaluation.is_matched)},
           {"by_range", std::move(by_range)},
           {"path_km", sizes.path_km},
           {"points_mb", sizes.points_mb},
           {"scans_mb", sizes.scans_mb},
-          {"mb_per_km", optional(sizes.perKilometre())}};
+          {"mb_per_km", orNull(sizes.perKilometre())}};
 }
 
 }  // namespace headway::eval

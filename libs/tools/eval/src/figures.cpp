@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Errors as JSON and as tables.
 #include <headway/eval/figures.h>
 #include <headway/eval/moving_object_error.h>
 #include <headway/eval/prediction_error.h>
@@ -10,14 +11,20 @@
 #include <string>
 
 namespace headway::eval {
-namespace {
 
 using plot::fixedText;
 using plot::percentText;
 using plot::TextTable;
 using Json = nlohmann::ordered_json;
 
+std::optional<double> ratioOf(std::size_t part, std::size_t whole) {
+  if (whole == 0) return std::nullopt;
+  return static_cast<double>(part) / static_cast<double>(whole);
+}
+
 Json orNull(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+namespace {
 
 Json toJson(const TrackError& error) {
   Json json;
@@ -186,18 +193,12 @@ TextTable tableOf(const PredictionErrors& errors) {
 
 namespace {
 
-using OrderedJson = nlohmann::ordered_json;
-
-OrderedJson valueOrNull(const std::optional<double>& value) {
-  return value ? OrderedJson(*value) : OrderedJson(nullptr);
-}
-
-OrderedJson countsJson(const MovingCounts& counts) {
-  OrderedJson json;
-  json["recall"] = valueOrNull(counts.recall());
-  json["recall_as_class"] = valueOrNull(counts.recallAsClass());
-  json["precision"] = valueOrNull(counts.precision());
-  json["precision_as_class"] = valueOrNull(counts.precisionAsClass());
+Json countsJson(const MovingCounts& counts) {
+  Json json;
+  json["recall"] = orNull(counts.recall());
+  json["recall_as_class"] = orNull(counts.recallAsClass());
+  json["precision"] = orNull(counts.precision());
+  json["precision_as_class"] = orNull(counts.precisionAsClass());
   json["labels"] = counts.labels;
   json["found"] = counts.found;
   json["found_as_class"] = counts.found_as_class;
@@ -207,14 +208,14 @@ OrderedJson countsJson(const MovingCounts& counts) {
   return json;
 }
 
-OrderedJson groupsJson(const std::map<std::string, MovingCounts>& groups) {
-  auto json = OrderedJson::object();
+Json groupsJson(const std::map<std::string, MovingCounts>& groups) {
+  auto json = Json::object();
   for (const auto& [name, counts] : groups) json[name] = countsJson(counts);
   return json;
 }
 
-OrderedJson tracksJson(const std::vector<MovingTrack>& tracks) {
-  auto json = OrderedJson::array();
+Json tracksJson(const std::vector<MovingTrack>& tracks) {
+  auto json = Json::array();
   for (const auto& track : tracks) {
     json.push_back({{"id", track.id},
                     {"class", std::string(toString(track.object_class))},
@@ -227,24 +228,22 @@ OrderedJson tracksJson(const std::vector<MovingTrack>& tracks) {
   return json;
 }
 
-void addRow(plot::TextTable& table, const std::string& name, const MovingCounts& counts) {
-  table.push_back({name, plot::percentText(counts.recall(), 1),
-                   plot::percentText(counts.recallAsClass(), 1), std::to_string(counts.labels),
-                   plot::percentText(counts.precision(), 1),
-                   plot::percentText(counts.precisionAsClass(), 1), std::to_string(counts.rows)});
+void addRow(TextTable& table, const std::string& name, const MovingCounts& counts) {
+  table.push_back({name, percentText(counts.recall(), 1), percentText(counts.recallAsClass(), 1),
+                   std::to_string(counts.labels), percentText(counts.precision(), 1),
+                   percentText(counts.precisionAsClass(), 1), std::to_string(counts.rows)});
 }
 
-void addMotion(plot::TextTable& table, const std::string& name, std::size_t frames,
+void addMotion(TextTable& table, const std::string& name, std::size_t frames,
                const std::array<std::optional<double>, 4>& figures) {
-  table.push_back({name, std::to_string(frames), plot::fixedText(figures[0], 3),
-                   plot::fixedText(figures[1], 3), plot::fixedText(figures[2], 2),
-                   plot::fixedText(figures[3], 2)});
+  table.push_back({name, std::to_string(frames), fixedText(figures[0], 3), fixedText(figures[1], 3),
+                   fixedText(figures[2], 2), fixedText(figures[3], 2)});
 }
 
 }  // namespace
 
-OrderedJson toJson(const MovingObjectError& error) {
-  OrderedJson json;
+Json toJson(const MovingObjectError& error) {
+  Json json;
   json["frames"] = error.frames;
   json["all"] = countsJson(error.all);
   json["within_40m"] = countsJson(error.within_40m);
@@ -253,38 +252,38 @@ OrderedJson toJson(const MovingObjectError& error) {
   json["occlusion"] = groupsJson(error.occlusion);
   json["moving_tracks"] = error.tracks.size();
   json["false_tracks"] = error.false_tracks;
-  json["false_tracks_per_100_frames"] = valueOrNull(error.falseTracksPer100Frames());
+  json["false_tracks_per_100_frames"] = orNull(error.falseTracksPer100Frames());
   json["duplicate_rows"] = error.duplicate_rows;
   json["rows_ignored"] = error.ignored;
   json["tracks"] = tracksJson(error.tracks);
   return json;
 }
 
-OrderedJson toJson(const LabelledObjectError& error) {
+Json toJson(const LabelledObjectError& error) {
   const auto counts = [](const LabelledObjectCounts& c) {
-    return OrderedJson{{"recall", valueOrNull(c.recall())},
-                       {"class_ratio", valueOrNull(c.classRatio())},
-                       {"labels", c.labels},
-                       {"found", c.found},
-                       {"found_as_class", c.found_as_class}};
+    return Json{{"recall", orNull(c.recall())},
+                {"class_ratio", orNull(c.classRatio())},
+                {"labels", c.labels},
+                {"found", c.found},
+                {"found_as_class", c.found_as_class}};
   };
-  OrderedJson json;
+  Json json;
   json["max_range_m"] = error.max_range_m;
   json["max_occlusion"] = error.max_occlusion;
   json["all"] = counts(error.all);
-  json["classes"] = OrderedJson::object();
+  json["classes"] = Json::object();
   for (const auto& [name, of_class] : error.classes) json["classes"][name] = counts(of_class);
   return json;
 }
 
-OrderedJson toJson(const ObjectMotionErrors& errors) {
-  OrderedJson json;
-  json["translation_rmse_m"] = valueOrNull(errors.translation_rmse_m);
-  json["translation_mean_m"] = valueOrNull(errors.translation_mean_m);
-  json["rotation_rmse_deg"] = valueOrNull(errors.rotation_rmse_deg);
-  json["rotation_mean_deg"] = valueOrNull(errors.rotation_mean_deg);
+Json toJson(const ObjectMotionErrors& errors) {
+  Json json;
+  json["translation_rmse_m"] = orNull(errors.translation_rmse_m);
+  json["translation_mean_m"] = orNull(errors.translation_mean_m);
+  json["rotation_rmse_deg"] = orNull(errors.rotation_rmse_deg);
+  json["rotation_mean_deg"] = orNull(errors.rotation_mean_deg);
   json["frames"] = errors.frames;
-  json["objects"] = OrderedJson::array();
+  json["objects"] = Json::array();
   for (const auto& object : errors.objects) {
     json["objects"].push_back({{"id", object.id},
                                {"class", std::string(toString(object.object_class))},
@@ -297,8 +296,8 @@ OrderedJson toJson(const ObjectMotionErrors& errors) {
   return json;
 }
 
-plot::TextTable tableOf(const MovingObjectError& error) {
-  plot::TextTable table = {
+TextTable tableOf(const MovingObjectError& error) {
+  TextTable table = {
       {"moving objects", "recall %", "as class %", "labels", "precision %", "as class %", "rows"}};
   addRow(table, "all", error.all);
   addRow(table, "within 40 m", error.within_40m);
@@ -308,13 +307,13 @@ plot::TextTable tableOf(const MovingObjectError& error) {
   return table;
 }
 
-plot::TextTable tableOf(const LabelledObjectError& error) {
-  plot::TextTable table = {{"labels to " + plot::fixedText(error.max_range_m, 0) +
-                                " m, occlusion to " + std::to_string(error.max_occlusion),
-                            "recall %", "labels", "found", "class right %", "as class"}};
+TextTable tableOf(const LabelledObjectError& error) {
+  TextTable table = {{"labels to " + fixedText(error.max_range_m, 0) + " m, occlusion to " +
+                          std::to_string(error.max_occlusion),
+                      "recall %", "labels", "found", "class right %", "as class"}};
   const auto add = [&](const std::string& name, const LabelledObjectCounts& counts) {
-    table.push_back({name, plot::percentText(counts.recall(), 1), std::to_string(counts.labels),
-                     std::to_string(counts.found), plot::percentText(counts.classRatio(), 1),
+    table.push_back({name, percentText(counts.recall(), 1), std::to_string(counts.labels),
+                     std::to_string(counts.found), percentText(counts.classRatio(), 1),
                      std::to_string(counts.found_as_class)});
   };
   add("all", error.all);
@@ -322,9 +321,8 @@ plot::TextTable tableOf(const LabelledObjectError& error) {
   return table;
 }
 
-plot::TextTable tableOf(const ObjectMotionErrors& errors) {
-  plot::TextTable table = {
-      {"motion per frame", "frames", "RMSE m", "mean m", "RMSE deg", "mean deg"}};
+TextTable tableOf(const ObjectMotionErrors& errors) {
+  TextTable table = {{"motion per frame", "frames", "RMSE m", "mean m", "RMSE deg", "mean deg"}};
   for (const auto& object : errors.objects) {
     addMotion(table, std::string(toString(object.object_class)) + " " + std::to_string(object.id),
               object.frames,

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Errors of occupancy grids.
+#include <headway/eval/figures.h>
 #include <headway/eval/grid_error.h>
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-
-#include "label_matching.h"
 
 namespace headway::eval {
 namespace {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Evaluation of the occupancy grid of a replay's folder.
 #include <headway/core/error.h>
 #include <headway/core/stereo_camera.h>
 #include <headway/eval/grid_error.h>
@@ -54,14 +55,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kReach_m = 40.0;         ///< beyond this range a pixel covers more than a cell
-constexpr double kGround_m = 0.15;        ///< maximum height of ground and kerbs
-constexpr double kHeightMargin_m = 0.01;  ///< surfaces this close to the asked height are undecided
-constexpr double kAheadFrom_m = 0.5;
-constexpr double kAheadTo_m = 3.0;
-constexpr int kMinPixels = 2;       ///< over all frames; rejects mixed pixels at depth edges
-constexpr int kVisiblePixels = 49;  ///< of an obstacle in one frame: a quarter of a matched block
-constexpr double kSweptMargin_m = 0.2;
+/// From which pixels the truth of a cell is taken.
+struct PixelRules {
+  double reach_m = 40.0;          ///< beyond this range a pixel covers more than a cell
+  double ground_m = 0.15;         ///< maximum height of ground and kerbs
+  double height_margin_m = 0.01;  ///< surfaces this close to the asked height are undecided
+  double ahead_from_m = 0.5, ahead_to_m = 3.0;
+  int min_pixels = 2;           ///< over all frames; rejects mixed pixels at depth edges
+  int visible_pixels = 49;      ///< of an obstacle in one frame: a quarter of a matched block
+  double swept_margin_m = 0.2;  ///< around the box of a moving object
+};
+constexpr PixelRules kRules{};
 
 /// Number of pixels on the ground and on obstacles in each cell.
 struct PixelCounts {
@@ -77,13 +81,13 @@ struct PixelCounts {
 void countPixels(const cv::Mat& depth, const cv::Mat& moving, const StereoCamera& camera,
                  const Pose& T_map_robot, const GridCells& grid, const ObstacleHeights& heights,
                  const ObstacleReach& reach, PixelCounts& counts) {
-  const double ground = std::min(kGround_m, heights.min_m - kHeightMargin_m);
+  const double ground = std::min(kRules.ground_m, heights.min_m - kRules.height_margin_m);
   std::unordered_map<std::size_t, int> in_reach;
   std::unordered_map<std::size_t, int> ahead;
   for (int v = 0; v < depth.rows; ++v) {
     for (int u = 0; u < depth.cols; ++u) {
       const auto z = static_cast<double>(depth.at<float>(v, u));
-      if (z <= 0.0 || z > kReach_m || moving.at<std::uint8_t>(v, u) != 0) continue;
+      if (z <= 0.0 || z > kRules.reach_m || moving.at<std::uint8_t>(v, u) != 0) continue;
       const Eigen::Vector3d in_robot =
           camera.T_robot_cam * (z * ray(Eigen::Vector2d(u, v), camera));
       const Eigen::Vector3d in_map = T_map_robot * in_robot;
@@ -93,12 +97,12 @@ void countPixels(const cv::Mat& depth, const cv::Mat& moving, const StereoCamera
       const double height = in_map.z() - T_map_robot.translation().z();
       if (height <= -heights.min_m) ++counts.drop[*cell];
       if (height < ground && height > -heights.min_m) ++counts.ground[*cell];
-      if (height < heights.min_m + kHeightMargin_m || height > heights.max_m) continue;
+      if (height < heights.min_m + kRules.height_margin_m || height > heights.max_m) continue;
       ++counts.obstacle[*cell];
       const double hidden = camera.isDepthCamera() ? 0.0 : camera.fx * camera.baseline_m / z;
       if (u < hidden) continue;  // outside of the right image
       if (z >= reach.from_m && z <= reach.to_m) ++in_reach[*cell];
-      if (z >= kAheadFrom_m && z <= kAheadTo_m) ++ahead[*cell];
+      if (z >= kRules.ahead_from_m && z <= kRules.ahead_to_m) ++ahead[*cell];
     }
   }
   for (const auto& [cell, n] : in_reach) counts.in_reach[cell] = std::max(counts.in_reach[cell], n);
@@ -107,8 +111,8 @@ void countPixels(const cv::Mat& depth, const cv::Mat& moving, const StereoCamera
 
 /// Marks the cells covered by the box of a moving object.
 void markSwept(const Track& object, const GridCells& grid, std::vector<std::uint8_t>& swept) {
-  const double along = 0.5 * object.size.x() + kSweptMargin_m;
-  const double across = 0.5 * object.size.y() + kSweptMargin_m;
+  const double along = 0.5 * object.size.x() + kRules.swept_margin_m;
+  const double across = 0.5 * object.size.y() + kRules.swept_margin_m;
   const Eigen::Vector2d front(std::cos(object.yaw), std::sin(object.yaw));
   const Eigen::Vector2d left(-front.y(), front.x());
   const double step = 0.5 * grid.resolution_m;
@@ -177,13 +181,13 @@ GridTruth gridTruth(const fs::path& folder, const StereoCamera& camera, const Gr
                 heights, reach, counts);
   }
   for (std::size_t i = 0; i < grid.states.size(); ++i) {
-    truth.cells.states[i] = counts.obstacle[i] >= kMinPixels ? CellState::kOccupied
-                            : counts.ground[i] >= kMinPixels ? CellState::kFree
-                                                             : CellState::kUnknown;
-    truth.in_reach[i] = counts.in_reach[i] >= kVisiblePixels;
-    truth.ahead[i] = counts.ahead[i] >= kVisiblePixels;
+    truth.cells.states[i] = counts.obstacle[i] >= kRules.min_pixels ? CellState::kOccupied
+                            : counts.ground[i] >= kRules.min_pixels ? CellState::kFree
+                                                                    : CellState::kUnknown;
+    truth.in_reach[i] = counts.in_reach[i] >= kRules.visible_pixels;
+    truth.ahead[i] = counts.ahead[i] >= kRules.visible_pixels;
     // A pit's wall is no obstacle of its own; what reaches above the ground is.
-    truth.drops[i] = counts.drop[i] >= kMinPixels && counts.obstacle[i] < kMinPixels;
+    truth.drops[i] = counts.drop[i] >= kRules.min_pixels && counts.obstacle[i] < kRules.min_pixels;
   }
   markDrops(folder / "drops.csv", grid, truth.drops);
   for (const auto& sample : io::readTrackCsv((folder / "objects.csv").string())) {
@@ -194,7 +198,6 @@ GridTruth gridTruth(const fs::path& folder, const StereoCamera& camera, const Gr
 
 namespace {
 
-namespace fs = std::filesystem;
 using mrpt::maps::COccupancyGridMap2D;
 
 constexpr double kObserved = 0.15;  ///< minimum |p(free) - 0.5| of an observed cell

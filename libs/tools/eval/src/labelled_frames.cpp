@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Labels and tracks of recordings, and the files that contain them.
 #include <headway/core/error.h>
 #include <headway/eval/labelled_frames.h>
 #include <headway/io/rawlog_source.h>

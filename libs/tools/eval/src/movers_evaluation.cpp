@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Evaluation of the moving objects of a replay's folder.
 #include <headway/core/error.h>
 #include <headway/eval/figures.h>
 #include <headway/eval/labelled_frames.h>

@@ -1,18 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Which moving objects are found, and how well their motion is known.
 #include <headway/core/assignment.h>
 #include <headway/core/box_overlap.h>
 #include <headway/core/error.h>
+#include <headway/eval/figures.h>
 #include <headway/eval/moving_object_error.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "label_matching.h"
-
 namespace headway::eval {
 namespace {
 
 constexpr double kTimeTolerance_s = 1e-3;
+
+/// Length over the ground of a vector in the camera's frame [m].
+double groundRange(const Eigen::Vector3d& vector) { return std::hypot(vector.x(), vector.z()); }
+
+/// Largest distance between a row and the label at this range that it is matched to [m].
+double matchingDistance(const MovingObjectParams& params, double range_m) {
+  return std::max(params.max_distance_m, params.max_distance_ratio * range_m);
+}
 
 /// A labelled object in one frame.
 struct SpeedLabel {
@@ -28,10 +36,6 @@ struct RowEvaluation {
   bool right_as_class = false;
   std::string ignored;  ///< reason; empty: counted
 };
-
-double groundDistance(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return groundRange(a - b);
-}
 
 bool sameClass(ObjectClass a, ObjectClass b) {
   const auto merged = [](ObjectClass c) { return c == ObjectClass::kVan ? ObjectClass::kCar : c; };
@@ -85,7 +89,7 @@ class MovingObjectEvaluation {
 
  private:
   bool isNear(const TrackRow& row, const SpeedLabel& label) const {
-    return groundDistance(row.centre, label.box->box3d->centre) <=
+    return groundRange(row.centre - label.box->box3d->centre) <=
            matchingDistance(params_, label.range_m);
   }
 
@@ -198,7 +202,7 @@ class MovingObjectEvaluation {
       for (std::size_t j = 0; j < rows.size(); ++j) {
         if (!isNear(*rows[j].row, labels[i])) continue;
         candidates.push_back(
-            {i, j, groundDistance(rows[j].row->centre, labels[i].box->box3d->centre)});
+            {i, j, groundRange(rows[j].row->centre - labels[i].box->box3d->centre)});
       }
     }
     const auto pairs = assignPairs(std::move(candidates));
@@ -241,10 +245,6 @@ MovingObjectError movingObjectError(const MovingObjectInput& input,
 }
 
 namespace {
-
-ObjectClass withoutVans(ObjectClass object_class) {
-  return object_class == ObjectClass::kVan ? ObjectClass::kCar : object_class;
-}
 
 /// Pairs the labels of one frame with its rows.
 std::vector<CandidatePair> pairsOf(const std::vector<LabelledBox>& labels,
@@ -289,8 +289,7 @@ LabelledObjectError labelledObjectError(const MovingObjectInput& input,
       if (!label.box3d || label.occlusion > error.max_occlusion) continue;
       if (groundRange(label.box3d->centre) > error.max_range_m) continue;
       const TrackRow* row = row_of[i];
-      const bool as_class =
-          row != nullptr && withoutVans(row->object_class) == withoutVans(label.object_class);
+      const bool as_class = row != nullptr && sameClass(row->object_class, label.object_class);
       for (auto* counts : {&error.all, &error.classes[std::string(toString(label.object_class))]}) {
         ++counts->labels;
         counts->found += row != nullptr ? 1 : 0;
@@ -303,8 +302,6 @@ LabelledObjectError labelledObjectError(const MovingObjectInput& input,
 
 namespace {
 
-constexpr double kDegreesPerRad = 180.0 / M_PI;
-
 /// Sums over the frames of one object.
 struct MotionSums {
   ObjectClass object_class = ObjectClass::kUnknown;
@@ -314,7 +311,7 @@ struct MotionSums {
 
   void add(const Pose& error) {
     const double distance = error.translation().norm();
-    const double angle = logSo3(error.linear()).norm() * kDegreesPerRad;
+    const double angle = logSo3(error.linear()).norm() * (180.0 / M_PI);
     ++frames;
     translation += distance;
     translation_squared += distance * distance;

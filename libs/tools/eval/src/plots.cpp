@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Plots of errors.
 #include <headway/core/object_class.h>
 #include <headway/eval/grid_error.h>
 #include <headway/eval/plots.h>
@@ -32,18 +33,15 @@ struct Shade {
 namespace {
 
 constexpr int kLegendRow_px = 26;
-constexpr int kMinWidth_px = 900;
-constexpr int kMaxCell_px = 8;
-constexpr int kPicture_px = 1600;
 
 }  // namespace
 
 cv::Mat cellPicture(const cv::Mat& cells, double side_m, const std::vector<Shade>& shades) {
-  const int side = std::clamp(kPicture_px / std::max(1, cells.cols), 1, kMaxCell_px);
+  const int side = std::clamp(1600 / std::max(1, cells.cols), 1, 8);
   cv::Mat enlarged;
   cv::resize(cells, enlarged, {}, side, side, cv::INTER_NEAREST);
   const int legend_px = kLegendRow_px * (static_cast<int>(shades.size()) + 1) + 10;
-  cv::Mat picture(enlarged.rows + legend_px, std::max(enlarged.cols, kMinWidth_px), CV_8UC3,
+  cv::Mat picture(enlarged.rows + legend_px, std::max(enlarged.cols, 900), CV_8UC3,
                   cv::Scalar(255, 255, 255));
   enlarged.copyTo(picture(cv::Rect(0, 0, enlarged.cols, enlarged.rows)));
   int y = enlarged.rows + 10;
@@ -68,7 +66,6 @@ cv::Mat cellPicture(const cv::Mat& cells, double side_m, const std::vector<Shade
 namespace {
 
 constexpr double kCell_m = 0.2;
-constexpr double kMargin_m = 1.0;
 
 /// What lies in the column above a cell.
 struct Column {
@@ -104,8 +101,8 @@ GridCells cellsAround(const std::vector<TrueSurface::Patch>& patches, const Dens
   for (std::size_t i = 0; i < patches.size(); ++i) {
     if (error.is_covered[i] != 2) area.extend(Eigen::Vector2d(patches[i].centre.head<2>()));
   }
-  const Eigen::Vector2d corner = area.min().array() - kMargin_m;
-  const Eigen::Vector2d size = (area.max() - corner).array() + kMargin_m;
+  const Eigen::Vector2d corner = area.min().array() - 1.0;
+  const Eigen::Vector2d size = (area.max() - corner).array() + 1.0;
   return {corner, kCell_m, static_cast<int>(size.x() / kCell_m) + 1,
           static_cast<int>(size.y() / kCell_m) + 1};
 }
@@ -250,8 +247,6 @@ cv::Mat trajectoryPlot(const TrajectoryError& error, TopView view, const std::st
 
 namespace {
 
-using Points = std::vector<Eigen::Vector2d>;
-
 Points over(const std::vector<RecallPoint>& curve, double RecallPoint::*figure) {
   Points points;
   for (const auto& point : curve) points.emplace_back(100.0 * point.recall, 100.0 * point.*figure);
@@ -268,12 +263,11 @@ Points seenFromAbove(const TrueObject& object) {
   return points;
 }
 
-/// The path, split at gaps of more than a few frames.
+/// The path, split at gaps of more than five frames.
 std::vector<Points> segments(const TrueObject& object) {
-  constexpr std::size_t kMaxGap = 5;  // frames
   std::vector<Points> result(1);
   for (std::size_t i = 0; i < object.path.size(); ++i) {
-    const bool gap = i > 0 && object.path[i].frame - object.path[i - 1].frame > kMaxGap;
+    const bool gap = i > 0 && object.path[i].frame - object.path[i - 1].frame > 5;
     if (gap) result.emplace_back();
     result.back().emplace_back(object.path[i].position.head<2>());
   }
@@ -332,17 +326,8 @@ cv::Mat trackPlot(const std::string& title, const TrackErrors& errors) {
 
 namespace {
 
-using Points = std::vector<Eigen::Vector2d>;
-
 constexpr Colour kCameraColour{150, 150, 150};
 constexpr Colour kPredictionColour{20, 20, 20};
-constexpr double kMinPathExtent_m = 1.0;  // objects that move less are drawn as dots
-
-Points truePath(const TrueObject& object) {
-  Points points;
-  for (const auto& point : object.path) points.emplace_back(point.position.head<2>());
-  return points;
-}
 
 Points predictedPath(const Eigen::Vector2d& now, const PredictedPath& path) {
   Points points = {now};
@@ -353,9 +338,9 @@ Points predictedPath(const Eigen::Vector2d& now, const PredictedPath& path) {
 void append(Points& all, const Points& more) { all.insert(all.end(), more.begin(), more.end()); }
 
 void drawTruth(plot::Chart& chart, const TrueObject& object, Colour colour) {
-  const auto points = truePath(object);
+  const auto points = seenFromAbove(object);
   const double extent = std::max(plot::rangeOf(points, 0).size(), plot::rangeOf(points, 1).size());
-  if (extent < kMinPathExtent_m) {
+  if (extent < 1.0) {  // [m]: it hardly moves
     chart.dot(points.front(), colour, 3.0);
   } else {
     chart.line(points, plot::lightened(colour), 5.0);
@@ -368,7 +353,7 @@ cv::Mat predictionMapPlot(const std::string& title, const std::vector<TrueObject
                           const std::vector<DrawnPrediction>& predictions,
                           const std::vector<Eigen::Vector2d>& camera_path) {
   Points all = camera_path;
-  for (const auto& object : objects) append(all, truePath(object));
+  for (const auto& object : objects) append(all, seenFromAbove(object));
   plot::Chart chart({title, "x [m]", "y [m]", plot::rangeOf(all, 0), plot::rangeOf(all, 1), true});
   chart.line(camera_path, kCameraColour, 2.0, plot::LineStyle::kDotted);
   for (std::size_t i = 0; i < objects.size(); ++i)

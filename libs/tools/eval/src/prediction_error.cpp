@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Errors of predictions, and the cases that they are of.
 #include <headway/core/assignment.h>
 #include <headway/eval/prediction_error.h>
 

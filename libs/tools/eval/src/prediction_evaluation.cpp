@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Evaluation of predictors and of a replay's predictions.
 #include <headway/core/error.h>
 #include <headway/core/statistics.h>
 #include <headway/eval/figures.h>
@@ -148,9 +149,13 @@ std::vector<PredictionSequence> readPredictionInput(const PredictionFiles& files
 
 namespace {
 
-constexpr std::size_t kDrawEvery = 15;     // frames between drawn predictions of an object
-constexpr std::size_t kMaxDrawn = 50;      // more would cover the paths
-constexpr double kMinDrawnLength_m = 1.0;  // shorter predictions are not drawn
+/// Which predictions are drawn.
+struct Drawing {
+  std::size_t every = 15;     ///< frames between predictions of an object
+  std::size_t max = 50;       ///< more would cover the paths
+  double min_length_m = 1.0;  ///< shorter ones are not drawn
+};
+constexpr Drawing kDrawing{};
 
 std::string errorPair(const PredictionError& error) {
   return plot::fixedText(error.ade_m, 3) + " / " + plot::fixedText(error.fde_m, 3);
@@ -159,7 +164,7 @@ std::string errorPair(const PredictionError& error) {
 /// An evenly spaced sample, small enough for one picture.
 std::vector<DrawnPrediction> thinned(const std::vector<DrawnPrediction>& all) {
   std::vector<DrawnPrediction> kept;
-  const std::size_t count = std::min(kMaxDrawn, all.size());
+  const std::size_t count = std::min(kDrawing.max, all.size());
   for (std::size_t i = 0; i < count; ++i) kept.push_back(all[i * all.size() / count]);
   return kept;
 }
@@ -226,8 +231,8 @@ class CaseCollector {
     by_speed_.add(object_class, speedOf(future), paths, future);
     const double range = (T_map_cam.translation().head<2>() - future.front()).norm();
     by_range_.add(object_class, range, paths, future);
-    const bool moves = (paths.front().points.back().position - now).norm() > kMinDrawnLength_m;
-    if (moves && frame % kDrawEvery == 0) drawn_.push_back({object, now.head<2>(), paths});
+    const bool moves = (paths.front().points.back().position - now).norm() > kDrawing.min_length_m;
+    if (moves && frame % kDrawing.every == 0) drawn_.push_back({object, now.head<2>(), paths});
   }
 
   void end(const std::string& name, std::size_t index) {
@@ -361,8 +366,7 @@ plot::TextTable coverageTable(const EvaluatedPredictor& predictor) {
   const auto add = [&table](const std::string& name, const PredictionError& error) {
     table.push_back({name, std::to_string(error.cases), plot::fixedText(error.ade_m, 3),
                      plot::fixedText(error.fde_m, 3)});
-    constexpr std::size_t kNinety = 1;  // index in PredictionError::coverage
-    for (const auto& ratio : error.coverage[kNinety]) {
+    for (const auto& ratio : error.coverage[1]) {  // of the 90 % ellipse
       table.back().push_back(plot::percentText(ratio, 1));
     }
   };

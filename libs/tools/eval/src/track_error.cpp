@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Accuracy of tracks: CLEAR MOT, HOTA and positions.
 #include <headway/core/assignment.h>
 #include <headway/core/box_overlap.h>
 #include <headway/core/error.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Errors of trajectories: pairing of poses, alignment, absolute and relative errors.
 #include <headway/core/error.h>
 #include <headway/eval/trajectory_error.h>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Images of a truth folder.
 #include "truth_images.h"
 
 #include <headway/core/error.h>
@@ -11,9 +12,6 @@ namespace headway::eval {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kDepthUnit = 256.0;  ///< KITTI depth maps: 256 units per metre
-constexpr int kOutline_px = 2;        ///< width of a moving object's outline that its mask may miss
 
 /// The image of a frame, read by `load`. @throws InputError
 template <typename Load>
@@ -37,12 +35,12 @@ cv::Mat readImage(const fs::path& folder, std::size_t frame, const StereoCamera&
 cv::Mat readTrueDepth(const fs::path& folder, std::size_t frame, const StereoCamera& camera) {
   cv::Mat depth;
   readImage(folder / "depth", frame, camera, io::loadDepthImage)
-      .convertTo(depth, CV_32F, 1.0 / kDepthUnit);
+      .convertTo(depth, CV_32F, 1.0 / 256.0);  // KITTI: 256 units a metre
   return depth;
 }
 
 cv::Mat readMovingMask(const fs::path& folder, std::size_t frame, const StereoCamera& camera) {
-  constexpr int kSide = 2 * kOutline_px + 1;
+  constexpr int kSide = 5;  // widens by two pixels, the outline that a mask may miss
   cv::Mat moving = readImage(folder / "masks", frame, camera, io::loadGreyImage);
   cv::dilate(moving, moving, cv::getStructuringElement(cv::MORPH_RECT, {kSide, kSide}));
   return moving;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Images of a truth folder.
 #pragma once
 
 #include <headway/core/stereo_camera.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Charts with axes, lines, bars and a legend.
 #include <headway/plot/chart.h>
 #include <headway/plot/colours.h>
 
@@ -84,7 +85,6 @@ void drawTextUpwards(cv::Mat& image, const std::string& text, const cv::Point2d&
 namespace {
 
 constexpr int kShift = 4;  // fractional bits of OpenCV's coordinates
-constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
 
 cv::Point fixedPoint(const cv::Point2d& p) {
   // Clamped: the exact position far outside the picture is irrelevant, an overflow is not.
@@ -99,7 +99,8 @@ int pixels(double final_px) {
 }
 
 cv::Size sizeOf(const std::string& text, double scale, int* baseline) {
-  return cv::getTextSize(text, kFont, scale * kOversampling, kOversampling, baseline);
+  return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, scale * kOversampling, kOversampling,
+                         baseline);
 }
 
 }  // namespace
@@ -149,14 +150,13 @@ void drawFrame(cv::Mat& image, const cv::Rect& box, Colour colour) {
 
 void drawText(cv::Mat& image, const std::string& text, const cv::Point2d& anchor, double align,
               double scale, Colour colour) {
-  constexpr double kFar = 1e6;  // [px], far outside every image
-  if (!(std::abs(anchor.x) < kFar && std::abs(anchor.y) < kFar)) return;
+  if (!(std::max(std::abs(anchor.x), std::abs(anchor.y)) < 1e6)) return;  // outside every image
   int baseline = 0;
   const auto box = sizeOf(text, scale, &baseline);
   const cv::Point origin(static_cast<int>(anchor.x - align * box.width),
                          static_cast<int>(anchor.y + 0.5 * box.height));
-  cv::putText(image, text, origin, kFont, scale * kOversampling, bgr(colour), kOversampling,
-              cv::LINE_AA);
+  cv::putText(image, text, origin, cv::FONT_HERSHEY_SIMPLEX, scale * kOversampling, bgr(colour),
+              kOversampling, cv::LINE_AA);
 }
 
 void drawTextUpwards(cv::Mat& image, const std::string& text, const cv::Point2d& centre,
@@ -180,7 +180,6 @@ int textWidth(const std::string& text, double scale) {
 namespace {
 
 constexpr double kTextScale = 0.5;
-constexpr int kRow = 22 * kOversampling;
 constexpr int kSampleLength = 34 * kOversampling;  // of the line before a name
 constexpr int kMargin = 12 * kOversampling;
 
@@ -216,15 +215,16 @@ void Chart::drawLegend(cv::Mat& image) const {
   int max_width = 0;
   for (const auto& entry : entries_)
     max_width = std::max(max_width, textWidth(entry.name, kTextScale));
+  const int row = 22 * kOversampling;
   const cv::Size size(max_width + kSampleLength + 3 * kMargin,
-                      kRow * static_cast<int>(entries_.size()) + kMargin);
+                      row * static_cast<int>(entries_.size()) + kMargin);
   const cv::Rect box = frame_.legend_beside
                            ? cv::Rect({axes_.x + axes_.width + kMargin, axes_.y}, size)
                            : emptiestCorner(image, axes_, size);
   cv::rectangle(image, box, cv::Scalar::all(255), cv::FILLED);
   drawFrame(image, box, kGrid);
   for (std::size_t i = 0; i < entries_.size(); ++i) {
-    const double y = box.y + 0.5 * kMargin + kRow * (static_cast<double>(i) + 0.5);
+    const double y = box.y + 0.5 * kMargin + row * (static_cast<double>(i) + 0.5);
     const cv::Point2d from(box.x + kMargin, y);
     const cv::Point2d to(from.x + kSampleLength, y);
     Stroke(entries_[i].colour, 3.0, entries_[i].style).draw(image, from, to);
@@ -233,8 +233,6 @@ void Chart::drawLegend(cv::Mat& image) const {
 }
 
 namespace {
-
-constexpr double kGroupWidth = 0.84;  ///< of the width of a group that its bars occupy
 
 Range widened(Range range, double margin) {
   const double size = range.size() > 0.0 ? range.size() : std::max(1.0, std::abs(range.min));
@@ -391,14 +389,14 @@ cv::Mat drawBars(const BarChart& bars) {
   }
   if (!(frame.y.max > 0.0)) frame.y.max = 1.0;
   Chart chart(frame);
-  const double width =
-      kGroupWidth / static_cast<double>(std::max<std::size_t>(1, bars.series.size()));
+  const double group = 0.84;  // of a group's width, that its bars occupy
+  const double width = group / static_cast<double>(std::max<std::size_t>(1, bars.series.size()));
   for (std::size_t s = 0; s < bars.series.size(); ++s) {
     const auto& [name, values] = bars.series[s];
     for (std::size_t g = 0; g < values.size(); ++g) {
       if (!std::isfinite(values[g])) continue;
       const double left =
-          static_cast<double>(g) + 0.5 * (1.0 - kGroupWidth) + width * static_cast<double>(s);
+          static_cast<double>(g) + 0.5 * (1.0 - group) + width * static_cast<double>(s);
       chart.bar(left, left + 0.92 * width, values[g], categoryColour(s));
     }
     chart.legend(name, categoryColour(s));

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Colours of charts.
 #include <headway/plot/colours.h>
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Images, poses and boxes as NumPy arrays.
 #include "arrays.h"
 
 #include <headway/core/error.h>

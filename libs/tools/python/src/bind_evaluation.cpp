@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Bindings of the evaluation.
 #include <headway/core/error.h>
 #include <headway/eval/dense_error.h>
 #include <headway/eval/figures.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Bindings of perception and sessions.
 #include <headway/core/error.h>
 #include <headway/map/map_file.h>
 #include <headway/run/session.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Bindings of frames and recordings.
 #include <headway/core/error.h>
 #include <headway/core/recorded_frame.h>
 #include <headway/io/depth_camera.h>

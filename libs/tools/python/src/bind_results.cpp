@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Bindings of tracks and results.
 #include <headway/core/detection.h>
 #include <headway/core/error.h>
 #include <headway/core/track.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The Python module.
 #include <headway/core/error.h>
 #include <headway/core/version.h>
 

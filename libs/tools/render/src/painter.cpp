@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Points and triangles to a picture, without OpenGL.
 #include <headway/core/parallel_rows.h>
 #include <headway/render/painter.h>
 
@@ -11,12 +12,17 @@
 namespace headway::render {
 namespace {
 
-constexpr float kNoDepth = 1e9F;         // [m]
-constexpr float kShade = 1.2F;           // darkening by the ratio of the distance behind an edge
-constexpr float kMinLight = 0.4F;        // behind an edge
-constexpr float kFullLight = 0.96F;      // from which a surface is not an edge
-constexpr double kSkyGradientSin = 0.5;  // sine of the elevation with the zenith's colour
-constexpr double kGroundGradientSin = 0.12;  // sine of the depression with the ground's colour
+constexpr float kNoDepth = 1e9F;  // [m]
+
+/// How sky, ground and edges are shaded.
+struct Shading {
+  float edge = 1.2F;         ///< darkening by the ratio of the distance behind an edge
+  float min_light = 0.4F;    ///< behind an edge
+  float full_light = 0.96F;  ///< from which a surface is not an edge
+  double zenith_sin = 0.5;   ///< sine of the elevation with the zenith's colour
+  double ground_sin = 0.12;  ///< sine of the depression with the ground's colour
+};
+constexpr Shading kShading{};
 
 cv::Vec3b bgrOf(std::uint32_t colour) {
   return {static_cast<std::uint8_t>(colour), static_cast<std::uint8_t>(colour >> 8),
@@ -32,7 +38,7 @@ cv::Vec3b mixed(const Colour& from, const Colour& to, double ratio) {
 }
 
 cv::Vec3b darkened(const cv::Vec3b& colour, float light) {
-  if (light > kFullLight) return colour;
+  if (light > kShading.full_light) return colour;
   const auto dark = [&](int channel) {
     return static_cast<std::uint8_t>(light * static_cast<float>(colour[channel]));
   };
@@ -51,7 +57,7 @@ void lightOfRow(const cv::Mat& depths, int row, int reach, float* light) {
     const float left = here[column - reach], right = here[column + reach];
     const float nearer = std::max(0.F, z - left) + std::max(0.F, z - right) +
                          std::max(0.F, z - up[column]) + std::max(0.F, z - down[column]);
-    const float shaded = std::max(kMinLight, 1.F - kShade * nearer / z);
+    const float shaded = std::max(kShading.min_light, 1.F - kShading.edge * nearer / z);
     light[column] = z < kNoDepth ? shaded : 1.F;
   }
 }
@@ -93,8 +99,8 @@ void Painter::clear(const PinholeView& view, const Backdrop& backdrop) {
         view.T_map_camera.linear() * Eigen::Vector3d(0.0, (row - view.cy) / view.fy, 1.0);
     const double up = ray.z() / ray.norm();
     const auto colour = up < 0.0
-                            ? mixed(backdrop.horizon, backdrop.ground, -up / kGroundGradientSin)
-                            : mixed(backdrop.horizon, backdrop.zenith, up / kSkyGradientSin);
+                            ? mixed(backdrop.horizon, backdrop.ground, -up / kShading.ground_sin)
+                            : mixed(backdrop.horizon, backdrop.zenith, up / kShading.zenith_sin);
     std::fill_n(colours_.ptr<cv::Vec3b>(row), colours_.cols, colour);
   });
   shown_ = true;
@@ -278,8 +284,6 @@ bool Painter::isHidden(float u, float v, float z, const Band& band) const {
 
 namespace {
 
-constexpr int kHiddenShift = 2;  // of the opacity, to a quarter
-
 /// A corner in camera coordinates.
 struct Placed {
   Eigen::Vector3f point;  ///< [m]
@@ -392,7 +396,7 @@ void Painter::fillRow(int row, Corner left, Corner right, Colour colour, float m
   auto* pixel = colours_.ptr<cv::Vec3b>(row);
   for (int column = first; column < end; ++column) {
     const bool hidden = inverse * (depth[column] + margin_m) < 1.F;
-    const int shown = static_cast<int>(opacity) >> (hidden ? kHiddenShift : 0);
+    const int shown = static_cast<int>(opacity) >> (hidden ? 2 : 0);  // to a quarter
     auto& bgr = pixel[column];
     bgr = {blended(bgr[0], colour.blue, shown), blended(bgr[1], colour.green, shown),
            blended(bgr[2], colour.red, shown)};

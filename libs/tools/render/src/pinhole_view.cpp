@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The view of a virtual pinhole camera.
 #include <headway/render/pinhole_view.h>
 
 #include <algorithm>

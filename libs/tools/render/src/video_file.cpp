@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Pictures to an MP4 file.
 #include <headway/core/output_file.h>
 #include <headway/core/worker_thread.h>
 #include <headway/render/video_file.h>
@@ -83,8 +84,9 @@ Owned<SwsContext> newConversion(cv::Size size) {
                                               size.height, AV_PIX_FMT_YUV420P, SWS_BILINEAR,
                                               nullptr, nullptr, nullptr));
   const int* bt601 = sws_getCoefficients(SWS_CS_ITU601);
-  const int kFullRange = 1, kVideoRange = 0, kOne = 1 << 16;
-  sws_setColorspaceDetails(conversion.get(), bt601, kFullRange, bt601, kVideoRange, 0, kOne, kOne);
+  constexpr int kOne = 1 << 16;
+  sws_setColorspaceDetails(conversion.get(), bt601, /*full range*/ 1, bt601, /*video range*/ 0, 0,
+                           kOne, kOne);
   return conversion;
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Pieces of HTML.
 #include "html.h"
 
 #include <headway/core/error.h>
@@ -11,13 +12,6 @@
 #include <opencv2/imgproc.hpp>
 
 namespace headway::report {
-namespace {
-
-// Grey levels of a map server's picture: 254 free, 205 unknown, 0 occupied.
-constexpr int kFreeAbove = 230;
-constexpr int kOccupiedBelow = 100;
-
-}  // namespace
 
 std::string escaped(const std::string& text) {
   std::string result;
@@ -99,8 +93,8 @@ GridPicture gridPicture(const std::filesystem::path& path) {
   const cv::Mat grey = io::loadGreyImage(path.string());
   if (grey.empty()) throw InputError(path.string() + ": is not a readable picture");
   cv::Mat picture(grey.size(), CV_8UC4, cv::Scalar::all(0));
-  picture.setTo(cv::Scalar(132, 168, 96, 110), grey > kFreeAbove);
-  picture.setTo(cv::Scalar(72, 92, 226, 235), grey < kOccupiedBelow);
+  picture.setTo(cv::Scalar(132, 168, 96, 110), grey > 230);
+  picture.setTo(cv::Scalar(72, 92, 226, 235), grey < 100);
   std::vector<std::uint8_t> bytes;
   cv::imencode(".png", picture, bytes);
   return {"data:image/png;base64," + base64(bytes), grey.cols, grey.rows};

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Pieces of HTML.
 #pragma once
 
 #include <headway/core/object_class.h>

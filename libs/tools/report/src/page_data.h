@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The data that the page of a replay shows.
 #pragma once
 
 #include <headway/report/replay_page.h>

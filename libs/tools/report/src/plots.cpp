@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Plots of the report: plan view, time bars, timings.
 #include <headway/core/error.h>
 #include <headway/core/object_class.h>
 #include <headway/plot/chart.h>
@@ -14,14 +15,16 @@
 namespace headway::report {
 namespace {
 
-constexpr double kWidth = 1000.0;
-constexpr double kMinHeight = 420.0, kMaxHeight = 900.0;
-constexpr double kMaxMarginM = 18.0;  ///< around the path
-constexpr double kMinMarginM = 3.0;
-constexpr double kMarginRatio = 0.35;        ///< of the path's extent
-constexpr double kMaxTrackDistanceM = 60.0;  ///< from the path, of tracks inside the plot
-constexpr double kHeadingBaseM = 3.0;        ///< distance over which the heading is determined
-constexpr double kSameTimeS = 0.05;
+constexpr double kWidth = 1000.0;  ///< of a plot in SVG units, scaled to the page
+
+/// What the plan view shows.
+struct PlanView {
+  double min_height = 420.0, max_height = 900.0;   ///< [SVG units]
+  double min_margin_m = 3.0, max_margin_m = 18.0;  ///< around the path
+  double margin_ratio = 0.35;                      ///< of the path's extent
+  double max_track_distance_m = 60.0;              ///< from the path, of tracks inside the plot
+};
+constexpr PlanView kPlan{};
 
 /// Transformation from the map frame [m] to plot coordinates; x to the right, or upwards if the
 /// area is higher than wide.
@@ -30,8 +33,8 @@ class PlotFrame {
   explicit PlotFrame(const Eigen::AlignedBox2d& shown)
       : x_upwards_(shown.sizes().y() > 1.15 * shown.sizes().x()) {
     const Eigen::Vector2d sizes = x_upwards_ ? shown.sizes().reverse().eval() : shown.sizes();
-    scale_ = std::min(kWidth / sizes.x(), kMaxHeight / sizes.y());
-    height_ = std::max(kMinHeight, sizes.y() * scale_);
+    scale_ = std::min(kWidth / sizes.x(), kPlan.max_height / sizes.y());
+    height_ = std::max(kPlan.min_height, sizes.y() * scale_);
     centre_ = shown.center();
   }
   [[nodiscard]] double height() const { return height_; }
@@ -49,7 +52,7 @@ class PlotFrame {
  private:
   bool x_upwards_;
   double scale_ = 1.0;
-  double height_ = kMinHeight;
+  double height_ = kPlan.min_height;
   Eigen::Vector2d centre_;
 };
 
@@ -68,14 +71,14 @@ Eigen::AlignedBox2d boundsOf(const ReplayFolder& folder) {
   for (const auto& history : folder.tracks) {
     for (const auto& point : history.points) {
       const Eigen::Vector2d position = positionOf(point);
-      if (point.moving && path.exteriorDistance(position) < kMaxTrackDistanceM) {
+      if (point.moving && path.exteriorDistance(position) < kPlan.max_track_distance_m) {
         shown.extend(position);
       }
     }
   }
-  const double wanted = kMarginRatio * path.sizes().maxCoeff();
+  const double wanted = kPlan.margin_ratio * path.sizes().maxCoeff();
   const Eigen::Vector2d margin =
-      Eigen::Vector2d::Constant(std::clamp(wanted, kMinMarginM, kMaxMarginM));
+      Eigen::Vector2d::Constant(std::clamp(wanted, kPlan.min_margin_m, kPlan.max_margin_m));
   return {shown.min() - margin, shown.max() + margin};
 }
 
@@ -146,11 +149,11 @@ std::string scaleBar(const PlotFrame& frame) {
          fixed(length, length < 1.0 ? 1 : 0) + " m</text>";
 }
 
-/// Direction of travel from a pose on [rad]; 0 at standstill.
+/// Direction of travel over 3 m from a pose on [rad]; 0 at standstill.
 double headingFrom(const std::vector<Stamped<Pose>>& path, std::size_t from) {
   for (std::size_t i = from; i < path.size(); ++i) {
     const Eigen::Vector2d way = positionOf(path[i]) - positionOf(path[from]);
-    if (way.norm() > kHeadingBaseM) return std::atan2(way.y(), way.x());
+    if (way.norm() > 3.0) return std::atan2(way.y(), way.x());
   }
   return 0.0;
 }
@@ -183,7 +186,7 @@ void alignToEstimate(const std::vector<Stamped<Pose>>& estimate, const std::stri
                      TruthLayer& truth) {
   for (std::size_t i = 0; i < estimate.size(); ++i) {
     for (std::size_t j = 0; j < truth.trajectory.size(); ++j) {
-      if (std::abs(estimate[i].time - truth.trajectory[j].time) > kSameTimeS) continue;
+      if (std::abs(estimate[i].time - truth.trajectory[j].time) > 0.05) continue;
       const Eigen::Vector2d from = positionOf(truth.trajectory[j]);
       const Eigen::Vector2d to = positionOf(estimate[i]);
       const Eigen::Rotation2Dd rotation(headingFrom(estimate, i) -
@@ -210,14 +213,12 @@ void alignToEstimate(const std::vector<Stamped<Pose>>& estimate, const std::stri
 namespace {
 
 constexpr std::size_t kMaxRows = 60;
-constexpr double kUnits = 1000.0;  ///< width of a plot in SVG units, scaled to the page
-constexpr double kGapS = 0.35;     ///< a longer time between rows interrupts the bar
 
 struct TimeSpan {
   double first = 0.0;
   double last = 0.0;
   [[nodiscard]] double toPlot(double time) const {
-    return last > first ? kUnits * (time - first) / (last - first) : 0.0;
+    return last > first ? kWidth * (time - first) / (last - first) : 0.0;
   }
 };
 
@@ -249,7 +250,7 @@ std::string bars(const TrackHistory& history, const TimeSpan& span) {
   std::string svg;
   const auto& points = history.points;
   for (std::size_t start = 0, i = 1; i <= points.size(); ++i) {
-    const bool gap = i < points.size() && points[i].time - points[i - 1].time > kGapS;
+    const bool gap = i < points.size() && points[i].time - points[i - 1].time > 0.35;  // [s]
     const bool same = i < points.size() && !gap && points[i].confirmed == points[start].confirmed &&
                       points[i].moving == points[start].moving;
     if (same) continue;
@@ -274,7 +275,7 @@ std::string areaPlot(const std::string& title, const std::string& unit,
   const double last = std::max(1.0, static_cast<double>(values.size()) - 1.0);
   std::string line;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const double x = kUnits * static_cast<double>(i) / last;
+    const double x = kWidth * static_cast<double>(i) / last;
     line += (i == 0 ? "M" : "L") + fixed(x, 1) + " " + fixed(100.0 - 92.0 * values[i] / top, 1);
   }
   return "<figure class=\"area\"><figcaption>" + escaped(title) + " <b>max. " +
@@ -301,7 +302,7 @@ std::vector<double> speedsOf(const std::vector<Stamped<Pose>>& path) {
 }
 
 std::string stageBar(const std::string& name, double median, double p95, double max_ms) {
-  const auto width = [&](double ms) { return fixed(kUnits * ms / max_ms, 1); };
+  const auto width = [&](double ms) { return fixed(kWidth * ms / max_ms, 1); };
   return "<div class=\"row\"><span class=\"name\">" + escaped(name) +
          "</span><svg class=\"stage\" viewBox=\"0 0 1000 10\" preserveAspectRatio=\"none\">"
          "<rect class=\"p95\" y=\"2\" height=\"6\" width=\"" +

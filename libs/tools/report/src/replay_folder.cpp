@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The output folder of a replay as the report reads it.
 #include "replay_folder.h"
 
 #include <headway/core/error.h>

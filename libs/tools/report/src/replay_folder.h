@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The output folder of a replay as the report reads it.
 #pragma once
 
 #include <headway/core/object_class.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A finished replay frame by frame, with its truth and recorded images.
 #include <headway/core/error.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/io/track_file.h>
@@ -54,17 +55,13 @@ ReplayTruth readReplayTruth(const fs::path& folder, const std::vector<ReplayFram
     note("no objects.csv in " + folder.string() + ": drawn without true boxes");
     return truth;
   }
-  for (auto& sample : io::readTrackCsv(objects)) {
-    sample.track.position = T_map_truth * sample.track.position;
-    sample.track.yaw = wrapAngle(sample.track.yaw + yawOf(T_map_truth));
-    truth.objects[sample.frame].push_back(sample.track);
+  for (const auto& sample : io::readTrackCsv(objects)) {
+    truth.objects[sample.frame].push_back(transformed(sample.track, T_map_truth));
   }
   return truth;
 }
 
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr double kSameFrameS = 1e-4;
 
@@ -148,28 +145,11 @@ std::vector<Pose> corrections(const fs::path& online, const FrameTimes& times,
   return result;
 }
 
-void transform(const Pose& T_final_online, PredictedPoint& point) {
-  const Eigen::Matrix2d R = T_final_online.linear().topLeftCorner<2, 2>();
-  point.position = T_final_online * point.position;
-  point.covariance = R * point.covariance * R.transpose();
-}
-
-void transform(const Pose& T_final_online, Track& track) {
-  const Eigen::Matrix3d& R = T_final_online.linear();
-  track.position = T_final_online * track.position;
-  track.velocity = R * track.velocity;
-  track.yaw = wrapAngle(track.yaw + yawOf(T_final_online));
-}
-
-/// Adds each track to its frame, transformed to the final map; tracks of frames without a pose are
-/// not read.
-void addTracks(const SamplesByPosition& samples, const std::vector<Pose>& to_final,
-               std::vector<ReplayFrame>& frames) {
+/// Adds each track to its frame, in the map at that time; tracks of frames without a pose are not
+/// read.
+void addTracks(const SamplesByPosition& samples, std::vector<ReplayFrame>& frames) {
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    for (const auto& sample : samples[i]) {
-      frames[i].tracks.push_back(sample.track);
-      transform(to_final[i], frames[i].tracks.back());
-    }
+    for (const auto& sample : samples[i]) frames[i].tracks.push_back(sample.track);
   }
 }
 
@@ -179,8 +159,7 @@ Track* trackOf(TrackId id, ReplayFrame& frame) {
   return track == frame.tracks.end() ? nullptr : &*track;
 }
 
-void addPredictions(const fs::path& path, const FrameTimes& times,
-                    const std::vector<Pose>& to_final, double horizon_step_s,
+void addPredictions(const fs::path& path, const FrameTimes& times, double horizon_step_s,
                     std::vector<ReplayFrame>& frames) {
   const auto add = [&](const io::PredictionRow& row) {
     const auto position = times.positionAt(row.time);
@@ -192,7 +171,6 @@ void addPredictions(const fs::path& path, const FrameTimes& times,
       modes.push_back({row.mode, row.probability, {}});
     }
     modes.back().points.push_back(row.point);
-    transform(to_final[*position], modes.back().points.back());
   };
   io::visitPredictionCsv(path, add, horizon_step_s);
 }
@@ -204,8 +182,7 @@ PathsByTrack pathsOf(const SamplesByPosition& samples, const std::vector<Pose>& 
   PathsByTrack paths;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     for (const auto& sample : samples[i]) {
-      Track track = sample.track;
-      transform(to_final[i], track);
+      const Track track = transformed(sample.track, to_final[i]);
       paths[track.id].push_back({sample.frame, sample.time, track.position, track.yaw});
     }
   }
@@ -255,7 +232,7 @@ std::vector<ReplayFrame> readReplayFrames(const fs::path& folder, const ReplayFr
   if (!has_tracks) note("no tracks.csv in " + folder.string() + ": drawn without tracks");
   auto frames = indexedFrames(folder, path, samples);
   const auto to_final = corrections(folder / "trajectory_online.tum", times, frames);
-  addTracks(samples, to_final, frames);
+  addTracks(samples, frames);
   if (fs::exists(folder / "trajectory_odom.tum")) {
     io::visitTum(folder / "trajectory_odom.tum", [&](const Stamped<Pose>& pose) {
       const auto position = times.positionAt(pose.time);
@@ -263,9 +240,12 @@ std::vector<ReplayFrame> readReplayFrames(const fs::path& folder, const ReplayFr
     });
   }
   if (fs::exists(folder / "predictions.csv")) {
-    addPredictions(folder / "predictions.csv", times, to_final, options.horizon_step_s, frames);
+    addPredictions(folder / "predictions.csv", times, options.horizon_step_s, frames);
   } else if (has_tracks) {
     note("no predictions.csv in " + folder.string() + ": drawn without predictions");
+  }
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    frames[i].tracks = transformed(std::move(frames[i].tracks), to_final[i]);
   }
   if (!(options.past_s > 0.0)) return frames;
   const fs::path smoothed = folder / "tracks_smoothed.csv";

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The interactive page of a replay.
 #include <headway/core/ellipse.h>
 #include <headway/core/error.h>
 #include <headway/core/object_class.h>
@@ -28,8 +29,17 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double kMaxStep = 65535.0;
-constexpr std::size_t kMaxTruePoses = 4000;
+constexpr double kMaxStep = 65535.0;  // of 16 bits
+
+/// What keeps a page small enough to be opened.
+struct PageLimits {
+  std::size_t frames = 2000, true_poses = 4000;
+  std::size_t images = 160;
+  int image_width = 448;  ///< [px]; about 15 kB each
+  int image_quality = 65;
+  std::size_t dense_points = 600000, landmarks = 60000;
+};
+constexpr PageLimits kLimits{};
 
 /// Positions and speeds in steps of 1 cm, angles in steps of 1 mrad.
 std::int64_t hundredths(double value) {
@@ -176,7 +186,7 @@ void addRig(const Json& record, Json& data) {
 Json truthJson(const ReplayTruth& truth, const std::vector<ReplayFrame>& frames) {
   if (truth.path.empty()) return nullptr;
   Json path = Json::array(), objects = Json::array();
-  const std::size_t step = 1 + (truth.path.size() - 1) / kMaxTruePoses;
+  const std::size_t step = 1 + (truth.path.size() - 1) / kLimits.true_poses;
   for (std::size_t i = 0; i < truth.path.size(); i += step) {
     append(path, truth.path[i].value.translation());
   }
@@ -199,8 +209,7 @@ Json truthJson(const ReplayTruth& truth, const std::vector<ReplayFrame>& frames)
 
 /// Median distance from points in random order to their nearest other [m]; 0 of fewer than two.
 double spacingOf(const std::vector<ColouredPoint>& points) {
-  constexpr std::size_t kSamples = 101;
-  std::vector<float> nearest(points.size() < 2 ? 0 : std::min(kSamples, points.size()));
+  std::vector<float> nearest(points.size() < 2 ? 0 : std::min<std::size_t>(101, points.size()));
   for (std::size_t i = 0; i < nearest.size(); ++i) {
     nearest[i] = std::numeric_limits<float>::max();
     for (std::size_t j = 0; j < points.size(); ++j) {
@@ -271,18 +280,14 @@ Json pageData(const fs::path& folder, const std::vector<ReplayFrame>& frames,
 
 namespace {
 
-constexpr std::size_t kMaxImages = 160;
-constexpr int kImageWidth = 448;  // [px]; about 15 kB each
-constexpr int kImageQuality = 65;
-
 std::vector<std::uint8_t> smallJpeg(const cv::Mat& image) {
   cv::Mat small = image;
-  if (image.cols > kImageWidth) {
-    const double scale = static_cast<double>(kImageWidth) / image.cols;
+  if (image.cols > kLimits.image_width) {
+    const double scale = static_cast<double>(kLimits.image_width) / image.cols;
     cv::resize(image, small, {}, scale, scale, cv::INTER_AREA);
   }
   std::vector<std::uint8_t> jpeg;
-  cv::imencode(".jpg", small, jpeg, {cv::IMWRITE_JPEG_QUALITY, kImageQuality});
+  cv::imencode(".jpg", small, jpeg, {cv::IMWRITE_JPEG_QUALITY, kLimits.image_quality});
   return jpeg;
 }
 
@@ -291,7 +296,7 @@ std::vector<std::uint8_t> smallJpeg(const cv::Mat& image) {
 void PageImages::add(std::size_t frame, const cv::Mat& image) {
   if (image.empty() || added_++ % step_ != 0) return;
   jpegs_[frame] = smallJpeg(image);
-  if (jpegs_.size() <= kMaxImages) return;
+  if (jpegs_.size() <= kLimits.images) return;
   std::size_t position = 0;
   for (auto jpeg = jpegs_.begin(); jpeg != jpegs_.end(); ++position) {
     jpeg = position % 2 == 0 ? std::next(jpeg) : jpegs_.erase(jpeg);
@@ -300,12 +305,6 @@ void PageImages::add(std::size_t frame, const cv::Mat& image) {
 }
 
 namespace {
-
-namespace fs = std::filesystem;
-
-constexpr std::size_t kMaxShownFrames = 2000;
-constexpr std::size_t kMaxDensePoints = 600000;
-constexpr std::size_t kMaxShownLandmarks = 60000;
 
 /// The source expression of Content-Security-Policy for an inline script or style.
 std::string hashSource(const std::string& text) {
@@ -383,7 +382,7 @@ bool endedEarly(const fs::path& folder) {
 std::string readReplayPage(const fs::path& folder, const ReplayPageOptions& options,
                            const Note& note) {
   ReplayFrameOptions reading;
-  reading.max_frames = kMaxShownFrames;
+  reading.max_frames = kLimits.frames;
   reading.past_s = 0.0;
   reading.horizon_step_s = 0.5;
   const auto frames = readReplayFrames(folder, reading, note);
@@ -394,8 +393,8 @@ std::string readReplayPage(const fs::path& folder, const ReplayPageOptions& opti
   if (endedEarly(folder)) title += " (ended early)";
   data["title"] = title;
   const std::string points =
-      pointsBlock(folder / "map_dense.ply", kMaxDensePoints, "dense", data) +
-      pointsBlock(folder / "map_points.ply", kMaxShownLandmarks, "landmarks", data);
+      pointsBlock(folder / "map_dense.ply", kLimits.dense_points, "dense", data) +
+      pointsBlock(folder / "map_points.ply", kLimits.landmarks, "landmarks", data);
   const std::string three(kThreeScript), script = pageScript(), style(kPageStyle);
   return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
          "<meta http-equiv=\"Content-Security-Policy\" content=\"" +

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The report of a replay as one HTML page.
 #include <headway/core/error.h>
 #include <headway/core/object_class.h>
 #include <headway/core/output_file.h>
@@ -77,17 +78,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kPictureWidth = 1280;
-constexpr int kLostImageWidth = 640;
-
 double numberAt(const Json& json, const std::string& key) {
   const auto value = json.find(key);
   return value != json.end() && value->is_number() ? value->get<double>() : std::nan("");
 }
 
 std::size_t countOf(double value) {
-  constexpr double kMaxCount = 1e15;
-  return value > 0.0 ? static_cast<std::size_t>(std::min(value, kMaxCount)) : 0;
+  return value > 0.0 ? static_cast<std::size_t>(std::min(value, 1e15)) : 0;  // not beyond its type
 }
 
 std::size_t countAt(const Json& json, const std::string& key) {
@@ -175,17 +172,16 @@ std::string lostImage(const ReplayFolder& folder) {
   const auto path = folder.path / "lost.jpg";
   if (!std::filesystem::exists(path)) return "";
   return "<figure><img alt=\"The first image in which the camera was lost\" src=\"" +
-         pictureUri(path, kLostImageWidth) +
+         pictureUri(path, 640) +
          "\"><figcaption>The first image in which the camera was lost</figcaption></figure>";
 }
 
 /// The first frames of a list of the summary; empty if it has none.
 std::string framesText(const ReplayFolder& folder, const char* list) {
-  constexpr std::size_t kMaxLength = 160;
   if (!folder.summary.is_object()) return "";
   std::string text;
   for (const auto& frame : folder.summary.value(list, Json::array())) {
-    if (text.size() > kMaxLength) return escaped(text + ", …");
+    if (text.size() > 160) return escaped(text + ", …");
     text += (text.empty() ? "" : ", ") + frame.dump();
   }
   return escaped(text);
@@ -283,7 +279,7 @@ std::string snapshotsSection(const ReplayFolder& folder, std::size_t max_picture
     const std::string stem = path.stem().string();
     const std::string frame = stem.substr(std::min(stem.find_first_not_of('0'), stem.size() - 1));
     html += "<figure><img loading=\"lazy\" alt=\"The map at frame " + escaped(frame) + "\" src=\"" +
-            pictureUri(path, kPictureWidth) + "\"><figcaption>frame " + escaped(frame) +
+            pictureUri(path, 1280) + "\"><figcaption>frame " + escaped(frame) +
             "</figcaption></figure>";
   }
   return section("snapshots", "Snapshots", "", html + "</div>");

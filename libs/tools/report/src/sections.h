@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Parts of the report.
 #pragma once
 
 #include <headway/report/report.h>

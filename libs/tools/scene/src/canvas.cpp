@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Colours of pictures, and drawing on them: text, lines, occupancy, ground grid.
 #include "canvas.h"
 
 #include <headway/core/parallel_rows.h>
@@ -13,7 +14,6 @@ namespace {
 
 constexpr int kFont = cv::FONT_HERSHEY_DUPLEX;
 constexpr double kCapitalHeight = 21.0;  ///< of the font at scale 1 [px]
-constexpr double kStroke = 0.06;         ///< ratio of the capitals' height
 constexpr int kSubpixelBits = 4;
 
 cv::Point subpixel(const Eigen::Vector2d& point) {
@@ -24,7 +24,7 @@ cv::Point subpixel(const Eigen::Vector2d& point) {
 
 /// In proportion to the text, so that it is as legible in a large picture as in a small one.
 int thicknessOf(double font_scale) {
-  return std::max(1, static_cast<int>(std::lround(kStroke * font_scale * kCapitalHeight)));
+  return std::max(1, static_cast<int>(std::lround(0.06 * font_scale * kCapitalHeight)));
 }
 
 }  // namespace
@@ -96,16 +96,12 @@ void Canvas::image(const cv::Mat& source, cv::Rect rect) {
 
 namespace {
 
-// Cells that are shown, by their probability to be free, and their opacity.
-constexpr float kFreeAbove = 0.6F;
-constexpr float kOccupiedBelow = 0.4F;
-constexpr std::uint8_t kFreeOpacity = 110, kOccupiedOpacity = 190;
-
+/// @param free  probability; cells of about a half are not shown
 void paintCell(float free, const Palette& palette, cv::Vec3b& colour, std::uint8_t& opacity) {
-  const bool occupied = free < kOccupiedBelow;
+  const bool occupied = free < 0.4F;
   const Colour shown = occupied ? palette.occupied : palette.free;
   colour = {shown.blue, shown.green, shown.red};
-  opacity = occupied ? kOccupiedOpacity : free > kFreeAbove ? kFreeOpacity : 0;
+  opacity = occupied ? 190 : free > 0.6F ? 110 : 0;
 }
 
 /// @param opacity  0 to 255

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Colours of pictures, and drawing on them: text, lines, occupancy, ground grid.
 #pragma once
 
 #include <headway/core/object_class.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The picture of a map: points, paths and moving objects without text.
 #include "map_picture.h"
 
 #include <headway/core/parallel_rows.h>
@@ -19,15 +20,12 @@
 namespace headway::scene {
 namespace {
 
-constexpr double kHighM = 6.0;     ///< of the highest tint above the ground, at scale 1
-constexpr double kDotWidth = 2.6;  ///< [points]
-
 /// Image intensity, brightened and tinted by height.
 Colour colourOf(const slam::LandmarkView& landmark, double ground_z, double scale,
                 const Palette& palette) {
   const double brightness = 0.55 + 0.45 * landmark.intensity / 255.0;
   const double height =
-      std::clamp((landmark.position.z() - ground_z) / (kHighM * std::max(0.4, scale)), 0.0, 1.0);
+      std::clamp((landmark.position.z() - ground_z) / (6.0 * std::max(0.4, scale)), 0.0, 1.0);
   const auto mix = [&](std::uint8_t low, std::uint8_t high) {
     return static_cast<std::uint8_t>(brightness * (low + height * (high - low)));
   };
@@ -71,14 +69,10 @@ std::vector<render::PaintedPoint> densePoints(const mrpt::maps::CColouredPointsM
 }
 
 double landmarkWidth(const cv::Size& picture) {
-  return kDotWidth * std::max(1.0, pixelsPerPoint(picture));
+  return 2.6 * std::max(1.0, pixelsPerPoint(picture));
 }
 
 namespace {
-
-constexpr std::size_t kSpacingSamples = 200;
-constexpr double kCoverings = 1.3;  ///< of each pixel by points of a sample
-constexpr float kClosing = 1.5F;  ///< ratio of a voxel to the distance of points in its neighbours
 
 /// Whether the bounding sphere of the box intersects the viewing frustum.
 ///
@@ -116,8 +110,9 @@ render::PointRun runOf(const Eigen::AlignedBox3f& bounds, render::PointRun run,
   if (!(style.width_m > 0.F)) return run;
   const double width_px = std::max(static_cast<double>(style.min_px),
                                    static_cast<double>(style.width_m) * view.fx / farthest);
-  const double enough = kCoverings * (covered.sizes() + Eigen::Vector2d::Ones() * width_px).prod() /
-                        (width_px * width_px);
+  // So many points at random cover each pixel 1.3 times.
+  const double enough =
+      1.3 * (covered.sizes() + Eigen::Vector2d::Ones() * width_px).prod() / (width_px * width_px);
   if (enough < static_cast<double>(run.count)) run.count = static_cast<std::size_t>(enough);
   return run;
 }
@@ -208,7 +203,7 @@ void PointCells::paint(const render::PinholeView& view, const render::PointStyle
 }
 
 double PointCells::closingWidth() const {
-  const std::size_t step = std::max<std::size_t>(1, points_.size() / kSpacingSamples);
+  const std::size_t step = std::max<std::size_t>(1, points_.size() / 200);
   std::vector<float> distances;
   std::size_t next = 0;
   for (const auto& cell : cells_) {
@@ -220,18 +215,23 @@ double PointCells::closingWidth() const {
   if (distances.empty()) return 0.0;
   const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
   std::nth_element(distances.begin(), middle, distances.end());
-  return static_cast<double>(kClosing * *middle);
+  // A voxel's side is this much longer than the distance of points in neighbouring voxels.
+  return static_cast<double>(1.5F * *middle);
 }
 
 namespace {
 
-constexpr double kCellM = 4.0;              // of points
-constexpr double kOccupancyRadiusM = 60.0;  // around the robot, at scale 1
-constexpr double kMarginM = 0.5;            // of hidden objects, at scale 1
-constexpr double kMaxWidthM = 0.5;          // of the dense map's discs
-constexpr double kMaxWidthPoints = 24.0;    // of the same in the picture [points]
-constexpr double kDotsOnDense = 0.65;       // width of dots on the dense map to those alone
-constexpr double kClearRatio = 0.45;        // of the way to the robot that is kept free of points
+/// How the points of the map are drawn.
+struct PointDrawing {
+  double cell_m = 4.0;               ///< of PointCells
+  double occupancy_radius_m = 60.0;  ///< around the robot, at scale 1
+  double margin_m = 0.5;             ///< of hidden objects, at scale 1
+  double max_width_m = 0.5;          ///< of the dense map's discs
+  double max_width_points = 24.0;    ///< of the same in the picture [points]
+  double dots_on_dense = 0.65;       ///< width of dots on the dense map to those alone
+  double clear_ratio = 0.45;         ///< of the way to the robot that is kept free of points
+};
+constexpr PointDrawing kDrawing{};
 
 }  // namespace
 
@@ -243,16 +243,17 @@ MapPicture::MapPicture(const SnapshotOptions& options)
 void MapPicture::updateLandmarks(const SnapshotInput& input, double ground_z) {
   if (static_map_ == input.map.staticMap()) return;
   static_map_ = input.map.staticMap();
-  landmarks_ =
-      PointCells(landmarkPoints(*static_map_, ground_z, sceneScale(input), palette_), kCellM);
+  landmarks_ = PointCells(landmarkPoints(*static_map_, ground_z, sceneScale(input), palette_),
+                          kDrawing.cell_m);
 }
 
 void MapPicture::updateDense(const SnapshotInput& input) {
   const auto dense = options_.dense ? input.map.dense() : nullptr;
   if (dense_map_ == dense) return;
   dense_map_ = dense;
-  dense_ = dense == nullptr ? PointCells() : PointCells(densePoints(*dense, palette_), kCellM);
-  dense_width_m_ = std::min(kMaxWidthM, dense_.closingWidth());
+  dense_ =
+      dense == nullptr ? PointCells() : PointCells(densePoints(*dense, palette_), kDrawing.cell_m);
+  dense_width_m_ = std::min(kDrawing.max_width_m, dense_.closingWidth());
 }
 
 cv::Mat MapPicture::draw(const SnapshotInput& input, const render::PinholeView& view,
@@ -260,7 +261,7 @@ cv::Mat MapPicture::draw(const SnapshotInput& input, const render::PinholeView& 
   updateLandmarks(input, ground_z);
   updateDense(input);
   const auto drawn = render::enlarged(view, options_.supersampling);
-  margin_m_ = kMarginM * sceneScale(input);
+  margin_m_ = kDrawing.margin_m * sceneScale(input);
   painter_.clear(drawn, palette_.backdrop);
   paintGround(input, drawn, ground_z);
   paintPoints(input, drawn);
@@ -277,7 +278,7 @@ void MapPicture::paintGround(const SnapshotInput& input, const render::PinholeVi
   const Eigen::Vector3d robot = input.T_map_robot.translation();
   const double scale = sceneScale(input);
   if (const auto grid = input.map.staticGrid()) {
-    const double radius = kOccupancyRadiusM * std::max(0.5, scale);
+    const double radius = kDrawing.occupancy_radius_m * std::max(0.5, scale);
     drawOccupancy(occupancyAround(*grid, robot, radius, palette_), ground_z, view,
                   painter_.picture());
   }
@@ -295,11 +296,12 @@ void MapPicture::paintPoints(const SnapshotInput& input, const render::PinholeVi
   render::PointStyle surface;
   surface.width_m = static_cast<float>(dense_width_m_);
   surface.min_px = 2.F;
-  surface.max_px = pixels(kMaxWidthPoints * std::max(1.0, pixelsPerPoint(size)));
-  surface.near_m = static_cast<float>(kClearRatio * distance);
+  surface.max_px = pixels(kDrawing.max_width_points * std::max(1.0, pixelsPerPoint(size)));
+  surface.near_m = static_cast<float>(kDrawing.clear_ratio * distance);
   dense_.paint(view, surface, painter_);
   render::PointStyle dot;
-  dot.min_px = dot.max_px = pixels(landmarkWidth(size) * (dense_.empty() ? 1.0 : kDotsOnDense));
+  dot.min_px = dot.max_px =
+      pixels(landmarkWidth(size) * (dense_.empty() ? 1.0 : kDrawing.dots_on_dense));
   dot.nearer_m = static_cast<float>(2.0 * dense_width_m_);
   landmarks_.paint(view, dot, painter_);
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The picture of a map: points, paths and moving objects without text.
 #pragma once
 
 #include <headway/render/painter.h>

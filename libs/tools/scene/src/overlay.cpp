@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// What is written and outlined over a picture: boxes, labels, legend, caption.
 #include "overlay.h"
 
 #include <headway/core/object_class.h>
@@ -17,9 +18,9 @@
 namespace headway::scene {
 namespace {
 
+constexpr double kMargin = 18.0;      ///< to the edge of the picture [points]
+constexpr double kTextPoints = 11.0;  ///< height of capitals [points]
 constexpr double kLabelPoints = 9.5;
-constexpr double kMaxLabelDistanceM = 70.0;
-constexpr int kRows = 6;  ///< of alternative places above a box
 
 std::string labelOf(const Track& track) {
   std::string label(displayName(track.object_class));
@@ -94,7 +95,7 @@ std::optional<cv::Rect> LabelLayout::place(const cv::Size& label, const cv::Rect
   const int above = box.y - label.height - gap;
   const int step = label.height + std::max(2, gap / 2);
   std::vector<cv::Point> corners;
-  for (int row = 0; row < kRows; ++row) {
+  for (int row = 0; row < 6; ++row) {
     for (const int aside : {0, -label.width / 2, label.width / 2}) {
       corners.emplace_back(middle + aside, above - row * step);
     }
@@ -123,8 +124,7 @@ std::vector<cv::Rect> drawLabels(Canvas& canvas, const render::PinholeView& view
   const int pad = canvas.px(4);
   std::vector<PlacedLabel> labels;
   for (const auto& [track, outline] : nearest) {
-    const double max_distance =
-        kMaxLabelDistanceM * scale + std::abs(viewpoint.z() - track->position.z());
+    const double max_distance = 70.0 * scale + std::abs(viewpoint.z() - track->position.z());
     if (outline.empty() || (track->position - viewpoint).norm() > max_distance) continue;
     const cv::Rect box = cv::boundingRect(outline);
     const cv::Point top(box.x + box.width / 2, box.y);
@@ -151,8 +151,6 @@ std::vector<cv::Rect> drawLabels(Canvas& canvas, const render::PinholeView& view
 
 namespace {
 
-constexpr double kEntryPoints = 11.0;
-constexpr double kLegendMargin = 18.0;
 constexpr double kRowHeight = 21.0;
 constexpr double kSwatch = 22.0;
 constexpr double kGap = 10.0;  ///< between swatch and text
@@ -193,7 +191,7 @@ void Legend::drawEntry(Canvas& canvas, const Entry& entry, cv::Point left_middle
                   entry.colour);
   }
   canvas.text(entry.text, {left_middle.x + swatch + canvas.px(kGap), left_middle.y + canvas.px(5)},
-              kEntryPoints, canvas.palette().text, false);
+              kTextPoints, canvas.palette().text, false);
 }
 
 cv::Rect Legend::draw(Canvas& canvas, const SnapshotInput& input, Layout layout) {
@@ -203,11 +201,11 @@ cv::Rect Legend::draw(Canvas& canvas, const SnapshotInput& input, Layout layout)
   int total = 0;
   for (const auto& entry : shown) {
     widths.push_back(canvas.px(kSwatch + 2.0 * kGap) +
-                     canvas.textSize(entry.text, kEntryPoints).width);
+                     canvas.textSize(entry.text, kTextPoints).width);
     total += widths.back() + canvas.px(kGap);
   }
   const bool row = layout == Layout::kRow;
-  const int margin = canvas.px(kLegendMargin);
+  const int margin = canvas.px(kMargin);
   const int height = canvas.px(kRowHeight) * (row ? 1 : static_cast<int>(shown.size()));
   const int width = row ? total : *std::max_element(widths.begin(), widths.end());
   cv::Point at(margin, canvas.size().height - margin - height);
@@ -227,14 +225,6 @@ cv::Rect Legend::draw(Canvas& canvas, const SnapshotInput& input, Layout layout)
 }
 
 namespace {
-
-constexpr double kFillOpacity = 0.30;
-constexpr double kPathOpacity = 0.88;
-constexpr double kDashLengthM = 0.8;
-constexpr double kDashGapM = 0.5;
-constexpr double kMinPathLengthM = 0.5;
-constexpr double kHiddenEdge = 0.6;  ///< of a box, behind the map [points]
-constexpr int kEdgeParts = 8;        ///< that are hidden or not
 
 /// Narrower at close range, where a band would hide what it passes.
 double bandWidth(const Track& track, double scale) {
@@ -299,7 +289,7 @@ void forEachPath(const std::vector<const Track*>& tracks, const Draw& draw) {
     if (!isMoving(*track)) continue;
     for (const auto& prediction : track->predictions) {
       const auto path = map::groundPath(*track, prediction);
-      if (map::lengthOf(path) >= kMinPathLengthM) draw(*track, prediction, path);
+      if (map::lengthOf(path) >= 0.5) draw(*track, prediction, path);
     }
   }
 }
@@ -313,7 +303,7 @@ void drawSegment(Canvas& canvas, const render::PinholeView& view, const Eigen::V
 void drawEdges(Canvas& canvas, const render::PinholeView& view, const Track& track, double points,
                Colour colour, const Hides& hides = {}) {
   const auto corners = map::boxCorners(track);
-  const int parts = hides ? kEdgeParts : 1;
+  const int parts = hides ? 8 : 1;  // that are hidden or not
   for (const auto& [a, b] : map::kBoxEdges) {
     const Eigen::Vector3d& from = corners[static_cast<std::size_t>(a)];
     const Eigen::Vector3d step = (corners[static_cast<std::size_t>(b)] - from) / parts;
@@ -322,8 +312,7 @@ void drawEdges(Canvas& canvas, const render::PinholeView& view, const Track& tra
     for (int i = 0, end = 1; i < parts; i = end++) {  // as long as all is hidden or nothing
       bool next = hidden;
       while (end < parts && (next = isHidden(end)) == hidden) ++end;
-      drawSegment(canvas, view, from + i * step, from + end * step, hidden ? kHiddenEdge : points,
-                  colour);
+      drawSegment(canvas, view, from + i * step, from + end * step, hidden ? 0.6 : points, colour);
       hidden = next;
     }
   }
@@ -342,13 +331,13 @@ std::vector<const Track*> shownTracks(const std::vector<Track>& tracks) {
 void drawTracksOver(Canvas& canvas, const render::PinholeView& view,
                     const std::vector<Track>& tracks, double scale) {
   const auto shown = shownTracks(tracks);
-  blended(canvas, kFillOpacity, [&](Canvas& layer) {
+  blended(canvas, 0.30, [&](Canvas& layer) {
     forEachPath(shown, [&](const Track& track, const PredictedPath& prediction, const auto& path) {
       drawBand(layer, view, path, oneSigma(track, prediction, scale), layer.palette().prediction);
     });
     for (const Track* track : shown) drawFrontFace(layer, view, *track);
   });
-  blended(canvas, kPathOpacity, [&](Canvas& layer) {
+  blended(canvas, 0.88, [&](Canvas& layer) {
     for (const Track* track : shown) {
       if (isMoving(*track)) {
         drawBand(layer, view, map::groundTrail(*track), 0.4 * bandWidth(*track, scale),
@@ -356,7 +345,7 @@ void drawTracksOver(Canvas& canvas, const render::PinholeView& view,
       }
     }
     forEachPath(shown, [&](const Track& track, const PredictedPath&, const auto& path) {
-      for (const auto& dash : map::dashesOf(path, scale * kDashLengthM, scale * kDashGapM)) {
+      for (const auto& dash : map::dashesOf(path, scale * 0.8, scale * 0.5)) {
         drawBand(layer, view, dash, 1.2 * bandWidth(track, scale), layer.palette().prediction);
       }
     });
@@ -397,10 +386,6 @@ void drawFrustum(Canvas& canvas, const render::PinholeView& view, const StereoCa
 }
 
 namespace {
-
-constexpr int kMargin = 18;           ///< to the edge of the picture [points]
-constexpr double kTextPoints = 11.0;  ///< height of capitals [points]
-constexpr double kInsetWidth = 0.30;  ///< ratio of the picture's width
 
 /// Mean speed over the last second of the path [m/s]; 0 without a path.
 double speedOf(const std::vector<Stamped<Pose>>& path) {
@@ -466,7 +451,7 @@ cv::Rect drawGridNote(Canvas& canvas, double spacing_m) {
 
 cv::Rect drawInset(Canvas& canvas, const SnapshotInput& input) {
   if (input.image.empty() || input.camera == nullptr) return {};
-  const int width = cvRound(kInsetWidth * canvas.size().width);
+  const int width = cvRound(0.30 * canvas.size().width);
   const int height = std::max(1, width * input.image.rows / std::max(1, input.image.cols));
   const int margin = canvas.px(kMargin);
   const cv::Rect rect(canvas.size().width - width - margin, margin, width, height);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// What is written and outlined over a picture: boxes, labels, legend, caption.
 #pragma once
 
 #include <headway/core/track.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The views of pictures, and the scale of a scene.
 #include "view.h"
 
 #include <headway/stereo/rig_capability.h>
@@ -9,27 +10,27 @@
 namespace headway::scene {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kFollowFov = 64.0 * kPi / 180.0;
-constexpr double kTopFov = 40.0 * kPi / 180.0;
-constexpr double kTopHeightM = 95.0;
-constexpr double kOrbitRadiusM = 38.0;
-constexpr double kOrbitHeightM = 20.0;
-constexpr double kFramesPerTurn = 360.0;
-constexpr double kFarM = 400.0;
+/// The external views, at scale 1.
+struct ViewLayout {
+  double follow_fov_rad = 64.0 * M_PI / 180.0, top_fov_rad = 40.0 * M_PI / 180.0;
+  double top_height_m = 95.0;
+  double orbit_radius_m = 38.0, orbit_height_m = 20.0;
+  double frames_per_orbit = 360.0;
+  double far_m = 400.0;  ///< nothing farther is drawn
+};
+constexpr ViewLayout kLayout{};
 
-constexpr double kFrustumDepthM = 1.8;
-constexpr double kReachOfScaleOne = 20.0;
-constexpr double kMinScale = 0.28;
-constexpr double kGridSpacingM = 10.0;
-
-constexpr double kNearM = 40.0;
-constexpr std::size_t kMinBoxes = 3;
-constexpr std::size_t kMinLandmarks = 50;
-constexpr double kGroundPercentile = 0.08;  ///< of the landmark heights
+/// What the height of the ground is estimated from.
+struct GroundSamples {
+  double radius_m = 40.0;  ///< around the robot, at scale 1
+  std::size_t min_boxes = 3, min_landmarks = 50;
+  double percentile = 0.08;  ///< of the landmark heights
+};
+constexpr GroundSamples kGround{};
 
 bool isNear(const Eigen::Vector3d& point, const SnapshotInput& input) {
-  return (point - input.T_map_robot.translation()).head<2>().norm() < kNearM * sceneScale(input);
+  return (point - input.T_map_robot.translation()).head<2>().norm() <
+         kGround.radius_m * sceneScale(input);
 }
 
 double percentileOf(std::vector<double>& values, double ratio) {
@@ -45,12 +46,12 @@ Eigen::Vector3d levelDirection(double yaw) { return {std::cos(yaw), std::sin(yaw
 
 double sceneScale(const SnapshotInput& input) {
   if (input.camera == nullptr) return 1.0;
-  return std::clamp(stereo::rigCapability(*input.camera).obstacles_to_m / kReachOfScaleOne,
-                    kMinScale, 1.0);
+  return std::clamp(stereo::rigCapability(*input.camera).obstacles_to_m / 20.0,  // of a car
+                    0.28, 1.0);
 }
 
 double gridSpacing(double scale) {
-  const double wanted = kGridSpacingM * scale;
+  const double wanted = 10.0 * scale;
   const double power = std::pow(10.0, std::floor(std::log10(wanted) + 1e-9));
   const double digit = wanted / power + 1e-9;
   return power * (digit >= 5.0 ? 5.0 : digit >= 2.0 ? 2.0 : 1.0);
@@ -63,12 +64,12 @@ double groundHeight(const SnapshotInput& input) {
       heights.push_back(track.position.z() - 0.5 * track.size.z());
     }
   }
-  if (heights.size() >= kMinBoxes) return percentileOf(heights, 0.5);
+  if (heights.size() >= kGround.min_boxes) return percentileOf(heights, 0.5);
   heights.clear();
   for (const auto& landmark : input.map.staticMap()->landmarks) {
     if (isNear(landmark.position, input)) heights.push_back(landmark.position.z());
   }
-  if (heights.size() >= kMinLandmarks) return percentileOf(heights, kGroundPercentile);
+  if (heights.size() >= kGround.min_landmarks) return percentileOf(heights, kGround.percentile);
   return input.T_map_robot.translation().z();
 }
 
@@ -80,24 +81,27 @@ render::PinholeView externalView(const SnapshotOptions& options, const SnapshotI
   foot.z() = ground_z;
   const auto makeExternalView = [&](double fov, const Pose& pose) {
     auto view = render::makeView(options.width, options.height, fov, pose);
-    view.far_m = kFarM;
+    view.far_m = kLayout.far_m;
     return view;
   };
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
   if (options.view == View::kTop) {
     const Eigen::Vector3d centre = foot + 16.0 * scale * forward;
-    return makeExternalView(kTopFov,
-                            render::lookAt(centre + kTopHeightM * scale * up, centre, forward));
+    return makeExternalView(
+        kLayout.top_fov_rad,
+        render::lookAt(centre + kLayout.top_height_m * scale * up, centre, forward));
   }
   if (options.view == View::kOrbit) {
-    const double angle = 2.0 * kPi * static_cast<double>(input.frame) / kFramesPerTurn;
+    const double angle = 2.0 * M_PI * static_cast<double>(input.frame) / kLayout.frames_per_orbit;
     const Eigen::Vector3d centre = foot + 8.0 * scale * forward;
     const Eigen::Vector3d viewpoint =
-        centre + scale * (kOrbitRadiusM * levelDirection(angle + 0.75 * kPi) + kOrbitHeightM * up);
-    return makeExternalView(kFollowFov, render::lookAt(viewpoint, centre));
+        centre + scale * (kLayout.orbit_radius_m * levelDirection(angle + 0.75 * M_PI) +
+                          kLayout.orbit_height_m * up);
+    return makeExternalView(kLayout.follow_fov_rad, render::lookAt(viewpoint, centre));
   }
-  return makeExternalView(kFollowFov, render::lookAt(foot + scale * (7.5 * up - 11.0 * forward),
-                                                     foot + 15.0 * scale * forward));
+  return makeExternalView(
+      kLayout.follow_fov_rad,
+      render::lookAt(foot + scale * (7.5 * up - 11.0 * forward), foot + 15.0 * scale * forward));
 }
 
 render::PinholeView cameraView(const StereoCamera& camera, const Pose& T_map_robot,
@@ -112,7 +116,7 @@ render::PinholeView cameraView(const StereoCamera& camera, const Pose& T_map_rob
   view.cx = (camera.cx + 0.5) * scale_x - 0.5;
   view.cy = (camera.cy + 0.5) * scale_y - 0.5;
   view.T_map_camera = T_map_robot * camera.T_robot_cam;
-  view.far_m = kFarM;
+  view.far_m = kLayout.far_m;
   return view;
 }
 
@@ -126,7 +130,7 @@ cv::Rect fittedInto(const cv::Size& image, const cv::Size& picture) {
 
 std::array<Edge, 8> frustumEdges(const StereoCamera& camera, const Pose& T_map_robot,
                                  double scale) {
-  const double depth = kFrustumDepthM * scale;
+  const double depth = 1.8 * scale;
   const Pose T_map_cam = T_map_robot * camera.T_robot_cam;
   const auto corner = [&](double u, double v) {
     return Eigen::Vector3d(T_map_cam * (depth * ray({u, v}, camera)));

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The views of pictures, and the scale of a scene.
 #pragma once
 
 #include <headway/scene/snapshot.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A map as a 3D scene of MRPT.
 #include "world_scene.h"
 
 #include <headway/core/mrpt_pose.h>
@@ -26,14 +27,14 @@ namespace {
 using mrpt::opengl::CSetOfLines;
 using mrpt::opengl::CSetOfTriangles;
 
-constexpr double kPathWidthM = 0.25;  // at scale 1, as the following
-constexpr double kPathSpacingM = 0.3;
-constexpr double kWholeMapM = 400.0;      // of the occupancy grid around the robot
-constexpr double kSceneAheadM = 6.0;      // of the robot, what the file's camera looks at
-constexpr double kSceneDistanceM = 45.0;  // of the file's camera from that
-constexpr double kSceneAsideDegrees = 25.0;
-constexpr float kSceneElevationDegrees = 30.F;
-constexpr float kLandmarkPx = 2.F, kDensePx = 3.F;  // of points
+/// The camera of a scene's file, at scale 1.
+struct SceneCamera {
+  double ahead_m = 6.0;      ///< of the robot, what it looks at
+  double distance_m = 45.0;  ///< from that
+  double aside_deg = 25.0;
+  float elevation_deg = 30.F;
+};
+constexpr SceneCamera kCamera{};
 
 std::shared_ptr<mrpt::opengl::CGridPlaneXY> makeGrid(const Eigen::Vector3d& centre, double ground_z,
                                                      double spacing, const Palette& palette) {
@@ -94,7 +95,7 @@ std::shared_ptr<CSetOfTriangles> makeRobot(const Pose& T_map_robot, double groun
 std::shared_ptr<mrpt::opengl::CTexturedPlane> makeOccupancy(
     const mrpt::maps::COccupancyGridMap2D& grid, const Eigen::Vector3d& centre, double ground_z,
     const Palette& palette) {
-  const auto cells = occupancyAround(grid, centre, kWholeMapM, palette);
+  const auto cells = occupancyAround(grid, centre, 400.0, palette);
   if (cells.colours.empty()) return nullptr;
   const auto edge = [&](double from, int count) {
     return static_cast<float>(from + cells.cell_m * count);
@@ -184,8 +185,8 @@ std::shared_ptr<mrpt::opengl::CSetOfObjects> makeLandmarks(const SnapshotInput& 
                                                            const Palette& palette) {
   auto landmarks = mrpt::opengl::CSetOfObjects::Create();
   landmarks->setName("landmarks");
-  landmarks->insert(makeCloud(
-      landmarkPoints(*input.map.staticMap(), ground_z, sceneScale(input), palette), kLandmarkPx));
+  landmarks->insert(
+      makeCloud(landmarkPoints(*input.map.staticMap(), ground_z, sceneScale(input), palette), 2.F));
   return landmarks;
 }
 
@@ -194,14 +195,14 @@ void setCamera(const SnapshotInput& input, double ground_z, mrpt::opengl::COpenG
   const double scale = sceneScale(input);
   const double yaw = yawOf(input.T_map_robot);
   Eigen::Vector3d target = input.T_map_robot.translation();
-  target += kSceneAheadM * scale * Eigen::Vector3d(std::cos(yaw), std::sin(yaw), 0.0);
+  target += kCamera.ahead_m * scale * Eigen::Vector3d(std::cos(yaw), std::sin(yaw), 0.0);
   auto viewport = scene.getViewport();
   viewport->setViewportClipDistances(0.1F, 2000.F);
   auto& camera = viewport->getCamera();
   camera.setPointingAt(mrpt::math::TPoint3D(target.x(), target.y(), ground_z));
-  camera.setZoomDistance(static_cast<float>(kSceneDistanceM * scale));
-  camera.setAzimuthDegrees(static_cast<float>(mrpt::RAD2DEG(yaw) + 180.0 + kSceneAsideDegrees));
-  camera.setElevationDegrees(kSceneElevationDegrees);
+  camera.setZoomDistance(static_cast<float>(kCamera.distance_m * scale));
+  camera.setAzimuthDegrees(static_cast<float>(mrpt::RAD2DEG(yaw) + 180.0 + kCamera.aside_deg));
+  camera.setElevationDegrees(kCamera.elevation_deg);
   scene.enableFollowCamera(true);
 }
 
@@ -215,8 +216,8 @@ std::vector<std::shared_ptr<CSetOfTriangles>> groundTriangles(const SnapshotInpu
                                                               double ground_z,
                                                               const Palette& palette) {
   const double scale = sceneScale(input);
-  const double width = kPathWidthM * scale;
-  const double spacing = kPathSpacingM * scale;
+  const double width = 0.25 * scale;
+  const double spacing = 0.3 * scale;
   const double drop = input.T_map_robot.translation().z() - ground_z - 0.02;
   std::vector<std::shared_ptr<CSetOfTriangles>> result;
   if (!input.true_path.empty()) {
@@ -264,7 +265,7 @@ mrpt::opengl::COpenGLScene buildScene(const SnapshotInput& input, const Snapshot
   }
   scene.insert(makeGrid(position, ground_z, gridSpacing(scale), palette));
   if (options.dense && input.map.dense() != nullptr) {
-    auto cloud = makeCloud(densePoints(*input.map.dense(), palette), kDensePx);
+    auto cloud = makeCloud(densePoints(*input.map.dense(), palette), 3.F);
     cloud->setName("dense");
     scene.insert(cloud);
   }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A map as a 3D scene of MRPT.
 #pragma once
 
 #include <headway/render/painter.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// What moves or is parked: its kind, size and state at one instant.
 #include "actor.h"
 
 #include <algorithm>

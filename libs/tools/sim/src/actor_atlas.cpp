@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The picture that all vehicles and people wear.
 #include "actor_atlas.h"
 
 #include <headway/core/random.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The picture that all vehicles and people wear.
 #pragma once
 
 #include <opencv2/core/mat.hpp>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Meshes of people, cyclists, vehicles and machines.
 #include "actor_mesh.h"
 
 #include <Eigen/Geometry>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The campus: a promenade between lawns, houses and a road.
 #include <algorithm>
 #include <cmath>
 #include <vector>

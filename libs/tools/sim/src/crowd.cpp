@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// People and pillars of a trial of navigation, seen from above.
 #include <headway/sim/crowd.h>
 
 #include <algorithm>

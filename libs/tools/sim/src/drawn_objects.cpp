@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// OpenGL objects of a scene: textured meshes, actors and their shadows.
 #define GL_GLEXT_PROTOTYPES
 
 #include "drawn_objects.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// OpenGL objects of a scene: textured meshes, actors and their shadows.
 #pragma once
 
 #include <mrpt/opengl/COpenGLScene.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Drivers: how they follow paths and lanes, and brake for others.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Everything around the cameras, as the simulator uses it.
 #pragma once
 
 #include <headway/core/stereo_camera.h>

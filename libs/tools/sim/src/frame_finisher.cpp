@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Finishing of drawn frames: truth, detections and sensor effects.
 #include "frame_finisher.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Finishing of drawn frames: truth, detections and sensor effects.
 #pragma once
 
 #include <headway/core/detector_noise.h>

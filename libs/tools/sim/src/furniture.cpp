@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Trees, lamps, signs and the like along streets and paths.
 #include "furniture.h"
 
 #include <algorithm>

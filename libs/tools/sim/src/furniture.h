@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Trees, lamps, signs and the like along streets and paths.
 #pragma once
 
 #include <opencv2/core/mat.hpp>

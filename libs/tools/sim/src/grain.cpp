@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Random textures and colours.
 #include "grain.h"
 
 #include <cmath>

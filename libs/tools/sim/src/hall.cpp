@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The hall: an office floor.
 #include <algorithm>
 #include <cmath>
 #include <map>

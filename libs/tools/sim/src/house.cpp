@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Houses: their meshes and painted facades.
 #include "house.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Houses: their meshes and painted facades.
 #pragma once
 
 #include <opencv2/core/mat.hpp>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// What a camera does to time, brightness and depth: trigger, exposure, noise.
 #pragma once
 
 #include <headway/core/random.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The true camera and the recorded one: distortion and errors of the calibration.
 #pragma once
 
 #include <headway/core/detection.h>

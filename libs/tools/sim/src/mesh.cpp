@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Textured triangles.
 #include "mesh.h"
 
 #include <utility>

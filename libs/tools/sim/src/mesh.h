@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Textured triangles.
 #pragma once
 
 #include <Eigen/Core>

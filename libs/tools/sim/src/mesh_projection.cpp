@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Meshes in the image: their pixels, how much of it they cover, how much of them is visible.
 #include "mesh_projection.h"
 
 #include <algorithm>

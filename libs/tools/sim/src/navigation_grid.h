@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Free room on a site's floor and ways through it.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// What houses hide.
 #include "occlusion.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// What houses hide.
 #pragma once
 
 #include <headway/core/stereo_camera.h>

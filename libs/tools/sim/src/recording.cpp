@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A simulated rawlog and its truth on disk.
 #include <headway/core/error.h>
 #include <headway/core/output_file.h>
 #include <headway/core/stereo_camera.h>

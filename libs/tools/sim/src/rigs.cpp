@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The predefined rigs: car, robot, small and rgbd.
 #include <headway/core/error.h>
 #include <headway/sim/rigs.h>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// All streets of a world and where they meet.
 #include "road_network.h"
 
 #include <headway/core/random.h>

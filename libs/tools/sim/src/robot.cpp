@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The robot's motion: along a lane, or from stop to stop on a site.
 #include "robot.h"
 
 #include <algorithm>

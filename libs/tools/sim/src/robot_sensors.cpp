@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Sensors of the robot other than cameras: laser scanner, inertial sensor, wheels, satellite
+// receiver.
 #include "robot_sensors.h"
 
 #include <algorithm>

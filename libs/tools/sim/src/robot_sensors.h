@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Sensors of the robot other than cameras: laser scanner, inertial sensor, wheels, satellite
+// receiver.
 #pragma once
 
 #include <headway/core/random.h>

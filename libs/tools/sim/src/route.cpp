@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The street that the robot drives along, and its cross-section.
 #include "route.h"
 
 #include <headway/core/error.h>

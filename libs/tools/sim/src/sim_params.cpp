@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Everything that a world's .ini says.
 #include <headway/core/error.h>
 #include <headway/sim/sim_params.h>
 

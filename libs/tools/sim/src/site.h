@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A place that robots work in, and the builder of its surfaces and obstacles.
 #pragma once
 
 #include <headway/sim/simulator.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A hall, campus or warehouse as an environment, with the scene that is drawn of it.
 #include "site_environment.h"
 
 #include <headway/core/stereo_camera.h>

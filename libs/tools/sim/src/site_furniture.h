@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Furniture of halls, campuses and warehouses.
 #pragma once
 
 #include <headway/core/random.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// People and vehicles that move on a site.
 #include "site_traffic.h"
 
 #include <algorithm>

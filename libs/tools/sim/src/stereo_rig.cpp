@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The off-screen drawing of a scene by two cameras.
 #define GL_GLEXT_PROTOTYPES
 
 #include "stereo_rig.h"

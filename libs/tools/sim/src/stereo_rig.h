@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The off-screen drawing of a scene by two cameras.
 #pragma once
 
 #include <headway/core/pose.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Streets: their stretches with houses and parked vehicles, built as they come into view.
 #include "street.h"
 
 #include <algorithm>

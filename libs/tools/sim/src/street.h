@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Streets: their stretches with houses and parked vehicles, built as they come into view.
 #pragma once
 
 #include <headway/core/stereo_camera.h>

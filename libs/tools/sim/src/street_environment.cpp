@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Streets and their traffic as an environment, with the scene that is drawn of them.
 #include <headway/core/stereo_camera.h>
 
 #include <algorithm>

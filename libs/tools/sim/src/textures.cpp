@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Painted pictures of materials, the ground and the sky.
 #include "textures.h"
 
 #include <algorithm>

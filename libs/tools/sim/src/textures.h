@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Painted pictures of materials, the ground and the sky.
 #pragma once
 
 #include <opencv2/core/mat.hpp>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// All who move along the streets; the pedestrians among them.
 #include "traffic.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Meshes of vehicles and machines.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Vehicles on the streets, and those that escort the robot.
 #include "vehicles.h"
 
 #include <headway/core/error.h>

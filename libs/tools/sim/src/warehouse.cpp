@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The warehouse: racks, aisles and loading docks.
 #include <cmath>
 
 #include "site_furniture.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Errors of dense maps against the true surface.
 #pragma once
 
 #include <headway/core/stereo_camera.h>

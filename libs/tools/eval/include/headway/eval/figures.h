@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Errors as JSON and as tables.
 #pragma once
 
 #include <headway/plot/text_table.h>
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 
 namespace headway::eval {
 
@@ -13,6 +15,11 @@ struct ObjectMotionErrors;
 struct PredictionErrors;
 struct TrackErrors;
 struct TrajectoryError;
+
+/// Ratio of a part; nullopt of an empty whole.
+[[nodiscard]] std::optional<double> ratioOf(std::size_t part, std::size_t whole);
+/// A figure as JSON, null if it is undefined.
+[[nodiscard]] nlohmann::ordered_json orNull(const std::optional<double>& value);
 
 // The errors as JSON under the keys of doc/formats.md; undefined figures are null.
 [[nodiscard]] nlohmann::ordered_json toJson(const TrajectoryError& error);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Errors of occupancy grids.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Labels and tracks of recordings, and the files that contain them.
 #pragma once
 
 #include <headway/core/detection.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Which moving objects are found, and how well their motion is known.
 #pragma once
 
 #include <headway/eval/labelled_frames.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Plots of errors.
 #pragma once
 
 #include <headway/eval/dense_error.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Errors of predictions, and the cases that they are of.
 #pragma once
 
 #include <headway/core/track.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Evaluation of predictors and of a replay's predictions.
 #pragma once
 
 #include <headway/eval/plots.h>

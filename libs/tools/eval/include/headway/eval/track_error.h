@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Accuracy of tracks: CLEAR MOT, HOTA and positions.
 #pragma once
 
 #include <headway/eval/labelled_frames.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Errors of trajectories: pairing of poses, alignment, absolute and relative errors.
 #pragma once
 
 #include <headway/core/pose.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Charts with axes, lines, bars and a legend.
 #pragma once
 
 #include <headway/core/object_class.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Colours of charts.
 #pragma once
 
 #include <headway/core/object_class.h>

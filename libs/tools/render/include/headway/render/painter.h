@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Points and triangles to a picture, without OpenGL.
 #pragma once
 
 #include <headway/core/object_class.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The view of a virtual pinhole camera.
 #pragma once
 
 #include <headway/core/pose.h>

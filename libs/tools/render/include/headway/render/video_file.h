@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Pictures to an MP4 file.
 #pragma once
 
 #include <headway/core/error.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Files of a replay's map.
 #pragma once
 
 #include <headway/core/object_class.h>

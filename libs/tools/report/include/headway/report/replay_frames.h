@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A finished replay frame by frame, with its truth and recorded images.
 #pragma once
 
 #include <headway/core/track.h>

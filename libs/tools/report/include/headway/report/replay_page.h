@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The interactive page of a replay.
 #pragma once
 
 #include <headway/core/pose.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The report of a replay as one HTML page.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Annotated pictures of a map.
 #pragma once
 
 #include <headway/core/stereo_camera.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A simulated rawlog and its truth on disk.
 #pragma once
 
 #include <headway/sim/simulator.h>

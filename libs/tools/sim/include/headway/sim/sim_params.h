@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Everything that a world's .ini says.
 #pragma once
 
 #include <headway/core/params.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A world in motion and the frames that a rig takes of it.
 #pragma once
 
 #include <headway/core/detection.h>
