@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Recording of live observations to a rawlog, in a thread of its own.
 #include <headway/core/error.h>
 #include <headway/core/output_file.h>
 #include <headway/drivers/observation_recorder.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The drivers of all sensors of a robot, each in its own thread and started again if it fails.
 #include <headway/core/error.h>
 #include <headway/drivers/sensor_group.h>
 #include <headway/io/detection_observation.h>

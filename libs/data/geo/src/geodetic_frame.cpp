@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Local frames on the earth (WGS 84).
 #include <headway/geo/geodetic_frame.h>
 #include <mrpt/topography/conversions.h>
 
@@ -34,14 +35,13 @@ GeodeticPosition GeodeticFrame::positionOf(const Eigen::Vector3d& enu) const {
 /// MRPT's inverse deviates by up to 3 m; its forward conversion is exact, and corrects it.
 GeodeticPosition GeodeticFrame::refined(GeodeticPosition position,
                                         const Eigen::Vector3d& enu) const {
-  constexpr double kRadius = 6378137.0;  // [m]
-  constexpr double kRadian = 180.0 / M_PI;
+  const double radius = mrpt::topography::TEllipsoid::Ellipsoid_WGS84().sa;  // [m]
   constexpr int kIterations = 4;  // each leaves a hundredth of the error
   for (int i = 0; i < kIterations; ++i) {
     const Eigen::Vector3d error = enu - enuOf(position);
-    const double parallel = std::max(std::cos(position.latitude_deg / kRadian), 1e-6);
-    position.latitude_deg += kRadian * error.y() / kRadius;
-    position.longitude_deg += kRadian * error.x() / (kRadius * parallel);
+    const double parallel = std::max(std::cos(position.latitude_deg * kDegree), 1e-6);
+    position.latitude_deg += error.y() / (kDegree * radius);
+    position.longitude_deg += error.x() / (kDegree * radius * parallel);
     position.altitude_m += error.z();
   }
   return position;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Lines of positions as GeoJSON.
 #include <headway/geo/geojson.h>
 
 #include <cstdio>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Recording of live observations to a rawlog, in a thread of its own.
 #pragma once
 
 #include <mrpt/obs/CObservation.h>

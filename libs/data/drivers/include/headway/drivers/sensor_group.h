@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The drivers of all sensors of a robot, each in its own thread and started again if it fails.
 #pragma once
 
 #include <mrpt/config/CConfigFileBase.h>

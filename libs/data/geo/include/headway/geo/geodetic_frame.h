@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Local frames on the earth (WGS 84).
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 
 namespace headway::geo {
+
+inline constexpr double kDegree = M_PI / 180.0;  ///< [rad]
 
 /// A position on WGS 84.
 struct GeodeticPosition {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Lines of positions as GeoJSON.
 #pragma once
 
 #include <headway/core/pose.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Place of a map on the earth by the fixes of a satellite receiver, of which half may be wrong.
 #pragma once
 
 #include <headway/core/recorded_frame.h>
@@ -42,13 +43,23 @@ struct NoGeoreference {
   std::string reason;
 };
 
+/// When a map can be placed, and what is assumed of receivers.
+struct GeoreferenceParams {
+  std::size_t min_fixes = 10;          ///< at times with a pose; fewer may agree by chance
+  double min_extent_m = 5.0;           ///< of the way, about the error of a receiver [m]
+  double max_heading_sigma_deg = 5.0;  ///< of a heading that is reported
+  double tilt_sigma_deg = 2.0;         ///< of the map's own level
+  double up_over_horizontal = 1.7;     ///< standard deviation of altitudes; of most receivers
+  double min_sigma_m = 0.1;            ///< of a position: the map is not more accurate [m]
+};
+
 /// Places a map on the earth by heading and position; its scale is kept.
 ///
 /// Heading and horizontal position are those on which most fixes agree (consensus of pairs by the
 /// least median of squares), then the weighted mean over all fixes that agree with them within
 /// three standard deviations, the receiver's or the observed spread, whichever is greater. Up to
 /// half of the fixes may be wrong. Height and tilt follow from the altitudes, the tilt with the
-/// map's own level as a prior of 2 degrees: it changes where the altitudes say so over a long way,
+/// map's own level as a prior: it changes where the altitudes say so over a long way,
 /// and stays where they do not. The covariance includes the observed spread and the correlation of
 /// errors that follow each other.
 ///
@@ -57,6 +68,6 @@ struct NoGeoreference {
 ///               degrees, fixes that contradict the map
 /// @see          Rousseeuw & Leroy 1987, "Robust regression and outlier detection", ch. 5
 [[nodiscard]] std::variant<Georeference, NoGeoreference> georeference(
-    const std::vector<FixOnMap>& fixes);
+    const std::vector<FixOnMap>& fixes, const GeoreferenceParams& params = {});
 
 }  // namespace headway::geo

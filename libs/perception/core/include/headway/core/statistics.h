@@ -16,6 +16,9 @@ namespace headway {
 /// none.
 [[nodiscard]] double median(std::vector<double> samples);
 
+/// Standard deviation over the median of absolute deviations, of a normal distribution.
+inline constexpr double kSigmaOfMedian = 1.4826;
+
 /// Distribution of positive samples in bounded memory: bins whose limits have a ratio of 1.01.
 ///
 /// Count, sum and maximum are exact. A percentile is the mean of the samples in its bin, so it
