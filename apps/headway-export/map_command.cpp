@@ -4,7 +4,7 @@
 #include <headway/core/error.h>
 #include <headway/core/text.h>
 #include <headway/map/map_crop.h>
-#include <headway/map/map_files.h>
+#include <headway/map/map_export.h>
 #include <headway/program/command_line.h>
 #include <headway/program/output_folder.h>
 

@@ -7,7 +7,7 @@
 #include <headway/core/text.h>
 #include <headway/core/version.h>
 #include <headway/io/rawlog_source.h>
-#include <headway/map/map_files.h>
+#include <headway/map/map_export.h>
 #include <headway/program/progress.h>
 #include <headway/scene/snapshot.h>
 

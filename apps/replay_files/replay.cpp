@@ -6,8 +6,8 @@
 #include <headway/core/worker_thread.h>
 #include <headway/io/calibration_file.h>
 #include <headway/io/track_file.h>
+#include <headway/map/map_export.h>
 #include <headway/map/map_file.h>
-#include <headway/map/map_files.h>
 #include <headway/program/picture_files.h>
 #include <headway/program/truth_report.h>
 #include <headway/report/replay_page.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
+#include <headway/core/compression.h>
 #include <headway/core/error.h>
 #include <headway/core/version.h>
 #include <headway/map/map_file.h>
@@ -12,7 +13,6 @@
 #include "checked_file.h"
 #include "equality.h"
 #include "example_world.h"
-#include "zlib_stream.h"
 
 namespace headway::map {
 namespace {

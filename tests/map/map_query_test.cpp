@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <headway/map/contact_probability.h>
 #include <headway/map/map_query.h>
-#include <headway/map/path_sample.h>
 #include <headway/map/static_grid.h>
 #include <headway_test/input_error.h>
 #include <headway_test/walking_track.h>

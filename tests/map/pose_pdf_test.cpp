@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose_pdf.h"
-
 #include <gtest/gtest.h>
 #include <headway/core/mrpt_pose.h>
+#include <headway/map/map_export.h>
 
 namespace headway::map {
 namespace {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
+#include <headway/map/map_export.h>
 #include <headway/map/static_grid.h>
 #include <headway_test/folders.h>
 #include <headway_test/input_error.h>

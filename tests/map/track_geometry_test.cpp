@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
-#include <headway/map/ribbon.h>
 #include <headway/map/track_geometry.h>
 #include <mrpt/opengl/CSetOfTriangles.h>
 

@@ -4,7 +4,6 @@
 #include <headway/io/calibration_file.h>
 #include <headway/map/map_export.h>
 #include <headway/map/map_file.h>
-#include <headway/map/static_grid.h>
 #include <headway/program/picture_files.h>
 #include <headway/report/report.h>
 #include <headway/scene/snapshot.h>

@@ -36,6 +36,15 @@ Pose normalized(const Pose& pose) {
   return result;
 }
 
+bool isRotation(const Eigen::Matrix3d& matrix, double tolerance) {
+  return matrix.allFinite() && (matrix * matrix.transpose()).isIdentity(tolerance) &&
+         matrix.determinant() > 0.0;
+}
+
+bool isRigid(const Pose& pose, double max_distance_m) {
+  return pose.translation().cwiseAbs().maxCoeff() <= max_distance_m && isRotation(pose.linear());
+}
+
 double yawOf(const Pose& pose) { return std::atan2(pose.linear()(1, 0), pose.linear()(0, 0)); }
 
 double wrapAngle(double angle) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Poses of scans that follow the nearest keyframe when the map is corrected.
 #include <headway/map/anchored_pose.h>
 #include <mrpt/core/exceptions.h>
 
@@ -11,15 +12,6 @@ namespace headway::map {
 namespace {
 
 constexpr double kHeadingStep = M_PI / 12.0;  ///< between directions whose scans are kept [rad]
-constexpr double kMaxPositionM = 1e7;         ///< in a map, which may be a UTM zone's
-constexpr double kMaxRotationError = 1e-3;
-
-/// Whether it is a rigid motion within a map.
-bool isPlausible(const Pose& pose) {
-  const Eigen::Matrix3d turn = pose.linear();
-  return pose.matrix().allFinite() && pose.translation().cwiseAbs().maxCoeff() < kMaxPositionM &&
-         (turn * turn.transpose()).isIdentity(kMaxRotationError) && turn.determinant() > 0.0;
-}
 
 }  // namespace
 
@@ -43,7 +35,8 @@ AnchoredPose readAnchoredPose(ByteReader& in) {
   pose.T_map_robot = readPose(in);
   pose.anchor.value = in.value<std::int64_t>();
   pose.T_anchor_robot = readPose(in);
-  if (!isPlausible(pose.T_map_robot) || !isPlausible(pose.T_anchor_robot)) {
+  if (!isRigid(pose.T_map_robot, kMaxMapCoordinate_m) ||
+      !isRigid(pose.T_anchor_robot, kMaxMapCoordinate_m)) {
     throw InputError("damaged: one has no pose");
   }
   return pose;

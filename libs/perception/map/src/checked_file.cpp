@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The container of map files: named sections, compressed, with checksums, replaced as a whole.
 #include "checked_file.h"
 
 #include <headway/core/byte_archive.h>
+#include <headway/core/compression.h>
 #include <headway/core/error.h>
 #include <headway/core/output_file.h>
 
@@ -9,17 +11,15 @@
 #include <fstream>
 #include <utility>
 
-#include "zlib_stream.h"
-
 namespace headway::map {
 namespace {
 
 constexpr std::string_view kMagic("HEADWAY\x1a", 8);
 constexpr std::uint32_t kFormatVersion = 2;
 constexpr std::size_t kHeaderSize = 8 + 4 + 8 + 8 + 4 + 4;
-constexpr std::uint64_t kLargestCompression = 1100;  ///< zlib's is 1032
+constexpr std::uint64_t kMaxCompression = 1100;  // zlib's is 1032
 
-std::string headerOf(const ZlibWriter& data) {
+std::string headerOf(const Compressor& data) {
   ByteWriter header;
   header.bytes = kMagic;
   header.value(kFormatVersion);
@@ -30,7 +30,7 @@ std::string headerOf(const ZlibWriter& data) {
   return std::move(header.bytes);
 }
 
-void writeSection(ZlibWriter& out, const SectionSource& section) {
+void writeSection(Compressor& out, const SectionSource& section) {
   std::size_t size = 0;
   section.bytes([&size](std::string_view piece) { size += piece.size(); });
   ByteWriter head;
@@ -45,23 +45,44 @@ void writeSection(ZlibWriter& out, const SectionSource& section) {
 /// Header and data; the header is written last, when the sizes are known.
 void writeSections(std::ostream& file, const std::vector<SectionSource>& sections) {
   file << std::string(kHeaderSize, '\0');
-  ZlibWriter data(file);
+  Compressor data(file, Compression::kZlib);
   for (const auto& section : sections) writeSection(data, section);
   data.finish();
   file.seekp(0);
   file << headerOf(data);
 }
 
-template <typename T>
-T readValue(ZlibReader& in) {
-  return ByteReader(in.take(sizeof(T))).value<T>();
-}
+/// Decompressed data of a stated size.
+class Contents {
+ public:
+  Contents(std::string_view packed, std::uint64_t size)
+      : data_(decompressorOf(packed, Compression::kZlib)), left_(size) {}
 
-Section nextSection(ZlibReader& in) {
+  [[nodiscard]] bool atEnd() const { return left_ == 0; }
+  std::string take(std::uint64_t size) {
+    if (size > left_) throw InputError("damaged: the data end early");
+    std::string bytes(size, '\0');
+    if (data_->read(bytes.data(), size) < size) {
+      throw InputError("damaged: cannot be decompressed to the size that its header states");
+    }
+    left_ -= size;
+    return bytes;
+  }
+  template <typename T>
+  T value() {
+    return ByteReader(take(sizeof(T))).value<T>();
+  }
+
+ private:
+  std::unique_ptr<Decompressor> data_;
+  std::uint64_t left_;
+};
+
+Section nextSection(Contents& in) {
   Section section;
-  section.name = in.take(readValue<std::uint32_t>(in));
-  section.version = readValue<std::uint32_t>(in);
-  section.bytes = in.take(readValue<std::uint64_t>(in));
+  section.name = in.take(in.value<std::uint32_t>());
+  section.version = in.value<std::uint32_t>();
+  section.bytes = in.take(in.value<std::uint64_t>());
   return section;
 }
 
@@ -137,12 +158,12 @@ std::vector<Section> readCheckedFile(const std::string& path) {
                      std::to_string(header.packed_size) + " bytes are there");
   }
   if (packed.size() > header.packed_size ||
-      header.plain_size > kLargestCompression * (header.packed_size + 1) ||
+      header.plain_size > kMaxCompression * (header.packed_size + 1) ||
       checksum(packed) != header.packed_checksum) {
     throw InputError("damaged: its checksum does not match");
   }
   std::vector<Section> sections;
-  for (ZlibReader in(packed, header.plain_size); !in.atEnd();) sections.push_back(nextSection(in));
+  for (Contents in(packed, header.plain_size); !in.atEnd();) sections.push_back(nextSection(in));
   return sections;
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The container of map files: named sections, compressed, with checksums, replaced as a whole.
 #pragma once
 
 #include <headway/core/byte_archive.h>

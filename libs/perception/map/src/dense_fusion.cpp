@@ -1,26 +1,76 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Fusion of the depth scans of a tile to at most one point a voxel.
 #include "dense_fusion.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "scan_view.h"
-#include "voxel_index.h"
 
 namespace headway::map {
 namespace {
 
+/// Numbers voxels of a tile in the order in which they are first seen: an open hash table, because
+/// millions are looked up and std::unordered_map takes several times as long.
+class VoxelIndex {
+ public:
+  static constexpr std::uint32_t kNone = 0xffffffffU;
+
+  VoxelIndex() : slots_(1U << (32U - kFirstShift)) {}
+
+  /// The number of a voxel, given if it has none.
+  std::uint32_t numberOf(std::uint32_t key) {
+    Slot& slot = slots_[find(key)];
+    if (slot.number != kNone) return slot.number;
+    const auto number = static_cast<std::uint32_t>(keys_.size());
+    slot = {key, number};
+    keys_.push_back(key);
+    if (2 * keys_.size() > slots_.size()) grow();
+    return number;
+  }
+
+  /// The number of a voxel, kNone if it has none.
+  [[nodiscard]] std::uint32_t at(std::uint32_t key) const { return slots_[find(key)].number; }
+
+  /// Keys by number.
+  [[nodiscard]] const std::vector<std::uint32_t>& keys() const { return keys_; }
+
+ private:
+  struct Slot {
+    std::uint32_t key = 0;
+    std::uint32_t number = kNone;
+  };
+  [[nodiscard]] std::size_t find(std::uint32_t key) const {
+    std::size_t at = (key * 0x9e3779b1U) >> shift_;  // Knuth's multiplicative hash
+    while (slots_[at].number != kNone && slots_[at].key != key) at = (at + 1) & (slots_.size() - 1);
+    return at;
+  }
+  void grow() {
+    slots_.assign(2 * slots_.size(), {});
+    --shift_;
+    for (std::uint32_t number = 0; number < keys_.size(); ++number) {
+      slots_[find(keys_[number])] = {keys_[number], number};
+    }
+  }
+
+  static constexpr std::uint32_t kFirstShift = 20;
+
+  std::uint32_t shift_ = kFirstShift;  ///< 32 less the binary logarithm of the number of slots
+  std::vector<Slot> slots_;
+  std::vector<std::uint32_t> keys_;
+};
+
 constexpr int kMarginVoxels = 4;  // round a tile, whose candidates may be moved into it
 constexpr int kMaxEvidence = 4;   // of a voxel: so many scans that see through it remove it
 constexpr int kMinEvidence = -3;
-constexpr int kEnoughEvidence = 2;
-constexpr int kMinNeighbours = 2;     // of a point, in the 26 voxels round it
-constexpr float kSigmas = 3.0F;       // of depths that agree
-constexpr float kPoseSigma = 0.25F;   // of the surface by poses and sampling [voxels]
-constexpr float kSlackVoxels = 0.5F;  // of depths that agree
+constexpr int kMinNeighbours = 2;    // of a point, in the 26 voxels round it
+constexpr float kPoseSigma = 0.25F;  // of the surface by poses and sampling [voxels]
 
-using Colour = Eigen::Vector3f;
+using Rgb = Eigen::Vector3f;
 
 /// Voxels of a tile and its margin as 32-bit keys: 9 bits for x and y, 14 for z.
 class VoxelKeys {
@@ -69,9 +119,9 @@ class VoxelKeys {
 struct Sum {
   float weight = 0.0F;
   Eigen::Vector3f point = Eigen::Vector3f::Zero();
-  Colour colour = Colour::Zero();
+  Rgb colour = Rgb::Zero();
 
-  void add(const Eigen::Vector3f& p, const Colour& c, float w) {
+  void add(const Eigen::Vector3f& p, const Rgb& c, float w) {
     weight += w;
     point += w * p;
     colour += w * c;
@@ -81,7 +131,7 @@ struct Sum {
 /// A voxel that scans hit.
 struct Candidate {
   Eigen::Vector3f point;
-  Colour colour;
+  Rgb colour;
   float variance;  ///< of the most precise hit, along its ray [m^2]
   int evidence = 0;
   bool was_seen_through = false;
@@ -116,7 +166,7 @@ class TileFusion {
     std::vector<float> variances;
     for (const auto& view : views_) {
       view.forEachSurfacePoint(
-          voxel_, [&](const Eigen::Vector3f& point, const Colour& colour, float variance) {
+          voxel_, [&](const Eigen::Vector3f& point, const Rgb& colour, float variance) {
             const auto key = keys_.keyOf(point, kMarginVoxels);
             if (!key) return;
             const std::uint32_t number = index.numberOf(*key);
@@ -140,7 +190,7 @@ class TileFusion {
     if (!look) return;
     const float further = look->measured - look->depth;
     const float tolerance =
-        kSigmas * std::sqrt(look->variance + candidate.variance) + kSlackVoxels * voxel_;
+        kDepthSigmas * std::sqrt(look->variance + candidate.variance) + 0.5F * voxel_;
     if (std::abs(further) <= tolerance) {
       const float weight = weightOf(look->variance);
       candidate.evidence = std::min(candidate.evidence + 1, kMaxEvidence);
@@ -155,7 +205,7 @@ class TileFusion {
 
   /// Whether two scans agree and no later ones see through it; one is enough if none ever did.
   [[nodiscard]] static bool isSurface(const Candidate& candidate) {
-    return candidate.evidence >= (candidate.was_seen_through ? kEnoughEvidence : 1);
+    return candidate.evidence >= (candidate.was_seen_through ? 2 : 1);
   }
 
   [[nodiscard]] DenseTile points() const {
@@ -178,7 +228,7 @@ class TileFusion {
       });
       if (neighbours < kMinNeighbours) continue;
       tile.positions.emplace_back(sums[i].point / sums[i].weight);
-      const Colour colour = sums[i].colour / sums[i].weight;
+      const Rgb colour = sums[i].colour / sums[i].weight;
       const auto byte = [](float value) {
         return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0F, 255.0F)));
       };
@@ -204,7 +254,7 @@ Eigen::AlignedBox3d boundsOf(const DepthScan& scan) {
   Eigen::AlignedBox3f bounds;
   ScanView(scan, Pose::Identity(), {0.0, 0.0})
       .forEachPoint(
-          [&](const Eigen::Vector3f& point, const Colour&, float) { bounds.extend(point); });
+          [&](const Eigen::Vector3f& point, const Rgb&, float) { bounds.extend(point); });
   return bounds.cast<double>();
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Fusion of the depth scans of a tile to at most one point a voxel.
 #pragma once
 
 #include <headway/core/scan.h>

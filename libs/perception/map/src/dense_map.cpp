@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The dense coloured map: which depth scans are stored, and which tiles are fused anew.
 #include <headway/core/error.h>
 #include <headway/map/dense_map.h>
 #include <mrpt/core/exceptions.h>
@@ -8,16 +9,15 @@
 #include <utility>
 
 #include "dense_fusion.h"
-#include "depth_scan_bytes.h"
-#include "depth_scan_crop.h"
+#include "scan_view.h"
+#include "stored_values.h"
 
 namespace headway::map {
 namespace {
 
 using mrpt::maps::CColouredPointsMap;
 
-constexpr std::uint8_t kDenseVersion = 2;
-constexpr std::uint8_t kVersionWithoutTimes = 1;
+constexpr std::uint8_t kDenseVersion = 2;   // 1 is without times
 constexpr double kDenseMovedVoxels = 0.25;  ///< a scan moved less stays where it was
 constexpr double kDenseTurned = 0.002;      ///< [rad]
 constexpr double kMinVoxelM = 0.005;
@@ -258,7 +258,7 @@ void DenseMap::load(const std::string& bytes) {
 DenseMap DenseMap::loaded(const std::string& bytes) const {
   ByteReader in(bytes);
   const auto version = in.value<std::uint8_t>();
-  if (version != kDenseVersion && version != kVersionWithoutTimes) {
+  if (version != kDenseVersion && version != 1) {
     throw InputError("they are of another version");
   }
   const auto stored_voxel_m = in.finiteValue<double>();

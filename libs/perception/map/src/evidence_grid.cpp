@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Evidence of ground scans in the cells of the occupancy grid, and the grid's growth and
+// publication.
 #include "evidence_grid.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "evidence_window.h"
-
 namespace headway::map {
+
 namespace {
 
 using mrpt::maps::COccupancyGridMap2D;
@@ -18,6 +20,153 @@ constexpr std::int32_t kMaxCellEvidence = 72;  // limit of a cell's output
 constexpr int kMarginCells = 64;               // minimum growth of the grid
 constexpr int kMaxReserve = 512;               // growth of the arrays beyond that
 constexpr std::size_t kMaxPublished = 8;       // maps to be published again
+
+constexpr double kEvidenceUnit = 16.0;         // a unit of log-odds, as in MRPT's cells
+constexpr double kHit = 0.85, kMinHit = 0.25;  // log-odds of a near obstacle, and of a distant one,
+                                               // whose cell is uncertain
+constexpr std::int8_t kFreeHit =
+    6;  // evidence of free ground: three scans outweigh a near obstacle
+
+std::int8_t evidenceOf(double log_odds) {
+  return static_cast<std::int8_t>(std::lround(kEvidenceUnit * log_odds));
+}
+
+Eigen::Vector2d placeOf(const Eigen::Vector3f& place, const Pose& T_map_robot) {
+  return (T_map_robot * place.cast<double>()).head<2>();
+}
+
+}  // namespace
+
+/// Evidence of one scan for the cells around it: here a cell becomes free or occupied.
+class EvidenceGrid::Window {
+ public:
+  /// @param scan  must outlive the window
+  Window(const GroundScan& scan, const Pose& T_map_robot, const RobotFootprint& footprint,
+         double resolution)
+      : resolution_(resolution), scan_(scan) {
+    addPlacesUnder(footprint, T_map_robot);
+    free_ = segments(scan.free, T_map_robot);
+    passed_ = segments(scan.laser_passed, T_map_robot);
+    obstacles_ = feet(scan.obstacles, T_map_robot);
+    laser_obstacles_ = feet(scan.laser_obstacles, T_map_robot);
+  }
+
+  [[nodiscard]] bool isFinite() const { return bounds_.sizes().allFinite(); }
+  /// Whether the cells can be counted, and sums of their numbers.
+  [[nodiscard]] bool fits() const {
+    const Eigen::Array2d sides = bounds_.sizes() / resolution_;
+    const double farthest =
+        std::max(bounds_.min().cwiseAbs().maxCoeff(), bounds_.max().cwiseAbs().maxCoeff());
+    return farthest < std::numeric_limits<int>::max() / 8 * resolution_ &&
+           (sides + 1.0).prod() <= kMaxCells;
+  }
+  [[nodiscard]] Area area() const {
+    Area area;
+    area.left = cellOf(bounds_.min().x());
+    area.bottom = cellOf(bounds_.min().y());
+    area.columns = cellOf(bounds_.max().x()) - area.left + 1;
+    area.rows = cellOf(bounds_.max().y()) - area.bottom + 1;
+    return area;
+  }
+
+  /// Sets the evidence. The window must fit.
+  void fill() {
+    area_ = area();
+    evidence.assign(static_cast<std::size_t>(area_.columns) * static_cast<std::size_t>(area_.rows),
+                    0);
+    enterFree(free_, evidence);
+    for (const auto& place : under_) evidence[at(place)] = -kFreeHit;
+    for (std::size_t i = 0; i < obstacles_.size(); ++i) hit(obstacles_[i], scan_.obstacles[i]);
+    if (!scan_.hasLaser()) return;
+    laser.assign(evidence.size(), 0);
+    enterFree(passed_, laser);
+    for (const auto& foot : laser_obstacles_) {
+      laser[at(foot)] = evidenceOf(kHit);
+      evidence[at(foot)] = std::max<std::int8_t>(evidence[at(foot)], 0);
+    }
+  }
+
+  std::vector<std::int8_t> evidence;  ///< row by row
+  std::vector<std::int8_t> laser;     ///< empty without laser
+
+ private:
+  using Segment = std::pair<Eigen::Vector2d, Eigen::Vector2d>;
+
+  std::vector<Segment> segments(const std::vector<GroundScan::Free>& pieces,
+                                const Pose& T_map_robot) {
+    std::vector<Segment> result;
+    result.reserve(pieces.size());
+    for (const auto& piece : pieces) {
+      result.push_back({placeOf(piece.from, T_map_robot), placeOf(piece.to, T_map_robot)});
+      bounds_.extend(result.back().first).extend(result.back().second);
+    }
+    return result;
+  }
+
+  std::vector<Eigen::Vector2d> feet(const std::vector<GroundScan::Obstacle>& obstacles,
+                                    const Pose& T_map_robot) {
+    std::vector<Eigen::Vector2d> result;
+    result.reserve(obstacles.size());
+    for (const auto& obstacle : obstacles) {
+      result.push_back(placeOf(obstacle.foot, T_map_robot));
+      bounds_.extend(result.back());
+    }
+    return result;
+  }
+
+  /// Positions in every cell that the footprint meets; it is enlarged by half a cell for those that
+  /// it only touches.
+  void addPlacesUnder(const RobotFootprint& footprint, const Pose& T_map_robot) {
+    if (footprint.empty()) return;
+    const double step = resolution_ / 4;
+    const double half_length = 0.5 * (footprint.length_m + resolution_);
+    const double half_width = 0.5 * (footprint.width_m + resolution_);
+    for (double x = -half_length; x <= half_length; x += step) {
+      for (double y = -half_width; y <= half_width; y += step) {
+        under_.emplace_back((T_map_robot * Eigen::Vector3d(x, y, 0.0)).head<2>());
+        bounds_.extend(under_.back());
+      }
+    }
+  }
+
+  [[nodiscard]] int cellOf(double metres) const {
+    return static_cast<int>(std::floor(metres / resolution_));
+  }
+
+  /// Clamped, because positions between two ends may be rounded to a cell beyond them.
+  [[nodiscard]] std::size_t at(const Eigen::Vector2d& place) const {
+    const int column = std::clamp(cellOf(place.x()) - area_.left, 0, area_.columns - 1);
+    const int row = std::clamp(cellOf(place.y()) - area_.bottom, 0, area_.rows - 1);
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(area_.columns) +
+           static_cast<std::size_t>(column);
+  }
+
+  void enterFree(const std::vector<Segment>& pieces, std::vector<std::int8_t>& cells) const {
+    for (const auto& [from, to] : pieces) {
+      const int steps = static_cast<int>(std::ceil(2.0 * (to - from).norm() / resolution_));
+      for (int i = 0; i <= steps; ++i) {
+        cells[at(from + (steps == 0 ? 0.0 : static_cast<double>(i) / steps) * (to - from))] =
+            -kFreeHit;
+      }
+    }
+  }
+
+  void hit(const Eigen::Vector2d& foot, const GroundScan::Obstacle& obstacle) {
+    const double certainty = resolution_ / static_cast<double>(obstacle.sigma_m);
+    auto& cell = evidence[at(foot)];
+    cell = std::max(cell, evidenceOf(std::clamp(kHit * certainty, kMinHit, kHit)));
+  }
+
+  double resolution_;
+  const GroundScan& scan_;
+  Eigen::AlignedBox2d bounds_;  ///< of all that follows [m]
+  std::vector<Eigen::Vector2d> under_;
+  std::vector<Segment> free_, passed_;
+  std::vector<Eigen::Vector2d> obstacles_, laser_obstacles_;
+  Area area_;
+};
+
+namespace {
 
 /// MRPT's cell: log-odds of being free, limited to kMaxCellEvidence.
 COccupancyGridMap2D::cellType shownFor(std::int32_t evidence) {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Evidence of ground scans in the cells of the occupancy grid, and the grid's growth and
+// publication.
 #pragma once
 
 #include <headway/core/pose.h>

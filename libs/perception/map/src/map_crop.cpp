@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Cutting a stored map to a box.
 #include <headway/core/error.h>
 #include <headway/core/text.h>
 #include <headway/map/dense_map.h>

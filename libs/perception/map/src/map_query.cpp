@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <headway/map/contact_sum.h>
+// Questions about the map at present and future times: occupancy, obstacles, time to collision.
+#include <headway/map/contact_probability.h>
 #include <headway/map/map_query.h>
-#include <headway/map/path_sample.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -13,13 +13,11 @@ namespace {
 using Eigen::Vector2d;
 using mrpt::maps::COccupancyGridMap2D;
 
-constexpr double kPathStep_s = 0.05;
-constexpr double kClockTolerance_s = 1e-6;
-constexpr double kQuerySigmas = 5.0;
-constexpr double kVelocityStep_s = 0.1;
-constexpr double kMinHeadingSpeed = 0.2;  ///< min. speed at which a path defines the heading [m/s]
-constexpr double kLikely = 0.5;
-constexpr double kUnseenTolerance = 0.01;  ///< about 0.5: the cell has never been observed
+constexpr double kPathStep_s = 0.05;        // as the header states
+constexpr double kClockTolerance_s = 1e-6;  // of sums of doubles
+constexpr double kVelocityStep_s = 0.1;     // of differences
+constexpr double kMinHeadingSpeed = 0.2;    // [m/s], at which a path defines the heading
+constexpr double kUnseenTolerance = 0.01;   // about 0.5: the cell has never been observed
 
 bool isUsable(const Track& track) {
   return isShown(track) && track.position.allFinite() && track.size.allFinite();
@@ -64,7 +62,7 @@ std::vector<Obstacle> obstaclesOf(const std::vector<Track>& tracks, double horiz
 double contactProbability(const FootprintShape& footprint, const Vector2d& place, double yaw,
                           const Obstacle& obstacle) {
   const double reach = footprint.radius() + obstacle.shape.radius() +
-                       kQuerySigmas * std::sqrt(std::max(0.0, obstacle.covariance.trace()));
+                       kContactSigmas * std::sqrt(std::max(0.0, obstacle.covariance.trace()));
   const Vector2d offset = obstacle.centre - place;
   if (!(offset.norm() < reach)) return 0.0;
   return probabilityInside(contactRegion(footprint, yaw, obstacle.shape, obstacle.yaw), offset,
@@ -259,12 +257,12 @@ void MapQuery::checkPose(const TimedPose& pose, const FootprintShape& footprint,
   }
   const double moving = contacts.total();
   // Cells below 0.5 are noise of the grid, not obstacles.
-  const double blocked = under.occupied > kLikely ? under.occupied : 0.0;
+  const double blocked = under.occupied > 0.5 ? under.occupied : 0.0;
   const double probability = 1.0 - (1.0 - moving) * (1.0 - blocked);
   if (probability >= params_.min_contact_probability && !collision.earliest_s) {
     collision.earliest_s = from_now;
   }
-  if (probability >= kLikely && !collision.likely_s) collision.likely_s = from_now;
+  if (probability >= 0.5 && !collision.likely_s) collision.likely_s = from_now;
   if (probability <= collision.probability) return;
   collision.probability = probability;
   collision.worst_s = from_now;

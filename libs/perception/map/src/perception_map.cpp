@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The map as a snapshot of MRPT layers, static ones and moving objects.
 #include <headway/core/error.h>
 #include <headway/map/perception_map.h>
 #include <mrpt/config/CConfigFile.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The map as one thread publishes it and others read it.
 #include <headway/map/shared_map.h>
 
 namespace headway::map {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The occupancy grid as the sum of ground scans, of which one a place and direction is stored.
 #include <headway/core/error.h>
 #include <headway/map/static_grid.h>
 
@@ -7,19 +8,65 @@
 #include <utility>
 
 #include "evidence_grid.h"
-#include "ground_scan_crop.h"
 #include "stored_values.h"
 
 namespace headway::map {
 namespace {
 
-constexpr double kDrivenM = 5.0;   ///< farther apart, the way between scans is unknown
-constexpr double kSeenM = 30.0;    ///< round a place, about [m]
-constexpr double kMovedM = 0.05;   ///< a scan moved less stays where it was
-constexpr double kTurned = 0.003;  ///< [rad]
-// Versions of save(): a grid without laser scans is stored as before there were any.
-constexpr std::uint8_t kVersion = 2;
-constexpr std::uint8_t kLaserVersion = 3;
+/// The part of a segment of ground within a rectangle of the map; nullopt if there is none.
+///
+/// @see  Liang & Barsky 1984, "A new concept and method for line clipping"
+std::optional<GroundScan::Free> clipped(const GroundScan::Free& piece, const Pose& T_map_robot,
+                                        const Eigen::AlignedBox2d& area) {
+  const Eigen::Vector2d from = (T_map_robot * piece.from.cast<double>()).head<2>();
+  const Eigen::Vector2d way = (T_map_robot * piece.to.cast<double>()).head<2>() - from;
+  double first = 0.0;
+  double last = 1.0;
+  for (int axis = 0; axis < 2; ++axis) {
+    const double low = area.min()[axis] - from[axis];
+    const double high = area.max()[axis] - from[axis];
+    if (way[axis] == 0.0) {
+      if (low > 0.0 || high < 0.0) return std::nullopt;
+      continue;
+    }
+    first = std::max(first, std::min(low / way[axis], high / way[axis]));
+    last = std::min(last, std::max(low / way[axis], high / way[axis]));
+  }
+  if (first > last) return std::nullopt;
+  const Eigen::Vector3f along = piece.to - piece.from;
+  return GroundScan::Free{piece.from + static_cast<float>(first) * along,
+                          piece.from + static_cast<float>(last) * along};
+}
+
+/// What a scan contains within a rectangle of the map; segments are clipped.
+GroundScan cropped(const GroundScan& scan, const Pose& T_map_robot,
+                   const Eigen::AlignedBox2d& area) {
+  GroundScan inside;
+  const auto add_free = [&](const auto& from, auto& to) {
+    for (const auto& piece : from) {
+      if (const auto part = clipped(piece, T_map_robot, area)) to.push_back(*part);
+    }
+  };
+  const auto add_obstacles = [&](const auto& from, auto& to) {
+    for (const auto& obstacle : from) {
+      const Eigen::Vector2d foot =
+          (T_map_robot * obstacle.foot.template cast<double>()).template head<2>();
+      if (area.contains(foot)) to.push_back(obstacle);
+    }
+  };
+  add_free(scan.free, inside.free);
+  add_free(scan.laser_passed, inside.laser_passed);
+  add_obstacles(scan.obstacles, inside.obstacles);
+  add_obstacles(scan.laser_obstacles, inside.laser_obstacles);
+  return inside;
+}
+
+constexpr double kDrivenM = 5.0;  // farther apart, the way between scans is unknown
+constexpr double kSeenM = 30.0;   // of ground around a place, for a first estimate of the area
+// A scan that moved by less than a quarter of the usual cell stays where it was: at the distance of
+// most ground, 15 m, the angle is as much.
+constexpr double kMovedM = 0.05, kTurned = 0.003;
+constexpr std::uint8_t kVersion = 2;  // of save(); one more with laser scans
 
 }  // namespace
 
@@ -170,7 +217,7 @@ std::string StaticGrid::save() const {
   ByteWriter out;
   const bool with_laser = std::any_of(scans_.begin(), scans_.end(),
                                       [](const auto& item) { return item.second.scan.hasLaser(); });
-  out.value(with_laser ? kLaserVersion : kVersion);
+  out.value(static_cast<std::uint8_t>(kVersion + (with_laser ? 1 : 0)));
   out.count(scans_.size());
   for (const auto& [place, stored] : scans_) {
     out.values(place);
@@ -192,7 +239,7 @@ StaticGrid StaticGrid::loaded(const std::string& bytes) const {
   ByteReader in(bytes);
   StaticGrid loaded(params_);
   const auto version = in.value<std::uint8_t>();
-  if (version != kVersion && version != kLaserVersion) {
+  if (version != kVersion && version != kVersion + 1) {
     throw InputError("they are of another version");
   }
   const auto count = in.value<std::uint64_t>();
@@ -201,7 +248,7 @@ StaticGrid StaticGrid::loaded(const std::string& bytes) const {
     in.values(place);
     StoredScan& stored = loaded.scans_[place];
     stored.pose = readAnchoredPose(in);
-    stored.scan = readGroundScan(in, version == kLaserVersion);
+    stored.scan = readGroundScan(in, version > kVersion);
     loaded.enter(stored);
   }
   if (!in.atEnd()) throw InputError("damaged: there are data after their end");

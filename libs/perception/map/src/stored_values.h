@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Serialisation of poses, tracks, scans and views of the map in map files.
 #pragma once
 
 #include <headway/core/byte_archive.h>
@@ -23,5 +24,11 @@ void write(ByteWriter& out, const GroundScan& scan, bool with_laser);
 [[nodiscard]] StereoCamera readCamera(ByteReader& in);
 [[nodiscard]] slam::MapView readMapView(ByteReader& in);
 [[nodiscard]] GroundScan readGroundScan(ByteReader& in, bool with_laser);
+
+void write(ByteWriter& out, const DepthScan& scan);
+
+/// @throws InputError if the bytes end early, or contain an invalid camera or other numbers of
+///         depths and colours than known cells
+[[nodiscard]] DepthScan readDepthScan(ByteReader& in);
 
 }  // namespace headway::map

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Speed of the robot among moving objects.
-#include <headway/map/contact_sum.h>
-#include <headway/map/path_sample.h>
+#include <headway/map/contact_probability.h>
 #include <headway/nav/moving_obstacles.h>
 #include <headway/nav/speed_governor.h>
 

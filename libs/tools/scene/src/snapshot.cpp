@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Annotated pictures of a map.
-#include <headway/map/object_file.h>
+#include <headway/map/map_export.h>
 #include <headway/plot/colours.h>
 #include <headway/scene/snapshot.h>
 

@@ -4,7 +4,6 @@
 
 #include <headway/core/mrpt_pose.h>
 #include <headway/core/object_class.h>
-#include <headway/map/ribbon.h>
 #include <headway/map/track_geometry.h>
 #include <mrpt/maps/CColouredPointsMap.h>
 #include <mrpt/opengl/CGridPlaneXY.h>

@@ -46,6 +46,15 @@ inline constexpr double kFrameJitter_s = 1e-6;  ///< by which times of frames ar
 /// The pose with its rotation re-orthonormalised, against drift in long chains of products.
 [[nodiscard]] Pose normalized(const Pose& pose);
 
+/// Whether a matrix is a rotation; files have as few as four decimals.
+[[nodiscard]] bool isRotation(const Eigen::Matrix3d& matrix, double tolerance = 1e-3);
+
+/// Whether it is a rigid motion by less than a distance along each axis [m].
+[[nodiscard]] bool isRigid(const Pose& pose, double max_distance_m);
+
+/// Of a place in a map, whose coordinates may be those of a UTM zone [m].
+inline constexpr double kMaxMapCoordinate_m = 1e7;
+
 /// Yaw of a pose's x axis about the z axis of the frame it is given in [rad], in (-pi, pi].
 [[nodiscard]] double yawOf(const Pose& pose);
 

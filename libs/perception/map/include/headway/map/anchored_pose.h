@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Poses of scans that follow the nearest keyframe when the map is corrected.
 #pragma once
 
 #include <headway/core/byte_archive.h>

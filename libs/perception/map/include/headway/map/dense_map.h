@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The dense coloured map: which depth scans are stored, and which tiles are fused anew.
 #pragma once
 
 #include <headway/core/byte_archive.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Contents of the file map.headway.
 #pragma once
 
 #include <headway/core/byte_archive.h>

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Questions about the map at present and future times: occupancy, obstacles, time to collision.
 #pragma once
 
 #include <headway/core/params.h>
-#include <headway/map/footprint_shape.h>
+#include <headway/map/contact_probability.h>
 #include <headway/map/perception_map.h>
 
 #include <optional>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Moving objects as an MRPT metric map, and their 3D picture.
 #pragma once
 
 #include <headway/core/object_class.h>

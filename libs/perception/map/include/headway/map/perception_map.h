@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The map as a snapshot of MRPT layers, static ones and moving objects.
 #pragma once
 
 #include <headway/core/track.h>

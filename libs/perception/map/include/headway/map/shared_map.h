@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The map as one thread publishes it and others read it.
 #pragma once
 
 #include <headway/map/perception_map.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The occupancy grid as the sum of ground scans, of which one a place and direction is stored.
 #pragma once
 
 #include <headway/core/params.h>
@@ -130,10 +131,5 @@ class StaticGrid {
   std::optional<Pose> standing_;  ///< argument of the last standAt()
   std::optional<Pose> before_;    ///< the last pose at another place, in odometry
 };
-
-/// Writes `<prefix>.gridmap.gz` (MRPT), and `<prefix>.png` with `<prefix>.yaml` (map servers).
-///
-/// @throws InputError if a file cannot be written
-void writeStaticGrid(const std::string& prefix, const mrpt::maps::COccupancyGridMap2D& grid);
 
 }  // namespace headway::map

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Boxes, trails and predicted paths of tracks as geometry to draw.
 #pragma once
 
+#include <headway/core/object_class.h>
 #include <headway/core/track.h>
 
+#include <Eigen/Core>
 #include <array>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -41,5 +45,30 @@ inline constexpr std::array<std::pair<int, int>, 12> kBoxEdges = {{{0, 1},
 /// The dashes of a polyline: `dash` [m] drawn and `gap` [m] omitted alternately.
 [[nodiscard]] std::vector<std::vector<Eigen::Vector3d>> dashesOf(
     const std::vector<Eigen::Vector3d>& polyline, double dash, double gap);
+
+}  // namespace headway::map
+
+namespace mrpt::opengl {
+class CSetOfTriangles;
+}
+
+namespace headway::map {
+
+/// Opacity (0 to 255) at a fraction (0 to 1) of a ribbon's length.
+using Fade = std::function<double(double)>;
+
+/// Half the width of a ribbon at its points [m].
+using HalfWidths = std::vector<double>;
+
+/// Adds a horizontal band along a polyline, with its width in metres.
+///
+/// @param half_widths  one for each point; the band is mitred at bends
+/// @throws             nothing; fewer than two points add nothing
+void appendRibbon(const std::vector<Eigen::Vector3d>& polyline, const HalfWidths& half_widths,
+                  Colour colour, const Fade& opacity, mrpt::opengl::CSetOfTriangles& out);
+
+/// The same with one width [m] and one opacity (0 to 255).
+void appendRibbon(const std::vector<Eigen::Vector3d>& polyline, double width, Colour colour,
+                  double opacity, mrpt::opengl::CSetOfTriangles& out);
 
 }  // namespace headway::map

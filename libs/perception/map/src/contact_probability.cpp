@@ -1,26 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <headway/map/footprint_shape.h>
+// Probability of a contact between footprints, by the predicted paths of tracks and their
+// covariance.
+#include <headway/map/contact_probability.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace headway::map {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kNormals = 32;
-constexpr int kSlices = 32;
-constexpr double kReachSigmas = 5.0;
-constexpr double kMinVariance = 1e-4;  ///< [m^2]
+constexpr int kSteps = 32;  // of outlines and integrals, for the accuracies that the header states
+constexpr double kMinVariance = 1e-4;  // of 1 cm [m^2]
+constexpr auto kInfinity = std::numeric_limits<double>::infinity();
 
 double normalCdf(double value) { return 0.5 * std::erfc(-value / std::sqrt(2.0)); }
 
 /// Interval of a vertical line inside a convex polygon; empty if low > high.
 struct Chord {
-  double low = 1e300;
-  double high = -1e300;
+  double low = kInfinity;
+  double high = -kInfinity;
 };
 
 Chord chordAt(const std::vector<Vector2d>& polygon, double x) {
@@ -60,8 +62,8 @@ std::vector<Vector2d> contactRegion(const FootprintShape& a, double yaw_a, const
                                     double yaw_b) {
   const Eigen::Rotation2Dd turn_a(yaw_a), turn_b(yaw_b);
   std::vector<Vector2d> corners;
-  for (int i = 0; i < kNormals; ++i) {
-    const double angle = yaw_a + 2.0 * M_PI * (i + 0.5) / kNormals;
+  for (int i = 0; i < kSteps; ++i) {
+    const double angle = yaw_a + 2.0 * M_PI * (i + 0.5) / kSteps;
     const Vector2d normal(std::cos(angle), std::sin(angle));
     corners.push_back(turn_a * a.supportPoint(turn_a.inverse() * normal) +
                       turn_b * b.supportPoint(turn_b.inverse() * normal));
@@ -77,18 +79,18 @@ double probabilityInside(const std::vector<Vector2d>& polygon, const Vector2d& m
   const double slope = covariance(0, 1) / variance_x;
   const double sigma_y =
       std::sqrt(std::max(covariance(1, 1) - slope * covariance(0, 1), kMinVariance));
-  double left = 1e300, right = -1e300;
+  double left = kInfinity, right = -kInfinity;
   for (const auto& corner : polygon) {
     left = std::min(left, corner.x());
     right = std::max(right, corner.x());
   }
-  const double from = std::max(left, mean.x() - kReachSigmas * sigma_x);
-  const double to = std::min(right, mean.x() + kReachSigmas * sigma_x);
+  const double from = std::max(left, mean.x() - kContactSigmas * sigma_x);
+  const double to = std::min(right, mean.x() + kContactSigmas * sigma_x);
   if (!(from < to)) return 0.0;
   // Sum over slices along x; within a slice y given x is normally distributed.
-  const double step = (to - from) / kSlices;
+  const double step = (to - from) / kSteps;
   double sum = 0.0;
-  for (int i = 0; i < kSlices; ++i) {
+  for (int i = 0; i < kSteps; ++i) {
     const double x = from + (i + 0.5) * step;
     const Chord chord = chordAt(polygon, x);
     if (!(chord.low < chord.high)) continue;
@@ -101,6 +103,63 @@ double probabilityInside(const std::vector<Vector2d>& polygon, const Vector2d& m
     sum += weight * inside;
   }
   return std::clamp(sum, 0.0, 1.0);
+}
+
+namespace {
+
+struct Dated {
+  double horizon_s;
+  PathSample sample;
+};
+
+/// Number 0 is the track itself, number i the i-th point of the path.
+Dated pointOf(const Track& track, const PredictedPath& path, std::size_t i) {
+  if (i == 0) {
+    return {0.0, {track.position.head<2>(), track.position_covariance.topLeftCorner<2, 2>()}};
+  }
+  const auto& point = path.points[i - 1];
+  return {point.horizon_s, {point.position.head<2>(), point.covariance}};
+}
+
+}  // namespace
+
+PathSample samplePath(const Track& track, const PredictedPath& path, double horizon_s) {
+  const auto& points = path.points;
+  if (points.empty() || !(horizon_s > 0.0)) return pointOf(track, path, 0).sample;
+  const auto after =
+      std::lower_bound(points.begin(), points.end(), horizon_s,
+                       [](const PredictedPoint& p, double time) { return p.horizon_s < time; });
+  const bool beyond = after == points.end();
+  const auto next = static_cast<std::size_t>(after - points.begin()) + (beyond ? 0 : 1);
+  const Dated b = pointOf(track, path, next), a = pointOf(track, path, next - 1);
+  const double fraction = (horizon_s - a.horizon_s) / (b.horizon_s - a.horizon_s);
+  PathSample sample{a.sample.centre + fraction * (b.sample.centre - a.sample.centre),
+                    a.sample.covariance + fraction * (b.sample.covariance - a.sample.covariance)};
+  if (beyond) {
+    const double growth = horizon_s / b.horizon_s;
+    sample.covariance = growth * growth * b.sample.covariance;
+  }
+  return sample;
+}
+
+void ContactSum::add(TrackId track, double of_future, double of_contact) {
+  if (!current_ || *current_ != track) closeTrack();
+  current_ = track;
+  of_track_ += of_future * of_contact;
+}
+
+double ContactSum::total() {
+  closeTrack();
+  return 1.0 - none_;
+}
+
+void ContactSum::closeTrack() {
+  if (of_track_ > max_probability_) {
+    max_probability_ = of_track_;
+    most_probable_ = current_;
+  }
+  none_ *= 1.0 - std::min(1.0, of_track_);
+  of_track_ = 0.0;
 }
 
 }  // namespace headway::map
